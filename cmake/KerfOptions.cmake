@@ -1,0 +1,22 @@
+# One interface target carries the rules every Kerf target is compiled by.
+find_program(KERF_CCACHE ccache)
+if(KERF_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  # pch_defines,time_macros: without them ccache refuses to cache anything that uses a precompiled header.
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${KERF_CCACHE})
+endif()
+
+add_library(kerf_options INTERFACE)
+add_library(kerf::options ALIAS kerf_options)
+target_include_directories(kerf_options INTERFACE ${CMAKE_SOURCE_DIR})
+target_compile_features(kerf_options INTERFACE cxx_std_20)
+# -ffp-contract=off: the same input gives the same bits, whether or not the compiler likes fused multiply-add.
+target_compile_options(kerf_options INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wno-psabi -ffp-contract=off
+  $<$<BOOL:${KERF_WERROR}>:-Werror>)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  target_compile_options(kerf_options INTERFACE -fpch-preprocess)
+endif()
+if(KERF_SANITIZE)
+  target_compile_options(kerf_options INTERFACE -fsanitize=${KERF_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=undefined)
+  target_link_options(kerf_options INTERFACE -fsanitize=${KERF_SANITIZE})
+endif()

@@ -1,0 +1,41 @@
+// Small value types shared by every part of Kerf. Lengths in mm, angles in rad, right-handed frames.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <array>
+#include <cstdint>
+#include <limits>
+
+namespace kerf {
+
+using Vec3d = Eigen::Vector3d;
+using Vec3f = Eigen::Vector3f;
+using Vec3i = Eigen::Vector3i;
+using Rgba8 = std::array<std::uint8_t, 4>;
+
+/// Axis-aligned box, mm. Empty (min > max) until a point is added.
+struct Box3 {
+  Vec3d min = Vec3d::Constant(std::numeric_limits<double>::infinity());
+  Vec3d max = Vec3d::Constant(-std::numeric_limits<double>::infinity());
+
+  bool isEmpty() const { return !(min.array() <= max.array()).all(); }
+  void add(const Vec3d& p) { min = min.cwiseMin(p), max = max.cwiseMax(p); }
+  void add(const Box3& b) { min = min.cwiseMin(b.min), max = max.cwiseMax(b.max); }
+  void grow(double margin) { min.array() -= margin, max.array() += margin; }
+  bool contains(const Vec3d& p) const { return (p.array() >= min.array()).all() && (p.array() <= max.array()).all(); }
+  Vec3d size() const { return isEmpty() ? Vec3d(Vec3d::Zero()) : Vec3d(max - min); }
+  Vec3d center() const { return 0.5 * (min + max); }
+};
+
+/// Rigid pose: x_parent = rotation * x_child + translation. `T_object_tool` maps tool coordinates to the object's.
+struct Rigid3 {
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  ///< unit
+  Vec3d translation = Vec3d::Zero();                             ///< mm
+
+  Vec3d operator*(const Vec3d& p) const { return rotation * p + translation; }
+  Rigid3 operator*(const Rigid3& o) const { return {(rotation * o.rotation).normalized(), rotation * o.translation + translation}; }
+  Rigid3 inverse() const { return {rotation.conjugate(), -(rotation.conjugate() * translation)}; }
+};
+
+}  // namespace kerf
