@@ -8,7 +8,17 @@ namespace kerf {
 
 /// A failure a user can act on. Every field but `code` and `found` may be empty.
 struct Error {
-  enum class Code { kNotFound, kUnreadable, kBadFormat, kBadValue, kUnsupported, kEmpty, kGeometry, kWriteFailed, kCancelled };
+  enum class Code {
+    kNotFound,
+    kUnreadable,
+    kBadFormat,
+    kBadValue,
+    kUnsupported,
+    kEmpty,
+    kGeometry,
+    kWriteFailed,
+    kCancelled
+  };
   Code code = Code::kBadValue;
   std::string file;      ///< path as the user gave it
   std::string place;     ///< "line 12", "byte 84", "key tool.head_diameter", "triangle 17"
@@ -28,12 +38,12 @@ inline tl::unexpected<Error> fail(Error e) { return tl::unexpected<Error>(std::m
 }  // namespace kerf
 
 /// Returns the error of an Expected<> from the enclosing function, or goes on. The value stays in `var`.
-#define KERF_TRY(var, expression)                              \
-  auto var##_or_error = (expression);                          \
+#define KERF_TRY(var, expression)                                              \
+  auto var##_or_error = (expression);                                          \
   if (!var##_or_error) return ::kerf::fail(std::move(var##_or_error).error()); \
   auto& var = *var##_or_error
 /// The same for an Expected<void>.
-#define KERF_CHECK(expression)                                 \
-  do {                                                         \
+#define KERF_CHECK(expression)                                                                              \
+  do {                                                                                                      \
     if (auto kerf_check_ = (expression); !kerf_check_) return ::kerf::fail(std::move(kerf_check_).error()); \
   } while (false)

@@ -11,10 +11,10 @@ namespace kerf {
 
 using Triangle = std::array<std::uint32_t, 3>;  ///< vertex indices, counter-clockwise seen from outside
 
-/// Indexed triangle mesh. May be anything a file can hold (open, non-manifold, degenerate) unless a function says otherwise;
-/// indices are always in range and coordinates finite.
+/// Indexed triangle mesh. May be anything a file can hold (open, non-manifold, degenerate) unless a function says
+/// otherwise; indices are always in range and coordinates finite.
 struct Mesh {
-  std::vector<Vec3d> vertices;       ///< mm (a freshly read mesh: the file's own unit)
+  std::vector<Vec3d> vertices;  ///< mm (a freshly read mesh: the file's own unit)
   std::vector<Triangle> triangles;
   std::vector<Rgba8> vertex_colors;  ///< empty, or one per vertex
   std::vector<Rgba8> face_colors;    ///< empty, or one per triangle

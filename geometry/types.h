@@ -34,7 +34,9 @@ struct Rigid3 {
   Vec3d translation = Vec3d::Zero();                             ///< mm
 
   Vec3d operator*(const Vec3d& p) const { return rotation * p + translation; }
-  Rigid3 operator*(const Rigid3& o) const { return {(rotation * o.rotation).normalized(), rotation * o.translation + translation}; }
+  Rigid3 operator*(const Rigid3& o) const {
+    return {(rotation * o.rotation).normalized(), rotation * o.translation + translation};
+  }
   Rigid3 inverse() const { return {rotation.conjugate(), -(rotation.conjugate() * translation)}; }
 };
 

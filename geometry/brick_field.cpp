@@ -1,0 +1,65 @@
+#include "geometry/brick_field.h"
+
+#include <bit>
+#include <cassert>
+#include <cmath>
+
+namespace kerf {
+
+std::size_t BrickField::touch(const Vec3i& brick_coord) {
+  const auto [it, is_new] = index_.try_emplace(coordKey(brick_coord), 0);
+  if (!is_new && it->second >= 0) return static_cast<std::size_t>(it->second);
+  BrickValues& fresh = values_.emplace_back();
+  fresh.fill(!is_new && it->second == kInterior ? -background_ : background_);
+  coords_.push_back(brick_coord);
+  it->second = static_cast<std::int32_t>(coords_.size() - 1);
+  return coords_.size() - 1;
+}
+
+std::size_t BrickField::add(const Vec3i& brick_coord, std::span<const float, kBrickNodes> values) {
+  const auto [it, is_new] = index_.try_emplace(coordKey(brick_coord), static_cast<std::int32_t>(coords_.size()));
+  assert(is_new);
+  static_cast<void>(it), static_cast<void>(is_new);
+  coords_.push_back(brick_coord);
+  BrickValues& fresh = values_.emplace_back();
+  std::copy(values.begin(), values.end(), fresh.begin());
+  return coords_.size() - 1;
+}
+
+double BrickField::sample(const Vec3d& p) const {
+  const Vec3d g = p / voxel_;
+  const Vec3i n = g.array().floor().cast<int>();
+  const Vec3d f = g - n.cast<double>();
+  double sum = 0;
+  for (int c = 0; c < 8; ++c) {
+    const Vec3i d{c >> 2, (c >> 1) & 1, c & 1};
+    const double w = (d[0] ? f[0] : 1 - f[0]) * (d[1] ? f[1] : 1 - f[1]) * (d[2] ? f[2] : 1 - f[2]);
+    if (w != 0) sum += w * static_cast<double>(at(n + d));
+  }
+  return sum;
+}
+
+Box3 BrickField::bounds() const {
+  Box3 box;
+  for (const Vec3i& c : coords_) {
+    box.add(position(c * kBrickSide));
+    box.add(position((c * kBrickSide).array() + (kBrickSide - 1)));
+  }
+  return box;
+}
+
+std::uint64_t BrickField::stateHash() const {
+  const auto mix = [](std::uint64_t h, std::uint64_t v) {
+    h = (h ^ v) * 0x9e3779b97f4a7c15ull;
+    return h ^ (h >> 29);
+  };
+  std::uint64_t sum = mix(0x6b657266ull, std::bit_cast<std::uint64_t>(voxel_));
+  for (std::size_t b = 0; b < coords_.size(); ++b) {
+    std::uint64_t h = mix(0x627269636bull, coordKey(coords_[b]));
+    for (const float v : values_[b]) h = mix(h, std::bit_cast<std::uint32_t>(v));
+    sum += h;  // a sum does not care in which order the bricks came
+  }
+  return sum;
+}
+
+}  // namespace kerf
