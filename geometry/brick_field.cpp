@@ -10,7 +10,7 @@ std::size_t BrickField::touch(const Vec3i& brick_coord) {
   const auto [it, is_new] = index_.try_emplace(coordKey(brick_coord), 0);
   if (!is_new && it->second >= 0) return static_cast<std::size_t>(it->second);
   BrickValues& fresh = values_.emplace_back();
-  fresh.fill(!is_new && it->second == kInterior ? -background_ : background_);
+  fresh.fill(!is_new && it->second == kInterior ? interior_ : background_);
   coords_.push_back(brick_coord);
   it->second = static_cast<std::int32_t>(coords_.size() - 1);
   return coords_.size() - 1;

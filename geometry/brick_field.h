@@ -45,10 +45,14 @@ class BrickField {
  public:
   BrickField() = default;
   /// @param voxel  node spacing, mm, > 0.   @param background  value far outside, mm, > 0.
-  BrickField(double voxel, float background) : voxel_(voxel), background_(background) {}
+  /// @param interior  value deep inside, mm, < 0; minus the background unless given.
+  BrickField(double voxel, float background) : BrickField(voxel, background, -background) {}
+  BrickField(double voxel, float background, float interior)
+      : voxel_(voxel), background_(background), interior_(interior) {}
 
   double voxel() const { return voxel_; }
   float background() const { return background_; }
+  float interior() const { return interior_; }
   std::size_t brickCount() const { return coords_.size(); }
   bool isEmpty() const { return coords_.empty(); }
 
@@ -66,7 +70,7 @@ class BrickField {
   /// The constant that stands for a missing brick.
   float constantAt(const Vec3i& brick_coord) const {
     const auto it = index_.find(coordKey(brick_coord));
-    return it != index_.end() && it->second == kInterior ? -background_ : background_;
+    return it != index_.end() && it->second == kInterior ? interior_ : background_;
   }
   /// Value at a node: O(1), one hash look-up.
   float at(const Vec3i& node) const {
@@ -100,7 +104,7 @@ class BrickField {
     }
   };
   double voxel_ = 0;
-  float background_ = 0;
+  float background_ = 0, interior_ = 0;
   std::vector<Vec3i> coords_;
   std::vector<BrickValues> values_;
   std::unordered_map<std::uint64_t, std::int32_t, KeyHash> index_;

@@ -118,7 +118,7 @@ void gather(const BrickField& field, const Vec3i& brick, const MarchingCubesOpti
       }
   const auto snap = static_cast<float>(options.snap_voxels * field.voxel());
   const auto near = static_cast<float>(1.8 * field.voxel());  // no edge that crosses zero ends farther away
-  const float clamped = field.background();
+  const float clamped = std::min(field.background(), -field.interior());
   out = 0;
   for (int i = 0; i < kCellSpan; ++i)
     for (int j = 0; j < kCellSpan; ++j)

@@ -1,0 +1,75 @@
+// Closed mesh -> signed distance field, material labels and point shell, as OpenVDB grids ready for the case bundle.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "geometry/brick_field.h"
+#include "geometry/error.h"
+#include "geometry/mesh.h"
+#include "geometry/progress.h"
+
+namespace kerf {
+
+/// Tissue of a voxel. The number is what the material grid stores.
+enum class Material : int {
+  kNone = 0,
+  kEnamel,
+  kDentin,
+  kPulp,
+  kCaries,
+  kCortical,
+  kCancellous,
+  kNerveCanal,
+  kGingiva,
+  kGeneric
+};
+
+struct VoxelizeOptions {
+  double voxel_mm = 0.1;       ///< node spacing; below ~0.02 memory grows past what a lab computer has
+  double exterior_voxels = 3;  ///< band outside, in voxels: export needs 3
+  double interior_voxels = 4;  ///< band inside, at least; also at least interior_mm. A clamped band biases force
+  double interior_mm = 0.2;
+  Material material = Material::kGeneric;
+  std::uint64_t max_bytes = 6ull << 30;  ///< refuse, naming a voxel size that fits, when the estimate is above
+};
+
+struct AnatomyStats {
+  std::uint64_t active_voxels = 0, shell_points = 0, bytes = 0;
+  double volume_mm3 = 0;      ///< of {phi < 0}, by the smoothed step the ledger uses
+  double shell_area_mm2 = 0;  ///< sum of the shell's area weights
+};
+
+/// The baked grids `phi` (mm, negative inside), `material` and `shell`, held behind one pointer so that OpenVDB stays
+/// in the .cpp.
+class Anatomy {
+ public:
+  struct Grids;
+  explicit Anatomy(std::unique_ptr<Grids> grids);
+  Anatomy(Anatomy&&) noexcept;
+  Anatomy& operator=(Anatomy&&) noexcept;
+  ~Anatomy();
+
+  const AnatomyStats& stats() const;
+  /// Writes all grids into one .vdb file. Not atomic: meant for a staging folder.
+  Expected<void> write(const std::filesystem::path& path) const;
+
+ private:
+  std::unique_ptr<Grids> grids_;
+};
+
+/// Bytes the bake of this mesh will need at peak, from its area; good to a factor of 1.5.
+std::uint64_t estimateBakeBytes(double surface_area_mm2, const VoxelizeOptions& options);
+
+/// Narrow-band field by OpenVDB's meshToVolume, cavities included (each nesting level apart: the library fills voids
+/// that its flood fill cannot reach). The shell holds the nodes |phi| < 1.5 voxels with inward normal, area weight
+/// delta_e(phi) |grad phi| h^3 and material.
+/// @pre mesh closed, oriented, free of self-intersections; coordinates in mm.
+/// Parallel on all cores; the result does not depend on their number. Cancelled: nothing is left.
+Expected<Anatomy> voxelize(const Mesh& solid, const VoxelizeOptions& options, const Progress& progress = {});
+
+/// The bare library call on the same mesh with the same bands, for the benchmark's ratio. Returns seconds.
+Expected<double> timeBareMeshToVolume(const Mesh& solid, const VoxelizeOptions& options);
+
+}  // namespace kerf
