@@ -1,0 +1,140 @@
+#include "geometry/post_op_mesh.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include "geometry/exact/crossing_pairs.h"
+#include "geometry/removed_solid.h"
+#include "tests/geometry/sampled_field.h"
+
+namespace kerf {
+namespace {
+
+constexpr double kRadius = 3.0;
+
+// A ball of `rings` rings, vertices rounded to float32 as an imported scan's are.
+Mesh ballMesh(int rings) {
+  Mesh m;
+  const int around = 2 * rings;
+  const auto put = [&m](const Vec3d& p) { m.vertices.push_back(roundedToFloat32(p)); };
+  put({0, 0, kRadius});
+  for (int r = 1; r < rings; ++r)
+    for (int a = 0; a < around; ++a) {
+      const double u = std::numbers::pi * r / rings, v = 2 * std::numbers::pi * (a + 0.5 * (r % 2)) / around;
+      put(kRadius * Vec3d(std::sin(u) * std::cos(v), std::sin(u) * std::sin(v), std::cos(u)));
+    }
+  put({0, 0, -kRadius});
+  const auto at = [&](int r, int a) {
+    return static_cast<std::uint32_t>(1 + (r - 1) * around + (a + around) % around);
+  };
+  const auto last = static_cast<std::uint32_t>(m.vertices.size() - 1);
+  for (int a = 0; a < around; ++a) {
+    m.triangles.push_back({0, at(1, a), at(1, a + 1)});
+    for (int r = 1; r + 1 < rings; ++r) {
+      const int odd = r % 2;
+      m.triangles.push_back({at(r, a), at(r + 1, a + odd), at(r, a + 1)});
+      m.triangles.push_back({at(r, a + 1 - odd), at(r + 1, a), at(r + 1, a + 1)});
+    }
+    m.triangles.push_back({last, at(rings - 1, a + 1), at(rings - 1, a)});
+  }
+  return m;
+}
+
+struct CutBall {
+  Mesh source = ballMesh(48);
+  double h = 0.1, tool = 0.7;
+  Vec3d center{0.3, 0.2, 2.9};
+  BrickField rho;
+  CutBall() {
+    Box3 box;
+    box.add(Vec3d::Zero()), box.grow(kRadius);
+    const BrickField phi0 = sampled(h, box, [](const Vec3d& p) { return p.norm() - kRadius; });
+    const BrickField sweep = sampled(h, box, [&](const Vec3d& p) { return (p - center).norm() - tool; });
+    rho = removedFieldFromSweep(phi0, sweep);
+  }
+};
+
+TEST(PostOpMesh, FarVerticesAreTheSourcesOwnBitForBitAndInOrder) {
+  const CutBall c;
+  const auto out = postOperativeMesh(c.source, c.rho);
+  ASSERT_TRUE(out) << out.error().message();
+  std::size_t expected = 0, at = 0;
+  for (const Vec3d& p : c.source.vertices) {
+    if ((p - c.center).norm() <= c.tool + 2 * c.h) continue;
+    ++expected;
+    while (at < out->mesh.vertices.size() && out->mesh.vertices[at] != p) ++at;
+    ASSERT_LT(at, out->mesh.vertices.size()) << "a far vertex is missing or out of order";
+    EXPECT_TRUE(out->is_source[at]);
+  }
+  EXPECT_GT(expected, c.source.vertices.size() / 2);
+}
+
+TEST(PostOpMesh, ResultIsClosedFreeOfCrossingsAndRepresentableInFloat32) {
+  const CutBall c;
+  const auto out = postOperativeMesh(c.source, c.rho);
+  ASSERT_TRUE(out) << out.error().message();
+  expectClosedManifold(out->mesh);
+  EXPECT_TRUE(crossingPairs(out->mesh).empty());
+  for (const Vec3d& p : out->mesh.vertices) EXPECT_EQ(p, roundedToFloat32(p));
+  EXPECT_EQ(out->report.pieces, 1u);
+}
+
+TEST(PostOpMesh, RemovedVolumeIsTheLensOfTwoBalls) {
+  const CutBall c;
+  const auto out = postOperativeMesh(c.source, c.rho);
+  ASSERT_TRUE(out) << out.error().message();
+  const double R = kRadius, r = c.tool, d = c.center.norm();
+  const double lens = std::numbers::pi * std::pow(R + r - d, 2) *
+                      (d * d + 2 * d * r - 3 * r * r + 2 * d * R + 6 * r * R - 3 * R * R) / (12 * d);
+  EXPECT_NEAR(out->report.removed_volume_mm3 / lens, 1.0, 0.01);  // the source's own facets cost 0.3 %
+}
+
+TEST(PostOpMesh, ColoursStayOnTheSourceAndCutFacesHaveTheirOwn) {
+  CutBall c;
+  for (std::size_t v = 0; v < c.source.vertices.size(); ++v)
+    c.source.vertex_colors.push_back({static_cast<std::uint8_t>(v % 251), static_cast<std::uint8_t>(v / 251), 7, 255});
+  const auto out = postOperativeMesh(c.source, c.rho);
+  ASSERT_TRUE(out) << out.error().message();
+  std::size_t s = 0, walls = 0;
+  for (std::size_t v = 0; v < out->mesh.vertices.size(); ++v) {
+    if (!out->is_source[v]) {
+      walls += out->mesh.vertex_colors[v] == PostOpOptions{}.cut_color;
+      continue;
+    }
+    while (c.source.vertices[s] != out->mesh.vertices[v]) ++s;
+    EXPECT_EQ(out->mesh.vertex_colors[v], c.source.vertex_colors[s]);
+  }
+  EXPECT_GT(walls, 50u);
+}
+
+TEST(PostOpMesh, NoCutGivesTheSourceBack) {
+  const Mesh source = ballMesh(24);
+  const BrickField none(0.1, 0.4f);
+  const auto out = postOperativeMesh(source, none);
+  ASSERT_TRUE(out) << out.error().message();
+  EXPECT_EQ(out->mesh.vertices, source.vertices);
+  EXPECT_EQ(out->mesh.triangles, source.triangles);
+}
+
+TEST(PostOpMesh, TrianglesFarFromTheCutKeepTheirCornersAndOrder) {
+  const CutBall c;
+  const auto out = postOperativeMesh(c.source, c.rho);
+  ASSERT_TRUE(out) << out.error().message();
+  std::size_t at = 0, far = 0;
+  for (std::size_t t = 0; t < c.source.triangles.size(); ++t) {
+    if ((c.source.corner(t, 0) - c.center).norm() <= c.tool + 5 * c.h) continue;
+    ++far;
+    while (at < out->mesh.triangles.size() &&
+           !(out->mesh.corner(at, 0) == c.source.corner(t, 0) && out->mesh.corner(at, 1) == c.source.corner(t, 1) &&
+             out->mesh.corner(at, 2) == c.source.corner(t, 2)))
+      ++at;
+    ASSERT_LT(at, out->mesh.triangles.size()) << "triangle " << t << " is gone, turned or out of order";
+  }
+  EXPECT_GT(far, 1000u);
+}
+
+}  // namespace
+}  // namespace kerf
