@@ -9,10 +9,10 @@ std::span<const MeshFormatRow> meshFormats() {
   using namespace internal;
   // Asked in this order: the size of a binary STL is the surest sign, a line of words beginning with "v" the weakest.
   static constexpr MeshFormatRow kFormats[] = {
-      {"STL", ".stl", "triangles without colour or unit; binary and ASCII in, binary out", isStl, readStl, nullptr},
-      {"PLY", ".ply", "vertex and face colours, float or double; ASCII and binary in, binary out", isPly, readPly, nullptr},
-      {"OFF", ".off .coff .noff", "ASCII, vertex and face colours", isOff, readOff, nullptr},
-      {"OBJ", ".obj", "polygons, vertex colours; materials are not read", isObj, readObj, nullptr},
+      {"STL", ".stl", "triangles without colour or unit; binary and ASCII in, binary out", isStl, readStl, writeStl},
+      {"PLY", ".ply", "vertex and face colours, float or double; ASCII and binary in, binary out", isPly, readPly, writePly},
+      {"OFF", ".off .coff .noff", "ASCII, vertex and face colours", isOff, readOff, writeOff},
+      {"OBJ", ".obj", "polygons, vertex colours; materials are not read", isObj, readObj, writeObj},
   };
   return kFormats;
 }

@@ -128,7 +128,7 @@ class AsciiReader {
   Expected<void> keyword(std::string_view expected) {
     const std::string_view word = next();
     if (equalsIgnoringCase(word, expected)) return {};
-    return unexpected(word, "\"" + std::string(expected) + "\"");
+    return unexpected(word, inQuotes(expected));
   }
 
   Expected<void> readSolid() {
