@@ -1,0 +1,134 @@
+#include "geometry/case_bundle.h"
+
+#include <fmt/format.h>
+
+#include <fstream>
+
+#include "geometry/mesh_io.h"
+#include "geometry/toml_reader.h"
+#include "geometry/vdb_io.h"
+
+namespace kerf {
+namespace {
+
+constexpr int kVersion = 1;
+
+toml::array vec(const Vec3d& v) { return toml::array{v[0], v[1], v[2]}; }
+std::int64_t integer(std::uint64_t n) { return static_cast<std::int64_t>(n); }
+
+}  // namespace
+
+bool isCase(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  return std::filesystem::is_regular_file(folder / kCaseManifest, ignored);
+}
+
+Expected<void> writeCaseManifest(const std::filesystem::path& folder, const CaseManifest& m) {
+  toml::array sources, changes;
+  for (const CaseSource& s : m.sources)
+    sources.push_back(toml::table{{"stored_as", s.stored_as},
+                                  {"format", s.format},
+                                  {"sha256", s.sha256},
+                                  {"unit", s.unit},
+                                  {"unit_reason", s.unit_reason},
+                                  {"scale_to_mm", s.scale_to_mm},
+                                  {"vertices", integer(s.vertices)},
+                                  {"triangles", integer(s.triangles)}});
+  for (const std::string& c : m.changes) changes.push_back(c);
+  const toml::table root{
+      {"format", "kerf-case"},
+      {"version", kVersion},
+      {"kerf_version", m.kerf_version},
+      {"id", m.id},
+      {"source", sources},
+      {"close", toml::table{{"mode", m.close_mode}, {"exact", m.exact}, {"changes", changes}}},
+      {"solid", toml::table{{"vertices", integer(m.solid_vertices)},
+                            {"triangles", integer(m.solid_triangles)},
+                            {"volume_mm3", m.solid_volume_mm3},
+                            {"area_mm2", m.solid_area_mm2},
+                            {"box_min_mm", vec(m.box.min)},
+                            {"box_max_mm", vec(m.box.max)}}},
+      {"field", toml::table{{"voxel_mm", m.voxel_mm},
+                            {"material", m.material},
+                            {"voxels", integer(m.field_voxels)},
+                            {"shell_points", integer(m.shell_points)},
+                            {"shell_area_mm2", m.shell_area_mm2}}},
+  };
+  const auto path = folder / kCaseManifest;
+  std::ofstream out(path, std::ios::binary);
+  out << "# Kerf case. Lengths in mm. Training and lab tool, not a medical device.\n" << root << "\n";
+  out.close();
+  if (!out) return fail({Error::Code::kWriteFailed, path.string(), "", "could not be written", "a writable place with room", "free some space"});
+  return {};
+}
+
+Expected<CaseManifest> readCaseManifest(const std::filesystem::path& folder) {
+  const auto path = folder / kCaseManifest;
+  std::error_code ignored;
+  if (!std::filesystem::is_directory(folder, ignored) || !isCase(folder))
+    return fail({Error::Code::kNotFound, folder.string(), "", "not a case bundle", "a folder with case.toml",
+                 "kerf bake MESH -o " + folder.string()});
+  KERF_TRY(root, parseToml(path));
+  TomlTable top(root, path, "");
+  CaseManifest m;
+  const auto format = top.get<std::string>("format", "\"kerf-case\"");
+  m.version = static_cast<int>(top.get<std::int64_t>("version", "1"));
+  if (format != "kerf-case" || m.version != kVersion)
+    return fail({Error::Code::kUnsupported, path.string(), "key format / version", fmt::format("{} version {}", format, m.version),
+                 fmt::format("kerf-case version {}", kVersion), "bake the case again with this Kerf"});
+  m.kerf_version = top.get<std::string>("kerf_version", "a string");
+  m.id = top.get<std::string>("id", "64 hexadecimal digits");
+  if (const toml::array* sources = top.tables("source"))
+    for (const toml::node& node : *sources) {
+      if (!node.is_table()) continue;
+      TomlTable t(*node.as_table(), path, "source");
+      CaseSource s;
+      s.stored_as = t.get<std::string>("stored_as", "a file name");
+      s.format = t.get<std::string>("format", "a mesh format");
+      s.sha256 = t.get<std::string>("sha256", "64 hexadecimal digits");
+      s.unit = t.get<std::string>("unit", "a unit");
+      s.unit_reason = t.get<std::string>("unit_reason", "a string");
+      s.scale_to_mm = t.get<double>("scale_to_mm", "a number");
+      s.vertices = static_cast<std::size_t>(t.get<std::int64_t>("vertices", "a count"));
+      s.triangles = static_cast<std::size_t>(t.get<std::int64_t>("triangles", "a count"));
+      KERF_CHECK(t.finish());
+      m.sources.push_back(s);
+    }
+  const toml::table empty;
+  const auto child = [&](const char* name) -> const toml::table& {
+    const toml::table* t = root.get_as<toml::table>(name);
+    return t ? *t : empty;
+  };
+  TomlTable close(child("close"), path, "close");
+  m.close_mode = close.get<std::string>("mode", "a close mode");
+  m.exact = close.get<bool>("exact", "true or false");
+  m.changes = close.strings("changes");
+  KERF_CHECK(close.finish());
+  TomlTable solid(child("solid"), path, "solid");
+  m.solid_vertices = static_cast<std::size_t>(solid.get<std::int64_t>("vertices", "a count"));
+  m.solid_triangles = static_cast<std::size_t>(solid.get<std::int64_t>("triangles", "a count"));
+  m.solid_volume_mm3 = solid.get<double>("volume_mm3", "a number");
+  m.solid_area_mm2 = solid.get<double>("area_mm2", "a number");
+  const auto low = solid.numbers("box_min_mm", 3), high = solid.numbers("box_max_mm", 3);
+  m.box.add(Vec3d(low[0], low[1], low[2])), m.box.add(Vec3d(high[0], high[1], high[2]));
+  KERF_CHECK(solid.finish());
+  TomlTable field(child("field"), path, "field");
+  m.voxel_mm = field.get<double>("voxel_mm", "mm");
+  m.material = field.get<std::string>("material", "a material");
+  m.field_voxels = static_cast<std::uint64_t>(field.get<std::int64_t>("voxels", "a count"));
+  m.shell_points = static_cast<std::uint64_t>(field.get<std::int64_t>("shell_points", "a count"));
+  m.shell_area_mm2 = field.get<double>("shell_area_mm2", "a number");
+  KERF_CHECK(field.finish());
+  for (const char* name : {"close", "solid", "field"}) top.allow(name);
+  KERF_CHECK(top.finish());
+  return m;
+}
+
+Expected<Mesh> readCaseSolid(const std::filesystem::path& folder) {
+  KERF_TRY(file, readMesh(folder / kCaseSolid));
+  return std::move(file.mesh);
+}
+
+Expected<BrickField> readCaseField(const std::filesystem::path& folder) { return readVdb(folder / kCaseAnatomy, "phi"); }
+
+}  // namespace kerf

@@ -1,0 +1,60 @@
+// The case bundle: a folder that holds one patient object, as imported and as baked.
+//
+//   case.toml       manifest: sources, unit, what was changed, voxel size, hashes; read this first
+//   source-N.EXT    every imported file, byte for byte
+//   solid.ply       the closed mesh in mm that export cuts: the source's vertices first, in their order (float32)
+//   anatomy.vdb     grids phi (mm, negative inside), material, shell
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "geometry/brick_field.h"
+#include "geometry/error.h"
+#include "geometry/mesh.h"
+
+namespace kerf {
+
+inline constexpr const char* kCaseManifest = "case.toml";
+inline constexpr const char* kCaseSolid = "solid.ply";
+inline constexpr const char* kCaseAnatomy = "anatomy.vdb";
+
+struct CaseSource {
+  std::string stored_as;    ///< "source-1.stl"
+  std::string format;       ///< "binary STL"
+  std::string sha256;       ///< of the file
+  std::string unit;         ///< "mm", "inch", "m" ...
+  std::string unit_reason;  ///< why that unit was taken
+  double scale_to_mm = 1;
+  std::size_t vertices = 0, triangles = 0;
+};
+
+struct CaseManifest {
+  int version = 1;
+  std::string kerf_version;
+  std::string id;  ///< sha256 over sources and settings: the same inputs give the same id
+  std::vector<CaseSource> sources;
+  std::string close_mode;            ///< "auto", "base", "repair", "wrap"
+  std::vector<std::string> changes;  ///< what closing changed, plain sentences
+  bool exact = true;                 ///< false: wrapped, the surface is an approximation of the scan
+  double voxel_mm = 0;
+  std::string material;
+  std::size_t solid_vertices = 0, solid_triangles = 0;
+  double solid_volume_mm3 = 0, solid_area_mm2 = 0;
+  Box3 box;                           ///< of the solid, mm
+  std::uint64_t field_voxels = 0, shell_points = 0;
+  double shell_area_mm2 = 0;
+};
+
+/// True if the folder looks like a case (has a manifest).
+bool isCase(const std::filesystem::path& folder);
+Expected<void> writeCaseManifest(const std::filesystem::path& folder, const CaseManifest& manifest);
+/// Strict: unknown or missing keys, a wrong format or a newer version are errors that name file, line and key.
+Expected<CaseManifest> readCaseManifest(const std::filesystem::path& folder);
+/// The solid in mm, double holding float32 values.
+Expected<Mesh> readCaseSolid(const std::filesystem::path& folder);
+/// The baked field phi0.
+Expected<BrickField> readCaseField(const std::filesystem::path& folder);
+
+}  // namespace kerf

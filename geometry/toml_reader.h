@@ -1,0 +1,57 @@
+// Strict reading of Kerf's TOML files: every key is asked for, what nobody asked for is an error.
+#pragma once
+
+#include <toml++/toml.h>
+
+#include <filesystem>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "geometry/error.h"
+
+namespace kerf {
+
+/// One table. Failed look-ups do not throw: the first error is kept and told by finish().
+class TomlTable {
+ public:
+  TomlTable(const toml::table& table, std::filesystem::path file, std::string name)
+      : table_(table), file_(std::move(file)), name_(std::move(name)) {}
+
+  template <class T>
+  T get(const std::string& key, const char* expected) {
+    used_.insert(key);
+    const toml::node* node = table_.get(key);
+    if (!node) {
+      keep({Error::Code::kBadFormat, file_.string(), place(key, &table_), "missing", expected, ""});
+      return T{};
+    }
+    if (const auto value = node->value<T>()) return *value;
+    keep({Error::Code::kBadFormat, file_.string(), place(key, node), "a value of another type", expected, ""});
+    return T{};
+  }
+  void allow(const std::string& key) { used_.insert(key); }  ///< read elsewhere
+  std::vector<std::string> strings(const std::string& key);
+  const toml::array* tables(const std::string& key);
+  std::vector<double> numbers(const std::string& key, std::size_t count);
+
+  /// The first error, or one for the first key that nobody asked for.
+  Expected<void> finish();
+
+ private:
+  std::string place(const std::string& key, const toml::node* node) const;
+  void keep(Error e) {
+    if (!error_) error_ = std::move(e);
+  }
+  const toml::table& table_;
+  std::filesystem::path file_;
+  std::string name_;
+  std::set<std::string> used_;
+  std::optional<Error> error_;
+};
+
+/// Parses a file; syntax errors name line and column.
+Expected<toml::table> parseToml(const std::filesystem::path& file);
+
+}  // namespace kerf

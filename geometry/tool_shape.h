@@ -1,0 +1,90 @@
+// Exact signed distances of tool parts, in the tool's own frame: tip at the origin, axis +z towards the shank, mm.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "geometry/types.h"
+
+namespace kerf {
+
+/// A solid known by its distance. Values, safe to read from any number of threads, allocation-free.
+class ToolShape {
+ public:
+  virtual ~ToolShape() = default;
+  /// Signed Euclidean distance to the surface, mm, negative inside. 1-Lipschitz: sweeps rely on it.
+  virtual double distance(const Vec3d& p) const noexcept = 0;
+  /// Box around the solid, tool frame.
+  virtual Box3 bounds() const = 0;
+};
+
+/// Outline of a solid of revolution in the half-plane (radius >= 0, height), from the lowest point on the axis upwards.
+/// Built piece by piece; heights never decrease. Every piece is a line or a circular arc bulging outwards.
+class RevolvedProfile {
+ public:
+  using Point = Eigen::Vector2d;  ///< (radius, height), mm
+
+  /// Starts on the axis at a height.
+  explicit RevolvedProfile(double height = 0) : at_(0, height) {}
+  RevolvedProfile& lineTo(double radius, double height);
+  /// Arc about `center`, counter-clockwise (radius right, height up), at most half a turn, to `end` (same distance from
+  /// the centre).
+  RevolvedProfile& arcTo(const Point& center, const Point& end);
+  /// Closes to the axis with a flat top.
+  RevolvedProfile& close() { return lineTo(0, at_[1]); }
+
+  struct Piece {
+    Point from, to, center;
+    double arc_radius = 0;  ///< 0: a line
+  };
+  const std::vector<Piece>& pieces() const { return pieces_; }
+  Point end() const { return at_; }
+  double lowest() const { return pieces_.empty() ? at_[1] : pieces_.front().from[1]; }
+  double highest() const { return at_[1]; }
+  double largestRadius() const;
+  /// Radius of the solid at a height, 0 outside its range; at a step the larger one.
+  double radiusAt(double height) const;
+
+ private:
+  Point at_;
+  std::vector<Piece> pieces_;
+};
+
+class RevolvedShape final : public ToolShape {
+ public:
+  /// @pre the profile is closed: it ends on the axis.
+  explicit RevolvedShape(RevolvedProfile profile);
+  double distance(const Vec3d& p) const noexcept override;
+  Box3 bounds() const override;
+  const RevolvedProfile& profile() const { return profile_; }
+
+ private:
+  RevolvedProfile profile_;
+  double radius_;
+};
+
+/// Box with optionally rounded edges: blades and their toothed edges.
+class BoxShape final : public ToolShape {
+ public:
+  /// @param box  mm.   @param rounding  edge radius, 0 <= rounding <= half the thinnest side.
+  explicit BoxShape(const Box3& box, double rounding = 0) : box_(box), rounding_(rounding) {}
+  double distance(const Vec3d& p) const noexcept override;
+  Box3 bounds() const override { return box_; }
+
+ private:
+  Box3 box_;
+  double rounding_;
+};
+
+/// Union by the minimum: exact outside, a lower bound inside near where parts meet.
+class UnionShape final : public ToolShape {
+ public:
+  explicit UnionShape(std::vector<std::shared_ptr<const ToolShape>> parts) : parts_(std::move(parts)) {}
+  double distance(const Vec3d& p) const noexcept override;
+  Box3 bounds() const override;
+
+ private:
+  std::vector<std::shared_ptr<const ToolShape>> parts_;
+};
+
+}  // namespace kerf

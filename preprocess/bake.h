@@ -1,0 +1,46 @@
+// Mesh files -> case bundle: read, choose the unit, close, voxelize, write. The whole offline stage for one object.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "geometry/case_bundle.h"
+#include "geometry/error.h"
+#include "geometry/mesh_check.h"
+#include "geometry/progress.h"
+#include "preprocess/close.h"
+#include "preprocess/voxelize.h"
+
+namespace kerf {
+
+struct BakeOptions {
+  std::string unit;  ///< empty: chooseUnit()
+  CloseOptions close;
+  VoxelizeOptions voxelize;
+  bool overwrite = false;  ///< replace an existing case
+};
+
+struct BakeTimes {  // seconds
+  double read = 0, check = 0, close = 0, voxelize = 0, write = 0;
+  double total() const { return read + check + close + voxelize + write; }
+};
+
+struct BakeReport {
+  CaseManifest manifest;
+  std::vector<MeshReport> source_checks;        ///< defects as found, per source, in mm
+  std::vector<std::vector<std::string>> notes;  ///< of the readers, per source
+  std::vector<bool> unit_is_doubtful;
+  CloseReport close;
+  BakeTimes times;
+};
+
+/// Bakes one or several meshes, united, into a case folder. The case appears complete or not at all; a cancelled or
+/// failed bake leaves nothing behind. Errors name the file and what to try. Parallel inside.
+Expected<BakeReport> bake(const std::vector<std::filesystem::path>& meshes, const std::filesystem::path& case_folder,
+                          const BakeOptions& options, const Progress& progress = {});
+
+/// For people: what was read, assumed, changed and made.
+std::string describe(const BakeReport& report);
+
+}  // namespace kerf

@@ -1,0 +1,55 @@
+#include "preprocess/unit.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <vector>
+
+namespace kerf {
+namespace {
+
+struct Unit {
+  std::string_view name;
+  double mm;
+};
+constexpr std::array<Unit, 5> kUnits{{{"mm", 1}, {"cm", 10}, {"m", 1000}, {"um", 0.001}, {"inch", 25.4}}};
+constexpr double kSmallest = 3, kLargest = 300;  // mm across, a crown to a skull
+
+}  // namespace
+
+Expected<double> millimetresPer(std::string_view unit) {
+  for (const Unit& u : kUnits)
+    if (u.name == unit) return u.mm;
+  return fail({Error::Code::kBadValue, "", "--unit", fmt::format("\"{}\"", unit), "mm, cm, m, um or inch", ""});
+}
+
+Expected<UnitChoice> chooseUnit(const Box3& box, std::string_view asked, std::string_view declared) {
+  const double across = box.size().norm();
+  if (!asked.empty()) {
+    KERF_TRY(mm, millimetresPer(asked));
+    return UnitChoice{std::string(asked), mm, "as asked with --unit", false};
+  }
+  if (!declared.empty()) {
+    KERF_TRY(mm, millimetresPer(declared));
+    return UnitChoice{std::string(declared), mm, "as the file says", false};
+  }
+  const auto fits = [across](double mm) { return across * mm >= kSmallest && across * mm <= kLargest; };
+  if (fits(1))
+    return UnitChoice{"mm", 1, fmt::format("{:.4g} across fits a dental object in mm; the file names no unit", across),
+                      false};
+  std::vector<Unit> others;
+  for (const Unit& u : kUnits)
+    if (fits(u.mm)) others.push_back(u);
+  if (others.size() == 1)
+    return UnitChoice{
+        std::string(others[0].name), others[0].mm,
+        fmt::format("{:.4g} across is no dental object in mm, but {:.4g} mm if it is in {}; --unit overrides", across,
+                    across * others[0].mm, others[0].name),
+        true};
+  return UnitChoice{"mm", 1,
+                    fmt::format("{:.4g} across fits {}: taken as mm, unscaled; say --unit if that is wrong", across,
+                                others.empty() ? "no unit" : "several units but not mm"),
+                    true};
+}
+
+}  // namespace kerf

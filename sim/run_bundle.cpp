@@ -1,0 +1,241 @@
+#include "sim/run_bundle.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <fstream>
+
+#include "geometry/atomic_file.h"
+#include "geometry/hash.h"
+#include "geometry/removed_solid.h"
+#include "geometry/sweep.h"
+#include "geometry/toml_reader.h"
+#include "geometry/tool_file.h"
+#include "geometry/vdb_io.h"
+#include "geometry/version.h"
+#include "sim/path.h"
+#include "sim/sweep_cutter.h"
+
+namespace kerf {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr int kVersionOfFormat = 1;
+constexpr const char* kToolCopy = "tool.toml";
+constexpr const char* kField = "run.vdb";
+
+Expected<void> writeManifest(const fs::path& folder, const RunManifest& m) {
+  const toml::table root{
+      {"format", "kerf-run"},
+      {"version", kVersionOfFormat},
+      {"kerf_version", m.kerf_version},
+      {"case_path", m.case_path},
+      {"case_id", m.case_id},
+      {"mode", m.mode},
+      {"tool_id", m.tool_id},
+      {"tool_sha256", m.tool_sha256},
+      {"path_file", m.path_file},
+      {"path_sha256", m.path_sha256},
+      {"segments", static_cast<std::int64_t>(m.segments)},
+      {"path_length_mm", m.path_length_mm},
+      {"duration_s", m.duration_s},
+      {"voxel_mm", m.voxel_mm},
+      {"state_hash", m.state_hash},
+  };
+  const fs::path path = folder / kRunManifest;
+  std::ofstream out(path, std::ios::binary);
+  out << "# Kerf run. Lengths in mm, times in s. Training and lab tool, not a medical device.\n" << root << "\n";
+  out.close();
+  if (!out)
+    return fail({Error::Code::kWriteFailed, path.string(), "", "could not be written", "a writable place with room",
+                 "free some space"});
+  return {};
+}
+
+Expected<void> copyInto(const fs::path& from, const fs::path& to) {
+  std::error_code failed;
+  fs::copy_file(from, to, failed);
+  if (failed)
+    return fail({Error::Code::kWriteFailed, to.string(), "", failed.message(), "a writable place with room",
+                 "free some space"});
+  return {};
+}
+
+Expected<fs::path> locateCase(const fs::path& run_folder, const RunManifest& m) {
+  const fs::path wanted = (fs::absolute(run_folder) / m.case_path).lexically_normal();
+  if (!isCase(wanted))
+    return fail({Error::Code::kNotFound, run_folder.string(), "key case_path", "no case at " + m.case_path,
+                 "the case this run was cut from", "move the case back beside the run, or cut again"});
+  KERF_TRY(manifest, readCaseManifest(wanted));
+  if (manifest.id != m.case_id)
+    return fail({Error::Code::kBadValue, run_folder.string(), "key case_id",
+                 "the case there was baked anew since this run was cut", "case " + m.case_id.substr(0, 12),
+                 "cut again"});
+  return wanted;
+}
+
+// Distance of wall vertices to the exact sweep. Wall: touching cut triangles only. At most kSamples, evenly chosen.
+Expected<WallAccuracy> measureWalls(const fs::path& run_folder, const RunManifest& m, const PostOpMesh& result) {
+  constexpr std::size_t kSamples = 4000;
+  KERF_TRY(tool, readTool(run_folder / kToolCopy));
+  KERF_TRY(path, readPath(run_folder / m.path_file));
+  std::vector<char> wall(result.mesh.vertices.size(), 1);
+  for (std::size_t t = 0; t < result.mesh.triangles.size(); ++t)
+    if (!result.is_cut[t])
+      for (const std::uint32_t v : result.mesh.triangles[t]) wall[v] = 0;
+  std::vector<Vec3d> points;
+  for (std::size_t v = 0; v < wall.size(); ++v)
+    if (wall[v]) points.push_back(result.mesh.vertices[v]);
+  const std::size_t stride = points.size() / kSamples + 1;
+  WallAccuracy out;
+  std::vector<double> nearest;
+  std::vector<Vec3d> sampled;
+  for (std::size_t i = 0; i < points.size(); i += stride) sampled.push_back(points[i]);
+  const double far = 4 * m.voxel_mm;
+  nearest.assign(sampled.size(), far);
+  for (std::size_t s = 0; s + 1 < path.poses.size(); ++s) {
+    if (!path.cuts[s]) continue;
+    const SweptTool sweep(*tool.cut, path.poses[s].T_object_tool, path.poses[s + 1].T_object_tool);
+    Box3 box = sweep.bounds();
+    box.grow(far);
+    for (std::size_t i = 0; i < sampled.size(); ++i)
+      if (box.contains(sampled[i]))
+        nearest[i] = std::min(nearest[i], sweep.distance(sampled[i], nearest[i], 1e-6, -far));
+  }
+  double squares = 0;
+  for (const double d : nearest) squares += d * d, out.max_mm = std::max(out.max_mm, std::abs(d));
+  out.vertices = nearest.size();
+  out.rms_mm = nearest.empty() ? 0 : std::sqrt(squares / static_cast<double>(nearest.size()));
+  return out;
+}
+
+}  // namespace
+
+bool isRun(const fs::path& folder) {
+  std::error_code ignored;
+  return fs::is_regular_file(folder / kRunManifest, ignored);
+}
+
+Expected<RunManifest> readRunManifest(const fs::path& folder) {
+  const fs::path path = folder / kRunManifest;
+  if (!isRun(folder))
+    return fail({Error::Code::kNotFound, folder.string(), "", "not a run bundle", "a folder with run.toml",
+                 "kerf cut CASE ... -o " + folder.string()});
+  KERF_TRY(root, parseToml(path));
+  TomlTable top(root, path, "");
+  RunManifest m;
+  const auto format = top.get<std::string>("format", "\"kerf-run\"");
+  m.version = static_cast<int>(top.get<std::int64_t>("version", "1"));
+  if (format != "kerf-run" || m.version != kVersionOfFormat)
+    return fail({Error::Code::kUnsupported, path.string(), "key format / version",
+                 fmt::format("{} version {}", format, m.version), fmt::format("kerf-run version {}", kVersionOfFormat),
+                 "cut again with this Kerf"});
+  m.kerf_version = top.get<std::string>("kerf_version", "a string");
+  m.case_path = top.get<std::string>("case_path", "a path");
+  m.case_id = top.get<std::string>("case_id", "64 hexadecimal digits");
+  m.mode = top.get<std::string>("mode", "\"geometry\"");
+  m.tool_id = top.get<std::string>("tool_id", "a tool");
+  m.tool_sha256 = top.get<std::string>("tool_sha256", "64 hexadecimal digits");
+  m.path_file = top.get<std::string>("path_file", "a file name");
+  m.path_sha256 = top.get<std::string>("path_sha256", "64 hexadecimal digits");
+  m.segments = static_cast<std::size_t>(top.get<std::int64_t>("segments", "a count"));
+  m.path_length_mm = top.get<double>("path_length_mm", "mm");
+  m.duration_s = top.get<double>("duration_s", "s");
+  m.voxel_mm = top.get<double>("voxel_mm", "mm");
+  m.state_hash = top.get<std::string>("state_hash", "16 hexadecimal digits");
+  KERF_CHECK(top.finish());
+  return m;
+}
+
+Expected<RunManifest> cutCase(const fs::path& case_folder, const fs::path& tool_file, const fs::path& path_file,
+                              const fs::path& run_folder, const CutOptions& options, const Progress& progress) {
+  const auto cancelError = [] {
+    return fail({Error::Code::kCancelled, "", "", "cancelled; nothing was written", "", ""});
+  };
+  KERF_TRY(manifest, readCaseManifest(case_folder));
+  KERF_TRY(tool, readTool(tool_file));
+  KERF_TRY(path, readPath(path_file));
+  KERF_TRY(staging, AtomicFolder::create(run_folder, options.overwrite, kRunManifest));
+  if (!report(progress, 0.0, "loading the case")) return cancelError();
+  KERF_TRY(phi0, readCaseField(case_folder));
+
+  SweepCutter cutter(phi0);
+  RunManifest m;
+  const std::size_t segments = path.poses.empty() ? 0 : path.poses.size() - 1;
+  for (std::size_t s = 0; s < segments; ++s) {
+    if (s % 16 == 0 && !report(progress, 0.1 + 0.8 * static_cast<double>(s) / static_cast<double>(segments), "cutting"))
+      return cancelError();
+    if (!path.cuts[s]) continue;
+    const Rigid3 &from = path.poses[s].T_object_tool, &to = path.poses[s + 1].T_object_tool;
+    cutter.advance(SweptTool(*tool.cut, from, to));
+    m.path_length_mm += (to.translation - from.translation).norm();
+    ++m.segments;
+  }
+  const BrickField cut = cutter.cutField();
+  if (cut.isEmpty()) {
+    const Vec3d &low = manifest.box.min, &high = manifest.box.max;
+    return fail({Error::Code::kEmpty, path_file.string(), "", fmt::format("tool {} never meets the object", tool.id),
+                 fmt::format("a path through the box ({:.2f}, {:.2f}, {:.2f}) to ({:.2f}, {:.2f}, {:.2f}) mm", low[0],
+                             low[1], low[2], high[0], high[1], high[2]),
+                 "check the path's frame and unit"});
+  }
+  m.kerf_version = kVersion;
+  m.case_path = fs::absolute(case_folder)
+                    .lexically_normal()
+                    .lexically_relative(fs::absolute(run_folder).lexically_normal())
+                    .string();
+  m.case_id = manifest.id;
+  m.tool_id = tool.id;
+  KERF_TRY(tool_hash, sha256OfFile(tool_file));
+  KERF_TRY(path_hash, sha256OfFile(path_file));
+  m.tool_sha256 = tool_hash, m.path_sha256 = path_hash;
+  m.path_file = "path" + path_file.extension().string();
+  m.duration_s = path.poses.empty() ? 0 : path.poses.back().t - path.poses.front().t;
+  m.voxel_mm = phi0.voxel();
+  m.state_hash = fmt::format("{:016x}", cutter.sweep().stateHash());
+  if (!report(progress, 0.92, "writing")) return cancelError();
+  KERF_CHECK(copyInto(tool_file, staging.staging() / kToolCopy));
+  KERF_CHECK(copyInto(path_file, staging.staging() / m.path_file));
+  KERF_CHECK(
+      writeVdb(staging.staging() / kField, {{"sweep", &cutter.sweep()}, {"phi", &cut}}, {{"case_id", m.case_id}}));
+  KERF_CHECK(writeManifest(staging.staging(), m));
+  KERF_CHECK(staging.commit());
+  report(progress, 1.0, "done");
+  return m;
+}
+
+Expected<Export> exportBundle(const fs::path& bundle, const PostOpOptions& options, const Progress& progress) {
+  const auto cancelError = [] {
+    return fail({Error::Code::kCancelled, "", "", "cancelled; nothing was written", "", ""});
+  };
+  Export out;
+  if (isCase(bundle)) {
+    KERF_TRY(manifest, readCaseManifest(bundle));
+    KERF_TRY(solid, readCaseSolid(bundle));
+    auto result = postOperativeMesh(solid, BrickField(manifest.voxel_mm, static_cast<float>(4 * manifest.voxel_mm)),
+                                    options, progress);
+    if (!result) return fail(result.error());
+    out.post_op = std::move(*result);
+    return out;
+  }
+  if (!isRun(bundle))
+    return fail({Error::Code::kNotFound, bundle.string(), "", "neither a run nor a case",
+                 "a folder with run.toml or case.toml", "kerf bake, then kerf cut"});
+  KERF_TRY(manifest, readRunManifest(bundle));
+  KERF_TRY(case_folder, locateCase(bundle, manifest));
+  if (!report(progress, 0.0, "loading")) return cancelError();
+  KERF_TRY(solid, readCaseSolid(case_folder));
+  KERF_TRY(phi0, readCaseField(case_folder));
+  KERF_TRY(sweep, readVdb(bundle / kField, "sweep"));
+  auto result = postOperativeMesh(solid, removedFieldFromSweep(phi0, sweep), options, progress);
+  if (!result) {
+    result.error().file = bundle.string();
+    return fail(result.error());
+  }
+  out.post_op = std::move(*result);
+  KERF_TRY(accuracy, measureWalls(bundle, manifest, out.post_op));
+  out.accuracy = accuracy;
+  return out;
+}
+
+}  // namespace kerf

@@ -1,0 +1,62 @@
+// The run bundle: a folder that holds one cutting session on a case.
+//
+//   run.toml     manifest: case, tool, path, what came of it
+//   tool.toml    the tool as used        path.csv | path.toml   the path as used
+//   run.vdb      grids sweep (union of tool sweeps, mm) and phi (the cut field, bricks that changed)
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "geometry/brick_field.h"
+#include "geometry/case_bundle.h"
+#include "geometry/error.h"
+#include "geometry/post_op_mesh.h"
+#include "geometry/progress.h"
+
+namespace kerf {
+
+inline constexpr const char* kRunManifest = "run.toml";
+
+struct RunManifest {
+  int version = 1;
+  std::string kerf_version;
+  std::string case_path;  ///< relative to the run folder's parent, or absolute
+  std::string case_id;    ///< must match the case
+  std::string mode = "geometry";
+  std::string tool_id, tool_sha256, path_file, path_sha256;
+  std::size_t segments = 0;  ///< cutting motions
+  double path_length_mm = 0, duration_s = 0;
+  double voxel_mm = 0;
+  std::string state_hash;  ///< of the sweep field, 16 hexadecimal digits: same inputs, same number
+};
+
+bool isRun(const std::filesystem::path& folder);
+Expected<RunManifest> readRunManifest(const std::filesystem::path& folder);
+
+struct CutOptions {
+  bool overwrite = false;
+};
+/// Cuts a case along a path in lockstep, geometry only, and writes the run.
+/// @param tool_file  a tool's TOML file.    @param path_file  CSV of poses or TOML of strokes (docs/path-files.md).
+/// Errors name the file; a tool that never meets the object is an error too (kEmpty): most often a wrong frame or unit.
+Expected<RunManifest> cutCase(const std::filesystem::path& case_folder, const std::filesystem::path& tool_file,
+                              const std::filesystem::path& path_file, const std::filesystem::path& run_folder,
+                              const CutOptions& options = {}, const Progress& progress = {});
+
+/// How far the cut walls of an exported mesh lie from the exact sweep of the tool, at the vertices.
+struct WallAccuracy {
+  std::size_t vertices = 0;
+  double rms_mm = 0, max_mm = 0;
+};
+
+struct Export {
+  PostOpMesh post_op;
+  WallAccuracy accuracy;  ///< vertices = 0 for a case without a cut
+};
+
+/// The post-operative mesh of a run, or the solid of a case.
+Expected<Export> exportBundle(const std::filesystem::path& run_or_case, const PostOpOptions& options = {},
+                              const Progress& progress = {});
+
+}  // namespace kerf

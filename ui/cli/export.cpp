@@ -1,0 +1,78 @@
+#include <fmt/format.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "geometry/mesh_writer.h"
+#include "sim/run_bundle.h"
+#include "ui/cli/command.h"
+
+namespace kerf::cli {
+namespace {
+
+struct Arguments {
+  std::string bundle;
+  std::vector<std::string> outputs;
+  bool json = false;
+};
+
+int run(const Arguments& a) {
+  auto result = [&] {
+    TerminalProgress progress;
+    return exportBundle(a.bundle, {}, progress.callback());
+  }();
+  if (!result) return complain(result.error());
+  for (const std::string& path : a.outputs)
+    if (const auto written = writeMesh(path, result->post_op.mesh); !written) return complain(written.error());
+  const PostOpReport& r = result->post_op.report;
+  const WallAccuracy& w = result->accuracy;
+  if (a.json) {
+    fmt::print("{}\n", nlohmann::json{{"files", a.outputs},
+                                      {"vertices", result->post_op.mesh.vertices.size()},
+                                      {"triangles", result->post_op.mesh.triangles.size()},
+                                      {"source_vertices_kept", r.source_vertices_kept},
+                                      {"source_vertices_removed", r.source_vertices_removed},
+                                      {"cut_triangles", r.cut_triangles},
+                                      {"pieces", r.pieces},
+                                      {"source_volume_mm3", r.source_volume_mm3},
+                                      {"result_volume_mm3", r.result_volume_mm3},
+                                      {"removed_volume_mm3", r.removed_volume_mm3},
+                                      {"crumbs_dropped", r.crumbs_dropped},
+                                      {"crumbs_volume_mm3", r.crumbs_volume_mm3},
+                                      {"largest_move_mm", r.largest_move_mm},
+                                      {"attempts", r.attempts},
+                                      {"wall", {{"vertices", w.vertices}, {"rms_mm", w.rms_mm}, {"max_mm", w.max_mm}}}}
+                           .dump(2));
+    return kOk;
+  }
+  fmt::print("removed {:.4f} mm3 of {:.4f} mm3; {} piece{}\n", r.removed_volume_mm3, r.source_volume_mm3, r.pieces,
+             r.pieces == 1 ? "" : "s");
+  fmt::print("source vertices: {} kept bit for bit, {} inside the cut; {} of {} triangles are cut faces\n",
+             r.source_vertices_kept, r.source_vertices_removed, r.cut_triangles, result->post_op.mesh.triangles.size());
+  if (w.vertices)
+    fmt::print(
+        "cut walls lie {:.1f} um rms, {:.1f} um at most from the exact sweep of the tool ({} vertices measured)\n",
+        1e3 * w.rms_mm, 1e3 * w.max_mm, w.vertices);
+  if (r.crumbs_dropped) fmt::print("dropped {} crumbs, {:.6f} mm3 together\n", r.crumbs_dropped, r.crumbs_volume_mm3);
+  if (r.attempts > 1)
+    fmt::print("took {} attempts: the cut was shifted by some thousandths of a voxel to survive float32\n", r.attempts);
+  for (const std::string& path : a.outputs) fmt::print("written: {}\n", path);
+  return kOk;
+}
+
+}  // namespace
+
+void addExport(CLI::App& app, int& exit_code) {
+  auto a = std::make_shared<Arguments>();
+  CLI::App* c = app.add_subcommand("export", "Write the post-operative mesh of a run, or the closed solid of a case");
+  c->footer("Example: kerf export molar.run -o molar.stl -o molar.ply");
+  c->add_option("RUN|CASE", a->bundle, "run or case folder")->required();
+  c->add_option("-o,--output", a->outputs, "STL, PLY (colours), OBJ or OFF; repeat for several")
+      ->required()
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  c->add_flag("--json", a->json, "summary as JSON on standard output");
+  c->callback([a, &exit_code] { exit_code = run(*a); });
+}
+
+}  // namespace kerf::cli

@@ -1,0 +1,27 @@
+// kerf: everything Kerf does, without a window.
+#include <fmt/format.h>
+
+#include <exception>
+
+#include "geometry/version.h"
+#include "ui/cli/command.h"
+
+int main(int argc, char** argv) {
+  using namespace kerf::cli;
+  CLI::App app{"Kerf: dental scans in, real cuts, printable meshes out. A training and lab tool, not a medical device.",
+               "kerf"};
+  app.set_version_flag("--version", std::string("kerf ") + kerf::kVersion);
+  app.require_subcommand(1);
+  app.get_formatter()->column_width(34);
+  int exit_code = kOk;
+  constexpr AddCommand kCommands[] = {addBake, addCut, addExport, addCheck, addInfo, addTool, addBench, addDemoMolar};
+  for (const AddCommand add : kCommands) add(app, exit_code);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? kOk : kUsage;
+  } catch (const std::exception& e) {
+    return complain({kerf::Error::Code::kBadValue, "", "", fmt::format("unexpected: {}", e.what()), "", "report this"});
+  }
+  return exit_code;
+}

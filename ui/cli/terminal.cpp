@@ -1,0 +1,59 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+
+#include "ui/cli/command.h"
+
+namespace kerf::cli {
+namespace {
+
+std::atomic<bool> interrupted{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "set from a signal handler");
+
+double seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+}  // namespace
+
+int complain(const Error& error) {
+  std::fputs(("kerf: " + error.message() + "\n").c_str(), stderr);
+  return kFailed;
+}
+
+TerminalProgress::TerminalProgress() : is_terminal_(isatty(STDERR_FILENO) == 1), start_(seconds()) {
+  // The first Ctrl-C asks the work to stop and clean up, the second one kills.
+  std::signal(SIGINT, [](int) {
+    interrupted = true;
+    std::signal(SIGINT, SIG_DFL);
+  });
+}
+
+TerminalProgress::~TerminalProgress() {
+  if (is_terminal_) std::fputs("\r\033[K", stderr);
+  std::signal(SIGINT, SIG_DFL);
+}
+
+Progress TerminalProgress::callback() {
+  return [this](double fraction, std::string_view what) {
+    if (interrupted) return false;
+    const int percent = static_cast<int>(100 * fraction);
+    if (is_terminal_ && (percent != last_percent_ || what != last_what_)) {
+      last_percent_ = percent, last_what_ = what;
+      const double spent = seconds() - start_;
+      const std::string left = fraction > 0.05 && spent > 1
+                                   ? fmt::format(", {:.0f} s left", spent * (1 - fraction) / fraction)
+                                   : std::string();
+      std::fputs(fmt::format("\r\033[K[{:<20}] {:3d} %  {}{}", std::string(static_cast<std::size_t>(percent / 5), '#'),
+                             percent, what, left)
+                     .c_str(),
+                 stderr);
+      std::fflush(stderr);
+    }
+    return true;
+  };
+}
+
+}  // namespace kerf::cli
