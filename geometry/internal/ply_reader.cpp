@@ -278,7 +278,7 @@ class PlyReader {
       if (colored) file_.mesh.vertex_colors.reserve(element.count);
     } else if (element.name == "face") {
       polygons_.sizes.reserve(element.count);
-      polygons_.corners.reserve(3 * element.count);
+      polygons_.corners.reserve(std::min(3 * element.count, (source_.size - data_) / 2));
       if (colored) polygons_.colors.reserve(element.count);
     }
   }
