@@ -80,8 +80,8 @@ fs::path followed(const fs::path& path) {
   return target.empty() ? path : target;
 }
 
-// A name beside `target` that no living process uses; `make` returns false with errno set. Leftovers of a killed process
-// with our id are stepped over.
+// A name beside `target` that no living process uses; `make` returns false with errno set. Leftovers of a killed
+// process with our id are stepped over.
 template <class Make>
 std::string makeTemporary(const fs::path& target, const Make& make) {
   static std::atomic<unsigned> counter{0};
@@ -98,7 +98,12 @@ std::string makeTemporary(const fs::path& target, const Make& make) {
 
 struct AtomicFile::State {
   State(int descriptor, fs::path asked_for, fs::path renamed_to, std::string temporary_file)
-      : fd(descriptor), path(std::move(asked_for)), target(std::move(renamed_to)), temporary(std::move(temporary_file)), buffer(fd), stream(&buffer) {
+      : fd(descriptor),
+        path(std::move(asked_for)),
+        target(std::move(renamed_to)),
+        temporary(std::move(temporary_file)),
+        buffer(fd),
+        stream(&buffer) {
     stream.imbue(std::locale::classic());
   }
   ~State() {
@@ -154,7 +159,8 @@ Expected<void> AtomicFile::commit() {
   s.fd = -1;
   if (::close(fd) != 0) return fail(writeError(s.path, "closing", errno));
   if (s.temporary.empty()) return {};
-  if (::rename(s.temporary.c_str(), s.target.c_str()) != 0) return fail(writeError(s.path, "renaming into place", errno));
+  if (::rename(s.temporary.c_str(), s.target.c_str()) != 0)
+    return fail(writeError(s.path, "renaming into place", errno));
   s.temporary.clear();
   if (const int reason = syncPath(folderOf(s.target), O_DIRECTORY))
     return fail(writeError(s.path, "syncing its folder to the disk", reason));
@@ -189,12 +195,15 @@ Expected<AtomicFolder> AtomicFolder::create(const fs::path& path, bool overwrite
     const auto refuse = [&](const char* found, const std::string& expected, const char* hint) {
       return fail(Error{Error::Code::kWriteFailed, path.string(), "folder", found, expected, hint});
     };
-    if (!fs::is_directory(status)) return refuse("a file of that name exists", "a folder or nothing", "choose another name");
+    if (!fs::is_directory(status))
+      return refuse("a file of that name exists", "a folder or nothing", "choose another name");
     const bool empty = fs::is_empty(state->target, error);
     if (error) return fail(writeError(path, "looking into the folder", error.value()));
-    if (!empty && !overwrite) return refuse("it exists already", "a new folder", "choose another name, or allow overwriting");
+    if (!empty && !overwrite)
+      return refuse("it exists already", "a new folder", "choose another name, or allow overwriting");
     if (!empty && !fs::exists(state->target / manifest, error))
-      return refuse("it exists and was not made by Kerf", fmt::format("a folder with {} in it, or an empty one", manifest),
+      return refuse("it exists and was not made by Kerf",
+                    fmt::format("a folder with {} in it, or an empty one", manifest),
                     "choose another name; Kerf does not delete what it did not write");
   }
   state->staging = makeTemporary(state->target, [](const char* folder) { return ::mkdir(folder, 0777) == 0; });
@@ -211,7 +220,8 @@ Expected<void> AtomicFolder::commit() {
       return fail(writeError(s.path, fmt::format("syncing {} to the disk", it->path().filename().string()), reason));
   }
   if (error) return fail(writeError(s.path, "syncing to the disk", error.value()));
-  if (const int reason = syncPath(s.staging, O_DIRECTORY)) return fail(writeError(s.path, "syncing to the disk", reason));
+  if (const int reason = syncPath(s.staging, O_DIRECTORY))
+    return fail(writeError(s.path, "syncing to the disk", reason));
 
   // rename() replaces nothing or an empty folder; a full one has to be exchanged, which leaves the old one in staging.
   if (::rename(s.staging.c_str(), s.target.c_str()) == 0) {
@@ -219,7 +229,8 @@ Expected<void> AtomicFolder::commit() {
   } else if ((errno == ENOTEMPTY || errno == EEXIST) && s.overwrite) {
     if (::renameat2(AT_FDCWD, s.staging.c_str(), AT_FDCWD, s.target.c_str(), RENAME_EXCHANGE) != 0) {
       const std::string aside = s.staging.string() + "-old";
-      if (::rename(s.target.c_str(), aside.c_str()) != 0) return fail(writeError(s.path, "moving the old folder aside", errno));
+      if (::rename(s.target.c_str(), aside.c_str()) != 0)
+        return fail(writeError(s.path, "moving the old folder aside", errno));
       if (::rename(s.staging.c_str(), s.target.c_str()) != 0) {
         const int reason = errno;
         ::rename(aside.c_str(), s.target.c_str());
@@ -228,7 +239,8 @@ Expected<void> AtomicFolder::commit() {
       s.staging = aside;
     }
     fs::remove_all(s.staging, error);
-    if (error) return fail(writeError(s.path, "deleting the old folder " + s.staging.filename().string(), error.value()));
+    if (error)
+      return fail(writeError(s.path, "deleting the old folder " + s.staging.filename().string(), error.value()));
     s.staging.clear();
   } else {
     return fail(writeError(s.path, "renaming into place", errno));

@@ -88,7 +88,8 @@ std::string sha256(std::span<const std::byte> bytes) {
 Expected<std::string> sha256OfFile(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
   const auto refuse = [&](Error::Code code) {
-    return fail(Error{code, path.string(), "file", std::string("cannot be read: ") + std::strerror(errno), "a file", "check the path"});
+    return fail(Error{code, path.string(), "file", std::string("cannot be read: ") + std::strerror(errno), "a file",
+                      "check the path"});
   };
   if (!in) return refuse(Error::Code::kNotFound);
   Sha256 hash;

@@ -42,7 +42,8 @@ struct EdgeTable {
   std::vector<std::uint32_t> begin;  // per vertex
   std::vector<EdgeUse> uses;
 
-  EdgeTable(std::size_t vertices, const std::vector<Triangle>& triangles) : begin(vertices + 1), uses(3 * triangles.size()) {
+  EdgeTable(std::size_t vertices, const std::vector<Triangle>& triangles)
+      : begin(vertices + 1), uses(3 * triangles.size()) {
     for (const Triangle& t : triangles)
       for (std::size_t k = 0; k < 3; ++k) ++begin[std::min(t[k], t[(k + 1) % 3]) + 1];
     std::partial_sum(begin.begin(), begin.end(), begin.begin());
@@ -211,7 +212,9 @@ void countInwardPieces(const Mesh& mesh, const std::vector<std::uint32_t>& label
   }
 }
 
-std::string counted(std::size_t n, const char* one, const char* many) { return fmt::format("{} {}", n, n == 1 ? one : many); }
+std::string counted(std::size_t n, const char* one, const char* many) {
+  return fmt::format("{} {}", n, n == 1 ? one : many);
+}
 
 void judge(MeshReport& r) {
   const auto because = [&](std::string reason) { r.reasons.push_back(std::move(reason)); };
@@ -225,13 +228,17 @@ void judge(MeshReport& r) {
                         counted(r.self_intersections, "pair of triangles", "pairs of triangles")));
   if (!r.self_intersections_checked) because("Self-intersections were not looked for.");
   if (r.non_manifold_edges > 0)
-    because(fmt::format("{} shared by three or more triangles.", counted(r.non_manifold_edges, "edge is", "edges are")));
+    because(
+        fmt::format("{} shared by three or more triangles.", counted(r.non_manifold_edges, "edge is", "edges are")));
   if (r.non_manifold_vertices > 0)
-    because(fmt::format("{} the surface only in a point.", counted(r.non_manifold_vertices, "vertex joins parts of", "vertices join parts of")));
+    because(fmt::format("{} the surface only in a point.",
+                        counted(r.non_manifold_vertices, "vertex joins parts of", "vertices join parts of")));
   if (r.flipped_edges > 0)
-    because(fmt::format("{} between triangles that face opposite ways.", counted(r.flipped_edges, "edge lies", "edges lie")));
+    because(fmt::format("{} between triangles that face opposite ways.",
+                        counted(r.flipped_edges, "edge lies", "edges lie")));
   if (r.degenerate_triangles > 0)
-    because(fmt::format("{} no area once rounded to float32.", counted(r.degenerate_triangles, "triangle has", "triangles have")));
+    because(fmt::format("{} no area once rounded to float32.",
+                        counted(r.degenerate_triangles, "triangle has", "triangles have")));
   if (r.duplicate_triangles > 0)
     because(fmt::format("{} there twice.", counted(r.duplicate_triangles, "triangle is", "triangles are")));
   if (r.inward_pieces > 0)
@@ -270,7 +277,8 @@ std::string toJson(const MeshReport& r) {
   using Json = nlohmann::ordered_json;
   const auto vector = [](const Vec3d& p) { return Json::array({p.x(), p.y(), p.z()}); };
   Json loops = Json::array();
-  for (const BoundaryLoop& loop : r.boundary_loops) loops.push_back({{"edges", loop.edges}, {"length_mm", loop.length}});
+  for (const BoundaryLoop& loop : r.boundary_loops)
+    loops.push_back({{"edges", loop.edges}, {"length_mm", loop.length}});
   Json json = {{"print_ready", r.print_ready},
                {"reasons", r.reasons},
                {"triangles", r.triangles},
@@ -297,8 +305,8 @@ std::string describe(const MeshReport& r) {
   std::string text = r.print_ready ? "Ready to print.\n" : "Not ready to print:\n";
   for (const std::string& reason : r.reasons) text += "  - " + reason + "\n";
   const Vec3d size = r.box.size();
-  text += fmt::format("{} triangles, {} vertices, {}; {:.4g} x {:.4g} x {:.4g} mm, area {:.6g} mm2", r.triangles, r.vertices,
-                      counted(r.pieces, "piece", "pieces"), size.x(), size.y(), size.z(), r.area);
+  text += fmt::format("{} triangles, {} vertices, {}; {:.4g} x {:.4g} x {:.4g} mm, area {:.6g} mm2", r.triangles,
+                      r.vertices, counted(r.pieces, "piece", "pieces"), size.x(), size.y(), size.z(), r.area);
   if (r.isClosed()) text += fmt::format(", volume {:.6g} mm3", r.volume);
   return text + "\n";
 }

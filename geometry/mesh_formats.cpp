@@ -1,7 +1,7 @@
 #include "geometry/mesh_formats.h"
 
-#include "geometry/internal/mesh_source.h"
 #include "geometry/internal/mesh_sinks.h"
+#include "geometry/internal/mesh_source.h"
 
 namespace kerf {
 
@@ -10,7 +10,8 @@ std::span<const MeshFormatRow> meshFormats() {
   // Asked in this order: the size of a binary STL is the surest sign, a line of words beginning with "v" the weakest.
   static constexpr MeshFormatRow kFormats[] = {
       {"STL", ".stl", "triangles without colour or unit; binary and ASCII in, binary out", isStl, readStl, writeStl},
-      {"PLY", ".ply", "vertex and face colours, float or double; ASCII and binary in, binary out", isPly, readPly, writePly},
+      {"PLY", ".ply", "vertex and face colours, float or double; ASCII and binary in, binary out", isPly, readPly,
+       writePly},
       {"OFF", ".off .coff .noff", "ASCII, vertex and face colours", isOff, readOff, writeOff},
       {"OBJ", ".obj", "polygons, vertex colours; materials are not read", isObj, readObj, writeObj},
   };

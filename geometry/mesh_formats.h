@@ -21,7 +21,7 @@ struct MeshFormatRow {
   std::string_view extensions;   ///< ".stl", lower case, separated by blanks; the first is the usual one
   std::string_view description;  ///< one line for help texts
   bool (*recognise)(const internal::MeshSource&);  ///< by content; null if the format is only written
-  Expected<MeshFile> (*read)(const internal::MeshSource&, const Progress&);                ///< null: not read
+  Expected<MeshFile> (*read)(const internal::MeshSource&, const Progress&);      ///< null: not read
   Expected<void> (*write)(std::ostream&, const Mesh&, const MeshWriteOptions&);  ///< null: not written
 };
 

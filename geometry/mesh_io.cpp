@@ -8,8 +8,8 @@
 namespace kerf {
 
 std::string_view name(MeshFormat format) {
-  constexpr std::string_view kNames[] = {"binary STL", "ASCII STL", "ASCII PLY", "binary PLY (little endian)",
-                                         "binary PLY (big endian)", "OBJ", "OFF"};
+  constexpr std::string_view kNames[] = {
+      "binary STL", "ASCII STL", "ASCII PLY", "binary PLY (little endian)", "binary PLY (big endian)", "OBJ", "OFF"};
   return kNames[static_cast<std::size_t>(format)];
 }
 
@@ -27,11 +27,12 @@ Expected<void> refuseForeign(const MeshSource& source) {
   };
   const std::string dcm_hint = "export as STL or PLY from the scanner software (\"open\" export in 3Shape)";
   const bool is_zip = text.starts_with("PK\x03\x04") || text.starts_with("PK\x05\x06");
-  if ((is_zip && source.hasExtension(".dcm")) ||
-      start.find("<HPS") != start.npos)
+  if ((is_zip && source.hasExtension(".dcm")) || start.find("<HPS") != start.npos)
     return refuse("a 3Shape DCM file, a closed format", dcm_hint);
-  if (is_zip && source.hasExtension(".3mf")) return refuse("a 3MF file (a zip archive)", "save it as STL or PLY in the slicer");
-  if (is_zip) return refuse("a zip archive", "unpack it first; if it is a 3Shape DCM file, export as STL or PLY instead");
+  if (is_zip && source.hasExtension(".3mf"))
+    return refuse("a 3MF file (a zip archive)", "save it as STL or PLY in the slicer");
+  if (is_zip)
+    return refuse("a zip archive", "unpack it first; if it is a 3Shape DCM file, export as STL or PLY instead");
   if (text.starts_with("\x1f\x8b")) return refuse("a gzip archive", "unpack it first (gunzip)");
   if (text.starts_with("7z\xbc\xaf\x27\x1c")) return refuse("a 7z archive", "unpack it first");
   if (text.substr(0, 132).ends_with("DICM") && text.size() >= 132)
@@ -46,8 +47,9 @@ Expected<MeshFile> readSource(const MeshSource& source, const Progress& progress
     if (!row.recognise || !row.recognise(source)) continue;
     Expected<MeshFile> file = row.read(source, progress);
     if (file && by_name != &row)
-      file->notes.emplace_back("The extension \"" + source.extension() + "\" does not fit: by its content the file is " +
-                            std::string(row.name) + ", and was read as such.");
+      file->notes.emplace_back("The extension \"" + source.extension() +
+                               "\" does not fit: by its content the file is " + std::string(row.name) +
+                               ", and was read as such.");
     return file;
   }
   KERF_CHECK(refuseForeign(source));

@@ -21,10 +21,11 @@ struct MeshFile {
   MeshFormat format = MeshFormat::kStlBinary;
   /// The coordinates carry more than float32 holds: PLY `double`, or text with more than nine significant digits.
   bool had_double_coordinates = false;
-  std::string declared_unit;  ///< "mm", "cm", "m", "um" or "inch" if a header or comment says so ("units = mm"), else empty
+  std::string
+      declared_unit;  ///< "mm", "cm", "m", "um" or "inch" if a header or comment says so ("units = mm"), else empty
   std::size_t polygons_triangulated = 0;  ///< faces of four or more corners
-  std::size_t unwelded_vertices = 0;      ///< STL: corners before welding, three per triangle. Others: 0, nothing is welded
-  std::vector<std::string> notes;         ///< what was skipped, ignored or odd; plain sentences for the user
+  std::size_t unwelded_vertices = 0;  ///< STL: corners before welding, three per triangle. Others: 0, nothing is welded
+  std::vector<std::string> notes;     ///< what was skipped, ignored or odd; plain sentences for the user
 };
 
 /// Reads STL (binary, ASCII), PLY (ASCII, both binary orders), OBJ, OFF/COFF/NOFF.
@@ -37,7 +38,7 @@ struct MeshFile {
 /// Refused, never half-read: missing or unreadable file, no faces (point cloud), truncated or over-long data, values
 /// that are not finite, indices out of range, counts the file cannot hold, 3Shape DCM, zip and gzip archives.
 /// Positions are doubles as the file says; ASCII PLY `float` is rounded to float32 as declared.
-/// @cost  one read of the file; memory a small multiple of its size. 200 000 triangles: binary STL 60 ms.
+/// @cost  one read of the file; memory a small multiple of its size. 200 000 triangles: binary STL 20 ms, PLY 10, OBJ and OFF 35, ASCII STL 190.
 /// @throws nothing.
 Expected<MeshFile> readMesh(const std::filesystem::path& path, const Progress& progress = {});
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "geometry/atomic_file.h"
+#include "geometry/internal/mesh_source.h"
 #include "geometry/mesh_formats.h"
 
 namespace kerf {
@@ -11,14 +12,15 @@ Expected<void> writeMesh(const std::filesystem::path& path, const Mesh& mesh, co
   const MeshFormatRow* row = formatOfExtension(path.extension().string());
   if (row == nullptr || row->write == nullptr)
     return fail(Error{Error::Code::kUnsupported, path.string(), "extension",
-                      path.extension().empty() ? "none" : "\"" + path.extension().string() + "\"",
-                      "one of " + writableExtensions(), "end the name with the format wanted"});
+                      internal::inQuotes(path.extension().string()), "one of " + writableExtensions(),
+                      "end the name with the format wanted"});
   // What float32 cannot hold would come back as infinity.
   if (!(options.double_positions && row->extensions == ".ply"))
     for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
       if (!mesh.vertices[v].cast<float>().allFinite())
         return fail(Error{Error::Code::kBadValue, path.string(), "vertex " + std::to_string(v),
-                          "a coordinate too large for float32", "less than 3.4e38", "check the unit and scale of the mesh"});
+                          "a coordinate too large for float32", "less than 3.4e38",
+                          "check the unit and scale of the mesh"});
   MeshWriteOptions cleaned = options;
   for (char& c : cleaned.comment)
     if (static_cast<unsigned char>(c) < 0x20) c = ' ';

@@ -169,8 +169,8 @@ std::uint64_t spread(std::uint64_t x) {  // two zero bits between the low 21 bit
 
 // Implicit tree, four children per node, over triangles in Morton order. Level 0 holds the triangles themselves.
 struct Tree {
-  std::vector<std::uint32_t> triangle;    // Morton order -> triangle
-  std::vector<std::vector<Box>> level;    // level[k][i] bounds level[k-1][4i .. 4i+3]
+  std::vector<std::uint32_t> triangle;  // Morton order -> triangle
+  std::vector<std::vector<Box>> level;  // level[k][i] bounds level[k-1][4i .. 4i+3]
 };
 
 Tree buildTree(std::span<const Vec3d> vertices, std::span<const Triangle> triangles,
@@ -210,8 +210,8 @@ Tree buildTree(std::span<const Vec3d> vertices, std::span<const Triangle> triang
 }
 
 // Appends the pairs of leaf group `g` (triangles 4g .. 4g+3 in Morton order) with itself and everything behind it.
-void pairsOfGroup(const Tree& tree, std::span<const Vec3d> vertices, std::span<const Triangle> triangles,
-                  std::size_t g, std::vector<Pair>& out) {
+void pairsOfGroup(const Tree& tree, std::span<const Vec3d> vertices, std::span<const Triangle> triangles, std::size_t g,
+                  std::vector<Pair>& out) {
   const std::vector<Box>& leaf = tree.level[0];
   const std::size_t begin = 4 * g, end = std::min(begin + 4, leaf.size());
   const Box& box = tree.level[1][g];
@@ -254,7 +254,8 @@ std::vector<std::uint32_t> degenerateTriangles(std::span<const Vec3d> vertices, 
       const double bound = u.cwiseAbs().sum() * v.cwiseAbs().sum();
       // Each component of the cross product is off by less than 8 roundings of `bound`.
       if (bound > kUnderflow && std::isfinite(bound) && u.cross(v).cwiseAbs().maxCoeff() > 1e-15 * bound) continue;
-      flat[i] = t[0] == t[1] || t[1] == t[2] || t[2] == t[0] || CGAL::collinear(exactPoint(a), exactPoint(b), exactPoint(c));
+      flat[i] =
+          t[0] == t[1] || t[1] == t[2] || t[2] == t[0] || CGAL::collinear(exactPoint(a), exactPoint(b), exactPoint(c));
     }
   });
   std::vector<std::uint32_t> list;

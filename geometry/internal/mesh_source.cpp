@@ -83,6 +83,7 @@ Expected<MeshSource> loadMeshSource(const std::filesystem::path& path) {
 }
 
 std::string inQuotes(std::string_view word) {
+  if (word.empty()) return "nothing";
   std::string text = "\"";
   for (const char c : word.substr(0, 40)) {
     const auto u = static_cast<unsigned char>(c);
@@ -149,10 +150,10 @@ bool exceedsFloat(std::string_view word) {
 
 std::string unitIn(std::string_view text) {
   constexpr std::pair<std::string_view, std::string_view> kUnits[] = {
-      {"mm", "mm"},   {"millimeter", "mm"}, {"millimeters", "mm"}, {"millimetre", "mm"}, {"millimetres", "mm"},
-      {"cm", "cm"},   {"centimeter", "cm"}, {"centimeters", "cm"}, {"m", "m"},           {"meter", "m"},
-      {"meters", "m"}, {"metre", "m"},      {"metres", "m"},       {"um", "um"},         {"micron", "um"},
-      {"microns", "um"}, {"in", "inch"},    {"inch", "inch"},      {"inches", "inch"}};
+      {"mm", "mm"},      {"millimeter", "mm"}, {"millimeters", "mm"}, {"millimetre", "mm"}, {"millimetres", "mm"},
+      {"cm", "cm"},      {"centimeter", "cm"}, {"centimeters", "cm"}, {"m", "m"},           {"meter", "m"},
+      {"meters", "m"},   {"metre", "m"},       {"metres", "m"},       {"um", "um"},         {"micron", "um"},
+      {"microns", "um"}, {"in", "inch"},       {"inch", "inch"},      {"inches", "inch"}};
   bool after_unit = false;
   for (std::size_t i = 0; i < text.size();) {
     if (!std::isalpha(static_cast<unsigned char>(text[i]))) {

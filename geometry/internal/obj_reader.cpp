@@ -9,10 +9,11 @@ namespace kerf::internal {
 namespace {
 
 constexpr Rgba8 kNoColor{200, 200, 200, 255};
-constexpr std::string_view kSkipped[] = {"vn", "vt", "vp", "g", "o", "s", "mg", "usemtl", "mtllib", "l", "p",
-                                         "usemap", "maplib", "lod", "shadow_obj", "trace_obj", "bevel", "c_interp",
-                                         "d_interp", "cstype", "deg", "curv", "curv2", "surf", "parm", "trim", "hole",
-                                         "scrv", "sp", "end", "con", "bmat", "step", "ctech", "stech", "call", "csh"};
+constexpr std::string_view kSkipped[] = {
+    "vn",  "vt",     "vp",     "g",     "o",          "s",         "mg",    "usemtl",   "mtllib",   "l",
+    "p",   "usemap", "maplib", "lod",   "shadow_obj", "trace_obj", "bevel", "c_interp", "d_interp", "cstype",
+    "deg", "curv",   "curv2",  "surf",  "parm",       "trim",      "hole",  "scrv",     "sp",       "end",
+    "con", "bmat",   "step",   "ctech", "stech",      "call",      "csh"};
 
 class ObjReader {
  public:
@@ -70,7 +71,8 @@ class ObjReader {
       return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
     });
     if (!known && (!is_word || vertices().empty()))
-      return fail(source_.atLine(at_, Error::Code::kBadFormat, inQuotes(keyword), "an OBJ statement (v, f, ...)", kDamaged));
+      return fail(
+          source_.atLine(at_, Error::Code::kBadFormat, inQuotes(keyword), "an OBJ statement (v, f, ...)", kDamaged));
     ++skipped_[std::string(keyword)];
     return {};
   }
@@ -80,11 +82,13 @@ class ObjReader {
     std::size_t n = 0;
     for (std::string_view word = words.next(); !word.empty() && word[0] != '#'; word = words.next(), ++n) {
       if (n == value.size()) return bad("more than seven numbers after \"v\"", "x y z [r g b]");
-      if (const char* wrong = parseNumber(word, value[n])) return bad(inQuotes(word) + ", " + wrong, "a finite number", numberHint(word));
+      if (const char* wrong = parseNumber(word, value[n]))
+        return bad(inQuotes(word) + ", " + wrong, "a finite number", numberHint(word));
       if (n < 3 && !file_.had_double_coordinates) file_.had_double_coordinates = exceedsFloat(word);
     }
     if (n < 3 || n == 5) return bad(std::to_string(n) + " numbers after \"v\"", "x y z or x y z r g b");
-    if (vertices().size() >= 0xfffffff0u) return bad("more than 4 294 967 280 vertices", "fewer", "reduce the mesh first");
+    if (vertices().size() >= 0xfffffff0u)
+      return bad("more than 4 294 967 280 vertices", "fewer", "reduce the mesh first");
     vertices().emplace_back(value[0], value[1], value[2]);
     if (n >= 6) {
       std::vector<Rgba8>& colors = file_.mesh.vertex_colors;
@@ -119,7 +123,8 @@ class ObjReader {
       }
       const auto count = static_cast<std::int64_t>(vertices().size());
       if (index < 0) index = index < -count ? 0 : count + 1 + index;  // -1 is the newest vertex
-      if (index <= 0 || index > 0xfffffff0ll) return bad("corner " + inQuotes(word), "a vertex number from 1 to " + std::to_string(count));
+      if (index <= 0 || index > 0xfffffff0ll)
+        return bad("corner " + inQuotes(word), "a vertex number from 1 to " + std::to_string(count));
       if (index > count && static_cast<std::uint64_t>(index) > highest_corner_)
         highest_corner_ = static_cast<std::uint64_t>(index), highest_corner_at_ = at_;
       corners_.push_back(static_cast<std::uint32_t>(index - 1));

@@ -34,8 +34,7 @@ class OffReader {
     KERF_CHECK(readVertices());
     KERF_CHECK(readFaces());
     std::string_view extra;
-    if (nextLine(extra))
-      return bad(extra, inQuotes(extra) + " after the last face", "the end of the file");
+    if (nextLine(extra)) return bad(extra, inQuotes(extra) + " after the last face", "the end of the file");
     if (colors_skipped_) file_.notes.emplace_back("Colours given as an index into a colour table were not read.");
     if (extra_values_) file_.notes.emplace_back("Additional values per vertex (normals or texture) were not read.");
     triangulate(polygons_, file_);
@@ -45,8 +44,10 @@ class OffReader {
  private:
   static constexpr const char* kDamaged = "the file is cut short or damaged; export or copy it again";
 
-  tl::unexpected<Error> bad(std::string_view at, std::string found, std::string expected, std::string hint = kDamaged) const {
-    return fail(source_.atLine(at.data(), Error::Code::kBadFormat, std::move(found), std::move(expected), std::move(hint)));
+  tl::unexpected<Error> bad(std::string_view at, std::string found, std::string expected,
+                            std::string hint = kDamaged) const {
+    return fail(
+        source_.atLine(at.data(), Error::Code::kBadFormat, std::move(found), std::move(expected), std::move(hint)));
   }
 
   // The next line with something on it besides a comment.
@@ -69,8 +70,9 @@ class OffReader {
     const std::string_view keyword = words.next();
     if (!parseKind(keyword, kind_)) return bad(line, inQuotes(keyword), "\"OFF\", \"COFF\" or \"NOFF\"");
     if (kind_.four || kind_.any_dimension)
-      return fail(source_.atLine(line.data(), Error::Code::kUnsupported, inQuotes(keyword) + ": vertices not of three coordinates",
-                                 "OFF, COFF or NOFF", "export as three-dimensional OFF"));
+      return fail(source_.atLine(line.data(), Error::Code::kUnsupported,
+                                 inQuotes(keyword) + ": vertices not of three coordinates", "OFF, COFF or NOFF",
+                                 "export as three-dimensional OFF"));
     std::string_view word = words.next();
     if (word == "BINARY")
       return fail(source_.atLine(line.data(), Error::Code::kUnsupported, "binary OFF", "ASCII OFF",
@@ -83,7 +85,8 @@ class OffReader {
     std::array<std::int64_t, 3> count{};
     for (std::size_t k = 0; k < 3; ++k, word = words.next()) {
       if (word.empty() && k == 2) break;  // the number of edges is often missing and never used
-      if (const char* wrong = parseInteger(word, count[k])) return bad(line, inQuotes(word) + ", " + wrong, "a count of vertices, faces or edges");
+      if (const char* wrong = parseInteger(word, count[k]))
+        return bad(line, inQuotes(word) + ", " + wrong, "a count of vertices, faces or edges");
       if (count[k] < 0) return bad(line, "a count of " + std::to_string(count[k]), "a count that is not negative");
     }
     // A vertex takes at least "0 0 0\n", a face "1 0\n".
@@ -103,7 +106,8 @@ class OffReader {
     for (std::size_t k = 0; k < n; ++k) real |= word[k].find_first_of(".eE") != std::string_view::npos;
     for (std::size_t k = 0; k < n; ++k) {
       double value = 0;
-      if (const char* wrong = parseNumber(word[k], value)) return bad(line, inQuotes(word[k]) + ", " + wrong, "a colour", numberHint(word[k]));
+      if (const char* wrong = parseNumber(word[k], value))
+        return bad(line, inQuotes(word[k]) + ", " + wrong, "a colour", numberHint(word[k]));
       if (real) value *= 255;
       if (value < 0 || value > 255.5) return bad(line, "colour " + inQuotes(word[k]), "0 to 255, or 0.0 to 1.0");
       color[k] = static_cast<std::uint8_t>(std::min(255l, std::lround(value)));
@@ -116,11 +120,13 @@ class OffReader {
     mesh.vertices.reserve(vertex_count_);
     std::array<std::string_view, 16> word;
     for (std::size_t i = 0; i < vertex_count_; ++i) {
-      if (i % 65536 == 0 && !report(progress_, 0.5 * static_cast<double>(i) / static_cast<double>(vertex_count_), "reading OFF"))
+      if (i % 65536 == 0 &&
+          !report(progress_, 0.5 * static_cast<double>(i) / static_cast<double>(vertex_count_), "reading OFF"))
         return fail(cancelled(source_));
       std::string_view line;
       if (!nextLine(line))
-        return bad(line, "the end of the file at vertex " + std::to_string(i), std::to_string(vertex_count_) + " vertices");
+        return bad(line, "the end of the file at vertex " + std::to_string(i),
+                   std::to_string(vertex_count_) + " vertices");
       std::size_t n = 0;
       Words words(line);
       for (std::string_view w = words.next(); !w.empty(); w = words.next()) {
@@ -128,11 +134,14 @@ class OffReader {
         word[n++] = w;
       }
       std::size_t used = kind_.normal ? 6 : 3;
-      if (n < used) return bad(line, std::to_string(n) + " values for vertex " + std::to_string(i), "at least " + std::to_string(used));
+      if (n < used)
+        return bad(line, std::to_string(n) + " values for vertex " + std::to_string(i),
+                   "at least " + std::to_string(used));
       Vec3d p;
       for (int k = 0; k < 3; ++k) {
         const std::string_view w = word[static_cast<std::size_t>(k)];
-        if (const char* wrong = parseNumber(w, p[k])) return bad(line, inQuotes(w) + ", " + wrong, "a finite coordinate", numberHint(w));
+        if (const char* wrong = parseNumber(w, p[k]))
+          return bad(line, inQuotes(w) + ", " + wrong, "a finite coordinate", numberHint(w));
         if (!file_.had_double_coordinates) file_.had_double_coordinates = exceedsFloat(w);
       }
       mesh.vertices.push_back(p);
@@ -141,7 +150,8 @@ class OffReader {
         const std::size_t of_color = std::min<std::size_t>(n - used - (kind_.texture && n - used >= 2 ? 2 : 0), 4);
         Rgba8 color;
         KERF_TRY(good, parseColor(line, &word[used], of_color, color));
-        if (!good) return bad(line, "no colour for vertex " + std::to_string(i), "three or four numbers after the position");
+        if (!good)
+          return bad(line, "no colour for vertex " + std::to_string(i), "three or four numbers after the position");
         mesh.vertex_colors.push_back(color);
         used += of_color;
       }
@@ -155,7 +165,8 @@ class OffReader {
     polygons_.corners.reserve(3 * face_count_);
     std::vector<std::uint32_t> corners;
     for (std::size_t i = 0; i < face_count_; ++i) {
-      if (i % 65536 == 0 && !report(progress_, 0.5 + 0.5 * static_cast<double>(i) / static_cast<double>(face_count_), "reading OFF"))
+      if (i % 65536 == 0 &&
+          !report(progress_, 0.5 + 0.5 * static_cast<double>(i) / static_cast<double>(face_count_), "reading OFF"))
         return fail(cancelled(source_));
       std::string_view line;
       if (!nextLine(line))
@@ -163,7 +174,8 @@ class OffReader {
       Words words(line);
       const std::string_view first = words.next();
       std::int64_t n = 0;
-      if (const char* wrong = parseInteger(first, n)) return bad(line, inQuotes(first) + ", " + wrong, "the number of corners of a face");
+      if (const char* wrong = parseInteger(first, n))
+        return bad(line, inQuotes(first) + ", " + wrong, "the number of corners of a face");
       if (n < 0 || n > static_cast<std::int64_t>(kMaxPolygonCorners))
         return bad(line, "a face of " + std::to_string(n) + " corners", "0 to " + std::to_string(kMaxPolygonCorners),
                    "triangulate the mesh before exporting it");
@@ -171,7 +183,8 @@ class OffReader {
       for (std::int64_t k = 0; k < n; ++k) {
         const std::string_view word = words.next();
         std::int64_t index = 0;
-        if (const char* wrong = parseInteger(word, index)) return bad(line, inQuotes(word) + ", " + wrong, "a vertex index");
+        if (const char* wrong = parseInteger(word, index))
+          return bad(line, inQuotes(word) + ", " + wrong, "a vertex index");
         if (index < 0 || index >= static_cast<std::int64_t>(vertex_count_))
           return bad(line, "vertex index " + std::to_string(index), "0 to " + std::to_string(vertex_count_) + " - 1");
         corners.push_back(static_cast<std::uint32_t>(index));

@@ -1,6 +1,6 @@
 // STL and OFF by OpenMesh 9, from std::ostream and float32 positions.
-// Checked by the round-trip tests: nine significant digits bring every float32 back bit for bit, vertices and faces keep
-// their order, OFF keeps the colours of both, the STL header reads "binary stl file".
+// Checked by the round-trip tests: nine significant digits bring every float32 back bit for bit, vertices and faces
+// keep their order, OFF keeps the colours of both, the STL header reads "binary stl file".
 #include <OpenMesh/Core/IO/MeshIO.hh>
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
 
@@ -33,13 +33,17 @@ Expected<OpenMeshMesh> converted(const Mesh& mesh) {
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const Triangle& f = mesh.triangles[t];
     const bool repeats = f[0] == f[1] || f[1] == f[2] || f[2] == f[0];
-    if (repeats || !out.add_face(Handle(static_cast<int>(f[0])), Handle(static_cast<int>(f[1])), Handle(static_cast<int>(f[2]))).is_valid())
+    if (repeats ||
+        !out.add_face(Handle(static_cast<int>(f[0])), Handle(static_cast<int>(f[1])), Handle(static_cast<int>(f[2])))
+             .is_valid())
       return fail(Error{Error::Code::kGeometry, "", "triangle " + std::to_string(t),
                         "it makes the surface non-manifold (an edge of three faces, a flipped or a degenerate face)",
-                        "a surface on which every edge has at most two faces", "repair the mesh first, or write PLY or OBJ"});
+                        "a surface on which every edge has at most two faces",
+                        "repair the mesh first, or write PLY or OBJ"});
   }
   if (mesh.hasVertexColors())
-    for (std::size_t v = 0; v < mesh.vertices.size(); ++v) out.set_color(Handle(static_cast<int>(v)), color(mesh.vertex_colors[v]));
+    for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
+      out.set_color(Handle(static_cast<int>(v)), color(mesh.vertex_colors[v]));
   if (mesh.hasFaceColors())
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
       out.set_color(OpenMeshMesh::FaceHandle(static_cast<int>(t)), color(mesh.face_colors[t]));
@@ -53,7 +57,8 @@ Expected<void> write(std::ostream& stream, const Mesh& mesh, const char* extensi
     constexpr std::streamsize kFloatDigits = 9;  // enough for any float32 to come back exactly
     if (OpenMesh::IO::write_mesh(converted_mesh, stream, extension, options, kFloatDigits)) return {};
     if (!stream) return {};  // the file knows better why
-    return fail(Error{Error::Code::kWriteFailed, "", extension, "OpenMesh could not write the mesh", "", "write PLY instead"});
+    return fail(
+        Error{Error::Code::kWriteFailed, "", extension, "OpenMesh could not write the mesh", "", "write PLY instead"});
   } catch (const std::exception& e) {
     return fail(Error{Error::Code::kWriteFailed, "", extension, e.what(), "", "write PLY instead"});
   }

@@ -14,10 +14,10 @@ enum class Type { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat, kDoub
 
 std::optional<Type> typeNamed(std::string_view word) {
   constexpr std::pair<std::string_view, Type> kTypes[] = {
-      {"char", Type::kInt8},     {"int8", Type::kInt8},     {"uchar", Type::kUint8},  {"uint8", Type::kUint8},
-      {"short", Type::kInt16},   {"int16", Type::kInt16},   {"ushort", Type::kUint16}, {"uint16", Type::kUint16},
-      {"int", Type::kInt32},     {"int32", Type::kInt32},   {"uint", Type::kUint32},  {"uint32", Type::kUint32},
-      {"float", Type::kFloat},   {"float32", Type::kFloat}, {"double", Type::kDouble}, {"float64", Type::kDouble}};
+      {"char", Type::kInt8},   {"int8", Type::kInt8},     {"uchar", Type::kUint8},   {"uint8", Type::kUint8},
+      {"short", Type::kInt16}, {"int16", Type::kInt16},   {"ushort", Type::kUint16}, {"uint16", Type::kUint16},
+      {"int", Type::kInt32},   {"int32", Type::kInt32},   {"uint", Type::kUint32},   {"uint32", Type::kUint32},
+      {"float", Type::kFloat}, {"float32", Type::kFloat}, {"double", Type::kDouble}, {"float64", Type::kDouble}};
   for (const auto& [spelled, type] : kTypes)
     if (word == spelled) return type;
   return std::nullopt;
@@ -152,7 +152,8 @@ class PlyReader {
       type = words.next();
     }
     const std::optional<Type> known = typeNamed(type);
-    if (!known) return badHeader(line, "type " + inQuotes(type), "char, uchar, short, ushort, int, uint, float or double");
+    if (!known)
+      return badHeader(line, "type " + inQuotes(type), "char, uchar, short, ushort, int, uint, float or double");
     property.type = *known;
     property.name = words.next();
     if (property.name.empty()) return badHeader(line, "a property without a name", "property TYPE NAME");
@@ -220,7 +221,8 @@ class PlyReader {
     }
     if (vertices == 1 && faces <= 1) return {};
     const char* at = elements_.empty() ? source_.bytes.get() : elements_.front().declared_at;
-    return badHeader({at, 0}, std::to_string(vertices) + " vertex elements and " + std::to_string(faces) + " face elements",
+    return badHeader({at, 0},
+                     std::to_string(vertices) + " vertex elements and " + std::to_string(faces) + " face elements",
                      "one of each");
   }
 
@@ -231,7 +233,8 @@ class PlyReader {
       if (!known) list += (list.empty() ? "" : ", ") + element.name;
       const bool colored = element.has(Role::kRed) && element.has(Role::kGreen) && element.has(Role::kBlue);
       for (Property& p : element.properties) {
-        if (!colored && (p.role == Role::kRed || p.role == Role::kGreen || p.role == Role::kBlue || p.role == Role::kAlpha))
+        if (!colored &&
+            (p.role == Role::kRed || p.role == Role::kGreen || p.role == Role::kBlue || p.role == Role::kAlpha))
           p.role = Role::kSkip;
         if (known && p.role == Role::kSkip) list += (list.empty() ? "" : ", ") + element.name + "." + p.name;
       }
@@ -242,14 +245,29 @@ class PlyReader {
   template <class Real>
   static void store(Role role, Real value, Item& item) {
     switch (role) {
-      case Role::kX: item.position[0] = value; break;
-      case Role::kY: item.position[1] = value; break;
-      case Role::kZ: item.position[2] = value; break;
-      case Role::kRed: item.color[0] = static_cast<std::uint8_t>(value); break;
-      case Role::kGreen: item.color[1] = static_cast<std::uint8_t>(value); break;
-      case Role::kBlue: item.color[2] = static_cast<std::uint8_t>(value); break;
-      case Role::kAlpha: item.color[3] = static_cast<std::uint8_t>(value); break;
-      default: break;
+      case Role::kX:
+        item.position[0] = value;
+        break;
+      case Role::kY:
+        item.position[1] = value;
+        break;
+      case Role::kZ:
+        item.position[2] = value;
+        break;
+      case Role::kRed:
+        item.color[0] = static_cast<std::uint8_t>(value);
+        break;
+      case Role::kGreen:
+        item.color[1] = static_cast<std::uint8_t>(value);
+        break;
+      case Role::kBlue:
+        item.color[2] = static_cast<std::uint8_t>(value);
+        break;
+      case Role::kAlpha:
+        item.color[3] = static_cast<std::uint8_t>(value);
+        break;
+      default:
+        break;
     }
   }
 
@@ -260,7 +278,7 @@ class PlyReader {
       if (colored) file_.mesh.vertex_colors.reserve(element.count);
     } else if (element.name == "face") {
       polygons_.sizes.reserve(element.count);
-      polygons_.corners.reserve(3 * element.count);
+      polygons_.corners.reserve(std::min(3 * element.count, (source_.size - data_) / 2));
       if (colored) polygons_.colors.reserve(element.count);
     }
   }
@@ -317,8 +335,9 @@ class PlyReader {
       item.corners.clear();
       for (const Property& p : element.properties) KERF_CHECK(readAsciiProperty(p, words, line, item));
       if (const std::string_view extra = words.next(); !extra.empty())
-        return fail(source_.atLine(line.data(), Error::Code::kBadFormat, inQuotes(extra) + " after the last value of " + itemName(i),
-                                   "the end of the line", kDamaged));
+        return fail(source_.atLine(line.data(), Error::Code::kBadFormat,
+                                   inQuotes(extra) + " after the last value of " + itemName(i), "the end of the line",
+                                   kDamaged));
       keep(element, item, colored);
     }
     data_ = static_cast<std::size_t>(lines.position() - source_.bytes.get());
@@ -349,7 +368,8 @@ class PlyReader {
       if (word.empty()) return wrongWord(word, "");
       if (p.role != Role::kCorners) continue;
       if (const char* wrong = parseInteger(word, index)) return wrongWord(word, wrong);
-      if (index < 0 || index > 0xffffffffll) return corner(index, item, source_.atLine(line.data(), Error::Code::kBadValue, ""));
+      if (index < 0 || index > 0xffffffffll)
+        return corner(index, item, source_.atLine(line.data(), Error::Code::kBadValue, ""));
       item.corners.push_back(static_cast<std::uint32_t>(index));
     }
     return {};
@@ -379,16 +399,21 @@ class PlyReader {
   std::uint64_t bits(std::size_t at, std::size_t n) const {
     const auto* u = reinterpret_cast<const unsigned char*>(source_.bytes.get() + at);
     std::uint64_t value = 0;
-    for (std::size_t i = 0; i < n; ++i) value |= std::uint64_t{u[encoding_ == Encoding::kBig ? n - 1 - i : i]} << (8 * i);
+    for (std::size_t i = 0; i < n; ++i)
+      value |= std::uint64_t{u[encoding_ == Encoding::kBig ? n - 1 - i : i]} << (8 * i);
     return value;
   }
   std::int64_t integer(std::size_t at, Type type) const {
     const std::uint64_t b = bits(at, sizeOf(type));
     switch (type) {
-      case Type::kInt8: return static_cast<std::int8_t>(b);
-      case Type::kInt16: return static_cast<std::int16_t>(b);
-      case Type::kInt32: return static_cast<std::int32_t>(b);
-      default: return static_cast<std::int64_t>(b);
+      case Type::kInt8:
+        return static_cast<std::int8_t>(b);
+      case Type::kInt16:
+        return static_cast<std::int16_t>(b);
+      case Type::kInt32:
+        return static_cast<std::int32_t>(b);
+      default:
+        return static_cast<std::int64_t>(b);
     }
   }
   double real(std::size_t at, Type type) const {
@@ -452,12 +477,14 @@ class PlyReader {
   Expected<void> checkEnd() const {
     std::size_t at = data_;
     const bool text = encoding_ == Encoding::kAscii;
-    while (at < source_.size && (isBlank(source_.bytes[at]) || isLineEnd(source_.bytes[at])) && (text || at < data_ + 2))
+    while (at < source_.size && (isBlank(source_.bytes[at]) || isLineEnd(source_.bytes[at])) &&
+           (text || at < data_ + 2))
       ++at;
     if (at == source_.size) return {};
     const std::string found = std::to_string(source_.size - at) + " bytes after the last element";
     if (text)
-      return fail(source_.atLine(source_.bytes.get() + at, Error::Code::kBadFormat, found, "the end of the file", kDamaged));
+      return fail(
+          source_.atLine(source_.bytes.get() + at, Error::Code::kBadFormat, found, "the end of the file", kDamaged));
     return fail(source_.atByte(at, Error::Code::kBadFormat, found, "the end of the file", kDamaged));
   }
 

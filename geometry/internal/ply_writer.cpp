@@ -24,7 +24,8 @@ constexpr const char* kColorProperties =
 }  // namespace
 
 Expected<void> writePly(std::ostream& out, const Mesh& mesh, const MeshWriteOptions& options) {
-  const bool vertex_colors = options.colors && mesh.hasVertexColors(), face_colors = options.colors && mesh.hasFaceColors();
+  const bool vertex_colors = options.colors && mesh.hasVertexColors(),
+             face_colors = options.colors && mesh.hasFaceColors();
   const char* real = options.double_positions ? "double" : "float";
   out << "ply\nformat binary_little_endian 1.0\n";
   if (!options.comment.empty()) out << "comment " << options.comment << '\n';

@@ -78,8 +78,7 @@ class PolygonCutter {
       while (ear < rest_.size() && !isEar(ear)) ++ear;
       if (ear == rest_.size()) return;
       const std::size_t n = rest_.size();
-      mesh_.triangles.push_back(
-          {corner[rest_[(ear + n - 1) % n]], corner[rest_[ear]], corner[rest_[(ear + 1) % n]]});
+      mesh_.triangles.push_back({corner[rest_[(ear + n - 1) % n]], corner[rest_[ear]], corner[rest_[(ear + 1) % n]]});
       rest_.erase(rest_.begin() + static_cast<std::ptrdiff_t>(ear));
     }
   }

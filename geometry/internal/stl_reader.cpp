@@ -33,10 +33,10 @@ Expected<MeshFile> readBinary(const MeshSource& source, const Progress& progress
                               "at least 84 bytes of a binary STL", hint));
   const std::size_t count = littleEndian32(&source.bytes[80]);
   if (!hasBinarySize(source))
-    return fail(source.atByte(80, Error::Code::kBadFormat,
-                              "a count of " + std::to_string(count) + " triangles in a file of " +
-                                  std::to_string(source.size) + " bytes",
-                              "84 + 50 x count = " + std::to_string(kHeader + kRecord * count) + " bytes", hint));
+    return fail(source.atByte(
+        80, Error::Code::kBadFormat,
+        "a count of " + std::to_string(count) + " triangles in a file of " + std::to_string(source.size) + " bytes",
+        "84 + 50 x count = " + std::to_string(kHeader + kRecord * count) + " bytes", hint));
   if (count >= 0xffffffffu / 3)
     return fail(source.atByte(80, Error::Code::kUnsupported, std::to_string(count) + " triangles",
                               "fewer than 1.4 thousand million", "reduce the mesh first"));
@@ -58,10 +58,10 @@ Expected<MeshFile> readBinary(const MeshSource& source, const Progress& progress
         const std::size_t offset = 12 + 12 * k + 4 * c;
         const std::uint32_t bits = littleEndian32(record + offset);
         if ((bits & 0x7f800000u) == 0x7f800000u)
-          return fail(source.atByte(kHeader + kRecord * t + offset, Error::Code::kBadValue,
-                                    "a coordinate that is not finite (NaN or infinite) in triangle " +
-                                        std::to_string(t),
-                                    "finite numbers", "repair the mesh in the program that wrote it"));
+          return fail(
+              source.atByte(kHeader + kRecord * t + offset, Error::Code::kBadValue,
+                            "a coordinate that is not finite (NaN or infinite) in triangle " + std::to_string(t),
+                            "finite numbers", "repair the mesh in the program that wrote it"));
         p[static_cast<int>(c)] = std::bit_cast<float>(bits);
       }
       triangle[k] = welder.add(p);
@@ -72,7 +72,7 @@ Expected<MeshFile> readBinary(const MeshSource& source, const Progress& progress
   file.mesh.vertices = std::move(welder.vertices);
   if (coloured > 0)
     file.notes.emplace_back(std::to_string(coloured) +
-                         " triangles carry an attribute word (some programs store a colour there); it was ignored.");
+                            " triangles carry an attribute word (some programs store a colour there); it was ignored.");
   if (startsWithSolid(source.text().substr(0, 80)))
     file.notes.emplace_back("The header begins with \"solid\" although the file is binary; read as binary.");
   return finished(source, std::move(file));
@@ -188,9 +188,7 @@ bool isAscii(const MeshSource& source) {
 
 }  // namespace
 
-bool isStl(const MeshSource& source) {
-  return hasBinarySize(source) || startsWithSolid(source.text().substr(0, 4096));
-}
+bool isStl(const MeshSource& source) { return hasBinarySize(source) || startsWithSolid(source.text().substr(0, 4096)); }
 
 Expected<MeshFile> readStl(const MeshSource& source, const Progress& progress) {
   if (hasBinarySize(source) || !isAscii(source)) return readBinary(source, progress);
