@@ -1,0 +1,36 @@
+#include "geometry/mesh_writer.h"
+
+#include <cmath>
+
+#include "geometry/atomic_file.h"
+#include "geometry/internal/mesh_source.h"
+#include "geometry/mesh_formats.h"
+
+namespace kerf {
+
+Expected<void> writeMesh(const std::filesystem::path& path, const Mesh& mesh, const MeshWriteOptions& options) {
+  const MeshFormatRow* row = formatOfExtension(path.extension().string());
+  if (row == nullptr || row->write == nullptr)
+    return fail(Error{Error::Code::kUnsupported, path.string(), "extension",
+                      internal::inQuotes(path.extension().string()), "one of " + writableExtensions(),
+                      "end the name with the format wanted"});
+  // What float32 cannot hold would come back as infinity.
+  if (!(options.double_positions && row->extensions == ".ply"))
+    for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
+      if (!mesh.vertices[v].cast<float>().allFinite())
+        return fail(Error{Error::Code::kBadValue, path.string(), "vertex " + std::to_string(v),
+                          "a coordinate too large for float32", "less than 3.4e38",
+                          "check the unit and scale of the mesh"});
+  MeshWriteOptions cleaned = options;
+  for (char& c : cleaned.comment)
+    if (static_cast<unsigned char>(c) < 0x20) c = ' ';
+  KERF_TRY(file, AtomicFile::create(path));
+  if (auto written = row->write(file.stream(), mesh, cleaned); !written) {
+    Error error = std::move(written).error();
+    error.file = path.string();
+    return fail(std::move(error));
+  }
+  return file.commit();
+}
+
+}  // namespace kerf
