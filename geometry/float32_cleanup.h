@@ -9,6 +9,17 @@
 
 namespace kerf {
 
+/// The nearest float32 number. Through memory, because g++ 12 turns a vectorised double -> float -> double at -O2 and
+/// -O3 into nothing at all.
+inline double roundedToFloat(double x) {
+  volatile float f = static_cast<float>(x);
+  return f;
+}
+/// The nearest point with float32 coordinates.
+inline Vec3d roundedToFloat(const Vec3d& p) {
+  return {roundedToFloat(p.x()), roundedToFloat(p.y()), roundedToFloat(p.z())};
+}
+
 struct CleanupReport {
   std::size_t collapsed = 0;       ///< edges collapsed
   std::size_t flipped = 0;         ///< edges flipped
