@@ -102,7 +102,7 @@ class Cleaner {
           if (w != v) sum += mesh_.vertices[w], ++count;
       Vec3d move = sum / count - mesh_.vertices[v];
       if (move.norm() > step) move *= step / move.norm();
-      const Vec3d to = roundedToFloat32(mesh_.vertices[v] + move);
+      const Vec3d to = roundedToFloat(mesh_.vertices[v] + move);
       report.largest_move_mm = std::max(report.largest_move_mm, (to - mesh_.vertices[v]).norm());
       mesh_.vertices[v] = to;
       ++report.relaxed;
@@ -246,7 +246,7 @@ Expected<CleanupReport> cleanUpForFloat32(Mesh& mesh, std::vector<char>& fixed_v
     return badInput({}, "clean-up labels that do not fit the mesh", "one flag per vertex and one tag per triangle");
   CleanupReport total;
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
-    const Vec3d r = roundedToFloat32(mesh.vertices[v]);
+    const Vec3d r = roundedToFloat(mesh.vertices[v]);
     if (!r.allFinite())
       return badInput(fmt::format("vertex {}", v), "a coordinate that is no single-precision number",
                       "coordinates below 3e38 mm");

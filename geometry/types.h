@@ -14,12 +14,14 @@ using Vec3f = Eigen::Vector3f;
 using Vec3i = Eigen::Vector3i;
 using Rgba8 = std::array<std::uint8_t, 4>;
 
-/// p rounded to single precision, as STL stores it. By component: Eigen 3.4's p.cast<float>().cast<double>() leaves the
-/// first two components unrounded when vectorised.
-inline Vec3d roundedToFloat32(const Vec3d& p) {
-  const auto round = [](double x) { return static_cast<double>(static_cast<float>(x)); };
-  return {round(p[0]), round(p[1]), round(p[2])};
+/// The nearest float32 number, as files hold it. Through memory: g++ 12 turns a vectorised double -> float -> double (plain or
+/// Eigen's p.cast<float>().cast<double>()) into nothing at all at -O2.
+inline double roundedToFloat(double x) {
+  volatile float f = static_cast<float>(x);
+  return f;
 }
+/// The nearest point with float32 coordinates.
+inline Vec3d roundedToFloat(const Vec3d& p) { return {roundedToFloat(p[0]), roundedToFloat(p[1]), roundedToFloat(p[2])}; }
 
 /// Axis-aligned box, mm. Empty (min > max) until a point is added.
 struct Box3 {

@@ -34,20 +34,5 @@ TEST(CrossingPairs, TriangleWithoutAreaIsReported) {
   EXPECT_EQ(crossingPairs(twoTriangles(p, {0, 1, 2}, {4, 4, 4})), (Pairs{{1, 1}}));
 }
 
-TEST(CrossingPairs, OnlyFlaggedTrianglesAreLookedAt) {
-  Mesh m;
-  for (int k = 0; k < 2; ++k) {
-    const auto base = static_cast<std::uint32_t>(m.vertices.size());
-    const Vec3d at(10.0 * k, 0, 0);
-    for (const Vec3d& p :
-         {Vec3d(0, 0, 0), Vec3d(2, 0, 0), Vec3d(0, 2, 0), Vec3d(.5, .5, -1), Vec3d(.5, .5, 1), Vec3d(3, 3, 1)})
-      m.vertices.push_back(p + at);
-    m.triangles.push_back({base, base + 1, base + 2});
-    m.triangles.push_back({base + 3, base + 4, base + 5});
-  }
-  EXPECT_EQ(crossingPairs(m), (Pairs{{0, 1}, {2, 3}}));
-  EXPECT_EQ(crossingPairs(m, {0, 0, 0, 1}), (Pairs{{2, 3}}));
-}
-
 }  // namespace
 }  // namespace kerf

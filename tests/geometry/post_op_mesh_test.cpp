@@ -19,7 +19,7 @@ constexpr double kRadius = 3.0;
 Mesh ballMesh(int rings) {
   Mesh m;
   const int around = 2 * rings;
-  const auto put = [&m](const Vec3d& p) { m.vertices.push_back(roundedToFloat32(p)); };
+  const auto put = [&m](const Vec3d& p) { m.vertices.push_back(roundedToFloat(p)); };
   put({0, 0, kRadius});
   for (int r = 1; r < rings; ++r)
     for (int a = 0; a < around; ++a) {
@@ -78,7 +78,7 @@ TEST(PostOpMesh, ResultIsClosedFreeOfCrossingsAndRepresentableInFloat32) {
   ASSERT_TRUE(out) << out.error().message();
   expectClosedManifold(out->mesh);
   EXPECT_TRUE(crossingPairs(out->mesh).empty());
-  for (const Vec3d& p : out->mesh.vertices) EXPECT_EQ(p, roundedToFloat32(p));
+  for (const Vec3d& p : out->mesh.vertices) EXPECT_EQ(p, Vec3d(roundedToFloat(p)));
   EXPECT_EQ(out->report.pieces, 1u);
 }
 

@@ -1,0 +1,150 @@
+#include "preprocess/internal/boundary.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/float32_cleanup.h"
+#include "preprocess/internal/base.h"
+#include "preprocess/internal/hole.h"
+
+namespace kerf::internal {
+namespace {
+
+double length(const Mesh& mesh, const Loop& loop) {
+  double sum = 0;
+  for (std::size_t i = 0; i < loop.size(); ++i)
+    sum += (mesh.vertices[loop[i]] - mesh.vertices[loop[(i + 1) % loop.size()]]).norm();
+  return sum;
+}
+
+/// Twice the area vector of whatever would close the loop.
+Vec3d areaVector(const Mesh& mesh, const Loop& loop) {
+  const Vec3d c = mesh.vertices[loop[0]];
+  Vec3d sum = Vec3d::Zero();
+  for (std::size_t i = 1; i + 1 < loop.size(); ++i)
+    sum += (mesh.vertices[loop[i]] - c).cross(mesh.vertices[loop[i + 1]] - c);
+  return sum;
+}
+
+struct Direction {
+  int axis;
+  int sign;
+  Vec3d vector() const { return sign * Vec3d::Unit(axis); }
+};
+Direction nearestAxis(const Vec3d& v) {
+  int axis = 0;
+  v.cwiseAbs().maxCoeff(&axis);
+  return {axis, v[axis] < 0 ? -1 : 1};
+}
+
+/// Share of the height by which the rim must lie on the wrong side of the centroid; 0.2 to 0.6 on scans turned over.
+constexpr double kClearlyWrong = 0.15;
+
+Error ungrounded(std::string found, std::string hint) {
+  Error e;
+  e.code = Error::Code::kGeometry;
+  e.found = std::move(found), e.hint = std::move(hint);
+  return e;
+}
+
+void turnAll(Chain& chain, std::vector<Loop>& loops) {
+  for (Triangle& f : chain.mesh.triangles) std::swap(f[1], f[2]);
+  for (Loop& loop : loops) std::reverse(loop.begin(), loop.end());
+}
+
+/// A float32 number at least `margin` beyond all vertices.
+double baseLevel(const Mesh& mesh, const Direction& d, double margin) {
+  double far = -std::numeric_limits<double>::infinity();
+  for (const Vec3d& p : mesh.vertices) far = std::max(far, d.sign * p[d.axis]);
+  return roundedToFloat(d.sign * (far + margin));
+}
+
+}  // namespace
+
+Expected<void> closeBoundary(Chain& chain, const CloseOptions& options, CloseReport& report) {
+  std::vector<Loop> loops = boundaryLoops(chain.mesh.triangles);
+  if (loops.empty()) {
+    if (options.mode == CloseMode::kBase) return fail(ungrounded("a closed mesh, which needs no base", "--close auto"));
+    return {};
+  }
+  const double diagonal = bounds(chain.mesh).size().norm();
+  std::vector<double> lengths;
+  for (const Loop& loop : loops) lengths.push_back(length(chain.mesh, loop));
+  const auto longest = static_cast<std::size_t>(std::max_element(lengths.begin(), lengths.end()) - lengths.begin());
+  const bool has_rim = lengths[longest] > options.rim_to_diagonal * diagonal;
+  if (has_rim && options.mode == CloseMode::kRepair)
+    return fail(
+        ungrounded(fmt::format("an open boundary of {:.0f} mm around a mesh of {:.0f} mm: its underside is missing",
+                               lengths[longest], diagonal),
+                   "--close base"));
+  std::vector<char> is_rim(loops.size(), 0);
+  if (has_rim || options.mode == CloseMode::kBase) {
+    // A scan is a bowl upside down: inside out if it opens away from the side its rim lies on. A ribbon of gum, whose
+    // rim also runs around the teeth, tells nothing: then the file is believed.
+    Vec3d rim = Vec3d::Zero(), centroid = Vec3d::Zero();
+    double area = 0;
+    for (std::size_t i = 0; i < loops[longest].size(); ++i) {
+      const Vec3d &p = chain.mesh.vertices[loops[longest][i]],
+                  &q = chain.mesh.vertices[loops[longest][(i + 1) % loops[longest].size()]];
+      rim += (p - q).norm() / lengths[longest] * 0.5 * (p + q);
+    }
+    for (std::size_t t = 0; t < chain.mesh.triangles.size(); ++t) {
+      const double a = doubleAreaVector(chain.mesh, t).norm();
+      area += a, centroid += a / 3 * (chain.mesh.corner(t, 0) + chain.mesh.corner(t, 1) + chain.mesh.corner(t, 2));
+    }
+    centroid /= area;
+    const Vec3d size = bounds(chain.mesh).size();
+    Vec3d open = areaVector(chain.mesh, loops[longest]);
+    Direction base = options.base_direction ? nearestAxis(*options.base_direction) : nearestAxis(open);
+    const double height = size[base.axis];
+    const bool inside_out = options.base_direction ? open.dot(base.vector()) < 0
+                                                   : (rim - centroid).dot(base.vector()) < -kClearlyWrong * height;
+    if (inside_out) {
+      turnAll(chain, loops);
+      open = -open;
+      if (!options.base_direction) base.sign = -base.sign;
+      report.triangles_flipped += chain.mesh.triangles.size();
+      report.changes.push_back("the scan was inside out: all triangles were turned");
+    }
+    const Pieces pieces = edgeConnectedPieces(chain.mesh);
+    std::vector<Box3> box(pieces.count);
+    std::vector<std::uint32_t> piece_of(chain.mesh.vertices.size(), 0);
+    for (std::size_t t = 0; t < chain.mesh.triangles.size(); ++t)
+      for (const std::uint32_t v : chain.mesh.triangles[t])
+        box[pieces.label[t]].add(chain.mesh.vertices[v]), piece_of[v] = pieces.label[t];
+    std::vector<Loop> rims;
+    for (std::size_t i = 0; i < loops.size(); ++i) {
+      const double own = box[piece_of[loops[i][0]]].size().norm();
+      is_rim[i] = i == longest || (lengths[i] > options.rim_to_diagonal * own &&
+                                   areaVector(chain.mesh, loops[i]).dot(base.vector()) > 0);
+      if (is_rim[i]) rims.push_back(loops[i]);
+    }
+    const double level = baseLevel(chain.mesh, base, options.base_margin_mm);
+    if (!extrudeToBase(chain, rims, base.axis, base.sign, level))
+      return fail(ungrounded("a rim whose shadow on the base plane could not be triangulated",
+                             "another base_direction, or --close wrap"));
+    report.rims_extruded = rims.size();
+    report.base_direction = base.vector();
+    report.changes.push_back(
+        fmt::format("{} {:.0f} mm around, {} extruded to a flat base at {} = {:.3f} mm",
+                    rims.size() == 1 ? std::string("a rim") : fmt::format("{} rims, the longest", rims.size()),
+                    lengths[longest], rims.size() == 1 ? "was" : "were", "xyz"[base.axis], level));
+  }
+  std::size_t fans = 0;
+  double widest = 0;
+  for (std::size_t i = 0; i < loops.size(); ++i) {
+    if (is_rim[i]) continue;
+    fans += !fillHole(chain, loops[i]);
+    ++report.holes_filled;
+    widest = std::max(widest, lengths[i]);
+  }
+  if (report.holes_filled)
+    report.changes.push_back(fmt::format("{} filled (the largest {:.1f} mm around)",
+                                         counted(report.holes_filled, "hole was", "holes were"), widest));
+  if (fans) report.changes.push_back(counted(fans, "of them was", "of them were") + " closed by a plain fan");
+  return {};
+}
+
+}  // namespace kerf::internal

@@ -1,0 +1,13 @@
+// Makes the chain closed: fills holes, extrudes rims to a base.
+#pragma once
+
+#include "geometry/error.h"
+#include "preprocess/internal/chain.h"
+
+namespace kerf::internal {
+
+/// Closes every boundary loop of the chain: rims by a base, holes by a patch (see CloseOptions), and reports it.
+/// Errors: kGeometry for a rim in CloseMode::kRepair, or no boundary to build on in kBase.
+Expected<void> closeBoundary(Chain& chain, const CloseOptions& options, CloseReport& report);
+
+}  // namespace kerf::internal

@@ -1,0 +1,50 @@
+// The working mesh of closeMesh(): triangles as a 2-chain, and its boundary. A closed chain (every directed edge met by
+// its opposite as often) is all that the winding number needs; it need not be a manifold.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "preprocess/close.h"
+
+namespace kerf::internal {
+
+struct Chain {
+  Mesh mesh;                          ///< float32 coordinates, no two vertices equal
+  std::vector<std::uint32_t> source;  ///< per triangle: imported triangle or kAdded
+  std::uint32_t source_vertices = 0;  ///< vertices below this index come from the import, in its order
+
+  std::uint32_t addVertex(const Vec3d& p);
+  void addTriangle(std::uint32_t a, std::uint32_t b, std::uint32_t c);
+};
+
+inline constexpr Rgba8 kNeutral = {200, 200, 200, 255};
+
+/// An undirected edge a < b and how often the chain runs along it from a to b (forth) and back.
+struct EdgeCount {
+  std::uint32_t a, b;
+  int forth, back;
+};
+/// All edges, sorted by (a, b). Cost: one sort.
+std::vector<EdgeCount> countEdges(const std::vector<Triangle>& triangles);
+
+/// A closed walk along the chain's boundary, in the direction the missing faces would use; no vertex twice.
+using Loop = std::vector<std::uint32_t>;
+std::vector<Loop> boundaryLoops(const std::vector<Triangle>& triangles);
+
+/// Rounds, welds, drops triangles that repeat a vertex and duplicates, orients, drops open crumbs.
+/// Everything is entered in the report.
+Chain buildChain(const Mesh& imported, const CloseOptions& options, CloseReport& report);
+
+/// Turns pieces that are inside out, unless they are the wall of a cavity in something else. @pre the chain is closed.
+/// @return true if the box of one piece lies in that of another: their winding numbers must be looked at.
+bool turnPieces(Chain& chain, CloseReport& report);
+
+/// True if every edge has one triangle on each side and the triangles at every vertex form one fan.
+bool isClosedManifold(const Mesh& mesh);
+
+/// "3 holes", "1 hole".
+std::string counted(std::size_t n, const char* singular, const char* plural);
+
+}  // namespace kerf::internal

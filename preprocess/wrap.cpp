@@ -1,0 +1,39 @@
+#include "preprocess/internal/wrap.h"
+
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Surface_mesh.h>
+#include <CGAL/alpha_wrap_3.h>
+
+namespace kerf::internal {
+
+Expected<Mesh> wrapSoup(const Mesh& soup, double alpha_mm, double offset_mm) {
+  using Point = CGAL::Exact_predicates_inexact_constructions_kernel::Point_3;
+  std::string why = "an empty result";
+  try {
+    std::vector<Point> points;
+    for (const Vec3d& p : soup.vertices) points.push_back({p.x(), p.y(), p.z()});
+    std::vector<std::array<std::size_t, 3>> faces;
+    for (const Triangle& f : soup.triangles) faces.push_back({f[0], f[1], f[2]});
+    CGAL::Surface_mesh<Point> wrap;
+    CGAL::alpha_wrap_3(points, faces, alpha_mm, offset_mm, wrap);
+    Mesh mesh;
+    for (const auto v : wrap.vertices())
+      mesh.vertices.push_back({wrap.point(v).x(), wrap.point(v).y(), wrap.point(v).z()});
+    for (const auto f : wrap.faces()) {
+      Triangle t{};
+      std::size_t k = 0;
+      for (const auto v : wrap.vertices_around_face(wrap.halfedge(f))) t[k++] = v.idx();
+      mesh.triangles.push_back(t);
+    }
+    if (!mesh.triangles.empty()) return mesh;
+  } catch (const std::exception& e) {
+    why = e.what();
+  }
+  Error error;
+  error.code = Error::Code::kGeometry;
+  error.found = "a mesh that could not be wrapped (" + why + ")";
+  error.hint = "a larger wrap_alpha_mm, or repair the mesh in a mesh editor";
+  return fail(std::move(error));
+}
+
+}  // namespace kerf::internal

@@ -1,0 +1,373 @@
+#include "preprocess/close.h"
+#include "geometry/float32_cleanup.h"
+
+#include <gtest/gtest.h>
+
+#include <tbb/global_control.h>
+
+#include <map>
+#include <set>
+
+#include "geometry/exact/self_intersection.h"
+
+namespace kerf {
+namespace {
+
+/// An axis-aligned box, 12 triangles, outward.
+Mesh box(const Vec3d& lo, const Vec3d& hi) {
+  Mesh m;
+  for (int i = 0; i < 8; ++i)
+    m.vertices.push_back({i & 1 ? hi.x() : lo.x(), i & 2 ? hi.y() : lo.y(), i & 4 ? hi.z() : lo.z()});
+  m.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                 {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  return m;
+}
+Mesh box(double lo, double hi) { return box(Vec3d::Constant(lo), Vec3d::Constant(hi)); }
+
+Mesh ball(int rings, int sectors, double r) {
+  Mesh m;
+  m.vertices.push_back({0, 0, r});
+  for (int i = 1; i < rings; ++i)
+    for (int j = 0; j < sectors; ++j) {
+      const double a = M_PI * i / rings, b = 2 * M_PI * j / sectors;
+      m.vertices.push_back(r * Vec3d(std::sin(a) * std::cos(b), std::sin(a) * std::sin(b), std::cos(a)));
+    }
+  m.vertices.push_back({0, 0, -r});
+  for (Vec3d& p : m.vertices) p = roundedToFloat(p);
+  const auto id = [&](int i, int j) { return static_cast<std::uint32_t>(1 + (i - 1) * sectors + j % sectors); };
+  const auto south = static_cast<std::uint32_t>(m.vertices.size() - 1);
+  for (int j = 0; j < sectors; ++j) {
+    m.triangles.push_back({0, id(1, j), id(1, j + 1)});
+    m.triangles.push_back({south, id(rings - 1, j + 1), id(rings - 1, j)});
+    for (int i = 1; i + 1 < rings; ++i) {
+      m.triangles.push_back({id(i, j), id(i + 1, j), id(i + 1, j + 1)});
+      m.triangles.push_back({id(i, j), id(i + 1, j + 1), id(i, j + 1)});
+    }
+  }
+  return m;
+}
+
+Mesh flipped(Mesh m) {
+  for (Triangle& t : m.triangles) std::swap(t[1], t[2]);
+  return m;
+}
+Mesh both(Mesh a, const Mesh& b) {
+  append(a, b);
+  return a;
+}
+
+/// Closed, 2-manifold at edges and vertices, not crossing itself, float32, no two vertices at one place.
+void expectSolid(const Solid& s) {
+  const Mesh& m = s.mesh;
+  ASSERT_EQ(s.source_triangle.size(), m.triangles.size());
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
+  for (const Triangle& f : m.triangles)
+    for (std::size_t k = 0; k < 3; ++k) ++edges[{f[k], f[(k + 1) % 3]}];
+  for (const auto& [e, count] : edges) {
+    ASSERT_EQ(count, 1);
+    ASSERT_TRUE(edges.count({e.second, e.first}));
+  }
+  std::vector<std::map<std::uint32_t, std::uint32_t>> next(m.vertices.size());
+  for (const Triangle& f : m.triangles)
+    for (std::size_t k = 0; k < 3; ++k) next[f[k]][f[(k + 1) % 3]] = f[(k + 2) % 3];
+  for (const auto& fan : next) {
+    ASSERT_FALSE(fan.empty()) << "a vertex no triangle uses";
+    std::size_t steps = 0;
+    std::uint32_t at = fan.begin()->first;
+    do at = fan.at(at), ++steps;
+    while (at != fan.begin()->first && steps <= fan.size());
+    ASSERT_EQ(steps, fan.size()) << "a bow-tie vertex";
+  }
+  std::set<std::array<double, 3>> places;
+  for (const Vec3d& p : m.vertices) {
+    ASSERT_EQ(p, Vec3d(roundedToFloat(p)));
+    ASSERT_TRUE(places.insert({p.x(), p.y(), p.z()}).second) << "two vertices at one place";
+  }
+  EXPECT_TRUE(selfIntersections(m.vertices, m.triangles).empty());
+  EXPECT_TRUE(degenerateTriangles(m.vertices, m.triangles).empty());
+  EXPECT_GT(signedVolume(m), 0);
+}
+
+/// The first vertices of the solid are those of `m`, bit for bit.
+void expectSourceFirst(const Solid& s, const Mesh& m) {
+  ASSERT_GE(s.mesh.vertices.size(), m.vertices.size());
+  for (std::size_t v = 0; v < m.vertices.size(); ++v) ASSERT_EQ(s.mesh.vertices[v], m.vertices[v]);
+}
+
+Solid closed(const Mesh& m, const CloseOptions& options = {}) {
+  auto s = closeMesh(m, options);
+  EXPECT_TRUE(s) << s.error().message();
+  if (!s) return {};
+  expectSolid(*s);
+  EXPECT_TRUE(s->report.exact) << fmt::format("{}", fmt::join(s->report.changes, "; "));
+  return *s;
+}
+
+TEST(Close, CleanSolidIsLeftAlone) {
+  const Mesh m = ball(12, 24, 5);
+  const Solid s = closed(m);
+  EXPECT_EQ(s.mesh.vertices, m.vertices);
+  EXPECT_EQ(s.mesh.triangles, m.triangles);
+  EXPECT_TRUE(s.report.changes.empty());
+  for (std::uint32_t t = 0; t < s.source_triangle.size(); ++t) EXPECT_EQ(s.source_triangle[t], t);
+}
+
+TEST(Close, OpenBoxGetsABaseOfTheRightVolume) {
+  Mesh m = box({0, 0, 0}, {4, 3, 2});
+  m.triangles.erase(m.triangles.begin(), m.triangles.begin() + 2);  // the floor
+  const Solid s = closed(m);
+  expectSourceFirst(s, m);
+  EXPECT_EQ(s.report.rims_extruded, 1u);
+  EXPECT_EQ(s.report.base_direction, Vec3d(0, 0, -1));
+  EXPECT_DOUBLE_EQ(signedVolume(s.mesh), 4 * 3 * (2 + 2.0));
+  EXPECT_EQ(s.report.triangles_kept, 10u);
+}
+
+TEST(Close, InsideOutScanIsTurned) {
+  Mesh m = box({0, 0, 0}, {4, 3, 2});
+  m.triangles.erase(m.triangles.begin(), m.triangles.begin() + 2);
+  const Solid s = closed(flipped(m));
+  EXPECT_EQ(s.report.base_direction, Vec3d(0, 0, -1));
+  EXPECT_DOUBLE_EQ(signedVolume(s.mesh), 48);
+}
+
+TEST(Close, BaseDirectionCanBeGiven) {
+  Mesh m = box({0, 0, 0}, {4, 3, 2});
+  m.triangles.erase(m.triangles.begin() + 2, m.triangles.begin() + 4);  // the ceiling
+  const Solid s = closed(m, {.mode = CloseMode::kBase, .base_margin_mm = 1, .base_direction = Vec3d(0.1, 0, 0.9)});
+  EXPECT_DOUBLE_EQ(signedVolume(s.mesh), 4 * 3 * 3.0);
+}
+
+TEST(Close, RepairRefusesAMissingUnderside) {
+  Mesh m = box({0, 0, 0}, {4, 3, 2});
+  m.triangles.erase(m.triangles.begin(), m.triangles.begin() + 2);
+  const auto s = closeMesh(m, {.mode = CloseMode::kRepair});
+  ASSERT_FALSE(s);
+  EXPECT_EQ(s.error().code, Error::Code::kGeometry);
+  EXPECT_NE(s.error().hint.find("base"), std::string::npos);
+}
+
+TEST(Close, HoleInABallIsFilled) {
+  Mesh m = ball(20, 40, 5);
+  const double whole = signedVolume(m);
+  m.triangles.erase(m.triangles.begin() + 200, m.triangles.begin() + 202);
+  m.triangles.erase(m.triangles.begin() + 500);
+  const Solid s = closed(m, {.mode = CloseMode::kRepair});
+  expectSourceFirst(s, m);
+  EXPECT_EQ(s.report.holes_filled, 2u);
+  EXPECT_NEAR(signedVolume(s.mesh), whole, 0.05);
+  EXPECT_EQ(s.report.triangles_kept, m.triangles.size());
+}
+
+TEST(Close, OverlappingCubesUnite) {
+  const Mesh m = both(box(0, 2), box(1, 3));
+  const Solid s = closed(m);
+  EXPECT_DOUBLE_EQ(signedVolume(s.mesh), 8 + 8 - 1);
+  EXPECT_EQ(edgeConnectedPieces(s.mesh).count, 1u);
+  EXPECT_GT(s.report.crossings_resolved, 0u);
+}
+
+TEST(Close, ObliqueBallsUniteWithinRounding) {
+  Mesh b = ball(16, 32, 5);
+  Mesh c = b;
+  for (Vec3d& p : c.vertices) p = roundedToFloat(Vec3d(p + Vec3d(3.3, 1.7, -2.2)));
+  const Solid s = closed(both(b, c));
+  // Union + intersection = sum; the lens by the formula for balls, about 1 % too large for these polyhedra.
+  const double d = Vec3d(3.3, 1.7, -2.2).norm(), lens = M_PI * (10 - d) * (10 - d) * (d * d + 20 * d) / (12 * d);
+  EXPECT_NEAR(signedVolume(s.mesh), 2 * signedVolume(b) - lens, 0.03 * lens);
+  // Every ball vertex outside the other ball is still there.
+  std::set<std::array<double, 3>> places;
+  for (const Vec3d& p : s.mesh.vertices) places.insert({p.x(), p.y(), p.z()});
+  for (const Vec3d& p : b.vertices)
+    if ((p - Vec3d(3.3, 1.7, -2.2)).norm() > 5.01) {
+      EXPECT_TRUE(places.count({p.x(), p.y(), p.z()}));
+    }
+}
+
+TEST(Close, DuplicatedCubeCountsOnce) { EXPECT_DOUBLE_EQ(signedVolume(closed(both(box(0, 2), box(0, 2))).mesh), 8); }
+
+TEST(Close, SolidInsideASolidVanishes) {
+  const Solid s = closed(both(box(0, 4), box(1, 2)));
+  EXPECT_DOUBLE_EQ(signedVolume(s.mesh), 64);
+  EXPECT_EQ(s.mesh.triangles.size(), 12u);
+}
+
+TEST(Close, CavityStays) {
+  const Solid s = closed(both(box(0, 4), flipped(box(1, 2))));
+  EXPECT_DOUBLE_EQ(signedVolume(s.mesh), 63);
+  EXPECT_EQ(s.mesh.triangles.size(), 24u);
+  EXPECT_TRUE(s.report.changes.empty());
+}
+
+TEST(Close, InsideOutPieceOnItsOwnIsTurned) {
+  const Solid s = closed(both(box(0, 2), flipped(box(5, 6))));
+  EXPECT_DOUBLE_EQ(signedVolume(s.mesh), 9);
+}
+
+TEST(Close, FlippedPatchIsTurned) {
+  Mesh m = ball(12, 24, 5);
+  const double volume = signedVolume(m);
+  for (std::size_t t = 100; t < 130; ++t) std::swap(m.triangles[t][1], m.triangles[t][2]);
+  const Solid s = closed(m);
+  EXPECT_EQ(s.report.triangles_flipped, 30u);
+  EXPECT_DOUBLE_EQ(signedVolume(s.mesh), volume);
+  expectSourceFirst(s, m);
+}
+
+TEST(Close, CubesGluedFaceToFaceBecomeOne) {
+  const Solid s = closed(both(box({0, 0, 0}, {2, 2, 2}), box({2, 0, 0}, {4, 2, 2})));
+  EXPECT_DOUBLE_EQ(signedVolume(s.mesh), 16);
+  // The same where the common wall is a part of the larger face only.
+  EXPECT_DOUBLE_EQ(signedVolume(closed(both(box(0, 2), box({2, 0.5, 0.5}, {3, 1, 1.5}))).mesh), 8.5);
+}
+
+TEST(Close, CubesTouchingInAnEdgeOrACornerAreMovedApart) {
+  const Solid edge = closed(both(box(0, 2), box({2, 2, 0}, {4, 4, 2})));
+  EXPECT_NEAR(signedVolume(edge.mesh), 16, 0.01);
+  EXPECT_GT(edge.report.vertices_moved, 0u);
+  EXPECT_LE(edge.report.largest_move_mm, 5e-4);
+  const Solid corner = closed(both(box(0, 2), box(2, 4)));
+  EXPECT_NEAR(signedVolume(corner.mesh), 16, 0.01);
+  EXPECT_EQ(corner.report.vertices_moved, 1u);
+}
+
+TEST(Close, EdgeTouchingItsOwnSolidIsMovedApart) {
+  // Two bricks on a plate meet in one edge: the material is in one piece, the edge ends at the plate.
+  const Solid s =
+      closed(both(both(box({0, 0, 0}, {4, 4, 1}), box({0, 0, 0.5}, {2, 2, 3})), box({2, 2, 0.5}, {4, 4, 3})));
+  EXPECT_NEAR(signedVolume(s.mesh), 16 + 2 * 8, 0.01);
+}
+
+/// A quarter-pipe scan whose rim crosses itself when seen from above: a sheet that overhangs.
+TEST(Close, RimThatCrossesItselfInProjectionGetsABase) {
+  // A spiral ribbon over the plane: an arc of 1.2 turns that climbs, 2 wide, normals up.
+  Mesh m;
+  const int n = 60;
+  for (int i = 0; i <= n; ++i) {
+    const double a = 2 * M_PI * 1.2 * i / n, z = 10 + 6.0 * i / n;
+    for (const double r : {4.0, 6.0}) m.vertices.push_back(roundedToFloat(Vec3d(r * std::cos(a), r * std::sin(a), z)));
+  }
+  for (std::uint32_t i = 0; i < static_cast<std::uint32_t>(n); ++i) {
+    m.triangles.push_back({2 * i, 2 * i + 1, 2 * i + 3});
+    m.triangles.push_back({2 * i, 2 * i + 3, 2 * i + 2});
+  }
+  const Solid s = closed(m, {.mode = CloseMode::kBase, .base_direction = Vec3d(0, 0, -1)});
+  EXPECT_EQ(s.report.rims_extruded, 1u);
+  // The ribbon's shadow is the full ring; where it overlaps itself the upper turn decides. Height over the base at z
+  // = 8.
+  double expected = 0;
+  const double segment = 0.5 * (36 - 16) * std::sin(2 * M_PI * 1.2 / n);
+  for (int i = n / 6; i < n; ++i) expected += segment * (2 + 6.0 * (i + 0.5) / n);
+  EXPECT_NEAR(signedVolume(s.mesh), expected, 0.02 * expected);
+}
+
+TEST(Close, VerticalRimEdgesAreNoTrouble) {
+  Mesh m = box({0, 0, 0}, {4, 3, 2});
+  m.triangles.erase(m.triangles.begin() + 4, m.triangles.begin() + 6);  // the front as well as
+  m.triangles.erase(m.triangles.begin(), m.triangles.begin() + 2);      // the floor: the rim climbs vertical edges
+  const Solid s = closed(m, {.mode = CloseMode::kBase, .base_direction = Vec3d(0, 0, -1)});
+  EXPECT_DOUBLE_EQ(signedVolume(s.mesh), 48);
+}
+
+TEST(Close, TriangleWithoutAreaOnAnEdgeIsResolved) {
+  Mesh m = box(0, 2);
+  // Put a vertex on the edge 0-1 of one of its two triangles and a triangle without area between.
+  m.vertices.push_back({1, 0, 0});
+  for (std::size_t t = 0; t < 12; ++t)
+    if (m.triangles[t] == Triangle{0, 1, 4}) {
+      m.triangles[t] = {0, 8, 4};
+      m.triangles.push_back({8, 1, 4});
+      m.triangles.push_back({0, 1, 8});
+    }
+  const Solid s = closed(m);
+  EXPECT_DOUBLE_EQ(signedVolume(s.mesh), 8);
+  expectSourceFirst(s, m);
+}
+
+TEST(Close, DuplicateTriangleInAScanIsDropped) {
+  Mesh m = ball(8, 16, 3);
+  const double volume = signedVolume(m);
+  m.triangles.push_back(m.triangles[20]);
+  const Solid s = closed(m);
+  EXPECT_DOUBLE_EQ(signedVolume(s.mesh), volume);
+  EXPECT_EQ(s.report.triangles_kept + s.report.triangles_dropped, m.triangles.size());
+}
+
+TEST(Close, DoubleCoordinatesAreRoundedAndReported) {
+  Mesh m = box(0, 2);
+  for (Vec3d& p : m.vertices) p.array() += 0.1;
+  const Solid s = closed(m);
+  EXPECT_EQ(s.report.vertices_rounded, 8u);
+  EXPECT_EQ(s.report.changes.size(), 1u);
+}
+
+TEST(Close, CrumbsGoAndAreCounted) {
+  Mesh m = ball(12, 24, 5);
+  Mesh crumb;
+  crumb.vertices = {{20, 0, 0}, {21, 0, 0}, {20, 1, 0}};
+  crumb.triangles = {{0, 1, 2}};
+  const Solid s = closed(both(m, crumb));
+  EXPECT_EQ(s.report.crumbs_dropped, 1u);
+  EXPECT_EQ(s.mesh.triangles, m.triangles);
+}
+
+TEST(Close, ColoursAreKeptAndAddedPartsAreGrey) {
+  Mesh m = box({0, 0, 0}, {4, 3, 2});
+  for (std::uint8_t k = 0; k < 12; ++k) m.face_colors.push_back({k, 0, 0, 255});
+  for (std::uint8_t k = 0; k < 8; ++k) m.vertex_colors.push_back({0, k, 0, 255});
+  m.triangles.erase(m.triangles.begin(), m.triangles.begin() + 2);
+  m.face_colors.erase(m.face_colors.begin(), m.face_colors.begin() + 2);
+  const Solid s = closed(m);
+  ASSERT_EQ(s.mesh.face_colors.size(), s.mesh.triangles.size());
+  ASSERT_EQ(s.mesh.vertex_colors.size(), s.mesh.vertices.size());
+  for (std::size_t t = 0; t < s.mesh.triangles.size(); ++t)
+    EXPECT_EQ(s.mesh.face_colors[t],
+              s.source_triangle[t] == kAdded ? (Rgba8{200, 200, 200, 255}) : m.face_colors[s.source_triangle[t]]);
+  for (std::size_t v = 0; v < 8; ++v) EXPECT_EQ(s.mesh.vertex_colors[v], m.vertex_colors[v]);
+}
+
+TEST(Close, WrapSaysThatItIsAnApproximation) {
+  const auto s = closeMesh(box(0, 4), {.mode = CloseMode::kWrap});
+  ASSERT_TRUE(s) << s.error().message();
+  expectSolid(*s);
+  EXPECT_FALSE(s->report.exact);
+  EXPECT_NEAR(signedVolume(s->mesh), 4.1 * 4.1 * 4.1, 3.0);
+  EXPECT_GT(signedVolume(s->mesh), 64);
+}
+
+TEST(Close, SeveralMeshesUnite) {
+  const std::vector<Mesh> meshes = {box(0, 2), box(1, 3)};
+  const auto s = closeMeshes(meshes);
+  ASSERT_TRUE(s);
+  EXPECT_DOUBLE_EQ(signedVolume(s->mesh), 15);
+  for (const std::uint32_t t : s->source_triangle) EXPECT_LT(t, 24u);
+}
+
+TEST(Close, SameBitsForAnyNumberOfThreads) {
+  Mesh m = ball(16, 32, 5);
+  for (int k = 1; k < 4; ++k) {
+    Mesh other = ball(16, 32, 5);
+    for (Vec3d& p : other.vertices) p = roundedToFloat(Vec3d(p + k * Vec3d(3.3, 1.7, -2.2)));
+    append(m, other);
+  }
+  const Solid many = closed(m);
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  const Solid single = closed(m);
+  EXPECT_EQ(many.mesh.vertices, single.mesh.vertices);
+  EXPECT_EQ(many.mesh.triangles, single.mesh.triangles);
+  EXPECT_EQ(many.source_triangle, single.source_triangle);
+}
+
+TEST(Close, NothingInNothingOut) {
+  EXPECT_EQ(closeMesh({}).error().code, Error::Code::kEmpty);
+  Mesh point;
+  point.vertices = {{0, 0, 0}};
+  point.triangles = {{0, 0, 0}};
+  EXPECT_EQ(closeMesh(point).error().code, Error::Code::kEmpty);
+  EXPECT_EQ(closeMesh(box(0, 1), {.base_margin_mm = -1}).error().code, Error::Code::kBadValue);
+  EXPECT_EQ(closeMesh(box(0, 1), {}, [](double, std::string_view) { return false; }).error().code,
+            Error::Code::kCancelled);
+}
+
+}  // namespace
+}  // namespace kerf
