@@ -1,0 +1,107 @@
+#include "ui/window/camera.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace kerf {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+TEST(Camera, NamedViewsLookFromTheSideTheyName) {
+  const std::pair<const char*, Vec3d> sides[] = {{"front", {0, -1, 0}}, {"back", {0, 1, 0}}, {"left", {-1, 0, 0}},
+                                                 {"right", {1, 0, 0}},  {"top", {0, 0, 1}},  {"occlusal", {0, 0, 1}},
+                                                 {"bottom", {0, 0, -1}}};
+  for (const auto& [name, side] : sides) {
+    const auto camera = cameraFromView(name);
+    ASSERT_TRUE(camera) << name;
+    EXPECT_NEAR((camera->backwards() - side).norm(), 0, 1e-12) << name;
+  }
+  EXPECT_NEAR((cameraFromView("front")->right() - Vec3d::UnitX()).norm(), 0, 1e-12);
+  EXPECT_NEAR((cameraFromView("top")->up() - Vec3d::UnitY()).norm(), 0, 1e-12);
+}
+
+TEST(Camera, FrameIsRightHandedAndUpright) {
+  for (double azimuth = -3; azimuth < 3; azimuth += 0.7)
+    for (double elevation = -1.5; elevation < 1.5; elevation += 0.6) {
+      const Camera camera{.azimuth = azimuth, .elevation = elevation};
+      const Eigen::Matrix3d m = camera.rotation();
+      EXPECT_NEAR((m * m.transpose() - Eigen::Matrix3d::Identity()).norm(), 0, 1e-12);
+      EXPECT_NEAR(m.determinant(), 1, 1e-12);
+      EXPECT_GT(camera.up().z(), 0);
+    }
+}
+
+TEST(Camera, AnglesAreReadInDegrees) {
+  const auto camera = cameraFromView("35,-20.5");
+  ASSERT_TRUE(camera);
+  EXPECT_NEAR(camera->azimuth, 35 * kPi / 180, 1e-12);
+  EXPECT_NEAR(camera->elevation, -20.5 * kPi / 180, 1e-12);
+}
+
+TEST(Camera, UnknownViewIsAnErrorThatListsTheNames) {
+  for (const char* bad : {"sideways", "", "1,2,3", "10,91", "nan,0", "1e999,0", "10;20", ","}) {
+    const auto camera = cameraFromView(bad);
+    ASSERT_FALSE(camera) << bad;
+    for (const NamedView& view : namedViews())
+      EXPECT_NE(camera.error().message().find(view.name), std::string::npos) << bad;
+  }
+}
+
+TEST(Camera, FitShowsAllOfTheMeshAndNoMore) {
+  Mesh mesh;
+  for (int i = 0; i < 8; ++i)
+    mesh.vertices.push_back({100.0 + 10 * (i & 1), -50.0 + 4 * ((i >> 1) & 1), 7.0 + 2 * (i >> 2)});
+  for (const char* view : {"front", "top", "iso", "70,-12"}) {
+    Camera camera = *cameraFromView(view);
+    fitTo(camera, mesh, 300, 200, 0.1);
+    double widest = 0, highest = 0;
+    for (const Vec3d& p : mesh.vertices) {
+      const Vec3d q = camera.rotation() * (p - camera.target);
+      widest = std::max(widest, std::abs(q.x()) / (camera.half_height * 1.5));
+      highest = std::max(highest, std::abs(q.y()) / camera.half_height);
+    }
+    EXPECT_NEAR(std::max(widest, highest), 0.8, 1e-9) << view;
+  }
+}
+
+TEST(Camera, EmptyAndPointMeshesGetAField) {
+  Camera camera;
+  fitTo(camera, {}, 100, 100);
+  EXPECT_GT(camera.half_height, 0);
+  Mesh point;
+  point.vertices = {{1, 2, 3}};
+  fitTo(camera, point, 100, 100);
+  EXPECT_GT(camera.half_height, 0);
+  EXPECT_NEAR((camera.target - Vec3d(1, 2, 3)).norm(), 0, 1e-12);
+}
+
+TEST(Camera, PanKeepsThePointUnderTheCursor) {
+  Camera camera{.azimuth = 0.6, .elevation = 0.4, .target = {1, 2, 3}, .half_height = 12};
+  const Vec3d point(4, -1, 2);
+  const auto pixel = [&] { return Vec3d(camera.rotation() * (point - camera.target) / camera.mmPerPixel(600)); };
+  const Vec3d before = pixel();
+  pan(camera, 31, -17, 600);
+  EXPECT_NEAR(pixel().x() - before.x(), 31, 1e-9);
+  EXPECT_NEAR(pixel().y() - before.y(), 17, 1e-9);  // view y is upwards
+}
+
+TEST(Camera, OrbitStopsAtThePoles) {
+  Camera camera;
+  orbit(camera, 0, 1000);
+  EXPECT_NEAR(camera.elevation, kPi / 2, 1e-12);
+  orbit(camera, 0, -2000);
+  EXPECT_NEAR(camera.elevation, -kPi / 2, 1e-12);
+}
+
+TEST(Camera, ScaleBarIsARoundLengthUpToAQuarter) {
+  EXPECT_DOUBLE_EQ(scaleBarLength(0.02, 1200), 5);   // a quarter is 6 mm
+  EXPECT_DOUBLE_EQ(scaleBarLength(0.016, 1200), 2);  // 4.8 mm
+  EXPECT_DOUBLE_EQ(scaleBarLength(0.005, 1200), 1);  // 1.5 mm
+  EXPECT_DOUBLE_EQ(scaleBarLength(0.0005, 1200), 0.1);
+}
+
+}  // namespace
+}  // namespace kerf

@@ -1,0 +1,108 @@
+// The program kerf-sim, run as a user runs it.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+namespace kerf {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Outcome {
+  int status = -1;
+  std::string text;  ///< standard output and error
+};
+
+Outcome shell(const std::string& command) {
+  Outcome outcome;
+  FILE* pipe = popen((command + " 2>&1").c_str(), "r");
+  if (!pipe) return outcome;
+  char buffer[512];
+  while (std::fgets(buffer, sizeof buffer, pipe)) outcome.text += buffer;
+  const int status = pclose(pipe);
+  if (WIFEXITED(status)) outcome.status = WEXITSTATUS(status);
+  return outcome;
+}
+
+const std::string kProgram = std::string("'") + KERF_BIN_DIR + "/kerf-sim'";
+
+class KerfSim : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(::testing::TempDir()) / "kerf_sim_test" /
+              ::testing::UnitTest::GetInstance()->current_test_info()->name();
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+    std::ofstream(mesh())
+        << "OFF\n4 4 0\n0 0 0\n3 0.2 0.1\n0.7 4 -0.3\n0.4 1.1 6\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n";
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  fs::path mesh() const { return folder_ / "solid.off"; }
+  fs::path png() const { return folder_ / "picture.png"; }
+  /// Without a display, whatever the test was started under.
+  Outcome picture(const std::string& arguments) const {
+    return shell(fmt::format("env -u DISPLAY -u WAYLAND_DISPLAY {} --screenshot '{}' --size 96x64 {}", kProgram,
+                             png().string(), arguments));
+  }
+  fs::path folder_;
+};
+
+TEST_F(KerfSim, DrawsAPictureWithoutADisplay) {
+  const Outcome done = picture(fmt::format("-v '{}'", mesh().string()));
+  if (done.text.find("no way to draw") != std::string::npos) GTEST_SKIP() << done.text;
+  EXPECT_EQ(done.status, 0) << done.text;
+  EXPECT_NE(done.text.find("drawing with"), std::string::npos) << done.text;
+  EXPECT_GT(fs::file_size(png()), 500u);
+}
+
+TEST_F(KerfSim, FoldersShowTheirMesh) {
+  const fs::path a_case = folder_ / "a_case";
+  fs::create_directories(a_case);
+  EXPECT_EQ(picture(fmt::format("'{}'", a_case.string())).status, 1);  // neither case nor run
+  std::ofstream(a_case / "case.toml") << "\n";
+  const Outcome without = picture(fmt::format("'{}'", a_case.string()));
+  EXPECT_EQ(without.status, 1);
+  EXPECT_NE(without.text.find("solid.ply"), std::string::npos) << without.text;
+  fs::copy_file(mesh(), a_case / "solid.ply");  // the content decides the format
+  const Outcome done = picture(fmt::format("'{}'", a_case.string()));
+  if (done.text.find("no way to draw") != std::string::npos) GTEST_SKIP() << done.text;
+  EXPECT_EQ(done.status, 0) << done.text;
+}
+
+TEST_F(KerfSim, BadArgumentsAreErrorsThatSayWhatToDo) {
+  const std::string file = fmt::format("'{}'", mesh().string());
+  const std::pair<std::string, std::string> cases[] = {{"--view sideways " + file, "occlusal"},
+                                                       {"--look-at 1,2 " + file, "--look-at 0,0,5"},
+                                                       {"--zoom -1 " + file, "zoom"},
+                                                       {"missing.stl", "missing.stl"}};
+  for (const auto& [arguments, words] : cases) {
+    const Outcome done = picture(arguments);
+    EXPECT_NE(done.status, 0) << arguments;
+    EXPECT_NE(done.text.find(words), std::string::npos) << done.text;
+    EXPECT_FALSE(fs::exists(png()));
+  }
+}
+
+TEST_F(KerfSim, WithoutADisplayTheWindowSaysWhatToDo) {
+  const Outcome done =
+      shell(fmt::format("env -u DISPLAY -u WAYLAND_DISPLAY {} --frames 1 '{}'", kProgram, mesh().string()));
+  EXPECT_EQ(done.status, 1);
+  EXPECT_NE(done.text.find("--screenshot"), std::string::npos) << done.text;
+}
+
+TEST_F(KerfSim, WindowOpensDrawsAndCloses) {
+  if (shell("command -v xvfb-run").status != 0) GTEST_SKIP() << "xvfb-run is missing (Debian: xvfb)";
+  const Outcome done = shell(fmt::format("xvfb-run -a -s '-screen 0 800x600x24' {} -v --size 640x480 --frames 3 '{}'",
+                                         kProgram, mesh().string()));
+  EXPECT_EQ(done.status, 0) << done.text;
+  EXPECT_NE(done.text.find("3 frames drawn"), std::string::npos) << done.text;
+}
+
+}  // namespace
+}  // namespace kerf

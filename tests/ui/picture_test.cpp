@@ -1,0 +1,228 @@
+// Pictures drawn without a display. Skipped, aloud, where no OpenGL can be had.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <numbers>
+
+#include "ui/window/gl_context.h"
+#include "ui/window/image.h"
+#include "ui/window/renderer.h"
+#include "ui/window/shading_normals.h"
+
+namespace kerf {
+namespace {
+
+/// Octahedron subdivided `levels` times and pushed out to radius r.
+Mesh sphere(double r, int levels) {
+  Mesh mesh;
+  mesh.vertices = {Vec3d::UnitX(), -Vec3d::UnitX(), Vec3d::UnitY(), -Vec3d::UnitY(), Vec3d::UnitZ(), -Vec3d::UnitZ()};
+  mesh.triangles = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
+  for (int level = 0; level < levels; ++level) {
+    std::vector<Triangle> finer;
+    std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> midpoints;
+    const auto middle = [&](std::uint32_t i, std::uint32_t j) {
+      const auto [at, is_new] =
+          midpoints.try_emplace(std::minmax(i, j), static_cast<std::uint32_t>(mesh.vertices.size()));
+      if (is_new) mesh.vertices.push_back((mesh.vertices[i] + mesh.vertices[j]).normalized());
+      return at->second;
+    };
+    for (const Triangle& t : mesh.triangles) {
+      const std::uint32_t a = middle(t[0], t[1]), b = middle(t[1], t[2]), c = middle(t[2], t[0]);
+      finer.insert(finer.end(), {{t[0], a, c}, {a, t[1], b}, {c, b, t[2]}, {a, b, c}});
+    }
+    mesh.triangles = std::move(finer);
+  }
+  for (Vec3d& p : mesh.vertices) p *= r;
+  return mesh;
+}
+
+/// A tetrahedron without any symmetry.
+Mesh skewTetrahedron() {
+  Mesh mesh;
+  mesh.vertices = {{0, 0, 0}, {3, 0.2, 0.1}, {0.7, 4, -0.3}, {0.4, 1.1, 6}};
+  mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+  return mesh;
+}
+
+class Picture : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    if (auto made = OffscreenContext::create())
+      context_ = std::move(*made);
+    else
+      why_ = made.error().message();
+  }
+  static void TearDownTestSuite() { context_.reset(); }
+  void SetUp() override {
+    if (!context_) GTEST_SKIP() << why_;
+    auto made = Renderer::create();
+    ASSERT_TRUE(made) << made.error().message();
+    renderer_ = std::move(*made);
+  }
+  void TearDown() override { renderer_.reset(); }
+
+  Image draw(const Mesh& mesh, const Camera& camera, int width, int height, const RenderOptions& options) {
+    renderer_->setMesh(mesh);
+    auto image = renderer_->picture(camera, width, height, options);
+    EXPECT_TRUE(image) << image.error().message();
+    return image ? *image : Image{};
+  }
+
+  static inline std::unique_ptr<OffscreenContext> context_;
+  static inline std::string why_;
+  std::unique_ptr<Renderer> renderer_;
+};
+
+const RenderOptions kMask{.transparent = true};
+
+double coveredPixels(const Image& image) {
+  double sum = 0;
+  for (std::size_t i = 3; i < image.rgba.size(); i += 4) sum += image.rgba[i] / 255.0;
+  return sum;
+}
+
+TEST_F(Picture, SilhouetteOfASphereHasItsProjectedArea) {
+  for (const char* view : {"front", "top", "iso"}) {
+    Camera camera = *cameraFromView(view);
+    camera.half_height = 8;
+    camera.target = {0.3, -0.2, 0.1};
+    const double mm = camera.mmPerPixel(240);
+    const double area = coveredPixels(draw(sphere(5, 5), camera, 320, 240, kMask)) * mm * mm;
+    EXPECT_NEAR(area / (std::numbers::pi * 25), 1, 0.01) << view;
+  }
+}
+
+TEST_F(Picture, OppositeViewsAreMirrored) {
+  const Mesh mesh = skewTetrahedron();
+  const std::pair<const char*, const char*> pairs[] = {{"left", "right"}, {"front", "back"}};
+  for (const auto& [one, other] : pairs) {
+    Camera a = *cameraFromView(one), b = *cameraFromView(other);
+    fitTo(a, mesh, 200, 150), fitTo(b, mesh, 200, 150);
+    const Image x = draw(mesh, a, 200, 150, kMask), y = draw(mesh, b, 200, 150, kMask);
+    double different = 0;
+    for (int row = 0; row < 150; ++row)
+      for (int column = 0; column < 200; ++column)
+        different += std::abs(x.at(column, row)[3] - y.at(199 - column, row)[3]) / 255.0;
+    EXPECT_GT(coveredPixels(x), 2000);
+    // Samples exactly on an edge may fall to either side: less than one in a hundred along the outline.
+    EXPECT_LT(different, 0.01 * coveredPixels(x)) << one;
+  }
+}
+
+TEST_F(Picture, ColoursOfFacesArriveAndWinOverThoseOfVertices) {
+  Mesh mesh = skewTetrahedron();
+  mesh.vertex_colors.assign(4, {0, 0, 255, 255});
+  mesh.face_colors = {{0, 200, 0, 255}, {220, 0, 0, 255}, {0, 200, 0, 255}, {0, 200, 0, 255}};
+  Camera camera = *cameraFromView("front");  // sees triangle 1, (0, 1, 3), which faces -y
+  fitTo(camera, mesh, 160, 120);
+  const Image image = draw(mesh, camera, 160, 120, kMask);
+  int red = 0, blue = 0;
+  for (int y = 0; y < 120; ++y)
+    for (int x = 0; x < 160; ++x)
+      if (const std::uint8_t* p = image.at(x, y); p[3] == 255) {
+        red += p[0] > 2 * p[1] && p[0] > 2 * p[2];
+        blue += p[2] > p[0];
+      }
+  EXPECT_GT(red, 1000);
+  EXPECT_EQ(blue, 0);
+  mesh.face_colors.clear();
+  const Image bluish = draw(mesh, camera, 160, 120, kMask);
+  int now_blue = 0;
+  for (int y = 0; y < 120; ++y)
+    for (int x = 0; x < 160; ++x) now_blue += bluish.at(x, y)[3] == 255 && bluish.at(x, y)[2] > bluish.at(x, y)[0];
+  EXPECT_GT(now_blue, 1000);
+}
+
+TEST_F(Picture, SameInputGivesTheSameBytes) {
+  const Mesh mesh = sphere(3, 4);
+  Camera camera = *cameraFromView("iso");
+  fitTo(camera, mesh, 200, 160);
+  const Image first = draw(mesh, camera, 200, 160, {});
+  draw(skewTetrahedron(), camera, 64, 64, {});
+  EXPECT_EQ(first.rgba, draw(mesh, camera, 200, 160, {}).rgba);
+}
+
+TEST_F(Picture, EmptyMeshIsBackgroundOnly) {
+  Camera camera;
+  fitTo(camera, {}, 64, 48);
+  EXPECT_EQ(coveredPixels(draw({}, camera, 64, 48, kMask)), 0);
+  const Image image = draw({}, camera, 64, 48, {});
+  EXPECT_GT(image.at(32, 24)[0], 230);
+  EXPECT_EQ(image.at(32, 24)[3], 255);
+}
+
+TEST_F(Picture, FarFromTheOriginNothingShifts) {
+  Mesh near = sphere(3, 4), far = near;
+  for (Vec3d& p : far.vertices) p += Vec3d(4096, -2048, 1024);  // exact in binary
+  Camera a = *cameraFromView("iso");
+  a.half_height = 4;
+  Camera b = a;
+  b.target = {4096, -2048, 1024};
+  const double one = coveredPixels(draw(near, a, 120, 90, kMask)), other = coveredPixels(draw(far, b, 120, 90, kMask));
+  EXPECT_NEAR(one, other, 0.001 * one);
+}
+
+TEST_F(Picture, SizeOutOfRangeIsRefused) {
+  renderer_->setMesh({});
+  EXPECT_FALSE(renderer_->picture(Camera{}, 0, 100, {}));
+  EXPECT_FALSE(renderer_->picture(Camera{}, 100, 9000, {}));
+}
+
+std::uint32_t bigEndian(const std::string& bytes, std::size_t at) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 0; i < 4; ++i) value = value << 8 | static_cast<unsigned char>(bytes[at + i]);
+  return value;
+}
+
+TEST(Png, HasTheSizeOfThePictureAndReplacesAnOlderFile) {
+  const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / "kerf_png_test";
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
+  const std::filesystem::path path = folder / "picture.png";
+  std::ofstream(path) << "older";
+  Image image{123, 45, std::vector<std::uint8_t>(4 * 123 * 45, 200)};
+  drawScaleBar(image, 5, 0.2);
+  ASSERT_TRUE(writePng(path, image));
+  std::ifstream file(path, std::ios::binary);
+  const std::string bytes((std::istreambuf_iterator<char>(file)), {});
+  ASSERT_GT(bytes.size(), 33u);
+  EXPECT_EQ(bytes.substr(0, 8), "\x89PNG\r\n\x1a\n");
+  EXPECT_EQ(bigEndian(bytes, 16), 123u);
+  EXPECT_EQ(bigEndian(bytes, 20), 45u);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);  // nothing left beside it
+  const auto refused = writePng(folder / "missing" / "picture.png", image);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Error::Code::kWriteFailed);
+}
+
+TEST(ScaleBar, IsAsLongAsItSays) {
+  Image image{400, 300, std::vector<std::uint8_t>(4 * 400 * 300, 255)};
+  drawScaleBar(image, 5, 0.05);  // 100 pixels
+  int longest = 0;
+  for (int y = 0; y < 300; ++y) {
+    int dark = 0;
+    for (int x = 0; x < 400; ++x) dark += image.at(x, y)[0] < 128;
+    longest = std::max(longest, dark);
+  }
+  EXPECT_NEAR(longest, 100, 2);  // and half the width of the end ticks on either side
+}
+
+TEST(ShadingNormals, CreaseKeepsATetrahedronSharpAndASphereSmooth) {
+  for (const Vec3f& n : cornerNormals(skewTetrahedron(), 0.6)) EXPECT_NEAR(n.norm(), 1, 1e-6);
+  const Mesh ball = sphere(2, 4), solid = skewTetrahedron();
+  const std::vector<Vec3f> smooth = cornerNormals(ball, 0.7), sharp = cornerNormals(solid, 0.7);
+  for (std::size_t c = 0; c < smooth.size(); ++c) {
+    const Vec3d outward = ball.vertices[ball.triangles[c / 3][c % 3]].normalized();
+    EXPECT_GT(smooth[c].cast<double>().dot(outward), std::cos(0.02));
+  }
+  for (std::size_t c = 0; c < sharp.size(); ++c)
+    EXPECT_GT(sharp[c].cast<double>().dot(doubleAreaVector(solid, c / 3).normalized()), 1 - 1e-6);
+}
+
+}  // namespace
+}  // namespace kerf

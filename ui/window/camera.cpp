@@ -1,0 +1,101 @@
+#include "ui/window/camera.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <numbers>
+
+namespace kerf {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+/// The whole of `text` as a finite number.
+bool parseNumber(std::string_view text, double& value) {
+  while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size() && std::isfinite(value);
+}
+
+}  // namespace
+
+Vec3d Camera::right() const { return {std::cos(azimuth), std::sin(azimuth), 0}; }
+Vec3d Camera::backwards() const {
+  return {std::sin(azimuth) * std::cos(elevation), -std::cos(azimuth) * std::cos(elevation), std::sin(elevation)};
+}
+Vec3d Camera::up() const { return backwards().cross(right()); }
+
+Eigen::Matrix3d Camera::rotation() const {
+  Eigen::Matrix3d m;
+  m << right().transpose(), up().transpose(), backwards().transpose();
+  return m;
+}
+
+const std::vector<NamedView>& namedViews() {
+  static const std::vector<NamedView> views = {{"front", 0, 0}, {"back", 180, 0},   {"left", -90, 0}, {"right", 90, 0},
+                                               {"top", 0, 90},  {"bottom", 0, -90}, {"iso", 35, 35}};
+  return views;
+}
+
+Expected<Camera> cameraFromView(std::string_view view) {
+  Camera camera;
+  if (view == "occlusal") view = "top";
+  for (const NamedView& v : namedViews())
+    if (v.name == view) {
+      camera.azimuth = v.azimuth_deg * kDegree;
+      camera.elevation = v.elevation_deg * kDegree;
+      return camera;
+    }
+  double azimuth = 0, elevation = 0;
+  const std::size_t comma = view.find(',');
+  if (comma != std::string_view::npos && parseNumber(view.substr(0, comma), azimuth) &&
+      parseNumber(view.substr(comma + 1), elevation) && std::abs(elevation) <= 90) {
+    camera.azimuth = std::remainder(azimuth, 360.0) * kDegree;
+    camera.elevation = elevation * kDegree;
+    return camera;
+  }
+  std::string names;
+  for (const NamedView& v : namedViews()) names += std::string(v.name) + ", ";
+  return fail({.code = Error::Code::kBadValue,
+               .file = {},
+               .place = "view",
+               .found = "\"" + std::string(view) + "\"",
+               .expected = "one of " + names + "occlusal (= top), or AZ,EL in degrees with EL from -90 to 90",
+               .hint = "--view iso, or --view 35,20"});
+}
+
+void fitTo(Camera& camera, const Mesh& mesh, int width, int height, double margin) {
+  camera.half_height = 5;
+  if (mesh.vertices.empty()) {
+    camera.target = Vec3d::Zero();
+    return;
+  }
+  const Eigen::Matrix3d to_view = camera.rotation();
+  Box3 box;
+  for (const Vec3d& p : mesh.vertices) box.add(Vec3d(to_view * p));
+  camera.target = to_view.transpose() * box.center();
+  const double half_width = 0.5 * box.size().x(), half_height = 0.5 * box.size().y();
+  const double needed = std::max(half_height, half_width * height / width) / (1 - 2 * margin);
+  if (needed > 0) camera.half_height = needed;
+}
+
+void orbit(Camera& camera, double dx, double dy) {
+  camera.azimuth = std::remainder(camera.azimuth - 0.5 * kDegree * dx, 2 * std::numbers::pi);
+  camera.elevation = std::clamp(camera.elevation + 0.5 * kDegree * dy, -90 * kDegree, 90 * kDegree);
+}
+
+void pan(Camera& camera, double dx, double dy, int height) {
+  camera.target += camera.mmPerPixel(height) * (dy * camera.up() - dx * camera.right());
+}
+
+void zoomBy(Camera& camera, double factor) { camera.half_height = std::clamp(camera.half_height / factor, 1e-4, 1e6); }
+
+double scaleBarLength(double mm_per_pixel, int width) {
+  const double most = 0.25 * mm_per_pixel * width;
+  const double power = std::pow(10.0, std::floor(std::log10(most)));
+  for (const double step : {5.0, 2.0})
+    if (step * power <= most) return step * power;
+  return power;
+}
+
+}  // namespace kerf

@@ -1,0 +1,55 @@
+// The camera of the window and of pictures: parallel projection, so that a length in mm is the same everywhere.
+//
+// World frame: right-handed, mm, +z up. The camera stands off the target at azimuth and elevation:
+//   azimuth 0 looks along +y (the front), growing counter-clockwise seen from +z: 90 deg stands at +x (the right side).
+//   elevation 90 deg looks down on the occlusal side (+z), with +y up in the picture.
+// View frame: x right, y up, z towards the viewer, origin at the target.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "geometry/error.h"
+#include "geometry/mesh.h"
+
+namespace kerf {
+
+struct Camera {
+  double azimuth = 0;            ///< rad
+  double elevation = 0;          ///< rad, in [-pi/2, pi/2]
+  Vec3d target = Vec3d::Zero();  ///< mm, shown at the centre of the picture
+  double half_height = 10;       ///< mm from the centre to the upper edge, > 0: the zoom
+
+  Vec3d right() const;      ///< unit, world frame
+  Vec3d up() const;         ///< unit, world frame
+  Vec3d backwards() const;  ///< unit, world frame, from the target to the viewer
+  /// Rows right, up, backwards: world direction -> view direction.
+  Eigen::Matrix3d rotation() const;
+  double mmPerPixel(int height) const { return 2 * half_height / height; }
+};
+
+struct NamedView {
+  std::string_view name;
+  double azimuth_deg, elevation_deg;
+};
+/// front, back, left, right, top (also: occlusal), bottom, iso.
+const std::vector<NamedView>& namedViews();
+
+/// A camera with the direction of a named view or of "AZ,EL" in degrees ("35,20"; EL in [-90, 90]); target and zoom are
+/// the defaults. Anything else is an error that lists the names.
+Expected<Camera> cameraFromView(std::string_view view);
+
+/// Centres the mesh and zooms so that it just fits into width x height pixels, `margin` (fraction) free on each side.
+/// A mesh without vertices, or with all of them in one point, gets a 10 mm field about it. O(vertices).
+void fitTo(Camera& camera, const Mesh& mesh, int width, int height, double margin = 0.07);
+
+/// Mouse moves, in pixels (y downwards) of a window `height` pixels high.
+void orbit(Camera& camera, double dx, double dy);            ///< 0.5 deg per pixel; elevation stops at the poles
+void pan(Camera& camera, double dx, double dy, int height);  ///< what is under the cursor stays under it
+void zoomBy(Camera& camera, double factor);                  ///< factor > 1 makes things larger
+
+/// Length of a scale bar: the largest 1, 2 or 5 times a power of ten, in mm, not over a quarter of the width.
+double scaleBarLength(double mm_per_pixel, int width);
+
+}  // namespace kerf

@@ -1,0 +1,31 @@
+// A picture in memory and its PNG file.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "geometry/error.h"
+
+namespace kerf {
+
+/// 8-bit sRGB with straight alpha, rows from the top.
+struct Image {
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> rgba;  ///< 4 * width * height
+
+  const std::uint8_t* at(int x, int y) const {
+    return rgba.data() +
+           4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x));
+  }
+  std::uint8_t* at(int x, int y) { return const_cast<std::uint8_t*>(static_cast<const Image*>(this)->at(x, y)); }
+};
+
+/// Draws a bar of `length_mm` with its length written above it into the lower right corner, dark grey.
+/// Sizes follow the height of the picture. The bar is within half a pixel of its true length.
+void drawScaleBar(Image& image, double length_mm, double mm_per_pixel);
+
+/// Writes a PNG: beside the target first, then renamed, so a file of that name is replaced whole or not at all.
+Expected<void> writePng(const std::filesystem::path& path, const Image& image);
+
+}  // namespace kerf

@@ -1,0 +1,128 @@
+// kerf-sim: the window, and pictures without one.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <optional>
+#include <string>
+
+#include "ui/window/camera.h"
+#include "ui/window/gl_context.h"
+#include "ui/window/image.h"
+#include "ui/window/renderer.h"
+#include "ui/window/scene.h"
+#include "ui/window/window.h"
+
+namespace {
+
+struct Arguments {
+  std::string scene, screenshot, view = "iso", size, look_at;
+  double zoom = 1;
+  int frames = 0;
+  bool transparent = false, no_scale_bar = false, no_shadow = false, verbose = false, gpu = false;
+};
+
+kerf::Error badValue(const char* option, const std::string& found, const char* expected, const char* example) {
+  return {.code = kerf::Error::Code::kBadValue,
+          .file = {},
+          .place = option,
+          .found = "\"" + found + "\"",
+          .expected = expected,
+          .hint = example};
+}
+
+/// Reads exactly the characters of `text`: %n stops short of anything left over.
+bool parseSize(const std::string& text, int& width, int& height) {
+  int used = 0;
+  return std::sscanf(text.c_str(), "%5dx%5d%n", &width, &height, &used) == 2 && used == static_cast<int>(text.size()) &&
+         width >= 16 && height >= 16 && width <= 8192 && height <= 8192;
+}
+
+bool parsePoint(const std::string& text, kerf::Vec3d& p) {
+  int used = 0;
+  return std::sscanf(text.c_str(), "%lf,%lf,%lf%n", &p.x(), &p.y(), &p.z(), &used) == 3 &&
+         used == static_cast<int>(text.size()) && p.allFinite();
+}
+
+kerf::Expected<void> run(const Arguments& arguments) {
+  KERF_TRY(camera, kerf::cameraFromView(arguments.view));
+  int width = arguments.screenshot.empty() ? 1280 : 1200, height = arguments.screenshot.empty() ? 800 : 900;
+  if (!arguments.size.empty() && !parseSize(arguments.size, width, height))
+    return kerf::fail(badValue("--size", arguments.size, "WxH, 16 to 8192 pixels a side", "--size 1200x900"));
+  std::optional<kerf::Vec3d> look_at;
+  if (kerf::Vec3d p; !arguments.look_at.empty()) {
+    if (!parsePoint(arguments.look_at, p))
+      return kerf::fail(badValue("--look-at", arguments.look_at, "X,Y,Z in mm", "--look-at 0,0,5"));
+    look_at = p;
+  }
+  KERF_TRY(scene, kerf::loadScene(arguments.scene));
+  kerf::fitTo(camera, scene.mesh, width, height);
+  if (look_at) camera.target = *look_at;
+  kerf::zoomBy(camera, arguments.zoom);
+
+  if (arguments.screenshot.empty()) {
+    KERF_TRY(frames, kerf::runWindow(scene, camera, {.width = width, .height = height, .frames = arguments.frames}));
+    if (arguments.verbose) fmt::print(stderr, "kerf-sim: {} frames drawn\n", frames);
+    return {};
+  }
+  KERF_TRY(context, kerf::OffscreenContext::create(!arguments.gpu));
+  if (arguments.verbose) fmt::print(stderr, "kerf-sim: drawing with {}\n", context->description);
+  KERF_TRY(renderer, kerf::Renderer::create());
+  renderer->setMesh(scene.mesh);
+  kerf::RenderOptions options;
+  options.ground_shadow = !arguments.no_shadow;
+  options.transparent = arguments.transparent;
+  KERF_TRY(image, renderer->picture(camera, width, height, options));
+  const double mm_per_pixel = camera.mmPerPixel(height);
+  if (!arguments.no_scale_bar) kerf::drawScaleBar(image, kerf::scaleBarLength(mm_per_pixel, width), mm_per_pixel);
+  return kerf::writePng(arguments.screenshot, image);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  Arguments a;
+  CLI::App app(
+      "Shows a mesh, a case or the result of a run, in a window or as a picture.\n"
+      "Mouse: left orbits, right or middle pans, wheel zooms. Keys: 1-7 views, F fit, Esc closes.");
+  app.name("kerf-sim");
+  app.set_version_flag("--version", "kerf-sim " KERF_VERSION);
+  app.add_option("scene", a.scene, "a mesh file (STL, PLY, OBJ, OFF), a case folder or a run folder")
+      ->required()
+      ->type_name("MESH|CASE|RUN");
+  app.add_option("--screenshot", a.screenshot,
+                 "write a picture instead of opening a window; needs no display and no GPU")
+      ->type_name("OUT.png");
+  app.add_option("--view", a.view,
+                 "front, back, left, right, top (or occlusal), bottom, iso, or AZ,EL in degrees: AZ 0 looks along +y, "
+                 "90 from +x; EL 90 from above (+z)")
+      ->type_name("NAME")
+      ->capture_default_str();
+  app.add_option("--size", a.size, "pixels of the picture (default 1200x900) or the window (1280x800)")
+      ->type_name("WxH");
+  app.add_option("--zoom", a.zoom, "times larger than what fits")
+      ->type_name("F")
+      ->check(CLI::Range(0.001, 1000.0))
+      ->capture_default_str();
+  app.add_option("--look-at", a.look_at, "the point shown at the centre, mm (default: the middle of the mesh)")
+      ->type_name("X,Y,Z");
+  app.add_flag("--transparent", a.transparent, "no background and no ground shadow");
+  app.add_flag("--no-shadow", a.no_shadow, "no ground shadow");
+  app.add_flag("--no-scale-bar", a.no_scale_bar, "no scale bar in the picture");
+  app.add_flag("--gpu", a.gpu, "let a graphics card draw the picture; the bytes then depend on the card");
+  app.add_option("--frames", a.frames, "close the window after N frames (for tests)")
+      ->type_name("N")
+      ->check(CLI::NonNegativeNumber);
+  app.add_flag("-v,--verbose", a.verbose, "say what draws");
+  app.footer("Kerf is a training and lab tool, not a medical device.");
+  CLI11_PARSE(app, argc, argv);
+  if (const auto done = run(a); !done) {
+    fmt::print(stderr, "kerf-sim: error: {}\n", done.error().message());
+    return 1;
+  }
+  return 0;
+} catch (const std::exception& e) {
+  std::fprintf(stderr, "kerf-sim: error: %s\n", e.what());
+  return 1;
+}

@@ -1,0 +1,23 @@
+// What kerf-sim shows: a mesh file, or the mesh inside a case or run folder.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "geometry/error.h"
+#include "geometry/mesh.h"
+
+namespace kerf {
+
+struct Scene {
+  Mesh mesh;                        ///< mm
+  std::filesystem::path mesh_file;  ///< the file it was read from
+  std::string unit;                 ///< for the eye: "mm", "mm (the file names none)", "inch, shown in mm"
+};
+
+/// A file is read by readMesh. A folder with run.toml shows its result.ply, one with case.toml its solid.ply; both are
+/// in mm. A mesh file whose header declares another unit is scaled to mm, one that declares none is taken as mm.
+/// @return an error naming what is missing, for a folder that is neither.
+Expected<Scene> loadScene(const std::filesystem::path& path);
+
+}  // namespace kerf

@@ -1,0 +1,21 @@
+// The window of kerf-sim: one mesh, a mouse camera, a panel.
+#pragma once
+
+#include "geometry/error.h"
+#include "ui/window/camera.h"
+#include "ui/window/scene.h"
+
+namespace kerf {
+
+struct WindowOptions {
+  int width = 1280, height = 800;
+  int frames = 0;  ///< close after this many frames; 0 stays open until the user closes it
+};
+
+/// Shows the scene until the window is closed. Left button orbits, middle or right (or shift + left) pans, wheel zooms
+/// about the cursor, keys 1-7 take the named views, F fits, Esc closes. `fit` zooms to the mesh first.
+/// Main thread only. Needs a display: without one an error that says what to do instead.
+/// @return frames drawn.
+Expected<int> runWindow(const Scene& scene, Camera camera, const WindowOptions& options);
+
+}  // namespace kerf
