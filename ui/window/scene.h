@@ -15,8 +15,9 @@ struct Scene {
   std::string unit;                 ///< for the eye: "mm", "mm (the file names none)", "inch, shown in mm"
 };
 
-/// A file is read by readMesh. A folder with run.toml shows its result.ply, one with case.toml its solid.ply; both are
-/// in mm. A mesh file whose header declares another unit is scaled to mm, one that declares none is taken as mm.
+/// A file is read by readMesh. A run folder shows its post-operative mesh with the cut faces in their own colour, a
+/// case folder its solid, both computed by exportBundle: what is shown is what would be exported. A mesh file whose
+/// header declares another unit is scaled to mm, one that declares none is taken as mm.
 /// @return an error naming what is missing, for a folder that is neither.
 Expected<Scene> loadScene(const std::filesystem::path& path);
 

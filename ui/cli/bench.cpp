@@ -1,0 +1,234 @@
+// kerf bench: scenes anybody can time on their own machine. Times vary, the state hash does not.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "geometry/mesh_io.h"
+#include "geometry/mesh_writer.h"
+#include "geometry/removed_solid.h"
+#include "geometry/tool_file.h"
+#include "preprocess/bake.h"
+#include "preprocess/demo_molar.h"
+#include "sim/run_bundle.h"
+#include "sim/sweep_cutter.h"
+#include "ui/cli/command.h"
+
+namespace kerf::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+double now() {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+struct Result {
+  std::string scene, what;
+  std::vector<double> ms;  // one per repetition or motion
+  std::string state_hash;
+  double ratio = 0;  // to a bare library call measured in the same run; 0: none
+  std::string ratio_to;
+
+  double percentile(double p) const {
+    std::vector<double> sorted = ms;
+    std::sort(sorted.begin(), sorted.end());
+    return sorted.empty()
+               ? 0
+               : sorted[std::min(sorted.size() - 1, static_cast<std::size_t>(p * static_cast<double>(sorted.size())))];
+  }
+};
+
+/// A folder for scratch files, removed at the end.
+class Scratch {
+ public:
+  Scratch() : path_(fs::temp_directory_path() / fmt::format("kerf-bench-{}", getpid())) {
+    fs::create_directories(path_);
+  }
+  ~Scratch() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+Expected<fs::path> benchMesh(const std::string& asked, const Scratch& scratch) {
+  if (!asked.empty()) return fs::path(asked);
+  const fs::path molar = scratch.path() / "molar.ply";
+  if (!fs::exists(molar)) KERF_CHECK(writeMesh(molar, demoMolar(0.18)));
+  return molar;
+}
+
+// The whole bake, files included, against the bare library call on the solid it voxelizes.
+Expected<Result> benchBake(const std::string& mesh, const Scratch& scratch) {
+  KERF_TRY(path, benchMesh(mesh, scratch));
+  Result r{
+      "bake", "whole bake at 0.1 mm, files included", {}, "", 0, "meshToVolume alone on the closed mesh, same bands"};
+  BakeOptions options;
+  options.overwrite = true;
+  const fs::path folder = scratch.path() / "bench.case";
+  std::vector<double> ratios;
+  for (int n = 0; n < 5; ++n) {
+    const double start = now();
+    KERF_TRY(report, bake({path}, folder, options));
+    r.ms.push_back(now() - start);
+    r.state_hash = report.manifest.id.substr(0, 16);
+    KERF_TRY(solid, readCaseSolid(folder));
+    KERF_TRY(bare, timeBareMeshToVolume(solid, options.voxelize));
+    ratios.push_back(r.ms.back() / (1e3 * bare));
+  }
+  KERF_TRY(field, readCaseField(folder));
+  r.state_hash = fmt::format("{:016x}", field.stateHash());
+  std::sort(ratios.begin(), ratios.end());
+  r.ratio = ratios[ratios.size() / 2];
+  return r;
+}
+
+// A block of h = 0.05 mm nodes, and a tool drawn through it along a wavy line.
+Expected<Result> benchCut(const std::string& scene, const std::string& tool_id, double h,
+                          const Eigen::Quaterniond& attitude) {
+  KERF_TRY(file, findToolFile(tool_id, defaultToolFolders()));
+  KERF_TRY(tool, readTool(file));
+  Box3 box;
+  box.add(Vec3d(-6, -4, -5)), box.add(Vec3d(6, 4, 0));
+  const BoxShape block(box);
+  BrickField phi0(h, static_cast<float>(3 * h), static_cast<float>(-4 * h));
+  const Vec3i low = brickOf((box.min / h).array().floor().cast<int>().matrix() - Vec3i::Constant(4));
+  const Vec3i high = brickOf((box.max / h).array().ceil().cast<int>().matrix() + Vec3i::Constant(4));
+  for (int x = low[0]; x <= high[0]; ++x)
+    for (int y = low[1]; y <= high[1]; ++y)
+      for (int z = low[2]; z <= high[2]; ++z) {
+        BrickValues& v = phi0.brick(phi0.touch({x, y, z}));
+        for (int n = 0; n < kBrickNodes; ++n)
+          v[static_cast<std::size_t>(n)] = static_cast<float>(std::clamp(
+              block.distance(h * Vec3d(8 * x + (n >> 6), 8 * y + (n >> 3 & 7), 8 * z + (n & 7))), -4 * h, 3 * h));
+      }
+  Result r{scene, fmt::format("one motion of 0.02 mm of {} in a block at {} mm", tool_id, h), {}, "", 0, ""};
+  SweepCutter cutter(phi0);
+  const auto pose = [&](int n) {
+    const double x = -4 + 0.02 * n;
+    return Rigid3{attitude, Vec3d(x, 0.6 * std::sin(x), -0.6)};
+  };
+  for (int n = 0; n < 400; ++n) {
+    const double start = now();
+    cutter.advance(SweptTool(*tool.cut, pose(n), pose(n + 1)));
+    r.ms.push_back(now() - start);
+  }
+  r.state_hash = fmt::format("{:016x}", cutter.sweep().stateHash());
+  return r;
+}
+
+// Bake once, cut a groove over the top, export five times.
+Expected<Result> benchExport(const std::string& mesh, const Scratch& scratch) {
+  KERF_TRY(path, benchMesh(mesh, scratch));
+  BakeOptions options;
+  options.overwrite = true;
+  const fs::path folder = scratch.path() / "export.case", run = scratch.path() / "export.run",
+                 csv = scratch.path() / "groove.csv";
+  KERF_TRY(baked, bake({path}, folder, options));
+  const Box3& box = baked.manifest.box;
+  const Vec3d c = box.center();
+  {
+    std::ofstream out(csv);
+    out << "t,x,y,z,qw,qx,qy,qz\n";
+    for (int n = 0; n <= 60; ++n)
+      out << fmt::format("{},{},{},{},1,0,0,0\n", 0.05 * n, c[0] + (n - 30) * box.size()[0] / 60, c[1], c[2]);
+  }
+  KERF_TRY(tool, findToolFile("round-014", defaultToolFolders()));
+  KERF_TRY(manifest, cutCase(folder, tool, csv, run, {.overwrite = true}));
+  Result r{"export", fmt::format("exact export of a groove through {} triangles", baked.manifest.solid_triangles),
+           {},       manifest.state_hash,
+           0,        ""};
+  for (int n = 0; n < 5; ++n) {
+    const double start = now();
+    KERF_TRY(result, exportBundle(run));
+    KERF_CHECK(writeMesh(scratch.path() / "export.stl", result.post_op.mesh));
+    r.ms.push_back(now() - start);
+  }
+  return r;
+}
+
+struct SceneRow {
+  const char* name;
+  const char* what;
+};
+constexpr SceneRow kScenes[] = {{"bake", "mesh to case, against the bare library call"},
+                                {"cut-bur", "motions of a round bur in a block at 0.05 mm"},
+                                {"cut-blade", "motions of a reciprocating blade in a block at 0.1 mm"},
+                                {"export", "run to printable STL"}};
+
+Expected<Result> runScene(const std::string& name, const std::string& mesh, const Scratch& scratch) {
+  if (name == "bake") return benchBake(mesh, scratch);
+  if (name == "cut-bur") return benchCut(name, "round-014", 0.05, Eigen::Quaterniond::Identity());
+  // The blade lies across the groove, teeth down: its -x is the object's -z.
+  if (name == "cut-blade")
+    return benchCut(name, "saw-reciprocating-25", 0.1,
+                    Eigen::Quaterniond(Eigen::AngleAxisd(-0.5 * M_PI, Vec3d::UnitY())));
+  if (name == "export") return benchExport(mesh, scratch);
+  std::string known;
+  for (const SceneRow& row : kScenes) known += (known.empty() ? "" : ", ") + std::string(row.name);
+  return fail({Error::Code::kBadValue, "", "SCENE", "\"" + name + "\"", "one of " + known, ""});
+}
+
+}  // namespace
+
+void addBench(CLI::App& app, int& exit_code) {
+  struct Arguments {
+    std::string scene, mesh;
+    bool json = false;
+  };
+  auto a = std::make_shared<Arguments>();
+  CLI::App* c = app.add_subcommand("bench", "Time Kerf on shared scenes: p50, p99, max and the state hash");
+  std::string scenes = "Scenes:";
+  for (const SceneRow& row : kScenes) scenes += fmt::format("\n  {:<10} {}", row.name, row.what);
+  c->footer(scenes + "\nExample: kerf bench bake --mesh scan.stl");
+  c->add_option("SCENE", a->scene, "one scene; all of them without");
+  c->add_option("--mesh", a->mesh, "mesh for bake and export (default: the demo molar)");
+  c->add_flag("--json", a->json, "as JSON on standard output");
+  c->callback([a, &exit_code] {
+    const Scratch scratch;
+    std::vector<std::string> names;
+    if (a->scene.empty())
+      for (const SceneRow& row : kScenes) names.emplace_back(row.name);
+    else
+      names.push_back(a->scene);
+    nlohmann::json all = nlohmann::json::array();
+    for (const std::string& name : names) {
+      const auto r = runScene(name, a->mesh, scratch);
+      if (!r) {
+        exit_code = complain(r.error());
+        return;
+      }
+      if (a->json) {
+        nlohmann::json j{{"scene", r->scene},
+                         {"what", r->what},
+                         {"count", r->ms.size()},
+                         {"p50_ms", r->percentile(0.5)},
+                         {"p99_ms", r->percentile(0.99)},
+                         {"max_ms", r->percentile(1)},
+                         {"state_hash", r->state_hash}};
+        if (r->ratio > 0) j["ratio"] = r->ratio, j["ratio_to"] = r->ratio_to;
+        all.push_back(j);
+      } else {
+        fmt::print("{:<10} p50 {:9.3f}  p99 {:9.3f}  max {:9.3f} ms  x{:<4} {}  {}\n", r->scene, r->percentile(0.5),
+                   r->percentile(0.99), r->percentile(1), r->ms.size(), r->state_hash, r->what);
+        if (r->ratio > 0) fmt::print("           {:.2f} x {}\n", r->ratio, r->ratio_to);
+        std::fflush(stdout);
+      }
+    }
+    if (a->json) fmt::print("{}\n", all.dump(2));
+    exit_code = kOk;
+  });
+}
+
+}  // namespace kerf::cli

@@ -1,0 +1,158 @@
+#include <fmt/format.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "geometry/case_bundle.h"
+#include "geometry/mesh_check.h"
+#include "geometry/mesh_io.h"
+#include "geometry/tool_file.h"
+#include "geometry/vdb_io.h"
+#include "preprocess/unit.h"
+#include "sim/run_bundle.h"
+#include "ui/cli/command.h"
+
+namespace kerf::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+json size(const Box3& box) { return {box.size()[0], box.size()[1], box.size()[2]}; }
+
+Expected<json> meshInfo(const fs::path& path) {
+  KERF_TRY(file, readMesh(path));
+  const Box3 box = bounds(file.mesh);
+  KERF_TRY(unit, chooseUnit(box, "", file.declared_unit));
+  json j{{"kind", "mesh"},
+         {"format", std::string(name(file.format))},
+         {"vertices", file.mesh.vertices.size()},
+         {"triangles", file.mesh.triangles.size()},
+         {"size_in_file_unit", size(box)},
+         {"center_in_file_unit", {box.center()[0], box.center()[1], box.center()[2]}},
+         {"unit", unit.unit},
+         {"unit_reason", unit.reason},
+         {"vertex_colors", file.mesh.hasVertexColors()},
+         {"face_colors", file.mesh.hasFaceColors()},
+         {"double_coordinates", file.had_double_coordinates},
+         {"notes", file.notes}};
+  j["check"] = json::parse(toJson(checkMesh(file.mesh)));
+  return j;
+}
+
+Expected<json> caseInfo(const fs::path& folder) {
+  KERF_TRY(m, readCaseManifest(folder));
+  json j{{"kind", "case"},
+         {"id", m.id},
+         {"kerf_version", m.kerf_version},
+         {"exact", m.exact},
+         {"close_mode", m.close_mode},
+         {"changes", m.changes},
+         {"voxel_mm", m.voxel_mm},
+         {"material", m.material},
+         {"size_mm", size(m.box)},
+         {"vertices", m.solid_vertices},
+         {"triangles", m.solid_triangles},
+         {"volume_mm3", m.solid_volume_mm3},
+         {"area_mm2", m.solid_area_mm2},
+         {"shell_points", m.shell_points},
+         {"shell_area_mm2", m.shell_area_mm2}};
+  for (const CaseSource& s : m.sources)
+    j["sources"].push_back({{"stored_as", s.stored_as},
+                            {"format", s.format},
+                            {"unit", s.unit},
+                            {"unit_reason", s.unit_reason},
+                            {"vertices", s.vertices},
+                            {"triangles", s.triangles},
+                            {"sha256", s.sha256}});
+  KERF_TRY(grids, inspectVdb(folder / kCaseAnatomy));
+  for (const VdbGridInfo& g : grids)
+    j["grids"].push_back(
+        {{"name", g.name}, {"type", g.type}, {"voxel_mm", g.voxel}, {"active_voxels", g.active_voxels}});
+  return j;
+}
+
+Expected<json> runInfo(const fs::path& folder) {
+  KERF_TRY(m, readRunManifest(folder));
+  return json{{"kind", "run"},
+              {"case_path", m.case_path},
+              {"case_id", m.case_id},
+              {"mode", m.mode},
+              {"tool", m.tool_id},
+              {"segments", m.segments},
+              {"path_length_mm", m.path_length_mm},
+              {"duration_s", m.duration_s},
+              {"voxel_mm", m.voxel_mm},
+              {"state_hash", m.state_hash},
+              {"kerf_version", m.kerf_version}};
+}
+
+Expected<json> toolInfo(const fs::path& file) {
+  KERF_TRY(tool, readTool(file));
+  json j = json::parse(toJson(tool));
+  j["kind"] = "tool";
+  return j;
+}
+
+Expected<json> infoOf(const std::string& what) {
+  const fs::path path = what;
+  std::error_code ignored;
+  if (isCase(path)) return caseInfo(path);
+  if (isRun(path)) return runInfo(path);
+  if (fs::exists(path, ignored)) return path.extension() == ".toml" ? toolInfo(path) : meshInfo(path);
+  // No such path: perhaps a tool's id.
+  if (const auto tool = findToolFile(what, defaultToolFolders())) return toolInfo(*tool);
+  return fail({Error::Code::kNotFound, what, "", "no such file, folder or tool",
+               "a mesh, a case, a run, a tool file or a tool id", "kerf tool list"});
+}
+
+// Keys and values, one a line, indented by depth: JSON for people.
+void print(const json& j, int depth) {
+  for (const auto& [key, value] : j.items()) {
+    const std::string indent(static_cast<std::size_t>(2 * depth), ' ');
+    if (value.is_object()) {
+      fmt::print("{}{}:\n", indent, key);
+      print(value, depth + 1);
+    } else if (value.is_array() && !value.empty() && (value[0].is_object() || value[0].is_string())) {
+      fmt::print("{}{}:\n", indent, key);
+      for (const json& item : value) {
+        if (item.is_string()) {
+          fmt::print("{}  - {}\n", indent, item.get<std::string>());
+        } else {
+          fmt::print("{}  -\n", indent);
+          print(item, depth + 2);
+        }
+      }
+    } else {
+      fmt::print("{}{}: {}\n", indent, key, value.is_string() ? value.get<std::string>() : value.dump());
+    }
+  }
+}
+
+}  // namespace
+
+void addInfo(CLI::App& app, int& exit_code) {
+  struct Arguments {
+    std::string what;
+    bool json = false;
+  };
+  auto a = std::make_shared<Arguments>();
+  CLI::App* c = app.add_subcommand("info", "Describe a mesh, a case, a run or a tool");
+  c->footer("Example: kerf info upper.ply");
+  c->add_option("PATH", a->what, "mesh file, case folder, run folder, tool file or tool id")->required();
+  c->add_flag("--json", a->json, "as JSON on standard output");
+  c->callback([a, &exit_code] {
+    const auto info = infoOf(a->what);
+    if (!info) {
+      exit_code = complain(info.error());
+      return;
+    }
+    if (a->json)
+      fmt::print("{}\n", info->dump(2));
+    else
+      print(*info, 0);
+    exit_code = kOk;
+  });
+}
+
+}  // namespace kerf::cli
