@@ -72,8 +72,23 @@ double RevolvedProfile::radiusAt(double height) const {
   return radius;
 }
 
+bool RevolvedProfile::isConvex() const {
+  const auto tangent = [](const Piece& piece, const Point& at) {
+    if (piece.arc_radius == 0) return Point((piece.to - piece.from).normalized());
+    const Point r = (at - piece.center) / piece.arc_radius;
+    return Point(-r[1], r[0]);  // counter-clockwise
+  };
+  Point before(1, 0);  // the mirror image arrives level, at best
+  for (const Piece& piece : pieces_) {
+    const Point now = tangent(piece, piece.from);
+    if (cross(before, now) < -1e-9) return false;
+    before = tangent(piece, piece.to);
+  }
+  return true;
+}
+
 RevolvedShape::RevolvedShape(RevolvedProfile profile)
-    : profile_(std::move(profile)), radius_(profile_.largestRadius()) {
+    : profile_(std::move(profile)), radius_(profile_.largestRadius()), is_convex_(profile_.isConvex()) {
   assert(profile_.end()[0] == 0);
 }
 

@@ -16,6 +16,8 @@ class ToolShape {
   virtual double distance(const Vec3d& p) const noexcept = 0;
   /// Box around the solid, tool frame.
   virtual Box3 bounds() const = 0;
+  /// True only if the solid is convex: its distance is then a convex function, which sweeps use. False costs time only.
+  virtual bool isConvex() const = 0;
 };
 
 /// Outline of a solid of revolution in the half-plane (radius >= 0, height), from the lowest point on the axis upwards.
@@ -44,6 +46,8 @@ class RevolvedProfile {
   double largestRadius() const;
   /// Radius of the solid at a height, 0 outside its range; at a step the larger one.
   double radiusAt(double height) const;
+  /// The outline never turns right, so that the solid of revolution is convex.
+  bool isConvex() const;
 
  private:
   Point at_;
@@ -56,11 +60,13 @@ class RevolvedShape final : public ToolShape {
   explicit RevolvedShape(RevolvedProfile profile);
   double distance(const Vec3d& p) const noexcept override;
   Box3 bounds() const override;
+  bool isConvex() const override { return is_convex_; }
   const RevolvedProfile& profile() const { return profile_; }
 
  private:
   RevolvedProfile profile_;
   double radius_;
+  bool is_convex_;
 };
 
 /// Box with optionally rounded edges: blades and their toothed edges.
@@ -70,6 +76,7 @@ class BoxShape final : public ToolShape {
   explicit BoxShape(const Box3& box, double rounding = 0) : box_(box), rounding_(rounding) {}
   double distance(const Vec3d& p) const noexcept override;
   Box3 bounds() const override { return box_; }
+  bool isConvex() const override { return true; }
 
  private:
   Box3 box_;
@@ -82,6 +89,7 @@ class UnionShape final : public ToolShape {
   explicit UnionShape(std::vector<std::shared_ptr<const ToolShape>> parts) : parts_(std::move(parts)) {}
   double distance(const Vec3d& p) const noexcept override;
   Box3 bounds() const override;
+  bool isConvex() const override { return parts_.size() == 1 && parts_[0]->isConvex(); }
 
  private:
   std::vector<std::shared_ptr<const ToolShape>> parts_;
