@@ -13,8 +13,8 @@
 namespace kerf {
 
 /// Signed distance to the molar's surface, mm, negative inside: the implicit function over the length of its gradient.
-/// The sign is exact everywhere; the value is first-order near the surface (0.1 mm off: 2 % in the median, under 10 % at
-/// 95 of 100 places), a rough guide further away than 0.5 mm. Pure, any thread; about 7 us.
+/// The sign is exact everywhere; the value is first-order near the surface (0.1 mm off: 2 % in the median, under 10 %
+/// at 95 of 100 places), a rough guide further away than 0.5 mm. Pure, any thread; about 7 us.
 double demoMolarDistance(const Vec3d& p);
 
 /// The molar's surface with a mean edge of about `edge_mm`, which must lie in [0.05, 2]: closed, 2-manifold, without
