@@ -81,7 +81,8 @@ void main() {
   for (int i = 0; i < samples; ++i) {
     vec3 q = start + key_light * (shadow_reach * (float(i) + tile) / float(samples));
     float above = at(ivec2(floor(q.xy / mm_per_point))).z - q.z;
-    if (above > bias && above < 0.6 * shadow_reach) lit = min(lit, (float(i) + tile) / float(samples));
+    float sure = 1.0 - smoothstep(0.1, 0.4, above / shadow_reach);  // what hangs far in front need not be a thick solid
+    if (above > bias) lit = min(lit, 1.0 - sure * (1.0 - (float(i) + tile) / float(samples)));
   }
   result.g = lit;
 }
@@ -145,17 +146,17 @@ void main() {
 
   vec3 crevice = pow(vec3(shadow.r), vec3(0.9, 1.0, 1.08));  // light that bounces in a crevice turns warm
   float lit = smoothstep(0.0, 1.0, shadow.g);
-  vec3 light = mix(vec3(0.27, 0.25, 0.24), vec3(0.42, 0.45, 0.50), 0.5 + 0.5 * n.y) * crevice;
+  vec3 light = mix(vec3(0.27, 0.25, 0.24), vec3(0.45, 0.46, 0.49), 0.5 + 0.5 * n.y) * crevice;
   float key = max(0.0, (dot(n, key_light) + 0.15) / 1.15);
-  light += vec3(0.72, 0.69, 0.65) * key * mix(0.35, 1.0, lit) * mix(vec3(1.0), crevice, 0.5);
+  light += vec3(0.80, 0.77, 0.73) * key * mix(0.35, 1.0, lit) * mix(vec3(1.0), crevice, 0.5);
   light += vec3(0.16, 0.18, 0.21) * max(0.0, dot(n, normalize(vec3(0.85, 0.05, 0.5)))) * crevice;
   vec3 c = albedo * light;
   float glance = pow(1.0 - clamp(n.z, 0.0, 1.0), 3.0);
   c += vec3(0.20, 0.21, 0.22) * glance * (0.5 + 0.5 * n.y) * crevice;
   vec3 halfway = normalize(key_light + vec3(0.0, 0.0, 1.0));
   c += vec3(0.16) * pow(max(0.0, dot(n, halfway)), 42.0) * lit * crevice;
-  vec3 over = max(c - 0.6, 0.0);  // a soft shoulder keeps shape in the brightest parts
-  result = vec4(min(c, 0.6) + over / (1.0 + over / 0.4), 1.0);
+  vec3 over = max(c - 0.65, 0.0);  // a soft shoulder keeps shape in the brightest parts
+  result = vec4(min(c, 0.65) + over / (1.0 + over / 0.35), 1.0);
 }
 )";
 

@@ -13,7 +13,7 @@ struct WindowOptions {
 };
 
 /// Shows the scene until the window is closed. Left button orbits, middle or right (or shift + left) pans, wheel zooms
-/// about the cursor, keys 1-7 take the named views, F fits, Esc closes. `fit` zooms to the mesh first.
+/// about the cursor, keys 1-7 take the named views, F fits, Esc closes.
 /// Main thread only. Needs a display: without one an error that says what to do instead.
 /// @return frames drawn.
 Expected<int> runWindow(const Scene& scene, Camera camera, const WindowOptions& options);
