@@ -2,10 +2,64 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <fstream>
+#include <numeric>
 #include <sstream>
 
 namespace kerf {
+namespace {
+
+// Letters to insert, delete or exchange to get from a to b (Levenshtein 1965).
+std::size_t editDistance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t above = row[j];
+      row[j] = std::min({above + 1, row[j - 1] + 1, diagonal + (a[i - 1] == b[j - 1] ? 0 : 1)});
+      diagonal = above;
+    }
+  }
+  return row.back();
+}
+
+}  // namespace
+
+void TomlTable::missing(const std::string& key, const std::string& expected) {
+  if (error_) return;
+  keep({Error::Code::kBadFormat, file_.string(), place(key, &table_), "missing", expected, ""});
+  is_missing_ = true;
+}
+
+void TomlTable::reject(const std::string& key, std::string found, std::string expected, std::string hint) {
+  const toml::node* node = table_.get(key);
+  keep({Error::Code::kBadValue, file_.string(), place(key, node ? node : &table_), std::move(found),
+        std::move(expected), std::move(hint)});
+}
+
+double TomlTable::number(const std::string& key, double low, double high, const char* unit) {
+  used_.insert(key);
+  const std::string expected = fmt::format("a number from {} to {} {}", low, high, unit);
+  const toml::node* node = table_.get(key);
+  if (!node) {
+    missing(key, expected);
+    return low;
+  }
+  const auto value = node->is_number() ? node->value<double>() : std::nullopt;
+  if (!value) {
+    keep({Error::Code::kBadFormat, file_.string(), place(key, node), "a value of another type", expected, ""});
+    return low;
+  }
+  if (!(*value >= low && *value <= high)) {
+    reject(key, fmt::format("{}", *value), expected);
+    return low;
+  }
+  return *value;
+}
 
 std::string TomlTable::place(const std::string& key, const toml::node* node) const {
   const std::string full = name_.empty() ? key : name_ + "." + key;
@@ -36,10 +90,11 @@ std::vector<double> TomlTable::numbers(const std::string& key, std::size_t count
   const toml::node* node = table_.get(key);
   if (const toml::array* array = node ? node->as_array() : nullptr)
     for (const toml::node& item : *array)
-      if (const auto value = item.value<double>()) out.push_back(*value);
-  if (out.size() != count) {
-    keep({Error::Code::kBadFormat, file_.string(), place(key, node ? node : &table_), "missing or of another form",
-          fmt::format("a list of {} numbers", count), ""});
+      if (const auto value = item.is_number() ? item.value<double>() : std::nullopt; value && std::isfinite(*value))
+        out.push_back(*value);
+  if (const toml::array* array = node ? node->as_array() : nullptr; out.size() != count || array->size() != count) {
+    keep({Error::Code::kBadFormat, file_.string(), place(key, node ? node : &table_), node ? "of another form" : "missing",
+          fmt::format("a list of {} finite numbers", count), ""});
     out.assign(count, 0);
   }
   return out;
@@ -55,14 +110,20 @@ const toml::array* TomlTable::tables(const std::string& key) {
 }
 
 Expected<void> TomlTable::finish() {
-  if (!error_)
-    for (const auto& [key, node] : table_)
-      if (!used_.contains(std::string(key.str()))) {
-        std::string known;
-        for (const std::string& name : used_) known += (known.empty() ? "" : ", ") + name;
-        keep({Error::Code::kBadFormat, file_.string(), place(std::string(key.str()), &node), "unknown key", "one of " + known, ""});
-        break;
+  if (!error_ || is_missing_)
+    for (const auto& [key, node] : table_) {
+      const std::string found(key.str());
+      if (used_.contains(found)) continue;
+      std::string known, nearest;
+      std::size_t best = 1 + found.size() / 2;  // farther is no resemblance
+      for (const std::string& name : used_) {
+        known += (known.empty() ? "" : ", ") + name;
+        if (const std::size_t d = editDistance(found, name); d < best) best = d, nearest = name;
       }
+      error_ = Error{Error::Code::kBadFormat,      file_.string(), place(found, &node), "unknown key",
+                     "one of " + known, nearest.empty() ? "" : nearest};
+      break;
+    }
   if (error_) return fail(*error_);
   return {};
 }

@@ -24,23 +24,40 @@ class TomlTable {
     used_.insert(key);
     const toml::node* node = table_.get(key);
     if (!node) {
-      keep({Error::Code::kBadFormat, file_.string(), place(key, &table_), "missing", expected, ""});
+      missing(key, expected);
       return T{};
     }
     if (const auto value = node->value<T>()) return *value;
     keep({Error::Code::kBadFormat, file_.string(), place(key, node), "a value of another type", expected, ""});
     return T{};
   }
+  /// The same for a key that may be left out.
+  template <class T>
+  T getOr(const std::string& key, T fallback, const char* expected) {
+    return table_.contains(key) ? get<T>(key, expected) : (allow(key), fallback);
+  }
+  /// A number in [low, high], in `unit`. Integers count, NaN does not.
+  double number(const std::string& key, double low, double high, const char* unit = "mm");
+  double numberOr(const std::string& key, double fallback, double low, double high, const char* unit = "mm") {
+    return table_.contains(key) ? number(key, low, high, unit) : (allow(key), fallback);
+  }
+  bool has(const std::string& key) const { return table_.contains(key); }
+  const toml::node* node(const std::string& key) const { return table_.get(key); }
   void allow(const std::string& key) { used_.insert(key); }  ///< read elsewhere
+  /// Keeps an error about a key's value, unless there is one already.
+  void reject(const std::string& key, std::string found, std::string expected, std::string hint = "");
+  bool failed() const { return error_.has_value(); }
   std::vector<std::string> strings(const std::string& key);
   const toml::array* tables(const std::string& key);
   std::vector<double> numbers(const std::string& key, std::size_t count);
 
-  /// The first error, or one for the first key that nobody asked for.
+  /// The first error, or one for the first key that nobody asked for (with the nearest known key). An unknown key goes
+  /// before a missing one: most often it is the missing one, misspelt.
   Expected<void> finish();
 
  private:
   std::string place(const std::string& key, const toml::node* node) const;
+  void missing(const std::string& key, const std::string& expected);
   void keep(Error e) {
     if (!error_) error_ = std::move(e);
   }
@@ -49,6 +66,7 @@ class TomlTable {
   std::string name_;
   std::set<std::string> used_;
   std::optional<Error> error_;
+  bool is_missing_ = false;  // error_ is about a missing key
 };
 
 /// Parses a file; syntax errors name line and column.

@@ -1,0 +1,120 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "geometry/tool.h"
+
+namespace kerf {
+namespace {
+
+constexpr Rgba8 kSteel{176, 182, 190, 255}, kCutting{224, 196, 108, 255};
+
+std::uint32_t addVertex(Mesh& mesh, const Vec3d& p) {
+  mesh.vertices.push_back(p);
+  return static_cast<std::uint32_t>(mesh.vertices.size() - 1);
+}
+
+Mesh revolve(const RevolvedProfile& profile, double tolerance, Rgba8 color) {
+  std::vector<RevolvedProfile::Point> outline{{0.0, profile.lowest()}};
+  for (const auto& piece : profile.pieces()) {
+    if (piece.arc_radius > 0) {
+      const auto angle = [&](const RevolvedProfile::Point& p) {
+        return std::atan2(p[1] - piece.center[1], p[0] - piece.center[0]);
+      };
+      const double a = angle(piece.from), b = angle(piece.to);
+      const double step = 2 * std::acos(1 - std::min(0.5, tolerance / piece.arc_radius));
+      const int count = std::max(2, static_cast<int>(std::ceil((b - a) / step)));
+      for (int n = 1; n < count; ++n) {
+        const double t = a + (b - a) * n / count;
+        outline.push_back(piece.center + piece.arc_radius * RevolvedProfile::Point(std::cos(t), std::sin(t)));
+      }
+    }
+    outline.push_back(piece.to);
+  }
+  const double step = 2 * std::acos(1 - std::min(0.3, tolerance / profile.largestRadius()));
+  const int sides = std::max(8, static_cast<int>(std::ceil(2 * std::numbers::pi / step)));
+
+  Mesh mesh;
+  std::vector<std::vector<std::uint32_t>> rings;
+  for (const auto& p : outline) {
+    std::vector<std::uint32_t> ring;
+    if (p[0] < 1e-12) {
+      ring.push_back(addVertex(mesh, {0, 0, p[1]}));
+    } else {
+      for (int n = 0; n < sides; ++n) {
+        const double t = 2 * std::numbers::pi * n / sides;
+        ring.push_back(addVertex(mesh, {p[0] * std::cos(t), p[0] * std::sin(t), p[1]}));
+      }
+    }
+    rings.push_back(std::move(ring));
+  }
+  for (std::size_t r = 0; r + 1 < rings.size(); ++r) {
+    const auto &low = rings[r], &high = rings[r + 1];
+    if (low.size() == 1 && high.size() == 1) continue;
+    for (std::size_t n = 0; n < static_cast<std::size_t>(sides); ++n) {
+      const std::size_t m = (n + 1) % static_cast<std::size_t>(sides);
+      if (low.size() == 1) {
+        mesh.triangles.push_back({low[0], high[m], high[n]});
+      } else if (high.size() == 1) {
+        mesh.triangles.push_back({low[n], low[m], high[0]});
+      } else {
+        mesh.triangles.push_back({low[n], low[m], high[m]});
+        mesh.triangles.push_back({low[n], high[m], high[n]});
+      }
+    }
+  }
+  mesh.vertex_colors.assign(mesh.vertices.size(), color);
+  return mesh;
+}
+
+// A convex polygon in the plane (x, z), counter-clockwise seen from +y towards -y with x to the left, drawn out from
+// y0 to y1.
+Mesh prism(std::vector<Eigen::Vector2d> xz, double y0, double y1, Rgba8 color) {
+  double twice_area = 0;
+  for (std::size_t n = 0; n < xz.size(); ++n) {
+    const auto &a = xz[n], &b = xz[(n + 1) % xz.size()];
+    twice_area += a[0] * b[1] - a[1] * b[0];
+  }
+  if (twice_area < 0) std::reverse(xz.begin(), xz.end());
+  Mesh mesh;
+  const auto sides = static_cast<std::uint32_t>(xz.size());
+  for (const double y : {y0, y1})
+    for (const auto& p : xz) addVertex(mesh, {p[0], y, p[1]});
+  for (std::uint32_t n = 1; n + 1 < sides; ++n) {
+    mesh.triangles.push_back({0, n, n + 1});                          // y0: x cross z is -y, outwards
+    mesh.triangles.push_back({sides, sides + n + 1, sides + n});      // y1
+  }
+  for (std::uint32_t n = 0; n < sides; ++n) {
+    const std::uint32_t m = (n + 1) % sides;
+    mesh.triangles.push_back({n, sides + n, sides + m});
+    mesh.triangles.push_back({n, sides + m, m});
+  }
+  mesh.vertex_colors.assign(mesh.vertices.size(), color);
+  return mesh;
+}
+
+}  // namespace
+
+Mesh toolMesh(const Tool& tool, double tolerance_mm) {
+  if (tool.kind == ToolKind::kBur) {
+    Mesh mesh = revolve(*tool.head, tolerance_mm, kCutting);
+    if (const auto* body = dynamic_cast<const RevolvedShape*>(tool.body.get()))
+      append(mesh, revolve(body->profile(), tolerance_mm, kSteel));
+    return mesh;
+  }
+  const double half = 0.5 * tool.thickness_mm, set = tool.set_per_side_mm;
+  const double height = std::min(tool.edge_depth_mm, 0.6 * tool.tooth_pitch_mm);
+  Mesh mesh = prism({{height, 0}, {tool.blade_width_mm, 0}, {tool.blade_width_mm, tool.blade_length_mm},
+                     {height, tool.blade_length_mm}},
+                    -half, half, kSteel);
+  const int teeth = static_cast<int>(std::floor(tool.blade_length_mm / tool.tooth_pitch_mm + 1e-9));
+  for (int n = 0; n < teeth; ++n) {
+    const double z = n * tool.tooth_pitch_mm;
+    const bool left = n % 2 == 0;  // teeth lean to either side in turn
+    append(mesh, prism({{height, z}, {0, z + 0.3 * tool.tooth_pitch_mm}, {height, z + tool.tooth_pitch_mm}},
+                       left ? -half - set : -half, left ? half : half + set, kCutting));
+  }
+  return mesh;
+}
+
+}  // namespace kerf
