@@ -1,0 +1,31 @@
+#include "sim/tool_check.h"
+
+#include <gtest/gtest.h>
+
+#include "geometry/tool_file.h"
+
+namespace kerf {
+namespace {
+
+TEST(ToolCheck, EveryToolThatComesWithKerfRemovesWhatItsNumbersSay) {
+  const auto tools = listTools({std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools"});
+  ASSERT_GE(tools.size(), 3u);
+  for (const ToolListing& listing : tools) {
+    ASSERT_TRUE(listing.tool) << listing.error->message();
+    const auto check = checkTool(*listing.tool);
+    ASSERT_TRUE(check) << check.error().message();
+    EXPECT_TRUE(check->passed()) << listing.tool->id << ": " << check->removed_mm3 << " instead of " << check->expected_mm3;
+    fmt::print("{}: voxel {:.4f} depth {} expected {:.5f} removed {:.5f} error {:+.3f} %\n", listing.tool->id,
+               check->voxel_mm, check->depth_mm, check->expected_mm3, check->removed_mm3, check->errorPercent());
+  }
+}
+
+TEST(ToolCheck, AVoxelTooCoarseForTheToolIsRefused) {
+  const auto tool = readTool(std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools/round-014.toml");
+  ASSERT_TRUE(tool);
+  EXPECT_FALSE(checkTool(*tool, 0.5));
+  EXPECT_FALSE(checkTool(*tool, -0.1));
+}
+
+}  // namespace
+}  // namespace kerf
