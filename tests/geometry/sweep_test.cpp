@@ -118,9 +118,9 @@ TEST(Sweep, CutoffAndFloorOnlyLoosenWhatTheyMay) {
 TEST(Sweep, MayReachAndBoundsMissNothing) {
   Random random;
   int near = 0, far = 0;
-  for (int n = 0; n < 2000; ++n) {
+  for (int n = 0; n < 6000; ++n) {
     const SweptTool sweep(taper(), random.pose(2, 2), random.pose(2, 2));
-    const Vec3d center = random.point(5);
+    const Vec3d center = random.point(4);
     const double radius = random(0.05, 0.5), cutoff = random(0, 0.5);
     const Vec3d x = center + radius * random(0, 1) * random.point(1).normalized();
     const double d = sweep.distance(x, kNever, kTolerance);

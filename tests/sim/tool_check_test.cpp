@@ -19,6 +19,16 @@ TEST(ToolCheck, EveryToolThatComesWithKerfRemovesWhatItsNumbersSay) {
   }
 }
 
+TEST(ToolCheck, AToolThatCutsWiderThanItsNumbersFails) {
+  auto tool = readTool(std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools/round-014.toml");
+  ASSERT_TRUE(tool);
+  tool->cut = std::make_shared<RevolvedShape>(RevolvedProfile().arcTo({0, 0.705}, {0, 1.41}));  // 1.4 % more volume
+  const auto check = checkTool(*tool);
+  ASSERT_TRUE(check) << check.error().message();
+  EXPECT_FALSE(check->passed());
+  EXPECT_GT(check->errorPercent(), 1.0);
+}
+
 TEST(ToolCheck, AVoxelTooCoarseForTheToolIsRefused) {
   const auto tool = readTool(std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools/round-014.toml");
   ASSERT_TRUE(tool);
