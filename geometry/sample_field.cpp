@@ -27,8 +27,8 @@ BrickField sampleDistance(const std::function<double(const Vec3d&)>& distance, c
         for (int i = 0; i < kBrickSide; ++i)
           for (int j = 0; j < kBrickSide; ++j)
             for (int k = 0; k < kBrickSide; ++k)
-              values[static_cast<std::size_t>(nodeOffset(i, j, k))] = static_cast<float>(
-                  std::clamp(distance(field.position(base + Vec3i(i, j, k))), -band, band));
+              values[static_cast<std::size_t>(nodeOffset(i, j, k))] =
+                  static_cast<float>(std::clamp(distance(field.position(base + Vec3i(i, j, k))), -band, band));
         field.add(c, values);
       }
   return field;

@@ -7,21 +7,21 @@
 #include <fstream>
 #include <numeric>
 #include <sstream>
+#include <utility>
 
 namespace kerf {
 namespace {
 
-// Letters to insert, delete or exchange to get from a to b (Levenshtein 1965).
+// Letters to insert, delete, exchange or swap with their neighbour to get from a to b (Damerau 1964; Levenshtein 1965).
 std::size_t editDistance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
+  std::vector<std::size_t> before, last, row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
   for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
+    before = std::exchange(last, row);
     row[0] = i;
     for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t above = row[j];
-      row[j] = std::min({above + 1, row[j - 1] + 1, diagonal + (a[i - 1] == b[j - 1] ? 0 : 1)});
-      diagonal = above;
+      row[j] = std::min({last[j] + 1, row[j - 1] + 1, last[j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1)});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) row[j] = std::min(row[j], before[j - 2] + 1);
     }
   }
   return row.back();
@@ -63,7 +63,8 @@ double TomlTable::number(const std::string& key, double low, double high, const 
 
 std::string TomlTable::place(const std::string& key, const toml::node* node) const {
   const std::string full = name_.empty() ? key : name_ + "." + key;
-  return node && node->source().begin.line > 0 ? fmt::format("line {}, key {}", node->source().begin.line, full) : "key " + full;
+  return node && node->source().begin.line > 0 ? fmt::format("line {}, key {}", node->source().begin.line, full)
+                                               : "key " + full;
 }
 
 std::vector<std::string> TomlTable::strings(const std::string& key) {
@@ -72,7 +73,8 @@ std::vector<std::string> TomlTable::strings(const std::string& key) {
   const toml::node* node = table_.get(key);
   const toml::array* array = node ? node->as_array() : nullptr;
   if (!array) {
-    keep({Error::Code::kBadFormat, file_.string(), place(key, node ? node : &table_), "missing", "a list of strings", ""});
+    keep({Error::Code::kBadFormat, file_.string(), place(key, node ? node : &table_), "missing", "a list of strings",
+          ""});
     return out;
   }
   for (const toml::node& item : *array) {
@@ -93,8 +95,8 @@ std::vector<double> TomlTable::numbers(const std::string& key, std::size_t count
       if (const auto value = item.is_number() ? item.value<double>() : std::nullopt; value && std::isfinite(*value))
         out.push_back(*value);
   if (const toml::array* array = node ? node->as_array() : nullptr; out.size() != count || array->size() != count) {
-    keep({Error::Code::kBadFormat, file_.string(), place(key, node ? node : &table_), node ? "of another form" : "missing",
-          fmt::format("a list of {} finite numbers", count), ""});
+    keep({Error::Code::kBadFormat, file_.string(), place(key, node ? node : &table_),
+          node ? "of another form" : "missing", fmt::format("a list of {} finite numbers", count), ""});
     out.assign(count, 0);
   }
   return out;
@@ -105,7 +107,8 @@ const toml::array* TomlTable::tables(const std::string& key) {
   const toml::node* node = table_.get(key);
   const toml::array* array = node ? node->as_array() : nullptr;
   if (!array || !array->is_array_of_tables())
-    keep({Error::Code::kBadFormat, file_.string(), place(key, node ? node : &table_), "missing", "one or more [[" + key + "]]", ""});
+    keep({Error::Code::kBadFormat, file_.string(), place(key, node ? node : &table_), "missing",
+          "one or more [[" + key + "]]", ""});
   return array;
 }
 
@@ -120,8 +123,8 @@ Expected<void> TomlTable::finish() {
         known += (known.empty() ? "" : ", ") + name;
         if (const std::size_t d = editDistance(found, name); d < best) best = d, nearest = name;
       }
-      error_ = Error{Error::Code::kBadFormat,      file_.string(), place(found, &node), "unknown key",
-                     "one of " + known, nearest.empty() ? "" : nearest};
+      error_ = Error{Error::Code::kBadFormat, file_.string(),    place(found, &node),
+                     "unknown key",           "one of " + known, nearest.empty() ? "" : nearest};
       break;
     }
   if (error_) return fail(*error_);
@@ -138,7 +141,8 @@ Expected<toml::table> parseToml(const std::filesystem::path& file) {
   try {
     return toml::parse(text.str(), file.string());
   } catch (const toml::parse_error& e) {
-    return fail({Error::Code::kBadFormat, file.string(), fmt::format("line {}, column {}", e.source().begin.line, e.source().begin.column),
+    return fail({Error::Code::kBadFormat, file.string(),
+                 fmt::format("line {}, column {}", e.source().begin.line, e.source().begin.column),
                  std::string(e.description()), "TOML", ""});
   }
 }

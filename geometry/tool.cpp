@@ -50,9 +50,9 @@ double revolvedPlunge(const RevolvedProfile& head, double depth) {
     const double end = std::min(piece.to[1], top);
     // The rising part [z, peak], then the falling one, where the widest so far has passed already.
     const bool is_arc = piece.arc_radius > 0;
-    const double peak = is_arc                            ? std::clamp(piece.center[1], piece.from[1], piece.to[1])
+    const double peak = is_arc                        ? std::clamp(piece.center[1], piece.from[1], piece.to[1])
                         : piece.to[0] > piece.from[0] ? piece.to[1]
-                                                          : piece.from[1];
+                                                      : piece.from[1];
     const double peak_radius =
         is_arc ? piece.center[0] + std::sqrt(std::max(0.0, piece.arc_radius * piece.arc_radius -
                                                                (peak - piece.center[1]) * (peak - piece.center[1])))
@@ -74,8 +74,7 @@ double revolvedPlunge(const RevolvedProfile& head, double depth) {
 
 double plungeVolume(const Tool& tool, double depth_mm) {
   if (!(depth_mm > 0)) return 0;
-  if (tool.kind == ToolKind::kBlade)
-    return tool.kerfWidth() * (tool.blade_length_mm + tool.stroke_mm) * depth_mm;
+  if (tool.kind == ToolKind::kBlade) return tool.kerfWidth() * (tool.blade_length_mm + tool.stroke_mm) * depth_mm;
   return revolvedPlunge(*tool.head, depth_mm);
 }
 
@@ -88,9 +87,9 @@ std::string describe(const Tool& tool) {
   } else {
     text += fmt::format("  blade {:.3g} mm thick, set {:.3g} mm per side: kerf {:.3g} mm\n", tool.thickness_mm,
                         tool.set_per_side_mm, tool.kerfWidth());
-    text += fmt::format("  {:.3g} mm long, {:.3g} mm wide, stroke {:.3g} mm, teeth every {:.3g} mm, {:.3g} mm deep edge\n",
-                        tool.blade_length_mm, tool.blade_width_mm, tool.stroke_mm, tool.tooth_pitch_mm,
-                        tool.edge_depth_mm);
+    text +=
+        fmt::format("  {:.3g} mm long, {:.3g} mm wide, stroke {:.3g} mm, teeth every {:.3g} mm, {:.3g} mm deep edge\n",
+                    tool.blade_length_mm, tool.blade_width_mm, tool.stroke_mm, tool.tooth_pitch_mm, tool.edge_depth_mm);
   }
   const Vec3d cut = tool.cut->bounds().size();
   text += fmt::format("  cutting part {:.2f} x {:.2f} x {:.2f} mm", cut[0], cut[1], cut[2]);

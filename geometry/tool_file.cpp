@@ -95,7 +95,8 @@ std::vector<std::pair<double, double>> readOutline(TomlTable& top) {
   for (const toml::node& item : *array) {
     const toml::array* pair = item.as_array();
     const bool is_pair = pair && pair->size() == 2 && (*pair)[0].is_number() && (*pair)[1].is_number();
-    const double height = is_pair ? *(*pair)[0].value<double>() : 0, diameter = is_pair ? *(*pair)[1].value<double>() : 0;
+    const double height = is_pair ? *(*pair)[0].value<double>() : 0,
+                 diameter = is_pair ? *(*pair)[1].value<double>() : 0;
     const std::string point = fmt::format("point {}", out.size() + 1);
     if (!is_pair)
       top.reject(kKey, point + " is no pair of numbers", expected);
@@ -126,8 +127,8 @@ void checkIso6360(TomlTable& top, const std::string& code, double head_diameter)
 
 void readBur(TomlTable& top, Tool& tool) {
   const auto name = top.get<std::string>("shape", "a head shape");
-  const auto* shape = std::find_if(std::begin(kHeadShapes), std::end(kHeadShapes),
-                                   [&](const HeadShape& s) { return name == s.name; });
+  const auto* shape =
+      std::find_if(std::begin(kHeadShapes), std::end(kHeadShapes), [&](const HeadShape& s) { return name == s.name; });
   if (shape == std::end(kHeadShapes)) {
     top.reject("shape", "\"" + name + "\"", "one of " + headShapeNames());
     return;
@@ -139,17 +140,20 @@ void readBur(TomlTable& top, Tool& tool) {
   if (shape->outline) n.outline = readOutline(top);
   tool.iso6360 = top.getOr<std::string>("iso6360", "", "15 digits in quotes");
   checkIso6360(top, tool.iso6360, n.diameter);
-  const double neck = top.numberOr("neck_diameter", 0, 0.05, 50), neck_length = top.numberOr("neck_length", 0, 0.05, 100);
+  const double neck = top.numberOr("neck_diameter", 0, 0.05, 50),
+               neck_length = top.numberOr("neck_length", 0, 0.05, 100);
   const double shank = top.numberOr("shank_diameter", 0, 0.05, 50);
   const double shank_length = top.numberOr("shank_length", 0, 0.05, 200);
   if (shape->tip && n.tip_diameter > n.diameter)
     top.reject("tip_diameter", fmt::format("{}", n.tip_diameter),
-               fmt::format("at most the head_diameter, {} mm", n.diameter), "shape = \"profile\" for a head that narrows");
+               fmt::format("at most the head_diameter, {} mm", n.diameter),
+               "shape = \"profile\" for a head that narrows");
   if (shape->length && n.length < shape->shortest * n.diameter)
     top.reject("head_length", fmt::format("{}", n.length),
                fmt::format("at least {} mm, half the head_diameter", shape->shortest * n.diameter));
   for (const char* part : {"neck", "shank"})
-    if (const std::string d = fmt::format("{}_diameter", part), l = fmt::format("{}_length", part); top.has(d) != top.has(l))
+    if (const std::string d = fmt::format("{}_diameter", part), l = fmt::format("{}_length", part);
+        top.has(d) != top.has(l))
       top.reject(top.has(d) ? d : l, "stands alone", "both " + d + " and " + l + ", or neither");
   if (neck > n.diameter)
     top.reject("neck_diameter", fmt::format("{}", neck), fmt::format("at most the head_diameter, {} mm", n.diameter),
@@ -169,10 +173,10 @@ void readBur(TomlTable& top, Tool& tool) {
   if (neck <= 0 && shank <= 0) return;
   // The lowest part reaches down into the head until it is wholly covered: a ball narrows towards its top.
   const double lowest_radius = 0.5 * (neck > 0 ? neck : shank);
-  const double reach = shape->build == roundHead ? std::sqrt(std::max(0.0, 0.25 * n.diameter * n.diameter -
-                                                                               lowest_radius * lowest_radius)) +
-                                                       0.5 * n.diameter
-                                                 : head.highest();
+  const double reach =
+      shape->build == roundHead
+          ? std::sqrt(std::max(0.0, 0.25 * n.diameter * n.diameter - lowest_radius * lowest_radius)) + 0.5 * n.diameter
+          : head.highest();
   RevolvedProfile body(std::min(reach, head.highest()));
   if (neck > 0) body.lineTo(0.5 * neck, body.end()[1]).lineTo(0.5 * neck, head.highest() + neck_length);
   if (shank > 0)
@@ -196,8 +200,8 @@ void readBlade(TomlTable& top, Tool& tool) {
   if (top.failed()) return;
   const double low = -0.5 * tool.stroke_mm, high = tool.blade_length_mm + 0.5 * tool.stroke_mm;
   const double half = 0.5 * tool.thickness_mm, half_kerf = half + tool.set_per_side_mm;
-  tool.cut = std::make_shared<const BoxShape>(
-      Box3{Vec3d(0, -half_kerf, low), Vec3d(tool.edge_depth_mm, half_kerf, high)});
+  tool.cut =
+      std::make_shared<const BoxShape>(Box3{Vec3d(0, -half_kerf, low), Vec3d(tool.edge_depth_mm, half_kerf, high)});
   tool.body = std::make_shared<const BoxShape>(Box3{Vec3d(0, -half, low), Vec3d(tool.blade_width_mm, half, high)});
   tool.plunge_direction = -Vec3d::UnitX();
 }
@@ -225,7 +229,8 @@ Expected<Tool> readTool(const fs::path& file) {
     readBur(top, tool);
     if (top.failed())  // which keys belong depends on the shape: without one, none is called unknown
       if (const auto shape = root["shape"].value<std::string>();
-          !shape || std::none_of(std::begin(kHeadShapes), std::end(kHeadShapes), [&](auto& s) { return *shape == s.name; }))
+          !shape ||
+          std::none_of(std::begin(kHeadShapes), std::end(kHeadShapes), [&](auto& s) { return *shape == s.name; }))
         for (const char* key : {"head_diameter", "tip_diameter", "head_length", "profile", "iso6360", "neck_diameter",
                                 "neck_length", "shank_diameter", "shank_length"})
           top.allow(key);
@@ -234,9 +239,9 @@ Expected<Tool> readTool(const fs::path& file) {
     readBlade(top, tool);
   } else {
     top.reject("kind", "\"" + kind + "\"", "\"bur\" or \"blade\"");
-    for (const char* key : {"shape", "head_diameter", "tip_diameter", "head_length", "profile", "iso6360", "neck_diameter",
-                            "neck_length", "shank_diameter", "shank_length", "thickness", "set_per_side", "width",
-                            "length", "stroke", "tooth_pitch", "edge_depth", "motion"})
+    for (const char* key : {"shape", "head_diameter", "tip_diameter", "head_length", "profile", "iso6360",
+                            "neck_diameter", "neck_length", "shank_diameter", "shank_length", "thickness",
+                            "set_per_side", "width", "length", "stroke", "tooth_pitch", "edge_depth", "motion"})
       top.allow(key);
   }
   KERF_CHECK(top.finish());
@@ -250,9 +255,8 @@ std::vector<ToolListing> listTools(const std::vector<fs::path>& folders) {
     for (fs::directory_iterator entry(folder, failed), end; !failed && entry != end; entry.increment(failed))
       if (entry->path().extension() == ".toml") files.push_back(entry->path());
   }
-  std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
-    return std::pair(a.stem(), a) < std::pair(b.stem(), b);
-  });
+  std::sort(files.begin(), files.end(),
+            [](const fs::path& a, const fs::path& b) { return std::pair(a.stem(), a) < std::pair(b.stem(), b); });
   std::vector<ToolListing> out;
   for (const fs::path& file : files) {
     ToolListing& listing = out.emplace_back();
@@ -267,7 +271,8 @@ std::vector<ToolListing> listTools(const std::vector<fs::path>& folders) {
 
 std::vector<fs::path> defaultToolFolders() {
   std::vector<fs::path> candidates, out;
-  if (const char* assets = std::getenv("KERF_ASSETS"); assets && *assets) candidates.push_back(fs::path(assets) / "tools");
+  if (const char* assets = std::getenv("KERF_ASSETS"); assets && *assets)
+    candidates.push_back(fs::path(assets) / "tools");
   std::error_code failed;
   const fs::path program = fs::read_symlink("/proc/self/exe", failed).parent_path();
   if (!failed) {

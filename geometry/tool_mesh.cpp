@@ -81,8 +81,8 @@ Mesh prism(std::vector<Eigen::Vector2d> xz, double y0, double y1, Rgba8 color) {
   for (const double y : {y0, y1})
     for (const auto& p : xz) addVertex(mesh, {p[0], y, p[1]});
   for (std::uint32_t n = 1; n + 1 < sides; ++n) {
-    mesh.triangles.push_back({0, n, n + 1});                          // y0: x cross z is -y, outwards
-    mesh.triangles.push_back({sides, sides + n + 1, sides + n});      // y1
+    mesh.triangles.push_back({0, n, n + 1});                      // y0: x cross z is -y, outwards
+    mesh.triangles.push_back({sides, sides + n + 1, sides + n});  // y1
   }
   for (std::uint32_t n = 0; n < sides; ++n) {
     const std::uint32_t m = (n + 1) % sides;
@@ -104,7 +104,9 @@ Mesh toolMesh(const Tool& tool, double tolerance_mm) {
   }
   const double half = 0.5 * tool.thickness_mm, set = tool.set_per_side_mm;
   const double height = std::min(tool.edge_depth_mm, 0.6 * tool.tooth_pitch_mm);
-  Mesh mesh = prism({{height, 0}, {tool.blade_width_mm, 0}, {tool.blade_width_mm, tool.blade_length_mm},
+  Mesh mesh = prism({{height, 0},
+                     {tool.blade_width_mm, 0},
+                     {tool.blade_width_mm, tool.blade_length_mm},
                      {height, tool.blade_length_mm}},
                     -half, half, kSteel);
   const int teeth = static_cast<int>(std::floor(tool.blade_length_mm / tool.tooth_pitch_mm + 1e-9));

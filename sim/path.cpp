@@ -48,7 +48,8 @@ Expected<CutPath> readCsv(const fs::path& file) {
     if (text.ends_with('\r')) text.pop_back();
     if (text.empty() || text.front() == '#') continue;
     if (!has_header) {
-      if (text != kHeader) return bad(line, kWholeLine, fmt::format("\"{}\"", text.substr(0, 60)), "the header " + std::string(kHeader));
+      if (text != kHeader)
+        return bad(line, kWholeLine, fmt::format("\"{}\"", text.substr(0, 60)), "the header " + std::string(kHeader));
       has_header = true;
       continue;
     }
@@ -60,12 +61,14 @@ Expected<CutPath> readCsv(const fs::path& file) {
         const char *first = text.data() + at, *last = text.data() + comma;
         const auto [end, status] = std::from_chars(first, last, v[column]);
         if (status != std::errc() || end != last || !std::isfinite(v[column]))
-          return bad(line, column, fmt::format("\"{}\"", text.substr(at, std::min<std::size_t>(comma - at, 40))), "a finite number");
+          return bad(line, column, fmt::format("\"{}\"", text.substr(at, std::min<std::size_t>(comma - at, 40))),
+                     "a finite number");
       }
       more = comma < text.size();
       at = comma + 1;
     }
-    if (column != v.size()) return bad(line, kWholeLine, fmt::format("{} columns", column), "8 columns: " + std::string(kHeader));
+    if (column != v.size())
+      return bad(line, kWholeLine, fmt::format("{} columns", column), "8 columns: " + std::string(kHeader));
     PathPose pose;
     pose.t = v[0];
     if (!path.poses.empty() && !(pose.t > path.poses.back().t))
@@ -87,7 +90,8 @@ Expected<CutPath> readCsv(const fs::path& file) {
   }
   if (!has_header) return bad(1, kWholeLine, "no header", std::string(kHeader));
   if (path.poses.size() < 2)
-    return fail({Error::Code::kEmpty, file.string(), "", fmt::format("{} poses", path.poses.size()), "at least 2 poses", ""});
+    return fail(
+        {Error::Code::kEmpty, file.string(), "", fmt::format("{} poses", path.poses.size()), "at least 2 poses", ""});
   path.cuts.assign(path.poses.size() - 1, 1);
   return path;
 }
@@ -105,8 +109,8 @@ class StrokeWriter {
     feed = stroke.numberOr("feed", feed, 0.001, 1000, "mm/s");
     if (kind == "plunge") {
       const double depth = stroke.number("depth", 1e-6, kReach);
-      const Vec3d way = stroke.has("direction") ? vector(unit(stroke, "direction"))
-                                                : pose_.rotation * Vec3d(-Vec3d::UnitZ());
+      const Vec3d way =
+          stroke.has("direction") ? vector(unit(stroke, "direction")) : pose_.rotation * Vec3d(-Vec3d::UnitZ());
       stroke.allow("direction");
       if (!stroke.failed()) straight(stroke, "depth", pose_.translation + depth * way, feed, true);
     } else if (kind == "retract") {
@@ -171,7 +175,8 @@ class StrokeWriter {
     }
     push({pose_.rotation, to}, length / feed, cuts);
   }
-  void round(TomlTable& stroke, const char* key, const Vec3d& about, const Vec3d& axis, double angle, double feed, bool turns) {
+  void round(TomlTable& stroke, const char* key, const Vec3d& about, const Vec3d& axis, double angle, double feed,
+             bool turns) {
     const Rigid3 start = pose_;
     const double radius = axis.cross(start.translation - about).norm();
     if (!turns && radius < 1e-9) {

@@ -42,7 +42,8 @@ Expected<ToolCheck> checkTool(const Tool& tool, double voxel_mm) {
   const int axis = is_bur ? 2 : 0;
   block.max[axis] = 0, block.min[axis] = -out.depth_mm - 6 * h;
 
-  const Rigid3 askew{Eigen::Quaterniond(Eigen::AngleAxisd(0.6, Vec3d(1, 2, 3).normalized())), 0.37 * h * Vec3d(1, -1, 1)};
+  const Rigid3 askew{Eigen::Quaterniond(Eigen::AngleAxisd(0.6, Vec3d(1, 2, 3).normalized())),
+                     0.37 * h * Vec3d(1, -1, 1)};
   const Rigid3 back = askew.inverse();
   const BoxShape solid(block);
   Box3 around;
@@ -64,7 +65,8 @@ Expected<ToolCheck> checkTool(const Tool& tool, double voxel_mm) {
     const Vec3i c = psi.brickCoord(b);
     const int found = phi0.find(c);
     for (std::size_t n = 0; n < kBrickNodes; ++n)
-      values[n] = std::max(psi.brick(b)[n], found < 0 ? phi0.constantAt(c) : phi0.brick(static_cast<std::size_t>(found))[n]);
+      values[n] =
+          std::max(psi.brick(b)[n], found < 0 ? phi0.constantAt(c) : phi0.brick(static_cast<std::size_t>(found))[n]);
     removed.add(c, values);
   }
   out.removed_mm3 = signedVolume(marchingCubes(removed));

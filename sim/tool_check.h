@@ -19,10 +19,10 @@ struct ToolCheck {
 /// Voxel that resolves a tool well: head diameter / 20 or thickness / 10, mm.
 double defaultVoxel(const Tool& tool);
 
-/// Plunges the tool along plunge_direction into a block sampled at `voxel_mm` (0: defaultVoxel), by 1.5 head lengths but
-/// 3 mm at most (blade: 3 mm), and measures what is gone. Block and tool stand askew to the grid, so that no wall profits
-/// from lying along it. Long blades meet a block 4 mm wide. A second or two at the default voxel.
-/// kBadValue when the voxel is not positive or larger than a third of the tool's head diameter or kerf.
+/// Plunges the tool along plunge_direction into a block sampled at `voxel_mm` (0: defaultVoxel), by 1.5 head lengths
+/// but 3 mm at most (blade: 3 mm), and measures what is gone. Block and tool stand askew to the grid, so that no wall
+/// profits from lying along it. Long blades meet a block 4 mm wide. A second or two at the default voxel. kBadValue
+/// when the voxel is not positive or larger than a third of the tool's head diameter or kerf.
 Expected<ToolCheck> checkTool(const Tool& tool, double voxel_mm = 0);
 
 }  // namespace kerf

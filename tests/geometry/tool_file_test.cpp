@@ -51,12 +51,14 @@ TEST(ToolFile, BadFilesAreRefusedWithLineAndKey) {
     std::string text;
     const char *place, *what;
   };
-  const std::string saw = kHead + "kind = \"blade\"\nmotion = \"reciprocating\"\nthickness = 0.4\nwidth = 5\nlength = 25\nstroke = 3\n";
+  const std::string saw =
+      kHead + "kind = \"blade\"\nmotion = \"reciprocating\"\nthickness = 0.4\nwidth = 5\nlength = 25\nstroke = 3\n";
   const Case cases[] = {
       {"format = 3 4", "line 1", ""},
       {"", "key format", "missing"},
       {"format = \"kerf-case\"\n", "line 1, key format", "kerf-tool"},
-      {"format = \"kerf-tool\"\nversion = 2\nid = \"a\"\nname = \"A\"\nkind = \"bur\"\n", "line 2, key version", "expected 1"},
+      {"format = \"kerf-tool\"\nversion = 2\nid = \"a\"\nname = \"A\"\nkind = \"bur\"\n", "line 2, key version",
+       "expected 1"},
       {"format = \"kerf-tool\"\nversion = 1\nid = \"b\"\nname = \"A\"\nkind = \"bur\"\n", "line 3, key id", "\"a\""},
       {kHead + "kind = \"drill\"\n", "line 5, key kind", "blade"},
       {kHead + "knid = \"bur\"\nshape = \"round\"\nhead_diameter = 1\n", "line 5, key knid", "Try: kind"},
@@ -67,16 +69,24 @@ TEST(ToolFile, BadFilesAreRefusedWithLineAndKey) {
       {kBur + "shape = \"round\"\nhead_diameter = nan\n", "line 7, key head_diameter", "0.1 to 50"},
       {kBur + "shape = \"round\"\nhead_diameter = \"1.4\"\n", "line 7, key head_diameter", "another type"},
       {kBur + "shape = \"round\"\nhead_diameter = 1.4\nhead_length = 2\n", "line 8, key head_length", "unknown"},
-      {kBur + "shape = \"round\"\nhead_diameter = 1.4\niso6360 = \"500314001001016\"\n", "line 8, key iso6360", "1.4 mm"},
-      {kBur + "shape = \"round\"\nhead_diameter = 1.4\niso6360 = \"50031400100101\"\n", "line 8, key iso6360", "15 digits"},
+      {kBur + "shape = \"round\"\nhead_diameter = 1.4\niso6360 = \"500314001001016\"\n", "line 8, key iso6360",
+       "1.4 mm"},
+      {kBur + "shape = \"round\"\nhead_diameter = 1.4\niso6360 = \"50031400100101\"\n", "line 8, key iso6360",
+       "15 digits"},
       {kBur + "shape = \"round\"\nhead_diameter = 1.4\nneck_length = 2\n", "line 8, key neck_length", "alone"},
-      {kBur + "shape = \"round\"\nhead_diameter = 1.4\nneck_length = 2\nneck_diameter = 1.5\n", "line 9, key neck_diameter", "at most"},
-      {kBur + "shape = \"taper_round\"\nhead_diameter = 1.6\nhead_length = 8\ntip_diameter = 1.7\n", "line 9, key tip_diameter", "at most"},
-      {kBur + "shape = \"cylinder_round\"\nhead_diameter = 1.6\nhead_length = 0.5\n", "line 8, key head_length", "at least"},
+      {kBur + "shape = \"round\"\nhead_diameter = 1.4\nneck_length = 2\nneck_diameter = 1.5\n",
+       "line 9, key neck_diameter", "at most"},
+      {kBur + "shape = \"taper_round\"\nhead_diameter = 1.6\nhead_length = 8\ntip_diameter = 1.7\n",
+       "line 9, key tip_diameter", "at most"},
+      {kBur + "shape = \"cylinder_round\"\nhead_diameter = 1.6\nhead_length = 0.5\n", "line 8, key head_length",
+       "at least"},
       {kBur + "shape = \"profile\"\nhead_diameter = 1\nprofile = [[0, 1]]\n", "line 8, key profile", "1 points"},
-      {kBur + "shape = \"profile\"\nhead_diameter = 1\nprofile = [[0.5, 1], [1, 1]]\n", "line 8, key profile", "height 0"},
-      {kBur + "shape = \"profile\"\nhead_diameter = 1\nprofile = [[0, 1], [2, 1], [1, 1]]\n", "line 8, key profile", "point 3"},
-      {kBur + "shape = \"profile\"\nhead_diameter = 2\nprofile = [[0, 1], [2, 1]]\n", "line 7, key head_diameter", "widest"},
+      {kBur + "shape = \"profile\"\nhead_diameter = 1\nprofile = [[0.5, 1], [1, 1]]\n", "line 8, key profile",
+       "height 0"},
+      {kBur + "shape = \"profile\"\nhead_diameter = 1\nprofile = [[0, 1], [2, 1], [1, 1]]\n", "line 8, key profile",
+       "point 3"},
+      {kBur + "shape = \"profile\"\nhead_diameter = 2\nprofile = [[0, 1], [2, 1]]\n", "line 7, key head_diameter",
+       "widest"},
       {saw, "tooth_pitch", "missing"},
       {saw + "tooth_pitch = 1.41\nedge_depth = 6\n", "line 12, key edge_depth", "at most"},
       {saw + "tooth_pitch = 1.41\nset = 0.02\n", "line 12, key set", "unknown"},
@@ -115,7 +125,8 @@ TEST(Tool, PlungeVolumeMatchesTheDefinitionForEveryShape) {
        {"shape = \"round\"\nhead_diameter = 1.4\n", "shape = \"cylinder\"\nhead_diameter = 1\nhead_length = 3\n",
         "shape = \"taper_round\"\nhead_diameter = 1.6\ntip_diameter = 1\nhead_length = 8\n",
         "shape = \"cone\"\nhead_diameter = 2\nhead_length = 3\n",
-        "shape = \"profile\"\nhead_diameter = 1.4\nprofile = [[0, 0.4], [0.8, 1.2], [1.5, 0.6], [1.5, 0.9], [3, 1.4], [4, 0]]\n"}) {
+        "shape = \"profile\"\nhead_diameter = 1.4\nprofile = [[0, 0.4], [0.8, 1.2], [1.5, 0.6], [1.5, 0.9], [3, 1.4], "
+        "[4, 0]]\n"}) {
     const Tool tool = bur(shape);
     for (const double depth : {0.2, 0.9, 1.7, 2.9, 5.0})
       EXPECT_NEAR(plungeVolume(tool, depth) / plungedNumerically(tool, depth), 1, 2e-5) << shape << depth;

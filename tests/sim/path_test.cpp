@@ -14,7 +14,9 @@ const std::string kCsv = "t,x,y,z,qw,qx,qy,qz\n";
 const std::string kStrokes =
     "format = \"kerf-path\"\nversion = 1\nframe = \"object\"\n[start]\nposition = [1, 0, 5]\naxis = [0, 0, 1]\n";
 
-Expected<CutPath> read(const std::string& name, const std::string& text) { return readPath(TemporaryFile(name, text).path()); }
+Expected<CutPath> read(const std::string& name, const std::string& text) {
+  return readPath(TemporaryFile(name, text).path());
+}
 
 TEST(Path, FilesThatComeWithKerfAreRead) {
   for (const char* name : {"demo-cavity.toml", "demo-poses.csv"}) {
@@ -48,13 +50,16 @@ TEST(Path, BadFilesAreRefusedWithLineAndColumnOrKey) {
       {"a.txt", kCsv, "", "extension"},
       {"a.toml", "format = \"kerf-path\n", "line 1", ""},
       {"a.toml", kStrokes, "stroke", "missing"},
-      {"a.toml", "speed = 3\n" + kStrokes + "[[stroke]]\nkind = \"retract\"\nheight = 1\n", "line 1, key speed", "unknown"},
+      {"a.toml", "speed = 3\n" + kStrokes + "[[stroke]]\nkind = \"retract\"\nheight = 1\n", "line 1, key speed",
+       "unknown"},
       {"a.toml", kStrokes + "[[stroke]]\nkind = \"dig\"\n", "line 8, key stroke[1].kind", "plunge, line"},
       {"a.toml", kStrokes + "[[stroke]]\nkind = \"plunge\"\n", "stroke[1].depth", "missing"},
       {"a.toml", kStrokes + "[[stroke]]\nkind = \"plunge\"\ndepht = 2\n", "line 9, key stroke[1].depht", "Try: depth"},
       {"a.toml", kStrokes + "[[stroke]]\nkind = \"plunge\"\ndepth = -2\n", "line 9, key stroke[1].depth", "-2"},
-      {"a.toml", kStrokes + "[[stroke]]\nkind = \"line\"\nto = [1, 2]\n", "line 9, key stroke[1].to", "3 finite numbers"},
-      {"a.toml", kStrokes + "[[stroke]]\nkind = \"line\"\nto = [1, 0, 5]\n", "line 9, key stroke[1].to", "without length"},
+      {"a.toml", kStrokes + "[[stroke]]\nkind = \"line\"\nto = [1, 2]\n", "line 9, key stroke[1].to",
+       "3 finite numbers"},
+      {"a.toml", kStrokes + "[[stroke]]\nkind = \"line\"\nto = [1, 0, 5]\n", "line 9, key stroke[1].to",
+       "without length"},
       {"a.toml", kStrokes + "[[stroke]]\nkind = \"line\"\n", "stroke[1].to", "neither"},
       {"a.toml", kStrokes + "[[stroke]]\nkind = \"arc\"\ncenter = [0, 0, 5]\naxis = [0, 0, 0]\nangle_deg = 9\n",
        "line 10, key stroke[1].axis", "without length"},
@@ -70,10 +75,13 @@ TEST(Path, BadFilesAreRefusedWithLineAndColumnOrKey) {
 }
 
 TEST(Path, ArcKeepsTheToolUprightAndTheTipWithinAMicrometreOfTheCircle) {
-  const auto path = read("a.toml", kStrokes + "[[stroke]]\nkind = \"arc\"\ncenter = [0, 0, 5]\naxis = [0, 0, 1]\nangle_deg = 90\nfeed = 0.5\n");
+  const auto path =
+      read("a.toml",
+           kStrokes + "[[stroke]]\nkind = \"arc\"\ncenter = [0, 0, 5]\naxis = [0, 0, 1]\nangle_deg = 90\nfeed = 0.5\n");
   ASSERT_TRUE(path) << path.error().message();
   for (std::size_t n = 0; n + 1 < path->poses.size(); ++n) {
-    const Vec3d middle = 0.5 * (path->poses[n].T_object_tool.translation + path->poses[n + 1].T_object_tool.translation);
+    const Vec3d middle =
+        0.5 * (path->poses[n].T_object_tool.translation + path->poses[n + 1].T_object_tool.translation);
     EXPECT_NEAR((middle - Vec3d(0, 0, 5)).norm(), 1, 1.0001e-3);
     EXPECT_LT(path->poses[n].T_object_tool.rotation.angularDistance(Eigen::Quaterniond::Identity()), 1e-12);
   }
@@ -82,7 +90,8 @@ TEST(Path, ArcKeepsTheToolUprightAndTheTipWithinAMicrometreOfTheCircle) {
 }
 
 TEST(Path, SweepTurnsTheToolAboutThePivotInStepsOfTwoDegreesAtMost) {
-  const auto path = read("a.toml", kStrokes + "[[stroke]]\nkind = \"sweep\"\npivot = [0, 0, 5]\naxis = [0, 1, 0]\nangle_deg = 90\n");
+  const auto path =
+      read("a.toml", kStrokes + "[[stroke]]\nkind = \"sweep\"\npivot = [0, 0, 5]\naxis = [0, 1, 0]\nangle_deg = 90\n");
   ASSERT_TRUE(path) << path.error().message();
   for (std::size_t n = 0; n + 1 < path->poses.size(); ++n)
     EXPECT_LE(path->poses[n].T_object_tool.rotation.angularDistance(path->poses[n + 1].T_object_tool.rotation),
@@ -93,9 +102,13 @@ TEST(Path, SweepTurnsTheToolAboutThePivotInStepsOfTwoDegreesAtMost) {
 }
 
 TEST(Path, ToolFrameStrokesFollowTheToolAndAirMovesDoNotCut) {
-  const std::string head = "format = \"kerf-path\"\nversion = 1\nframe = \"tool\"\n[start]\nposition = [0, 0, 5]\naxis = [0, 1, 0]\nedge = [0, 0, 1]\n";
-  const auto path = read("a.toml", head + "[[stroke]]\nkind = \"line\"\nby = [-2, 0, 0]\n[[stroke]]\nkind = \"plunge\"\ndepth = 3\n"
-                                          "[[stroke]]\nkind = \"retract\"\nheight = 1\n[[stroke]]\nkind = \"move\"\nto = [0, 0, 1]\n");
+  const std::string head =
+      "format = \"kerf-path\"\nversion = 1\nframe = \"tool\"\n[start]\nposition = [0, 0, 5]\naxis = [0, 1, 0]\nedge = "
+      "[0, 0, 1]\n";
+  const auto path =
+      read("a.toml", head +
+                         "[[stroke]]\nkind = \"line\"\nby = [-2, 0, 0]\n[[stroke]]\nkind = \"plunge\"\ndepth = 3\n"
+                         "[[stroke]]\nkind = \"retract\"\nheight = 1\n[[stroke]]\nkind = \"move\"\nto = [0, 0, 1]\n");
   ASSERT_TRUE(path) << path.error().message();
   ASSERT_EQ(path->poses.size(), 5u);
   EXPECT_LT((path->poses[1].T_object_tool.translation - Vec3d(0, 0, 3)).norm(), 1e-12);
