@@ -8,6 +8,7 @@
 
 #include "geometry/exact/boolean.h"
 #include "geometry/float32_cleanup.h"
+#include "geometry/mesh_check.h"
 #include "geometry/removed_solid.h"
 
 namespace kerf {
@@ -122,10 +123,19 @@ Expected<Prepared> attempt(const Mesh& source, const Mesh& removed, double voxel
   if (cleaned.fixed_moved > 0)
     out.why_not = fmt::format("{} source vertices are not representable in float32", cleaned.fixed_moved);
 
+  if (mesh.triangles.empty()) {
+    return fail({Error::Code::kEmpty, "", "post-operative mesh", "the cut leaves nothing of the object",
+                 "something to print", "a smaller cut"});
+  }
+  if (out.why_not.empty()) {
+    if (const MeshReport verdict = checkMesh(mesh); !verdict.print_ready)
+      out.why_not = verdict.reasons.empty() ? "not ready to print" : verdict.reasons.front();
+  }
+
   report.source_vertices_kept = static_cast<std::size_t>(std::count(fixed.begin(), fixed.end(), 1));
   report.source_vertices_removed = source.vertices.size() - report.source_vertices_kept;
   report.source_volume_mm3 = signedVolume(source);
-  report.result_volume_mm3 = mesh.triangles.empty() ? 0 : signedVolume(mesh);
+  report.result_volume_mm3 = signedVolume(mesh);
   report.removed_volume_mm3 = report.source_volume_mm3 - report.result_volume_mm3;
   out.result.is_cut.resize(mesh.triangles.size());
   for (std::size_t t = 0; t < tag.size(); ++t) out.result.is_cut[t] = tag[t] == kNoSource;

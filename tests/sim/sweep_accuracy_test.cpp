@@ -1,5 +1,6 @@
-// Removed volume and surface against what geometry says a tool sweeps: shapes x motions x resolutions, all step lengths and
-// grid rotations. A convex body of volume V that moves by L without turning sweeps V + A L, A its area projected along the way.
+// Removed volume and surface against what geometry says a tool sweeps: shapes x motions x resolutions, all step lengths
+// and grid rotations. A convex body of volume V that moves by L without turning sweeps V + A L, A its area projected
+// along the way.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -35,7 +36,8 @@ Mesh swept(const ToolShape& shape, const Motion& motion, int steps, double h, Br
     region.add(SweptTool(shape, motion(n / double(steps)), motion((n + 1) / double(steps))).bounds());
   const BrickField phi0 = solidAround(region, h);
   SweepCutter cutter(phi0);
-  for (int n = 0; n < steps; ++n) cutter.advance(SweptTool(shape, motion(n / double(steps)), motion((n + 1) / double(steps))));
+  for (int n = 0; n < steps; ++n)
+    cutter.advance(SweptTool(shape, motion(n / double(steps)), motion((n + 1) / double(steps))));
   if (field) *field = cutter.sweep();
   return marchingCubes(cutter.sweep());
 }
@@ -56,9 +58,9 @@ Motion straight(const Rigid3& base, const Vec3d& travel) {
 struct Case {
   const char* name;
   std::shared_ptr<const ToolShape> shape;
-  Vec3d travel;     // tool frame, mm
-  double volume;    // mm^3, swept
-  double radius;    // mm, the one that counts against the voxel
+  Vec3d travel;   // tool frame, mm
+  double volume;  // mm^3, swept
+  double radius;  // mm, the one that counts against the voxel
 };
 
 RevolvedProfile ball(double r) {
@@ -84,7 +86,11 @@ std::vector<Case> straightCases() {
   const auto revolved = [](RevolvedProfile p) { return std::make_shared<RevolvedShape>(std::move(p)); };
   return {
       {"ball", revolved(ball(r)), {L, 0, 0}, 4.0 / 3 * kPi * r * r * r + kPi * r * r * L, r},
-      {"ball, slanted", revolved(ball(r)), {L / 3, 2 * L / 3, 2 * L / 3}, 4.0 / 3 * kPi * r * r * r + kPi * r * r * L, r},
+      {"ball, slanted",
+       revolved(ball(r)),
+       {L / 3, 2 * L / 3, 2 * L / 3},
+       4.0 / 3 * kPi * r * r * r + kPi * r * r * L,
+       r},
       {"cylinder along", revolved(cylinder(r, H)), {0, 0, L}, kPi * r * r * (H + L), r},
       {"cylinder across", revolved(cylinder(r, H)), {L, 0, 0}, kPi * r * r * H + 2 * r * H * L, r},
       {"cone across", revolved(cone(1.6 * r, H)), {L, 0, 0}, kPi * 2.56 * r * r * H / 3 + 1.6 * r * H * L, 1.6 * r},
@@ -100,7 +106,8 @@ TEST(SweepAccuracy, StraightSweepsRemoveTheAnalyticVolume) {
       EXPECT_NEAR(volume / c.volume, 1.0, tolerance) << c.name << ", " << voxels << " voxels";
       RecordProperty(std::string(c.name) + " " + std::to_string(static_cast<int>(voxels)) + " voxels, error %",
                      std::to_string(100 * (volume / c.volume - 1)));
-      std::printf("  %-18s radius %4.0f voxels: volume error %+.3f %%\n", c.name, voxels, 100 * (volume / c.volume - 1));
+      std::printf("  %-18s radius %4.0f voxels: volume error %+.3f %%\n", c.name, voxels,
+                  100 * (volume / c.volume - 1));
     }
 }
 
@@ -118,13 +125,14 @@ TEST(SweepAccuracy, TurningBallRemovesATorusSection) {
   };
   for (const auto& [voxels, tolerance] : {std::pair{5.0, 0.01}, {10.0, 0.005}}) {
     const double volume = signedVolume(swept(shape, motion, 120, r / voxels));
-    std::printf("  torus section      radius %4.0f voxels: volume error %+.3f %%\n", voxels, 100 * (volume / exact - 1));
+    std::printf("  torus section      radius %4.0f voxels: volume error %+.3f %%\n", voxels,
+                100 * (volume / exact - 1));
     EXPECT_NEAR(volume / exact, 1.0, tolerance);
   }
 }
 
-// A blade turned about its own corner, in its own plane: in polar coordinates about the corner the outline is the widest
-// radius that has passed each direction.
+// A blade turned about its own corner, in its own plane: in polar coordinates about the corner the outline is the
+// widest radius that has passed each direction.
 TEST(SweepAccuracy, TurningBladeRemovesItsFan) {
   const double half = 0.4, width = 2, length = 5, angle = 0.6;
   Box3 box;
@@ -132,7 +140,9 @@ TEST(SweepAccuracy, TurningBladeRemovesItsFan) {
   const BoxShape shape(box);
   double area = 0;
   const int n = 200000;
-  const auto reach = [&](double a) { return a < 0 || a > kPi / 2 ? 0.0 : std::min(length / std::cos(a), width / std::sin(std::max(a, 1e-12))); };
+  const auto reach = [&](double a) {
+    return a < 0 || a > kPi / 2 ? 0.0 : std::min(length / std::cos(a), width / std::sin(std::max(a, 1e-12)));
+  };
   const double corner = std::atan2(width, length);  // direction of the far corner, from +z towards +x
   for (int i = 0; i < n; ++i) {
     const double a = (i + 0.5) / n * (kPi / 2 + angle), low = a - angle;
@@ -141,10 +151,13 @@ TEST(SweepAccuracy, TurningBladeRemovesItsFan) {
   }
   const double exact = area * 2 * half;
   const Rigid3 base = odd(3);
-  const Motion motion = [&](double s) { return base * Rigid3{Eigen::Quaterniond(Eigen::AngleAxisd(s * angle, Vec3d::UnitY())), Vec3d::Zero()}; };
+  const Motion motion = [&](double s) {
+    return base * Rigid3{Eigen::Quaterniond(Eigen::AngleAxisd(s * angle, Vec3d::UnitY())), Vec3d::Zero()};
+  };
   for (const auto& [voxels, tolerance] : {std::pair{5.0, 0.01}, {10.0, 0.005}}) {
     const double volume = signedVolume(swept(shape, motion, 1, half / voxels));
-    std::printf("  fan of the blade   half thickness %2.0f voxels: volume error %+.3f %%\n", voxels, 100 * (volume / exact - 1));
+    std::printf("  fan of the blade   half thickness %2.0f voxels: volume error %+.3f %%\n", voxels,
+                100 * (volume / exact - 1));
     EXPECT_NEAR(volume / exact, 1.0, tolerance);
   }
 }
@@ -222,7 +235,9 @@ TEST(SweepAccuracy, SurfaceLiesWithinAVoxelEverywhereAndAFractionOfItOnAverage) 
       for (int step = 0; step < 30; ++step) {  // walk to the true surface along the numeric gradient
         const double d = distance(p), e = 1e-5;
         if (std::abs(d) < 1e-6) break;
-        const Vec3d g = Vec3d(distance(p + Vec3d(e, 0, 0)) - d, distance(p + Vec3d(0, e, 0)) - d, distance(p + Vec3d(0, 0, e)) - d) / e;
+        const Vec3d g = Vec3d(distance(p + Vec3d(e, 0, 0)) - d, distance(p + Vec3d(0, e, 0)) - d,
+                              distance(p + Vec3d(0, 0, e)) - d) /
+                        e;
         p -= d * g / std::max(0.5, g.squaredNorm());
       }
       if (std::abs(distance(p)) > 1e-3 * h) continue;

@@ -1,0 +1,127 @@
+#include "preprocess/bake.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "geometry/hash.h"
+#include "geometry/mesh_writer.h"
+#include "tests/geometry/temporary_folder.h"
+#include "tests/preprocess/ball_mesh.h"
+
+namespace kerf {
+namespace {
+
+namespace fs = std::filesystem;
+
+BakeOptions coarse() {
+  BakeOptions options;
+  options.voxelize.voxel_mm = 0.2;
+  return options;
+}
+
+TEST(Bake, CaseHoldsTheFileByteForByteTheSolidAndTheField) {
+  const TemporaryFolder folder;
+  const fs::path mesh = folder.path() / "ball.stl", out = folder.path() / "ball.case";
+  ASSERT_TRUE(writeMesh(mesh, ballMesh({1, 2, 3}, 3, 30)));
+  const auto report = bake({mesh}, out, coarse());
+  ASSERT_TRUE(report) << report.error().message();
+  EXPECT_EQ(*sha256OfFile(out / "source-1.stl"), *sha256OfFile(mesh));
+  EXPECT_EQ(report->manifest.sources[0].sha256, *sha256OfFile(mesh));
+  EXPECT_TRUE(report->manifest.changes.empty());
+  EXPECT_TRUE(report->manifest.exact);
+
+  const auto manifest = readCaseManifest(out);
+  ASSERT_TRUE(manifest) << manifest.error().message();
+  EXPECT_EQ(manifest->id, report->manifest.id);
+  EXPECT_EQ(manifest->voxel_mm, 0.2);
+  EXPECT_EQ(manifest->sources.size(), 1u);
+  EXPECT_EQ(manifest->sources[0].unit, "mm");
+  const auto solid = readCaseSolid(out);
+  ASSERT_TRUE(solid);
+  EXPECT_EQ(solid->vertices.size(), manifest->solid_vertices);
+  const auto field = readCaseField(out);
+  ASSERT_TRUE(field) << field.error().message();
+  EXPECT_LT(field->at({5, 10, 15}), 0);  // the centre
+}
+
+TEST(Bake, SameInputsSameIdOtherVoxelOtherId) {
+  const TemporaryFolder folder;
+  const fs::path mesh = folder.path() / "ball.ply";
+  ASSERT_TRUE(writeMesh(mesh, ballMesh({0, 0, 0}, 3, 20)));
+  const auto a = bake({mesh}, folder.path() / "a", coarse()), b = bake({mesh}, folder.path() / "b", coarse());
+  BakeOptions finer = coarse();
+  finer.voxelize.voxel_mm = 0.15;
+  const auto c = bake({mesh}, folder.path() / "c", finer);
+  ASSERT_TRUE(a && b && c);
+  EXPECT_EQ(a->manifest.id, b->manifest.id);
+  EXPECT_NE(a->manifest.id, c->manifest.id);
+}
+
+TEST(Bake, TwoMeshesBecomeOneObject) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(writeMesh(folder.path() / "a.stl", ballMesh({0, 0, 0}, 3, 24)));
+  ASSERT_TRUE(writeMesh(folder.path() / "b.stl", ballMesh({4, 0, 0}, 3, 24)));
+  const auto report = bake({folder.path() / "a.stl", folder.path() / "b.stl"}, folder.path() / "ab", coarse());
+  ASSERT_TRUE(report) << report.error().message();
+  const auto solid = readCaseSolid(folder.path() / "ab");
+  ASSERT_TRUE(solid);
+  EXPECT_EQ(edgeConnectedPieces(*solid).count, 1u);
+  EXPECT_EQ(report->manifest.sources.size(), 2u);
+}
+
+TEST(Bake, AFailedOrCancelledBakeLeavesNothingBehind) {
+  const TemporaryFolder folder;
+  const fs::path mesh = folder.path() / "ball.stl", bad = folder.path() / "bad.stl", out = folder.path() / "x.case";
+  ASSERT_TRUE(writeMesh(mesh, ballMesh({0, 0, 0}, 3, 20)));
+  std::ofstream(bad) << "solid nothing\nendsolid\n";
+  const auto entries = [&] { return std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator{}); };
+  const auto before = entries();
+  const auto refused = bake({bad}, out, coarse());
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message().find("bad.stl"), std::string::npos);
+  EXPECT_EQ(entries(), before);
+  for (int stop = 0; stop < 8; ++stop) {
+    int calls = 0;
+    const auto cancelled = bake({mesh}, out, coarse(), [&](double, std::string_view) { return calls++ < stop; });
+    ASSERT_FALSE(cancelled);
+    EXPECT_EQ(cancelled.error().code, Error::Code::kCancelled);
+    EXPECT_EQ(entries(), before) << "cancelled at call " << stop;
+  }
+}
+
+TEST(Bake, AnExistingCaseIsReplacedOnlyWhenAsked) {
+  const TemporaryFolder folder;
+  const fs::path mesh = folder.path() / "ball.stl", out = folder.path() / "x.case";
+  ASSERT_TRUE(writeMesh(mesh, ballMesh({0, 0, 0}, 3, 20)));
+  ASSERT_TRUE(bake({mesh}, out, coarse()));
+  EXPECT_FALSE(bake({mesh}, out, coarse()));
+  BakeOptions again = coarse();
+  again.overwrite = true;
+  EXPECT_TRUE(bake({mesh}, out, again));
+}
+
+TEST(CaseManifest, UnknownMissingAndNewerAreErrorsWithTheKey) {
+  const TemporaryFolder folder;
+  const fs::path mesh = folder.path() / "ball.stl", out = folder.path() / "x.case";
+  ASSERT_TRUE(writeMesh(mesh, ballMesh({0, 0, 0}, 3, 20)));
+  ASSERT_TRUE(bake({mesh}, out, coarse()));
+  std::ifstream in(out / kCaseManifest);
+  const std::string good((std::istreambuf_iterator<char>(in)), {});
+  const auto with = [&](const std::string& from, const std::string& to) {
+    std::string text = good;
+    const auto at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    std::ofstream(out / kCaseManifest) << text.replace(at, from.size(), to);
+    const auto manifest = readCaseManifest(out);
+    EXPECT_FALSE(manifest);
+    return manifest ? std::string() : manifest.error().message();
+  };
+  EXPECT_NE(with("voxel_mm", "voxel_inch").find("voxel"), std::string::npos);
+  EXPECT_NE(with("version = 1", "version = 99").find("99"), std::string::npos);
+  EXPECT_NE(with("exact = true", "exact = 'yes'").find("exact"), std::string::npos);
+  EXPECT_NE(with("[field]", "[field]\nsurprise = 1").find("surprise"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace kerf
