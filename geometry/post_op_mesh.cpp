@@ -174,8 +174,9 @@ Expected<PostOpMesh> postOperativeMesh(const Mesh& source, const BrickField& rho
                             "post-operative mesh",  prepared->why_not,
                             "a mesh that prints",   "another --voxel, or check the source with kerf check"}
                     : prepared.error();
+    if (last.code == Error::Code::kEmpty) break;  // shifting will not help
   }
-  last.found += fmt::format(" (after {} attempts; nothing was written)", kAttempts);
+  last.found += "; nothing was written";
   return fail(last);
 }
 

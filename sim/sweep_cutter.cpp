@@ -18,15 +18,22 @@ void SweepCutter::advance(const SweptTool& sweep) {
   const Vec3i low = brickOf((box.min / h).array().floor().cast<int>().matrix());
   const Vec3i high = brickOf((box.max / h).array().ceil().cast<int>().matrix());
   const double brick_radius = 0.5 * std::sqrt(3.0) * (kBrickSide - 1) * h;
-  std::vector<std::size_t> near;
+  // Bricks with tissue, then those of them the tool may reach (asked in parallel: a long motion's box holds many).
+  std::vector<Vec3i> tissue;
   for (int x = low[0]; x <= high[0]; ++x)
     for (int y = low[1]; y <= high[1]; ++y)
-      for (int z = low[2]; z <= high[2]; ++z) {
-        const Vec3i c{x, y, z};
-        if (phi0_.find(c) < 0 && phi0_.constantAt(c) > 0) continue;  // air beyond the object's band
-        const Vec3d center = psi_.position(c * kBrickSide) + Vec3d::Constant(0.5 * (kBrickSide - 1) * h);
-        if (sweep.mayReach(center, brick_radius, band)) near.push_back(psi_.touch(c));
-      }
+      for (int z = low[2]; z <= high[2]; ++z)
+        if (const Vec3i c{x, y, z}; phi0_.find(c) >= 0 || phi0_.constantAt(c) < 0) tissue.push_back(c);
+  std::vector<char> reached(tissue.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, tissue.size(), 64), [&](const auto& range) {
+    for (std::size_t n = range.begin(); n != range.end(); ++n) {
+      const Vec3d center = psi_.position(tissue[n] * kBrickSide) + Vec3d::Constant(0.5 * (kBrickSide - 1) * h);
+      reached[n] = sweep.mayReach(center, brick_radius, band);
+    }
+  });
+  std::vector<std::size_t> near;
+  for (std::size_t n = 0; n < tissue.size(); ++n)
+    if (reached[n]) near.push_back(psi_.touch(tissue[n]));
   tbb::parallel_for(std::size_t{0}, near.size(), [&](std::size_t n) {
     const std::size_t b = near[n];
     const Vec3i base = psi_.brickCoord(b) * kBrickSide;

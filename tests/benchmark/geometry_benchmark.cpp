@@ -6,7 +6,7 @@
 #include "geometry/marching_cubes.h"
 #include "geometry/sweep.h"
 #include "sim/sweep_cutter.h"
-#include "tests/preprocess/ball_mesh.h"
+#include "tests/geometry/ball_mesh.h"
 
 namespace kerf {
 namespace {

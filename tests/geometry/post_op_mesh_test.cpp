@@ -8,6 +8,7 @@
 
 #include "geometry/exact/crossing_pairs.h"
 #include "geometry/removed_solid.h"
+#include "tests/geometry/ball_mesh.h"
 #include "tests/geometry/sampled_field.h"
 
 namespace kerf {
@@ -15,36 +16,8 @@ namespace {
 
 constexpr double kRadius = 3.0;
 
-// A ball of `rings` rings, vertices rounded to float32 as an imported scan's are.
-Mesh ballMesh(int rings) {
-  Mesh m;
-  const int around = 2 * rings;
-  const auto put = [&m](const Vec3d& p) { m.vertices.push_back(roundedToFloat(p)); };
-  put({0, 0, kRadius});
-  for (int r = 1; r < rings; ++r)
-    for (int a = 0; a < around; ++a) {
-      const double u = std::numbers::pi * r / rings, v = 2 * std::numbers::pi * (a + 0.5 * (r % 2)) / around;
-      put(kRadius * Vec3d(std::sin(u) * std::cos(v), std::sin(u) * std::sin(v), std::cos(u)));
-    }
-  put({0, 0, -kRadius});
-  const auto at = [&](int r, int a) {
-    return static_cast<std::uint32_t>(1 + (r - 1) * around + (a + around) % around);
-  };
-  const auto last = static_cast<std::uint32_t>(m.vertices.size() - 1);
-  for (int a = 0; a < around; ++a) {
-    m.triangles.push_back({0, at(1, a), at(1, a + 1)});
-    for (int r = 1; r + 1 < rings; ++r) {
-      const int odd = r % 2;
-      m.triangles.push_back({at(r, a), at(r + 1, a + odd), at(r, a + 1)});
-      m.triangles.push_back({at(r, a + 1 - odd), at(r + 1, a), at(r + 1, a + 1)});
-    }
-    m.triangles.push_back({last, at(rings - 1, a + 1), at(rings - 1, a)});
-  }
-  return m;
-}
-
 struct CutBall {
-  Mesh source = ballMesh(48);
+  Mesh source = ballMesh(Vec3d::Zero(), kRadius, 48);
   double h = 0.1, tool = 0.7;
   Vec3d center{0.3, 0.2, 2.9};
   BrickField rho;
@@ -111,7 +84,7 @@ TEST(PostOpMesh, ColoursStayOnTheSourceAndCutFacesHaveTheirOwn) {
 }
 
 TEST(PostOpMesh, NoCutGivesTheSourceBack) {
-  const Mesh source = ballMesh(24);
+  const Mesh source = ballMesh(Vec3d::Zero(), kRadius, 24);
   const BrickField none(0.1, 0.4f);
   const auto out = postOperativeMesh(source, none);
   ASSERT_TRUE(out) << out.error().message();

@@ -7,7 +7,7 @@
 #include "geometry/hash.h"
 #include "geometry/mesh_writer.h"
 #include "tests/geometry/temporary_folder.h"
-#include "tests/preprocess/ball_mesh.h"
+#include "tests/geometry/ball_mesh.h"
 
 namespace kerf {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "geometry/vdb_io.h"
 #include "tests/geometry/temporary_folder.h"
-#include "tests/preprocess/ball_mesh.h"
+#include "tests/geometry/ball_mesh.h"
 
 namespace kerf {
 namespace {
