@@ -21,7 +21,7 @@ inline constexpr const char* kRunManifest = "run.toml";
 struct RunManifest {
   int version = 1;
   std::string kerf_version;
-  std::string case_path;  ///< relative to the run folder's parent, or absolute
+  std::string case_path;  ///< relative to the run folder, or absolute
   std::string case_id;    ///< must match the case
   std::string mode = "geometry";
   std::string tool_id, tool_sha256, path_file, path_sha256;
