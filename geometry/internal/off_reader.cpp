@@ -145,6 +145,8 @@ class OffReader {
         if (!file_.had_double_coordinates) file_.had_double_coordinates = exceedsFloat(w);
       }
       mesh.vertices.push_back(p);
+      // OpenMesh and its kin write COFF for face colours alone.
+      if (i == 0 && n == used) kind_.color = false;
       if (kind_.color) {
         // What stands behind is a colour of three or four numbers, then two of texture if the header says ST.
         const std::size_t of_color = std::min<std::size_t>(n - used - (kind_.texture && n - used >= 2 ? 2 : 0), 4);

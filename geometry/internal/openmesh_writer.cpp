@@ -3,6 +3,7 @@
 // keep their order, OFF keeps the colours of both, the STL header reads "binary stl file".
 #include <OpenMesh/Core/IO/MeshIO.hh>
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
+#include <sstream>
 
 #include "geometry/internal/mesh_sinks.h"
 
@@ -75,7 +76,15 @@ Expected<void> writeOff(std::ostream& out, const Mesh& mesh, const MeshWriteOpti
   if (options.colors && mesh.hasVertexColors()) write_options += OpenMesh::IO::Options::VertexColor;
   if (options.colors && mesh.hasFaceColors()) write_options += OpenMesh::IO::Options::FaceColor;
   if (options.colors) write_options += OpenMesh::IO::Options::ColorAlpha;
-  return write(out, mesh, ".off", write_options);
+  if (!write_options.check(OpenMesh::IO::Options::FaceColor) || write_options.check(OpenMesh::IO::Options::VertexColor))
+    return write(out, mesh, ".off", write_options);
+  // OpenMesh begins with "COFF" for face colours too, but COFF promises a colour with every vertex.
+  std::ostringstream text;
+  KERF_CHECK(write(text, mesh, ".off", write_options));
+  const std::string bytes = std::move(text).str();
+  const std::size_t begin = bytes.starts_with("COFF") ? 1 : 0;
+  out.write(bytes.data() + begin, static_cast<std::streamsize>(bytes.size() - begin));
+  return {};
 }
 
 }  // namespace kerf::internal

@@ -101,6 +101,22 @@ TEST_F(MeshWriter, ColoursComeBack) {
   EXPECT_FALSE(roundTrip("a.ply", m, {.colors = false}).mesh.hasVertexColors());
 }
 
+TEST_F(MeshWriter, FaceColoursAloneComeBack) {
+  Mesh m = torus(12);
+  m.vertex_colors.clear();
+  for (const char* name : {"a.ply", "a.off"}) {
+    const MeshFile back = roundTrip(name, m);
+    EXPECT_EQ(back.mesh.face_colors, m.face_colors) << name;
+    EXPECT_FALSE(back.mesh.hasVertexColors()) << name;
+  }
+  // COFF promises colours of vertices; what other programs write there nevertheless is read.
+  const std::string off = contentOf(folder_.path() / "a.off");
+  EXPECT_EQ(off.substr(0, 4), "OFF\n");
+  const auto other = readMesh(folder_.write("b.off", "C" + off));
+  ASSERT_TRUE(other) << other.error().message();
+  EXPECT_EQ(other->mesh.face_colors, m.face_colors);
+}
+
 TEST_F(MeshWriter, PlyKeepsDoublesWhenAsked) {
   const Mesh m = torus(12);
   const MeshFile file = roundTrip("a.ply", m, {.double_positions = true});

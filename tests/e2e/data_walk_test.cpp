@@ -1,0 +1,369 @@
+// Every development mesh goes the whole way: bake, cut by a bur and by a saw, export to four formats, read back, judge.
+// What lies farther than two voxels from the cut must come back bit for bit. Runs where the data is (KERF_DATA).
+//
+// KERF_TABLE=FILE appends one row per mesh to FILE (docs/real-data.md holds such a table).
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <map>
+#include <set>
+
+#include "geometry/mesh_io.h"
+#include "geometry/mesh_writer.h"
+#include "geometry/sweep.h"
+#include "geometry/tool_file.h"
+#include "preprocess/bake.h"
+#include "preprocess/unit.h"
+#include "sim/path.h"
+#include "sim/run_bundle.h"
+#include "tests/geometry/temporary_folder.h"
+
+namespace kerf {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path dataFolder() {
+  const char* given = std::getenv("KERF_DATA");
+  return given ? fs::path(given) : fs::path(KERF_SOURCE_DIR) / ".." / "shared" / "data";
+}
+
+// The files that are no meshes; all others must pass.
+const std::set<std::string> kRefused = {"points-only-tooth.ply", "cbct-jaws-teeth-labels.nii.gz",
+                                        "ct-skull-phantom-128-intensity.nrrd"};
+
+// Every file of the folder but its README; one empty name when there is no folder, so that the test says so.
+std::vector<std::string> filesOfFolder(bool refused) {
+  std::vector<std::string> names;
+  std::error_code missing;
+  for (const auto& entry : fs::directory_iterator(dataFolder(), missing)) {
+    const std::string name = entry.path().filename().string(), extension = entry.path().extension().string();
+    const bool is_mesh_file = extension == ".stl" || extension == ".ply" || extension == ".obj" || extension == ".off";
+    if (refused ? kRefused.count(name) > 0 : is_mesh_file && !kRefused.count(name)) names.push_back(name);
+  }
+  std::sort(names.begin(), names.end());
+  if (names.empty()) names.emplace_back();
+  return names;
+}
+
+std::string testName(const testing::TestParamInfo<std::string>& info) {
+  std::string name = info.param.empty() ? "no_data" : info.param;
+  for (char& c : name)
+    if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
+  return name;
+}
+
+double seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+using Place = std::array<double, 3>;
+Place place(const Vec3d& p) { return {p.x(), p.y(), p.z()}; }
+
+// How an object is cut: everything scales with the object, and goes through one of its highest vertices, so that it
+// cuts.
+struct Plan {
+  Vec3d up, along, across;  // axes
+  Vec3d top;                // one vertex in fifty is higher
+  double height = 0;        // of the box along `up`
+  double scale = 1;         // of the tools: 1 for a bur 1.4 mm wide
+  double voxel_mm = 0.1;
+};
+
+Plan planFor(const Mesh& solid, const CloseReport& closing, double diagonal, double voxel_mm) {
+  Plan plan;
+  plan.voxel_mm = voxel_mm;
+  plan.scale = std::min(1.0, 0.15 * diagonal / 1.4);
+  plan.up = closing.base_direction ? Vec3d(-*closing.base_direction) : Vec3d(Vec3d::UnitZ());
+  const Vec3d size = bounds(solid).size();
+  plan.height = std::abs(size.dot(plan.up));
+  double longest = -1;
+  for (int k = 0; k < 3; ++k)
+    if (std::abs(plan.up[k]) < 0.5 && size[k] > longest) longest = size[k], plan.along = Vec3d::Unit(k);
+  plan.across = plan.up.cross(plan.along);
+  // Not the very highest vertex, which may be the tip of a thorn.
+  std::vector<Vec3d> by_height = solid.vertices;
+  const auto high = by_height.begin() + static_cast<std::ptrdiff_t>(by_height.size() * 49 / 50);
+  std::nth_element(by_height.begin(), high, by_height.end(), [&](const Vec3d& a, const Vec3d& b) {
+    return std::pair(a.dot(plan.up), place(a)) < std::pair(b.dot(plan.up), place(b));
+  });
+  plan.top = *high;
+  return plan;
+}
+
+Eigen::Quaterniond frame(const Vec3d& x, const Vec3d& z) {
+  Eigen::Matrix3d r;
+  r << x, z.cross(x), z;
+  return Eigen::Quaterniond(r).normalized();
+}
+
+std::string csv(const std::vector<Rigid3>& poses) {
+  std::string text = "t,x,y,z,qw,qx,qy,qz\n";
+  for (std::size_t n = 0; n < poses.size(); ++n) {
+    const Vec3d& p = poses[n].translation;
+    const Eigen::Quaterniond& q = poses[n].rotation;
+    text += fmt::format("{},{},{},{},{},{},{},{}\n", n, p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z());
+  }
+  return text;
+}
+
+std::string burTool(double scale) {
+  return fmt::format(
+      "format = \"kerf-tool\"\nversion = 1\nid = \"walk-bur\"\nname = \"Round bur\"\nkind = \"bur\"\n"
+      "shape = \"round\"\nhead_diameter = {:.6f}\n",
+      1.4 * scale);
+}
+
+std::string sawTool(double scale) {
+  return fmt::format(
+      "format = \"kerf-tool\"\nversion = 1\nid = \"walk-saw\"\nname = \"Saw\"\nkind = \"blade\"\n"
+      "motion = \"reciprocating\"\nthickness = {:.6f}\nset_per_side = {:.6f}\nwidth = {:.6f}\nlength = {:.6f}\n"
+      "stroke = {:.6f}\ntooth_pitch = {:.6f}\nedge_depth = {:.6f}\n",
+      std::max(0.05, 0.4 * scale), 0.02 * scale, std::max(0.2, 5 * scale), std::max(1.0, 25 * scale), 3 * scale,
+      std::max(0.1, 1.41 * scale), std::max(0.05, 0.5 * scale));
+}
+
+// A groove along the box through `top`; lift; a second one aslant, the bur turning through 50 degrees.
+std::string burPath(const Plan& plan) {
+  const double d = 1.4 * plan.scale;
+  const auto pose = [&](double a, double b, double u, double degrees) {
+    const Eigen::AngleAxisd tilt(degrees * M_PI / 180, plan.along);
+    return Rigid3{Eigen::Quaterniond(tilt) * frame(plan.along, plan.up),
+                  plan.top + d * (a * plan.along + b * plan.across + u * plan.up)};
+  };
+  return csv({pose(-6, 0, -0.6, 0), pose(6, 0, -0.6, 0), pose(6, 0, 1.2, -25), pose(5, -2.5, 1.2, -25),
+              pose(5, -2.5, -0.2, -25), pose(-4, 2, -1.3, 25), pose(-4, 2, 1.2, 25)});
+}
+
+// A blade across the box, a few degrees askew, straight down through `top`.
+std::string sawPath(const Plan& plan) {
+  const Vec3d z = (plan.across + 0.13 * plan.along + 0.05 * plan.up).normalized();
+  const Vec3d x = (plan.up - plan.up.dot(z) * z).normalized();
+  const Eigen::Quaterniond r = frame(x, z);
+  const double length = std::max(1.0, 25 * plan.scale), depth = std::min(0.4 * plan.height, 8 * plan.scale);
+  const Vec3d start = plan.top - 0.5 * length * z + plan.scale * plan.up;
+  return csv({{r, start}, {r, start - (plan.scale + depth) * plan.up}});
+}
+
+// Distance of each vertex to everything a run cut, mm; at or above `far` it may say any such value.
+std::vector<double> distanceToCut(const std::vector<Vec3d>& points, const fs::path& tool_file,
+                                  const fs::path& path_file, double far) {
+  std::vector<double> nearest(points.size(), far);
+  const auto tool = readTool(tool_file);
+  const auto path = readPath(path_file);
+  if (!tool || !path) throw std::runtime_error("the test's own files do not read");
+  for (std::size_t s = 0; s + 1 < path->poses.size(); ++s) {
+    const SweptTool sweep(*tool->cut, path->poses[s].T_object_tool, path->poses[s + 1].T_object_tool);
+    Box3 box = sweep.bounds();
+    box.grow(far);
+    for (std::size_t v = 0; v < points.size(); ++v)
+      if (box.contains(points[v])) nearest[v] = std::min(nearest[v], sweep.distance(points[v], far, 1e-6));
+  }
+  return nearest;
+}
+
+struct FarVertices {
+  std::size_t count = 0, missing = 0, out_of_order = 0, recoloured = 0;
+  std::size_t faces = 0, faces_recoloured = 0;  // triangles whose corners are all far, and still there as they were
+};
+
+// The vertices of `solid` at least `far` from the cut, looked up in the export by their exact float32 places.
+FarVertices compare(const Mesh& solid, const std::vector<double>& distance, double far, const Mesh& result) {
+  FarVertices out;
+  std::map<Place, std::uint32_t> where;
+  for (std::uint32_t v = 0; v < result.vertices.size(); ++v) where.emplace(place(result.vertices[v]), v);
+  constexpr std::uint32_t kNone = ~0u;
+  std::vector<std::uint32_t> found(solid.vertices.size(), kNone);
+  std::uint32_t last = 0;
+  for (std::size_t v = 0; v < solid.vertices.size(); ++v) {
+    if (distance[v] < far) continue;
+    ++out.count;
+    const auto it = where.find(place(solid.vertices[v]));
+    if (it == where.end()) {
+      ++out.missing;
+      continue;
+    }
+    found[v] = it->second;
+    out.out_of_order += found[v] < last;
+    last = found[v];
+    if (solid.hasVertexColors() && result.hasVertexColors())
+      out.recoloured += solid.vertex_colors[v] != result.vertex_colors[found[v]];
+  }
+  if (!solid.hasFaceColors() || !result.hasFaceColors()) return out;
+  const auto turned = [](Triangle t) {
+    std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
+    return t;
+  };
+  std::map<Triangle, Rgba8> color;
+  for (std::size_t t = 0; t < result.triangles.size(); ++t)
+    color.emplace(turned(result.triangles[t]), result.face_colors[t]);
+  for (std::size_t t = 0; t < solid.triangles.size(); ++t) {
+    Triangle mapped;
+    for (std::size_t k = 0; k < 3; ++k) mapped[k] = found[solid.triangles[t][k]];
+    if (std::count(mapped.begin(), mapped.end(), kNone)) continue;
+    const auto it = color.find(turned(mapped));
+    if (it == color.end()) continue;  // the cut went through a triangle larger than itself
+    ++out.faces;
+    out.faces_recoloured += it->second != solid.face_colors[t];
+  }
+  return out;
+}
+
+struct Verdicts {
+  int passed = 0, failed = 0;
+  std::string failures;
+};
+
+// Other people's programs; those that are not installed say SKIP and are not counted.
+Verdicts askValidators(const fs::path& mesh, bool quick) {
+  Verdicts out;
+  const std::string command = fmt::format("\"{}/tests/validators/validate\" {} \"{}\" 2>&1", KERF_SOURCE_DIR,
+                                          quick ? "--quick" : "", mesh.string());
+  FILE* pipe = ::popen(command.c_str(), "r");
+  if (!pipe) throw std::runtime_error("validators cannot be started");
+  char line[4096];
+  while (std::fgets(line, sizeof line, pipe)) {
+    const std::string text = line;
+    out.passed += text.starts_with("PASS ");
+    if (text.starts_with("FAIL ")) ++out.failed, out.failures += text;
+  }
+  ::pclose(pipe);
+  return out;
+}
+
+class Refused : public testing::TestWithParam<std::string> {};
+
+TEST_P(Refused, WithAReasonAndNothingLeftBehind) {
+  if (GetParam().empty()) GTEST_SKIP() << "no data in " << dataFolder() << " (set KERF_DATA)";
+  const TemporaryFolder folder;
+  const auto report = bake({dataFolder() / GetParam()}, folder.path() / "a.case", {});
+  ASSERT_FALSE(report);
+  EXPECT_NE(report.error().message().find(GetParam()), std::string::npos) << report.error().message();
+  EXPECT_FALSE(report.error().hint.empty());
+  EXPECT_EQ(folder.entries(), 0u);
+}
+
+INSTANTIATE_TEST_SUITE_P(Files, Refused, testing::ValuesIn(filesOfFolder(true)), testName);
+
+class DataWalk : public testing::TestWithParam<std::string> {};
+
+TEST_P(DataWalk, BakeCutExportReadBack) {
+  if (GetParam().empty()) GTEST_SKIP() << "no data in " << dataFolder() << " (set KERF_DATA)";
+  const fs::path source_file = dataFolder() / GetParam();
+  const TemporaryFolder folder;
+  const double start = seconds();
+
+  auto source = readMesh(source_file);
+  ASSERT_TRUE(source) << source.error().message();
+  const auto unit = chooseUnit(bounds(source->mesh), "", source->declared_unit);
+  ASSERT_TRUE(unit) << unit.error().message();
+  for (Vec3d& p : source->mesh.vertices) p = roundedToFloat(p * unit->scale_to_mm);
+  const double diagonal = bounds(source->mesh).size().norm();
+
+  BakeOptions options;
+  if (diagonal < 3) options.voxelize.voxel_mm = diagonal / 100;
+  const double h = options.voxelize.voxel_mm;
+  const fs::path case_folder = folder.path() / "a.case";
+  const auto baked = bake({source_file}, case_folder, options);
+  ASSERT_TRUE(baked) << baked.error().message();
+  const double bake_seconds = seconds() - start;
+  const auto solid = readCaseSolid(case_folder);
+  ASSERT_TRUE(solid) << solid.error().message();
+  EXPECT_TRUE(baked->manifest.exact) << "wrapped: the scan is not kept";
+
+  std::set<Place> of_solid;
+  for (const Vec3d& p : solid->vertices) of_solid.insert(place(p));
+  std::set<Place> of_source;
+  std::vector<Vec3d> kept_by_closing;
+  for (const Triangle& t : source->mesh.triangles)
+    for (const std::uint32_t v : t)
+      if (of_source.insert(place(source->mesh.vertices[v])).second && of_solid.count(place(source->mesh.vertices[v])))
+        kept_by_closing.push_back(source->mesh.vertices[v]);
+
+  const Plan plan = planFor(*solid, baked->close, diagonal, h);
+  const fs::path bur = folder.write("walk-bur.toml", burTool(plan.scale)),
+                 saw = folder.write("walk-saw.toml", sawTool(plan.scale)),
+                 groove = folder.write("groove.csv", burPath(plan)), slot = folder.write("slot.csv", sawPath(plan));
+  const double far = 2 * h;
+  std::size_t scan_far = 0, scan_kept = 0, exported_triangles[2] = {};
+  double removed[2] = {}, run_seconds[2] = {};
+  Verdicts verdicts;
+  for (int run = 0; run < 2; ++run) {
+    const fs::path &tool = run ? saw : bur, &path = run ? slot : groove;
+    SCOPED_TRACE(run ? "saw" : "bur");
+    const double run_start = seconds();
+    const fs::path run_folder = folder.path() / (run ? "saw.run" : "bur.run");
+    const auto cut = cutCase(case_folder, tool, path, run_folder);
+    ASSERT_TRUE(cut) << cut.error().message();
+    const auto exported = exportBundle(run_folder);
+    ASSERT_TRUE(exported) << exported.error().message();
+    run_seconds[run] = seconds() - run_start;
+    const PostOpReport& r = exported->post_op.report;
+    EXPECT_GT(r.removed_volume_mm3, 0);
+    removed[run] = r.removed_volume_mm3;
+    exported_triangles[run] = exported->post_op.mesh.triangles.size();
+
+    const std::vector<double> solid_distance = distanceToCut(solid->vertices, tool, path, far);
+    const std::vector<double> scan_distance = distanceToCut(kept_by_closing, tool, path, far);
+    for (const char* extension : {".ply", ".stl", ".obj", ".off"}) {
+      SCOPED_TRACE(extension);
+      const fs::path file = folder.path() / (std::string(run ? "saw" : "bur") + extension);
+      const auto written = writeMesh(file, exported->post_op.mesh);
+      ASSERT_TRUE(written) << written.error().message();
+      auto back = readMesh(file);
+      ASSERT_TRUE(back) << back.error().message();
+      // Text comes back as the double nearest to the digits.
+      for (Vec3d& p : back->mesh.vertices) p = roundedToFloat(p);
+      const MeshReport check = checkMesh(back->mesh);
+      EXPECT_TRUE(check.print_ready) << describe(check);
+      EXPECT_NEAR(check.volume, r.result_volume_mm3, 1e-6 * r.source_volume_mm3);
+      const FarVertices all = compare(*solid, solid_distance, far, back->mesh);
+      EXPECT_GT(all.count, 0u);
+      EXPECT_EQ(all.missing, 0u) << "of " << all.count << "; pieces " << r.pieces << ", crumbs " << r.crumbs_dropped;
+      EXPECT_EQ(all.recoloured, 0u);
+      EXPECT_EQ(all.faces_recoloured, 0u);
+      // STL has no vertices, only corners: the order that comes back is that of the triangles.
+      const bool has_vertices = back->unwelded_vertices == 0;
+      EXPECT_TRUE(!has_vertices || all.out_of_order == 0);
+      if (std::string(extension) == ".ply") {
+        EXPECT_EQ(solid->hasVertexColors(), back->mesh.hasVertexColors());
+        EXPECT_TRUE(!solid->hasFaceColors() || all.faces > 0);
+        std::set<Place> there;
+        for (const Vec3d& p : back->mesh.vertices) there.insert(place(p));
+        for (std::size_t v = 0; v < kept_by_closing.size(); ++v)
+          if (scan_distance[v] >= far) ++scan_far, scan_kept += there.count(place(kept_by_closing[v]));
+      }
+    }
+    // OpenSCAD takes most of the time: one run of each mesh, and none of the large ones, unless asked for.
+    const bool quick = !std::getenv("KERF_OPENSCAD") && (run == 1 || exported_triangles[run] >= 50'000);
+    const Verdicts v = askValidators(folder.path() / (run ? "saw.stl" : "bur.stl"), quick);
+    EXPECT_EQ(v.failed, 0) << v.failures;
+    verdicts.passed += v.passed, verdicts.failed += v.failed;
+  }
+  EXPECT_EQ(scan_kept, scan_far);
+
+  std::string changes;
+  for (const std::string& change : baked->manifest.changes) changes += (changes.empty() ? "" : "; ") + change;
+  const MeshReport& found = baked->source_checks[0];
+  const std::string row = fmt::format(
+      "| {} | {} loops, {} nm, {} self, {} pcs | {} | {} -> {} -> {}, {} | {} of {} | {} of {} | {:.4g}, {:.4g} | {} "
+      "of {} | {:.1f} + {:.1f} + {:.1f} |\n",
+      GetParam(), found.boundary_loops.size(), found.non_manifold_edges, found.self_intersections, found.pieces,
+      changes.empty() ? "nothing" : changes, source->mesh.triangles.size(), solid->triangles.size(),
+      exported_triangles[0], exported_triangles[1], kept_by_closing.size(), of_source.size(), scan_kept, scan_far,
+      removed[0], removed[1], verdicts.passed, verdicts.passed + verdicts.failed, bake_seconds, run_seconds[0],
+      run_seconds[1]);
+  fmt::print("{}", row);
+  if (const char* table = std::getenv("KERF_TABLE")) {
+    std::ofstream out(table, std::ios::app);
+    out << row;
+    out.close();
+    EXPECT_TRUE(out) << "KERF_TABLE: cannot write " << table;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Files, DataWalk, testing::ValuesIn(filesOfFolder(false)), testName);
+
+}  // namespace
+}  // namespace kerf
