@@ -173,6 +173,7 @@ struct AtomicFolder::State {
     if (!staging.empty()) fs::remove_all(staging, ignored);
   }
   fs::path path, target, staging;
+  std::string manifest;
   bool overwrite = false;
 };
 
@@ -188,6 +189,7 @@ Expected<AtomicFolder> AtomicFolder::create(const fs::path& path, bool overwrite
   state->path = path;
   state->target = followed(path.has_filename() ? path : path.parent_path());
   state->overwrite = overwrite;
+  state->manifest = manifest;
   if (!state->target.has_filename()) return fail(writeError(path, "making the folder", EINVAL));
   std::error_code error;
   const fs::file_status status = fs::status(state->target, error);
@@ -227,6 +229,8 @@ Expected<void> AtomicFolder::commit() {
   if (::rename(s.staging.c_str(), s.target.c_str()) == 0) {
     s.staging.clear();
   } else if ((errno == ENOTEMPTY || errno == EEXIST) && s.overwrite) {
+    if (!fs::exists(s.target / s.manifest, error))  // it came while we worked
+      return fail(writeError(s.path, "renaming into place", EEXIST));
     if (::renameat2(AT_FDCWD, s.staging.c_str(), AT_FDCWD, s.target.c_str(), RENAME_EXCHANGE) != 0) {
       const std::string aside = s.staging.string() + "-old";
       if (::rename(s.target.c_str(), aside.c_str()) != 0)

@@ -4,6 +4,7 @@
 
 #include <fstream>
 
+#include "geometry/hash.h"
 #include "geometry/mesh_io.h"
 #include "geometry/toml_reader.h"
 #include "geometry/vdb_io.h"
@@ -47,18 +48,22 @@ Expected<void> writeCaseManifest(const std::filesystem::path& folder, const Case
                             {"volume_mm3", m.solid_volume_mm3},
                             {"area_mm2", m.solid_area_mm2},
                             {"box_min_mm", vec(m.box.min)},
-                            {"box_max_mm", vec(m.box.max)}}},
+                            {"box_max_mm", vec(m.box.max)},
+                            {"sha256", m.solid_sha256}}},
       {"field", toml::table{{"voxel_mm", m.voxel_mm},
                             {"material", m.material},
                             {"voxels", integer(m.field_voxels)},
                             {"shell_points", integer(m.shell_points)},
-                            {"shell_area_mm2", m.shell_area_mm2}}},
+                            {"shell_area_mm2", m.shell_area_mm2},
+                            {"sha256", m.field_sha256}}},
   };
   const auto path = folder / kCaseManifest;
   std::ofstream out(path, std::ios::binary);
   out << "# Kerf case. Lengths in mm. Training and lab tool, not a medical device.\n" << root << "\n";
   out.close();
-  if (!out) return fail({Error::Code::kWriteFailed, path.string(), "", "could not be written", "a writable place with room", "free some space"});
+  if (!out)
+    return fail({Error::Code::kWriteFailed, path.string(), "", "could not be written", "a writable place with room",
+                 "free some space"});
   return {};
 }
 
@@ -72,10 +77,11 @@ Expected<CaseManifest> readCaseManifest(const std::filesystem::path& folder) {
   TomlTable top(root, path, "");
   CaseManifest m;
   const auto format = top.get<std::string>("format", "\"kerf-case\"");
-  m.version = static_cast<int>(top.get<std::int64_t>("version", "1"));
-  if (format != "kerf-case" || m.version != kVersion)
-    return fail({Error::Code::kUnsupported, path.string(), "key format / version", fmt::format("{} version {}", format, m.version),
-                 fmt::format("kerf-case version {}", kVersion), "bake the case again with this Kerf"});
+  const auto version = top.get<std::int64_t>("version", "1");
+  if (format != "kerf-case" || version != kVersion)
+    return fail({Error::Code::kUnsupported, path.string(), "key format / version",
+                 fmt::format("{} version {}", format, version), fmt::format("kerf-case version {}", kVersion),
+                 "bake the case again with this Kerf"});
   m.kerf_version = top.get<std::string>("kerf_version", "a string");
   m.id = top.get<std::string>("id", "64 hexadecimal digits");
   if (const toml::array* sources = top.tables("source"))
@@ -111,13 +117,15 @@ Expected<CaseManifest> readCaseManifest(const std::filesystem::path& folder) {
   m.solid_area_mm2 = solid.get<double>("area_mm2", "a number");
   const auto low = solid.numbers("box_min_mm", 3), high = solid.numbers("box_max_mm", 3);
   m.box.add(Vec3d(low[0], low[1], low[2])), m.box.add(Vec3d(high[0], high[1], high[2]));
+  m.solid_sha256 = solid.get<std::string>("sha256", "64 hexadecimal digits");
   KERF_CHECK(solid.finish());
   TomlTable field(child("field"), path, "field");
-  m.voxel_mm = field.get<double>("voxel_mm", "mm");
+  m.voxel_mm = field.number("voxel_mm", 0.001, 100);
   m.material = field.get<std::string>("material", "a material");
   m.field_voxels = static_cast<std::uint64_t>(field.get<std::int64_t>("voxels", "a count"));
   m.shell_points = static_cast<std::uint64_t>(field.get<std::int64_t>("shell_points", "a count"));
   m.shell_area_mm2 = field.get<double>("shell_area_mm2", "a number");
+  m.field_sha256 = field.get<std::string>("sha256", "64 hexadecimal digits");
   KERF_CHECK(field.finish());
   for (const char* name : {"close", "solid", "field"}) top.allow(name);
   KERF_CHECK(top.finish());
@@ -125,10 +133,16 @@ Expected<CaseManifest> readCaseManifest(const std::filesystem::path& folder) {
 }
 
 Expected<Mesh> readCaseSolid(const std::filesystem::path& folder) {
+  KERF_TRY(manifest, readCaseManifest(folder));
+  KERF_CHECK(requireSha256(folder / kCaseSolid, manifest.solid_sha256, "bake the case again"));
   KERF_TRY(file, readMesh(folder / kCaseSolid));
   return std::move(file.mesh);
 }
 
-Expected<BrickField> readCaseField(const std::filesystem::path& folder) { return readVdb(folder / kCaseAnatomy, "phi"); }
+Expected<BrickField> readCaseField(const std::filesystem::path& folder) {
+  KERF_TRY(manifest, readCaseManifest(folder));
+  KERF_CHECK(requireSha256(folder / kCaseAnatomy, manifest.field_sha256, "bake the case again"));
+  return readVdb(folder / kCaseAnatomy, "phi");
+}
 
 }  // namespace kerf

@@ -42,9 +42,10 @@ struct CaseManifest {
   std::string material;
   std::size_t solid_vertices = 0, solid_triangles = 0;
   double solid_volume_mm3 = 0, solid_area_mm2 = 0;
-  Box3 box;                           ///< of the solid, mm
+  Box3 box;  ///< of the solid, mm
   std::uint64_t field_voxels = 0, shell_points = 0;
   double shell_area_mm2 = 0;
+  std::string solid_sha256, field_sha256;  ///< of solid.ply and anatomy.vdb: a damaged file is refused, not cut
 };
 
 /// True if the folder looks like a case (has a manifest).
@@ -52,9 +53,10 @@ bool isCase(const std::filesystem::path& folder);
 Expected<void> writeCaseManifest(const std::filesystem::path& folder, const CaseManifest& manifest);
 /// Strict: unknown or missing keys, a wrong format or a newer version are errors that name file, line and key.
 Expected<CaseManifest> readCaseManifest(const std::filesystem::path& folder);
-/// The solid in mm, double holding float32 values.
+/// The solid in mm, double holding float32 values. A file that is not byte for byte what was baked is an error.
 Expected<Mesh> readCaseSolid(const std::filesystem::path& folder);
-/// The baked field phi0.
+/// The baked field phi0. Checked against the manifest before OpenVDB sees it, which does not survive every damaged
+/// file.
 Expected<BrickField> readCaseField(const std::filesystem::path& folder);
 
 }  // namespace kerf

@@ -100,4 +100,11 @@ Expected<std::string> sha256OfFile(const std::filesystem::path& path) {
   return hex(hash.digest());
 }
 
+Expected<void> requireSha256(const std::filesystem::path& path, const std::string& expected, const std::string& hint) {
+  KERF_TRY(found, sha256OfFile(path));
+  if (found == expected) return {};
+  return fail({Error::Code::kUnreadable, path.string(), "content",
+               "damaged or edited: SHA-256 " + found.substr(0, 12) + "...", expected.substr(0, 12) + "...", hint});
+}
+
 }  // namespace kerf

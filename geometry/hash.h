@@ -29,5 +29,8 @@ class Sha256 {
 /// 64 lower-case hexadecimal digits. About 250 MB/s.
 std::string sha256(std::span<const std::byte> bytes);
 Expected<std::string> sha256OfFile(const std::filesystem::path& path);
+/// Fails when the file is not the one that had this hash: damaged, cut short, or edited by hand.
+/// @param hint  what to try then.
+Expected<void> requireSha256(const std::filesystem::path& path, const std::string& expected, const std::string& hint);
 
 }  // namespace kerf

@@ -8,12 +8,26 @@
 
 namespace kerf {
 
-Expected<void> writeMesh(const std::filesystem::path& path, const Mesh& mesh, const MeshWriteOptions& options) {
+namespace {
+
+Expected<const MeshFormatRow*> writerOf(const std::filesystem::path& path) {
   const MeshFormatRow* row = formatOfExtension(path.extension().string());
-  if (row == nullptr || row->write == nullptr)
-    return fail(Error{Error::Code::kUnsupported, path.string(), "extension",
-                      internal::inQuotes(path.extension().string()), "one of " + writableExtensions(),
-                      "end the name with the format wanted"});
+  if (row != nullptr && row->write != nullptr) return row;
+  return fail(Error{Error::Code::kUnsupported, path.string(), "extension",
+                    internal::inQuotes(path.extension().string()), "one of " + writableExtensions(),
+                    "end the name with the format wanted"});
+}
+
+}  // namespace
+
+Expected<void> canWriteMesh(const std::filesystem::path& path) {
+  KERF_CHECK(writerOf(path));
+  KERF_CHECK(AtomicFile::create(path));
+  return {};
+}
+
+Expected<void> writeMesh(const std::filesystem::path& path, const Mesh& mesh, const MeshWriteOptions& options) {
+  KERF_TRY(row, writerOf(path));
   // What float32 cannot hold would come back as infinity.
   if (!(options.double_positions && row->extensions == ".ply"))
     for (std::size_t v = 0; v < mesh.vertices.size(); ++v)

@@ -30,4 +30,7 @@ struct MeshWriteOptions {
 /// @throws nothing; full disk, missing folder or permission end in an Error with the system's reason.
 Expected<void> writeMesh(const std::filesystem::path& path, const Mesh& mesh, const MeshWriteOptions& options = {});
 
+/// Whether writeMesh() has a chance: a known extension, a folder that takes new files. Leaves nothing behind.
+Expected<void> canWriteMesh(const std::filesystem::path& path);
+
 }  // namespace kerf

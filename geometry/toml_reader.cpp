@@ -132,14 +132,27 @@ Expected<void> TomlTable::finish() {
 }
 
 Expected<toml::table> parseToml(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in)
-    return fail({std::filesystem::exists(file) ? Error::Code::kUnreadable : Error::Code::kNotFound, file.string(), "",
-                 std::filesystem::exists(file) ? "can not be read" : "no such file", "a TOML file", ""});
+  std::error_code ignored;
+  std::ifstream in;
+  if (std::filesystem::is_regular_file(file, ignored)) in.open(file, std::ios::binary);  // not a folder, pipe, device
+  if (!in.is_open())
+    return fail({std::filesystem::exists(file, ignored) ? Error::Code::kUnreadable : Error::Code::kNotFound,
+                 file.string(), "", std::filesystem::exists(file, ignored) ? "can not be read" : "no such file",
+                 "a TOML file", ""});
   std::stringstream text;
   text << in.rdbuf();
+  // toml++ limits how deep values nest, but not how long a dotted key is, and it walks the tables of one recursively.
+  constexpr int kMostDots = 500;
+  const std::string content = text.str();
+  int line = 1, dots = 0;
+  for (const char c : content) {
+    if (c == '\n') ++line, dots = 0;
+    if (c == '.' && ++dots > kMostDots)
+      return fail({Error::Code::kBadFormat, file.string(), fmt::format("line {}", line),
+                   fmt::format("more than {} dots", kMostDots), "keys of a few words", ""});
+  }
   try {
-    return toml::parse(text.str(), file.string());
+    return toml::parse(content, file.string());
   } catch (const toml::parse_error& e) {
     return fail({Error::Code::kBadFormat, file.string(),
                  fmt::format("line {}, column {}", e.source().begin.line, e.source().begin.column),

@@ -6,7 +6,10 @@
 #include <openvdb/points/PointDataGrid.h>
 #include <openvdb/tools/Prune.h>
 
+#include <cmath>
 #include <mutex>
+
+#include "geometry/internal/vdb_writer.h"
 
 namespace kerf {
 namespace {
@@ -49,10 +52,8 @@ Expected<void> writeVdb(const std::filesystem::path& path, const std::vector<Nam
     }
     openvdb::MetaMap meta;
     for (const auto& [key, value] : metadata) meta.insertMeta(key, openvdb::StringMetadata(value));
-    openvdb::io::File file(path.string());
-    file.write(grids, meta);
-    file.close();
-    return {};
+    return internal::writeGrids(path, openvdb::GridCPtrVec(grids.begin(), grids.end()), meta,
+                                openvdb::io::Archive::DEFAULT_COMPRESSION_FLAGS);
   } catch (const std::exception& e) {
     return fail(
         {Error::Code::kWriteFailed, path.string(), "", e.what(), "a writable place with room", "free some space"});
@@ -71,6 +72,17 @@ Expected<BrickField> readVdb(const std::filesystem::path& path, const std::strin
     if (!transform.isLinear() || !transform.hasUniformScale() ||
         transform.indexToWorld(openvdb::Vec3d(0)).length() != 0)
       return fail(readError(path, "grid " + name, "a transform that is more than a uniform scale"));
+    const double voxel = transform.voxelSize()[0];
+    if (!(voxel >= 1e-3 && voxel <= 100))
+      return fail(readError(path, "grid " + name, fmt::format("a voxel size of {} mm", voxel)));
+    if (!(grid->background() > 0 && std::isfinite(grid->background())))
+      return fail(readError(path, "grid " + name, fmt::format("a background of {} mm", grid->background())));
+    openvdb::CoordBBox extent;
+    grid->tree().evalLeafBoundingBox(extent);
+    constexpr int kFarthest = 1 << (20 + kBrickLog);  // coordKey
+    if (grid->tree().leafCount() > 0 && (openvdb::Coord::lessThan(extent.min(), openvdb::Coord(-kFarthest)) ||
+                                         openvdb::Coord::lessThan(openvdb::Coord(kFarthest - 1), extent.max())))
+      return fail(readError(path, "grid " + name, "voxels too far from the origin"));
     float interior = 0;  // the deepest constant inside; a file without interior tiles has none to tell
     auto deep = grid->tree().cbeginValueAll();
     deep.setMaxDepth(openvdb::FloatTree::ValueAllCIter::LEAF_DEPTH - 1);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <chrono>
 
 #include "geometry/atomic_file.h"
@@ -27,6 +28,15 @@ const char* nameOf(CloseMode mode) {
       return "wrap";
   }
   return "?";
+}
+
+// The extension to store a source under. A name may hold any byte, a manifest only text: odd ones are dropped.
+std::string safeExtension(const std::filesystem::path& path) {
+  const std::string e = path.extension().string();
+  const auto plain = [](char c) {
+    return c == '.' || (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+  };
+  return std::all_of(e.begin(), e.end(), plain) ? e : std::string();
 }
 
 class Stopwatch {
@@ -70,6 +80,7 @@ Expected<BakeReport> bake(const std::vector<std::filesystem::path>& meshes, cons
   };
   BakeReport out;
   Stopwatch watch;
+  KERF_CHECK(checkVoxelSize(options.voxelize.voxel_mm));  // before the minutes of closing, not after
   KERF_TRY(staging, AtomicFolder::create(case_folder, options.overwrite, kCaseManifest));
   const std::filesystem::path& folder = staging.staging();
   out.times.write += watch.lap();
@@ -84,7 +95,7 @@ Expected<BakeReport> bake(const std::vector<std::filesystem::path>& meshes, cons
       return fail(unit.error());
     }
     CaseSource source;
-    source.stored_as = fmt::format("source-{}{}", out.manifest.sources.size() + 1, path.extension().string());
+    source.stored_as = fmt::format("source-{}{}", out.manifest.sources.size() + 1, safeExtension(path));
     source.format = name(file.format);
     KERF_TRY(hash, sha256OfFile(path));
     source.sha256 = hash;
@@ -136,6 +147,9 @@ Expected<BakeReport> bake(const std::vector<std::filesystem::path>& meshes, cons
   if (!report(progress, 0.85, "writing")) return cancelError();
   KERF_CHECK(writeMesh(folder / kCaseSolid, solid->mesh));
   KERF_CHECK(anatomy.write(folder / kCaseAnatomy));
+  KERF_TRY(solid_hash, sha256OfFile(folder / kCaseSolid));
+  KERF_TRY(field_hash, sha256OfFile(folder / kCaseAnatomy));
+  m.solid_sha256 = solid_hash, m.field_sha256 = field_hash;
   KERF_CHECK(writeCaseManifest(folder, m));
   if (!report(progress, 0.95, "syncing")) return cancelError();
   KERF_CHECK(staging.commit());

@@ -59,6 +59,9 @@ class Anatomy {
   std::unique_ptr<Grids> grids_;
 };
 
+/// 0.005 to 5 mm; not a number is refused like any other.
+Expected<void> checkVoxelSize(double voxel_mm);
+
 /// Bytes the bake of this mesh will need at peak, from its area; good to a factor of 1.5.
 std::uint64_t estimateBakeBytes(double surface_area_mm2, const VoxelizeOptions& options);
 

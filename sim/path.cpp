@@ -28,9 +28,10 @@ constexpr double kTurnSpeed = 45 * kRadian;  // rad/s: a turn about the tip itse
 constexpr double kReach = 1000;              // mm: nothing of a patient is farther from its origin
 
 Expected<CutPath> readCsv(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
   std::error_code ignored;
-  if (!in || fs::is_directory(file, ignored))
+  std::ifstream in;
+  if (fs::is_regular_file(file, ignored)) in.open(file, std::ios::binary);  // not a folder, pipe or device
+  if (!in.is_open())
     return fail({fs::exists(file, ignored) ? Error::Code::kUnreadable : Error::Code::kNotFound, file.string(), "",
                  fs::exists(file, ignored) ? "can not be read" : "no such file", "a CSV of poses", ""});
   const auto bad = [&](std::size_t line, std::size_t column, std::string found, std::string expected) {

@@ -41,6 +41,7 @@ Expected<void> writeManifest(const fs::path& folder, const RunManifest& m) {
       {"duration_s", m.duration_s},
       {"voxel_mm", m.voxel_mm},
       {"state_hash", m.state_hash},
+      {"field_sha256", m.field_sha256},
   };
   const fs::path path = folder / kRunManifest;
   std::ofstream out(path, std::ios::binary);
@@ -61,8 +62,40 @@ Expected<void> copyInto(const fs::path& from, const fs::path& to) {
   return {};
 }
 
+// From the run to the case, so that both can be moved together. Links are resolved: ".." goes by the real folders.
+std::string relativePath(const fs::path& case_folder, const fs::path& run_folder) {
+  std::error_code ignored;
+  const fs::path from = fs::weakly_canonical(fs::absolute(run_folder, ignored), ignored);
+  const fs::path to = fs::weakly_canonical(fs::absolute(case_folder, ignored), ignored);
+  return to.lexically_relative(from).string();
+}
+
+// What TOML can hold: well-formed UTF-8 (RFC 3629).
+bool isText(const std::string& bytes) {
+  for (std::size_t i = 0; i < bytes.size();) {
+    const auto byte = [&](std::size_t at) { return at < bytes.size() ? static_cast<unsigned char>(bytes[at]) : 0u; };
+    const unsigned first = byte(i);
+    const std::size_t length = first < 0x80                    ? 1
+                               : first >= 0xc2 && first < 0xe0 ? 2
+                               : first >> 4 == 0xe             ? 3
+                               : first >= 0xf0 && first < 0xf5 ? 4
+                                                               : 0;
+    if (length == 0) return false;
+    for (std::size_t k = 1; k < length; ++k)
+      if (byte(i + k) >> 6 != 2) return false;
+    if ((first == 0xe0 && byte(i + 1) < 0xa0) || (first == 0xed && byte(i + 1) >= 0xa0) ||
+        (first == 0xf0 && byte(i + 1) < 0x90) || (first == 0xf4 && byte(i + 1) >= 0x90))
+      return false;
+    i += length;
+  }
+  return true;
+}
+
 Expected<fs::path> locateCase(const fs::path& run_folder, const RunManifest& m) {
-  const fs::path wanted = (fs::absolute(run_folder) / m.case_path).lexically_normal();
+  // As named first, then with symbolic links resolved: a run may be reached through one.
+  std::error_code ignored;
+  fs::path wanted = (fs::absolute(run_folder, ignored) / m.case_path).lexically_normal();
+  if (!isCase(wanted)) wanted = (fs::weakly_canonical(run_folder, ignored) / m.case_path).lexically_normal();
   if (!isCase(wanted))
     return fail({Error::Code::kNotFound, run_folder.string(), "key case_path", "no case at " + m.case_path,
                  "the case this run was cut from", "move the case back beside the run, or cut again"});
@@ -125,10 +158,10 @@ Expected<RunManifest> readRunManifest(const fs::path& folder) {
   TomlTable top(root, path, "");
   RunManifest m;
   const auto format = top.get<std::string>("format", "\"kerf-run\"");
-  m.version = static_cast<int>(top.get<std::int64_t>("version", "1"));
-  if (format != "kerf-run" || m.version != kVersionOfFormat)
+  const auto version = top.get<std::int64_t>("version", "1");
+  if (format != "kerf-run" || version != kVersionOfFormat)
     return fail({Error::Code::kUnsupported, path.string(), "key format / version",
-                 fmt::format("{} version {}", format, m.version), fmt::format("kerf-run version {}", kVersionOfFormat),
+                 fmt::format("{} version {}", format, version), fmt::format("kerf-run version {}", kVersionOfFormat),
                  "cut again with this Kerf"});
   m.kerf_version = top.get<std::string>("kerf_version", "a string");
   m.case_path = top.get<std::string>("case_path", "a path");
@@ -136,13 +169,16 @@ Expected<RunManifest> readRunManifest(const fs::path& folder) {
   m.mode = top.get<std::string>("mode", "\"geometry\"");
   m.tool_id = top.get<std::string>("tool_id", "a tool");
   m.tool_sha256 = top.get<std::string>("tool_sha256", "64 hexadecimal digits");
-  m.path_file = top.get<std::string>("path_file", "a file name");
+  m.path_file = top.get<std::string>("path_file", "\"path.csv\" or \"path.toml\"");
+  if (m.path_file != "path.csv" && m.path_file != "path.toml")
+    top.reject("path_file", "\"" + m.path_file + "\"", "\"path.csv\" or \"path.toml\"");
   m.path_sha256 = top.get<std::string>("path_sha256", "64 hexadecimal digits");
   m.segments = static_cast<std::size_t>(top.get<std::int64_t>("segments", "a count"));
   m.path_length_mm = top.get<double>("path_length_mm", "mm");
   m.duration_s = top.get<double>("duration_s", "s");
-  m.voxel_mm = top.get<double>("voxel_mm", "mm");
+  m.voxel_mm = top.number("voxel_mm", 0.001, 100);
   m.state_hash = top.get<std::string>("state_hash", "16 hexadecimal digits");
+  m.field_sha256 = top.get<std::string>("field_sha256", "64 hexadecimal digits");
   KERF_CHECK(top.finish());
   return m;
 }
@@ -153,6 +189,10 @@ Expected<RunManifest> cutCase(const fs::path& case_folder, const fs::path& tool_
     return fail({Error::Code::kCancelled, "", "", "cancelled; nothing was written", "", ""});
   };
   KERF_TRY(manifest, readCaseManifest(case_folder));
+  const std::string case_path = relativePath(case_folder, run_folder);
+  if (!isText(case_path))
+    return fail({Error::Code::kBadValue, case_folder.string(), "name", "bytes that are no UTF-8 text",
+                 "a name the run can note down", "rename the folder"});
   KERF_TRY(tool, readTool(tool_file));
   KERF_TRY(path, readPath(path_file));
   KERF_TRY(staging, AtomicFolder::create(run_folder, options.overwrite, kRunManifest));
@@ -180,10 +220,7 @@ Expected<RunManifest> cutCase(const fs::path& case_folder, const fs::path& tool_
                  "check the path's frame and unit"});
   }
   m.kerf_version = kVersion;
-  m.case_path = fs::absolute(case_folder)
-                    .lexically_normal()
-                    .lexically_relative(fs::absolute(run_folder).lexically_normal())
-                    .string();
+  m.case_path = case_path;
   m.case_id = manifest.id;
   m.tool_id = tool.id;
   KERF_TRY(tool_hash, sha256OfFile(tool_file));
@@ -198,6 +235,8 @@ Expected<RunManifest> cutCase(const fs::path& case_folder, const fs::path& tool_
   KERF_CHECK(copyInto(path_file, staging.staging() / m.path_file));
   KERF_CHECK(
       writeVdb(staging.staging() / kField, {{"sweep", &cutter.sweep()}, {"phi", &cut}}, {{"case_id", m.case_id}}));
+  KERF_TRY(field_hash, sha256OfFile(staging.staging() / kField));
+  m.field_sha256 = field_hash;
   KERF_CHECK(writeManifest(staging.staging(), m));
   KERF_CHECK(staging.commit());
   report(progress, 1.0, "done");
@@ -226,7 +265,14 @@ Expected<Export> exportBundle(const fs::path& bundle, const PostOpOptions& optio
   if (!report(progress, 0.0, "loading")) return cancelError();
   KERF_TRY(solid, readCaseSolid(case_folder));
   KERF_TRY(phi0, readCaseField(case_folder));
+  KERF_CHECK(requireSha256(bundle / kField, manifest.field_sha256, "cut again"));
+  KERF_CHECK(requireSha256(bundle / kToolCopy, manifest.tool_sha256, "cut again; a run is never edited"));
+  KERF_CHECK(requireSha256(bundle / manifest.path_file, manifest.path_sha256, "cut again; a run is never edited"));
   KERF_TRY(sweep, readVdb(bundle / kField, "sweep"));
+  if (sweep.voxel() != phi0.voxel())
+    return fail({Error::Code::kBadValue, (bundle / kField).string(), "grid sweep",
+                 fmt::format("{} mm voxels", sweep.voxel()), fmt::format("{} mm, as in the case", phi0.voxel()),
+                 "cut again"});
   auto result = postOperativeMesh(solid, removedFieldFromSweep(phi0, sweep), options, progress);
   if (!result) {
     result.error().file = bundle.string();

@@ -28,7 +28,8 @@ struct RunManifest {
   std::size_t segments = 0;  ///< cutting motions
   double path_length_mm = 0, duration_s = 0;
   double voxel_mm = 0;
-  std::string state_hash;  ///< of the sweep field, 16 hexadecimal digits: same inputs, same number
+  std::string state_hash;    ///< of the sweep field, 16 hexadecimal digits: same inputs, same number
+  std::string field_sha256;  ///< of run.vdb: a damaged file is refused
 };
 
 bool isRun(const std::filesystem::path& folder);

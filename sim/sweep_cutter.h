@@ -33,6 +33,7 @@ class SweepCutter {
   const BrickField& phi0_;
   SweepCutterOptions options_;
   BrickField psi_;
+  Box3 object_;  // of phi0's bricks
 };
 
 }  // namespace kerf

@@ -80,7 +80,7 @@ int run(Arguments& a) {
   }();
   if (!report) return complain(report.error());
   if (a.json)
-    fmt::print("{}\n", toJson(*report).dump(2));
+    printJson(toJson(*report));
   else
     fmt::print("{}case written: {}\n", describe(*report), a.output);
   return kOk;

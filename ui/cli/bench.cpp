@@ -70,7 +70,7 @@ Expected<fs::path> benchMesh(const std::string& asked, const Scratch& scratch) {
 }
 
 // The whole bake, files included, against the bare library call on the solid it voxelizes.
-Expected<Result> benchBake(const std::string& mesh, const Scratch& scratch) {
+Expected<Result> benchBake(const std::string& mesh, const Scratch& scratch, const Progress& progress) {
   KERF_TRY(path, benchMesh(mesh, scratch));
   Result r{
       "bake", "whole bake at 0.1 mm, files included", {}, "", 0, "meshToVolume alone on the closed mesh, same bands"};
@@ -80,7 +80,7 @@ Expected<Result> benchBake(const std::string& mesh, const Scratch& scratch) {
   std::vector<double> ratios;
   for (int n = 0; n < 5; ++n) {
     const double start = now();
-    KERF_TRY(report, bake({path}, folder, options));
+    KERF_TRY(report, bake({path}, folder, options, progress));
     r.ms.push_back(now() - start);
     r.state_hash = report.manifest.id.substr(0, 16);
     KERF_TRY(solid, readCaseSolid(folder));
@@ -96,7 +96,7 @@ Expected<Result> benchBake(const std::string& mesh, const Scratch& scratch) {
 
 // A block of h = 0.05 mm nodes, and a tool drawn through it along a wavy line.
 Expected<Result> benchCut(const std::string& scene, const std::string& tool_id, double h,
-                          const Eigen::Quaterniond& attitude) {
+                          const Eigen::Quaterniond& attitude, const Progress& progress) {
   KERF_TRY(file, findToolFile(tool_id, defaultToolFolders()));
   KERF_TRY(tool, readTool(file));
   Box3 box;
@@ -120,6 +120,8 @@ Expected<Result> benchCut(const std::string& scene, const std::string& tool_id, 
     return Rigid3{attitude, Vec3d(x, 0.6 * std::sin(x), -0.6)};
   };
   for (int n = 0; n < 400; ++n) {
+    if (n % 16 == 0 && !report(progress, n / 400.0, "cutting"))
+      return fail({Error::Code::kCancelled, "", "", "cancelled", "", ""});
     const double start = now();
     cutter.advance(SweptTool(*tool.cut, pose(n), pose(n + 1)));
     r.ms.push_back(now() - start);
@@ -129,13 +131,13 @@ Expected<Result> benchCut(const std::string& scene, const std::string& tool_id, 
 }
 
 // Bake once, cut a groove over the top, export five times.
-Expected<Result> benchExport(const std::string& mesh, const Scratch& scratch) {
+Expected<Result> benchExport(const std::string& mesh, const Scratch& scratch, const Progress& progress) {
   KERF_TRY(path, benchMesh(mesh, scratch));
   BakeOptions options;
   options.overwrite = true;
   const fs::path folder = scratch.path() / "export.case", run = scratch.path() / "export.run",
                  csv = scratch.path() / "groove.csv";
-  KERF_TRY(baked, bake({path}, folder, options));
+  KERF_TRY(baked, bake({path}, folder, options, progress));
   const Box3& box = baked.manifest.box;
   const Vec3d c = box.center();
   {
@@ -145,13 +147,13 @@ Expected<Result> benchExport(const std::string& mesh, const Scratch& scratch) {
       out << fmt::format("{},{},{},{},1,0,0,0\n", 0.05 * n, c[0] + (n - 30) * box.size()[0] / 60, c[1], c[2]);
   }
   KERF_TRY(tool, findToolFile("round-014", defaultToolFolders()));
-  KERF_TRY(manifest, cutCase(folder, tool, csv, run, {.overwrite = true}));
+  KERF_TRY(manifest, cutCase(folder, tool, csv, run, {.overwrite = true}, progress));
   Result r{"export", fmt::format("exact export of a groove through {} triangles", baked.manifest.solid_triangles),
            {},       manifest.state_hash,
            0,        ""};
   for (int n = 0; n < 5; ++n) {
     const double start = now();
-    KERF_TRY(result, exportBundle(run));
+    KERF_TRY(result, exportBundle(run, {}, progress));
     KERF_CHECK(writeMesh(scratch.path() / "export.stl", result.post_op.mesh));
     r.ms.push_back(now() - start);
   }
@@ -167,14 +169,15 @@ constexpr SceneRow kScenes[] = {{"bake", "mesh to case, against the bare library
                                 {"cut-blade", "motions of a reciprocating blade in a block at 0.1 mm"},
                                 {"export", "run to printable STL"}};
 
-Expected<Result> runScene(const std::string& name, const std::string& mesh, const Scratch& scratch) {
-  if (name == "bake") return benchBake(mesh, scratch);
-  if (name == "cut-bur") return benchCut(name, "round-014", 0.05, Eigen::Quaterniond::Identity());
+Expected<Result> runScene(const std::string& name, const std::string& mesh, const Scratch& scratch,
+                          const Progress& progress) {
+  if (name == "bake") return benchBake(mesh, scratch, progress);
+  if (name == "cut-bur") return benchCut(name, "round-014", 0.05, Eigen::Quaterniond::Identity(), progress);
   // The blade lies across the groove, teeth down: its -x is the object's -z.
   if (name == "cut-blade")
     return benchCut(name, "saw-reciprocating-25", 0.1,
-                    Eigen::Quaterniond(Eigen::AngleAxisd(-0.5 * M_PI, Vec3d::UnitY())));
-  if (name == "export") return benchExport(mesh, scratch);
+                    Eigen::Quaterniond(Eigen::AngleAxisd(-0.5 * M_PI, Vec3d::UnitY())), progress);
+  if (name == "export") return benchExport(mesh, scratch, progress);
   std::string known;
   for (const SceneRow& row : kScenes) known += (known.empty() ? "" : ", ") + std::string(row.name);
   return fail({Error::Code::kBadValue, "", "SCENE", "\"" + name + "\"", "one of " + known, ""});
@@ -204,7 +207,10 @@ void addBench(CLI::App& app, int& exit_code) {
       names.push_back(a->scene);
     nlohmann::json all = nlohmann::json::array();
     for (const std::string& name : names) {
-      const auto r = runScene(name, a->mesh, scratch);
+      const auto r = [&] {
+        TerminalProgress progress;
+        return runScene(name, a->mesh, scratch, progress.callback());
+      }();
       if (!r) {
         exit_code = complain(r.error());
         return;
@@ -226,7 +232,7 @@ void addBench(CLI::App& app, int& exit_code) {
         std::fflush(stdout);
       }
     }
-    if (a->json) fmt::print("{}\n", all.dump(2));
+    if (a->json) printJson(all);
     exit_code = kOk;
   });
 }

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "geometry/error.h"
@@ -29,8 +30,11 @@ void addExport(CLI::App& app, int& exit_code);
 void addInfo(CLI::App& app, int& exit_code);
 void addTool(CLI::App& app, int& exit_code);
 
-/// Prints "kerf: MESSAGE" on standard error; returns kFailed.
+/// Prints "kerf: MESSAGE" on standard error, one line whatever bytes a file name holds; returns kFailed.
 int complain(const Error& error);
+
+/// On standard output, indented. Bytes that are no UTF-8 (file names may hold any) become replacement characters.
+void printJson(const nlohmann::json& json);
 
 /// A line with bar, step and time left on standard error when that is a terminal; nothing otherwise. Ctrl-C cancels.
 /// The line is erased by the destructor.

@@ -25,13 +25,12 @@ int run(const Arguments& a) {
   }();
   if (!manifest) return complain(manifest.error());
   if (a.json)
-    fmt::print("{}\n", nlohmann::json{{"tool", manifest->tool_id},
-                                      {"segments", manifest->segments},
-                                      {"path_length_mm", manifest->path_length_mm},
-                                      {"duration_s", manifest->duration_s},
-                                      {"voxel_mm", manifest->voxel_mm},
-                                      {"state_hash", manifest->state_hash}}
-                           .dump(2));
+    printJson(nlohmann::json{{"tool", manifest->tool_id},
+                             {"segments", manifest->segments},
+                             {"path_length_mm", manifest->path_length_mm},
+                             {"duration_s", manifest->duration_s},
+                             {"voxel_mm", manifest->voxel_mm},
+                             {"state_hash", manifest->state_hash}});
   else
     fmt::print("cut with {} along {:.2f} mm in {} motions; state {}\nrun written: {}\n", manifest->tool_id,
                manifest->path_length_mm, manifest->segments, manifest->state_hash, a.output);

@@ -22,6 +22,16 @@ void addDemoMolar(CLI::App& app, int& exit_code) {
       ->capture_default_str()
       ->check(CLI::Range(0.08, 1.0));
   c->callback([a, &exit_code] {
+    if (!(a->edge_mm >= 0.08 && a->edge_mm <= 1)) {  // CLI::Range lets "nan" pass
+      exit_code =
+          complain({Error::Code::kBadValue, "", "--edge", fmt::format("{} mm", a->edge_mm), "0.08 to 1 mm", ""});
+      return;
+    }
+    if (const auto possible = canWriteMesh(a->output); !possible) {
+      exit_code = complain(possible.error());
+      return;
+    }
+    const TerminalProgress guard;  // Ctrl-C waits until no file is half written
     const Mesh mesh = demoMolar(a->edge_mm);
     if (const auto written = writeMesh(a->output, mesh); !written) {
       exit_code = complain(written.error());

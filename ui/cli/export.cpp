@@ -17,32 +17,35 @@ struct Arguments {
 };
 
 int run(const Arguments& a) {
+  // A name that cannot be written costs seconds now, not minutes later, and no file beside it gets written alone.
+  for (const std::string& path : a.outputs)
+    if (const auto possible = canWriteMesh(path); !possible) return complain(possible.error());
   auto result = [&] {
     TerminalProgress progress;
     return exportBundle(a.bundle, {}, progress.callback());
   }();
   if (!result) return complain(result.error());
+  const TerminalProgress guard;  // Ctrl-C waits until no file is half written
   for (const std::string& path : a.outputs)
     if (const auto written = writeMesh(path, result->post_op.mesh); !written) return complain(written.error());
   const PostOpReport& r = result->post_op.report;
   const WallAccuracy& w = result->accuracy;
   if (a.json) {
-    fmt::print("{}\n", nlohmann::json{{"files", a.outputs},
-                                      {"vertices", result->post_op.mesh.vertices.size()},
-                                      {"triangles", result->post_op.mesh.triangles.size()},
-                                      {"source_vertices_kept", r.source_vertices_kept},
-                                      {"source_vertices_removed", r.source_vertices_removed},
-                                      {"cut_triangles", r.cut_triangles},
-                                      {"pieces", r.pieces},
-                                      {"source_volume_mm3", r.source_volume_mm3},
-                                      {"result_volume_mm3", r.result_volume_mm3},
-                                      {"removed_volume_mm3", r.removed_volume_mm3},
-                                      {"crumbs_dropped", r.crumbs_dropped},
-                                      {"crumbs_volume_mm3", r.crumbs_volume_mm3},
-                                      {"largest_move_mm", r.largest_move_mm},
-                                      {"attempts", r.attempts},
-                                      {"wall", {{"vertices", w.vertices}, {"rms_mm", w.rms_mm}, {"max_mm", w.max_mm}}}}
-                           .dump(2));
+    printJson(nlohmann::json{{"files", a.outputs},
+                             {"vertices", result->post_op.mesh.vertices.size()},
+                             {"triangles", result->post_op.mesh.triangles.size()},
+                             {"source_vertices_kept", r.source_vertices_kept},
+                             {"source_vertices_removed", r.source_vertices_removed},
+                             {"cut_triangles", r.cut_triangles},
+                             {"pieces", r.pieces},
+                             {"source_volume_mm3", r.source_volume_mm3},
+                             {"result_volume_mm3", r.result_volume_mm3},
+                             {"removed_volume_mm3", r.removed_volume_mm3},
+                             {"crumbs_dropped", r.crumbs_dropped},
+                             {"crumbs_volume_mm3", r.crumbs_volume_mm3},
+                             {"largest_move_mm", r.largest_move_mm},
+                             {"attempts", r.attempts},
+                             {"wall", {{"vertices", w.vertices}, {"rms_mm", w.rms_mm}, {"max_mm", w.max_mm}}}});
     return kOk;
   }
   fmt::print("removed {:.4f} mm3 of {:.4f} mm3; {} piece{}\n", r.removed_volume_mm3, r.source_volume_mm3, r.pieces,

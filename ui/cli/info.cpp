@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "geometry/case_bundle.h"
+#include "geometry/hash.h"
 #include "geometry/mesh_check.h"
 #include "geometry/mesh_io.h"
 #include "geometry/tool_file.h"
@@ -65,6 +66,7 @@ Expected<json> caseInfo(const fs::path& folder) {
                             {"vertices", s.vertices},
                             {"triangles", s.triangles},
                             {"sha256", s.sha256}});
+  KERF_CHECK(requireSha256(folder / kCaseAnatomy, m.field_sha256, "bake the case again"));
   KERF_TRY(grids, inspectVdb(folder / kCaseAnatomy));
   for (const VdbGridInfo& g : grids)
     j["grids"].push_back(
@@ -124,7 +126,9 @@ void print(const json& j, int depth) {
         }
       }
     } else {
-      fmt::print("{}{}: {}\n", indent, key, value.is_string() ? value.get<std::string>() : value.dump());
+      fmt::print(
+          "{}{}: {}\n", indent, key,
+          value.is_string() ? value.get<std::string>() : value.dump(-1, ' ', false, json::error_handler_t::replace));
     }
   }
 }
@@ -148,7 +152,7 @@ void addInfo(CLI::App& app, int& exit_code) {
       return;
     }
     if (a->json)
-      fmt::print("{}\n", info->dump(2));
+      printJson(*info);
     else
       print(*info, 0);
     exit_code = kOk;

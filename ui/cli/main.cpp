@@ -1,6 +1,7 @@
 // kerf: everything Kerf does, without a window.
 #include <fmt/format.h>
 
+#include <cstdio>
 #include <exception>
 
 #include "geometry/version.h"
@@ -16,6 +17,10 @@ int main(int argc, char** argv) {
   int exit_code = kOk;
   constexpr AddCommand kCommands[] = {addBake, addCut, addExport, addCheck, addInfo, addTool, addBench, addDemoMolar};
   for (const AddCommand add : kCommands) add(app, exit_code);
+  if (argc < 2) {
+    std::fputs(app.help().c_str(), stderr);
+    return kUsage;
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
@@ -23,5 +28,8 @@ int main(int argc, char** argv) {
   } catch (const std::exception& e) {
     return complain({kerf::Error::Code::kBadValue, "", "", fmt::format("unexpected: {}", e.what()), "", "report this"});
   }
+  // A report that did not arrive (full disk behind a redirection) is no success.
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+    return complain({kerf::Error::Code::kWriteFailed, "", "standard output", "could not be written", "", ""});
   return exit_code;
 }

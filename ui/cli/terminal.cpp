@@ -14,26 +14,41 @@ namespace {
 std::atomic<bool> interrupted{false};
 static_assert(std::atomic<bool>::is_always_lock_free, "set from a signal handler");
 
+constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP};
+
+void onSignal(int signal) {
+  interrupted = true;
+  std::signal(signal, SIG_DFL);
+}
+
 double seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 }  // namespace
 
 int complain(const Error& error) {
-  std::fputs(("kerf: " + error.message() + "\n").c_str(), stderr);
+  std::string line = "kerf: ";
+  for (const char c : error.message()) {  // a file name may hold line ends and terminal commands
+    const auto byte = static_cast<unsigned char>(c);
+    line += byte < 0x20 || byte == 0x7f ? fmt::format("\\x{:02x}", byte) : std::string(1, c);
+  }
+  std::fputs((line + "\n").c_str(), stderr);
   return kFailed;
 }
 
+void printJson(const nlohmann::json& json) {
+  fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+}
+
 TerminalProgress::TerminalProgress() : is_terminal_(isatty(STDERR_FILENO) == 1), start_(seconds()) {
-  // The first Ctrl-C asks the work to stop and clean up, the second one kills.
-  std::signal(SIGINT, [](int) {
-    interrupted = true;
-    std::signal(SIGINT, SIG_DFL);
-  });
+  // The first Ctrl-C, or polite end from outside, asks the work to stop and clean up; the second one kills.
+  for (const int signal : kSignals)
+    if (std::signal(signal, onSignal) == SIG_IGN) std::signal(signal, SIG_IGN);  // as under nohup
 }
 
 TerminalProgress::~TerminalProgress() {
   if (is_terminal_) std::fputs("\r\033[K", stderr);
-  std::signal(SIGINT, SIG_DFL);
+  for (const int signal : kSignals)
+    if (std::signal(signal, SIG_DFL) == SIG_IGN) std::signal(signal, SIG_IGN);
 }
 
 Progress TerminalProgress::callback() {

@@ -43,7 +43,7 @@ int list(const Arguments& a) {
       fmt::print("{}\n", describe(*listing.tool));
     }
   }
-  if (a.json) fmt::print("{}\n", tools.dump(2));
+  if (a.json) printJson(tools);
   return all_read ? kOk : kFailed;
 }
 
@@ -78,7 +78,7 @@ int check(const Arguments& a) {
                  result->passed() ? "PASS" : fmt::format("FAIL (allowed {} %)", ToolCheck::kLargestError));
     }
   }
-  if (a.json) fmt::print("{}\n", results.dump(2));
+  if (a.json) printJson(results);
   return all_passed ? kOk : kFailed;
 }
 
@@ -105,7 +105,10 @@ int bake(const Arguments& a) {
   if (!file) return complain(file.error());
   const auto tool = readTool(*file);
   if (!tool) return complain(tool.error());
-  const double voxel = a.voxel > 0 ? a.voxel : defaultVoxel(*tool);
+  const double voxel = a.voxel == 0 ? defaultVoxel(*tool) : a.voxel;
+  if (!(voxel >= 0.001 && voxel <= 1))  // CLI::Range lets "nan" pass
+    return complain({Error::Code::kBadValue, "", "--voxel", fmt::format("{} mm", voxel), "0.005 to 1 mm", ""});
+  const TerminalProgress guard;  // Ctrl-C waits until the staging folder is gone
   if (const auto written = write(a, *file, *tool, voxel); !written) return complain(written.error());
   fmt::print("{} baked at {:.3g} mm voxels: {}\n", tool->id, voxel, a.output);
   return kOk;

@@ -1,0 +1,351 @@
+// What kerf refuses: every bad input gets one line that names the file, exit code 1, and leaves nothing behind.
+#include <sys/stat.h>
+
+#include <cstdio>
+#include <random>
+
+#include "tests/ui/cli_runner.h"
+
+namespace kerf {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string randomBytes(std::size_t count) {
+  std::mt19937 random(7);
+  std::string bytes(count, '\0');
+  for (char& c : bytes) c = static_cast<char>(random());
+  return bytes;
+}
+
+std::string binaryStl(std::uint32_t claimed, std::size_t present) {
+  std::string bytes(80, 'b');
+  bytes.append(reinterpret_cast<const char*>(&claimed), 4);
+  for (std::size_t t = 0; t < present; ++t) {
+    const float numbers[12] = {0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, static_cast<float>(t)};
+    bytes.append(reinterpret_cast<const char*>(numbers), sizeof numbers).append(2, '\0');
+  }
+  return bytes;
+}
+
+TEST_F(Cli, MalformedMeshesAreRefusedByEveryCommandThatReadsOne) {
+  const std::string nan_stl =
+      "solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 nan\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n"
+      "endsolid x\n";
+  const std::map<std::string, std::string> meshes{
+      {"empty.stl", ""},
+      {"cut-short.stl", binaryStl(100, 12)},
+      {"huge-count.stl", binaryStl(0xffffffffu, 12)},
+      {"no-faces.stl", binaryStl(0, 0)},
+      {"nan.stl", nan_stl},
+      {"huge-count.ply",
+       "ply\nformat ascii 1.0\nelement vertex 18446744073709551615\nproperty float x\nproperty float "
+       "y\nproperty float z\nelement face 9999999999\nproperty list uchar int vertex_indices\n"
+       "end_header\n0 0 0\n"},
+      {"no-faces.ply",
+       "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float "
+       "z\nelement face 0\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n"},
+      {"header-only.ply", "ply\nformat binary_little_endian 1.0\nelement vertex 3\n"},
+      {"huge-count.off", "OFF\n2000000000 2000000000 0\n0 0 0\n"},
+      {"bad-index.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n"},
+      {"bad-index.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 99\n"},
+      {"no-faces.obj", "v 0 0 0\n"},
+      {"noise.stl", randomBytes(4000)},
+      {"noise.ply", "ply\n" + randomBytes(4000)},
+      {"words.xyz", "this is no mesh\n"},
+  };
+  for (const auto& [name, content] : meshes) {
+    folder_.write(name, content);
+    refuses({"bake", at(name), "-o", at("x.case")}, {name});
+    refuses({"check", at(name)}, {name});
+    refuses({"info", at(name), "--json"}, {name});
+  }
+  refuses({"bench", "bake", "--mesh", at("noise.stl")}, {"noise.stl"});
+}
+
+TEST_F(Cli, MissingFilesFoldersAndDevicesAreRefused) {
+  makeRun();
+  fs::create_directory(in("folder.stl"));
+  ASSERT_EQ(::mkfifo(at("pipe.toml").c_str(), 0600), 0);
+  for (const std::string command : {"bake", "check", "info"}) {
+    std::vector<std::string> words{command, at("missing.stl")};
+    if (command == "bake") words.insert(words.end(), {"-o", at("x.case")});
+    refuses(words, {"missing.stl", "no such file"});
+    words[1] = at("folder.stl");
+    refuses(words, {"folder.stl"});
+    words[1] = "/dev/zero";
+    refuses(words, {"/dev/zero"});
+  }
+  const std::string tool = "round-014", path = at("groove.csv"), box = at("box.case");
+  refuses({"cut", at("missing.case"), "--tool", tool, "--path", path, "-o", at("x.run")}, {"missing.case"});
+  refuses({"cut", at("folder.stl"), "--tool", tool, "--path", path, "-o", at("x.run")}, {"folder.stl", "case.toml"});
+  refuses({"cut", box, "--tool", at("missing.toml"), "--path", path, "-o", at("x.run")}, {"missing.toml"});
+  refuses({"cut", box, "--tool", at("folder.stl"), "--path", path, "-o", at("x.run")}, {"folder.stl"});
+  refuses({"cut", box, "--tool", tool, "--path", at("missing.csv"), "-o", at("x.run")}, {"missing.csv"});
+  refuses({"cut", box, "--tool", tool, "--path", at("folder.stl"), "-o", at("x.run")}, {"folder.stl"});
+  refuses({"cut", box, "--tool", tool, "--path", at("pipe.toml"), "-o", at("x.run")}, {"pipe.toml"});
+  refuses({"cut", box, "--tool", "drill", "--path", path, "-o", at("x.run")}, {"drill", "round-014", "856-016"});
+  refuses({"tool", "check", "drill"}, {"drill", "round-014"});
+  refuses({"tool", "bake", "drill", "-o", at("x.tool")}, {"drill", "round-014"});
+  refuses({"info", "drill"}, {"drill"});
+  refuses({"bench", "drill"}, {"drill", "cut-bur"});
+  refuses({"export", at("missing.run"), "-o", at("x.stl")}, {"missing.run"});
+  refuses({"export", at("folder.stl"), "-o", at("x.stl")}, {"folder.stl"});
+}
+
+TEST_F(Cli, OutputsThatCannotBeAreRefusedAndNothingOfOthersIsReplaced) {
+  makeRun();
+  fs::create_directory(in("mine"));
+  folder_.write("mine/letter.txt", "dear diary");
+  folder_.write("file.case", "a file");
+  const std::string mesh = at("box.off"), box = at("box.case"), path = at("groove.csv");
+  const auto bake = [&](const std::string& out) {
+    return std::vector<std::string>{"bake", mesh, "--unit", "mm", "--voxel", "0.2", "-o", out};
+  };
+  const auto cut = [&](const std::string& out) {
+    return std::vector<std::string>{"cut", box, "--tool", "round-014", "--path", path, "-o", out};
+  };
+  const auto forced = [](std::vector<std::string> words) {
+    words.emplace_back("--force");
+    return words;
+  };
+  for (const auto& command : {bake(at("none/x")), cut(at("none/x"))}) refuses(command, {"none/x", "make the folder"});
+  for (const auto& command : {bake(at("mine")), cut(at("mine"))}) refuses(command, {"mine", "exists"});
+  for (const auto& command : {bake(at("mine")), cut(at("mine")), bake(at("box.run")), cut(at("box.case"))})
+    refuses(forced(command), {"not made by Kerf"});
+  for (const auto& command : {bake(at("file.case")), cut(at("file.case"))}) refuses(forced(command), {"file.case"});
+  refuses(bake(box), {"box.case", "exists already"});
+  refuses(cut(at("box.run")), {"box.run", "exists already"});
+  refuses({"tool", "bake", "round-014", "-o", at("mine"), "--force"}, {"not made by Kerf"});
+  refuses({"tool", "bake", "round-014", "-o", at("none/x")}, {"none/x"});
+  for (const std::string out : {"none/x.stl", "x.step", "x", "mine"}) {
+    refuses({"export", at("box.run"), "-o", at(out)}, {out});
+    refuses({"demo-molar", "-o", at(out)}, {out});
+  }
+  refuses({"export", at("box.run"), "-o", at("good.stl"), "-o", at("bad.step")}, {"bad.step"});
+  EXPECT_EQ(runKerf(forced(bake(box))).exit_code, 0);
+  EXPECT_EQ(runKerf(forced(cut(at("box.run")))).exit_code, 0);
+}
+
+TEST_F(Cli, FoldersWithoutPermissionAreRefused) {
+  if (::geteuid() != 0) {
+    makeRun();
+    fs::create_directory(in("locked"));
+    fs::permissions(in("locked"), fs::perms::owner_read | fs::perms::owner_exec);
+    refuses({"bake", at("box.off"), "-o", at("locked/x.case")}, {"locked/x.case", "Permission denied"});
+    refuses({"export", at("box.run"), "-o", at("locked/x.stl")}, {"locked/x.stl", "Permission denied"});
+    fs::permissions(in("locked"), fs::perms::owner_all);
+    return;
+  }
+  // Root may write anywhere, so kerf runs as nobody, who must be able to reach it.
+  RunOptions nobody;
+  nobody.as_nobody = true;
+  makeRun();
+  fs::permissions(folder_.path(), fs::perms(0755));
+  if (runKerf({"--version"}, nobody).exit_code != 0) GTEST_SKIP() << "nobody may not run " << KERF_BIN_DIR << "/kerf";
+  refuses({"bake", at("box.off"), "-o", at("x.case")}, {"x.case", "Permission denied"}, 1, nobody);
+  refuses({"export", at("box.run"), "-o", at("x.stl")}, {"x.stl", "Permission denied"}, 1, nobody);
+  fs::permissions(in("box.off"), fs::perms(0600));
+  refuses({"check", at("box.off")}, {"box.off", "Permission denied"}, 1, nobody);
+}
+
+TEST_F(Cli, NonsenseNumbersAndUnitsAreRefused) {
+  makeCase();
+  for (const std::string voxel : {"0", "-1", "nan", "inf", "1e9", "0.0001"}) {
+    refuses({"bake", at("box.off"), "-o", at("x.case"), "--voxel", voxel}, {"voxel", "0.005 to 5 mm"});
+    const Outcome tool = runKerf({"tool", "bake", "round-014", "-o", at("x.tool"), "--voxel", voxel});
+    EXPECT_NE(tool.exit_code, 0) << voxel;
+    EXPECT_EQ(tool.signal, 0) << voxel;
+    const Outcome check = runKerf({"tool", "check", "round-014", "--voxel", voxel});
+    EXPECT_NE(check.exit_code, 0) << voxel;
+    EXPECT_EQ(check.signal, 0) << voxel;
+  }
+  for (const std::string edge : {"0", "nan", "1e-9"}) {
+    const Outcome molar = runKerf({"demo-molar", "-o", at("x.stl"), "--edge", edge});
+    EXPECT_NE(molar.exit_code, 0) << edge;
+    EXPECT_EQ(molar.signal, 0) << edge;
+  }
+  for (const std::string margin : {"0", "-1", "nan", "1e9"})
+    refuses({"bake", at("box.off"), "--unit", "mm", "-o", at("x.case"), "--base-margin=" + margin}, {"base_margin"});
+  refuses({"bake", at("box.off"), "-o", at("x.case"), "--unit", "furlong"}, {"furlong", "inch"});
+  // 0.005 mm on a box of a metre needs more memory than anybody has: the voxel size that fits is said.
+  refuses({"bake", at("box.off"), "-o", at("x.case"), "--unit", "m", "--voxel", "0.005"}, {"GB", "--voxel"});
+}
+
+TEST_F(Cli, BadPathsAndToolsAreRefused) {
+  makeCase();
+  const std::string head = "t,x,y,z,qw,qx,qy,qz\n", row = "0,0,0,0,1,0,0,0\n";
+  const std::string toml = "format = \"kerf-path\"\nversion = 1\nframe = \"object\"\n";
+  const std::string start = "[start]\nposition = [0, 0, 5]\naxis = [0, 0, 1]\n";
+  const std::map<std::string, std::string> paths{
+      {"empty.csv", ""},
+      {"header.csv", head},
+      {"one.csv", head + row},
+      {"columns.csv", head + row + "1,2,3\n"},
+      {"nan.csv", head + row + "1,nan,0,0,1,0,0,0\n"},
+      {"words.csv", head + row + "1,here,0,0,1,0,0,0\n"},
+      {"turn.csv", head + row + "1,0,0,0,0,0,0,0\n"},
+      {"back.csv", head + row + "-1,0,0,0,1,0,0,0\n"},
+      {"far.csv", head + row + "1,1e300,0,0,1,0,0,0\n"},
+      {"noise.csv", randomBytes(3000)},
+      {"air.csv", groove(50)},
+      {"wrong.dat", head},
+      {"empty.toml", ""},
+      {"noise.toml", randomBytes(3000)},
+      {"no-strokes.toml", toml + start},
+      {"kind.toml", toml + start + "[[stroke]]\nkind = \"drill\"\n"},
+      {"misspelt.toml", toml + start + "[[stroke]]\nkind = \"plunge\"\ndepht = 1\n"},
+      {"deep.toml", "a = " + std::string(100000, '[')},
+      {"dotted.toml",
+       [] {
+         std::string key = "a";
+         for (int n = 0; n < 200000; ++n) key += ".a";
+         return key + " = 1\n";
+       }()},
+  };
+  for (const auto& [name, content] : paths) {
+    folder_.write(name, content);
+    refuses({"cut", at("box.case"), "--tool", "round-014", "--path", at(name), "-o", at("x.run")}, {name});
+    if (fs::path(name).extension() != ".toml") continue;
+    refuses({"cut", at("box.case"), "--tool", at(name), "--path", at("groove.csv"), "-o", at("x.run")}, {name});
+    refuses({"tool", "check", at(name)}, {name});
+    refuses({"info", at(name)}, {name});
+  }
+  // A kilometre through the box in one motion costs no more than the box.
+  folder_.write("long.toml", toml + "[start]\nposition = [-900, -900, -900]\naxis = [0, 0, 1]\n" +
+                                 "[[stroke]]\nkind = \"line\"\nto = [900, 900, 900]\n");
+  const Outcome o =
+      runKerf({"cut", at("box.case"), "--tool", "round-014", "--path", at("long.toml"), "-o", at("x.run")});
+  EXPECT_EQ(o.exit_code, 0) << o.err;
+  EXPECT_LT(o.seconds, 30);
+}
+
+TEST_F(Cli, DamagedCasesAndRunsAreRefused) {
+  makeRun();
+  const auto commands = [&](const std::string& file) {
+    std::vector<std::vector<std::string>> all{{"export", at("box.run"), "-o", at("x.stl")}};
+    if (file.starts_with("box.case")) {
+      all.push_back({"cut", at("box.case"), "--tool", "round-014", "--path", at("groove.csv"), "-o", at("x.run")});
+      all.push_back({"export", at("box.case"), "-o", at("x.stl")});
+      if (file == "box.case/anatomy.vdb") all.pop_back();  // a case without a cut needs only its solid
+      if (file == "box.case/solid.ply") all.erase(all.begin() + 1);
+    }
+    return all;
+  };
+  for (const std::string file : {"box.case/case.toml", "box.case/solid.ply", "box.case/anatomy.vdb", "box.run/run.toml",
+                                 "box.run/run.vdb", "box.run/tool.toml", "box.run/path.csv"}) {
+    const std::string good = contentOf(in(file));
+    std::string flipped = good;
+    flipped[good.size() / 2] = static_cast<char>(flipped[good.size() / 2] ^ 0x40);
+    const bool is_toml = file.ends_with("case.toml") || file.ends_with("run.toml");
+    for (const std::string& bad :
+         {good.substr(0, good.size() / 2), randomBytes(good.size()), std::string(), is_toml ? "[" + good : flipped}) {
+      folder_.write(file, bad);
+      for (const auto& command : commands(file)) refuses(command, {fs::path(file).filename().string()});
+    }
+    fs::remove(in(file));
+    for (const auto& command : commands(file)) refuses(command, {file.substr(0, 5)});
+    folder_.write(file, good);
+  }
+  // Manifests that parse but lie.
+  const auto replaced = [](std::string text, const std::string& key, const std::string& value) {
+    const std::size_t at = text.find("\n" + key + " = "), end = text.find('\n', at + 1);
+    EXPECT_NE(at, text.npos) << key;
+    return text.replace(at, end - at, "\n" + key + " = " + value);
+  };
+  const std::string case_toml = contentOf(in("box.case/case.toml")), run_toml = contentOf(in("box.run/run.toml"));
+  for (const auto& [key, value] : std::vector<std::pair<std::string, std::string>>{
+           {"voxel_mm", "nan"}, {"voxel_mm", "0"}, {"voxel_mm", "-1"}, {"version", "4294967297"}, {"id", "7"}}) {
+    folder_.write("box.case/case.toml", replaced(case_toml, key, value));
+    for (const auto& command : commands("box.case/case.toml")) refuses(command, {"case.toml", key});
+  }
+  folder_.write("box.case/case.toml", case_toml);
+  for (const auto& [key, value] : std::vector<std::pair<std::string, std::string>>{
+           {"voxel_mm", "nan"}, {"case_path", "'../other.case'"}, {"path_file", "'/etc/passwd'"}, {"version", "2"}}) {
+    folder_.write("box.run/run.toml", replaced(run_toml, key, value));
+    refuses({"export", at("box.run"), "-o", at("x.stl")}, {"box.run", key});
+  }
+  folder_.write("box.run/run.toml", run_toml);
+  ASSERT_EQ(runKerf({"export", at("box.run"), "-o", at("fine.stl")}).exit_code, 0);
+}
+
+TEST_F(Cli, VdbFilesWithOtherGridsAreRefused) {
+  makeRun();
+  // The manifest vouches for the file, its content still has to fit: a tool's fields in place of the case's.
+  ASSERT_EQ(runKerf({"tool", "bake", "round-014", "-o", at("round.tool")}).exit_code, 0);
+  const auto vouch = [&](const std::string& manifest, const std::string& file) {
+    std::string text = contentOf(in(manifest));
+    FILE* pipe = ::popen(("sha256sum '" + at(file) + "'").c_str(), "r");
+    char sum[65] = {};
+    ASSERT_EQ(::fread(sum, 1, 64, pipe), 64u);
+    ::pclose(pipe);
+    const std::string key = manifest == "box.run/run.toml" ? "field_sha256 = '" : "[field]";
+    std::size_t at = text.find(key);
+    ASSERT_NE(at, text.npos);
+    at = text.find("sha256 = '", at) + 10;
+    folder_.write(manifest, text.replace(at, 64, sum));
+  };
+  const std::string other = contentOf(in("round.tool/tool.vdb")), good = contentOf(in("box.run/run.vdb"));
+  folder_.write("box.run/run.vdb", other);
+  vouch("box.run/run.toml", "box.run/run.vdb");
+  refuses({"export", at("box.run"), "-o", at("x.stl")}, {"run.vdb", "grid sweep"});
+  folder_.write("box.run/run.vdb", good.substr(0, good.size() / 2));
+  vouch("box.run/run.toml", "box.run/run.vdb");
+  refuses({"export", at("box.run"), "-o", at("x.stl")}, {"run.vdb"});
+  folder_.write("box.case/anatomy.vdb", other);
+  vouch("box.case/case.toml", "box.case/anatomy.vdb");
+  refuses({"cut", at("box.case"), "--tool", "round-014", "--path", at("groove.csv"), "-o", at("x.run")},
+          {"anatomy.vdb", "grid phi"});
+}
+
+TEST_F(Cli, ARunWhoseCaseIsGoneOrAnotherIsRefused) {
+  makeRun();
+  fs::rename(in("box.case"), in("moved.case"));
+  refuses({"export", at("box.run"), "-o", at("x.stl")}, {"box.run", "case_path", "box.case"});
+  ASSERT_EQ(runKerf({"bake", at("box.off"), "--unit", "mm", "-o", at("box.case"), "--voxel", "0.25"}).exit_code, 0);
+  refuses({"export", at("box.run"), "-o", at("x.stl")}, {"box.run", "baked anew"});
+}
+
+// On a full disk writes fail half-way; a limit on the size of files does the same to a program that ignores SIGXFSZ.
+TEST_F(Cli, AFullDiskLeavesNothing) {
+  makeRun();
+  ASSERT_EQ(runKerf({"demo-molar", "--edge", "0.8", "-o", at("molar.stl")}).exit_code, 0);
+  const auto field = fs::file_size(in("box.case/anatomy.vdb")), run = fs::file_size(in("box.run/run.vdb"));
+  ASSERT_GT(field, 8192u);
+  ASSERT_GT(run, 8192u);
+  RunOptions full;
+  for (const rlim_t room : {rlim_t{0}, rlim_t{1000}, static_cast<rlim_t>(field / 2), static_cast<rlim_t>(field - 1)}) {
+    full.largest_file = room;
+    refuses({"bake", at("box.off"), "--unit", "mm", "-o", at("x.case"), "--voxel", "0.2"}, {}, 1, full);
+  }
+  for (const rlim_t room : {rlim_t{0}, rlim_t{1000}, static_cast<rlim_t>(run / 2), static_cast<rlim_t>(run - 1)}) {
+    full.largest_file = room;
+    refuses({"cut", at("box.case"), "--tool", "round-014", "--path", at("groove.csv"), "-o", at("x.run")}, {}, 1, full);
+  }
+  full.largest_file = 2000;
+  for (const std::string out : {"x.stl", "x.ply", "x.obj", "x.off"}) {
+    refuses({"export", at("box.run"), "-o", at(out)}, {out}, 1, full);
+    refuses({"demo-molar", "-o", at(out), "--edge", "0.8"}, {out}, 1, full);
+  }
+  refuses({"tool", "bake", "round-014", "-o", at("x.tool")}, {}, 1, full);
+  refuses({"bake", at("molar.stl"), "-o", at("box.case"), "--force", "--voxel", "0.3"}, {}, 1, full);  // the old stays
+}
+
+TEST_F(Cli, InterruptedBakesStopSoonAndLeaveNothing) {
+  ASSERT_EQ(runKerf({"demo-molar", "--edge", "0.6", "-o", at("molar.stl")}).exit_code, 0);
+  const auto before = snapshot(folder_.path());
+  for (const int signal : {SIGINT, SIGTERM}) {
+    RunOptions options;
+    options.signal = signal, options.signal_after = 1.5;
+    const Outcome o = runKerf({"bake", at("molar.stl"), "-o", at("x.case"), "--voxel", "0.016"}, options);
+    EXPECT_GT(o.seconds_after_signal, 0) << "it was done before the signal: choose a finer voxel";
+    EXPECT_LT(o.seconds_after_signal, 10);
+    EXPECT_EQ(o.signal, 0);
+    EXPECT_EQ(o.exit_code, 1);
+    EXPECT_NE(o.err.find("cancelled"), o.err.npos) << o.err;
+    EXPECT_TRUE(snapshot(folder_.path()) == before) << ::testing::PrintToString(names(snapshot(folder_.path())));
+  }
+}
+
+}  // namespace
+}  // namespace kerf

@@ -1,0 +1,156 @@
+// The program kerf from mesh to print, as a user runs it: what comes out, what it says, and that it is the same twice.
+#include <nlohmann/json.hpp>
+
+#include "tests/ui/cli_runner.h"
+
+namespace kerf {
+namespace {
+
+using nlohmann::json;
+
+json parsed(const Outcome& o) {
+  EXPECT_EQ(o.exit_code, 0) << o.err;
+  const json j = json::parse(o.out, nullptr, false);
+  EXPECT_FALSE(j.is_discarded()) << o.out;
+  return j;
+}
+
+TEST_F(Cli, WithoutArgumentsShowsHelpAndFails) {
+  const Outcome o = runKerf({});
+  EXPECT_EQ(o.exit_code, 2);
+  EXPECT_EQ(o.out, "");
+  for (const char* command : {"bake", "cut", "export", "check", "info", "tool", "bench", "demo-molar"})
+    EXPECT_NE(o.err.find(command), o.err.npos) << command;
+}
+
+TEST_F(Cli, WrongCommandLinesAreUsageErrors) {
+  makeCase();
+  refuses({"saw"}, {"saw"}, 2);
+  refuses({"bake"}, {"MESH"}, 2);
+  refuses({"bake", at("box.off")}, {"--output"}, 2);
+  refuses({"bake", at("box.off"), "-o", at("x.case"), "--voxel", "fine"}, {"--voxel"}, 2);
+  refuses({"bake", at("box.off"), "-o", at("x.case"), "--close", "sew"}, {"--close"}, 2);
+  refuses({"bake", at("box.off"), "-o", at("x.case"), "--base-direction", "up"}, {"+x"}, 2);
+  refuses({"cut", at("box.case"), "--tool", "round-014", "-o", at("x.run")}, {"--path"}, 2);
+  refuses({"export", at("box.case")}, {"--output"}, 2);
+  refuses({"tool"}, {"subcommand"}, 2);
+  refuses({"check", at("box.off"), "--fix"}, {"--fix"}, 2);
+}
+
+TEST_F(Cli, DemoMolarGoesFromMeshToPrint) {
+  ASSERT_EQ(runKerf({"demo-molar", "--edge", "0.4", "-o", at("molar.ply")}).exit_code, 0);
+  const json baked = parsed(runKerf({"bake", at("molar.ply"), "-o", at("molar.case"), "--voxel", "0.2", "--json"}));
+  EXPECT_TRUE(baked["exact"]);
+  EXPECT_EQ(baked["sources"][0]["unit"], "mm");
+  const std::string cavity = std::string(KERF_SOURCE_DIR) + "/assets/paths/demo-cavity.toml";
+  const json cut = parsed(
+      runKerf({"cut", at("molar.case"), "--tool", "round-014", "--path", cavity, "-o", at("molar.run"), "--json"}));
+  EXPECT_GT(cut["segments"], 0);
+  std::vector<std::string> command{"export", at("molar.run"), "--json"}, files;
+  for (const char* extension : {"stl", "ply", "obj", "off"}) {
+    files.push_back(at(std::string("molar-cut.") + extension));
+    command.insert(command.end(), {"-o", files.back()});
+  }
+  const json exported = parsed(runKerf(command));
+  EXPECT_GT(exported["removed_volume_mm3"], 1);
+  EXPECT_LT(exported["wall"]["max_mm"], 0.2);
+  for (const std::string& file : files) {
+    const json checked = parsed(runKerf({"check", file, "--json"}));
+    EXPECT_TRUE(checked["print_ready"]) << file;
+    EXPECT_NEAR(checked["volume_mm3"].get<double>(), exported["result_volume_mm3"].get<double>(), 1e-3) << file;
+  }
+  for (const auto& [what, kind] : std::map<std::string, std::string>{
+           {at("molar.ply"), "mesh"}, {at("molar.case"), "case"}, {at("molar.run"), "run"}, {"round-014", "tool"}}) {
+    EXPECT_EQ(parsed(runKerf({"info", what, "--json"}))["kind"], kind);
+    const Outcome plain = runKerf({"info", what});
+    EXPECT_EQ(plain.exit_code, 0);
+    EXPECT_NE(plain.out.find("kind: " + kind), plain.out.npos);
+  }
+  const Outcome again = runKerf({"export", at("molar.case"), "-o", at("solid.stl")});
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+}
+
+TEST_F(Cli, ToolsAreListedCheckedAndBaked) {
+  const json all = parsed(runKerf({"tool", "list", "--json"}));
+  EXPECT_GE(all.size(), 3u);
+  const json checked = parsed(runKerf({"tool", "check", "round-014", "--json"}));
+  EXPECT_TRUE(checked[0]["passed"]);
+  const Outcome baked = runKerf({"tool", "bake", "round-014", "-o", at("round.tool")});
+  EXPECT_EQ(baked.exit_code, 0) << baked.err;
+  for (const char* file : {"round.tool/tool.toml", "round.tool/tool.vdb", "round.tool/tool.ply"})
+    EXPECT_GT(std::filesystem::file_size(in(file)), 0u) << file;
+}
+
+TEST_F(Cli, BenchTellsPercentilesAndStateHash) {
+  const json bench = parsed(runKerf({"bench", "cut-bur", "--json"}));
+  ASSERT_EQ(bench.size(), 1u);
+  EXPECT_LE(bench[0]["p50_ms"], bench[0]["p99_ms"]);
+  EXPECT_LE(bench[0]["p99_ms"], bench[0]["max_ms"]);
+  EXPECT_EQ(bench[0]["state_hash"].get<std::string>().size(), 16u);
+}
+
+// The whole chain twice, then on one core: same id, same state, same exported bytes.
+TEST_F(Cli, TheSameInputsGiveTheSameBytesOnAnyNumberOfThreads) {
+  ASSERT_EQ(runKerf({"demo-molar", "--edge", "0.6", "-o", at("molar.stl")}).exit_code, 0);
+  const std::string cavity = std::string(KERF_SOURCE_DIR) + "/assets/paths/demo-cavity.toml";
+  std::map<std::string, std::string> first;
+  for (int round = 0; round < 3; ++round) {
+    RunOptions options;
+    options.one_core = round == 2;
+    const std::string n = std::to_string(round);
+    std::map<std::string, std::string> found;
+    found["id"] =
+        parsed(runKerf({"bake", at("molar.stl"), "-o", at(n + ".case"), "--voxel", "0.2", "--json"}, options))["id"];
+    found["state"] = parsed(
+        runKerf({"cut", at(n + ".case"), "--tool", "round-014", "--path", cavity, "-o", at(n + ".run"), "--json"},
+                options))["state_hash"];
+    const Outcome o = runKerf({"export", at(n + ".run"), "-o", at(n + ".stl"), "-o", at(n + ".ply")}, options);
+    EXPECT_EQ(o.exit_code, 0) << o.err;
+    found["solid"] = contentOf(in(n + ".case/solid.ply"));
+    found["stl"] = contentOf(in(n + ".stl")), found["ply"] = contentOf(in(n + ".ply"));
+    EXPECT_FALSE(found["stl"].empty());
+    if (round == 0) first = found;
+    for (const auto& [what, value] : found) EXPECT_TRUE(value == first[what]) << what << " differs in round " << round;
+  }
+}
+
+TEST_F(Cli, CheckSaysWhyAMeshDoesNotPrint) {
+  folder_.write("open.off", "OFF\n4 3 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n");
+  const Outcome plain = runKerf({"check", at("open.off")});
+  EXPECT_EQ(plain.exit_code, 1);
+  EXPECT_NE(plain.out.find("Not ready to print:\n  - "), plain.out.npos) << plain.out;
+  const Outcome as_json = runKerf({"check", at("open.off"), "--json"});
+  EXPECT_EQ(as_json.exit_code, 1);
+  const json verdict = json::parse(as_json.out);
+  EXPECT_FALSE(verdict["print_ready"]);
+  EXPECT_FALSE(verdict["reasons"].empty());
+}
+
+TEST_F(Cli, FileNamesMayHoldAnyBytes) {
+  const std::string odd = "caf\xe9\nx.off";  // Latin-1 and a line end
+  folder_.write(odd, box());
+  folder_.write("groove.csv", groove());
+  const json baked =
+      parsed(runKerf({"bake", at(odd), "--unit", "mm", "-o", at("odd.case"), "--voxel", "0.3", "--json"}));
+  EXPECT_EQ(baked["sources"][0]["stored_as"], "source-1.off");
+  EXPECT_EQ(runKerf({"info", at(odd), "--json"}).exit_code, 0);
+  std::filesystem::rename(in("odd.case"), in("\xe9.case"));
+  EXPECT_EQ(runKerf({"info", at("\xe9.case"), "--json"}).exit_code, 0);
+  refuses({"cut", at("\xe9.case"), "--tool", "round-014", "--path", at("groove.csv"), "-o", at("x.run")}, {"UTF-8"});
+  refuses({"check", at("no\nsuch\x1b[2J.stl")}, {"no such file"});
+}
+
+TEST_F(Cli, CasesAndRunsMoveTogetherAndThroughLinks) {
+  makeRun();
+  std::filesystem::create_directory(in("elsewhere"));
+  std::filesystem::rename(in("box.case"), in("elsewhere/box.case"));
+  std::filesystem::rename(in("box.run"), in("elsewhere/box.run"));
+  std::filesystem::create_symlink("elsewhere/box.run", in("link.run"));
+  for (const char* run : {"elsewhere/box.run", "elsewhere/box.run/", "link.run"}) {
+    const Outcome o = runKerf({"export", at(run), "-o", at("out.stl")});
+    EXPECT_EQ(o.exit_code, 0) << o.err;
+  }
+}
+
+}  // namespace
+}  // namespace kerf
