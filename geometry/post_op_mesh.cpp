@@ -56,21 +56,24 @@ struct Crumbs {
   double volume = 0;
 };
 
-Crumbs findCrumbs(const Mesh& mesh, double below_mm3) {
+// Only what the cut touched: a small piece of the source that lies apart from it is the source's own business.
+Crumbs findCrumbs(const Mesh& mesh, const std::vector<std::uint32_t>& from_triangle, double below_mm3) {
   Crumbs out;
   const Pieces pieces = edgeConnectedPieces(mesh);
   std::vector<double> volume(pieces.count, 0);
+  std::vector<char> is_crumb(pieces.count, 0);
   const Vec3d c = bounds(mesh).center();
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     volume[pieces.label[t]] += (mesh.corner(t, 0) - c).dot((mesh.corner(t, 1) - c).cross(mesh.corner(t, 2) - c)) / 6;
-  out.keep_triangle.resize(mesh.triangles.size());
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-    out.keep_triangle[t] = std::abs(volume[pieces.label[t]]) >= below_mm3;
-  for (const double v : volume) {
-    if (std::abs(v) < below_mm3)
-      ++out.count, out.volume += std::abs(v);
+    if (from_triangle[t] == kNoSource && std::abs(volume[pieces.label[t]]) < below_mm3) is_crumb[pieces.label[t]] = 1;
+  out.keep_triangle.resize(mesh.triangles.size());
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) out.keep_triangle[t] = !is_crumb[pieces.label[t]];
+  for (std::size_t p = 0; p < volume.size(); ++p) {
+    if (is_crumb[p])
+      ++out.count, out.volume += std::abs(volume[p]);
     else
-      out.pieces += v > 0;
+      out.pieces += volume[p] > 0;
   }
   return out;
 }
@@ -97,7 +100,7 @@ Expected<Prepared> attempt(const Mesh& source, const Mesh& removed, double voxel
   Mesh mesh = std::move(cut.mesh);
   paint(source, cut, options, mesh);
 
-  const Crumbs crumbs = findCrumbs(mesh, options.crumb_voxels * std::pow(voxel, 3));
+  const Crumbs crumbs = findCrumbs(mesh, cut.from_triangle, options.crumb_voxels * std::pow(voxel, 3));
   report.crumbs_dropped = crumbs.count, report.crumbs_volume_mm3 = crumbs.volume, report.pieces = crumbs.pieces;
   std::vector<std::uint32_t> tag = cut.from_triangle;
   std::vector<char> fixed(mesh.vertices.size());

@@ -11,7 +11,7 @@ namespace kerf {
 struct PostOpOptions {
   Rgba8 cut_color = {214, 92, 64, 255};       ///< of cut faces
   Rgba8 source_color = {232, 222, 200, 255};  ///< of source faces when the source has no colours of its own
-  double crumb_voxels = 10;  ///< pieces of the result below this many voxels' volume are dropped, and reported
+  double crumb_voxels = 10;  ///< pieces the cut left below this many voxels' volume are dropped, and reported
 };
 
 struct PostOpReport {
