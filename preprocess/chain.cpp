@@ -252,15 +252,20 @@ Pieces piecesOf(std::size_t triangles, const std::vector<EdgeUse>& uses) {
 struct PieceInfo {
   Pieces pieces;
   std::vector<std::size_t> size;
+  std::vector<double> area;  // mm^2
   std::vector<char> open;
 };
 
 PieceInfo lookAtPieces(const Mesh& mesh) {
   const std::vector<EdgeUse> all = edgeUses(mesh.triangles);
-  PieceInfo info{piecesOf(mesh.triangles.size(), all), {}, {}};
+  PieceInfo info{piecesOf(mesh.triangles.size(), all), {}, {}, {}};
   info.size.assign(info.pieces.count, 0);
+  info.area.assign(info.pieces.count, 0);
   info.open.assign(info.pieces.count, 0);
-  for (const std::uint32_t l : info.pieces.label) ++info.size[l];
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    ++info.size[info.pieces.label[t]];
+    info.area[info.pieces.label[t]] += 0.5 * doubleAreaVector(mesh, t).norm();
+  }
   forEachEdge(all, [&](std::span<const EdgeUse> uses) {
     int net = 0;
     for (const EdgeUse& u : uses) net += u.forth ? 1 : -1;
@@ -272,9 +277,10 @@ PieceInfo lookAtPieces(const Mesh& mesh) {
 void dropCrumbs(Chain& chain, const CloseOptions& options, CloseReport& report) {
   const PieceInfo info = lookAtPieces(chain.mesh);
   const auto limit = options.crumb_fraction * static_cast<double>(chain.mesh.triangles.size());
+  const double area_limit = 0.3 * options.crumb_fraction * std::accumulate(info.area.begin(), info.area.end(), 0.0);
   const std::size_t largest = info.pieces.count ? *std::max_element(info.size.begin(), info.size.end()) : 0;
   const auto isCrumb = [&](std::uint32_t l) {
-    return info.open[l] && static_cast<double>(info.size[l]) < limit && info.size[l] < largest;
+    return info.open[l] && static_cast<double>(info.size[l]) < limit && info.area[l] < area_limit && info.size[l] < largest;
   };
   std::vector<char> keep(chain.mesh.triangles.size(), 1);
   std::size_t triangles = 0;
