@@ -18,10 +18,10 @@ void SweepCutter::advance(const SweptTool& sweep) {
   const double h = phi0_.voxel(), band = psi_.background(), tolerance = options_.tolerance_voxels * h;
   Box3 box = sweep.bounds();
   box.grow(band);
-  // Nothing can be cut beyond the object's bricks: a motion far out or very long costs no more than one through it.
-  if (box.isEmpty() || object_.isEmpty()) return;
-  box.min = box.min.cwiseMax(object_.min), box.max = box.max.cwiseMin(object_.max);
-  if ((box.min.array() > box.max.array()).any()) return;
+  // Nothing can be cut beyond the bricks that hold the surface: a motion far out or very long costs no more than one
+  // through the object. A field without bricks is tissue all over.
+  if (!object_.isEmpty()) box.min = box.min.cwiseMax(object_.min), box.max = box.max.cwiseMin(object_.max);
+  if (box.isEmpty()) return;
   const Vec3i low = brickOf((box.min / h).array().floor().cast<int>().matrix());
   const Vec3i high = brickOf((box.max / h).array().ceil().cast<int>().matrix());
   const double brick_radius = 0.5 * std::sqrt(3.0) * (kBrickSide - 1) * h;

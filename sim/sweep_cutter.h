@@ -18,7 +18,8 @@ struct SweepCutterOptions {
 /// stored.
 class SweepCutter {
  public:
-  /// @param phi0  the baked field; kept by reference, must outlive the cutter.
+  /// @param phi0  the baked field; kept by reference, must outlive the cutter. Bricks marked as interior lie within the
+  ///              bounds of the stored ones, as in any field of a closed surface; or no brick is stored at all.
   explicit SweepCutter(const BrickField& phi0, const SweepCutterOptions& options = {});
 
   /// Adds one motion. O(bricks near it), parallel inside. Allocates: not for the haptic thread.

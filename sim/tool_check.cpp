@@ -21,9 +21,11 @@ Expected<ToolCheck> checkTool(const Tool& tool, double voxel_mm) {
   const bool is_bur = tool.kind == ToolKind::kBur;
   const double thinnest = is_bur ? tool.head_diameter_mm : tool.kerfWidth();
   const double h = out.voxel_mm = voxel_mm == 0 ? defaultVoxel(tool) : voxel_mm;
-  if (!(h > 0 && h <= thinnest / 3))
+  // The block is sampled whole: finer than a hundredth of the tool, memory runs out before anything is learnt.
+  if (!(h >= thinnest / 100 && h <= thinnest / 3))
     return fail({Error::Code::kBadValue, "", "voxel", fmt::format("{} mm", voxel_mm),
-                 fmt::format("more than 0 and at most {:.3g} mm, a third of the tool", thinnest / 3), ""});
+                 fmt::format("{:.3g} to {:.3g} mm, a hundredth to a third of the tool", thinnest / 100, thinnest / 3),
+                 ""});
   out.depth_mm = is_bur ? std::min(1.5 * tool.head_length_mm, 3.0) : 3.0;
   out.expected_mm3 = plungeVolume(tool, out.depth_mm);
 

@@ -100,13 +100,14 @@ inline Outcome runKerf(const std::vector<std::string>& arguments, const RunOptio
   return outcome;
 }
 
-/// Everything in a folder, hidden files too: relative name -> content (links and folders: what they are).
+/// Everything in a folder, hidden files too: relative name -> content (of links, folders and pipes: that they are
+/// there).
 inline std::map<std::string, std::string> snapshot(const std::filesystem::path& folder) {
   std::map<std::string, std::string> all;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
-    all[entry.path().lexically_relative(folder).string()] = entry.is_symlink()     ? "link"
-                                                            : entry.is_directory() ? "folder"
-                                                                                   : contentOf(entry.path());
+    all[entry.path().lexically_relative(folder).string()] = entry.is_symlink()        ? "link"
+                                                            : entry.is_regular_file() ? contentOf(entry.path())
+                                                                                      : "folder or pipe";
   return all;
 }
 

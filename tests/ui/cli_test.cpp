@@ -25,7 +25,7 @@ TEST_F(Cli, WithoutArgumentsShowsHelpAndFails) {
 
 TEST_F(Cli, WrongCommandLinesAreUsageErrors) {
   makeCase();
-  refuses({"saw"}, {"saw"}, 2);
+  refuses({"saw"}, {"no command \"saw\"", "demo-molar"}, 2);
   refuses({"bake"}, {"MESH"}, 2);
   refuses({"bake", at("box.off")}, {"--output"}, 2);
   refuses({"bake", at("box.off"), "-o", at("x.case"), "--voxel", "fine"}, {"--voxel"}, 2);

@@ -21,6 +21,18 @@ int main(int argc, char** argv) {
     std::fputs(app.help().c_str(), stderr);
     return kUsage;
   }
+  // Of a command it does not know CLI11 only says that one is required.
+  std::string known;
+  bool is_known = argv[1][0] == '-';
+  for (const CLI::App* c : app.get_subcommands([](const CLI::App*) { return true; })) {
+    known += (known.empty() ? "" : ", ") + c->get_name();
+    is_known |= c->get_name() == argv[1];
+  }
+  if (!is_known) {
+    complain({kerf::Error::Code::kBadValue, "", "", fmt::format("no command \"{}\"", argv[1]), "one of " + known,
+              "kerf --help"});
+    return kUsage;
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
