@@ -277,10 +277,11 @@ PieceInfo lookAtPieces(const Mesh& mesh) {
 void dropCrumbs(Chain& chain, const CloseOptions& options, CloseReport& report) {
   const PieceInfo info = lookAtPieces(chain.mesh);
   const auto limit = options.crumb_fraction * static_cast<double>(chain.mesh.triangles.size());
-  const double area_limit = 0.3 * options.crumb_fraction * std::accumulate(info.area.begin(), info.area.end(), 0.0);
+  const double area_limit = 0.1 * options.crumb_fraction * std::accumulate(info.area.begin(), info.area.end(), 0.0);
   const std::size_t largest = info.pieces.count ? *std::max_element(info.size.begin(), info.size.end()) : 0;
   const auto isCrumb = [&](std::uint32_t l) {
-    return info.open[l] && static_cast<double>(info.size[l]) < limit && info.area[l] < area_limit && info.size[l] < largest;
+    return info.open[l] && static_cast<double>(info.size[l]) < limit && info.area[l] < area_limit &&
+           info.size[l] < largest;
   };
   std::vector<char> keep(chain.mesh.triangles.size(), 1);
   std::size_t triangles = 0;

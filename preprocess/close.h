@@ -28,8 +28,8 @@ struct CloseOptions {
   /// float32. Without it: the axis nearest to the direction in which the mesh is open.
   std::optional<Vec3d> base_direction{};
   double rim_to_diagonal = 1.2;  ///< a boundary longer than this many box diagonals is a rim, a shorter one a hole
-  /// Open pieces with less than this share of the triangles and less than 0.3 of it of the area are dropped: scan debris
-  /// has few triangles and is small, a patch of bone meshed coarsely is not. 0 keeps them all.
+  /// Open pieces with less than this share of the triangles and less than a tenth of it of the area are dropped: scan
+  /// debris has few triangles and is small, a patch of bone meshed coarsely is not. 0 keeps them all.
   double crumb_fraction = 0.01;
   /// Pieces that cutting created and that are smaller than this share of the volume are dropped; 0 keeps every
   /// splinter.

@@ -66,10 +66,14 @@ TEST_F(KerfSim, FoldersShowTheirMesh) {
   fs::create_directories(a_case);
   EXPECT_EQ(picture(fmt::format("'{}'", a_case.string())).status, 1);  // neither case nor run
   std::ofstream(a_case / "case.toml") << "\n";
-  const Outcome without = picture(fmt::format("'{}'", a_case.string()));
-  EXPECT_EQ(without.status, 1);
-  EXPECT_NE(without.text.find("solid.ply"), std::string::npos) << without.text;
-  fs::copy_file(mesh(), a_case / "solid.ply");  // the content decides the format
+  const Outcome empty = picture(fmt::format("'{}'", a_case.string()));
+  EXPECT_EQ(empty.status, 1);
+  EXPECT_NE(empty.text.find("case.toml"), std::string::npos) << empty.text;
+  // A real case, baked by the program that bakes.
+  const fs::path kerf = fs::path(KERF_BIN_DIR) / "kerf";
+  const Outcome baked =
+      shell(fmt::format("'{}' bake '{}' -o '{}' --voxel 0.5 --force", kerf.string(), mesh().string(), a_case.string()));
+  ASSERT_EQ(baked.status, 0) << baked.text;
   const Outcome done = picture(fmt::format("'{}'", a_case.string()));
   if (done.text.find("no way to draw") != std::string::npos) GTEST_SKIP() << done.text;
   EXPECT_EQ(done.status, 0) << done.text;
