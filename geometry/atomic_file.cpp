@@ -201,8 +201,7 @@ Expected<AtomicFolder> AtomicFolder::create(const fs::path& path, bool overwrite
       return refuse("a file of that name exists", "a folder or nothing", "choose another name");
     const bool empty = fs::is_empty(state->target, error);
     if (error) return fail(writeError(path, "looking into the folder", error.value()));
-    if (!empty && !overwrite)
-      return refuse("it exists already", "a new folder", "choose another name, or allow overwriting");
+    if (!empty && !overwrite) return refuse("it exists already", "a new folder", "choose another name, or --force");
     if (!empty && !fs::exists(state->target / manifest, error))
       return refuse("it exists and was not made by Kerf",
                     fmt::format("a folder with {} in it, or an empty one", manifest),

@@ -1,5 +1,6 @@
 #include "geometry/brick_field.h"
 
+#include <algorithm>
 #include <bit>
 #include <cassert>
 #include <cmath>
@@ -24,6 +25,20 @@ std::size_t BrickField::add(const Vec3i& brick_coord, std::span<const float, kBr
   BrickValues& fresh = values_.emplace_back();
   std::copy(values.begin(), values.end(), fresh.begin());
   return coords_.size() - 1;
+}
+
+std::vector<Vec3i> BrickField::interiorBricks() const {
+  std::vector<std::uint64_t> keys;
+  for (const auto& [key, slot] : index_)
+    if (slot == kInterior) keys.push_back(key);
+  std::sort(keys.begin(), keys.end());
+  std::vector<Vec3i> out;
+  out.reserve(keys.size());
+  for (const std::uint64_t key : keys) {
+    const auto c = coordOfKey(key);
+    out.emplace_back(c[0], c[1], c[2]);
+  }
+  return out;
 }
 
 double BrickField::sample(const Vec3d& p) const {

@@ -86,6 +86,8 @@ class BrickField {
   std::size_t add(const Vec3i& brick_coord, std::span<const float, kBrickNodes> values);
   /// Marks a missing brick as lying wholly inside.
   void markInterior(const Vec3i& brick_coord) { index_.try_emplace(coordKey(brick_coord), kInterior); }
+  /// Coordinates of the bricks marked as interior and not stored, sorted.
+  std::vector<Vec3i> interiorBricks() const;
   void reserve(std::size_t bricks) { coords_.reserve(bricks), values_.reserve(bricks), index_.reserve(2 * bricks); }
 
   /// Trilinear value at a point, mm.

@@ -87,7 +87,7 @@ Printed printed(const Mesh& mesh) {
   internal::ExactWelder welder(mesh.vertices.size());
   std::size_t used = 0;
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
-    if (index[v] != kUnused) index[v] = welder.add(mesh.vertices[v].cast<float>().cast<double>()), ++used;
+    if (index[v] != kUnused) index[v] = welder.add(roundedToFloat(mesh.vertices[v])), ++used;
   out.duplicate_vertices = used - welder.vertices.size();
   out.mesh.vertices = std::move(welder.vertices);
   out.mesh.triangles.reserve(mesh.triangles.size());

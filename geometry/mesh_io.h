@@ -38,7 +38,8 @@ struct MeshFile {
 /// Refused, never half-read: missing or unreadable file, no faces (point cloud), truncated or over-long data, values
 /// that are not finite, indices out of range, counts the file cannot hold, 3Shape DCM, zip and gzip archives.
 /// Positions are doubles as the file says; ASCII PLY `float` is rounded to float32 as declared.
-/// @cost  one read of the file; memory a small multiple of its size. 200 000 triangles: binary STL 20 ms, PLY 10, OBJ and OFF 35, ASCII STL 190.
+/// @cost  one read of the file; memory a small multiple of its size. 200 000 triangles: binary STL 20 ms, PLY 10, OBJ
+/// and OFF 35, ASCII STL 190.
 /// @throws nothing.
 Expected<MeshFile> readMesh(const std::filesystem::path& path, const Progress& progress = {});
 

@@ -1,5 +1,7 @@
 #include "geometry/mesh_writer.h"
 
+#include <unistd.h>
+
 #include <cmath>
 
 #include "geometry/atomic_file.h"
@@ -22,6 +24,14 @@ Expected<const MeshFormatRow*> writerOf(const std::filesystem::path& path) {
 
 Expected<void> canWriteMesh(const std::filesystem::path& path) {
   KERF_CHECK(writerOf(path));
+  std::error_code ignored;
+  if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored)) {
+    // A pipe or a device: opening it to see would be taken for the real thing by whoever reads it.
+    if (!std::filesystem::is_directory(path, ignored) && access(path.c_str(), W_OK) == 0) return {};
+    return fail(Error{Error::Code::kWriteFailed, path.string(), "",
+                      std::filesystem::is_directory(path, ignored) ? "a folder" : "it can not be written to", "a file",
+                      "choose another name"});
+  }
   KERF_CHECK(AtomicFile::create(path));
   return {};
 }

@@ -65,8 +65,13 @@ Crumbs findCrumbs(const Mesh& mesh, const std::vector<std::uint32_t>& from_trian
   const Vec3d c = bounds(mesh).center();
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     volume[pieces.label[t]] += (mesh.corner(t, 0) - c).dot((mesh.corner(t, 1) - c).cross(mesh.corner(t, 2) - c)) / 6;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-    if (from_triangle[t] == kNoSource && std::abs(volume[pieces.label[t]]) < below_mm3) is_crumb[pieces.label[t]] = 1;
+  std::uint32_t largest = 0;
+  for (std::uint32_t p = 0; p < pieces.count; ++p)
+    if (volume[p] > volume[largest]) largest = p;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const std::uint32_t p = pieces.label[t];
+    if (from_triangle[t] == kNoSource && p != largest && std::abs(volume[p]) < below_mm3) is_crumb[p] = 1;
+  }
   out.keep_triangle.resize(mesh.triangles.size());
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) out.keep_triangle[t] = !is_crumb[pieces.label[t]];
   for (std::size_t p = 0; p < volume.size(); ++p) {
@@ -100,7 +105,9 @@ Expected<Prepared> attempt(const Mesh& source, const Mesh& removed, double voxel
   Mesh mesh = std::move(cut.mesh);
   paint(source, cut, options, mesh);
 
-  const Crumbs crumbs = findCrumbs(mesh, cut.from_triangle, options.crumb_voxels * std::pow(voxel, 3));
+  const double source_volume = signedVolume(source);
+  const double crumb_mm3 = std::min(options.crumb_voxels * std::pow(voxel, 3), options.crumb_fraction * source_volume);
+  const Crumbs crumbs = findCrumbs(mesh, cut.from_triangle, crumb_mm3);
   report.crumbs_dropped = crumbs.count, report.crumbs_volume_mm3 = crumbs.volume, report.pieces = crumbs.pieces;
   std::vector<std::uint32_t> tag = cut.from_triangle;
   std::vector<char> fixed(mesh.vertices.size());
@@ -114,8 +121,12 @@ Expected<Prepared> attempt(const Mesh& source, const Mesh& removed, double voxel
         for (const std::uint32_t v : mesh.triangles[t]) used[v] = 1;
       }
     std::vector<char> kept_fixed;
-    for (std::size_t v = 0; v < fixed.size(); ++v)
-      if (used[v]) kept_fixed.push_back(fixed[v]);
+    for (std::size_t v = 0; v < fixed.size(); ++v) {
+      if (used[v])
+        kept_fixed.push_back(fixed[v]);
+      else
+        report.source_vertices_in_crumbs += fixed[v];
+    }
     mesh = subset(mesh, crumbs.keep_triangle);
     tag = std::move(kept_tag), fixed = std::move(kept_fixed);
   }
@@ -136,8 +147,9 @@ Expected<Prepared> attempt(const Mesh& source, const Mesh& removed, double voxel
   }
 
   report.source_vertices_kept = static_cast<std::size_t>(std::count(fixed.begin(), fixed.end(), 1));
-  report.source_vertices_removed = source.vertices.size() - report.source_vertices_kept;
-  report.source_volume_mm3 = signedVolume(source);
+  report.source_vertices_removed =
+      source.vertices.size() - report.source_vertices_kept - report.source_vertices_in_crumbs;
+  report.source_volume_mm3 = source_volume;
   report.result_volume_mm3 = signedVolume(mesh);
   report.removed_volume_mm3 = report.source_volume_mm3 - report.result_volume_mm3;
   out.result.is_cut.resize(mesh.triangles.size());
@@ -173,10 +185,11 @@ Expected<PostOpMesh> postOperativeMesh(const Mesh& source, const BrickField& rho
       prepared->result.report.attempts = n;
       return std::move(prepared->result);
     }
-    last = prepared ? Error{Error::Code::kGeometry, "",
-                            "post-operative mesh",  prepared->why_not,
-                            "a mesh that prints",   "another --voxel, or check the source with kerf check"}
-                    : prepared.error();
+    last = prepared
+               ? Error{Error::Code::kGeometry, "",
+                       "post-operative mesh",  prepared->why_not,
+                       "a mesh that prints",   "bake with another --voxel and cut again, or kerf check on the source"}
+               : prepared.error();
     if (last.code == Error::Code::kEmpty) break;  // shifting will not help
   }
   last.found += "; nothing was written";

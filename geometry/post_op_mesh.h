@@ -11,15 +11,18 @@ namespace kerf {
 struct PostOpOptions {
   Rgba8 cut_color = {214, 92, 64, 255};       ///< of cut faces
   Rgba8 source_color = {232, 222, 200, 255};  ///< of source faces when the source has no colours of its own
-  double crumb_voxels = 10;  ///< pieces the cut left below this many voxels' volume are dropped, and reported
+  /// A piece that the cut left over, smaller than both this many voxels and this share of the source's volume, is
+  /// dropped and reported; never the largest one, and never a piece of the source that the cut did not touch.
+  double crumb_voxels = 10, crumb_fraction = 1e-4;
 };
 
 struct PostOpReport {
   double source_volume_mm3 = 0, result_volume_mm3 = 0;
-  double removed_volume_mm3 = 0;            ///< source - result, of the meshes as written (float32)
-  std::size_t source_vertices_kept = 0;     ///< bit for bit
-  std::size_t source_vertices_removed = 0;  ///< inside the cut
-  std::size_t cut_triangles = 0;            ///< on cut walls
+  double removed_volume_mm3 = 0;              ///< source - result, of the meshes as written (float32)
+  std::size_t source_vertices_kept = 0;       ///< bit for bit
+  std::size_t source_vertices_removed = 0;    ///< inside the cut
+  std::size_t source_vertices_in_crumbs = 0;  ///< outside the cut, lost with a dropped crumb
+  std::size_t cut_triangles = 0;              ///< on cut walls
   std::size_t pieces = 0;
   std::size_t crumbs_dropped = 0;
   double crumbs_volume_mm3 = 0;

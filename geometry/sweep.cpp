@@ -52,10 +52,12 @@ double SweptTool::distance(const Vec3d& x, double cutoff, double tolerance, doub
                     : refineLipschitz(x, best, speed, cutoff, tolerance, floor);
 }
 
-// f(s) = distance at s. For a convex shape f(s) + curvature s^2 / 2 is convex: a tangent plane of the distance at one pose
-// lies below it at all others, and the path leaves its own tangent by at most curvature s^2 / 2. On a part of width w, f is
-// thus convex up to curvature w^2 / 8; the motion is cut into parts where that is within half the tolerance.
-double SweptTool::refineConvex(const Vec3d& x, double best, double curvature, double cutoff, double tolerance, double floor) const noexcept {
+// f(s) = distance at s. For a convex shape f(s) + curvature s^2 / 2 is convex: a tangent plane of the distance at one
+// pose lies below it at all others, and the path leaves its own tangent by at most curvature s^2 / 2. On a part of
+// width w, f is thus convex up to curvature w^2 / 8; the motion is cut into parts where that is within half the
+// tolerance.
+double SweptTool::refineConvex(const Vec3d& x, double best, double curvature, double cutoff, double tolerance,
+                               double floor) const noexcept {
   const double slack = 0.5 * tolerance;
   const int parts = std::clamp(static_cast<int>(std::ceil(std::sqrt(curvature / (8 * slack)))), 1, 4096);
   const double bend = curvature / (8.0 * parts * parts);
@@ -95,8 +97,11 @@ double SweptTool::refineConvex(const Vec3d& x, double best, double curvature, do
   return best;
 }
 
-double SweptTool::refineLipschitz(const Vec3d& x, double best, double speed, double cutoff, double tolerance, double floor) const noexcept {
-  const auto settled = [&](double lower_bound) { return lower_bound >= cutoff || lower_bound >= best - tolerance || best <= floor; };
+double SweptTool::refineLipschitz(const Vec3d& x, double best, double speed, double cutoff, double tolerance,
+                                  double floor) const noexcept {
+  const auto settled = [&](double lower_bound) {
+    return lower_bound >= cutoff || lower_bound >= best - tolerance || best <= floor;
+  };
   struct Interval {
     double s0, f0, s1, f1;
   };

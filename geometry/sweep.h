@@ -15,8 +15,8 @@ class SweptTool {
 
   /// min over the motion of shape.distance, mm, at a point of the object's frame.
   /// Convex shapes: along the motion the distance is convex but for the turn's curvature, so parts of the motion are
-  /// bracketed and every bracket gives a certified lower bound from the slopes beside it. Other shapes: Lipschitz branch
-  /// and bound (Piyavskii 1972; Shubert 1972), as the shape is 1-Lipschitz; slow where it slides along itself.
+  /// bracketed and every bracket gives a certified lower bound from the slopes beside it. Other shapes: Lipschitz
+  /// branch and bound (Piyavskii 1972; Shubert 1972), as the shape is 1-Lipschitz; slow where it slides along itself.
   /// @param cutoff     anything at or above it may come back as any value at or above it.
   /// @param tolerance  > 0, mm: the result is at most this much above the true minimum.
   /// @param floor      once a value at or below it is found, it is returned.
@@ -32,8 +32,10 @@ class SweptTool {
 
  private:
   double at(const Vec3d& x, double s) const noexcept;
-  double refineConvex(const Vec3d& x, double best, double curvature, double cutoff, double tolerance, double floor) const noexcept;
-  double refineLipschitz(const Vec3d& x, double best, double speed, double cutoff, double tolerance, double floor) const noexcept;
+  double refineConvex(const Vec3d& x, double best, double curvature, double cutoff, double tolerance,
+                      double floor) const noexcept;
+  double refineLipschitz(const Vec3d& x, double best, double speed, double cutoff, double tolerance,
+                         double floor) const noexcept;
 
   const ToolShape& shape_;
   bool is_convex_;

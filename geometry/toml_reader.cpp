@@ -144,12 +144,19 @@ Expected<toml::table> parseToml(const std::filesystem::path& file) {
   // toml++ limits how deep values nest, but not how long a dotted key is, and it walks the tables of one recursively.
   constexpr int kMostDots = 500;
   const std::string content = text.str();
-  int line = 1, dots = 0;
-  for (const char c : content) {
-    if (c == '\n') ++line, dots = 0;
-    if (c == '.' && ++dots > kMostDots)
-      return fail({Error::Code::kBadFormat, file.string(), fmt::format("line {}", line),
-                   fmt::format("more than {} dots", kMostDots), "keys of a few words", ""});
+  std::istringstream lines(content);
+  std::string line;
+  for (int number = 1; std::getline(lines, line); ++number) {
+    // Keys stand before the first '=' or in inline tables; a line of numbers in a list has neither.
+    const std::size_t equals = line.find('=');
+    const bool is_list = equals == std::string::npos && line.find(',') != std::string::npos;
+    const bool has_tables = line.find('{') != std::string::npos;
+    if (is_list && !has_tables) continue;
+    const auto end =
+        has_tables || equals == std::string::npos ? line.end() : line.begin() + static_cast<std::ptrdiff_t>(equals);
+    if (std::count(line.begin(), end, '.') > kMostDots)
+      return fail({Error::Code::kBadFormat, file.string(), fmt::format("line {}", number),
+                   fmt::format("more than {} dots in a key", kMostDots), "keys of a few words", ""});
   }
   try {
     return toml::parse(content, file.string());

@@ -14,14 +14,16 @@ using Vec3f = Eigen::Vector3f;
 using Vec3i = Eigen::Vector3i;
 using Rgba8 = std::array<std::uint8_t, 4>;
 
-/// The nearest float32 number, as files hold it. Through memory: g++ 12 turns a vectorised double -> float -> double (plain or
-/// Eigen's p.cast<float>().cast<double>()) into nothing at all at -O2.
+/// The nearest float32 number, as files hold it. Through memory: g++ 12 turns a vectorised double -> float -> double
+/// (plain or Eigen's p.cast<float>().cast<double>()) into nothing at all at -O2.
 inline double roundedToFloat(double x) {
   volatile float f = static_cast<float>(x);
   return f;
 }
 /// The nearest point with float32 coordinates.
-inline Vec3d roundedToFloat(const Vec3d& p) { return {roundedToFloat(p[0]), roundedToFloat(p[1]), roundedToFloat(p[2])}; }
+inline Vec3d roundedToFloat(const Vec3d& p) {
+  return {roundedToFloat(p[0]), roundedToFloat(p[1]), roundedToFloat(p[2])};
+}
 
 /// Axis-aligned box, mm. Empty (min > max) until a point is added.
 struct Box3 {

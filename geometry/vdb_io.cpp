@@ -48,6 +48,10 @@ Expected<void> writeVdb(const std::filesystem::path& path, const std::vector<Nam
         leaf->setValuesOn();
         grid->tree().addLeaf(leaf);
       }
+      for (const Vec3i& brick : field.interiorBricks()) {  // without these tiles the deep inside would read as outside
+        const Vec3i n = brick * kBrickSide;
+        grid->tree().addTile(1, openvdb::Coord(n[0], n[1], n[2]), field.interior(), false);
+      }
       grids.push_back(grid);
     }
     openvdb::MetaMap meta;

@@ -24,7 +24,8 @@ struct NamedField {
   const BrickField* field = nullptr;
 };
 
-/// Writes fields as float level-set grids with uniform scale `voxel` and no offset; all stored nodes are active.
+/// Writes fields as float level-set grids with uniform scale `voxel` and no offset; all stored nodes are active,
+/// interior bricks become tiles.
 /// Metadata values are written on the file (string to string). Not atomic: callers write into a staging folder.
 Expected<void> writeVdb(const std::filesystem::path& path, const std::vector<NamedField>& fields,
                         const std::map<std::string, std::string>& metadata = {});

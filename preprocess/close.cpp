@@ -271,14 +271,14 @@ Expected<void> verify(const Mesh& mesh) {
                         "--close wrap, or repair the mesh in a mesh editor"));
 }
 
-Expected<Result> makeSolid(const Mesh& imported, Chain& chain, const CloseOptions& options, CloseReport& report,
-                           const Progress& progress) {
+Expected<Result> makeSolid(const Mesh& imported, Chain& chain, bool is_open, const CloseOptions& options,
+                           CloseReport& report, const Progress& progress) {
   const auto verifiedWrap = [&]() -> Expected<Result> {
     KERF_TRY(wrapped, wrap(chain, options, report));
     KERF_CHECK(verify(wrapped.mesh));
     return std::move(wrapped);
   };
-  if (options.mode == CloseMode::kWrap) return verifiedWrap();
+  if (options.mode == CloseMode::kWrap || is_open) return verifiedWrap();
   const bool nested = internal::turnPieces(chain, report);
   const auto pairs = crossingPairs(chain.mesh);
   if (!nested && pairs.empty() && internal::isClosedManifold(chain.mesh)) {
@@ -317,10 +317,18 @@ Expected<Solid> closeMesh(const Mesh& imported_mm, const CloseOptions& options, 
     return fail(
         makeError(Error::Code::kEmpty, "a mesh whose triangles all have no area or cancel each other", "a surface"));
   if (!kerf::report(progress, 0.1, "closing")) return cancelled();
-  KERF_CHECK(internal::closeBoundary(chain, options, report));
+  bool is_open = false;  // what can not be closed exactly may still be wrapped: the wrap needs no closed input
+  Chain open = chain;
+  if (auto closed = internal::closeBoundary(chain, options, report); !closed) {
+    const bool may_wrap = options.mode == CloseMode::kWrap || options.mode == CloseMode::kAuto;
+    if (closed.error().code == Error::Code::kCancelled || !may_wrap) return fail(std::move(closed).error());
+    chain = std::move(open);
+    is_open = true;
+    report.changes.push_back("the boundary could not be closed exactly: " + closed.error().message());
+  }
   if (!kerf::report(progress, 0.3, "looking for crossings")) return cancelled();
   const std::size_t source_vertices = chain.source_vertices;
-  KERF_TRY(result, makeSolid(imported_mm, chain, options, report, progress));
+  KERF_TRY(result, makeSolid(imported_mm, chain, is_open, options, report, progress));
   countTriangles(imported_mm, result, report);
   report.vertices_added =
       result.mesh.vertices.size() > source_vertices ? result.mesh.vertices.size() - source_vertices : 0;

@@ -34,6 +34,14 @@ Expected<UnitChoice> chooseUnit(const Box3& box, std::string_view asked, std::st
     return UnitChoice{std::string(declared), mm, "as the file says", false};
   }
   const auto fits = [across](double mm) { return across * mm >= kSmallest && across * mm <= kLargest; };
+  constexpr double kSmallObject = 15;  // a crown; or a jaw in cm, a block in inches
+  if (fits(1) && across < kSmallObject)
+    return UnitChoice{
+        "mm", 1,
+        fmt::format(
+            "{:.4g} across fits a crown in mm; in cm it would be {:.4g} mm, in inches {:.4g} mm: say --unit if so",
+            across, 10 * across, 25.4 * across),
+        true};
   if (fits(1))
     return UnitChoice{"mm", 1, fmt::format("{:.4g} across fits a dental object in mm; the file names no unit", across),
                       false};

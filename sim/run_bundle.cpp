@@ -279,8 +279,11 @@ Expected<Export> exportBundle(const fs::path& bundle, const PostOpOptions& optio
     return fail(result.error());
   }
   out.post_op = std::move(*result);
-  KERF_TRY(accuracy, measureWalls(bundle, manifest, out.post_op));
-  out.accuracy = accuracy;
+  // The mesh is made and verified: a measurement that fails does not take it away.
+  if (const auto accuracy = measureWalls(bundle, manifest, out.post_op))
+    out.accuracy = *accuracy;
+  else
+    out.accuracy_missing = accuracy.error().message();
   return out;
 }
 

@@ -53,7 +53,8 @@ struct WallAccuracy {
 
 struct Export {
   PostOpMesh post_op;
-  WallAccuracy accuracy;  ///< vertices = 0 for a case without a cut
+  WallAccuracy accuracy;         ///< vertices = 0 for a case without a cut
+  std::string accuracy_missing;  ///< why the walls could not be measured; empty if they were, or there is no cut
 };
 
 /// The post-operative mesh of a run, or the solid of a case.

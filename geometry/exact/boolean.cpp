@@ -80,7 +80,8 @@ Expected<Difference> subtract(const Mesh& minuend, const Mesh& subtrahend) {
         CGAL::parameters::all_default());
     if (!ok)
       return fail({Error::Code::kGeometry, "", "exact difference", "a result that is not 2-manifold",
-                   "source and removed solid that cross each other transversally", "another voxel size"});
+                   "source and removed solid that cross each other transversally",
+                   "bake with another --voxel and cut again"});
 
     // Surviving minuend vertices are known by their coordinates: corefinement never moves one, and never makes a new
     // point where the minuend, free of duplicates, already has one.
@@ -151,7 +152,7 @@ Expected<Difference> subtract(const Mesh& minuend, const Mesh& subtrahend) {
                  "a source free of self-intersections", "kerf check on the source; bake with --close wrap"});
   } catch (const std::exception& e) {
     return fail({Error::Code::kGeometry, "", "exact difference", std::string("the boolean gave up: ") + e.what(), "",
-                 "another voxel size"});
+                 "bake with another --voxel and cut again"});
   }
 }
 

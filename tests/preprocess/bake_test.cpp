@@ -6,8 +6,8 @@
 
 #include "geometry/hash.h"
 #include "geometry/mesh_writer.h"
-#include "tests/geometry/temporary_folder.h"
 #include "tests/geometry/ball_mesh.h"
+#include "tests/geometry/temporary_folder.h"
 
 namespace kerf {
 namespace {

@@ -12,7 +12,7 @@ Box3 across(double diagonal) {
 }
 
 TEST(Unit, ASizeThatFitsMillimetresIsNotScaled) {
-  for (const double size : {4.0, 26.0, 90.0, 250.0}) {
+  for (const double size : {16.0, 26.0, 90.0, 250.0}) {
     const auto unit = chooseUnit(across(size), "", "");
     ASSERT_TRUE(unit);
     EXPECT_EQ(unit->unit, "mm");
@@ -20,6 +20,14 @@ TEST(Unit, ASizeThatFitsMillimetresIsNotScaled) {
     EXPECT_FALSE(unit->is_doubtful);
     EXPECT_FALSE(unit->reason.empty());
   }
+}
+
+TEST(Unit, ASmallObjectStaysMillimetresButIsPointedOut) {
+  const auto unit = chooseUnit(across(8), "", "");
+  ASSERT_TRUE(unit);
+  EXPECT_EQ(unit->scale_to_mm, 1);
+  EXPECT_TRUE(unit->is_doubtful);
+  EXPECT_NE(unit->reason.find("80 mm"), std::string::npos) << unit->reason;
 }
 
 TEST(Unit, ASizeThatFitsOneOtherUnitIsTakenForThatAloud) {

@@ -9,8 +9,8 @@
 #include <random>
 
 #include "geometry/vdb_io.h"
-#include "tests/geometry/temporary_folder.h"
 #include "tests/geometry/ball_mesh.h"
+#include "tests/geometry/temporary_folder.h"
 
 namespace kerf {
 namespace {

@@ -42,7 +42,9 @@ int run(const Arguments& a) {
 void addCut(CLI::App& app, int& exit_code) {
   auto a = std::make_shared<Arguments>();
   CLI::App* c = app.add_subcommand("cut", "Cut a case with a tool along a path");
-  c->footer("Example: kerf cut molar.case --tool round-014 --path cavity.toml -o molar.run");
+  c->footer(
+      "Geometry only: the cutting part removes what it sweeps; neck, shank and flanks do not collide yet.\nExample: "
+      "kerf cut molar.case --tool round-014 --path cavity.toml -o molar.run");
   c->add_option("CASE", a->case_folder, "case folder")->required();
   c->add_option("--tool", a->tool, "tool id (kerf tool list) or a tool's TOML file")->required();
   c->add_option("--path", a->path, "CSV of poses (t,x,y,z,qw,qx,qy,qz) or TOML of strokes; see docs/path-files.md")

@@ -42,6 +42,7 @@ int run(const Arguments& a) {
                              {"result_volume_mm3", r.result_volume_mm3},
                              {"removed_volume_mm3", r.removed_volume_mm3},
                              {"crumbs_dropped", r.crumbs_dropped},
+                             {"source_vertices_in_crumbs", r.source_vertices_in_crumbs},
                              {"crumbs_volume_mm3", r.crumbs_volume_mm3},
                              {"largest_move_mm", r.largest_move_mm},
                              {"attempts", r.attempts},
@@ -56,6 +57,8 @@ int run(const Arguments& a) {
     fmt::print(
         "cut walls lie {:.1f} um rms, {:.1f} um at most from the exact sweep of the tool ({} vertices measured)\n",
         1e3 * w.rms_mm, 1e3 * w.max_mm, w.vertices);
+  if (!result->accuracy_missing.empty())
+    fmt::print("the cut walls could not be measured: {}\n", result->accuracy_missing);
   if (r.crumbs_dropped) fmt::print("dropped {} crumbs, {:.6f} mm3 together\n", r.crumbs_dropped, r.crumbs_volume_mm3);
   if (r.attempts > 1)
     fmt::print("took {} attempts: the cut was shifted by some thousandths of a voxel to survive float32\n", r.attempts);
