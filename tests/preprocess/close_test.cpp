@@ -304,7 +304,7 @@ TEST(Close, DoubleCoordinatesAreRoundedAndReported) {
 TEST(Close, CrumbsGoAndAreCounted) {
   Mesh m = ball(12, 24, 5);
   Mesh crumb;
-  crumb.vertices = {{20, 0, 0}, {21, 0, 0}, {20, 1, 0}};
+  crumb.vertices = {{20, 0, 0}, {20.5, 0, 0}, {20, 0.5, 0}};
   crumb.triangles = {{0, 1, 2}};
   const Solid s = closed(both(m, crumb));
   EXPECT_EQ(s.report.crumbs_dropped, 1u);
