@@ -17,16 +17,25 @@ namespace {
 
 // One to four changes: a byte, a run of bytes cut or doubled, a nasty word in place of a number.
 std::string mutated(std::string text, std::mt19937& random) {
-  static const std::vector<std::string> kWords{"nan", "inf", "-inf", "1e308", "-1", "0", "1e-320", "99999999999999999999",
-                                               "true", "\"\"", "[]", "{}", "[[", "''''", "\n", "\0x", ",", "=", "\xff"};
+  static const std::vector<std::string> kWords{
+      "nan", "inf",  "-inf", "1e308", "-1", "0", "1e-320", "99999999999999999999", "true", "\"\"", "[]", "{}",
+      "[[",  "''''", "\n",   "\0x",   ",",  "=", "\xff"};
   const auto below = [&](std::size_t n) { return static_cast<std::size_t>(random()) % n; };
   for (std::size_t changes = 1 + below(4); changes > 0 && !text.empty(); --changes) {
     const std::size_t at = below(text.size()), length = 1 + below(std::min<std::size_t>(40, text.size() - at));
     switch (below(5)) {
-      case 0: text[at] = static_cast<char>(random()); break;
-      case 1: text.erase(at, length); break;
-      case 2: text.insert(at, text.substr(at, length)); break;
-      case 3: text.insert(at, kWords[below(kWords.size())]); break;
+      case 0:
+        text[at] = static_cast<char>(random());
+        break;
+      case 1:
+        text.erase(at, length);
+        break;
+      case 2:
+        text.insert(at, text.substr(at, length));
+        break;
+      case 3:
+        text.insert(at, kWords[below(kWords.size())]);
+        break;
       default:
         if (const std::size_t digit = text.find_first_of("0123456789", at); digit != text.npos) {
           std::size_t end = text.find_first_not_of("0123456789.-+e", digit);
