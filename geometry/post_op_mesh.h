@@ -39,7 +39,8 @@ struct PostOpMesh {
 
 /// source minus the material in `rho` (see removed_solid.h), rounded to float32, mended, verified.
 /// Guarantees on success: closed, 2-manifold, outward, no self-intersection after rounding to float32; every source
-/// vertex that lies outside the cut is there with its own coordinates and colour.
+/// vertex that lies outside the cut is there with its own coordinates and colour, but for those of dropped crumbs,
+/// which are counted.
 /// @pre source closed, 2-manifold, outward, free of self-intersections, coordinates representable in float32.
 /// Fails with kGeometry rather than return a mesh that does not hold the guarantees. About 1 s for 100k triangles.
 Expected<PostOpMesh> postOperativeMesh(const Mesh& source, const BrickField& rho, const PostOpOptions& options = {},

@@ -17,7 +17,7 @@ enum class CloseMode {
   kAuto,    ///< holes are filled, a missing underside gets a base; the wrap only if the exact way fails, and aloud
   kBase,    ///< the longest boundary of the mesh is taken for the rim of a missing underside, however short it is
   kRepair,  ///< holes only: a mesh whose underside is missing is refused
-  kWrap,    ///< shrink-wraps the closed mesh: always works, but no source vertex survives
+  kWrap,    ///< shrink-wraps the mesh, closed first where that works: the last resort, no source vertex survives
 };
 
 struct CloseOptions {

@@ -14,9 +14,9 @@ using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using SurfaceMesh = CGAL::Surface_mesh<Kernel::Point_3>;
 namespace PMP = CGAL::Polygon_mesh_processing;
 
-// Origins ride along as plain arrays indexed by CGAL's vertex and face numbers.
+// Origins ride along as a plain array indexed by CGAL's face numbers.
 struct Origins {
-  std::vector<std::uint32_t> vertex, face;
+  std::vector<std::uint32_t> face;
   static std::uint32_t get(const std::vector<std::uint32_t>& of, std::size_t i) {
     return i < of.size() ? of[i] : kNoSource;
   }
