@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 
+#include "geometry/assets.h"
 #include "geometry/toml_reader.h"
 
 namespace kerf {
@@ -269,24 +269,7 @@ std::vector<ToolListing> listTools(const std::vector<fs::path>& folders) {
   return out;
 }
 
-std::vector<fs::path> defaultToolFolders() {
-  std::vector<fs::path> candidates, out;
-  if (const char* assets = std::getenv("KERF_ASSETS"); assets && *assets)
-    candidates.push_back(fs::path(assets) / "tools");
-  std::error_code failed;
-  const fs::path program = fs::read_symlink("/proc/self/exe", failed).parent_path();
-  if (!failed) {
-    candidates.push_back(program / "../../../assets/tools");
-    candidates.push_back(program / "../share/kerf/tools");
-  }
-  candidates.push_back(fs::path(KERF_SOURCE_ASSETS) / "tools");
-  for (const fs::path& candidate : candidates) {
-    const fs::path folder = fs::weakly_canonical(candidate, failed);
-    if (!failed && fs::is_directory(folder, failed) && std::find(out.begin(), out.end(), folder) == out.end())
-      out.push_back(folder);
-  }
-  return out;
-}
+std::vector<fs::path> defaultToolFolders() { return findAssets("tools"); }
 
 Expected<fs::path> findToolFile(const std::string& id_or_path, const std::vector<fs::path>& folders) {
   const fs::path path(id_or_path);

@@ -7,24 +7,11 @@
 
 #include "geometry/brick_field.h"
 #include "geometry/error.h"
+#include "geometry/material.h"
 #include "geometry/mesh.h"
 #include "geometry/progress.h"
 
 namespace kerf {
-
-/// Tissue of a voxel. The number is what the material grid stores.
-enum class Material : int {
-  kNone = 0,
-  kEnamel,
-  kDentin,
-  kPulp,
-  kCaries,
-  kCortical,
-  kCancellous,
-  kNerveCanal,
-  kGingiva,
-  kGeneric
-};
 
 struct VoxelizeOptions {
   double voxel_mm = 0.1;       ///< node spacing; below ~0.02 memory grows past what a lab computer has
