@@ -128,8 +128,9 @@ std::size_t grow(Int32Tree& labels, Interrupter& interrupter) {
   return total;
 }
 
-// Inside volume per label, index 0 for nobody's, by the smoothed step.
-std::vector<double> volumesOf(const Int32Tree& labels, const FloatGrid& phi, std::size_t claims) {
+// Volume per label by the smoothed step, nobody's at index 0. `inside_only` leaves out the outer half of the shell,
+// which lies in no claim by nature.
+std::vector<double> volumesOf(const Int32Tree& labels, const FloatGrid& phi, std::size_t claims, bool inside_only) {
   const double h = phi.voxelSize()[0], e = kShellVoxels * h;
   std::vector<const Leaf*> leaves;
   labels.getNodes(leaves);
@@ -138,9 +139,10 @@ std::vector<double> volumesOf(const Int32Tree& labels, const FloatGrid& phi, std
     for (std::size_t l = range.begin(); l != range.end(); ++l) {
       sums[l].assign(claims + 1, 0);
       const auto* field = phi.tree().probeConstLeaf(leaves[l]->origin());
-      for (auto node = leaves[l]->cbeginValueOn(); node; ++node)
-        sums[l][static_cast<std::size_t>(*node)] +=
-            field ? smoothInside(static_cast<double>(field->getValue(node.pos())), e) : 1.0;
+      for (auto node = leaves[l]->cbeginValueOn(); node; ++node) {
+        const double value = field ? static_cast<double>(field->getValue(node.pos())) : -e;
+        if (!inside_only || value < 0) sums[l][static_cast<std::size_t>(*node)] += smoothInside(value, e);
+      }
     }
   });
   std::vector<double> nodes(claims + 1, 0);
@@ -197,12 +199,12 @@ openvdb::Int32Grid::Ptr paintMaterials(const Mesh& solid, const FloatGrid& phi, 
   labels->topologyIntersection(domain->tree());
 
   labels->voxelizeActiveTiles();  // gaps may reach into uniform regions; merged again below
-  volumes.unclaimed_mm3 = volumesOf(*labels, phi, claims.size())[0];
+  volumes.unclaimed_mm3 = volumesOf(*labels, phi, claims.size(), true)[0];
   for (int n = 0; n < kFillNodes; ++n) {
     if (interrupter.wasInterrupted()) return nullptr;
     if (grow(*labels, interrupter) == 0) break;
   }
-  const std::vector<double> sums = volumesOf(*labels, phi, claims.size());
+  const std::vector<double> sums = volumesOf(*labels, phi, claims.size(), false);
   std::copy(sums.begin() + 1, sums.end(), volumes.claimed_mm3.begin());
   volumes.forgotten_mm3 = sums[0];
   if (interrupter.isCancelled()) return nullptr;

@@ -2,17 +2,19 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "preprocess/case_recipe.h"
 #include "ui/cli/command.h"
 
 namespace kerf::cli {
 namespace {
 
 struct Arguments {
-  std::vector<std::string> meshes;
+  std::vector<std::string> inputs;
   std::string output, base_direction;
   BakeOptions options;
   bool json = false;
@@ -32,6 +34,7 @@ nlohmann::json toJson(const BakeReport& r) {
   nlohmann::json j{{"id", r.manifest.id},
                    {"exact", r.manifest.exact},
                    {"changes", r.manifest.changes},
+                   {"was_up_to_date", r.was_up_to_date},
                    {"solid",
                     {{"vertices", r.manifest.solid_vertices},
                      {"triangles", r.manifest.solid_triangles},
@@ -49,6 +52,14 @@ nlohmann::json toJson(const BakeReport& r) {
                      {"voxelize", r.times.voxelize},
                      {"write", r.times.write},
                      {"total", r.times.total()}}}};
+  for (const CaseMaterial& m : r.manifest.materials)
+    j["materials"].push_back({{"id", m.id}, {"number", m.number}, {"volume_mm3", m.volume_mm3}});
+  for (const CasePart& p : r.manifest.parts)
+    j["parts"].push_back(
+        {{"material", p.material}, {"origin", p.origin}, {"own_mm3", p.own_mm3}, {"volume_mm3", p.volume_mm3}});
+  if (!r.manifest.parts.empty())
+    j["gaps"] = {{"filled_mm3", r.materials.unclaimed_mm3}, {"forgotten_mm3", r.materials.forgotten_mm3}};
+  if (r.was_up_to_date) return j;
   for (std::size_t i = 0; i < r.manifest.sources.size(); ++i) {
     const CaseSource& s = r.manifest.sources[i];
     j["sources"].push_back({{"stored_as", s.stored_as},
@@ -60,8 +71,9 @@ nlohmann::json toJson(const BakeReport& r) {
                             {"scale_to_mm", s.scale_to_mm},
                             {"vertices", s.vertices},
                             {"triangles", s.triangles},
-                            {"notes", r.notes[i]},
-                            {"check", nlohmann::json::parse(kerf::toJson(r.source_checks[i]))}});
+                            {"notes", r.notes[i]}});
+    if (i < r.source_checks.size())
+      j["sources"].back()["check"] = nlohmann::json::parse(kerf::toJson(r.source_checks[i]));
   }
   return j;
 }
@@ -73,16 +85,22 @@ int run(Arguments& a) {
     a.options.close.base_direction = *direction;
   }
   a.options.close.cleanup_length_mm = 0.01 * a.options.voxelize.voxel_mm;
-  std::vector<std::filesystem::path> paths(a.meshes.begin(), a.meshes.end());
+  std::vector<std::filesystem::path> paths(a.inputs.begin(), a.inputs.end());
+  const auto recipe = std::find_if(paths.begin(), paths.end(), looksLikeRecipe);
+  if (recipe != paths.end() && paths.size() > 1)
+    return complain({Error::Code::kBadValue, recipe->string(), "", "a recipe beside other files", "the recipe alone",
+                     "name the other meshes in it, as [[part]]"}),
+           kUsage;
   auto report = [&] {
     TerminalProgress progress;
-    return bake(paths, a.output, a.options, progress.callback());
+    return recipe != paths.end() ? bakeRecipe(paths[0], a.output, a.options, progress.callback())
+                                 : bake(paths, a.output, a.options, progress.callback());
   }();
   if (!report) return complain(report.error());
   if (a.json)
     printJson(toJson(*report));
   else
-    fmt::print("{}case written: {}\n", describe(*report), a.output);
+    fmt::print("{}{}: {}\n", describe(*report), report->was_up_to_date ? "up to date" : "case written", a.output);
   return kOk;
 }
 
@@ -90,9 +108,13 @@ int run(Arguments& a) {
 
 void addBake(CLI::App& app, int& exit_code) {
   auto a = std::make_shared<Arguments>();
-  CLI::App* c = app.add_subcommand("bake", "Turn mesh files into a case: closed solid, distance field, point shell");
-  c->footer("Example: kerf bake upper.ply -o upper.case --voxel 0.1");
-  c->add_option("MESH", a->meshes, "STL, PLY, OBJ or OFF; several are united into one object")->required();
+  CLI::App* c = app.add_subcommand(
+      "bake", "Turn mesh files or a case recipe into a case: closed solid, distance field, materials, point shell");
+  c->footer("Examples: kerf bake upper.ply -o upper.case --voxel 0.1\n          kerf bake molar.toml -o molar.case");
+  c->add_option("INPUT", a->inputs,
+                "STL, PLY, OBJ or OFF; several are united into one object. Or one recipe (.toml) that puts tissues "
+                "together from meshes, depths and label volumes")
+      ->required();
   c->add_option("-o,--output", a->output, "case folder to write")->required();
   c->add_option("--unit", a->options.unit,
                 "unit of the files: mm, cm, m, um, inch (default: as declared, or by size, with the reason said)");
@@ -109,10 +131,14 @@ void addBake(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   c->add_option("--base-direction", a->base_direction,
                 "where the base goes: +x -x +y -y +z -z (default: where the scan is open)");
-  c->add_option("--voxel", a->options.voxelize.voxel_mm, "voxel size [mm]")->capture_default_str();
-  c->add_flag("--force", a->options.overwrite, "replace an existing case");
+  CLI::Option* voxel = c->add_option("--voxel", a->options.voxelize.voxel_mm, "voxel size [mm]; goes before a recipe's")
+                           ->capture_default_str();
+  c->add_flag("--force", a->options.overwrite, "bake anew and replace an existing case");
   c->add_flag("--json", a->json, "report as JSON on standard output");
-  c->callback([a, &exit_code] { exit_code = run(*a); });
+  c->callback([a, voxel, &exit_code] {
+    a->options.voxel_is_given = voxel->count() > 0;
+    exit_code = run(*a);
+  });
 }
 
 }  // namespace kerf::cli
