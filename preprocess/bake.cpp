@@ -61,11 +61,7 @@ Progress part(const Progress& whole, double from, double to) {
 std::string caseId(const CaseManifest& m, const BakeOptions& o) {
   std::string text = "kerf-case 1\n";
   for (const CaseSource& s : m.sources) text += fmt::format("{} {}\n", s.sha256, s.scale_to_mm);
-  const CloseOptions& c = o.close;
-  const Vec3d d = c.base_direction.value_or(Vec3d::Zero());
-  text += fmt::format("{} {} {} {} {} {} {} {} {} {} {} {}\n", nameOf(c.mode), c.base_margin_mm, d[0], d[1], d[2],
-                      c.rim_to_diagonal, c.crumb_fraction, c.debris_fraction, c.cleanup_length_mm, c.wrap_alpha_mm,
-                      c.wrap_offset_mm, kVersion);
+  text += fmt::format("{} {} {}\n", nameOf(o.close.mode), canonicalText(o.close), kVersion);
   text += fmt::format("{} {} {} {} {}\n", o.voxelize.voxel_mm, o.voxelize.exterior_voxels, o.voxelize.interior_voxels,
                       o.voxelize.interior_mm, static_cast<int>(o.voxelize.material));
   return sha256(std::as_bytes(std::span(text.data(), text.size())));
