@@ -68,11 +68,7 @@ std::string caseId(std::span<const std::string> hashes, const BakeOptions& o, co
   std::string text = fmt::format("kerf-case 2 {}\n", kVersion);
   for (const std::string& hash : hashes) text += hash + '\n';
   text += more;
-  const CloseOptions& c = o.close;
-  const Vec3d d = c.base_direction.value_or(Vec3d::Zero());
-  text += fmt::format("{} {} {} {} {} {} {} {} {} {} {} {}\n", o.unit, nameOf(c.mode), c.base_margin_mm, d[0], d[1],
-                      d[2], c.rim_to_diagonal, c.crumb_fraction, c.debris_fraction, c.cleanup_length_mm,
-                      c.wrap_alpha_mm, c.wrap_offset_mm);
+  text += fmt::format("{} {} {}\n", o.unit, nameOf(o.close.mode), canonicalText(o.close));
   text += fmt::format("{} {} {} {} {}\n", o.voxelize.voxel_mm, o.voxelize.exterior_voxels, o.voxelize.interior_voxels,
                       o.voxelize.interior_mm, static_cast<int>(o.voxelize.material));
   return sha256(std::as_bytes(std::span(text.data(), text.size())));

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -15,7 +17,8 @@ namespace {
 
 struct Arguments {
   std::vector<std::string> inputs;
-  std::string output, base_direction;
+  std::string output, base_direction, occlusal_plane;
+  double base_height = 0;  // 0: by the margin
   BakeOptions options;
   bool json = false;
 };
@@ -28,6 +31,33 @@ Expected<Vec3d> axis(const std::string& name) {
   if (it == kAxes.end())
     return fail({Error::Code::kBadValue, "", "--base-direction", "\"" + name + "\"", "+x, -x, +y, -y, +z or -z", ""});
   return it->second;
+}
+
+/// NX,NY,NZ or NX,NY,NZ@PX,PY,PZ.
+Expected<GivenPlane> plane(const std::string& text) {
+  const auto wrong = [&](const char* why) {
+    return fail({Error::Code::kBadValue, "", "--occlusal-plane", "\"" + text + "\"", why,
+                 "auto, 0,0,1 or 0.1,0,0.99@0,0,12.5"});
+  };
+  const auto vector = [](const std::string& s) -> std::optional<Vec3d> {
+    Vec3d v;
+    const char *at = s.data(), *end = s.data() + s.size();
+    for (int k = 0; k < 3; ++k) {
+      const auto [next, error] = std::from_chars(at, end, v[k]);
+      if (error != std::errc() || !std::isfinite(v[k]) || (k < 2 ? next == end || *next != ',' : next != end))
+        return {};
+      at = next + 1;
+    }
+    return v;
+  };
+  const std::size_t at = text.find('@');
+  const auto normal = vector(text.substr(0, at));
+  if (!normal || !(normal->norm() > 0)) return wrong("auto, or three numbers with commas: a normal, not of length 0");
+  GivenPlane given{*normal, {}};
+  if (at == std::string::npos) return given;
+  given.point = vector(text.substr(at + 1));
+  if (!given.point) return wrong("after @ a point on the plane: three numbers with commas, mm");
+  return given;
 }
 
 nlohmann::json toJson(const BakeReport& r) {
@@ -84,6 +114,14 @@ int run(Arguments& a) {
     if (!direction) return complain(direction.error()), kUsage;
     a.options.close.base_direction = *direction;
   }
+  if (a.occlusal_plane == "auto") {
+    a.options.close.find_occlusal_plane = true;
+  } else if (!a.occlusal_plane.empty()) {
+    const auto given = plane(a.occlusal_plane);
+    if (!given) return complain(given.error()), kUsage;
+    a.options.close.occlusal_plane = *given;
+  }
+  if (a.base_height > 0) a.options.close.base_height_mm = a.base_height;
   a.options.close.cleanup_length_mm = 0.01 * a.options.voxelize.voxel_mm;
   std::vector<std::filesystem::path> paths(a.inputs.begin(), a.inputs.end());
   const auto recipe = std::find_if(paths.begin(), paths.end(), looksLikeRecipe);
@@ -127,6 +165,17 @@ void addBake(CLI::App& app, int& exit_code) {
                 "approximate")
       ->transform(CLI::CheckedTransformer(modes, CLI::ignore_case))
       ->default_str("auto");
+  const std::map<std::string, BaseStyle> styles{{"horseshoe", BaseStyle::kHorseshoe}, {"full", BaseStyle::kFull}};
+  c->add_option("--base", a->options.close.base_style,
+                "horseshoe: walls follow the rim | full: on a plate under the outline of the rim")
+      ->transform(CLI::CheckedTransformer(styles, CLI::ignore_case))
+      ->default_str("horseshoe");
+  c->add_option("--occlusal-plane", a->occlusal_plane,
+                "make the base parallel to it: auto (found from the cusp tips) or NX,NY,NZ[@PX,PY,PZ], mm "
+                "(default: the base is square to an axis)");
+  c->add_option("--base-height", a->base_height,
+                "from the base up to the occlusal plane, or to the highest point [mm]; overrides --base-margin")
+      ->check(CLI::PositiveNumber);
   c->add_option("--base-margin", a->options.close.base_margin_mm, "base below the lowest point [mm]")
       ->capture_default_str();
   c->add_option("--base-direction", a->base_direction,
