@@ -13,6 +13,8 @@ std::span<const MeshFormatRow> meshFormats() {
       {"PLY", ".ply", "vertex and face colours, float or double; ASCII and binary in, binary out", isPly, readPly,
        writePly},
       {"OFF", ".off .coff .noff", "ASCII, vertex and face colours", isOff, readOff, writeOff},
+      {"3MF", ".3mf", "unit, face or vertex colours; several objects are read into one mesh", isThreeMf, readThreeMf,
+       writeThreeMf},
       {"OBJ", ".obj", "polygons, vertex colours; materials are not read", isObj, readObj, writeObj},
   };
   return kFormats;

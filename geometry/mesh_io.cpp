@@ -9,7 +9,7 @@ namespace kerf {
 
 std::string_view name(MeshFormat format) {
   constexpr std::string_view kNames[] = {
-      "binary STL", "ASCII STL", "ASCII PLY", "binary PLY (little endian)", "binary PLY (big endian)", "OBJ", "OFF"};
+      "binary STL", "ASCII STL", "ASCII PLY", "binary PLY (little endian)", "binary PLY (big endian)", "OBJ", "OFF", "3MF"};
   return kNames[static_cast<std::size_t>(format)];
 }
 
@@ -29,9 +29,7 @@ Expected<void> refuseForeign(const MeshSource& source) {
   const bool is_zip = text.starts_with("PK\x03\x04") || text.starts_with("PK\x05\x06");
   if ((is_zip && source.hasExtension(".dcm")) || start.find("<HPS") != start.npos)
     return refuse("a 3Shape DCM file, a closed format", dcm_hint);
-  if (is_zip && source.hasExtension(".3mf"))
-    return refuse("a 3MF file (a zip archive)", "save it as STL or PLY in the slicer");
-  if (is_zip)
+  if (is_zip && !source.hasExtension(".3mf"))
     return refuse("a zip archive", "unpack it first; if it is a 3Shape DCM file, export as STL or PLY instead");
   if (text.starts_with("\x1f\x8b")) return refuse("a gzip archive", "unpack it first (gunzip)");
   if (text.starts_with("7z\xbc\xaf\x27\x1c")) return refuse("a 7z archive", "unpack it first");

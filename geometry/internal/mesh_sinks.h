@@ -13,5 +13,6 @@ Expected<void> writeOff(std::ostream& out, const Mesh& mesh, const MeshWriteOpti
 // Our own.
 Expected<void> writePly(std::ostream& out, const Mesh& mesh, const MeshWriteOptions& options);
 Expected<void> writeObj(std::ostream& out, const Mesh& mesh, const MeshWriteOptions& options);
+Expected<void> writeThreeMf(std::ostream& out, const Mesh& mesh, const MeshWriteOptions& options);
 
 }  // namespace kerf::internal

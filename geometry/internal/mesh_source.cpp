@@ -10,6 +10,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "geometry/mesh_formats.h"
+
 namespace kerf::internal {
 
 std::string MeshSource::extension() const {
@@ -43,7 +45,8 @@ Expected<MeshSource> loadMeshSource(const std::filesystem::path& path) {
   MeshSource source;
   source.file = path.string();
   const auto refuse = [&](Error::Code code, std::string found, std::string hint) {
-    return fail({code, source.file, "file", std::move(found), "a mesh file (STL, PLY, OBJ or OFF)", std::move(hint)});
+    return fail(
+        {code, source.file, "file", std::move(found), "a mesh file (" + readableExtensions() + ")", std::move(hint)});
   };
   // O_NONBLOCK: opening a pipe must not wait for somebody to write into it.
   const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
@@ -63,7 +66,8 @@ Expected<MeshSource> loadMeshSource(const std::filesystem::path& path) {
   if (!S_ISREG(status.st_mode))
     return refuse(Error::Code::kUnreadable, "not a regular file (a device or a pipe)", "save the data to a file first");
   if (status.st_size == 0)
-    return fail(source.atByte(0, Error::Code::kEmpty, "an empty file (0 bytes)", "a mesh file (STL, PLY, OBJ or OFF)",
+    return fail(source.atByte(0, Error::Code::kEmpty, "an empty file (0 bytes)",
+                              "a mesh file (" + readableExtensions() + ")",
                               "export or copy it again; the copy may have been interrupted"));
   source.size = static_cast<std::size_t>(status.st_size);
   source.bytes.reset(new (std::nothrow) char[source.size]);

@@ -117,5 +117,7 @@ bool isObj(const MeshSource& source);
 Expected<MeshFile> readObj(const MeshSource& source, const Progress& progress);
 bool isOff(const MeshSource& source);
 Expected<MeshFile> readOff(const MeshSource& source, const Progress& progress);
+bool isThreeMf(const MeshSource& source);
+Expected<MeshFile> readThreeMf(const MeshSource& source, const Progress& progress);
 
 }  // namespace kerf::internal

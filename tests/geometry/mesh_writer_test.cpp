@@ -61,7 +61,7 @@ class MeshWriter : public testing::Test {
 
 TEST_F(MeshWriter, PositionsComeBackBitForBitInEveryFormat) {
   const Mesh m = torus(40);
-  for (const char* name : {"a.stl", "a.ply", "a.off", "a.obj", "A.STL"}) {
+  for (const char* name : {"a.stl", "a.ply", "a.off", "a.obj", "a.3mf", "A.STL"}) {
     const Mesh back = roundTrip(name, m).mesh;
     ASSERT_EQ(back.triangles.size(), m.triangles.size()) << name;
     ASSERT_EQ(back.vertices.size(), m.vertices.size()) << name;
@@ -84,7 +84,7 @@ struct CommaPoint : std::numpunct<char> {
 TEST_F(MeshWriter, TextDoesNotDependOnTheLocale) {
   const Mesh m = torus(40);
   const std::locale before = std::locale::global(std::locale(std::locale::classic(), new CommaPoint));
-  for (const char* name : {"a.ply", "a.off", "a.obj"}) {
+  for (const char* name : {"a.ply", "a.off", "a.obj", "a.3mf"}) {
     const Mesh back = roundTrip(name, m).mesh;
     EXPECT_EQ(back.triangles, m.triangles) << name;
     ASSERT_EQ(back.vertices.size(), m.vertices.size()) << name;
@@ -97,14 +97,15 @@ TEST_F(MeshWriter, ColoursComeBack) {
   const Mesh m = torus(12);
   for (const char* name : {"a.ply", "a.off", "a.obj"})
     EXPECT_EQ(roundTrip(name, m).mesh.vertex_colors, m.vertex_colors) << name;
-  for (const char* name : {"a.ply", "a.off"}) EXPECT_EQ(roundTrip(name, m).mesh.face_colors, m.face_colors) << name;
+  for (const char* name : {"a.ply", "a.off", "a.3mf"})
+    EXPECT_EQ(roundTrip(name, m).mesh.face_colors, m.face_colors) << name;
   EXPECT_FALSE(roundTrip("a.ply", m, {.colors = false}).mesh.hasVertexColors());
 }
 
 TEST_F(MeshWriter, FaceColoursAloneComeBack) {
   Mesh m = torus(12);
   m.vertex_colors.clear();
-  for (const char* name : {"a.ply", "a.off"}) {
+  for (const char* name : {"a.ply", "a.off", "a.3mf"}) {
     const MeshFile back = roundTrip(name, m);
     EXPECT_EQ(back.mesh.face_colors, m.face_colors) << name;
     EXPECT_FALSE(back.mesh.hasVertexColors()) << name;
@@ -146,7 +147,7 @@ TEST_F(MeshWriter, StlHeaderAttributesAndNormals) {
 }
 
 TEST_F(MeshWriter, FilesDoNotNameThemselves) {
-  for (const char* extension : {".stl", ".ply", ".off", ".obj"}) {
+  for (const char* extension : {".stl", ".ply", ".off", ".obj", ".3mf"}) {
     const std::string name = std::string("smith_john") + extension;
     ASSERT_TRUE(writeMesh(folder_.path() / name, torus(5)));
     EXPECT_EQ(contentOf(folder_.path() / name).find("smith"), std::string::npos) << extension;
@@ -156,7 +157,7 @@ TEST_F(MeshWriter, FilesDoNotNameThemselves) {
   EXPECT_TRUE(readMesh(folder_.path() / "a.ply"));
 }
 
-TEST_F(MeshWriter, NonManifoldIsRefusedByStlAndOffAndKeptByPlyAndObj) {
+TEST_F(MeshWriter, NonManifoldIsRefusedByStlAndOffAndKeptByTheOthers) {
   Mesh fan;
   fan.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}};
   fan.triangles = {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}};
@@ -168,7 +169,7 @@ TEST_F(MeshWriter, NonManifoldIsRefusedByStlAndOffAndKeptByPlyAndObj) {
     EXPECT_EQ(written.error().file, (folder_.path() / name).string());
   }
   EXPECT_EQ(folder_.entries(), 0u) << "nothing half-written is left";
-  for (const char* name : {"a.ply", "a.obj"}) EXPECT_EQ(roundTrip(name, fan).mesh.triangles, fan.triangles);
+  for (const char* name : {"a.ply", "a.obj", "a.3mf"}) EXPECT_EQ(roundTrip(name, fan).mesh.triangles, fan.triangles);
   fan.triangles = {{0, 1, 2}, {0, 1, 1}};
   EXPECT_FALSE(writeMesh(folder_.path() / "a.stl", fan)) << "a repeated corner";
 }
@@ -192,7 +193,7 @@ TEST_F(MeshWriter, WhatFloat32CannotHoldIsRefused) {
 TEST_F(MeshWriter, FullDiskAndMissingFolderAreReported) {
   EXPECT_EQ(writeMesh(folder_.path() / "no" / "a.stl", torus(5)).error().found, "No such file or directory");
   if (!std::filesystem::is_character_file("/dev/full")) GTEST_SKIP() << "no /dev/full here";
-  for (const char* extension : {".stl", ".ply", ".off", ".obj"}) {
+  for (const char* extension : {".stl", ".ply", ".off", ".obj", ".3mf"}) {
     const auto link = folder_.path() / (std::string("full") + extension);
     std::filesystem::create_symlink("/dev/full", link);
     const auto written = writeMesh(link, torus(60));

@@ -73,7 +73,7 @@ void addExport(CLI::App& app, int& exit_code) {
   CLI::App* c = app.add_subcommand("export", "Write the post-operative mesh of a run, or the closed solid of a case");
   c->footer("Example: kerf export molar.run -o molar.stl -o molar.ply");
   c->add_option("RUN|CASE", a->bundle, "run or case folder")->required();
-  c->add_option("-o,--output", a->outputs, "STL, PLY (colours), OBJ or OFF; repeat for several")
+  c->add_option("-o,--output", a->outputs, "STL, PLY (colours), OBJ, OFF or 3MF; repeat for several")
       ->required()
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
