@@ -249,8 +249,10 @@ void readBur(TomlTable& top, Tool& tool) {
   if (is_parted)
     tool.body_outlines.push_back(tool.cuts_end ? head.clipped(high, head.highest()) : head.clipped(0, low));
   if (neck > 0 || shank > 0) {
-    // The lowest part reaches down into the head until it is wholly covered: a ball narrows towards its top.
-    RevolvedProfile body(head.highestAsWideAs(0.5 * (neck > 0 ? neck : shank)));
+    // The lowest part reaches down into the head until it is wholly covered: a ball narrows towards its top. A shank
+    // wider than all of the head begins above it.
+    const double lowest = 0.5 * (neck > 0 ? neck : shank);
+    RevolvedProfile body(lowest > head.largestRadius() ? head.highest() : head.highestAsWideAs(lowest));
     if (neck > 0) body.lineTo(0.5 * neck, body.end()[1]).lineTo(0.5 * neck, head.highest() + neck_length);
     if (shank > 0)
       body.lineTo(0.5 * shank, body.end()[1]).lineTo(0.5 * shank, head.highest() + neck_length + shank_length);

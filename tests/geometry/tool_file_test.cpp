@@ -55,6 +55,24 @@ TEST(ToolFile, EveryToolThatComesWithKerfSaysWhatItIsAndWhereItsNumbersComeFrom)
   }
 }
 
+TEST(ToolFile, NoCuttingPartOfTheRackHidesInItsNeckOrShank) {
+  for (const ToolListing& t : listTools({std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools"})) {
+    ASSERT_TRUE(t.tool) << t.error->message();
+    if (!t.tool->cutting) continue;
+    for (const Eigen::Vector2d& p : t.tool->cutting->polyline(0.01))  // a neck may begin in the upper half
+      if (p[1] < 0.5 * t.tool->head_length_mm && p[0] > 0)
+        EXPECT_GT(t.tool->body->distance(Vec3d(p[0], 0, p[1])), -1e-9) << t.tool->id << " at " << p.transpose();
+  }
+}
+
+TEST(ToolFile, AShankWiderThanTheHeadBeginsAboveIt) {
+  const Tool drill =
+      bur("shape = \"drill\"\nhead_diameter = 2\nhead_length = 10\npoint_angle = 120\nshank_diameter = 2.35\n"
+          "shank_length = 5\n");
+  EXPECT_NEAR(drill.body->bounds().min[2], 10, 1e-12);
+  EXPECT_NEAR(drill.body->bounds().max[2], 15, 1e-12);
+}
+
 TEST(ToolFile, EveryShapeIsWrittenFromItsExamplesAndExplainedInTheReadme) {
   const std::string readme = contentOf(std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools/README.md");
   for (const HeadShape& shape : headShapes()) {
