@@ -12,7 +12,7 @@
 namespace kerf {
 namespace {
 
-constexpr int kVersion = 1;
+constexpr int kManifestVersion = 2;
 
 toml::array vec(const Vec3d& v) { return toml::array{v[0], v[1], v[2]}; }
 std::int64_t integer(std::uint64_t n) { return static_cast<std::int64_t>(n); }
@@ -25,7 +25,12 @@ bool isCase(const std::filesystem::path& folder) {
 }
 
 Expected<void> writeCaseManifest(const std::filesystem::path& folder, const CaseManifest& m) {
-  toml::array sources, changes;
+  toml::array sources, changes, materials, parts;
+  for (const CaseMaterial& c : m.materials)
+    materials.push_back(toml::table{{"id", c.id}, {"number", c.number}, {"volume_mm3", c.volume_mm3}});
+  for (const CasePart& c : m.parts)
+    parts.push_back(toml::table{
+        {"material", c.material}, {"origin", c.origin}, {"own_mm3", c.own_mm3}, {"volume_mm3", c.volume_mm3}});
   for (const CaseSource& s : m.sources)
     sources.push_back(toml::table{{"stored_as", s.stored_as},
                                   {"format", s.format},
@@ -36,9 +41,9 @@ Expected<void> writeCaseManifest(const std::filesystem::path& folder, const Case
                                   {"vertices", integer(s.vertices)},
                                   {"triangles", integer(s.triangles)}});
   for (const std::string& c : m.changes) changes.push_back(c);
-  const toml::table root{
+  toml::table root{
       {"format", "kerf-case"},
-      {"version", kVersion},
+      {"version", kManifestVersion},
       {"kerf_version", m.kerf_version},
       {"id", m.id},
       {"source", sources},
@@ -51,12 +56,13 @@ Expected<void> writeCaseManifest(const std::filesystem::path& folder, const Case
                             {"box_max_mm", vec(m.box.max)},
                             {"sha256", m.solid_sha256}}},
       {"field", toml::table{{"voxel_mm", m.voxel_mm},
-                            {"material", m.material},
                             {"voxels", integer(m.field_voxels)},
                             {"shell_points", integer(m.shell_points)},
                             {"shell_area_mm2", m.shell_area_mm2},
                             {"sha256", m.field_sha256}}},
+      {"material", materials},
   };
+  if (!parts.empty()) root.insert("part", parts);
   const auto path = folder / kCaseManifest;
   std::ofstream out(path, std::ios::binary);
   out << "# Kerf case. Lengths in mm. Training and lab tool, not a medical device.\n" << root << "\n";
@@ -77,10 +83,10 @@ Expected<CaseManifest> readCaseManifest(const std::filesystem::path& folder) {
   TomlTable top(root, path, "");
   CaseManifest m;
   const auto format = top.get<std::string>("format", "\"kerf-case\"");
-  const auto version = top.get<std::int64_t>("version", "1");
-  if (format != "kerf-case" || version != kVersion)
+  const auto version = top.get<std::int64_t>("version", "2");
+  if (format != "kerf-case" || version != kManifestVersion)
     return fail({Error::Code::kUnsupported, path.string(), "key format / version",
-                 fmt::format("{} version {}", format, version), fmt::format("kerf-case version {}", kVersion),
+                 fmt::format("{} version {}", format, version), fmt::format("kerf-case version {}", kManifestVersion),
                  "bake the case again with this Kerf"});
   m.kerf_version = top.get<std::string>("kerf_version", "a string");
   m.id = top.get<std::string>("id", "64 hexadecimal digits");
@@ -121,12 +127,34 @@ Expected<CaseManifest> readCaseManifest(const std::filesystem::path& folder) {
   KERF_CHECK(solid.finish());
   TomlTable field(child("field"), path, "field");
   m.voxel_mm = field.number("voxel_mm", 0.001, 100);
-  m.material = field.get<std::string>("material", "a material");
   m.field_voxels = static_cast<std::uint64_t>(field.get<std::int64_t>("voxels", "a count"));
   m.shell_points = static_cast<std::uint64_t>(field.get<std::int64_t>("shell_points", "a count"));
   m.shell_area_mm2 = field.get<double>("shell_area_mm2", "a number");
   m.field_sha256 = field.get<std::string>("sha256", "64 hexadecimal digits");
   KERF_CHECK(field.finish());
+  if (const toml::array* materials = top.tables("material"))
+    for (const toml::node& node : *materials) {
+      if (!node.is_table()) continue;
+      TomlTable t(*node.as_table(), path, "material");
+      CaseMaterial c;
+      c.id = t.get<std::string>("id", "a material");
+      c.number = static_cast<int>(t.number("number", 1, 255, "as a whole number"));
+      c.volume_mm3 = t.number("volume_mm3", 0, 1e12, "mm3");
+      KERF_CHECK(t.finish());
+      m.materials.push_back(c);
+    }
+  if (const toml::array* parts = top.has("part") ? top.tables("part") : nullptr)
+    for (const toml::node& node : *parts) {
+      if (!node.is_table()) continue;
+      TomlTable t(*node.as_table(), path, "part");
+      CasePart c;
+      c.material = t.get<std::string>("material", "a material");
+      c.origin = t.get<std::string>("origin", "a mesh, label or depth");
+      c.own_mm3 = t.number("own_mm3", 0, 1e12, "mm3");
+      c.volume_mm3 = t.number("volume_mm3", 0, 1e12, "mm3");
+      KERF_CHECK(t.finish());
+      m.parts.push_back(c);
+    }
   for (const char* name : {"close", "solid", "field"}) top.allow(name);
   KERF_CHECK(top.finish());
   return m;

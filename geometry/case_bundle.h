@@ -1,7 +1,8 @@
 // The case bundle: a folder that holds one patient object, as imported and as baked.
 //
 //   case.toml       manifest: sources, unit, what was changed, voxel size, hashes; read this first
-//   source-N.EXT    every imported file, byte for byte
+//   source-N.EXT    every imported file, byte for byte (a folder of slices: a folder)
+//   recipe.toml     the case recipe, byte for byte, if there was one
 //   solid.ply       the closed mesh in mm that export cuts: the source's vertices first, in their order (float32)
 //   anatomy.vdb     grids phi (mm, negative inside), material, shell
 #pragma once
@@ -17,6 +18,7 @@
 namespace kerf {
 
 inline constexpr const char* kCaseManifest = "case.toml";
+inline constexpr const char* kCaseRecipe = "recipe.toml";
 inline constexpr const char* kCaseSolid = "solid.ply";
 inline constexpr const char* kCaseAnatomy = "anatomy.vdb";
 
@@ -30,8 +32,22 @@ struct CaseSource {
   std::size_t vertices = 0, triangles = 0;
 };
 
+/// One material of the object, as its labels count it.
+struct CaseMaterial {
+  std::string id;  ///< as in materials.toml when the case was baked
+  int number = 0;  ///< what the material grid stores
+  double volume_mm3 = 0;
+};
+
+/// One part of the recipe: what it brought and what it got.
+struct CasePart {
+  std::string material;
+  std::string origin;     ///< "enamel.stl", "label 2", "depth < 1.5 mm"
+  double own_mm3 = 0;     ///< volume of its mesh or label alone; 0 for a depth
+  double volume_mm3 = 0;  ///< in the object: less what earlier parts took, plus gaps that were filled
+};
+
 struct CaseManifest {
-  int version = 1;
   std::string kerf_version;
   std::string id;  ///< sha256 over sources and settings: the same inputs give the same id
   std::vector<CaseSource> sources;
@@ -39,7 +55,8 @@ struct CaseManifest {
   std::vector<std::string> changes;  ///< what closing changed, plain sentences
   bool exact = true;                 ///< false: wrapped, the surface is an approximation of the scan
   double voxel_mm = 0;
-  std::string material;
+  std::vector<CaseMaterial> materials;  ///< in the order of their numbers; one for an object of one material
+  std::vector<CasePart> parts;          ///< empty for a case without a recipe
   std::size_t solid_vertices = 0, solid_triangles = 0;
   double solid_volume_mm3 = 0, solid_area_mm2 = 0;
   Box3 box;  ///< of the solid, mm

@@ -29,6 +29,23 @@ std::size_t editDistance(const std::string& a, const std::string& b) {
 
 }  // namespace
 
+std::vector<std::string> nearestNames(const std::string& found, std::vector<std::string> names, std::size_t most) {
+  std::vector<std::pair<std::size_t, std::string>> near;
+  for (std::string& name : names)
+    if (const std::size_t d = editDistance(found, name); d <= found.size() / 2)  // farther is no resemblance
+      near.emplace_back(d, std::move(name));
+  std::sort(near.begin(), near.end());
+  std::vector<std::string> out;
+  for (auto& [distance, name] : near)
+    if (out.size() < most && (out.empty() || out.back() != name)) out.push_back(std::move(name));
+  return out;
+}
+
+std::string nearestName(const std::string& found, const std::vector<std::string>& names) {
+  const std::vector<std::string> near = nearestNames(found, names, 1);
+  return near.empty() ? "" : near[0];
+}
+
 void TomlTable::missing(const std::string& key, const std::string& expected) {
   if (error_) return;
   keep({Error::Code::kBadFormat, file_.string(), place(key, &table_), "missing", expected, ""});
@@ -117,14 +134,15 @@ Expected<void> TomlTable::finish() {
     for (const auto& [key, node] : table_) {
       const std::string found(key.str());
       if (used_.contains(found)) continue;
-      std::string known, nearest;
-      std::size_t best = 1 + found.size() / 2;  // farther is no resemblance
-      for (const std::string& name : used_) {
-        known += (known.empty() ? "" : ", ") + name;
-        if (const std::size_t d = editDistance(found, name); d < best) best = d, nearest = name;
-      }
-      error_ = Error{Error::Code::kBadFormat, file_.string(),    place(found, &node),
-                     "unknown key",           "one of " + known, nearest.empty() ? "" : nearest};
+      std::string known;
+      for (const std::string& name : used_) known += (known.empty() ? "" : ", ") + name;
+      const auto hint = hints_.find(found);
+      error_ = Error{Error::Code::kBadFormat,
+                     file_.string(),
+                     place(found, &node),
+                     "unknown key",
+                     "one of " + known,
+                     hint != hints_.end() ? hint->second : nearestName(found, {used_.begin(), used_.end()})};
       break;
     }
   if (error_) return fail(*error_);

@@ -4,6 +4,7 @@
 #include <toml++/toml.h>
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
@@ -47,6 +48,9 @@ class TomlTable {
   /// Keeps an error about a key's value, unless there is one already.
   void reject(const std::string& key, std::string found, std::string expected, std::string hint = "");
   bool failed() const { return error_.has_value(); }
+  /// What to try when the file holds this unknown key: for words people use in place of ours. The nearest known key
+  /// otherwise.
+  void explain(const std::string& unknown_key, std::string hint) { hints_[unknown_key] = std::move(hint); }
   std::vector<std::string> strings(const std::string& key);
   const toml::array* tables(const std::string& key);
   std::vector<double> numbers(const std::string& key, std::size_t count);
@@ -65,9 +69,15 @@ class TomlTable {
   std::filesystem::path file_;
   std::string name_;
   std::set<std::string> used_;
+  std::map<std::string, std::string> hints_;
   std::optional<Error> error_;
   bool is_missing_ = false;  // error_ is about a missing key
 };
+
+/// The name that is fewest letters away from what was found; empty when none resembles it.
+std::string nearestName(const std::string& found, const std::vector<std::string>& names);
+/// The same, up to `most` names, the nearest first.
+std::vector<std::string> nearestNames(const std::string& found, std::vector<std::string> names, std::size_t most);
 
 /// Parses a file; syntax errors name line and column.
 Expected<toml::table> parseToml(const std::filesystem::path& file);

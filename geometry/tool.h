@@ -1,47 +1,70 @@
 // A cutting tool: what cuts, what only collides, and where it comes from.
 //
 // Frame: tip at the origin, axis +z towards the shank, mm.
-//   bur    revolved about +z; plunges along -z.
-//   blade  extends along +z from its tip, thickness along y, teeth along the edge x = 0, body towards +x: it cuts
-//   towards -x.
-//          The stroke is part of the shape: the cycle-averaged envelope reaches half a stroke beyond either end.
+//   bur    revolved about +z; plunges along -z, sideways along -x if its end does not cut.
+//   blade  reciprocating, piezo: extends along +z from its tip, thickness along y, teeth along the edge x = 0, body
+//          towards +x: it cuts towards -x. The stroke is part of the shape: the cycle-averaged envelope reaches half a
+//          stroke beyond either end.
+//          sagittal: teeth along the tip, an arc about the pivot at z = length; swings in the plane y = 0, cuts towards
+//          -z. The envelope is the sector its teeth sweep.
+//          disc: revolved about +z like a bur, 0 <= z <= kerf; cuts with its rim, plunges along -x.
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
+#include "geometry/iso6360.h"
 #include "geometry/mesh.h"
 #include "geometry/tool_shape.h"
 
 namespace kerf {
 
 enum class ToolKind { kBur, kBlade };
+enum class BladeMotion { kReciprocating, kPiezo, kSagittal, kSpin };
+const char* motionName(BladeMotion motion);  ///< as in files: "sagittal"
 
 struct Tool {
   std::string id;    ///< file stem: "round-014"
   std::string name;  ///< for people
   std::string description;
-  std::string iso6360;  ///< fifteen digits, or empty
+  std::string iso6360;         ///< fifteen digits, or empty
+  std::optional<Iso6360> iso;  ///< the same in parts
   ToolKind kind = ToolKind::kBur;
-  std::shared_ptr<const ToolShape> cut;      ///< tau_cut: the bur's head, the blade's toothed edge with its set
-  std::shared_ptr<const ToolShape> body;     ///< tau_body: neck, shank, flanks; may be null
+  std::shared_ptr<const ToolShape> cut;      ///< tau_cut: what of the head cuts, the blade's toothed edge with its set
+  std::shared_ptr<const ToolShape> body;     ///< tau_body: what only collides (inert parts, neck, shank); may be null
   Vec3d plunge_direction = -Vec3d::UnitZ();  ///< unit, tool frame: the way it goes straight in
 
-  // Bur: the head's outline (what revolves). Blade: the numbers of its edge.
-  std::shared_ptr<const RevolvedProfile> head;
-  double head_diameter_mm = 0;  ///< bur
-  double head_length_mm = 0;    ///< bur: along z
-  double thickness_mm = 0;      ///< blade, without set
-  double set_per_side_mm = 0;   ///< blade
+  // Bur and disc: outlines of what revolves.
+  std::shared_ptr<const RevolvedProfile> head;     ///< all of the head
+  std::shared_ptr<const RevolvedProfile> cutting;  ///< what of it cuts
+  std::vector<RevolvedProfile> body_outlines;      ///< what does not; together they are `body`
+  std::string shape;                               ///< bur: the head's shape by name
+  bool cuts_side = true, cuts_end = true;          ///< bur
+  double head_diameter_mm = 0;                     ///< bur; disc: its diameter
+  double head_length_mm = 0;                       ///< bur: along z
+
+  // Blade.
+  BladeMotion motion = BladeMotion::kReciprocating;
+  double thickness_mm = 0;     ///< without set
+  double set_per_side_mm = 0;  ///< how far teeth stand out
   double blade_length_mm = 0, blade_width_mm = 0, stroke_mm = 0, tooth_pitch_mm = 0, edge_depth_mm = 0;
+  double swing_deg = 0;  ///< sagittal: whole angle
 
   double kerfWidth() const { return thickness_mm + 2 * set_per_side_mm; }  ///< blade, mm
+  /// Sagittal: width of what the tip sweeps, mm: W + 2 L sin(angle / 2).
+  double sweptWidth() const;
+  /// The smallest extent that a grid has to resolve: of a bur its diameter or cutting height, of a blade the kerf; mm.
+  double finest() const;
 };
 
-/// Volume a tool takes out of a half-space when it goes straight in along plunge_direction by `depth`, mm^3, from its
-/// parameters alone (not from its distance field), good to 1e-9: the yardstick of `kerf tool check`.
-/// Bur: integral of pi R(z)^2, R the widest cutting radius that has passed; blade: kerf x envelope length x depth.
-double plungeVolume(const Tool& tool, double depth_mm);
+/// Volume a tool takes out of a half-space when it goes straight in along plunge_direction by `depth` from where its
+/// cutting part touches, mm^3, from its parameters alone (not from its distance field), good to 1e-9 of itself: the
+/// yardstick of `kerf tool check`. Along the axis: integral of pi R(z)^2, R the widest cutting radius that has passed;
+/// sideways: integral of the segments its circles cut; blade: kerf x area.
+/// @param window  mm: counts only the middle stretch of that length of a blade's edge.
+double plungeVolume(const Tool& tool, double depth_mm, double window_mm = std::numeric_limits<double>::infinity());
 
 /// The tool as a mesh for the eye: closed pieces, outward, teeth drawn; chords within `tolerance_mm` of the true
 /// outline.

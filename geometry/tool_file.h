@@ -26,7 +26,7 @@ std::vector<ToolListing> listTools(const std::vector<std::filesystem::path>& fol
 /// $KERF_ASSETS/tools, then beside the installed program, then the source tree this program was built from.
 std::vector<std::filesystem::path> defaultToolFolders();
 
-/// A tool's file by id (in the folders) or by path. kNotFound lists the ids there are.
+/// A tool's file by id (in the folders) or by path. kNotFound names the ids that resemble it.
 Expected<std::filesystem::path> findToolFile(const std::string& id_or_path,
                                              const std::vector<std::filesystem::path>& folders);
 

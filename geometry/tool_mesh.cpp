@@ -15,22 +15,7 @@ std::uint32_t addVertex(Mesh& mesh, const Vec3d& p) {
 }
 
 Mesh revolve(const RevolvedProfile& profile, double tolerance, Rgba8 color) {
-  std::vector<RevolvedProfile::Point> outline{{0.0, profile.lowest()}};
-  for (const auto& piece : profile.pieces()) {
-    if (piece.arc_radius > 0) {
-      const auto angle = [&](const RevolvedProfile::Point& p) {
-        return std::atan2(p[1] - piece.center[1], p[0] - piece.center[0]);
-      };
-      const double a = angle(piece.from), b = angle(piece.to);
-      const double step = 2 * std::acos(1 - std::min(0.5, tolerance / piece.arc_radius));
-      const int count = std::max(2, static_cast<int>(std::ceil((b - a) / step)));
-      for (int n = 1; n < count; ++n) {
-        const double t = a + (b - a) * n / count;
-        outline.push_back(piece.center + piece.arc_radius * RevolvedProfile::Point(std::cos(t), std::sin(t)));
-      }
-    }
-    outline.push_back(piece.to);
-  }
+  const std::vector<RevolvedProfile::Point> outline = profile.polyline(tolerance);
   const double step = 2 * std::acos(1 - std::min(0.3, tolerance / profile.largestRadius()));
   const int sides = std::max(8, static_cast<int>(std::ceil(2 * std::numbers::pi / step)));
 
@@ -93,15 +78,7 @@ Mesh prism(std::vector<Eigen::Vector2d> xz, double y0, double y1, Rgba8 color) {
   return mesh;
 }
 
-}  // namespace
-
-Mesh toolMesh(const Tool& tool, double tolerance_mm) {
-  if (tool.kind == ToolKind::kBur) {
-    Mesh mesh = revolve(*tool.head, tolerance_mm, kCutting);
-    if (const auto* body = dynamic_cast<const RevolvedShape*>(tool.body.get()))
-      append(mesh, revolve(body->profile(), tolerance_mm, kSteel));
-    return mesh;
-  }
+Mesh straightBlade(const Tool& tool) {
   const double half = 0.5 * tool.thickness_mm, set = tool.set_per_side_mm;
   const double height = std::min(tool.edge_depth_mm, 0.6 * tool.tooth_pitch_mm);
   Mesh mesh = prism({{height, 0},
@@ -117,6 +94,35 @@ Mesh toolMesh(const Tool& tool, double tolerance_mm) {
                        left ? -half - set : -half, left ? half : half + set, kCutting));
   }
   return mesh;
+}
+
+// At rest, in the middle of its swing; teeth end on the arc about the pivot.
+Mesh sagittalBlade(const Tool& tool) {
+  const double half = 0.5 * tool.thickness_mm, set = tool.set_per_side_mm, L = tool.blade_length_mm;
+  const double side = 0.5 * tool.blade_width_mm;
+  const auto arc = [&](double x) { return L - std::sqrt(L * L - x * x); };
+  const double base = arc(side) + std::min(tool.edge_depth_mm, 0.6 * tool.tooth_pitch_mm);
+  Mesh mesh = prism({{-side, base}, {side, base}, {side, L}, {-side, L}}, -half, half, kSteel);
+  const int teeth = std::max(1, static_cast<int>(std::floor(tool.blade_width_mm / tool.tooth_pitch_mm + 1e-9)));
+  for (int n = 0; n < teeth; ++n) {
+    const double left = side * (2.0 * n / teeth - 1), right = side * (2.0 * (n + 1) / teeth - 1);
+    const double tip = 0.5 * (left + right);
+    const bool leans = n % 2 == 0;
+    append(mesh, prism({{left, base}, {tip, arc(tip)}, {right, base}}, leans ? -half - set : -half,
+                       leans ? half : half + set, kCutting));
+  }
+  return mesh;
+}
+
+}  // namespace
+
+Mesh toolMesh(const Tool& tool, double tolerance_mm) {
+  if (tool.cutting) {  // it revolves
+    Mesh mesh = revolve(*tool.cutting, tolerance_mm, kCutting);
+    for (const RevolvedProfile& outline : tool.body_outlines) append(mesh, revolve(outline, tolerance_mm, kSteel));
+    return mesh;
+  }
+  return tool.motion == BladeMotion::kSagittal ? sagittalBlade(tool) : straightBlade(tool);
 }
 
 }  // namespace kerf

@@ -21,7 +21,7 @@ class ToolShape {
 };
 
 /// Outline of a solid of revolution in the half-plane (radius >= 0, height), from the lowest point on the axis upwards.
-/// Built piece by piece; heights never decrease. Every piece is a line or a circular arc bulging outwards.
+/// Built piece by piece; heights never decrease. Every piece is a line or a circular arc, exactly.
 class RevolvedProfile {
  public:
   using Point = Eigen::Vector2d;  ///< (radius, height), mm
@@ -30,14 +30,19 @@ class RevolvedProfile {
   explicit RevolvedProfile(double height = 0) : at_(0, height) {}
   RevolvedProfile& lineTo(double radius, double height);
   /// Arc about `center`, counter-clockwise (radius right, height up), at most half a turn, to `end` (same distance from
-  /// the centre).
+  /// the centre): bulges outwards.
   RevolvedProfile& arcTo(const Point& center, const Point& end);
+  /// The same clockwise: hollows the solid out.
+  RevolvedProfile& hollowArcTo(const Point& center, const Point& end);
   /// Closes to the axis with a flat top.
   RevolvedProfile& close() { return lineTo(0, at_[1]); }
 
   struct Piece {
     Point from, to, center;
-    double arc_radius = 0;  ///< 0: a line
+    double arc_radius = 0;   ///< 0: a line
+    bool is_hollow = false;  ///< an arc on the side of its circle that faces the axis
+    /// Radius of the solid at a height within the piece; on a level piece the larger end.
+    double radiusAt(double height) const;
   };
   const std::vector<Piece>& pieces() const { return pieces_; }
   Point end() const { return at_; }
@@ -46,10 +51,19 @@ class RevolvedProfile {
   double largestRadius() const;
   /// Radius of the solid at a height, 0 outside its range; at a step the larger one.
   double radiusAt(double height) const;
+  /// The greatest height where the solid is at least as wide as `radius`; lowest() when it nowhere is.
+  double highestAsWideAs(double radius) const;
   /// The outline never turns right, so that the solid of revolution is convex.
   bool isConvex() const;
+  /// The part between two heights, with flat ends, closed. @pre lowest() <= low < high <= highest().
+  RevolvedProfile clipped(double low, double high) const;
+  /// Corners from the axis to the axis; chords of arcs stay within `tolerance` mm of them.
+  std::vector<Point> polyline(double tolerance) const;
+  /// Signed distance in the half-plane, mm, negative inside. @pre closed.
+  double distance(const Point& p) const noexcept;
 
  private:
+  RevolvedProfile& add(const Piece& piece);
   Point at_;
   std::vector<Piece> pieces_;
 };
@@ -81,6 +95,21 @@ class BoxShape final : public ToolShape {
  private:
   Box3 box_;
   double rounding_;
+};
+
+/// A flat solid, symmetric about x = 0: an outline in the half-plane (|x|, z), thick along y: blades that swing.
+class ExtrudedShape final : public ToolShape {
+ public:
+  /// @pre the profile is closed: it ends on the axis.   @param thickness  mm, > 0.
+  ExtrudedShape(RevolvedProfile profile, double thickness);
+  double distance(const Vec3d& p) const noexcept override;
+  Box3 bounds() const override;
+  bool isConvex() const override { return is_convex_; }
+
+ private:
+  RevolvedProfile profile_;
+  double half_;
+  bool is_convex_;
 };
 
 /// Union by the minimum: exact outside, a lower bound inside near where parts meet.

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <mutex>
 
+#include "geometry/internal/vdb_bricks.h"
 #include "geometry/internal/vdb_writer.h"
 
 namespace kerf {
@@ -29,6 +30,29 @@ Error readError(const std::filesystem::path& path, const std::string& place, con
 Vec3i toVec(const openvdb::Coord& c) { return {c.x(), c.y(), c.z()}; }
 
 }  // namespace
+
+BrickField internal::toBricks(const openvdb::FloatGrid& grid) {
+  float interior = 0;  // the deepest constant inside; a file without interior tiles has none to tell
+  auto deep = grid.tree().cbeginValueAll();
+  deep.setMaxDepth(openvdb::FloatTree::ValueAllCIter::LEAF_DEPTH - 1);
+  for (; deep; ++deep) interior = std::min(interior, deep.getValue());
+  BrickField field(grid.voxelSize()[0], grid.background(), interior < 0 ? interior : -grid.background());
+  field.reserve(grid.tree().leafCount());
+  for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf)
+    field.add(brickOf(toVec(leaf->origin())), std::span<const float, kBrickNodes>(leaf->buffer().data(), kBrickNodes));
+  auto tile = grid.tree().cbeginValueAll();
+  tile.setMaxDepth(openvdb::FloatTree::ValueAllCIter::LEAF_DEPTH - 1);
+  for (; tile; ++tile) {
+    if (tile.getValue() >= 0) continue;
+    openvdb::CoordBBox box;
+    tile.getBoundingBox(box);
+    const Vec3i low = brickOf(toVec(box.min())), high = brickOf(toVec(box.max()));
+    for (int x = low[0]; x <= high[0]; ++x)
+      for (int y = low[1]; y <= high[1]; ++y)
+        for (int z = low[2]; z <= high[2]; ++z) field.markInterior({x, y, z});
+  }
+  return field;
+}
 
 Expected<void> writeVdb(const std::filesystem::path& path, const std::vector<NamedField>& fields,
                         const std::map<std::string, std::string>& metadata) {
@@ -87,27 +111,7 @@ Expected<BrickField> readVdb(const std::filesystem::path& path, const std::strin
     if (grid->tree().leafCount() > 0 && (openvdb::Coord::lessThan(extent.min(), openvdb::Coord(-kFarthest)) ||
                                          openvdb::Coord::lessThan(openvdb::Coord(kFarthest - 1), extent.max())))
       return fail(readError(path, "grid " + name, "voxels too far from the origin"));
-    float interior = 0;  // the deepest constant inside; a file without interior tiles has none to tell
-    auto deep = grid->tree().cbeginValueAll();
-    deep.setMaxDepth(openvdb::FloatTree::ValueAllCIter::LEAF_DEPTH - 1);
-    for (; deep; ++deep) interior = std::min(interior, deep.getValue());
-    BrickField field(transform.voxelSize()[0], grid->background(), interior < 0 ? interior : -grid->background());
-    field.reserve(grid->tree().leafCount());
-    for (auto leaf = grid->tree().cbeginLeaf(); leaf; ++leaf)
-      field.add(brickOf(toVec(leaf->origin())),
-                std::span<const float, kBrickNodes>(leaf->buffer().data(), kBrickNodes));
-    auto tile = grid->tree().cbeginValueAll();
-    tile.setMaxDepth(openvdb::FloatTree::ValueAllCIter::LEAF_DEPTH - 1);
-    for (; tile; ++tile) {
-      if (tile.getValue() >= 0) continue;
-      openvdb::CoordBBox box;
-      tile.getBoundingBox(box);
-      const Vec3i low = brickOf(toVec(box.min())), high = brickOf(toVec(box.max()));
-      for (int x = low[0]; x <= high[0]; ++x)
-        for (int y = low[1]; y <= high[1]; ++y)
-          for (int z = low[2]; z <= high[2]; ++z) field.markInterior({x, y, z});
-    }
-    return field;
+    return internal::toBricks(*grid);
   } catch (const std::exception& e) {
     return fail(readError(path, "", e.what()));
   }

@@ -1,20 +1,30 @@
 #include "preprocess/bake.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <chrono>
+#include <map>
+#include <memory>
+#include <span>
 
 #include "geometry/atomic_file.h"
 #include "geometry/hash.h"
-#include "geometry/mesh_io.h"
 #include "geometry/mesh_writer.h"
 #include "geometry/version.h"
-#include "preprocess/unit.h"
+#include "preprocess/case_recipe.h"
+#include "preprocess/internal/bake_sources.h"
+#if __has_include("preprocess/label_surface.h")
+#include "preprocess/label_surface.h"
+#include "preprocess/label_volume.h"
+#define HAVE_LABELS
+#endif
+#include "preprocess/voxel_union.h"
 
 namespace kerf {
 namespace {
+
+namespace fs = std::filesystem;
 
 const char* nameOf(CloseMode mode) {
   switch (mode) {
@@ -28,15 +38,6 @@ const char* nameOf(CloseMode mode) {
       return "wrap";
   }
   return "?";
-}
-
-// The extension to store a source under. A name may hold any byte, a manifest only text: odd ones are dropped.
-std::string safeExtension(const std::filesystem::path& path) {
-  const std::string e = path.extension().string();
-  const auto plain = [](char c) {
-    return c == '.' || (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
-  };
-  return std::all_of(e.begin(), e.end(), plain) ? e : std::string();
 }
 
 class Stopwatch {
@@ -58,63 +59,172 @@ Progress part(const Progress& whole, double from, double to) {
   return [whole, from, to](double f, std::string_view what) { return whole(from + f * (to - from), what); };
 }
 
-std::string caseId(const CaseManifest& m, const BakeOptions& o) {
-  std::string text = "kerf-case 1\n";
-  for (const CaseSource& s : m.sources) text += fmt::format("{} {}\n", s.sha256, s.scale_to_mm);
-  const CloseOptions& c = o.close;
-  const Vec3d d = c.base_direction.value_or(Vec3d::Zero());
-  text += fmt::format("{} {} {} {} {} {} {} {} {} {} {} {}\n", nameOf(c.mode), c.base_margin_mm, d[0], d[1], d[2],
-                      c.rim_to_diagonal, c.crumb_fraction, c.debris_fraction, c.cleanup_length_mm, c.wrap_alpha_mm,
-                      c.wrap_offset_mm, kVersion);
+tl::unexpected<Error> cancelError() {
+  return fail({Error::Code::kCancelled, "", "", "cancelled; nothing was written", "", ""});
+}
+
+// Everything the result depends on: the same id, the same case.
+std::string caseId(std::span<const std::string> hashes, const BakeOptions& o, const std::string& more) {
+  std::string text = fmt::format("kerf-case 2 {}\n", kVersion);
+  for (const std::string& hash : hashes) text += hash + '\n';
+  text += more;
+  text += fmt::format("{} {} {}\n", o.unit, nameOf(o.close.mode), canonicalText(o.close));
   text += fmt::format("{} {} {} {} {}\n", o.voxelize.voxel_mm, o.voxelize.exterior_voxels, o.voxelize.interior_voxels,
                       o.voxelize.interior_mm, static_cast<int>(o.voxelize.material));
   return sha256(std::as_bytes(std::span(text.data(), text.size())));
 }
 
+// The case that is there already, if it is this very one and undamaged.
+std::optional<CaseManifest> existing(const fs::path& case_folder, const std::string& id) {
+  if (!isCase(case_folder)) return {};
+  auto manifest = readCaseManifest(case_folder);
+  if (!manifest || manifest->id != id || !requireSha256(case_folder / kCaseSolid, manifest->solid_sha256, "") ||
+      !requireSha256(case_folder / kCaseAnatomy, manifest->field_sha256, ""))
+    return {};
+  return std::move(*manifest);
+}
+
+// What a bake works on, whatever it came from.
+struct Object {
+  Mesh solid;
+  std::vector<MaterialClaim> claims;
+};
+
+// Voxelizes and writes; the last steps of every bake.
+Expected<void> finish(const Object& object, const BakeOptions& options, const MaterialTable& materials,
+                      AtomicFolder& staging, BakeReport& out, Stopwatch& watch, const Progress& progress) {
+  const fs::path& folder = staging.staging();
+  VoxelizeOptions voxelize_options = options.voxelize;
+  for (const MaterialProperties& m : materials.rows())
+    voxelize_options.material_names +=
+        fmt::format("{}{} {}", voxelize_options.material_names.empty() ? "" : ", ", static_cast<int>(m.material), m.id);
+  KERF_TRY(anatomy, voxelize(object.solid, voxelize_options, part(progress, 0.3, 0.85), object.claims));
+  out.times.voxelize = watch.lap();
+
+  CaseManifest& m = out.manifest;
+  const AnatomyStats& stats = anatomy.stats();
+  out.materials = stats.materials;
+  m.kerf_version = kVersion;
+  m.close_mode = nameOf(options.close.mode);
+  m.voxel_mm = options.voxelize.voxel_mm;
+  std::map<Material, double> volumes;
+  for (std::size_t n = 0; n < object.claims.size(); ++n) {
+    volumes[object.claims[n].material] += stats.materials.claimed_mm3[n];
+    m.parts[n].volume_mm3 = stats.materials.claimed_mm3[n];
+  }
+  if (object.claims.empty()) volumes[options.voxelize.material] = stats.volume_mm3;
+  if (stats.materials.forgotten_mm3 > 0) volumes[options.voxelize.material] += stats.materials.forgotten_mm3;
+  for (const auto& [material, volume] : volumes) {
+    const MaterialProperties* row = materials.find(material);
+    m.materials.push_back({row ? row->id : "?", static_cast<int>(material), volume});
+  }
+  m.solid_vertices = object.solid.vertices.size(), m.solid_triangles = object.solid.triangles.size();
+  m.solid_volume_mm3 = signedVolume(object.solid), m.solid_area_mm2 = surfaceArea(object.solid);
+  m.box = bounds(object.solid);
+  m.field_voxels = stats.active_voxels, m.shell_points = stats.shell_points;
+  m.shell_area_mm2 = stats.shell_area_mm2;
+  if (!report(progress, 0.85, "writing")) return cancelError();
+  KERF_CHECK(writeMesh(folder / kCaseSolid, object.solid));
+  KERF_CHECK(anatomy.write(folder / kCaseAnatomy));
+  KERF_TRY(solid_hash, sha256OfFile(folder / kCaseSolid));
+  KERF_TRY(field_hash, sha256OfFile(folder / kCaseAnatomy));
+  m.solid_sha256 = solid_hash, m.field_sha256 = field_hash;
+  KERF_CHECK(writeCaseManifest(folder, m));
+  if (!report(progress, 0.95, "syncing")) return cancelError();
+  KERF_CHECK(staging.commit());
+  out.times.write += watch.lap();
+  report(progress, 1.0, "done");
+  return {};
+}
+
+#ifdef HAVE_LABELS
+// The labels' surface as a mesh; fills what the parts bring and the sampler that tells them apart.
+struct LabelObject {
+  std::shared_ptr<const SmoothLabels> labels;
+  Mesh surface;
+};
+
+Expected<LabelObject> readLabels(const CaseRecipe& recipe, const std::string& hash, const fs::path& case_folder,
+                                 BakeReport& out, const Progress& progress) {
+  const fs::path path = recipe.resolve(recipe.labels->volume);
+  LabelReadOptions read;
+  read.spacing_mm = recipe.labels->spacing_mm, read.threshold = recipe.labels->threshold;
+  KERF_TRY(volume, readLabelVolume(path, read, part(progress, 0, 0.3)));
+  std::vector<std::uint16_t> wanted;
+  for (const RecipePart& p : recipe.parts)
+    if (p.label && std::find(wanted.begin(), wanted.end(), *p.label) == wanted.end()) wanted.push_back(*p.label);
+  SmoothLabelOptions smooth;
+  if (recipe.labels->smoothing_voxels) smooth.smoothing_voxels = *recipe.labels->smoothing_voxels;
+  KERF_TRY(labels, SmoothLabels::create(volume, wanted, smooth, part(progress, 0.3, 0.8)));
+  LabelObject object;
+  object.labels = std::make_shared<const SmoothLabels>(std::move(labels));
+  KERF_TRY(surface, object.labels->surface());
+  object.surface = std::move(surface);
+  KERF_TRY(source, internal::storeSource(path, volume.format, hash, case_folder, out.manifest));
+  source->unit = "mm", source->unit_reason = "as label volumes are";
+  out.unit_is_doubtful.push_back(false);
+  std::vector<std::string> notes;
+  if (volume.is_spacing_given)
+    notes.push_back(fmt::format("the spacing, {} x {} x {} mm, is the recipe's", volume.spacing[0], volume.spacing[1],
+                                volume.spacing[2]));
+  for (const LabelVolumeReport& r : object.labels->reports())
+    if (r.pieces_now != r.pieces)
+      notes.push_back(fmt::format("smoothing left label {} in {} pieces; it had {}", r.label, r.pieces_now, r.pieces));
+  out.notes.push_back(std::move(notes));
+  return object;
+}
+
+#endif
+// The object's surface: an exact union of its parts, or one rebuilt from their distance fields.
+Expected<Mesh> unite(const std::vector<Mesh>& parts, const BakeOptions& options, BakeReport& out,
+                     const Progress& progress) {
+  CloseOptions close = options.close;
+  if (close.mode == CloseMode::kAuto) close.mode = CloseMode::kRepair;
+  auto exact = closeMeshes(parts, close, part(progress, 0, 0.5));
+  if (exact && exact->report.exact) {
+    out.close = exact->report;
+    return std::move(exact->mesh);
+  }
+  if (!exact && (exact.error().code == Error::Code::kCancelled || parts.size() < 2)) return fail(exact.error());
+  // Finer than this the surface gains microns and the mesh millions of triangles.
+  const double voxel = std::max(options.voxelize.voxel_mm, 0.1);
+  KERF_TRY(rebuilt, voxelUnion(parts, voxel, part(progress, 0.5, 0.8)));
+  const std::string changes = fmt::format(
+      "no exact union of the {} parts could be made ({}): the surface was REBUILT from their distance fields at {} mm; "
+      "it lies {:.4f} mm rms, {:.3f} mm at most from the parts', gaps between them up to {:.3g} mm are closed",
+      parts.size(), exact ? "it would have been a shrink-wrap" : exact.error().found, voxel, rebuilt.rms_off_mm,
+      rebuilt.largest_off_mm, 2 * voxel);
+  KERF_TRY(solid, closeMesh(rebuilt.mesh, close, part(progress, 0.8, 1)));
+  out.close = solid.report;
+  out.close.exact = false;
+  out.close.changes.insert(out.close.changes.begin(), changes);
+  return std::move(solid.mesh);
+}
+
 }  // namespace
 
-Expected<BakeReport> bake(const std::vector<std::filesystem::path>& meshes, const std::filesystem::path& case_folder,
-                          const BakeOptions& options, const Progress& progress) {
-  const auto cancelError = [] {
-    return fail({Error::Code::kCancelled, "", "", "cancelled; nothing was written", "", ""});
-  };
+Expected<BakeReport> bake(const std::vector<fs::path>& meshes, const fs::path& case_folder, const BakeOptions& options,
+                          const Progress& progress) {
   BakeReport out;
   Stopwatch watch;
   KERF_CHECK(checkVoxelSize(options.voxelize.voxel_mm));  // before the minutes of closing, not after
-  KERF_TRY(staging, AtomicFolder::create(case_folder, options.overwrite, kCaseManifest));
-  const std::filesystem::path& folder = staging.staging();
-  out.times.write += watch.lap();
-
-  std::vector<Mesh> sources;
-  for (const auto& path : meshes) {
-    if (!report(progress, 0.0, "reading " + path.filename().string())) return cancelError();
-    KERF_TRY(file, readMesh(path));
-    auto unit = chooseUnit(bounds(file.mesh), options.unit, file.declared_unit);
-    if (!unit) {
-      unit.error().file = path.string();
-      return fail(unit.error());
-    }
-    CaseSource source;
-    source.stored_as = fmt::format("source-{}{}", out.manifest.sources.size() + 1, safeExtension(path));
-    source.format = name(file.format);
-    KERF_TRY(hash, sha256OfFile(path));
-    source.sha256 = hash;
-    source.unit = unit->unit, source.unit_reason = unit->reason, source.scale_to_mm = unit->scale_to_mm;
-    source.vertices = file.mesh.vertices.size(), source.triangles = file.mesh.triangles.size();
-    std::error_code failed;
-    std::filesystem::copy_file(path, folder / source.stored_as, failed);
-    if (failed)
-      return fail({Error::Code::kWriteFailed, (folder / source.stored_as).string(), "", failed.message(), "",
-                   "free some space"});
-    if (unit->scale_to_mm != 1)
-      for (Vec3d& p : file.mesh.vertices) p *= unit->scale_to_mm;
-    out.unit_is_doubtful.push_back(unit->is_doubtful);
-    out.notes.push_back(file.notes);
-    out.manifest.sources.push_back(source);
-    sources.push_back(std::move(file.mesh));
+  KERF_TRY(materials, readDefaultMaterials());
+  std::vector<std::string> hashes;
+  for (const fs::path& path : meshes) {
+    KERF_TRY(hash, internal::sha256OfSource(path));
+    hashes.push_back(hash);
   }
+  out.manifest.id = caseId(hashes, options, "");
+  if (!options.overwrite)
+    if (auto manifest = existing(case_folder, out.manifest.id)) {
+      out.manifest = std::move(*manifest), out.was_up_to_date = true;
+      return out;
+    }
+  KERF_TRY(staging, AtomicFolder::create(case_folder, options.overwrite, kCaseManifest));
+  out.times.write += watch.lap();
+  KERF_TRY(sources, internal::readMeshSources(meshes, hashes, options.unit, true, staging.staging(), out,
+                                              part(progress, 0, 0.05)));
   out.times.read = watch.lap();
-
   if (!report(progress, 0.05, "checking")) return cancelError();
   for (const Mesh& mesh : sources) out.source_checks.push_back(checkMesh(mesh));
   out.times.check = watch.lap();
@@ -126,74 +236,115 @@ Expected<BakeReport> bake(const std::vector<std::filesystem::path>& meshes, cons
     return fail(solid.error());
   }
   out.close = solid->report;
+  out.manifest.changes = out.close.changes;
+  out.manifest.exact = out.close.exact;
   out.times.close = watch.lap();
-
-  KERF_TRY(anatomy, voxelize(solid->mesh, options.voxelize, part(progress, 0.3, 0.85)));
-  out.times.voxelize = watch.lap();
-
-  CaseManifest& m = out.manifest;
-  m.kerf_version = kVersion;
-  m.close_mode = nameOf(options.close.mode);
-  m.changes = out.close.changes;
-  m.exact = out.close.exact;
-  m.voxel_mm = options.voxelize.voxel_mm;
-  m.material = "generic";
-  m.solid_vertices = solid->mesh.vertices.size(), m.solid_triangles = solid->mesh.triangles.size();
-  m.solid_volume_mm3 = signedVolume(solid->mesh), m.solid_area_mm2 = surfaceArea(solid->mesh);
-  m.box = bounds(solid->mesh);
-  m.field_voxels = anatomy.stats().active_voxels, m.shell_points = anatomy.stats().shell_points;
-  m.shell_area_mm2 = anatomy.stats().shell_area_mm2;
-  m.id = caseId(m, options);
-  if (!report(progress, 0.85, "writing")) return cancelError();
-  KERF_CHECK(writeMesh(folder / kCaseSolid, solid->mesh));
-  KERF_CHECK(anatomy.write(folder / kCaseAnatomy));
-  KERF_TRY(solid_hash, sha256OfFile(folder / kCaseSolid));
-  KERF_TRY(field_hash, sha256OfFile(folder / kCaseAnatomy));
-  m.solid_sha256 = solid_hash, m.field_sha256 = field_hash;
-  KERF_CHECK(writeCaseManifest(folder, m));
-  if (!report(progress, 0.95, "syncing")) return cancelError();
-  KERF_CHECK(staging.commit());
-  out.times.write += watch.lap();
-  report(progress, 1.0, "done");
+  KERF_CHECK(finish({std::move(solid->mesh), {}}, options, materials, staging, out, watch, progress));
   return out;
 }
 
-std::string describe(const BakeReport& r) {
-  std::string text;
-  const auto line = [&text](const std::string& s) { text += s + "\n"; };
-  for (std::size_t i = 0; i < r.manifest.sources.size(); ++i) {
-    const CaseSource& s = r.manifest.sources[i];
-    const MeshReport& c = r.source_checks[i];
-    line(fmt::format("source {}: {}, {} vertices, {} triangles", i + 1, s.format, s.vertices, s.triangles));
-    line(fmt::format("  unit     {}{}: {}", r.unit_is_doubtful[i] ? "CHECK THIS: " : "", s.unit, s.unit_reason));
-    line(fmt::format("  size     {:.2f} x {:.2f} x {:.2f} mm", c.box.size()[0], c.box.size()[1], c.box.size()[2]));
-    line(
-        fmt::format("  defects  {} boundary loops ({} edges), {} non-manifold edges, {} flipped, {} degenerate, {} "
-                    "repeated, {} pieces, "
-                    "{} self-intersections",
-                    c.boundary_loops.size(), c.boundary_edges, c.non_manifold_edges, c.flipped_edges,
-                    c.degenerate_triangles, c.duplicate_triangles, c.pieces, c.self_intersections));
-    for (const std::string& note : r.notes[i]) line("  note     " + note);
+Expected<BakeReport> bakeRecipe(const fs::path& recipe_file, const fs::path& case_folder, const BakeOptions& asked,
+                                const Progress& progress) {
+  BakeReport out;
+  Stopwatch watch;
+  KERF_TRY(materials, readDefaultMaterials());
+  KERF_TRY(recipe, readCaseRecipe(recipe_file, materials));
+  BakeOptions options = asked;
+  if (!asked.voxel_is_given && recipe.voxel_mm) options.voxelize.voxel_mm = *recipe.voxel_mm;
+  if (options.unit.empty()) options.unit = recipe.unit;
+  options.voxelize.material = recipe.fallback;
+  KERF_CHECK(checkVoxelSize(options.voxelize.voxel_mm));
+
+  const std::vector<fs::path> names = recipe.meshes();
+  std::vector<fs::path> paths;
+  for (const fs::path& name : names) paths.push_back(recipe.resolve(name));
+  std::vector<std::string> hashes;
+  for (const fs::path& path : paths) {
+    KERF_TRY(hash, internal::sha256OfSource(path));
+    hashes.push_back(hash);
   }
-  if (r.manifest.changes.empty()) line("closing: nothing had to be changed");
-  for (const std::string& change : r.manifest.changes) line("closing: " + change);
-  if (!r.manifest.exact)
-    line("WARNING: the surface is a shrink-wrap, an approximation of the scan: no source vertex is preserved");
-  const CaseManifest& m = r.manifest;
-  line(fmt::format("solid: {} vertices, {} triangles, {:.2f} mm3, {:.2f} mm2", m.solid_vertices, m.solid_triangles,
-                   m.solid_volume_mm3, m.solid_area_mm2));
-  line(fmt::format("field: {} mm voxels, {:.2f} M in the band; shell: {:.2f} M points standing for {:.2f} mm2",
-                   m.voxel_mm, static_cast<double>(m.field_voxels) / 1e6, static_cast<double>(m.shell_points) / 1e6,
-                   m.shell_area_mm2));
-  if (m.shell_area_mm2 < 0.98 * m.solid_area_mm2)
-    line(
-        fmt::format("WARNING: the field holds {:.1f} % less surface than the solid: slots and fins thinner than a "
-                    "voxel are lost in it "
-                    "(export is exact all the same). A finer --voxel keeps more",
-                    100 * (1 - m.shell_area_mm2 / m.solid_area_mm2)));
-  line(fmt::format("time: read {:.2f}, check {:.2f}, close {:.2f}, voxelize {:.2f}, write {:.2f} s", r.times.read,
-                   r.times.check, r.times.close, r.times.voxelize, r.times.write));
-  return text;
+  if (recipe.labels) {
+    KERF_TRY(hash, internal::sha256OfSource(recipe.resolve(recipe.labels->volume)));
+    hashes.push_back(hash);
+  }
+  KERF_TRY(recipe_hash, sha256OfFile(recipe_file));
+  std::string numbers = recipe_hash + '\n';  // what the ids of the recipe are in the grid
+  for (const RecipePart& p : recipe.parts)
+    numbers += fmt::format("{} {}\n", p.material.id, static_cast<int>(p.material.material));
+  out.manifest.id = caseId(hashes, options, numbers);
+  if (!options.overwrite)
+    if (auto manifest = existing(case_folder, out.manifest.id)) {
+      out.manifest = std::move(*manifest), out.was_up_to_date = true;
+      return out;
+    }
+  KERF_TRY(staging, AtomicFolder::create(case_folder, options.overwrite, kCaseManifest));
+  std::error_code failed;
+  fs::copy_file(recipe_file, staging.staging() / kCaseRecipe, failed);
+  if (failed)
+    return fail({Error::Code::kWriteFailed, (staging.staging() / kCaseRecipe).string(), "", failed.message(), "",
+                 "free some space"});
+  out.times.write += watch.lap();
+
+  KERF_TRY(meshes, internal::readMeshSources(paths, hashes, options.unit, true, staging.staging(), out,
+                                             part(progress, 0, 0.05)));
+  for (const Mesh& mesh : meshes) out.source_checks.push_back(checkMesh(mesh));
+#ifdef HAVE_LABELS
+  LabelObject labels;
+  if (recipe.labels) {
+    KERF_TRY(read, readLabels(recipe, hashes.back(), staging.staging(), out, part(progress, 0.05, 0.15)));
+    labels = std::move(read);
+  }
+#endif
+  out.times.read = watch.lap();
+
+  // Each mesh as a solid of its own: it is asked what it covers.
+  std::map<fs::path, Mesh> solids;
+  std::vector<std::string> changes;
+  for (std::size_t n = 0; n < names.size(); ++n) {
+    CloseOptions close = options.close;
+    if (close.mode == CloseMode::kAuto) close.mode = CloseMode::kRepair;  // a part has no missing underside
+    auto solid = closeMesh(meshes[n], close, part(progress, 0.15, 0.2));
+    if (!solid) {
+      if (solid.error().file.empty()) solid.error().file = paths[n].string();
+      return fail(solid.error());
+    }
+    for (const std::string& change : solid->report.changes)
+      changes.push_back(names[n].filename().string() + ": " + change);
+    solids.emplace(names[n], std::move(solid->mesh));
+  }
+  std::vector<Mesh> outline;
+  for (const fs::path& name : recipe.outline.empty() ? names : recipe.outline) outline.push_back(solids.at(name));
+#ifdef HAVE_LABELS
+  if (recipe.labels) outline.push_back(labels.surface);
+#endif
+  if (!report(progress, 0.2, "uniting parts")) return cancelError();
+  Object object;
+  KERF_TRY(solid, unite(outline, options, out, part(progress, 0.2, 0.3)));
+  object.solid = std::move(solid);
+  changes.insert(changes.end(), out.close.changes.begin(), out.close.changes.end());
+  out.manifest.changes = changes;
+  out.manifest.exact = out.close.exact;
+  out.times.close = watch.lap();
+
+  for (const RecipePart& p : recipe.parts) {
+    MaterialClaim claim;
+    claim.material = p.material.material, claim.replaces = p.replaces, claim.depth = p.depth;
+    CasePart row{p.material.id, p.origin(), 0, 0};
+    if (!p.mesh.empty()) {
+      claim.solid = &solids.at(p.mesh);
+      row.own_mm3 = signedVolume(*claim.solid);
+#ifdef HAVE_LABELS
+    } else if (p.label) {
+      claim.covers = [smooth = labels.labels, label = *p.label](const Vec3d& x) { return smooth->labelAt(x) == label; };
+      for (const LabelVolumeReport& r : labels.labels->reports())
+        if (r.label == *p.label) row.own_mm3 = r.counted_mm3;
+#endif
+    }
+    object.claims.push_back(std::move(claim));
+    out.manifest.parts.push_back(std::move(row));
+  }
+  KERF_CHECK(finish(object, options, materials, staging, out, watch, progress));
+  return out;
 }
 
 }  // namespace kerf

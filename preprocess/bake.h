@@ -1,4 +1,5 @@
-// Mesh files -> case bundle: read, choose the unit, close, voxelize, write. The whole offline stage for one object.
+// Mesh files or a case recipe -> case bundle: read, choose the unit, close, voxelize, write. The whole offline stage
+// for one object.
 #pragma once
 
 #include <filesystem>
@@ -18,7 +19,10 @@ struct BakeOptions {
   std::string unit;  ///< empty: chooseUnit()
   CloseOptions close;
   VoxelizeOptions voxelize;
-  bool overwrite = false;  ///< replace an existing case
+  bool voxel_is_given = false;  ///< `voxelize.voxel_mm` goes before a recipe's voxel
+  /// Bake anew and replace an existing case. Without: the same case of the same inputs and settings is left as it is,
+  /// another one is an error.
+  bool overwrite = false;
 };
 
 struct BakeTimes {  // seconds
@@ -32,6 +36,8 @@ struct BakeReport {
   std::vector<std::vector<std::string>> notes;  ///< of the readers, per source
   std::vector<bool> unit_is_doubtful;
   CloseReport close;
+  MaterialVolumes materials;
+  bool was_up_to_date = false;  ///< the case was there already; only `manifest` is filled
   BakeTimes times;
 };
 
@@ -39,6 +45,12 @@ struct BakeReport {
 /// failed bake leaves nothing behind. Errors name the file and what to try. Parallel inside.
 Expected<BakeReport> bake(const std::vector<std::filesystem::path>& meshes, const std::filesystem::path& case_folder,
                           const BakeOptions& options, const Progress& progress = {});
+
+/// Bakes what a recipe (preprocess/case_recipe.h) puts together. Its meshes share one unit unless they declare their
+/// own. The object is the union of the outline meshes and labels, exact where possible; where parts almost touch and no
+/// exact union exists, it is rebuilt from their distance fields (preprocess/voxel_union.h), which the report says.
+Expected<BakeReport> bakeRecipe(const std::filesystem::path& recipe, const std::filesystem::path& case_folder,
+                                const BakeOptions& options, const Progress& progress = {});
 
 /// For people: what was read, assumed, changed and made.
 std::string describe(const BakeReport& report);

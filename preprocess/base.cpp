@@ -3,6 +3,7 @@
 #include <CGAL/Constrained_Delaunay_triangulation_2.h>
 #include <CGAL/Constrained_triangulation_plus_2.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/convex_hull_2.h>
 
 #include <map>
 
@@ -17,7 +18,7 @@ using Face = CGAL::Constrained_triangulation_face_base_2<Kernel>;
 using Cdt = CGAL::Constrained_triangulation_plus_2<CGAL::Constrained_Delaunay_triangulation_2<
     Kernel, CGAL::Triangulation_data_structure_2<Vertex, Face>, CGAL::Exact_predicates_tag>>;
 using Point2 = std::array<double, 2>;
-using Segment = std::vector<Point2>;  ///< the projection of one rim edge, with the points inserted on it
+using Segment = std::vector<Point2>;  ///< the projection of one edge, with the points inserted on it
 constexpr int kMaxRounds = 20;
 
 Point2 rounded(const Kernel::Point_2& p) { return {roundedToFloat(p.x()), roundedToFloat(p.y())}; }
@@ -60,65 +61,27 @@ bool arrange(std::vector<Segment>& segments, Cdt& cdt) {
   return false;
 }
 
-}  // namespace
+/// How often edges run from p to q, less how often back.
+using Net = std::map<std::array<Point2, 2>, int>;
 
-bool extrudeToBase(Chain& chain, const std::vector<Loop>& rims, int axis, int outward, double level) {
-  // (u, v) such that u x v points outwards: a counter-clockwise cap then faces outwards.
-  const int u = outward > 0 ? (axis + 1) % 3 : (axis + 2) % 3, v = outward > 0 ? (axis + 2) % 3 : (axis + 1) % 3;
-  struct Edge {
-    std::uint32_t from, to;
-  };
-  std::vector<Edge> edges;
-  std::vector<Segment> segments;
-  for (const Loop& loop : rims)
-    for (std::size_t i = 0; i < loop.size(); ++i) {
-      const std::uint32_t p = loop[i], q = loop[(i + 1) % loop.size()];
-      const Vec3d &a = chain.mesh.vertices[p], &b = chain.mesh.vertices[q];
-      edges.push_back({p, q});
-      Segment s{{a[u], a[v]}};
-      if (a[u] != b[u] || a[v] != b[v]) s.push_back({b[u], b[v]});
-      segments.push_back(std::move(s));
-    }
-  Cdt cdt;
-  try {
-    if (!arrange(segments, cdt)) return false;
-  } catch (const std::exception&) {
-    return false;
-  }
-  std::map<Point2, std::uint32_t> bottom;
-  const auto bottomVertex = [&](const Point2& p) {
-    const auto [it, fresh] = bottom.try_emplace(p, 0);
-    if (fresh) {
-      Vec3d x;
-      x[axis] = level, x[u] = p[0], x[v] = p[1];
-      it->second = chain.addVertex(x);
-    }
-    return it->second;
-  };
-  std::map<std::array<Point2, 2>, int> net;  // how often the walls' lower edges, seen from the cap, run from p to q
-  for (std::size_t s = 0; s < segments.size(); ++s) {
-    const auto& [p, q] = edges[s];
-    std::vector<std::uint32_t> below;
-    for (const Point2& x : segments[s]) below.push_back(bottomVertex(x));
-    chain.addTriangle(p, q, below.back());
-    for (std::size_t k = below.size(); k-- > 1;) chain.addTriangle(p, below[k], below[k - 1]);
-    for (std::size_t k = 1; k < segments[s].size(); ++k) {
-      ++net[{segments[s][k - 1], segments[s][k]}];
-      --net[{segments[s][k], segments[s][k - 1]}];
-    }
-  }
-  // Winding of every face, from the outside in.
+void count(const Segment& s, Net& net) {
+  for (std::size_t k = 1; k < s.size(); ++k) ++net[{s[k - 1], s[k]}], --net[{s[k], s[k - 1]}];
+}
+
+/// Calls f(corners, winding) for every finite face: how often the edges of `net` wind around it, from the outside in.
+template <class F>
+void forEachFace(const Cdt& cdt, const Net& net, F&& f) {
   std::map<Cdt::Face_handle, int> winding;
   std::vector<Cdt::Face_handle> stack{cdt.infinite_face()};
   winding[cdt.infinite_face()] = 0;
   while (!stack.empty()) {
-    const Cdt::Face_handle f = stack.back();
+    const Cdt::Face_handle face = stack.back();
     stack.pop_back();
     for (int i = 0; i < 3; ++i) {
-      const Cdt::Face_handle g = f->neighbor(i);
+      const Cdt::Face_handle g = face->neighbor(i);
       if (winding.count(g)) continue;
-      int w = winding[f];
-      const auto a = f->vertex(Cdt::ccw(i)), b = f->vertex(Cdt::cw(i));  // f lies left of a -> b
+      int w = winding[face];
+      const auto a = face->vertex(Cdt::ccw(i)), b = face->vertex(Cdt::cw(i));  // the face lies left of a -> b
       if (!cdt.is_infinite(a) && !cdt.is_infinite(b)) {
         const Point2 pa{a->point().x(), a->point().y()}, pb{b->point().x(), b->point().y()};
         if (const auto it = net.find({pa, pb}); it != net.end()) w -= it->second;
@@ -127,15 +90,141 @@ bool extrudeToBase(Chain& chain, const std::vector<Loop>& rims, int axis, int ou
       stack.push_back(g);
     }
   }
-  for (auto f = cdt.finite_faces_begin(); f != cdt.finite_faces_end(); ++f) {
-    const int w = winding[f];
-    std::array<std::uint32_t, 3> id{};
-    if (w == 0) continue;
+  for (auto face = cdt.finite_faces_begin(); face != cdt.finite_faces_end(); ++face) {
+    std::array<Point2, 3> corners;
     for (int k = 0; k < 3; ++k)
-      id[static_cast<std::size_t>(k)] = bottomVertex({f->vertex(k)->point().x(), f->vertex(k)->point().y()});
-    for (int k = 0; k < std::abs(w); ++k)
-      w > 0 ? chain.addTriangle(id[0], id[1], id[2]) : chain.addTriangle(id[0], id[2], id[1]);
+      corners[static_cast<std::size_t>(k)] = {face->vertex(k)->point().x(), face->vertex(k)->point().y()};
+    f(corners, winding[face]);
   }
+}
+
+/// The vertices of one plane of the base.
+class Floor {
+ public:
+  Floor(Chain& chain, const BaseFrame& frame, double level) : chain_(chain), frame_(frame), level_(level) {}
+
+  /// Two points of the plane that single precision can not tell apart in space are one vertex.
+  std::uint32_t vertex(const Point2& p) {
+    const Vec3d x = roundedToFloat(Vec3d(Vec3d::Zero() + level_ * frame_.w + p[0] * frame_.u + p[1] * frame_.v));
+    const auto [it, fresh] = vertex_at_.try_emplace({x.x(), x.y(), x.z()}, 0);
+    if (fresh) it->second = chain_.addVertex(x);
+    return it->second;
+  }
+  /// |times| copies, facing along w if times > 0.
+  void addFace(const std::array<Point2, 3>& corners, int times) {
+    if (times == 0) return;
+    const std::uint32_t a = vertex(corners[0]), b = vertex(corners[1]), c = vertex(corners[2]);
+    for (int k = 0; k < std::abs(times); ++k) times > 0 ? chain_.addTriangle(a, b, c) : chain_.addTriangle(a, c, b);
+  }
+
+ private:
+  Chain& chain_;
+  const BaseFrame& frame_;
+  double level_;
+  std::map<std::array<double, 3>, std::uint32_t> vertex_at_;
+};
+
+/// The convex outline of all points, counter-clockwise.
+std::vector<Segment> convexOutline(const std::vector<Segment>& segments) {
+  std::vector<Kernel::Point_2> points, hull;
+  for (const Segment& s : segments)
+    for (const Point2& p : s) points.push_back({p[0], p[1]});
+  CGAL::convex_hull_2(points.begin(), points.end(), std::back_inserter(hull));
+  std::vector<Segment> outline;
+  for (std::size_t i = 0; i < hull.size(); ++i) {
+    const auto &p = hull[i], &q = hull[(i + 1) % hull.size()];
+    outline.push_back({{p.x(), p.y()}, {q.x(), q.y()}});
+  }
+  return outline;
+}
+
+/// The walls and the underside of the plate.
+void addPlate(Chain& chain, const std::vector<Segment>& outline, const Cdt& underside, const BaseFrame& frame,
+              Floor& ceiling) {
+  Floor floor(chain, frame, frame.level);
+  Net net;
+  for (const Segment& s : outline) {
+    count(s, net);
+    for (std::size_t k = 1; k < s.size(); ++k) {
+      const std::uint32_t p = ceiling.vertex(s[k - 1]), q = ceiling.vertex(s[k]);
+      const std::uint32_t below_p = floor.vertex(s[k - 1]), below_q = floor.vertex(s[k]);
+      chain.addTriangle(below_q, below_p, p);
+      chain.addTriangle(below_q, p, q);
+    }
+  }
+  forEachFace(underside, net, [&](const auto& corners, int winding) { floor.addFace(corners, winding); });
+}
+
+}  // namespace
+
+BaseFrame baseFrame(const Vec3d& w) {
+  constexpr double kAxisTolerance = 1e-9;
+  BaseFrame f{};
+  int axis = 0;
+  w.cwiseAbs().maxCoeff(&axis);
+  const double sign = w[axis] < 0 ? -1 : 1;
+  if ((w - sign * Vec3d::Unit(axis)).norm() < kAxisTolerance) {
+    f.w = sign * Vec3d::Unit(axis);
+    f.u = Vec3d::Unit((axis + (sign > 0 ? 1 : 2)) % 3), f.v = Vec3d::Unit((axis + (sign > 0 ? 2 : 1)) % 3);
+    return f;
+  }
+  int least = 0;
+  w.cwiseAbs().minCoeff(&least);
+  f.w = w.normalized();
+  f.u = (Vec3d::Unit(least) - f.w[least] * f.w).normalized();
+  f.v = f.w.cross(f.u);
+  return f;
+}
+
+bool extrudeToBase(Chain& chain, const std::vector<Loop>& rims, const BaseFrame& frame, bool on_plate) {
+  struct Edge {
+    std::uint32_t from, to;
+  };
+  const auto shadow = [&](std::uint32_t v) {
+    const Vec3d& p = chain.mesh.vertices[v];
+    return Point2{roundedToFloat(p.dot(frame.u)), roundedToFloat(p.dot(frame.v))};
+  };
+  std::vector<Edge> edges;
+  std::vector<Segment> segments;
+  for (const Loop& loop : rims)
+    for (std::size_t i = 0; i < loop.size(); ++i) {
+      const std::uint32_t p = loop[i], q = loop[(i + 1) % loop.size()];
+      edges.push_back({p, q});
+      Segment s{shadow(p)};
+      if (shadow(q) != s[0]) s.push_back(shadow(q));
+      segments.push_back(std::move(s));
+    }
+  Cdt cdt, underside;
+  std::vector<Segment> outline;
+  try {
+    if (on_plate)
+      for (Segment& s : convexOutline(segments)) segments.push_back(std::move(s));
+    if (!arrange(segments, cdt)) return false;
+    outline.assign(segments.begin() + static_cast<std::ptrdiff_t>(edges.size()), segments.end());
+    std::vector<Segment> again = outline;
+    if (on_plate && (!arrange(again, underside) || again != outline)) return false;
+  } catch (const std::exception&) {
+    return false;
+  }
+  Floor foot(chain, frame, on_plate ? frame.ceiling : frame.level);
+  Net net, outline_net;
+  for (std::size_t s = 0; s < edges.size(); ++s) {
+    const auto& [p, q] = edges[s];
+    std::vector<std::uint32_t> below;
+    for (const Point2& x : segments[s]) below.push_back(foot.vertex(x));
+    chain.addTriangle(p, q, below.back());
+    for (std::size_t k = below.size(); k-- > 1;) chain.addTriangle(p, below[k], below[k - 1]);
+    count(segments[s], net);
+  }
+  if (!on_plate) {
+    forEachFace(cdt, net, [&](const auto& corners, int winding) { foot.addFace(corners, winding); });
+    return true;
+  }
+  // The plate's upper side, without what the arch stands on.
+  for (const Segment& s : outline) count(s, outline_net);
+  for (const auto& [edge, times] : net) outline_net[edge] -= times;
+  forEachFace(cdt, outline_net, [&](const auto& corners, int winding) { foot.addFace(corners, -winding); });
+  addPlate(chain, outline, underside, frame, foot);
   return true;
 }
 

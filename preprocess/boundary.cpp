@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numbers>
 
 #include "geometry/float32_cleanup.h"
 #include "preprocess/internal/base.h"
@@ -54,11 +56,72 @@ void turnAll(Chain& chain, std::vector<Loop>& loops) {
   for (Loop& loop : loops) std::reverse(loop.begin(), loop.end());
 }
 
-/// A float32 number at least `margin` beyond all vertices.
-double baseLevel(const Mesh& mesh, const Direction& d, double margin) {
+/// Farthest vertex along `w`.
+double reach(const Mesh& mesh, const Vec3d& w) {
   double far = -std::numeric_limits<double>::infinity();
-  for (const Vec3d& p : mesh.vertices) far = std::max(far, d.sign * p[d.axis]);
-  return roundedToFloat(d.sign * (far + margin));
+  for (const Vec3d& p : mesh.vertices) far = std::max(far, p.dot(w));
+  return far;
+}
+
+double degreesToNearestAxis(const Vec3d& w) {
+  return std::acos(std::clamp(w.cwiseAbs().maxCoeff() / w.norm(), 0.0, 1.0)) * 180 / std::numbers::pi;
+}
+
+/// Where the base goes. @param down  roughly: a coordinate axis.  @param open  where the scan is open.
+Expected<BaseFrame> placeBase(const Chain& chain, const Vec3d& down, const Vec3d& open, const CloseOptions& options,
+                              CloseReport& report) {
+  Vec3d w = down;
+  std::optional<double> occlusal;  // the plane's height, along w
+  if (options.occlusal_plane) {
+    w = options.occlusal_plane->normal.normalized();
+    if (w.dot(down) < 0) w = -w;
+    constexpr double kCosMostTilt = 0.5;  // 60 degrees
+    if (w.dot(down) < kCosMostTilt) {
+      Error e = ungrounded(fmt::format("an occlusal plane that stands {:.0f} degrees to the underside",
+                                       std::acos(w.dot(down)) * 180 / std::numbers::pi),
+                           "its normal, not a direction in it; or --base-direction");
+      e.expected = "at most 60 degrees";
+      return fail(std::move(e));
+    }
+    if (options.occlusal_plane->point) occlusal = options.occlusal_plane->point->dot(w);
+  } else if (options.find_occlusal_plane) {
+    KERF_TRY(plane, findOcclusalPlane(chain.mesh, options.base_direction ? Vec3d(-down) : Vec3d(-open)));
+    w = -plane.normal, occlusal = plane.point.dot(w);
+    report.occlusal_plane = plane;
+    report.changes.push_back(fmt::format(
+        "the occlusal plane was found: normal ({:.4f}, {:.4f}, {:.4f}), {:.1f} degrees from the nearest axis, through "
+        "{} cusp tips (rms {:.2f} mm)",
+        plane.normal.x(), plane.normal.y(), plane.normal.z(), degreesToNearestAxis(w), plane.tips, plane.rms_mm));
+  }
+  BaseFrame frame = baseFrame(w);
+  const double lowest = reach(chain.mesh, frame.w);
+  frame.level = lowest + options.base_margin_mm;
+  if (options.base_height_mm) {
+    constexpr double kLeastMargin = 0.5;
+    const double top = occlusal.value_or(-reach(chain.mesh, -frame.w));
+    frame.level = top + *options.base_height_mm;
+    if (frame.level < lowest + kLeastMargin) {
+      const double least = std::ceil(10 * (lowest + kLeastMargin - top)) / 10;
+      Error e = ungrounded(fmt::format("a base {} mm below the occlusal plane, but the scan reaches {:.2f} mm below it",
+                                       *options.base_height_mm, lowest - top),
+                           fmt::format("--base-height {:.1f}", least));
+      e.expected = fmt::format("a base height of at least {:.1f} mm", least);
+      return fail(std::move(e));
+    }
+  }
+  frame.level = roundedToFloat(frame.level);
+  frame.ceiling = roundedToFloat(lowest + std::min(0.25, 0.1 * (frame.level - lowest)));
+  return frame;
+}
+
+/// "y = -29.787 mm", "12.3 mm below the occlusal plane ...".
+std::string describePlace(const BaseFrame& frame) {
+  int axis = 0;
+  frame.w.cwiseAbs().maxCoeff(&axis);
+  if (std::abs(frame.w[axis]) == 1)
+    return fmt::format("a flat base at {} = {:.3f} mm", "xyz"[axis], frame.level * frame.w[axis]);
+  return fmt::format("a flat base facing ({:.4f}, {:.4f}, {:.4f}), {:.1f} degrees from the nearest axis", frame.w.x(),
+                     frame.w.y(), frame.w.z(), degreesToNearestAxis(frame.w));
 }
 
 }  // namespace
@@ -121,16 +184,19 @@ Expected<void> closeBoundary(Chain& chain, const CloseOptions& options, CloseRep
                                    areaVector(chain.mesh, loops[i]).dot(base.vector()) > 0);
       if (is_rim[i]) rims.push_back(loops[i]);
     }
-    const double level = baseLevel(chain.mesh, base, options.base_margin_mm);
-    if (!extrudeToBase(chain, rims, base.axis, base.sign, level))
+    KERF_TRY(frame, placeBase(chain, base.vector(), open.normalized(), options, report));
+    if (!extrudeToBase(chain, rims, frame, options.base_style == BaseStyle::kFull))
       return fail(ungrounded("a rim whose shadow on the base plane could not be triangulated",
                              "another base_direction, or --close wrap"));
     report.rims_extruded = rims.size();
-    report.base_direction = base.vector();
-    report.changes.push_back(
-        fmt::format("{} {:.0f} mm around, {} extruded to a flat base at {} = {:.3f} mm",
-                    rims.size() == 1 ? std::string("a rim") : fmt::format("{} rims, the longest", rims.size()),
-                    lengths[longest], rims.size() == 1 ? "was" : "were", "xyz"[base.axis], level));
+    report.base_direction = frame.w;
+    report.base_level_mm = frame.level;
+    report.changes.push_back(fmt::format(
+        "{} {:.0f} mm around, {} extruded to {}{}",
+        rims.size() == 1 ? std::string("a rim") : fmt::format("{} rims, the longest", rims.size()), lengths[longest],
+        rims.size() == 1 ? "was" : "were", describePlace(frame),
+        options.base_style == BaseStyle::kFull ? fmt::format(", a plate {:.2f} mm thick", frame.level - frame.ceiling)
+                                               : std::string()));
   }
   std::size_t fans = 0;
   double widest = 0;

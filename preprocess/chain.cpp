@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <map>
 #include <numeric>
+#include <span>
 
+#include "preprocess/close.h"
 #include "preprocess/internal/winding.h"
 
 namespace kerf::internal {

@@ -255,6 +255,10 @@ Expected<void> checkOptions(const CloseOptions& o) {
   if (!(o.wrap_alpha_mm > 0)) return bad("wrap_alpha_mm", o.wrap_alpha_mm, "above 0");
   if (!(o.wrap_offset_mm > 0)) return bad("wrap_offset_mm", o.wrap_offset_mm, "above 0");
   if (o.base_direction && !(o.base_direction->norm() > 0)) return bad("base_direction", 0, "a direction");
+  if (o.base_height_mm && !(*o.base_height_mm > 0 && *o.base_height_mm < 1000))
+    return bad("base_height_mm", *o.base_height_mm, "above 0, below 1000");
+  if (o.occlusal_plane && !(o.occlusal_plane->normal.norm() > 0 && o.occlusal_plane->normal.allFinite()))
+    return bad("the length of the occlusal plane's normal", o.occlusal_plane->normal.norm(), "above 0");
   return {};
 }
 
@@ -320,7 +324,9 @@ Expected<Solid> closeMesh(const Mesh& imported_mm, const CloseOptions& options, 
   bool is_open = false;  // what can not be closed exactly may still be wrapped: the wrap needs no closed input
   Chain open = chain;
   if (auto closed = internal::closeBoundary(chain, options, report); !closed) {
-    const bool may_wrap = options.mode == CloseMode::kWrap || options.mode == CloseMode::kAuto;
+    // A base that was asked for in so many words is not silently left out.
+    const bool base_asked = options.base_height_mm || options.find_occlusal_plane || options.occlusal_plane;
+    const bool may_wrap = options.mode == CloseMode::kWrap || (options.mode == CloseMode::kAuto && !base_asked);
     if (closed.error().code == Error::Code::kCancelled || !may_wrap) return fail(std::move(closed).error());
     chain = std::move(open);
     is_open = true;
@@ -335,6 +341,17 @@ Expected<Solid> closeMesh(const Mesh& imported_mm, const CloseOptions& options, 
   solid.mesh = std::move(result.mesh);
   solid.source_triangle = std::move(result.source);
   return solid;
+}
+
+std::string canonicalText(const CloseOptions& o) {
+  const auto vector = [](const std::optional<Vec3d>& v) {
+    return v ? fmt::format("({} {} {})", v->x(), v->y(), v->z()) : std::string("-");
+  };
+  return fmt::format(
+      "{} {} {} {} {} {} {} {} {} {} {} {} {}", static_cast<int>(o.mode), static_cast<int>(o.base_style),
+      o.base_margin_mm, o.base_height_mm.value_or(0), vector(o.base_direction), o.find_occlusal_plane,
+      o.occlusal_plane ? vector(o.occlusal_plane->normal) + vector(o.occlusal_plane->point) : std::string("-"),
+      o.rim_to_diagonal, o.crumb_fraction, o.debris_fraction, o.cleanup_length_mm, o.wrap_alpha_mm, o.wrap_offset_mm);
 }
 
 Expected<Solid> closeMeshes(std::span<const Mesh> imported_mm, const CloseOptions& options, const Progress& progress) {

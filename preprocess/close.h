@@ -10,6 +10,8 @@
 #include "geometry/error.h"
 #include "geometry/mesh.h"
 #include "geometry/progress.h"
+#include "preprocess/occlusal_plane.h"
+#include "preprocess/source_triangle.h"
 
 namespace kerf {
 
@@ -20,13 +22,32 @@ enum class CloseMode {
   kWrap,    ///< shrink-wraps the mesh, closed first where that works: the last resort, no source vertex survives
 };
 
+enum class BaseStyle {
+  kHorseshoe,  ///< the walls follow the rim all the way down
+  kFull,       ///< the arch stands on a plate under the convex outline of its rim: the tongue's place is floored
+};
+
+/// A plane somebody gives: parallel to the base.
+struct GivenPlane {
+  Vec3d normal = Vec3d::UnitZ();  ///< either way round, any length but zero
+  std::optional<Vec3d> point{};   ///< mm, on it; without one it is put onto the highest vertex
+};
+
 struct CloseOptions {
   CloseMode mode = CloseMode::kAuto;
-  double base_margin_mm =
-      2.0;  ///< the base lies this far below the lowest vertex, > 0; thin bases break in the printer
+  BaseStyle base_style = BaseStyle::kHorseshoe;
+  /// The base lies this far below the lowest vertex, > 0; thin bases break in the printer. All but a tenth of it (0.25
+  /// mm at most) is the plate of kFull.
+  double base_margin_mm = 2.0;
+  /// From the base up to the occlusal plane (found, given, or the highest vertex), in place of the margin. Too little
+  /// for the scan is refused. Laboratories leave 3 to 6 mm below the gingiva.
+  std::optional<double> base_height_mm{};
   /// Where the base goes, out of the mesh; the nearest coordinate axis is used, so that the base is exactly flat in
-  /// float32. Without it: the axis nearest to the direction in which the mesh is open.
+  /// float32. Without it: the axis nearest to the direction in which the mesh is open. With an occlusal plane the base
+  /// is parallel to that, and this only says which side is down.
   std::optional<Vec3d> base_direction{};
+  bool find_occlusal_plane = false;  ///< makes the base parallel to findOcclusalPlane(); see baseFrame() on flatness
+  std::optional<GivenPlane> occlusal_plane{};  ///< or to this one
   double rim_to_diagonal = 1.2;  ///< a boundary longer than this many box diagonals is a rim, a shorter one a hole
   /// Open pieces with less than this share of the triangles and less than a tenth of it of the area are dropped: scan
   /// debris has few triangles and is small, a patch of bone meshed coarsely is not. 0 keeps them all.
@@ -54,13 +75,13 @@ struct CloseReport {
   std::size_t debris_dropped = 0;     ///< small closed splinters and pockets left by cutting
   std::size_t holes_filled = 0;
   std::size_t rims_extruded = 0;
-  std::size_t crossings_resolved = 0;   ///< pairs of triangles that crossed or touched
-  double largest_move_mm = 0;           ///< of a source vertex
-  std::optional<Vec3d> base_direction;  ///< set if a base was built
-  bool exact = true;                    ///< false after a wrap: the surface is an approximation
+  std::size_t crossings_resolved = 0;           ///< pairs of triangles that crossed or touched
+  double largest_move_mm = 0;                   ///< of a source vertex
+  std::optional<Vec3d> base_direction;          ///< unit, out of the model; set if a base was built
+  double base_level_mm = 0;                     ///< the base is {x : base_direction . x = base_level_mm}
+  std::optional<OcclusalPlane> occlusal_plane;  ///< set if it was looked for
+  bool exact = true;                            ///< false after a wrap: the surface is an approximation
 };
-
-inline constexpr std::uint32_t kAdded = ~0u;  ///< a triangle that is not from the source
 
 struct Solid {
   Mesh mesh;  ///< mm; surviving source vertices first, in their order; colours kept, added parts get a neutral grey
@@ -81,6 +102,9 @@ struct Solid {
 /// @cost about 130 ms for 60k triangles without crossings; with some 800 crossing pairs (a ragged rim) about 1 s.
 /// @thread any; uses all TBB threads; deterministic.
 Expected<Solid> closeMesh(const Mesh& imported_mm, const CloseOptions& options = {}, const Progress& progress = {});
+
+/// All options in one line of text: equal options give equal text.
+std::string canonicalText(const CloseOptions& options);
 
 /// The same for several meshes that make one object; they are united. `source_triangle` counts through them in order.
 Expected<Solid> closeMeshes(std::span<const Mesh> imported_mm, const CloseOptions& options = {},

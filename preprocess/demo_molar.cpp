@@ -6,58 +6,15 @@
 #include <cmath>
 #include <span>
 
+#include "preprocess/demo_anatomy.h"
+#include "preprocess/demo_dimensions.h"
+#include "preprocess/internal/implicit.h"
 #include "preprocess/internal/tetrahedral_mesher.h"
 
 namespace kerf {
 namespace {
 
-using Vec2d = Eigen::Vector2d;
-
-double smoothStep(double from, double to, double x) {
-  const double t = std::clamp((x - from) / (to - from), 0.0, 1.0);
-  return t * t * (3 - 2 * t);
-}
-double bell(double x, double width) { return std::exp(-(x / width) * (x / width)); }
-/// Smooth minimum and maximum: differ from the sharp ones by at most k / 4, where both arguments are equal.
-double smoothMin(double a, double b, double k) {
-  const double h = std::max(0.0, k - std::abs(a - b));
-  return std::min(a, b) - h * h / (4 * k);
-}
-double smoothMax(double a, double b, double k) { return -smoothMin(-a, -b, k); }
-
-struct Knot {
-  double z, value;
-};
-/// Smooth curve through knots in order of z (Catmull-Rom tangents), constant beyond the ends.
-double curve(std::span<const Knot> knots, double z) {
-  if (z <= knots.front().z) return knots.front().value;
-  if (z >= knots.back().z) return knots.back().value;
-  std::size_t i = 1;
-  while (knots[i].z < z) ++i;
-  const Knot a = knots[i - 1], b = knots[i];
-  const auto slope = [&](std::size_t j) {
-    if (j == 0 || j + 1 == knots.size()) return 0.0;
-    return (knots[j + 1].value - knots[j - 1].value) / (knots[j + 1].z - knots[j - 1].z);
-  };
-  const double w = b.z - a.z, t = (z - a.z) / w, u = 1 - t;
-  return (1 + 2 * t) * u * u * a.value + t * t * (1 + 2 * u) * b.value + w * t * u * (u * slope(i - 1) - t * slope(i));
-}
-
-/// Distance to a chain of segments in the plane.
-double distanceToChain(std::span<const Vec2d> chain, const Vec2d& p) {
-  double nearest = 1e9;
-  for (std::size_t i = 1; i < chain.size(); ++i) {
-    const Vec2d a = chain[i - 1], d = chain[i] - a;
-    const double t = std::clamp((p - a).dot(d) / d.squaredNorm(), 0.0, 1.0);
-    nearest = std::min(nearest, (p - a - t * d).norm());
-  }
-  return nearest;
-}
-
-/// (|u|^n + |v|^n)^(1/n): 1 on a rounded rectangle.
-double roundedNorm(double u, double v, double n) {
-  return std::pow(std::pow(std::abs(u), n) + std::pow(std::abs(v), n), 1 / n);
-}
+using namespace internal;
 
 // ---------------------------------------------------------------------------------------------- occlusal surface
 
@@ -104,8 +61,8 @@ double fissureDepth(const Vec2d& p) {
   return depth;
 }
 
-/// Height of the chewing surface over the CEJ plane, mm.
-double occlusalHeight(const Vec2d& p) {
+/// Height of the chewing surface over the CEJ plane without its fissures, mm.
+double cuspHeight(const Vec2d& p) {
   double height = -1e9;
   for (const Cusp& cusp : kCusps) {
     const Vec2d from_tip = p - cusp.tip.head<2>(), to_fossa = (cusp.fossa - cusp.tip.head<2>()).normalized();
@@ -124,8 +81,10 @@ double occlusalHeight(const Vec2d& p) {
   height = smoothMax(height, ridge(-4.3, -0.5, 5.85), 0.5);
   // Nothing is lower than the floor of the central basin.
   height = smoothMax(height, 5.15, 0.6);
-  return height - fissureDepth(p);
+  return height;
 }
+
+double occlusalHeight(const Vec2d& p) { return cuspHeight(p) - fissureDepth(p); }
 
 // ------------------------------------------------------------------------------------------------------- crown
 
@@ -211,6 +170,74 @@ double implicit(const Vec3d& p) {
   return smoothMin(crown(p), smoothMin(trunk(p), roots, 0.7), 0.35);
 }
 
+// ------------------------------------------------------------------------------------------------------- tissues
+
+constexpr DemoMolarDimensions kDimensions;
+constexpr double kBeyond = 0.3;  ///< mm by which enamel and caries reach out of the tooth
+
+/// The dentino-enamel junction, negative on the side of the dentin. It follows the cusps, not the fissures: that is why
+/// enamel is thin under these.
+double junction(const Vec3d& p) {
+  const Vec2d at = p.head<2>();
+  double near_tip = 0;
+  for (const Cusp& cusp : kCusps) near_tip = std::max(near_tip, bell((at - cusp.tip.head<2>()).norm(), 1.4));
+  const double up = std::clamp((p.z() - junctionHeight(p)) / 3.0, 0.0, 1.0);
+  const double sides = crownSides(p) + 1.50 * up * (2 - up);
+  const double top = (p.z() - cuspHeight(at)) * 0.78 + mix(1.10, 1.97, near_tip);
+  return smoothMax(sides, top, 0.9);
+}
+
+double enamel(const Vec3d& p) {
+  const double inside = smoothMax(implicit(p) - kBeyond, junctionHeight(p) - p.z(), 0.1);
+  return smoothMinus(inside, junction(p), 0.06);
+}
+
+// Where the canals run, mm. They end 0.5 to 1 mm short of the apices.
+const std::array<Bead, 5> kMesialCanal = {{{{2.05, 1.25, -0.45}, 0.45},
+                                           {{2.75, 1.70, -4.0}, 0.36},
+                                           {{2.95, 1.65, -7.5}, 0.29},
+                                           {{2.45, 1.25, -11.0}, 0.22},
+                                           {{1.92, 0.90, -12.85}, 0.17}}};
+const std::array<Bead, 5> kDistalCanal = {{{{-2.1, 0.0, -0.45}, 0.45},
+                                           {{-2.85, 0.0, -4.0}, 0.38},
+                                           {{-3.42, 0.0, -7.0}, 0.30},
+                                           {{-3.95, 0.0, -10.5}, 0.23},
+                                           {{-4.25, 0.0, -12.4}, 0.17}}};
+constexpr double kDistalCanalWidth = 1.7;  ///< bucco-lingual over mesio-distal: a ribbon
+
+/// Chamber with a horn under every cusp, two mesial canals and a distal one.
+double pulp(const Vec3d& p) {
+  const double ceiling = kCusps[0].tip.z() - 0.1 - kDimensions.cusp_to_pulp_ceiling;  // the tip is rounded off
+  const double floor = ceiling - kDimensions.pulp_chamber_height;
+  const double x = p.x() - 0.1, y = p.y() / (1 + 0.06 * x);
+  const double sides = (roundedNorm(x / 2.65, y / 2.05, 2.8) - 1) * 2.2;
+  // The ceiling sags a little in the middle, the floor rises.
+  const double r2 = x * x + y * y;
+  double f = smoothMax(sides, std::max(p.z() - ceiling - 0.02 * r2, floor - 0.02 * r2 - p.z()), 0.6);
+  for (const Cusp& cusp : kCusps) {
+    const Vec2d tip = cusp.tip.head<2>();
+    const std::array<Bead, 2> horn = {{{{0.62 * tip.x(), 0.55 * tip.y(), ceiling - 0.5}, 0.42},
+                                       {{0.76 * tip.x(), 0.72 * tip.y(), ceiling + 1.15}, 0.16}}};
+    f = smoothMin(f, tube(horn, p), 0.3);
+  }
+  const Vec3d either(p.x(), std::abs(p.y()), p.z()), flat(p.x(), p.y() / kDistalCanalWidth, p.z());
+  f = smoothMin(f, tube(kMesialCanal, either), 0.35);
+  return smoothMin(f, tube(kDistalCanal, flat), 0.35);
+}
+
+/// A lesion of the central fissure. In enamel it widens towards the junction, along it it spreads, and in the dentin it
+/// narrows again on its way to the pulp: two triangles with their bases at the junction.
+double caries(const Vec3d& p) {
+  static constexpr double kInDentin = 1.9, kInEnamel = 1.2;  // mm
+  const std::array<Vec2d, 3> fissure = {{{1.0, -0.30}, {0.15, -0.05}, {-0.9, -0.28}}};
+  const double depth = -junction(p);
+  const double in_enamel = mix(0.75, 0.28, std::clamp(-depth / kInEnamel, 0.0, 1.0));
+  const double in_dentin = mix(1.25, 0.15, std::clamp(depth / kInDentin, 0.0, 1.0));
+  const double radius = mix(in_enamel, in_dentin, smoothStep(-0.15, 0.1, depth));
+  const double sides = 0.75 * (distanceToChain(fissure, p.head<2>()) - radius);
+  return smoothMax(smoothMax(sides, depth - kInDentin, 0.3), implicit(p) - kBeyond, 0.1);
+}
+
 Rgba8 colorAt(const Vec3d& p) {
   const Vec3d enamel(236, 226, 205), dentin(219, 198, 158), stain(190, 164, 124);
   Vec3d c = dentin + (enamel - dentin) * smoothStep(-0.35, 0.35, p.z() - junctionHeight(p));
@@ -234,13 +261,48 @@ double demoMolarDistance(const Vec3d& p) {
 
 Mesh demoMolar(double edge_mm) {
   assert(edge_mm >= 0.05 && edge_mm <= 2);
-  // A lattice of cubes of side a makes triangles with a mean edge of about 0.448 a.
   const Box3 box{Vec3d(-7.5, -7.5, -15.5), Vec3d(7.5, 7.5, 9.0)};
-  Mesh mesh = internal::meshImplicit(implicit, box, edge_mm / 0.448);
-  internal::evenOut(mesh, implicit, 6);
+  Mesh mesh = meshImplicit(implicit, box, edge_mm / kEdgeToSpacing);
+  evenOut(mesh, implicit, 6);
   mesh.vertex_colors.reserve(mesh.vertices.size());
   for (const Vec3d& p : mesh.vertices) mesh.vertex_colors.push_back(colorAt(p));
   return mesh;
+}
+
+Expected<DemoAnatomy> demoMolarAnatomy(double detail, const Progress& progress) {
+  DemoAnatomy anatomy{"molar", "Demo lower first molar", 0.05, {}, {}, {"tooth.ply"}};
+  struct Tissue {
+    const char* material;
+    double (*value)(const Vec3d&);
+    Box3 box;
+    double edge_mm;
+    double coarsest_mm;  ///< with which thin parts stay in one piece
+    Rgba8 color;
+  };
+  const Tissue tissues[] = {
+      {"caries", caries, {Vec3d(-3.5, -3.5, 0.5), Vec3d(3.5, 3.5, 6.5)}, 0.10, 0.30, {92, 62, 38, 255}},
+      {"enamel", enamel, {Vec3d(-7, -7, -1.5), Vec3d(7, 7, 9)}, 0.16, 0.50, {238, 232, 218, 255}},
+      {"pulp", pulp, {Vec3d(-6, -4, -14.5), Vec3d(5, 4, 4)}, 0.10, 0.13, {186, 58, 52, 255}},
+  };
+  double done = 0;
+  const auto step = [&](const std::string& material) {
+    return report(progress, done++ / (std::size(tissues) + 1.0), "modelling " + material);
+  };
+  const auto cancelled = [] { return fail({Error::Code::kCancelled, "", "", "cancelled", "", ""}); };
+  for (const Tissue& tissue : tissues) {
+    if (!step(tissue.material)) return cancelled();
+    const std::string file = std::string(tissue.material) + ".ply";
+    const double edge_mm = std::min(detail * tissue.edge_mm, tissue.coarsest_mm);
+    Mesh mesh = meshImplicit(tissue.value, tissue.box, edge_mm / kEdgeToSpacing);
+    evenOut(mesh, tissue.value, 3);
+    mesh.vertex_colors.assign(mesh.vertices.size(), tissue.color);
+    anatomy.files.push_back({file, std::move(mesh)});
+    anatomy.parts.push_back({tissue.material, file});
+  }
+  if (!step("dentin")) return cancelled();
+  anatomy.files.push_back({"tooth.ply", demoMolar(0.18 * detail)});
+  anatomy.parts.push_back({"dentin", "tooth.ply"});
+  return anatomy;
 }
 
 }  // namespace kerf

@@ -2,8 +2,12 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "geometry/brick_field.h"
 #include "geometry/error.h"
@@ -18,14 +22,45 @@ struct VoxelizeOptions {
   double exterior_voxels = 3;  ///< band outside, in voxels: export needs 3
   double interior_voxels = 4;  ///< band inside, at least; also at least interior_mm. A clamped band biases force
   double interior_mm = 0.2;
+  Material material = Material::kGeneric;  ///< where no claim says otherwise
+  std::string material_names{};            ///< "1 enamel, 2 dentin": kept beside the labels for whoever opens the file
+  std::uint64_t max_bytes = 6ull << 30;    ///< refuse, naming a voxel size that fits, when the estimate is above
+};
+
+/// A plane; heights are measured along the normal.
+struct Plane {
+  Vec3d point = Vec3d::Zero();    ///< mm
+  Vec3d normal = Vec3d::UnitZ();  ///< unit
+  double height(const Vec3d& p) const { return normal.dot(p - point); }
+};
+
+/// A layer under the object's surface.
+struct DepthRule {
+  double depth_mm = 0;           ///< nodes less deep than this; > 0
+  std::optional<Plane> above{};  ///< and above this plane
+};
+
+/// What says which material a place is made of: exactly one of `solid`, `depth` and `covers`.
+struct MaterialClaim {
   Material material = Material::kGeneric;
-  std::uint64_t max_bytes = 6ull << 30;  ///< refuse, naming a voxel size that fits, when the estimate is above
+  const Mesh* solid = nullptr;  ///< inside this closed, crossing-free mesh, mm
+  std::optional<DepthRule> depth{};
+  std::function<bool(const Vec3d&)> covers{};  ///< a question to ask for any point, mm, from many threads at once
+  std::vector<Material> replaces{};            ///< of a solid or depth: holds only where a later claim put one of these
+};
+
+/// Where the object's volume went, mm^3.
+struct MaterialVolumes {
+  std::vector<double> claimed_mm3;  ///< per claim, in their order; gaps that were filled included
+  double unclaimed_mm3 = 0;         ///< covered by no claim
+  double forgotten_mm3 = 0;         ///< of that, too far from every claim to be a gap: got VoxelizeOptions::material
 };
 
 struct AnatomyStats {
   std::uint64_t active_voxels = 0, shell_points = 0, bytes = 0;
   double volume_mm3 = 0;      ///< of {phi < 0}, by the smoothed step the ledger uses
   double shell_area_mm2 = 0;  ///< sum of the shell's area weights
+  MaterialVolumes materials;
 };
 
 /// The baked grids `phi` (mm, negative inside), `material` and `shell`, held behind one pointer so that OpenVDB stays
@@ -56,8 +91,11 @@ std::uint64_t estimateBakeBytes(double surface_area_mm2, const VoxelizeOptions& 
 /// that its flood fill cannot reach). The shell holds the nodes |phi| < 1.5 voxels with inward normal, area weight
 /// delta_e(phi) |grad phi| h^3 and material.
 /// @pre mesh closed, oriented, free of self-intersections; coordinates in mm.
+/// Materials: the first claim that covers a node wins; gaps between claims, up to 8 voxels, go to their neighbours, and
+/// `options.material` is for the rest. Labels reach over all of the shell.
 /// Parallel on all cores; the result does not depend on their number. Cancelled: nothing is left.
-Expected<Anatomy> voxelize(const Mesh& solid, const VoxelizeOptions& options, const Progress& progress = {});
+Expected<Anatomy> voxelize(const Mesh& solid, const VoxelizeOptions& options, const Progress& progress = {},
+                           std::span<const MaterialClaim> claims = {});
 
 /// The bare library call on the same mesh with the same bands, for the benchmark's ratio. Returns seconds.
 Expected<double> timeBareMeshToVolume(const Mesh& solid, const VoxelizeOptions& options);

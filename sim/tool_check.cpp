@@ -13,36 +13,43 @@
 namespace kerf {
 
 double defaultVoxel(const Tool& tool) {
-  return tool.kind == ToolKind::kBur ? tool.head_diameter_mm / 20 : tool.thickness_mm / 10;
+  if (tool.kind == ToolKind::kBlade) return tool.thickness_mm / 10;
+  return std::min(tool.head_diameter_mm / 20, tool.finest() / 6);
 }
 
 Expected<ToolCheck> checkTool(const Tool& tool, double voxel_mm) {
   ToolCheck out;
-  const bool is_bur = tool.kind == ToolKind::kBur;
-  const double thinnest = is_bur ? tool.head_diameter_mm : tool.kerfWidth();
+  const double thinnest = tool.finest();
   const double h = out.voxel_mm = voxel_mm == 0 ? defaultVoxel(tool) : voxel_mm;
   // The block is sampled whole: finer than a hundredth of the tool, memory runs out before anything is learnt.
   if (!(h >= thinnest / 100 && h <= thinnest / 3))
     return fail({Error::Code::kBadValue, "", "voxel", fmt::format("{} mm", voxel_mm),
                  fmt::format("{:.3g} to {:.3g} mm, a hundredth to a third of the tool", thinnest / 100, thinnest / 3),
                  ""});
-  out.depth_mm = is_bur ? std::min(1.5 * tool.head_length_mm, 3.0) : 3.0;
-  out.expected_mm3 = plungeVolume(tool, out.depth_mm);
+  const bool is_bur = tool.kind == ToolKind::kBur;
+  out.depth_mm = std::min(!is_bur ? 3.0 : tool.cuts_end ? 1.5 * tool.head_length_mm : tool.head_diameter_mm, 3.0);
 
-  // In the tool's frame with the tip just touching: the block begins at the tip and reaches on along the plunge.
+  // In the tool's frame with the tip just touching: the block begins where the cutting part touches and reaches on
+  // along the plunge.
   const Vec3d way = tool.plunge_direction;
   Box3 block = tool.cut->bounds();
   block.grow(6 * h);
-  if (!is_bur) {
-    const double envelope = tool.blade_length_mm + tool.stroke_mm, middle = 0.5 * tool.blade_length_mm;
-    out.block_width_mm = std::min(4.0, envelope);
-    if (out.block_width_mm < envelope) {  // otherwise the whole blade goes in, ends and all
-      block.min[2] = middle - 0.5 * out.block_width_mm, block.max[2] = middle + 0.5 * out.block_width_mm;
-      out.expected_mm3 *= out.block_width_mm / envelope;
+  // Long edges meet a block 4 mm wide; where that is less than the edge, its ends stay outside.
+  constexpr double kBlockWidth = 4;
+  const bool is_straight = tool.motion == BladeMotion::kReciprocating || tool.motion == BladeMotion::kPiezo;
+  if (!is_bur && tool.motion != BladeMotion::kSagittal) {
+    const int along = is_straight ? 2 : 1;
+    out.block_width_mm = std::min(kBlockWidth, tool.cut->bounds().size()[along]);
+    if (out.block_width_mm == kBlockWidth) {
+      const double middle = tool.cut->bounds().center()[along];
+      block.min[along] = middle - 0.5 * kBlockWidth, block.max[along] = middle + 0.5 * kBlockWidth;
+      out.expected_mm3 = plungeVolume(tool, out.depth_mm, kBlockWidth);
     }
   }
-  const int axis = is_bur ? 2 : 0;
-  block.max[axis] = 0, block.min[axis] = -out.depth_mm - 6 * h;
+  if (out.expected_mm3 == 0) out.expected_mm3 = plungeVolume(tool, out.depth_mm);
+  const int axis = way[2] != 0 ? 2 : 0;
+  const double touch = tool.cut->bounds().min[axis];
+  block.max[axis] = touch, block.min[axis] = touch - out.depth_mm - 6 * h;
 
   const Rigid3 askew{Eigen::Quaterniond(Eigen::AngleAxisd(0.6, Vec3d(1, 2, 3).normalized())),
                      0.37 * h * Vec3d(1, -1, 1)};

@@ -1,16 +1,28 @@
-// Gives a scan without underside a flat base: walls straight down from its rims, and a cap.
+// Gives a scan without underside a flat base: walls straight down from its rims, and a cap, or a plate below.
 #pragma once
 
 #include "preprocess/internal/chain.h"
 
 namespace kerf::internal {
 
-/// Adds walls from the rims to the plane {x[axis] = level} and the part of the plane they enclose, so that the rims are
-/// no longer boundary. Rims that cross themselves in projection are allowed: the crossings become vertices (rounded to
-/// float32 in the plane, repeated until nothing crosses), and a face the rims wind around k times is added |k| times.
-/// @param level  a float32 number beyond all vertices.  @param outward  +1 or -1: the side of the plane that is
-/// outside.
+/// The plane of a base: {x : w . x = level}, `w` pointing out of the model; (u, v, w) is right-handed and orthonormal.
+struct BaseFrame {
+  Vec3d u, v, w;
+  double level = 0;    ///< mm along w
+  double ceiling = 0;  ///< mm along w, below `level`: where the walls end on the plate
+};
+
+/// A frame with the given unit vector as w. A w within 1e-9 of a coordinate axis becomes that axis, exactly: then the
+/// base is exactly flat in float32 as well. Otherwise its vertices lie within half a float32 step of it per coordinate
+/// (4e-6 mm each, up to 64 mm from the origin).
+BaseFrame baseFrame(const Vec3d& w);
+
+/// Adds walls from the rims along w to the plane and the part of the plane they enclose; `on_plate`: walls to
+/// `ceiling`, and a plate from there to `level` under the convex outline of the rims. Either way the rims are no longer
+/// boundary. Rims that cross themselves in projection are allowed: the crossings become vertices (rounded to float32,
+/// repeated until nothing crosses), and a face the rims wind around k times is added |k| times.
+/// @pre  frame.ceiling (on_plate) or frame.level is beyond all rim vertices, and ceiling < level.
 /// @return false if the projection could not be triangulated; the chain is then unchanged.
-bool extrudeToBase(Chain& chain, const std::vector<Loop>& rims, int axis, int outward, double level);
+bool extrudeToBase(Chain& chain, const std::vector<Loop>& rims, const BaseFrame& frame, bool on_plate);
 
 }  // namespace kerf::internal

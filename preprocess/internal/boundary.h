@@ -2,6 +2,7 @@
 #pragma once
 
 #include "geometry/error.h"
+#include "preprocess/close.h"
 #include "preprocess/internal/chain.h"
 
 namespace kerf::internal {

@@ -4,9 +4,16 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 #include <vector>
 
-#include "preprocess/close.h"
+#include "geometry/mesh.h"
+#include "preprocess/source_triangle.h"
+
+namespace kerf {
+struct CloseOptions;
+struct CloseReport;
+}  // namespace kerf
 
 namespace kerf::internal {
 

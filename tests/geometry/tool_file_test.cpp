@@ -1,11 +1,14 @@
 #include "geometry/tool_file.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
+#include "geometry/head_shape.h"
 #include "tests/geometry/sampled_field.h"
+#include "tests/geometry/temporary_folder.h"
 #include "tests/temporary_file.h"
 
 namespace kerf {
@@ -35,8 +38,86 @@ double plungedNumerically(const Tool& tool, double depth) {
 
 TEST(ToolFile, ToolsThatComeWithKerfAreRead) {
   const auto tools = listTools({std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools"});
-  ASSERT_GE(tools.size(), 3u);
+  ASSERT_GE(tools.size(), 90u);
   for (const ToolListing& t : tools) EXPECT_TRUE(t.tool) << t.error->message();
+}
+
+TEST(ToolFile, EveryToolThatComesWithKerfSaysWhatItIsAndWhereItsNumbersComeFrom) {
+  for (const ToolListing& t : listTools({std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools"})) {
+    ASSERT_TRUE(t.tool) << t.error->message();
+    EXPECT_FALSE(t.tool->description.empty()) << t.tool->id;
+    EXPECT_EQ(contentOf(t.file).substr(0, 2), "# ") << t.tool->id;
+    if (t.tool->iso) {
+      EXPECT_NE(t.tool->iso->materialName(), "") << t.tool->id;
+      EXPECT_NE(t.tool->iso->shapeName(), "") << t.tool->id;
+      EXPECT_TRUE(t.tool->iso->shankKnown()) << t.tool->id;
+    }
+  }
+}
+
+TEST(ToolFile, EveryShapeIsWrittenFromItsExamplesAndExplainedInTheReadme) {
+  const std::string readme = contentOf(std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools/README.md");
+  for (const HeadShape& shape : headShapes()) {
+    EXPECT_NE(readme.find(fmt::format("| `{}` |", shape.name)), readme.npos) << shape.name;
+    if (shape.takes_profile) continue;
+    for (const bool with_optional : {false, true}) {
+      std::string keys = fmt::format("shape = \"{}\"\nhead_diameter = 1.6\n", shape.name);
+      for (const HeadShape::Key& key : shape.keys) {
+        const bool is_angle = std::string(key.name) == "point_angle";
+        if (!key.unsaid || with_optional)
+          keys += fmt::format("{} = {}\n", key.name, key.example * (is_angle ? 1 : 1.6));
+      }
+      const Tool tool = bur(keys);
+      ASSERT_TRUE(tool.head) << keys;
+      EXPECT_NEAR(tool.head->largestRadius(), 0.8, 1e-9) << shape.name;
+      EXPECT_TRUE(tool.cut->isConvex()) << shape.name;  // the sweep of a convex shape is bracketed by its slopes
+      for (const double depth : {0.2, 0.9, 1.7, 2.9, 9.0})
+        EXPECT_NEAR(plungeVolume(tool, depth) / plungedNumerically(tool, depth), 1, 2e-5) << shape.name << depth;
+    }
+  }
+  for (const HeadKey& key : headKeys()) EXPECT_NE(readme.find(fmt::format("`{}`", key.name)), readme.npos) << key.name;
+}
+
+TEST(ToolFile, ArcsOfAFreeProfileAreArcs) {
+  // A cylinder of radius 1 whose lower edge is rounded by 0.5, then a groove: a half circle of radius 0.25.
+  const Tool tool =
+      bur("shape = \"profile\"\nhead_diameter = 2\n"
+          "profile = [[0, 1], [0.5, 2, 0.5], [1, 2], [1.5, 2, -0.25], [2, 2]]\n");
+  ASSERT_TRUE(tool.head);
+  EXPECT_NEAR(tool.cut->distance(Vec3d(0.5 + 0.5 * std::sqrt(0.5), 0, 0.5 - 0.5 * std::sqrt(0.5))), 0, 1e-12);
+  EXPECT_NEAR(tool.cut->distance(Vec3d(0, 0.75, 1.25)), 0, 1e-12);
+  EXPECT_NEAR(tool.cut->distance(Vec3d(1, 0, 1.25)), 0.25, 1e-12);     // in the groove, on its centre
+  EXPECT_NEAR(tool.cut->distance(Vec3d(0.7, 0, 1.25)), -0.05, 1e-12);  // behind it
+  EXPECT_FALSE(tool.cut->isConvex());
+  for (const double depth : {0.2, 0.9, 1.3, 1.7, 3.0})
+    EXPECT_NEAR(plungeVolume(tool, depth) / plungedNumerically(tool, depth), 1, 2e-5) << depth;
+  expectClosedManifold(toolMesh(tool));
+}
+
+TEST(ToolFile, WhatDoesNotCutOnlyCollides) {
+  const std::string keys = "shape = \"cylinder\"\nhead_diameter = 1\nhead_length = 4\nend_length = 0.4\n";
+  const Tool end = bur(keys + "cuts = [\"end\"]\n"), side = bur(keys + "cuts = [\"side\"]\n");
+  EXPECT_LT(end.cut->distance(Vec3d(0.4, 0, 0.2)), 0);
+  EXPECT_NEAR(end.cut->distance(Vec3d(0, 0.5, 1.4)), 1, 1e-12);
+  EXPECT_LT(end.body->distance(Vec3d(0.4, 0, 3)), 0);
+  EXPECT_NEAR(plungeVolume(end, 2), kPi * 0.25 * 2, 1e-12);
+  EXPECT_LT(side.cut->distance(Vec3d(0.4, 0, 3)), 0);
+  EXPECT_GT(side.cut->distance(Vec3d(0, 0, 0.2)), 0);
+  EXPECT_LT(side.body->distance(Vec3d(0, 0, 0.2)), 0);
+  EXPECT_EQ(side.plunge_direction, Vec3d(-1, 0, 0));  // its tip is in the way
+  EXPECT_NEAR(plungeVolume(side, 0.5), 3.6 * kPi * 0.25 / 2, 1e-9);
+  EXPECT_NEAR(plungeVolume(side, 1.5), 3.6 * (kPi * 0.25 / 2 + 1), 1e-9);
+  // A drill's point and the land behind it are its end, unless the file says otherwise.
+  const Tool drill =
+      bur("shape = \"drill\"\nhead_diameter = 2\nhead_length = 10\npoint_angle = 90\ncuts = [\"end\"]\n");
+  EXPECT_NEAR(drill.cutting->highest(), 1.5, 1e-12);
+}
+
+TEST(ToolFile, SidewaysPlungeOfABallIsItsDefinition) {
+  const Tool ball = bur("shape = \"round\"\nhead_diameter = 2\n");
+  Tool side = ball;
+  side.cuts_end = false;
+  for (const double depth : {0.1, 0.7, 1.0}) EXPECT_NEAR(plungeVolume(side, depth), plungeVolume(ball, depth), 1e-9);
 }
 
 TEST(ToolFile, ACopyCalledToolTomlKeepsItsId) {
@@ -87,7 +168,54 @@ TEST(ToolFile, BadFilesAreRefusedWithLineAndKey) {
        "point 3"},
       {kBur + "shape = \"profile\"\nhead_diameter = 2\nprofile = [[0, 1], [2, 1]]\n", "line 7, key head_diameter",
        "widest"},
+      {kBur + "shape = \"taper_ruond\"\n", "line 6, key shape", "Try: taper_round"},
+      {kBur + "shape = \"egg\"\n", "line 6, key shape", "Try: football"},
+      {kBur + "shape = \"round\"\nradius = 0.7\n", "line 7, key radius", "twice the radius"},
+      {kBur + "shape = \"round\"\nhead_diameter = 1.4\nunits = \"mm\"\n", "line 8, key units", "leave it out"},
+      {kBur + "shape = \"round\"\nhead_diameter = 0.16\niso6360 = \"500314001001016\"\n", "line 8, key iso6360",
+       "016 means 1.6 mm, not 0.16"},
+      {kBur + "shape = \"round\"\nhead_diameter = 0.8\niso6360 = \"500314001001016\"\n", "line 8, key iso6360",
+       "looks like a radius"},
+      {kBur + "shape = \"round\"\nhead_diameter = 16\niso6360 = \"500314001001016\"\n", "line 8, key iso6360",
+       "head_diameter = 1.6"},
+      {kBur + "shape = \"round\"\nhead_diameter = 1.6\niso6360 = \"500 314 001001 016\"\n", "line 8, key iso6360",
+       "\"500314001001016\", digits only"},
+      {kBur + "shape = \"round\"\nhead_diameter = 1.6\nshank_diameter = 2.35\nshank_length = 17.4\n"
+              "iso6360 = \"500314001001016\"\n",
+       "line 10, key iso6360", "2.35 mm RA"},
+      {kBur + "shape = \"round\"\nhead_diameter = 1.6\nshank_diameter = 1.6\nshank_length = 14.4\n"
+              "iso6360 = \"500314001001016\"\n",
+       "line 10, key iso6360", "3 mm longer"},
+      {kBur + "shape = \"profile\"\nhead_diameter = 1\nprofile = [[0, 0.5], [2, 1]]\nhead_length = 2\n",
+       "line 9, key head_length", "unknown"},
+      {kBur + "shape = \"profile\"\nhead_diameter = 0.5\nprofile = [[0, 0.5], [2, 1]]\n", "line 7, key head_diameter",
+       "never radii"},
+      {kBur + "shape = \"profile\"\nhead_diameter = 1\nprofile = [[0, 0], [2, 1, 0.5]]\n", "line 8, key profile",
+       "point 2: an arc radius of at least 1.031 mm"},
+      {kBur + "shape = \"profile\"\nhead_diameter = 1\nprofile = [[0, 1], [1, 1, 4, 4]]\n", "line 8, key profile",
+       "arc radius"},
+      {kBur + "shape = \"cylinder\"\nhead_diameter = 1\nhead_length = 4\ncuts = [\"end\"]\n", "end_length", "missing"},
+      {kBur + "shape = \"cylinder\"\nhead_diameter = 1\nhead_length = 4\ncuts = [\"tip\"]\n", "line 9, key cuts",
+       "[\"end\"]"},
+      {kBur + "shape = \"cylinder\"\nhead_diameter = 1\nhead_length = 4\ncuts = []\n", "line 9, key cuts",
+       "nothing that cuts"},
+      {kBur + "shape = \"cylinder\"\nhead_diameter = 1\nhead_length = 4\nend_length = 1\n", "line 9, key end_length",
+       "beside it"},
+      {kBur + "shape = \"cylinder\"\nhead_diameter = 1\nhead_length = 4\ncuts = [\"end\"]\nend_length = 4\n",
+       "line 10, key end_length", "less than"},
+      {kBur + "shape = \"flame\"\nhead_diameter = 4\nhead_length = 2\n", "line 8, key head_length", "longer head"},
+      {kBur + "shape = \"torpedo\"\nhead_diameter = 2\nhead_length = 6\npoint_length = 0.5\n",
+       "line 9, key point_length", "cylinder_round"},
+      {kBur + "shape = \"taper_flat\"\nhead_diameter = 1\nhead_length = 6\ntip_diameter = 1.2\n",
+       "line 9, key tip_diameter", "inverted_cone"},
       {saw, "tooth_pitch", "missing"},
+      {kHead + "kind = \"blade\"\nmotion = \"oscillating\"\nthickness = 0.4\n", "line 6, key motion", "Try: sagittal"},
+      {kHead + "kind = \"blade\"\nmotion = \"piezo\"\nthickness = 0.4\nwidth = 4\nlength = 8\nstroke = 100\n"
+               "tooth_pitch = 1\n",
+       "line 10, key stroke", "0.02 to 0.3 mm"},
+      {kHead + "kind = \"blade\"\nmotion = \"sagittal\"\nthickness = 0.4\nwidth = 30\nlength = 10\nswing = 4\n"
+               "tooth_pitch = 1\n",
+       "line 8, key width", "sweeps"},
       {saw + "tooth_pitch = 1.41\nedge_depth = 6\n", "line 12, key edge_depth", "at most"},
       {saw + "tooth_pitch = 1.41\nset = 0.02\n", "line 12, key set", "unknown"},
   };
@@ -104,7 +232,7 @@ TEST(ToolFile, BadFilesAreRefusedWithLineAndKey) {
 TEST(ToolFile, AnUnknownIdNamesTheToolsThereAre) {
   const auto found = findToolFile("round-041", {std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools"});
   ASSERT_FALSE(found);
-  EXPECT_NE(found.error().message().find("round-014"), std::string::npos);
+  EXPECT_NE(found.error().message().find("Try: round-014"), std::string::npos) << found.error().message();
 }
 
 TEST(Tool, PlungeVolumeMatchesClosedForms) {
@@ -144,6 +272,40 @@ TEST(Tool, TaperRoundIsSmoothWhereSphereAndConeTouch) {
   EXPECT_NEAR(tool.cut->distance(Vec3d(0.8, 0, 8)), 0, 1e-12);
 }
 
+TEST(Iso6360, SaysWhatItsPartsMean) {
+  const auto code = parseIso6360("806314198524016");
+  ASSERT_TRUE(code);
+  EXPECT_EQ(code->meaning(),
+            "diamond; FG shank 1.6 mm, 19 mm long in all; taper, round; medium grit, 107 um; head 1.6 mm");
+  const auto unknown = parseIso6360("999998997996995");
+  ASSERT_TRUE(unknown);
+  EXPECT_EQ(unknown->meaning(), "material 999; shank 998; shape 997; execution 996; head 99.5 mm");
+  for (const char* wrong : {"", "80631419852401", "8063141985240160", "80631419852401x", "806 314 198524 016"})
+    EXPECT_FALSE(parseIso6360(wrong)) << wrong;
+}
+
+TEST(Tool, SagittalBladeSweepsASectorOfItsKerf) {
+  const TemporaryFile file("a.toml", kHead +
+                                         "kind = \"blade\"\nmotion = \"sagittal\"\nthickness = 0.4\nset_per_side = "
+                                         "0.05\nwidth = 10\nlength = 25\nswing = 4\ntooth_pitch = 1\n");
+  const auto tool = readTool(file.path());
+  ASSERT_TRUE(tool) << tool.error().message();
+  const double half = 5 + 25 * std::sin(2 * kPi / 180);
+  EXPECT_NEAR(tool->sweptWidth(), 2 * half, 1e-12);
+  EXPECT_NEAR(tool->cut->bounds().max[0], half, 1e-12);
+  EXPECT_TRUE(tool->cut->isConvex());
+  double area = 0;  // columns of what is below z = 0 when the tip stands 2 mm deep
+  const int n = 100000;
+  for (int i = 0; i < n; ++i) {
+    const double x = half * (2 * (i + 0.5) / n - 1);
+    area += std::max(0.0, 2 - 25 + std::sqrt(625 - x * x)) * 2 * half / n;
+  }
+  EXPECT_NEAR(plungeVolume(*tool, 2) / (0.5 * area), 1, 1e-6);
+  EXPECT_NEAR(tool->cut->distance(Vec3d(3, 0, 25 - std::sqrt(625 - 9))), 0, 1e-12);
+  EXPECT_NEAR(tool->cut->distance(Vec3d(0, 0.35, 0.3)), 0.1, 1e-12);
+  expectClosedManifold(toolMesh(*tool));
+}
+
 TEST(Tool, BladeCutsItsKerfOverTheWholeStroke) {
   const auto tool = readTool(std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools/saw-reciprocating-25.toml");
   ASSERT_TRUE(tool) << tool.error().message();
@@ -154,14 +316,13 @@ TEST(Tool, BladeCutsItsKerfOverTheWholeStroke) {
 }
 
 TEST(Tool, MeshesForTheEyeAreClosedAndAsBigAsTheirFormulas) {
-  for (const char* id : {"round-014", "856-016", "saw-reciprocating-25"}) {
-    const auto tool = readTool(std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools" / (std::string(id) + ".toml"));
-    ASSERT_TRUE(tool);
-    const Mesh mesh = toolMesh(*tool);
+  for (const ToolListing& t : listTools({std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools"})) {
+    ASSERT_TRUE(t.tool);
+    const Mesh mesh = toolMesh(*t.tool);
     expectClosedManifold(mesh);
     EXPECT_GT(signedVolume(mesh), 0);
     for (const Vec3d& p : mesh.vertices)
-      EXPECT_LT(std::min(tool->cut->distance(p), tool->body->distance(p)), 1e-9) << id;
+      EXPECT_LT(std::min(t.tool->cut->distance(p), t.tool->body->distance(p)), 1e-9) << t.tool->id;
   }
   const Tool ball = bur("shape = \"round\"\nhead_diameter = 1.4\n");
   EXPECT_NEAR(signedVolume(toolMesh(ball, 0.001)) / (kPi / 6 * 1.4 * 1.4 * 1.4), 1, 0.01);

@@ -19,8 +19,15 @@ std::vector<std::shared_ptr<const ToolShape>> shapes() {
   const auto taper = std::make_shared<RevolvedShape>(RevolvedProfile().lineTo(0.4, 0).lineTo(0.8, 3).close());
   const auto box = std::make_shared<BoxShape>(Box3{Vec3d(0, -0.2, -1), Vec3d(0.5, 0.2, 2)});
   const auto rounded = std::make_shared<BoxShape>(Box3{Vec3d(0, -0.2, -1), Vec3d(0.5, 0.2, 2)}, 0.1);
-  return {ball, taper, box, rounded,
-          std::make_shared<UnionShape>(std::vector<std::shared_ptr<const ToolShape>>{ball, taper})};
+  RevolvedProfile waisted;  // a rounded edge, a hollow, a step
+  waisted.lineTo(0.3, 0).arcTo({0.3, 0.3}, {0.6, 0.3}).hollowArcTo({0.6, 0.8}, {0.6, 1.3});
+  waisted.lineTo(0.9, 1.3).lineTo(0.5, 2).close();
+  const auto hollow = std::make_shared<RevolvedShape>(waisted);
+  const auto part = std::make_shared<RevolvedShape>(waisted.clipped(0.2, 1.1));
+  const auto flat = std::make_shared<ExtrudedShape>(waisted, 0.4);
+  return {
+      ball,   taper, box,  rounded,
+      hollow, part,  flat, std::make_shared<UnionShape>(std::vector<std::shared_ptr<const ToolShape>>{ball, taper})};
 }
 
 TEST(ToolShape, BallIsItsFormula) {
@@ -65,6 +72,30 @@ TEST(ToolShape, DistanceNeverGrowsFasterThanTheWay) {
       const Vec3d a = random.point(2), b = a + random.point(n % 2 ? 1.0 : 0.01);
       EXPECT_LE(std::abs(shape->distance(a) - shape->distance(b)), (a - b).norm() + 1e-12);
     }
+}
+
+TEST(ToolShape, AClippedOutlineIsTheSolidBetweenTwoHeights) {
+  RevolvedProfile outline;
+  outline.lineTo(0.3, 0).arcTo({0.3, 0.3}, {0.6, 0.3}).hollowArcTo({0.6, 0.8}, {0.6, 1.3});
+  outline.lineTo(0.9, 1.3).lineTo(0.5, 2).close();
+  const RevolvedShape whole(outline);
+  Random random;
+  for (const auto& [low, high] : {std::pair{0.0, 0.1}, {0.2, 1.0}, {0.3, 1.3}, {0.9, 2.0}, {1.3, 1.7}}) {
+    const RevolvedShape part(outline.clipped(low, high));
+    for (int n = 0; n < 2000; ++n) {
+      const Vec3d p = random.point(2);
+      if (std::abs(p[2] - low) < 1e-9 || std::abs(p[2] - high) < 1e-9) continue;
+      EXPECT_EQ(part.distance(p) < 0, whole.distance(p) < 0 && p[2] > low && p[2] < high)
+          << low << " " << p.transpose();
+    }
+  }
+}
+
+TEST(ToolShape, HighestAsWideAsIsWhereTheOutlineNarrowsToIt) {
+  EXPECT_NEAR(RevolvedProfile().arcTo({0, 1}, {0, 2}).highestAsWideAs(0.6), 1.8, 1e-12);
+  EXPECT_NEAR(RevolvedProfile().lineTo(1, 0).lineTo(0.5, 2).close().highestAsWideAs(0.75), 1, 1e-12);
+  EXPECT_NEAR(RevolvedProfile().lineTo(1, 0).lineTo(0.5, 2).close().highestAsWideAs(0.4), 2, 1e-12);
+  EXPECT_NEAR(RevolvedProfile().lineTo(1, 0).lineTo(0.5, 2).close().highestAsWideAs(3), 0, 1e-12);
 }
 
 TEST(ToolShape, BoundsHoldEverythingInside) {

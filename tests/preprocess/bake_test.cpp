@@ -95,10 +95,14 @@ TEST(Bake, AnExistingCaseIsReplacedOnlyWhenAsked) {
   const fs::path mesh = folder.path() / "ball.stl", out = folder.path() / "x.case";
   ASSERT_TRUE(writeMesh(mesh, ballMesh({0, 0, 0}, 3, 20)));
   ASSERT_TRUE(bake({mesh}, out, coarse()));
-  EXPECT_FALSE(bake({mesh}, out, coarse()));
-  BakeOptions again = coarse();
-  again.overwrite = true;
-  EXPECT_TRUE(bake({mesh}, out, again));
+  const auto same = bake({mesh}, out, coarse());
+  EXPECT_TRUE(same && same->was_up_to_date) << "nothing is baked twice";
+  BakeOptions other = coarse();
+  other.voxelize.voxel_mm = 0.25;
+  EXPECT_FALSE(bake({mesh}, out, other));
+  other.overwrite = true;
+  const auto replaced = bake({mesh}, out, other);
+  EXPECT_TRUE(replaced && !replaced->was_up_to_date);
 }
 
 TEST(CaseManifest, UnknownMissingAndNewerAreErrorsWithTheKey) {
@@ -118,7 +122,7 @@ TEST(CaseManifest, UnknownMissingAndNewerAreErrorsWithTheKey) {
     return manifest ? std::string() : manifest.error().message();
   };
   EXPECT_NE(with("voxel_mm", "voxel_inch").find("voxel"), std::string::npos);
-  EXPECT_NE(with("version = 1", "version = 99").find("99"), std::string::npos);
+  EXPECT_NE(with("version = 2", "version = 99").find("99"), std::string::npos);
   EXPECT_NE(with("exact = true", "exact = 'yes'").find("exact"), std::string::npos);
   EXPECT_NE(with("[field]", "[field]\nsurprise = 1").find("surprise"), std::string::npos);
 }

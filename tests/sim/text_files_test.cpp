@@ -113,7 +113,7 @@ TEST(TextFiles, MutatedCaseManifestsAreReadOrRefused) {
   CaseManifest m;
   m.kerf_version = "0.1.0", m.id = std::string(64, 'a'), m.close_mode = "auto", m.changes = {"one", "two"};
   m.sources.push_back({"source-1.stl", "binary STL", std::string(64, 'b'), "mm", "as said", 1, 8, 12});
-  m.voxel_mm = 0.1, m.material = "generic", m.solid_vertices = 8, m.solid_triangles = 12;
+  m.voxel_mm = 0.1, m.materials = {{"generic", 9, 1.0}}, m.solid_vertices = 8, m.solid_triangles = 12;
   m.box.add(Vec3d(-1, -2, -3)), m.box.add(Vec3d(1, 2, 3));
   m.solid_sha256 = std::string(64, 'c'), m.field_sha256 = std::string(64, 'd');
   ASSERT_TRUE(writeCaseManifest(folder.path(), m));

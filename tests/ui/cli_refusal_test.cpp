@@ -84,9 +84,11 @@ TEST_F(Cli, MissingFilesFoldersAndDevicesAreRefused) {
   refuses({"cut", box, "--tool", tool, "--path", at("missing.csv"), "-o", at("x.run")}, {"missing.csv"});
   refuses({"cut", box, "--tool", tool, "--path", at("folder.stl"), "-o", at("x.run")}, {"folder.stl"});
   refuses({"cut", box, "--tool", tool, "--path", at("pipe.toml"), "-o", at("x.run")}, {"pipe.toml"});
-  refuses({"cut", box, "--tool", "drill", "--path", path, "-o", at("x.run")}, {"drill", "round-014", "856-016"});
-  refuses({"tool", "check", "drill"}, {"drill", "round-014"});
-  refuses({"tool", "bake", "drill", "-o", at("x.tool")}, {"drill", "round-014"});
+  refuses({"cut", box, "--tool", "drill", "--path", path, "-o", at("x.run")}, {"drill", "drill-20", "kerf tool list"});
+  refuses({"tool", "check", "drill"}, {"drill", "drill-20"});
+  refuses({"tool", "check"}, {"--all"}, 2);
+  refuses({"tool", "info", "drill"}, {"drill", "drill-20"});
+  refuses({"tool", "bake", "drill", "-o", at("x.tool")}, {"drill", "drill-20"});
   refuses({"info", "drill"}, {"drill"});
   refuses({"bench", "drill"}, {"drill", "cut-bur"});
   refuses({"export", at("missing.run"), "-o", at("x.stl")}, {"missing.run"});

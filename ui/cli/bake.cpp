@@ -2,18 +2,23 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "preprocess/case_recipe.h"
 #include "ui/cli/command.h"
 
 namespace kerf::cli {
 namespace {
 
 struct Arguments {
-  std::vector<std::string> meshes;
-  std::string output, base_direction;
+  std::vector<std::string> inputs;
+  std::string output, base_direction, occlusal_plane;
+  double base_height = 0;  // 0: by the margin
   BakeOptions options;
   bool json = false;
 };
@@ -28,10 +33,38 @@ Expected<Vec3d> axis(const std::string& name) {
   return it->second;
 }
 
+/// NX,NY,NZ or NX,NY,NZ@PX,PY,PZ.
+Expected<GivenPlane> plane(const std::string& text) {
+  const auto wrong = [&](const char* why) {
+    return fail({Error::Code::kBadValue, "", "--occlusal-plane", "\"" + text + "\"", why,
+                 "auto, 0,0,1 or 0.1,0,0.99@0,0,12.5"});
+  };
+  const auto vector = [](const std::string& s) -> std::optional<Vec3d> {
+    Vec3d v;
+    const char *at = s.data(), *end = s.data() + s.size();
+    for (int k = 0; k < 3; ++k) {
+      const auto [next, error] = std::from_chars(at, end, v[k]);
+      if (error != std::errc() || !std::isfinite(v[k]) || (k < 2 ? next == end || *next != ',' : next != end))
+        return {};
+      at = next + 1;
+    }
+    return v;
+  };
+  const std::size_t at = text.find('@');
+  const auto normal = vector(text.substr(0, at));
+  if (!normal || !(normal->norm() > 0)) return wrong("auto, or three numbers with commas: a normal, not of length 0");
+  GivenPlane given{*normal, {}};
+  if (at == std::string::npos) return given;
+  given.point = vector(text.substr(at + 1));
+  if (!given.point) return wrong("after @ a point on the plane: three numbers with commas, mm");
+  return given;
+}
+
 nlohmann::json toJson(const BakeReport& r) {
   nlohmann::json j{{"id", r.manifest.id},
                    {"exact", r.manifest.exact},
                    {"changes", r.manifest.changes},
+                   {"was_up_to_date", r.was_up_to_date},
                    {"solid",
                     {{"vertices", r.manifest.solid_vertices},
                      {"triangles", r.manifest.solid_triangles},
@@ -49,6 +82,14 @@ nlohmann::json toJson(const BakeReport& r) {
                      {"voxelize", r.times.voxelize},
                      {"write", r.times.write},
                      {"total", r.times.total()}}}};
+  for (const CaseMaterial& m : r.manifest.materials)
+    j["materials"].push_back({{"id", m.id}, {"number", m.number}, {"volume_mm3", m.volume_mm3}});
+  for (const CasePart& p : r.manifest.parts)
+    j["parts"].push_back(
+        {{"material", p.material}, {"origin", p.origin}, {"own_mm3", p.own_mm3}, {"volume_mm3", p.volume_mm3}});
+  if (!r.manifest.parts.empty())
+    j["gaps"] = {{"filled_mm3", r.materials.unclaimed_mm3}, {"forgotten_mm3", r.materials.forgotten_mm3}};
+  if (r.was_up_to_date) return j;
   for (std::size_t i = 0; i < r.manifest.sources.size(); ++i) {
     const CaseSource& s = r.manifest.sources[i];
     j["sources"].push_back({{"stored_as", s.stored_as},
@@ -60,8 +101,9 @@ nlohmann::json toJson(const BakeReport& r) {
                             {"scale_to_mm", s.scale_to_mm},
                             {"vertices", s.vertices},
                             {"triangles", s.triangles},
-                            {"notes", r.notes[i]},
-                            {"check", nlohmann::json::parse(kerf::toJson(r.source_checks[i]))}});
+                            {"notes", r.notes[i]}});
+    if (i < r.source_checks.size())
+      j["sources"].back()["check"] = nlohmann::json::parse(kerf::toJson(r.source_checks[i]));
   }
   return j;
 }
@@ -72,17 +114,31 @@ int run(Arguments& a) {
     if (!direction) return complain(direction.error()), kUsage;
     a.options.close.base_direction = *direction;
   }
+  if (a.occlusal_plane == "auto") {
+    a.options.close.find_occlusal_plane = true;
+  } else if (!a.occlusal_plane.empty()) {
+    const auto given = plane(a.occlusal_plane);
+    if (!given) return complain(given.error()), kUsage;
+    a.options.close.occlusal_plane = *given;
+  }
+  if (a.base_height > 0) a.options.close.base_height_mm = a.base_height;
   a.options.close.cleanup_length_mm = 0.01 * a.options.voxelize.voxel_mm;
-  std::vector<std::filesystem::path> paths(a.meshes.begin(), a.meshes.end());
+  std::vector<std::filesystem::path> paths(a.inputs.begin(), a.inputs.end());
+  const auto recipe = std::find_if(paths.begin(), paths.end(), looksLikeRecipe);
+  if (recipe != paths.end() && paths.size() > 1)
+    return complain({Error::Code::kBadValue, recipe->string(), "", "a recipe beside other files", "the recipe alone",
+                     "name the other meshes in it, as [[part]]"}),
+           kUsage;
   auto report = [&] {
     TerminalProgress progress;
-    return bake(paths, a.output, a.options, progress.callback());
+    return recipe != paths.end() ? bakeRecipe(paths[0], a.output, a.options, progress.callback())
+                                 : bake(paths, a.output, a.options, progress.callback());
   }();
   if (!report) return complain(report.error());
   if (a.json)
     printJson(toJson(*report));
   else
-    fmt::print("{}case written: {}\n", describe(*report), a.output);
+    fmt::print("{}{}: {}\n", describe(*report), report->was_up_to_date ? "up to date" : "case written", a.output);
   return kOk;
 }
 
@@ -90,6 +146,13 @@ int run(Arguments& a) {
 
 void addBake(CLI::App& app, int& exit_code) {
   auto a = std::make_shared<Arguments>();
+  CLI::App* c = app.add_subcommand(
+      "bake", "Turn mesh files or a case recipe into a case: closed solid, distance field, materials, point shell");
+  c->footer("Examples: kerf bake upper.ply -o upper.case --voxel 0.1\n          kerf bake molar.toml -o molar.case");
+  c->add_option("INPUT", a->inputs,
+                "STL, PLY, OBJ or OFF; several are united into one object. Or one recipe (.toml) that puts tissues "
+                "together from meshes, depths and label volumes")
+      ->required();
   CLI::App* c = app.add_subcommand("bake", "Turn mesh files into a case: closed solid, distance field, point shell");
   c->footer("Example: kerf bake upper.ply -o upper.case --voxel 0.1");
   c->add_option("MESH", a->meshes, "STL, PLY, OBJ, OFF or 3MF; several are united into one object")->required();
@@ -105,14 +168,29 @@ void addBake(CLI::App& app, int& exit_code) {
                 "approximate")
       ->transform(CLI::CheckedTransformer(modes, CLI::ignore_case))
       ->default_str("auto");
+  const std::map<std::string, BaseStyle> styles{{"horseshoe", BaseStyle::kHorseshoe}, {"full", BaseStyle::kFull}};
+  c->add_option("--base", a->options.close.base_style,
+                "horseshoe: walls follow the rim | full: on a plate under the outline of the rim")
+      ->transform(CLI::CheckedTransformer(styles, CLI::ignore_case))
+      ->default_str("horseshoe");
+  c->add_option("--occlusal-plane", a->occlusal_plane,
+                "make the base parallel to it: auto (found from the cusp tips) or NX,NY,NZ[@PX,PY,PZ], mm "
+                "(default: the base is square to an axis)");
+  c->add_option("--base-height", a->base_height,
+                "from the base up to the occlusal plane, or to the highest point [mm]; overrides --base-margin")
+      ->check(CLI::PositiveNumber);
   c->add_option("--base-margin", a->options.close.base_margin_mm, "base below the lowest point [mm]")
       ->capture_default_str();
   c->add_option("--base-direction", a->base_direction,
                 "where the base goes: +x -x +y -y +z -z (default: where the scan is open)");
-  c->add_option("--voxel", a->options.voxelize.voxel_mm, "voxel size [mm]")->capture_default_str();
-  c->add_flag("--force", a->options.overwrite, "replace an existing case");
+  CLI::Option* voxel = c->add_option("--voxel", a->options.voxelize.voxel_mm, "voxel size [mm]; goes before a recipe's")
+                           ->capture_default_str();
+  c->add_flag("--force", a->options.overwrite, "bake anew and replace an existing case");
   c->add_flag("--json", a->json, "report as JSON on standard output");
-  c->callback([a, &exit_code] { exit_code = run(*a); });
+  c->callback([a, voxel, &exit_code] {
+    a->options.voxel_is_given = voxel->count() > 0;
+    exit_code = run(*a);
+  });
 }
 
 }  // namespace kerf::cli

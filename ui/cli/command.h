@@ -25,6 +25,7 @@ void addBake(CLI::App& app, int& exit_code);
 void addBench(CLI::App& app, int& exit_code);
 void addCheck(CLI::App& app, int& exit_code);
 void addCut(CLI::App& app, int& exit_code);
+void addDemo(CLI::App& app, int& exit_code);
 void addDemoMolar(CLI::App& app, int& exit_code);
 void addExport(CLI::App& app, int& exit_code);
 void addInfo(CLI::App& app, int& exit_code);

@@ -50,7 +50,6 @@ Expected<json> caseInfo(const fs::path& folder) {
          {"close_mode", m.close_mode},
          {"changes", m.changes},
          {"voxel_mm", m.voxel_mm},
-         {"material", m.material},
          {"size_mm", size(m.box)},
          {"vertices", m.solid_vertices},
          {"triangles", m.solid_triangles},
@@ -58,6 +57,11 @@ Expected<json> caseInfo(const fs::path& folder) {
          {"area_mm2", m.solid_area_mm2},
          {"shell_points", m.shell_points},
          {"shell_area_mm2", m.shell_area_mm2}};
+  for (const CaseMaterial& c : m.materials)
+    j["materials"].push_back({{"id", c.id}, {"number", c.number}, {"volume_mm3", c.volume_mm3}});
+  for (const CasePart& p : m.parts)
+    j["parts"].push_back(
+        {{"material", p.material}, {"origin", p.origin}, {"own_mm3", p.own_mm3}, {"volume_mm3", p.volume_mm3}});
   for (const CaseSource& s : m.sources)
     j["sources"].push_back({{"stored_as", s.stored_as},
                             {"format", s.format},

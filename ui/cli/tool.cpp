@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -19,10 +21,28 @@ constexpr const char* kToolCopy = "tool.toml";
 
 struct Arguments {
   std::vector<std::string> tools;
+  std::vector<std::string> words;
   std::string tool, output;
   double voxel = 0;  // 0: defaultVoxel
-  bool json = false, overwrite = false;
+  bool json = false, overwrite = false, all = false;
 };
+
+// Whether a text holds a word, in whatever case.
+bool mentions(const std::string& text, const std::string& word) {
+  const auto same = [](char a, char b) {
+    return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
+  };
+  return std::search(text.begin(), text.end(), word.begin(), word.end(), same) != text.end();
+}
+
+// One line of `kerf tool list`.
+std::string row(const Tool& tool) {
+  const std::string numbers =
+      tool.kind == ToolKind::kBur
+          ? fmt::format("{:<14} {:>5.2f} x {:<6.2f}", tool.shape, tool.head_diameter_mm, tool.head_length_mm)
+          : fmt::format("{:<14} kerf {:<9.3g}", motionName(tool.motion), tool.kerfWidth());
+  return fmt::format("{:<22} {}  {:<15}  {}", tool.id, numbers, tool.iso6360, tool.name);
+}
 
 int list(const Arguments& a) {
   const auto folders = defaultToolFolders();
@@ -30,34 +50,67 @@ int list(const Arguments& a) {
     return complain({Error::Code::kNotFound, "", "", "no tools folder", "a folder assets/tools",
                      "set KERF_ASSETS to the folder that holds tools/"});
   bool all_read = true;
+  std::size_t shown = 0;
   nlohmann::json tools = nlohmann::json::array();
   for (const ToolListing& listing : listTools(folders)) {
     if (!listing.tool) {
       all_read = false;
       complain(*listing.error);
       if (a.json) tools.push_back({{"file", listing.file.string()}, {"error", listing.error->message()}});
-    } else if (a.json) {
+      continue;
+    }
+    const std::string line = row(*listing.tool);
+    if (!std::all_of(a.words.begin(), a.words.end(), [&](const std::string& word) { return mentions(line, word); }))
+      continue;
+    if (a.json) {
       tools.push_back(nlohmann::json::parse(toJson(*listing.tool)));
       tools.back()["file"] = listing.file.string();
     } else {
-      fmt::print("{}\n", describe(*listing.tool));
+      if (shown++ == 0)
+        fmt::print("{:<22} {:<14} {:<14}  {:<15}  {}\n", "id", "shape", "D x L, mm", "ISO 6360", "name");
+      fmt::print("{}\n", line);
     }
   }
   if (a.json) printJson(tools);
+  if (!a.json && shown == 0) fmt::print("No tool mentions that; kerf tool list shows all.\n");
   return all_read ? kOk : kFailed;
 }
 
+int info(const Arguments& a) {
+  const auto file = findToolFile(a.tool, defaultToolFolders());
+  if (!file) return complain(file.error());
+  const auto tool = readTool(*file);
+  if (!tool) return complain(tool.error());
+  if (a.json)
+    printJson(nlohmann::json::parse(toJson(*tool)));
+  else
+    fmt::print("{}\n", describe(*tool));
+  return kOk;
+}
+
 int check(const Arguments& a) {
-  bool all_passed = true;
-  nlohmann::json results = nlohmann::json::array();
+  std::vector<fs::path> files;
+  if (a.all)
+    for (const ToolListing& listing : listTools(defaultToolFolders())) files.push_back(listing.file);
   for (const std::string& name : a.tools) {
     const auto file = findToolFile(name, defaultToolFolders());
     if (!file) return complain(file.error());
-    const auto tool = readTool(*file);
-    if (!tool) return complain(tool.error());
-    const auto result = checkTool(*tool, a.voxel);
-    if (!result) return complain(result.error());
-    all_passed &= result->passed();
+    files.push_back(*file);
+  }
+  const bool is_table = files.size() > 1;
+  std::size_t passed = 0;
+  nlohmann::json results = nlohmann::json::array();
+  for (const fs::path& file : files) {
+    const auto tool = readTool(file);
+    const auto result = tool ? checkTool(*tool, a.voxel) : Expected<ToolCheck>(fail(tool.error()));
+    if (!result) {
+      complain(result.error());
+      if (!a.all) return kFailed;
+      continue;
+    }
+    passed += result->passed();
+    const std::string verdict =
+        result->passed() ? "PASS" : fmt::format("FAIL (allowed {} %)", ToolCheck::kLargestError);
     if (a.json) {
       results.push_back({{"id", tool->id},
                          {"voxel_mm", result->voxel_mm},
@@ -67,6 +120,12 @@ int check(const Arguments& a) {
                          {"removed_mm3", result->removed_mm3},
                          {"error_percent", result->errorPercent()},
                          {"passed", result->passed()}});
+    } else if (is_table) {
+      if (file == files.front())
+        fmt::print("{:<22} {:>8} {:>9} {:>13} {:>13} {:>8}\n", "id", "deep, mm", "voxel, mm", "removed, mm3",
+                   "expected, mm3", "error, %");
+      fmt::print("{:<22} {:>8.3g} {:>9.3g} {:>13.5f} {:>13.5f} {:>+8.3f}  {}\n", tool->id, result->depth_mm,
+                 result->voxel_mm, result->removed_mm3, result->expected_mm3, result->errorPercent(), verdict);
     } else {
       fmt::print("{}\n", describe(*tool));
       const std::string block = result->block_width_mm > 0
@@ -74,12 +133,14 @@ int check(const Arguments& a) {
                                     : std::string();
       fmt::print("  {:.3g} mm deep{}, voxel {:.3g} mm: removed {:.5f} mm3, by its numbers {:.5f} mm3, {:+.3f} %: {}\n",
                  result->depth_mm, block, result->voxel_mm, result->removed_mm3, result->expected_mm3,
-                 result->errorPercent(),
-                 result->passed() ? "PASS" : fmt::format("FAIL (allowed {} %)", ToolCheck::kLargestError));
+                 result->errorPercent(), verdict);
     }
   }
-  if (a.json) printJson(results);
-  return all_passed ? kOk : kFailed;
+  if (a.json)
+    printJson(results);
+  else if (is_table)
+    fmt::print("{} of {} tools pass.\n", passed, files.size());
+  return passed == files.size() ? kOk : kFailed;
 }
 
 Expected<void> write(const Arguments& a, const fs::path& file, const Tool& tool, double voxel) {
@@ -122,16 +183,29 @@ void addTool(CLI::App& app, int& exit_code) {
   c->require_subcommand(1);
 
   CLI::App* l = c->add_subcommand("list", "Tools found in $KERF_ASSETS/tools and beside the program");
+  l->footer("Example: kerf tool list pear");
+  l->add_option("WORD", a->words, "only tools whose line holds all of these words");
   l->add_flag("--json", a->json, "as JSON on standard output");
   l->callback([a, &exit_code] { exit_code = list(*a); });
 
+  CLI::App* i = c->add_subcommand("info", "A tool's numbers, and what its ISO 6360 code says");
+  i->footer("Example: kerf tool info 856-016");
+  i->add_option("ID|FILE", a->tool, "tool id or TOML file")->required();
+  i->add_flag("--json", a->json, "as JSON on standard output");
+  i->callback([a, &exit_code] { exit_code = info(*a); });
+
   CLI::App* k = c->add_subcommand("check", "Plunge tools into a block; compare what is gone with the closed formula");
   k->footer("Example: kerf tool check round-014 my-tool.toml");
-  k->add_option("ID|FILE", a->tools, "tool ids or TOML files")->required();
+  auto* ids = k->add_option("ID|FILE", a->tools, "tool ids or TOML files; several make a table");
+  auto* all = k->add_flag("--all", a->all, "every tool there is");
+  ids->excludes(all);
   k->add_option("--voxel", a->voxel, "mm; default: head diameter / 20, blades thickness / 10")
       ->check(CLI::PositiveNumber);
   k->add_flag("--json", a->json, "as JSON on standard output");
-  k->callback([a, &exit_code] { exit_code = check(*a); });
+  k->callback([a, &exit_code] {
+    if (a->tools.empty() && !a->all) throw CLI::RequiredError("ID|FILE or --all");
+    exit_code = check(*a);
+  });
 
   CLI::App* b = c->add_subcommand("bake", "Write a tool's distance fields (OpenVDB) and its mesh into a folder");
   b->footer("Example: kerf tool bake round-014 -o round-014.tool");

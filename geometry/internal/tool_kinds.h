@@ -1,0 +1,16 @@
+// The kinds of tool files: each reads its own keys. Errors stay in `top`; the tool is complete if there are none.
+#pragma once
+
+#include "geometry/toml_reader.h"
+#include "geometry/tool.h"
+
+namespace kerf {
+
+void readBur(TomlTable& top, Tool& tool);
+void readBlade(TomlTable& top, Tool& tool);
+
+/// Calls no key of the kind unknown: for a file that does not say which of them belong.
+void allowBurKeys(TomlTable& top);
+void allowBladeKeys(TomlTable& top);
+
+}  // namespace kerf

@@ -1,0 +1,102 @@
+#include "preprocess/internal/bake_sources.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <span>
+#include <system_error>
+
+#include "geometry/hash.h"
+#include "geometry/mesh_io.h"
+#include "preprocess/unit.h"
+
+namespace kerf::internal {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The extension to store a source under. A name may hold any byte, a manifest only text: odd ones are dropped.
+std::string safeExtension(const fs::path& path) {
+  const std::string e = path.extension().string();
+  const auto plain = [](char c) {
+    return c == '.' || (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+  };
+  return std::all_of(e.begin(), e.end(), plain) ? e : std::string();
+}
+
+std::vector<fs::path> filesIn(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code failed;
+  for (fs::directory_iterator entry(folder, failed), end; !failed && entry != end; entry.increment(failed))
+    if (entry->is_regular_file(failed)) files.push_back(entry->path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+}  // namespace
+
+Expected<std::string> sha256OfSource(const fs::path& path) {
+  std::error_code ignored;
+  if (!fs::is_directory(path, ignored)) return sha256OfFile(path);
+  std::string text;
+  for (const fs::path& file : filesIn(path)) {
+    KERF_TRY(hash, sha256OfFile(file));
+    text += file.filename().string() + ' ' + hash + '\n';
+  }
+  return sha256(std::as_bytes(std::span(text.data(), text.size())));
+}
+
+Expected<CaseSource*> storeSource(const fs::path& path, const std::string& format, const std::string& sha256,
+                                  const fs::path& case_folder, CaseManifest& manifest) {
+  CaseSource source;
+  source.stored_as = fmt::format("source-{}{}", manifest.sources.size() + 1, safeExtension(path));
+  source.format = format, source.sha256 = sha256;
+  const fs::path copy = case_folder / source.stored_as;
+  std::error_code failed;
+  if (fs::is_directory(path, failed)) {
+    fs::create_directory(copy, failed);
+    for (const fs::path& file : filesIn(path))
+      if (!failed) fs::copy_file(file, copy / file.filename(), failed);
+  } else {
+    fs::copy_file(path, copy, failed);
+  }
+  if (failed) return fail({Error::Code::kWriteFailed, copy.string(), "", failed.message(), "", "free some space"});
+  manifest.sources.push_back(source);
+  return &manifest.sources.back();
+}
+
+Expected<std::vector<Mesh>> readMeshSources(const std::vector<fs::path>& paths, const std::vector<std::string>& hashes,
+                                            const std::string& unit, bool as_one, const fs::path& case_folder,
+                                            BakeReport& out, const Progress& progress) {
+  std::vector<MeshFile> files;
+  Box3 common;  // of the meshes that declare no unit
+  for (std::size_t n = 0; n < paths.size(); ++n) {
+    if (!report(progress, static_cast<double>(n) / static_cast<double>(paths.size()),
+                "reading " + paths[n].filename().string()))
+      return fail({Error::Code::kCancelled, "", "", "cancelled; nothing was written", "", ""});
+    KERF_TRY(file, readMesh(paths[n]));
+    if (file.declared_unit.empty()) common.add(bounds(file.mesh));
+    files.push_back(std::move(file));
+  }
+  std::vector<Mesh> meshes;
+  for (std::size_t n = 0; n < paths.size(); ++n) {
+    MeshFile& file = files[n];
+    auto choice =
+        chooseUnit(as_one && file.declared_unit.empty() ? common : bounds(file.mesh), unit, file.declared_unit);
+    if (!choice) {
+      choice.error().file = paths[n].string();
+      return fail(choice.error());
+    }
+    KERF_TRY(source, storeSource(paths[n], std::string(name(file.format)), hashes[n], case_folder, out.manifest));
+    source->unit = choice->unit, source->unit_reason = choice->reason, source->scale_to_mm = choice->scale_to_mm;
+    source->vertices = file.mesh.vertices.size(), source->triangles = file.mesh.triangles.size();
+    if (choice->scale_to_mm != 1)
+      for (Vec3d& p : file.mesh.vertices) p *= choice->scale_to_mm;
+    out.unit_is_doubtful.push_back(choice->is_doubtful);
+    out.notes.push_back(std::move(file.notes));
+    meshes.push_back(std::move(file.mesh));
+  }
+  return meshes;
+}
+
+}  // namespace kerf::internal

@@ -1,0 +1,25 @@
+// Distance field -> point shell: the surface nodes with inward normal, the area each stands for, and material.
+#pragma once
+
+#include <openvdb/openvdb.h>
+#include <openvdb/points/PointDataGrid.h>
+
+#include <cstdint>
+
+#include "preprocess/internal/interrupter.h"
+
+namespace kerf::internal {
+
+struct PointShell {
+  openvdb::points::PointDataGrid::Ptr grid;
+  std::uint64_t points = 0;
+  double area_mm2 = 0;    ///< sum of the area weights
+  double volume_mm3 = 0;  ///< of {phi < 0}, by the smoothed step
+};
+
+/// One point per node |phi| < 1.5 voxels, exactly on the node: its position in the voxel is zero everywhere and costs
+/// no room. Attributes: N (inward, unit), area (mm^2, delta_e(phi) |grad phi| h^3), material.
+/// @param material  labels of at least all these nodes. Parallel; the sums do not depend on threads.
+PointShell makePointShell(const openvdb::FloatGrid& phi, const openvdb::Int32Grid& material, Interrupter& interrupter);
+
+}  // namespace kerf::internal

@@ -1,0 +1,171 @@
+// Recipes baked into cases: made-up parts here, real ones where the data is (KERF_DATA).
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <numbers>
+
+#include "geometry/hash.h"
+#include "geometry/mesh_check.h"
+#include "geometry/mesh_writer.h"
+#include "preprocess/bake.h"
+#include "preprocess/voxel_union.h"
+#include "tests/geometry/ball_mesh.h"
+#include "tests/geometry/temporary_folder.h"
+
+namespace kerf {
+namespace {
+
+namespace fs = std::filesystem;
+double ballVolume(double r) { return 4.0 / 3 * std::numbers::pi * r * r * r; }
+
+void write(const fs::path& path, const std::string& text) { std::ofstream(path, std::ios::binary) << text; }
+
+const std::string kHead = "format = \"kerf-recipe\"\nversion = 1\n";
+
+// A tooth of a dentin ball with a pulp ball in it.
+fs::path toothRecipe(const fs::path& folder) {
+  EXPECT_TRUE(writeMesh(folder / "tooth.ply", ballMesh({10, 0, 0}, 3, 60)));
+  EXPECT_TRUE(writeMesh(folder / "pulp.ply", ballMesh({10.03, 0.02, 0.54}, 1, 60)));
+  write(folder / "tooth.toml", kHead +
+                                   "unit = \"mm\"\nvoxel = 0.1\n[[part]]\nmaterial = \"pulp\"\nmesh = \"pulp.ply\"\n"
+                                   "[[part]]\nmaterial = \"dentin\"\nmesh = \"tooth.ply\"\n");
+  return folder / "tooth.toml";
+}
+
+TEST(BakeRecipe, TissuesBecomeOneCaseWithTheirVolumes) {
+  const TemporaryFolder folder;
+  const auto report = bakeRecipe(toothRecipe(folder.path()), folder.path() / "tooth.case", {});
+  ASSERT_TRUE(report) << report.error().message();
+  EXPECT_TRUE(report->manifest.exact);
+  const auto m = readCaseManifest(folder.path() / "tooth.case");
+  ASSERT_TRUE(m) << m.error().message();
+  ASSERT_EQ(m->materials.size(), 2u);
+  EXPECT_EQ(m->materials[0].id, "dentin");
+  EXPECT_NEAR(m->materials[0].volume_mm3 / (ballVolume(3) - ballVolume(1)), 1, 0.01);
+  EXPECT_EQ(m->materials[1].id, "pulp");
+  EXPECT_NEAR(m->materials[1].volume_mm3 / ballVolume(1), 1, 0.015) << "a polygon of 60 sides is 0.5 % short";
+  ASSERT_EQ(m->parts.size(), 2u);
+  EXPECT_EQ(m->parts[0].origin, "pulp.ply");
+  EXPECT_EQ(m->voxel_mm, 0.1) << "the recipe's";
+  EXPECT_EQ(m->sources.size(), 2u);
+  EXPECT_EQ(*sha256OfFile(folder.path() / "tooth.case" / kCaseRecipe), *sha256OfFile(folder.path() / "tooth.toml"));
+  const auto solid = readCaseSolid(folder.path() / "tooth.case");
+  ASSERT_TRUE(solid);
+  EXPECT_EQ(edgeConnectedPieces(*solid).count, 1u) << "the pulp makes no inner wall";
+}
+
+TEST(BakeRecipe, NothingIsBakedTwiceButAnyChangeBakesAgain) {
+  const TemporaryFolder folder;
+  const fs::path recipe = toothRecipe(folder.path()), out = folder.path() / "tooth.case";
+  ASSERT_TRUE(bakeRecipe(recipe, out, {}));
+  const auto written = fs::last_write_time(out / kCaseManifest);
+  const auto again = bakeRecipe(recipe, out, {});
+  ASSERT_TRUE(again) << again.error().message();
+  EXPECT_TRUE(again->was_up_to_date);
+  EXPECT_EQ(fs::last_write_time(out / kCaseManifest), written);
+  BakeOptions coarser;
+  coarser.voxelize.voxel_mm = 0.2, coarser.voxel_is_given = true;
+  EXPECT_FALSE(bakeRecipe(recipe, out, coarser)) << "another case is in the way";
+  ASSERT_TRUE(writeMesh(folder.path() / "pulp.ply", ballMesh({10, 0, 0.5}, 1.2, 40)));
+  EXPECT_FALSE(bakeRecipe(recipe, out, {})) << "so is this one, since a source changed";
+  BakeOptions force;
+  force.overwrite = true;
+  const auto changed = bakeRecipe(recipe, out, force);
+  ASSERT_TRUE(changed) << changed.error().message();
+  EXPECT_FALSE(changed->was_up_to_date);
+  write(out / kCaseAnatomy, "damaged");
+  EXPECT_FALSE(bakeRecipe(recipe, out, {})) << "a damaged case is not up to date";
+}
+
+TEST(BakeRecipe, AMissingMeshIsNamedAndNothingIsLeft) {
+  const TemporaryFolder folder;
+  write(folder.path() / "a.toml", kHead + "[[part]]\nmaterial = \"pulp\"\nmesh = \"gone.ply\"\n");
+  const auto report = bakeRecipe(folder.path() / "a.toml", folder.path() / "a.case", {});
+  ASSERT_FALSE(report);
+  EXPECT_NE(report.error().message().find("gone.ply"), std::string::npos) << report.error().message();
+  EXPECT_FALSE(fs::exists(folder.path() / "a.case"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator()), 1);
+}
+
+TEST(BakeRecipe, PartsShareOneUnit) {
+  const TemporaryFolder folder;
+  Mesh tooth = ballMesh({0, 0, 0}, 0.01, 40), pulp = ballMesh({0, 0, 0}, 0.003, 40);  // metres
+  ASSERT_TRUE(writeMesh(folder.path() / "tooth.stl", tooth));
+  ASSERT_TRUE(writeMesh(folder.path() / "pulp.stl", pulp));
+  write(folder.path() / "a.toml", kHead +
+                                      "voxel = 0.4\n[[part]]\nmaterial = \"pulp\"\nmesh = \"pulp.stl\"\n"
+                                      "[[part]]\nmaterial = \"dentin\"\nmesh = \"tooth.stl\"\n");
+  const auto report = bakeRecipe(folder.path() / "a.toml", folder.path() / "a.case", {});
+  ASSERT_TRUE(report) << report.error().message();
+  EXPECT_EQ(report->manifest.sources[0].unit, report->manifest.sources[1].unit);
+  EXPECT_EQ(report->manifest.sources[0].scale_to_mm, report->manifest.sources[1].scale_to_mm);
+}
+
+TEST(VoxelUnion, ASheetOfAirBetweenPartsVanishesAndTheSurfaceStays) {
+  // Two halves of a ball of 3 mm with 0.05 mm of air between them.
+  Mesh ball = ballMesh({0, 0, 0}, 3, 80), core = ballMesh({0, 0, 0}, 2, 80);
+  Mesh rind = ball;
+  append(rind, ballMesh({0, 0, 0}, 2.05, 80, true));
+  const std::vector<Mesh> parts{rind, core};
+  const auto united = voxelUnion(parts, 0.1);
+  ASSERT_TRUE(united) << united.error().message();
+  const MeshReport check = checkMesh(united->mesh);
+  EXPECT_EQ(check.boundary_edges, 0u);
+  EXPECT_EQ(check.non_manifold_edges, 0u);
+  EXPECT_EQ(edgeConnectedPieces(united->mesh).count, 1u);
+  EXPECT_NEAR(signedVolume(united->mesh) / signedVolume(ball), 1, 0.002);
+  EXPECT_LT(united->rms_off_mm, 0.01);
+}
+
+fs::path dataFolder() {
+  const char* given = std::getenv("KERF_DATA");
+  return given ? fs::path(given) : fs::path(KERF_SOURCE_DIR) / ".." / "shared" / "data";
+}
+
+// Parts of a recipe from files of the data folder; the paths are absolute.
+std::string partsOf(const std::vector<std::pair<const char*, const char*>>& parts) {
+  std::string text;
+  for (const auto& [material, file] : parts)
+    text += "[[part]]\nmaterial = \"" + std::string(material) + "\"\nmesh = \"" +
+            fs::absolute(dataFolder() / file).string() + "\"\n";
+  return text;
+}
+
+void expectVolumesWithinAHundredth(const BakeReport& report) {
+  for (const CasePart& part : report.manifest.parts)
+    EXPECT_NEAR(part.volume_mm3 / part.own_mm3, 1, 0.01) << part.material << " from " << part.origin;
+}
+
+TEST(BakeRecipeData, MolarOfFourTissuesKeepsEachVolume) {
+  if (!fs::exists(dataFolder() / "molar-L6-enamel.stl")) GTEST_SKIP() << "no data: " << dataFolder();
+  const TemporaryFolder folder;
+  write(folder.path() / "l6.toml", kHead + "unit = \"mm\"\nvoxel = 0.05\n" +
+                                       partsOf({{"pulp", "molar-L6-pulp.stl"},
+                                                {"enamel", "molar-L6-enamel.stl"},
+                                                {"dentin", "molar-L6-dentin.stl"},
+                                                {"pdl", "molar-L6-pdl.stl"}}));
+  const auto report = bakeRecipe(folder.path() / "l6.toml", folder.path() / "l6.case", {});
+  ASSERT_TRUE(report) << report.error().message();
+  fmt::print("{}", describe(*report));
+  expectVolumesWithinAHundredth(*report);
+}
+
+TEST(BakeRecipeData, BlockOfBoneWithTheMolarInItKeepsEachVolume) {
+  if (!fs::exists(dataFolder() / "mandible-block-L4-L6-cortical.stl")) GTEST_SKIP() << "no data: " << dataFolder();
+  const TemporaryFolder folder;
+  write(folder.path() / "block.toml", kHead + "unit = \"mm\"\nvoxel = 0.07\n" +
+                                          partsOf({{"pulp", "molar-L6-pulp.stl"},
+                                                   {"enamel", "molar-L6-enamel.stl"},
+                                                   {"dentin", "molar-L6-dentin.stl"},
+                                                   {"pdl", "molar-L6-pdl.stl"},
+                                                   {"cancellous", "mandible-block-L4-L6-cancellous.stl"},
+                                                   {"cortical", "mandible-block-L4-L6-cortical.stl"}}));
+  const auto report = bakeRecipe(folder.path() / "block.toml", folder.path() / "block.case", {});
+  ASSERT_TRUE(report) << report.error().message();
+  fmt::print("{}", describe(*report));
+  expectVolumesWithinAHundredth(*report);
+}
+
+}  // namespace
+}  // namespace kerf

@@ -1,0 +1,59 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <memory>
+
+#include "geometry/atomic_file.h"
+#include "preprocess/demo_anatomy.h"
+#include "ui/cli/command.h"
+
+namespace kerf::cli {
+namespace {
+
+struct Arguments {
+  std::string output, manifest;
+  double detail = 1;
+  bool overwrite = false;
+};
+using Model = Expected<DemoAnatomy> (*)(double detail, const Progress& progress);
+
+int run(const Arguments& a, Model model) {
+  if (!(a.detail >= 0.5 && a.detail <= 4))  // CLI::Range lets "nan" pass
+    return complain({Error::Code::kBadValue, "", "--coarseness", fmt::format("{}", a.detail), "0.5 to 4", ""});
+  // Before the work, not after it.
+  if (const auto possible = AtomicFolder::create(a.output, a.overwrite, a.manifest); !possible)
+    return complain(possible.error());
+  TerminalProgress progress;
+  const auto anatomy = model(a.detail, progress.callback());
+  if (!anatomy) return complain(anatomy.error());
+  if (const auto written = writeDemoAnatomy(*anatomy, a.output, a.overwrite); !written)
+    return complain(written.error());
+  for (const DemoAnatomy::File& file : anatomy->files)
+    fmt::print("written: {}/{} ({} triangles)\n", a.output, file.name, file.mesh.triangles.size());
+  fmt::print("written: {}/{}\n", a.output, anatomy->manifest());
+  return kOk;
+}
+
+void add(CLI::App& parent, const std::string& name, const std::string& sentence, Model model, int& exit_code) {
+  auto a = std::make_shared<Arguments>();
+  a->manifest = name + ".toml";
+  CLI::App* c = parent.add_subcommand(name, sentence);
+  c->footer(fmt::format("Example: kerf demo {0} -o {0}", name));
+  c->add_option("-o,--output", a->output, "folder to write")->required();
+  c->add_option("--coarseness", a->detail, "edges of the triangles are this many times as long")
+      ->capture_default_str()
+      ->check(CLI::Range(0.5, 4.0));
+  c->add_flag("--force", a->overwrite, "replace a folder that holds such a model");
+  c->callback([a, model, &exit_code] { exit_code = run(*a, model); });
+}
+
+}  // namespace
+
+void addDemo(CLI::App& app, int& exit_code) {
+  CLI::App* c = app.add_subcommand("demo", "Write anatomy of Kerf's own making: tissues, with a recipe to bake them");
+  c->footer("Example: kerf demo molar -o molar");
+  c->require_subcommand(1);
+  add(*c, "molar", "A lower first molar: enamel, dentin, pulp and a caries lesion", demoMolarAnatomy, exit_code);
+}
+
+}  // namespace kerf::cli
