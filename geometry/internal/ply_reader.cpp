@@ -158,6 +158,9 @@ class PlyReader {
     property.name = words.next();
     if (property.name.empty()) return badHeader(line, "a property without a name", "property TYPE NAME");
     Element& element = elements_.back();
+    constexpr std::size_t kMostProperties = 256;  // each is compared with all others, and looked at for every item
+    if (element.properties.size() == kMostProperties)
+      return badHeader(line, "more than 256 properties of " + inQuotes(element.name), "fewer");
     for (const Property& other : element.properties)
       if (other.name == property.name) return badHeader(line, "property " + inQuotes(property.name) + " twice", "once");
     property.role = roleOf(element, property);

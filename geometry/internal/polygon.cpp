@@ -72,20 +72,37 @@ class PolygonCutter {
   }
 
   // Stops when no ear is left (convex rest, or a polygon that crosses itself): the caller fans out what remains.
+  // In a simple polygon, cutting off an ear changes only what its two neighbours are, so that n corners cost n^2.
+  // Others are looked at again when no ear seems left, but not for ever: a file can be made to need n^3.
   void clipEars(const std::uint32_t* corner) {
-    while (rest_.size() > 3) {
-      std::size_t ear = 0;
-      while (ear < rest_.size() && !isEar(ear)) ++ear;
-      if (ear == rest_.size()) return;
+    constexpr int kMostLooks = 8;
+    findEars();
+    for (int looks = 1; rest_.size() > 3;) {
       const std::size_t n = rest_.size();
+      const auto ear = static_cast<std::size_t>(std::find(is_ear_.begin(), is_ear_.end(), 1) - is_ear_.begin());
+      if (ear == n) {
+        if (looks++ == kMostLooks) return;
+        findEars();
+        if (std::find(is_ear_.begin(), is_ear_.end(), 1) == is_ear_.end()) return;
+        continue;
+      }
       mesh_.triangles.push_back({corner[rest_[(ear + n - 1) % n]], corner[rest_[ear]], corner[rest_[(ear + 1) % n]]});
       rest_.erase(rest_.begin() + static_cast<std::ptrdiff_t>(ear));
+      is_ear_.erase(is_ear_.begin() + static_cast<std::ptrdiff_t>(ear));
+      const std::size_t before = (ear + n - 2) % (n - 1), after = ear % (n - 1);
+      is_ear_[before] = isEar(before), is_ear_[after] = isEar(after);
     }
+  }
+
+  void findEars() {
+    is_ear_.resize(rest_.size());
+    for (std::size_t i = 0; i < rest_.size(); ++i) is_ear_[i] = isEar(i);
   }
 
   Mesh& mesh_;
   std::vector<Point2> flat_;
   std::vector<std::size_t> rest_;  // positions in the polygon not cut off yet
+  std::vector<char> is_ear_;       // of rest_
 };
 
 }  // namespace

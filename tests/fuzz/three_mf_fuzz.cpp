@@ -1,0 +1,7 @@
+// The package: any bytes as a zip archive. Its checksums keep most mutations from the XML; three_mf_model does that.
+#include "tests/fuzz/mesh_harness.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  kerf::fuzz::readMeshBytes("input.3mf", kerf::internal::isThreeMf, kerf::internal::readThreeMf, data, size);
+  return 0;
+}
