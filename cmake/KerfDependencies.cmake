@@ -16,6 +16,10 @@ find_package(tomlplusplus CONFIG REQUIRED)
 find_package(nlohmann_json CONFIG REQUIRED)
 find_package(fmt CONFIG REQUIRED)
 find_package(tl-expected CONFIG REQUIRED)
+find_package(ZLIB REQUIRED)
+find_package(ITK REQUIRED COMPONENTS ITKCommon ITKIOImageBase ITKIOBMP ITKIOGDCM ITKIOMeta ITKIONIFTI ITKIONRRD ITKIOPNG ITKIOTIFF)
+find_path(KERF_GDCM_INCLUDE_DIR gdcmTrace.h PATH_SUFFIXES gdcm-3.0 REQUIRED)  # ITK reads DICOM with it; to silence it
+find_library(KERF_GDCM_COMMON gdcmCommon REQUIRED)
 
 if(KERF_BUILD_WINDOW)
   find_package(glfw3 CONFIG QUIET)
