@@ -136,7 +136,8 @@ Outline twoArcs(const Numbers& n, double widest_at, double tip_diameter, double 
     return wrong(std::isnan(n.widest_at) ? "head_length" : "widest_at",
                  fmt::format("a head that is widest no lower than half its diameter, {:.3g} mm above the tip", R),
                  "a longer head, or shape = \"pear\" or \"round\"");
-  if (r >= R) return wrong("tip_diameter", fmt::format("less than the head_diameter, {} mm", n.head_diameter));
+  constexpr double kNearly = 1 - 1e-6;  // beyond, the arc's centre is too far away for its numbers to hold
+  if (r > kNearly * R) return wrong("tip_diameter", fmt::format("less than the head_diameter, {} mm", n.head_diameter));
   if (top > R) return wrong("top_diameter", fmt::format("at most the head_diameter, {} mm", n.head_diameter));
   if (up < R - top)
     return wrong("top_diameter", fmt::format("at least {:.3g} mm: an arc can not bend in faster", 2 * (R - up)));
@@ -145,7 +146,7 @@ Outline twoArcs(const Numbers& n, double widest_at, double tip_diameter, double 
   RevolvedProfile head;
   if (r > 0) head.arcTo(tip, lower + s * (tip - lower).normalized());
   head.arcTo(lower, {R, w});
-  if (top >= R) return head.lineTo(R, L).close();
+  if (top > kNearly * R) return head.lineTo(R, L).close();
   const double q = ((R - top) * (R - top) + up * up) / (2 * (R - top));
   return head.arcTo({R - q, w}, {top, L}).close();
 }

@@ -42,12 +42,12 @@ RevolvedProfile& RevolvedProfile::lineTo(double radius, double height) {
 }
 
 RevolvedProfile& RevolvedProfile::arcTo(const Point& center, const Point& end) {
-  assert(std::abs((end - center).norm() - (at_ - center).norm()) < 1e-9);
+  assert(std::abs((end - center).norm() - (at_ - center).norm()) < 1e-9 * std::max(1.0, (end - center).norm()));
   return add({at_, end, center, (end - center).norm(), false});
 }
 
 RevolvedProfile& RevolvedProfile::hollowArcTo(const Point& center, const Point& end) {
-  assert(std::abs((end - center).norm() - (at_ - center).norm()) < 1e-9);
+  assert(std::abs((end - center).norm() - (at_ - center).norm()) < 1e-9 * std::max(1.0, (end - center).norm()));
   return add({at_, end, center, (end - center).norm(), true});
 }
 

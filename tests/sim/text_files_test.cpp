@@ -4,12 +4,15 @@
 
 #include <cmath>
 #include <functional>
+#include <map>
 #include <random>
 
 #include "geometry/case_bundle.h"
+#include "geometry/mesh_writer.h"
 #include "geometry/tool_file.h"
 #include "sim/path.h"
 #include "sim/run_bundle.h"
+#include "tests/geometry/ball_mesh.h"
 #include "tests/geometry/temporary_folder.h"
 
 namespace kerf {
@@ -72,19 +75,31 @@ Tally tally(const TemporaryFolder& folder, const std::string& name, const std::s
 
 TEST(TextFiles, MutatedToolsAreReadOrRefused) {
   const TemporaryFolder folder;
-  for (const char* id : {"round-014", "856-016", "saw-reciprocating-25"}) {
+  ASSERT_TRUE(writeMesh(folder.path() / "ball.ply", ballMesh({0, 0, 0.7}, 0.7, 6)));
+  std::map<std::string, std::string> files{
+      {"odd.toml",
+       "format = \"kerf-tool\"\nversion = 1\nid = \"odd\"\nname = \"Odd\"\nkind = \"bur\"\nshape = "
+       "\"profile\"\nhead_diameter = 1.4\nprofile = [[0, 0.8], [0.3, 1.4, 0.3], "
+       "[1.4, 1.4, -1.0], [1.8, 1.4]]\n"},
+      {"ball.toml",
+       "format = \"kerf-tool\"\nversion = 1\nid = \"ball\"\nname = \"Ball\"\nkind = \"mesh\"\nmesh = "
+       "\"ball.ply\"\nmm_per_unit = 1\ntip = [0, 0, 0]\naxis = [0, 0, 1]\ncut_below = 1\n"}};
+  for (const char* id : {"round-014", "856-016", "saw-reciprocating-25", "us-957", "878k-016", "379-018",
+                         "saw-sagittal-10", "disc-22"}) {
     const std::string name = std::string(id) + ".toml";
-    const Tally t = tally(folder, name, contentOf(std::string(KERF_SOURCE_DIR) + "/assets/tools/" + name), 700,
-                          [&]() -> Expected<void> {
-                            KERF_TRY(tool, readTool(folder.path() / name));
-                            const Box3 box = tool.cut->bounds();
-                            EXPECT_TRUE(box.min.allFinite() && box.max.allFinite());
-                            EXPECT_TRUE((box.size().array() > 0).all());
-                            EXPECT_TRUE(std::isfinite(tool.cut->distance(box.center())));
-                            return {};
-                          });
-    EXPECT_GT(t.read, 10) << id;
-    EXPECT_GT(t.refused, 100) << id;
+    files[name] = contentOf(std::string(KERF_SOURCE_DIR) + "/assets/tools/" + name);
+  }
+  for (const auto& [name, good] : files) {
+    const Tally t = tally(folder, name, good, 400, [&]() -> Expected<void> {
+      KERF_TRY(tool, readTool(folder.path() / name));
+      const Box3 box = tool.cut->bounds();
+      EXPECT_TRUE(box.min.allFinite() && box.max.allFinite());
+      EXPECT_TRUE((box.size().array() > 0).all());
+      EXPECT_TRUE(std::isfinite(tool.cut->distance(box.center())));
+      return {};
+    });
+    EXPECT_GT(t.read, 3) << name;  // a dense file seldom survives
+    EXPECT_GT(t.refused, 100) << name;
   }
 }
 
@@ -103,7 +118,7 @@ TEST(TextFiles, MutatedPathsAreReadOrRefused) {
                             }
                             return {};
                           });
-    EXPECT_GT(t.read, 10) << name;
+    EXPECT_GT(t.read, 3) << name;  // a dense file seldom survives
     EXPECT_GT(t.refused, 100) << name;
   }
 }
