@@ -173,4 +173,10 @@ Expected<BrickField> readCaseField(const std::filesystem::path& folder) {
   return readVdb(folder / kCaseAnatomy, "phi");
 }
 
+Expected<MaterialField> readCaseMaterials(const std::filesystem::path& folder) {
+  KERF_TRY(manifest, readCaseManifest(folder));
+  KERF_CHECK(requireSha256(folder / kCaseAnatomy, manifest.field_sha256, "bake the case again"));
+  return readMaterialField(folder / kCaseAnatomy);
+}
+
 }  // namespace kerf

@@ -13,6 +13,7 @@
 
 #include "geometry/brick_field.h"
 #include "geometry/error.h"
+#include "geometry/material_field.h"
 #include "geometry/mesh.h"
 
 namespace kerf {
@@ -75,5 +76,7 @@ Expected<Mesh> readCaseSolid(const std::filesystem::path& folder);
 /// The baked field phi0. Checked against the manifest before OpenVDB sees it, which does not survive every damaged
 /// file.
 Expected<BrickField> readCaseField(const std::filesystem::path& folder);
+/// The labels beside it; checked the same way.
+Expected<MaterialField> readCaseMaterials(const std::filesystem::path& folder);
 
 }  // namespace kerf

@@ -39,6 +39,13 @@ struct Box3 {
   Vec3d center() const { return 0.5 * (min + max); }
 };
 
+/// A plane; heights are measured along the normal.
+struct Plane {
+  Vec3d point = Vec3d::Zero();    ///< mm
+  Vec3d normal = Vec3d::UnitZ();  ///< unit
+  double height(const Vec3d& p) const { return normal.dot(p - point); }
+};
+
 /// Rigid pose: x_parent = rotation * x_child + translation. `T_object_tool` maps tool coordinates to the object's.
 struct Rigid3 {
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  ///< unit

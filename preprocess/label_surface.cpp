@@ -18,11 +18,11 @@ constexpr double kReach = 3;      // of the kernel, in standard deviations
 constexpr int kSubSamples = 3;    // per axis of a cell that several labels share
 constexpr std::uint64_t kCellSamples = kSubSamples * kSubSamples * kSubSamples;
 constexpr int kMostRounds = 12;
-constexpr float kOwnLead = 0.02f;  // of a voxel's own label at its centre, before the bias
+constexpr float kOwnLead = 0.02f;  // of a voxel's own label at its centre, before the weights
 // Where a label is one voxel thick, the lead at its voxel against that of the others at the voxels on both sides: 1
 // puts the walls half-way, but then a voxel that stands out by chance makes a bump as large as itself.
 constexpr float kThinLead = 0.6f;
-constexpr float kMostBias = 0.4f;
+constexpr double kLeastWeight = 0.2, kMostWeight = 5;
 
 using Slot = std::uint8_t;  // 0: the rest; 1 + index: a tissue label
 constexpr std::size_t kMostTissues = 250;
@@ -146,7 +146,7 @@ struct SmoothLabels::Data {
   std::vector<Brick> mixed;
   std::vector<Vec3i> place;  // of the mixed bricks
   std::vector<std::uint16_t> label;
-  std::vector<float> bias;
+  std::vector<float> weight;  // per slot, 1 for the rest
   std::vector<LabelVolumeReport> reports;
 
   // What stands at a brick place; beyond the grid: the rest.
@@ -178,13 +178,13 @@ struct SmoothLabels::Data {
     }
     return best - mine;
   }
-  // Slot with the largest biased membership in a mixed brick's node.
+  // Slot with the largest weighted membership in a mixed brick's node.
   Slot winner(const Brick& brick, std::size_t node) const {
     Slot best = 0;
     float most = -1;
     for (std::size_t s = 0; s < brick.slots.size(); ++s) {
       const float v = brick.value[s * kBrickNodes + node];
-      if (v > 0 && v + bias[brick.slots[s]] > most) most = v + bias[brick.slots[s]], best = brick.slots[s];
+      if (v * weight[brick.slots[s]] > most) most = v * weight[brick.slots[s]], best = brick.slots[s];
     }
     return best;
   }
@@ -362,7 +362,7 @@ SmoothLabels::Data::Tally SmoothLabels::Data::measure() const {
           }
           std::size_t best = 0;
           for (std::size_t s = 0; s < n; ++s) {
-            v[s] = v[s] > 0 ? v[s] + bias[part.slots[s]] : -1.0f;  // far away a label does not compete
+            v[s] *= weight[part.slots[s]];
             if (v[s] > v[best]) best = s;
           }
           wins[out] = static_cast<std::uint8_t>(best);
@@ -385,10 +385,19 @@ SmoothLabels::Data::Tally SmoothLabels::Data::measure() const {
           }
           for (std::size_t s = 0; s < n; ++s)
             part.shared[s] += std::any_of(node.begin(), node.end(), [&](std::size_t c) { return wins[c] == s; });
+          // The samples of a cell keep their distances but start anywhere: else a wall along the grid would hit or miss
+          // a whole layer of them at once. Plastic-number offsets spread evenly over neighbouring cells.
+          const auto start = [&](int a, int b, int c) {
+            const double s = 0.8191725134 * a + 0.6710436067 * b + 0.5497004779 * c;
+            return static_cast<float>(s - std::floor(s));
+          };
+          const Vec3i cell = at * kBrickSide + Vec3i{i, j, k};
+          const float first_x = start(cell[0], cell[1], cell[2]), first_y = start(cell[1], cell[2], cell[0]),
+                      first_z = start(cell[2], cell[0], cell[1]);
           for (int sub = 0; sub < static_cast<int>(kCellSamples); ++sub) {
-            const float x = (static_cast<float>(sub / 9) + 0.5f) / kSubSamples,
-                        y2 = (static_cast<float>(sub / 3 % 3) + 0.5f) / kSubSamples,
-                        z2 = (static_cast<float>(sub % 3) + 0.5f) / kSubSamples;
+            const float x = (static_cast<float>(sub / 9) + first_x) / kSubSamples,
+                        y2 = (static_cast<float>(sub / 3 % 3) + first_y) / kSubSamples,
+                        z2 = (static_cast<float>(sub % 3) + first_z) / kSubSamples;
             std::fill(lead.begin(), lead.end(), 0.0f);
             for (std::size_t c = 0; c < 8; ++c) {
               const float w = (c & 4 ? x : 1 - x) * (c & 2 ? y2 : 1 - y2) * (c & 1 ? z2 : 1 - z2);
@@ -411,7 +420,7 @@ SmoothLabels::Data::Tally SmoothLabels::Data::measure() const {
 bool SmoothLabels::Data::fit(const std::vector<std::uint64_t>& voxels, double tolerance, const Progress& progress,
                              std::vector<std::uint64_t>& samples) {
   const std::size_t n = label.size();
-  std::vector<double> slope(n, 0), last_bias(n, 0), last_volume(n, 0);
+  std::vector<double> slope(n, 0), last_weight(n, 1), last_volume(n, 0);
   for (int round = 0;; ++round) {
     if (!report(progress, 0.5 + 0.45 * round / kMostRounds, "keeping volumes")) return false;
     const Tally tally = measure();
@@ -424,18 +433,19 @@ bool SmoothLabels::Data::fit(const std::vector<std::uint64_t>& voxels, double to
     if (done || round == kMostRounds) return true;
     for (std::size_t s = 1; s < n; ++s) {
       const double now = static_cast<double>(tally.samples[s]) / static_cast<double>(kCellSamples),
-                   missing = static_cast<double>(voxels[s]) - now, moved = bias[s] - last_bias[s];
-      // A lead of one is a distance of sigma sqrt(pi / 2) voxels; one cell in two or so along the wall counts as area.
+                   missing = static_cast<double>(voxels[s]) - now, moved = weight[s] - last_weight[s];
+      // On a wall memberships are a half, and a lead of one is a distance of sigma sqrt(pi / 2) voxels; one cell in two
+      // or so along the wall counts as area.
       const double guess =
-          0.6 * std::max(1.0, static_cast<double>(tally.shared_cells[s])) * std::max(0.4, sigma) * 1.25;
+          0.5 * 0.6 * std::max(1.0, static_cast<double>(tally.shared_cells[s])) * std::max(0.4, sigma) * 1.25;
       slope[s] = guess;
       if (round > 0 && std::abs(moved) > 1e-6) {
         const double secant = (now - last_volume[s]) / moved;
         slope[s] = std::clamp(secant, 0.3 * guess, 3 * guess);  // neighbours move as well: do not trust it blindly
       }
-      last_bias[s] = bias[s], last_volume[s] = now;
-      const double step = std::clamp(missing / slope[s], -0.1, 0.1);
-      bias[s] = std::clamp(static_cast<float>(bias[s] + step), -kMostBias, kMostBias);
+      last_weight[s] = weight[s], last_volume[s] = now;
+      const double step = std::clamp(missing / slope[s], -0.25, 0.25);
+      weight[s] = static_cast<float>(std::clamp(weight[s] + step, kLeastWeight, kMostWeight));
     }
   }
 }
@@ -528,7 +538,7 @@ Expected<SmoothLabels> SmoothLabels::create(const LabelVolume& volume, std::span
   data->bricks = grid.bricks;
   data->index.resize(static_cast<std::size_t>(n[0] / 8) * static_cast<std::size_t>(n[1] / 8) *
                      static_cast<std::size_t>(n[2] / 8));
-  data->bias.assign(slots, 0);
+  data->weight.assign(slots, 1.0f);
   if (!report(progress, 0.1, "smoothing labels")) return fail(cancelled());
   data->blur(grid, kernel);
   if (!report(progress, 0.4, "keeping thin parts")) return fail(cancelled());
@@ -573,7 +583,7 @@ Expected<Mesh> SmoothLabels::surface(const Progress& progress) const {
         const float v = brick.value[s * kBrickNodes + i];
         if (v <= 0) continue;
         float& best = brick.slots[s] == 0 ? rest : tissue;
-        best = std::max(best, v + d.bias[brick.slots[s]]);
+        best = std::max(best, v * d.weight[brick.slots[s]]);
       }
       values[i] = scale * (rest - tissue);
     }
@@ -631,7 +641,7 @@ std::uint16_t SmoothLabels::labelAt(const Vec3d& world_mm) const {
   std::uint16_t best = 0;
   float most_score = 0;
   for (std::size_t s = 0; s < count; ++s) {
-    const float v = score[s] + d.bias[present[s]];
+    const float v = score[s] * d.weight[present[s]];
     const std::uint16_t l = d.label[present[s]];
     if (best == 0 || v > most_score || (v == most_score && l < best)) best = l, most_score = v;
   }

@@ -5,9 +5,9 @@
 // between the voxels to where the neighbourhood says they are, but shrinks what is convex and loses what is thin.
 // Hence two corrections:
 // - where a label is one voxel thick, its own voxels get a lead that keeps them (thin walls, canals);
-// - every label gets a bias, added to its membership everywhere, such that it fills the volume its voxels had.
+// - every label's membership is multiplied by a weight of its own, such that it fills the volume its voxels had.
 // After the partition of unity by smoothed indicators that multi-material surface extraction uses; the volume-keeping
-// bias as in volume-constrained threshold dynamics (Ruuth & Wetton, J. Sci. Comput. 2003).
+// weights in the spirit of volume-constrained threshold dynamics (Ruuth & Wetton, J. Sci. Comput. 2003).
 #pragma once
 
 #include <cstdint>
@@ -61,7 +61,7 @@ class SmoothLabels {
   /// Errors: kEmpty (smoothing left nothing), kCancelled.
   Expected<Mesh> surface(const Progress& progress = {}) const;
 
-  /// The tissue label with the largest biased membership at a point; the smallest such label on a tie. Also outside
+  /// The tissue label with the largest weighted membership at a point; the smallest such label on a tie. Also outside
   /// the surface, as far as the blur reaches (three standard deviations), so that a voxel of another grid on the wall
   /// finds its tissue; 0 where no tissue is near. O(1), some 100 ns.
   std::uint16_t labelAt(const Vec3d& world_mm) const;

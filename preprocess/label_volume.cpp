@@ -1,10 +1,15 @@
 #include "preprocess/label_volume.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <set>
 
 #include "preprocess/internal/volume_file.h"
@@ -100,9 +105,25 @@ Expected<std::vector<fs::path>> filesOf(const fs::path& folder) {
   return files;
 }
 
+// "DICM" at byte 128, as every DICOM file on disk has it.
+bool hasDicomMark(const fs::path& path) {
+  std::array<char, 132> head{};
+  std::ifstream(path, std::ios::binary).read(head.data(), head.size());
+  return std::memcmp(head.data() + 128, "DICM", 4) == 0;
+}
+
 bool isUsable(double spacing) { return std::isfinite(spacing) && spacing > 1e-6 && spacing < 1e6; }
 
 std::string text(const Vec3d& v) { return fmt::format("[{:.6g}, {:.6g}, {:.6g}]", v[0], v[1], v[2]); }
+
+Error noSpacing(const fs::path& path, std::string found) {
+  return {Error::Code::kBadValue,
+          path.string(),
+          "spacing",
+          std::move(found),
+          "mm per voxel along each axis",
+          "give `spacing = [x, y, z]` in the recipe"};
+}
 
 // What will be read: where every slice (or the one file) is, and the grid they make.
 struct Plan {
@@ -154,11 +175,18 @@ Expected<void> setGrid(const fs::path& path, const VolumeHeader& h, Plan& plan) 
   return {};
 }
 
-Expected<Plan> planFile(const fs::path& path, VolumeFormat format) {
+Expected<Plan> planFile(const fs::path& path, VolumeFormat format, const LabelReadOptions& options) {
   KERF_TRY(stated, internal::checkVolumeHeader(path, format));
   Plan plan;
   plan.format = format;
   plan.files = {path};
+  // One bad number spoils them all: a program that wrote it did not know the others either.
+  const auto wrong = std::find_if_not(stated.spacing.begin(), stated.spacing.end(), isUsable);
+  if (stated.spacing.size() < 3)
+    plan.unusable = "no spacing";
+  else if (wrong != stated.spacing.end())
+    plan.unusable = fmt::format("a spacing of {}", *wrong);
+  if (!plan.unusable.empty() && !options.spacing_mm) return fail(noSpacing(path, plan.unusable));
   KERF_TRY(header, internal::readVolumeHeader(path, format));
   plan.header = header;
   KERF_CHECK(checkOneValue(path, header));
@@ -170,13 +198,8 @@ Expected<Plan> planFile(const fs::path& path, VolumeFormat format) {
     return fail({Error::Code::kBadFormat, path.string(), "", fmt::format("{} bytes of values", stated.stored_bytes),
                  fmt::format("enough for the {:.0f} bytes its header claims", claimed),
                  "copy the file again: it is cut short"});
-  // One bad number spoils them all: a program that wrote it did not know the others either.
-  const auto wrong = std::find_if_not(stated.spacing.begin(), stated.spacing.end(), isUsable);
-  if (stated.spacing.size() < 3)
-    plan.unusable = "no spacing";
-  else if (wrong != stated.spacing.end())
-    plan.unusable = fmt::format("a spacing of {}", *wrong);
-  else if (!(isUsable(plan.grid.spacing[0]) && isUsable(plan.grid.spacing[1]) && isUsable(plan.grid.spacing[2])))
+  if (!plan.unusable.empty()) return plan;
+  if (!(isUsable(plan.grid.spacing[0]) && isUsable(plan.grid.spacing[1]) && isUsable(plan.grid.spacing[2])))
     plan.unusable = "a spacing of " + text(plan.grid.spacing);
   else
     plan.stated_spacing = plan.grid.spacing;
@@ -214,6 +237,32 @@ Expected<Plan> planSlices(const fs::path& folder, std::vector<fs::path> files, V
                     static_cast<int>(files.size())};
   plan.files = std::move(files);
   return plan;
+}
+
+// GDCM asserts, that is ends the program, on some broken files. So a child process reads them first.
+bool survivesReading(const std::vector<fs::path>& files, std::uint64_t max_bytes) {
+  const pid_t child = fork();
+  if (child < 0) return false;
+  if (child == 0) {
+    const int nowhere = open("/dev/null", O_WRONLY);
+    if (nowhere >= 0) dup2(nowhere, 2);
+    alarm(300);
+    for (const fs::path& f : files) {
+      if (!internal::isDicom(f)) continue;
+      const auto h = internal::readVolumeHeader(f, VolumeFormat::kDicom);
+      if (!h) continue;
+      double bytes = static_cast<double>(bytesOf(h->type)) * h->components;
+      for (const auto s : h->size) bytes *= static_cast<double>(s);
+      if (!(bytes <= static_cast<double>(max_bytes))) continue;
+      std::vector<std::byte> values(static_cast<std::size_t>(bytes));
+      (void)internal::readVolumeValues(f, VolumeFormat::kDicom, values.data(), values.size());
+    }
+    _exit(0);
+  }
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
 Expected<Plan> planDicom(const fs::path& folder, const std::vector<fs::path>& files, const Progress& progress) {
@@ -306,13 +355,13 @@ Expected<Plan> planDicom(const fs::path& folder, const std::vector<fs::path>& fi
   return plan;
 }
 
-Expected<Plan> planFor(const fs::path& path, const Progress& progress) {
+Expected<Plan> planFor(const fs::path& path, const LabelReadOptions& options, const Progress& progress) {
   std::error_code ec;
   if (!fs::exists(path, ec))
     return fail({Error::Code::kNotFound, path.string(), "", "no such file or folder",
                  "a volume file, or a folder of slices", ""});
   if (!fs::is_directory(path, ec)) {
-    if (const auto format = fileFormat(path)) return planFile(path, *format);
+    if (const auto format = fileFormat(path)) return planFile(path, *format, options);
     return fail({Error::Code::kUnsupported, path.string(), "", "'" + path.extension().string() + "'",
                  ".nrrd, .nii, .nii.gz, .mha, .mhd, or a folder of slices",
                  "for DICOM or pictures give the folder they are in"});
@@ -326,6 +375,9 @@ Expected<Plan> planFor(const fs::path& path, const Progress& progress) {
     return fail({Error::Code::kUnsupported, path.string(), "", "pictures of different formats", "one of PNG, TIFF, BMP",
                  "keep only the slices in the folder"});
   if (kinds.size() == 1) return planSlices(path, std::move(pictures), *kinds.begin());
+  if (!survivesReading(files, options.max_bytes))
+    return fail({Error::Code::kBadFormat, path.string(), "", "a file that the DICOM reader (GDCM) can not bear",
+                 "a folder of sound DICOM slices", "export the series again, and leave other files out of the folder"});
   return planDicom(path, files, progress);
 }
 
@@ -345,8 +397,7 @@ Expected<void> chooseSpacing(const fs::path& path, const LabelReadOptions& optio
       plan.grid.is_spacing_given = true;
     }
   } else if (!plan.stated_spacing) {
-    return fail({Error::Code::kBadValue, path.string(), "spacing", plan.unusable, "mm per voxel along each axis",
-                 "give `spacing = [x, y, z]` in the recipe"});
+    return fail(noSpacing(path, plan.unusable));
   }
   LabelVolume& g = plan.grid;
   for (int a = 0; a < 3; ++a) {
@@ -441,7 +492,7 @@ std::vector<LabelCount> countLabels(const LabelVolume& volume) {
 Expected<LabelVolume> readLabelVolume(const fs::path& path, const LabelReadOptions& options, const Progress& progress) {
   if (options.threshold && !std::isfinite(*options.threshold))
     return fail({Error::Code::kBadValue, path.string(), "threshold", "not a finite number", "a number", ""});
-  KERF_TRY(plan, planFor(path, progress));
+  KERF_TRY(plan, planFor(path, options, progress));
   KERF_CHECK(chooseSpacing(path, options, plan));
 
   const std::uint64_t value_bytes = bytesOf(plan.header.type);
@@ -484,7 +535,7 @@ bool isLabelVolume(const fs::path& path) {
   if (!fs::is_directory(path, ec)) return fileFormat(path).has_value();
   const auto files = filesOf(path);
   return files && std::any_of(files->begin(), files->end(),
-                              [](const fs::path& f) { return sliceFormat(f).has_value() || internal::isDicom(f); });
+                              [](const fs::path& f) { return sliceFormat(f).has_value() || hasDicomMark(f); });
 }
 
 }  // namespace kerf

@@ -49,7 +49,7 @@ std::vector<LabelCount> countLabels(const LabelVolume& volume);
 struct LabelReadOptions {
   /// mm along the grid's axes. Needed for slice pictures and for files that state none, or one that is not usable (not
   /// a number, zero, negative). A file with a usable spacing that differs by more than 0.1 % is an error, never
-  /// overridden.
+  /// overridden. (A NIfTI file with an unusable one is refused: ITK can not read it.)
   std::optional<Vec3d> spacing_mm{};
   /// Makes labels from intensities: 1 where the value is at least this, else 0. Without it the values are the labels.
   std::optional<double> threshold{};

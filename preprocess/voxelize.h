@@ -27,13 +27,6 @@ struct VoxelizeOptions {
   std::uint64_t max_bytes = 6ull << 30;    ///< refuse, naming a voxel size that fits, when the estimate is above
 };
 
-/// A plane; heights are measured along the normal.
-struct Plane {
-  Vec3d point = Vec3d::Zero();    ///< mm
-  Vec3d normal = Vec3d::UnitZ();  ///< unit
-  double height(const Vec3d& p) const { return normal.dot(p - point); }
-};
-
 /// A layer under the object's surface.
 struct DepthRule {
   double depth_mm = 0;           ///< nodes less deep than this; > 0

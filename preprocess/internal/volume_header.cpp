@@ -225,15 +225,22 @@ Expected<StatedHeader> checkNifti(const fs::path& path) {
   if (!(offset >= 348 && offset <= 1e9))
     return bad(path, "key vox_offset", fmt::format("values at byte {}", offset), "at byte 352 or later");
   for (std::size_t a = 1; a <= 3 && a <= sizes.size(); ++a) out.spacing.push_back(float_at(76 + 4 * a));
-  // With an sform the spacing is the length of its columns: pixdim and sform are both written by every program.
-  if (short_at(254) > 0 && sizes.size() >= 3)
+  // ITK inverts what stands here without looking, and its linear algebra aborts the program on what is not finite.
+  const auto refuse = [&](const char* key, double value) {
+    return bad(path, fmt::format("key {}", key), fmt::format("the number {}", value),
+               "spacing and orientation in mm, none above 1e6, no axis of length zero",
+               "save it again with its voxel size, or as .nrrd");
+  };
+  for (std::size_t at = 76; at < 108; at += 4)
+    if (!(std::abs(float_at(at)) <= 1e6)) return refuse("pixdim", float_at(at));
+  for (std::size_t at = 256; at < 328; at += 4)
+    if (!(std::abs(float_at(at)) <= 1e6)) return refuse(at < 280 ? "qform" : "sform", float_at(at));
+  for (const double v : out.spacing)
+    if (!(v > 1e-6)) return refuse("pixdim", v);
+  if (short_at(254) > 0)
     for (std::size_t a = 0; a < 3; ++a) {
-      double square = 0;
-      for (std::size_t row = 0; row < 3; ++row) {
-        const double v = float_at(280 + 16 * row + 4 * a);
-        square += v * v;
-      }
-      if (!std::isfinite(square) || square <= 0) out.spacing[a] = std::sqrt(square);
+      const double x = float_at(280 + 4 * a), y = float_at(296 + 4 * a), z = float_at(312 + 4 * a);
+      if (!(std::hypot(x, y, z) > 1e-6)) return refuse("sform", 0);
     }
   out.most_per_byte = plain ? 1 : kDeflate;
   out.stored_bytes =

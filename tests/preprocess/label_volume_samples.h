@@ -20,8 +20,7 @@ inline std::string countingLabels() {
 inline std::string nrrd(const std::string& fields, const std::string& values) {
   return "NRRD0004\n# a comment\n" + fields + "\n" + values;
 }
-inline const char* const kNrrdGrid =
-    "type: unsigned char\ndimension: 3\nsizes: 4 3 2\nencoding: raw\n";
+inline const char* const kNrrdGrid = "type: unsigned char\ndimension: 3\nsizes: 4 3 2\nencoding: raw\n";
 inline const char* const kNrrdSpace =
     "space: left-posterior-superior\nspace directions: (0.5,0,0) (0,0.25,0) (0,0,2)\nspace origin: (1,2,3)\n";
 
@@ -75,9 +74,9 @@ inline std::string dicomSlice(const std::string& values, double z, const std::st
     return s;
   };
   const std::string instance = "1.2.3.4." + std::to_string(static_cast<int>(1000 + 10 * z));
-  std::string meta = element(2, 1, "OB", std::string("\0\1", 2)) +
-                     element(2, 2, "UI", "1.2.840.10008.5.1.4.1.1.2") + element(2, 3, "UI", instance) +
-                     element(2, 0x10, "UI", "1.2.840.10008.1.2.1") + element(2, 0x12, "UI", "1.2.3.9");
+  std::string meta = element(2, 1, "OB", std::string("\0\1", 2)) + element(2, 2, "UI", "1.2.840.10008.5.1.4.1.1.2") +
+                     element(2, 3, "UI", instance) + element(2, 0x10, "UI", "1.2.840.10008.1.2.1") +
+                     element(2, 0x12, "UI", "1.2.3.9");
   std::string length(4, '\0');
   put(length, 0, static_cast<std::uint32_t>(meta.size()));
   body += std::string(128, '\0') + "DICM" + element(2, 0, "UL", length) + meta;
@@ -108,8 +107,8 @@ inline std::string greyPng(unsigned width, unsigned height, const std::string& v
   for (unsigned y = 0; y < height; ++y) rows += '\0' + values.substr(y * width, width);
   std::string packed(compressBound(rows.size()), '\0');
   unsigned long size = packed.size();
-  compress(reinterpret_cast<unsigned char*>(packed.data()), &size,
-           reinterpret_cast<const unsigned char*>(rows.data()), rows.size());
+  compress(reinterpret_cast<unsigned char*>(packed.data()), &size, reinterpret_cast<const unsigned char*>(rows.data()),
+           rows.size());
   packed.resize(size);
   return "\x89PNG\r\n\x1a\n" + chunk("IHDR", big(width) + big(height) + std::string("\x08\0\0\0\0", 5)) +
          chunk("IDAT", packed) + chunk("IEND", "");

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdlib>
 #include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -14,6 +15,7 @@
 #include "geometry/removed_solid.h"
 #include "geometry/tool_file.h"
 #include "preprocess/bake.h"
+#include "preprocess/demo_anatomy.h"
 #include "preprocess/demo_molar.h"
 #include "sim/run_bundle.h"
 #include "sim/sweep_cutter.h"
@@ -34,6 +36,9 @@ struct Result {
   std::string state_hash;
   double ratio = 0;  // to a bare library call measured in the same run; 0: none
   std::string ratio_to;
+  std::string part{};  // of the work, with a ratio of its own
+  double part_ratio = 0;
+  double peak_gb = 0;  // most memory of the whole program; 0: not measured
 
   double percentile(double p) const {
     std::vector<double> sorted = ms;
@@ -69,29 +74,60 @@ Expected<fs::path> benchMesh(const std::string& asked, const Scratch& scratch) {
   return molar;
 }
 
+/// Most memory this process has had since clearPeak(), GB; 0 where the system does not tell.
+void clearPeak() { std::ofstream("/proc/self/clear_refs") << "5"; }
+double peakGigabytes() {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);)
+    if (line.starts_with("VmHWM:")) return std::strtod(line.c_str() + 6, nullptr) * 1024 / 1e9;
+  return 0;
+}
+
 // The whole bake, files included, against the bare library call on the solid it voxelizes.
-Expected<Result> benchBake(const std::string& mesh, const Scratch& scratch, const Progress& progress) {
-  KERF_TRY(path, benchMesh(mesh, scratch));
-  Result r{
-      "bake", "whole bake at 0.1 mm, files included", {}, "", 0, "meshToVolume alone on the closed mesh, same bands"};
+Expected<Result> benchBakeOf(const std::string& scene, const fs::path& path, int repetitions, const Scratch& scratch,
+                             const Progress& progress) {
+  Result r{scene, "", {}, "", 0, "meshToVolume alone on the closed mesh, same bands"};
   BakeOptions options;
   options.overwrite = true;
   const fs::path folder = scratch.path() / "bench.case";
-  std::vector<double> ratios;
-  for (int n = 0; n < 5; ++n) {
+  std::vector<double> ratios, voxelize_ratios;
+  clearPeak();
+  for (int n = 0; n < repetitions; ++n) {
     const double start = now();
     KERF_TRY(report, bake({path}, folder, options, progress));
     r.ms.push_back(now() - start);
-    r.state_hash = report.manifest.id.substr(0, 16);
+    r.peak_gb = peakGigabytes();
     KERF_TRY(solid, readCaseSolid(folder));
     KERF_TRY(bare, timeBareMeshToVolume(solid, options.voxelize));
     ratios.push_back(r.ms.back() / (1e3 * bare));
+    voxelize_ratios.push_back(report.times.voxelize / bare);
+    r.what = fmt::format("whole bake of {} triangles at 0.1 mm, files included", report.manifest.solid_triangles);
   }
   KERF_TRY(field, readCaseField(folder));
   r.state_hash = fmt::format("{:016x}", field.stateHash());
   std::sort(ratios.begin(), ratios.end());
-  r.ratio = ratios[ratios.size() / 2];
+  std::sort(voxelize_ratios.begin(), voxelize_ratios.end());
+  r.ratio = ratios[ratios.size() / 2], r.part_ratio = voxelize_ratios[ratios.size() / 2];
+  r.part = "field, materials and shell";
   return r;
+}
+
+Expected<Result> benchBake(const std::string& mesh, const Scratch& scratch, const Progress& progress) {
+  KERF_TRY(path, benchMesh(mesh, scratch));
+  return benchBakeOf("bake", path, 5, scratch, progress);
+}
+
+Expected<Result> benchBake200k(const Scratch& scratch, const Progress& progress) {
+  const fs::path path = scratch.path() / "fine.ply";
+  KERF_CHECK(writeMesh(path, demoMolar(0.0945)));
+  return benchBakeOf("bake-200k", path, 5, scratch, progress);
+}
+
+Expected<Result> benchMandible(const Scratch& scratch, const Progress& progress) {
+  KERF_TRY(anatomy, demoMandible(1, progress));
+  const fs::path path = scratch.path() / "mandible.ply";
+  KERF_CHECK(writeMesh(path, anatomy.mesh(anatomy.outline.front())));
+  return benchBakeOf("mandible", path, 1, scratch, progress);
 }
 
 // A block of h = 0.05 mm nodes, and a tool drawn through it along a wavy line.
@@ -165,6 +201,8 @@ struct SceneRow {
   const char* what;
 };
 constexpr SceneRow kScenes[] = {{"bake", "mesh to case, against the bare library call"},
+                                {"bake-200k", "the same, the demo molar in 200 000 triangles"},
+                                {"mandible", "the same, the demo mandible: time and memory"},
                                 {"cut-bur", "motions of a round bur in a block at 0.05 mm"},
                                 {"cut-blade", "motions of a reciprocating blade in a block at 0.1 mm"},
                                 {"export", "run to printable STL"}};
@@ -172,6 +210,8 @@ constexpr SceneRow kScenes[] = {{"bake", "mesh to case, against the bare library
 Expected<Result> runScene(const std::string& name, const std::string& mesh, const Scratch& scratch,
                           const Progress& progress) {
   if (name == "bake") return benchBake(mesh, scratch, progress);
+  if (name == "bake-200k") return benchBake200k(scratch, progress);
+  if (name == "mandible") return benchMandible(scratch, progress);
   if (name == "cut-bur") return benchCut(name, "round-014", 0.05, Eigen::Quaterniond::Identity(), progress);
   // The blade lies across the groove, teeth down: its -x is the object's -z.
   if (name == "cut-blade")
@@ -224,11 +264,16 @@ void addBench(CLI::App& app, int& exit_code) {
                          {"max_ms", r->percentile(1)},
                          {"state_hash", r->state_hash}};
         if (r->ratio > 0) j["ratio"] = r->ratio, j["ratio_to"] = r->ratio_to;
+        if (!r->part.empty()) j["part"] = r->part, j["part_ratio"] = r->part_ratio;
+        if (r->peak_gb > 0) j["peak_gb"] = r->peak_gb;
         all.push_back(j);
       } else {
         fmt::print("{:<10} p50 {:9.3f}  p99 {:9.3f}  max {:9.3f} ms  x{:<4} {}  {}\n", r->scene, r->percentile(0.5),
                    r->percentile(0.99), r->percentile(1), r->ms.size(), r->state_hash, r->what);
-        if (r->ratio > 0) fmt::print("           {:.2f} x {}\n", r->ratio, r->ratio_to);
+        if (r->ratio > 0) fmt::print("           {:.2f} x {}", r->ratio, r->ratio_to);
+        if (!r->part.empty()) fmt::print("; {} {:.2f} x", r->part, r->part_ratio);
+        if (r->peak_gb > 0) fmt::print("; {:.2f} GB at most", r->peak_gb);
+        if (r->ratio > 0) fmt::print("\n");
         std::fflush(stdout);
       }
     }

@@ -17,7 +17,7 @@
 namespace {
 
 struct Arguments {
-  std::string scene, screenshot, view = "iso", size, look_at;
+  std::string scene, screenshot, view = "iso", size, look_at, section;
   double zoom = 1;
   int frames = 0;
   bool transparent = false, no_scale_bar = false, no_shadow = false, verbose = false, gpu = false;
@@ -45,6 +45,18 @@ bool parsePoint(const std::string& text, kerf::Vec3d& p) {
          used == static_cast<int>(text.size()) && p.allFinite();
 }
 
+/// A point and a direction, six numbers.
+bool parsePlane(const std::string& text, kerf::Plane& plane) {
+  kerf::Vec3d &p = plane.point, &n = plane.normal;
+  int used = 0;
+  if (std::sscanf(text.c_str(), "%lf,%lf,%lf,%lf,%lf,%lf%n", &p.x(), &p.y(), &p.z(), &n.x(), &n.y(), &n.z(), &used) !=
+          6 ||
+      used != static_cast<int>(text.size()) || !p.allFinite() || !(n.norm() > 1e-9 && n.norm() < 1e9))
+    return false;
+  n.normalize();
+  return true;
+}
+
 kerf::Expected<void> run(const Arguments& arguments) {
   KERF_TRY(camera, kerf::cameraFromView(arguments.view));
   int width = arguments.screenshot.empty() ? 1280 : 1200, height = arguments.screenshot.empty() ? 800 : 900;
@@ -56,7 +68,14 @@ kerf::Expected<void> run(const Arguments& arguments) {
       return kerf::fail(badValue("--look-at", arguments.look_at, "X,Y,Z in mm", "--look-at 0,0,5"));
     look_at = p;
   }
-  KERF_TRY(scene, kerf::loadScene(arguments.scene));
+  std::optional<kerf::Plane> cut;
+  if (kerf::Plane plane; !arguments.section.empty()) {
+    if (!parsePlane(arguments.section, plane))
+      return kerf::fail(badValue("--section", arguments.section, "X,Y,Z,NX,NY,NZ: a point in mm and a direction",
+                                 "--section 0,0,0,0,1,0"));
+    cut = plane;
+  }
+  KERF_TRY(scene, kerf::loadScene(arguments.scene, cut));
   kerf::fitTo(camera, scene.mesh, width, height);
   if (look_at) camera.target = *look_at;
   kerf::zoomBy(camera, arguments.zoom);
@@ -107,6 +126,9 @@ int main(int argc, char** argv) try {
       ->capture_default_str();
   app.add_option("--look-at", a.look_at, "the point shown at the centre, mm (default: the middle of the mesh)")
       ->type_name("X,Y,Z");
+  app.add_option("--section", a.section,
+                 "show a case cut open: a point of the plane, mm, and the direction whose side is taken away")
+      ->type_name("X,Y,Z,NX,NY,NZ");
   app.add_flag("--transparent", a.transparent, "no background and no ground shadow");
   app.add_flag("--no-shadow", a.no_shadow, "no ground shadow");
   app.add_flag("--no-scale-bar", a.no_scale_bar, "no scale bar in the picture");

@@ -5,8 +5,10 @@
 #include <system_error>
 #include <utility>
 
+#include "geometry/case_bundle.h"
 #include "geometry/mesh_io.h"
 #include "sim/run_bundle.h"
+#include "ui/window/tissue_view.h"
 
 namespace kerf {
 namespace {
@@ -21,11 +23,30 @@ double millimetres(const std::string& unit) {
 
 }  // namespace
 
-Expected<Scene> loadScene(const std::filesystem::path& path) {
+Expected<Scene> loadScene(const std::filesystem::path& path, const std::optional<Plane>& cut) {
   Scene scene;
   scene.mesh_file = path;
   scene.unit = "mm";
   std::error_code ignored;
+  if (isCase(path)) {
+    KERF_TRY(manifest, readCaseManifest(path));
+    if (cut || manifest.materials.size() > 1) {
+      KERF_TRY(solid, readCaseSolid(path));
+      KERF_TRY(materials, readCaseMaterials(path));
+      KERF_TRY(table, readDefaultMaterials());
+      scene.mesh = std::move(solid);
+      if (!cut) {
+        colorByMaterial(scene.mesh, materials, table);
+        return scene;
+      }
+      KERF_TRY(phi, readCaseField(path));
+      scene.mesh = section(scene.mesh, phi, materials, table, *cut);
+      return scene;
+    }
+  } else if (cut) {
+    return fail({Error::Code::kUnsupported, path.string(), "--section", "no case", "a case folder",
+                 "kerf bake it first: only a case knows its inside"});
+  }
   if (std::filesystem::is_directory(path, ignored)) {
     KERF_TRY(result, exportBundle(path));
     scene.mesh = std::move(result.post_op.mesh);

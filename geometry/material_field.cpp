@@ -1,0 +1,65 @@
+#include "geometry/material_field.h"
+
+#include <fmt/format.h>
+#include <openvdb/io/File.h>
+#include <openvdb/openvdb.h>
+
+#include <cmath>
+
+namespace kerf {
+
+struct MaterialField::Grid {
+  openvdb::Int32Grid::ConstPtr labels;
+  double voxel = 0;
+};
+
+MaterialField::MaterialField(std::shared_ptr<const Grid> grid) : grid_(std::move(grid)) {}
+double MaterialField::voxel() const { return grid_->voxel; }
+
+Material MaterialField::at(const Vec3i& node) const {
+  return static_cast<Material>(grid_->labels->tree().getValue({node[0], node[1], node[2]}));
+}
+
+Material MaterialField::near(const Vec3d& p) const {
+  const Vec3d x = p / grid_->voxel;
+  const Vec3i nearest = x.array().round().cast<int>().matrix();
+  if (const Material there = at(nearest); there != Material::kNone) return there;
+  Material best = Material::kNone;
+  double best_squared = std::numeric_limits<double>::infinity();
+  for (int i = -2; i <= 2; ++i)
+    for (int j = -2; j <= 2; ++j)
+      for (int k = -2; k <= 2; ++k) {
+        const Vec3i node = nearest + Vec3i(i, j, k);
+        const double squared = (node.cast<double>() - x).squaredNorm();
+        if (squared >= best_squared) continue;
+        if (const Material there = at(node); there != Material::kNone) best = there, best_squared = squared;
+      }
+  return best;
+}
+
+Expected<MaterialField> readMaterialField(const std::filesystem::path& vdb) {
+  const auto error = [&vdb](const std::string& found) {
+    return fail({Error::Code::kUnreadable, vdb.string(), "grid material", found, "an OpenVDB file written by Kerf",
+                 "bake the case again"});
+  };
+  try {
+    openvdb::initialize();
+    openvdb::io::File file(vdb.string());
+    file.open(false);
+    if (!file.hasGrid("material")) return error("no such grid");
+    const auto labels = openvdb::gridPtrCast<openvdb::Int32Grid>(file.readGrid("material"));
+    if (!labels) return error("a grid of another type than int32");
+    const openvdb::math::Transform& transform = labels->transform();
+    if (!transform.isLinear() || !transform.hasUniformScale() ||
+        transform.indexToWorld(openvdb::Vec3d(0)).length() != 0)
+      return error("a transform that is more than a uniform scale");
+    auto grid = std::make_shared<MaterialField::Grid>();
+    grid->labels = labels, grid->voxel = transform.voxelSize()[0];
+    if (!(grid->voxel >= 1e-3 && grid->voxel <= 100)) return error(fmt::format("a voxel size of {} mm", grid->voxel));
+    return MaterialField(std::move(grid));
+  } catch (const std::exception& e) {
+    return error(e.what());
+  }
+}
+
+}  // namespace kerf
