@@ -35,7 +35,7 @@ bool wasSeen(const Vec3d& p, std::uint32_t seed) {
 }
 
 Rgba8 colorAt(const Vec3d& p, std::uint32_t seed) {
-  const Vec3d q(std::abs(p.x()), p.y(), p.z()), ivory(238, 228, 205), neck(226, 204, 164), gum(214, 128, 128),
+  const Vec3d q(std::abs(p.x()), p.y(), p.z()), ivory(238, 228, 205), neck(234, 218, 188), gum(214, 128, 128),
       red(196, 98, 104);
   const double tooth = rowValue(ToothTissue::kTooth, q, 3.0), gums = gingiva(p);
   const Vec3d crown = neck + (ivory - neck) * smoothStep(0.5, 3.0, heightOnNearestTooth(q));
