@@ -157,16 +157,19 @@ class Faults {
   }
 
   std::uint32_t place() {
-    const double apart = std::max(3.0, 12 * options_.edge_mm);
-    for (;;) {
+    for (int tries = 0;; ++tries) {
+      // Coarse meshes bend everywhere: ask for less and less, but always for room.
+      const double ask = std::max(0.0, 1 - tries / 5000.0), apart = std::max(3.0, (5 + 7 * ask) * options_.edge_mm);
       const auto v = static_cast<std::uint32_t>(random_() % around_.size());
       const Vec3d p = mesh_.vertices[v], n = normal(v);
       const auto close = [&](const Vec3d& q) { return (q - p).norm() < apart; };
       if (std::ranges::any_of(taken_, close)) continue;
       const auto patch = patchAround(v, 3);
-      const auto bends = [&](std::uint32_t t) { return doubleAreaVector(mesh_, t).normalized().dot(n) < 0.8; };
+      const auto bends = [&](std::uint32_t t) {
+        return doubleAreaVector(mesh_, t).normalized().dot(n) < 1.8 * ask - 1;
+      };
       if (std::ranges::any_of(patch, bends)) continue;
-      if (archSurface(p + 1.2 * n) < 0.8 || archSurface(p + 2.4 * n) < 1.2) continue;
+      if (archSurface(p + 1.2 * n) < 0.8 * ask || archSurface(p + 2.4 * n) < 1.2 * ask) continue;
       taken_.push_back(p);
       return v;
     }

@@ -60,18 +60,18 @@ class DemoMandible : public ::testing::Test {
   }
 };
 
-TEST_F(DemoMandible, EveryTissueIsASolidReadyToPrint) {
-  ASSERT_EQ(anatomy().files.size(), 7u);
-  for (const DemoAnatomy::File& file : anatomy().files) {
-    const MeshReport report = checkMesh(file.mesh);
-    EXPECT_TRUE(report.print_ready) << file.name << ": " << describe(report);
-  }
-  EXPECT_EQ(checkMesh(jaw()).pieces, 1u);
-  EXPECT_EQ(checkMesh(mesh("nerve-canal.ply")).pieces, 2u);
-}
-
 // One test for what belongs together: each test is a process of its own, and makes the mandible anew.
-TEST_F(DemoMandible, MeasuresWhatItsTableSaysWithTheCanalInBoneAndThePulpInTeeth) {
+TEST_F(DemoMandible, IsMadeOfSolidsThatMeasureWhatTheTableSays) {
+  {
+    SCOPED_TRACE("EveryTissueIsASolidReadyToPrint");
+    ASSERT_EQ(anatomy().files.size(), 7u);
+    for (const DemoAnatomy::File& file : anatomy().files) {
+      const MeshReport report = checkMesh(file.mesh);
+      EXPECT_TRUE(report.print_ready) << file.name << ": " << describe(report);
+    }
+    EXPECT_EQ(checkMesh(jaw()).pieces, 1u);
+    EXPECT_EQ(checkMesh(mesh("nerve-canal.ply")).pieces, 2u);
+  }
   {
     SCOPED_TRACE("HasTheOverallSizeOfAMandible");
     expectWithin(kDimensions.bicondylar, bounds(jaw()).size().x(), "bicondylar");
