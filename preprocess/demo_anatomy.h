@@ -35,11 +35,12 @@ struct DemoAnatomy {
 };
 
 /// Lower left first molar (FDI 36): caries, enamel, pulp, dentin; frame of demo_molar.h. Cancelled: kCancelled.
-/// @param detail  edges are this many times as long as by default: 1 gives about 130 000 triangles in 6 s on two cores.
+/// @param detail  edges are this many times as long as by default: 1 gives about 150 000 triangles in 3 s of one core.
 Expected<DemoAnatomy> demoMolarAnatomy(double detail = 1, const Progress& progress = {});
 
 /// Mandible with teeth 31 to 37 and 41 to 47: pulp, enamel, dentin, ligament (PDL), nerve canals, spongy and compact
 /// bone; frame of internal/demo_jaw.h: x to the patient's left, y backwards, z up from the occlusal plane.
+/// 900 000 triangles, 15 s of one core; parallel.
 Expected<DemoAnatomy> demoMandible(double detail = 1, const Progress& progress = {});
 
 /// Writes the meshes (binary PLY) and, if there are parts, the recipe NAME.toml into a folder, which appears complete

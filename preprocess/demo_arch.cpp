@@ -35,7 +35,7 @@ bool wasSeen(const Vec3d& p, std::uint32_t seed) {
 }
 
 Rgba8 colorAt(const Vec3d& p, std::uint32_t seed) {
-  const Vec3d q(std::abs(p.x()), p.y(), p.z()), ivory(238, 228, 205), neck(226, 204, 164), gum(214, 128, 128),
+  const Vec3d q(std::abs(p.x()), p.y(), p.z()), ivory(238, 228, 205), neck(234, 218, 188), gum(214, 128, 128),
       red(196, 98, 104);
   const double tooth = rowValue(ToothTissue::kTooth, q, 3.0), gums = gingiva(p);
   const Vec3d crown = neck + (ivory - neck) * smoothStep(0.5, 3.0, heightOnNearestTooth(q));
@@ -157,16 +157,19 @@ class Faults {
   }
 
   std::uint32_t place() {
-    const double apart = std::max(3.0, 12 * options_.edge_mm);
-    for (;;) {
+    for (int tries = 0;; ++tries) {
+      // Coarse meshes bend everywhere: ask for less and less, but always for room.
+      const double ask = std::max(0.0, 1 - tries / 5000.0), apart = std::max(3.0, (5 + 7 * ask) * options_.edge_mm);
       const auto v = static_cast<std::uint32_t>(random_() % around_.size());
       const Vec3d p = mesh_.vertices[v], n = normal(v);
       const auto close = [&](const Vec3d& q) { return (q - p).norm() < apart; };
       if (std::ranges::any_of(taken_, close)) continue;
       const auto patch = patchAround(v, 3);
-      const auto bends = [&](std::uint32_t t) { return doubleAreaVector(mesh_, t).normalized().dot(n) < 0.8; };
+      const auto bends = [&](std::uint32_t t) {
+        return doubleAreaVector(mesh_, t).normalized().dot(n) < 1.8 * ask - 1;
+      };
       if (std::ranges::any_of(patch, bends)) continue;
-      if (archSurface(p + 1.2 * n) < 0.8 || archSurface(p + 2.4 * n) < 1.2) continue;
+      if (archSurface(p + 1.2 * n) < 0.8 * ask || archSurface(p + 2.4 * n) < 1.2 * ask) continue;
       taken_.push_back(p);
       return v;
     }

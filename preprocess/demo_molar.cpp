@@ -230,10 +230,10 @@ double pulp(const Vec3d& p) {
 /// narrows again on its way to the pulp: two triangles with their bases at the junction.
 double caries(const Vec3d& p) {
   static constexpr double kInDentin = 1.9, kInEnamel = 1.2;  // mm
-  const std::array<Vec2d, 3> fissure = {{{1.0, -0.30}, {0.15, -0.05}, {-0.9, -0.28}}};
+  const std::array<Vec2d, 3> fissure = {{{0.75, -0.22}, {0.15, -0.05}, {-0.6, -0.22}}};
   const double depth = -junction(p);
-  const double in_enamel = mix(0.75, 0.28, std::clamp(-depth / kInEnamel, 0.0, 1.0));
-  const double in_dentin = mix(1.25, 0.15, std::clamp(depth / kInDentin, 0.0, 1.0));
+  const double in_enamel = mix(0.65, 0.25, std::clamp(-depth / kInEnamel, 0.0, 1.0));
+  const double in_dentin = mix(1.10, 0.15, std::clamp(depth / kInDentin, 0.0, 1.0));
   const double radius = mix(in_enamel, in_dentin, smoothStep(-0.15, 0.1, depth));
   const double sides = 0.75 * (distanceToChain(fissure, p.head<2>()) - radius);
   return smoothMax(smoothMax(sides, depth - kInDentin, 0.3), implicit(p) - kBeyond, 0.1);

@@ -230,19 +230,21 @@ double condyle(const Vec3d& p) {
                      -std::sin(kTurn) * q.x() + std::cos(kTurn) * q.y(), q.z() + 0.035 * q.x() * q.x());
   const double head = ellipsoid(turned, Vec3d(9.4, 4.3, 4.6));
   const Vec2d low = Vec2d(kGonionY, kGonionZ) + 3.4 * kFront + 38.0 * kUp;
-  const std::array<Bead, 2> neck = {
-      {{{ramusMiddle(low.x(), low.y()), low.x(), low.y()}, 2.6}, {{49.6, side.x() - 0.3, side.y() - 2.0}, 4.6}}};
-  return smoothMin(head, tube(neck, p), 4.5);
+  const Vec3d root(ramusMiddle(low.x(), low.y()), low.x(), low.y());
+  // In the front view the neck widens to both poles, more to the inner one.
+  const std::array<Bead, 3> neck = {
+      {{{54.0, side.x() - 0.8, side.y() - 1.6}, 3.2}, {root, 2.6}, {{44.6, side.x() + 0.6, side.y() - 1.8}, 3.2}}};
+  return smoothMin(head, tube(neck, p), 3.0);
 }
 
 // ---------------------------------------------------------------------------------------------------- muscle marks
 
 double chin(const Vec3d& p) {
-  const double middle = ellipsoid(p - Vec3d(0, -2.9, -34.2), Vec3d(10.5, 3.6, 6.0));
+  const double middle = ellipsoid(p - Vec3d(0, -2.5, -34.2), Vec3d(10.5, 3.6, 6.2));
   return smoothMin(middle, ellipsoid(p - Vec3d(8.5, -1.5, -36.8), Vec3d(5.0, 3.2, 3.0)), 5.0);
 }
 
-const std::array<Bead, 5> kObliqueLine = {{{{41.0, 57.6, 7.0}, 0.3},
+const std::array<Bead, 5> kObliqueLine = {{{{39.6, 58.0, 7.0}, 0.2},
                                            {{39.2, 51.5, -5.0}, 2.1},
                                            {{36.2, 45.0, -12.0}, 2.4},
                                            {{32.8, 37.5, -17.0}, 1.8},
@@ -356,7 +358,8 @@ double gingiva(const Vec3d& original) {
   // The margin lies on the enamel, lower on the faces than between the teeth, where the papillae stand.
   const double collar = rowUnion(p, 3.0, [](const ToothDimensions& t, const Vec3d& local) {
     const double r2 = local.x() * local.x() + local.y() * local.y();
-    const double margin = 0.9 + (r2 > 1e-6 ? 1.9 * (local.x() * local.x() - local.y() * local.y()) / r2 : 0.0);
+    const double margin =
+        0.9 + (r2 > 1e-6 ? (t.position <= 3 ? 2.7 : 1.9) * (local.x() * local.x() - local.y() * local.y()) / r2 : 0.0);
     return smoothMax(toothValue(t, ToothTissue::kTooth, local) - 0.9, local.z() - margin, 0.9);
   });
   return smoothMin(smoothMax(jaw, p.z() + 6.0, 2.0), collar, 1.8);

@@ -1,11 +1,13 @@
 #include "preprocess/demo_molar.h"
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <random>
+#include <utility>
 
 #include "geometry/exact/self_intersection.h"
 #include "preprocess/internal/tetrahedral_mesher.h"
@@ -169,6 +171,45 @@ TEST(TetrahedralMesher, BallHasItsVolume) {
   const Mesh mesh = internal::meshImplicit(ball, {Vec3d::Constant(-2.5), Vec3d::Constant(2.5)}, 0.2);
   expectClosedManifold(mesh);
   EXPECT_NEAR(signedVolume(mesh) / (4.0 / 3 * 3.14159265358979 * 8), 1, 0.005);
+}
+
+TEST(TetrahedralMesher, SkippingEmptyBlocksChangesNothing) {
+  const auto ring = [](const Vec3d& p) { return std::hypot(std::hypot(p.x(), p.y()) - 3, p.z()) - 0.8; };
+  const Box3 box{Vec3d(-5, -5, -2), Vec3d(5, 5, 2)};
+  const Mesh all = internal::meshImplicit(ring, box, 0.2), skipped = internal::meshImplicit(ring, box, 0.2, 3, 1.0);
+  int calls = 0;
+  const auto counted = [&](const Vec3d& p) { return ++calls, ring(p); };
+  tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  internal::meshImplicit(counted, box, 0.2, 0, 1.0);
+  const int with_skipping = std::exchange(calls, 0);
+  internal::meshImplicit(counted, box, 0.2, 0);
+  EXPECT_EQ(skipped.triangles, all.triangles);
+  EXPECT_TRUE(skipped.vertices == all.vertices);
+  EXPECT_LT(with_skipping, 0.7 * calls);
+}
+
+TEST(TetrahedralMesher, EveningOutNeverMakesTheSidesOfANarrowSlotCross) {
+  // Two balls a tenth of an edge apart, and a saddle where the gap opens.
+  const auto balls = [](const Vec3d& p) {
+    return std::min((p - Vec3d(1.51, 0, 0)).norm(), (p + Vec3d(1.51, 0, 0)).norm()) - 1.5;
+  };
+  Mesh mesh = internal::meshImplicit(balls, {Vec3d(-3.5, -2, -2), Vec3d(3.5, 2, 2)}, 0.45);
+  internal::evenOut(mesh, balls, 6);
+  expectClosedManifold(mesh);
+  EXPECT_TRUE(selfIntersections(mesh.vertices, mesh.triangles).empty());
+}
+
+TEST(TetrahedralMesher, WhatCrossesGoesBackToWhereItWas) {
+  const auto ball = [](const Vec3d& p) { return p.norm() - 2; };
+  Mesh mesh = internal::meshImplicit(ball, {Vec3d::Constant(-2.5), Vec3d::Constant(2.5)}, 0.4);
+  const std::vector<Vec3d> before = mesh.vertices;
+  mesh.vertices[7] = -1.5 * mesh.vertices[7];  // through the opposite side
+  mesh.vertices[100] *= 1.01;                  // crosses nothing
+  ASSERT_FALSE(selfIntersections(mesh.vertices, mesh.triangles).empty());
+  internal::undoCrossings(mesh, before);
+  EXPECT_TRUE(selfIntersections(mesh.vertices, mesh.triangles).empty());
+  EXPECT_EQ(mesh.vertices[7], before[7]);
+  EXPECT_NE(mesh.vertices[100], before[100]);
 }
 
 }  // namespace
