@@ -27,6 +27,18 @@ std::size_t editDistance(const std::string& a, const std::string& b) {
   return row.back();
 }
 
+// The commonest slip of all: 1,6 for 1.6.
+std::string decimalComma(const std::string& content, const toml::source_position& at) {
+  std::istringstream lines(content);
+  std::string line;
+  for (toml::source_index n = 0; n < at.line; ++n) std::getline(lines, line);
+  const auto isDigit = [&](std::size_t n) { return n < line.size() && line[n] >= '0' && line[n] <= '9'; };
+  const std::size_t comma = line.find(',', at.column > 1 ? at.column - 2 : 0);
+  if (comma == line.npos || comma == 0 || comma + 1 < at.column || !isDigit(comma - 1) || !isDigit(comma + 1))
+    return "";
+  return fmt::format("a decimal point: {}.{}", line[comma - 1], line[comma + 1]);
+}
+
 }  // namespace
 
 std::vector<std::string> nearestNames(const std::string& found, std::vector<std::string> names, std::size_t most) {
@@ -68,7 +80,11 @@ double TomlTable::number(const std::string& key, double low, double high, const 
   }
   const auto value = node->is_number() ? node->value<double>() : std::nullopt;
   if (!value) {
-    keep({Error::Code::kBadFormat, file_.string(), place(key, node), "a value of another type", expected, ""});
+    std::string hint;
+    if (const auto text = node->value<std::string>())  // "1.6 mm"
+      if (const std::size_t digits = text->find_first_not_of("+-0123456789."); digits > 0 && !text->empty())
+        hint = fmt::format("{} = {}, without quotes or unit", key, text->substr(0, digits));
+    keep({Error::Code::kBadFormat, file_.string(), place(key, node), "a value of another type", expected, hint});
     return low;
   }
   if (!(*value >= low && *value <= high)) {
@@ -181,7 +197,7 @@ Expected<toml::table> parseToml(const std::filesystem::path& file) {
   } catch (const toml::parse_error& e) {
     return fail({Error::Code::kBadFormat, file.string(),
                  fmt::format("line {}, column {}", e.source().begin.line, e.source().begin.column),
-                 std::string(e.description()), "TOML", ""});
+                 std::string(e.description()), "TOML", decimalComma(content, e.source().begin)});
   }
 }
 

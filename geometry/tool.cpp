@@ -112,7 +112,61 @@ double sidewaysPlunge(const RevolvedProfile& head, double depth) {
   return sum;
 }
 
+// Columns of a plunge along -z: how far the lowest triangle of the part below `top` has gone in, by a picture of
+// heights from below.
+double meshPlunge(const Mesh& mesh, double top, double depth) {
+  constexpr int kCells = 1200;
+  Box3 part;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    for (int k = 0; k < 3; ++k) {
+      const Vec3d a = mesh.corner(t, k), b = mesh.corner(t, (k + 1) % 3);
+      if (a[2] <= top) part.add(a);
+      if ((a[2] < top) != (b[2] < top)) part.add(Vec3d(a + (top - a[2]) / (b[2] - a[2]) * (b - a)));
+    }
+  if (part.isEmpty()) return 0;
+  const double cell = std::max(part.size()[0], part.size()[1]) / kCells;
+  if (!(cell > 0)) return 0;
+  std::vector<double> lowest(static_cast<std::size_t>(kCells) * kCells, std::numeric_limits<double>::infinity());
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Vec3d a = mesh.corner(t, 0), u = mesh.corner(t, 1) - a, v = mesh.corner(t, 2) - a;
+    const double twice = u[0] * v[1] - u[1] * v[0];
+    if (twice >= 0 || std::min({a[2], a[2] + u[2], a[2] + v[2]}) > top) continue;  // seen from below it is turned away
+    const auto range = [&](int axis) {
+      const double low = a[axis] + std::min({0.0, u[axis], v[axis]}),
+                   high = a[axis] + std::max({0.0, u[axis], v[axis]});
+      return std::pair(std::clamp(static_cast<int>((low - part.min[axis]) / cell), 0, kCells),
+                       std::clamp(static_cast<int>((high - part.min[axis]) / cell) + 1, 0, kCells));
+    };
+    const auto [i0, i1] = range(0);
+    const auto [j0, j1] = range(1);
+    for (int i = i0; i < i1; ++i)
+      for (int j = j0; j < j1; ++j) {
+        const double x = part.min[0] + (i + 0.5) * cell - a[0], y = part.min[1] + (j + 0.5) * cell - a[1];
+        const double s = (x * v[1] - y * v[0]) / twice, r = (u[0] * y - u[1] * x) / twice;
+        if (s < 0 || r < 0 || s + r > 1) continue;
+        double& z = lowest[static_cast<std::size_t>(i) * kCells + static_cast<std::size_t>(j)];
+        z = std::min(z, a[2] + s * u[2] + r * v[2]);
+      }
+  }
+  double sum = 0;
+  for (const double z : lowest)
+    if (z < top) sum += std::max(0.0, depth - z);
+  return sum * cell * cell;
+}
+
 }  // namespace
+
+const char* kindName(ToolKind kind) {
+  switch (kind) {
+    case ToolKind::kBur:
+      return "bur";
+    case ToolKind::kBlade:
+      return "blade";
+    case ToolKind::kMesh:
+      return "mesh";
+  }
+  return "";
+}
 
 const char* motionName(BladeMotion motion) {
   switch (motion) {
@@ -134,11 +188,13 @@ double Tool::sweptWidth() const {
 
 double Tool::finest() const {
   if (kind == ToolKind::kBlade) return kerfWidth();
+  if (kind == ToolKind::kMesh) return cut->bounds().size().minCoeff();
   return std::min(head_diameter_mm, cutting->highest() - cutting->lowest());
 }
 
 double plungeVolume(const Tool& tool, double depth_mm, double window_mm) {
   if (!(depth_mm > 0)) return 0;
+  if (tool.kind == ToolKind::kMesh) return meshPlunge(*tool.mesh, tool.cut_below_mm, depth_mm);
   if (tool.kind == ToolKind::kBur)
     return tool.cuts_end ? revolvedPlunge(*tool.cutting, depth_mm) : sidewaysPlunge(*tool.cutting, depth_mm);
   switch (tool.motion) {
@@ -166,6 +222,9 @@ std::string describe(const Tool& tool) {
                           tool.cutting->lowest(), tool.cutting->highest());
     text += "\n";
     if (tool.iso) text += fmt::format("  ISO 6360 {}: {}\n", tool.iso6360, tool.iso->meaning());
+  } else if (tool.kind == ToolKind::kMesh) {
+    text += fmt::format("  mesh of {} triangles, cuts up to {:.3g} mm above its tip\n", tool.mesh->triangles.size(),
+                        tool.cut_below_mm);
   } else {
     text += fmt::format("  {} blade {:.3g} mm thick, set {:.3g} mm per side: kerf {:.3g} mm\n", motionName(tool.motion),
                         tool.thickness_mm, tool.set_per_side_mm, tool.kerfWidth());
@@ -189,10 +248,8 @@ std::string describe(const Tool& tool) {
 }
 
 std::string toJson(const Tool& tool) {
-  nlohmann::json j{{"id", tool.id},
-                   {"name", tool.name},
-                   {"description", tool.description},
-                   {"kind", tool.kind == ToolKind::kBur ? "bur" : "blade"}};
+  nlohmann::json j{
+      {"id", tool.id}, {"name", tool.name}, {"description", tool.description}, {"kind", kindName(tool.kind)}};
   if (tool.kind == ToolKind::kBur) {
     j["shape"] = tool.shape;
     j["iso6360"] = tool.iso6360;
@@ -210,6 +267,10 @@ std::string toJson(const Tool& tool) {
     if (tool.cuts_end) j["cuts"].push_back("end");
     j["cuts_from_mm"] = tool.cutting->lowest();
     j["cuts_to_mm"] = tool.cutting->highest();
+  } else if (tool.kind == ToolKind::kMesh) {
+    j["mesh_file"] = tool.mesh_file.string();
+    j["triangles"] = tool.mesh->triangles.size();
+    j["cuts_to_mm"] = tool.cut_below_mm;
   } else {
     j["motion"] = motionName(tool.motion);
     j["thickness_mm"] = tool.thickness_mm;

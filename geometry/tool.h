@@ -8,8 +8,10 @@
 //          sagittal: teeth along the tip, an arc about the pivot at z = length; swings in the plane y = 0, cuts towards
 //          -z. The envelope is the sector its teeth sweep.
 //          disc: revolved about +z like a bur, 0 <= z <= kerf; cuts with its rim, plunges along -x.
+//   mesh   any closed solid, placed by its tip and axis; what lies below a height cuts, along -z.
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -21,7 +23,8 @@
 
 namespace kerf {
 
-enum class ToolKind { kBur, kBlade };
+enum class ToolKind { kBur, kBlade, kMesh };
+const char* kindName(ToolKind kind);  ///< as in files: "bur"
 enum class BladeMotion { kReciprocating, kPiezo, kSagittal, kSpin };
 const char* motionName(BladeMotion motion);  ///< as in files: "sagittal"
 
@@ -52,17 +55,24 @@ struct Tool {
   double blade_length_mm = 0, blade_width_mm = 0, stroke_mm = 0, tooth_pitch_mm = 0, edge_depth_mm = 0;
   double swing_deg = 0;  ///< sagittal: whole angle
 
+  // Mesh.
+  std::filesystem::path mesh_file;
+  std::shared_ptr<const Mesh> mesh;  ///< all of it, tool frame, mm
+  double cut_below_mm = 0;           ///< what of it lies below this height cuts
+
   double kerfWidth() const { return thickness_mm + 2 * set_per_side_mm; }  ///< blade, mm
   /// Sagittal: width of what the tip sweeps, mm: W + 2 L sin(angle / 2).
   double sweptWidth() const;
-  /// The smallest extent that a grid has to resolve: of a bur its diameter or cutting height, of a blade the kerf; mm.
+  /// The smallest extent that a grid has to resolve: of a bur or mesh its cutting part's width or height, of a blade
+  /// the kerf; mm.
   double finest() const;
 };
 
 /// Volume a tool takes out of a half-space when it goes straight in along plunge_direction by `depth` from where its
-/// cutting part touches, mm^3, from its parameters alone (not from its distance field), good to 1e-9 of itself: the
-/// yardstick of `kerf tool check`. Along the axis: integral of pi R(z)^2, R the widest cutting radius that has passed;
-/// sideways: integral of the segments its circles cut; blade: kerf x area.
+/// cutting part touches, mm^3, from its parameters alone (not from its distance field), good to 1e-9 of itself (a
+/// mesh: 1e-3): the yardstick of `kerf tool check`. Along the axis: integral of pi R(z)^2, R the widest cutting radius
+/// that has passed; sideways: integral of the segments its circles cut; blade: kerf x area; mesh: columns above its
+/// lowest triangles.
 /// @param window  mm: counts only the middle stretch of that length of a blade's edge.
 double plungeVolume(const Tool& tool, double depth_mm, double window_mm = std::numeric_limits<double>::infinity());
 

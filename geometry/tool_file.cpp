@@ -43,18 +43,22 @@ Expected<Tool> readTool(const fs::path& file) {
     top.reject("id", "\"" + tool.id + "\"", "the file's name, \"" + file.stem().string() + "\"");
   tool.name = top.get<std::string>("name", "a name for people");
   tool.description = top.getOr<std::string>("description", "", "a text");
-  const auto kind = top.get<std::string>("kind", "\"bur\" or \"blade\"");
+  const auto kind = top.get<std::string>("kind", "\"bur\", \"blade\" or \"mesh\"");
   if (kind == "bur") {
     tool.kind = ToolKind::kBur;
     readBur(top, tool);
   } else if (kind == "blade") {
     tool.kind = ToolKind::kBlade;
     readBlade(top, tool);
+  } else if (kind == "mesh") {
+    tool.kind = ToolKind::kMesh;
+    readMeshTool(top, file.parent_path(), tool);
   } else {
-    top.reject("kind", "\"" + kind + "\"", "\"bur\" or \"blade\"",
+    top.reject("kind", "\"" + kind + "\"", "\"bur\", \"blade\" or \"mesh\"",
                top.has("motion") || top.has("thickness") ? "\"blade\"" : "\"bur\", drills and discs of diamond too");
     allowBurKeys(top);
     allowBladeKeys(top);
+    allowMeshKeys(top);
   }
   KERF_CHECK(top.finish());
   return tool;
@@ -88,8 +92,13 @@ Expected<fs::path> findToolFile(const std::string& id_or_path, const std::vector
     if (fs::path file = folder / (id_or_path + ".toml"); fs::is_regular_file(file, ignored)) return file;
     for (const fs::path& file : toolFiles({folder})) ids.push_back(file.stem().string());
   }
+  // Ids that hold the word ("330" is in us-330), or that look like it.
+  std::vector<std::string> like;
+  for (const std::string& id : ids)
+    if (!id_or_path.empty() && id.find(id_or_path) != id.npos && like.size() < 5) like.push_back(id);
+  if (like.empty()) like = nearestNames(id_or_path, ids, 5);
   std::string near;
-  for (const std::string& id : nearestNames(id_or_path, ids, 5)) near += (near.empty() ? "" : ", ") + id;
+  for (const std::string& id : like) near += (near.empty() ? "" : ", ") + id;
   return fail({Error::Code::kNotFound, "", "tool " + id_or_path, "no such tool",
                ids.empty() ? "a tools folder" : fmt::format("one of {} ids, or the path of a TOML file", ids.size()),
                ids.empty()    ? "set KERF_ASSETS to the folder that holds tools/"

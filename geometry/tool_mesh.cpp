@@ -117,6 +117,13 @@ Mesh sagittalBlade(const Tool& tool) {
 }  // namespace
 
 Mesh toolMesh(const Tool& tool, double tolerance_mm) {
+  if (tool.mesh) {
+    Mesh mesh = *tool.mesh;
+    mesh.face_colors.clear();
+    mesh.vertex_colors.clear();
+    for (const Vec3d& p : mesh.vertices) mesh.vertex_colors.push_back(p[2] < tool.cut_below_mm ? kCutting : kSteel);
+    return mesh;
+  }
   if (tool.cutting) {  // it revolves
     Mesh mesh = revolve(*tool.cutting, tolerance_mm, kCutting);
     for (const RevolvedProfile& outline : tool.body_outlines) append(mesh, revolve(outline, tolerance_mm, kSteel));

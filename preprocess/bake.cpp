@@ -14,11 +14,8 @@
 #include "geometry/version.h"
 #include "preprocess/case_recipe.h"
 #include "preprocess/internal/bake_sources.h"
-#if __has_include("preprocess/label_surface.h")
 #include "preprocess/label_surface.h"
 #include "preprocess/label_volume.h"
-#define HAVE_LABELS
-#endif
 #include "preprocess/voxel_union.h"
 
 namespace kerf {
@@ -137,7 +134,6 @@ Expected<void> finish(const Object& object, const BakeOptions& options, const Ma
   return {};
 }
 
-#ifdef HAVE_LABELS
 // The labels' surface as a mesh; fills what the parts bring and the sampler that tells them apart.
 struct LabelObject {
   std::shared_ptr<const SmoothLabels> labels;
@@ -174,7 +170,6 @@ Expected<LabelObject> readLabels(const CaseRecipe& recipe, const std::string& ha
   return object;
 }
 
-#endif
 // The object's surface: an exact union of its parts, or one rebuilt from their distance fields.
 Expected<Mesh> unite(const std::vector<Mesh>& parts, const BakeOptions& options, BakeReport& out,
                      const Progress& progress) {
@@ -288,13 +283,11 @@ Expected<BakeReport> bakeRecipe(const fs::path& recipe_file, const fs::path& cas
   KERF_TRY(meshes, internal::readMeshSources(paths, hashes, options.unit, true, staging.staging(), out,
                                              part(progress, 0, 0.05)));
   for (const Mesh& mesh : meshes) out.source_checks.push_back(checkMesh(mesh));
-#ifdef HAVE_LABELS
   LabelObject labels;
   if (recipe.labels) {
     KERF_TRY(read, readLabels(recipe, hashes.back(), staging.staging(), out, part(progress, 0.05, 0.15)));
     labels = std::move(read);
   }
-#endif
   out.times.read = watch.lap();
 
   // Each mesh as a solid of its own: it is asked what it covers.
@@ -314,9 +307,7 @@ Expected<BakeReport> bakeRecipe(const fs::path& recipe_file, const fs::path& cas
   }
   std::vector<Mesh> outline;
   for (const fs::path& name : recipe.outline.empty() ? names : recipe.outline) outline.push_back(solids.at(name));
-#ifdef HAVE_LABELS
   if (recipe.labels) outline.push_back(labels.surface);
-#endif
   if (!report(progress, 0.2, "uniting parts")) return cancelError();
   Object object;
   KERF_TRY(solid, unite(outline, options, out, part(progress, 0.2, 0.3)));
@@ -333,12 +324,10 @@ Expected<BakeReport> bakeRecipe(const fs::path& recipe_file, const fs::path& cas
     if (!p.mesh.empty()) {
       claim.solid = &solids.at(p.mesh);
       row.own_mm3 = signedVolume(*claim.solid);
-#ifdef HAVE_LABELS
     } else if (p.label) {
       claim.covers = [smooth = labels.labels, label = *p.label](const Vec3d& x) { return smooth->labelAt(x) == label; };
       for (const LabelVolumeReport& r : labels.labels->reports())
         if (r.label == *p.label) row.own_mm3 = r.counted_mm3;
-#endif
     }
     object.claims.push_back(std::move(claim));
     out.manifest.parts.push_back(std::move(row));

@@ -37,6 +37,7 @@ Expected<void> writeDemoAnatomy(const DemoAnatomy& anatomy, const std::filesyste
   if (!target) return fail(target.error());
   for (const DemoAnatomy::File& file : anatomy.files)
     if (const auto written = writeMesh(target->staging() / file.name, file.mesh); !written) return written;
+  if (anatomy.parts.empty()) return target->commit();
   auto text = AtomicFile::create(target->staging() / anatomy.manifest());
   if (!text) return fail(text.error());
   text->stream() << recipe(anatomy);

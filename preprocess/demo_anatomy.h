@@ -31,15 +31,20 @@ struct DemoAnatomy {
   std::vector<std::string> outline;  ///< files whose union is the surface of the object
 
   const Mesh& mesh(const std::string& file) const;  ///< @pre there is one of this name
-  std::string manifest() const { return name + ".toml"; }
+  std::string manifest() const { return name + (parts.empty() ? ".ply" : ".toml"); }  ///< what makes the folder ours
 };
 
 /// Lower left first molar (FDI 36): caries, enamel, pulp, dentin; frame of demo_molar.h. Cancelled: kCancelled.
 /// @param detail  edges are this many times as long as by default: 1 gives about 130 000 triangles in 6 s on two cores.
 Expected<DemoAnatomy> demoMolarAnatomy(double detail = 1, const Progress& progress = {});
 
-/// Writes the meshes (binary PLY) and the recipe NAME.toml into a folder, which appears complete or not at all.
-/// @param overwrite  replace a folder that holds such a recipe.
+/// Mandible with teeth 31 to 37 and 41 to 47: pulp, enamel, dentin, ligament (PDL), nerve canals, spongy and compact
+/// bone; frame of internal/demo_jaw.h: x to the patient's left, y backwards, z up from the occlusal plane.
+Expected<DemoAnatomy> demoMandible(double detail = 1, const Progress& progress = {});
+
+/// Writes the meshes (binary PLY) and, if there are parts, the recipe NAME.toml into a folder, which appears complete
+/// or not at all.
+/// @param overwrite  replace a folder that holds such a model.
 Expected<void> writeDemoAnatomy(const DemoAnatomy& anatomy, const std::filesystem::path& folder, bool overwrite);
 
 }  // namespace kerf

@@ -8,6 +8,7 @@
 
 #include "preprocess/demo_anatomy.h"
 #include "preprocess/demo_dimensions.h"
+#include "preprocess/internal/demo_teeth.h"
 #include "preprocess/internal/implicit.h"
 #include "preprocess/internal/tetrahedral_mesher.h"
 
@@ -247,6 +248,12 @@ Rgba8 colorAt(const Vec3d& p) {
 }
 
 }  // namespace
+
+namespace internal {
+double molarTooth(const Vec3d& p) { return implicit(p); }
+double molarEnamel(const Vec3d& p) { return enamel(p); }
+double molarPulp(const Vec3d& p) { return pulp(p); }
+}  // namespace internal
 
 double demoMolarDistance(const Vec3d& p) {
   constexpr double kStep = 1e-4;

@@ -232,6 +232,7 @@ Expected<RunManifest> cutCase(const fs::path& case_folder, const fs::path& tool_
   m.state_hash = fmt::format("{:016x}", cutter.sweep().stateHash());
   if (!report(progress, 0.92, "writing")) return cancelError();
   KERF_CHECK(copyInto(tool_file, staging.staging() / kToolCopy));
+  if (tool.mesh) KERF_CHECK(copyInto(tool.mesh_file, staging.staging() / tool.mesh_file.filename()));
   KERF_CHECK(copyInto(path_file, staging.staging() / m.path_file));
   KERF_CHECK(
       writeVdb(staging.staging() / kField, {{"sweep", &cutter.sweep()}, {"phi", &cut}}, {{"case_id", m.case_id}}));

@@ -1,7 +1,7 @@
 // The run bundle: a folder that holds one cutting session on a case.
 //
 //   run.toml     manifest: case, tool, path, what came of it
-//   tool.toml    the tool as used        path.csv | path.toml   the path as used
+//   tool.toml    the tool as used, with its mesh if it has one        path.csv | path.toml   the path as used
 //   run.vdb      grids sweep (union of tool sweeps, mm) and phi (the cut field, bricks that changed)
 #pragma once
 

@@ -14,7 +14,8 @@ namespace kerf {
 
 double defaultVoxel(const Tool& tool) {
   if (tool.kind == ToolKind::kBlade) return tool.thickness_mm / 10;
-  return std::min(tool.head_diameter_mm / 20, tool.finest() / 6);
+  const Vec3d size = tool.cut->bounds().size();
+  return std::min(std::min(size[0], size[1]) / 20, tool.finest() / 6);
 }
 
 Expected<ToolCheck> checkTool(const Tool& tool, double voxel_mm) {
@@ -25,9 +26,14 @@ Expected<ToolCheck> checkTool(const Tool& tool, double voxel_mm) {
   if (!(h >= thinnest / 100 && h <= thinnest / 3))
     return fail({Error::Code::kBadValue, "", "voxel", fmt::format("{} mm", voxel_mm),
                  fmt::format("{:.3g} to {:.3g} mm, a hundredth to a third of the tool", thinnest / 100, thinnest / 3),
-                 ""});
-  const bool is_bur = tool.kind == ToolKind::kBur;
-  out.depth_mm = std::min(!is_bur ? 3.0 : tool.cuts_end ? 1.5 * tool.head_length_mm : tool.head_diameter_mm, 3.0);
+                 "leave --voxel out"});
+  constexpr double kDeepest = 3;
+  if (tool.kind == ToolKind::kBlade)
+    out.depth_mm = kDeepest;
+  else if (tool.kind == ToolKind::kMesh)
+    out.depth_mm = std::min(1.5 * tool.cut_below_mm, kDeepest);
+  else
+    out.depth_mm = std::min(tool.cuts_end ? 1.5 * tool.head_length_mm : tool.head_diameter_mm, kDeepest);
 
   // In the tool's frame with the tip just touching: the block begins where the cutting part touches and reaches on
   // along the plunge.
@@ -37,7 +43,7 @@ Expected<ToolCheck> checkTool(const Tool& tool, double voxel_mm) {
   // Long edges meet a block 4 mm wide; where that is less than the edge, its ends stay outside.
   constexpr double kBlockWidth = 4;
   const bool is_straight = tool.motion == BladeMotion::kReciprocating || tool.motion == BladeMotion::kPiezo;
-  if (!is_bur && tool.motion != BladeMotion::kSagittal) {
+  if (tool.kind == ToolKind::kBlade && tool.motion != BladeMotion::kSagittal) {
     const int along = is_straight ? 2 : 1;
     out.block_width_mm = std::min(kBlockWidth, tool.cut->bounds().size()[along]);
     if (out.block_width_mm == kBlockWidth) {

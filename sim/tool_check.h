@@ -16,7 +16,8 @@ struct ToolCheck {
   static constexpr double kLargestError = 0.5;  ///< percent
 };
 
-/// Voxel that resolves a tool well: head diameter / 20 or thickness / 10, mm.
+/// Voxel that resolves a tool well, mm: its cutting part's diameter / 20 (a flat one's height / 6), a blade's thickness
+/// / 10.
 double defaultVoxel(const Tool& tool);
 
 /// Plunges the tool along plunge_direction into a block sampled at `voxel_mm` (0: defaultVoxel), by 1.5 head lengths

@@ -114,12 +114,14 @@ void readCuts(TomlTable& top, Tool& tool) {
   if (!tool.cuts_side && !tool.cuts_end) top.reject("cuts", "nothing that cuts", kExpected);
 }
 
-void checkIso6360(TomlTable& top, Tool& tool, double shank_diameter, double overall) {
-  if (tool.iso6360.empty()) return;
+// The code itself and its last three digits: before anything that follows from a wrong head_diameter.
+void readIso6360(TomlTable& top, Tool& tool, double head) {
+  tool.iso6360 = top.getOr<std::string>("iso6360", "", "15 digits in quotes");
+  if (tool.iso6360.empty() || top.failed()) return;
   const auto code = parseIso6360(tool.iso6360);
   if (!code) return top.reject("iso6360", code.error().found, code.error().expected, code.error().hint);
   tool.iso = *code;
-  const double coded = code->diameterMm(), head = tool.head_diameter_mm;
+  const double coded = code->diameterMm();
   if (std::abs(coded - head) > 0.05 + 1e-9) {
     const auto is = [&](double factor) { return std::abs(head * factor - coded) < 0.051; };
     const std::string digits = tool.iso6360.substr(12);
@@ -135,14 +137,17 @@ void checkIso6360(TomlTable& top, Tool& tool, double shank_diameter, double over
     top.reject("iso6360", fmt::format("code ends in {} = {:.1f} mm", digits, coded),
                fmt::format("the head_diameter, {} mm", head), hint);
   }
-  const auto shank = code->shankKnown();
+}
+
+void checkShank(TomlTable& top, const Iso6360& code, double shank_diameter, double overall) {
+  const auto shank = code.shankKnown();
   if (!shank || shank_diameter <= 0) return;
   if (std::abs(shank->diameter_mm - shank_diameter) > 0.05)
-    top.reject("iso6360", fmt::format("shank {} is {}, {} mm thick", code->shank, shank->name, shank->diameter_mm),
+    top.reject("iso6360", fmt::format("shank {} is {}, {} mm thick", code.shank, shank->name, shank->diameter_mm),
                fmt::format("the shank_diameter, {} mm", shank_diameter),
                "1.6 mm is FG (313 to 316), 2.35 mm RA (204 to 206) or HP (104)");
   if (std::abs(shank->length_mm - overall) > 0.6)
-    top.reject("iso6360", fmt::format("shank {} makes an instrument of {} mm", code->shank, shank->length_mm),
+    top.reject("iso6360", fmt::format("shank {} makes an instrument of {} mm", code.shank, shank->length_mm),
                fmt::format("head, neck and shank together, {:.4g} mm", overall),
                fmt::format("a shank_length that is {:.4g} mm {}", std::abs(shank->length_mm - overall),
                            shank->length_mm > overall ? "longer" : "shorter"));
@@ -185,14 +190,19 @@ void readBur(TomlTable& top, Tool& tool) {
                                     [&](const HeadShape::Key& k) { return std::string(k.name) == key.name; });
     const bool is_diameter = key.value == &HeadNumbers::head_diameter;
     if (taken == shape->keys.end() && !is_diameter) continue;
+    if (is_diameter && top.has(key.name))
+      if (const auto said = top.node(key.name)->value<double>(); said && *said > 0 && *said < key.low)
+        top.reject(key.name, fmt::format("{}", *said), fmt::format("a number from {} to {} mm", key.low, key.high),
+                   "mm, not cm or m: 016 on a packet is 1.6");
+    const std::string unit = fmt::format("{}: {}", key.unit, key.meaning);
     if (is_diameter || !taken->unsaid || top.has(key.name))
-      n.*key.value = top.number(key.name, key.low, key.high, key.unit);
+      n.*key.value = top.number(key.name, key.low, key.high, unit.c_str());
     else
       top.allow(key.name);
   }
   if (shape->takes_profile) n.profile = readProfile(top);
   readCuts(top, tool);
-  tool.iso6360 = top.getOr<std::string>("iso6360", "", "15 digits in quotes");
+  readIso6360(top, tool, n.head_diameter);
   const double neck = top.numberOr("neck_diameter", 0, 0.05, 50);
   const double neck_length = top.numberOr("neck_length", 0, 0.05, 100);
   const double shank = top.numberOr("shank_diameter", 0, 0.05, 50);
@@ -232,7 +242,7 @@ void readBur(TomlTable& top, Tool& tool) {
   }
   tool.head_diameter_mm = n.head_diameter;
   tool.head_length_mm = head.highest();
-  checkIso6360(top, tool, shank, head.highest() + neck_length + shank_length);
+  if (tool.iso) checkShank(top, *tool.iso, shank, head.highest() + neck_length + shank_length);
   // A drill cuts with its point and the corner behind it: without that land the rim would be a knife's edge, which no
   // grid holds.
   if (is_parted && end_length == 0) end_length = head.pieces().front().to[1] + 0.25 * n.head_diameter;
@@ -249,8 +259,10 @@ void readBur(TomlTable& top, Tool& tool) {
   if (is_parted)
     tool.body_outlines.push_back(tool.cuts_end ? head.clipped(high, head.highest()) : head.clipped(0, low));
   if (neck > 0 || shank > 0) {
-    // The lowest part reaches down into the head until it is wholly covered: a ball narrows towards its top.
-    RevolvedProfile body(head.highestAsWideAs(0.5 * (neck > 0 ? neck : shank)));
+    // The lowest part reaches down into the head until it is wholly covered: a ball narrows towards its top. A shank
+    // wider than all of the head begins above it.
+    const double lowest = 0.5 * (neck > 0 ? neck : shank);
+    RevolvedProfile body(lowest > head.largestRadius() ? head.highest() : head.highestAsWideAs(lowest));
     if (neck > 0) body.lineTo(0.5 * neck, body.end()[1]).lineTo(0.5 * neck, head.highest() + neck_length);
     if (shank > 0)
       body.lineTo(0.5 * shank, body.end()[1]).lineTo(0.5 * shank, head.highest() + neck_length + shank_length);

@@ -8,9 +8,12 @@ namespace kerf {
 
 void readBur(TomlTable& top, Tool& tool);
 void readBlade(TomlTable& top, Tool& tool);
+/// @param folder  of the tool's file: the mesh lies there.
+void readMeshTool(TomlTable& top, const std::filesystem::path& folder, Tool& tool);
 
 /// Calls no key of the kind unknown: for a file that does not say which of them belong.
 void allowBurKeys(TomlTable& top);
 void allowBladeKeys(TomlTable& top);
+void allowMeshKeys(TomlTable& top);
 
 }  // namespace kerf

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <span>
 
 #include "geometry/types.h"
@@ -22,6 +23,29 @@ inline double mix(double a, double b, double t) { return a + (b - a) * t; }
 inline double square(double x) { return x * x; }
 /// 1 at 0, 1/e at `width`.
 inline double bell(double x, double width) { return std::exp(-(x / width) * (x / width)); }
+
+/// A number in [-1, 1) that depends on three integers and a seed, and looks random.
+inline double latticeNoise(int i, int j, int k, std::uint32_t seed) {
+  std::uint32_t h = seed * 0x9e3779b9u ^ static_cast<std::uint32_t>(i) * 0x85ebca6bu ^
+                    static_cast<std::uint32_t>(j) * 0xc2b2ae35u ^ static_cast<std::uint32_t>(k) * 0x27d4eb2fu;
+  h ^= h >> 15, h *= 0x2c1b3c6du, h ^= h >> 12, h *= 0x297a2d39u, h ^= h >> 15;
+  return h / 2147483648.0 - 1;
+}
+/// Smooth noise in [-1, 1) with bumps one unit wide: lattice noise blended between the corners of unit cubes.
+inline double valueNoise(const Vec3d& p, std::uint32_t seed) {
+  const Vec3d low = p.array().floor(), f = p - low;
+  double sum = 0;
+  for (int c = 0; c < 8; ++c) {
+    double weight = 1;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double t = smoothStep(0, 1, f[axis]);
+      weight *= c >> axis & 1 ? t : 1 - t;
+    }
+    sum += weight * latticeNoise(static_cast<int>(low.x()) + (c & 1), static_cast<int>(low.y()) + (c >> 1 & 1),
+                                 static_cast<int>(low.z()) + (c >> 2 & 1), seed);
+  }
+  return sum;
+}
 
 // -------------------------------------------------------------------------------------------------- combinations
 

@@ -221,7 +221,8 @@ std::vector<std::vector<std::uint32_t>> groupsInOrder(const Mesh& mesh,
   return groups;
 }
 
-/// Puts vertices back to `old` until no two triangles cross and none is degenerate, as float32.
+}  // namespace
+
 void undoCrossings(Mesh& mesh, const std::vector<Vec3d>& old) {
   for (;;) {
     std::vector<Vec3d> rounded;
@@ -246,8 +247,6 @@ void undoCrossings(Mesh& mesh, const std::vector<Vec3d>& old) {
     if (!moved) return;
   }
 }
-
-}  // namespace
 
 void evenOut(Mesh& mesh, const Implicit& value, int rounds) {
   const std::vector<Vec3d> before = mesh.vertices;

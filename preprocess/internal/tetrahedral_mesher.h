@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <vector>
 
 #include "geometry/mesh.h"
 
@@ -30,5 +31,9 @@ inline constexpr double kEdgeToSpacing = 0.448;
 /// float32), their vertices go back to where they were: the mesh crosses itself nowhere if it did not before.
 /// One vertex after the other in the order of their numbers, in parallel where that makes no difference.
 void evenOut(Mesh& mesh, const Implicit& value, int rounds);
+
+/// Puts vertices back to `old`, no more than needed, until as float32 no two triangles cross and none is degenerate.
+/// @pre with all of `old` that is so, and old.size() == mesh.vertices.size().
+void undoCrossings(Mesh& mesh, const std::vector<Vec3d>& old);
 
 }  // namespace kerf::internal

@@ -55,6 +55,25 @@ TEST(ToolFile, EveryToolThatComesWithKerfSaysWhatItIsAndWhereItsNumbersComeFrom)
   }
 }
 
+TEST(ToolFile, NoCuttingPartOfTheRackHidesInItsNeckOrShank) {
+  for (const ToolListing& t : listTools({std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools"})) {
+    ASSERT_TRUE(t.tool) << t.error->message();
+    if (!t.tool->cutting) continue;
+    for (const Eigen::Vector2d& p : t.tool->cutting->polyline(0.01)) {
+      if (p[1] > 0.5 * t.tool->head_length_mm || p[0] == 0) continue;  // a neck may begin in the upper half
+      EXPECT_GT(t.tool->body->distance(Vec3d(p[0], 0, p[1])), -1e-9) << t.tool->id << " at " << p.transpose();
+    }
+  }
+}
+
+TEST(ToolFile, AShankWiderThanTheHeadBeginsAboveIt) {
+  const Tool drill =
+      bur("shape = \"drill\"\nhead_diameter = 2\nhead_length = 10\npoint_angle = 120\nshank_diameter = 2.35\n"
+          "shank_length = 5\n");
+  EXPECT_NEAR(drill.body->bounds().min[2], 10, 1e-12);
+  EXPECT_NEAR(drill.body->bounds().max[2], 15, 1e-12);
+}
+
 TEST(ToolFile, EveryShapeIsWrittenFromItsExamplesAndExplainedInTheReadme) {
   const std::string readme = contentOf(std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools/README.md");
   for (const HeadShape& shape : headShapes()) {
@@ -169,6 +188,15 @@ TEST(ToolFile, BadFilesAreRefusedWithLineAndKey) {
       {kBur + "shape = \"profile\"\nhead_diameter = 2\nprofile = [[0, 1], [2, 1]]\n", "line 7, key head_diameter",
        "widest"},
       {kBur + "shape = \"taper_ruond\"\n", "line 6, key shape", "Try: taper_round"},
+      {kBur + "shape = \"round\"\nhead_diameter = \"1.6 mm\"\n", "line 7, key head_diameter",
+       "Try: head_diameter = 1.6, without quotes"},
+      {kBur + "shape = \"round\"\nhead_diameter = 1,6\n", "line 7, column", "Try: a decimal point: 1.6"},
+      {kBur + "shape = \"round\"\nhead_diameter = 0.016\n", "line 7, key head_diameter", "mm, not cm or m"},
+      {kBur + "shape = \"torpedo\"\nhead_diameter = 1.6\nhead_length = 8\n", "key point_length",
+       "height of the pointed end"},
+      {kBur + "shape = \"taper_round\"\nhead_diameter = 0.16\nhead_length = 8\ntip_diameter = 1\n"
+              "iso6360 = \"806314198524016\"\n",
+       "line 10, key iso6360", "016 means 1.6 mm"},
       {kBur + "shape = \"egg\"\n", "line 6, key shape", "Try: football"},
       {kBur + "shape = \"round\"\nradius = 0.7\n", "line 7, key radius", "twice the radius"},
       {kBur + "shape = \"round\"\nhead_diameter = 1.4\nunits = \"mm\"\n", "line 8, key units", "leave it out"},

@@ -22,17 +22,20 @@ TEST_P(EveryTool, RemovesWhatItsNumbersSayAtTenVoxelsPerDiameter) {
   EXPECT_LE(std::abs(check->errorPercent()), 1.0) << check->removed_mm3 << " instead of " << check->expected_mm3;
 }
 
-INSTANTIATE_TEST_SUITE_P(ThatComesWithKerf, EveryTool, ::testing::ValuesIn([] {
-                           std::vector<std::filesystem::path> files;
-                           for (const auto& t : listTools({std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools"}))
-                             files.push_back(t.file);
-                           return files;
-                         }()),
-                         [](const auto& info) {
-                           std::string name = info.param.stem().string();
-                           std::replace(name.begin(), name.end(), '-', '_');
-                           return name;
-                         });
+std::vector<std::filesystem::path> filesOfTheRack() {
+  std::vector<std::filesystem::path> files;
+  for (const ToolListing& tool : listTools({std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools"}))
+    files.push_back(tool.file);
+  return files;
+}
+
+std::string caseName(const ::testing::TestParamInfo<std::filesystem::path>& which) {
+  std::string name = which.param.stem().string();
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+}
+
+INSTANTIATE_TEST_SUITE_P(ThatComesWithKerf, EveryTool, ::testing::ValuesIn(filesOfTheRack()), caseName);
 
 TEST(ToolCheck, ToolsRemoveWhatTheirNumbersSayAtTheDefaultVoxel) {
   for (const char* id : {"round-014", "us-35", "us-957", "878k-016", "saw-sagittal-6"}) {

@@ -72,13 +72,64 @@ TEST_F(Cli, DemoMolarGoesFromMeshToPrint) {
 
 TEST_F(Cli, ToolsAreListedCheckedAndBaked) {
   const json all = parsed(runKerf({"tool", "list", "--json"}));
-  EXPECT_GE(all.size(), 3u);
+  EXPECT_GE(all.size(), 90u);
   const json checked = parsed(runKerf({"tool", "check", "round-014", "--json"}));
   EXPECT_TRUE(checked[0]["passed"]);
   const Outcome baked = runKerf({"tool", "bake", "round-014", "-o", at("round.tool")});
   EXPECT_EQ(baked.exit_code, 0) << baked.err;
   for (const char* file : {"round.tool/tool.toml", "round.tool/tool.vdb", "round.tool/tool.ply"})
     EXPECT_GT(std::filesystem::file_size(in(file)), 0u) << file;
+}
+
+// CONTRIBUTING.md's promise: a bur that exists nowhere else is one text file, and goes all the way.
+TEST_F(Cli, ANewBurIsOneTextFileFromDrawingToCut) {
+  makeCase();
+  folder_.write("bobbin.toml", R"(format = "kerf-tool"
+version = 1
+id = "bobbin"
+name = "Bobbin"
+kind = "bur"
+shape = "profile"
+head_diameter = 1.4
+profile = [[0, 0.8], [0.3, 1.4, 0.3], [0.6, 1.4], [1.4, 1.4, -1.0], [1.8, 1.4]]
+neck_diameter = 0.8
+neck_length = 4.0
+)");
+  const json checked = parsed(runKerf({"tool", "check", at("bobbin.toml"), "--json"}));
+  EXPECT_TRUE(checked[0]["passed"]) << checked[0];
+  RunOptions mine;
+  std::filesystem::create_directories(in("rack/tools"));
+  std::filesystem::copy_file(in("bobbin.toml"), in("rack/tools/bobbin.toml"));
+  mine.environment["KERF_ASSETS"] = at("rack");
+  EXPECT_NE(runKerf({"tool", "list", "bobbin"}, mine).out.find("1.40 x 1.80"), std::string::npos);
+  EXPECT_NE(runKerf({"tool", "info", "bobbin"}, mine).out.find("Bobbin"), std::string::npos);
+  EXPECT_EQ(runKerf({"tool", "draw", "bobbin", "-o", at("bobbin.svg")}, mine).exit_code, 0);
+  EXPECT_NE(contentOf(in("bobbin.svg")).find("⌀ 1.4"), std::string::npos);
+  const json cut = parsed(runKerf(
+      {"cut", at("box.case"), "--tool", "bobbin", "--path", at("groove.csv"), "-o", at("bobbin.run"), "--json"}, mine));
+  EXPECT_EQ(cut["tool"], "bobbin");
+  const json exported = parsed(runKerf({"export", at("bobbin.run"), "-o", at("bobbin.stl"), "--json"}));
+  EXPECT_GT(exported["removed_volume_mm3"].get<double>(), 1.5);  // 4 mm of a groove 0.5 mm deep, 0.8 to 1.4 wide
+  EXPECT_LT(exported["removed_volume_mm3"].get<double>(), 3.5);
+}
+
+TEST_F(Cli, ANewToolIsWrittenOnceAndPassesItsCheckAsItIs) {
+  const Outcome made = runKerf({"tool", "new", "my-bur", "--shape", "taper_round", "-o", at("my-bur.toml")});
+  EXPECT_EQ(made.exit_code, 0) << made.err;
+  EXPECT_TRUE(parsed(runKerf({"tool", "check", at("my-bur.toml"), "--json"}))[0]["passed"]);
+  refuses({"tool", "new", "my-bur", "--shape", "taper_round", "-o", at("my-bur.toml")}, {"exists already", "--force"});
+  refuses({"tool", "new", "my-bur", "--shape", "taper_ruond", "-o", at("my-bur.toml")}, {"Try: taper_round"});
+  refuses({"tool", "new", "My Bur", "--shape", "round"}, {"lower-case"});
+  refuses({"tool", "new", "my-bur", "--shape", "round", "-o", at("other.toml")}, {"my-bur.toml"});
+  EXPECT_EQ(runKerf({"tool", "new", "my-bur", "--shape", "round", "-o", at("my-bur.toml"), "--force"}).exit_code, 0);
+}
+
+TEST_F(Cli, SeveralToolsAreCheckedInATable) {
+  const Outcome table = runKerf({"tool", "check", "us-957", "saw-sagittal-6"});
+  EXPECT_EQ(table.exit_code, 0) << table.err;
+  EXPECT_NE(table.out.find("2 of 2 tools pass."), std::string::npos) << table.out;
+  EXPECT_NE(runKerf({"tool", "info", "856-016"}).out.find("taper, round; medium grit, 107 um; head 1.6 mm"),
+            std::string::npos);
 }
 
 TEST_F(Cli, BenchTellsPercentilesAndStateHash) {

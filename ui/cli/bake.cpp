@@ -149,13 +149,11 @@ void addBake(CLI::App& app, int& exit_code) {
   CLI::App* c = app.add_subcommand(
       "bake", "Turn mesh files or a case recipe into a case: closed solid, distance field, materials, point shell");
   c->footer("Examples: kerf bake upper.ply -o upper.case --voxel 0.1\n          kerf bake molar.toml -o molar.case");
-  c->add_option("INPUT", a->inputs,
-                "STL, PLY, OBJ or OFF; several are united into one object. Or one recipe (.toml) that puts tissues "
-                "together from meshes, depths and label volumes")
+  c->add_option(
+       "INPUT", a->inputs,
+       "STL, PLY, OBJ, OFF or 3MF; several are united into one object. Or one recipe (.toml) that puts tissues "
+       "together from meshes, depths and label volumes")
       ->required();
-  CLI::App* c = app.add_subcommand("bake", "Turn mesh files into a case: closed solid, distance field, point shell");
-  c->footer("Example: kerf bake upper.ply -o upper.case --voxel 0.1");
-  c->add_option("MESH", a->meshes, "STL, PLY, OBJ, OFF or 3MF; several are united into one object")->required();
   c->add_option("-o,--output", a->output, "case folder to write")->required();
   c->add_option("--unit", a->options.unit,
                 "unit of the files: mm, cm, m, um, inch (default: as declared, or by size, with the reason said)");

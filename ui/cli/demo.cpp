@@ -5,6 +5,7 @@
 
 #include "geometry/atomic_file.h"
 #include "preprocess/demo_anatomy.h"
+#include "preprocess/demo_arch.h"
 #include "ui/cli/command.h"
 
 namespace kerf::cli {
@@ -13,9 +14,29 @@ namespace {
 struct Arguments {
   std::string output, manifest;
   double detail = 1;
+  std::uint32_t seed = DemoArchOptions().seed;
   bool overwrite = false;
 };
-using Model = Expected<DemoAnatomy> (*)(double detail, const Progress& progress);
+using Model = Expected<DemoAnatomy> (*)(const Arguments& a, const Progress& progress);
+
+Expected<DemoAnatomy> molar(const Arguments& a, const Progress& progress) {
+  return demoMolarAnatomy(a.detail, progress);
+}
+Expected<DemoAnatomy> mandible(const Arguments& a, const Progress& progress) {
+  return demoMandible(a.detail, progress);
+}
+Expected<DemoAnatomy> arch(const Arguments& a, const Progress& progress) {
+  DemoArchOptions options;
+  options.edge_mm *= a.detail;
+  options.seed = a.seed;
+  KERF_TRY(scan, demoArch(options, progress));
+  const DemoArchDefects& d = scan.defects;
+  DemoAnatomy anatomy{"arch", "Demo lower arch", 0, {}, {}, {}};
+  anatomy.title += fmt::format(": no underside, {} pin holes, {} islands, {} spike, {} triangles inside out",
+                               d.pin_holes, d.islands, d.spikes, d.flipped_triangles);
+  anatomy.files.push_back({"arch.ply", std::move(scan.mesh)});
+  return anatomy;
+}
 
 int run(const Arguments& a, Model model) {
   if (!(a.detail >= 0.5 && a.detail <= 4))  // CLI::Range lets "nan" pass
@@ -24,19 +45,20 @@ int run(const Arguments& a, Model model) {
   if (const auto possible = AtomicFolder::create(a.output, a.overwrite, a.manifest); !possible)
     return complain(possible.error());
   TerminalProgress progress;
-  const auto anatomy = model(a.detail, progress.callback());
+  const auto anatomy = model(a, progress.callback());
   if (!anatomy) return complain(anatomy.error());
   if (const auto written = writeDemoAnatomy(*anatomy, a.output, a.overwrite); !written)
     return complain(written.error());
   for (const DemoAnatomy::File& file : anatomy->files)
     fmt::print("written: {}/{} ({} triangles)\n", a.output, file.name, file.mesh.triangles.size());
-  fmt::print("written: {}/{}\n", a.output, anatomy->manifest());
+  if (!anatomy->parts.empty()) fmt::print("written: {}/{}\n", a.output, anatomy->manifest());
+  fmt::print("{}\n", anatomy->title);
   return kOk;
 }
 
 void add(CLI::App& parent, const std::string& name, const std::string& sentence, Model model, int& exit_code) {
   auto a = std::make_shared<Arguments>();
-  a->manifest = name + ".toml";
+  a->manifest = name + (model == arch ? ".ply" : ".toml");
   CLI::App* c = parent.add_subcommand(name, sentence);
   c->footer(fmt::format("Example: kerf demo {0} -o {0}", name));
   c->add_option("-o,--output", a->output, "folder to write")->required();
@@ -44,6 +66,7 @@ void add(CLI::App& parent, const std::string& name, const std::string& sentence,
       ->capture_default_str()
       ->check(CLI::Range(0.5, 4.0));
   c->add_flag("--force", a->overwrite, "replace a folder that holds such a model");
+  if (model == arch) c->add_option("--seed", a->seed, "of noise, rim and faults")->capture_default_str();
   c->callback([a, model, &exit_code] { exit_code = run(*a, model); });
 }
 
@@ -53,7 +76,10 @@ void addDemo(CLI::App& app, int& exit_code) {
   CLI::App* c = app.add_subcommand("demo", "Write anatomy of Kerf's own making: tissues, with a recipe to bake them");
   c->footer("Example: kerf demo molar -o molar");
   c->require_subcommand(1);
-  add(*c, "molar", "A lower first molar: enamel, dentin, pulp and a caries lesion", demoMolarAnatomy, exit_code);
+  add(*c, "molar", "A lower first molar: enamel, dentin, pulp and a caries lesion", molar, exit_code);
+  add(*c, "mandible", "A mandible: compact and spongy bone, nerve canals, teeth 37 to 47 in their sockets", mandible,
+      exit_code);
+  add(*c, "arch", "A lower arch as scanned: teeth and gums, open, with noise and faults", arch, exit_code);
 }
 
 }  // namespace kerf::cli

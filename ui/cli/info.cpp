@@ -9,6 +9,7 @@
 #include "geometry/mesh_io.h"
 #include "geometry/tool_file.h"
 #include "geometry/vdb_io.h"
+#include "preprocess/label_volume.h"
 #include "preprocess/unit.h"
 #include "sim/run_bundle.h"
 #include "ui/cli/command.h"
@@ -100,16 +101,34 @@ Expected<json> toolInfo(const fs::path& file) {
   return j;
 }
 
+json volumeInfo(const LabelVolume& v) {
+  const auto list = [](const Vec3d& p) { return json{p[0], p[1], p[2]}; };
+  json j{{"kind", "label volume"},
+         {"format", v.format},
+         {"size", v.size},
+         {"spacing_mm", list(v.spacing)},
+         {"origin_mm", list(v.origin)},
+         {"direction", {list(v.direction.col(0)), list(v.direction.col(1)), list(v.direction.col(2))}}};
+  for (const LabelCount& c : countLabels(v))
+    j["labels"].push_back(
+        {{"label", c.label}, {"voxels", c.voxels}, {"volume_mm3", static_cast<double>(c.voxels) * v.voxelVolume()}});
+  return j;
+}
+
 Expected<json> infoOf(const std::string& what) {
   const fs::path path = what;
   std::error_code ignored;
   if (isCase(path)) return caseInfo(path);
   if (isRun(path)) return runInfo(path);
+  if (isLabelVolume(path)) {
+    KERF_TRY(volume, readLabelVolume(path));
+    return volumeInfo(volume);
+  }
   if (fs::exists(path, ignored)) return path.extension() == ".toml" ? toolInfo(path) : meshInfo(path);
   // No such path: perhaps a tool's id.
   if (const auto tool = findToolFile(what, defaultToolFolders())) return toolInfo(*tool);
   return fail({Error::Code::kNotFound, what, "", "no such file, folder or tool",
-               "a mesh, a case, a run, a tool file or a tool id", "kerf tool list"});
+               "a mesh, a label volume, a case, a run, a tool file or a tool id", "kerf tool list"});
 }
 
 // Keys and values, one a line, indented by depth: JSON for people.
@@ -145,9 +164,11 @@ void addInfo(CLI::App& app, int& exit_code) {
     bool json = false;
   };
   auto a = std::make_shared<Arguments>();
-  CLI::App* c = app.add_subcommand("info", "Describe a mesh, a case, a run or a tool");
+  CLI::App* c = app.add_subcommand("info", "Describe a mesh, a label volume, a case, a run or a tool");
   c->footer("Example: kerf info upper.ply");
-  c->add_option("PATH", a->what, "mesh file, case folder, run folder, tool file or tool id")->required();
+  c->add_option("PATH", a->what,
+                "mesh file, label volume (file or folder of slices), case folder, run folder, tool file or tool id")
+      ->required();
   c->add_flag("--json", a->json, "as JSON on standard output");
   c->callback([a, &exit_code] {
     const auto info = infoOf(a->what);

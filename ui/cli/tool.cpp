@@ -6,9 +6,13 @@
 #include <nlohmann/json.hpp>
 
 #include "geometry/atomic_file.h"
+#include "geometry/head_shape.h"
 #include "geometry/mesh_writer.h"
 #include "geometry/sample_field.h"
+#include "geometry/toml_reader.h"
+#include "geometry/tool_drawing.h"
 #include "geometry/tool_file.h"
+#include "geometry/tool_template.h"
 #include "geometry/vdb_io.h"
 #include "sim/tool_check.h"
 #include "ui/cli/command.h"
@@ -22,7 +26,7 @@ constexpr const char* kToolCopy = "tool.toml";
 struct Arguments {
   std::vector<std::string> tools;
   std::vector<std::string> words;
-  std::string tool, output;
+  std::string tool, output, shape;
   double voxel = 0;  // 0: defaultVoxel
   bool json = false, overwrite = false, all = false;
 };
@@ -37,8 +41,11 @@ bool mentions(const std::string& text, const std::string& word) {
 
 // One line of `kerf tool list`.
 std::string row(const Tool& tool) {
+  const Vec3d size = tool.cut->bounds().size();
   const std::string numbers =
-      tool.kind == ToolKind::kBur
+      tool.kind == ToolKind::kMesh
+          ? fmt::format("{:<14} {:>5.2f} x {:<6.2f}", "mesh", std::max(size[0], size[1]), size[2])
+      : tool.kind == ToolKind::kBur
           ? fmt::format("{:<14} {:>5.2f} x {:<6.2f}", tool.shape, tool.head_diameter_mm, tool.head_length_mm)
           : fmt::format("{:<14} kerf {:<9.3g}", motionName(tool.motion), tool.kerfWidth());
   return fmt::format("{:<22} {}  {:<15}  {}", tool.id, numbers, tool.iso6360, tool.name);
@@ -149,6 +156,11 @@ Expected<void> write(const Arguments& a, const fs::path& file, const Tool& tool,
   fs::copy_file(file, folder.staging() / kToolCopy, failed);
   if (failed)
     return fail({Error::Code::kWriteFailed, a.output, "", failed.message(), "a writable place with room", ""});
+  if (tool.mesh) {
+    fs::copy_file(tool.mesh_file, folder.staging() / tool.mesh_file.filename(), failed);
+    if (failed)
+      return fail({Error::Code::kWriteFailed, a.output, "", failed.message(), "a writable place with room", ""});
+  }
   const auto sampled = [&](const ToolShape& shape) {
     return sampleDistance([&](const Vec3d& p) { return shape.distance(p); }, shape.bounds(), voxel);
   };
@@ -175,11 +187,54 @@ int bake(const Arguments& a) {
   return kOk;
 }
 
+int draw(const Arguments& a) {
+  const auto file = findToolFile(a.tool, defaultToolFolders());
+  if (!file) return complain(file.error());
+  const auto tool = readTool(*file);
+  if (!tool) return complain(tool.error());
+  const fs::path output = a.output.empty() ? fs::path(tool->id + ".svg") : fs::path(a.output);
+  auto svg = AtomicFile::create(output);
+  if (!svg) return complain(svg.error());
+  svg->stream() << toolDrawing(*tool);
+  if (const auto written = svg->commit(); !written) return complain(written.error());
+  fmt::print("drawn: {}\n", output.string());
+  return kOk;
+}
+
+int makeNew(const Arguments& a) {
+  const HeadShape* shape = findHeadShape(a.shape);
+  if (!shape) {
+    std::vector<std::string> names;
+    std::string all;
+    for (const HeadShape& s : headShapes()) names.emplace_back(s.name), all += (all.empty() ? "" : ", ") + names.back();
+    return complain(
+        {Error::Code::kBadValue, "", "--shape", "\"" + a.shape + "\"", "one of " + all, nearestName(a.shape, names)});
+  }
+  const fs::path output = a.output.empty() ? fs::path(a.tool + ".toml") : fs::path(a.output);
+  if (a.tool.empty() || a.tool.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-") != std::string::npos)
+    return complain(
+        {Error::Code::kBadValue, "", "ID", "\"" + a.tool + "\"", "lower-case letters, digits and hyphens", "my-bur"});
+  if (output.filename() != a.tool + ".toml")
+    return complain({Error::Code::kBadValue, a.output, "--output", "another name than the id",
+                     "a file called " + a.tool + ".toml: a tool's id is its file's name", ""});
+  std::error_code ignored;
+  if (fs::exists(output, ignored) && !a.overwrite)
+    return complain({Error::Code::kWriteFailed, output.string(), "", "exists already", "a new file",
+                     "another id, or --force to replace it"});
+  auto toml = AtomicFile::create(output);
+  if (!toml) return complain(toml.error());
+  toml->stream() << toolTemplate(*shape, a.tool);
+  if (const auto written = toml->commit(); !written) return complain(written.error());
+  const std::string quoted = output.string();
+  fmt::print("written: {0}\nedit it, then: kerf tool check {0}\n", quoted);
+  return kOk;
+}
+
 }  // namespace
 
 void addTool(CLI::App& app, int& exit_code) {
   auto a = std::make_shared<Arguments>();
-  CLI::App* c = app.add_subcommand("tool", "List, check and bake tools");
+  CLI::App* c = app.add_subcommand("tool", "List, check, draw, start and bake tools");
   c->require_subcommand(1);
 
   CLI::App* l = c->add_subcommand("list", "Tools found in $KERF_ASSETS/tools and beside the program");
@@ -206,6 +261,21 @@ void addTool(CLI::App& app, int& exit_code) {
     if (a->tools.empty() && !a->all) throw CLI::RequiredError("ID|FILE or --all");
     exit_code = check(*a);
   });
+
+  CLI::App* d = c->add_subcommand("draw", "Draw a tool with its dimensions (SVG)");
+  d->footer("Example: kerf tool draw 856-016 -o 856-016.svg");
+  d->add_option("ID|FILE", a->tool, "tool id or TOML file")->required();
+  d->add_option("-o,--output", a->output, "SVG file to write; default: ID.svg");
+  d->callback([a, &exit_code] { exit_code = draw(*a); });
+
+  CLI::App* n = c->add_subcommand("new", "Write a tool file to start from, every key explained");
+  n->footer("Example: kerf tool new my-taper --shape taper_round");
+  n->add_option("ID", a->tool, "the new tool's id: lower-case letters, digits, hyphens")->required();
+  n->add_option("--shape", a->shape, "shape of its head: round, taper_round, profile, ... (a wrong one lists all)")
+      ->required();
+  n->add_option("-o,--output", a->output, "file to write, named after the id; default: ID.toml here");
+  n->add_flag("--force", a->overwrite, "replace an existing file");
+  n->callback([a, &exit_code] { exit_code = makeNew(*a); });
 
   CLI::App* b = c->add_subcommand("bake", "Write a tool's distance fields (OpenVDB) and its mesh into a folder");
   b->footer("Example: kerf tool bake round-014 -o round-014.tool");

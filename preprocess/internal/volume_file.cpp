@@ -1,0 +1,193 @@
+// The only source that sees ITK.
+#include "preprocess/internal/volume_file.h"
+
+#include <gdcmTrace.h>
+#include <itkBMPImageIO.h>
+#include <itkGDCMImageIO.h>
+#include <itkMetaDataObject.h>
+#include <itkMetaImageIO.h>
+#include <itkNiftiImageIO.h>
+#include <itkNrrdImageIO.h>
+#include <itkPNGImageIO.h>
+#include <itkTIFFImageIO.h>
+
+#include <mutex>
+
+namespace kerf::internal {
+namespace {
+
+using Io = itk::ImageIOBase;
+
+void quiet() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    itk::Object::GlobalWarningDisplayOff();
+    gdcm::Trace::SetDebug(false), gdcm::Trace::SetWarning(false), gdcm::Trace::SetError(false);
+  });
+}
+
+Io::Pointer makeIo(VolumeFormat format) {
+  quiet();
+  switch (format) {
+    case VolumeFormat::kNrrd:
+      return itk::NrrdImageIO::New().GetPointer();
+    case VolumeFormat::kNifti:
+      return itk::NiftiImageIO::New().GetPointer();
+    case VolumeFormat::kMetaImage:
+      return itk::MetaImageIO::New().GetPointer();
+    case VolumeFormat::kDicom:
+      return itk::GDCMImageIO::New().GetPointer();
+    case VolumeFormat::kTiff:
+      return itk::TIFFImageIO::New().GetPointer();
+    case VolumeFormat::kBmp:
+      return itk::BMPImageIO::New().GetPointer();
+    case VolumeFormat::kPng:
+      break;
+  }
+  auto png = itk::PNGImageIO::New();
+  png->SetExpandRGBPalette(false);  // an indexed picture: the indices are the labels
+  return png.GetPointer();
+}
+
+// What ITK says is a paragraph with addresses in it; the last line tells the reason.
+std::string reason(const std::exception& e) {
+  std::string text = e.what();
+  if (const auto* itk_error = dynamic_cast<const itk::ExceptionObject*>(&e)) text = itk_error->GetDescription();
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < 32) c = ' ';
+  if (const auto at = text.find("): "); at != std::string::npos && at < 120) text.erase(0, at + 3);
+  return text.substr(0, 200);
+}
+
+template <class F>
+auto guarded(const std::filesystem::path& path, F&& f) -> decltype(f()) {
+  const auto bad = [&](std::string found) {
+    return fail({Error::Code::kBadFormat, path.string(), "", std::move(found), "a file the ITK reader accepts",
+                 "save it again from the program it came from"});
+  };
+  try {
+    return f();
+  } catch (const std::bad_alloc&) {
+    return bad("more values than memory can hold");
+  } catch (const std::exception& e) {
+    return bad("it can not be read: " + reason(e));
+  } catch (...) {
+    return bad("it can not be read");
+  }
+}
+
+Expected<ValueType> valueType(const std::filesystem::path& path, const Io& io) {
+  using C = itk::IOComponentEnum;
+  switch (io.GetComponentType()) {
+    case C::UCHAR:
+      return ValueType::kU8;
+    case C::CHAR:
+      return ValueType::kI8;
+    case C::USHORT:
+      return ValueType::kU16;
+    case C::SHORT:
+      return ValueType::kI16;
+    case C::UINT:
+      return ValueType::kU32;
+    case C::INT:
+      return ValueType::kI32;
+    case C::ULONG:
+      return ValueType::kU64;
+    case C::LONG:
+      return ValueType::kI64;
+    case C::ULONGLONG:
+      return ValueType::kU64;
+    case C::LONGLONG:
+      return ValueType::kI64;
+    case C::FLOAT:
+      return ValueType::kF32;
+    case C::DOUBLE:
+      return ValueType::kF64;
+    default:
+      break;
+  }
+  return fail({Error::Code::kUnsupported, path.string(), "", "values of an unknown type",
+               "integers of 8 to 64 bits, or floating-point numbers", "convert it to 16-bit integers"});
+}
+
+Expected<VolumeHeader> headerOf(const std::filesystem::path& path, const Io& io) {
+  KERF_TRY(type, valueType(path, io));
+  VolumeHeader h;
+  h.type = type;
+  h.components = io.GetNumberOfComponents();
+  const unsigned axes = io.GetNumberOfDimensions();
+  for (unsigned a = 0; a < axes; ++a) {
+    h.size.push_back(io.GetDimensions(a));
+    h.spacing.push_back(io.GetSpacing(a));
+    h.origin.push_back(io.GetOrigin(a));
+  }
+  for (unsigned row = 0; row < axes; ++row)
+    for (unsigned a = 0; a < axes; ++a) {
+      const std::vector<double> column = io.GetDirection(a);
+      h.direction.push_back(row < column.size() ? column[row] : 0);
+    }
+  return h;
+}
+
+}  // namespace
+
+std::size_t bytesOf(ValueType type) {
+  switch (type) {
+    case ValueType::kU8:
+    case ValueType::kI8:
+      return 1;
+    case ValueType::kU16:
+    case ValueType::kI16:
+      return 2;
+    case ValueType::kU32:
+    case ValueType::kI32:
+    case ValueType::kF32:
+      return 4;
+    default:
+      return 8;
+  }
+}
+
+Expected<VolumeHeader> readVolumeHeader(const std::filesystem::path& path, VolumeFormat format) {
+  return guarded(path, [&]() -> Expected<VolumeHeader> {
+    const Io::Pointer io = makeIo(format);
+    io->SetFileName(path.string());
+    io->ReadImageInformation();
+    auto header = headerOf(path, *io);
+    if (header && format == VolumeFormat::kDicom)
+      itk::ExposeMetaData<std::string>(io->GetMetaDataDictionary(), "0020|000e", header->series);
+    return header;
+  });
+}
+
+Expected<void> readVolumeValues(const std::filesystem::path& path, VolumeFormat format, std::byte* out,
+                                std::uint64_t bytes) {
+  return guarded(path, [&]() -> Expected<void> {
+    const Io::Pointer io = makeIo(format);
+    io->SetFileName(path.string());
+    io->ReadImageInformation();
+    KERF_TRY(header, headerOf(path, *io));
+    std::uint64_t needed = header.components * bytesOf(header.type);
+    itk::ImageIORegion whole(static_cast<unsigned>(header.size.size()));
+    for (unsigned a = 0; a < header.size.size(); ++a) {
+      needed *= header.size[a];
+      whole.SetIndex(a, 0), whole.SetSize(a, header.size[a]);
+    }
+    if (needed != bytes)
+      return fail({Error::Code::kBadFormat, path.string(), "", std::to_string(needed) + " bytes of values",
+                   std::to_string(bytes) + ", like its header and the other slices", "export the volume again"});
+    io->SetIORegion(whole);
+    io->Read(out);
+    return {};
+  });
+}
+
+bool isDicom(const std::filesystem::path& path) {
+  try {
+    return itk::GDCMImageIO::New()->CanReadFile(path.string().c_str());
+  } catch (...) {
+    return false;
+  }
+}
+
+}  // namespace kerf::internal
