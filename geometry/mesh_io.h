@@ -52,7 +52,7 @@ struct MeshFile {
 /// components, 3MF that requires an unknown extension, 3Shape DCM, other zip and gzip archives. Positions are doubles
 /// as the file says; ASCII PLY `float` is rounded to float32 as declared.
 /// @cost  one read of the file; memory a small multiple of its size. 200 000 triangles: binary STL 20 ms, PLY 10, OBJ
-/// and OFF 35, ASCII STL 190.
+/// and OFF 35, ASCII STL 190, 3MF 220.
 /// @throws nothing.
 Expected<MeshFile> readMesh(const std::filesystem::path& path, const Progress& progress = {});
 

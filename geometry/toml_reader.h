@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "geometry/error.h"
@@ -26,6 +27,11 @@ class TomlTable {
     const toml::node* node = table_.get(key);
     if (!node) {
       missing(key, expected);
+      return T{};
+    }
+    // Exactly an integer where one is asked for: toml++ casts a float such as 1e308 to one, which is undefined.
+    if (std::is_integral_v<T> && !std::is_same_v<T, bool> && !node->is_integer()) {
+      keep({Error::Code::kBadFormat, file_.string(), place(key, node), "a value of another type", expected, ""});
       return T{};
     }
     if (const auto value = node->value<T>()) return *value;

@@ -123,14 +123,14 @@ Expected<void> writeThreeMf(std::ostream& out, const Mesh& mesh, const MeshWrite
   }
   text += ">\n   <mesh>\n    <vertices>\n";
   for (const Vec3d& p : mesh.vertices) {
-    append(text, "     <vertex x=\"", static_cast<float>(p.x()));
+    append(text, "<vertex x=\"", static_cast<float>(p.x()));
     append(text, " y=\"", static_cast<float>(p.y()));
     append(text, " z=\"", static_cast<float>(p.z()), "\"/>\n");
   }
   text += "    </vertices>\n    <triangles>\n";
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const Triangle& v = mesh.triangles[t];
-    append(text, "     <triangle v1=\"", v[0]);
+    append(text, "<triangle v1=\"", v[0]);
     append(text, " v2=\"", v[1]);
     append(text, " v3=\"", v[2]);
     if (by_face) append(text, " p1=\"", palette[t]);

@@ -86,6 +86,7 @@ Expected<void> ZipArchive::read(std::uint64_t entry, const std::function<Expecte
 
 Expected<void> writeZip(std::ostream& out, const std::vector<ZipEntry>& entries) {
   constexpr zip_uint16_t kMidnight = 0, kFirstOf1980 = 1 << 5 | 1;  // MS-DOS: (year - 1980) << 9 | month << 5 | day
+  constexpr zip_uint32_t kLevel = 4;  // 9, libzip's own choice, takes a mesh sixteen times as long for a tenth less
   ZipError why;
   const auto failed = [](zip_error_t* error) {
     return fail(Error{Error::Code::kWriteFailed, "", "zip archive", zip_error_strerror(error), "",
@@ -106,7 +107,9 @@ Expected<void> writeZip(std::ostream& out, const std::vector<ZipEntry>& entries)
   for (const ZipEntry& entry : entries) {
     zip_source_t* bytes = zip_source_buffer(archive, entry.bytes.data(), entry.bytes.size(), 0);
     const zip_int64_t at = bytes ? zip_file_add(archive, entry.name.c_str(), bytes, ZIP_FL_ENC_UTF_8) : -1;
-    if (at < 0 || zip_file_set_dostime(archive, static_cast<zip_uint64_t>(at), kMidnight, kFirstOf1980, 0) != 0) {
+    const auto index = static_cast<zip_uint64_t>(at);
+    if (at < 0 || zip_file_set_dostime(archive, index, kMidnight, kFirstOf1980, 0) != 0 ||
+        zip_set_file_compression(archive, index, ZIP_CM_DEFLATE, kLevel) != 0) {
       if (at < 0) zip_source_free(bytes);
       auto error = failed(zip_get_error(archive));
       zip_discard(archive);
