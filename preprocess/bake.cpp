@@ -129,7 +129,7 @@ Expected<BakeReport> bake(const std::vector<std::filesystem::path>& meshes, cons
 
   CaseManifest& m = out.manifest;
   m.kerf_version = kVersion;
-  m.close_mode = nameOf(options.close.mode);
+  m.close_mode = options.close.only.empty() ? nameOf(options.close.mode) : namesOf(options.close.only);
   m.changes = out.close.changes;
   m.exact = out.close.exact;
   m.voxel_mm = options.voxelize.voxel_mm;

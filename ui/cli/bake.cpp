@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <map>
@@ -15,8 +16,8 @@ namespace {
 
 struct Arguments {
   std::vector<std::string> meshes;
-  std::string output, base_direction, occlusal_plane;
-  double base_height = 0;  // 0: by the margin
+  std::string output, close = "auto", base_direction, occlusal_plane;
+  double base_height = 0, fill_up_to = 0;  // 0: by the margin, by the size
   BakeOptions options;
   bool json = false;
 };
@@ -29,6 +30,30 @@ Expected<Vec3d> axis(const std::string& name) {
   if (it == kAxes.end())
     return fail({Error::Code::kBadValue, "", "--base-direction", "\"" + name + "\"", "+x, -x, +y, -y, +z or -z", ""});
   return it->second;
+}
+
+/// A mode, or steps with commas.
+Expected<void> readClose(const std::string& text, CloseOptions& options) {
+  static const std::map<std::string, CloseMode> kModes{{"auto", CloseMode::kAuto},
+                                                       {"base", CloseMode::kBase},
+                                                       {"repair", CloseMode::kRepair},
+                                                       {"wrap", CloseMode::kWrap}};
+  if (const auto mode = kModes.find(text); mode != kModes.end()) {
+    options.mode = mode->second;
+    return {};
+  }
+  for (std::size_t at = 0; at <= text.size();) {
+    const std::size_t end = std::min(text.find(',', at), text.size());
+    const std::string name = text.substr(at, end - at);
+    const auto known = std::find(kCloseStepNames.begin(), kCloseStepNames.end(), name);
+    if (known == kCloseStepNames.end())
+      return fail({Error::Code::kBadValue, "", "--close", "\"" + name + "\"",
+                   "auto, base, repair, wrap, or some of weld,drop,stitch,orient,fill,base,union,wrap with commas",
+                   "--close weld,orient,fill"});
+    options.only.insert(static_cast<CloseStep>(known - kCloseStepNames.begin()));
+    at = end + 1;
+  }
+  return {};
 }
 
 /// NX,NY,NZ or NX,NY,NZ@PX,PY,PZ.
@@ -97,6 +122,8 @@ nlohmann::json toJson(const BakeReport& r) {
 }
 
 int run(Arguments& a) {
+  if (const auto close = readClose(a.close, a.options.close); !close) return complain(close.error()), kUsage;
+  if (a.fill_up_to > 0) a.options.close.fill_up_to_mm = a.fill_up_to;
   if (!a.base_direction.empty()) {
     const auto direction = axis(a.base_direction);
     if (!direction) return complain(direction.error()), kUsage;
@@ -134,15 +161,15 @@ void addBake(CLI::App& app, int& exit_code) {
   c->add_option("-o,--output", a->output, "case folder to write")->required();
   c->add_option("--unit", a->options.unit,
                 "unit of the files: mm, cm, m, um, inch (default: as declared, or by size, with the reason said)");
-  const std::map<std::string, CloseMode> modes{{"auto", CloseMode::kAuto},
-                                               {"base", CloseMode::kBase},
-                                               {"repair", CloseMode::kRepair},
-                                               {"wrap", CloseMode::kWrap}};
-  c->add_option("--close", a->options.close.mode,
+  c->add_option("--close", a->close,
                 "auto: least repair, a flat base for an open scan | base | repair: never a base | wrap: shrink-wrap, "
-                "approximate")
-      ->transform(CLI::CheckedTransformer(modes, CLI::ignore_case))
-      ->default_str("auto");
+                "approximate | or exactly some of weld,drop,stitch,orient,fill,base,union,wrap with commas")
+      ->capture_default_str();
+  c->add_option("--stitch-mm", a->options.close.stitch_mm, "join boundaries no farther apart [mm]; 0: none")
+      ->capture_default_str();
+  c->add_option("--fill-holes-up-to", a->fill_up_to,
+                "a longer boundary [mm around] is no hole (default: judged by the size of the mesh)")
+      ->check(CLI::PositiveNumber);
   const std::map<std::string, BaseStyle> styles{{"horseshoe", BaseStyle::kHorseshoe}, {"full", BaseStyle::kFull}};
   c->add_option("--base", a->options.close.base_style,
                 "horseshoe: walls follow the rim | full: on a plate under the outline of the rim")
