@@ -36,7 +36,7 @@ Expected<void> writeCaseManifest(const std::filesystem::path& folder, const Case
                                   {"vertices", integer(s.vertices)},
                                   {"triangles", integer(s.triangles)}});
   for (const std::string& c : m.changes) changes.push_back(c);
-  const toml::table root{
+  toml::table root{
       {"format", "kerf-case"},
       {"version", kVersion},
       {"kerf_version", m.kerf_version},
@@ -57,6 +57,7 @@ Expected<void> writeCaseManifest(const std::filesystem::path& folder, const Case
                             {"shell_area_mm2", m.shell_area_mm2},
                             {"sha256", m.field_sha256}}},
   };
+  if (m.pair) root.insert("pair", toml::table{{"frame", m.pair->frame}, {"partner", m.pair->partner}});
   const auto path = folder / kCaseManifest;
   std::ofstream out(path, std::ios::binary);
   out << "# Kerf case. Lengths in mm. Training and lab tool, not a medical device.\n" << root << "\n";
@@ -127,7 +128,13 @@ Expected<CaseManifest> readCaseManifest(const std::filesystem::path& folder) {
   m.shell_area_mm2 = field.get<double>("shell_area_mm2", "a number");
   m.field_sha256 = field.get<std::string>("sha256", "64 hexadecimal digits");
   KERF_CHECK(field.finish());
-  for (const char* name : {"close", "solid", "field"}) top.allow(name);
+  if (top.has("pair")) {
+    TomlTable pair(child("pair"), path, "pair");
+    m.pair = CasePair{pair.get<std::string>("frame", "64 hexadecimal digits"),
+                      pair.get<std::string>("partner", "the name of a case folder")};
+    KERF_CHECK(pair.finish());
+  }
+  for (const char* name : {"close", "solid", "field", "pair"}) top.allow(name);
   KERF_CHECK(top.finish());
   return m;
 }

@@ -64,6 +64,7 @@ std::string caseId(const CaseManifest& m, const BakeOptions& o) {
   text += fmt::format("{} {} {}\n", nameOf(o.close.mode), canonicalText(o.close), kVersion);
   text += fmt::format("{} {} {} {} {}\n", o.voxelize.voxel_mm, o.voxelize.exterior_voxels, o.voxelize.interior_voxels,
                       o.voxelize.interior_mm, static_cast<int>(o.voxelize.material));
+  if (o.pair) text += fmt::format("{} {}\n", o.pair->frame, o.pair->partner);
   return sha256(std::as_bytes(std::span(text.data(), text.size())));
 }
 
@@ -129,6 +130,7 @@ Expected<BakeReport> bake(const std::vector<std::filesystem::path>& meshes, cons
 
   CaseManifest& m = out.manifest;
   m.kerf_version = kVersion;
+  m.pair = options.pair;
   m.close_mode = options.close.only.empty() ? nameOf(options.close.mode) : namesOf(options.close.only);
   m.changes = out.close.changes;
   m.exact = out.close.exact;
@@ -176,6 +178,7 @@ std::string describe(const BakeReport& r) {
   if (!r.manifest.exact)
     line("WARNING: the surface is a shrink-wrap, an approximation of the scan: no source vertex is preserved");
   const CaseManifest& m = r.manifest;
+  if (m.pair) line(fmt::format("pair: one frame with {}; nothing was moved", m.pair->partner));
   line(fmt::format("solid: {} vertices, {} triangles, {:.2f} mm3, {:.2f} mm2", m.solid_vertices, m.solid_triangles,
                    m.solid_volume_mm3, m.solid_area_mm2));
   line(fmt::format("field: {} mm voxels, {:.2f} M in the band; shell: {:.2f} M points standing for {:.2f} mm2",

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,7 +19,8 @@ struct BakeOptions {
   std::string unit;  ///< empty: chooseUnit()
   CloseOptions close;
   VoxelizeOptions voxelize;
-  bool overwrite = false;  ///< replace an existing case
+  std::optional<CasePair> pair;  ///< recorded in the manifest; see bakePair()
+  bool overwrite = false;        ///< replace an existing case
 };
 
 struct BakeTimes {  // seconds

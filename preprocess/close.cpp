@@ -171,7 +171,8 @@ Expected<Result> resolve(const Mesh& imported, const Chain& chain,
   KERF_TRY(cleaned, cleanUpForFloat32(r.mesh, fixed, &r.source, options.cleanup_length_mm));
   CleanupReport last = cleaned;
   std::vector<Vec3d> freed;
-  for (int attempt = 0; attempt < 3 && last.crossings_left; ++attempt) {
+  for (int round = 0; round < 3 && last.crossings_left; ++round) {
+    if (!kerf::report(progress, 0.85 + 0.05 * round, "rounding again")) return cancelled();
     // Only fixed vertices are left to move: the few around the remaining crossings are let go.
     std::vector<char> hot(r.mesh.vertices.size(), 0);
     for (const auto& [i, j] : crossingPairs(r.mesh))
@@ -347,7 +348,7 @@ Expected<Result> makeSolid(const Mesh& imported, const CloseOptions& options, Cl
   // A base that was asked for in so many words is not silently left out.
   const bool base_asked = options.base_height_mm || options.find_occlusal_plane || options.occlusal_plane;
   if (base_asked && report.rims_extruded == 0) return first;
-  const std::string why = first.error().message();
+  const std::string why = first.error().found;
   const bool was_open = report.holes_filled + report.rims_extruded > 0 || internal::hasBoundary(chain);
   for (const double width : kWiderStitches) {
     if (options.mode != CloseMode::kAuto || !was_open || width <= options.stitch_mm) continue;
@@ -389,8 +390,10 @@ Expected<Solid> closeMesh(const Mesh& imported_mm, const CloseOptions& options, 
 
 std::string namesOf(const std::set<CloseStep>& steps) {
   std::string names;
-  for (const CloseStep step : steps)
-    names += (names.empty() ? "" : ",") + std::string(kCloseStepNames[static_cast<std::size_t>(step)]);
+  for (const CloseStep step : steps) {
+    if (!names.empty()) names += ',';
+    names += kCloseStepNames[static_cast<std::size_t>(step)];
+  }
   return names;
 }
 

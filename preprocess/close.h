@@ -114,10 +114,10 @@ struct Solid {
 };
 
 /// Closes a mesh, changing as little as possible and reporting every change. In short (preprocess/README.md tells why):
-/// round, weld, orient; fill holes, extrude rims to a flat base, until the triangles form a closed chain; if that is an
-/// embedded 2-manifold it is the answer, and no source vertex moved. Otherwise all crossings are resolved by an exact
-/// arrangement, and the surface that bounds {winding number >= 1} is kept: interpenetrating parts unite, double layers
-/// and inner shells vanish, cavities stay. New vertices are rounded to float32 under cleanUpForFloat32().
+/// round, weld, stitch, orient; fill holes, extrude rims to a flat base, until the triangles form a closed chain; if
+/// that is an embedded 2-manifold it is the answer, and no source vertex moved. Otherwise all crossings are resolved by
+/// an exact arrangement, and the surface that bounds {winding number >= 1} is kept: interpenetrating parts unite,
+/// double layers and inner shells vanish, cavities stay. New vertices are rounded to float32 under cleanUpForFloat32().
 /// The result is verified (closed, 2-manifold at edges and vertices, crossingPairs() empty, positive volume) or
 /// refused.
 /// @param imported_mm  anything a file can hold, in mm, at least one triangle.

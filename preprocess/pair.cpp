@@ -32,8 +32,8 @@ Expected<std::array<std::filesystem::path, 2>> pairFolders(const std::array<std:
   if (meshes[0].stem() == meshes[1].stem())
     return fail({Error::Code::kBadValue, meshes[1].string(), "--pair",
                  fmt::format("two files named \"{}\"", meshes[0].stem().string()),
-                 "two names: the cases are called after them", "rename one, for example to lower" +
-                     meshes[1].extension().string()});
+                 "two names: the cases are called after them",
+                 "rename one, for example to lower" + meshes[1].extension().string()});
   std::filesystem::path base = name;
   if (base.extension() == ".case") base.replace_extension();
   std::array<std::filesystem::path, 2> folders;

@@ -1,4 +1,4 @@
-#include "preprocess/bake.h"
+#include "preprocess/pair.h"
 
 #include <fmt/format.h>
 
@@ -19,7 +19,7 @@ struct Arguments {
   std::string output, close = "auto", base_direction, occlusal_plane;
   double base_height = 0, fill_up_to = 0;  // 0: by the margin, by the size
   BakeOptions options;
-  bool json = false;
+  bool pair = false, json = false;
 };
 
 Expected<Vec3d> axis(const std::string& name) {
@@ -121,6 +121,30 @@ nlohmann::json toJson(const BakeReport& r) {
   return j;
 }
 
+int runPair(const Arguments& a, const std::vector<std::filesystem::path>& paths) {
+  if (paths.size() != 2)
+    return complain({Error::Code::kBadValue, "", "--pair", fmt::format("{} meshes", paths.size()),
+                     "two: the jaws that meet", "kerf bake --pair upper.ply lower.ply -o patient"}),
+           kUsage;
+  const std::array<std::filesystem::path, 2> meshes{paths[0], paths[1]};
+  const auto folders = pairFolders(meshes, a.output);
+  if (!folders) return complain(folders.error()), kUsage;
+  auto reports = [&] {
+    TerminalProgress progress;
+    return bakePair(meshes, *folders, a.options, progress.callback());
+  }();
+  if (!reports) return complain(reports.error());
+  nlohmann::json all;
+  for (std::size_t k = 0; k < 2; ++k) {
+    if (!a.json) fmt::print("{}case written: {}\n", describe((*reports)[k]), (*folders)[k].string());
+    all["pair"].push_back(toJson((*reports)[k]));
+    all["pair"].back()["case"] = (*folders)[k].string();
+  }
+  all["frame"] = (*reports)[0].manifest.pair->frame;
+  if (a.json) printJson(all);
+  return kOk;
+}
+
 int run(Arguments& a) {
   if (const auto close = readClose(a.close, a.options.close); !close) return complain(close.error()), kUsage;
   if (a.fill_up_to > 0) a.options.close.fill_up_to_mm = a.fill_up_to;
@@ -139,6 +163,7 @@ int run(Arguments& a) {
   if (a.base_height > 0) a.options.close.base_height_mm = a.base_height;
   a.options.close.cleanup_length_mm = 0.01 * a.options.voxelize.voxel_mm;
   std::vector<std::filesystem::path> paths(a.meshes.begin(), a.meshes.end());
+  if (a.pair) return runPair(a, paths);
   auto report = [&] {
     TerminalProgress progress;
     return bake(paths, a.output, a.options, progress.callback());
@@ -156,9 +181,13 @@ int run(Arguments& a) {
 void addBake(CLI::App& app, int& exit_code) {
   auto a = std::make_shared<Arguments>();
   CLI::App* c = app.add_subcommand("bake", "Turn mesh files into a case: closed solid, distance field, point shell");
-  c->footer("Example: kerf bake upper.ply -o upper.case --voxel 0.1");
+  c->footer(
+      "Examples: kerf bake upper.ply -o upper.case --voxel 0.1\n"
+      "          kerf bake --pair upper.ply lower.ply -o patient --occlusal-plane auto --base-height 20");
   c->add_option("MESH", a->meshes, "STL, PLY, OBJ or OFF; several are united into one object")->required();
   c->add_option("-o,--output", a->output, "case folder to write")->required();
+  c->add_flag("--pair", a->pair,
+              "two jaws that meet: two cases, NAME-STEM.case after -o NAME and the files' names, that share one frame");
   c->add_option("--unit", a->options.unit,
                 "unit of the files: mm, cm, m, um, inch (default: as declared, or by size, with the reason said)");
   c->add_option("--close", a->close,

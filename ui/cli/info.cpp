@@ -58,6 +58,12 @@ Expected<json> caseInfo(const fs::path& folder) {
          {"area_mm2", m.solid_area_mm2},
          {"shell_points", m.shell_points},
          {"shell_area_mm2", m.shell_area_mm2}};
+  if (m.pair) {
+    const fs::path partner = (folder / ".").lexically_normal().parent_path().parent_path() / m.pair->partner;
+    const auto other = readCaseManifest(partner);
+    const bool meets = other && other->pair && other->pair->frame == m.pair->frame;
+    j["pair"] = {{"frame", m.pair->frame}, {"partner", m.pair->partner}, {"partner_is_beside", meets}};
+  }
   for (const CaseSource& s : m.sources)
     j["sources"].push_back({{"stored_as", s.stored_as},
                             {"format", s.format},
