@@ -63,6 +63,7 @@ Expected<void> writeCaseManifest(const std::filesystem::path& folder, const Case
       {"material", materials},
   };
   if (!parts.empty()) root.insert("part", parts);
+  if (m.pair) root.insert("pair", toml::table{{"frame", m.pair->frame}, {"partner", m.pair->partner}});
   const auto path = folder / kCaseManifest;
   std::ofstream out(path, std::ios::binary);
   out << "# Kerf case. Lengths in mm. Training and lab tool, not a medical device.\n" << root << "\n";
@@ -155,7 +156,15 @@ Expected<CaseManifest> readCaseManifest(const std::filesystem::path& folder) {
       KERF_CHECK(t.finish());
       m.parts.push_back(c);
     }
-  for (const char* name : {"close", "solid", "field"}) top.allow(name);
+  if (top.has("pair")) {
+    TomlTable pair(child("pair"), path, "pair");
+    m.pair = CasePair{pair.get<std::string>("frame", "64 hexadecimal digits"),
+                      pair.get<std::string>("partner", "the name of a case folder")};
+    if (const std::filesystem::path partner = m.pair->partner; !pair.failed() && partner != partner.filename())
+      pair.reject("partner", "\"" + m.pair->partner + "\"", "the name of a case folder, without a path");
+    KERF_CHECK(pair.finish());
+  }
+  for (const char* name : {"close", "solid", "field", "pair"}) top.allow(name);
   KERF_CHECK(top.finish());
   return m;
 }

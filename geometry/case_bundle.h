@@ -8,6 +8,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -48,10 +49,17 @@ struct CasePart {
   double volume_mm3 = 0;  ///< in the object: less what earlier parts took, plus gaps that were filled
 };
 
+/// Two cases of one patient whose coordinates share a frame: an upper and a lower jaw that meet as scanned.
+struct CasePair {
+  std::string frame;    ///< the same 64 hexadecimal digits in both cases, and in no others
+  std::string partner;  ///< name of the other case's folder, which was written beside this one
+};
+
 struct CaseManifest {
   std::string kerf_version;
   std::string id;  ///< sha256 over sources and settings: the same inputs give the same id
   std::vector<CaseSource> sources;
+  std::optional<CasePair> pair;
   std::string close_mode;            ///< "auto", "base", "repair", "wrap"
   std::vector<std::string> changes;  ///< what closing changed, plain sentences
   bool exact = true;                 ///< false: wrapped, the surface is an approximation of the scan

@@ -68,6 +68,7 @@ std::string caseId(std::span<const std::string> hashes, const BakeOptions& o, co
   text += fmt::format("{} {} {}\n", o.unit, nameOf(o.close.mode), canonicalText(o.close));
   text += fmt::format("{} {} {} {} {}\n", o.voxelize.voxel_mm, o.voxelize.exterior_voxels, o.voxelize.interior_voxels,
                       o.voxelize.interior_mm, static_cast<int>(o.voxelize.material));
+  if (o.pair) text += fmt::format("{} {}\n", o.pair->frame, o.pair->partner);
   return sha256(std::as_bytes(std::span(text.data(), text.size())));
 }
 
@@ -102,7 +103,8 @@ Expected<void> finish(const Object& object, const BakeOptions& options, const Ma
   const AnatomyStats& stats = anatomy.stats();
   out.materials = stats.materials;
   m.kerf_version = kVersion;
-  m.close_mode = nameOf(options.close.mode);
+  m.close_mode = options.close.only.empty() ? nameOf(options.close.mode) : namesOf(options.close.only);
+  m.pair = options.pair;
   m.voxel_mm = options.voxelize.voxel_mm;
   std::map<Material, double> volumes;
   for (std::size_t n = 0; n < object.claims.size(); ++n) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,7 +20,8 @@ struct BakeOptions {
   std::string unit;  ///< empty: chooseUnit()
   CloseOptions close;
   VoxelizeOptions voxelize;
-  bool voxel_is_given = false;  ///< `voxelize.voxel_mm` goes before a recipe's voxel
+  std::optional<CasePair> pair;  ///< recorded in the manifest; see bakePair()
+  bool voxel_is_given = false;   ///< `voxelize.voxel_mm` goes before a recipe's voxel
   /// Bake anew and replace an existing case. Without: the same case of the same inputs and settings is left as it is,
   /// another one is an error.
   bool overwrite = false;

@@ -36,6 +36,7 @@ std::string describe(const BakeReport& r) {
   if (!r.manifest.exact && r.manifest.parts.empty())
     line("WARNING: the surface is a shrink-wrap, an approximation of the scan: no source vertex is preserved");
   const CaseManifest& m = r.manifest;
+  if (m.pair) line(fmt::format("pair: one frame with {}; nothing was moved", m.pair->partner));
   line(fmt::format("solid: {} vertices, {} triangles, {:.2f} mm3, {:.2f} mm2", m.solid_vertices, m.solid_triangles,
                    m.solid_volume_mm3, m.solid_area_mm2));
   line(fmt::format("field: {} mm voxels, {:.2f} M in the band; shell: {:.2f} M points standing for {:.2f} mm2",

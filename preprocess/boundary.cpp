@@ -129,21 +129,29 @@ std::string describePlace(const BaseFrame& frame) {
 Expected<void> closeBoundary(Chain& chain, const CloseOptions& options, CloseReport& report) {
   std::vector<Loop> loops = boundaryLoops(chain.mesh.triangles);
   if (loops.empty()) {
-    if (options.mode == CloseMode::kBase) return fail(ungrounded("a closed mesh, which needs no base", "--close auto"));
+    if (options.only.empty() && options.mode == CloseMode::kBase)
+      return fail(ungrounded("a closed mesh, which needs no base", "--close auto"));
     return {};
   }
   const double diagonal = bounds(chain.mesh).size().norm();
   std::vector<double> lengths;
   for (const Loop& loop : loops) lengths.push_back(length(chain.mesh, loop));
   const auto longest = static_cast<std::size_t>(std::max_element(lengths.begin(), lengths.end()) - lengths.begin());
-  const bool has_rim = lengths[longest] > options.rim_to_diagonal * diagonal;
-  if (has_rim && options.mode == CloseMode::kRepair)
+  const bool steps = !options.only.empty();
+  const bool long_one = options.fill_up_to_mm ? lengths[longest] > *options.fill_up_to_mm
+                                              : lengths[longest] > options.rim_to_diagonal * diagonal;
+  const bool may_base = steps ? options.only.count(CloseStep::kBase) > 0 : options.mode != CloseMode::kRepair;
+  const bool has_rim = long_one || (!steps && options.mode == CloseMode::kBase);
+  if (has_rim && !may_base) {
+    const std::string found =
+        fmt::format("an open boundary of {:.0f} mm around a mesh of {:.0f} mm{}", lengths[longest], diagonal,
+                    options.fill_up_to_mm ? "" : ": its underside is missing");
+    if (steps) return fail(missingStep(found, CloseStep::kBase, options));
     return fail(
-        ungrounded(fmt::format("an open boundary of {:.0f} mm around a mesh of {:.0f} mm: its underside is missing",
-                               lengths[longest], diagonal),
-                   "--close base"));
+        ungrounded(found, options.fill_up_to_mm ? "--close base, or a larger --fill-holes-up-to" : "--close base"));
+  }
   std::vector<char> is_rim(loops.size(), 0);
-  if (has_rim || options.mode == CloseMode::kBase) {
+  if (has_rim) {
     // A scan is a bowl upside down: inside out if it opens away from the side its rim lies on. A ribbon of gum, whose
     // rim also runs around the teeth, tells nothing: then the file is believed.
     Vec3d rim = Vec3d::Zero(), centroid = Vec3d::Zero();
@@ -180,8 +188,9 @@ Expected<void> closeBoundary(Chain& chain, const CloseOptions& options, CloseRep
     std::vector<Loop> rims;
     for (std::size_t i = 0; i < loops.size(); ++i) {
       const double own = box[piece_of[loops[i][0]]].size().norm();
-      is_rim[i] = i == longest || (lengths[i] > options.rim_to_diagonal * own &&
-                                   areaVector(chain.mesh, loops[i]).dot(base.vector()) > 0);
+      is_rim[i] = i == longest ||
+                  (lengths[i] > (options.fill_up_to_mm ? *options.fill_up_to_mm : options.rim_to_diagonal * own) &&
+                   areaVector(chain.mesh, loops[i]).dot(base.vector()) > 0);
       if (is_rim[i]) rims.push_back(loops[i]);
     }
     KERF_TRY(frame, placeBase(chain, base.vector(), open.normalized(), options, report));
@@ -197,6 +206,18 @@ Expected<void> closeBoundary(Chain& chain, const CloseOptions& options, CloseRep
         rims.size() == 1 ? "was" : "were", describePlace(frame),
         options.base_style == BaseStyle::kFull ? fmt::format(", a plate {:.2f} mm thick", frame.level - frame.ceiling)
                                                : std::string()));
+  }
+  for (std::size_t i = 0; i < loops.size(); ++i) {
+    if (is_rim[i]) continue;
+    if (steps && !options.only.count(CloseStep::kFill))
+      return fail(missingStep(fmt::format("a hole {:.1f} mm around", lengths[i]), CloseStep::kFill, options));
+    if (options.fill_up_to_mm && lengths[i] > *options.fill_up_to_mm) {
+      const Vec3d& p = chain.mesh.vertices[loops[i][0]];
+      Error e = ungrounded(fmt::format("a hole {:.1f} mm around", lengths[i]), "a larger --fill-holes-up-to");
+      e.place = fmt::format("at ({:.2f}, {:.2f}, {:.2f}) mm", p.x(), p.y(), p.z());
+      e.expected = fmt::format("holes of at most {} mm", *options.fill_up_to_mm);
+      return fail(std::move(e));
+    }
   }
   std::size_t fans = 0;
   double widest = 0;

@@ -1,5 +1,4 @@
 #include "preprocess/internal/chain.h"
-#include "geometry/float32_cleanup.h"
 
 #include <fmt/format.h>
 
@@ -8,7 +7,9 @@
 #include <numeric>
 #include <span>
 
+#include "geometry/internal/exact_weld.h"
 #include "preprocess/close.h"
+#include "preprocess/internal/stitch.h"
 #include "preprocess/internal/winding.h"
 
 namespace kerf::internal {
@@ -78,45 +79,45 @@ void roundAndWeld(Chain& chain, CloseReport& report) {
     report.changes.push_back(fmt::format("{} rounded to single precision (by {:.2g} mm at most)",
                                          counted(report.vertices_rounded, "vertex was", "vertices were"), largest));
   report.largest_move_mm = std::max(report.largest_move_mm, largest);
-  std::vector<std::uint32_t> order(mesh.vertices.size());
-  std::iota(order.begin(), order.end(), 0u);
-  const auto before = [&](const Vec3d& p, const Vec3d& q) {
-    return p.x() != q.x() ? p.x() < q.x() : p.y() != q.y() ? p.y() < q.y() : p.z() < q.z();
-  };
-  std::sort(order.begin(), order.end(), [&](std::uint32_t i, std::uint32_t j) {
-    const Vec3d &p = mesh.vertices[i], &q = mesh.vertices[j];
-    return before(p, q) || (!before(q, p) && i < j);
-  });
-  std::vector<std::uint32_t> first(mesh.vertices.size());
-  for (std::size_t i = 0; i < order.size(); ++i)
-    first[order[i]] = i && mesh.vertices[order[i]] == mesh.vertices[order[i - 1]] ? first[order[i - 1]] : order[i];
-  std::vector<std::uint32_t> index(mesh.vertices.size());
+  ExactWelder welder(mesh.vertices.size());
+  std::vector<std::uint32_t> index;
+  index.reserve(mesh.vertices.size());
   std::uint32_t count = 0;
-  for (std::uint32_t v = 0; v < first.size(); ++v) {
-    if (first[v] != v) continue;
-    mesh.vertices[count] = mesh.vertices[v];
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+    index.push_back(welder.add(mesh.vertices[v]));
+    if (index.back() != count) continue;
     if (mesh.hasVertexColors()) mesh.vertex_colors[count] = mesh.vertex_colors[v];
-    index[v] = count++;
+    ++count;
   }
   report.vertices_welded = mesh.vertices.size() - count;
-  mesh.vertices.resize(count);
+  if (report.vertices_welded)
+    report.changes.push_back(counted(report.vertices_welded, "vertex was", "vertices were") +
+                             " welded to another at the same place");
+  mesh.vertices = std::move(welder.vertices);
   if (mesh.hasVertexColors()) mesh.vertex_colors.resize(count);
-  for (Triangle& f : mesh.triangles)
-    for (std::uint32_t& v : f) v = index[first[v]];
+  if (report.vertices_welded)
+    for (Triangle& f : mesh.triangles)
+      for (std::uint32_t& v : f) v = index[v];
   chain.source_vertices = count;
 }
 
 /// Turns triangles so that neighbours across two-sided edges agree; in every patch the minority turns.
 void orient(Chain& chain, CloseReport& report) {
   const std::size_t n = chain.mesh.triangles.size();
+  const std::vector<EdgeUse> all = edgeUses(chain.mesh.triangles);
+  const auto joins = [](std::span<const EdgeUse> uses) {
+    return uses.size() == 2 && uses[0].triangle != uses[1].triangle;
+  };
+  bool any = false;
+  forEachEdge(all,
+              [&](std::span<const EdgeUse> uses) { any = any || (joins(uses) && uses[0].forth == uses[1].forth); });
+  if (!any) return;
   std::vector<std::array<std::uint32_t, 3>> next(n, {kNone, kNone, kNone});
   std::vector<std::array<char, 3>> differs(n, {0, 0, 0});
   std::vector<int> filled(n, 0);
-  bool any = false;
-  forEachEdge(edgeUses(chain.mesh.triangles), [&](std::span<const EdgeUse> uses) {
-    if (uses.size() != 2 || uses[0].triangle == uses[1].triangle) return;
+  forEachEdge(all, [&](std::span<const EdgeUse> uses) {
+    if (!joins(uses)) return;
     const char wrong = uses[0].forth == uses[1].forth;
-    any = any || wrong;
     for (int k = 0; k < 2; ++k) {
       const std::uint32_t t = uses[static_cast<std::size_t>(k)].triangle;
       const auto slot = static_cast<std::size_t>(filled[t]++);
@@ -124,7 +125,6 @@ void orient(Chain& chain, CloseReport& report) {
       differs[t][slot] = wrong;
     }
   });
-  if (!any) return;
   std::vector<signed char> turn(n, -1);
   std::vector<std::uint32_t> patch;
   for (std::uint32_t seed = 0; seed < n; ++seed) {
@@ -158,18 +158,25 @@ void dropDuplicates(Chain& chain, CloseReport& report) {
     bool even;
     std::uint32_t t;
   };
-  std::vector<Key> keys;
-  keys.reserve(triangles.size());
+  // Sorted by corners, then number: buckets by the smallest corner, then small sorts.
+  std::uint32_t vertices = 0;
+  for (const Triangle& f : triangles) vertices = std::max({vertices, f[0] + 1, f[1] + 1, f[2] + 1});
+  std::vector<std::uint32_t> begin(vertices + 1, 0);
+  for (const Triangle& f : triangles) ++begin[std::min({f[0], f[1], f[2]}) + 1];
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  std::vector<Key> keys(triangles.size());
+  std::vector<std::uint32_t> place(begin.begin(), begin.end());
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
     Triangle f = triangles[t];
     bool even = true;
     if (f[0] > f[1]) std::swap(f[0], f[1]), even = !even;
     if (f[1] > f[2]) std::swap(f[1], f[2]), even = !even;
     if (f[0] > f[1]) std::swap(f[0], f[1]), even = !even;
-    keys.push_back({f, even, t});
+    keys[place[f[0]]++] = {f, even, t};
   }
-  std::sort(keys.begin(), keys.end(),
-            [](const Key& x, const Key& y) { return x.sorted != y.sorted ? x.sorted < y.sorted : x.t < y.t; });
+  for (std::uint32_t v = 0; v < vertices; ++v)
+    std::sort(keys.begin() + begin[v], keys.begin() + begin[v + 1],
+              [](const Key& x, const Key& y) { return x.sorted != y.sorted ? x.sorted < y.sorted : x.t < y.t; });
   std::vector<char> keep(triangles.size(), 1);
   std::size_t cancelled = 0, merged = 0;
   std::vector<std::uint32_t> copies;  // kept members of groups of equal triangles, all but the first of each
@@ -277,6 +284,7 @@ PieceInfo lookAtPieces(const Mesh& mesh) {
 }
 
 void dropCrumbs(Chain& chain, const CloseOptions& options, CloseReport& report) {
+  if (!hasBoundary(chain)) return;
   const PieceInfo info = lookAtPieces(chain.mesh);
   const auto limit = options.crumb_fraction * static_cast<double>(chain.mesh.triangles.size());
   const double area_limit = 0.1 * options.crumb_fraction * std::accumulate(info.area.begin(), info.area.end(), 0.0);
@@ -301,6 +309,18 @@ void dropCrumbs(Chain& chain, const CloseOptions& options, CloseReport& report) 
 
 std::string counted(std::size_t n, const char* singular, const char* plural) {
   return fmt::format("{} {}", n, n == 1 ? singular : plural);
+}
+
+Error missingStep(std::string found, CloseStep step, const CloseOptions& options) {
+  Error e;
+  e.code = Error::Code::kGeometry;
+  e.found = std::move(found);
+  e.expected = options.only.empty() ? "a mesh that needs no such step"
+                                    : fmt::format("none, as only \"{}\" is to be done", namesOf(options.only));
+  std::set<CloseStep> more = options.only;
+  more.insert(step);
+  e.hint = "--close " + namesOf(more);
+  return e;
 }
 
 std::uint32_t Chain::addVertex(const Vec3d& p) {
@@ -363,6 +383,11 @@ std::vector<Loop> boundaryLoops(const std::vector<Triangle>& triangles) {
     }
   }
   return loops;
+}
+
+bool hasBoundary(const Chain& chain) {
+  const std::vector<EdgeCount> edges = countEdges(chain.mesh.triangles);
+  return std::any_of(edges.begin(), edges.end(), [](const EdgeCount& e) { return e.forth != e.back; });
 }
 
 bool isClosedManifold(const Mesh& mesh) {
@@ -437,16 +462,34 @@ bool turnPieces(Chain& chain, CloseReport& report) {
   return nested;
 }
 
-Chain buildChain(const Mesh& imported, const CloseOptions& options, CloseReport& report) {
+Expected<Chain> buildChain(const Mesh& imported, const CloseOptions& options, CloseReport& report) {
+  // A step that is not wanted must not be needed: what it would have to do is the error.
+  const auto wanted = [&](CloseStep step) { return options.only.empty() || options.only.count(step) > 0; };
+  const auto needed = [&](std::string found, CloseStep step) {
+    return fail(missingStep(std::move(found), step, options));
+  };
   Chain chain;
   chain.mesh = imported;
   chain.source.resize(imported.triangles.size());
   std::iota(chain.source.begin(), chain.source.end(), 0u);
   roundAndWeld(chain, report);
+  if (report.vertices_welded && !wanted(CloseStep::kWeld))
+    return needed(counted(report.vertices_welded, "vertex at the place of another", "vertices at the place of another"),
+                  CloseStep::kWeld);
+  const std::size_t before = chain.mesh.triangles.size();
   dropRepeated(chain, report);
+  if (const std::size_t n = before - chain.mesh.triangles.size(); n && !wanted(CloseStep::kDrop))
+    return needed(counted(n, "triangle without area", "triangles without area"), CloseStep::kDrop);
+  if (wanted(CloseStep::kStitch)) stitchSeams(chain, options.stitch_mm, report);
   orient(chain, report);
-  dropDuplicates(chain, report);
-  dropCrumbs(chain, options, report);
+  if (report.triangles_flipped && !wanted(CloseStep::kOrient))
+    return needed(counted(report.triangles_flipped, "triangle that disagrees with its neighbours",
+                          "triangles that disagree with their neighbours"),
+                  CloseStep::kOrient);
+  if (wanted(CloseStep::kDrop)) {
+    dropDuplicates(chain, report);
+    dropCrumbs(chain, options, report);
+  }
   return chain;
 }
 

@@ -171,7 +171,8 @@ Expected<Result> resolve(const Mesh& imported, const Chain& chain,
   KERF_TRY(cleaned, cleanUpForFloat32(r.mesh, fixed, &r.source, options.cleanup_length_mm));
   CleanupReport last = cleaned;
   std::vector<Vec3d> freed;
-  for (int attempt = 0; attempt < 3 && last.crossings_left; ++attempt) {
+  for (int round = 0; round < 3 && last.crossings_left; ++round) {
+    if (!kerf::report(progress, 0.85 + 0.05 * round, "rounding again")) return cancelled();
     // Only fixed vertices are left to move: the few around the remaining crossings are let go.
     std::vector<char> hot(r.mesh.vertices.size(), 0);
     for (const auto& [i, j] : crossingPairs(r.mesh))
@@ -255,6 +256,8 @@ Expected<void> checkOptions(const CloseOptions& o) {
   if (!(o.wrap_alpha_mm > 0)) return bad("wrap_alpha_mm", o.wrap_alpha_mm, "above 0");
   if (!(o.wrap_offset_mm > 0)) return bad("wrap_offset_mm", o.wrap_offset_mm, "above 0");
   if (o.base_direction && !(o.base_direction->norm() > 0)) return bad("base_direction", 0, "a direction");
+  if (!(o.stitch_mm >= 0 && o.stitch_mm <= 1)) return bad("stitch_mm", o.stitch_mm, "from 0 to 1");
+  if (o.fill_up_to_mm && !(*o.fill_up_to_mm > 0)) return bad("fill_up_to_mm", *o.fill_up_to_mm, "above 0");
   if (o.base_height_mm && !(*o.base_height_mm > 0 && *o.base_height_mm < 1000))
     return bad("base_height_mm", *o.base_height_mm, "above 0, below 1000");
   if (o.occlusal_plane && !(o.occlusal_plane->normal.norm() > 0 && o.occlusal_plane->normal.allFinite()))
@@ -275,15 +278,17 @@ Expected<void> verify(const Mesh& mesh) {
                         "--close wrap, or repair the mesh in a mesh editor"));
 }
 
-Expected<Result> makeSolid(const Mesh& imported, Chain& chain, bool is_open, const CloseOptions& options,
-                           CloseReport& report, const Progress& progress) {
-  const auto verifiedWrap = [&]() -> Expected<Result> {
-    KERF_TRY(wrapped, wrap(chain, options, report));
-    KERF_CHECK(verify(wrapped.mesh));
-    return std::move(wrapped);
-  };
-  if (options.mode == CloseMode::kWrap || is_open) return verifiedWrap();
+bool wraps(const CloseOptions& o) {
+  return o.only.empty() ? o.mode == CloseMode::kWrap : o.only.count(CloseStep::kWrap) > 0;
+}
+
+/// The exact way: a closed chain to a verified solid.
+Expected<Result> makeExact(const Mesh& imported, Chain& chain, const CloseOptions& options, CloseReport& report,
+                           const Progress& progress) {
+  const std::size_t flipped = report.triangles_flipped;
   const bool nested = internal::turnPieces(chain, report);
+  if (report.triangles_flipped > flipped && !options.only.empty() && !options.only.count(CloseStep::kOrient))
+    return fail(internal::missingStep("a piece that is inside out", CloseStep::kOrient, options));
   const auto pairs = crossingPairs(chain.mesh);
   if (!nested && pairs.empty() && internal::isClosedManifold(chain.mesh)) {
     Result r{std::move(chain.mesh), std::move(chain.source)};
@@ -293,17 +298,74 @@ Expected<Result> makeSolid(const Mesh& imported, Chain& chain, bool is_open, con
       return fail(makeError(Error::Code::kGeometry, "a solid without volume", "a verified solid"));
     return r;  // just checked: verify() would repeat it
   }
-  CloseReport attempt = report;
-  Expected<Result> r = resolve(imported, chain, pairs, options, attempt, progress);
-  if (r)
-    if (auto checked = verify(r->mesh); !checked) r = fail(std::move(checked).error());
-  if (r) {
-    report = std::move(attempt);
+  if (!options.only.empty() && !options.only.count(CloseStep::kUnite))
+    return fail(internal::missingStep(pairs.empty() ? std::string("parts that touch, or lie in each other")
+                                                    : counted(pairs.size(), "pair of triangles that crosses or touches",
+                                                              "pairs of triangles that cross or touch"),
+                                      CloseStep::kUnite, options));
+  KERF_TRY(r, resolve(imported, chain, pairs, options, report, progress));
+  KERF_CHECK(verify(r.mesh));
+  return std::move(r);
+}
+
+Expected<Result> makeWrap(const Chain& chain, const CloseOptions& options, CloseReport& report) {
+  KERF_TRY(wrapped, wrap(chain, options, report));
+  KERF_CHECK(verify(wrapped.mesh));
+  return std::move(wrapped);
+}
+
+/// One attempt from the imported mesh, without a second choice. `chain` is left closed, or, where that failed, open.
+Expected<Result> attempt(const Mesh& imported, const CloseOptions& options, Chain& chain, CloseReport& report,
+                         const Progress& progress) {
+  KERF_TRY(built, internal::buildChain(imported, options, report));
+  chain = std::move(built);
+  if (chain.mesh.triangles.empty())
+    return fail(
+        makeError(Error::Code::kEmpty, "a mesh whose triangles all have no area or cancel each other", "a surface"));
+  if (!kerf::report(progress, 0.1, "closing")) return cancelled();
+  Chain closed = chain;
+  KERF_CHECK(internal::closeBoundary(closed, options, report));
+  chain = std::move(closed);
+  if (wraps(options)) return makeWrap(chain, options, report);
+  if (!kerf::report(progress, 0.3, "looking for crossings")) return cancelled();
+  Chain work = chain;
+  CloseReport exact = report;
+  Expected<Result> r = makeExact(imported, work, options, exact, progress);
+  if (r) report = std::move(exact);
+  return r;
+}
+
+constexpr std::array<double, 2> kWiderStitches = {0.05, 0.2};  // mm: what kAuto tries before it wraps
+
+/// As attempt(); kAuto then stitches wider, and wraps at last.
+Expected<Result> makeSolid(const Mesh& imported, const CloseOptions& options, CloseReport& report,
+                           const Progress& progress) {
+  Chain chain;
+  Expected<Result> first = attempt(imported, options, chain, report, progress);
+  const bool may_wrap = options.only.empty() && (options.mode == CloseMode::kAuto || options.mode == CloseMode::kWrap);
+  if (first || !may_wrap || first.error().code == Error::Code::kCancelled || first.error().code == Error::Code::kEmpty)
+    return first;
+  // A base that was asked for in so many words is not silently left out.
+  const bool base_asked = options.base_height_mm || options.find_occlusal_plane || options.occlusal_plane;
+  if (base_asked && report.rims_extruded == 0) return first;
+  const std::string why = first.error().found;
+  const bool was_open = report.holes_filled + report.rims_extruded > 0 || internal::hasBoundary(chain);
+  for (const double width : kWiderStitches) {
+    if (options.mode != CloseMode::kAuto || !was_open || width <= options.stitch_mm) continue;
+    CloseOptions wider = options;
+    wider.stitch_mm = width;
+    CloseReport again;
+    Chain unused;
+    Expected<Result> r = attempt(imported, wider, unused, again, progress);
+    if (!r && r.error().code == Error::Code::kCancelled) return r;
+    if (!r) continue;
+    report = std::move(again);
+    report.changes.push_back(
+        fmt::format("seams had to be stitched that wide: within {:.2g} mm {}", options.stitch_mm, why));
     return r;
   }
-  if (r.error().code == Error::Code::kCancelled || options.mode != CloseMode::kAuto) return r;
-  report.changes.push_back("the exact repair failed: " + r.error().message());
-  return verifiedWrap();
+  report.changes.push_back("the exact repair failed: " + why);
+  return makeWrap(chain, options, report);
 }
 
 }  // namespace
@@ -316,25 +378,8 @@ Expected<Solid> closeMesh(const Mesh& imported_mm, const CloseOptions& options, 
   if (!kerf::report(progress, 0.0, "welding")) return cancelled();
   Solid solid;
   CloseReport& report = solid.report;
-  Chain chain = internal::buildChain(imported_mm, options, report);
-  if (chain.mesh.triangles.empty())
-    return fail(
-        makeError(Error::Code::kEmpty, "a mesh whose triangles all have no area or cancel each other", "a surface"));
-  if (!kerf::report(progress, 0.1, "closing")) return cancelled();
-  bool is_open = false;  // what can not be closed exactly may still be wrapped: the wrap needs no closed input
-  Chain open = chain;
-  if (auto closed = internal::closeBoundary(chain, options, report); !closed) {
-    // A base that was asked for in so many words is not silently left out.
-    const bool base_asked = options.base_height_mm || options.find_occlusal_plane || options.occlusal_plane;
-    const bool may_wrap = options.mode == CloseMode::kWrap || (options.mode == CloseMode::kAuto && !base_asked);
-    if (closed.error().code == Error::Code::kCancelled || !may_wrap) return fail(std::move(closed).error());
-    chain = std::move(open);
-    is_open = true;
-    report.changes.push_back("the boundary could not be closed exactly: " + closed.error().message());
-  }
-  if (!kerf::report(progress, 0.3, "looking for crossings")) return cancelled();
-  const std::size_t source_vertices = chain.source_vertices;
-  KERF_TRY(result, makeSolid(imported_mm, chain, is_open, options, report, progress));
+  KERF_TRY(result, makeSolid(imported_mm, options, report, progress));
+  const std::size_t source_vertices = imported_mm.vertices.size() - report.vertices_welded;
   countTriangles(imported_mm, result, report);
   report.vertices_added =
       result.mesh.vertices.size() > source_vertices ? result.mesh.vertices.size() - source_vertices : 0;
@@ -343,15 +388,25 @@ Expected<Solid> closeMesh(const Mesh& imported_mm, const CloseOptions& options, 
   return solid;
 }
 
+std::string namesOf(const std::set<CloseStep>& steps) {
+  std::string names;
+  for (const CloseStep step : steps) {
+    if (!names.empty()) names += ',';
+    names += kCloseStepNames[static_cast<std::size_t>(step)];
+  }
+  return names;
+}
+
 std::string canonicalText(const CloseOptions& o) {
   const auto vector = [](const std::optional<Vec3d>& v) {
     return v ? fmt::format("({} {} {})", v->x(), v->y(), v->z()) : std::string("-");
   };
   return fmt::format(
-      "{} {} {} {} {} {} {} {} {} {} {} {} {}", static_cast<int>(o.mode), static_cast<int>(o.base_style),
+      "{} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {}", static_cast<int>(o.mode), static_cast<int>(o.base_style),
       o.base_margin_mm, o.base_height_mm.value_or(0), vector(o.base_direction), o.find_occlusal_plane,
       o.occlusal_plane ? vector(o.occlusal_plane->normal) + vector(o.occlusal_plane->point) : std::string("-"),
-      o.rim_to_diagonal, o.crumb_fraction, o.debris_fraction, o.cleanup_length_mm, o.wrap_alpha_mm, o.wrap_offset_mm);
+      o.rim_to_diagonal, o.crumb_fraction, o.debris_fraction, o.cleanup_length_mm, o.wrap_alpha_mm, o.wrap_offset_mm,
+      namesOf(o.only), o.stitch_mm, o.fill_up_to_mm.value_or(0));
 }
 
 Expected<Solid> closeMeshes(std::span<const Mesh> imported_mm, const CloseOptions& options, const Progress& progress) {

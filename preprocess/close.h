@@ -1,8 +1,10 @@
 // From any imported mesh to a solid: closed, 2-manifold, outward, not crossing itself, in float32 coordinates.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -22,6 +24,20 @@ enum class CloseMode {
   kWrap,    ///< shrink-wraps the mesh, closed first where that works: the last resort, no source vertex survives
 };
 
+/// What closing can do. See CloseOptions::only.
+enum class CloseStep {
+  kWeld,    ///< join vertices at the same place
+  kDrop,    ///< drop triangles without area, duplicates, open crumbs
+  kStitch,  ///< join boundaries that run along each other
+  kOrient,  ///< turn triangles and pieces
+  kFill,    ///< fill holes
+  kBase,    ///< put a base under a missing underside
+  kUnite,   ///< resolve crossings and keep what bounds winding number >= 1
+  kWrap,    ///< shrink-wrap the result
+};
+inline constexpr std::array<const char*, 8> kCloseStepNames{"weld", "drop", "stitch", "orient",
+                                                            "fill", "base", "union",  "wrap"};
+
 enum class BaseStyle {
   kHorseshoe,  ///< the walls follow the rim all the way down
   kFull,       ///< the arch stands on a plate under the convex outline of its rim: the tongue's place is floored
@@ -35,6 +51,13 @@ struct GivenPlane {
 
 struct CloseOptions {
   CloseMode mode = CloseMode::kAuto;
+  /// If not empty: exactly these steps, whatever `mode` says. A mesh that needs another one is refused with its name.
+  std::set<CloseStep> only{};
+  /// Boundaries no farther apart are stitched; 0: none. The default is what exporters with few digits leave open. kAuto
+  /// goes up to 0.2 mm, aloud, before it wraps.
+  double stitch_mm = 1e-3;
+  /// A longer boundary is no hole: it is the rim of a base, or refused. Default: by rim_to_diagonal.
+  std::optional<double> fill_up_to_mm{};
   BaseStyle base_style = BaseStyle::kHorseshoe;
   /// The base lies this far below the lowest vertex, > 0; thin bases break in the printer. All but a tenth of it (0.25
   /// mm at most) is the plate of kFull.
@@ -74,6 +97,7 @@ struct CloseReport {
   std::size_t crumbs_dropped = 0;     ///< small open pieces
   std::size_t debris_dropped = 0;     ///< small closed splinters and pockets left by cutting
   std::size_t holes_filled = 0;
+  std::size_t seam_vertices = 0;  ///< boundary vertices joined, or put on a boundary edge, by stitching
   std::size_t rims_extruded = 0;
   std::size_t crossings_resolved = 0;           ///< pairs of triangles that crossed or touched
   double largest_move_mm = 0;                   ///< of a source vertex
@@ -90,10 +114,10 @@ struct Solid {
 };
 
 /// Closes a mesh, changing as little as possible and reporting every change. In short (preprocess/README.md tells why):
-/// round, weld, orient; fill holes, extrude rims to a flat base, until the triangles form a closed chain; if that is an
-/// embedded 2-manifold it is the answer, and no source vertex moved. Otherwise all crossings are resolved by an exact
-/// arrangement, and the surface that bounds {winding number >= 1} is kept: interpenetrating parts unite, double layers
-/// and inner shells vanish, cavities stay. New vertices are rounded to float32 under cleanUpForFloat32().
+/// round, weld, stitch, orient; fill holes, extrude rims to a flat base, until the triangles form a closed chain; if
+/// that is an embedded 2-manifold it is the answer, and no source vertex moved. Otherwise all crossings are resolved by
+/// an exact arrangement, and the surface that bounds {winding number >= 1} is kept: interpenetrating parts unite,
+/// double layers and inner shells vanish, cavities stay. New vertices are rounded to float32 under cleanUpForFloat32().
 /// The result is verified (closed, 2-manifold at edges and vertices, crossingPairs() empty, positive volume) or
 /// refused.
 /// @param imported_mm  anything a file can hold, in mm, at least one triangle.
@@ -102,6 +126,9 @@ struct Solid {
 /// @cost about 130 ms for 60k triangles without crossings; with some 800 crossing pairs (a ragged rim) about 1 s.
 /// @thread any; uses all TBB threads; deterministic.
 Expected<Solid> closeMesh(const Mesh& imported_mm, const CloseOptions& options = {}, const Progress& progress = {});
+
+/// "weld,orient,fill"; empty for an empty set.
+std::string namesOf(const std::set<CloseStep>& steps);
 
 /// All options in one line of text: equal options give equal text.
 std::string canonicalText(const CloseOptions& options);

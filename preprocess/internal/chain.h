@@ -7,12 +7,14 @@
 #include <string>
 #include <vector>
 
+#include "geometry/error.h"
 #include "geometry/mesh.h"
 #include "preprocess/source_triangle.h"
 
 namespace kerf {
 struct CloseOptions;
 struct CloseReport;
+enum class CloseStep;
 }  // namespace kerf
 
 namespace kerf::internal {
@@ -39,10 +41,11 @@ std::vector<EdgeCount> countEdges(const std::vector<Triangle>& triangles);
 /// A closed walk along the chain's boundary, in the direction the missing faces would use; no vertex twice.
 using Loop = std::vector<std::uint32_t>;
 std::vector<Loop> boundaryLoops(const std::vector<Triangle>& triangles);
+bool hasBoundary(const Chain& chain);
 
-/// Rounds, welds, drops triangles that repeat a vertex and duplicates, orients, drops open crumbs.
-/// Everything is entered in the report.
-Chain buildChain(const Mesh& imported, const CloseOptions& options, CloseReport& report);
+/// Rounds, welds, drops triangles that repeat a vertex and duplicates, stitches, orients, drops open crumbs.
+/// Everything is entered in the report. Errors: kGeometry if a step is needed that CloseOptions::only leaves out.
+Expected<Chain> buildChain(const Mesh& imported, const CloseOptions& options, CloseReport& report);
 
 /// Turns pieces that are inside out, unless they are the wall of a cavity in something else. @pre the chain is closed.
 /// @return true if the box of one piece lies in that of another: their winding numbers must be looked at.
@@ -50,6 +53,9 @@ bool turnPieces(Chain& chain, CloseReport& report);
 
 /// True if every edge has one triangle on each side and the triangles at every vertex form one fan.
 bool isClosedManifold(const Mesh& mesh);
+
+/// The error for a mesh that needs a step which CloseOptions::only leaves out.
+Error missingStep(std::string found, CloseStep step, const CloseOptions& options);
 
 /// "3 holes", "1 hole".
 std::string counted(std::size_t n, const char* singular, const char* plural);

@@ -36,9 +36,6 @@ const std::set<std::string> kRefused = {"points-only-tooth.ply", "cbct-jaws-teet
                                         "ct-skull-phantom-128-intensity.nrrd"};
 
 // Every file of the folder but its README; one empty name when there is no folder, so that the test says so.
-// A soup of bone patches with open seams and tooth shells stuck through it: no exact repair is found, and Kerf says so.
-const std::set<std::string> kWrapped = {"mandible-with-teeth-nasty.obj"};
-
 std::vector<std::string> filesOfFolder(bool refused) {
   std::vector<std::string> names;
   std::error_code missing;
@@ -273,7 +270,7 @@ TEST_P(DataWalk, BakeCutExportReadBack) {
   const double bake_seconds = seconds() - start;
   const auto solid = readCaseSolid(case_folder);
   ASSERT_TRUE(solid) << solid.error().message();
-  EXPECT_EQ(baked->manifest.exact, !kWrapped.count(source_file.filename().string())) << "wrapped: the scan is not kept";
+  EXPECT_TRUE(baked->manifest.exact) << "wrapped: the scan is not kept";
 
   std::set<Place> of_solid;
   for (const Vec3d& p : solid->vertices) of_solid.insert(place(p));

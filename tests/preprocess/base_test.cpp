@@ -28,7 +28,6 @@ Mesh arch(int along = 160, int across = 24) {
       m.triangles.push_back({id(i, j), id(i, j + 1), id(i + 1, j + 1)});
       m.triangles.push_back({id(i, j), id(i + 1, j + 1), id(i + 1, j)});
     }
-  for (Triangle& t : m.triangles) std::swap(t[1], t[2]);
   return m;
 }
 

@@ -1,4 +1,4 @@
-#include "preprocess/bake.h"
+#include "preprocess/pair.h"
 
 #include <fmt/format.h>
 
@@ -17,10 +17,10 @@ namespace {
 
 struct Arguments {
   std::vector<std::string> inputs;
-  std::string output, base_direction, occlusal_plane;
-  double base_height = 0;  // 0: by the margin
+  std::string output, close = "auto", base_direction, occlusal_plane;
+  double base_height = 0, fill_up_to = 0;  // 0: by the margin, by the size
   BakeOptions options;
-  bool json = false;
+  bool pair = false, json = false;
 };
 
 Expected<Vec3d> axis(const std::string& name) {
@@ -31,6 +31,30 @@ Expected<Vec3d> axis(const std::string& name) {
   if (it == kAxes.end())
     return fail({Error::Code::kBadValue, "", "--base-direction", "\"" + name + "\"", "+x, -x, +y, -y, +z or -z", ""});
   return it->second;
+}
+
+/// A mode, or steps with commas.
+Expected<void> readClose(const std::string& text, CloseOptions& options) {
+  static const std::map<std::string, CloseMode> kModes{{"auto", CloseMode::kAuto},
+                                                       {"base", CloseMode::kBase},
+                                                       {"repair", CloseMode::kRepair},
+                                                       {"wrap", CloseMode::kWrap}};
+  if (const auto mode = kModes.find(text); mode != kModes.end()) {
+    options.mode = mode->second;
+    return {};
+  }
+  for (std::size_t at = 0; at <= text.size();) {
+    const std::size_t end = std::min(text.find(',', at), text.size());
+    const std::string name = text.substr(at, end - at);
+    const auto known = std::find(kCloseStepNames.begin(), kCloseStepNames.end(), name);
+    if (known == kCloseStepNames.end())
+      return fail({Error::Code::kBadValue, "", "--close", "\"" + name + "\"",
+                   "auto, base, repair, wrap, or some of weld,drop,stitch,orient,fill,base,union,wrap with commas",
+                   "--close weld,orient,fill"});
+    options.only.insert(static_cast<CloseStep>(known - kCloseStepNames.begin()));
+    at = end + 1;
+  }
+  return {};
 }
 
 /// NX,NY,NZ or NX,NY,NZ@PX,PY,PZ.
@@ -108,7 +132,33 @@ nlohmann::json toJson(const BakeReport& r) {
   return j;
 }
 
+int runPair(const Arguments& a, const std::vector<std::filesystem::path>& paths) {
+  if (paths.size() != 2)
+    return complain({Error::Code::kBadValue, "", "--pair", fmt::format("{} meshes", paths.size()),
+                     "two: the jaws that meet", "kerf bake --pair upper.ply lower.ply -o patient"}),
+           kUsage;
+  const std::array<std::filesystem::path, 2> meshes{paths[0], paths[1]};
+  const auto folders = pairFolders(meshes, a.output);
+  if (!folders) return complain(folders.error()), kUsage;
+  auto reports = [&] {
+    TerminalProgress progress;
+    return bakePair(meshes, *folders, a.options, progress.callback());
+  }();
+  if (!reports) return complain(reports.error());
+  nlohmann::json all;
+  for (std::size_t k = 0; k < 2; ++k) {
+    if (!a.json) fmt::print("{}case written: {}\n", describe((*reports)[k]), (*folders)[k].string());
+    all["pair"].push_back(toJson((*reports)[k]));
+    all["pair"].back()["case"] = (*folders)[k].string();
+  }
+  all["frame"] = (*reports)[0].manifest.pair->frame;
+  if (a.json) printJson(all);
+  return kOk;
+}
+
 int run(Arguments& a) {
+  if (const auto close = readClose(a.close, a.options.close); !close) return complain(close.error()), kUsage;
+  if (a.fill_up_to > 0) a.options.close.fill_up_to_mm = a.fill_up_to;
   if (!a.base_direction.empty()) {
     const auto direction = axis(a.base_direction);
     if (!direction) return complain(direction.error()), kUsage;
@@ -124,6 +174,7 @@ int run(Arguments& a) {
   if (a.base_height > 0) a.options.close.base_height_mm = a.base_height;
   a.options.close.cleanup_length_mm = 0.01 * a.options.voxelize.voxel_mm;
   std::vector<std::filesystem::path> paths(a.inputs.begin(), a.inputs.end());
+  if (a.pair) return runPair(a, paths);
   const auto recipe = std::find_if(paths.begin(), paths.end(), looksLikeRecipe);
   if (recipe != paths.end() && paths.size() > 1)
     return complain({Error::Code::kBadValue, recipe->string(), "", "a recipe beside other files", "the recipe alone",
@@ -148,24 +199,28 @@ void addBake(CLI::App& app, int& exit_code) {
   auto a = std::make_shared<Arguments>();
   CLI::App* c = app.add_subcommand(
       "bake", "Turn mesh files or a case recipe into a case: closed solid, distance field, materials, point shell");
-  c->footer("Examples: kerf bake upper.ply -o upper.case --voxel 0.1\n          kerf bake molar.toml -o molar.case");
+  c->footer(
+      "Examples: kerf bake upper.ply -o upper.case --voxel 0.1\n          kerf bake molar.toml -o molar.case\n"
+      "          kerf bake --pair upper.ply lower.ply -o patient --occlusal-plane auto --base-height 20");
   c->add_option(
        "INPUT", a->inputs,
        "STL, PLY, OBJ, OFF or 3MF; several are united into one object. Or one recipe (.toml) that puts tissues "
        "together from meshes, depths and label volumes")
       ->required();
   c->add_option("-o,--output", a->output, "case folder to write")->required();
+  c->add_flag("--pair", a->pair,
+              "two jaws that meet: two cases, NAME-STEM.case after -o NAME and the files' names, that share one frame");
   c->add_option("--unit", a->options.unit,
                 "unit of the files: mm, cm, m, um, inch (default: as declared, or by size, with the reason said)");
-  const std::map<std::string, CloseMode> modes{{"auto", CloseMode::kAuto},
-                                               {"base", CloseMode::kBase},
-                                               {"repair", CloseMode::kRepair},
-                                               {"wrap", CloseMode::kWrap}};
-  c->add_option("--close", a->options.close.mode,
+  c->add_option("--close", a->close,
                 "auto: least repair, a flat base for an open scan | base | repair: never a base | wrap: shrink-wrap, "
-                "approximate")
-      ->transform(CLI::CheckedTransformer(modes, CLI::ignore_case))
-      ->default_str("auto");
+                "approximate | or exactly some of weld,drop,stitch,orient,fill,base,union,wrap with commas")
+      ->capture_default_str();
+  c->add_option("--stitch-mm", a->options.close.stitch_mm, "join boundaries no farther apart [mm]; 0: none")
+      ->capture_default_str();
+  c->add_option("--fill-holes-up-to", a->fill_up_to,
+                "a longer boundary [mm around] is no hole (default: judged by the size of the mesh)")
+      ->check(CLI::PositiveNumber);
   const std::map<std::string, BaseStyle> styles{{"horseshoe", BaseStyle::kHorseshoe}, {"full", BaseStyle::kFull}};
   c->add_option("--base", a->options.close.base_style,
                 "horseshoe: walls follow the rim | full: on a plate under the outline of the rim")

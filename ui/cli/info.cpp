@@ -63,6 +63,12 @@ Expected<json> caseInfo(const fs::path& folder) {
   for (const CasePart& p : m.parts)
     j["parts"].push_back(
         {{"material", p.material}, {"origin", p.origin}, {"own_mm3", p.own_mm3}, {"volume_mm3", p.volume_mm3}});
+  if (m.pair) {
+    const fs::path partner = (folder / ".").lexically_normal().parent_path().parent_path() / m.pair->partner;
+    const auto other = readCaseManifest(partner);
+    const bool meets = other && other->pair && other->pair->frame == m.pair->frame;
+    j["pair"] = {{"frame", m.pair->frame}, {"partner", m.pair->partner}, {"partner_is_beside", meets}};
+  }
   for (const CaseSource& s : m.sources)
     j["sources"].push_back({{"stored_as", s.stored_as},
                             {"format", s.format},

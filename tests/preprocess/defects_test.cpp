@@ -1,0 +1,255 @@
+// Every defect scans come with, made on purpose on an arch of our own: the result is a solid, the report names what was
+// done, and the vertices that need no change are kept bit for bit.
+#include <gtest/gtest.h>
+
+#include <numbers>
+#include <random>
+
+#include "tests/preprocess/solid_checks.h"
+
+namespace kerf {
+namespace {
+
+/// An open arch: half a ring of mean radius 22 mm, 9 mm wide and 8 mm high, open below, normals out.
+Mesh arch(int along = 120, int across = 20) {
+  Mesh m;
+  for (int i = 0; i <= along; ++i)
+    for (int j = 0; j <= across; ++j) {
+      const double a = std::numbers::pi * i / along, b = std::numbers::pi * j / across;
+      const double r = 22 - 4.5 * std::cos(b), z = 8 * std::sin(b) + 0.5 * std::pow(std::sin(b), 8) * std::cos(28 * a);
+      m.vertices.push_back(roundedToFloat(Vec3d(r * std::cos(a), r * std::sin(a), z)));
+    }
+  const auto id = [&](int i, int j) { return static_cast<std::uint32_t>(i * (across + 1) + j); };
+  for (int i = 0; i < along; ++i)
+    for (int j = 0; j < across; ++j) {
+      m.triangles.push_back({id(i, j), id(i, j + 1), id(i + 1, j + 1)});
+      m.triangles.push_back({id(i, j), id(i + 1, j + 1), id(i + 1, j)});
+    }
+  return m;
+}
+
+/// Without the triangles that `drop` picks by number and corners.
+template <class F>
+Mesh without(const Mesh& m, F&& drop) {
+  std::vector<char> keep;
+  for (std::size_t t = 0; t < m.triangles.size(); ++t) keep.push_back(!drop(t));
+  return subset(m, keep);
+}
+Vec3d middle(const Mesh& m, std::size_t t) { return (m.corner(t, 0) + m.corner(t, 1) + m.corner(t, 2)) / 3; }
+
+/// How many vertices of `m` are not in the solid, bit for bit.
+std::size_t lost(const Solid& s, const Mesh& m) {
+  std::set<std::array<double, 3>> places;
+  for (const Vec3d& p : s.mesh.vertices) places.insert({p.x(), p.y(), p.z()});
+  std::size_t n = 0;
+  for (const Vec3d& p : m.vertices) n += !places.count({p.x(), p.y(), p.z()});
+  return n;
+}
+
+testing::AssertionResult says(const Solid& s, const std::string& what) {
+  for (const std::string& change : s.report.changes)
+    if (change.find(what) != std::string::npos) return testing::AssertionSuccess();
+  return testing::AssertionFailure() << "no change says \"" << what
+                                     << "\" but: " << fmt::format("{}", fmt::join(s.report.changes, "; "));
+}
+
+TEST(Defects, NoneButTheMissingUnderside) {
+  const Mesh m = arch();
+  const Solid s = closed(m);
+  EXPECT_EQ(lost(s, m), 0u);
+  EXPECT_EQ(s.report.changes.size(), 1u);
+  EXPECT_TRUE(says(s, "a rim"));
+}
+
+TEST(Defects, RaggedRim) {
+  std::mt19937 random(7);
+  const Mesh whole = arch();
+  const Mesh m = without(whole, [&](std::size_t t) { return middle(whole, t).z() < 1.5 && random() % 2 == 0; });
+  const Solid s = closed(m);
+  EXPECT_LT(lost(s, m), m.vertices.size() / 50);  // only islands and teeth of the rim that hang over others
+  EXPECT_TRUE(says(s, "rim"));
+}
+
+TEST(Defects, FloatingIslands) {
+  Mesh m = arch();
+  const Mesh arch_only = m;
+  for (int k = 0; k < 3; ++k) {
+    Mesh island;
+    const double x = 4.0 * k;
+    island.vertices = {{x, 2, 9}, {x + 0.5, 2, 9}, {x, 2.5, 9}, {x + 0.5, 2.5, 9.2}};
+    island.triangles = {{0, 1, 2}, {1, 3, 2}};
+    append(m, island);
+  }
+  const Solid s = closed(m);
+  EXPECT_EQ(s.report.crumbs_dropped, 3u);
+  EXPECT_TRUE(says(s, "open crumbs were dropped"));
+  EXPECT_EQ(lost(s, arch_only), 0u);
+}
+
+TEST(Defects, SpikesAndFins) {
+  Mesh m = arch();
+  const Mesh arch_only = m;
+  // A spike: one vertex pulled through the opposite wall. A fin: a triangle standing on an inner edge.
+  const std::uint32_t spike = 60 * 21 + 6;
+  m.vertices[spike] = roundedToFloat(Vec3d(m.vertices[spike] + Vec3d(0, 12, 0)));
+  m.vertices.push_back({0, 22, 10.5});
+  const Triangle f = m.triangles[2 * (30 * 20 + 10)];
+  m.triangles.push_back({f[0], f[1], static_cast<std::uint32_t>(m.vertices.size() - 1)});
+  const Solid s = closed(m);
+  EXPECT_TRUE(says(s, "crossed or touched"));
+  EXPECT_LT(lost(s, arch_only), 10u);
+}
+
+TEST(Defects, BowTies) {
+  const Mesh whole = arch();
+  // Two holes that meet in one vertex.
+  const std::uint32_t v = 60 * 21 + 10;
+  std::size_t seen = 0;
+  const Mesh m = without(whole, [&](std::size_t t) {
+    const Triangle& f = whole.triangles[t];
+    const bool at = f[0] == v || f[1] == v || f[2] == v;
+    return at && (seen++ % 3 == 0);
+  });
+  ASSERT_LT(m.triangles.size(), whole.triangles.size() - 1);
+  const Solid s = closed(m);
+  EXPECT_EQ(lost(s, m), 0u);
+  EXPECT_GE(s.report.holes_filled, 2u);
+  EXPECT_TRUE(says(s, "filled"));
+}
+
+TEST(Defects, DoubleLayer) {
+  const Mesh whole = arch();
+  Mesh m = whole;
+  Mesh patch = without(whole, [&](std::size_t t) { return middle(whole, t).z() < 4; });
+  for (Vec3d& p : patch.vertices) p = roundedToFloat(Vec3d(p + Vec3d(0.01, 0.02, -0.05)));
+  append(m, patch);
+  const Solid s = closed(m);
+  EXPECT_EQ(edgeConnectedPieces(s.mesh).count, 1u);
+  EXPECT_NEAR(signedVolume(s.mesh), signedVolume(closed(whole).mesh),
+              60);  // of some 3000 mm3: the layer may close itself below
+}
+
+TEST(Defects, FlippedPatch) {
+  Mesh m = arch();
+  for (std::size_t t = 0; t < m.triangles.size(); ++t)
+    if ((middle(m, t) - Vec3d(0, 22, 8)).norm() < 4) std::swap(m.triangles[t][1], m.triangles[t][2]);
+  const Solid s = closed(m);
+  EXPECT_GT(s.report.triangles_flipped, 20u);
+  EXPECT_TRUE(says(s, "turned to agree"));
+  EXPECT_EQ(lost(s, m), 0u);
+}
+
+TEST(Defects, TwentyEightPinHoles) {
+  const Mesh whole = arch();
+  const Mesh m = without(whole, [&](std::size_t t) { return t % 170 == 85; });
+  ASSERT_EQ(whole.triangles.size() - m.triangles.size(), 28u);
+  const Solid s = closed(m);
+  EXPECT_EQ(s.report.holes_filled, 28u);
+  EXPECT_TRUE(says(s, "28 holes were filled"));
+  EXPECT_EQ(lost(s, m), 0u);
+  EXPECT_EQ(s.report.triangles_kept, m.triangles.size());
+}
+
+TEST(Defects, Unwelded) {
+  const Mesh whole = arch();
+  Mesh m;
+  for (const Triangle& f : whole.triangles) {
+    const auto n = static_cast<std::uint32_t>(m.vertices.size());
+    for (const std::uint32_t v : f) m.vertices.push_back(whole.vertices[v]);
+    m.triangles.push_back({n, n + 1, n + 2});
+  }
+  const Solid s = closed(m);
+  EXPECT_TRUE(says(s, "welded"));
+  EXPECT_EQ(s.report.vertices_welded, m.vertices.size() - whole.vertices.size());
+  EXPECT_EQ(lost(s, m), 0u);
+  EXPECT_EQ(signedVolume(s.mesh), signedVolume(closed(whole).mesh));
+}
+
+TEST(Defects, SixteenPiecesThroughEachOther) {
+  Mesh m;
+  for (int k = 0; k < 16; ++k) {
+    Mesh crown = ball(14, 28, 4);
+    const double a = std::numbers::pi * k / 15;
+    for (Vec3d& p : crown.vertices)
+      p = roundedToFloat(Vec3d(p + Vec3d(30 * std::cos(a), 30 * std::sin(a), 0.3 * (k % 3))));
+    append(m, crown);
+  }
+  const Solid s = closed(m);
+  EXPECT_EQ(edgeConnectedPieces(s.mesh).count, 1u);
+  EXPECT_GT(s.report.crossings_resolved, 100u);
+  EXPECT_TRUE(says(s, "crossed or touched"));
+}
+
+TEST(Defects, SeamMeshedDifferentlyOnEitherSideIsStitched) {
+  // A ball in two halves that do not share vertices: the lower one has twice as many sectors, and stands 0.0004 mm off.
+  const auto half = [](int sectors, bool upper) {
+    const Mesh whole = ball(20, sectors, 5);
+    return without(whole, [&](std::size_t t) { return (middle(whole, t).z() > 0) != upper; });
+  };
+  Mesh m = half(40, true), lower = half(80, false);
+  // The equator of the finer half onto the chords of the coarser.
+  for (Vec3d& p : lower.vertices) {
+    if (std::abs(p.z()) > 1e-6) continue;
+    const double step = 2 * std::numbers::pi / 40, a = std::atan2(p.y(), p.x()), n = std::floor(a / step + 1e-3);
+    const double s = a / step - n;
+    if (s > 0.1)
+      p = 0.5 *
+          (Vec3d(std::cos(n * step), std::sin(n * step), 0) +
+           Vec3d(std::cos((n + 1) * step), std::sin((n + 1) * step), 0)) *
+          5;
+    p = roundedToFloat(Vec3d(p + Vec3d(0, 0, -4e-4)));
+  }
+  append(m, lower);
+  const Solid s = closed(m, {.mode = CloseMode::kRepair});
+  EXPECT_TRUE(says(s, "seams were stitched"));
+  EXPECT_EQ(s.report.seam_vertices, 80u);
+  EXPECT_EQ(s.report.holes_filled, 0u);
+  EXPECT_GT(s.report.largest_move_mm, 3e-4);
+  EXPECT_LT(s.report.largest_move_mm, 1e-3);
+  EXPECT_EQ(lost(s, m), 40u);  // the finer half's vertices that were joined with the coarser's
+  const auto apart = closeMesh(m, {.mode = CloseMode::kRepair, .stitch_mm = 0});
+  ASSERT_TRUE(!apart || apart->report.holes_filled > 0) << "without stitching it is two bowls";
+}
+
+TEST(Steps, ExactlyThoseAskedForAreDone) {
+  const Mesh whole = arch();
+  const Mesh m = without(whole, [&](std::size_t t) { return t % 170 == 85; });
+  using S = CloseStep;
+  const Solid s = closed(m, {.only = {S::kFill, S::kBase}});
+  EXPECT_EQ(s.report.holes_filled, 28u);
+  EXPECT_EQ(s.mesh.vertices, closed(m).mesh.vertices);
+}
+
+TEST(Steps, OneThatIsMissingIsNamed) {
+  using S = CloseStep;
+  const auto hintFor = [](const Mesh& m, std::set<S> only) {
+    const auto s = closeMesh(m, {.only = std::move(only)});
+    EXPECT_FALSE(s);
+    return s ? std::string() : s.error().hint;
+  };
+  const Mesh whole = arch();
+  EXPECT_EQ(hintFor(whole, {S::kFill}), "--close fill,base");
+  EXPECT_EQ(hintFor(without(whole, [](std::size_t t) { return t == 2400; }), {S::kBase}), "--close fill,base");
+  Mesh turned = ball(12, 24, 5);
+  std::swap(turned.triangles[40][1], turned.triangles[40][2]);
+  EXPECT_EQ(hintFor(turned, {S::kWeld}), "--close weld,orient");
+  EXPECT_EQ(hintFor(flipped(ball(12, 24, 5)), {S::kWeld}), "--close weld,orient");
+  EXPECT_EQ(hintFor(both(box(0, 2), box(1, 3)), {S::kWeld}), "--close weld,union");
+  Mesh twice = box(0, 2);
+  twice.vertices.push_back(twice.vertices[7]);
+  twice.triangles[11][1] = 8;
+  ASSERT_EQ(twice.vertices[8], Vec3d(2, 2, 2));
+  EXPECT_EQ(hintFor(twice, {S::kUnite}), "--close weld,union");
+}
+
+TEST(Steps, HolesAreFilledUpToALimit) {
+  const Mesh whole = ball(20, 40, 5);
+  const Mesh m = without(whole, [&](std::size_t t) { return middle(whole, t).z() > 4; });
+  const auto s = closeMesh(m, {.mode = CloseMode::kRepair, .fill_up_to_mm = 10});
+  ASSERT_FALSE(s);
+  EXPECT_NE(s.error().hint.find("--fill-holes-up-to"), std::string::npos);
+  EXPECT_EQ(closed(m, {.mode = CloseMode::kRepair, .fill_up_to_mm = 40}).report.holes_filled, 1u);
+}
+
+}  // namespace
+}  // namespace kerf
