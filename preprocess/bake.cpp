@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <future>
 #include <map>
 #include <memory>
 #include <span>
@@ -80,6 +81,15 @@ std::optional<CaseManifest> existing(const fs::path& case_folder, const std::str
       !requireSha256(case_folder / kCaseAnatomy, manifest->field_sha256, ""))
     return {};
   return std::move(*manifest);
+}
+
+// Checks the sources in a thread of its own. The future's destructor waits, so the meshes must outlive it.
+std::future<std::vector<MeshReport>> checkAside(const std::vector<Mesh>& sources) {
+  return std::async(std::launch::async, [&sources] {
+    std::vector<MeshReport> reports;
+    for (const Mesh& mesh : sources) reports.push_back(checkMesh(mesh));
+    return reports;
+  });
 }
 
 // What a bake works on, whatever it came from.
@@ -222,12 +232,10 @@ Expected<BakeReport> bake(const std::vector<fs::path>& meshes, const fs::path& c
   KERF_TRY(sources, internal::readMeshSources(meshes, hashes, options.unit, true, staging.staging(), out,
                                               part(progress, 0, 0.05)));
   out.times.read = watch.lap();
-  if (!report(progress, 0.05, "checking")) return cancelError();
-  for (const Mesh& mesh : sources) out.source_checks.push_back(checkMesh(mesh));
-  out.times.check = watch.lap();
-
-  if (!report(progress, 0.1, "closing")) return cancelError();
-  auto solid = closeMeshes(sources, options.close, part(progress, 0.1, 0.3));
+  // What was wrong with the sources is only for the report: looked at while closing mends it.
+  auto checks = checkAside(sources);
+  if (!report(progress, 0.05, "closing")) return cancelError();
+  auto solid = closeMeshes(sources, options.close, part(progress, 0.05, 0.3));
   if (!solid) {
     if (solid.error().file.empty() && meshes.size() == 1) solid.error().file = meshes[0].string();
     return fail(solid.error());
@@ -236,6 +244,8 @@ Expected<BakeReport> bake(const std::vector<fs::path>& meshes, const fs::path& c
   out.manifest.changes = out.close.changes;
   out.manifest.exact = out.close.exact;
   out.times.close = watch.lap();
+  out.source_checks = checks.get();
+  out.times.check = watch.lap();
   KERF_CHECK(finish({std::move(solid->mesh), {}}, options, materials, staging, out, watch, progress));
   return out;
 }
@@ -284,7 +294,7 @@ Expected<BakeReport> bakeRecipe(const fs::path& recipe_file, const fs::path& cas
 
   KERF_TRY(meshes, internal::readMeshSources(paths, hashes, options.unit, true, staging.staging(), out,
                                              part(progress, 0, 0.05)));
-  for (const Mesh& mesh : meshes) out.source_checks.push_back(checkMesh(mesh));
+  auto checks = checkAside(meshes);
   LabelObject labels;
   if (recipe.labels) {
     KERF_TRY(read, readLabels(recipe, hashes.back(), staging.staging(), out, part(progress, 0.05, 0.15)));
@@ -318,6 +328,8 @@ Expected<BakeReport> bakeRecipe(const fs::path& recipe_file, const fs::path& cas
   out.manifest.changes = changes;
   out.manifest.exact = out.close.exact;
   out.times.close = watch.lap();
+  out.source_checks = checks.get();
+  out.times.check = watch.lap();
 
   for (const RecipePart& p : recipe.parts) {
     MaterialClaim claim;

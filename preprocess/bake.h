@@ -27,7 +27,7 @@ struct BakeOptions {
   bool overwrite = false;
 };
 
-struct BakeTimes {  // seconds
+struct BakeTimes {  // seconds; `check` is what checking took longer than closing, beside which it runs
   double read = 0, check = 0, close = 0, voxelize = 0, write = 0;
   double total() const { return read + check + close + voxelize + write; }
 };

@@ -239,23 +239,30 @@ Expected<Plan> planSlices(const fs::path& folder, std::vector<fs::path> files, V
   return plan;
 }
 
-// GDCM asserts, that is ends the program, on some broken files. So a child process reads them first.
-bool survivesReading(const std::vector<fs::path>& files, std::uint64_t max_bytes) {
+// The libraries that take slices apart end the program on some broken files, and never end on others (GDCM asserts, for
+// one). So a child process reads every slice first, within a time that is ample for a slow disk.
+bool survivesReading(const std::vector<fs::path>& files, VolumeFormat format, std::uint64_t max_bytes) {
+  constexpr double kLeastSeconds = 5, kBytesPerSecond = 5e6;
+  double total = 0;
+  std::error_code ignored;
+  for (const fs::path& f : files)
+    if (const auto size = fs::file_size(f, ignored); !ignored) total += static_cast<double>(size);
+  const auto seconds = static_cast<unsigned>(std::min(kLeastSeconds + total / kBytesPerSecond, 3600.0));
   const pid_t child = fork();
   if (child < 0) return false;
   if (child == 0) {
     const int nowhere = open("/dev/null", O_WRONLY);
     if (nowhere >= 0) dup2(nowhere, 2);
-    alarm(300);
+    alarm(seconds);
     for (const fs::path& f : files) {
-      if (!internal::isDicom(f)) continue;
-      const auto h = internal::readVolumeHeader(f, VolumeFormat::kDicom);
+      if (format == VolumeFormat::kDicom && !internal::isDicom(f)) continue;
+      const auto h = internal::readVolumeHeader(f, format);
       if (!h) continue;
       double bytes = static_cast<double>(bytesOf(h->type)) * h->components;
       for (const auto s : h->size) bytes *= static_cast<double>(s);
       if (!(bytes <= static_cast<double>(max_bytes))) continue;
       std::vector<std::byte> values(static_cast<std::size_t>(bytes));
-      (void)internal::readVolumeValues(f, VolumeFormat::kDicom, values.data(), values.size());
+      (void)internal::readVolumeValues(f, format, values.data(), values.size());
     }
     _exit(0);
   }
@@ -374,10 +381,14 @@ Expected<Plan> planFor(const fs::path& path, const LabelReadOptions& options, co
   if (kinds.size() > 1)
     return fail({Error::Code::kUnsupported, path.string(), "", "pictures of different formats", "one of PNG, TIFF, BMP",
                  "keep only the slices in the folder"});
-  if (kinds.size() == 1) return planSlices(path, std::move(pictures), *kinds.begin());
-  if (!survivesReading(files, options.max_bytes))
-    return fail({Error::Code::kBadFormat, path.string(), "", "a file that the DICOM reader (GDCM) can not bear",
-                 "a folder of sound DICOM slices", "export the series again, and leave other files out of the folder"});
+  if (!report(progress, 0, "trying the slices"))
+    return fail({Error::Code::kCancelled, path.string(), "", "cancelled", "", ""});
+  const bool are_pictures = kinds.size() == 1;
+  if (!survivesReading(are_pictures ? pictures : files, are_pictures ? *kinds.begin() : VolumeFormat::kDicom,
+                       options.max_bytes))
+    return fail({Error::Code::kBadFormat, path.string(), "", "a slice that the library reading it can not bear",
+                 "a folder of sound slices", "export the series again, and leave other files out of the folder"});
+  if (are_pictures) return planSlices(path, std::move(pictures), *kinds.begin());
   return planDicom(path, files, progress);
 }
 

@@ -4,10 +4,12 @@
 #include <openvdb/openvdb.h>
 #include <openvdb/points/PointDataGrid.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 
 #include "geometry/internal/vdb_writer.h"
+#include "preprocess/internal/available_memory.h"
 #include "preprocess/internal/mesh_field.h"
 #include "preprocess/internal/paint_materials.h"
 #include "preprocess/internal/point_shell.h"
@@ -42,12 +44,21 @@ internal::Bands bandsOf(const VoxelizeOptions& o) {
 
 }  // namespace
 
-std::uint64_t estimateBakeBytes(double surface_area_mm2, const VoxelizeOptions& options) {
-  // Per mm^2 of surface a band of leaves about (bands + 8) voxels thick; field, library's working copy of it (distance,
-  // nearest triangle), material and shell together cost about 26 bytes a voxel.
-  const internal::Bands bands = bandsOf(options);
-  const double h = options.voxel_mm, layers = static_cast<double>(bands.exterior + bands.interior) + 8;
-  return static_cast<std::uint64_t>(surface_area_mm2 / (h * h) * layers * 26);
+std::uint64_t estimateBakeBytes(const Mesh& solid, const VoxelizeOptions& options,
+                                std::span<const MaterialClaim> claims) {
+  // Per mm^2 of surface a band of leaves about (bands + 8) voxels thick. The field and the library's working copy of it
+  // (distance, nearest triangle) cost about 14 bytes a voxel, materials and shell 12 more.
+  const double h = options.voxel_mm, area = surfaceArea(solid) / (h * h);
+  const auto layers = [](const internal::Bands& b) { return static_cast<double>(b.exterior + b.interior) + 8; };
+  const double field = area * layers(bandsOf(options)) * 26;
+  double most = 0;  // of what one claim needs for a while
+  for (const MaterialClaim& claim : claims) {
+    if (claim.solid) most = std::max(most, surfaceArea(*claim.solid) / (h * h) * layers({1, 1}) * 14);
+    if (claim.depth) most = std::max(most, area * layers({1, static_cast<float>(claim.depth->depth_mm / h)}) * 18);
+  }
+  // With claims the labels are written out voxel by voxel before uniform regions are merged again.
+  const double labels = claims.empty() ? 0 : std::max(0.0, signedVolume(solid)) / (h * h * h) * 4.2;
+  return static_cast<std::uint64_t>(field + most + labels);
 }
 
 Expected<void> checkVoxelSize(double voxel_mm) {
@@ -60,15 +71,20 @@ Expected<Anatomy> voxelize(const Mesh& solid, const VoxelizeOptions& options, co
                            std::span<const MaterialClaim> claims) {
   const double h = options.voxel_mm;
   KERF_CHECK(checkVoxelSize(h));
-  const double area = surfaceArea(solid);
-  if (const std::uint64_t need = estimateBakeBytes(area, options); need > options.max_bytes) {
-    VoxelizeOptions fits = options;
-    while (estimateBakeBytes(area, fits) > options.max_bytes) fits.voxel_mm *= 1.02;
+  const std::uint64_t most = std::min(options.max_bytes, internal::availableMemory() / 5 * 4);
+  const auto need = [&](double voxel_mm) {
+    VoxelizeOptions o = options;
+    o.voxel_mm = voxel_mm;
+    return estimateBakeBytes(solid, o, claims);
+  };
+  if (need(h) > most) {
+    double fits = h;
+    while (need(fits) > most) fits *= 1.02;
     return fail({Error::Code::kBadValue, "", "voxel size",
                  fmt::format("{} mm would need about {:.1f} GB for {:.0f} mm2 of surface", h,
-                             static_cast<double>(need) / 1e9, area),
-                 fmt::format("at most {:.1f} GB", static_cast<double>(options.max_bytes) / 1e9),
-                 fmt::format("--voxel {:.3f}", std::ceil(fits.voxel_mm * 1000) / 1000)});
+                             static_cast<double>(need(h)) / 1e9, surfaceArea(solid)),
+                 fmt::format("at most {:.1f} GB", static_cast<double>(most) / 1e9),
+                 fmt::format("--voxel {:.3f}", std::ceil(fits * 1000) / 1000)});
   }
   const Box3 box = bounds(solid);
   if ((box.max.cwiseAbs().cwiseMax(box.min.cwiseAbs()) / h).maxCoeff() > (1 << 20) * 7.0)

@@ -77,8 +77,9 @@ class Anatomy {
 /// 0.005 to 5 mm; not a number is refused like any other.
 Expected<void> checkVoxelSize(double voxel_mm);
 
-/// Bytes the bake of this mesh will need at peak, from its area; good to a factor of 1.5.
-std::uint64_t estimateBakeBytes(double surface_area_mm2, const VoxelizeOptions& options);
+/// Bytes that voxelizing will need at peak; good to a factor of 2.
+std::uint64_t estimateBakeBytes(const Mesh& solid, const VoxelizeOptions& options,
+                                std::span<const MaterialClaim> claims = {});
 
 /// Narrow-band field by OpenVDB's meshToVolume, cavities included (each nesting level apart: the library fills voids
 /// that its flood fill cannot reach). The shell holds the nodes |phi| < 1.5 voxels with inward normal, area weight
