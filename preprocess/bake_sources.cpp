@@ -37,7 +37,12 @@ std::vector<fs::path> filesIn(const fs::path& folder) {
 
 Expected<std::string> sha256OfSource(const fs::path& path) {
   std::error_code ignored;
-  if (!fs::is_directory(path, ignored)) return sha256OfFile(path);
+  if (fs::is_regular_file(path, ignored)) return sha256OfFile(path);
+  if (!fs::is_directory(path, ignored)) {
+    const bool is_there = fs::exists(path, ignored);  // a device has no end
+    return fail({is_there ? Error::Code::kUnreadable : Error::Code::kNotFound, path.string(), "",
+                 is_there ? "neither a file nor a folder" : "no such file", "a file", "check the path"});
+  }
   std::string text;
   for (const fs::path& file : filesIn(path)) {
     KERF_TRY(hash, sha256OfFile(file));

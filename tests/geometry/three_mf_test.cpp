@@ -10,6 +10,9 @@
 #include "geometry/mesh_writer.h"
 #include "tests/geometry/temporary_folder.h"
 #ifdef KERF_HAS_LIB3MF
+#if defined(__SANITIZE_ADDRESS__)
+#include <sanitizer/lsan_interface.h>
+#endif
 #include <Model/COM/NMR_DLLInterfaces.h>
 #endif
 
@@ -290,10 +293,18 @@ TEST_F(ThreeMf, CommentsAreEscaped) {
 
 #ifdef KERF_HAS_LIB3MF
 
+// lib3mf 1.8 never closes the entries it opens in the archive: not a leak of ours.
+struct LeaksOfOthers {
+#if defined(__SANITIZE_ADDRESS__)
+  __lsan::ScopedDisabler off;
+#endif
+};
+
 // lib3mf 1.8 of the 3MF Consortium, strict: warnings are failures.
 class Lib3mf {
  public:
   explicit Lib3mf(const std::filesystem::path& file) {
+    const LeaksOfOthers theirs;
     EXPECT_EQ(NMR::lib3mf_createmodel(&model_), 0);
     EXPECT_EQ(NMR::lib3mf_model_queryreader(model_, "3mf", &reader_), 0);
     EXPECT_EQ(NMR::lib3mf_reader_setstrictmodeactive(reader_, true), 0);

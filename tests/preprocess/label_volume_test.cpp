@@ -265,7 +265,7 @@ TEST(LabelVolume, MutatedFilesAreReadOrRefused) {
         EXPECT_FALSE(v.error().message().empty());
       }
     }
-    EXPECT_GT(read, 0) << name;
+    if (name != "a.png") EXPECT_GT(read, 0) << name;  // a PNG's checksums find every change
     EXPECT_GT(refused, f < 3 ? 50 : 10) << name;
   }
 }

@@ -116,7 +116,9 @@ TEST_F(Cli, OutputsThatCannotBeAreRefusedAndNothingOfOthersIsReplaced) {
   for (const auto& command : {bake(at("mine")), cut(at("mine")), bake(at("box.run")), cut(at("box.case"))})
     refuses(forced(command), {"not made by Kerf"});
   for (const auto& command : {bake(at("file.case")), cut(at("file.case"))}) refuses(forced(command), {"file.case"});
-  refuses(bake(box), {"box.case", "exists already"});
+  std::vector<std::string> finer = bake(box);
+  finer.insert(finer.end(), {"--close", "repair"});
+  refuses(finer, {"box.case", "exists already"});
   refuses(cut(at("box.run")), {"box.run", "exists already"});
   refuses({"tool", "bake", "round-014", "-o", at("mine"), "--force"}, {"not made by Kerf"});
   refuses({"tool", "bake", "round-014", "-o", at("none/x")}, {"none/x"});

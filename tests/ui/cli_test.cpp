@@ -26,7 +26,7 @@ TEST_F(Cli, WithoutArgumentsShowsHelpAndFails) {
 TEST_F(Cli, WrongCommandLinesAreUsageErrors) {
   makeCase();
   refuses({"saw"}, {"no command \"saw\"", "demo-molar"}, 2);
-  refuses({"bake"}, {"MESH"}, 2);
+  refuses({"bake"}, {"INPUT"}, 2);
   refuses({"bake", at("box.off")}, {"--output"}, 2);
   refuses({"bake", at("box.off"), "-o", at("x.case"), "--voxel", "fine"}, {"--voxel"}, 2);
   refuses({"bake", at("box.off"), "-o", at("x.case"), "--close", "sew"}, {"--close"}, 2);
