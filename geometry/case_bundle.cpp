@@ -63,6 +63,16 @@ Expected<void> writeCaseManifest(const std::filesystem::path& folder, const Case
       {"material", materials},
   };
   if (!parts.empty()) root.insert("part", parts);
+  if (m.region) {
+    toml::array line;
+    for (const Vec3d& p : m.region->where.line) line.push_back(vec(p));
+    root.insert("region", toml::table{{"line_mm", line},
+                                      {"radius_mm", m.region->where.radius_mm},
+                                      {"voxel_mm", m.region->where.voxel_mm},
+                                      {"voxels", integer(m.region->field_voxels)},
+                                      {"shell_points", integer(m.region->shell_points)},
+                                      {"shell_area_mm2", m.region->shell_area_mm2}});
+  }
   if (m.pair) root.insert("pair", toml::table{{"frame", m.pair->frame}, {"partner", m.pair->partner}});
   const auto path = folder / kCaseManifest;
   std::ofstream out(path, std::ios::binary);
@@ -164,7 +174,17 @@ Expected<CaseManifest> readCaseManifest(const std::filesystem::path& folder) {
       pair.reject("partner", "\"" + m.pair->partner + "\"", "the name of a case folder, without a path");
     KERF_CHECK(pair.finish());
   }
-  for (const char* name : {"close", "solid", "field", "pair"}) top.allow(name);
+  if (top.has("region")) {
+    TomlTable region(child("region"), path, "region");
+    CaseRegion r;
+    r.where = {region.points("line_mm"), region.number("radius_mm", 1e-3, 1e4), region.number("voxel_mm", 1e-3, 100)};
+    r.field_voxels = static_cast<std::uint64_t>(region.get<std::int64_t>("voxels", "a count"));
+    r.shell_points = static_cast<std::uint64_t>(region.get<std::int64_t>("shell_points", "a count"));
+    r.shell_area_mm2 = region.get<double>("shell_area_mm2", "a number");
+    KERF_CHECK(region.finish());
+    m.region = r;
+  }
+  for (const char* name : {"close", "solid", "field", "region", "pair"}) top.allow(name);
   KERF_CHECK(top.finish());
   return m;
 }
@@ -180,6 +200,15 @@ Expected<BrickField> readCaseField(const std::filesystem::path& folder) {
   KERF_TRY(manifest, readCaseManifest(folder));
   KERF_CHECK(requireSha256(folder / kCaseAnatomy, manifest.field_sha256, "bake the case again"));
   return readVdb(folder / kCaseAnatomy, "phi");
+}
+
+Expected<BrickField> readCaseRegionField(const std::filesystem::path& folder) {
+  KERF_TRY(manifest, readCaseManifest(folder));
+  if (!manifest.region)
+    return fail({Error::Code::kNotFound, folder.string(), "", "no fine region", "a case baked with one",
+                 "kerf bake --fine-along"});
+  KERF_CHECK(requireSha256(folder / kCaseAnatomy, manifest.field_sha256, "bake the case again"));
+  return readVdb(folder / kCaseAnatomy, std::string("phi") + kFineSuffix);
 }
 
 Expected<MaterialField> readCaseMaterials(const std::filesystem::path& folder) {

@@ -4,7 +4,7 @@
 //   source-N.EXT    every imported file, byte for byte (a folder of slices: a folder)
 //   recipe.toml     the case recipe, byte for byte, if there was one
 //   solid.ply       the closed mesh in mm that export cuts: the source's vertices first, in their order (float32)
-//   anatomy.vdb     grids phi (mm, negative inside), material, shell
+//   anatomy.vdb     grids phi (mm, negative inside), material, shell; phi_fine, material_fine, shell_fine of a region
 #pragma once
 
 #include <filesystem>
@@ -14,6 +14,7 @@
 
 #include "geometry/brick_field.h"
 #include "geometry/error.h"
+#include "geometry/fine_region.h"
 #include "geometry/material_field.h"
 #include "geometry/mesh.h"
 
@@ -55,6 +56,13 @@ struct CasePair {
   std::string partner;  ///< name of the other case's folder, which was written beside this one
 };
 
+/// The part of the object that has finer grids too.
+struct CaseRegion {
+  FineRegion where;
+  std::uint64_t field_voxels = 0, shell_points = 0;
+  double shell_area_mm2 = 0;
+};
+
 struct CaseManifest {
   std::string kerf_version;
   std::string id;  ///< sha256 over sources and settings: the same inputs give the same id
@@ -71,6 +79,7 @@ struct CaseManifest {
   Box3 box;  ///< of the solid, mm
   std::uint64_t field_voxels = 0, shell_points = 0;
   double shell_area_mm2 = 0;
+  std::optional<CaseRegion> region;
   std::string solid_sha256, field_sha256;  ///< of solid.ply and anatomy.vdb: a damaged file is refused, not cut
 };
 
@@ -84,6 +93,8 @@ Expected<Mesh> readCaseSolid(const std::filesystem::path& folder);
 /// The baked field phi0. Checked against the manifest before OpenVDB sees it, which does not survive every damaged
 /// file.
 Expected<BrickField> readCaseField(const std::filesystem::path& folder);
+/// The finer field of the case's region: air everywhere outside it. @pre the manifest has a region; else kNotFound.
+Expected<BrickField> readCaseRegionField(const std::filesystem::path& folder);
 /// The labels beside it; checked the same way.
 Expected<MaterialField> readCaseMaterials(const std::filesystem::path& folder);
 

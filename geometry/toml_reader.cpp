@@ -135,6 +135,32 @@ std::vector<double> TomlTable::numbers(const std::string& key, std::size_t count
   return out;
 }
 
+std::vector<Vec3d> TomlTable::points(const std::string& key) {
+  used_.insert(key);
+  std::vector<Vec3d> out;
+  const toml::node* node = table_.get(key);
+  const toml::array* array = node ? node->as_array() : nullptr;
+  if (array)
+    for (const toml::node& item : *array) {
+      const toml::array* point = item.as_array();
+      if (!point || point->size() != 3) break;
+      Vec3d p;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const toml::node& number = (*point)[k];
+        const auto value = number.is_number() ? number.value<double>() : std::nullopt;
+        p[static_cast<Eigen::Index>(k)] = value.value_or(std::numeric_limits<double>::quiet_NaN());
+      }
+      if (!p.allFinite()) break;
+      out.push_back(p);
+    }
+  if (!array || out.empty() || out.size() != array->size()) {
+    keep({Error::Code::kBadFormat, file_.string(), place(key, node ? node : &table_),
+          node ? "of another form" : "missing", "a list of points, as [[0, 0, 5], [10, 0, 5]]", ""});
+    out.assign(1, Vec3d::Zero());
+  }
+  return out;
+}
+
 const toml::array* TomlTable::tables(const std::string& key) {
   used_.insert(key);
   const toml::node* node = table_.get(key);

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "geometry/error.h"
+#include "geometry/types.h"
 
 namespace kerf {
 
@@ -60,6 +61,8 @@ class TomlTable {
   std::vector<std::string> strings(const std::string& key);
   const toml::array* tables(const std::string& key);
   std::vector<double> numbers(const std::string& key, std::size_t count);
+  /// A list of at least one point, each three finite numbers: [[0, 0, 5], [10, 0, 5]].
+  std::vector<Vec3d> points(const std::string& key);
 
   /// The first error, or one for the first key that nobody asked for (with the nearest known key). An unknown key goes
   /// before a missing one: most often it is the missing one, misspelt.

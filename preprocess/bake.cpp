@@ -69,8 +69,25 @@ std::string caseId(std::span<const std::string> hashes, const BakeOptions& o, co
   text += fmt::format("{} {} {}\n", o.unit, nameOf(o.close.mode), canonicalText(o.close));
   text += fmt::format("{} {} {} {} {}\n", o.voxelize.voxel_mm, o.voxelize.exterior_voxels, o.voxelize.interior_voxels,
                       o.voxelize.interior_mm, static_cast<int>(o.voxelize.material));
+  if (o.region) {
+    text += fmt::format("region {} {}", o.region->radius_mm, o.region->voxel_mm);
+    for (const Vec3d& p : o.region->line) text += fmt::format(" {} {} {}", p[0], p[1], p[2]);
+    text += '\n';
+  }
   if (o.pair) text += fmt::format("{} {}\n", o.pair->frame, o.pair->partner);
   return sha256(std::as_bytes(std::span(text.data(), text.size())));
+}
+
+// Fills in the sizes that are left to the program, and refuses what can not be.
+Expected<void> settleSizes(BakeOptions& o) {
+  KERF_CHECK(checkVoxelSize(o.voxelize.voxel_mm));
+  if (!o.region) return {};
+  if (o.region->voxel_mm == 0) o.region->voxel_mm = o.voxelize.voxel_mm / 2;
+  KERF_CHECK(checkVoxelSize(o.region->voxel_mm));
+  if (o.region->voxel_mm < o.voxelize.voxel_mm) return {};
+  return fail({Error::Code::kBadValue, "", "voxel size of the fine region", fmt::format("{} mm", o.region->voxel_mm),
+               fmt::format("less than the object's, {} mm", o.voxelize.voxel_mm),
+               fmt::format("{}", o.voxelize.voxel_mm / 2)});
 }
 
 // The case that is there already, if it is this very one and undamaged.
@@ -106,7 +123,16 @@ Expected<void> finish(const Object& object, const BakeOptions& options, const Ma
   for (const MaterialProperties& m : materials.rows())
     voxelize_options.material_names +=
         fmt::format("{}{} {}", voxelize_options.material_names.empty() ? "" : ", ", static_cast<int>(m.material), m.id);
-  KERF_TRY(anatomy, voxelize(object.solid, voxelize_options, part(progress, 0.3, 0.85), object.claims));
+  const double coarse_done = options.region ? 0.6 : 0.85;
+  KERF_TRY(anatomy, voxelize(object.solid, voxelize_options, part(progress, 0.3, coarse_done), object.claims));
+  std::optional<Anatomy> fine;
+  if (options.region) {
+    KERF_TRY(made, voxelizeRegion(object.solid, *options.region, voxelize_options, part(progress, coarse_done, 0.85),
+                                  object.claims));
+    fine = std::move(made);
+    out.manifest.region = CaseRegion{*options.region, fine->stats().active_voxels, fine->stats().shell_points,
+                                     fine->stats().shell_area_mm2};
+  }
   out.times.voxelize = watch.lap();
 
   CaseManifest& m = out.manifest;
@@ -134,7 +160,7 @@ Expected<void> finish(const Object& object, const BakeOptions& options, const Ma
   m.shell_area_mm2 = stats.shell_area_mm2;
   if (!report(progress, 0.85, "writing")) return cancelError();
   KERF_CHECK(writeMesh(folder / kCaseSolid, object.solid));
-  KERF_CHECK(anatomy.write(folder / kCaseAnatomy));
+  KERF_CHECK(anatomy.write(folder / kCaseAnatomy, fine ? &*fine : nullptr));
   KERF_TRY(solid_hash, sha256OfFile(folder / kCaseSolid));
   KERF_TRY(field_hash, sha256OfFile(folder / kCaseAnatomy));
   m.solid_sha256 = solid_hash, m.field_sha256 = field_hash;
@@ -210,11 +236,12 @@ Expected<Mesh> unite(const std::vector<Mesh>& parts, const BakeOptions& options,
 
 }  // namespace
 
-Expected<BakeReport> bake(const std::vector<fs::path>& meshes, const fs::path& case_folder, const BakeOptions& options,
+Expected<BakeReport> bake(const std::vector<fs::path>& meshes, const fs::path& case_folder, const BakeOptions& asked,
                           const Progress& progress) {
   BakeReport out;
   Stopwatch watch;
-  KERF_CHECK(checkVoxelSize(options.voxelize.voxel_mm));  // before the minutes of closing, not after
+  BakeOptions options = asked;
+  KERF_CHECK(settleSizes(options));  // before the minutes of closing, not after
   KERF_TRY(materials, readDefaultMaterials());
   std::vector<std::string> hashes;
   for (const fs::path& path : meshes) {
@@ -260,7 +287,8 @@ Expected<BakeReport> bakeRecipe(const fs::path& recipe_file, const fs::path& cas
   if (!asked.voxel_is_given && recipe.voxel_mm) options.voxelize.voxel_mm = *recipe.voxel_mm;
   if (options.unit.empty()) options.unit = recipe.unit;
   options.voxelize.material = recipe.fallback;
-  KERF_CHECK(checkVoxelSize(options.voxelize.voxel_mm));
+  if (!asked.region) options.region = recipe.region;
+  KERF_CHECK(settleSizes(options));
 
   const std::vector<fs::path> names = recipe.meshes();
   std::vector<fs::path> paths;

@@ -20,8 +20,9 @@ struct BakeOptions {
   std::string unit;  ///< empty: chooseUnit()
   CloseOptions close;
   VoxelizeOptions voxelize;
-  std::optional<CasePair> pair;  ///< recorded in the manifest; see bakePair()
-  bool voxel_is_given = false;   ///< `voxelize.voxel_mm` goes before a recipe's voxel
+  std::optional<CasePair> pair;      ///< recorded in the manifest; see bakePair()
+  std::optional<FineRegion> region;  ///< finer grids there too; before a recipe's. Its voxel 0: half the object's
+  bool voxel_is_given = false;       ///< `voxelize.voxel_mm` goes before a recipe's voxel
   /// Bake anew and replace an existing case. Without: the same case of the same inputs and settings is left as it is,
   /// another one is an error.
   bool overwrite = false;

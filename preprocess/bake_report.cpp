@@ -42,6 +42,13 @@ std::string describe(const BakeReport& r) {
   line(fmt::format("field: {} mm voxels, {:.2f} M in the band; shell: {:.2f} M points standing for {:.2f} mm2",
                    m.voxel_mm, static_cast<double>(m.field_voxels) / 1e6, static_cast<double>(m.shell_points) / 1e6,
                    m.shell_area_mm2));
+  if (m.region)
+    line(fmt::format(
+        "fine region: {} mm around a line of {} points: {} mm voxels, {:.2f} M in the band; shell: {:.2f} M "
+        "points standing for {:.2f} mm2",
+        m.region->where.radius_mm, m.region->where.line.size(), m.region->where.voxel_mm,
+        static_cast<double>(m.region->field_voxels) / 1e6, static_cast<double>(m.region->shell_points) / 1e6,
+        m.region->shell_area_mm2));
   for (const CasePart& p : m.parts)
     line(fmt::format(
         "part: {:<12} {:<28} {:10.3f} mm3{}", p.material, p.origin, p.volume_mm3,

@@ -88,6 +88,13 @@ Expected<RecipeLabels> readLabels(const toml::table& table, const std::filesyste
   return labels;
 }
 
+Expected<FineRegion> readRegion(const toml::table& table, const std::filesystem::path& file) {
+  TomlTable t(table, file, "region");
+  const FineRegion region{t.points("line"), t.number("radius", 0.1, 1000), t.number("voxel", 0.005, 5)};
+  KERF_CHECK(t.finish());
+  return region;
+}
+
 }  // namespace
 
 std::string RecipePart::origin() const {
@@ -126,8 +133,8 @@ Expected<CaseRecipe> readCaseRecipe(const std::filesystem::path& file, const Mat
   if (!top.failed())
     if (const auto m = materialOf(top, "fallback", fallback, materials)) recipe.fallback = *m;
   const toml::array* parts = top.tables("part");
-  for (const char* key : {"voxel", "outline", "labels"}) top.allow(key);
-  for (const char* key : {"outline", "labels"})
+  for (const char* key : {"voxel", "outline", "labels", "region"}) top.allow(key);
+  for (const char* key : {"outline", "labels", "region"})
     if (top.has(key) && !root.get_as<toml::table>(key))
       top.reject(key, "of another form", fmt::format("a table, [{}]", key));
   KERF_CHECK(top.finish());
@@ -145,6 +152,10 @@ Expected<CaseRecipe> readCaseRecipe(const std::filesystem::path& file, const Mat
   if (const toml::table* table = root.get_as<toml::table>("labels")) {
     KERF_TRY(labels, readLabels(*table, file));
     recipe.labels = labels;
+  }
+  if (const toml::table* table = root.get_as<toml::table>("region")) {
+    KERF_TRY(region, readRegion(*table, file));
+    recipe.region = region;
   }
   const bool asks = std::any_of(recipe.parts.begin(), recipe.parts.end(), [](const auto& p) { return p.label; });
   if (asks != recipe.labels.has_value())

@@ -23,6 +23,11 @@
 //   [outline]                          # the meshes whose union is the object; without it: all meshes and labels
 //   meshes = ["tooth.stl"]
 //
+//   [region]                           # smaller voxels near a line, as along an osteotomy
+//   line = [[0, 0, 5], [10, 0, 5]]     # mm; one point alone: a ball
+//   radius = 3                         # mm
+//   voxel = 0.05                       # mm, smaller than the object's
+//
 //   [labels]                           # a label volume, for parts that say `label = 2` in the place of a mesh
 //   volume = "cbct.nii.gz"             # NRRD, NIfTI, MetaImage, a folder of DICOM or of slice images
 //   spacing = [0.2, 0.2, 0.5]          # mm; only for volumes that do not say it themselves
@@ -68,6 +73,7 @@ struct CaseRecipe {
   std::vector<RecipePart> parts;               ///< first wins
   std::vector<std::filesystem::path> outline;  ///< empty: all meshes and labels
   std::optional<RecipeLabels> labels{};
+  std::optional<FineRegion> region{};
 
   std::filesystem::path resolve(const std::filesystem::path& written) const { return file.parent_path() / written; }
   /// Every mesh once, in the order of first mention: parts, then outline.

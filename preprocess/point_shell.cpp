@@ -92,11 +92,13 @@ LeafShell shellOfLeaf(const FloatLeaf& leaf, const FloatGrid::ConstUnsafeAccesso
 
 }  // namespace
 
-PointShell makePointShell(const FloatGrid& phi, const openvdb::Int32Grid& material, Interrupter& interrupter) {
+PointShell makePointShell(const FloatGrid& phi, const openvdb::Int32Grid& material,
+                          const std::function<bool(const openvdb::Coord&)>& keep, Interrupter& interrupter) {
   const double h = phi.voxelSize()[0];
   std::vector<const FloatLeaf*> leaves;
   leaves.reserve(phi.tree().leafCount());
   phi.tree().getNodes(leaves);
+  std::erase_if(leaves, [&](const FloatLeaf* leaf) { return !keep(leaf->origin()); });
   const auto descriptor =
       pts::AttributeSet::Descriptor::create(pts::TypedAttributeArray<openvdb::Vec3f, PositionCodec>::attributeType())
           ->duplicateAppend("N", pts::TypedAttributeArray<openvdb::Vec3f, pts::UnitVecCodec>::attributeType())
@@ -128,8 +130,15 @@ PointShell makePointShell(const FloatGrid& phi, const openvdb::Int32Grid& materi
   }
   auto tile = phi.tree().cbeginValueOff();
   tile.setMaxDepth(FloatTree::ValueOffCIter::LEAF_DEPTH - 1);
-  for (; tile; ++tile)
-    if (tile.getValue() < 0) inside += static_cast<double>(tile.getVoxelCount());
+  for (; tile; ++tile) {
+    if (tile.getValue() >= 0) continue;
+    openvdb::CoordBBox box;
+    tile.getBoundingBox(box);
+    for (int x = box.min().x(); x <= box.max().x(); x += kBrickSide)
+      for (int y = box.min().y(); y <= box.max().y(); y += kBrickSide)
+        for (int z = box.min().z(); z <= box.max().z(); z += kBrickSide)
+          if (keep({x, y, z})) inside += kBrickNodes;
+  }
   out.volume_mm3 = inside * h * h * h;
   return out;
 }

@@ -10,6 +10,8 @@
 
 #include "geometry/internal/vdb_writer.h"
 #include "preprocess/internal/available_memory.h"
+#include "preprocess/internal/clip.h"
+#include "preprocess/internal/cropped_bricks.h"
 #include "preprocess/internal/mesh_field.h"
 #include "preprocess/internal/paint_materials.h"
 #include "preprocess/internal/point_shell.h"
@@ -29,10 +31,17 @@ Anatomy& Anatomy::operator=(Anatomy&&) noexcept = default;
 Anatomy::~Anatomy() = default;
 const AnatomyStats& Anatomy::stats() const { return grids_->stats; }
 
-Expected<void> Anatomy::write(const std::filesystem::path& path) const {
+Expected<void> Anatomy::write(const std::filesystem::path& path, const Anatomy* fine) const {
+  openvdb::GridCPtrVec grids{grids_->phi, grids_->material, grids_->shell};
+  if (fine)
+    for (const openvdb::GridBase::Ptr& grid :
+         openvdb::GridPtrVec{fine->grids_->phi, fine->grids_->material, fine->grids_->shell}) {
+      const openvdb::GridBase::Ptr renamed = grid->copyGrid();  // shares the tree
+      renamed->setName(grid->getName() + kFineSuffix);
+      grids.push_back(renamed);
+    }
   // Blosc: half the time of zip on these grids, a fifth larger.
-  return internal::writeGrids(path, {grids_->phi, grids_->material, grids_->shell}, {},
-                              openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK);
+  return internal::writeGrids(path, grids, {}, openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK);
 }
 
 namespace {
@@ -67,8 +76,11 @@ Expected<void> checkVoxelSize(double voxel_mm) {
                "0.1 for an arch, 0.05 for a tooth"});
 }
 
-Expected<Anatomy> voxelize(const Mesh& solid, const VoxelizeOptions& options, const Progress& progress,
-                           std::span<const MaterialClaim> claims) {
+namespace {
+
+// With a region only its bricks are kept; the mesh has been clipped to a box around it.
+Expected<Anatomy> voxelizeIn(const FineRegion* region, const Mesh& solid, const VoxelizeOptions& options,
+                             const Progress& progress, std::span<const MaterialClaim> claims) {
   const double h = options.voxel_mm;
   KERF_CHECK(checkVoxelSize(h));
   const std::uint64_t most = std::min(options.max_bytes, internal::availableMemory() / 5 * 4);
@@ -84,7 +96,7 @@ Expected<Anatomy> voxelize(const Mesh& solid, const VoxelizeOptions& options, co
                  fmt::format("{} mm would need about {:.1f} GB for {:.0f} mm2 of surface", h,
                              static_cast<double>(need(h)) / 1e9, surfaceArea(solid)),
                  fmt::format("at most {:.1f} GB", static_cast<double>(most) / 1e9),
-                 fmt::format("--voxel {:.3f}", std::ceil(fits * 1000) / 1000)});
+                 fmt::format("{} {:.3f}", region ? "--fine-voxel" : "--voxel", std::ceil(fits * 1000) / 1000)});
   }
   const Box3 box = bounds(solid);
   if ((box.max.cwiseAbs().cwiseMax(box.min.cwiseAbs()) / h).maxCoeff() > (1 << 20) * 7.0)
@@ -107,7 +119,17 @@ Expected<Anatomy> voxelize(const Mesh& solid, const VoxelizeOptions& options, co
     AnatomyStats& stats = grids->stats;
     grids->material = internal::paintMaterials(solid, *grids->phi, options, claims, stats.materials, interrupter);
     if (!grids->material || !interrupter.step(0.9, "point shell")) return cancelError();
-    internal::PointShell shell = internal::makePointShell(*grids->phi, *grids->material, interrupter);
+    const auto keep = [region](const openvdb::Coord& origin) {
+      return !region || region->mayMeetBrick(brickOf({origin.x(), origin.y(), origin.z()}));
+    };
+    internal::PointShell shell = internal::makePointShell(*grids->phi, *grids->material, keep, interrupter);
+    if (region) {
+      grids->phi = internal::croppedBricks<openvdb::FloatGrid>(*grids->phi, keep);
+      grids->material = internal::croppedBricks<openvdb::Int32Grid>(*grids->material, keep);
+      if (shell.points == 0)
+        return fail({Error::Code::kEmpty, "", "fine region", "no surface of the object in it", "a line on the object",
+                     "check the line's frame and unit, or a larger radius"});
+    }
     grids->shell = shell.grid;
     stats.shell_points = shell.points, stats.shell_area_mm2 = shell.area_mm2, stats.volume_mm3 = shell.volume_mm3;
     stats.active_voxels = grids->phi->activeVoxelCount();
@@ -119,6 +141,42 @@ Expected<Anatomy> voxelize(const Mesh& solid, const VoxelizeOptions& options, co
   } catch (const std::exception& e) {
     return fail({Error::Code::kGeometry, "", "distance field", e.what(), "a closed mesh", "kerf check on the mesh"});
   }
+}
+
+}  // namespace
+
+Expected<Anatomy> voxelize(const Mesh& solid, const VoxelizeOptions& options, const Progress& progress,
+                           std::span<const MaterialClaim> claims) {
+  return voxelizeIn(nullptr, solid, options, progress, claims);
+}
+
+Expected<Anatomy> voxelizeRegion(const Mesh& solid, const FineRegion& region, const VoxelizeOptions& options,
+                                 const Progress& progress, std::span<const MaterialClaim> claims) {
+  VoxelizeOptions fine = options;
+  fine.voxel_mm = region.voxel_mm;
+  KERF_CHECK(checkVoxelSize(fine.voxel_mm));
+  // As far out as anything the region's bricks hold depends on: their own size, the bands, what depths look at, and the
+  // gaps between claims that are filled.
+  const internal::Bands bands = bandsOf(fine);
+  double reach = static_cast<double>(bands.exterior + bands.interior) * fine.voxel_mm;
+  for (const MaterialClaim& claim : claims)
+    if (claim.depth) reach = std::max(reach, claim.depth->depth_mm);
+  Box3 box = region.bounds();
+  box.grow(reach + (2 * kBrickSide + 10) * fine.voxel_mm);
+  KERF_TRY(clipped, internal::clipToBox(solid, box));
+  if (clipped.triangles.empty())
+    return fail({Error::Code::kEmpty, "", "fine region", "it does not meet the object", "a line on the object",
+                 "check the line's frame and unit"});
+  std::vector<MaterialClaim> near(claims.begin(), claims.end());
+  std::vector<Mesh> solids(claims.size());
+  for (std::size_t n = 0; n < near.size(); ++n) {
+    if (!near[n].solid) continue;
+    KERF_TRY(part, internal::clipToBox(*near[n].solid, box));
+    solids[n] = std::move(part);
+    near[n].solid = solids[n].triangles.empty() ? nullptr : &solids[n];
+    if (!near[n].solid) near[n].covers = [](const Vec3d&) { return false; };
+  }
+  return voxelizeIn(&region, clipped, fine, progress, near);
 }
 
 Expected<double> timeBareMeshToVolume(const Mesh& solid, const VoxelizeOptions& options) {

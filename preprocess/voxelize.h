@@ -11,6 +11,7 @@
 
 #include "geometry/brick_field.h"
 #include "geometry/error.h"
+#include "geometry/fine_region.h"
 #include "geometry/material.h"
 #include "geometry/mesh.h"
 #include "geometry/progress.h"
@@ -67,8 +68,9 @@ class Anatomy {
   ~Anatomy();
 
   const AnatomyStats& stats() const;
-  /// Writes all grids into one .vdb file. Not atomic: meant for a staging folder.
-  Expected<void> write(const std::filesystem::path& path) const;
+  /// Writes all grids into one .vdb file, those of `fine` as `phi_fine`, `material_fine`, `shell_fine`. Not atomic:
+  /// meant for a staging folder.
+  Expected<void> write(const std::filesystem::path& path, const Anatomy* fine = nullptr) const;
 
  private:
   std::unique_ptr<Grids> grids_;
@@ -90,6 +92,12 @@ std::uint64_t estimateBakeBytes(const Mesh& solid, const VoxelizeOptions& option
 /// Parallel on all cores; the result does not depend on their number. Cancelled: nothing is left.
 Expected<Anatomy> voxelize(const Mesh& solid, const VoxelizeOptions& options, const Progress& progress = {},
                            std::span<const MaterialClaim> claims = {});
+
+/// The same at the voxel size of a region, and only in the bricks of the region: no more memory is used than its box
+/// needs. Near its border too the field is the distance to the object's surface, not to where the region ends. Fails
+/// with kEmpty when the region does not meet the object's surface. `options.voxel_mm` is not used.
+Expected<Anatomy> voxelizeRegion(const Mesh& solid, const FineRegion& region, const VoxelizeOptions& options,
+                                 const Progress& progress = {}, std::span<const MaterialClaim> claims = {});
 
 /// The bare library call on the same mesh with the same bands, for the benchmark's ratio. Returns seconds.
 Expected<double> timeBareMeshToVolume(const Mesh& solid, const VoxelizeOptions& options);

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <optional>
 
 #include "geometry/atomic_file.h"
 #include "geometry/hash.h"
@@ -142,6 +143,26 @@ Expected<WallAccuracy> measureWalls(const fs::path& run_folder, const RunManifes
   return out;
 }
 
+// How far what a sweep cuts of the object reaches out of a region, mm; <= 0: it stays inside.
+double reachBeyond(const FineRegion& region, const BrickField& phi0, const BrickField& sweep) {
+  // The removed solid's surface lies where the sweep is 0 and phi0 below 2 fine voxels; the finer field must be there
+  // as far around as its own sweep is kept.
+  const auto near = static_cast<float>(std::max(phi0.voxel(), 4 * region.voxel_mm));
+  double farthest = -region.radius_mm;
+  for (std::size_t b = 0; b < sweep.brickCount(); ++b) {
+    const int found = phi0.find(sweep.brickCoord(b));
+    const float constant = phi0.constantAt(sweep.brickCoord(b));
+    const Vec3i base = sweep.brickCoord(b) * kBrickSide;
+    for (int n = 0; n < kBrickNodes; ++n) {
+      const auto at = static_cast<std::size_t>(n);
+      if (sweep.brick(b)[at] > near) continue;
+      if ((found < 0 ? constant : phi0.brick(static_cast<std::size_t>(found))[at]) > near) continue;
+      farthest = std::max(farthest, -region.depth(sweep.position(base + Vec3i{n >> 6, n >> 3 & 7, n & 7})));
+    }
+  }
+  return farthest;
+}
+
 }  // namespace
 
 bool isRun(const fs::path& folder) {
@@ -199,19 +220,36 @@ Expected<RunManifest> cutCase(const fs::path& case_folder, const fs::path& tool_
   if (!report(progress, 0.0, "loading the case")) return cancelError();
   KERF_TRY(phi0, readCaseField(case_folder));
 
-  SweepCutter cutter(phi0);
   RunManifest m;
   const std::size_t segments = path.poses.empty() ? 0 : path.poses.size() - 1;
   for (std::size_t s = 0; s < segments; ++s) {
-    if (s % 16 == 0 && !report(progress, 0.1 + 0.8 * static_cast<double>(s) / static_cast<double>(segments), "cutting"))
-      return cancelError();
     if (!path.cuts[s]) continue;
-    const Rigid3 &from = path.poses[s].T_object_tool, &to = path.poses[s + 1].T_object_tool;
-    cutter.advance(SweptTool(*tool.cut, from, to));
-    m.path_length_mm += (to.translation - from.translation).norm();
+    m.path_length_mm += (path.poses[s + 1].T_object_tool.translation - path.poses[s].T_object_tool.translation).norm();
     ++m.segments;
   }
-  const BrickField cut = cutter.cutField();
+  std::optional<SweepCutter> cutter;
+  const auto cutOn = [&](const BrickField& field, double from, double to) {
+    cutter.emplace(field);
+    for (std::size_t s = 0; s < segments; ++s) {
+      const double done = from + (to - from) * static_cast<double>(s) / static_cast<double>(segments);
+      if (s % 16 == 0 && !report(progress, done, "cutting")) return false;
+      if (path.cuts[s])
+        cutter->advance(SweptTool(*tool.cut, path.poses[s].T_object_tool, path.poses[s + 1].T_object_tool));
+    }
+    return true;
+  };
+  if (!cutOn(phi0, 0.1, manifest.region ? 0.25 : 0.9)) return cancelError();
+  if (manifest.region) {
+    const double beyond = reachBeyond(manifest.region->where, phi0, cutter->sweep());
+    if (beyond <= 0) {
+      KERF_TRY(fine, readCaseRegionField(case_folder));
+      phi0 = std::move(fine);
+      if (!cutOn(phi0, 0.25, 0.9)) return cancelError();
+    } else if (beyond < manifest.region->where.radius_mm) {
+      m.beyond_region_mm = beyond;
+    }
+  }
+  const BrickField cut = cutter->cutField();
   if (cut.isEmpty()) {
     const Vec3d &low = manifest.box.min, &high = manifest.box.max;
     return fail({Error::Code::kEmpty, path_file.string(), "", fmt::format("tool {} never meets the object", tool.id),
@@ -229,13 +267,13 @@ Expected<RunManifest> cutCase(const fs::path& case_folder, const fs::path& tool_
   m.path_file = "path" + path_file.extension().string();
   m.duration_s = path.poses.empty() ? 0 : path.poses.back().t - path.poses.front().t;
   m.voxel_mm = phi0.voxel();
-  m.state_hash = fmt::format("{:016x}", cutter.sweep().stateHash());
+  m.state_hash = fmt::format("{:016x}", cutter->sweep().stateHash());
   if (!report(progress, 0.92, "writing")) return cancelError();
   KERF_CHECK(copyInto(tool_file, staging.staging() / kToolCopy));
   if (tool.mesh) KERF_CHECK(copyInto(tool.mesh_file, staging.staging() / tool.mesh_file.filename()));
   KERF_CHECK(copyInto(path_file, staging.staging() / m.path_file));
   KERF_CHECK(
-      writeVdb(staging.staging() / kField, {{"sweep", &cutter.sweep()}, {"phi", &cut}}, {{"case_id", m.case_id}}));
+      writeVdb(staging.staging() / kField, {{"sweep", &cutter->sweep()}, {"phi", &cut}}, {{"case_id", m.case_id}}));
   KERF_TRY(field_hash, sha256OfFile(staging.staging() / kField));
   m.field_sha256 = field_hash;
   KERF_CHECK(writeManifest(staging.staging(), m));
@@ -264,12 +302,17 @@ Expected<Export> exportBundle(const fs::path& bundle, const PostOpOptions& optio
   KERF_TRY(manifest, readRunManifest(bundle));
   KERF_TRY(case_folder, locateCase(bundle, manifest));
   if (!report(progress, 0.0, "loading")) return cancelError();
+  KERF_TRY(in_case, readCaseManifest(case_folder));
   KERF_TRY(solid, readCaseSolid(case_folder));
   KERF_TRY(phi0, readCaseField(case_folder));
   KERF_CHECK(requireSha256(bundle / kField, manifest.field_sha256, "cut again"));
   KERF_CHECK(requireSha256(bundle / kToolCopy, manifest.tool_sha256, "cut again; a run is never edited"));
   KERF_CHECK(requireSha256(bundle / manifest.path_file, manifest.path_sha256, "cut again; a run is never edited"));
   KERF_TRY(sweep, readVdb(bundle / kField, "sweep"));
+  if (const auto& region = in_case.region; region && sweep.voxel() == region->where.voxel_mm) {
+    KERF_TRY(fine, readCaseRegionField(case_folder));
+    phi0 = std::move(fine);
+  }
   if (sweep.voxel() != phi0.voxel())
     return fail({Error::Code::kBadValue, (bundle / kField).string(), "grid sweep",
                  fmt::format("{} mm voxels", sweep.voxel()), fmt::format("{} mm, as in the case", phi0.voxel()),

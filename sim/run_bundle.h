@@ -30,6 +30,9 @@ struct RunManifest {
   double voxel_mm = 0;
   std::string state_hash;    ///< of the sweep field, 16 hexadecimal digits: same inputs, same number
   std::string field_sha256;  ///< of run.vdb: a damaged file is refused
+  /// Not stored: how far a cut that met the case's fine region reaches out of it, mm; then it was cut on the object's
+  /// own voxels. 0: no region, or inside.
+  double beyond_region_mm = 0;
 };
 
 bool isRun(const std::filesystem::path& folder);
@@ -39,6 +42,7 @@ struct CutOptions {
   bool overwrite = false;
 };
 /// Cuts a case along a path in lockstep, geometry only, and writes the run.
+/// A cut that stays within the case's fine region is computed on the fine grid, any other one on the object's.
 /// @param tool_file  a tool's TOML file.    @param path_file  CSV of poses or TOML of strokes (docs/path-files.md).
 /// Errors name the file; a tool that never meets the object is an error too (kEmpty): most often a wrong frame or unit.
 Expected<RunManifest> cutCase(const std::filesystem::path& case_folder, const std::filesystem::path& tool_file,

@@ -12,7 +12,13 @@ SweepCutter::SweepCutter(const BrickField& phi0, const SweepCutterOptions& optio
     : phi0_(phi0),
       options_(options),
       psi_(phi0.voxel(), static_cast<float>(options.band_voxels * phi0.voxel())),
-      object_(phi0.bounds()) {}
+      object_(phi0.bounds()) {
+  if (object_.isEmpty()) return;
+  for (const Vec3i& brick : phi0.interiorBricks()) {  // a fine region's may lie beyond those at the surface
+    object_.add(phi0.position(brick * kBrickSide));
+    object_.add(phi0.position(brick * kBrickSide + Vec3i::Constant(kBrickSide - 1)));
+  }
+}
 
 void SweepCutter::advance(const SweptTool& sweep) {
   const double h = phi0_.voxel(), band = psi_.background(), tolerance = options_.tolerance_voxels * h;

@@ -18,8 +18,7 @@ struct SweepCutterOptions {
 /// stored.
 class SweepCutter {
  public:
-  /// @param phi0  the baked field; kept by reference, must outlive the cutter. Bricks marked as interior lie within the
-  ///              bounds of the stored ones, as in any field of a closed surface; or no brick is stored at all.
+  /// @param phi0  the baked field; kept by reference, must outlive the cutter. Without any brick it is tissue all over.
   explicit SweepCutter(const BrickField& phi0, const SweepCutterOptions& options = {});
 
   /// Adds one motion. O(bricks near it), parallel inside. Allocates: not for the haptic thread.
@@ -34,7 +33,7 @@ class SweepCutter {
   const BrickField& phi0_;
   SweepCutterOptions options_;
   BrickField psi_;
-  Box3 object_;  // of phi0's bricks
+  Box3 object_;  // of phi0's bricks, stored or interior
 };
 
 }  // namespace kerf

@@ -304,7 +304,7 @@ struct LeaksOfOthers {
 class Lib3mf {
  public:
   explicit Lib3mf(const std::filesystem::path& file) {
-    const LeaksOfOthers theirs;
+    [[maybe_unused]] const LeaksOfOthers theirs;
     EXPECT_EQ(NMR::lib3mf_createmodel(&model_), 0);
     EXPECT_EQ(NMR::lib3mf_model_queryreader(model_, "3mf", &reader_), 0);
     EXPECT_EQ(NMR::lib3mf_reader_setstrictmodeactive(reader_, true), 0);

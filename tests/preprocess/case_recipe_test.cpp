@@ -25,7 +25,8 @@ TEST(CaseRecipe, KeepsThePartsInTheOrderOfTheirPriority) {
            "replaces = [\"dentin\"]\n" +
            kTooth + "[[part]]\nmaterial = \"cortical\"\nlabel = 2\n" +
            "[outline]\nmeshes = [\"tooth.stl\", \"socket.stl\"]\n"
-           "[labels]\nvolume = \"ct.nii.gz\"\nspacing = [0.2, 0.2, 0.5]\nthreshold = 120\nsmoothing = 1\n");
+           "[labels]\nvolume = \"ct.nii.gz\"\nspacing = [0.2, 0.2, 0.5]\nthreshold = 120\nsmoothing = 1\n"
+           "[region]\nline = [[0, 0, 5], [10, 0, 5.5]]\nradius = 3\nvoxel = 0.025\n");
   ASSERT_TRUE(recipe) << recipe.error().message();
   EXPECT_EQ(recipe->name, "A tooth");
   EXPECT_EQ(recipe->voxel_mm, 0.05);
@@ -38,6 +39,10 @@ TEST(CaseRecipe, KeepsThePartsInTheOrderOfTheirPriority) {
   EXPECT_EQ(recipe->parts[3].origin(), "label 2");
   EXPECT_EQ(recipe->meshes(), (std::vector<std::filesystem::path>{"pulp.stl", "tooth.stl", "socket.stl"}));
   EXPECT_EQ(recipe->labels->threshold, 120);
+  ASSERT_TRUE(recipe->region);
+  EXPECT_EQ(recipe->region->line, (std::vector<Vec3d>{{0, 0, 5}, {10, 0, 5.5}}));
+  EXPECT_EQ(recipe->region->radius_mm, 3);
+  EXPECT_EQ(recipe->region->voxel_mm, 0.025);
   EXPECT_EQ(recipe->resolve("a.stl").filename(), "a.stl");
   EXPECT_TRUE(recipe->resolve("a.stl").has_parent_path()) << "relative to the recipe, not to where Kerf runs";
 }
@@ -77,7 +82,11 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{kHead + "[[part]]\nmaterial = \"enamel\"\ndepth = 1\n", "nothing but depths"},
         Mistake{kHead + "unit = \"furlong\"\n" + kTooth, "inch"}, Mistake{kHead + "voxel = 0\n" + kTooth, "0.005"},
         Mistake{kHead + kTooth + "[outline]\nmeshes = []\n", "one or more mesh files"},
-        Mistake{kHead + "outline = \"tooth.stl\"\n" + kTooth, "[outline]"}, Mistake{kHead + "part = 3\n", "[[part]]"}));
+        Mistake{kHead + "outline = \"tooth.stl\"\n" + kTooth, "[outline]"}, Mistake{kHead + "part = 3\n", "[[part]]"},
+        Mistake{kHead + kTooth + "[region]\nline = [0, 0, 5]\nradius = 3\nvoxel = 0.05\n", "list of points"},
+        Mistake{kHead + kTooth + "[region]\nline = [[0, 0, nan]]\nradius = 3\nvoxel = 0.05\n", "list of points"},
+        Mistake{kHead + kTooth + "[region]\nline = [[0, 0, 5]]\nradius = 0\nvoxel = 0.05\n", "0.1"},
+        Mistake{kHead + kTooth + "[region]\nline = [[0, 0, 5]]\nradius = 3\n", "voxel"}));
 
 }  // namespace
 }  // namespace kerf

@@ -15,6 +15,12 @@ json parsed(const Outcome& o) {
   return j;
 }
 
+std::string bytesOf(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  EXPECT_TRUE(in) << path;
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
 TEST_F(Cli, WithoutArgumentsShowsHelpAndFails) {
   const Outcome o = runKerf({});
   EXPECT_EQ(o.exit_code, 2);
@@ -35,6 +41,39 @@ TEST_F(Cli, WrongCommandLinesAreUsageErrors) {
   refuses({"export", at("box.case")}, {"--output"}, 2);
   refuses({"tool"}, {"subcommand"}, 2);
   refuses({"check", at("box.off"), "--fix"}, {"--fix"}, 2);
+}
+
+TEST_F(Cli, ACutInAFineRegionIsTheCutOfAnObjectBakedThatFine) {
+  ASSERT_EQ(runKerf({"demo-molar", "--edge", "0.4", "-o", at("molar.ply")}).exit_code, 0);
+  const std::string cavity = std::string(KERF_SOURCE_DIR) + "/assets/paths/demo-cavity.toml";
+  const auto bake = [&](const std::string& name, std::vector<std::string> more) {
+    more.insert(more.begin(), {"bake", at("molar.ply"), "-o", at(name + ".case"), "--json"});
+    return parsed(runKerf(more));
+  };
+  const auto cut = [&](const std::string& name) {
+    const json j = parsed(runKerf(
+        {"cut", at(name + ".case"), "--tool", "round-014", "--path", cavity, "-o", at(name + ".run"), "--json"}));
+    EXPECT_EQ(runKerf({"export", at(name + ".run"), "-o", at(name + ".stl")}).exit_code, 0);
+    return j;
+  };
+  bake("fine", {"--voxel", "0.1"});
+  bake("coarse", {"--voxel", "0.2"});
+  const json region = bake("region", {"--voxel", "0.2", "--fine-along", cavity, "--fine-radius", "2"});
+  EXPECT_EQ(region["region"]["voxel_mm"], 0.1) << "half of the object's";
+  bake("narrow", {"--voxel", "0.2", "--fine-along", cavity, "--fine-radius", "0.8"});
+  const json fine = cut("fine"), coarse = cut("coarse"), in_region = cut("region"), beyond = cut("narrow");
+  EXPECT_EQ(in_region["state_hash"], fine["state_hash"]);
+  EXPECT_EQ(in_region["voxel_mm"], 0.1);
+  EXPECT_EQ(in_region["beyond_region_mm"], 0);
+  EXPECT_TRUE(bytesOf(at("region.stl")) == bytesOf(at("fine.stl")));
+  EXPECT_EQ(beyond["state_hash"], coarse["state_hash"]) << "not half on one grid, half on the other";
+  EXPECT_GT(beyond["beyond_region_mm"], 0);
+  EXPECT_TRUE(bytesOf(at("narrow.stl")) == bytesOf(at("coarse.stl")));
+  refuses({"bake", at("molar.ply"), "-o", at("x.case"), "--fine-along", cavity, "--fine-voxel", "0.1"},
+          {"fine region", "less than the object's", "0.05"});
+  refuses({"bake", at("molar.ply"), "-o", at("x.case"), "--fine-radius", "2"}, {"--fine-along"}, 2);
+  refuses({"bake", "--pair", at("molar.ply"), at("molar.ply"), "-o", at("x"), "--fine-along", cavity},
+          {"--pair", "one by one"}, 2);
 }
 
 TEST_F(Cli, DemoMolarGoesFromMeshToPrint) {

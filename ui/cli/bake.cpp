@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "preprocess/case_recipe.h"
+#include "sim/path.h"
 #include "ui/cli/command.h"
 
 namespace kerf::cli {
@@ -19,6 +20,8 @@ struct Arguments {
   std::vector<std::string> inputs;
   std::string output, close = "auto", base_direction, occlusal_plane;
   double base_height = 0, fill_up_to = 0;  // 0: by the margin, by the size
+  std::string fine_along;                  // a path file
+  double fine_radius = 3, fine_voxel = 0;  // 0: half the object's
   BakeOptions options;
   bool pair = false, json = false;
 };
@@ -106,6 +109,11 @@ nlohmann::json toJson(const BakeReport& r) {
                      {"voxelize", r.times.voxelize},
                      {"write", r.times.write},
                      {"total", r.times.total()}}}};
+  if (r.manifest.region)
+    j["region"] = {
+        {"voxel_mm", r.manifest.region->where.voxel_mm},   {"radius_mm", r.manifest.region->where.radius_mm},
+        {"points", r.manifest.region->where.line.size()},  {"voxels", r.manifest.region->field_voxels},
+        {"shell_points", r.manifest.region->shell_points}, {"shell_area_mm2", r.manifest.region->shell_area_mm2}};
   for (const CaseMaterial& m : r.manifest.materials)
     j["materials"].push_back({{"id", m.id}, {"number", m.number}, {"volume_mm3", m.volume_mm3}});
   for (const CasePart& p : r.manifest.parts)
@@ -172,6 +180,23 @@ int run(Arguments& a) {
     a.options.close.occlusal_plane = *given;
   }
   if (a.base_height > 0) a.options.close.base_height_mm = a.base_height;
+  if (!a.fine_along.empty()) {
+    if (a.pair)
+      return complain({Error::Code::kBadValue, "", "--fine-along", "beside --pair", "one object",
+                       "bake the jaws one by one"}),
+             kUsage;
+    const auto path = readPath(a.fine_along);
+    if (!path) return complain(path.error());
+    FineRegion region{{}, a.fine_radius, a.fine_voxel};
+    for (std::size_t n = 0; n < path->poses.size(); ++n)
+      if ((n > 0 && path->cuts[n - 1]) || (n < path->cuts.size() && path->cuts[n]))
+        region.line.push_back(path->poses[n].T_object_tool.translation);
+    if (region.line.empty())
+      return complain(
+          {Error::Code::kEmpty, a.fine_along, "", "no motion that cuts", "a path with cutting motions", ""});
+    region.line = thinned(region.line, region.radius_mm / 8);
+    a.options.region = region;
+  }
   a.options.close.cleanup_length_mm = 0.01 * a.options.voxelize.voxel_mm;
   std::vector<std::filesystem::path> paths(a.inputs.begin(), a.inputs.end());
   if (a.pair) return runPair(a, paths);
@@ -238,6 +263,17 @@ void addBake(CLI::App& app, int& exit_code) {
                 "where the base goes: +x -x +y -y +z -z (default: where the scan is open)");
   CLI::Option* voxel = c->add_option("--voxel", a->options.voxelize.voxel_mm, "voxel size [mm]; goes before a recipe's")
                            ->capture_default_str();
+  CLI::Option* along = c->add_option("--fine-along", a->fine_along,
+                                     "path file (docs/path-files.md): smaller voxels around where its tip cuts; a cut "
+                                     "that stays there uses them. Goes before a recipe's [region]")
+                           ->check(CLI::ExistingFile);
+  c->add_option("--fine-radius", a->fine_radius, "how far around [mm]")
+      ->needs(along)
+      ->check(CLI::Range(0.1, 1000.0))
+      ->capture_default_str();
+  c->add_option("--fine-voxel", a->fine_voxel, "their size [mm] (default: half the object's)")
+      ->needs(along)
+      ->check(CLI::PositiveNumber);
   c->add_flag("--force", a->options.overwrite, "bake anew and replace an existing case");
   c->add_flag("--json", a->json, "report as JSON on standard output");
   c->callback([a, voxel, &exit_code] {

@@ -24,16 +24,24 @@ int run(const Arguments& a) {
     return cutCase(a.case_folder, *tool, a.path, a.output, a.options, progress.callback());
   }();
   if (!manifest) return complain(manifest.error());
+  if (manifest->beyond_region_mm > 0)
+    fmt::print(
+        stderr,
+        "kerf: the cut reaches {:.2f} mm out of the case's fine region: cut on the object's voxels, {} mm. For the "
+        "fine ones bake with a larger --fine-radius\n",
+        manifest->beyond_region_mm, manifest->voxel_mm);
   if (a.json)
     printJson(nlohmann::json{{"tool", manifest->tool_id},
                              {"segments", manifest->segments},
                              {"path_length_mm", manifest->path_length_mm},
                              {"duration_s", manifest->duration_s},
                              {"voxel_mm", manifest->voxel_mm},
+                             {"beyond_region_mm", manifest->beyond_region_mm},
                              {"state_hash", manifest->state_hash}});
   else
-    fmt::print("cut with {} along {:.2f} mm in {} motions; state {}\nrun written: {}\n", manifest->tool_id,
-               manifest->path_length_mm, manifest->segments, manifest->state_hash, a.output);
+    fmt::print("cut with {} along {:.2f} mm in {} motions, voxels {} mm; state {}\nrun written: {}\n",
+               manifest->tool_id, manifest->path_length_mm, manifest->segments, manifest->voxel_mm,
+               manifest->state_hash, a.output);
   return kOk;
 }
 

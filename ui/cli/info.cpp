@@ -63,6 +63,12 @@ Expected<json> caseInfo(const fs::path& folder) {
   for (const CasePart& p : m.parts)
     j["parts"].push_back(
         {{"material", p.material}, {"origin", p.origin}, {"own_mm3", p.own_mm3}, {"volume_mm3", p.volume_mm3}});
+  if (m.region)
+    j["region"] = {{"voxel_mm", m.region->where.voxel_mm},
+                   {"radius_mm", m.region->where.radius_mm},
+                   {"points", m.region->where.line.size()},
+                   {"shell_points", m.region->shell_points},
+                   {"shell_area_mm2", m.region->shell_area_mm2}};
   if (m.pair) {
     const fs::path partner = (folder / ".").lexically_normal().parent_path().parent_path() / m.pair->partner;
     const auto other = readCaseManifest(partner);
