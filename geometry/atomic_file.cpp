@@ -245,6 +245,9 @@ Expected<void> AtomicFolder::commit() {
     if (error)
       return fail(writeError(s.path, "deleting the old folder " + s.staging.filename().string(), error.value()));
     s.staging.clear();
+  } else if (errno == ENOTEMPTY || errno == EEXIST) {
+    return fail(Error{Error::Code::kWriteFailed, s.path.string(), "folder", "another program wrote it in the meantime",
+                      "a folder that stays as it was", "look at what is there; choose another name, or --force"});
   } else {
     return fail(writeError(s.path, "renaming into place", errno));
   }

@@ -9,7 +9,8 @@ namespace kerf {
 
 std::string_view name(MeshFormat format) {
   constexpr std::string_view kNames[] = {
-      "binary STL", "ASCII STL", "ASCII PLY", "binary PLY (little endian)", "binary PLY (big endian)", "OBJ", "OFF", "3MF"};
+      "binary STL", "ASCII STL", "ASCII PLY", "binary PLY (little endian)", "binary PLY (big endian)",
+      "OBJ",        "OFF",       "3MF"};
   return kNames[static_cast<std::size_t>(format)];
 }
 

@@ -165,9 +165,11 @@ const toml::array* TomlTable::tables(const std::string& key) {
   used_.insert(key);
   const toml::node* node = table_.get(key);
   const toml::array* array = node ? node->as_array() : nullptr;
-  if (!array || !array->is_array_of_tables())
-    keep({Error::Code::kBadFormat, file_.string(), place(key, node ? node : &table_), "missing",
-          "one or more [[" + key + "]]", ""});
+  if (!node)
+    missing(key, "one or more [[" + key + "]]");
+  else if (!array || !array->is_array_of_tables())
+    keep({Error::Code::kBadFormat, file_.string(), place(key, node), "of another form", "one or more [[" + key + "]]",
+          ""});
   return array;
 }
 

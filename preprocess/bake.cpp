@@ -189,9 +189,13 @@ Expected<LabelObject> readLabels(const CaseRecipe& recipe, const std::string& ha
     if (p.label && std::find(wanted.begin(), wanted.end(), *p.label) == wanted.end()) wanted.push_back(*p.label);
   SmoothLabelOptions smooth;
   if (recipe.labels->smoothing_voxels) smooth.smoothing_voxels = *recipe.labels->smoothing_voxels;
-  KERF_TRY(labels, SmoothLabels::create(volume, wanted, smooth, part(progress, 0.3, 0.8)));
+  auto smoothed = SmoothLabels::create(volume, wanted, smooth, part(progress, 0.3, 0.8));
+  if (!smoothed) {
+    if (smoothed.error().file.empty()) smoothed.error().file = path.string();
+    return fail(smoothed.error());
+  }
   LabelObject object;
-  object.labels = std::make_shared<const SmoothLabels>(std::move(labels));
+  object.labels = std::make_shared<const SmoothLabels>(std::move(*smoothed));
   KERF_TRY(surface, object.labels->surface());
   object.surface = std::move(surface);
   KERF_TRY(source, internal::storeSource(path, volume.format, hash, case_folder, out.manifest));
@@ -294,13 +298,16 @@ Expected<BakeReport> bakeRecipe(const fs::path& recipe_file, const fs::path& cas
   std::vector<fs::path> paths;
   for (const fs::path& name : names) paths.push_back(recipe.resolve(name));
   std::vector<std::string> hashes;
-  for (const fs::path& path : paths) {
-    KERF_TRY(hash, internal::sha256OfSource(path));
-    hashes.push_back(hash);
-  }
-  if (recipe.labels) {
-    KERF_TRY(hash, internal::sha256OfSource(recipe.resolve(recipe.labels->volume)));
-    hashes.push_back(hash);
+  std::vector<fs::path> all = paths;
+  if (recipe.labels) all.push_back(recipe.resolve(recipe.labels->volume));
+  for (const fs::path& path : all) {
+    auto hash = internal::sha256OfSource(path);
+    if (!hash) {
+      if (hash.error().code == Error::Code::kNotFound)
+        hash.error().hint = fmt::format("{} names it; paths in a recipe are relative to it", recipe_file.string());
+      return fail(hash.error());
+    }
+    hashes.push_back(*hash);
   }
   KERF_TRY(recipe_hash, sha256OfFile(recipe_file));
   std::string numbers = recipe_hash + '\n';  // what the ids of the recipe are in the grid
@@ -322,6 +329,8 @@ Expected<BakeReport> bakeRecipe(const fs::path& recipe_file, const fs::path& cas
 
   KERF_TRY(meshes, internal::readMeshSources(paths, hashes, options.unit, true, staging.staging(), out,
                                              part(progress, 0, 0.05)));
+  if (asked.unit.empty() && !recipe.unit.empty())
+    for (CaseSource& source : out.manifest.sources) source.unit_reason = "as the recipe says";
   auto checks = checkAside(meshes);
   LabelObject labels;
   if (recipe.labels) {

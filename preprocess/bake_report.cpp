@@ -54,6 +54,10 @@ std::string describe(const BakeReport& r) {
         "part: {:<12} {:<28} {:10.3f} mm3{}", p.material, p.origin, p.volume_mm3,
         p.own_mm3 > 0 ? fmt::format(" of {:.3f} its own ({:+.2f} %)", p.own_mm3, 100 * (p.volume_mm3 / p.own_mm3 - 1))
                       : std::string()));
+  for (std::size_t n = 0; n < m.parts.size(); ++n)
+    if (const CasePart& p = m.parts[n]; p.volume_mm3 <= 1e-3 * p.own_mm3)
+      line(fmt::format("WARNING: part {} ({}, {}) got nothing: earlier parts cover it{}", n + 1, p.material, p.origin,
+                       n > 0 ? ". Try: move it before them in the recipe, the first part wins" : ""));
   if (m.parts.size() > 1)
     for (const CaseMaterial& c : m.materials) line(fmt::format("material: {:<12} {:10.3f} mm3", c.id, c.volume_mm3));
   if (r.materials.unclaimed_mm3 > 0)

@@ -387,8 +387,8 @@ SmoothLabels::Data::Tally SmoothLabels::Data::measure() const {
             part.shared[s] += std::any_of(node.begin(), node.end(), [&](std::size_t c) { return wins[c] == s; });
           // The samples of a cell keep their distances but start anywhere: else a wall along the grid would hit or miss
           // a whole layer of them at once. Plastic-number offsets spread evenly over neighbouring cells.
-          const auto start = [&](int a, int b, int c) {
-            const double s = 0.8191725134 * a + 0.6710436067 * b + 0.5497004779 * c;
+          const auto start = [](int u, int v, int w) {
+            const double s = 0.8191725134 * u + 0.6710436067 * v + 0.5497004779 * w;
             return static_cast<float>(s - std::floor(s));
           };
           const Vec3i cell = at * kBrickSide + Vec3i{i, j, k};

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <limits>
 #include <set>
 
 #include "preprocess/internal/volume_file.h"
@@ -23,7 +24,8 @@ using internal::ValueType;
 using internal::VolumeFormat;
 using internal::VolumeHeader;
 
-constexpr std::size_t kMostLabels = 256;
+constexpr std::size_t kMostLabels = 256, kFewLabels = 32;
+constexpr double kMostRestless = 0.3;
 
 std::string lowerCase(std::string s) {
   for (char& c : s)
@@ -432,15 +434,31 @@ Error notLabels(const fs::path& path, std::string place, std::string found) {
           "give `threshold = ...` in the recipe to make one label of all values from there on"};
 }
 
+// Share of neighbours along x, neither of them nothing, that have different labels.
+double restless(const LabelVolume& v) {
+  std::size_t pairs = 0, differ = 0;
+  for (std::size_t row = 0; row < v.labels.size(); row += static_cast<std::size_t>(v.size[0]))
+    for (std::size_t i = row + 1; i < row + static_cast<std::size_t>(v.size[0]); ++i)
+      if (v.labels[i] && v.labels[i - 1]) ++pairs, differ += v.labels[i] != v.labels[i - 1];
+  return pairs ? static_cast<double>(differ) / static_cast<double>(pairs) : 0;
+}
+
+// What became known of the values while they were made labels.
+struct Values {
+  std::optional<double> threshold;
+  std::vector<char> seen = std::vector<char>(65536, 0);
+  double highest = -std::numeric_limits<double>::infinity();
+};
+
 template <class T>
 Expected<void> toLabels(const fs::path& path, const LabelVolume& grid, const std::byte* raw, std::size_t count,
-                        std::optional<double> threshold, std::vector<char>& seen, std::uint16_t* out,
-                        std::size_t first) {
+                        Values& values, std::uint16_t* out, std::size_t first) {
   for (std::size_t i = 0; i < count; ++i) {
     T v;
     std::memcpy(&v, raw + i * sizeof(T), sizeof(T));
-    if (threshold) {
-      out[i] = static_cast<double>(v) >= *threshold ? 1 : 0;  // not a number: 0
+    if (values.threshold) {
+      out[i] = static_cast<double>(v) >= *values.threshold ? 1 : 0;  // not a number: 0
+      if (static_cast<double>(v) > values.highest) values.highest = static_cast<double>(v);
       continue;
     }
     const auto x = static_cast<double>(v);
@@ -451,17 +469,14 @@ Expected<void> toLabels(const fs::path& path, const LabelVolume& grid, const std
                             fmt::format("the value {:g}", x)));
     }
     out[i] = static_cast<std::uint16_t>(x);
-    seen[out[i]] = 1;
+    values.seen[out[i]] = 1;
   }
   return {};
 }
 
 Expected<void> toLabels(ValueType type, const fs::path& path, const LabelVolume& grid, const std::byte* raw,
-                        std::size_t count, std::optional<double> threshold, std::vector<char>& seen, std::uint16_t* out,
-                        std::size_t first) {
-  const auto as = [&](auto zero) {
-    return toLabels<decltype(zero)>(path, grid, raw, count, threshold, seen, out, first);
-  };
+                        std::size_t count, Values& values, std::uint16_t* out, std::size_t first) {
+  const auto as = [&](auto zero) { return toLabels<decltype(zero)>(path, grid, raw, count, values, out, first); };
   switch (type) {
     case ValueType::kU8:
       return as(std::uint8_t{});
@@ -523,17 +538,26 @@ Expected<LabelVolume> readLabelVolume(const fs::path& path, const LabelReadOptio
     volume.labels.resize(static_cast<std::size_t>(voxels));
     const std::size_t per_file = volume.labels.size() / plan.files.size();
     std::vector<std::byte> raw(per_file * value_bytes);
-    std::vector<char> seen(65536, 0);
+    Values values;
+    values.threshold = options.threshold;
     for (std::size_t f = 0; f < plan.files.size(); ++f) {
       if (!report(progress, 0.2 + 0.8 * static_cast<double>(f) / static_cast<double>(plan.files.size()),
                   "reading voxels"))
         return fail({Error::Code::kCancelled, path.string(), "", "cancelled", "", ""});
       KERF_CHECK(internal::readVolumeValues(plan.files[f], plan.format, raw.data(), raw.size()));
-      KERF_CHECK(toLabels(plan.header.type, plan.files[f], volume, raw.data(), per_file, options.threshold, seen,
+      KERF_CHECK(toLabels(plan.header.type, plan.files[f], volume, raw.data(), per_file, values,
                           volume.labels.data() + f * per_file, f * per_file));
     }
-    const auto different = static_cast<std::size_t>(std::count(seen.begin(), seen.end(), 1));
+    const auto different = static_cast<std::size_t>(std::count(values.seen.begin(), values.seen.end(), 1));
     if (different > kMostLabels) return fail(notLabels(path, "", fmt::format("{} different values", different)));
+    // A segmentation has regions; in a picture of densities neighbours differ nearly everywhere.
+    if (const double share = restless(volume); different > kFewLabels && share > kMostRestless)
+      return fail(notLabels(
+          path, "", fmt::format("{} different values, and {:.0f} % of neighbours differ", different, 100 * share)));
+    if (options.threshold && values.highest < *options.threshold)
+      return fail({Error::Code::kEmpty, path.string(), "threshold",
+                   fmt::format("no value reaches {:g}; the highest is {:g}", *options.threshold, values.highest),
+                   "a threshold inside the range of the values", ""});
   } catch (const std::bad_alloc&) {
     return fail({Error::Code::kUnsupported, path.string(), "", "more voxels than memory can hold", "a smaller volume",
                  "crop the volume to the jaw"});

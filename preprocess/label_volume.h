@@ -60,7 +60,8 @@ struct LabelReadOptions {
 /// DICOM series, or slices as `.png`, `.tif`, `.tiff` or `.bmp`, stacked along z in natural order (slice-2 before
 /// slice-10).
 /// Refused, by name: more than three axes of more than one voxel, several values per voxel (colour, vectors), values
-/// that are no labels (fractions, negative, above 65535, or more than 256 different ones) unless `threshold` is given,
+/// that are no labels (fractions, negative, above 65535, or more than 256 different ones, or more than
+/// 32 of which neighbours mostly differ, as densities do) unless `threshold` is given,
 /// missing or doubled DICOM slices, several series in one folder, files that are shorter than their header claims.
 /// @return the volume. Errors: kNotFound, kUnreadable, kBadFormat, kBadValue, kUnsupported, kCancelled; never throws.
 /// @cost  360 x 360 x 330 from .nii.gz: about 0.5 s, 0.25 GB.   @thread any.

@@ -128,10 +128,10 @@ std::size_t grow(Int32Tree& labels, Interrupter& interrupter) {
   return total;
 }
 
-// Volume per label by the smoothed step, nobody's at index 0. `inside_only` leaves out the outer half of the shell,
+// Volume per label, nobody's at index 0. `inside_only` leaves out the outer half of the shell,
 // which lies in no claim by nature.
 std::vector<double> volumesOf(const Int32Tree& labels, const FloatGrid& phi, std::size_t claims, bool inside_only) {
-  const double h = phi.voxelSize()[0], e = kShellVoxels * h;
+  const double h = phi.voxelSize()[0];
   std::vector<const Leaf*> leaves;
   labels.getNodes(leaves);
   std::vector<std::vector<double>> sums(leaves.size());
@@ -140,8 +140,8 @@ std::vector<double> volumesOf(const Int32Tree& labels, const FloatGrid& phi, std
       sums[l].assign(claims + 1, 0);
       const auto* field = phi.tree().probeConstLeaf(leaves[l]->origin());
       for (auto node = leaves[l]->cbeginValueOn(); node; ++node) {
-        const double value = field ? static_cast<double>(field->getValue(node.pos())) : -e;
-        if (!inside_only || value < 0) sums[l][static_cast<std::size_t>(*node)] += smoothInside(value, e);
+        const double value = field ? static_cast<double>(field->getValue(node.pos())) : -h;
+        if (!inside_only || value < 0) sums[l][static_cast<std::size_t>(*node)] += insideFraction(value, h);
       }
     }
   });

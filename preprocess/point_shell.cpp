@@ -48,7 +48,7 @@ LeafShell shellOfLeaf(const FloatLeaf& leaf, const FloatGrid::ConstUnsafeAccesso
   std::vector<ShellLeaf::ValueType> offsets(kBrickNodes);
   for (int n = 0; n < kBrickNodes; ++n) {
     const double value = v[n];
-    out.inside_nodes += smoothInside(value, e);
+    out.inside_nodes += insideFraction(value, h);
     if (std::abs(value) < e) {
       constexpr std::array<int, 3> kStep{64, 8, 1};
       const openvdb::Coord c = leaf.offsetToGlobalCoord(static_cast<openvdb::Index>(n));

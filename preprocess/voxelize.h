@@ -52,7 +52,7 @@ struct MaterialVolumes {
 
 struct AnatomyStats {
   std::uint64_t active_voxels = 0, shell_points = 0, bytes = 0;
-  double volume_mm3 = 0;      ///< of {phi < 0}, by the smoothed step the ledger uses
+  double volume_mm3 = 0;      ///< of {phi < 0}, the share of each voxel by a ramp one voxel wide
   double shell_area_mm2 = 0;  ///< sum of the shell's area weights
   MaterialVolumes materials;
 };

@@ -15,7 +15,7 @@ struct PointShell {
   openvdb::points::PointDataGrid::Ptr grid;
   std::uint64_t points = 0;
   double area_mm2 = 0;    ///< sum of the area weights
-  double volume_mm3 = 0;  ///< of {phi < 0} in those bricks, by the smoothed step
+  double volume_mm3 = 0;  ///< of {phi < 0} in those bricks
 };
 
 /// One point per node |phi| < 1.5 voxels, exactly on the node: its position in the voxel is zero everywhere and costs

@@ -1,4 +1,4 @@
-// The smoothed delta and step that turn a distance field into areas and volumes.
+// The smoothed delta and the step that turn a distance field into areas and volumes.
 #pragma once
 
 #include <algorithm>
@@ -6,7 +6,7 @@
 
 namespace kerf::internal {
 
-/// Half width of both, in voxels: nodes nearer to the surface than this make up the point shell.
+/// Half width of the delta, in voxels: nodes nearer to the surface than this make up the point shell.
 inline constexpr double kShellVoxels = 1.5;
 
 /// Smoothed delta of Engquist, Tornberg & Tsai 2005 in its polynomial form, 1/mm. @param e half width, mm.
@@ -14,10 +14,9 @@ inline double smoothDelta(double phi, double e) {
   const double u = phi / e, w = 1 - u * u;
   return std::abs(u) < 1 ? w * w * 15 / (16 * e) : 0;
 }
-/// The step it is the slope of: 1 inside, 0 outside.
-inline double smoothInside(double phi, double e) {
-  const double u = std::clamp(phi / e, -1.0, 1.0);
-  return 0.5 - (15 * u - 10 * u * u * u + 3 * u * u * u * u * u) / 16;
-}
+/// Share of a node's voxel that is inside: a ramp one voxel wide. Any step of half width e counts a curved surface's
+/// outside more than its inside: relative to a ball of radius r by 3 m (h / r)^2, where m is the second moment of the
+/// step's slope: h^2 / 12 here, 0.32 h^2 for the step whose slope is smoothDelta().
+inline double insideFraction(double phi, double h) { return std::clamp(0.5 - phi / h, 0.0, 1.0); }
 
 }  // namespace kerf::internal

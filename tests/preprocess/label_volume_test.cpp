@@ -172,6 +172,21 @@ TEST(LabelVolume, ThresholdMakesOneLabelOfAllValuesFromThereOn) {
   EXPECT_EQ(v->labels, (std::vector<std::uint16_t>{0, 0, 1, 1, 0}));
 }
 
+TEST(LabelVolume, AThresholdAboveEveryValueIsRefusedWithTheHighest) {
+  LabelReadOptions o;
+  o.threshold = 5000;
+  expectRefusal(readBytes("a.nrrd", floatNrrd({-1000, 1.4f, 3000, std::numeric_limits<float>::quiet_NaN()}), o),
+                "the highest is 3000");
+}
+
+TEST(LabelVolume, DensitiesInBytesAreNoLabelsButFortyRegionsAre) {
+  std::vector<float> noise, regions;
+  for (int i = 0; i < 4000; ++i) noise.push_back(static_cast<float>(i * 37 % 101));
+  for (int i = 0; i < 4000; ++i) regions.push_back(static_cast<float>(i / 100));
+  expectRefusal(readBytes("a.nrrd", floatNrrd(noise)), "neighbours differ: these look like intensities");
+  EXPECT_TRUE(readBytes("a.nrrd", floatNrrd(regions)));
+}
+
 TEST(LabelVolume, FilesShorterThanTheirHeaderClaimsAreRefusedBeforeAllocating) {
   const std::string grid = std::string("type: unsigned char\ndimension: 3\nspacings: 1 1 1\n");
   expectRefusal(readBytes("a.nrrd", nrrd(grid + "encoding: raw\nsizes: 4 3 3\n", countingLabels())),
@@ -265,7 +280,8 @@ TEST(LabelVolume, MutatedFilesAreReadOrRefused) {
         EXPECT_FALSE(v.error().message().empty());
       }
     }
-    if (name != "a.png") EXPECT_GT(read, 0) << name;  // a PNG's checksums find every change
+    // A PNG's checksums find every change.
+    EXPECT_GT(read, name == "a.png" ? -1 : 0) << name;
     EXPECT_GT(refused, f < 3 ? 50 : 10) << name;
   }
 }

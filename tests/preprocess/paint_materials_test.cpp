@@ -133,7 +133,7 @@ TEST(PaintMaterials, ANarrowGapGoesToItsNeighboursAndIsReported) {
   const auto anatomy = voxelize(tooth, {}, {}, claims);
   ASSERT_TRUE(anatomy) << anatomy.error().message();
   const MaterialVolumes& v = anatomy->stats().materials;
-  // The outer half of the shell lies in no claim either: the smoothed step puts a little volume there.
+  // The outer half of the shell lies in no claim either: the step puts a little volume there.
   EXPECT_NEAR(v.unclaimed_mm3, ballVolume(2.4) - ballVolume(2), 0.08 * ballVolume(3));
   EXPECT_GT(v.unclaimed_mm3, ballVolume(2.4) - ballVolume(2));
   EXPECT_EQ(v.forgotten_mm3, 0);
