@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
+#include <csignal>
 #include <cstring>
 #include <fstream>
 #include <limits>
@@ -255,6 +256,7 @@ bool survivesReading(const std::vector<fs::path>& files, VolumeFormat format, st
   if (child == 0) {
     const int nowhere = open("/dev/null", O_WRONLY);
     if (nowhere >= 0) dup2(nowhere, 2);
+    for (const int way_to_die : {SIGALRM, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT}) std::signal(way_to_die, SIG_DFL);
     alarm(seconds);
     for (const fs::path& f : files) {
       if (format == VolumeFormat::kDicom && !internal::isDicom(f)) continue;
