@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "geometry/hash.h"
+#include "geometry/material_field.h"
 #include "preprocess/voxelize.h"
 #include "tests/geometry/ball_mesh.h"
 #include "tests/geometry/temporary_folder.h"
@@ -69,6 +70,28 @@ TEST(PaintMaterials, NestedSolidsGetTheirVolumesAndTheFirstWins) {
   const auto hidden = voxelize(tooth, {}, {}, other_way);
   ASSERT_TRUE(hidden);
   EXPECT_EQ(hidden->stats().materials.claimed_mm3[1], 0) << "the tooth came first and covers it all";
+}
+
+TEST(PaintMaterials, ReadBackTheLabelsAreThoseOfTheFile) {
+  const TemporaryFolder folder;
+  const Mesh tooth = ballMesh({0.03, 0.02, 0.01}, 1.5, 80), pulp = ballMesh({0.53, 0.02, 0.04}, 0.6, 60);
+  const std::vector<MaterialClaim> claims{inside(Material::kPulp, pulp), inside(Material::kDentin, tooth)};
+  const auto anatomy = voxelize(tooth, {}, {}, claims);
+  ASSERT_TRUE(anatomy) << anatomy.error().message();
+  const Labels labels = written(*anatomy, folder);
+  const auto field = readMaterialField(folder.path() / "a.vdb");
+  ASSERT_TRUE(field) << field.error().message();
+  EXPECT_DOUBLE_EQ(field->voxel(), 0.1);
+  for (int x = -20; x <= 20; ++x)
+    for (int y = -20; y <= 20; ++y)
+      for (int z = -20; z <= 20; ++z)
+        ASSERT_EQ(static_cast<int>(field->at({x, y, z})), labels.material->tree().getValue({x, y, z}));
+  EXPECT_EQ(field->near({0.53, 0.02, 0.04}), Material::kPulp);
+  EXPECT_EQ(field->near({-1.0, 0, 0}), Material::kDentin);
+  EXPECT_EQ(field->near({0, 0, 1.5 + 0.3}), Material::kDentin) << "a little outside: what is nearest";
+  EXPECT_EQ(field->near({0, 0, 5}), Material::kNone);
+  folder.write("b.vdb", "no such thing");
+  EXPECT_FALSE(readMaterialField(folder.path() / "b.vdb"));
 }
 
 TEST(PaintMaterials, ADepthAboveAPlaneReplacesOnlyWhatItMay) {

@@ -36,7 +36,7 @@ struct RunOptions {
   bool as_nobody = false;                       // root may write anywhere
   int signal = 0;                               // sent after signal_after seconds
   double signal_after = 0, most_seconds = 120;  // then it is killed and the test fails
-  std::map<std::string, std::string> environment;
+  std::map<std::string, std::string> environment{};
 };
 
 inline Outcome runKerf(const std::vector<std::string>& arguments, const RunOptions& options = {}) {

@@ -1,4 +1,7 @@
 // kerf demo: anatomy of Kerf's own making, as a user asks for it.
+#include <map>
+#include <nlohmann/json.hpp>
+
 #include "tests/ui/cli_runner.h"
 
 namespace kerf {
@@ -19,6 +22,26 @@ TEST_F(CliDemo, WritesMeshesAndARecipeAndReplacesThemOnlyOnDemand) {
   auto forced = command;
   forced.push_back("--force");
   EXPECT_EQ(runKerf(forced).exit_code, 0);
+}
+
+TEST_F(CliDemo, TheRecipeOfTheMolarBakesEveryTissueWithItsVolume) {
+  ASSERT_EQ(runKerf({"demo", "molar", "-o", at("molar"), "--coarseness", "3"}).exit_code, 0);
+  const Outcome o = runKerf({"bake", at("molar/molar.toml"), "-o", at("molar.case"), "--voxel", "0.15", "--json"});
+  ASSERT_EQ(o.exit_code, 0) << o.err;
+  const auto j = nlohmann::json::parse(o.out);
+  EXPECT_TRUE(j["exact"]);
+  std::map<std::string, double> volume;
+  double sum = 0;
+  for (const auto& m : j["materials"]) volume[m["id"]] = m["volume_mm3"], sum += m["volume_mm3"].get<double>();
+  EXPECT_EQ(volume.size(), 4u);
+  for (const char* id : {"enamel", "dentin", "pulp", "caries"}) EXPECT_GT(volume[id], 1) << id;
+  EXPECT_NEAR(sum / j["solid"]["volume_mm3"].get<double>(), 1, 0.003) << "tissues fill the tooth, each place once";
+  bool pulp_is_whole = false;
+  for (const auto& p : j["parts"])
+    if (p["material"] == "pulp")
+      pulp_is_whole = std::abs(p["volume_mm3"].get<double>() / p["own_mm3"].get<double>() - 1) < 0.02;
+  EXPECT_TRUE(pulp_is_whole) << j["parts"].dump();
+  EXPECT_EQ(j["gaps"]["forgotten_mm3"], 0);
 }
 
 TEST_F(CliDemo, RefusesWhatItCanNotMakeAndReplacesNoForeignFolder) {
