@@ -22,6 +22,8 @@ constexpr double kDeflate = 1032;    // no deflate stream expands more
 constexpr double kBzip2 = 1u << 22;  // runs of one byte reach some 10^6
 constexpr std::size_t kMostHeader = 1 << 20;
 constexpr int kMostAxes = 7;
+// What is longer overruns a buffer of 1024 bytes in ITK 5.2's NRRD library, which quotes it when it complains.
+constexpr std::size_t kMostQuoted = 500;
 
 tl::unexpected<Error> bad(const fs::path& path, std::string place, std::string found, std::string expected,
                           std::string hint = "save it again from the program it came from") {
@@ -79,6 +81,9 @@ Expected<TextHeader> readTextHeader(const fs::path& path, char separator, const 
     if (at == std::string::npos)
       return bad(path, fmt::format("line {}", number), "no key and value", fmt::format("KEY{} VALUE", separator));
     if (separator == ':' && at + 1 < line.size() && line[at + 1] == '=') continue;  // key:=value, for programs
+    if (separator == ':' && line.size() > kMostQuoted)
+      return bad(path, fmt::format("line {}", number), fmt::format("{} bytes", line.size()),
+                 fmt::format("a field of at most {} bytes", kMostQuoted));
     const std::string key = lower(trimmed(line.substr(0, at)));
     if (!h.field.emplace(key, trimmed(line.substr(at + 1))).second)
       return bad(path, fmt::format("line {}", number), fmt::format("key '{}' a second time", key), "it once");
@@ -111,6 +116,9 @@ Expected<void> checkSizes(const fs::path& path, const std::string& key, const st
 
 Expected<StatedHeader> checkNrrd(const fs::path& path) {
   KERF_TRY(bytes, fileSize(path));
+  if (path.native().size() > kMostQuoted)
+    return fail({Error::Code::kUnsupported, path.string(), "", fmt::format("a path of {} bytes", path.native().size()),
+                 fmt::format("at most {} bytes", kMostQuoted), "move the file to a folder with a shorter path"});
   KERF_TRY(h, readTextHeader(path, ':', ""));
   {
     std::ifstream in(path, std::ios::binary);

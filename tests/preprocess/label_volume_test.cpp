@@ -199,6 +199,15 @@ TEST(LabelVolume, FilesShorterThanTheirHeaderClaimsAreRefusedBeforeAllocating) {
                 "crop the volume");
 }
 
+TEST(LabelVolume, LongFieldsAreRefusedButNotLongNotes) {
+  const std::string grid = std::string(kNrrdGrid) + kNrrdSpace;
+  EXPECT_TRUE(readBytes(
+      "a.nrrd",
+      nrrd("# " + std::string(3000, 'x') + "\nnote:=" + std::string(3000, 'x') + "\n" + grid, countingLabels())));
+  expectRefusal(readBytes("a.nrrd", nrrd(grid + "content: " + std::string(3000, 'x') + "\n", countingLabels())),
+                "a field of at most 500 bytes");
+}
+
 TEST(LabelVolume, SingularDirectionsAreRefused) {
   expectRefusal(readBytes("a.nrrd", nrrd(std::string(kNrrdGrid) +
                                              "space: left-posterior-superior\nspace directions: (1,0,0) (1,0,0) "
