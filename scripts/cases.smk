@@ -10,15 +10,21 @@
 # bake     more options of kerf bake, as "--close repair"
 # tool, path   what to cut with, and along what; without them the closed scans are exported
 # kerf     the program, default: the one in build/release/bin, else the one on the PATH
+#
+# A scan that fails does not stop the others: its line in report.csv says at which step and why, out/log has all of it,
+# and the whole ends with an error. Started again, it tries only those that failed (or changed).
+import csv
 import json
 import os
 import re
+import sys
 
 here = os.path.dirname(os.path.abspath(workflow.snakefile))
 built = os.path.join(here, "..", "build", "release", "bin", "kerf")
 KERF = config.get("kerf", built if os.path.exists(built) else "kerf")
 SCANS = config.get("scans")
 OUT = config.get("out", "out/cases")
+REPORT = os.path.join(OUT, "report.csv")
 BAKE = (f"--voxel {config['voxel']} " if "voxel" in config else "") + str(config.get("bake", ""))
 TOOL, PATH = config.get("tool"), config.get("path")
 FORMATS = (".stl", ".ply", ".obj", ".off", ".3mf", ".toml")
@@ -44,67 +50,97 @@ wildcard_constraints:
     name="|".join(map(re.escape, inputs)),
 
 
-rule all:
-    input:
-        os.path.join(OUT, "report.csv"),
+localrules:
+    report,
 
 
-rule bake:
+# One job for a scan. It succeeds even where kerf fails, and leaves a row with the last step and its exit code.
+rule scan:
     input:
-        lambda wildcards: inputs[wildcards.name],
+        scan=lambda wildcards: inputs[wildcards.name],
+        path=[PATH] if PATH else [],
     output:
-        case=directory(os.path.join(OUT, "{name}.case")),
+        row=os.path.join(OUT, "log", "{name}.row"),
     params:
         kerf=KERF,
-        options=BAKE,
-    log:
-        os.path.join(OUT, "log", "{name}.bake.txt"),
-    shell:
-        "{params.kerf:q} bake {input:q} -o {output.case:q} {params.options} >{log:q} 2>&1"
-
-
-if TOOL:
-
-    rule cut:
-        input:
-            case=os.path.join(OUT, "{name}.case"),
-            path=PATH,
-        output:
-            run=directory(os.path.join(OUT, "{name}.run")),
-        params:
-            kerf=KERF,
-            tool=TOOL,
-        log:
-            os.path.join(OUT, "log", "{name}.cut.txt"),
-        shell:
-            "{params.kerf:q} cut {input.case:q} --tool {params.tool:q} --path {input.path:q} -o {output.run:q} >{log:q} 2>&1"
-
-
-rule export:
-    input:
-        os.path.join(OUT, "{name}.run" if TOOL else "{name}.case"),
-    output:
+        bake=BAKE,
+        tool=TOOL or "",
+        cuts="true" if TOOL else "false",
+        case=os.path.join(OUT, "{name}.case"),
+        run=os.path.join(OUT, "{name}.run"),
         mesh=os.path.join(OUT, "{name}.stl"),
         check=os.path.join(OUT, "{name}.json"),
-    params:
-        kerf=KERF,
     log:
-        os.path.join(OUT, "log", "{name}.export.txt"),
+        os.path.join(OUT, "log", "{name}.txt"),
     shell:
-        "{params.kerf:q} export {input:q} -o {output.mesh:q} >{log:q} 2>&1"
-        " && {params.kerf:q} check {output.mesh:q} --json >{output.check:q} 2>>{log:q}"
+        """
+        exec >{log:q} 2>&1
+        rm -f {params.mesh:q} {params.check:q}
+        step() {{ step=$1; echo "== kerf $*" >&2; {params.kerf:q} "$@"; }}
+        bake() {{ step bake {input.scan:q} -o {params.case:q} {params.bake} "$@"; }}
+        scan() {{
+            # Without --force a case that is up to date is left alone; one of other settings is baked again.
+            if [ -e {params.case:q} ]; then bake || bake --force; else bake; fi || return
+            result={params.case:q}
+            if {params.cuts}; then
+                result={params.run:q}
+                step cut {params.case:q} --tool {params.tool:q} --path {input.path:q} -o "$result" --force || return
+            fi
+            step export "$result" -o {params.mesh:q} || return
+            step check {params.mesh:q} --json >{params.check:q}
+        }}
+        code=0
+        scan || code=$?
+        echo "$step $code" >{output.row:q}
+        """
 
 
+def reason(name, step, code):
+    """What kerf said last, in one line."""
+    if step == "check":
+        with open(os.path.join(OUT, name + ".json")) as file:
+            return "; ".join(json.load(file)["reasons"])
+    with open(os.path.join(OUT, "log", name + ".txt"), errors="replace") as file:
+        said = [line.strip() for line in file if line.startswith("kerf: ")]
+    return said[-1].removeprefix("kerf: ") if said else f"no word from kerf; it ended with {code}"
+
+
+# Without an output: it runs every time, and nothing of it is taken away when it says that something failed.
 rule report:
+    default_target: True
     input:
-        expand(os.path.join(OUT, "{name}.json"), name=inputs),
-    output:
-        os.path.join(OUT, "report.csv"),
+        expand(os.path.join(OUT, "log", "{name}.row"), name=inputs),
     run:
-        with open(output[0], "w") as table:
-            table.write("name,triangles,pieces,volume_mm3,area_mm2,is_print_ready\n")
-            for name, path in zip(inputs, input):
-                with open(path) as file:
-                    check = json.load(file)
-                numbers = [check.get(key, "") for key in ("triangles", "pieces", "volume_mm3", "area_mm2", "print_ready")]
-                table.write(",".join([name] + [str(number) for number in numbers]) + "\n")
+        keys = ("triangles", "pieces", "volume_mm3", "area_mm2", "print_ready")
+        failed = []
+        with open(os.path.join(OUT, "report.csv.part"), "w", newline="") as file:
+            table = csv.writer(file, lineterminator="\n")
+            table.writerow(["name", "status", *keys[:-1], "is_print_ready", "reason"])
+            for name, row in zip(inputs, input):
+                step, code = open(row).read().split()
+                if code == "0":
+                    with open(os.path.join(OUT, name + ".json")) as check:
+                        numbers = json.load(check)
+                    table.writerow([name, "ok", *(numbers.get(key, "") for key in keys), ""])
+                else:
+                    failed.append(row)
+                    table.writerow([name, step + " failed", *("" for key in keys), reason(name, step, code)])
+        os.replace(file.name, REPORT)
+        for row in failed:  # to be tried again next time
+            os.remove(row)
+        if failed:
+            raise WorkflowError(f"{len(failed)} of {len(inputs)} failed")
+
+
+onstart:
+    if os.path.exists(REPORT):  # a run that is stopped leaves none rather than an old one
+        os.remove(REPORT)
+
+
+onerror:
+    if os.path.exists(REPORT):
+        with open(REPORT, newline="") as file:
+            rows = list(csv.DictReader(file))
+        failed = [row["name"] for row in rows if row["status"] != "ok"]
+        print(f"cases: {len(failed)} of {len(rows)} failed: {', '.join(failed)}. "
+              f"Reasons: {REPORT}; logs: {os.path.join(OUT, 'log')}. Started again, only these are tried again.", file=sys.stderr)

@@ -204,6 +204,17 @@ Expected<RunManifest> readRunManifest(const fs::path& folder) {
   return m;
 }
 
+Expected<fs::path> caseOfRun(const fs::path& run_folder) {
+  KERF_TRY(manifest, readRunManifest(run_folder));
+  return locateCase(run_folder, manifest);
+}
+
+Expected<BrickField> readRunSweep(const fs::path& run_folder) {
+  KERF_TRY(manifest, readRunManifest(run_folder));
+  KERF_CHECK(requireSha256(run_folder / kField, manifest.field_sha256, "cut again"));
+  return readVdb(run_folder / kField, "sweep");
+}
+
 Expected<RunManifest> cutCase(const fs::path& case_folder, const fs::path& tool_file, const fs::path& path_file,
                               const fs::path& run_folder, const CutOptions& options, const Progress& progress) {
   const auto cancelError = [] {
@@ -305,10 +316,9 @@ Expected<Export> exportBundle(const fs::path& bundle, const PostOpOptions& optio
   KERF_TRY(in_case, readCaseManifest(case_folder));
   KERF_TRY(solid, readCaseSolid(case_folder));
   KERF_TRY(phi0, readCaseField(case_folder));
-  KERF_CHECK(requireSha256(bundle / kField, manifest.field_sha256, "cut again"));
+  KERF_TRY(sweep, readRunSweep(bundle));
   KERF_CHECK(requireSha256(bundle / kToolCopy, manifest.tool_sha256, "cut again; a run is never edited"));
   KERF_CHECK(requireSha256(bundle / manifest.path_file, manifest.path_sha256, "cut again; a run is never edited"));
-  KERF_TRY(sweep, readVdb(bundle / kField, "sweep"));
   if (const auto& region = in_case.region; region && sweep.voxel() == region->where.voxel_mm) {
     KERF_TRY(fine, readCaseRegionField(case_folder));
     phi0 = std::move(fine);

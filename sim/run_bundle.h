@@ -38,6 +38,12 @@ struct RunManifest {
 bool isRun(const std::filesystem::path& folder);
 Expected<RunManifest> readRunManifest(const std::filesystem::path& folder);
 
+/// The folder of the case a run was cut from. An error if it is not there, or was baked anew since.
+Expected<std::filesystem::path> caseOfRun(const std::filesystem::path& run_folder);
+/// The union of the tool's sweeps, mm, negative where the tool has been; cut out of the case's field it is the cut
+/// object. Checked against the manifest. At the voxel size the run was cut at: the case's, or its region's finer one.
+Expected<BrickField> readRunSweep(const std::filesystem::path& run_folder);
+
 struct CutOptions {
   bool overwrite = false;
 };

@@ -84,6 +84,9 @@ TEST_F(KerfSim, BadArgumentsAreErrorsThatSayWhatToDo) {
   const std::pair<std::string, std::string> cases[] = {{"--view sideways " + file, "occlusal"},
                                                        {"--look-at 1,2 " + file, "--look-at 0,0,5"},
                                                        {"--zoom -1 " + file, "zoom"},
+                                                       {"--section 0,0,1 " + file, "--section center,0,1,0"},
+                                                       {"--section center,0,0,0 " + file, "--section center,0,1,0"},
+                                                       {"--section center,0,0,1 " + file, "kerf bake it first"},
                                                        {"missing.stl", "missing.stl"}};
   for (const auto& [arguments, words] : cases) {
     const Outcome done = picture(arguments);
@@ -91,6 +94,14 @@ TEST_F(KerfSim, BadArgumentsAreErrorsThatSayWhatToDo) {
     EXPECT_NE(done.text.find(words), std::string::npos) << done.text;
     EXPECT_FALSE(fs::exists(png()));
   }
+}
+
+TEST_F(KerfSim, PicturesOfAnotherNameThanPngAreRefused) {
+  const fs::path jpg = folder_ / "picture.jpg";
+  const Outcome done = shell(fmt::format("{} --screenshot '{}' '{}'", kProgram, jpg.string(), mesh().string()));
+  EXPECT_EQ(done.status, 1);
+  EXPECT_NE(done.text.find("picture.png"), std::string::npos) << done.text;
+  EXPECT_FALSE(fs::exists(jpg));
 }
 
 TEST_F(KerfSim, WithoutADisplayTheWindowSaysWhatToDo) {

@@ -2,10 +2,14 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cctype>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 
 #include "ui/window/camera.h"
 #include "ui/window/gl_context.h"
@@ -45,16 +49,28 @@ bool parsePoint(const std::string& text, kerf::Vec3d& p) {
          used == static_cast<int>(text.size()) && p.allFinite();
 }
 
-/// A point and a direction, six numbers.
-bool parsePlane(const std::string& text, kerf::Plane& plane) {
-  kerf::Vec3d &p = plane.point, &n = plane.normal;
-  int used = 0;
-  if (std::sscanf(text.c_str(), "%lf,%lf,%lf,%lf,%lf,%lf%n", &p.x(), &p.y(), &p.z(), &n.x(), &n.y(), &n.z(), &used) !=
-          6 ||
-      used != static_cast<int>(text.size()) || !p.allFinite() || !(n.norm() > 1e-9 && n.norm() < 1e9))
-    return false;
-  n.normalize();
-  return true;
+/// X,Y,Z,NX,NY,NZ: a point and a direction. Or a word for the point: center,NX,NY,NZ and cut,NX,NY,NZ.
+bool parseSection(const std::string& text, kerf::SectionPlane& plane) {
+  using Through = kerf::SectionPlane::Through;
+  std::string direction = text;
+  for (const auto& [word, through] : {std::pair("center,", Through::kCenter), std::pair("cut,", Through::kCut)})
+    if (text.starts_with(word)) plane.through = through, direction = text.substr(std::string_view(word).size());
+  if (plane.through == Through::kPoint) {
+    std::size_t comma = 0;
+    for (int k = 0; k < 3 && comma != text.npos; ++k) comma = text.find(',', k == 0 ? 0 : comma + 1);
+    if (comma == text.npos || !parsePoint(text.substr(0, comma), plane.point)) return false;
+    direction = text.substr(comma + 1);
+  }
+  if (!parsePoint(direction, plane.normal)) return false;
+  const double length = plane.normal.norm();
+  plane.normal /= length;
+  return length > 1e-9 && length < 1e9;
+}
+
+bool hasPngEnding(const std::string& path) {
+  std::string ending = std::filesystem::path(path).extension().string();
+  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return ending == ".png";
 }
 
 kerf::Expected<void> run(const Arguments& arguments) {
@@ -68,14 +84,20 @@ kerf::Expected<void> run(const Arguments& arguments) {
       return kerf::fail(badValue("--look-at", arguments.look_at, "X,Y,Z in mm", "--look-at 0,0,5"));
     look_at = p;
   }
-  std::optional<kerf::Plane> cut;
-  if (kerf::Plane plane; !arguments.section.empty()) {
-    if (!parsePlane(arguments.section, plane))
-      return kerf::fail(badValue("--section", arguments.section, "X,Y,Z,NX,NY,NZ: a point in mm and a direction",
-                                 "--section 0,0,0,0,1,0"));
+  std::optional<kerf::SectionPlane> cut;
+  if (kerf::SectionPlane plane; !arguments.section.empty()) {
+    if (!parseSection(arguments.section, plane))
+      return kerf::fail(
+          badValue("--section", arguments.section,
+                   "X,Y,Z,NX,NY,NZ: a point in mm and a direction; or center or cut in the place of the point",
+                   "--section center,0,1,0"));
     cut = plane;
   }
+  if (!arguments.screenshot.empty() && !hasPngEnding(arguments.screenshot))
+    return kerf::fail(badValue("--screenshot", arguments.screenshot, "a name that ends in .png: pictures are PNG files",
+                               std::filesystem::path(arguments.screenshot).replace_extension(".png").c_str()));
   KERF_TRY(scene, kerf::loadScene(arguments.scene, cut));
+  if (!scene.note.empty()) fmt::print(stderr, "kerf-sim: note: {}\n", scene.note);
   kerf::fitTo(camera, scene.mesh, width, height);
   if (look_at) camera.target = *look_at;
   kerf::zoomBy(camera, arguments.zoom);
@@ -127,8 +149,9 @@ int main(int argc, char** argv) try {
   app.add_option("--look-at", a.look_at, "the point shown at the centre, mm (default: the middle of the mesh)")
       ->type_name("X,Y,Z");
   app.add_option("--section", a.section,
-                 "show a case cut open: a point of the plane, mm, and the direction whose side is taken away")
-      ->type_name("X,Y,Z,NX,NY,NZ");
+                 "show a case or a run cut open: a point of the plane, mm, and the direction whose side is taken away. "
+                 "In the place of the point: center, the middle of the object, or cut, the middle of what a run cut")
+      ->type_name("X,Y,Z,NX,NY,NZ | center,NX,NY,NZ | cut,NX,NY,NZ");
   app.add_flag("--transparent", a.transparent, "no background and no ground shadow");
   app.add_flag("--no-shadow", a.no_shadow, "no ground shadow");
   app.add_flag("--no-scale-bar", a.no_scale_bar, "no scale bar in the picture");

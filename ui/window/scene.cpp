@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <limits>
 #include <system_error>
 #include <utility>
 
@@ -21,37 +23,101 @@ double millimetres(const std::string& unit) {
   return 0;
 }
 
+std::string inBrackets(const Vec3d& p) { return fmt::format("({:.2f}, {:.2f}, {:.2f})", p[0], p[1], p[2]); }
+
+// The plane that is meant, and a note if it takes nothing away.
+Expected<Plane> placed(const SectionPlane& cut, const PostOpMesh& shown, const std::string& file, std::string& note) {
+  using Through = SectionPlane::Through;
+  const Mesh& mesh = shown.mesh;
+  const Box3 box = bounds(mesh);
+  Plane plane{cut.point, cut.normal};
+  if (cut.through == Through::kCenter) plane.point = box.center();
+  if (cut.through == Through::kCut) {
+    Box3 walls;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+      for (int k = 0; k < 3 && shown.is_cut[t]; ++k) walls.add(mesh.corner(t, k));
+    if (walls.isEmpty())
+      return fail({Error::Code::kUnsupported, file, "--section", "no cut", "a run with cut faces",
+                   "--section center,NX,NY,NZ"});
+    plane.point = walls.center();
+  }
+  double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
+  for (const Vec3d& p : mesh.vertices) {
+    lowest = std::min(lowest, plane.height(p));
+    highest = std::max(highest, plane.height(p));
+  }
+  const std::string where = fmt::format("the object lies in {}-{} mm", inBrackets(box.min), inBrackets(box.max));
+  const Vec3d& n = cut.normal;
+  if (lowest >= 0)
+    return fail({Error::Code::kEmpty, file, "--section",
+                 fmt::format("the plane takes all of the object away; {}", where), "",
+                 fmt::format("--section center,{:.4g},{:.4g},{:.4g}", n[0], n[1], n[2])});
+  if (highest <= 0) note = fmt::format("the plane of --section takes nothing away; {}", where);
+  return plane;
+}
+
+// What a case or a run looks like: coloured by material where there are several, cut open if asked.
+Expected<Scene> sceneOfBundle(const std::filesystem::path& path, const std::optional<SectionPlane>& cut) {
+  Scene scene{.mesh = {}, .mesh_file = path, .unit = "mm", .note = {}};
+  const bool is_run = isRun(path);
+  std::filesystem::path case_folder = path;
+  if (is_run) {
+    KERF_TRY(found, caseOfRun(path));
+    case_folder = found;
+  }
+  bool is_tissues = cut.has_value(), is_one_material = false;
+  if (isCase(case_folder)) {
+    KERF_TRY(manifest, readCaseManifest(case_folder));
+    is_tissues |= manifest.materials.size() > 1;
+    is_one_material = manifest.materials.size() == 1;
+  }
+  PostOpMesh shown;
+  if (is_tissues && !is_run) {
+    KERF_TRY(solid, readCaseSolid(case_folder));
+    shown.is_cut.assign(solid.triangles.size(), 0);
+    shown.mesh = std::move(solid);
+  } else {
+    KERF_TRY(exported, exportBundle(path));
+    shown = std::move(exported.post_op);
+  }
+  Mesh& mesh = shown.mesh;
+  if (is_tissues) {
+    KERF_TRY(materials, readCaseMaterials(case_folder));
+    KERF_TRY(table, readDefaultMaterials());
+    const Rgba8 cut_color = PostOpOptions{}.cut_color;
+    colorByMaterial(mesh, materials, table);
+    if (is_one_material)
+      for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+        if (shown.is_cut[t]) mesh.face_colors[t] = cut_color;
+    if (cut) {
+      KERF_TRY(plane, placed(*cut, shown, path.string(), scene.note));
+      KERF_TRY(phi, readCaseField(case_folder));
+      BrickField sweep;
+      if (is_run) {
+        KERF_TRY(swept, readRunSweep(path));
+        sweep = std::move(swept);
+      }
+      // The two may have different voxels: a run within the case's fine region was cut on its own.
+      const auto distance = [&](const Vec3d& p) {
+        return is_run ? std::max(phi.sample(p), -sweep.sample(p)) : phi.sample(p);
+      };
+      const double voxel = is_run ? std::min(phi.voxel(), sweep.voxel()) : phi.voxel();
+      mesh = section(mesh, distance, voxel, materials, table, plane);
+    }
+  }
+  scene.mesh = std::move(mesh);
+  return scene;
+}
+
 }  // namespace
 
-Expected<Scene> loadScene(const std::filesystem::path& path, const std::optional<Plane>& cut) {
-  Scene scene;
-  scene.mesh_file = path;
-  scene.unit = "mm";
+Expected<Scene> loadScene(const std::filesystem::path& path, const std::optional<SectionPlane>& cut) {
   std::error_code ignored;
-  if (isCase(path)) {
-    KERF_TRY(manifest, readCaseManifest(path));
-    if (cut || manifest.materials.size() > 1) {
-      KERF_TRY(solid, readCaseSolid(path));
-      KERF_TRY(materials, readCaseMaterials(path));
-      KERF_TRY(table, readDefaultMaterials());
-      scene.mesh = std::move(solid);
-      if (!cut) {
-        colorByMaterial(scene.mesh, materials, table);
-        return scene;
-      }
-      KERF_TRY(phi, readCaseField(path));
-      scene.mesh = section(scene.mesh, phi, materials, table, *cut);
-      return scene;
-    }
-  } else if (cut) {
-    return fail({Error::Code::kUnsupported, path.string(), "--section", "no case", "a case folder",
-                 "kerf bake it first: only a case knows its inside"});
-  }
-  if (std::filesystem::is_directory(path, ignored)) {
-    KERF_TRY(result, exportBundle(path));
-    scene.mesh = std::move(result.post_op.mesh);
-    return scene;
-  }
+  if (std::filesystem::is_directory(path, ignored)) return sceneOfBundle(path, cut);
+  if (cut)
+    return fail({Error::Code::kUnsupported, path.string(), "--section", "neither a case nor a run",
+                 "a case or a run folder", "kerf bake it first: only a case knows its inside"});
+  Scene scene{.mesh = {}, .mesh_file = path, .unit = "mm", .note = {}};
   KERF_TRY(file, readMesh(scene.mesh_file));
   scene.mesh = std::move(file.mesh);
   if (file.declared_unit == "mm") return scene;

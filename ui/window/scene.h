@@ -10,19 +10,34 @@
 
 namespace kerf {
 
+/// Where an object is cut open to be looked at.
+struct SectionPlane {
+  enum class Through {
+    kPoint,   ///< `point`
+    kCenter,  ///< the middle of the object's box
+    kCut,     ///< the middle of the box around the cut faces of a run
+  };
+  Through through = Through::kPoint;
+  Vec3d point = Vec3d::Zero();    ///< mm
+  Vec3d normal = Vec3d::UnitZ();  ///< unit; what lies on its side is taken away
+};
+
 struct Scene {
   Mesh mesh;                        ///< mm
   std::filesystem::path mesh_file;  ///< the file it was read from
   std::string unit;                 ///< for the eye: "mm", "mm (the file names none)", "inch, shown in mm"
+  std::string note;                 ///< what the user should know about the picture; most often empty
 };
 
-/// A file is read by readMesh. A run folder shows its post-operative mesh with the cut faces in their own colour, a
-/// case folder its solid, both computed by exportBundle: what is shown is what would be exported. A mesh file whose
-/// header declares another unit is scaled to mm, one that declares none is taken as mm.
-/// A case of several materials is coloured by them.
-/// @param cut  shows a case cut open by this plane, what lies above it taken away (tissue_view.h); an error for the
-/// rest.
+/// A file is read by readMesh. A run folder shows its post-operative mesh, a case folder its solid, both computed by
+/// exportBundle: what is shown is what would be exported. A mesh file whose header declares another unit is scaled to
+/// mm, one that declares none is taken as mm.
+/// A case of several materials, and a run of one, is coloured by them, cut walls too; a run of a case of one material
+/// has its cut faces in their own colour.
+/// @param cut  shows a case or a run cut open by a plane (tissue_view.h). An error for a mesh file, which has no
+/// inside, for kCut on a case, and for a plane that takes all of the object away; one that takes nothing away makes a
+/// note.
 /// @return an error naming what is missing, for a folder that is neither.
-Expected<Scene> loadScene(const std::filesystem::path& path, const std::optional<Plane>& cut = {});
+Expected<Scene> loadScene(const std::filesystem::path& path, const std::optional<SectionPlane>& cut = {});
 
 }  // namespace kerf

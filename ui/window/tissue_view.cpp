@@ -51,23 +51,21 @@ void colorByMaterial(Mesh& mesh, const MaterialField& materials, const MaterialT
         colorOf(materials.near((mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2)) / 3), table);
 }
 
-Mesh section(const Mesh& solid, const BrickField& phi, const MaterialField& materials, const MaterialTable& table,
-             const Plane& plane) {
-  Mesh colored = solid;
-  colorByMaterial(colored, materials, table);
+Mesh section(const Mesh& surface, const std::function<double(const Vec3d&)>& distance, double voxel,
+             const MaterialField& materials, const MaterialTable& table, const Plane& plane) {
   Mesh out;
-  std::vector<std::uint32_t> place(colored.vertices.size(), ~0u);  // of a vertex in `out`
-  for (std::size_t t = 0; t < colored.triangles.size(); ++t) {
+  std::vector<std::uint32_t> place(surface.vertices.size(), ~0u);  // of a vertex in `out`
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
     std::array<Corner, 3> corners;
     for (int k = 0; k < 3; ++k) {
-      const Vec3d p = colored.corner(t, k);
+      const Vec3d p = surface.corner(t, k);
       corners[static_cast<std::size_t>(k)] = {p, plane.height(p)};
     }
     const auto below = std::count_if(corners.begin(), corners.end(), [](const Corner& c) { return c.value < 0; });
     if (below == 3) {  // whole: keeps its shared vertices, and with them its smooth shading
       Triangle triangle{};
       for (std::size_t k = 0; k < 3; ++k) {
-        std::uint32_t& v = place[colored.triangles[t][k]];
+        std::uint32_t& v = place[surface.triangles[t][k]];
         if (v == ~0u) {
           v = static_cast<std::uint32_t>(out.vertices.size());
           out.vertices.push_back(corners[k].position);
@@ -75,23 +73,24 @@ Mesh section(const Mesh& solid, const BrickField& phi, const MaterialField& mate
         triangle[k] = v;
       }
       out.triangles.push_back(triangle);
-      out.face_colors.push_back(colored.face_colors[t]);
+      out.face_colors.push_back(surface.face_colors[t]);
     } else if (below > 0) {
-      addFan(out, keptPart(corners), colored.face_colors[t]);
+      addFan(out, keptPart(corners), surface.face_colors[t]);
     }
   }
 
   // The lid: squares of one voxel in the plane.
   const Vec3d u = plane.normal.unitOrthogonal(), v = plane.normal.cross(u);
   Eigen::AlignedBox2d extent;
-  for (const Vec3d& p : solid.vertices) extent.extend(Eigen::Vector2d(u.dot(p - plane.point), v.dot(p - plane.point)));
+  for (const Vec3d& p : surface.vertices)
+    extent.extend(Eigen::Vector2d(u.dot(p - plane.point), v.dot(p - plane.point)));
   if (extent.isEmpty()) return out;
-  const double h = phi.voxel();
+  const double h = voxel;
   const Eigen::Vector2i low = (extent.min() / h).array().floor().cast<int>() - 1,
                         high = (extent.max() / h).array().ceil().cast<int>() + 1;
   const auto at = [&](int i, int j) {
     const Vec3d p = plane.point + h * (i * u + j * v);
-    return Corner{p, phi.sample(p)};
+    return Corner{p, distance(p)};
   };
   std::vector<Corner> row, next;
   const auto fill = [&](std::vector<Corner>& corners, int j) {

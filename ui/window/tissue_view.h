@@ -1,7 +1,8 @@
 // Making tissues visible: an object coloured by material, and cut open by a plane.
 #pragma once
 
-#include "geometry/brick_field.h"
+#include <functional>
+
 #include "geometry/material_field.h"
 #include "geometry/mesh.h"
 
@@ -12,8 +13,9 @@ void colorByMaterial(Mesh& mesh, const MaterialField& materials, const MaterialT
 
 /// What of an object lies below a plane, closed by a picture of its inside: one square per voxel, coloured by material,
 /// trimmed to the outline by linear interpolation. For the eye only: the lid is not joined to the rest.
-/// @param solid  closed, mm.   @param phi  its distance field.
-Mesh section(const Mesh& solid, const BrickField& phi, const MaterialField& materials, const MaterialTable& table,
-             const Plane& plane);
+/// @param surface  closed, mm, with face colours.   @param distance  to the object, mm, negative inside.
+/// @param voxel  side of the squares, mm.
+Mesh section(const Mesh& surface, const std::function<double(const Vec3d&)>& distance, double voxel,
+             const MaterialField& materials, const MaterialTable& table, const Plane& plane);
 
 }  // namespace kerf
