@@ -8,6 +8,8 @@
 #include <map>
 #include <variant>
 
+#include "preprocess/internal/poll.h"
+
 namespace kerf::internal {
 namespace {
 
@@ -25,8 +27,9 @@ using Item = std::array<std::uint32_t, 2>;  ///< a segment between two points, o
 
 class Arranger {
  public:
-  explicit Arranger(const Mesh& mesh) : mesh_(mesh) { out_.points = mesh.vertices; }
+  Arranger(const Mesh& mesh, Poll& poll) : mesh_(mesh), poll_(poll) { out_.points = mesh.vertices; }
 
+  /// Not to be used if the poll has stopped.
   Arrangement run(const std::vector<std::array<std::uint32_t, 2>>& pairs) {
     const std::size_t n = mesh_.triangles.size();
     items_.resize(n);
@@ -38,6 +41,7 @@ class Arranger {
         for (const std::uint32_t v : mesh_.triangles[t]) known_.try_emplace(exact(v), v);
     for (const auto& [i, j] : pairs) {
       if (i == j || (flat[i] && flat[j])) continue;
+      if (poll_.stop()) return {};
       if (flat[i]) {
         meetFlat(i, j);
       } else if (flat[j]) {
@@ -51,6 +55,7 @@ class Arranger {
     for (std::uint32_t t = 0; t < n; ++t) {
       if (flat[t]) continue;
       if (touched[t]) {
+        if (poll_.stop()) return {};
         subdivide(t, pieces);
       } else {
         pieces.push_back({mesh_.triangles[t], t});
@@ -149,10 +154,12 @@ class Arranger {
     };
     for (const std::uint32_t corner : f) insert(corner);
     for (const Item& item : items)
-      for (const std::uint32_t end : item) insert(end);
+      for (const std::uint32_t end : item)
+        if (!poll_.stop()) insert(end);
+    if (poll_.stopped()) return;
     for (std::size_t k = 0; k < 3; ++k) cdt.insert_constraint(handles[f[k]], handles[f[(k + 1) % 3]]);
     for (const Item& item : items)
-      if (item[0] != item[1]) cdt.insert_constraint(handles[item[0]], handles[item[1]]);
+      if (item[0] != item[1] && !poll_.stop()) cdt.insert_constraint(handles[item[0]], handles[item[1]]);
     for (auto h = cdt.finite_vertices_begin(); h != cdt.finite_vertices_end(); ++h) {
       if (h->info().v != kAdded) continue;
       // Two constraints crossed: lift their crossing back into the plane of the triangle.
@@ -219,6 +226,7 @@ class Arranger {
     bool operator()(const Point& p, const Point& q) const { return CGAL::compare_xyz(p, q) == CGAL::SMALLER; }
   };
   const Mesh& mesh_;
+  Poll& poll_;
   Arrangement out_;
   std::vector<std::vector<Item>> items_;
   std::map<Point, std::uint32_t, Less> known_;
@@ -227,9 +235,13 @@ class Arranger {
 
 }  // namespace
 
-Expected<Arrangement> arrangeChain(const Mesh& mesh, const std::vector<std::array<std::uint32_t, 2>>& pairs) {
+Expected<Arrangement> arrangeChain(const Mesh& mesh, const std::vector<std::array<std::uint32_t, 2>>& pairs,
+                                   const Progress& progress) {
+  Poll poll(progress, 0.5, "resolving crossings");
   try {
-    return Arranger(mesh).run(pairs);
+    Arrangement arrangement = Arranger(mesh, poll).run(pairs);
+    if (poll.stopped()) return cancelledError();
+    return arrangement;
   } catch (const std::exception& e) {
     Error error;
     error.code = Error::Code::kGeometry;

@@ -90,6 +90,19 @@ Expected<void> settleSizes(BakeOptions& o) {
                fmt::format("{}", o.voxelize.voxel_mm / 2)});
 }
 
+// A voxel larger than the object holds nothing of it; most often the unit is wrong. Asked before closing, not after.
+Expected<void> checkObjectSize(const std::vector<Mesh>& meshes, double voxel_mm, const BakeReport& report) {
+  Box3 box;
+  for (const Mesh& mesh : meshes) box.add(bounds(mesh));
+  const Vec3d size = box.size();
+  if (meshes.empty() || !(voxel_mm > size.maxCoeff())) return {};
+  const CaseSource& first = report.manifest.sources[0];
+  return fail({Error::Code::kBadValue, "", "voxel size",
+               fmt::format("{} mm for an object of {:.3g} x {:.3g} x {:.3g} mm (unit {}: {})", voxel_mm, size[0],
+                           size[1], size[2], first.unit, first.unit_reason),
+               "an object larger than a voxel", "another --unit, or none; or a finer --voxel"});
+}
+
 // The case that is there already, if it is this very one and undamaged.
 std::optional<CaseManifest> existing(const fs::path& case_folder, const std::string& id) {
   if (!isCase(case_folder)) return {};
@@ -262,6 +275,10 @@ Expected<BakeReport> bake(const std::vector<fs::path>& meshes, const fs::path& c
   out.times.write += watch.lap();
   KERF_TRY(sources, internal::readMeshSources(meshes, hashes, options.unit, true, staging.staging(), out,
                                               part(progress, 0, 0.05)));
+  if (auto sized = checkObjectSize(sources, options.voxelize.voxel_mm, out); !sized) {
+    if (meshes.size() == 1) sized.error().file = meshes[0].string();
+    return fail(sized.error());
+  }
   out.times.read = watch.lap();
   // What was wrong with the sources is only for the report: looked at while closing mends it.
   auto checks = checkAside(sources);

@@ -8,6 +8,7 @@
 #include <map>
 
 #include "geometry/float32_cleanup.h"
+#include "preprocess/internal/poll.h"
 
 namespace kerf::internal {
 namespace {
@@ -23,8 +24,9 @@ constexpr int kMaxRounds = 20;
 
 Point2 rounded(const Kernel::Point_2& p) { return {roundedToFloat(p.x()), roundedToFloat(p.y())}; }
 
-/// Inserts all segments; where they cross, splits them at float32 points. True when nothing crosses any more.
-bool arrange(std::vector<Segment>& segments, Cdt& cdt) {
+/// Inserts all segments; where they cross, splits them at float32 points. True when nothing crosses any more; false
+/// after too many rounds, or when `poll` stops it.
+bool arrange(std::vector<Segment>& segments, Cdt& cdt, Poll& poll) {
   for (int round = 0; round < kMaxRounds; ++round) {
     cdt.clear();
     std::vector<std::pair<std::size_t, Cdt::Constraint_id>> ids;
@@ -32,6 +34,7 @@ bool arrange(std::vector<Segment>& segments, Cdt& cdt) {
     for (std::size_t s = 0; s < segments.size(); ++s) {
       first[s] = ids.size();
       for (std::size_t k = 0; k + 1 < segments[s].size(); ++k) {
+        if (poll.stop()) return false;
         const Point2 &p = segments[s][k], &q = segments[s][k + 1];
         ids.push_back({s, cdt.insert_constraint(Kernel::Point_2(p[0], p[1]), Kernel::Point_2(q[0], q[1]))});
       }
@@ -176,7 +179,17 @@ BaseFrame baseFrame(const Vec3d& w) {
   return f;
 }
 
-bool extrudeToBase(Chain& chain, const std::vector<Loop>& rims, const BaseFrame& frame, bool on_plate) {
+Expected<void> extrudeToBase(Chain& chain, const std::vector<Loop>& rims, const BaseFrame& frame, bool on_plate,
+                             const Progress& progress) {
+  Poll poll(progress, 0.15, "building the base");
+  const auto given_up = [&]() -> tl::unexpected<Error> {
+    if (poll.stopped()) return cancelledError();
+    Error e;
+    e.code = Error::Code::kGeometry;
+    e.found = "a rim whose shadow on the base plane could not be triangulated";
+    e.hint = "another --base-direction, or --close wrap";
+    return fail(std::move(e));
+  };
   struct Edge {
     std::uint32_t from, to;
   };
@@ -199,12 +212,12 @@ bool extrudeToBase(Chain& chain, const std::vector<Loop>& rims, const BaseFrame&
   try {
     if (on_plate)
       for (Segment& s : convexOutline(segments)) segments.push_back(std::move(s));
-    if (!arrange(segments, cdt)) return false;
+    if (!arrange(segments, cdt, poll)) return given_up();
     outline.assign(segments.begin() + static_cast<std::ptrdiff_t>(edges.size()), segments.end());
     std::vector<Segment> again = outline;
-    if (on_plate && (!arrange(again, underside) || again != outline)) return false;
+    if (on_plate && (!arrange(again, underside, poll) || again != outline)) return given_up();
   } catch (const std::exception&) {
-    return false;
+    return given_up();
   }
   Floor foot(chain, frame, on_plate ? frame.ceiling : frame.level);
   Net net, outline_net;
@@ -218,14 +231,14 @@ bool extrudeToBase(Chain& chain, const std::vector<Loop>& rims, const BaseFrame&
   }
   if (!on_plate) {
     forEachFace(cdt, net, [&](const auto& corners, int winding) { foot.addFace(corners, winding); });
-    return true;
+    return {};
   }
   // The plate's upper side, without what the arch stands on.
   for (const Segment& s : outline) count(s, outline_net);
   for (const auto& [edge, times] : net) outline_net[edge] -= times;
   forEachFace(cdt, outline_net, [&](const auto& corners, int winding) { foot.addFace(corners, -winding); });
   addPlate(chain, outline, underside, frame, foot);
-  return true;
+  return {};
 }
 
 }  // namespace kerf::internal

@@ -10,6 +10,7 @@
 #include "geometry/float32_cleanup.h"
 #include "preprocess/internal/base.h"
 #include "preprocess/internal/hole.h"
+#include "preprocess/internal/poll.h"
 
 namespace kerf::internal {
 namespace {
@@ -126,7 +127,7 @@ std::string describePlace(const BaseFrame& frame) {
 
 }  // namespace
 
-Expected<void> closeBoundary(Chain& chain, const CloseOptions& options, CloseReport& report) {
+Expected<void> closeBoundary(Chain& chain, const CloseOptions& options, CloseReport& report, const Progress& progress) {
   std::vector<Loop> loops = boundaryLoops(chain.mesh.triangles);
   if (loops.empty()) {
     if (options.only.empty() && options.mode == CloseMode::kBase)
@@ -194,9 +195,7 @@ Expected<void> closeBoundary(Chain& chain, const CloseOptions& options, CloseRep
       if (is_rim[i]) rims.push_back(loops[i]);
     }
     KERF_TRY(frame, placeBase(chain, base.vector(), open.normalized(), options, report));
-    if (!extrudeToBase(chain, rims, frame, options.base_style == BaseStyle::kFull))
-      return fail(ungrounded("a rim whose shadow on the base plane could not be triangulated",
-                             "another base_direction, or --close wrap"));
+    KERF_CHECK(extrudeToBase(chain, rims, frame, options.base_style == BaseStyle::kFull, progress));
     report.rims_extruded = rims.size();
     report.base_direction = frame.w;
     report.base_level_mm = frame.level;
@@ -223,6 +222,7 @@ Expected<void> closeBoundary(Chain& chain, const CloseOptions& options, CloseRep
   double widest = 0;
   for (std::size_t i = 0; i < loops.size(); ++i) {
     if (is_rim[i]) continue;
+    if (!kerf::report(progress, 0.2, "filling holes")) return cancelledError();
     fans += !fillHole(chain, loops[i]);
     ++report.holes_filled;
     widest = std::max(widest, lengths[i]);

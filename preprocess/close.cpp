@@ -11,6 +11,7 @@
 #include "preprocess/internal/boundary.h"
 #include "preprocess/internal/chain.h"
 #include "preprocess/internal/manifold.h"
+#include "preprocess/internal/poll.h"
 #include "preprocess/internal/wrap.h"
 
 namespace kerf {
@@ -27,7 +28,14 @@ Error makeError(Error::Code code, std::string found, std::string expected = {}, 
   e.found = std::move(found), e.expected = std::move(expected), e.hint = std::move(hint);
   return e;
 }
-tl::unexpected<Error> cancelled() { return fail(makeError(Error::Code::kCancelled, "cancelled")); }
+
+/// The fixed lengths are made for dental objects, 3 mm across and more. On a smaller one (most often a wrong unit) they
+/// shrink with it: a base or a seam larger than the object would bury it.
+double lengthScale(const Mesh& mesh) {
+  constexpr double kSmallestDental = 3;
+  const double scale = bounds(mesh).size().norm() / kSmallestDental;
+  return scale > 0 && scale < 1 ? scale : 1;
+}
 
 /// Drops unused vertices, keeping the order; `label` follows.
 void compact(Mesh& mesh, std::vector<char>& label) {
@@ -138,11 +146,10 @@ void dropDebris(Result& r, const Mesh& imported, const CloseOptions& options, Cl
 Expected<Result> resolve(const Mesh& imported, const Chain& chain,
                          const std::vector<std::array<std::uint32_t, 2>>& pairs, const CloseOptions& options,
                          CloseReport& report, const Progress& progress) {
-  if (!kerf::report(progress, 0.4, "resolving crossings")) return cancelled();
-  KERF_TRY(arrangement, internal::arrangeChain(chain.mesh, pairs));
-  if (!kerf::report(progress, 0.6, "winding numbers")) return cancelled();
-  KERF_TRY(kept, internal::keepWindingBoundary(chain.mesh, arrangement));
-  if (!kerf::report(progress, 0.8, "rounding")) return cancelled();
+  if (!kerf::report(progress, 0.4, "resolving crossings")) return internal::cancelledError();
+  KERF_TRY(arrangement, internal::arrangeChain(chain.mesh, pairs, progress));
+  KERF_TRY(kept, internal::keepWindingBoundary(chain.mesh, arrangement, progress));
+  if (!kerf::report(progress, 0.8, "rounding")) return internal::cancelledError();
   if (kept.patches_kept == 0)
     return fail(makeError(Error::Code::kGeometry, "a surface that encloses nothing", "a mesh with an inside",
                           "check the orientation, or --close wrap"));
@@ -158,13 +165,14 @@ Expected<Result> resolve(const Mesh& imported, const Chain& chain,
                                          counted(gone, "patch", "patches"), kept.patches));
   std::vector<char> fixed(r.mesh.vertices.size(), 0);
   std::fill(fixed.begin(), fixed.begin() + static_cast<std::ptrdiff_t>(chain.mesh.vertices.size()), 1);
-  const internal::SplitReport split = internal::splitNonManifold(r.mesh, normals, r.source, kSeparation);
+  const double separation = kSeparation * lengthScale(imported);
+  const internal::SplitReport split = internal::splitNonManifold(r.mesh, normals, r.source, separation);
   fixed.resize(r.mesh.vertices.size(), 0);
   if (split.places) {
     for (const std::uint32_t v : split.copy_of) report.vertices_moved += v < chain.source_vertices;
     report.changes.push_back(fmt::format("parts that touched in {} were moved apart by {:.1g} mm",
-                                         counted(split.places, "vertex", "vertices"), kSeparation));
-    report.largest_move_mm = std::max(report.largest_move_mm, kSeparation);
+                                         counted(split.places, "vertex", "vertices"), separation));
+    report.largest_move_mm = std::max(report.largest_move_mm, separation);
   }
   dropDebris(r, imported, options, report);
   compact(r.mesh, fixed);
@@ -172,7 +180,7 @@ Expected<Result> resolve(const Mesh& imported, const Chain& chain,
   CleanupReport last = cleaned;
   std::vector<Vec3d> freed;
   for (int round = 0; round < 3 && last.crossings_left; ++round) {
-    if (!kerf::report(progress, 0.85 + 0.05 * round, "rounding again")) return cancelled();
+    if (!kerf::report(progress, 0.85 + 0.05 * round, "rounding again")) return internal::cancelledError();
     // Only fixed vertices are left to move: the few around the remaining crossings are let go.
     std::vector<char> hot(r.mesh.vertices.size(), 0);
     for (const auto& [i, j] : crossingPairs(r.mesh))
@@ -207,8 +215,8 @@ Expected<Result> resolve(const Mesh& imported, const Chain& chain,
   return r;
 }
 
-Expected<Result> wrap(const Chain& chain, const CloseOptions& options, CloseReport& report) {
-  KERF_TRY(mesh, internal::wrapSoup(chain.mesh, options.wrap_alpha_mm, options.wrap_offset_mm));
+Expected<Result> wrap(const Chain& chain, const CloseOptions& options, CloseReport& report, const Progress& progress) {
+  KERF_TRY(mesh, internal::wrapSoup(chain.mesh, options.wrap_alpha_mm, options.wrap_offset_mm, progress));
   Result r{std::move(mesh), {}};
   r.source.assign(r.mesh.triangles.size(), kAdded);
   std::vector<char> fixed(r.mesh.vertices.size(), 0);
@@ -265,6 +273,20 @@ Expected<void> checkOptions(const CloseOptions& o) {
   return {};
 }
 
+/// The options for this mesh: see lengthScale().
+CloseOptions fitted(const CloseOptions& asked, const Mesh& mesh, CloseReport& report) {
+  const double scale = lengthScale(mesh);
+  CloseOptions o = asked;
+  if (scale == 1) return o;
+  for (double* length : {&o.stitch_mm, &o.base_margin_mm, &o.cleanup_length_mm, &o.wrap_alpha_mm, &o.wrap_offset_mm})
+    *length *= scale;
+  report.changes.push_back(
+      fmt::format("the object is only {:.3g} mm across: base margin ({:.2g} mm now), seams, rounding and wrap were "
+                  "scaled down with it. Is the unit right?",
+                  bounds(mesh).size().norm(), o.base_margin_mm));
+  return o;
+}
+
 /// The promise of closeMesh(), checked on the result and not on the way to it.
 Expected<void> verify(const Mesh& mesh) {
   std::string broken;
@@ -308,8 +330,9 @@ Expected<Result> makeExact(const Mesh& imported, Chain& chain, const CloseOption
   return std::move(r);
 }
 
-Expected<Result> makeWrap(const Chain& chain, const CloseOptions& options, CloseReport& report) {
-  KERF_TRY(wrapped, wrap(chain, options, report));
+Expected<Result> makeWrap(const Chain& chain, const CloseOptions& options, CloseReport& report,
+                          const Progress& progress) {
+  KERF_TRY(wrapped, wrap(chain, options, report, progress));
   KERF_CHECK(verify(wrapped.mesh));
   return std::move(wrapped);
 }
@@ -322,12 +345,12 @@ Expected<Result> attempt(const Mesh& imported, const CloseOptions& options, Chai
   if (chain.mesh.triangles.empty())
     return fail(
         makeError(Error::Code::kEmpty, "a mesh whose triangles all have no area or cancel each other", "a surface"));
-  if (!kerf::report(progress, 0.1, "closing")) return cancelled();
+  if (!kerf::report(progress, 0.1, "closing")) return internal::cancelledError();
   Chain closed = chain;
-  KERF_CHECK(internal::closeBoundary(closed, options, report));
+  KERF_CHECK(internal::closeBoundary(closed, options, report, progress));
   chain = std::move(closed);
-  if (wraps(options)) return makeWrap(chain, options, report);
-  if (!kerf::report(progress, 0.3, "looking for crossings")) return cancelled();
+  if (wraps(options)) return makeWrap(chain, options, report, progress);
+  if (!kerf::report(progress, 0.3, "looking for crossings")) return internal::cancelledError();
   Chain work = chain;
   CloseReport exact = report;
   Expected<Result> r = makeExact(imported, work, options, exact, progress);
@@ -350,7 +373,8 @@ Expected<Result> makeSolid(const Mesh& imported, const CloseOptions& options, Cl
   if (base_asked && report.rims_extruded == 0) return first;
   const std::string why = first.error().found;
   const bool was_open = report.holes_filled + report.rims_extruded > 0 || internal::hasBoundary(chain);
-  for (const double width : kWiderStitches) {
+  for (const double wide : kWiderStitches) {
+    const double width = wide * lengthScale(imported);
     if (options.mode != CloseMode::kAuto || !was_open || width <= options.stitch_mm) continue;
     CloseOptions wider = options;
     wider.stitch_mm = width;
@@ -365,7 +389,7 @@ Expected<Result> makeSolid(const Mesh& imported, const CloseOptions& options, Cl
     return r;
   }
   report.changes.push_back("the exact repair failed: " + why);
-  return makeWrap(chain, options, report);
+  return makeWrap(chain, options, report, progress);
 }
 
 }  // namespace
@@ -375,10 +399,11 @@ Expected<Solid> closeMesh(const Mesh& imported_mm, const CloseOptions& options, 
   if (imported_mm.triangles.empty())
     return fail(makeError(Error::Code::kEmpty, "a mesh without triangles", "a surface",
                           "export the scan as a mesh, not as points"));
-  if (!kerf::report(progress, 0.0, "welding")) return cancelled();
+  if (!kerf::report(progress, 0.0, "welding")) return internal::cancelledError();
   Solid solid;
   CloseReport& report = solid.report;
-  KERF_TRY(result, makeSolid(imported_mm, options, report, progress));
+  const CloseOptions fit = fitted(options, imported_mm, report);
+  KERF_TRY(result, makeSolid(imported_mm, fit, report, progress));
   const std::size_t source_vertices = imported_mm.vertices.size() - report.vertices_welded;
   countTriangles(imported_mm, result, report);
   report.vertices_added =

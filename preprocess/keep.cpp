@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "preprocess/internal/arrangement.h"
+#include "preprocess/internal/poll.h"
 #include "preprocess/internal/winding.h"
 
 namespace kerf::internal {
@@ -50,7 +51,7 @@ std::vector<std::uint32_t> patchLabels(const std::vector<Triangle>& triangles, s
 
 }  // namespace
 
-Expected<Kept> keepWindingBoundary(const Mesh& chain, const Arrangement& arrangement) {
+Expected<Kept> keepWindingBoundary(const Mesh& chain, const Arrangement& arrangement, const Progress& progress) {
   Kept kept;
   std::uint32_t count = 0;
   const std::vector<std::uint32_t> label = patchLabels(arrangement.triangles, count);
@@ -70,14 +71,19 @@ Expected<Kept> keepWindingBoundary(const Mesh& chain, const Arrangement& arrange
     probe[l] = perimeter > 0 ? Vec3d((la * a + lb * b + lc * c) / perimeter) : a;
   }
   std::vector<double> behind(count);  // winding number on the back of the patch
-  tbb::parallel_for(std::uint32_t{0}, count, [&](std::uint32_t l) {
+  const auto look = [&](std::uint32_t l) {
     const std::uint32_t t = fattest[l];
     // The patch itself counts half: leave out the chain triangles it lies in, add half its multiplicity.
     const std::span<const std::uint32_t> except = arrangement.twin_of[t] == kAdded
                                                       ? std::span(&arrangement.parent[t], 1)
                                                       : std::span(arrangement.twins[arrangement.twin_of[t]]);
     behind[l] = windingNumberExcept(chain, probe[l], except) + 0.5 * arrangement.multiplicity[t];
-  });
+  };
+  constexpr std::uint32_t kAtOnce = 256;  // between two looks at whether to go on
+  for (std::uint32_t from = 0; from < count; from += kAtOnce) {
+    if (!report(progress, 0.6 + 0.2 * from / count, "winding numbers")) return cancelledError();
+    tbb::parallel_for(from, std::min(count, from + kAtOnce), look);
+  }
   std::vector<char> keep_patch(count);
   for (std::uint32_t l = 0; l < count; ++l) {
     const double whole = std::round(behind[l]);

@@ -15,6 +15,26 @@ struct Unit {
 constexpr std::array<Unit, 5> kUnits{{{"mm", 1}, {"cm", 10}, {"m", 1000}, {"um", 0.001}, {"inch", 25.4}}};
 constexpr double kSmallest = 3, kLargest = 300;  // mm across, a crown to a skull
 
+/// Units in which a size would be dental, with the size: "0.1047 mm across is no dental object; in m it would be
+/// 104.7".
+std::string elsewhere(double across, double mm) {
+  std::string text = fmt::format("{:.4g} mm across is no dental object", across * mm);
+  std::string_view separator = "; it would be ";
+  for (const Unit& u : kUnits)
+    if (across * u.mm >= kSmallest && across * u.mm <= kLargest) {
+      text += fmt::format("{}{:.4g} mm in {}", separator, across * u.mm, u.name);
+      separator = ", ";
+    }
+  return text;
+}
+
+/// A unit somebody named: believed, but not in silence where it makes no dental object.
+UnitChoice named(std::string_view unit, double mm, const char* by_whom, double across) {
+  const bool fits = across * mm >= kSmallest && across * mm <= kLargest;
+  return {std::string(unit), mm,
+          fits ? std::string(by_whom) : fmt::format("{}, but {}", by_whom, elsewhere(across, mm)), !fits};
+}
+
 }  // namespace
 
 Expected<double> millimetresPer(std::string_view unit) {
@@ -27,11 +47,11 @@ Expected<UnitChoice> chooseUnit(const Box3& box, std::string_view asked, std::st
   const double across = box.size().norm();
   if (!asked.empty()) {
     KERF_TRY(mm, millimetresPer(asked));
-    return UnitChoice{std::string(asked), mm, "as asked with --unit", false};
+    return named(asked, mm, "as asked with --unit", across);
   }
   if (!declared.empty()) {
     KERF_TRY(mm, millimetresPer(declared));
-    return UnitChoice{std::string(declared), mm, "as the file says", false};
+    return named(declared, mm, "as the file says", across);
   }
   const auto fits = [across](double mm) { return across * mm >= kSmallest && across * mm <= kLargest; };
   constexpr double kSmallObject = 15;  // a crown; or a jaw in cm, a block in inches

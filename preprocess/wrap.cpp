@@ -4,9 +4,27 @@
 #include <CGAL/Surface_mesh.h>
 #include <CGAL/alpha_wrap_3.h>
 
-namespace kerf::internal {
+#include "preprocess/internal/poll.h"
 
-Expected<Mesh> wrapSoup(const Mesh& soup, double alpha_mm, double offset_mm) {
+namespace kerf::internal {
+namespace {
+
+struct Stopped : std::exception {};
+
+/// Called by CGAL for every facet it looks at; the only way out is to throw.
+struct StopWhenAsked : CGAL::Alpha_wraps_3::internal::Wrapping_default_visitor {
+  explicit StopWhenAsked(Poll& p) : poll(&p) {}
+  template <class Wrapper, class Gate>
+  void before_facet_treatment(const Wrapper&, const Gate&) const {
+    if (poll->stop()) throw Stopped();
+  }
+  Poll* poll;
+};
+
+}  // namespace
+
+Expected<Mesh> wrapSoup(const Mesh& soup, double alpha_mm, double offset_mm, const Progress& progress) {
+  Poll poll(progress, 0.5, "shrink-wrapping");
   using Point = CGAL::Exact_predicates_inexact_constructions_kernel::Point_3;
   std::string why = "an empty result";
   try {
@@ -15,7 +33,8 @@ Expected<Mesh> wrapSoup(const Mesh& soup, double alpha_mm, double offset_mm) {
     std::vector<std::array<std::size_t, 3>> faces;
     for (const Triangle& f : soup.triangles) faces.push_back({f[0], f[1], f[2]});
     CGAL::Surface_mesh<Point> wrap;
-    CGAL::alpha_wrap_3(points, faces, alpha_mm, offset_mm, wrap);
+    CGAL::alpha_wrap_3(points, faces, alpha_mm, offset_mm, wrap, CGAL::parameters::default_values(),
+                       CGAL::parameters::visitor(StopWhenAsked(poll)));
     Mesh mesh;
     for (const auto v : wrap.vertices())
       mesh.vertices.push_back({wrap.point(v).x(), wrap.point(v).y(), wrap.point(v).z()});
@@ -26,6 +45,8 @@ Expected<Mesh> wrapSoup(const Mesh& soup, double alpha_mm, double offset_mm) {
       mesh.triangles.push_back(t);
     }
     if (!mesh.triangles.empty()) return mesh;
+  } catch (const Stopped&) {
+    return cancelledError();
   } catch (const std::exception& e) {
     why = e.what();
   }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "geometry/error.h"
+#include "geometry/progress.h"
 #include "preprocess/internal/chain.h"
 
 namespace kerf::internal {
@@ -23,15 +24,16 @@ struct Arrangement {
 /// constraint in a constrained Delaunay triangulation of either triangle; exact points are the same vertex. Triangles
 /// without area vanish, their vertices stay on their neighbours' edges. Opposite copies cancel. The scheme of Zhou,
 /// Grinspun, Zorin & Jacobson, "Mesh Arrangements for Solid Geometry", SIGGRAPH 2016.
-/// Errors: kGeometry if the exact arithmetic gives up. Cost: about 0.2 ms per pair.
-Expected<Arrangement> arrangeChain(const Mesh& mesh, const std::vector<std::array<std::uint32_t, 2>>& pairs);
+/// Errors: kGeometry if the exact arithmetic gives up; kCancelled. Cost: about 0.2 ms per pair.
+Expected<Arrangement> arrangeChain(const Mesh& mesh, const std::vector<std::array<std::uint32_t, 2>>& pairs,
+                                   const Progress& progress);
 
 /// The boundary of {winding number >= 1} of the chain, oriented outwards: which triangles of the arrangement to keep.
 struct Kept {
   std::vector<char> keep;
   std::size_t patches = 0, patches_kept = 0;
 };
-/// @pre the chain is closed. Errors: kGeometry if winding numbers are not whole, which means it was not.
-Expected<Kept> keepWindingBoundary(const Mesh& chain, const Arrangement& arrangement);
+/// @pre the chain is closed. Errors: kGeometry if winding numbers are not whole, which means it was not; kCancelled.
+Expected<Kept> keepWindingBoundary(const Mesh& chain, const Arrangement& arrangement, const Progress& progress);
 
 }  // namespace kerf::internal

@@ -1,6 +1,8 @@
 // Gives a scan without underside a flat base: walls straight down from its rims, and a cap, or a plate below.
 #pragma once
 
+#include "geometry/error.h"
+#include "geometry/progress.h"
 #include "preprocess/internal/chain.h"
 
 namespace kerf::internal {
@@ -22,7 +24,8 @@ BaseFrame baseFrame(const Vec3d& w);
 /// boundary. Rims that cross themselves in projection are allowed: the crossings become vertices (rounded to float32,
 /// repeated until nothing crosses), and a face the rims wind around k times is added |k| times.
 /// @pre  frame.ceiling (on_plate) or frame.level is beyond all rim vertices, and ceiling < level.
-/// @return false if the projection could not be triangulated; the chain is then unchanged.
-bool extrudeToBase(Chain& chain, const std::vector<Loop>& rims, const BaseFrame& frame, bool on_plate);
+/// Errors: kGeometry if the projection could not be triangulated, kCancelled; the chain is then unchanged.
+Expected<void> extrudeToBase(Chain& chain, const std::vector<Loop>& rims, const BaseFrame& frame, bool on_plate,
+                             const Progress& progress);
 
 }  // namespace kerf::internal

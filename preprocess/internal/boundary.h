@@ -8,7 +8,7 @@
 namespace kerf::internal {
 
 /// Closes every boundary loop of the chain: rims by a base, holes by a patch (see CloseOptions), and reports it.
-/// Errors: kGeometry for a rim in CloseMode::kRepair, or no boundary to build on in kBase.
-Expected<void> closeBoundary(Chain& chain, const CloseOptions& options, CloseReport& report);
+/// Errors: kGeometry for a rim in CloseMode::kRepair, or no boundary to build on in kBase; kCancelled.
+Expected<void> closeBoundary(Chain& chain, const CloseOptions& options, CloseReport& report, const Progress& progress);
 
 }  // namespace kerf::internal

@@ -3,12 +3,13 @@
 
 #include "geometry/error.h"
 #include "geometry/mesh.h"
+#include "geometry/progress.h"
 
 namespace kerf::internal {
 
 /// Alpha wrap (Portaneri et al., SIGGRAPH 2022; CGAL): closed, 2-manifold, not crossing itself, outside the input by
 /// about `offset_mm`, hollows narrower than `alpha_mm` bridged. No input vertex survives. Cost: seconds at alpha 1,
-/// minutes at 0.2.
-Expected<Mesh> wrapSoup(const Mesh& soup, double alpha_mm, double offset_mm);
+/// minutes at 0.2. Errors: kGeometry, kCancelled.
+Expected<Mesh> wrapSoup(const Mesh& soup, double alpha_mm, double offset_mm, const Progress& progress);
 
 }  // namespace kerf::internal

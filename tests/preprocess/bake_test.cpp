@@ -90,6 +90,28 @@ TEST(Bake, AFailedOrCancelledBakeLeavesNothingBehind) {
   }
 }
 
+TEST(Bake, AnObjectSmallerThanAVoxelIsRefusedBeforeItIsClosed) {
+  const TemporaryFolder folder;
+  const fs::path mesh = folder.path() / "metres.stl", out = folder.path() / "x.case";
+  ASSERT_TRUE(writeMesh(mesh, ballMesh({0, 0, 0}, 0.05, 20)));  // 100 mm, in metres
+  BakeOptions options = coarse();
+  options.unit = "mm";
+  bool was_closing = false;
+  const auto refused = bake({mesh}, out, options, [&](double, std::string_view what) {
+    was_closing = was_closing || what == "closing";
+    return true;
+  });
+  ASSERT_FALSE(refused);
+  EXPECT_FALSE(was_closing);
+  for (const char* said : {"metres.stl", "0.2 mm for an object of 0.1", "--unit", "in m"})
+    EXPECT_NE(refused.error().message().find(said), std::string::npos) << refused.error().message();
+  EXPECT_FALSE(fs::exists(out));
+  options.voxelize.voxel_mm = 0.005;  // whoever insists
+  const auto baked = bake({mesh}, out, options);
+  ASSERT_TRUE(baked) << baked.error().message();
+  EXPECT_TRUE(baked->unit_is_doubtful[0]);
+}
+
 TEST(Bake, AnExistingCaseIsReplacedOnlyWhenAsked) {
   const TemporaryFolder folder;
   const fs::path mesh = folder.path() / "ball.stl", out = folder.path() / "x.case";

@@ -266,6 +266,37 @@ TEST(Close, SameBitsForAnyNumberOfThreads) {
   EXPECT_EQ(many.source_triangle, single.source_triangle);
 }
 
+TEST(Close, OnATinyScanTheBaseIsTinyToo) {
+  Mesh m = box({0, 0, 0}, {0.04, 0.03, 0.02});
+  m.triangles.erase(m.triangles.begin(), m.triangles.begin() + 2);
+  const Solid s = closed(m);
+  EXPECT_EQ(s.report.rims_extruded, 1u);
+  EXPECT_LT(bounds(s.mesh).size().z(), 0.06);
+  ASSERT_FALSE(s.report.changes.empty());
+  EXPECT_NE(s.report.changes[0].find("unit"), std::string::npos);
+}
+
+TEST(Close, StopsWhereverItIsAskedTo) {
+  // A ragged rim under a bowl that crosses itself, and a ball through it: every step has work.
+  Mesh m = ball(24, 48, 5);
+  std::erase_if(m.triangles, [&](const Triangle& t) { return m.vertices[t[0]].z() < -3.5 + 0.2 * (t[0] % 3); });
+  Mesh other = ball(24, 48, 4);
+  for (Vec3d& p : other.vertices) p = roundedToFloat(Vec3d(p + Vec3d(3.3, 1.7, 2.2)));
+  append(m, other);
+  for (const CloseMode mode : {CloseMode::kBase, CloseMode::kWrap}) {
+    int all = 0;
+    ASSERT_TRUE(closeMesh(m, {.mode = mode}, [&](double, std::string_view) { return ++all > 0; }));
+    EXPECT_GT(all, 30);
+    for (int stop = 0; stop < all; stop += 1 + all / 40) {
+      int calls = 0;
+      const auto s = closeMesh(m, {.mode = mode}, [&](double, std::string_view) { return calls++ < stop; });
+      ASSERT_FALSE(s) << stop << " of " << all;
+      EXPECT_EQ(s.error().code, Error::Code::kCancelled);
+      EXPECT_EQ(calls, stop + 1) << "nobody goes on after a no";
+    }
+  }
+}
+
 TEST(Close, NothingInNothingOut) {
   EXPECT_EQ(closeMesh({}).error().code, Error::Code::kEmpty);
   Mesh point;

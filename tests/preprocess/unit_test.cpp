@@ -54,5 +54,14 @@ TEST(Unit, TheUserComesBeforeTheFileAndTheFileBeforeTheSize) {
   EXPECT_FALSE(chooseUnit(across(50), "furlong", ""));
 }
 
+TEST(Unit, ANamedUnitThatMakesNoDentalSizeIsTakenButDoubted) {
+  const auto asked = chooseUnit(across(0.105), "mm", ""), declared = chooseUnit(across(80), "", "inch");
+  ASSERT_TRUE(asked && declared);
+  EXPECT_EQ(asked->scale_to_mm, 1);
+  EXPECT_TRUE(asked->is_doubtful && declared->is_doubtful);
+  EXPECT_NE(asked->reason.find("105 mm in m"), std::string::npos) << asked->reason;
+  EXPECT_FALSE(chooseUnit(across(0.105), "m", "")->is_doubtful);
+}
+
 }  // namespace
 }  // namespace kerf

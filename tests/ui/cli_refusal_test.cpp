@@ -351,5 +351,13 @@ TEST_F(Cli, InterruptedBakesStopSoonAndLeaveNothing) {
   }
 }
 
+TEST_F(Cli, ASecondSignalOfEitherKindEndsTheProgramAtOnce) {
+  ASSERT_EQ(runKerf({"demo-molar", "--edge", "0.6", "-o", at("molar.stl")}).exit_code, 0);
+  RunOptions options;
+  options.signal = SIGINT, options.second_signal = SIGTERM, options.signal_after = 1.5;
+  const Outcome o = runKerf({"bake", at("molar.stl"), "-o", at("x.case"), "--voxel", "0.016"}, options);
+  EXPECT_TRUE(o.signal == SIGINT || o.signal == SIGTERM) << o.exit_code << o.err;
+}
+
 }  // namespace
 }  // namespace kerf

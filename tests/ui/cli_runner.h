@@ -34,7 +34,7 @@ struct RunOptions {
   rlim_t largest_file = RLIM_INFINITY;          // bytes; beyond, writes fail as on a full disk (EFBIG)
   bool one_core = false;                        // the thread pool follows the affinity
   bool as_nobody = false;                       // root may write anywhere
-  int signal = 0;                               // sent after signal_after seconds
+  int signal = 0, second_signal = 0;            // sent after signal_after seconds, at once one after the other
   double signal_after = 0, most_seconds = 120;  // then it is killed and the test fails
   std::map<std::string, std::string> environment{};
 };
@@ -82,8 +82,10 @@ inline Outcome runKerf(const std::vector<std::string>& arguments, const RunOptio
   bool signalled = false;
   auto signalled_at = start;
   while (::waitpid(child, &status, WNOHANG) == 0) {
-    if (options.signal && !signalled && since(start) >= options.signal_after)
+    if (options.signal && !signalled && since(start) >= options.signal_after) {
       ::kill(child, options.signal), signalled = true, signalled_at = now();
+      if (options.second_signal) ::kill(child, options.second_signal);
+    }
     if (since(start) > options.most_seconds) {
       ADD_FAILURE() << "kerf did not end within " << options.most_seconds << " s";
       ::kill(child, SIGKILL);

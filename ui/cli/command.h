@@ -37,7 +37,9 @@ int complain(const Error& error);
 /// On standard output, indented. Bytes that are no UTF-8 (file names may hold any) become replacement characters.
 void printJson(const nlohmann::json& json);
 
-/// A line with bar, step and time left on standard error when that is a terminal; nothing otherwise. Ctrl-C cancels.
+/// A line with bar, step and time left on standard error when that is a terminal; nothing otherwise. The first SIGINT,
+/// SIGTERM or SIGHUP makes the callback say no; the second, of either kind, ends the program at once. Where no callback
+/// was taken, the first is put off until the destructor: files are written to their end, then the program ends by it.
 /// The line is erased by the destructor.
 class TerminalProgress {
  public:
@@ -48,7 +50,7 @@ class TerminalProgress {
   Progress callback();
 
  private:
-  bool is_terminal_;
+  bool is_terminal_, is_asked_ = false;
   double start_;
   int last_percent_ = -1;
   std::string last_what_;

@@ -11,14 +11,15 @@
 namespace kerf::cli {
 namespace {
 
-std::atomic<bool> interrupted{false};
-static_assert(std::atomic<bool>::is_always_lock_free, "set from a signal handler");
+std::atomic<int> interrupted{0};  // by this signal
+static_assert(std::atomic<int>::is_always_lock_free, "set from a signal handler");
 
 constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP};
 
 void onSignal(int signal) {
-  interrupted = true;
+  if (interrupted.exchange(signal) == 0) return;
   std::signal(signal, SIG_DFL);
+  std::raise(signal);
 }
 
 double seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
@@ -40,7 +41,8 @@ void printJson(const nlohmann::json& json) {
 }
 
 TerminalProgress::TerminalProgress() : is_terminal_(isatty(STDERR_FILENO) == 1), start_(seconds()) {
-  // The first Ctrl-C, or polite end from outside, asks the work to stop and clean up; the second one kills.
+  // The first Ctrl-C, or polite end from outside, asks the work to stop and clean up; the second one, whichever of them
+  // it is, kills.
   for (const int signal : kSignals)
     if (std::signal(signal, onSignal) == SIG_IGN) std::signal(signal, SIG_IGN);  // as under nohup
 }
@@ -49,11 +51,13 @@ TerminalProgress::~TerminalProgress() {
   if (is_terminal_) std::fputs("\r\033[K", stderr);
   for (const int signal : kSignals)
     if (std::signal(signal, SIG_DFL) == SIG_IGN) std::signal(signal, SIG_IGN);
+  if (!is_asked_ && interrupted != 0) std::raise(interrupted);  // it was put off, not swallowed
 }
 
 Progress TerminalProgress::callback() {
+  is_asked_ = true;
   return [this](double fraction, std::string_view what) {
-    if (interrupted) return false;
+    if (interrupted != 0) return false;
     const int percent = static_cast<int>(100 * fraction);
     if (is_terminal_ && (percent != last_percent_ || what != last_what_)) {
       last_percent_ = percent, last_what_ = what;
