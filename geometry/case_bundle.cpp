@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "geometry/hash.h"
+#include "geometry/mesh_formats.h"
 #include "geometry/mesh_io.h"
 #include "geometry/toml_reader.h"
 #include "geometry/vdb_io.h"
@@ -87,6 +88,11 @@ Expected<void> writeCaseManifest(const std::filesystem::path& folder, const Case
 Expected<CaseManifest> readCaseManifest(const std::filesystem::path& folder) {
   const auto path = folder / kCaseManifest;
   std::error_code ignored;
+  if (const MeshFormatRow* mesh = formatOfExtension(folder.extension().string());
+      mesh && mesh->read && std::filesystem::is_regular_file(folder, ignored))
+    return fail({Error::Code::kNotFound, folder.string(), "", "a mesh file, not a case", "a folder with case.toml",
+                 fmt::format("kerf bake {} -o {}", folder.string(),
+                             std::filesystem::path(folder).replace_extension(".case").string())});
   if (!std::filesystem::is_directory(folder, ignored) || !isCase(folder))
     return fail({Error::Code::kNotFound, folder.string(), "", "not a case bundle", "a folder with case.toml",
                  "kerf bake MESH -o " + folder.string()});

@@ -39,8 +39,6 @@ Expected<Tool> readTool(const fs::path& file) {
   tool.id = top.get<std::string>("id", "the file's name without .toml");
   if (tool.id.empty() || tool.id.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-") != std::string::npos)
     top.reject("id", "\"" + tool.id + "\"", "lower-case letters, digits and hyphens");
-  if (file.filename() != kCopyInRun && file.stem() != tool.id)
-    top.reject("id", "\"" + tool.id + "\"", "the file's name, \"" + file.stem().string() + "\"");
   tool.name = top.get<std::string>("name", "a name for people");
   tool.description = top.getOr<std::string>("description", "", "a text");
   const auto kind = top.get<std::string>("kind", "\"bur\", \"blade\" or \"mesh\"");
@@ -61,6 +59,12 @@ Expected<Tool> readTool(const fs::path& file) {
     allowMeshKeys(top);
   }
   KERF_CHECK(top.finish());
+  // Last: a renamed copy of a tool should hear of what else is wrong with it first.
+  if (file.filename() != kCopyInRun && file.stem() != tool.id) {
+    const std::string stem = file.stem().string();
+    top.reject("id", "\"" + tool.id + "\"", "the file's name, \"" + stem + "\"", "id = \"" + stem + "\"");
+    KERF_CHECK(top.finish());
+  }
   return tool;
 }
 

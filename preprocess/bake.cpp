@@ -251,6 +251,26 @@ Expected<Mesh> unite(const std::vector<Mesh>& parts, const BakeOptions& options,
   return std::move(solid.mesh);
 }
 
+// Folders that are something, though no mesh.
+Expected<void> requireMeshNotFolder(const fs::path& path) {
+  std::error_code ignored;
+  if (!fs::is_directory(path, ignored)) return {};
+  if (isCase(path)) {
+    std::string sources;
+    if (const auto manifest = readCaseManifest(path))
+      for (const CaseSource& source : manifest->sources)
+        sources += (sources.empty() ? ", baked from " : ", ") + source.stored_as;
+    return fail({Error::Code::kUnsupported, path.string(), "", "a case already" + sources, "a mesh file or a recipe",
+                 sources.empty() ? "kerf info " + path.string()
+                                 : "kerf cut takes it as it is; with other settings bake the original file again"});
+  }
+  if (isLabelVolume(path))
+    return fail({Error::Code::kUnsupported, path.string(), "", "a folder of slices: a label volume, no mesh",
+                 "a mesh file or a recipe",
+                 "a recipe that makes tissues of its labels (docs/recipes.md); kerf info lists them"});
+  return {};
+}
+
 }  // namespace
 
 Expected<BakeReport> bake(const std::vector<fs::path>& meshes, const fs::path& case_folder, const BakeOptions& asked,
@@ -262,6 +282,7 @@ Expected<BakeReport> bake(const std::vector<fs::path>& meshes, const fs::path& c
   KERF_TRY(materials, readDefaultMaterials());
   std::vector<std::string> hashes;
   for (const fs::path& path : meshes) {
+    KERF_CHECK(requireMeshNotFolder(path));
     KERF_TRY(hash, internal::sha256OfSource(path));
     hashes.push_back(hash);
   }

@@ -11,6 +11,7 @@
 #include <cstring>
 
 #include "geometry/mesh_formats.h"
+#include "geometry/types.h"
 
 namespace kerf::internal {
 
@@ -139,17 +140,26 @@ std::string numberHint(std::string_view word) {
   return "export the mesh again";
 }
 
-bool exceedsFloat(std::string_view word) {
-  if (word.size() < 10) return false;
-  int digits = 0, trailing_zeros = 0;
-  for (const char c : word) {
-    if (c == 'e' || c == 'E') break;
-    if (c < '0' || c > '9') continue;
-    if (digits == 0 && c == '0') continue;
-    ++digits;
-    trailing_zeros = c == '0' ? trailing_zeros + 1 : 0;
+const char* parseCoordinate(std::string_view word, double& value, bool& is_double) {
+  if (const char* wrong = parseNumber(word, value)) return wrong;
+  const double nearest = roundedToFloat(value);
+  if (nearest == value) return nullptr;
+  // What the digits leave open: half a unit of the last one.
+  int decimals = 0, exponent = 0;
+  const std::size_t e = std::min(word.find_first_of("eE"), word.size());
+  if (const std::size_t point = word.substr(0, e).find('.'); point != word.npos)
+    decimals = static_cast<int>(e - point) - 1;
+  if (e < word.size()) {
+    std::string_view digits = word.substr(e + 1);
+    if (digits.starts_with('+')) digits.remove_prefix(1);
+    std::from_chars(digits.data(), digits.data() + digits.size(), exponent);
   }
-  return digits - trailing_zeros > 9;
+  constexpr double kSlack = 1 + 1e-6;  // `value` is rounded itself
+  if (std::abs(value - nearest) <= kSlack * 0.5 * std::pow(10.0, exponent - decimals))
+    value = nearest;
+  else
+    is_double = true;
+  return nullptr;
 }
 
 std::string unitIn(std::string_view text) {

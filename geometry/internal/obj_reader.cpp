@@ -82,9 +82,9 @@ class ObjReader {
     std::size_t n = 0;
     for (std::string_view word = words.next(); !word.empty() && word[0] != '#'; word = words.next(), ++n) {
       if (n == value.size()) return bad("more than seven numbers after \"v\"", "x y z [r g b]");
-      if (const char* wrong = parseNumber(word, value[n]))
+      if (const char* wrong =
+              n < 3 ? parseCoordinate(word, value[n], file_.had_double_coordinates) : parseNumber(word, value[n]))
         return bad(inQuotes(word) + ", " + wrong, "a finite number", numberHint(word));
-      if (n < 3 && !file_.had_double_coordinates) file_.had_double_coordinates = exceedsFloat(word);
     }
     if (n < 3 || n == 5) return bad(std::to_string(n) + " numbers after \"v\"", "x y z or x y z r g b");
     if (vertices().size() >= 0xfffffff0u)

@@ -140,9 +140,8 @@ class OffReader {
       Vec3d p;
       for (int k = 0; k < 3; ++k) {
         const std::string_view w = word[static_cast<std::size_t>(k)];
-        if (const char* wrong = parseNumber(w, p[k]))
+        if (const char* wrong = parseCoordinate(w, p[k], file_.had_double_coordinates))
           return bad(line, inQuotes(w) + ", " + wrong, "a finite coordinate", numberHint(w));
-        if (!file_.had_double_coordinates) file_.had_double_coordinates = exceedsFloat(w);
       }
       mesh.vertices.push_back(p);
       // OpenMesh and its kin write COFF for face colours alone.

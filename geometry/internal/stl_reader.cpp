@@ -153,10 +153,9 @@ class AsciiReader {
         for (int k = 0; k < 3; ++k) {
           const std::string_view number = next();
           if (number.empty()) return unexpected(number, "three coordinates after \"vertex\"");
-          if (const char* wrong = parseNumber(number, p[k]))
+          if (const char* wrong = parseCoordinate(number, p[k], file_.had_double_coordinates))
             return fail(source_.atLine(number.data(), Error::Code::kBadValue, inQuotes(number) + ", " + wrong,
                                        "a finite coordinate", numberHint(number)));
-          if (!file_.had_double_coordinates) file_.had_double_coordinates = exceedsFloat(number);
         }
         if (welder_.vertices.size() >= 0xfffffff0u)
           return fail(source_.atLine(p_, Error::Code::kUnsupported, "more than four thousand million vertices", "",

@@ -161,9 +161,8 @@ struct ThreeMfModelParser::State : XmlParser::Handler {
   Expected<double> number(const XmlAttributes& a, std::string_view name) {
     KERF_TRY(text, need(a, name));
     double value = 0;
-    if (const char* wrong = parseNumber(text, value))
+    if (const char* wrong = parseCoordinate(text, value, out.had_double_coordinates))
       return bad(name, inQuotes(text) + ", " + wrong, "a finite coordinate");
-    if (!out.had_double_coordinates) out.had_double_coordinates = exceedsFloat(text);
     return value;
   }
   Expected<std::uint32_t> resourceId(const XmlAttributes& a) {

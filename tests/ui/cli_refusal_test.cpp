@@ -92,7 +92,31 @@ TEST_F(Cli, MissingFilesFoldersAndDevicesAreRefused) {
   refuses({"info", "drill"}, {"drill"});
   refuses({"bench", "drill"}, {"drill", "cut-bur"});
   refuses({"export", at("missing.run"), "-o", at("x.stl")}, {"missing.run"});
+  const auto at_box = [&](const std::string& name) { return "kerf bake " + at("box.off") + " -o " + at(name); };
+  refuses({"cut", at("box.off"), "--tool", tool, "--path", path, "-o", at("x.run")}, {at_box("box.case")});
   refuses({"export", at("folder.stl"), "-o", at("x.stl")}, {"folder.stl"});
+}
+
+TEST_F(Cli, WhatIsNoMeshIsCalledByItsName) {
+  makeCase();
+  refuses({"bake", at("box.case"), "-o", at("x.case")}, {"a case already, baked from source-1.off"});
+  for (const std::string name : {"a.nii.gz", "a.nii", "a.nrrd", "a.mha", "a.mhd"}) {
+    folder_.write(name, name == "a.nii.gz" ? "\x1f\x8b and more" : "NRRD0004 or another");
+    refuses({"bake", at(name), "-o", at("x.case")}, {name, "label volume", "docs/recipes.md"});
+  }
+  folder_.write("slice.dcm", std::string(128, '\0') + "DICM and more");
+  refuses({"bake", at("slice.dcm"), "-o", at("x.case")}, {"slice.dcm", "docs/recipes.md"});
+  fs::create_directory(in("series"));
+  fs::copy_file(in("slice.dcm"), in("series/1.dcm"));
+  refuses({"bake", at("series"), "-o", at("x.case")}, {"series", "label volume", "docs/recipes.md"});
+}
+
+TEST_F(Cli, ARenamedToolHearsOfItsOtherMistakesFirst) {
+  const std::string tool = contentOf(fs::path(KERF_SOURCE_DIR) / "assets/tools/round-014.toml");
+  folder_.write("my-copy.toml", tool);
+  refuses({"tool", "check", at("my-copy.toml")}, {"key id", "Try: id = \"my-copy\""});
+  folder_.write("my-copy.toml", tool + "\nhead_dimeter = 2\n");
+  refuses({"tool", "check", at("my-copy.toml")}, {"head_dimeter", "unknown key"});
 }
 
 TEST_F(Cli, OutputsThatCannotBeAreRefusedAndNothingOfOthersIsReplaced) {

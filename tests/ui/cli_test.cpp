@@ -242,5 +242,27 @@ TEST_F(Cli, CasesAndRunsMoveTogetherAndThroughLinks) {
   }
 }
 
+TEST_F(Cli, AVolumeWithoutSpacingIsDescribedAndSaysSo) {
+  folder_.write("labels.nrrd", "NRRD0004\ntype: unsigned char\ndimension: 3\nsizes: 2 2 1\nencoding: raw\n\n" +
+                                   std::string("\0\5\5\5", 4));
+  const Outcome o = runKerf({"info", at("labels.nrrd"), "--json"});
+  ASSERT_EQ(o.exit_code, 0) << o.err;
+  const auto info = parsed(o);
+  EXPECT_EQ(info["size"], nlohmann::json({2, 2, 1}));
+  EXPECT_TRUE(info["spacing_mm"].is_null());
+  EXPECT_EQ(info["labels"][1]["voxels"], 3);
+  EXPECT_FALSE(info["labels"][1].contains("volume_mm3"));
+  EXPECT_NE(info["notes"][0].get<std::string>().find("spacing"), std::string::npos);
+}
+
+TEST_F(Cli, ExportOfACaseSpeaksOfNoCut) {
+  makeRun();
+  const std::string plain = runKerf({"export", at("box.case"), "-o", at("a.stl")}).out;
+  EXPECT_NE(plain.find("nothing cut: 8 vertices, 12 triangles"), std::string::npos) << plain;
+  EXPECT_EQ(plain.find("removed"), std::string::npos) << plain;
+  const std::string cut = runKerf({"export", at("box.run"), "-o", at("b.stl")}).out;
+  EXPECT_NE(cut.find("vertices of the solid: "), std::string::npos) << cut;
+}
+
 }  // namespace
 }  // namespace kerf

@@ -26,7 +26,7 @@ void addCheck(CLI::App& app, int& exit_code) {
       return;
     }
     const MeshReport report = checkMesh(file->mesh);
-    fmt::print("{}\n", a->json ? toJson(report) : describe(report));
+    fmt::print("{}", a->json ? toJson(report) + "\n" : describe(report));
     exit_code = report.print_ready ? kOk : kFailed;
   });
 }

@@ -49,10 +49,17 @@ int run(const Arguments& a) {
                              {"wall", {{"vertices", w.vertices}, {"rms_mm", w.rms_mm}, {"max_mm", w.max_mm}}}});
     return kOk;
   }
-  fmt::print("removed {:.4f} mm3 of {:.4f} mm3; {} piece{}\n", r.removed_volume_mm3, r.source_volume_mm3, r.pieces,
-             r.pieces == 1 ? "" : "s");
-  fmt::print("source vertices: {} kept bit for bit, {} inside the cut; {} of {} triangles are cut faces\n",
-             r.source_vertices_kept, r.source_vertices_removed, r.cut_triangles, result->post_op.mesh.triangles.size());
+  const std::string pieces = fmt::format("{} piece{}", r.pieces, r.pieces == 1 ? "" : "s");
+  if (isCase(a.bundle)) {
+    fmt::print("solid of the case, nothing cut: {} vertices, {} triangles, {:.4f} mm3; {}\n",
+               result->post_op.mesh.vertices.size(), result->post_op.mesh.triangles.size(), r.result_volume_mm3,
+               pieces);
+  } else {
+    fmt::print("removed {:.4f} mm3 of {:.4f} mm3; {}\n", r.removed_volume_mm3, r.source_volume_mm3, pieces);
+    fmt::print("vertices of the solid: {} kept bit for bit, {} inside the cut; {} of {} triangles are cut faces\n",
+               r.source_vertices_kept, r.source_vertices_removed, r.cut_triangles,
+               result->post_op.mesh.triangles.size());
+  }
   if (w.vertices)
     fmt::print(
         "cut walls lie {:.1f} um rms, {:.1f} um at most from the exact sweep of the tool ({} vertices measured)\n",

@@ -113,17 +113,24 @@ Expected<json> toolInfo(const fs::path& file) {
   return j;
 }
 
-json volumeInfo(const LabelVolume& v) {
+/// @param missing  why there is no spacing; empty: there is one.
+json volumeInfo(const LabelVolume& v, const std::string& missing) {
   const auto list = [](const Vec3d& p) { return json{p[0], p[1], p[2]}; };
   json j{{"kind", "label volume"},
          {"format", v.format},
          {"size", v.size},
-         {"spacing_mm", list(v.spacing)},
+         {"spacing_mm", missing.empty() ? list(v.spacing) : json(nullptr)},
          {"origin_mm", list(v.origin)},
          {"direction", {list(v.direction.col(0)), list(v.direction.col(1)), list(v.direction.col(2))}}};
-  for (const LabelCount& c : countLabels(v))
-    j["labels"].push_back(
-        {{"label", c.label}, {"voxels", c.voxels}, {"volume_mm3", static_cast<double>(c.voxels) * v.voxelVolume()}});
+  if (!missing.empty())
+    j["notes"] = {missing +
+                  ": the file states no usable spacing, so there are no lengths and volumes; a recipe gives it "
+                  "as `spacing = [x, y, z]` in mm"};
+  for (const LabelCount& c : countLabels(v)) {
+    json label{{"label", c.label}, {"voxels", c.voxels}};
+    if (missing.empty()) label["volume_mm3"] = static_cast<double>(c.voxels) * v.voxelVolume();
+    j["labels"].push_back(label);
+  }
   return j;
 }
 
@@ -133,8 +140,12 @@ Expected<json> infoOf(const std::string& what) {
   if (isCase(path)) return caseInfo(path);
   if (isRun(path)) return runInfo(path);
   if (isLabelVolume(path)) {
-    KERF_TRY(volume, readLabelVolume(path));
-    return volumeInfo(volume);
+    const auto volume = readLabelVolume(path);
+    if (volume) return volumeInfo(*volume, "");
+    // Without a spacing the values can be told all the same.
+    const auto unplaced = readLabelVolume(path, {.spacing_mm = Vec3d::Ones()});
+    if (unplaced && unplaced->is_spacing_given) return volumeInfo(*unplaced, volume.error().found);
+    return fail(volume.error());
   }
   if (fs::exists(path, ignored)) return path.extension() == ".toml" ? toolInfo(path) : meshInfo(path);
   // No such path: perhaps a tool's id.
