@@ -64,6 +64,9 @@ Expected<void> writeCaseManifest(const std::filesystem::path& folder, const Case
       {"material", materials},
   };
   if (!parts.empty()) root.insert("part", parts);
+  if (m.gaps)
+    root.insert("gaps",
+                toml::table{{"unclaimed_mm3", m.gaps->unclaimed_mm3}, {"forgotten_mm3", m.gaps->forgotten_mm3}});
   if (m.region) {
     toml::array line;
     for (const Vec3d& p : m.region->where.line) line.push_back(vec(p));
@@ -180,6 +183,11 @@ Expected<CaseManifest> readCaseManifest(const std::filesystem::path& folder) {
       pair.reject("partner", "\"" + m.pair->partner + "\"", "the name of a case folder, without a path");
     KERF_CHECK(pair.finish());
   }
+  if (top.has("gaps")) {
+    TomlTable gaps(child("gaps"), path, "gaps");
+    m.gaps = CaseGaps{gaps.number("unclaimed_mm3", 0, 1e12, "mm3"), gaps.number("forgotten_mm3", 0, 1e12, "mm3")};
+    KERF_CHECK(gaps.finish());
+  }
   if (top.has("region")) {
     TomlTable region(child("region"), path, "region");
     CaseRegion r;
@@ -190,7 +198,7 @@ Expected<CaseManifest> readCaseManifest(const std::filesystem::path& folder) {
     KERF_CHECK(region.finish());
     m.region = r;
   }
-  for (const char* name : {"close", "solid", "field", "region", "pair"}) top.allow(name);
+  for (const char* name : {"close", "solid", "field", "gaps", "region", "pair"}) top.allow(name);
   KERF_CHECK(top.finish());
   return m;
 }

@@ -56,6 +56,12 @@ struct CasePair {
   std::string partner;  ///< name of the other case's folder, which was written beside this one
 };
 
+/// What lay in no part of the recipe.
+struct CaseGaps {
+  double unclaimed_mm3 = 0;  ///< all of it; places near a part went to it
+  double forgotten_mm3 = 0;  ///< of that, too far from every part: became the recipe's fallback
+};
+
 /// The part of the object that has finer grids too.
 struct CaseRegion {
   FineRegion where;
@@ -74,6 +80,7 @@ struct CaseManifest {
   double voxel_mm = 0;
   std::vector<CaseMaterial> materials;  ///< in the order of their numbers; one for an object of one material
   std::vector<CasePart> parts;          ///< empty for a case without a recipe
+  std::optional<CaseGaps> gaps;         ///< only with a recipe
   std::size_t solid_vertices = 0, solid_triangles = 0;
   double solid_volume_mm3 = 0, solid_area_mm2 = 0;
   Box3 box;  ///< of the solid, mm

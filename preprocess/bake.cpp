@@ -61,9 +61,12 @@ tl::unexpected<Error> cancelError() {
   return fail({Error::Code::kCancelled, "", "", "cancelled; nothing was written", "", ""});
 }
 
+// Raised by every change of what a bake makes of the same inputs.
+constexpr int kBakeRevision = 3;
+
 // Everything the result depends on: the same id, the same case.
 std::string caseId(std::span<const std::string> hashes, const BakeOptions& o, const std::string& more) {
-  std::string text = fmt::format("kerf-case 2 {}\n", kVersion);
+  std::string text = fmt::format("kerf-case {} {}\n", kBakeRevision, kVersion);
   for (const std::string& hash : hashes) text += hash + '\n';
   text += more;
   text += fmt::format("{} {} {}\n", o.unit, nameOf(o.close.mode), canonicalText(o.close));
@@ -81,6 +84,7 @@ std::string caseId(std::span<const std::string> hashes, const BakeOptions& o, co
 // Fills in the sizes that are left to the program, and refuses what can not be.
 Expected<void> settleSizes(BakeOptions& o) {
   KERF_CHECK(checkVoxelSize(o.voxelize.voxel_mm));
+  o.close.cleanup_length_mm = std::min(0.01 * o.voxelize.voxel_mm, 0.1);
   if (!o.region) return {};
   if (o.region->voxel_mm == 0) o.region->voxel_mm = o.voxelize.voxel_mm / 2;
   KERF_CHECK(checkVoxelSize(o.region->voxel_mm));
@@ -150,7 +154,6 @@ Expected<void> finish(const Object& object, const BakeOptions& options, const Ma
 
   CaseManifest& m = out.manifest;
   const AnatomyStats& stats = anatomy.stats();
-  out.materials = stats.materials;
   m.kerf_version = kVersion;
   m.close_mode = options.close.only.empty() ? nameOf(options.close.mode) : namesOf(options.close.only);
   m.pair = options.pair;
@@ -161,6 +164,7 @@ Expected<void> finish(const Object& object, const BakeOptions& options, const Ma
     m.parts[n].volume_mm3 = stats.materials.claimed_mm3[n];
   }
   if (object.claims.empty()) volumes[options.voxelize.material] = stats.volume_mm3;
+  if (!object.claims.empty()) m.gaps = CaseGaps{stats.materials.unclaimed_mm3, stats.materials.forgotten_mm3};
   if (stats.materials.forgotten_mm3 > 0) volumes[options.voxelize.material] += stats.materials.forgotten_mm3;
   for (const auto& [material, volume] : volumes) {
     const MaterialProperties* row = materials.find(material);
@@ -367,8 +371,10 @@ Expected<BakeReport> bakeRecipe(const fs::path& recipe_file, const fs::path& cas
 
   KERF_TRY(meshes, internal::readMeshSources(paths, hashes, options.unit, true, staging.staging(), out,
                                              part(progress, 0, 0.05)));
+  constexpr std::string_view kAsked = "as asked with --unit";
   if (asked.unit.empty() && !recipe.unit.empty())
-    for (CaseSource& source : out.manifest.sources) source.unit_reason = "as the recipe says";
+    for (CaseSource& source : out.manifest.sources)
+      if (source.unit_reason.starts_with(kAsked)) source.unit_reason.replace(0, kAsked.size(), "as the recipe says");
   auto checks = checkAside(meshes);
   LabelObject labels;
   if (recipe.labels) {
@@ -394,7 +400,7 @@ Expected<BakeReport> bakeRecipe(const fs::path& recipe_file, const fs::path& cas
   }
   std::vector<Mesh> outline;
   for (const fs::path& name : recipe.outline.empty() ? names : recipe.outline) outline.push_back(solids.at(name));
-  if (recipe.labels) outline.push_back(labels.surface);
+  if (recipe.labels && recipe.outline.empty()) outline.push_back(labels.surface);
   if (!report(progress, 0.2, "uniting parts")) return cancelError();
   Object object;
   KERF_TRY(solid, unite(outline, options, out, part(progress, 0.2, 0.3)));

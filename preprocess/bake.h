@@ -17,8 +17,8 @@
 namespace kerf {
 
 struct BakeOptions {
-  std::string unit;  ///< empty: chooseUnit()
-  CloseOptions close;
+  std::string unit;    ///< empty: chooseUnit()
+  CloseOptions close;  ///< its cleanup length is set to a hundredth of a voxel
   VoxelizeOptions voxelize;
   std::optional<CasePair> pair;      ///< recorded in the manifest; see bakePair()
   std::optional<FineRegion> region;  ///< finer grids there too; before a recipe's. Its voxel 0: half the object's
@@ -39,7 +39,6 @@ struct BakeReport {
   std::vector<std::vector<std::string>> notes;  ///< of the readers, per source
   std::vector<bool> unit_is_doubtful;
   CloseReport close;
-  MaterialVolumes materials;
   bool was_up_to_date = false;  ///< the case was there already; only `manifest` is filled
   BakeTimes times;
 };

@@ -60,12 +60,12 @@ std::string describe(const BakeReport& r) {
                        n > 0 ? ". Try: move it before them in the recipe, the first part wins" : ""));
   if (m.parts.size() > 1)
     for (const CaseMaterial& c : m.materials) line(fmt::format("material: {:<12} {:10.3f} mm3", c.id, c.volume_mm3));
-  if (r.materials.unclaimed_mm3 > 0)
-    line(fmt::format("gaps: {:.3f} mm3 lay in no part and went to their neighbours{}", r.materials.unclaimed_mm3,
-                     r.materials.forgotten_mm3 > 0
+  if (m.gaps && m.gaps->unclaimed_mm3 > 0)
+    line(fmt::format("gaps: {:.3f} mm3 lay in no part and went to their neighbours{}", m.gaps->unclaimed_mm3,
+                     m.gaps->forgotten_mm3 > 0
                          ? fmt::format("; WARNING: {:.3f} mm3 lay too far from every part and became the fallback "
                                        "material",
-                                       r.materials.forgotten_mm3)
+                                       m.gaps->forgotten_mm3)
                          : std::string()));
   if (m.shell_area_mm2 < 0.98 * m.solid_area_mm2)
     line(

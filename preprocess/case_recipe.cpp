@@ -10,11 +10,20 @@
 namespace kerf {
 namespace {
 
+namespace fs = std::filesystem;
+
 std::optional<Material> materialOf(TomlTable& table, const std::string& key, const std::string& id,
                                    const MaterialTable& materials) {
   if (const MaterialProperties* m = materials.find(id)) return m->material;
   table.reject(key, "\"" + id + "\"", "one of " + materials.ids(), "or add a [[material]] to materials.toml");
   return {};
+}
+
+// The same file is the same path, however it was written.
+fs::path fileName(TomlTable& table, const char* key, const char* expected) {
+  const auto name = table.get<std::string>(key, expected);
+  if (!table.failed() && name.empty()) table.reject(key, "an empty name", expected);
+  return fs::path(name).lexically_normal();
 }
 
 // { point = [0, 0, 5], normal = [0, 0, 1] }
@@ -49,7 +58,7 @@ Expected<RecipePart> readPart(const toml::table& table, const std::filesystem::p
   if (kinds != 1)
     t.reject(t.has("mesh") ? "mesh" : "material", kinds == 0 ? "a part without a place" : "more than one of them",
              "exactly one of mesh, depth and label");
-  if (t.has("mesh")) part.mesh = t.get<std::string>("mesh", "a mesh file, relative to the recipe");
+  if (t.has("mesh")) part.mesh = fileName(t, "mesh", "a mesh file, relative to the recipe");
   if (t.has("depth")) part.depth = DepthRule{t.number("depth", 0.01, 50), {}};
   if (t.has("label")) {
     const auto label = t.get<std::int64_t>("label", "a whole number from 1 to 65535");
@@ -75,7 +84,7 @@ Expected<RecipePart> readPart(const toml::table& table, const std::filesystem::p
 Expected<RecipeLabels> readLabels(const toml::table& table, const std::filesystem::path& file) {
   TomlTable t(table, file, "labels");
   RecipeLabels labels;
-  labels.volume = t.get<std::string>("volume", "a volume file or folder, relative to the recipe");
+  labels.volume = fileName(t, "volume", "a volume file or folder, relative to the recipe");
   if (t.has("spacing")) {
     const auto s = t.numbers("spacing", 3);
     labels.spacing_mm = Vec3d(s[0], s[1], s[2]);
@@ -145,7 +154,10 @@ Expected<CaseRecipe> readCaseRecipe(const std::filesystem::path& file, const Mat
   }
   if (const toml::table* table = root.get_as<toml::table>("outline")) {
     TomlTable t(*table, file, "outline");
-    for (const std::string& mesh : t.strings("meshes")) recipe.outline.emplace_back(mesh);
+    for (const std::string& mesh : t.strings("meshes")) {
+      if (mesh.empty()) t.reject("meshes", "an empty name", "a mesh file, relative to the recipe");
+      recipe.outline.push_back(fs::path(mesh).lexically_normal());
+    }
     if (!t.failed() && recipe.outline.empty()) t.reject("meshes", "an empty list", "one or more mesh files");
     KERF_CHECK(t.finish());
   }

@@ -13,7 +13,7 @@ namespace PMP = CGAL::Polygon_mesh_processing;
 
 tl::unexpected<Error> gaveUp(const std::string& found) {
   return fail({Error::Code::kGeometry, "", "fine region", found, "a closed surface free of self-intersections",
-               "kerf check on the mesh; or another --fine-radius"});
+               "kerf check on the mesh; or another radius"});
 }
 
 }  // namespace

@@ -623,7 +623,7 @@ std::uint16_t SmoothLabels::labelAt(const Vec3d& world_mm) const {
         static_cast<float>((c & 4 ? t[0] : 1 - t[0]) * (c & 2 ? t[1] : 1 - t[1]) * (c & 1 ? t[2] : 1 - t[2]));
     if (w <= 0) continue;
     const auto add = [&](Slot slot, float v) {
-      if (slot == 0 || v <= 0) return;
+      if (v <= 0) return;
       std::size_t s = 0;
       while (s < count && present[s] != slot) ++s;
       if (s == count) present[count] = slot, score[count++] = 0;
@@ -639,11 +639,11 @@ std::uint16_t SmoothLabels::labelAt(const Vec3d& world_mm) const {
     for (std::size_t s = 0; s < brick.slots.size(); ++s) add(brick.slots[s], brick.value[s * kBrickNodes + at]);
   }
   std::uint16_t best = 0;
-  float most_score = 0;
+  float most_score = -1;
   for (std::size_t s = 0; s < count; ++s) {
     const float v = score[s] * d.weight[present[s]];
-    const std::uint16_t l = d.label[present[s]];
-    if (best == 0 || v > most_score || (v == most_score && l < best)) best = l, most_score = v;
+    const std::uint16_t l = present[s] == 0 ? std::uint16_t{0} : d.label[present[s]];
+    if (v > most_score || (v == most_score && l < best)) best = l, most_score = v;
   }
   return best;
 }

@@ -61,9 +61,8 @@ class SmoothLabels {
   /// Errors: kEmpty (smoothing left nothing), kCancelled.
   Expected<Mesh> surface(const Progress& progress = {}) const;
 
-  /// The tissue label with the largest weighted membership at a point; the smallest such label on a tie. Also outside
-  /// the surface, as far as the blur reaches (three standard deviations), so that a voxel of another grid on the wall
-  /// finds its tissue; 0 where no tissue is near. O(1), some 100 ns.
+  /// The tissue label with the largest weighted membership at a point, 0 where the rest has it; the smallest label on a
+  /// tie. O(1), some 100 ns.
   std::uint16_t labelAt(const Vec3d& world_mm) const;
 
   /// One entry per tissue label, in the order they were asked for.

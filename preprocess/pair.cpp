@@ -67,7 +67,7 @@ Expected<std::array<BakeReport, 2>> bakePair(const std::array<std::filesystem::p
     auto report = bake({meshes[k]}, case_folders[k], one, part);
     if (!report) {
       if (k == 1 && !replaced) std::filesystem::remove_all(case_folders[0], ignored);
-      if (k == 1 && replaced)
+      if (k == 1 && replaced && !reports[0].was_up_to_date)
         report.error().hint += fmt::format("{}; {} was written, bake the pair again",
                                            report.error().hint.empty() ? "" : " ", case_folders[0].string());
       return fail(std::move(report).error());

@@ -47,7 +47,12 @@ Expected<UnitChoice> chooseUnit(const Box3& box, std::string_view asked, std::st
   const double across = box.size().norm();
   if (!asked.empty()) {
     KERF_TRY(mm, millimetresPer(asked));
-    return named(asked, mm, "as asked with --unit", across);
+    UnitChoice choice = named(asked, mm, "as asked with --unit", across);
+    if (!declared.empty() && declared != asked) {
+      choice.reason += fmt::format(", though the file says {}", declared);
+      choice.is_doubtful = true;
+    }
+    return choice;
   }
   if (!declared.empty()) {
     KERF_TRY(mm, millimetresPer(declared));

@@ -78,6 +78,51 @@ TEST(BakeRecipe, NothingIsBakedTwiceButAnyChangeBakesAgain) {
   EXPECT_FALSE(bakeRecipe(recipe, out, {})) << "a damaged case is not up to date";
 }
 
+TEST(BakeRecipe, ALabelBesideMeshesKeepsItsPlaceAndTheOutlineBounds) {
+  const TemporaryFolder folder;
+  constexpr int kSide = 24;  // of 0.5 mm; a bar of 2 x 2 mm runs through all of it, and out of a ball of 4 mm
+  const Vec3d center(5.75, 5.75, 5.75);
+  std::string values;
+  double bar_in_ball = 0;
+  for (int z = 0; z < kSide; ++z)
+    for (int y = 0; y < kSide; ++y)
+      for (int x = 0; x < kSide; ++x) {
+        const bool bar = std::abs(y - 11.5) < 2 && std::abs(z - 11.5) < 2;
+        values += bar ? '\5' : '\0';
+        if (bar && (0.5 * Vec3d(x, y, z) - center).norm() < 4) bar_in_ball += 0.125;
+      }
+  write(folder.path() / "nerve.nrrd",
+        fmt::format("NRRD0004\ntype: uint8\ndimension: 3\nsizes: {0} {0} {0}\nspacings: 0.5 0.5 0.5\n"
+                    "encoding: raw\n\n",
+                    kSide) +
+            values);
+  ASSERT_TRUE(writeMesh(folder.path() / "bone.ply", ballMesh(center, 4, 100)));
+  write(folder.path() / "a.toml", kHead +
+                                      "unit = \"mm\"\nvoxel = 0.1\n[[part]]\nmaterial = \"nerve_canal\"\nlabel = 5\n"
+                                      "[[part]]\nmaterial = \"cancellous\"\nmesh = \"bone.ply\"\n"
+                                      "[outline]\nmeshes = [\"bone.ply\"]\n[labels]\nvolume = \"nerve.nrrd\"\n");
+  const auto report = bakeRecipe(folder.path() / "a.toml", folder.path() / "a.case", {});
+  ASSERT_TRUE(report) << report.error().message();
+  const CaseManifest& m = report->manifest;
+  EXPECT_NEAR(m.solid_volume_mm3 / ballVolume(4), 1, 0.005) << "the bar does not stick out";
+  EXPECT_NEAR(m.parts[0].volume_mm3 / bar_in_ball, 1, 0.05) << "nor does it grow into the bone";
+  EXPECT_NEAR(m.parts[0].volume_mm3 + m.parts[1].volume_mm3, ballVolume(4), 0.005 * ballVolume(4));
+  const auto again = readCaseManifest(folder.path() / "a.case");
+  ASSERT_TRUE(again && again->gaps);
+  EXPECT_EQ(again->gaps->forgotten_mm3, 0);
+}
+
+TEST(BakeRecipe, TheSameVoxelFromRecipeOrCallerIsTheSameCase) {
+  const TemporaryFolder folder;
+  const fs::path recipe = toothRecipe(folder.path());  // says 0.1
+  BakeOptions given;
+  given.voxelize.voxel_mm = 0.1, given.voxel_is_given = true, given.close.cleanup_length_mm = 0.005;
+  const auto first = bakeRecipe(recipe, folder.path() / "a.case", {}),
+             second = bakeRecipe(recipe, folder.path() / "a.case", given);
+  ASSERT_TRUE(first && second);
+  EXPECT_TRUE(second->was_up_to_date);
+}
+
 TEST(BakeRecipe, APartThatGetsNothingIsWarnedOf) {
   const TemporaryFolder folder;
   toothRecipe(folder.path());

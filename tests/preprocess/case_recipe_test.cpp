@@ -83,6 +83,8 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{kHead + "unit = \"furlong\"\n" + kTooth, "inch"}, Mistake{kHead + "voxel = 0\n" + kTooth, "0.005"},
         Mistake{kHead + kTooth + "[outline]\nmeshes = []\n", "one or more mesh files"},
         Mistake{kHead + "outline = \"tooth.stl\"\n" + kTooth, "[outline]"}, Mistake{kHead + "part = 3\n", "[[part]]"},
+        Mistake{kHead + "[[part]]\nmaterial = \"pulp\"\nmesh = \"\"\n", "an empty name"},
+        Mistake{kHead + kTooth + "[outline]\nmeshes = [\"\"]\n", "an empty name"},
         Mistake{kHead + "[[parts]]\nmaterial = \"pulp\"\n", "Try: part"},
         Mistake{kHead + kTooth + "[region]\nline = [0, 0, 5]\nradius = 3\nvoxel = 0.05\n", "list of points"},
         Mistake{kHead + kTooth + "[region]\nline = [[0, 0, nan]]\nradius = 3\nvoxel = 0.05\n", "list of points"},

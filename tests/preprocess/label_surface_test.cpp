@@ -136,17 +136,19 @@ TEST(SmoothLabels, EveryLabelKeepsItsVolume) {
   EXPECT_NEAR(signedVolume(m), sum, 0.01 * sum);
 }
 
-TEST(SmoothLabels, LabelAtTellsTissueAndFadesToZero) {
+TEST(SmoothLabels, LabelAtTellsTissueAndRest) {
   const SmoothLabels s = smoothed(digitise(40, jaw), {2, 3, 5});
   EXPECT_EQ(s.labelAt({0, 0, 5}), 3);
   EXPECT_EQ(s.labelAt({1, 0, -2}), 5);
   EXPECT_EQ(s.labelAt({4, 2, 0}), 2);
-  EXPECT_EQ(s.labelAt({6.2, 0, 0}), 2) << "just outside: the blur still reaches";
+  EXPECT_EQ(s.labelAt({5.8, 0, 0}), 2);
+  EXPECT_EQ(s.labelAt({6.2, 0, 0}), 0) << "just outside, where the blur still reaches";
   EXPECT_EQ(s.labelAt({9, 9, 9}), 0);
   EXPECT_EQ(s.labelAt({1e9, 0, 0}), 0);
   EXPECT_EQ(s.labelAt(Vec3d::Constant(std::nan(""))), 0);
   const SmoothLabels without = smoothed(digitise(40, jaw), {2, 3});
-  EXPECT_EQ(without.labelAt({1, 0, -1.2}), 2) << "the canal was not asked for; its wall belongs to the bone";
+  EXPECT_EQ(without.labelAt({1, 0, -2}), 0) << "the canal was not asked for";
+  EXPECT_EQ(without.labelAt({1, 0, -0.9}), 2);
 }
 
 TEST(SmoothLabels, OneVoxelWallsAndCanalsSurvive) {

@@ -63,5 +63,13 @@ TEST(Unit, ANamedUnitThatMakesNoDentalSizeIsTakenButDoubted) {
   EXPECT_FALSE(chooseUnit(across(0.105), "m", "")->is_doubtful);
 }
 
+TEST(Unit, AUnitAgainstTheFilesOwnIsDoubted) {
+  const auto against = chooseUnit(across(50), "mm", "inch"), same = chooseUnit(across(50), "mm", "mm");
+  ASSERT_TRUE(against && same);
+  EXPECT_TRUE(against->is_doubtful);
+  EXPECT_NE(against->reason.find("though the file says inch"), std::string::npos) << against->reason;
+  EXPECT_FALSE(same->is_doubtful);
+}
+
 }  // namespace
 }  // namespace kerf

@@ -119,9 +119,12 @@ nlohmann::json toJson(const BakeReport& r) {
   for (const CasePart& p : r.manifest.parts)
     j["parts"].push_back(
         {{"material", p.material}, {"origin", p.origin}, {"own_mm3", p.own_mm3}, {"volume_mm3", p.volume_mm3}});
-  if (!r.manifest.parts.empty())
-    j["gaps"] = {{"filled_mm3", r.materials.unclaimed_mm3}, {"forgotten_mm3", r.materials.forgotten_mm3}};
-  if (r.was_up_to_date) return j;
+  if (r.manifest.gaps)
+    j["gaps"] = {{"unclaimed_mm3", r.manifest.gaps->unclaimed_mm3}, {"forgotten_mm3", r.manifest.gaps->forgotten_mm3}};
+  if (r.was_up_to_date) {
+    j.erase("seconds");
+    return j;
+  }
   for (std::size_t i = 0; i < r.manifest.sources.size(); ++i) {
     const CaseSource& s = r.manifest.sources[i];
     j["sources"].push_back({{"stored_as", s.stored_as},
@@ -197,7 +200,6 @@ int run(Arguments& a) {
     region.line = thinned(region.line, region.radius_mm / 8);
     a.options.region = region;
   }
-  a.options.close.cleanup_length_mm = 0.01 * a.options.voxelize.voxel_mm;
   std::vector<std::filesystem::path> paths(a.inputs.begin(), a.inputs.end());
   if (a.pair) return runPair(a, paths);
   const auto recipe = std::find_if(paths.begin(), paths.end(), looksLikeRecipe);

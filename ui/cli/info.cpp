@@ -63,6 +63,7 @@ Expected<json> caseInfo(const fs::path& folder) {
   for (const CasePart& p : m.parts)
     j["parts"].push_back(
         {{"material", p.material}, {"origin", p.origin}, {"own_mm3", p.own_mm3}, {"volume_mm3", p.volume_mm3}});
+  if (m.gaps) j["gaps"] = {{"unclaimed_mm3", m.gaps->unclaimed_mm3}, {"forgotten_mm3", m.gaps->forgotten_mm3}};
   if (m.region)
     j["region"] = {{"voxel_mm", m.region->where.voxel_mm},
                    {"radius_mm", m.region->where.radius_mm},
