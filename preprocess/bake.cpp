@@ -7,6 +7,7 @@
 #include <future>
 #include <map>
 #include <memory>
+#include <set>
 #include <span>
 
 #include "geometry/atomic_file.h"
@@ -310,7 +311,9 @@ Expected<BakeReport> bake(const std::vector<fs::path>& meshes, const fs::path& c
   if (!report(progress, 0.05, "closing")) return cancelError();
   auto solid = closeMeshes(sources, options.close, part(progress, 0.05, 0.3));
   if (!solid) {
-    if (solid.error().file.empty() && meshes.size() == 1) solid.error().file = meshes[0].string();
+    if (solid.error().file.empty())
+      solid.error().file =
+          meshes[0].string() + (meshes.size() > 1 ? fmt::format(" and {} more, as one object", meshes.size() - 1) : "");
     return fail(solid.error());
   }
   out.close = solid->report;
@@ -335,6 +338,12 @@ Expected<BakeReport> bakeRecipe(const fs::path& recipe_file, const fs::path& cas
   options.voxelize.material = recipe.fallback;
   if (!asked.region) options.region = recipe.region;
   KERF_CHECK(settleSizes(options));
+  const std::set<CloseStep>& only = options.close.only;
+  if (only.empty() ? options.close.mode == CloseMode::kBase : only.count(CloseStep::kBase) > 0)
+    return fail({Error::Code::kBadValue, recipe_file.string(), "--close", "a base for a recipe",
+                 "parts that are solids: a base under each would lie between them",
+                 "kerf bake PART -o part.case --close base for the part that is open, then kerf export part.case -o "
+                 "part.ply, and name that in the recipe"});
 
   const std::vector<fs::path> names = recipe.meshes();
   std::vector<fs::path> paths;
@@ -391,8 +400,15 @@ Expected<BakeReport> bakeRecipe(const fs::path& recipe_file, const fs::path& cas
     if (close.mode == CloseMode::kAuto) close.mode = CloseMode::kRepair;  // a part has no missing underside
     auto solid = closeMesh(meshes[n], close, part(progress, 0.15, 0.2));
     if (!solid) {
-      if (solid.error().file.empty()) solid.error().file = paths[n].string();
-      return fail(solid.error());
+      Error e = solid.error();
+      if (e.file.empty()) e.file = paths[n].string();
+      if (e.hint.starts_with("--close") && e.hint.find("base") != e.hint.npos) {  // not for a recipe: see above
+        e.expected = "a solid, as every part of a recipe";
+        e.hint = fmt::format(
+            "kerf bake {0} -o {1}.case --close base, then kerf export {1}.case -o {1}.ply, and name that in the recipe",
+            paths[n].string(), names[n].stem().string() + "-closed");
+      }
+      return fail(std::move(e));
     }
     for (const std::string& change : solid->report.changes)
       changes.push_back(names[n].filename().string() + ": " + change);

@@ -33,13 +33,22 @@ struct BakeTimes {  // seconds; `check` is what checking took longer than closin
   double total() const { return read + check + close + voxelize + write; }
 };
 
+/// How two jaws that are to share a frame lie to each other.
+struct PairCheck {
+  std::optional<double> planes_disagree_deg;  ///< angle between the occlusal planes; set if both were looked for
+  double boxes_apart_mm = 0;                  ///< gap between the boxes
+  double overlap_mm = 0;                      ///< how far the jaws reach into each other along the occlusal normal
+  std::vector<std::string> notes, warnings;   ///< sentences
+};
+
 struct BakeReport {
   CaseManifest manifest;
   std::vector<MeshReport> source_checks;        ///< defects as found, per source, in mm
   std::vector<std::vector<std::string>> notes;  ///< of the readers, per source
   std::vector<bool> unit_is_doubtful;
   CloseReport close;
-  bool was_up_to_date = false;  ///< the case was there already; only `manifest` is filled
+  std::optional<PairCheck> pair_check;  ///< set by bakePair()
+  bool was_up_to_date = false;          ///< the case was there already; only `manifest` is filled
   BakeTimes times;
 };
 

@@ -8,7 +8,13 @@ namespace kerf {
 std::string describe(const BakeReport& r) {
   std::string text;
   const auto line = [&text](const std::string& s) { text += s + "\n"; };
+  const auto addPairCheck = [&] {
+    if (!r.pair_check) return;
+    for (const std::string& note : r.pair_check->notes) line("pair: " + note);
+    for (const std::string& warning : r.pair_check->warnings) line("WARNING: " + warning);
+  };
   if (r.was_up_to_date) {
+    addPairCheck();
     line("the case is there already, of the same inputs and settings; --force bakes it again");
     return text;
   }
@@ -37,6 +43,7 @@ std::string describe(const BakeReport& r) {
     line("WARNING: the surface is a shrink-wrap, an approximation of the scan: no source vertex is preserved");
   const CaseManifest& m = r.manifest;
   if (m.pair) line(fmt::format("pair: one frame with {}; nothing was moved", m.pair->partner));
+  addPairCheck();
   line(fmt::format("solid: {} vertices, {} triangles, {:.2f} mm3, {:.2f} mm2", m.solid_vertices, m.solid_triangles,
                    m.solid_volume_mm3, m.solid_area_mm2));
   line(fmt::format("field: {} mm voxels, {:.2f} M in the band; shell: {:.2f} M points standing for {:.2f} mm2",

@@ -221,8 +221,22 @@ Expected<void> extrudeToBase(Chain& chain, const std::vector<Loop>& rims, const 
   }
   Floor foot(chain, frame, on_plate ? frame.ceiling : frame.level);
   Net net, outline_net;
+  std::map<std::uint32_t, std::uint32_t> under;  // of a rim vertex: where its colour has ended
+  const auto wallTop = [&](std::uint32_t v) {
+    if (!chain.mesh.hasVertexColors()) return v;
+    const auto [it, fresh] = under.try_emplace(v, 0);
+    if (fresh) {
+      constexpr double kFade = 0.2;  // mm
+      const Vec3d x = chain.mesh.vertices[v];
+      const double depth = (on_plate ? frame.ceiling : frame.level) - x.dot(frame.w);
+      it->second = chain.addVertex(roundedToFloat(Vec3d(x + std::min(kFade, depth / 2) * frame.w)));
+    }
+    return it->second;
+  };
   for (std::size_t s = 0; s < edges.size(); ++s) {
-    const auto& [p, q] = edges[s];
+    const auto& [rim_p, rim_q] = edges[s];
+    const std::uint32_t p = wallTop(rim_p), q = wallTop(rim_q);
+    if (p != rim_p) chain.addTriangle(rim_p, rim_q, q), chain.addTriangle(rim_p, q, p);
     std::vector<std::uint32_t> below;
     for (const Point2& x : segments[s]) below.push_back(foot.vertex(x));
     chain.addTriangle(p, q, below.back());

@@ -36,14 +36,12 @@ struct Direction {
   int sign;
   Vec3d vector() const { return sign * Vec3d::Unit(axis); }
 };
+std::string nameOf(const Direction& d) { return fmt::format("{}{}", d.sign < 0 ? '-' : '+', "xyz"[d.axis]); }
 Direction nearestAxis(const Vec3d& v) {
   int axis = 0;
   v.cwiseAbs().maxCoeff(&axis);
   return {axis, v[axis] < 0 ? -1 : 1};
 }
-
-/// Share of the height by which the rim must lie on the wrong side of the centroid; 0.2 to 0.6 on scans turned over.
-constexpr double kClearlyWrong = 0.15;
 
 Error ungrounded(std::string found, std::string hint) {
   Error e;
@@ -66,6 +64,55 @@ double reach(const Mesh& mesh, const Vec3d& w) {
 
 double degreesToNearestAxis(const Vec3d& w) {
   return std::acos(std::clamp(w.cwiseAbs().maxCoeff() / w.norm(), 0.0, 1.0)) * 180 / std::numbers::pi;
+}
+
+/// Where a scan is open, as its rim tells. A scan is a bowl upside down: its rim lies on the side it opens to. A ribbon
+/// of gum, whose rim also runs around the teeth, tells nothing.
+struct Opening {
+  Vec3d direction;  ///< unit: what the triangles' orientation says
+  double rim_side;  ///< how far the rim lies that way from the centroid, along the nearest axis, by the extent there
+  static constexpr double kClear = 0.15;  ///< 0.2 to 0.6 on scans, with either sign
+  bool isClear() const { return std::abs(rim_side) > kClear; }
+  /// Where it is really open: if the rim lies behind, the triangles are inside out.
+  Vec3d trueDirection() const { return rim_side < 0 ? Vec3d(-direction) : direction; }
+};
+
+Opening measureOpening(const Mesh& mesh, const Loop& loop) {
+  Vec3d rim = Vec3d::Zero(), centroid = Vec3d::Zero();
+  double area = 0;
+  const double around = length(mesh, loop);
+  for (std::size_t i = 0; i < loop.size(); ++i) {
+    const Vec3d &p = mesh.vertices[loop[i]], &q = mesh.vertices[loop[(i + 1) % loop.size()]];
+    rim += (p - q).norm() / around * 0.5 * (p + q);
+  }
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const double a = doubleAreaVector(mesh, t).norm();
+    area += a, centroid += a / 3 * (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2));
+  }
+  centroid /= area;
+  const Vec3d open = areaVector(mesh, loop);
+  const Direction axis = nearestAxis(open);
+  const double extent = bounds(mesh).size()[axis.axis];
+  return {open.normalized(), extent > 0 ? (rim - centroid).dot(axis.vector()) / extent : 0};
+}
+
+/// Whether all triangles must be turned. Where neither the rim nor the rim and the file together tell, the base
+/// direction is believed. Errors: kGeometry for a base direction that leads away from the opening: walls would run
+/// through the teeth.
+Expected<bool> isInsideOut(const Opening& opening, const CloseOptions& options) {
+  if (!options.base_direction) return opening.rim_side < -Opening::kClear;
+  const Vec3d asked = nearestAxis(*options.base_direction).vector();
+  constexpr double kAgrees = 0.02;  // a ragged rim, but on the side the file says: 0.09 on a lower jaw
+  if (!opening.isClear() && opening.rim_side < kAgrees) return opening.direction.dot(asked) < 0;
+  const double least = opening.isClear() ? 0.25 : -0.25;  // 75 degrees off, or 105: a ragged rim is 40 off itself
+  const Vec3d open = opening.trueDirection();
+  if (open.dot(asked) >= least) return opening.rim_side < 0;
+  const Direction found = nearestAxis(open);
+  Error e = ungrounded(fmt::format("a base towards {}, but the scan is open towards {}: ({:.2f}, {:.2f}, {:.2f})",
+                                   nameOf(nearestAxis(asked)), nameOf(found), open.x(), open.y(), open.z()),
+                       fmt::format("--base-direction {}, or leave it out", nameOf(found)));
+  e.expected = "a base on the open side";
+  return fail(std::move(e));
 }
 
 /// Where the base goes. @param down  roughly: a coordinate axis.  @param open  where the scan is open.
@@ -103,9 +150,10 @@ Expected<BaseFrame> placeBase(const Chain& chain, const Vec3d& down, const Vec3d
     frame.level = top + *options.base_height_mm;
     if (frame.level < lowest + kLeastMargin) {
       const double least = std::ceil(10 * (lowest + kLeastMargin - top)) / 10;
-      Error e = ungrounded(fmt::format("a base {} mm below the occlusal plane, but the scan reaches {:.2f} mm below it",
-                                       *options.base_height_mm, lowest - top),
-                           fmt::format("--base-height {:.1f}", least));
+      Error e = ungrounded(
+          fmt::format("a base {} mm below {}, but the scan reaches {:.2f} mm below it", *options.base_height_mm,
+                      occlusal ? "the occlusal plane" : "the highest point", lowest - top),
+          fmt::format("--base-height {:.1f}", least));
       e.expected = fmt::format("a base height of at least {:.1f} mm", least);
       return fail(std::move(e));
     }
@@ -113,6 +161,11 @@ Expected<BaseFrame> placeBase(const Chain& chain, const Vec3d& down, const Vec3d
   frame.level = roundedToFloat(frame.level);
   frame.ceiling = roundedToFloat(lowest + std::min(0.25, 0.1 * (frame.level - lowest)));
   return frame;
+}
+
+bool isBaseAsked(const CloseOptions& o) {
+  return o.base_is_asked || o.base_style != BaseStyle::kHorseshoe || o.base_height_mm || o.base_direction ||
+         o.find_occlusal_plane || o.occlusal_plane;
 }
 
 /// "y = -29.787 mm", "12.3 mm below the occlusal plane ...".
@@ -131,7 +184,8 @@ Expected<void> closeBoundary(Chain& chain, const CloseOptions& options, CloseRep
   std::vector<Loop> loops = boundaryLoops(chain.mesh.triangles);
   if (loops.empty()) {
     if (options.only.empty() && options.mode == CloseMode::kBase)
-      return fail(ungrounded("a closed mesh, which needs no base", "--close auto"));
+      return fail(ungrounded("a closed mesh, which needs no base", "the same without --close base"));
+    if (isBaseAsked(options)) report.changes.push_back("no base was made: the mesh is closed");
     return {};
   }
   const double diagonal = bounds(chain.mesh).size().norm();
@@ -151,31 +205,17 @@ Expected<void> closeBoundary(Chain& chain, const CloseOptions& options, CloseRep
     return fail(
         ungrounded(found, options.fill_up_to_mm ? "--close base, or a larger --fill-holes-up-to" : "--close base"));
   }
+  if (!has_rim && isBaseAsked(options))
+    report.changes.push_back(fmt::format(
+        "no base was made: no underside is missing, the longest opening is {:.1f} mm around", lengths[longest]));
   std::vector<char> is_rim(loops.size(), 0);
   if (has_rim) {
-    // A scan is a bowl upside down: inside out if it opens away from the side its rim lies on. A ribbon of gum, whose
-    // rim also runs around the teeth, tells nothing: then the file is believed.
-    Vec3d rim = Vec3d::Zero(), centroid = Vec3d::Zero();
-    double area = 0;
-    for (std::size_t i = 0; i < loops[longest].size(); ++i) {
-      const Vec3d &p = chain.mesh.vertices[loops[longest][i]],
-                  &q = chain.mesh.vertices[loops[longest][(i + 1) % loops[longest].size()]];
-      rim += (p - q).norm() / lengths[longest] * 0.5 * (p + q);
-    }
-    for (std::size_t t = 0; t < chain.mesh.triangles.size(); ++t) {
-      const double a = doubleAreaVector(chain.mesh, t).norm();
-      area += a, centroid += a / 3 * (chain.mesh.corner(t, 0) + chain.mesh.corner(t, 1) + chain.mesh.corner(t, 2));
-    }
-    centroid /= area;
-    const Vec3d size = bounds(chain.mesh).size();
-    Vec3d open = areaVector(chain.mesh, loops[longest]);
-    Direction base = options.base_direction ? nearestAxis(*options.base_direction) : nearestAxis(open);
-    const double height = size[base.axis];
-    const bool inside_out = options.base_direction ? open.dot(base.vector()) < 0
-                                                   : (rim - centroid).dot(base.vector()) < -kClearlyWrong * height;
-    if (inside_out) {
+    Opening opening = measureOpening(chain.mesh, loops[longest]);
+    KERF_TRY(turn, isInsideOut(opening, options));
+    Direction base = options.base_direction ? nearestAxis(*options.base_direction) : nearestAxis(opening.direction);
+    if (turn) {
       turnAll(chain, loops);
-      open = -open;
+      opening.direction = -opening.direction;
       if (!options.base_direction) base.sign = -base.sign;
       report.triangles_flipped += chain.mesh.triangles.size();
       report.changes.push_back("the scan was inside out: all triangles were turned");
@@ -194,7 +234,7 @@ Expected<void> closeBoundary(Chain& chain, const CloseOptions& options, CloseRep
                    areaVector(chain.mesh, loops[i]).dot(base.vector()) > 0);
       if (is_rim[i]) rims.push_back(loops[i]);
     }
-    KERF_TRY(frame, placeBase(chain, base.vector(), open.normalized(), options, report));
+    KERF_TRY(frame, placeBase(chain, base.vector(), opening.direction, options, report));
     KERF_CHECK(extrudeToBase(chain, rims, frame, options.base_style == BaseStyle::kFull, progress));
     report.rims_extruded = rims.size();
     report.base_direction = frame.w;
@@ -232,6 +272,17 @@ Expected<void> closeBoundary(Chain& chain, const CloseOptions& options, CloseRep
                                          counted(report.holes_filled, "hole was", "holes were"), widest));
   if (fans) report.changes.push_back(counted(fans, "of them was", "of them were") + " closed by a plain fan");
   return {};
+}
+
+Expected<OcclusalPlane> findPlaneOfScan(const Chain& chain, const CloseOptions& options) {
+  const std::vector<Loop> loops = boundaryLoops(chain.mesh.triangles);
+  if (loops.empty()) return fail(ungrounded("a closed mesh: it does not tell which way its teeth point", ""));
+  if (options.base_direction) return findOcclusalPlane(chain.mesh, -nearestAxis(*options.base_direction).vector());
+  const auto longest = std::max_element(loops.begin(), loops.end(), [&](const Loop& a, const Loop& b) {
+    return length(chain.mesh, a) < length(chain.mesh, b);
+  });
+  const Opening opening = measureOpening(chain.mesh, *longest);
+  return findOcclusalPlane(chain.mesh, opening.isClear() ? -opening.trueDirection() : -opening.direction);
 }
 
 }  // namespace kerf::internal

@@ -85,7 +85,7 @@ Result assemble(const Chain& chain, const internal::Arrangement& arrangement, co
     r.source.push_back(chain.source[parent]);
     normals.push_back(doubleAreaVector(chain.mesh, parent));
     if (chain.mesh.hasFaceColors()) r.mesh.face_colors.push_back(chain.mesh.face_colors[parent]);
-    if (chain.mesh.hasVertexColors())
+    if (chain.mesh.hasVertexColors() && chain.source[parent] != kAdded)  // where added triangles meet: neutral
       for (const std::uint32_t v : arrangement.triangles[t])
         if (v >= chain.mesh.vertices.size()) r.mesh.vertex_colors[v] = blend(chain.mesh, parent, arrangement.points[v]);
   }
@@ -369,8 +369,9 @@ Expected<Result> makeSolid(const Mesh& imported, const CloseOptions& options, Cl
   if (first || !may_wrap || first.error().code == Error::Code::kCancelled || first.error().code == Error::Code::kEmpty)
     return first;
   // A base that was asked for in so many words is not silently left out.
-  const bool base_asked = options.base_height_mm || options.find_occlusal_plane || options.occlusal_plane;
-  if (base_asked && report.rims_extruded == 0) return first;
+  const bool base_asked =
+      options.base_height_mm || options.find_occlusal_plane || options.occlusal_plane || options.base_direction;
+  if (base_asked && internal::hasBoundary(chain)) return first;
   const std::string why = first.error().found;
   const bool was_open = report.holes_filled + report.rims_extruded > 0 || internal::hasBoundary(chain);
   for (const double wide : kWiderStitches) {
@@ -411,6 +412,12 @@ Expected<Solid> closeMesh(const Mesh& imported_mm, const CloseOptions& options, 
   solid.mesh = std::move(result.mesh);
   solid.source_triangle = std::move(result.source);
   return solid;
+}
+
+Expected<OcclusalPlane> findOcclusalPlaneOfScan(const Mesh& imported_mm, const CloseOptions& options) {
+  CloseReport unused;
+  KERF_TRY(chain, internal::buildChain(imported_mm, options, unused));
+  return internal::findPlaneOfScan(chain, options);
 }
 
 std::string namesOf(const std::set<CloseStep>& steps) {

@@ -59,6 +59,7 @@ struct CloseOptions {
   /// A longer boundary is no hole: it is the rim of a base, or refused. Default: by rim_to_diagonal.
   std::optional<double> fill_up_to_mm{};
   BaseStyle base_style = BaseStyle::kHorseshoe;
+  bool base_is_asked = false;  ///< in so many words: a mesh that gets none is noted, as with every other base option
   /// The base lies this far below the lowest vertex, > 0; thin bases break in the printer. All but a tenth of it (0.25
   /// mm at most) is the plate of kFull.
   double base_margin_mm = 2.0;
@@ -67,7 +68,8 @@ struct CloseOptions {
   std::optional<double> base_height_mm{};
   /// Where the base goes, out of the mesh; the nearest coordinate axis is used, so that the base is exactly flat in
   /// float32. Without it: the axis nearest to the direction in which the mesh is open. With an occlusal plane the base
-  /// is parallel to that, and this only says which side is down.
+  /// is parallel to that, and this only says which side is down. Refused if it leads away from the
+  /// opening: by more than 75 degrees, or 105 from one that only rim and orientation together show.
   std::optional<Vec3d> base_direction{};
   bool find_occlusal_plane = false;  ///< makes the base parallel to findOcclusalPlane(); see baseFrame() on flatness
   std::optional<GivenPlane> occlusal_plane{};  ///< or to this one
@@ -108,7 +110,7 @@ struct CloseReport {
 };
 
 struct Solid {
-  Mesh mesh;  ///< mm; surviving source vertices first, in their order; colours kept, added parts get a neutral grey
+  Mesh mesh;  ///< mm; surviving source vertices first, in their order; see below on colours
   std::vector<std::uint32_t> source_triangle;  ///< per triangle: index in the imported mesh, or kAdded
   CloseReport report;
 };
@@ -120,12 +122,19 @@ struct Solid {
 /// double layers and inner shells vanish, cavities stay. New vertices are rounded to float32 under cleanUpForFloat32().
 /// The result is verified (closed, 2-manifold at edges and vertices, crossingPairs() empty, positive volume) or
 /// refused.
+/// Colours: a source vertex or triangle keeps its own; a new vertex on a source triangle takes the colour there;
+/// everything else is light model stone (214, 205, 189). Where vertices carry the colours a wall runs from the rim's
+/// into stone within its uppermost 0.2 mm, in a row of triangles of its own.
 /// @param imported_mm  anything a file can hold, in mm, at least one triangle.
 /// @return the solid. Errors: kEmpty (no triangle with area), kGeometry (kRepair on a mesh without underside; nothing
 /// left; the exact way and the wrap failed), kBadValue (options), kCancelled.
 /// @cost about 130 ms for 60k triangles without crossings; with some 800 crossing pairs (a ragged rim) about 1 s.
 /// @thread any; uses all TBB threads; deterministic.
 Expected<Solid> closeMesh(const Mesh& imported_mm, const CloseOptions& options = {}, const Progress& progress = {});
+
+/// The plane that closeMesh() would find for a scan without underside under CloseOptions::find_occlusal_plane.
+/// Errors: as findOcclusalPlane(); kGeometry for a closed mesh.
+Expected<OcclusalPlane> findOcclusalPlaneOfScan(const Mesh& imported_mm, const CloseOptions& options = {});
 
 /// "weld,orient,fill"; empty for an empty set.
 std::string namesOf(const std::set<CloseStep>& steps);

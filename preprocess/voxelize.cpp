@@ -92,13 +92,13 @@ Expected<Anatomy> voxelizeIn(const FineRegion* region, const Mesh& solid, const 
   if (need(h) > most) {
     double fits = h;
     while (need(fits) > most) fits *= 1.02;
-    return fail(
-        {Error::Code::kBadValue, "", "voxel size",
-         fmt::format("{} mm would need about {:.1f} GB for {:.0f} mm2 of surface", h,
-                     static_cast<double>(need(h)) / 1e9, surfaceArea(solid)),
-         fmt::format("at most {:.1f} GB", static_cast<double>(most) / 1e9),
-         fmt::format(region ? "--fine-voxel {0:.3f}, or voxel = {0:.3f} in the recipe's [region]" : "--voxel {:.3f}",
-                     std::ceil(fits * 1000) / 1000)});
+    const double rounded = std::ceil(fits * 1000) / 1000;
+    return fail({Error::Code::kBadValue, "", "voxel size",
+                 fmt::format("{} mm would need about {:.1f} GB for {:.0f} mm2 of surface", h,
+                             static_cast<double>(need(h)) / 1e9, surfaceArea(solid)),
+                 fmt::format("at most {:.1f} GB", static_cast<double>(most) / 1e9),
+                 region ? fmt::format("--fine-voxel {0:.3f}, or voxel = {0:.3f} in the recipe's [region]", rounded)
+                        : fmt::format("--voxel {:.3f}", rounded)});
   }
   const Box3 box = bounds(solid);
   if ((box.max.cwiseAbs().cwiseMax(box.min.cwiseAbs()) / h).maxCoeff() > (1 << 20) * 7.0)

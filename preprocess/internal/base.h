@@ -22,7 +22,8 @@ BaseFrame baseFrame(const Vec3d& w);
 /// Adds walls from the rims along w to the plane and the part of the plane they enclose; `on_plate`: walls to
 /// `ceiling`, and a plate from there to `level` under the convex outline of the rims. Either way the rims are no longer
 /// boundary. Rims that cross themselves in projection are allowed: the crossings become vertices (rounded to float32,
-/// repeated until nothing crosses), and a face the rims wind around k times is added |k| times.
+/// repeated until nothing crosses), and a face the rims wind around k times is added |k| times. On a mesh with vertex
+/// colours a wall begins with a narrow row of triangles, so that the rim's colours end there and do not run down it.
 /// @pre  frame.ceiling (on_plate) or frame.level is beyond all rim vertices, and ceiling < level.
 /// Errors: kGeometry if the projection could not be triangulated, kCancelled; the chain is then unchanged.
 Expected<void> extrudeToBase(Chain& chain, const std::vector<Loop>& rims, const BaseFrame& frame, bool on_plate,

@@ -28,7 +28,8 @@ struct Chain {
   void addTriangle(std::uint32_t a, std::uint32_t b, std::uint32_t c);
 };
 
-inline constexpr Rgba8 kNeutral = {200, 200, 200, 255};
+/// What closing adds to a coloured mesh: light model stone.
+inline constexpr Rgba8 kNeutral = {214, 205, 189, 255};
 
 /// An undirected edge a < b and how often the chain runs along it from a to b (forth) and back.
 struct EdgeCount {

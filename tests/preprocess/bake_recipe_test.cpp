@@ -55,6 +55,34 @@ TEST(BakeRecipe, TissuesBecomeOneCaseWithTheirVolumes) {
   EXPECT_EQ(edgeConnectedPieces(*solid).count, 1u) << "the pulp makes no inner wall";
 }
 
+TEST(BakeRecipe, AnOpenPartIsRefusedWithAWayOutThatWorks) {
+  const TemporaryFolder folder;
+  const fs::path recipe = toothRecipe(folder.path()), out = folder.path() / "tooth.case";
+  Mesh open = ballMesh({10, 0, 0}, 3, 60);
+  std::erase_if(open.triangles, [&](const Triangle& f) { return open.vertices[f[0]].z() < 0; });
+  ASSERT_TRUE(writeMesh(folder.path() / "tooth.ply", open));
+  const auto refused = bakeRecipe(recipe, out, {});
+  ASSERT_FALSE(refused);
+  for (const char* said : {"tooth.ply", "a solid, as every part", "--close base, then kerf export tooth-closed.case"})
+    EXPECT_NE(refused.error().message().find(said), std::string::npos) << refused.error().message();
+  BakeOptions base;
+  base.close.mode = CloseMode::kBase;
+  const auto again = bakeRecipe(recipe, out, base);
+  ASSERT_FALSE(again);
+  EXPECT_NE(again.error().message().find("tooth.toml"), std::string::npos) << again.error().message();
+  EXPECT_NE(again.error().hint.find("kerf export"), std::string::npos);
+  // The way out.
+  ASSERT_TRUE(bake({folder.path() / "tooth.ply"}, folder.path() / "part.case", base));
+  const auto solid = readCaseSolid(folder.path() / "part.case");
+  ASSERT_TRUE(solid && writeMesh(folder.path() / "tooth.ply", *solid));
+  EXPECT_TRUE(bakeRecipe(recipe, out, {}));
+  // A closed mesh alone: which one, and what then.
+  const auto closed = bake({folder.path() / "pulp.ply"}, folder.path() / "pulp.case", base);
+  ASSERT_FALSE(closed);
+  EXPECT_NE(closed.error().message().find("pulp.ply: a closed mesh, which needs no base"), std::string::npos)
+      << closed.error().message();
+}
+
 TEST(BakeRecipe, NothingIsBakedTwiceButAnyChangeBakesAgain) {
   const TemporaryFolder folder;
   const fs::path recipe = toothRecipe(folder.path()), out = folder.path() / "tooth.case";

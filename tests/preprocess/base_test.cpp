@@ -113,6 +113,7 @@ TEST(Base, TooLowIsRefusedWithTheLeastHeight) {
   const auto s = closeMesh(arch(), {.mode = CloseMode::kBase, .base_height_mm = 8});
   ASSERT_FALSE(s);
   EXPECT_EQ(s.error().hint, "--base-height 10.5");
+  EXPECT_NE(s.error().found.find("below the highest point"), std::string::npos) << s.error().found;
 }
 
 TEST(Base, PlaneAcrossTheUndersideIsRefused) {

@@ -25,6 +25,17 @@ struct Case {
   bool exact = true;  ///< false: may need the wrap
 };
 
+TEST(CloseScan, ABaseDirectionThroughTheTeethIsRefusedOnARaggedRimAsWell) {
+  const auto path = dataFolder() / "lower-jaw-scan-01-facecolour.ply";
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << "no data: " << path << " (set KERF_DATA)";
+  const auto file = readMesh(path);
+  ASSERT_TRUE(file) << file.error().message();
+  const auto up = closeMesh(file->mesh, {.base_direction = Vec3d::UnitY()});
+  ASSERT_FALSE(up);
+  EXPECT_NE(up.error().hint.find("--base-direction -y"), std::string::npos) << up.error().message();
+  EXPECT_TRUE(closeMesh(file->mesh, {.base_direction = -Vec3d::UnitY()}));
+}
+
 class CloseData : public testing::TestWithParam<Case> {};
 
 TEST_P(CloseData, BecomesAVerifiedSolid) {

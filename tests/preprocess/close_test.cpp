@@ -46,6 +46,30 @@ TEST(Close, BaseDirectionCanBeGiven) {
   EXPECT_DOUBLE_EQ(signedVolume(s.mesh), 4 * 3 * 3.0);
 }
 
+TEST(Close, ABaseDirectionAwayFromTheOpeningIsRefusedWithTheOneFound) {
+  Mesh m = box({0, 0, 0}, {4, 3, 2});
+  m.triangles.erase(m.triangles.begin(), m.triangles.begin() + 2);  // the floor
+  for (const Mesh& mesh : {m, flipped(m)}) {
+    EXPECT_DOUBLE_EQ(signedVolume(closed(mesh, {.base_direction = -Vec3d::UnitZ()}).mesh), 48);
+    for (const Vec3d& away : {Vec3d(0, 0, 1), Vec3d(1, 0, 0), Vec3d(0, -1, 0)}) {
+      const auto s = closeMesh(mesh, {.base_direction = away});
+      ASSERT_FALSE(s);
+      EXPECT_NE(s.error().found.find("open towards -z"), std::string::npos) << s.error().message();
+      EXPECT_NE(s.error().hint.find("--base-direction -z"), std::string::npos) << s.error().message();
+    }
+  }
+}
+
+TEST(Close, ABaseThatWasAskedForAndNotMadeIsNoted) {
+  for (const CloseOptions& o : {CloseOptions{.base_style = BaseStyle::kFull}, CloseOptions{.base_is_asked = true},
+                                CloseOptions{.base_height_mm = 20}, CloseOptions{.find_occlusal_plane = true}}) {
+    const Solid s = closed(box(0, 4), o);
+    ASSERT_EQ(s.report.changes.size(), 1u);
+    EXPECT_NE(s.report.changes[0].find("no base was made: the mesh is closed"), std::string::npos);
+  }
+  EXPECT_TRUE(closed(box(0, 4)).report.changes.empty());
+}
+
 TEST(Close, RepairRefusesAMissingUnderside) {
   Mesh m = box({0, 0, 0}, {4, 3, 2});
   m.triangles.erase(m.triangles.begin(), m.triangles.begin() + 2);
@@ -219,7 +243,7 @@ TEST(Close, CrumbsGoAndAreCounted) {
   EXPECT_EQ(s.mesh.triangles, m.triangles);
 }
 
-TEST(Close, ColoursAreKeptAndAddedPartsAreGrey) {
+TEST(Close, ColoursAreKeptAndAddedPartsAreStone) {
   Mesh m = box({0, 0, 0}, {4, 3, 2});
   for (std::uint8_t k = 0; k < 12; ++k) m.face_colors.push_back({k, 0, 0, 255});
   for (std::uint8_t k = 0; k < 8; ++k) m.vertex_colors.push_back({0, k, 0, 255});
@@ -230,8 +254,27 @@ TEST(Close, ColoursAreKeptAndAddedPartsAreGrey) {
   ASSERT_EQ(s.mesh.vertex_colors.size(), s.mesh.vertices.size());
   for (std::size_t t = 0; t < s.mesh.triangles.size(); ++t)
     EXPECT_EQ(s.mesh.face_colors[t],
-              s.source_triangle[t] == kAdded ? (Rgba8{200, 200, 200, 255}) : m.face_colors[s.source_triangle[t]]);
+              s.source_triangle[t] == kAdded ? (Rgba8{214, 205, 189, 255}) : m.face_colors[s.source_triangle[t]]);
   for (std::size_t v = 0; v < 8; ++v) EXPECT_EQ(s.mesh.vertex_colors[v], m.vertex_colors[v]);
+}
+
+TEST(Close, TheRimsColoursDoNotRunDownTheWalls) {
+  Mesh m = box({0, 0, 0}, {4, 3, 2});
+  m.triangles.erase(m.triangles.begin(), m.triangles.begin() + 2);
+  m.vertex_colors.assign(8, {255, 0, 0, 255});
+  for (const BaseStyle style : {BaseStyle::kHorseshoe, BaseStyle::kFull}) {
+    const Solid s = closed(m, {.base_style = style});
+    EXPECT_DOUBLE_EQ(signedVolume(s.mesh), 48);
+    for (std::size_t v = 0; v < s.mesh.vertices.size(); ++v)
+      EXPECT_EQ(s.mesh.vertex_colors[v], v < 8 ? (Rgba8{255, 0, 0, 255}) : (Rgba8{214, 205, 189, 255}));
+    for (const Triangle& t : s.mesh.triangles)
+      for (int k = 0; k < 3; ++k)
+        if ((t[static_cast<std::size_t>(k)] < 8) != (t[static_cast<std::size_t>((k + 1) % 3)] < 8)) {
+          const double down = std::abs(s.mesh.vertices[t[static_cast<std::size_t>(k)]].z() -
+                                       s.mesh.vertices[t[static_cast<std::size_t>((k + 1) % 3)]].z());
+          EXPECT_LT(down, 0.21) << "red fades into stone there";
+        }
+  }
 }
 
 TEST(Close, WrapSaysThatItIsAnApproximation) {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "geometry/mesh_writer.h"
 #include "tests/geometry/ball_mesh.h"
 #include "tests/geometry/temporary_folder.h"
@@ -62,6 +64,78 @@ TEST(Pair, AFailingPartnerTakesTheFirstCaseWithIt) {
   options.close.mode = CloseMode::kRepair;  // refuses a missing underside
   ASSERT_FALSE(bakePair(meshes, *folders, options));
   EXPECT_FALSE(fs::exists((*folders)[0]) || fs::exists((*folders)[1]));
+}
+
+/// Half a ring of gum with fourteen cusps, open below; see base_test.cpp. 10 mm high, cusps at z = 10.
+Mesh arch() {
+  Mesh m;
+  constexpr int kAlong = 120, kAcross = 16;
+  for (int i = 0; i <= kAlong; ++i)
+    for (int j = 0; j <= kAcross; ++j) {
+      const double a = std::numbers::pi * i / kAlong, b = std::numbers::pi * j / kAcross;
+      const double r = 22 - 4.5 * std::cos(b);
+      m.vertices.push_back(
+          {r * std::cos(a), r * std::sin(a), 8 * std::sin(b) + std::pow(std::sin(b), 8) * (1 + std::cos(28 * a))});
+    }
+  const auto id = [&](int i, int j) { return static_cast<std::uint32_t>(i * (kAcross + 1) + j); };
+  for (int i = 0; i < kAlong; ++i)
+    for (int j = 0; j < kAcross; ++j) {
+      m.triangles.push_back({id(i, j), id(i, j + 1), id(i + 1, j + 1)});
+      m.triangles.push_back({id(i, j), id(i + 1, j + 1), id(i + 1, j)});
+    }
+  return m;
+}
+
+Mesh turned(Mesh m, double angle, const Vec3d& shift) {
+  const Eigen::AngleAxisd r(angle, Vec3d::UnitX());
+  for (Vec3d& p : m.vertices) p = r * p + shift;
+  return m;
+}
+
+Expected<std::array<BakeReport, 2>> bakeArches(const TemporaryFolder& folder, const Mesh& lower, const Mesh& upper) {
+  const std::array<fs::path, 2> meshes{folder.path() / "lower.ply", folder.path() / "upper.ply"};
+  if (!writeMesh(meshes[0], lower) || !writeMesh(meshes[1], upper)) return fail({});
+  BakeOptions options = coarse();
+  options.voxelize.voxel_mm = 0.5;
+  options.close.find_occlusal_plane = true;
+  options.close.base_height_mm = 16;
+  return bakePair(meshes, *pairFolders(meshes, (folder.path() / "patient").string()), options);
+}
+
+TEST(Pair, BasesOfJawsThatMeetAreExactlyParallel) {
+  const TemporaryFolder folder;
+  // The upper jaw upside down, its cusps 1 mm into the lower's, and askew by 4 degrees.
+  const auto reports = bakeArches(folder, arch(), turned(arch(), std::numbers::pi - 0.07, {0, 0, 19}));
+  ASSERT_TRUE(reports) << reports.error().message();
+  ASSERT_TRUE((*reports)[0].pair_check);
+  EXPECT_NEAR(*(*reports)[0].pair_check->planes_disagree_deg, 4, 0.5);
+  EXPECT_TRUE((*reports)[0].pair_check->warnings.empty()) << (*reports)[0].pair_check->warnings[0];
+  EXPECT_EQ(*(*reports)[0].close.base_direction, -*(*reports)[1].close.base_direction);
+  EXPECT_NE(describe((*reports)[0]).find("one occlusal plane for both bases"), std::string::npos);
+}
+
+TEST(Pair, JawsThatCanNotBeInOneFrameAreWarnedOf) {
+  const auto said = [](const BakeReport& r, const char* what) { return describe(r).find(what) != std::string::npos; };
+  {
+    const TemporaryFolder folder;
+    const auto askew = bakeArches(folder, arch(), turned(arch(), std::numbers::pi - 0.7, {0, 0, 30}));
+    ASSERT_TRUE(askew) << askew.error().message();
+    EXPECT_TRUE(said((*askew)[0], "WARNING: the occlusal planes found disagree by 40 degrees"))
+        << describe((*askew)[0]);
+    EXPECT_NEAR(*(*askew)[1].pair_check->planes_disagree_deg, 40, 1);
+  }
+  {
+    const TemporaryFolder folder;
+    const auto apart = bakeArches(folder, arch(), turned(arch(), std::numbers::pi, {0, 0, 60}));
+    ASSERT_TRUE(apart) << apart.error().message();
+    EXPECT_TRUE(said((*apart)[0], "WARNING: the jaws lie 40 mm apart")) << describe((*apart)[0]);
+  }
+  {
+    const TemporaryFolder folder;
+    const auto inside = bakeArches(folder, arch(), turned(arch(), std::numbers::pi, {0, 10, 12}));
+    ASSERT_TRUE(inside) << inside.error().message();
+    EXPECT_TRUE(said((*inside)[0], "WARNING: the jaws reach 8.0 mm into each other")) << describe((*inside)[0]);
+  }
 }
 
 TEST(Pair, CasesOfOneNameAreRefused) {

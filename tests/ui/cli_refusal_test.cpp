@@ -194,7 +194,13 @@ TEST_F(Cli, NonsenseNumbersAndUnitsAreRefused) {
     EXPECT_EQ(molar.signal, 0) << edge;
   }
   for (const std::string margin : {"0", "-1", "nan", "1e9"})
-    refuses({"bake", at("box.off"), "--unit", "mm", "-o", at("x.case"), "--base-margin=" + margin}, {"base_margin"});
+    refuses({"bake", at("box.off"), "--unit", "mm", "-o", at("x.case"), "--base-margin=" + margin},
+            {"--base-margin: ", "more than 0, less than 1000 mm"}, 2);
+  for (const std::string height : {"0", "-5", "nan", "5000"})
+    refuses({"bake", at("box.off"), "--unit", "mm", "-o", at("x.case"), "--base-height=" + height},
+            {"--base-height: ", "more than 0, less than 1000 mm"}, 2);
+  refuses({"bake", at("box.off"), "--unit", "mm", "-o", at("x.case"), "--base", "oval"},
+          {"--base: \"oval\"; expected horseshoe or full"}, 2);
   refuses({"bake", at("box.off"), "-o", at("x.case"), "--unit", "furlong"}, {"furlong", "inch"});
   // 0.005 mm on a box of a metre needs more memory than anybody has: the voxel size that fits is said.
   refuses({"bake", at("box.off"), "-o", at("x.case"), "--unit", "m", "--voxel", "0.005"}, {"GB", "--voxel"});

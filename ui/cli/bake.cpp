@@ -16,10 +16,13 @@
 namespace kerf::cli {
 namespace {
 
+constexpr double kHighestBase = 1000;  // mm; closing allows no more
+
 struct Arguments {
   std::vector<std::string> inputs;
-  std::string output, close = "auto", base_direction, occlusal_plane;
-  double base_height = 0, fill_up_to = 0;  // 0: by the margin, by the size
+  std::string output, close = "auto", base, base_direction, occlusal_plane;
+  std::optional<double> base_height;
+  double fill_up_to = 0;                   // 0: by the size
   std::string fine_along;                  // a path file
   double fine_radius = 3, fine_voxel = 0;  // 0: half the object's
   BakeOptions options;
@@ -34,6 +37,28 @@ Expected<Vec3d> axis(const std::string& name) {
   if (it == kAxes.end())
     return fail({Error::Code::kBadValue, "", "--base-direction", "\"" + name + "\"", "+x, -x, +y, -y, +z or -z", ""});
   return it->second;
+}
+
+/// What the base options ask for; nothing if they were not given.
+Expected<void> readBase(const Arguments& a, CloseOptions& options) {
+  if (!a.base.empty() && a.base != "horseshoe" && a.base != "full")
+    return fail({Error::Code::kBadValue, "", "--base", "\"" + a.base + "\"", "horseshoe or full", ""});
+  options.base_style = a.base == "full" ? BaseStyle::kFull : BaseStyle::kHorseshoe;
+  const double margin = options.base_margin_mm;
+  if (!(margin > 0 && margin < kHighestBase))
+    return fail({Error::Code::kBadValue, "", "--base-margin", fmt::format("{} mm", margin),
+                 fmt::format("more than 0, less than {} mm", kHighestBase), "2, so that it does not break"});
+  if (a.base_height && !(*a.base_height > 0 && *a.base_height < kHighestBase))
+    return fail({Error::Code::kBadValue, "", "--base-height", fmt::format("{} mm", *a.base_height),
+                 fmt::format("more than 0, less than {} mm", kHighestBase),
+                 "20: the distance from the base up to the occlusal plane"});
+  options.base_height_mm = a.base_height;
+  if (!a.base_direction.empty()) {
+    KERF_TRY(direction, axis(a.base_direction));
+    options.base_direction = direction;
+  }
+  options.base_is_asked = !a.base.empty() || a.base_height || !a.occlusal_plane.empty() || !a.base_direction.empty();
+  return {};
 }
 
 /// A mode, or steps with commas.
@@ -121,6 +146,14 @@ nlohmann::json toJson(const BakeReport& r) {
         {{"material", p.material}, {"origin", p.origin}, {"own_mm3", p.own_mm3}, {"volume_mm3", p.volume_mm3}});
   if (r.manifest.gaps)
     j["gaps"] = {{"unclaimed_mm3", r.manifest.gaps->unclaimed_mm3}, {"forgotten_mm3", r.manifest.gaps->forgotten_mm3}};
+  if (r.pair_check) {
+    const PairCheck& c = *r.pair_check;
+    j["pair_check"] = {{"boxes_apart_mm", c.boxes_apart_mm},
+                       {"overlap_mm", c.overlap_mm},
+                       {"notes", c.notes},
+                       {"warnings", c.warnings}};
+    if (c.planes_disagree_deg) j["pair_check"]["planes_disagree_deg"] = *c.planes_disagree_deg;
+  }
   if (r.was_up_to_date) {
     j.erase("seconds");
     return j;
@@ -170,11 +203,7 @@ int runPair(const Arguments& a, const std::vector<std::filesystem::path>& paths)
 int run(Arguments& a) {
   if (const auto close = readClose(a.close, a.options.close); !close) return complain(close.error()), kUsage;
   if (a.fill_up_to > 0) a.options.close.fill_up_to_mm = a.fill_up_to;
-  if (!a.base_direction.empty()) {
-    const auto direction = axis(a.base_direction);
-    if (!direction) return complain(direction.error()), kUsage;
-    a.options.close.base_direction = *direction;
-  }
+  if (const auto base = readBase(a, a.options.close); !base) return complain(base.error()), kUsage;
   if (a.occlusal_plane == "auto") {
     a.options.close.find_occlusal_plane = true;
   } else if (!a.occlusal_plane.empty()) {
@@ -182,7 +211,6 @@ int run(Arguments& a) {
     if (!given) return complain(given.error()), kUsage;
     a.options.close.occlusal_plane = *given;
   }
-  if (a.base_height > 0) a.options.close.base_height_mm = a.base_height;
   if (!a.fine_along.empty()) {
     if (a.pair)
       return complain({Error::Code::kBadValue, "", "--fine-along", "beside --pair", "one object",
@@ -248,17 +276,14 @@ void addBake(CLI::App& app, int& exit_code) {
   c->add_option("--fill-holes-up-to", a->fill_up_to,
                 "a longer boundary [mm around] is no hole (default: judged by the size of the mesh)")
       ->check(CLI::PositiveNumber);
-  const std::map<std::string, BaseStyle> styles{{"horseshoe", BaseStyle::kHorseshoe}, {"full", BaseStyle::kFull}};
-  c->add_option("--base", a->options.close.base_style,
-                "horseshoe: walls follow the rim | full: on a plate under the outline of the rim")
-      ->transform(CLI::CheckedTransformer(styles, CLI::ignore_case))
-      ->default_str("horseshoe");
+  c->add_option("--base", a->base,
+                "horseshoe: walls follow the rim | full: on a plate under the outline of the rim (default: horseshoe)");
   c->add_option("--occlusal-plane", a->occlusal_plane,
                 "make the base parallel to it: auto (found from the cusp tips) or NX,NY,NZ[@PX,PY,PZ], mm "
                 "(default: the base is square to an axis)");
   c->add_option("--base-height", a->base_height,
-                "from the base up to the occlusal plane, or to the highest point [mm]; overrides --base-margin")
-      ->check(CLI::PositiveNumber);
+                "from the base up to the occlusal plane, or without one to the highest point [mm]; overrides "
+                "--base-margin");
   c->add_option("--base-margin", a->options.close.base_margin_mm, "base below the lowest point [mm]")
       ->capture_default_str();
   c->add_option("--base-direction", a->base_direction,
