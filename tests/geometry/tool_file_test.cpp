@@ -159,7 +159,9 @@ TEST(ToolFile, BadFilesAreRefusedWithLineAndKey) {
       {"format = \"kerf-case\"\n", "line 1, key format", "kerf-tool"},
       {"format = \"kerf-tool\"\nversion = 2\nid = \"a\"\nname = \"A\"\nkind = \"bur\"\n", "line 2, key version",
        "expected 1"},
-      {"format = \"kerf-tool\"\nversion = 1\nid = \"b\"\nname = \"A\"\nkind = \"bur\"\n", "line 3, key id", "\"a\""},
+      {"format = \"kerf-tool\"\nversion = 1\nid = \"b\"\nname = \"A\"\nkind = \"bur\"\nshape = "
+       "\"round\"\nhead_diameter = 1\n",
+       "line 3, key id", "\"a\""},
       {kHead + "kind = \"drill\"\n", "line 5, key kind", "blade"},
       {kHead + "knid = \"bur\"\nshape = \"round\"\nhead_diameter = 1\n", "line 5, key knid", "Try: kind"},
       {kBur + "shape = \"ball\"\n", "line 6, key shape", "taper_round"},
