@@ -28,8 +28,7 @@ std::string_view name(MeshFormat format);  ///< "binary STL", "ASCII PLY", ...
 struct MeshFile {
   Mesh mesh;  ///< in the file's own unit and frame
   MeshFormat format = MeshFormat::kStlBinary;
-  /// The coordinates carry more than float32 holds: PLY `double`, or text with more digits than a float32
-  /// leaves open. Text that says no more than a float32 is read as one.
+  /// The coordinates carry more than float32 holds: PLY `double`, or text that says more than any float32 does.
   bool had_double_coordinates = false;
   std::string
       declared_unit;  ///< "mm", "cm", "m", "um" or "inch" if a header or comment says so ("units = mm"), else empty

@@ -97,6 +97,8 @@ Expected<std::vector<Mesh>> readMeshSources(const std::vector<fs::path>& paths, 
     source->vertices = file.mesh.vertices.size(), source->triangles = file.mesh.triangles.size();
     if (choice->scale_to_mm != 1)
       for (Vec3d& p : file.mesh.vertices) p *= choice->scale_to_mm;
+    else if (!file.had_double_coordinates)  // decimals that say no more than a float32: nothing to report
+      for (Vec3d& p : file.mesh.vertices) p = roundedToFloat(p);
     out.unit_is_doubtful.push_back(choice->is_doubtful);
     out.notes.push_back(std::move(file.notes));
     meshes.push_back(std::move(file.mesh));

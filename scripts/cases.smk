@@ -18,6 +18,7 @@ import json
 import os
 import re
 import sys
+import tomllib
 
 here = os.path.dirname(os.path.abspath(workflow.snakefile))
 built = os.path.join(here, "..", "build", "release", "bin", "kerf")
@@ -46,6 +47,24 @@ if not inputs:
     raise WorkflowError(f"no meshes and no recipes in {SCANS}; expected files ending in {', '.join(FORMATS)}")
 
 
+def parts_of(recipe):
+    """The files a recipe names, as far as they exist: where one changes, the case is baked again."""
+    if not recipe.endswith(".toml"):
+        return []
+    try:
+        with open(recipe, "rb") as file:
+            table = tomllib.load(file)
+        named = [part["mesh"] for part in table.get("part", []) if "mesh" in part]
+        named += table.get("outline", {}).get("meshes", []) + [table.get("labels", {}).get("volume", "")]
+        paths = {os.path.join(os.path.dirname(recipe), name) for name in named if name}
+    except (OSError, ValueError, TypeError, AttributeError):  # kerf will say what is wrong with it
+        return []
+    files = {path for path in paths if os.path.isfile(path)}
+    for folder in filter(os.path.isdir, paths):  # of slices
+        files |= {entry.path for entry in os.scandir(folder) if entry.is_file()}
+    return sorted(files)
+
+
 wildcard_constraints:
     name="|".join(map(re.escape, inputs)),
 
@@ -58,6 +77,7 @@ localrules:
 rule scan:
     input:
         scan=lambda wildcards: inputs[wildcards.name],
+        parts=lambda wildcards: parts_of(inputs[wildcards.name]),
         path=[PATH] if PATH else [],
     output:
         row=os.path.join(OUT, "log", "{name}.row"),

@@ -155,10 +155,7 @@ const char* parseCoordinate(std::string_view word, double& value, bool& is_doubl
     std::from_chars(digits.data(), digits.data() + digits.size(), exponent);
   }
   constexpr double kSlack = 1 + 1e-6;  // `value` is rounded itself
-  if (std::abs(value - nearest) <= kSlack * 0.5 * std::pow(10.0, exponent - decimals))
-    value = nearest;
-  else
-    is_double = true;
+  if (std::abs(value - nearest) > kSlack * 0.5 * std::pow(10.0, exponent - decimals)) is_double = true;
   return nullptr;
 }
 

@@ -83,9 +83,8 @@ const char* parseNumber(std::string_view word, float& value);
 const char* parseInteger(std::string_view word, std::int64_t& value);
 /// Hint that fits a word parseNumber refused ("1,5": decimal comma).
 std::string numberHint(std::string_view word);
-/// A coordinate. Text that says no more than a float32 (the shortest one that reads back as it, or one rounded to fewer
-/// digits) becomes that float32, as the program that wrote it had it; anything finer stays a double, and sets
-/// `is_double`.
+/// A coordinate. Sets `is_double` when the text says more than a float32: neither the shortest text that reads back as
+/// one, nor rounded to fewer digits.
 const char* parseCoordinate(std::string_view word, double& value, bool& is_double);
 /// "mm", "cm", "m", "um", "inch" if the text declares one ("units: mm", "UNIT=inch"), else empty.
 std::string unitIn(std::string_view text);

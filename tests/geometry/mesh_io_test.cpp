@@ -86,7 +86,7 @@ TEST_F(MeshIo, PlyKeepsColoursOrderAndDoubles) {
 }
 
 // 0.1f, 16777216 (the next is 16777218) and others as programs write them.
-TEST_F(MeshIo, TextThatSaysNoMoreThanAFloatIsOneAndTextThatDoesStaysDouble) {
+TEST_F(MeshIo, TextKeepsItsDoubleAndIsKnownWhenItSaysNoMoreThanAFloat) {
   const auto read = [&](const std::string& number) {
     return good("a.off", "OFF\n3 1 0\n" + number + " 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
   };
@@ -94,11 +94,12 @@ TEST_F(MeshIo, TextThatSaysNoMoreThanAFloatIsOneAndTextThatDoesStaysDouble) {
     for (const std::string& text : {fmt::format("{}", f), fmt::format("{:.9g}", f), fmt::format("{:.25f}", f)}) {
       const MeshFile file = read(text);
       if (std::strtof(text.c_str(), nullptr) != f) continue;  // 25 decimals are none of 1e-38
-      EXPECT_EQ(file.mesh.vertices[0][0], static_cast<double>(f)) << text;
+      EXPECT_EQ(file.mesh.vertices[0][0], std::strtod(text.c_str(), nullptr)) << text;
+      EXPECT_EQ(static_cast<float>(file.mesh.vertices[0][0]), f) << text;
       EXPECT_FALSE(file.had_double_coordinates) << text;
     }
   for (const std::string text : {"0.1", "1e-1", "+0.10", "1E-01"})
-    EXPECT_EQ(read(text).mesh.vertices[0][0], 0.1f) << text;
+    EXPECT_EQ(read(text).mesh.vertices[0][0], 0.1) << text;
   for (const std::string text :
        {"0.1000000000000000056", "0.10000000001", "16777217", "123.456789012", "1.0000000001e+2"}) {
     const MeshFile file = read(text);
