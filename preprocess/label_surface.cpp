@@ -572,32 +572,49 @@ Expected<Mesh> SmoothLabels::surface(const Progress& progress) const {
   if (!report(progress, 0.0, "meshing labels")) return fail(cancelled());
   // In voxels, so that marching cubes' limits mean what they say: a lead of one is sigma sqrt(pi / 2) voxels.
   const auto scale = static_cast<float>(std::max(0.4, d.sigma) * std::sqrt(std::acos(-1.0) / 2));
-  BrickField field(1.0, 10.0f);
-  field.reserve(d.mixed.size());
-  for (std::size_t m = 0; m < d.mixed.size(); ++m) {
-    const Brick& brick = d.mixed[m];
-    BrickValues values;
-    for (std::size_t i = 0; i < kBrickNodes; ++i) {
-      float tissue = -1, rest = -1;
-      for (std::size_t s = 0; s < brick.slots.size(); ++s) {
-        const float v = brick.value[s * kBrickNodes + i];
-        if (v <= 0) continue;
-        float& best = brick.slots[s] == 0 ? rest : tissue;
-        best = std::max(best, v * d.weight[brick.slots[s]]);
+  const auto meshed = [&](float outwards) {
+    BrickField field(1.0, 10.0f);
+    field.reserve(d.mixed.size());
+    for (std::size_t m = 0; m < d.mixed.size(); ++m) {
+      const Brick& brick = d.mixed[m];
+      BrickValues values;
+      for (std::size_t i = 0; i < kBrickNodes; ++i) {
+        float tissue = -1, rest = -1;
+        for (std::size_t s = 0; s < brick.slots.size(); ++s) {
+          const float v = brick.value[s * kBrickNodes + i];
+          if (v <= 0) continue;
+          float& best = brick.slots[s] == 0 ? rest : tissue;
+          best = std::max(best, v * d.weight[brick.slots[s]]);
+        }
+        values[i] = scale * (rest - tissue) - outwards;
       }
-      values[i] = scale * (rest - tissue);
+      field.add(d.place[m], values);
     }
-    field.add(d.place[m], values);
+    for (std::size_t b = 0; b < d.index.size(); ++b)
+      if (d.index[b] < -1) {
+        const auto y = static_cast<std::size_t>(d.bricks[1]), z = static_cast<std::size_t>(d.bricks[2]);
+        field.markInterior({static_cast<int>(b / z / y), static_cast<int>(b / z % y), static_cast<int>(b % z)});
+      }
+    MarchingCubesOptions options;
+    options.chord_balance = 0;  // could undo the lead of thin walls; the fit keeps the volume
+    return marchingCubes(field, options);
+  };
+  Mesh mesh = meshed(0);
+  // Chords cut into sheets of a voxel or two from both sides: the surface is let out until the volume is that of the
+  // labels, by some hundredths of a voxel. Never drawn in from where it was, which could break a thin wall.
+  constexpr float kMostOutwards = 0.2f;
+  constexpr double kTolerance = 0.002;
+  double voxels = 0;
+  for (const LabelVolumeReport& r : d.reports) voxels += static_cast<double>(r.voxels);
+  float outwards = 0;
+  for (int round = 0; round < 6 && !mesh.triangles.empty(); ++round) {
+    if (!report(progress, 0.3 + 0.1 * round, "meshing labels")) return fail(cancelled());
+    const double missing = voxels - signedVolume(mesh);
+    const float before = outwards;
+    outwards = std::clamp(outwards + static_cast<float>(missing / surfaceArea(mesh)), 0.0f, kMostOutwards);
+    if (std::abs(missing) < kTolerance * voxels || outwards == before) break;
+    mesh = meshed(outwards);
   }
-  for (std::size_t b = 0; b < d.index.size(); ++b)
-    if (d.index[b] < -1) {
-      const auto y = static_cast<std::size_t>(d.bricks[1]), z = static_cast<std::size_t>(d.bricks[2]);
-      field.markInterior({static_cast<int>(b / z / y), static_cast<int>(b / z % y), static_cast<int>(b % z)});
-    }
-  if (!report(progress, 0.3, "meshing labels")) return fail(cancelled());
-  MarchingCubesOptions options;
-  options.chord_balance = 0;  // could undo the lead of thin walls; the fit keeps the volume
-  Mesh mesh = marchingCubes(field, options);
   if (mesh.triangles.empty())
     return fail({Error::Code::kEmpty, "", "labels", "smoothing left nothing of them", "labels of several voxels",
                  "a smaller smoothing"});

@@ -5,6 +5,7 @@
 
 #include <cstdlib>
 #include <map>
+#include <random>
 
 #include "preprocess/close.h"
 
@@ -165,6 +166,25 @@ TEST(SmoothLabels, OneVoxelWallsAndCanalsSurvive) {
   }
   EXPECT_EQ(s.labelAt({0.25, 3.25, 3.25}), 1);
   EXPECT_EQ(s.labelAt({-3.25, 0.25, 0.25}), 2);
+}
+
+TEST(SmoothLabels, WhatIsThinKeepsItsVolumeInTheMeshToo) {
+  // Threads of a voxel in all directions: chords take a part of each.
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> place(-8, 8), turn(-1, 1);
+  std::vector<std::pair<Vec3d, Vec3d>> threads;
+  for (int n = 0; n < 60; ++n)
+    threads.emplace_back(Vec3d(place(random), place(random), place(random)),
+                         Vec3d(turn(random), turn(random), turn(random)).normalized());
+  const LabelVolume v = digitise(40, [&](const Vec3d& p) {
+    for (const auto& [through, along] : threads)
+      if (p.norm() < 8 && (p - through).cross(along).norm() < 0.35) return 1;
+    return 0;
+  });
+  const SmoothLabels s = smoothed(v, {1});
+  const double counted = s.reports()[0].counted_mm3;
+  fmt::print("threads: mesh {:.1f} mm3 of {:.1f}\n", signedVolume(surfaceOf(s)), counted);
+  EXPECT_NEAR(signedVolume(surfaceOf(s)), counted, 0.005 * counted);
 }
 
 TEST(SmoothLabels, SurfaceTurnsWithTheVolumeAndStaysOutwardWhenMirrored) {
