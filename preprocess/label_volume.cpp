@@ -137,6 +137,8 @@ struct Plan {
   LabelVolume grid;             // without labels
   std::optional<Vec3d> stated_spacing{};
   std::string unusable;  // why there is no stated_spacing
+  // Without stated_spacing, what the file says all the same; not a number on the axes of which it says nothing.
+  Vec3d known_spacing = Vec3d::Constant(std::numeric_limits<double>::quiet_NaN());
 };
 
 Expected<void> checkOneValue(const fs::path& path, const VolumeHeader& h) {
@@ -327,7 +329,8 @@ Expected<Plan> planDicom(const fs::path& folder, const std::vector<fs::path>& fi
     for (Slice& s : slices) {
       const VolumeHeader& h = s.header;
       if (h.size != first.header.size || h.size[2] != 1 || h.type != first.header.type ||
-          (column(h, 0) - x).norm() > 1e-3 || (column(h, 1) - y).norm() > 1e-3 ||
+          h.states_pixel_spacing != first.header.states_pixel_spacing || (column(h, 0) - x).norm() > 1e-3 ||
+          (column(h, 1) - y).norm() > 1e-3 ||
           std::abs(h.spacing[0] - first.header.spacing[0]) > 1e-3 * first.header.spacing[0] ||
           std::abs(h.spacing[1] - first.header.spacing[1]) > 1e-3 * first.header.spacing[1])
         return fail({Error::Code::kUnsupported, s.path.string(), "", "a slice of another size, spacing or orientation",
@@ -362,10 +365,22 @@ Expected<Plan> planDicom(const fs::path& folder, const std::vector<fs::path>& fi
     KERF_CHECK(setGrid(folder, whole, plan));
     for (Slice& s : slices) plan.files.push_back(s.path);
   }
-  if ((plan.grid.spacing.array() > 1e-6).all() && (plan.grid.spacing.array() < 1e6).all())
+  const bool frames = plan.files.size() == 1;  // otherwise the positions of the slices say how far apart they are
+  const bool pixel = first.header.states_pixel_spacing, frame = !frames || first.header.states_frame_spacing;
+  if (!pixel || !frame) {
+    if (pixel) plan.known_spacing.head<2>() = plan.grid.spacing.head<2>();
+    if (frame) plan.known_spacing[2] = plan.grid.spacing[2];
+    plan.unusable = pixel   ? "no spacing between the frames"
+                    : frame ? "no pixel spacing"
+                            : "no spacing, neither of pixels nor between the frames";
+    if (frame) plan.unusable += fmt::format(" ({:.6g} mm along z)", plan.grid.spacing[2]);
+    if (pixel)
+      plan.unusable += fmt::format(" ({:.6g} and {:.6g} mm along x and y)", plan.grid.spacing[0], plan.grid.spacing[1]);
+  } else if ((plan.grid.spacing.array() > 1e-6).all() && (plan.grid.spacing.array() < 1e6).all()) {
     plan.stated_spacing = plan.grid.spacing;
-  else
+  } else {
     plan.unusable = "a spacing of " + text(plan.grid.spacing);
+  }
   return plan;
 }
 
@@ -411,6 +426,13 @@ Expected<void> chooseSpacing(const fs::path& path, const LabelReadOptions& optio
                      fmt::format("{} given, but the file says {} mm", text(given), text(*plan.stated_spacing)),
                      "one that agrees with the file", "leave the spacing out; if the file is wrong, correct the file"});
     } else {
+      for (int a = 0; a < 3; ++a)
+        if (isUsable(plan.known_spacing[a]) &&
+            std::abs(given[a] - plan.known_spacing[a]) > 1e-3 * plan.known_spacing[a])
+          return fail({Error::Code::kBadValue, path.string(), "spacing",
+                       fmt::format("{} mm given along {}, but the file says {:.6g} mm", given[a], "xyz"[a],
+                                   plan.known_spacing[a]),
+                       "one that agrees with the file", "the file states none along the other axes: give those"});
       plan.grid.spacing = given;
       plan.grid.is_spacing_given = true;
     }

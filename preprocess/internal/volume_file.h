@@ -24,6 +24,8 @@ struct VolumeHeader {
   ValueType type = ValueType::kU8;
   unsigned components = 1;  ///< values per voxel
   std::string series;       ///< DICOM series instance UID, else empty
+  /// DICOM: whether spacing[0] and [1], and spacing[2], stand in the file. ITK makes 1 mm of those that do not.
+  bool states_pixel_spacing = true, states_frame_spacing = true;
 };
 
 /// The header by ITK. @pre checkVolumeHeader() accepted the file, for the formats it knows. Never throws.

@@ -93,6 +93,29 @@ TEST(LabelVolume, DicomSeriesWithAMissingSliceOrASecondSeriesIsRefused) {
   expectRefusal(readLabelVolume(folder.path()), "2 series");
 }
 
+TEST(LabelVolume, DicomSlicesWithoutPixelSpacingNeedAGivenOne) {
+  const TemporaryFolder folder;
+  folder.write("a.dcm", dicomSlice(countingLabels().substr(0, 12), 0, "1.2.3", ""));
+  folder.write("b.dcm", dicomSlice(countingLabels().substr(12), 2, "1.2.3", ""));
+  expectRefusal(readLabelVolume(folder.path()), "no pixel spacing (2 mm along z)");
+  const auto v = readLabelVolume(folder.path(), spacing(0.3, 0.3, 2));
+  expectCounting(v);
+  EXPECT_TRUE(v->is_spacing_given);
+  expectNear(v->spacing, {0.3, 0.3, 2});
+  expectRefusal(readLabelVolume(folder.path(), spacing(0.3, 0.3, 1)), "along z, but the file says 2 mm");
+}
+
+TEST(LabelVolume, DicomFramesInOneFileNeedASpacingBetweenThem) {
+  for (const char* pixel : {"", "0.25\\0.5"}) {
+    const TemporaryFolder folder;
+    folder.write("a.dcm", dicomSlice(countingLabels(), 0, "1.2.3", pixel, 2));
+    expectRefusal(readLabelVolume(folder.path()), "give `spacing = [x, y, z]` in the recipe");
+    const auto v = readLabelVolume(folder.path(), spacing(0.5, 0.25, 3));
+    expectCounting(v);
+    expectNear(v->spacing, {0.5, 0.25, 3});
+  }
+}
+
 TEST(LabelVolume, PictureSlicesStackInNaturalOrder) {
   const TemporaryFolder folder;
   folder.write("slice-10.png", greyPng(4, 3, countingLabels().substr(12)));
