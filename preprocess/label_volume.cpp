@@ -15,6 +15,7 @@
 #include <limits>
 #include <set>
 
+#include "preprocess/internal/available_memory.h"
 #include "preprocess/internal/volume_file.h"
 
 namespace kerf {
@@ -403,6 +404,12 @@ Expected<Plan> planFor(const fs::path& path, const LabelReadOptions& options, co
   if (kinds.size() > 1)
     return fail({Error::Code::kUnsupported, path.string(), "", "pictures of different formats", "one of PNG, TIFF, BMP",
                  "keep only the slices in the folder"});
+  if (const auto dicom = std::find_if(files.begin(), files.end(), hasDicomMark);
+      dicom != files.end() && !pictures.empty())
+    return fail(
+        {Error::Code::kUnsupported, path.string(), "",
+         fmt::format("{} beside the DICOM file {}", pictures.front().filename().string(), dicom->filename().string()),
+         "a DICOM series, or slices as pictures", "move the pictures (or the DICOM files) out of the folder"});
   if (!report(progress, 0, "trying the slices"))
     return fail({Error::Code::kCancelled, path.string(), "", "cancelled", "", ""});
   const bool are_pictures = kinds.size() == 1;
@@ -553,12 +560,23 @@ Expected<LabelVolume> readLabelVolume(const fs::path& path, const LabelReadOptio
   for (const int s : plan.grid.size) voxels *= s;
   // While ITK decompresses, the values are there twice.
   const double per_voxel = plan.files.size() == 1 ? 2.0 * static_cast<double>(value_bytes) + 2 : 2;
-  if (voxels * per_voxel > static_cast<double>(options.max_bytes))
+  const double needed =
+      voxels * per_voxel +
+      (plan.files.size() > 1 ? voxels / static_cast<double>(plan.files.size()) * static_cast<double>(value_bytes) : 0);
+  if (needed > static_cast<double>(options.max_bytes))
     return fail({Error::Code::kUnsupported, path.string(), "",
                  fmt::format("{} x {} x {} voxels, {:.1f} GB to read them", plan.grid.size[0], plan.grid.size[1],
-                             plan.grid.size[2], voxels * per_voxel / 1e9),
+                             plan.grid.size[2], needed / 1e9),
                  fmt::format("at most {:.1f} GB", static_cast<double>(options.max_bytes) / 1e9),
                  "crop the volume to the jaw, or save it with 8 or 16 bits per voxel"});
+  const std::uint64_t available = options.available_bytes ? *options.available_bytes : internal::availableMemory();
+  if (needed > 0.8 * static_cast<double>(available))
+    return fail(
+        {Error::Code::kUnsupported, path.string(), "",
+         fmt::format("{} x {} x {} voxels, {:.1f} GB to read them", plan.grid.size[0], plan.grid.size[1],
+                     plan.grid.size[2], needed / 1e9),
+         fmt::format("at most 4/5 of the {:.1f} GB of memory that are free", static_cast<double>(available) / 1e9),
+         "close other programs, crop the volume to the jaw, or save it with 8 or 16 bits per voxel"});
   LabelVolume volume = std::move(plan.grid);
   volume.format = nameOf(plan.format);
   try {

@@ -165,7 +165,8 @@ std::vector<const gdcm::DataSet*> items(const gdcm::DataSet& set, const gdcm::Ta
   return out;
 }
 
-// Whether the spacing GDCM found stands in the file: where there is none, or a zero, it says 1 mm and nothing else.
+// The spacing as the file states it: where there is none, or not where GDCM looks for it, GDCM says 1 mm and nothing
+// else.
 // Places after DICOM PS3.3: C.7.6.3 (image pixel), C.7.6.16 (functional groups of frames), C.8.6 (scanned pictures).
 void findStatedSpacing(const std::filesystem::path& path, VolumeHeader& h) {
   h.states_pixel_spacing = h.states_frame_spacing = false;
@@ -183,16 +184,21 @@ void findStatedSpacing(const std::filesystem::path& path, VolumeHeader& h) {
         if (auto p = decimals(*plane, gdcm::Tag(0x0020, 0x0032)); p.size() == 3) positions.push_back(std::move(p));
     }
   const auto same = [](double stated, double found) { return std::abs(stated - found) <= 1e-4 * found; };
+  const auto is_length = [](double v) { return std::isfinite(v) && v > 0; };
   for (const gdcm::DataSet* place : places) {
     for (const gdcm::Tag& tag : {gdcm::Tag(0x0028, 0x0030), gdcm::Tag(0x0018, 0x1164), gdcm::Tag(0x0018, 0x2010)}) {
       const std::vector<double> v = decimals(*place, tag);  // between rows, then between columns
-      if (v.size() == 2 && same(v[0], h.spacing[1]) && same(v[1], h.spacing[0])) h.states_pixel_spacing = true;
+      if (h.states_pixel_spacing || v.size() != 2 || !is_length(v[0]) || !is_length(v[1])) continue;
+      // The others hold on the detector or on the film; only GDCM knows for which kinds of pictures they count.
+      const bool is_pixel_spacing = tag == gdcm::Tag(0x0028, 0x0030);
+      if (!is_pixel_spacing && !(same(v[0], h.spacing[1]) && same(v[1], h.spacing[0]))) continue;
+      h.spacing[0] = v[1], h.spacing[1] = v[0], h.states_pixel_spacing = true;
     }
     const std::vector<double> between = decimals(*place, gdcm::Tag(0x0018, 0x0088));
-    if (h.spacing.size() > 2 && between.size() == 1 && same(std::abs(between[0]), h.spacing[2]))
-      h.states_frame_spacing = true;
+    if (h.spacing.size() > 2 && !h.states_frame_spacing && between.size() == 1 && is_length(std::abs(between[0])))
+      h.spacing[2] = std::abs(between[0]), h.states_frame_spacing = true;
   }
-  if (h.spacing.size() > 2 && positions.size() > 1) {
+  if (h.spacing.size() > 2 && positions.size() > 1 && !h.states_frame_spacing) {
     const auto &a = positions.front(), &b = positions.back();
     const double step = std::hypot(b[0] - a[0], b[1] - a[1], b[2] - a[2]) / static_cast<double>(positions.size() - 1);
     if (std::abs(step - h.spacing[2]) <= 0.02 * h.spacing[2]) h.states_frame_spacing = true;  // rounded strings
@@ -255,6 +261,7 @@ Expected<void> readVolumeValues(const std::filesystem::path& path, VolumeFormat 
 }
 
 bool isDicom(const std::filesystem::path& path) {
+  quiet();
   try {
     return itk::GDCMImageIO::New()->CanReadFile(path.string().c_str());
   } catch (...) {

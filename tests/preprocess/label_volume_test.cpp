@@ -116,6 +116,68 @@ TEST(LabelVolume, DicomFramesInOneFileNeedASpacingBetweenThem) {
   }
 }
 
+TEST(LabelVolume, DicomFramesWithTheirSpacingNeedNone) {
+  const TemporaryFolder folder;
+  folder.write("a.dcm", dicomSlice(countingLabels(), 0, "1.2.3", "0.25\\0.5", 2, "3"));
+  const auto v = readLabelVolume(folder.path());
+  expectCounting(v);
+  expectNear(v->spacing, {0.5, 0.25, 3});
+  EXPECT_FALSE(v->is_spacing_given);
+}
+
+TEST(LabelVolume, DicomIsReadWithoutAWordFromTheLibrary) {
+  const TemporaryFolder folder;
+  folder.write("a.dcm", dicomSlice(countingLabels().substr(0, 12), 0));
+  folder.write("b.dcm", dicomSlice(countingLabels().substr(12), 2));
+  folder.write("notes.bin", std::string(128, '\0') + "DICM" + std::string(300, '\x37'));
+  testing::internal::CaptureStderr();
+  const auto v = readLabelVolume(folder.path());
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  expectCounting(v);
+}
+
+TEST(LabelVolume, PicturesBesideDicomSlicesAreRefusedByName) {
+  const TemporaryFolder folder;
+  folder.write("a.dcm", dicomSlice(countingLabels().substr(0, 12), 0));
+  folder.write("b.dcm", dicomSlice(countingLabels().substr(12), 2));
+  folder.write("preview.png", greyPng(4, 3, countingLabels().substr(0, 12)));
+  const auto v = readLabelVolume(folder.path(), spacing(0.5, 0.25, 2));
+  expectRefusal(v, "preview.png beside the DICOM file a.dcm");
+  expectRefusal(v, "move the pictures");
+}
+
+TEST(LabelVolume, NrrdUnitsOtherThanMillimetresAreRefusedByName) {
+  const std::string grid = std::string(kNrrdGrid) + kNrrdSpace, plain = std::string(kNrrdGrid) + "spacings: 1 1 1\n";
+  for (const char* fine : {"space units: \"mm\" \"mm\" \"mm\"\n", "space units: \"\" \"\" \"\"\n"})
+    expectCounting(readBytes("a.nrrd", nrrd(grid + fine, countingLabels())));
+  expectCounting(readBytes("a.nrrd", nrrd(plain + "units: \"mm\" \"mm\" \"mm\"\n", countingLabels())));
+  expectRefusal(readBytes("a.nrrd", nrrd(grid + "space units: \"mm\" \"um\" \"um\"\n", countingLabels())), "'um'");
+  expectRefusal(readBytes("a.nrrd", nrrd(plain + "units: \"cm\" \"cm\" \"cm\"\n", countingLabels())), "'cm'");
+  expectRefusal(readBytes("a.nrrd", nrrd(plain + "units: m m m\n", countingLabels())), "'m'");
+}
+
+TEST(LabelVolume, MoreThanFreeMemoryIsRefusedAndSaysSo) {
+  LabelReadOptions o;
+  o.available_bytes = 100;  // 24 voxels of one byte: twice while decompressing, and two bytes for the label
+  const std::string bytes = nrrd(std::string(kNrrdGrid) + kNrrdSpace, countingLabels());
+  expectRefusal(readBytes("a.nrrd", bytes, o), "4/5 of the");
+  o.available_bytes = 121;
+  expectCounting(readBytes("a.nrrd", bytes, o));
+}
+
+TEST(LabelVolume, HeadersOfSeveralFilesAreRefusedByName) {
+  std::string meta = metaImage("ElementSpacing = 1 1 1\n", "");
+  meta.resize(meta.find("ElementDataFile"));
+  for (const char* data : {"LIST", "slice%03d.raw 1 2 1", "../a.raw"}) {
+    const auto v = readBytes("a.mhd", meta + "ElementDataFile = " + data + "\n");
+    expectRefusal(v, std::string("key ElementDataFile: '") + data + "'");
+    expectRefusal(v, "save it as a single .mha");
+  }
+  expectRefusal(readBytes("a.mhd", meta + "ElementDataFile = gone.raw\n"), "'gone.raw' is not there");
+  for (const char* key : {"data file: a.raw\n", "datafile: LIST\n"})
+    expectRefusal(readBytes("a.nrrd", nrrd(std::string(kNrrdGrid) + kNrrdSpace + key, "")), "values in another file");
+}
+
 TEST(LabelVolume, PictureSlicesStackInNaturalOrder) {
   const TemporaryFolder folder;
   folder.write("slice-10.png", greyPng(4, 3, countingLabels().substr(12)));
