@@ -610,6 +610,14 @@ Expected<LabelVolume> readLabelVolume(const fs::path& path, const LabelReadOptio
   return volume;
 }
 
+Expected<std::vector<fs::path>> filesOfVolume(const fs::path& path) {
+  std::vector<fs::path> files{path};
+  if (fileFormat(path) != VolumeFormat::kMetaImage) return files;
+  KERF_TRY(stated, internal::checkVolumeHeader(path, VolumeFormat::kMetaImage));
+  if (!stated.data_file.empty() && stated.data_file.filename() != path.filename()) files.push_back(stated.data_file);
+  return files;
+}
+
 bool isLabelVolume(const fs::path& path) {
   std::error_code ec;
   if (!fs::is_directory(path, ec)) return fileFormat(path).has_value();

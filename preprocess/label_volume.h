@@ -71,6 +71,10 @@ struct LabelReadOptions {
 Expected<LabelVolume> readLabelVolume(const std::filesystem::path& path, const LabelReadOptions& options = {},
                                       const Progress& progress = {});
 
+/// The files a volume in a file is made of: itself, and after it the raw file that a `.mhd` names. Any other file:
+/// itself.
+Expected<std::vector<std::filesystem::path>> filesOfVolume(const std::filesystem::path& path);
+
 /// True if the name is one readLabelVolume() takes for a volume file; of folders: if it holds slices of either kind.
 bool isLabelVolume(const std::filesystem::path& path);
 

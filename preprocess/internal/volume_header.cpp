@@ -200,6 +200,7 @@ Expected<StatedHeader> checkMetaImage(const fs::path& path) {
                    "the file with the values beside the header", "copy it too, or save a single .mha"});
     KERF_TRY(data_bytes, fileSize(path.parent_path() / data));
     out.stored_bytes = data_bytes;
+    out.data_file = path.parent_path() / data;
   }
   if (lower(get("compresseddata")) == "true") out.most_per_byte = kDeflate;
   if (h.field.count("elementspacing"))
