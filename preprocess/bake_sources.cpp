@@ -8,6 +8,7 @@
 
 #include "geometry/hash.h"
 #include "geometry/mesh_io.h"
+#include "preprocess/label_volume.h"
 #include "preprocess/unit.h"
 
 namespace kerf::internal {
@@ -17,7 +18,9 @@ namespace fs = std::filesystem;
 
 // The extension to store a source under. A name may hold any byte, a manifest only text: odd ones are dropped.
 std::string safeExtension(const fs::path& path) {
-  const std::string e = path.extension().string();
+  std::string e = path.extension().string();
+  // `.nii.gz` is one extension to those who read it.
+  if (const fs::path inner = path.stem().extension(); e == ".gz") e = inner.string() + e;
   const auto plain = [](char c) {
     return c == '.' || (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
   };
@@ -33,34 +36,53 @@ std::vector<fs::path> filesIn(const fs::path& folder) {
   return files;
 }
 
-}  // namespace
-
-Expected<std::string> sha256OfSource(const fs::path& path) {
-  std::error_code ignored;
-  if (fs::is_regular_file(path, ignored)) return sha256OfFile(path);
-  if (!fs::is_directory(path, ignored)) {
-    const bool is_there = fs::exists(path, ignored);  // a device has no end
-    return fail({is_there ? Error::Code::kUnreadable : Error::Code::kNotFound, path.string(), "",
-                 is_there ? "neither a file nor a folder" : "no such file", "a file", "check the path"});
-  }
+// Names and contents of files, each on a line.
+Expected<std::string> sha256OfFiles(const std::vector<fs::path>& files) {
   std::string text;
-  for (const fs::path& file : filesIn(path)) {
+  for (const fs::path& file : files) {
     KERF_TRY(hash, sha256OfFile(file));
     text += file.filename().string() + ' ' + hash + '\n';
   }
   return sha256(std::as_bytes(std::span(text.data(), text.size())));
 }
 
+}  // namespace
+
+Expected<std::string> sha256OfSource(const fs::path& path) {
+  std::error_code ignored;
+  if (fs::is_regular_file(path, ignored)) {
+    KERF_TRY(files, filesOfVolume(path));
+    return files.size() == 1 ? sha256OfFile(path) : sha256OfFiles(files);
+  }
+  if (!fs::is_directory(path, ignored)) {
+    const bool is_there = fs::exists(path, ignored);  // a device has no end
+    return fail({is_there ? Error::Code::kUnreadable : Error::Code::kNotFound, path.string(), "",
+                 is_there ? "neither a file nor a folder" : "no such file", "a file", "check the path"});
+  }
+  return sha256OfFiles(filesIn(path));
+}
+
 Expected<CaseSource*> storeSource(const fs::path& path, const std::string& format, const std::string& sha256,
                                   const fs::path& case_folder, CaseManifest& manifest) {
+  std::error_code failed;
+  const bool is_folder = fs::is_directory(path, failed);
+  std::vector<fs::path> files{path};
+  if (is_folder) {
+    files = filesIn(path);
+  } else {
+    KERF_TRY(parts, filesOfVolume(path));
+    files = std::move(parts);
+  }
+  const bool keeps_names = is_folder || files.size() > 1;  // a header names the file with its values
   CaseSource source;
-  source.stored_as = fmt::format("source-{}{}", manifest.sources.size() + 1, safeExtension(path));
+  source.stored_as =
+      fmt::format("source-{}{}", manifest.sources.size() + 1, keeps_names ? std::string() : safeExtension(path));
   source.format = format, source.sha256 = sha256;
   const fs::path copy = case_folder / source.stored_as;
-  std::error_code failed;
-  if (fs::is_directory(path, failed)) {
+  failed.clear();
+  if (keeps_names) {
     fs::create_directory(copy, failed);
-    for (const fs::path& file : filesIn(path))
+    for (const fs::path& file : files)
       if (!failed) fs::copy_file(file, copy / file.filename(), failed);
   } else {
     fs::copy_file(path, copy, failed);

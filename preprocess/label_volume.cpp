@@ -15,6 +15,7 @@
 #include <limits>
 #include <set>
 
+#include "preprocess/internal/available_memory.h"
 #include "preprocess/internal/volume_file.h"
 
 namespace kerf {
@@ -137,6 +138,8 @@ struct Plan {
   LabelVolume grid;             // without labels
   std::optional<Vec3d> stated_spacing{};
   std::string unusable;  // why there is no stated_spacing
+  // Without stated_spacing, what the file says all the same; not a number on the axes of which it says nothing.
+  Vec3d known_spacing = Vec3d::Constant(std::numeric_limits<double>::quiet_NaN());
 };
 
 Expected<void> checkOneValue(const fs::path& path, const VolumeHeader& h) {
@@ -327,7 +330,8 @@ Expected<Plan> planDicom(const fs::path& folder, const std::vector<fs::path>& fi
     for (Slice& s : slices) {
       const VolumeHeader& h = s.header;
       if (h.size != first.header.size || h.size[2] != 1 || h.type != first.header.type ||
-          (column(h, 0) - x).norm() > 1e-3 || (column(h, 1) - y).norm() > 1e-3 ||
+          h.states_pixel_spacing != first.header.states_pixel_spacing || (column(h, 0) - x).norm() > 1e-3 ||
+          (column(h, 1) - y).norm() > 1e-3 ||
           std::abs(h.spacing[0] - first.header.spacing[0]) > 1e-3 * first.header.spacing[0] ||
           std::abs(h.spacing[1] - first.header.spacing[1]) > 1e-3 * first.header.spacing[1])
         return fail({Error::Code::kUnsupported, s.path.string(), "", "a slice of another size, spacing or orientation",
@@ -362,10 +366,22 @@ Expected<Plan> planDicom(const fs::path& folder, const std::vector<fs::path>& fi
     KERF_CHECK(setGrid(folder, whole, plan));
     for (Slice& s : slices) plan.files.push_back(s.path);
   }
-  if ((plan.grid.spacing.array() > 1e-6).all() && (plan.grid.spacing.array() < 1e6).all())
+  const bool frames = plan.files.size() == 1;  // otherwise the positions of the slices say how far apart they are
+  const bool pixel = first.header.states_pixel_spacing, frame = !frames || first.header.states_frame_spacing;
+  if (!pixel || !frame) {
+    if (pixel) plan.known_spacing.head<2>() = plan.grid.spacing.head<2>();
+    if (frame) plan.known_spacing[2] = plan.grid.spacing[2];
+    plan.unusable = pixel   ? "no spacing between the frames"
+                    : frame ? "no pixel spacing"
+                            : "no spacing, neither of pixels nor between the frames";
+    if (frame) plan.unusable += fmt::format(" ({:.6g} mm along z)", plan.grid.spacing[2]);
+    if (pixel)
+      plan.unusable += fmt::format(" ({:.6g} and {:.6g} mm along x and y)", plan.grid.spacing[0], plan.grid.spacing[1]);
+  } else if ((plan.grid.spacing.array() > 1e-6).all() && (plan.grid.spacing.array() < 1e6).all()) {
     plan.stated_spacing = plan.grid.spacing;
-  else
+  } else {
     plan.unusable = "a spacing of " + text(plan.grid.spacing);
+  }
   return plan;
 }
 
@@ -388,6 +404,12 @@ Expected<Plan> planFor(const fs::path& path, const LabelReadOptions& options, co
   if (kinds.size() > 1)
     return fail({Error::Code::kUnsupported, path.string(), "", "pictures of different formats", "one of PNG, TIFF, BMP",
                  "keep only the slices in the folder"});
+  if (const auto dicom = std::find_if(files.begin(), files.end(), hasDicomMark);
+      dicom != files.end() && !pictures.empty())
+    return fail(
+        {Error::Code::kUnsupported, path.string(), "",
+         fmt::format("{} beside the DICOM file {}", pictures.front().filename().string(), dicom->filename().string()),
+         "a DICOM series, or slices as pictures", "move the pictures (or the DICOM files) out of the folder"});
   if (!report(progress, 0, "trying the slices"))
     return fail({Error::Code::kCancelled, path.string(), "", "cancelled", "", ""});
   const bool are_pictures = kinds.size() == 1;
@@ -411,6 +433,13 @@ Expected<void> chooseSpacing(const fs::path& path, const LabelReadOptions& optio
                      fmt::format("{} given, but the file says {} mm", text(given), text(*plan.stated_spacing)),
                      "one that agrees with the file", "leave the spacing out; if the file is wrong, correct the file"});
     } else {
+      for (int a = 0; a < 3; ++a)
+        if (isUsable(plan.known_spacing[a]) &&
+            std::abs(given[a] - plan.known_spacing[a]) > 1e-3 * plan.known_spacing[a])
+          return fail({Error::Code::kBadValue, path.string(), "spacing",
+                       fmt::format("{} mm given along {}, but the file says {:.6g} mm", given[a], "xyz"[a],
+                                   plan.known_spacing[a]),
+                       "one that agrees with the file", "the file states none along the other axes: give those"});
       plan.grid.spacing = given;
       plan.grid.is_spacing_given = true;
     }
@@ -531,12 +560,23 @@ Expected<LabelVolume> readLabelVolume(const fs::path& path, const LabelReadOptio
   for (const int s : plan.grid.size) voxels *= s;
   // While ITK decompresses, the values are there twice.
   const double per_voxel = plan.files.size() == 1 ? 2.0 * static_cast<double>(value_bytes) + 2 : 2;
-  if (voxels * per_voxel > static_cast<double>(options.max_bytes))
+  const double needed =
+      voxels * per_voxel +
+      (plan.files.size() > 1 ? voxels / static_cast<double>(plan.files.size()) * static_cast<double>(value_bytes) : 0);
+  if (needed > static_cast<double>(options.max_bytes))
     return fail({Error::Code::kUnsupported, path.string(), "",
                  fmt::format("{} x {} x {} voxels, {:.1f} GB to read them", plan.grid.size[0], plan.grid.size[1],
-                             plan.grid.size[2], voxels * per_voxel / 1e9),
+                             plan.grid.size[2], needed / 1e9),
                  fmt::format("at most {:.1f} GB", static_cast<double>(options.max_bytes) / 1e9),
                  "crop the volume to the jaw, or save it with 8 or 16 bits per voxel"});
+  const std::uint64_t available = options.available_bytes ? *options.available_bytes : internal::availableMemory();
+  if (needed > 0.8 * static_cast<double>(available))
+    return fail(
+        {Error::Code::kUnsupported, path.string(), "",
+         fmt::format("{} x {} x {} voxels, {:.1f} GB to read them", plan.grid.size[0], plan.grid.size[1],
+                     plan.grid.size[2], needed / 1e9),
+         fmt::format("at most 4/5 of the {:.1f} GB of memory that are free", static_cast<double>(available) / 1e9),
+         "close other programs, crop the volume to the jaw, or save it with 8 or 16 bits per voxel"});
   LabelVolume volume = std::move(plan.grid);
   volume.format = nameOf(plan.format);
   try {
@@ -568,6 +608,14 @@ Expected<LabelVolume> readLabelVolume(const fs::path& path, const LabelReadOptio
                  "crop the volume to the jaw"});
   }
   return volume;
+}
+
+Expected<std::vector<fs::path>> filesOfVolume(const fs::path& path) {
+  std::vector<fs::path> files{path};
+  if (fileFormat(path) != VolumeFormat::kMetaImage) return files;
+  KERF_TRY(stated, internal::checkVolumeHeader(path, VolumeFormat::kMetaImage));
+  if (!stated.data_file.empty() && stated.data_file.filename() != path.filename()) files.push_back(stated.data_file);
+  return files;
 }
 
 bool isLabelVolume(const fs::path& path) {

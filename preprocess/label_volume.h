@@ -54,6 +54,8 @@ struct LabelReadOptions {
   /// Makes labels from intensities: 1 where the value is at least this, else 0. Without it the values are the labels.
   std::optional<double> threshold{};
   std::uint64_t max_bytes = 6ull << 30;  ///< refuse, before allocating, a volume that needs more while it is read
+  /// Likewise one that needs more than 4/5 of this; empty: of what the machine has free.
+  std::optional<std::uint64_t> available_bytes{};
 };
 
 /// Reads a volume. By name: `.nrrd`, `.nii`, `.nii.gz`, `.mha`, `.mhd` (with its raw file beside it), or a folder: a
@@ -62,11 +64,16 @@ struct LabelReadOptions {
 /// Refused, by name: more than three axes of more than one voxel, several values per voxel (colour, vectors), values
 /// that are no labels (fractions, negative, above 65535, or more than 256 different ones, or more than
 /// 32 of which neighbours mostly differ, as densities do) unless `threshold` is given,
-/// missing or doubled DICOM slices, several series in one folder, files that are shorter than their header claims.
+/// pictures beside DICOM slices, missing or doubled DICOM slices, several series in one folder, files that are shorter
+/// than their header claims.
 /// @return the volume. Errors: kNotFound, kUnreadable, kBadFormat, kBadValue, kUnsupported, kCancelled; never throws.
 /// @cost  360 x 360 x 330 from .nii.gz: about 0.5 s, 0.25 GB.   @thread any.
 Expected<LabelVolume> readLabelVolume(const std::filesystem::path& path, const LabelReadOptions& options = {},
                                       const Progress& progress = {});
+
+/// The files a volume in a file is made of: itself, and after it the raw file that a `.mhd` names. Any other file:
+/// itself.
+Expected<std::vector<std::filesystem::path>> filesOfVolume(const std::filesystem::path& path);
 
 /// True if the name is one readLabelVolume() takes for a volume file; of folders: if it holds slices of either kind.
 bool isLabelVolume(const std::filesystem::path& path);

@@ -12,11 +12,12 @@
 
 namespace kerf::internal {
 
-/// SHA-256 of a file, or of the names and contents of the files in a folder (a series of slices).
+/// SHA-256 of a file, or of the names and contents of the files in a folder (a series of slices) or of a header and the
+/// file with its values (`.mhd`).
 Expected<std::string> sha256OfSource(const std::filesystem::path& path);
 
 /// Copies one source, a file or a folder of files, into the case under construction and adds it to the manifest:
-/// name, format and hash; unit and counts are the caller's.
+/// name, format and hash; unit and counts are the caller's. Several files become a folder, under their own names.
 Expected<CaseSource*> storeSource(const std::filesystem::path& path, const std::string& format,
                                   const std::string& sha256, const std::filesystem::path& case_folder,
                                   CaseManifest& manifest);

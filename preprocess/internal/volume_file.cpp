@@ -1,6 +1,8 @@
 // The only source that sees ITK.
 #include "preprocess/internal/volume_file.h"
 
+#include <gdcmReader.h>
+#include <gdcmSequenceOfItems.h>
 #include <gdcmTrace.h>
 #include <itkBMPImageIO.h>
 #include <itkGDCMImageIO.h>
@@ -11,7 +13,10 @@
 #include <itkPNGImageIO.h>
 #include <itkTIFFImageIO.h>
 
+#include <cmath>
+#include <cstdlib>
 #include <mutex>
+#include <utility>
 
 namespace kerf::internal {
 namespace {
@@ -129,6 +134,77 @@ Expected<VolumeHeader> headerOf(const std::filesystem::path& path, const Io& io)
   return h;
 }
 
+// The decimal strings of an element; empty if it is missing or has no value.
+std::vector<double> decimals(const gdcm::DataSet& set, const gdcm::Tag& tag) {
+  if (!set.FindDataElement(tag)) return {};
+  const gdcm::ByteValue* value = set.GetDataElement(tag).GetByteValue();
+  if (!value) return {};
+  const std::string text(value->GetPointer(), value->GetLength());
+  std::vector<double> out;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find('\\', at), text.size());
+    const std::string word = text.substr(at, end - at);
+    char* rest = nullptr;
+    const double v = std::strtod(word.c_str(), &rest);
+    out.push_back(rest == word.c_str() ? std::nan("") : v);
+    at = end + 1;
+  }
+  return out;
+}
+
+// The items of a sequence; none if it is missing.
+std::vector<const gdcm::DataSet*> items(const gdcm::DataSet& set, const gdcm::Tag& tag,
+                                        std::vector<gdcm::SmartPointer<gdcm::SequenceOfItems>>& alive) {
+  if (!set.FindDataElement(tag)) return {};
+  const auto sequence = set.GetDataElement(tag).GetValueAsSQ();
+  if (!sequence) return {};
+  alive.push_back(sequence);
+  std::vector<const gdcm::DataSet*> out;
+  for (std::size_t i = 1; i <= sequence->GetNumberOfItems(); ++i)
+    out.push_back(&sequence->GetItem(i).GetNestedDataSet());
+  return out;
+}
+
+// The spacing as the file states it: where there is none, or not where GDCM looks for it, GDCM says 1 mm and nothing
+// else.
+// Places after DICOM PS3.3: C.7.6.3 (image pixel), C.7.6.16 (functional groups of frames), C.8.6 (scanned pictures).
+void findStatedSpacing(const std::filesystem::path& path, VolumeHeader& h) {
+  h.states_pixel_spacing = h.states_frame_spacing = false;
+  gdcm::Reader reader;
+  reader.SetFileName(path.c_str());
+  if (h.spacing.size() < 2 || !reader.ReadUpToTag(gdcm::Tag(0x7fe0, 0x0010))) return;
+  const gdcm::DataSet& top = reader.GetFile().GetDataSet();
+  std::vector<gdcm::SmartPointer<gdcm::SequenceOfItems>> alive;
+  std::vector<const gdcm::DataSet*> places{&top};
+  std::vector<std::vector<double>> positions;  // of frames
+  for (const gdcm::Tag& groups : {gdcm::Tag(0x5200, 0x9229), gdcm::Tag(0x5200, 0x9230)})
+    for (const gdcm::DataSet* group : items(top, groups, alive)) {
+      for (const gdcm::DataSet* measures : items(*group, gdcm::Tag(0x0028, 0x9110), alive)) places.push_back(measures);
+      for (const gdcm::DataSet* plane : items(*group, gdcm::Tag(0x0020, 0x9113), alive))
+        if (auto p = decimals(*plane, gdcm::Tag(0x0020, 0x0032)); p.size() == 3) positions.push_back(std::move(p));
+    }
+  const auto same = [](double stated, double found) { return std::abs(stated - found) <= 1e-4 * found; };
+  const auto is_length = [](double v) { return std::isfinite(v) && v > 0; };
+  for (const gdcm::DataSet* place : places) {
+    for (const gdcm::Tag& tag : {gdcm::Tag(0x0028, 0x0030), gdcm::Tag(0x0018, 0x1164), gdcm::Tag(0x0018, 0x2010)}) {
+      const std::vector<double> v = decimals(*place, tag);  // between rows, then between columns
+      if (h.states_pixel_spacing || v.size() != 2 || !is_length(v[0]) || !is_length(v[1])) continue;
+      // The others hold on the detector or on the film; only GDCM knows for which kinds of pictures they count.
+      const bool is_pixel_spacing = tag == gdcm::Tag(0x0028, 0x0030);
+      if (!is_pixel_spacing && !(same(v[0], h.spacing[1]) && same(v[1], h.spacing[0]))) continue;
+      h.spacing[0] = v[1], h.spacing[1] = v[0], h.states_pixel_spacing = true;
+    }
+    const std::vector<double> between = decimals(*place, gdcm::Tag(0x0018, 0x0088));
+    if (h.spacing.size() > 2 && !h.states_frame_spacing && between.size() == 1 && is_length(std::abs(between[0])))
+      h.spacing[2] = std::abs(between[0]), h.states_frame_spacing = true;
+  }
+  if (h.spacing.size() > 2 && positions.size() > 1 && !h.states_frame_spacing) {
+    const auto &a = positions.front(), &b = positions.back();
+    const double step = std::hypot(b[0] - a[0], b[1] - a[1], b[2] - a[2]) / static_cast<double>(positions.size() - 1);
+    if (std::abs(step - h.spacing[2]) <= 0.02 * h.spacing[2]) h.states_frame_spacing = true;  // rounded strings
+  }
+}
+
 }  // namespace
 
 std::size_t bytesOf(ValueType type) {
@@ -154,8 +230,10 @@ Expected<VolumeHeader> readVolumeHeader(const std::filesystem::path& path, Volum
     io->SetFileName(path.string());
     io->ReadImageInformation();
     auto header = headerOf(path, *io);
-    if (header && format == VolumeFormat::kDicom)
+    if (header && format == VolumeFormat::kDicom) {
       itk::ExposeMetaData<std::string>(io->GetMetaDataDictionary(), "0020|000e", header->series);
+      findStatedSpacing(path, *header);
+    }
     return header;
   });
 }
@@ -183,6 +261,7 @@ Expected<void> readVolumeValues(const std::filesystem::path& path, VolumeFormat 
 }
 
 bool isDicom(const std::filesystem::path& path) {
+  quiet();
   try {
     return itk::GDCMImageIO::New()->CanReadFile(path.string().c_str());
   } catch (...) {

@@ -114,6 +114,20 @@ Expected<void> checkSizes(const fs::path& path, const std::string& key, const st
   return {};
 }
 
+// One quoted unit per axis: "mm", or "" and ??? for none. ITK takes any for mm.
+Expected<void> checkUnits(const fs::path& path, const std::string& key, const std::string& units) {
+  for (std::size_t at = 0; at < units.size();) {
+    const std::size_t open = units[at] == '"' ? at + 1 : at;
+    const std::size_t end = std::min(units.find_first_of(open > at ? "\"" : " \t\"", open), units.size());
+    const std::string unit = trimmed(units.substr(open, end - open));
+    if (const std::string u = lower(unit); !u.empty() && u != "mm" && u != "none" && u != "\?\?\?")
+      return fail({Error::Code::kUnsupported, path.string(), "key " + key, "'" + unit + "'", "mm, or none",
+                   "save it in mm; Kerf scales no volume"});
+    at = open > at ? end + 1 : std::max(end, at + 1);
+  }
+  return {};
+}
+
 Expected<StatedHeader> checkNrrd(const fs::path& path) {
   KERF_TRY(bytes, fileSize(path));
   if (path.native().size() > kMostQuoted)
@@ -131,6 +145,8 @@ Expected<StatedHeader> checkNrrd(const fs::path& path) {
     return fail({Error::Code::kUnsupported, path.string(), "key data file", "values in another file",
                  "header and values in one .nrrd", "save it as a single .nrrd"});
   KERF_CHECK(checkSizes(path, "sizes", numbers(get("sizes")), numbers(get("dimension"))));
+  KERF_CHECK(checkUnits(path, "space units", get("space units")));
+  KERF_CHECK(checkUnits(path, "units", get("units")));
   StatedHeader out;
   out.stored_bytes = bytes > h.bytes ? bytes - h.bytes : 0;
   const std::string encoding = lower(get("encoding"));
@@ -184,6 +200,7 @@ Expected<StatedHeader> checkMetaImage(const fs::path& path) {
                    "the file with the values beside the header", "copy it too, or save a single .mha"});
     KERF_TRY(data_bytes, fileSize(path.parent_path() / data));
     out.stored_bytes = data_bytes;
+    out.data_file = path.parent_path() / data;
   }
   if (lower(get("compresseddata")) == "true") out.most_per_byte = kDeflate;
   if (h.field.count("elementspacing"))

@@ -9,6 +9,8 @@
 #include "geometry/mesh_check.h"
 #include "geometry/mesh_writer.h"
 #include "preprocess/bake.h"
+#include "preprocess/internal/bake_sources.h"
+#include "preprocess/label_volume.h"
 #include "preprocess/voxel_union.h"
 #include "tests/geometry/ball_mesh.h"
 #include "tests/geometry/temporary_folder.h"
@@ -149,6 +151,58 @@ TEST(BakeRecipe, TheSameVoxelFromRecipeOrCallerIsTheSameCase) {
              second = bakeRecipe(recipe, folder.path() / "a.case", given);
   ASSERT_TRUE(first && second);
   EXPECT_TRUE(second->was_up_to_date);
+}
+
+// A ball of label 1, its radius in voxels of 0.5 mm, as the values of a 24 x 24 x 24 volume.
+std::string ballLabels(double radius) {
+  std::string values;
+  for (int k = 0; k < 24; ++k)
+    for (int j = 0; j < 24; ++j)
+      for (int i = 0; i < 24; ++i) values.push_back(std::hypot(i - 11.5, j - 11.5, k - 11.5) < radius ? '\1' : '\0');
+  return values;
+}
+
+TEST(BakeRecipe, AHeaderAndItsRawFileAreBothHashedAndStored) {
+  const TemporaryFolder folder;
+  const fs::path recipe = folder.path() / "a.toml", out = folder.path() / "a.case";
+  write(folder.path() / "ball.mhd",
+        "ObjectType = Image\nNDims = 3\nDimSize = 24 24 24\nElementSpacing = 0.5 0.5 0.5\nElementType = MET_UCHAR\n"
+        "ElementDataFile = ball.raw\n");
+  write(folder.path() / "ball.raw", ballLabels(8));
+  write(recipe, kHead +
+                    "unit = \"mm\"\nvoxel = 0.2\n[labels]\nvolume = \"ball.mhd\"\n"
+                    "[[part]]\nmaterial = \"dentin\"\nlabel = 1\n");
+  const auto first = bakeRecipe(recipe, out, {});
+  ASSERT_TRUE(first) << first.error().message();
+  ASSERT_EQ(first->manifest.sources.size(), 1u);
+  const fs::path stored = out / first->manifest.sources[0].stored_as;
+  EXPECT_EQ(contentOf(stored / "ball.mhd"), contentOf(folder.path() / "ball.mhd"));
+  EXPECT_EQ(contentOf(stored / "ball.raw"), contentOf(folder.path() / "ball.raw"));
+  const auto volume = readLabelVolume(stored / "ball.mhd");
+  ASSERT_TRUE(volume) << volume.error().message();
+  EXPECT_EQ(volume->at(12, 12, 12), 1);
+  const auto again = bakeRecipe(recipe, out, {});
+  ASSERT_TRUE(again) << again.error().message();
+  EXPECT_TRUE(again->was_up_to_date);
+  write(folder.path() / "ball.raw", ballLabels(6));
+  BakeOptions force;
+  force.overwrite = true;
+  EXPECT_FALSE(bakeRecipe(recipe, out, {})) << "the values changed, the header did not";
+  const auto changed = bakeRecipe(recipe, out, force);
+  ASSERT_TRUE(changed) << changed.error().message();
+  EXPECT_NE(changed->manifest.sources[0].sha256, first->manifest.sources[0].sha256);
+}
+
+TEST(BakeRecipe, ACompressedNiftiKeepsTheNameItsReaderKnows) {
+  const TemporaryFolder folder;
+  const fs::path out = folder.path() / "case";
+  fs::create_directory(out);
+  CaseManifest manifest;
+  const auto source = internal::storeSource(folder.write("jaw.v2.nii.gz", "values"), "NIfTI", "0", out, manifest);
+  ASSERT_TRUE(source) << source.error().message();
+  EXPECT_EQ((*source)->stored_as, "source-1.nii.gz");
+  EXPECT_TRUE(isLabelVolume(out / (*source)->stored_as));
+  EXPECT_EQ(contentOf(out / "source-1.nii.gz"), "values");
 }
 
 TEST(BakeRecipe, APartThatGetsNothingIsWarnedOf) {

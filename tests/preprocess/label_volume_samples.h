@@ -52,8 +52,11 @@ inline std::string nifti(const std::string& values, float spacing_x = 0.5f) {
   return h + values;
 }
 
-/// One 4 x 3 slice of 8 bits as DICOM (explicit VR, little endian), at height z mm.
-inline std::string dicomSlice(const std::string& values, double z, const std::string& series = "1.2.3") {
+/// One 4 x 3 slice of 8 bits as DICOM (explicit VR, little endian), at height z mm; or several frames in one file.
+/// @param pixel_spacing, between_slices  decimal strings; empty: the file states none
+inline std::string dicomSlice(const std::string& values, double z, const std::string& series = "1.2.3",
+                              const std::string& pixel_spacing = "0.25\\0.5", int frames = 1,
+                              const std::string& between_slices = "") {
   std::string body;
   const auto element = [](std::uint16_t group, std::uint16_t tag, const char* vr, std::string value) {
     if (value.size() % 2) value.push_back(std::strcmp(vr, "UI") == 0 || std::strcmp(vr, "OB") == 0 ? '\0' : ' ');
@@ -74,17 +77,21 @@ inline std::string dicomSlice(const std::string& values, double z, const std::st
     return s;
   };
   const std::string instance = "1.2.3.4." + std::to_string(static_cast<int>(1000 + 10 * z));
-  std::string meta = element(2, 1, "OB", std::string("\0\1", 2)) + element(2, 2, "UI", "1.2.840.10008.5.1.4.1.1.2") +
+  // CT; of several frames: a greyscale byte secondary capture
+  const std::string kind = frames == 1 ? "1.2.840.10008.5.1.4.1.1.2" : "1.2.840.10008.5.1.4.1.1.7.2";
+  std::string meta = element(2, 1, "OB", std::string("\0\1", 2)) + element(2, 2, "UI", kind) +
                      element(2, 3, "UI", instance) + element(2, 0x10, "UI", "1.2.840.10008.1.2.1") +
                      element(2, 0x12, "UI", "1.2.3.9");
   std::string length(4, '\0');
   put(length, 0, static_cast<std::uint32_t>(meta.size()));
   body += std::string(128, '\0') + "DICM" + element(2, 0, "UL", length) + meta;
-  body += element(8, 0x16, "UI", "1.2.840.10008.5.1.4.1.1.2") + element(8, 0x18, "UI", instance) +
-          element(8, 0x60, "CS", "CT") + element(0x20, 0xd, "UI", "1.2.3.1") + element(0x20, 0xe, "UI", series) +
+  body += element(8, 0x16, "UI", kind) + element(8, 0x18, "UI", instance) + element(8, 0x60, "CS", "CT") +
+          (between_slices.empty() ? "" : element(0x18, 0x88, "DS", between_slices)) +
+          element(0x20, 0xd, "UI", "1.2.3.1") + element(0x20, 0xe, "UI", series) +
           element(0x20, 0x32, "DS", "1\\2\\" + std::to_string(z)) + element(0x20, 0x37, "DS", "1\\0\\0\\0\\1\\0") +
-          element(0x28, 2, "US", word(1)) + element(0x28, 4, "CS", "MONOCHROME2") + element(0x28, 0x10, "US", word(3)) +
-          element(0x28, 0x11, "US", word(4)) + element(0x28, 0x30, "DS", "0.25\\0.5") +
+          element(0x28, 2, "US", word(1)) + element(0x28, 4, "CS", "MONOCHROME2") +
+          (frames == 1 ? "" : element(0x28, 8, "IS", std::to_string(frames))) + element(0x28, 0x10, "US", word(3)) +
+          element(0x28, 0x11, "US", word(4)) + (pixel_spacing.empty() ? "" : element(0x28, 0x30, "DS", pixel_spacing)) +
           element(0x28, 0x100, "US", word(8)) + element(0x28, 0x101, "US", word(8)) +
           element(0x28, 0x102, "US", word(7)) + element(0x28, 0x103, "US", word(0)) +
           element(0x7fe0, 0x10, "OB", values);

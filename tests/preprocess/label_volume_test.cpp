@@ -93,6 +93,91 @@ TEST(LabelVolume, DicomSeriesWithAMissingSliceOrASecondSeriesIsRefused) {
   expectRefusal(readLabelVolume(folder.path()), "2 series");
 }
 
+TEST(LabelVolume, DicomSlicesWithoutPixelSpacingNeedAGivenOne) {
+  const TemporaryFolder folder;
+  folder.write("a.dcm", dicomSlice(countingLabels().substr(0, 12), 0, "1.2.3", ""));
+  folder.write("b.dcm", dicomSlice(countingLabels().substr(12), 2, "1.2.3", ""));
+  expectRefusal(readLabelVolume(folder.path()), "no pixel spacing (2 mm along z)");
+  const auto v = readLabelVolume(folder.path(), spacing(0.3, 0.3, 2));
+  expectCounting(v);
+  EXPECT_TRUE(v->is_spacing_given);
+  expectNear(v->spacing, {0.3, 0.3, 2});
+  expectRefusal(readLabelVolume(folder.path(), spacing(0.3, 0.3, 1)), "along z, but the file says 2 mm");
+}
+
+TEST(LabelVolume, DicomFramesInOneFileNeedASpacingBetweenThem) {
+  for (const char* pixel : {"", "0.25\\0.5"}) {
+    const TemporaryFolder folder;
+    folder.write("a.dcm", dicomSlice(countingLabels(), 0, "1.2.3", pixel, 2));
+    expectRefusal(readLabelVolume(folder.path()), "give `spacing = [x, y, z]` in the recipe");
+    const auto v = readLabelVolume(folder.path(), spacing(0.5, 0.25, 3));
+    expectCounting(v);
+    expectNear(v->spacing, {0.5, 0.25, 3});
+  }
+}
+
+TEST(LabelVolume, DicomFramesWithTheirSpacingNeedNone) {
+  const TemporaryFolder folder;
+  folder.write("a.dcm", dicomSlice(countingLabels(), 0, "1.2.3", "0.25\\0.5", 2, "3"));
+  const auto v = readLabelVolume(folder.path());
+  expectCounting(v);
+  expectNear(v->spacing, {0.5, 0.25, 3});
+  EXPECT_FALSE(v->is_spacing_given);
+}
+
+TEST(LabelVolume, DicomIsReadWithoutAWordFromTheLibrary) {
+  const TemporaryFolder folder;
+  folder.write("a.dcm", dicomSlice(countingLabels().substr(0, 12), 0));
+  folder.write("b.dcm", dicomSlice(countingLabels().substr(12), 2));
+  folder.write("notes.bin", std::string(128, '\0') + "DICM" + std::string(300, '\x37'));
+  testing::internal::CaptureStderr();
+  const auto v = readLabelVolume(folder.path());
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  expectCounting(v);
+}
+
+TEST(LabelVolume, PicturesBesideDicomSlicesAreRefusedByName) {
+  const TemporaryFolder folder;
+  folder.write("a.dcm", dicomSlice(countingLabels().substr(0, 12), 0));
+  folder.write("b.dcm", dicomSlice(countingLabels().substr(12), 2));
+  folder.write("preview.png", greyPng(4, 3, countingLabels().substr(0, 12)));
+  const auto v = readLabelVolume(folder.path(), spacing(0.5, 0.25, 2));
+  expectRefusal(v, "preview.png beside the DICOM file a.dcm");
+  expectRefusal(v, "move the pictures");
+}
+
+TEST(LabelVolume, NrrdUnitsOtherThanMillimetresAreRefusedByName) {
+  const std::string grid = std::string(kNrrdGrid) + kNrrdSpace, plain = std::string(kNrrdGrid) + "spacings: 1 1 1\n";
+  for (const char* fine : {"space units: \"mm\" \"mm\" \"mm\"\n", "space units: \"\" \"\" \"\"\n"})
+    expectCounting(readBytes("a.nrrd", nrrd(grid + fine, countingLabels())));
+  expectCounting(readBytes("a.nrrd", nrrd(plain + "units: \"mm\" \"mm\" \"mm\"\n", countingLabels())));
+  expectRefusal(readBytes("a.nrrd", nrrd(grid + "space units: \"mm\" \"um\" \"um\"\n", countingLabels())), "'um'");
+  expectRefusal(readBytes("a.nrrd", nrrd(plain + "units: \"cm\" \"cm\" \"cm\"\n", countingLabels())), "'cm'");
+  expectRefusal(readBytes("a.nrrd", nrrd(plain + "units: m m m\n", countingLabels())), "'m'");
+}
+
+TEST(LabelVolume, MoreThanFreeMemoryIsRefusedAndSaysSo) {
+  LabelReadOptions o;
+  o.available_bytes = 100;  // 24 voxels of one byte: twice while decompressing, and two bytes for the label
+  const std::string bytes = nrrd(std::string(kNrrdGrid) + kNrrdSpace, countingLabels());
+  expectRefusal(readBytes("a.nrrd", bytes, o), "4/5 of the");
+  o.available_bytes = 121;
+  expectCounting(readBytes("a.nrrd", bytes, o));
+}
+
+TEST(LabelVolume, HeadersOfSeveralFilesAreRefusedByName) {
+  std::string meta = metaImage("ElementSpacing = 1 1 1\n", "");
+  meta.resize(meta.find("ElementDataFile"));
+  for (const char* data : {"LIST", "slice%03d.raw 1 2 1", "../a.raw"}) {
+    const auto v = readBytes("a.mhd", meta + "ElementDataFile = " + data + "\n");
+    expectRefusal(v, std::string("key ElementDataFile: '") + data + "'");
+    expectRefusal(v, "save it as a single .mha");
+  }
+  expectRefusal(readBytes("a.mhd", meta + "ElementDataFile = gone.raw\n"), "'gone.raw' is not there");
+  for (const char* key : {"data file: a.raw\n", "datafile: LIST\n"})
+    expectRefusal(readBytes("a.nrrd", nrrd(std::string(kNrrdGrid) + kNrrdSpace + key, "")), "values in another file");
+}
+
 TEST(LabelVolume, PictureSlicesStackInNaturalOrder) {
   const TemporaryFolder folder;
   folder.write("slice-10.png", greyPng(4, 3, countingLabels().substr(12)));
