@@ -246,25 +246,34 @@ Expected<Plan> planSlices(const fs::path& folder, std::vector<fs::path> files, V
   return plan;
 }
 
+// Two seconds of processor time from now, and more for a large file; this process dies of exceeding them. By the clock
+// ten times that, for a file that nobody ever finishes writing: a busy machine is no fault of the file's.
+void limitTime(const fs::path& file) {
+  constexpr double kLeastSeconds = 2, kBytesPerSecond = 2e6, kMostSeconds = 3600;
+  std::error_code failed;
+  const auto bytes = fs::file_size(file, failed);
+  const double more =
+      std::min(kLeastSeconds + (failed ? 0 : static_cast<double>(bytes)) / kBytesPerSecond, kMostSeconds);
+  rusage used{};
+  getrusage(RUSAGE_SELF, &used);
+  const auto until = static_cast<rlim_t>(used.ru_utime.tv_sec + used.ru_stime.tv_sec) + 1 + static_cast<rlim_t>(more);
+  const rlimit limit{until, RLIM_INFINITY};
+  setrlimit(RLIMIT_CPU, &limit);
+  alarm(10 * static_cast<unsigned>(more));
+}
+
 // The libraries that take slices apart end the program on some broken files, and never end on others (GDCM asserts, for
-// one). So a child process reads every slice first, within a time that is ample for a slow disk.
+// one). So a child process reads every slice first, each within a time that is ample.
 bool survivesReading(const std::vector<fs::path>& files, VolumeFormat format, std::uint64_t max_bytes) {
-  constexpr double kLeastSeconds = 2, kBytesPerSecond = 5e6;
-  double total = 0;
-  std::error_code ignored;
-  for (const fs::path& f : files)
-    if (const auto size = fs::file_size(f, ignored); !ignored) total += static_cast<double>(size);
-  const auto seconds = static_cast<unsigned>(std::min(kLeastSeconds + total / kBytesPerSecond, 3600.0));
-  const rlimit processor{seconds, seconds};
   const pid_t child = fork();
   if (child < 0) return false;
   if (child == 0) {
     const int nowhere = open("/dev/null", O_WRONLY);
     if (nowhere >= 0) dup2(nowhere, 2);
-    for (const int way_to_die : {SIGALRM, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT}) std::signal(way_to_die, SIG_DFL);
-    setrlimit(RLIMIT_CPU, &processor);
-    alarm(10 * seconds);  // a file that nobody ever finishes writing; a busy machine is no fault of the file's
+    for (const int way_to_die : {SIGALRM, SIGXCPU, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT})
+      std::signal(way_to_die, SIG_DFL);
     for (const fs::path& f : files) {
+      limitTime(f);
       if (format == VolumeFormat::kDicom && !internal::isDicom(f)) continue;
       const auto h = internal::readVolumeHeader(f, format);
       if (!h) continue;
