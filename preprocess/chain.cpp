@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <span>
 
 #include "geometry/internal/exact_weld.h"
@@ -441,17 +442,28 @@ bool turnPieces(Chain& chain, CloseReport& report) {
   bool nested = false;
   std::vector<char> turn(pieces.count, 0);
   std::size_t turned = 0;
+  // The largest first: most often it holds all others.
+  std::vector<std::uint32_t> by_size(pieces.count);
+  std::iota(by_size.begin(), by_size.end(), 0u);
+  std::stable_sort(by_size.begin(), by_size.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return box[a].size().prod() > box[b].size().prod(); });
+  std::optional<RayWinding> rays;
   for (std::uint32_t l = 0; l < pieces.count; ++l) {
-    bool inside_another = false;
-    for (std::uint32_t o = 0; o < pieces.count && !inside_another; ++o)
-      inside_another = o != l && box[o].contains(box[l].min) && box[o].contains(box[l].max);
+    const bool inside_another = std::any_of(by_size.begin(), by_size.end(), [&](std::uint32_t o) {
+      return o != l && box[o].contains(box[l].min) && box[o].contains(box[l].max);
+    });
     nested = nested || inside_another;
     if (!(volume[l] < 0)) continue;
     if (inside_another) {
-      std::vector<char> skip(mesh.triangles.size());
-      for (std::size_t t = 0; t < skip.size(); ++t) skip[t] = pieces.label[t] == l;
       const Vec3d p = (mesh.corner(biggest[l], 0) + mesh.corner(biggest[l], 1) + mesh.corner(biggest[l], 2)) / 3;
-      if (std::abs(windingNumber(mesh, p, skip)) > 0.5) continue;
+      if (!rays) rays.emplace(mesh);
+      if (const auto winding = rays->at(p, [&](std::uint32_t t) { return pieces.label[t] == l; })) {
+        if (*winding != 0) continue;
+      } else {
+        std::vector<char> skip(mesh.triangles.size());
+        for (std::size_t t = 0; t < skip.size(); ++t) skip[t] = pieces.label[t] == l;
+        if (std::abs(windingNumber(mesh, p, skip)) > 0.5) continue;
+      }
     }
     turn[l] = 1, ++turned;
   }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 #include "preprocess/internal/arrangement.h"
 #include "preprocess/internal/poll.h"
@@ -71,12 +72,28 @@ Expected<Kept> keepWindingBoundary(const Mesh& chain, const Arrangement& arrange
     probe[l] = perimeter > 0 ? Vec3d((la * a + lb * b + lc * c) / perimeter) : a;
   }
   std::vector<double> behind(count);  // winding number on the back of the patch
+  // Solid angles of all triangles tell an open surface too, but sponges have thousands of patches.
+  constexpr double kMostAngles = 1e8;  // some seconds
+  std::optional<RayWinding> rays;
+  if (static_cast<double>(count) * static_cast<double>(chain.triangles.size()) > kMostAngles) rays.emplace(chain);
   const auto look = [&](std::uint32_t l) {
     const std::uint32_t t = fattest[l];
     // The patch itself counts half: leave out the chain triangles it lies in, add half its multiplicity.
     const std::span<const std::uint32_t> except = arrangement.twin_of[t] == kAdded
                                                       ? std::span(&arrangement.parent[t], 1)
                                                       : std::span(arrangement.twins[arrangement.twin_of[t]]);
+    if (rays) {
+      const Triangle& f = arrangement.triangles[t];
+      const Vec3d &a = arrangement.points[f[0]], &b = arrangement.points[f[1]], &c = arrangement.points[f[2]];
+      const Vec3d normal = (b - a).cross(c - a).normalized();
+      const auto ahead = rays->at(
+          probe[l], [&](std::uint32_t s) { return std::find(except.begin(), except.end(), s) != except.end(); });
+      const double facing = normal.dot(rays->direction());
+      if (ahead && std::abs(facing) > 1e-3) {
+        behind[l] = *ahead + (facing > 0 ? arrangement.multiplicity[t] : 0);
+        return;
+      }
+    }
     behind[l] = windingNumberExcept(chain, probe[l], except) + 0.5 * arrangement.multiplicity[t];
   };
   constexpr std::uint32_t kAtOnce = 256;  // between two looks at whether to go on

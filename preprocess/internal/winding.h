@@ -1,7 +1,10 @@
 // Generalized winding number of a triangle chain, summed exactly over all triangles.
 #pragma once
 
+#include <functional>
+#include <optional>
 #include <span>
+#include <vector>
 
 #include "geometry/mesh.h"
 
@@ -13,5 +16,27 @@ namespace kerf::internal {
 double windingNumber(const Mesh& mesh, const Vec3d& p, std::span<const char> skip = {});
 /// The same, leaving out the few triangles listed.
 double windingNumberExcept(const Mesh& mesh, const Vec3d& p, std::span<const std::uint32_t> except);
+
+/// The same for closed surfaces, many times over: counts what a ray crosses. Building it sorts the triangles
+/// into a grid across the ray, O(triangles); a question costs those of one cell.
+class RayWinding {
+ public:
+  /// @param mesh  closed.
+  explicit RayWinding(const Mesh& mesh);
+  /// Where the rays go: along no plane that people or grids prefer, so that few of them graze an edge.
+  const Vec3d& direction() const { return direction_; }
+  /// Of all triangles but those for which skip(t) is true; a point on one of these counts as lying on the side the ray
+  /// goes to. The ray decides nothing where it grazes an edge, or where p lies on the surface: nothing then.
+  std::optional<int> at(const Vec3d& p, const std::function<bool(std::uint32_t)>& skip) const;
+
+ private:
+  std::size_t cellOf(double y, double z) const;
+  Mesh mesh_;  // turned: rays go along +x
+  Eigen::Matrix3d turn_;
+  Vec3d direction_, low_ = Vec3d::Zero();
+  double cell_ = 1;  // mm
+  std::size_t ny_ = 1, nz_ = 1;
+  std::vector<std::uint32_t> first_, triangle_;  // of cell c: triangle_[first_[c] .. first_[c + 1])
+};
 
 }  // namespace kerf::internal
