@@ -288,7 +288,9 @@ Expected<BakeReport> bake(const std::vector<fs::path>& meshes, const fs::path& c
   std::vector<std::string> hashes;
   for (const fs::path& path : meshes) {
     KERF_CHECK(requireMeshNotFolder(path));
-    KERF_TRY(hash, internal::sha256OfSource(path));
+    std::error_code ignored;
+    const bool is_volume = fs::is_regular_file(path, ignored) && isLabelVolume(path);  // refused when it is read
+    KERF_TRY(hash, is_volume ? sha256OfFile(path) : internal::sha256OfSource(path));
     hashes.push_back(hash);
   }
   out.manifest.id = caseId(hashes, options, "");
