@@ -4,6 +4,7 @@
 #include <openvdb/io/File.h>
 #include <openvdb/openvdb.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace kerf {
@@ -18,6 +19,20 @@ double MaterialField::voxel() const { return grid_->voxel; }
 
 Material MaterialField::at(const Vec3i& node) const {
   return static_cast<Material>(grid_->labels->tree().getValue({node[0], node[1], node[2]}));
+}
+
+bool MaterialField::copyBrick(const Vec3i& brick, std::span<std::uint8_t, 512> out) const {
+  const auto number = [](std::int32_t label) {
+    return static_cast<std::uint8_t>(label >= 0 && label <= 255 ? label : 0);
+  };
+  const openvdb::Coord origin(8 * brick[0], 8 * brick[1], 8 * brick[2]);
+  const auto* leaf = grid_->labels->tree().probeConstLeaf(origin);
+  if (!leaf) {
+    std::fill(out.begin(), out.end(), number(grid_->labels->tree().getValue(origin)));
+    return true;
+  }
+  for (openvdb::Index n = 0; n < 512; ++n) out[n] = number(leaf->getValue(n));
+  return std::all_of(out.begin(), out.end(), [&](std::uint8_t label) { return label == out[0]; });
 }
 
 Material MaterialField::near(const Vec3d& p) const {

@@ -1,8 +1,10 @@
 // The labels of a baked object: which material every node is made of.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <span>
 
 #include "geometry/error.h"
 #include "geometry/material.h"
@@ -18,6 +20,9 @@ class MaterialField {
   double voxel() const;  ///< mm
   /// kNone outside the object and its shell. Any thread; some 50 ns.
   Material at(const Vec3i& node) const;
+  /// The numbers of a whole brick's materials, in the order of its nodes (brick_field.h); those above 255 as 0. True if
+  /// all of them are the same. Any thread; microseconds.
+  bool copyBrick(const Vec3i& brick, std::span<std::uint8_t, 512> out) const;
   /// Of the node nearest to a point, mm; if that is none, of the nearest labelled one within two voxels.
   Material near(const Vec3d& p) const;
 

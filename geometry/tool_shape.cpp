@@ -213,4 +213,10 @@ Box3 UnionShape::bounds() const {
   return box;
 }
 
+ToolShape::Symmetry UnionShape::symmetry() const {
+  const bool is_revolved = std::all_of(parts_.begin(), parts_.end(),
+                                       [](const auto& part) { return part->symmetry() == Symmetry::kRevolved; });
+  return is_revolved ? Symmetry::kRevolved : Symmetry::kNone;
+}
+
 }  // namespace kerf

@@ -18,6 +18,16 @@ class ToolShape {
   virtual Box3 bounds() const = 0;
   /// True only if the solid is convex: its distance is then a convex function, which sweeps use. False costs time only.
   virtual bool isConvex() const = 0;
+
+  /// What the distance depends on, so that a table of it needs two dimensions only.
+  enum class Symmetry {
+    kNone,
+    kRevolved,  ///< on hypot(x, y) and z
+    kPlate      ///< extruded along y: on the distance in the plane y = 0, and on |y|
+  };
+  virtual Symmetry symmetry() const { return Symmetry::kNone; }
+  /// Of a plate: half its extent along y, mm; the plate is symmetric about y = 0.
+  virtual double halfThickness() const { return 0; }
 };
 
 /// Outline of a solid of revolution in the half-plane (radius >= 0, height), from the lowest point on the axis upwards.
@@ -75,6 +85,7 @@ class RevolvedShape final : public ToolShape {
   double distance(const Vec3d& p) const noexcept override;
   Box3 bounds() const override;
   bool isConvex() const override { return is_convex_; }
+  Symmetry symmetry() const override { return Symmetry::kRevolved; }
   const RevolvedProfile& profile() const { return profile_; }
 
  private:
@@ -91,6 +102,10 @@ class BoxShape final : public ToolShape {
   double distance(const Vec3d& p) const noexcept override;
   Box3 bounds() const override { return box_; }
   bool isConvex() const override { return true; }
+  Symmetry symmetry() const override {
+    return rounding_ == 0 && box_.min[1] == -box_.max[1] ? Symmetry::kPlate : Symmetry::kNone;
+  }
+  double halfThickness() const override { return box_.max[1]; }
 
  private:
   Box3 box_;
@@ -105,6 +120,8 @@ class ExtrudedShape final : public ToolShape {
   double distance(const Vec3d& p) const noexcept override;
   Box3 bounds() const override;
   bool isConvex() const override { return is_convex_; }
+  Symmetry symmetry() const override { return Symmetry::kPlate; }
+  double halfThickness() const override { return half_; }
 
  private:
   RevolvedProfile profile_;
@@ -119,6 +136,8 @@ class UnionShape final : public ToolShape {
   double distance(const Vec3d& p) const noexcept override;
   Box3 bounds() const override;
   bool isConvex() const override { return parts_.size() == 1 && parts_[0]->isConvex(); }
+  /// kRevolved if all parts are.
+  Symmetry symmetry() const override;
 
  private:
   std::vector<std::shared_ptr<const ToolShape>> parts_;

@@ -19,10 +19,11 @@ struct Wrench {
 
 /// One sample of the device, as the session log keeps it. A state is a function of these, the commands and the case.
 struct DeviceSample {
-  Rigid3 T_world_device;       ///< where the hand holds the tool: tip and axes, mm
-  double pedal = 0;            ///< 0 to 1 of the tool's nominal speed
-  double irrigation = 1;       ///< 0 to 1 of the cooling spray
-  std::uint32_t is_valid = 1;  ///< 0: no sample arrived in time, or it was not finite; force goes to zero and stays there
+  Rigid3 T_world_device;  ///< where the hand holds the tool: tip and axes, mm
+  double pedal = 0;       ///< 0 to 1 of the tool's nominal speed
+  double irrigation = 1;  ///< 0 to 1 of the cooling spray
+  std::uint32_t is_valid =
+      1;  ///< 0: no sample arrived in time, or it was not finite; force goes to zero and stays there
 
   /// Finite, unit quaternion within 1e-6, pedal and irrigation in range.
   bool isUsable() const;

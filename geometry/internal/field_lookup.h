@@ -1,0 +1,25 @@
+// The loop behind ToolField: many look-ups at once, in whatever vector instructions the processor has.
+#pragma once
+
+#include <array>
+
+namespace kerf::internal {
+
+enum class TableForm : int { kSpatial, kRevolved, kPlate };
+
+/// A tool's table as the loop needs it: see ToolField.
+struct FieldTable {
+  const float* values = nullptr;
+  TableForm form = TableForm::kSpatial;
+  float inverse = 1;                             ///< samples per mm
+  float half = 0;                                ///< of a plate, mm
+  float reach = 0;                               ///< how far beyond the solid the table is right, mm
+  std::array<float, 3> low{}, high{}, origin{};  ///< of the solid, and the table's first sample, mm
+  std::array<int, 3> size{0, 0, 1};
+};
+
+/// Distances at n points, n a multiple of 8. The same bits with any instruction set: no fused multiply-add, no
+/// reordering between lanes.
+void lookUp(const FieldTable& table, const float* x, const float* y, const float* z, float* out, int n) noexcept;
+
+}  // namespace kerf::internal

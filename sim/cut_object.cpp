@@ -1,0 +1,185 @@
+#include "sim/cut_object.h"
+
+#include <algorithm>
+#include <bit>
+#include <cassert>
+#include <cmath>
+#include <cstring>
+#include <new>
+
+namespace kerf {
+namespace {
+
+constexpr std::size_t kChunksPerBrick = 5;  // 320 nodes: more than a plane's 8 x 8 x 3, or two of them
+
+}  // namespace
+
+CutObject::CutObject(std::shared_ptr<const BakedObject> baked, std::size_t bricks)
+    : baked_(std::move(baked)), directory_(baked_->directory()), scratch_(kBrickNodes) {
+  slots_.reserve(baked_->slots().size());
+  for (const BakedObject::Slot& from : baked_->slots()) {
+    Slot& s = slots_.emplace_back();
+    s.brick = from.brick, s.phi = from.phi, s.own = nullptr, s.materials = from.materials;
+    s.chunks.fill(nullptr);
+    for (std::uint32_t n = 0; n * kChunk < from.shell_count; ++n)
+      s.chunks[n] = baked_->shell().data() + from.shell_begin + n * kChunk;
+    s.shell_count = static_cast<std::int16_t>(from.shell_count);
+    s.owns_shell = s.is_dirty = s.is_exported_dirty = false;
+    s.has_one_material = from.has_one_material;
+    s.least = *std::min_element(s.phi, s.phi + kBrickNodes);
+    s.sleeps_until_contact = s.sleeps_until_cut = -1;
+  }
+  dirty_.reserve(slots_.size()), export_.reserve(slots_.size()), to_repair_.reserve(slots_.size());
+  repair_mark_.assign(slots_.size(), 0);
+  if (!reserve(std::min(bricks, slots_.size()))) throw std::bad_alloc();
+}
+
+bool CutObject::reserve(std::size_t bricks) {
+  bricks = std::max<std::size_t>(bricks, 1);
+  try {
+    auto values = std::make_unique<BrickValues[]>(bricks);
+    auto nodes = std::make_unique<ShellNode[]>(bricks * kChunksPerBrick * kChunk);
+    // Room for all that exist: giving back never allocates.
+    free_phi_.reserve(all_bricks_ + bricks);
+    free_chunks_.reserve((all_bricks_ + bricks) * kChunksPerBrick);
+    phi_blocks_.push_back(std::move(values));
+    shell_blocks_.push_back(std::move(nodes));
+  } catch (const std::bad_alloc&) {
+    return false;
+  }
+  all_bricks_ += bricks;
+  for (std::size_t n = bricks; n-- > 0;) free_phi_.push_back(phi_blocks_.back()[n].data());
+  for (std::size_t n = bricks * kChunksPerBrick; n-- > 0;)
+    free_chunks_.push_back(shell_blocks_.back().get() + n * kChunk);
+  return true;
+}
+
+void CutObject::mark(int s) noexcept {
+  Slot& slot = slots_[static_cast<std::size_t>(s)];
+  if (!slot.is_dirty) slot.is_dirty = true, dirty_.push_back(s);
+  if (!slot.is_exported_dirty) slot.is_exported_dirty = true, export_.push_back(s);
+}
+
+float* CutObject::write(int s) noexcept {
+  Slot& slot = slots_[static_cast<std::size_t>(s)];
+  if (!slot.own) {
+    if (free_phi_.empty()) return nullptr;
+    slot.own = free_phi_.back();
+    free_phi_.pop_back();
+    std::memcpy(slot.own, slot.phi, sizeof(BrickValues));
+    slot.phi = slot.own;
+  }
+  mark(s);
+  return slot.own;
+}
+
+bool CutObject::restore(const Vec3i& brick, const BrickValues& values) {
+  const int s = find(brick);
+  if (s < 0) return false;
+  if (freeBricks() == 0 && !reserve(1024)) return false;
+  float* own = write(s);
+  std::copy(values.begin(), values.end(), own);
+  Slot& restored = slot(s);
+  restored.least = *std::min_element(own, own + kBrickNodes);
+  restored.sleeps_until_contact = restored.sleeps_until_cut = -1;
+  return true;
+}
+
+BrickNeighborhood CutObject::around(const Slot& slot) const noexcept {
+  const Vec3i at = slot.brick - baked_->directoryLow();
+  const Vec3i& size = baked_->directorySize();
+  const int here = (at[0] * size[1] + at[1]) * size[2] + at[2];
+  const int step[3] = {size[1] * size[2], size[2], 1};
+  BrickNeighborhood out{slot.phi, {}};
+  for (int f = 0; f < 6; ++f) {
+    const std::int32_t s = directory_[static_cast<std::size_t>(here + (f & 1 ? 1 : -1) * step[f / 2])];
+    out.face[f] = s < 0 ? baked_->outsideBrick() : slots_[static_cast<std::size_t>(s)].phi;
+  }
+  return out;
+}
+
+bool CutObject::repairShell(Slot& slot) noexcept {
+  const int count = shellOfBrick(around(slot), slot.materials, voxel(), scratch_.data());
+  const int chunks = (count + kChunk - 1) / kChunk, had = (slot.shell_count + kChunk - 1) / kChunk;
+  const int owned = slot.owns_shell ? had : 0;
+  if (static_cast<int>(free_chunks_.size()) < chunks - owned) return false;
+  std::array<ShellNode*, 8> next{};
+  for (int c = 0; c < chunks; ++c) {
+    if (c < owned) {
+      next[static_cast<std::size_t>(c)] = const_cast<ShellNode*>(slot.chunks[static_cast<std::size_t>(c)]);
+    } else {
+      next[static_cast<std::size_t>(c)] = free_chunks_.back();
+      free_chunks_.pop_back();
+    }
+  }
+  for (int c = chunks; c < owned; ++c)
+    free_chunks_.push_back(const_cast<ShellNode*>(slot.chunks[static_cast<std::size_t>(c)]));
+  slot.chunks.fill(nullptr);
+  for (int c = 0; c < chunks; ++c) {
+    const int n = std::min(kChunk, count - c * kChunk);
+    std::copy_n(scratch_.data() + c * kChunk, n, next[static_cast<std::size_t>(c)]);
+    slot.chunks[static_cast<std::size_t>(c)] = next[static_cast<std::size_t>(c)];
+  }
+  slot.shell_count = static_cast<std::int16_t>(count);
+  slot.owns_shell = true;
+  return true;
+}
+
+bool CutObject::repair() noexcept {
+  ++repair_round_;
+  to_repair_.clear();
+  for (const int s : dirty_) {
+    const Vec3i brick = slots_[static_cast<std::size_t>(s)].brick;
+    const auto want = [&](int slot) {
+      if (slot < 0 || repair_mark_[static_cast<std::size_t>(slot)] == repair_round_) return;
+      repair_mark_[static_cast<std::size_t>(slot)] = repair_round_;
+      to_repair_.push_back(slot);
+    };
+    want(s);
+    for (int axis = 0; axis < 3; ++axis)
+      for (const int side : {-1, 1}) {
+        Vec3i next = brick;
+        next[axis] += side;
+        want(find(next));
+      }
+  }
+  for (const int s : to_repair_)
+    if (!repairShell(slots_[static_cast<std::size_t>(s)])) return false;
+  for (const int s : dirty_) slots_[static_cast<std::size_t>(s)].is_dirty = false;
+  dirty_.clear();
+  return true;
+}
+
+BrickField CutObject::changedField() const {
+  const BrickField& phi0 = baked_->phi0();
+  BrickField out(phi0.voxel(), phi0.background(), phi0.interior());
+  for (std::size_t s = 0; s < slots_.size(); ++s)
+    if (slots_[s].own && std::memcmp(slots_[s].own, baked_->slots()[s].phi, sizeof(BrickValues)) != 0)
+      out.add(slots_[s].brick, std::span<const float, kBrickNodes>(slots_[s].own, kBrickNodes));
+  return out;
+}
+
+std::uint64_t CutObject::stateHash() const { return changedField().stateHash(); }
+
+std::array<double, 256> CutObject::countVolumes() const {
+  const double e = kShellHalfWidth * voxel(), cell = std::pow(voxel(), 3);
+  std::array<double, 256> out{};
+  for (const Slot& slot : slots_)
+    for (int n = 0; n < kBrickNodes; ++n) out[slot.materials[n]] += cell * insidePart(slot.phi[n], e);
+  return out;
+}
+
+std::size_t CutObject::shellDefects() const {
+  std::vector<ShellNode> expected(kBrickNodes);
+  std::size_t defects = 0;
+  for (const Slot& slot : slots_) {
+    const int count = shellOfBrick(around(slot), slot.materials, voxel(), expected.data());
+    bool is_same = count == slot.shell_count;
+    for (int n = 0; is_same && n < count; ++n)
+      is_same = slot.chunks[static_cast<std::size_t>(n / kChunk)][n % kChunk] == expected[static_cast<std::size_t>(n)];
+    defects += !is_same;
+  }
+  return defects;
+}
+
+}  // namespace kerf

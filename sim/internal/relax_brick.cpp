@@ -1,0 +1,107 @@
+#include "sim/internal/relax_brick.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "sim/internal/relax_brick.cpp"
+#include <hwy/foreach_target.h>
+// After foreach_target.h
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace kerf::internal::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using F = hn::CappedTag<float, 8>;
+using I = hn::RebindToSigned<F>;
+using V = hn::Vec<F>;
+
+// 1 - exp(-x), x >= 0: relaxed() of sim/internal/relaxation.h, operation by operation.
+HWY_INLINE V relaxedPart(F f, V x) {
+  const I i;
+  const V one = hn::Set(f, 1.0f);
+  const auto series = [&](auto... parts) {
+    // 1 - x p1 (1 - x p2 (...)), innermost first
+    V sum = one;
+    ((sum = hn::Sub(one, hn::Mul(hn::Mul(x, hn::Set(f, parts)), sum))), ...);
+    return sum;
+  };
+  const V small = hn::Mul(x, series(1.0f / 5, 1.0f / 4, 1.0f / 3, 1.0f / 2));
+  const V bounded = hn::Min(x, hn::Set(f, 87.0f));
+  const auto n = hn::ConvertTo(i, hn::Add(hn::Mul(bounded, hn::Set(f, 1.44269504f)), hn::Set(f, 0.5f)));
+  const V turns = hn::ConvertTo(f, n);
+  const V r =
+      hn::Sub(hn::Sub(bounded, hn::Mul(turns, hn::Set(f, 0.693145752f))), hn::Mul(turns, hn::Set(f, 1.42860677e-6f)));
+  V sum = one;
+  for (const float part : {1.0f / 6, 1.0f / 5, 1.0f / 4, 1.0f / 3, 1.0f / 2, 1.0f})
+    sum = hn::Sub(one, hn::Mul(hn::Mul(r, hn::Set(f, part)), sum));
+  const V power = hn::BitCast(f, hn::ShiftLeft<23>(hn::Sub(hn::Set(i, 127), n)));
+  const V decayed = hn::IfThenElse(hn::Lt(x, hn::Set(f, 87.0f)), hn::Mul(sum, power), hn::Zero(f));
+  return hn::IfThenElse(hn::Lt(x, hn::Set(f, 0.125f)), small, hn::Sub(one, decayed));
+}
+
+RelaxResult relaxHere(const RelaxInput& in, float* out) {
+  const F f;
+  const int lanes = static_cast<int>(hn::Lanes(f));
+  const V far = hn::Set(f, 1e30f), cap = hn::Set(f, in.cap);
+  V gaps = far, least = far;
+  for (int n = 0; n < kBrickNodes; n += lanes) {
+    const V phi = hn::LoadU(f, in.phi + n), tau = hn::LoadU(f, in.tau + n);
+    const V gap = hn::IfThenElse(hn::Lt(phi, cap), hn::Add(phi, tau), far);
+    gaps = hn::Min(gaps, gap);
+    if (hn::AllFalse(f, hn::Lt(gap, hn::Zero(f)))) {
+      least = hn::Min(least, phi);
+      hn::StoreU(phi, f, out + n);
+      continue;
+    }
+    V next;
+    if (in.geometry_only) {
+      next = hn::Max(phi, hn::Neg(tau));  // exactly, so that once or twice is the same
+    } else {
+      V lever = hn::Set(f, 1.0f);
+      if (in.lever == LeverForm::kRadius) {
+        const V x = hn::LoadU(f, in.x + n), y = hn::LoadU(f, in.y + n);
+        lever = hn::Max(hn::Sqrt(hn::Add(hn::Mul(x, x), hn::Mul(y, y))), hn::Set(f, in.least_radius));
+      } else if (in.lever == LeverForm::kPivot) {
+        const V x = hn::LoadU(f, in.x + n), up = hn::Sub(hn::LoadU(f, in.z + n), hn::Set(f, in.pivot));
+        lever = hn::Sqrt(hn::Add(hn::Mul(x, x), hn::Mul(up, up)));
+      }
+      const V rate = in.rates ? hn::LoadU(f, in.rates + n) : hn::Set(f, in.rate);
+      next = hn::Add(phi, hn::Mul(hn::Max(hn::Neg(gap), hn::Zero(f)), relaxedPart(f, hn::Mul(rate, lever))));
+    }
+    next = hn::Min(next, hn::Max(phi, cap));
+    least = hn::Min(least, next);
+    hn::StoreU(next, f, out + n);
+  }
+  return {hn::GetLane(hn::MinOfLanes(f, gaps)), hn::GetLane(hn::MinOfLanes(f, least))};
+}
+
+void placeHere(const float base[3], const float along[3][3], float* x, float* y, float* z) {
+  const hn::CappedTag<float, 8> f;
+  const int lanes = static_cast<int>(hn::Lanes(f));
+  float* out[3] = {x, y, z};
+  for (int c = 0; c < 3; ++c)
+    for (int row = 0; row < 64; ++row) {
+      const float start =
+          base[c] + static_cast<float>(row >> 3) * along[0][c] + static_cast<float>(row & 7) * along[1][c];
+      for (int k = 0; k < 8; k += lanes)
+        hn::StoreU(hn::Add(hn::Set(f, start), hn::Mul(hn::Iota(f, static_cast<float>(k)), hn::Set(f, along[2][c]))), f,
+                   out[c] + 8 * row + k);
+    }
+}
+
+}  // namespace kerf::internal::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace kerf::internal {
+
+HWY_EXPORT(relaxHere);
+HWY_EXPORT(placeHere);
+
+RelaxResult relaxBrick(const RelaxInput& in, float* out) noexcept { return HWY_DYNAMIC_DISPATCH(relaxHere)(in, out); }
+
+void placeNodes(const float base[3], const float along[3][3], float* x, float* y, float* z) noexcept {
+  HWY_DYNAMIC_DISPATCH(placeHere)(base, along, x, y, z);
+}
+
+}  // namespace kerf::internal
+#endif

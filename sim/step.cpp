@@ -1,0 +1,228 @@
+#include "sim/step.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numbers>
+
+#if defined(__SSE2__)
+#include <xmmintrin.h>
+#endif
+
+namespace kerf {
+namespace {
+
+// Denormal numbers cost a hundred times as much as others, at unforeseeable moments. The mode belongs to the step, so
+// that it computes the same wherever it is called.
+class FlushDenormals {
+ public:
+#if defined(__SSE2__)
+  FlushDenormals() noexcept : before_(_mm_getcsr()) { _mm_setcsr(before_ | 0x8040u); }
+  ~FlushDenormals() { _mm_setcsr(before_); }
+  FlushDenormals(const FlushDenormals&) = delete;
+  FlushDenormals& operator=(const FlushDenormals&) = delete;
+
+ private:
+  unsigned before_;
+#endif
+};
+
+ContactSums toWorld(const ContactSums& sums, const Eigen::Matrix3d& r) {
+  ContactSums out = sums;
+  out.force = r * sums.force, out.torque = r * sums.torque;
+  out.force_after = r * sums.force_after, out.torque_after = r * sums.torque_after;
+  for (int i = 0; i < 2; ++i)
+    for (int j = 0; j < 2; ++j)
+      out.stiffness.block<3, 3>(3 * i, 3 * j) = r * sums.stiffness.block<3, 3>(3 * i, 3 * j) * r.transpose();
+  out.drag_moment = r * sums.drag_moment;
+  out.drag_second = r * sums.drag_second * r.transpose();
+  return out;
+}
+
+// Drag on the tool by its own motion. A stroke or swing goes to and fro: its mean is zero, what stays is that friction
+// along the feed is small beside it.
+Wrench ownDrag(const ToolModel& tool, const Rigid3& pose, double speed, const ContactSums& sums) {
+  Wrench out;
+  if (tool.motion != ToolMotion::kSpin) return out;
+  const Vec3d spin = pose.rotation * Vec3d(0, 0, -speed);
+  out.force = -spin.cross(sums.drag_moment);
+  out.torque = -(sums.drag_second.trace() * spin - sums.drag_second * spin);
+  return out;
+}
+
+void filterDevice(State& state, const DeviceSample& input, const CouplingSettings& settings) {
+  if (!state.has_device) {
+    state.device = {input.T_world_device, Vec3d::Zero(), Vec3d::Zero()};
+    if (state.tick == 0) state.body.pose = input.T_world_device;
+    state.has_device = true;
+    return;
+  }
+  const double a = 1 - std::exp(-2 * std::numbers::pi * settings.filter_hz * kTick);
+  const Vec3d v = (input.T_world_device.translation - state.device.pose.translation) / kTick;
+  const Vec3d w = rotationBetween(state.device.pose.rotation, input.T_world_device.rotation) / kTick;
+  state.device.velocity += a * (v - state.device.velocity);
+  state.device.angular += a * (w - state.device.angular);
+  state.device.pose = input.T_world_device;
+}
+
+}  // namespace
+
+bool DeviceSample::isUsable() const {
+  return is_valid == 1 && T_world_device.translation.allFinite() && T_world_device.rotation.coeffs().allFinite() &&
+         std::abs(T_world_device.rotation.norm() - 1) < 1e-6 && T_world_device.translation.norm() < 1e5 && pedal >= 0 &&
+         pedal <= 1 && irrigation >= 0 && irrigation <= 1;
+}
+
+double longestSubstep(const ToolModel& tool, double voxel) noexcept {
+  return std::min(0.5 * tool.finest_mm, std::sqrt(0.4 * voxel * tool.smallest_radius_mm));
+}
+
+void State::place(const Rigid3& T_world_tool) noexcept {
+  body = {T_world_tool, Vec3d::Zero(), Vec3d::Zero()};
+  device = {T_world_tool, Vec3d::Zero(), Vec3d::Zero()};
+  for (CutObject& object : objects) object.odometer += 1e6;
+  has_device = true;
+}
+
+void State::selectTool(std::size_t index) noexcept {
+  tool = index;
+  speed = 0;
+  for (CutObject& object : objects) object.odometer += 1e6;
+}
+
+std::uint64_t State::hash() const {
+  std::uint64_t h = 0x6b657266;
+  const auto mix = [&h](std::uint64_t v) { h = (h ^ v) * 0x9e3779b97f4a7c15ull, h ^= h >> 29; };
+  for (const CutObject& object : objects) mix(object.stateHash());
+  const auto add = [&](const auto& vector) {
+    for (Eigen::Index n = 0; n < vector.size(); ++n) mix(std::bit_cast<std::uint64_t>(double(vector[n])));
+  };
+  add(body.pose.translation), add(body.pose.rotation.coeffs()), add(body.velocity), add(body.angular);
+  add(last_force.force), add(last_force.torque);
+  mix(std::bit_cast<std::uint64_t>(speed)), mix(tool), mix(tick);
+  return h;
+}
+
+void step(const Model& model, State& state, const DeviceSample& input, StepOutput& output) noexcept {
+  const FlushDenormals flush;
+  output = StepOutput{};
+  const StepSettings& settings = model.settings;
+  if (!input.isUsable()) state.is_latched = true;
+  if (state.is_latched) {
+    // Zero, and stays zero: a hand that comes back to a pressed tool must not be struck.
+    state.last_force = {};
+    state.has_device = false, state.ramp = 0;
+    state.speed = 0;
+    state.body.velocity.setZero(), state.body.angular.setZero();
+    output.T_world_tool = state.body.pose;
+    output.status = kStepBadSample;
+    ++state.tick;
+    return;
+  }
+  const ToolModel& tool = model.tools[state.tool];
+  const Rigid3 before = state.body.pose;
+  const bool is_first = !state.has_device && state.tick == 0;
+  filterDevice(state, input, settings.coupling);
+  state.ramp = settings.ramp_s > 0 ? std::min(1.0, state.ramp + kTick / settings.ramp_s) : 1;
+
+  double longest = 0.5 * tool.finest_mm;
+  for (const CutObject& object : state.objects) longest = std::min(longest, longestSubstep(tool, object.voxel()));
+  const double reach = tool.cut.reach();
+  const bool is_coupled = settings.rendering == Rendering::kCoupled;
+
+  // How many looks this tick needs: by where the path leads, or by how fast the coupled tool may become.
+  double motion = 0;
+  if (is_coupled) {
+    ToolBody free = state.body;
+    advance(free, state.device, ContactSums{}, Wrench{}, settings.coupling, reach, longest * settings.most_substeps,
+            kTick);
+    motion = kTick * std::max(free.velocity.norm() + reach * free.angular.norm(),
+                              state.body.velocity.norm() + reach * state.body.angular.norm());
+  } else if (!is_first) {
+    motion = (state.device.pose.translation - before.translation).norm() +
+             reach * rotationBetween(before.rotation, state.device.pose.rotation).norm();
+  }
+  int substeps = static_cast<int>(std::min(std::ceil(motion / longest), 1e6));
+  substeps = std::max(substeps, 1);
+  if (substeps > settings.most_substeps) {
+    // A machine's path is followed to its end all the same, in steps as short as they must be.
+    if (is_coupled) substeps = settings.most_substeps;
+    output.status |= kStepTooFast;
+  }
+  const double dt = kTick / substeps;
+
+  const double wanted_speed = input.pedal * tool.drive.speed;
+  for (int n = 1; n <= substeps; ++n) {
+    Rigid3 last = state.body.pose;
+    if (!is_coupled) {
+      const double s = static_cast<double>(n) / substeps;
+      Rigid3 pose = state.device.pose;
+      if (n < substeps)
+        pose = {before.rotation.slerp(s, state.device.pose.rotation),
+                before.translation + s * (state.device.pose.translation - before.translation)};
+      state.body.velocity = (pose.translation - last.translation) / dt;
+      state.body.angular = rotationBetween(last.rotation, pose.rotation) / dt;
+      state.body.pose = pose;
+      const double moved = (pose.translation - last.translation).norm() +
+                           tool.reach_mm * rotationBetween(last.rotation, pose.rotation).norm();
+      for (CutObject& object : state.objects) object.odometer += moved;
+    }
+    ContactSums world;
+    for (CutObject& object : state.objects) {
+      const Rigid3 T_object_world = object.T_world_object.inverse();
+      ContactInput in;
+      in.tool = &tool, in.tissues = &model.tissues;
+      in.T_object_tool = T_object_world * state.body.pose;
+      in.speed = state.speed, in.dt = dt;
+      in.velocity = T_object_world.rotation * state.body.velocity;
+      in.angular = T_object_world.rotation * state.body.angular;
+      if (!state.near.find(object, tool, in.T_object_tool)) output.status |= kStepNearRanOut;
+      ContactSums sums;
+      sumContact(object, state.near, in, sums);
+      world.add(toWorld(sums, object.T_world_object.rotation.toRotationMatrix()));
+      const CutResult cut = erode(object, state.near, in, settings.geometry_only);
+      output.removed_mm3 += cut.removed_mm3, output.bricks_cut += cut.bricks;
+      output.bricks_near += static_cast<int>(state.near.size());
+      if (cut.room_ran_out || !object.repair()) output.status |= kStepBricksRanOut;
+    }
+    const Wrench own = ownDrag(tool, state.body.pose, state.speed, world);
+    if (is_coupled) {
+      last = state.body.pose;
+      advance(state.body, state.device, world, own, settings.coupling, reach, longest, dt);
+      const double moved = dt * (state.body.velocity.norm() + tool.reach_mm * state.body.angular.norm()) + 1e-9;
+      for (CutObject& object : state.objects) object.odometer += moved;
+    }
+    Vector6d twist;
+    twist.head<3>() = state.body.velocity, twist.tail<3>() = state.body.angular;
+    const Vector6d feed_drag = world.dragMatrix() * twist;
+    const double share = 1.0 / substeps;
+    output.contact.force += share * (world.force + own.force - feed_drag.head<3>());
+    output.contact.torque += share * (world.torque + own.torque - feed_drag.tail<3>());
+    output.normal_load += share * world.normal_load, output.cutting_load += share * world.cutting_load;
+    output.drive_load += share * world.drive_load, output.power += share * world.power;
+    output.area = std::max(output.area, world.area), output.deepest = std::max(output.deepest, world.deepest);
+    output.tested += world.tested, output.touching += world.touching;
+  }
+  output.substeps = substeps;
+
+  // Free speed falls with the load in proportion; the drive follows with its time constant.
+  const double sag = tool.drive.stall_load > 0 ? std::max(0.0, 1 - output.drive_load / tool.drive.stall_load) : 1;
+  const double follow = tool.drive.time_constant > 0 ? 1 - std::exp(-kTick / tool.drive.time_constant) : 1;
+  state.speed += follow * (wanted_speed * sag - state.speed);
+
+  Wrench wanted;
+  if (is_coupled)
+    wanted = couplingWrench(state.body, state.device, settings.coupling);
+  else if (settings.rendering == Rendering::kDirect)
+    wanted = output.contact;
+  wanted.force *= state.ramp, wanted.torque *= state.ramp;
+  output.force = clamped(wanted, state.last_force, settings.coupling, kTick);
+  if ((output.force.force - wanted.force).norm() > 1e-9 || (output.force.torque - wanted.torque).norm() > 1e-9)
+    output.status |= kStepForceClamped;
+  state.last_force = output.force;
+  output.T_world_tool = state.body.pose;
+  output.speed = state.speed;
+  ++state.tick;
+}
+
+}  // namespace kerf

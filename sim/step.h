@@ -1,0 +1,97 @@
+// The 1 kHz step: device in, contact, force out, erosion, shell repair. One function, for the haptic thread and for
+// headless programs alike: same model, same state, same samples, same bits.
+//
+// World frame: that of the scene; every object and the tool have poses in it. mm, N, s, rad.
+#pragma once
+
+#include <vector>
+
+#include "sim/contact.h"
+#include "sim/coupling.h"
+#include "sim/cut_object.h"
+#include "sim/device_sample.h"
+#include "sim/tissue.h"
+#include "sim/tool_model.h"
+
+namespace kerf {
+
+/// What stands between hand and tool.
+enum class Rendering {
+  kCoupled,  ///< virtual coupling: the default
+  kDirect,   ///< the tool is where the device is, the hand gets the contact's force: stiff contact is unstable
+  kRigid     ///< as kDirect, but nobody holds the device: a machine that follows its path whatever the force
+};
+
+struct StepSettings {
+  CouplingSettings coupling;
+  Rendering rendering = Rendering::kCoupled;
+  bool geometry_only = false;  ///< cut whatever the tool sweeps, without resistance
+  int most_substeps = 8;       ///< looks at contact within a tick, for fast motion
+  double ramp_s = 0.2;         ///< force fades in over this long after the start
+};
+
+/// Never changes during a session; may be shared.
+struct Model {
+  std::vector<ToolModel> tools;
+  TissueTable tissues;
+  StepSettings settings;
+};
+
+/// Belongs to the thread that calls step(). Everything is reserved when it is made.
+struct State {
+  State() : near(1 << 16) {}
+  std::vector<CutObject> objects;
+  std::size_t tool = 0;  ///< index into Model::tools; change it by selectTool()
+  ToolBody body;
+  double speed = 0;  ///< of the drive, as in ToolDrive
+  DeviceMotion device;
+  Wrench last_force;       ///< what went to the hand
+  std::uint64_t tick = 0;  ///< how many there were
+  bool has_device = false, is_latched = false;
+  double ramp = 0;  ///< 0 to 1
+  NearBricks near;
+
+  /// Puts the tool where a hand is, at rest: at the start, and after a pause. No force until contact.
+  void place(const Rigid3& T_world_tool) noexcept;
+  /// Another tool, at rest. All bricks wake up. @rt
+  void selectTool(std::size_t index) noexcept;
+  /// After a fault, when the device is back. @rt
+  void clearLatch() noexcept { is_latched = false, has_device = false, ramp = 0; }
+  /// Of fields, tool and force: same inputs, same number on any build.
+  std::uint64_t hash() const;
+};
+
+/// Bits; each says which limit to raise or what happened.
+enum StepStatus : std::uint32_t {
+  kStepOk = 0,
+  kStepBricksRanOut = 1,  ///< CutObject::reserve: some bricks were not cut in this tick
+  kStepNearRanOut = 2,    ///< more bricks near the tool than NearBricks holds
+  kStepTooFast = 4,       ///< the hand is faster than most_substeps follow; the tool lags, nothing was jumped over
+  kStepBadSample = 8,     ///< no usable sample: force is zero from now on, see State::clearLatch
+  kStepForceClamped = 16  ///< the hand got less than the coupling wanted
+};
+
+struct StepOutput {
+  DeviceForce force;  ///< to the hand
+  Wrench contact;     ///< on the tool, world axes, about the tip: pressure and drag, mean over the tick
+  Rigid3 T_world_tool;
+  double normal_load = 0;   ///< N = integral of p dA, N
+  double cutting_load = 0;  ///< of it, on what cuts
+  double removed_mm3 = 0;
+  double drive_load = 0;         ///< N mm, of a stroke N
+  double power = 0;              ///< of the drive into the tissue, N mm/s
+  double speed = 0;              ///< of the drive after the tick
+  double area = 0, deepest = 0;  ///< mm^2, mm
+  int tested = 0, touching = 0;  ///< nodes
+  int bricks_near = 0, bricks_cut = 0, substeps = 0;
+  std::uint32_t status = kStepOk;
+};
+
+/// One tick of kTick seconds. @rt @cost tens to hundreds of microseconds, with the area in contact, not the object.
+/// Contact and erosion are evaluated at the same pose and field, force first; then the tool moves.
+void step(const Model& model, State& state, const DeviceSample& input, StepOutput& output) noexcept;
+
+/// Longest motion between two looks at contact, mm: min(finest / 2, sqrt(0.4 h r)).
+double longestSubstep(const ToolModel& tool, double voxel) noexcept;
+
+}  // namespace kerf

@@ -1,0 +1,46 @@
+// A tool as the step sees it: its two distance fields, how it moves on its own, and what drives it.
+#pragma once
+
+#include "geometry/tool.h"
+#include "geometry/tool_field.h"
+
+namespace kerf {
+
+/// How the cutting part moves while the hand holds still. Cutting takes the mean over a cycle.
+enum class ToolMotion {
+  kSpin,    ///< about the tool's z axis, clockwise seen from the shank
+  kStroke,  ///< to and fro along z
+  kSwing    ///< to and fro about the pivot of a sagittal blade, in the plane y = 0
+};
+
+/// What turns it. Free speed falls in proportion to the load and reaches zero at stall.
+struct ToolDrive {
+  double speed = 0;          ///< kSpin: rad/s; kStroke: mean speed along the stroke, mm/s; kSwing: mean rad/s
+  double stall_load = 0;     ///< kSpin, kSwing: N mm; kStroke: N
+  double time_constant = 0;  ///< s: how fast speed follows
+  /// Specific cutting energy of this tool over that of the materials' table: fine grit makes fine chips, and those cost
+  /// more work per volume.
+  double energy_factor = 1;
+};
+
+struct ToolModel {
+  std::string id;
+  ToolField cut, body;  ///< tau_cut erodes; min(tau_cut, tau_body) collides
+  ToolMotion motion = ToolMotion::kSpin;
+  ToolDrive drive;
+  double equator_mm = 0;          ///< kSpin: largest cutting radius. Surface speed counts as at least 0.2 of that there
+  double pivot_mm = 0;            ///< kSwing: height of the pivot
+  double finest_mm = 0;           ///< no motion without a look at contact is longer than half of this
+  double smallest_radius_mm = 0;  ///< of what cuts: scallops between two poses stay below 0.05 voxel
+  double reach_mm = 0;            ///< farthest point from the tip
+  Vec3d plunge_direction = -Vec3d::UnitZ();
+};
+
+/// Nominal drive of a tool: burs by their shank (friction grip 200 000 rpm, right angle 40 000, else 20 000; drills
+/// 800), blades by their motion. Training defaults.
+ToolDrive defaultDrive(const Tool& tool);
+
+/// Bakes both fields. @param margin_mm  at least the band of any object it will meet.
+ToolModel makeToolModel(const Tool& tool, double margin_mm = 0.5);
+
+}  // namespace kerf

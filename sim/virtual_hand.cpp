@@ -1,0 +1,138 @@
+#include "sim/virtual_hand.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerf {
+namespace {
+
+Rigid3 between(const Rigid3& a, const Rigid3& b, double s) {
+  return {a.rotation.slerp(s, b.rotation), a.translation + s * (b.translation - a.translation)};
+}
+
+double duration(const CutPath& path) { return path.poses.back().t - path.poses.front().t; }
+
+}  // namespace
+
+Rigid3 poseAt(const CutPath& path, double t, bool* cuts) {
+  const double at = path.poses.front().t + t;
+  const auto after = std::upper_bound(path.poses.begin(), path.poses.end(), at,
+                                      [](double time, const PathPose& pose) { return time < pose.t; });
+  if (after == path.poses.begin() || after == path.poses.end()) {
+    if (cuts) *cuts = after == path.poses.begin() ? path.cuts.front() != 0 : path.cuts.back() != 0;
+    return after == path.poses.begin() ? path.poses.front().T_object_tool : path.poses.back().T_object_tool;
+  }
+  const PathPose &a = *(after - 1), &b = *after;
+  if (cuts) *cuts = path.cuts[static_cast<std::size_t>(after - path.poses.begin() - 1)] != 0;
+  return between(a.T_object_tool, b.T_object_tool, (at - a.t) / (b.t - a.t));
+}
+
+bool FeedHand::next(const StepOutput&, DeviceSample& sample) {
+  if (is_over_) return false;
+  sample = DeviceSample{};
+  bool cuts = true;
+  sample.T_world_device = poseAt(path_, t_, &cuts);
+  sample.pedal = cuts ? 1 : 0;
+  is_over_ = t_ >= duration(path_);
+  t_ += kTick;
+  return true;
+}
+
+double FeedHand::progress() const { return duration(path_) > 0 ? std::min(1.0, t_ / duration(path_)) : 1; }
+
+ForceHand::ForceHand(const CutPath& path, const CouplingSettings& coupling, const Options& options)
+    : path_(path), options_(options), lead_(options.force / coupling.stiffness) {
+  double sum = 0;
+  for (std::size_t n = 0; n < path.poses.size(); ++n) {
+    if (n > 0) sum += (path.poses[n].T_object_tool.translation - path.poses[n - 1].T_object_tool.translation).norm();
+    length_.push_back(sum);
+  }
+}
+
+double ForceHand::timeAt(double length) const {
+  const auto after = std::upper_bound(length_.begin(), length_.end(), length);
+  if (after == length_.end()) return duration(path_);
+  const auto n = static_cast<std::size_t>(after - length_.begin());
+  const double s = n == 0 ? 0 : (length - length_[n - 1]) / (length_[n] - length_[n - 1]);
+  const std::size_t from = n == 0 ? 0 : n - 1;
+  return path_.poses[from].t + s * (path_.poses[n].t - path_.poses[from].t) - path_.poses.front().t;
+}
+
+bool ForceHand::next(const StepOutput& last, DeviceSample& sample) {
+  sample = DeviceSample{};
+  sample.pedal = 1;
+  if (!has_begun_) {
+    has_begun_ = true;
+    sample.T_world_device = poseAt(path_, 0);
+    return true;
+  }
+  // How far the tool has come: the nearest place on the way, looked for near the last one, never backwards.
+  const Vec3d& tip = last.T_world_tool.translation;
+  const double step = 1e-3;
+  const auto distance = [&](double length) { return (poseAt(path_, timeAt(length)).translation - tip).squaredNorm(); };
+  double best = distance(at_);
+  for (double length = at_ + step; length <= std::min(at_ + 0.2, length_.back()); length += step) {
+    const double d = distance(length);
+    if (d > best) break;
+    best = d, at_ = length;
+  }
+  if (at_ > watched_ + options_.stillness)
+    watched_ = at_, waited_ = 0;
+  else if ((waited_ += kTick) > options_.patience)
+    gave_up_ = true;
+  if (gave_up_ || at_ >= length_.back() - 2 * step) return false;
+  ahead_ = std::min({at_ + lead_, ahead_ + options_.feed_limit * kTick, length_.back() + lead_});
+  // Beyond the end the pull goes on in the last direction.
+  sample.T_world_device = poseAt(path_, timeAt(std::min(ahead_, length_.back())));
+  if (ahead_ > length_.back()) {
+    const std::size_t n = path_.poses.size() - 1;
+    Vec3d along = path_.poses[n].T_object_tool.translation - path_.poses[n - 1].T_object_tool.translation;
+    if (along.norm() > 0) sample.T_world_device.translation += (ahead_ - length_.back()) * along.normalized();
+  }
+  return true;
+}
+
+DeviceHand::DeviceHand(const CutPath& path, const Options& options)
+    : path_(path), options_(options), position_(poseAt(path, 0).translation) {
+  late_.assign(static_cast<std::size_t>(std::max(options.delay_ticks, 0)) + 1, Vec3d::Zero());
+}
+
+bool DeviceHand::next(const StepOutput& last, DeviceSample& sample) {
+  if (is_over_) return false;
+  late_.push_back(last.force.force);
+  const Vec3d force = late_.front();
+  late_.erase(late_.begin());
+  constexpr int kParts = 20;
+  const double dt = kTick / kParts, mass = 1e-3 * options_.mass_kg;  // tonnes
+  for (int n = 0; n < kParts; ++n) {
+    const double t = t_ + n * dt;
+    const Vec3d wanted = poseAt(path_, t).translation;
+    const Vec3d speed = (poseAt(path_, t + dt).translation - wanted) / dt;
+    // Spring and dampers implicitly; Coulomb friction takes what it can without turning the motion round.
+    const double k = options_.hand_stiffness, b = options_.hand_damping + options_.damping;
+    Vec3d v = (mass * velocity_ + dt * (force + k * (wanted - position_) + options_.hand_damping * speed)) /
+              (mass + dt * b + dt * dt * k);
+    const double most = dt * options_.friction / mass;
+    const double moving = v.norm();
+    const Vec3d after = moving <= most ? Vec3d(Vec3d::Zero()) : Vec3d(v * (1 - most / moving));
+    const Vec3d way = dt * after;
+    work_ += force.dot(way);
+    lost_ += options_.damping * after.squaredNorm() * dt + options_.friction * way.norm();
+    velocity_ = after;
+    position_ += way;
+  }
+  t_ += kTick;
+  is_over_ = t_ >= duration(path_);
+  sample = DeviceSample{};
+  bool cuts = true;
+  sample.T_world_device = poseAt(path_, t_, &cuts);
+  sample.pedal = cuts ? 1 : 0;
+  sample.T_world_device.translation = position_;
+  if (const double q = options_.encoder_mm; q > 0)
+    sample.T_world_device.translation = q * (position_ / q).array().round().matrix();
+  return true;
+}
+
+double DeviceHand::progress() const { return duration(path_) > 0 ? std::min(1.0, t_ / duration(path_)) : 1; }
+
+}  // namespace kerf

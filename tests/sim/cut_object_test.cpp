@@ -1,0 +1,142 @@
+#include "sim/cut_object.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "block_scene.h"
+
+namespace kerf {
+namespace {
+
+using test::bakedFrom;
+using test::block;
+
+double sum(const std::array<double, 256>& volumes) {
+  double total = 0;
+  for (const double v : volumes) total += v;
+  return total;
+}
+
+TEST(PointShell, AreaOfABallIsRightWhateverTheVoxelAndWhereItLies) {
+  for (const double h : {0.1, 0.05})
+    for (const double offset : {0.0, 0.031, 0.077}) {
+      const Vec3d center(offset, -0.4 * offset, 1.7 * offset);
+      Box3 box;
+      box.add(Vec3d(center.array() - 1.01)), box.add(Vec3d(center.array() + 1.01));
+      const auto ball = bakedFrom([&](const Vec3d& p) { return (p - center).norm() - 1; }, box, h);
+      double area = 0;
+      Vec3d closed = Vec3d::Zero();
+      for (const ShellNode& node : ball->shell()) {
+        const Vec3d w(node.normal_area[0], node.normal_area[1], node.normal_area[2]);
+        area += w.norm(), closed += w;
+      }
+      EXPECT_NEAR(area / (4 * M_PI), 1, h == 0.1 ? 0.003 : 0.001) << h << " " << offset;
+      EXPECT_LT(closed.norm(), 5e-4 * area);  // area vectors of a closed surface sum to nothing
+    }
+}
+
+TEST(PointShell, NormalsPointOutOfTheTissue) {
+  const auto object = block({4, 4, 2}, 0.1);
+  for (const BakedObject::Slot& slot : object->slots())
+    for (std::uint32_t n = 0; n < slot.shell_count; ++n) {
+      const ShellNode& node = object->shell()[slot.shell_begin + n];
+      const Vec3i at = 8 * slot.brick + Vec3i(node.offset >> 6, node.offset >> 3 & 7, node.offset & 7);
+      const Vec3d p = 0.1 * at.cast<double>();
+      if (std::abs(p[0]) < 1.5 && std::abs(p[1]) < 1.5 && p[2] > -0.5) {
+        ASSERT_GT(node.normal_area[2], 0);
+      }
+    }
+}
+
+TEST(CutObject, FindsEveryBrickAndNoOther) {
+  CutObject object(block({3, 2, 2}, 0.1, {Eigen::Quaterniond(Eigen::AngleAxisd(0.4, Vec3d::UnitX())), {0, 0, 0}}), 64);
+  for (int s = 0; s < object.slotCount(); ++s) ASSERT_EQ(object.find(object.slot(s).brick), s);
+  EXPECT_EQ(object.find({1000, 0, 0}), -1);
+  EXPECT_EQ(object.find({-1000, -1000, 1 << 30}), -1);
+}
+
+// What a session of 10 000 ticks leaves behind is what one would build from the field alone.
+TEST(CutObject, AfterTenThousandRandomCarvesShellAndLedgerAreThoseOfAFullRebuild) {
+  Model model;
+  model.tools = {test::uniformBall(0.35, 840)};
+  model.tissues = test::oneTissue(200, 0.5, 1000);
+  model.settings.rendering = Rendering::kRigid;
+  State state;
+  const Rigid3 askew{Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Vec3d(1, 2, -1).normalized())), {0, 0, 0}};
+  state.objects.emplace_back(block({4, 4, 3}, 0.08, askew));
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> u(-1, 1);
+  StepOutput out;
+  Vec3d at(0, 0, 0.5), velocity(0.02, 0, -0.02);
+  double removed = 0;
+  for (int tick = 0; tick < 10000; ++tick) {
+    velocity += 0.01 * Vec3d(u(random), u(random), u(random)) - 0.0005 * (at - Vec3d(0, 0, -0.6));
+    velocity *= std::min(1.0, 0.08 / velocity.norm());
+    at += velocity;
+    step(model, state, test::sampleAt({askew.rotation, askew * at}), out);
+    removed += out.removed_mm3;
+    ASSERT_EQ(out.status, kStepOk) << tick;
+  }
+  const CutObject& object = state.objects[0];
+  EXPECT_GT(removed, 5);
+  EXPECT_EQ(object.shellDefects(), 0u);
+  const double initial = sum(object.baked().volumes()), remaining = sum(object.countVolumes());
+  EXPECT_NEAR(sum(object.removed_mm3) + remaining, initial, 1e-6 * initial);
+  EXPECT_NEAR(sum(object.removed_mm3), removed, 1e-9);
+}
+
+TEST(CutObject, WithoutRoomNothingIsLostOnlyLate) {
+  const auto baked = block({4, 4, 2}, 0.1);
+  Model model;
+  model.tools = {test::uniformBall(0.5, 840)};
+  model.tissues = test::oneTissue(200, 0.5, 1000);
+  model.settings.rendering = Rendering::kRigid;
+  model.settings.geometry_only = true;
+  const auto dig = [&](State& state, int ticks) {
+    StepOutput out;
+    std::uint32_t status = 0;
+    for (int n = 0; n < ticks; ++n) {
+      step(model, state, test::sampleAt({Eigen::Quaterniond::Identity(), {0.013, 0.027, -0.8}}), out);
+      status |= out.status;
+    }
+    return status;
+  };
+  State poor, rich;
+  poor.objects.emplace_back(baked, 3);
+  rich.objects.emplace_back(baked, 4096);
+  EXPECT_TRUE(dig(poor, 2) & kStepBricksRanOut);
+  EXPECT_FALSE(dig(rich, 3) & kStepBricksRanOut);
+  EXPECT_NE(poor.objects[0].stateHash(), rich.objects[0].stateHash());
+  ASSERT_TRUE(poor.objects[0].reserve(4096));
+  EXPECT_FALSE(dig(poor, 1) & kStepBricksRanOut);
+  EXPECT_EQ(poor.objects[0].stateHash(), rich.objects[0].stateHash());
+  EXPECT_EQ(poor.objects[0].shellDefects(), 0u);
+}
+
+TEST(CutObject, RestoredBricksAreTheOldOnesBitForBit) {
+  Model model;
+  model.tools = {test::uniformBall(0.5, 840)};
+  model.tissues = test::oneTissue(200, 0.5, 1000);
+  model.settings.rendering = Rendering::kRigid;
+  State state;
+  state.objects.emplace_back(block({4, 4, 2}, 0.1));
+  CutObject& object = state.objects[0];
+  const std::uint64_t untouched = object.stateHash();
+  StepOutput out;
+  for (int n = 0; n < 50; ++n)
+    step(model, state, test::sampleAt({Eigen::Quaterniond::Identity(), {0, 0, -0.01 * n}}), out);
+  EXPECT_NE(object.stateHash(), untouched);
+  for (int s = 0; s < object.slotCount(); ++s)
+    if (object.slot(s).own) {
+      BrickValues values;
+      std::copy_n(object.baked().slots()[static_cast<std::size_t>(s)].phi, kBrickNodes, values.begin());
+      ASSERT_TRUE(object.restore(object.slot(s).brick, values));
+    }
+  ASSERT_TRUE(object.repair());
+  EXPECT_EQ(object.stateHash(), untouched);
+  EXPECT_EQ(object.shellDefects(), 0u);
+}
+
+}  // namespace
+}  // namespace kerf
