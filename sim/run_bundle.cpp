@@ -13,7 +13,7 @@
 #include "geometry/toml_reader.h"
 #include "geometry/tool_file.h"
 #include "geometry/vdb_io.h"
-#include "geometry/version.h"
+#include "sim/internal/run_files.h"
 #include "sim/path.h"
 #include "sim/sweep_cutter.h"
 
@@ -21,76 +21,8 @@ namespace kerf {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr int kVersionOfFormat = 1;
-constexpr const char* kToolCopy = "tool.toml";
-constexpr const char* kField = "run.vdb";
-
-Expected<void> writeManifest(const fs::path& folder, const RunManifest& m) {
-  const toml::table root{
-      {"format", "kerf-run"},
-      {"version", kVersionOfFormat},
-      {"kerf_version", m.kerf_version},
-      {"case_path", m.case_path},
-      {"case_id", m.case_id},
-      {"mode", m.mode},
-      {"tool_id", m.tool_id},
-      {"tool_sha256", m.tool_sha256},
-      {"path_file", m.path_file},
-      {"path_sha256", m.path_sha256},
-      {"segments", static_cast<std::int64_t>(m.segments)},
-      {"path_length_mm", m.path_length_mm},
-      {"duration_s", m.duration_s},
-      {"voxel_mm", m.voxel_mm},
-      {"state_hash", m.state_hash},
-      {"field_sha256", m.field_sha256},
-  };
-  const fs::path path = folder / kRunManifest;
-  std::ofstream out(path, std::ios::binary);
-  out << "# Kerf run. Lengths in mm, times in s. Training and lab tool, not a medical device.\n" << root << "\n";
-  out.close();
-  if (!out)
-    return fail({Error::Code::kWriteFailed, path.string(), "", "could not be written", "a writable place with room",
-                 "free some space"});
-  return {};
-}
-
-Expected<void> copyInto(const fs::path& from, const fs::path& to) {
-  std::error_code failed;
-  fs::copy_file(from, to, failed);
-  if (failed)
-    return fail({Error::Code::kWriteFailed, to.string(), "", failed.message(), "a writable place with room",
-                 "free some space"});
-  return {};
-}
-
-// From the run to the case, so that both can be moved together. Links are resolved: ".." goes by the real folders.
-std::string relativePath(const fs::path& case_folder, const fs::path& run_folder) {
-  std::error_code ignored;
-  const fs::path from = fs::weakly_canonical(fs::absolute(run_folder, ignored), ignored);
-  const fs::path to = fs::weakly_canonical(fs::absolute(case_folder, ignored), ignored);
-  return to.lexically_relative(from).string();
-}
-
-// What TOML can hold: well-formed UTF-8 (RFC 3629).
-bool isText(const std::string& bytes) {
-  for (std::size_t i = 0; i < bytes.size();) {
-    const auto byte = [&](std::size_t at) { return at < bytes.size() ? static_cast<unsigned char>(bytes[at]) : 0u; };
-    const unsigned first = byte(i);
-    const std::size_t length = first < 0x80                    ? 1
-                               : first >= 0xc2 && first < 0xe0 ? 2
-                               : first >> 4 == 0xe             ? 3
-                               : first >= 0xf0 && first < 0xf5 ? 4
-                                                               : 0;
-    if (length == 0) return false;
-    for (std::size_t k = 1; k < length; ++k)
-      if (byte(i + k) >> 6 != 2) return false;
-    if ((first == 0xe0 && byte(i + 1) < 0xa0) || (first == 0xed && byte(i + 1) >= 0xa0) ||
-        (first == 0xf0 && byte(i + 1) < 0x90) || (first == 0xf4 && byte(i + 1) >= 0x90))
-      return false;
-    i += length;
-  }
-  return true;
-}
+using internal::kRunField;
+using internal::kRunToolCopy;
 
 Expected<fs::path> locateCase(const fs::path& run_folder, const RunManifest& m) {
   // As named first, then with symbolic links resolved: a run may be reached through one.
@@ -111,7 +43,7 @@ Expected<fs::path> locateCase(const fs::path& run_folder, const RunManifest& m) 
 // Distance of wall vertices to the exact sweep. Wall: touching cut triangles only. At most kSamples, evenly chosen.
 Expected<WallAccuracy> measureWalls(const fs::path& run_folder, const RunManifest& m, const PostOpMesh& result) {
   constexpr std::size_t kSamples = 4000;
-  KERF_TRY(tool, readTool(run_folder / kToolCopy));
+  KERF_TRY(tool, readTool(run_folder / kRunToolCopy));
   KERF_TRY(path, readPath(run_folder / m.path_file));
   std::vector<char> wall(result.mesh.vertices.size(), 1);
   for (std::size_t t = 0; t < result.mesh.triangles.size(); ++t)
@@ -180,14 +112,16 @@ Expected<RunManifest> readRunManifest(const fs::path& folder) {
   RunManifest m;
   const auto format = top.get<std::string>("format", "\"kerf-run\"");
   const auto version = top.get<std::int64_t>("version", "1");
-  if (format != "kerf-run" || version != kVersionOfFormat)
+  if (format != "kerf-run" || version != internal::kRunFormatVersion)
     return fail({Error::Code::kUnsupported, path.string(), "key format / version",
-                 fmt::format("{} version {}", format, version), fmt::format("kerf-run version {}", kVersionOfFormat),
-                 "cut again with this Kerf"});
+                 fmt::format("{} version {}", format, version),
+                 fmt::format("kerf-run version {}", internal::kRunFormatVersion), "cut again with this Kerf"});
   m.kerf_version = top.get<std::string>("kerf_version", "a string");
   m.case_path = top.get<std::string>("case_path", "a path");
   m.case_id = top.get<std::string>("case_id", "64 hexadecimal digits");
-  m.mode = top.get<std::string>("mode", "\"geometry\"");
+  m.mode = top.get<std::string>("mode", "\"geometry\" or \"haptic\"");
+  if (m.mode != kModeGeometry && m.mode != kModeHaptic)
+    top.reject("mode", "\"" + m.mode + "\"", "\"geometry\" or \"haptic\"");
   m.tool_id = top.get<std::string>("tool_id", "a tool");
   m.tool_sha256 = top.get<std::string>("tool_sha256", "64 hexadecimal digits");
   m.path_file = top.get<std::string>("path_file", "\"path.csv\" or \"path.toml\"");
@@ -211,8 +145,17 @@ Expected<fs::path> caseOfRun(const fs::path& run_folder) {
 
 Expected<BrickField> readRunSweep(const fs::path& run_folder) {
   KERF_TRY(manifest, readRunManifest(run_folder));
-  KERF_CHECK(requireSha256(run_folder / kField, manifest.field_sha256, "cut again"));
-  return readVdb(run_folder / kField, "sweep");
+  KERF_CHECK(requireSha256(run_folder / kRunField, manifest.field_sha256, "cut again"));
+  if (manifest.mode != kModeGeometry)
+    return fail({Error::Code::kUnsupported, run_folder.string(), "mode " + manifest.mode, "no sweep",
+                 "a run cut geometry-only", ""});
+  return readVdb(run_folder / kRunField, "sweep");
+}
+
+Expected<BrickField> readRunCutField(const fs::path& run_folder) {
+  KERF_TRY(manifest, readRunManifest(run_folder));
+  KERF_CHECK(requireSha256(run_folder / kRunField, manifest.field_sha256, "cut again"));
+  return readVdb(run_folder / kRunField, "phi");
 }
 
 Expected<RunManifest> cutCase(const fs::path& case_folder, const fs::path& tool_file, const fs::path& path_file,
@@ -221,10 +164,7 @@ Expected<RunManifest> cutCase(const fs::path& case_folder, const fs::path& tool_
     return fail({Error::Code::kCancelled, "", "", "cancelled; nothing was written", "", ""});
   };
   KERF_TRY(manifest, readCaseManifest(case_folder));
-  const std::string case_path = relativePath(case_folder, run_folder);
-  if (!isText(case_path))
-    return fail({Error::Code::kBadValue, case_folder.string(), "name", "bytes that are no UTF-8 text",
-                 "a name the run can note down", "rename the folder"});
+  KERF_TRY(case_path, internal::relativeCasePath(case_folder, run_folder));
   KERF_TRY(tool, readTool(tool_file));
   KERF_TRY(path, readPath(path_file));
   KERF_TRY(staging, AtomicFolder::create(run_folder, options.overwrite, kRunManifest));
@@ -268,26 +208,15 @@ Expected<RunManifest> cutCase(const fs::path& case_folder, const fs::path& tool_
                              low[1], low[2], high[0], high[1], high[2]),
                  "check the path's frame and unit"});
   }
-  m.kerf_version = kVersion;
   m.case_path = case_path;
   m.case_id = manifest.id;
-  m.tool_id = tool.id;
-  KERF_TRY(tool_hash, sha256OfFile(tool_file));
-  KERF_TRY(path_hash, sha256OfFile(path_file));
-  m.tool_sha256 = tool_hash, m.path_sha256 = path_hash;
-  m.path_file = "path" + path_file.extension().string();
   m.duration_s = path.poses.empty() ? 0 : path.poses.back().t - path.poses.front().t;
   m.voxel_mm = phi0.voxel();
   m.state_hash = fmt::format("{:016x}", cutter->sweep().stateHash());
   if (!report(progress, 0.92, "writing")) return cancelError();
-  KERF_CHECK(copyInto(tool_file, staging.staging() / kToolCopy));
-  if (tool.mesh) KERF_CHECK(copyInto(tool.mesh_file, staging.staging() / tool.mesh_file.filename()));
-  KERF_CHECK(copyInto(path_file, staging.staging() / m.path_file));
   KERF_CHECK(
-      writeVdb(staging.staging() / kField, {{"sweep", &cutter->sweep()}, {"phi", &cut}}, {{"case_id", m.case_id}}));
-  KERF_TRY(field_hash, sha256OfFile(staging.staging() / kField));
-  m.field_sha256 = field_hash;
-  KERF_CHECK(writeManifest(staging.staging(), m));
+      writeVdb(staging.staging() / kRunField, {{"sweep", &cutter->sweep()}, {"phi", &cut}}, {{"case_id", m.case_id}}));
+  KERF_CHECK(internal::finishRun(staging.staging(), tool, tool_file, path_file, m));
   KERF_CHECK(staging.commit());
   report(progress, 1.0, "done");
   return m;
@@ -316,25 +245,29 @@ Expected<Export> exportBundle(const fs::path& bundle, const PostOpOptions& optio
   KERF_TRY(in_case, readCaseManifest(case_folder));
   KERF_TRY(solid, readCaseSolid(case_folder));
   KERF_TRY(phi0, readCaseField(case_folder));
-  KERF_TRY(sweep, readRunSweep(bundle));
-  KERF_CHECK(requireSha256(bundle / kToolCopy, manifest.tool_sha256, "cut again; a run is never edited"));
+  const bool is_geometry = manifest.mode == kModeGeometry;
+  KERF_TRY(cut, is_geometry ? readRunSweep(bundle) : readRunCutField(bundle));
+  KERF_CHECK(requireSha256(bundle / kRunToolCopy, manifest.tool_sha256, "cut again; a run is never edited"));
   KERF_CHECK(requireSha256(bundle / manifest.path_file, manifest.path_sha256, "cut again; a run is never edited"));
-  if (const auto& region = in_case.region; region && sweep.voxel() == region->where.voxel_mm) {
+  if (const auto& region = in_case.region; region && cut.voxel() == region->where.voxel_mm) {
     KERF_TRY(fine, readCaseRegionField(case_folder));
     phi0 = std::move(fine);
   }
-  if (sweep.voxel() != phi0.voxel())
-    return fail({Error::Code::kBadValue, (bundle / kField).string(), "grid sweep",
-                 fmt::format("{} mm voxels", sweep.voxel()), fmt::format("{} mm, as in the case", phi0.voxel()),
+  if (cut.voxel() != phi0.voxel())
+    return fail({Error::Code::kBadValue, (bundle / kRunField).string(), is_geometry ? "grid sweep" : "grid phi",
+                 fmt::format("{} mm voxels", cut.voxel()), fmt::format("{} mm, as in the case", phi0.voxel()),
                  "cut again"});
-  auto result = postOperativeMesh(solid, removedFieldFromSweep(phi0, sweep), options, progress);
+  auto result = postOperativeMesh(
+      solid, is_geometry ? removedFieldFromSweep(phi0, cut) : removedFieldFromCut(phi0, cut), options, progress);
   if (!result) {
     result.error().file = bundle.string();
     return fail(result.error());
   }
   out.post_op = std::move(*result);
   // The mesh is made and verified: a measurement that fails does not take it away.
-  if (const auto accuracy = measureWalls(bundle, manifest, out.post_op))
+  if (!is_geometry)
+    out.accuracy_missing = "cut against resistance: the tool went where force let it, there is no exact sweep";
+  else if (const auto accuracy = measureWalls(bundle, manifest, out.post_op))
     out.accuracy = *accuracy;
   else
     out.accuracy_missing = accuracy.error().message();

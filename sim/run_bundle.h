@@ -2,7 +2,8 @@
 //
 //   run.toml     manifest: case, tool, path, what came of it
 //   tool.toml    the tool as used, with its mesh if it has one        path.csv | path.toml   the path as used
-//   run.vdb      grids sweep (union of tool sweeps, mm) and phi (the cut field, bricks that changed)
+//   run.vdb      grids phi (the cut field, bricks that changed) and, geometry only, sweep (union of tool sweeps, mm)
+//   forces.csv, summary.json   of a cut against resistance: haptic_cut.h
 #pragma once
 
 #include <filesystem>
@@ -17,18 +18,20 @@
 namespace kerf {
 
 inline constexpr const char* kRunManifest = "run.toml";
+inline constexpr const char* kModeGeometry = "geometry";  ///< the tool removed whatever it swept
+inline constexpr const char* kModeHaptic = "haptic";      ///< cut against resistance, by the 1 kHz step
 
 struct RunManifest {
   int version = 1;
   std::string kerf_version;
   std::string case_path;  ///< relative to the run folder, or absolute
   std::string case_id;    ///< must match the case
-  std::string mode = "geometry";
+  std::string mode = kModeGeometry;
   std::string tool_id, tool_sha256, path_file, path_sha256;
   std::size_t segments = 0;  ///< cutting motions
   double path_length_mm = 0, duration_s = 0;
   double voxel_mm = 0;
-  std::string state_hash;    ///< of the sweep field, 16 hexadecimal digits: same inputs, same number
+  std::string state_hash;    ///< 16 hexadecimal digits, of the sweep field or of the step's state: same inputs, same
   std::string field_sha256;  ///< of run.vdb: a damaged file is refused
   /// Not stored: how far a cut that met the case's fine region reaches out of it, mm; then it was cut on the object's
   /// own voxels. 0: no region, or inside.
@@ -42,7 +45,10 @@ Expected<RunManifest> readRunManifest(const std::filesystem::path& folder);
 Expected<std::filesystem::path> caseOfRun(const std::filesystem::path& run_folder);
 /// The union of the tool's sweeps, mm, negative where the tool has been; cut out of the case's field it is the cut
 /// object. Checked against the manifest. At the voxel size the run was cut at: the case's, or its region's finer one.
+/// Only of a run cut geometry-only.
 Expected<BrickField> readRunSweep(const std::filesystem::path& run_folder);
+/// The cut field phi, mm, in the bricks where it differs from the baked one; of either kind of run.
+Expected<BrickField> readRunCutField(const std::filesystem::path& run_folder);
 
 struct CutOptions {
   bool overwrite = false;

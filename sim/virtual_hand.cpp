@@ -49,14 +49,7 @@ ForceHand::ForceHand(const CutPath& path, const CouplingSettings& coupling, cons
   }
 }
 
-double ForceHand::timeAt(double length) const {
-  const auto after = std::upper_bound(length_.begin(), length_.end(), length);
-  if (after == length_.end()) return duration(path_);
-  const auto n = static_cast<std::size_t>(after - length_.begin());
-  const double s = n == 0 ? 0 : (length - length_[n - 1]) / (length_[n] - length_[n - 1]);
-  const std::size_t from = n == 0 ? 0 : n - 1;
-  return path_.poses[from].t + s * (path_.poses[n].t - path_.poses[from].t) - path_.poses.front().t;
-}
+double ForceHand::progress() const { return length_.back() > 0 ? at_ / length_.back() : 1; }
 
 bool ForceHand::next(const StepOutput& last, DeviceSample& sample) {
   sample = DeviceSample{};
@@ -66,29 +59,32 @@ bool ForceHand::next(const StepOutput& last, DeviceSample& sample) {
     sample.T_world_device = poseAt(path_, 0);
     return true;
   }
-  // How far the tool has come: the nearest place on the way, looked for near the last one, never backwards.
-  const Vec3d& tip = last.T_world_tool.translation;
-  const double step = 1e-3;
-  const auto distance = [&](double length) { return (poseAt(path_, timeAt(length)).translation - tip).squaredNorm(); };
-  double best = distance(at_);
-  for (double length = at_ + step; length <= std::min(at_ + 0.2, length_.back()); length += step) {
-    const double d = distance(length);
-    if (d > best) break;
-    best = d, at_ = length;
+  // How far the tool has come along this stretch, never backwards; a stretch is done a micrometre before its end.
+  const auto pose = [&](std::size_t n) -> const Rigid3& { return path_.poses[n].T_object_tool; };
+  Vec3d along = Vec3d::Zero();
+  double whole = 0, done = 0;
+  for (;; ++stretch_) {
+    if (stretch_ + 1 >= path_.poses.size()) {
+      at_ = length_.back();
+      return false;
+    }
+    whole = length_[stretch_ + 1] - length_[stretch_];
+    if (whole < 1e-9) continue;  // a turn on the spot: the hand turns as the path says at its end
+    along = (pose(stretch_ + 1).translation - pose(stretch_).translation) / whole;
+    done = along.dot(last.T_world_tool.translation - pose(stretch_).translation);
+    if (done < whole - 1e-3) break;
   }
+  done = std::max(done, 0.0);
+  at_ = std::max(at_, length_[stretch_] + done);
   if (at_ > watched_ + options_.stillness)
     watched_ = at_, waited_ = 0;
   else if ((waited_ += kTick) > options_.patience)
     gave_up_ = true;
-  if (gave_up_ || at_ >= length_.back() - 2 * step) return false;
-  ahead_ = std::min({at_ + lead_, ahead_ + options_.feed_limit * kTick, length_.back() + lead_});
-  // Beyond the end the pull goes on in the last direction.
-  sample.T_world_device = poseAt(path_, timeAt(std::min(ahead_, length_.back())));
-  if (ahead_ > length_.back()) {
-    const std::size_t n = path_.poses.size() - 1;
-    Vec3d along = path_.poses[n].T_object_tool.translation - path_.poses[n - 1].T_object_tool.translation;
-    if (along.norm() > 0) sample.T_world_device.translation += (ahead_ - length_.back()) * along.normalized();
-  }
+  if (gave_up_) return false;
+  ahead_ = std::min(at_ + lead_, std::max(ahead_, at_) + options_.feed_limit * kTick);
+  sample.T_world_device = between(pose(stretch_), pose(stretch_ + 1), done / whole);
+  sample.T_world_device.translation = pose(stretch_).translation + (ahead_ - length_[stretch_]) * along;
+  sample.pedal = path_.cuts[stretch_] ? 1 : 0;
   return true;
 }
 

@@ -37,8 +37,9 @@ class FeedHand final : public VirtualHand {
   bool is_over_ = false;
 };
 
-/// Constant force: pushes along the path by pulling the coupling `force / stiffness` ahead of where the tool is; no
-/// faster than `feed_limit`. For Rendering::kCoupled. Gives up when nothing has moved for `patience` seconds.
+/// Constant force: pushes along the path. The coupling is pulled `force / stiffness` ahead of where the tool is, in the
+/// direction of the stretch it is on, and holds it to that line sideways; no faster than `feed_limit`. For
+/// Rendering::kCoupled. Gives up when nothing has moved for `patience` seconds.
 class ForceHand final : public VirtualHand {
  public:
   struct Options {
@@ -49,18 +50,17 @@ class ForceHand final : public VirtualHand {
   };
   ForceHand(const CutPath& path, const CouplingSettings& coupling, const Options& options);
   bool next(const StepOutput& last, DeviceSample& sample) override;
-  double progress() const override { return length_.empty() ? 1 : at_ / length_.back(); }
+  double progress() const override;
   bool gaveUp() const { return gave_up_; }
 
  private:
-  double timeAt(double length) const;
-
   const CutPath& path_;
   Options options_;
   double lead_;                 // mm
   std::vector<double> length_;  // of the way up to each pose, mm
-  double at_ = 0, ahead_ = 0, watched_ = 0;
-  double waited_ = 0;
+  std::size_t stretch_ = 0;     // from this pose to the next
+  double at_ = 0, ahead_ = 0;   // mm of the way: the tool; where it is pulled to
+  double watched_ = 0, waited_ = 0;
   bool has_begun_ = false, gave_up_ = false;
 };
 

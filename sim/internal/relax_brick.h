@@ -15,7 +15,7 @@ struct RelaxInput {
   LeverForm lever = LeverForm::kOne;
   float least_radius = 0;  ///< kRadius: mm, what a radius counts as at least
   float pivot = 0;         ///< kPivot: height, mm
-  float cap = 0;            ///< mm: nothing is raised beyond it; what stands there already is left alone
+  float cap = 0;           ///< mm: nothing is raised beyond it; what stands there already is left alone
   bool geometry_only = false;
 };
 
@@ -24,7 +24,8 @@ struct RelaxResult {
   float least;  ///< least value after
 };
 
-/// out = min(cap, phi + max(0, -tau - phi) (1 - exp(-rate lever))); geometry only: min(cap, max(phi, -tau)). The same bits with any instruction set.
+/// out = min(cap, phi + max(0, -tau - phi) (1 - exp(-rate lever))); geometry only: min(cap, max(phi, -tau)). The same
+/// bits with any instruction set.
 RelaxResult relaxBrick(const RelaxInput& in, float* out) noexcept;
 
 /// Nodes of a brick in the tool's frame: base + i along[0] + j along[1] + k along[2], float32. @param out  3 x 512.

@@ -2,8 +2,10 @@
 
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "geometry/tool_file.h"
+#include "sim/haptic_cut.h"
 #include "sim/run_bundle.h"
 #include "ui/cli/command.h"
 
@@ -14,11 +16,77 @@ struct Arguments {
   std::string case_folder, tool, path, output;
   CutOptions options;
   bool json = false;
+  std::string hand;  // empty: geometry only
+  HapticCutOptions haptic;
 };
+
+std::optional<HandKind> handKind(const std::string& name) {
+  if (name == "feed") return HandKind::kFeed;
+  if (name == "force") return HandKind::kForce;
+  if (name == "device") return HandKind::kDevice;
+  return std::nullopt;
+}
+
+int runByHand(const Arguments& a, const std::filesystem::path& tool) {
+  HapticCutOptions options = a.haptic;
+  options.hand = *handKind(a.hand);
+  options.overwrite = a.options.overwrite;
+  auto cut = [&] {
+    TerminalProgress progress;
+    return cutCaseByHand(a.case_folder, tool, a.path, a.output, options, progress.callback());
+  }();
+  if (!cut) return complain(cut.error());
+  const HapticSummary& s = cut->summary;
+  if (a.json) {
+    nlohmann::json removed = nlohmann::json::object();
+    for (const auto& [id, volume] : s.removed_by_material) removed[id] = volume;
+    printJson(nlohmann::json{{"tool", cut->manifest.tool_id},
+                             {"hand", a.hand},
+                             {"voxel_mm", cut->manifest.voxel_mm},
+                             {"seconds", s.seconds},
+                             {"seconds_in_contact", s.seconds_in_contact},
+                             {"is_complete", s.is_complete},
+                             {"ended", s.ended},
+                             {"removed_mm3", s.removed_mm3},
+                             {"removed_by_material_mm3", removed},
+                             {"remaining_mm3", s.remaining_mm3},
+                             {"initial_mm3", s.initial_mm3},
+                             {"mean_contact_force_N", s.mean_contact_force},
+                             {"peak_contact_force_N", s.peak_contact_force},
+                             {"mean_normal_load_N", s.mean_normal_load},
+                             {"peak_hand_force_N", s.peak_hand_force},
+                             {"work_mJ", s.work},
+                             {"least_speed_of_nominal", s.least_speed},
+                             {"ticks", s.ticks},
+                             {"ticks_too_fast", s.too_fast},
+                             {"ticks_out_of_room", s.out_of_room},
+                             {"ticks_clamped", s.clamped},
+                             {"state_hash", s.state_hash}});
+    return kOk;
+  }
+  fmt::print("cut with {} held by a {} hand for {:.2f} s, {:.2f} s of it in contact, voxels {} mm; ended: {}\n",
+             cut->manifest.tool_id, a.hand, s.seconds, s.seconds_in_contact, cut->manifest.voxel_mm, s.ended);
+  fmt::print("removed {:.4f} mm3", s.removed_mm3);
+  const char* separator = ": ";
+  for (const auto& [id, volume] : s.removed_by_material) {
+    fmt::print("{}{} {:.4f}", separator, id, volume);
+    separator = ", ";
+  }
+  fmt::print("; {:.4f} of {:.4f} mm3 are left\n", s.remaining_mm3, s.initial_mm3);
+  fmt::print("force on the tool {:.2f} N mean, {:.2f} N at most; normal load {:.2f} N; to the hand {:.2f} N at most\n",
+             s.mean_contact_force, s.peak_contact_force, s.mean_normal_load, s.peak_hand_force);
+  fmt::print("drive {:.1f} mJ into the tissue, speed down to {:.0f} % of nominal\n", s.work, 100 * s.least_speed);
+  if (s.too_fast > 0)
+    fmt::print("{} of {} ticks were too fast for one look at contact a voxel: a slower feed feels more\n", s.too_fast,
+               s.ticks);
+  fmt::print("state {}\nrun written: {}\n", s.state_hash, a.output);
+  return kOk;
+}
 
 int run(const Arguments& a) {
   const auto tool = findToolFile(a.tool, defaultToolFolders());
   if (!tool) return complain(tool.error());
+  if (!a.hand.empty()) return runByHand(a, *tool);
   auto manifest = [&] {
     TerminalProgress progress;
     return cutCase(a.case_folder, *tool, a.path, a.output, a.options, progress.callback());
@@ -51,14 +119,45 @@ void addCut(CLI::App& app, int& exit_code) {
   auto a = std::make_shared<Arguments>();
   CLI::App* c = app.add_subcommand("cut", "Cut a case with a tool along a path");
   c->footer(
-      "Geometry only: the cutting part removes what it sweeps; neck, shank and flanks do not collide yet.\nExample: "
-      "kerf cut molar.case --tool round-014 --path cavity.toml -o molar.run");
+      "Without --hand geometry only: the cutting part removes whatever it sweeps. With --hand against resistance, by "
+      "the\n"
+      "1 kHz step: tissues differ, force decides how fast, neck, shank and flanks collide; the run also holds "
+      "forces.csv\n"
+      "and summary.json.\n"
+      "Examples:\n"
+      "  kerf cut molar.case --tool round-014 --path cavity.toml -o molar.run\n"
+      "  kerf cut molar.case --tool round-014 --path cavity.toml --hand force --push 1.5 -o molar.run");
   c->add_option("CASE", a->case_folder, "case folder")->required();
   c->add_option("--tool", a->tool, "tool id (kerf tool list) or a tool's TOML file")->required();
   c->add_option("--path", a->path, "CSV of poses (t,x,y,z,qw,qx,qy,qz) or TOML of strokes; see docs/path-files.md")
       ->required();
   c->add_option("-o,--output", a->output, "run folder to write")->required();
   c->add_flag("--force", a->options.overwrite, "replace an existing run");
+  c->add_option("--hand", a->hand,
+                "who holds the tool against resistance: feed (follows the path in its time), force (pushes along it), "
+                "device (a simulated force-feedback device)")
+      ->check(CLI::IsMember({"feed", "force", "device"}));
+  c->add_flag_callback(
+      "--haptic", [a] { a->hand = a->hand.empty() ? "device" : a->hand; }, "the same as --hand device");
+  auto* by_hand = c->add_option_group("With --hand");
+  by_hand->add_option("--spindle", a->haptic.spindle, "speed, 0 to 1 of the tool's nominal one")->capture_default_str();
+  by_hand->add_option("--time-limit", a->haptic.time_limit, "simulated s")->capture_default_str();
+  by_hand->add_option("--coupling", a->haptic.step.coupling.stiffness, "stiffness of the virtual coupling, N/mm")
+      ->capture_default_str();
+  auto* force = c->add_option_group("With --hand force");
+  force->add_option("--push", a->haptic.force.force, "N")->capture_default_str();
+  force->add_option("--feed-limit", a->haptic.force.feed_limit, "no faster than this, mm/s")->capture_default_str();
+  force->add_option("--patience", a->haptic.force.patience, "s without progress until it gives up")
+      ->capture_default_str();
+  auto* device = c->add_option_group("With --hand device");
+  device->add_option("--device-mass", a->haptic.device.mass_kg, "kg")->capture_default_str();
+  device->add_option("--device-damping", a->haptic.device.damping, "N s/mm")->capture_default_str();
+  device->add_option("--device-friction", a->haptic.device.friction, "N")->capture_default_str();
+  device->add_option("--encoder", a->haptic.device.encoder_mm, "resolution, mm")->capture_default_str();
+  device->add_option("--delay", a->haptic.device.delay_ticks, "ticks from sample to force")->capture_default_str();
+  device->add_option("--hand-stiffness", a->haptic.device.hand_stiffness, "N/mm; loose 0.3, firm 2")
+      ->capture_default_str();
+  device->add_option("--hand-damping", a->haptic.device.hand_damping, "N s/mm")->capture_default_str();
   c->add_flag("--json", a->json, "summary as JSON on standard output");
   c->callback([a, &exit_code] { exit_code = run(*a); });
 }

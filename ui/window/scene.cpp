@@ -92,16 +92,25 @@ Expected<Scene> sceneOfBundle(const std::filesystem::path& path, const std::opti
     if (cut) {
       KERF_TRY(plane, placed(*cut, shown, path.string(), scene.note));
       KERF_TRY(phi, readCaseField(case_folder));
-      BrickField sweep;
+      BrickField sweep, current = phi;
+      bool has_sweep = false;
       if (is_run) {
-        KERF_TRY(swept, readRunSweep(path));
-        sweep = std::move(swept);
+        KERF_TRY(run, readRunManifest(path));
+        has_sweep = run.mode == kModeGeometry;
+        if (has_sweep) {
+          KERF_TRY(swept, readRunSweep(path));
+          sweep = std::move(swept);
+        } else {
+          KERF_TRY(changed, readRunCutField(path));
+          for (std::size_t b = 0; b < changed.brickCount(); ++b)
+            current.brick(current.touch(changed.brickCoord(b))) = changed.brick(b);
+        }
       }
       // The two may have different voxels: a run within the case's fine region was cut on its own.
       const auto distance = [&](const Vec3d& p) {
-        return is_run ? std::max(phi.sample(p), -sweep.sample(p)) : phi.sample(p);
+        return has_sweep ? std::max(phi.sample(p), -sweep.sample(p)) : current.sample(p);
       };
-      const double voxel = is_run ? std::min(phi.voxel(), sweep.voxel()) : phi.voxel();
+      const double voxel = has_sweep ? std::min(phi.voxel(), sweep.voxel()) : phi.voxel();
       mesh = section(mesh, distance, voxel, materials, table, plane);
     }
   }

@@ -1,0 +1,220 @@
+#include "sim/haptic_cut.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "geometry/atomic_file.h"
+#include "geometry/tool_file.h"
+#include "geometry/vdb_io.h"
+#include "sim/internal/run_files.h"
+#include "sim/load_scene.h"
+
+namespace kerf {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr const char* kForces = "forces.csv";
+constexpr const char* kSummary = "summary.json";
+constexpr std::size_t kBrickReserve = 4096;
+
+Expected<void> checkOptions(const HapticCutOptions& o) {
+  struct Range {
+    const char* name;
+    double value, low, high;
+    const char* unit;
+  };
+  const Range ranges[] = {
+      {"force", o.force.force, 0.01, 100, "N"},
+      {"feed limit", o.force.feed_limit, 0.01, 1000, "mm/s"},
+      {"spindle", o.spindle, 0, 1, "of nominal"},
+      {"coupling stiffness", o.step.coupling.stiffness, 0.01, 100, "N/mm"},
+      {"coupling damping", o.step.coupling.damping, 0, 1, "N s/mm"},
+      {"device mass", o.device.mass_kg, 0.001, 10, "kg"},
+      {"device damping", o.device.damping, 0, 1, "N s/mm"},
+      {"device friction", o.device.friction, 0, 10, "N"},
+      {"encoder", o.device.encoder_mm, 0, 1, "mm"},
+      {"delay", static_cast<double>(o.device.delay_ticks), 0, 50, "ticks"},
+      {"hand stiffness", o.device.hand_stiffness, 0, 100, "N/mm"},
+      {"hand damping", o.device.hand_damping, 0, 1, "N s/mm"},
+      {"time limit", o.time_limit, 0.001, 86400, "s"},
+  };
+  for (const Range& r : ranges)
+    if (!(r.value >= r.low && r.value <= r.high))
+      return fail({Error::Code::kBadValue, "", r.name, fmt::format("{} {}", r.value, r.unit),
+                   fmt::format("{} to {} {}", r.low, r.high, r.unit), ""});
+  return {};
+}
+
+std::unique_ptr<VirtualHand> makeHand(const CutPath& path, const HapticCutOptions& o) {
+  switch (o.hand) {
+    case HandKind::kForce:
+      return std::make_unique<ForceHand>(path, o.step.coupling, o.force);
+    case HandKind::kDevice:
+      return std::make_unique<DeviceHand>(path, o.device);
+    default:
+      return std::make_unique<FeedHand>(path);
+  }
+}
+
+nlohmann::json toJson(const HapticSummary& s) {
+  nlohmann::json j{{"ticks", s.ticks},
+                   {"seconds", s.seconds},
+                   {"is_complete", s.is_complete},
+                   {"ended", s.ended},
+                   {"initial_mm3", s.initial_mm3},
+                   {"removed_mm3", s.removed_mm3},
+                   {"remaining_mm3", s.remaining_mm3},
+                   {"seconds_in_contact", s.seconds_in_contact},
+                   {"mean_contact_force_N", s.mean_contact_force},
+                   {"peak_contact_force_N", s.peak_contact_force},
+                   {"mean_normal_load_N", s.mean_normal_load},
+                   {"peak_hand_force_N", s.peak_hand_force},
+                   {"work_mJ", s.work},
+                   {"least_speed_of_nominal", s.least_speed},
+                   {"ticks_too_fast", s.too_fast},
+                   {"ticks_out_of_room", s.out_of_room},
+                   {"ticks_clamped", s.clamped},
+                   {"state_hash", s.state_hash}};
+  for (const auto& [id, volume] : s.removed_by_material) j["removed_by_material_mm3"][id] = volume;
+  return j;
+}
+
+}  // namespace
+
+Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& tool_file, const fs::path& path_file,
+                                  const fs::path& run_folder, const HapticCutOptions& options,
+                                  const Progress& progress) {
+  const auto cancelError = [] {
+    return fail({Error::Code::kCancelled, "", "", "cancelled; nothing was written", "", ""});
+  };
+  KERF_CHECK(checkOptions(options));
+  KERF_TRY(in_case, readCaseManifest(case_folder));
+  KERF_TRY(case_path, internal::relativeCasePath(case_folder, run_folder));
+  KERF_TRY(tool, readTool(tool_file));
+  KERF_TRY(path, readPath(path_file));
+  KERF_TRY(staging, AtomicFolder::create(run_folder, options.overwrite, kRunManifest));
+  if (!report(progress, 0.0, "loading the case")) return cancelError();
+  KERF_TRY(baked, loadObject(case_folder));
+  KERF_TRY(materials, readDefaultMaterials());
+
+  StepSettings settings = options.step;
+  settings.rendering = options.hand == HandKind::kFeed ? Rendering::kRigid : Rendering::kCoupled;
+  KERF_TRY(model, makeModel(std::span(&tool, 1), settings, -static_cast<double>(baked->phi0().interior())));
+  State state;
+  state.objects.emplace_back(baked, kBrickReserve);
+  CutObject& object = state.objects.front();
+  state.place(poseAt(path, 0));
+
+  HapticCut out;
+  HapticSummary& sum = out.summary;
+  std::ofstream csv(staging.staging() / kForces, std::ios::binary);
+  csv << "t_s,x_mm,y_mm,z_mm,contact_x_N,contact_y_N,contact_z_N,hand_x_N,hand_y_N,hand_z_N,normal_load_N,overlap_mm,"
+         "removed_mm3,speed,drive_load,touching\n";
+  const std::unique_ptr<VirtualHand> hand = makeHand(path, options);
+  StepOutput tick;
+  tick.T_world_tool = state.body.pose;
+  DeviceSample sample;
+  double contact_sum = 0, load_sum = 0;
+  std::uint64_t in_contact = 0;
+  const auto limit = static_cast<std::uint64_t>(options.time_limit / kTick);
+  bool has_come_up = false;
+  while (true) {
+    if (sum.ticks % 64 == 0 && !report(progress, 0.05 + 0.85 * hand->progress(), "cutting")) return cancelError();
+    if (sum.ticks >= limit) {
+      sum.ended = fmt::format("time limit of {} s", options.time_limit);
+      break;
+    }
+    if (!hand->next(tick, sample)) {
+      const auto* force = dynamic_cast<const ForceHand*>(hand.get());
+      sum.is_complete = !(force && force->gaveUp());
+      sum.ended = sum.is_complete
+                      ? "end of the path"
+                      : fmt::format("no progress in {} s at {} N", options.force.patience, options.force.force);
+      break;
+    }
+    sample.pedal *= options.spindle;
+    // Room for the next tick, made outside of it: nothing is put off for want of it.
+    if (object.freeBricks() < kBrickReserve / 2 && !object.reserve(kBrickReserve))
+      return fail({Error::Code::kBadValue, case_folder.string(), "", "memory ran out", "room for what changes",
+                   "larger voxels"});
+    step(model, state, sample, tick);
+    ++sum.ticks;
+    sum.removed_mm3 += tick.removed_mm3;
+    sum.work += tick.power * kTick;
+    const double contact = tick.contact.force.norm(), to_hand = tick.force.force.norm();
+    if (tick.touching > 0) ++in_contact, contact_sum += contact, load_sum += tick.normal_load;
+    sum.peak_contact_force = std::max(sum.peak_contact_force, contact);
+    sum.peak_hand_force = std::max(sum.peak_hand_force, to_hand);
+    const double nominal = sample.pedal * model.tools[0].drive.speed;
+    const double relative = nominal > 0 ? tick.speed / nominal : 0;
+    has_come_up = nominal > 0 && (has_come_up || relative > 0.98);
+    if (has_come_up) sum.least_speed = std::min(sum.least_speed, relative);
+    sum.too_fast += (tick.status & kStepTooFast) != 0;
+    sum.out_of_room += (tick.status & (kStepBricksRanOut | kStepNearRanOut)) != 0;
+    sum.clamped += (tick.status & kStepForceClamped) != 0;
+    if (tick.status & kStepBadSample)
+      return fail({Error::Code::kBadValue, path_file.string(), fmt::format("t = {} s", sum.ticks * kTick),
+                   "a pose that is not finite", "finite poses", ""});
+    const Vec3d &p = tick.T_world_tool.translation, &f = tick.contact.force, &g = tick.force.force;
+    csv << fmt::format(
+        "{:.3f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.9f},"
+        "{:.3f},{:.6f},{}\n",
+        static_cast<double>(sum.ticks) * kTick, p[0], p[1], p[2], f[0], f[1], f[2], g[0], g[1], g[2], tick.normal_load,
+        tick.deepest, sum.removed_mm3, tick.speed, tick.drive_load, tick.touching);
+  }
+  csv.close();
+  const BrickField changed = object.changedField();
+  if (changed.isEmpty()) {
+    const Vec3d &low = in_case.box.min, &high = in_case.box.max;
+    return fail({Error::Code::kEmpty, path_file.string(), "", fmt::format("tool {} cut nothing", tool.id),
+                 fmt::format("a path through the box ({:.2f}, {:.2f}, {:.2f}) to ({:.2f}, {:.2f}, {:.2f}) mm", low[0],
+                             low[1], low[2], high[0], high[1], high[2]),
+                 "check the path's frame and unit, the spindle and the force"});
+  }
+  sum.seconds = static_cast<double>(sum.ticks) * kTick;
+  sum.seconds_in_contact = static_cast<double>(in_contact) * kTick;
+  if (in_contact > 0) {
+    sum.mean_contact_force = contact_sum / static_cast<double>(in_contact);
+    sum.mean_normal_load = load_sum / static_cast<double>(in_contact);
+  }
+  const std::array<double, 256> left = object.countVolumes();
+  for (std::size_t m = 0; m < 256; ++m) {
+    sum.initial_mm3 += baked->volumes()[m], sum.remaining_mm3 += left[m];
+    if (object.removed_mm3[m] == 0) continue;
+    const MaterialProperties* row = materials.find(static_cast<Material>(m));
+    sum.removed_by_material[row ? row->id : fmt::format("material {}", m)] += object.removed_mm3[m];
+  }
+  sum.state_hash = fmt::format("{:016x}", state.hash());
+
+  if (!report(progress, 0.92, "writing")) return cancelError();
+  RunManifest& m = out.manifest;
+  m.mode = kModeHaptic;
+  m.case_path = case_path;
+  m.case_id = in_case.id;
+  for (std::size_t s = 0; s + 1 < path.poses.size(); ++s)
+    if (path.cuts[s]) {
+      ++m.segments;
+      m.path_length_mm +=
+          (path.poses[s + 1].T_object_tool.translation - path.poses[s].T_object_tool.translation).norm();
+    }
+  m.duration_s = sum.seconds;
+  m.voxel_mm = baked->voxel();
+  m.state_hash = sum.state_hash;
+  KERF_CHECK(writeVdb(staging.staging() / internal::kRunField, {{"phi", &changed}}, {{"case_id", m.case_id}}));
+  std::ofstream summary(staging.staging() / kSummary, std::ios::binary);
+  summary << toJson(sum).dump(2) << "\n";
+  summary.close();
+  if (!csv || !summary)
+    return fail({Error::Code::kWriteFailed, run_folder.string(), csv ? kSummary : kForces, "could not be written",
+                 "a writable place with room", "free some space"});
+  KERF_CHECK(internal::finishRun(staging.staging(), tool, tool_file, path_file, m));
+  KERF_CHECK(staging.commit());
+  report(progress, 1.0, "done");
+  return out;
+}
+
+}  // namespace kerf

@@ -1,0 +1,59 @@
+// Cutting a case against resistance without a person: the 1 kHz step in lockstep, held by a virtual hand.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+
+#include "geometry/progress.h"
+#include "sim/run_bundle.h"
+#include "sim/virtual_hand.h"
+
+namespace kerf {
+
+enum class HandKind {
+  kFeed,   ///< follows the path in its time, whatever the force
+  kForce,  ///< pushes along the path with constant force
+  kDevice  ///< a simulated force-feedback device whose hand follows the path
+};
+
+struct HapticCutOptions {
+  bool overwrite = false;
+  HandKind hand = HandKind::kFeed;
+  ForceHand::Options force;
+  DeviceHand::Options device;
+  StepSettings step;        ///< `rendering` is set by the hand: rigid for kFeed, coupled for the others
+  double spindle = 1;       ///< 0 to 1 of the tool's nominal speed
+  double time_limit = 600;  ///< s of simulated time
+};
+
+/// What a session came to; every force in N, volume mm^3.
+struct HapticSummary {
+  std::uint64_t ticks = 0;
+  double seconds = 0;
+  bool is_complete = false;  ///< the hand came to the end of its path
+  std::string ended;         ///< why it ended
+  double removed_mm3 = 0, remaining_mm3 = 0, initial_mm3 = 0;
+  std::map<std::string, double> removed_by_material;      ///< by id
+  double mean_contact_force = 0, peak_contact_force = 0;  ///< mean over ticks in contact
+  double mean_normal_load = 0, peak_hand_force = 0;
+  double seconds_in_contact = 0;
+  double work = 0;         ///< of the drive into the tissue, N mm
+  double least_speed = 1;  ///< of the nominal while it was on and had come up to speed
+  std::uint64_t too_fast = 0, out_of_room = 0, clamped = 0;  ///< ticks with that status
+  std::string state_hash;
+};
+
+struct HapticCut {
+  RunManifest manifest;
+  HapticSummary summary;
+};
+
+/// Writes the run: run.toml, run.vdb (grid phi), forces.csv (one row a tick: docs/formats.md), summary.json. Same
+/// inputs, same bytes (but for the identifier inside run.vdb).
+/// Errors: as cutCase; kEmpty when nothing was cut; kBadValue for options out of range.
+Expected<HapticCut> cutCaseByHand(const std::filesystem::path& case_folder, const std::filesystem::path& tool_file,
+                                  const std::filesystem::path& path_file, const std::filesystem::path& run_folder,
+                                  const HapticCutOptions& options = {}, const Progress& progress = {});
+
+}  // namespace kerf

@@ -1,0 +1,20 @@
+// From files to what the step works on.
+#pragma once
+
+#include <filesystem>
+#include <span>
+
+#include "geometry/case_bundle.h"
+#include "geometry/tool.h"
+#include "sim/step.h"
+
+namespace kerf {
+
+/// The object of a case with its labels; unlabelled nodes are of the case's first material. Checked against the
+/// manifest's hashes. @cost seconds for a whole jaw.
+Expected<std::shared_ptr<const BakedObject>> loadObject(const std::filesystem::path& case_folder);
+
+/// Tools, tissues by the program's own table, settings. @param bands  of the objects the tools will meet, mm.
+Expected<Model> makeModel(std::span<const Tool> tools, const StepSettings& settings = {}, double band_mm = 0.5);
+
+}  // namespace kerf
