@@ -13,7 +13,7 @@ constexpr int kStride[3] = {64, 8, 1};
 }  // namespace
 
 int shellOfBrick(const BrickNeighborhood& bricks, const std::uint8_t* materials, double voxel,
-                 ShellNode* out) noexcept {
+                 ShellChunk* out) noexcept {
   const auto e = static_cast<float>(kShellHalfWidth * voxel);
   // delta h^3 / (2 h) of the central differences
   const auto scale = static_cast<float>(15.0 / 16 / (kShellHalfWidth * voxel) * voxel * voxel / 2);
@@ -22,15 +22,24 @@ int shellOfBrick(const BrickNeighborhood& bricks, const std::uint8_t* materials,
     const float phi = bricks.self[n];
     if (!(std::abs(phi) < e)) continue;
     const float u = phi / e, fade = 1 - u * u, weight = scale * fade * fade;
-    ShellNode& node = out[count++];
+    ShellChunk& chunk = out[count / ShellChunk::kNodes];
+    const auto at_node = static_cast<std::size_t>(count++ % ShellChunk::kNodes);
+    float* const normal_area[3] = {&chunk.x[at_node], &chunk.y[at_node], &chunk.z[at_node]};
     for (int axis = 0; axis < 3; ++axis) {
       const int stride = kStride[axis], at = (n / stride) & 7;
       const float below = at > 0 ? bricks.self[n - stride] : bricks.face[2 * axis][n + 7 * stride];
       const float above = at < 7 ? bricks.self[n + stride] : bricks.face[2 * axis + 1][n - 7 * stride];
-      node.normal_area[axis] = weight * (above - below);
+      *normal_area[axis] = weight * (above - below);
     }
-    node.offset = static_cast<std::uint16_t>(n);
-    node.material = materials[n];
+    chunk.offset[at_node] = static_cast<std::uint16_t>(n);
+    chunk.material[at_node] = materials[n];
+  }
+  if (const int rest = count % ShellChunk::kNodes; rest > 0) {
+    ShellChunk& last = out[count / ShellChunk::kNodes];
+    for (std::size_t n = static_cast<std::size_t>(rest); n < ShellChunk::kNodes; ++n) {
+      last.x[n] = last.y[n] = last.z[n] = 0;
+      last.offset[n] = last.offset[0], last.material[n] = 0;
+    }
   }
   return count;
 }
@@ -103,7 +112,7 @@ Expected<std::shared_ptr<const BakedObject>> BakedObject::make(BrickField phi0, 
          0, mixed[s] < 0});
   }
   const double e = kShellHalfWidth * field.voxel(), cell = std::pow(field.voxel(), 3);
-  std::vector<ShellNode> nodes(kBrickNodes);
+  std::vector<ShellChunk> chunks(kShellChunks);
   const int step[3] = {out->size_[1] * out->size_[2], out->size_[2], 1};
   for (Slot& slot : out->slots_) {
     const Vec3i at = slot.brick - out->low_;
@@ -114,8 +123,9 @@ Expected<std::shared_ptr<const BakedObject>> BakedObject::make(BrickField phi0, 
       around.face[f] = s < 0 ? out->outside_.data() : out->slots_[static_cast<std::size_t>(s)].phi;
     }
     slot.shell_begin = static_cast<std::uint32_t>(out->shell_.size());
-    slot.shell_count = static_cast<std::uint32_t>(shellOfBrick(around, slot.materials, field.voxel(), nodes.data()));
-    out->shell_.insert(out->shell_.end(), nodes.begin(), nodes.begin() + slot.shell_count);
+    slot.shell_count = static_cast<std::uint32_t>(shellOfBrick(around, slot.materials, field.voxel(), chunks.data()));
+    out->shell_.insert(out->shell_.end(), chunks.begin(),
+                       chunks.begin() + (slot.shell_count + ShellChunk::kNodes - 1) / ShellChunk::kNodes);
     for (int n = 0; n < kBrickNodes; ++n) out->volumes_[slot.materials[n]] += cell * insidePart(slot.phi[n], e);
   }
   return std::shared_ptr<const BakedObject>(std::move(out));

@@ -18,12 +18,16 @@ inline constexpr double kShellHalfWidth = 1.5;
 /// One node of the point shell. Weights are those of a smoothed delta of phi, delta = 15 (1 - u^2)^2 / (16 e), u =
 /// phi/e, so that they fade in and out as the surface passes and sum to area whatever the voxel size or the grid's
 /// attitude (after Engquist, Tornberg & Tsai, J Comput Phys 2005;207:28).
-struct ShellNode {
-  float normal_area[3];   ///< delta grad(phi) h^3, mm^2, outward; its length is the area the node stands for
-  std::uint16_t offset;   ///< of the node in its brick
-  std::uint8_t material;  ///< number
-  bool operator==(const ShellNode&) const = default;
+///
+/// Nodes come in chunks, number by number, as the loops of contact read them.
+struct ShellChunk {
+  static constexpr int kNodes = 64;
+  std::array<float, kNodes> x, y, z;  ///< delta grad(phi) h^3, mm^2, outward; its length is the area a node stands for
+  std::array<std::uint16_t, kNodes> offset;   ///< of the node in its brick
+  std::array<std::uint8_t, kNodes> material;  ///< number
 };
+/// Most chunks a brick may have.
+inline constexpr int kShellChunks = kBrickNodes / ShellChunk::kNodes;
 
 /// Bricks around one: itself and its six face neighbours, 512 values each.
 struct BrickNeighborhood {
@@ -31,17 +35,19 @@ struct BrickNeighborhood {
   const float* face[6];  ///< -x, +x, -y, +y, -z, +z
 };
 
-/// The shell nodes of a brick, by offset. @param out  room for 512.  @return how many. @rt safe.
-int shellOfBrick(const BrickNeighborhood& bricks, const std::uint8_t* materials, double voxel, ShellNode* out) noexcept;
+/// The shell nodes of a brick, by offset. The last chunk is filled up with copies of its first node's offset.
+/// @param out  room for kShellChunks.  @return how many nodes. @rt safe.
+int shellOfBrick(const BrickNeighborhood& bricks, const std::uint8_t* materials, double voxel,
+                 ShellChunk* out) noexcept;
 
 class BakedObject {
  public:
   /// A brick that may ever change: all those stored, and those marked as interior.
   struct Slot {
     Vec3i brick;
-    const float* phi;               ///< 512 values; of interior bricks a constant
-    const std::uint8_t* materials;  ///< 512 numbers
-    std::uint32_t shell_begin, shell_count;
+    const float* phi;                        ///< 512 values; of interior bricks a constant
+    const std::uint8_t* materials;           ///< 512 numbers
+    std::uint32_t shell_begin, shell_count;  ///< first chunk; nodes
     bool has_one_material;
   };
 
@@ -53,7 +59,7 @@ class BakedObject {
   const BrickField& phi0() const { return phi0_; }
   double voxel() const { return phi0_.voxel(); }
   const std::vector<Slot>& slots() const { return slots_; }
-  const std::vector<ShellNode>& shell() const { return shell_; }
+  const std::vector<ShellChunk>& shell() const { return shell_; }
   const float* outsideBrick() const { return outside_.data(); }  ///< what stands for a brick that is not stored
   Material fallback() const { return fallback_; }
   const std::uint8_t* fallbackMaterials() const { return uniform_[static_cast<std::size_t>(fallback_)].get(); }
@@ -71,7 +77,7 @@ class BakedObject {
   BrickField phi0_;
   BrickValues outside_{}, inside_{};
   std::vector<Slot> slots_;
-  std::vector<ShellNode> shell_;
+  std::vector<ShellChunk> shell_;
   std::vector<std::array<std::uint8_t, kBrickNodes>> materials_;
   std::array<std::unique_ptr<std::uint8_t[]>, 256> uniform_;
   Material fallback_ = Material::kGeneric;

@@ -171,9 +171,10 @@ void sumContact(CutObject& object, const NearBricks& near, const ContactInput& i
   // Lower triangle of the stiffness, row by row: plain numbers, as the compiler likes them.
   std::array<double, 21> stiffness{};
   // Nodes that overlap the tool, gathered until there are enough of them to look a step further inwards.
-  constexpr int kGather = CutObject::kChunk;
+  constexpr int kGather = ShellChunk::kNodes;
   struct Touching {
-    const ShellNode* node;
+    int offset;
+    std::uint8_t material;
     float overlap, into_cut, area;
     Vec3f normal;
   } touching[kGather];
@@ -190,17 +191,9 @@ void sumContact(CutObject& object, const NearBricks& near, const ContactInput& i
     float room = ToolField::kFar;  // until the first of its nodes touches
     bool touches = false;
     for (int begin = 0; begin < slot.shell_count; begin += kGather) {
-      const ShellNode* nodes = slot.chunks[static_cast<std::size_t>(begin / CutObject::kChunk)];
+      const ShellChunk& chunk = *slot.chunks[static_cast<std::size_t>(begin / kGather)];
       const int count = std::min(kGather, slot.shell_count - begin), padded = (count + 7) / 8 * 8;
-      for (int n = 0; n < padded; ++n) {
-        const int at = nodes[n < count ? n : 0].offset;
-        const float i = static_cast<float>(at >> 6), j = static_cast<float>(at >> 3 & 7),
-                    k = static_cast<float>(at & 7);
-        px[n] = map.base[0] + i * map.along[0][0] + j * map.along[1][0] + k * map.along[2][0];
-        py[n] = map.base[1] + i * map.along[0][1] + j * map.along[1][1] + k * map.along[2][1];
-        pz[n] = map.base[2] + i * map.along[0][2] + j * map.along[1][2] + k * map.along[2][2];
-        phi[n] = slot.phi[at];
-      }
+      internal::placeShell(map.base, map.along, chunk.offset.data(), slot.phi, padded, px, py, pz, phi);
       tool.cut.distances(px, py, pz, cut, padded);
       if (body_is_near) tool.body.distances(px, py, pz, body, padded);
       sums.tested += count;
@@ -209,12 +202,13 @@ void sumContact(CutObject& object, const NearBricks& near, const ContactInput& i
         const float gap = std::min(cut[n], body_is_near ? body[n] : ToolField::kFar) + phi[n];
         room = std::min(room, gap);
         if (gap >= 0) continue;
-        const ShellNode& node = nodes[n];
-        const Vec3f w(node.normal_area[0], node.normal_area[1], node.normal_area[2]);
+        const auto at = static_cast<std::size_t>(n);
+        const Vec3f w(chunk.x[at], chunk.y[at], chunk.z[at]);
         const float area = w.norm();
         if (!(area > 0)) continue;
         Touching& t = touching[found];
-        t.node = &node, t.overlap = -gap, t.into_cut = std::max(0.0f, -cut[n] - phi[n]), t.area = area;
+        t.offset = chunk.offset[at], t.material = chunk.material[at], t.overlap = -gap,
+        t.into_cut = std::max(0.0f, -cut[n] - phi[n]), t.area = area;
         t.normal = w / area;
         const Vec3f inwards = Vec3f(px[n], py[n], pz[n]) - look * (to_tool_f * t.normal);
         // found <= n: what is overwritten has been read
@@ -234,16 +228,16 @@ void sumContact(CutObject& object, const NearBricks& near, const ContactInput& i
         const float slope = (std::min(cut_in[n], body_is_near ? body_in[n] : ToolField::kFar) - tau) / look;
         const float facing = std::min(std::max(2 * slope, 0.0f), 1.0f);
         if (facing <= 0) continue;
-        const Tissue& tissue = (*in.tissues)[t.node->material];
+        const Tissue& tissue = (*in.tissues)[t.material];
         const float arm = lever(tool, px[n], py[n], pz[n]);
-        const float x_rate = rates.value[t.node->material] * arm;
+        const float x_rate = rates.value[t.material] * arm;
         const float part = relaxed(x_rate);
         const float mean_part = x_rate < 1e-6f ? 1.0f : part / x_rate;
         const auto mean = static_cast<double>(t.overlap - t.into_cut * (1 - mean_part));
         const auto after = static_cast<double>(t.overlap - t.into_cut * part);
         const double area = static_cast<double>(t.area);
         const double stiff = static_cast<double>(tissue.stiffness * facing) * area;  // N/mm
-        const int at = t.node->offset;
+        const int at = t.offset;
         const Vec3d r = corner + h * Vec3d(at >> 6, at >> 3 & 7, at & 7);
         const Vec3d normal = t.normal.cast<double>(), turn = r.cross(normal);
         const double size = stiff * mean, size_after = stiff * after;

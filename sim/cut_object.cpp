@@ -10,19 +10,21 @@
 namespace kerf {
 namespace {
 
+int chunkCount(int nodes) { return (nodes + ShellChunk::kNodes - 1) / ShellChunk::kNodes; }
+
 constexpr std::size_t kChunksPerBrick = 5;  // 320 nodes: more than a plane's 8 x 8 x 3, or two of them
 
 }  // namespace
 
 CutObject::CutObject(std::shared_ptr<const BakedObject> baked, std::size_t bricks)
-    : baked_(std::move(baked)), directory_(baked_->directory()), scratch_(kBrickNodes) {
+    : baked_(std::move(baked)), directory_(baked_->directory()), scratch_(kShellChunks) {
   slots_.reserve(baked_->slots().size());
   for (const BakedObject::Slot& from : baked_->slots()) {
     Slot& s = slots_.emplace_back();
     s.brick = from.brick, s.phi = from.phi, s.own = nullptr, s.materials = from.materials;
     s.chunks.fill(nullptr);
-    for (std::uint32_t n = 0; n * kChunk < from.shell_count; ++n)
-      s.chunks[n] = baked_->shell().data() + from.shell_begin + n * kChunk;
+    for (std::uint32_t n = 0; n * ShellChunk::kNodes < from.shell_count; ++n)
+      s.chunks[n] = baked_->shell().data() + from.shell_begin + n;
     s.shell_count = static_cast<std::int16_t>(from.shell_count);
     s.owns_shell = s.is_dirty = s.is_exported_dirty = false;
     s.has_one_material = from.has_one_material;
@@ -38,7 +40,7 @@ bool CutObject::reserve(std::size_t bricks) {
   bricks = std::max<std::size_t>(bricks, 1);
   try {
     auto values = std::make_unique<BrickValues[]>(bricks);
-    auto nodes = std::make_unique<ShellNode[]>(bricks * kChunksPerBrick * kChunk);
+    auto nodes = std::make_unique<ShellChunk[]>(bricks * kChunksPerBrick);
     // Room for all that exist: giving back never allocates.
     free_phi_.reserve(all_bricks_ + bricks);
     free_chunks_.reserve((all_bricks_ + bricks) * kChunksPerBrick);
@@ -49,8 +51,7 @@ bool CutObject::reserve(std::size_t bricks) {
   }
   all_bricks_ += bricks;
   for (std::size_t n = bricks; n-- > 0;) free_phi_.push_back(phi_blocks_.back()[n].data());
-  for (std::size_t n = bricks * kChunksPerBrick; n-- > 0;)
-    free_chunks_.push_back(shell_blocks_.back().get() + n * kChunk);
+  for (std::size_t n = bricks * kChunksPerBrick; n-- > 0;) free_chunks_.push_back(shell_blocks_.back().get() + n);
   return true;
 }
 
@@ -100,24 +101,23 @@ BrickNeighborhood CutObject::around(const Slot& slot) const noexcept {
 
 bool CutObject::repairShell(Slot& slot) noexcept {
   const int count = shellOfBrick(around(slot), slot.materials, voxel(), scratch_.data());
-  const int chunks = (count + kChunk - 1) / kChunk, had = (slot.shell_count + kChunk - 1) / kChunk;
+  const int chunks = chunkCount(count), had = chunkCount(slot.shell_count);
   const int owned = slot.owns_shell ? had : 0;
   if (static_cast<int>(free_chunks_.size()) < chunks - owned) return false;
-  std::array<ShellNode*, 8> next{};
+  std::array<ShellChunk*, kShellChunks> next{};
   for (int c = 0; c < chunks; ++c) {
     if (c < owned) {
-      next[static_cast<std::size_t>(c)] = const_cast<ShellNode*>(slot.chunks[static_cast<std::size_t>(c)]);
+      next[static_cast<std::size_t>(c)] = const_cast<ShellChunk*>(slot.chunks[static_cast<std::size_t>(c)]);
     } else {
       next[static_cast<std::size_t>(c)] = free_chunks_.back();
       free_chunks_.pop_back();
     }
   }
   for (int c = chunks; c < owned; ++c)
-    free_chunks_.push_back(const_cast<ShellNode*>(slot.chunks[static_cast<std::size_t>(c)]));
+    free_chunks_.push_back(const_cast<ShellChunk*>(slot.chunks[static_cast<std::size_t>(c)]));
   slot.chunks.fill(nullptr);
   for (int c = 0; c < chunks; ++c) {
-    const int n = std::min(kChunk, count - c * kChunk);
-    std::copy_n(scratch_.data() + c * kChunk, n, next[static_cast<std::size_t>(c)]);
+    *next[static_cast<std::size_t>(c)] = scratch_[static_cast<std::size_t>(c)];
     slot.chunks[static_cast<std::size_t>(c)] = next[static_cast<std::size_t>(c)];
   }
   slot.shell_count = static_cast<std::int16_t>(count);
@@ -170,13 +170,15 @@ std::array<double, 256> CutObject::countVolumes() const {
 }
 
 std::size_t CutObject::shellDefects() const {
-  std::vector<ShellNode> expected(kBrickNodes);
+  std::vector<ShellChunk> expected(kShellChunks);
   std::size_t defects = 0;
   for (const Slot& slot : slots_) {
     const int count = shellOfBrick(around(slot), slot.materials, voxel(), expected.data());
     bool is_same = count == slot.shell_count;
-    for (int n = 0; is_same && n < count; ++n)
-      is_same = slot.chunks[static_cast<std::size_t>(n / kChunk)][n % kChunk] == expected[static_cast<std::size_t>(n)];
+    for (std::size_t c = 0; is_same && c < static_cast<std::size_t>(chunkCount(count)); ++c)
+      is_same = slot.chunks[c]->x == expected[c].x && slot.chunks[c]->y == expected[c].y &&
+                slot.chunks[c]->z == expected[c].z && slot.chunks[c]->offset == expected[c].offset &&
+                slot.chunks[c]->material == expected[c].material;
     defects += !is_same;
   }
   return defects;

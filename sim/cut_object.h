@@ -15,15 +15,12 @@ namespace kerf {
 
 class CutObject {
  public:
-  /// Nodes of a shell are kept in chunks of this many, so that a brick takes what it needs.
-  static constexpr int kChunk = 64;
-
   struct Slot {
     Vec3i brick;
     const float* phi;               ///< 512 values, baked or own
     float* own;                     ///< the same once they changed, else null
     const std::uint8_t* materials;  ///< 512 numbers
-    std::array<const ShellNode*, 8> chunks;
+    std::array<const ShellChunk*, kShellChunks> chunks;
     std::int16_t shell_count;
     bool owns_shell, is_dirty, is_exported_dirty, has_one_material;
     float least;  ///< lower bound of the values
@@ -117,11 +114,11 @@ class CutObject {
   std::vector<std::int32_t> directory_;
   std::vector<int> dirty_, export_;
   std::vector<std::unique_ptr<BrickValues[]>> phi_blocks_;
-  std::vector<std::unique_ptr<ShellNode[]>> shell_blocks_;
+  std::vector<std::unique_ptr<ShellChunk[]>> shell_blocks_;
   std::vector<float*> free_phi_;
-  std::vector<ShellNode*> free_chunks_;
+  std::vector<ShellChunk*> free_chunks_;
   std::size_t all_bricks_ = 0;  // ever reserved
-  std::vector<ShellNode> scratch_;
+  std::vector<ShellChunk> scratch_;
   std::vector<int> to_repair_;
   std::vector<std::uint32_t> repair_mark_;
   std::uint32_t repair_round_ = 0;

@@ -88,6 +88,28 @@ void placeHere(const float base[3], const float along[3][3], float* x, float* y,
     }
 }
 
+void placeShellHere(const float base[3], const float along[3][3], const std::uint16_t* offsets, const float* phi,
+                    int count, float* x, float* y, float* z, float* values) {
+  const F f;
+  const I i;
+  const hn::Rebind<std::uint16_t, F> u16;
+  const int lanes = static_cast<int>(hn::Lanes(f));
+  float* out[3] = {x, y, z};
+  for (int n = 0; n < count; n += lanes) {
+    const auto at = hn::PromoteTo(i, hn::LoadU(u16, offsets + n));
+    const auto seven = hn::Set(i, 7);
+    const V a = hn::ConvertTo(f, hn::ShiftRight<6>(at)), b = hn::ConvertTo(f, hn::And(hn::ShiftRight<3>(at), seven)),
+            c = hn::ConvertTo(f, hn::And(at, seven));
+    for (int axis = 0; axis < 3; ++axis) {
+      const V p = hn::Add(hn::Add(hn::Add(hn::Set(f, base[axis]), hn::Mul(a, hn::Set(f, along[0][axis]))),
+                                  hn::Mul(b, hn::Set(f, along[1][axis]))),
+                          hn::Mul(c, hn::Set(f, along[2][axis])));
+      hn::StoreU(p, f, out[axis] + n);
+    }
+    hn::StoreU(hn::GatherIndex(f, phi, at), f, values + n);
+  }
+}
+
 }  // namespace kerf::internal::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -96,11 +118,17 @@ namespace kerf::internal {
 
 HWY_EXPORT(relaxHere);
 HWY_EXPORT(placeHere);
+HWY_EXPORT(placeShellHere);
 
 RelaxResult relaxBrick(const RelaxInput& in, float* out) noexcept { return HWY_DYNAMIC_DISPATCH(relaxHere)(in, out); }
 
 void placeNodes(const float base[3], const float along[3][3], float* x, float* y, float* z) noexcept {
   HWY_DYNAMIC_DISPATCH(placeHere)(base, along, x, y, z);
+}
+
+void placeShell(const float base[3], const float along[3][3], const std::uint16_t* offsets, const float* phi, int count,
+                float* x, float* y, float* z, float* values) noexcept {
+  HWY_DYNAMIC_DISPATCH(placeShellHere)(base, along, offsets, phi, count, x, y, z, values);
 }
 
 }  // namespace kerf::internal

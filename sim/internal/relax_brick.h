@@ -31,4 +31,8 @@ RelaxResult relaxBrick(const RelaxInput& in, float* out) noexcept;
 /// Nodes of a brick in the tool's frame: base + i along[0] + j along[1] + k along[2], float32. @param out  3 x 512.
 void placeNodes(const float base[3], const float along[3][3], float* x, float* y, float* z) noexcept;
 
+/// The same for the nodes of a shell's chunk, given by their offsets, with their values; count a multiple of 8.
+void placeShell(const float base[3], const float along[3][3], const std::uint16_t* offsets, const float* phi, int count,
+                float* x, float* y, float* z, float* values) noexcept;
+
 }  // namespace kerf::internal

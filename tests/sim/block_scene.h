@@ -3,45 +3,23 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
 #include <functional>
 
-#include "geometry/sample_field.h"
+#include "sim/practice_block.h"
 #include "sim/step.h"
 
 namespace kerf::test {
 
-/// Samples a distance as a case would be baked: 3 voxels outside, max(4 voxels, 0.2 mm) inside.
-inline std::shared_ptr<const BakedObject> bakedFrom(const std::function<double(const Vec3d&)>& distance,
-                                                    const Box3& box, double voxel,
-                                                    Material material = Material::kDentin) {
-  const double inside = std::max(4 * voxel, 0.2), outside = 3 * voxel;
-  const BrickField sampled = sampleDistance(distance, box, voxel, inside / voxel);
-  BrickField field(voxel, static_cast<float>(outside), static_cast<float>(-inside));
-  for (std::size_t b = 0; b < sampled.brickCount(); ++b) {
-    BrickValues v = sampled.brick(b);
-    for (float& x : v) x = std::clamp(x, static_cast<float>(-inside), static_cast<float>(outside));
-    field.add(sampled.brickCoord(b), v);
-  }
-  for (const Vec3i& c : sampled.interiorBricks()) field.markInterior(c);
-  auto baked = BakedObject::make(std::move(field), nullptr, material);
+inline std::shared_ptr<const BakedObject> bakedFrom(const std::function<double(const Vec3d&)>& distance, const Box3& box,
+                                                    double voxel) {
+  auto baked = kerf::bakedFrom(distance, box, voxel);
   EXPECT_TRUE(baked) << baked.error().message();
   return *baked;
 }
-
-/// A block with its top at z = 0 of its own frame, which `attitude` turns and moves.
-inline std::shared_ptr<const BakedObject> block(const Vec3d& size, double voxel, const Rigid3& attitude = {},
-                                                Material material = Material::kDentin) {
-  Box3 box;
-  box.add(Vec3d(-size[0] / 2, -size[1] / 2, -size[2])), box.add(Vec3d(size[0] / 2, size[1] / 2, 0));
-  const BoxShape shape(box);
-  const Rigid3 inverse = attitude.inverse();
-  Box3 turned;
-  for (int c = 0; c < 8; ++c)
-    turned.add(attitude *
-               Vec3d((c & 1 ? box.max : box.min)[0], (c & 2 ? box.max : box.min)[1], (c & 4 ? box.max : box.min)[2]));
-  return bakedFrom([&](const Vec3d& p) { return shape.distance(inverse * p); }, turned, voxel, material);
+inline std::shared_ptr<const BakedObject> block(const Vec3d& size, double voxel, const Rigid3& attitude = {}) {
+  auto baked = practiceBlock(size, voxel, attitude);
+  EXPECT_TRUE(baked) << baked.error().message();
+  return *baked;
 }
 
 /// A ball bur of radius r whose tip is at the origin; its surface moves at `speed` mm/s everywhere, like a stroke.

@@ -9,7 +9,6 @@
 namespace kerf {
 namespace {
 
-using test::bakedFrom;
 using test::block;
 
 double sum(const std::array<double, 256>& volumes) {
@@ -24,13 +23,14 @@ TEST(PointShell, AreaOfABallIsRightWhateverTheVoxelAndWhereItLies) {
       const Vec3d center(offset, -0.4 * offset, 1.7 * offset);
       Box3 box;
       box.add(Vec3d(center.array() - 1.01)), box.add(Vec3d(center.array() + 1.01));
-      const auto ball = bakedFrom([&](const Vec3d& p) { return (p - center).norm() - 1; }, box, h);
+      const auto ball = test::bakedFrom([&](const Vec3d& p) { return (p - center).norm() - 1; }, box, h);
       double area = 0;
       Vec3d closed = Vec3d::Zero();
-      for (const ShellNode& node : ball->shell()) {
-        const Vec3d w(node.normal_area[0], node.normal_area[1], node.normal_area[2]);
-        area += w.norm(), closed += w;
-      }
+      for (const ShellChunk& chunk : ball->shell())  // what fills up a chunk weighs nothing
+        for (std::size_t n = 0; n < ShellChunk::kNodes; ++n) {
+          const Vec3d w(chunk.x[n], chunk.y[n], chunk.z[n]);
+          area += w.norm(), closed += w;
+        }
       EXPECT_NEAR(area / (4 * M_PI), 1, h == 0.1 ? 0.003 : 0.001) << h << " " << offset;
       EXPECT_LT(closed.norm(), 5e-4 * area);  // area vectors of a closed surface sum to nothing
     }
@@ -40,11 +40,12 @@ TEST(PointShell, NormalsPointOutOfTheTissue) {
   const auto object = block({4, 4, 2}, 0.1);
   for (const BakedObject::Slot& slot : object->slots())
     for (std::uint32_t n = 0; n < slot.shell_count; ++n) {
-      const ShellNode& node = object->shell()[slot.shell_begin + n];
-      const Vec3i at = 8 * slot.brick + Vec3i(node.offset >> 6, node.offset >> 3 & 7, node.offset & 7);
+      const ShellChunk& chunk = object->shell()[slot.shell_begin + n / ShellChunk::kNodes];
+      const int offset = chunk.offset[n % ShellChunk::kNodes];
+      const Vec3i at = 8 * slot.brick + Vec3i(offset >> 6, offset >> 3 & 7, offset & 7);
       const Vec3d p = 0.1 * at.cast<double>();
       if (std::abs(p[0]) < 1.5 && std::abs(p[1]) < 1.5 && p[2] > -0.5) {
-        ASSERT_GT(node.normal_area[2], 0);
+        ASSERT_GT(chunk.z[n % ShellChunk::kNodes], 0);
       }
     }
 }

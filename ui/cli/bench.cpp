@@ -1,9 +1,7 @@
 // kerf bench: scenes anybody can time on their own machine. Times vary, the state hash does not.
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
@@ -19,53 +17,13 @@
 #include "preprocess/demo_molar.h"
 #include "sim/run_bundle.h"
 #include "sim/sweep_cutter.h"
+#include "ui/cli/bench.h"
 #include "ui/cli/command.h"
 
 namespace kerf::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-double now() {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-struct Result {
-  std::string scene, what;
-  std::vector<double> ms;  // one per repetition or motion
-  std::string state_hash;
-  double ratio = 0;  // to a bare library call measured in the same run; 0: none
-  std::string ratio_to;
-  std::string part{};  // of the work, with a ratio of its own
-  double part_ratio = 0;
-  double peak_gb = 0;  // most memory of the whole program; 0: not measured
-
-  double percentile(double p) const {
-    std::vector<double> sorted = ms;
-    std::sort(sorted.begin(), sorted.end());
-    return sorted.empty()
-               ? 0
-               : sorted[std::min(sorted.size() - 1, static_cast<std::size_t>(p * static_cast<double>(sorted.size())))];
-  }
-};
-
-/// A folder for scratch files, removed at the end.
-class Scratch {
- public:
-  Scratch() : path_(fs::temp_directory_path() / fmt::format("kerf-bench-{}", getpid())) {
-    fs::create_directories(path_);
-  }
-  ~Scratch() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 Expected<fs::path> benchMesh(const std::string& asked, const Scratch& scratch) {
   if (!asked.empty()) return fs::path(asked);
@@ -200,12 +158,19 @@ struct SceneRow {
   const char* name;
   const char* what;
 };
-constexpr SceneRow kScenes[] = {{"bake", "mesh to case, against the bare library call"},
-                                {"bake-200k", "the same, the demo molar in 200 000 triangles"},
-                                {"mandible", "the same, the demo mandible: time and memory"},
-                                {"cut-bur", "motions of a round bur in a block at 0.05 mm"},
-                                {"cut-blade", "motions of a reciprocating blade in a block at 0.1 mm"},
-                                {"export", "run to printable STL"}};
+constexpr SceneRow kScenes[] = {
+    {"bake", "mesh to case, against the bare library call"},
+    {"bake-200k", "the same, the demo molar in 200 000 triangles"},
+    {"mandible", "the same, the demo mandible: time and memory"},
+    {"cut-bur", "motions of a round bur in a block at 0.05 mm"},
+    {"cut-blade", "motions of a reciprocating blade in a block at 0.1 mm"},
+    {"export", "run to printable STL"},
+    {"points", "shell nodes against a tool's fields: 50 000 and 200 000 of them"},
+    {"tick-bur", "whole ticks: taper 016 in the demo molar at 0.05 mm"},
+    {"tick-saw", "whole ticks: a 25 mm blade in the demo mandible at 0.1 mm"},
+    {"tick-sizes", "the same contact in three sizes of object"},
+    {"invariance", "force and removal over voxels, attitudes, time: no times, the same anywhere"},
+    {"forces", "constant force and constant feed per material: no times"}};
 
 Expected<Result> runScene(const std::string& name, const std::string& mesh, const Scratch& scratch,
                           const Progress& progress) {
@@ -218,6 +183,12 @@ Expected<Result> runScene(const std::string& name, const std::string& mesh, cons
     return benchCut(name, "saw-reciprocating-25", 0.1,
                     Eigen::Quaterniond(Eigen::AngleAxisd(-0.5 * M_PI, Vec3d::UnitY())), progress);
   if (name == "export") return benchExport(mesh, scratch, progress);
+  if (name == "points") return benchPoints(progress);
+  if (name == "tick-bur") return benchTickBur(scratch, progress);
+  if (name == "tick-saw") return benchTickSaw(scratch, progress);
+  if (name == "tick-sizes") return benchTickSizes(progress);
+  if (name == "invariance") return benchInvariance(progress);
+  if (name == "forces") return benchForces(progress);
   std::string known;
   for (const SceneRow& row : kScenes) known += (known.empty() ? "" : ", ") + std::string(row.name);
   return fail({Error::Code::kBadValue, "", "SCENE", "\"" + name + "\"", "one of " + known, ""});
@@ -261,15 +232,30 @@ void addBench(CLI::App& app, int& exit_code) {
                          {"count", r->ms.size()},
                          {"p50_ms", r->percentile(0.5)},
                          {"p99_ms", r->percentile(0.99)},
+                         {"p99.9_ms", r->percentile(0.999)},
                          {"max_ms", r->percentile(1)},
                          {"state_hash", r->state_hash}};
         if (r->ratio > 0) j["ratio"] = r->ratio, j["ratio_to"] = r->ratio_to;
         if (!r->part.empty()) j["part"] = r->part, j["part_ratio"] = r->part_ratio;
         if (r->peak_gb > 0) j["peak_gb"] = r->peak_gb;
+        for (const Measured& m : r->measured) {
+          nlohmann::json number{{"value", m.value}, {"unit", m.unit}};
+          if (m.has_goal) number["at_most"] = m.goal, number["passed"] = m.passed();
+          j["measured"][m.name] = number;
+        }
         all.push_back(j);
       } else {
-        fmt::print("{:<10} p50 {:9.3f}  p99 {:9.3f}  max {:9.3f} ms  x{:<4} {}  {}\n", r->scene, r->percentile(0.5),
-                   r->percentile(0.99), r->percentile(1), r->ms.size(), r->state_hash, r->what);
+        if (r->ms.empty())
+          fmt::print("{:<10} {}\n", r->scene, r->what);
+        else
+          fmt::print("{:<10} p50 {:9.3f}  p99 {:9.3f}  max {:9.3f} ms  x{:<4} {}  {}\n", r->scene, r->percentile(0.5),
+                     r->percentile(0.99), r->percentile(1), r->ms.size(), r->state_hash, r->what);
+        for (const Measured& m : r->measured) {
+          fmt::print("           {:<44} {:10.4g} {}", m.name, m.value, m.unit);
+          if (m.has_goal)
+            fmt::print("{}(at most {:g}: {})", m.unit.empty() ? "" : " ", m.goal, m.passed() ? "met" : "MISSED");
+          fmt::print("\n");
+        }
         if (r->ratio > 0) fmt::print("           {:.2f} x {}", r->ratio, r->ratio_to);
         if (!r->part.empty()) fmt::print("; {} {:.2f} x", r->part, r->part_ratio);
         if (r->peak_gb > 0) fmt::print("; {:.2f} GB at most", r->peak_gb);
