@@ -55,8 +55,9 @@ struct Rates {
   explicit Rates(const ContactInput& in) {
     for (std::size_t m = 0; m < 256; ++m) {
       const Tissue& t = (*in.tissues)[m];
-      value[m] = static_cast<float>(static_cast<double>(t.friction * t.stiffness * t.inverse_energy) *
-                                    std::abs(in.speed) / in.tool->drive.energy_factor * in.dt);
+      value[m] =
+          static_cast<float>(static_cast<double>(t.friction * t.stiffness * t.inverse_energy) * std::abs(in.speed) *
+                             in.tool->drive.drag_factor / in.tool->drive.energy_factor * in.dt);
     }
   }
 };
@@ -249,7 +250,7 @@ void sumContact(CutObject& object, const NearBricks& near, const ContactInput& i
           for (std::size_t column = 0; column <= row; ++column) stiffness[entry++] += scaled * u[column];
         }
         sums.normal_load += size;
-        const double rubbing = static_cast<double>(tissue.friction) * size;
+        const double rubbing = tool.drive.drag_factor * static_cast<double>(tissue.friction) * size;
         // What only collides does not move by itself, but for a bur's neck and shank, which spin.
         double own = 0;
         if (t.into_cut > 0) sums.cutting_load += size;

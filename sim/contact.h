@@ -83,8 +83,8 @@ struct CutResult {
   bool room_ran_out = false;
 };
 /// phi += d (1 - exp(-c dt)) with d = max(0, -tau_cut - phi) and the rate c = mu k_n v_s / (u_s f), f the tool's energy
-/// factor, v_s the surface speed at the node: the surface relaxes towards the tool. Geometry only: c is infinite.
-/// Updates the ledger; shells are repaired by CutObject::repair.
+/// factor, mu that of the material times the tool's drag factor, v_s the surface speed at the node: the surface relaxes
+/// towards the tool. Geometry only: c is infinite. Updates the ledger; shells are repaired by CutObject::repair.
 CutResult erode(CutObject& object, const NearBricks& near, const ContactInput& in, bool geometry_only = false) noexcept;
 
 }  // namespace kerf

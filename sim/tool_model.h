@@ -21,6 +21,9 @@ struct ToolDrive {
   /// Specific cutting energy of this tool over that of the materials' table: fine grit makes fine chips, and those cost
   /// more work per volume.
   double energy_factor = 1;
+  /// Drag coefficient of this tool over that of the materials' table: teeth that plane drag more than grains that
+  /// grind.
+  double drag_factor = 1;
 };
 
 struct ToolModel {

@@ -170,7 +170,9 @@ constexpr SceneRow kScenes[] = {
     {"tick-saw", "whole ticks: a 25 mm blade in the demo mandible at 0.1 mm"},
     {"tick-sizes", "the same contact in three sizes of object"},
     {"invariance", "force and removal over voxels, attitudes, time: no times, the same anywhere"},
-    {"forces", "constant force and constant feed per material: no times"}};
+    {"forces", "constant force and constant feed per material: no times"},
+    {"saw", "kerf, plane and side force over attitudes: no times"},
+    {"passivity", "energy a simulated device is given, over hands and stiffnesses: no times"}};
 
 Expected<Result> runScene(const std::string& name, const std::string& mesh, const Scratch& scratch,
                           const Progress& progress) {
@@ -189,6 +191,8 @@ Expected<Result> runScene(const std::string& name, const std::string& mesh, cons
   if (name == "tick-sizes") return benchTickSizes(progress);
   if (name == "invariance") return benchInvariance(progress);
   if (name == "forces") return benchForces(progress);
+  if (name == "saw") return benchSaw(progress);
+  if (name == "passivity") return benchPassivity(progress);
   std::string known;
   for (const SceneRow& row : kScenes) known += (known.empty() ? "" : ", ") + std::string(row.name);
   return fail({Error::Code::kBadValue, "", "SCENE", "\"" + name + "\"", "one of " + known, ""});

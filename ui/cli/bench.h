@@ -75,5 +75,7 @@ Expected<Result> benchTickSizes(const Progress& progress);
 // And its laws, numbers that are the same on every machine: bench_law.cpp.
 Expected<Result> benchInvariance(const Progress& progress);
 Expected<Result> benchForces(const Progress& progress);
+Expected<Result> benchSaw(const Progress& progress);
+Expected<Result> benchPassivity(const Progress& progress);
 
 }  // namespace kerf::cli

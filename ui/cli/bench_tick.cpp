@@ -140,7 +140,12 @@ Expected<Result> benchPoints(const Progress& progress) {
 }
 
 Expected<Result> benchTickBur(const Scratch& scratch, const Progress& progress) {
-  Result r{"tick-bur", "taper 856/016, 1.5 N, along and into the demo molar's crown at 0.05 mm", {}, "", 0, ""};
+  Result r{"tick-bur",
+           "taper 856/016 along the flank of the demo molar at 2 mm/s and into its fossa at 1 mm/s, 0.05 mm voxels",
+           {},
+           "",
+           0,
+           ""};
   KERF_TRY(anatomy, demoMolarAnatomy(1, progress));
   KERF_TRY(folder, bakedDemo(anatomy, 0.05, scratch, progress));
   KERF_TRY(object, loadObject(folder));
@@ -162,10 +167,7 @@ Expected<Result> benchTickBur(const Scratch& scratch, const Progress& progress) 
   const double side = box.max[1] + 0.3;
   go({-3, side, 2}, 1), go({-3, side - 0.6, 2}, 1), go({3, side - 0.6, 2}, 2), go({3, side + 1, 2}, 10);
   go({3, side + 1, 12}, 20), go({0, 0, 12}, 20), go({0, 0, 8}, 20), go({0, 0, 3.5}, 1), go({1.5, 0, 3.5}, 1);
-  ForceHand::Options push;
-  push.force = 1.5, push.feed_limit = 5, push.patience = 3;
-  StepSettings& settings = model.settings;
-  settings.rendering = Rendering::kRigid;
+  model.settings.rendering = Rendering::kRigid;
   FeedHand hand(path);
   state.place(poseAt(path, 0));
   KERF_CHECK(timeTicks(model, state, hand, r, progress));
