@@ -4,6 +4,7 @@ find_package(Threads REQUIRED)
 find_package(TBB CONFIG REQUIRED)  # before OpenVDB, whose own FindTBB could pick another one
 list(APPEND CMAKE_MODULE_PATH /usr/lib/${CMAKE_LIBRARY_ARCHITECTURE}/cmake/OpenVDB)
 find_package(OpenVDB REQUIRED)
+find_package(Boost REQUIRED)  # headers only: the lock-free queue
 find_package(Eigen3 CONFIG REQUIRED)  # CONFIG: CGAL brings a find module of its own without the target
 set(CGAL_DO_NOT_WARN_ABOUT_CMAKE_BUILD_TYPE TRUE)
 find_package(CGAL REQUIRED)
