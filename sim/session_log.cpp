@@ -211,14 +211,18 @@ Expected<SessionSnapshot> packSnapshot(std::span<const std::byte> bytes) {
   if (bytes.size() > kMaxSnapshotBytes)
     return fail({Error::Code::kBadValue, "", "snapshot", fmt::format("{} bytes", bytes.size()),
                  fmt::format("at most {}", kMaxSnapshotBytes), "keep only what changed"});
-  uLongf size = ::compressBound(bytes.size());
-  SessionSnapshot snapshot{bytes.size(), std::vector<std::byte>(size)};
-  // Neither of the reasons compress2() knows can occur: the level is valid, the room is enough; memory is left.
-  if (::compress2(reinterpret_cast<Bytef*>(snapshot.packed.data()), &size, reinterpret_cast<const Bytef*>(bytes.data()),
-                  bytes.size(), Z_BEST_SPEED) != Z_OK)
-    return fail({Error::Code::kWriteFailed, "", "snapshot", "no memory to compress it", "", "close other programs"});
-  snapshot.packed.resize(size);
-  return snapshot;
+  try {
+    uLongf size = ::compressBound(bytes.size());
+    SessionSnapshot snapshot{bytes.size(), std::vector<std::byte>(size)};
+    if (::compress2(reinterpret_cast<Bytef*>(snapshot.packed.data()), &size,
+                    reinterpret_cast<const Bytef*>(bytes.data()), bytes.size(), Z_BEST_SPEED) != Z_OK)
+      throw std::bad_alloc();  // of the reasons compress2() knows the only one left: level and room are right
+    snapshot.packed.resize(size);
+    return snapshot;
+  } catch (const std::bad_alloc&) {
+    return fail({Error::Code::kWriteFailed, "", "snapshot", fmt::format("no memory to compress {} bytes", bytes.size()),
+                 "", "close other programs"});
+  }
 }
 
 Expected<std::vector<std::byte>> unpackSnapshot(const SessionSnapshot& snapshot) {
@@ -230,15 +234,19 @@ Expected<std::vector<std::byte>> unpackSnapshot(const SessionSnapshot& snapshot)
   constexpr std::uint64_t kBestRatio = 1032;  // of deflate (zlib's technical notes): a larger claim is false
   if (snapshot.size > kMaxSnapshotBytes || snapshot.size / kBestRatio > snapshot.packed.size())
     return refuse(fmt::format("{} bytes that claim to hold {}", snapshot.packed.size(), snapshot.size));
-  std::vector<std::byte> bytes(snapshot.size);
-  std::byte nothing{};  // zlib wants an address even for no bytes
-  uLongf size = bytes.size();
-  uLong used = snapshot.packed.size();
-  const int result = ::uncompress2(reinterpret_cast<Bytef*>(bytes.empty() ? &nothing : bytes.data()), &size,
-                                   reinterpret_cast<const Bytef*>(snapshot.packed.data()), &used);
-  if (result != Z_OK || size != bytes.size() || used != snapshot.packed.size())
-    return refuse("bytes that do not unpack to that");
-  return bytes;
+  try {
+    std::vector<std::byte> bytes(snapshot.size);
+    std::byte nothing{};  // zlib wants an address even for no bytes
+    uLongf size = bytes.size();
+    uLong used = snapshot.packed.size();
+    const int result = ::uncompress2(reinterpret_cast<Bytef*>(bytes.empty() ? &nothing : bytes.data()), &size,
+                                     reinterpret_cast<const Bytef*>(snapshot.packed.data()), &used);
+    if (result != Z_OK || size != bytes.size() || used != snapshot.packed.size())
+      return refuse("bytes that do not unpack to that");
+    return bytes;
+  } catch (const std::bad_alloc&) {
+    return refuse("more than there is memory for");
+  }
 }
 
 }  // namespace kerf

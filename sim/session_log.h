@@ -117,8 +117,12 @@ class SessionLogWriter {
   /// Hands all records so far to the system: they survive the end of the program. After an error (disk full) the file
   /// ends with the last whole record that fitted, and every further call returns that error.
   Expected<void> write();
-  /// Waits until what was written is on the disk (fdatasync): it survives a power failure.
+  /// Waits until what was written is on the disk (fdatasync): it survives a power failure. An error is kept as
+  /// write()'s is.
   Expected<void> sync();
+  /// The same for a thread of its own, while another one adds and writes: a slow disk holds up nobody else. It keeps
+  /// no error, and bytesSynced() does not know of it. Not during close().
+  Expected<void> syncAside() const;
   /// Writes all records and the mark of a clean end, syncs and closes.
   Expected<void> close(std::uint64_t last_tick);
 

@@ -166,8 +166,16 @@ Expected<void> SessionLogWriter::write() {
 Expected<void> SessionLogWriter::sync() {
   if (error_) return fail(*error_);
   if (synced_ == written_) return {};
-  if (::fdatasync(fd_) != 0) return failed("syncing the log to the disk", errno);
+  if (auto done = syncAside(); !done) {
+    error_ = done.error();
+    return done;
+  }
   synced_ = written_;
+  return {};
+}
+
+Expected<void> SessionLogWriter::syncAside() const {
+  if (::fdatasync(fd_) != 0) return fail(writeError(file_, "syncing the log to the disk", errno));
   return {};
 }
 

@@ -15,7 +15,6 @@ namespace kerf {
 namespace {
 
 using namespace internal;
-using Clock = std::chrono::steady_clock;
 
 // One thing to be recorded, packed by the thread that hands it over: a fixed size, so that nothing is allocated.
 struct Entry {
@@ -49,8 +48,10 @@ struct SessionRecorder::State {
   void take(const Entry& entry);
   void endRun();
   void addGap(std::uint64_t tick, std::uint64_t count);
-  Expected<void> drain(bool sync_now);
+  Expected<void> drain();
   void fail(const Error& why);
+
+  void keepSynced();  // syncing thread
 
   const RecorderOptions options;
   boost::lockfree::spsc_queue<Entry> queue;
@@ -67,16 +68,15 @@ struct SessionRecorder::State {
   std::vector<std::byte> run_payload;  // consecutive samples, one record
   std::uint64_t run_first = 0;
   std::uint64_t taken = 0;  // entries out of the queue
-  Clock::time_point last_sync = Clock::now();
 
-  // Both of these and any other thread.
+  // Any thread.
   mutable std::mutex mutex;
   std::condition_variable wake;
   bool is_closing = false;
   std::vector<std::pair<std::uint64_t, SessionSnapshot>> snapshots;
   RecorderStatus told;                // but recorded and lost
   std::uint64_t entries_written = 0;  // before the file failed
-  std::thread thread;
+  std::thread writing, syncing;
 };
 
 RecordStatus SessionRecorder::State::lose(RecordStatus why) noexcept {
@@ -119,7 +119,7 @@ void SessionRecorder::State::take(const Entry& entry) {
   }
 }
 
-Expected<void> SessionRecorder::State::drain(bool sync_now) {
+Expected<void> SessionRecorder::State::drain() {
   // Snapshots are fetched before the queue is looked at: what was recorded before a snapshot stands before it.
   std::vector<std::pair<std::uint64_t, SessionSnapshot>> kept;
   {
@@ -131,12 +131,7 @@ Expected<void> SessionRecorder::State::drain(bool sync_now) {
   for (std::size_t n = queue.read_available(); n > 0 && queue.pop(entry); --n) take(entry), ++taken;
   endRun();
   for (const auto& [tick, snapshot] : kept) log.add(tick, snapshot);
-  KERF_CHECK(log.write());
-  if (sync_now || Clock::now() - last_sync >= options.sync_every) {
-    KERF_CHECK(log.sync());
-    last_sync = Clock::now();
-  }
-  return {};
+  return log.write();
 }
 
 void SessionRecorder::State::fail(const Error& why) {
@@ -147,6 +142,24 @@ void SessionRecorder::State::fail(const Error& why) {
   is_over.store(true, std::memory_order_release);
 }
 
+void SessionRecorder::State::keepSynced() {
+  for (;;) {
+    std::uint64_t written = 0;
+    {
+      std::unique_lock lock(mutex);
+      if (wake.wait_for(lock, options.sync_every, [this] { return is_closing; })) return;
+      written = told.bytes_written;
+      if (written == told.bytes_synced || told.error) continue;
+    }
+    if (const auto done = log.syncAside(); !done) {
+      fail(done.error());
+    } else {
+      const std::lock_guard lock(mutex);
+      told.bytes_synced = written;
+    }
+  }
+}
+
 void SessionRecorder::State::run() {
   for (bool closing = false; !closing;) {
     {
@@ -155,7 +168,8 @@ void SessionRecorder::State::run() {
     }
     Expected<void> done;
     try {
-      if (!is_over) done = drain(closing);
+      if (!is_over) done = drain();
+      if (closing) syncing.join();  // it may be using the file
       if (!is_over && done && closing) {
         if (lost_before > 0) addGap(last_tick, lost_before);  // the producer is at rest
         done = log.close(last_tick);
@@ -167,7 +181,7 @@ void SessionRecorder::State::run() {
     if (!done) fail(done.error());
     const std::lock_guard lock(mutex);
     told.bytes_written = log.bytesWritten();
-    told.bytes_synced = log.bytesSynced();
+    told.bytes_synced = std::max(told.bytes_synced, log.bytesSynced());
     if (!told.error) entries_written = taken;
   }
 }
@@ -181,11 +195,17 @@ SessionRecorder::~SessionRecorder() {
 Expected<SessionRecorder> SessionRecorder::start(const std::filesystem::path& path, const SessionHeader& header,
                                                  const RecorderOptions& options) {
   KERF_TRY(log, SessionLogWriter::create(path, header));
-  auto state = std::make_unique<State>(std::move(log), options);
-  state->told.bytes_written = state->log.bytesWritten();
-  state->told.bytes_synced = state->log.bytesSynced();
-  state->thread = std::thread([s = state.get()] { s->run(); });
-  return SessionRecorder(std::move(state));
+  try {
+    SessionRecorder recorder(std::make_unique<State>(std::move(log), options));
+    State& s = *recorder.state_;
+    s.told.bytes_written = s.log.bytesWritten();
+    s.told.bytes_synced = s.log.bytesSynced();
+    s.syncing = std::thread([&s] { s.keepSynced(); });
+    s.writing = std::thread([&s] { s.run(); });
+    return recorder;
+  } catch (const std::exception& e) {  // no memory for the queue, no more threads
+    return fail({Error::Code::kWriteFailed, path.string(), "starting to record", e.what(), "", "close other programs"});
+  }
 }
 
 RecordStatus SessionRecorder::record(const DeviceSample& sample, std::uint64_t tick) noexcept {
@@ -252,14 +272,13 @@ RecorderStatus SessionRecorder::status() const {
 
 Expected<void> SessionRecorder::close() {
   State& s = *state_;
-  if (s.thread.joinable()) {
-    {
-      const std::lock_guard lock(s.mutex);
-      s.is_closing = true;
-    }
-    s.wake.notify_one();
-    s.thread.join();
+  {
+    const std::lock_guard lock(s.mutex);
+    s.is_closing = true;
   }
+  s.wake.notify_all();
+  if (s.writing.joinable()) s.writing.join();
+  if (s.syncing.joinable()) s.syncing.join();  // the writing thread did not start, or ran out of memory
   const std::lock_guard lock(s.mutex);
   if (s.told.error) return fail(*s.told.error);
   return {};

@@ -1,5 +1,5 @@
-// Records a session while it runs: takes what the haptic thread hands over without making it wait, and writes it down
-// from a thread of its own.
+// Records a session while it runs: takes what the haptic thread hands over without making it wait. One thread writes
+// it down; another one syncs, so that a disk that takes its time over that does not hold up the writing.
 #pragma once
 
 #include <chrono>
@@ -25,15 +25,14 @@ enum class RecordStatus : std::uint8_t {
 inline constexpr std::size_t kMaxCommandBytes = 256;
 
 struct RecorderOptions {
-  /// Samples, commands, checks and marks that may wait for the disk; each takes 288 bytes, allocated once. 8192 is
+  /// Samples, commands, checks and marks that may wait for the disk; each takes 280 bytes, allocated once. 8192 is
   /// eight seconds of samples. Too few and a slow disk makes gaps.
   std::size_t queue_capacity = 8192;
   /// How long what was recorded stays in memory: that much is lost when the program is killed. Well below it, a write
   /// holds no more than a few samples.
   std::chrono::milliseconds write_every{50};
-  /// How long what was written may miss from the disk itself: that much and a write is lost when the power fails. Every
-  /// sync costs the disk a few milliseconds. One that takes longer, on a slow disk, holds up the writes too: then as
-  /// much is lost as it took.
+  /// How long what was written may miss from the disk itself: that much, a write and the sync are lost when the power
+  /// fails. Every sync costs the disk a few milliseconds.
   std::chrono::milliseconds sync_every{200};
 };
 
@@ -49,7 +48,7 @@ struct RecorderStatus {
 /// whole record, recording ends, and everybody who asks is told.
 class SessionRecorder {
  public:
-  /// Makes the log, which must not exist, and starts the thread.
+  /// Makes the log, which must not exist, and starts the threads.
   static Expected<SessionRecorder> start(const std::filesystem::path& path, const SessionHeader& header,
                                          const RecorderOptions& options = {});
   SessionRecorder(SessionRecorder&&) noexcept;
@@ -77,7 +76,7 @@ class SessionRecorder {
 
   RecorderStatus status() const;
 
-  /// Writes what waits and the mark of a clean end, syncs, ends the thread. The error is the first one of the whole
+  /// Writes what waits and the mark of a clean end, syncs, ends the threads. The error is the first one of the whole
   /// recording; entries lost to a full queue are no error here, status() counts them. Call it once, from the haptic
   /// thread or when that one records no more.
   Expected<void> close();

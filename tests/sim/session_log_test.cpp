@@ -153,6 +153,18 @@ TEST(SessionLog, EveryFlippedBitIsFoundWhereItIs) {
   }
 }
 
+TEST(SessionLog, ATailOfZerosIsFoundWhereItBegins) {
+  // What some file systems leave after a power failure: the length was on the disk, the bytes were not.
+  Bytes bytes = smallLog().bytes;
+  const std::size_t whole = smallLog().ends[5];
+  std::fill(bytes.begin() + static_cast<std::ptrdiff_t>(whole), bytes.end(), std::byte{0});
+  const auto log = parseSessionLog(bytes, "");
+  ASSERT_TRUE(log);
+  EXPECT_EQ(log->damage->at_byte, whole);
+  EXPECT_EQ(log->damage->lost_bytes, bytes.size() - whole);
+  EXPECT_TRUE(isBeginning(*log, smallLog().whole));
+}
+
 TEST(SessionLog, ARecordLeftOutDoubledOrSwappedIsFound) {
   const auto& [bytes, ends, whole] = smallLog();
   const auto part = [&, &all = bytes, &e = ends](std::size_t i) {  // record i; 0 is the header

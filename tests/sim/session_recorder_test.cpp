@@ -20,6 +20,19 @@
 #include "tests/geometry/temporary_folder.h"
 #include "tests/sim/session_samples.h"
 
+namespace {
+std::atomic<int> sync_error = 0;         // what fdatasync() fails with
+std::atomic<int> sync_milliseconds = 0;  // how long it takes, for a slow disk
+}  // namespace
+
+// In place of the C library's, here and in the code under test.
+extern "C" int fdatasync(int fd) {
+  std::this_thread::sleep_for(std::chrono::milliseconds(sync_milliseconds));
+  if (sync_error == 0) return static_cast<int>(::syscall(SYS_fdatasync, fd));
+  errno = sync_error;
+  return -1;
+}
+
 namespace kerf {
 namespace {
 
@@ -331,6 +344,21 @@ TEST(SessionRecorder, AFullDiskIsReportedAndTheLogStaysWhole) {
   for (std::size_t i = 0; i < log->samples.size(); ++i) EXPECT_TRUE(sameBits(log->samples[i].sample, sampleOf(i)));
 }
 
+TEST(SessionRecorder, ASyncThatFailsEndsTheRecordingAndIsReported) {
+  const TemporaryFolder folder;
+  auto recorder = SessionRecorder::start(folder.path() / "s.kerflog", {});
+  recorder->record(sampleOf(0), 0);
+  sync_error = EIO;
+  EXPECT_TRUE(becomesTrue([&] { return recorder->status().error.has_value(); }));
+  sync_error = 0;
+  EXPECT_EQ(recorder->status().error->found, "Input/output error");
+  EXPECT_EQ(recorder->record(sampleOf(1), 1), RecordStatus::kFailed);
+  EXPECT_FALSE(recorder->close());
+  const auto log = readSessionLog(folder.path() / "s.kerflog");
+  EXPECT_EQ(log->samples.size(), 1u) << "what was written before can be read";
+  EXPECT_FALSE(log->is_closed);
+}
+
 // A haptic thread in real time, until it is killed.
 int recordUntilKilled(const fs::path& path, Told& told) {
   auto recorder = SessionRecorder::start(path, kSomeHeader);
@@ -403,6 +431,13 @@ TEST(SessionRecorder, KilledAtAHundredMomentsItLeavesAWholeLog) {
 }
 
 TEST(SessionRecorder, KilledItLosesNothingOlderThanASecond) { killAndRead({1300ms, 1450ms, 1600ms, 1750ms}, 4); }
+
+TEST(SessionRecorder, ADiskThatTakesItsTimeToSyncCostsNoMore) {
+  // Seconds per sync, as a busy hard disk or a memory card may need: a kill must not take what waits for it.
+  sync_milliseconds = 3000;
+  killAndRead({1500ms, 1700ms}, 2);
+  sync_milliseconds = 0;
+}
 
 }  // namespace
 }  // namespace kerf
