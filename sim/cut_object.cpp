@@ -79,8 +79,12 @@ bool CutObject::restore(const Vec3i& brick, const BrickValues& values) {
   if (s < 0) return false;
   if (freeBricks() == 0 && !reserve(1024)) return false;
   float* own = write(s);
-  std::copy(values.begin(), values.end(), own);
   Slot& restored = slot(s);
+  const double e = kShellHalfWidth * voxel(), cell = std::pow(voxel(), 3);
+  for (std::size_t n = 0; n < kBrickNodes; ++n)
+    if (own[n] != values[n])
+      removed_mm3[restored.materials[n]] += cell * (insidePart(own[n], e) - insidePart(values[n], e));
+  std::copy(values.begin(), values.end(), own);
   restored.least = *std::min_element(own, own + kBrickNodes);
   restored.sleeps_until_contact = restored.sleeps_until_cut = -1;
   return true;

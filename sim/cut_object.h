@@ -66,7 +66,8 @@ class CutObject {
 
   /// The values of a brick to write into, copied at the first time; null when no room is left. Marks it dirty. @rt
   float* write(int slot) noexcept;
-  /// Values changed outside the step, by undo for one: bricks wake up and are repaired with the next repair().
+  /// Values changed outside the step, by undo for one: the ledger follows, the brick wakes up, and its shell is
+  /// repaired with the next repair(). False: no such brick, or memory ran out. Allocates.
   bool restore(const Vec3i& brick, const BrickValues& values);
 
   /// Brings the shells of the dirty bricks and of their face neighbours up to date. False when room ran out: they stay

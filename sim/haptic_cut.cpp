@@ -8,10 +8,13 @@
 #include <nlohmann/json.hpp>
 
 #include "geometry/atomic_file.h"
+#include "geometry/hash.h"
 #include "geometry/tool_file.h"
 #include "geometry/vdb_io.h"
+#include "geometry/version.h"
 #include "sim/internal/run_files.h"
 #include "sim/load_scene.h"
+#include "sim/replay.h"
 
 namespace kerf {
 namespace {
@@ -19,7 +22,6 @@ namespace {
 namespace fs = std::filesystem;
 constexpr const char* kForces = "forces.csv";
 constexpr const char* kSummary = "summary.json";
-constexpr std::size_t kBrickReserve = 4096;
 
 Expected<void> checkOptions(const HapticCutOptions& o) {
   struct Range {
@@ -104,10 +106,17 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
   StepSettings settings = options.step;
   settings.rendering = options.hand == HandKind::kFeed ? Rendering::kRigid : Rendering::kCoupled;
   KERF_TRY(model, makeModel(std::span(&tool, 1), settings, -static_cast<double>(baked->phi0().interior())));
-  State state;
-  state.objects.emplace_back(baked, kBrickReserve);
-  CutObject& object = state.objects.front();
-  state.place(poseAt(path, 0));
+  const double nominal_speed = model.tools[0].drive.speed;
+  KERF_TRY(tool_hash, sha256OfFile(tool_file));
+  // The header is written first, and it describes the session: one without a log, then one with it.
+  SessionHeader header{
+      {"kerf_version", kVersion}, {"case_id", in_case.id}, {"tool", tool.id}, {"tool_sha256", tool_hash}};
+  const SessionHeader settings_of = describe(Session(model, {baked}, poseAt(path, 0)));
+  header.insert(header.end(), settings_of.begin(), settings_of.end());
+  KERF_TRY(writer, SessionLogWriter::create(staging.staging() / internal::kRunLog, header));
+  LogSink sink(writer);
+  Session session(std::move(model), {baked}, poseAt(path, 0), &sink);
+  const CutObject& object = session.state().objects.front();
 
   HapticCut out;
   HapticSummary& sum = out.summary;
@@ -116,7 +125,7 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
          "removed_mm3,speed,drive_load,touching\n";
   const std::unique_ptr<VirtualHand> hand = makeHand(path, options);
   StepOutput tick;
-  tick.T_world_tool = state.body.pose;
+  tick.T_world_tool = session.state().body.pose;
   DeviceSample sample;
   double contact_sum = 0, load_sum = 0;
   std::uint64_t in_contact = 0;
@@ -137,11 +146,7 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
       break;
     }
     sample.pedal *= options.spindle;
-    // Room for the next tick, made outside of it: nothing is put off for want of it.
-    if (object.freeBricks() < kBrickReserve / 2 && !object.reserve(kBrickReserve))
-      return fail({Error::Code::kBadValue, case_folder.string(), "", "memory ran out", "room for what changes",
-                   "larger voxels"});
-    step(model, state, sample, tick);
+    session.tick(sample, tick);
     ++sum.ticks;
     sum.removed_mm3 += tick.removed_mm3;
     sum.work += tick.power * kTick;
@@ -149,7 +154,7 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
     if (tick.touching > 0) ++in_contact, contact_sum += contact, load_sum += tick.normal_load;
     sum.peak_contact_force = std::max(sum.peak_contact_force, contact);
     sum.peak_hand_force = std::max(sum.peak_hand_force, to_hand);
-    const double nominal = sample.pedal * model.tools[0].drive.speed;
+    const double nominal = sample.pedal * nominal_speed;
     const double relative = nominal > 0 ? tick.speed / nominal : 0;
     has_come_up = nominal > 0 && (has_come_up || relative > 0.98);
     if (has_come_up) sum.least_speed = std::min(sum.least_speed, relative);
@@ -166,6 +171,8 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
         static_cast<double>(sum.ticks) * kTick, p[0], p[1], p[2], f[0], f[1], f[2], g[0], g[1], g[2], tick.normal_load,
         tick.deepest, sum.removed_mm3, tick.speed, tick.drive_load, tick.touching);
   }
+  session.finish();
+  KERF_CHECK(sink.close());
   csv.close();
   const BrickField changed = object.changedField();
   if (changed.isEmpty()) {
@@ -188,7 +195,7 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
     const MaterialProperties* row = materials.find(static_cast<Material>(m));
     sum.removed_by_material[row ? row->id : fmt::format("material {}", m)] += object.removed_mm3[m];
   }
-  sum.state_hash = fmt::format("{:016x}", state.hash());
+  sum.state_hash = fmt::format("{:016x}", session.hash());
 
   if (!report(progress, 0.92, "writing")) return cancelError();
   RunManifest& m = out.manifest;

@@ -29,6 +29,7 @@ void addDemo(CLI::App& app, int& exit_code);
 void addDemoMolar(CLI::App& app, int& exit_code);
 void addExport(CLI::App& app, int& exit_code);
 void addInfo(CLI::App& app, int& exit_code);
+void addReplay(CLI::App& app, int& exit_code);
 void addTool(CLI::App& app, int& exit_code);
 
 /// Prints "kerf: MESSAGE" on standard error, one line whatever bytes a file name holds; returns kFailed.

@@ -15,8 +15,8 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   app.get_formatter()->column_width(34);
   int exit_code = kOk;
-  constexpr AddCommand kCommands[] = {addBake, addCut,   addExport, addCheck,    addInfo,
-                                      addTool, addBench, addDemo,   addDemoMolar};
+  constexpr AddCommand kCommands[] = {addBake, addCut,  addReplay, addExport, addCheck,
+                                      addInfo, addTool, addBench,  addDemo,   addDemoMolar};
   for (const AddCommand add : kCommands) add(app, exit_code);
   if (argc < 2) {
     std::fputs(app.help().c_str(), stderr);

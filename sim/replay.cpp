@@ -1,0 +1,115 @@
+#include "sim/replay.h"
+
+#include <fmt/format.h>
+
+#include "geometry/hash.h"
+#include "geometry/tool_file.h"
+#include "sim/internal/run_files.h"
+#include "sim/load_scene.h"
+
+namespace kerf {
+
+void LogSink::flush() {
+  if (!batch_.empty()) writer_.addSamples(first_, batch_);
+  batch_.clear();
+  // A disk that is full is told of by close(): the writer keeps its first error.
+  static_cast<void>(writer_.write());
+}
+
+void LogSink::sample(const DeviceSample& sample, std::uint64_t tick) noexcept {
+  if (batch_.size() == kBatch) flush();
+  if (batch_.empty()) first_ = tick;
+  batch_.push_back(sample);
+  last_ = tick;
+}
+void LogSink::command(std::string_view text, std::uint64_t tick) noexcept {
+  flush();
+  writer_.add(tick, SessionCommand{std::string(text)});
+}
+void LogSink::mark(StrokeMark mark, std::uint64_t tick) noexcept {
+  flush();
+  writer_.add(tick, mark);
+}
+void LogSink::check(const StateCheck& check, std::uint64_t tick) noexcept {
+  flush();
+  writer_.add(tick, check);
+}
+Expected<void> LogSink::close() {
+  flush();
+  return writer_.close(last_);
+}
+
+Expected<Replay> replay(const SessionLog& log, const std::string& file, Model model,
+                        std::vector<std::shared_ptr<const BakedObject>> objects, const Progress& progress,
+                        double until_s) {
+  Replay out;
+  Rigid3 start;
+  KERF_CHECK(restoreSettings(log, file, model, start));
+  Session session(std::move(model), std::move(objects), start);
+  if (log.damage)
+    out.note = log.damage->what;
+  else if (!log.is_closed)
+    out.note = "the log was cut off between two records: its session did not end cleanly";
+  StepOutput tick;
+  std::size_t event = 0;
+  const auto handle = [&](std::size_t samples_before) -> Expected<void> {
+    for (; event < log.events.size() && log.events[event].samples_before <= samples_before; ++event) {
+      const SessionEvent& e = log.events[event];
+      if (const auto* command = std::get_if<SessionCommand>(&e.what)) {
+        if (!session.apply(command->text))
+          return fail({Error::Code::kBadValue, file, fmt::format("tick {}", e.tick),
+                       "command \"" + command->text + "\", which can not be done there",
+                       "a command that the recorded session did", "the log fits another case or version"});
+        ++out.commands;
+      } else if (const auto* check = std::get_if<StateCheck>(&e.what)) {
+        ++out.checks;
+        const Wrench& f = session.state().last_force;
+        const bool is_same =
+            check->state_hash == session.hash() && check->force.force == f.force && check->force.torque == f.torque;
+        if (!is_same && out.is_same) out.is_same = false, out.differs_at = e.tick;
+      } else if (const auto* gap = std::get_if<SessionGap>(&e.what)) {
+        out.note =
+            fmt::format("{} samples are missing at tick {}: what follows can not be the same", gap->lost, e.tick);
+      }
+    }
+    return {};
+  };
+  for (std::size_t n = 0; n < log.samples.size(); ++n) {
+    if (static_cast<double>(n) * kTick >= until_s) break;
+    if (n % 64 == 0 && !report(progress, static_cast<double>(n) / static_cast<double>(log.samples.size()), "replaying"))
+      return fail({Error::Code::kCancelled, "", "", "cancelled", "", ""});
+    KERF_CHECK(handle(n));
+    session.tick(log.samples[n].sample, tick);
+    out.removed_mm3 += tick.removed_mm3;
+    ++out.ticks;
+  }
+  if (out.ticks == log.samples.size()) {
+    KERF_CHECK(handle(log.samples.size()));
+  }
+  out.state_hash = fmt::format("{:016x}", session.hash());
+  return out;
+}
+
+Expected<Replay> replayRun(const std::filesystem::path& run_folder, const Progress& progress, double until_s) {
+  KERF_TRY(manifest, readRunManifest(run_folder));
+  if (manifest.mode != kModeHaptic)
+    return fail({Error::Code::kUnsupported, run_folder.string(), "mode " + manifest.mode, "no session to replay",
+                 "a run cut against resistance", "kerf cut --hand"});
+  KERF_TRY(case_folder, caseOfRun(run_folder));
+  if (!report(progress, 0, "loading the case")) return fail({Error::Code::kCancelled, "", "", "cancelled", "", ""});
+  KERF_TRY(log, readSessionLog(run_folder / internal::kRunLog));
+  const auto wants = [&](const char* key, const std::string& found) -> Expected<void> {
+    if (log.value(key) == found) return {};
+    return fail({Error::Code::kBadValue, (run_folder / internal::kRunLog).string(), std::string("header, ") + key,
+                 std::string(log.value(key)), found, "the log belongs to another run"});
+  };
+  KERF_CHECK(wants("case_id", manifest.case_id));
+  KERF_CHECK(requireSha256(run_folder / internal::kRunToolCopy, manifest.tool_sha256, "cut again"));
+  KERF_CHECK(wants("tool_sha256", manifest.tool_sha256));
+  KERF_TRY(tool, readTool(run_folder / internal::kRunToolCopy));
+  KERF_TRY(object, loadObject(case_folder));
+  KERF_TRY(model, makeModel(std::span(&tool, 1), {}, -static_cast<double>(object->phi0().interior())));
+  return replay(log, (run_folder / internal::kRunLog).string(), std::move(model), {object}, progress, until_s);
+}
+
+}  // namespace kerf

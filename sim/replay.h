@@ -1,0 +1,52 @@
+// A recorded session again: the same bits, or the first tick that differs.
+#pragma once
+
+#include <filesystem>
+
+#include "geometry/progress.h"
+#include "sim/session.h"
+
+namespace kerf {
+
+/// Writes a session log in lockstep, without a thread of its own.
+class LogSink final : public SessionSink {
+ public:
+  explicit LogSink(SessionLogWriter& writer) : writer_(writer) { batch_.reserve(kBatch); }
+  ~LogSink() override = default;
+  void sample(const DeviceSample& sample, std::uint64_t tick) noexcept override;
+  void command(std::string_view text, std::uint64_t tick) noexcept override;
+  void mark(StrokeMark mark, std::uint64_t tick) noexcept override;
+  void check(const StateCheck& check, std::uint64_t tick) noexcept override;
+  /// Writes what waits and the clean end. The first error of all.
+  Expected<void> close();
+
+ private:
+  static constexpr std::size_t kBatch = 1024;
+  void flush();
+
+  SessionLogWriter& writer_;
+  std::vector<DeviceSample> batch_;
+  std::uint64_t first_ = 0, last_ = 0;
+};
+
+struct Replay {
+  std::uint64_t ticks = 0, checks = 0, commands = 0;
+  std::uint64_t differs_at = 0;  ///< tick of the first check that did not hold
+  bool is_same = true;           ///< every check held
+  std::string state_hash;        ///< at the end
+  std::string note;              ///< what the log lacks: cut off, damaged, samples lost
+  double removed_mm3 = 0;
+};
+
+/// Runs a log against the objects and tools it was recorded with.
+/// @param until_s  simulated seconds after which to stop.
+/// Errors: a header that does not fit; kCancelled.
+Expected<Replay> replay(const SessionLog& log, const std::string& file, Model model,
+                        std::vector<std::shared_ptr<const BakedObject>> objects, const Progress& progress = {},
+                        double until_s = std::numeric_limits<double>::infinity());
+
+/// The session of a haptic run: session.log, with the case and the tool the run names.
+Expected<Replay> replayRun(const std::filesystem::path& run_folder, const Progress& progress = {},
+                           double until_s = std::numeric_limits<double>::infinity());
+
+}  // namespace kerf

@@ -1,0 +1,67 @@
+// A session: the step, named commands between ticks, undo, and somebody who writes it all down.
+//
+// Everything a session does comes through apply() and tick(); whoever calls both with what a log holds gets the same
+// session again, bit for bit.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "sim/session_log.h"
+#include "sim/step.h"
+#include "sim/stroke_history.h"
+
+namespace kerf {
+
+/// Who is told of everything, in the order in which it happens.
+class SessionSink {
+ public:
+  virtual ~SessionSink() = default;
+  virtual void sample(const DeviceSample& sample, std::uint64_t tick) noexcept = 0;
+  virtual void command(std::string_view text, std::uint64_t tick) noexcept = 0;
+  virtual void mark(StrokeMark mark, std::uint64_t tick) noexcept = 0;
+  virtual void check(const StateCheck& check, std::uint64_t tick) noexcept = 0;
+};
+
+class Session {
+ public:
+  /// @param sink  kept by reference, may be null.
+  Session(Model model, std::vector<std::shared_ptr<const BakedObject>> objects, const Rigid3& start,
+          SessionSink* sink = nullptr);
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  /// Commands, between ticks:
+  ///   tool.select N        another of the model's tools, by its index
+  ///   undo, redo           the last stroke
+  ///   latch.clear          after a fault of the device
+  /// False, and nothing is changed or written down: no such command, or there is nothing to do it to.
+  bool apply(std::string_view command);
+  /// One tick. A stroke begins when the pedal goes down and ends when it comes up. Makes room for the tick after it:
+  /// allocates, so not @rt.
+  void tick(const DeviceSample& sample, StepOutput& output);
+  /// Ends a stroke that is under way.
+  void finish();
+
+  const Model& model() const { return model_; }
+  const State& state() const { return state_; }
+  std::uint64_t hash() const { return state_.hash(); }
+  /// Ticks between two state checks in the log.
+  static constexpr std::uint64_t kCheckEvery = 1000;
+
+ private:
+  void endStroke();
+
+  Model model_;
+  State state_;
+  std::vector<StrokeHistory> history_;  // one an object
+  SessionSink* sink_;
+  bool is_stroke_ = false;
+};
+
+/// What a replay needs to know beside case and tool: settings, tissues, drives, all numbers as they were.
+SessionHeader describe(const Session& session);
+/// Puts the numbers of a header into a model whose tools are made already. Error: a value is missing or no number.
+Expected<void> restoreSettings(const SessionLog& log, const std::string& file, Model& model, Rigid3& start);
+
+}  // namespace kerf

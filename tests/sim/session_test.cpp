@@ -1,0 +1,186 @@
+#include "sim/session.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <filesystem>
+
+#include "../allocation_guard.h"
+#include "../temporary_file.h"
+#include "block_scene.h"
+#include "sim/replay.h"
+
+namespace kerf {
+namespace {
+
+Model twoBalls() {
+  Model model;
+  model.tools = {test::uniformBall(0.5, 840), test::uniformBall(0.3, 840)};
+  model.tissues = test::oneTissue(200, 0.3, 1000);
+  return model;
+}
+
+Rigid3 at(double x, double y, double z) { return {Eigen::Quaterniond::Identity(), {x, y, z}}; }
+
+// A dab: down to `depth` beside the last one, pedal pressed, and up again.
+void dab(Session& session, double x, double depth) {
+  StepOutput out;
+  for (int n = 0; n <= 200; ++n) {
+    const double down = n < 100 ? n / 100.0 : (200 - n) / 100.0;
+    session.tick(test::sampleAt(at(x, 0.1, 0.3 - (0.3 + depth) * down), n < 200 ? 1 : 0), out);
+  }
+}
+
+TEST(Session, UndoTakesBackAStrokeBitForBitAndRedoBringsItBack) {
+  Session session(twoBalls(), {test::block({6, 4, 2}, 0.1)}, at(-1.5, 0.1, 0.3));
+  const auto field = [&] { return session.state().objects[0].stateHash(); };
+  const auto removed = [&] {
+    return session.state().objects[0].removed_mm3[static_cast<std::size_t>(Material::kDentin)];
+  };
+  std::vector<std::uint64_t> states{field()};
+  std::vector<double> volumes{0};
+  for (const double x : {-1.5, -0.9, 0.4}) {  // the second overlaps the first
+    dab(session, x, 0.6);
+    states.push_back(field()), volumes.push_back(removed());
+    ASSERT_NE(states.back(), states[states.size() - 2]);
+  }
+  for (int n = 2; n >= 0; --n) {
+    ASSERT_TRUE(session.apply("undo"));
+    EXPECT_EQ(field(), states[static_cast<std::size_t>(n)]);
+    EXPECT_NEAR(removed(), volumes[static_cast<std::size_t>(n)], 1e-9);
+    EXPECT_EQ(session.state().objects[0].shellDefects(), 0u);
+  }
+  EXPECT_FALSE(session.apply("undo"));
+  for (std::size_t n = 1; n <= 3; ++n) {
+    ASSERT_TRUE(session.apply("redo"));
+    EXPECT_EQ(field(), states[n]);
+    EXPECT_NEAR(removed(), volumes[n], 1e-9);
+  }
+  EXPECT_FALSE(session.apply("redo"));
+  // After an undo a new stroke ends what could be redone.
+  ASSERT_TRUE(session.apply("undo"));
+  dab(session, 1.2, 0.4);
+  EXPECT_FALSE(session.apply("redo"));
+  ASSERT_TRUE(session.apply("undo"));
+  EXPECT_EQ(field(), states[2]);
+}
+
+TEST(Session, RefusesCommandsThatMeanNothing) {
+  Session session(twoBalls(), {test::block({3, 3, 1}, 0.1)}, at(0, 0, 0.3));
+  for (const char* command :
+       {"", "undo", "redo", "tool.select", "tool.select 2", "tool.select -1", "tool.select 1x", "fly"})
+    EXPECT_FALSE(session.apply(command)) << command;
+  EXPECT_TRUE(session.apply("tool.select 1"));
+}
+
+struct Recorded {
+  std::filesystem::path file;
+  std::uint64_t hash = 0;
+};
+// Two tools, strokes taken back and brought back, a fault: everything a session may hold.
+Recorded record(const std::filesystem::path& file, const std::shared_ptr<const BakedObject>& block) {
+  SessionHeader header = describe(Session(twoBalls(), {block}, at(-1.5, 0.1, 0.3)));
+  auto writer = SessionLogWriter::create(file, header);
+  EXPECT_TRUE(writer) << writer.error().message();
+  LogSink sink(*writer);
+  Session session(twoBalls(), {block}, at(-1.5, 0.1, 0.3), &sink);
+  dab(session, -1.5, 0.6);
+  dab(session, -0.5, 0.5);
+  EXPECT_TRUE(session.apply("undo"));
+  EXPECT_TRUE(session.apply("tool.select 1"));
+  dab(session, 0.5, 0.4);
+  StepOutput out;
+  DeviceSample bad = test::sampleAt(at(0, 0, 0));
+  bad.pedal = 3;
+  session.tick(bad, out);
+  EXPECT_TRUE(session.apply("latch.clear"));
+  for (int n = 0; n < 6; ++n) dab(session, 1.5 - 0.3 * n, 0.3);
+  EXPECT_TRUE(session.apply("undo"));
+  session.finish();
+  EXPECT_TRUE(sink.close());
+  return {file, session.hash()};
+}
+
+TEST(Session, ReplayIsTheSameBitForBitOnAnyNumberOfThreads) {
+  const auto block = test::block({6, 4, 2}, 0.1);
+  const TemporaryFile file("session.log", "");
+  std::filesystem::remove(file.path());
+  const Recorded recorded = record(file.path(), block);
+  const auto log = readSessionLog(file.path());
+  ASSERT_TRUE(log) << log.error().message();
+  for (const std::size_t threads : {1u, 2u, 5u}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    Model model = twoBalls();
+    model.tissues = test::oneTissue(1, 1, 1);  // those of the log count
+    const auto again = replay(*log, file.path().string(), std::move(model), {test::block({6, 4, 2}, 0.1)});
+    ASSERT_TRUE(again) << again.error().message();
+    EXPECT_TRUE(again->is_same) << again->differs_at;
+    EXPECT_GE(again->checks, 2u);
+    EXPECT_EQ(again->commands, 4u);
+    EXPECT_EQ(again->note, "");
+    EXPECT_EQ(again->state_hash, fmt::format("{:016x}", recorded.hash));
+  }
+}
+
+// The same numbers in every build: Debug, Release, under sanitizers, with any vector instructions.
+TEST(Session, TheStateOfAScriptedSessionIsTheOneOnRecord) {
+  const TemporaryFile file("session.log", "");
+  std::filesystem::remove(file.path());
+  EXPECT_EQ(fmt::format("{:016x}", record(file.path(), test::block({6, 4, 2}, 0.1)).hash), "cb83531e0c8c5fd7");
+}
+
+TEST(Session, AReplayOfSomethingElseIsNotTheSame) {
+  const TemporaryFile file("session.log", "");
+  std::filesystem::remove(file.path());
+  record(file.path(), test::block({6, 4, 2}, 0.1));
+  auto log = readSessionLog(file.path());
+  ASSERT_TRUE(log);
+  log->samples[90].sample.T_world_device.translation[2] += 1e-9;
+  const auto again = replay(*log, "changed.log", twoBalls(), {test::block({6, 4, 2}, 0.1)});
+  ASSERT_TRUE(again) << again.error().message();
+  EXPECT_FALSE(again->is_same);
+  EXPECT_EQ(again->differs_at, 999u);  // the first check after it
+}
+
+TEST(Session, AHeaderWithoutItsNumbersIsRefusedByName) {
+  const TemporaryFile file("session.log", "");
+  std::filesystem::remove(file.path());
+  record(file.path(), test::block({6, 4, 2}, 0.1));
+  auto log = readSessionLog(file.path());
+  ASSERT_TRUE(log);
+  for (auto& [key, value] : log->header)
+    if (key == "coupling.damping") value = "much";
+  const auto again = replay(*log, "odd.log", twoBalls(), {test::block({6, 4, 2}, 0.1)});
+  ASSERT_FALSE(again);
+  EXPECT_NE(again.error().message().find("coupling.damping"), std::string::npos) << again.error().message();
+}
+
+TEST(Step, NeitherAllocatesNorFrees) {
+  for (const Rendering rendering : {Rendering::kCoupled, Rendering::kDirect, Rendering::kRigid}) {
+    Model model = twoBalls();
+    model.settings.rendering = rendering;
+    State state;
+    state.objects.emplace_back(test::block({6, 4, 2}, 0.1), 512);
+    state.objects.emplace_back(test::block({2, 2, 1}, 0.05, {Eigen::Quaterniond::Identity(), {0, 0, 1.5}}), 512);
+    StepOutput out;
+    int cut = 0;
+    {
+      const AllocationGuard guard;
+      for (int n = 0; n < 1500; ++n) {
+        if (n == 700) state.selectTool(1);
+        const double a = 0.01 * n;
+        DeviceSample sample;
+        sample.T_world_device.translation = Vec3d(1.5 * std::sin(a), 0.7 * std::cos(1.3 * a), 0.2 - 0.0006 * n);
+        sample.pedal = 1;
+        if (n == 1200) sample.is_valid = 0;
+        if (n == 1300) state.clearLatch();
+        step(model, state, sample, out);
+        cut += out.bricks_cut;
+      }
+    }
+    EXPECT_GT(cut, 100);
+  }
+}
+
+}  // namespace
+}  // namespace kerf

@@ -1,0 +1,57 @@
+// kerf replay: a recorded session again, and whether it is the same.
+#include "sim/replay.h"
+
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "ui/cli/command.h"
+
+namespace kerf::cli {
+namespace {
+
+struct Arguments {
+  std::string run;
+  double until = std::numeric_limits<double>::infinity();
+  bool json = false;
+};
+
+int run(const Arguments& a) {
+  const auto again = [&] {
+    TerminalProgress progress;
+    return replayRun(a.run, progress.callback(), a.until);
+  }();
+  if (!again) return complain(again.error());
+  if (a.json) {
+    nlohmann::json j{
+        {"ticks", again->ticks},     {"checks", again->checks},         {"commands", again->commands},
+        {"is_same", again->is_same}, {"state_hash", again->state_hash}, {"removed_mm3", again->removed_mm3},
+        {"note", again->note}};
+    if (!again->is_same) j["differs_at_tick"] = again->differs_at;
+    printJson(j);
+  } else {
+    fmt::print("replayed {} ticks ({:.3f} s), {} commands; removed {:.4f} mm3; state {}\n", again->ticks,
+               static_cast<double>(again->ticks) * kTick, again->commands, again->removed_mm3, again->state_hash);
+    if (!again->note.empty()) fmt::print("{}\n", again->note);
+    if (again->is_same)
+      fmt::print("the same bit for bit at all of {} checks of state and force\n", again->checks);
+    else
+      fmt::print("DIFFERS: the first of {} checks that does not hold is that of tick {}\n", again->checks,
+                 again->differs_at);
+  }
+  return again->is_same ? kOk : kFailed;
+}
+
+}  // namespace
+
+void addReplay(CLI::App& app, int& exit_code) {
+  auto a = std::make_shared<Arguments>();
+  CLI::App* c = app.add_subcommand("replay", "Replay the session of a run and compare state and force, bit for bit");
+  c->footer("Exit code 0: the same; 1: it differs, or the log can not be read.\nExample: kerf replay molar.run");
+  c->add_option("RUN", a->run, "run folder, cut with --hand")->required();
+  c->add_option("--until", a->until, "stop after this many simulated seconds");
+  c->add_flag("--json", a->json, "as JSON on standard output");
+  c->callback([a, &exit_code] { exit_code = run(*a); });
+}
+
+}  // namespace kerf::cli
