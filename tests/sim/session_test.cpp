@@ -135,7 +135,7 @@ TEST(Session, AReplayOfSomethingElseIsNotTheSame) {
   record(file.path(), test::block({6, 4, 2}, 0.1));
   auto log = readSessionLog(file.path());
   ASSERT_TRUE(log);
-  log->samples[90].sample.T_world_device.translation[2] += 1e-9;
+  log->samples[90].sample.T_world_device.translation[2] -= 0.01;
   const auto again = replay(*log, "changed.log", twoBalls(), {test::block({6, 4, 2}, 0.1)});
   ASSERT_TRUE(again) << again.error().message();
   EXPECT_FALSE(again->is_same);
