@@ -50,7 +50,7 @@ struct HapticCut {
 };
 
 /// Writes the run: run.toml, run.vdb (grid phi), forces.csv (one row a tick: docs/formats.md), summary.json,
-/// session.log (what kerf replay reads). Same
+/// session.kerflog (what kerf replay reads). Same
 /// inputs, same bytes (but for the identifier inside run.vdb).
 /// Errors: as cutCase; kEmpty when nothing was cut; kBadValue for options out of range.
 Expected<HapticCut> cutCaseByHand(const std::filesystem::path& case_folder, const std::filesystem::path& tool_file,

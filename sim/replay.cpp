@@ -47,7 +47,8 @@ Expected<Replay> replay(const SessionLog& log, const std::string& file, Model mo
   KERF_CHECK(restoreSettings(log, file, model, start));
   Session session(std::move(model), std::move(objects), start);
   if (log.damage)
-    out.note = log.damage->what;
+    out.note = (log.damage->kind == LogDamage::Kind::kCutShort ? "the log was cut off: " : "the log is damaged: ") +
+               log.damage->what;
   else if (!log.is_closed)
     out.note = "the log was cut off between two records: its session did not end cleanly";
   StepOutput tick;

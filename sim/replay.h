@@ -45,7 +45,7 @@ Expected<Replay> replay(const SessionLog& log, const std::string& file, Model mo
                         std::vector<std::shared_ptr<const BakedObject>> objects, const Progress& progress = {},
                         double until_s = std::numeric_limits<double>::infinity());
 
-/// The session of a haptic run: session.log, with the case and the tool the run names.
+/// The session of a haptic run: session.kerflog, with the case and the tool the run names.
 Expected<Replay> replayRun(const std::filesystem::path& run_folder, const Progress& progress = {},
                            double until_s = std::numeric_limits<double>::infinity());
 

@@ -10,7 +10,7 @@ namespace kerf::internal {
 
 inline constexpr const char* kRunToolCopy = "tool.toml";
 inline constexpr const char* kRunField = "run.vdb";
-inline constexpr const char* kRunLog = "session.log";
+inline constexpr const char* kRunLog = "session.kerflog";
 inline constexpr int kRunFormatVersion = 1;
 
 /// From the run to the case, so that both can be moved together. Error: a name that no TOML file can hold.

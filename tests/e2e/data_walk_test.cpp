@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
+#include <fstream>
 #include <map>
 #include <set>
 
@@ -17,7 +18,9 @@
 #include "geometry/tool_file.h"
 #include "preprocess/bake.h"
 #include "preprocess/unit.h"
+#include "sim/haptic_cut.h"
 #include "sim/path.h"
+#include "sim/replay.h"
 #include "sim/run_bundle.h"
 #include "tests/geometry/temporary_folder.h"
 
@@ -364,6 +367,58 @@ TEST_P(DataWalk, BakeCutExportReadBack) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Files, DataWalk, testing::ValuesIn(filesOfFolder(false)), testName);
+
+// Enamel, dentin and pulp of a real molar, put together by a recipe, drilled with 1 N against resistance.
+TEST(DataWalk, AMolarOfThreeTissuesIsDrilledAgainstResistance) {
+  const fs::path enamel = dataFolder() / "molar-L6-enamel.stl";
+  if (!fs::exists(enamel)) GTEST_SKIP() << "no data at " << dataFolder();
+  TemporaryFolder scratch;
+  const fs::path recipe = scratch.path() / "molar.toml";
+  {
+    std::ofstream out(recipe);
+    out << "format = \"kerf-recipe\"\nversion = 1\nunit = \"mm\"\n";
+    for (const char* material : {"pulp", "enamel", "dentin"})
+      out << fmt::format("[[part]]\nmaterial = \"{}\"\nmesh = \"{}\"\n", material,
+                         (dataFolder() / fmt::format("molar-L6-{}.stl", material)).string());
+  }
+  BakeOptions options;
+  options.voxelize.voxel_mm = 0.1;
+  const auto baked = bakeRecipe(recipe, scratch.path() / "molar.case", options);
+  ASSERT_TRUE(baked) << baked.error().message();
+  // From above the highest enamel straight down.
+  const auto solid = readCaseSolid(scratch.path() / "molar.case");
+  ASSERT_TRUE(solid);
+  Vec3d top = solid->vertices.front();
+  for (const Vec3d& p : solid->vertices)
+    if (p[2] > top[2]) top = p;
+  const Box3 box = bounds(*solid);
+  const bool is_crown_up = top[2] - box.center()[2] > 0;
+  ASSERT_TRUE(is_crown_up);
+  const fs::path path = scratch.path() / "plunge.toml";
+  std::ofstream(path) << fmt::format(
+      "format = \"kerf-path\"\nversion = 1\nframe = \"object\"\nfeed = 1.0\n[start]\nposition = [{}, {}, {}]\n"
+      "axis = [0, 0, 1]\n[[stroke]]\nkind = \"plunge\"\ndepth = 4.5\n",
+      top[0], top[1], top[2] + 0.3);
+  const auto tool = findToolFile("round-014", defaultToolFolders());
+  ASSERT_TRUE(tool);
+  HapticCutOptions hand;
+  hand.hand = HandKind::kForce;
+  const auto cut = cutCaseByHand(scratch.path() / "molar.case", *tool, path, scratch.path() / "molar.run", hand);
+  ASSERT_TRUE(cut) << cut.error().message();
+  const HapticSummary& s = cut->summary;
+  EXPECT_TRUE(s.is_complete) << s.ended;
+  EXPECT_GT(s.removed_mm3, 1);
+  EXPECT_GT(s.removed_by_material.count("enamel"), 0u);
+  EXPECT_NEAR(s.removed_mm3 + s.remaining_mm3, s.initial_mm3, 1e-6 * s.initial_mm3);
+  EXPECT_NEAR(s.mean_contact_force, 1, 0.25);
+  EXPECT_EQ(s.out_of_room, 0u);
+  const auto again = replayRun(scratch.path() / "molar.run");
+  ASSERT_TRUE(again) << again.error().message();
+  EXPECT_TRUE(again->is_same);
+  const auto exported = exportBundle(scratch.path() / "molar.run");
+  ASSERT_TRUE(exported) << exported.error().message();
+  EXPECT_NEAR(exported->post_op.report.removed_volume_mm3, s.removed_mm3, 0.03 * s.removed_mm3);
+}
 
 }  // namespace
 }  // namespace kerf

@@ -1,5 +1,6 @@
 // The program kerf from mesh to print, as a user runs it: what comes out, what it says, and that it is the same twice.
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "tests/ui/cli_runner.h"
 
@@ -41,6 +42,84 @@ TEST_F(Cli, WrongCommandLinesAreUsageErrors) {
   refuses({"export", at("box.case")}, {"--output"}, 2);
   refuses({"tool"}, {"subcommand"}, 2);
   refuses({"check", at("box.off"), "--fix"}, {"--fix"}, 2);
+}
+
+TEST_F(Cli, ACutAgainstResistanceIsRecordedAndReplaysBitForBit) {
+  ASSERT_EQ(runKerf({"demo", "molar", "--coarseness", "3", "-o", at("molar")}).exit_code, 0);
+  ASSERT_EQ(runKerf({"bake", at("molar/molar.toml"), "--voxel", "0.2", "-o", at("molar.case")}).exit_code, 0);
+  const std::string cavity = std::string(KERF_SOURCE_DIR) + "/assets/paths/demo-cavity.toml";
+  const auto cut = [&](const std::string& run, const std::vector<std::string>& hand) {
+    std::vector<std::string> words{"cut", at("molar.case"), "--tool", "round-014", "--path", cavity,
+                                   "-o",  at(run),          "--json", "--hand"};
+    words.insert(words.end(), hand.begin(), hand.end());
+    return parsed(runKerf(words));
+  };
+  const json feed = cut("feed.run", {"feed"}), again = cut("again.run", {"feed"});
+  EXPECT_TRUE(feed["is_complete"].get<bool>());
+  EXPECT_EQ(feed["state_hash"], again["state_hash"]);
+  EXPECT_TRUE(bytesOf(at("feed.run/forces.csv")) == bytesOf(at("again.run/forces.csv")));
+  EXPECT_TRUE(bytesOf(at("feed.run/session.kerflog")) == bytesOf(at("again.run/session.kerflog")));
+  const double removed = feed["removed_mm3"], left = feed["remaining_mm3"], initial = feed["initial_mm3"];
+  EXPECT_GT(removed, 10);
+  EXPECT_NEAR(removed + left, initial, 1e-6 * initial);
+  double by_material = 0;
+  for (const auto& [id, volume] : feed["removed_by_material_mm3"].items()) by_material += volume.get<double>();
+  EXPECT_NEAR(by_material, removed, 1e-9 * initial);
+  EXPECT_GT(feed["removed_by_material_mm3"].size(), 1u);
+  // More push: felt more, and done sooner. (Less push takes more away from the floor: it dwells there.)
+  const json gentle = cut("gentle.run", {"force", "--push", "0.5"}), firm = cut("firm.run", {"force", "--push", "2"});
+  EXPECT_GT(firm["mean_contact_force_N"].get<double>(), gentle["mean_contact_force_N"].get<double>());
+  EXPECT_LT(firm["seconds_in_contact"].get<double>(), gentle["seconds_in_contact"].get<double>());
+  EXPECT_LT(firm["mean_contact_force_N"].get<double>(), 3);
+  const json device = cut("device.run", {"device", "--hand-stiffness", "1"});
+  EXPECT_LE(device["peak_hand_force_N"].get<double>(), 8);
+  for (const char* run : {"feed.run", "firm.run", "device.run"}) {
+    const json replayed = parsed(runKerf({"replay", at(run), "--json"}));
+    EXPECT_TRUE(replayed["is_same"].get<bool>()) << run;
+    EXPECT_GT(replayed["checks"].get<int>(), 3);
+    EXPECT_EQ(runKerf({"export", at(run), "-o", at(std::string(run) + ".stl")}).exit_code, 0);
+    EXPECT_EQ(runKerf({"check", at(std::string(run) + ".stl")}).exit_code, 0);
+  }
+  const json half = parsed(runKerf({"replay", at("feed.run"), "--until", "8", "--json"}));
+  EXPECT_EQ(half["ticks"], 8000);
+  EXPECT_LT(half["removed_mm3"].get<double>(), removed);
+
+  // A row a tick, in order, as many columns as the header says.
+  std::istringstream rows(bytesOf(at("feed.run/forces.csv")));
+  std::string row;
+  std::getline(rows, row);
+  const auto columns = std::count(row.begin(), row.end(), ',');
+  std::uint64_t count = 0;
+  while (std::getline(rows, row)) {
+    ASSERT_EQ(std::count(row.begin(), row.end(), ','), columns) << row;
+    ++count;
+    ASSERT_NEAR(std::stod(row), 0.001 * static_cast<double>(count), 1e-9);
+  }
+  EXPECT_EQ(count, feed["ticks"].get<std::uint64_t>());
+
+  // A log that is not the run's, or was cut off.
+  const std::string log = bytesOf(at("feed.run/session.kerflog"));
+  std::ofstream(at("feed.run/session.kerflog"), std::ios::binary) << log.substr(0, log.size() / 2);
+  const Outcome torn = runKerf({"replay", at("feed.run")});
+  EXPECT_EQ(torn.exit_code, 0) << torn.err;  // what there is, is the same
+  EXPECT_NE(torn.out.find("cut off"), torn.out.npos) << torn.out;
+  std::ofstream(at("feed.run/session.kerflog"), std::ios::binary) << "no log";
+  refuses({"replay", at("feed.run")}, {"session.kerflog"});
+  refuses({"replay", at("molar.case")}, {"not a run"});
+  refuses({"cut", at("molar.case"), "--tool", "round-014", "--path", cavity, "-o", at("x.run"), "--hand", "foot"},
+          {"--hand"}, 2);
+  refuses({"cut", at("molar.case"), "--tool", "round-014", "--path", cavity, "-o", at("x.run"), "--hand", "force",
+           "--push", "0"},
+          {"force", "0.01 to 100"});
+  refuses({"cut", at("molar.case"), "--tool", "round-014", "--path", cavity, "-o", at("x.run"), "--hand", "feed",
+           "--spindle", "nan"},
+          {"spindle"});
+  // A spindle at rest cuts nothing; nothing is written.
+  refuses({"cut", at("molar.case"), "--tool", "round-014", "--path", cavity, "-o", at("x.run"), "--hand", "feed",
+           "--spindle", "0"},
+          {"cut nothing", "spindle"});
+  EXPECT_FALSE(std::filesystem::exists(at("x.run")));
+  refuses({"replay", at("gone.run")}, {"not a run"});
 }
 
 TEST_F(Cli, ACutInAFineRegionIsTheCutOfAnObjectBakedThatFine) {
