@@ -35,7 +35,7 @@ bool isSame(const MeshChunk& chunk, const BrickSurface& surface) {
 
 }  // namespace
 
-Remesher::Remesher(const BrickField& phi0, const MarchingCubesOptions& options) : field_(phi0), options_(options) {
+Remesher::Remesher(const BrickField& phi0, const RemesherOptions& options) : field_(phi0), options_(options) {
   // As in marchingCubes(): cells that reach a stored brick belong to it or to one of the seven below.
   std::vector<std::uint64_t> keys;
   keys.reserve(8 * phi0.brickCount());
@@ -44,21 +44,26 @@ Remesher::Remesher(const BrickField& phi0, const MarchingCubesOptions& options) 
   std::sort(keys.begin(), keys.end());
   keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
   std::vector<MeshChunkPtr> made(keys.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, keys.size(), 64), [&](const auto& range) {
+  const auto mesh = [&](std::size_t first, std::size_t last) {
     BrickSurface surface;
-    for (std::size_t n = range.begin(); n != range.end(); ++n) {
+    for (std::size_t n = first; n != last; ++n) {
       const auto c = coordOfKey(keys[n]);
       const Vec3i brick{c[0], c[1], c[2]};
-      marchingCubesOfBrick(neighboursOf(phi0, brick), options_, true, surface);
+      marchingCubesOfBrick(neighboursOf(phi0, brick), options_.marching_cubes, true, surface);
       if (!surface.triangles.empty()) made[n] = makeChunk(brick, version_, surface);
     }
-  });
+  };
+  if (options_.is_parallel)
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, keys.size(), 64),
+                      [&](const auto& range) { mesh(range.begin(), range.end()); });
+  else
+    mesh(0, keys.size());
   for (std::size_t n = 0; n < keys.size(); ++n)
     if (made[n]) chunks_.emplace(keys[n], made[n]), log_.push_back(std::move(made[n]));
 }
 
 bool Remesher::remesh(const Vec3i& brick) {
-  marchingCubesOfBrick(neighboursOf(field_, brick), options_, true, surface_);
+  marchingCubesOfBrick(neighboursOf(field_, brick), options_.marching_cubes, true, surface_);
   const std::uint64_t key = coordKey(brick);
   const auto it = chunks_.find(key);
   if (it == chunks_.end() ? surface_.triangles.empty() : isSame(*it->second, surface_)) return false;

@@ -62,6 +62,14 @@ TEST(Remesher, BakedFieldGivesTheTrianglesOfMarchingCubes) {
   ASSERT_GT(whole.size(), 5000u);
   EXPECT_EQ(soupOf(remesher.changedSince(0)), whole);
   EXPECT_TRUE(remesher.changedSince(remesher.version()).empty());
+  RemesherOptions alone;
+  alone.is_parallel = false;
+  const auto a = remesher.changedSince(0), b = Remesher(phi0, alone).changedSince(0);
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t n = 0; n < a.size(); ++n) {
+    EXPECT_EQ(a[n]->vertices, b[n]->vertices);
+    EXPECT_EQ(a[n]->triangles, b[n]->triangles);
+  }
 }
 
 TEST(Remesher, EveryCarveLeavesTheTrianglesOfMarchingCubesOfTheWholeField) {
@@ -105,7 +113,8 @@ TEST(Remesher, AnySingleNodeThatChangesMakesTheSameMeshAsFromScratch) {
           v = -v;
           truth.set(edit);
           remesher.apply(std::span(&edit, 1));
-          const Remesher fresh(truth.flattened());
+          const BrickField whole = truth.flattened();
+          const Remesher fresh(whole);
           // Normals too: they read farther than positions do.
           const auto a = remesher.changedSince(0), b = fresh.changedSince(0);
           std::map<std::uint64_t, MeshChunkPtr> by_brick;
