@@ -1,0 +1,163 @@
+#include "sim/split_field.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <unordered_map>
+#include <vector>
+
+namespace kerf {
+namespace {
+
+// What the bricks of the object hold: nodes of the wanted piece, of others, or both.
+enum Holds : unsigned char { kOwn = 1, kForeign = 2 };
+using HoldsMap = std::unordered_map<std::uint64_t, unsigned char>;
+
+constexpr int kPad = 1;  // a node's neighbours
+
+template <class Visit>
+void forEachAround(const Vec3i& brick, const Visit& visit) {
+  for (int x = -1; x <= 1; ++x)
+    for (int y = -1; y <= 1; ++y)
+      for (int z = -1; z <= 1; ++z) visit(Vec3i(brick + Vec3i{x, y, z}));
+}
+
+// Rewrites one brick near foreign nodes; `out` holds its values of now.
+void separate(const PieceFinder& pieces, std::uint32_t id, const Vec3i& brick, int reach, BrickValues& out) {
+  const OverlayField& field = pieces.field();
+  const float h = static_cast<float>(field.voxel()), background = field.background();
+  constexpr float kFar = std::numeric_limits<float>::infinity();
+  const Vec3i base = brick * kBrickSide;
+  // The nodes within reach of the brick, with a rim: values, and whose they are (0 outside, 1 own, 2 foreign).
+  const int span = kBrickSide + 2 * (reach + kPad), margin = reach + kPad;
+  const auto indexOf = [&](int i, int j, int k) {
+    return static_cast<std::size_t>(((i + margin) * span + j + margin) * span + k + margin);
+  };
+  std::vector<float> value(static_cast<std::size_t>(span) * static_cast<std::size_t>(span) *
+                           static_cast<std::size_t>(span));
+  std::vector<unsigned char> whose(value.size(), 0);
+  const Vec3i first = brickOf(Vec3i(base - Vec3i::Constant(margin)));
+  const Vec3i last = brickOf(Vec3i(base + Vec3i::Constant(kBrickSide - 1 + margin)));
+  for (int x = first[0]; x <= last[0]; ++x)
+    for (int y = first[1]; y <= last[1]; ++y)
+      for (int z = first[2]; z <= last[2]; ++z) {
+        const Vec3i c{x, y, z}, shift = (c - brick) * kBrickSide;
+        const BrickValues* const values = field.valuesAt(c);
+        const float constant = field.constantAt(c);
+        const std::uint32_t all = pieces.pieceOfBrick(c);
+        const Vec3i low = (-shift - Vec3i::Constant(margin)).cwiseMax(0);
+        const Vec3i high = (-shift + Vec3i::Constant(kBrickSide - 1 + margin)).cwiseMin(kBrickSide - 1);
+        for (int i = low[0]; i <= high[0]; ++i)
+          for (int j = low[1]; j <= high[1]; ++j)
+            for (int k = low[2]; k <= high[2]; ++k) {
+              const std::size_t at = indexOf(i + shift[0], j + shift[1], k + shift[2]);
+              value[at] = values ? (*values)[static_cast<std::size_t>(nodeOffset(i, j, k))] : constant;
+              if (!(value[at] < 0)) continue;
+              const std::uint32_t piece =
+                  all == PieceFinder::kSeveralPieces ? pieces.pieceAt(c * kBrickSide + Vec3i{i, j, k}) : all;
+              whose[at] = piece == id ? 1 : 2;
+            }
+      }
+
+  // Distance to each side as the union of balls of radius |phi| about its outermost nodes: |p - a| + phi(a).
+  std::array<std::vector<float>, 2> distance{std::vector<float>(kBrickNodes, kFar),
+                                             std::vector<float>(kBrickNodes, kFar)};
+  std::vector<float> length(static_cast<std::size_t>(3 * reach * reach + 1));
+  for (std::size_t n = 0; n < length.size(); ++n) length[n] = h * std::sqrt(static_cast<float>(n));
+  const std::array<std::size_t, 3> stride{static_cast<std::size_t>(span) * static_cast<std::size_t>(span),
+                                          static_cast<std::size_t>(span), 1};
+  const auto hasNeighbour = [&](std::size_t at, unsigned char wanted) {
+    for (const std::size_t s : stride)
+      if (whose[at - s] == wanted || whose[at + s] == wanted) return true;
+    return false;
+  };
+  for (int i = -reach; i < kBrickSide + reach; ++i)
+    for (int j = -reach; j < kBrickSide + reach; ++j)
+      for (int k = -reach; k < kBrickSide + reach; ++k) {
+        const std::size_t at = indexOf(i, j, k);
+        if (whose[at] == 0 || !hasNeighbour(at, 0)) continue;
+        std::vector<float>& to = distance[whose[at] - 1];
+        for (int x = std::max(0, i - reach); x <= std::min(kBrickSide - 1, i + reach); ++x)
+          for (int y = std::max(0, j - reach); y <= std::min(kBrickSide - 1, j + reach); ++y)
+            for (int z = std::max(0, k - reach); z <= std::min(kBrickSide - 1, k + reach); ++z) {
+              const int squared = (x - i) * (x - i) + (y - j) * (y - j) + (z - k) * (z - k);
+              float& d = to[static_cast<std::size_t>(nodeOffset(x, y, z))];
+              d = std::min(d, length[static_cast<std::size_t>(squared)] + value[at]);
+            }
+      }
+
+  std::size_t n = 0;
+  for (int i = 0; i < kBrickSide; ++i)
+    for (int j = 0; j < kBrickSide; ++j)
+      for (int k = 0; k < kBrickSide; ++k, ++n) {
+        const std::size_t at = indexOf(i, j, k);
+        const float own = distance[0][n], foreign = distance[1][n];
+        if (whose[at] == 1) continue;
+        if (whose[at] == 0 && (hasNeighbour(at, 1) || foreign == kFar)) continue;
+        // Nearer to this piece: the value stays, unless it must be another's after all (balls miss sharp corners).
+        const float distance_to_own = whose[at] == 0 && own <= foreign ? own - 0.5f * h : own;
+        out[n] = std::min(background, std::max(std::abs(value[at]), distance_to_own));
+      }
+}
+
+}  // namespace
+
+BrickField splitField(const PieceFinder& pieces, std::uint32_t id) {
+  const OverlayField& field = pieces.field();
+  HoldsMap holds;
+  std::vector<Vec3i> own;
+  for (const Vec3i& c : pieces.insideBricks()) {
+    const std::uint32_t piece = pieces.pieceOfBrick(c);
+    unsigned char what = piece == id ? kOwn : kForeign;
+    if (piece == PieceFinder::kSeveralPieces) {
+      what = 0;
+      for (int n = 0; n < kBrickNodes && what != (kOwn | kForeign); ++n) {
+        const std::uint32_t at = pieces.pieceAt(c * kBrickSide + Vec3i{n >> 6, n >> 3 & 7, n & 7});
+        if (at != PieceFinder::kNoPiece) what = static_cast<unsigned char>(what | (at == id ? kOwn : kForeign));
+      }
+    }
+    holds.emplace(coordKey(c), what);
+    if (what & kOwn) own.push_back(c);
+  }
+  const auto holdsAt = [&](const Vec3i& c) -> unsigned char {
+    const auto it = holds.find(coordKey(c));
+    return it == holds.end() ? static_cast<unsigned char>(0) : it->second;
+  };
+
+  // The piece's own bricks and those around them; of the bricks that are stored as constants only foreign ones change.
+  std::vector<std::uint64_t> keys;
+  BrickField out(field.voxel(), field.background(), field.interior());
+  for (const Vec3i& c : own) {
+    const bool is_constant = !field.valuesAt(c);
+    if (is_constant) out.markInterior(c);
+    forEachAround(c, [&](const Vec3i& near) {
+      if (field.valuesAt(near) || holdsAt(near) == kForeign) keys.push_back(coordKey(near));
+    });
+  }
+  std::sort(keys.begin(), keys.end());
+  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+
+  std::vector<std::size_t> mixed;
+  out.reserve(keys.size());
+  for (const std::uint64_t key : keys) {
+    const auto k = coordOfKey(key);
+    const Vec3i c{k[0], k[1], k[2]};
+    BrickValues constant;
+    const BrickValues* values = field.valuesAt(c);
+    if (!values) constant.fill(field.constantAt(c)), values = &constant;
+    const std::size_t b = out.add(c, *values);
+    bool is_near_foreign = false;
+    forEachAround(c, [&](const Vec3i& near) { is_near_foreign |= (holdsAt(near) & kForeign) != 0; });
+    if (is_near_foreign) mixed.push_back(b);
+  }
+  // No farther than the bricks around: what lies beyond eight nodes is beyond any band in use.
+  const int reach =
+      std::clamp(static_cast<int>(std::ceil(double{field.background()} / field.voxel())), 1, kBrickSide - kPad);
+  tbb::parallel_for(std::size_t{0}, mixed.size(),
+                    [&](std::size_t n) { separate(pieces, id, out.brickCoord(mixed[n]), reach, out.brick(mixed[n])); });
+  return out;
+}
+
+}  // namespace kerf
