@@ -13,7 +13,6 @@ namespace {
 
 // What the bricks of the object hold: nodes of the wanted piece, of others, or both.
 enum Holds : unsigned char { kOwn = 1, kForeign = 2 };
-using HoldsMap = std::unordered_map<std::uint64_t, unsigned char>;
 
 constexpr int kPad = 1;  // a node's neighbours
 
@@ -106,32 +105,40 @@ void separate(const PieceFinder& pieces, std::uint32_t id, const Vec3i& brick, i
 
 BrickField splitField(const PieceFinder& pieces, std::uint32_t id) {
   const OverlayField& field = pieces.field();
-  HoldsMap holds;
-  std::vector<Vec3i> own;
-  for (const Vec3i& c : pieces.insideBricks()) {
-    const std::uint32_t piece = pieces.pieceOfBrick(c);
-    unsigned char what = piece == id ? kOwn : kForeign;
-    if (piece == PieceFinder::kSeveralPieces) {
-      what = 0;
-      for (int n = 0; n < kBrickNodes && what != (kOwn | kForeign); ++n) {
-        const std::uint32_t at = pieces.pieceAt(c * kBrickSide + Vec3i{n >> 6, n >> 3 & 7, n & 7});
-        if (at != PieceFinder::kNoPiece) what = static_cast<unsigned char>(what | (at == id ? kOwn : kForeign));
-      }
+  const std::vector<Vec3i> inside = pieces.insideBricks();
+  std::unordered_map<std::uint64_t, unsigned char> several;  // the few bricks that hold more than one piece
+  for (const Vec3i& c : inside) {
+    if (pieces.pieceOfBrick(c) != PieceFinder::kSeveralPieces) continue;
+    unsigned char& what = several[coordKey(c)];
+    for (int n = 0; n < kBrickNodes && what != (kOwn | kForeign); ++n) {
+      const std::uint32_t at = pieces.pieceAt(c * kBrickSide + Vec3i{n >> 6, n >> 3 & 7, n & 7});
+      if (at != PieceFinder::kNoPiece) what = static_cast<unsigned char>(what | (at == id ? kOwn : kForeign));
     }
-    holds.emplace(coordKey(c), what);
-    if (what & kOwn) own.push_back(c);
   }
   const auto holdsAt = [&](const Vec3i& c) -> unsigned char {
-    const auto it = holds.find(coordKey(c));
-    return it == holds.end() ? static_cast<unsigned char>(0) : it->second;
+    const std::uint32_t piece = pieces.pieceOfBrick(c);
+    if (piece == PieceFinder::kNoPiece) return 0;
+    if (piece != PieceFinder::kSeveralPieces) return piece == id ? kOwn : kForeign;
+    return several.find(coordKey(c))->second;
   };
 
   // The piece's own bricks and those around them; of the bricks that are stored as constants only foreign ones change.
   std::vector<std::uint64_t> keys;
   BrickField out(field.voxel(), field.background(), field.interior());
-  for (const Vec3i& c : own) {
+  for (const Vec3i& c : inside) {
+    if (!(holdsAt(c) & kOwn)) continue;
     const bool is_constant = !field.valuesAt(c);
-    if (is_constant) out.markInterior(c);
+    if (is_constant) {
+      out.markInterior(c);
+      // Deep inside. What a constant brick meets at an edge or corner only is met by one of these six as well.
+      bool is_deep = true;
+      for (int axis = 0; axis < 3 && is_deep; ++axis)
+        for (const int step : {-1, 1}) {
+          const Vec3i next = c + step * Vec3i(Vec3i::Unit(axis));
+          is_deep = is_deep && pieces.pieceOfBrick(next) == id && !field.valuesAt(next);
+        }
+      if (is_deep) continue;
+    }
     forEachAround(c, [&](const Vec3i& near) {
       if (field.valuesAt(near) || holdsAt(near) == kForeign) keys.push_back(coordKey(near));
     });
@@ -139,24 +146,24 @@ BrickField splitField(const PieceFinder& pieces, std::uint32_t id) {
   std::sort(keys.begin(), keys.end());
   keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
 
-  std::vector<std::size_t> mixed;
   out.reserve(keys.size());
   for (const std::uint64_t key : keys) {
     const auto k = coordOfKey(key);
     const Vec3i c{k[0], k[1], k[2]};
-    BrickValues constant;
-    const BrickValues* values = field.valuesAt(c);
-    if (!values) constant.fill(field.constantAt(c)), values = &constant;
-    const std::size_t b = out.add(c, *values);
-    bool is_near_foreign = false;
-    forEachAround(c, [&](const Vec3i& near) { is_near_foreign |= (holdsAt(near) & kForeign) != 0; });
-    if (is_near_foreign) mixed.push_back(b);
+    if (const BrickValues* values = field.valuesAt(c))
+      out.add(c, *values);
+    else
+      out.brick(out.touch(c)).fill(field.constantAt(c));
   }
   // No farther than the bricks around: what lies beyond eight nodes is beyond any band in use.
   const int reach =
       std::clamp(static_cast<int>(std::ceil(double{field.background()} / field.voxel())), 1, kBrickSide - kPad);
-  tbb::parallel_for(std::size_t{0}, mixed.size(),
-                    [&](std::size_t n) { separate(pieces, id, out.brickCoord(mixed[n]), reach, out.brick(mixed[n])); });
+  tbb::parallel_for(std::size_t{0}, out.brickCount(), [&](std::size_t b) {
+    bool is_near_foreign = false;
+    forEachAround(out.brickCoord(b),
+                  [&](const Vec3i& near) { is_near_foreign = is_near_foreign || (holdsAt(near) & kForeign) != 0; });
+    if (is_near_foreign) separate(pieces, id, out.brickCoord(b), reach, out.brick(b));
+  });
   return out;
 }
 
