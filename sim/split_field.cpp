@@ -63,8 +63,13 @@ void separate(const PieceFinder& pieces, std::uint32_t id, const Vec3i& brick, i
   // Distance to each side as the union of balls of radius |phi| about its outermost nodes: |p - a| + phi(a).
   std::array<std::vector<float>, 2> distance{std::vector<float>(kBrickNodes, kFar),
                                              std::vector<float>(kBrickNodes, kFar)};
-  std::vector<float> length(static_cast<std::size_t>(3 * reach * reach + 1));
-  for (std::size_t n = 0; n < length.size(); ++n) length[n] = h * std::sqrt(static_cast<float>(n));
+  // Lengths of steps, a row along z for every (dx, dy): rows are added and compared several nodes at a time.
+  const int row = 2 * reach + 1;
+  std::vector<float> length(static_cast<std::size_t>(row * row * row));
+  for (int x = -reach, n = 0; x <= reach; ++x)
+    for (int y = -reach; y <= reach; ++y)
+      for (int z = -reach; z <= reach; ++z, ++n)
+        length[static_cast<std::size_t>(n)] = h * std::sqrt(static_cast<float>(x * x + y * y + z * z));
   const std::array<std::size_t, 3> stride{static_cast<std::size_t>(span) * static_cast<std::size_t>(span),
                                           static_cast<std::size_t>(span), 1};
   const auto hasNeighbour = [&](std::size_t at, unsigned char wanted) {
@@ -78,13 +83,15 @@ void separate(const PieceFinder& pieces, std::uint32_t id, const Vec3i& brick, i
         const std::size_t at = indexOf(i, j, k);
         if (whose[at] == 0 || !hasNeighbour(at, 0)) continue;
         std::vector<float>& to = distance[whose[at] - 1];
+        const int z0 = std::max(0, k - reach), z1 = std::min(kBrickSide - 1, k + reach);
+        const float v = value[at];
         for (int x = std::max(0, i - reach); x <= std::min(kBrickSide - 1, i + reach); ++x)
-          for (int y = std::max(0, j - reach); y <= std::min(kBrickSide - 1, j + reach); ++y)
-            for (int z = std::max(0, k - reach); z <= std::min(kBrickSide - 1, k + reach); ++z) {
-              const int squared = (x - i) * (x - i) + (y - j) * (y - j) + (z - k) * (z - k);
-              float& d = to[static_cast<std::size_t>(nodeOffset(x, y, z))];
-              d = std::min(d, length[static_cast<std::size_t>(squared)] + value[at]);
-            }
+          for (int y = std::max(0, j - reach); y <= std::min(kBrickSide - 1, j + reach); ++y) {
+            if ((x - i) * (x - i) + (y - j) * (y - j) > reach * reach) continue;  // beyond the band
+            float* const d = to.data() + nodeOffset(x, y, 0);
+            const float* const step = length.data() + ((x - i + reach) * row + y - j + reach) * row + reach - k;
+            for (int z = z0; z <= z1; ++z) d[z] = std::min(d[z], step[z] + v);
+          }
       }
 
   std::size_t n = 0;
