@@ -67,6 +67,11 @@ class BrickField {
     const auto it = index_.find(coordKey(brick_coord));
     return it == index_.end() || it->second < 0 ? -1 : it->second;
   }
+  /// Values of the brick at a brick coordinate; null: no brick there. Good until a brick is added.
+  const BrickValues* valuesAt(const Vec3i& brick_coord) const {
+    const int b = find(brick_coord);
+    return b < 0 ? nullptr : &values_[static_cast<std::size_t>(b)];
+  }
   /// The constant that stands for a missing brick.
   float constantAt(const Vec3i& brick_coord) const {
     const auto it = index_.find(coordKey(brick_coord));

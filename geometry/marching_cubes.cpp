@@ -68,87 +68,103 @@ constexpr std::array<Case, 256> makeTable() {
 }
 constexpr std::array<Case, 256> kTable = makeTable();
 
-// A vertex is named by what it stands on: a grid edge (node, axis 0..2) or the centroid of a loop of a cell (node, 3 +
-// loop).
-struct Name {
-  std::uint64_t node;
-  std::uint32_t what;
-  bool operator<(const Name& o) const { return node != o.node ? node < o.node : what < o.what; }
-  bool operator==(const Name& o) const { return node == o.node && what == o.what; }
-};
-
-struct NamedVertex {
-  Name name;
-  Vec3d position;
-};
-struct NamedTriangle {
-  std::array<Name, 3> corner;
-};
-struct BrickSurface {
-  std::vector<NamedVertex> vertices;
-  std::vector<NamedTriangle> triangles;
-};
-
-// The brick with the nodes its cells need beyond it, corrected and snapped; gathered from an apron one node wider
-// still.
+// The brick with an apron as its neighbours have it, and the nodes of its cells, corrected and snapped.
 constexpr int kCellSpan = kBrickSide + 1, kRawSpan = kBrickSide + 3;
 struct Patch {
-  std::array<float, kCellSpan * kCellSpan * kCellSpan> v;
-  float at(int i, int j, int k) const { return v[static_cast<std::size_t>((i * kCellSpan + j) * kCellSpan + k)]; }
+  std::array<float, kRawSpan * kRawSpan * kRawSpan> raw;   // nodes -1 to 9
+  std::array<float, kCellSpan * kCellSpan * kCellSpan> v;  // nodes 0 to 8
+
+  static constexpr std::size_t rawIndex(int i, int j, int k) {
+    return static_cast<std::size_t>(((i + 1) * kRawSpan + j + 1) * kRawSpan + k + 1);
+  }
+  static constexpr std::size_t index(int i, int j, int k) {
+    return static_cast<std::size_t>((i * kCellSpan + j) * kCellSpan + k);
+  }
+  float at(int i, int j, int k) const { return v[index(i, j, k)]; }
+  // Gradient of the raw field at a node by central differences, times twice the voxel.
+  Vec3f gradient(int i, int j, int k) const {
+    const std::size_t c = rawIndex(i, j, k);
+    return {raw[c + kRawSpan * kRawSpan] - raw[c - kRawSpan * kRawSpan], raw[c + kRawSpan] - raw[c - kRawSpan],
+            raw[c + 1] - raw[c - 1]};
+  }
 };
 
-void gather(const BrickField& field, const Vec3i& brick, const MarchingCubesOptions& options, Patch& patch) {
-  int found[27];
-  float constant[27];
-  for (int n = 0; n < 27; ++n) {
-    const Vec3i c = brick + Vec3i{n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1};
-    found[n] = field.find(c);
-    constant[n] = found[n] < 0 ? field.constantAt(c) : 0;
-  }
-  std::array<float, kRawSpan * kRawSpan * kRawSpan> raw;
+// False where the surface cannot pass through the brick's cells.
+bool gather(const BrickNeighbours& field, const MarchingCubesOptions& options, Patch& patch) {
   std::size_t out = 0;
   for (int i = -1; i < kBrickSide + 2; ++i)
     for (int j = -1; j < kBrickSide + 2; ++j)
-      for (int k = -1; k < kBrickSide + 2; ++k) {
-        const int n = (((i >> 3) + 1) * 3 + (j >> 3) + 1) * 3 + (k >> 3) + 1;
-        raw[out++] =
-            found[n] < 0
-                ? constant[n]
-                : field.brick(static_cast<std::size_t>(found[n]))[static_cast<std::size_t>(nodeOffset(i, j, k))];
+      for (int block = 0; block < 3; ++block) {
+        const auto n = static_cast<std::size_t>((((i >> 3) + 1) * 3 + (j >> 3) + 1) * 3 + block);
+        const int first = block == 0 ? kBrickSide - 1 : 0, count = block == 0 ? 1 : block == 1 ? kBrickSide : 2;
+        float* const to = patch.raw.data() + out;
+        if (field.values[n])
+          std::copy_n(field.values[n]->data() + nodeOffset(i, j, first), count, to);
+        else
+          std::fill_n(to, count, field.constant[n]);
+        out += static_cast<std::size_t>(count);
       }
-  const auto snap = static_cast<float>(options.snap_voxels * field.voxel());
-  const auto near = static_cast<float>(1.8 * field.voxel());  // no edge that crosses zero ends farther away
-  const float clamped = std::min(field.background(), -field.interior());
+  const auto snap = static_cast<float>(options.snap_voxels * field.voxel);
+  const auto near = static_cast<float>(1.8 * field.voxel);  // no edge that crosses zero ends farther away
+  // Values of one sign that are all too far from zero to be corrected: the usual case, found fast.
+  float low = patch.raw[0], high = patch.raw[0];
+  for (const float v : patch.raw) low = std::min(low, v), high = std::max(high, v);
+  if (low >= near || high <= -near) return false;
   out = 0;
   for (int i = 0; i < kCellSpan; ++i)
     for (int j = 0; j < kCellSpan; ++j)
       for (int k = 0; k < kCellSpan; ++k) {
-        const std::size_t at = static_cast<std::size_t>(((i + 1) * kRawSpan + j + 1) * kRawSpan + k + 1);
+        const std::size_t at = Patch::rawIndex(i, j, k);
+        const auto& raw = patch.raw;
         float v = raw[at];
         if (std::abs(v) < near) {
           const float l = raw[at - 1], r = raw[at + 1], d = raw[at - kRawSpan], u = raw[at + kRawSpan],
                       b = raw[at - kRawSpan * kRawSpan], f = raw[at + kRawSpan * kRawSpan];
-          if (std::max({std::abs(l), std::abs(r), std::abs(d), std::abs(u), std::abs(b), std::abs(f)}) < clamped)
+          if (std::max({std::abs(l), std::abs(r), std::abs(d), std::abs(u), std::abs(b), std::abs(f)}) < field.clamped)
             v -= options.chord_balance * (l + r + d + u + b + f - 6 * v);
           if (std::abs(v) < snap) v = v < 0 ? -snap : snap;
         }
         patch.v[out++] = v;
       }
+  return true;
 }
 
-BrickSurface extract(const BrickField& field, const Vec3i& brick, const MarchingCubesOptions& options) {
-  BrickSurface out;
-  Patch patch;
-  gather(field, brick, options, patch);
-  const Vec3i base = brick * kBrickSide;
-  const double h = field.voxel(), margin = std::min(0.49, options.snap_voxels);
+Vec3f unitOr(const Vec3f& v, const Vec3f& otherwise) {
+  const float length = v.norm();
+  return length > 1e-12f ? Vec3f(v / length) : otherwise;
+}
 
-  const auto edgePoint = [&](const Vec3i& n, int axis) {
+}  // namespace
+
+void marchingCubesOfBrick(const BrickNeighbours& field, const MarchingCubesOptions& options, bool with_normals,
+                          BrickSurface& out) {
+  out.names.clear(), out.positions.clear(), out.normals.clear(), out.triangles.clear();
+  Patch patch;
+  if (!gather(field, options, patch)) return;
+  const Vec3i base = field.brick * kBrickSide;
+  const double h = field.voxel, margin = std::min(0.49, options.snap_voxels);
+
+  // Vertices made so far, by lower node and axis of their edge.
+  constexpr std::uint16_t kNone = 0xffff;
+  std::array<std::uint16_t, 3 * kCellSpan * kCellSpan * kCellSpan> made;
+  made.fill(kNone);
+  const auto edgeVertex = [&](const Vec3i& n, int axis) -> std::uint32_t {
+    std::uint16_t& slot = made[3 * Patch::index(n[0], n[1], n[2]) + static_cast<std::size_t>(axis)];
+    if (slot != kNone) return slot;
     const Vec3i d = Vec3i::Unit(axis), m = n + d;
     const double a = patch.at(n[0], n[1], n[2]), b = patch.at(m[0], m[1], m[2]);
     // Stay off the nodes: a vertex on a node would be shared by up to six edges and collapse triangles.
     const double t = std::clamp(a / (a - b), margin, 1 - margin);
-    return Vec3d(h * ((base + n).cast<double>() + t * d.cast<double>()));
+    slot = static_cast<std::uint16_t>(out.positions.size());
+    out.names.push_back({coordKey(Vec3i(base + n)), static_cast<std::uint32_t>(axis)});
+    out.positions.push_back(h * ((base + n).cast<double>() + t * d.cast<double>()));
+    if (with_normals) {
+      const auto s = static_cast<float>(t);
+      // A plate thinner than two voxels may have no gradient left: then the edge itself says which way is out.
+      out.normals.push_back(unitOr((1 - s) * patch.gradient(n[0], n[1], n[2]) + s * patch.gradient(m[0], m[1], m[2]),
+                                   (a < 0 ? 1.0f : -1.0f) * d.cast<float>()));
+    }
+    return slot;
   };
 
   for (int i = 0; i < kBrickSide; ++i)
@@ -162,34 +178,32 @@ BrickSurface extract(const BrickField& field, const Vec3i& brick, const Marching
         std::size_t first = 0;
         for (int loop = 0; loop < which.loops; ++loop) {
           const auto length = static_cast<std::size_t>(which.length[static_cast<std::size_t>(loop)]);
-          std::array<Name, 12> name;
-          std::array<Vec3d, 12> point;
+          std::array<std::uint32_t, 12> corner;
           for (std::size_t c = 0; c < length; ++c) {
             const Edge& edge = kEdges[static_cast<std::size_t>(which.edges[first + c])];
-            const Vec3i n{i + (edge.from & 1), j + (edge.from >> 1 & 1), k + (edge.from >> 2 & 1)};
-            name[c] = {coordKey(Vec3i(base + n)), static_cast<std::uint32_t>(edge.axis)};
-            point[c] = edgePoint(n, edge.axis);
-            // Every edge point is made by the one cell that starts at its node, or by the cell on the rim of the stored
-            // bricks; equal names carry equal positions, so duplicates fall together when names are sorted.
-            out.vertices.push_back({name[c], point[c]});
+            corner[c] =
+                edgeVertex({i + (edge.from & 1), j + (edge.from >> 1 & 1), k + (edge.from >> 2 & 1)}, edge.axis);
           }
           if (length < 6) {
-            for (std::size_t c = 2; c < length; ++c) out.triangles.push_back({{name[0], name[c], name[c - 1]}});
+            for (std::size_t c = 2; c < length; ++c) out.triangles.push_back({corner[0], corner[c], corner[c - 1]});
           } else {
             Vec3d center = Vec3d::Zero();
-            for (std::size_t c = 0; c < length; ++c) center += point[c];
-            const Name middle{coordKey(Vec3i(base + Vec3i{i, j, k})), 3u + static_cast<std::uint32_t>(loop)};
-            out.vertices.push_back({middle, center / static_cast<double>(length)});
+            for (std::size_t c = 0; c < length; ++c) center += out.positions[corner[c]];
+            const auto middle = static_cast<std::uint32_t>(out.positions.size());
+            out.names.push_back({coordKey(Vec3i(base + Vec3i{i, j, k})), 3u + static_cast<std::uint32_t>(loop)});
+            out.positions.push_back(center / static_cast<double>(length));
+            if (with_normals) {
+              Vec3f sum = Vec3f::Zero();
+              for (std::size_t c = 0; c < length; ++c) sum += out.normals[corner[c]];
+              out.normals.push_back(unitOr(sum, out.normals[corner[0]]));
+            }
             for (std::size_t c = 0; c < length; ++c)
-              out.triangles.push_back({{middle, name[(c + 1) % length], name[c]}});
+              out.triangles.push_back({middle, corner[(c + 1) % length], corner[c]});
           }
           first += length;
         }
       }
-  return out;
 }
-
-}  // namespace
 
 Mesh marchingCubes(const BrickField& field, const MarchingCubesOptions& options) {
   // A cell belongs to the brick of its lowest corner, which may be a missing brick below a stored one.
@@ -203,34 +217,41 @@ Mesh marchingCubes(const BrickField& field, const MarchingCubesOptions& options)
   std::vector<BrickSurface> surfaces(keys.size());
   tbb::parallel_for(std::size_t{0}, keys.size(), [&](std::size_t b) {
     const auto c = coordOfKey(keys[b]);
-    surfaces[b] = extract(field, {c[0], c[1], c[2]}, options);
+    marchingCubesOfBrick(neighboursOf(field, {c[0], c[1], c[2]}), options, false, surfaces[b]);
   });
 
-  std::size_t vertex_uses = 0, triangles = 0;
-  for (const BrickSurface& s : surfaces) vertex_uses += s.vertices.size(), triangles += s.triangles.size();
-  std::vector<NamedVertex> named;
-  named.reserve(vertex_uses);
-  for (const BrickSurface& s : surfaces) named.insert(named.end(), s.vertices.begin(), s.vertices.end());
-  tbb::parallel_sort(named.begin(), named.end(),
-                     [](const NamedVertex& a, const NamedVertex& b) { return a.name < b.name; });
-  named.erase(std::unique(named.begin(), named.end(),
-                          [](const NamedVertex& a, const NamedVertex& b) { return a.name == b.name; }),
+  // Vertices on the rim of a brick are made by each brick that shares them: equal names carry equal positions, so they
+  // fall together when sorted.
+  struct Named {
+    BrickSurface::Name name;
+    Vec3d position;
+  };
+  std::size_t vertices = 0, triangles = 0;
+  for (const BrickSurface& s : surfaces) vertices += s.names.size(), triangles += s.triangles.size();
+  std::vector<Named> named;
+  named.reserve(vertices);
+  for (const BrickSurface& s : surfaces)
+    for (std::size_t v = 0; v < s.names.size(); ++v) named.push_back({s.names[v], s.positions[v]});
+  tbb::parallel_sort(named.begin(), named.end(), [](const Named& a, const Named& b) { return a.name < b.name; });
+  named.erase(std::unique(named.begin(), named.end(), [](const Named& a, const Named& b) { return a.name == b.name; }),
               named.end());
 
   Mesh mesh;
   mesh.vertices.reserve(named.size());
-  for (const NamedVertex& v : named) mesh.vertices.push_back(v.position);
+  for (const Named& v : named) mesh.vertices.push_back(v.position);
   mesh.triangles.resize(triangles);
   std::vector<std::size_t> start(surfaces.size() + 1, 0);
   for (std::size_t b = 0; b < surfaces.size(); ++b) start[b + 1] = start[b] + surfaces[b].triangles.size();
   tbb::parallel_for(std::size_t{0}, surfaces.size(), [&](std::size_t b) {
-    for (std::size_t t = 0; t < surfaces[b].triangles.size(); ++t)
-      for (std::size_t k = 0; k < 3; ++k) {
-        const Name& wanted = surfaces[b].triangles[t].corner[k];
-        const auto it = std::lower_bound(named.begin(), named.end(), wanted,
-                                         [](const NamedVertex& v, const Name& n) { return v.name < n; });
-        mesh.triangles[start[b] + t][k] = static_cast<std::uint32_t>(it - named.begin());
-      }
+    const BrickSurface& s = surfaces[b];
+    std::vector<std::uint32_t> in_mesh(s.names.size());
+    for (std::size_t v = 0; v < s.names.size(); ++v)
+      in_mesh[v] = static_cast<std::uint32_t>(
+          std::lower_bound(named.begin(), named.end(), s.names[v],
+                           [](const Named& a, const BrickSurface::Name& n) { return a.name < n; }) -
+          named.begin());
+    for (std::size_t t = 0; t < s.triangles.size(); ++t)
+      for (std::size_t k = 0; k < 3; ++k) mesh.triangles[start[b] + t][k] = in_mesh[s.triangles[t][k]];
   });
   return mesh;
 }
