@@ -14,6 +14,7 @@
 #include "geometry/version.h"
 #include "sim/internal/run_files.h"
 #include "sim/load_scene.h"
+#include "sim/pieces.h"
 #include "sim/replay.h"
 
 namespace kerf {
@@ -80,6 +81,8 @@ nlohmann::json toJson(const HapticSummary& s) {
                    {"ticks_too_fast", s.too_fast},
                    {"ticks_out_of_room", s.out_of_room},
                    {"ticks_clamped", s.clamped},
+                   {"pieces", s.pieces},
+                   {"crumbs", s.crumbs},
                    {"state_hash", s.state_hash}};
   for (const auto& [id, volume] : s.removed_by_material) j["removed_by_material_mm3"][id] = volume;
   return j;
@@ -196,6 +199,12 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
     sum.removed_by_material[row ? row->id : fmt::format("material {}", m)] += object.removed_mm3[m];
   }
   sum.state_hash = fmt::format("{:016x}", session.hash());
+  PieceFinder finder(baked->phi0());
+  std::vector<BrickEdit> edits(changed.brickCount());
+  for (std::size_t b = 0; b < edits.size(); ++b) edits[b] = {changed.brickCoord(b), changed.brick(b)};
+  finder.apply(edits);
+  const PieceList& pieces = finder.find();
+  sum.pieces = pieces.pieces.size(), sum.crumbs = pieces.crumbs.size();
 
   if (!report(progress, 0.92, "writing")) return cancelError();
   RunManifest& m = out.manifest;

@@ -41,6 +41,7 @@ struct HapticSummary {
   double work = 0;         ///< of the drive into the tissue, N mm
   double least_speed = 1;  ///< of the nominal while it was on and had come up to speed
   std::uint64_t too_fast = 0, out_of_room = 0, clamped = 0;  ///< ticks with that status
+  std::size_t pieces = 0, crumbs = 0;                        ///< what the object fell into, parts below 0.1 mm^3 apart
   std::string state_hash;
 };
 

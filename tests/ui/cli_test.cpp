@@ -66,6 +66,7 @@ TEST_F(Cli, ACutAgainstResistanceIsRecordedAndReplaysBitForBit) {
   for (const auto& [id, volume] : feed["removed_by_material_mm3"].items()) by_material += volume.get<double>();
   EXPECT_NEAR(by_material, removed, 1e-9 * initial);
   EXPECT_GT(feed["removed_by_material_mm3"].size(), 1u);
+  EXPECT_EQ(feed["pieces"], 1);
   // More push: felt more, and done sooner. (Less push takes more away from the floor: it dwells there.)
   const json gentle = cut("gentle.run", {"force", "--push", "0.5"}), firm = cut("firm.run", {"force", "--push", "2"});
   EXPECT_GT(firm["mean_contact_force_N"].get<double>(), gentle["mean_contact_force_N"].get<double>());

@@ -57,6 +57,8 @@ int runByHand(const Arguments& a, const std::filesystem::path& tool) {
                              {"peak_hand_force_N", s.peak_hand_force},
                              {"work_mJ", s.work},
                              {"least_speed_of_nominal", s.least_speed},
+                             {"pieces", s.pieces},
+                             {"crumbs", s.crumbs},
                              {"ticks", s.ticks},
                              {"ticks_too_fast", s.too_fast},
                              {"ticks_out_of_room", s.out_of_room},
@@ -72,7 +74,10 @@ int runByHand(const Arguments& a, const std::filesystem::path& tool) {
     fmt::print("{}{} {:.4f}", separator, id, volume);
     separator = ", ";
   }
-  fmt::print("; {:.4f} of {:.4f} mm3 are left\n", s.remaining_mm3, s.initial_mm3);
+  fmt::print("; {:.4f} of {:.4f} mm3 are left, in {} piece{}", s.remaining_mm3, s.initial_mm3, s.pieces,
+             s.pieces == 1 ? "" : "s");
+  if (s.crumbs > 0) fmt::print(" and {} crumb{} below 0.1 mm3", s.crumbs, s.crumbs == 1 ? "" : "s");
+  fmt::print("\n");
   fmt::print("force on the tool {:.2f} N mean, {:.2f} N at most; normal load {:.2f} N; to the hand {:.2f} N at most\n",
              s.mean_contact_force, s.peak_contact_force, s.mean_normal_load, s.peak_hand_force);
   fmt::print("drive {:.1f} mJ into the tissue, speed down to {:.0f} % of nominal\n", s.work, 100 * s.least_speed);
