@@ -83,7 +83,7 @@ class Heat {
  public:
   explicit Heat(const HeatSettings& settings = {}) noexcept;
   /// One tick of dt seconds with constant input. Inputs that are not finite count as 0, out of range as the nearest
-  /// in range.  @rt safe.  @cost well below 1 microsecond.
+  /// in range.  @rt safe.  @cost below 1 microsecond.
   void step(const HeatInput& in, double dt = kTick) noexcept;
 
   double surfaceRise() const noexcept { return surface_; }  ///< of the tissue under the tool, K above body
