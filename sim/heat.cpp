@@ -127,11 +127,14 @@ void Heat::stepColumn(double diffusivity, double dt) noexcept {
 
 double Heat::riseAt(double depth) const noexcept {
   if (!(depth > 0)) return surface_;
-  if (depth >= depth_[kCells - 1]) return cell_[kCells - 1];
+  // Below a disc on its axis, settled: q / k (sqrt(z^2 + a^2) - z), of a wide one q a / k.
+  const double z = settings_.spreads_sideways && radius_ > 0 ? std::min(depth, 1e6) / radius_ : 0;
+  const double narrowing = 1 / (std::sqrt(1 + z * z) + z);
+  if (depth >= depth_[kCells - 1]) return narrowing * cell_[kCells - 1];
   std::size_t i = 0;
   while (depth > depth_[i]) ++i;
   const double before = i == 0 ? 0 : depth_[i - 1], low = i == 0 ? surface_ : cell_[i - 1];
-  return low + (cell_[i] - low) * (depth - before) / (depth_[i] - before);
+  return narrowing * (low + (cell_[i] - low) * (depth - before) / (depth_[i] - before));
 }
 
 }  // namespace kerf

@@ -12,7 +12,8 @@
 //   chips       tissue removed at the speed v carries its warmth off: rho c v.
 //   spray       a film conductance towards the coolant's temperature.
 // The temperature at a depth below the surface (the pulp, KeepOut's distance away) follows the surface's through a
-// column of cells, solved implicitly.
+// column of cells, solved implicitly, and falls off below a small contact as it does on the axis of a disc: by
+// sqrt(1 + (z/a)^2) - z/a.
 //
 // Not modelled: that a tool which wanders warms new tissue each time (it counts as one spot: reads hot), blood flow,
 // layers (the column is of the material under the tool), boiling. For training: the numbers rank ways of working, they

@@ -91,6 +91,25 @@ TEST(Heat, ASmallContactSettlesAsADiscDoes) {
   EXPECT_NEAR(heat.surfaceRise() / (3 * kRadius / tissue.conductivity), 1, 0.08);
 }
 
+// On the axis: 2 q sqrt(alpha t) / k (ierfc(z / (2 sqrt(alpha t))) - ierfc(sqrt(z^2 + a^2) / (2 sqrt(alpha t)))).
+TEST(Heat, DepthBelowASmallContactWarmsAsBelowADisc) {
+  HeatSettings settings = oneDimensional();
+  settings.spreads_sideways = true;
+  Heat heat(settings);
+  const ThermalProperties& tissue = thermalProperties(Material::kDentin);
+  constexpr double kRadius = 0.5, kArea = std::numbers::pi * kRadius * kRadius;
+  for (int n = 1; n <= 60000; ++n) {
+    heat.step(flux(30, Material::kDentin, kArea));
+    if (n != 10000 && n != 30000 && n != 60000) continue;
+    const double s = std::sqrt(tissue.diffusivity() * n * kTick);
+    for (const double z : {0.3, 0.5, 1.0, 2.0}) {
+      const double exact =
+          2 * 30 * s / tissue.conductivity * (ierfc(z / (2 * s)) - ierfc(std::hypot(z, kRadius) / (2 * s)));
+      EXPECT_NEAR(heat.riseAt(z) / exact, 1, 0.3) << n * kTick << " s, " << z << " mm";
+    }
+  }
+}
+
 // In front of a steadily receding surface all that arrives goes into the tissue about to leave: T = q / (rho c v).
 TEST(Heat, ChipsCarryTheirWarmthOff) {
   Heat heat(oneDimensional());
