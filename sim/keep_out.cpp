@@ -1,6 +1,7 @@
 #include "sim/keep_out.h"
 
 #include <fmt/format.h>
+#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -176,6 +177,7 @@ Expected<std::shared_ptr<const KeepOut>> KeepOut::make(const BakedObject& object
 
   // A guess that is rather too large, so that the first stride tried is mostly the right one.
   const double bytes_per_brick = kApronNodes * sizeof(float);
+  tbb::enumerable_thread_specific<BlockWork> works;
   int stride = 1;
   while (stride < 8 && 0.6 * static_cast<double>(bricks_near) * bytes_per_brick / (stride * stride * stride) >
                            static_cast<double>(options.most_bytes))
@@ -207,7 +209,7 @@ Expected<std::shared_ptr<const KeepOut>> KeepOut::make(const BakedObject& object
       const std::size_t count = std::min(kSlice, blocks.size() - begin);
       std::vector<Bricks> made(count);
       tbb::parallel_for(std::size_t{0}, count, [&](std::size_t b) {
-        thread_local BlockWork work;
+        BlockWork& work = works.local();
         const Vec3i block = blocks[begin + b];
         transformBlock(structure, block, limits, work);
         std::array<float, kApronNodes> values;

@@ -4,14 +4,14 @@
 // object; at each tick the least of it over points on the tool's cutting part is the distance. When the tool touches
 // the cut surface, that is also the thickness of tissue left between cut and structure.
 //
-// Distances are exact Euclidean ones between nodes (lower envelopes of parabolas, one axis after the other: Felzenszwalb
-// & Huttenlocher, Theory Comput 2012;8:415), less half a voxel, because a labelled node stands for its voxel. Labels
-// are yes or no, so the surface of a structure is known to half a voxel (measured: 0.50 for a canal of 1.5 mm, 0.53 for
-// a ball of 1 mm radius at 0.1 mm). Sampling the tool adds up to ToolSamples::spacing(), its sagitta where the tool is
-// round.
+// Distances are exact Euclidean ones between nodes (lower envelopes of parabolas, one axis after the other:
+// Felzenszwalb & Huttenlocher, Theory Comput 2012;8:415), less half a voxel, because a labelled node stands for its
+// voxel. Labels are yes or no, so the surface of a structure is known to half a voxel (measured: 0.50 for a canal
+// of 1.5 mm, 0.53 for a ball of 1 mm radius at 0.1 mm). Sampling the tool adds up to ToolSamples::spacing(), its
+// sagitta where the tool is round.
 //
 // Only nodes within `most_distance` are stored, in bricks found by a directory; the nerve canals of a mandible at
-// 0.1 mm take some tens of MB. Where even that exceeds `most_bytes`, every second, fourth or eighth node is kept:
+// 0.1 mm take some 140 MB. Where even that exceeds `most_bytes`, every second, fourth or eighth node is kept:
 // distances there are as exact as before, between them they are interpolated.
 #pragma once
 
@@ -52,7 +52,7 @@ class ToolSamples {
 
 struct KeepOutOptions {
   double most_distance = 5;              ///< mm: farther counts as this. Memory grows with it
-  double most_depth = 1;                 ///< mm: deeper inside the structure counts as this
+  double most_depth = 1;                 ///< mm: deeper inside the structure counts as this; at most most_distance
   std::size_t most_bytes = 200'000'000;  ///< of the field; see above
 };
 
