@@ -77,6 +77,7 @@ void ContactSums::add(const ContactSums& o) {
   normal_load += o.normal_load, cutting_load += o.cutting_load, drive_load += o.drive_load, power += o.power;
   area += o.area, deepest = std::max(deepest, o.deepest);
   tested += o.tested, touching += o.touching;
+  if (o.material_area > material_area) material = o.material, material_area = o.material_area;
 }
 
 Matrix6d ContactSums::dragMatrix() const {
@@ -171,6 +172,7 @@ void sumContact(CutObject& object, const NearBricks& near, const ContactInput& i
   const bool has_body = !tool.body.isEmpty();
   // Lower triangle of the stiffness, row by row: plain numbers, as the compiler likes them.
   std::array<double, 21> stiffness{};
+  std::array<double, 256> area_of{};
   // Nodes that overlap the tool, gathered until there are enough of them to look a step further inwards.
   constexpr int kGather = ShellChunk::kNodes;
   struct Touching {
@@ -261,12 +263,15 @@ void sumContact(CutObject& object, const NearBricks& near, const ContactInput& i
         const double feed = (in.velocity + in.angular.cross(r)).norm();
         const double drag = rubbing / std::max({own, feed, kStillSpeed});
         sums.drag += drag, sums.drag_moment += drag * r, sums.drag_second += drag * r * r.transpose();
+        area_of[t.material] += area;
         sums.area += area, sums.deepest = std::max(sums.deepest, static_cast<double>(t.overlap));
         ++sums.touching;
       }
     }
     slot.sleeps_until_contact = touches ? -1 : object.odometer + static_cast<double>(room) - kTableSlack;
   }
+  for (std::size_t m = 0; m < area_of.size(); ++m)
+    if (area_of[m] > sums.material_area) sums.material_area = area_of[m], sums.material = static_cast<std::uint8_t>(m);
   for (Eigen::Index row = 0, entry = 0; row < 6; ++row)
     for (Eigen::Index column = 0; column <= row; ++column, ++entry) {
       sums.stiffness(row, column) += stiffness[static_cast<std::size_t>(entry)];

@@ -47,6 +47,8 @@ struct ContactSums {
   double area = 0;               ///< touched, mm^2
   double deepest = 0;            ///< largest overlap, mm
   int tested = 0, touching = 0;  ///< nodes
+  std::uint8_t material = 0;     ///< number of the one with most of the area
+  double material_area = 0;      ///< mm^2
 
   void add(const ContactSums& other);
   /// drag as a 6 x 6 matrix over (translation, rotation).

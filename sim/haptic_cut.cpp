@@ -14,6 +14,7 @@
 #include "geometry/version.h"
 #include "sim/internal/run_files.h"
 #include "sim/load_scene.h"
+#include "sim/monitor.h"
 #include "sim/pieces.h"
 #include "sim/replay.h"
 
@@ -81,10 +82,15 @@ nlohmann::json toJson(const HapticSummary& s) {
                    {"ticks_too_fast", s.too_fast},
                    {"ticks_out_of_room", s.out_of_room},
                    {"ticks_clamped", s.clamped},
+                   {"hottest_C", s.hottest_c},
+                   {"pulp_rise_K", s.pulp_rise},
+                   {"bone_limit_at_s", s.bone_limit_s},
+                   {"pulp_limit_at_s", s.pulp_limit_s},
                    {"pieces", s.pieces},
                    {"crumbs", s.crumbs},
                    {"state_hash", s.state_hash}};
   for (const auto& [id, volume] : s.removed_by_material) j["removed_by_material_mm3"][id] = volume;
+  for (const auto& [id, distance] : s.least_distance_mm) j["least_distance_mm"][id] = distance;
   return j;
 }
 
@@ -109,6 +115,7 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
   StepSettings settings = options.step;
   settings.rendering = options.hand == HandKind::kFeed ? Rendering::kRigid : Rendering::kCoupled;
   KERF_TRY(model, makeModel(std::span(&tool, 1), settings, -static_cast<double>(baked->phi0().interior())));
+  KERF_TRY(monitor, Monitor::make(*baked, model.tools[0]));
   const double nominal_speed = model.tools[0].drive.speed;
   KERF_TRY(tool_hash, sha256OfFile(tool_file));
   // The header is written first, and it describes the session: one without a log, then one with it.
@@ -125,7 +132,9 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
   HapticSummary& sum = out.summary;
   std::ofstream csv(staging.staging() / kForces, std::ios::binary);
   csv << "t_s,x_mm,y_mm,z_mm,contact_x_N,contact_y_N,contact_z_N,hand_x_N,hand_y_N,hand_z_N,normal_load_N,overlap_mm,"
-         "removed_mm3,speed,drive_load,touching\n";
+         "removed_mm3,speed,drive_load,touching,temperature_C";
+  for (const Monitor::Structure& structure : monitor.structures()) csv << "," << structure.id << "_mm";
+  csv << "\n";
   const std::unique_ptr<VirtualHand> hand = makeHand(path, options);
   StepOutput tick;
   tick.T_world_tool = session.state().body.pose;
@@ -150,6 +159,7 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
     }
     sample.pedal *= options.spindle;
     session.tick(sample, tick);
+    monitor.tick(sample, tick, object.T_world_object);
     ++sum.ticks;
     sum.removed_mm3 += tick.removed_mm3;
     sum.work += tick.power * kTick;
@@ -170,9 +180,11 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
     const Vec3d &p = tick.T_world_tool.translation, &f = tick.contact.force, &g = tick.force.force;
     csv << fmt::format(
         "{:.3f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.9f},"
-        "{:.3f},{:.6f},{}\n",
+        "{:.3f},{:.6f},{},{:.3f}",
         static_cast<double>(sum.ticks) * kTick, p[0], p[1], p[2], f[0], f[1], f[2], g[0], g[1], g[2], tick.normal_load,
-        tick.deepest, sum.removed_mm3, tick.speed, tick.drive_load, tick.touching);
+        tick.deepest, sum.removed_mm3, tick.speed, tick.drive_load, tick.touching, monitor.temperature());
+    for (const Monitor::Structure& structure : monitor.structures()) csv << fmt::format(",{:.4f}", structure.distance);
+    csv << "\n";
   }
   session.finish();
   KERF_CHECK(sink.close());
@@ -199,6 +211,10 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
     sum.removed_by_material[row ? row->id : fmt::format("material {}", m)] += object.removed_mm3[m];
   }
   sum.state_hash = fmt::format("{:016x}", session.hash());
+  sum.hottest_c = monitor.hottest(), sum.pulp_rise = monitor.mostPulpRise();
+  sum.bone_limit_s = monitor.alarms().bone_warm, sum.pulp_limit_s = monitor.alarms().pulp;
+  for (const Monitor::Structure& structure : monitor.structures())
+    if (structure.least < 1e8) sum.least_distance_mm[structure.id] = structure.least;
   PieceFinder finder(baked->phi0());
   std::vector<BrickEdit> edits(changed.brickCount());
   for (std::size_t b = 0; b < edits.size(); ++b) edits[b] = {changed.brickCoord(b), changed.brick(b)};

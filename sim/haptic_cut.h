@@ -41,7 +41,12 @@ struct HapticSummary {
   double work = 0;         ///< of the drive into the tissue, N mm
   double least_speed = 1;  ///< of the nominal while it was on and had come up to speed
   std::uint64_t too_fast = 0, out_of_room = 0, clamped = 0;  ///< ticks with that status
-  std::size_t pieces = 0, crumbs = 0;                        ///< what the object fell into, parts below 0.1 mm^3 apart
+  double hottest_c = 37;                                     ///< under the tool, C
+  double pulp_rise = 0;                                      ///< most, K
+  double bone_limit_s = -1, pulp_limit_s = -1;               ///< when 47 C and +5.5 K were first passed, s; < 0: never
+  std::map<std::string, double>
+      least_distance_mm;               ///< of the tool to pulp and nerve canal, if it came near; < 0: in it
+  std::size_t pieces = 0, crumbs = 0;  ///< what the object fell into, parts below 0.1 mm^3 apart
   std::string state_hash;
 };
 

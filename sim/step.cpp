@@ -201,6 +201,7 @@ void step(const Model& model, State& state, const DeviceSample& input, StepOutpu
     output.normal_load += share * world.normal_load, output.cutting_load += share * world.cutting_load;
     output.drive_load += share * world.drive_load, output.power += share * world.power;
     output.area = std::max(output.area, world.area), output.deepest = std::max(output.deepest, world.deepest);
+    if (world.touching > 0) output.material = static_cast<Material>(world.material);
     output.tested += world.tested, output.touching += world.touching;
   }
   output.substeps = substeps;

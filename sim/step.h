@@ -78,11 +78,12 @@ struct StepOutput {
   double normal_load = 0;   ///< N = integral of p dA, N
   double cutting_load = 0;  ///< of it, on what cuts
   double removed_mm3 = 0;
-  double drive_load = 0;         ///< N mm, of a stroke N
-  double power = 0;              ///< of the drive into the tissue, N mm/s
-  double speed = 0;              ///< of the drive after the tick
-  double area = 0, deepest = 0;  ///< mm^2, mm
-  int tested = 0, touching = 0;  ///< nodes
+  double drive_load = 0;                ///< N mm, of a stroke N
+  double power = 0;                     ///< of the drive into the tissue, N mm/s
+  double speed = 0;                     ///< of the drive after the tick
+  double area = 0, deepest = 0;         ///< mm^2, mm
+  int tested = 0, touching = 0;         ///< nodes
+  Material material = Material::kNone;  ///< of most of the area in contact
   int bricks_near = 0, bricks_cut = 0, substeps = 0;
   std::uint32_t status = kStepOk;
 };

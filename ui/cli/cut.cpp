@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -57,6 +58,9 @@ int runByHand(const Arguments& a, const std::filesystem::path& tool) {
                              {"peak_hand_force_N", s.peak_hand_force},
                              {"work_mJ", s.work},
                              {"least_speed_of_nominal", s.least_speed},
+                             {"hottest_C", s.hottest_c},
+                             {"pulp_rise_K", s.pulp_rise},
+                             {"least_distance_mm", s.least_distance_mm},
                              {"pieces", s.pieces},
                              {"crumbs", s.crumbs},
                              {"ticks", s.ticks},
@@ -81,6 +85,12 @@ int runByHand(const Arguments& a, const std::filesystem::path& tool) {
   fmt::print("force on the tool {:.2f} N mean, {:.2f} N at most; normal load {:.2f} N; to the hand {:.2f} N at most\n",
              s.mean_contact_force, s.peak_contact_force, s.mean_normal_load, s.peak_hand_force);
   fmt::print("drive {:.1f} mJ into the tissue, speed down to {:.0f} % of nominal\n", s.work, 100 * s.least_speed);
+  fmt::print("{:.1f} C under the tool at most", s.hottest_c);
+  if (s.bone_limit_s >= 0) fmt::print(", 47 C in bone passed at {:.2f} s", s.bone_limit_s);
+  if (s.pulp_limit_s >= 0) fmt::print(", 5.5 K in the pulp passed at {:.2f} s", s.pulp_limit_s);
+  for (const auto& [id, distance] : s.least_distance_mm)
+    fmt::print("; {} {} {:.2f} mm", id, distance < 0 ? "opened, tool in it by" : "no nearer than", std::abs(distance));
+  fmt::print("\n");
   if (s.too_fast > 0)
     fmt::print("{} of {} ticks were too fast for one look at contact a voxel: a slower feed feels more\n", s.too_fast,
                s.ticks);
