@@ -316,11 +316,13 @@ CutResult erode(CutObject& object, const NearBricks& near, const ContactInput& i
     }
     slot.sleeps_until_cut = -1;
     if (std::memcmp(next, slot.phi, sizeof next) == 0) continue;
+    const std::uint8_t faces = slot.changed_faces;
     float* own = object.write(s);
     if (!own) {
       result.room_ran_out = true;
       break;
     }
+    slot.changed_faces = faces | CutObject::facesThatDiffer(own, next);
     for (int n = 0; n < kBrickNodes; ++n) {
       if (next[n] == own[n] || own[n] >= half_width || next[n] <= -half_width) continue;
       const double gone = cell * (insidePart(own[n], e) - insidePart(next[n], e));

@@ -27,6 +27,7 @@ CutObject::CutObject(std::shared_ptr<const BakedObject> baked, std::size_t brick
       s.chunks[n] = baked_->shell().data() + from.shell_begin + n;
     s.shell_count = static_cast<std::int16_t>(from.shell_count);
     s.owns_shell = s.is_dirty = s.is_exported_dirty = false;
+    s.changed_faces = 0;
     s.has_one_material = from.has_one_material;
     s.least = *std::min_element(s.phi, s.phi + kBrickNodes);
     s.sleeps_until_contact = s.sleeps_until_cut = -1;
@@ -71,7 +72,23 @@ float* CutObject::write(int s) noexcept {
     slot.phi = slot.own;
   }
   mark(s);
+  slot.changed_faces = kAllFaces;
   return slot.own;
+}
+
+std::uint8_t CutObject::facesThatDiffer(const float* a, const float* b) noexcept {
+  unsigned faces = 0;
+  const auto differs = [&](int n) { return a[n] != b[n]; };
+  for (int u = 0; u < 8; ++u)
+    for (int v = 0; v < 8; ++v) {
+      faces |= static_cast<unsigned>(differs(8 * u + v));
+      faces |= static_cast<unsigned>(differs(448 + 8 * u + v)) << 1;
+      faces |= static_cast<unsigned>(differs(64 * u + v)) << 2;
+      faces |= static_cast<unsigned>(differs(64 * u + 56 + v)) << 3;
+      faces |= static_cast<unsigned>(differs(64 * u + 8 * v)) << 4;
+      faces |= static_cast<unsigned>(differs(64 * u + 8 * v + 7)) << 5;
+    }
+  return static_cast<std::uint8_t>(faces);
 }
 
 bool CutObject::restore(const Vec3i& brick, const BrickValues& values) {
@@ -140,16 +157,21 @@ bool CutObject::repair() noexcept {
       to_repair_.push_back(slot);
     };
     want(s);
-    for (int axis = 0; axis < 3; ++axis)
-      for (const int side : {-1, 1}) {
-        Vec3i next = brick;
-        next[axis] += side;
-        want(find(next));
-      }
+    // A neighbour's set of nodes stays, its own values did not change; only their gradients do, if it has any.
+    for (int face = 0; face < 6; ++face) {
+      if (!(slots_[static_cast<std::size_t>(s)].changed_faces >> face & 1)) continue;
+      Vec3i next = brick;
+      next[face / 2] += face & 1 ? 1 : -1;
+      const int neighbor = find(next);
+      if (neighbor >= 0 && slots_[static_cast<std::size_t>(neighbor)].shell_count > 0) want(neighbor);
+    }
   }
   for (const int s : to_repair_)
     if (!repairShell(slots_[static_cast<std::size_t>(s)])) return false;
-  for (const int s : dirty_) slots_[static_cast<std::size_t>(s)].is_dirty = false;
+  for (const int s : dirty_) {
+    slots_[static_cast<std::size_t>(s)].is_dirty = false;
+    slots_[static_cast<std::size_t>(s)].changed_faces = 0;
+  }
   dirty_.clear();
   return true;
 }

@@ -23,7 +23,8 @@ class CutObject {
     std::array<const ShellChunk*, kShellChunks> chunks;
     std::int16_t shell_count;
     bool owns_shell, is_dirty, is_exported_dirty, has_one_material;
-    float least;  ///< lower bound of the values
+    std::uint8_t changed_faces;  ///< bits of -x, +x, -y, +y, -z, +z: values there changed since the last repair()
+    float least;                 ///< lower bound of the values
     /// The brick can neither touch nor be cut before the tool has moved this far in all, mm on the odometer: distances
     /// change no faster than the tool moves.
     double sleeps_until_contact, sleeps_until_cut;
@@ -64,8 +65,12 @@ class CutObject {
       }
   }
 
-  /// The values of a brick to write into, copied at the first time; null when no room is left. Marks it dirty. @rt
+  /// The values of a brick to write into, copied at the first time; null when no room is left. Marks it dirty, and all
+  /// of its faces changed: a caller that knows better says so in `changed_faces`. @rt
   float* write(int slot) noexcept;
+  static constexpr std::uint8_t kAllFaces = 63;
+  /// The faces on which two bricks of values differ. @rt
+  static std::uint8_t facesThatDiffer(const float* a, const float* b) noexcept;
   /// Values changed outside the step, by undo for one: the ledger follows, the brick wakes up, and its shell is
   /// repaired with the next repair(). False: no such brick, or memory ran out. Allocates.
   bool restore(const Vec3i& brick, const BrickValues& values);
