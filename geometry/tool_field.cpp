@@ -42,6 +42,7 @@ ToolField::ToolField(const ToolShape& shape, const ToolFieldOptions& options) : 
     return n;
   };
   while (total() > options.most_samples) spacing *= 1.1;
+  slack_ = (is_planar ? 0.4 : 0.7) * spacing;
   lookup_.inverse = static_cast<float>(1 / spacing);
   for (int axis = 0; axis < 3; ++axis) {
     const auto a = static_cast<std::size_t>(axis);

@@ -37,6 +37,8 @@ class ToolField {
   /// Of one point. Ten times as dear.
   float distance(const Vec3f& p) const noexcept;
 
+  /// Distances are 1-Lipschitz up to this, mm: what interpolation may err by at an edge.
+  double slack() const { return slack_; }
   /// Of the solid, tool frame, mm; empty without one.
   const Box3& bounds() const { return bounds_; }
   /// Distance of its farthest point from the tip, mm.
@@ -44,7 +46,7 @@ class ToolField {
 
  private:
   Box3 bounds_;
-  double reach_ = 0;
+  double reach_ = 0, slack_ = 0;
   internal::FieldTable lookup_;  // but for its pointer, which is table_'s
   std::vector<float> table_;
 };

@@ -11,7 +11,6 @@ namespace kerf {
 namespace {
 
 constexpr int kBlock = 4;              // bricks along a side of a block
-constexpr double kTableSlack = 0.004;  // mm: what interpolated distances may lack to be 1-Lipschitz
 constexpr float kEquatorFloor = 0.2f;  // the axis of a bur does not stand still: of the equator's speed
 constexpr double kStillSpeed = 0.5;    // mm/s: below it Coulomb friction fades, so that it can be integrated
 
@@ -97,8 +96,9 @@ bool NearBricks::find(const CutObject& object, const ToolModel& tool, const Rigi
   count_ = 0;
   const double h = object.voxel();
   const double band = std::max(-static_cast<double>(object.baked().phi0().interior()), kShellHalfWidth * h);
-  const double brick_radius = 0.5 * std::sqrt(3.0) * 7 * h + kTableSlack;
-  const double block_radius = 0.5 * std::sqrt(3.0) * (8 * kBlock - 1) * h + kTableSlack;
+  const double slack = std::max(tool.cut.slack(), tool.body.slack());
+  const double brick_radius = 0.5 * std::sqrt(3.0) * 7 * h + slack;
+  const double block_radius = 0.5 * std::sqrt(3.0) * (8 * kBlock - 1) * h + slack;
   Box3 box;
   for (const ToolField* field : {&tool.cut, &tool.body}) {
     if (field->isEmpty()) continue;
@@ -170,6 +170,7 @@ void sumContact(CutObject& object, const NearBricks& near, const ContactInput& i
   const float look = static_cast<float>(0.2 * h);  // step of the directional derivative of tau
   const double own_speed = std::abs(in.speed);
   const bool has_body = !tool.body.isEmpty();
+  const double slack = std::max(tool.cut.slack(), tool.body.slack());
   // Lower triangle of the stiffness, row by row: plain numbers, as the compiler likes them.
   std::array<double, 21> stiffness{};
   std::array<double, 256> area_of{};
@@ -191,7 +192,8 @@ void sumContact(CutObject& object, const NearBricks& near, const ContactInput& i
     const BrickToTool map(to_tool, in.T_object_tool.translation, slot.brick, h);
     const Vec3d corner = h * 8 * slot.brick.cast<double>() - in.T_object_tool.translation;
     const bool body_is_near = has_body && near.leastBody(b) < -slot.least;
-    float room = ToolField::kFar;  // until the first of its nodes touches
+    // Until the first of its nodes touches: a body that was not looked at is known by its bound.
+    float room = has_body && !body_is_near ? near.leastBody(b) + slot.least : ToolField::kFar;
     bool touches = false;
     for (int begin = 0; begin < slot.shell_count; begin += kGather) {
       const ShellChunk& chunk = *slot.chunks[static_cast<std::size_t>(begin / kGather)];
@@ -232,6 +234,7 @@ void sumContact(CutObject& object, const NearBricks& near, const ContactInput& i
         const float facing = std::min(std::max(2 * slope, 0.0f), 1.0f);
         if (facing <= 0) continue;
         const Tissue& tissue = (*in.tissues)[t.material];
+        if (in.geometry_only && t.into_cut >= t.overlap) continue;  // gone before it could resist
         const float arm = lever(tool, px[n], py[n], pz[n]);
         const float x_rate = rates.value[t.material] * arm;
         const float part = relaxed(x_rate);
@@ -268,7 +271,7 @@ void sumContact(CutObject& object, const NearBricks& near, const ContactInput& i
         ++sums.touching;
       }
     }
-    slot.sleeps_until_contact = touches ? -1 : object.odometer + static_cast<double>(room) - kTableSlack;
+    slot.sleeps_until_contact = touches ? -1 : object.odometer + static_cast<double>(room) - slack;
   }
   for (std::size_t m = 0; m < area_of.size(); ++m)
     if (area_of[m] > sums.material_area) sums.material_area = area_of[m], sums.material = static_cast<std::uint8_t>(m);
@@ -279,18 +282,18 @@ void sumContact(CutObject& object, const NearBricks& near, const ContactInput& i
     }
 }
 
-CutResult erode(CutObject& object, const NearBricks& near, const ContactInput& in, bool geometry_only) noexcept {
+CutResult erode(CutObject& object, const NearBricks& near, const ContactInput& in) noexcept {
   CutResult result;
   const ToolModel& tool = *in.tool;
-  if (tool.cut.isEmpty() || (!geometry_only && in.speed == 0)) return result;
-  const double h = object.voxel(), e = kShellHalfWidth * h, cell = h * h * h;
+  if (tool.cut.isEmpty() || (!in.geometry_only && in.speed == 0)) return result;
+  const double h = object.voxel(), e = kShellHalfWidth * h, cell = h * h * h, slack = tool.cut.slack();
   const auto half_width = static_cast<float>(e);
   const Eigen::Matrix3d to_tool = in.T_object_tool.rotation.toRotationMatrix().transpose();
   const Rates rates(in);
   float x[kBrickNodes], y[kBrickNodes], z[kBrickNodes], tau[kBrickNodes], rate[kBrickNodes], next[kBrickNodes];
   internal::RelaxInput relax;
   relax.x = x, relax.y = y, relax.z = z, relax.tau = tau;
-  relax.lever = leverForm(tool.motion), relax.geometry_only = geometry_only;
+  relax.lever = leverForm(tool.motion), relax.geometry_only = in.geometry_only;
   // Air is air: values rise to the end of the band that was baked around the surface, and no further.
   relax.cap = object.baked().phi0().background();
   relax.least_radius = kEquatorFloor * static_cast<float>(tool.equator_mm);
@@ -311,7 +314,7 @@ CutResult erode(CutObject& object, const NearBricks& near, const ContactInput& i
     }
     const internal::RelaxResult relaxed_to = internal::relaxBrick(relax, next);
     if (relaxed_to.gap >= 0) {
-      slot.sleeps_until_cut = object.odometer + static_cast<double>(relaxed_to.gap) - kTableSlack;
+      slot.sleeps_until_cut = object.odometer + static_cast<double>(relaxed_to.gap) - slack;
       continue;
     }
     slot.sleeps_until_cut = -1;

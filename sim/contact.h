@@ -23,6 +23,7 @@ struct ContactInput {
   Rigid3 T_object_tool;            ///< mm
   double speed = 0;                ///< of the drive now: see ToolDrive::speed
   double dt = kTick;               ///< s
+  bool geometry_only = false;      ///< the cutting part takes what it sweeps, without resistance
   Vec3d velocity = Vec3d::Zero();  ///< of the tip relative to the object, mm/s, without the tool's own motion
   Vec3d angular = Vec3d::Zero();   ///< rad/s
 };
@@ -87,6 +88,6 @@ struct CutResult {
 /// phi += d (1 - exp(-c dt)) with d = max(0, -tau_cut - phi) and the rate c = mu k_n v_s / (u_s f), f the tool's energy
 /// factor, mu that of the material times the tool's drag factor, v_s the surface speed at the node: the surface relaxes
 /// towards the tool. Geometry only: c is infinite. Updates the ledger; shells are repaired by CutObject::repair.
-CutResult erode(CutObject& object, const NearBricks& near, const ContactInput& in, bool geometry_only = false) noexcept;
+CutResult erode(CutObject& object, const NearBricks& near, const ContactInput& in) noexcept;
 
 }  // namespace kerf

@@ -49,7 +49,8 @@ void advance(ToolBody& body, const DeviceMotion& device, const ContactSums& cont
   const double mass = s.mass_kg * kTonne, inertia = mass * s.gyration_mm * s.gyration_mm;
   Matrix6d a = dt * contact.dragMatrix() + dt * dt * contact.stiffness;
   Vector6d b;
-  b.head<3>() = mass * body.velocity + dt * (s.stiffness * (device.pose.translation - body.pose.translation) +
+  b.head<3>() = mass * body.velocity + dt * (s.stiffness * saturated(device.pose.translation - body.pose.translation,
+                                                                     s.force_limit / s.stiffness) +
                                              s.damping * device.velocity + contact.force_after + own_drag.force);
   b.tail<3>() = inertia * body.angular +
                 dt * (s.turn_stiffness * saturated(rotationBetween(body.pose.rotation, device.pose.rotation),

@@ -56,6 +56,10 @@ bool CutObject::reserve(std::size_t bricks) {
   return true;
 }
 
+std::size_t CutObject::freeBricks() const noexcept {
+  return std::min(free_phi_.size(), free_chunks_.size() / kChunksPerBrick);
+}
+
 void CutObject::mark(int s) noexcept {
   Slot& slot = slots_[static_cast<std::size_t>(s)];
   if (!slot.is_dirty) slot.is_dirty = true, dirty_.push_back(s);

@@ -35,11 +35,13 @@ class CutObject {
 
   const BakedObject& baked() const { return *baked_; }
   double voxel() const { return baked_->voxel(); }
-  Rigid3 T_world_object;  ///< mm; set between ticks
+  Rigid3 T_world_object;  ///< mm; changed between ticks by moveTo(), which wakes the bricks
+  void moveTo(const Rigid3& pose) noexcept { T_world_object = pose, odometer += 1e6; }
 
   /// Makes room for that many more changed bricks. Allocates: not @rt. False without memory.
   bool reserve(std::size_t bricks);
-  std::size_t freeBricks() const { return free_phi_.size(); }
+  /// More bricks that can change without reserve(): values and shells, of neighbours too. @rt
+  std::size_t freeBricks() const noexcept;
 
   int slotCount() const { return static_cast<int>(slots_.size()); }
   const Slot& slot(int s) const { return slots_[static_cast<std::size_t>(s)]; }

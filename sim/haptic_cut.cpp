@@ -32,7 +32,7 @@ Expected<void> checkOptions(const HapticCutOptions& o) {
     const char* unit;
   };
   const Range ranges[] = {
-      {"force", o.force.force, 0.01, 100, "N"},
+      {"force", o.force.force, 0.01, o.step.coupling.force_limit, "N"},
       {"feed limit", o.force.feed_limit, 0.01, 1000, "mm/s"},
       {"spindle", o.spindle, 0, 1, "of nominal"},
       {"coupling stiffness", o.step.coupling.stiffness, 0.01, 100, "N/mm"},
@@ -44,6 +44,11 @@ Expected<void> checkOptions(const HapticCutOptions& o) {
       {"delay", static_cast<double>(o.device.delay_ticks), 0, 50, "ticks"},
       {"hand stiffness", o.device.hand_stiffness, 0, 100, "N/mm"},
       {"hand damping", o.device.hand_damping, 0, 1, "N s/mm"},
+      {"patience", o.force.patience, 0.001, 86400, "s"},
+      {"coupling mass", o.step.coupling.mass_kg, 0.0001, 10, "kg"},
+      {"coupling filter", o.step.coupling.filter_hz, 0.1, 1000, "Hz"},
+      {"ramp", o.step.ramp_s, 0, 60, "s"},
+      {"looks a tick", static_cast<double>(o.step.most_substeps), 1, 1000, ""},
       {"time limit", o.time_limit, 0.001, 86400, "s"},
   };
   for (const Range& r : ranges)

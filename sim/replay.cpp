@@ -53,6 +53,13 @@ Expected<Replay> replay(const SessionLog& log, const std::string& file, Model mo
     out.note = "the log was cut off between two records: its session did not end cleanly";
   StepOutput tick;
   std::size_t event = 0;
+  const auto compare = [&](const StateCheck& check, std::uint64_t at) {
+    ++out.checks;
+    const Wrench& f = session.state().last_force;
+    const bool is_same =
+        check.state_hash == session.hash() && check.force.force == f.force && check.force.torque == f.torque;
+    if (!is_same && out.is_same) out.is_same = false, out.differs_at = at;
+  };
   const auto handle = [&](std::size_t samples_before) -> Expected<void> {
     for (; event < log.events.size() && log.events[event].samples_before <= samples_before; ++event) {
       const SessionEvent& e = log.events[event];
@@ -63,11 +70,7 @@ Expected<Replay> replay(const SessionLog& log, const std::string& file, Model mo
                        "a command that the recorded session did", "the log fits another case or version"});
         ++out.commands;
       } else if (const auto* check = std::get_if<StateCheck>(&e.what)) {
-        ++out.checks;
-        const Wrench& f = session.state().last_force;
-        const bool is_same =
-            check->state_hash == session.hash() && check->force.force == f.force && check->force.torque == f.torque;
-        if (!is_same && out.is_same) out.is_same = false, out.differs_at = e.tick;
+        compare(*check, e.tick);
       } else if (const auto* gap = std::get_if<SessionGap>(&e.what)) {
         out.note =
             fmt::format("{} samples are missing at tick {}: what follows can not be the same", gap->lost, e.tick);
@@ -81,13 +84,18 @@ Expected<Replay> replay(const SessionLog& log, const std::string& file, Model mo
       return fail({Error::Code::kCancelled, "", "", "cancelled", "", ""});
     KERF_CHECK(handle(n));
     session.tick(log.samples[n].sample, tick);
-    out.removed_mm3 += tick.removed_mm3;
     ++out.ticks;
   }
-  if (out.ticks == log.samples.size()) {
+  if (out.ticks == log.samples.size())
     KERF_CHECK(handle(log.samples.size()));
-  }
+  else  // stopped on the way: what was recorded right there can still be compared
+    for (; event < log.events.size() && log.events[event].samples_before <= out.ticks; ++event)
+      if (const auto* check = std::get_if<StateCheck>(&log.events[event].what)) compare(*check, log.events[event].tick);
+  if (out.checks == 0)
+    out.is_same = false, out.note += out.note.empty() ? "nothing to compare with" : "; nothing to compare with";
   out.state_hash = fmt::format("{:016x}", session.hash());
+  for (const CutObject& object : session.state().objects)
+    for (const double volume : object.removed_mm3) out.removed_mm3 += volume;
   return out;
 }
 
@@ -110,7 +118,10 @@ Expected<Replay> replayRun(const std::filesystem::path& run_folder, const Progre
   KERF_TRY(tool, readTool(run_folder / internal::kRunToolCopy));
   KERF_TRY(object, loadObject(case_folder));
   KERF_TRY(model, makeModel(std::span(&tool, 1), {}, -static_cast<double>(object->phi0().interior())));
-  return replay(log, (run_folder / internal::kRunLog).string(), std::move(model), {object}, progress, until_s);
+  auto out = replay(log, (run_folder / internal::kRunLog).string(), std::move(model), {object}, progress, until_s);
+  if (out && log.is_closed && out->ticks == log.samples.size() && out->state_hash != manifest.state_hash)
+    out->is_same = false, out->note = "the state at the end is not the one that run.toml names, " + manifest.state_hash;
+  return out;
 }
 
 }  // namespace kerf

@@ -32,10 +32,10 @@ class LogSink final : public SessionSink {
 struct Replay {
   std::uint64_t ticks = 0, checks = 0, commands = 0;
   std::uint64_t differs_at = 0;  ///< tick of the first check that did not hold
-  bool is_same = true;           ///< every check held
+  bool is_same = true;           ///< every check held, and there was one
   std::string state_hash;        ///< at the end
   std::string note;              ///< what the log lacks: cut off, damaged, samples lost
-  double removed_mm3 = 0;
+  double removed_mm3 = 0;        ///< at the end, of all objects
 };
 
 /// Runs a log against the objects and tools it was recorded with.

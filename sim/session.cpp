@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <cmath>
 
 namespace kerf {
 namespace {
@@ -36,7 +37,7 @@ bool parse(std::string_view text, std::span<double> out) {
   for (double& value : out) {
     while (at < end && *at == ' ') ++at;
     const auto [next, failed] = std::from_chars(at, end, value);
-    if (failed != std::errc{} || next == at) return false;
+    if (failed != std::errc{} || next == at || !(std::abs(value) < 1e9)) return false;
     at = next;
   }
   return at == end;
@@ -54,10 +55,23 @@ Session::Session(Model model, std::vector<std::shared_ptr<const BakedObject>> ob
 bool Session::apply(std::string_view command) {
   constexpr std::string_view kSelect = "tool.select ";
   bool is_done = false;
-  if (command == "undo" || command == "redo") {
-    if (is_stroke_) endStroke();
-    for (std::size_t n = 0; n < history_.size(); ++n)
-      is_done |= command == "undo" ? history_[n].undo(state_.objects[n]) : history_[n].redo(state_.objects[n]);
+  if (command == "undo") {
+    bool is_possible = !history_.empty() && history_.front().undoable() > 0;
+    for (std::size_t n = 0; n < history_.size(); ++n) is_possible |= history_[n].hasChanges(state_.objects[n]);
+    if (is_possible) {
+      if (is_stroke_) endStroke();
+      markAll();
+      is_done = true;
+      for (std::size_t n = 0; n < history_.size(); ++n) is_done &= history_[n].undo(state_.objects[n]);
+    }
+  } else if (command == "redo") {
+    // What was cut since the undo ends what could be redone.
+    bool is_possible = !is_stroke_ && !history_.empty() && history_.front().redoable() > 0;
+    for (std::size_t n = 0; n < history_.size(); ++n) is_possible &= !history_[n].hasChanges(state_.objects[n]);
+    if (is_possible) {
+      is_done = true;
+      for (std::size_t n = 0; n < history_.size(); ++n) is_done &= history_[n].redo(state_.objects[n]);
+    }
   } else if (command == "latch.clear") {
     state_.clearLatch();
     is_done = true;
@@ -74,9 +88,17 @@ bool Session::apply(std::string_view command) {
   return is_done;
 }
 
+bool Session::markAll() {
+  bool has_changes = false;
+  for (std::size_t n = 0; n < history_.size(); ++n) has_changes |= history_[n].hasChanges(state_.objects[n]);
+  if (has_changes)
+    for (std::size_t n = 0; n < history_.size(); ++n) history_[n].mark(state_.objects[n]);
+  return has_changes;
+}
+
+// The tool runs down after this and may still cut: that belongs to the stroke, so its step is made later, by markAll().
 void Session::endStroke() {
   is_stroke_ = false;
-  for (std::size_t n = 0; n < history_.size(); ++n) history_[n].mark(state_.objects[n]);
   if (sink_) sink_->mark(StrokeMark::kEnd, state_.tick);
 }
 
@@ -84,6 +106,7 @@ void Session::tick(const DeviceSample& sample, StepOutput& output) {
   const bool presses = sample.isUsable() && sample.pedal > 0;
   if (presses && !is_stroke_) {
     is_stroke_ = true;
+    markAll();
     if (sink_) sink_->mark(StrokeMark::kBegin, state_.tick);
   } else if (!presses && is_stroke_) {
     endStroke();
@@ -98,6 +121,7 @@ void Session::tick(const DeviceSample& sample, StepOutput& output) {
 
 void Session::finish() {
   if (is_stroke_) endStroke();
+  markAll();
   if (sink_ && state_.tick > 0) sink_->check({state_.hash(), state_.last_force}, state_.tick - 1);
 }
 
@@ -150,6 +174,17 @@ Expected<void> restoreSettings(const SessionLog& log, const std::string& file, M
     std::array<double, 5> d{};
     if (read(fmt::format("drive.{}", n), d)) model.tools[n].drive = {d[0], d[1], d[2], d[3], d[4]};
   }
+  // In range, too: a number that came from a file is a claim.
+  const auto require = [&](bool holds, const char* key) {
+    if (!holds && wrong.empty()) wrong = key;
+  };
+  const StepSettings& t = model.settings;
+  require(t.most_substeps >= 1 && t.most_substeps <= 1000, "most_substeps");
+  require(t.rendering == Rendering::kCoupled || t.rendering == Rendering::kDirect || t.rendering == Rendering::kRigid,
+          "rendering");
+  require(t.coupling.mass_kg > 0 && t.coupling.gyration_mm > 0, "coupling.mass_kg");
+  require(t.coupling.stiffness > 0 && t.coupling.turn_stiffness > 0, "coupling.stiffness");
+  require(start.translation.allFinite() && std::abs(start.rotation.norm() - 1) < 1e-6, "start");
   if (wrong.empty()) return {};
   return fail({Error::Code::kBadValue, file, "header, " + wrong, fmt::format("\"{}\"", log.value(wrong)), "numbers",
                "the log was written by another version of Kerf"});

@@ -33,7 +33,7 @@ class Session {
 
   /// Commands, between ticks:
   ///   tool.select N        another of the model's tools, by its index
-  ///   undo, redo           the last stroke
+  ///   undo, redo           the last stroke, with what the tool cut while it ran down; no redo during a stroke
   ///   latch.clear          after a fault of the device
   /// False, and nothing is changed or written down: no such command, or there is nothing to do it to.
   bool apply(std::string_view command);
@@ -51,6 +51,7 @@ class Session {
 
  private:
   void endStroke();
+  bool markAll();  // true: there was something
 
   Model model_;
   State state_;

@@ -80,6 +80,7 @@ double longestSubstep(const ToolModel& tool, double voxel) noexcept {
 void State::place(const Rigid3& T_world_tool) noexcept {
   body = {T_world_tool, Vec3d::Zero(), Vec3d::Zero()};
   device = {T_world_tool, Vec3d::Zero(), Vec3d::Zero()};
+  last_force = {}, speed = 0, ramp = 0;
   for (CutObject& object : objects) object.odometer += 1e6;
   has_device = true;
 }
@@ -121,7 +122,7 @@ void step(const Model& model, State& state, const DeviceSample& input, StepOutpu
   }
   const ToolModel& tool = model.tools[state.tool];
   const Rigid3 before = state.body.pose;
-  const bool is_first = !state.has_device && state.tick == 0;
+  const bool is_first = !state.has_device;  // at the start, and when the device is back after a fault
   filterDevice(state, input, settings.coupling);
   state.ramp = settings.ramp_s > 0 ? std::min(1.0, state.ramp + kTick / settings.ramp_s) : 1;
 
@@ -129,13 +130,16 @@ void step(const Model& model, State& state, const DeviceSample& input, StepOutpu
   for (const CutObject& object : state.objects) longest = std::min(longest, longestSubstep(tool, object.voxel()));
   const double reach = tool.cut.reach();
   const bool is_coupled = settings.rendering == Rendering::kCoupled;
+  if (is_first && !is_coupled) {  // it is where the device is: nothing was swept on the way there
+    state.body.pose = state.device.pose;
+    for (CutObject& object : state.objects) object.odometer += 1e6;
+  }
 
   // How many looks this tick needs: by where the path leads, or by how fast the coupled tool may become.
   double motion = 0;
   if (is_coupled) {
     ToolBody free = state.body;
-    advance(free, state.device, ContactSums{}, Wrench{}, settings.coupling, reach, longest * settings.most_substeps,
-            kTick);
+    advance(free, state.device, ContactSums{}, Wrench{}, settings.coupling, reach, 1e9, kTick);
     motion = kTick * std::max(free.velocity.norm() + reach * free.angular.norm(),
                               state.body.velocity.norm() + reach * state.body.angular.norm());
   } else if (!is_first) {
@@ -146,7 +150,7 @@ void step(const Model& model, State& state, const DeviceSample& input, StepOutpu
   substeps = std::max(substeps, 1);
   if (substeps > settings.most_substeps) {
     // A machine's path is followed to its end all the same, in steps as short as they must be.
-    if (is_coupled) substeps = settings.most_substeps;
+    if (settings.rendering != Rendering::kRigid) substeps = settings.most_substeps;
     output.status |= kStepTooFast;
   }
   const double dt = kTick / substeps;
@@ -173,17 +177,18 @@ void step(const Model& model, State& state, const DeviceSample& input, StepOutpu
       ContactInput in;
       in.tool = &tool, in.tissues = &model.tissues;
       in.T_object_tool = T_object_world * state.body.pose;
-      in.speed = state.speed, in.dt = dt;
+      in.speed = state.speed, in.dt = dt, in.geometry_only = settings.geometry_only;
       in.velocity = T_object_world.rotation * state.body.velocity;
       in.angular = T_object_world.rotation * state.body.angular;
       if (!state.near.find(object, tool, in.T_object_tool)) output.status |= kStepNearRanOut;
       ContactSums sums;
       sumContact(object, state.near, in, sums);
       world.add(toWorld(sums, object.T_world_object.rotation.toRotationMatrix()));
-      const CutResult cut = erode(object, state.near, in, settings.geometry_only);
+      const CutResult cut = erode(object, state.near, in);
+      const bool is_repaired = object.repair();  // also when room ran out: what was cut must be felt
       output.removed_mm3 += cut.removed_mm3, output.bricks_cut += cut.bricks;
       output.bricks_near += static_cast<int>(state.near.size());
-      if (cut.room_ran_out || !object.repair()) output.status |= kStepBricksRanOut;
+      if (cut.room_ran_out || !is_repaired) output.status |= kStepBricksRanOut;
     }
     const Wrench own = ownDrag(tool, state.body.pose, state.speed, world);
     if (is_coupled) {

@@ -6,6 +6,18 @@
 
 namespace kerf {
 
+bool StrokeHistory::hasChanges(const CutObject& object) const {
+  for (int s = 0; s < object.slotCount(); ++s) {
+    const CutObject::Slot& slot = object.slot(s);
+    if (!slot.own) continue;
+    const auto known = now_.find(s);
+    const float* old = known != now_.end() && known->second ? known->second->data()
+                                                            : object.baked().slots()[static_cast<std::size_t>(s)].phi;
+    if (std::memcmp(old, slot.own, sizeof(BrickValues)) != 0) return true;
+  }
+  return false;
+}
+
 void StrokeHistory::mark(const CutObject& object) {
   Stroke stroke;
   for (int s = 0; s < object.slotCount(); ++s) {
@@ -20,7 +32,6 @@ void StrokeHistory::mark(const CutObject& object) {
     stroke.push_back({s, before, after});
     now_[s] = after;
   }
-  if (stroke.empty()) return;
   strokes_.resize(done_);
   strokes_.push_back(std::move(stroke));
   ++done_;
@@ -43,7 +54,6 @@ bool StrokeHistory::apply(CutObject& object, const Stroke& stroke, bool is_undo)
 }
 
 bool StrokeHistory::undo(CutObject& object) {
-  mark(object);
   if (done_ == 0 || !apply(object, strokes_[done_ - 1], true)) return false;
   --done_;
   return true;

@@ -14,10 +14,12 @@ namespace kerf {
 
 class StrokeHistory {
  public:
-  /// A stroke is over: what differs from the last mark is one step of undo. Nothing differs: no step. Forgets what
-  /// could be redone.
+  /// Something differs from the last mark.
+  bool hasChanges(const CutObject& object) const;
+  /// A stroke is over: what differs from the last mark is one step of undo, be it nothing. Forgets what could be
+  /// redone. Where a session has several objects, all are marked together, so that one undo takes back one stroke.
   void mark(const CutObject& object);
-  /// Takes back the last stroke; what was not marked yet is marked first. False: there is none, or memory ran out.
+  /// Takes back the last stroke. False: there is none, or memory ran out. @pre everything is marked.
   bool undo(CutObject& object);
   bool redo(CutObject& object);
   std::size_t undoable() const { return done_; }

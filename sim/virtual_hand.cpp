@@ -90,7 +90,7 @@ bool ForceHand::next(const StepOutput& last, DeviceSample& sample) {
 
 DeviceHand::DeviceHand(const CutPath& path, const Options& options)
     : path_(path), options_(options), position_(poseAt(path, 0).translation) {
-  late_.assign(static_cast<std::size_t>(std::max(options.delay_ticks, 0)) + 1, Vec3d::Zero());
+  late_.assign(static_cast<std::size_t>(std::max(options.delay_ticks, 0)), Vec3d::Zero());
 }
 
 bool DeviceHand::next(const StepOutput& last, DeviceSample& sample) {

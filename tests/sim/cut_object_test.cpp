@@ -107,6 +107,7 @@ TEST(CutObject, WithoutRoomNothingIsLostOnlyLate) {
   poor.objects.emplace_back(baked, 3);
   rich.objects.emplace_back(baked, 4096);
   EXPECT_TRUE(dig(poor, 2) & kStepBricksRanOut);
+  EXPECT_EQ(poor.objects[0].shellDefects(), 0u);  // what could be cut can be felt
   EXPECT_FALSE(dig(rich, 3) & kStepBricksRanOut);
   EXPECT_NE(poor.objects[0].stateHash(), rich.objects[0].stateHash());
   ASSERT_TRUE(poor.objects[0].reserve(4096));

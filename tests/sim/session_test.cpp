@@ -65,6 +65,37 @@ TEST(Session, UndoTakesBackAStrokeBitForBitAndRedoBringsItBack) {
   EXPECT_EQ(field(), states[2]);
 }
 
+TEST(Session, WhatTheToolCutsWhileItRunsDownBelongsToItsStroke) {
+  Model model = twoBalls();
+  model.tools[0].drive.time_constant = 0.1;
+  Session session(std::move(model), {test::block({6, 4, 2}, 0.1)}, at(0, 0.1, 0.3));
+  const std::uint64_t untouched = session.state().objects[0].stateHash();
+  StepOutput out;
+  for (int n = 0; n < 600; ++n) session.tick(test::sampleAt(at(0, 0.1, 0.3 - 0.001 * std::min(n, 800)), n < 400), out);
+  double coasting = 0;
+  for (int n = 0; n < 100; ++n) {
+    session.tick(test::sampleAt(at(0, 0.1, -0.4), 0), out);
+    coasting += out.removed_mm3;
+  }
+  EXPECT_GT(coasting, 0);
+  ASSERT_TRUE(session.apply("undo"));
+  EXPECT_EQ(session.state().objects[0].stateHash(), untouched);
+}
+
+TEST(Session, OneUndoTakesBackOneStrokeWhateverObjectItWasOn) {
+  const auto block = test::block({2, 2, 1}, 0.1);
+  Session session(twoBalls(), {block, block}, at(0, 0.1, 0.3));
+  const_cast<State&>(session.state()).objects[1].moveTo({Eigen::Quaterniond::Identity(), {10, 0, 0}});
+  dab(session, 0, 0.5), dab(session, 10, 0.5);
+  const auto hash = [&](std::size_t n) { return session.state().objects[n].stateHash(); };
+  const std::uint64_t first = hash(0), second = hash(1);
+  ASSERT_TRUE(session.apply("undo"));
+  EXPECT_EQ(hash(0), first);
+  EXPECT_NE(hash(1), second);
+  ASSERT_TRUE(session.apply("redo"));
+  EXPECT_EQ(hash(1), second);
+}
+
 TEST(Session, RefusesCommandsThatMeanNothing) {
   Session session(twoBalls(), {test::block({3, 3, 1}, 0.1)}, at(0, 0, 0.3));
   for (const char* command :

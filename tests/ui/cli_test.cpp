@@ -111,7 +111,7 @@ TEST_F(Cli, ACutAgainstResistanceIsRecordedAndReplaysBitForBit) {
           {"--hand"}, 2);
   refuses({"cut", at("molar.case"), "--tool", "round-014", "--path", cavity, "-o", at("x.run"), "--hand", "force",
            "--push", "0"},
-          {"force", "0.01 to 100"});
+          {"force", "0.01 to 8"});
   refuses({"cut", at("molar.case"), "--tool", "round-014", "--path", cavity, "-o", at("x.run"), "--hand", "feed",
            "--spindle", "nan"},
           {"spindle"});

@@ -94,6 +94,7 @@ Expected<Result> benchInvariance(const Progress& progress) {
     KERF_TRY(f, slot(h, askew));
     least = std::min(least, f.force), most = std::max(most, f.force);
     least_rate = std::min(least_rate, f.rate), most_rate = std::max(most_rate, f.rate);
+    if (!(f.normal > 0)) return fail({Error::Code::kEmpty, "", "slot", "no contact", "a cut", "report this"});
     law = std::max(law, std::abs(percentOff(f.rate, 0.5 * f.normal * 840 / 1000)));
     r.measured.push_back({fmt::format("force at {} mm", h), f.force, "N", 0, false});
     r.measured.push_back({fmt::format("removal at {} mm", h), f.rate, "mm3/s", 0, false});
@@ -275,6 +276,8 @@ Kerf measureKerf(const CutObject& object, const Rigid3& frame, double expected) 
     for (double z = -0.85; z <= -0.15; z += 0.1) {  // above the toothed edge of a blade 1.5 mm deep
       const Vec3d middle = frame * Vec3d(x, 0, z), side = frame.rotation * Vec3d::UnitY();
       const double right = crossing(phi, middle, side, 1), left = crossing(phi, middle, -side, 1);
+      // A wall that is not found is no kerf of the right width.
+      if (std::isnan(right) || std::isnan(left)) return {1e3, 90};
       width += right + left, ++n;
       sx += x, sz += z, sxx += x * x, szz += z * z, sxz += x * z, sw += right, swx += right * x, swz += right * z;
     }

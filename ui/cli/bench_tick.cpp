@@ -82,12 +82,12 @@ Expected<void> timeTicks(const Model& model, State& state, VirtualHand& hand, Re
     step(model, state, sample, out);
     const double took = now() - start;
     if (mesh) mesh->tick(state.objects[0], static_cast<double>(n + 1) * 1e3 * kTick);
+    troubled += (out.status & (kStepBricksRanOut | kStepNearRanOut | kStepBadSample)) != 0;
     if (out.touching == 0) continue;
     r.ms.push_back(took);
     ++in_contact;
     touching += out.touching, tested += out.tested, bricks += out.bricks_cut;
     most_force = std::max(most_force, out.contact.force.norm());
-    troubled += (out.status & (kStepBricksRanOut | kStepNearRanOut | kStepBadSample)) != 0;
   }
   if (in_contact == 0)
     return fail({Error::Code::kEmpty, "", r.scene, "the tool met nothing", "contact", "report this"});

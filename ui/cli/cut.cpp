@@ -28,6 +28,21 @@ std::optional<HandKind> handKind(const std::string& name) {
   return std::nullopt;
 }
 
+// An option of a hand that nobody holds the tool with would be ignored: a mistake of the user's.
+std::optional<Error> misplaced(const CLI::App& command, const std::string& hand) {
+  for (const CLI::App* group : command.get_subcommands([](const CLI::App*) { return true; })) {
+    const std::string& name = group->get_group();
+    const bool fits = name == "With --hand" ? !hand.empty() : name == "With --hand " + hand;
+    if (fits || !name.starts_with("With --hand")) continue;
+    for (const CLI::Option* option : group->get_options())
+      if (option->count() > 0)
+        return Error{
+            Error::Code::kBadValue, "", option->get_name(), hand.empty() ? "no --hand" : "--hand " + hand, name,
+            "it would be ignored"};
+  }
+  return std::nullopt;
+}
+
 int runByHand(const Arguments& a, const std::filesystem::path& tool) {
   HapticCutOptions options = a.haptic;
   options.hand = *handKind(a.hand);
@@ -94,6 +109,9 @@ int runByHand(const Arguments& a, const std::filesystem::path& tool) {
   if (s.too_fast > 0)
     fmt::print("{} of {} ticks were too fast for one look at contact a voxel: a slower feed feels more\n", s.too_fast,
                s.ticks);
+  if (s.out_of_room > 0)
+    fmt::print("{} of {} ticks lacked room for all they met: what was not cut then was cut later, or not at all\n",
+               s.out_of_room, s.ticks);
   fmt::print("state {}\nrun written: {}\n", s.state_hash, a.output);
   return kOk;
 }
@@ -174,7 +192,14 @@ void addCut(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   device->add_option("--hand-damping", a->haptic.device.hand_damping, "N s/mm")->capture_default_str();
   c->add_flag("--json", a->json, "summary as JSON on standard output");
-  c->callback([a, &exit_code] { exit_code = run(*a); });
+  c->callback([a, c, &exit_code] {
+    if (const auto wrong = misplaced(*c, a->hand)) {
+      complain(*wrong);
+      exit_code = kUsage;
+      return;
+    }
+    exit_code = run(*a);
+  });
 }
 
 }  // namespace kerf::cli
