@@ -6,37 +6,10 @@
 // After foreach_target.h
 #include <hwy/highway.h>
 
+#include "sim/internal/relaxation-inl.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace kerf::internal::HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
-
-using F = hn::CappedTag<float, 8>;
-using I = hn::RebindToSigned<F>;
-using V = hn::Vec<F>;
-
-// 1 - exp(-x), x >= 0: relaxed() of sim/internal/relaxation.h, operation by operation.
-HWY_INLINE V relaxedPart(F f, V x) {
-  const I i;
-  const V one = hn::Set(f, 1.0f);
-  const auto series = [&](auto... parts) {
-    // 1 - x p1 (1 - x p2 (...)), innermost first
-    V sum = one;
-    ((sum = hn::Sub(one, hn::Mul(hn::Mul(x, hn::Set(f, parts)), sum))), ...);
-    return sum;
-  };
-  const V small = hn::Mul(x, series(1.0f / 5, 1.0f / 4, 1.0f / 3, 1.0f / 2));
-  const V bounded = hn::Min(x, hn::Set(f, 87.0f));
-  const auto n = hn::ConvertTo(i, hn::Add(hn::Mul(bounded, hn::Set(f, 1.44269504f)), hn::Set(f, 0.5f)));
-  const V turns = hn::ConvertTo(f, n);
-  const V r =
-      hn::Sub(hn::Sub(bounded, hn::Mul(turns, hn::Set(f, 0.693145752f))), hn::Mul(turns, hn::Set(f, 1.42860677e-6f)));
-  V sum = one;
-  for (const float part : {1.0f / 6, 1.0f / 5, 1.0f / 4, 1.0f / 3, 1.0f / 2, 1.0f})
-    sum = hn::Sub(one, hn::Mul(hn::Mul(r, hn::Set(f, part)), sum));
-  const V power = hn::BitCast(f, hn::ShiftLeft<23>(hn::Sub(hn::Set(i, 127), n)));
-  const V decayed = hn::IfThenElse(hn::Lt(x, hn::Set(f, 87.0f)), hn::Mul(sum, power), hn::Zero(f));
-  return hn::IfThenElse(hn::Lt(x, hn::Set(f, 0.125f)), small, hn::Sub(one, decayed));
-}
 
 RelaxResult relaxHere(const RelaxInput& in, float* out) {
   const F f;
