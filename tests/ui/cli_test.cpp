@@ -115,6 +115,11 @@ TEST_F(Cli, ACutAgainstResistanceIsRecordedAndReplaysBitForBit) {
   refuses({"cut", at("molar.case"), "--tool", "round-014", "--path", cavity, "-o", at("x.run"), "--hand", "feed",
            "--spindle", "nan"},
           {"spindle"});
+  refuses({"cut", at("molar.case"), "--tool", "round-014", "--path", cavity, "-o", at("x.run"), "--push", "1"},
+          {"--push", "--hand force"}, 2);
+  refuses({"cut", at("molar.case"), "--tool", "round-014", "--path", cavity, "-o", at("x.run"), "--hand", "force",
+           "--encoder", "0.1"},
+          {"--encoder", "--hand device"}, 2);
   // A spindle at rest cuts nothing; nothing is written.
   refuses({"cut", at("molar.case"), "--tool", "round-014", "--path", cavity, "-o", at("x.run"), "--hand", "feed",
            "--spindle", "0"},

@@ -36,9 +36,9 @@ std::optional<Error> misplaced(const CLI::App& command, const std::string& hand)
     if (fits || !name.starts_with("With --hand")) continue;
     for (const CLI::Option* option : group->get_options())
       if (option->count() > 0)
-        return Error{
-            Error::Code::kBadValue, "", option->get_name(), hand.empty() ? "no --hand" : "--hand " + hand, name,
-            "it would be ignored"};
+        return Error{Error::Code::kBadValue, "",
+                     option->get_name(),     "given with " + (hand.empty() ? "no --hand" : "--hand " + hand),
+                     name.substr(5),         "kerf cut --help"};
   }
   return std::nullopt;
 }
