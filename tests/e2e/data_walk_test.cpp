@@ -420,5 +420,58 @@ TEST(DataWalk, AMolarOfThreeTissuesIsDrilledAgainstResistance) {
   EXPECT_NEAR(exported->post_op.report.removed_volume_mm3, s.removed_mm3, 0.03 * s.removed_mm3);
 }
 
+// A block of a real mandible, compact and spongy bone: a saw goes 6 mm in from above, across the block.
+TEST(DataWalk, ABlockOfAMandibleIsSawnAgainstResistance) {
+  if (!fs::exists(dataFolder() / "mandible-block-L4-L6-cortical.stl")) GTEST_SKIP() << "no data at " << dataFolder();
+  TemporaryFolder scratch;
+  const fs::path recipe = scratch.path() / "block.toml";
+  {
+    std::ofstream out(recipe);
+    out << "format = \"kerf-recipe\"\nversion = 1\nunit = \"mm\"\n";
+    for (const char* material : {"cancellous", "cortical"})
+      out << fmt::format("[[part]]\nmaterial = \"{}\"\nmesh = \"{}\"\n", material,
+                         (dataFolder() / fmt::format("mandible-block-L4-L6-{}.stl", material)).string());
+  }
+  BakeOptions options;
+  options.voxelize.voxel_mm = 0.15;
+  const auto baked = bakeRecipe(recipe, scratch.path() / "block.case", options);
+  ASSERT_TRUE(baked) << baked.error().message();
+  const auto solid = readCaseSolid(scratch.path() / "block.case");
+  ASSERT_TRUE(solid);
+  const Box3 box = bounds(*solid);
+  // Tool z along the shorter horizontal side, tool x up: the teeth look down.
+  const bool along_x = box.size()[0] < box.size()[1];
+  const Vec3d axis = along_x ? Vec3d(Vec3d::UnitX()) : Vec3d(Vec3d::UnitY());
+  Vec3d top = solid->vertices.front();
+  for (const Vec3d& p : solid->vertices)
+    if (p[2] > top[2]) top = p;
+  const Vec3d start = top + Vec3d(0, 0, 0.2) - 12.5 * axis;
+  const fs::path path = scratch.path() / "saw.toml";
+  std::ofstream(path) << fmt::format(
+      "format = \"kerf-path\"\nversion = 1\nframe = \"object\"\nfeed = 2.0\n[start]\nposition = [{}, {}, {}]\n"
+      "axis = [{}, {}, 0]\nedge = [0, 0, 1]\n[[stroke]]\nkind = \"line\"\nby = [0, 0, -6.2]\n",
+      start[0], start[1], start[2], axis[0], axis[1]);
+  const auto tool = findToolFile("saw-reciprocating-25", defaultToolFolders());
+  ASSERT_TRUE(tool);
+  HapticCutOptions hand;
+  const auto cut = cutCaseByHand(scratch.path() / "block.case", *tool, path, scratch.path() / "block.run", hand);
+  ASSERT_TRUE(cut) << cut.error().message();
+  const HapticSummary& s = cut->summary;
+  EXPECT_TRUE(s.is_complete);
+  EXPECT_GT(s.removed_by_material.count("cortical"), 0u);
+  EXPECT_NEAR(s.removed_mm3 + s.remaining_mm3, s.initial_mm3, 1e-6 * s.initial_mm3);
+  EXPECT_GT(s.removed_mm3, 3);
+  EXPECT_GT(s.mean_contact_force, 0.3);
+  EXPECT_LT(s.peak_contact_force, 60);  // as published: some newtons to some tens at such feeds
+  const auto again = replayRun(scratch.path() / "block.run");
+  ASSERT_TRUE(again) << again.error().message();
+  EXPECT_TRUE(again->is_same);
+  const auto exported = exportBundle(scratch.path() / "block.run");
+  ASSERT_TRUE(exported) << exported.error().message();
+  EXPECT_NEAR(exported->post_op.report.removed_volume_mm3, s.removed_mm3, 0.05 * s.removed_mm3);
+  fmt::print("  block: {:.1f} mm3 gone, {:.1f} N mean, {:.1f} N at most, {} piece(s)\n", s.removed_mm3,
+             s.mean_contact_force, s.peak_contact_force, s.pieces);
+}
+
 }  // namespace
 }  // namespace kerf
