@@ -69,7 +69,9 @@ std::unique_ptr<VirtualHand> makeHand(const CutPath& path, const HapticCutOption
   }
 }
 
-nlohmann::json toJson(const HapticSummary& s) {
+}  // namespace
+
+std::string toJson(const HapticSummary& s) {
   nlohmann::json j{{"ticks", s.ticks},
                    {"seconds", s.seconds},
                    {"is_complete", s.is_complete},
@@ -96,10 +98,8 @@ nlohmann::json toJson(const HapticSummary& s) {
                    {"state_hash", s.state_hash}};
   for (const auto& [id, volume] : s.removed_by_material) j["removed_by_material_mm3"][id] = volume;
   for (const auto& [id, distance] : s.least_distance_mm) j["least_distance_mm"][id] = distance;
-  return j;
+  return j.dump(2);
 }
-
-}  // namespace
 
 Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& tool_file, const fs::path& path_file,
                                   const fs::path& run_folder, const HapticCutOptions& options,
@@ -243,7 +243,7 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
   m.state_hash = sum.state_hash;
   KERF_CHECK(writeVdb(staging.staging() / internal::kRunField, {{"phi", &changed}}, {{"case_id", m.case_id}}));
   std::ofstream summary(staging.staging() / kSummary, std::ios::binary);
-  summary << toJson(sum).dump(2) << "\n";
+  summary << toJson(sum) << "\n";
   summary.close();
   if (!csv || !summary)
     return fail({Error::Code::kWriteFailed, run_folder.string(), csv ? kSummary : kForces, "could not be written",

@@ -50,6 +50,9 @@ struct HapticSummary {
   std::string state_hash;
 };
 
+/// summary.json.
+std::string toJson(const HapticSummary& summary);
+
 struct HapticCut {
   RunManifest manifest;
   HapticSummary summary;

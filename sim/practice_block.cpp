@@ -34,4 +34,18 @@ Expected<std::shared_ptr<const BakedObject>> practiceBlock(const Vec3d& size, do
   return bakedFrom([&](const Vec3d& p) { return shape.distance(inverse * p); }, turned, voxel, material);
 }
 
+ToolModel practiceBall(double radius, double speed) {
+  Tool tool;
+  tool.id = "ball";
+  tool.head_diameter_mm = tool.head_length_mm = 2 * radius;
+  RevolvedProfile profile;
+  profile.arcTo({0, radius}, {0, 2 * radius});
+  tool.head = tool.cutting = std::make_shared<const RevolvedProfile>(profile);
+  tool.cut = std::make_shared<const RevolvedShape>(profile);
+  ToolModel model = makeToolModel(tool);
+  model.motion = ToolMotion::kStroke;
+  model.drive = {speed, 0, 0, 1, 1};
+  return model;
+}
+
 }  // namespace kerf

@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "sim/baked_object.h"
+#include "sim/tool_model.h"
 
 namespace kerf {
 
@@ -16,5 +17,9 @@ Expected<std::shared_ptr<const BakedObject>> bakedFrom(const std::function<doubl
 /// A block centred under the origin, its top at z = 0 of its own frame, which `attitude` turns and moves. mm.
 Expected<std::shared_ptr<const BakedObject>> practiceBlock(const Vec3d& size, double voxel, const Rigid3& attitude = {},
                                                            Material material = Material::kDentin);
+
+/// A ball bur of that radius, its tip at the origin, whose surface moves at `speed` mm/s everywhere, as a stroke's
+/// does: what has a formula. No drive to stall, no neck.
+ToolModel practiceBall(double radius, double speed);
 
 }  // namespace kerf

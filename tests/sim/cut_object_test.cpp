@@ -60,7 +60,7 @@ TEST(CutObject, FindsEveryBrickAndNoOther) {
 // What a session of 10 000 ticks leaves behind is what one would build from the field alone.
 TEST(CutObject, AfterTenThousandRandomCarvesShellAndLedgerAreThoseOfAFullRebuild) {
   Model model;
-  model.tools = {test::uniformBall(0.35, 840)};
+  model.tools = {practiceBall(0.35, 840)};
   model.tissues = test::oneTissue(200, 0.5, 1000);
   model.settings.rendering = Rendering::kRigid;
   State state;
@@ -90,7 +90,7 @@ TEST(CutObject, AfterTenThousandRandomCarvesShellAndLedgerAreThoseOfAFullRebuild
 TEST(CutObject, WithoutRoomNothingIsLostOnlyLate) {
   const auto baked = block({4, 4, 2}, 0.1);
   Model model;
-  model.tools = {test::uniformBall(0.5, 840)};
+  model.tools = {practiceBall(0.5, 840)};
   model.tissues = test::oneTissue(200, 0.5, 1000);
   model.settings.rendering = Rendering::kRigid;
   model.settings.geometry_only = true;
@@ -118,7 +118,7 @@ TEST(CutObject, WithoutRoomNothingIsLostOnlyLate) {
 
 TEST(CutObject, RestoredBricksAreTheOldOnesBitForBit) {
   Model model;
-  model.tools = {test::uniformBall(0.5, 840)};
+  model.tools = {practiceBall(0.5, 840)};
   model.tissues = test::oneTissue(200, 0.5, 1000);
   model.settings.rendering = Rendering::kRigid;
   State state;

@@ -13,8 +13,6 @@
 namespace kerf {
 namespace {
 
-using test::uniformBall;
-
 constexpr std::array kPulp = {Material::kPulp};
 
 // A structure by itself: an object all of pulp.
@@ -87,7 +85,7 @@ TEST(KeepOut, DistanceToACanalIsRightToHalfAVoxel) {
 // A ball's distance to a ball, and a ball's to a canal: known exactly.
 TEST(KeepOut, ToolsDistanceIsRightToHalfAVoxelAndItsSampling) {
   const double voxel = 0.1, r = 0.7;
-  const ToolModel tool = uniformBall(r, 1);
+  const ToolModel tool = practiceBall(r, 1);
   const ToolSamples samples(tool.cut);
   // Between samples a ball's surface is nearer to something flat by its sagitta.
   const double sagitta = samples.spacing() * samples.spacing() / (2 * r);
@@ -114,7 +112,7 @@ TEST(KeepOut, ToolsDistanceIsRightToHalfAVoxelAndItsSampling) {
 }
 
 TEST(KeepOut, SkippingGroupsLosesNothing) {
-  const ToolModel tool = uniformBall(0.5, 1);
+  const ToolModel tool = practiceBall(0.5, 1);
   const ToolSamples samples(tool.cut);
   const auto object = pulpBall(0.8, 0.1, Vec3d::Zero());
   const auto field = keepOut(*object);
@@ -132,7 +130,7 @@ TEST(KeepOut, SkippingGroupsLosesNothing) {
 TEST(KeepOut, WhatIsFarIsFar) {
   const auto object = pulpBall(0.8, 0.1, Vec3d::Zero());
   const auto field = keepOut(*object);
-  const ToolSamples samples(uniformBall(0.5, 1).cut);
+  const ToolSamples samples(practiceBall(0.5, 1).cut);
   const KeepOut::Reading reading = field->read(samples, {Eigen::Quaterniond::Identity(), {0, 0, 30}});
   EXPECT_TRUE(reading.is_far);
   EXPECT_EQ(reading.distance, 5);
@@ -186,7 +184,7 @@ TEST(KeepOut, WhatIsNotThereIsRefused) {
 TEST(KeepOut, ReadsWithoutAllocating) {
   const auto object = pulpBall(1, 0.1, Vec3d::Zero());
   const auto field = keepOut(*object);
-  const ToolSamples samples(uniformBall(0.5, 1).cut);
+  const ToolSamples samples(practiceBall(0.5, 1).cut);
   const AllocationGuard guard;
   for (int n = 0; n < 100; ++n) field->read(samples, {Eigen::Quaterniond::Identity(), {0, 0, 0.05 * n}});
 }

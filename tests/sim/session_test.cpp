@@ -15,7 +15,7 @@ namespace {
 
 Model twoBalls() {
   Model model;
-  model.tools = {test::uniformBall(0.5, 840), test::uniformBall(0.3, 840)};
+  model.tools = {practiceBall(0.5, 840), practiceBall(0.3, 840)};
   model.tissues = test::oneTissue(200, 0.3, 1000);
   return model;
 }

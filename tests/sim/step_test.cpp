@@ -14,7 +14,6 @@ namespace {
 using test::block;
 using test::oneTissue;
 using test::sampleAt;
-using test::uniformBall;
 
 Rigid3 turned(double angle, const Vec3d& axis, const Vec3d& shift = Vec3d::Zero()) {
   return {Eigen::Quaterniond(Eigen::AngleAxisd(angle, axis.normalized())), shift};
@@ -27,7 +26,7 @@ struct Slot {
 // A ball of 0.8 mm drawn at 2 mm/s through a block, 0.6 mm deep; means once the slot is steady.
 Slot cutSlot(double voxel, const Rigid3& attitude, double energy = 1000) {
   Model model;
-  model.tools = {uniformBall(0.8, 840)};
+  model.tools = {practiceBall(0.8, 840)};
   model.tissues = oneTissue(200, 0.5, energy);
   model.settings.rendering = Rendering::kRigid;
   State state;
@@ -76,7 +75,7 @@ TEST(Step, RemovalRateIsTheLawsOwn) {
 TEST(Step, SameInputsSameBits) {
   const auto run = [] {
     Model model;
-    model.tools = {uniformBall(0.5, 840)};
+    model.tools = {practiceBall(0.5, 840)};
     model.tissues = oneTissue(200, 0.5, 1000);
     State state;
     state.objects.emplace_back(block({4, 4, 2}, 0.1, turned(0.2, {0, 1, 1})));
@@ -90,7 +89,7 @@ TEST(Step, SameInputsSameBits) {
 
 TEST(Step, InTheAirTheHandFeelsNothing) {
   Model model;
-  model.tools = {uniformBall(0.5, 840)};
+  model.tools = {practiceBall(0.5, 840)};
   model.tissues = oneTissue(200, 0.5, 1000);
   State state;
   state.objects.emplace_back(block({6, 6, 2}, 0.1));
@@ -118,7 +117,7 @@ TEST(Step, InTheAirTheHandFeelsNothing) {
 TEST(Step, AFastPathCutsWhatASlowOneCuts) {
   const auto removed = [](double step_mm) {
     Model model;
-    model.tools = {uniformBall(0.5, 840)};
+    model.tools = {practiceBall(0.5, 840)};
     model.tissues = oneTissue(200, 0.5, 1000);
     model.settings.rendering = Rendering::kRigid;
     model.settings.geometry_only = true;
@@ -142,7 +141,7 @@ TEST(Step, AFastPathCutsWhatASlowOneCuts) {
 TEST(Step, AHandOfHalfAMetrePerSecondDoesNotPassAThinWall) {
   for (const double voxel : {0.1, 0.05}) {
     Model model;
-    model.tools = {uniformBall(0.5, 840)};
+    model.tools = {practiceBall(0.5, 840)};
     model.tissues = oneTissue(200, 0.5, 1000);
     State state;
     state.objects.emplace_back(block({8, 8, 0.3}, voxel, turned(0.3, {1, 0, 3})));
@@ -162,7 +161,7 @@ TEST(Step, AHandOfHalfAMetrePerSecondDoesNotPassAThinWall) {
 
 TEST(Step, AStillToolDoesNotCut) {
   Model model;
-  model.tools = {uniformBall(0.5, 840)};
+  model.tools = {practiceBall(0.5, 840)};
   model.tissues = oneTissue(200, 0.5, 1000);
   State state;
   state.objects.emplace_back(block({4, 4, 2}, 0.1));
@@ -175,7 +174,7 @@ TEST(Step, AStillToolDoesNotCut) {
 
 TEST(Step, ABadSampleStopsForceAndCuttingUntilCleared) {
   Model model;
-  model.tools = {uniformBall(0.5, 840)};
+  model.tools = {practiceBall(0.5, 840)};
   model.tissues = oneTissue(200, 0.5, 1000);
   State state;
   state.objects.emplace_back(block({4, 4, 2}, 0.1));
@@ -220,7 +219,7 @@ TEST(Step, ABadSampleStopsForceAndCuttingUntilCleared) {
 // Clockwise seen from the shank: pressed with its -x side, a bur climbs towards ... where its own surface pushes off.
 TEST(Step, ASpinningBurPushesItselfAlong) {
   Model model;
-  model.tools = {uniformBall(0.8, 0)};
+  model.tools = {practiceBall(0.8, 0)};
   model.tools[0].motion = ToolMotion::kSpin;
   model.tools[0].drive = {2000, 0, 0, 50};
   model.tools[0].equator_mm = 0.8;
@@ -264,7 +263,7 @@ TEST(Step, TheDriveSagsUnderLoadAndStallsNever) {
 TEST(Step, AFaceThatLooksAwayDoesNotPushTheToolThrough) {
   // A thin plate with the ball's middle beyond it: nodes of the far side would push on.
   Model model;
-  model.tools = {uniformBall(0.5, 840)};
+  model.tools = {practiceBall(0.5, 840)};
   model.tissues = oneTissue(200, 0, 1000);
   model.settings.rendering = Rendering::kRigid;
   State state;

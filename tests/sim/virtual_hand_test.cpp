@@ -9,7 +9,6 @@ namespace {
 
 using test::block;
 using test::oneTissue;
-using test::uniformBall;
 
 CutPath straight(const Vec3d& from, const Vec3d& to, double seconds) {
   CutPath path;
@@ -39,7 +38,7 @@ struct Plunge {
 // A ball pressed with constant force into a block, its surface moving at 840 mm/s; from when its equator is in.
 Plunge plunge(double force, double voxel) {
   Model model;
-  model.tools = {uniformBall(0.5, 840)};
+  model.tools = {practiceBall(0.5, 840)};
   model.tissues = oneTissue(200, 0.5, 1000);
   State state;
   state.objects.emplace_back(block({3, 3, 4}, voxel));
@@ -92,7 +91,7 @@ TEST(VirtualHand, ConstantForceRemovesSteadilyAndInProportion) {
 // A hand that presses a device on a block which does not give way.
 double worstEnergy(Rendering rendering, double stiffness, const DeviceHand::Options& options) {
   Model model;
-  model.tools = {uniformBall(0.5, 0)};
+  model.tools = {practiceBall(0.5, 0)};
   model.tissues = oneTissue(200, 0, 1000);
   model.settings.rendering = rendering;
   model.settings.coupling.stiffness = stiffness;

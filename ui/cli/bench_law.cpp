@@ -56,25 +56,10 @@ Feed feed(const Model& model, State& state, const Rigid3& frame, const Rigid3& f
   return out;
 }
 
-// A 1.6 mm ball with the cutting speed of 20 000 rpm all over its surface: what has a formula.
-ToolModel evenBall(double radius) {
-  Tool tool;
-  tool.id = "ball";
-  tool.head_diameter_mm = tool.head_length_mm = 2 * radius;
-  RevolvedProfile profile;
-  profile.arcTo({0, radius}, {0, 2 * radius});
-  tool.head = tool.cutting = std::make_shared<const RevolvedProfile>(profile);
-  tool.cut = std::make_shared<const RevolvedShape>(profile);
-  ToolModel model = makeToolModel(tool);
-  model.motion = ToolMotion::kStroke;
-  model.drive = {840, 0, 0, 1};
-  return model;
-}
-
 // Slot: ball of 0.8 mm, 0.6 mm deep, 2 mm/s.
 Expected<Feed> slot(double voxel, const Rigid3& frame) {
   Model model;
-  model.tools = {evenBall(0.8)};
+  model.tools = {practiceBall(0.8, 840)};
   model.tissues.fill({200, 0.5f, 1e-3f, true});
   model.settings.rendering = Rendering::kRigid;
   KERF_TRY(block, practiceBlock({8, 5, 3}, voxel, frame));
@@ -121,7 +106,7 @@ Expected<Result> benchInvariance(const Progress& progress) {
   // Sliding on an intact ball of 5 mm, about 1 N, at three speeds.
   for (const double speed : {0.5, 5.0, 20.0}) {
     Model model;
-    model.tools = {evenBall(0.8)};
+    model.tools = {practiceBall(0.8, 840)};
     model.tools[0].drive.speed = 0;
     model.tissues.fill({200, 0, 1e-3f, true});
     model.settings.rendering = Rendering::kRigid;
@@ -352,7 +337,7 @@ Expected<Result> benchPassivity(const Progress& progress) {
   KERF_TRY(block, practiceBlock({4, 4, 2}, 0.1));
   const auto press = [&](Rendering rendering, const CouplingSettings& coupling, const DeviceHand::Options& options) {
     Model model;
-    model.tools = {evenBall(0.5)};
+    model.tools = {practiceBall(0.5, 840)};
     model.tools[0].drive.speed = 0;
     model.tissues.fill({200, 0, 1e-3f, true});
     model.settings.rendering = rendering;

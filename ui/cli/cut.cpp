@@ -54,35 +54,9 @@ int runByHand(const Arguments& a, const std::filesystem::path& tool) {
   if (!cut) return complain(cut.error());
   const HapticSummary& s = cut->summary;
   if (a.json) {
-    nlohmann::json removed = nlohmann::json::object();
-    for (const auto& [id, volume] : s.removed_by_material) removed[id] = volume;
-    printJson(nlohmann::json{{"tool", cut->manifest.tool_id},
-                             {"hand", a.hand},
-                             {"voxel_mm", cut->manifest.voxel_mm},
-                             {"seconds", s.seconds},
-                             {"seconds_in_contact", s.seconds_in_contact},
-                             {"is_complete", s.is_complete},
-                             {"ended", s.ended},
-                             {"removed_mm3", s.removed_mm3},
-                             {"removed_by_material_mm3", removed},
-                             {"remaining_mm3", s.remaining_mm3},
-                             {"initial_mm3", s.initial_mm3},
-                             {"mean_contact_force_N", s.mean_contact_force},
-                             {"peak_contact_force_N", s.peak_contact_force},
-                             {"mean_normal_load_N", s.mean_normal_load},
-                             {"peak_hand_force_N", s.peak_hand_force},
-                             {"work_mJ", s.work},
-                             {"least_speed_of_nominal", s.least_speed},
-                             {"hottest_C", s.hottest_c},
-                             {"pulp_rise_K", s.pulp_rise},
-                             {"least_distance_mm", s.least_distance_mm},
-                             {"pieces", s.pieces},
-                             {"crumbs", s.crumbs},
-                             {"ticks", s.ticks},
-                             {"ticks_too_fast", s.too_fast},
-                             {"ticks_out_of_room", s.out_of_room},
-                             {"ticks_clamped", s.clamped},
-                             {"state_hash", s.state_hash}});
+    nlohmann::json j = nlohmann::json::parse(toJson(s));
+    j["tool"] = cut->manifest.tool_id, j["hand"] = a.hand, j["voxel_mm"] = cut->manifest.voxel_mm;
+    printJson(j);
     return kOk;
   }
   fmt::print("cut with {} held by a {} hand for {:.2f} s, {:.2f} s of it in contact, voxels {} mm; ended: {}\n",
