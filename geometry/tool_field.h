@@ -1,7 +1,7 @@
 // A tool's distance as the 1 kHz step reads it: tabled once, single precision, a few nanoseconds a point.
 //
 // A solid of revolution is a table over (radius, z), a plate one over (x, z) beside its thickness, anything else one
-// over (x, y, z). Two dimensions can be sampled ten times finer than three: a bur's table is good to some nanometres.
+// over (x, y, z). Two dimensions can be sampled ten times finer than three: a ball's table is good to 0.05 um.
 #pragma once
 
 #include <array>

@@ -120,6 +120,11 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
   StepSettings settings = options.step;
   settings.rendering = options.hand == HandKind::kFeed ? Rendering::kRigid : Rendering::kCoupled;
   KERF_TRY(model, makeModel(std::span(&tool, 1), settings, -static_cast<double>(baked->phi0().interior())));
+  for (std::size_t m = 0; m < 256; ++m)
+    if (baked->volumes()[m] > 0 && !model.tissues[m].is_in_table)
+      return fail({Error::Code::kNotFound, case_folder.string(), fmt::format("material {}", m),
+                   "not in the table of materials", "a row that says how it cuts; there are " + materials.ids(),
+                   "KERF_ASSETS, or bake the case again"});
   KERF_TRY(monitor, Monitor::make(*baked, model.tools[0]));
   const double nominal_speed = model.tools[0].drive.speed;
   KERF_TRY(tool_hash, sha256OfFile(tool_file));
@@ -134,6 +139,7 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
   const CutObject& object = session.state().objects.front();
 
   HapticCut out;
+  out.left_region_unused = in_case.region.has_value();
   HapticSummary& sum = out.summary;
   std::ofstream csv(staging.staging() / kForces, std::ios::binary);
   csv << "t_s,x_mm,y_mm,z_mm,contact_x_N,contact_y_N,contact_z_N,hand_x_N,hand_y_N,hand_z_N,normal_load_N,overlap_mm,"

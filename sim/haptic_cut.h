@@ -56,12 +56,14 @@ std::string toJson(const HapticSummary& summary);
 struct HapticCut {
   RunManifest manifest;
   HapticSummary summary;
+  bool left_region_unused = false;  ///< the case has a finer region, which this does not use
 };
 
 /// Writes the run: run.toml, run.vdb (grid phi), forces.csv (one row a tick: docs/formats.md), summary.json,
 /// session.kerflog (what kerf replay reads). Same
 /// inputs, same bytes (but for the identifier inside run.vdb).
-/// Errors: as cutCase; kEmpty when nothing was cut; kBadValue for options out of range.
+/// Errors: as cutCase; kEmpty when nothing was cut; kBadValue for options out of range; kNotFound for a material of
+/// the case that the table of materials no longer has.
 Expected<HapticCut> cutCaseByHand(const std::filesystem::path& case_folder, const std::filesystem::path& tool_file,
                                   const std::filesystem::path& path_file, const std::filesystem::path& run_folder,
                                   const HapticCutOptions& options = {}, const Progress& progress = {});

@@ -375,7 +375,7 @@ const PieceList& PieceFinder::find() {
   const double h = field_.voxel();
   std::vector<Piece> all(found.size());
   for (std::size_t n = 0; n < found.size(); ++n) {
-    all[n].id = static_cast<std::uint32_t>(n);  // for now
+    all[n].id = static_cast<std::uint32_t>(n);  // numbered anew once they are sorted
     all[n].measure = found[n].measure, all[n].volume = found[n].measure.volume(h);
     all[n].bounds.add(h * found[n].low.cast<double>()), all[n].bounds.add(h * found[n].high.cast<double>());
     all[n].first_node = coordOf(found[n].first);

@@ -26,7 +26,8 @@ void onEveryTarget(const std::function<void()>& run) {
   }
   hwy::SetSupportedTargetsForTest(0);
   hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-  EXPECT_GE(count, 1);
+  // One alone would compare with nothing: every x86-64 of the last ten years has several.
+  EXPECT_GE(count, 2);
 }
 
 TEST(RelaxBrick, FollowsTheExponentialAtEveryRate) {

@@ -120,6 +120,18 @@ TEST_F(Cli, ACutAgainstResistanceIsRecordedAndReplaysBitForBit) {
   refuses({"cut", at("molar.case"), "--tool", "round-014", "--path", cavity, "-o", at("x.run"), "--hand", "force",
            "--encoder", "0.1"},
           {"--encoder", "--hand device"}, 2);
+  // A table without one of the case's materials can not say how it cuts: no guess.
+  std::filesystem::create_directories(at("assets"));
+  std::string table = bytesOf(std::string(KERF_SOURCE_DIR) + "/assets/materials.toml");
+  const std::size_t caries = table.find("number = 4\n");
+  ASSERT_NE(caries, table.npos);
+  table.replace(caries, 10, "number = 44");
+  std::ofstream(at("assets/materials.toml"), std::ios::binary) << table;
+  RunOptions other;
+  other.environment["KERF_ASSETS"] = at("assets");
+  refuses({"cut", at("molar.case"), "--tool", std::string(KERF_SOURCE_DIR) + "/assets/tools/round-014.toml", "--path",
+           cavity, "-o", at("x.run"), "--hand", "feed"},
+          {"material 4", "not in the table"}, 1, other);
   // A spindle at rest cuts nothing; nothing is written.
   refuses({"cut", at("molar.case"), "--tool", "round-014", "--path", cavity, "-o", at("x.run"), "--hand", "feed",
            "--spindle", "0"},
@@ -151,6 +163,10 @@ TEST_F(Cli, ACutInAFineRegionIsTheCutOfAnObjectBakedThatFine) {
   EXPECT_EQ(in_region["voxel_mm"], 0.1);
   EXPECT_EQ(in_region["beyond_region_mm"], 0);
   EXPECT_TRUE(bytesOf(at("region.stl")) == bytesOf(at("fine.stl")));
+  const Outcome by_hand = runKerf({"cut", at("region.case"), "--tool", "round-014", "--path", cavity, "-o",
+                                   at("hand.run"), "--hand", "feed", "--time-limit", "3"});
+  EXPECT_EQ(by_hand.exit_code, 0) << by_hand.err;
+  EXPECT_NE(by_hand.err.find("fine region is not used"), by_hand.err.npos) << by_hand.err;
   EXPECT_EQ(beyond["state_hash"], coarse["state_hash"]) << "not half on one grid, half on the other";
   EXPECT_GT(beyond["beyond_region_mm"], 0);
   EXPECT_TRUE(bytesOf(at("narrow.stl")) == bytesOf(at("coarse.stl")));

@@ -53,6 +53,9 @@ int runByHand(const Arguments& a, const std::filesystem::path& tool) {
   }();
   if (!cut) return complain(cut.error());
   const HapticSummary& s = cut->summary;
+  if (cut->left_region_unused)
+    fmt::print(stderr, "kerf: the case's fine region is not used by --hand: cut on the object's voxels, {} mm\n",
+               cut->manifest.voxel_mm);
   if (a.json) {
     nlohmann::json j = nlohmann::json::parse(toJson(s));
     j["tool"] = cut->manifest.tool_id, j["hand"] = a.hand, j["voxel_mm"] = cut->manifest.voxel_mm;
