@@ -28,7 +28,8 @@ enum class Material : int {
   kNerveCanal,
   kGingiva,
   kGeneric,
-  kPdl
+  kPdl,
+  kComposite
 };
 
 /// A number with where it comes from.

@@ -35,6 +35,9 @@ struct BrickNeighborhood {
   const float* face[6];  ///< -x, +x, -y, +y, -z, +z
 };
 
+/// How far around an object material can be added to it, mm.
+inline constexpr double kAirAround = 2;
+
 /// The shell nodes of a brick, by offset. The last chunk is filled up with copies of its first node's offset.
 /// @param out  room for kShellChunks.  @return how many nodes. @rt safe.
 int shellOfBrick(const BrickNeighborhood& bricks, const std::uint8_t* materials, double voxel,
@@ -64,7 +67,7 @@ class BakedObject {
   Material fallback() const { return fallback_; }
   const std::uint8_t* fallbackMaterials() const { return uniform_[static_cast<std::size_t>(fallback_)].get(); }
 
-  /// The directory: a box of bricks, one layer of air about it, z fastest.
+  /// The directory: a box of bricks, kAirAround and one more layer of air about it, z fastest.
   const Vec3i& directoryLow() const { return low_; }
   const Vec3i& directorySize() const { return size_; }
   const std::vector<std::int32_t>& directory() const { return directory_; }  ///< slot or -1

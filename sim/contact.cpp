@@ -338,4 +338,83 @@ CutResult erode(CutObject& object, const NearBricks& near, const ContactInput& i
   return result;
 }
 
+FillResult fill(CutObject& object, const ContactInput& in, Material material) noexcept {
+  FillResult result;
+  const ToolField& tool = in.tool->cut;
+  if (tool.isEmpty()) return result;
+  const double h = object.voxel(), e = kShellHalfWidth * h, cell = h * h * h;
+  const float background = object.baked().phi0().background(), interior = object.baked().phi0().interior();
+  const Rigid3& T = in.T_object_tool;
+  const Eigen::Matrix3d to_tool = T.rotation.toRotationMatrix().transpose();
+  Box3 box;
+  const Box3& b = tool.bounds();
+  for (int c = 0; c < 8; ++c)
+    box.add(T * Vec3d((c & 1 ? b.max : b.min)[0], (c & 2 ? b.max : b.min)[1], (c & 4 ? b.max : b.min)[2]));
+  box.grow(static_cast<double>(background));
+  // The outermost layer of the directory stays air.
+  const Vec3i first = object.baked().directoryLow() + Vec3i::Ones();
+  const Vec3i last = object.baked().directoryLow() + object.baked().directorySize() - Vec3i::Constant(2);
+  const auto brickAt = [&](const Vec3d& p) -> Vec3i {
+    const Vec3d at = (p / (8 * h)).array().floor();
+    return at.cwiseMax((first - Vec3i::Ones()).cast<double>())
+        .cwiseMin((last + Vec3i::Ones()).cast<double>())
+        .cast<int>();
+  };
+  const Vec3i low = brickAt(box.min), high = brickAt(box.max);
+  const double brick_radius = 0.5 * std::sqrt(3.0) * 7 * h + tool.slack();
+  float x[kBrickNodes], y[kBrickNodes], z[kBrickNodes], tau[kBrickNodes], next[kBrickNodes];
+  for (int i = low[0]; i <= high[0]; ++i)
+    for (int j = low[1]; j <= high[1]; ++j)
+      for (int k = low[2]; k <= high[2]; ++k) {
+        const Vec3i brick(i, j, k);
+        const Vec3d middle = h * (8 * brick.cast<double>() + Vec3d::Constant(3.5));
+        const Vec3f q = (to_tool * (middle - T.translation)).cast<float>();
+        const double least = static_cast<double>(tool.distance(q)) - brick_radius;
+        if (least >= static_cast<double>(background)) continue;
+        if ((brick.array() < first.array()).any() || (brick.array() > last.array()).any()) {
+          result.is_clipped |= least < 0;
+          continue;
+        }
+        int s = object.find(brick);
+        const float* phi = s < 0 ? object.baked().outsideBrick() : object.slot(s).phi;
+        const BrickToTool map(to_tool, T.translation, brick, h);
+        internal::placeNodes(map.base, map.along, x, y, z);
+        tool.distances(x, y, z, tau, kBrickNodes);
+        bool changes = false;
+        for (int n = 0; n < kBrickNodes; ++n) {
+          next[n] = std::min(phi[n], std::max(tau[n], interior));
+          changes |= next[n] != phi[n];
+        }
+        if (!changes) continue;
+        if (s < 0) s = object.addAir(brick);
+        if (s < 0) {
+          result.room_ran_out = true;
+          continue;
+        }
+        CutObject::Slot& slot = object.slot(s);
+        const std::uint8_t faces = slot.changed_faces;
+        float* own = object.write(s);
+        if (!own) {
+          result.room_ran_out = true;
+          continue;
+        }
+        slot.changed_faces = faces | CutObject::facesThatDiffer(own, next);
+        const auto number = static_cast<std::uint8_t>(material);
+        for (int n = 0; n < kBrickNodes; ++n) {
+          if (next[n] == own[n] || static_cast<double>(next[n]) >= e) continue;
+          const double before = cell * insidePart(own[n], e), after = cell * insidePart(next[n], e);
+          result.added_mm3 += after - before;
+          const std::uint8_t was = slot.materials[n];
+          if (own[n] >= 0 && was != number) object.writeMaterials(s)[n] = number;
+          object.added_mm3[was] -= before;
+          object.added_mm3[slot.materials[n]] += after;
+        }
+        std::memcpy(own, next, sizeof next);
+        slot.least = *std::min_element(next, next + kBrickNodes);
+        slot.sleeps_until_contact = slot.sleeps_until_cut = -1;
+        ++result.bricks;
+      }
+  return result;
+}
+
 }  // namespace kerf

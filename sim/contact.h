@@ -90,4 +90,14 @@ struct CutResult {
 /// towards the tool. Geometry only: c is infinite. Updates the ledger; shells are repaired by CutObject::repair.
 CutResult erode(CutObject& object, const NearBricks& near, const ContactInput& in) noexcept;
 
+struct FillResult {
+  double added_mm3 = 0;
+  int bricks = 0;
+  bool room_ran_out = false;
+  bool is_clipped = false;  ///< part of the tool is farther out than kAirAround: nothing was added there
+};
+/// Adds material where the cutting part of the tool is: phi = min(phi, tau). Nodes that were outside and to which the
+/// added surface is now the nearest become `material`. Updates the ledger; shells are repaired by CutObject::repair.
+FillResult fill(CutObject& object, const ContactInput& in, Material material) noexcept;
+
 }  // namespace kerf

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "sim/baked_object.h"
+#include "sim/split_field.h"
 
 namespace kerf {
 
@@ -19,10 +20,13 @@ class CutObject {
     Vec3i brick;
     const float* phi;               ///< 512 values, baked or own
     float* own;                     ///< the same once they changed, else null
-    const std::uint8_t* materials;  ///< 512 numbers
+    const std::uint8_t* materials;  ///< 512 numbers, baked or own
+    std::uint8_t* own_materials;    ///< the same once material was added, else null
+    const float* baked;             ///< 512 values as loaded: what undo goes back to
+    const std::uint8_t* baked_materials;
     std::array<const ShellChunk*, kShellChunks> chunks;
     std::int16_t shell_count;
-    bool owns_shell, is_dirty, is_exported_dirty, has_one_material;
+    bool owns_shell, is_dirty, is_exported_dirty, is_watched_dirty, has_one_material;
     std::uint8_t changed_faces;  ///< bits of -x, +x, -y, +y, -z, +z: values there changed since the last repair()
     float least;                 ///< lower bound of the values
     /// The brick can neither touch nor be cut before the tool has moved this far in all, mm on the odometer: distances
@@ -32,6 +36,10 @@ class CutObject {
 
   /// Room for changes, in bricks. 16384 of them are some 100 MB.
   explicit CutObject(std::shared_ptr<const BakedObject> baked, std::size_t bricks = 16384);
+
+  /// One piece of an object as an object of its own, with its pose; what was not cut is shared with the whole. Its
+  /// ledger starts anew. Allocates. @param bricks  of bricksOfPiece(), the finder being up to date with `whole`.
+  static CutObject piece(const CutObject& whole, const PieceBricks& bricks);
 
   const BakedObject& baked() const { return *baked_; }
   double voxel() const { return baked_->voxel(); }
@@ -71,11 +79,19 @@ class CutObject {
   /// of its faces changed: a caller that knows better says so in `changed_faces`. @rt
   float* write(int slot) noexcept;
   static constexpr std::uint8_t kAllFaces = 63;
+  /// The numbers of a brick to write into, copied at the first time. @pre write() gave its values. @rt
+  std::uint8_t* writeMaterials(int slot) noexcept;
+  /// A brick of air that shall take material: its slot, all outside. -1: it lies farther out than kAirAround, or
+  /// kMostAdded bricks were added already. @rt
+  int addAir(const Vec3i& brick) noexcept;
+  /// Bricks of air that can be made solid during a session: 16384, some 8 cm^3 at 0.1 mm, 1 cm^3 at 0.05 mm.
+  static constexpr int kMostAdded = 1 << 14;
   /// The faces on which two bricks of values differ. @rt
   static std::uint8_t facesThatDiffer(const float* a, const float* b) noexcept;
-  /// Values changed outside the step, by undo for one: the ledger follows, the brick wakes up, and its shell is
-  /// repaired with the next repair(). False: no such brick, or memory ran out. Allocates.
-  bool restore(const Vec3i& brick, const BrickValues& values);
+  /// Values changed outside the step, by undo for one: the brick wakes up, and its shell is repaired with the next
+  /// repair(). The ledger is the caller's to put back. False: memory ran out. Allocates.
+  /// @param materials  512 numbers; null: as baked.
+  bool restore(int slot, const BrickValues& values, const std::uint8_t* materials);
 
   /// Brings the shells of the dirty bricks and of their face neighbours up to date. False when room ran out: they stay
   /// dirty. @rt
@@ -97,15 +113,30 @@ class CutObject {
     export_.resize(kept);
   }
 
-  // The ledger, mm^3 per material number.
-  std::array<double, 256> removed_mm3{};
+  /// The ledger, mm^3 per material number: as loaded, or as the piece came off, - removed + added is what is there now.
+  /// A node of the surface that material is put on changes its number: `added` is negative for the one it had.
+  std::array<double, 256> removed_mm3{}, added_mm3{};
 
   /// How far the tool has moved relative to this object, mm: see Slot. Adding a large number wakes all bricks. @rt
   double odometer = 0;
 
-  /// The bricks that differ from the baked ones, as a field of the same kind. Allocates.
+  /// Bricks changed since they were last taken: as exportDirty, for a follower of its own (PieceFinder).
+  template <class Take>
+  void watchDirty(const Take& take) {
+    for (const int s : watch_) slot(s).is_watched_dirty = false, take(static_cast<const Slot&>(slot(s)));
+    watch_.clear();
+  }
+  bool isWatchDirty() const { return !watch_.empty(); }
+
+  bool isPiece() const { return is_piece_; }
+  /// The whole field as it is now. Allocates, 2 KB a brick.
+  BrickField field() const;
+
+  /// The bricks that differ from the baked ones, as a field of the same kind; of a piece, its own only. Allocates.
   BrickField changedField() const;
-  /// Order-independent hash of those: same state, same number.
+  /// Something was added somewhere: materials are not those baked.
+  bool hasOwnMaterials() const;
+  /// Order-independent hash of changed values and materials: same state, same number.
   std::uint64_t stateHash() const;
   /// Volume now per material, summed over all nodes. @cost some ns a node.
   std::array<double, 256> countVolumes() const;
@@ -116,16 +147,26 @@ class CutObject {
   BrickNeighborhood around(const Slot& slot) const noexcept;
   bool repairShell(Slot& slot) noexcept;
   void mark(int slot) noexcept;
+  void reserveSlots(std::size_t bricks);
+  struct OfPiece {};
+  CutObject(OfPiece, std::shared_ptr<const BakedObject> baked) : baked_(std::move(baked)), scratch_(kShellChunks) {}
 
+  bool is_piece_ = false;
+  std::uint64_t piece_key_ = 0;  // which bricks it has
   std::shared_ptr<const BakedObject> baked_;
   std::vector<Slot> slots_;
   std::vector<std::int32_t> directory_;
-  std::vector<int> dirty_, export_;
-  std::vector<std::unique_ptr<BrickValues[]>> phi_blocks_;
+  std::vector<int> dirty_, export_, watch_;
+  struct OwnBrick {
+    BrickValues phi;
+    std::array<std::uint8_t, kBrickNodes> materials;
+  };
+  std::vector<std::unique_ptr<OwnBrick[]>> brick_blocks_;
   std::vector<std::unique_ptr<ShellChunk[]>> shell_blocks_;
-  std::vector<float*> free_phi_;
+  std::vector<OwnBrick*> free_bricks_;
   std::vector<ShellChunk*> free_chunks_;
   std::size_t all_bricks_ = 0;  // ever reserved
+  std::size_t most_slots_ = 0;
   std::vector<ShellChunk> scratch_;
   std::vector<int> to_repair_;
   std::vector<std::uint32_t> repair_mark_;

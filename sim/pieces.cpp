@@ -407,11 +407,7 @@ std::uint32_t PieceFinder::pieceAt(const Vec3i& node) const {
   return piece_of_part_[first_part_[static_cast<std::size_t>(slot)] + partAt(slot, offset)];
 }
 
-std::uint32_t PieceFinder::pieceOfBrick(const Vec3i& brick) const {
-  assert(is_current_);
-  const std::int32_t slot = slotOf(brick);
-  if (slot == kNoSlot) return kNoPiece;
-  const auto s = static_cast<std::size_t>(slot);
+std::uint32_t PieceFinder::pieceOfSlot(std::size_t s) const {
   std::uint32_t piece = kNoPiece;
   for (std::uint32_t p = first_part_[s]; p < first_part_[s + 1]; ++p) {
     if (piece != kNoPiece && piece != piece_of_part_[p]) return kSeveralPieces;
@@ -420,10 +416,17 @@ std::uint32_t PieceFinder::pieceOfBrick(const Vec3i& brick) const {
   return piece;
 }
 
-std::vector<Vec3i> PieceFinder::insideBricks() const {
-  std::vector<Vec3i> out;
+std::uint32_t PieceFinder::pieceOfBrick(const Vec3i& brick) const {
+  assert(is_current_);
+  const std::int32_t slot = slotOf(brick);
+  return slot == kNoSlot ? kNoPiece : pieceOfSlot(static_cast<std::size_t>(slot));
+}
+
+std::vector<PieceFinder::InsideBrick> PieceFinder::insideBricks() const {
+  assert(is_current_);
+  std::vector<InsideBrick> out;
   for (std::size_t s = 0; s < keys_.size(); ++s)
-    if (partCount(static_cast<std::int32_t>(s)) > 0) out.push_back(coordOf(keys_[s]));
+    if (partCount(static_cast<std::int32_t>(s)) > 0) out.push_back({coordOf(keys_[s]), pieceOfSlot(s)});
   return out;
 }
 

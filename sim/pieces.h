@@ -75,8 +75,12 @@ class PieceFinder {
   std::uint32_t pieceAt(const Vec3i& node) const;
   /// Piece of all inside nodes of a brick; kNoPiece when it has none, kSeveralPieces when they differ. @pre as above.
   std::uint32_t pieceOfBrick(const Vec3i& brick) const;
-  /// Coordinates of the bricks that hold inside nodes, each once.
-  std::vector<Vec3i> insideBricks() const;
+  struct InsideBrick {
+    Vec3i brick;
+    std::uint32_t piece;  ///< as pieceOfBrick()
+  };
+  /// The bricks that hold inside nodes, each once. @pre as above.
+  std::vector<InsideBrick> insideBricks() const;
 
   const OverlayField& field() const { return field_; }
 
@@ -98,6 +102,7 @@ class PieceFinder {
   static constexpr std::int32_t kNoSlot = -1;
 
   std::int32_t slotOf(const Vec3i& brick) const;
+  std::uint32_t pieceOfSlot(std::size_t slot) const;
   std::int32_t addSlot(const Vec3i& brick);
   static void labelParts(const BrickValues& phi, Detail& out);
   void measureFringe(std::int32_t slot);

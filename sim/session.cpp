@@ -4,6 +4,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <optional>
 
 namespace kerf {
 namespace {
@@ -45,54 +46,152 @@ bool parse(std::string_view text, std::span<double> out) {
 
 }  // namespace
 
-Session::Session(Model model, std::vector<std::shared_ptr<const BakedObject>> objects, const Rigid3& start,
-                 SessionSink* sink)
-    : model_(std::move(model)), history_(objects.size()), sink_(sink) {
-  for (auto& object : objects) state_.objects.emplace_back(std::move(object), kReserve);
-  state_.place(start);
+// Follows one object. Of an object as loaded it reads the baked field, of a piece a copy of its own.
+struct Session::Watch {
+  BrickField base;
+  std::unique_ptr<PieceFinder> finder;
+  std::vector<BrickEdit> edits;
+};
+
+namespace {
+
+State stateOf(std::vector<std::shared_ptr<const BakedObject>> objects, const Rigid3& start) {
+  State out;
+  out.objects.reserve(Session::kMostObjects);
+  for (auto& object : objects) out.objects.emplace_back(std::move(object), kReserve);
+  out.place(start);
+  return out;
 }
 
+}  // namespace
+
+Session::Session(Model model, std::vector<std::shared_ptr<const BakedObject>> objects, const Rigid3& start,
+                 SessionSink* sink)
+    : model_(std::move(model)), state_(stateOf(std::move(objects), start)), history_(state_.objects), sink_(sink) {}
+
+Session::~Session() = default;
+
 bool Session::apply(std::string_view command) {
-  constexpr std::string_view kSelect = "tool.select ";
+  std::string_view rest = command;
+  const auto word = [&rest]() -> std::string_view {
+    const std::size_t end = rest.find(' ');
+    const std::string_view out = rest.substr(0, end);
+    rest = end == rest.npos ? std::string_view{} : rest.substr(end + 1);
+    return out;
+  };
+  const auto number = [](std::string_view text, std::size_t below) -> std::optional<std::size_t> {
+    std::size_t value = 0;
+    const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (failed != std::errc{} || end != text.data() + text.size() || value >= below) return std::nullopt;
+    return value;
+  };
   bool is_done = false;
+  const std::string_view verb = word();
   if (command == "undo") {
-    bool is_possible = !history_.empty() && history_.front().undoable() > 0;
-    for (std::size_t n = 0; n < history_.size(); ++n) is_possible |= history_[n].hasChanges(state_.objects[n]);
-    if (is_possible) {
+    if (history_.undoable() > 0 || history_.hasChanges(state_.objects)) {
       if (is_stroke_) endStroke();
       markAll();
-      is_done = true;
-      for (std::size_t n = 0; n < history_.size(); ++n) is_done &= history_[n].undo(state_.objects[n]);
+      watches_.clear();
+      is_done = history_.undo(state_.objects);
     }
   } else if (command == "redo") {
     // What was cut since the undo ends what could be redone.
-    bool is_possible = !is_stroke_ && !history_.empty() && history_.front().redoable() > 0;
-    for (std::size_t n = 0; n < history_.size(); ++n) is_possible &= !history_[n].hasChanges(state_.objects[n]);
-    if (is_possible) {
-      is_done = true;
-      for (std::size_t n = 0; n < history_.size(); ++n) is_done &= history_[n].redo(state_.objects[n]);
+    if (!is_stroke_ && history_.redoable() > 0 && !history_.hasChanges(state_.objects)) {
+      watches_.clear();
+      is_done = history_.redo(state_.objects);
     }
   } else if (command == "latch.clear") {
     state_.clearLatch();
     is_done = true;
-  } else if (command.starts_with(kSelect)) {
-    std::size_t index = 0;
-    const std::string_view number = command.substr(kSelect.size());
-    const auto [end, failed] = std::from_chars(number.data(), number.data() + number.size(), index);
-    if (failed == std::errc{} && end == number.data() + number.size() && index < model_.tools.size()) {
-      state_.selectTool(index);
+  } else if (verb == "tool.select") {
+    if (const auto index = number(rest, model_.tools.size())) {
+      state_.selectTool(*index);
       is_done = true;
     }
+  } else if (command == "add off") {
+    state_.adds = Material::kNone;
+    is_done = true;
+  } else if (verb == "add") {
+    const auto material = number(word(), 256), object = number(rest, state_.objects.size());
+    if (material && object && *material > 0 && model_.tissues[*material].is_in_table) {
+      state_.adds = static_cast<Material>(*material), state_.adds_to = *object;
+      is_done = true;
+    }
+  } else if (verb == "object.move") {
+    const auto object = number(word(), state_.objects.size());
+    std::array<double, 7> v{};
+    Rigid3 pose;
+    if (object && parse(rest, v)) {
+      pose.translation = Vec3d(v[0], v[1], v[2]);
+      pose.rotation = Eigen::Quaterniond(v[3], v[4], v[5], v[6]);
+      if (std::abs(pose.rotation.norm() - 1) < 1e-6 && pose.translation.norm() < 1e5) {
+        state_.objects[*object].moveTo(pose);
+        is_done = true;
+      }
+    }
+  } else if (verb == "pieces.split") {
+    if (const auto object = number(rest, state_.objects.size())) is_done = split(*object);
   }
+  // Material may have appeared around the tool: a hand must not be struck.
+  if (is_done && (command == "undo" || command == "redo" || command == "add off" || verb == "object.move"))
+    state_.ramp = 0;
   if (is_done && sink_) sink_->command(command, state_.tick);
   return is_done;
 }
 
+void Session::splitWhenApart(int every_ticks, const PieceOptions& options) {
+  split_every_ = every_ticks, piece_options_ = options;
+  watches_.clear();
+}
+
+PieceFinder& Session::finderOf(std::size_t index) {
+  CutObject& object = state_.objects[index];
+  if (watches_.size() <= index) watches_.resize(index + 1);
+  std::unique_ptr<Watch>& watch = watches_[index];
+  const auto collect = [&](const CutObject::Slot& slot) {
+    BrickEdit& edit = watch->edits.emplace_back();
+    edit.brick = slot.brick;
+    std::copy_n(slot.phi, kBrickNodes, edit.phi.begin());
+  };
+  if (!watch) {
+    watch = std::make_unique<Watch>();
+    object.watchDirty([](const CutObject::Slot&) {});
+    if (object.isPiece()) {
+      watch->base = object.field();
+      watch->finder = std::make_unique<PieceFinder>(watch->base, piece_options_);
+    } else {
+      watch->finder = std::make_unique<PieceFinder>(object.baked().phi0(), piece_options_);
+      for (int s = 0; s < object.slotCount(); ++s)
+        if (object.slot(s).own) collect(object.slot(s));
+    }
+  } else {
+    object.watchDirty(collect);
+  }
+  watch->finder->apply(watch->edits);
+  watch->edits.clear();
+  return *watch->finder;
+}
+
+bool Session::split(std::size_t index) {
+  PieceFinder& finder = finderOf(index);
+  const PieceList list = finder.find();
+  if (list.pieces.empty() || list.pieces.size() + list.crumbs.size() == 1) return false;
+  if (state_.objects.size() + list.pieces.size() - 1 > kMostObjects) return false;
+  std::vector<CutObject> parts;
+  for (const Piece& piece : list.pieces)
+    parts.push_back(CutObject::piece(state_.objects[index], bricksOfPiece(finder, piece.id)));
+  crumbs_.count += list.crumbs.size();
+  for (const Piece& crumb : list.crumbs) crumbs_.measure.add(crumb.measure);
+  markAll();
+  watches_.resize(std::max(watches_.size(), index + 1));
+  watches_[index].reset();
+  history_.split(state_.objects, index, std::move(parts));
+  return true;
+}
+
 bool Session::markAll() {
-  bool has_changes = false;
-  for (std::size_t n = 0; n < history_.size(); ++n) has_changes |= history_[n].hasChanges(state_.objects[n]);
-  if (has_changes)
-    for (std::size_t n = 0; n < history_.size(); ++n) history_[n].mark(state_.objects[n]);
+  const bool has_changes = history_.hasChanges(state_.objects);
+  if (has_changes) history_.mark(state_.objects);
   return has_changes;
 }
 
@@ -107,6 +206,7 @@ void Session::tick(const DeviceSample& sample, StepOutput& output) {
   if (presses && !is_stroke_) {
     is_stroke_ = true;
     markAll();
+    history_.close();
     if (sink_) sink_->mark(StrokeMark::kBegin, state_.tick);
   } else if (!presses && is_stroke_) {
     endStroke();
@@ -116,6 +216,15 @@ void Session::tick(const DeviceSample& sample, StepOutput& output) {
   step(model_, state_, sample, output);
   for (CutObject& object : state_.objects)
     if (object.freeBricks() < kReserve / 2) object.reserve(kReserve);
+  if (split_every_ > 0 && output.bricks_cut > 0 && ++ticks_cut_ >= split_every_) {
+    ticks_cut_ = 0;
+    for (std::size_t n = state_.objects.size(); n-- > 0;) {
+      // Without a change there is nothing new to find.
+      if (n < watches_.size() && watches_[n] && !state_.objects[n].isWatchDirty()) continue;
+      const PieceList& list = finderOf(n).find();
+      if (list.pieces.size() + list.crumbs.size() > 1) apply(fmt::format("pieces.split {}", n));
+    }
+  }
   if (sink_ && state_.tick % kCheckEvery == 0) sink_->check({state_.hash(), state_.last_force}, tick);
 }
 

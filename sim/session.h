@@ -4,12 +4,14 @@
 // session again, bit for bit.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <string_view>
 
+#include "sim/pieces.h"
+#include "sim/session_history.h"
 #include "sim/session_log.h"
 #include "sim/step.h"
-#include "sim/stroke_history.h"
 
 namespace kerf {
 
@@ -28,6 +30,7 @@ class Session {
   /// @param sink  kept by reference, may be null.
   Session(Model model, std::vector<std::shared_ptr<const BakedObject>> objects, const Rigid3& start,
           SessionSink* sink = nullptr);
+  ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
@@ -35,6 +38,11 @@ class Session {
   ///   tool.select N        another of the model's tools, by its index
   ///   undo, redo           the last stroke, with what the tool cut while it ran down; no redo during a stroke
   ///   latch.clear          after a fault of the device
+  ///   add M N, add off     the pedal puts material number M on object N, instead of cutting
+  ///   object.move N x y z qw qx qy qz   pose of object N in the world, mm; undone with the stroke before it
+  ///   pieces.split N       if object N is in pieces: each becomes an object of its own, the largest stays N, the
+  ///   others
+  ///                        come last, by size; crumbs are dropped and counted. See splitWhenApart().
   /// False, and nothing is changed or written down: no such command, or there is nothing to do it to.
   bool apply(std::string_view command);
   /// One tick. A stroke begins when the pedal goes down and ends when it comes up. Makes room for the tick after it:
@@ -43,6 +51,18 @@ class Session {
   /// Ends a stroke that is under way.
   void finish();
 
+  /// Looks for pieces every so many ticks in which something was cut, and splits what has come apart; 0: never. For
+  /// sessions in lockstep: it takes milliseconds. A replay does not ask: it follows the commands.
+  void splitWhenApart(int every_ticks, const PieceOptions& options = {});
+  /// Objects a session can hold; what would be more stays in one.
+  static constexpr std::size_t kMostObjects = 64;
+  /// What was dropped as crumbs so far, for good: an undo counts it no less.
+  struct Crumbs {
+    std::size_t count = 0;
+    SolidMeasure measure;
+  };
+  const Crumbs& crumbs() const { return crumbs_; }
+
   const Model& model() const { return model_; }
   const State& state() const { return state_; }
   std::uint64_t hash() const { return state_.hash(); }
@@ -50,12 +70,19 @@ class Session {
   static constexpr std::uint64_t kCheckEvery = 1000;
 
  private:
+  struct Watch;  // the pieces of one object
   void endStroke();
   bool markAll();  // true: there was something
+  bool split(std::size_t index);
+  PieceFinder& finderOf(std::size_t index);
 
   Model model_;
   State state_;
-  std::vector<StrokeHistory> history_;  // one an object
+  SessionHistory history_;
+  std::vector<std::unique_ptr<Watch>> watches_;  // one an object, made when asked for
+  PieceOptions piece_options_;
+  int split_every_ = 0, ticks_cut_ = 0;
+  Crumbs crumbs_;
   SessionSink* sink_;
   bool is_stroke_ = false;
 };

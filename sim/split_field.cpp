@@ -3,25 +3,18 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
-#include <unordered_map>
 #include <vector>
 
 namespace kerf {
 namespace {
 
-// What the bricks of the object hold: nodes of the wanted piece, of others, or both.
-enum Holds : unsigned char { kOwn = 1, kForeign = 2 };
+// What the bricks of the object hold: nodes of the wanted piece, of others, or both; and what lies around.
+enum Holds : unsigned char { kOwn = 1, kForeign = 2, kStored = 4, kNearOwn = 8, kNearForeign = 16 };
 
 constexpr int kPad = 1;  // a node's neighbours
-
-template <class Visit>
-void forEachAround(const Vec3i& brick, const Visit& visit) {
-  for (int x = -1; x <= 1; ++x)
-    for (int y = -1; y <= 1; ++y)
-      for (int z = -1; z <= 1; ++z) visit(Vec3i(brick + Vec3i{x, y, z}));
-}
 
 // Rewrites one brick near foreign nodes; `out` holds its values of now.
 void separate(const PieceFinder& pieces, std::uint32_t id, const Vec3i& brick, int reach, BrickValues& out) {
@@ -110,67 +103,97 @@ void separate(const PieceFinder& pieces, std::uint32_t id, const Vec3i& brick, i
 
 }  // namespace
 
-BrickField splitField(const PieceFinder& pieces, std::uint32_t id) {
+PieceBricks bricksOfPiece(const PieceFinder& pieces, std::uint32_t id) {
   const OverlayField& field = pieces.field();
-  const std::vector<Vec3i> inside = pieces.insideBricks();
-  std::unordered_map<std::uint64_t, unsigned char> several;  // the few bricks that hold more than one piece
-  for (const Vec3i& c : inside) {
-    if (pieces.pieceOfBrick(c) != PieceFinder::kSeveralPieces) continue;
-    unsigned char& what = several[coordKey(c)];
-    for (int n = 0; n < kBrickNodes && what != (kOwn | kForeign); ++n) {
-      const std::uint32_t at = pieces.pieceAt(c * kBrickSide + Vec3i{n >> 6, n >> 3 & 7, n & 7});
-      if (at != PieceFinder::kNoPiece) what = static_cast<unsigned char>(what | (at == id ? kOwn : kForeign));
-    }
-  }
-  const auto holdsAt = [&](const Vec3i& c) -> unsigned char {
-    const std::uint32_t piece = pieces.pieceOfBrick(c);
-    if (piece == PieceFinder::kNoPiece) return 0;
-    if (piece != PieceFinder::kSeveralPieces) return piece == id ? kOwn : kForeign;
-    return several.find(coordKey(c))->second;
+  const std::vector<PieceFinder::InsideBrick> inside = pieces.insideBricks();
+  PieceBricks out;
+  // One byte for each brick of the object's box and a layer around: a piece has tens of thousands of bricks, and every
+  // one asks for its 26 neighbours.
+  Vec3i low = Vec3i::Constant(std::numeric_limits<int>::max()), high = -low;
+  for (const PieceFinder::InsideBrick& b : inside) low = low.cwiseMin(b.brick), high = high.cwiseMax(b.brick);
+  if (inside.empty()) return out;
+  low -= Vec3i::Constant(2), high += Vec3i::Constant(2);
+  const Vec3i size = high - low + Vec3i::Ones();
+  const std::array<std::ptrdiff_t, 3> stride{std::ptrdiff_t{size[1]} * size[2], size[2], 1};
+  std::vector<unsigned char> cells(static_cast<std::size_t>(stride[0] * size[0]), 0);
+  const auto cellOf = [&](const Vec3i& c) {
+    const Vec3i at = c - low;
+    return at[0] * stride[0] + at[1] * stride[1] + at[2];
   };
-
-  // The piece's own bricks and those around them; of the bricks that are stored as constants only foreign ones change.
-  std::vector<std::uint64_t> keys;
-  BrickField out(field.voxel(), field.background(), field.interior());
-  for (const Vec3i& c : inside) {
-    if (!(holdsAt(c) & kOwn)) continue;
-    const bool is_constant = !field.valuesAt(c);
-    if (is_constant) {
-      out.markInterior(c);
-      // Deep inside. What a constant brick meets at an edge or corner only is met by one of these six as well.
-      bool is_deep = true;
-      for (int axis = 0; axis < 3 && is_deep; ++axis)
-        for (const int step : {-1, 1}) {
-          const Vec3i next = c + step * Vec3i(Vec3i::Unit(axis));
-          is_deep = is_deep && pieces.pieceOfBrick(next) == id && !field.valuesAt(next);
-        }
-      if (is_deep) continue;
+  const auto cell = [&](std::ptrdiff_t at) -> unsigned char& { return cells[static_cast<std::size_t>(at)]; };
+  std::array<std::ptrdiff_t, 27> around;
+  for (int x = -1, n = 0; x <= 1; ++x)
+    for (int y = -1; y <= 1; ++y)
+      for (int z = -1; z <= 1; ++z, ++n)
+        around[static_cast<std::size_t>(n)] = x * stride[0] + y * stride[1] + z * stride[2];
+  const auto markStored = [&](const BrickField& bricks) {
+    for (std::size_t b = 0; b < bricks.brickCount(); ++b) {
+      const Vec3i& c = bricks.brickCoord(b);
+      if ((c.array() >= low.array()).all() && (c.array() <= high.array()).all()) cell(cellOf(c)) |= kStored;
     }
-    forEachAround(c, [&](const Vec3i& near) {
-      if (field.valuesAt(near) || holdsAt(near) == kForeign) keys.push_back(coordKey(near));
-    });
+  };
+  markStored(field.baked()), markStored(field.changed());
+  for (const PieceFinder::InsideBrick& b : inside) {
+    unsigned char what = b.piece == id ? kOwn : kForeign;
+    if (b.piece == PieceFinder::kSeveralPieces) {
+      what = 0;
+      for (int n = 0; n < kBrickNodes && what != (kOwn | kForeign); ++n) {
+        const std::uint32_t at = pieces.pieceAt(b.brick * kBrickSide + Vec3i{n >> 6, n >> 3 & 7, n & 7});
+        if (at != PieceFinder::kNoPiece) what = static_cast<unsigned char>(what | (at == id ? kOwn : kForeign));
+      }
+    }
+    cell(cellOf(b.brick)) |= what;
   }
-  std::sort(keys.begin(), keys.end());
-  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
-
-  out.reserve(keys.size());
-  for (const std::uint64_t key : keys) {
-    const auto k = coordOfKey(key);
-    const Vec3i c{k[0], k[1], k[2]};
-    if (const BrickValues* values = field.valuesAt(c))
-      out.add(c, *values);
-    else
-      out.brick(out.touch(c)).fill(field.constantAt(c));
+  for (const PieceFinder::InsideBrick& b : inside) {
+    const std::ptrdiff_t at = cellOf(b.brick);
+    if (cell(at) & kForeign)
+      for (const std::ptrdiff_t step : around) cell(at + step) |= kNearForeign;
+    if (!(cell(at) & kOwn)) continue;
+    if (!(cell(at) & kStored)) {
+      out.interior.push_back(b.brick);
+      // Deep inside. What a constant brick meets at an edge or corner only is met by one of these six as well.
+      const auto isDeep = [&](std::ptrdiff_t next) { return (cell(next) & (kOwn | kForeign | kStored)) == kOwn; };
+      if (isDeep(at - stride[0]) && isDeep(at + stride[0]) && isDeep(at - stride[1]) && isDeep(at + stride[1]) &&
+          isDeep(at - stride[2]) && isDeep(at + stride[2]))
+        continue;
+    }
+    for (const std::ptrdiff_t step : around) cell(at + step) |= kNearOwn;
   }
+  // The piece's own bricks and those around them; of the bricks that are stored as constants only foreign ones change.
+  for (int x = low[0]; x <= high[0]; ++x)
+    for (int y = low[1]; y <= high[1]; ++y)
+      for (int z = low[2]; z <= high[2]; ++z) {
+        const Vec3i c{x, y, z};
+        const unsigned char what = cell(cellOf(c));
+        if (!(what & kNearOwn) || (!(what & kStored) && (what & (kOwn | kForeign)) != kForeign)) continue;
+        out.bricks.push_back(c);
+        if (!(what & kNearForeign)) continue;
+        BrickEdit& edit = out.changed.emplace_back();
+        edit.brick = c;
+        if (const BrickValues* values = field.valuesAt(c))
+          edit.phi = *values;
+        else
+          edit.phi.fill(field.constantAt(c));
+      }
   // No farther than the bricks around: what lies beyond eight nodes is beyond any band in use.
   const int reach =
       std::clamp(static_cast<int>(std::ceil(double{field.background()} / field.voxel())), 1, kBrickSide - kPad);
-  tbb::parallel_for(std::size_t{0}, out.brickCount(), [&](std::size_t b) {
-    bool is_near_foreign = false;
-    forEachAround(out.brickCoord(b),
-                  [&](const Vec3i& near) { is_near_foreign = is_near_foreign || (holdsAt(near) & kForeign) != 0; });
-    if (is_near_foreign) separate(pieces, id, out.brickCoord(b), reach, out.brick(b));
-  });
+  tbb::parallel_for(std::size_t{0}, out.changed.size(),
+                    [&](std::size_t n) { separate(pieces, id, out.changed[n].brick, reach, out.changed[n].phi); });
+  return out;
+}
+
+BrickField splitField(const PieceFinder& pieces, std::uint32_t id) {
+  const OverlayField& field = pieces.field();
+  const PieceBricks piece = bricksOfPiece(pieces, id);
+  BrickField out(field.voxel(), field.background(), field.interior());
+  for (const Vec3i& c : piece.interior) out.markInterior(c);
+  out.reserve(piece.bricks.size());
+  std::size_t next = 0;
+  for (const Vec3i& c : piece.bricks) {
+    const bool is_changed = next < piece.changed.size() && piece.changed[next].brick == c;
+    out.add(c, is_changed ? piece.changed[next++].phi : *field.valuesAt(c));
+  }
   return out;
 }
 

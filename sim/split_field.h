@@ -1,6 +1,8 @@
 // One piece of a cut object as an object of its own.
 #pragma once
 
+#include <vector>
+
 #include "geometry/brick_field.h"
 #include "sim/pieces.h"
 
@@ -18,5 +20,13 @@ namespace kerf {
 /// large by 0.2 voxels, by 1 at a sharp corner. Where both are about equally near the result is within half a voxel.
 /// @param id  piece or crumb of the last find().   O(its bricks); parallel inside; 0.2 ms per brick of a kerf.
 BrickField splitField(const PieceFinder& pieces, std::uint32_t id);
+
+/// The same field told by what differs from the whole: for an object that shares the rest with it.
+struct PieceBricks {
+  std::vector<Vec3i> bricks;       ///< with values, in order of coordinate
+  std::vector<Vec3i> interior;     ///< wholly inside and constant, beside those
+  std::vector<BrickEdit> changed;  ///< of `bricks`, those near other pieces, in the same order: their new values
+};
+PieceBricks bricksOfPiece(const PieceFinder& pieces, std::uint32_t id);
 
 }  // namespace kerf

@@ -101,6 +101,7 @@ std::uint64_t State::hash() const {
   add(body.pose.translation), add(body.pose.rotation.coeffs()), add(body.velocity), add(body.angular);
   add(last_force.force), add(last_force.torque);
   mix(std::bit_cast<std::uint64_t>(speed)), mix(tool), mix(tick);
+  if (adds != Material::kNone) mix(static_cast<std::uint64_t>(adds)), mix(adds_to);
   return h;
 }
 
@@ -155,7 +156,8 @@ void step(const Model& model, State& state, const DeviceSample& input, StepOutpu
   }
   const double dt = kTick / substeps;
 
-  const double wanted_speed = input.pedal * tool.drive.speed;
+  const bool is_adding = state.adds != Material::kNone;
+  const double wanted_speed = is_adding ? 0 : input.pedal * tool.drive.speed;
   for (int n = 1; n <= substeps; ++n) {
     Rigid3 last = state.body.pose;
     if (!is_coupled) {
@@ -180,14 +182,22 @@ void step(const Model& model, State& state, const DeviceSample& input, StepOutpu
       in.speed = state.speed, in.dt = dt, in.geometry_only = settings.geometry_only;
       in.velocity = T_object_world.rotation * state.body.velocity;
       in.angular = T_object_world.rotation * state.body.angular;
-      if (!state.near.find(object, tool, in.T_object_tool)) output.status |= kStepNearRanOut;
-      ContactSums sums;
-      sumContact(object, state.near, in, sums);
-      world.add(toWorld(sums, object.T_world_object.rotation.toRotationMatrix()));
-      const CutResult cut = erode(object, state.near, in);
+      CutResult cut;
+      if (!is_adding) {
+        if (!state.near.find(object, tool, in.T_object_tool)) output.status |= kStepNearRanOut;
+        ContactSums sums;
+        sumContact(object, state.near, in, sums);
+        world.add(toWorld(sums, object.T_world_object.rotation.toRotationMatrix()));
+        cut = erode(object, state.near, in);
+        output.bricks_near += static_cast<int>(state.near.size());
+      } else if (input.pedal > 0 && &object - state.objects.data() == static_cast<std::ptrdiff_t>(state.adds_to)) {
+        const FillResult added = fill(object, in, state.adds);
+        output.added_mm3 += added.added_mm3;
+        cut.bricks = added.bricks, cut.room_ran_out = added.room_ran_out;
+        if (added.is_clipped) output.status |= kStepFillClipped;
+      }
       const bool is_repaired = object.repair();  // also when room ran out: what was cut must be felt
       output.removed_mm3 += cut.removed_mm3, output.bricks_cut += cut.bricks;
-      output.bricks_near += static_cast<int>(state.near.size());
       if (cut.room_ran_out || !is_repaired) output.status |= kStepBricksRanOut;
     }
     const Wrench own = ownDrag(tool, state.body.pose, state.speed, world);

@@ -44,6 +44,10 @@ struct State {
   std::size_t tool = 0;  ///< index into Model::tools; change it by selectTool()
   ToolBody body;
   double speed = 0;  ///< of the drive, as in ToolDrive
+  /// Not kNone: while the pedal is pressed the tool's cutting part adds this material to object `adds_to`; its drive
+  /// stands still, and nothing is felt: paste gives way, and what lies below it has no surface of its own any more.
+  Material adds = Material::kNone;
+  std::size_t adds_to = 0;
   DeviceMotion device;
   Wrench last_force;       ///< what went to the hand
   std::uint64_t tick = 0;  ///< how many there were
@@ -64,11 +68,12 @@ struct State {
 /// Bits; each says which limit to raise or what happened.
 enum StepStatus : std::uint32_t {
   kStepOk = 0,
-  kStepBricksRanOut = 1,  ///< CutObject::reserve: some bricks were not cut in this tick
-  kStepNearRanOut = 2,    ///< more bricks near the tool than NearBricks holds
-  kStepTooFast = 4,       ///< the hand is faster than most_substeps follow; the tool lags, nothing was jumped over
-  kStepBadSample = 8,     ///< no usable sample: force is zero from now on, see State::clearLatch
-  kStepForceClamped = 16  ///< the hand got less than the coupling wanted
+  kStepBricksRanOut = 1,   ///< CutObject::reserve: some bricks were not cut in this tick
+  kStepNearRanOut = 2,     ///< more bricks near the tool than NearBricks holds
+  kStepTooFast = 4,        ///< the hand is faster than most_substeps follow; the tool lags, nothing was jumped over
+  kStepBadSample = 8,      ///< no usable sample: force is zero from now on, see State::clearLatch
+  kStepForceClamped = 16,  ///< the hand got less than the coupling wanted
+  kStepFillClipped = 32  ///< the tool was farther than kAirAround from where the object is stored: nothing added there
 };
 
 struct StepOutput {
@@ -77,7 +82,7 @@ struct StepOutput {
   Rigid3 T_world_tool;
   double normal_load = 0;   ///< N = integral of p dA, N
   double cutting_load = 0;  ///< of it, on what cuts
-  double removed_mm3 = 0;
+  double removed_mm3 = 0, added_mm3 = 0;
   double drive_load = 0;                ///< N mm, of a stroke N
   double power = 0;                     ///< of the drive into the tissue, N mm/s
   double speed = 0;                     ///< of the drive after the tick

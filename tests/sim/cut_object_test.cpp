@@ -132,8 +132,8 @@ TEST(CutObject, RestoredBricksAreTheOldOnesBitForBit) {
   for (int s = 0; s < object.slotCount(); ++s)
     if (object.slot(s).own) {
       BrickValues values;
-      std::copy_n(object.baked().slots()[static_cast<std::size_t>(s)].phi, kBrickNodes, values.begin());
-      ASSERT_TRUE(object.restore(object.slot(s).brick, values));
+      std::copy_n(object.slot(s).baked, kBrickNodes, values.begin());
+      ASSERT_TRUE(object.restore(s, values, nullptr));
     }
   ASSERT_TRUE(object.repair());
   EXPECT_EQ(object.stateHash(), untouched);

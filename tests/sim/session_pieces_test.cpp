@@ -1,0 +1,183 @@
+// What comes apart becomes objects of its own: found, split, moved, cut further, undone, replayed.
+#include <gtest/gtest.h>
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "../temporary_file.h"
+#include "block_scene.h"
+#include "sim/replay.h"
+#include "sim/session.h"
+
+namespace kerf {
+namespace {
+
+Rigid3 at(double x, double y, double z) { return {Eigen::Quaterniond::Identity(), {x, y, z}}; }
+
+Model ball(double radius = 0.65) {
+  Model model;
+  model.tools = {practiceBall(radius, 8400)};
+  model.tissues = test::oneTissue(200, 0.3, 1000);
+  model.settings.rendering = Rendering::kRigid;
+  model.settings.geometry_only = true;
+  return model;
+}
+
+std::shared_ptr<const BakedObject> bar() { return test::block({6, 2, 1}, 0.1); }
+
+// Through the bar at x, from one side to the other, and off it again.
+void sever(Session& session, double x, double from = -1.8, double to = 1.8) {
+  StepOutput out;
+  session.tick(test::sampleAt(at(x, from, 3), 0), out);
+  for (int n = 0; n <= 720; ++n)
+    session.tick(test::sampleAt(at(x, from + (to - from) * n / 720, -1.15), n < 720 ? 1 : 0), out);
+  session.tick(test::sampleAt(at(x, to, 3), 0), out);
+}
+
+std::array<double, 256> sum(const std::vector<CutObject>& objects) {
+  std::array<double, 256> out{};
+  for (const CutObject& object : objects) {
+    const auto now = object.countVolumes();
+    for (std::size_t m = 0; m < 256; ++m) out[m] += now[m];
+  }
+  return out;
+}
+
+TEST(SessionPieces, WhatIsSeveredBecomesAnObjectOfItsOwn) {
+  Session session(ball(), {bar()}, at(-0.7, -1.8, -1.15));
+  session.splitWhenApart(5);
+  sever(session, 0.3);
+  const std::vector<CutObject>& objects = session.state().objects;
+  ASSERT_EQ(objects.size(), 2u);
+  for (const CutObject& object : objects) EXPECT_EQ(object.shellDefects(), 0u);
+  // The larger one stays object 0; both are where they were.
+  constexpr auto kDentin = static_cast<std::size_t>(Material::kDentin);
+  const double large = objects[0].countVolumes()[kDentin], small = objects[1].countVolumes()[kDentin];
+  EXPECT_NEAR(large, 2 * (3.3 - 0.65), 0.4);
+  EXPECT_NEAR(small, 2 * (2.7 - 0.65), 0.4);
+  for (const CutObject& object : objects) {
+    const BrickField field = object.field();
+    PieceFinder alone(field);
+    EXPECT_EQ(alone.find().pieces.size(), 1u);
+  }
+  // Each is cut on its own from now on; the ledger of each counts from the split.
+  const std::uint64_t other = objects[0].stateHash();
+  sever(session, 1.9);
+  EXPECT_EQ(objects.size(), 3u);
+  EXPECT_EQ(objects[0].stateHash(), other);
+}
+
+TEST(SessionPieces, EverythingInsideIsInExactlyOnePieceOrCrumb) {
+  Session session(ball(), {bar()}, at(-0.7, -1.8, -1.15));
+  PieceOptions options;
+  options.crumb_mm3 = 0.4;
+  session.splitWhenApart(1 << 30, options);  // when asked only
+  sever(session, 2.2);                       // leaves a sliver at the end of the bar
+  sever(session, 0);
+  const std::vector<CutObject>& objects = session.state().objects;
+  ASSERT_EQ(objects.size(), 1u);
+  const BrickField all = objects[0].field();
+  PieceFinder finder(all);
+  const SolidMeasure whole = finder.find().whole;
+  ASSERT_TRUE(session.apply("pieces.split 0"));
+  ASSERT_EQ(objects.size(), 2u);
+  EXPECT_GE(session.crumbs().count, 1u);
+  SolidMeasure parts = session.crumbs().measure;
+  for (const CutObject& object : objects) {
+    const BrickField field = object.field();
+    PieceFinder alone(field);
+    EXPECT_EQ(alone.find().pieces.size() + alone.find().crumbs.size(), 1u);
+    parts.add(alone.find().whole);
+  }
+  EXPECT_EQ(parts, whole);  // whole numbers: to the last bit
+  EXPECT_FALSE(session.apply("pieces.split 0"));
+  EXPECT_FALSE(session.apply("pieces.split 1"));
+}
+
+TEST(SessionPieces, APieceThatIsMovedAwayIsCutThereAndNoLongerHere) {
+  Session session(ball(), {bar()}, at(-0.7, -1.8, -1.15));
+  session.splitWhenApart(5);
+  sever(session, -0.7);
+  const std::vector<CutObject>& objects = session.state().objects;
+  ASSERT_EQ(objects.size(), 2u);
+  // A quarter turn about z, ten millimetres up.
+  ASSERT_TRUE(session.apply("object.move 1 0 0 10 0.7071067811865476 0 0 0.7071067811865476"));
+  const std::uint64_t before = objects[1].stateHash();
+  sever(session, -2.2);
+  EXPECT_EQ(objects[1].stateHash(), before) << "cut where it no longer is";
+  StepOutput out;
+  double removed = 0;
+  for (int n = 0; n <= 400; ++n) {
+    // The piece lay about x = -2: turned, it lies about y = -2.
+    session.tick(test::sampleAt(at(0, -2.2, 11 - 0.004 * n), n < 400 ? 1 : 0), out);
+    removed += out.removed_mm3;
+  }
+  EXPECT_GT(removed, 0.05);
+  EXPECT_NE(objects[1].stateHash(), before);
+  // And back: poses are undone with their strokes.
+  ASSERT_TRUE(session.apply("undo"));
+  EXPECT_EQ(objects[1].stateHash(), before);
+  for (const char* bad : {"object.move 2 0 0 0 1 0 0 0", "object.move 0 0 0 0 2 0 0 0", "object.move 0 0 0 0 1 0 0",
+                          "object.move 0 nan 0 0 1 0 0 0", "object.move 0 1e9 0 0 1 0 0 0", "pieces.split 9",
+                          "pieces.split 0", "add 11 7", "add 200", "add 0 0"})
+    EXPECT_FALSE(session.apply(bad)) << bad;
+}
+
+TEST(SessionPieces, UndoOfTheStrokeThatSeveredMakesItWholeAgain) {
+  Session session(ball(), {bar()}, at(-0.7, -1.8, -1.15));
+  session.splitWhenApart(5);
+  const std::vector<CutObject>& objects = session.state().objects;
+  const std::uint64_t untouched = objects[0].stateHash();
+  const auto volumes = sum(objects);
+  sever(session, 1.5, -1.8, 0);  // a notch
+  const std::uint64_t notched = objects[0].stateHash();
+  sever(session, -0.7);
+  ASSERT_EQ(objects.size(), 2u);
+  const std::uint64_t first = objects[0].stateHash(), second = objects[1].stateHash();
+  const auto severed = sum(objects);
+  ASSERT_TRUE(session.apply("undo"));
+  ASSERT_EQ(objects.size(), 1u);
+  EXPECT_EQ(objects[0].stateHash(), notched);
+  EXPECT_EQ(objects[0].shellDefects(), 0u);
+  ASSERT_TRUE(session.apply("undo"));
+  EXPECT_EQ(objects[0].stateHash(), untouched);
+  EXPECT_EQ(sum(objects), volumes);
+  ASSERT_TRUE(session.apply("redo"));
+  ASSERT_TRUE(session.apply("redo"));
+  EXPECT_FALSE(session.apply("redo"));
+  ASSERT_EQ(objects.size(), 2u);
+  EXPECT_EQ(objects[0].stateHash(), first);
+  EXPECT_EQ(objects[1].stateHash(), second);
+  EXPECT_EQ(sum(objects), severed);
+}
+
+TEST(SessionPieces, ReplayComesApartInTheSamePlaceBitForBit) {
+  const TemporaryFile file("session.log", "");
+  std::filesystem::remove(file.path());
+  const SessionHeader header = describe(Session(ball(), {bar()}, at(-0.7, -1.8, -1.15)));
+  auto writer = SessionLogWriter::create(file.path(), header);
+  ASSERT_TRUE(writer) << writer.error().message();
+  LogSink sink(*writer);
+  Session session(ball(), {bar()}, at(-0.7, -1.8, -1.15), &sink);
+  session.splitWhenApart(7);
+  sever(session, -0.7);
+  ASSERT_TRUE(session.apply("object.move 1 0 0.5 0.1 1 0 0 0"));
+  sever(session, -2);
+  ASSERT_TRUE(session.apply("undo"));
+  ASSERT_TRUE(session.apply("add 11 0"));
+  sever(session, 1);
+  ASSERT_TRUE(session.apply("add off"));
+  session.finish();
+  ASSERT_TRUE(sink.close());
+  const auto log = readSessionLog(file.path());
+  ASSERT_TRUE(log) << log.error().message();
+  const auto again = replay(*log, file.path().string(), ball(), {bar()});
+  ASSERT_TRUE(again) << again.error().message();
+  EXPECT_TRUE(again->is_same) << again->differs_at;
+  EXPECT_GE(again->checks, 2u);
+  EXPECT_EQ(again->state_hash, fmt::format("{:016x}", session.hash()));
+}
+
+}  // namespace
+}  // namespace kerf
