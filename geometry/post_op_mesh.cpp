@@ -88,7 +88,8 @@ struct Prepared {
   std::string why_not;  // empty: good
 };
 
-Expected<Prepared> attempt(const Mesh& source, const Mesh& removed, double voxel, const PostOpOptions& options) {
+Expected<Prepared> attempt(const Mesh& source, const Mesh& removed, const Mesh& added, double voxel,
+                           const PostOpOptions& options) {
   Prepared out;
   PostOpReport& report = out.result.report;
   Difference cut;
@@ -101,6 +102,16 @@ Expected<Prepared> attempt(const Mesh& source, const Mesh& removed, double voxel
   } else {
     KERF_TRY(difference, subtract(source, removed));
     cut = std::move(difference);
+  }
+  if (!added.triangles.empty()) {
+    report.removed_volume_mm3 = signedVolume(source) - signedVolume(cut.mesh);
+    KERF_TRY(both, unite(cut.mesh, added));
+    // Origins in what was cut become origins in the source.
+    for (std::uint32_t& v : both.from_vertex)
+      if (v != kNoSource) v = cut.from_vertex[v];
+    for (std::uint32_t& t : both.from_triangle)
+      if (t != kNoSource) t = cut.from_triangle[t];
+    cut = std::move(both);
   }
   Mesh mesh = std::move(cut.mesh);
   paint(source, cut, options, mesh);
@@ -151,7 +162,10 @@ Expected<Prepared> attempt(const Mesh& source, const Mesh& removed, double voxel
       source.vertices.size() - report.source_vertices_kept - report.source_vertices_in_crumbs;
   report.source_volume_mm3 = source_volume;
   report.result_volume_mm3 = signedVolume(mesh);
-  report.removed_volume_mm3 = report.source_volume_mm3 - report.result_volume_mm3;
+  if (added.triangles.empty())
+    report.removed_volume_mm3 = report.source_volume_mm3 - report.result_volume_mm3;
+  else
+    report.added_volume_mm3 = report.result_volume_mm3 - report.source_volume_mm3 + report.removed_volume_mm3;
   out.result.is_cut.resize(mesh.triangles.size());
   for (std::size_t t = 0; t < tag.size(); ++t) out.result.is_cut[t] = tag[t] == kNoSource;
   report.cut_triangles = static_cast<std::size_t>(std::count(out.result.is_cut.begin(), out.result.is_cut.end(), 1));
@@ -163,7 +177,7 @@ Expected<Prepared> attempt(const Mesh& source, const Mesh& removed, double voxel
 }  // namespace
 
 Expected<PostOpMesh> postOperativeMesh(const Mesh& source, const BrickField& rho, const PostOpOptions& options,
-                                       const Progress& progress) {
+                                       const Progress& progress, const BrickField* added) {
   const auto cancelError = [] { return fail({Error::Code::kCancelled, "", "", "cancelled", "", ""}); };
   const double h = rho.voxel();
   // Float32 is a lottery with good odds: a mesh that does not come out clean is tried again with the cut shifted by
@@ -172,15 +186,18 @@ Expected<PostOpMesh> postOperativeMesh(const Mesh& source, const BrickField& rho
   Error last;
   for (int n = 1; n <= kAttempts; ++n) {
     if (!report(progress, (n - 1) / double{kAttempts}, "meshing the removed solid")) return cancelError();
-    BrickField shifted = rho;
-    if (n > 1) {
-      const auto by = static_cast<float>((n % 2 ? 0.003 : -0.003) * (n / 2) * h);
-      for (std::size_t b = 0; b < shifted.brickCount(); ++b)
-        for (float& v : shifted.brick(b)) v += by;
-    }
-    const RemovedSolid removed = meshRemovedSolid(shifted);
+    const auto meshOf = [&](const BrickField& solid) {
+      BrickField shifted = solid;
+      if (n > 1) {
+        const auto by = static_cast<float>((n % 2 ? 0.003 : -0.003) * (n / 2) * h);
+        for (std::size_t b = 0; b < shifted.brickCount(); ++b)
+          for (float& v : shifted.brick(b)) v += by;
+      }
+      return meshRemovedSolid(shifted).mesh;
+    };
+    const Mesh removed = meshOf(rho), put_on = added ? meshOf(*added) : Mesh{};
     if (!report(progress, (n - 0.7) / kAttempts, "exact difference")) return cancelError();
-    auto prepared = attempt(source, removed.mesh, h, options);
+    auto prepared = attempt(source, removed, put_on, h, options);
     if (prepared && prepared->why_not.empty()) {
       prepared->result.report.attempts = n;
       return std::move(prepared->result);

@@ -1,4 +1,5 @@
-// The post-operative mesh: the source minus what was removed, exact where nothing was cut, ready for a printer.
+// The post-operative mesh: the source minus what was removed plus what was added, exact where nothing was cut, ready
+// for a printer.
 #pragma once
 
 #include "geometry/brick_field.h"
@@ -19,10 +20,11 @@ struct PostOpOptions {
 struct PostOpReport {
   double source_volume_mm3 = 0, result_volume_mm3 = 0;
   double removed_volume_mm3 = 0;              ///< source - result, of the meshes as written (float32)
+  double added_volume_mm3 = 0;                ///< result - what the cut left; both count rounding, if any, as added
   std::size_t source_vertices_kept = 0;       ///< bit for bit
-  std::size_t source_vertices_removed = 0;    ///< inside the cut
+  std::size_t source_vertices_removed = 0;    ///< inside the cut, or covered by what was added
   std::size_t source_vertices_in_crumbs = 0;  ///< outside the cut, lost with a dropped crumb
-  std::size_t cut_triangles = 0;              ///< on cut walls
+  std::size_t cut_triangles = 0;              ///< on cut walls, and of what was added
   std::size_t pieces = 0;
   std::size_t crumbs_dropped = 0;
   double crumbs_volume_mm3 = 0;
@@ -37,13 +39,13 @@ struct PostOpMesh {
   PostOpReport report;
 };
 
-/// source minus the material in `rho` (see removed_solid.h), rounded to float32, mended, verified.
-/// Guarantees on success: closed, 2-manifold, outward, no self-intersection after rounding to float32; every source
-/// vertex that lies outside the cut is there with its own coordinates and colour, but for those of dropped crumbs,
-/// which are counted.
+/// source minus the material in `rho`, plus that in `added` if given (see removed_solid.h), rounded to float32, mended,
+/// verified. Guarantees on success: closed, 2-manifold, outward, no self-intersection after rounding to float32; every
+/// source vertex that lies outside the cut is there with its own coordinates and colour, but for those of dropped
+/// crumbs, which are counted.
 /// @pre source closed, 2-manifold, outward, free of self-intersections, coordinates representable in float32.
 /// Fails with kGeometry rather than return a mesh that does not hold the guarantees. About 1 s for 100k triangles.
 Expected<PostOpMesh> postOperativeMesh(const Mesh& source, const BrickField& rho, const PostOpOptions& options = {},
-                                       const Progress& progress = {});
+                                       const Progress& progress = {}, const BrickField* added = nullptr);
 
 }  // namespace kerf

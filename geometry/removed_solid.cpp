@@ -40,6 +40,25 @@ BrickField removedFieldFromCut(const BrickField& phi0, const BrickField& phi) {
   return combine(phi0, phi, 4 * h, [h, eps](float p0, float p) { return std::max({-p, p0 + eps - p, p0 - 2 * h}); });
 }
 
+BrickField addedFieldFromFill(const BrickField& phi0, const BrickField& phi) {
+  const auto h = static_cast<float>(phi0.voxel()), eps = 0.1f * h;
+  return combine(phi0, phi, 4 * h, [h, eps](float p0, float p) { return std::max({p, p - p0 + eps, -p0 - 2 * h}); });
+}
+
+void clearAwayFromInside(BrickField& rho) {
+  std::vector<char> has_inside(rho.brickCount());
+  for (std::size_t b = 0; b < rho.brickCount(); ++b)
+    has_inside[b] = std::any_of(rho.brick(b).begin(), rho.brick(b).end(), [](float v) { return v < 0; });
+  for (std::size_t b = 0; b < rho.brickCount(); ++b) {
+    bool is_near = false;
+    for (int n = 0; n < 27 && !is_near; ++n) {
+      const int near = rho.find(rho.brickCoord(b) + Vec3i{n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1});
+      is_near = near >= 0 && has_inside[static_cast<std::size_t>(near)];
+    }
+    if (!is_near) rho.brick(b).fill(rho.background());
+  }
+}
+
 RemovedSolid meshRemovedSolid(const BrickField& rho) {
   RemovedSolid out;
   const Mesh all = marchingCubes(rho);

@@ -78,6 +78,7 @@ std::string toJson(const HapticSummary& s) {
                    {"ended", s.ended},
                    {"initial_mm3", s.initial_mm3},
                    {"removed_mm3", s.removed_mm3},
+                   {"added_mm3", s.added_mm3},
                    {"remaining_mm3", s.remaining_mm3},
                    {"seconds_in_contact", s.seconds_in_contact},
                    {"mean_contact_force_N", s.mean_contact_force},
@@ -89,6 +90,7 @@ std::string toJson(const HapticSummary& s) {
                    {"ticks_too_fast", s.too_fast},
                    {"ticks_out_of_room", s.out_of_room},
                    {"ticks_clamped", s.clamped},
+                   {"ticks_clipped", s.clipped},
                    {"hottest_C", s.hottest_c},
                    {"pulp_rise_K", s.pulp_rise},
                    {"bone_limit_at_s", s.bone_limit_s},
@@ -97,6 +99,7 @@ std::string toJson(const HapticSummary& s) {
                    {"crumbs", s.crumbs},
                    {"state_hash", s.state_hash}};
   for (const auto& [id, volume] : s.removed_by_material) j["removed_by_material_mm3"][id] = volume;
+  for (const auto& [id, volume] : s.added_by_material) j["added_by_material_mm3"][id] = volume;
   for (const auto& [id, distance] : s.least_distance_mm) j["least_distance_mm"][id] = distance;
   return j.dump(2);
 }
@@ -137,13 +140,21 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
   LogSink sink(writer);
   Session session(std::move(model), {baked}, poseAt(path, 0), &sink);
   const CutObject& object = session.state().objects.front();
+  if (!options.add.empty()) {
+    const MaterialProperties* row = materials.find(options.add);
+    if (!row)
+      return fail({Error::Code::kNotFound, "", "--add", "\"" + options.add + "\"", "one of " + materials.ids(),
+                   "or add a [[material]] to materials.toml"});
+    if (!session.apply(fmt::format("add {} 0", static_cast<int>(row->material))))
+      return fail({Error::Code::kBadValue, "", "--add", "\"" + options.add + "\"", "a material that can be cut", ""});
+  }
 
   HapticCut out;
   out.left_region_unused = in_case.region.has_value();
   HapticSummary& sum = out.summary;
   std::ofstream csv(staging.staging() / kForces, std::ios::binary);
   csv << "t_s,x_mm,y_mm,z_mm,contact_x_N,contact_y_N,contact_z_N,hand_x_N,hand_y_N,hand_z_N,normal_load_N,overlap_mm,"
-         "removed_mm3,speed,drive_load,touching,temperature_C";
+         "removed_mm3,added_mm3,speed,drive_load,touching,temperature_C";
   for (const Monitor::Structure& structure : monitor.structures()) csv << "," << structure.id << "_mm";
   csv << "\n";
   const std::unique_ptr<VirtualHand> hand = makeHand(path, options);
@@ -172,7 +183,7 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
     session.tick(sample, tick);
     monitor.tick(sample, tick, object.T_world_object);
     ++sum.ticks;
-    sum.removed_mm3 += tick.removed_mm3;
+    sum.removed_mm3 += tick.removed_mm3, sum.added_mm3 += tick.added_mm3;
     sum.work += tick.power * kTick;
     const double contact = tick.contact.force.norm(), to_hand = tick.force.force.norm();
     if (tick.touching > 0) ++in_contact, contact_sum += contact, load_sum += tick.normal_load;
@@ -185,15 +196,17 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
     sum.too_fast += (tick.status & kStepTooFast) != 0;
     sum.out_of_room += (tick.status & (kStepBricksRanOut | kStepNearRanOut)) != 0;
     sum.clamped += (tick.status & kStepForceClamped) != 0;
+    sum.clipped += (tick.status & kStepFillClipped) != 0;
     if (tick.status & kStepBadSample)
       return fail({Error::Code::kBadValue, path_file.string(), fmt::format("t = {} s", sum.ticks * kTick),
                    "a pose that is not finite", "finite poses", ""});
     const Vec3d &p = tick.T_world_tool.translation, &f = tick.contact.force, &g = tick.force.force;
     csv << fmt::format(
         "{:.3f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.9f},"
-        "{:.3f},{:.6f},{},{:.3f}",
+        "{:.9f},{:.3f},{:.6f},{},{:.3f}",
         static_cast<double>(sum.ticks) * kTick, p[0], p[1], p[2], f[0], f[1], f[2], g[0], g[1], g[2], tick.normal_load,
-        tick.deepest, sum.removed_mm3, tick.speed, tick.drive_load, tick.touching, monitor.temperature());
+        tick.deepest, sum.removed_mm3, sum.added_mm3, tick.speed, tick.drive_load, tick.touching,
+        monitor.temperature());
     for (const Monitor::Structure& structure : monitor.structures()) csv << fmt::format(",{:.4f}", structure.distance);
     csv << "\n";
   }
@@ -203,7 +216,8 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
   const BrickField changed = object.changedField();
   if (changed.isEmpty()) {
     const Vec3d &low = in_case.box.min, &high = in_case.box.max;
-    return fail({Error::Code::kEmpty, path_file.string(), "", fmt::format("tool {} cut nothing", tool.id),
+    return fail({Error::Code::kEmpty, path_file.string(), "",
+                 fmt::format("tool {} {} nothing", tool.id, options.add.empty() ? "cut" : "added"),
                  fmt::format("a path through the box ({:.2f}, {:.2f}, {:.2f}) to ({:.2f}, {:.2f}, {:.2f}) mm", low[0],
                              low[1], low[2], high[0], high[1], high[2]),
                  "check the path's frame and unit, the spindle and the force"});
@@ -217,9 +231,10 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
   const std::array<double, 256> left = object.countVolumes();
   for (std::size_t m = 0; m < 256; ++m) {
     sum.initial_mm3 += baked->volumes()[m], sum.remaining_mm3 += left[m];
-    if (object.removed_mm3[m] == 0) continue;
     const MaterialProperties* row = materials.find(static_cast<Material>(m));
-    sum.removed_by_material[row ? row->id : fmt::format("material {}", m)] += object.removed_mm3[m];
+    const std::string id = row ? row->id : fmt::format("material {}", m);
+    if (object.removed_mm3[m] != 0) sum.removed_by_material[id] += object.removed_mm3[m];
+    if (object.added_mm3[m] != 0) sum.added_by_material[id] += object.added_mm3[m];
   }
   sum.state_hash = fmt::format("{:016x}", session.hash());
   sum.hottest_c = monitor.hottest(), sum.pulp_rise = monitor.mostPulpRise();

@@ -25,6 +25,7 @@ struct HapticCutOptions {
   StepSettings step;        ///< `rendering` is set by the hand: rigid for kFeed, coupled for the others
   double spindle = 1;       ///< 0 to 1 of the tool's nominal speed
   double time_limit = 600;  ///< s of simulated time
+  std::string add;          ///< id of a material: the tool adds it where it goes, instead of cutting; empty: it cuts
 };
 
 /// What a session came to; every force in N, volume mm^3.
@@ -34,16 +35,18 @@ struct HapticSummary {
   bool is_complete = false;  ///< the hand came to the end of its path
   std::string ended;         ///< why it ended
   double removed_mm3 = 0, remaining_mm3 = 0, initial_mm3 = 0;
+  double added_mm3 = 0;
   std::map<std::string, double> removed_by_material;      ///< by id
+  std::map<std::string, double> added_by_material;        ///< of a surface that was covered < 0: its edge has a new id
   double mean_contact_force = 0, peak_contact_force = 0;  ///< mean over ticks in contact
   double mean_normal_load = 0, peak_hand_force = 0;
   double seconds_in_contact = 0;
   double work = 0;         ///< of the drive into the tissue, N mm
   double least_speed = 1;  ///< of the nominal while it was on and had come up to speed
-  std::uint64_t too_fast = 0, out_of_room = 0, clamped = 0;  ///< ticks with that status
-  double hottest_c = 37;                                     ///< under the tool, C
-  double pulp_rise = 0;                                      ///< most, K
-  double bone_limit_s = -1, pulp_limit_s = -1;               ///< when 47 C and +5.5 K were first passed, s; < 0: never
+  std::uint64_t too_fast = 0, out_of_room = 0, clamped = 0, clipped = 0;  ///< ticks with that status
+  double hottest_c = 37;                                                  ///< under the tool, C
+  double pulp_rise = 0;                                                   ///< most, K
+  double bone_limit_s = -1, pulp_limit_s = -1;  ///< when 47 C and +5.5 K were first passed, s; < 0: never
   std::map<std::string, double>
       least_distance_mm;               ///< of the tool to pulp and nerve canal, if it came near; < 0: in it
   std::size_t pieces = 0, crumbs = 0;  ///< what the object fell into, parts below 0.1 mm^3 apart

@@ -95,6 +95,17 @@ double reachBeyond(const FineRegion& region, const BrickField& phi0, const Brick
   return farthest;
 }
 
+// Somewhere phi < phi0: material was added.
+bool liesDeeper(const BrickField& phi, const BrickField& phi0) {
+  for (std::size_t b = 0; b < phi.brickCount(); ++b) {
+    const BrickValues* const before = phi0.valuesAt(phi.brickCoord(b));
+    const float constant = phi0.constantAt(phi.brickCoord(b));
+    for (std::size_t n = 0; n < kBrickNodes; ++n)
+      if (phi.brick(b)[n] < (before ? (*before)[n] : constant)) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 bool isRun(const fs::path& folder) {
@@ -257,8 +268,13 @@ Expected<Export> exportBundle(const fs::path& bundle, const PostOpOptions& optio
     return fail({Error::Code::kBadValue, (bundle / kRunField).string(), is_geometry ? "grid sweep" : "grid phi",
                  fmt::format("{} mm voxels", cut.voxel()), fmt::format("{} mm, as in the case", phi0.voxel()),
                  "cut again"});
-  auto result = postOperativeMesh(
-      solid, is_geometry ? removedFieldFromSweep(phi0, cut) : removedFieldFromCut(phi0, cut), options, progress);
+  const bool has_added = !is_geometry && liesDeeper(cut, phi0);
+  BrickField removed = is_geometry ? removedFieldFromSweep(phi0, cut) : removedFieldFromCut(phi0, cut), added;
+  if (has_added) {
+    added = addedFieldFromFill(phi0, cut);
+    clearAwayFromInside(removed), clearAwayFromInside(added);
+  }
+  auto result = postOperativeMesh(solid, removed, options, progress, has_added ? &added : nullptr);
   if (!result) {
     result.error().file = bundle.string();
     return fail(result.error());

@@ -63,25 +63,27 @@ Expected<void> fill(const Mesh& mesh, const char* name, SurfaceMesh& out) {
   return {};
 }
 
-}  // namespace
+enum class Operation { kDifference, kUnion };
 
-Expected<Difference> subtract(const Mesh& minuend, const Mesh& subtrahend) {
+Expected<Difference> combine(const Mesh& minuend, const Mesh& other, Operation operation) {
+  const bool is_union = operation == Operation::kUnion;
+  const char* const name = is_union ? "exact union" : "exact difference";
   try {
     auto a = std::make_unique<SurfaceMesh>(), b = std::make_unique<SurfaceMesh>(),
          out = std::make_unique<SurfaceMesh>();
     KERF_CHECK(fill(minuend, "source", *a));
-    KERF_CHECK(fill(subtrahend, "removed solid", *b));
+    KERF_CHECK(fill(other, is_union ? "added solid" : "removed solid", *b));
     OriginVisitor::State state;
     state.minuend = a.get();
     state.minuend_origin.face.resize(minuend.triangles.size());
     for (std::uint32_t t = 0; t < minuend.triangles.size(); ++t) state.minuend_origin.face[t] = t;
-    const bool ok = PMP::corefine_and_compute_difference(
-        *a, *b, *out, CGAL::parameters::visitor(OriginVisitor(&state)).throw_on_self_intersection(true),
-        CGAL::parameters::all_default());
+    const auto visited = CGAL::parameters::visitor(OriginVisitor(&state)).throw_on_self_intersection(true);
+    const bool ok = is_union
+                        ? PMP::corefine_and_compute_union(*a, *b, *out, visited, CGAL::parameters::all_default())
+                        : PMP::corefine_and_compute_difference(*a, *b, *out, visited, CGAL::parameters::all_default());
     if (!ok)
-      return fail({Error::Code::kGeometry, "", "exact difference", "a result that is not 2-manifold",
-                   "source and removed solid that cross each other transversally",
-                   "bake with another --voxel and cut again"});
+      return fail({Error::Code::kGeometry, "", name, "a result that is not 2-manifold",
+                   "surfaces that cross each other transversally", "bake with another --voxel and cut again"});
 
     // Surviving minuend vertices are known by their coordinates: corefinement never moves one, and never makes a new
     // point where the minuend, free of duplicates, already has one.
@@ -148,12 +150,22 @@ Expected<Difference> subtract(const Mesh& minuend, const Mesh& subtrahend) {
     }
     return result;
   } catch (const PMP::Corefinement::Self_intersection_exception&) {
-    return fail({Error::Code::kGeometry, "", "exact difference", "a surface that crosses itself where the cut passes",
+    return fail({Error::Code::kGeometry, "", name, "a surface that crosses itself where the cut passes",
                  "a source free of self-intersections", "kerf check on the source; bake with --close wrap"});
   } catch (const std::exception& e) {
-    return fail({Error::Code::kGeometry, "", "exact difference", std::string("the boolean gave up: ") + e.what(), "",
+    return fail({Error::Code::kGeometry, "", name, std::string("the boolean gave up: ") + e.what(), "",
                  "bake with another --voxel and cut again"});
   }
+}
+
+}  // namespace
+
+Expected<Difference> subtract(const Mesh& minuend, const Mesh& subtrahend) {
+  return combine(minuend, subtrahend, Operation::kDifference);
+}
+
+Expected<Difference> unite(const Mesh& minuend, const Mesh& added) {
+  return combine(minuend, added, Operation::kUnion);
 }
 
 }  // namespace kerf

@@ -1,4 +1,4 @@
-// Exact difference of two closed meshes that leaves alone what it does not cut.
+// Exact difference and union of two closed meshes that leave alone what they do not meet.
 #pragma once
 
 #include <cstdint>
@@ -26,5 +26,9 @@ struct Difference {
 /// Fails with kGeometry when the library gives up (a self-intersection in the way); the inputs are untouched then.
 /// About 0.2 s for 200k minus 20k triangles. Thread: any, one at a time per call.
 Expected<Difference> subtract(const Mesh& minuend, const Mesh& subtrahend);
+
+/// minuend + added, as above: vertices of the minuend that are not inside `added` keep their coordinates bit for bit.
+/// What is new or of `added` has no origin.
+Expected<Difference> unite(const Mesh& minuend, const Mesh& added);
 
 }  // namespace kerf

@@ -140,6 +140,38 @@ TEST_F(Cli, ACutAgainstResistanceIsRecordedAndReplaysBitForBit) {
   refuses({"replay", at("gone.run")}, {"not a run"});
 }
 
+TEST_F(Cli, WhatIsAddedIsPartOfTheExportedSolidAndTheRestIsAsItWas) {
+  ASSERT_EQ(runKerf({"demo", "molar", "--coarseness", "2", "-o", at("molar")}).exit_code, 0);
+  ASSERT_EQ(runKerf({"bake", at("molar/molar.toml"), "--voxel", "0.2", "-o", at("molar.case")}).exit_code, 0);
+  std::ofstream(at("ridge.toml")) << "format = \"kerf-path\"\nversion = 1\nframe = \"object\"\nfeed = 4.0\n[start]\n"
+                                     "position = [-2, 0, 4.6]\naxis = [0, 0, 1]\n[[stroke]]\nkind = \"line\"\n"
+                                     "by = [4, 1, 0.3]\n";
+  const auto put = [&](const std::string& run, const std::string& material) {
+    return runKerf({"cut", at("molar.case"), "--tool", "round-023", "--path", at("ridge.toml"), "-o", at(run), "--hand",
+                    "feed", "--add", material, "--json"});
+  };
+  const json added = parsed(put("ridge.run", "composite"));
+  EXPECT_EQ(added["removed_mm3"], 0);
+  EXPECT_GT(added["added_mm3"].get<double>(), 5);
+  EXPECT_NEAR(added["initial_mm3"].get<double>() + added["added_mm3"].get<double>(),
+              added["remaining_mm3"].get<double>(), 1e-6 * added["initial_mm3"].get<double>());
+  EXPECT_GT(added["added_by_material_mm3"]["composite"].get<double>(), 5);
+  EXPECT_TRUE(parsed(runKerf({"replay", at("ridge.run"), "--json"}))["is_same"].get<bool>());
+  const json solid =
+      parsed(runKerf({"export", at("ridge.run"), "-o", at("ridge.stl"), "-o", at("ridge.ply"), "--json"}));
+  EXPECT_EQ(solid["pieces"], 1);
+  EXPECT_NEAR(solid["removed_volume_mm3"].get<double>(), 0, 1e-3);
+  // The mesh is made of what the step added; the surface it covers is good to some tenths of a voxel.
+  EXPECT_NEAR(solid["added_volume_mm3"].get<double>(), added["added_mm3"].get<double>(),
+              0.03 * added["added_mm3"].get<double>());
+  EXPECT_GT(solid["source_vertices_kept"].get<int>(), 9 * solid["source_vertices_removed"].get<int>());
+  EXPECT_EQ(runKerf({"check", at("ridge.stl")}).exit_code, 0);
+  const Outcome unknown = put("x.run", "amalgam");
+  EXPECT_EQ(unknown.exit_code, 1);
+  EXPECT_NE(unknown.err.find("\"amalgam\""), unknown.err.npos) << unknown.err;
+  EXPECT_FALSE(std::filesystem::exists(at("x.run")));
+}
+
 TEST_F(Cli, ACutInAFineRegionIsTheCutOfAnObjectBakedThatFine) {
   ASSERT_EQ(runKerf({"demo-molar", "--edge", "0.4", "-o", at("molar.ply")}).exit_code, 0);
   const std::string cavity = std::string(KERF_SOURCE_DIR) + "/assets/paths/demo-cavity.toml";

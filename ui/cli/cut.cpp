@@ -4,8 +4,10 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <utility>
 
 #include "geometry/tool_file.h"
+#include "sim/baked_object.h"
 #include "sim/haptic_cut.h"
 #include "sim/run_bundle.h"
 #include "ui/cli/command.h"
@@ -64,6 +66,16 @@ int runByHand(const Arguments& a, const std::filesystem::path& tool) {
   }
   fmt::print("cut with {} held by a {} hand for {:.2f} s, {:.2f} s of it in contact, voxels {} mm; ended: {}\n",
              cut->manifest.tool_id, a.hand, s.seconds, s.seconds_in_contact, cut->manifest.voxel_mm, s.ended);
+  if (!a.haptic.add.empty()) {
+    fmt::print("added {:.4f} mm3", s.added_mm3);
+    const char* between = ": ";
+    for (const auto& [id, volume] : s.added_by_material)
+      fmt::print("{}{} {:+.4f}", std::exchange(between, ", "), id, volume);
+    fmt::print("\n");
+    if (s.clipped > 0)
+      fmt::print("{} of {} ticks reached farther than {:g} mm from the object's box: nothing was added there\n",
+                 s.clipped, s.ticks, kAirAround);
+  }
   fmt::print("removed {:.4f} mm3", s.removed_mm3);
   const char* separator = ": ";
   for (const auto& [id, volume] : s.removed_by_material) {
@@ -151,6 +163,8 @@ void addCut(CLI::App& app, int& exit_code) {
       "--haptic", [a] { a->hand = a->hand.empty() ? "device" : a->hand; }, "the same as --hand device");
   auto* by_hand = c->add_option_group("With --hand");
   by_hand->add_option("--spindle", a->haptic.spindle, "speed, 0 to 1 of the tool's nominal one")->capture_default_str();
+  by_hand->add_option("--add", a->haptic.add,
+                      "id of a material, such as composite: the tool adds it where it goes, instead of cutting");
   by_hand->add_option("--time-limit", a->haptic.time_limit, "simulated s")->capture_default_str();
   by_hand->add_option("--coupling", a->haptic.step.coupling.stiffness, "stiffness of the virtual coupling, N/mm")
       ->capture_default_str();

@@ -41,6 +41,7 @@ int run(const Arguments& a) {
                              {"source_volume_mm3", r.source_volume_mm3},
                              {"result_volume_mm3", r.result_volume_mm3},
                              {"removed_volume_mm3", r.removed_volume_mm3},
+                             {"added_volume_mm3", r.added_volume_mm3},
                              {"crumbs_dropped", r.crumbs_dropped},
                              {"source_vertices_in_crumbs", r.source_vertices_in_crumbs},
                              {"crumbs_volume_mm3", r.crumbs_volume_mm3},
@@ -56,6 +57,7 @@ int run(const Arguments& a) {
                pieces);
   } else {
     fmt::print("removed {:.4f} mm3 of {:.4f} mm3; {}\n", r.removed_volume_mm3, r.source_volume_mm3, pieces);
+    if (r.added_volume_mm3 != 0) fmt::print("added {:.4f} mm3\n", r.added_volume_mm3);
     fmt::print("vertices of the solid: {} kept bit for bit, {} inside the cut; {} of {} triangles are cut faces\n",
                r.source_vertices_kept, r.source_vertices_removed, r.cut_triangles,
                result->post_op.mesh.triangles.size());
