@@ -79,7 +79,7 @@ CutObject CutObject::piece(const CutObject& whole, const PieceBricks& bricks) {
       values_of.push_back(nullptr);
     out.piece_key_ += (coordKey(brick) + 1) * 0x9e3779b97f4a7c15ull;
   }
-  if (!out.reserve(own + own / 2 + 4096)) throw std::bad_alloc();
+  if (!out.reserve(own + own / 2 + 64)) throw std::bad_alloc();
   std::vector<int> rebuild;
   for (int s = 0; s < out.slotCount(); ++s) {
     Slot& slot = out.slot(s);

@@ -407,6 +407,18 @@ std::uint32_t PieceFinder::pieceAt(const Vec3i& node) const {
   return piece_of_part_[first_part_[static_cast<std::size_t>(slot)] + partAt(slot, offset)];
 }
 
+void PieceFinder::piecesIn(const Vec3i& brick, std::span<std::uint32_t, kBrickNodes> out) const {
+  assert(is_current_);
+  const std::int32_t slot = slotOf(brick);
+  if (slot == kNoSlot || partCount(slot) == 0) return std::fill(out.begin(), out.end(), kNoPiece);
+  const std::uint32_t* const piece = piece_of_part_.data() + first_part_[static_cast<std::size_t>(slot)];
+  const std::int32_t index = detail_of_[static_cast<std::size_t>(slot)];
+  if (index < 0) return std::fill(out.begin(), out.end(), *piece);
+  const Detail& d = details_[static_cast<std::size_t>(index)];
+  for (std::size_t n = 0; n < out.size(); ++n)
+    out[n] = d.bits[n >> 6] >> (n & 63) & 1 ? piece[d.label.empty() ? 0 : d.label[n]] : kNoPiece;
+}
+
 std::uint32_t PieceFinder::pieceOfSlot(std::size_t s) const {
   std::uint32_t piece = kNoPiece;
   for (std::uint32_t p = first_part_[s]; p < first_part_[s + 1]; ++p) {
@@ -420,6 +432,29 @@ std::uint32_t PieceFinder::pieceOfBrick(const Vec3i& brick) const {
   assert(is_current_);
   const std::int32_t slot = slotOf(brick);
   return slot == kNoSlot ? kNoPiece : pieceOfSlot(static_cast<std::size_t>(slot));
+}
+
+bool PieceFinder::hasOthersWithin(const Vec3i& brick, int reach, std::uint32_t piece) const {
+  assert(is_current_ && reach <= kBrickSide);
+  const Vec3i low = brick * kBrickSide - Vec3i::Constant(reach);
+  const Vec3i high = brick * kBrickSide + Vec3i::Constant(kBrickSide - 1 + reach);
+  for (int n = 0; n < 27; ++n) {
+    const Vec3i c = brick + Vec3i{n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1};
+    const std::int32_t slot = slotOf(c);
+    if (slot == kNoSlot) continue;
+    const auto s = static_cast<std::size_t>(slot);
+    const std::int32_t index = detail_of_[s];
+    for (std::uint32_t p = first_part_[s]; p < first_part_[s + 1]; ++p) {
+      if (piece_of_part_[p] == piece) continue;
+      if (index < 0) return true;
+      const Part& part = details_[static_cast<std::size_t>(index)].parts[p - first_part_[s]];
+      const Vec3i base = c * kBrickSide;
+      const Vec3i part_low = base + Vec3i{part.low[0], part.low[1], part.low[2]};
+      const Vec3i part_high = base + Vec3i{part.high[0], part.high[1], part.high[2]};
+      if ((part_low.array() <= high.array()).all() && (part_high.array() >= low.array()).all()) return true;
+    }
+  }
+  return false;
 }
 
 std::vector<PieceFinder::InsideBrick> PieceFinder::insideBricks() const {

@@ -75,6 +75,11 @@ class PieceFinder {
   std::uint32_t pieceAt(const Vec3i& node) const;
   /// Piece of all inside nodes of a brick; kNoPiece when it has none, kSeveralPieces when they differ. @pre as above.
   std::uint32_t pieceOfBrick(const Vec3i& brick) const;
+  /// Pieces of all nodes of a brick, as pieceAt() gives them. @pre as above.
+  void piecesIn(const Vec3i& brick, std::span<std::uint32_t, kBrickNodes> out) const;
+  /// Inside nodes of another piece may lie within so many nodes of a brick, along each axis. False: none does. @pre as
+  /// above.
+  bool hasOthersWithin(const Vec3i& brick, int reach, std::uint32_t piece) const;
   struct InsideBrick {
     Vec3i brick;
     std::uint32_t piece;  ///< as pieceOfBrick()

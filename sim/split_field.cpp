@@ -32,24 +32,23 @@ void separate(const PieceFinder& pieces, std::uint32_t id, const Vec3i& brick, i
   std::vector<unsigned char> whose(value.size(), 0);
   const Vec3i first = brickOf(Vec3i(base - Vec3i::Constant(margin)));
   const Vec3i last = brickOf(Vec3i(base + Vec3i::Constant(kBrickSide - 1 + margin)));
+  std::array<std::uint32_t, kBrickNodes> piece_of;
   for (int x = first[0]; x <= last[0]; ++x)
     for (int y = first[1]; y <= last[1]; ++y)
       for (int z = first[2]; z <= last[2]; ++z) {
         const Vec3i c{x, y, z}, shift = (c - brick) * kBrickSide;
         const BrickValues* const values = field.valuesAt(c);
         const float constant = field.constantAt(c);
-        const std::uint32_t all = pieces.pieceOfBrick(c);
+        pieces.piecesIn(c, piece_of);
         const Vec3i low = (-shift - Vec3i::Constant(margin)).cwiseMax(0);
         const Vec3i high = (-shift + Vec3i::Constant(kBrickSide - 1 + margin)).cwiseMin(kBrickSide - 1);
         for (int i = low[0]; i <= high[0]; ++i)
           for (int j = low[1]; j <= high[1]; ++j)
             for (int k = low[2]; k <= high[2]; ++k) {
               const std::size_t at = indexOf(i + shift[0], j + shift[1], k + shift[2]);
-              value[at] = values ? (*values)[static_cast<std::size_t>(nodeOffset(i, j, k))] : constant;
-              if (!(value[at] < 0)) continue;
-              const std::uint32_t piece =
-                  all == PieceFinder::kSeveralPieces ? pieces.pieceAt(c * kBrickSide + Vec3i{i, j, k}) : all;
-              whose[at] = piece == id ? 1 : 2;
+              const auto n = static_cast<std::size_t>(nodeOffset(i, j, k));
+              value[at] = values ? (*values)[n] : constant;
+              if (value[at] < 0) whose[at] = piece_of[n] == id ? 1 : 2;
             }
       }
 
@@ -137,10 +136,10 @@ PieceBricks bricksOfPiece(const PieceFinder& pieces, std::uint32_t id) {
     unsigned char what = b.piece == id ? kOwn : kForeign;
     if (b.piece == PieceFinder::kSeveralPieces) {
       what = 0;
-      for (int n = 0; n < kBrickNodes && what != (kOwn | kForeign); ++n) {
-        const std::uint32_t at = pieces.pieceAt(b.brick * kBrickSide + Vec3i{n >> 6, n >> 3 & 7, n & 7});
-        if (at != PieceFinder::kNoPiece) what = static_cast<unsigned char>(what | (at == id ? kOwn : kForeign));
-      }
+      std::array<std::uint32_t, kBrickNodes> piece_of;
+      pieces.piecesIn(b.brick, piece_of);
+      for (const std::uint32_t piece : piece_of)
+        if (piece != PieceFinder::kNoPiece) what = static_cast<unsigned char>(what | (piece == id ? kOwn : kForeign));
     }
     cell(cellOf(b.brick)) |= what;
   }
@@ -159,6 +158,9 @@ PieceBricks bricksOfPiece(const PieceFinder& pieces, std::uint32_t id) {
     }
     for (const std::ptrdiff_t step : around) cell(at + step) |= kNearOwn;
   }
+  // No farther than the bricks around: what lies beyond eight nodes is beyond any band in use.
+  const int reach =
+      std::clamp(static_cast<int>(std::ceil(double{field.background()} / field.voxel())), 1, kBrickSide - kPad);
   // The piece's own bricks and those around them; of the bricks that are stored as constants only foreign ones change.
   for (int x = low[0]; x <= high[0]; ++x)
     for (int y = low[1]; y <= high[1]; ++y)
@@ -167,7 +169,7 @@ PieceBricks bricksOfPiece(const PieceFinder& pieces, std::uint32_t id) {
         const unsigned char what = cell(cellOf(c));
         if (!(what & kNearOwn) || (!(what & kStored) && (what & (kOwn | kForeign)) != kForeign)) continue;
         out.bricks.push_back(c);
-        if (!(what & kNearForeign)) continue;
+        if (!(what & kNearForeign) || !pieces.hasOthersWithin(c, reach, id)) continue;
         BrickEdit& edit = out.changed.emplace_back();
         edit.brick = c;
         if (const BrickValues* values = field.valuesAt(c))
@@ -175,9 +177,6 @@ PieceBricks bricksOfPiece(const PieceFinder& pieces, std::uint32_t id) {
         else
           edit.phi.fill(field.constantAt(c));
       }
-  // No farther than the bricks around: what lies beyond eight nodes is beyond any band in use.
-  const int reach =
-      std::clamp(static_cast<int>(std::ceil(double{field.background()} / field.voxel())), 1, kBrickSide - kPad);
   tbb::parallel_for(std::size_t{0}, out.changed.size(),
                     [&](std::size_t n) { separate(pieces, id, out.changed[n].brick, reach, out.changed[n].phi); });
   return out;
