@@ -51,6 +51,8 @@ class CutObject {
   /// More bricks that can change without reserve(): values and shells, of neighbours too. @rt
   std::size_t freeBricks() const noexcept;
 
+  /// Slots it began with; those after them were air.
+  int firstSlotCount() const { return static_cast<int>(most_slots_) - kMostAdded; }
   int slotCount() const { return static_cast<int>(slots_.size()); }
   const Slot& slot(int s) const { return slots_[static_cast<std::size_t>(s)]; }
   Slot& slot(int s) { return slots_[static_cast<std::size_t>(s)]; }

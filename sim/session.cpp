@@ -57,7 +57,7 @@ namespace {
 
 State stateOf(std::vector<std::shared_ptr<const BakedObject>> objects, const Rigid3& start) {
   State out;
-  out.objects.reserve(Session::kMostObjects);
+  out.objects.reserve(kMostObjects);
   for (auto& object : objects) out.objects.emplace_back(std::move(object), kReserve);
   out.place(start);
   return out;
@@ -216,7 +216,8 @@ void Session::tick(const DeviceSample& sample, StepOutput& output) {
   step(model_, state_, sample, output);
   for (CutObject& object : state_.objects)
     if (object.freeBricks() < kReserve / 2) object.reserve(kReserve);
-  if (split_every_ > 0 && output.bricks_cut > 0 && ++ticks_cut_ >= split_every_) {
+  // What is being added may not hang together yet.
+  if (split_every_ > 0 && state_.adds == Material::kNone && output.bricks_cut > 0 && ++ticks_cut_ >= split_every_) {
     ticks_cut_ = 0;
     for (std::size_t n = state_.objects.size(); n-- > 0;) {
       // Without a change there is nothing new to find.

@@ -54,8 +54,6 @@ class Session {
   /// Looks for pieces every so many ticks in which something was cut, and splits what has come apart; 0: never. For
   /// sessions in lockstep: it takes milliseconds. A replay does not ask: it follows the commands.
   void splitWhenApart(int every_ticks, const PieceOptions& options = {});
-  /// Objects a session can hold; what would be more stays in one.
-  static constexpr std::size_t kMostObjects = 64;
   /// What was dropped as crumbs so far, for good: an undo counts it no less.
   struct Crumbs {
     std::size_t count = 0;

@@ -37,6 +37,9 @@ struct Model {
   StepSettings settings;
 };
 
+/// Objects a scene can hold; what would come apart into more stays in one.
+inline constexpr std::size_t kMostObjects = 64;
+
 /// Belongs to the thread that calls step(). Everything is reserved when it is made.
 struct State {
   State() : near(1 << 16) {}

@@ -1,0 +1,27 @@
+// The state of a session as bytes: what a snapshot in its log holds, and from which a replay can start. Only what
+// differs from the objects as loaded is in it. Byte by byte in docs/formats.md.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "geometry/error.h"
+#include "sim/step.h"
+
+namespace kerf {
+
+using LoadedObjects = std::vector<std::shared_ptr<const BakedObject>>;
+
+/// @param loaded  what the session's objects were made of; pieces are of one of them, too.
+/// The same state gives the same bytes. Allocates; 3 KB a changed brick.
+std::vector<std::byte> packState(const State& state, const LoadedObjects& loaded);
+
+/// A state as it was, at rest in every way that does not show: tools, objects, pieces, forces go on bit for bit. What
+/// could be undone is not in it. Lengths are claims: nothing is allocated that the bytes do not cover.
+/// @param file  named in errors. Errors: bytes of another version, cut short, or that fit other objects.
+Expected<State> unpackState(std::span<const std::byte> bytes, const LoadedObjects& loaded, const std::string& file);
+
+}  // namespace kerf
