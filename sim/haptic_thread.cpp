@@ -22,6 +22,7 @@ constexpr int kCommandsATick = 4;
 // 2 KiB are copied for each. Undo changes thousands; the mesher has them within some ticks.
 constexpr int kEditsATick = 128;
 constexpr std::uint64_t kTimesEvery = 100;
+constexpr std::size_t kRecords = 4;  // of strokes an object should have free
 
 struct CommandText {
   std::array<char, kMaxCommandBytes> text;
@@ -54,6 +55,11 @@ struct HapticThread::State {
         object_count(objects.size()),
         session(std::move(model), std::move(objects), start, &sink),
         offers(std::make_unique<std::atomic<Room*>[]>(object_count)) {
+    for (std::size_t n = 0; n < object_count; ++n) {
+      CutObject& object = session.object(n);
+      room_sizes.push_back(roomFor(object));
+      if (object.freeBricks() < room_sizes[n] && !object.reserve(room_sizes[n])) throw std::bad_alloc();
+    }
     report.output.T_world_tool = session.state().body.pose;
   }
   ~State() {
@@ -73,10 +79,8 @@ struct HapticThread::State {
 
   void keepRoom();  // the keeper's thread
 
-  // An object needs room for no more bricks than it has, in every stroke.
-  std::size_t roomFor(std::size_t n) const noexcept {
-    return std::min(Session::kRoom, static_cast<std::size_t>(session.state().objects[n].slotCount()));
-  }
+  // An object needs room for no more bricks than it may have, in every stroke.
+  static std::size_t roomFor(const CutObject& object) noexcept { return std::min(Session::kRoom, object.mostBricks()); }
 
   const HapticOptions options;
   const std::size_t object_count;
@@ -95,6 +99,7 @@ struct HapticThread::State {
   TripleBuffer<HapticReport> reports;
   TripleBuffer<HapticTimes> newest_times;
   boost::lockfree::spsc_queue<CommandText, boost::lockfree::capacity<kMostCommands>> commands;
+  std::vector<std::size_t> room_sizes;           // one an object
   std::unique_ptr<std::atomic<Room*>[]> offers;  // one an object: made by the keeper, taken by the haptic thread
   std::atomic<bool> is_stopping{false};
   std::thread keeper, haptic;
@@ -104,7 +109,7 @@ void HapticThread::State::keepRoom() {
   while (!is_stopping.load(std::memory_order_acquire)) {
     for (std::size_t n = 0; n < object_count; ++n)
       if (!offers[n].load(std::memory_order_relaxed))  // without memory: again in a moment
-        offers[n].store(Room::make(roomFor(n)).release(), std::memory_order_release);
+        offers[n].store(Room::make(room_sizes[n]).release(), std::memory_order_release);
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
 }
@@ -113,12 +118,13 @@ bool HapticThread::State::takeRoom() noexcept {
   bool is_enough = true;
   for (std::size_t n = 0; n < object_count; ++n) {
     CutObject& object = session.object(n);
-    const std::size_t wanted = roomFor(n);
-    if (object.freeBricks() < wanted && offers[n].load(std::memory_order_relaxed)) {
+    const std::size_t wanted = room_sizes[n];
+    const bool wants_room = object.freeBricks() < wanted || object.freeRecords() < kRecords;
+    if (wants_room && offers[n].load(std::memory_order_relaxed)) {
       object.take(std::unique_ptr<Room>(offers[n].exchange(nullptr, std::memory_order_acq_rel)));
       ++report.counts.rooms_taken;
     }
-    is_enough &= object.freeBricks() >= wanted / 4;
+    is_enough &= object.freeBricks() >= wanted / 4 && object.freeRecords() > 1;  // undo ends a stroke, too
   }
   return is_enough;
 }
@@ -149,23 +155,23 @@ bool HapticThread::State::handleCommands() noexcept {
   CommandText next;
   for (int n = 0; n < kCommandsATick && commands.pop(next); ++n) {
     const std::string_view text(next.text.data(), next.size);
-    if (!session.isPossible(text)) {
-      ++report.counts.commands_refused;
-      continue;
-    }
+    bool is_done = false;
     if (text == "undo" || text == "redo") {
-      pauseFor([&] {
-        session.applyWithin(text);
-        while (!session.repair() && !is_stopping.load(std::memory_order_relaxed)) {
-          sleepUntil(monotonicNow() + kPeriod);
-          takeRoom();
-        }
-      });
-      has_paused = true;
-    } else {
-      session.applyWithin(text);
+      is_done = text == "undo" ? session.canUndo() : session.canRedo();
+      if (is_done) {
+        pauseFor([&] {
+          session.applyWithin(text);
+          while (!session.repair() && !is_stopping.load(std::memory_order_relaxed)) {
+            sleepUntil(monotonicNow() + kPeriod);
+            takeRoom();
+          }
+        });
+        has_paused = true;
+      }
+    } else if (!text.starts_with("pieces.")) {  // which allocates
+      is_done = session.applyWithin(text);
     }
-    ++report.counts.commands_done;
+    ++(is_done ? report.counts.commands_done : report.counts.commands_refused);
   }
   return has_paused;
 }

@@ -74,6 +74,8 @@ struct HapticTimes {
 /// "latch.clear" follows: the force fades in again, the drive starts anew, and a stroke that was under way has ended. A
 /// device that was latched before stays latched. After an undo the tool may be inside tissue that came back; the
 /// coupling keeps that within the force limit as it does any other contact.
+///
+/// Pieces: what is severed stays one object here. "pieces.split" allocates and takes milliseconds, so it is refused.
 class HapticThread {
  public:
   /// As Session's. Allocates all that the ticks need; starts nothing.

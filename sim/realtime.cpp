@@ -36,13 +36,13 @@ std::string programName() {
   return length > 0 ? std::string(path.data(), static_cast<std::size_t>(length)) : "PROGRAM";
 }
 
-std::string hintFor(const char* limit, const char* value, const char* capability, bool is_privileged) {
+std::string hintFor(const char* limit, const char* value, bool is_privileged) {
   if (is_privileged)
     return "a container or a control group forbids it: start it with the capability and a real-time budget";
   return fmt::format(
       "add \"@USERS - {} {}\" for a group of yours to /etc/security/limits.d/kerf.conf and log in again, or: sudo "
-      "setcap {}+ep {}",
-      limit, value, capability, programName());
+      "setcap cap_sys_nice,cap_ipc_lock+ep {}",
+      limit, value, programName());
 }
 
 // Touched once, so that the first deep call finds its pages.
@@ -70,10 +70,10 @@ RealTimeGrant askForRealTime(const RealTimeRequest& request) {
     if (const int error = ::pthread_setschedparam(::pthread_self(), SCHED_FIFO, &wanted); error == 0)
       out.priority = request.priority;
     else
-      out.refusals.push_back({fmt::format("SCHED_FIFO, priority {}", request.priority),
-                              fmt::format("{}; limit rtprio: {}", std::strerror(error), limitOf(RLIMIT_RTPRIO, "")),
-                              error == EINVAL ? "choose a priority from 1 to 99"
-                                              : hintFor("rtprio", "95", "cap_sys_nice", hasCapability(CAP_SYS_NICE))});
+      out.refusals.push_back(
+          {fmt::format("SCHED_FIFO, priority {}", request.priority),
+           fmt::format("{}; limit rtprio: {}", std::strerror(error), limitOf(RLIMIT_RTPRIO, "")),
+           error == EINVAL ? "choose a priority from 1 to 99" : hintFor("rtprio", "95", hasCapability(CAP_SYS_NICE))});
   }
   if (request.lock_memory) {
     rlimit limit{};
@@ -87,7 +87,7 @@ RealTimeGrant askForRealTime(const RealTimeRequest& request) {
           {"locking memory",
            fmt::format("{}; limit memlock: {}", std::strerror(error), limitOf(RLIMIT_MEMLOCK, " bytes")),
            error == ENOMEM ? "close other programs: what the process has does not fit into memory"
-                           : hintFor("memlock", "unlimited", "cap_ipc_lock", hasCapability(CAP_IPC_LOCK))});
+                           : hintFor("memlock", "unlimited", hasCapability(CAP_IPC_LOCK))});
   }
   prefaultStack();
   return out;

