@@ -1,9 +1,10 @@
 #include "geometry/brick_field.h"
 
 #include <algorithm>
-#include <bit>
 #include <cassert>
 #include <cmath>
+
+#include "geometry/brick_hash.h"
 
 namespace kerf {
 
@@ -64,16 +65,9 @@ Box3 BrickField::bounds() const {
 }
 
 std::uint64_t BrickField::stateHash() const {
-  const auto mix = [](std::uint64_t h, std::uint64_t v) {
-    h = (h ^ v) * 0x9e3779b97f4a7c15ull;
-    return h ^ (h >> 29);
-  };
-  std::uint64_t sum = mix(0x6b657266ull, std::bit_cast<std::uint64_t>(voxel_));
-  for (std::size_t b = 0; b < coords_.size(); ++b) {
-    std::uint64_t h = mix(0x627269636bull, coordKey(coords_[b]));
-    for (const float v : values_[b]) h = mix(h, std::bit_cast<std::uint32_t>(v));
-    sum += h;  // a sum does not care in which order the bricks came
-  }
+  std::uint64_t sum = hashOfNoBricks(voxel_);
+  for (std::size_t b = 0; b < coords_.size(); ++b)
+    sum += brickHashes<1>({coordKey(coords_[b])}, {values_[b].data()})[0];  // a sum does not care about the order
   return sum;
 }
 

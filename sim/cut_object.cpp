@@ -6,22 +6,42 @@
 #include <cmath>
 #include <cstring>
 #include <new>
+#include <utility>
+
+#include "geometry/brick_hash.h"
 
 namespace kerf {
 namespace {
 
 int chunkCount(int nodes) { return (nodes + ShellChunk::kNodes - 1) / ShellChunk::kNodes; }
 
-constexpr std::size_t kChunksPerBrick = 5;  // 320 nodes: more than a plane's 8 x 8 x 3, or two of them
+bool hasChangedMaterials(const CutObject::Slot& slot) {
+  return slot.own_materials && std::memcmp(slot.own_materials, slot.baked_materials, kBrickNodes) != 0;
+}
+
+// What the materials of a brick add to the hash.
+std::uint64_t materialsHash(const CutObject::Slot& slot) {
+  std::uint64_t h = coordKey(slot.brick);
+  for (int n = 0; n < kBrickNodes; n += 8) {
+    std::uint64_t eight;
+    std::memcpy(&eight, slot.own_materials + n, 8);
+    h = (h ^ eight) * 0x9e3779b97f4a7c15ull, h ^= h >> 29;
+  }
+  return h;
+}
 
 }  // namespace
 
+CutObject::CutObject(OfPiece, std::shared_ptr<const BakedObject> baked)
+    : baked_(std::move(baked)), hash_sum_(hashOfNoBricks(baked_->voxel())), scratch_(kShellChunks) {}
+
 CutObject::CutObject(std::shared_ptr<const BakedObject> baked, std::size_t bricks)
-    : baked_(std::move(baked)), directory_(baked_->directory()), scratch_(kShellChunks) {
+    : CutObject(OfPiece{}, std::move(baked)) {
+  directory_ = baked_->directory();
   reserveSlots(baked_->slots().size());
   for (const BakedObject::Slot& from : baked_->slots()) {
     Slot& s = slots_.emplace_back();
-    s.brick = from.brick, s.phi = s.baked = from.phi, s.own = nullptr;
+    s.brick = from.brick, s.phi = s.baked = from.phi, s.own = nullptr, s.version = nullptr;
     s.materials = s.baked_materials = from.materials, s.own_materials = nullptr;
     s.chunks.fill(nullptr);
     for (std::uint32_t n = 0; n * ShellChunk::kNodes < from.shell_count; ++n)
@@ -32,6 +52,7 @@ CutObject::CutObject(std::shared_ptr<const BakedObject> baked, std::size_t brick
     s.has_one_material = from.has_one_material;
     s.least = *std::min_element(s.phi, s.phi + kBrickNodes);
     s.sleeps_until_contact = s.sleeps_until_cut = -1;
+    s.hash_term = 0, s.hash_round = 0, s.is_hash_stale = false;
   }
   if (!reserve(std::min(bricks, slots_.size()))) throw std::bad_alloc();
 }
@@ -40,6 +61,7 @@ void CutObject::reserveSlots(std::size_t bricks) {
   most_slots_ = bricks + kMostAdded;
   slots_.reserve(most_slots_);
   dirty_.reserve(most_slots_), export_.reserve(most_slots_), watch_.reserve(most_slots_);
+  stale_.reserve(most_slots_);
   to_repair_.reserve(most_slots_);
   repair_mark_.assign(most_slots_, 0);
 }
@@ -73,6 +95,7 @@ CutObject CutObject::piece(const CutObject& whole, const PieceBricks& bricks) {
     slot.is_dirty = slot.is_exported_dirty = slot.is_watched_dirty = false;
     slot.changed_faces = 0;
     slot.sleeps_until_contact = slot.sleeps_until_cut = -1;
+    slot.hash_term = 0, slot.hash_round = 0, slot.is_hash_stale = false;
     if (changed || slot.own)
       values_of.push_back(changed), ++own;
     else
@@ -94,14 +117,9 @@ CutObject CutObject::piece(const CutObject& whole, const PieceBricks& bricks) {
     }
     if (is_new) rebuild.push_back(s);
     if (!changed && !slot.own) continue;
-    OwnBrick* room = out.free_bricks_.back();
-    out.free_bricks_.pop_back();
-    std::memcpy(room->phi.data(), changed ? changed->data() : slot.phi, sizeof(BrickValues));
-    slot.own = room->phi.data(), slot.phi = slot.own;
-    if (slot.own_materials) {
-      std::memcpy(room->materials.data(), slot.own_materials, kBrickNodes);
-      slot.own_materials = room->materials.data(), slot.materials = slot.own_materials;
-    }
+    if (changed) slot.phi = changed->data();
+    out.makeVersion(s, nullptr, 0);
+    slot.is_hash_stale = true, out.stale_.push_back(s);
     if (changed) slot.least = *std::min_element(slot.own, slot.own + kBrickNodes);
   }
   for (const int s : rebuild) {
@@ -113,43 +131,54 @@ CutObject CutObject::piece(const CutObject& whole, const PieceBricks& bricks) {
 }
 
 bool CutObject::reserve(std::size_t bricks) {
-  bricks = std::max<std::size_t>(bricks, 1);
-  try {
-    auto values = std::make_unique<OwnBrick[]>(bricks);
-    auto nodes = std::make_unique<ShellChunk[]>(bricks * kChunksPerBrick);
-    // Room for all that exist: giving back never allocates.
-    free_bricks_.reserve(all_bricks_ + bricks);
-    free_chunks_.reserve((all_bricks_ + bricks) * kChunksPerBrick);
-    brick_blocks_.push_back(std::move(values));
-    shell_blocks_.push_back(std::move(nodes));
-  } catch (const std::bad_alloc&) {
-    return false;
-  }
-  all_bricks_ += bricks;
-  for (std::size_t n = bricks; n-- > 0;) free_bricks_.push_back(brick_blocks_.back().get() + n);
-  for (std::size_t n = bricks * kChunksPerBrick; n-- > 0;) free_chunks_.push_back(shell_blocks_.back().get() + n);
+  auto room = Room::make(bricks);
+  if (!room) return false;
+  take(std::move(room));
   return true;
 }
 
+void CutObject::take(std::unique_ptr<Room> room) noexcept {
+  free_versions_.append(room->free_versions_);
+  free_chunks_.append(room->free_chunks_);
+  free_records_.append(room->free_records_);
+  room->next_ = std::move(rooms_);
+  rooms_ = std::move(room);
+}
+
 std::size_t CutObject::freeBricks() const noexcept {
-  return std::min(free_bricks_.size(), free_chunks_.size() / kChunksPerBrick);
+  return std::min(free_versions_.count, free_chunks_.count / Room::kChunksPerBrick);
 }
 
 void CutObject::mark(int s) noexcept {
   Slot& slot = slots_[static_cast<std::size_t>(s)];
   if (!slot.is_dirty) slot.is_dirty = true, dirty_.push_back(s);
   if (!slot.is_exported_dirty) slot.is_exported_dirty = true, export_.push_back(s);
+  if (!slot.is_hash_stale) slot.is_hash_stale = true, stale_.push_back(s);
+  slot.hash_round = repair_round_;
   if (!slot.is_watched_dirty) slot.is_watched_dirty = true, watch_.push_back(s);
+}
+
+// A copy of what the brick is now, as its own. @pre there is room.
+BrickVersion* CutObject::makeVersion(int s, BrickVersion* before, std::uint64_t stroke) noexcept {
+  Slot& slot = slots_[static_cast<std::size_t>(s)];
+  BrickVersion* const version = free_versions_.popFront();
+  version->slot = s, version->stroke = stroke, version->before = before;
+  std::memcpy(version->phi.data(), slot.phi, sizeof(BrickValues));
+  version->has_own_materials = slot.own_materials != nullptr;
+  if (version->has_own_materials) {
+    std::memcpy(version->materials.data(), slot.own_materials, kBrickNodes);
+    slot.materials = slot.own_materials = version->materials.data();
+  }
+  slot.version = version;
+  slot.phi = slot.own = version->phi.data();
+  return version;
 }
 
 float* CutObject::write(int s) noexcept {
   Slot& slot = slots_[static_cast<std::size_t>(s)];
-  if (!slot.own) {
-    if (free_bricks_.empty()) return nullptr;
-    slot.own = free_bricks_.back()->phi.data();
-    free_bricks_.pop_back();
-    std::memcpy(slot.own, slot.phi, sizeof(BrickValues));
-    slot.phi = slot.own;
+  if (!slot.version || slot.version->stroke != stroke_) {
+    if (free_versions_.isEmpty()) return nullptr;
+    in_stroke_.pushFront(makeVersion(s, slot.version, stroke_));
   }
   mark(s);
   slot.changed_faces = kAllFaces;
@@ -173,10 +202,10 @@ std::uint8_t CutObject::facesThatDiffer(const float* a, const float* b) noexcept
 
 std::uint8_t* CutObject::writeMaterials(int s) noexcept {
   Slot& slot = slots_[static_cast<std::size_t>(s)];
-  assert(slot.own);
+  assert(slot.version && slot.version->stroke == stroke_);
   if (!slot.own_materials) {
-    // Values and numbers of a brick lie in one OwnBrick, values first.
-    slot.own_materials = reinterpret_cast<OwnBrick*>(slot.own)->materials.data();
+    slot.version->has_own_materials = true;
+    slot.own_materials = slot.version->materials.data();
     std::memcpy(slot.own_materials, slot.materials, kBrickNodes);
     slot.materials = slot.own_materials;
   }
@@ -192,7 +221,7 @@ int CutObject::addAir(const Vec3i& brick) noexcept {
   if (slots_.size() == most_slots_) return -1;
   const auto s = static_cast<int>(slots_.size());
   Slot& slot = slots_.emplace_back();  // reserved
-  slot.brick = brick, slot.phi = slot.baked = baked_->outsideBrick(), slot.own = nullptr;
+  slot.brick = brick, slot.phi = slot.baked = baked_->outsideBrick(), slot.own = nullptr, slot.version = nullptr;
   slot.materials = slot.baked_materials = baked_->fallbackMaterials(), slot.own_materials = nullptr;
   slot.chunks.fill(nullptr);
   slot.shell_count = 0;
@@ -201,6 +230,7 @@ int CutObject::addAir(const Vec3i& brick) noexcept {
   slot.changed_faces = 0;
   slot.least = slot.phi[0];
   slot.sleeps_until_contact = slot.sleeps_until_cut = -1;
+  slot.hash_term = 0, slot.hash_round = 0, slot.is_hash_stale = false;
   directory_[static_cast<std::size_t>((at[0] * size[1] + at[1]) * size[2] + at[2])] = s;
   return s;
 }
@@ -215,6 +245,71 @@ bool CutObject::restore(int s, const BrickValues& values, const std::uint8_t* ma
   restored.least = *std::min_element(own, own + kBrickNodes);
   restored.sleeps_until_contact = restored.sleeps_until_cut = -1;
   return true;
+}
+
+LinkedList<BrickVersion> CutObject::endStroke() noexcept {
+  ++stroke_;
+  return std::exchange(in_stroke_, {});
+}
+
+void CutObject::swapStroke(const LinkedList<BrickVersion>& stroke, bool is_undo) noexcept {
+  for (BrickVersion* version = stroke.first; version; version = version->next) {
+    Slot& slot = slots_[static_cast<std::size_t>(version->slot)];
+    assert(slot.version == (is_undo ? version : version->before));
+    const float* const phi = slot.phi;
+    BrickVersion* const wanted = is_undo ? version->before : version;
+    slot.version = wanted;
+    slot.own = wanted ? wanted->phi.data() : nullptr;
+    slot.phi = wanted ? slot.own : slot.baked;
+    if (slot.own_materials) slot.has_one_material = false;  // it may have: nobody needs to know
+    slot.own_materials = wanted && wanted->has_own_materials ? wanted->materials.data() : nullptr;
+    slot.materials = slot.own_materials ? slot.own_materials : slot.baked_materials;
+    if (slot.own_materials) slot.has_one_material = false;
+    slot.changed_faces |= facesThatDiffer(phi, slot.phi);
+    slot.least = *std::min_element(slot.phi, slot.phi + kBrickNodes);
+    slot.sleeps_until_contact = slot.sleeps_until_cut = -1;
+    mark(version->slot);
+  }
+}
+
+void CutObject::prepareHash(std::size_t bricks, std::uint32_t rounds) noexcept {
+  constexpr std::size_t kLanes = 4;
+  std::array<std::uint64_t, kLanes> keys{}, rest{};
+  std::array<const float*, kLanes> values{};
+  std::array<Slot*, kLanes> slots{};
+  std::size_t waiting = 0;
+  const auto set = [this](Slot& slot, std::uint64_t term) {
+    hash_sum_ += term - slot.hash_term;
+    slot.hash_term = term;
+  };
+  const auto finish = [&] {
+    for (std::size_t n = waiting; n < kLanes; ++n) keys[n] = keys[0], values[n] = values[0];
+    const auto terms = brickHashes<kLanes>(keys, values);
+    for (std::size_t n = 0; n < waiting; ++n) set(*slots[n], terms[n] + rest[n]);
+    waiting = 0;
+  };
+  // Looks that find nothing to do are bounded as well.
+  for (std::size_t looks = std::min(stale_.size(), 8 * bricks); looks > 0 && bricks > 0; --looks) {
+    if (next_stale_ >= stale_.size()) next_stale_ = 0;
+    Slot& slot = slots_[static_cast<std::size_t>(stale_[next_stale_])];
+    if (repair_round_ - slot.hash_round < rounds) {
+      ++next_stale_;
+      continue;
+    }
+    slot.is_hash_stale = false;
+    stale_[next_stale_] = stale_.back();
+    stale_.pop_back();
+    --bricks;
+    const std::uint64_t of_materials = hasChangedMaterials(slot) ? materialsHash(slot) : 0;
+    if (!slot.own || std::memcmp(slot.own, slot.baked, sizeof(BrickValues)) == 0) {
+      set(slot, of_materials);  // as baked: not part of the changed field
+      continue;
+    }
+    keys[waiting] = coordKey(slot.brick), values[waiting] = slot.own;
+    slots[waiting] = &slot, rest[waiting] = of_materials;
+    if (++waiting == kLanes) finish();
+  }
+  if (waiting > 0) finish();
 }
 
 BrickNeighborhood CutObject::around(const Slot& slot) const noexcept {
@@ -234,18 +329,18 @@ bool CutObject::repairShell(Slot& slot) noexcept {
   const int count = shellOfBrick(around(slot), slot.materials, voxel(), scratch_.data());
   const int chunks = chunkCount(count), had = chunkCount(slot.shell_count);
   const int owned = slot.owns_shell ? had : 0;
-  if (static_cast<int>(free_chunks_.size()) < chunks - owned) return false;
+  if (static_cast<int>(free_chunks_.count) < chunks - owned) return false;
   std::array<ShellChunk*, kShellChunks> next{};
   for (int c = 0; c < chunks; ++c) {
     if (c < owned) {
       next[static_cast<std::size_t>(c)] = const_cast<ShellChunk*>(slot.chunks[static_cast<std::size_t>(c)]);
     } else {
-      next[static_cast<std::size_t>(c)] = free_chunks_.back();
-      free_chunks_.pop_back();
+      next[static_cast<std::size_t>(c)] = &free_chunks_.popFront()->chunk;
     }
   }
-  for (int c = chunks; c < owned; ++c)
-    free_chunks_.push_back(const_cast<ShellChunk*>(slot.chunks[static_cast<std::size_t>(c)]));
+  for (int c = chunks; c < owned; ++c)  // owned ones came from a room
+    free_chunks_.pushFront(
+        reinterpret_cast<RoomChunk*>(const_cast<ShellChunk*>(slot.chunks[static_cast<std::size_t>(c)])));
   slot.chunks.fill(nullptr);
   for (int c = 0; c < chunks; ++c) {
     *next[static_cast<std::size_t>(c)] = scratch_[static_cast<std::size_t>(c)];
@@ -308,24 +403,12 @@ BrickField CutObject::field() const {
   return out;
 }
 
-bool CutObject::hasOwnMaterials() const {
-  return std::any_of(slots_.begin(), slots_.end(), [](const Slot& slot) {
-    return slot.own_materials && std::memcmp(slot.own_materials, slot.baked_materials, kBrickNodes) != 0;
-  });
-}
+bool CutObject::hasOwnMaterials() const { return std::any_of(slots_.begin(), slots_.end(), hasChangedMaterials); }
 
 std::uint64_t CutObject::stateHash() const {
   std::uint64_t out = changedField().stateHash() + piece_key_;
-  for (const Slot& slot : slots_) {
-    if (!slot.own_materials || std::memcmp(slot.own_materials, slot.baked_materials, kBrickNodes) == 0) continue;
-    std::uint64_t h = coordKey(slot.brick);
-    for (int n = 0; n < kBrickNodes; n += 8) {
-      std::uint64_t eight;
-      std::memcpy(&eight, slot.own_materials + n, 8);
-      h = (h ^ eight) * 0x9e3779b97f4a7c15ull, h ^= h >> 29;
-    }
-    out += h;  // a sum: the order of the bricks does not matter
-  }
+  for (const Slot& slot : slots_)
+    if (hasChangedMaterials(slot)) out += materialsHash(slot);  // a sum: the order of the bricks does not matter
   return out;
 }
 

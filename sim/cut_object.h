@@ -3,13 +3,13 @@
 //
 // Belongs to one thread. Everything the 1 kHz step calls is marked @rt: no allocation, lock, exception or system call.
 // What it needs is reserved beforehand; when that runs out the step says so and goes on without cutting further bricks:
-// their overlap stays, and is cut as soon as reserve() has been called.
+// their overlap stays, and is cut as soon as reserve() or take() has been called.
 #pragma once
 
 #include <memory>
 #include <vector>
 
-#include "sim/baked_object.h"
+#include "sim/brick_room.h"
 #include "sim/split_field.h"
 
 namespace kerf {
@@ -22,6 +22,7 @@ class CutObject {
     float* own;                     ///< the same once they changed, else null
     const std::uint8_t* materials;  ///< 512 numbers, baked or own
     std::uint8_t* own_materials;    ///< the same once material was added, else null
+    BrickVersion* version;          ///< which holds both of its own, or null
     const float* baked;             ///< 512 values as loaded: what undo goes back to
     const std::uint8_t* baked_materials;
     std::array<const ShellChunk*, kShellChunks> chunks;
@@ -32,6 +33,9 @@ class CutObject {
     /// The brick can neither touch nor be cut before the tool has moved this far in all, mm on the odometer: distances
     /// change no faster than the tool moves.
     double sleeps_until_contact, sleeps_until_cut;
+    std::uint64_t hash_term;   ///< what the brick adds to hashNow()
+    std::uint32_t hash_round;  ///< of repair(), when the brick changed last
+    bool is_hash_stale;
   };
 
   /// Room for changes, in bricks. 16384 of them are some 100 MB.
@@ -48,8 +52,12 @@ class CutObject {
 
   /// Makes room for that many more changed bricks. Allocates: not @rt. False without memory.
   bool reserve(std::size_t bricks);
+  /// The same with room that was made elsewhere. @rt O(1)
+  void take(std::unique_ptr<Room> room) noexcept;
   /// More bricks that can change without reserve(): values and shells, of neighbours too. @rt
   std::size_t freeBricks() const noexcept;
+  /// Bricks there may ever be, added ones too: no stroke changes more. @rt
+  std::size_t mostBricks() const noexcept { return most_slots_; }
 
   /// Slots it began with; those after them were air.
   int firstSlotCount() const { return static_cast<int>(most_slots_) - kMostAdded; }
@@ -77,8 +85,8 @@ class CutObject {
       }
   }
 
-  /// The values of a brick to write into, copied at the first time; null when no room is left. Marks it dirty, and all
-  /// of its faces changed: a caller that knows better says so in `changed_faces`. @rt
+  /// The values of a brick to write into, copied at the first time in a stroke; null when no room is left. Marks it
+  /// dirty, and all of its faces changed: a caller that knows better says so in `changed_faces`. @rt
   float* write(int slot) noexcept;
   static constexpr std::uint8_t kAllFaces = 63;
   /// The numbers of a brick to write into, copied at the first time. @pre write() gave its values. @rt
@@ -94,6 +102,24 @@ class CutObject {
   /// repair(). The ledger is the caller's to put back. False: memory ran out. Allocates.
   /// @param materials  512 numbers; null: as baked.
   bool restore(int slot, const BrickValues& values, const std::uint8_t* materials);
+
+  // Strokes: see SessionHistory, which keeps them.
+  /// Whether a brick was written since the last endStroke(). @rt
+  bool isInStroke() const noexcept { return !in_stroke_.isEmpty(); }
+  /// What was written since the last call. @rt O(1)
+  LinkedList<BrickVersion> endStroke() noexcept;
+  /// Every brick of a stroke as it was before (or, with `is_undo` false, after) it. Hash and sleep follow, shells with
+  /// the next repair(); the ledger is the caller's to put back. @pre what was written since to those bricks was taken
+  /// back. No allocation.  @cost 1 us a brick.
+  void swapStroke(const LinkedList<BrickVersion>& stroke, bool is_undo) noexcept;
+  /// A record to fill in; null: room first. @rt
+  StrokeRecord* takeRecord() noexcept { return free_records_.isEmpty() ? nullptr : free_records_.popFront(); }
+  std::size_t freeRecords() const noexcept { return free_records_.count; }
+  /// The room of a stroke that was taken back for good. @rt O(1)
+  void release(StrokeRecord* record) noexcept {
+    free_versions_.append(record->bricks);
+    free_records_.pushFront(record);
+  }
 
   /// Brings the shells of the dirty bricks and of their face neighbours up to date. False when room ran out: they stay
   /// dirty. @rt
@@ -114,6 +140,8 @@ class CutObject {
     }
     export_.resize(kept);
   }
+  /// Bricks that wait for exportDirty(). @rt
+  std::size_t exportCount() const noexcept { return export_.size(); }
 
   /// The ledger, mm^3 per material number: as loaded, or as the piece came off, - removed + added is what is there now.
   /// A node of the surface that material is put on changes its number: `added` is negative for the one it had.
@@ -140,6 +168,13 @@ class CutObject {
   bool hasOwnMaterials() const;
   /// Order-independent hash of changed values and materials: same state, same number.
   std::uint64_t stateHash() const;
+  /// The same number, from what is known of the bricks that have not changed since they were looked at last.
+  /// @rt but for the bricks whose hash is stale: 1 us each. prepareHash() keeps them few.
+  std::uint64_t hashNow() noexcept { return prepareHash(slots_.size(), 0), hash_sum_ + piece_key_; }
+  std::size_t staleHashes() const noexcept { return stale_.size(); }
+  /// Looks at up to that many bricks whose hash is stale; those that changed in the last `rounds` of repair() may
+  /// change again, and are left for later. @rt
+  void prepareHash(std::size_t bricks, std::uint32_t rounds) noexcept;
   /// Volume now per material, summed over all nodes. @cost some ns a node.
   std::array<double, 256> countVolumes() const;
   /// Rebuilds every shell from the field and compares: the number of bricks whose shell differs in any bit. For tests.
@@ -149,9 +184,10 @@ class CutObject {
   BrickNeighborhood around(const Slot& slot) const noexcept;
   bool repairShell(Slot& slot) noexcept;
   void mark(int slot) noexcept;
+  BrickVersion* makeVersion(int slot, BrickVersion* before, std::uint64_t stroke) noexcept;
   void reserveSlots(std::size_t bricks);
   struct OfPiece {};
-  CutObject(OfPiece, std::shared_ptr<const BakedObject> baked) : baked_(std::move(baked)), scratch_(kShellChunks) {}
+  CutObject(OfPiece, std::shared_ptr<const BakedObject> baked);
 
   bool is_piece_ = false;
   std::uint64_t piece_key_ = 0;  // which bricks it has
@@ -159,15 +195,14 @@ class CutObject {
   std::vector<Slot> slots_;
   std::vector<std::int32_t> directory_;
   std::vector<int> dirty_, export_, watch_;
-  struct OwnBrick {
-    BrickValues phi;
-    std::array<std::uint8_t, kBrickNodes> materials;
-  };
-  std::vector<std::unique_ptr<OwnBrick[]>> brick_blocks_;
-  std::vector<std::unique_ptr<ShellChunk[]>> shell_blocks_;
-  std::vector<OwnBrick*> free_bricks_;
-  std::vector<ShellChunk*> free_chunks_;
-  std::size_t all_bricks_ = 0;  // ever reserved
+  std::unique_ptr<Room> rooms_;
+  LinkedList<BrickVersion> free_versions_, in_stroke_;
+  LinkedList<RoomChunk> free_chunks_;
+  LinkedList<StrokeRecord> free_records_;
+  std::uint64_t stroke_ = 1;  // 0: what a piece began with
+  std::uint64_t hash_sum_;
+  std::vector<int> stale_;
+  std::size_t next_stale_ = 0;
   std::size_t most_slots_ = 0;
   std::vector<ShellChunk> scratch_;
   std::vector<int> to_repair_;

@@ -9,7 +9,11 @@
 namespace kerf {
 namespace {
 
-constexpr std::size_t kReserve = 4096;  // bricks
+// A state check looks at no more bricks than this at a time: some 100 us.
+constexpr std::size_t kMostAtOnce = 128;
+// In the ticks before it, this many a tick that were left alone for so many looks at contact.
+constexpr std::size_t kHashesATick = 16;
+constexpr std::uint32_t kLeftAlone = 32;
 
 /// Numbers by name, for writing and for reading alike: one list, so that neither forgets one.
 template <class Visit>
@@ -58,7 +62,7 @@ namespace {
 State stateOf(std::vector<std::shared_ptr<const BakedObject>> objects, const Rigid3& start) {
   State out;
   out.objects.reserve(kMostObjects);
-  for (auto& object : objects) out.objects.emplace_back(std::move(object), kReserve);
+  for (auto& object : objects) out.objects.emplace_back(std::move(object), Session::kRoom);
   out.place(start);
   return out;
 }
@@ -72,6 +76,26 @@ Session::Session(Model model, std::vector<std::shared_ptr<const BakedObject>> ob
 Session::~Session() = default;
 
 bool Session::apply(std::string_view command) {
+  if (!applyWithin(command)) return false;
+  makeRoom();
+  return true;
+}
+
+// Without memory shells stay as they are until there is some: the step says kStepBricksRanOut.
+void Session::makeRoom() {
+  for (CutObject& object : state_.objects)
+    if (object.freeBricks() < kRoom / 2 || object.freeRecords() < 4) object.reserve(kRoom);
+  for (bool has_room = true; has_room && !repair();)
+    for (CutObject& object : state_.objects) has_room &= object.reserve(kRoom);
+}
+
+bool Session::repair() noexcept {
+  bool is_done = true;
+  for (CutObject& object : state_.objects) is_done &= object.dirtyCount() == 0 || object.repair();
+  return is_done;
+}
+
+bool Session::applyWithin(std::string_view command) {
   std::string_view rest = command;
   const auto word = [&rest]() -> std::string_view {
     const std::size_t end = rest.find(' ');
@@ -88,15 +112,14 @@ bool Session::apply(std::string_view command) {
   bool is_done = false;
   const std::string_view verb = word();
   if (command == "undo") {
-    if (history_.undoable() > 0 || history_.hasChanges(state_.objects)) {
+    if (canUndo()) {
       if (is_stroke_) endStroke();
       markAll();
       watches_.clear();
       is_done = history_.undo(state_.objects);
     }
   } else if (command == "redo") {
-    // What was cut since the undo ends what could be redone.
-    if (!is_stroke_ && history_.redoable() > 0 && !history_.hasChanges(state_.objects)) {
+    if (canRedo()) {
       watches_.clear();
       is_done = history_.redo(state_.objects);
     }
@@ -189,19 +212,17 @@ bool Session::split(std::size_t index) {
   return true;
 }
 
-bool Session::markAll() {
-  const bool has_changes = history_.hasChanges(state_.objects);
-  if (has_changes) history_.mark(state_.objects);
-  return has_changes;
+void Session::markAll() noexcept {
+  if (history_.hasChanges(state_.objects)) history_.mark(state_.objects);
 }
 
 // The tool runs down after this and may still cut: that belongs to the stroke, so its step is made later, by markAll().
-void Session::endStroke() {
+void Session::endStroke() noexcept {
   is_stroke_ = false;
   if (sink_) sink_->mark(StrokeMark::kEnd, state_.tick);
 }
 
-void Session::tick(const DeviceSample& sample, StepOutput& output) {
+void Session::advance(const DeviceSample& sample, StepOutput& output) noexcept {
   const bool presses = sample.isUsable() && sample.pedal > 0;
   if (presses && !is_stroke_) {
     is_stroke_ = true;
@@ -211,11 +232,37 @@ void Session::tick(const DeviceSample& sample, StepOutput& output) {
   } else if (!presses && is_stroke_) {
     endStroke();
   }
-  const std::uint64_t tick = state_.tick;
-  if (sink_) sink_->sample(sample, tick);
-  step(model_, state_, sample, output);
+  if (sink_) sink_->sample(sample, state_.tick);
+  kerf::step(model_, state_, sample, output);
+}
+
+// All of a state's bricks take much longer than a tick. So those at rest are looked at a few a tick, and a check that
+// finds more left than it can do waits for the next tick.
+void Session::checkState(std::uint64_t tick) noexcept {
+  if (!sink_) return;
+  is_check_due_ |= state_.tick % kCheckEvery == 0;
+  std::size_t stale = 0;
+  for (const CutObject& object : state_.objects) stale += object.staleHashes();
+  if (is_check_due_ && stale <= kMostAtOnce) {
+    sink_->check({state_.hashNow(), state_.last_force}, tick);
+    is_check_due_ = false;
+    return;
+  }
   for (CutObject& object : state_.objects)
-    if (object.freeBricks() < kReserve / 2) object.reserve(kReserve);
+    object.prepareHash(is_check_due_ ? kMostAtOnce : kHashesATick, is_check_due_ ? 0 : kLeftAlone);
+}
+
+void Session::step(const DeviceSample& sample, StepOutput& output) noexcept {
+  const std::uint64_t tick = state_.tick;
+  advance(sample, output);
+  checkState(tick);
+}
+
+void Session::tick(const DeviceSample& sample, StepOutput& output) {
+  const std::uint64_t tick = state_.tick;
+  advance(sample, output);
+  for (CutObject& object : state_.objects)
+    if (object.freeBricks() < kRoom / 2 || object.freeRecords() < 4) object.reserve(kRoom);
   // What is being added may not hang together yet.
   if (split_every_ > 0 && state_.adds == Material::kNone && output.bricks_cut > 0 && ++ticks_cut_ >= split_every_) {
     ticks_cut_ = 0;
@@ -226,13 +273,13 @@ void Session::tick(const DeviceSample& sample, StepOutput& output) {
       if (list.pieces.size() + list.crumbs.size() > 1) apply(fmt::format("pieces.split {}", n));
     }
   }
-  if (sink_ && state_.tick % kCheckEvery == 0) sink_->check({state_.hash(), state_.last_force}, tick);
+  checkState(tick);
 }
 
-void Session::finish() {
+void Session::finish() noexcept {
   if (is_stroke_) endStroke();
   markAll();
-  if (sink_ && state_.tick > 0) sink_->check({state_.hash(), state_.last_force}, state_.tick - 1);
+  if (sink_ && state_.tick > 0) sink_->check({state_.hashNow(), state_.last_force}, state_.tick - 1);
 }
 
 SessionHeader describe(const Session& session) {

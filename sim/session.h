@@ -48,8 +48,24 @@ class Session {
   /// One tick. A stroke begins when the pedal goes down and ends when it comes up. Makes room for the tick after it:
   /// allocates, so not @rt.
   void tick(const DeviceSample& sample, StepOutput& output);
-  /// Ends a stroke that is under way.
-  void finish();
+  /// Ends a stroke that is under way, and writes the last check down. No allocation.
+  void finish() noexcept;
+
+  // The same for a thread that must not allocate, and is given room by another one: CutObject::take().
+
+  /// tick() within the room there is, and without looking for pieces. @rt  as step(), and some 20 us for the checks.
+  void step(const DeviceSample& sample, StepOutput& output) noexcept;
+  /// apply() within the room there is: call repair() afterwards. @rt, but undo and redo take some us a brick; only
+  /// pieces.split, and undo and redo of one, allocate.
+  bool applyWithin(std::string_view command);
+  /// Whether undo, redo would be done now. @rt
+  bool canUndo() const noexcept { return history_.undoable() > 0 || history_.hasChanges(state_.objects); }
+  bool canRedo() const noexcept {  // what was cut since the undo ends what could be redone
+    return !is_stroke_ && history_.redoable() > 0 && !history_.hasChanges(state_.objects);
+  }
+  /// Brings the shells up to date after undo or redo. False: an object needs room first; then again. No allocation.
+  bool repair() noexcept;
+  CutObject& object(std::size_t n) noexcept { return state_.objects[n]; }  ///< for taking room and exporting bricks
 
   /// Looks for pieces every so many ticks in which something was cut, and splits what has come apart; 0: never. For
   /// sessions in lockstep: it takes milliseconds. A replay does not ask: it follows the commands.
@@ -64,13 +80,18 @@ class Session {
   const Model& model() const { return model_; }
   const State& state() const { return state_; }
   std::uint64_t hash() const { return state_.hash(); }
-  /// Ticks between two state checks in the log.
+  /// Ticks between two state checks in the log. One comes later when too many bricks changed right before it.
   static constexpr std::uint64_t kCheckEvery = 1000;
+  /// Bricks an object has room for at the start, and then at a time.
+  static constexpr std::size_t kRoom = 4096;
 
  private:
   struct Watch;  // the pieces of one object
-  void endStroke();
-  bool markAll();  // true: there was something
+  void advance(const DeviceSample& sample, StepOutput& output) noexcept;
+  void makeRoom();
+  void checkState(std::uint64_t tick) noexcept;
+  void endStroke() noexcept;
+  void markAll() noexcept;
   bool split(std::size_t index);
   PieceFinder& finderOf(std::size_t index);
 
@@ -82,7 +103,7 @@ class Session {
   int split_every_ = 0, ticks_cut_ = 0;
   Crumbs crumbs_;
   SessionSink* sink_;
-  bool is_stroke_ = false;
+  bool is_stroke_ = false, is_check_due_ = false;
 };
 
 /// What a replay needs to know beside case and tool: settings, tissues, drives, all numbers as they were.

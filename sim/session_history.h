@@ -1,12 +1,11 @@
-// Undo and redo of a session: what every stroke changed, brick by brick, before and after; moves and splits of objects.
+// Undo and redo of a session: which versions of which bricks belong to each stroke; moves and splits of objects.
 //
-// For the thread that owns the objects, between ticks; allocates. Marking compares the bricks changed so far, some
-// microseconds each.
+// For the thread that owns the objects, between ticks. A brick that changes in a stroke gets a version of its own out
+// of the object's room (CutObject::write), so that a stroke's end, and the end of what could be redone, are a few
+// pointers: no allocation, no lock. Undo and redo themselves take time with the stroke's size; splits allocate.
 #pragma once
 
 #include <memory>
-#include <optional>
-#include <unordered_map>
 #include <vector>
 
 #include "sim/cut_object.h"
@@ -18,46 +17,33 @@ class SessionHistory {
   /// @param objects  those of the session, as they are now: what undo leads back to at last.
   explicit SessionHistory(const std::vector<CutObject>& objects);
 
-  /// Something differs from the last mark.
-  bool hasChanges(const std::vector<CutObject>& objects) const;
-  /// What differs from the last mark is one step of undo, be it nothing. Forgets what could be redone.
-  void mark(const std::vector<CutObject>& objects);
+  /// Something was written or moved since the last mark. @rt
+  bool hasChanges(const std::vector<CutObject>& objects) const noexcept;
+  /// What was is one step of undo, be it nothing. Forgets what could be redone. @rt, if nothing was split.
+  /// @pre every object has a free record; without one its part of the stroke stays for the next mark.
+  void mark(std::vector<CutObject>& objects) noexcept;
   /// Puts `parts` in the place of objects[index]: the first there, the others at the end. A step of its own, undone
   /// together with the one marked before it. @pre everything is marked; objects has the capacity.
   void split(std::vector<CutObject>& objects, std::size_t index, std::vector<CutObject> parts);
   /// What follows is a stroke of its own. (What is cut after a split and before this belongs to the stroke before.)
-  void close() { joins_next_ = false; }
-  /// Takes back the last stroke. False: there is none, or memory ran out. @pre everything is marked.
+  void close() noexcept { joins_next_ = false; }
+  /// Takes back the last stroke. False: there is none. Shells follow with the objects' next repair(), which may need
+  /// more room than there is. No allocation, if nothing was split. @pre everything is marked.
+  /// @cost 1 us a brick; repair() takes 3 us a brick more.
   bool undo(std::vector<CutObject>& objects);
   bool redo(std::vector<CutObject>& objects);
-  std::size_t undoable() const { return done_; }
-  std::size_t redoable() const { return steps_.size() - done_; }
+  std::size_t undoable() const noexcept { return done_; }
+  std::size_t redoable() const noexcept { return steps_.size() - done_; }
   /// Bytes held in bricks.
-  std::size_t bytes() const;
+  std::size_t bytes() const noexcept;
+
+  /// So many strokes and splits can be taken back; older ones are forgotten.
+  static constexpr std::size_t kMostSteps = 16384;
 
  private:
-  struct Kept {  // a brick at some time
-    BrickValues phi;
-    std::array<std::uint8_t, kBrickNodes> materials;
-    bool has_own_materials;
-  };
-  using KeptPtr = std::shared_ptr<const Kept>;  // null: as baked
-  struct Ledger {
-    std::array<double, 256> removed{}, added{};
-  };
   struct Tracked {  // an object as of the last mark
-    std::unordered_map<int, KeptPtr> bricks;
     Rigid3 pose;
     Ledger ledger;
-  };
-  struct BrickChange {
-    int slot;
-    KeptPtr before, after;
-  };
-  struct ObjectChange {
-    std::vector<BrickChange> bricks;
-    Rigid3 pose_before, pose_after;
-    std::shared_ptr<const Ledger> before, after;
   };
   struct Held {
     CutObject object;
@@ -68,15 +54,15 @@ class SessionHistory {
     std::vector<Held> held;  // the whole while it is split, the parts while that is taken back
   };
   struct Step {
-    std::vector<ObjectChange> objects;
-    std::optional<Split> split;
+    LinkedList<StrokeRecord> records;  // of the objects that were changed; in their rooms
+    std::unique_ptr<Split> split;
     bool joins_last = false;  // undone together with the step before it
   };
 
   static Tracked track(const CutObject& object);
-  static KeptPtr keep(const CutObject::Slot& slot);
-  static bool isAsKept(const CutObject::Slot& slot, const KeptPtr& kept);
-  bool apply(std::vector<CutObject>& objects, Step& step, bool is_undo);
+  void forgetRedo(std::vector<CutObject>& objects) noexcept;
+  Step& addStep(std::vector<CutObject>& objects) noexcept;
+  void apply(std::vector<CutObject>& objects, Step& step, bool is_undo);
   void swapSplit(std::vector<CutObject>& objects, Split& split, bool is_undo);
 
   std::vector<Tracked> now_;  // one an object

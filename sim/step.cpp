@@ -65,6 +65,22 @@ void filterDevice(State& state, const DeviceSample& input, const CouplingSetting
   state.device.pose = input.T_world_device;
 }
 
+template <class AState, class HashOfObject>
+std::uint64_t hashOf(AState& state, const HashOfObject& hash_of_object) {
+  std::uint64_t h = 0x6b657266;
+  const auto mix = [&h](std::uint64_t v) { h = (h ^ v) * 0x9e3779b97f4a7c15ull, h ^= h >> 29; };
+  for (auto& object : state.objects) mix(hash_of_object(object));
+  const auto add = [&](const auto& vector) {
+    for (Eigen::Index n = 0; n < vector.size(); ++n) mix(std::bit_cast<std::uint64_t>(double(vector[n])));
+  };
+  add(state.body.pose.translation), add(state.body.pose.rotation.coeffs());
+  add(state.body.velocity), add(state.body.angular);
+  add(state.last_force.force), add(state.last_force.torque);
+  mix(std::bit_cast<std::uint64_t>(state.speed)), mix(state.tool), mix(state.tick);
+  if (state.adds != Material::kNone) mix(static_cast<std::uint64_t>(state.adds)), mix(state.adds_to);
+  return h;
+}
+
 }  // namespace
 
 bool DeviceSample::isUsable() const {
@@ -92,17 +108,11 @@ void State::selectTool(std::size_t index) noexcept {
 }
 
 std::uint64_t State::hash() const {
-  std::uint64_t h = 0x6b657266;
-  const auto mix = [&h](std::uint64_t v) { h = (h ^ v) * 0x9e3779b97f4a7c15ull, h ^= h >> 29; };
-  for (const CutObject& object : objects) mix(object.stateHash());
-  const auto add = [&](const auto& vector) {
-    for (Eigen::Index n = 0; n < vector.size(); ++n) mix(std::bit_cast<std::uint64_t>(double(vector[n])));
-  };
-  add(body.pose.translation), add(body.pose.rotation.coeffs()), add(body.velocity), add(body.angular);
-  add(last_force.force), add(last_force.torque);
-  mix(std::bit_cast<std::uint64_t>(speed)), mix(tool), mix(tick);
-  if (adds != Material::kNone) mix(static_cast<std::uint64_t>(adds)), mix(adds_to);
-  return h;
+  return hashOf(*this, [](const CutObject& object) { return object.stateHash(); });
+}
+
+std::uint64_t State::hashNow() noexcept {
+  return hashOf(*this, [](CutObject& object) { return object.hashNow(); });
 }
 
 void step(const Model& model, State& state, const DeviceSample& input, StepOutput& output) noexcept {

@@ -66,6 +66,8 @@ struct State {
   void clearLatch() noexcept { is_latched = false, has_device = false, ramp = 0; }
   /// Of fields, tool and force: same inputs, same number on any build.
   std::uint64_t hash() const;
+  /// The same number, from what CutObject::hashNow() knows already. @rt as that is.
+  std::uint64_t hashNow() noexcept;
 };
 
 /// Bits; each says which limit to raise or what happened.

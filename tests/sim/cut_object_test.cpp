@@ -4,7 +4,9 @@
 
 #include <random>
 
+#include "../allocation_guard.h"
 #include "block_scene.h"
+#include "sim/session_history.h"
 
 namespace kerf {
 namespace {
@@ -138,6 +140,119 @@ TEST(CutObject, RestoredBricksAreTheOldOnesBitForBit) {
   ASSERT_TRUE(object.repair());
   EXPECT_EQ(object.stateHash(), untouched);
   EXPECT_EQ(object.shellDefects(), 0u);
+}
+
+TEST(CutObject, RoomMadeElsewhereIsTakenAndUsedWithoutAllocating) {
+  CutObject object(block({4, 4, 2}, 0.1), 2);
+  auto room = Room::make(100);
+  ASSERT_TRUE(room);
+  const AllocationGuard guard;
+  EXPECT_TRUE(object.write(0) && object.write(1));
+  EXPECT_FALSE(object.write(2));
+  EXPECT_TRUE(object.repair());
+  EXPECT_EQ(object.freeBricks(), 0u);
+  object.take(std::move(room));
+  EXPECT_EQ(object.freeBricks(), 100u);
+  EXPECT_TRUE(object.write(2));
+  EXPECT_EQ(object.freeBricks(), 99u);
+}
+
+// Digs here and there, with strokes ended, taken back and brought back, as a session would.
+struct Digger {
+  Digger() : state() {
+    model.tools = {practiceBall(0.4, 840)};
+    model.tissues = test::oneTissue(200, 0.5, 1000);
+    model.settings.rendering = Rendering::kRigid;
+    model.settings.geometry_only = true;
+    state.objects.emplace_back(block({5, 5, 2}, 0.1));
+    EXPECT_TRUE(state.objects[0].reserve(4096));  // more strokes than a room for its bricks alone has records for
+  }
+  CutObject& object() { return state.objects[0]; }
+  void dig(double x, double y) {
+    StepOutput out;
+    state.place({Eigen::Quaterniond::Identity(), {x, y, 0}});
+    for (int n = 0; n < 20; ++n)
+      step(model, state, test::sampleAt({Eigen::Quaterniond::Identity(), {x, y, -0.03 * n}}), out);
+  }
+  Model model;
+  State state;
+};
+
+TEST(CutObject, TheHashKeptUpToDateIsThatOfTheWholeField) {
+  Digger digger;
+  CutObject& object = digger.object();
+  SessionHistory history(digger.state.objects);
+  EXPECT_EQ(object.hashNow(), object.stateHash());
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> u(-2, 2);
+  for (int stroke = 0; stroke < 30; ++stroke) {
+    digger.dig(u(random), u(random));
+    object.prepareHash(random() % 20, random() % 8);
+    if (stroke % 3 == 0) {
+      EXPECT_EQ(object.hashNow(), object.stateHash()) << stroke;
+      EXPECT_EQ(object.staleHashes(), 0u);
+    }
+    history.mark(digger.state.objects);
+    if (stroke % 4 == 1) history.undo(digger.state.objects), object.repair();
+    if (stroke % 8 == 1) history.redo(digger.state.objects), object.repair();
+  }
+  EXPECT_EQ(object.hashNow(), object.stateHash());
+  while (history.undo(digger.state.objects)) object.repair();
+  EXPECT_EQ(object.hashNow(), object.stateHash());
+  EXPECT_EQ(object.hashNow(), CutObject(block({5, 5, 2}, 0.1), 1).stateHash()) << "as baked again";
+}
+
+TEST(CutObject, PreparingTheHashIsBoundedAndLeavesWhatStillChanges) {
+  Digger digger;
+  CutObject& object = digger.object();
+  digger.dig(0, 0);
+  const std::size_t stale = object.staleHashes();
+  ASSERT_GT(stale, 10u);
+  object.prepareHash(1000, 1000);
+  EXPECT_EQ(object.staleHashes(), stale) << "all of them changed a moment ago";
+  object.prepareHash(7, 0);
+  EXPECT_EQ(object.staleHashes(), stale - 7);
+  EXPECT_EQ(object.hashNow(), object.stateHash());
+}
+
+TEST(SessionHistory, MarkingUndoAndRedoNeitherAllocateNorFree) {
+  Digger digger;
+  CutObject& object = digger.object();
+  SessionHistory history(digger.state.objects);
+  digger.dig(-1, 0), history.mark(digger.state.objects);
+  const std::uint64_t once = object.stateHash();
+  digger.dig(-0.7, 0.1), history.mark(digger.state.objects);
+  const std::uint64_t twice = object.stateHash();
+  EXPECT_GT(history.bytes(), 20 * sizeof(BrickValues));
+  const std::size_t room = object.freeBricks();
+  std::uint64_t undone = 0, redone = 0;
+  {
+    const AllocationGuard guard;
+    EXPECT_TRUE(history.undo(digger.state.objects) && object.repair());
+    undone = object.hashNow();
+    EXPECT_TRUE(history.redo(digger.state.objects) && object.repair());
+    redone = object.hashNow();
+    EXPECT_TRUE(history.undo(digger.state.objects) && object.repair());
+    digger.dig(1, 1), history.mark(digger.state.objects);
+  }
+  EXPECT_EQ(undone, once);
+  EXPECT_EQ(redone, twice);
+  EXPECT_EQ(object.shellDefects(), 0u);
+  EXPECT_EQ(history.redoable(), 0u);
+  EXPECT_GT(object.freeBricks() + 40, room) << "what could be redone gave its room back";
+}
+
+TEST(SessionHistory, ForgetsTheOldestStrokeAndKeepsTheOthersRight) {
+  Digger digger;
+  CutObject& object = digger.object();
+  SessionHistory history(digger.state.objects);
+  digger.dig(-1, 0), history.mark(digger.state.objects);
+  const std::uint64_t once = object.stateHash();
+  digger.dig(-0.8, 0);
+  for (std::size_t n = 0; n < SessionHistory::kMostSteps; ++n) history.mark(digger.state.objects);
+  EXPECT_EQ(history.undoable(), SessionHistory::kMostSteps);
+  while (history.undo(digger.state.objects)) object.repair();
+  EXPECT_EQ(object.stateHash(), once);
 }
 
 }  // namespace

@@ -186,6 +186,58 @@ TEST(Session, AHeaderWithoutItsNumbersIsRefusedByName) {
   EXPECT_NE(again.error().message().find("coupling.damping"), std::string::npos) << again.error().message();
 }
 
+// Takes everything and keeps the numbers.
+struct CountingSink final : SessionSink {
+  void sample(const DeviceSample&, std::uint64_t) noexcept override { ++samples; }
+  void command(std::string_view, std::uint64_t) noexcept override { ++commands; }
+  void mark(StrokeMark, std::uint64_t) noexcept override { ++marks; }
+  void check(const StateCheck& check, std::uint64_t) noexcept override { ++checks, last = check; }
+  int samples = 0, commands = 0, marks = 0, checks = 0;
+  StateCheck last;
+};
+
+TEST(Session, AStepItsStrokesAndCommandsNeitherAllocateNorFree) {
+  CountingSink sink;
+  Session session(twoBalls(), {test::block({6, 4, 2}, 0.1)}, at(-1.5, 0.1, 0.3), &sink);
+  StepOutput out;
+  std::uint64_t hash = 0;
+  int undone = 0;
+  {
+    const AllocationGuard guard;
+    for (int n = 0; n < 4000; ++n) {
+      const double a = 0.003 * n;
+      const Rigid3 pose = at(2 * std::sin(a), std::cos(1.7 * a), 0.2 - 0.8 * std::abs(std::sin(3 * a)));
+      session.step(test::sampleAt(pose, n % 500 < 400), out);
+      if (n % 900 == 700) undone += session.applyWithin("undo") && session.repair();
+      if (n % 900 == 705) session.applyWithin("redo"), session.repair();
+      if (n == 2000) session.applyWithin("tool.select 1");
+    }
+    hash = session.object(0).hashNow();
+  }
+  EXPECT_EQ(sink.samples, 4000);
+  EXPECT_EQ(sink.marks, 22);  // eight strokes, three of them ended by an undo and begun again
+  EXPECT_EQ(sink.checks, 4);
+  EXPECT_EQ(undone, 4);
+  EXPECT_EQ(sink.commands, 6);  // one redo: none while a stroke is under way
+  EXPECT_EQ(hash, session.state().objects[0].stateHash());
+}
+
+// What a check in the log says is what a look at the whole state says.
+TEST(Session, ChecksAreTheHashOfTheWholeState) {
+  CountingSink sink;
+  Session session(twoBalls(), {test::block({6, 4, 2}, 0.1)}, at(-1.5, 0.1, 0.3), &sink);
+  for (int n = 0, checks = 0; n < 20; ++n) {
+    StepOutput out;
+    for (int tick = 0; tick < 250; ++tick) {
+      session.step(test::sampleAt(at(-1.5 + 0.15 * n, 0.1, 0.1 - 0.003 * tick)), out);
+      if (sink.checks == checks) continue;
+      checks = sink.checks;
+      EXPECT_EQ(sink.last.state_hash, session.hash());
+    }
+  }
+  EXPECT_EQ(sink.checks, 5);
+}
+
 TEST(Step, NeitherAllocatesNorFrees) {
   for (const Rendering rendering : {Rendering::kCoupled, Rendering::kDirect, Rendering::kRigid}) {
     Model model = twoBalls();

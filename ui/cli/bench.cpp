@@ -169,12 +169,13 @@ constexpr SceneRow kScenes[] = {
     {"tick-bur", "whole ticks: taper 016 in the demo molar at 0.05 mm"},
     {"tick-saw", "whole ticks: a 25 mm blade in the demo mandible at 0.1 mm"},
     {"tick-sizes", "the same contact in three sizes of object"},
+    {"realtime", "the same on the clock, on its thread, with mesher and recorder; --seconds says how long"},
     {"invariance", "force and removal over voxels, attitudes, time: no times, the same anywhere"},
     {"forces", "constant force and constant feed per material: no times"},
     {"saw", "kerf, plane and side force over attitudes: no times"},
     {"passivity", "energy a simulated device is given, over hands and stiffnesses: no times"}};
 
-Expected<Result> runScene(const std::string& name, const std::string& mesh, const Scratch& scratch,
+Expected<Result> runScene(const std::string& name, const std::string& mesh, double seconds, const Scratch& scratch,
                           const Progress& progress) {
   if (name == "bake") return benchBake(mesh, scratch, progress);
   if (name == "bake-200k") return benchBake200k(scratch, progress);
@@ -189,6 +190,7 @@ Expected<Result> runScene(const std::string& name, const std::string& mesh, cons
   if (name == "tick-bur") return benchTickBur(scratch, progress);
   if (name == "tick-saw") return benchTickSaw(scratch, progress);
   if (name == "tick-sizes") return benchTickSizes(progress);
+  if (name == "realtime") return benchRealtime(seconds, scratch, progress);
   if (name == "invariance") return benchInvariance(progress);
   if (name == "forces") return benchForces(progress);
   if (name == "saw") return benchSaw(progress);
@@ -203,6 +205,7 @@ Expected<Result> runScene(const std::string& name, const std::string& mesh, cons
 void addBench(CLI::App& app, int& exit_code) {
   struct Arguments {
     std::string scene, mesh;
+    double seconds = 20;
     bool json = false;
   };
   auto a = std::make_shared<Arguments>();
@@ -212,6 +215,7 @@ void addBench(CLI::App& app, int& exit_code) {
   c->footer(scenes + "\nExample: kerf bench bake --mesh scan.stl");
   c->add_option("SCENE", a->scene, "one scene; all of them without");
   c->add_option("--mesh", a->mesh, "mesh for bake and export (default: the demo molar)");
+  c->add_option("--seconds", a->seconds, "length of realtime")->check(CLI::Range(1.0, 3600.0))->capture_default_str();
   c->add_flag("--json", a->json, "as JSON on standard output");
   c->callback([a, &exit_code] {
     const Scratch scratch;
@@ -224,7 +228,7 @@ void addBench(CLI::App& app, int& exit_code) {
     for (const std::string& name : names) {
       const auto r = [&] {
         TerminalProgress progress;
-        return runScene(name, a->mesh, scratch, progress.callback());
+        return runScene(name, a->mesh, a->seconds, scratch, progress.callback());
       }();
       if (!r) {
         exit_code = complain(r.error());
@@ -242,6 +246,7 @@ void addBench(CLI::App& app, int& exit_code) {
         if (r->ratio > 0) j["ratio"] = r->ratio, j["ratio_to"] = r->ratio_to;
         if (!r->part.empty()) j["part"] = r->part, j["part_ratio"] = r->part_ratio;
         if (r->peak_gb > 0) j["peak_gb"] = r->peak_gb;
+        if (!r->notes.empty()) j["notes"] = r->notes;
         for (const Measured& m : r->measured) {
           nlohmann::json number{{"value", m.value}, {"unit", m.unit}};
           if (m.has_goal) number["at_most"] = m.goal, number["passed"] = m.passed();
@@ -254,6 +259,7 @@ void addBench(CLI::App& app, int& exit_code) {
         else
           fmt::print("{:<10} p50 {:9.3f}  p99 {:9.3f}  max {:9.3f} ms  x{:<4} {}  {}\n", r->scene, r->percentile(0.5),
                      r->percentile(0.99), r->percentile(1), r->ms.size(), r->state_hash, r->what);
+        for (const std::string& note : r->notes) fmt::print("           {}\n", note);
         for (const Measured& m : r->measured) {
           fmt::print("           {:<44} {:10.4g} {}", m.name, m.value, m.unit);
           if (m.has_goal)

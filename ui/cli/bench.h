@@ -9,8 +9,11 @@
 #include <string>
 #include <vector>
 
+#include "geometry/brick_field.h"
 #include "geometry/error.h"
 #include "geometry/progress.h"
+#include "geometry/tool.h"
+#include "preprocess/demo_anatomy.h"
 
 namespace kerf::cli {
 
@@ -39,6 +42,7 @@ struct Result {
   double part_ratio = 0;
   double peak_gb = 0;  // most memory of the whole program; 0: not measured
   std::vector<Measured> measured{};
+  std::vector<std::string> notes{};  // sentences, such as what the system refused
 
   double percentile(double p) const {
     std::vector<double> sorted = ms;
@@ -67,11 +71,22 @@ class Scratch {
   std::filesystem::path path_;
 };
 
+// Of bench_tick.cpp, for the other scenes too.
+/// A tool by its name.
+Expected<Tool> toolOfRack(const std::string& id);
+/// The case a demo makes.
+Expected<std::filesystem::path> bakedDemo(const DemoAnatomy& anatomy, double voxel, const Scratch& scratch,
+                                          const Progress& progress);
+/// The highest tissue on a vertical line, mm; NaN: none.
+double topAt(const BrickField& phi, double x, double y, const Box3& box);
+
 // Scenes of the 1 kHz step, times: bench_tick.cpp.
 Expected<Result> benchPoints(const Progress& progress);
 Expected<Result> benchTickBur(const Scratch& scratch, const Progress& progress);
 Expected<Result> benchTickSaw(const Scratch& scratch, const Progress& progress);
 Expected<Result> benchTickSizes(const Progress& progress);
+// The same on its own thread, in real time, with mesher and recorder beside it: bench_realtime.cpp.
+Expected<Result> benchRealtime(double seconds, const Scratch& scratch, const Progress& progress);
 // And its laws, numbers that are the same on every machine: bench_law.cpp.
 Expected<Result> benchInvariance(const Progress& progress);
 Expected<Result> benchForces(const Progress& progress);

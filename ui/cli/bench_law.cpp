@@ -18,11 +18,6 @@ namespace {
 
 auto cancelled() { return fail({Error::Code::kCancelled, "", "", "cancelled", "", ""}); }
 
-Expected<Tool> toolOfRack(const std::string& id) {
-  KERF_TRY(file, findToolFile(id, defaultToolFolders()));
-  return readTool(file);
-}
-
 double percentOff(double a, double b) { return 100 * (a / b - 1); }
 
 // Means over the steady part of a straight feed, and the largest change of force from tick to tick.

@@ -19,27 +19,11 @@ namespace fs = std::filesystem;
 
 auto cancelled() { return fail({Error::Code::kCancelled, "", "", "cancelled", "", ""}); }
 
-Expected<Tool> toolOfRack(const std::string& id) {
-  KERF_TRY(file, findToolFile(id, defaultToolFolders()));
-  return readTool(file);
-}
-
 void addPercentiles(Result& r, double goal_p999) {
   r.measured.push_back({"p50", r.percentile(0.5), "ms", 0, false});
   r.measured.push_back({"p99", r.percentile(0.99), "ms", 0, false});
   r.measured.push_back({"p99.9", r.percentile(0.999), "ms", goal_p999});
   r.measured.push_back({"max", r.percentile(1), "ms", 0, false});
-}
-
-Expected<fs::path> bakedDemo(const DemoAnatomy& anatomy, double voxel, const Scratch& scratch,
-                             const Progress& progress) {
-  const fs::path folder = scratch.path() / anatomy.name, out = scratch.path() / (anatomy.name + ".case");
-  KERF_CHECK(writeDemoAnatomy(anatomy, folder, true));
-  BakeOptions options;
-  options.overwrite = true;
-  options.voxelize.voxel_mm = voxel;
-  KERF_CHECK(bakeRecipe(folder / anatomy.manifest(), out, options, progress));
-  return out;
 }
 
 // Changed bricks on their way to the visible mesh. The clock is the session's: a mesher that is busy when a brick
@@ -101,14 +85,29 @@ Expected<void> timeTicks(const Model& model, State& state, VirtualHand& hand, Re
   return {};
 }
 
-// The highest tissue on a vertical line, mm; NaN: none.
+}  // namespace
+
+Expected<Tool> toolOfRack(const std::string& id) {
+  KERF_TRY(file, findToolFile(id, defaultToolFolders()));
+  return readTool(file);
+}
+
+Expected<fs::path> bakedDemo(const DemoAnatomy& anatomy, double voxel, const Scratch& scratch,
+                             const Progress& progress) {
+  const fs::path folder = scratch.path() / anatomy.name, out = scratch.path() / (anatomy.name + ".case");
+  KERF_CHECK(writeDemoAnatomy(anatomy, folder, true));
+  BakeOptions options;
+  options.overwrite = true;
+  options.voxelize.voxel_mm = voxel;
+  KERF_CHECK(bakeRecipe(folder / anatomy.manifest(), out, options, progress));
+  return out;
+}
+
 double topAt(const BrickField& phi, double x, double y, const Box3& box) {
   for (double z = box.max[2]; z > box.min[2]; z -= phi.voxel())
     if (phi.sample({x, y, z}) < 0) return z;
   return std::nan("");
 }
-
-}  // namespace
 
 Expected<Result> benchPoints(const Progress& progress) {
   Result r{"points", "contact of a plate with a block: every node transformed, both fields looked up, forces summed",

@@ -1,0 +1,34 @@
+#include "sim/brick_room.h"
+
+#include <algorithm>
+#include <new>
+#include <type_traits>
+
+namespace kerf {
+
+static_assert(std::is_standard_layout_v<RoomChunk>, "a ShellChunk of a room is taken for the RoomChunk it begins");
+
+std::unique_ptr<Room> Room::make(std::size_t bricks) noexcept {
+  bricks = std::max<std::size_t>(bricks, 1);
+  try {
+    std::unique_ptr<Room> room(new Room);
+    // Zeroed: so that every page is there before the thread that must not wait for one writes to it.
+    room->versions_ = std::make_unique<BrickVersion[]>(bricks);
+    room->chunks_ = std::make_unique<RoomChunk[]>(bricks * kChunksPerBrick);
+    const std::size_t records = 4 + bricks / kBricksPerRecord;
+    room->records_ = std::make_unique<StrokeRecord[]>(records);
+    for (std::size_t n = records; n-- > 0;) room->free_records_.pushFront(&room->records_[n]);
+    for (std::size_t n = bricks; n-- > 0;) room->free_versions_.pushFront(&room->versions_[n]);
+    for (std::size_t n = bricks * kChunksPerBrick; n-- > 0;) room->free_chunks_.pushFront(&room->chunks_[n]);
+    room->bricks_ = bricks;
+    return room;
+  } catch (const std::bad_alloc&) {
+    return nullptr;
+  }
+}
+
+Room::~Room() {
+  while (next_) next_ = std::move(next_->next_);  // one by one: a long chain must not nest as deep
+}
+
+}  // namespace kerf
