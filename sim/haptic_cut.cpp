@@ -24,6 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 constexpr const char* kForces = "forces.csv";
 constexpr const char* kSummary = "summary.json";
+constexpr std::uint64_t kSnapshotTicks = 10'000;  // between two snapshots in the log, at least
 
 Expected<void> checkOptions(const HapticCutOptions& o) {
   struct Range {
@@ -139,6 +140,7 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
   KERF_TRY(writer, SessionLogWriter::create(staging.staging() / internal::kRunLog, header));
   LogSink sink(writer);
   Session session(std::move(model), {baked}, poseAt(path, 0), &sink);
+  session.snapshotEvery(kSnapshotTicks);
   const CutObject& object = session.state().objects.front();
   if (!options.add.empty()) {
     const MaterialProperties* row = materials.find(options.add);

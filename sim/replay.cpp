@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <optional>
+
 #include "geometry/hash.h"
 #include "geometry/tool_file.h"
 #include "sim/internal/run_files.h"
@@ -39,26 +41,46 @@ Expected<void> LogSink::close() {
   return writer_.close(last_);
 }
 
-Expected<Replay> replay(const SessionLog& log, const std::string& file, Model model,
-                        std::vector<std::shared_ptr<const BakedObject>> objects, const Progress& progress,
-                        double until_s) {
+void LogSink::snapshot(std::span<const std::byte> state, std::uint64_t tick) noexcept {
+  flush();
+  // A state too large for a snapshot is none: the log is whole without it.
+  if (const auto packed = packSnapshot(state)) writer_.add(tick, *packed);
+}
+
+namespace {
+
+// From the beginning, or from a snapshot: its event, and its state.
+struct Start {
+  std::size_t event = 0;
+  std::optional<State> state;
+};
+
+Expected<Replay> replayFrom(const SessionLog& log, const std::string& file, const Model& model, const Rigid3& place,
+                            const LoadedObjects& objects, Start start, const Progress& progress, double until_s) {
   Replay out;
-  Rigid3 start;
-  KERF_CHECK(restoreSettings(log, file, model, start));
-  Session session(std::move(model), std::move(objects), start);
+  std::optional<Session> made;
+  std::size_t event = 0, first_sample = 0;
+  if (start.state) {
+    made.emplace(model, objects, std::move(*start.state));
+    event = start.event + 1, first_sample = log.events[start.event].samples_before;
+    out.first_tick = log.events[start.event].tick;
+  } else {
+    made.emplace(model, objects, place);
+  }
+  Session& session = *made;
   if (log.damage)
     out.note = (log.damage->kind == LogDamage::Kind::kCutShort ? "the log was cut off: " : "the log is damaged: ") +
                log.damage->what;
   else if (!log.is_closed)
     out.note = "the log was cut off between two records: its session did not end cleanly";
   StepOutput tick;
-  std::size_t event = 0;
-  const auto compare = [&](const StateCheck& check, std::uint64_t at) {
+  const auto require = [&](bool is_same, std::uint64_t at) {
     ++out.checks;
-    const Wrench& f = session.state().last_force;
-    const bool is_same =
-        check.state_hash == session.hash() && check.force.force == f.force && check.force.torque == f.torque;
     if (!is_same && out.is_same) out.is_same = false, out.differs_at = at;
+  };
+  const auto compare = [&](const StateCheck& check, std::uint64_t at) {
+    const Wrench& f = session.state().last_force;
+    require(check.state_hash == session.hash() && check.force.force == f.force && check.force.torque == f.torque, at);
   };
   const auto handle = [&](std::size_t samples_before) -> Expected<void> {
     for (; event < log.events.size() && log.events[event].samples_before <= samples_before; ++event) {
@@ -71,6 +93,10 @@ Expected<Replay> replay(const SessionLog& log, const std::string& file, Model mo
         ++out.commands;
       } else if (const auto* check = std::get_if<StateCheck>(&e.what)) {
         compare(*check, e.tick);
+      } else if (const auto* snapshot = std::get_if<SessionSnapshot>(&e.what)) {
+        KERF_TRY(bytes, unpackSnapshot(*snapshot));
+        require(session.snapshot() == bytes, e.tick);
+        ++out.snapshots;
       } else if (const auto* gap = std::get_if<SessionGap>(&e.what)) {
         out.note =
             fmt::format("{} samples are missing at tick {}: what follows can not be the same", gap->lost, e.tick);
@@ -78,7 +104,7 @@ Expected<Replay> replay(const SessionLog& log, const std::string& file, Model mo
     }
     return {};
   };
-  for (std::size_t n = 0; n < log.samples.size(); ++n) {
+  for (std::size_t n = first_sample; n < log.samples.size(); ++n) {
     if (static_cast<double>(n) * kTick >= until_s) break;
     if (n % 64 == 0 && !report(progress, static_cast<double>(n) / static_cast<double>(log.samples.size()), "replaying"))
       return fail({Error::Code::kCancelled, "", "", "cancelled", "", ""});
@@ -86,10 +112,11 @@ Expected<Replay> replay(const SessionLog& log, const std::string& file, Model mo
     session.tick(log.samples[n].sample, tick);
     ++out.ticks;
   }
-  if (out.ticks == log.samples.size())
+  const std::size_t done = first_sample + out.ticks;
+  if (done == log.samples.size())
     KERF_CHECK(handle(log.samples.size()));
   else  // stopped on the way: what was recorded right there can still be compared
-    for (; event < log.events.size() && log.events[event].samples_before <= out.ticks; ++event)
+    for (; event < log.events.size() && log.events[event].samples_before <= done; ++event)
       if (const auto* check = std::get_if<StateCheck>(&log.events[event].what)) compare(*check, log.events[event].tick);
   if (out.checks == 0)
     out.is_same = false, out.note += out.note.empty() ? "nothing to compare with" : "; nothing to compare with";
@@ -99,7 +126,29 @@ Expected<Replay> replay(const SessionLog& log, const std::string& file, Model mo
   return out;
 }
 
-Expected<Replay> replayRun(const std::filesystem::path& run_folder, const Progress& progress, double until_s) {
+}  // namespace
+
+Expected<Replay> replay(const SessionLog& log, const std::string& file, Model model, LoadedObjects objects,
+                        const Progress& progress, double until_s, double from_s) {
+  Rigid3 place;
+  KERF_CHECK(restoreSettings(log, file, model, place));
+  for (std::size_t n = log.events.size(); n-- > 0;) {
+    const auto* snapshot = std::get_if<SessionSnapshot>(&log.events[n].what);
+    if (!snapshot || static_cast<double>(log.events[n].samples_before) * kTick > from_s) continue;
+    KERF_TRY(bytes, unpackSnapshot(*snapshot));
+    KERF_TRY(state, unpackState(bytes, objects, file));
+    if (state.tool >= model.tools.size())
+      return fail({Error::Code::kBadValue, file, "snapshot", fmt::format("tool {}", state.tool),
+                   fmt::format("one of {}", model.tools.size()), "the log belongs to other tools"});
+    auto out = replayFrom(log, file, model, place, objects, {n, std::move(state)}, progress, until_s);
+    // An undo may want what only an earlier state knows.
+    if (out || out.error().code == Error::Code::kCancelled) return out;
+  }
+  return replayFrom(log, file, model, place, objects, {}, progress, until_s);
+}
+
+Expected<Replay> replayRun(const std::filesystem::path& run_folder, const Progress& progress, double until_s,
+                           double from_s) {
   KERF_TRY(manifest, readRunManifest(run_folder));
   if (manifest.mode != kModeHaptic)
     return fail({Error::Code::kUnsupported, run_folder.string(), "mode " + manifest.mode, "no session to replay",
@@ -118,8 +167,10 @@ Expected<Replay> replayRun(const std::filesystem::path& run_folder, const Progre
   KERF_TRY(tool, readTool(run_folder / internal::kRunToolCopy));
   KERF_TRY(object, loadObject(case_folder));
   KERF_TRY(model, makeModel(std::span(&tool, 1), {}, -static_cast<double>(object->phi0().interior())));
-  auto out = replay(log, (run_folder / internal::kRunLog).string(), std::move(model), {object}, progress, until_s);
-  if (out && log.is_closed && out->ticks == log.samples.size() && out->state_hash != manifest.state_hash)
+  auto out =
+      replay(log, (run_folder / internal::kRunLog).string(), std::move(model), {object}, progress, until_s, from_s);
+  if (out && log.is_closed && out->first_tick + out->ticks == log.samples.size() &&
+      out->state_hash != manifest.state_hash)
     out->is_same = false, out->note = "the state at the end is not the one that run.toml names, " + manifest.state_hash;
   return out;
 }

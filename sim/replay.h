@@ -17,6 +17,7 @@ class LogSink final : public SessionSink {
   void command(std::string_view text, std::uint64_t tick) noexcept override;
   void mark(StrokeMark mark, std::uint64_t tick) noexcept override;
   void check(const StateCheck& check, std::uint64_t tick) noexcept override;
+  void snapshot(std::span<const std::byte> state, std::uint64_t tick) noexcept override;
   /// Writes what waits and the clean end. The first error of all.
   Expected<void> close();
 
@@ -31,6 +32,8 @@ class LogSink final : public SessionSink {
 
 struct Replay {
   std::uint64_t ticks = 0, checks = 0, commands = 0;
+  std::uint64_t snapshots = 0;   ///< compared, byte by byte; they are among the checks
+  std::uint64_t first_tick = 0;  ///< where it began
   std::uint64_t differs_at = 0;  ///< tick of the first check that did not hold
   bool is_same = true;           ///< every check held, and there was one
   std::string state_hash;        ///< at the end
@@ -40,13 +43,15 @@ struct Replay {
 
 /// Runs a log against the objects and tools it was recorded with.
 /// @param until_s  simulated seconds after which to stop.
+/// @param from_s  begins with the last snapshot not after that, if there is one: what lies before is not compared. An
+///   undo that reaches back behind it leads to an earlier one, or to the beginning.
 /// Errors: a header that does not fit; kCancelled.
-Expected<Replay> replay(const SessionLog& log, const std::string& file, Model model,
-                        std::vector<std::shared_ptr<const BakedObject>> objects, const Progress& progress = {},
-                        double until_s = std::numeric_limits<double>::infinity());
+Expected<Replay> replay(const SessionLog& log, const std::string& file, Model model, LoadedObjects objects,
+                        const Progress& progress = {}, double until_s = std::numeric_limits<double>::infinity(),
+                        double from_s = 0);
 
 /// The session of a haptic run: session.kerflog, with the case and the tool the run names.
 Expected<Replay> replayRun(const std::filesystem::path& run_folder, const Progress& progress = {},
-                           double until_s = std::numeric_limits<double>::infinity());
+                           double until_s = std::numeric_limits<double>::infinity(), double from_s = 0);
 
 }  // namespace kerf

@@ -59,19 +59,32 @@ struct Session::Watch {
 
 namespace {
 
-State stateOf(std::vector<std::shared_ptr<const BakedObject>> objects, const Rigid3& start) {
+State stateOf(const LoadedObjects& objects, const Rigid3& start) {
   State out;
   out.objects.reserve(kMostObjects);
-  for (auto& object : objects) out.objects.emplace_back(std::move(object), Session::kRoom);
+  for (const auto& object : objects) out.objects.emplace_back(object, Session::kRoom);
   out.place(start);
   return out;
 }
 
 }  // namespace
 
-Session::Session(Model model, std::vector<std::shared_ptr<const BakedObject>> objects, const Rigid3& start,
-                 SessionSink* sink)
-    : model_(std::move(model)), state_(stateOf(std::move(objects), start)), history_(state_.objects), sink_(sink) {}
+Session::Session(Model model, LoadedObjects objects, const Rigid3& start, SessionSink* sink)
+    : model_(std::move(model)),
+      state_(stateOf(objects, start)),
+      history_(state_.objects),
+      loaded_(std::move(objects)),
+      sink_(sink) {}
+
+Session::Session(Model model, LoadedObjects loaded, State state, SessionSink* sink)
+    : model_(std::move(model)),
+      state_(std::move(state)),
+      history_(state_.objects),
+      loaded_(std::move(loaded)),
+      last_snapshot_(state_.tick),
+      sink_(sink) {
+  makeRoom();
+}
 
 Session::~Session() = default;
 
@@ -258,8 +271,18 @@ void Session::step(const DeviceSample& sample, StepOutput& output) noexcept {
   checkState(tick);
 }
 
+std::vector<std::byte> Session::snapshot() {
+  markAll();
+  history_.close();
+  last_snapshot_ = state_.tick;
+  return packState(state_, loaded_);
+}
+
 void Session::tick(const DeviceSample& sample, StepOutput& output) {
   const std::uint64_t tick = state_.tick;
+  if (sink_ && snapshot_every_ > 0 && tick - last_snapshot_ >= snapshot_every_ && !is_stroke_ && sample.isUsable() &&
+      sample.pedal > 0)
+    sink_->snapshot(snapshot(), tick);
   advance(sample, output);
   for (CutObject& object : state_.objects)
     if (object.freeBricks() < kRoom / 2 || object.freeRecords() < 4) object.reserve(kRoom);

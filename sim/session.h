@@ -5,12 +5,14 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 
 #include "sim/pieces.h"
 #include "sim/session_history.h"
 #include "sim/session_log.h"
+#include "sim/state_bytes.h"
 #include "sim/step.h"
 
 namespace kerf {
@@ -23,13 +25,16 @@ class SessionSink {
   virtual void command(std::string_view text, std::uint64_t tick) noexcept = 0;
   virtual void mark(StrokeMark mark, std::uint64_t tick) noexcept = 0;
   virtual void check(const StateCheck& check, std::uint64_t tick) noexcept = 0;
+  /// The state before the sample of that tick: packState(). Never from Session::step().
+  virtual void snapshot(std::span<const std::byte>, std::uint64_t /*tick*/) noexcept {}
 };
 
 class Session {
  public:
   /// @param sink  kept by reference, may be null.
-  Session(Model model, std::vector<std::shared_ptr<const BakedObject>> objects, const Rigid3& start,
-          SessionSink* sink = nullptr);
+  Session(Model model, LoadedObjects objects, const Rigid3& start, SessionSink* sink = nullptr);
+  /// Goes on from a snapshot. Undo leads back to it and no further. @param loaded  what its objects were made of.
+  Session(Model model, LoadedObjects loaded, State state, SessionSink* sink = nullptr);
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
@@ -41,8 +46,7 @@ class Session {
   ///   add M N, add off     the pedal puts material number M on object N, instead of cutting
   ///   object.move N x y z qw qx qy qz   pose of object N in the world, mm; undone with the stroke before it
   ///   pieces.split N       if object N is in pieces: each becomes an object of its own, the largest stays N, the
-  ///   others
-  ///                        come last, by size; crumbs are dropped and counted. See splitWhenApart().
+  ///                        others come last, by size; crumbs are dropped and counted. See splitWhenApart().
   /// False, and nothing is changed or written down: no such command, or there is nothing to do it to.
   bool apply(std::string_view command);
   /// One tick. A stroke begins when the pedal goes down and ends when it comes up. Makes room for the tick after it:
@@ -66,6 +70,12 @@ class Session {
   /// Brings the shells up to date after undo or redo. False: an object needs room first; then again. No allocation.
   bool repair() noexcept;
   CutObject& object(std::size_t n) noexcept { return state_.objects[n]; }  ///< for taking room and exporting bricks
+
+  /// Gives the sink a snapshot when a stroke begins, if so many ticks have gone by since the last one; 0: never. In
+  /// lockstep: a changed brick takes some us.
+  void snapshotEvery(std::uint64_t ticks) { snapshot_every_ = ticks; }
+  /// Between two strokes. @pre the pedal is up: what was cut so far is a step of undo of its own.
+  std::vector<std::byte> snapshot();
 
   /// Looks for pieces every so many ticks in which something was cut, and splits what has come apart; 0: never. For
   /// sessions in lockstep: it takes milliseconds. A replay does not ask: it follows the commands.
@@ -98,6 +108,8 @@ class Session {
   Model model_;
   State state_;
   SessionHistory history_;
+  LoadedObjects loaded_;
+  std::uint64_t snapshot_every_ = 0, last_snapshot_ = 0;
   std::vector<std::unique_ptr<Watch>> watches_;  // one an object, made when asked for
   PieceOptions piece_options_;
   int split_every_ = 0, ticks_cut_ = 0;

@@ -202,6 +202,7 @@ std::optional<CutObject> unpackObject(Reader& from, const LoadedObjects& loaded)
   }
   while (!object.repair())
     if (!object.reserve(1024)) return {};
+  object.endStroke();  // it begins like this: nothing to undo
   object.T_world_object = pose;
   object.removed_mm3 = removed, object.added_mm3 = added;
   return object;

@@ -1,12 +1,15 @@
 // The state of a session as bytes: everything that counts is in them, and nothing they say is believed.
 #include "sim/state_bytes.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <random>
 
+#include "../temporary_file.h"
 #include "block_scene.h"
-#include "sim/session.h"
+#include "sim/replay.h"
 
 namespace kerf {
 namespace {
@@ -65,6 +68,52 @@ TEST(StateBytes, AStateFromBytesGoesOnBitForBit) {
   }
   EXPECT_GT(felt, 0.1);
   EXPECT_EQ(state->hash(), scene.session.hash());
+}
+
+TEST(StateBytes, AReplayBeginsAtASnapshotAndEndsTheSame) {
+  const TemporaryFile file("session.log", "");
+  std::filesystem::remove(file.path());
+  const LoadedObjects loaded{test::block({6, 4, 2}, 0.1)};
+  const Rigid3 start = at(-1.5, 0.1, 0.3);
+  auto writer = SessionLogWriter::create(file.path(), describe(Session(twoBalls(), loaded, start)));
+  ASSERT_TRUE(writer) << writer.error().message();
+  LogSink sink(*writer);
+  Session session(twoBalls(), loaded, start, &sink);
+  session.snapshotEvery(250);
+  StepOutput out;
+  const auto dab = [&](double x) {
+    for (int n = 0; n <= 200; ++n) {
+      const double down = n < 100 ? n / 100.0 : (200 - n) / 100.0;
+      session.tick(test::sampleAt(at(x, 0.1, 0.3 - 0.8 * down), n < 200 ? 1 : 0), out);
+    }
+  };
+  for (const double x : {-1.5, -1.1, -0.6, 0.2}) dab(x);  // snapshots before the third of them
+  ASSERT_TRUE(session.apply("undo"));
+  dab(0.9);
+  ASSERT_TRUE(session.apply("undo"));
+  ASSERT_TRUE(session.apply("undo"));
+  ASSERT_TRUE(session.apply("undo"));  // the second dab: behind every snapshot but the one at its beginning, if any
+  dab(1.4), dab(2);
+  session.finish();
+  ASSERT_TRUE(sink.close());
+  const std::string hash = fmt::format("{:016x}", session.hash());
+  const auto log = readSessionLog(file.path());
+  ASSERT_TRUE(log) << log.error().message();
+  const auto again = [&](double from) {
+    auto replayed = replay(*log, "session.log", twoBalls(), loaded, {}, 1e9, from);
+    EXPECT_TRUE(replayed) << replayed.error().message();
+    return *replayed;
+  };
+  const Replay whole = again(0), late = again(1e9), middle = again(0.7);
+  EXPECT_EQ(whole.first_tick, 0u);
+  EXPECT_GE(whole.snapshots, 3u);
+  EXPECT_GT(late.first_tick, 1000u);
+  // What was undone later began before the snapshot at 0.4 s: only the beginning knows it.
+  EXPECT_EQ(middle.first_tick, 0u);
+  for (const Replay& r : {whole, late, middle}) {
+    EXPECT_TRUE(r.is_same) << r.differs_at;
+    EXPECT_EQ(r.state_hash, hash);
+  }
 }
 
 TEST(StateBytes, WhatIsNotWholeOrNotOurSceneIsRefused) {

@@ -12,24 +12,26 @@ namespace {
 
 struct Arguments {
   std::string run;
-  double until = std::numeric_limits<double>::infinity();
+  double until = std::numeric_limits<double>::infinity(), from = 0;
   bool json = false;
 };
 
 int run(const Arguments& a) {
   const auto again = [&] {
     TerminalProgress progress;
-    return replayRun(a.run, progress.callback(), a.until);
+    return replayRun(a.run, progress.callback(), a.until, a.from);
   }();
   if (!again) return complain(again.error());
   if (a.json) {
     nlohmann::json j{
         {"ticks", again->ticks},     {"checks", again->checks},         {"commands", again->commands},
         {"is_same", again->is_same}, {"state_hash", again->state_hash}, {"removed_mm3", again->removed_mm3},
-        {"note", again->note}};
+        {"note", again->note},       {"snapshots", again->snapshots},   {"first_tick", again->first_tick}};
     if (!again->is_same) j["differs_at_tick"] = again->differs_at;
     printJson(j);
   } else {
+    if (again->first_tick > 0)
+      fmt::print("from the snapshot at {:.3f} s\n", static_cast<double>(again->first_tick) * kTick);
     fmt::print("replayed {} ticks ({:.3f} s), {} commands; removed {:.4f} mm3; state {}\n", again->ticks,
                static_cast<double>(again->ticks) * kTick, again->commands, again->removed_mm3, again->state_hash);
     if (!again->note.empty()) fmt::print("{}\n", again->note);
@@ -49,6 +51,9 @@ void addReplay(CLI::App& app, int& exit_code) {
   CLI::App* c = app.add_subcommand("replay", "Replay the session of a run and compare state and force, bit for bit");
   c->footer("Exit code 0: the same; 1: it differs, or the log can not be read.\nExample: kerf replay molar.run");
   c->add_option("RUN", a->run, "run folder, cut with --hand")->required();
+  c->add_option("--from", a->from,
+                "start from the last snapshot in the log that is no later than this simulated second; what lies before "
+                "is not compared");
   c->add_option("--until", a->until, "stop after this many simulated seconds");
   c->add_flag("--json", a->json, "as JSON on standard output");
   c->callback([a, &exit_code] { exit_code = run(*a); });
