@@ -21,7 +21,10 @@ void visitNumbers(StepSettings& s, const Visit& visit) {
   visit("coupling.torque_limit", c.torque_limit), visit("coupling.force_rate", c.force_rate);
   visit("coupling.torque_rate", c.torque_rate), visit("ramp_s", s.ramp_s);
   double rendering = static_cast<double>(s.rendering), geometry = s.geometry_only, substeps = s.most_substeps;
+  double response = static_cast<double>(s.response);
   visit("rendering", rendering), visit("geometry_only", geometry), visit("most_substeps", substeps);
+  visit("response", response);
+  s.response = static_cast<Response>(static_cast<int>(response));
   s.rendering = static_cast<Rendering>(static_cast<int>(rendering));
   s.geometry_only = geometry != 0, s.most_substeps = static_cast<int>(substeps);
 }
@@ -155,7 +158,10 @@ Expected<void> restoreSettings(const SessionLog& log, const std::string& file, M
     if (wrong.empty()) wrong = key;
     return false;
   };
-  visitNumbers(model.settings, [&](const char* name, double& value) { read(name, std::span(&value, 1)); });
+  model.settings.response = Response::kPenalty;  // the only one there was before logs named it
+  visitNumbers(model.settings, [&](const char* name, double& value) {
+    if (std::string_view(name) != "response" || !log.value(name).empty()) read(name, std::span(&value, 1));
+  });
   std::array<double, 7> s{};
   if (read("start", s)) {
     start.translation = Vec3d(s[0], s[1], s[2]);
@@ -182,6 +188,10 @@ Expected<void> restoreSettings(const SessionLog& log, const std::string& file, M
   require(t.most_substeps >= 1 && t.most_substeps <= 1000, "most_substeps");
   require(t.rendering == Rendering::kCoupled || t.rendering == Rendering::kDirect || t.rendering == Rendering::kRigid,
           "rendering");
+  require(
+      t.response == Response::kPenalty || (t.rendering != Rendering::kRigid &&
+                                           (t.response == Response::kConstraint || t.response == Response::kImpulse)),
+      "response");
   require(t.coupling.mass_kg > 0 && t.coupling.gyration_mm > 0, "coupling.mass_kg");
   require(t.coupling.stiffness > 0 && t.coupling.turn_stiffness > 0, "coupling.stiffness");
   require(start.translation.allFinite() && std::abs(start.rotation.norm() - 1) < 1e-6, "start");

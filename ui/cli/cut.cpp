@@ -32,7 +32,7 @@ std::optional<HandKind> handKind(const std::string& name) {
 std::optional<Error> misplaced(const CLI::App& command, const std::string& hand) {
   for (const CLI::App* group : command.get_subcommands([](const CLI::App*) { return true; })) {
     const std::string& name = group->get_group();
-    const bool fits = name == "With --hand" ? !hand.empty() : name == "With --hand " + hand;
+    const bool fits = !hand.empty() && (name == "With --hand" || (name + " ").find(" " + hand + " ") != name.npos);
     if (fits || !name.starts_with("With --hand")) continue;
     for (const CLI::Option* option : group->get_options())
       if (option->count() > 0)
@@ -154,6 +154,12 @@ void addCut(CLI::App& app, int& exit_code) {
   by_hand->add_option("--time-limit", a->haptic.time_limit, "simulated s")->capture_default_str();
   by_hand->add_option("--coupling", a->haptic.step.coupling.stiffness, "stiffness of the virtual coupling, N/mm")
       ->capture_default_str();
+  auto* held = c->add_option_group("With --hand force or device");
+  held->add_option("--response", a->haptic.step.response,
+                   "what keeps the tool out of the tissue: penalty, constraint (god-object), impulse; docs/haptics.md")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, Response>{
+          {"penalty", Response::kPenalty}, {"constraint", Response::kConstraint}, {"impulse", Response::kImpulse}}))
+      ->default_str("penalty");
   auto* force = c->add_option_group("With --hand force");
   force->add_option("--push", a->haptic.force.force, "N")->capture_default_str();
   force->add_option("--feed-limit", a->haptic.force.feed_limit, "no faster than this, mm/s")->capture_default_str();
