@@ -88,8 +88,12 @@ int ContactPoints::gather(CutObject& object, int index, const NearBricks& near, 
     const float here = is_body ? tool.body.distance(p) : tool.cut.distance(p);
     const double slope = static_cast<double>(((is_body ? body[n] : cut[n]) - here) / look);
     if (!(slope > kLeastSlope)) continue;
-    added[facing++] = {to_world * node.normal.cast<double>(), to_world * node.from_tip,
-                       static_cast<double>(gaps[order[n]]), std::min(slope, 1.0), index};
+    added[facing++] = {to_world * node.normal.cast<double>(),
+                       to_world * node.from_tip,
+                       static_cast<double>(gaps[order[n]]),
+                       std::min(slope, 1.0),
+                       index,
+                       !is_body};
   }
   std::array<ContactPoint, 2 * kMost> all;
   const auto end = std::merge(points_.begin(), points_.begin() + count_, added.begin(), added.begin() + facing,

@@ -14,6 +14,7 @@ struct ContactPoint {
   double gap = 0;    ///< tau + phi < 0, mm
   double slope = 1;  ///< of tau against the normal: moving the tool out by 1 opens the gap by this
   int object = 0;
+  bool cuts = false;  ///< met by the cutting part
 
   /// (n, r x n): its product with a twist about the tip is how fast the tool moves out there.
   Vector6d direction() const;

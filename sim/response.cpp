@@ -10,6 +10,7 @@ namespace {
 
 constexpr double kTakenBack = 0.2;       // of an overlap beyond the skin, a look: impulse
 constexpr double kMostTakenBack = 0.02;  // mm a look
+constexpr double kDeepest = 0.1;         // mm that a cutting part may overlap so that there is enough to remove
 constexpr double kMostRelaxed = 4;       // rate times time, at which all but 2 % of an overlap is gone
 
 // The diagonal of a matrix of the coupling: translation three times, rotation three times.
@@ -19,25 +20,217 @@ Vector6d sixOf(double along, double about) {
   return d;
 }
 
-// Looks at one object after the other, and at the same one again without finding its bricks again.
-class Near {
+/// One look, in the order of its functions.
+class Responder {
  public:
-  Near(State& state, Look& look) : state_(state), look_(look) {}
-  const NearBricks& find(std::size_t object, const ToolModel& tool, const ContactInput& in) {
-    if (object != object_) {
-      if (!state_.near.find(state_.objects[object], tool, in.T_object_tool)) look_.status |= kStepNearRanOut;
+  Responder(const Model& model, State& state, double dt, double longest)
+      : model_(model),
+        state_(state),
+        tool_(model.tools[state.tool]),
+        is_proxy_(model.settings.response == Response::kConstraint),
+        start_(state.body.pose),
+        dt_(dt),
+        longest_(longest),
+        reach_(tool_.cut.reach()),
+        per_load_(is_proxy_ ? 1 : dt) {
+    shapes_.fill({});
+  }
+
+  /// Without contact: A y = b, y a motion (proxy) or a velocity (body).
+  void setUp() {
+    const CouplingSettings& c = model_.settings.coupling;
+    const double damped = is_proxy_ && model_.settings.rendering == Rendering::kDirect ? 0 : 1;
+    const Vector6d stiffness = sixOf(c.stiffness, c.turn_stiffness);
+    const Vector6d damping = damped * sixOf(c.damping, c.turn_damping);
+    Vector6d device_twist;
+    device_twist << state_.device.velocity, state_.device.angular;
+    twist_ << state_.body.velocity, state_.body.angular;
+    mass_ = sixOf(c.mass(), c.inertia());
+    b_ = springPull(start_, state_.device, c) + damping.cwiseProduct(device_twist);
+    a_.setZero();
+    if (!is_proxy_) {
+      b_ = mass_.cwiseProduct(twist_) + dt_ * b_;
+      a_.diagonal() = mass_ + dt_ * damping + dt_ * dt_ * stiffness;
+      return;
+    }
+    a_.diagonal() = stiffness + damping / dt_;
+    // Without mass it would look as far ahead as the hand pulls it: no farther than its speed and the device's may take
+    // it, so that few bricks are near, and twice that, so that it can catch up.
+    double way = 0;
+    for (const CutObject& object : state_.objects) way = std::max(way, 4 * contactSkin(object.voxel()));
+    for (const Vector6d& moving : {twist_, device_twist}) way = std::max(way, 2 * dt_ * wayOf(moving));
+    longest_ = std::min(longest_, way);
+  }
+
+  /// The points are those the tool would meet on its way but for contact: what it touches, and what comes before it.
+  void gather() {
+    ahead_ = (is_proxy_ ? 1 : dt_) * b_.cwiseQuotient(a_.diagonal());
+    if (const double way = wayOf(ahead_); way > longest_) ahead_ *= longest_ / way;
+    state_.body.pose = {rotated(start_.rotation, ahead_.tail<3>()), start_.translation + ahead_.head<3>()};
+    travelledFrom(start_);
+    for (std::size_t n = 0; n < state_.objects.size(); ++n) {
+      const ContactInput in = inputOf(n);
+      look_.sums.tested += points_.gather(state_.objects[n], static_cast<int>(n), nearOf(n, in), in);
+    }
+    const Rigid3 there = state_.body.pose;
+    state_.body.pose = start_;
+    travelledFrom(there);
+    near_of_ = kNone;
+    for (int n = 0; n < points_.size(); ++n) {
+      Shape& shape = *shapeOf(static_cast<std::size_t>(points_[n].object));
+      shape.allowed = contactSkin(state_.objects[static_cast<std::size_t>(points_[n].object)].voxel());
+    }
+  }
+
+  void solve() {
+    for (int n = 0; n < points_.size(); ++n) {
+      const auto at = static_cast<std::size_t>(n);
+      const ContactPoint& p = points_[n];
+      const Vector6d u = p.direction();
+      const auto object = static_cast<std::size_t>(p.object);
+      const double allowed = p.cuts ? shapeOf(object)->allowed : contactSkin(state_.objects[object].voxel());
+      // How far it has to move out here, from where it is; negative: how far it may come in.
+      const double out = u.dot(ahead_) - (p.gap + allowed) / p.slope;
+      least_[at] = out;
+      if (is_proxy_) continue;
+      // What overlaps already is no reason for a velocity.
+      overlap_[at] = std::max(out, 0.0);
+      const double coming = u.dot(twist_), most_coming = std::min(out, 0.0) / dt_;
+      least_[at] = coming < most_coming ? std::max(most_coming, -kRestitution * coming) : most_coming;
+    }
+    loads_.solve(a_, b_, points_, least_);
+  }
+
+  /// Pressure and drag where the tool is, scaled to the load. Then what they change: drag, and how deep it may go in.
+  void takeShape() {
+    for (std::size_t n = 0; n < state_.objects.size(); ++n) {
+      CutObject& object = state_.objects[n];
+      const ContactInput in = inputOf(n);
+      ContactSums sums;
+      sumContact(object, nearOf(n, in), in, sums);
+      if (Shape* shape = shapeOf(n)) {
+        shape->all = sums.normal_load, shape->cutting = sums.cutting_load, shape->erodible = sums.erodible_load;
+        shape->rate = relaxationRate(sums.cutting_load, sums.erodible_load);
+        // Deep enough for half of it to go in a look: volume grows with the square of the depth of a ball. Deeper at
+        // once, back by and by: tissue is not left in jumps.
+        const double share = shape->erodible > 0 ? cuttingOf(n) * shape->rate / shape->erodible : 0;
+        const double wanted = 1.5 * sums.deepest * std::sqrt(2 * std::min(share, 2.0));
+        shape->allowed = std::max({shape->allowed, 0.9 * sums.deepest, std::min(wanted, kDeepest)});
+      }
+      sums.scale(sums.normal_load > 0 ? loadOf(n) / sums.normal_load : 0);
+      look_.sums.add(sums.rotated(object.T_world_object.rotation.toRotationMatrix()));
+    }
+    own_ = ownDrag(tool_, start_, state_.speed, look_.sums);
+    drag_ = look_.sums.dragMatrix();
+    a_ += (is_proxy_ ? 1 / dt_ : dt_) * drag_;
+    b_.head<3>() += per_load_ * own_.force, b_.tail<3>() += per_load_ * own_.torque;
+  }
+
+  /// Last object first: its bricks are those that were found last.
+  void erodeAll() {
+    for (std::size_t n = state_.objects.size(); n-- > 0;) {
+      CutObject& object = state_.objects[n];
+      ContactInput in = inputOf(n);
+      if (!in.geometry_only) {
+        const double cutting = cuttingOf(n);
+        if (!(cutting > 0)) continue;
+        const Shape& shape = *shapeOf(n);
+        in.load_scale = erosionScale(cutting, shape.rate, shape.erodible);
+      }
+      const CutResult cut = erode(object, nearOf(n, in), in);
+      const bool is_repaired = object.repair();  // also when room ran out: what was cut must be felt
+      look_.removed_mm3 += cut.removed_mm3, look_.bricks_cut += cut.bricks;
+      if (cut.room_ran_out || !is_repaired) look_.status |= kStepBricksRanOut;
+    }
+  }
+
+  void move() {
+    const auto setVelocity = [&](const Vector6d& v) {
+      state_.body.velocity = v.head<3>(), state_.body.angular = v.tail<3>();
+    };
+    if (is_proxy_) {
+      setVelocity(loads_.motion / dt_);
+      travel(state_.body, reach_, longest_, dt_);
+    } else {
+      ContactLoads back;
+      for (std::size_t n = 0; n < overlap_.size(); ++n)
+        least_[n] = std::min(kTakenBack * overlap_[n], kMostTakenBack) / dt_;
+      back.solve(mass_.asDiagonal(), Vector6d::Zero(), points_, least_);
+      setVelocity(loads_.motion + back.motion);
+      travel(state_.body, reach_, longest_, dt_);
+      setVelocity(loads_.motion);
+    }
+    travelledFrom(start_);
+  }
+
+  /// Loads and drag as they were solved with.
+  Look& result() {
+    const double solved = loads_.total() / per_load_;
+    Vector6d twist;
+    twist << state_.body.velocity, state_.body.angular;
+    const Vector6d push = loads_.push(points_) / per_load_, feed_drag = drag_ * twist;
+    look_.contact.force = push.head<3>() + own_.force - feed_drag.head<3>();
+    look_.contact.torque = push.tail<3>() + own_.torque - feed_drag.tail<3>();
+    look_.is_held = solved > 0;
+    if (look_.sums.normal_load > 0) look_.sums.scale(solved / look_.sums.normal_load);
+    look_.sums.normal_load = solved;
+    return look_;
+  }
+
+ private:
+  /// Of the pressure on one object at a scale of 1, N; rate times time; overlap that is allowed, mm.
+  struct Shape {
+    double all = 0, cutting = 0, erodible = 0, rate = 0, allowed = 0;
+  };
+
+  double wayOf(const Vector6d& motion) const { return motion.head<3>().norm() + reach_ * motion.tail<3>().norm(); }
+  ContactInput inputOf(std::size_t object) const { return contactInput(model_, state_, state_.objects[object], dt_); }
+  /// The same object again: its bricks are not looked for again.
+  const NearBricks& nearOf(std::size_t object, const ContactInput& in) {
+    if (object != near_of_) {
+      if (!state_.near.find(state_.objects[object], tool_, in.T_object_tool)) look_.status |= kStepNearRanOut;
       look_.bricks_near += static_cast<int>(state_.near.size());
-      object_ = object;
+      near_of_ = object;
     }
     return state_.near;
   }
-  void toolMoved() { object_ = kNone; }
+  void travelledFrom(const Rigid3& from) {
+    const double way = (state_.body.pose.translation - from.translation).norm() +
+                       tool_.reach_mm * rotationBetween(from.rotation, state_.body.pose.rotation).norm() + 1e-9;
+    for (CutObject& object : state_.objects) object.odometer += way;
+  }
+  /// Kept by the object's first point; null: it has none, and no load.
+  Shape* shapeOf(std::size_t object) {
+    for (int n = 0; n < points_.size(); ++n)
+      if (points_[n].object == static_cast<int>(object)) return &shapes_[static_cast<std::size_t>(n)];
+    return nullptr;
+  }
+  double loadOf(std::size_t object) const { return loads_.ofObject(points_, static_cast<int>(object)) / per_load_; }
+  /// The part of the load on what cuts, as the pressure divides it.
+  double cuttingOf(std::size_t object) {
+    const Shape* shape = shapeOf(object);
+    return shape && shape->all > 0 ? loadOf(object) * shape->cutting / shape->all : 0;
+  }
 
- private:
   static constexpr std::size_t kNone = ~std::size_t{0};
+  const Model& model_;
   State& state_;
-  Look& look_;
-  std::size_t object_ = kNone;
+  const ToolModel& tool_;
+  const bool is_proxy_;
+  const Rigid3 start_;
+  const double dt_;
+  double longest_;
+  const double reach_;
+  const double per_load_;  // what a load does to b
+  Look look_;
+  std::size_t near_of_ = kNone;  // whose bricks state_.near holds, at the body's pose
+  Matrix6d a_, drag_;
+  Vector6d b_, mass_, twist_, ahead_;
+  Wrench own_;
+  ContactPoints points_;
+  ContactLoads::Row least_{}, overlap_{};
+  ContactLoads loads_;
+  std::array<Shape, ContactPoints::kMost> shapes_;
 };
 
 }  // namespace
@@ -53,9 +246,9 @@ ContactInput contactInput(const Model& model, const State& state, const CutObjec
   return in;
 }
 
-double erosionScale(double load, double now, double still) noexcept {
-  if (!(load > 0 && now > 0 && still > 0)) return 0;
-  // g(x) = (1 - exp(-x)) / x is convex and falls: Newton from the left climbs to the root without passing it.
+double relaxationRate(double now, double still) noexcept {
+  if (!(now > 0 && still > 0)) return 0;
+  // g(x) = (1 - exp(-x)) / x falls and is convex: Newton from the left climbs to the root without passing it.
   const double g = std::min(now / still, 1.0);
   double x = 0;
   for (int n = 0; n < 30 && g < 1 - 1e-9; ++n) {
@@ -66,157 +259,26 @@ double erosionScale(double load, double now, double still) noexcept {
     x += step;
     if (step < 1e-12 * (1 + x)) break;
   }
-  if (x < 1e-9) return load / still;
-  const double wanted = load * x / still;
-  return (wanted < -std::expm1(-kMostRelaxed) ? -std::log1p(-wanted) : kMostRelaxed) / x;
+  return x;
+}
+
+double erosionScale(double load, double rate, double still) noexcept {
+  if (!(load > 0 && still > 0)) return 0;
+  if (rate < 1e-9) return load / still;
+  const double wanted = load * rate / still;
+  return (wanted < -std::expm1(-kMostRelaxed) ? -std::log1p(-wanted) : kMostRelaxed) / rate;
 }
 
 Look respond(const Model& model, State& state, double dt, double longest) noexcept {
-  Look look;
-  const StepSettings& settings = model.settings;
-  const CouplingSettings& c = settings.coupling;
-  const ToolModel& tool = model.tools[state.tool];
-  const double reach = tool.cut.reach();
-  const bool is_proxy = settings.response == Response::kConstraint;
-  const Rigid3 start = state.body.pose;
-  const auto travelled = [&](const Rigid3& from) {
-    const double way = (state.body.pose.translation - from.translation).norm() +
-                       tool.reach_mm * rotationBetween(from.rotation, state.body.pose.rotation).norm() + 1e-9;
-    for (CutObject& object : state.objects) object.odometer += way;
-  };
-
-  // Without contact: A y = b, y a motion (proxy) or a velocity (body). What a load does to b is 1 or dt of it.
-  const double per_load = is_proxy ? 1 : dt;
-  const double damped = is_proxy && settings.rendering == Rendering::kDirect ? 0 : 1;
-  const Vector6d stiffness = sixOf(c.stiffness, c.turn_stiffness);
-  const Vector6d damping = damped * sixOf(c.damping, c.turn_damping);
-  Vector6d device_twist, twist;
-  device_twist << state.device.velocity, state.device.angular;
-  twist << state.body.velocity, state.body.angular;
-  Vector6d b = springPull(start, state.device, c) + damping.cwiseProduct(device_twist);
-  Matrix6d a = Matrix6d::Zero();
-  const Vector6d mass = sixOf(c.mass(), c.inertia());
-  if (is_proxy) {
-    a.diagonal() = stiffness + damping / dt;
-  } else {
-    b = mass.cwiseProduct(twist) + dt * b;
-    a.diagonal() = mass + dt * damping + dt * dt * stiffness;
-  }
-
-  // A proxy without mass would look as far ahead as the hand pulls it: no farther than its speed and the device's may
-  // take it, so that few bricks are near, and twice that, so that it can catch up.
-  if (is_proxy) {
-    double way = 0;
-    for (const CutObject& object : state.objects) way = std::max(way, 4 * contactSkin(object.voxel()));
-    for (const Vector6d& moving : {twist, device_twist})
-      way = std::max(way, 2 * dt * (moving.head<3>().norm() + reach * moving.tail<3>().norm()));
-    longest = std::min(longest, way);
-  }
-  // The points are those the tool would meet on its way, but for contact: what it touches, and what comes before it.
-  Near near(state, look);
-  const double per_motion = is_proxy ? 1 : dt;
-  Vector6d ahead = per_motion * b.cwiseQuotient(a.diagonal());
-  if (const double way = ahead.head<3>().norm() + reach * ahead.tail<3>().norm(); way > longest) ahead *= longest / way;
-  state.body.pose = {rotated(start.rotation, ahead.tail<3>()), start.translation + ahead.head<3>()};
-  travelled(start);
-  ContactPoints points;
-  points.clear();
-  for (std::size_t n = 0; n < state.objects.size(); ++n) {
-    const ContactInput in = contactInput(model, state, state.objects[n], dt);
-    look.sums.tested += points.gather(state.objects[n], static_cast<int>(n), near.find(n, tool, in), in);
-  }
-  ContactLoads::Row least{}, overlap{};
-  for (int n = 0; n < points.size(); ++n) {
-    const auto at = static_cast<std::size_t>(n);
-    const ContactPoint& p = points[n];
-    const Vector6d u = p.direction();
-    const double skin = contactSkin(state.objects[static_cast<std::size_t>(p.object)].voxel());
-    // How far it has to move out here, from where it is; negative: how far it may come in.
-    const double out = u.dot(ahead) - (p.gap + skin) / p.slope;
-    least[at] = out;
-    if (is_proxy) continue;
-    // What overlaps already is no reason for a velocity.
-    overlap[at] = std::max(out, 0.0);
-    const double coming = u.dot(twist), most_coming = std::min(out, 0.0) / dt;
-    least[at] = coming < most_coming ? std::max(most_coming, -kRestitution * coming) : most_coming;
-  }
-  ContactLoads loads;
-  loads.solve(a, b, points, least);
-  const Rigid3 there = state.body.pose;
-  state.body.pose = start;
-  travelled(there);
-  near.toolMoved();
-
-  // Pressure and drag where the tool is, scaled to the load; then the loads again, with drag.
-  const auto loadOf = [&](std::size_t object) { return loads.ofObject(points, static_cast<int>(object)) / per_load; };
-  struct Shape {
-    double all, cutting, erodible;
-  };
-  std::array<Shape, ContactPoints::kMost> shapes;  // of objects with a load, by their first point
-  shapes.fill({0, 0, 0});
-  const auto shapeOf = [&](std::size_t object) -> Shape* {
-    for (int n = 0; n < points.size(); ++n)
-      if (points[n].object == static_cast<int>(object)) return &shapes[static_cast<std::size_t>(n)];
-    return nullptr;
-  };
-  for (std::size_t n = 0; n < state.objects.size(); ++n) {
-    CutObject& object = state.objects[n];
-    const ContactInput in = contactInput(model, state, object, dt);
-    ContactSums sums;
-    sumContact(object, near.find(n, tool, in), in, sums);
-    if (Shape* shape = shapeOf(n)) *shape = {sums.normal_load, sums.cutting_load, sums.erodible_load};
-    sums.scale(sums.normal_load > 0 ? loadOf(n) / sums.normal_load : 0);
-    look.sums.add(sums.rotated(object.T_world_object.rotation.toRotationMatrix()));
-  }
-  Wrench own = ownDrag(tool, start, state.speed, look.sums);
-  const Matrix6d drag = look.sums.dragMatrix();
-  if (look.sums.drag > 0) {
-    a += (is_proxy ? 1 / dt : dt) * drag;
-    b.head<3>() += per_load * own.force, b.tail<3>() += per_load * own.torque;
-    loads.solve(a, b, points, least);
-  }
-
-  // Last object first: its bricks are those that were found last.
-  const double solved = loads.total() / per_load;
-  for (std::size_t n = state.objects.size(); n-- > 0;) {
-    CutObject& object = state.objects[n];
-    ContactInput in = contactInput(model, state, object, dt);
-    const Shape* shape = shapeOf(n);
-    const double cutting = shape && shape->all > 0 ? loadOf(n) * shape->cutting / shape->all : 0;
-    if (!in.geometry_only) {
-      if (!(cutting > 0)) continue;
-      in.load_scale = erosionScale(cutting, shape->cutting, shape->erodible);
-    }
-    const CutResult cut = erode(object, near.find(n, tool, in), in);
-    const bool is_repaired = object.repair();  // also when room ran out: what was cut must be felt
-    look.removed_mm3 += cut.removed_mm3, look.bricks_cut += cut.bricks;
-    if (cut.room_ran_out || !is_repaired) look.status |= kStepBricksRanOut;
-  }
-
-  if (is_proxy) {
-    state.body.velocity = loads.motion.head<3>() / dt, state.body.angular = loads.motion.tail<3>() / dt;
-    travel(state.body, reach, longest, dt);
-  } else {
-    ContactLoads back;
-    for (std::size_t n = 0; n < overlap.size(); ++n) least[n] = std::min(kTakenBack * overlap[n], kMostTakenBack) / dt;
-    back.solve(mass.asDiagonal(), Vector6d::Zero(), points, least);
-    const Vector6d both = loads.motion + back.motion;
-    state.body.velocity = both.head<3>(), state.body.angular = both.tail<3>();
-    travel(state.body, reach, longest, dt);
-    state.body.velocity = loads.motion.head<3>(), state.body.angular = loads.motion.tail<3>();
-  }
-  travelled(start);
-
-  // What the tool's own motion and its feed drag is what the loads were solved with.
-  twist << state.body.velocity, state.body.angular;
-  const Vector6d push = loads.push(points) / per_load, feed_drag = drag * twist;
-  look.contact.force = push.head<3>() + own.force - feed_drag.head<3>();
-  look.contact.torque = push.tail<3>() + own.torque - feed_drag.tail<3>();
-  look.is_held = solved > 0;
-  const double factor = look.sums.normal_load > 0 ? solved / look.sums.normal_load : 0;
-  look.sums.scale(factor);
-  look.sums.normal_load = solved;
-  return look;
+  Responder look(model, state, dt, longest);
+  look.setUp();
+  look.gather();
+  look.solve();
+  look.takeShape();
+  look.solve();
+  look.erodeAll();
+  look.move();
+  return look.result();
 }
 
 }  // namespace kerf

@@ -12,7 +12,7 @@
 //
 // Erosion and drag: where and in which proportion the overlap says (the penalty law's pressure), how much the solved
 // load N says. Rates are scaled until the pressure, mean over the look, integrates to N: removal is mu N v_s / u_s, as
-// long as there is that much overlap to remove.
+// long as there is that much overlap to remove. A part that cuts is allowed to overlap, up to 0.1 mm, so that there is.
 #pragma once
 
 #include "sim/step.h"
@@ -37,11 +37,12 @@ struct Look {
 /// What an object's contact needs to know of tool and time; the tool where its body is. @rt
 ContactInput contactInput(const Model& model, const State& state, const CutObject& object, double dt) noexcept;
 
-/// The load scale with which the pressure erodes as if the cutting load were `load`: the factor s on rates, and so on
-/// the pressure before erosion, for which s S g(s x) = load; x from g(x) = now / still. Where all of the overlap would
-/// not do, nearly all of it goes.
-/// @param now  cutting load, N, at a scale of 1.   @param still  the same before erosion, S.
-double erosionScale(double load, double now, double still) noexcept;
+/// Rate times time, x, of the pressure's mean over a look: g(x) = (1 - exp(-x)) / x = now / still, both cutting loads
+/// in N, `still` before erosion.
+double relaxationRate(double now, double still) noexcept;
+/// The factor s on rates, and so on the pressure, with which the mean cutting load becomes `load`: s still g(s rate) =
+/// load. Where all of the overlap would not do, nearly all of it goes.
+double erosionScale(double load, double rate, double still) noexcept;
 
 /// Moves the tool by StepSettings::response, which is kConstraint or kImpulse; erodes where it was. @rt
 /// @param longest_mm  no part of the cutting head moves farther.   @cost twice that of the penalty law's look

@@ -229,13 +229,16 @@ TEST(Response, ErosionScaleGivesTheLoadBack) {
     for (const double load : {0.01, 0.3, 0.9}) {
       const double still = 0.7, now = still * mean(x);
       const double wanted = load * still / x;  // of what would take all of the overlap
-      const double s = erosionScale(wanted, now, still);
+      EXPECT_NEAR(relaxationRate(now, still), x, 1e-6 + 1e-6 * x);
+      const double s = erosionScale(wanted, x, still);
       EXPECT_NEAR(s * still * mean(s * x) / wanted, 1, 1e-4) << x << " " << load;
     }
+  EXPECT_EQ(relaxationRate(0, 0), 0);
+  EXPECT_EQ(relaxationRate(0.5, 0.5), 0);
   EXPECT_EQ(erosionScale(0, 1, 1), 0);
-  EXPECT_EQ(erosionScale(1, 0, 0), 0);
-  EXPECT_NEAR(erosionScale(2, 0.5, 0.5), 4, 1e-9);  // a tool that hardly cuts
-  EXPECT_LT(erosionScale(1e9, 0.5, 0.7), 10);       // not everything can be taken
+  EXPECT_EQ(erosionScale(1, 1, 0), 0);
+  EXPECT_NEAR(erosionScale(2, 0, 0.5), 4, 1e-9);  // a tool that hardly cuts
+  EXPECT_LT(erosionScale(1e9, 0.7, 0.7), 10);     // not everything can be taken
 }
 
 TEST(ContactLoads, HoldAtEveryPointAndPullAtNone) {
