@@ -9,10 +9,10 @@ namespace kerf {
 
 /// A shell node that overlaps the tool, world axes.
 struct ContactPoint {
-  Vec3d normal;      ///< of the tissue, outward: where contact pushes the tool
+  Vec3d normal;      ///< where contact pushes the tool: the tissue's outward, at its edges the tool's inward
   Vec3d lever;       ///< from the tool's tip, mm
   double gap = 0;    ///< tau + phi < 0, mm
-  double slope = 1;  ///< of tau against the normal: moving the tool out by 1 opens the gap by this
+  double slope = 1;  ///< moving the tool along the normal by 1 opens the gap by this
   int object = 0;
   bool cuts = false;  ///< met by the cutting part
 
@@ -38,19 +38,22 @@ class ContactPoints {
   int count_ = 0;
 };
 
-/// What holds the tool out of the tissue: y minimises y^T A y / 2 - b^T y over u_i^T y >= least_i, u_i the points'
-/// directions; load_i >= 0 its multipliers, A y = b + sum u_i load_i. By projected Gauss-Seidel (after Moreau, in the
-/// form of Catto, GDC 2005), a bounded number of sweeps, from the loads that are there.
+/// What holds the tool out of the tissue: y minimises y^T A y / 2 - b^T y over u_i^T y >= least_i - softness load_i,
+/// u_i the points' directions; load_i >= 0 its multipliers, A y = b + sum u_i load_i. By projected Gauss-Seidel (after
+/// Moreau, in the form of Catto, GDC 2005), a bounded number of sweeps, from the loads that are there.
 struct ContactLoads {
   using Row = std::array<double, ContactPoints::kMost>;
   Row load{};
   Vector6d motion = Vector6d::Zero();  ///< y
   double total() const;
   double ofObject(const ContactPoints& points, int object) const;
+  double ofCutting(const ContactPoints& points, int object) const;  ///< of those on what cuts
   /// Sum of u_i load_i.
   Vector6d push(const ContactPoints& points) const;
-  /// @param a  symmetric, positive definite.  Not finite: no motion, no load. @rt @cost 1 us a point at most
-  void solve(const Matrix6d& a, const Vector6d& b, const ContactPoints& points, const Row& least) noexcept;
+  /// @param a  symmetric, positive definite.   @param softness  >= 0; bounds the loads of walls on both sides.
+  /// Not finite: no motion, no load. @rt @cost 1 us a point at most
+  void solve(const Matrix6d& a, const Vector6d& b, const ContactPoints& points, const Row& least,
+             double softness) noexcept;
 
  private:
   int count_ = 0;

@@ -70,11 +70,13 @@ void advance(ToolBody& body, const DeviceMotion& device, const ContactSums& cont
   travel(body, head_reach, longest, dt);
 }
 
-void travel(ToolBody& body, double head_reach, double longest, double dt) noexcept {
+double travel(ToolBody& body, double head_reach, double longest, double dt) noexcept {
   const double motion = dt * (body.velocity.norm() + head_reach * body.angular.norm());
-  if (motion > longest) body.velocity *= longest / motion, body.angular *= longest / motion;
+  const double kept = motion > longest ? longest / motion : 1;
+  if (kept < 1) body.velocity *= kept, body.angular *= kept;
   body.pose.translation += dt * body.velocity;
   body.pose.rotation = rotated(body.pose.rotation, dt * body.angular);
+  return kept;
 }
 
 Wrench couplingWrench(const ToolBody& body, const DeviceMotion& device, const CouplingSettings& s) noexcept {

@@ -48,8 +48,8 @@ Eigen::Quaterniond rotated(const Eigen::Quaterniond& from, const Vec3d& rotation
 Vector6d springPull(const Rigid3& T_world_tool, const DeviceMotion& device, const CouplingSettings& settings) noexcept;
 
 /// Moves the body by its velocities over dt; no part of the cutting head farther than `longest_mm`, to which motion and
-/// velocities are scaled down. @rt
-void travel(ToolBody& body, double head_reach_mm, double longest_mm, double dt) noexcept;
+/// velocities are scaled down.  @return by how much, 1 at most. @rt
+double travel(ToolBody& body, double head_reach_mm, double longest_mm, double dt) noexcept;
 
 /// One implicit Euler step of the body: (M + dt (B + D) + dt^2 (K + J)) V' = M V + dt (K e + B V_d + F + F_own).
 /// @param contact  world frame: force_after, stiffness and drag are used.   @param own_drag  of the tool's own motion.

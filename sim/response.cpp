@@ -8,8 +8,9 @@
 namespace kerf {
 namespace {
 
-constexpr double kTakenBack = 0.2;       // of an overlap beyond the skin, a look: impulse
+constexpr double kTakenBack = 0.2;       // of an overlap beyond the skin, a look
 constexpr double kMostTakenBack = 0.02;  // mm a look
+constexpr double kEven = 0.2;            // softness of taking back: between two walls the middle
 constexpr double kDeepest = 0.1;         // mm that a cutting part may overlap so that there is enough to remove
 constexpr double kMostRelaxed = 4;       // rate times time, at which all but 2 % of an overlap is gone
 
@@ -23,7 +24,7 @@ Vector6d sixOf(double along, double about) {
 /// One look, in the order of its functions.
 class Responder {
  public:
-  Responder(const Model& model, State& state, double dt, double longest)
+  Responder(const Model& model, State& state, double dt, double longest, double device_way)
       : model_(model),
         state_(state),
         tool_(model.tools[state.tool]),
@@ -31,8 +32,9 @@ class Responder {
         start_(state.body.pose),
         dt_(dt),
         longest_(longest),
+        device_way_(device_way),
         reach_(tool_.cut.reach()),
-        per_load_(is_proxy_ ? 1 : dt) {
+        per_(is_proxy_ ? 1 : dt) {
     shapes_.fill({});
   }
 
@@ -45,26 +47,26 @@ class Responder {
     Vector6d device_twist;
     device_twist << state_.device.velocity, state_.device.angular;
     twist_ << state_.body.velocity, state_.body.angular;
-    mass_ = sixOf(c.mass(), c.inertia());
+    metric_ = sixOf(c.mass(), c.inertia());
     b_ = springPull(start_, state_.device, c) + damping.cwiseProduct(device_twist);
     a_.setZero();
     if (!is_proxy_) {
-      b_ = mass_.cwiseProduct(twist_) + dt_ * b_;
-      a_.diagonal() = mass_ + dt_ * damping + dt_ * dt_ * stiffness;
+      b_ = metric_.cwiseProduct(twist_) + dt_ * b_;
+      a_.diagonal() = metric_ + dt_ * damping + dt_ * dt_ * stiffness;
       return;
     }
+    metric_ = stiffness;
     a_.diagonal() = stiffness + damping / dt_;
     // Without mass it would look as far ahead as the hand pulls it: no farther than its speed and the device's may take
     // it, so that few bricks are near, and twice that, so that it can catch up.
-    double way = 0;
+    double way = 2 * std::max(device_way_, dt_ * wayOf(twist_));
     for (const CutObject& object : state_.objects) way = std::max(way, 4 * contactSkin(object.voxel()));
-    for (const Vector6d& moving : {twist_, device_twist}) way = std::max(way, 2 * dt_ * wayOf(moving));
     longest_ = std::min(longest_, way);
   }
 
   /// The points are those the tool would meet on its way but for contact: what it touches, and what comes before it.
   void gather() {
-    ahead_ = (is_proxy_ ? 1 : dt_) * b_.cwiseQuotient(a_.diagonal());
+    ahead_ = per_ * b_.cwiseQuotient(a_.diagonal());
     if (const double way = wayOf(ahead_); way > longest_) ahead_ *= longest_ / way;
     state_.body.pose = {rotated(start_.rotation, ahead_.tail<3>()), start_.translation + ahead_.head<3>()};
     travelledFrom(start_);
@@ -91,14 +93,13 @@ class Responder {
       const double allowed = p.cuts ? shapeOf(object)->allowed : contactSkin(state_.objects[object].voxel());
       // How far it has to move out here, from where it is; negative: how far it may come in.
       const double out = u.dot(ahead_) - (p.gap + allowed) / p.slope;
-      least_[at] = out;
-      if (is_proxy_) continue;
-      // What overlaps already is no reason for a velocity.
+      // What overlaps already makes no load: walls on both sides would make any.
       overlap_[at] = std::max(out, 0.0);
-      const double coming = u.dot(twist_), most_coming = std::min(out, 0.0) / dt_;
-      least_[at] = coming < most_coming ? std::max(most_coming, -kRestitution * coming) : most_coming;
+      least_[at] = std::min(out, 0.0) / per_;
+      if (const double coming = u.dot(twist_); !is_proxy_ && coming < least_[at])
+        least_[at] = std::max(least_[at], -kRestitution * coming);
     }
-    loads_.solve(a_, b_, points_, least_);
+    loads_.solve(a_, b_, points_, least_, 0);
   }
 
   /// Pressure and drag where the tool is, scaled to the load. Then what they change: drag, and how deep it may go in.
@@ -109,13 +110,12 @@ class Responder {
       ContactSums sums;
       sumContact(object, nearOf(n, in), in, sums);
       if (Shape* shape = shapeOf(n)) {
-        shape->all = sums.normal_load, shape->cutting = sums.cutting_load, shape->erodible = sums.erodible_load;
+        shape->erodible = sums.erodible_load;
         shape->rate = relaxationRate(sums.cutting_load, sums.erodible_load);
-        // Deep enough for half of it to go in a look: volume grows with the square of the depth of a ball. Deeper at
-        // once, back by and by: tissue is not left in jumps.
+        // Deep enough for half of it to go in a look: volume grows with the square of the depth of a ball.
         const double share = shape->erodible > 0 ? cuttingOf(n) * shape->rate / shape->erodible : 0;
         const double wanted = 1.5 * sums.deepest * std::sqrt(2 * std::min(share, 2.0));
-        shape->allowed = std::max({shape->allowed, 0.9 * sums.deepest, std::min(wanted, kDeepest)});
+        shape->allowed = std::max(shape->allowed, std::min(wanted, kDeepest));
       }
       sums.scale(sums.normal_load > 0 ? loadOf(n) / sums.normal_load : 0);
       look_.sums.add(sums.rotated(object.T_world_object.rotation.toRotationMatrix()));
@@ -123,7 +123,7 @@ class Responder {
     own_ = ownDrag(tool_, start_, state_.speed, look_.sums);
     drag_ = look_.sums.dragMatrix();
     a_ += (is_proxy_ ? 1 / dt_ : dt_) * drag_;
-    b_.head<3>() += per_load_ * own_.force, b_.tail<3>() += per_load_ * own_.torque;
+    b_.head<3>() += per_ * own_.force, b_.tail<3>() += per_ * own_.torque;
   }
 
   /// Last object first: its bricks are those that were found last.
@@ -133,7 +133,7 @@ class Responder {
       ContactInput in = inputOf(n);
       if (!in.geometry_only) {
         const double cutting = cuttingOf(n);
-        if (!(cutting > 0)) continue;
+        if (!(cutting > 0)) continue;  // then it has a point, and a shape
         const Shape& shape = *shapeOf(n);
         in.load_scale = erosionScale(cutting, shape.rate, shape.erodible);
       }
@@ -148,39 +148,36 @@ class Responder {
     const auto setVelocity = [&](const Vector6d& v) {
       state_.body.velocity = v.head<3>(), state_.body.angular = v.tail<3>();
     };
-    if (is_proxy_) {
-      setVelocity(loads_.motion / dt_);
-      travel(state_.body, reach_, longest_, dt_);
-    } else {
-      ContactLoads back;
-      for (std::size_t n = 0; n < overlap_.size(); ++n)
-        least_[n] = std::min(kTakenBack * overlap_[n], kMostTakenBack) / dt_;
-      back.solve(mass_.asDiagonal(), Vector6d::Zero(), points_, least_);
-      setVelocity(loads_.motion + back.motion);
-      travel(state_.body, reach_, longest_, dt_);
-      setVelocity(loads_.motion);
-    }
+    ContactLoads back;
+    for (std::size_t n = 0; n < overlap_.size(); ++n)
+      least_[n] = std::min(kTakenBack * overlap_[n], kMostTakenBack) / per_;
+    back.solve(metric_.asDiagonal(), Vector6d::Zero(), points_, least_, kEven / metric_[0]);
+    setVelocity(per_ / dt_ * (loads_.motion + back.motion));
+    const double kept = travel(state_.body, reach_, longest_, dt_);
+    look_.is_free = kept == 1 && loads_.total() == 0 && look_.sums.drag == 0;
+    setVelocity(kept * per_ / dt_ * loads_.motion);
     travelledFrom(start_);
   }
 
   /// Loads and drag as they were solved with.
   Look& result() {
-    const double solved = loads_.total() / per_load_;
+    const double solved = loads_.total() / per_;
+    double cutting = 0;
+    for (std::size_t n = 0; n < state_.objects.size(); ++n) cutting += cuttingOf(n);
     Vector6d twist;
     twist << state_.body.velocity, state_.body.angular;
-    const Vector6d push = loads_.push(points_) / per_load_, feed_drag = drag_ * twist;
+    const Vector6d push = loads_.push(points_) / per_, feed_drag = drag_ * twist;
     look_.contact.force = push.head<3>() + own_.force - feed_drag.head<3>();
     look_.contact.torque = push.tail<3>() + own_.torque - feed_drag.tail<3>();
-    look_.is_held = solved > 0;
     if (look_.sums.normal_load > 0) look_.sums.scale(solved / look_.sums.normal_load);
-    look_.sums.normal_load = solved;
+    look_.sums.normal_load = solved, look_.sums.cutting_load = cutting;
     return look_;
   }
 
  private:
-  /// Of the pressure on one object at a scale of 1, N; rate times time; overlap that is allowed, mm.
+  /// Of one object: cutting load before erosion at a scale of 1, N; rate times time; overlap that is allowed, mm.
   struct Shape {
-    double all = 0, cutting = 0, erodible = 0, rate = 0, allowed = 0;
+    double erodible = 0, rate = 0, allowed = 0;
   };
 
   double wayOf(const Vector6d& motion) const { return motion.head<3>().norm() + reach_ * motion.tail<3>().norm(); }
@@ -205,12 +202,8 @@ class Responder {
       if (points_[n].object == static_cast<int>(object)) return &shapes_[static_cast<std::size_t>(n)];
     return nullptr;
   }
-  double loadOf(std::size_t object) const { return loads_.ofObject(points_, static_cast<int>(object)) / per_load_; }
-  /// The part of the load on what cuts, as the pressure divides it.
-  double cuttingOf(std::size_t object) {
-    const Shape* shape = shapeOf(object);
-    return shape && shape->all > 0 ? loadOf(object) * shape->cutting / shape->all : 0;
-  }
+  double loadOf(std::size_t object) const { return loads_.ofObject(points_, static_cast<int>(object)) / per_; }
+  double cuttingOf(std::size_t object) const { return loads_.ofCutting(points_, static_cast<int>(object)) / per_; }
 
   static constexpr std::size_t kNone = ~std::size_t{0};
   const Model& model_;
@@ -220,12 +213,13 @@ class Responder {
   const Rigid3 start_;
   const double dt_;
   double longest_;
+  const double device_way_;
   const double reach_;
-  const double per_load_;  // what a load does to b
+  const double per_;  // what a load does to b
   Look look_;
   std::size_t near_of_ = kNone;  // whose bricks state_.near holds, at the body's pose
   Matrix6d a_, drag_;
-  Vector6d b_, mass_, twist_, ahead_;
+  Vector6d b_, metric_, twist_, ahead_;
   Wrench own_;
   ContactPoints points_;
   ContactLoads::Row least_{}, overlap_{};
@@ -269,8 +263,8 @@ double erosionScale(double load, double rate, double still) noexcept {
   return (wanted < -std::expm1(-kMostRelaxed) ? -std::log1p(-wanted) : kMostRelaxed) / rate;
 }
 
-Look respond(const Model& model, State& state, double dt, double longest) noexcept {
-  Responder look(model, state, dt, longest);
+Look respond(const Model& model, State& state, double dt, double longest, double device_way) noexcept {
+  Responder look(model, state, dt, longest, device_way);
   look.setUp();
   look.gather();
   look.solve();

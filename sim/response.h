@@ -26,9 +26,9 @@ inline constexpr double kRestitution = 0;
 
 /// What a look came to, world frame, about the tip.
 struct Look {
-  ContactSums sums;      ///< pressure and drag; those of sim/contact.h
-  Wrench contact;        ///< on the tool, with drag
-  bool is_held = false;  ///< some point carries a load
+  ContactSums sums;     ///< pressure and drag; those of sim/contact.h
+  Wrench contact;       ///< on the tool, with drag
+  bool is_free = true;  ///< nothing holds it, and it is where the hand wants it
   double removed_mm3 = 0;
   int bricks_near = 0, bricks_cut = 0;
   std::uint32_t status = 0;  ///< StepStatus
@@ -45,7 +45,8 @@ double relaxationRate(double now, double still) noexcept;
 double erosionScale(double load, double rate, double still) noexcept;
 
 /// Moves the tool by StepSettings::response, which is kConstraint or kImpulse; erodes where it was. @rt
-/// @param longest_mm  no part of the cutting head moves farther.   @cost twice that of the penalty law's look
-Look respond(const Model& model, State& state, double dt, double longest_mm) noexcept;
+/// @param longest_mm  no part of the cutting head moves farther.   @param device_way_mm  how far the device takes it.
+///   @cost twice that of the penalty law's look
+Look respond(const Model& model, State& state, double dt, double longest_mm, double device_way_mm) noexcept;
 
 }  // namespace kerf

@@ -141,7 +141,7 @@ void step(const Model& model, State& state, const DeviceSample& input, StepOutpu
   const double dt = kTick / substeps;
 
   const double wanted_speed = input.pedal * tool.drive.speed;
-  bool is_held = false;  // the proxy, at the last look
+  bool is_free = true;  // the proxy, at the last look
   for (int n = 1; n <= substeps; ++n) {
     Rigid3 last = state.body.pose;
     if (!is_coupled) {
@@ -183,8 +183,8 @@ void step(const Model& model, State& state, const DeviceSample& input, StepOutpu
       look.contact.force = look.sums.force + own.force - feed_drag.head<3>();
       look.contact.torque = look.sums.torque + own.torque - feed_drag.tail<3>();
     } else {
-      look = respond(model, state, dt, longest);
-      is_held = look.is_held;
+      look = respond(model, state, dt, longest, motion / substeps);
+      is_free = look.is_free;
     }
     const double share = 1.0 / substeps;
     const ContactSums& world = look.sums;
@@ -207,10 +207,10 @@ void step(const Model& model, State& state, const DeviceSample& input, StepOutpu
 
   Wrench wanted;
   if (is_proxy) {
-    // A proxy that nothing holds is where the device is, or on its way there: no force.
+    // Where the hand wants it there is no force, not even of rounding.
     CouplingSettings seen = settings.coupling;
     if (settings.rendering == Rendering::kDirect) seen.damping = seen.turn_damping = 0;
-    if (is_held) wanted = couplingWrench(state.body, state.device, seen);
+    if (!is_free) wanted = couplingWrench(state.body, state.device, seen);
   } else if (settings.rendering == Rendering::kCoupled) {
     wanted = couplingWrench(state.body, state.device, settings.coupling);
   } else if (settings.rendering == Rendering::kDirect) {
