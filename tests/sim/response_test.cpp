@@ -6,6 +6,7 @@
 
 #include "../temporary_file.h"
 #include "block_scene.h"
+#include "geometry/tool_file.h"
 #include "sim/contact_points.h"
 #include "sim/replay.h"
 
@@ -188,6 +189,41 @@ TEST_P(EachResponse, ASessionIsReplayedBitForBit) {
   EXPECT_TRUE(again->is_same) << again->differs_at;
   EXPECT_GE(again->checks, 3u);
   EXPECT_GT(again->removed_mm3, 0.01);
+}
+
+// Walls on both sides, an edge at either end: a blade 0.5 mm deep in its kerf, cut with the hand 2 mm beyond it at
+// most.
+TEST_P(EachResponse, ABladeCutsItsKerfAndIsHeldInIt) {
+  if (toolIsTheDevice()) GTEST_SKIP() << "no coupling";
+  const auto file = findToolFile("saw-reciprocating-25", defaultToolFolders());
+  ASSERT_TRUE(file);
+  const auto tool = readTool(*file);
+  ASSERT_TRUE(tool);
+  Model m = model();
+  m.tools = {makeToolModel(*tool)};
+  m.tissues = oneTissue(200, 0.3, 50);
+  State state;
+  state.objects.emplace_back(block({10, 3, 3}, 0.1));
+  Eigen::Matrix3d axes;
+  axes.col(0) = Vec3d::UnitZ(), axes.col(1) = -Vec3d::UnitY(), axes.col(2) = Vec3d::UnitX();
+  const Eigen::Quaterniond teeth_down(axes);
+  StepOutput out;
+  double removed = 0, law = 0, most = 0;
+  for (int n = 0; n < 1600; ++n) {
+    const double side = 0.5 * std::clamp((n - 1200) / 200.0, 0.0, 1.0);
+    step(m, state, sampleAt({teeth_down, {-12.5, 0.01 + side, 0.2 - 0.0012 * std::min(n, 900)}}, n < 1000), out);
+    removed += out.removed_mm3, law += 0.3 * m.tools[0].drive.drag_factor / m.tools[0].drive.energy_factor *
+                                       out.cutting_load * out.speed / 50 * kTick;
+    if (n > 400) most = std::max(most, out.normal_load);
+  }
+  const Vec3d tip = out.T_world_tool.translation;
+  EXPECT_LT(tip[2], -0.2) << "it cut";
+  EXPECT_NEAR(tip[0], -12.5, 0.1) << "along the kerf nothing holds it, and nothing drives it";
+  EXPECT_NEAR(out.force.force[1], -0.5, 0.1) << "the flank holds against a hand 0.5 mm to the side";
+  EXPECT_LT(std::abs(tip[1]), 0.1);
+  EXPECT_NEAR(out.force.force[2], tip[2] - (0.2 - 0.0012 * 900), 0.05);
+  EXPECT_NEAR(removed / law, 1, 0.12);
+  EXPECT_LT(most, 10) << "walls on both sides do not press by themselves";
 }
 
 INSTANTIATE_TEST_SUITE_P(

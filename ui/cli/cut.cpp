@@ -18,6 +18,7 @@ struct Arguments {
   CutOptions options;
   bool json = false;
   std::string hand;  // empty: geometry only
+  std::string response = "penalty";
   HapticCutOptions haptic;
 };
 
@@ -26,6 +27,10 @@ std::optional<HandKind> handKind(const std::string& name) {
   if (name == "force") return HandKind::kForce;
   if (name == "device") return HandKind::kDevice;
   return std::nullopt;
+}
+
+Response responseNamed(const std::string& name) {
+  return name == "constraint" ? Response::kConstraint : name == "impulse" ? Response::kImpulse : Response::kPenalty;
 }
 
 // An option of a hand that nobody holds the tool with would be ignored: a mistake of the user's.
@@ -46,6 +51,7 @@ std::optional<Error> misplaced(const CLI::App& command, const std::string& hand)
 int runByHand(const Arguments& a, const std::filesystem::path& tool) {
   HapticCutOptions options = a.haptic;
   options.hand = *handKind(a.hand);
+  options.step.response = responseNamed(a.response);
   options.overwrite = a.options.overwrite;
   auto cut = [&] {
     TerminalProgress progress;
@@ -58,12 +64,14 @@ int runByHand(const Arguments& a, const std::filesystem::path& tool) {
                cut->manifest.voxel_mm);
   if (a.json) {
     nlohmann::json j = nlohmann::json::parse(toJson(s));
-    j["tool"] = cut->manifest.tool_id, j["hand"] = a.hand, j["voxel_mm"] = cut->manifest.voxel_mm;
+    j["tool"] = cut->manifest.tool_id, j["hand"] = a.hand, j["response"] = a.response,
+    j["voxel_mm"] = cut->manifest.voxel_mm;
     printJson(j);
     return kOk;
   }
-  fmt::print("cut with {} held by a {} hand for {:.2f} s, {:.2f} s of it in contact, voxels {} mm; ended: {}\n",
-             cut->manifest.tool_id, a.hand, s.seconds, s.seconds_in_contact, cut->manifest.voxel_mm, s.ended);
+  const std::string response = a.response == "penalty" ? "" : " by " + a.response;
+  fmt::print("cut with {} held by a {} hand{} for {:.2f} s, {:.2f} s of it in contact, voxels {} mm; ended: {}\n",
+             cut->manifest.tool_id, a.hand, response, s.seconds, s.seconds_in_contact, cut->manifest.voxel_mm, s.ended);
   fmt::print("removed {:.4f} mm3", s.removed_mm3);
   const char* separator = ": ";
   for (const auto& [id, volume] : s.removed_by_material) {
@@ -155,11 +163,10 @@ void addCut(CLI::App& app, int& exit_code) {
   by_hand->add_option("--coupling", a->haptic.step.coupling.stiffness, "stiffness of the virtual coupling, N/mm")
       ->capture_default_str();
   auto* held = c->add_option_group("With --hand force or device");
-  held->add_option("--response", a->haptic.step.response,
+  held->add_option("--response", a->response,
                    "what keeps the tool out of the tissue: penalty, constraint (god-object), impulse; docs/haptics.md")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, Response>{
-          {"penalty", Response::kPenalty}, {"constraint", Response::kConstraint}, {"impulse", Response::kImpulse}}))
-      ->default_str("penalty");
+      ->check(CLI::IsMember({"penalty", "constraint", "impulse"}))
+      ->capture_default_str();
   auto* force = c->add_option_group("With --hand force");
   force->add_option("--push", a->haptic.force.force, "N")->capture_default_str();
   force->add_option("--feed-limit", a->haptic.force.feed_limit, "no faster than this, mm/s")->capture_default_str();
