@@ -187,7 +187,8 @@ Expected<Held> hold(const Way& way, const std::shared_ptr<const BakedObject>& bl
 }
 
 struct Slot {
-  double rate = 0, jump = 0;  // of removal, over the law's; N
+  double rate = 0, jump = 0;     // of removal, over the law's; N
+  double removed = 0, load = 0;  // mm^3; N, mean
   std::vector<double> us;
 };
 // Down at 1 mm/s, then along at 2 mm/s, 0.45 mm below the surface by the device; means along the slot.
@@ -212,6 +213,7 @@ Slot cutSlot(const Way& way, const Objects& objects) {
   }
   slot.rate = load > 0 ? removed / (kFriction * load * kSpeed / kEnergy) : 0;
   slot.jump = largestJump(force);
+  slot.removed = removed, slot.load = load / (1200 * kTick);
   std::sort(slot.us.begin(), slot.us.end());
   return slot;
 }
@@ -253,6 +255,8 @@ Expected<Result> benchResponse(const Progress& progress) {
     add("1 N/mm, no friction: energy given, most", std::max(slippery.energy, 0.0), "mJ", 0.1);
     const Slot slot = cutSlot(way, objects);
     add("jump of force per ms, cutting", slot.jump, "N", 0.05);
+    add("normal load, cutting", slot.load, "N");
+    add("removed", slot.removed, "mm3");
     add("removal less mu N v / u_s", 100 * (slot.rate - 1), "%", 5);
     const auto at = [&](double p) {
       return slot.us[std::min(slot.us.size() - 1, static_cast<std::size_t>(p * static_cast<double>(slot.us.size())))];
