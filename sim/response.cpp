@@ -97,7 +97,7 @@ class Responder {
       overlap_[at] = std::max(out, 0.0);
       least_[at] = std::min(out, 0.0) / per_;
       if (const double coming = u.dot(twist_); !is_proxy_ && coming < least_[at])
-        least_[at] = std::max(least_[at], -kRestitution * coming);
+        least_[at] = std::max(least_[at], -model_.settings.restitution * coming);
     }
     loads_.solve(a_, b_, points_, least_, 0);
   }

@@ -6,14 +6,18 @@
 //   freedom: Ortega, Redon & Coquillart, TVCG 2007): the tool, without mass, goes to the pose nearest to the device in
 //   the metric of the coupling's stiffness, with its damping when coupled, among those without overlap. Points are
 //   gathered where it would go if nothing was there: walls are met before they are passed;
-// - impulse (Mirtich & Canny, I3D 1995; Baraff, SIGGRAPH 1989): the tool is a body on the coupling; points that overlap
-//   get impulses until none comes nearer than the skin in this look, or leaves slower than restitution wants; an
-//   overlap beyond the skin is taken back a part at a time, without adding velocity.
+// - impulse (Mirtich & Canny, I3D 1995; Baraff, SIGGRAPH 1989): the tool is a body on the coupling; points it would
+// meet
+//   get impulses until none comes nearer than the skin in this look, or leaves slower than restitution wants.
+// What overlaps beyond the skin is taken back a part at a time, without load or velocity: walls on both sides would
+// otherwise press as hard as they like.
 //
 // Erosion and drag: where and in which proportion the overlap says (the penalty law's pressure), how much the solved
 // load N says. Rates are scaled until the pressure, mean over the look, integrates to N: removal is mu N v_s / u_s, as
 // long as there is that much overlap to remove. A part that cuts is allowed to overlap, up to 0.1 mm, so that there is.
 #pragma once
+
+#include <algorithm>
 
 #include "sim/step.h"
 
@@ -21,8 +25,6 @@ namespace kerf {
 
 /// What a point of contact may overlap, mm.
 inline double contactSkin(double voxel) { return std::max(0.1 * voxel, 0.005); }
-/// Of the speed of approach, how much comes back. Impulse.
-inline constexpr double kRestitution = 0;
 
 /// What a look came to, world frame, about the tip.
 struct Look {

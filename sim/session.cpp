@@ -23,7 +23,7 @@ void visitNumbers(StepSettings& s, const Visit& visit) {
   double rendering = static_cast<double>(s.rendering), geometry = s.geometry_only, substeps = s.most_substeps;
   double response = static_cast<double>(s.response);
   visit("rendering", rendering), visit("geometry_only", geometry), visit("most_substeps", substeps);
-  visit("response", response);
+  visit("response", response), visit("restitution", s.restitution);
   s.response = static_cast<Response>(static_cast<int>(response));
   s.rendering = static_cast<Rendering>(static_cast<int>(rendering));
   s.geometry_only = geometry != 0, s.most_substeps = static_cast<int>(substeps);
@@ -158,9 +158,10 @@ Expected<void> restoreSettings(const SessionLog& log, const std::string& file, M
     if (wrong.empty()) wrong = key;
     return false;
   };
-  model.settings.response = Response::kPenalty;  // the only one there was before logs named it
+  model.settings.response = Response::kPenalty, model.settings.restitution = 0;  // all there was before logs named it
   visitNumbers(model.settings, [&](const char* name, double& value) {
-    if (std::string_view(name) != "response" || !log.value(name).empty()) read(name, std::span(&value, 1));
+    const std::string_view key = name;
+    if ((key != "response" && key != "restitution") || !log.value(key).empty()) read(name, std::span(&value, 1));
   });
   std::array<double, 7> s{};
   if (read("start", s)) {
@@ -192,6 +193,7 @@ Expected<void> restoreSettings(const SessionLog& log, const std::string& file, M
       t.response == Response::kPenalty || (t.rendering != Rendering::kRigid &&
                                            (t.response == Response::kConstraint || t.response == Response::kImpulse)),
       "response");
+  require(t.restitution >= 0 && t.restitution <= 1, "restitution");
   require(t.coupling.mass_kg > 0 && t.coupling.gyration_mm > 0, "coupling.mass_kg");
   require(t.coupling.stiffness > 0 && t.coupling.turn_stiffness > 0, "coupling.stiffness");
   require(start.translation.allFinite() && std::abs(start.rotation.norm() - 1) < 1e-6, "start");

@@ -35,6 +35,7 @@ struct StepSettings {
   /// Without effect for Rendering::kRigid, whose tool is where its machine says. With the others' kDirect the tool is
   /// still a body of its own: the hand gets the proxy's spring alone (constraint), or contact's force (impulse).
   Response response = Response::kPenalty;
+  double restitution = 0;      ///< of the speed of approach, 0 to 1, how much comes back: Response::kImpulse
   bool geometry_only = false;  ///< cut whatever the tool sweeps, without resistance
   int most_substeps = 8;       ///< looks at contact within a tick, for fast motion
   double ramp_s = 0.2;         ///< force fades in over this long after the start

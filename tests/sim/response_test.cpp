@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <random>
 
 #include "../temporary_file.h"
 #include "block_scene.h"
@@ -226,13 +227,6 @@ TEST_P(EachResponse, ABladeCutsItsKerfAndIsHeldInIt) {
   EXPECT_LT(most, 10) << "walls on both sides do not press by themselves";
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Response, EachResponse,
-    testing::Values(Way{Response::kPenalty, Rendering::kCoupled}, Way{Response::kPenalty, Rendering::kDirect},
-                    Way{Response::kConstraint, Rendering::kCoupled}, Way{Response::kConstraint, Rendering::kDirect},
-                    Way{Response::kImpulse, Rendering::kCoupled}, Way{Response::kImpulse, Rendering::kDirect}),
-    [](const auto& test) { return nameOf(test.param); });
-
 TEST(Response, ALogThatDoesNotNameItIsOfThePenaltyLaw) {
   SessionLog log;
   Model m;
@@ -248,7 +242,7 @@ TEST(Response, ALogThatDoesNotNameItIsOfThePenaltyLaw) {
   Model again = m;
   ASSERT_TRUE(restoreSettings(log, "a.log", again, start));
   EXPECT_EQ(again.settings.response, Response::kImpulse);
-  std::erase_if(log.header, [](const auto& line) { return line.first == "response"; });
+  std::erase_if(log.header, [](const auto& line) { return line.first == "response" || line.first == "restitution"; });
   ASSERT_TRUE(restoreSettings(log, "a.log", again, start));
   EXPECT_EQ(again.settings.response, Response::kPenalty);
   // A machine's tool cannot be held back.
@@ -258,6 +252,62 @@ TEST(Response, ALogThatDoesNotNameItIsOfThePenaltyLaw) {
   set("rendering", "0"), set("response", "3");
   EXPECT_FALSE(restoreSettings(log, "a.log", again, start));
 }
+
+// Thrown at a flat with 100 mm/s by a coupling that hardly holds it.
+TEST(Response, AnImpulseGivesBackWhatRestitutionSays) {
+  for (const double restitution : {0.0, 0.5, 1.0}) {
+    Model m;
+    m.tools = {practiceBall(0.5, 840)};
+    m.tissues = oneTissue(200, 0, 1000);
+    m.settings.response = Response::kImpulse, m.settings.restitution = restitution;
+    m.settings.coupling.stiffness = 1e-6, m.settings.coupling.damping = 0;
+    State state;
+    state.objects.emplace_back(block({4, 4, 2}, 0.1));
+    state.place(at(0.02, 0.03, 0.5));
+    state.body.velocity = Vec3d(0, 0, -100);
+    StepOutput out;
+    for (int n = 0; n < 10; ++n) step(m, state, sampleAt(at(0.02, 0.03, 0.5), 0), out);
+    EXPECT_NEAR(state.body.velocity[2], 100 * restitution, 0.5) << restitution;
+  }
+}
+
+TEST_P(EachResponse, WildHandsGetAFiniteForceWithinItsLimit) {
+  const Model m = model();
+  State state;
+  state.objects.emplace_back(block({6, 4, 2}, 0.1), 16384);
+  state.objects.emplace_back(block({2, 2, 1}, 0.05, at(0.5, 0, 1.2)), 16384);
+  std::mt19937 random(7);
+  std::normal_distribution<double> far;
+  StepOutput out;
+  DeviceSample sample;
+  int touching = 0;
+  for (int n = 0; n < 1500; ++n) {
+    // Somewhere else every now and then, any way up; near the surface in between.
+    if (n % 40 == 0) {
+      sample.T_world_device.translation = Vec3d(2 * far(random), far(random), far(random));
+      sample.T_world_device.rotation =
+          Eigen::Quaterniond(far(random), far(random), far(random), far(random)).normalized();
+    }
+    sample.T_world_device.translation += 0.05 * Vec3d(far(random), far(random), far(random));
+    sample.pedal = n % 3 == 0;
+    step(m, state, sample, out);
+    touching += out.touching > 0;
+    ASSERT_TRUE(out.force.force.allFinite() && out.force.torque.allFinite()) << n;
+    ASSERT_LE(out.force.force.norm(), m.settings.coupling.force_limit + 1e-9) << n;
+    ASSERT_TRUE(out.T_world_tool.translation.allFinite() && std::isfinite(out.normal_load)) << n;
+    ASSERT_NEAR(out.T_world_tool.rotation.norm(), 1, 1e-9) << n;
+    ASSERT_GE(out.removed_mm3, 0) << n;
+  }
+  EXPECT_GT(touching, 100);
+  for (const CutObject& object : state.objects) EXPECT_EQ(object.shellDefects(), 0u);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Response, EachResponse,
+    testing::Values(Way{Response::kPenalty, Rendering::kCoupled}, Way{Response::kPenalty, Rendering::kDirect},
+                    Way{Response::kConstraint, Rendering::kCoupled}, Way{Response::kConstraint, Rendering::kDirect},
+                    Way{Response::kImpulse, Rendering::kCoupled}, Way{Response::kImpulse, Rendering::kDirect}),
+    [](const auto& test) { return nameOf(test.param); });
 
 TEST(Response, ErosionScaleGivesTheLoadBack) {
   const auto mean = [](double x) { return -std::expm1(-x) / x; };
