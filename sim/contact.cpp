@@ -6,6 +6,7 @@
 
 #include "sim/internal/relax_brick.h"
 #include "sim/internal/sum_touching.h"
+#include "sim/internal/touching_shell.h"
 
 namespace kerf {
 namespace {
@@ -13,20 +14,6 @@ namespace {
 constexpr int kBlock = 4;              // bricks along a side of a block
 constexpr float kEquatorFloor = 0.2f;  // the axis of a bur does not stand still: of the equator's speed
 constexpr float kStillSpeed = 0.5f;    // mm/s: below it Coulomb friction fades, so that it can be integrated
-
-// From a node's place in its brick to the tool's frame: p = base + i * along[0] + j * along[1] + k * along[2].
-struct BrickToTool {
-  float along[3][3];  // [axis of the brick][coordinate of the tool]
-  float base[3];
-
-  BrickToTool(const Eigen::Matrix3d& object_to_tool, const Vec3d& tip, const Vec3i& brick, double h) {
-    const Vec3d b = object_to_tool * (h * 8 * brick.cast<double>() - tip);
-    for (int c = 0; c < 3; ++c) {
-      base[c] = static_cast<float>(b[c]);
-      for (int axis = 0; axis < 3; ++axis) along[axis][c] = static_cast<float>(h * object_to_tool(c, axis));
-    }
-  }
-};
 
 internal::LeverForm leverForm(ToolMotion motion) {
   return motion == ToolMotion::kSpin    ? internal::LeverForm::kRadius
@@ -42,7 +29,7 @@ struct Rates {
       const Tissue& t = (*in.tissues)[m];
       value[m] =
           static_cast<float>(static_cast<double>(t.friction * t.stiffness * t.inverse_energy) * std::abs(in.speed) *
-                             in.tool->drive.drag_factor / in.tool->drive.energy_factor * in.dt);
+                             in.tool->drive.drag_factor / in.tool->drive.energy_factor * in.dt * in.load_scale);
     }
   }
 };
@@ -60,9 +47,38 @@ void ContactSums::add(const ContactSums& o) {
   stiffness += o.stiffness;
   drag += o.drag, drag_moment += o.drag_moment, drag_second += o.drag_second;
   normal_load += o.normal_load, cutting_load += o.cutting_load, drive_load += o.drive_load, power += o.power;
+  erodible_load += o.erodible_load;
   area += o.area, deepest = std::max(deepest, o.deepest);
   tested += o.tested, touching += o.touching;
   if (o.material_area > material_area) material = o.material, material_area = o.material_area;
+}
+
+void ContactSums::scale(double factor) {
+  force *= factor, torque *= factor, force_after *= factor, torque_after *= factor;
+  stiffness *= factor;
+  drag *= factor, drag_moment *= factor, drag_second *= factor;
+  normal_load *= factor, cutting_load *= factor, erodible_load *= factor, drive_load *= factor, power *= factor;
+}
+
+ContactSums ContactSums::rotated(const Eigen::Matrix3d& r) const {
+  ContactSums out = *this;
+  out.force = r * force, out.torque = r * torque;
+  out.force_after = r * force_after, out.torque_after = r * torque_after;
+  for (int i = 0; i < 2; ++i)
+    for (int j = 0; j < 2; ++j)
+      out.stiffness.block<3, 3>(3 * i, 3 * j) = r * stiffness.block<3, 3>(3 * i, 3 * j) * r.transpose();
+  out.drag_moment = r * drag_moment;
+  out.drag_second = r * drag_second * r.transpose();
+  return out;
+}
+
+Wrench ownDrag(const ToolModel& tool, const Rigid3& pose, double speed, const ContactSums& sums) noexcept {
+  Wrench out;
+  if (tool.motion != ToolMotion::kSpin) return out;
+  const Vec3d spin = pose.rotation * Vec3d(0, 0, -speed);
+  out.force = -spin.cross(sums.drag_moment);
+  out.torque = -(sums.drag_second.trace() * spin - sums.drag_second * spin);
+  return out;
 }
 
 Matrix6d ContactSums::dragMatrix() const {
@@ -154,8 +170,6 @@ void sumContact(CutObject& object, const NearBricks& near, const ContactInput& i
   const Eigen::Matrix3f to_tool_f = to_tool.cast<float>();
   const Rates rates(in);
   const float look = static_cast<float>(0.2 * h);  // step of the directional derivative of tau
-  const bool has_body = !tool.body.isEmpty();
-  const double slack = std::max(tool.cut.slack(), tool.body.slack());
   internal::TouchingTool moving;
   moving.lever = leverForm(tool.motion);
   moving.least_radius = kEquatorFloor * static_cast<float>(tool.equator_mm);
@@ -195,59 +209,26 @@ void sumContact(CutObject& object, const NearBricks& near, const ContactInput& i
     internal::sumTouching(found, moving, totals);
     found.count = 0, any_body = false;
   };
-  float px[kGather], py[kGather], pz[kGather], phi[kGather], cut[kGather], body[kGather];
-  for (std::size_t b = 0; b < near.size(); ++b) {
-    CutObject::Slot& slot = object.slot(near.slot(b));
-    if (slot.shell_count == 0 || object.odometer < slot.sleeps_until_contact || near.leastAny(b) >= -slot.least)
-      continue;
-    const BrickToTool map(to_tool, in.T_object_tool.translation, slot.brick, h);
-    const Vec3d corner = h * 8 * slot.brick.cast<double>() - in.T_object_tool.translation;
-    const bool body_is_near = has_body && near.leastBody(b) < -slot.least;
-    // Until the first of its nodes touches: a body that was not looked at is known by its bound.
-    float room = has_body && !body_is_near ? near.leastBody(b) + slot.least : ToolField::kFar;
-    bool touches = false;
-    for (int begin = 0; begin < slot.shell_count; begin += kGather) {
-      const ShellChunk& chunk = *slot.chunks[static_cast<std::size_t>(begin / kGather)];
-      const int count = std::min(kGather, slot.shell_count - begin), padded = (count + 7) / 8 * 8;
-      internal::placeShell(map.base, map.along, chunk.offset.data(), slot.phi, padded, px, py, pz, phi);
-      tool.cut.distances(px, py, pz, cut, padded);
-      if (body_is_near) tool.body.distances(px, py, pz, body, padded);
-      sums.tested += count;
-      for (int n = 0; n < count; ++n) {
-        const float nearest = body_is_near ? std::min(cut[n], body[n]) : cut[n];
-        const float gap = nearest + phi[n];
-        room = std::min(room, gap);
-        if (gap >= 0) continue;
-        const auto at = static_cast<std::size_t>(n);
-        const Vec3f w(chunk.x[at], chunk.y[at], chunk.z[at]);
-        const float area = w.norm();
-        if (!(area > 0)) continue;
-        touches = true;
-        any_body |= body_is_near;
+  sums.tested +=
+      internal::forEachTouching(object, near, tool, in.T_object_tool, [&](const internal::TouchingNode& node) {
+        any_body |= node.body_is_near;
         const auto i = static_cast<std::size_t>(found.count);
-        const Vec3f normal = w / area;
-        const Vec3f inwards = Vec3f(px[n], py[n], pz[n]) - look * (to_tool_f * normal);
-        qx[i] = inwards[0], qy[i] = inwards[1], qz[i] = inwards[2], tau[i] = nearest;
-        const int offset = chunk.offset[at];
-        const Vec3d r = corner + h * Vec3d(offset >> 6, offset >> 3 & 7, offset & 7);
-        const float place[3] = {px[n], py[n], pz[n]};
+        const Vec3f inwards = node.in_tool - look * (to_tool_f * node.normal);
+        qx[i] = inwards[0], qy[i] = inwards[1], qz[i] = inwards[2], tau[i] = node.tau;
         for (int c = 0; c < 3; ++c) {
-          found.normal[c][i] = normal[c];
-          found.from_tip[c][i] = static_cast<float>(r[c]);
-          found.in_tool[c][i] = place[c];
+          found.normal[c][i] = node.normal[c];
+          found.from_tip[c][i] = static_cast<float>(node.from_tip[c]);
+          found.in_tool[c][i] = node.in_tool[c];
         }
-        const std::uint8_t material = chunk.material[at];
-        const Tissue& tissue = (*in.tissues)[material];
-        found.overlap[i] = -gap, found.into_cut[i] = std::max(0.0f, -cut[n] - phi[n]), found.area[i] = area;
+        const Tissue& tissue = (*in.tissues)[node.material];
+        found.overlap[i] = -node.gap, found.into_cut[i] = std::max(0.0f, -node.tau_cut - node.phi);
+        found.area[i] = node.area;
         found.stiffness[i] = tissue.stiffness;
         found.friction[i] = static_cast<float>(tool.drive.drag_factor) * tissue.friction;
-        found.rate[i] = rates.value[material];
-        area_of[material] += area;
+        found.rate[i] = rates.value[node.material];
+        area_of[node.material] += node.area;
         if (++found.count == kGather) flush();
-      }
-    }
-    slot.sleeps_until_contact = touches ? -1 : object.odometer + static_cast<double>(room) - slack;
-  }
+      });
   flush();
   for (std::size_t m = 0; m < area_of.size(); ++m)
     if (static_cast<double>(area_of[m]) > sums.material_area)
@@ -263,6 +244,7 @@ void sumContact(CutObject& object, const NearBricks& near, const ContactInput& i
       if (column != row) sums.stiffness(column, row) += value(entry);
     }
   sums.normal_load += value(S::kNormalLoad), sums.cutting_load += value(S::kCuttingLoad);
+  sums.erodible_load += value(S::kErodibleLoad);
   sums.drive_load += value(S::kDriveLoad), sums.power += value(S::kPower);
   sums.drag += value(S::kDrag), sums.drag_moment += vector(S::kDragMoment);
   for (int row = 0, entry = S::kDragSecond; row < 3; ++row)
@@ -295,7 +277,7 @@ CutResult erode(CutObject& object, const NearBricks& near, const ContactInput& i
     const int s = near.slot(b);
     CutObject::Slot& slot = object.slot(s);
     if (object.odometer < slot.sleeps_until_cut || near.leastCut(b) >= -slot.least) continue;
-    const BrickToTool map(to_tool, in.T_object_tool.translation, slot.brick, h);
+    const internal::BrickToTool map(to_tool, in.T_object_tool.translation, slot.brick, h);
     internal::placeNodes(map.base, map.along, x, y, z);
     tool.cut.distances(x, y, z, tau, kBrickNodes);
     relax.phi = slot.phi;
@@ -377,7 +359,7 @@ FillResult fill(CutObject& object, const ContactInput& in, Material material) no
         }
         int s = object.find(brick);
         const float* phi = s < 0 ? object.baked().outsideBrick() : object.slot(s).phi;
-        const BrickToTool map(to_tool, T.translation, brick, h);
+        const internal::BrickToTool map(to_tool, T.translation, brick, h);
         internal::placeNodes(map.base, map.along, x, y, z);
         tool.distances(x, y, z, tau, kBrickNodes);
         bool changes = false;

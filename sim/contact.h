@@ -26,6 +26,7 @@ struct ContactInput {
   bool geometry_only = false;      ///< the cutting part takes what it sweeps, without resistance
   Vec3d velocity = Vec3d::Zero();  ///< of the tip relative to the object, mm/s, without the tool's own motion
   Vec3d angular = Vec3d::Zero();   ///< rad/s
+  double load_scale = 1;           ///< of the pressure that erodes: see sim/response.h
 };
 
 /// Sums over the nodes in contact. With overlap d = max(0, -tau - phi), pressure p = k_n d g, g = (1 - exp(-c dt)) /
@@ -43,6 +44,7 @@ struct ContactSums {
   Eigen::Matrix3d drag_second = Eigen::Matrix3d::Zero();  ///< N s mm
   double normal_load = 0;        ///< N = integral of p dA, N: what the removal rate is proportional to
   double cutting_load = 0;       ///< the part of it on what cuts
+  double erodible_load = 0;      ///< that part with g = 1: before this tick's erosion
   double drive_load = 0;         ///< of the spindle, N mm (kStroke: N): sum of mu p A times the lever
   double power = 0;              ///< sum mu p A v_s, N mm/s: what the drive spends
   double area = 0;               ///< touched, mm^2
@@ -52,9 +54,18 @@ struct ContactSums {
   double material_area = 0;      ///< mm^2
 
   void add(const ContactSums& other);
+  /// All that grows with the pressure, times a factor; area, nodes and depth stay.
+  void scale(double factor);
+  /// The same sums in the axes that R turns theirs into.
+  ContactSums rotated(const Eigen::Matrix3d& R) const;
   /// drag as a 6 x 6 matrix over (translation, rotation).
   Matrix6d dragMatrix() const;
 };
+
+/// Drag on the tool by its own motion, about the tip. A stroke or swing goes to and fro: its mean is zero, what stays
+/// is that friction along the feed is small beside it.
+/// @param sums  in the frame of `pose`.   @param speed  of the drive. @rt
+Wrench ownDrag(const ToolModel& tool, const Rigid3& pose, double speed, const ContactSums& sums) noexcept;
 
 /// Bricks a tool may touch or cut, found once per evaluation.
 class NearBricks {

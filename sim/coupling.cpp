@@ -7,8 +7,6 @@
 namespace kerf {
 namespace {
 
-constexpr double kTonne = 1e-3;  // tonnes a kilogram: 1 N = 1 t mm/s^2
-
 Vec3d clampedVector(const Vec3d& wanted, const Vec3d& last, double limit, double change) {
   if (!wanted.allFinite()) return Vec3d::Zero();
   Vec3d v = wanted;
@@ -18,7 +16,6 @@ Vec3d clampedVector(const Vec3d& wanted, const Vec3d& last, double limit, double
   return v;
 }
 
-// The coupling gives way beyond its limit: a hand that runs off does not pull the tool through a wall.
 Vec3d saturated(const Vec3d& stretch, double limit) {
   const double size = stretch.norm();
   return size > limit ? Vec3d(stretch * (limit / size)) : stretch;
@@ -44,18 +41,24 @@ Eigen::Quaterniond rotated(const Eigen::Quaterniond& from, const Vec3d& rotation
   return (q * from).normalized();
 }
 
+Vector6d springPull(const Rigid3& pose, const DeviceMotion& device, const CouplingSettings& s) noexcept {
+  Vector6d pull;
+  pull.head<3>() = s.stiffness * saturated(device.pose.translation - pose.translation, s.force_limit / s.stiffness);
+  pull.tail<3>() = s.turn_stiffness *
+                   saturated(rotationBetween(pose.rotation, device.pose.rotation), s.torque_limit / s.turn_stiffness);
+  return pull;
+}
+
 void advance(ToolBody& body, const DeviceMotion& device, const ContactSums& contact, const Wrench& own_drag,
              const CouplingSettings& s, double head_reach, double longest, double dt) noexcept {
-  const double mass = s.mass_kg * kTonne, inertia = mass * s.gyration_mm * s.gyration_mm;
+  const double mass = s.mass(), inertia = s.inertia();
   Matrix6d a = dt * contact.dragMatrix() + dt * dt * contact.stiffness;
   Vector6d b;
-  b.head<3>() = mass * body.velocity + dt * (s.stiffness * saturated(device.pose.translation - body.pose.translation,
-                                                                     s.force_limit / s.stiffness) +
-                                             s.damping * device.velocity + contact.force_after + own_drag.force);
+  const Vector6d pull = springPull(body.pose, device, s);
+  b.head<3>() =
+      mass * body.velocity + dt * (pull.head<3>() + s.damping * device.velocity + contact.force_after + own_drag.force);
   b.tail<3>() = inertia * body.angular +
-                dt * (s.turn_stiffness * saturated(rotationBetween(body.pose.rotation, device.pose.rotation),
-                                                   s.torque_limit / s.turn_stiffness) +
-                      s.turn_damping * device.angular + contact.torque_after + own_drag.torque);
+                dt * (pull.tail<3>() + s.turn_damping * device.angular + contact.torque_after + own_drag.torque);
   a.diagonal().head<3>().array() += mass + dt * s.damping + dt * dt * s.stiffness;
   a.diagonal().tail<3>().array() += inertia + dt * s.turn_damping + dt * dt * s.turn_stiffness;
   const Vector6d v = a.ldlt().solve(b);
@@ -64,10 +67,16 @@ void advance(ToolBody& body, const DeviceMotion& device, const ContactSums& cont
     return;
   }
   body.velocity = v.head<3>(), body.angular = v.tail<3>();
+  travel(body, head_reach, longest, dt);
+}
+
+double travel(ToolBody& body, double head_reach, double longest, double dt) noexcept {
   const double motion = dt * (body.velocity.norm() + head_reach * body.angular.norm());
-  if (motion > longest) body.velocity *= longest / motion, body.angular *= longest / motion;
+  const double kept = motion > longest ? longest / motion : 1;
+  if (kept < 1) body.velocity *= kept, body.angular *= kept;
   body.pose.translation += dt * body.velocity;
   body.pose.rotation = rotated(body.pose.rotation, dt * body.angular);
+  return kept;
 }
 
 Wrench couplingWrench(const ToolBody& body, const DeviceMotion& device, const CouplingSettings& s) noexcept {

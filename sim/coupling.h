@@ -21,6 +21,9 @@ struct CouplingSettings {
   double torque_limit = 300;     ///< N mm
   double force_rate = 2000;      ///< N/s: no faster change
   double torque_rate = 60000;    ///< N mm/s
+
+  double mass() const { return mass_kg * 1e-3; }                         ///< t: 1 N = 1 t mm/s^2
+  double inertia() const { return mass() * gyration_mm * gyration_mm; }  ///< t mm^2
 };
 
 /// The virtual tool, world frame, about its tip.
@@ -39,6 +42,14 @@ struct DeviceMotion {
 /// Shortest rotation vector that takes `from` to `to`, world frame, rad.
 Vec3d rotationBetween(const Eigen::Quaterniond& from, const Eigen::Quaterniond& to) noexcept;
 Eigen::Quaterniond rotated(const Eigen::Quaterniond& from, const Vec3d& rotation) noexcept;
+
+/// Of the coupling's springs on the tool, N and N mm. Beyond the limits of force and torque they give way: a hand that
+/// runs off does not pull the tool through a wall. @rt
+Vector6d springPull(const Rigid3& T_world_tool, const DeviceMotion& device, const CouplingSettings& settings) noexcept;
+
+/// Moves the body by its velocities over dt; no part of the cutting head farther than `longest_mm`, to which motion and
+/// velocities are scaled down.  @return by how much, 1 at most. @rt
+double travel(ToolBody& body, double head_reach_mm, double longest_mm, double dt) noexcept;
 
 /// One implicit Euler step of the body: (M + dt (B + D) + dt^2 (K + J)) V' = M V + dt (K e + B V_d + F + F_own).
 /// @param contact  world frame: force_after, stiffness and drag are used.   @param own_drag  of the tool's own motion.

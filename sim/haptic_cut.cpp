@@ -56,6 +56,9 @@ Expected<void> checkOptions(const HapticCutOptions& o) {
     if (!(r.value >= r.low && r.value <= r.high))
       return fail({Error::Code::kBadValue, "", r.name, fmt::format("{} {}", r.value, r.unit),
                    fmt::format("{} to {} {}", r.low, r.high, r.unit), ""});
+  if (o.hand == HandKind::kFeed && o.step.response != Response::kPenalty)
+    return fail({Error::Code::kBadValue, "", "response", "not penalty, with a hand that follows its path",
+                 "penalty: a tool that is where its path says cannot be held back", "hand force or device"});
   return {};
 }
 

@@ -22,7 +22,7 @@ struct HapticCutOptions {
   HandKind hand = HandKind::kFeed;
   ForceHand::Options force;
   DeviceHand::Options device;
-  StepSettings step;        ///< `rendering` is set by the hand: rigid for kFeed, coupled for the others
+  StepSettings step;        ///< `rendering` is set by the hand: rigid for kFeed (penalty only), coupled for the others
   double spindle = 1;       ///< 0 to 1 of the tool's nominal speed
   double time_limit = 600;  ///< s of simulated time
   std::string add;          ///< id of a material: the tool adds it where it goes, instead of cutting; empty: it cuts

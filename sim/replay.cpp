@@ -49,6 +49,12 @@ void LogSink::snapshot(std::span<const std::byte> state, std::uint64_t tick) noe
 
 namespace {
 
+// A snapshot made by another thread may stand later than the sample whose state it is.
+bool standsAtItsTick(const SessionLog& log, std::size_t event) {
+  const std::size_t before = log.events[event].samples_before;
+  return before > 0 && log.samples[before - 1].tick == log.events[event].tick;
+}
+
 // From the beginning, or from a snapshot: its event, and its state.
 struct Start {
   std::size_t event = 0;
@@ -61,9 +67,9 @@ Expected<Replay> replayFrom(const SessionLog& log, const std::string& file, cons
   std::optional<Session> made;
   std::size_t event = 0, first_sample = 0;
   if (start.state) {
-    made.emplace(model, objects, std::move(*start.state));
+    made.emplace(std::move(*start.state), model, objects);
     event = start.event + 1, first_sample = log.events[start.event].samples_before;
-    out.first_tick = log.events[start.event].tick;
+    out.first_tick = log.events[start.event].tick + 1;
   } else {
     made.emplace(model, objects, place);
   }
@@ -94,6 +100,7 @@ Expected<Replay> replayFrom(const SessionLog& log, const std::string& file, cons
       } else if (const auto* check = std::get_if<StateCheck>(&e.what)) {
         compare(*check, e.tick);
       } else if (const auto* snapshot = std::get_if<SessionSnapshot>(&e.what)) {
+        if (!standsAtItsTick(log, event)) continue;
         KERF_TRY(bytes, unpackSnapshot(*snapshot));
         require(session.snapshot() == bytes, e.tick);
         ++out.snapshots;
@@ -134,7 +141,8 @@ Expected<Replay> replay(const SessionLog& log, const std::string& file, Model mo
   KERF_CHECK(restoreSettings(log, file, model, place));
   for (std::size_t n = log.events.size(); n-- > 0;) {
     const auto* snapshot = std::get_if<SessionSnapshot>(&log.events[n].what);
-    if (!snapshot || static_cast<double>(log.events[n].samples_before) * kTick > from_s) continue;
+    if (!snapshot || !standsAtItsTick(log, n) || static_cast<double>(log.events[n].samples_before) * kTick > from_s)
+      continue;
     KERF_TRY(bytes, unpackSnapshot(*snapshot));
     KERF_TRY(state, unpackState(bytes, objects, file));
     if (state.tool >= model.tools.size())

@@ -26,7 +26,10 @@ void visitNumbers(StepSettings& s, const Visit& visit) {
   visit("coupling.torque_limit", c.torque_limit), visit("coupling.force_rate", c.force_rate);
   visit("coupling.torque_rate", c.torque_rate), visit("ramp_s", s.ramp_s);
   double rendering = static_cast<double>(s.rendering), geometry = s.geometry_only, substeps = s.most_substeps;
+  double response = static_cast<double>(s.response);
   visit("rendering", rendering), visit("geometry_only", geometry), visit("most_substeps", substeps);
+  visit("response", response), visit("restitution", s.restitution);
+  s.response = static_cast<Response>(static_cast<int>(response));
   s.rendering = static_cast<Rendering>(static_cast<int>(rendering));
   s.geometry_only = geometry != 0, s.most_substeps = static_cast<int>(substeps);
 }
@@ -76,7 +79,7 @@ Session::Session(Model model, LoadedObjects objects, const Rigid3& start, Sessio
       loaded_(std::move(objects)),
       sink_(sink) {}
 
-Session::Session(Model model, LoadedObjects loaded, State state, SessionSink* sink)
+Session::Session(State state, Model model, LoadedObjects loaded, SessionSink* sink)
     : model_(std::move(model)),
       state_(std::move(state)),
       history_(state_.objects),
@@ -280,9 +283,9 @@ std::vector<std::byte> Session::snapshot() {
 
 void Session::tick(const DeviceSample& sample, StepOutput& output) {
   const std::uint64_t tick = state_.tick;
-  if (sink_ && snapshot_every_ > 0 && tick - last_snapshot_ >= snapshot_every_ && !is_stroke_ && sample.isUsable() &&
-      sample.pedal > 0)
-    sink_->snapshot(snapshot(), tick);
+  if (sink_ && snapshot_every_ > 0 && tick > 0 && tick - last_snapshot_ >= snapshot_every_ && !is_stroke_ &&
+      sample.isUsable() && sample.pedal > 0)
+    sink_->snapshot(snapshot(), tick - 1);
   advance(sample, output);
   for (CutObject& object : state_.objects)
     if (object.freeBricks() < kRoom / 2 || object.freeRecords() < 4) object.reserve(kRoom);
@@ -335,7 +338,11 @@ Expected<void> restoreSettings(const SessionLog& log, const std::string& file, M
     if (wrong.empty()) wrong = key;
     return false;
   };
-  visitNumbers(model.settings, [&](const char* name, double& value) { read(name, std::span(&value, 1)); });
+  model.settings.response = Response::kPenalty, model.settings.restitution = 0;  // all there was before logs named it
+  visitNumbers(model.settings, [&](const char* name, double& value) {
+    const std::string_view key = name;
+    if ((key != "response" && key != "restitution") || !log.value(key).empty()) read(name, std::span(&value, 1));
+  });
   std::array<double, 7> s{};
   if (read("start", s)) {
     start.translation = Vec3d(s[0], s[1], s[2]);
@@ -362,6 +369,11 @@ Expected<void> restoreSettings(const SessionLog& log, const std::string& file, M
   require(t.most_substeps >= 1 && t.most_substeps <= 1000, "most_substeps");
   require(t.rendering == Rendering::kCoupled || t.rendering == Rendering::kDirect || t.rendering == Rendering::kRigid,
           "rendering");
+  require(
+      t.response == Response::kPenalty || (t.rendering != Rendering::kRigid &&
+                                           (t.response == Response::kConstraint || t.response == Response::kImpulse)),
+      "response");
+  require(t.restitution >= 0 && t.restitution <= 1, "restitution");
   require(t.coupling.mass_kg > 0 && t.coupling.gyration_mm > 0, "coupling.mass_kg");
   require(t.coupling.stiffness > 0 && t.coupling.turn_stiffness > 0, "coupling.stiffness");
   require(start.translation.allFinite() && std::abs(start.rotation.norm() - 1) < 1e-6, "start");

@@ -25,7 +25,7 @@ class SessionSink {
   virtual void command(std::string_view text, std::uint64_t tick) noexcept = 0;
   virtual void mark(StrokeMark mark, std::uint64_t tick) noexcept = 0;
   virtual void check(const StateCheck& check, std::uint64_t tick) noexcept = 0;
-  /// The state before the sample of that tick: packState(). Never from Session::step().
+  /// The state after the sample of that tick: packState(). Never from Session::step().
   virtual void snapshot(std::span<const std::byte>, std::uint64_t /*tick*/) noexcept {}
 };
 
@@ -34,7 +34,7 @@ class Session {
   /// @param sink  kept by reference, may be null.
   Session(Model model, LoadedObjects objects, const Rigid3& start, SessionSink* sink = nullptr);
   /// Goes on from a snapshot. Undo leads back to it and no further. @param loaded  what its objects were made of.
-  Session(Model model, LoadedObjects loaded, State state, SessionSink* sink = nullptr);
+  Session(State state, Model model, LoadedObjects loaded, SessionSink* sink = nullptr);
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;

@@ -9,6 +9,8 @@
 #include <xmmintrin.h>
 #endif
 
+#include "sim/response.h"
+
 namespace kerf {
 namespace {
 
@@ -26,29 +28,6 @@ class FlushDenormals {
   unsigned before_;
 #endif
 };
-
-ContactSums toWorld(const ContactSums& sums, const Eigen::Matrix3d& r) {
-  ContactSums out = sums;
-  out.force = r * sums.force, out.torque = r * sums.torque;
-  out.force_after = r * sums.force_after, out.torque_after = r * sums.torque_after;
-  for (int i = 0; i < 2; ++i)
-    for (int j = 0; j < 2; ++j)
-      out.stiffness.block<3, 3>(3 * i, 3 * j) = r * sums.stiffness.block<3, 3>(3 * i, 3 * j) * r.transpose();
-  out.drag_moment = r * sums.drag_moment;
-  out.drag_second = r * sums.drag_second * r.transpose();
-  return out;
-}
-
-// Drag on the tool by its own motion. A stroke or swing goes to and fro: its mean is zero, what stays is that friction
-// along the feed is small beside it.
-Wrench ownDrag(const ToolModel& tool, const Rigid3& pose, double speed, const ContactSums& sums) {
-  Wrench out;
-  if (tool.motion != ToolMotion::kSpin) return out;
-  const Vec3d spin = pose.rotation * Vec3d(0, 0, -speed);
-  out.force = -spin.cross(sums.drag_moment);
-  out.torque = -(sums.drag_second.trace() * spin - sums.drag_second * spin);
-  return out;
-}
 
 void filterDevice(State& state, const DeviceSample& input, const CouplingSettings& settings) {
   if (!state.has_device) {
@@ -134,13 +113,16 @@ void step(const Model& model, State& state, const DeviceSample& input, StepOutpu
   const ToolModel& tool = model.tools[state.tool];
   const Rigid3 before = state.body.pose;
   const bool is_first = !state.has_device;  // at the start, and when the device is back after a fault
+  const Rigid3 device_before = is_first ? input.T_world_device : state.device.pose;
   filterDevice(state, input, settings.coupling);
   state.ramp = settings.ramp_s > 0 ? std::min(1.0, state.ramp + kTick / settings.ramp_s) : 1;
 
   double longest = 0.5 * tool.finest_mm;
   for (const CutObject& object : state.objects) longest = std::min(longest, longestSubstep(tool, object.voxel()));
   const double reach = tool.cut.reach();
-  const bool is_coupled = settings.rendering == Rendering::kCoupled;
+  const bool is_penalty = settings.response == Response::kPenalty || settings.rendering == Rendering::kRigid;
+  const bool is_coupled = settings.rendering == Rendering::kCoupled || !is_penalty;  // a body of its own
+  const bool is_proxy = !is_penalty && settings.response == Response::kConstraint;
   if (is_first && !is_coupled) {  // it is where the device is: nothing was swept on the way there
     state.body.pose = state.device.pose;
     for (CutObject& object : state.objects) object.odometer += 1e6;
@@ -148,7 +130,10 @@ void step(const Model& model, State& state, const DeviceSample& input, StepOutpu
 
   // How many looks this tick needs: by where the path leads, or by how fast the coupled tool may become.
   double motion = 0;
-  if (is_coupled) {
+  if (is_proxy) {
+    motion = (state.device.pose.translation - device_before.translation).norm() +
+             reach * rotationBetween(device_before.rotation, state.device.pose.rotation).norm();
+  } else if (is_coupled) {
     ToolBody free = state.body;
     advance(free, state.device, ContactSums{}, Wrench{}, settings.coupling, reach, 1e9, kTick);
     motion = kTick * std::max(free.velocity.norm() + reach * free.angular.norm(),
@@ -168,6 +153,7 @@ void step(const Model& model, State& state, const DeviceSample& input, StepOutpu
 
   const bool is_adding = state.adds != Material::kNone;
   const double wanted_speed = is_adding ? 0 : input.pedal * tool.drive.speed;
+  bool is_free = true;  // the proxy, at the last look
   for (int n = 1; n <= substeps; ++n) {
     Rigid3 last = state.body.pose;
     if (!is_coupled) {
@@ -183,51 +169,54 @@ void step(const Model& model, State& state, const DeviceSample& input, StepOutpu
                            tool.reach_mm * rotationBetween(last.rotation, pose.rotation).norm();
       for (CutObject& object : state.objects) object.odometer += moved;
     }
-    ContactSums world;
-    for (CutObject& object : state.objects) {
-      const Rigid3 T_object_world = object.T_world_object.inverse();
-      ContactInput in;
-      in.tool = &tool, in.tissues = &model.tissues;
-      in.T_object_tool = T_object_world * state.body.pose;
-      in.speed = state.speed, in.dt = dt, in.geometry_only = settings.geometry_only;
-      in.velocity = T_object_world.rotation * state.body.velocity;
-      in.angular = T_object_world.rotation * state.body.angular;
-      CutResult cut;
-      if (!is_adding) {
-        if (!state.near.find(object, tool, in.T_object_tool)) output.status |= kStepNearRanOut;
-        ContactSums sums;
-        sumContact(object, state.near, in, sums);
-        world.add(toWorld(sums, object.T_world_object.rotation.toRotationMatrix()));
-        cut = erode(object, state.near, in);
-        output.bricks_near += static_cast<int>(state.near.size());
-      } else if (input.pedal > 0 && &object - state.objects.data() == static_cast<std::ptrdiff_t>(state.adds_to)) {
-        const FillResult added = fill(object, in, state.adds);
-        output.added_mm3 += added.added_mm3;
-        cut.bricks = added.bricks, cut.room_ran_out = added.room_ran_out;
-        if (added.is_clipped) output.status |= kStepFillClipped;
+    Look look;
+    if (is_penalty || is_adding) {
+      for (CutObject& object : state.objects) {
+        const ContactInput in = contactInput(model, state, object, dt);
+        CutResult cut;
+        if (!is_adding) {
+          if (!state.near.find(object, tool, in.T_object_tool)) look.status |= kStepNearRanOut;
+          ContactSums sums;
+          sumContact(object, state.near, in, sums);
+          look.sums.add(sums.rotated(object.T_world_object.rotation.toRotationMatrix()));
+          cut = erode(object, state.near, in);
+          look.bricks_near += static_cast<int>(state.near.size());
+        } else if (input.pedal > 0 && &object - state.objects.data() == static_cast<std::ptrdiff_t>(state.adds_to)) {
+          const FillResult added = fill(object, in, state.adds);
+          output.added_mm3 += added.added_mm3;
+          cut.bricks = added.bricks, cut.room_ran_out = added.room_ran_out;
+          if (added.is_clipped) look.status |= kStepFillClipped;
+        }
+        const bool is_repaired = object.repair();  // also when room ran out: what was cut must be felt
+        look.removed_mm3 += cut.removed_mm3, look.bricks_cut += cut.bricks;
+        if (cut.room_ran_out || !is_repaired) look.status |= kStepBricksRanOut;
       }
-      const bool is_repaired = object.repair();  // also when room ran out: what was cut must be felt
-      output.removed_mm3 += cut.removed_mm3, output.bricks_cut += cut.bricks;
-      if (cut.room_ran_out || !is_repaired) output.status |= kStepBricksRanOut;
+      const Wrench own = ownDrag(tool, state.body.pose, state.speed, look.sums);
+      if (is_coupled) {
+        advance(state.body, state.device, look.sums, own, settings.coupling, reach, longest, dt);
+        const double moved = dt * (state.body.velocity.norm() + tool.reach_mm * state.body.angular.norm()) + 1e-9;
+        for (CutObject& object : state.objects) object.odometer += moved;
+      }
+      Vector6d twist;
+      twist.head<3>() = state.body.velocity, twist.tail<3>() = state.body.angular;
+      const Vector6d feed_drag = look.sums.dragMatrix() * twist;
+      look.contact.force = look.sums.force + own.force - feed_drag.head<3>();
+      look.contact.torque = look.sums.torque + own.torque - feed_drag.tail<3>();
+    } else {
+      look = respond(model, state, dt, longest, motion / substeps);
+      is_free = look.is_free;
     }
-    const Wrench own = ownDrag(tool, state.body.pose, state.speed, world);
-    if (is_coupled) {
-      last = state.body.pose;
-      advance(state.body, state.device, world, own, settings.coupling, reach, longest, dt);
-      const double moved = dt * (state.body.velocity.norm() + tool.reach_mm * state.body.angular.norm()) + 1e-9;
-      for (CutObject& object : state.objects) object.odometer += moved;
-    }
-    Vector6d twist;
-    twist.head<3>() = state.body.velocity, twist.tail<3>() = state.body.angular;
-    const Vector6d feed_drag = world.dragMatrix() * twist;
     const double share = 1.0 / substeps;
-    output.contact.force += share * (world.force + own.force - feed_drag.head<3>());
-    output.contact.torque += share * (world.torque + own.torque - feed_drag.tail<3>());
+    const ContactSums& world = look.sums;
+    output.contact.force += share * look.contact.force, output.contact.torque += share * look.contact.torque;
     output.normal_load += share * world.normal_load, output.cutting_load += share * world.cutting_load;
     output.drive_load += share * world.drive_load, output.power += share * world.power;
     output.area = std::max(output.area, world.area), output.deepest = std::max(output.deepest, world.deepest);
     if (world.touching > 0) output.material = static_cast<Material>(world.material);
     output.tested += world.tested, output.touching += world.touching;
+    output.removed_mm3 += look.removed_mm3;
+    output.bricks_near += look.bricks_near, output.bricks_cut += look.bricks_cut;
+    output.status |= look.status;
   }
   output.substeps = substeps;
 
@@ -237,10 +226,16 @@ void step(const Model& model, State& state, const DeviceSample& input, StepOutpu
   state.speed += follow * (wanted_speed * sag - state.speed);
 
   Wrench wanted;
-  if (is_coupled)
+  if (is_proxy) {
+    // Where the hand wants it there is no force, not even of rounding.
+    CouplingSettings seen = settings.coupling;
+    if (settings.rendering == Rendering::kDirect) seen.damping = seen.turn_damping = 0;
+    if (!is_free) wanted = couplingWrench(state.body, state.device, seen);
+  } else if (settings.rendering == Rendering::kCoupled) {
     wanted = couplingWrench(state.body, state.device, settings.coupling);
-  else if (settings.rendering == Rendering::kDirect)
+  } else if (settings.rendering == Rendering::kDirect) {
     wanted = output.contact;
+  }
   wanted.force *= state.ramp, wanted.torque *= state.ramp;
   output.force = clamped(wanted, state.last_force, settings.coupling, kTick);
   if ((output.force.force - wanted.force).norm() > 1e-9 || (output.force.torque - wanted.torque).norm() > 1e-9)

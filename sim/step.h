@@ -18,13 +18,24 @@ namespace kerf {
 /// What stands between hand and tool.
 enum class Rendering {
   kCoupled,  ///< virtual coupling: the default
-  kDirect,   ///< the tool is where the device is, the hand gets the contact's force: stiff contact is unstable
+  kDirect,   ///< the tool is where the device is, the hand gets the contact's force: unstable when stiff
   kRigid     ///< as kDirect, but nobody holds the device: a machine that follows its path whatever the force
+};
+
+/// What keeps the tool out of the tissue: the classical methods, for comparison on one scene. sim/response.h.
+enum class Response {
+  kPenalty,     ///< force of the overlap: the default, the one the goals are for
+  kConstraint,  ///< god-object: the tool is the pose nearest to the device that does not overlap
+  kImpulse      ///< the tool is a free body on the coupling; contact changes its velocity at once
 };
 
 struct StepSettings {
   CouplingSettings coupling;
   Rendering rendering = Rendering::kCoupled;
+  /// Without effect for Rendering::kRigid, whose tool is where its machine says. With the others' kDirect the tool is
+  /// still a body of its own: the hand gets the proxy's spring alone (constraint), or contact's force (impulse).
+  Response response = Response::kPenalty;
+  double restitution = 0;      ///< of the speed of approach, 0 to 1, how much comes back: Response::kImpulse
   bool geometry_only = false;  ///< cut whatever the tool sweeps, without resistance
   int most_substeps = 8;       ///< looks at contact within a tick, for fast motion
   double ramp_s = 0.2;         ///< force fades in over this long after the start

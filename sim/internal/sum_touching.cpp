@@ -86,6 +86,7 @@ void sumTouchingHere(const TouchingNodes& nodes, const TouchingTool& tool, Touch
     const auto counts = hn::Gt(stiff, zero);
     add(S::kArea, hn::IfThenElseZero(counts, area));
     add(S::kCount, hn::IfThenElseZero(counts, one));
+    add(S::kErodibleLoad, hn::Mul(stiff, into_cut));
     deepest = hn::Max(deepest, hn::IfThenElseZero(counts, overlap));
   }
   for (std::size_t s = 0; s < S::kSums; ++s)

@@ -48,6 +48,7 @@ struct TouchingSums {
     kDragSecond = kDragMoment + 3,
     kArea = kDragSecond + 6,
     kCount,
+    kErodibleLoad,
     kSums
   };
   std::array<double, kSums> value{};

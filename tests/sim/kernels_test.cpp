@@ -115,6 +115,7 @@ TEST(SumTouching, IsTheSumOfItsFormulas) {
         const double own = cuts || spins ? 1000 * arm : 0;
         expected[S::kNormalLoad] += load;
         if (cuts) expected[S::kCuttingLoad] += load;
+        expected[S::kErodibleLoad] += stiff * double(nodes.into_cut[n]);
         if (cuts || spins) expected[S::kDriveLoad] += rubbing * arm;
         expected[S::kPower] += rubbing * own;
         const Vec3d v = Vec3d(3, 0, 0) + Vec3d(0, 0, 0.7).cross(r);

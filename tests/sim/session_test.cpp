@@ -239,9 +239,13 @@ TEST(Session, ChecksAreTheHashOfTheWholeState) {
 }
 
 TEST(Step, NeitherAllocatesNorFrees) {
-  for (const Rendering rendering : {Rendering::kCoupled, Rendering::kDirect, Rendering::kRigid}) {
+  for (const auto& [response, rendering] :
+       {std::pair(Response::kPenalty, Rendering::kCoupled), std::pair(Response::kPenalty, Rendering::kDirect),
+        std::pair(Response::kPenalty, Rendering::kRigid), std::pair(Response::kConstraint, Rendering::kCoupled),
+        std::pair(Response::kConstraint, Rendering::kDirect), std::pair(Response::kImpulse, Rendering::kCoupled),
+        std::pair(Response::kImpulse, Rendering::kDirect)}) {
     Model model = twoBalls();
-    model.settings.rendering = rendering;
+    model.settings.response = response, model.settings.rendering = rendering;
     State state;
     state.objects.emplace_back(test::block({6, 4, 2}, 0.1), 512);
     state.objects.emplace_back(test::block({2, 2, 1}, 0.05, {Eigen::Quaterniond::Identity(), {0, 0, 1.5}}), 512);

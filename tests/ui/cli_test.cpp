@@ -74,7 +74,14 @@ TEST_F(Cli, ACutAgainstResistanceIsRecordedAndReplaysBitForBit) {
   EXPECT_LT(firm["mean_contact_force_N"].get<double>(), 3);
   const json device = cut("device.run", {"device", "--hand-stiffness", "1"});
   EXPECT_LE(device["peak_hand_force_N"].get<double>(), 8);
-  for (const char* run : {"feed.run", "firm.run", "device.run"}) {
+  for (const char* response : {"constraint", "impulse"}) {
+    const json held = cut(std::string(response) + ".run", {"force", "--push", "2", "--response", response});
+    EXPECT_EQ(held["response"], response);
+    EXPECT_NE(held["state_hash"], firm["state_hash"]);
+    EXPECT_GT(held["removed_mm3"].get<double>(), 1);
+    EXPECT_LT(held["peak_hand_force_N"].get<double>(), 8.001);
+  }
+  for (const char* run : {"feed.run", "firm.run", "device.run", "constraint.run", "impulse.run"}) {
     const json replayed = parsed(runKerf({"replay", at(run), "--json"}));
     EXPECT_TRUE(replayed["is_same"].get<bool>()) << run;
     EXPECT_GT(replayed["checks"].get<int>(), 3);
@@ -120,6 +127,12 @@ TEST_F(Cli, ACutAgainstResistanceIsRecordedAndReplaysBitForBit) {
   refuses({"cut", at("molar.case"), "--tool", "round-014", "--path", cavity, "-o", at("x.run"), "--hand", "force",
            "--encoder", "0.1"},
           {"--encoder", "--hand device"}, 2);
+  refuses({"cut", at("molar.case"), "--tool", "round-014", "--path", cavity, "-o", at("x.run"), "--hand", "feed",
+           "--response", "impulse"},
+          {"--response", "--hand feed", "--hand force or device"}, 2);
+  refuses({"cut", at("molar.case"), "--tool", "round-014", "--path", cavity, "-o", at("x.run"), "--hand", "force",
+           "--response", "god"},
+          {"--response", "constraint"}, 2);
   // A table without one of the case's materials can not say how it cuts: no guess.
   std::filesystem::create_directories(at("assets"));
   std::string table = bytesOf(std::string(KERF_SOURCE_DIR) + "/assets/materials.toml");

@@ -173,7 +173,8 @@ constexpr SceneRow kScenes[] = {
     {"invariance", "force and removal over voxels, attitudes, time: no times, the same anywhere"},
     {"forces", "constant force and constant feed per material: no times"},
     {"saw", "kerf, plane and side force over attitudes: no times"},
-    {"passivity", "energy a simulated device is given, over hands and stiffnesses: no times"}};
+    {"passivity", "energy a simulated device is given, over hands and stiffnesses: no times"},
+    {"response", "penalty, constraint and impulse, coupled and direct: a table"}};
 
 Expected<Result> runScene(const std::string& name, const std::string& mesh, double seconds, const Scratch& scratch,
                           const Progress& progress) {
@@ -195,9 +196,38 @@ Expected<Result> runScene(const std::string& name, const std::string& mesh, doub
   if (name == "forces") return benchForces(progress);
   if (name == "saw") return benchSaw(progress);
   if (name == "passivity") return benchPassivity(progress);
+  if (name == "response") return benchResponse(progress);
   std::string known;
   for (const SceneRow& row : kScenes) known += (known.empty() ? "" : ", ") + std::string(row.name);
   return fail({Error::Code::kBadValue, "", "SCENE", "\"" + name + "\"", "one of " + known, ""});
+}
+
+// Columns and rows in the order in which they come first. A number that misses its goal is marked.
+void printTable(const Result& r) {
+  std::vector<std::string> columns, rows;
+  const auto place = [](std::vector<std::string>& in, const std::string& what) {
+    if (std::find(in.begin(), in.end(), what) == in.end()) in.push_back(what);
+  };
+  const auto split = [](const Measured& m) {
+    const std::size_t at = m.name.find(": ");
+    return std::pair(m.name.substr(0, at), m.name.substr(at + 2) + (m.unit.empty() ? "" : ", " + m.unit));
+  };
+  for (const Measured& m : r.measured) place(columns, split(m).first), place(rows, split(m).second);
+  fmt::print("{:<44}", "");
+  for (const std::string& column : columns) fmt::print(" {:>18}", column);
+  fmt::print("\n");
+  bool missed = false;
+  for (const std::string& row : rows) {
+    fmt::print("{:<44}", row);
+    for (const std::string& column : columns)
+      for (const Measured& m : r.measured)
+        if (split(m) == std::pair(column, row)) {
+          fmt::print(" {:>17.4g}{}", m.value, m.passed() ? " " : "!");
+          missed |= !m.passed();
+        }
+    fmt::print("\n");
+  }
+  if (missed) fmt::print("!: more than the goal\n");
 }
 
 }  // namespace
@@ -260,7 +290,9 @@ void addBench(CLI::App& app, int& exit_code) {
           fmt::print("{:<10} p50 {:9.3f}  p99 {:9.3f}  max {:9.3f} ms  x{:<4} {}  {}\n", r->scene, r->percentile(0.5),
                      r->percentile(0.99), r->percentile(1), r->ms.size(), r->state_hash, r->what);
         for (const std::string& note : r->notes) fmt::print("           {}\n", note);
+        if (r->is_table) printTable(*r);
         for (const Measured& m : r->measured) {
+          if (r->is_table) break;
           fmt::print("           {:<44} {:10.4g} {}", m.name, m.value, m.unit);
           if (m.has_goal)
             fmt::print("{}(at most {:g}: {})", m.unit.empty() ? "" : " ", m.goal, m.passed() ? "met" : "MISSED");

@@ -43,6 +43,7 @@ struct Result {
   double peak_gb = 0;  // most memory of the whole program; 0: not measured
   std::vector<Measured> measured{};
   std::vector<std::string> notes{};  // sentences, such as what the system refused
+  bool is_table = false;  // every name is "COLUMN: ROW"
 
   double percentile(double p) const {
     std::vector<double> sorted = ms;
@@ -92,5 +93,7 @@ Expected<Result> benchInvariance(const Progress& progress);
 Expected<Result> benchForces(const Progress& progress);
 Expected<Result> benchSaw(const Progress& progress);
 Expected<Result> benchPassivity(const Progress& progress);
+// The responses to contact side by side: bench_response.cpp.
+Expected<Result> benchResponse(const Progress& progress);
 
 }  // namespace kerf::cli

@@ -20,6 +20,7 @@ struct Arguments {
   CutOptions options;
   bool json = false;
   std::string hand;  // empty: geometry only
+  std::string response = "penalty";
   HapticCutOptions haptic;
 };
 
@@ -30,11 +31,15 @@ std::optional<HandKind> handKind(const std::string& name) {
   return std::nullopt;
 }
 
+Response responseNamed(const std::string& name) {
+  return name == "constraint" ? Response::kConstraint : name == "impulse" ? Response::kImpulse : Response::kPenalty;
+}
+
 // An option of a hand that nobody holds the tool with would be ignored: a mistake of the user's.
 std::optional<Error> misplaced(const CLI::App& command, const std::string& hand) {
   for (const CLI::App* group : command.get_subcommands([](const CLI::App*) { return true; })) {
     const std::string& name = group->get_group();
-    const bool fits = name == "With --hand" ? !hand.empty() : name == "With --hand " + hand;
+    const bool fits = !hand.empty() && (name == "With --hand" || (name + " ").find(" " + hand + " ") != name.npos);
     if (fits || !name.starts_with("With --hand")) continue;
     for (const CLI::Option* option : group->get_options())
       if (option->count() > 0)
@@ -48,6 +53,7 @@ std::optional<Error> misplaced(const CLI::App& command, const std::string& hand)
 int runByHand(const Arguments& a, const std::filesystem::path& tool) {
   HapticCutOptions options = a.haptic;
   options.hand = *handKind(a.hand);
+  options.step.response = responseNamed(a.response);
   options.overwrite = a.options.overwrite;
   auto cut = [&] {
     TerminalProgress progress;
@@ -60,12 +66,14 @@ int runByHand(const Arguments& a, const std::filesystem::path& tool) {
                cut->manifest.voxel_mm);
   if (a.json) {
     nlohmann::json j = nlohmann::json::parse(toJson(s));
-    j["tool"] = cut->manifest.tool_id, j["hand"] = a.hand, j["voxel_mm"] = cut->manifest.voxel_mm;
+    j["tool"] = cut->manifest.tool_id, j["hand"] = a.hand, j["response"] = a.response,
+    j["voxel_mm"] = cut->manifest.voxel_mm;
     printJson(j);
     return kOk;
   }
-  fmt::print("cut with {} held by a {} hand for {:.2f} s, {:.2f} s of it in contact, voxels {} mm; ended: {}\n",
-             cut->manifest.tool_id, a.hand, s.seconds, s.seconds_in_contact, cut->manifest.voxel_mm, s.ended);
+  const std::string response = a.response == "penalty" ? "" : " by " + a.response;
+  fmt::print("cut with {} held by a {} hand{} for {:.2f} s, {:.2f} s of it in contact, voxels {} mm; ended: {}\n",
+             cut->manifest.tool_id, a.hand, response, s.seconds, s.seconds_in_contact, cut->manifest.voxel_mm, s.ended);
   if (!a.haptic.add.empty()) {
     fmt::print("added {:.4f} mm3", s.added_mm3);
     const char* between = ": ";
@@ -167,6 +175,11 @@ void addCut(CLI::App& app, int& exit_code) {
                       "id of a material, such as composite: the tool adds it where it goes, instead of cutting");
   by_hand->add_option("--time-limit", a->haptic.time_limit, "simulated s")->capture_default_str();
   by_hand->add_option("--coupling", a->haptic.step.coupling.stiffness, "stiffness of the virtual coupling, N/mm")
+      ->capture_default_str();
+  auto* held = c->add_option_group("With --hand force or device");
+  held->add_option("--response", a->response,
+                   "what keeps the tool out of the tissue: penalty, constraint (god-object), impulse; docs/haptics.md")
+      ->check(CLI::IsMember({"penalty", "constraint", "impulse"}))
       ->capture_default_str();
   auto* force = c->add_option_group("With --hand force");
   force->add_option("--push", a->haptic.force.force, "N")->capture_default_str();
