@@ -1,5 +1,7 @@
 #include "sim/contact.h"
 
+#include <hwy/cache_control.h>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -12,9 +14,10 @@
 namespace kerf {
 namespace {
 
-constexpr int kBlock = 4;              // bricks along a side of a block
-constexpr float kEquatorFloor = 0.2f;  // the axis of a bur does not stand still: of the equator's speed
-constexpr float kStillSpeed = 0.5f;    // mm/s: below it Coulomb friction fades, so that it can be integrated
+constexpr std::size_t kCacheLine = 64;  // bytes
+constexpr int kBlock = 4;               // bricks along a side of a block
+constexpr float kEquatorFloor = 0.2f;   // the axis of a bur does not stand still: of the equator's speed
+constexpr float kStillSpeed = 0.5f;     // mm/s: below it Coulomb friction fades, so that it can be integrated
 
 // From a node's place in its brick to the tool's frame: p = base + i * along[0] + j * along[1] + k * along[2].
 struct BrickToTool {
@@ -48,6 +51,18 @@ struct Rates {
     }
   }
 };
+
+// What sumContact() reads of every node. A large contact does not fit the caches: while one brick is summed, the next
+// one's nodes come nearer.
+void fetchShell(const CutObject::Slot& slot) {
+  for (int begin = 0; begin < slot.shell_count; begin += ShellChunk::kNodes) {
+    const ShellChunk& chunk = *slot.chunks[static_cast<std::size_t>(begin / ShellChunk::kNodes)];
+    const auto fetch = [](const auto& row) {
+      for (std::size_t n = 0; n < row.size(); n += kCacheLine / sizeof row[0]) hwy::Prefetch(&row[n]);
+    };
+    fetch(chunk.phi), fetch(chunk.offset);
+  }
+}
 
 Eigen::Matrix3d crossMatrix(const Vec3d& v) {
   Eigen::Matrix3d m;
@@ -158,6 +173,7 @@ void sumContact(CutObject& object, const NearBricks& near, const ContactInput& i
   const float look = static_cast<float>(0.2 * h);  // step of the directional derivative of tau
   const bool has_body = !tool.body.isEmpty();
   const double slack = std::max(tool.cut.slack(), tool.body.slack());
+  const float aside = static_cast<float>(2 * (slack + 0.2 * h));
   internal::TouchingTool moving;
   moving.lever = leverForm(tool.motion);
   moving.least_radius = kEquatorFloor * static_cast<float>(tool.equator_mm);
@@ -197,29 +213,37 @@ void sumContact(CutObject& object, const NearBricks& near, const ContactInput& i
     internal::sumTouching(found, moving, totals);
     found.count = 0, any_body = false;
   };
-  float px[kGather], py[kGather], pz[kGather], phi[kGather], cut[kGather], body[kGather];
+  float px[kGather], py[kGather], pz[kGather], now[kGather], cut[kGather], body[kGather];
   for (std::size_t b = 0; b < near.size(); ++b) {
     CutObject::Slot& slot = object.slot(near.slot(b));
     if (slot.shell_count == 0 || object.odometer < slot.sleeps_until_contact || near.leastAny(b) >= -slot.least)
       continue;
+    if (b + 1 < near.size()) fetchShell(object.slot(near.slot(b + 1)));
     const BrickToTool map(to_tool, in.T_object_tool.translation, slot.brick, h);
     const Vec3d corner = h * 8 * slot.brick.cast<double>() - in.T_object_tool.translation;
-    const bool body_is_near = has_body && near.leastBody(b) < -slot.least;
+    const bool body_may_touch = has_body && near.leastBody(b) < -slot.least;
     // Until the first of its nodes touches: a body that was not looked at is known by its bound.
-    float room = has_body && !body_is_near ? near.leastBody(b) + slot.least : ToolField::kFar;
+    float room = has_body && !body_may_touch ? near.leastBody(b) + slot.least : ToolField::kFar;
     bool touches = false;
     for (int begin = 0; begin < slot.shell_count; begin += kGather) {
       const ShellChunk& chunk = *slot.chunks[static_cast<std::size_t>(begin / kGather)];
       const int count = std::min(kGather, slot.shell_count - begin), padded = (count + 7) / 8 * 8;
-      internal::placeShell(map.base, map.along, chunk.offset.data(), slot.phi, padded, px, py, pz, phi);
+      internal::placeShell(map.base, map.along, chunk.offset.data(), padded, px, py, pz);
+      const float* phi = chunk.phi.data();
+      if (slot.is_dirty) {  // cut since, and no room was left to repair it
+        internal::valuesAt(slot.phi, chunk.offset.data(), padded, now);
+        phi = now;
+      }
       tool.cut.distances(px, py, pz, cut, padded);
+      // Where what cuts is nearer than the body can be, there and a look further inwards, the body says nothing.
+      const bool body_is_near = body_may_touch && internal::largestOf(cut, padded) > near.leastBody(b) - aside;
       if (body_is_near) tool.body.distances(px, py, pz, body, padded);
       sums.tested += count;
-      for (int n = 0; n < count; ++n) {
+      for (std::uint64_t bits = internal::touchingNodes(cut, body_is_near ? body : nullptr, phi, count, room);
+           bits != 0; bits &= bits - 1) {
+        const int n = std::countr_zero(bits);
         const float nearest = body_is_near ? std::min(cut[n], body[n]) : cut[n];
         const float gap = nearest + phi[n];
-        room = std::min(room, gap);
-        if (gap >= 0) continue;
         const auto at = static_cast<std::size_t>(n);
         const Vec3f w(chunk.x[at], chunk.y[at], chunk.z[at]);
         const float area = w.norm();

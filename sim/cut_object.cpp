@@ -201,8 +201,8 @@ std::size_t CutObject::shellDefects() const {
     bool is_same = count == slot.shell_count;
     for (std::size_t c = 0; is_same && c < static_cast<std::size_t>(chunkCount(count)); ++c)
       is_same = slot.chunks[c]->x == expected[c].x && slot.chunks[c]->y == expected[c].y &&
-                slot.chunks[c]->z == expected[c].z && slot.chunks[c]->offset == expected[c].offset &&
-                slot.chunks[c]->material == expected[c].material;
+                slot.chunks[c]->z == expected[c].z && slot.chunks[c]->phi == expected[c].phi &&
+                slot.chunks[c]->offset == expected[c].offset && slot.chunks[c]->material == expected[c].material;
     defects += !is_same;
   }
   return defects;

@@ -48,7 +48,7 @@ int shellNodesHere(const BrickNeighborhood& bricks, const std::uint8_t* material
     for (int k = 0; k < 8; k += lanes) hn::StoreU(hn::LoadU(f, bricks.self + n + k), f, at + 4 + k);
     at[3] = bricks.face[4][n + 7], at[12] = bricks.face[5][n];
   }
-  float area[3][kRoom];
+  float area[3][kRoom], values[kRoom];
   std::int32_t label[kRoom];  // offset, and the material 16 bits above
   int count = 0;
   for (int r = 0; r < row_count; ++r) {
@@ -67,6 +67,7 @@ int shellNodesHere(const BrickNeighborhood& bricks, const std::uint8_t* material
         const V difference = hn::Sub(hn::LoadU(f, above[axis] + k), hn::LoadU(f, below[axis] + k));
         hn::StoreU(hn::Compress(hn::Mul(weight, difference), is_node), f, area[axis] + count);
       }
+      hn::StoreU(hn::Compress(phi, is_node), f, values + count);
       const auto material = hn::PromoteTo(i, hn::LoadU(u8, materials + n + k));
       const auto both = hn::Add(hn::ShiftLeft<16>(material), hn::Iota(i, n + k));
       hn::StoreU(hn::Compress(both, hn::RebindMask(i, is_node)), i, label + count);
@@ -78,10 +79,12 @@ int shellNodesHere(const BrickNeighborhood& bricks, const std::uint8_t* material
     const int nodes = std::min(ShellChunk::kNodes, count - begin);
     for (int n = nodes; n < ShellChunk::kNodes; ++n) {
       for (auto& axis : area) axis[begin + n] = 0;
+      values[begin + n] = values[begin];
       label[begin + n] = label[begin] & 0xffff;
     }
     float* const to[3] = {chunk.x.data(), chunk.y.data(), chunk.z.data()};
     for (int axis = 0; axis < 3; ++axis) std::memcpy(to[axis], area[axis] + begin, sizeof chunk.x);
+    std::memcpy(chunk.phi.data(), values + begin, sizeof chunk.phi);
     for (int n = 0; n < ShellChunk::kNodes; n += lanes) {
       const auto both = hn::LoadU(i, label + begin + n);
       hn::StoreU(hn::DemoteTo(u16, hn::And(both, hn::Set(i, 0xffff))), u16, chunk.offset.data() + n);

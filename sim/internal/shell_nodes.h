@@ -11,8 +11,8 @@ namespace kerf::internal {
 using NodeBits = std::array<std::uint64_t, kBrickSide>;
 
 /// Fills `out` with the nodes |phi| < half_width of a brick, by offset: areas scale (1 - (phi / half_width)^2)^2 times
-/// the differences of the neighbours. The last chunk is filled up with nodes of no area at its first node's offset. The
-/// same bits with any instruction set. @return how many nodes. @cost some 2 ns a node of the shell.
+/// the differences of the neighbours. The last chunk is filled up with copies of its first node, without area and
+/// material. The same bits with any instruction set. @return how many nodes. @cost some 2 ns a node of the shell.
 int shellNodes(const BrickNeighborhood& bricks, const std::uint8_t* materials, float half_width, float scale,
                ShellChunk* out) noexcept;
 

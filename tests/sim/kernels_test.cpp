@@ -162,6 +162,7 @@ int plainShell(const BrickNeighborhood& bricks, const std::uint8_t* materials, f
       const float above = place < 7 ? bricks.self[n + stride] : bricks.face[2 * axis + 1][n - 7 * stride];
       *area[axis] = weight * (above - below);
     }
+    chunk.phi[at] = bricks.self[n];
     chunk.offset[at] = static_cast<std::uint16_t>(n), chunk.material[at] = materials[n];
   }
   return count;
@@ -196,11 +197,35 @@ TEST(ShellNodes, AreThoseOfTheFormulaToTheBit) {
         ASSERT_EQ(a.x[n % 64], is_node ? b.x[n % 64] : 0) << n;
         ASSERT_EQ(a.y[n % 64], is_node ? b.y[n % 64] : 0) << n;
         ASSERT_EQ(a.z[n % 64], is_node ? b.z[n % 64] : 0) << n;
+        ASSERT_EQ(a.phi[n % 64], is_node ? b.phi[n % 64] : a.phi[0]) << n;
         ASSERT_EQ(a.offset[n % 64], is_node ? b.offset[n % 64] : a.offset[0]) << n;
         ASSERT_EQ(a.material[n % 64], is_node ? b.material[n % 64] : 0) << n;
       }
     });
   }
+}
+
+TEST(TouchingNodes, AreThoseInsideTheToolAndRoomIsToTheNearest) {
+  std::mt19937 random(17);
+  std::uniform_real_distribution<float> u(-1, 1);
+  for (const int count : {1, 7, 8, 33, 64})
+    for (const bool has_body : {false, true}) {
+      std::vector<float> cut(64), body(64), phi(64);
+      for (std::size_t n = 0; n < 64; ++n) cut[n] = 0.8f + u(random), body[n] = 0.9f + u(random), phi[n] = u(random);
+      std::uint64_t expected = 0;
+      float least = 0.5f;
+      for (std::size_t n = 0; n < static_cast<std::size_t>(count); ++n) {
+        const float gap = (has_body ? std::min(cut[n], body[n]) : cut[n]) + phi[n];
+        expected |= std::uint64_t{gap < 0} << n;
+        least = std::min(least, gap);
+      }
+      onEveryTarget([&] {
+        float room = 0.5f;
+        EXPECT_EQ(touchingNodes(cut.data(), has_body ? body.data() : nullptr, phi.data(), count, room), expected);
+        EXPECT_EQ(room, least);
+        EXPECT_EQ(largestOf(cut.data(), 64), *std::max_element(cut.begin(), cut.end()));
+      });
+    }
 }
 
 TEST(DifferingNodes, AreThoseWhoseValuesDiffer) {
