@@ -205,7 +205,7 @@ Expected<Result> benchForces(const Progress& progress) {
     grid.emplace_back();
     for (const double cycles : {9800.0, 11200.0, 12600.0}) {
       if (!report(progress, 0.5, "sawing")) return cancelled();
-      sawing.tools[0].drive.speed = 2 * saw.stroke_mm * cycles / 60;
+      sawing.tools[0].drive.speed = meanSpeed(saw.stroke_mm, cycles / 60);
       KERF_TRY(block, practiceBlock({10, 4, 4}, 0.05, {}, Material::kCortical));
       State state;
       state.objects.emplace_back(block, 8192);
