@@ -11,6 +11,7 @@
 
 #include "geometry/error.h"
 #include "geometry/progress.h"
+#include "geometry/tool_file.h"
 
 namespace kerf::cli {
 
@@ -67,6 +68,13 @@ class Scratch {
   std::filesystem::path path_;
 };
 
+inline auto cancelled() { return fail({Error::Code::kCancelled, "", "", "cancelled", "", ""}); }
+
+inline Expected<Tool> toolOfRack(const std::string& id) {
+  KERF_TRY(file, findToolFile(id, defaultToolFolders()));
+  return readTool(file);
+}
+
 // Scenes of the 1 kHz step, times: bench_tick.cpp.
 Expected<Result> benchPoints(const Progress& progress);
 Expected<Result> benchTickBur(const Scratch& scratch, const Progress& progress);
@@ -76,6 +84,10 @@ Expected<Result> benchTickSizes(const Progress& progress);
 Expected<Result> benchInvariance(const Progress& progress);
 Expected<Result> benchForces(const Progress& progress);
 Expected<Result> benchSaw(const Progress& progress);
+// Passing thin walls, falling apart, giving energy away: sources of their own.
+Expected<Result> benchTunnelling(const Progress& progress);
+Expected<Result> benchPieces(const Progress& progress);
 Expected<Result> benchPassivity(const Progress& progress);
+Expected<Result> benchPassivityLarge(const Progress& progress);
 
 }  // namespace kerf::cli
