@@ -23,8 +23,7 @@ inline constexpr double kShellHalfWidth = 1.5;
 struct ShellChunk {
   static constexpr int kNodes = 64;
   std::array<float, kNodes> x, y, z;  ///< delta grad(phi) h^3, mm^2, outward; its length is the area a node stands for
-  std::array<float, kNodes>
-      phi;  ///< mm, as when the shell was built: a large contact reads a third of what bricks take
+  std::array<float, kNodes> phi;      ///< mm, of when the shell was built: a third of what a brick's take
   std::array<std::uint16_t, kNodes> offset;   ///< of the node in its brick
   std::array<std::uint8_t, kNodes> material;  ///< number
 };
@@ -37,7 +36,7 @@ struct BrickNeighborhood {
   const float* face[6];  ///< -x, +x, -y, +y, -z, +z
 };
 
-/// The shell nodes of a brick, by offset. The last chunk is filled up with copies of its first node, without area.
+/// The shell nodes of a brick, by offset. The last chunk is filled up with copies of its first node's offset.
 /// @param out  room for kShellChunks.  @return how many nodes. @rt safe.
 int shellOfBrick(const BrickNeighborhood& bricks, const std::uint8_t* materials, double voxel,
                  ShellChunk* out) noexcept;

@@ -72,7 +72,10 @@ class CutObject {
   /// of its faces changed: a caller that knows better says so in `changed_faces`. @rt
   float* write(int slot) noexcept;
   static constexpr std::uint8_t kAllFaces = 63;
-  /// The faces that have one of these nodes. @rt
+  /// The faces on which two bricks of values differ; those that have one of these nodes. @rt
+  static std::uint8_t facesThatDiffer(const float* a, const float* b) noexcept {
+    return facesOf(internal::differingNodes(a, b));
+  }
   static std::uint8_t facesOf(const internal::NodeBits& nodes) noexcept;
   /// Values changed outside the step, by undo for one: the ledger follows, the brick wakes up, and its shell is
   /// repaired with the next repair(). False: no such brick, or memory ran out. Allocates.
