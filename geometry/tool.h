@@ -28,6 +28,14 @@ const char* kindName(ToolKind kind);  ///< as in files: "bur"
 enum class BladeMotion { kReciprocating, kPiezo, kSagittal, kSpin };
 const char* motionName(BladeMotion motion);  ///< as in files: "sagittal"
 
+/// What a tool's file says of its drive; what it leaves out is a training default of `sim/tool_model.h`.
+struct DriveNumbers {
+  std::optional<double> frequency_hz;                ///< turns, or cycles there and back, a second, free
+  std::optional<double> stall_load;                  ///< what stops it: N mm, of a stroke along z N
+  std::optional<double> time_constant_s;             ///< how fast speed follows load and pedal
+  std::optional<double> energy_factor, drag_factor;  ///< over those of the table of materials: see ToolDrive
+};
+
 struct Tool {
   std::string id;    ///< file stem: "round-014"
   std::string name;  ///< for people
@@ -38,6 +46,8 @@ struct Tool {
   std::shared_ptr<const ToolShape> cut;      ///< tau_cut: what of the head cuts, the blade's toothed edge with its set
   std::shared_ptr<const ToolShape> body;     ///< tau_body: what only collides (inert parts, neck, shank); may be null
   Vec3d plunge_direction = -Vec3d::UnitZ();  ///< unit, tool frame: the way it goes straight in
+
+  DriveNumbers drive;
 
   // Bur and disc: outlines of what revolves.
   std::shared_ptr<const RevolvedProfile> head;     ///< all of the head

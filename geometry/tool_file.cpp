@@ -58,7 +58,9 @@ Expected<Tool> readTool(const fs::path& file) {
     allowBladeKeys(top);
     allowMeshKeys(top);
   }
+  top.allow("drive");
   KERF_CHECK(top.finish());
+  KERF_CHECK(readDrive(top, file, tool));
   // Last: a renamed copy of a tool should hear of what else is wrong with it first.
   if (file.filename() != kCopyInRun && file.stem() != tool.id) {
     const std::string stem = file.stem().string();

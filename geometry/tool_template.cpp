@@ -59,6 +59,13 @@ std::string toolTemplate(const HeadShape& shape, const std::string& id) {
   text += row(fmt::format("shank_diameter = {}", tomlNumber(kShank)), "FG 1.6, RA and HP 2.35");
   text += row(fmt::format("shank_length = {}", tomlNumber(kOverall - 2 - length)), "19 mm in all");
   text += row("# iso6360 = \"806314198524016\"", "material, shank, shape, grit, head diameter in 1/10 mm");
+  text += "# What turns it; left out: a training default for its kind and shank (kerf tool info shows it).\n";
+  text += row("# [drive]", "at the end of the file");
+  text += row("# speed_rpm = 200000", "free, unloaded");
+  text += row("# stall_torque_Nmm = 8", "speed falls in proportion to the load and is zero here");
+  text += row("# time_constant_s = 0.1", "how fast speed follows");
+  text += row("# energy_factor = 5", "cutting energy over the table's: diamond 5, carbide 3, saws and drills 1");
+  text += row("# drag_factor = 1", "drag over the table's: saws 2");
   return text;
 }
 

@@ -5,43 +5,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/internal/shell_nodes.h"
+
 namespace kerf {
-namespace {
-
-constexpr int kStride[3] = {64, 8, 1};
-
-}  // namespace
-
 int shellOfBrick(const BrickNeighborhood& bricks, const std::uint8_t* materials, double voxel,
                  ShellChunk* out) noexcept {
-  const auto e = static_cast<float>(kShellHalfWidth * voxel);
+  const double e = kShellHalfWidth * voxel;
   // delta h^3 / (2 h) of the central differences
-  const auto scale = static_cast<float>(15.0 / 16 / (kShellHalfWidth * voxel) * voxel * voxel / 2);
-  int count = 0;
-  for (int n = 0; n < kBrickNodes; ++n) {
-    const float phi = bricks.self[n];
-    if (!(std::abs(phi) < e)) continue;
-    const float u = phi / e, fade = 1 - u * u, weight = scale * fade * fade;
-    ShellChunk& chunk = out[count / ShellChunk::kNodes];
-    const auto at_node = static_cast<std::size_t>(count++ % ShellChunk::kNodes);
-    float* const normal_area[3] = {&chunk.x[at_node], &chunk.y[at_node], &chunk.z[at_node]};
-    for (int axis = 0; axis < 3; ++axis) {
-      const int stride = kStride[axis], at = (n / stride) & 7;
-      const float below = at > 0 ? bricks.self[n - stride] : bricks.face[2 * axis][n + 7 * stride];
-      const float above = at < 7 ? bricks.self[n + stride] : bricks.face[2 * axis + 1][n - 7 * stride];
-      *normal_area[axis] = weight * (above - below);
-    }
-    chunk.offset[at_node] = static_cast<std::uint16_t>(n);
-    chunk.material[at_node] = materials[n];
-  }
-  if (const int rest = count % ShellChunk::kNodes; rest > 0) {
-    ShellChunk& last = out[count / ShellChunk::kNodes];
-    for (std::size_t n = static_cast<std::size_t>(rest); n < ShellChunk::kNodes; ++n) {
-      last.x[n] = last.y[n] = last.z[n] = 0;
-      last.offset[n] = last.offset[0], last.material[n] = 0;
-    }
-  }
-  return count;
+  const double scale = 15.0 / 16 / e * voxel * voxel / 2;
+  return internal::shellNodes(bricks, materials, static_cast<float>(e), static_cast<float>(scale), out);
 }
 
 Expected<std::shared_ptr<const BakedObject>> BakedObject::make(BrickField phi0, const MaterialField* materials,

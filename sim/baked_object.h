@@ -23,6 +23,7 @@ inline constexpr double kShellHalfWidth = 1.5;
 struct ShellChunk {
   static constexpr int kNodes = 64;
   std::array<float, kNodes> x, y, z;  ///< delta grad(phi) h^3, mm^2, outward; its length is the area a node stands for
+  std::array<float, kNodes> phi;      ///< mm, of when the shell was built: a third of what a brick's take
   std::array<std::uint16_t, kNodes> offset;   ///< of the node in its brick
   std::array<std::uint8_t, kNodes> material;  ///< number
 };

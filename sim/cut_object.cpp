@@ -185,19 +185,13 @@ float* CutObject::write(int s) noexcept {
   return slot.own;
 }
 
-std::uint8_t CutObject::facesThatDiffer(const float* a, const float* b) noexcept {
-  unsigned faces = 0;
-  const auto differs = [&](int n) { return a[n] != b[n]; };
-  for (int u = 0; u < 8; ++u)
-    for (int v = 0; v < 8; ++v) {
-      faces |= static_cast<unsigned>(differs(8 * u + v));
-      faces |= static_cast<unsigned>(differs(448 + 8 * u + v)) << 1;
-      faces |= static_cast<unsigned>(differs(64 * u + v)) << 2;
-      faces |= static_cast<unsigned>(differs(64 * u + 56 + v)) << 3;
-      faces |= static_cast<unsigned>(differs(64 * u + 8 * v)) << 4;
-      faces |= static_cast<unsigned>(differs(64 * u + 8 * v + 7)) << 5;
-    }
-  return static_cast<std::uint8_t>(faces);
+std::uint8_t CutObject::facesOf(const internal::NodeBits& nodes) noexcept {
+  std::uint64_t any = 0;
+  for (const std::uint64_t slab : nodes) any |= slab;
+  constexpr std::uint64_t kRow = 0xff, kLow = 0x0101010101010101;
+  return static_cast<std::uint8_t>((nodes.front() != 0) | (nodes.back() != 0) << 1 | ((any & kRow) != 0) << 2 |
+                                   ((any & kRow << 56) != 0) << 3 | ((any & kLow) != 0) << 4 |
+                                   ((any & kLow << 7) != 0) << 5);
 }
 
 std::uint8_t* CutObject::writeMaterials(int s) noexcept {
@@ -428,8 +422,8 @@ std::size_t CutObject::shellDefects() const {
     bool is_same = count == slot.shell_count;
     for (std::size_t c = 0; is_same && c < static_cast<std::size_t>(chunkCount(count)); ++c)
       is_same = slot.chunks[c]->x == expected[c].x && slot.chunks[c]->y == expected[c].y &&
-                slot.chunks[c]->z == expected[c].z && slot.chunks[c]->offset == expected[c].offset &&
-                slot.chunks[c]->material == expected[c].material;
+                slot.chunks[c]->z == expected[c].z && slot.chunks[c]->phi == expected[c].phi &&
+                slot.chunks[c]->offset == expected[c].offset && slot.chunks[c]->material == expected[c].material;
     defects += !is_same;
   }
   return defects;

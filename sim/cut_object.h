@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "sim/brick_room.h"
+#include "sim/internal/shell_nodes.h"
 #include "sim/split_field.h"
 
 namespace kerf {
@@ -96,8 +97,11 @@ class CutObject {
   int addAir(const Vec3i& brick) noexcept;
   /// Bricks of air that can be made solid during a session: 16384, some 8 cm^3 at 0.1 mm, 1 cm^3 at 0.05 mm.
   static constexpr int kMostAdded = 1 << 14;
-  /// The faces on which two bricks of values differ. @rt
-  static std::uint8_t facesThatDiffer(const float* a, const float* b) noexcept;
+  /// The faces on which two bricks of values differ; those that have one of these nodes. @rt
+  static std::uint8_t facesThatDiffer(const float* a, const float* b) noexcept {
+    return facesOf(internal::differingNodes(a, b));
+  }
+  static std::uint8_t facesOf(const internal::NodeBits& nodes) noexcept;
   /// Values changed outside the step, by undo for one: the brick wakes up, and its shell is repaired with the next
   /// repair(). The ledger is the caller's to put back. False: memory ran out. Allocates.
   /// @param materials  512 numbers; null: as baked.

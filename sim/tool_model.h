@@ -14,6 +14,10 @@ enum class ToolMotion {
 };
 
 /// What turns it. Free speed falls in proportion to the load and reaches zero at stall.
+///
+/// Speeds of what goes to and fro are means over a cycle: at the ends of a stroke a tooth stands, in its middle it is
+/// pi / 2 times as fast. Removal and power grow with the distance a tooth rubs, so the mean of |v| is what counts: 2
+/// stroke f, whatever the motion in between, for it passes the stroke twice a cycle.
 struct ToolDrive {
   double speed = 0;          ///< kSpin: rad/s; kStroke: mean speed along the stroke, mm/s; kSwing: mean rad/s
   double stall_load = 0;     ///< kSpin, kSwing: N mm; kStroke: N
@@ -39,9 +43,17 @@ struct ToolModel {
   Vec3d plunge_direction = -Vec3d::UnitZ();
 };
 
+/// Mean speed of what goes `way` (mm or rad) there and back, `frequency_hz` times a second: 2 way f.
+constexpr double meanSpeed(double way, double frequency_hz) { return 2 * way * frequency_hz; }
+
 /// Nominal drive of a tool: burs by their shank (friction grip 200 000 rpm, right angle 40 000, else 20 000; drills
 /// 800), blades by their motion. Training defaults.
 ToolDrive defaultDrive(const Tool& tool);
+/// The numbers of its file ([drive]), the default for each that is left out.
+ToolDrive driveOf(const Tool& tool);
+/// The same for people: "200000 rpm, stalls at 8 N mm, ...", and which of it the tool's file says.
+std::string describeDrive(const Tool& tool);
+ToolMotion motionOf(const Tool& tool);
 
 /// Bakes both fields. @param margin_mm  at least the band of any object it will meet.
 ToolModel makeToolModel(const Tool& tool, double margin_mm = 0.5);

@@ -62,26 +62,37 @@ HWY_INLINE V spatial(F f, const FieldTable& t, V x, V y, V z) {
   return hn::IfThenElse(hn::Lt(hn::Max(hn::Max(dx, dy), dz), hn::Set(f, t.reach)), between(near, far, a.part), outside);
 }
 
-void lookUpHere(const FieldTable& t, const float* x, const float* y, const float* z, float* out, int n) {
+// One loop per form, over a table of its own: what may not change while results are written stays in registers.
+template <TableForm kForm>
+HWY_INLINE void lookUpAll(const FieldTable& table, const float* HWY_RESTRICT x, const float* HWY_RESTRICT y,
+                          const float* HWY_RESTRICT z, float* HWY_RESTRICT out, int n) {
   const F f;
+  const FieldTable t = table;
   const int lanes = static_cast<int>(hn::Lanes(f));
   for (int at = 0; at < n; at += lanes) {
     const V px = hn::LoadU(f, x + at), py = hn::LoadU(f, y + at), pz = hn::LoadU(f, z + at);
     V d;
-    switch (t.form) {
-      case TableForm::kRevolved:
-        d = planar(f, t, hn::Sqrt(hn::Add(hn::Mul(px, px), hn::Mul(py, py))), pz);
-        break;
-      case TableForm::kPlate: {
-        const V flat = planar(f, t, px, pz), off = hn::Sub(hn::Abs(py), hn::Set(f, t.half));
-        const V a = hn::Max(flat, hn::Zero(f)), b = hn::Max(off, hn::Zero(f));
-        d = hn::Add(hn::Sqrt(hn::Add(hn::Mul(a, a), hn::Mul(b, b))), hn::Min(hn::Zero(f), hn::Max(flat, off)));
-        break;
-      }
-      default:
-        d = spatial(f, t, px, py, pz);
+    if constexpr (kForm == TableForm::kRevolved) {
+      d = planar(f, t, hn::Sqrt(hn::Add(hn::Mul(px, px), hn::Mul(py, py))), pz);
+    } else if constexpr (kForm == TableForm::kPlate) {
+      const V flat = planar(f, t, px, pz), off = hn::Sub(hn::Abs(py), hn::Set(f, t.half));
+      const V a = hn::Max(flat, hn::Zero(f)), b = hn::Max(off, hn::Zero(f));
+      d = hn::Add(hn::Sqrt(hn::Add(hn::Mul(a, a), hn::Mul(b, b))), hn::Min(hn::Zero(f), hn::Max(flat, off)));
+    } else {
+      d = spatial(f, t, px, py, pz);
     }
     hn::StoreU(d, f, out + at);
+  }
+}
+
+void lookUpHere(const FieldTable& t, const float* x, const float* y, const float* z, float* out, int n) {
+  switch (t.form) {
+    case TableForm::kRevolved:
+      return lookUpAll<TableForm::kRevolved>(t, x, y, z, out, n);
+    case TableForm::kPlate:
+      return lookUpAll<TableForm::kPlate>(t, x, y, z, out, n);
+    case TableForm::kSpatial:
+      return lookUpAll<TableForm::kSpatial>(t, x, y, z, out, n);
   }
 }
 

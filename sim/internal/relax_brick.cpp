@@ -61,8 +61,8 @@ void placeHere(const float base[3], const float along[3][3], float* x, float* y,
     }
 }
 
-void placeShellHere(const float base[3], const float along[3][3], const std::uint16_t* offsets, const float* phi,
-                    int count, float* x, float* y, float* z, float* values) {
+void placeShellHere(const float base[3], const float along[3][3], const std::uint16_t* offsets, int count, float* x,
+                    float* y, float* z) {
   const F f;
   const I i;
   const hn::Rebind<std::uint16_t, F> u16;
@@ -79,8 +79,43 @@ void placeShellHere(const float base[3], const float along[3][3], const std::uin
                           hn::Mul(c, hn::Set(f, along[2][axis])));
       hn::StoreU(p, f, out[axis] + n);
     }
-    hn::StoreU(hn::GatherIndex(f, phi, at), f, values + n);
   }
+}
+
+void valuesHere(const float* values, const std::uint16_t* offsets, int count, float* out) {
+  const F f;
+  const I i;
+  const hn::Rebind<std::uint16_t, F> u16;
+  for (int n = 0; n < count; n += static_cast<int>(hn::Lanes(f)))
+    hn::StoreU(hn::GatherIndex(f, values, hn::PromoteTo(i, hn::LoadU(u16, offsets + n))), f, out + n);
+}
+
+float largestHere(const float* values, int n) {
+  const F f;
+  const int lanes = static_cast<int>(hn::Lanes(f));
+  V largest = hn::LoadU(f, values);
+  for (int at = lanes; at < n; at += lanes) largest = hn::Max(largest, hn::LoadU(f, values + at));
+  return hn::GetLane(hn::MaxOfLanes(f, largest));
+}
+
+std::uint64_t touchingHere(const float* cut, const float* body, const float* phi, int count, float& room) {
+  const F f;
+  const int lanes = static_cast<int>(hn::Lanes(f));
+  const V far = hn::Set(f, 1e30f);
+  V least = hn::Set(f, room);
+  std::uint64_t bits = 0;
+  for (int at = 0; at < count; at += lanes) {
+    V nearest = hn::LoadU(f, cut + at);
+    if (body) nearest = hn::Min(nearest, hn::LoadU(f, body + at));
+    const V gap = hn::IfThenElse(hn::FirstN(f, static_cast<std::size_t>(count - at)),
+                                 hn::Add(nearest, hn::LoadU(f, phi + at)), far);
+    least = hn::Min(least, gap);
+    std::uint8_t part[8] = {};
+    hn::StoreMaskBits(f, hn::Lt(gap, hn::Zero(f)), part);
+    bits |= std::uint64_t{part[0]} << at;
+  }
+  room = hn::GetLane(hn::MinOfLanes(f, least));
+  return bits;
 }
 
 }  // namespace kerf::internal::HWY_NAMESPACE
@@ -92,6 +127,9 @@ namespace kerf::internal {
 HWY_EXPORT(relaxHere);
 HWY_EXPORT(placeHere);
 HWY_EXPORT(placeShellHere);
+HWY_EXPORT(valuesHere);
+HWY_EXPORT(largestHere);
+HWY_EXPORT(touchingHere);
 
 RelaxResult relaxBrick(const RelaxInput& in, float* out) noexcept { return HWY_DYNAMIC_DISPATCH(relaxHere)(in, out); }
 
@@ -99,9 +137,19 @@ void placeNodes(const float base[3], const float along[3][3], float* x, float* y
   HWY_DYNAMIC_DISPATCH(placeHere)(base, along, x, y, z);
 }
 
-void placeShell(const float base[3], const float along[3][3], const std::uint16_t* offsets, const float* phi, int count,
-                float* x, float* y, float* z, float* values) noexcept {
-  HWY_DYNAMIC_DISPATCH(placeShellHere)(base, along, offsets, phi, count, x, y, z, values);
+void placeShell(const float base[3], const float along[3][3], const std::uint16_t* offsets, int count, float* x,
+                float* y, float* z) noexcept {
+  HWY_DYNAMIC_DISPATCH(placeShellHere)(base, along, offsets, count, x, y, z);
+}
+
+void valuesAt(const float* values, const std::uint16_t* offsets, int count, float* out) noexcept {
+  HWY_DYNAMIC_DISPATCH(valuesHere)(values, offsets, count, out);
+}
+
+float largestOf(const float* values, int n) noexcept { return HWY_DYNAMIC_DISPATCH(largestHere)(values, n); }
+
+std::uint64_t touchingNodes(const float* cut, const float* body, const float* phi, int count, float& room) noexcept {
+  return HWY_DYNAMIC_DISPATCH(touchingHere)(cut, body, phi, count, room);
 }
 
 }  // namespace kerf::internal

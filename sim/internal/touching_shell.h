@@ -2,7 +2,10 @@
 // share.
 #pragma once
 
+#include <hwy/cache_control.h>
+
 #include <algorithm>
+#include <bit>
 
 #include "sim/contact.h"
 #include "sim/internal/relax_brick.h"
@@ -35,6 +38,18 @@ struct TouchingNode {
   std::uint8_t material;  ///< number
 };
 
+/// What forEachTouching() reads of every node. A large contact does not fit the caches: while one brick is summed, the
+/// next one's nodes come nearer.
+inline void fetchShell(const CutObject::Slot& slot) {
+  for (int begin = 0; begin < slot.shell_count; begin += ShellChunk::kNodes) {
+    const ShellChunk& chunk = *slot.chunks[static_cast<std::size_t>(begin / ShellChunk::kNodes)];
+    const auto fetch = [](const auto& row) {
+      for (std::size_t n = 0; n < row.size(); n += 64 / sizeof row[0]) hwy::Prefetch(&row[n]);
+    };
+    fetch(chunk.phi), fetch(chunk.offset);
+  }
+}
+
 /// Calls visit(node) for every node with an area that overlaps the tool, in the order of `near`. Lets bricks sleep that
 /// cannot touch for a while. @return how many nodes were tested. @rt if visit is.
 template <class Visit>
@@ -45,30 +60,39 @@ int forEachTouching(CutObject& object, const NearBricks& near, const ToolModel& 
   const Eigen::Matrix3d to_tool = T_object_tool.rotation.toRotationMatrix().transpose();
   const bool has_body = !tool.body.isEmpty();
   const double slack = std::max(tool.cut.slack(), tool.body.slack());
+  const float aside = static_cast<float>(2 * (slack + 0.2 * h));
   int tested = 0;
-  float px[kGather], py[kGather], pz[kGather], phi[kGather], cut[kGather], body[kGather];
+  float px[kGather], py[kGather], pz[kGather], now[kGather], cut[kGather], body[kGather];
   for (std::size_t b = 0; b < near.size(); ++b) {
     CutObject::Slot& slot = object.slot(near.slot(b));
     if (slot.shell_count == 0 || object.odometer < slot.sleeps_until_contact || near.leastAny(b) >= -slot.least)
       continue;
+    if (b + 1 < near.size()) fetchShell(object.slot(near.slot(b + 1)));
     const BrickToTool map(to_tool, T_object_tool.translation, slot.brick, h);
     const Vec3d corner = h * 8 * slot.brick.cast<double>() - T_object_tool.translation;
-    const bool body_is_near = has_body && near.leastBody(b) < -slot.least;
+    const bool body_may_touch = has_body && near.leastBody(b) < -slot.least;
     // Until the first of its nodes touches: a body that was not looked at is known by its bound.
-    float room = has_body && !body_is_near ? near.leastBody(b) + slot.least : ToolField::kFar;
+    float room = has_body && !body_may_touch ? near.leastBody(b) + slot.least : ToolField::kFar;
     bool touches = false;
     for (int begin = 0; begin < slot.shell_count; begin += kGather) {
       const ShellChunk& chunk = *slot.chunks[static_cast<std::size_t>(begin / kGather)];
       const int count = std::min(kGather, slot.shell_count - begin), padded = (count + 7) / 8 * 8;
-      placeShell(map.base, map.along, chunk.offset.data(), slot.phi, padded, px, py, pz, phi);
+      placeShell(map.base, map.along, chunk.offset.data(), padded, px, py, pz);
+      const float* phi = chunk.phi.data();
+      if (slot.is_dirty) {  // cut since, and no room was left to repair it
+        valuesAt(slot.phi, chunk.offset.data(), padded, now);
+        phi = now;
+      }
       tool.cut.distances(px, py, pz, cut, padded);
+      // Where what cuts is nearer than the body can be, there and a look further inwards, the body says nothing.
+      const bool body_is_near = body_may_touch && largestOf(cut, padded) > near.leastBody(b) - aside;
       if (body_is_near) tool.body.distances(px, py, pz, body, padded);
       tested += count;
-      for (int n = 0; n < count; ++n) {
+      for (std::uint64_t bits = touchingNodes(cut, body_is_near ? body : nullptr, phi, count, room); bits != 0;
+           bits &= bits - 1) {
+        const int n = std::countr_zero(bits);
         const float nearest = body_is_near ? std::min(cut[n], body[n]) : cut[n];
         const float gap = nearest + phi[n];
-        room = std::min(room, gap);
-        if (gap >= 0) continue;
         const auto at = static_cast<std::size_t>(n);
         const Vec3f w(chunk.x[at], chunk.y[at], chunk.z[at]);
         const float area = w.norm();

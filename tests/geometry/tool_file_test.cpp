@@ -153,6 +153,7 @@ TEST(ToolFile, BadFilesAreRefusedWithLineAndKey) {
   };
   const std::string saw =
       kHead + "kind = \"blade\"\nmotion = \"reciprocating\"\nthickness = 0.4\nwidth = 5\nlength = 25\nstroke = 3\n";
+  const std::string round = kBur + "shape = \"round\"\nhead_diameter = 1.4\n";
   const Case cases[] = {
       {"format = 3 4", "line 1", ""},
       {"", "key format", "missing"},
@@ -248,6 +249,26 @@ TEST(ToolFile, BadFilesAreRefusedWithLineAndKey) {
        "line 8, key width", "sweeps"},
       {saw + "tooth_pitch = 1.41\nedge_depth = 6\n", "line 12, key edge_depth", "at most"},
       {saw + "tooth_pitch = 1.41\nset = 0.02\n", "line 12, key set", "unknown"},
+      {round + "drive = 200000\n", "line 8, key drive", "[drive] on a line of its own"},
+      {round + "[drive]\nrpm = 200000\n", "line 9, key drive.rpm", "Try: speed_rpm, in rpm"},
+      {round + "[drive]\nspeed_krpm = 200\n", "line 9, key drive.speed_krpm", "Try: speed_rpm, in rpm"},
+      {round + "[drive]\nspeed_rpm = \"fast\"\n", "line 9, key drive.speed_rpm", "1 to 1000000 rpm"},
+      {round + "[drive]\nspeed_rpm = 0\n", "line 9, key drive.speed_rpm", "1 to 1000000 rpm"},
+      {round + "[drive]\nspeed_rpm = nan\n", "line 9, key drive.speed_rpm", "1 to 1000000 rpm"},
+      {round + "[drive]\ncycles_per_min = 9800\n", "line 9, key drive.cycles_per_min", "Try: speed_rpm"},
+      {round + "[drive]\nfrequency_hz = 100\n", "line 9, key drive.frequency_hz", "60 times the frequency in Hz"},
+      {round + "[drive]\nstall_torque_Ncm = 1\n", "line 9, key drive.stall_torque_Ncm", "10 times as many"},
+      {round + "[drive]\nstall_force_N = 1\n", "line 9, key drive.stall_force_N", "Try: stall_torque_Nmm, in N mm"},
+      {round + "[drive]\nstall_torque_Nmm = 1e6\n", "line 9, key drive.stall_torque_Nmm", "100000 N mm"},
+      {round + "[drive]\ntime_constant_ms = 50\n", "line 9, key drive.time_constant_ms", "in seconds"},
+      {round + "[drive]\ntime_constant_s = 0\n", "line 9, key drive.time_constant_s", "0.001 to 10 s"},
+      {round + "[drive]\nenergy_factor = 0\n", "line 9, key drive.energy_factor", "0.01 to 100"},
+      {round + "[drive]\ndrag_factor = -1\n", "line 9, key drive.drag_factor", "0.01 to 100"},
+      {round + "[drive]\nhead_diameter = 2\n", "line 9, key drive.head_diameter", "unknown"},
+      {saw + "tooth_pitch = 1.41\n[drive]\nspeed_rpm = 9800\n", "line 13, key drive.speed_rpm", "Try: cycles_per_min"},
+      {saw + "tooth_pitch = 1.41\n[drive]\nstroke_mm = 3\n", "line 13, key drive.stroke_mm", "above [drive]"},
+      {saw + "tooth_pitch = 1.41\n[drive]\ncycles_per_min = 5\n", "line 13, key drive.cycles_per_min",
+       "10 to 100000 cycles/min"},
   };
   for (const Case& c : cases) {
     const TemporaryFile file("a.toml", c.text);

@@ -3,11 +3,13 @@
 
 #include <hwy/targets.h>
 #include <cmath>
+#include <cstring>
 #include <functional>
 #include <random>
 #include <vector>
 
 #include "sim/internal/relax_brick.h"
+#include "sim/internal/shell_nodes.h"
 #include "sim/internal/sum_touching.h"
 
 namespace kerf::internal {
@@ -144,6 +146,121 @@ TEST(SumTouching, IsTheSumOfItsFormulas) {
       });
     }
   }
+}
+
+// The formula of a shell's node, one after the other.
+int plainShell(const BrickNeighborhood& bricks, const std::uint8_t* materials, float e, float scale, ShellChunk* out) {
+  int count = 0;
+  for (int n = 0; n < kBrickNodes; ++n) {
+    if (!(std::abs(bricks.self[n]) < e)) continue;
+    const float u = bricks.self[n] / e, fade = 1 - u * u, weight = scale * fade * fade;
+    ShellChunk& chunk = out[count / ShellChunk::kNodes];
+    const auto at = static_cast<std::size_t>(count++ % ShellChunk::kNodes);
+    float* const area[3] = {&chunk.x[at], &chunk.y[at], &chunk.z[at]};
+    for (int axis = 0, stride = 64; axis < 3; ++axis, stride /= 8) {
+      const int place = n / stride & 7;
+      const float below = place > 0 ? bricks.self[n - stride] : bricks.face[2 * axis][n + 7 * stride];
+      const float above = place < 7 ? bricks.self[n + stride] : bricks.face[2 * axis + 1][n - 7 * stride];
+      *area[axis] = weight * (above - below);
+    }
+    chunk.phi[at] = bricks.self[n];
+    chunk.offset[at] = static_cast<std::uint16_t>(n), chunk.material[at] = materials[n];
+  }
+  return count;
+}
+
+TEST(ShellNodes, AreThoseOfTheFormulaToTheBit) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> u(-1, 1);
+  // From none to all of the nodes: 0, 1, a chunk, a chunk and one, and whatever comes.
+  for (const int wanted : {0, 1, 8, 64, 65, 200, 512}) {
+    std::vector<std::vector<float>> bricks(7, std::vector<float>(512));
+    for (auto& brick : bricks)
+      for (float& value : brick) value = 0.15f * u(random);
+    std::vector<std::uint8_t> materials(512);
+    for (auto& m : materials) m = static_cast<std::uint8_t>(random());
+    for (std::size_t n = 0; n < 512; ++n) {
+      // A stride that is prime to 512 spreads the nodes over all rows and borders.
+      const std::size_t at = n * 77 % 512;
+      bricks[0][at] = static_cast<int>(n) < wanted ? 0.0749f * u(random) : (n % 2 ? 0.075f : -0.2f);
+    }
+    BrickNeighborhood around{bricks[0].data(), {}};
+    for (std::size_t f = 0; f < 6; ++f) around.face[f] = bricks[f + 1].data();
+    std::vector<ShellChunk> expected(kShellChunks), out(kShellChunks);
+    const int count = plainShell(around, materials.data(), 0.075f, 0.03f, expected.data());
+    ASSERT_EQ(count, wanted);
+    onEveryTarget([&] {
+      std::memset(static_cast<void*>(out.data()), 0xff, out.size() * sizeof(ShellChunk));
+      ASSERT_EQ(shellNodes(around, materials.data(), 0.075f, 0.03f, out.data()), count);
+      for (std::size_t n = 0; n < static_cast<std::size_t>((count + 63) / 64 * 64); ++n) {
+        const ShellChunk &a = out[n / 64], &b = expected[n / 64];
+        const bool is_node = static_cast<int>(n) < count;
+        ASSERT_EQ(a.x[n % 64], is_node ? b.x[n % 64] : 0) << n;
+        ASSERT_EQ(a.y[n % 64], is_node ? b.y[n % 64] : 0) << n;
+        ASSERT_EQ(a.z[n % 64], is_node ? b.z[n % 64] : 0) << n;
+        ASSERT_EQ(a.phi[n % 64], is_node ? b.phi[n % 64] : a.phi[0]) << n;
+        ASSERT_EQ(a.offset[n % 64], is_node ? b.offset[n % 64] : a.offset[0]) << n;
+        ASSERT_EQ(a.material[n % 64], is_node ? b.material[n % 64] : 0) << n;
+      }
+    });
+  }
+}
+
+TEST(TouchingNodes, AreThoseInsideTheToolAndRoomIsToTheNearest) {
+  std::mt19937 random(17);
+  std::uniform_real_distribution<float> u(-1, 1);
+  for (const int count : {1, 7, 8, 33, 64})
+    for (const bool has_body : {false, true}) {
+      std::vector<float> cut(64), body(64), phi(64);
+      for (std::size_t n = 0; n < 64; ++n) cut[n] = 0.8f + u(random), body[n] = 0.9f + u(random), phi[n] = u(random);
+      std::uint64_t expected = 0;
+      float least = 0.5f;
+      for (std::size_t n = 0; n < static_cast<std::size_t>(count); ++n) {
+        const float gap = (has_body ? std::min(cut[n], body[n]) : cut[n]) + phi[n];
+        expected |= std::uint64_t{gap < 0} << n;
+        least = std::min(least, gap);
+      }
+      onEveryTarget([&] {
+        float room = 0.5f;
+        EXPECT_EQ(touchingNodes(cut.data(), has_body ? body.data() : nullptr, phi.data(), count, room), expected);
+        EXPECT_EQ(room, least);
+        EXPECT_EQ(largestOf(cut.data(), 64), *std::max_element(cut.begin(), cut.end()));
+      });
+    }
+}
+
+TEST(DifferingNodes, AreThoseWhoseValuesDiffer) {
+  std::mt19937 random(11);
+  std::vector<float> a(512, 0.1f);
+  for (const int changes : {0, 1, 3, 40, 512}) {
+    std::vector<float> b = a;
+    for (int n = 0; n < changes; ++n) b[changes == 512 ? static_cast<std::size_t>(n) : random() % 512] = 0.2f;
+    onEveryTarget([&] {
+      const NodeBits bits = differingNodes(a.data(), b.data());
+      for (std::size_t n = 0; n < 512; ++n) ASSERT_EQ(bits[n / 64] >> n % 64 & 1, a[n] != b[n]) << n;
+    });
+  }
+}
+
+TEST(VolumeLost, IsTheDifferenceOfTheInsideParts) {
+  std::mt19937 random(13);
+  std::uniform_real_distribution<float> u(-0.1f, 0.1f);
+  std::vector<float> before(512), after(512);
+  for (std::size_t n = 0; n < 512; ++n) before[n] = u(random), after[n] = n / 8 % 3 == 0 ? u(random) : before[n];
+  std::vector<double> first;
+  onEveryTarget([&] {
+    std::vector<double> lost(512, -7);
+    volumeLost(before.data(), after.data(), differingNodes(before.data(), after.data()), 0.075, 1e-4, lost.data());
+    for (std::size_t n = 0; n < 512; ++n) {
+      if (n / 8 % 3 != 0) {
+        ASSERT_EQ(lost[n], -7);  // its row is left alone
+        continue;
+      }
+      ASSERT_NEAR(lost[n], 1e-4 * (insidePart(before[n], 0.075) - insidePart(after[n], 0.075)), 1e-18) << n;
+    }
+    if (first.empty()) first = lost;
+    EXPECT_EQ(lost, first);
+  });
 }
 
 }  // namespace

@@ -12,7 +12,7 @@
 #include "geometry/brick_field.h"
 #include "geometry/error.h"
 #include "geometry/progress.h"
-#include "geometry/tool.h"
+#include "geometry/tool_file.h"
 #include "preprocess/demo_anatomy.h"
 
 namespace kerf::cli {
@@ -43,7 +43,7 @@ struct Result {
   double peak_gb = 0;  // most memory of the whole program; 0: not measured
   std::vector<Measured> measured{};
   std::vector<std::string> notes{};  // sentences, such as what the system refused
-  bool is_table = false;  // every name is "COLUMN: ROW"
+  bool is_table = false;             // every name is "COLUMN: ROW"
 
   double percentile(double p) const {
     std::vector<double> sorted = ms;
@@ -73,13 +73,17 @@ class Scratch {
 };
 
 // Of bench_tick.cpp, for the other scenes too.
-/// A tool by its name.
-Expected<Tool> toolOfRack(const std::string& id);
 /// The case a demo makes.
 Expected<std::filesystem::path> bakedDemo(const DemoAnatomy& anatomy, double voxel, const Scratch& scratch,
                                           const Progress& progress);
 /// The highest tissue on a vertical line, mm; NaN: none.
 double topAt(const BrickField& phi, double x, double y, const Box3& box);
+inline auto cancelled() { return fail({Error::Code::kCancelled, "", "", "cancelled", "", ""}); }
+
+inline Expected<Tool> toolOfRack(const std::string& id) {
+  KERF_TRY(file, findToolFile(id, defaultToolFolders()));
+  return readTool(file);
+}
 
 // Scenes of the 1 kHz step, times: bench_tick.cpp.
 Expected<Result> benchPoints(const Progress& progress);
@@ -92,8 +96,12 @@ Expected<Result> benchRealtime(double seconds, const Scratch& scratch, const Pro
 Expected<Result> benchInvariance(const Progress& progress);
 Expected<Result> benchForces(const Progress& progress);
 Expected<Result> benchSaw(const Progress& progress);
+// Passing thin walls, falling apart, giving energy away: sources of their own.
+Expected<Result> benchTunnelling(const Progress& progress);
+Expected<Result> benchPieces(const Progress& progress);
 Expected<Result> benchPassivity(const Progress& progress);
 // The responses to contact side by side: bench_response.cpp.
 Expected<Result> benchResponse(const Progress& progress);
+Expected<Result> benchPassivityLarge(const Progress& progress);
 
 }  // namespace kerf::cli

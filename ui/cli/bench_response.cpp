@@ -14,8 +14,6 @@ namespace {
 constexpr double kVoxel = 0.05, kRadius = 0.5, kSpeed = 840;  // mm, mm, mm/s
 constexpr double kFriction = 0.5, kEnergy = 1000;             // -, N/mm^2
 
-auto cancelled() { return fail({Error::Code::kCancelled, "", "", "cancelled", "", ""}); }
-
 struct Way {
   const char* name;
   Response response;

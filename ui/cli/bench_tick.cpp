@@ -3,7 +3,6 @@
 
 #include <cmath>
 
-#include "geometry/tool_file.h"
 #include "preprocess/bake.h"
 #include "preprocess/demo_anatomy.h"
 #include "sim/load_scene.h"
@@ -16,8 +15,6 @@ namespace kerf::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-auto cancelled() { return fail({Error::Code::kCancelled, "", "", "cancelled", "", ""}); }
 
 void addPercentiles(Result& r, double goal_p999) {
   r.measured.push_back({"p50", r.percentile(0.5), "ms", 0, false});
@@ -86,11 +83,6 @@ Expected<void> timeTicks(const Model& model, State& state, VirtualHand& hand, Re
 }
 
 }  // namespace
-
-Expected<Tool> toolOfRack(const std::string& id) {
-  KERF_TRY(file, findToolFile(id, defaultToolFolders()));
-  return readTool(file);
-}
 
 Expected<fs::path> bakedDemo(const DemoAnatomy& anatomy, double voxel, const Scratch& scratch,
                              const Progress& progress) {

@@ -15,6 +15,7 @@
 #include "geometry/tool_template.h"
 #include "geometry/vdb_io.h"
 #include "sim/tool_check.h"
+#include "sim/tool_model.h"
 #include "ui/cli/command.h"
 
 namespace kerf::cli {
@@ -83,15 +84,27 @@ int list(const Arguments& a) {
   return all_read ? kOk : kFailed;
 }
 
+nlohmann::json withDrive(const Tool& tool) {
+  nlohmann::json j = nlohmann::json::parse(toJson(tool));
+  const ToolDrive drive = driveOf(tool);
+  const bool is_stroke = motionOf(tool) == ToolMotion::kStroke;
+  j["drive"] = {{is_stroke ? "mean_speed_mm_per_s" : "mean_speed_rad_per_s", drive.speed},
+                {is_stroke ? "stall_force_N" : "stall_torque_Nmm", drive.stall_load},
+                {"time_constant_s", drive.time_constant},
+                {"energy_factor", drive.energy_factor},
+                {"drag_factor", drive.drag_factor}};
+  return j;
+}
+
 int info(const Arguments& a) {
   const auto file = findToolFile(a.tool, defaultToolFolders());
   if (!file) return complain(file.error());
   const auto tool = readTool(*file);
   if (!tool) return complain(tool.error());
   if (a.json)
-    printJson(nlohmann::json::parse(toJson(*tool)));
+    printJson(withDrive(*tool));
   else
-    fmt::print("{}\n", describe(*tool));
+    fmt::print("{}\n  drive: {}\n", describe(*tool), describeDrive(*tool));
   return kOk;
 }
 
@@ -243,7 +256,7 @@ void addTool(CLI::App& app, int& exit_code) {
   l->add_flag("--json", a->json, "as JSON on standard output");
   l->callback([a, &exit_code] { exit_code = list(*a); });
 
-  CLI::App* i = c->add_subcommand("info", "A tool's numbers, and what its ISO 6360 code says");
+  CLI::App* i = c->add_subcommand("info", "A tool's numbers, its drive, and what its ISO 6360 code says");
   i->footer("Example: kerf tool info 856-016");
   i->add_option("ID|FILE", a->tool, "tool id or TOML file")->required();
   i->add_flag("--json", a->json, "as JSON on standard output");
