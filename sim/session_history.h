@@ -15,7 +15,7 @@ namespace kerf {
 class SessionHistory {
  public:
   /// @param objects  those of the session, as they are now: what undo leads back to at last.
-  explicit SessionHistory(const std::vector<CutObject>& objects);
+  explicit SessionHistory(std::vector<CutObject>& objects);
 
   /// Something was written or moved since the last mark. @rt
   bool hasChanges(const std::vector<CutObject>& objects) const noexcept;
