@@ -114,7 +114,7 @@ class CutObject {
   LinkedList<BrickVersion> endStroke() noexcept;
   /// Every brick of a stroke as it was before (or, with `is_undo` false, after) it. Hash and sleep follow, shells with
   /// the next repair(); the ledger is the caller's to put back. @pre what was written since to those bricks was taken
-  /// back. No allocation.  @cost 1 us a brick.
+  /// back. No allocation.  @cost 4 us a brick.
   void swapStroke(const LinkedList<BrickVersion>& stroke, bool is_undo) noexcept;
   /// A record to fill in; null: room first. @rt
   StrokeRecord* takeRecord() noexcept { return free_records_.isEmpty() ? nullptr : free_records_.popFront(); }

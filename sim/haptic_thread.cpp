@@ -58,7 +58,8 @@ struct HapticThread::State {
     for (std::size_t n = 0; n < object_count; ++n) {
       CutObject& object = session.object(n);
       room_sizes.push_back(roomFor(object));
-      if (object.freeBricks() < room_sizes[n] && !object.reserve(room_sizes[n])) throw std::bad_alloc();
+      const std::size_t free = object.freeBricks();
+      if (free < room_sizes[n] && !object.reserve(room_sizes[n] - free)) throw std::bad_alloc();
     }
     report.output.T_world_tool = session.state().body.pose;
   }

@@ -15,9 +15,12 @@ SessionHistory::Tracked SessionHistory::track(const CutObject& object) {
   return {object.T_world_object, {object.removed_mm3, object.added_mm3}};
 }
 
-SessionHistory::SessionHistory(const std::vector<CutObject>& objects) {
+SessionHistory::SessionHistory(std::vector<CutObject>& objects) {
   steps_.reserve(kMostSteps);
-  for (const CutObject& object : objects) now_.push_back(track(object));
+  for (CutObject& object : objects) {
+    static_cast<void>(object.endStroke());  // what was written before this is not to be taken back
+    now_.push_back(track(object));
+  }
 }
 
 bool SessionHistory::hasChanges(const std::vector<CutObject>& objects) const noexcept {

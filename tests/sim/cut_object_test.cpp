@@ -215,6 +215,20 @@ TEST(CutObject, PreparingTheHashIsBoundedAndLeavesWhatStillChanges) {
   EXPECT_EQ(object.hashNow(), object.stateHash());
 }
 
+TEST(SessionHistory, BeginsWithTheObjectsAsTheyAre) {
+  Digger digger;
+  digger.dig(0, 0);
+  SessionHistory history(digger.state.objects);
+  EXPECT_FALSE(history.hasChanges(digger.state.objects));
+  const std::uint64_t begun = digger.object().stateHash();
+  digger.dig(0.3, 0);
+  EXPECT_TRUE(history.hasChanges(digger.state.objects));
+  history.mark(digger.state.objects);
+  EXPECT_TRUE(history.undo(digger.state.objects));
+  EXPECT_EQ(digger.object().stateHash(), begun);
+  EXPECT_FALSE(history.undo(digger.state.objects));
+}
+
 TEST(SessionHistory, MarkingUndoAndRedoNeitherAllocateNorFree) {
   Digger digger;
   CutObject& object = digger.object();
