@@ -473,5 +473,48 @@ TEST(DataWalk, ABlockOfAMandibleIsSawnAgainstResistance) {
              s.mean_contact_force, s.peak_contact_force, s.pieces);
 }
 
+// From behind the last molar down to the angle, right through: the ramus comes off.
+TEST(DataWalk, AWholeMandibleIsSawnThroughAtTheAngle) {
+  const fs::path jaw = dataFolder() / "mandible-with-teeth-closed.obj";
+  if (!fs::exists(jaw)) GTEST_SKIP() << "no data at " << dataFolder();
+  TemporaryFolder scratch;
+  BakeOptions options;
+  options.voxelize.voxel_mm = 0.2;
+  const auto baked = bake({jaw}, scratch.path() / "jaw.case", options);
+  ASSERT_TRUE(baked) << baked.error().message();
+  const fs::path path = scratch.path() / "angle.toml";
+  std::ofstream(path) << "format = \"kerf-path\"\nversion = 1\nframe = \"object\"\nfeed = 6.0\n[start]\n"
+                         "position = [19.5, -7, 54]\naxis = [1, 0, 0]\nedge = [0, -0.5, 0.8660254]\n[[stroke]]\n"
+                         "kind = \"line\"\nby = [6, 23, -39.837169]\n";
+  const auto tool = findToolFile("saw-reciprocating-25", defaultToolFolders());
+  ASSERT_TRUE(tool);
+  const auto cut = cutCaseByHand(scratch.path() / "jaw.case", *tool, path, scratch.path() / "jaw.run", {});
+  ASSERT_TRUE(cut) << cut.error().message();
+  const HapticSummary& s = cut->summary;
+  EXPECT_TRUE(s.is_complete);
+  EXPECT_EQ(s.pieces, 2u);
+  EXPECT_NEAR(s.removed_mm3 + s.remaining_mm3, s.initial_mm3, 1e-6 * s.initial_mm3);
+  const auto again = replayRun(scratch.path() / "jaw.run");
+  ASSERT_TRUE(again) << again.error().message();
+  EXPECT_TRUE(again->is_same);
+  const auto exported = exportBundle(scratch.path() / "jaw.run");
+  ASSERT_TRUE(exported) << exported.error().message();
+  const PostOpMesh& result = exported->post_op;
+  EXPECT_EQ(result.report.pieces, 2u);
+  EXPECT_NEAR(result.report.removed_volume_mm3, s.removed_mm3, 0.05 * s.removed_mm3);
+  // Both are large: a jaw, and a ramus.
+  const Pieces pieces = edgeConnectedPieces(result.mesh);
+  std::vector<double> volume(pieces.count, 0);
+  for (std::size_t t = 0; t < result.mesh.triangles.size(); ++t)
+    volume[pieces.label[t]] +=
+        result.mesh.corner(t, 0).dot(result.mesh.corner(t, 1).cross(result.mesh.corner(t, 2))) / 6;
+  std::sort(volume.begin(), volume.end());
+  ASSERT_EQ(volume.size(), 2u);
+  EXPECT_GT(volume[0], 4000);
+  EXPECT_GT(volume[1], 5 * volume[0] / 2);
+  fmt::print("  mandible: {:.1f} mm3 gone in {:.1f} s, {:.1f} N mean, pieces of {:.0f} and {:.0f} mm3\n", s.removed_mm3,
+             s.seconds, s.mean_contact_force, volume[1], volume[0]);
+}
+
 }  // namespace
 }  // namespace kerf
