@@ -12,7 +12,7 @@ namespace kerf {
 namespace {
 
 // What the bricks of the object hold: nodes of the wanted piece, of others, or both; and what lies around.
-enum Holds : unsigned char { kOwn = 1, kForeign = 2, kStored = 4, kNearOwn = 8, kNearForeign = 16 };
+enum Holds : unsigned char { kOwn = 1, kForeign = 2, kStored = 4, kNearOwn = 8 };
 
 constexpr int kPad = 1;  // a node's neighbours
 
@@ -145,8 +145,6 @@ PieceBricks bricksOfPiece(const PieceFinder& pieces, std::uint32_t id) {
   }
   for (const PieceFinder::InsideBrick& b : inside) {
     const std::ptrdiff_t at = cellOf(b.brick);
-    if (cell(at) & kForeign)
-      for (const std::ptrdiff_t step : around) cell(at + step) |= kNearForeign;
     if (!(cell(at) & kOwn)) continue;
     if (!(cell(at) & kStored)) {
       out.interior.push_back(b.brick);
@@ -169,7 +167,10 @@ PieceBricks bricksOfPiece(const PieceFinder& pieces, std::uint32_t id) {
         const unsigned char what = cell(cellOf(c));
         if (!(what & kNearOwn) || (!(what & kStored) && (what & (kOwn | kForeign)) != kForeign)) continue;
         out.bricks.push_back(c);
-        if (!(what & kNearForeign) || !pieces.hasOthersWithin(c, reach, id)) continue;
+        const std::ptrdiff_t at = cellOf(c);
+        const bool is_near_foreign =
+            std::any_of(around.begin(), around.end(), [&](std::ptrdiff_t step) { return cell(at + step) & kForeign; });
+        if (!is_near_foreign || !pieces.hasOthersWithin(c, reach, id)) continue;
         BrickEdit& edit = out.changed.emplace_back();
         edit.brick = c;
         if (const BrickValues* values = field.valuesAt(c))
