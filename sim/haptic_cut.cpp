@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "geometry/atomic_file.h"
 #include "geometry/hash.h"
@@ -13,10 +15,12 @@
 #include "geometry/vdb_io.h"
 #include "geometry/version.h"
 #include "sim/internal/run_files.h"
+#include "sim/internal/wave_file.h"
 #include "sim/load_scene.h"
 #include "sim/monitor.h"
 #include "sim/pieces.h"
 #include "sim/replay.h"
+#include "sim/vibration.h"
 
 namespace kerf {
 namespace {
@@ -24,6 +28,8 @@ namespace {
 namespace fs = std::filesystem;
 constexpr const char* kForces = "forces.csv";
 constexpr const char* kSummary = "summary.json";
+constexpr const char* kSound = "sound.wav";
+constexpr std::uint32_t kSoundRate = 48'000;
 constexpr std::uint64_t kSnapshotTicks = 10'000;  // between two snapshots in the log, at least
 
 Expected<void> checkOptions(const HapticCutOptions& o) {
@@ -163,6 +169,10 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
   for (const Monitor::Structure& structure : monitor.structures()) csv << "," << structure.id << "_mm";
   csv << "\n";
   const std::unique_ptr<VirtualHand> hand = makeHand(path, options);
+  std::optional<internal::WaveFile> sound;
+  if (options.with_sound) sound.emplace(staging.staging() / kSound, kSoundRate);
+  Vibration vibration(vibrationSource(tool, session.model().tools[0].drive), kSoundRate);
+  std::array<float, kSoundRate / 1000> heard;
   StepOutput tick;
   tick.T_world_tool = session.state().body.pose;
   DeviceSample sample;
@@ -187,6 +197,10 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
     sample.pedal *= options.spindle;
     session.tick(sample, tick);
     monitor.tick(sample, tick, object.T_world_object);
+    if (sound) {
+      vibration.render({tick.speed, std::min(1.0, tick.cutting_load / kFirmLoad), tick.material}, heard);
+      sound->add(heard);
+    }
     ++sum.ticks;
     sum.removed_mm3 += tick.removed_mm3, sum.added_mm3 += tick.added_mm3;
     sum.work += tick.power * kTick;
@@ -218,6 +232,7 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
   session.finish();
   KERF_CHECK(sink.close());
   csv.close();
+  if (sound) KERF_CHECK(sound->close());
   const BrickField changed = object.changedField();
   if (changed.isEmpty()) {
     const Vec3d &low = in_case.box.min, &high = in_case.box.max;

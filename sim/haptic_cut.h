@@ -25,6 +25,7 @@ struct HapticCutOptions {
   StepSettings step;        ///< `rendering` is set by the hand: rigid for kFeed (penalty only), coupled for the others
   double spindle = 1;       ///< 0 to 1 of the tool's nominal speed
   double time_limit = 600;  ///< s of simulated time
+  bool with_sound = false;  ///< writes sound.wav, too: what the tool is heard to do
   std::string add;          ///< id of a material: the tool adds it where it goes, instead of cutting; empty: it cuts
 };
 
@@ -63,7 +64,7 @@ struct HapticCut {
 };
 
 /// Writes the run: run.toml, run.vdb (grid phi), forces.csv (one row a tick: docs/formats.md), summary.json,
-/// session.kerflog (what kerf replay reads). Same
+/// session.kerflog (what kerf replay reads), sound.wav if asked for (48 kHz, 1 MB in 11 s). Same
 /// inputs, same bytes (but for the identifier inside run.vdb).
 /// Errors: as cutCase; kEmpty when nothing was cut; kBadValue for options out of range; kNotFound for a material of
 /// the case that the table of materials no longer has.

@@ -1,4 +1,5 @@
 // The program kerf from mesh to print, as a user runs it: what comes out, what it says, and that it is the same twice.
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -88,6 +89,22 @@ TEST_F(Cli, ACutAgainstResistanceIsRecordedAndReplaysBitForBit) {
     EXPECT_EQ(runKerf({"export", at(run), "-o", at(std::string(run) + ".stl")}).exit_code, 0);
     EXPECT_EQ(runKerf({"check", at(std::string(run) + ".stl")}).exit_code, 0);
   }
+  const json late = parsed(runKerf({"replay", at("feed.run"), "--from", "1e9", "--json"}));
+  EXPECT_TRUE(late["is_same"].get<bool>());
+  EXPECT_EQ(late["state_hash"], feed["state_hash"]);
+  // As long as the run, of a height that is heard, and the same again.
+  cut("loud.run", {"feed", "--sound"});
+  const std::string sound = bytesOf(at("loud.run/sound.wav"));
+  ASSERT_EQ(sound.size(), 44 + 2 * 48 * feed["ticks"].get<std::size_t>());
+  EXPECT_EQ(sound.substr(0, 4) + sound.substr(8, 8), "RIFFWAVEfmt ");
+  double square = 0;
+  for (std::size_t n = 44; n < sound.size(); n += 2) {
+    const auto value =
+        static_cast<std::int16_t>(static_cast<unsigned char>(sound[n]) | static_cast<unsigned char>(sound[n + 1]) << 8);
+    square += value / 32768.0 * value / 32768.0;
+  }
+  EXPECT_GT(std::sqrt(square / (48.0 * feed["ticks"].get<double>())), 0.02);
+  EXPECT_FALSE(std::filesystem::exists(at("feed.run/sound.wav")));
   const json half = parsed(runKerf({"replay", at("feed.run"), "--until", "8", "--json"}));
   EXPECT_EQ(half["ticks"], 8000);
   EXPECT_LT(half["removed_mm3"].get<double>(), removed);

@@ -173,6 +173,7 @@ void addCut(CLI::App& app, int& exit_code) {
   by_hand->add_option("--spindle", a->haptic.spindle, "speed, 0 to 1 of the tool's nominal one")->capture_default_str();
   by_hand->add_option("--add", a->haptic.add,
                       "id of a material, such as composite: the tool adds it where it goes, instead of cutting");
+  by_hand->add_flag("--sound", a->haptic.with_sound, "write sound.wav, too: what the tool is heard to do");
   by_hand->add_option("--time-limit", a->haptic.time_limit, "simulated s")->capture_default_str();
   by_hand->add_option("--coupling", a->haptic.step.coupling.stiffness, "stiffness of the virtual coupling, N/mm")
       ->capture_default_str();
