@@ -19,7 +19,7 @@ struct PostOpOptions {
 
 struct PostOpReport {
   double source_volume_mm3 = 0, result_volume_mm3 = 0;
-  double removed_volume_mm3 = 0;              ///< source - result, of the meshes as written (float32)
+  double removed_volume_mm3 = 0;              ///< source - result as written (float32); with an added solid before rounding
   double added_volume_mm3 = 0;                ///< result - what the cut left; both count rounding, if any, as added
   std::size_t source_vertices_kept = 0;       ///< bit for bit
   std::size_t source_vertices_removed = 0;    ///< inside the cut, or covered by what was added

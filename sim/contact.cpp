@@ -373,7 +373,7 @@ FillResult fill(CutObject& object, const ContactInput& in, Material material) no
         if (!changes) continue;
         if (s < 0) s = object.addAir(brick);
         if (s < 0) {
-          result.room_ran_out = true;
+          result.is_clipped = true;
           continue;
         }
         CutObject::Slot& slot = object.slot(s);

@@ -105,7 +105,7 @@ struct FillResult {
   double added_mm3 = 0;
   int bricks = 0;
   bool room_ran_out = false;
-  bool is_clipped = false;  ///< part of the tool is farther out than kAirAround: nothing was added there
+  bool is_clipped = false;  ///< nothing was added to air farther out than kAirAround, or beyond kMostAdded bricks of it
 };
 /// Adds material where the cutting part of the tool is: phi = min(phi, tau). Nodes that were outside and to which the
 /// added surface is now the nearest become `material`. Updates the ledger; shells are repaired by CutObject::repair.

@@ -103,17 +103,21 @@ CutObject CutObject::piece(const CutObject& whole, const PieceBricks& bricks) {
     out.piece_key_ += (coordKey(brick) + 1) * 0x9e3779b97f4a7c15ull;
   }
   if (!out.reserve(own + own / 2 + 64)) throw std::bad_alloc();
+  std::vector<char> had_own;
+  for (const Slot& slot : out.slots_) had_own.push_back(slot.own != nullptr);
   std::vector<int> rebuild;
   for (int s = 0; s < out.slotCount(); ++s) {
     Slot& slot = out.slot(s);
     const BrickValues* changed = values_of[static_cast<std::size_t>(s)];
     // New shells where values or those of a neighbour are other than baked, or a neighbour is no longer there.
-    bool is_new = changed || slot.owns_shell;
+    bool is_new = changed || slot.own || slot.owns_shell;
     for (int face = 0; face < 6 && !is_new; ++face) {
       Vec3i next = slot.brick;
       next[face / 2] += face & 1 ? 1 : -1;
       const int here = out.find(next);
-      is_new = here < 0 ? whole.find(next) >= 0 : values_of[static_cast<std::size_t>(here)] != nullptr;
+      is_new = here < 0
+                   ? whole.find(next) >= 0
+                   : values_of[static_cast<std::size_t>(here)] != nullptr || had_own[static_cast<std::size_t>(here)];
     }
     if (is_new) rebuild.push_back(s);
     if (!changed && !slot.own) continue;

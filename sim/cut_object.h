@@ -39,7 +39,7 @@ class CutObject {
     bool is_hash_stale;
   };
 
-  /// Room for changes, in bricks. 16384 of them are some 100 MB.
+  /// Room for changes, in bricks. 16384 of them are some 140 MB.
   explicit CutObject(std::shared_ptr<const BakedObject> baked, std::size_t bricks = 16384);
 
   /// One piece of an object as an object of its own, with its pose; what was not cut is shared with the whole. Its
@@ -57,8 +57,6 @@ class CutObject {
   void take(std::unique_ptr<Room> room) noexcept;
   /// More bricks that can change without reserve(): values and shells, of neighbours too. @rt
   std::size_t freeBricks() const noexcept;
-  /// Bricks there may ever be, added ones too: no stroke changes more. @rt
-  std::size_t mostBricks() const noexcept { return most_slots_; }
 
   /// Slots it began with; those after them were air.
   int firstSlotCount() const { return static_cast<int>(most_slots_) - kMostAdded; }

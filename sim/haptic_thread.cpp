@@ -57,7 +57,7 @@ struct HapticThread::State {
         offers(std::make_unique<std::atomic<Room*>[]>(object_count)) {
     for (std::size_t n = 0; n < object_count; ++n) {
       CutObject& object = session.object(n);
-      room_sizes.push_back(roomFor(object));
+      room_sizes.push_back(Session::roomFor(object));
       const std::size_t free = object.freeBricks();
       if (free < room_sizes[n] && !object.reserve(room_sizes[n] - free)) throw std::bad_alloc();
     }
@@ -79,9 +79,6 @@ struct HapticThread::State {
   void publishTimes() noexcept;
 
   void keepRoom();  // the keeper's thread
-
-  // An object needs room for no more bricks than it may have, in every stroke.
-  static std::size_t roomFor(const CutObject& object) noexcept { return std::min(Session::kRoom, object.mostBricks()); }
 
   const HapticOptions options;
   const std::size_t object_count;
@@ -125,7 +122,7 @@ bool HapticThread::State::takeRoom() noexcept {
       object.take(std::unique_ptr<Room>(offers[n].exchange(nullptr, std::memory_order_acq_rel)));
       ++report.counts.rooms_taken;
     }
-    is_enough &= object.freeBricks() >= wanted / 4 && object.freeRecords() > 1;  // undo ends a stroke, too
+    is_enough &= object.freeBricks() >= wanted / 2 && object.freeRecords() > 1;  // undo ends a stroke, too
   }
   return is_enough;
 }
@@ -283,7 +280,8 @@ Expected<void> HapticThread::start(DeviceSource& device, std::span<BrickFeed* co
   State& s = *state_;
   if (feeds.size() > s.object_count)
     return fail({Error::Code::kBadValue, "", "starting the haptic thread", fmt::format("{} feeds", feeds.size()),
-                 fmt::format("at most one for each of {} objects", s.object_count), ""});
+                 fmt::format("at most one for each of {} objects", s.object_count),
+                 "pass one feed an object, or none"});
   if (s.haptic.joinable() || s.is_stopping)
     return fail({Error::Code::kBadValue, "", "starting the haptic thread", "a second start", "one", "make another"});
   s.device = &device;

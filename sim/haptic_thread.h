@@ -3,7 +3,7 @@
 //   device ──sample──▶ ┌────────┐ ──bricks──▶ BrickFeed ──▶ MesherThread
 //   device ◀──force─── │ haptic │ ──samples, commands, checks──▶ SessionRecorder
 //   send() ──queue───▶ │ thread │ ──newest report──▶ report(), times()
-//          keeper ───▶ └────────┘   room for bricks, made by a helper thread before it is needed
+//          keeper ───▶ └────────┘   room for bricks, made by the keeper's thread before it is needed
 //
 // A tick neither allocates nor locks, makes no system call but the sleep between ticks, and throws nothing; what does
 // not fit is dropped or deferred, and counted.
@@ -47,7 +47,8 @@ struct HapticCounts {
   std::uint64_t commands_done = 0, commands_refused = 0;
   std::uint64_t edits_pushed = 0;  ///< into all feeds
   std::uint64_t records_lost = 0;  ///< the recorder did not take them: the log has a gap, and ends to be a replay there
-  std::uint64_t out_of_room = 0;   ///< ticks with kStepBricksRanOut or kStepNearRanOut: the same for a replay
+  std::uint64_t out_of_room = 0;   ///< ticks with kStepBricksRanOut or kStepNearRanOut. More than Session::roomFor / 2
+                                   ///< bricks in one tick: a replay may differ
   std::uint64_t rooms_taken = 0;   ///< of Session::kRoom bricks at most
 };
 

@@ -80,6 +80,7 @@ Expected<Replay> replayFrom(const SessionLog& log, const std::string& file, cons
   else if (!log.is_closed)
     out.note = "the log was cut off between two records: its session did not end cleanly";
   StepOutput tick;
+  std::uint64_t lacked_room = 0;
   const auto require = [&](bool is_same, std::uint64_t at) {
     ++out.checks;
     if (!is_same && out.is_same) out.is_same = false, out.differs_at = at;
@@ -117,6 +118,7 @@ Expected<Replay> replayFrom(const SessionLog& log, const std::string& file, cons
       return fail({Error::Code::kCancelled, "", "", "cancelled", "", ""});
     KERF_CHECK(handle(n));
     session.tick(log.samples[n].sample, tick);
+    lacked_room += (tick.status & (kStepBricksRanOut | kStepNearRanOut)) != 0;
     ++out.ticks;
   }
   const std::size_t done = first_sample + out.ticks;
@@ -125,8 +127,10 @@ Expected<Replay> replayFrom(const SessionLog& log, const std::string& file, cons
   else  // stopped on the way: what was recorded right there can still be compared
     for (; event < log.events.size() && log.events[event].samples_before <= done; ++event)
       if (const auto* check = std::get_if<StateCheck>(&log.events[event].what)) compare(*check, log.events[event].tick);
-  if (out.checks == 0)
-    out.is_same = false, out.note += out.note.empty() ? "nothing to compare with" : "; nothing to compare with";
+  const auto note = [&out](const std::string& more) { out.note += (out.note.empty() ? "" : "; ") + more; };
+  if (lacked_room > 0)
+    note(fmt::format("{} ticks lacked room: they may have cut less than those recorded", lacked_room));
+  if (out.checks == 0) out.is_same = false, note("nothing to compare with in these ticks: choose more of them");
   out.state_hash = fmt::format("{:016x}", session.hash());
   for (const CutObject& object : session.state().objects)
     for (const double volume : object.removed_mm3) out.removed_mm3 += volume;

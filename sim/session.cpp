@@ -57,6 +57,7 @@ bool parse(std::string_view text, std::span<double> out) {
 // Follows one object. Of an object as loaded it reads the baked field, of a piece a copy of its own.
 struct Session::Watch {
   BrickField base;
+  PieceOptions options;
   std::unique_ptr<PieceFinder> finder;
   std::vector<BrickEdit> edits;
 };
@@ -101,9 +102,10 @@ bool Session::apply(std::string_view command) {
 // Without memory shells stay as they are until there is some: the step says kStepBricksRanOut.
 void Session::makeRoom() {
   for (CutObject& object : state_.objects)
-    if (object.freeBricks() < kRoom / 2 || object.freeRecords() < 4) object.reserve(kRoom);
-  for (bool has_room = true; has_room && !repair();)
-    for (CutObject& object : state_.objects) has_room &= object.reserve(kRoom);
+    if (object.freeBricks() < roomFor(object) / 2 || object.freeRecords() < 4) object.reserve(roomFor(object));
+  for (CutObject& object : state_.objects)
+    while (object.dirtyCount() > 0 && !object.repair())
+      if (!object.reserve(roomFor(object))) break;
 }
 
 bool Session::repair() noexcept {
@@ -170,8 +172,12 @@ bool Session::applyWithin(std::string_view command) {
       }
     }
   } else if (verb == "pieces.split") {
-    if (const auto object = number(rest, state_.objects.size())) is_done = split(*object);
+    const auto object = number(word(), state_.objects.size());
+    double crumb = PieceOptions{}.crumb_mm3;
+    if (object && (rest.empty() || (parse(rest, std::span(&crumb, 1)) && crumb >= 0))) is_done = split(*object, crumb);
   }
+  // What it went to may be gone: better nothing than something else.
+  if (is_done && state_.adds_to >= state_.objects.size()) state_.adds = Material::kNone, state_.adds_to = 0;
   // Material may have appeared around the tool: a hand must not be struck.
   if (is_done && (command == "undo" || command == "redo" || command == "add off" || verb == "object.move"))
     state_.ramp = 0;
@@ -184,7 +190,7 @@ void Session::splitWhenApart(int every_ticks, const PieceOptions& options) {
   watches_.clear();
 }
 
-PieceFinder& Session::finderOf(std::size_t index) {
+PieceFinder& Session::finderOf(std::size_t index, double crumb_mm3) {
   CutObject& object = state_.objects[index];
   if (watches_.size() <= index) watches_.resize(index + 1);
   std::unique_ptr<Watch>& watch = watches_[index];
@@ -193,14 +199,15 @@ PieceFinder& Session::finderOf(std::size_t index) {
     edit.brick = slot.brick;
     std::copy_n(slot.phi, kBrickNodes, edit.phi.begin());
   };
-  if (!watch) {
+  if (!watch || watch->options.crumb_mm3 != crumb_mm3) {
     watch = std::make_unique<Watch>();
+    watch->options.crumb_mm3 = crumb_mm3;
     object.watchDirty([](const CutObject::Slot&) {});
     if (object.isPiece()) {
       watch->base = object.field();
-      watch->finder = std::make_unique<PieceFinder>(watch->base, piece_options_);
+      watch->finder = std::make_unique<PieceFinder>(watch->base, watch->options);
     } else {
-      watch->finder = std::make_unique<PieceFinder>(object.baked().phi0(), piece_options_);
+      watch->finder = std::make_unique<PieceFinder>(object.baked().phi0(), watch->options);
       for (int s = 0; s < object.slotCount(); ++s)
         if (object.slot(s).own) collect(object.slot(s));
     }
@@ -212,15 +219,19 @@ PieceFinder& Session::finderOf(std::size_t index) {
   return *watch->finder;
 }
 
-bool Session::split(std::size_t index) {
-  PieceFinder& finder = finderOf(index);
+bool Session::split(std::size_t index, double crumb_mm3) {
+  // A piece takes its shells over: they must be those of its values.
+  CutObject& whole = state_.objects[index];
+  while (whole.dirtyCount() > 0 && !whole.repair())
+    if (!whole.reserve(roomFor(whole))) return false;
+  PieceFinder& finder = finderOf(index, crumb_mm3);
   const PieceList list = finder.find();
   if (list.pieces.empty() || list.pieces.size() + list.crumbs.size() == 1) return false;
   if (state_.objects.size() + list.pieces.size() - 1 > kMostObjects) return false;
   // Each on its own, on as many cores as there are: neither reads what the other makes.
   std::vector<std::optional<CutObject>> made(list.pieces.size());
   tbb::parallel_for(std::size_t{0}, made.size(), [&](std::size_t n) {
-    made[n].emplace(CutObject::piece(state_.objects[index], bricksOfPiece(finder, list.pieces[n].id)));
+    made[n].emplace(CutObject::piece(whole, bricksOfPiece(finder, list.pieces[n].id)));
   });
   std::vector<CutObject> parts;
   for (std::optional<CutObject>& part : made) parts.push_back(std::move(*part));
@@ -293,16 +304,22 @@ void Session::tick(const DeviceSample& sample, StepOutput& output) {
     sink_->snapshot(snapshot(), tick - 1);
   advance(sample, output);
   for (CutObject& object : state_.objects)
-    if (object.freeBricks() < kRoom / 2 || object.freeRecords() < 4) object.reserve(kRoom);
+    if (object.freeBricks() < roomFor(object) / 2 || object.freeRecords() < 4) object.reserve(roomFor(object));
   // What is being added may not hang together yet.
   if (split_every_ > 0 && state_.adds == Material::kNone && output.bricks_cut > 0 && ++ticks_cut_ >= split_every_) {
     ticks_cut_ = 0;
     for (std::size_t n = state_.objects.size(); n-- > 0;) {
       // Without a change there is nothing new to find.
       if (n < watches_.size() && watches_[n] && !state_.objects[n].isWatchDirty()) continue;
-      const PieceList& list = finderOf(n).find();
-      if (list.pieces.size() + list.crumbs.size() > 1) apply(fmt::format("pieces.split {}", n));
+      const PieceList& list = finderOf(n, piece_options_.crumb_mm3).find();
+      if (list.pieces.size() + list.crumbs.size() > 1)
+        apply(fmt::format("pieces.split {} {}", n, piece_options_.crumb_mm3));
     }
+  }
+  // Nobody waits here: a check that a long cut keeps putting off is paid for.
+  if (is_check_due_ && sink_ && state_.tick % kCheckEvery == kCheckEvery / 2) {
+    sink_->check({state_.hashNow(), state_.last_force}, tick);
+    is_check_due_ = false;
   }
   checkState(tick);
 }
@@ -316,6 +333,7 @@ void Session::finish() noexcept {
 SessionHeader describe(const Session& session) {
   SessionHeader out;
   StepSettings settings = session.model().settings;
+  if (settings.rendering == Rendering::kRigid) settings.response = Response::kPenalty;  // it has no effect there
   visitNumbers(settings, [&](const char* name, double& value) { out.emplace_back(name, fmt::format("{}", value)); });
   const Rigid3& start = session.state().body.pose;
   const Eigen::Quaterniond& q = start.rotation;

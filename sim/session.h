@@ -4,6 +4,7 @@
 // session again, bit for bit.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <span>
 #include <string>
@@ -45,8 +46,8 @@ class Session {
   ///   latch.clear          after a fault of the device
   ///   add M N, add off     the pedal puts material number M on object N, instead of cutting
   ///   object.move N x y z qw qx qy qz   pose of object N in the world, mm; undone with the stroke before it
-  ///   pieces.split N       if object N is in pieces: each becomes an object of its own, the largest stays N, the
-  ///                        others come last, by size; crumbs are dropped and counted. See splitWhenApart().
+  ///   pieces.split N [V]   if object N is in pieces: each becomes an object of its own, the largest stays N, the
+  ///                        others come last, by size; crumbs, smaller than V mm^3 (0.1), are dropped and counted
   /// False, and nothing is changed or written down: no such command, or there is nothing to do it to.
   bool apply(std::string_view command);
   /// One tick. A stroke begins when the pedal goes down and ends when it comes up. Makes room for the tick after it:
@@ -90,9 +91,14 @@ class Session {
   const Model& model() const { return model_; }
   const State& state() const { return state_; }
   std::uint64_t hash() const { return state_.hash(); }
-  /// Ticks between two state checks in the log. One comes later when too many bricks changed right before it.
+  /// Ticks between two state checks in the log. In step() one waits until few enough bricks changed right before it,
+  /// if need be to the end of the cut; in tick() for half as long again at most.
   static constexpr std::uint64_t kCheckEvery = 1000;
-  /// Bricks an object has room for at the start, and then at a time.
+  /// Bricks an object is given room for at a time: kRoom, less for a small one. Every tick begins with half of it at
+  /// least, live and replayed: what finds room in one finds it in the other.
+  static std::size_t roomFor(const CutObject& object) noexcept {
+    return std::min(kRoom, static_cast<std::size_t>(object.slotCount()) + 1024);
+  }
   static constexpr std::size_t kRoom = 4096;
 
  private:
@@ -102,8 +108,8 @@ class Session {
   void checkState(std::uint64_t tick) noexcept;
   void endStroke() noexcept;
   void markAll() noexcept;
-  bool split(std::size_t index);
-  PieceFinder& finderOf(std::size_t index);
+  bool split(std::size_t index, double crumb_mm3);
+  PieceFinder& finderOf(std::size_t index, double crumb_mm3);
 
   Model model_;
   State state_;

@@ -54,7 +54,7 @@ void SessionHistory::mark(std::vector<CutObject>& objects) noexcept {
   assert(objects.size() == now_.size());
   Step& step = addStep(objects);
   step.joins_last = joins_next_;
-  joins_next_ = false;
+  joins_next_ = false, is_open_ = true;
   for (std::size_t n = 0; n < objects.size(); ++n) {
     CutObject& object = objects[n];
     Tracked& known = now_[n];
@@ -72,8 +72,8 @@ void SessionHistory::mark(std::vector<CutObject>& objects) noexcept {
 }
 
 void SessionHistory::split(std::vector<CutObject>& objects, std::size_t index, std::vector<CutObject> parts) {
-  assert(!parts.empty() && !joins_next_);
-  const bool joins_last = done_ > 0;
+  assert(!parts.empty());
+  const bool joins_last = done_ > 0 && is_open_;
   Step& step = addStep(objects);
   step.joins_last = joins_last;
   step.split = std::make_unique<Split>();
@@ -84,7 +84,7 @@ void SessionHistory::split(std::vector<CutObject>& objects, std::size_t index, s
   }
   swapSplit(objects, *step.split, false);
   // What the stroke that cut through goes on to cut is still the same stroke.
-  joins_next_ = true;
+  joins_next_ = is_open_ = true;
 }
 
 void SessionHistory::swapSplit(std::vector<CutObject>& objects, Split& split, bool is_undo) {

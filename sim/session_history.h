@@ -23,10 +23,11 @@ class SessionHistory {
   /// @pre every object has a free record; without one its part of the stroke stays for the next mark.
   void mark(std::vector<CutObject>& objects) noexcept;
   /// Puts `parts` in the place of objects[index]: the first there, the others at the end. A step of its own, undone
-  /// together with the one marked before it. @pre everything is marked; objects has the capacity.
+  /// together with the one marked before it, unless close() lies between. @pre everything is marked; objects has the
+  /// capacity.
   void split(std::vector<CutObject>& objects, std::size_t index, std::vector<CutObject> parts);
   /// What follows is a stroke of its own. (What is cut after a split and before this belongs to the stroke before.)
-  void close() noexcept { joins_next_ = false; }
+  void close() noexcept { joins_next_ = is_open_ = false; }
   /// Takes back the last stroke. False: there is none. Shells follow with the objects' next repair(), which may need
   /// more room than there is. No allocation, if nothing was split. @pre everything is marked.
   /// @cost 4 us a brick; repair() takes 3 to 5 us a brick more.
@@ -69,6 +70,7 @@ class SessionHistory {
   std::vector<Step> steps_;
   std::size_t done_ = 0;  // of them, not taken back
   bool joins_next_ = false;
+  bool is_open_ = false;  // something was marked since close()
 };
 
 }  // namespace kerf

@@ -20,7 +20,8 @@ using LoadedObjects = std::vector<std::shared_ptr<const BakedObject>>;
 std::vector<std::byte> packState(const State& state, const LoadedObjects& loaded);
 
 /// A state as it was, at rest in every way that does not show: tools, objects, pieces, forces go on bit for bit. What
-/// could be undone is not in it. Lengths are claims: nothing is allocated that the bytes do not cover.
+/// could be undone is not in it. Lengths are claims: no list is made longer than the bytes that follow. Each of the (at
+/// most kMostObjects) objects is as large as the loaded one it is of, as in the session that was packed.
 /// @param file  named in errors. Errors: bytes of another version, cut short, or that fit other objects.
 Expected<State> unpackState(std::span<const std::byte> bytes, const LoadedObjects& loaded, const std::string& file);
 

@@ -89,7 +89,7 @@ enum StepStatus : std::uint32_t {
   kStepTooFast = 4,        ///< the hand is faster than most_substeps follow; the tool lags, nothing was jumped over
   kStepBadSample = 8,      ///< no usable sample: force is zero from now on, see State::clearLatch
   kStepForceClamped = 16,  ///< the hand got less than the coupling wanted
-  kStepFillClipped = 32  ///< the tool was farther than kAirAround from where the object is stored: nothing added there
+  kStepFillClipped = 32    ///< something was not added: farther than kAirAround, or after CutObject::kMostAdded bricks
 };
 
 struct StepOutput {

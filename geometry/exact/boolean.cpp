@@ -150,8 +150,12 @@ Expected<Difference> combine(const Mesh& minuend, const Mesh& other, Operation o
     }
     return result;
   } catch (const PMP::Corefinement::Self_intersection_exception&) {
-    return fail({Error::Code::kGeometry, "", name, "a surface that crosses itself where the cut passes",
-                 "a source free of self-intersections", "kerf check on the source; bake with --close wrap"});
+    return fail({Error::Code::kGeometry, "", name,
+                 is_union ? "a surface that crosses itself where material was added"
+                          : "a surface that crosses itself where the cut passes",
+                 "a source free of self-intersections",
+                 is_union ? "bake with another --voxel, or cut and add in runs of their own"
+                          : "kerf check on the source; bake with --close wrap"});
   } catch (const std::exception& e) {
     return fail({Error::Code::kGeometry, "", name, std::string("the boolean gave up: ") + e.what(), "",
                  "bake with another --voxel and cut again"});

@@ -80,7 +80,7 @@ TEST(SessionPieces, EverythingInsideIsInExactlyOnePieceOrCrumb) {
   const BrickField all = objects[0].field();
   PieceFinder finder(all);
   const SolidMeasure whole = finder.find().whole;
-  ASSERT_TRUE(session.apply("pieces.split 0"));
+  ASSERT_TRUE(session.apply("pieces.split 0 0.4"));
   ASSERT_EQ(objects.size(), 2u);
   EXPECT_GE(session.crumbs().count, 1u);
   SolidMeasure parts = session.crumbs().measure;
@@ -152,6 +152,63 @@ TEST(SessionPieces, UndoOfTheStrokeThatSeveredMakesItWholeAgain) {
   EXPECT_EQ(sum(objects), severed);
 }
 
+TEST(SessionPieces, TwoObjectsComeApartInOneTickAndUndoMakesBothWhole) {
+  const auto block = test::block({2, 2, 1}, 0.1);
+  Session session(ball(), {block, block}, at(0, -1.8, -1.15));
+  ASSERT_TRUE(session.apply("object.move 1 0 2.1 0 1 0 0 0"));  // one behind the other
+  session.splitWhenApart(1 << 30);
+  sever(session, 0, -1.8, 3.9);
+  ASSERT_TRUE(session.apply("pieces.split 1"));
+  ASSERT_TRUE(session.apply("pieces.split 0"));
+  const std::vector<CutObject>& objects = session.state().objects;
+  ASSERT_EQ(objects.size(), 4u);
+  const std::uint64_t hash = session.hash();
+  // Material for one that is not there any more is material for none.
+  ASSERT_TRUE(session.apply("add 11 3"));
+  ASSERT_TRUE(session.apply("undo"));
+  EXPECT_EQ(objects.size(), 2u);
+  EXPECT_EQ(session.state().adds, Material::kNone);
+  for (const CutObject& object : objects) EXPECT_EQ(object.changedField().brickCount(), 0u);
+  ASSERT_TRUE(session.apply("redo"));
+  EXPECT_EQ(session.hash(), hash);
+}
+
+// Between two strokes nothing is open: what was apart already is split by a step of its own.
+TEST(SessionPieces, ASplitAfterAStrokeHasEndedIsUndoneAlone) {
+  Session session(ball(), {bar()}, at(-0.7, -1.8, -1.15));
+  sever(session, -0.7);
+  static_cast<void>(session.snapshot());
+  const std::uint64_t severed = session.state().objects[0].stateHash();
+  ASSERT_TRUE(session.apply("pieces.split 0"));
+  ASSERT_EQ(session.state().objects.size(), 2u);
+  ASSERT_TRUE(session.apply("undo"));
+  ASSERT_EQ(session.state().objects.size(), 1u);
+  EXPECT_EQ(session.state().objects[0].stateHash(), severed);
+}
+
+TEST(SessionPieces, APieceOfAnObjectWhoseShellsWaitForRoomHasItsOwn) {
+  const Model model = ball();
+  State state;
+  state.objects.emplace_back(bar(), 512);
+  CutObject& object = state.objects[0];
+  StepOutput out;
+  for (int n = 0; n <= 720; ++n) step(model, state, test::sampleAt(at(0, -1.8 + 3.6 * n / 720, -1.15)), out);
+  ASSERT_EQ(out.status & kStepBricksRanOut, 0u);
+  // Changed once more, and not repaired: as after a tick that ran out of room.
+  for (int s = 0; s < object.slotCount(); ++s)
+    if (!object.slot(s).own && object.slot(s).shell_count > 0 && object.freeBricks() > 0) {
+      float* const phi = object.write(s);
+      for (int n = 0; n < kBrickNodes; ++n) phi[n] += 0.01f;
+    }
+  ASSERT_GT(object.shellDefects(), 0u);
+  const BrickField field = object.field();
+  PieceFinder finder(field);
+  const PieceList& list = finder.find();
+  ASSERT_EQ(list.pieces.size(), 2u);
+  for (const Piece& piece : list.pieces)
+    EXPECT_EQ(CutObject::piece(object, bricksOfPiece(finder, piece.id)).shellDefects(), 0u);
+}
+
 TEST(SessionPieces, ReplayComesApartInTheSamePlaceBitForBit) {
   const TemporaryFile file("session.log", "");
   std::filesystem::remove(file.path());
@@ -160,13 +217,17 @@ TEST(SessionPieces, ReplayComesApartInTheSamePlaceBitForBit) {
   ASSERT_TRUE(writer) << writer.error().message();
   LogSink sink(*writer);
   Session session(ball(), {bar()}, at(-0.7, -1.8, -1.15), &sink);
-  session.splitWhenApart(7);
+  PieceOptions options;
+  options.crumb_mm3 = 0.4;  // in the log, too
+  session.splitWhenApart(7, options);
+  sever(session, 2.2);
+  ASSERT_EQ(session.crumbs().count, 1u);
   sever(session, -0.7);
   ASSERT_TRUE(session.apply("object.move 1 0 0.5 0.1 1 0 0 0"));
   sever(session, -2);
   ASSERT_TRUE(session.apply("undo"));
   ASSERT_TRUE(session.apply("add 11 0"));
-  sever(session, 1);
+  sever(session, 0.4);
   ASSERT_TRUE(session.apply("add off"));
   session.finish();
   ASSERT_TRUE(sink.close());

@@ -81,8 +81,10 @@ int runByHand(const Arguments& a, const std::filesystem::path& tool) {
       fmt::print("{}{} {:+.4f}", std::exchange(between, ", "), id, volume);
     fmt::print("\n");
     if (s.clipped > 0)
-      fmt::print("{} of {} ticks reached farther than {:g} mm from the object's box: nothing was added there\n",
-                 s.clipped, s.ticks, kAirAround);
+      fmt::print(
+          "{} of {} ticks reached farther than {:g} mm from the object's box, or more air than fits: nothing was added "
+          "there\n",
+          s.clipped, s.ticks, kAirAround);
   }
   fmt::print("removed {:.4f} mm3", s.removed_mm3);
   const char* separator = ": ";

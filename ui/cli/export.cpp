@@ -58,9 +58,10 @@ int run(const Arguments& a) {
   } else {
     fmt::print("removed {:.4f} mm3 of {:.4f} mm3; {}\n", r.removed_volume_mm3, r.source_volume_mm3, pieces);
     if (r.added_volume_mm3 != 0) fmt::print("added {:.4f} mm3\n", r.added_volume_mm3);
-    fmt::print("vertices of the solid: {} kept bit for bit, {} inside the cut; {} of {} triangles are cut faces\n",
-               r.source_vertices_kept, r.source_vertices_removed, r.cut_triangles,
-               result->post_op.mesh.triangles.size());
+    fmt::print("vertices of the solid: {} kept bit for bit, {} inside {}; {} of {} triangles are {}\n",
+               r.source_vertices_kept, r.source_vertices_removed,
+               r.added_volume_mm3 != 0 ? "what was cut or added" : "the cut", r.cut_triangles,
+               result->post_op.mesh.triangles.size(), r.added_volume_mm3 != 0 ? "new" : "cut faces");
   }
   if (w.vertices)
     fmt::print(

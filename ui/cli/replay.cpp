@@ -17,6 +17,9 @@ struct Arguments {
 };
 
 int run(const Arguments& a) {
+  if (!(a.from >= 0) || !(a.until > a.from))
+    return complain({Error::Code::kBadValue, "", "--from, --until", fmt::format("{} s, {} s", a.from, a.until),
+                     "--from 0 or later and --until after it", "leave one of them out"});
   const auto again = [&] {
     TerminalProgress progress;
     return replayRun(a.run, progress.callback(), a.until, a.from);
@@ -27,7 +30,7 @@ int run(const Arguments& a) {
         {"ticks", again->ticks},     {"checks", again->checks},         {"commands", again->commands},
         {"is_same", again->is_same}, {"state_hash", again->state_hash}, {"removed_mm3", again->removed_mm3},
         {"note", again->note},       {"snapshots", again->snapshots},   {"first_tick", again->first_tick}};
-    if (!again->is_same) j["differs_at_tick"] = again->differs_at;
+    if (!again->is_same && again->checks > 0) j["differs_at_tick"] = again->differs_at;
     printJson(j);
   } else {
     if (again->first_tick > 0)
@@ -37,7 +40,7 @@ int run(const Arguments& a) {
     if (!again->note.empty()) fmt::print("{}\n", again->note);
     if (again->is_same)
       fmt::print("the same bit for bit at all of {} checks of state and force\n", again->checks);
-    else
+    else if (again->checks > 0)
       fmt::print("DIFFERS: the first of {} checks that does not hold is that of tick {}\n", again->checks,
                  again->differs_at);
   }
