@@ -19,9 +19,9 @@ struct PostOpOptions {
 
 struct PostOpReport {
   double source_volume_mm3 = 0, result_volume_mm3 = 0;
-  double removed_volume_mm3 = 0;              ///< source - result as written (float32); with an added solid before rounding
-  double added_volume_mm3 = 0;                ///< result - what the cut left; both count rounding, if any, as added
-  std::size_t source_vertices_kept = 0;       ///< bit for bit
+  double removed_volume_mm3 = 0;         ///< source - result as written (float32); with an added solid before rounding
+  double added_volume_mm3 = 0;           ///< result - what the cut left; both count rounding, if any, as added
+  std::size_t source_vertices_kept = 0;  ///< bit for bit
   std::size_t source_vertices_removed = 0;    ///< inside the cut, or covered by what was added
   std::size_t source_vertices_in_crumbs = 0;  ///< outside the cut, lost with a dropped crumb
   std::size_t cut_triangles = 0;              ///< on cut walls, and of what was added
