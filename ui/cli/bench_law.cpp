@@ -110,6 +110,57 @@ Expected<void> measureAir(Result& r) {
   return {};
 }
 
+// A ball whose whole surface moves at one speed, pressed into dentin with eight forces: the rate of removal over the
+// normal load is a line through the origin whose slope is mu v / u_s.
+Expected<void> fitRemoval(Result& r, const Progress& progress) {
+  constexpr double kRadius = 0.8, kSpeed = 840;
+  Model model;
+  model.tools = {practiceBall(kRadius, kSpeed)};
+  KERF_TRY(materials, readDefaultMaterials());
+  KERF_TRY(tissues, tissueTable(materials));
+  model.tissues = tissues;
+  KERF_TRY(block, practiceBlock({4, 4, 4}, 0.05, {}, Material::kDentin));
+  double nn = 0, nr = 0, rr = 0, sum_n = 0, sum_r = 0;
+  int count = 0;
+  for (const double force : {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0}) {
+    if (!report(progress, 0.15, "removal over load")) return cancelled();
+    State state;
+    state.objects.emplace_back(block, 8192);
+    CutPath path;
+    path.poses = {{0, {Eigen::Quaterniond::Identity(), {0.01, 0.02, 0.02}}},
+                  {1, {Eigen::Quaterniond::Identity(), {0.01, 0.02, -3}}}};
+    path.cuts = {1};
+    ForceHand::Options push;
+    push.force = force;
+    ForceHand hand(path, model.settings.coupling, push);
+    state.place(poseAt(path, 0));
+    StepOutput tick;
+    DeviceSample sample;
+    double removed = 0, load = 0, seconds = 0;
+    while (hand.next(tick, sample)) {
+      step(model, state, sample, tick);
+      const double z = tick.T_world_tool.translation[2];
+      if (z > -1.2) continue;
+      if (z < -2.4) break;
+      removed += tick.removed_mm3, load += tick.normal_load * kTick, seconds += kTick;
+    }
+    if (seconds == 0)
+      return fail({Error::Code::kEmpty, "", r.scene, "the ball never got deep enough", "", "report this"});
+    const double n = load / seconds, rate = removed / seconds;
+    nn += n * n, nr += n * rate, rr += rate * rate, sum_n += n, sum_r += rate;
+    ++count;
+  }
+  const Tissue& dentin = model.tissues[static_cast<std::size_t>(Material::kDentin)];
+  const double slope = nr / nn;
+  const double law = static_cast<double>(dentin.friction * dentin.inverse_energy) * kSpeed;
+  // R^2 of the straight line with the best intercept: what it leaves unexplained.
+  const double m = count, sxx = nn - sum_n * sum_n / m, sxy = nr - sum_n * sum_r / m, syy = rr - sum_r * sum_r / m;
+  r.measured.push_back({"removal over normal load, 8 forces: slope", slope, "mm3/s per N", 0, false});
+  r.measured.push_back({"  against mu v / u_s", std::abs(percentOff(slope, law)), "%", 5});
+  r.measured.push_back({"  1 - R^2", 1 - sxy * sxy / (sxx * syy), "", 0.02});
+  return {};
+}
+
 }  // namespace
 
 Expected<Result> benchInvariance(const Progress& progress) {
@@ -243,6 +294,7 @@ Expected<Result> benchForces(const Progress& progress) {
   };
   ratio("enamel", "dentin");
   ratio("cortical", "cancellous");
+  if (const auto fitted = fitRemoval(r, progress); !fitted) return fail(fitted.error());
 
   // The saw: 3 feeds x 3 rates of strokes x 3 densities of bone, 10 mm wide (J Biomech Eng 2014;136:034501). The
   // reference is the law in closed form, cutting energy as the square of the density: N = u_s V' / (mu v), V' the
