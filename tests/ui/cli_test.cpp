@@ -92,6 +92,9 @@ TEST_F(Cli, ACutAgainstResistanceIsRecordedAndReplaysBitForBit) {
   const json late = parsed(runKerf({"replay", at("feed.run"), "--from", "1e9", "--json"}));
   EXPECT_TRUE(late["is_same"].get<bool>());
   EXPECT_EQ(late["state_hash"], feed["state_hash"]);
+  const Outcome early = runKerf({"replay", at("firm.run"), "--from", "0.5"});
+  EXPECT_NE(early.out.find("from the beginning"), early.out.npos) << early.out;
+  refuses({"replay", at("firm.run"), "--from", "3", "--until", "2"}, {"--from", "--until"}, 1);
   // As long as the run, of a height that is heard, and the same again.
   cut("loud.run", {"feed", "--sound"});
   const std::string sound = bytesOf(at("loud.run/sound.wav"));

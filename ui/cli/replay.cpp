@@ -35,6 +35,8 @@ int run(const Arguments& a) {
   } else {
     if (again->first_tick > 0)
       fmt::print("from the snapshot at {:.3f} s\n", static_cast<double>(again->first_tick) * kTick);
+    else if (a.from > 0)
+      fmt::print("from the beginning: no snapshot up to {:g} s that all of the rest can follow from\n", a.from);
     fmt::print("replayed {} ticks ({:.3f} s), {} commands; removed {:.4f} mm3; state {}\n", again->ticks,
                static_cast<double>(again->ticks) * kTick, again->commands, again->removed_mm3, again->state_hash);
     if (!again->note.empty()) fmt::print("{}\n", again->note);
