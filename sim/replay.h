@@ -17,6 +17,7 @@ class LogSink final : public SessionSink {
   void command(std::string_view text, std::uint64_t tick) noexcept override;
   void mark(StrokeMark mark, std::uint64_t tick) noexcept override;
   void check(const StateCheck& check, std::uint64_t tick) noexcept override;
+  /// One larger than kMaxSnapshotBytes is left out: a replay starts from an earlier one then.
   void snapshot(std::span<const std::byte> state, std::uint64_t tick) noexcept override;
   /// Writes what waits and the clean end. The first error of all.
   Expected<void> close();

@@ -95,7 +95,7 @@ class Session {
   /// if need be to the end of the cut; in tick() for half as long again at most.
   static constexpr std::uint64_t kCheckEvery = 1000;
   /// Bricks an object is given room for at a time: kRoom, less for a small one. Every tick begins with half of it at
-  /// least, live and replayed: what finds room in one finds it in the other.
+  /// least, live and replayed: what needs no more finds room in both.
   static std::size_t roomFor(const CutObject& object) noexcept {
     return std::min(kRoom, static_cast<std::size_t>(object.slotCount()) + 1024);
   }

@@ -110,6 +110,41 @@ Expected<void> measureAir(Result& r) {
   return {};
 }
 
+// A tool pressed straight down into a block with constant force: means over a stretch of depth.
+struct Plunge {
+  double rate = 0, load = 0;  // mm^3/s, N
+  std::vector<double> parts;  // removed in each 40 ms, mm^3
+};
+Expected<Plunge> plunge(const Model& model, std::shared_ptr<const BakedObject> block, double force, double from,
+                        double to) {
+  State state;
+  state.objects.emplace_back(std::move(block), 8192);
+  CutPath path;
+  path.poses = {{0, {Eigen::Quaterniond::Identity(), {0.01, 0.02, 0.05}}},
+                {1, {Eigen::Quaterniond::Identity(), {0.01, 0.02, -3}}}};
+  path.cuts = {1};
+  ForceHand::Options push;
+  push.force = force;
+  ForceHand hand(path, model.settings.coupling, push);
+  state.place(poseAt(path, 0));
+  StepOutput tick;
+  DeviceSample sample;
+  Plunge out;
+  double seconds = 0, part = 0;
+  for (int n = 0; hand.next(tick, sample);) {
+    step(model, state, sample, tick);
+    const double depth = -tick.T_world_tool.translation[2];
+    if (depth < from || depth > to) continue;
+    out.rate += tick.removed_mm3, out.load += tick.normal_load * kTick, seconds += kTick, part += tick.removed_mm3;
+    if (++n % 40 == 0) out.parts.push_back(part), part = 0;
+  }
+  if (seconds == 0)
+    return fail({Error::Code::kEmpty, "", "a plunge", fmt::format("never {} mm deep with {} N", from, force),
+                 "to get there", "report this"});
+  out.rate /= seconds, out.load /= seconds;
+  return out;
+}
+
 // A ball whose whole surface moves at one speed, pressed into dentin with eight forces: the rate of removal over the
 // normal load is a line through the origin whose slope is mu v / u_s.
 Expected<void> fitRemoval(Result& r, const Progress& progress) {
@@ -124,29 +159,8 @@ Expected<void> fitRemoval(Result& r, const Progress& progress) {
   int count = 0;
   for (const double force : {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0}) {
     if (!report(progress, 0.15, "removal over load")) return cancelled();
-    State state;
-    state.objects.emplace_back(block, 8192);
-    CutPath path;
-    path.poses = {{0, {Eigen::Quaterniond::Identity(), {0.01, 0.02, 0.02}}},
-                  {1, {Eigen::Quaterniond::Identity(), {0.01, 0.02, -3}}}};
-    path.cuts = {1};
-    ForceHand::Options push;
-    push.force = force;
-    ForceHand hand(path, model.settings.coupling, push);
-    state.place(poseAt(path, 0));
-    StepOutput tick;
-    DeviceSample sample;
-    double removed = 0, load = 0, seconds = 0;
-    while (hand.next(tick, sample)) {
-      step(model, state, sample, tick);
-      const double z = tick.T_world_tool.translation[2];
-      if (z > -1.2) continue;
-      if (z < -2.4) break;
-      removed += tick.removed_mm3, load += tick.normal_load * kTick, seconds += kTick;
-    }
-    if (seconds == 0)
-      return fail({Error::Code::kEmpty, "", r.scene, "the ball never got deep enough", "", "report this"});
-    const double n = load / seconds, rate = removed / seconds;
+    KERF_TRY(pressed, plunge(model, block, force, 1.2, 2.4));
+    const double n = pressed.load, rate = pressed.rate;
     nn += n * n, nr += n * rate, rr += rate * rate, sum_n += n, sum_r += rate;
     ++count;
   }
@@ -251,31 +265,9 @@ Expected<Result> benchForces(const Progress& progress) {
     if (!report(progress, 0.1, "constant force")) return cancelled();
     KERF_TRY(row, table.require(id));
     KERF_TRY(block, practiceBlock({3, 3, 4}, 0.1, {}, row.material));
-    State state;
-    state.objects.emplace_back(block, 4096);
-    CutPath path;
-    path.poses = {{0, {Eigen::Quaterniond::Identity(), {0.01, 0.02, 0.05}}},
-                  {1, {Eigen::Quaterniond::Identity(), {0.01, 0.02, -3}}}};
-    path.cuts = {1};
-    ForceHand::Options push;
-    push.force = force;
-    ForceHand hand(path, model.settings.coupling, push);
-    state.place(poseAt(path, 0));
-    StepOutput tick;
-    DeviceSample sample;
-    double removed = 0, seconds = 0;
-    std::vector<double> parts;
-    double part = 0;
-    int n = 0;
-    while (hand.next(tick, sample)) {
-      step(model, state, sample, tick);
-      const double z = tick.T_world_tool.translation[2];
-      if (z > -1.2 || z < -2.8) continue;
-      removed += tick.removed_mm3, seconds += kTick, part += tick.removed_mm3;
-      if (++n % 40 == 0) parts.push_back(part), part = 0;
-    }
-    if (seconds == 0) return fail({Error::Code::kEmpty, "", id, "the bur never got deep enough", "", "report this"});
-    rates[id] = removed / seconds / force;
+    KERF_TRY(pressed, plunge(model, block, force, 1.2, 2.8));
+    const std::vector<double>& parts = pressed.parts;
+    rates[id] = pressed.rate / force;
     r.measured.push_back({fmt::format("round 014 in {}", id), rates[id], "mm3/s per N", 0, false});
     if (parts.size() > 2) {
       const auto [low, high] = std::minmax_element(parts.begin(), parts.end());
