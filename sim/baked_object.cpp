@@ -82,7 +82,9 @@ Expected<std::shared_ptr<const BakedObject>> BakedObject::make(BrickField phi0, 
         {entries[s].brick,
          entries[s].stored < 0 ? out->inside_.data() : field.brick(static_cast<std::size_t>(entries[s].stored)).data(),
          mixed[s] < 0 ? out->uniform_[uniform[s]].get() : out->materials_[static_cast<std::size_t>(mixed[s])].data(), 0,
-         0, mixed[s] < 0});
+         0, mixed[s] < 0, 0});
+    Slot& slot = out->slots_.back();
+    slot.least = *std::min_element(slot.phi, slot.phi + kBrickNodes);
   }
   const double e = kShellHalfWidth * field.voxel(), cell = std::pow(field.voxel(), 3);
   std::vector<ShellChunk> chunks(kShellChunks);

@@ -53,6 +53,7 @@ class BakedObject {
     const std::uint8_t* materials;           ///< 512 numbers
     std::uint32_t shell_begin, shell_count;  ///< first chunk; nodes
     bool has_one_material;
+    float least;  ///< of the values
   };
 
   /// @param phi0  baked field.   @param materials  labels on the same grid, or null: all `fallback`.
@@ -65,6 +66,10 @@ class BakedObject {
   const std::vector<Slot>& slots() const { return slots_; }
   const std::vector<ShellChunk>& shell() const { return shell_; }
   const float* outsideBrick() const { return outside_.data(); }  ///< what stands for a brick that is not stored
+  /// What a brick of air would be.
+  Slot air(const Vec3i& brick) const {
+    return {brick, outside_.data(), fallbackMaterials(), 0, 0, true, phi0_.background()};
+  }
   Material fallback() const { return fallback_; }
   const std::uint8_t* fallbackMaterials() const { return uniform_[static_cast<std::size_t>(fallback_)].get(); }
 

@@ -4,6 +4,8 @@
 #include <new>
 #include <type_traits>
 
+#include "sim/internal/huge_pages.h"
+
 namespace kerf {
 
 static_assert(std::is_standard_layout_v<RoomChunk>, "a ShellChunk of a room is taken for the RoomChunk it begins");
@@ -13,10 +15,12 @@ std::unique_ptr<Room> Room::make(std::size_t bricks) noexcept {
   try {
     std::unique_ptr<Room> room(new Room);
     // Zeroed: so that every page is there before the thread that must not wait for one writes to it.
-    room->versions_ = std::make_unique<BrickVersion[]>(bricks);
-    room->chunks_ = std::make_unique<RoomChunk[]>(bricks * kChunksPerBrick);
+    internal::reserveLarge(room->versions_, bricks);
+    room->versions_.resize(bricks);
+    internal::reserveLarge(room->chunks_, bricks * kChunksPerBrick);
+    room->chunks_.resize(bricks * kChunksPerBrick);
     const std::size_t records = 4 + bricks / kBricksPerRecord;
-    room->records_ = std::make_unique<StrokeRecord[]>(records);
+    room->records_.resize(records);
     for (std::size_t n = records; n-- > 0;) room->free_records_.pushFront(&room->records_[n]);
     for (std::size_t n = bricks; n-- > 0;) room->free_versions_.pushFront(&room->versions_[n]);
     for (std::size_t n = bricks * kChunksPerBrick; n-- > 0;) room->free_chunks_.pushFront(&room->chunks_[n]);

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "sim/baked_object.h"
 
@@ -90,9 +91,9 @@ class Room {
   friend class CutObject;
   Room() = default;
   std::size_t bricks_ = 0;
-  std::unique_ptr<BrickVersion[]> versions_;
-  std::unique_ptr<RoomChunk[]> chunks_;
-  std::unique_ptr<StrokeRecord[]> records_;
+  std::vector<BrickVersion> versions_;
+  std::vector<RoomChunk> chunks_;
+  std::vector<StrokeRecord> records_;
   LinkedList<BrickVersion> free_versions_;
   LinkedList<RoomChunk> free_chunks_;
   LinkedList<StrokeRecord> free_records_;

@@ -261,13 +261,11 @@ void sumContact(CutObject& object, const NearBricks& near, const ContactInput& i
 CutResult erode(CutObject& object, const NearBricks& near, const ContactInput& in) noexcept {
   CutResult result;
   const ToolModel& tool = *in.tool;
-  if (tool.cut.isEmpty() || (!in.geometry_only && in.speed == 0)) return result;
-  const double h = object.voxel(), e = kShellHalfWidth * h, cell = h * h * h, slack = tool.cut.slack();
-  const auto half_width = static_cast<float>(e);
+  if (object.isHeld() || tool.cut.isEmpty() || (!in.geometry_only && in.speed == 0)) return result;
+  const double h = object.voxel(), slack = tool.cut.slack();
   const Eigen::Matrix3d to_tool = in.T_object_tool.rotation.toRotationMatrix().transpose();
   const Rates rates(in);
   float x[kBrickNodes], y[kBrickNodes], z[kBrickNodes], tau[kBrickNodes], rate[kBrickNodes], next[kBrickNodes];
-  double lost[kBrickNodes];
   internal::RelaxInput relax;
   relax.x = x, relax.y = y, relax.z = z, relax.tau = tau;
   relax.lever = leverForm(tool.motion), relax.geometry_only = in.geometry_only;
@@ -296,28 +294,10 @@ CutResult erode(CutObject& object, const NearBricks& near, const ContactInput& i
     }
     slot.sleeps_until_cut = -1;
     if (std::memcmp(next, slot.phi, sizeof next) == 0) continue;
-    const std::uint8_t faces = slot.changed_faces;
-    float* own = object.write(s);
-    if (!own) {
+    if (!object.carve(s, next, relaxed_to.least, result.removed_mm3)) {
       result.room_ran_out = true;
       break;
     }
-    const internal::NodeBits changed = internal::differingNodes(own, next);
-    slot.changed_faces = faces | CutObject::facesOf(changed);
-    internal::volumeLost(own, next, changed, e, cell, lost);
-    // One sum per material, node by node: the order is part of the result.
-    double one_material = object.removed_mm3[slot.materials[0]];
-    for (int word = 0; word < kBrickSide; ++word)
-      for (std::uint64_t bits = changed[static_cast<std::size_t>(word)]; bits != 0; bits &= bits - 1) {
-        const int n = 64 * word + std::countr_zero(bits);
-        if (own[n] >= half_width || next[n] <= -half_width) continue;
-        (slot.has_one_material ? one_material : object.removed_mm3[slot.materials[n]]) += lost[n];
-        result.removed_mm3 += lost[n];
-      }
-    if (slot.has_one_material) object.removed_mm3[slot.materials[0]] = one_material;
-    std::memcpy(own, next, sizeof next);
-    slot.least = relaxed_to.least;
-    slot.sleeps_until_contact = -1;
     ++result.bricks;
   }
   return result;
@@ -326,7 +306,7 @@ CutResult erode(CutObject& object, const NearBricks& near, const ContactInput& i
 FillResult fill(CutObject& object, const ContactInput& in, Material material) noexcept {
   FillResult result;
   const ToolField& tool = in.tool->cut;
-  if (tool.isEmpty()) return result;
+  if (object.isHeld() || tool.isEmpty()) return result;
   const double h = object.voxel(), e = kShellHalfWidth * h, cell = h * h * h;
   const float background = object.baked().phi0().background(), interior = object.baked().phi0().interior();
   const Rigid3& T = in.T_object_tool;

@@ -5,10 +5,14 @@
 #include <cassert>
 #include <cmath>
 #include <cstring>
+#include <mutex>
 #include <new>
+#include <span>
 #include <utility>
 
 #include "geometry/brick_hash.h"
+#include "sim/internal/for_each.h"
+#include "sim/internal/huge_pages.h"
 
 namespace kerf {
 namespace {
@@ -39,98 +43,239 @@ CutObject::CutObject(std::shared_ptr<const BakedObject> baked, std::size_t brick
     : CutObject(OfPiece{}, std::move(baked)) {
   directory_ = baked_->directory();
   reserveSlots(baked_->slots().size());
-  for (const BakedObject::Slot& from : baked_->slots()) {
-    Slot& s = slots_.emplace_back();
-    s.brick = from.brick, s.phi = s.baked = from.phi, s.own = nullptr, s.version = nullptr;
-    s.materials = s.baked_materials = from.materials, s.own_materials = nullptr;
-    s.chunks.fill(nullptr);
-    for (std::uint32_t n = 0; n * ShellChunk::kNodes < from.shell_count; ++n)
-      s.chunks[n] = baked_->shell().data() + from.shell_begin + n;
-    s.shell_count = static_cast<std::int16_t>(from.shell_count);
-    s.owns_shell = s.is_dirty = s.is_exported_dirty = s.is_watched_dirty = false;
-    s.changed_faces = 0;
-    s.has_one_material = from.has_one_material;
-    s.least = *std::min_element(s.phi, s.phi + kBrickNodes);
-    s.sleeps_until_contact = s.sleeps_until_cut = -1;
-    s.hash_term = 0, s.hash_round = 0, s.is_hash_stale = false;
-  }
+  for (const BakedObject::Slot& from : baked_->slots()) addLoaded(from);
+  brick_count_ = slots_.size();
   if (!reserve(std::min(bricks, slots_.size()))) throw std::bad_alloc();
+}
+
+void CutObject::addLoaded(const BakedObject::Slot& from) {
+  Slot& s = slots_.emplace_back();
+  s.brick = from.brick, s.phi = s.baked = from.phi, s.own = nullptr, s.version = nullptr;
+  s.materials = s.baked_materials = from.materials, s.own_materials = nullptr;
+  s.chunks.fill(nullptr);
+  for (std::uint32_t n = 0; n * ShellChunk::kNodes < from.shell_count; ++n)
+    s.chunks[n] = baked_->shell().data() + from.shell_begin + n;
+  s.shell_count = static_cast<std::int16_t>(from.shell_count);
+  s.owns_shell = s.is_dirty = s.is_exported_dirty = s.is_watched_dirty = s.is_touched = false;
+  s.changed_faces = 0;
+  s.has_one_material = from.has_one_material;
+  s.least = from.least;
+  s.sleeps_until_contact = s.sleeps_until_cut = -1;
+  s.hash_term = 0, s.hash_round = 0, s.is_hash_stale = false;
 }
 
 void CutObject::reserveSlots(std::size_t bricks) {
   most_slots_ = bricks + kMostAdded;
-  slots_.reserve(most_slots_);
+  internal::reserveLarge(slots_, most_slots_);
   dirty_.reserve(most_slots_), export_.reserve(most_slots_), watch_.reserve(most_slots_);
-  stale_.reserve(most_slots_);
+  stale_.reserve(most_slots_), touched_.reserve(most_slots_);
   to_repair_.reserve(most_slots_);
   repair_mark_.assign(most_slots_, 0);
 }
 
-CutObject CutObject::piece(const CutObject& whole, const PieceBricks& bricks) {
-  CutObject out(OfPiece{}, whole.baked_);
+CutObject CutObject::blank(std::shared_ptr<const BakedObject> baked, std::size_t bricks) {
+  CutObject out(OfPiece{}, std::move(baked));
   out.is_piece_ = true;
-  out.T_world_object = whole.T_world_object;
-  out.directory_.assign(whole.directory_.size(), -1);
-  out.reserveSlots(bricks.bricks.size() + bricks.interior.size());
-  // Both lists are in order of coordinate; so are the slots.
-  std::size_t b = 0, i = 0, next_changed = 0, own = 0;
-  std::vector<const BrickValues*> values_of;  // by slot: new ones; null: those of the whole
-  const auto isBefore = [](const Vec3i& p, const Vec3i& q) { return coordKey(p) < coordKey(q); };
-  std::vector<Vec3i> interior = bricks.interior;
-  std::sort(interior.begin(), interior.end(), isBefore);
-  while (b < bricks.bricks.size() || i < interior.size()) {
-    const bool from_interior =
-        b == bricks.bricks.size() || (i < interior.size() && isBefore(interior[i], bricks.bricks[b]));
-    const Vec3i& brick = from_interior ? interior[i++] : bricks.bricks[b++];
-    const BrickValues* changed = nullptr;
-    if (!from_interior && next_changed < bricks.changed.size() && bricks.changed[next_changed].brick == brick)
-      changed = &bricks.changed[next_changed++].phi;
-    const int from = whole.find(brick);
-    assert(from >= 0);
-    const Vec3i at = brick - out.baked_->directoryLow();
-    const Vec3i& size = out.baked_->directorySize();
-    out.directory_[static_cast<std::size_t>((at[0] * size[1] + at[1]) * size[2] + at[2])] =
-        static_cast<std::int32_t>(out.slots_.size());
-    Slot& slot = out.slots_.emplace_back(whole.slot(from));
-    slot.is_dirty = slot.is_exported_dirty = slot.is_watched_dirty = false;
-    slot.changed_faces = 0;
-    slot.sleeps_until_contact = slot.sleeps_until_cut = -1;
-    slot.hash_term = 0, slot.hash_round = 0, slot.is_hash_stale = false;
-    if (changed || slot.own)
-      values_of.push_back(changed), ++own;
-    else
-      values_of.push_back(nullptr);
-    out.piece_key_ += (coordKey(brick) + 1) * 0x9e3779b97f4a7c15ull;
+  const std::size_t slots = out.baked_->slots().size();
+  internal::reserveLarge(out.directory_, out.baked_->directory().size());
+  out.directory_.assign(out.baked_->directory().size(), -1);
+  out.reserveSlots(slots + kMostAdded);
+  out.slots_.resize(out.most_slots_), out.slots_.clear();
+  for (const BakedObject::Slot& from : out.baked_->slots()) out.addLoaded(from);
+  for (std::vector<int>* list : {&out.dirty_, &out.export_, &out.watch_, &out.stale_, &out.touched_, &out.to_repair_})
+    list->resize(out.most_slots_), list->clear();
+  if (!out.reserve(bricks)) throw std::bad_alloc();
+  return out;
+}
+
+// Makes a piece of an object. Of the whole, what the thread that cuts goes on to write is not read.
+class CutObject::PieceMaking {
+ public:
+  PieceMaking(const CutObject& whole, const PieceBricks& bricks, CutObject& out, bool is_parallel)
+      : whole_(whole), baked_(*whole.baked_), bricks_(bricks), out_(out), is_parallel_(is_parallel) {
+    for (const auto* list : {&bricks.bricks, &bricks.interior})
+      for (std::size_t begin = 0; begin < list->size(); begin += kAtOnce)
+        parts_.push_back({std::span(*list).subspan(begin, std::min(kAtOnce, list->size() - begin)), {}, 0});
   }
-  if (!out.reserve(own + own / 2 + 64)) throw std::bad_alloc();
-  std::vector<char> had_own;
-  for (const Slot& slot : out.slots_) had_own.push_back(slot.own != nullptr);
-  std::vector<int> rebuild;
-  for (int s = 0; s < out.slotCount(); ++s) {
-    Slot& slot = out.slot(s);
-    const BrickValues* changed = values_of[static_cast<std::size_t>(s)];
-    // New shells where values or those of a neighbour are other than baked, or a neighbour is no longer there.
-    bool is_new = changed || slot.own || slot.owns_shell;
-    for (int face = 0; face < 6 && !is_new; ++face) {
-      Vec3i next = slot.brick;
-      next[face / 2] += face & 1 ? 1 : -1;
-      const int here = out.find(next);
-      is_new = here < 0
-                   ? whole.find(next) >= 0
-                   : values_of[static_cast<std::size_t>(here)] != nullptr || had_own[static_cast<std::size_t>(here)];
+
+  void make() {
+    takeSlots();
+    takeChanged();
+    takeValues();
+    takeShells();
+  }
+
+ private:
+  static constexpr std::size_t kAtOnce = 4096;
+  struct Part {
+    std::span<const Vec3i> bricks;
+    std::vector<Vec3i> others;  // that have no slot yet
+    std::uint64_t key;
+  };
+
+  std::size_t placeOf(const Vec3i& brick) const {
+    const Vec3i at = brick - baked_.directoryLow();
+    const Vec3i& size = baked_.directorySize();
+    return static_cast<std::size_t>((at[0] * size[1] + at[1]) * size[2] + at[2]);
+  }
+  static Vec3i beside(Vec3i brick, int face) {
+    brick[face / 2] += face & 1 ? 1 : -1;
+    return brick;
+  }
+  void takeOver(int slot, const Slot& from) {
+    Slot& to = out_.slot(slot);
+    to.phi = from.phi, to.own = from.own;
+    to.materials = from.materials, to.own_materials = from.own_materials;
+    to.chunks = from.chunks, to.shell_count = from.shell_count, to.owns_shell = from.owns_shell;
+    to.has_one_material = from.has_one_material, to.least = from.least;
+    // Added where another piece's brick had been: what was loaded there is not what it is made of.
+    if (!to.own_materials && to.own && std::memcmp(to.materials, to.baked_materials, kBrickNodes) != 0)
+      to.own_materials = const_cast<std::uint8_t*>(to.materials);  // to be copied, as the whole's own are
+  }
+
+  void takeSlots() {
+    // A blank has a slot for every brick that was loaded, as it was then: only what differs is written.
+    const bool is_blank = out_.slotCount() > 0;
+    internal::forEach(parts_.size(), is_parallel_, [&](std::size_t p) {
+      Part& part = parts_[p];
+      for (const Vec3i& brick : part.bricks) {
+        const std::size_t place = placeOf(brick);
+        assert(whole_.directory_[place] >= 0);
+        part.key += (coordKey(brick) + 1) * 0x9e3779b97f4a7c15ull;
+        const int slot = is_blank ? baked_.directory()[place] : -1;
+        if (slot < 0)
+          part.others.push_back(brick);
+        else
+          out_.directory_[place] = slot;
+      }
+    });
+    std::size_t slots = out_.slots_.size();
+    for (const Part& part : parts_) slots += part.others.size();
+    if (slots + kMostAdded > out_.slots_.capacity()) out_.reserveSlots(slots);
+    for (Part& part : parts_) {
+      out_.piece_key_ += part.key;
+      for (const Vec3i& brick : part.others) {
+        const std::size_t place = placeOf(brick);
+        const int loaded = baked_.directory()[place];
+        out_.directory_[place] = out_.slotCount();
+        out_.addLoaded(loaded < 0 ? baked_.air(brick) : baked_.slots()[static_cast<std::size_t>(loaded)]);
+      }
     }
-    if (is_new) rebuild.push_back(s);
-    if (!changed && !slot.own) continue;
-    if (changed) slot.phi = changed->data();
-    out.makeVersion(s, nullptr, 0);
-    slot.is_hash_stale = true, out.stale_.push_back(s);
-    if (changed) slot.least = *std::min_element(slot.own, slot.own + kBrickNodes);
+    out_.most_slots_ = slots + kMostAdded;  // firstSlotCount() goes by it
+    out_.brick_count_ = bricks_.bricks.size() + bricks_.interior.size();
+    is_changed_.resize(slots);
+    for (const int from : whole_.touched_) {
+      const int slot = out_.find(whole_.slot(from).brick);
+      if (slot < 0) continue;
+      takeOver(slot, whole_.slot(from));
+      out_.touch(slot);
+      if (out_.slot(slot).own) own_.push_back(slot);
+    }
   }
-  for (const int s : rebuild) {
-    out.slot(s).owns_shell = false;  // its chunks are the whole's
-    while (!out.repairShell(out.slot(s)))
-      if (!out.reserve(1024)) throw std::bad_alloc();
+
+  void takeChanged() {
+    for (const BrickEdit& edit : bricks_.changed) {
+      const int s = out_.find(edit.brick);
+      is_changed_[static_cast<std::size_t>(s)] = 1;
+      if (!out_.slot(s).own) own_.push_back(s);
+      out_.touch(s);
+      out_.slot(s).phi = edit.phi.data();
+    }
   }
+
+  void takeValues() {
+    if (out_.freeBricks() < own_.size() + 64 && !out_.reserve(own_.size() + own_.size() / 2 + 64))
+      throw std::bad_alloc();
+    inLots(own_.size(), [&](std::size_t n) {
+      Slot& slot = out_.slot(own_[n]);
+      BrickVersion* version;
+      {
+        const std::lock_guard lock(mutex_);
+        version = out_.free_versions_.popFront();
+      }
+      out_.fillVersion(*version, own_[n], nullptr, 0);
+      if (is_changed_[static_cast<std::size_t>(own_[n])])
+        slot.least = *std::min_element(slot.own, slot.own + kBrickNodes);
+    });
+    for (const int s : own_) out_.slot(s).is_hash_stale = true, out_.stale_.push_back(s);
+  }
+
+  // New ones where values or those of a neighbour are other than the whole's, or a neighbour is no longer there.
+  // Gradients are all that a shell has of its neighbours: one without nodes stays as it is.
+  void takeShells() {
+    const bool is_repaired = whole_.dirtyCount() == 0;
+    const auto isNew = [&](int s) {
+      if (!is_repaired || is_changed_[static_cast<std::size_t>(s)]) return true;
+      for (int face = 0; face < 6; ++face) {
+        const Vec3i next = beside(out_.slot(s).brick, face);
+        const int here = out_.find(next);
+        if (here < 0 ? whole_.find(next) >= 0 : is_changed_[static_cast<std::size_t>(here)] != 0) return true;
+      }
+      return false;
+    };
+    // These only can be: each once.
+    std::vector<int> shells = out_.touched_;
+    const auto add = [&](const Vec3i& brick) {
+      const int s = out_.find(brick);
+      if (s < 0 || out_.slot(s).is_touched || out_.slot(s).shell_count == 0 || !isNew(s)) return;
+      out_.touch(s), shells.push_back(s);
+    };
+    for (const BrickEdit& edit : bricks_.changed)
+      for (int face = 0; face < 6; ++face) add(beside(edit.brick, face));
+    for (const Vec3i& brick : bricks_.at_edge) add(brick);
+    for (std::size_t n = is_repaired ? 0 : shells.size(); n-- > 0;)
+      for (int face = 0; face < 6; ++face) add(beside(out_.slot(shells[n]).brick, face));
+    std::erase_if(shells, [&](int s) { return !out_.slot(s).owns_shell && !isNew(s); });
+    inLots(shells.size(), [&](std::size_t n) {
+      Slot& slot = out_.slot(shells[n]);
+      std::array<ShellChunk, kShellChunks> scratch;
+      const bool is_new = isNew(shells[n]);
+      const int count =
+          is_new ? shellOfBrick(out_.around(slot), slot.materials, out_.voxel(), scratch.data()) : slot.shell_count;
+      std::array<const ShellChunk*, kShellChunks> chunks{};
+      {
+        const std::lock_guard lock(mutex_);
+        for (int c = 0; c < chunkCount(count); ++c) {
+          if (out_.free_chunks_.isEmpty() && !out_.reserve(1024)) throw std::bad_alloc();
+          chunks[static_cast<std::size_t>(c)] = &out_.free_chunks_.popFront()->chunk;
+        }
+      }
+      for (std::size_t c = 0; c < static_cast<std::size_t>(chunkCount(count)); ++c)
+        *const_cast<ShellChunk*>(chunks[c]) = is_new ? scratch[c] : *slot.chunks[c];
+      slot.chunks = chunks;
+      slot.shell_count = static_cast<std::int16_t>(count), slot.owns_shell = true;
+    });
+  }
+
+  template <class Work>
+  void inLots(std::size_t count, const Work& work) {
+    constexpr std::size_t kLot = 32;
+    internal::forEach((count + kLot - 1) / kLot, is_parallel_, [&](std::size_t lot) {
+      for (std::size_t n = lot * kLot; n < std::min(count, (lot + 1) * kLot); ++n) work(n);
+    });
+  }
+
+  const CutObject& whole_;
+  const BakedObject& baked_;
+  const PieceBricks& bricks_;
+  CutObject& out_;
+  bool is_parallel_;
+  std::vector<Part> parts_;
+  std::vector<int> own_;                   // slots with values other than loaded
+  std::vector<unsigned char> is_changed_;  // slots whose values are not the whole's
+  std::mutex mutex_;                       // of the lists of room
+};
+
+CutObject CutObject::piece(const CutObject& whole, const PieceBricks& bricks, std::unique_ptr<CutObject> made,
+                           bool is_parallel) {
+  CutObject out = made && made->baked_ == whole.baked_ ? std::move(*made) : CutObject(OfPiece{}, whole.baked_);
+  if (out.slots_.empty()) {
+    out.is_piece_ = true;
+    out.directory_.assign(whole.directory_.size(), -1);
+    out.reserveSlots(bricks.bricks.size() + bricks.interior.size());
+  }
+  out.T_world_object = whole.T_world_object;
+  PieceMaking(whole, bricks, out, is_parallel).make();
   return out;
 }
 
@@ -158,31 +303,32 @@ void CutObject::mark(int s) noexcept {
   if (!slot.is_dirty) slot.is_dirty = true, dirty_.push_back(s);
   if (!slot.is_exported_dirty) slot.is_exported_dirty = true, export_.push_back(s);
   if (!slot.is_hash_stale) slot.is_hash_stale = true, stale_.push_back(s);
+  touch(s);
   slot.hash_round = repair_round_;
   if (!slot.is_watched_dirty) slot.is_watched_dirty = true, watch_.push_back(s);
 }
 
-// A copy of what the brick is now, as its own. @pre there is room.
-BrickVersion* CutObject::makeVersion(int s, BrickVersion* before, std::uint64_t stroke) noexcept {
+// A copy of what the brick is now, as its own.
+void CutObject::fillVersion(BrickVersion& version, int s, BrickVersion* before, std::uint64_t stroke) noexcept {
   Slot& slot = slots_[static_cast<std::size_t>(s)];
-  BrickVersion* const version = free_versions_.popFront();
-  version->slot = s, version->stroke = stroke, version->before = before;
-  std::memcpy(version->phi.data(), slot.phi, sizeof(BrickValues));
-  version->has_own_materials = slot.own_materials != nullptr;
-  if (version->has_own_materials) {
-    std::memcpy(version->materials.data(), slot.own_materials, kBrickNodes);
-    slot.materials = slot.own_materials = version->materials.data();
+  version.slot = s, version.stroke = stroke, version.before = before;
+  std::memcpy(version.phi.data(), slot.phi, sizeof(BrickValues));
+  version.has_own_materials = slot.own_materials != nullptr;
+  if (version.has_own_materials) {
+    std::memcpy(version.materials.data(), slot.own_materials, kBrickNodes);
+    slot.materials = slot.own_materials = version.materials.data();
   }
-  slot.version = version;
-  slot.phi = slot.own = version->phi.data();
-  return version;
+  slot.version = &version;
+  slot.phi = slot.own = version.phi.data();
 }
 
 float* CutObject::write(int s) noexcept {
   Slot& slot = slots_[static_cast<std::size_t>(s)];
   if (!slot.version || slot.version->stroke != stroke_) {
     if (free_versions_.isEmpty()) return nullptr;
-    in_stroke_.pushFront(makeVersion(s, slot.version, stroke_));
+    BrickVersion* const version = free_versions_.popFront();
+    fillVersion(*version, s, slot.version, stroke_);
+    in_stroke_.pushFront(version);
   }
   mark(s);
   slot.changed_faces = kAllFaces;
@@ -218,19 +364,37 @@ int CutObject::addAir(const Vec3i& brick) noexcept {
   if ((at.array() < 1).any() || (at.array() >= size.array() - 1).any()) return -1;
   if (slots_.size() == most_slots_) return -1;
   const auto s = static_cast<int>(slots_.size());
-  Slot& slot = slots_.emplace_back();  // reserved
-  slot.brick = brick, slot.phi = slot.baked = baked_->outsideBrick(), slot.own = nullptr, slot.version = nullptr;
-  slot.materials = slot.baked_materials = baked_->fallbackMaterials(), slot.own_materials = nullptr;
-  slot.chunks.fill(nullptr);
-  slot.shell_count = 0;
-  slot.owns_shell = slot.is_dirty = slot.is_exported_dirty = slot.is_watched_dirty = false;
-  slot.has_one_material = true;
-  slot.changed_faces = 0;
-  slot.least = slot.phi[0];
-  slot.sleeps_until_contact = slot.sleeps_until_cut = -1;
-  slot.hash_term = 0, slot.hash_round = 0, slot.is_hash_stale = false;
+  addLoaded(baked_->air(brick));  // reserved
+  ++brick_count_;
   directory_[static_cast<std::size_t>((at[0] * size[1] + at[1]) * size[2] + at[2])] = s;
   return s;
+}
+
+bool CutObject::carve(int s, const float* values, float least, double& removed) noexcept {
+  Slot& slot = slots_[static_cast<std::size_t>(s)];
+  const std::uint8_t faces = slot.changed_faces;
+  float* const own = write(s);
+  if (!own) return false;
+  const double e = kShellHalfWidth * voxel(), cell = voxel() * voxel() * voxel();
+  const auto half_width = static_cast<float>(e);
+  double lost[kBrickNodes];
+  const internal::NodeBits changed = internal::differingNodes(own, values);
+  slot.changed_faces = faces | facesOf(changed);
+  internal::volumeLost(own, values, changed, e, cell, lost);
+  // One sum per material, node by node: the order is part of the result.
+  double one_material = removed_mm3[slot.materials[0]];
+  for (int word = 0; word < kBrickSide; ++word)
+    for (std::uint64_t bits = changed[static_cast<std::size_t>(word)]; bits != 0; bits &= bits - 1) {
+      const int n = 64 * word + std::countr_zero(bits);
+      if (own[n] >= half_width || values[n] <= -half_width) continue;
+      (slot.has_one_material ? one_material : removed_mm3[slot.materials[n]]) += lost[n];
+      removed += lost[n];
+    }
+  if (slot.has_one_material) removed_mm3[slot.materials[0]] = one_material;
+  std::memcpy(own, values, sizeof(BrickValues));
+  slot.least = least;
+  slot.sleeps_until_contact = -1;
+  return true;
 }
 
 bool CutObject::restore(int s, const BrickValues& values, const std::uint8_t* materials) {
@@ -324,6 +488,7 @@ BrickNeighborhood CutObject::around(const Slot& slot) const noexcept {
 }
 
 bool CutObject::repairShell(Slot& slot) noexcept {
+  touch(static_cast<int>(&slot - slots_.data()));
   const int count = shellOfBrick(around(slot), slot.materials, voxel(), scratch_.data());
   const int chunks = chunkCount(count), had = chunkCount(slot.shell_count);
   const int owned = slot.owns_shell ? had : 0;
@@ -351,6 +516,7 @@ bool CutObject::repairShell(Slot& slot) noexcept {
 
 bool CutObject::repair() noexcept {
   ++repair_round_;
+  if (dirty_.empty()) return true;  // held, it may be read by others: nothing is written
   to_repair_.clear();
   for (const int s : dirty_) {
     const Vec3i brick = slots_[static_cast<std::size_t>(s)].brick;
@@ -391,7 +557,9 @@ BrickField CutObject::changedField() const {
 BrickField CutObject::field() const {
   const BrickField& phi0 = baked_->phi0();
   BrickField out(phi0.voxel(), phi0.background(), phi0.interior());
-  for (const Slot& slot : slots_) {
+  for (int n = 0; n < slotCount(); ++n) {
+    if (!has(n)) continue;
+    const Slot& slot = this->slot(n);
     const bool is_constant = !slot.own && phi0.find(slot.brick) < 0;
     if (!is_constant)
       out.add(slot.brick, std::span<const float, kBrickNodes>(slot.phi, kBrickNodes));
@@ -413,15 +581,17 @@ std::uint64_t CutObject::stateHash() const {
 std::array<double, 256> CutObject::countVolumes() const {
   const double e = kShellHalfWidth * voxel(), cell = std::pow(voxel(), 3);
   std::array<double, 256> out{};
-  for (const Slot& slot : slots_)
-    for (int n = 0; n < kBrickNodes; ++n) out[slot.materials[n]] += cell * insidePart(slot.phi[n], e);
+  for (int s = 0; s < slotCount(); ++s)
+    for (int n = 0; has(s) && n < kBrickNodes; ++n) out[slot(s).materials[n]] += cell * insidePart(slot(s).phi[n], e);
   return out;
 }
 
 std::size_t CutObject::shellDefects() const {
   std::vector<ShellChunk> expected(kShellChunks);
   std::size_t defects = 0;
-  for (const Slot& slot : slots_) {
+  for (int n = 0; n < slotCount(); ++n) {
+    if (!has(n)) continue;
+    const Slot& slot = this->slot(n);
     const int count = shellOfBrick(around(slot), slot.materials, voxel(), expected.data());
     bool is_same = count == slot.shell_count;
     for (std::size_t c = 0; is_same && c < static_cast<std::size_t>(chunkCount(count)); ++c)

@@ -9,11 +9,15 @@
 #include <memory>
 #include <vector>
 
+#include "sim/brick_feed.h"
 #include "sim/brick_room.h"
 #include "sim/internal/shell_nodes.h"
 #include "sim/split_field.h"
 
 namespace kerf {
+
+/// Objects a scene can hold; what would come apart into more stays in one.
+inline constexpr std::size_t kMostObjects = 64;
 
 class CutObject {
  public:
@@ -28,7 +32,7 @@ class CutObject {
     const std::uint8_t* baked_materials;
     std::array<const ShellChunk*, kShellChunks> chunks;
     std::int16_t shell_count;
-    bool owns_shell, is_dirty, is_exported_dirty, is_watched_dirty, has_one_material;
+    bool owns_shell, is_dirty, is_exported_dirty, is_watched_dirty, is_touched, has_one_material;
     std::uint8_t changed_faces;  ///< bits of -x, +x, -y, +y, -z, +z: values there changed since the last repair()
     float least;                 ///< lower bound of the values
     /// The brick can neither touch nor be cut before the tool has moved this far in all, mm on the odometer: distances
@@ -42,14 +46,31 @@ class CutObject {
   /// Room for changes, in bricks. 16384 of them are some 140 MB.
   explicit CutObject(std::shared_ptr<const BakedObject> baked, std::size_t bricks = 16384);
 
+  /// What a piece is made from: it knows the bricks as they were loaded, and has none of them; with room for `bricks`
+  /// of them to change. Every page is written to: new memory is slow to come, and a piece should not wait for it.
+  static CutObject blank(std::shared_ptr<const BakedObject> baked, std::size_t bricks);
   /// One piece of an object as an object of its own, with its pose; what was not cut is shared with the whole. Its
-  /// ledger starts anew. Allocates. @param bricks  of bricksOfPiece(), the finder being up to date with `whole`.
-  static CutObject piece(const CutObject& whole, const PieceBricks& bricks);
+  /// ledger starts anew. Allocates. Another thread may step the whole meanwhile, if it is held: see isHeld().
+  /// @param bricks  of bricksOfPieces(), the finder being up to date with `whole`. Quicker if its shells are repaired.
+  /// @param blank  of the same baked object, to be used up; null: one is made. @param is_parallel  by all cores.
+  static CutObject piece(const CutObject& whole, const PieceBricks& bricks, std::unique_ptr<CutObject> blank = nullptr,
+                         bool is_parallel = false);
 
   const BakedObject& baked() const { return *baked_; }
+  const std::shared_ptr<const BakedObject>& sharedBaked() const { return baked_; }
   double voxel() const { return baked_->voxel(); }
   Rigid3 T_world_object;  ///< mm; changed between ticks by moveTo(), which wakes the bricks
+  std::uint32_t id = 0;   ///< of this object for good, whatever its place in the scene: see State::next_id
   void moveTo(const Rigid3& pose) noexcept { T_world_object = pose, odometer += 1e6; }
+
+  /// Held: neither cut nor filled, so that another thread may read values, materials and shells. It is felt as ever.
+  bool isHeld() const noexcept { return is_held_; }
+  /// @pre dirtyCount() is 0: nothing is left to write. @rt
+  void hold() noexcept { is_held_ = true; }
+  void release() noexcept { is_held_ = false; }
+
+  /// Where HapticThread sends what changes; null: nobody follows. They go where the object goes, into undo and back.
+  BrickFeed *feed = nullptr, *watch_feed = nullptr;
 
   /// Makes room for that many more changed bricks. Allocates: not @rt. False without memory.
   bool reserve(std::size_t bricks);
@@ -58,9 +79,13 @@ class CutObject {
   /// More bricks that can change without reserve(): values and shells, of neighbours too. @rt
   std::size_t freeBricks() const noexcept;
 
-  /// Slots it began with; those after them were air.
+  /// Slots it began with; those after them were air. Of a piece see has().
   int firstSlotCount() const { return static_cast<int>(most_slots_) - kMostAdded; }
   int slotCount() const { return static_cast<int>(slots_.size()); }
+  /// Bricks it has.
+  std::size_t brickCount() const { return brick_count_; }
+  /// Whether a slot's brick is there: a piece may keep the slots of all that was loaded, but has its own bricks only.
+  bool has(int s) const { return find(slot(s).brick) == s; }
   const Slot& slot(int s) const { return slots_[static_cast<std::size_t>(s)]; }
   Slot& slot(int s) { return slots_[static_cast<std::size_t>(s)]; }
   /// Slot of a brick, or -1: air. @rt
@@ -100,6 +125,10 @@ class CutObject {
     return facesOf(internal::differingNodes(a, b));
   }
   static std::uint8_t facesOf(const internal::NodeBits& nodes) noexcept;
+  /// Puts in place what is left of a brick, every value at least what it was: ledger, hash and sleep follow, its shell
+  /// with the next repair().  @param least  of `values`.  @param removed_mm3  what is gone is added to it, node by
+  /// node. False: no room, and nothing has changed. @rt
+  bool carve(int slot, const float* values, float least, double& removed_mm3) noexcept;
   /// Values changed outside the step, by undo for one: the brick wakes up, and its shell is repaired with the next
   /// repair(). The ledger is the caller's to put back. False: memory ran out. Allocates.
   /// @param materials  512 numbers; null: as baked.
@@ -152,13 +181,19 @@ class CutObject {
   /// How far the tool has moved relative to this object, mm: see Slot. Adding a large number wakes all bricks. @rt
   double odometer = 0;
 
-  /// Bricks changed since they were last taken: as exportDirty, for a follower of its own (PieceFinder).
+  /// As exportDirty(), for a follower of its own: of who looks for pieces.
   template <class Take>
-  void watchDirty(const Take& take) {
-    for (const int s : watch_) slot(s).is_watched_dirty = false, take(static_cast<const Slot&>(slot(s)));
-    watch_.clear();
+  void watchDirty(const Take& take) noexcept {
+    std::size_t kept = watch_.size();
+    while (kept > 0) {
+      Slot& s = slot(watch_[kept - 1]);
+      if (!take(static_cast<const Slot&>(s))) break;
+      s.is_watched_dirty = false;
+      --kept;
+    }
+    watch_.resize(kept);
   }
-  bool isWatchDirty() const { return !watch_.empty(); }
+  bool isWatchDirty() const noexcept { return !watch_.empty(); }
 
   bool isPiece() const { return is_piece_; }
   /// The whole field as it is now. Allocates, 2 KB a brick.
@@ -186,17 +221,23 @@ class CutObject {
   BrickNeighborhood around(const Slot& slot) const noexcept;
   bool repairShell(Slot& slot) noexcept;
   void mark(int slot) noexcept;
-  BrickVersion* makeVersion(int slot, BrickVersion* before, std::uint64_t stroke) noexcept;
+  void fillVersion(BrickVersion& version, int slot, BrickVersion* before, std::uint64_t stroke) noexcept;
   void reserveSlots(std::size_t bricks);
+  void touch(int s) noexcept {
+    if (!slot(s).is_touched) slot(s).is_touched = true, touched_.push_back(s);
+  }
+  void addLoaded(const BakedObject::Slot& from);
+  class PieceMaking;
   struct OfPiece {};
   CutObject(OfPiece, std::shared_ptr<const BakedObject> baked);
 
-  bool is_piece_ = false;
+  bool is_piece_ = false, is_held_ = false;
   std::uint64_t piece_key_ = 0;  // which bricks it has
   std::shared_ptr<const BakedObject> baked_;
   std::vector<Slot> slots_;
   std::vector<std::int32_t> directory_;
   std::vector<int> dirty_, export_, watch_;
+  std::vector<int> touched_;  // whose values or shell are, or were, not those loaded
   std::unique_ptr<Room> rooms_;
   LinkedList<BrickVersion> free_versions_, in_stroke_;
   LinkedList<RoomChunk> free_chunks_;
@@ -205,7 +246,7 @@ class CutObject {
   std::uint64_t hash_sum_;
   std::vector<int> stale_;
   std::size_t next_stale_ = 0;
-  std::size_t most_slots_ = 0;
+  std::size_t most_slots_ = 0, brick_count_ = 0;
   std::vector<ShellChunk> scratch_;
   std::vector<int> to_repair_;
   std::vector<std::uint32_t> repair_mark_;

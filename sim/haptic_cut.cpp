@@ -7,6 +7,7 @@
 #include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <optional>
 
 #include "geometry/atomic_file.h"
@@ -68,6 +69,65 @@ Expected<void> checkOptions(const HapticCutOptions& o) {
   return {};
 }
 
+// The cases of a session as files: the one to be cut first.
+struct SceneFiles {
+  std::vector<fs::path> folders;
+  std::vector<CaseManifest> manifests;
+  std::vector<std::string> paths;  // from the run
+};
+
+Expected<SceneFiles> filesOf(const fs::path& case_folder, const std::vector<fs::path>& beside,
+                             const fs::path& run_folder) {
+  if (beside.size() >= kMostObjects)
+    return fail({Error::Code::kBadValue, "", "--beside", fmt::format("{} cases", beside.size()),
+                 fmt::format("at most {}", kMostObjects - 1), "the nearest ones"});
+  SceneFiles out;
+  out.folders.push_back(case_folder);
+  out.folders.insert(out.folders.end(), beside.begin(), beside.end());
+  for (const fs::path& folder : out.folders) {
+    KERF_TRY(manifest, readCaseManifest(folder));
+    for (std::size_t n = 0; n < out.manifests.size(); ++n)
+      if (out.manifests[n].id == manifest.id)
+        return fail({Error::Code::kBadValue, folder.string(), "--beside",
+                     "the same case as " + out.folders[n].string() + ": two solids in one place",
+                     "another tooth or jaw of the same scan frame", "give each case once"});
+    KERF_TRY(path, internal::relativeCasePath(folder, run_folder));
+    out.manifests.push_back(std::move(manifest));
+    out.paths.push_back(std::move(path));
+  }
+  return out;
+}
+
+// What two objects have in common, mm^3: nodes of one that lie in the other.
+double overlapOf(const BakedObject& a, const BakedObject& b) {
+  const double scale = b.voxel() / a.voxel();
+  std::size_t nodes = 0;
+  for (const BakedObject::Slot& slot : b.slots()) {
+    const Vec3i base = kBrickSide * slot.brick;
+    const auto inOfA = [&](const Vec3i& node) -> Vec3i {
+      return (scale * node.cast<double>()).array().round().matrix().cast<int>();
+    };
+    const Vec3i low = brickOf(inOfA(base)) - a.directoryLow(),
+                high = brickOf(inOfA(base + Vec3i::Constant(kBrickSide - 1))) - a.directoryLow();
+    if ((high.array() < 0).any() || (low.array() >= a.directorySize().array()).any()) continue;
+    for (int n = 0; n < kBrickNodes; ++n)
+      if (slot.phi[n] <= 0 && a.phi0().at(inOfA(base + Vec3i(n >> 6, n >> 3 & 7, n & 7))) <= 0) ++nodes;
+  }
+  return static_cast<double>(nodes) * b.voxel() * b.voxel() * b.voxel();
+}
+
+double sumOf(const std::array<double, 256>& volumes) { return std::accumulate(volumes.begin(), volumes.end(), 0.0); }
+
+std::map<std::string, double> byMaterial(const std::array<double, 256>& volumes, const MaterialTable& materials) {
+  std::map<std::string, double> out;
+  for (std::size_t m = 0; m < 256; ++m) {
+    if (volumes[m] == 0) continue;
+    const MaterialProperties* row = materials.find(static_cast<Material>(m));
+    out[row ? row->id : fmt::format("material {}", m)] += volumes[m];
+  }
+  return out;
+}
+
 std::unique_ptr<VirtualHand> makeHand(const CutPath& path, const HapticCutOptions& o) {
   switch (o.hand) {
     case HandKind::kForce:
@@ -111,6 +171,18 @@ std::string toJson(const HapticSummary& s) {
   for (const auto& [id, volume] : s.removed_by_material) j["removed_by_material_mm3"][id] = volume;
   for (const auto& [id, volume] : s.added_by_material) j["added_by_material_mm3"][id] = volume;
   for (const auto& [id, distance] : s.least_distance_mm) j["least_distance_mm"][id] = distance;
+  for (const HapticSummary::Neighbour& n : s.beside) {
+    nlohmann::json other{{"id", n.id},
+                         {"case_path", n.case_path},
+                         {"case_id", n.case_id},
+                         {"initial_mm3", n.initial_mm3},
+                         {"removed_mm3", n.removed_mm3},
+                         {"seconds_touched", n.seconds_touched},
+                         {"seconds_in", n.seconds_in},
+                         {"overlap_mm3", n.overlap_mm3}};
+    for (const auto& [id, volume] : n.removed_by_material) other["removed_by_material_mm3"][id] = volume;
+    j["beside"].push_back(std::move(other));
+  }
   return j.dump(2);
 }
 
@@ -121,34 +193,43 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
     return fail({Error::Code::kCancelled, "", "", "cancelled; nothing was written", "", ""});
   };
   KERF_CHECK(checkOptions(options));
-  KERF_TRY(in_case, readCaseManifest(case_folder));
-  KERF_TRY(case_path, internal::relativeCasePath(case_folder, run_folder));
+  KERF_TRY(files, filesOf(case_folder, options.beside, run_folder));
+  const CaseManifest& in_case = files.manifests.front();
   KERF_TRY(tool, readTool(tool_file));
   KERF_TRY(path, readPath(path_file));
   KERF_TRY(staging, AtomicFolder::create(run_folder, options.overwrite, kRunManifest));
   if (!report(progress, 0.0, "loading the case")) return cancelError();
-  KERF_TRY(baked, loadObject(case_folder));
+  LoadedObjects loaded;
+  for (const fs::path& folder : files.folders) {
+    KERF_TRY(object, loadObject(folder));
+    loaded.push_back(std::move(object));
+  }
+  const BakedObject& baked = *loaded.front();
   KERF_TRY(materials, readDefaultMaterials());
 
   StepSettings settings = options.step;
   settings.rendering = options.hand == HandKind::kFeed ? Rendering::kRigid : Rendering::kCoupled;
-  KERF_TRY(model, makeModel(std::span(&tool, 1), settings, -static_cast<double>(baked->phi0().interior())));
-  for (std::size_t m = 0; m < 256; ++m)
-    if (baked->volumes()[m] > 0 && !model.tissues[m].is_in_table)
-      return fail({Error::Code::kNotFound, case_folder.string(), fmt::format("material {}", m),
-                   "not in the table of materials", "a row that says how it cuts; there are " + materials.ids(),
-                   "KERF_ASSETS, or bake the case again"});
-  KERF_TRY(monitor, Monitor::make(*baked, model.tools[0]));
+  KERF_TRY(model, makeModel(std::span(&tool, 1), settings, widestBand(loaded)));
+  for (std::size_t n = 0; n < loaded.size(); ++n)
+    for (std::size_t m = 0; m < 256; ++m)
+      if (loaded[n]->volumes()[m] > 0 && !model.tissues[m].is_in_table)
+        return fail({Error::Code::kNotFound, files.folders[n].string(), fmt::format("material {}", m),
+                     "not in the table of materials", "a row that says how it cuts; there are " + materials.ids(),
+                     "KERF_ASSETS, or bake the case again"});
+  if (!report(progress, 0.03, "measuring distances")) return cancelError();
+  KERF_TRY(monitor, Monitor::make(loaded, model.tools[0]));
   const double nominal_speed = model.tools[0].drive.speed;
   KERF_TRY(tool_hash, sha256OfFile(tool_file));
   // The header is written first, and it describes the session: one without a log, then one with it.
   SessionHeader header{
       {"kerf_version", kVersion}, {"case_id", in_case.id}, {"tool", tool.id}, {"tool_sha256", tool_hash}};
-  const SessionHeader settings_of = describe(Session(model, {baked}, poseAt(path, 0)));
+  for (std::size_t n = 1; n < files.manifests.size(); ++n)
+    header.emplace_back(internal::neighbourKey(n), files.manifests[n].id);
+  const SessionHeader settings_of = describe(Session(model, {loaded.front()}, poseAt(path, 0)));
   header.insert(header.end(), settings_of.begin(), settings_of.end());
   KERF_TRY(writer, SessionLogWriter::create(staging.staging() / internal::kRunLog, header));
   LogSink sink(writer);
-  Session session(std::move(model), {baked}, poseAt(path, 0), &sink);
+  Session session(std::move(model), loaded, poseAt(path, 0), &sink);
   session.snapshotEvery(kSnapshotTicks);
   const CutObject& object = session.state().objects.front();
   if (!options.add.empty()) {
@@ -168,6 +249,7 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
   csv << "t_s,x_mm,y_mm,z_mm,contact_x_N,contact_y_N,contact_z_N,hand_x_N,hand_y_N,hand_z_N,normal_load_N,overlap_mm,"
          "removed_mm3,added_mm3,speed,drive_load,touching,temperature_C";
   for (const Monitor::Structure& structure : monitor.structures()) csv << "," << structure.id << "_mm";
+  for (std::size_t n = 1; n < loaded.size(); ++n) csv << "," << neighbourId(n) << "_removed_mm3";
   csv << "\n";
   const std::unique_ptr<VirtualHand> hand = makeHand(path, options);
   std::optional<internal::WaveFile> sound;
@@ -197,13 +279,13 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
     }
     sample.pedal *= options.spindle;
     session.tick(sample, tick);
-    monitor.tick(sample, tick, object.T_world_object);
+    monitor.tick(sample, tick, session.state().objects);
     if (sound) {
       vibration.render({tick.speed, std::min(1.0, tick.cutting_load / kFirmLoad), tick.material}, heard);
       sound->add(heard);
     }
     ++sum.ticks;
-    sum.removed_mm3 += tick.removed_mm3, sum.added_mm3 += tick.added_mm3;
+    sum.removed_mm3 = sumOf(object.removed_mm3), sum.added_mm3 += tick.added_mm3;
     sum.work += tick.power * kTick;
     const double contact = tick.contact.force.norm(), to_hand = tick.force.force.norm();
     if (tick.touching > 0) ++in_contact, contact_sum += contact, load_sum += tick.normal_load;
@@ -228,17 +310,22 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
         tick.deepest, sum.removed_mm3, sum.added_mm3, tick.speed, tick.drive_load, tick.touching,
         monitor.temperature());
     for (const Monitor::Structure& structure : monitor.structures()) csv << fmt::format(",{:.4f}", structure.distance);
+    for (const Monitor::Structure& structure : monitor.structures())
+      if (structure.object > 0) csv << fmt::format(",{:.9f}", structure.removed_mm3);
     csv << "\n";
   }
   session.finish();
   KERF_CHECK(sink.close());
   csv.close();
   if (sound) KERF_CHECK(sound->close());
-  const BrickField changed = object.changedField();
+  std::vector<BrickField> changed_of;  // the case's, then those of its neighbours
+  for (std::size_t n = 0; n < loaded.size(); ++n) changed_of.push_back(session.state().objects[n].changedField());
+  const BrickField& changed = changed_of.front();
   if (changed.isEmpty()) {
     const Vec3d &low = in_case.box.min, &high = in_case.box.max;
     return fail({Error::Code::kEmpty, path_file.string(), "",
-                 fmt::format("tool {} {} nothing", tool.id, options.add.empty() ? "cut" : "added"),
+                 fmt::format("tool {} {} nothing{}", tool.id, options.add.empty() ? "cut" : "added",
+                             loaded.size() > 1 ? " of the case that is to be cut" : ""),
                  fmt::format("a path through the box ({:.2f}, {:.2f}, {:.2f}) to ({:.2f}, {:.2f}, {:.2f}) mm", low[0],
                              low[1], low[2], high[0], high[1], high[2]),
                  "check the path's frame and unit, the spindle and the force"});
@@ -250,19 +337,29 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
     sum.mean_normal_load = load_sum / static_cast<double>(in_contact);
   }
   const std::array<double, 256> left = object.countVolumes();
-  for (std::size_t m = 0; m < 256; ++m) {
-    sum.initial_mm3 += baked->volumes()[m], sum.remaining_mm3 += left[m];
-    const MaterialProperties* row = materials.find(static_cast<Material>(m));
-    const std::string id = row ? row->id : fmt::format("material {}", m);
-    if (object.removed_mm3[m] != 0) sum.removed_by_material[id] += object.removed_mm3[m];
-    if (object.added_mm3[m] != 0) sum.added_by_material[id] += object.added_mm3[m];
-  }
+  sum.initial_mm3 = sumOf(baked.volumes()), sum.remaining_mm3 = sumOf(left);
+  sum.removed_by_material = byMaterial(object.removed_mm3, materials);
+  sum.added_by_material = byMaterial(object.added_mm3, materials);
   sum.state_hash = fmt::format("{:016x}", session.hash());
   sum.hottest_c = monitor.hottest(), sum.pulp_rise = monitor.mostPulpRise();
   sum.bone_limit_s = monitor.alarms().bone_warm, sum.pulp_limit_s = monitor.alarms().pulp;
   for (const Monitor::Structure& structure : monitor.structures())
     if (structure.least < 1e8) sum.least_distance_mm[structure.id] = structure.least;
-  PieceFinder finder(baked->phi0());
+  for (const Monitor::Structure& structure : monitor.structures()) {
+    const std::size_t n = structure.object;
+    if (n == 0) continue;
+    HapticSummary::Neighbour& other = sum.beside.emplace_back();
+    other.id = structure.id, other.case_path = files.paths[n], other.case_id = files.manifests[n].id;
+    other.initial_mm3 = sumOf(loaded[n]->volumes()), other.removed_mm3 = structure.removed_mm3;
+    other.removed_by_material = byMaterial(session.state().objects[n].removed_mm3, materials);
+    other.seconds_touched = static_cast<double>(structure.ticks_touched) * kTick;
+    other.seconds_in = static_cast<double>(structure.ticks_in) * kTick;
+    other.overlap_mm3 = overlapOf(baked, *loaded[n]);
+    // Rounding must not make a manifest that its reader refuses.
+    out.manifest.beside.push_back(
+        {files.paths[n], files.manifests[n].id, loaded[n]->voxel(), std::max(other.removed_mm3, 0.0)});
+  }
+  PieceFinder finder(baked.phi0());
   std::vector<BrickEdit> edits(changed.brickCount());
   for (std::size_t b = 0; b < edits.size(); ++b) edits[b] = {changed.brickCoord(b), changed.brick(b)};
   finder.apply(edits);
@@ -272,7 +369,7 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
   if (!report(progress, 0.92, "writing")) return cancelError();
   RunManifest& m = out.manifest;
   m.mode = kModeHaptic;
-  m.case_path = case_path;
+  m.case_path = files.paths.front();
   m.case_id = in_case.id;
   for (std::size_t s = 0; s + 1 < path.poses.size(); ++s)
     if (path.cuts[s]) {
@@ -281,9 +378,11 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
           (path.poses[s + 1].T_object_tool.translation - path.poses[s].T_object_tool.translation).norm();
     }
   m.duration_s = sum.seconds;
-  m.voxel_mm = baked->voxel();
+  m.voxel_mm = baked.voxel();
   m.state_hash = sum.state_hash;
-  KERF_CHECK(writeVdb(staging.staging() / internal::kRunField, {{"phi", &changed}}, {{"case_id", m.case_id}}));
+  std::vector<NamedField> fields{{"phi", &changed}};
+  for (std::size_t n = 1; n < changed_of.size(); ++n) fields.push_back({neighbourId(n), &changed_of[n]});
+  KERF_CHECK(writeVdb(staging.staging() / internal::kRunField, fields, {{"case_id", m.case_id}}));
   std::ofstream summary(staging.staging() / kSummary, std::ios::binary);
   summary << toJson(sum) << "\n";
   summary.close();

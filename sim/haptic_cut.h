@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "geometry/progress.h"
 #include "sim/run_bundle.h"
@@ -27,9 +28,11 @@ struct HapticCutOptions {
   double time_limit = 600;  ///< s of simulated time
   bool with_sound = false;  ///< writes sound.wav, too: what the tool is heard to do
   std::string add;          ///< id of a material: the tool adds it where it goes, instead of cutting; empty: it cuts
+  /// Further cases, each where its scan stands, in the frame of the case: the tool collides with them, and cuts them.
+  std::vector<std::filesystem::path> beside;
 };
 
-/// What a session came to; every force in N, volume mm^3.
+/// What a session came to; every force in N, volume mm^3. Volumes are the case's, forces of all that the tool met.
 struct HapticSummary {
   std::uint64_t ticks = 0;
   double seconds = 0;
@@ -48,8 +51,17 @@ struct HapticSummary {
   double hottest_c = 37;                                                  ///< under the tool, C
   double pulp_rise = 0;                                                   ///< most, K
   double bone_limit_s = -1, pulp_limit_s = -1;  ///< when 47 C and +5.5 K were first passed, s; < 0: never
-  std::map<std::string, double>
-      least_distance_mm;               ///< of the tool to pulp and nerve canal, if it came near; < 0: in it
+  /// Of what cuts of the tool to pulp, nerve canal and the cases beside ("beside_1"), if it came near; < 0: in it.
+  std::map<std::string, double> least_distance_mm;
+  struct Neighbour {
+    std::string id, case_path, case_id;  ///< "beside_1"; the path from the run
+    double initial_mm3 = 0, removed_mm3 = 0;
+    std::map<std::string, double> removed_by_material;
+    double seconds_touched = 0;  ///< by any part of the tool, neck and shank, too
+    double seconds_in = 0;       ///< for so long what cuts was in it, as it was loaded, while something was cut
+    double overlap_mm3 = 0;      ///< with the case, as loaded: there the tool meets both. To a layer of half a voxel
+  };
+  std::vector<Neighbour> beside;
   std::size_t pieces = 0, crumbs = 0;  ///< what the object fell into, parts below 0.1 mm^3 apart
   std::string state_hash;
 };
@@ -66,8 +78,8 @@ struct HapticCut {
 /// Writes the run: run.toml, run.vdb (grid phi), forces.csv (one row a tick: docs/formats.md), summary.json,
 /// session.kerflog (what kerf replay reads), sound.wav if asked for (48 kHz, 1 MB in 11 s). Same
 /// inputs, same bytes (but for the identifier inside run.vdb).
-/// Errors: as cutCase; kEmpty when nothing was cut; kBadValue for options out of range; kNotFound for a material of
-/// the case that the table of materials no longer has.
+/// Errors: as cutCase; kEmpty when nothing of the case was cut; kBadValue for options out of range, and for a case that
+/// is given twice; kNotFound for a material of a case that the table of materials no longer has.
 Expected<HapticCut> cutCaseByHand(const std::filesystem::path& case_folder, const std::filesystem::path& tool_file,
                                   const std::filesystem::path& path_file, const std::filesystem::path& run_folder,
                                   const HapticCutOptions& options = {}, const Progress& progress = {});

@@ -7,6 +7,7 @@
 #include <boost/lockfree/spsc_queue.hpp>
 #include <chrono>
 #include <cmath>
+#include <optional>
 #include <semaphore>
 #include <system_error>
 #include <thread>
@@ -52,19 +53,19 @@ struct HapticThread::State {
   State(Model model, std::vector<std::shared_ptr<const BakedObject>> objects, const Rigid3& start,
         const HapticOptions& haptic_options)
       : options(haptic_options),
-        object_count(objects.size()),
-        session(std::move(model), std::move(objects), start, &sink),
-        offers(std::make_unique<std::atomic<Room*>[]>(object_count)) {
-    for (std::size_t n = 0; n < object_count; ++n) {
+        first_count(objects.size()),
+        session(std::move(model), std::move(objects), start, &sink) {
+    for (std::size_t n = 0; n < first_count; ++n) {
       CutObject& object = session.object(n);
-      room_sizes.push_back(Session::roomFor(object));
-      const std::size_t free = object.freeBricks();
-      if (free < room_sizes[n] && !object.reserve(room_sizes[n] - free)) throw std::bad_alloc();
+      const std::size_t free = object.freeBricks(), wanted = Session::roomFor(object);
+      if (free < wanted && !object.reserve(wanted - free)) throw std::bad_alloc();
     }
+    tellKeeper();
+    if (options.pieces.is_wanted) maker.emplace(session, options.pieces);
     report.output.T_world_tool = session.state().body.pose;
   }
   ~State() {
-    for (std::size_t n = 0; n < object_count; ++n) delete offers[n].load();
+    for (Offer& offer : offers) delete offer.room.load();
   }
 
   // Haptic thread.
@@ -74,6 +75,7 @@ struct HapticThread::State {
   template <class Work>
   void pauseFor(const Work& work) noexcept;
   bool takeRoom() noexcept;  // false: not enough for a tick
+  void tellKeeper() noexcept;
   std::size_t exportBricks() noexcept;
   void publish() noexcept;
   void publishTimes() noexcept;
@@ -81,11 +83,11 @@ struct HapticThread::State {
   void keepRoom();  // the keeper's thread
 
   const HapticOptions options;
-  const std::size_t object_count;
+  const std::size_t first_count;  // of objects
   RecorderSink sink;
   Session session;
+  std::optional<PieceMaker> maker;
   DeviceSource* device = nullptr;
-  std::vector<BrickFeed*> feeds;  // one an object
   RealTimeGrant grant;
   std::binary_semaphore is_granted{0};
 
@@ -97,29 +99,41 @@ struct HapticThread::State {
   TripleBuffer<HapticReport> reports;
   TripleBuffer<HapticTimes> newest_times;
   boost::lockfree::spsc_queue<CommandText, boost::lockfree::capacity<kMostCommands>> commands;
-  std::vector<std::size_t> room_sizes;           // one an object
-  std::unique_ptr<std::atomic<Room*>[]> offers;  // one an object: made by the keeper, taken by the haptic thread
+  struct Offer {                         // to the object of that number: made by the keeper, taken by the haptic thread
+    std::atomic<std::size_t> wanted{0};  // bricks; 0: there is no such object
+    std::atomic<Room*> room{nullptr};
+  };
+  std::array<Offer, kMostObjects> offers;
   std::atomic<bool> is_stopping{false};
   std::thread keeper, haptic;
 };
 
 void HapticThread::State::keepRoom() {
   while (!is_stopping.load(std::memory_order_acquire)) {
-    for (std::size_t n = 0; n < object_count; ++n)
-      if (!offers[n].load(std::memory_order_relaxed))  // without memory: again in a moment
-        offers[n].store(Room::make(room_sizes[n]).release(), std::memory_order_release);
+    for (Offer& offer : offers) {
+      const std::size_t wanted = offer.wanted.load(std::memory_order_relaxed);
+      if (wanted > 0 && !offer.room.load(std::memory_order_relaxed))  // without memory: again in a moment
+        offer.room.store(Room::make(wanted).release(), std::memory_order_release);
+    }
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
 }
 
+// When objects come and go.
+void HapticThread::State::tellKeeper() noexcept {
+  const std::vector<CutObject>& objects = session.state().objects;
+  for (std::size_t n = 0; n < offers.size(); ++n)
+    offers[n].wanted.store(n < objects.size() ? Session::roomFor(objects[n]) : 0, std::memory_order_relaxed);
+}
+
 bool HapticThread::State::takeRoom() noexcept {
   bool is_enough = true;
-  for (std::size_t n = 0; n < object_count; ++n) {
+  for (std::size_t n = 0; n < session.state().objects.size(); ++n) {
     CutObject& object = session.object(n);
-    const std::size_t wanted = room_sizes[n];
+    const std::size_t wanted = Session::roomFor(object);
     const bool wants_room = object.freeBricks() < wanted || object.freeRecords() < kRecords;
-    if (wants_room && offers[n].load(std::memory_order_relaxed)) {
-      object.take(std::unique_ptr<Room>(offers[n].exchange(nullptr, std::memory_order_acq_rel)));
+    if (wants_room && offers[n].room.load(std::memory_order_relaxed)) {
+      object.take(std::unique_ptr<Room>(offers[n].room.exchange(nullptr, std::memory_order_acq_rel)));
       ++report.counts.rooms_taken;
     }
     is_enough &= object.freeBricks() >= wanted / 2 && object.freeRecords() > 1;  // undo ends a stroke, too
@@ -150,6 +164,7 @@ void HapticThread::State::pauseFor(const Work& work) noexcept {
 
 bool HapticThread::State::handleCommands() noexcept {
   bool has_paused = false;
+  if (maker && maker->isHolding()) return false;  // they wait
   CommandText next;
   for (int n = 0; n < kCommandsATick && commands.pop(next); ++n) {
     const std::string_view text(next.text.data(), next.size);
@@ -159,6 +174,7 @@ bool HapticThread::State::handleCommands() noexcept {
       if (is_done) {
         pauseFor([&] {
           session.applyWithin(text);
+          tellKeeper();
           while (!session.repair() && !is_stopping.load(std::memory_order_relaxed)) {
             sleepUntil(monotonicNow() + kPeriod);
             takeRoom();
@@ -166,7 +182,8 @@ bool HapticThread::State::handleCommands() noexcept {
         });
         has_paused = true;
       }
-    } else if (!text.starts_with("pieces.")) {  // which allocates
+    } else if (!text.starts_with("pieces.") && text != "object.hold" && !text.starts_with("object.hold ") &&
+               !text.starts_with("object.release")) {  // the maker's
       is_done = session.applyWithin(text);
     }
     ++(is_done ? report.counts.commands_done : report.counts.commands_refused);
@@ -176,17 +193,18 @@ bool HapticThread::State::handleCommands() noexcept {
 
 std::size_t HapticThread::State::exportBricks() noexcept {
   std::size_t left = 0;
-  for (std::size_t n = 0; n < feeds.size(); ++n) {
-    if (!feeds[n]) continue;
+  for (std::size_t n = 0; n < session.state().objects.size(); ++n) {
+    CutObject& object = session.object(n);
+    if (!object.feed) continue;
     int room = kEditsATick;
-    session.object(n).exportDirty([&](const CutObject::Slot& slot) {
+    object.exportDirty([&](const CutObject::Slot& slot) {
       BrickValues values;
       std::copy_n(slot.phi, kBrickNodes, values.begin());
-      if (room-- == 0 || !feeds[n]->tryPush(slot.brick, values)) return false;
+      if (room-- == 0 || !object.feed->tryPush(slot.brick, values)) return false;
       ++report.counts.edits_pushed;
       return true;
     });
-    left += session.object(n).exportCount();
+    left += object.exportCount();
   }
   return left;
 }
@@ -195,6 +213,12 @@ void HapticThread::State::publish() noexcept {
   report.tick = session.state().tick;
   report.is_latched = session.state().is_latched;
   report.counts.records_lost = sink.lost;
+  if (maker) report.counts.pieces = maker->counts();
+  report.object_count = session.state().objects.size();
+  for (std::size_t n = 0; n < report.object_count; ++n) {
+    const CutObject& object = session.state().objects[n];
+    report.objects[n] = {object.id, object.T_world_object};
+  }
   reports.back() = report;
   reports.publish();
 }
@@ -212,6 +236,7 @@ void HapticThread::State::tick(bool is_stalled) noexcept {
   ++report.counts.ticks;
   report.counts.out_of_room += (report.output.status & (kStepBricksRanOut | kStepNearRanOut)) != 0;
   exportBricks();
+  if (maker) maker->afterTick(session, report.output);
   publish();
 }
 
@@ -225,6 +250,7 @@ void HapticThread::State::run() noexcept {
     sleepUntil(due);
     const std::int64_t wake = monotonicNow();
     bool has_paused = false;
+    if (maker && maker->beforeTick(session)) tellKeeper();
     if (!takeRoom()) {
       pauseFor([&] {
         report.is_waiting_for_room = true;
@@ -260,6 +286,7 @@ void HapticThread::State::run() noexcept {
   device->write({});
   device->disarm();
   releaseRealTime(grant);
+  if (maker) maker->abandon(session);
   session.finish();
   report.output.force = {};
   // Whoever follows a feed shall have all of it; but a follower that is gone is not waited for.
@@ -278,21 +305,21 @@ const Session& HapticThread::session() const noexcept { return state_->session; 
 
 Expected<void> HapticThread::start(DeviceSource& device, std::span<BrickFeed* const> feeds, SessionRecorder* recorder) {
   State& s = *state_;
-  if (feeds.size() > s.object_count)
+  if (feeds.size() > s.first_count)
     return fail({Error::Code::kBadValue, "", "starting the haptic thread", fmt::format("{} feeds", feeds.size()),
-                 fmt::format("at most one for each of {} objects", s.object_count),
-                 "pass one feed an object, or none"});
+                 fmt::format("at most one for each of {} objects", s.first_count), "pass one feed an object, or none"});
   if (s.haptic.joinable() || s.is_stopping)
     return fail({Error::Code::kBadValue, "", "starting the haptic thread", "a second start", "one", "make another"});
   s.device = &device;
-  s.feeds.assign(feeds.begin(), feeds.end());
+  for (std::size_t n = 0; n < feeds.size(); ++n) s.session.object(n).feed = feeds[n];
   s.sink.recorder = recorder;
   try {
+    if (s.maker) s.maker->start();
     s.keeper = std::thread([&s] { s.keepRoom(); });
     s.haptic = std::thread([&s] { s.run(); });
   } catch (const std::system_error& e) {
     stop();
-    return fail({Error::Code::kBadValue, "", "starting the haptic thread", e.what(), "two threads",
+    return fail({Error::Code::kBadValue, "", "starting the haptic thread", e.what(), "three threads",
                  "close other programs, or raise the limit nproc"});
   }
   s.is_granted.acquire();
@@ -318,6 +345,7 @@ void HapticThread::stop() {
   state_->is_stopping.store(true, std::memory_order_release);
   if (state_->haptic.joinable()) state_->haptic.join();
   if (state_->keeper.joinable()) state_->keeper.join();
+  if (state_->maker) state_->maker->stop();
 }
 
 std::size_t HapticThread::unsentBricks() const noexcept { return state_->unsent; }

@@ -14,6 +14,7 @@
 // however late they came. The hand's motion over a skipped period is taken for that of one tick.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -21,6 +22,7 @@
 
 #include "sim/brick_feed.h"
 #include "sim/device_source.h"
+#include "sim/piece_maker.h"
 #include "sim/realtime.h"
 #include "sim/session.h"
 #include "sim/session_recorder.h"
@@ -34,6 +36,7 @@ struct HapticOptions {
   /// long. Its sample counts as bad: force zero, latched until "latch.clear". Below 30 an ordinary system latches now
   /// and then; above 200 the hand would be met by a force it has long forgotten.
   double stall_ms = 100;
+  PieceMakerOptions pieces;
 };
 
 /// Since the start. Every field is written by the haptic thread alone.
@@ -50,6 +53,12 @@ struct HapticCounts {
   std::uint64_t out_of_room = 0;   ///< ticks with kStepBricksRanOut or kStepNearRanOut. More than Session::roomFor / 2
                                    ///< bricks in one tick: a replay may differ
   std::uint64_t rooms_taken = 0;   ///< of Session::kRoom bricks at most
+  PieceMaker::Counts pieces;
+};
+
+struct ObjectReport {
+  std::uint32_t id = 0;  ///< CutObject::id
+  Rigid3 T_world_object;
 };
 
 /// The newest tick.
@@ -59,6 +68,8 @@ struct HapticReport {
   HapticCounts counts;
   bool is_latched = false;           ///< force is zero until "latch.clear"
   bool is_waiting_for_room = false;  ///< paused until there is memory for the next cut
+  std::size_t object_count = 0;
+  std::array<ObjectReport, kMostObjects> objects;  ///< those in the scene, by their number
 };
 
 struct HapticTimes {
@@ -76,7 +87,9 @@ struct HapticTimes {
 /// device that was latched before stays latched. After an undo the tool may be inside tissue that came back; the
 /// coupling keeps that within the force limit as it does any other contact.
 ///
-/// Pieces: what is severed stays one object here. "pieces.split" allocates and takes milliseconds, so it is refused.
+/// Pieces: what is severed becomes objects of its own (PieceMaker). Until they are made the object is felt but not cut,
+/// some 45 ms for a mandible at 0.1 mm, and commands wait. Who follows an object's bricks follows them wherever it
+/// goes; who follows a piece is asked for by HapticOptions::pieces.
 class HapticThread {
  public:
   /// As Session's. Allocates all that the ticks need; starts nothing.
@@ -90,6 +103,7 @@ class HapticThread {
   const Session& session() const noexcept;
 
   /// Starts the threads; returns when the first tick is about to come. Once.
+  /// Without HapticOptions::pieces.follow nobody follows pieces: the feed of an object ends where it comes apart.
   /// @param device, feeds, recorder  kept by reference, must outlive this. A feed an object, or null: nobody follows
   /// it;
   ///   none at all: nobody follows any. The haptic thread is their producer. `recorder` may be null.
@@ -98,8 +112,9 @@ class HapticThread {
   /// What the system granted; after start().
   const RealTimeGrant& grant() const noexcept;
 
-  /// Asks for a command of Session between two ticks, in the order sent; counts tell whether it was done. For one
-  /// thread. False: more than kMostCommands wait, or the text is longer than kMaxCommandBytes.
+  /// Asks for a command of Session between two ticks, in the order sent; counts tell whether it was done. Holding and
+  /// splitting are the maker's of pieces, and refused. For one thread. False: more than kMostCommands wait, or the text
+  /// is longer than kMaxCommandBytes.
   bool send(std::string_view command) noexcept;
   static constexpr std::size_t kMostCommands = 64;
 

@@ -22,14 +22,17 @@ constexpr std::size_t kApronNodes = kApron * kApron * kApron;
 constexpr int kBlockSide = 64, kBlockLog = 6;  // nodes transformed at a time
 constexpr std::int32_t kNothing = -1, kDeep = -2;
 
+using Mask = std::bitset<kBrickNodes>;
+
 // Which nodes are the structure's, by brick.
 struct Structure {
   const BakedObject* object = nullptr;
+  bool is_solid = false;                   // all of the object: its field says more than its nodes
   std::vector<std::int32_t> mask_of_slot;  // -1: none
-  std::vector<std::bitset<kBrickNodes>> masks;
+  std::vector<Mask> masks;
   Vec3i low, high;  // bricks that have some: low <= brick < high
 
-  const std::bitset<kBrickNodes>* find(const Vec3i& brick) const {
+  const Mask* find(const Vec3i& brick) const {
     const Vec3i at = brick - object->directoryLow(), size = object->directorySize();
     if ((at.array() < 0).any() || (at.array() >= size.array()).any()) return nullptr;
     const std::int32_t slot =
@@ -39,17 +42,19 @@ struct Structure {
   }
 };
 
+// @param materials  none: all of the object.
 Structure collect(const BakedObject& object, std::span<const Material> materials) {
   Structure out;
-  out.object = &object;
+  out.object = &object, out.is_solid = materials.empty();
   out.low = Vec3i::Constant(std::numeric_limits<int>::max()), out.high = -out.low;
-  std::array<bool, 256> wanted{};
+  std::array<bool, 256> wanted;
+  wanted.fill(out.is_solid);
   for (const Material m : materials)
     if (static_cast<int>(m) >= 0 && static_cast<int>(m) < 256) wanted[static_cast<std::size_t>(m)] = true;
   out.mask_of_slot.assign(object.slots().size(), -1);
   for (std::size_t s = 0; s < object.slots().size(); ++s) {
     const BakedObject::Slot& slot = object.slots()[s];
-    std::bitset<kBrickNodes> mask;
+    Mask mask;
     for (std::size_t n = 0; n < kBrickNodes; ++n) mask[n] = wanted[slot.materials[n]] && slot.phi[n] <= 0;
     if (mask.none()) continue;
     out.mask_of_slot[s] = static_cast<std::int32_t>(out.masks.size());
@@ -99,74 +104,119 @@ struct FieldLimits {
 // One thread's memory for a block.
 struct BlockWork {
   DistanceTransform transform;
-  std::vector<std::uint8_t> seeds, inverted;
+  std::vector<std::uint8_t> seeds;
   std::vector<float> field;  // 65^3, mm
 };
 
-// Distances at the 65^3 nodes from a block's first.
-void transformBlock(const Structure& structure, const Vec3i& block, const FieldLimits& limits, BlockWork& work) {
-  const int halo = static_cast<int>(std::ceil(limits.most_distance / limits.voxel)) + 2;
-  const Vec3i first = kBlockSide * block, low = first - Vec3i::Constant(halo);
-  constexpr int kOut = kBlockSide + 1;
-  const int n = kOut + 2 * halo;
-  const auto seedIndex = [n](int i, int j, int k) {
-    return (static_cast<std::size_t>(i) * static_cast<std::size_t>(n) + static_cast<std::size_t>(j)) *
-               static_cast<std::size_t>(n) +
+// The nodes of a box, z fastest: `in` where they are the structure's, `out` elsewhere.
+void markNodes(const Structure& structure, const Vec3i& low, const Vec3i& size, std::uint8_t in, std::uint8_t out,
+               std::vector<std::uint8_t>& nodes) {
+  nodes.assign(static_cast<std::size_t>(size.cast<std::int64_t>().prod()), out);
+  const auto index = [&size](int i, int j, int k) {
+    return (static_cast<std::size_t>(i) * static_cast<std::size_t>(size[1]) + static_cast<std::size_t>(j)) *
+               static_cast<std::size_t>(size[2]) +
            static_cast<std::size_t>(k);
   };
-  work.seeds.assign(static_cast<std::size_t>(n) * static_cast<std::size_t>(n) * static_cast<std::size_t>(n), 0);
   const Vec3i brick_low = brickOf(low).cwiseMax(structure.low);
-  const Vec3i brick_high = brickOf(low + Vec3i::Constant(n - 1)).cwiseMin(structure.high - Vec3i::Ones());
+  const Vec3i brick_high = brickOf(low + size - Vec3i::Ones()).cwiseMin(structure.high - Vec3i::Ones());
   for (int bi = brick_low[0]; bi <= brick_high[0]; ++bi)
     for (int bj = brick_low[1]; bj <= brick_high[1]; ++bj)
       for (int bk = brick_low[2]; bk <= brick_high[2]; ++bk) {
-        const std::bitset<kBrickNodes>* mask = structure.find({bi, bj, bk});
+        const Mask* mask = structure.find({bi, bj, bk});
         if (!mask) continue;
         const Vec3i origin = kBrickSide * Vec3i(bi, bj, bk) - low;
-        const Vec3i from = (-origin).cwiseMax(0), to = (Vec3i::Constant(n) - origin).cwiseMin(kBrickSide);
+        const Vec3i from = (-origin).cwiseMax(0), to = (size - origin).cwiseMin(kBrickSide);
         for (int i = from[0]; i < to[0]; ++i)
           for (int j = from[1]; j < to[1]; ++j)
             for (int k = from[2]; k < to[2]; ++k)
               if ((*mask)[static_cast<std::size_t>(nodeOffset(i, j, k))])
-                work.seeds[seedIndex(origin[0] + i, origin[1] + j, origin[2] + k)] = 1;
+                nodes[index(origin[0] + i, origin[1] + j, origin[2] + k)] = in;
       }
+}
+
+// Where the baked field of a solid is none of its constants it is the distance itself, exact between nodes, too.
+void takeBand(const Structure& structure, const Vec3i& first, const FieldLimits& limits, std::vector<float>& field) {
+  const BakedObject& object = *structure.object;
+  constexpr int kOut = kBlockSide + 1;
+  const float outside = object.phi0().background(), inside = object.phi0().interior();
+  const auto deepest = static_cast<float>(-limits.most_depth), farthest = static_cast<float>(limits.most_distance);
+  const Vec3i brick_low = brickOf(first).cwiseMax(object.directoryLow());
+  const Vec3i brick_high = brickOf(first + Vec3i::Constant(kBlockSide))
+                               .cwiseMin(object.directoryLow() + object.directorySize() - Vec3i::Ones());
+  for (int bi = brick_low[0]; bi <= brick_high[0]; ++bi)
+    for (int bj = brick_low[1]; bj <= brick_high[1]; ++bj)
+      for (int bk = brick_low[2]; bk <= brick_high[2]; ++bk) {
+        const BrickValues* const phi = object.phi0().valuesAt({bi, bj, bk});
+        if (!phi) continue;
+        const Vec3i origin = kBrickSide * Vec3i(bi, bj, bk) - first;
+        const Vec3i to = (Vec3i::Constant(kOut) - origin).cwiseMin(kBrickSide);
+        for (int i = 0; i < to[0]; ++i)
+          for (int j = 0; j < to[1]; ++j)
+            for (int k = 0; k < to[2]; ++k) {
+              const float value = (*phi)[static_cast<std::size_t>(nodeOffset(i, j, k))];
+              if (value >= outside || value <= inside) continue;
+              field[static_cast<std::size_t>(((origin[0] + i) * kOut + origin[1] + j) * kOut + origin[2] + k)] =
+                  std::clamp(value, deepest, farthest);
+            }
+      }
+}
+
+// Distances at the 65^3 nodes from a block's first.
+void transformBlock(const Structure& structure, const Vec3i& block, const FieldLimits& limits, BlockWork& work) {
+  const auto nodes = [&limits](double mm) { return static_cast<int>(std::ceil(mm / limits.voxel)) + 2; };
+  const int halo = nodes(limits.most_distance), depth = std::min(nodes(limits.most_depth), halo);
+  const Vec3i first = kBlockSide * block;
+  constexpr int kOut = kBlockSide + 1;
+  work.field.assign(kOut * kOut * kOut, static_cast<float>(limits.most_distance));
+  // What is around the block, where there is any of the structure: far from it, often a corner.
+  const Vec3i low = (first - Vec3i::Constant(halo)).cwiseMax(kBrickSide * structure.low);
+  const Vec3i high = (first + Vec3i::Constant(kOut + halo)).cwiseMin(kBrickSide * structure.high);
+  if ((high.array() <= low.array()).any()) return;
+  markNodes(structure, low, high - low, 1, 0, work.seeds);
   const std::span<const float> outside =
-      work.transform.run(work.seeds, Vec3i::Constant(n), Vec3i::Constant(halo), Vec3i::Constant(halo + kOut));
-  work.field.resize(outside.size());
+      work.transform.run(work.seeds, high - low, first - low, first - low + Vec3i::Constant(kOut));
   bool has_inside = false;
   for (std::size_t m = 0; m < outside.size(); ++m) {
     const double d = (std::sqrt(static_cast<double>(outside[m])) - 0.5) * limits.voxel;
     has_inside |= outside[m] == 0;
     work.field[m] = static_cast<float>(std::min(d, limits.most_distance));
   }
-  if (!has_inside) return;
-  // The same from within, to the nearest node that is not the structure's.
-  const int depth = std::min(static_cast<int>(std::ceil(limits.most_depth / limits.voxel)) + 2, halo);
-  const int m = kOut + 2 * depth, skip = halo - depth;
-  work.inverted.resize(static_cast<std::size_t>(m) * static_cast<std::size_t>(m) * static_cast<std::size_t>(m));
-  std::size_t to = 0;
-  for (int i = 0; i < m; ++i)
-    for (int j = 0; j < m; ++j)
-      for (int k = 0; k < m; ++k) work.inverted[to++] = 1 - work.seeds[seedIndex(skip + i, skip + j, skip + k)];
-  const std::span<const float> inside =
-      work.transform.run(work.inverted, Vec3i::Constant(m), Vec3i::Constant(depth), Vec3i::Constant(depth + kOut));
-  for (std::size_t node = 0; node < inside.size(); ++node)
-    if (inside[node] > 0) {
-      const double d = (std::sqrt(static_cast<double>(inside[node])) - 0.5) * limits.voxel;
-      work.field[node] = static_cast<float>(-std::min(d, limits.most_depth));
-    }
+  if (has_inside) {  // the same from within, to the nearest node that is not the structure's
+    const Vec3i around = Vec3i::Constant(depth), size = Vec3i::Constant(kOut) + 2 * around;
+    markNodes(structure, first - around, size, 0, 1, work.seeds);
+    const std::span<const float> inside = work.transform.run(work.seeds, size, around, around + Vec3i::Constant(kOut));
+    for (std::size_t m = 0; m < inside.size(); ++m)
+      if (inside[m] > 0) {
+        const double d = (std::sqrt(static_cast<double>(inside[m])) - 0.5) * limits.voxel;
+        work.field[m] = static_cast<float>(-std::min(d, limits.most_depth));
+      }
+  }
+  if (structure.is_solid) takeBand(structure, first, limits, work.field);
 }
 
 }  // namespace
 
 Expected<std::shared_ptr<const KeepOut>> KeepOut::make(const BakedObject& object, std::span<const Material> materials,
                                                        const KeepOutOptions& options) {
+  if (materials.empty())
+    return fail({Error::Code::kNotFound, "", "keep-out structure", "no material named", "the materials to keep out of",
+                 "KeepOut::ofSolid for all of an object"});
+  return build(object, materials, options);
+}
+
+Expected<std::shared_ptr<const KeepOut>> KeepOut::ofSolid(const BakedObject& object, const KeepOutOptions& options) {
+  return build(object, {}, options);
+}
+
+Expected<std::shared_ptr<const KeepOut>> KeepOut::build(const BakedObject& object, std::span<const Material> materials,
+                                                        const KeepOutOptions& options) {
   const double h = object.voxel();
-  // Beyond 200 voxels a block's surroundings outgrow it, and squares their float.
-  if (!(options.most_distance >= 2 * h && options.most_distance <= 200 * h && options.most_depth >= 2 * h))
+  // Beyond kMostVoxels a block's surroundings outgrow it, and squares their float.
+  if (!(options.most_distance >= 2 * h && options.most_distance <= kMostVoxels * h && options.most_depth >= 2 * h))
     return fail({Error::Code::kBadValue, "", "keep-out distances",
                  fmt::format("{} mm outside, {} mm inside", options.most_distance, options.most_depth),
-                 fmt::format("{} to {} mm outside, at least {} mm inside", 2 * h, 200 * h, 2 * h), "another distance"});
+                 fmt::format("{} to {} mm outside, at least {} mm inside", 2 * h, kMostVoxels * h, 2 * h),
+                 "another distance"});
   const Structure structure = collect(object, materials);
   if (structure.masks.empty())
     return fail({Error::Code::kNotFound, "", "keep-out structure", "no node of these materials",

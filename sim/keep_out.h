@@ -59,10 +59,19 @@ struct KeepOutOptions {
 /// Never changes once made; reading is safe from any thread.
 class KeepOut {
  public:
+  static constexpr double kMostVoxels = 200;  ///< most_distance can be no more of them
+
   /// The nodes of `object` that lie inside it (phi0 <= 0) and are of one of `materials`.
   /// Error kNotFound: there are none; kBadValue: options out of range. Parallel inside; seconds for a mandible.
   static Expected<std::shared_ptr<const KeepOut>> make(const BakedObject& object, std::span<const Material> materials,
                                                        const KeepOutOptions& options = {});
+
+  /// All of `object` as loaded, whatever it is made of: a neighbouring tooth. In the band of its baked field (3 voxels
+  /// outside, 4 inside) distances are that field's own, a twentieth of a voxel at flat places; farther out they are
+  /// those between nodes.  @cost 0.7 s for a molar at 0.1 mm (44 MB), 7 s at 0.05 mm, 14 s for a mandible at 0.1 mm, 2
+  /// cores.
+  static Expected<std::shared_ptr<const KeepOut>> ofSolid(const BakedObject& object,
+                                                          const KeepOutOptions& options = {});
 
   /// Signed distance of a point of the object's frame, mm: negative inside, between -most_depth and most_distance.
   /// @rt safe, some 20 ns.
@@ -81,6 +90,8 @@ class KeepOut {
 
  private:
   KeepOut() = default;
+  static Expected<std::shared_ptr<const KeepOut>> build(const BakedObject& object, std::span<const Material> materials,
+                                                        const KeepOutOptions& options);
   double spacing_ = 0;
   float inverse_ = 0, far_ = 0, deep_ = 0;
   Vec3i low_ = Vec3i::Zero(), size_ = Vec3i::Zero();  // of the directory, in bricks

@@ -18,6 +18,12 @@ Expected<std::shared_ptr<const BakedObject>> loadObject(const std::filesystem::p
   return std::move(*object);
 }
 
+double widestBand(std::span<const std::shared_ptr<const BakedObject>> objects) {
+  double out = 0;
+  for (const auto& object : objects) out = std::max(out, -static_cast<double>(object->phi0().interior()));
+  return out;
+}
+
 Expected<Model> makeModel(std::span<const Tool> tools, const StepSettings& settings, double band_mm) {
   KERF_TRY(materials, readDefaultMaterials());
   KERF_TRY(tissues, tissueTable(materials));

@@ -14,6 +14,9 @@ namespace kerf {
 /// manifest's hashes. @cost seconds for a whole jaw.
 Expected<std::shared_ptr<const BakedObject>> loadObject(const std::filesystem::path& case_folder);
 
+/// Half-width of the widest of their bands, mm: what makeModel() asks for.
+double widestBand(std::span<const std::shared_ptr<const BakedObject>> objects);
+
 /// Tools, tissues by the program's own table, settings. @param bands  of the objects the tools will meet, mm.
 Expected<Model> makeModel(std::span<const Tool> tools, const StepSettings& settings = {}, double band_mm = 0.5);
 

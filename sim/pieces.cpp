@@ -63,9 +63,22 @@ PieceFinder::PieceFinder(const BrickField& phi0, const PieceOptions& options) : 
   keys_.reserve(phi0.brickCount() + interior.size());
   for (std::size_t b = 0; b < phi0.brickCount(); ++b) keys_.push_back(coordKey(phi0.brickCoord(b)));
   for (const Vec3i& c : interior) keys_.push_back(coordKey(c));
+  lookAtAll();
+}
+
+PieceFinder::PieceFinder(const BrickField& phi0, std::span<const Vec3i> bricks, const PieceOptions& options)
+    : field_(phi0), options_(options) {
+  for (const Vec3i& c : bricks)
+    if (field_.valuesAt(c) || field_.constantAt(c) < 0) keys_.push_back(coordKey(c));
+  lookAtAll();
+}
+
+void PieceFinder::lookAtAll() {
   std::sort(keys_.begin(), keys_.end());
-  sorted_ = keys_.size();
-  const std::size_t count = keys_.size();
+  const std::size_t count = first_count_ = keys_.size();
+  layDirectory();
+  is_baked_.resize(count);
+  for (std::size_t s = 0; s < count; ++s) is_baked_[s] = field_.baked().valuesAt(coordOf(keys_[s])) != nullptr;
 
   // Neighbours above come in the order of the bricks themselves: one pointer per axis walks along.
   neighbours_.assign(count, {kNoSlot, kNoSlot, kNoSlot, kNoSlot, kNoSlot, kNoSlot});
@@ -98,27 +111,61 @@ PieceFinder::PieceFinder(const BrickField& phi0, const PieceOptions& options) : 
     const auto slot = static_cast<std::int32_t>(s);
     if (detail_of_[s] == kFull && touchesOutside(slot)) detailOf(slot), measureFringe(slot);
   }
+  block_of_.reserve(count), group_of_full_.reserve(count);
+  for (std::size_t s = 0; s < count; ++s) addToBlock(static_cast<std::int32_t>(s));
 }
 
-std::int32_t PieceFinder::slotOf(const Vec3i& brick) const {
-  const std::uint64_t key = coordKey(brick);
-  const auto end = keys_.begin() + static_cast<std::ptrdiff_t>(sorted_);
-  const auto it = std::lower_bound(keys_.begin(), end, key);
-  if (it != end && *it == key) return static_cast<std::int32_t>(it - keys_.begin());
-  const auto later = later_.find(key);
-  return later == later_.end() ? kNoSlot : later->second;
+void PieceFinder::addToBlock(std::int32_t slot) {
+  const Vec3i at =
+      brickOf(coordOf(keys_[static_cast<std::size_t>(slot)]));  // bricks are to a block as nodes to a brick
+  const auto [known, is_new] = block_at_.try_emplace(coordKey(at), static_cast<std::int32_t>(blocks_.size()));
+  const std::int32_t b = known->second;
+  if (is_new) {
+    blocks_.emplace_back();
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto above = block_at_.find(coordKey(at + kSteps[2 * axis + 1]));
+      if (above != block_at_.end()) blocks_.back().above[static_cast<std::size_t>(axis)] = above->second;
+      const auto below = block_at_.find(coordKey(at + kSteps[2 * axis]));
+      if (below != block_at_.end())
+        blocks_[static_cast<std::size_t>(below->second)].above[static_cast<std::size_t>(axis)] = b;
+    }
+  }
+  blocks_[static_cast<std::size_t>(b)].slots.push_back(slot);
+  blocks_[static_cast<std::size_t>(b)].is_changed = true;
+  block_of_.push_back(static_cast<std::uint32_t>(b));
+  group_of_full_.push_back(0);
+}
+
+// The box of all slots, with as much air around it as can be filled before it must be laid anew.
+void PieceFinder::layDirectory() {
+  Vec3i low = Vec3i::Constant(std::numeric_limits<int>::max()), high = -low;
+  for (const std::uint64_t key : keys_) low = low.cwiseMin(coordOf(key)), high = high.cwiseMax(coordOf(key));
+  if (keys_.empty()) low = high = Vec3i::Zero();
+  constexpr int kAir = 4;
+  low_ = low - Vec3i::Constant(kAir), size_ = high - low + Vec3i::Constant(1 + 2 * kAir);
+  directory_.assign(static_cast<std::size_t>(size_.cast<std::ptrdiff_t>().prod()), kNoSlot);
+  for (std::size_t s = 0; s < keys_.size(); ++s) {
+    const Vec3i at = coordOf(keys_[s]) - low_;
+    directory_[static_cast<std::size_t>((at[0] * size_[1] + at[1]) * size_[2] + at[2])] = static_cast<std::int32_t>(s);
+  }
 }
 
 std::int32_t PieceFinder::addSlot(const Vec3i& brick) {
   const auto slot = static_cast<std::int32_t>(keys_.size());
   keys_.push_back(coordKey(brick));
-  later_.emplace(coordKey(brick), slot);
+  is_baked_.push_back(0);
+  const Vec3i at = brick - low_;
+  if ((at.array() < 0).any() || (at.array() >= size_.array()).any())
+    layDirectory();
+  else
+    directory_[static_cast<std::size_t>((at[0] * size_[1] + at[1]) * size_[2] + at[2])] = slot;
   detail_of_.push_back(kOutside);
   std::array<std::int32_t, 6>& mine = neighbours_.emplace_back();
   for (std::size_t side = 0; side < 6; ++side) {
     mine[side] = slotOf(brick + kSteps[side]);
     if (mine[side] != kNoSlot) neighbours_[static_cast<std::size_t>(mine[side])][side ^ 1] = slot;
   }
+  addToBlock(slot);
   return slot;
 }
 
@@ -215,12 +262,14 @@ bool PieceFinder::touchesOutside(std::int32_t slot) const {
   return false;
 }
 
-// Books the gap between the surface and the cubes around inside nodes. Reads the values and masks of the neighbours.
+// Finds the outermost nodes, and books the gap between the surface and the cubes around inside nodes on them. Reads the
+// values and masks of the neighbours.
 // @pre the slot has a detail.
 void PieceFinder::measureFringe(std::int32_t slot) {
   const auto s = static_cast<std::size_t>(slot);
   Detail& d = details_[static_cast<std::size_t>(detail_of_[s])];
   for (Part& part : d.parts) part.measure.fringe = 0;
+  d.outermost = {};
   if (d.parts.empty()) return;
   struct Source {
     const BrickValues* values;
@@ -265,7 +314,8 @@ void PieceFinder::measureFringe(std::int32_t slot) {
     const std::uint64_t kept = (i > 0 ? d.bits[i - 1] : edge(0)) & (i < 7 ? d.bits[i + 1] : edge(1)) &
                                (c << 8 | below_y) & (c >> 8 | above_y << 56) & (((c << 1) & ~kZ0) | spread(below_z)) &
                                (((c >> 1) & ~(kZ0 << 7)) | spread(above_z) << 7);
-    forEachBit(c & ~kept, [&](int n) { bookNode(static_cast<int>(64 * i) + n); });
+    d.outermost[i] = c & ~kept;
+    forEachBit(d.outermost[i], [&](int n) { bookNode(static_cast<int>(64 * i) + n); });
   }
 }
 
@@ -284,6 +334,7 @@ void PieceFinder::apply(std::span<const BrickEdit> edits) {
   std::vector<std::int32_t> measured = changed;
   for (const std::int32_t slot : changed) {
     labelParts(*field_.valuesAt(coordOf(keys_[static_cast<std::size_t>(slot)])), detailOf(slot));
+    blocks_[block_of_[static_cast<std::size_t>(slot)]].is_changed = true;
     for (const std::int32_t next : neighbours_[static_cast<std::size_t>(slot)])
       if (next != kNoSlot) measured.push_back(next);
   }
@@ -294,6 +345,7 @@ void PieceFinder::apply(std::span<const BrickEdit> edits) {
     if (index == kOutside || (index == kFull && !touchesOutside(slot))) continue;
     detailOf(slot);
     measureFringe(slot);
+    blocks_[block_of_[static_cast<std::size_t>(slot)]].is_changed = true;
   }
 }
 
@@ -310,67 +362,139 @@ void PieceFinder::joinBricks(std::int32_t a, std::int32_t b, int axis, const Uni
   forEachBit(both, [&](int n) { unite(partAt(a, faceNode(side, n)), partAt(b, faceNode(side ^ 1, n))); });
 }
 
-const PieceList& PieceFinder::find() {
-  if (is_current_) return list_;
-  const std::size_t slots = keys_.size();
-  first_part_.resize(slots + 1);
-  first_part_[0] = 0;
-  for (std::size_t s = 0; s < slots; ++s) first_part_[s + 1] = first_part_[s] + partCount(static_cast<std::int32_t>(s));
+namespace {
 
-  // Union-find; a tree's root is its smallest part, so that roots do not depend on the order of unions.
-  std::vector<std::uint32_t> parent(first_part_[slots]);
-  std::iota(parent.begin(), parent.end(), 0u);
-  const auto rootOf = [&](std::uint32_t p) {
-    while (parent[p] != p) p = parent[p] = parent[parent[p]];
-    return p;
-  };
-  for (std::size_t s = 0; s < slots; ++s) {
-    if (first_part_[s] == first_part_[s + 1]) continue;
+// Union-find; a tree's root is its smallest member, so that roots do not depend on the order of unions.
+std::uint32_t rootOf(std::vector<std::uint32_t>& parent, std::uint32_t p) {
+  while (parent[p] != p) p = parent[p] = parent[parent[p]];
+  return p;
+}
+void unite(std::vector<std::uint32_t>& parent, std::uint32_t a, std::uint32_t b) {
+  if (parent[a] == parent[b]) return;  // joined already, as most are
+  const std::uint32_t ra = rootOf(parent, a), rb = rootOf(parent, b);
+  if (ra != rb) parent[std::max(ra, rb)] = std::min(ra, rb);
+}
+
+}  // namespace
+
+std::uint32_t PieceFinder::groupOf(std::int32_t slot, std::uint32_t part) const {
+  const std::int32_t index = detail_of_[static_cast<std::size_t>(slot)];
+  return index < 0 ? group_of_full_[static_cast<std::size_t>(slot)]
+                   : details_[static_cast<std::size_t>(index)].parts[part].group;
+}
+
+// Joins the parts of one block.
+void PieceFinder::group(Block& block) {
+  const std::uint32_t mine = block_of_[static_cast<std::size_t>(block.slots.front())];
+  first_part_.resize(keys_.size());  // of the slots of this block only
+  parent_.clear();
+  for (const std::int32_t slot : block.slots) {
+    first_part_[static_cast<std::size_t>(slot)] = static_cast<std::uint32_t>(parent_.size());
+    for (std::uint32_t p = partCount(slot); p > 0; --p) parent_.push_back(static_cast<std::uint32_t>(parent_.size()));
+  }
+  for (const std::int32_t slot : block.slots) {
+    const auto s = static_cast<std::size_t>(slot);
+    if (partCount(slot) == 0) continue;
     for (int axis = 0; axis < 3; ++axis) {
       const std::int32_t next = neighbours_[s][static_cast<std::size_t>(2 * axis + 1)];
-      if (next == kNoSlot) continue;
-      joinBricks(static_cast<std::int32_t>(s), next, axis, [&](std::uint32_t a, std::uint32_t b) {
-        const std::uint32_t pa = first_part_[s] + a, pb = first_part_[static_cast<std::size_t>(next)] + b;
-        if (parent[pa] == parent[pb]) return;  // joined already, as most are
-        const std::uint32_t ra = rootOf(pa), rb = rootOf(pb);
-        if (ra != rb) parent[std::max(ra, rb)] = std::min(ra, rb);
+      if (next == kNoSlot || block_of_[static_cast<std::size_t>(next)] != mine) continue;
+      joinBricks(slot, next, axis, [&](std::uint32_t a, std::uint32_t b) {
+        unite(parent_, first_part_[s] + a, first_part_[static_cast<std::size_t>(next)] + b);
       });
     }
   }
-
-  struct Found {
-    SolidMeasure measure;
-    Vec3i low = Vec3i::Constant(std::numeric_limits<int>::max()),
-          high = Vec3i::Constant(std::numeric_limits<int>::min());
-    std::uint64_t first = kAll;
-  };
-  std::vector<Found> found;
-  piece_of_part_.resize(parent.size());
-  list_ = {};
-  for (std::size_t s = 0; s < slots; ++s) {
-    if (first_part_[s] == first_part_[s + 1]) continue;
+  block.groups.clear();
+  std::vector<std::uint32_t> group_of(parent_.size());
+  for (const std::int32_t slot : block.slots) {
+    const auto s = static_cast<std::size_t>(slot);
     const Vec3i base = coordOf(keys_[s]) * kBrickSide;
     const std::int32_t index = detail_of_[s];
-    for (std::uint32_t p = first_part_[s]; p < first_part_[s + 1]; ++p) {
-      const std::uint32_t root = rootOf(p);
-      if (root == p)
-        piece_of_part_[p] = static_cast<std::uint32_t>(found.size()), found.emplace_back();
-      else
-        piece_of_part_[p] = piece_of_part_[root];
-      Found& f = found[piece_of_part_[p]];
+    const std::uint32_t parts = partCount(slot);
+    for (std::uint32_t n = 0; n < parts; ++n) {
+      const std::uint32_t p = first_part_[s] + n, root = rootOf(parent_, p);
+      if (root == p) {
+        group_of[p] = static_cast<std::uint32_t>(block.groups.size());
+        block.groups.push_back({{},
+                                Vec3i::Constant(std::numeric_limits<int>::max()),
+                                Vec3i::Constant(std::numeric_limits<int>::min()),
+                                kAll});
+      }
+      group_of[p] = group_of[root];
+      Group& g = block.groups[group_of[p]];
       if (index == kFull) {
-        f.measure.nodes += kBrickNodes;
-        f.low = f.low.cwiseMin(base), f.high = f.high.cwiseMax(base + Vec3i::Constant(kBrickSide - 1));
-        f.first = std::min(f.first, coordKey(base));
+        group_of_full_[s] = group_of[p];
+        g.measure.nodes += kBrickNodes;
+        g.low = g.low.cwiseMin(base), g.high = g.high.cwiseMax(base + Vec3i::Constant(kBrickSide - 1));
+        g.first = std::min(g.first, coordKey(base));
         continue;
       }
-      const Part& part = details_[static_cast<std::size_t>(index)].parts[p - first_part_[s]];
-      f.measure.add(part.measure);
-      f.low = f.low.cwiseMin(base + Vec3i{part.low[0], part.low[1], part.low[2]});
-      f.high = f.high.cwiseMax(base + Vec3i{part.high[0], part.high[1], part.high[2]});
-      f.first = std::min(f.first, coordKey(Vec3i(base + Vec3i{part.first >> 6, part.first >> 3 & 7, part.first & 7})));
+      Part& part = details_[static_cast<std::size_t>(index)].parts[n];
+      part.group = group_of[p];
+      g.measure.add(part.measure);
+      g.low = g.low.cwiseMin(base + Vec3i{part.low[0], part.low[1], part.low[2]});
+      g.high = g.high.cwiseMax(base + Vec3i{part.high[0], part.high[1], part.high[2]});
+      g.first = std::min(g.first, coordKey(Vec3i(base + Vec3i{part.first >> 6, part.first >> 3 & 7, part.first & 7})));
     }
   }
+}
+
+// Which of its groups meet which of the block above.
+void PieceFinder::joinAbove(Block& block, int axis) const {
+  auto& joins = block.joins[static_cast<std::size_t>(axis)];
+  joins.clear();
+  const std::int32_t above = block.above[static_cast<std::size_t>(axis)];
+  if (above == kNoSlot) return;
+  for (const std::int32_t slot : block.slots) {
+    const std::int32_t next = neighbours_[static_cast<std::size_t>(slot)][static_cast<std::size_t>(2 * axis + 1)];
+    if (next == kNoSlot || block_of_[static_cast<std::size_t>(next)] != static_cast<std::uint32_t>(above)) continue;
+    joinBricks(slot, next, axis, [&](std::uint32_t a, std::uint32_t b) {
+      const std::pair pair(groupOf(slot, a), groupOf(next, b));
+      if (std::find(joins.rbegin(), joins.rend(), pair) == joins.rend()) joins.push_back(pair);
+    });
+  }
+}
+
+const PieceList& PieceFinder::find() {
+  if (is_current_) return list_;
+  for (Block& block : blocks_)
+    if (block.is_changed) group(block);
+  const auto isChangedAbove = [&](const Block& block, int axis) {
+    const std::int32_t above = block.above[static_cast<std::size_t>(axis)];
+    return above != kNoSlot && blocks_[static_cast<std::size_t>(above)].is_changed;
+  };
+  std::uint32_t groups = 0;
+  for (Block& block : blocks_) {
+    for (int axis = 0; axis < 3; ++axis)
+      if (block.is_changed || isChangedAbove(block, axis)) joinAbove(block, axis);
+    block.first_group = groups;
+    groups += static_cast<std::uint32_t>(block.groups.size());
+  }
+  std::vector<std::uint32_t> parent(groups);
+  std::iota(parent.begin(), parent.end(), 0u);
+  for (Block& block : blocks_) {
+    block.is_changed = false;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      for (const auto& [a, b] : block.joins[axis])
+        unite(parent, block.first_group + a, blocks_[static_cast<std::size_t>(block.above[axis])].first_group + b);
+  }
+
+  std::vector<Group> found;
+  piece_of_group_.resize(groups);
+  list_ = {};
+  for (const Block& block : blocks_)
+    for (std::uint32_t n = 0; n < block.groups.size(); ++n) {
+      const std::uint32_t g = block.first_group + n, root = rootOf(parent, g);
+      const Group& from = block.groups[n];
+      if (root == g)
+        piece_of_group_[g] = static_cast<std::uint32_t>(found.size()), found.push_back(from);
+      else
+        piece_of_group_[g] = piece_of_group_[root];
+      if (root == g) continue;
+      Group& to = found[piece_of_group_[g]];
+      to.measure.add(from.measure);
+      to.low = to.low.cwiseMin(from.low), to.high = to.high.cwiseMax(from.high);
+      to.first = std::min(to.first, from.first);
+    }
 
   const double h = field_.voxel();
   std::vector<Piece> all(found.size());
@@ -390,7 +514,7 @@ const PieceList& PieceFinder::find() {
     all[n].id = static_cast<std::uint32_t>(n);
     (all[n].volume < options_.crumb_mm3 ? list_.crumbs : list_.pieces).push_back(all[n]);
   }
-  for (std::uint32_t& p : piece_of_part_) p = renamed[p];
+  for (std::uint32_t& p : piece_of_group_) p = renamed[p];
   is_current_ = true;
   return list_;
 }
@@ -404,26 +528,30 @@ std::uint32_t PieceFinder::pieceAt(const Vec3i& node) const {
   if (index >= 0 &&
       !(details_[static_cast<std::size_t>(index)].bits[static_cast<std::size_t>(offset >> 6)] >> (offset & 63) & 1))
     return kNoPiece;
-  return piece_of_part_[first_part_[static_cast<std::size_t>(slot)] + partAt(slot, offset)];
+  return piecesOfBlock(static_cast<std::size_t>(slot))[groupOf(slot, partAt(slot, offset))];
 }
 
 void PieceFinder::piecesIn(const Vec3i& brick, std::span<std::uint32_t, kBrickNodes> out) const {
   assert(is_current_);
   const std::int32_t slot = slotOf(brick);
   if (slot == kNoSlot || partCount(slot) == 0) return std::fill(out.begin(), out.end(), kNoPiece);
-  const std::uint32_t* const piece = piece_of_part_.data() + first_part_[static_cast<std::size_t>(slot)];
+  const std::uint32_t* const piece = piecesOfBlock(static_cast<std::size_t>(slot));
   const std::int32_t index = detail_of_[static_cast<std::size_t>(slot)];
-  if (index < 0) return std::fill(out.begin(), out.end(), *piece);
+  if (index < 0) return std::fill(out.begin(), out.end(), piece[groupOf(slot, 0)]);
   const Detail& d = details_[static_cast<std::size_t>(index)];
   for (std::size_t n = 0; n < out.size(); ++n)
-    out[n] = d.bits[n >> 6] >> (n & 63) & 1 ? piece[d.label.empty() ? 0 : d.label[n]] : kNoPiece;
+    out[n] = d.bits[n >> 6] >> (n & 63) & 1 ? piece[d.parts[d.label.empty() ? 0 : d.label[n]].group] : kNoPiece;
 }
 
 std::uint32_t PieceFinder::pieceOfSlot(std::size_t s) const {
   std::uint32_t piece = kNoPiece;
-  for (std::uint32_t p = first_part_[s]; p < first_part_[s + 1]; ++p) {
-    if (piece != kNoPiece && piece != piece_of_part_[p]) return kSeveralPieces;
-    piece = piece_of_part_[p];
+  const std::uint32_t* const of = piecesOfBlock(s);
+  const auto slot = static_cast<std::int32_t>(s);
+  const std::uint32_t parts = partCount(slot);
+  for (std::uint32_t p = 0; p < parts; ++p) {
+    const std::uint32_t its = of[groupOf(slot, p)];
+    if (piece != kNoPiece && piece != its) return kSeveralPieces;
+    piece = its;
   }
   return piece;
 }
@@ -434,34 +562,49 @@ std::uint32_t PieceFinder::pieceOfBrick(const Vec3i& brick) const {
   return slot == kNoSlot ? kNoPiece : pieceOfSlot(static_cast<std::size_t>(slot));
 }
 
-bool PieceFinder::hasOthersWithin(const Vec3i& brick, int reach, std::uint32_t piece) const {
-  assert(is_current_ && reach <= kBrickSide);
-  const Vec3i low = brick * kBrickSide - Vec3i::Constant(reach);
-  const Vec3i high = brick * kBrickSide + Vec3i::Constant(kBrickSide - 1 + reach);
-  for (int n = 0; n < 27; ++n) {
-    const Vec3i c = brick + Vec3i{n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1};
-    const std::int32_t slot = slotOf(c);
-    if (slot == kNoSlot) continue;
-    const auto s = static_cast<std::size_t>(slot);
-    const std::int32_t index = detail_of_[s];
-    for (std::uint32_t p = first_part_[s]; p < first_part_[s + 1]; ++p) {
-      if (piece_of_part_[p] == piece) continue;
-      if (index < 0) return true;
-      const Part& part = details_[static_cast<std::size_t>(index)].parts[p - first_part_[s]];
-      const Vec3i base = c * kBrickSide;
-      const Vec3i part_low = base + Vec3i{part.low[0], part.low[1], part.low[2]};
-      const Vec3i part_high = base + Vec3i{part.high[0], part.high[1], part.high[2]};
-      if ((part_low.array() <= high.array()).all() && (part_high.array() >= low.array()).all()) return true;
-    }
+std::vector<std::uint32_t> PieceFinder::piecesInSight() const {
+  assert(is_current_);
+  const auto both = [](std::uint32_t a, std::uint32_t b) {
+    return a == kNoPiece || a == b ? b : b == kNoPiece ? a : kSeveralPieces;
+  };
+  std::vector<Vec3i> at;
+  Vec3i low = Vec3i::Constant(std::numeric_limits<int>::max()), high = -low;
+  for (const Block& block : blocks_) {
+    at.push_back(brickOf(coordOf(keys_[static_cast<std::size_t>(block.slots.front())])));
+    low = low.cwiseMin(at.back()), high = high.cwiseMax(at.back());
   }
-  return false;
+  if (blocks_.empty()) return {};
+  const Vec3i size = high - low + Vec3i::Constant(3);
+  const auto cellOf = [&](const Vec3i& c) {
+    const Vec3i from_low = c - low + Vec3i::Ones();
+    return static_cast<std::size_t>((from_low[0] * size[1] + from_low[1]) * size[2] + from_low[2]);
+  };
+  std::vector<std::uint32_t> cells(static_cast<std::size_t>(size.cast<std::ptrdiff_t>().prod()), kNoPiece), from;
+  for (std::size_t b = 0; b < blocks_.size(); ++b)
+    for (std::uint32_t g = 0; g < blocks_[b].groups.size(); ++g)
+      cells[cellOf(at[b])] = both(cells[cellOf(at[b])], piece_of_group_[blocks_[b].first_group + g]);
+  // Axis by axis. The outermost cells are of no block: what lies before the first of a row is nothing.
+  const auto row = static_cast<std::size_t>(size[2]), plane = row * static_cast<std::size_t>(size[1]);
+  for (const std::size_t step : {std::size_t{1}, row, plane}) {
+    from = cells;
+    for (std::size_t n = step; n + step < cells.size(); ++n)
+      cells[n] = both(cells[n], both(from[n - step], from[n + step]));
+  }
+  std::vector<std::uint32_t> out(blocks_.size());
+  for (std::size_t b = 0; b < out.size(); ++b) out[b] = cells[cellOf(at[b])];
+  return out;
 }
 
-std::vector<PieceFinder::InsideBrick> PieceFinder::insideBricks() const {
+std::vector<std::uint32_t> PieceFinder::piecesOfSlots() const {
   assert(is_current_);
-  std::vector<InsideBrick> out;
-  for (std::size_t s = 0; s < keys_.size(); ++s)
-    if (partCount(static_cast<std::int32_t>(s)) > 0) out.push_back({coordOf(keys_[s]), pieceOfSlot(s)});
+  std::vector<std::uint32_t> out(keys_.size(), kNoPiece);
+  for (const Block& block : blocks_) {
+    const bool is_one = block.groups.size() == 1;
+    for (const std::int32_t slot : block.slots) {
+      const auto s = static_cast<std::size_t>(slot);
+      if (partCount(slot) > 0) out[s] = is_one ? piece_of_group_[block.first_group] : pieceOfSlot(s);
+    }
+  }
   return out;
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <optional>
+#include <utility>
 
 #include "geometry/hash.h"
 #include "geometry/tool_file.h"
@@ -81,6 +82,7 @@ Expected<Replay> replayFrom(const SessionLog& log, const std::string& file, cons
     out.note = "the log was cut off between two records: its session did not end cleanly";
   StepOutput tick;
   std::uint64_t lacked_room = 0;
+  bool has_other_snapshots = false;
   const auto require = [&](bool is_same, std::uint64_t at) {
     ++out.checks;
     if (!is_same && out.is_same) out.is_same = false, out.differs_at = at;
@@ -103,8 +105,12 @@ Expected<Replay> replayFrom(const SessionLog& log, const std::string& file, cons
       } else if (const auto* snapshot = std::get_if<SessionSnapshot>(&e.what)) {
         if (!standsAtItsTick(log, event)) continue;
         KERF_TRY(bytes, unpackSnapshot(*snapshot));
-        require(session.snapshot() == bytes, e.tick);
-        ++out.snapshots;
+        const std::vector<std::byte> now = session.snapshot();
+        if (isStateOfThisVersion(bytes))
+          require(now == bytes, e.tick), ++out.snapshots;
+        else if (!std::exchange(has_other_snapshots, true))
+          out.note +=
+              (out.note.empty() ? "" : "; ") + std::string("snapshots of another version of Kerf were not compared");
       } else if (const auto* gap = std::get_if<SessionGap>(&e.what)) {
         out.note =
             fmt::format("{} samples are missing at tick {}: what follows can not be the same", gap->lost, e.tick);
@@ -132,6 +138,7 @@ Expected<Replay> replayFrom(const SessionLog& log, const std::string& file, cons
     note(fmt::format("{} ticks lacked room: they may have cut less than those recorded", lacked_room));
   if (out.checks == 0) out.is_same = false, note("nothing to compare with in these ticks: choose more of them");
   out.state_hash = fmt::format("{:016x}", session.hash());
+  out.objects = session.state().objects.size();
   for (const CutObject& object : session.state().objects)
     for (const double volume : object.removed_mm3) out.removed_mm3 += volume;
   return out;
@@ -148,6 +155,7 @@ Expected<Replay> replay(const SessionLog& log, const std::string& file, Model mo
     if (!snapshot || !standsAtItsTick(log, n) || static_cast<double>(log.events[n].samples_before) * kTick > from_s)
       continue;
     KERF_TRY(bytes, unpackSnapshot(*snapshot));
+    if (!isStateOfThisVersion(bytes)) continue;
     KERF_TRY(state, unpackState(bytes, objects, file));
     if (state.tool >= model.tools.size())
       return fail({Error::Code::kBadValue, file, "snapshot", fmt::format("tool {}", state.tool),
@@ -166,6 +174,7 @@ Expected<Replay> replayRun(const std::filesystem::path& run_folder, const Progre
     return fail({Error::Code::kUnsupported, run_folder.string(), "mode " + manifest.mode, "no session to replay",
                  "a run cut against resistance", "kerf cut --hand"});
   KERF_TRY(case_folder, caseOfRun(run_folder));
+  KERF_TRY(beside, casesBesideRun(run_folder));
   if (!report(progress, 0, "loading the case")) return fail({Error::Code::kCancelled, "", "", "cancelled", "", ""});
   KERF_TRY(log, readSessionLog(run_folder / internal::kRunLog));
   const auto wants = [&](const char* key, const std::string& found) -> Expected<void> {
@@ -174,13 +183,21 @@ Expected<Replay> replayRun(const std::filesystem::path& run_folder, const Progre
                  std::string(log.value(key)), found, "the log belongs to another run"});
   };
   KERF_CHECK(wants("case_id", manifest.case_id));
+  for (std::size_t n = 1; n <= beside.size(); ++n)
+    KERF_CHECK(wants(internal::neighbourKey(n).c_str(), manifest.beside[n - 1].case_id));
+  KERF_CHECK(wants(internal::neighbourKey(beside.size() + 1).c_str(), ""));
   KERF_CHECK(requireSha256(run_folder / internal::kRunToolCopy, manifest.tool_sha256, "cut again"));
   KERF_CHECK(wants("tool_sha256", manifest.tool_sha256));
   KERF_TRY(tool, readTool(run_folder / internal::kRunToolCopy));
-  KERF_TRY(object, loadObject(case_folder));
-  KERF_TRY(model, makeModel(std::span(&tool, 1), {}, -static_cast<double>(object->phi0().interior())));
-  auto out =
-      replay(log, (run_folder / internal::kRunLog).string(), std::move(model), {object}, progress, until_s, from_s);
+  LoadedObjects objects;
+  beside.insert(beside.begin(), case_folder);
+  for (const std::filesystem::path& folder : beside) {
+    KERF_TRY(object, loadObject(folder));
+    objects.push_back(std::move(object));
+  }
+  KERF_TRY(model, makeModel(std::span(&tool, 1), {}, widestBand(objects)));
+  auto out = replay(log, (run_folder / internal::kRunLog).string(), std::move(model), std::move(objects), progress,
+                    until_s, from_s);
   if (out && log.is_closed && out->first_tick + out->ticks == log.samples.size() &&
       out->state_hash != manifest.state_hash)
     out->is_same = false, out->note = "the state at the end is not the one that run.toml names, " + manifest.state_hash;

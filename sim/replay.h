@@ -39,7 +39,8 @@ struct Replay {
   bool is_same = true;           ///< every check held, and there was one
   std::string state_hash;        ///< at the end
   std::string note;              ///< what the log lacks: cut off, damaged, samples lost
-  double removed_mm3 = 0;        ///< at the end, of all objects
+  double removed_mm3 = 0;        ///< at the end, of all objects; of a piece since it came off
+  std::size_t objects = 0;       ///< at the end: cases, and pieces
 };
 
 /// Runs a log against the objects and tools it was recorded with.
@@ -51,7 +52,7 @@ Expected<Replay> replay(const SessionLog& log, const std::string& file, Model mo
                         const Progress& progress = {}, double until_s = std::numeric_limits<double>::infinity(),
                         double from_s = 0);
 
-/// The session of a haptic run: session.kerflog, with the case and the tool the run names.
+/// The session of a haptic run: session.kerflog, with the cases and the tool the run names.
 Expected<Replay> replayRun(const std::filesystem::path& run_folder, const Progress& progress = {},
                            double until_s = std::numeric_limits<double>::infinity(), double from_s = 0);
 

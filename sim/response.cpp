@@ -117,6 +117,7 @@ class Responder {
         const double wanted = 1.5 * sums.deepest * std::sqrt(2 * std::min(share, 2.0));
         shape->allowed = std::max(shape->allowed, std::min(wanted, kDeepest));
       }
+      if (sums.touching > 0) look_.objects_touched |= objectBit(n);
       sums.scale(sums.normal_load > 0 ? loadOf(n) / sums.normal_load : 0);
       look_.sums.add(sums.rotated(object.T_world_object.rotation.toRotationMatrix()));
     }

@@ -32,6 +32,7 @@ struct Look {
   Wrench contact;       ///< on the tool, with drag
   bool is_free = true;  ///< nothing holds it, and it is where the hand wants it
   double removed_mm3 = 0;
+  std::uint64_t objects_touched = 0;  ///< StepOutput::objects_touched
   int bricks_near = 0, bricks_cut = 0;
   std::uint32_t status = 0;  ///< StepStatus
 };

@@ -14,6 +14,7 @@
 #include "geometry/tool_file.h"
 #include "geometry/vdb_io.h"
 #include "sim/internal/run_files.h"
+#include "sim/monitor.h"
 #include "sim/path.h"
 #include "sim/sweep_cutter.h"
 
@@ -24,19 +25,30 @@ namespace fs = std::filesystem;
 using internal::kRunField;
 using internal::kRunToolCopy;
 
-Expected<fs::path> locateCase(const fs::path& run_folder, const RunManifest& m) {
+// Which case of a run: the one that was cut, or a neighbour of it.
+struct CaseRef {
+  const std::string& path;
+  const std::string& id;
+  std::string keys, role;  // in front of the manifest's keys; for people
+};
+CaseRef caseRef(const RunManifest& m) { return {m.case_path, m.case_id, "", "the case this run was cut from"}; }
+CaseRef caseRef(const RunManifest& m, std::size_t beside) {
+  const RunManifest::Beside& b = m.beside[beside - 1];
+  return {b.case_path, b.case_id, neighbourId(beside) + ", ", "the case that stood beside it"};
+}
+
+Expected<fs::path> locateCase(const fs::path& run_folder, const CaseRef& m) {
   // As named first, then with symbolic links resolved: a run may be reached through one.
   std::error_code ignored;
-  fs::path wanted = (fs::absolute(run_folder, ignored) / m.case_path).lexically_normal();
-  if (!isCase(wanted)) wanted = (fs::weakly_canonical(run_folder, ignored) / m.case_path).lexically_normal();
+  fs::path wanted = (fs::absolute(run_folder, ignored) / m.path).lexically_normal();
+  if (!isCase(wanted)) wanted = (fs::weakly_canonical(run_folder, ignored) / m.path).lexically_normal();
   if (!isCase(wanted))
-    return fail({Error::Code::kNotFound, run_folder.string(), "key case_path", "no case at " + m.case_path,
-                 "the case this run was cut from", "move the case back beside the run, or cut again"});
+    return fail({Error::Code::kNotFound, run_folder.string(), m.keys + "key case_path", "no case at " + m.path, m.role,
+                 "move the case back beside the run, or cut again"});
   KERF_TRY(manifest, readCaseManifest(wanted));
-  if (manifest.id != m.case_id)
-    return fail({Error::Code::kBadValue, run_folder.string(), "key case_id",
-                 "the case there was baked anew since this run was cut", "case " + m.case_id.substr(0, 12),
-                 "cut again"});
+  if (manifest.id != m.id)
+    return fail({Error::Code::kBadValue, run_folder.string(), m.keys + "key case_id",
+                 "the case there was baked anew since this run was cut", "case " + m.id.substr(0, 12), "cut again"});
   return wanted;
 }
 
@@ -106,6 +118,13 @@ bool liesDeeper(const BrickField& phi, const BrickField& phi0) {
   return false;
 }
 
+Expected<void> requireBeside(const fs::path& run_folder, const RunManifest& m, std::size_t beside) {
+  if (beside <= m.beside.size()) return {};
+  return fail({Error::Code::kNotFound, run_folder.string(), neighbourId(beside), "there is none",
+               m.beside.empty() ? "a run cut with other cases beside it" : fmt::format("1 to {}", m.beside.size()),
+               m.beside.empty() ? "kerf cut CASE --hand ... --beside OTHER.case" : "kerf info tells them"});
+}
+
 }  // namespace
 
 bool isRun(const fs::path& folder) {
@@ -145,13 +164,38 @@ Expected<RunManifest> readRunManifest(const fs::path& folder) {
   m.voxel_mm = top.number("voxel_mm", 0.001, 100);
   m.state_hash = top.get<std::string>("state_hash", "16 hexadecimal digits");
   m.field_sha256 = top.get<std::string>("field_sha256", "64 hexadecimal digits");
+  if (const toml::array* beside = top.has("beside") ? top.tables("beside") : nullptr)
+    for (const toml::node& node : *beside) {
+      if (!node.is_table()) continue;
+      TomlTable t(*node.as_table(), path, neighbourId(m.beside.size() + 1));
+      RunManifest::Beside b;
+      b.case_path = t.get<std::string>("case_path", "a path");
+      b.case_id = t.get<std::string>("case_id", "64 hexadecimal digits");
+      b.voxel_mm = t.number("voxel_mm", 0.001, 100);
+      b.removed_mm3 = t.number("removed_mm3", 0, 1e12, "mm3");
+      KERF_CHECK(t.finish());
+      m.beside.push_back(std::move(b));
+    }
+  if (!m.beside.empty() && m.mode != kModeHaptic) top.reject("beside", "in mode " + m.mode, "mode haptic");
+  if (m.beside.size() >= kMostObjects)
+    top.reject("beside", fmt::format("{} cases", m.beside.size()), fmt::format("at most {}", kMostObjects - 1));
   KERF_CHECK(top.finish());
   return m;
 }
 
 Expected<fs::path> caseOfRun(const fs::path& run_folder) {
   KERF_TRY(manifest, readRunManifest(run_folder));
-  return locateCase(run_folder, manifest);
+  return locateCase(run_folder, caseRef(manifest));
+}
+
+Expected<std::vector<fs::path>> casesBesideRun(const fs::path& run_folder) {
+  KERF_TRY(manifest, readRunManifest(run_folder));
+  std::vector<fs::path> out;
+  for (std::size_t n = 1; n <= manifest.beside.size(); ++n) {
+    KERF_TRY(folder, locateCase(run_folder, caseRef(manifest, n)));
+    out.push_back(std::move(folder));
+  }
+  return out;
 }
 
 Expected<BrickField> readRunSweep(const fs::path& run_folder) {
@@ -163,10 +207,11 @@ Expected<BrickField> readRunSweep(const fs::path& run_folder) {
   return readVdb(run_folder / kRunField, "sweep");
 }
 
-Expected<BrickField> readRunCutField(const fs::path& run_folder) {
+Expected<BrickField> readRunCutField(const fs::path& run_folder, std::size_t beside) {
   KERF_TRY(manifest, readRunManifest(run_folder));
+  KERF_CHECK(requireBeside(run_folder, manifest, beside));
   KERF_CHECK(requireSha256(run_folder / kRunField, manifest.field_sha256, "cut again"));
-  return readVdb(run_folder / kRunField, "phi");
+  return readVdb(run_folder / kRunField, beside == 0 ? "phi" : neighbourId(beside));
 }
 
 Expected<RunManifest> cutCase(const fs::path& case_folder, const fs::path& tool_file, const fs::path& path_file,
@@ -233,12 +278,14 @@ Expected<RunManifest> cutCase(const fs::path& case_folder, const fs::path& tool_
   return m;
 }
 
-Expected<Export> exportBundle(const fs::path& bundle, const PostOpOptions& options, const Progress& progress) {
+Expected<Export> exportBundle(const fs::path& bundle, const PostOpOptions& options, const Progress& progress,
+                              std::size_t beside) {
   const auto cancelError = [] {
     return fail({Error::Code::kCancelled, "", "", "cancelled; nothing was written", "", ""});
   };
   Export out;
   if (isCase(bundle)) {
+    if (beside > 0) return fail(requireBeside(bundle, {}, beside).error());
     KERF_TRY(manifest, readCaseManifest(bundle));
     KERF_TRY(solid, readCaseSolid(bundle));
     auto result = postOperativeMesh(solid, BrickField(manifest.voxel_mm, static_cast<float>(4 * manifest.voxel_mm)),
@@ -251,13 +298,14 @@ Expected<Export> exportBundle(const fs::path& bundle, const PostOpOptions& optio
     return fail({Error::Code::kNotFound, bundle.string(), "", "neither a run nor a case",
                  "a folder with run.toml or case.toml", "kerf bake, then kerf cut"});
   KERF_TRY(manifest, readRunManifest(bundle));
-  KERF_TRY(case_folder, locateCase(bundle, manifest));
+  KERF_CHECK(requireBeside(bundle, manifest, beside));
+  KERF_TRY(case_folder, locateCase(bundle, beside == 0 ? caseRef(manifest) : caseRef(manifest, beside)));
   if (!report(progress, 0.0, "loading")) return cancelError();
   KERF_TRY(in_case, readCaseManifest(case_folder));
   KERF_TRY(solid, readCaseSolid(case_folder));
   KERF_TRY(phi0, readCaseField(case_folder));
   const bool is_geometry = manifest.mode == kModeGeometry;
-  KERF_TRY(cut, is_geometry ? readRunSweep(bundle) : readRunCutField(bundle));
+  KERF_TRY(cut, is_geometry ? readRunSweep(bundle) : readRunCutField(bundle, beside));
   KERF_CHECK(requireSha256(bundle / kRunToolCopy, manifest.tool_sha256, "cut again; a run is never edited"));
   KERF_CHECK(requireSha256(bundle / manifest.path_file, manifest.path_sha256, "cut again; a run is never edited"));
   if (const auto& region = in_case.region; region && cut.voxel() == region->where.voxel_mm) {

@@ -2,12 +2,14 @@
 //
 //   run.toml     manifest: case, tool, path, what came of it
 //   tool.toml    the tool as used, with its mesh if it has one        path.csv | path.toml   the path as used
-//   run.vdb      grids phi (the cut field, bricks that changed) and, geometry only, sweep (union of tool sweeps, mm)
+//   run.vdb      grids phi (the cut field, bricks that changed) and, geometry only, sweep (union of tool sweeps, mm);
+//                beside_1, beside_2, ...: phi of further cases that stood beside the one that was cut
 //   forces.csv, summary.json   of a cut against resistance: haptic_cut.h
 #pragma once
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "geometry/brick_field.h"
 #include "geometry/case_bundle.h"
@@ -33,6 +35,13 @@ struct RunManifest {
   double voxel_mm = 0;
   std::string state_hash;    ///< 16 hexadecimal digits, of the sweep field or of the step's state: same inputs, same
   std::string field_sha256;  ///< of run.vdb: a damaged file is refused
+  /// A further case of the same scene, cut against resistance only. It stood where its scan stands.
+  struct Beside {
+    std::string case_path, case_id;  ///< as those of the case
+    double voxel_mm = 0;
+    double removed_mm3 = 0;  ///< what was cut off it
+  };
+  std::vector<Beside> beside;  ///< the first is "beside_1": neighbourId(1)
   /// Not stored: how far a cut that met the case's fine region reaches out of it, mm; then it was cut on the object's
   /// own voxels. 0: no region, or inside.
   double beyond_region_mm = 0;
@@ -43,12 +52,15 @@ Expected<RunManifest> readRunManifest(const std::filesystem::path& folder);
 
 /// The folder of the case a run was cut from. An error if it is not there, or was baked anew since.
 Expected<std::filesystem::path> caseOfRun(const std::filesystem::path& run_folder);
+/// The same of the cases that stood beside it, in their order; none in most runs.
+Expected<std::vector<std::filesystem::path>> casesBesideRun(const std::filesystem::path& run_folder);
 /// The union of the tool's sweeps, mm, negative where the tool has been; cut out of the case's field it is the cut
 /// object. Checked against the manifest. At the voxel size the run was cut at: the case's, or its region's finer one.
 /// Only of a run cut geometry-only.
 Expected<BrickField> readRunSweep(const std::filesystem::path& run_folder);
 /// The cut field phi, mm, in the bricks where it differs from the baked one; of either kind of run.
-Expected<BrickField> readRunCutField(const std::filesystem::path& run_folder);
+/// @param beside  0: of the case; n: of the n-th case beside it, which may have no such bricks.
+Expected<BrickField> readRunCutField(const std::filesystem::path& run_folder, std::size_t beside = 0);
 
 struct CutOptions {
   bool overwrite = false;
@@ -74,7 +86,8 @@ struct Export {
 };
 
 /// The post-operative mesh of a run, or the solid of a case.
+/// @param beside  0: the case that was cut; n: the n-th case that stood beside it, with what was cut off that.
 Expected<Export> exportBundle(const std::filesystem::path& run_or_case, const PostOpOptions& options = {},
-                              const Progress& progress = {});
+                              const Progress& progress = {}, std::size_t beside = 0);
 
 }  // namespace kerf

@@ -54,9 +54,8 @@ bool parse(std::string_view text, std::span<double> out) {
 
 }  // namespace
 
-// Follows one object. Of an object as loaded it reads the baked field, of a piece a copy of its own.
+// Follows one object.
 struct Session::Watch {
-  BrickField base;
   PieceOptions options;
   std::unique_ptr<PieceFinder> finder;
   std::vector<BrickEdit> edits;
@@ -67,7 +66,7 @@ namespace {
 State stateOf(const LoadedObjects& objects, const Rigid3& start) {
   State out;
   out.objects.reserve(kMostObjects);
-  for (const auto& object : objects) out.objects.emplace_back(object, Session::kRoom);
+  for (const auto& object : objects) out.objects.emplace_back(object, Session::kRoom).id = out.next_id++;
   out.place(start);
   return out;
 }
@@ -101,6 +100,7 @@ bool Session::apply(std::string_view command) {
 
 // Without memory shells stay as they are until there is some: the step says kStepBricksRanOut.
 void Session::makeRoom() {
+  static_cast<void>(takeForgotten());
   for (CutObject& object : state_.objects)
     if (object.freeBricks() < roomFor(object) / 2 || object.freeRecords() < 4) object.reserve(roomFor(object));
   for (CutObject& object : state_.objects)
@@ -163,7 +163,7 @@ bool Session::applyWithin(std::string_view command) {
     const auto object = number(word(), state_.objects.size());
     std::array<double, 7> v{};
     Rigid3 pose;
-    if (object && parse(rest, v)) {
+    if (object && !isHolding() && parse(rest, v)) {
       pose.translation = Vec3d(v[0], v[1], v[2]);
       pose.rotation = Eigen::Quaterniond(v[3], v[4], v[5], v[6]);
       if (std::abs(pose.rotation.norm() - 1) < 1e-6 && pose.translation.norm() < 1e5) {
@@ -175,6 +175,14 @@ bool Session::applyWithin(std::string_view command) {
     const auto object = number(word(), state_.objects.size());
     double crumb = PieceOptions{}.crumb_mm3;
     if (object && (rest.empty() || (parse(rest, std::span(&crumb, 1)) && crumb >= 0))) is_done = split(*object, crumb);
+  } else if (verb == "object.hold") {
+    const auto object = number(rest, state_.objects.size());
+    is_done = object && !isHolding() && state_.objects[*object].dirtyCount() == 0;
+    if (is_done) state_.objects[*object].hold();
+  } else if (verb == "object.release") {
+    const auto object = number(rest, state_.objects.size());
+    is_done = object && state_.objects[*object].isHeld();
+    if (is_done) state_.objects[*object].release();
   }
   // What it went to may be gone: better nothing than something else.
   if (is_done && state_.adds_to >= state_.objects.size()) state_.adds = Material::kNone, state_.adds_to = 0;
@@ -198,19 +206,23 @@ PieceFinder& Session::finderOf(std::size_t index, double crumb_mm3) {
     BrickEdit& edit = watch->edits.emplace_back();
     edit.brick = slot.brick;
     std::copy_n(slot.phi, kBrickNodes, edit.phi.begin());
+    return true;
   };
   if (!watch || watch->options.crumb_mm3 != crumb_mm3) {
     watch = std::make_unique<Watch>();
     watch->options.crumb_mm3 = crumb_mm3;
-    object.watchDirty([](const CutObject::Slot&) {});
+    object.watchDirty([](const CutObject::Slot&) { return true; });
+    const BrickField& phi0 = object.baked().phi0();
     if (object.isPiece()) {
-      watch->base = object.field();
-      watch->finder = std::make_unique<PieceFinder>(watch->base, watch->options);
+      std::vector<Vec3i> bricks;
+      for (int s = 0; s < object.firstSlotCount(); ++s)
+        if (object.has(s)) bricks.push_back(object.slot(s).brick);
+      watch->finder = std::make_unique<PieceFinder>(phi0, bricks, watch->options);
     } else {
-      watch->finder = std::make_unique<PieceFinder>(object.baked().phi0(), watch->options);
-      for (int s = 0; s < object.slotCount(); ++s)
-        if (object.slot(s).own) collect(object.slot(s));
+      watch->finder = std::make_unique<PieceFinder>(phi0, watch->options);
     }
+    for (int s = 0; s < object.slotCount(); ++s)
+      if (object.slot(s).own) collect(object.slot(s));
   } else {
     object.watchDirty(collect);
   }
@@ -220,27 +232,45 @@ PieceFinder& Session::finderOf(std::size_t index, double crumb_mm3) {
 }
 
 bool Session::split(std::size_t index, double crumb_mm3) {
-  // A piece takes its shells over: they must be those of its values.
   CutObject& whole = state_.objects[index];
+  if (offered_ && offered_to_ == index) return putInPlace(index, *offered_);
+  if (isHolding() && !whole.isHeld()) return false;
+  // A piece takes its shells over: they must be those of its values.
   while (whole.dirtyCount() > 0 && !whole.repair())
     if (!whole.reserve(roomFor(whole))) return false;
-  PieceFinder& finder = finderOf(index, crumb_mm3);
-  const PieceList list = finder.find();
-  if (list.pieces.empty() || list.pieces.size() + list.crumbs.size() == 1) return false;
-  if (state_.objects.size() + list.pieces.size() - 1 > kMostObjects) return false;
-  // Each on its own, on as many cores as there are: neither reads what the other makes.
-  std::vector<std::optional<CutObject>> made(list.pieces.size());
-  tbb::parallel_for(std::size_t{0}, made.size(), [&](std::size_t n) {
-    made[n].emplace(CutObject::piece(whole, bricksOfPiece(finder, list.pieces[n].id)));
-  });
-  std::vector<CutObject> parts;
-  for (std::optional<CutObject>& part : made) parts.push_back(std::move(*part));
-  crumbs_.count += list.crumbs.size();
-  for (const Piece& crumb : list.crumbs) crumbs_.measure.add(crumb.measure);
-  markAll();
-  watches_.resize(std::max(watches_.size(), index + 1));
-  watches_[index].reset();
-  history_.split(state_.objects, index, std::move(parts));
+  const std::size_t most = kMostObjects + 1 - state_.objects.size();
+  const auto made = makePieces(whole, finderOf(index, crumb_mm3), state_.next_id, most);
+  if (!made) return false;
+  if (whole.freeBricks() < made->without_crumbs.size() && !whole.reserve(made->without_crumbs.size())) return false;
+  return putInPlace(index, *made);
+}
+
+void Session::offer(std::size_t object, std::unique_ptr<ObjectPieces> made) noexcept {
+  offered_to_ = object, offered_ = std::move(made);
+}
+
+bool Session::isHolding() const noexcept {
+  return std::any_of(state_.objects.begin(), state_.objects.end(), [](const CutObject& o) { return o.isHeld(); });
+}
+
+// The part that may not allocate.
+bool Session::putInPlace(std::size_t index, ObjectPieces& made) noexcept {
+  CutObject& whole = state_.objects[index];
+  if (!made.parts && whole.freeBricks() < made.without_crumbs.size()) return false;
+  whole.release();
+  if (made.parts) {
+    markAll();
+    if (index < watches_.size()) watches_[index].reset();
+    state_.next_id += static_cast<std::uint32_t>(made.parts->parts);
+    history_.split(state_.objects, index, std::move(made.parts));
+  } else {  // the stroke under way has done that, too
+    double removed = 0;
+    for (const BrickEdit& edit : made.without_crumbs)
+      whole.carve(whole.find(edit.brick), edit.phi.data(), *std::min_element(edit.phi.begin(), edit.phi.end()),
+                  removed);
+  }
+  crumbs_.count += made.crumbs;
+  crumbs_.measure.add(made.crumb_measure);
   return true;
 }
 
@@ -280,8 +310,13 @@ void Session::checkState(std::uint64_t tick) noexcept {
     is_check_due_ = false;
     return;
   }
-  for (CutObject& object : state_.objects)
-    object.prepareHash(is_check_due_ ? kMostAtOnce : kHashesATick, is_check_due_ ? 0 : kLeftAlone);
+  std::size_t left = is_check_due_ ? kMostAtOnce : kHashesATick;  // for all objects together
+  for (CutObject& object : state_.objects) {
+    const std::size_t before = object.staleHashes();
+    object.prepareHash(left, is_check_due_ ? 0 : kLeftAlone);
+    left -= before - object.staleHashes();
+    if (left == 0) break;
+  }
 }
 
 void Session::step(const DeviceSample& sample, StepOutput& output) noexcept {

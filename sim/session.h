@@ -10,7 +10,7 @@
 #include <string>
 #include <string_view>
 
-#include "sim/pieces.h"
+#include "sim/object_pieces.h"
 #include "sim/session_history.h"
 #include "sim/session_log.h"
 #include "sim/state_bytes.h"
@@ -47,7 +47,10 @@ class Session {
   ///   add M N, add off     the pedal puts material number M on object N, instead of cutting
   ///   object.move N x y z qw qx qy qz   pose of object N in the world, mm; undone with the stroke before it
   ///   pieces.split N [V]   if object N is in pieces: each becomes an object of its own, the largest stays N, the
-  ///                        others come last, by size; crumbs, smaller than V mm^3 (0.1), are dropped and counted
+  ///                        others come last, by size; crumbs, smaller than V mm^3 (0.1), are dropped and counted, and
+  ///                        removed if there is but one piece
+  ///   object.hold N, object.release N   CutObject::hold(); pieces.split releases, too. Meanwhile nothing is taken back
+  ///                        or moved
   /// False, and nothing is changed or written down: no such command, or there is nothing to do it to.
   bool apply(std::string_view command);
   /// One tick. A stroke begins when the pedal goes down and ends when it comes up. Makes room for the tick after it:
@@ -60,14 +63,26 @@ class Session {
 
   /// tick() within the room there is, and without looking for pieces. @rt  as step(), and some 20 us for the checks.
   void step(const DeviceSample& sample, StepOutput& output) noexcept;
-  /// apply() within the room there is: call repair() afterwards. @rt, but undo and redo take some us a brick; only
-  /// pieces.split, and undo and redo of one, allocate.
+  /// apply() within the room there is: call repair() afterwards. @rt, but undo and redo take some us a brick, and
+  /// pieces.split allocates if its pieces were not offered.
   bool applyWithin(std::string_view command);
+  /// What the next pieces.split of this object is to put in its place: made while it was held, since when nothing was
+  /// done to it. @rt
+  void offer(std::size_t object, std::unique_ptr<ObjectPieces> made) noexcept;
+  /// The same back, used or not. @rt
+  std::unique_ptr<ObjectPieces> takeOffer() noexcept { return std::move(offered_); }
+  /// What can not be brought back any more, to be destroyed where there is time. @rt
+  std::unique_ptr<SessionHistory::Split> takeForgotten() noexcept { return history_.takeForgotten(); }
+  bool isHolding() const noexcept;
   /// Whether undo, redo would be done now. @rt
-  bool canUndo() const noexcept { return history_.undoable() > 0 || history_.hasChanges(state_.objects); }
-  bool canRedo() const noexcept {  // what was cut since the undo ends what could be redone
-    return !is_stroke_ && history_.redoable() > 0 && !history_.hasChanges(state_.objects);
+  bool canUndo() const noexcept {
+    return !isHolding() && (history_.undoable() > 0 || history_.hasChanges(state_.objects));
   }
+  bool canRedo() const noexcept {  // what was cut since the undo ends what could be redone
+    return !isHolding() && !is_stroke_ && history_.redoable() > 0 && !history_.hasChanges(state_.objects);
+  }
+  /// Whether something could be redone that a split would end. @rt
+  bool wouldLoseRedo() const noexcept { return history_.redoable() > 0 && !history_.hasChanges(state_.objects); }
   /// Brings the shells up to date after undo or redo. False: an object needs room first; then again. No allocation.
   bool repair() noexcept;
   CutObject& object(std::size_t n) noexcept { return state_.objects[n]; }  ///< for taking room and exporting bricks
@@ -96,9 +111,7 @@ class Session {
   static constexpr std::uint64_t kCheckEvery = 1000;
   /// Bricks an object is given room for at a time: kRoom, less for a small one. Every tick begins with half of it at
   /// least, live and replayed: what needs no more finds room in both.
-  static std::size_t roomFor(const CutObject& object) noexcept {
-    return std::min(kRoom, static_cast<std::size_t>(object.slotCount()) + 1024);
-  }
+  static std::size_t roomFor(const CutObject& object) noexcept { return std::min(kRoom, object.brickCount() + 1024); }
   static constexpr std::size_t kRoom = 4096;
 
  private:
@@ -109,6 +122,7 @@ class Session {
   void endStroke() noexcept;
   void markAll() noexcept;
   bool split(std::size_t index, double crumb_mm3);
+  bool putInPlace(std::size_t index, ObjectPieces& made) noexcept;
   PieceFinder& finderOf(std::size_t index, double crumb_mm3);
 
   Model model_;
@@ -119,6 +133,8 @@ class Session {
   std::vector<std::unique_ptr<Watch>> watches_;  // one an object, made when asked for
   PieceOptions piece_options_;
   int split_every_ = 0, ticks_cut_ = 0;
+  std::size_t offered_to_ = 0;
+  std::unique_ptr<ObjectPieces> offered_;
   Crumbs crumbs_;
   SessionSink* sink_;
   bool is_stroke_ = false, is_check_due_ = false;

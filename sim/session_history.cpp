@@ -17,6 +17,7 @@ SessionHistory::Tracked SessionHistory::track(const CutObject& object) {
 
 SessionHistory::SessionHistory(std::vector<CutObject>& objects) {
   steps_.reserve(kMostSteps);
+  now_.reserve(kMostObjects);
   for (CutObject& object : objects) {
     static_cast<void>(object.endStroke());  // what was written before this is not to be taken back
     now_.push_back(track(object));
@@ -40,12 +41,24 @@ void SessionHistory::forgetRedo(std::vector<CutObject>& objects) noexcept {
       if (!is_split || (record->object < known && record->object < split_at)) objects[record->object].release(record);
     }
   }
-  while (steps_.size() > done_) steps_.pop_back();
+  while (steps_.size() > done_) {
+    forget(std::move(steps_.back().split));
+    steps_.pop_back();
+  }
+}
+
+void SessionHistory::forget(std::unique_ptr<Split> split) noexcept {
+  if (!split) return;
+  split->next = std::move(forgotten_);
+  forgotten_ = std::move(split);
 }
 
 SessionHistory::Step& SessionHistory::addStep(std::vector<CutObject>& objects) noexcept {
   forgetRedo(objects);
-  if (done_ == kMostSteps) steps_.erase(steps_.begin()), --done_;  // its bricks stay as they are, for good
+  if (done_ == kMostSteps) {  // its bricks stay as they are, for good
+    forget(std::move(steps_.front().split));
+    steps_.erase(steps_.begin()), --done_;
+  }
   ++done_;
   return steps_.emplace_back();  // reserved
 }
@@ -71,24 +84,32 @@ void SessionHistory::mark(std::vector<CutObject>& objects) noexcept {
   }
 }
 
-void SessionHistory::split(std::vector<CutObject>& objects, std::size_t index, std::vector<CutObject> parts) {
-  assert(!parts.empty());
+std::unique_ptr<SessionHistory::Split> SessionHistory::prepare(std::vector<CutObject> parts) {
+  auto out = std::make_unique<Split>();
+  out->parts = parts.size();
+  out->held.reserve(parts.size()), out->spare.reserve(parts.size());
+  for (CutObject& part : parts) {
+    Tracked tracked = track(part);
+    out->held.push_back({std::move(part), std::move(tracked)});
+  }
+  return out;
+}
+
+void SessionHistory::split(std::vector<CutObject>& objects, std::size_t index, std::unique_ptr<Split> split) noexcept {
+  assert(split && split->parts > 0 && objects.size() + split->parts - 1 <= kMostObjects);
   const bool joins_last = done_ > 0 && is_open_;
   Step& step = addStep(objects);
   step.joins_last = joins_last;
-  step.split = std::make_unique<Split>();
-  step.split->index = index, step.split->parts = parts.size();
-  for (CutObject& part : parts) {
-    Tracked tracked = track(part);
-    step.split->held.push_back({std::move(part), std::move(tracked)});
-  }
+  step.split = std::move(split);
+  step.split->index = index;
   swapSplit(objects, *step.split, false);
   // What the stroke that cut through goes on to cut is still the same stroke.
   joins_next_ = is_open_ = true;
 }
 
-void SessionHistory::swapSplit(std::vector<CutObject>& objects, Split& split, bool is_undo) {
-  std::vector<Held> held;
+void SessionHistory::swapSplit(std::vector<CutObject>& objects, Split& split, bool is_undo) noexcept {
+  std::vector<Held>& held = split.spare;  // reserved, as objects and now_ are
+  held.clear();
   held.push_back({std::move(objects[split.index]), std::move(now_[split.index])});
   if (is_undo) {
     const std::size_t first = objects.size() - (split.parts - 1);
@@ -102,11 +123,11 @@ void SessionHistory::swapSplit(std::vector<CutObject>& objects, Split& split, bo
     objects.push_back(std::move(split.held[n].object));
     now_.push_back(std::move(split.held[n].tracked));
   }
-  split.held = std::move(held);
+  std::swap(split.held, split.spare);
   for (CutObject& object : objects) object.odometer += 1e6;
 }
 
-void SessionHistory::apply(std::vector<CutObject>& objects, Step& step, bool is_undo) {
+void SessionHistory::apply(std::vector<CutObject>& objects, Step& step, bool is_undo) noexcept {
   if (step.split) swapSplit(objects, *step.split, is_undo);
   for (const StrokeRecord* record = step.records.first; record; record = record->next) {
     CutObject& object = objects[record->object];
@@ -119,7 +140,7 @@ void SessionHistory::apply(std::vector<CutObject>& objects, Step& step, bool is_
   }
 }
 
-bool SessionHistory::undo(std::vector<CutObject>& objects) {
+bool SessionHistory::undo(std::vector<CutObject>& objects) noexcept {
   if (done_ == 0) return false;
   joins_next_ = false;
   do apply(objects, steps_[--done_], true);
@@ -127,7 +148,7 @@ bool SessionHistory::undo(std::vector<CutObject>& objects) {
   return true;
 }
 
-bool SessionHistory::redo(std::vector<CutObject>& objects) {
+bool SessionHistory::redo(std::vector<CutObject>& objects) noexcept {
   if (done_ == steps_.size()) return false;
   do apply(objects, steps_[done_++], false);
   while (done_ < steps_.size() && steps_[done_].joins_last);

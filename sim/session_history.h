@@ -2,7 +2,7 @@
 //
 // For the thread that owns the objects, between ticks. A brick that changes in a stroke gets a version of its own out
 // of the object's room (CutObject::write), so that a stroke's end, and the end of what could be redone, are a few
-// pointers: no allocation, no lock. Undo and redo themselves take time with the stroke's size; splits allocate.
+// pointers: no allocation, no lock. Undo and redo themselves take time with the stroke's size.
 #pragma once
 
 #include <memory>
@@ -19,20 +19,25 @@ class SessionHistory {
 
   /// Something was written or moved since the last mark. @rt
   bool hasChanges(const std::vector<CutObject>& objects) const noexcept;
-  /// What was is one step of undo, be it nothing. Forgets what could be redone. @rt, if nothing was split.
+  /// What was is one step of undo, be it nothing. Forgets what could be redone. @rt
   /// @pre every object has a free record; without one its part of the stroke stays for the next mark.
   void mark(std::vector<CutObject>& objects) noexcept;
-  /// Puts `parts` in the place of objects[index]: the first there, the others at the end. A step of its own, undone
-  /// together with the one marked before it, unless close() lies between. @pre everything is marked; objects has the
-  /// capacity.
-  void split(std::vector<CutObject>& objects, std::size_t index, std::vector<CutObject> parts);
+  struct Split;
+  /// What split() wants, made by any thread. Allocates.
+  static std::unique_ptr<Split> prepare(std::vector<CutObject> parts);
+  /// Puts the parts in the place of objects[index]: the first there, the others at the end. A step of its own, undone
+  /// together with the one marked before it, unless close() lies between. @pre everything is marked; not more than
+  /// kMostObjects result. @rt
+  void split(std::vector<CutObject>& objects, std::size_t index, std::unique_ptr<Split> split) noexcept;
+  /// Splits that can neither be taken back nor done again any more: to be destroyed where there is time. @rt
+  std::unique_ptr<Split> takeForgotten() noexcept { return std::move(forgotten_); }
   /// What follows is a stroke of its own. (What is cut after a split and before this belongs to the stroke before.)
   void close() noexcept { joins_next_ = is_open_ = false; }
   /// Takes back the last stroke. False: there is none. Shells follow with the objects' next repair(), which may need
-  /// more room than there is. No allocation, if nothing was split. @pre everything is marked.
+  /// more room than there is. No allocation. @pre everything is marked.
   /// @cost 4 us a brick; repair() takes 3 to 5 us a brick more.
-  bool undo(std::vector<CutObject>& objects);
-  bool redo(std::vector<CutObject>& objects);
+  bool undo(std::vector<CutObject>& objects) noexcept;
+  bool redo(std::vector<CutObject>& objects) noexcept;
   std::size_t undoable() const noexcept { return done_; }
   std::size_t redoable() const noexcept { return steps_.size() - done_; }
   /// Bytes held in bricks.
@@ -50,10 +55,6 @@ class SessionHistory {
     CutObject object;
     Tracked tracked;
   };
-  struct Split {
-    std::size_t index = 0, parts = 0;
-    std::vector<Held> held;  // the whole while it is split, the parts while that is taken back
-  };
   struct Step {
     LinkedList<StrokeRecord> records;  // of the objects that were changed; in their rooms
     std::unique_ptr<Split> split;
@@ -62,15 +63,24 @@ class SessionHistory {
 
   static Tracked track(const CutObject& object);
   void forgetRedo(std::vector<CutObject>& objects) noexcept;
+  void forget(std::unique_ptr<Split> split) noexcept;
   Step& addStep(std::vector<CutObject>& objects) noexcept;
-  void apply(std::vector<CutObject>& objects, Step& step, bool is_undo);
-  void swapSplit(std::vector<CutObject>& objects, Split& split, bool is_undo);
+  void apply(std::vector<CutObject>& objects, Step& step, bool is_undo) noexcept;
+  void swapSplit(std::vector<CutObject>& objects, Split& split, bool is_undo) noexcept;
 
   std::vector<Tracked> now_;  // one an object
   std::vector<Step> steps_;
   std::size_t done_ = 0;  // of them, not taken back
   bool joins_next_ = false;
   bool is_open_ = false;  // something was marked since close()
+  std::unique_ptr<Split> forgotten_;
+};
+
+struct SessionHistory::Split {
+  std::size_t index = 0, parts = 0;
+  std::vector<Held> held;   // the whole while it is split, the parts while that is taken back
+  std::vector<Held> spare;  // room for the others
+  std::unique_ptr<Split> next;
 };
 
 }  // namespace kerf

@@ -1,191 +1,372 @@
 #include "sim/split_field.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
-#include <vector>
+#include <span>
+#include <utility>
+
+#include "sim/internal/for_each.h"
+#include "sim/internal/near_balls.h"
 
 namespace kerf {
 namespace {
 
-// What the bricks of the object hold: nodes of the wanted piece, of others, or both; and what lies around.
-enum Holds : unsigned char { kOwn = 1, kForeign = 2, kStored = 4, kNearOwn = 8 };
+constexpr float kFar = std::numeric_limits<float>::infinity();
 
-constexpr int kPad = 1;  // a node's neighbours
+/// What is common to the pieces that are made at a time. Bricks go by their slots in the finder; -1 is air.
+struct Split {
+  Split(const PieceFinder& finder, bool is_parallel) : pieces(finder), is_stored(finder.slotCount()) {
+    internal::forEach(3, is_parallel, [&](std::size_t n) {
+      if (n == 0) piece_of = finder.piecesOfSlots();
+      if (n == 1) in_sight = finder.piecesInSight();
+      if (n == 2) findStored();
+    });
+    // A ball's radius is a voxel at most: no farther than the band and that, and than the bricks around.
+    const OverlayField& field = finder.field();
+    const int reach = static_cast<int>(std::ceil(double{field.background()} / field.voxel()));
+    steps = internal::NodeSteps(std::clamp(reach, 1, kBrickSide - 1), static_cast<float>(field.voxel()));
+  }
+  void findStored() {
+    const OverlayField& field = pieces.field();
+    for (std::uint32_t s = 0; s < pieces.slotCount(); ++s) is_stored[s] = pieces.isBaked(s);
+    // What was taken back is as if it had never been: the result depends on the values, not on how they came about.
+    for (std::size_t b = 0; b < field.changed().brickCount(); ++b) {
+      const Vec3i& c = field.changed().brickCoord(b);
+      const auto s = static_cast<std::size_t>(pieces.slotOf(c));
+      if (is_stored[s]) continue;
+      const float constant = pieces.wasAir(static_cast<std::uint32_t>(s)) ? field.background() : field.constantAt(c);
+      const BrickValues& values = field.changed().brick(b);
+      is_stored[s] = std::any_of(values.begin(), values.end(), [&](float v) { return v != constant; });
+    }
+  }
+  /// Calls visit(slot, step) for the bricks around one, and itself, that hold something inside.
+  template <class Visit>
+  void forEachAround(const Vec3i& brick, const Visit& visit) const {
+    pieces.forEachAround(brick, [&](std::uint32_t slot, const Vec3i& step) {
+      if (piece_of[slot] != PieceFinder::kNoPiece) visit(slot, step);
+    });
+  }
+  /// Of them, and kSeveralPieces or kNoPiece.
+  std::uint32_t onlyPieceAround(const Vec3i& brick) const {
+    std::uint32_t out = PieceFinder::kNoPiece;
+    pieces.forEachAround(brick, [&](std::uint32_t slot, const Vec3i&) {
+      const std::uint32_t its = piece_of[slot];
+      if (its != PieceFinder::kNoPiece && its != out)
+        out = out == PieceFinder::kNoPiece ? its : PieceFinder::kSeveralPieces;
+    });
+    return out;
+  }
+  /// As forEachAround(), with the box of the nodes of each that are within reach of the brick, counted in their own.
+  template <class Visit>
+  void forEachWithinReach(const Vec3i& brick, const Visit& visit) const {
+    constexpr int kLast = kBrickSide - 1;
+    forEachAround(brick, [&](std::uint32_t slot, const Vec3i& step) {
+      const Vec3i shift = step * kBrickSide;
+      visit(slot, step, (Vec3i::Constant(-steps.reach()) - shift).cwiseMax(0),
+            (Vec3i::Constant(kLast + steps.reach()) - shift).cwiseMin(kLast));
+    });
+  }
+  /// Whether the brick is in a piece, or an outermost node of it is within reach.
+  bool isWithinReach(const Vec3i& brick, std::uint32_t id) const {
+    const std::int32_t own = pieces.slotOf(brick);
+    if (own >= 0 && piece_of[static_cast<std::size_t>(own)] == id) return true;
+    bool out = false;
+    forEachWithinReach(brick, [&](std::uint32_t slot, const Vec3i&, const Vec3i& low, const Vec3i& high) {
+      if (out || (piece_of[slot] != id && piece_of[slot] != PieceFinder::kSeveralPieces)) return;
+      out = pieces.forEachOutermost(slot, low, high, [&](std::uint32_t piece, int) { return piece == id; });
+    });
+    return out;
+  }
 
-// Rewrites one brick near foreign nodes; `out` holds its values of now.
-void separate(const PieceFinder& pieces, std::uint32_t id, const Vec3i& brick, int reach, BrickValues& out) {
-  const OverlayField& field = pieces.field();
+  const PieceFinder& pieces;
+  std::vector<std::uint32_t> piece_of;  // per slot: as PieceFinder::pieceOfBrick()
+  std::vector<std::uint32_t> in_sight;  // per block: PieceFinder::piecesInSight()
+  std::vector<unsigned char> is_stored;
+  internal::NodeSteps steps{1, 1};
+};
+
+// As PieceBricks, without values.
+struct Bricks {
+  std::vector<Vec3i> bricks, interior, changed, at_edge;
+};
+
+// Some bricks one after the other, and which pieces have them.
+class LayOut {
+ public:
+  LayOut(const Split& split, std::uint32_t first, std::span<Bricks> out) : split_(split), first_(first), out_(out) {}
+
+  void add(std::uint32_t slot) {
+    const std::uint32_t id = split_.in_sight[split_.pieces.blockOfSlot(slot)];
+    if (id != PieceFinder::kSeveralPieces) {
+      if (!isWanted(id)) return;
+      Bricks& to = out_[id - first_];
+      if (split_.is_stored[slot]) {
+        to.bricks.push_back(split_.pieces.brickOfSlot(slot));
+        if (split_.piece_of[slot] != id) to.at_edge.push_back(to.bricks.back());
+      } else if (split_.piece_of[slot] == id) {
+        to.interior.push_back(split_.pieces.brickOfSlot(slot));
+      }
+      return;
+    }
+    // Its own, and those around them; a constant that is nobody's is air.
+    const bool is_stored = split_.is_stored[slot] != 0;
+    const std::uint32_t its = split_.piece_of[slot];
+    if (!is_stored && its == PieceFinder::kNoPiece) return;
+    const Vec3i brick = split_.pieces.brickOfSlot(slot);
+    if (const std::uint32_t near = split_.onlyPieceAround(brick); near != PieceFinder::kSeveralPieces)
+      near_.assign(near == PieceFinder::kNoPiece ? 0 : 1, near);
+    else
+      lookAround(brick);
+    for (const std::uint32_t near : near_) {
+      if (!isWanted(near)) continue;
+      Bricks& to = out_[near - first_];
+      if (!is_stored && its == near) {
+        to.interior.push_back(brick);
+        continue;
+      }
+      to.bricks.push_back(brick);
+      if (its != near) to.at_edge.push_back(brick);
+      if (near_.size() > 1 && hasOthersWithinReach(near)) to.changed.push_back(brick);
+    }
+  }
+
+ private:
+  struct Around {
+    std::uint32_t slot;
+    Vec3i shift;  // of its nodes
+  };
+  bool isWanted(std::uint32_t id) const { return id >= first_ && id - first_ < out_.size(); }
+  // The bricks with something inside, and whose that is.
+  void lookAround(const Vec3i& brick) {
+    around_.clear(), near_.clear();
+    const auto add = [&](std::uint32_t piece) {
+      if (std::find(near_.begin(), near_.end(), piece) == near_.end()) near_.push_back(piece);
+    };
+    split_.forEachAround(brick, [&](std::uint32_t slot, const Vec3i& step) {
+      around_.push_back({slot, step * kBrickSide});
+      if (split_.piece_of[slot] != PieceFinder::kSeveralPieces)
+        add(split_.piece_of[slot]);
+      else
+        split_.pieces.forEachPart(slot, [&](std::uint32_t piece, const Vec3i&, const Vec3i&) { add(piece); });
+    });
+  }
+  // Whether inside nodes of another piece may be, along each axis.
+  bool hasOthersWithinReach(std::uint32_t id) const {
+    const int reach = split_.steps.reach();
+    const Vec3i low = Vec3i::Constant(-reach), high = Vec3i::Constant(kBrickSide - 1 + reach);
+    return std::any_of(around_.begin(), around_.end(), [&](const Around& at) {
+      bool out = false;
+      if (split_.piece_of[at.slot] != id)
+        split_.pieces.forEachPart(at.slot, [&](std::uint32_t piece, const Vec3i& part_low, const Vec3i& part_high) {
+          out |= piece != id && ((part_low + at.shift).array() <= high.array()).all() &&
+                 ((part_high + at.shift).array() >= low.array()).all();
+        });
+      return out;
+    });
+  }
+
+  const Split& split_;
+  std::uint32_t first_;
+  std::span<Bricks> out_;
+  std::vector<Around> around_;
+  std::vector<std::uint32_t> near_;
+};
+
+// Which bricks the pieces have; those of `changed` without their values.
+std::vector<PieceBricks> layOut(const Split& split, std::uint32_t first, std::size_t count, bool is_parallel) {
+  constexpr std::uint32_t kAtOnce = 4096;
+  const std::uint32_t slots = split.pieces.slotCount(), lots = (slots + kAtOnce - 1) / kAtOnce;
+  std::vector<Bricks> parts(lots * count);
+  internal::forEach(lots, is_parallel, [&](std::size_t lot) {
+    LayOut lay(split, first, std::span(parts).subspan(lot * count, count));
+    const auto begin = static_cast<std::uint32_t>(lot) * kAtOnce;
+    for (std::uint32_t s = begin; s < std::min(slots, begin + kAtOnce); ++s) lay.add(s);
+  });
+  const auto isBefore = [](const Vec3i& a, const Vec3i& b) { return coordKey(a) < coordKey(b); };
+  std::vector<PieceBricks> out(count);
+  internal::forEach(count, is_parallel, [&](std::size_t n) {
+    const auto joined = [&](std::vector<Vec3i> Bricks::*list) {
+      std::vector<Vec3i> to;
+      std::size_t size = 0;
+      for (std::size_t lot = 0; lot < lots; ++lot) size += (parts[lot * count + n].*list).size();
+      to.reserve(size);
+      for (std::size_t lot = 0; lot < lots; ++lot) {
+        const std::vector<Vec3i>& from = parts[lot * count + n].*list;
+        to.insert(to.end(), from.begin(), from.end());
+      }
+      if (!split.pieces.hasAdded()) return to;  // what was added after the finder's first look comes last
+      const auto added = std::is_sorted_until(to.begin(), to.end(), isBefore);
+      std::sort(added, to.end(), isBefore);
+      std::inplace_merge(to.begin(), added, to.end(), isBefore);
+      return to;
+    };
+    out[n].bricks = joined(&Bricks::bricks), out[n].interior = joined(&Bricks::interior);
+    out[n].at_edge = joined(&Bricks::at_edge);
+    const std::vector<Vec3i> changed = joined(&Bricks::changed);
+    out[n].changed.resize(changed.size());
+    for (std::size_t e = 0; e < changed.size(); ++e) out[n].changed[e].brick = changed[e];
+  });
+  return out;
+}
+
+// Distances of the nodes of one brick to the pieces near it. Looks at one after the other.
+class NearPieces {
+ public:
+  /// As the union of balls of radius |phi| about a piece's outermost nodes: |p - a| + phi(a).
+  void look(const Split& split, const Vec3i& brick) {
+    const OverlayField& field = split.pieces.field();
+    const BrickValues* const values = field.valuesAt(brick);
+    values_ = values ? *values : BrickValues{};
+    if (!values) values_.fill(field.constantAt(brick));
+    split.pieces.piecesIn(brick, piece_of_);
+    count_ = 0;
+    split.forEachWithinReach(brick, [&](std::uint32_t slot, const Vec3i& step, const Vec3i& low, const Vec3i& high) {
+      const Vec3i shift = step * kBrickSide;
+      const BrickValues* phi = nullptr;
+      bool is_known = false;
+      Piece* last = nullptr;
+      split.pieces.forEachOutermost(slot, low, high, [&](std::uint32_t id, int n) {
+        const int i = shift[0] + (n >> 6), j = shift[1] + (n >> 3 & 7), k = shift[2] + (n & 7);
+        if (!last || last->id != id) last = &piece(id);
+        Piece& to = *last;
+        markAround(to, i, j, k);
+        if (!is_known) is_known = true, phi = field.valuesAt(brick + step);
+        to.balls.push_back({i, j, k, phi ? (*phi)[static_cast<std::size_t>(n)] : field.interior()});
+        return false;
+      });
+    });
+    for (Piece& p : used()) internal::nearBalls(p.balls, split.steps, p.distance);
+  }
+  /// Of the brick.
+  const BrickValues& values() const { return values_; }
+  const std::array<std::uint32_t, kBrickNodes>& pieceOf() const { return piece_of_; }
+  /// Distance of every node to the piece, mm, infinite beyond reach; null: it is nowhere near.
+  const BrickValues* to(std::uint32_t id) const {
+    const Piece* p = find(id);
+    return p ? &p->distance : nullptr;
+  }
+  /// To the nearest other one.
+  void toOthers(std::uint32_t id, BrickValues& out) const {
+    out.fill(kFar);
+    for (const Piece& p : used())
+      if (p.id != id)
+        for (std::size_t n = 0; n < out.size(); ++n) out[n] = std::min(out[n], p.distance[n]);
+  }
+  /// Of every node, whether an inside node of the piece is next to it; null: it is nowhere near.
+  const std::array<unsigned char, kBrickNodes>* isNextTo(std::uint32_t id) const {
+    const Piece* p = find(id);
+    return p ? &p->is_next : nullptr;
+  }
+
+ private:
+  struct Piece {
+    std::uint32_t id;
+    std::vector<internal::NodeBall> balls;
+    BrickValues distance;
+    std::array<unsigned char, kBrickNodes> is_next;
+  };
+  std::span<Piece> used() { return std::span(pieces_).first(count_); }
+  std::span<const Piece> used() const { return std::span(pieces_).first(count_); }
+  const Piece* find(std::uint32_t id) const {
+    for (const Piece& p : used())
+      if (p.id == id) return &p;
+    return nullptr;
+  }
+  Piece& piece(std::uint32_t id) {
+    for (Piece& p : used())
+      if (p.id == id) return p;
+    if (count_ == pieces_.size()) pieces_.emplace_back();
+    Piece& p = pieces_[count_++];
+    p.id = id;
+    p.distance.fill(kFar), p.is_next.fill(0);
+    p.balls.clear();
+    return p;
+  }
+  static void markAround(Piece& piece, int i, int j, int k) {
+    if (std::min({i, j, k}) < -1 || std::max({i, j, k}) > kBrickSide) return;
+    const auto mark = [&](int x, int y, int z) {
+      if (((x | y | z) & ~(kBrickSide - 1)) == 0) piece.is_next[static_cast<std::size_t>(nodeOffset(x, y, z))] = 1;
+    };
+    mark(i - 1, j, k), mark(i + 1, j, k), mark(i, j - 1, k), mark(i, j + 1, k), mark(i, j, k - 1), mark(i, j, k + 1);
+  }
+  BrickValues values_;
+  std::array<std::uint32_t, kBrickNodes> piece_of_;
+  std::vector<Piece> pieces_;  // kept, for their memory: the first count_ are in use
+  std::size_t count_ = 0;
+};
+
+// The values of one brick of a piece.
+void separate(const Split& split, const NearPieces& near, std::uint32_t id, BrickValues& out) {
+  const OverlayField& field = split.pieces.field();
   const float h = static_cast<float>(field.voxel()), background = field.background();
-  constexpr float kFar = std::numeric_limits<float>::infinity();
-  const Vec3i base = brick * kBrickSide;
-  // The nodes within reach of the brick, with a rim: values, and whose they are (0 outside, 1 own, 2 foreign).
-  const int span = kBrickSide + 2 * (reach + kPad), margin = reach + kPad;
-  const auto indexOf = [&](int i, int j, int k) {
-    return static_cast<std::size_t>(((i + margin) * span + j + margin) * span + k + margin);
-  };
-  std::vector<float> value(static_cast<std::size_t>(span) * static_cast<std::size_t>(span) *
-                           static_cast<std::size_t>(span));
-  std::vector<unsigned char> whose(value.size(), 0);
-  const Vec3i first = brickOf(Vec3i(base - Vec3i::Constant(margin)));
-  const Vec3i last = brickOf(Vec3i(base + Vec3i::Constant(kBrickSide - 1 + margin)));
-  std::array<std::uint32_t, kBrickNodes> piece_of;
-  for (int x = first[0]; x <= last[0]; ++x)
-    for (int y = first[1]; y <= last[1]; ++y)
-      for (int z = first[2]; z <= last[2]; ++z) {
-        const Vec3i c{x, y, z}, shift = (c - brick) * kBrickSide;
-        const BrickValues* const values = field.valuesAt(c);
-        const float constant = field.constantAt(c);
-        pieces.piecesIn(c, piece_of);
-        const Vec3i low = (-shift - Vec3i::Constant(margin)).cwiseMax(0);
-        const Vec3i high = (-shift + Vec3i::Constant(kBrickSide - 1 + margin)).cwiseMin(kBrickSide - 1);
-        for (int i = low[0]; i <= high[0]; ++i)
-          for (int j = low[1]; j <= high[1]; ++j)
-            for (int k = low[2]; k <= high[2]; ++k) {
-              const std::size_t at = indexOf(i + shift[0], j + shift[1], k + shift[2]);
-              const auto n = static_cast<std::size_t>(nodeOffset(i, j, k));
-              value[at] = values ? (*values)[n] : constant;
-              if (value[at] < 0) whose[at] = piece_of[n] == id ? 1 : 2;
-            }
-      }
+  const auto& piece_of = near.pieceOf();
+  const BrickValues* const own = near.to(id);
+  const auto* const is_next = near.isNextTo(id);
+  BrickValues others;
+  near.toOthers(id, others);
+  out = near.values();
+  for (std::size_t n = 0; n < kBrickNodes; ++n) {
+    if (piece_of[n] == id) continue;
+    const bool is_outside = piece_of[n] == PieceFinder::kNoPiece;
+    if (is_outside && ((is_next && (*is_next)[n]) || others[n] == kFar)) continue;
+    // Nearer to this piece: the value stays, unless it must be another's after all (balls miss sharp corners).
+    const float to_own = own ? (*own)[n] : kFar;
+    const float distance_to_own = is_outside && to_own <= others[n] ? to_own - 0.5f * h : to_own;
+    out[n] = std::min(background, std::max(std::abs(out[n]), distance_to_own));
+  }
+}
 
-  // Distance to each side as the union of balls of radius |phi| about its outermost nodes: |p - a| + phi(a).
-  std::array<std::vector<float>, 2> distance{std::vector<float>(kBrickNodes, kFar),
-                                             std::vector<float>(kBrickNodes, kFar)};
-  // Lengths of steps, a row along z for every (dx, dy): rows are added and compared several nodes at a time.
-  const int row = 2 * reach + 1;
-  std::vector<float> length(static_cast<std::size_t>(row * row * row));
-  for (int x = -reach, n = 0; x <= reach; ++x)
-    for (int y = -reach; y <= reach; ++y)
-      for (int z = -reach; z <= reach; ++z, ++n)
-        length[static_cast<std::size_t>(n)] = h * std::sqrt(static_cast<float>(x * x + y * y + z * z));
-  const std::array<std::size_t, 3> stride{static_cast<std::size_t>(span) * static_cast<std::size_t>(span),
-                                          static_cast<std::size_t>(span), 1};
-  const auto hasNeighbour = [&](std::size_t at, unsigned char wanted) {
-    for (const std::size_t s : stride)
-      if (whose[at - s] == wanted || whose[at + s] == wanted) return true;
-    return false;
+std::vector<PieceBricks> bricksOf(const PieceFinder& pieces, std::uint32_t first, std::size_t count, bool is_parallel) {
+  const Split split(pieces, is_parallel);
+  std::vector<PieceBricks> out = layOut(split, first, count, is_parallel);
+  // What two pieces have near each other is looked at once.
+  struct Wanted {
+    std::uint64_t brick;
+    std::size_t piece, edit;
   };
-  for (int i = -reach; i < kBrickSide + reach; ++i)
-    for (int j = -reach; j < kBrickSide + reach; ++j)
-      for (int k = -reach; k < kBrickSide + reach; ++k) {
-        const std::size_t at = indexOf(i, j, k);
-        if (whose[at] == 0 || !hasNeighbour(at, 0)) continue;
-        std::vector<float>& to = distance[whose[at] - 1];
-        const int z0 = std::max(0, k - reach), z1 = std::min(kBrickSide - 1, k + reach);
-        const float v = value[at];
-        for (int x = std::max(0, i - reach); x <= std::min(kBrickSide - 1, i + reach); ++x)
-          for (int y = std::max(0, j - reach); y <= std::min(kBrickSide - 1, j + reach); ++y) {
-            if ((x - i) * (x - i) + (y - j) * (y - j) > reach * reach) continue;  // beyond the band
-            float* const d = to.data() + nodeOffset(x, y, 0);
-            const float* const step = length.data() + ((x - i + reach) * row + y - j + reach) * row + reach - k;
-            for (int z = z0; z <= z1; ++z) d[z] = std::min(d[z], step[z] + v);
-          }
+  std::vector<Wanted> wanted;
+  for (std::size_t p = 0; p < count; ++p)
+    for (std::size_t e = 0; e < out[p].changed.size(); ++e) wanted.push_back({coordKey(out[p].changed[e].brick), p, e});
+  std::sort(wanted.begin(), wanted.end(), [](const Wanted& a, const Wanted& b) {
+    return a.brick != b.brick ? a.brick < b.brick : a.piece < b.piece;
+  });
+  std::vector<std::size_t> begin;
+  for (std::size_t n = 0; n < wanted.size(); ++n)
+    if (n == 0 || wanted[n].brick != wanted[n - 1].brick) begin.push_back(n);
+  begin.push_back(wanted.size());
+  constexpr std::size_t kAtOnce = 16;
+  const std::size_t groups = begin.size() - 1;
+  internal::forEach((groups + kAtOnce - 1) / kAtOnce, is_parallel, [&](std::size_t lot) {
+    NearPieces beside;
+    for (std::size_t g = lot * kAtOnce; g < std::min(groups, (lot + 1) * kAtOnce); ++g) {
+      bool has_looked = false;
+      for (std::size_t n = begin[g]; n < begin[g + 1]; ++n) {
+        const std::uint32_t id = first + static_cast<std::uint32_t>(wanted[n].piece);
+        BrickEdit& edit = out[wanted[n].piece].changed[wanted[n].edit];
+        if (!split.isWithinReach(edit.brick, id)) {  // as most: they are another piece's alone
+          edit.phi.fill(pieces.field().background());
+          continue;
+        }
+        if (!has_looked) beside.look(split, edit.brick);
+        has_looked = true;
+        separate(split, beside, id, edit.phi);
       }
-
-  std::size_t n = 0;
-  for (int i = 0; i < kBrickSide; ++i)
-    for (int j = 0; j < kBrickSide; ++j)
-      for (int k = 0; k < kBrickSide; ++k, ++n) {
-        const std::size_t at = indexOf(i, j, k);
-        const float own = distance[0][n], foreign = distance[1][n];
-        if (whose[at] == 1) continue;
-        if (whose[at] == 0 && (hasNeighbour(at, 1) || foreign == kFar)) continue;
-        // Nearer to this piece: the value stays, unless it must be another's after all (balls miss sharp corners).
-        const float distance_to_own = whose[at] == 0 && own <= foreign ? own - 0.5f * h : own;
-        out[n] = std::min(background, std::max(std::abs(value[at]), distance_to_own));
-      }
+    }
+  });
+  return out;
 }
 
 }  // namespace
 
-PieceBricks bricksOfPiece(const PieceFinder& pieces, std::uint32_t id) {
-  const OverlayField& field = pieces.field();
-  const std::vector<PieceFinder::InsideBrick> inside = pieces.insideBricks();
-  PieceBricks out;
-  // One byte for each brick of the object's box and a layer around: a piece has tens of thousands of bricks, and every
-  // one asks for its 26 neighbours.
-  Vec3i low = Vec3i::Constant(std::numeric_limits<int>::max()), high = -low;
-  for (const PieceFinder::InsideBrick& b : inside) low = low.cwiseMin(b.brick), high = high.cwiseMax(b.brick);
-  if (inside.empty()) return out;
-  low -= Vec3i::Constant(2), high += Vec3i::Constant(2);
-  const Vec3i size = high - low + Vec3i::Ones();
-  const std::array<std::ptrdiff_t, 3> stride{std::ptrdiff_t{size[1]} * size[2], size[2], 1};
-  std::vector<unsigned char> cells(static_cast<std::size_t>(stride[0] * size[0]), 0);
-  const auto cellOf = [&](const Vec3i& c) {
-    const Vec3i at = c - low;
-    return at[0] * stride[0] + at[1] * stride[1] + at[2];
-  };
-  const auto cell = [&](std::ptrdiff_t at) -> unsigned char& { return cells[static_cast<std::size_t>(at)]; };
-  std::array<std::ptrdiff_t, 27> around;
-  for (int x = -1, n = 0; x <= 1; ++x)
-    for (int y = -1; y <= 1; ++y)
-      for (int z = -1; z <= 1; ++z, ++n)
-        around[static_cast<std::size_t>(n)] = x * stride[0] + y * stride[1] + z * stride[2];
-  const auto markStored = [&](const BrickField& bricks) {
-    for (std::size_t b = 0; b < bricks.brickCount(); ++b) {
-      const Vec3i& c = bricks.brickCoord(b);
-      if ((c.array() >= low.array()).all() && (c.array() <= high.array()).all()) cell(cellOf(c)) |= kStored;
-    }
-  };
-  markStored(field.baked()), markStored(field.changed());
-  for (const PieceFinder::InsideBrick& b : inside) {
-    unsigned char what = b.piece == id ? kOwn : kForeign;
-    if (b.piece == PieceFinder::kSeveralPieces) {
-      what = 0;
-      std::array<std::uint32_t, kBrickNodes> piece_of;
-      pieces.piecesIn(b.brick, piece_of);
-      for (const std::uint32_t piece : piece_of)
-        if (piece != PieceFinder::kNoPiece) what = static_cast<unsigned char>(what | (piece == id ? kOwn : kForeign));
-    }
-    cell(cellOf(b.brick)) |= what;
-  }
-  for (const PieceFinder::InsideBrick& b : inside) {
-    const std::ptrdiff_t at = cellOf(b.brick);
-    if (!(cell(at) & kOwn)) continue;
-    if (!(cell(at) & kStored)) {
-      out.interior.push_back(b.brick);
-      // Deep inside. What a constant brick meets at an edge or corner only is met by one of these six as well.
-      const auto isDeep = [&](std::ptrdiff_t next) { return (cell(next) & (kOwn | kForeign | kStored)) == kOwn; };
-      if (isDeep(at - stride[0]) && isDeep(at + stride[0]) && isDeep(at - stride[1]) && isDeep(at + stride[1]) &&
-          isDeep(at - stride[2]) && isDeep(at + stride[2]))
-        continue;
-    }
-    for (const std::ptrdiff_t step : around) cell(at + step) |= kNearOwn;
-  }
-  // No farther than the bricks around: what lies beyond eight nodes is beyond any band in use.
-  const int reach =
-      std::clamp(static_cast<int>(std::ceil(double{field.background()} / field.voxel())), 1, kBrickSide - kPad);
-  // The piece's own bricks and those around them; of the bricks that are stored as constants only foreign ones change.
-  for (int x = low[0]; x <= high[0]; ++x)
-    for (int y = low[1]; y <= high[1]; ++y)
-      for (int z = low[2]; z <= high[2]; ++z) {
-        const Vec3i c{x, y, z};
-        const unsigned char what = cell(cellOf(c));
-        if (!(what & kNearOwn) || (!(what & kStored) && (what & (kOwn | kForeign)) != kForeign)) continue;
-        out.bricks.push_back(c);
-        const std::ptrdiff_t at = cellOf(c);
-        const bool is_near_foreign =
-            std::any_of(around.begin(), around.end(), [&](std::ptrdiff_t step) { return cell(at + step) & kForeign; });
-        if (!is_near_foreign || !pieces.hasOthersWithin(c, reach, id)) continue;
-        BrickEdit& edit = out.changed.emplace_back();
-        edit.brick = c;
-        if (const BrickValues* values = field.valuesAt(c))
-          edit.phi = *values;
-        else
-          edit.phi.fill(field.constantAt(c));
-      }
-  tbb::parallel_for(std::size_t{0}, out.changed.size(),
-                    [&](std::size_t n) { separate(pieces, id, out.changed[n].brick, reach, out.changed[n].phi); });
-  return out;
+std::vector<PieceBricks> bricksOfPieces(const PieceFinder& pieces, std::size_t count, bool is_parallel) {
+  return bricksOf(pieces, 0, count, is_parallel);
 }
 
 BrickField splitField(const PieceFinder& pieces, std::uint32_t id) {
   const OverlayField& field = pieces.field();
-  const PieceBricks piece = bricksOfPiece(pieces, id);
+  const PieceBricks piece = std::move(bricksOf(pieces, id, 1, true).front());
   BrickField out(field.voxel(), field.background(), field.interior());
   for (const Vec3i& c : piece.interior) out.markInterior(c);
   out.reserve(piece.bricks.size());

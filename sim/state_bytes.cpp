@@ -12,7 +12,7 @@
 namespace kerf {
 namespace {
 
-constexpr std::uint32_t kStateVersion = 1;
+constexpr std::uint32_t kStateVersion = 2;
 
 // Little-endian, doubles with every bit.
 class Writer {
@@ -96,13 +96,17 @@ bool hasOtherMaterials(const CutObject::Slot& slot) {
 }
 
 void packObject(const CutObject& object, std::size_t loaded, Writer& to) {
-  to.u32(static_cast<std::uint32_t>(loaded)), to.u32(object.isPiece());
+  to.u32(static_cast<std::uint32_t>(loaded)), to.u32((object.isPiece() ? 1u : 0u) | (object.isHeld() ? 2u : 0u));
+  to.u32(object.id);
   to.pose(object.T_world_object);
   for (std::size_t m = 0; m < 256; ++m) to.f64(object.removed_mm3[m]), to.f64(object.added_mm3[m]);
   // Which bricks a piece began with; then, for any object, those of air that it took on.
   const auto putBricks = [&](int begin, int end) {
-    to.u64(static_cast<std::uint64_t>(end - begin));
-    for (int n = begin; n < end; ++n) to.brick(object.slot(n).brick);
+    std::uint64_t count = 0;
+    for (int n = begin; n < end; ++n) count += object.has(n);
+    to.u64(count);
+    for (int n = begin; n < end; ++n)
+      if (object.has(n)) to.brick(object.slot(n).brick);
   };
   if (object.isPiece()) putBricks(0, object.firstSlotCount());
   putBricks(object.firstSlotCount(), object.slotCount());
@@ -169,7 +173,7 @@ PieceBricks pieceOf(CutObject& whole, std::vector<Vec3i> bricks, const std::vect
       out.interior.push_back(c);
       continue;
     }
-    out.bricks.push_back(c);
+    out.bricks.push_back(c), out.at_edge.push_back(c);
     if (edit != edits.end()) out.changed.push_back(*edit->second);
   }
   return out;
@@ -178,7 +182,8 @@ PieceBricks pieceOf(CutObject& whole, std::vector<Vec3i> bricks, const std::vect
 // Nothing: the bytes do not describe such an object.
 std::optional<CutObject> unpackObject(Reader& from, const LoadedObjects& loaded) {
   const std::size_t index = from.u32();
-  const bool is_piece = from.u32() != 0;
+  const std::uint32_t flags = from.u32(), id = from.u32();
+  const bool is_piece = flags & 1;
   const Rigid3 pose = from.pose();
   std::array<double, 256> removed{}, added{};
   for (std::size_t m = 0; m < 256; ++m) removed[m] = from.f64(), added[m] = from.f64();
@@ -203,12 +208,15 @@ std::optional<CutObject> unpackObject(Reader& from, const LoadedObjects& loaded)
   while (!object.repair())
     if (!object.reserve(1024)) return {};
   object.endStroke();  // it begins like this: nothing to undo
-  object.T_world_object = pose;
+  object.T_world_object = pose, object.id = id;
+  if (flags & 2) object.hold();
   object.removed_mm3 = removed, object.added_mm3 = added;
   return object;
 }
 
 }  // namespace
+
+bool isStateOfThisVersion(std::span<const std::byte> bytes) { return Reader(bytes).u32() == kStateVersion; }
 
 std::vector<std::byte> packState(const State& state, const LoadedObjects& loaded) {
   Writer to;
@@ -219,6 +227,7 @@ std::vector<std::byte> packState(const State& state, const LoadedObjects& loaded
   to.pose(state.body.pose), to.vec(state.body.velocity), to.vec(state.body.angular);
   to.pose(state.device.pose), to.vec(state.device.velocity), to.vec(state.device.angular);
   to.vec(state.last_force.force), to.vec(state.last_force.torque);
+  to.u32(state.next_id);
   to.u32(static_cast<std::uint32_t>(state.objects.size()));
   for (const CutObject& object : state.objects) {
     std::size_t index = 0;
@@ -244,6 +253,7 @@ Expected<State> unpackState(std::span<const std::byte> bytes, const LoadedObject
   out.body.pose = from.pose(), out.body.velocity = from.vec(), out.body.angular = from.vec();
   out.device.pose = from.pose(), out.device.velocity = from.vec(), out.device.angular = from.vec();
   out.last_force.force = from.vec(), out.last_force.torque = from.vec();
+  out.next_id = from.u32();
   const std::uint32_t count = from.u32();
   const bool is_finite = std::isfinite(out.speed) && std::isfinite(out.ramp) && out.body.velocity.allFinite() &&
                          out.body.angular.allFinite() && out.device.velocity.allFinite() &&
@@ -257,6 +267,11 @@ Expected<State> unpackState(std::span<const std::byte> bytes, const LoadedObject
     if (!object) return refuse(fmt::format("object {} is not one of those loaded, or was cut short", n));
     out.objects.push_back(std::move(*object));
   }
+  for (std::size_t n = 0; n < out.objects.size(); ++n)
+    for (std::size_t m = 0; m <= n; ++m)
+      if (out.objects[n].id >= out.next_id ||
+          (m < n && (out.objects[m].id == out.objects[n].id || (out.objects[m].isHeld() && out.objects[n].isHeld()))))
+        return refuse(fmt::format("object {} has the id of another, or is held beside another", n));
   if (!from.isAtEnd()) return refuse(fmt::format("{} bytes too many", bytes.size() - from.at()));
   return out;
 }

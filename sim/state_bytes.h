@@ -19,6 +19,9 @@ using LoadedObjects = std::vector<std::shared_ptr<const BakedObject>>;
 /// The same state gives the same bytes. Allocates; 3 KB a changed brick.
 std::vector<std::byte> packState(const State& state, const LoadedObjects& loaded);
 
+/// Whether the bytes are what packState() of this version gives: others can be neither read nor compared.
+bool isStateOfThisVersion(std::span<const std::byte> bytes);
+
 /// A state as it was, at rest in every way that does not show: tools, objects, pieces, forces go on bit for bit. What
 /// could be undone is not in it. Lengths are claims: no list is made longer than the bytes that follow. Each of the (at
 /// most kMostObjects) objects is as large as the loaded one it is of, as in the session that was packed.

@@ -118,7 +118,10 @@ void step(const Model& model, State& state, const DeviceSample& input, StepOutpu
   state.ramp = settings.ramp_s > 0 ? std::min(1.0, state.ramp + kTick / settings.ramp_s) : 1;
 
   double longest = 0.5 * tool.finest_mm;
-  for (const CutObject& object : state.objects) longest = std::min(longest, longestSubstep(tool, object.voxel()));
+  for (const CutObject& object : state.objects) {
+    longest = std::min(longest, longestSubstep(tool, object.voxel()));
+    if (object.isHeld()) output.status |= kStepHeld;
+  }
   const double reach = tool.cut.reach();
   const bool is_penalty = settings.response == Response::kPenalty || settings.rendering == Rendering::kRigid;
   const bool is_coupled = settings.rendering == Rendering::kCoupled || !is_penalty;  // a body of its own
@@ -178,6 +181,8 @@ void step(const Model& model, State& state, const DeviceSample& input, StepOutpu
           if (!state.near.find(object, tool, in.T_object_tool)) look.status |= kStepNearRanOut;
           ContactSums sums;
           sumContact(object, state.near, in, sums);
+          if (sums.touching > 0)
+            look.objects_touched |= objectBit(static_cast<std::size_t>(&object - state.objects.data()));
           look.sums.add(sums.rotated(object.T_world_object.rotation.toRotationMatrix()));
           cut = erode(object, state.near, in);
           look.bricks_near += static_cast<int>(state.near.size());
@@ -214,6 +219,7 @@ void step(const Model& model, State& state, const DeviceSample& input, StepOutpu
     output.area = std::max(output.area, world.area), output.deepest = std::max(output.deepest, world.deepest);
     if (world.touching > 0) output.material = static_cast<Material>(world.material);
     output.tested += world.tested, output.touching += world.touching;
+    output.objects_touched |= look.objects_touched;
     output.removed_mm3 += look.removed_mm3;
     output.bricks_near += look.bricks_near, output.bricks_cut += look.bricks_cut;
     output.status |= look.status;

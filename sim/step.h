@@ -48,14 +48,12 @@ struct Model {
   StepSettings settings;
 };
 
-/// Objects a scene can hold; what would come apart into more stays in one.
-inline constexpr std::size_t kMostObjects = 64;
-
 /// Belongs to the thread that calls step(). Everything is reserved when it is made.
 struct State {
   State() : near(1 << 16) {}
   std::vector<CutObject> objects;
-  std::size_t tool = 0;  ///< index into Model::tools; change it by selectTool()
+  std::uint32_t next_id = 0;  ///< CutObject::id of the next object that comes into being
+  std::size_t tool = 0;       ///< index into Model::tools; change it by selectTool()
   ToolBody body;
   double speed = 0;  ///< of the drive, as in ToolDrive
   /// Not kNone: while the pedal is pressed the tool's cutting part adds this material to object `adds_to`; its drive
@@ -89,7 +87,8 @@ enum StepStatus : std::uint32_t {
   kStepTooFast = 4,        ///< the hand is faster than most_substeps follow; the tool lags, nothing was jumped over
   kStepBadSample = 8,      ///< no usable sample: force is zero from now on, see State::clearLatch
   kStepForceClamped = 16,  ///< the hand got less than the coupling wanted
-  kStepFillClipped = 32    ///< something was not added: farther than kAirAround, or after CutObject::kMostAdded bricks
+  kStepFillClipped = 32,   ///< something was not added: farther than kAirAround, or after CutObject::kMostAdded bricks
+  kStepHeld = 64           ///< an object is held (CutObject::isHeld): nothing of it is cut, nothing added
 };
 
 struct StepOutput {
@@ -104,10 +103,15 @@ struct StepOutput {
   double speed = 0;                     ///< of the drive after the tick
   double area = 0, deepest = 0;         ///< mm^2, mm
   int tested = 0, touching = 0;         ///< nodes
+  std::uint64_t objects_touched = 0;    ///< objectBit() of each that the tool touched, with neck or shank, too
   Material material = Material::kNone;  ///< of most of the area in contact
   int bricks_near = 0, bricks_cut = 0, substeps = 0;
   std::uint32_t status = kStepOk;
 };
+
+/// The bit of an object in StepOutput::objects_touched.
+constexpr std::uint64_t objectBit(std::size_t index) { return index < kMostObjects ? std::uint64_t{1} << index : 0; }
+static_assert(kMostObjects <= 64);
 
 /// One tick of kTick seconds. @rt @cost tens to hundreds of microseconds, with the area in contact, not the object.
 /// Contact and erosion are evaluated at the same pose and field, force first; then the tool moves.

@@ -5,6 +5,7 @@
 #include <CGAL/Surface_mesh.h>
 
 #include <memory>
+#include <tuple>
 #include <unordered_map>
 
 namespace kerf {
@@ -120,25 +121,33 @@ Expected<Difference> combine(const Mesh& minuend, const Mesh& other, Operation o
     };
     for (const std::uint32_t v : at_original)
       if (v != kNoSource) take(SurfaceMesh::Vertex_index(v));
+    // The new ones by their coordinates, and the faces by their corners: CGAL numbers both as it comes upon them, and
+    // where two boxes touch it takes the one first that lies lower in memory.
+    std::vector<SurfaceMesh::Vertex_index> made;
     for (const auto v : out->vertices())
-      if (origin[v] == kNoSource) take(v);
+      if (origin[v] == kNoSource) made.push_back(v);
+    std::stable_sort(made.begin(), made.end(),
+                     [&](const auto x, const auto y) { return out->point(x) < out->point(y); });
+    for (const auto v : made) take(v);
 
-    // Faces: the untouched ones in the source's order, then the rest in CGAL's.
+    // Faces: the untouched ones in the source's order, then the rest.
     struct Face {
-      std::uint32_t order, source;
+      std::uint32_t source;
       Triangle corners;
     };
     std::vector<Face> faces;
     faces.reserve(out->number_of_faces());
     for (const auto f : out->faces()) {
-      Face face{static_cast<std::uint32_t>(f), Origins::get(state.result_origin.face, f), {}};
+      Face face{Origins::get(state.result_origin.face, f), {}};
       std::size_t k = 0;
       for (const auto v : CGAL::vertices_around_face(out->halfedge(f), *out)) face.corners[k++] = index[v];
       // Begin with the corner of the lowest index: CGAL's choice of first corner depends on its history.
       std::rotate(face.corners.begin(), std::min_element(face.corners.begin(), face.corners.end()), face.corners.end());
       faces.push_back(face);
     }
-    std::stable_sort(faces.begin(), faces.end(), [](const Face& x, const Face& y) { return x.source < y.source; });
+    std::sort(faces.begin(), faces.end(), [](const Face& x, const Face& y) {
+      return std::tie(x.source, x.corners) < std::tie(y.source, y.corners);
+    });
     for (Face& face : faces) {
       if (face.source != kNoSource) {  // an uncut triangle keeps the source's first corner
         const Triangle& source = minuend.triangles[face.source];

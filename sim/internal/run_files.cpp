@@ -7,6 +7,7 @@
 #include "geometry/hash.h"
 #include "geometry/toml_reader.h"
 #include "geometry/version.h"
+#include "sim/monitor.h"
 
 namespace kerf::internal {
 namespace {
@@ -14,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 
 Expected<void> writeManifest(const fs::path& folder, const RunManifest& m) {
-  const toml::table root{
+  toml::table root{
       {"format", "kerf-run"},
       {"version", kRunFormatVersion},
       {"kerf_version", m.kerf_version},
@@ -32,6 +33,15 @@ Expected<void> writeManifest(const fs::path& folder, const RunManifest& m) {
       {"state_hash", m.state_hash},
       {"field_sha256", m.field_sha256},
   };
+  if (!m.beside.empty()) {
+    toml::array beside;
+    for (const RunManifest::Beside& b : m.beside)
+      beside.push_back(toml::table{{"case_path", b.case_path},
+                                   {"case_id", b.case_id},
+                                   {"voxel_mm", b.voxel_mm},
+                                   {"removed_mm3", b.removed_mm3}});
+    root.insert("beside", std::move(beside));
+  }
   const fs::path path = folder / kRunManifest;
   std::ofstream out(path, std::ios::binary);
   out << "# Kerf run. Lengths in mm, times in s. Training and lab tool, not a medical device.\n" << root << "\n";
@@ -73,6 +83,8 @@ bool isText(const std::string& bytes) {
 }
 
 }  // namespace
+
+std::string neighbourKey(std::size_t beside) { return neighbourId(beside) + ".case_id"; }
 
 Expected<std::string> relativeCasePath(const fs::path& case_folder, const fs::path& run_folder) {
   // Links are resolved: ".." goes by the real folders.

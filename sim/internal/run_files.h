@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "geometry/tool.h"
 #include "sim/run_bundle.h"
@@ -12,6 +13,9 @@ inline constexpr const char* kRunToolCopy = "tool.toml";
 inline constexpr const char* kRunField = "run.vdb";
 inline constexpr const char* kRunLog = "session.kerflog";
 inline constexpr int kRunFormatVersion = 1;
+
+/// Where the session log's header names the id of the n-th case beside the one cut.
+std::string neighbourKey(std::size_t beside);
 
 /// From the run to the case, so that both can be moved together. Error: a name that no TOML file can hold.
 Expected<std::string> relativeCasePath(const std::filesystem::path& case_folder,

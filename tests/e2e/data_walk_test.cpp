@@ -516,5 +516,97 @@ TEST(DataWalk, AWholeMandibleIsSawnThroughAtTheAngle) {
              s.seconds, s.mean_contact_force, volume[1], volume[0]);
 }
 
+// Two scanned crowns 0.25 mm apart: a taper that goes between them half a millimetre too far takes some of both. What
+// the run says of the distance is held against that of the tool's shape to the vertices of the scan.
+TEST(DataWalk, ATaperBetweenTwoCrownsIsMeasuredAgainstTheNeighbourItNicks) {
+  const fs::path file = dataFolder() / "lower-crowns-16-closed.obj";
+  if (!fs::exists(file)) GTEST_SKIP() << "no data at " << dataFolder();
+  const auto arch = readMesh(file);
+  ASSERT_TRUE(arch) << arch.error().message();
+  const Pieces pieces = edgeConnectedPieces(arch->mesh);
+  const auto crownAt = [&](const Vec3d& middle) {
+    double nearest = 1e9;
+    Mesh out;
+    for (std::uint32_t p = 0; p < pieces.count; ++p) {
+      std::vector<char> keep(pieces.label.size());
+      for (std::size_t t = 0; t < keep.size(); ++t) keep[t] = pieces.label[t] == p;
+      Mesh crown = subset(arch->mesh, keep);
+      if (const double d = (bounds(crown).center() - middle).norm(); crown.triangles.size() > 1000 && d < nearest)
+        nearest = d, out = std::move(crown);
+    }
+    EXPECT_LT(nearest, 1) << "the crown that is meant";
+    return out;
+  };
+  TemporaryFolder scratch;
+  BakeOptions options;
+  options.unit = "mm";
+  options.voxelize.voxel_mm = 0.1;
+  std::map<std::string, Mesh> crowns{{"premolar", crownAt({21.9, -1, -2.9})}, {"molar", crownAt({26, -0.2, -9.7})}};
+  for (const auto& [name, mesh] : crowns) {
+    ASSERT_TRUE(writeMesh(scratch.path() / (name + ".off"), mesh));
+    const auto baked = bake({scratch.path() / (name + ".off")}, scratch.path() / (name + ".case"), options);
+    ASSERT_TRUE(baked) << baked.error().message();
+  }
+  const fs::path path = scratch.path() / "between.toml";
+  std::ofstream(path) << "format = \"kerf-path\"\nversion = 1\nframe = \"object\"\nfeed = 1.5\n[start]\n"
+                         "position = [29.6, -2, -2.43]\naxis = [0, 1, 0]\n[[stroke]]\nkind = \"line\"\n"
+                         "by = [-10.56, 0, -5.64]\n";
+  const auto tool_file = findToolFile("856-016", defaultToolFolders());
+  ASSERT_TRUE(tool_file);
+  HapticCutOptions hand;
+  hand.beside = {scratch.path() / "molar.case"};
+  const fs::path run = scratch.path() / "between.run";
+  const auto cut = cutCaseByHand(scratch.path() / "premolar.case", *tool_file, path, run, hand);
+  ASSERT_TRUE(cut) << cut.error().message();
+  const HapticSummary& s = cut->summary;
+  ASSERT_EQ(s.beside.size(), 1u);
+  const HapticSummary::Neighbour& molar = s.beside[0];
+  EXPECT_GT(molar.removed_mm3, 0.3);
+  EXPECT_GT(s.removed_mm3, 5 * molar.removed_mm3);
+  EXPECT_EQ(molar.overlap_mm3, 0);
+  EXPECT_NEAR(s.removed_mm3 + s.remaining_mm3, s.initial_mm3, 1e-6 * s.initial_mm3);
+
+  const auto tool = readTool(*tool_file);
+  ASSERT_TRUE(tool);
+  const Eigen::Quaterniond up = Eigen::Quaterniond::FromTwoVectors(Vec3d::UnitZ(), Vec3d::UnitY());
+  std::ifstream rows(run / "forces.csv");
+  std::string row;
+  std::getline(rows, row);
+  const auto column = [&row](const std::string& name) {
+    return std::count(row.begin(), row.begin() + static_cast<std::ptrdiff_t>(row.find("," + name)), ',') + 1;
+  };
+  const auto distance_column = static_cast<std::size_t>(column("beside_1_mm"));
+  double worst = 0, least = 1e9;
+  int compared = 0;
+  for (int n = 0; std::getline(rows, row); ++n) {
+    std::vector<double> cells;
+    std::istringstream in(row);
+    for (std::string cell; std::getline(in, cell, ',');) cells.push_back(std::stod(cell));
+    least = std::min(least, cells[distance_column]);
+    if (n % 100 != 0) continue;
+    const Rigid3 T_tool_world = Rigid3{up, Vec3d(cells[1], cells[2], cells[3])}.inverse();
+    double exact = 1e9;
+    for (const Vec3d& v : crowns["molar"].vertices) exact = std::min(exact, tool->cut->distance(T_tool_world * v));
+    if (exact < 0.1 || exact > 4.8) continue;  // in it: the scan's vertices say nothing of how deep
+    worst = std::max(worst, std::abs(cells[distance_column] - exact)), ++compared;
+  }
+  EXPECT_GT(compared, 20);
+  EXPECT_LT(worst, 0.12) << "half a voxel, and 0.3 mm from vertex to vertex";
+  EXPECT_NEAR(s.least_distance_mm.at("beside_1"), least, 1e-4);
+  EXPECT_LT(least, -0.1);
+
+  const auto again = replayRun(run);
+  ASSERT_TRUE(again) << again.error().message();
+  EXPECT_TRUE(again->is_same);
+  for (const std::size_t beside : {0u, 1u}) {
+    const auto exported = exportBundle(run, {}, {}, beside);
+    ASSERT_TRUE(exported) << exported.error().message();
+    const double gone = beside == 0 ? s.removed_mm3 : molar.removed_mm3;
+    EXPECT_NEAR(exported->post_op.report.removed_volume_mm3, gone, 0.05 * gone);
+  }
+  fmt::print("  crowns: {:.2f} mm3 gone, {:.2f} mm3 of the neighbour, {:.2f} mm deep; distance within {:.3f} mm\n",
+             s.removed_mm3, molar.removed_mm3, -least, worst);
+}
+
 }  // namespace
 }  // namespace kerf

@@ -4,30 +4,21 @@
 
 #include <atomic>
 #include <chrono>
-#include <functional>
 #include <map>
-#include <optional>
 #include <thread>
 
 #include "sim/replay.h"
 #include "sim/simulated_device.h"
-#include "tests/allocation_guard.h"
 #include "tests/geometry/temporary_folder.h"
 #include "tests/sim/block_scene.h"
+#include "tests/sim/haptic_scene.h"
 
 namespace kerf {
 namespace {
 
 using namespace std::chrono_literals;
-
-// As a test machine may have it: neither a priority that starves the others nor memory it has not got; and it may be
-// too busy to run a thread for a while.
-HapticOptions ordinary() {
-  HapticOptions options;
-  options.real_time = {.priority = 0, .lock_memory = false};
-  options.stall_ms = 5000;
-  return options;
-}
+using test::becomes;
+using test::GuardedDevice;
 
 // In a tissue as soft as caries, so that a light hand is quick.
 Model twoBalls() {
@@ -60,48 +51,6 @@ CutPath dabs(int count, double seconds, double depth, double rest = 0) {
     go({x, y, 0.3}, seconds / 4, true);
   }
   return path;
-}
-
-// Under an AllocationGuard from the first tick to the last: what a tick allocates ends the test.
-class GuardedDevice : public DeviceSource {
- public:
-  explicit GuardedDevice(DeviceSource* inner = nullptr) : inner_(inner) {}
-  void arm() noexcept override {
-    if (inner_) inner_->read();  // a virtual hand makes room for its delay line
-    guard_.emplace();
-    is_armed = true;
-  }
-  DeviceSample read() noexcept override {
-    ++reads;
-    return inner_ ? inner_->read() : sample;
-  }
-  void write(const DeviceForce& force) noexcept override {
-    if (inner_) inner_->write(force);
-    last_force = force.force.norm();
-    most_force = std::max(most_force, last_force);
-  }
-  void disarm() noexcept override {
-    is_disarmed = true;
-    guard_.reset();
-  }
-  std::atomic<std::uint64_t> reads{0};
-  DeviceSample sample;  // without an inner device
-  double last_force = -1, most_force = 0;
-  bool is_armed = false, is_disarmed = false;
-
- private:
-  DeviceSource* inner_;
-  std::optional<AllocationGuard> guard_;
-};
-
-// Waits for what the haptic thread will report within a minute, on any machine.
-bool becomes(HapticThread& haptic, const std::function<bool(const HapticReport&)>& holds) {
-  for (int n = 0; n < 60'000; ++n) {
-    haptic.update();
-    if (holds(haptic.report())) return true;
-    std::this_thread::sleep_for(1ms);
-  }
-  return false;
 }
 
 // A follower of the bricks: keeps the newest values of each.
@@ -140,7 +89,7 @@ TEST(HapticThread, ItsLogReplaysBitForBitAndWhoFollowsTheBricksHasTheField) {
   DeviceHand hand(path, firm);
   SimulatedDevice simulated(hand);
   GuardedDevice device(&simulated);
-  HapticThread haptic(twoBalls(), {someBlock()}, poseAt(path, 0), ordinary());
+  HapticThread haptic(twoBalls(), {someBlock()}, poseAt(path, 0), test::ordinaryHaptics());
   auto recorder = SessionRecorder::start(file, describe(haptic.session()));
   ASSERT_TRUE(recorder) << recorder.error().message();
   BrickFeed feed(16);  // small on purpose: it is full now and then
@@ -207,7 +156,7 @@ TEST(HapticThread, RoomArrivesBeforeItRunsOut) {
   Model model = twoBalls();
   model.settings.rendering = Rendering::kRigid;
   model.settings.geometry_only = true;
-  HapticThread haptic(std::move(model), {test::block({6, 4, 2}, 0.05)}, poseAt(path, 0), ordinary());
+  HapticThread haptic(std::move(model), {test::block({6, 4, 2}, 0.05)}, poseAt(path, 0), test::ordinaryHaptics());
   const CutObject& object = haptic.session().state().objects[0];
   const std::size_t at_first = object.freeBricks();
   ASSERT_TRUE(haptic.start(device, {}, nullptr));
@@ -226,7 +175,7 @@ TEST(HapticThread, CommandsAreDoneInTheirOrderAndWhatMeansNothingIsCounted) {
   const auto file = folder.path() / "s.kerflog";
   GuardedDevice device;
   device.sample = test::sampleAt(at(0, 0, 1), 0);
-  HapticThread haptic(twoBalls(), {someBlock()}, at(0, 0, 1), ordinary());
+  HapticThread haptic(twoBalls(), {someBlock()}, at(0, 0, 1), test::ordinaryHaptics());
   auto recorder = SessionRecorder::start(file, describe(haptic.session()));
   ASSERT_TRUE(recorder);
   ASSERT_TRUE(haptic.start(device, {}, &*recorder));
@@ -273,7 +222,7 @@ class PressingDevice final : public GuardedDevice {
 
 TEST(HapticThread, ABadSampleLatchesUntilItIsCleared) {
   PressingDevice device;
-  HapticThread haptic(twoBalls(), {someBlock()}, at(0, 0, 0.1), ordinary());
+  HapticThread haptic(twoBalls(), {someBlock()}, at(0, 0, 0.1), test::ordinaryHaptics());
   ASSERT_TRUE(haptic.start(device, {}, nullptr));
   const auto tickOf = [&] { return haptic.report().tick; };
   EXPECT_TRUE(becomes(haptic, [&](const HapticReport& r) { return r.tick > 100; }));
@@ -303,7 +252,7 @@ TEST(HapticThread, AStallIsCountedAndLatches) {
     }
   } device;
   device.sample = test::sampleAt(at(0, 0, 1), 0);
-  HapticOptions options = ordinary();
+  HapticOptions options = test::ordinaryHaptics();
   options.stall_ms = 100;
   HapticThread haptic(twoBalls(), {someBlock()}, at(0, 0, 1), options);
   ASSERT_TRUE(haptic.start(device, {}, nullptr));
@@ -318,7 +267,7 @@ TEST(HapticThread, AStallIsCountedAndLatches) {
 TEST(HapticThread, StopsWithZeroForceAndADisarmedDevice) {
   PressingDevice device;
   device.z = -0.2;
-  HapticThread haptic(twoBalls(), {someBlock()}, at(0, 0, 0.1), ordinary());
+  HapticThread haptic(twoBalls(), {someBlock()}, at(0, 0, 0.1), test::ordinaryHaptics());
   ASSERT_TRUE(haptic.start(device, {}, nullptr));
   EXPECT_TRUE(becomes(haptic, [&](const HapticReport&) { return device.force > 0.05; }));
   haptic.stop();
@@ -336,12 +285,12 @@ TEST(HapticThread, MayBeDestroyedBeforeAndRightAfterItsStart) {
   GuardedDevice device;
   device.sample = test::sampleAt(at(0, 0, 1), 0);
   const auto block = someBlock();
-  { const HapticThread haptic(twoBalls(), {block}, at(0, 0, 1), ordinary()); }
+  { const HapticThread haptic(twoBalls(), {block}, at(0, 0, 1), test::ordinaryHaptics()); }
   for (int n = 0; n < 5; ++n) {
-    HapticThread haptic(twoBalls(), {block}, at(0, 0, 1), ordinary());
+    HapticThread haptic(twoBalls(), {block}, at(0, 0, 1), test::ordinaryHaptics());
     ASSERT_TRUE(haptic.start(device, {}, nullptr));
   }
-  HapticThread haptic(twoBalls(), {block}, at(0, 0, 1), ordinary());
+  HapticThread haptic(twoBalls(), {block}, at(0, 0, 1), test::ordinaryHaptics());
   BrickFeed feed;
   BrickFeed* const feeds[] = {&feed, &feed};
   EXPECT_FALSE(haptic.start(device, feeds, nullptr)) << "more feeds than objects";

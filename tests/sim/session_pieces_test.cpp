@@ -7,6 +7,7 @@
 
 #include "../temporary_file.h"
 #include "block_scene.h"
+#include "sim/object_pieces.h"
 #include "sim/replay.h"
 #include "sim/session.h"
 
@@ -205,8 +206,87 @@ TEST(SessionPieces, APieceOfAnObjectWhoseShellsWaitForRoomHasItsOwn) {
   PieceFinder finder(field);
   const PieceList& list = finder.find();
   ASSERT_EQ(list.pieces.size(), 2u);
-  for (const Piece& piece : list.pieces)
-    EXPECT_EQ(CutObject::piece(object, bricksOfPiece(finder, piece.id)).shellDefects(), 0u);
+  for (const PieceBricks& bricks : bricksOfPieces(finder, list.pieces.size()))
+    EXPECT_EQ(CutObject::piece(object, bricks).shellDefects(), 0u);
+}
+
+// Blanks are made before anything comes apart, from the object as it was loaded: what has been cut, added and taken off
+// since must all be in the pieces, and theirs in turn.
+TEST(SessionPieces, APieceOutOfABlankIsTheSameAsOneMadeAnew) {
+  const Model model = ball(0.3);
+  State scene;
+  const std::shared_ptr<const BakedObject> loaded = bar();
+  scene.objects.emplace_back(loaded, 512);
+  StepOutput out;
+  const auto saw = [&](State& state, double x) {
+    for (int n = 0; n <= 720; ++n) step(model, state, test::sampleAt(at(x, -1.8 + 3.6 * n / 720, -0.7)), out);
+    for (int n = 0; n <= 720; ++n) step(model, state, test::sampleAt(at(x, -1.8 + 3.6 * n / 720, -1.15)), out);
+    for (int n = 0; n <= 720; ++n) step(model, state, test::sampleAt(at(x, -1.8 + 3.6 * n / 720, -0.3)), out);
+    ASSERT_EQ(out.status & kStepBricksRanOut, 0u);
+  };
+  saw(scene, -0.7);
+  // A lump beside the bar's end, where there was air.
+  CutObject& whole = scene.objects[0];
+  const int air = whole.addAir(whole.slot(0).brick - Vec3i(1, 0, 0));
+  ASSERT_GE(air, 0);
+  BrickValues lump;
+  lump.fill(-0.2f);
+  std::array<std::uint8_t, kBrickNodes> enamel;
+  enamel.fill(static_cast<std::uint8_t>(Material::kEnamel));
+  ASSERT_TRUE(whole.restore(air, lump, enamel.data()));
+  ASSERT_TRUE(whole.repair());
+
+  const auto finderOf = [](const CutObject& object) {
+    std::vector<Vec3i> bricks;
+    std::vector<BrickEdit> edits;
+    for (int s = 0; s < object.slotCount(); ++s) {
+      const CutObject::Slot& slot = object.slot(s);
+      if (!object.has(s)) continue;
+      if (s < object.firstSlotCount()) bricks.push_back(slot.brick);
+      if (!slot.own) continue;
+      edits.emplace_back().brick = slot.brick;
+      std::copy_n(slot.own, kBrickNodes, edits.back().phi.begin());
+    }
+    auto finder = std::make_unique<PieceFinder>(object.baked().phi0(), bricks);
+    finder->apply(edits);
+    return finder;
+  };
+  // One blank less than there are pieces: the last is made anew.
+  const auto split = [&](const CutObject& object, std::size_t count, std::size_t blanks) {
+    std::vector<std::unique_ptr<CutObject>> made(blanks);
+    for (auto& blank : made) blank = std::make_unique<CutObject>(CutObject::blank(loaded, 512));
+    return std::move(makePieces(object, *finderOf(object), 7, count, made)->parts);
+  };
+  const auto expectSame = [](const SessionHistory::Split& a, const SessionHistory::Split& b) {
+    ASSERT_EQ(a.held.size(), b.held.size());
+    for (std::size_t n = 0; n < a.held.size(); ++n) {
+      const CutObject &one = a.held[n].object, &other = b.held[n].object;
+      EXPECT_EQ(one.shellDefects(), 0u);
+      EXPECT_EQ(other.shellDefects(), 0u);
+      EXPECT_EQ(one.stateHash(), other.stateHash());
+      EXPECT_EQ(one.field().stateHash(), other.field().stateHash());
+      EXPECT_EQ(one.field().interiorBricks().size(), other.field().interiorBricks().size());
+      // Node by node, whatever the order of the slots.
+      const auto volumes = one.countVolumes(), others = other.countVolumes();
+      for (std::size_t m = 0; m < volumes.size(); ++m) EXPECT_NEAR(volumes[m], others[m], 1e-9 * (1 + others[m]));
+    }
+  };
+  const auto blank = split(whole, 3, 2), anew = split(whole, 3, 0);
+  ASSERT_EQ(blank->held.size(), 3u);
+  EXPECT_GT(blank->held[2].object.countVolumes()[static_cast<std::size_t>(Material::kEnamel)], 0.3);
+  expectSame(*blank, *anew);
+  // And the larger one again.
+  std::vector<std::uint64_t> hashes;
+  for (SessionHistory::Split* const parts : {blank.get(), anew.get()}) {
+    State piece;
+    piece.objects.push_back(std::move(parts->held[0].object));
+    ASSERT_TRUE(piece.objects[0].reserve(512));
+    saw(piece, 1.2);
+    ASSERT_TRUE(piece.objects[0].repair());
+    expectSame(*split(piece.objects[0], 2, 2), *split(piece.objects[0], 2, 0));
+    hashes.push_back(piece.objects[0].stateHash());
+  }
+  EXPECT_EQ(hashes[0], hashes[1]);
 }
 
 TEST(SessionPieces, ReplayComesApartInTheSamePlaceBitForBit) {

@@ -149,14 +149,36 @@ TEST(TextFiles, MutatedRunManifestsAreReadOrRefused) {
       "case_id = \"0123456789abcdef\"\nmode = \"geometry\"\ntool_id = \"round-014\"\ntool_sha256 = \"01\"\n"
       "path_file = \"path.csv\"\npath_sha256 = \"02\"\nsegments = 12\npath_length_mm = 3.5\nduration_s = 2.0\n"
       "voxel_mm = 0.1\nstate_hash = \"0123456789abcdef\"\nfield_sha256 = \"03\"\n";
-  const Tally t = tally(folder, "run.toml", good, 1000, [&]() -> Expected<void> {
+  const auto read_all = [&]() -> Expected<void> {
     KERF_TRY(read, readRunManifest(folder.path()));
     EXPECT_TRUE(read.voxel_mm >= 0.001 && read.voxel_mm <= 100) << read.voxel_mm;
     EXPECT_TRUE(read.path_file == "path.csv" || read.path_file == "path.toml") << read.path_file;
+    for (const RunManifest::Beside& b : read.beside)
+      EXPECT_TRUE(b.voxel_mm >= 0.001 && b.voxel_mm <= 100 && b.removed_mm3 >= 0) << b.voxel_mm;
     return {};
-  });
+  };
+  const Tally t = tally(folder, "run.toml", good, 1000, read_all);
   EXPECT_GT(t.read, 10);
   EXPECT_GT(t.refused, 100);
+
+  // With two teeth beside the one that was cut.
+  std::string scene = good;
+  scene.replace(scene.find("geometry"), 8, "haptic");
+  for (const char* name : {"35", "37"})
+    scene += fmt::format(
+        "[[beside]]\ncase_path = \"../{}.case\"\ncase_id = \"01\"\nvoxel_mm = 0.1\nremoved_mm3 = 0.25\n", name);
+  folder.write("run.toml", scene);
+  const auto read = readRunManifest(folder.path());
+  ASSERT_TRUE(read) << read.error().message();
+  ASSERT_EQ(read->beside.size(), 2u);
+  EXPECT_EQ(read->beside[1].case_path, "../37.case");
+  EXPECT_EQ(read->beside[1].removed_mm3, 0.25);
+  const Tally beside = tally(folder, "run.toml", scene, 1000, read_all);
+  EXPECT_GT(beside.read, 10);
+  EXPECT_GT(beside.refused, 100);
+  // One cut geometry-only has no others.
+  folder.write("run.toml", good + scene.substr(scene.find("[[beside]]")));
+  EXPECT_FALSE(readRunManifest(folder.path()));
 }
 
 }  // namespace

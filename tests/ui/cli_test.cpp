@@ -173,6 +173,135 @@ TEST_F(Cli, ACutAgainstResistanceIsRecordedAndReplaysBitForBit) {
   refuses({"replay", at("gone.run")}, {"not a run"});
 }
 
+// Along a groove out of one box, over a gap of 1 mm, into the next one, whose voxels are others.
+TEST_F(Cli, AToolThatLeavesItsToothCutsTheNeighbourWhichIsMeasuredToldReplayedAndExported) {
+  makeCase();
+  const auto boxAt = [&](const std::string& name, double shift, const std::string& voxel) {
+    std::istringstream in(box());
+    std::string out, line;
+    for (int n = 0; std::getline(in, line); ++n) {
+      const double x = n >= 2 && n < 10 ? std::stod(line) + shift : 0;
+      out += n >= 2 && n < 10 ? fmt::format("{}{}\n", x, line.substr(line.find(' '))) : line + "\n";
+    }
+    folder_.write(name + ".off", out);
+    EXPECT_EQ(
+        runKerf({"bake", at(name + ".off"), "--unit", "mm", "-o", at(name + ".case"), "--voxel", voxel}).exit_code, 0);
+  };
+  boxAt("next", 7, "0.15"), boxAt("far", -20, "0.2"), boxAt("over", 2, "0.2");
+  folder_.write(
+      "across.toml",
+      "format = \"kerf-path\"\nversion = 1\nframe = \"object\"\nfeed = 3.0\n[start]\nposition = [0, 0, -0.35]\n"
+      "axis = [0, 0, 1]\n[[stroke]]\nkind = \"line\"\nby = [6, 0, 0]\n");
+  const auto cut = [&](const std::string& run, const std::vector<std::string>& more) {
+    std::vector<std::string> words{"cut",    at("box.case"), "--tool", "round-014", "--path", at("across.toml"),
+                                   "--hand", "feed",         "-o",     at(run)};
+    words.insert(words.end(), more.begin(), more.end());
+    return runKerf(words);
+  };
+  const std::vector<std::string> beside{"--beside", at("next.case"), "--beside", at("far.case")};
+  const Outcome told = cut("row.run", beside);
+  ASSERT_EQ(told.exit_code, 0) << told.err;
+  EXPECT_NE(told.err.find("beside_1"), told.err.npos) << told.err;
+  EXPECT_NE(told.err.find("was cut"), told.err.npos) << told.err;
+  EXPECT_EQ(told.err.find("beside_2"), told.err.npos) << told.err;
+  EXPECT_EQ(told.err.find("overlaps"), told.err.npos) << told.err;
+
+  const json summary = json::parse(bytesOf(at("row.run/summary.json")));
+  EXPECT_NEAR(summary["removed_mm3"].get<double>() + summary["remaining_mm3"].get<double>(),
+              summary["initial_mm3"].get<double>(), 1e-6 * summary["initial_mm3"].get<double>());
+  const json &next = summary["beside"][0], &far = summary["beside"][1];
+  const double lost = next["removed_mm3"];
+  EXPECT_GT(lost, 0.5);
+  EXPECT_EQ(next["case_path"], "../next.case");
+  EXPECT_EQ(far["removed_mm3"], 0.0);
+  EXPECT_GT(next["seconds_touched"].get<double>(), 0.3);
+  EXPECT_EQ(far["seconds_touched"], 0.0);
+  // The ball's lowest point goes 0.35 mm below the top, to 2 mm behind the wall at x = 4: within the baked band.
+  EXPECT_NEAR(summary["least_distance_mm"]["beside_1"].get<double>(), -0.35, 0.01);
+  EXPECT_FALSE(summary["least_distance_mm"].contains("beside_2"));
+
+  // The columns: the distance falls as the tool comes, what was cut off grows, the ledger of the case stands still.
+  std::istringstream rows(bytesOf(at("row.run/forces.csv")));
+  std::string row, first, last;
+  std::getline(rows, row);
+  EXPECT_TRUE(row.ends_with(",beside_1_mm,beside_2_mm,beside_1_removed_mm3,beside_2_removed_mm3")) << row;
+  while (std::getline(rows, row)) first = first.empty() ? row : first, last = row;
+  const auto columns = [](const std::string& line) {
+    std::vector<double> out;
+    std::istringstream in(line);
+    for (std::string cell; std::getline(in, cell, ',');) out.push_back(std::stod(cell));
+    return out;
+  };
+  const std::vector<double> begin = columns(first), end = columns(last);
+  ASSERT_EQ(end.size(), begin.size());
+  const std::size_t n = begin.size();
+  EXPECT_NEAR(begin[n - 4], 4 - 0.7, 0.12) << "0.7 mm of ball, half a voxel of 0.15 mm, sampling";
+  EXPECT_EQ(begin[n - 3], 5);
+  EXPECT_NEAR(end[n - 2], lost, 1e-8);
+  EXPECT_EQ(end[n - 1], 0);
+  EXPECT_NEAR(end[12], summary["removed_mm3"].get<double>(), 1e-8);
+
+  const json again = parsed(runKerf({"replay", at("row.run"), "--json"}));
+  EXPECT_TRUE(again["is_same"].get<bool>());
+  EXPECT_NEAR(again["removed_mm3"].get<double>(), summary["removed_mm3"].get<double>() + lost, 1e-9);
+
+  // The case's mesh, and the neighbour's own, both exact; what is not in the first is said.
+  const Outcome exported = runKerf({"export", at("row.run"), "-o", at("row.stl"), "--json"});
+  EXPECT_NE(exported.err.find("--beside 1"), exported.err.npos) << exported.err;
+  EXPECT_NEAR(parsed(exported)["removed_volume_mm3"].get<double>(), summary["removed_mm3"].get<double>(), 0.15);
+  const json other = parsed(runKerf({"export", at("row.run"), "--beside", "1", "-o", at("next.stl"), "--json"}));
+  EXPECT_NEAR(other["removed_volume_mm3"].get<double>(), lost, 0.1);
+  EXPECT_EQ(other["source_vertices_removed"], 0);
+  const json whole = parsed(runKerf({"export", at("row.run"), "--beside", "2", "-o", at("far.stl"), "--json"}));
+  EXPECT_EQ(whole["removed_volume_mm3"], 0.0);
+  EXPECT_EQ(runKerf({"check", at("row.stl")}).exit_code + runKerf({"check", at("next.stl")}).exit_code, 0);
+  EXPECT_NE(runKerf({"info", at("row.run")}).out.find("../next.case"), std::string::npos);
+  refuses({"export", at("row.run"), "--beside", "3", "-o", at("x.stl")}, {"beside_3", "1 to 2"});
+  refuses({"export", at("box.case"), "--beside", "1", "-o", at("x.stl")}, {"beside_1", "--beside OTHER.case"});
+
+  const Outcome both = cut("both.run", {"--beside", at("over.case")});
+  EXPECT_NE(both.err.find("overlaps the case by some 8"), both.err.npos) << "4 x 5 x 4 mm3: " << both.err;
+
+  const auto refused = [&](const std::vector<std::string>& more, const std::vector<std::string>& said, int code = 1) {
+    std::vector<std::string> words{"cut",    at("box.case"), "--tool", "round-014", "--path", at("across.toml"),
+                                   "--hand", "feed",         "-o",     at("x.run")};
+    words.insert(words.end(), more.begin(), more.end());
+    refuses(words, said, code);
+  };
+  std::filesystem::copy(at("box.case"), at("copy.case"), std::filesystem::copy_options::recursive);
+  refused({"--beside", at("box.case")}, {"box.case", "--beside", "the same case"});
+  refused({"--beside", at("copy.case")}, {"copy.case", "--beside", "the same case"});
+  refused({"--beside", at("next.case"), "--beside", at("next.case")}, {"next.case", "the same case"});
+  refused({"--beside", at("none.case")}, {"none.case", "not a case"});
+  refuses({"cut", at("box.case"), "--tool", "round-014", "--path", at("across.toml"), "-o", at("x.run"), "--beside",
+           at("next.case")},
+          {"--beside", "--hand"}, 2);
+  // A neighbour that is gone, or another one: no replay, and what to do. The case's own mesh needs none.
+  std::filesystem::rename(at("next.case"), at("gone.case"));
+  refuses({"replay", at("row.run")}, {"beside_1", "no case at ../next.case", "move the case back"});
+  refuses({"export", at("row.run"), "--beside", "1", "-o", at("x.stl")}, {"beside_1", "../next.case"});
+  EXPECT_EQ(runKerf({"export", at("row.run"), "-o", at("again.stl")}).exit_code, 0);
+  EXPECT_TRUE(bytesOf(at("again.stl")) == bytesOf(at("row.stl")));
+  std::filesystem::copy(at("far.case"), at("next.case"), std::filesystem::copy_options::recursive);
+  refuses({"replay", at("row.run")}, {"beside_1", "case_id"});
+}
+
+// Where the memory of a mesh lies must not be seen in it: other words on the command line, other habits of malloc.
+TEST_F(Cli, AnExportIsTheSameBytesWhereverItsMeshesLieInMemory) {
+  makeRun();
+  std::string first;
+  for (int n = 0; n < 16; ++n) {
+    RunOptions options;
+    if (n > 0) options.environment["MALLOC_MMAP_THRESHOLD_"] = std::to_string(700 * n);
+    const std::string name = at(std::string(static_cast<std::size_t>(1 + n), 'm') + ".stl");
+    std::vector<std::string> words{"export", at("box.run"), "-o", name};
+    if (n % 2) words.emplace_back("--json");
+    ASSERT_EQ(runKerf(words, options).exit_code, 0);
+    if (first.empty()) first = bytesOf(name);
+    EXPECT_TRUE(bytesOf(name) == first) << n;
+  }
+}
+
 TEST_F(Cli, WhatIsAddedIsPartOfTheExportedSolidAndTheRestIsAsItWas) {
   ASSERT_EQ(runKerf({"demo", "molar", "--coarseness", "2", "-o", at("molar")}).exit_code, 0);
   ASSERT_EQ(runKerf({"bake", at("molar/molar.toml"), "--voxel", "0.2", "-o", at("molar.case")}).exit_code, 0);

@@ -174,6 +174,7 @@ constexpr SceneRow kScenes[] = {
     {"response", "penalty, constraint and impulse, coupled and direct: a table"},
     {"tunnelling", "a wall of 0.3 mm at 0.1 to 1 m/s: whether anything passes"},
     {"pieces", "planes, rings, bridges, crumbs: how many pieces, how soon known"},
+    {"sever", "a mandible sawn through on the clock: how soon its pieces are objects of their own"},
     {"passivity", "energy a simulated device is given, over hands and stiffnesses: no times"},
     {"passivity-large", "the same over 11 664 devices and hands: minutes; only when asked for by name"}};
 
@@ -198,6 +199,7 @@ Expected<Result> runScene(const std::string& name, const std::string& mesh, doub
   if (name == "saw") return benchSaw(progress);
   if (name == "tunnelling") return benchTunnelling(progress);
   if (name == "pieces") return benchPieces(progress);
+  if (name == "sever") return benchSever(scratch, progress);
   if (name == "passivity") return benchPassivity(progress);
   if (name == "response") return benchResponse(progress);
   if (name == "passivity-large") return benchPassivityLarge(progress);

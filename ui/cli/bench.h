@@ -99,6 +99,7 @@ Expected<Result> benchSaw(const Progress& progress);
 // Passing thin walls, falling apart, giving energy away: sources of their own.
 Expected<Result> benchTunnelling(const Progress& progress);
 Expected<Result> benchPieces(const Progress& progress);
+Expected<Result> benchSever(const Scratch& scratch, const Progress& progress);
 Expected<Result> benchPassivity(const Progress& progress);
 // The responses to contact side by side: bench_response.cpp.
 Expected<Result> benchResponse(const Progress& progress);

@@ -90,7 +90,7 @@ Expected<fs::path> bakedDemo(const DemoAnatomy& anatomy, double voxel, const Scr
   KERF_CHECK(writeDemoAnatomy(anatomy, folder, true));
   BakeOptions options;
   options.overwrite = true;
-  options.voxelize.voxel_mm = voxel;
+  options.voxelize.voxel_mm = voxel, options.voxel_is_given = true;
   KERF_CHECK(bakeRecipe(folder / anatomy.manifest(), out, options, progress));
   return out;
 }

@@ -50,6 +50,25 @@ std::optional<Error> misplaced(const CLI::App& command, const std::string& hand)
   return std::nullopt;
 }
 
+// What happened to the cases beside the one that was cut, and what the export of that does not show.
+void warnOfNeighbours(const Arguments& a, const HapticSummary& s) {
+  for (std::size_t n = 0; n < s.beside.size(); ++n) {
+    const HapticSummary::Neighbour& other = s.beside[n];
+    const std::string name = fmt::format("{} ({})", other.id, a.haptic.beside[n].string());
+    const auto least = s.least_distance_mm.find(other.id);
+    const bool is_in = least != s.least_distance_mm.end() && least->second < 0;
+    const std::string in = is_in ? fmt::format(", cutting part in it by {:.3f} mm", -least->second) : "";
+    if (other.removed_mm3 > 0)
+      fmt::print(stderr, "kerf: {} was cut: {:.4f} mm3{}. Its mesh: kerf export {} --beside {} -o FILE\n", name,
+                 other.removed_mm3, in, a.output, n + 1);
+    else if (other.seconds_touched > 0 || is_in)
+      fmt::print(stderr, "kerf: {} was touched for {:.3f} s, nothing cut off it{}\n", name, other.seconds_touched, in);
+    if (other.overlap_mm3 > 0.01 * std::min(other.initial_mm3, s.initial_mm3))
+      fmt::print(stderr, "kerf: {} overlaps the case by some {:.1f} mm3 as loaded: there the tool meets both\n", name,
+                 other.overlap_mm3);
+  }
+}
+
 int runByHand(const Arguments& a, const std::filesystem::path& tool) {
   HapticCutOptions options = a.haptic;
   options.hand = *handKind(a.hand);
@@ -64,6 +83,7 @@ int runByHand(const Arguments& a, const std::filesystem::path& tool) {
   if (cut->left_region_unused)
     fmt::print(stderr, "kerf: the case's fine region is not used by --hand: cut on the object's voxels, {} mm\n",
                cut->manifest.voxel_mm);
+  warnOfNeighbours(a, s);
   if (a.json) {
     nlohmann::json j = nlohmann::json::parse(toJson(s));
     j["tool"] = cut->manifest.tool_id, j["hand"] = a.hand, j["response"] = a.response,
@@ -102,8 +122,10 @@ int runByHand(const Arguments& a, const std::filesystem::path& tool) {
   fmt::print("{:.1f} C under the tool at most", s.hottest_c);
   if (s.bone_limit_s >= 0) fmt::print(", 47 C in bone passed at {:.2f} s", s.bone_limit_s);
   if (s.pulp_limit_s >= 0) fmt::print(", 5.5 K in the pulp passed at {:.2f} s", s.pulp_limit_s);
-  for (const auto& [id, distance] : s.least_distance_mm)
-    fmt::print("; {} {} {:.2f} mm", id, distance < 0 ? "opened, tool in it by" : "no nearer than", std::abs(distance));
+  for (const auto& [id, distance] : s.least_distance_mm) {
+    const char* in = id.starts_with("beside") ? "touched, tool in it by" : "opened, tool in it by";
+    fmt::print("; {} {} {:.2f} mm", id, distance < 0 ? in : "no nearer than", std::abs(distance));
+  }
   fmt::print("\n");
   if (s.too_fast > 0)
     fmt::print("{} of {} ticks were too fast for one look at contact a voxel: a slower feed feels more\n", s.too_fast,
@@ -155,10 +177,12 @@ void addCut(CLI::App& app, int& exit_code) {
       "the\n"
       "1 kHz step: tissues differ, force decides how fast, neck, shank and flanks collide; the run also holds "
       "forces.csv\n"
-      "and summary.json.\n"
+      "and summary.json. With --beside the tool meets further teeth, too, as they stand in the scan's frame.\n"
       "Examples:\n"
       "  kerf cut molar.case --tool round-014 --path cavity.toml -o molar.run\n"
-      "  kerf cut molar.case --tool round-014 --path cavity.toml --hand force --push 1.5 -o molar.run");
+      "  kerf cut molar.case --tool round-014 --path cavity.toml --hand force --push 1.5 -o molar.run\n"
+      "  kerf cut 36.case --tool 856-016 --path crown.toml --hand force --beside 35.case --beside 37.case -o "
+      "36.run");
   c->add_option("CASE", a->case_folder, "case folder")->required();
   c->add_option("--tool", a->tool, "tool id (kerf tool list) or a tool's TOML file")->required();
   c->add_option("--path", a->path, "CSV of poses (t,x,y,z,qw,qx,qy,qz) or TOML of strokes; see docs/path-files.md")
@@ -175,6 +199,12 @@ void addCut(CLI::App& app, int& exit_code) {
   by_hand->add_option("--spindle", a->haptic.spindle, "speed, 0 to 1 of the tool's nominal one")->capture_default_str();
   by_hand->add_option("--add", a->haptic.add,
                       "id of a material, such as composite: the tool adds it where it goes, instead of cutting");
+  by_hand
+      ->add_option("--beside", a->haptic.beside,
+                   "a further case of the same scan frame, such as the neighbouring tooth: the tool collides with it, "
+                   "cuts it, and keeps its distance from it; repeat for several")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   by_hand->add_flag("--sound", a->haptic.with_sound, "write sound.wav, too: what the tool is heard to do");
   by_hand->add_option("--time-limit", a->haptic.time_limit, "simulated s")->capture_default_str();
   by_hand->add_option("--coupling", a->haptic.step.coupling.stiffness, "stiffness of the virtual coupling, N/mm")

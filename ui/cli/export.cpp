@@ -13,6 +13,7 @@ namespace {
 struct Arguments {
   std::string bundle;
   std::vector<std::string> outputs;
+  std::size_t beside = 0;
   bool json = false;
 };
 
@@ -22,12 +23,22 @@ int run(const Arguments& a) {
     if (const auto possible = canWriteMesh(path); !possible) return complain(possible.error());
   auto result = [&] {
     TerminalProgress progress;
-    return exportBundle(a.bundle, {}, progress.callback());
+    return exportBundle(a.bundle, {}, progress.callback(), a.beside);
   }();
   if (!result) return complain(result.error());
   const TerminalProgress guard;  // Ctrl-C waits until no file is half written
   for (const std::string& path : a.outputs)
     if (const auto written = writeMesh(path, result->post_op.mesh); !written) return complain(written.error());
+  // What the cut took from the other teeth of the scene is in no mesh yet.
+  if (a.beside == 0 && isRun(a.bundle)) {
+    const auto manifest = readRunManifest(a.bundle);
+    if (!manifest) return complain(manifest.error());
+    for (std::size_t n = 1; n <= manifest->beside.size(); ++n)
+      if (const RunManifest::Beside& other = manifest->beside[n - 1]; other.removed_mm3 > 0)
+        fmt::print(stderr,
+                   "kerf: {:.4f} mm3 were cut off {}, too; not in this mesh: kerf export {} --beside {} -o FILE\n",
+                   other.removed_mm3, other.case_path, a.bundle, n);
+  }
   const PostOpReport& r = result->post_op.report;
   const WallAccuracy& w = result->accuracy;
   if (a.json) {
@@ -87,6 +98,9 @@ void addExport(CLI::App& app, int& exit_code) {
       ->required()
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  c->add_option("--beside", a->beside,
+                "instead of the case that was cut: the N-th case that stood beside it (kerf cut --beside)")
+      ->check(CLI::PositiveNumber);
   c->add_flag("--json", a->json, "summary as JSON on standard output");
   c->callback([a, &exit_code] { exit_code = run(*a); });
 }

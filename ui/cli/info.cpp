@@ -94,17 +94,23 @@ Expected<json> caseInfo(const fs::path& folder) {
 
 Expected<json> runInfo(const fs::path& folder) {
   KERF_TRY(m, readRunManifest(folder));
-  return json{{"kind", "run"},
-              {"case_path", m.case_path},
-              {"case_id", m.case_id},
-              {"mode", m.mode},
-              {"tool", m.tool_id},
-              {"segments", m.segments},
-              {"path_length_mm", m.path_length_mm},
-              {"duration_s", m.duration_s},
-              {"voxel_mm", m.voxel_mm},
-              {"state_hash", m.state_hash},
-              {"kerf_version", m.kerf_version}};
+  json j{{"kind", "run"},
+         {"case_path", m.case_path},
+         {"case_id", m.case_id},
+         {"mode", m.mode},
+         {"tool", m.tool_id},
+         {"segments", m.segments},
+         {"path_length_mm", m.path_length_mm},
+         {"duration_s", m.duration_s},
+         {"voxel_mm", m.voxel_mm},
+         {"state_hash", m.state_hash},
+         {"kerf_version", m.kerf_version}};
+  for (const RunManifest::Beside& other : m.beside)
+    j["beside"].push_back({{"case_path", other.case_path},
+                           {"case_id", other.case_id},
+                           {"voxel_mm", other.voxel_mm},
+                           {"removed_mm3", other.removed_mm3}});
+  return j;
 }
 
 Expected<json> toolInfo(const fs::path& file) {

@@ -26,10 +26,11 @@ int run(const Arguments& a) {
   }();
   if (!again) return complain(again.error());
   if (a.json) {
-    nlohmann::json j{
-        {"ticks", again->ticks},     {"checks", again->checks},         {"commands", again->commands},
-        {"is_same", again->is_same}, {"state_hash", again->state_hash}, {"removed_mm3", again->removed_mm3},
-        {"note", again->note},       {"snapshots", again->snapshots},   {"first_tick", again->first_tick}};
+    nlohmann::json j{{"ticks", again->ticks},           {"checks", again->checks},
+                     {"commands", again->commands},     {"is_same", again->is_same},
+                     {"state_hash", again->state_hash}, {"removed_mm3", again->removed_mm3},
+                     {"objects", again->objects},       {"note", again->note},
+                     {"snapshots", again->snapshots},   {"first_tick", again->first_tick}};
     if (!again->is_same && again->checks > 0) j["differs_at_tick"] = again->differs_at;
     printJson(j);
   } else {
@@ -37,8 +38,9 @@ int run(const Arguments& a) {
       fmt::print("from the snapshot at {:.3f} s\n", static_cast<double>(again->first_tick) * kTick);
     else if (a.from > 0)
       fmt::print("from the beginning: no snapshot up to {:g} s that all of the rest can follow from\n", a.from);
-    fmt::print("replayed {} ticks ({:.3f} s), {} commands; removed {:.4f} mm3; state {}\n", again->ticks,
-               static_cast<double>(again->ticks) * kTick, again->commands, again->removed_mm3, again->state_hash);
+    const std::string of = again->objects > 1 ? fmt::format(" of {} objects", again->objects) : "";
+    fmt::print("replayed {} ticks ({:.3f} s), {} commands; removed {:.4f} mm3{}; state {}\n", again->ticks,
+               static_cast<double>(again->ticks) * kTick, again->commands, again->removed_mm3, of, again->state_hash);
     if (!again->note.empty()) fmt::print("{}\n", again->note);
     if (again->is_same)
       fmt::print("the same bit for bit at all of {} checks of state and force\n", again->checks);

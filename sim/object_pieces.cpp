@@ -1,0 +1,68 @@
+#include "sim/object_pieces.h"
+
+#include <algorithm>
+#include <optional>
+
+#include "sim/internal/for_each.h"
+
+namespace kerf {
+
+BrickField PieceOrigin::field() const {
+  const BrickField& phi0 = baked->phi0();
+  BrickField out(phi0.voxel(), phi0.background(), phi0.interior());
+  out.reserve(bricks.size());
+  for (const Vec3i& c : interior) out.markInterior(c);
+  for (const Vec3i& c : bricks)
+    if (const BrickValues* values = phi0.valuesAt(c)) out.add(c, *values);
+  for (const auto* edits : {&cut, &near_others})
+    for (const BrickEdit& edit : *edits) out.brick(out.touch(edit.brick)) = edit.phi;
+  return out;
+}
+
+std::unique_ptr<ObjectPieces> makePieces(const CutObject& whole, PieceFinder& finder, std::uint32_t first_id,
+                                         std::size_t most, std::span<std::unique_ptr<CutObject>> blanks,
+                                         bool is_parallel) {
+  const PieceList& list = finder.find();
+  const std::size_t count = list.pieces.size();
+  if (count == 0 || count > most || count + list.crumbs.size() == 1) return nullptr;
+  auto out = std::make_unique<ObjectPieces>();
+  out->crumbs = list.crumbs.size();
+  for (const Piece& crumb : list.crumbs) out->crumb_measure.add(crumb.measure);
+  std::vector<PieceBricks> bricks = bricksOfPieces(finder, count, is_parallel);
+  if (count == 1) {
+    out->without_crumbs = std::move(bricks.front().changed);
+    return out;
+  }
+  // Each on its own, on as many cores as there are: neither reads what the other makes.
+  std::vector<std::optional<CutObject>> made(count);
+  out->origins.resize(count);
+  internal::forEach(count, is_parallel, [&](std::size_t n) {
+    CutObject& part = made[n].emplace(CutObject::piece(
+        whole, bricks[n], n < blanks.size() ? std::move(blanks[n]) : std::unique_ptr<CutObject>(), is_parallel));
+    part.id = first_id + static_cast<std::uint32_t>(n);
+    auto origin = std::make_shared<PieceOrigin>();
+    origin->id = part.id, origin->of = whole.id, origin->baked = part.sharedBaked();
+    const BrickField& changed = finder.field().changed();
+    for (std::size_t c = 0; c < changed.brickCount(); ++c) {
+      const int slot = part.find(changed.brickCoord(c));
+      if (slot < 0 || !part.slot(slot).own) continue;
+      const auto known =
+          std::lower_bound(bricks[n].changed.begin(), bricks[n].changed.end(), coordKey(changed.brickCoord(c)),
+                           [](const BrickEdit& edit, std::uint64_t key) { return coordKey(edit.brick) < key; });
+      if (known != bricks[n].changed.end() && known->brick == changed.brickCoord(c)) continue;
+      BrickEdit& edit = origin->cut.emplace_back();
+      edit.brick = changed.brickCoord(c);
+      std::copy_n(part.slot(slot).own, kBrickNodes, edit.phi.begin());
+    }
+    origin->bricks = std::move(bricks[n].bricks), origin->interior = std::move(bricks[n].interior);
+    origin->near_others = std::move(bricks[n].changed);
+    out->origins[n] = std::move(origin);
+  });
+  std::vector<CutObject> parts;
+  parts.reserve(count);
+  for (std::optional<CutObject>& part : made) parts.push_back(std::move(*part));
+  out->parts = SessionHistory::prepare(std::move(parts));
+  return out;
+}
+
+}  // namespace kerf

@@ -1,0 +1,42 @@
+// What an object that has come apart becomes: prepared by any thread, put in its place by the one that cuts.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "sim/session_history.h"
+#include "sim/split_field.h"
+
+namespace kerf {
+
+/// An object as it came off: enough to build its field, mesh it and look for its own pieces later, by any thread.
+struct PieceOrigin {
+  std::uint32_t id = 0, of = 0;  ///< CutObject::id of the piece, and of what it was a piece of
+  std::shared_ptr<const BakedObject> baked;
+  std::vector<Vec3i> bricks, interior;      ///< that it has: with values, and constant
+  std::vector<BrickEdit> cut, near_others;  ///< what differs from `baked`: none in both
+  /// 2 KB a brick with values.
+  BrickField field() const;
+};
+
+/// Either of the two.
+struct ObjectPieces {
+  std::unique_ptr<SessionHistory::Split> parts;             ///< two pieces or more
+  std::vector<std::shared_ptr<const PieceOrigin>> origins;  ///< of them, in their order
+  std::vector<BrickEdit> without_crumbs;                    ///< one piece: what changes when its crumbs go
+  std::size_t crumbs = 0;
+  SolidMeasure crumb_measure;
+};
+
+/// @param whole  with its shells repaired. Another thread may step it meanwhile if it is held.
+/// @param finder  up to date with it.
+/// @param first_id  of the pieces: State::next_id.
+/// @param blanks  made beforehand (CutObject::blank), used for the first pieces.
+/// Null: it is whole, without crumbs, or in more pieces than `most`. The same object gives the same pieces, bit for
+/// bit. Parallel inside if wanted. @cost a mandible of 130 000 bricks at 0.1 mm: 19 to 27 ms of two cores.
+std::unique_ptr<ObjectPieces> makePieces(const CutObject& whole, PieceFinder& finder, std::uint32_t first_id,
+                                         std::size_t most, std::span<std::unique_ptr<CutObject>> blanks = {},
+                                         bool is_parallel = true);
+
+}  // namespace kerf

@@ -1,0 +1,306 @@
+#include "sim/piece_maker.h"
+
+#include <fmt/format.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <chrono>
+#include <new>
+
+#include "sim/realtime.h"
+
+namespace kerf {
+namespace {
+
+using namespace std::chrono_literals;
+
+// 2 KiB are copied for each: as many as a bur changes in a tick, and more.
+constexpr int kEditsATick = 128;
+constexpr std::int64_t kMs = 1'000'000;
+constexpr std::int64_t kLeastPause = 2 * kMs;    // between two looks
+constexpr std::int64_t kCrumbPause = 500 * kMs;  // between two times crumbs are taken away
+constexpr std::size_t kSpare = 2;                // most objects fall in two
+
+std::unique_ptr<PieceFinder> finderOf(const PieceOrigin& piece, const PieceOptions& options) {
+  std::vector<Vec3i> bricks = piece.bricks;
+  bricks.insert(bricks.end(), piece.interior.begin(), piece.interior.end());
+  auto out = std::make_unique<PieceFinder>(piece.baked->phi0(), bricks, options);
+  out->apply(piece.cut);
+  out->apply(piece.near_others);
+  return out;
+}
+
+}  // namespace
+
+// One object, whether it is in the scene or what undo may bring back.
+struct PieceMaker::Follower {
+  std::uint32_t id = 0;
+  std::shared_ptr<const BakedObject> baked;
+  std::shared_ptr<const PieceOrigin> origin;  // of a piece, until something of it changes
+  std::unique_ptr<PieceFinder> finder;
+  BrickFeed feed{256};
+  std::vector<BrickEdit> edits;
+  bool is_changed = false;  // since it was looked at
+  std::int64_t whole_at = 0;
+  std::int64_t not_before = 0;  // ns: it was tried in vain
+};
+
+PieceMaker::PieceMaker(Session& session, const PieceMakerOptions& options) : options_(options) {
+  for (std::size_t n = 0; n < session.state().objects.size(); ++n) follow(session.object(n).id, session.object(n), {});
+  for (auto& f : followers_) f->finder = std::make_unique<PieceFinder>(f->baked->phi0(), options_.pieces);
+}
+
+PieceMaker::~PieceMaker() {
+  stop();
+  dropTrash();
+}
+
+void PieceMaker::start() {
+  thread_ = std::thread([this] { run(); });
+}
+
+void PieceMaker::stop() {
+  is_stopping_.store(true, std::memory_order_release);
+  if (thread_.joinable()) thread_.join();
+}
+
+void PieceMaker::follow(std::uint32_t id, CutObject& object, std::shared_ptr<const PieceOrigin> origin) {
+  Follower& f = *followers_.emplace_back(std::make_unique<Follower>());
+  f.id = id, f.baked = object.sharedBaked(), f.origin = std::move(origin);
+  f.whole_at = monotonicNow();
+  object.watch_feed = &f.feed;
+}
+
+PieceMaker::Follower* PieceMaker::find(std::uint32_t id) {
+  const auto at = std::find_if(followers_.begin(), followers_.end(), [&](const auto& f) { return f->id == id; });
+  return at == followers_.end() ? nullptr : at->get();
+}
+
+// Objects that no undo brings back, and who followed them.
+void PieceMaker::dropTrash() {
+  const std::unique_ptr<SessionHistory::Split> splits(trash_.exchange(nullptr, std::memory_order_acq_rel));
+  for (const SessionHistory::Split* split = splits.get(); split; split = split->next.get())
+    for (const auto& held : split->held)
+      std::erase_if(followers_, [&](const auto& f) { return f->id == held.object.id; });
+}
+
+// Takes what has come; true: an object has come apart, and is asked for.
+bool PieceMaker::look() {
+  const std::uint64_t cuts = cuts_.load(std::memory_order_acquire);  // before their bricks are taken
+  const std::int64_t taken_at = monotonicNow();
+  for (auto& f : followers_) {
+    f->feed.drain(f->edits);
+    if (f->edits.empty()) continue;
+    if (!f->finder) {
+      // The first time it is cut. Not by all cores: nobody waits for this.
+      tbb::task_arena(1).execute([&] { f->finder = finderOf(*f->origin, options_.pieces); });
+      f->origin.reset();
+    }
+    f->finder->apply(f->edits);
+    f->edits.clear();
+    f->is_changed = true;
+    // Memory for its pieces: for the bricks that are theirs alone by then, and for what a tick wants beside.
+    const std::size_t slots = f->baked->slots().size(), room = std::min(Session::kRoom, slots + 1024);
+    const std::size_t wanted = room / 2 + 2 * f->finder->field().changed().brickCount() + 1024;
+    auto& spare = spares_[f->baked.get()];
+    spare.resize(kSpare);
+    for (std::unique_ptr<CutObject>& blank : spare) {
+      if (!blank) blank = std::make_unique<CutObject>(CutObject::blank(f->baked, room));
+      if (blank->freeBricks() < wanted) blank->reserve(room);
+    }
+  }
+  const std::int64_t begin = monotonicNow();
+  const bool is_due = cuts != seen_cuts_ || must_look_again_ || (has_crumbs_ && begin >= crumbs_from_);
+  if (begin < next_look_ || !is_due) return false;
+  seen_cuts_ = cuts;
+  has_crumbs_ = must_look_again_ = false;
+  bool is_apart = false;
+  for (auto& f : followers_) {
+    if (!f->is_changed) continue;
+    const PieceList& list = f->finder->find();
+    const bool has_crumbs = !list.crumbs.empty() && list.pieces.size() == 1;
+    if (list.pieces.size() < 2 && !(has_crumbs && begin >= crumbs_from_)) {
+      f->is_changed = has_crumbs;  // they can wait, but are not forgotten
+      has_crumbs_ |= has_crumbs;
+      f->whole_at = taken_at;
+      continue;
+    }
+    if (is_apart || begin < f->not_before) {  // after the other one, or after a while
+      must_look_again_ = true;
+      continue;
+    }
+    f->is_changed = false;
+    is_apart = true;
+    request_ = {};
+    request_.id = f->id, request_.crumb_mm3 = options_.pieces.crumb_mm3, request_.whole_at_ns = f->whole_at;
+  }
+  const std::int64_t end = monotonicNow();
+  next_look_ = end + std::max(kLeastPause, 3 * (end - begin));
+  if (is_apart) stage_.store(Stage::kWantsHold, std::memory_order_release);
+  return is_apart;
+}
+
+void PieceMaker::make() {
+  Follower& f = *find(request_.id);
+  // Without memory it stays as it is, and is tried again.
+  try {
+    f.feed.drain(f.edits);  // some may have been taken before
+    f.finder->apply(f.edits);
+    f.edits.clear();
+    prepare(f);
+  } catch (const std::bad_alloc&) {
+    const std::uint32_t first = request_.first_id;
+    std::erase_if(followers_, [&](const auto& made) { return made->id >= first; });
+    request_.made.reset();
+    request_.is_apart = true;
+  }
+  stage_.store(Stage::kReady, std::memory_order_release);
+}
+
+void PieceMaker::prepare(Follower& f) {
+  request_.made = makePieces(*request_.whole, *f.finder, request_.first_id, request_.most, spares_[f.baked.get()],
+                             options_.is_parallel);
+  crumbs_from_ = monotonicNow() + kCrumbPause;
+  request_.is_apart = !request_.made && f.finder->find().pieces.size() > request_.most;
+  if (request_.made && request_.made->parts)
+    for (std::size_t n = 0; n < request_.made->origins.size(); ++n) {
+      CutObject& part = request_.made->parts->held[n].object;
+      const auto& origin = request_.made->origins[n];
+      const std::size_t room = Session::roomFor(part);  // a tick wants half of it
+      if (part.freeBricks() < room / 2) part.reserve(room);
+      follow(part.id, part, origin);
+      if (options_.follow) part.feed = options_.follow(origin);
+    }
+}
+
+void PieceMaker::finish() {
+  if (request_.answer != Answer::kDone && request_.made)
+    for (const auto& origin : request_.made->origins)
+      std::erase_if(followers_, [&](const auto& f) { return f->id == origin->id; });
+  if (Follower* const f = find(request_.id); f && request_.answer != Answer::kGone) {
+    // What could not be done comes up again, with the next cut or by itself.
+    f->is_changed |= request_.answer != Answer::kDone;
+    must_look_again_ |= request_.answer == Answer::kInAMoment;
+    if (request_.answer == Answer::kInAMoment) f->not_before = monotonicNow() + kCrumbPause;
+  }
+  request_ = {};
+  stage_.store(Stage::kWatching, std::memory_order_release);
+}
+
+void PieceMaker::run() {
+  while (!is_stopping_.load(std::memory_order_acquire)) {
+    bool is_waiting = true;  // for the haptic thread's next tick
+    switch (stage_.load(std::memory_order_acquire)) {
+      case Stage::kWatching:
+        dropTrash();
+        try {
+          is_waiting = look();
+        } catch (const std::bad_alloc&) {  // nothing is split until there is memory again
+          is_waiting = false;
+        }
+        break;
+      case Stage::kHeld:
+        make();
+        break;
+      case Stage::kNotNow:
+      case Stage::kDone:
+        finish();
+        break;
+      case Stage::kWantsHold:  // its last bricks may be more than fit at a time
+        try {
+          if (Follower* const f = find(request_.id)) f->feed.drain(f->edits);
+        } catch (const std::bad_alloc&) {  // what was not taken is still there
+        }
+        break;
+      case Stage::kReady:
+        break;
+    }
+    std::this_thread::sleep_for(is_waiting ? 200us : 1000us);
+  }
+}
+
+bool PieceMaker::beforeTick(Session& session) noexcept {
+  if (!trash_.load(std::memory_order_acquire))
+    trash_.store(session.takeForgotten().release(), std::memory_order_release);
+  const Stage stage = stage_.load(std::memory_order_acquire);
+  char text[64];
+  const auto command = [&](const char* verb, bool with_crumb) {
+    const auto end = with_crumb ? fmt::format_to_n(text, sizeof text, "{} {} {}", verb, held_, request_.crumb_mm3)
+                                : fmt::format_to_n(text, sizeof text, "{} {}", verb, held_);
+    return session.applyWithin(std::string_view(text, std::min(end.size, sizeof text)));
+  };
+  if (stage == Stage::kWantsHold && !is_holding_) {
+    const auto& objects = session.state().objects;
+    held_ = 0;
+    while (held_ < objects.size() && objects[held_].id != request_.id) ++held_;
+    const auto refuse = [&](Answer answer) {
+      request_.answer = answer;
+      stage_.store(Stage::kNotNow, std::memory_order_release);
+      return false;
+    };
+    if (held_ == objects.size()) return refuse(Answer::kGone);
+    // What is being added may not hang together yet; what could be redone would be lost.
+    if (session.state().adds != Material::kNone || session.wouldLoseRedo()) return refuse(Answer::kAfterACut);
+    if (!command("object.hold", false)) return refuse(Answer::kInAMoment);
+    is_holding_ = true;
+    held_at_ns_ = monotonicNow();
+    request_.whole = &objects[held_];
+    request_.first_id = session.state().next_id;
+    request_.most = kMostObjects + 1 - objects.size();
+    return false;
+  }
+  if (stage != Stage::kReady) return false;
+  const std::size_t before = session.state().objects.size();
+  if (request_.made) {
+    const std::size_t crumbs = request_.made->crumbs;
+    session.offer(held_, std::move(request_.made));
+    if (!command("pieces.split", true)) request_.answer = Answer::kInAMoment;
+    session.repair();  // where crumbs were: a few bricks, for which a tick has room
+    if (request_.answer == Answer::kDone) counts_.crumbs += crumbs;
+    request_.made = session.takeOffer();  // to be destroyed over there
+  } else if (request_.is_apart) {
+    request_.answer = Answer::kInAMoment;
+  }
+  if (held_ < before && session.state().objects[held_].isHeld()) command("object.release", false);
+  is_holding_ = false;
+  const std::size_t after = session.state().objects.size();
+  const std::int64_t now = monotonicNow();
+  counts_.longest_hold_ms = std::max(counts_.longest_hold_ms, 1e-6 * static_cast<double>(now - held_at_ns_));
+  if (after > before) {
+    ++counts_.splits, counts_.pieces += after - before + 1;
+    counts_.longest_split_ms =
+        std::max(counts_.longest_split_ms, 1e-6 * static_cast<double>(now - request_.whole_at_ns));
+  }
+  stage_.store(Stage::kDone, std::memory_order_release);
+  return after != before;
+}
+
+void PieceMaker::abandon(Session& session) noexcept {
+  if (!is_holding_) return;
+  char text[32];
+  const auto end = fmt::format_to_n(text, sizeof text, "object.release {}", held_);
+  session.applyWithin(std::string_view(text, std::min(end.size, sizeof text)));
+  is_holding_ = false;
+}
+
+void PieceMaker::afterTick(Session& session, const StepOutput& output) noexcept {
+  bool is_sent = true;
+  for (std::size_t n = 0; n < session.state().objects.size(); ++n) {
+    CutObject& object = session.object(n);
+    if (!object.watch_feed || !object.isWatchDirty()) continue;
+    int room = kEditsATick;
+    object.watchDirty([&](const CutObject::Slot& slot) {
+      BrickValues values;
+      std::copy_n(slot.phi, kBrickNodes, values.begin());
+      return room-- > 0 && object.watch_feed->tryPush(slot.brick, values);
+    });
+    is_sent &= !object.isWatchDirty();
+  }
+  has_cut_ |= output.bricks_cut > 0 && session.state().adds == Material::kNone;
+  if (has_cut_ && is_sent) has_cut_ = false, cuts_.fetch_add(1, std::memory_order_release);
+  if (is_holding_ && stage_.load(std::memory_order_relaxed) == Stage::kWantsHold &&
+      !session.object(held_).isWatchDirty())
+    stage_.store(Stage::kHeld, std::memory_order_release);
+}
+
+}  // namespace kerf
