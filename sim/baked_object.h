@@ -29,6 +29,7 @@ struct ShellChunk {
 };
 /// Most chunks a brick may have.
 inline constexpr int kShellChunks = kBrickNodes / ShellChunk::kNodes;
+constexpr int chunkCount(int nodes) { return (nodes + ShellChunk::kNodes - 1) / ShellChunk::kNodes; }
 
 /// Bricks around one: itself and its six face neighbours, 512 values each.
 struct BrickNeighborhood {

@@ -88,8 +88,8 @@ struct HapticTimes {
 /// coupling keeps that within the force limit as it does any other contact.
 ///
 /// Pieces: what is severed becomes objects of its own (PieceMaker). Until they are made the object is felt but not cut,
-/// some 45 ms for a mandible at 0.1 mm, and commands wait. Who follows an object's bricks follows them wherever it
-/// goes; who follows a piece is asked for by HapticOptions::pieces.
+/// some 30 ms for a mandible at 0.1 mm, and commands wait. Who follows an object's bricks follows them wherever it
+/// goes; whoever wants to follow pieces is told of them by HapticOptions::pieces.
 class HapticThread {
  public:
   /// As Session's. Allocates all that the ticks need; starts nothing.

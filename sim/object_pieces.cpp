@@ -1,9 +1,11 @@
 #include "sim/object_pieces.h"
 
 #include <algorithm>
+#include <new>
 #include <optional>
 
 #include "sim/internal/for_each.h"
+#include "sim/internal/huge_pages.h"
 
 namespace kerf {
 
@@ -19,16 +21,31 @@ BrickField PieceOrigin::field() const {
   return out;
 }
 
+void PieceRoom::reserve(const std::shared_ptr<const BakedObject>& baked, const PieceFinder& finder,
+                        std::size_t bricks) {
+  constexpr std::size_t kPieces = 2;
+  blanks.resize(kPieces), cuts.resize(kPieces);
+  const std::size_t edited = finder.field().changed().brickCount();
+  // Their own, beside those that are free afterwards: what was cut, and what is near the other one.
+  const std::size_t wanted = bricks + 2 * edited + 1024;
+  for (std::unique_ptr<CutObject>& blank : blanks) {
+    if (!blank) blank = std::make_unique<CutObject>(CutObject::blank(baked, wanted));
+    if (blank->freeBricks() < wanted && !blank->reserve(wanted)) throw std::bad_alloc();
+  }
+  for (std::vector<BrickEdit>& cut : cuts)
+    if (cut.capacity() < edited + 256) internal::reserveTouched(cut, 2 * edited + 1024);
+  lists.reserve(finder, kPieces);
+}
+
 std::unique_ptr<ObjectPieces> makePieces(const CutObject& whole, PieceFinder& finder, std::uint32_t first_id,
-                                         std::size_t most, std::span<std::unique_ptr<CutObject>> blanks,
-                                         bool is_parallel) {
+                                         std::size_t most, PieceRoom* room, bool is_parallel) {
   const PieceList& list = finder.find();
   const std::size_t count = list.pieces.size();
   if (count == 0 || count > most || count + list.crumbs.size() == 1) return nullptr;
   auto out = std::make_unique<ObjectPieces>();
   out->crumbs = list.crumbs.size();
   for (const Piece& crumb : list.crumbs) out->crumb_measure.add(crumb.measure);
-  std::vector<PieceBricks> bricks = bricksOfPieces(finder, count, is_parallel);
+  std::vector<PieceBricks> bricks = bricksOfPieces(finder, count, is_parallel, room ? &room->lists : nullptr);
   if (count == 1) {
     out->without_crumbs = std::move(bricks.front().changed);
     return out;
@@ -38,21 +55,29 @@ std::unique_ptr<ObjectPieces> makePieces(const CutObject& whole, PieceFinder& fi
   out->origins.resize(count);
   internal::forEach(count, is_parallel, [&](std::size_t n) {
     CutObject& part = made[n].emplace(CutObject::piece(
-        whole, bricks[n], n < blanks.size() ? std::move(blanks[n]) : std::unique_ptr<CutObject>(), is_parallel));
+        whole, bricks[n], room && n < room->blanks.size() ? std::move(room->blanks[n]) : nullptr, is_parallel));
     part.id = first_id + static_cast<std::uint32_t>(n);
     auto origin = std::make_shared<PieceOrigin>();
     origin->id = part.id, origin->of = whole.id, origin->baked = part.sharedBaked();
+    // What was cut before, and is the piece's alone.
     const BrickField& changed = finder.field().changed();
+    std::vector<const float*> cut;
+    std::vector<Vec3i> where;
     for (std::size_t c = 0; c < changed.brickCount(); ++c) {
-      const int slot = part.find(changed.brickCoord(c));
+      const Vec3i& brick = changed.brickCoord(c);
+      const int slot = part.find(brick);
       if (slot < 0 || !part.slot(slot).own) continue;
       const auto known =
-          std::lower_bound(bricks[n].changed.begin(), bricks[n].changed.end(), coordKey(changed.brickCoord(c)),
+          std::lower_bound(bricks[n].changed.begin(), bricks[n].changed.end(), coordKey(brick),
                            [](const BrickEdit& edit, std::uint64_t key) { return coordKey(edit.brick) < key; });
-      if (known != bricks[n].changed.end() && known->brick == changed.brickCoord(c)) continue;
-      BrickEdit& edit = origin->cut.emplace_back();
-      edit.brick = changed.brickCoord(c);
-      std::copy_n(part.slot(slot).own, kBrickNodes, edit.phi.begin());
+      if (known != bricks[n].changed.end() && known->brick == brick) continue;
+      where.push_back(brick), cut.push_back(part.slot(slot).own);
+    }
+    if (room && n < room->cuts.size()) origin->cut = std::move(room->cuts[n]);
+    origin->cut.resize(cut.size());
+    for (std::size_t c = 0; c < cut.size(); ++c) {
+      origin->cut[c].brick = where[c];
+      std::copy_n(cut[c], kBrickNodes, origin->cut[c].phi.begin());
     }
     origin->bricks = std::move(bricks[n].bricks), origin->interior = std::move(bricks[n].interior);
     origin->near_others = std::move(bricks[n].changed);

@@ -19,7 +19,7 @@ constexpr int kEditsATick = 128;
 constexpr std::int64_t kMs = 1'000'000;
 constexpr std::int64_t kLeastPause = 2 * kMs;    // between two looks
 constexpr std::int64_t kCrumbPause = 500 * kMs;  // between two times crumbs are taken away
-constexpr std::size_t kSpare = 2;                // most objects fall in two
+constexpr std::size_t kFeeds = 2;                // most objects fall in two
 
 std::unique_ptr<PieceFinder> finderOf(const PieceOrigin& piece, const PieceOptions& options) {
   std::vector<Vec3i> bricks = piece.bricks;
@@ -40,12 +40,14 @@ struct PieceMaker::Follower {
   std::unique_ptr<PieceFinder> finder;
   BrickFeed feed{256};
   std::vector<BrickEdit> edits;
-  bool is_changed = false;  // since it was looked at
+  std::shared_ptr<BrickFeed> for_others;  // of a piece: what follow() hands out
+  bool is_changed = false;                // since it was looked at
   std::int64_t whole_at = 0;
   std::int64_t not_before = 0;  // ns: it was tried in vain
 };
 
 PieceMaker::PieceMaker(Session& session, const PieceMakerOptions& options) : options_(options) {
+  fresh_.reserve(kMostObjects);
   for (std::size_t n = 0; n < session.state().objects.size(); ++n) follow(session.object(n).id, session.object(n), {});
   for (auto& f : followers_) f->finder = std::make_unique<PieceFinder>(f->baked->phi0(), options_.pieces);
 }
@@ -64,11 +66,13 @@ void PieceMaker::stop() {
   if (thread_.joinable()) thread_.join();
 }
 
-void PieceMaker::follow(std::uint32_t id, CutObject& object, std::shared_ptr<const PieceOrigin> origin) {
+PieceMaker::Follower& PieceMaker::follow(std::uint32_t id, CutObject& object,
+                                         std::shared_ptr<const PieceOrigin> origin) {
   Follower& f = *followers_.emplace_back(std::make_unique<Follower>());
   f.id = id, f.baked = object.sharedBaked(), f.origin = std::move(origin);
   f.whole_at = monotonicNow();
   object.watch_feed = &f.feed;
+  return f;
 }
 
 PieceMaker::Follower* PieceMaker::find(std::uint32_t id) {
@@ -82,6 +86,22 @@ void PieceMaker::dropTrash() {
   for (const SessionHistory::Split* split = splits.get(); split; split = split->next.get())
     for (const auto& held : split->held)
       std::erase_if(followers_, [&](const auto& f) { return f->id == held.object.id; });
+}
+
+// Memory for the pieces of what is being cut.
+void PieceMaker::stockUp(const Follower& f) {
+  const std::size_t a_tick_wants = std::min(Session::kRoom, f.baked->slots().size() + 1024) / 2;
+  rooms_[f.baked.get()].reserve(f.baked, *f.finder, a_tick_wants);
+  while (options_.follow && spare_feeds_.size() < kFeeds) spare_feeds_.push_back(std::make_shared<BrickFeed>());
+}
+
+// Tells of the pieces that are in the scene now.
+void PieceMaker::announce() {
+  while (!fresh_.empty()) {
+    const std::shared_ptr<const PieceOrigin> origin = fresh_.back();
+    if (const Follower* const f = find(origin->id)) options_.follow(origin, f->for_others);
+    fresh_.pop_back();
+  }
 }
 
 // Takes what has come; true: an object has come apart, and is asked for.
@@ -99,15 +119,7 @@ bool PieceMaker::look() {
     f->finder->apply(f->edits);
     f->edits.clear();
     f->is_changed = true;
-    // Memory for its pieces: for the bricks that are theirs alone by then, and for what a tick wants beside.
-    const std::size_t slots = f->baked->slots().size(), room = std::min(Session::kRoom, slots + 1024);
-    const std::size_t wanted = room / 2 + 2 * f->finder->field().changed().brickCount() + 1024;
-    auto& spare = spares_[f->baked.get()];
-    spare.resize(kSpare);
-    for (std::unique_ptr<CutObject>& blank : spare) {
-      if (!blank) blank = std::make_unique<CutObject>(CutObject::blank(f->baked, room));
-      if (blank->freeBricks() < wanted) blank->reserve(room);
-    }
+    stockUp(*f);
   }
   const std::int64_t begin = monotonicNow();
   const bool is_due = cuts != seen_cuts_ || must_look_again_ || (has_crumbs_ && begin >= crumbs_from_);
@@ -142,6 +154,7 @@ bool PieceMaker::look() {
 
 void PieceMaker::make() {
   Follower& f = *find(request_.id);
+  if (options_.severed) options_.severed(f.id);
   // Without memory it stays as it is, and is tried again.
   try {
     f.feed.drain(f.edits);  // some may have been taken before
@@ -158,7 +171,7 @@ void PieceMaker::make() {
 }
 
 void PieceMaker::prepare(Follower& f) {
-  request_.made = makePieces(*request_.whole, *f.finder, request_.first_id, request_.most, spares_[f.baked.get()],
+  request_.made = makePieces(*request_.whole, *f.finder, request_.first_id, request_.most, &rooms_[f.baked.get()],
                              options_.is_parallel);
   crumbs_from_ = monotonicNow() + kCrumbPause;
   request_.is_apart = !request_.made && f.finder->find().pieces.size() > request_.most;
@@ -168,12 +181,18 @@ void PieceMaker::prepare(Follower& f) {
       const auto& origin = request_.made->origins[n];
       const std::size_t room = Session::roomFor(part);  // a tick wants half of it
       if (part.freeBricks() < room / 2) part.reserve(room);
-      follow(part.id, part, origin);
-      if (options_.follow) part.feed = options_.follow(origin);
+      Follower& made = follow(part.id, part, origin);
+      if (!options_.follow) continue;
+      if (spare_feeds_.empty()) spare_feeds_.push_back(std::make_shared<BrickFeed>());
+      made.for_others = std::move(spare_feeds_.back());
+      spare_feeds_.pop_back();
+      part.feed = made.for_others.get();
     }
 }
 
 void PieceMaker::finish() {
+  if (request_.answer == Answer::kDone && request_.made && options_.follow)
+    fresh_.insert(fresh_.end(), request_.made->origins.rbegin(), request_.made->origins.rend());
   if (request_.answer != Answer::kDone && request_.made)
     for (const auto& origin : request_.made->origins)
       std::erase_if(followers_, [&](const auto& f) { return f->id == origin->id; });
@@ -194,6 +213,7 @@ void PieceMaker::run() {
       case Stage::kWatching:
         dropTrash();
         try {
+          announce();
           is_waiting = look();
         } catch (const std::bad_alloc&) {  // nothing is split until there is memory again
           is_waiting = false;

@@ -24,10 +24,13 @@ namespace kerf {
 struct PieceMakerOptions {
   bool is_wanted = true;
   PieceOptions pieces;
-  /// Called by the maker's thread for each piece before it is in the scene (never, should the session end now): where
-  /// its changes shall go, null for nowhere; the feed must live as long as the HapticThread. The object waits for it,
-  /// so it must be quick: whoever meshes the piece makes the field (PieceOrigin::field()) later. May be empty.
-  std::function<BrickFeed*(std::shared_ptr<const PieceOrigin>)> follow;
+  /// Called by the maker's thread when an object has come apart, before its pieces are made. May be empty.
+  std::function<void(std::uint32_t id)> severed;
+  /// Called by the maker's thread for each piece once it is in the scene (never, should the session end before), with
+  /// what it was then and a feed that has every change since, for a consumer of one's own: whoever draws makes the
+  /// field (PieceOrigin::field()), meshes it and drains the feed. The next piece waits for it. Empty: nobody follows
+  /// pieces.
+  std::function<void(std::shared_ptr<const PieceOrigin>, std::shared_ptr<BrickFeed>)> follow;
   /// Pieces are made by all cores; false: by the maker's thread alone (see RemesherOptions::is_parallel).
   bool is_parallel = true;
 };
@@ -96,13 +99,16 @@ class PieceMaker {
   void prepare(Follower& whole);
   void finish();
   void dropTrash();
-  void follow(std::uint32_t id, CutObject& object, std::shared_ptr<const PieceOrigin> origin);
+  void announce();
+  Follower& follow(std::uint32_t id, CutObject& object, std::shared_ptr<const PieceOrigin> origin);
+  void stockUp(const Follower& f);
   Follower* find(std::uint32_t id);
 
   PieceMakerOptions options_;
   std::vector<std::unique_ptr<Follower>> followers_;
-  // Blank, for the next pieces of each object as loaded that is being cut.
-  std::map<const BakedObject*, std::vector<std::unique_ptr<CutObject>>> spares_;
+  std::map<const BakedObject*, PieceRoom> rooms_;  // for the next pieces of each object as loaded that is being cut
+  std::vector<std::shared_ptr<BrickFeed>> spare_feeds_;
+  std::vector<std::shared_ptr<const PieceOrigin>> fresh_;  // pieces in the scene that nobody was told of yet
   std::uint64_t seen_cuts_ = 0;
   std::int64_t next_look_ = 0, crumbs_from_ = 0;
   bool has_crumbs_ = false;       // that wait for crumbs_from_

@@ -595,9 +595,9 @@ std::vector<std::uint32_t> PieceFinder::piecesInSight() const {
   return out;
 }
 
-std::vector<std::uint32_t> PieceFinder::piecesOfSlots() const {
+void PieceFinder::piecesOfSlots(std::vector<std::uint32_t>& out) const {
   assert(is_current_);
-  std::vector<std::uint32_t> out(keys_.size(), kNoPiece);
+  out.assign(keys_.size(), kNoPiece);
   for (const Block& block : blocks_) {
     const bool is_one = block.groups.size() == 1;
     for (const std::int32_t slot : block.slots) {
@@ -605,7 +605,6 @@ std::vector<std::uint32_t> PieceFinder::piecesOfSlots() const {
       if (partCount(slot) > 0) out[s] = is_one ? piece_of_group_[block.first_group] : pieceOfSlot(s);
     }
   }
-  return out;
 }
 
 }  // namespace kerf

@@ -143,7 +143,7 @@ class PieceFinder {
   bool wasAir(std::uint32_t slot) const { return slot >= first_count_; }
   bool hasAdded() const { return slotCount() > first_count_; }
   /// Of every slot, as pieceOfBrick(). @pre as above.
-  std::vector<std::uint32_t> piecesOfSlots() const;
+  void piecesOfSlots(std::vector<std::uint32_t>& out) const;
   /// Of every block of 8^3 bricks, the piece of all that is inside in it and the 26 around it; kSeveralPieces where
   /// they differ. @pre as above.
   std::vector<std::uint32_t> piecesInSight() const;

@@ -8,37 +8,97 @@
 #include <utility>
 
 #include "sim/internal/for_each.h"
+#include "sim/internal/huge_pages.h"
 #include "sim/internal/near_balls.h"
 
 namespace kerf {
+namespace {
+
+// As PieceBricks, without values.
+struct Bricks {
+  std::vector<Vec3i> bricks, interior, changed, at_edge;
+};
+
+// One of `changed`, whose values are wanted.
+struct Wanted {
+  std::uint64_t brick;
+  std::size_t piece, edit;
+};
+
+constexpr std::uint32_t kSlotsAtOnce = 4096;
+
+std::uint32_t lotsOf(const PieceFinder& pieces) { return (pieces.slotCount() + kSlotsAtOnce - 1) / kSlotsAtOnce; }
+
+}  // namespace
+
+struct SplitRoom::Lists {
+  std::vector<std::uint32_t> piece_of;  // see Split
+  std::vector<unsigned char> is_stored;
+  std::vector<Bricks> parts;  // of lots of bricks, for each piece
+  std::vector<Wanted> wanted;
+  std::vector<std::size_t> begin;  // of what is wanted of one brick
+  std::vector<PieceBricks> out;
+};
+
+SplitRoom::SplitRoom() : lists_(std::make_unique<Lists>()) {}
+SplitRoom::~SplitRoom() = default;
+SplitRoom::SplitRoom(SplitRoom&&) noexcept = default;
+SplitRoom& SplitRoom::operator=(SplitRoom&&) noexcept = default;
+
+void SplitRoom::reserve(const PieceFinder& finder, std::size_t pieces) {
+  const std::size_t slots = finder.slotCount(), edited = finder.field().changed().brickCount();
+  // As many as are near another piece, seen in cuts through a mandible and a molar; few are added beside at once.
+  const std::size_t changed = 2 * edited + 512, added = slots + 1024;
+  Lists& to = *lists_;
+  internal::reserveTouched(to.piece_of, added);
+  internal::reserveTouched(to.is_stored, added);
+  if (to.wanted.capacity() < pieces * changed) {
+    internal::reserveTouched(to.wanted, 2 * pieces * changed);
+    internal::reserveTouched(to.begin, 2 * pieces * changed);
+  }
+  to.parts.resize(std::max(to.parts.size(), pieces * lotsOf(finder)));
+  for (Bricks& part : to.parts) {
+    for (auto* list : {&part.bricks, &part.interior}) internal::reserveTouched(*list, kSlotsAtOnce);
+    for (auto* list : {&part.changed, &part.at_edge}) internal::reserveTouched(*list, kSlotsAtOnce / 8);
+  }
+  to.out.resize(std::max(to.out.size(), pieces));
+  for (PieceBricks& piece : to.out) {
+    for (auto* list : {&piece.bricks, &piece.interior}) internal::reserveTouched(*list, added);
+    internal::reserveTouched(piece.at_edge, changed);
+    if (piece.changed.capacity() < changed) internal::reserveTouched(piece.changed, 2 * changed);
+  }
+}
+
 namespace {
 
 constexpr float kFar = std::numeric_limits<float>::infinity();
 
 /// What is common to the pieces that are made at a time. Bricks go by their slots in the finder; -1 is air.
 struct Split {
-  Split(const PieceFinder& finder, bool is_parallel) : pieces(finder), is_stored(finder.slotCount()) {
+  Split(const PieceFinder& finder, bool is_parallel, SplitRoom::Lists& lists)
+      : pieces(finder), piece_of(lists.piece_of), is_stored(lists.is_stored) {
     internal::forEach(3, is_parallel, [&](std::size_t n) {
-      if (n == 0) piece_of = finder.piecesOfSlots();
+      if (n == 0) finder.piecesOfSlots(lists.piece_of);
       if (n == 1) in_sight = finder.piecesInSight();
-      if (n == 2) findStored();
+      if (n == 2) findStored(lists.is_stored);
     });
     // A ball's radius is a voxel at most: no farther than the band and that, and than the bricks around.
     const OverlayField& field = finder.field();
     const int reach = static_cast<int>(std::ceil(double{field.background()} / field.voxel()));
     steps = internal::NodeSteps(std::clamp(reach, 1, kBrickSide - 1), static_cast<float>(field.voxel()));
   }
-  void findStored() {
+  void findStored(std::vector<unsigned char>& out) {
     const OverlayField& field = pieces.field();
-    for (std::uint32_t s = 0; s < pieces.slotCount(); ++s) is_stored[s] = pieces.isBaked(s);
+    out.resize(pieces.slotCount());
+    for (std::uint32_t s = 0; s < pieces.slotCount(); ++s) out[s] = pieces.isBaked(s);
     // What was taken back is as if it had never been: the result depends on the values, not on how they came about.
     for (std::size_t b = 0; b < field.changed().brickCount(); ++b) {
       const Vec3i& c = field.changed().brickCoord(b);
       const auto s = static_cast<std::size_t>(pieces.slotOf(c));
-      if (is_stored[s]) continue;
+      if (out[s]) continue;
       const float constant = pieces.wasAir(static_cast<std::uint32_t>(s)) ? field.background() : field.constantAt(c);
       const BrickValues& values = field.changed().brick(b);
-      is_stored[s] = std::any_of(values.begin(), values.end(), [&](float v) { return v != constant; });
+      out[s] = std::any_of(values.begin(), values.end(), [&](float v) { return v != constant; });
     }
   }
   /// Calls visit(slot, step) for the bricks around one, and itself, that hold something inside.
@@ -81,15 +141,10 @@ struct Split {
   }
 
   const PieceFinder& pieces;
-  std::vector<std::uint32_t> piece_of;  // per slot: as PieceFinder::pieceOfBrick()
-  std::vector<std::uint32_t> in_sight;  // per block: PieceFinder::piecesInSight()
-  std::vector<unsigned char> is_stored;
+  const std::vector<std::uint32_t>& piece_of;   // per slot: as PieceFinder::pieceOfBrick()
+  std::vector<std::uint32_t> in_sight;          // per block: PieceFinder::piecesInSight()
+  const std::vector<unsigned char>& is_stored;  // per slot: whether it has values, not a constant
   internal::NodeSteps steps{1, 1};
-};
-
-// As PieceBricks, without values.
-struct Bricks {
-  std::vector<Vec3i> bricks, interior, changed, at_edge;
 };
 
 // Some bricks one after the other, and which pieces have them.
@@ -175,20 +230,23 @@ class LayOut {
 };
 
 // Which bricks the pieces have; those of `changed` without their values.
-std::vector<PieceBricks> layOut(const Split& split, std::uint32_t first, std::size_t count, bool is_parallel) {
-  constexpr std::uint32_t kAtOnce = 4096;
-  const std::uint32_t slots = split.pieces.slotCount(), lots = (slots + kAtOnce - 1) / kAtOnce;
-  std::vector<Bricks> parts(lots * count);
+std::vector<PieceBricks> layOut(const Split& split, std::uint32_t first, std::size_t count, bool is_parallel,
+                                SplitRoom::Lists& lists) {
+  const std::uint32_t slots = split.pieces.slotCount(), lots = lotsOf(split.pieces);
+  std::vector<Bricks>& parts = lists.parts;
+  if (parts.size() < lots * count) parts.resize(lots * count);
   internal::forEach(lots, is_parallel, [&](std::size_t lot) {
-    LayOut lay(split, first, std::span(parts).subspan(lot * count, count));
-    const auto begin = static_cast<std::uint32_t>(lot) * kAtOnce;
-    for (std::uint32_t s = begin; s < std::min(slots, begin + kAtOnce); ++s) lay.add(s);
+    const std::span<Bricks> to = std::span(parts).subspan(lot * count, count);
+    for (Bricks& part : to) part.bricks.clear(), part.interior.clear(), part.changed.clear(), part.at_edge.clear();
+    LayOut lay(split, first, to);
+    const auto begin = static_cast<std::uint32_t>(lot) * kSlotsAtOnce;
+    for (std::uint32_t s = begin; s < std::min(slots, begin + kSlotsAtOnce); ++s) lay.add(s);
   });
   const auto isBefore = [](const Vec3i& a, const Vec3i& b) { return coordKey(a) < coordKey(b); };
-  std::vector<PieceBricks> out(count);
+  std::vector<PieceBricks> out = std::exchange(lists.out, {});
+  out.resize(count);
   internal::forEach(count, is_parallel, [&](std::size_t n) {
-    const auto joined = [&](std::vector<Vec3i> Bricks::*list) {
-      std::vector<Vec3i> to;
+    const auto join = [&](std::vector<Vec3i> Bricks::*list, std::vector<Vec3i>& to) {
       std::size_t size = 0;
       for (std::size_t lot = 0; lot < lots; ++lot) size += (parts[lot * count + n].*list).size();
       to.reserve(size);
@@ -196,15 +254,15 @@ std::vector<PieceBricks> layOut(const Split& split, std::uint32_t first, std::si
         const std::vector<Vec3i>& from = parts[lot * count + n].*list;
         to.insert(to.end(), from.begin(), from.end());
       }
-      if (!split.pieces.hasAdded()) return to;  // what was added after the finder's first look comes last
+      if (!split.pieces.hasAdded()) return;  // what was added after the finder's first look comes last
       const auto added = std::is_sorted_until(to.begin(), to.end(), isBefore);
       std::sort(added, to.end(), isBefore);
       std::inplace_merge(to.begin(), added, to.end(), isBefore);
-      return to;
     };
-    out[n].bricks = joined(&Bricks::bricks), out[n].interior = joined(&Bricks::interior);
-    out[n].at_edge = joined(&Bricks::at_edge);
-    const std::vector<Vec3i> changed = joined(&Bricks::changed);
+    join(&Bricks::bricks, out[n].bricks), join(&Bricks::interior, out[n].interior);
+    join(&Bricks::at_edge, out[n].at_edge);
+    std::vector<Vec3i> changed;
+    join(&Bricks::changed, changed);
     out[n].changed.resize(changed.size());
     for (std::size_t e = 0; e < changed.size(); ++e) out[n].changed[e].brick = changed[e];
   });
@@ -318,21 +376,20 @@ void separate(const Split& split, const NearPieces& near, std::uint32_t id, Bric
   }
 }
 
-std::vector<PieceBricks> bricksOf(const PieceFinder& pieces, std::uint32_t first, std::size_t count, bool is_parallel) {
-  const Split split(pieces, is_parallel);
-  std::vector<PieceBricks> out = layOut(split, first, count, is_parallel);
+std::vector<PieceBricks> bricksOf(const PieceFinder& pieces, std::uint32_t first, std::size_t count, bool is_parallel,
+                                  SplitRoom::Lists& lists) {
+  const Split split(pieces, is_parallel, lists);
+  std::vector<PieceBricks> out = layOut(split, first, count, is_parallel, lists);
   // What two pieces have near each other is looked at once.
-  struct Wanted {
-    std::uint64_t brick;
-    std::size_t piece, edit;
-  };
-  std::vector<Wanted> wanted;
+  std::vector<Wanted>& wanted = lists.wanted;
+  wanted.clear();
   for (std::size_t p = 0; p < count; ++p)
     for (std::size_t e = 0; e < out[p].changed.size(); ++e) wanted.push_back({coordKey(out[p].changed[e].brick), p, e});
   std::sort(wanted.begin(), wanted.end(), [](const Wanted& a, const Wanted& b) {
     return a.brick != b.brick ? a.brick < b.brick : a.piece < b.piece;
   });
-  std::vector<std::size_t> begin;
+  std::vector<std::size_t>& begin = lists.begin;
+  begin.clear();
   for (std::size_t n = 0; n < wanted.size(); ++n)
     if (n == 0 || wanted[n].brick != wanted[n - 1].brick) begin.push_back(n);
   begin.push_back(wanted.size());
@@ -360,13 +417,16 @@ std::vector<PieceBricks> bricksOf(const PieceFinder& pieces, std::uint32_t first
 
 }  // namespace
 
-std::vector<PieceBricks> bricksOfPieces(const PieceFinder& pieces, std::size_t count, bool is_parallel) {
-  return bricksOf(pieces, 0, count, is_parallel);
+std::vector<PieceBricks> bricksOfPieces(const PieceFinder& pieces, std::size_t count, bool is_parallel,
+                                        SplitRoom* room) {
+  SplitRoom fresh;
+  return bricksOf(pieces, 0, count, is_parallel, *(room ? *room : fresh).lists_);
 }
 
 BrickField splitField(const PieceFinder& pieces, std::uint32_t id) {
   const OverlayField& field = pieces.field();
-  const PieceBricks piece = std::move(bricksOf(pieces, id, 1, true).front());
+  SplitRoom::Lists lists;
+  const PieceBricks piece = std::move(bricksOf(pieces, id, 1, true, lists).front());
   BrickField out(field.voxel(), field.background(), field.interior());
   for (const Vec3i& c : piece.interior) out.markInterior(c);
   out.reserve(piece.bricks.size());

@@ -22,4 +22,13 @@ void reserveLarge(std::vector<T>& to, std::size_t count) {
 #endif
 }
 
+/// The same, with every page written to: whoever fills it later does not wait for memory. Drops what is in it.
+template <class T>
+void reserveTouched(std::vector<T>& to, std::size_t count) {
+  if (to.capacity() >= count) return;
+  to.clear();
+  reserveLarge(to, count);
+  to.resize(count), to.clear();
+}
+
 }  // namespace kerf::internal

@@ -67,17 +67,16 @@ class Sawyer final : public DeviceSource {
 // Whoever draws: is told of each piece, and follows its bricks.
 class Audience {
  public:
-  BrickFeed* add(std::shared_ptr<const PieceOrigin> origin) {
+  void add(std::shared_ptr<const PieceOrigin> origin, std::shared_ptr<BrickFeed> feed) {
     const std::lock_guard lock(mutex_);
     Seen& seen = seen_[origin->id];
-    seen.origin = std::move(origin);
-    return &seen.feed;
+    seen.origin = std::move(origin), seen.feed = std::move(feed);
   }
   void look() {
     const std::lock_guard lock(mutex_);
     BrickEdit edit;
     for (auto& [id, seen] : seen_)
-      while (seen.feed.tryPop(edit)) seen.edits[coordKey(edit.brick)] = edit.phi;
+      while (seen.feed->tryPop(edit)) seen.edits[coordKey(edit.brick)] = edit.phi;
   }
   void expectKnows(const CutObject& object) {
     ASSERT_TRUE(seen_.contains(object.id));
@@ -102,7 +101,7 @@ class Audience {
  private:
   struct Seen {
     std::shared_ptr<const PieceOrigin> origin;
-    BrickFeed feed;
+    std::shared_ptr<BrickFeed> feed;
     std::map<std::uint64_t, BrickValues> edits;
   };
   std::mutex mutex_;
@@ -127,7 +126,9 @@ TEST(PieceMaker, WhatIsSeveredOnTheThreadIsCutMovedTakenBackAndReplayedBitForBit
   HapticOptions options = test::ordinaryHaptics();
   options.pieces.is_parallel = kParallel;
   options.pieces.pieces.crumb_mm3 = 0.4;
-  options.pieces.follow = [&](std::shared_ptr<const PieceOrigin> origin) { return audience.add(std::move(origin)); };
+  options.pieces.follow = [&](std::shared_ptr<const PieceOrigin> origin, std::shared_ptr<BrickFeed> feed) {
+    audience.add(std::move(origin), std::move(feed));
+  };
   Sawyer sawyer({-0.7, 1.4, -2.05, 1.6});
   GuardedDevice device(&sawyer);
   HapticThread haptic(ball(), {bar()}, {Eigen::Quaterniond::Identity(), {0, -1.8, 3}}, options);
@@ -295,11 +296,11 @@ TEST(PieceMaker, StopsInTheMiddleOfASplitWithTheObjectAsItIsAndReplaysThat) {
     HapticOptions options = test::ordinaryHaptics();
     options.pieces.is_parallel = kParallel;
     std::atomic<bool> is_asked{false}, may_go_on{false};
-    options.pieces.follow = [&](std::shared_ptr<const PieceOrigin>) -> BrickFeed* {
+    options.pieces.severed = [&](std::uint32_t id) {
+      EXPECT_EQ(id, 0u);
       is_asked = true;
       while (!may_go_on) std::this_thread::sleep_for(1ms);
       std::this_thread::sleep_for(std::chrono::milliseconds(wait_ms));
-      return nullptr;
     };
     HapticThread haptic(ball(), {bar()}, {Eigen::Quaterniond::Identity(), {0, -1.8, 3}}, options);
     auto recorder = SessionRecorder::start(file, describe(haptic.session()));

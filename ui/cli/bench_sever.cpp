@@ -111,7 +111,7 @@ Expected<std::vector<double>> ticksToSplit(const SessionLog& log, Model model,
 
 struct Piece {
   std::shared_ptr<const PieceOrigin> origin;
-  BrickFeed feed;
+  std::shared_ptr<BrickFeed> feed;
   BrickField field;
   std::unique_ptr<MesherThread> mesher;
 };
@@ -135,11 +135,10 @@ Expected<Result> benchSever(const Scratch& scratch, const Progress& progress) {
   std::mutex mutex;
   std::map<std::uint32_t, Piece> pieces;
   HapticOptions options;
-  options.pieces.follow = [&](std::shared_ptr<const PieceOrigin> origin) {
+  options.pieces.follow = [&](std::shared_ptr<const PieceOrigin> origin, std::shared_ptr<BrickFeed> its_feed) {
     const std::lock_guard lock(mutex);
     Piece& piece = pieces[origin->id];
-    piece.origin = std::move(origin);
-    return &piece.feed;
+    piece.origin = std::move(origin), piece.feed = std::move(its_feed);
   };
   HapticThread haptic(model, {object}, poseAt(path, 0), options);
   const std::filesystem::path file = scratch.path() / "sever.kerflog";
@@ -167,7 +166,7 @@ Expected<Result> benchSever(const Scratch& scratch, const Progress& progress) {
     for (Piece* const piece : fresh) {
       const double begin = now();
       piece->field = piece->origin->field();
-      piece->mesher = std::make_unique<MesherThread>(piece->field, piece->feed);
+      piece->mesher = std::make_unique<MesherThread>(piece->field, *piece->feed);
       while (piece->mesher->take().empty()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
       slowest_mesh = std::max(slowest_mesh, now() - begin);
     }
