@@ -28,13 +28,25 @@ void PieceRoom::reserve(const std::shared_ptr<const BakedObject>& baked, const P
   const std::size_t edited = finder.field().changed().brickCount();
   // Their own, beside those that are free afterwards: what was cut, and what is near the other one.
   const std::size_t wanted = bricks + 2 * edited + 1024;
+  const std::size_t more = wanted + wanted / 4 + 512;
   for (std::unique_ptr<CutObject>& blank : blanks) {
-    if (!blank) blank = std::make_unique<CutObject>(CutObject::blank(baked, wanted));
-    if (blank->freeBricks() < wanted && !blank->reserve(wanted)) throw std::bad_alloc();
+    if (!blank) blank = std::make_unique<CutObject>(CutObject::blank(baked, more));
+    if (blank->freeBricks() < wanted && !blank->reserve(more - blank->freeBricks())) throw std::bad_alloc();
   }
-  for (std::vector<BrickEdit>& cut : cuts)
-    if (cut.capacity() < edited + 256) internal::reserveTouched(cut, 2 * edited + 1024);
+  for (std::vector<BrickEdit>& cut : cuts) internal::reserveTouched(cut, edited + 256, 2 * edited + 1024);
   lists.reserve(finder, kPieces);
+}
+
+std::shared_ptr<const PieceOrigin> PieceRoom::takeBack(PieceOrigin& origin) {
+  auto out = std::make_shared<const PieceOrigin>(origin);
+  lists.takeBack({std::move(origin.bricks), std::move(origin.interior), std::move(origin.near_others), {}});
+  for (std::vector<BrickEdit>& cut : cuts)
+    if (cut.capacity() == 0) {
+      cut = std::move(origin.cut);
+      cut.clear();
+      break;
+    }
+  return out;
 }
 
 std::unique_ptr<ObjectPieces> makePieces(const CutObject& whole, PieceFinder& finder, std::uint32_t first_id,
@@ -47,7 +59,8 @@ std::unique_ptr<ObjectPieces> makePieces(const CutObject& whole, PieceFinder& fi
   for (const Piece& crumb : list.crumbs) out->crumb_measure.add(crumb.measure);
   std::vector<PieceBricks> bricks = bricksOfPieces(finder, count, is_parallel, room ? &room->lists : nullptr);
   if (count == 1) {
-    out->without_crumbs = std::move(bricks.front().changed);
+    out->without_crumbs = bricks.front().changed;
+    if (room) room->lists.takeBack(std::move(bricks.front()));
     return out;
   }
   // Each on its own, on as many cores as there are: neither reads what the other makes.

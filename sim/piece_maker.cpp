@@ -19,7 +19,8 @@ constexpr int kEditsATick = 128;
 constexpr std::int64_t kMs = 1'000'000;
 constexpr std::int64_t kLeastPause = 2 * kMs;    // between two looks
 constexpr std::int64_t kCrumbPause = 500 * kMs;  // between two times crumbs are taken away
-constexpr std::size_t kFeeds = 2;                // most objects fall in two
+constexpr std::int64_t kStockPause = 500 * kMs;  // after there was no memory
+constexpr std::size_t kSpare = 2;                // most objects fall in two
 
 std::unique_ptr<PieceFinder> finderOf(const PieceOrigin& piece, const PieceOptions& options) {
   std::vector<Vec3i> bricks = piece.bricks;
@@ -42,6 +43,7 @@ struct PieceMaker::Follower {
   std::vector<BrickEdit> edits;
   std::shared_ptr<BrickFeed> for_others;  // of a piece: what follow() hands out
   bool is_changed = false;                // since it was looked at
+  bool wants_room = false;                // for its pieces: changed since that was made
   std::int64_t whole_at = 0;
   std::int64_t not_before = 0;  // ns: it was tried in vain
 };
@@ -68,7 +70,9 @@ void PieceMaker::stop() {
 
 PieceMaker::Follower& PieceMaker::follow(std::uint32_t id, CutObject& object,
                                          std::shared_ptr<const PieceOrigin> origin) {
-  Follower& f = *followers_.emplace_back(std::make_unique<Follower>());
+  auto made = spare_followers_.empty() ? std::make_unique<Follower>() : std::move(spare_followers_.back());
+  if (!spare_followers_.empty()) spare_followers_.pop_back();
+  Follower& f = *followers_.emplace_back(std::move(made));
   f.id = id, f.baked = object.sharedBaked(), f.origin = std::move(origin);
   f.whole_at = monotonicNow();
   object.watch_feed = &f.feed;
@@ -88,19 +92,34 @@ void PieceMaker::dropTrash() {
       std::erase_if(followers_, [&](const auto& f) { return f->id == held.object.id; });
 }
 
-// Memory for the pieces of what is being cut.
-void PieceMaker::stockUp(const Follower& f) {
-  const std::size_t a_tick_wants = std::min(Session::kRoom, f.baked->slots().size() + 1024) / 2;
-  rooms_[f.baked.get()].reserve(f.baked, *f.finder, a_tick_wants);
-  while (options_.follow && spare_feeds_.size() < kFeeds) spare_feeds_.push_back(std::make_shared<BrickFeed>());
+// Memory for the pieces of what is being cut. Without it they come later, but they come.
+void PieceMaker::stockUp() noexcept {
+  if (monotonicNow() < next_stock_) return;
+  try {
+    for (auto& f : followers_) {
+      if (!f->wants_room) continue;
+      const std::size_t a_tick_wants = std::min(Session::kRoom, f->baked->slots().size() + 1024) / 2;
+      rooms_[f->baked.get()].reserve(f->baked, *f->finder, a_tick_wants);
+      while (spare_followers_.size() < kSpare) spare_followers_.push_back(std::make_unique<Follower>());
+      while (options_.follow && spare_feeds_.size() < kSpare) spare_feeds_.push_back(std::make_shared<BrickFeed>());
+      f->wants_room = false;
+    }
+  } catch (const std::bad_alloc&) {
+    next_stock_ = monotonicNow() + kStockPause;
+  }
 }
 
 // Tells of the pieces that are in the scene now.
 void PieceMaker::announce() {
   while (!fresh_.empty()) {
-    const std::shared_ptr<const PieceOrigin> origin = fresh_.back();
-    if (const Follower* const f = find(origin->id)) options_.follow(origin, f->for_others);
+    const std::shared_ptr<const PieceOrigin> origin = std::move(fresh_.back());
     fresh_.pop_back();
+    const Follower* const f = find(origin->id);
+    if (!f) continue;
+    try {
+      options_.follow(origin, f->for_others);
+    } catch (...) {  // whoever cannot follow does not
+    }
   }
 }
 
@@ -118,8 +137,7 @@ bool PieceMaker::look() {
     }
     f->finder->apply(f->edits);
     f->edits.clear();
-    f->is_changed = true;
-    stockUp(*f);
+    f->is_changed = f->wants_room = true;
   }
   const std::int64_t begin = monotonicNow();
   const bool is_due = cuts != seen_cuts_ || must_look_again_ || (has_crumbs_ && begin >= crumbs_from_);
@@ -148,13 +166,19 @@ bool PieceMaker::look() {
   }
   const std::int64_t end = monotonicNow();
   next_look_ = end + std::max(kLeastPause, 3 * (end - begin));
-  if (is_apart) stage_.store(Stage::kWantsHold, std::memory_order_release);
+  if (is_apart)
+    stage_.store(Stage::kWantsHold, std::memory_order_release);
+  else
+    stockUp();
   return is_apart;
 }
 
 void PieceMaker::make() {
   Follower& f = *find(request_.id);
-  if (options_.severed) options_.severed(f.id);
+  try {
+    if (options_.severed) options_.severed(f.id);
+  } catch (...) {
+  }
   // Without memory it stays as it is, and is tried again.
   try {
     f.feed.drain(f.edits);  // some may have been taken before
@@ -182,7 +206,7 @@ void PieceMaker::prepare(Follower& f) {
       const std::size_t room = Session::roomFor(part);  // a tick wants half of it
       if (part.freeBricks() < room / 2) part.reserve(room);
       Follower& made = follow(part.id, part, origin);
-      if (!options_.follow) continue;
+      if (!options_.follow) continue;  // nobody draws
       if (spare_feeds_.empty()) spare_feeds_.push_back(std::make_shared<BrickFeed>());
       made.for_others = std::move(spare_feeds_.back());
       spare_feeds_.pop_back();
@@ -191,11 +215,25 @@ void PieceMaker::prepare(Follower& f) {
 }
 
 void PieceMaker::finish() {
-  if (request_.answer == Answer::kDone && request_.made && options_.follow)
-    fresh_.insert(fresh_.end(), request_.made->origins.rbegin(), request_.made->origins.rend());
-  if (request_.answer != Answer::kDone && request_.made)
-    for (const auto& origin : request_.made->origins)
-      std::erase_if(followers_, [&](const auto& f) { return f->id == origin->id; });
+  if (request_.made) {
+    const bool is_done = request_.answer == Answer::kDone;
+    for (const auto& origin : request_.made->origins) {
+      Follower* const f = find(origin->id);
+      if (!f) continue;
+      if (!is_done && f->for_others && spare_feeds_.size() < kSpare)
+        spare_feeds_.push_back(std::move(f->for_others));  // nothing was sent
+      // Nobody waits now: only as large as they must be.
+      try {
+        f->origin = rooms_[origin->baked.get()].takeBack(*origin);
+      } catch (const std::bad_alloc&) {  // as it is
+      }
+      if (is_done && options_.follow) fresh_.push_back(f->origin);
+    }
+    if (!is_done)
+      for (const auto& origin : request_.made->origins)
+        std::erase_if(followers_, [&](const auto& f) { return f->id == origin->id; });
+    std::reverse(fresh_.begin(), fresh_.end());
+  }
   if (Follower* const f = find(request_.id); f && request_.answer != Answer::kGone) {
     // What could not be done comes up again, with the next cut or by itself.
     f->is_changed |= request_.answer != Answer::kDone;
@@ -212,8 +250,8 @@ void PieceMaker::run() {
     switch (stage_.load(std::memory_order_acquire)) {
       case Stage::kWatching:
         dropTrash();
+        announce();
         try {
-          announce();
           is_waiting = look();
         } catch (const std::bad_alloc&) {  // nothing is split until there is memory again
           is_waiting = false;
@@ -237,6 +275,10 @@ void PieceMaker::run() {
     }
     std::this_thread::sleep_for(is_waiting ? 200us : 1000us);
   }
+  // The haptic thread has ended. What it put into the scene last is told, too.
+  const Stage last = stage_.load(std::memory_order_acquire);
+  if (last == Stage::kDone || last == Stage::kNotNow) finish();
+  announce();
 }
 
 bool PieceMaker::beforeTick(Session& session) noexcept {

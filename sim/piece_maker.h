@@ -24,12 +24,15 @@ namespace kerf {
 struct PieceMakerOptions {
   bool is_wanted = true;
   PieceOptions pieces;
-  /// Called by the maker's thread when an object has come apart, before its pieces are made. May be empty.
+  // Both are called by the maker's thread, which neither looks nor takes bricks meanwhile, so they must be quick; what
+  // they throw is dropped. May be empty.
+
+  /// An object has come apart, or has crumbs, and is at rest: its pieces are made next. Again when that failed.
   std::function<void(std::uint32_t id)> severed;
-  /// Called by the maker's thread for each piece once it is in the scene (never, should the session end before), with
-  /// what it was then and a feed that has every change since, for a consumer of one's own: whoever draws makes the
-  /// field (PieceOrigin::field()), meshes it and drains the feed. The next piece waits for it. Empty: nobody follows
-  /// pieces.
+  /// Once for each piece, when it is in the scene (an undo may have taken it out again): what it was when it came off,
+  /// and a feed that has every change since. Whoever draws makes the field (PieceOrigin::field()), meshes it and drains
+  /// the feed, on a thread of its own; without a consumer the feed is full one day, which nobody minds until the end:
+  /// HapticThread::stop() waits for it. Nobody but the consumer holds a feed whose object no undo brings back.
   std::function<void(std::shared_ptr<const PieceOrigin>, std::shared_ptr<BrickFeed>)> follow;
   /// Pieces are made by all cores; false: by the maker's thread alone (see RemesherOptions::is_parallel).
   bool is_parallel = true;
@@ -101,13 +104,15 @@ class PieceMaker {
   void dropTrash();
   void announce();
   Follower& follow(std::uint32_t id, CutObject& object, std::shared_ptr<const PieceOrigin> origin);
-  void stockUp(const Follower& f);
+  void stockUp() noexcept;
   Follower* find(std::uint32_t id);
 
   PieceMakerOptions options_;
   std::vector<std::unique_ptr<Follower>> followers_;
   std::map<const BakedObject*, PieceRoom> rooms_;  // for the next pieces of each object as loaded that is being cut
+  std::vector<std::unique_ptr<Follower>> spare_followers_;
   std::vector<std::shared_ptr<BrickFeed>> spare_feeds_;
+  std::int64_t next_stock_ = 0;
   std::vector<std::shared_ptr<const PieceOrigin>> fresh_;  // pieces in the scene that nobody was told of yet
   std::uint64_t seen_cuts_ = 0;
   std::int64_t next_look_ = 0, crumbs_from_ = 0;

@@ -47,26 +47,35 @@ SplitRoom& SplitRoom::operator=(SplitRoom&&) noexcept = default;
 
 void SplitRoom::reserve(const PieceFinder& finder, std::size_t pieces) {
   const std::size_t slots = finder.slotCount(), edited = finder.field().changed().brickCount();
-  // As many as are near another piece, seen in cuts through a mandible and a molar; few are added beside at once.
-  const std::size_t changed = 2 * edited + 512, added = slots + 1024;
+  // As many as are near another piece, seen in cuts through a mandible and a molar. More than is wanted now, for the
+  // object is still being cut.
+  const std::size_t changed = 2 * edited + 512, added = slots + 512, more = slots + slots / 16 + 4096;
   Lists& to = *lists_;
-  internal::reserveTouched(to.piece_of, added);
-  internal::reserveTouched(to.is_stored, added);
-  if (to.wanted.capacity() < pieces * changed) {
-    internal::reserveTouched(to.wanted, 2 * pieces * changed);
-    internal::reserveTouched(to.begin, 2 * pieces * changed);
-  }
-  to.parts.resize(std::max(to.parts.size(), pieces * lotsOf(finder)));
+  internal::reserveTouched(to.piece_of, added, more);
+  internal::reserveTouched(to.is_stored, added, more);
+  internal::reserveTouched(to.wanted, pieces * changed, 2 * pieces * changed);
+  internal::reserveTouched(to.begin, pieces * changed, 2 * pieces * changed);
+  to.parts.resize(pieces * lotsOf(finder));
   for (Bricks& part : to.parts) {
-    for (auto* list : {&part.bricks, &part.interior}) internal::reserveTouched(*list, kSlotsAtOnce);
-    for (auto* list : {&part.changed, &part.at_edge}) internal::reserveTouched(*list, kSlotsAtOnce / 8);
+    for (auto* list : {&part.bricks, &part.interior}) internal::reserveTouched(*list, kSlotsAtOnce, kSlotsAtOnce);
+    for (auto* list : {&part.changed, &part.at_edge})
+      internal::reserveTouched(*list, kSlotsAtOnce / 8, kSlotsAtOnce / 8);
   }
   to.out.resize(std::max(to.out.size(), pieces));
-  for (PieceBricks& piece : to.out) {
-    for (auto* list : {&piece.bricks, &piece.interior}) internal::reserveTouched(*list, added);
-    internal::reserveTouched(piece.at_edge, changed);
-    if (piece.changed.capacity() < changed) internal::reserveTouched(piece.changed, 2 * changed);
+  for (PieceBricks& piece : std::span(to.out).first(pieces)) {
+    for (auto* list : {&piece.bricks, &piece.interior}) internal::reserveTouched(*list, added, more);
+    internal::reserveTouched(piece.at_edge, changed, 2 * changed);
+    internal::reserveTouched(piece.changed, changed, 2 * changed);
   }
+}
+
+void SplitRoom::takeBack(PieceBricks&& bricks) {
+  for (PieceBricks& piece : lists_->out)
+    if (piece.bricks.capacity() == 0) {
+      piece = std::move(bricks);
+      piece.bricks.clear(), piece.interior.clear(), piece.changed.clear(), piece.at_edge.clear();
+      return;
+    }
 }
 
 namespace {
@@ -243,8 +252,8 @@ std::vector<PieceBricks> layOut(const Split& split, std::uint32_t first, std::si
     for (std::uint32_t s = begin; s < std::min(slots, begin + kSlotsAtOnce); ++s) lay.add(s);
   });
   const auto isBefore = [](const Vec3i& a, const Vec3i& b) { return coordKey(a) < coordKey(b); };
-  std::vector<PieceBricks> out = std::exchange(lists.out, {});
-  out.resize(count);
+  std::vector<PieceBricks> out(count);
+  for (std::size_t n = 0; n < std::min(count, lists.out.size()); ++n) out[n] = std::move(lists.out[n]);
   internal::forEach(count, is_parallel, [&](std::size_t n) {
     const auto join = [&](std::vector<Vec3i> Bricks::*list, std::vector<Vec3i>& to) {
       std::size_t size = 0;

@@ -38,9 +38,11 @@ class SplitRoom {
   ~SplitRoom();
   SplitRoom(SplitRoom&&) noexcept;
   SplitRoom& operator=(SplitRoom&&) noexcept;
-  /// For `pieces` pieces of what the finder has now, every page of it written to. Does nothing when it is there.
-  /// Allocates 100 bytes a brick, and 8 to 16 KB for each that was edited.
+  /// For `pieces` pieces of what the finder has now, every page of it written to. Does nothing when it is there, else
+  /// makes more than that. 100 bytes a brick, and 8 to 16 KB for each that was edited.
   void reserve(const PieceFinder& finder, std::size_t pieces);
+  /// Lists of bricksOfPieces(), for their memory, when nobody needs them any more.
+  void takeBack(PieceBricks&& bricks);
 
   struct Lists;
 

@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <vector>
 
 namespace kerf::internal {
@@ -22,13 +23,16 @@ void reserveLarge(std::vector<T>& to, std::size_t count) {
 #endif
 }
 
-/// The same, with every page written to: whoever fills it later does not wait for memory. Drops what is in it.
+/// Room for `least` elements; where there is less, for `wanted`, every page of it written to: whoever fills it later
+/// does not wait for memory. Drops what is in it then. T can be copied byte by byte.
 template <class T>
-void reserveTouched(std::vector<T>& to, std::size_t count) {
-  if (to.capacity() >= count) return;
+void reserveTouched(std::vector<T>& to, std::size_t least, std::size_t wanted) {
+  if (to.capacity() >= least) return;
   to.clear();
-  reserveLarge(to, count);
-  to.resize(count), to.clear();
+  reserveLarge(to, wanted);
+  to.resize(wanted);
+  std::memset(static_cast<void*>(to.data()), 0, wanted * sizeof(T));  // Eigen's vectors are made without writing
+  to.clear();
 }
 
 }  // namespace kerf::internal

@@ -22,6 +22,13 @@ inline double now() {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
+/// Calls stop() of a thread where a scope ends: before that which was declared earlier is gone.
+template <class Thread>
+struct StoppedAtTheEnd {
+  Thread& thread;
+  ~StoppedAtTheEnd() { thread.stop(); }
+};
+
 /// One number and what it has to be.
 struct Measured {
   std::string name;  ///< as in JSON: "points_50k_p99"

@@ -90,6 +90,7 @@ Expected<Result> benchRealtime(double seconds, const Scratch& scratch, const Pro
   };
   while (mesh.empty()) follow(), std::this_thread::sleep_for(std::chrono::milliseconds(5));
   BrickFeed* const feeds[] = {&feed};
+  const StoppedAtTheEnd stopped{haptic};  // before what it writes to, should this be cancelled
   KERF_CHECK(haptic.start(device, feeds, &recorder));
   r.notes.push_back("granted: " + haptic.grant().summary());
   for (const RealTimeRefusal& refusal : haptic.grant().refusals) r.notes.push_back(refusal.message());

@@ -147,6 +147,7 @@ Expected<Result> benchSever(const Scratch& scratch, const Progress& progress) {
   MesherThread mesher(object->phi0(), feed);
   while (mesher.take().empty()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
   BrickFeed* const feeds[] = {&feed};
+  const StoppedAtTheEnd stopped{haptic};  // before what it writes to, should this be cancelled
   KERF_CHECK(haptic.start(device, feeds, &recorder));
   r.notes.push_back("granted: " + haptic.grant().summary());
   for (const RealTimeRefusal& refusal : haptic.grant().refusals) r.notes.push_back(refusal.message());
