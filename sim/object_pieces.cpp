@@ -4,6 +4,7 @@
 #include <new>
 #include <optional>
 
+#include "sim/internal/cut_size.h"
 #include "sim/internal/for_each.h"
 #include "sim/internal/huge_pages.h"
 
@@ -26,14 +27,16 @@ void PieceRoom::reserve(const std::shared_ptr<const BakedObject>& baked, const P
   constexpr std::size_t kPieces = 2;
   blanks.resize(kPieces), cuts.resize(kPieces);
   const std::size_t edited = finder.field().changed().brickCount();
-  // Their own, beside those that are free afterwards: what was cut, and what is near the other one.
-  const std::size_t wanted = bricks + 2 * edited + 1024;
-  const std::size_t more = wanted + wanted / 4 + 512;
+  // Their own, beside those that are free afterwards: what was cut, and of it what is near the other one. More than is
+  // wanted now, once for a whole cut.
+  const std::size_t a_cut = internal::bricksOfACut(baked->slots().size());
+  const std::size_t wanted = bricks + edited + 1024, more = wanted + std::max<std::size_t>(a_cut, 512);
   for (std::unique_ptr<CutObject>& blank : blanks) {
     if (!blank) blank = std::make_unique<CutObject>(CutObject::blank(baked, more));
     if (blank->freeBricks() < wanted && !blank->reserve(more - blank->freeBricks())) throw std::bad_alloc();
   }
-  for (std::vector<BrickEdit>& cut : cuts) internal::reserveTouched(cut, edited + 256, 2 * edited + 1024);
+  for (std::vector<BrickEdit>& cut : cuts)
+    internal::reserveTouched(cut, edited + 256, std::max(2 * edited + 1024, a_cut));
   lists.reserve(finder, kPieces);
 }
 

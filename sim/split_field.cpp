@@ -7,6 +7,7 @@
 #include <span>
 #include <utility>
 
+#include "sim/internal/cut_size.h"
 #include "sim/internal/for_each.h"
 #include "sim/internal/huge_pages.h"
 #include "sim/internal/near_balls.h"
@@ -47,14 +48,15 @@ SplitRoom& SplitRoom::operator=(SplitRoom&&) noexcept = default;
 
 void SplitRoom::reserve(const PieceFinder& finder, std::size_t pieces) {
   const std::size_t slots = finder.slotCount(), edited = finder.field().changed().brickCount();
-  // As many as are near another piece, seen in cuts through a mandible and a molar. More than is wanted now, for the
-  // object is still being cut.
-  const std::size_t changed = 2 * edited + 512, added = slots + 512, more = slots + slots / 16 + 4096;
+  // As many are near another piece as were cut, or fewer. More than is wanted now, and once for a whole cut: it must
+  // not be made anew while one goes through.
+  const std::size_t changed = edited + 512, more_changed = std::max(2 * changed, internal::bricksOfACut(slots));
+  const std::size_t added = slots + 512, more = slots + slots / 16 + 4096;
   Lists& to = *lists_;
   internal::reserveTouched(to.piece_of, added, more);
   internal::reserveTouched(to.is_stored, added, more);
-  internal::reserveTouched(to.wanted, pieces * changed, 2 * pieces * changed);
-  internal::reserveTouched(to.begin, pieces * changed, 2 * pieces * changed);
+  internal::reserveTouched(to.wanted, pieces * changed, pieces * more_changed);
+  internal::reserveTouched(to.begin, pieces * changed, pieces * more_changed);
   to.parts.resize(pieces * lotsOf(finder));
   for (Bricks& part : to.parts) {
     for (auto* list : {&part.bricks, &part.interior}) internal::reserveTouched(*list, kSlotsAtOnce, kSlotsAtOnce);
@@ -64,8 +66,8 @@ void SplitRoom::reserve(const PieceFinder& finder, std::size_t pieces) {
   to.out.resize(std::max(to.out.size(), pieces));
   for (PieceBricks& piece : std::span(to.out).first(pieces)) {
     for (auto* list : {&piece.bricks, &piece.interior}) internal::reserveTouched(*list, added, more);
-    internal::reserveTouched(piece.at_edge, changed, 2 * changed);
-    internal::reserveTouched(piece.changed, changed, 2 * changed);
+    internal::reserveTouched(piece.at_edge, changed, more_changed);
+    internal::reserveTouched(piece.changed, changed, more_changed);
   }
 }
 

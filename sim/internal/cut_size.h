@@ -1,0 +1,15 @@
+// How many bricks a cut through an object may change, to have memory for it before.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+
+namespace kerf::internal {
+
+/// A plane across a cube of so many bricks: 2800 for a mandible of 148 000, whose kerf changed 700 to 1400.
+inline std::size_t bricksOfACut(std::size_t bricks) {
+  const double side = std::cbrt(static_cast<double>(bricks));
+  return static_cast<std::size_t>(side * side);
+}
+
+}  // namespace kerf::internal
