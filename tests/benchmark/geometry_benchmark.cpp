@@ -2,10 +2,10 @@
 // times between machines. `kerf bench` times whole scenes.
 #include <benchmark/benchmark.h>
 
-#include "geometry/exact/self_intersection.h"
-#include "geometry/marching_cubes.h"
-#include "geometry/sweep.h"
-#include "sim/sweep_cutter.h"
+#include "geometry/field/marching_cubes.h"
+#include "geometry/mesh/self_intersection.h"
+#include "geometry/tool/sweep.h"
+#include "sim/run/sweep_cutter.h"
 #include "tests/geometry/ball_mesh.h"
 
 namespace kerf {

@@ -7,10 +7,10 @@
 #include <thread>
 #include <vector>
 
-#include "sim/mesher_thread.h"
-#include "sim/pieces.h"
-#include "sim/remesher.h"
-#include "sim/split_field.h"
+#include "sim/live/mesher_thread.h"
+#include "sim/live/remesher.h"
+#include "sim/pieces/pieces.h"
+#include "sim/pieces/split_field.h"
 #include "tests/sim/carved_field.h"
 
 namespace kerf {

@@ -12,17 +12,17 @@
 #include <map>
 #include <set>
 
-#include "geometry/mesh_io.h"
-#include "geometry/mesh_writer.h"
-#include "geometry/sweep.h"
-#include "geometry/tool_file.h"
-#include "preprocess/bake.h"
-#include "preprocess/unit.h"
-#include "sim/haptic_cut.h"
-#include "sim/path.h"
-#include "sim/replay.h"
-#include "sim/run_bundle.h"
-#include "tests/geometry/temporary_folder.h"
+#include "geometry/formats/mesh_io.h"
+#include "geometry/formats/mesh_writer.h"
+#include "geometry/tool/sweep.h"
+#include "geometry/tool/tool_file.h"
+#include "preprocess/bake/bake.h"
+#include "preprocess/unit/unit.h"
+#include "sim/hand/path.h"
+#include "sim/run/haptic_cut.h"
+#include "sim/run/replay.h"
+#include "sim/run/run_bundle.h"
+#include "tests/support/temporary_folder.h"
 
 namespace kerf {
 namespace {
@@ -411,7 +411,7 @@ TEST(DataWalk, AMolarOfThreeTissuesIsDrilledAgainstResistance) {
   EXPECT_GT(s.removed_by_material.count("enamel"), 0u);
   EXPECT_NEAR(s.removed_mm3 + s.remaining_mm3, s.initial_mm3, 1e-6 * s.initial_mm3);
   EXPECT_NEAR(s.mean_contact_force, 1, 0.25);
-  EXPECT_EQ(s.out_of_room, 0u);
+  EXPECT_EQ(s.out_of_bricks, 0u);
   const auto again = replayRun(scratch.path() / "molar.run");
   ASSERT_TRUE(again) << again.error().message();
   EXPECT_TRUE(again->is_same);

@@ -1,4 +1,4 @@
-#include "geometry/case_bundle.h"
+#include "geometry/case/case_bundle.h"
 #include "tests/fuzz/file_harness.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <string>
 
-#include "geometry/error.h"
+#include "geometry/base/error.h"
 #include "tests/fuzz/harness.h"
 
 namespace kerf::fuzz {

@@ -1,4 +1,4 @@
-#include "geometry/material.h"
+#include "geometry/field/material.h"
 #include "tests/fuzz/file_harness.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "geometry/internal/mesh_source.h"
+#include "geometry/formats/mesh_source.h"
 #include "tests/fuzz/harness.h"
 
 namespace kerf::fuzz {

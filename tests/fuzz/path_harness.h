@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "sim/path.h"
+#include "sim/hand/path.h"
 #include "tests/fuzz/file_harness.h"
 
 namespace kerf::fuzz {

@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "preprocess/case_recipe.h"
+#include "preprocess/bake/case_recipe.h"
 #include "tests/fuzz/file_harness.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -2,7 +2,7 @@
 #include <string>
 #include <variant>
 
-#include "sim/internal/session_format.h"
+#include "sim/session/session_format.h"
 #include "tests/fuzz/harness.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -4,8 +4,8 @@
 #include <sstream>
 #include <string>
 
-#include "geometry/internal/mesh_sinks.h"
-#include "geometry/internal/zip_archive.h"
+#include "geometry/formats/mesh_sinks.h"
+#include "geometry/formats/zip_archive.h"
 #include "tests/fuzz/mesh_harness.h"
 
 namespace {

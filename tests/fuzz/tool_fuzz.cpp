@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "geometry/tool_file.h"
+#include "geometry/tool/tool_file.h"
 #include "tests/fuzz/file_harness.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

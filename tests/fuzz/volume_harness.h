@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "preprocess/label_volume.h"
+#include "preprocess/volume/label_volume.h"
 #include "tests/fuzz/file_harness.h"
 
 /// What ITK and the libraries under it lose on broken files, some bytes each, is theirs.

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "geometry/mesh.h"
+#include "geometry/mesh/mesh.h"
 
 namespace kerf {
 

@@ -7,8 +7,8 @@
 #include <functional>
 #include <map>
 
-#include "geometry/brick_field.h"
-#include "geometry/mesh.h"
+#include "geometry/field/brick_field.h"
+#include "geometry/mesh/mesh.h"
 
 namespace kerf {
 

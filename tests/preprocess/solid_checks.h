@@ -9,9 +9,9 @@
 #include <map>
 #include <set>
 
-#include "geometry/exact/self_intersection.h"
-#include "geometry/float32_cleanup.h"
-#include "preprocess/close.h"
+#include "geometry/mesh/float32_cleanup.h"
+#include "geometry/mesh/self_intersection.h"
+#include "preprocess/close/close.h"
 
 namespace kerf {
 

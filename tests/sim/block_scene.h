@@ -5,8 +5,8 @@
 
 #include <functional>
 
-#include "sim/practice_block.h"
-#include "sim/step.h"
+#include "sim/run/practice_block.h"
+#include "sim/step/step.h"
 
 namespace kerf::test {
 

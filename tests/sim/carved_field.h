@@ -5,8 +5,8 @@
 #include <random>
 #include <vector>
 
-#include "geometry/sample_field.h"
-#include "sim/overlay_field.h"
+#include "geometry/field/sample_field.h"
+#include "sim/object/overlay_field.h"
 
 namespace kerf {
 

@@ -8,8 +8,8 @@
 #include <optional>
 #include <thread>
 
-#include "sim/haptic_thread.h"
-#include "tests/allocation_guard.h"
+#include "sim/live/haptic_thread.h"
+#include "tests/support/allocation_guard.h"
 
 namespace kerf::test {
 

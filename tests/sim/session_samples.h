@@ -9,8 +9,8 @@
 #include <cstring>
 #include <limits>
 
-#include "sim/internal/session_format.h"
-#include "sim/session_log.h"
+#include "sim/session/session_format.h"
+#include "sim/session/session_log.h"
 
 namespace kerf {
 

@@ -20,7 +20,7 @@
 #include <thread>
 #include <vector>
 
-#include "tests/geometry/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace kerf {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "geometry/material.h"
-#include "geometry/post_op_mesh.h"
+#include "geometry/boolean/post_op_mesh.h"
+#include "geometry/field/material.h"
 #include "tests/ui/cli_runner.h"
 
 namespace kerf {

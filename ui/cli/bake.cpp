@@ -1,4 +1,4 @@
-#include "preprocess/pair.h"
+#include "preprocess/bake/pair.h"
 
 #include <fmt/format.h>
 
@@ -9,8 +9,8 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "preprocess/case_recipe.h"
-#include "sim/path.h"
+#include "preprocess/bake/case_recipe.h"
+#include "sim/hand/path.h"
 #include "ui/cli/command.h"
 
 namespace kerf::cli {

@@ -1,10 +1,10 @@
-#include "geometry/mesh_check.h"
+#include "geometry/mesh/mesh_check.h"
 
 #include <fmt/format.h>
 
 #include <memory>
 
-#include "geometry/mesh_io.h"
+#include "geometry/formats/mesh_io.h"
 #include "ui/cli/command.h"
 
 namespace kerf::cli {

@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "geometry/error.h"
-#include "geometry/progress.h"
+#include "geometry/base/error.h"
+#include "geometry/base/progress.h"
 
 namespace kerf::cli {
 

@@ -6,10 +6,10 @@
 #include <optional>
 #include <utility>
 
-#include "geometry/tool_file.h"
-#include "sim/baked_object.h"
-#include "sim/haptic_cut.h"
-#include "sim/run_bundle.h"
+#include "geometry/tool/tool_file.h"
+#include "sim/object/baked_object.h"
+#include "sim/run/haptic_cut.h"
+#include "sim/run/run_bundle.h"
 #include "ui/cli/command.h"
 
 namespace kerf::cli {
@@ -130,9 +130,9 @@ int runByHand(const Arguments& a, const std::filesystem::path& tool) {
   if (s.too_fast > 0)
     fmt::print("{} of {} ticks were too fast for one look at contact a voxel: a slower feed feels more\n", s.too_fast,
                s.ticks);
-  if (s.out_of_room > 0)
+  if (s.out_of_bricks > 0)
     fmt::print("{} of {} ticks lacked room for all they met: what was not cut then was cut later, or not at all\n",
-               s.out_of_room, s.ticks);
+               s.out_of_bricks, s.ticks);
   fmt::print("state {}\nrun written: {}\n", s.state_hash, a.output);
   return kOk;
 }

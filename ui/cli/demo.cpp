@@ -3,9 +3,9 @@
 #include <cmath>
 #include <memory>
 
-#include "geometry/atomic_file.h"
-#include "preprocess/demo_anatomy.h"
-#include "preprocess/demo_arch.h"
+#include "geometry/base/atomic_file.h"
+#include "preprocess/demo/demo_anatomy.h"
+#include "preprocess/demo/demo_arch.h"
 #include "ui/cli/command.h"
 
 namespace kerf::cli {

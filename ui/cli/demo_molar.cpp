@@ -1,10 +1,10 @@
-#include "preprocess/demo_molar.h"
+#include "preprocess/demo/demo_molar.h"
 
 #include <fmt/format.h>
 
 #include <memory>
 
-#include "geometry/mesh_writer.h"
+#include "geometry/formats/mesh_writer.h"
 #include "ui/cli/command.h"
 
 namespace kerf::cli {

@@ -3,8 +3,8 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "geometry/mesh_writer.h"
-#include "sim/run_bundle.h"
+#include "geometry/formats/mesh_writer.h"
+#include "sim/run/run_bundle.h"
 #include "ui/cli/command.h"
 
 namespace kerf::cli {

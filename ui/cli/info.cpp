@@ -3,15 +3,15 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "geometry/case_bundle.h"
-#include "geometry/hash.h"
-#include "geometry/mesh_check.h"
-#include "geometry/mesh_io.h"
-#include "geometry/tool_file.h"
-#include "geometry/vdb_io.h"
-#include "preprocess/label_volume.h"
-#include "preprocess/unit.h"
-#include "sim/run_bundle.h"
+#include "geometry/base/hash.h"
+#include "geometry/case/case_bundle.h"
+#include "geometry/field/vdb_io.h"
+#include "geometry/formats/mesh_io.h"
+#include "geometry/mesh/mesh_check.h"
+#include "geometry/tool/tool_file.h"
+#include "preprocess/unit/unit.h"
+#include "preprocess/volume/label_volume.h"
+#include "sim/run/run_bundle.h"
 #include "ui/cli/command.h"
 
 namespace kerf::cli {

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <exception>
 
-#include "geometry/version.h"
+#include "geometry/base/version.h"
 #include "ui/cli/command.h"
 
 int main(int argc, char** argv) {

@@ -1,5 +1,5 @@
 // kerf replay: a recorded session again, and whether it is the same.
-#include "sim/replay.h"
+#include "sim/run/replay.h"
 
 #include <fmt/format.h>
 

@@ -5,17 +5,17 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "geometry/atomic_file.h"
-#include "geometry/head_shape.h"
-#include "geometry/mesh_writer.h"
-#include "geometry/sample_field.h"
-#include "geometry/toml_reader.h"
-#include "geometry/tool_drawing.h"
-#include "geometry/tool_file.h"
-#include "geometry/tool_template.h"
-#include "geometry/vdb_io.h"
-#include "sim/tool_check.h"
-#include "sim/tool_model.h"
+#include "geometry/base/atomic_file.h"
+#include "geometry/base/toml_reader.h"
+#include "geometry/field/sample_field.h"
+#include "geometry/field/vdb_io.h"
+#include "geometry/formats/mesh_writer.h"
+#include "geometry/tool/head_shape.h"
+#include "geometry/tool/tool_drawing.h"
+#include "geometry/tool/tool_file.h"
+#include "geometry/tool/tool_template.h"
+#include "sim/run/tool_check.h"
+#include "sim/step/tool_model.h"
 #include "ui/cli/command.h"
 
 namespace kerf::cli {

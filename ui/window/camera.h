@@ -10,8 +10,8 @@
 #include <string_view>
 #include <vector>
 
-#include "geometry/error.h"
-#include "geometry/mesh.h"
+#include "geometry/base/error.h"
+#include "geometry/mesh/mesh.h"
 
 namespace kerf {
 

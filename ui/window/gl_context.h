@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "geometry/error.h"
+#include "geometry/base/error.h"
 
 namespace kerf {
 

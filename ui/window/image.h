@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "geometry/error.h"
+#include "geometry/base/error.h"
 
 namespace kerf {
 

@@ -6,8 +6,8 @@
 
 #include <memory>
 
-#include "geometry/error.h"
-#include "geometry/mesh.h"
+#include "geometry/base/error.h"
+#include "geometry/mesh/mesh.h"
 #include "ui/window/camera.h"
 #include "ui/window/image.h"
 

@@ -7,9 +7,9 @@
 #include <system_error>
 #include <utility>
 
-#include "geometry/case_bundle.h"
-#include "geometry/mesh_io.h"
-#include "sim/run_bundle.h"
+#include "geometry/case/case_bundle.h"
+#include "geometry/formats/mesh_io.h"
+#include "sim/run/run_bundle.h"
 #include "ui/window/tissue_view.h"
 
 namespace kerf {

@@ -5,8 +5,8 @@
 #include <optional>
 #include <string>
 
-#include "geometry/error.h"
-#include "geometry/mesh.h"
+#include "geometry/base/error.h"
+#include "geometry/mesh/mesh.h"
 
 namespace kerf {
 

@@ -3,8 +3,8 @@
 
 #include <functional>
 
-#include "geometry/material_field.h"
-#include "geometry/mesh.h"
+#include "geometry/field/material_field.h"
+#include "geometry/mesh/mesh.h"
 
 namespace kerf {
 

@@ -1,7 +1,7 @@
 // The window of kerf-sim: one mesh, a mouse camera, a panel.
 #pragma once
 
-#include "geometry/error.h"
+#include "geometry/base/error.h"
 #include "ui/window/camera.h"
 #include "ui/window/scene.h"
 

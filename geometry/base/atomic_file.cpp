@@ -1,0 +1,259 @@
+#include "geometry/base/atomic_file.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <locale>
+#include <streambuf>
+
+namespace kerf {
+namespace {
+
+namespace fs = std::filesystem;
+
+Error writeError(const fs::path& path, const std::string& step, int reason) {
+  std::string hint = "check the path and its permissions";
+  if (reason == ENOSPC || reason == EDQUOT) hint = "free some space or choose another disk; nothing was overwritten";
+  if (reason == ENOENT) hint = "make the folder first";
+  if (reason == EROFS) hint = "choose a disk that can be written to";
+  return {Error::Code::kWriteFailed, path.string(), step, std::strerror(reason), "", hint};
+}
+
+// Buffer over a file descriptor that remembers why a write failed; std::filebuf does not.
+class DescriptorBuffer : public std::streambuf {
+ public:
+  explicit DescriptorBuffer(int fd) : fd_(fd) { setp(buffer_.data(), buffer_.data() + buffer_.size()); }
+  int reason() const { return reason_; }
+
+ protected:
+  int_type overflow(int_type c) override {
+    if (!drain()) return traits_type::eof();
+    if (!traits_type::eq_int_type(c, traits_type::eof())) {
+      *pptr() = traits_type::to_char_type(c);
+      pbump(1);
+    }
+    return traits_type::not_eof(c);
+  }
+  int sync() override { return drain() ? 0 : -1; }
+
+ private:
+  bool drain() {
+    for (const char* p = pbase(); p < pptr() && reason_ == 0;) {
+      const ssize_t n = ::write(fd_, p, static_cast<std::size_t>(pptr() - p));
+      if (n >= 0)
+        p += n;
+      else if (errno != EINTR)
+        reason_ = errno;
+    }
+    setp(buffer_.data(), buffer_.data() + buffer_.size());
+    return reason_ == 0;
+  }
+
+  int fd_;
+  int reason_ = 0;
+  std::array<char, 1 << 16> buffer_;
+};
+
+fs::path folderOf(const fs::path& path) { return path.has_parent_path() ? path.parent_path() : fs::path("."); }
+
+int syncPath(const fs::path& path, int flags) {
+  const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | flags);
+  if (fd < 0) return errno;
+  // Some file systems cannot sync a folder (EINVAL); then there is nothing to wait for.
+  const int reason = ::fsync(fd) != 0 && errno != EINVAL ? errno : 0;
+  ::close(fd);
+  return reason;
+}
+
+// Where a symbolic link leads, so that the link itself survives.
+fs::path followed(const fs::path& path) {
+  std::error_code ignored;
+  if (!fs::is_symlink(path, ignored)) return path;
+  const fs::path target = fs::weakly_canonical(path, ignored);
+  return target.empty() ? path : target;
+}
+
+// A name beside `target` that no living process uses; `make` returns false with errno set. Leftovers of a killed
+// process with our id are stepped over.
+template <class Make>
+std::string makeTemporary(const fs::path& target, const Make& make) {
+  static std::atomic<unsigned> counter{0};
+  for (int attempt = 0; attempt < 1000; ++attempt) {
+    const std::string name =
+        (folderOf(target) / fmt::format(".{}.kerf-{}-{}", target.filename().string(), ::getpid(), counter++)).string();
+    if (make(name.c_str())) return name;
+    if (errno != EEXIST) break;
+  }
+  return {};
+}
+
+}  // namespace
+
+struct AtomicFile::State {
+  State(int descriptor, fs::path asked_for, fs::path renamed_to, std::string temporary_file)
+      : fd(descriptor),
+        path(std::move(asked_for)),
+        target(std::move(renamed_to)),
+        temporary(std::move(temporary_file)),
+        buffer(fd),
+        stream(&buffer) {
+    stream.imbue(std::locale::classic());
+  }
+  ~State() {
+    if (fd >= 0) ::close(fd);
+    if (!temporary.empty()) ::unlink(temporary.c_str());
+  }
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+
+  int fd;
+  fs::path path, target;
+  std::string temporary;  // empty: the target itself is being written
+  DescriptorBuffer buffer;
+  std::ostream stream;
+};
+
+AtomicFile::AtomicFile(std::unique_ptr<State> state) : state_(std::move(state)) {}
+AtomicFile::AtomicFile(AtomicFile&&) noexcept = default;
+AtomicFile& AtomicFile::operator=(AtomicFile&&) noexcept = default;
+AtomicFile::~AtomicFile() = default;
+
+Expected<AtomicFile> AtomicFile::create(const fs::path& path) {
+  const fs::path target = followed(path);
+  struct stat status {};
+  const bool exists = ::stat(target.c_str(), &status) == 0;
+  if (exists && S_ISDIR(status.st_mode)) return fail(writeError(path, "opening for writing", EISDIR));
+  if (exists && !S_ISREG(status.st_mode)) {
+    const int fd = ::open(target.c_str(), O_WRONLY | O_CLOEXEC);
+    if (fd < 0) return fail(writeError(path, "opening for writing", errno));
+    return AtomicFile(std::make_unique<State>(fd, path, target, std::string()));
+  }
+  if (!target.has_filename()) return fail(writeError(path, "opening for writing", EISDIR));
+  int fd = -1;
+  std::string temporary = makeTemporary(target, [&](const char* file) {
+    return (fd = ::open(file, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666)) >= 0;
+  });
+  if (fd < 0) return fail(writeError(path, "opening for writing", errno));
+  // The rights of the file it replaces; should the file system refuse, those of a new file are good enough.
+  if (exists && ::fchmod(fd, status.st_mode & 07777) != 0) errno = 0;
+  return AtomicFile(std::make_unique<State>(fd, path, target, std::move(temporary)));
+}
+
+std::ostream& AtomicFile::stream() { return state_->stream; }
+
+Expected<void> AtomicFile::commit() {
+  State& s = *state_;
+  s.stream.flush();
+  if (s.buffer.reason() != 0) return fail(writeError(s.path, "writing", s.buffer.reason()));
+  if (!s.stream) return fail(Error{Error::Code::kWriteFailed, s.path.string(), "writing", "the stream failed", "", ""});
+  // A terminal or pipe cannot be synced (EINVAL, EROFS).
+  if (::fsync(s.fd) != 0 && !s.temporary.empty()) return fail(writeError(s.path, "syncing to the disk", errno));
+  const int fd = s.fd;
+  s.fd = -1;
+  if (::close(fd) != 0) return fail(writeError(s.path, "closing", errno));
+  if (s.temporary.empty()) return {};
+  if (::rename(s.temporary.c_str(), s.target.c_str()) != 0)
+    return fail(writeError(s.path, "renaming into place", errno));
+  s.temporary.clear();
+  if (const int reason = syncPath(folderOf(s.target), O_DIRECTORY))
+    return fail(writeError(s.path, "syncing its folder to the disk", reason));
+  return {};
+}
+
+struct AtomicFolder::State {
+  ~State() {
+    std::error_code ignored;
+    if (!staging.empty()) fs::remove_all(staging, ignored);
+  }
+  fs::path path, target, staging;
+  std::string manifest;
+  bool overwrite = false;
+};
+
+AtomicFolder::AtomicFolder(std::unique_ptr<State> state) : state_(std::move(state)) {}
+AtomicFolder::AtomicFolder(AtomicFolder&&) noexcept = default;
+AtomicFolder& AtomicFolder::operator=(AtomicFolder&&) noexcept = default;
+AtomicFolder::~AtomicFolder() = default;
+
+const fs::path& AtomicFolder::staging() const { return state_->staging; }
+
+Expected<AtomicFolder> AtomicFolder::create(const fs::path& path, bool overwrite, std::string_view manifest) {
+  auto state = std::make_unique<State>();
+  state->path = path;
+  state->target = followed(path.has_filename() ? path : path.parent_path());
+  state->overwrite = overwrite;
+  state->manifest = manifest;
+  if (!state->target.has_filename()) return fail(writeError(path, "making the folder", EINVAL));
+  std::error_code error;
+  const fs::file_status status = fs::status(state->target, error);
+  if (fs::exists(status)) {
+    const auto refuse = [&](const char* found, const std::string& expected, const char* hint) {
+      return fail(Error{Error::Code::kWriteFailed, path.string(), "folder", found, expected, hint});
+    };
+    if (!fs::is_directory(status))
+      return refuse("a file of that name exists", "a folder or nothing", "choose another name");
+    const bool empty = fs::is_empty(state->target, error);
+    if (error) return fail(writeError(path, "looking into the folder", error.value()));
+    if (!empty && !overwrite) return refuse("it exists already", "a new folder", "choose another name, or --force");
+    if (!empty && !fs::exists(state->target / manifest, error))
+      return refuse("it exists and was not made by Kerf",
+                    fmt::format("a folder with {} in it, or an empty one", manifest),
+                    "choose another name; Kerf does not delete what it did not write");
+  }
+  state->staging = makeTemporary(state->target, [](const char* folder) { return ::mkdir(folder, 0777) == 0; });
+  if (state->staging.empty()) return fail(writeError(path, "making the folder", errno));
+  return AtomicFolder(std::move(state));
+}
+
+Expected<void> AtomicFolder::commit() {
+  State& s = *state_;
+  std::error_code error;
+  for (fs::recursive_directory_iterator it(s.staging, error), end; !error && it != end; it.increment(error)) {
+    const bool folder = it->is_directory(error);
+    if (const int reason = folder || it->is_regular_file(error) ? syncPath(it->path(), 0) : 0)
+      return fail(writeError(s.path, fmt::format("syncing {} to the disk", it->path().filename().string()), reason));
+  }
+  if (error) return fail(writeError(s.path, "syncing to the disk", error.value()));
+  if (const int reason = syncPath(s.staging, O_DIRECTORY))
+    return fail(writeError(s.path, "syncing to the disk", reason));
+
+  // rename() replaces nothing or an empty folder; a full one has to be exchanged, which leaves the old one in staging.
+  if (::rename(s.staging.c_str(), s.target.c_str()) == 0) {
+    s.staging.clear();
+  } else if ((errno == ENOTEMPTY || errno == EEXIST) && s.overwrite) {
+    if (!fs::exists(s.target / s.manifest, error))  // it came while we worked
+      return fail(writeError(s.path, "renaming into place", EEXIST));
+    if (::renameat2(AT_FDCWD, s.staging.c_str(), AT_FDCWD, s.target.c_str(), RENAME_EXCHANGE) != 0) {
+      const std::string aside = s.staging.string() + "-old";
+      if (::rename(s.target.c_str(), aside.c_str()) != 0)
+        return fail(writeError(s.path, "moving the old folder aside", errno));
+      if (::rename(s.staging.c_str(), s.target.c_str()) != 0) {
+        const int reason = errno;
+        ::rename(aside.c_str(), s.target.c_str());
+        return fail(writeError(s.path, "renaming into place", reason));
+      }
+      s.staging = aside;
+    }
+    fs::remove_all(s.staging, error);
+    if (error)
+      return fail(writeError(s.path, "deleting the old folder " + s.staging.filename().string(), error.value()));
+    s.staging.clear();
+  } else if (errno == ENOTEMPTY || errno == EEXIST) {
+    return fail(Error{Error::Code::kWriteFailed, s.path.string(), "folder", "another program wrote it in the meantime",
+                      "a folder that stays as it was", "look at what is there; choose another name, or --force"});
+  } else {
+    return fail(writeError(s.path, "renaming into place", errno));
+  }
+  if (const int reason = syncPath(folderOf(s.target), O_DIRECTORY))
+    return fail(writeError(s.path, "syncing its folder to the disk", reason));
+  return {};
+}
+
+}  // namespace kerf

@@ -1,0 +1,62 @@
+// Files and folders that appear complete or not at all: written beside the target, flushed to the disk, renamed.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <ostream>
+#include <string_view>
+
+#include "geometry/base/error.h"
+
+namespace kerf {
+
+/// A file being written. Until commit() the target keeps its old content; without commit() nothing is left behind.
+class AtomicFile {
+ public:
+  /// Opens a temporary file in the folder of `path`, which must exist. A symbolic link is followed, so that it stays
+  /// one. A target that is not a regular file (a device, a pipe) is opened itself: it cannot be replaced.
+  static Expected<AtomicFile> create(const std::filesystem::path& path);
+
+  AtomicFile(AtomicFile&&) noexcept;
+  AtomicFile& operator=(AtomicFile&&) noexcept;
+  ~AtomicFile();
+
+  /// Buffered, classic locale. Failed writes set badbit; the reason comes with commit().
+  std::ostream& stream();
+  /// Flushes, syncs to the disk, renames over the target. Call once. Errors carry the system's reason ("No space left
+  /// on device"); the old file is then untouched.
+  Expected<void> commit();
+
+ private:
+  struct State;
+  explicit AtomicFile(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+/// A folder being built, such as a case bundle: fill staging(), then commit().
+class AtomicFolder {
+ public:
+  /// Makes an empty folder beside `path`, whose parent must exist.
+  /// @param overwrite  allow an existing folder to be replaced as a whole: everything in it goes. Only an empty folder
+  /// or
+  ///                   one that holds the file `manifest` is ever replaced, so that a wrong path costs nobody their
+  ///                   work.
+  static Expected<AtomicFolder> create(const std::filesystem::path& path, bool overwrite,
+                                       std::string_view manifest = "case.toml");
+
+  AtomicFolder(AtomicFolder&&) noexcept;
+  AtomicFolder& operator=(AtomicFolder&&) noexcept;
+  ~AtomicFolder();
+
+  const std::filesystem::path& staging() const;
+  /// Syncs every file and folder in staging(), then puts it in place of the target in one step (Linux RENAME_EXCHANGE;
+  /// where the file system lacks it, the old folder is renamed aside first) and deletes the old one.
+  Expected<void> commit();
+
+ private:
+  struct State;
+  explicit AtomicFolder(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace kerf

@@ -1,0 +1,184 @@
+#include "geometry/boolean/boolean.h"
+
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Polygon_mesh_processing/corefinement.h>
+#include <CGAL/Surface_mesh.h>
+
+#include <memory>
+#include <tuple>
+#include <unordered_map>
+
+namespace kerf {
+namespace {
+
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using SurfaceMesh = CGAL::Surface_mesh<Kernel::Point_3>;
+namespace PMP = CGAL::Polygon_mesh_processing;
+
+// Origins ride along as a plain array indexed by CGAL's face numbers.
+struct Origins {
+  std::vector<std::uint32_t> face;
+  static std::uint32_t get(const std::vector<std::uint32_t>& of, std::size_t i) {
+    return i < of.size() ? of[i] : kNoSource;
+  }
+  static void set(std::vector<std::uint32_t>& of, std::size_t i, std::uint32_t value) {
+    if (of.size() <= i) of.resize(i + 1, kNoSource);
+    of[i] = value;
+  }
+};
+
+// CGAL copies visitors; the state they share lives outside.
+struct OriginVisitor : PMP::Corefinement::Default_visitor<SurfaceMesh> {
+  struct State {
+    const SurfaceMesh* minuend = nullptr;
+    Origins minuend_origin, result_origin;
+    std::uint32_t split_face = kNoSource;
+  };
+  State* state;
+  explicit OriginVisitor(State* s) : state(s) {}
+
+  void before_subface_creations(face_descriptor f, SurfaceMesh& tm) {
+    if (&tm == state->minuend) state->split_face = Origins::get(state->minuend_origin.face, f);
+  }
+  void after_subface_created(face_descriptor f, SurfaceMesh& tm) {
+    if (&tm == state->minuend) Origins::set(state->minuend_origin.face, f, state->split_face);
+  }
+  void after_face_copy(face_descriptor from, const SurfaceMesh& source, face_descriptor to, SurfaceMesh&) {
+    Origins::set(state->result_origin.face, to,
+                 &source == state->minuend ? Origins::get(state->minuend_origin.face, from) : kNoSource);
+  }
+};
+
+Expected<void> fill(const Mesh& mesh, const char* name, SurfaceMesh& out) {
+  out.reserve(static_cast<SurfaceMesh::size_type>(mesh.vertices.size()),
+              static_cast<SurfaceMesh::size_type>(mesh.triangles.size() * 3 / 2),
+              static_cast<SurfaceMesh::size_type>(mesh.triangles.size()));
+  for (const Vec3d& p : mesh.vertices) out.add_vertex({p[0], p[1], p[2]});
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Triangle& f = mesh.triangles[t];
+    if (out.add_face(SurfaceMesh::Vertex_index(f[0]), SurfaceMesh::Vertex_index(f[1]),
+                     SurfaceMesh::Vertex_index(f[2])) == SurfaceMesh::null_face())
+      return fail({Error::Code::kGeometry, "", name + std::string(" triangle ") + std::to_string(t),
+                   "an edge with more than two faces, or a flipped face", "a 2-manifold mesh", ""});
+  }
+  return {};
+}
+
+enum class Operation { kDifference, kUnion };
+
+Expected<Difference> combine(const Mesh& minuend, const Mesh& other, Operation operation) {
+  const bool is_union = operation == Operation::kUnion;
+  const char* const name = is_union ? "exact union" : "exact difference";
+  try {
+    auto a = std::make_unique<SurfaceMesh>(), b = std::make_unique<SurfaceMesh>(),
+         out = std::make_unique<SurfaceMesh>();
+    KERF_CHECK(fill(minuend, "source", *a));
+    KERF_CHECK(fill(other, is_union ? "added solid" : "removed solid", *b));
+    OriginVisitor::State state;
+    state.minuend = a.get();
+    state.minuend_origin.face.resize(minuend.triangles.size());
+    for (std::uint32_t t = 0; t < minuend.triangles.size(); ++t) state.minuend_origin.face[t] = t;
+    const auto visited = CGAL::parameters::visitor(OriginVisitor(&state)).throw_on_self_intersection(true);
+    const bool ok = is_union
+                        ? PMP::corefine_and_compute_union(*a, *b, *out, visited, CGAL::parameters::all_default())
+                        : PMP::corefine_and_compute_difference(*a, *b, *out, visited, CGAL::parameters::all_default());
+    if (!ok)
+      return fail({Error::Code::kGeometry, "", name, "a result that is not 2-manifold",
+                   "surfaces that cross each other transversally", "bake with another --voxel and cut again"});
+
+    // Surviving minuend vertices are known by their coordinates: corefinement never moves one, and never makes a new
+    // point where the minuend, free of duplicates, already has one.
+    struct Hash {
+      std::size_t operator()(const std::array<double, 3>& p) const {
+        std::size_t h = 1469598103934665603ull;
+        for (const double x : p) h = (h ^ std::hash<double>{}(x)) * 1099511628211ull;
+        return h;
+      }
+    };
+    std::unordered_map<std::array<double, 3>, std::uint32_t, Hash> original;
+    original.reserve(2 * minuend.vertices.size());
+    for (std::uint32_t v = 0; v < minuend.vertices.size(); ++v) {
+      const Vec3d& p = minuend.vertices[v];
+      original.try_emplace({p[0], p[1], p[2]}, v);
+    }
+    std::vector<std::uint32_t> origin(out->number_of_vertices() + out->number_of_removed_vertices(), kNoSource);
+    std::vector<std::uint32_t> at_original(minuend.vertices.size(), kNoSource);
+    for (const auto v : out->vertices()) {
+      const auto& p = out->point(v);
+      const auto it = original.find({p.x(), p.y(), p.z()});
+      if (it == original.end() || at_original[it->second] != kNoSource) continue;
+      origin[v] = it->second;
+      at_original[it->second] = v;
+    }
+
+    Difference result;
+    std::vector<std::uint32_t> index(origin.size(), kNoSource);
+    const auto take = [&](SurfaceMesh::Vertex_index v) {
+      const auto& p = out->point(v);
+      index[v] = static_cast<std::uint32_t>(result.mesh.vertices.size());
+      result.mesh.vertices.emplace_back(p.x(), p.y(), p.z());
+      result.from_vertex.push_back(origin[v]);
+    };
+    for (const std::uint32_t v : at_original)
+      if (v != kNoSource) take(SurfaceMesh::Vertex_index(v));
+    // The new ones by their coordinates, and the faces by their corners: CGAL numbers both as it comes upon them, and
+    // where two boxes touch it takes the one first that lies lower in memory.
+    std::vector<SurfaceMesh::Vertex_index> made;
+    for (const auto v : out->vertices())
+      if (origin[v] == kNoSource) made.push_back(v);
+    std::stable_sort(made.begin(), made.end(),
+                     [&](const auto x, const auto y) { return out->point(x) < out->point(y); });
+    for (const auto v : made) take(v);
+
+    // Faces: the untouched ones in the source's order, then the rest.
+    struct Face {
+      std::uint32_t source;
+      Triangle corners;
+    };
+    std::vector<Face> faces;
+    faces.reserve(out->number_of_faces());
+    for (const auto f : out->faces()) {
+      Face face{Origins::get(state.result_origin.face, f), {}};
+      std::size_t k = 0;
+      for (const auto v : CGAL::vertices_around_face(out->halfedge(f), *out)) face.corners[k++] = index[v];
+      // Begin with the corner of the lowest index: CGAL's choice of first corner depends on its history.
+      std::rotate(face.corners.begin(), std::min_element(face.corners.begin(), face.corners.end()), face.corners.end());
+      faces.push_back(face);
+    }
+    std::sort(faces.begin(), faces.end(), [](const Face& x, const Face& y) {
+      return std::tie(x.source, x.corners) < std::tie(y.source, y.corners);
+    });
+    for (Face& face : faces) {
+      if (face.source != kNoSource) {  // an uncut triangle keeps the source's first corner
+        const Triangle& source = minuend.triangles[face.source];
+        for (int turn = 0; turn < 3 && result.from_vertex[face.corners[0]] != source[0]; ++turn)
+          std::rotate(face.corners.begin(), face.corners.begin() + 1, face.corners.end());
+      }
+      result.mesh.triangles.push_back(face.corners);
+      result.from_triangle.push_back(face.source);
+    }
+    return result;
+  } catch (const PMP::Corefinement::Self_intersection_exception&) {
+    return fail({Error::Code::kGeometry, "", name,
+                 is_union ? "a surface that crosses itself where material was added"
+                          : "a surface that crosses itself where the cut passes",
+                 "a source free of self-intersections",
+                 is_union ? "bake with another --voxel, or cut and add in runs of their own"
+                          : "kerf check on the source; bake with --close wrap"});
+  } catch (const std::exception& e) {
+    return fail({Error::Code::kGeometry, "", name, std::string("the boolean gave up: ") + e.what(), "",
+                 "bake with another --voxel and cut again"});
+  }
+}
+
+}  // namespace
+
+Expected<Difference> subtract(const Mesh& minuend, const Mesh& subtrahend) {
+  return combine(minuend, subtrahend, Operation::kDifference);
+}
+
+Expected<Difference> unite(const Mesh& minuend, const Mesh& added) {
+  return combine(minuend, added, Operation::kUnion);
+}
+
+}  // namespace kerf

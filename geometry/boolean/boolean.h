@@ -1,0 +1,34 @@
+// Exact difference and union of two closed meshes that leave alone what they do not meet.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "geometry/base/error.h"
+#include "geometry/mesh/mesh.h"
+
+namespace kerf {
+
+inline constexpr std::uint32_t kNoSource = 0xffffffffu;
+
+/// minuend - subtrahend, with the origin of every vertex and triangle.
+struct Difference {
+  Mesh mesh;  ///< positions and triangles only; surviving minuend vertices first, in their order
+  std::vector<std::uint32_t>
+      from_vertex;  ///< per vertex: index in the minuend, or kNoSource (new, or of the subtrahend)
+  std::vector<std::uint32_t> from_triangle;  ///< per triangle: index in the minuend, or kNoSource: a cut face
+};
+
+/// Boolean difference by corefinement (CGAL, Loriot et al., exact predicates, new points rounded to double).
+/// Vertices of the minuend that survive keep their coordinates bit for bit; triangles that do not meet the subtrahend's
+/// surface are copied.
+/// @pre both closed, 2-manifold, oriented outward, without self-intersections where they meet.
+/// Fails with kGeometry when the library gives up (a self-intersection in the way); the inputs are untouched then.
+/// About 0.2 s for 200k minus 20k triangles. Thread: any, one at a time per call.
+Expected<Difference> subtract(const Mesh& minuend, const Mesh& subtrahend);
+
+/// minuend + added, as above: vertices of the minuend that are not inside `added` keep their coordinates bit for bit.
+/// What is new or of `added` has no origin.
+Expected<Difference> unite(const Mesh& minuend, const Mesh& added);
+
+}  // namespace kerf

@@ -1,0 +1,216 @@
+#include "geometry/boolean/post_op_mesh.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "geometry/boolean/boolean.h"
+#include "geometry/boolean/removed_solid.h"
+#include "geometry/mesh/float32_cleanup.h"
+#include "geometry/mesh/mesh_check.h"
+
+namespace kerf {
+namespace {
+
+Rgba8 blend(const Mesh& source, std::size_t t, const Vec3d& p) {
+  const Vec3d a = source.corner(t, 0), b = source.corner(t, 1), c = source.corner(t, 2), n = (b - a).cross(c - a);
+  const double area = n.squaredNorm();
+  Vec3d w = Vec3d::Constant(1.0 / 3);
+  if (area > 0) w = Vec3d((b - p).cross(c - p).dot(n), (c - p).cross(a - p).dot(n), (a - p).cross(b - p).dot(n)) / area;
+  w = w.cwiseMax(0.0);
+  w /= std::max(1e-30, w.sum());
+  Rgba8 out{};
+  for (std::size_t ch = 0; ch < 4; ++ch) {
+    double v = 0;
+    for (std::size_t k = 0; k < 3; ++k) v += w[static_cast<int>(k)] * source.vertex_colors[source.triangles[t][k]][ch];
+    out[ch] = static_cast<std::uint8_t>(std::lround(std::clamp(v, 0.0, 255.0)));
+  }
+  return out;
+}
+
+// Source colours stay; cut walls get their own, per vertex when the source is coloured per vertex, per face otherwise.
+void paint(const Mesh& source, const Difference& cut, const PostOpOptions& options, Mesh& mesh) {
+  if (source.hasVertexColors()) {
+    mesh.vertex_colors.assign(mesh.vertices.size(), options.cut_color);
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+      if (cut.from_triangle[t] != kNoSource)
+        for (const std::uint32_t v : mesh.triangles[t])
+          if (cut.from_vertex[v] == kNoSource)
+            mesh.vertex_colors[v] = blend(source, cut.from_triangle[t], mesh.vertices[v]);
+    for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
+      if (cut.from_vertex[v] != kNoSource) mesh.vertex_colors[v] = source.vertex_colors[cut.from_vertex[v]];
+  }
+  if (source.hasFaceColors() || !source.hasVertexColors()) {
+    mesh.face_colors.assign(mesh.triangles.size(), options.cut_color);
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+      if (cut.from_triangle[t] != kNoSource)
+        mesh.face_colors[t] = source.hasFaceColors() ? source.face_colors[cut.from_triangle[t]] : options.source_color;
+  }
+}
+
+struct Crumbs {
+  std::vector<char> keep_triangle;
+  std::size_t count = 0, pieces = 0;
+  double volume = 0;
+};
+
+// Only what the cut touched: a small piece of the source that lies apart from it is the source's own business.
+Crumbs findCrumbs(const Mesh& mesh, const std::vector<std::uint32_t>& from_triangle, double below_mm3) {
+  Crumbs out;
+  const Pieces pieces = edgeConnectedPieces(mesh);
+  std::vector<double> volume(pieces.count, 0);
+  std::vector<char> is_crumb(pieces.count, 0);
+  const Vec3d c = bounds(mesh).center();
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    volume[pieces.label[t]] += (mesh.corner(t, 0) - c).dot((mesh.corner(t, 1) - c).cross(mesh.corner(t, 2) - c)) / 6;
+  std::uint32_t largest = 0;
+  for (std::uint32_t p = 0; p < pieces.count; ++p)
+    if (volume[p] > volume[largest]) largest = p;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const std::uint32_t p = pieces.label[t];
+    if (from_triangle[t] == kNoSource && p != largest && std::abs(volume[p]) < below_mm3) is_crumb[p] = 1;
+  }
+  out.keep_triangle.resize(mesh.triangles.size());
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) out.keep_triangle[t] = !is_crumb[pieces.label[t]];
+  for (std::size_t p = 0; p < volume.size(); ++p) {
+    if (is_crumb[p])
+      ++out.count, out.volume += std::abs(volume[p]);
+    else
+      out.pieces += volume[p] > 0;
+  }
+  return out;
+}
+
+struct Prepared {
+  PostOpMesh result;
+  std::string why_not;  // empty: good
+};
+
+Expected<Prepared> attempt(const Mesh& source, const Mesh& removed, const Mesh& added, double voxel,
+                           const PostOpOptions& options) {
+  Prepared out;
+  PostOpReport& report = out.result.report;
+  Difference cut;
+  if (removed.triangles.empty()) {  // nothing to remove: the source as it is
+    cut.mesh = {source.vertices, source.triangles, {}, {}};
+    cut.from_vertex.resize(source.vertices.size());
+    std::iota(cut.from_vertex.begin(), cut.from_vertex.end(), 0u);
+    cut.from_triangle.resize(source.triangles.size());
+    std::iota(cut.from_triangle.begin(), cut.from_triangle.end(), 0u);
+  } else {
+    KERF_TRY(difference, subtract(source, removed));
+    cut = std::move(difference);
+  }
+  if (!added.triangles.empty()) {
+    report.removed_volume_mm3 = signedVolume(source) - signedVolume(cut.mesh);
+    KERF_TRY(both, unite(cut.mesh, added));
+    // Origins in what was cut become origins in the source.
+    for (std::uint32_t& v : both.from_vertex)
+      if (v != kNoSource) v = cut.from_vertex[v];
+    for (std::uint32_t& t : both.from_triangle)
+      if (t != kNoSource) t = cut.from_triangle[t];
+    cut = std::move(both);
+  }
+  Mesh mesh = std::move(cut.mesh);
+  paint(source, cut, options, mesh);
+
+  const double source_volume = signedVolume(source);
+  const double crumb_mm3 = std::min(options.crumb_voxels * std::pow(voxel, 3), options.crumb_fraction * source_volume);
+  const Crumbs crumbs = findCrumbs(mesh, cut.from_triangle, crumb_mm3);
+  report.crumbs_dropped = crumbs.count, report.crumbs_volume_mm3 = crumbs.volume, report.pieces = crumbs.pieces;
+  std::vector<std::uint32_t> tag = cut.from_triangle;
+  std::vector<char> fixed(mesh.vertices.size());
+  for (std::size_t v = 0; v < fixed.size(); ++v) fixed[v] = cut.from_vertex[v] != kNoSource;
+  if (crumbs.count) {
+    std::vector<char> used(mesh.vertices.size(), 0);
+    std::vector<std::uint32_t> kept_tag;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+      if (crumbs.keep_triangle[t]) {
+        kept_tag.push_back(tag[t]);
+        for (const std::uint32_t v : mesh.triangles[t]) used[v] = 1;
+      }
+    std::vector<char> kept_fixed;
+    for (std::size_t v = 0; v < fixed.size(); ++v) {
+      if (used[v])
+        kept_fixed.push_back(fixed[v]);
+      else
+        report.source_vertices_in_crumbs += fixed[v];
+    }
+    mesh = subset(mesh, crumbs.keep_triangle);
+    tag = std::move(kept_tag), fixed = std::move(kept_fixed);
+  }
+  KERF_TRY(cleaned, cleanUpForFloat32(mesh, fixed, &tag, 0.01 * voxel));
+  report.largest_move_mm = cleaned.largest_move_mm;
+  if (cleaned.crossings_left > 0)
+    out.why_not = fmt::format("{} pairs of triangles cross after rounding to float32", cleaned.crossings_left);
+  if (cleaned.fixed_moved > 0)
+    out.why_not = fmt::format("{} source vertices are not representable in float32", cleaned.fixed_moved);
+
+  if (mesh.triangles.empty()) {
+    return fail({Error::Code::kEmpty, "", "post-operative mesh", "the cut leaves nothing of the object",
+                 "something to print", "a smaller cut"});
+  }
+  if (out.why_not.empty()) {
+    if (const MeshReport verdict = checkMesh(mesh); !verdict.print_ready)
+      out.why_not = verdict.reasons.empty() ? "not ready to print" : verdict.reasons.front();
+  }
+
+  report.source_vertices_kept = static_cast<std::size_t>(std::count(fixed.begin(), fixed.end(), 1));
+  report.source_vertices_removed =
+      source.vertices.size() - report.source_vertices_kept - report.source_vertices_in_crumbs;
+  report.source_volume_mm3 = source_volume;
+  report.result_volume_mm3 = signedVolume(mesh);
+  if (added.triangles.empty())
+    report.removed_volume_mm3 = report.source_volume_mm3 - report.result_volume_mm3;
+  else
+    report.added_volume_mm3 = report.result_volume_mm3 - report.source_volume_mm3 + report.removed_volume_mm3;
+  out.result.is_cut.resize(mesh.triangles.size());
+  for (std::size_t t = 0; t < tag.size(); ++t) out.result.is_cut[t] = tag[t] == kNoSource;
+  report.cut_triangles = static_cast<std::size_t>(std::count(out.result.is_cut.begin(), out.result.is_cut.end(), 1));
+  out.result.is_source = std::move(fixed);
+  out.result.mesh = std::move(mesh);
+  return out;
+}
+
+}  // namespace
+
+Expected<PostOpMesh> postOperativeMesh(const Mesh& source, const BrickField& rho, const PostOpOptions& options,
+                                       const Progress& progress, const BrickField* added) {
+  const auto cancelError = [] { return fail({Error::Code::kCancelled, "", "", "cancelled", "", ""}); };
+  const double h = rho.voxel();
+  // Float32 is a lottery with good odds: a mesh that does not come out clean is tried again with the cut shifted by
+  // three thousandths of a voxel, which is far below the cut's own accuracy and never touches a source vertex.
+  constexpr int kAttempts = 4;
+  Error last;
+  for (int n = 1; n <= kAttempts; ++n) {
+    if (!report(progress, (n - 1) / double{kAttempts}, "meshing the removed solid")) return cancelError();
+    const auto meshOf = [&](const BrickField& solid) {
+      BrickField shifted = solid;
+      if (n > 1) {
+        const auto by = static_cast<float>((n % 2 ? 0.003 : -0.003) * (n / 2) * h);
+        for (std::size_t b = 0; b < shifted.brickCount(); ++b)
+          for (float& v : shifted.brick(b)) v += by;
+      }
+      return meshRemovedSolid(shifted).mesh;
+    };
+    const Mesh removed = meshOf(rho), put_on = added ? meshOf(*added) : Mesh{};
+    if (!report(progress, (n - 0.7) / kAttempts, "exact difference")) return cancelError();
+    auto prepared = attempt(source, removed, put_on, h, options);
+    if (prepared && prepared->why_not.empty()) {
+      prepared->result.report.attempts = n;
+      return std::move(prepared->result);
+    }
+    last = prepared
+               ? Error{Error::Code::kGeometry, "",
+                       "post-operative mesh",  prepared->why_not,
+                       "a mesh that prints",   "bake with another --voxel and cut again, or kerf check on the source"}
+               : prepared.error();
+    if (last.code == Error::Code::kEmpty) break;  // shifting will not help
+  }
+  last.found += "; nothing was written";
+  return fail(last);
+}
+
+}  // namespace kerf

@@ -1,0 +1,139 @@
+#include "geometry/field/vdb_io.h"
+
+#include <fmt/format.h>
+#include <openvdb/io/File.h>
+#include <openvdb/openvdb.h>
+#include <openvdb/points/PointDataGrid.h>
+#include <openvdb/tools/Prune.h>
+
+#include <cmath>
+#include <mutex>
+
+#include "geometry/field/vdb_bricks.h"
+#include "geometry/field/vdb_writer.h"
+
+namespace kerf {
+namespace {
+
+static_assert(openvdb::FloatTree::LeafNodeType::SIZE == kBrickNodes, "a brick is one OpenVDB leaf");
+
+void initialize() {
+  static std::once_flag once;
+  std::call_once(once, [] { openvdb::initialize(); });
+}
+
+Error readError(const std::filesystem::path& path, const std::string& place, const std::string& found) {
+  return {Error::Code::kUnreadable,          path.string(),        place, found,
+          "an OpenVDB file written by Kerf", "bake the case again"};
+}
+
+Vec3i toVec(const openvdb::Coord& c) { return {c.x(), c.y(), c.z()}; }
+
+}  // namespace
+
+BrickField internal::toBricks(const openvdb::FloatGrid& grid) {
+  float interior = 0;  // the deepest constant inside; a file without interior tiles has none to tell
+  auto deep = grid.tree().cbeginValueAll();
+  deep.setMaxDepth(openvdb::FloatTree::ValueAllCIter::LEAF_DEPTH - 1);
+  for (; deep; ++deep) interior = std::min(interior, deep.getValue());
+  BrickField field(grid.voxelSize()[0], grid.background(), interior < 0 ? interior : -grid.background());
+  field.reserve(grid.tree().leafCount());
+  for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf)
+    field.add(brickOf(toVec(leaf->origin())), std::span<const float, kBrickNodes>(leaf->buffer().data(), kBrickNodes));
+  auto tile = grid.tree().cbeginValueAll();
+  tile.setMaxDepth(openvdb::FloatTree::ValueAllCIter::LEAF_DEPTH - 1);
+  for (; tile; ++tile) {
+    if (tile.getValue() >= 0) continue;
+    openvdb::CoordBBox box;
+    tile.getBoundingBox(box);
+    const Vec3i low = brickOf(toVec(box.min())), high = brickOf(toVec(box.max()));
+    for (int x = low[0]; x <= high[0]; ++x)
+      for (int y = low[1]; y <= high[1]; ++y)
+        for (int z = low[2]; z <= high[2]; ++z) field.markInterior({x, y, z});
+  }
+  return field;
+}
+
+Expected<void> writeVdb(const std::filesystem::path& path, const std::vector<NamedField>& fields,
+                        const std::map<std::string, std::string>& metadata) {
+  initialize();
+  try {
+    openvdb::GridPtrVec grids;
+    for (const NamedField& named : fields) {
+      const BrickField& field = *named.field;
+      auto grid = openvdb::FloatGrid::create(field.background());
+      grid->setName(named.name);
+      grid->setGridClass(openvdb::GRID_LEVEL_SET);
+      grid->setTransform(openvdb::math::Transform::createLinearTransform(field.voxel()));
+      for (std::size_t b = 0; b < field.brickCount(); ++b) {
+        const Vec3i n = field.brickCoord(b) * kBrickSide;
+        auto* leaf = new openvdb::FloatTree::LeafNodeType(openvdb::Coord(n[0], n[1], n[2]));
+        std::copy(field.brick(b).begin(), field.brick(b).end(), leaf->buffer().data());
+        leaf->setValuesOn();
+        grid->tree().addLeaf(leaf);
+      }
+      for (const Vec3i& brick : field.interiorBricks()) {  // without these tiles the deep inside would read as outside
+        const Vec3i n = brick * kBrickSide;
+        grid->tree().addTile(1, openvdb::Coord(n[0], n[1], n[2]), field.interior(), false);
+      }
+      grids.push_back(grid);
+    }
+    openvdb::MetaMap meta;
+    for (const auto& [key, value] : metadata) meta.insertMeta(key, openvdb::StringMetadata(value));
+    return internal::writeGrids(path, openvdb::GridCPtrVec(grids.begin(), grids.end()), meta,
+                                openvdb::io::Archive::DEFAULT_COMPRESSION_FLAGS);
+  } catch (const std::exception& e) {
+    return fail(
+        {Error::Code::kWriteFailed, path.string(), "", e.what(), "a writable place with room", "free some space"});
+  }
+}
+
+Expected<BrickField> readVdb(const std::filesystem::path& path, const std::string& name) {
+  initialize();
+  try {
+    openvdb::io::File file(path.string());
+    file.open(false);
+    if (!file.hasGrid(name)) return fail(readError(path, "grid " + name, "no such grid"));
+    const auto grid = openvdb::gridPtrCast<openvdb::FloatGrid>(file.readGrid(name));
+    if (!grid) return fail(readError(path, "grid " + name, "a grid of another type than float"));
+    const openvdb::math::Transform& transform = grid->transform();
+    if (!transform.isLinear() || !transform.hasUniformScale() ||
+        transform.indexToWorld(openvdb::Vec3d(0)).length() != 0)
+      return fail(readError(path, "grid " + name, "a transform that is more than a uniform scale"));
+    const double voxel = transform.voxelSize()[0];
+    if (!(voxel >= 1e-3 && voxel <= 100))
+      return fail(readError(path, "grid " + name, fmt::format("a voxel size of {} mm", voxel)));
+    if (!(grid->background() > 0 && std::isfinite(grid->background())))
+      return fail(readError(path, "grid " + name, fmt::format("a background of {} mm", grid->background())));
+    openvdb::CoordBBox extent;
+    grid->tree().evalLeafBoundingBox(extent);
+    constexpr int kFarthest = 1 << (20 + kBrickLog);  // coordKey
+    if (grid->tree().leafCount() > 0 && (openvdb::Coord::lessThan(extent.min(), openvdb::Coord(-kFarthest)) ||
+                                         openvdb::Coord::lessThan(openvdb::Coord(kFarthest - 1), extent.max())))
+      return fail(readError(path, "grid " + name, "voxels too far from the origin"));
+    return internal::toBricks(*grid);
+  } catch (const std::exception& e) {
+    return fail(readError(path, "", e.what()));
+  }
+}
+
+Expected<std::vector<VdbGridInfo>> inspectVdb(const std::filesystem::path& path) {
+  initialize();
+  try {
+    openvdb::io::File file(path.string());
+    file.open(false);
+    std::vector<VdbGridInfo> infos;
+    for (auto name = file.beginName(); name != file.endName(); ++name) {
+      const auto grid = file.readGridMetadata(name.gridName());
+      VdbGridInfo info{name.gridName(), grid->type(), grid->transform().voxelSize()[0], 0};
+      if (const auto count = grid->getMetadata<openvdb::Int64Metadata>("file_voxel_count"))
+        info.active_voxels = static_cast<std::uint64_t>(count->value());
+      infos.push_back(info);
+    }
+    return infos;
+  } catch (const std::exception& e) {
+    return fail(readError(path, "", e.what()));
+  }
+}
+
+}  // namespace kerf

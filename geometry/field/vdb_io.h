@@ -1,0 +1,39 @@
+// Brick fields to and from OpenVDB files, so that Houdini, Blender and vdb_view open what Kerf stores.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "geometry/base/error.h"
+#include "geometry/field/brick_field.h"
+
+namespace kerf {
+
+/// What `kerf info` and the readers learn from a .vdb file without loading the voxels.
+struct VdbGridInfo {
+  std::string name, type;  ///< "phi", "Tree_float_5_4_3"
+  double voxel = 0;        ///< mm
+  std::uint64_t active_voxels = 0;
+};
+
+/// One field under its name.
+struct NamedField {
+  std::string name;
+  const BrickField* field = nullptr;
+};
+
+/// Writes fields as float level-set grids with uniform scale `voxel` and no offset; all stored nodes are active,
+/// interior bricks become tiles.
+/// Metadata values are written on the file (string to string). Not atomic: callers write into a staging folder.
+Expected<void> writeVdb(const std::filesystem::path& path, const std::vector<NamedField>& fields,
+                        const std::map<std::string, std::string>& metadata = {});
+
+/// Reads the float grid `name`. Leaf nodes become bricks; tiles below zero mark interior bricks.
+/// Refuses grids whose transform is not a plain uniform scale.
+Expected<BrickField> readVdb(const std::filesystem::path& path, const std::string& name);
+
+Expected<std::vector<VdbGridInfo>> inspectVdb(const std::filesystem::path& path);
+
+}  // namespace kerf

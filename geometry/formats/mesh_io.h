@@ -1,0 +1,59 @@
+// Reading mesh files: strict, by content, with an error that says what to do.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "geometry/base/error.h"
+#include "geometry/base/progress.h"
+#include "geometry/mesh/mesh.h"
+
+namespace kerf {
+
+enum class MeshFormat {
+  kStlBinary,
+  kStlAscii,
+  kPlyAscii,
+  kPlyBinaryLittleEndian,
+  kPlyBinaryBigEndian,
+  kObj,
+  kOff,
+  kThreeMf
+};
+std::string_view name(MeshFormat format);  ///< "binary STL", "ASCII PLY", ...
+
+struct MeshFile {
+  Mesh mesh;  ///< in the file's own unit and frame
+  MeshFormat format = MeshFormat::kStlBinary;
+  /// The coordinates carry more than float32 holds: PLY `double`, or text that says more than any float32 does.
+  bool had_double_coordinates = false;
+  std::string
+      declared_unit;  ///< "mm", "cm", "m", "um" or "inch" if a header or comment says so ("units = mm"), else empty
+  std::size_t polygons_triangulated = 0;  ///< faces of four or more corners
+  std::size_t unwelded_vertices = 0;  ///< STL: corners before welding, three per triangle. Others: 0, nothing is welded
+  std::vector<std::string> notes;     ///< what was skipped, ignored or odd; plain sentences for the user
+};
+
+/// Reads STL (binary, ASCII), PLY (ASCII, both binary orders), OBJ, OFF/COFF/NOFF, 3MF.
+/// The content decides the format, the extension only words the errors; a wrong extension gets a note.
+///   STL        a soup: corners with exactly equal coordinates become one vertex, in order of first appearance. Nothing
+///              is moved and no triangle is dropped, not even a degenerate one.
+///   the others vertex order and count stay exactly as in the file, so labels and colours per vertex still fit.
+///   3MF        the objects on the build plate, copies and components where the file puts them, in one mesh; within an
+///              object the order stays. Mirrored copies are turned inside in again. Supports are left out.
+/// Polygons are triangulated: a fan where convex, else by ear clipping. Colours: PLY vertex and face (uchar), OBJ
+/// `v x y z r g b`, COFF vertices, OFF faces, 3MF colour groups and base materials (per
+/// triangle where a file colours whole triangles, else per vertex).
+/// Refused, never half-read: missing or unreadable file, no faces (point cloud), truncated or over-long data, values
+/// that are not finite, indices out of range, counts the file cannot hold, zip bombs and their like made of 3MF
+/// components, 3MF that requires an unknown extension, 3Shape DCM, other zip and gzip archives. Positions are doubles
+/// as the file says; ASCII PLY `float` is rounded to float32 as declared.
+/// @cost  one read of the file; memory a small multiple of its size. 200 000 triangles: binary STL 20 ms, PLY 10, OBJ
+/// and OFF 35, ASCII STL 190, 3MF 220.
+/// @throws nothing.
+Expected<MeshFile> readMesh(const std::filesystem::path& path, const Progress& progress = {});
+
+}  // namespace kerf

@@ -1,0 +1,202 @@
+#include "geometry/formats/mesh_source.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+
+#include "geometry/base/types.h"
+#include "geometry/formats/mesh_formats.h"
+
+namespace kerf::internal {
+
+std::string MeshSource::extension() const {
+  std::string e = std::filesystem::path(file).extension().string();
+  for (char& c : e) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return e;
+}
+
+bool MeshSource::hasExtension(std::string_view list) const {
+  const std::string own = extension();
+  Words words(list);
+  for (std::string_view e = words.next(); !e.empty(); e = words.next())
+    if (e == own) return true;
+  return false;
+}
+
+Error MeshSource::atByte(std::size_t offset, Error::Code code, std::string found, std::string expected,
+                         std::string hint) const {
+  return {code, file, "byte " + std::to_string(offset), std::move(found), std::move(expected), std::move(hint)};
+}
+
+Error MeshSource::atLine(const char* at, Error::Code code, std::string found, std::string expected,
+                         std::string hint) const {
+  std::size_t line = 1;
+  for (const char* p = bytes.get(); p < at; ++p)
+    if (*p == '\n' || (*p == '\r' && (p + 1 == bytes.get() + size || p[1] != '\n'))) ++line;
+  return {code, file, "line " + std::to_string(line), std::move(found), std::move(expected), std::move(hint)};
+}
+
+Expected<MeshSource> loadMeshSource(const std::filesystem::path& path) {
+  MeshSource source;
+  source.file = path.string();
+  const auto refuse = [&](Error::Code code, std::string found, std::string hint) {
+    return fail(
+        {code, source.file, "file", std::move(found), "a mesh file (" + readableExtensions() + ")", std::move(hint)});
+  };
+  // O_NONBLOCK: opening a pipe must not wait for somebody to write into it.
+  const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (fd < 0) {
+    const int reason = errno;
+    if (reason == ENOENT || reason == ENOTDIR) return refuse(Error::Code::kNotFound, "no such file", "check the path");
+    return refuse(Error::Code::kUnreadable, std::string("cannot be opened: ") + std::strerror(reason),
+                  reason == EACCES ? "check the permissions of the file and its folders" : "");
+  }
+  struct Closer {
+    int fd;
+    ~Closer() { ::close(fd); }
+  } closer{fd};
+  struct stat status {};
+  if (::fstat(fd, &status) != 0) return refuse(Error::Code::kUnreadable, std::strerror(errno), "");
+  if (S_ISDIR(status.st_mode)) return refuse(Error::Code::kUnreadable, "a folder", "name the mesh file inside it");
+  if (!S_ISREG(status.st_mode))
+    return refuse(Error::Code::kUnreadable, "not a regular file (a device or a pipe)", "save the data to a file first");
+  if (status.st_size == 0)
+    return fail(source.atByte(0, Error::Code::kEmpty, "an empty file (0 bytes)",
+                              "a mesh file (" + readableExtensions() + ")",
+                              "export or copy it again; the copy may have been interrupted"));
+  source.size = static_cast<std::size_t>(status.st_size);
+  source.bytes.reset(new (std::nothrow) char[source.size]);
+  if (!source.bytes)
+    return refuse(Error::Code::kUnreadable, std::to_string(source.size) + " bytes do not fit into memory",
+                  "reduce the mesh first");
+  for (std::size_t done = 0; done < source.size;) {
+    const ssize_t n = ::read(fd, source.bytes.get() + done, source.size - done);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return refuse(Error::Code::kUnreadable, std::string("cannot be read: ") + std::strerror(errno), "");
+    if (n == 0)
+      return fail(source.atByte(done, Error::Code::kUnreadable, "the file got shorter while it was read",
+                                std::to_string(source.size) + " bytes", "wait until it is written completely"));
+    done += static_cast<std::size_t>(n);
+  }
+  return source;
+}
+
+std::string inQuotes(std::string_view word) {
+  if (word.empty()) return "nothing";
+  std::string text = "\"";
+  for (const char c : word.substr(0, 40)) {
+    const auto u = static_cast<unsigned char>(c);
+    if (u >= 0x20 && u < 0x7f) {
+      text += c;
+    } else {
+      constexpr const char* kHex = "0123456789abcdef";
+      text += {'\\', 'x', kHex[u >> 4], kHex[u & 15]};
+    }
+  }
+  return text + (word.size() > 40 ? "...\"" : "\"");
+}
+
+bool equalsIgnoringCase(std::string_view a, std::string_view lower_case) {
+  return a.size() == lower_case.size() && std::equal(a.begin(), a.end(), lower_case.begin(), [](char x, char y) {
+           return std::tolower(static_cast<unsigned char>(x)) == y;
+         });
+}
+
+namespace {
+
+template <class T>
+const char* parseReal(std::string_view word, T& value) {
+  if (!word.empty() && word[0] == '+') word.remove_prefix(1);
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (word.empty() || error == std::errc::invalid_argument || end != word.data() + word.size()) return "not a number";
+  if (error == std::errc::result_out_of_range) {
+    if (word.find("e-") == word.npos && word.find("E-") == word.npos) return "too large a number";
+    value = 0;  // below the smallest number: nothing a scan can mean but zero
+    return nullptr;
+  }
+  return std::isfinite(value) ? nullptr : "not a finite number";
+}
+
+}  // namespace
+
+const char* parseNumber(std::string_view word, double& value) { return parseReal(word, value); }
+const char* parseNumber(std::string_view word, float& value) { return parseReal(word, value); }
+
+const char* parseInteger(std::string_view word, std::int64_t& value) {
+  if (!word.empty() && word[0] == '+') word.remove_prefix(1);
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (word.empty() || error == std::errc::invalid_argument || end != word.data() + word.size()) return "not an integer";
+  return error == std::errc{} ? nullptr : "too large an integer";
+}
+
+std::string numberHint(std::string_view word) {
+  if (word.find(',') != word.npos) return "write decimal points, not commas: export with an English locale";
+  return "export the mesh again";
+}
+
+const char* parseCoordinate(std::string_view word, double& value, bool& is_double) {
+  if (const char* wrong = parseNumber(word, value)) return wrong;
+  const double nearest = roundedToFloat(value);
+  if (nearest == value) return nullptr;
+  // What the digits leave open: half a unit of the last one.
+  int decimals = 0, exponent = 0;
+  const std::size_t e = std::min(word.find_first_of("eE"), word.size());
+  if (const std::size_t point = word.substr(0, e).find('.'); point != word.npos)
+    decimals = static_cast<int>(e - point) - 1;
+  if (e < word.size()) {
+    std::string_view digits = word.substr(e + 1);
+    if (digits.starts_with('+')) digits.remove_prefix(1);
+    std::from_chars(digits.data(), digits.data() + digits.size(), exponent);
+  }
+  constexpr double kSlack = 1 + 1e-6;  // `value` is rounded itself
+  if (std::abs(value - nearest) > kSlack * 0.5 * std::pow(10.0, exponent - decimals)) is_double = true;
+  return nullptr;
+}
+
+std::string unitIn(std::string_view text) {
+  constexpr std::pair<std::string_view, std::string_view> kUnits[] = {
+      {"mm", "mm"},      {"millimeter", "mm"}, {"millimeters", "mm"}, {"millimetre", "mm"}, {"millimetres", "mm"},
+      {"cm", "cm"},      {"centimeter", "cm"}, {"centimeters", "cm"}, {"m", "m"},           {"meter", "m"},
+      {"meters", "m"},   {"metre", "m"},       {"metres", "m"},       {"um", "um"},         {"micron", "um"},
+      {"microns", "um"}, {"in", "inch"},       {"inch", "inch"},      {"inches", "inch"}};
+  bool after_unit = false;
+  for (std::size_t i = 0; i < text.size();) {
+    if (!std::isalpha(static_cast<unsigned char>(text[i]))) {
+      ++i;
+      continue;
+    }
+    std::size_t end = i;
+    while (end < text.size() && std::isalpha(static_cast<unsigned char>(text[end]))) ++end;
+    const std::string_view word = text.substr(i, end - i);
+    if (after_unit)
+      for (const auto& [spelled, unit] : kUnits)
+        if (equalsIgnoringCase(word, spelled)) return std::string(unit);
+    after_unit = equalsIgnoringCase(word, "unit") || equalsIgnoringCase(word, "units") ||
+                 (after_unit && (equalsIgnoringCase(word, "is") || equalsIgnoringCase(word, "are")));
+    i = end;
+  }
+  return {};
+}
+
+Expected<MeshFile> finished(const MeshSource& source, MeshFile file) {
+  if (!file.mesh.triangles.empty()) return file;
+  if (!file.mesh.vertices.empty())
+    return fail({Error::Code::kEmpty, source.file, "faces",
+                 "a point cloud: " + std::to_string(file.mesh.vertices.size()) + " points and no faces",
+                 "a surface made of triangles",
+                 "export the mesh, not the points, from the scanner software, or reconstruct the surface first"});
+  return fail({Error::Code::kEmpty, source.file, "faces", "no faces and no vertices", "a surface made of triangles",
+               "export the mesh again"});
+}
+
+Error cancelled(const MeshSource& source) {
+  return {Error::Code::kCancelled, source.file, "reading", "cancelled", "", ""};
+}
+
+}  // namespace kerf::internal

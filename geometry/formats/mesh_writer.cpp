@@ -1,0 +1,60 @@
+#include "geometry/formats/mesh_writer.h"
+
+#include <unistd.h>
+
+#include <cmath>
+
+#include "geometry/base/atomic_file.h"
+#include "geometry/formats/mesh_formats.h"
+#include "geometry/formats/mesh_source.h"
+
+namespace kerf {
+
+namespace {
+
+Expected<const MeshFormatRow*> writerOf(const std::filesystem::path& path) {
+  const MeshFormatRow* row = formatOfExtension(path.extension().string());
+  if (row != nullptr && row->write != nullptr) return row;
+  return fail(Error{Error::Code::kUnsupported, path.string(), "extension",
+                    internal::inQuotes(path.extension().string()), "one of " + writableExtensions(),
+                    "end the name with the format wanted"});
+}
+
+}  // namespace
+
+Expected<void> canWriteMesh(const std::filesystem::path& path) {
+  KERF_CHECK(writerOf(path));
+  std::error_code ignored;
+  if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored)) {
+    // A pipe or a device: opening it to see would be taken for the real thing by whoever reads it.
+    if (!std::filesystem::is_directory(path, ignored) && access(path.c_str(), W_OK) == 0) return {};
+    return fail(Error{Error::Code::kWriteFailed, path.string(), "",
+                      std::filesystem::is_directory(path, ignored) ? "a folder" : "it can not be written to", "a file",
+                      "choose another name"});
+  }
+  KERF_CHECK(AtomicFile::create(path));
+  return {};
+}
+
+Expected<void> writeMesh(const std::filesystem::path& path, const Mesh& mesh, const MeshWriteOptions& options) {
+  KERF_TRY(row, writerOf(path));
+  // What float32 cannot hold would come back as infinity.
+  if (!(options.double_positions && row->extensions == ".ply"))
+    for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
+      if (!mesh.vertices[v].cast<float>().allFinite())
+        return fail(Error{Error::Code::kBadValue, path.string(), "vertex " + std::to_string(v),
+                          "a coordinate too large for float32", "less than 3.4e38",
+                          "check the unit and scale of the mesh"});
+  MeshWriteOptions cleaned = options;
+  for (char& c : cleaned.comment)
+    if (static_cast<unsigned char>(c) < 0x20) c = ' ';
+  KERF_TRY(file, AtomicFile::create(path));
+  if (auto written = row->write(file.stream(), mesh, cleaned); !written) {
+    Error error = std::move(written).error();
+    error.file = path.string();
+    return fail(std::move(error));
+  }
+  return file.commit();
+}
+
+}  // namespace kerf

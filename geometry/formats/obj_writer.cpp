@@ -1,0 +1,42 @@
+// OBJ. Not by OpenMesh 9, which refuses vertex colours ("VertexColor not supported by OBJ Writer") and meshes that are
+// not 2-manifold. Numbers are the shortest that bring the float32 back exactly, whatever the locale.
+#include <charconv>
+#include <ostream>
+
+#include "geometry/formats/mesh_sinks.h"
+
+namespace kerf::internal {
+
+Expected<void> writeObj(std::ostream& out, const Mesh& mesh, const MeshWriteOptions& options) {
+  const bool colors = options.colors && mesh.hasVertexColors();
+  if (!options.comment.empty()) out << "# " << options.comment << '\n';
+  char line[256];
+  char* const end = line + sizeof line;
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+    char* p = line;
+    *p++ = 'v';
+    for (int k = 0; k < 3; ++k) {
+      *p++ = ' ';
+      p = std::to_chars(p, end, static_cast<float>(mesh.vertices[v][k])).ptr;
+    }
+    for (std::size_t k = 0; colors && k < 3; ++k) {
+      *p++ = ' ';
+      p = std::to_chars(p, end, static_cast<float>(mesh.vertex_colors[v][k]) / 255.0f).ptr;
+    }
+    *p++ = '\n';
+    out.write(line, p - line);
+  }
+  for (const Triangle& t : mesh.triangles) {
+    char* p = line;
+    *p++ = 'f';
+    for (const std::uint32_t v : t) {
+      *p++ = ' ';
+      p = std::to_chars(p, end, std::uint64_t{v} + 1).ptr;
+    }
+    *p++ = '\n';
+    out.write(line, p - line);
+  }
+  return {};
+}
+
+}  // namespace kerf::internal

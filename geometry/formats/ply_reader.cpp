@@ -1,0 +1,515 @@
+// PLY: ASCII, binary little and big endian. After Greg Turk's format description, 1994.
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <optional>
+
+#include "geometry/formats/mesh_source.h"
+
+namespace kerf::internal {
+namespace {
+
+enum class Type { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat, kDouble };
+
+std::optional<Type> typeNamed(std::string_view word) {
+  constexpr std::pair<std::string_view, Type> kTypes[] = {
+      {"char", Type::kInt8},   {"int8", Type::kInt8},     {"uchar", Type::kUint8},   {"uint8", Type::kUint8},
+      {"short", Type::kInt16}, {"int16", Type::kInt16},   {"ushort", Type::kUint16}, {"uint16", Type::kUint16},
+      {"int", Type::kInt32},   {"int32", Type::kInt32},   {"uint", Type::kUint32},   {"uint32", Type::kUint32},
+      {"float", Type::kFloat}, {"float32", Type::kFloat}, {"double", Type::kDouble}, {"float64", Type::kDouble}};
+  for (const auto& [spelled, type] : kTypes)
+    if (word == spelled) return type;
+  return std::nullopt;
+}
+
+std::size_t sizeOf(Type type) {
+  constexpr std::size_t kSizes[] = {1, 1, 2, 2, 4, 4, 4, 8};
+  return kSizes[static_cast<std::size_t>(type)];
+}
+
+// What a property means to us.
+enum class Role { kSkip, kX, kY, kZ, kRed, kGreen, kBlue, kAlpha, kCorners };
+
+struct Property {
+  std::string name;
+  Type type = Type::kFloat;
+  std::optional<Type> count_type;  // set for a list
+  Role role = Role::kSkip;
+};
+
+struct Element {
+  std::string name;
+  std::size_t count = 0;
+  std::vector<Property> properties;
+  const char* declared_at = nullptr;
+
+  bool has(Role role) const {
+    return std::any_of(properties.begin(), properties.end(), [&](const Property& p) { return p.role == role; });
+  }
+};
+
+enum class Encoding { kAscii, kLittle, kBig };
+
+// One item of data as it is read, whatever the encoding.
+struct Item {
+  Vec3d position = Vec3d::Zero();
+  Rgba8 color{0, 0, 0, 255};
+  std::vector<std::uint32_t> corners;
+};
+
+class PlyReader {
+ public:
+  PlyReader(const MeshSource& source, const Progress& progress) : source_(source), progress_(progress) {}
+
+  Expected<MeshFile> read() {
+    KERF_CHECK(readHeader());
+    KERF_CHECK(checkHeader());
+    noteSkipped();
+    for (const Element& element : elements_) {
+      current_ = &element;
+      KERF_CHECK(encoding_ == Encoding::kAscii ? readAscii(element) : readBinary(element));
+    }
+    KERF_CHECK(checkEnd());
+    for (std::size_t f = 0, c = 0; f < polygons_.sizes.size(); c += polygons_.sizes[f++])
+      for (std::size_t k = 0; k < polygons_.sizes[f]; ++k)
+        if (polygons_.corners[c + k] >= file_.mesh.vertices.size())
+          return fail({Error::Code::kBadValue, source_.file, "face " + std::to_string(f),
+                       "vertex index " + std::to_string(polygons_.corners[c + k]),
+                       "0 to " + std::to_string(file_.mesh.vertices.size()) + " - 1", kDamaged});
+    triangulate(polygons_, file_);
+    return finished(source_, std::move(file_));
+  }
+
+ private:
+  static constexpr const char* kDamaged = "the file is cut short or damaged; export or copy it again";
+
+  Expected<void> badHeader(std::string_view at, std::string found, std::string expected) const {
+    return fail(source_.atLine(at.data(), Error::Code::kBadFormat, std::move(found), std::move(expected), kDamaged));
+  }
+
+  Expected<void> readHeader() {
+    // No header is long; a file without end_header must not be searched to its end for one.
+    Lines lines(source_.text().substr(0, 1 << 20));
+    std::string_view line;
+    bool has_format = false;
+    for (std::size_t number = 1; lines.next(line); ++number) {
+      Words words(line);
+      const std::string_view keyword = words.next();
+      if (number == 1) {
+        if (keyword != "ply") return badHeader(line, inQuotes(line), "\"ply\"");
+      } else if (keyword == "end_header") {
+        if (!has_format) return badHeader(line, "no \"format\" line before end_header", "format ascii 1.0 or the like");
+        data_ = static_cast<std::size_t>(lines.position() - source_.bytes.get());
+        return {};
+      } else if (keyword == "format") {
+        const std::string_view encoding = words.next();
+        has_format = true;
+        if (encoding == "ascii") {
+          encoding_ = Encoding::kAscii, file_.format = MeshFormat::kPlyAscii;
+        } else if (encoding == "binary_little_endian") {
+          encoding_ = Encoding::kLittle, file_.format = MeshFormat::kPlyBinaryLittleEndian;
+        } else if (encoding == "binary_big_endian") {
+          encoding_ = Encoding::kBig, file_.format = MeshFormat::kPlyBinaryBigEndian;
+        } else {
+          return badHeader(line, "format " + inQuotes(encoding), "ascii, binary_little_endian or binary_big_endian");
+        }
+      } else if (keyword == "comment" || keyword == "obj_info") {
+        if (file_.declared_unit.empty()) file_.declared_unit = unitIn(words.rest());
+      } else if (keyword == "element") {
+        KERF_CHECK(readElement(line, words));
+      } else if (keyword == "property") {
+        KERF_CHECK(readProperty(line, words));
+      } else if (!line.empty()) {
+        return badHeader(line, inQuotes(keyword), "a line of a PLY header (element, property, comment, end_header)");
+      }
+    }
+    return badHeader({lines.position(), 0}, "a header without \"end_header\"", "\"end_header\"");
+  }
+
+  Expected<void> readElement(std::string_view line, Words& words) {
+    Element element;
+    element.name = words.next();
+    element.declared_at = line.data();
+    const std::string_view count = words.next();
+    std::int64_t n = 0;
+    if (const char* wrong = parseInteger(count, n)) return badHeader(line, inQuotes(count) + ", " + wrong, "a count");
+    if (n < 0) return badHeader(line, "a count of " + std::to_string(n), "a count that is not negative");
+    element.count = static_cast<std::size_t>(n);
+    elements_.push_back(std::move(element));
+    return {};
+  }
+
+  Expected<void> readProperty(std::string_view line, Words& words) {
+    if (elements_.empty()) return badHeader(line, "a property before any element", "\"element\" first");
+    Property property;
+    std::string_view type = words.next();
+    if (type == "list") {
+      const std::string_view count = words.next();
+      property.count_type = typeNamed(count);
+      if (!property.count_type || *property.count_type == Type::kFloat || *property.count_type == Type::kDouble)
+        return badHeader(line, "list count of type " + inQuotes(count), "an integer type such as uchar");
+      type = words.next();
+    }
+    const std::optional<Type> known = typeNamed(type);
+    if (!known)
+      return badHeader(line, "type " + inQuotes(type), "char, uchar, short, ushort, int, uint, float or double");
+    property.type = *known;
+    property.name = words.next();
+    if (property.name.empty()) return badHeader(line, "a property without a name", "property TYPE NAME");
+    Element& element = elements_.back();
+    constexpr std::size_t kMostProperties = 256;  // each is compared with all others, and looked at for every item
+    if (element.properties.size() == kMostProperties)
+      return badHeader(line, "more than 256 properties of " + inQuotes(element.name), "fewer");
+    for (const Property& other : element.properties)
+      if (other.name == property.name) return badHeader(line, "property " + inQuotes(property.name) + " twice", "once");
+    property.role = roleOf(element, property);
+    element.properties.push_back(std::move(property));
+    return {};
+  }
+
+  static Role roleOf(const Element& element, const Property& property) {
+    const bool is_vertex = element.name == "vertex", is_face = element.name == "face";
+    if (property.count_type) {
+      const bool integer = property.type != Type::kFloat && property.type != Type::kDouble;
+      const bool corners = property.name == "vertex_indices" || property.name == "vertex_index";
+      return is_face && corners && integer ? Role::kCorners : Role::kSkip;
+    }
+    if (is_vertex) {
+      if (property.name == "x") return Role::kX;
+      if (property.name == "y") return Role::kY;
+      if (property.name == "z") return Role::kZ;
+    }
+    if ((is_vertex || is_face) && property.type == Type::kUint8) {
+      if (property.name == "red" || property.name == "diffuse_red") return Role::kRed;
+      if (property.name == "green" || property.name == "diffuse_green") return Role::kGreen;
+      if (property.name == "blue" || property.name == "diffuse_blue") return Role::kBlue;
+      if (property.name == "alpha") return Role::kAlpha;
+    }
+    return Role::kSkip;
+  }
+
+  // Counts against the bytes that are there, before anything is allocated by them.
+  Expected<void> checkHeader() {
+    std::size_t vertices = 0, faces = 0;
+    std::size_t left = source_.size - data_;
+    for (Element& element : elements_) {
+      const std::string_view at{element.declared_at, 0};
+      std::size_t smallest = 0;
+      for (const Property& p : element.properties)
+        smallest += encoding_ == Encoding::kAscii ? 2 : p.count_type ? sizeOf(*p.count_type) : sizeOf(p.type);
+      if (element.properties.empty()) element.count = 0;  // nothing is stored for it
+      // The last value of an ASCII file may lack its separator, hence the 1.
+      if (smallest > 0 && element.count > (left + 1) / smallest)
+        return badHeader(at, std::to_string(element.count) + " items of " + inQuotes(element.name),
+                         "at most " + std::to_string((left + 1) / smallest) + ", which is what the file has room for");
+      left -= std::min(left, smallest * element.count);
+      if (element.name == "vertex") {
+        ++vertices;
+        if (!(element.has(Role::kX) && element.has(Role::kY) && element.has(Role::kZ)))
+          return badHeader(at, "a vertex element without x, y or z", "properties x, y and z");
+        if (element.count >= 0xfffffff0u)
+          return badHeader(at, std::to_string(element.count) + " vertices", "fewer than 4 294 967 280");
+        for (const Property& p : element.properties)
+          if (p.role == Role::kX || p.role == Role::kY || p.role == Role::kZ)
+            file_.had_double_coordinates |= p.type == Type::kDouble;
+      } else if (element.name == "face") {
+        ++faces;
+        if (element.count > 0 && !element.has(Role::kCorners))
+          return badHeader(at, "a face element without vertex_indices", "property list uchar int vertex_indices");
+      } else if (element.name == "tristrips" && element.count > 0) {
+        return fail(source_.atLine(element.declared_at, Error::Code::kUnsupported, "triangle strips",
+                                   "faces as property list vertex_indices", "export without triangle strips"));
+      }
+    }
+    if (vertices == 1 && faces <= 1) return {};
+    const char* at = elements_.empty() ? source_.bytes.get() : elements_.front().declared_at;
+    return badHeader({at, 0},
+                     std::to_string(vertices) + " vertex elements and " + std::to_string(faces) + " face elements",
+                     "one of each");
+  }
+
+  void noteSkipped() {
+    std::string list;
+    for (Element& element : elements_) {
+      const bool known = element.name == "vertex" || element.name == "face";
+      if (!known) list += (list.empty() ? "" : ", ") + element.name;
+      const bool colored = element.has(Role::kRed) && element.has(Role::kGreen) && element.has(Role::kBlue);
+      for (Property& p : element.properties) {
+        if (!colored &&
+            (p.role == Role::kRed || p.role == Role::kGreen || p.role == Role::kBlue || p.role == Role::kAlpha))
+          p.role = Role::kSkip;
+        if (known && p.role == Role::kSkip) list += (list.empty() ? "" : ", ") + element.name + "." + p.name;
+      }
+    }
+    if (!list.empty()) file_.notes.emplace_back("Not read: " + list + ".");
+  }
+
+  template <class Real>
+  static void store(Role role, Real value, Item& item) {
+    switch (role) {
+      case Role::kX:
+        item.position[0] = value;
+        break;
+      case Role::kY:
+        item.position[1] = value;
+        break;
+      case Role::kZ:
+        item.position[2] = value;
+        break;
+      case Role::kRed:
+        item.color[0] = static_cast<std::uint8_t>(value);
+        break;
+      case Role::kGreen:
+        item.color[1] = static_cast<std::uint8_t>(value);
+        break;
+      case Role::kBlue:
+        item.color[2] = static_cast<std::uint8_t>(value);
+        break;
+      case Role::kAlpha:
+        item.color[3] = static_cast<std::uint8_t>(value);
+        break;
+      default:
+        break;
+    }
+  }
+
+  void reserve(const Element& element) {
+    const bool colored = element.has(Role::kRed);
+    if (element.name == "vertex") {
+      file_.mesh.vertices.reserve(element.count);
+      if (colored) file_.mesh.vertex_colors.reserve(element.count);
+    } else if (element.name == "face") {
+      polygons_.sizes.reserve(element.count);
+      polygons_.corners.reserve(std::min(3 * element.count, (source_.size - data_) / 2));
+      if (colored) polygons_.colors.reserve(element.count);
+    }
+  }
+
+  void keep(const Element& element, const Item& item, bool colored) {
+    if (element.name == "vertex") {
+      file_.mesh.vertices.push_back(item.position);
+      if (colored) file_.mesh.vertex_colors.push_back(item.color);
+    } else if (element.name == "face") {
+      polygons_.add(item.corners.data(), item.corners.size());
+      if (colored) polygons_.colors.push_back(item.color);
+    }
+  }
+
+  bool goOn(std::size_t i) const {
+    return i % 65536 != 0 ||
+           report(progress_, static_cast<double>(i) / static_cast<double>(current_->count + 1), "reading PLY");
+  }
+
+  std::string itemName(std::size_t i) const { return current_->name + " " + std::to_string(i); }
+
+  Expected<void> corner(std::int64_t index, Item& item, const Error& where) const {
+    if (index < 0 || index > 0xffffffffll)
+      return fail({Error::Code::kBadValue, where.file, where.place, "vertex index " + std::to_string(index),
+                   "0 to the number of vertices - 1", kDamaged});
+    item.corners.push_back(static_cast<std::uint32_t>(index));
+    return {};
+  }
+
+  Expected<void> checkCorners(std::int64_t n, const Error& where) const {
+    if (n >= 0 && n <= static_cast<std::int64_t>(kMaxPolygonCorners)) return {};
+    return fail({Error::Code::kBadValue, where.file, where.place, "a face of " + std::to_string(n) + " corners",
+                 "0 to " + std::to_string(kMaxPolygonCorners), "triangulate the mesh before exporting it"});
+  }
+
+  Expected<void> readAscii(const Element& element) {
+    if (element.count == 0) return {};
+    reserve(element);
+    const bool colored = element.has(Role::kRed);
+    Lines lines(source_.text().substr(data_));
+    std::string_view line;
+    Item item;
+    for (std::size_t i = 0; i < element.count; ++i) {
+      if (!goOn(i)) return fail(cancelled(source_));
+      std::string_view word;
+      do {
+        if (!lines.next(line))
+          return fail(source_.atLine(source_.bytes.get() + source_.size, Error::Code::kBadFormat,
+                                     "the end of the file at " + itemName(i),
+                                     std::to_string(element.count) + " items of " + inQuotes(element.name), kDamaged));
+        word = Words(line).next();
+      } while (word.empty());
+      Words words(line);
+      item.corners.clear();
+      for (const Property& p : element.properties) KERF_CHECK(readAsciiProperty(p, words, line, item));
+      if (const std::string_view extra = words.next(); !extra.empty())
+        return fail(source_.atLine(line.data(), Error::Code::kBadFormat,
+                                   inQuotes(extra) + " after the last value of " + itemName(i), "the end of the line",
+                                   kDamaged));
+      keep(element, item, colored);
+    }
+    data_ = static_cast<std::size_t>(lines.position() - source_.bytes.get());
+    return {};
+  }
+
+  Expected<void> readAsciiProperty(const Property& p, Words& words, std::string_view line, Item& item) const {
+    const auto wrongWord = [&](std::string_view word, const char* wrong) {
+      if (word.empty())
+        return fail(source_.atLine(line.data(), Error::Code::kBadFormat, "the end of the line",
+                                   "a value for " + inQuotes(p.name), kDamaged));
+      return fail(source_.atLine(line.data(), Error::Code::kBadValue, inQuotes(word) + ", " + wrong,
+                                 "a value for " + inQuotes(p.name), numberHint(word)));
+    };
+    if (!p.count_type) return readAsciiScalar(p, words.next(), wrongWord, item);
+    const std::string_view count = words.next();
+    std::int64_t n = 0;
+    if (const char* wrong = parseInteger(count, n)) return wrongWord(count, wrong);
+    if (p.role == Role::kCorners) {
+      if (n < 0 || n > static_cast<std::int64_t>(kMaxPolygonCorners))
+        return checkCorners(n, source_.atLine(line.data(), Error::Code::kBadValue, ""));
+    } else if (n < 0) {
+      return wrongWord(count, "a negative count");
+    }
+    for (std::int64_t k = 0; k < n; ++k) {
+      const std::string_view word = words.next();
+      std::int64_t index = 0;
+      if (word.empty()) return wrongWord(word, "");
+      if (p.role != Role::kCorners) continue;
+      if (const char* wrong = parseInteger(word, index)) return wrongWord(word, wrong);
+      if (index < 0 || index > 0xffffffffll)
+        return corner(index, item, source_.atLine(line.data(), Error::Code::kBadValue, ""));
+      item.corners.push_back(static_cast<std::uint32_t>(index));
+    }
+    return {};
+  }
+
+  template <class Wrong>
+  static Expected<void> readAsciiScalar(const Property& p, std::string_view word, const Wrong& wrongWord, Item& item) {
+    if (word.empty()) return wrongWord(word, "");
+    const char* wrong = nullptr;
+    if (p.role == Role::kSkip) return {};
+    if (p.type == Type::kFloat) {
+      float value = 0;
+      if (!(wrong = parseNumber(word, value))) store(p.role, value, item);
+    } else if (p.type == Type::kDouble) {
+      double value = 0;
+      if (!(wrong = parseNumber(word, value))) store(p.role, value, item);
+    } else {
+      std::int64_t value = 0;
+      wrong = parseInteger(word, value);
+      if (!wrong && p.type == Type::kUint8 && (value < 0 || value > 255)) wrong = "outside 0 to 255";
+      if (!wrong) store(p.role, static_cast<double>(value), item);
+    }
+    if (wrong) return wrongWord(word, wrong);
+    return {};
+  }
+
+  std::uint64_t bits(std::size_t at, std::size_t n) const {
+    const auto* u = reinterpret_cast<const unsigned char*>(source_.bytes.get() + at);
+    std::uint64_t value = 0;
+    for (std::size_t i = 0; i < n; ++i)
+      value |= std::uint64_t{u[encoding_ == Encoding::kBig ? n - 1 - i : i]} << (8 * i);
+    return value;
+  }
+  std::int64_t integer(std::size_t at, Type type) const {
+    const std::uint64_t b = bits(at, sizeOf(type));
+    switch (type) {
+      case Type::kInt8:
+        return static_cast<std::int8_t>(b);
+      case Type::kInt16:
+        return static_cast<std::int16_t>(b);
+      case Type::kInt32:
+        return static_cast<std::int32_t>(b);
+      default:
+        return static_cast<std::int64_t>(b);
+    }
+  }
+  double real(std::size_t at, Type type) const {
+    if (type == Type::kFloat) return std::bit_cast<float>(static_cast<std::uint32_t>(bits(at, 4)));
+    if (type == Type::kDouble) return std::bit_cast<double>(bits(at, 8));
+    return static_cast<double>(integer(at, type));
+  }
+
+  Expected<void> readBinary(const Element& element) {
+    if (element.count == 0) return {};
+    reserve(element);
+    const bool colored = element.has(Role::kRed);
+    Item item;
+    for (std::size_t i = 0; i < element.count; ++i) {
+      if (!goOn(i)) return fail(cancelled(source_));
+      const auto tooShort = [&] {
+        return fail(source_.atByte(source_.size, Error::Code::kBadFormat, "the end of the file at " + itemName(i),
+                                   std::to_string(element.count) + " items of " + inQuotes(element.name), kDamaged));
+      };
+      item.corners.clear();
+      for (const Property& p : element.properties) {
+        const std::size_t size = sizeOf(p.type);
+        if (!p.count_type) {
+          if (source_.size - data_ < size) return tooShort();
+          if (p.role != Role::kSkip) {
+            const double value = real(data_, p.type);
+            if (!std::isfinite(value))
+              return fail(source_.atByte(data_, Error::Code::kBadValue,
+                                         inQuotes(p.name) + " of " + itemName(i) + " is not finite (NaN or infinite)",
+                                         "a finite number", "repair the mesh in the program that wrote it"));
+            store(p.role, value, item);
+          }
+          data_ += size;
+          continue;
+        }
+        if (source_.size - data_ < sizeOf(*p.count_type)) return tooShort();
+        const std::int64_t n = integer(data_, *p.count_type);
+        if (p.role == Role::kCorners) {
+          if (n < 0 || n > static_cast<std::int64_t>(kMaxPolygonCorners))
+            return checkCorners(n, source_.atByte(data_, Error::Code::kBadValue, ""));
+        } else if (n < 0) {
+          return fail(source_.atByte(data_, Error::Code::kBadValue, "a list of " + std::to_string(n) + " values",
+                                     "a count that is not negative", kDamaged));
+        }
+        data_ += sizeOf(*p.count_type);
+        if (static_cast<std::uint64_t>(n) > (source_.size - data_) / size) return tooShort();
+        if (p.role == Role::kCorners)
+          for (std::size_t k = 0; k < static_cast<std::size_t>(n); ++k) {
+            const std::int64_t index = integer(data_ + k * size, p.type);
+            if (index < 0) return corner(index, item, source_.atByte(data_ + k * size, Error::Code::kBadValue, ""));
+            item.corners.push_back(static_cast<std::uint32_t>(index));
+          }
+        data_ += static_cast<std::size_t>(n) * size;
+      }
+      keep(element, item, colored);
+    }
+    return {};
+  }
+
+  // Some writers end a binary file with a line end; more than that means that the counts are wrong.
+  Expected<void> checkEnd() const {
+    std::size_t at = data_;
+    const bool text = encoding_ == Encoding::kAscii;
+    while (at < source_.size && (isBlank(source_.bytes[at]) || isLineEnd(source_.bytes[at])) &&
+           (text || at < data_ + 2))
+      ++at;
+    if (at == source_.size) return {};
+    const std::string found = std::to_string(source_.size - at) + " bytes after the last element";
+    if (text)
+      return fail(
+          source_.atLine(source_.bytes.get() + at, Error::Code::kBadFormat, found, "the end of the file", kDamaged));
+    return fail(source_.atByte(at, Error::Code::kBadFormat, found, "the end of the file", kDamaged));
+  }
+
+  const MeshSource& source_;
+  const Progress& progress_;
+  Encoding encoding_ = Encoding::kAscii;
+  std::vector<Element> elements_;
+  const Element* current_ = nullptr;
+  std::size_t data_ = 0;  // offset of the data not read yet
+  Polygons polygons_;
+  MeshFile file_;
+};
+
+}  // namespace
+
+bool isPly(const MeshSource& source) {
+  const std::string_view text = source.text();
+  return text.size() >= 4 && text.substr(0, 3) == "ply" && (isLineEnd(text[3]) || isBlank(text[3]));
+}
+
+Expected<MeshFile> readPly(const MeshSource& source, const Progress& progress) {
+  return PlyReader(source, progress).read();
+}
+
+}  // namespace kerf::internal

@@ -1,0 +1,76 @@
+#include "geometry/mesh/crossing_pairs.h"
+
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+
+#include "geometry/mesh/self_intersection.h"
+
+namespace kerf {
+namespace {
+
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using Point = Kernel::Point_3;
+
+Point point(const Vec3d& p) { return {p.x(), p.y(), p.z()}; }
+
+/// The two ends of a triangle without area, as places in the triangle.
+std::array<int, 2> farEnds(const Mesh& mesh, std::uint32_t t) {
+  std::array<int, 2> best{0, 1};
+  double longest = -1;
+  for (int k = 0; k < 3; ++k) {
+    const double d = (mesh.corner(t, k) - mesh.corner(t, (k + 1) % 3)).squaredNorm();
+    if (d > longest) longest = d, best = {k, (k + 1) % 3};
+  }
+  return best;
+}
+
+/// A triangle without area against a proper one: do they meet away from shared vertices?
+bool flatMeets(const Mesh& mesh, std::uint32_t flat, std::uint32_t other) {
+  const Triangle& f = mesh.triangles[flat];
+  const Triangle& g = mesh.triangles[other];
+  const auto shared = [&](std::uint32_t v) { return v == g[0] || v == g[1] || v == g[2]; };
+  const Kernel::Triangle_3 proper(point(mesh.vertices[g[0]]), point(mesh.vertices[g[1]]), point(mesh.vertices[g[2]]));
+  for (const std::uint32_t v : f)
+    if (!shared(v) && proper.has_on(point(mesh.vertices[v]))) return true;
+  const auto ends = farEnds(mesh, flat);
+  const std::uint32_t a = f[static_cast<std::size_t>(ends[0])], b = f[static_cast<std::size_t>(ends[1])];
+  if (mesh.vertices[a] == mesh.vertices[b] || shared(a) || shared(b)) return false;
+  return CGAL::do_intersect(Kernel::Segment_3(point(mesh.vertices[a]), point(mesh.vertices[b])), proper);
+}
+
+}  // namespace
+
+std::vector<std::array<std::uint32_t, 2>> crossingPairs(const Mesh& mesh) {
+  std::vector<std::array<std::uint32_t, 2>> pairs;
+  for (const auto& [i, j] : selfIntersections(mesh.vertices, mesh.triangles)) pairs.push_back({i, j});
+  const std::vector<std::uint32_t> flat = degenerateTriangles(mesh.vertices, mesh.triangles);
+  if (flat.empty()) return pairs;
+  std::vector<char> is_flat(mesh.triangles.size(), 0);
+  for (const std::uint32_t t : flat) is_flat[t] = 1;
+  const auto boxOf = [&](std::uint32_t t) {
+    Box3 box;
+    for (int k = 0; k < 3; ++k) box.add(mesh.corner(t, k));
+    return box;
+  };
+  std::vector<std::vector<std::uint32_t>> met(flat.size());
+  tbb::parallel_for(std::size_t{0}, flat.size(), [&](std::size_t k) {
+    const Box3 box = boxOf(flat[k]);
+    for (std::uint32_t t = 0; t < is_flat.size(); ++t) {
+      if (is_flat[t]) continue;
+      const Box3 other = boxOf(t);
+      if ((box.min.array() <= other.max.array()).all() && (other.min.array() <= box.max.array()).all() &&
+          flatMeets(mesh, flat[k], t))
+        met[k].push_back(t);
+    }
+  });
+  for (std::size_t k = 0; k < flat.size(); ++k) {
+    pairs.push_back({flat[k], flat[k]});
+    for (const std::uint32_t t : met[k]) pairs.push_back({std::min(flat[k], t), std::max(flat[k], t)});
+  }
+  std::sort(pairs.begin(), pairs.end());
+  return pairs;
+}
+
+}  // namespace kerf

@@ -1,0 +1,19 @@
+// Which triangles of a mesh meet elsewhere than at the vertices and edges they share: exact answers, for float or
+// double.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "geometry/mesh/mesh.h"
+
+namespace kerf {
+
+/// selfIntersections() and, besides, every triangle without area: as the pair (i, i), and with each proper triangle it
+/// touches away from shared vertices. An empty answer means the mesh is embedded.
+/// @return sorted pairs (i <= j). Exact; deterministic.
+/// @cost   as selfIntersections(), plus 5 ns per triangle and triangle without area. @thread any; uses all TBB threads.
+std::vector<std::array<std::uint32_t, 2>> crossingPairs(const Mesh& mesh);
+
+}  // namespace kerf

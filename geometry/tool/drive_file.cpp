@@ -1,0 +1,73 @@
+#include <fmt/format.h>
+
+#include "geometry/tool/tool_kinds.h"
+
+namespace kerf {
+namespace {
+
+// How a kind of motion says how fast it is, and what stops it.
+struct DriveKeys {
+  const char* speed;
+  double low, high, per_second;  // of one unit of speed
+  const char* unit;
+  const char* stall;
+  const char* stall_unit;
+};
+constexpr DriveKeys kTurns{"speed_rpm", 1, 1e6, 1.0 / 60, "rpm", "stall_torque_Nmm", "N mm"};
+constexpr DriveKeys kStrokes{"cycles_per_min", 10, 1e5, 1.0 / 60, "cycles/min", "stall_force_N", "N"};
+constexpr DriveKeys kMicroStrokes{"frequency_khz", 1, 100, 1000, "kHz", "stall_force_N", "N"};
+constexpr DriveKeys kSwings{"cycles_per_min", 10, 1e5, 1.0 / 60, "cycles/min", "stall_torque_Nmm", "N mm"};
+
+const DriveKeys& keysOf(const Tool& tool) {
+  if (tool.kind != ToolKind::kBlade || tool.motion == BladeMotion::kSpin) return kTurns;
+  return tool.motion == BladeMotion::kSagittal ? kSwings
+         : tool.motion == BladeMotion::kPiezo  ? kMicroStrokes
+                                               : kStrokes;
+}
+
+void explainWords(TomlTable& t, const DriveKeys& keys) {
+  const std::string speed = keys.speed, stall = keys.stall;
+  for (const char* word : {"speed", "rpm", "speed_rpm", "cycles_per_min", "frequency_khz", "spindle_speed", "cpm",
+                           "spm", "strokes_per_min", "speed_krpm"})
+    if (word != speed)
+      t.explain(word, fmt::format("{}, in {}{}", speed, keys.unit,
+                                  speed == "cycles_per_min" ? "; a cycle is one stroke there and one back" : ""));
+  for (const char* word : {"frequency", "frequency_hz"})
+    t.explain(word, fmt::format("{} = {:g} times the frequency in Hz", speed, 1 / keys.per_second));
+  for (const char* word :
+       {"stall", "stall_load", "stall_torque", "stall_force", "torque", "stall_torque_Nmm", "stall_force_N"})
+    if (word != stall) t.explain(word, fmt::format("{}, in {}", stall, keys.stall_unit));
+  if (stall == kTurns.stall) t.explain("stall_torque_Ncm", "stall_torque_Nmm, 10 times as many");
+  for (const char* word : {"time_constant", "time_constant_ms", "inertia"})
+    t.explain(word, "time_constant_s, in seconds");
+  for (const char* word : {"stroke_mm", "swing_deg", "stroke", "swing"})
+    t.explain(word, "stroke or swing of the tool itself, above [drive]: its shape is made of it");
+}
+
+}  // namespace
+
+Expected<void> readDrive(const TomlTable& top, const std::filesystem::path& file, Tool& tool) {
+  const toml::node* node = top.node("drive");
+  if (!node) return {};
+  const DriveKeys& keys = keysOf(tool);
+  if (!node->is_table())
+    return fail({Error::Code::kBadFormat, file.string(), fmt::format("line {}, key drive", node->source().begin.line),
+                 "a value of another type", "a table of numbers",
+                 fmt::format("[drive] on a line of its own, and below it {} = ...", keys.speed)});
+  TomlTable t(*node->as_table(), file, "drive");
+  explainWords(t, keys);
+  const auto optional = [&](const char* key, double low, double high, const char* unit) -> std::optional<double> {
+    t.allow(key);
+    if (!t.has(key)) return std::nullopt;
+    return t.number(key, low, high, unit);
+  };
+  if (const auto speed = optional(keys.speed, keys.low, keys.high, keys.unit))
+    tool.drive.frequency_hz = *speed * keys.per_second;
+  tool.drive.stall_load = optional(keys.stall, 0.1, 1e5, keys.stall_unit);
+  tool.drive.time_constant_s = optional("time_constant_s", 0.001, 10, "s");
+  tool.drive.energy_factor = optional("energy_factor", 0.01, 100, "(1: as in the table of materials)");
+  tool.drive.drag_factor = optional("drag_factor", 0.01, 100, "(1: as in the table of materials)");
+  return t.finish();
+}
+
+}  // namespace kerf

@@ -1,0 +1,65 @@
+// A closed mesh as a solid known by its distance: tools drawn elsewhere.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "geometry/mesh/mesh.h"
+#include "geometry/tool/tool_shape.h"
+
+namespace kerf {
+
+/// Exact signed distance to a closed mesh: the nearest triangle by a tree of boxes, the side by the pseudonormal of the
+/// nearest corner, edge or face (Baerentzen & Aanaes 2005). @cost about a microsecond for a few hundred triangles.
+class MeshShape final : public ToolShape {
+ public:
+  /// @pre closed, 2-manifold, turned outwards, without self-intersections (checkMesh); mm.
+  /// @param is_convex  the caller knows that it is (convexPartBelow): sweeps are then much faster.
+  explicit MeshShape(Mesh mesh, bool is_convex = false);
+  double distance(const Vec3d& p) const noexcept override;
+  Box3 bounds() const override { return box_; }
+  bool isConvex() const override { return is_convex_; }
+
+ private:
+  struct Node {
+    Box3 box;
+    std::uint32_t first = 0, count = 0;  ///< triangles of a leaf, in order_; an inner node has none ...
+    std::uint32_t right = 0;             ///< ... but its left child right behind it, and this one
+  };
+  struct Corners {
+    std::array<Vec3d, 3> at;
+    Vec3d face;
+    std::array<Vec3d, 3> edge, corner;  ///< pseudonormals; edge k runs from corner k to k + 1
+  };
+  std::uint32_t build(std::uint32_t first, std::uint32_t count, const std::vector<Vec3d>& centers);
+
+  Box3 box_;
+  bool is_convex_;
+  std::vector<Corners> triangles_;
+  std::vector<std::uint32_t> order_;
+  std::vector<Node> nodes_;
+};
+
+/// The part of a solid below (or above) a level z. Exact inside; outside a lower bound where the rest of the solid or
+/// the rim of the cut is nearer. The zero level is exact.
+class HalfShape final : public ToolShape {
+ public:
+  HalfShape(std::shared_ptr<const ToolShape> solid, double level, bool is_below)
+      : solid_(std::move(solid)), level_(level), is_below_(is_below) {}
+  double distance(const Vec3d& p) const noexcept override;
+  Box3 bounds() const override;
+  bool isConvex() const override { return solid_->isConvex(); }
+
+ private:
+  std::shared_ptr<const ToolShape> solid_;
+  double level_;
+  bool is_below_;
+};
+
+/// The part of a closed mesh below z = level as a closed mesh with a flat cap, if that part is convex: no point of it
+/// is farther than `slack` mm above the plane of any of its triangles. @cost triangles x vertices of the part.
+std::optional<Mesh> convexPartBelow(const Mesh& mesh, double level, double slack = 5e-4);
+
+}  // namespace kerf

@@ -1,0 +1,131 @@
+#include "preprocess/bake/bake_sources.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <span>
+#include <system_error>
+
+#include "geometry/base/hash.h"
+#include "geometry/formats/mesh_io.h"
+#include "preprocess/unit/unit.h"
+#include "preprocess/volume/label_volume.h"
+
+namespace kerf::internal {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The extension to store a source under. A name may hold any byte, a manifest only text: odd ones are dropped.
+std::string safeExtension(const fs::path& path) {
+  std::string e = path.extension().string();
+  // `.nii.gz` is one extension to those who read it.
+  if (const fs::path inner = path.stem().extension(); e == ".gz") e = inner.string() + e;
+  const auto plain = [](char c) {
+    return c == '.' || (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+  };
+  return std::all_of(e.begin(), e.end(), plain) ? e : std::string();
+}
+
+std::vector<fs::path> filesIn(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code failed;
+  for (fs::directory_iterator entry(folder, failed), end; !failed && entry != end; entry.increment(failed))
+    if (entry->is_regular_file(failed)) files.push_back(entry->path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+// Names and contents of files, each on a line.
+Expected<std::string> sha256OfFiles(const std::vector<fs::path>& files) {
+  std::string text;
+  for (const fs::path& file : files) {
+    KERF_TRY(hash, sha256OfFile(file));
+    text += file.filename().string() + ' ' + hash + '\n';
+  }
+  return sha256(std::as_bytes(std::span(text.data(), text.size())));
+}
+
+}  // namespace
+
+Expected<std::string> sha256OfSource(const fs::path& path) {
+  std::error_code ignored;
+  if (fs::is_regular_file(path, ignored)) {
+    KERF_TRY(files, filesOfVolume(path));
+    return files.size() == 1 ? sha256OfFile(path) : sha256OfFiles(files);
+  }
+  if (!fs::is_directory(path, ignored)) {
+    const bool is_there = fs::exists(path, ignored);  // a device has no end
+    return fail({is_there ? Error::Code::kUnreadable : Error::Code::kNotFound, path.string(), "",
+                 is_there ? "neither a file nor a folder" : "no such file", "a file", "check the path"});
+  }
+  return sha256OfFiles(filesIn(path));
+}
+
+Expected<CaseSource*> storeSource(const fs::path& path, const std::string& format, const std::string& sha256,
+                                  const fs::path& case_folder, CaseManifest& manifest) {
+  std::error_code failed;
+  const bool is_folder = fs::is_directory(path, failed);
+  std::vector<fs::path> files{path};
+  if (is_folder) {
+    files = filesIn(path);
+  } else {
+    KERF_TRY(parts, filesOfVolume(path));
+    files = std::move(parts);
+  }
+  const bool keeps_names = is_folder || files.size() > 1;  // a header names the file with its values
+  CaseSource source;
+  source.stored_as =
+      fmt::format("source-{}{}", manifest.sources.size() + 1, keeps_names ? std::string() : safeExtension(path));
+  source.format = format, source.sha256 = sha256;
+  const fs::path copy = case_folder / source.stored_as;
+  failed.clear();
+  if (keeps_names) {
+    fs::create_directory(copy, failed);
+    for (const fs::path& file : files)
+      if (!failed) fs::copy_file(file, copy / file.filename(), failed);
+  } else {
+    fs::copy_file(path, copy, failed);
+  }
+  if (failed) return fail({Error::Code::kWriteFailed, copy.string(), "", failed.message(), "", "free some space"});
+  manifest.sources.push_back(source);
+  return &manifest.sources.back();
+}
+
+Expected<std::vector<Mesh>> readMeshSources(const std::vector<fs::path>& paths, const std::vector<std::string>& hashes,
+                                            const std::string& unit, bool as_one, const fs::path& case_folder,
+                                            BakeReport& out, const Progress& progress) {
+  std::vector<MeshFile> files;
+  Box3 common;  // of the meshes that declare no unit
+  for (std::size_t n = 0; n < paths.size(); ++n) {
+    if (!report(progress, static_cast<double>(n) / static_cast<double>(paths.size()),
+                "reading " + paths[n].filename().string()))
+      return fail({Error::Code::kCancelled, "", "", "cancelled; nothing was written", "", ""});
+    KERF_TRY(file, readMesh(paths[n]));
+    if (file.declared_unit.empty()) common.add(bounds(file.mesh));
+    files.push_back(std::move(file));
+  }
+  std::vector<Mesh> meshes;
+  for (std::size_t n = 0; n < paths.size(); ++n) {
+    MeshFile& file = files[n];
+    auto choice =
+        chooseUnit(as_one && file.declared_unit.empty() ? common : bounds(file.mesh), unit, file.declared_unit);
+    if (!choice) {
+      choice.error().file = paths[n].string();
+      return fail(choice.error());
+    }
+    KERF_TRY(source, storeSource(paths[n], std::string(name(file.format)), hashes[n], case_folder, out.manifest));
+    source->unit = choice->unit, source->unit_reason = choice->reason, source->scale_to_mm = choice->scale_to_mm;
+    source->vertices = file.mesh.vertices.size(), source->triangles = file.mesh.triangles.size();
+    if (choice->scale_to_mm != 1)
+      for (Vec3d& p : file.mesh.vertices) p *= choice->scale_to_mm;
+    else if (!file.had_double_coordinates)  // decimals that say no more than a float32: nothing to report
+      for (Vec3d& p : file.mesh.vertices) p = roundedToFloat(p);
+    out.unit_is_doubtful.push_back(choice->is_doubtful);
+    out.notes.push_back(std::move(file.notes));
+    meshes.push_back(std::move(file.mesh));
+  }
+  return meshes;
+}
+
+}  // namespace kerf::internal

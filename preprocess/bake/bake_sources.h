@@ -1,0 +1,34 @@
+// The files a case is made from: hashed, copied into the case, read, and brought to mm.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "geometry/base/error.h"
+#include "geometry/case/case_bundle.h"
+#include "geometry/mesh/mesh.h"
+#include "preprocess/bake/bake.h"
+
+namespace kerf::internal {
+
+/// SHA-256 of a file, or of the names and contents of the files in a folder (a series of slices) or of a header and the
+/// file with its values (`.mhd`).
+Expected<std::string> sha256OfSource(const std::filesystem::path& path);
+
+/// Copies one source, a file or a folder of files, into the case under construction and adds it to the manifest:
+/// name, format and hash; unit and counts are the caller's. Several files become a folder, under their own names.
+Expected<CaseSource*> storeSource(const std::filesystem::path& path, const std::string& format,
+                                  const std::string& sha256, const std::filesystem::path& case_folder,
+                                  CaseManifest& manifest);
+
+/// Reads meshes and brings them to mm; fills the report's sources, notes and unit doubts.
+/// @param unit     as asked for; empty: as each file declares, or by size.
+/// @param as_one   the meshes are parts of one object: those that declare no unit share one, chosen by their common
+/// box.
+Expected<std::vector<Mesh>> readMeshSources(const std::vector<std::filesystem::path>& paths,
+                                            const std::vector<std::string>& hashes, const std::string& unit,
+                                            bool as_one, const std::filesystem::path& case_folder, BakeReport& report,
+                                            const Progress& progress);
+
+}  // namespace kerf::internal

@@ -1,0 +1,450 @@
+#include "preprocess/close/close.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/mesh/crossing_pairs.h"
+#include "geometry/mesh/float32_cleanup.h"
+#include "preprocess/close/arrangement.h"
+#include "preprocess/close/boundary.h"
+#include "preprocess/close/chain.h"
+#include "preprocess/close/manifold.h"
+#include "preprocess/close/poll.h"
+#include "preprocess/close/wrap.h"
+
+namespace kerf {
+namespace {
+
+using internal::Chain;
+using internal::counted;
+
+constexpr double kSeparation = 4e-4;  ///< mm: how far touching parts are moved apart; 100 float32 steps at 60 mm
+
+Error makeError(Error::Code code, std::string found, std::string expected = {}, std::string hint = {}) {
+  Error e;
+  e.code = code;
+  e.found = std::move(found), e.expected = std::move(expected), e.hint = std::move(hint);
+  return e;
+}
+
+/// The fixed lengths are made for dental objects, 3 mm across and more. On a smaller one (most often a wrong unit) they
+/// shrink with it: a base or a seam larger than the object would bury it.
+double lengthScale(const Mesh& mesh) {
+  constexpr double kSmallestDental = 3;
+  const double scale = bounds(mesh).size().norm() / kSmallestDental;
+  return scale > 0 && scale < 1 ? scale : 1;
+}
+
+/// Drops unused vertices, keeping the order; `label` follows.
+void compact(Mesh& mesh, std::vector<char>& label) {
+  std::vector<char> used(mesh.vertices.size(), 0);
+  for (const Triangle& f : mesh.triangles)
+    for (const std::uint32_t v : f) used[v] = 1;
+  std::vector<char> kept;
+  for (std::size_t v = 0; v < used.size(); ++v)
+    if (used[v]) kept.push_back(label[v]);
+  mesh = subset(mesh, std::vector<char>(mesh.triangles.size(), 1));
+  label = std::move(kept);
+}
+
+struct Result {
+  Mesh mesh;
+  std::vector<std::uint32_t> source;
+};
+
+/// Colour of a new point in a chain triangle, from the triangle's corners.
+Rgba8 blend(const Mesh& mesh, std::uint32_t t, const Vec3d& p) {
+  const Vec3d n = doubleAreaVector(mesh, t);
+  std::array<double, 4> sum{0.5, 0.5, 0.5, 0.5};
+  for (int k = 0; k < 3; ++k) {
+    const Vec3d a = mesh.corner(t, (k + 1) % 3), b = mesh.corner(t, (k + 2) % 3);
+    const double w = std::clamp((a - p).cross(b - p).dot(n) / n.squaredNorm(), 0.0, 1.0);
+    for (std::size_t c = 0; c < 4; ++c)
+      sum[c] += w * mesh.vertex_colors[mesh.triangles[t][static_cast<std::size_t>(k)]][c];
+  }
+  Rgba8 out{};
+  for (std::size_t c = 0; c < 4; ++c) out[c] = static_cast<std::uint8_t>(std::clamp(sum[c], 0.0, 255.0));
+  return out;
+}
+
+/// The kept triangles of the arrangement as a mesh, with the normal and source of each.
+Result assemble(const Chain& chain, const internal::Arrangement& arrangement, const std::vector<char>& keep,
+                std::vector<Vec3d>& normals) {
+  Result r;
+  r.mesh.vertices = arrangement.points;
+  if (chain.mesh.hasVertexColors()) {
+    r.mesh.vertex_colors = chain.mesh.vertex_colors;
+    r.mesh.vertex_colors.resize(arrangement.points.size(), internal::kNeutral);
+  }
+  for (std::size_t t = 0; t < keep.size(); ++t) {
+    if (!keep[t]) continue;
+    const std::uint32_t parent = arrangement.parent[t];
+    r.mesh.triangles.push_back(arrangement.triangles[t]);
+    r.source.push_back(chain.source[parent]);
+    normals.push_back(doubleAreaVector(chain.mesh, parent));
+    if (chain.mesh.hasFaceColors()) r.mesh.face_colors.push_back(chain.mesh.face_colors[parent]);
+    if (chain.mesh.hasVertexColors() && chain.source[parent] != kAdded)  // where added triangles meet: neutral
+      for (const std::uint32_t v : arrangement.triangles[t])
+        if (v >= chain.mesh.vertices.size()) r.mesh.vertex_colors[v] = blend(chain.mesh, parent, arrangement.points[v]);
+  }
+  return r;
+}
+
+bool isWhole(const Mesh& imported, const Result& r, std::size_t t) {
+  using Corners = std::array<Vec3d, 3>;
+  const auto corners = [](const Mesh& mesh, std::size_t triangle) {
+    Corners c{mesh.corner(triangle, 0), mesh.corner(triangle, 1), mesh.corner(triangle, 2)};
+    for (Vec3d& p : c) p = roundedToFloat(p);
+    std::sort(c.begin(), c.end(), [](const Vec3d& p, const Vec3d& q) {
+      return p.x() != q.x() ? p.x() < q.x() : p.y() != q.y() ? p.y() < q.y() : p.z() < q.z();
+    });
+    return c;
+  };
+  return r.source[t] != kAdded && corners(r.mesh, t) == corners(imported, r.source[t]);
+}
+
+/// Drops the splinters and pockets that cutting left beside the solid: small pieces with a triangle that is not the
+/// source's.
+void dropDebris(Result& r, const Mesh& imported, const CloseOptions& options, CloseReport& report) {
+  const Pieces pieces = edgeConnectedPieces(r.mesh);
+  if (pieces.count < 2) return;
+  std::vector<double> volume(pieces.count, 0);
+  std::vector<char> made(pieces.count, 0);
+  const Vec3d c = bounds(r.mesh).center();
+  double total = 0;
+  for (std::size_t t = 0; t < r.mesh.triangles.size(); ++t) {
+    const double v = (r.mesh.corner(t, 0) - c).dot((r.mesh.corner(t, 1) - c).cross(r.mesh.corner(t, 2) - c)) / 6;
+    volume[pieces.label[t]] += v, total += v;
+    if (!made[pieces.label[t]] && !isWhole(imported, r, t)) made[pieces.label[t]] = 1;
+  }
+  std::size_t count = 0;
+  double dropped = 0;
+  std::vector<char> debris(pieces.count, 0);
+  for (std::uint32_t l = 0; l < pieces.count; ++l)
+    if (made[l] && std::abs(volume[l]) < options.debris_fraction * total)
+      debris[l] = 1, ++count, dropped += std::abs(volume[l]);
+  if (count == 0) return;
+  std::size_t kept = 0;
+  for (std::size_t t = 0; t < r.mesh.triangles.size(); ++t) {
+    if (debris[pieces.label[t]]) continue;
+    r.mesh.triangles[kept] = r.mesh.triangles[t];
+    r.source[kept] = r.source[t];
+    if (r.mesh.hasFaceColors()) r.mesh.face_colors[kept] = r.mesh.face_colors[t];
+    ++kept;
+  }
+  r.mesh.triangles.resize(kept);
+  r.source.resize(kept);
+  if (r.mesh.hasFaceColors()) r.mesh.face_colors.resize(kept);
+  report.debris_dropped = count;
+  report.changes.push_back(fmt::format("{} beside or inside the solid dropped ({:.3f} mm3 in all)",
+                                       counted(count, "splinter or pocket", "splinters and pockets"), dropped));
+}
+
+/// Steps c to e: arrangement, winding, separation, rounding. Enters what it did in the report.
+Expected<Result> resolve(const Mesh& imported, const Chain& chain,
+                         const std::vector<std::array<std::uint32_t, 2>>& pairs, const CloseOptions& options,
+                         CloseReport& report, const Progress& progress) {
+  if (!kerf::report(progress, 0.4, "resolving crossings")) return internal::cancelledError();
+  KERF_TRY(arrangement, internal::arrangeChain(chain.mesh, pairs, progress));
+  KERF_TRY(kept, internal::keepWindingBoundary(chain.mesh, arrangement, progress));
+  if (!kerf::report(progress, 0.8, "rounding")) return internal::cancelledError();
+  if (kept.patches_kept == 0)
+    return fail(makeError(Error::Code::kGeometry, "a surface that encloses nothing", "a mesh with an inside",
+                          "check the orientation, or --close wrap"));
+  std::vector<Vec3d> normals;
+  Result r = assemble(chain, arrangement, kept.keep, normals);
+  if (!pairs.empty())
+    report.changes.push_back(counted(pairs.size(), "pair of triangles that crossed or touched was",
+                                     "pairs of triangles that crossed or touched were") +
+                             " resolved exactly");
+  report.crossings_resolved = pairs.size();
+  if (const std::size_t gone = kept.patches - kept.patches_kept)
+    report.changes.push_back(fmt::format("{} of {} dropped: inside the solid, or outside of any",
+                                         counted(gone, "patch", "patches"), kept.patches));
+  std::vector<char> fixed(r.mesh.vertices.size(), 0);
+  std::fill(fixed.begin(), fixed.begin() + static_cast<std::ptrdiff_t>(chain.mesh.vertices.size()), 1);
+  const double separation = kSeparation * lengthScale(imported);
+  const internal::SplitReport split = internal::splitNonManifold(r.mesh, normals, r.source, separation);
+  fixed.resize(r.mesh.vertices.size(), 0);
+  if (split.places) {
+    for (const std::uint32_t v : split.copy_of) report.vertices_moved += v < chain.source_vertices;
+    report.changes.push_back(fmt::format("parts that touched in {} were moved apart by {:.1g} mm",
+                                         counted(split.places, "vertex", "vertices"), separation));
+    report.largest_move_mm = std::max(report.largest_move_mm, separation);
+  }
+  dropDebris(r, imported, options, report);
+  compact(r.mesh, fixed);
+  KERF_TRY(cleaned, cleanUpForFloat32(r.mesh, fixed, &r.source, options.cleanup_length_mm));
+  CleanupReport last = cleaned;
+  std::vector<Vec3d> freed;
+  for (int round = 0; round < 3 && last.crossings_left; ++round) {
+    if (!kerf::report(progress, 0.85 + 0.05 * round, "rounding again")) return internal::cancelledError();
+    // Only fixed vertices are left to move: the few around the remaining crossings are let go.
+    std::vector<char> hot(r.mesh.vertices.size(), 0);
+    for (const auto& [i, j] : crossingPairs(r.mesh))
+      for (const std::uint32_t t : {i, j})
+        for (const std::uint32_t v : r.mesh.triangles[t]) hot[v] = 1;
+    for (std::size_t v = 0; v < hot.size(); ++v)
+      if (hot[v] && fixed[v]) fixed[v] = 0, freed.push_back(r.mesh.vertices[v]);
+    KERF_TRY(again, cleanUpForFloat32(r.mesh, fixed, &r.source, options.cleanup_length_mm));
+    last = again;
+  }
+  if (!freed.empty()) {
+    const auto less = [](const Vec3d& p, const Vec3d& q) {
+      return p.x() != q.x() ? p.x() < q.x() : p.y() != q.y() ? p.y() < q.y() : p.z() < q.z();
+    };
+    std::vector<Vec3d> now = r.mesh.vertices;
+    std::sort(now.begin(), now.end(), less);
+    std::size_t moved = 0;
+    for (const Vec3d& p : freed) moved += !std::binary_search(now.begin(), now.end(), p, less);
+    report.vertices_moved += moved;
+    report.largest_move_mm = std::max(report.largest_move_mm, last.largest_move_mm);
+    report.changes.push_back(
+        fmt::format("{} moved or merged (by {:.2g} mm at most) because single precision could not "
+                    "tell the surfaces apart",
+                    counted(moved, "source vertex was", "source vertices were"), last.largest_move_mm));
+  }
+  if (last.crossings_left)
+    return fail(
+        makeError(Error::Code::kGeometry,
+                  counted(last.crossings_left, "pair of triangles still crosses", "pairs of triangles still cross") +
+                      " after rounding to single precision",
+                  "none", "--close wrap"));
+  return r;
+}
+
+Expected<Result> wrap(const Chain& chain, const CloseOptions& options, CloseReport& report, const Progress& progress) {
+  KERF_TRY(mesh, internal::wrapSoup(chain.mesh, options.wrap_alpha_mm, options.wrap_offset_mm, progress));
+  Result r{std::move(mesh), {}};
+  r.source.assign(r.mesh.triangles.size(), kAdded);
+  std::vector<char> fixed(r.mesh.vertices.size(), 0);
+  KERF_TRY(cleaned, cleanUpForFloat32(r.mesh, fixed, &r.source, options.cleanup_length_mm));
+  if (cleaned.crossings_left)
+    return fail(makeError(Error::Code::kGeometry, "a wrap that crosses itself after rounding to single precision", {},
+                          "a larger wrap_alpha_mm"));
+  report.exact = false;
+  report.changes.push_back(
+      fmt::format("the surface was shrink-wrapped and is an APPROXIMATION: it lies about {} mm outside the "
+                  "scan, hollows narrower than {} mm are bridged, no source vertex is preserved, "
+                  "colours are lost",
+                  options.wrap_offset_mm, options.wrap_alpha_mm));
+  return r;
+}
+
+/// Counts what became of the source triangles.
+void countTriangles(const Mesh& imported, const Result& r, CloseReport& report) {
+  enum : char { kGone, kPart, kWhole };
+  std::vector<char> state(imported.triangles.size(), kGone);
+  for (std::size_t t = 0; t < r.source.size(); ++t) {
+    if (r.source[t] == kAdded) {
+      ++report.triangles_added;
+    } else if (isWhole(imported, r, t)) {
+      state[r.source[t]] = kWhole;
+    } else {
+      state[r.source[t]] = std::max(state[r.source[t]], static_cast<char>(kPart));
+    }
+  }
+  for (const char s : state)
+    ++(s == kWhole ? report.triangles_kept : s == kPart ? report.triangles_split : report.triangles_dropped);
+}
+
+Expected<void> checkOptions(const CloseOptions& o) {
+  const auto bad = [](const char* what, double value, const char* expected) {
+    return fail(makeError(Error::Code::kBadValue, fmt::format("{} = {}", what, value), expected));
+  };
+  if (!(o.base_margin_mm > 0 && o.base_margin_mm < 1000))
+    return bad("base_margin_mm", o.base_margin_mm, "above 0, below 1000");
+  if (!(o.cleanup_length_mm > 0 && o.cleanup_length_mm <= 0.1))
+    return bad("cleanup_length_mm", o.cleanup_length_mm, "above 0, at most 0.1");
+  if (!(o.crumb_fraction >= 0 && o.crumb_fraction < 1))
+    return bad("crumb_fraction", o.crumb_fraction, "from 0 to below 1");
+  if (!(o.rim_to_diagonal > 0)) return bad("rim_to_diagonal", o.rim_to_diagonal, "above 0");
+  if (!(o.wrap_alpha_mm > 0)) return bad("wrap_alpha_mm", o.wrap_alpha_mm, "above 0");
+  if (!(o.wrap_offset_mm > 0)) return bad("wrap_offset_mm", o.wrap_offset_mm, "above 0");
+  if (o.base_direction && !(o.base_direction->norm() > 0)) return bad("base_direction", 0, "a direction");
+  if (!(o.stitch_mm >= 0 && o.stitch_mm <= 1)) return bad("stitch_mm", o.stitch_mm, "from 0 to 1");
+  if (o.fill_up_to_mm && !(*o.fill_up_to_mm > 0)) return bad("fill_up_to_mm", *o.fill_up_to_mm, "above 0");
+  if (o.base_height_mm && !(*o.base_height_mm > 0 && *o.base_height_mm < 1000))
+    return bad("base_height_mm", *o.base_height_mm, "above 0, below 1000");
+  if (o.occlusal_plane && !(o.occlusal_plane->normal.norm() > 0 && o.occlusal_plane->normal.allFinite()))
+    return bad("the length of the occlusal plane's normal", o.occlusal_plane->normal.norm(), "above 0");
+  return {};
+}
+
+/// The options for this mesh: see lengthScale().
+CloseOptions fitted(const CloseOptions& asked, const Mesh& mesh, CloseReport& report) {
+  const double scale = lengthScale(mesh);
+  CloseOptions o = asked;
+  if (scale == 1) return o;
+  for (double* length : {&o.stitch_mm, &o.base_margin_mm, &o.cleanup_length_mm, &o.wrap_alpha_mm, &o.wrap_offset_mm})
+    *length *= scale;
+  report.changes.push_back(
+      fmt::format("the object is only {:.3g} mm across: base margin ({:.2g} mm now), seams, rounding and wrap were "
+                  "scaled down with it. Is the unit right?",
+                  bounds(mesh).size().norm(), o.base_margin_mm));
+  return o;
+}
+
+/// The promise of closeMesh(), checked on the result and not on the way to it.
+Expected<void> verify(const Mesh& mesh) {
+  std::string broken;
+  if (!internal::isClosedManifold(mesh)) broken = "a surface that is not a closed 2-manifold";
+  for (const Vec3d& p : mesh.vertices)
+    if (p != roundedToFloat(p)) broken = "a coordinate that is no float32 number";
+  if (broken.empty() && !(signedVolume(mesh) > 0)) broken = "a solid without volume";
+  if (broken.empty() && !crossingPairs(mesh).empty()) broken = "a surface that crosses itself";
+  if (broken.empty()) return {};
+  return fail(makeError(Error::Code::kGeometry, broken, "a verified solid",
+                        "--close wrap, or repair the mesh in a mesh editor"));
+}
+
+bool wraps(const CloseOptions& o) {
+  return o.only.empty() ? o.mode == CloseMode::kWrap : o.only.count(CloseStep::kWrap) > 0;
+}
+
+/// The exact way: a closed chain to a verified solid.
+Expected<Result> makeExact(const Mesh& imported, Chain& chain, const CloseOptions& options, CloseReport& report,
+                           const Progress& progress) {
+  const std::size_t flipped = report.triangles_flipped;
+  const bool nested = internal::turnPieces(chain, report);
+  if (report.triangles_flipped > flipped && !options.only.empty() && !options.only.count(CloseStep::kOrient))
+    return fail(internal::missingStep("a piece that is inside out", CloseStep::kOrient, options));
+  const auto pairs = crossingPairs(chain.mesh);
+  if (!nested && pairs.empty() && internal::isClosedManifold(chain.mesh)) {
+    Result r{std::move(chain.mesh), std::move(chain.source)};
+    std::vector<char> unused(r.mesh.vertices.size(), 1);
+    compact(r.mesh, unused);
+    if (!(signedVolume(r.mesh) > 0))
+      return fail(makeError(Error::Code::kGeometry, "a solid without volume", "a verified solid"));
+    return r;  // just checked: verify() would repeat it
+  }
+  if (!options.only.empty() && !options.only.count(CloseStep::kUnite))
+    return fail(internal::missingStep(pairs.empty() ? std::string("parts that touch, or lie in each other")
+                                                    : counted(pairs.size(), "pair of triangles that crosses or touches",
+                                                              "pairs of triangles that cross or touch"),
+                                      CloseStep::kUnite, options));
+  KERF_TRY(r, resolve(imported, chain, pairs, options, report, progress));
+  KERF_CHECK(verify(r.mesh));
+  return std::move(r);
+}
+
+Expected<Result> makeWrap(const Chain& chain, const CloseOptions& options, CloseReport& report,
+                          const Progress& progress) {
+  KERF_TRY(wrapped, wrap(chain, options, report, progress));
+  KERF_CHECK(verify(wrapped.mesh));
+  return std::move(wrapped);
+}
+
+/// One attempt from the imported mesh, without a second choice. `chain` is left closed, or, where that failed, open.
+Expected<Result> attempt(const Mesh& imported, const CloseOptions& options, Chain& chain, CloseReport& report,
+                         const Progress& progress) {
+  KERF_TRY(built, internal::buildChain(imported, options, report));
+  chain = std::move(built);
+  if (chain.mesh.triangles.empty())
+    return fail(
+        makeError(Error::Code::kEmpty, "a mesh whose triangles all have no area or cancel each other", "a surface"));
+  if (!kerf::report(progress, 0.1, "closing")) return internal::cancelledError();
+  Chain closed = chain;
+  KERF_CHECK(internal::closeBoundary(closed, options, report, progress));
+  chain = std::move(closed);
+  if (wraps(options)) return makeWrap(chain, options, report, progress);
+  if (!kerf::report(progress, 0.3, "looking for crossings")) return internal::cancelledError();
+  Chain work = chain;
+  CloseReport exact = report;
+  Expected<Result> r = makeExact(imported, work, options, exact, progress);
+  if (r) report = std::move(exact);
+  return r;
+}
+
+constexpr std::array<double, 2> kWiderStitches = {0.05, 0.2};  // mm: what kAuto tries before it wraps
+
+/// As attempt(); kAuto then stitches wider, and wraps at last.
+Expected<Result> makeSolid(const Mesh& imported, const CloseOptions& options, CloseReport& report,
+                           const Progress& progress) {
+  Chain chain;
+  Expected<Result> first = attempt(imported, options, chain, report, progress);
+  const bool may_wrap = options.only.empty() && (options.mode == CloseMode::kAuto || options.mode == CloseMode::kWrap);
+  if (first || !may_wrap || first.error().code == Error::Code::kCancelled || first.error().code == Error::Code::kEmpty)
+    return first;
+  // A base that was asked for in so many words is not silently left out.
+  const bool base_asked =
+      options.base_height_mm || options.find_occlusal_plane || options.occlusal_plane || options.base_direction;
+  if (base_asked && internal::hasBoundary(chain)) return first;
+  const std::string why = first.error().found;
+  const bool was_open = report.holes_filled + report.rims_extruded > 0 || internal::hasBoundary(chain);
+  for (const double wide : kWiderStitches) {
+    const double width = wide * lengthScale(imported);
+    if (options.mode != CloseMode::kAuto || !was_open || width <= options.stitch_mm) continue;
+    CloseOptions wider = options;
+    wider.stitch_mm = width;
+    CloseReport again;
+    Chain unused;
+    Expected<Result> r = attempt(imported, wider, unused, again, progress);
+    if (!r && r.error().code == Error::Code::kCancelled) return r;
+    if (!r) continue;
+    report = std::move(again);
+    report.changes.push_back(
+        fmt::format("seams had to be stitched that wide: within {:.2g} mm {}", options.stitch_mm, why));
+    return r;
+  }
+  report.changes.push_back("the exact repair failed: " + why);
+  return makeWrap(chain, options, report, progress);
+}
+
+}  // namespace
+
+Expected<Solid> closeMesh(const Mesh& imported_mm, const CloseOptions& options, const Progress& progress) {
+  KERF_CHECK(checkOptions(options));
+  if (imported_mm.triangles.empty())
+    return fail(makeError(Error::Code::kEmpty, "a mesh without triangles", "a surface",
+                          "export the scan as a mesh, not as points"));
+  if (!kerf::report(progress, 0.0, "welding")) return internal::cancelledError();
+  Solid solid;
+  CloseReport& report = solid.report;
+  const CloseOptions fit = fitted(options, imported_mm, report);
+  KERF_TRY(result, makeSolid(imported_mm, fit, report, progress));
+  const std::size_t source_vertices = imported_mm.vertices.size() - report.vertices_welded;
+  countTriangles(imported_mm, result, report);
+  report.vertices_added =
+      result.mesh.vertices.size() > source_vertices ? result.mesh.vertices.size() - source_vertices : 0;
+  solid.mesh = std::move(result.mesh);
+  solid.source_triangle = std::move(result.source);
+  return solid;
+}
+
+Expected<OcclusalPlane> findOcclusalPlaneOfScan(const Mesh& imported_mm, const CloseOptions& options) {
+  CloseReport unused;
+  KERF_TRY(chain, internal::buildChain(imported_mm, options, unused));
+  return internal::findPlaneOfScan(chain, options);
+}
+
+std::string namesOf(const std::set<CloseStep>& steps) {
+  std::string names;
+  for (const CloseStep step : steps) {
+    if (!names.empty()) names += ',';
+    names += kCloseStepNames[static_cast<std::size_t>(step)];
+  }
+  return names;
+}
+
+std::string canonicalText(const CloseOptions& o) {
+  const auto vector = [](const std::optional<Vec3d>& v) {
+    return v ? fmt::format("({} {} {})", v->x(), v->y(), v->z()) : std::string("-");
+  };
+  return fmt::format(
+      "{} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {}", static_cast<int>(o.mode), static_cast<int>(o.base_style),
+      o.base_margin_mm, o.base_height_mm.value_or(0), vector(o.base_direction), o.find_occlusal_plane,
+      o.occlusal_plane ? vector(o.occlusal_plane->normal) + vector(o.occlusal_plane->point) : std::string("-"),
+      o.rim_to_diagonal, o.crumb_fraction, o.debris_fraction, o.cleanup_length_mm, o.wrap_alpha_mm, o.wrap_offset_mm,
+      namesOf(o.only), o.stitch_mm, o.fill_up_to_mm.value_or(0));
+}
+
+Expected<Solid> closeMeshes(std::span<const Mesh> imported_mm, const CloseOptions& options, const Progress& progress) {
+  Mesh all;
+  for (const Mesh& mesh : imported_mm) append(all, mesh);
+  return closeMesh(all, options, progress);
+}
+
+}  // namespace kerf

@@ -1,0 +1,149 @@
+// From any imported mesh to a solid: closed, 2-manifold, outward, not crossing itself, in float32 coordinates.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "geometry/base/error.h"
+#include "geometry/base/progress.h"
+#include "geometry/mesh/mesh.h"
+#include "preprocess/close/occlusal_plane.h"
+#include "preprocess/unit/source_triangle.h"
+
+namespace kerf {
+
+enum class CloseMode {
+  kAuto,    ///< holes are filled, a missing underside gets a base; the wrap only if the exact way fails, and aloud
+  kBase,    ///< the longest boundary of the mesh is taken for the rim of a missing underside, however short it is
+  kRepair,  ///< holes only: a mesh whose underside is missing is refused
+  kWrap,    ///< shrink-wraps the mesh, closed first where that works: the last resort, no source vertex survives
+};
+
+/// What closing can do. See CloseOptions::only.
+enum class CloseStep {
+  kWeld,    ///< join vertices at the same place
+  kDrop,    ///< drop triangles without area, duplicates, open crumbs
+  kStitch,  ///< join boundaries that run along each other
+  kOrient,  ///< turn triangles and pieces
+  kFill,    ///< fill holes
+  kBase,    ///< put a base under a missing underside
+  kUnite,   ///< resolve crossings and keep what bounds winding number >= 1
+  kWrap,    ///< shrink-wrap the result
+};
+inline constexpr std::array<const char*, 8> kCloseStepNames{"weld", "drop", "stitch", "orient",
+                                                            "fill", "base", "union",  "wrap"};
+
+enum class BaseStyle {
+  kHorseshoe,  ///< the walls follow the rim all the way down
+  kFull,       ///< the arch stands on a plate under the convex outline of its rim: the tongue's place is floored
+};
+
+/// A plane somebody gives: parallel to the base.
+struct GivenPlane {
+  Vec3d normal = Vec3d::UnitZ();  ///< either way round, any length but zero
+  std::optional<Vec3d> point{};   ///< mm, on it; without one it is put onto the highest vertex
+};
+
+struct CloseOptions {
+  CloseMode mode = CloseMode::kAuto;
+  /// If not empty: exactly these steps, whatever `mode` says. A mesh that needs another one is refused with its name.
+  std::set<CloseStep> only{};
+  /// Boundaries no farther apart are stitched; 0: none. The default is what exporters with few digits leave open. kAuto
+  /// goes up to 0.2 mm, aloud, before it wraps.
+  double stitch_mm = 1e-3;
+  /// A longer boundary is no hole: it is the rim of a base, or refused. Default: by rim_to_diagonal.
+  std::optional<double> fill_up_to_mm{};
+  BaseStyle base_style = BaseStyle::kHorseshoe;
+  bool base_is_asked = false;  ///< in so many words: a mesh that gets none is noted, as with every other base option
+  /// The base lies this far below the lowest vertex, > 0; thin bases break in the printer. All but a tenth of it (0.25
+  /// mm at most) is the plate of kFull.
+  double base_margin_mm = 2.0;
+  /// From the base up to the occlusal plane (found, given, or the highest vertex), in place of the margin. Too little
+  /// for the scan is refused. Laboratories leave 3 to 6 mm below the gingiva.
+  std::optional<double> base_height_mm{};
+  /// Where the base goes, out of the mesh; the nearest coordinate axis is used, so that the base is exactly flat in
+  /// float32. Without it: the axis nearest to the direction in which the mesh is open. With an occlusal plane the base
+  /// is parallel to that, and this only says which side is down. Refused if it leads away from the
+  /// opening: by more than 75 degrees, or 105 from one that only rim and orientation together show.
+  std::optional<Vec3d> base_direction{};
+  bool find_occlusal_plane = false;  ///< makes the base parallel to findOcclusalPlane(); see baseFrame() on flatness
+  std::optional<GivenPlane> occlusal_plane{};  ///< or to this one
+  double rim_to_diagonal = 1.2;  ///< a boundary longer than this many box diagonals is a rim, a shorter one a hole
+  /// Open pieces with less than this share of the triangles and less than a tenth of it of the area are dropped: scan
+  /// debris has few triangles and is small, a patch of bone meshed coarsely is not. 0 keeps them all.
+  double crumb_fraction = 0.01;
+  /// Pieces that cutting created and that are smaller than this share of the volume are dropped; 0 keeps every
+  /// splinter.
+  double debris_fraction = 1e-4;
+  double cleanup_length_mm = 1e-3;  ///< new edges shorter than this are collapsed; see cleanUpForFloat32()
+  double wrap_alpha_mm = 1.0;       ///< hollows narrower than this are bridged; below 0.3 a wrap takes minutes
+  double wrap_offset_mm = 0.05;     ///< the wrap stands off the mesh by this much
+};
+
+struct CloseReport {
+  std::vector<std::string> changes;  ///< what was done, as sentences with counts; empty if nothing had to be
+  std::size_t vertices_rounded = 0;  ///< source vertices that were not float32 numbers
+  std::size_t vertices_welded = 0;   ///< source vertices joined with another at the same place
+  std::size_t vertices_moved = 0;    ///< source vertices moved to separate parts that touched
+  std::size_t vertices_added = 0;
+  std::size_t triangles_kept = 0;     ///< in the solid with the same three source vertices
+  std::size_t triangles_dropped = 0;  ///< source triangles of which nothing is left
+  std::size_t triangles_split = 0;    ///< source triangles of which parts are left
+  std::size_t triangles_added = 0;    ///< in the solid and not from any source triangle
+  std::size_t triangles_flipped = 0;  ///< turned to face outwards
+  std::size_t crumbs_dropped = 0;     ///< small open pieces
+  std::size_t debris_dropped = 0;     ///< small closed splinters and pockets left by cutting
+  std::size_t holes_filled = 0;
+  std::size_t seam_vertices = 0;  ///< boundary vertices joined, or put on a boundary edge, by stitching
+  std::size_t rims_extruded = 0;
+  std::size_t crossings_resolved = 0;           ///< pairs of triangles that crossed or touched
+  double largest_move_mm = 0;                   ///< of a source vertex
+  std::optional<Vec3d> base_direction;          ///< unit, out of the model; set if a base was built
+  double base_level_mm = 0;                     ///< the base is {x : base_direction . x = base_level_mm}
+  std::optional<OcclusalPlane> occlusal_plane;  ///< set if it was looked for
+  bool exact = true;                            ///< false after a wrap: the surface is an approximation
+};
+
+struct Solid {
+  Mesh mesh;  ///< mm; surviving source vertices first, in their order; see below on colours
+  std::vector<std::uint32_t> source_triangle;  ///< per triangle: index in the imported mesh, or kAdded
+  CloseReport report;
+};
+
+/// Closes a mesh, changing as little as possible and reporting every change. In short (preprocess/README.md tells why):
+/// round, weld, stitch, orient; fill holes, extrude rims to a flat base, until the triangles form a closed chain; if
+/// that is an embedded 2-manifold it is the answer, and no source vertex moved. Otherwise all crossings are resolved by
+/// an exact arrangement, and the surface that bounds {winding number >= 1} is kept: interpenetrating parts unite,
+/// double layers and inner shells vanish, cavities stay. New vertices are rounded to float32 under cleanUpForFloat32().
+/// The result is verified (closed, 2-manifold at edges and vertices, crossingPairs() empty, positive volume) or
+/// refused.
+/// Colours: a source vertex or triangle keeps its own; a new vertex on a source triangle takes the colour there;
+/// everything else is light model stone (214, 205, 189). Where vertices carry the colours a wall runs from the rim's
+/// into stone within its uppermost 0.2 mm, in a row of triangles of its own.
+/// @param imported_mm  anything a file can hold, in mm, at least one triangle.
+/// @return the solid. Errors: kEmpty (no triangle with area), kGeometry (kRepair on a mesh without underside; nothing
+/// left; the exact way and the wrap failed), kBadValue (options), kCancelled.
+/// @cost about 130 ms for 60k triangles without crossings; with some 800 crossing pairs (a ragged rim) about 1 s.
+/// @thread any; uses all TBB threads; deterministic.
+Expected<Solid> closeMesh(const Mesh& imported_mm, const CloseOptions& options = {}, const Progress& progress = {});
+
+/// The plane that closeMesh() would find for a scan without underside under CloseOptions::find_occlusal_plane.
+/// Errors: as findOcclusalPlane(); kGeometry for a closed mesh.
+Expected<OcclusalPlane> findOcclusalPlaneOfScan(const Mesh& imported_mm, const CloseOptions& options = {});
+
+/// "weld,orient,fill"; empty for an empty set.
+std::string namesOf(const std::set<CloseStep>& steps);
+
+/// All options in one line of text: equal options give equal text.
+std::string canonicalText(const CloseOptions& options);
+
+/// The same for several meshes that make one object; they are united. `source_triangle` counts through them in order.
+Expected<Solid> closeMeshes(std::span<const Mesh> imported_mm, const CloseOptions& options = {},
+                            const Progress& progress = {});
+
+}  // namespace kerf

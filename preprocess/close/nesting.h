@@ -1,0 +1,22 @@
+// Which closed pieces of a mesh lie in which: solids, voids in them, solids in the voids.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "geometry/mesh/mesh.h"
+
+namespace kerf::internal {
+
+/// All pieces at one depth of nesting: 0 = outermost, 1 = void in one, 2 = solid in a void ...
+struct NestingLevel {
+  std::vector<std::uint32_t> triangles;
+  bool is_void = false;
+};
+
+/// Signed volume of one piece decides what it is: a piece of a crossing-free solid is a void exactly if it is negative.
+/// Outermost first. O(pieces^2) box tests.
+/// @pre mesh closed, oriented, free of self-intersections.
+std::vector<NestingLevel> nestingLevels(const Mesh& mesh);
+
+}  // namespace kerf::internal

@@ -1,0 +1,33 @@
+// Asks whether to go on, from loops that turn too fast to ask every time.
+#pragma once
+
+#include <string_view>
+
+#include "geometry/base/error.h"
+#include "geometry/base/progress.h"
+
+namespace kerf::internal {
+
+/// One per step of a job. The fraction reported stays where it is: how far such loops have to go is not known.
+class Poll {
+ public:
+  Poll(const Progress& progress, double fraction, std::string_view what)
+      : progress_(progress), fraction_(fraction), what_(what) {}
+  /// True once the job is cancelled. Asks at every 32nd call, which keeps exact arithmetic within some 10 ms.
+  bool stop() {
+    if (!stopped_ && ++calls_ % 32 == 0) stopped_ = !report(progress_, fraction_, what_);
+    return stopped_;
+  }
+  bool stopped() const { return stopped_; }
+
+ private:
+  const Progress& progress_;
+  double fraction_;
+  std::string_view what_;
+  unsigned calls_ = 0;
+  bool stopped_ = false;
+};
+
+inline tl::unexpected<Error> cancelledError() { return fail({Error::Code::kCancelled, "", "", "cancelled", "", ""}); }
+
+}  // namespace kerf::internal

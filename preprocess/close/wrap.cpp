@@ -1,0 +1,60 @@
+#include "preprocess/close/wrap.h"
+
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Surface_mesh.h>
+#include <CGAL/alpha_wrap_3.h>
+
+#include "preprocess/close/poll.h"
+
+namespace kerf::internal {
+namespace {
+
+struct Stopped : std::exception {};
+
+/// Called by CGAL for every facet it looks at; the only way out is to throw.
+struct StopWhenAsked : CGAL::Alpha_wraps_3::internal::Wrapping_default_visitor {
+  explicit StopWhenAsked(Poll& p) : poll(&p) {}
+  template <class Wrapper, class Gate>
+  void before_facet_treatment(const Wrapper&, const Gate&) const {
+    if (poll->stop()) throw Stopped();
+  }
+  Poll* poll;
+};
+
+}  // namespace
+
+Expected<Mesh> wrapSoup(const Mesh& soup, double alpha_mm, double offset_mm, const Progress& progress) {
+  Poll poll(progress, 0.5, "shrink-wrapping");
+  using Point = CGAL::Exact_predicates_inexact_constructions_kernel::Point_3;
+  std::string why = "an empty result";
+  try {
+    std::vector<Point> points;
+    for (const Vec3d& p : soup.vertices) points.push_back({p.x(), p.y(), p.z()});
+    std::vector<std::array<std::size_t, 3>> faces;
+    for (const Triangle& f : soup.triangles) faces.push_back({f[0], f[1], f[2]});
+    CGAL::Surface_mesh<Point> wrap;
+    CGAL::alpha_wrap_3(points, faces, alpha_mm, offset_mm, wrap, CGAL::parameters::default_values(),
+                       CGAL::parameters::visitor(StopWhenAsked(poll)));
+    Mesh mesh;
+    for (const auto v : wrap.vertices())
+      mesh.vertices.push_back({wrap.point(v).x(), wrap.point(v).y(), wrap.point(v).z()});
+    for (const auto f : wrap.faces()) {
+      Triangle t{};
+      std::size_t k = 0;
+      for (const auto v : wrap.vertices_around_face(wrap.halfedge(f))) t[k++] = v.idx();
+      mesh.triangles.push_back(t);
+    }
+    if (!mesh.triangles.empty()) return mesh;
+  } catch (const Stopped&) {
+    return cancelledError();
+  } catch (const std::exception& e) {
+    why = e.what();
+  }
+  Error error;
+  error.code = Error::Code::kGeometry;
+  error.found = "a mesh that could not be wrapped (" + why + ")";
+  error.hint = "a larger wrap_alpha_mm, or repair the mesh in a mesh editor";
+  return fail(std::move(error));
+}
+
+}  // namespace kerf::internal

@@ -1,0 +1,88 @@
+#include "preprocess/unit/unit.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <vector>
+
+namespace kerf {
+namespace {
+
+struct Unit {
+  std::string_view name;
+  double mm;
+};
+constexpr std::array<Unit, 5> kUnits{{{"mm", 1}, {"cm", 10}, {"m", 1000}, {"um", 0.001}, {"inch", 25.4}}};
+constexpr double kSmallest = 3, kLargest = 300;  // mm across, a crown to a skull
+
+/// Units in which a size would be dental, with the size: "0.1047 mm across is no dental object; in m it would be
+/// 104.7".
+std::string elsewhere(double across, double mm) {
+  std::string text = fmt::format("{:.4g} mm across is no dental object", across * mm);
+  std::string_view separator = "; it would be ";
+  for (const Unit& u : kUnits)
+    if (across * u.mm >= kSmallest && across * u.mm <= kLargest) {
+      text += fmt::format("{}{:.4g} mm in {}", separator, across * u.mm, u.name);
+      separator = ", ";
+    }
+  return text;
+}
+
+/// A unit somebody named: believed, but not in silence where it makes no dental object.
+UnitChoice named(std::string_view unit, double mm, const char* by_whom, double across) {
+  const bool fits = across * mm >= kSmallest && across * mm <= kLargest;
+  return {std::string(unit), mm,
+          fits ? std::string(by_whom) : fmt::format("{}, but {}", by_whom, elsewhere(across, mm)), !fits};
+}
+
+}  // namespace
+
+Expected<double> millimetresPer(std::string_view unit) {
+  for (const Unit& u : kUnits)
+    if (u.name == unit) return u.mm;
+  return fail({Error::Code::kBadValue, "", "--unit", fmt::format("\"{}\"", unit), "mm, cm, m, um or inch", ""});
+}
+
+Expected<UnitChoice> chooseUnit(const Box3& box, std::string_view asked, std::string_view declared) {
+  const double across = box.size().norm();
+  if (!asked.empty()) {
+    KERF_TRY(mm, millimetresPer(asked));
+    UnitChoice choice = named(asked, mm, "as asked with --unit", across);
+    if (!declared.empty() && declared != asked) {
+      choice.reason += fmt::format(", though the file says {}", declared);
+      choice.is_doubtful = true;
+    }
+    return choice;
+  }
+  if (!declared.empty()) {
+    KERF_TRY(mm, millimetresPer(declared));
+    return named(declared, mm, "as the file says", across);
+  }
+  const auto fits = [across](double mm) { return across * mm >= kSmallest && across * mm <= kLargest; };
+  constexpr double kSmallObject = 15;  // a crown; or a jaw in cm, a block in inches
+  if (fits(1) && across < kSmallObject)
+    return UnitChoice{
+        "mm", 1,
+        fmt::format(
+            "{:.4g} across fits a crown in mm; in cm it would be {:.4g} mm, in inches {:.4g} mm: say --unit if so",
+            across, 10 * across, 25.4 * across),
+        true};
+  if (fits(1))
+    return UnitChoice{"mm", 1, fmt::format("{:.4g} across fits a dental object in mm; the file names no unit", across),
+                      false};
+  std::vector<Unit> others;
+  for (const Unit& u : kUnits)
+    if (fits(u.mm)) others.push_back(u);
+  if (others.size() == 1)
+    return UnitChoice{
+        std::string(others[0].name), others[0].mm,
+        fmt::format("{:.4g} across is no dental object in mm, but {:.4g} mm if it is in {}; --unit overrides", across,
+                    across * others[0].mm, others[0].name),
+        true};
+  return UnitChoice{"mm", 1,
+                    fmt::format("{:.4g} across fits {}: taken as mm, unscaled; say --unit if that is wrong", across,
+                                others.empty() ? "no unit" : "several units but not mm"),
+                    true};
+}
+
+}  // namespace kerf

@@ -1,0 +1,29 @@
+// The unit of a mesh file: said by the user, by the file, or taken from the size, and always with a reason.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "geometry/base/error.h"
+#include "geometry/base/types.h"
+
+namespace kerf {
+
+struct UnitChoice {
+  std::string unit;  ///< "mm", "cm", "m", "um" or "inch"
+  double scale_to_mm = 1;
+  std::string reason;        ///< one sentence, shown to the user and kept in the case
+  bool is_doubtful = false;  ///< the size fits no unit, several, or not the one that was named: worth a warning
+};
+
+/// Millimetres per unit; kBadValue with the list of units for an unknown name.
+Expected<double> millimetresPer(std::string_view unit);
+
+/// Order: `asked` by the user, `declared` in the file, then the size. A dental object, from a crown to a skull, is 3 to
+/// 300 mm across; coordinates that are not, but would be in exactly one other unit, are taken for that. In doubt it is
+/// mm: nothing is scaled on a guess that could be two things. A named unit is always taken; if it makes no dental size
+/// the choice is doubtful, and the reason says in which units it would be one.
+/// @param box  of the mesh, in the file's unit.
+Expected<UnitChoice> chooseUnit(const Box3& box, std::string_view asked, std::string_view declared);
+
+}  // namespace kerf

@@ -1,0 +1,77 @@
+#include "preprocess/volume/slice_trial.h"
+
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <system_error>
+
+namespace kerf::internal {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Two seconds of processor time from now, and more for a large file; this process dies of exceeding them. By the clock
+// ten times that, for a file that nobody ever finishes writing: a busy machine is no fault of the file's.
+void limitTime(const fs::path& file) {
+  constexpr double kLeastSeconds = 2, kBytesPerSecond = 2e6, kMostSeconds = 3600;
+  std::error_code failed;
+  const auto bytes = fs::file_size(file, failed);
+  const double more =
+      std::min(kLeastSeconds + (failed ? 0 : static_cast<double>(bytes)) / kBytesPerSecond, kMostSeconds);
+  rusage used{};
+  getrusage(RUSAGE_SELF, &used);
+  const auto until = static_cast<rlim_t>(used.ru_utime.tv_sec + used.ru_stime.tv_sec) + 1 + static_cast<rlim_t>(more);
+  const rlimit limit{until, RLIM_INFINITY};
+  setrlimit(RLIMIT_CPU, &limit);
+  alarm(10 * static_cast<unsigned>(more));
+}
+
+// The most memory this process has had, bytes.
+double mostMemory() {
+  rusage used{};
+  getrusage(RUSAGE_SELF, &used);
+  return 1024.0 * static_cast<double>(used.ru_maxrss);
+}
+
+}  // namespace
+
+bool survivesReading(const std::vector<fs::path>& files, VolumeFormat format, std::uint64_t max_bytes) {
+  const pid_t child = fork();
+  if (child < 0) return false;
+  if (child == 0) {
+    const int nowhere = open("/dev/null", O_WRONLY);
+    if (nowhere >= 0) dup2(nowhere, 2);
+    for (const int way_to_die : {SIGALRM, SIGXCPU, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT})
+      std::signal(way_to_die, SIG_DFL);
+    std::error_code ignored;
+    for (const fs::path& f : files) {
+      limitTime(f);
+      // A length that is not true makes the library take as much memory: not a second time, in the program itself.
+      const auto size = fs::file_size(f, ignored);
+      const double ample = 1e8 + 20 * (ignored ? 0 : static_cast<double>(size)), before = mostMemory();
+      const bool is_slice = format != VolumeFormat::kDicom || isDicom(f);
+      if (mostMemory() > before + ample) _exit(1);
+      if (!is_slice) continue;
+      const auto h = readVolumeHeader(f, format);
+      if (mostMemory() > before + ample) _exit(1);
+      if (!h) continue;
+      double bytes = static_cast<double>(bytesOf(h->type)) * h->components;
+      for (const auto s : h->size) bytes *= static_cast<double>(s);
+      if (!(bytes <= static_cast<double>(max_bytes))) continue;
+      std::vector<std::byte> values(static_cast<std::size_t>(bytes));
+      (void)readVolumeValues(f, format, values.data(), values.size());
+    }
+    _exit(0);
+  }
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
+}  // namespace kerf::internal

@@ -1,0 +1,50 @@
+// Images of any number of axes as ITK reads them, without ITK in the header. For label_volume.cpp only. ITK brings an
+// Eigen of its own: neither this header nor its source may include ours.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "geometry/base/error.h"
+
+namespace kerf::internal {
+
+enum class VolumeFormat { kNrrd, kNifti, kMetaImage, kDicom, kPng, kTiff, kBmp };
+enum class ValueType { kU8, kI8, kU16, kI16, kU32, kI32, kU64, kI64, kF32, kF64 };
+std::size_t bytesOf(ValueType type);
+
+struct VolumeHeader {
+  std::vector<std::uint64_t> size;  ///< values along each axis, fastest first
+  std::vector<double> spacing;      ///< per axis, mm; what ITK made of it
+  std::vector<double> origin;       ///< per axis, mm
+  std::vector<double> direction;    ///< n x n, row-major; column a is the direction of axis a
+  ValueType type = ValueType::kU8;
+  unsigned components = 1;  ///< values per voxel
+  std::string series;       ///< DICOM series instance UID, else empty
+  /// DICOM: whether spacing[0] and [1], and spacing[2], stand in the file. ITK makes 1 mm of those that do not.
+  bool states_pixel_spacing = true, states_frame_spacing = true;
+};
+
+/// The header by ITK. @pre checkVolumeHeader() accepted the file, for the formats it knows. Never throws.
+Expected<VolumeHeader> readVolumeHeader(const std::filesystem::path& path, VolumeFormat format);
+/// All values, in file order (first axis fastest), in the machine's byte order, to `out` of `bytes` bytes.
+/// Fails, before anything is written, if header and `bytes` disagree. Never throws.
+Expected<void> readVolumeValues(const std::filesystem::path& path, VolumeFormat format, std::byte* out,
+                                std::uint64_t bytes);
+/// True if the file is DICOM, whatever its name.
+bool isDicom(const std::filesystem::path& path);
+
+/// What the file's own header says, read without ITK: it fills in what is missing, and trusts sizes.
+struct StatedHeader {
+  std::vector<double> spacing;      ///< as stated, one per axis that has one; empty: none is stated
+  std::uint64_t stored_bytes = 0;   ///< what the file holds after its header
+  std::filesystem::path data_file;  ///< MetaImage: the file with the values, if it is not the header's own
+  double most_per_byte = 1;         ///< values bytes that one stored byte can stand for: 1 raw, 1032 deflate
+};
+/// NRRD, NIfTI and MetaImage only.
+Expected<StatedHeader> checkVolumeHeader(const std::filesystem::path& path, VolumeFormat format);
+
+}  // namespace kerf::internal

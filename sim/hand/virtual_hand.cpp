@@ -1,0 +1,134 @@
+#include "sim/hand/virtual_hand.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerf {
+namespace {
+
+Rigid3 between(const Rigid3& a, const Rigid3& b, double s) {
+  return {a.rotation.slerp(s, b.rotation), a.translation + s * (b.translation - a.translation)};
+}
+
+double duration(const CutPath& path) { return path.poses.back().t - path.poses.front().t; }
+
+}  // namespace
+
+Rigid3 poseAt(const CutPath& path, double t, bool* cuts) {
+  const double at = path.poses.front().t + t;
+  const auto after = std::upper_bound(path.poses.begin(), path.poses.end(), at,
+                                      [](double time, const PathPose& pose) { return time < pose.t; });
+  if (after == path.poses.begin() || after == path.poses.end()) {
+    if (cuts) *cuts = after == path.poses.begin() ? path.cuts.front() != 0 : path.cuts.back() != 0;
+    return after == path.poses.begin() ? path.poses.front().T_object_tool : path.poses.back().T_object_tool;
+  }
+  const PathPose &a = *(after - 1), &b = *after;
+  if (cuts) *cuts = path.cuts[static_cast<std::size_t>(after - path.poses.begin() - 1)] != 0;
+  return between(a.T_object_tool, b.T_object_tool, (at - a.t) / (b.t - a.t));
+}
+
+bool FeedHand::next(const StepOutput&, DeviceSample& sample) {
+  if (is_over_) return false;
+  sample = DeviceSample{};
+  bool cuts = true;
+  sample.T_world_device = poseAt(path_, t_, &cuts);
+  sample.pedal = cuts ? 1 : 0;
+  is_over_ = t_ >= duration(path_);
+  t_ += kTick;
+  return true;
+}
+
+double FeedHand::progress() const { return duration(path_) > 0 ? std::min(1.0, t_ / duration(path_)) : 1; }
+
+ForceHand::ForceHand(const CutPath& path, const CouplingSettings& coupling, const Options& options)
+    : path_(path), options_(options), lead_(options.force / coupling.stiffness) {
+  double sum = 0;
+  for (std::size_t n = 0; n < path.poses.size(); ++n) {
+    if (n > 0) sum += (path.poses[n].T_object_tool.translation - path.poses[n - 1].T_object_tool.translation).norm();
+    length_.push_back(sum);
+  }
+}
+
+double ForceHand::progress() const { return length_.back() > 0 ? at_ / length_.back() : 1; }
+
+bool ForceHand::next(const StepOutput& last, DeviceSample& sample) {
+  sample = DeviceSample{};
+  sample.pedal = 1;
+  if (!has_begun_) {
+    has_begun_ = true;
+    sample.T_world_device = poseAt(path_, 0);
+    return true;
+  }
+  // How far the tool has come along this stretch, never backwards; a stretch is done a micrometre before its end.
+  const auto pose = [&](std::size_t n) -> const Rigid3& { return path_.poses[n].T_object_tool; };
+  Vec3d along = Vec3d::Zero();
+  double whole = 0, done = 0;
+  for (;; ++stretch_) {
+    if (stretch_ + 1 >= path_.poses.size()) {
+      at_ = length_.back();
+      return false;
+    }
+    whole = length_[stretch_ + 1] - length_[stretch_];
+    if (whole < 1e-9) continue;  // a turn on the spot: the hand turns as the path says at its end
+    along = (pose(stretch_ + 1).translation - pose(stretch_).translation) / whole;
+    done = along.dot(last.T_world_tool.translation - pose(stretch_).translation);
+    if (done < whole - 1e-3) break;
+  }
+  done = std::max(done, 0.0);
+  at_ = std::max(at_, length_[stretch_] + done);
+  if (at_ > watched_ + options_.stillness)
+    watched_ = at_, waited_ = 0;
+  else if ((waited_ += kTick) > options_.patience)
+    gave_up_ = true;
+  if (gave_up_) return false;
+  ahead_ = std::min(at_ + lead_, std::max(ahead_, at_) + options_.feed_limit * kTick);
+  sample.T_world_device = between(pose(stretch_), pose(stretch_ + 1), done / whole);
+  sample.T_world_device.translation = pose(stretch_).translation + (ahead_ - length_[stretch_]) * along;
+  sample.pedal = path_.cuts[stretch_] ? 1 : 0;
+  return true;
+}
+
+DeviceHand::DeviceHand(const CutPath& path, const Options& options)
+    : path_(path), options_(options), position_(poseAt(path, 0).translation) {
+  late_.assign(static_cast<std::size_t>(std::max(options.delay_ticks, 0)), Vec3d::Zero());
+}
+
+bool DeviceHand::next(const StepOutput& last, DeviceSample& sample) {
+  if (is_over_) return false;
+  late_.push_back(last.force.force);
+  const Vec3d force = late_.front();
+  late_.erase(late_.begin());
+  constexpr int kParts = 20;
+  const double dt = kTick / kParts, mass = 1e-3 * options_.mass_kg;  // tonnes
+  for (int n = 0; n < kParts; ++n) {
+    const double t = t_ + n * dt;
+    const Vec3d wanted = poseAt(path_, t).translation;
+    const Vec3d speed = (poseAt(path_, t + dt).translation - wanted) / dt;
+    // Spring and dampers implicitly; Coulomb friction takes what it can without turning the motion round.
+    const double k = options_.hand_stiffness, b = options_.hand_damping + options_.damping;
+    Vec3d v = (mass * velocity_ + dt * (force + k * (wanted - position_) + options_.hand_damping * speed)) /
+              (mass + dt * b + dt * dt * k);
+    const double most = dt * options_.friction / mass;
+    const double moving = v.norm();
+    const Vec3d after = moving <= most ? Vec3d(Vec3d::Zero()) : Vec3d(v * (1 - most / moving));
+    const Vec3d way = dt * after;
+    work_ += force.dot(way);
+    lost_ += options_.damping * after.squaredNorm() * dt + options_.friction * way.norm();
+    velocity_ = after;
+    position_ += way;
+  }
+  t_ += kTick;
+  is_over_ = t_ >= duration(path_);
+  sample = DeviceSample{};
+  bool cuts = true;
+  sample.T_world_device = poseAt(path_, t_, &cuts);
+  sample.pedal = cuts ? 1 : 0;
+  sample.T_world_device.translation = position_;
+  if (const double q = options_.encoder_mm; q > 0)
+    sample.T_world_device.translation = q * (position_ / q).array().round().matrix();
+  return true;
+}
+
+double DeviceHand::progress() const { return duration(path_) > 0 ? std::min(1.0, t_ / duration(path_)) : 1; }
+
+}  // namespace kerf

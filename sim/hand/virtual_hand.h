@@ -1,0 +1,102 @@
+// Hands that need no person: what headless cutting and benchmarks hold the tool with.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "sim/hand/path.h"
+#include "sim/step/step.h"
+
+namespace kerf {
+
+/// Gives the sample of the next tick from what the last one gave back. Deterministic. Not for the 1 kHz thread.
+class VirtualHand {
+ public:
+  virtual ~VirtualHand() = default;
+  /// False: the way is done, and `sample` is not set.
+  virtual bool next(const StepOutput& last, DeviceSample& sample) = 0;
+  /// 0 to 1.
+  virtual double progress() const = 0;
+};
+
+/// Where a path is at a time, s after its first pose; the last pose ever after. Straight and by the shorter turn
+/// between poses. `cuts`, if given, is set to whether that motion cuts.
+Rigid3 poseAt(const CutPath& path, double t, bool* cuts = nullptr);
+
+/// Constant feed: the path in its own time, whatever the force. The tool turns while the path cuts. For
+/// Rendering::kRigid.
+class FeedHand final : public VirtualHand {
+ public:
+  explicit FeedHand(const CutPath& path) : path_(path) {}
+  bool next(const StepOutput& last, DeviceSample& sample) override;
+  double progress() const override;
+
+ private:
+  const CutPath& path_;
+  double t_ = 0;
+  bool is_over_ = false;
+};
+
+/// Constant force: pushes along the path. The coupling is pulled `force / stiffness` ahead of where the tool is, in the
+/// direction of the stretch it is on, and holds it to that line sideways; no faster than `feed_limit`. For
+/// Rendering::kCoupled. Gives up when nothing has moved for `patience` seconds.
+class ForceHand final : public VirtualHand {
+ public:
+  struct Options {
+    double force = 1;          ///< N
+    double feed_limit = 20;    ///< mm/s, in air
+    double patience = 5;       ///< s
+    double stillness = 0.002;  ///< mm: less progress than this in `patience` seconds is none
+  };
+  ForceHand(const CutPath& path, const CouplingSettings& coupling, const Options& options);
+  bool next(const StepOutput& last, DeviceSample& sample) override;
+  double progress() const override;
+  bool gaveUp() const { return gave_up_; }
+
+ private:
+  const CutPath& path_;
+  Options options_;
+  double lead_;                 // mm
+  std::vector<double> length_;  // of the way up to each pose, mm
+  std::size_t stretch_ = 0;     // from this pose to the next
+  double at_ = 0, ahead_ = 0;   // mm of the way: the tool; where it is pulled to
+  double watched_ = 0, waited_ = 0;
+  bool has_begun_ = false, gave_up_ = false;
+};
+
+/// A force-feedback device in somebody's hand: a mass on a spring and damper to where the hand wants to be (the path),
+/// seen through an encoder, given its force one tick late and held for a tick. Turns are prescribed, as on a device
+/// without torque.
+class DeviceHand final : public VirtualHand {
+ public:
+  struct Options {
+    double mass_kg = 0.08;        ///< of the device at its tip
+    double damping = 0.0005;      ///< N s/mm, of the device
+    double friction = 0.05;       ///< N, Coulomb, of the device
+    double encoder_mm = 0.02;     ///< resolution; 0: perfect
+    int delay_ticks = 1;          ///< from sample to force
+    double hand_stiffness = 0.3;  ///< N/mm: loose 0.3, firm 2
+    double hand_damping = 0.003;  ///< N s/mm
+  };
+  DeviceHand(const CutPath& path, const Options& options);
+  bool next(const StepOutput& last, DeviceSample& sample) override;
+  double progress() const override;
+
+  /// Where the device really is, mm.
+  const Vec3d& position() const { return position_; }
+  /// Work the force has done on the device so far, less what the device's own damping and friction took, N mm: above
+  /// zero the simulation has given energy away.
+  double portEnergy() const { return work_ - lost_; }
+  double work() const { return work_; }
+
+ private:
+  const CutPath& path_;
+  Options options_;
+  double t_ = 0;
+  Vec3d position_, velocity_ = Vec3d::Zero();
+  std::vector<Vec3d> late_;  // forces under way, oldest first
+  double work_ = 0, lost_ = 0;
+  bool is_over_ = false;
+};
+
+}  // namespace kerf

@@ -1,0 +1,63 @@
+#include "sim/live/mesher_thread.h"
+
+#include <algorithm>
+
+namespace kerf {
+
+MesherThread::MesherThread(const BrickField& phi0, BrickFeed& feed, const MesherThreadOptions& options)
+    : feed_(feed), options_(options), thread_([this, &phi0] { run(phi0); }) {}
+
+MesherThread::~MesherThread() { stop(); }
+
+void MesherThread::stop() {
+  is_stopping_.store(true, std::memory_order_release);
+  if (thread_.joinable()) thread_.join();
+}
+
+void MesherThread::run(const BrickField& phi0) {
+  Remesher remesher(phi0, options_.remesher);
+  publish(remesher.changedSince(0));
+  std::vector<BrickEdit> edits;
+  for (;;) {
+    // Asked before the feed is emptied: what was pushed before stop() is still meshed.
+    const bool is_last = is_stopping_.load(std::memory_order_acquire);
+    edits.clear();
+    if (feed_.drain(edits) > 0) {
+      const std::uint64_t before = remesher.version();
+      remesher.apply(edits);
+      publish(remesher.changedSince(before));
+      edits_done_.fetch_add(edits.size(), std::memory_order_release);
+    } else if (!is_last) {
+      std::this_thread::sleep_for(options_.poll);
+    }
+    if (is_last) return;
+  }
+}
+
+void MesherThread::publish(const std::vector<MeshChunkPtr>& chunks) {
+  if (chunks.empty()) return;
+  std::vector<MeshChunkPtr> outdated;  // declared before the lock: freed after it
+  outdated.reserve(chunks.size());
+  const std::lock_guard lock(mutex_);
+  for (const MeshChunkPtr& c : chunks) {
+    MeshChunkPtr& slot = fresh_[coordKey(c->brick)];
+    if (slot) outdated.push_back(std::move(slot));
+    slot = c;
+  }
+}
+
+std::vector<MeshChunkPtr> MesherThread::take() {
+  std::unordered_map<std::uint64_t, MeshChunkPtr> taken;
+  {
+    const std::lock_guard lock(mutex_);
+    taken.swap(fresh_);
+  }
+  std::vector<MeshChunkPtr> out;
+  out.reserve(taken.size());
+  for (auto& [key, chunk] : taken) out.push_back(std::move(chunk));
+  std::sort(out.begin(), out.end(),
+            [](const MeshChunkPtr& a, const MeshChunkPtr& b) { return coordKey(a->brick) < coordKey(b->brick); });
+  return out;
+}
+
+}  // namespace kerf

@@ -1,0 +1,63 @@
+// The mesher's thread: follows the cut through a BrickFeed and hands changed chunks to the window.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <mutex>
+#include <thread>
+#include <unordered_map>
+#include <vector>
+
+#include "sim/live/remesher.h"
+#include "sim/object/brick_feed.h"
+
+namespace kerf {
+
+struct MesherThreadOptions {
+  RemesherOptions remesher;
+  /// Pause between two looks into an empty feed: adds at most that much to the delay of the picture. Below 0.1 ms the
+  /// thread eats a core; above 5 ms the surface is seen to lag.
+  std::chrono::microseconds poll{1000};
+};
+
+/// Runs a Remesher on a thread of its own. The producer of the feed is never waited for and never made to wait: it
+/// shares the feed's two counters with this thread and nothing else. The reader and the mesher share a mutex that is
+/// held while a few pointers change hands.
+///
+/// What take() gives belongs together: whoever replaces older chunks by it, brick by brick, holds at every time the
+/// closed mesh of one state of the mesher's replica.
+class MesherThread {
+ public:
+  /// Starts at once. The first take() that gives anything gives the whole baked surface.
+  /// @param phi0, feed  kept by reference, must outlive this. This thread is the feed's consumer.
+  MesherThread(const BrickField& phi0, BrickFeed& feed, const MesherThreadOptions& options = {});
+  /// Stops as stop() does.
+  ~MesherThread();
+  MesherThread(const MesherThread&) = delete;
+  MesherThread& operator=(const MesherThread&) = delete;
+
+  /// Chunks that changed since the last take(), the newest of each brick, in order of brick; an empty chunk says that
+  /// no surface is left there. One reader. O(what changed); waits for the mesher at most while it hands over pointers.
+  std::vector<MeshChunkPtr> take();
+  /// Edits meshed so far: with the producer's count of successful pushes it tells how far the mesh lags behind.
+  std::uint64_t editsDone() const noexcept { return edits_done_.load(std::memory_order_acquire); }
+
+  /// Meshes what is in the feed by now and ends the thread; take() then gives the rest. May be called again.
+  /// The producer should push no more: what comes later stays in the feed.
+  void stop();
+
+ private:
+  void run(const BrickField& phi0);
+  void publish(const std::vector<MeshChunkPtr>& chunks);
+
+  BrickFeed& feed_;
+  MesherThreadOptions options_;
+  std::atomic<bool> is_stopping_{false};
+  std::atomic<std::uint64_t> edits_done_{0};
+  std::mutex mutex_;
+  std::unordered_map<std::uint64_t, MeshChunkPtr> fresh_;  // by key of the brick; guarded by mutex_
+  std::thread thread_;                                     // last: everything above exists before it starts
+};
+
+}  // namespace kerf

@@ -1,0 +1,79 @@
+// The visible surface while it is being cut: marching cubes of the bricks that changed, and of no others.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "geometry/field/marching_cubes.h"
+#include "sim/object/overlay_field.h"
+
+namespace kerf {
+
+/// The surface in the cells of one brick, as a graphics card takes it. Never changed once made: a newer one replaces
+/// it.
+struct MeshChunk {
+  Vec3i brick = Vec3i::Zero();  ///< brick coordinate, names the chunk
+  std::uint64_t version = 0;    ///< of the Remesher when this chunk was made; a newer chunk has a higher one
+  std::vector<Vec3f> vertices;  ///< mm, object frame: the positions of marchingCubes(), rounded to float32
+  std::vector<Vec3f> normals;   ///< one per vertex: unit, outward, gradient of the field; seamless across chunks
+  std::vector<std::array<std::uint16_t, 3>> triangles;  ///< counter-clockwise seen from outside
+
+  bool isEmpty() const { return triangles.empty(); }
+};
+using MeshChunkPtr = std::shared_ptr<const MeshChunk>;
+
+struct RemesherOptions {
+  MarchingCubesOptions marching_cubes;
+  /// The baked surface is meshed by all cores; false: by the calling thread, so that none is taken from others (and
+  /// where ThreadSanitizer, which cannot see into Debian's TBB, is to watch). The chunks are the same.
+  bool is_parallel = true;
+};
+
+/// Keeps the mesh of a field that changes brick by brick.
+///
+/// After every call of apply() the chunks together, welded where positions are bit-equal, are the triangles that
+/// marchingCubes() would give for the whole current field: closed and 2-manifold, whatever was edited in which order.
+/// For that a change of a node dirties every brick whose cells read it: the node's own brick, and up to seven or 26
+/// around it when the node, or the box of all nodes that changed, comes near to their faces.
+/// One thread at a time. Chunks may be read from anywhere, they do not change.
+class Remesher {
+ public:
+  /// Meshes the whole baked field: 20 us of one core per brick with surface in it.
+  /// @param phi0  kept by reference, must outlive this and not change.
+  explicit Remesher(const BrickField& phi0, const RemesherOptions& options = {});
+
+  /// Takes the newest values of some bricks (a later edit of the same brick wins; new bricks may appear) and meshes
+  /// again what they touch. Runs on the calling thread alone, so that it takes no core from the haptic thread: 12 us
+  /// per brick meshed again, 2 ms for 60 bricks changed by a bur. Returns the number of bricks meshed again.
+  std::size_t apply(std::span<const BrickEdit> edits);
+
+  /// Rises with every apply() that changed the mesh; 1 after construction.
+  std::uint64_t version() const { return version_; }
+  /// The chunks newer than a version, oldest first, each brick once; an empty chunk says that no surface is left there.
+  /// 0 gives everything. O(what changed).
+  std::vector<MeshChunkPtr> changedSince(std::uint64_t version) const;
+
+  /// phi as far as it is known here.
+  const OverlayField& field() const { return field_; }
+
+ private:
+  bool remesh(const Vec3i& brick);  // true: the chunk is another one now
+  void compactLog();
+
+  OverlayField field_;
+  RemesherOptions options_;
+  std::uint64_t version_ = 1;
+  std::unordered_map<std::uint64_t, MeshChunkPtr> chunks_;  // by key of the brick; never iterated
+  std::vector<MeshChunkPtr> log_;  // in order of version; outdated ones are skipped, and dropped now and then
+  BrickSurface surface_;           // scratch
+  std::vector<std::uint64_t> dirty_;
+};
+
+/// One indexed mesh of chunks of different bricks, welded where positions are bit-equal: vertices in order of position,
+/// triangles in order of the chunks. For export of a glimpse, and for tests.
+Mesh weldedMesh(std::span<const MeshChunkPtr> chunks);
+
+}  // namespace kerf

@@ -1,0 +1,65 @@
+// What a trainer asks of a cut beside force: how warm it got, how near to pulp, nerve and neighbouring teeth. Beside
+// the step, never in it.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "sim/monitor/heat.h"
+#include "sim/monitor/keep_out.h"
+#include "sim/step/step.h"
+
+namespace kerf {
+
+/// What the objects beside the first are called wherever they are told of: "beside_1" is the second of a session.
+std::string neighbourId(std::size_t object);
+
+/// Follows one tool in one object, and beside others. Belongs to the thread that ticks it.
+///
+/// A neighbour is kept out of as it was loaded, where it stands now. What was cut off it is counted, and does not make
+/// the distance to it larger: the tool that goes back through a nick is in the neighbour again. Material put onto it
+/// does not make the distance smaller.
+class Monitor {
+ public:
+  /// Keep-out structures are those of pulp and nerve canal that the first object has, then every other object as a
+  /// whole.
+  /// @param objects  at least one, in the order of those of the session: the first is the one to be cut.
+  /// @cost seconds for a mandible's canals, or a neighbouring tooth; at most 200 MB for each structure, see KeepOut.
+  static Expected<Monitor> make(const LoadedObjects& objects, const ToolModel& tool);
+
+  struct Structure {
+    Material material = Material::kNone;  ///< of a neighbour kNone
+    std::string id;                       ///< "pulp", "nerve_canal", "beside_1" of the second object, "beside_2", ...
+    std::size_t object = 0;               ///< which it belongs to, or is
+    double distance = 0;  ///< of what cuts of the tool now, mm; negative: in it. The tissue left while it touches
+    bool is_far = true;   ///< farther than the field reaches; then `distance` is that
+    double least = 1e9;   ///< ever, mm
+    std::uint64_t ticks_in = 0;       ///< ticks the tool was in it while something was cut
+    std::uint64_t ticks_touched = 0;  ///< of a neighbour: ticks any part of the tool, neck and shank, too, touched it
+    double removed_mm3 = 0;  ///< of a neighbour: what was cut off it, since it came off itself if it is a piece
+  };
+  /// After step(). @param objects  those of the session now: pieces may have come behind those it began with.
+  /// @pre no fewer than make() had.   @rt  some 6 us a structure.
+  void tick(const DeviceSample& sample, const StepOutput& output, std::span<const CutObject> objects) noexcept;
+
+  double temperature() const noexcept { return kBodyCelsius + heat_.surfaceRise(); }  ///< under the tool, C
+  double pulpRise() const noexcept { return heat_.pulpRise(); }                       ///< K
+  double hottest() const noexcept { return hottest_; }                                ///< C, ever
+  double mostPulpRise() const noexcept { return most_pulp_rise_; }
+  const HeatAlarms& alarms() const noexcept { return heat_.alarms(); }
+  const std::vector<Structure>& structures() const noexcept { return structures_; }
+  /// Between the points of the tool that are looked at, mm: ToolSamples::spacing().
+  double spacing() const noexcept { return samples_.spacing(); }
+
+ private:
+  Monitor(ToolSamples samples) : samples_(std::move(samples)) {}
+  ToolSamples samples_;
+  Heat heat_;
+  std::vector<Structure> structures_;
+  std::vector<std::shared_ptr<const KeepOut>> fields_;  // of the structures
+  double hottest_ = kBodyCelsius, most_pulp_rise_ = 0;
+};
+
+}  // namespace kerf

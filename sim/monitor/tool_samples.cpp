@@ -1,0 +1,106 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "sim/monitor/keep_out.h"
+
+namespace kerf {
+namespace {
+
+constexpr float kOnSurface = 0.005f;  // mm
+
+// Down the gradient onto the surface; false where that leads nowhere.
+bool project(const ToolField& field, Vec3f& p) {
+  constexpr float kStep = 0.01f;
+  for (int n = 0; n < 6; ++n) {
+    const float d = field.distance(p);
+    if (std::abs(d) < 0.2f * kOnSurface) return true;
+    float x[8], y[8], z[8], near[8];
+    std::fill_n(x, 8, p[0]), std::fill_n(y, 8, p[1]), std::fill_n(z, 8, p[2]);
+    x[0] += kStep, x[1] -= kStep, y[2] += kStep, y[3] -= kStep, z[4] += kStep, z[5] -= kStep;
+    field.distances(x, y, z, near, 8);
+    const Vec3f gradient(near[0] - near[1], near[2] - near[3], near[4] - near[5]);
+    const float length = gradient.norm();
+    if (!(length > 0.2f * kStep)) return false;  // on the axis, or a ridge
+    p -= d / length * gradient;
+  }
+  return std::abs(field.distance(p)) < kOnSurface;
+}
+
+// Points of the surface, those of a lattice moved onto it.
+std::vector<Vec3f> surfacePoints(const ToolField& field, double spacing) {
+  std::vector<Vec3f> out;
+  Box3 box = field.bounds();
+  box.grow(spacing);
+  const Vec3i size = (box.size() / spacing).array().ceil().cast<int>() + 1;
+  const auto near = static_cast<float>(spacing);
+  float x[8], y[8], z[8], d[8];
+  for (int i = 0; i < size[0]; ++i)
+    for (int j = 0; j < size[1]; ++j)
+      for (int k = 0; k < size[2]; k += 8) {
+        for (int n = 0; n < 8; ++n) {
+          const Vec3d p = box.min + spacing * Vec3d(i, j, k + n);
+          x[n] = static_cast<float>(p[0]), y[n] = static_cast<float>(p[1]), z[n] = static_cast<float>(p[2]);
+        }
+        field.distances(x, y, z, d, 8);
+        for (int n = 0; n < 8 && k + n < size[2]; ++n)
+          if (Vec3f p(x[n], y[n], z[n]); std::abs(d[n]) <= near && project(field, p)) out.push_back(p);
+      }
+  return out;
+}
+
+}  // namespace
+
+ToolSamples::ToolSamples(const ToolField& cut, int count) {
+  if (cut.isEmpty()) return;
+  const auto wanted = static_cast<std::size_t>(std::max(count, 1));
+  // Fine enough for a choice; no finer than some millions of lattice points.
+  double lattice = std::min(0.4, cut.bounds().size().maxCoeff() / 8);
+  std::vector<Vec3f> candidates;
+  for (;;) {
+    candidates = surfacePoints(cut, lattice);
+    const double next = lattice / 1.4;
+    if (candidates.size() >= 20 * wanted || (cut.bounds().size() / next).prod() > 4e6) break;
+    lattice = next;
+  }
+  if (candidates.empty()) return;
+  // Farthest first, from the lowest on: every next point is the one worst covered so far.
+  std::size_t next = 0;
+  for (std::size_t n = 1; n < candidates.size(); ++n)
+    if (candidates[n][2] < candidates[next][2]) next = n;
+  std::vector<float> squared(candidates.size(), std::numeric_limits<float>::infinity());
+  std::vector<Vec3f> chosen;
+  float farthest = 0;
+  do {
+    chosen.push_back(candidates[next]);
+    farthest = 0;
+    for (std::size_t n = 0; n < candidates.size(); ++n) {
+      squared[n] = std::min(squared[n], (candidates[n] - chosen.back()).squaredNorm());
+      if (squared[n] > farthest) farthest = squared[n], next = n;
+    }
+  } while (chosen.size() < wanted && farthest > 0);
+  // A surface point is at most the lattice's half diagonal from a node, and that node's point as far again.
+  spacing_ = std::sqrt(static_cast<double>(farthest)) + std::sqrt(3.0) * lattice;
+
+  // Groups about the first few, which are spread as evenly as so few can be.
+  const auto group_count =
+      std::min(chosen.size(), static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(wanted)))));
+  std::vector<std::vector<Vec3f>> members(group_count);
+  for (const Vec3f& p : chosen) {
+    std::size_t nearest = 0;
+    for (std::size_t g = 1; g < group_count; ++g)
+      if ((p - chosen[g]).squaredNorm() < (p - chosen[nearest]).squaredNorm()) nearest = g;
+    members[nearest].push_back(p);
+  }
+  for (std::size_t g = 0; g < group_count; ++g) {
+    Group group{chosen[g], 0, static_cast<int>(points_.size()), 0};
+    for (const Vec3f& p : members[g]) {
+      group.radius = std::max(group.radius, (p - group.center).norm());
+      points_.push_back(p);
+    }
+    group.end = static_cast<int>(points_.size());
+    groups_.push_back(group);
+  }
+}
+
+}  // namespace kerf

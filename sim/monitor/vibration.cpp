@@ -1,0 +1,145 @@
+#include "sim/monitor/vibration.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace kerf {
+namespace {
+
+// Shares of the whole; together 1. Chosen.
+constexpr double kRunOut = 0.25, kHarmonic = 0.1, kTeeth = 0.2, kTeethTwice = 0.1, kChips = 0.35;
+// Of the run-out in air, of that at full load: an idle handpiece is quieter than one that works. Chosen.
+constexpr double kIdle = 0.4;
+
+double usable(double x, double most) noexcept { return std::isfinite(x) ? std::clamp(x, 0.0, most) : 0; }
+// 0 below `from`, 1 above `to`, smooth.
+double fade(double x, double from, double to) noexcept {
+  const double t = std::clamp((x - from) / (to - from), 0.0, 1.0);
+  return t * t * (3 - 2 * t);
+}
+
+// Of a phase of 2^32 a turn. A polynomial over a quarter turn either way, within 4e-6, of plain products and sums: the
+// library's sine differs between systems in the last bit.
+double sine(std::uint32_t phase) noexcept {
+  auto quarter = static_cast<std::int32_t>(phase);
+  // Second and third quarter turn: mirrored.
+  if (quarter > 0x40000000 || quarter < -0x40000000) quarter = static_cast<std::int32_t>(0x80000000u - phase);
+  const double x = quarter * (2 * std::numbers::pi / 4294967296.0), x2 = x * x;
+  return x * (1 + x2 * (-1.0 / 6 + x2 * (1.0 / 120 + x2 * (-1.0 / 5040 + x2 * (1.0 / 362880)))));
+}
+
+// Middle of the chips' band, Hz: harder rings higher. Chosen.
+double bandMiddle(Material material) noexcept {
+  switch (material) {
+    case Material::kEnamel:
+      return 7000;
+    case Material::kDentin:
+    case Material::kCortical:
+      return 4000;
+    case Material::kCancellous:
+      return 2000;
+    case Material::kCaries:
+      return 1500;
+    case Material::kPulp:
+    case Material::kGingiva:
+    case Material::kPdl:
+    case Material::kNerveCanal:
+      return 600;
+    default:
+      return 3000;
+  }
+}
+
+}  // namespace
+
+VibrationSource vibrationSource(const Tool& tool, const ToolDrive& drive) {
+  VibrationSource out;
+  if (tool.kind == ToolKind::kBlade && tool.motion != BladeMotion::kSpin) {
+    const double way = tool.motion == BladeMotion::kSagittal ? tool.swing_deg * std::numbers::pi / 180 : tool.stroke_mm;
+    out.motion = tool.motion == BladeMotion::kSagittal ? ToolMotion::kSwing : ToolMotion::kStroke;
+    // The drive's speed is the mean there and back.
+    if (way > 0) out.cycles_per_speed = 1 / (2 * way);
+    const double way_mm = tool.motion == BladeMotion::kSagittal ? way * tool.blade_length_mm : way;
+    if (tool.tooth_pitch_mm > 0) out.teeth = way_mm / tool.tooth_pitch_mm;
+  } else {
+    out.cycles_per_speed = 1 / (2 * std::numbers::pi);
+    if (tool.kind == ToolKind::kBlade)
+      out.teeth =
+          tool.tooth_pitch_mm > 0 ? std::round(std::numbers::pi * tool.head_diameter_mm / tool.tooth_pitch_mm) : 0;
+    else if (tool.shape == "drill")
+      out.teeth = 2;
+    else
+      out.teeth = tool.iso && tool.iso->material == "806" ? 0 : 6;  // 806: diamond
+  }
+  out.nominal_frequency = out.cycles_per_speed * drive.speed;
+  return out;
+}
+
+Vibration::Vibration(const VibrationSource& source, double rate, std::uint64_t seed) noexcept
+    : source_(source), rate_(rate >= 100 && rate <= 1e6 ? rate : 0), noise_(seed) {
+  source_.teeth = usable(source.teeth, 1000);
+}
+
+float Vibration::sample(double frequency, double load) noexcept {
+  // The noise: splitmix64 (Steele, Lea & Flood 2014), its upper half as a number in [-1, 1).
+  noise_ += 0x9e3779b97f4a7c15u;
+  std::uint64_t bits = noise_;
+  bits = (bits ^ bits >> 30) * 0xbf58476d1ce4e5b9u;
+  bits = (bits ^ bits >> 27) * 0x94d049bb133111ebu;
+  bits ^= bits >> 31;
+  const double white = static_cast<std::int32_t>(bits >> 32) / 2147483648.0;
+  // Band pass, a state-variable filter in trapezoidal form with Q = 1: nothing at zero frequency. Tangent by its first
+  // terms (the pitch of a hiss needs no more), the middle well below half the rate.
+  const double w = std::numbers::pi * std::min(last_middle_ / rate_, 0.2), g = w * (1 + w * w / 3);
+  const double high = (white - (1 + g) * band_ - low_) / (1 + g + g * g);
+  const double band = g * high + band_, low = g * band + low_;
+  band_ = g * high + band, low_ = g * band + low;
+
+  phase_ += static_cast<std::uint32_t>(static_cast<std::int64_t>(frequency / rate_ * 4294967296.0));
+  const double hearable = fade(frequency, 0, 10);
+  const auto tone = [&](double f) { return hearable * (1 - fade(f, 0.4 * rate_, 0.45 * rate_)); };
+  const bool spins = source_.motion == ToolMotion::kSpin;
+  const double drive = source_.nominal_frequency > 0 ? std::min(1.0, frequency / source_.nominal_frequency) : 0;
+  const double moved = drive * (kIdle + (1 - kIdle) * load);
+  double sum = kRunOut * moved * tone(frequency) * sine(phase_);
+  const std::uint32_t harmonic = spins ? 2 : 3;
+  sum += kHarmonic * moved * tone(frequency * harmonic) * sine(phase_ * harmonic);
+  if (source_.teeth > 0 && spins) {
+    const auto z = static_cast<std::uint32_t>(source_.teeth + 0.5);
+    sum += kTeeth * drive * load * tone(z * frequency) * sine(z * phase_);
+    sum += kTeethTwice * drive * load * tone(2 * z * frequency) * sine(2 * z * phase_);
+  } else if (source_.teeth > 0) {
+    // The stroke stands at teeth / 2 * sin(phase) pitches from its middle; at its fastest pi * teeth * f go by a
+    // second.
+    const double fastest = std::numbers::pi * source_.teeth * frequency;
+    const double at = 0.5 * source_.teeth * sine(phase_) * 4294967296.0;
+    const auto passed = static_cast<std::uint32_t>(static_cast<std::int64_t>(at));
+    sum += kTeeth * drive * load * tone(fastest) * sine(passed);
+    sum += kTeethTwice * drive * load * tone(2 * fastest) * sine(2 * passed);
+  }
+  // Scaled so that the band's rare peaks alone reach its share; clamped alike on both sides.
+  sum += kChips * drive * load * std::clamp(1.2 * band, -1.0, 1.0);
+  return static_cast<float>(sum);
+}
+
+void Vibration::render(const VibrationInput& in, std::span<float> out) noexcept {
+  if (out.empty()) return;
+  if (rate_ <= 0) {
+    std::fill(out.begin(), out.end(), 0.0f);
+    return;
+  }
+  // The drive never turns faster than the samples can tell apart: what is beyond has faded.
+  const double frequency = usable(std::abs(in.speed) * source_.cycles_per_speed, 0.5 * rate_);
+  const double load = usable(in.load, 1), middle = bandMiddle(in.material);
+  if (middle_ <= 0) middle_ = middle;
+  const double step = 1 / static_cast<double>(out.size());
+  for (std::size_t n = 0; n < out.size(); ++n) {
+    const double t = static_cast<double>(n + 1) * step;
+    last_middle_ = middle_ + t * (middle - middle_);
+    out[n] = sample(frequency_ + t * (frequency - frequency_), load_ + t * (load - load_));
+  }
+  frequency_ = frequency, load_ = load, middle_ = middle;
+}
+
+}  // namespace kerf

@@ -1,0 +1,67 @@
+// Vibration and sound of a tool as a stream of samples at any rate: 4 kHz for a haptic channel, 44.1 or 48 kHz to be
+// heard. Apart from the 1 kHz step, whose force is the mean over a cycle and cannot carry a spindle's frequency.
+//
+// Three parts, of fixed shares, so that their sum stays within -1 to 1:
+//   run-out  the drive's own frequency, f = rpm/60 of what spins, cycles per second of what goes to and fro, and one
+//            harmonic: the second of a spindle, the third of a stroke, whose force reverses.
+//   teeth    blades passing, twice: z f and 2 z f of what spins; of a blade the ripple of its pitch, whose pace follows
+//            the stroke. Only under load.
+//   chips    noise in a band whose middle is the material's, growing with load.
+// A turbine's sound is that: a first group at rpm/60, its harmonic, and a broad part from 5 to 15 kHz (spectra of
+// handpieces: doi 10.1007/s007840050078).
+//
+// Phase runs on whatever changes; speed and load go linearly from one call's values to the next's. Tones fade out below
+// 10 Hz, where they would be a push, and above 0.4 of the rate, where they would fold back. Mean zero but for what a
+// window cuts off. Deterministic: own noise, own sine, phases in whole numbers; the same bits everywhere.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "geometry/field/material.h"
+#include "sim/step/tool_model.h"
+
+namespace kerf {
+
+/// How a tool sounds: from its geometry and drive.
+struct VibrationSource {
+  ToolMotion motion = ToolMotion::kSpin;
+  double cycles_per_speed = 0;   ///< Hz per unit of ToolDrive::speed
+  double nominal_frequency = 0;  ///< Hz, at the drive's nominal speed
+  double teeth = 0;  ///< kSpin: blades around; else teeth passed in one stroke one way. 0: grains, no tooth tone
+};
+/// Blades: those of the shape where it says (a drill has two), else six for carbides (chosen; catalogues have 6 to 12)
+/// and none for diamonds; of saws from pitch and stroke.
+VibrationSource vibrationSource(const Tool& tool, const ToolDrive& drive);
+
+/// Of one tick.
+struct VibrationInput {
+  double speed = 0;                       ///< StepOutput::speed: rad/s, mm/s, as ToolDrive
+  double load = 0;                        ///< 0 to 1: StepOutput::cutting_load over a firm hand's (kFirmLoad)
+  Material material = Material::kDentin;  ///< under the tool
+};
+/// The load that counts as full, N: upper end of what operators use on crowns (0.1-4.9 N, litmetric 17074189).
+inline constexpr double kFirmLoad = 5;
+
+/// A value; belongs to the thread that renders. The same seed and inputs give the same samples, however many a call.
+class Vibration {
+ public:
+  /// @param rate  samples per second, 100 to 1e6; else nothing is heard.   @param seed  of the noise.
+  explicit Vibration(const VibrationSource& source, double rate, std::uint64_t seed = 1) noexcept;
+  /// The next samples, from the last call's speed and load to these, each in [-1, 1]: times a force (N) for the hand,
+  /// times a volume for the ear.   @rt safe.  @cost some 30 ns a sample.
+  void render(const VibrationInput& in, std::span<float> out) noexcept;
+  double frequency() const noexcept { return frequency_; }  ///< Hz, of the drive, at the last sample
+
+ private:
+  float sample(double frequency, double load) noexcept;
+  VibrationSource source_;
+  double rate_ = 0;
+  std::uint64_t noise_ = 0;
+  std::uint32_t phase_ = 0;              // of the drive, 2^32 a turn
+  double frequency_ = 0, load_ = 0;      // as of the last sample
+  double middle_ = 0, last_middle_ = 0;  // of the chips' band, Hz
+  double low_ = 0, band_ = 0;            // of the filter
+};
+
+}  // namespace kerf

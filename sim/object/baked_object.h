@@ -1,0 +1,110 @@
+// One object as loaded: baked field, labels, and a directory that finds a brick in one look-up. Never changes.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "geometry/base/error.h"
+#include "geometry/field/brick_field.h"
+#include "geometry/field/material_field.h"
+
+namespace kerf {
+
+/// Half-width of the shell in voxels: its nodes are those with |phi| < e = 1.5 h.
+inline constexpr double kShellHalfWidth = 1.5;
+
+/// One node of the point shell. Weights are those of a smoothed delta of phi, delta = 15 (1 - u^2)^2 / (16 e), u =
+/// phi/e, so that they fade in and out as the surface passes and sum to area whatever the voxel size or the grid's
+/// attitude (after Engquist, Tornberg & Tsai, J Comput Phys 2005;207:28).
+///
+/// Nodes come in chunks, number by number, as the loops of contact read them.
+struct ShellChunk {
+  static constexpr int kNodes = 64;
+  std::array<float, kNodes> x, y, z;  ///< delta grad(phi) h^3, mm^2, outward; its length is the area a node stands for
+  std::array<float, kNodes> phi;      ///< mm, of when the shell was built: a third of what a brick's take
+  std::array<std::uint16_t, kNodes> offset;   ///< of the node in its brick
+  std::array<std::uint8_t, kNodes> material;  ///< number
+};
+/// Most chunks a brick may have.
+inline constexpr int kShellChunks = kBrickNodes / ShellChunk::kNodes;
+constexpr int chunkCount(int nodes) { return (nodes + ShellChunk::kNodes - 1) / ShellChunk::kNodes; }
+
+/// Bricks around one: itself and its six face neighbours, 512 values each.
+struct BrickNeighborhood {
+  const float* self;
+  const float* face[6];  ///< -x, +x, -y, +y, -z, +z
+};
+
+/// How far around an object material can be added to it, mm.
+inline constexpr double kAirAround = 2;
+
+/// The shell nodes of a brick, by offset. The last chunk is filled up with copies of its first node's offset.
+/// @param out  room for kShellChunks.  @return how many nodes. @rt safe.
+int shellOfBrick(const BrickNeighborhood& bricks, const std::uint8_t* materials, double voxel,
+                 ShellChunk* out) noexcept;
+
+class BakedObject {
+ public:
+  /// A brick that may ever change: all those stored, and those marked as interior.
+  struct Slot {
+    Vec3i brick;
+    const float* phi;                        ///< 512 values; of interior bricks a constant
+    const std::uint8_t* materials;           ///< 512 numbers
+    std::uint32_t shell_begin, shell_count;  ///< first chunk; nodes
+    bool has_one_material;
+    float least;  ///< of the values
+  };
+
+  /// @param phi0  baked field.   @param materials  labels on the same grid, or null: all `fallback`.
+  /// Error kBadValue: an empty field, or one whose box takes more than 2^26 bricks.
+  static Expected<std::shared_ptr<const BakedObject>> make(BrickField phi0, const MaterialField* materials,
+                                                           Material fallback = Material::kGeneric);
+
+  const BrickField& phi0() const { return phi0_; }
+  double voxel() const { return phi0_.voxel(); }
+  const std::vector<Slot>& slots() const { return slots_; }
+  const std::vector<ShellChunk>& shell() const { return shell_; }
+  const float* outsideBrick() const { return outside_.data(); }  ///< what stands for a brick that is not stored
+  /// What a brick of air would be.
+  Slot air(const Vec3i& brick) const {
+    return {brick, outside_.data(), fallbackMaterials(), 0, 0, true, phi0_.background()};
+  }
+  Material fallback() const { return fallback_; }
+  const std::uint8_t* fallbackMaterials() const { return uniform_[static_cast<std::size_t>(fallback_)].get(); }
+
+  /// The directory: a box of bricks, kAirAround and one more layer of air about it, z fastest.
+  const Vec3i& directoryLow() const { return low_; }
+  const Vec3i& directorySize() const { return size_; }
+  const std::vector<std::int32_t>& directory() const { return directory_; }  ///< slot or -1
+
+  /// Volume per material, mm^3: sum of the smoothed Heaviside of phi over labelled nodes.
+  const std::array<double, 256>& volumes() const { return volumes_; }
+
+ private:
+  BakedObject() = default;
+  BrickField phi0_;
+  BrickValues outside_{}, inside_{};
+  std::vector<Slot> slots_;
+  std::vector<ShellChunk> shell_;
+  std::vector<std::array<std::uint8_t, kBrickNodes>> materials_;
+  std::array<std::unique_ptr<std::uint8_t[]>, 256> uniform_;
+  Material fallback_ = Material::kGeneric;
+  Vec3i low_, size_;
+  std::vector<std::int32_t> directory_;
+  std::array<double, 256> volumes_{};
+};
+
+/// Smoothed Heaviside of -phi, 1 inside, 0 outside, whose derivative is the shell's delta: what the ledger sums.
+inline double insidePart(float phi, double half_width) {
+  const double u = static_cast<double>(phi) / half_width;
+  if (u <= -1) return 1;
+  if (u >= 1) return 0;
+  return 0.5 - (15.0 / 16) * (u - u * u * u * (2.0 / 3) + u * u * u * u * u / 5);
+}
+
+/// The objects of a scene, in their order.
+using LoadedObjects = std::vector<std::shared_ptr<const BakedObject>>;
+
+}  // namespace kerf

@@ -1,0 +1,38 @@
+#include "sim/object/brick_pool.h"
+
+#include <algorithm>
+#include <new>
+#include <type_traits>
+
+#include "sim/object/huge_pages.h"
+
+namespace kerf {
+
+static_assert(std::is_standard_layout_v<PoolChunk>, "a ShellChunk of a room is taken for the PoolChunk it begins");
+
+std::unique_ptr<BrickPool> BrickPool::make(std::size_t bricks) noexcept {
+  bricks = std::max<std::size_t>(bricks, 1);
+  try {
+    std::unique_ptr<BrickPool> room(new BrickPool);
+    // Zeroed: so that every page is there before the thread that must not wait for one writes to it.
+    internal::reserveLarge(room->versions_, bricks);
+    room->versions_.resize(bricks);
+    internal::reserveLarge(room->chunks_, bricks * kChunksPerBrick);
+    room->chunks_.resize(bricks * kChunksPerBrick);
+    const std::size_t records = 4 + bricks / kBricksPerRecord;
+    room->records_.resize(records);
+    for (std::size_t n = records; n-- > 0;) room->free_records_.pushFront(&room->records_[n]);
+    for (std::size_t n = bricks; n-- > 0;) room->free_versions_.pushFront(&room->versions_[n]);
+    for (std::size_t n = bricks * kChunksPerBrick; n-- > 0;) room->free_chunks_.pushFront(&room->chunks_[n]);
+    room->bricks_ = bricks;
+    return room;
+  } catch (const std::bad_alloc&) {
+    return nullptr;
+  }
+}
+
+BrickPool::~BrickPool() {
+  while (next_) next_ = std::move(next_->next_);  // one by one: a long chain must not nest as deep
+}
+
+}  // namespace kerf

@@ -1,0 +1,156 @@
+#include "sim/object/relax_brick.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "sim/object/relax_brick.cpp"
+#include <hwy/foreach_target.h>
+// After foreach_target.h
+#include <hwy/highway.h>
+
+#include "sim/object/relaxation-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace kerf::internal::HWY_NAMESPACE {
+
+RelaxResult relaxHere(const RelaxInput& in, float* out) {
+  const F f;
+  const int lanes = static_cast<int>(hn::Lanes(f));
+  const V far = hn::Set(f, 1e30f), cap = hn::Set(f, in.cap);
+  V gaps = far, least = far;
+  for (int n = 0; n < kBrickNodes; n += lanes) {
+    const V phi = hn::LoadU(f, in.phi + n), tau = hn::LoadU(f, in.tau + n);
+    const V gap = hn::IfThenElse(hn::Lt(phi, cap), hn::Add(phi, tau), far);
+    gaps = hn::Min(gaps, gap);
+    if (hn::AllFalse(f, hn::Lt(gap, hn::Zero(f)))) {
+      least = hn::Min(least, phi);
+      hn::StoreU(phi, f, out + n);
+      continue;
+    }
+    V next;
+    if (in.geometry_only) {
+      next = hn::Max(phi, hn::Neg(tau));  // exactly, so that once or twice is the same
+    } else {
+      V lever = hn::Set(f, 1.0f);
+      if (in.lever == LeverForm::kRadius) {
+        const V x = hn::LoadU(f, in.x + n), y = hn::LoadU(f, in.y + n);
+        lever = hn::Max(hn::Sqrt(hn::Add(hn::Mul(x, x), hn::Mul(y, y))), hn::Set(f, in.least_radius));
+      } else if (in.lever == LeverForm::kPivot) {
+        const V x = hn::LoadU(f, in.x + n), up = hn::Sub(hn::LoadU(f, in.z + n), hn::Set(f, in.pivot));
+        lever = hn::Sqrt(hn::Add(hn::Mul(x, x), hn::Mul(up, up)));
+      }
+      const V rate = in.rates ? hn::LoadU(f, in.rates + n) : hn::Set(f, in.rate);
+      next = hn::Add(phi, hn::Mul(hn::Max(hn::Neg(gap), hn::Zero(f)), relaxedPart(f, hn::Mul(rate, lever))));
+    }
+    next = hn::Min(next, hn::Max(phi, cap));
+    least = hn::Min(least, next);
+    hn::StoreU(next, f, out + n);
+  }
+  return {hn::GetLane(hn::MinOfLanes(f, gaps)), hn::GetLane(hn::MinOfLanes(f, least))};
+}
+
+void placeHere(const float base[3], const float along[3][3], float* x, float* y, float* z) {
+  const hn::CappedTag<float, 8> f;
+  const int lanes = static_cast<int>(hn::Lanes(f));
+  float* out[3] = {x, y, z};
+  for (int c = 0; c < 3; ++c)
+    for (int row = 0; row < 64; ++row) {
+      const float start =
+          base[c] + static_cast<float>(row >> 3) * along[0][c] + static_cast<float>(row & 7) * along[1][c];
+      for (int k = 0; k < 8; k += lanes)
+        hn::StoreU(hn::Add(hn::Set(f, start), hn::Mul(hn::Iota(f, static_cast<float>(k)), hn::Set(f, along[2][c]))), f,
+                   out[c] + 8 * row + k);
+    }
+}
+
+void placeShellHere(const float base[3], const float along[3][3], const std::uint16_t* offsets, int count, float* x,
+                    float* y, float* z) {
+  const F f;
+  const I i;
+  const hn::Rebind<std::uint16_t, F> u16;
+  const int lanes = static_cast<int>(hn::Lanes(f));
+  float* out[3] = {x, y, z};
+  for (int n = 0; n < count; n += lanes) {
+    const auto at = hn::PromoteTo(i, hn::LoadU(u16, offsets + n));
+    const auto seven = hn::Set(i, 7);
+    const V a = hn::ConvertTo(f, hn::ShiftRight<6>(at)), b = hn::ConvertTo(f, hn::And(hn::ShiftRight<3>(at), seven)),
+            c = hn::ConvertTo(f, hn::And(at, seven));
+    for (int axis = 0; axis < 3; ++axis) {
+      const V p = hn::Add(hn::Add(hn::Add(hn::Set(f, base[axis]), hn::Mul(a, hn::Set(f, along[0][axis]))),
+                                  hn::Mul(b, hn::Set(f, along[1][axis]))),
+                          hn::Mul(c, hn::Set(f, along[2][axis])));
+      hn::StoreU(p, f, out[axis] + n);
+    }
+  }
+}
+
+void valuesHere(const float* values, const std::uint16_t* offsets, int count, float* out) {
+  const F f;
+  const I i;
+  const hn::Rebind<std::uint16_t, F> u16;
+  for (int n = 0; n < count; n += static_cast<int>(hn::Lanes(f)))
+    hn::StoreU(hn::GatherIndex(f, values, hn::PromoteTo(i, hn::LoadU(u16, offsets + n))), f, out + n);
+}
+
+float largestHere(const float* values, int n) {
+  const F f;
+  const int lanes = static_cast<int>(hn::Lanes(f));
+  V largest = hn::LoadU(f, values);
+  for (int at = lanes; at < n; at += lanes) largest = hn::Max(largest, hn::LoadU(f, values + at));
+  return hn::GetLane(hn::MaxOfLanes(f, largest));
+}
+
+std::uint64_t touchingHere(const float* cut, const float* body, const float* phi, int count, float& room) {
+  const F f;
+  const int lanes = static_cast<int>(hn::Lanes(f));
+  const V far = hn::Set(f, 1e30f);
+  V least = hn::Set(f, room);
+  std::uint64_t bits = 0;
+  for (int at = 0; at < count; at += lanes) {
+    V nearest = hn::LoadU(f, cut + at);
+    if (body) nearest = hn::Min(nearest, hn::LoadU(f, body + at));
+    const V gap = hn::IfThenElse(hn::FirstN(f, static_cast<std::size_t>(count - at)),
+                                 hn::Add(nearest, hn::LoadU(f, phi + at)), far);
+    least = hn::Min(least, gap);
+    std::uint8_t part[8] = {};
+    hn::StoreMaskBits(f, hn::Lt(gap, hn::Zero(f)), part);
+    bits |= std::uint64_t{part[0]} << at;
+  }
+  room = hn::GetLane(hn::MinOfLanes(f, least));
+  return bits;
+}
+
+}  // namespace kerf::internal::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace kerf::internal {
+
+HWY_EXPORT(relaxHere);
+HWY_EXPORT(placeHere);
+HWY_EXPORT(placeShellHere);
+HWY_EXPORT(valuesHere);
+HWY_EXPORT(largestHere);
+HWY_EXPORT(touchingHere);
+
+RelaxResult relaxBrick(const RelaxInput& in, float* out) noexcept { return HWY_DYNAMIC_DISPATCH(relaxHere)(in, out); }
+
+void placeNodes(const float base[3], const float along[3][3], float* x, float* y, float* z) noexcept {
+  HWY_DYNAMIC_DISPATCH(placeHere)(base, along, x, y, z);
+}
+
+void placeShell(const float base[3], const float along[3][3], const std::uint16_t* offsets, int count, float* x,
+                float* y, float* z) noexcept {
+  HWY_DYNAMIC_DISPATCH(placeShellHere)(base, along, offsets, count, x, y, z);
+}
+
+void valuesAt(const float* values, const std::uint16_t* offsets, int count, float* out) noexcept {
+  HWY_DYNAMIC_DISPATCH(valuesHere)(values, offsets, count, out);
+}
+
+float largestOf(const float* values, int n) noexcept { return HWY_DYNAMIC_DISPATCH(largestHere)(values, n); }
+
+std::uint64_t touchingNodes(const float* cut, const float* body, const float* phi, int count, float& room) noexcept {
+  return HWY_DYNAMIC_DISPATCH(touchingHere)(cut, body, phi, count, room);
+}
+
+}  // namespace kerf::internal
+#endif

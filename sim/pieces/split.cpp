@@ -1,0 +1,23 @@
+#include "sim/pieces/split.h"
+
+#include <utility>
+
+namespace kerf {
+
+TrackedState trackedState(const CutObject& object) {
+  return {object.T_world_object, {object.removed_mm3, object.added_mm3}};
+}
+
+std::unique_ptr<Split> prepareSplit(std::vector<CutObject> parts) {
+  auto out = std::make_unique<Split>();
+  out->parts = parts.size();
+  out->held.reserve(parts.size());
+  out->spare.reserve(parts.size());
+  for (CutObject& part : parts) {
+    TrackedState tracked = trackedState(part);
+    out->held.push_back({std::move(part), std::move(tracked)});
+  }
+  return out;
+}
+
+}  // namespace kerf

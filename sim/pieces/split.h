@@ -1,0 +1,32 @@
+// A split, ready to be put in place: the objects that take the place of one, or that one again.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "sim/object/cut_object.h"
+
+namespace kerf {
+
+/// Pose and ledger of an object, as of the end of a stroke.
+struct TrackedState {
+  Rigid3 pose;
+  Ledger ledger;
+};
+TrackedState trackedState(const CutObject& object);
+
+struct Split {
+  struct Part {
+    CutObject object;
+    TrackedState tracked;
+  };
+  std::size_t index = 0, parts = 0;
+  std::vector<Part> held;   // the whole while it is split, the parts while that is taken back
+  std::vector<Part> spare;  // room for the others
+  std::unique_ptr<Split> next;
+};
+
+/// What SessionHistory::split() wants, made by any thread. Allocates.
+std::unique_ptr<Split> prepareSplit(std::vector<CutObject> parts);
+
+}  // namespace kerf

@@ -1,0 +1,23 @@
+// From files to what the step works on.
+#pragma once
+
+#include <filesystem>
+#include <span>
+
+#include "geometry/case/case_bundle.h"
+#include "geometry/tool/tool.h"
+#include "sim/step/step.h"
+
+namespace kerf {
+
+/// The object of a case with its labels; unlabelled nodes are of the case's first material. Checked against the
+/// manifest's hashes. @cost seconds for a whole jaw.
+Expected<std::shared_ptr<const BakedObject>> loadObject(const std::filesystem::path& case_folder);
+
+/// Half-width of the widest of their bands, mm: what makeModel() asks for.
+double widestBand(std::span<const std::shared_ptr<const BakedObject>> objects);
+
+/// Tools, tissues by the program's own table, settings. @param bands  of the objects the tools will meet, mm.
+Expected<Model> makeModel(std::span<const Tool> tools, const StepSettings& settings = {}, double band_mm = 0.5);
+
+}  // namespace kerf

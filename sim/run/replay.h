@@ -1,0 +1,59 @@
+// A recorded session again: the same bits, or the first tick that differs.
+#pragma once
+
+#include <filesystem>
+
+#include "geometry/base/progress.h"
+#include "sim/session/session.h"
+
+namespace kerf {
+
+/// Writes a session log in lockstep, without a thread of its own.
+class LogSink final : public SessionSink {
+ public:
+  explicit LogSink(SessionLogWriter& writer) : writer_(writer) { batch_.reserve(kBatch); }
+  ~LogSink() override = default;
+  void sample(const DeviceSample& sample, std::uint64_t tick) noexcept override;
+  void command(std::string_view text, std::uint64_t tick) noexcept override;
+  void mark(StrokeMark mark, std::uint64_t tick) noexcept override;
+  void check(const StateCheck& check, std::uint64_t tick) noexcept override;
+  /// One larger than kMaxSnapshotBytes is left out: a replay starts from an earlier one then.
+  void snapshot(std::span<const std::byte> state, std::uint64_t tick) noexcept override;
+  /// Writes what waits and the clean end. The first error of all.
+  Expected<void> close();
+
+ private:
+  static constexpr std::size_t kBatch = 1024;
+  void flush();
+
+  SessionLogWriter& writer_;
+  std::vector<DeviceSample> batch_;
+  std::uint64_t first_ = 0, last_ = 0;
+};
+
+struct Replay {
+  std::uint64_t ticks = 0, checks = 0, commands = 0;
+  std::uint64_t snapshots = 0;   ///< compared, byte by byte; they are among the checks
+  std::uint64_t first_tick = 0;  ///< where it began
+  std::uint64_t differs_at = 0;  ///< tick of the first check that did not hold
+  bool is_same = true;           ///< every check held, and there was one
+  std::string state_hash;        ///< at the end
+  std::string note;              ///< what the log lacks: cut off, damaged, samples lost
+  double removed_mm3 = 0;        ///< at the end, of all objects; of a piece since it came off
+  std::size_t objects = 0;       ///< at the end: cases, and pieces
+};
+
+/// Runs a log against the objects and tools it was recorded with.
+/// @param until_s  simulated seconds after which to stop.
+/// @param from_s  begins with the last snapshot not after that, if there is one: what lies before is not compared. An
+///   undo that reaches back behind it leads to an earlier one, or to the beginning.
+/// Errors: a header that does not fit; kCancelled.
+Expected<Replay> replay(const SessionLog& log, const std::string& file, Model model, LoadedObjects objects,
+                        const Progress& progress = {}, double until_s = std::numeric_limits<double>::infinity(),
+                        double from_s = 0);
+
+/// The session of a haptic run: session.kerflog, with the cases and the tool the run names.
+Expected<Replay> replayRun(const std::filesystem::path& run_folder, const Progress& progress = {},
+                           double until_s = std::numeric_limits<double>::infinity(), double from_s = 0);
+
+}  // namespace kerf

@@ -1,0 +1,83 @@
+#include "sim/run/sweep_cutter.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace kerf {
+
+SweepCutter::SweepCutter(const BrickField& phi0, const SweepCutterOptions& options)
+    : phi0_(phi0),
+      options_(options),
+      psi_(phi0.voxel(), static_cast<float>(options.band_voxels * phi0.voxel())),
+      object_(phi0.bounds()) {
+  if (object_.isEmpty()) return;
+  for (const Vec3i& brick : phi0.interiorBricks()) {  // a fine region's may lie beyond those at the surface
+    object_.add(phi0.position(brick * kBrickSide));
+    object_.add(phi0.position(brick * kBrickSide + Vec3i::Constant(kBrickSide - 1)));
+  }
+}
+
+void SweepCutter::advance(const SweptTool& sweep) {
+  const double h = phi0_.voxel(), band = psi_.background(), tolerance = options_.tolerance_voxels * h;
+  Box3 box = sweep.bounds();
+  box.grow(band);
+  // Nothing can be cut beyond the bricks that hold the surface: a motion far out or very long costs no more than one
+  // through the object. A field without bricks is tissue all over.
+  if (!object_.isEmpty()) box.min = box.min.cwiseMax(object_.min), box.max = box.max.cwiseMin(object_.max);
+  if (box.isEmpty()) return;
+  const Vec3i low = brickOf((box.min / h).array().floor().cast<int>().matrix());
+  const Vec3i high = brickOf((box.max / h).array().ceil().cast<int>().matrix());
+  const double brick_radius = 0.5 * std::sqrt(3.0) * (kBrickSide - 1) * h;
+  // Bricks with tissue, then those of them the tool may reach (asked in parallel: a long motion's box holds many).
+  std::vector<Vec3i> tissue;
+  for (int x = low[0]; x <= high[0]; ++x)
+    for (int y = low[1]; y <= high[1]; ++y)
+      for (int z = low[2]; z <= high[2]; ++z)
+        if (const Vec3i c{x, y, z}; phi0_.find(c) >= 0 || phi0_.constantAt(c) < 0) tissue.push_back(c);
+  std::vector<char> reached(tissue.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, tissue.size(), 64), [&](const auto& range) {
+    for (std::size_t n = range.begin(); n != range.end(); ++n) {
+      const Vec3d center = psi_.position(tissue[n] * kBrickSide) + Vec3d::Constant(0.5 * (kBrickSide - 1) * h);
+      reached[n] = sweep.mayReach(center, brick_radius, band);
+    }
+  });
+  std::vector<std::size_t> near;
+  for (std::size_t n = 0; n < tissue.size(); ++n)
+    if (reached[n]) near.push_back(psi_.touch(tissue[n]));
+  tbb::parallel_for(std::size_t{0}, near.size(), [&](std::size_t n) {
+    const std::size_t b = near[n];
+    const Vec3i base = psi_.brickCoord(b) * kBrickSide;
+    BrickValues& v = psi_.brick(b);
+    std::size_t at = 0;
+    for (int i = 0; i < kBrickSide; ++i)
+      for (int j = 0; j < kBrickSide; ++j)
+        for (int k = 0; k < kBrickSide; ++k, ++at) {
+          const double now = v[at];
+          if (now <= -band) continue;
+          const double d = sweep.distance(psi_.position(base + Vec3i{i, j, k}), now, tolerance, -band);
+          if (d < now) v[at] = static_cast<float>(std::max(d, -band));
+        }
+  });
+}
+
+BrickField SweepCutter::cutField() const {
+  BrickField out(phi0_.voxel(), phi0_.background(), phi0_.interior());
+  BrickValues cut;
+  for (std::size_t b = 0; b < psi_.brickCount(); ++b) {
+    const int found = phi0_.find(psi_.brickCoord(b));
+    const float constant = phi0_.constantAt(psi_.brickCoord(b));
+    bool differs = false;
+    for (std::size_t n = 0; n < kBrickNodes; ++n) {
+      const float before = found < 0 ? constant : phi0_.brick(static_cast<std::size_t>(found))[n];
+      cut[n] = std::max(before, -psi_.brick(b)[n]);
+      differs |= cut[n] != before;
+    }
+    if (differs) out.add(psi_.brickCoord(b), cut);
+  }
+  return out;
+}
+
+}  // namespace kerf

@@ -1,0 +1,39 @@
+// Geometry-only cutting: the union of all tool sweeps, on the object's own grid.
+#pragma once
+
+#include "geometry/field/brick_field.h"
+#include "geometry/tool/sweep.h"
+
+namespace kerf {
+
+struct SweepCutterOptions {
+  double band_voxels = 4;           ///< the sweep's field is kept this far to either side of its surface
+  double tolerance_voxels = 0.004;  ///< of the minimum over a motion; 0.004 changes a removed volume by < 0.1 %
+};
+
+/// Holds psi = min over all motions so far of the swept tool's distance (mm, negative where the tool has been), in the
+/// bricks of the object the tool came near to. Then phi = max(phi0, -psi): the cut. Every node takes the minimum over
+/// the continuous motion, so there is no scalloping between poses and the result does not depend on how a path is
+/// divided. Nodes are independent: same bits on any number of threads. Air farther than the object's band is not
+/// stored.
+class SweepCutter {
+ public:
+  /// @param phi0  the baked field; kept by reference, must outlive the cutter. Without any brick it is tissue all over.
+  explicit SweepCutter(const BrickField& phi0, const SweepCutterOptions& options = {});
+
+  /// Adds one motion. O(bricks near it), parallel inside. Allocates: not for the haptic thread.
+  void advance(const SweptTool& sweep);
+
+  /// psi, mm.
+  const BrickField& sweep() const { return psi_; }
+  /// phi = max(phi0, -psi) in the bricks where it differs from phi0 by a bit; elsewhere it is phi0.
+  BrickField cutField() const;
+
+ private:
+  const BrickField& phi0_;
+  SweepCutterOptions options_;
+  BrickField psi_;
+  Box3 object_;  // of phi0's bricks, stored or interior
+};
+
+}  // namespace kerf

@@ -1,0 +1,151 @@
+#include "sim/session/session_history.h"
+
+#include <cassert>
+
+namespace kerf {
+namespace {
+
+bool isSamePose(const Rigid3& a, const Rigid3& b) {
+  return a.translation == b.translation && a.rotation.coeffs() == b.rotation.coeffs();
+}
+
+}  // namespace
+
+SessionHistory::SessionHistory(std::vector<CutObject>& objects) {
+  steps_.reserve(kMostSteps);
+  now_.reserve(kMostObjects);
+  for (CutObject& object : objects) {
+    static_cast<void>(object.endStroke());  // what was written before this is not to be taken back
+    now_.push_back(trackedState(object));
+  }
+}
+
+bool SessionHistory::hasChanges(const std::vector<CutObject>& objects) const noexcept {
+  for (std::size_t n = 0; n < objects.size(); ++n)
+    if (objects[n].isInStroke() || !isSamePose(now_[n].pose, objects[n].T_world_object)) return true;
+  return false;
+}
+
+void SessionHistory::forgetRedo(std::vector<CutObject>& objects) noexcept {
+  // Behind a split that was taken back other objects had the numbers: theirs goes with them.
+  std::size_t known = objects.size(), split_at = objects.size();
+  bool is_split = false;
+  for (std::size_t n = done_; n < steps_.size(); ++n) {
+    if (steps_[n].split) is_split = true, split_at = std::min(split_at, steps_[n].split->index);
+    while (!steps_[n].records.isEmpty()) {
+      StrokeRecord* const record = steps_[n].records.popFront();
+      if (!is_split || (record->object < known && record->object < split_at)) objects[record->object].release(record);
+    }
+  }
+  while (steps_.size() > done_) {
+    forget(std::move(steps_.back().split));
+    steps_.pop_back();
+  }
+}
+
+void SessionHistory::forget(std::unique_ptr<Split> split) noexcept {
+  if (!split) return;
+  split->next = std::move(forgotten_);
+  forgotten_ = std::move(split);
+}
+
+SessionHistory::Step& SessionHistory::addStep(std::vector<CutObject>& objects) noexcept {
+  forgetRedo(objects);
+  if (done_ == kMostSteps) {  // its bricks stay as they are, for good
+    forget(std::move(steps_.front().split));
+    steps_.erase(steps_.begin()), --done_;
+  }
+  ++done_;
+  return steps_.emplace_back();  // reserved
+}
+
+void SessionHistory::mark(std::vector<CutObject>& objects) noexcept {
+  assert(objects.size() == now_.size());
+  Step& step = addStep(objects);
+  step.joins_last = joins_next_;
+  joins_next_ = false, is_open_ = true;
+  for (std::size_t n = 0; n < objects.size(); ++n) {
+    CutObject& object = objects[n];
+    TrackedState& known = now_[n];
+    if (!object.isInStroke() && isSamePose(known.pose, object.T_world_object)) continue;
+    StrokeRecord* const record = object.takeRecord();
+    assert(record);
+    if (!record) continue;
+    record->object = n;
+    record->bricks = object.endStroke();
+    record->pose_before = known.pose, record->before = known.ledger;
+    known = trackedState(object);
+    record->pose_after = known.pose, record->after = known.ledger;
+    step.records.pushFront(record);
+  }
+}
+
+void SessionHistory::split(std::vector<CutObject>& objects, std::size_t index, std::unique_ptr<Split> split) noexcept {
+  assert(split && split->parts > 0 && objects.size() + split->parts - 1 <= kMostObjects);
+  const bool joins_last = done_ > 0 && is_open_;
+  Step& step = addStep(objects);
+  step.joins_last = joins_last;
+  step.split = std::move(split);
+  step.split->index = index;
+  swapSplit(objects, *step.split, false);
+  // What the stroke that cut through goes on to cut is still the same stroke.
+  joins_next_ = is_open_ = true;
+}
+
+void SessionHistory::swapSplit(std::vector<CutObject>& objects, Split& split, bool is_undo) noexcept {
+  std::vector<Split::Part>& held = split.spare;  // reserved, as objects and now_ are
+  held.clear();
+  held.push_back({std::move(objects[split.index]), std::move(now_[split.index])});
+  if (is_undo) {
+    const std::size_t first = objects.size() - (split.parts - 1);
+    for (std::size_t n = first; n < objects.size(); ++n) held.push_back({std::move(objects[n]), std::move(now_[n])});
+    objects.erase(objects.begin() + static_cast<std::ptrdiff_t>(first), objects.end());
+    now_.resize(first);
+  }
+  objects[split.index] = std::move(split.held.front().object);
+  now_[split.index] = std::move(split.held.front().tracked);
+  for (std::size_t n = 1; n < split.held.size(); ++n) {
+    objects.push_back(std::move(split.held[n].object));
+    now_.push_back(std::move(split.held[n].tracked));
+  }
+  std::swap(split.held, split.spare);
+  for (CutObject& object : objects) object.odometer += 1e6;
+}
+
+void SessionHistory::apply(std::vector<CutObject>& objects, Step& step, bool is_undo) noexcept {
+  if (step.split) swapSplit(objects, *step.split, is_undo);
+  for (const StrokeRecord* record = step.records.first; record; record = record->next) {
+    CutObject& object = objects[record->object];
+    object.swapStroke(record->bricks, is_undo);
+    const Rigid3& pose = is_undo ? record->pose_before : record->pose_after;
+    if (!isSamePose(object.T_world_object, pose)) object.moveTo(pose);
+    const Ledger& ledger = is_undo ? record->before : record->after;
+    object.removed_mm3 = ledger.removed, object.added_mm3 = ledger.added;
+    now_[record->object] = {pose, ledger};
+  }
+}
+
+bool SessionHistory::undo(std::vector<CutObject>& objects) noexcept {
+  if (done_ == 0) return false;
+  joins_next_ = false;
+  do apply(objects, steps_[--done_], true);
+  while (steps_[done_].joins_last && done_ > 0);
+  return true;
+}
+
+bool SessionHistory::redo(std::vector<CutObject>& objects) noexcept {
+  if (done_ == steps_.size()) return false;
+  do apply(objects, steps_[done_++], false);
+  while (done_ < steps_.size() && steps_[done_].joins_last);
+  return true;
+}
+
+std::size_t SessionHistory::bytes() const noexcept {
+  std::size_t versions = 0;
+  for (const Step& step : steps_)
+    for (const StrokeRecord* record = step.records.first; record; record = record->next)
+      versions += record->bricks.count;
+  return versions * sizeof(BrickVersion);
+}
+
+}  // namespace kerf

@@ -1,0 +1,145 @@
+// The session log: what was loaded, and everything that was done with it since. The state of a session is a function of
+// this file: replay, undo, recovery after a crash and scoring read it. Byte by byte in docs/formats.md.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "geometry/base/error.h"
+#include "sim/step/device_sample.h"
+
+namespace kerf {
+
+/// What was loaded: case and its hashes, tools, settings, program version. In order; keys may repeat.
+using SessionHeader = std::vector<std::pair<std::string, std::string>>;
+
+/// What was asked for by name, such as `tool.select round-014`; takes effect before the sample of its tick.
+struct SessionCommand {
+  std::string text;
+};
+/// What the state was after its tick: a replay that differs has found a difference in program or machine.
+struct StateCheck {
+  std::uint64_t state_hash = 0;
+  Wrench force;  ///< what went to the hand in that tick, N and N mm
+};
+/// State after its tick, from which a replay can start: bytes of the simulation's making, compressed.
+struct SessionSnapshot {
+  std::uint64_t size = 0;         ///< of the bytes, before compression
+  std::vector<std::byte> packed;  ///< by zlib; unpackSnapshot() checks and returns the bytes
+};
+enum class StrokeMark : std::uint32_t { kBegin = 0, kEnd = 1 };  ///< what one undo takes back
+/// Samples, commands or checks that are missing here, because the recorder's queue was full.
+struct SessionGap {
+  std::uint64_t lost = 0;
+};
+
+/// A snapshot can hold this much, bytes; larger ones are refused by writer and reader.
+inline constexpr std::uint64_t kMaxSnapshotBytes = std::uint64_t{1} << 30;
+
+struct TimedSample {
+  std::uint64_t tick = 0;
+  DeviceSample sample;
+};
+struct SessionEvent {
+  std::uint64_t tick = 0;
+  std::size_t samples_before = 0;  ///< it stands before SessionLog::samples[samples_before]
+  std::variant<SessionCommand, StateCheck, SessionSnapshot, StrokeMark, SessionGap> what;
+};
+
+/// Where reading stopped before the end of the file. All before it is as it was written.
+struct LogDamage {
+  enum class Kind {
+    kCutShort,  ///< the last record is not complete: the program was killed, or the disk was full
+    kDamaged    ///< bytes are not those that were written
+  };
+  Kind kind = Kind::kCutShort;
+  std::uint64_t at_byte = 0;     ///< where the first record that cannot be used begins
+  std::uint64_t lost_bytes = 0;  ///< from there to the end of the file
+  std::string what;              ///< a sentence
+};
+
+struct SessionLog {
+  SessionHeader header;
+  std::vector<TimedSample> samples;  ///< ticks strictly increasing; what is missing in between was lost (SessionGap)
+  std::vector<SessionEvent> events;  ///< in the order they were recorded
+  bool is_closed = false;            ///< it was ended, not cut off
+  std::optional<LogDamage> damage;   ///< none: every byte was read
+  std::size_t skipped = 0;           ///< records of kinds this version may skip
+
+  /// First value of a key; empty if there is none.
+  std::string_view value(std::string_view key) const;
+};
+
+/// Reads a log, whole, into memory: about 2.4 times the file's size, an hour (275 MB) in a second or two. A log that
+/// was cut off or damaged is read up to the last whole record before that place, and `damage` says so. Errors, naming
+/// file and byte: no session log, a damaged or incomplete header, a newer version (kUnsupported), a kind of record that
+/// must not be skipped and is not known. Lengths in the file are claims: nothing is allocated that the file's size does
+/// not cover.
+Expected<SessionLog> readSessionLog(const std::filesystem::path& path);
+/// The same for bytes in memory; `name` stands for the file in errors.
+Expected<SessionLog> parseSessionLog(std::span<const std::byte> bytes, const std::string& name);
+
+/// The bytes of a snapshot. Errors: it does not unpack to exactly `size` bytes, or is larger than kMaxSnapshotBytes.
+/// Its record's checksum was right, so such a log was not written by Kerf.
+Expected<std::vector<std::byte>> unpackSnapshot(const SessionSnapshot& snapshot);
+/// zlib, level 1: 100 MB/s or so. For the thread that has the bytes, never the haptic one. kBadValue above the maximum.
+Expected<SessionSnapshot> packSnapshot(std::span<const std::byte> bytes);
+
+/// Writes a log, record by record. Records are collected in memory until write(). Not for several threads at once, and
+/// not for the haptic one: SessionRecorder stands in between.
+class SessionLogWriter {
+ public:
+  /// Makes the file, which must not exist, with its header, and syncs it and its folder to the disk.
+  static Expected<SessionLogWriter> create(const std::filesystem::path& path, const SessionHeader& header);
+
+  SessionLogWriter(SessionLogWriter&& other) noexcept;
+  SessionLogWriter& operator=(SessionLogWriter&&) = delete;
+  ~SessionLogWriter();  ///< without close(): as if the program had been killed
+
+  /// Consecutive samples; the first has tick `first_tick`, > the last one's.
+  void addSamples(std::uint64_t first_tick, std::span<const DeviceSample> samples);
+  void add(std::uint64_t tick, const SessionCommand& command);
+  void add(std::uint64_t tick, const StateCheck& check);
+  void add(std::uint64_t tick, const SessionSnapshot& snapshot);
+  void add(std::uint64_t tick, StrokeMark mark);
+  void add(std::uint64_t tick, const SessionGap& gap);
+  /// A record as it stands in the file; see sim/session/session_format.h.
+  void addRecord(std::uint32_t kind, std::uint64_t tick, std::span<const std::byte> payload);
+
+  /// Hands all records so far to the system: they survive the end of the program. After an error (disk full) the file
+  /// ends with the last whole record that fitted, and every further call returns that error.
+  Expected<void> write();
+  /// Waits until what was written is on the disk (fdatasync): it survives a power failure. An error is kept as
+  /// write()'s is.
+  Expected<void> sync();
+  /// The same for a thread of its own, while another one adds and writes: a slow disk holds up nobody else. It keeps
+  /// no error, and bytesSynced() does not know of it. Not during close().
+  Expected<void> syncAside() const;
+  /// Writes all records and the mark of a clean end, syncs and closes.
+  Expected<void> close(std::uint64_t last_tick);
+
+  std::uint64_t bytesWritten() const { return written_; }  ///< handed to the system, whole records
+  std::uint64_t bytesSynced() const { return synced_; }
+
+ private:
+  SessionLogWriter(int fd, std::string file) : fd_(fd), file_(std::move(file)) {}
+  tl::unexpected<Error> failed(const char* step, int reason);
+
+  int fd_ = -1;
+  std::string file_;
+  std::vector<std::byte> pending_;        // records not yet written
+  std::vector<std::size_t> record_ends_;  // in pending_
+  std::uint32_t checksum_ = 0;            // of the whole log so far
+  std::uint64_t written_ = 0, synced_ = 0;
+  std::optional<Error> error_;
+};
+
+}  // namespace kerf

@@ -1,0 +1,279 @@
+#include "sim/session/state_bytes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <optional>
+#include <unordered_map>
+
+namespace kerf {
+namespace {
+
+constexpr std::uint32_t kStateVersion = 2;
+
+// Little-endian, doubles with every bit.
+class Writer {
+ public:
+  void u32(std::uint32_t v) { put(v); }
+  void u64(std::uint64_t v) { put(v); }
+  void f64(double v) { put(std::bit_cast<std::uint64_t>(v)); }
+  void vec(const Vec3d& v) { f64(v[0]), f64(v[1]), f64(v[2]); }
+  void brick(const Vec3i& v) {
+    for (int c = 0; c < 3; ++c) u32(static_cast<std::uint32_t>(v[c]));
+  }
+  void pose(const Rigid3& p) { f64(p.rotation.w()), vec(p.rotation.vec()), vec(p.translation); }
+  void floats(const float* from, int count) {
+    for (int n = 0; n < count; ++n) u32(std::bit_cast<std::uint32_t>(from[n]));
+  }
+  void bytes(const std::uint8_t* from, int count) {
+    for (int n = 0; n < count; ++n) out.push_back(std::byte{from[n]});
+  }
+  std::vector<std::byte> out;
+
+ private:
+  template <class T>
+  void put(T v) {
+    for (std::size_t i = 0; i < sizeof(T); ++i) out.push_back(static_cast<std::byte>(v >> (8 * i)));
+  }
+};
+
+// After the end it gives zeros and says so: one look at `is_good` after each part.
+class Reader {
+ public:
+  explicit Reader(std::span<const std::byte> from) : from_(from) {}
+  std::uint8_t u8() { return get<std::uint8_t>(); }
+  std::uint32_t u32() { return get<std::uint32_t>(); }
+  std::uint64_t u64() { return get<std::uint64_t>(); }
+  double f64() { return std::bit_cast<double>(u64()); }
+  Vec3d vec() {
+    const double x = f64(), y = f64();
+    return {x, y, f64()};
+  }
+  Vec3i brick() {
+    Vec3i v;
+    for (int c = 0; c < 3; ++c) v[c] = static_cast<int>(u32());
+    return v;
+  }
+  Rigid3 pose() {
+    Rigid3 p;
+    p.rotation.w() = f64();
+    p.rotation.vec() = vec();
+    p.translation = vec();
+    return p;
+  }
+  /// A number of things of at least `bytes_each` bytes that can still follow; a larger one is a lie.
+  std::size_t count(std::size_t bytes_each) {
+    const std::uint64_t claimed = u64();
+    if (claimed > (from_.size() - at_) / bytes_each) is_good = false;
+    return is_good ? static_cast<std::size_t>(claimed) : 0;
+  }
+  bool isAtEnd() const { return at_ == from_.size(); }
+  std::size_t at() const { return at_; }
+  bool is_good = true;
+
+ private:
+  template <class T>
+  T get() {
+    if (from_.size() - at_ < sizeof(T)) {
+      is_good = false, at_ = from_.size();
+      return 0;
+    }
+    T v = 0;
+    for (std::size_t i = 0; i < sizeof(T); ++i)
+      v = static_cast<T>(v | static_cast<T>(std::to_integer<T>(from_[at_ + i]) << (8 * i)));
+    at_ += sizeof(T);
+    return v;
+  }
+  std::span<const std::byte> from_;
+  std::size_t at_ = 0;
+};
+
+bool hasOtherMaterials(const CutObject::Slot& slot) {
+  return slot.own_materials && std::memcmp(slot.own_materials, slot.baked_materials, kBrickNodes) != 0;
+}
+
+void packObject(const CutObject& object, std::size_t loaded, Writer& to) {
+  to.u32(static_cast<std::uint32_t>(loaded)), to.u32((object.isPiece() ? 1u : 0u) | (object.isFrozen() ? 2u : 0u));
+  to.u32(object.id);
+  to.pose(object.T_world_object);
+  for (std::size_t m = 0; m < 256; ++m) to.f64(object.removed_mm3[m]), to.f64(object.added_mm3[m]);
+  // Which bricks a piece began with; then, for any object, those of air that it took on.
+  const auto putBricks = [&](int begin, int end) {
+    std::uint64_t count = 0;
+    for (int n = begin; n < end; ++n) count += object.has(n);
+    to.u64(count);
+    for (int n = begin; n < end; ++n)
+      if (object.has(n)) to.brick(object.slot(n).brick);
+  };
+  if (object.isPiece()) putBricks(0, object.firstSlotCount());
+  putBricks(object.firstSlotCount(), object.slotCount());
+  std::vector<int> changed;
+  for (int n = 0; n < object.slotCount(); ++n)
+    if (object.slot(n).own && (std::memcmp(object.slot(n).own, object.slot(n).baked, sizeof(BrickValues)) != 0 ||
+                               hasOtherMaterials(object.slot(n))))
+      changed.push_back(n);
+  to.u64(changed.size());
+  for (const int s : changed) {
+    const CutObject::Slot& slot = object.slot(s);
+    to.brick(slot.brick), to.u32(hasOtherMaterials(slot));
+    to.floats(slot.own, kBrickNodes);
+    if (hasOtherMaterials(slot)) to.bytes(slot.own_materials, kBrickNodes);
+  }
+}
+
+struct ChangedBrick {
+  BrickEdit edit;
+  bool has_materials = false;
+  std::array<std::uint8_t, kBrickNodes> materials{};
+};
+
+bool isPose(const Rigid3& pose) {
+  return pose.translation.allFinite() && pose.translation.norm() < 1e5 && std::abs(pose.rotation.norm() - 1) < 1e-6;
+}
+
+std::vector<Vec3i> readBricks(Reader& from) {
+  std::vector<Vec3i> out(from.count(12));
+  for (Vec3i& brick : out) brick = from.brick();
+  return out;
+}
+
+std::vector<ChangedBrick> readChanged(Reader& from) {
+  std::vector<ChangedBrick> out(from.count(16 + 4 * kBrickNodes));
+  for (ChangedBrick& c : out) {
+    c.edit.brick = from.brick();
+    c.has_materials = from.u32() != 0;
+    for (float& v : c.edit.phi) {
+      v = std::bit_cast<float>(from.u32());
+      from.is_good = from.is_good && std::isfinite(v);
+    }
+    if (c.has_materials)
+      for (std::uint8_t& m : c.materials) m = from.u8();
+  }
+  return out;
+}
+
+// The bricks of a piece as CutObject::piece wants them; empty if `whole` has not all of them, or one is there twice.
+PieceBricks pieceOf(CutObject& whole, std::vector<Vec3i> bricks, const std::vector<ChangedBrick>& changed) {
+  const auto isBefore = [](const Vec3i& a, const Vec3i& b) { return coordKey(a) < coordKey(b); };
+  std::sort(bricks.begin(), bricks.end(), isBefore);
+  std::unordered_map<std::uint64_t, const BrickEdit*> edits;
+  for (const ChangedBrick& c : changed) edits[coordKey(c.edit.brick)] = &c.edit;
+  PieceBricks out;
+  for (std::size_t n = 0; n < bricks.size(); ++n) {
+    const Vec3i& c = bricks[n];
+    if (n > 0 && bricks[n - 1] == c) return {};
+    if (whole.find(c) < 0 && whole.addAir(c) < 0) return {};
+    const auto edit = edits.find(coordKey(c));
+    const bool is_constant =
+        edit == edits.end() && whole.slot(whole.find(c)).phi[0] < 0 && !whole.baked().phi0().valuesAt(c);
+    if (is_constant) {
+      out.interior.push_back(c);
+      continue;
+    }
+    out.bricks.push_back(c), out.at_edge.push_back(c);
+    if (edit != edits.end()) out.changed.push_back(*edit->second);
+  }
+  return out;
+}
+
+// Nothing: the bytes do not describe such an object.
+std::optional<CutObject> unpackObject(Reader& from, const LoadedObjects& loaded) {
+  const std::size_t index = from.u32();
+  const std::uint32_t flags = from.u32(), id = from.u32();
+  const bool is_piece = flags & 1;
+  const Rigid3 pose = from.pose();
+  std::array<double, 256> removed{}, added{};
+  for (std::size_t m = 0; m < 256; ++m) removed[m] = from.f64(), added[m] = from.f64();
+  std::vector<Vec3i> own;
+  if (is_piece) own = readBricks(from);
+  const std::vector<Vec3i> air = readBricks(from);
+  const std::vector<ChangedBrick> changed = readChanged(from);
+  if (!from.is_good || index >= loaded.size() || !isPose(pose) || air.size() > CutObject::kMostAdded) return {};
+  CutObject object(loaded[index], is_piece ? 1 : changed.size() + 64);
+  if (is_piece) {
+    const std::size_t wanted = own.size();
+    const PieceBricks bricks = pieceOf(object, std::move(own), changed);
+    if (wanted == 0 || bricks.bricks.size() + bricks.interior.size() != wanted) return {};
+    object = CutObject::piece(object, bricks);
+  }
+  for (const Vec3i& brick : air)
+    if (object.find(brick) >= 0 || object.addAir(brick) < 0) return {};
+  for (const ChangedBrick& c : changed) {
+    const int s = object.find(c.edit.brick);
+    if (s < 0 || !object.restore(s, c.edit.phi, c.has_materials ? c.materials.data() : nullptr)) return {};
+  }
+  while (!object.repair())
+    if (!object.reserve(1024)) return {};
+  object.endStroke();  // it begins like this: nothing to undo
+  object.T_world_object = pose, object.id = id;
+  if (flags & 2) object.freeze();
+  object.removed_mm3 = removed, object.added_mm3 = added;
+  return object;
+}
+
+}  // namespace
+
+bool isStateOfThisVersion(std::span<const std::byte> bytes) { return Reader(bytes).u32() == kStateVersion; }
+
+std::vector<std::byte> packState(const State& state, const LoadedObjects& loaded) {
+  Writer to;
+  to.u32(kStateVersion);
+  to.u64(state.tick), to.u64(state.tool), to.f64(state.speed), to.f64(state.ramp);
+  to.u32(static_cast<std::uint32_t>(state.adds)), to.u32(static_cast<std::uint32_t>(state.adds_to));
+  to.u32((state.has_device ? 1u : 0u) | (state.is_latched ? 2u : 0u));
+  to.pose(state.body.pose), to.vec(state.body.velocity), to.vec(state.body.angular);
+  to.pose(state.device.pose), to.vec(state.device.velocity), to.vec(state.device.angular);
+  to.vec(state.last_force.force), to.vec(state.last_force.torque);
+  to.u32(state.next_id);
+  to.u32(static_cast<std::uint32_t>(state.objects.size()));
+  for (const CutObject& object : state.objects) {
+    std::size_t index = 0;
+    while (index < loaded.size() && loaded[index].get() != &object.baked()) ++index;
+    packObject(object, index, to);
+  }
+  return std::move(to.out);
+}
+
+Expected<State> unpackState(std::span<const std::byte> bytes, const LoadedObjects& loaded, const std::string& file) {
+  const auto refuse = [&](const std::string& what) {
+    return fail({Error::Code::kBadValue, file, "snapshot", what, "the state of a session with these objects",
+                 "the log fits another case or version; replay from its beginning"});
+  };
+  Reader from(bytes);
+  if (const std::uint32_t version = from.u32(); version != kStateVersion)
+    return refuse(fmt::format("version {}, not {}", version, kStateVersion));
+  State out;
+  out.tick = from.u64(), out.tool = from.u64(), out.speed = from.f64(), out.ramp = from.f64();
+  out.adds = static_cast<Material>(from.u32() & 255), out.adds_to = from.u32();
+  const std::uint32_t flags = from.u32();
+  out.has_device = flags & 1, out.is_latched = flags & 2;
+  out.body.pose = from.pose(), out.body.velocity = from.vec(), out.body.angular = from.vec();
+  out.device.pose = from.pose(), out.device.velocity = from.vec(), out.device.angular = from.vec();
+  out.last_force.force = from.vec(), out.last_force.torque = from.vec();
+  out.next_id = from.u32();
+  const std::uint32_t count = from.u32();
+  const bool is_finite = std::isfinite(out.speed) && std::isfinite(out.ramp) && out.body.velocity.allFinite() &&
+                         out.body.angular.allFinite() && out.device.velocity.allFinite() &&
+                         out.device.angular.allFinite() && out.last_force.force.allFinite() &&
+                         out.last_force.torque.allFinite() && isPose(out.body.pose) && isPose(out.device.pose);
+  if (!from.is_good || !is_finite || count > kMostObjects)
+    return refuse(fmt::format("no state in its first {} bytes", from.at()));
+  out.objects.reserve(kMostObjects);
+  for (std::uint32_t n = 0; n < count; ++n) {
+    std::optional<CutObject> object = unpackObject(from, loaded);
+    if (!object) return refuse(fmt::format("object {} is not one of those loaded, or was cut short", n));
+    out.objects.push_back(std::move(*object));
+  }
+  for (std::size_t n = 0; n < out.objects.size(); ++n)
+    for (std::size_t m = 0; m <= n; ++m)
+      if (out.objects[n].id >= out.next_id || (m < n && (out.objects[m].id == out.objects[n].id ||
+                                                         (out.objects[m].isFrozen() && out.objects[n].isFrozen()))))
+        return refuse(fmt::format("object {} has the id of another, or is held beside another", n));
+  if (!from.isAtEnd()) return refuse(fmt::format("{} bytes too many", bytes.size() - from.at()));
+  return out;
+}
+
+}  // namespace kerf

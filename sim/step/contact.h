@@ -1,0 +1,114 @@
+// Contact of one tool with one object: which bricks are near, what force their nodes make, what the cut takes off.
+//
+// All functions are @rt: no allocation, lock, exception or system call; results depend on the state alone. Quantities
+// are in the object's frame, torques and moments about the tool's tip.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "sim/object/cut_object.h"
+#include "sim/step/device_sample.h"
+#include "sim/step/tissue.h"
+#include "sim/step/tool_model.h"
+
+namespace kerf {
+
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+
+/// What one evaluation needs to know of tool and time.
+struct ContactInput {
+  const ToolModel* tool = nullptr;
+  const TissueTable* tissues = nullptr;
+  Rigid3 T_object_tool;            ///< mm
+  double speed = 0;                ///< of the drive now: see ToolDrive::speed
+  double dt = kTick;               ///< s
+  bool geometry_only = false;      ///< the cutting part takes what it sweeps, without resistance
+  Vec3d velocity = Vec3d::Zero();  ///< of the tip relative to the object, mm/s, without the tool's own motion
+  Vec3d angular = Vec3d::Zero();   ///< rad/s
+  double load_scale = 1;           ///< of the pressure that erodes: see sim/step/response.h
+};
+
+/// Sums over the nodes in contact. With overlap d = max(0, -tau - phi), pressure p = k_n d g, g = (1 - exp(-c dt)) /
+/// (c dt) the mean over the tick of an overlap that erodes, area vector w: force = sum p w (facing weight below).
+struct ContactSums {
+  Vec3d force = Vec3d::Zero(), torque = Vec3d::Zero();              ///< N, N mm, of the pressure, on the tool
+  Vec3d force_after = Vec3d::Zero(), torque_after = Vec3d::Zero();  ///< the same once this tick's erosion is done
+  /// -d(force_after, torque_after) / d(translation, rotation), symmetric, positive semi-definite: sum k_n A u u^T with
+  /// u = (n, r x n).
+  Matrix6d stiffness = Matrix6d::Zero();
+  /// Drag on the tool is -(drag * twist) of its motion plus the part of its own motion: sums of mu p A over the surface
+  /// speed, with their first and second moments about the tip.
+  double drag = 0;                                        ///< N s/mm
+  Vec3d drag_moment = Vec3d::Zero();                      ///< N s
+  Eigen::Matrix3d drag_second = Eigen::Matrix3d::Zero();  ///< N s mm
+  double normal_load = 0;        ///< N = integral of p dA, N: what the removal rate is proportional to
+  double cutting_load = 0;       ///< the part of it on what cuts
+  double erodible_load = 0;      ///< that part with g = 1: before this tick's erosion
+  double drive_load = 0;         ///< of the spindle, N mm (kStroke: N): sum of mu p A times the lever
+  double power = 0;              ///< sum mu p A v_s, N mm/s: what the drive spends
+  double area = 0;               ///< touched, mm^2
+  double deepest = 0;            ///< largest overlap, mm
+  int tested = 0, touching = 0;  ///< nodes
+  std::uint8_t material = 0;     ///< number of the one with most of the area
+  double material_area = 0;      ///< mm^2
+
+  void add(const ContactSums& other);
+  /// All that grows with the pressure, times a factor; area, nodes and depth stay.
+  void scale(double factor);
+  /// The same sums in the axes that R turns theirs into.
+  ContactSums rotated(const Eigen::Matrix3d& R) const;
+  /// drag as a 6 x 6 matrix over (translation, rotation).
+  Matrix6d dragMatrix() const;
+};
+
+/// Drag on the tool by its own motion, about the tip. A stroke or swing goes to and fro: its mean is zero, what stays
+/// is that friction along the feed is small beside it.
+/// @param sums  in the frame of `pose`.   @param speed  of the drive. @rt
+Wrench ownDrag(const ToolModel& tool, const Rigid3& pose, double speed, const ContactSums& sums) noexcept;
+
+/// Bricks a tool may touch or cut, found once per evaluation.
+class NearBricks {
+ public:
+  explicit NearBricks(std::size_t capacity = 1 << 16);
+  /// Bricks within the object's band of the tool. Hierarchical: bounding box, blocks of 4^3 bricks, bricks.
+  /// Returns false if there are more than the capacity: the rest is left out.
+  bool find(const CutObject& object, const ToolModel& tool, const Rigid3& T_object_tool) noexcept;
+  std::size_t size() const { return count_; }
+  int slot(std::size_t n) const { return slots_[n]; }
+  /// Lower bounds of the tool's distances in that brick, mm.
+  float leastCut(std::size_t n) const { return cut_[n]; }
+  float leastBody(std::size_t n) const { return body_[n]; }
+  float leastAny(std::size_t n) const { return std::min(cut_[n], body_[n]); }
+
+ private:
+  std::vector<int> slots_;
+  std::vector<float> cut_, body_;
+  std::size_t count_ = 0;
+};
+
+/// Force of the shell's nodes. A node counts by its facing weight clamp(2 n . grad tau, 0, 1), n the inward normal: the
+/// far side of a thin wall does not push the tool through.
+void sumContact(CutObject& object, const NearBricks& near, const ContactInput& in, ContactSums& sums) noexcept;
+
+struct CutResult {
+  double removed_mm3 = 0;
+  int bricks = 0;
+  bool pool_ran_out = false;
+};
+/// phi += d (1 - exp(-c dt)) with d = max(0, -tau_cut - phi) and the rate c = mu k_n v_s / (u_s f), f the tool's energy
+/// factor, mu that of the material times the tool's drag factor, v_s the surface speed at the node: the surface relaxes
+/// towards the tool. Geometry only: c is infinite. Updates the ledger; shells are repaired by CutObject::repair.
+CutResult erode(CutObject& object, const NearBricks& near, const ContactInput& in) noexcept;
+
+struct FillResult {
+  double added_mm3 = 0;
+  int bricks = 0;
+  bool pool_ran_out = false;
+  bool is_clipped = false;  ///< nothing was added to air farther out than kAirAround, or beyond kMostAdded bricks of it
+};
+/// Adds material where the cutting part of the tool is: phi = min(phi, tau). Nodes that were outside and to which the
+/// added surface is now the nearest become `material`. Updates the ledger; shells are repaired by CutObject::repair.
+FillResult fill(CutObject& object, const ContactInput& in, Material material) noexcept;
+
+}  // namespace kerf

@@ -1,0 +1,67 @@
+// Virtual coupling: the tool is a rigid body of its own, held to the device by a spring and damper in six degrees of
+// freedom (after Colgate, Stanley & Brown, IROS 1995; McNeely, Puterbaugh & Troy, SIGGRAPH 1999).
+//
+// The body is integrated implicitly with the contact's own stiffness and drag, so that contact may be a thousand times
+// stiffer than anything a device could render: what the hand meets is the coupling.
+#pragma once
+
+#include "sim/step/contact.h"
+
+namespace kerf {
+
+struct CouplingSettings {
+  double stiffness = 1.0;        ///< N/mm. Above about 2 a common 1 kHz device hums in a loose hand
+  double damping = 0.002;        ///< N s/mm (2 N s/m). More amplifies the encoder's steps
+  double turn_stiffness = 1000;  ///< N mm/rad
+  double turn_damping = 2;       ///< N mm s/rad
+  double mass_kg = 0.02;         ///< of the virtual tool; 5 to 50 g makes no difference
+  double gyration_mm = 10;       ///< its radius of gyration
+  double filter_hz = 100;        ///< first-order low-pass of the device's velocity. 30 for coarse encoders
+  double force_limit = 8;        ///< N
+  double torque_limit = 300;     ///< N mm
+  double force_rate = 2000;      ///< N/s: no faster change
+  double torque_rate = 60000;    ///< N mm/s
+
+  double mass() const { return mass_kg * 1e-3; }                         ///< t: 1 N = 1 t mm/s^2
+  double inertia() const { return mass() * gyration_mm * gyration_mm; }  ///< t mm^2
+};
+
+/// The virtual tool, world frame, about its tip.
+struct ToolBody {
+  Rigid3 pose;                     ///< T_world_tool, mm
+  Vec3d velocity = Vec3d::Zero();  ///< of the tip, mm/s
+  Vec3d angular = Vec3d::Zero();   ///< rad/s
+};
+
+/// The device as the coupling sees it, world frame.
+struct DeviceMotion {
+  Rigid3 pose;
+  Vec3d velocity = Vec3d::Zero(), angular = Vec3d::Zero();  ///< filtered
+};
+
+/// Shortest rotation vector that takes `from` to `to`, world frame, rad.
+Vec3d rotationBetween(const Eigen::Quaterniond& from, const Eigen::Quaterniond& to) noexcept;
+Eigen::Quaterniond rotated(const Eigen::Quaterniond& from, const Vec3d& rotation) noexcept;
+
+/// Of the coupling's springs on the tool, N and N mm. Beyond the limits of force and torque they give way: a hand that
+/// runs off does not pull the tool through a wall. @rt
+Vector6d springPull(const Rigid3& T_world_tool, const DeviceMotion& device, const CouplingSettings& settings) noexcept;
+
+/// Moves the body by its velocities over dt; no part of the cutting head farther than `longest_mm`, to which motion and
+/// velocities are scaled down.  @return by how much, 1 at most. @rt
+double travel(ToolBody& body, double head_reach_mm, double longest_mm, double dt) noexcept;
+
+/// One implicit Euler step of the body: (M + dt (B + D) + dt^2 (K + J)) V' = M V + dt (K e + B V_d + F + F_own).
+/// @param contact  world frame: force_after, stiffness and drag are used.   @param own_drag  of the tool's own motion.
+/// @param longest  mm: no part of the cutting head moves farther in one step; the motion is scaled down to it.
+/// @rt
+void advance(ToolBody& body, const DeviceMotion& device, const ContactSums& contact, const Wrench& own_drag,
+             const CouplingSettings& settings, double head_reach_mm, double longest_mm, double dt) noexcept;
+
+/// What the coupling does to the hand: spring and damper from device to tool. Not clamped. @rt
+Wrench couplingWrench(const ToolBody& body, const DeviceMotion& device, const CouplingSettings& settings) noexcept;
+
+/// Size first, then change since `last`; a value that is not finite becomes zero. @rt
+Wrench clamped(const Wrench& wanted, const Wrench& last, const CouplingSettings& settings, double dt) noexcept;
+
+}  // namespace kerf

@@ -1,0 +1,110 @@
+#include "sim/step/sum_touching.h"
+
+#include <algorithm>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "sim/step/sum_touching.cpp"
+#include <hwy/foreach_target.h>
+// After foreach_target.h
+#include <hwy/highway.h>
+
+#include "sim/object/relaxation-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace kerf::internal::HWY_NAMESPACE {
+
+void sumTouchingHere(const TouchingNodes& nodes, const TouchingTool& tool, TouchingSums& out) {
+  using S = TouchingSums;
+  const F f;
+  const int lanes = static_cast<int>(hn::Lanes(f));
+  alignas(32) float lane[S::kSums][8] = {};
+  const V zero = hn::Zero(f), one = hn::Set(f, 1.0f);
+  V deepest = zero;
+  const auto norm = [](V x, V y, V z) {
+    return hn::Sqrt(hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z)));
+  };
+  for (int begin = 0; begin < nodes.count; begin += lanes) {
+    const auto load = [&](const TouchingNodes::Row& row) { return hn::LoadU(f, row.data() + begin); };
+    float* const column = &lane[0][begin % 8];
+    const auto add = [&](int sum, V value) {
+      float* at = column + 8 * sum;
+      hn::StoreU(hn::Add(hn::LoadU(f, at), value), f, at);
+    };
+    const V overlap = load(nodes.overlap), into_cut = load(nodes.into_cut), area = load(nodes.area);
+    V facing = hn::Min(hn::Max(hn::Add(load(nodes.slope), load(nodes.slope)), zero), one);
+    if (tool.geometry_only) facing = hn::IfThenElse(hn::Lt(into_cut, overlap), facing, zero);
+    const V px = load(nodes.in_tool[0]), py = load(nodes.in_tool[1]), pz = load(nodes.in_tool[2]);
+    V arm = one;
+    if (tool.lever == LeverForm::kRadius) {
+      arm = hn::Max(hn::Sqrt(hn::Add(hn::Mul(px, px), hn::Mul(py, py))), hn::Set(f, tool.least_radius));
+    } else if (tool.lever == LeverForm::kPivot) {
+      const V up = hn::Sub(pz, hn::Set(f, tool.pivot));
+      arm = hn::Sqrt(hn::Add(hn::Mul(px, px), hn::Mul(up, up)));
+    }
+    const V x = hn::Mul(load(nodes.rate), arm), part = relaxedPart(f, x);
+    const V mean_part = hn::IfThenElse(hn::Lt(x, hn::Set(f, 1e-6f)), one, hn::Div(part, hn::Max(x, hn::Set(f, 1e-6f))));
+    const V mean = hn::Sub(overlap, hn::Mul(into_cut, hn::Sub(one, mean_part)));
+    const V after = hn::Sub(overlap, hn::Mul(into_cut, part));
+    const V stiff = hn::Mul(hn::Mul(load(nodes.stiffness), facing), area);  // N/mm
+    const V size = hn::Mul(stiff, mean), size_after = hn::Mul(stiff, after);
+    const V r[3] = {load(nodes.from_tip[0]), load(nodes.from_tip[1]), load(nodes.from_tip[2])};
+    V u[6] = {load(nodes.normal[0]), load(nodes.normal[1]), load(nodes.normal[2]), zero, zero, zero};
+    for (int c = 0; c < 3; ++c) {
+      const int d = (c + 1) % 3, e = (c + 2) % 3;
+      u[3 + c] = hn::Sub(hn::Mul(r[d], u[e]), hn::Mul(r[e], u[d]));
+    }
+    int entry = S::kStiffness;
+    for (int row = 0; row < 6; ++row) {
+      add(S::kForce + row, hn::Mul(size, u[row]));
+      add(S::kForceAfter + row, hn::Mul(size_after, u[row]));
+      const V scaled = hn::Mul(stiff, u[row]);
+      for (int column_of = 0; column_of <= row; ++column_of) add(entry++, hn::Mul(scaled, u[column_of]));
+    }
+    const auto cuts = hn::Gt(into_cut, zero);
+    add(S::kNormalLoad, size);
+    add(S::kCuttingLoad, hn::IfThenElseZero(cuts, size));
+    const V rubbing = hn::Mul(load(nodes.friction), size);
+    V own = hn::Mul(hn::Set(f, tool.speed), arm), turning = hn::Mul(rubbing, arm);
+    if (!tool.body_spins) own = hn::IfThenElseZero(cuts, own), turning = hn::IfThenElseZero(cuts, turning);
+    add(S::kDriveLoad, turning);
+    add(S::kPower, hn::Mul(rubbing, own));
+    V v[3];
+    for (int c = 0; c < 3; ++c) {
+      const int d = (c + 1) % 3, e = (c + 2) % 3;
+      v[c] = hn::Add(hn::Set(f, tool.velocity[c]),
+                     hn::Sub(hn::Mul(hn::Set(f, tool.angular[d]), r[e]), hn::Mul(hn::Set(f, tool.angular[e]), r[d])));
+    }
+    const V sliding = hn::Max(hn::Max(own, norm(v[0], v[1], v[2])), hn::Set(f, tool.still_speed));
+    const V drag = hn::Div(rubbing, sliding);
+    add(S::kDrag, drag);
+    entry = S::kDragSecond;
+    for (int row = 0; row < 3; ++row) {
+      const V moment = hn::Mul(drag, r[row]);
+      add(S::kDragMoment + row, moment);
+      for (int column_of = 0; column_of <= row; ++column_of) add(entry++, hn::Mul(moment, r[column_of]));
+    }
+    const auto counts = hn::Gt(stiff, zero);
+    add(S::kArea, hn::IfThenElseZero(counts, area));
+    add(S::kCount, hn::IfThenElseZero(counts, one));
+    add(S::kErodibleLoad, hn::Mul(stiff, into_cut));
+    deepest = hn::Max(deepest, hn::IfThenElseZero(counts, overlap));
+  }
+  for (std::size_t s = 0; s < S::kSums; ++s)
+    for (const float part : lane[s]) out.value[s] += static_cast<double>(part);
+  out.deepest = std::max(out.deepest, hn::GetLane(hn::MaxOfLanes(f, deepest)));
+}
+
+}  // namespace kerf::internal::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace kerf::internal {
+
+HWY_EXPORT(sumTouchingHere);
+
+void sumTouching(const TouchingNodes& nodes, const TouchingTool& tool, TouchingSums& sums) noexcept {
+  HWY_DYNAMIC_DISPATCH(sumTouchingHere)(nodes, tool, sums);
+}
+
+}  // namespace kerf::internal
+#endif

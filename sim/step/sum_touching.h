@@ -1,0 +1,62 @@
+// The sums over nodes in contact, in whatever vector instructions the processor has.
+#pragma once
+
+#include <array>
+
+#include "sim/object/relax_brick.h"
+
+namespace kerf::internal {
+
+/// Nodes in contact, number by number; those beyond `count` up to the next multiple of 8 must have a stiffness of 0 and
+/// finite numbers.
+struct TouchingNodes {
+  static constexpr int kMost = 64;
+  using Row = std::array<float, kMost>;
+  alignas(32) Row overlap, into_cut, slope;   ///< mm, mm, d tau / d(inwards normal)
+  alignas(32) Row normal[3], area;            ///< outward unit normal, object axes; mm^2
+  alignas(32) Row from_tip[3];                ///< object axes, mm
+  alignas(32) Row in_tool[3];                 ///< tool frame, mm
+  alignas(32) Row stiffness, friction, rate;  ///< N/mm^3; with the tool's factor; c dt over the lever
+  int count = 0;
+};
+
+/// What is the same for all of them.
+struct TouchingTool {
+  LeverForm lever = LeverForm::kOne;
+  float least_radius = 0, pivot = 0;  ///< mm
+  float speed = 0;                    ///< of the drive, not negative
+  float still_speed = 0;              ///< mm/s: slower sliding drags as if it were this
+  bool body_spins = false;            ///< what only collides moves as what cuts does
+  bool geometry_only = false;
+  float velocity[3]{}, angular[3]{};  ///< of the tip, object axes
+};
+
+/// Sums, in this order; the stiffness is a lower triangle, row by row, drag_second too.
+struct TouchingSums {
+  enum : int {
+    kForce = 0,
+    kTorque = 3,
+    kForceAfter = 6,
+    kTorqueAfter = 9,
+    kStiffness = 12,
+    kNormalLoad = 33,
+    kCuttingLoad,
+    kDriveLoad,
+    kPower,
+    kDrag,
+    kDragMoment,
+    kDragSecond = kDragMoment + 3,
+    kArea = kDragSecond + 6,
+    kCount,
+    kErodibleLoad,
+    kSums
+  };
+  std::array<double, kSums> value{};
+  float deepest = 0;
+};
+
+/// Adds the nodes' share. Each of eight lanes is summed by itself and the lanes in their order: the same bits with any
+/// instruction set. Formulas: sim/step/contact.h. @cost some 10 ns a node.
+void sumTouching(const TouchingNodes& nodes, const TouchingTool& tool, TouchingSums& sums) noexcept;
+
+}  // namespace kerf::internal

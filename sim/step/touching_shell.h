@@ -1,0 +1,112 @@
+// The walk over a shell's nodes that overlap a tool: what the sums of contact and the gathering of contact points
+// share.
+#pragma once
+
+#include <hwy/cache_control.h>
+
+#include <algorithm>
+#include <bit>
+
+#include "sim/object/relax_brick.h"
+#include "sim/step/contact.h"
+
+namespace kerf::internal {
+
+/// From a node's place in its brick to the tool's frame: p = base + i * along[0] + j * along[1] + k * along[2].
+struct BrickToTool {
+  float along[3][3];  ///< [axis of the brick][coordinate of the tool]
+  float base[3];
+
+  BrickToTool(const Eigen::Matrix3d& object_to_tool, const Vec3d& tip, const Vec3i& brick, double h) {
+    const Vec3d b = object_to_tool * (h * 8 * brick.cast<double>() - tip);
+    for (int c = 0; c < 3; ++c) {
+      base[c] = static_cast<float>(b[c]);
+      for (int axis = 0; axis < 3; ++axis) along[axis][c] = static_cast<float>(h * object_to_tool(c, axis));
+    }
+  }
+};
+
+/// A node of the shell that overlaps the tool.
+struct TouchingNode {
+  Vec3f normal;           ///< outward, object axes, unit
+  Vec3f in_tool;          ///< tool frame, mm
+  Vec3d from_tip;         ///< object axes, mm
+  float area;             ///< mm^2
+  float phi, tau;         ///< mm; tau of the nearer of both fields
+  float tau_cut, gap;     ///< mm; gap = tau + phi < 0
+  bool body_is_near;      ///< tau had to look at the body, too
+  std::uint8_t material;  ///< number
+};
+
+/// What forEachTouching() reads of every node. A large contact does not fit the caches: while one brick is summed, the
+/// next one's nodes come nearer.
+inline void fetchShell(const CutObject::Slot& slot) {
+  for (int begin = 0; begin < slot.shell_count; begin += ShellChunk::kNodes) {
+    const ShellChunk& chunk = *slot.chunks[static_cast<std::size_t>(begin / ShellChunk::kNodes)];
+    const auto fetch = [](const auto& row) {
+      for (std::size_t n = 0; n < row.size(); n += 64 / sizeof row[0]) hwy::Prefetch(&row[n]);
+    };
+    fetch(chunk.phi), fetch(chunk.offset);
+  }
+}
+
+/// Calls visit(node) for every node with an area that overlaps the tool, in the order of `near`. Lets bricks sleep that
+/// cannot touch for a while. @return how many nodes were tested. @rt if visit is.
+template <class Visit>
+int forEachTouching(CutObject& object, const NearBricks& near, const ToolModel& tool, const Rigid3& T_object_tool,
+                    const Visit& visit) noexcept {
+  constexpr int kGather = ShellChunk::kNodes;
+  const double h = object.voxel();
+  const Eigen::Matrix3d to_tool = T_object_tool.rotation.toRotationMatrix().transpose();
+  const bool has_body = !tool.body.isEmpty();
+  const double slack = std::max(tool.cut.slack(), tool.body.slack());
+  const float aside = static_cast<float>(2 * (slack + 0.2 * h));
+  int tested = 0;
+  float px[kGather], py[kGather], pz[kGather], now[kGather], cut[kGather], body[kGather];
+  for (std::size_t b = 0; b < near.size(); ++b) {
+    CutObject::Slot& slot = object.slot(near.slot(b));
+    if (slot.shell_count == 0 || object.odometer < slot.sleeps_until_contact || near.leastAny(b) >= -slot.least)
+      continue;
+    if (b + 1 < near.size()) fetchShell(object.slot(near.slot(b + 1)));
+    const BrickToTool map(to_tool, T_object_tool.translation, slot.brick, h);
+    const Vec3d corner = h * 8 * slot.brick.cast<double>() - T_object_tool.translation;
+    const bool body_may_touch = has_body && near.leastBody(b) < -slot.least;
+    // Until the first of its nodes touches: a body that was not looked at is known by its bound.
+    float room = has_body && !body_may_touch ? near.leastBody(b) + slot.least : ToolField::kFar;
+    bool touches = false;
+    for (int begin = 0; begin < slot.shell_count; begin += kGather) {
+      const ShellChunk& chunk = *slot.chunks[static_cast<std::size_t>(begin / kGather)];
+      const int count = std::min(kGather, slot.shell_count - begin), padded = (count + 7) / 8 * 8;
+      placeShell(map.base, map.along, chunk.offset.data(), padded, px, py, pz);
+      const float* phi = chunk.phi.data();
+      if (slot.is_dirty) {  // cut since, and no room was left to repair it
+        valuesAt(slot.phi, chunk.offset.data(), padded, now);
+        phi = now;
+      }
+      tool.cut.distances(px, py, pz, cut, padded);
+      // Where what cuts is nearer than the body can be, there and a look further inwards, the body says nothing.
+      const bool body_is_near = body_may_touch && largestOf(cut, padded) > near.leastBody(b) - aside;
+      if (body_is_near) tool.body.distances(px, py, pz, body, padded);
+      tested += count;
+      for (std::uint64_t bits = touchingNodes(cut, body_is_near ? body : nullptr, phi, count, room); bits != 0;
+           bits &= bits - 1) {
+        const int n = std::countr_zero(bits);
+        const float nearest = body_is_near ? std::min(cut[n], body[n]) : cut[n];
+        const float gap = nearest + phi[n];
+        const auto at = static_cast<std::size_t>(n);
+        const Vec3f w(chunk.x[at], chunk.y[at], chunk.z[at]);
+        const float area = w.norm();
+        if (!(area > 0)) continue;
+        touches = true;
+        const int offset = chunk.offset[at];
+        visit(TouchingNode{w / area, Vec3f(px[n], py[n], pz[n]),
+                           corner + h * Vec3d(offset >> 6, offset >> 3 & 7, offset & 7), area, phi[n], nearest, cut[n],
+                           gap, body_is_near, chunk.material[at]});
+      }
+    }
+    slot.sleeps_until_contact = touches ? -1 : object.odometer + static_cast<double>(room) - slack;
+  }
+  return tested;
+}
+
+}  // namespace kerf::internal

@@ -1,0 +1,130 @@
+#include "geometry/base/atomic_file.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/temporary_folder.h"
+
+namespace kerf {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(AtomicFile, AppearsOnCommitAndNotBefore) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.write("a.txt", "old");
+  fs::permissions(path, fs::perms::owner_read | fs::perms::owner_write);
+  auto file = AtomicFile::create(path);
+  ASSERT_TRUE(file);
+  const std::string text(200'000, 'n');
+  file->stream() << text << 1.5;
+  EXPECT_EQ(contentOf(path), "old");
+  ASSERT_TRUE(file->commit());
+  EXPECT_EQ(contentOf(path), text + std::to_string(1.5).substr(0, 3));
+  EXPECT_EQ(fs::status(path).permissions(), fs::perms::owner_read | fs::perms::owner_write);
+  EXPECT_EQ(folder.entries(), 1u);
+}
+
+TEST(AtomicFile, WithoutCommitNothingIsLeft) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.write("a.txt", "old");
+  {
+    auto file = AtomicFile::create(path);
+    file->stream() << "new" << std::flush;
+    EXPECT_EQ(folder.entries(), 2u);
+  }
+  EXPECT_EQ(contentOf(path), "old");
+  EXPECT_EQ(folder.entries(), 1u);
+}
+
+TEST(AtomicFile, SymbolicLinkStaysALink) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.write("a.txt", "old");
+  fs::create_symlink("a.txt", folder.path() / "link");
+  auto file = AtomicFile::create(folder.path() / "link");
+  file->stream() << "new";
+  ASSERT_TRUE(file->commit());
+  EXPECT_TRUE(fs::is_symlink(folder.path() / "link"));
+  EXPECT_EQ(contentOf(path), "new");
+}
+
+TEST(AtomicFile, FullDiskIsReportedByItsName) {
+  if (!fs::is_character_file("/dev/full")) GTEST_SKIP() << "no /dev/full here";
+  auto file = AtomicFile::create("/dev/full");
+  ASSERT_TRUE(file);
+  file->stream() << std::string(1 << 20, 'x');
+  const auto done = file->commit();
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().code, Error::Code::kWriteFailed);
+  EXPECT_EQ(done.error().file, "/dev/full");
+  EXPECT_EQ(done.error().found, "No space left on device");
+  EXPECT_FALSE(done.error().hint.empty());
+  EXPECT_TRUE(fs::is_character_file("/dev/full")) << "a device must not be replaced by a file";
+}
+
+TEST(AtomicFile, MissingFolderAndFolderAsTargetAreRefused) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(AtomicFile::create(folder.path() / "no" / "a.txt").error().found, "No such file or directory");
+  EXPECT_EQ(AtomicFile::create(folder.path()).error().found, "Is a directory");
+}
+
+void fill(const AtomicFolder& folder, const std::string& text) {
+  std::ofstream(folder.staging() / "case.toml") << text;
+  fs::create_directory(folder.staging() / "inner");
+  std::ofstream(folder.staging() / "inner" / "x") << text;
+}
+
+TEST(AtomicFolder, AppearsOnCommitWithEverythingInIt) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "case";
+  {
+    auto abandoned = AtomicFolder::create(path, false);
+    ASSERT_TRUE(abandoned);
+    fill(*abandoned, "never");
+  }
+  EXPECT_EQ(folder.entries(), 0u);
+  auto made = AtomicFolder::create(path / "", false);  // a trailing slash is the same folder
+  ASSERT_TRUE(made) << made.error().message();
+  fill(*made, "one");
+  EXPECT_FALSE(fs::exists(path));
+  ASSERT_TRUE(made->commit());
+  EXPECT_EQ(contentOf(path / "inner" / "x"), "one");
+  EXPECT_EQ(folder.entries(), 1u);
+}
+
+TEST(AtomicFolder, ReplacesOnlyOursAndOnlyWhenAllowed) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "case";
+  auto first = AtomicFolder::create(path, false);
+  fill(*first, "one");
+  std::ofstream(first->staging() / "only in one") << 1;
+  ASSERT_TRUE(first->commit());
+  EXPECT_FALSE(AtomicFolder::create(path, false));
+  auto second = AtomicFolder::create(path, true);
+  ASSERT_TRUE(second);
+  fill(*second, "two");
+  EXPECT_EQ(contentOf(path / "case.toml"), "one");
+  ASSERT_TRUE(second->commit());
+  EXPECT_EQ(contentOf(path / "case.toml"), "two");
+  EXPECT_FALSE(fs::exists(path / "only in one"));
+  EXPECT_EQ(folder.entries(), 1u);
+
+  fs::create_directory(folder.path() / "holiday");
+  folder.write("holiday/picture", "p");
+  const auto foreign = AtomicFolder::create(folder.path() / "holiday", true);
+  ASSERT_FALSE(foreign);
+  EXPECT_NE(foreign.error().message().find("not made by Kerf"), std::string::npos);
+  EXPECT_FALSE(AtomicFolder::create(folder.path() / "holiday" / "picture", true)) << "a file is no folder";
+}
+
+TEST(AtomicFolder, ATargetThatAppearsMeanwhileIsNotOverwritten) {
+  const TemporaryFolder folder;
+  auto made = AtomicFolder::create(folder.path() / "case", false);
+  fill(*made, "late");
+  fs::create_directory(folder.path() / "case");
+  folder.write("case/x", "early");
+  EXPECT_FALSE(made->commit());
+  EXPECT_EQ(contentOf(folder.path() / "case" / "x"), "early");
+}
+
+}  // namespace
+}  // namespace kerf

@@ -1,0 +1,35 @@
+#include "geometry/base/hash.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/temporary_folder.h"
+
+namespace kerf {
+namespace {
+
+std::string of(const std::string& text) { return sha256(std::as_bytes(std::span(text.data(), text.size()))); }
+
+TEST(Hash, NistVectors) {
+  EXPECT_EQ(of(""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+  EXPECT_EQ(of("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  EXPECT_EQ(of("abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq"),
+            "248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1");
+  EXPECT_EQ(of(std::string(1'000'000, 'a')), "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
+}
+
+TEST(Hash, FileAndPiecesGiveTheSame) {
+  const TemporaryFolder folder;
+  std::string text;
+  for (int i = 0; i < 200'000; ++i) text += static_cast<char>(i * 31);
+  EXPECT_EQ(sha256OfFile(folder.write("x", text)).value(), of(text));
+  Sha256 pieces;
+  for (std::size_t at = 0, n = 1; at < text.size(); at += n, n = n % 130 + 1)
+    pieces.update(std::as_bytes(std::span(text.data() + at, std::min(n, text.size() - at))));
+  Sha256 whole;
+  whole.update(std::as_bytes(std::span(text.data(), text.size())));
+  EXPECT_EQ(pieces.digest(), whole.digest());
+  EXPECT_EQ(sha256OfFile(folder.path() / "absent").error().code, Error::Code::kNotFound);
+}
+
+}  // namespace
+}  // namespace kerf

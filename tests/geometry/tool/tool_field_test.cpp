@@ -1,0 +1,113 @@
+#include "geometry/tool/tool_field.h"
+
+#include <gtest/gtest.h>
+
+#include <hwy/targets.h>
+#include <cmath>
+#include <random>
+
+#include "geometry/tool/tool_file.h"
+
+namespace kerf {
+namespace {
+
+struct Points {
+  std::vector<float> x, y, z;
+};
+Points pointsAround(const Box3& box, double margin, int n, unsigned seed) {
+  std::mt19937 random(seed);
+  Points p;
+  for (int i = 0; i < n; ++i) {
+    const auto along = [&](int c) {
+      return static_cast<float>(
+          std::uniform_real_distribution<double>(box.min[c] - margin, box.max[c] + margin)(random));
+    };
+    p.x.push_back(along(0)), p.y.push_back(along(1)), p.z.push_back(along(2));
+  }
+  return p;
+}
+
+// Every tool of the rack: within the margin the table is the distance, beyond it a lower bound above the margin.
+TEST(ToolField, TablesHoldTheDistanceOfEveryToolOfTheRack) {
+  int tools = 0;
+  for (const ToolListing& listing : listTools(defaultToolFolders())) {
+    ASSERT_TRUE(listing.tool) << listing.file;
+    const Tool& tool = *listing.tool;
+    for (const ToolShape* shape : {tool.cut.get(), tool.body.get()}) {
+      if (!shape) continue;
+      const ToolField field(*shape);
+      const double spacing = tool.kind == ToolKind::kMesh ? 0.05 : 0.02;
+      const Points p = pointsAround(shape->bounds(), 0.8, 2048, 7);
+      std::vector<float> d(p.x.size());
+      field.distances(p.x.data(), p.y.data(), p.z.data(), d.data(), static_cast<int>(d.size()));
+      for (std::size_t n = 0; n < d.size(); ++n) {
+        const Vec3f at(p.x[n], p.y[n], p.z[n]);
+        const double exact = shape->distance(at.cast<double>());
+        const double got = static_cast<double>(d[n]);
+        // Interpolation errs by less than half a spacing at the sharpest corner.
+        if (exact < 0.45) {
+          ASSERT_NEAR(got, exact, 0.5 * spacing) << tool.id << " at " << at.transpose();
+        } else {
+          ASSERT_LE(got, exact + 0.5 * spacing) << tool.id;
+        }
+        if (exact >= 0.51) {
+          ASSERT_GE(got, 0.45) << tool.id;
+        }
+        if (n % 64 == 0) {
+          ASSERT_EQ(field.distance(at), d[n]);
+        }
+      }
+    }
+    ++tools;
+  }
+  EXPECT_GE(tools, 90);
+}
+
+TEST(ToolField, IsGoodToATenthOfAMicrometreWhereABurIsSmooth) {
+  RevolvedProfile profile;
+  profile.arcTo({0, 0.8}, {0, 1.6});
+  const RevolvedShape ball(profile);
+  const ToolField field(ball);
+  const Points p = pointsAround(ball.bounds(), 0.3, 4096, 3);
+  double worst = 0;
+  for (std::size_t n = 0; n < p.x.size(); ++n) {
+    const Vec3f at(p.x[n], p.y[n], p.z[n]);
+    const double exact = (at.cast<double>() - Vec3d(0, 0, 0.8)).norm() - 0.8;
+    if (std::abs(exact) < 0.3) worst = std::max(worst, std::abs(static_cast<double>(field.distance(at)) - exact));
+  }
+  EXPECT_LT(worst, 5e-5);  // h^2 / 8 of curvature 1/0.5 at a spacing of 0.01
+}
+
+// A session recorded on one machine replays on another: whatever instructions it has, the bits are the same.
+TEST(ToolField, AllInstructionSetsGiveTheSameBits) {
+  for (const char* id : {"round-014", "saw-reciprocating"}) {
+    const auto file = findToolFile(id, defaultToolFolders());
+    if (!file) continue;
+    const auto tool = readTool(*file);
+    ASSERT_TRUE(tool);
+    const ToolField field(*tool->cut);
+    const Points p = pointsAround(field.bounds(), 0.7, 4096, 5);
+    std::vector<std::vector<float>> results;
+    const auto all = hwy::SupportedTargets();
+    for (std::uint64_t bit = 1; bit != 0 && bit <= static_cast<std::uint64_t>(all); bit <<= 1) {
+      if (!(static_cast<std::uint64_t>(all) & bit)) continue;
+      hwy::SetSupportedTargetsForTest(static_cast<std::int64_t>(bit));
+      hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+      results.emplace_back(p.x.size());
+      field.distances(p.x.data(), p.y.data(), p.z.data(), results.back().data(), static_cast<int>(p.x.size()));
+    }
+    hwy::SetSupportedTargetsForTest(0);
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    ASSERT_GE(results.size(), 1u);
+    for (const auto& other : results) EXPECT_EQ(other, results.front());
+  }
+}
+
+TEST(ToolField, NoSolidIsFarAway) {
+  const ToolField none;
+  EXPECT_TRUE(none.isEmpty());
+  EXPECT_EQ(none.distance(Vec3f(0, 0, 0)), ToolField::kFar);
+}
+
+}  // namespace
+}  // namespace kerf

@@ -1,0 +1,153 @@
+#include "preprocess/bake/bake.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "geometry/base/hash.h"
+#include "geometry/formats/mesh_writer.h"
+#include "tests/geometry/ball_mesh.h"
+#include "tests/support/temporary_folder.h"
+
+namespace kerf {
+namespace {
+
+namespace fs = std::filesystem;
+
+BakeOptions coarse() {
+  BakeOptions options;
+  options.voxelize.voxel_mm = 0.2;
+  return options;
+}
+
+TEST(Bake, CaseHoldsTheFileByteForByteTheSolidAndTheField) {
+  const TemporaryFolder folder;
+  const fs::path mesh = folder.path() / "ball.stl", out = folder.path() / "ball.case";
+  ASSERT_TRUE(writeMesh(mesh, ballMesh({1, 2, 3}, 3, 30)));
+  const auto report = bake({mesh}, out, coarse());
+  ASSERT_TRUE(report) << report.error().message();
+  EXPECT_EQ(*sha256OfFile(out / "source-1.stl"), *sha256OfFile(mesh));
+  EXPECT_EQ(report->manifest.sources[0].sha256, *sha256OfFile(mesh));
+  EXPECT_TRUE(report->manifest.changes.empty());
+  EXPECT_TRUE(report->manifest.exact);
+
+  const auto manifest = readCaseManifest(out);
+  ASSERT_TRUE(manifest) << manifest.error().message();
+  EXPECT_EQ(manifest->id, report->manifest.id);
+  EXPECT_EQ(manifest->voxel_mm, 0.2);
+  EXPECT_EQ(manifest->sources.size(), 1u);
+  EXPECT_EQ(manifest->sources[0].unit, "mm");
+  const auto solid = readCaseSolid(out);
+  ASSERT_TRUE(solid);
+  EXPECT_EQ(solid->vertices.size(), manifest->solid_vertices);
+  const auto field = readCaseField(out);
+  ASSERT_TRUE(field) << field.error().message();
+  EXPECT_LT(field->at({5, 10, 15}), 0);  // the centre
+}
+
+TEST(Bake, SameInputsSameIdOtherVoxelOtherId) {
+  const TemporaryFolder folder;
+  const fs::path mesh = folder.path() / "ball.ply";
+  ASSERT_TRUE(writeMesh(mesh, ballMesh({0, 0, 0}, 3, 20)));
+  const auto a = bake({mesh}, folder.path() / "a", coarse()), b = bake({mesh}, folder.path() / "b", coarse());
+  BakeOptions finer = coarse();
+  finer.voxelize.voxel_mm = 0.15;
+  const auto c = bake({mesh}, folder.path() / "c", finer);
+  ASSERT_TRUE(a && b && c);
+  EXPECT_EQ(a->manifest.id, b->manifest.id);
+  EXPECT_NE(a->manifest.id, c->manifest.id);
+}
+
+TEST(Bake, TwoMeshesBecomeOneObject) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(writeMesh(folder.path() / "a.stl", ballMesh({0, 0, 0}, 3, 24)));
+  ASSERT_TRUE(writeMesh(folder.path() / "b.stl", ballMesh({4, 0, 0}, 3, 24)));
+  const auto report = bake({folder.path() / "a.stl", folder.path() / "b.stl"}, folder.path() / "ab", coarse());
+  ASSERT_TRUE(report) << report.error().message();
+  const auto solid = readCaseSolid(folder.path() / "ab");
+  ASSERT_TRUE(solid);
+  EXPECT_EQ(edgeConnectedPieces(*solid).count, 1u);
+  EXPECT_EQ(report->manifest.sources.size(), 2u);
+}
+
+TEST(Bake, AFailedOrCancelledBakeLeavesNothingBehind) {
+  const TemporaryFolder folder;
+  const fs::path mesh = folder.path() / "ball.stl", bad = folder.path() / "bad.stl", out = folder.path() / "x.case";
+  ASSERT_TRUE(writeMesh(mesh, ballMesh({0, 0, 0}, 3, 20)));
+  std::ofstream(bad) << "solid nothing\nendsolid\n";
+  const auto entries = [&] { return std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator{}); };
+  const auto before = entries();
+  const auto refused = bake({bad}, out, coarse());
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message().find("bad.stl"), std::string::npos);
+  EXPECT_EQ(entries(), before);
+  for (int stop = 0; stop < 8; ++stop) {
+    int calls = 0;
+    const auto cancelled = bake({mesh}, out, coarse(), [&](double, std::string_view) { return calls++ < stop; });
+    ASSERT_FALSE(cancelled);
+    EXPECT_EQ(cancelled.error().code, Error::Code::kCancelled);
+    EXPECT_EQ(entries(), before) << "cancelled at call " << stop;
+  }
+}
+
+TEST(Bake, AnObjectSmallerThanAVoxelIsRefusedBeforeItIsClosed) {
+  const TemporaryFolder folder;
+  const fs::path mesh = folder.path() / "metres.stl", out = folder.path() / "x.case";
+  ASSERT_TRUE(writeMesh(mesh, ballMesh({0, 0, 0}, 0.05, 20)));  // 100 mm, in metres
+  BakeOptions options = coarse();
+  options.unit = "mm";
+  bool was_closing = false;
+  const auto refused = bake({mesh}, out, options, [&](double, std::string_view what) {
+    was_closing = was_closing || what == "closing";
+    return true;
+  });
+  ASSERT_FALSE(refused);
+  EXPECT_FALSE(was_closing);
+  for (const char* said : {"metres.stl", "0.2 mm for an object of 0.1", "--unit", "in m"})
+    EXPECT_NE(refused.error().message().find(said), std::string::npos) << refused.error().message();
+  EXPECT_FALSE(fs::exists(out));
+  options.voxelize.voxel_mm = 0.005;  // whoever insists
+  const auto baked = bake({mesh}, out, options);
+  ASSERT_TRUE(baked) << baked.error().message();
+  EXPECT_TRUE(baked->unit_is_doubtful[0]);
+}
+
+TEST(Bake, AnExistingCaseIsReplacedOnlyWhenAsked) {
+  const TemporaryFolder folder;
+  const fs::path mesh = folder.path() / "ball.stl", out = folder.path() / "x.case";
+  ASSERT_TRUE(writeMesh(mesh, ballMesh({0, 0, 0}, 3, 20)));
+  ASSERT_TRUE(bake({mesh}, out, coarse()));
+  const auto same = bake({mesh}, out, coarse());
+  EXPECT_TRUE(same && same->was_up_to_date) << "nothing is baked twice";
+  BakeOptions other = coarse();
+  other.voxelize.voxel_mm = 0.25;
+  EXPECT_FALSE(bake({mesh}, out, other));
+  other.overwrite = true;
+  const auto replaced = bake({mesh}, out, other);
+  EXPECT_TRUE(replaced && !replaced->was_up_to_date);
+}
+
+TEST(CaseManifest, UnknownMissingAndNewerAreErrorsWithTheKey) {
+  const TemporaryFolder folder;
+  const fs::path mesh = folder.path() / "ball.stl", out = folder.path() / "x.case";
+  ASSERT_TRUE(writeMesh(mesh, ballMesh({0, 0, 0}, 3, 20)));
+  ASSERT_TRUE(bake({mesh}, out, coarse()));
+  std::ifstream in(out / kCaseManifest);
+  const std::string good((std::istreambuf_iterator<char>(in)), {});
+  const auto with = [&](const std::string& from, const std::string& to) {
+    std::string text = good;
+    const auto at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    std::ofstream(out / kCaseManifest) << text.replace(at, from.size(), to);
+    const auto manifest = readCaseManifest(out);
+    EXPECT_FALSE(manifest);
+    return manifest ? std::string() : manifest.error().message();
+  };
+  EXPECT_NE(with("voxel_mm", "voxel_inch").find("voxel"), std::string::npos);
+  EXPECT_NE(with("version = 2", "version = 99").find("99"), std::string::npos);
+  EXPECT_NE(with("exact = true", "exact = 'yes'").find("exact"), std::string::npos);
+  EXPECT_NE(with("[field]", "[field]\nsurprise = 1").find("surprise"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace kerf

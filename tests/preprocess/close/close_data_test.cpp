@@ -1,0 +1,97 @@
+// Every development mesh becomes a verified solid, or is refused with a reason. Runs where the data is.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <set>
+
+#include "geometry/formats/mesh_io.h"
+#include "geometry/mesh/float32_cleanup.h"
+#include "geometry/mesh/self_intersection.h"
+#include "preprocess/close/close.h"
+
+namespace kerf {
+namespace {
+
+std::filesystem::path dataFolder() {
+  const char* given = std::getenv("KERF_DATA");
+  return given ? std::filesystem::path(given) : std::filesystem::path(KERF_SOURCE_DIR) / ".." / "shared" / "data";
+}
+
+struct Case {
+  const char* file;
+  double scale;       ///< to mm
+  double least_kept;  ///< share of the source triangles that must survive as they are
+  bool exact = true;  ///< false: may need the wrap
+};
+
+TEST(CloseScan, ABaseDirectionThroughTheTeethIsRefusedOnARaggedRimAsWell) {
+  const auto path = dataFolder() / "lower-jaw-scan-01-facecolour.ply";
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << "no data: " << path << " (set KERF_DATA)";
+  const auto file = readMesh(path);
+  ASSERT_TRUE(file) << file.error().message();
+  const auto up = closeMesh(file->mesh, {.base_direction = Vec3d::UnitY()});
+  ASSERT_FALSE(up);
+  EXPECT_NE(up.error().hint.find("--base-direction -y"), std::string::npos) << up.error().message();
+  EXPECT_TRUE(closeMesh(file->mesh, {.base_direction = -Vec3d::UnitY()}));
+}
+
+class CloseData : public testing::TestWithParam<Case> {};
+
+TEST_P(CloseData, BecomesAVerifiedSolid) {
+  const Case& c = GetParam();
+  const auto path = dataFolder() / c.file;
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << "no data: " << path << " (set KERF_DATA)";
+  auto file = readMesh(path);
+  ASSERT_TRUE(file) << file.error().message();
+  Mesh& m = file->mesh;
+  for (Vec3d& p : m.vertices) p *= c.scale;
+  const auto start = std::chrono::steady_clock::now();
+  const auto s = closeMesh(m);
+  const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  ASSERT_TRUE(s) << s.error().message();
+  std::set<std::array<double, 3>> places;
+  for (const Vec3d& p : s->mesh.vertices) places.insert({p.x(), p.y(), p.z()});
+  std::size_t lost = 0;
+  for (const Vec3d& p : m.vertices) {
+    const Vec3d r = roundedToFloat(p);
+    lost += !places.count({r.x(), r.y(), r.z()});
+  }
+  fmt::print(
+      "{}: {} -> {} triangles, {} kept, {} split, {} dropped, {} added; vertices {} -> {}, {} gone, {} moved; "
+      "pieces {}; {:.2f} mm3; {:.0f} ms{}\n",
+      c.file, m.triangles.size(), s->mesh.triangles.size(), s->report.triangles_kept, s->report.triangles_split,
+      s->report.triangles_dropped, s->report.triangles_added, m.vertices.size(), s->mesh.vertices.size(), lost,
+      s->report.vertices_moved, edgeConnectedPieces(s->mesh).count, signedVolume(s->mesh), ms,
+      s->report.exact ? "" : "; WRAPPED");
+  for (const std::string& change : s->report.changes) fmt::print("    {}\n", change);
+  EXPECT_TRUE(selfIntersections(s->mesh.vertices, s->mesh.triangles).empty());
+  EXPECT_TRUE(degenerateTriangles(s->mesh.vertices, s->mesh.triangles).empty());
+  EXPECT_EQ(places.size(), s->mesh.vertices.size());
+  EXPECT_GT(signedVolume(s->mesh), 0);
+  EXPECT_GE(static_cast<double>(s->report.triangles_kept), c.least_kept * static_cast<double>(m.triangles.size()));
+  EXPECT_EQ(s->report.exact, c.exact);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Files, CloseData,
+    testing::Values(Case{"lower-jaw-scan-01-facecolour.ply", 1, 0.98}, Case{"upper-arch-scan-02.stl", 1, 0.95},
+                    Case{"upper-jaw-cast-scan-03-vertexcolour.ply", 1, 0.99}, Case{"gingiva-strip-open.ply", 1, 0.8},
+                    Case{"lower-crowns-16-closed.obj", 1, 0.9}, Case{"tooth-19-molar-crown-root.stl", 1, 1},
+                    Case{"tooth-22-canine-crown-root.stl", 1, 1}, Case{"molar-L6-enamel.stl", 1, 1},
+                    Case{"molar-L6-dentin.stl", 1, 1}, Case{"molar-L6-pulp.stl", 1, 1}, Case{"molar-L6-pdl.stl", 1, 1},
+                    Case{"mandible-block-L4-L6-cortical.stl", 1, 1}, Case{"mandible-block-L4-L6-cancellous.stl", 1, 1},
+                    Case{"mandible-with-teeth-closed.obj", 1, 1}, Case{"mandible-with-teeth-nasty.obj", 1, 0.75},
+                    Case{"upper-teeth-cast-metres.obj", 1000, 0.98}, Case{"dental-handpiece-with-bur.obj", 1, 1},
+                    Case{"nasty-bunny-holes-nonmanifold.ply", 1, 0.98}, Case{"nasty-self-intersecting.obj", 1, 0.5},
+                    Case{"nasty-missing-faces-inch.stl", 25.4, 0.8}, Case{"nasty-binary-stl-solid-header.stl", 1, 0.9},
+                    Case{"nasty-degenerate-triangles.obj", 1, 0.9}),
+    [](const auto& parameter) {
+      std::string name = parameter.param.file;
+      for (char& ch : name)
+        if (!std::isalnum(static_cast<unsigned char>(ch))) ch = '_';
+      return name;
+    });
+
+}  // namespace
+}  // namespace kerf

@@ -1,0 +1,355 @@
+#include "preprocess/close/close.h"
+
+#include <gtest/gtest.h>
+
+#include <tbb/global_control.h>
+
+#include <set>
+
+#include "tests/preprocess/solid_checks.h"
+
+namespace kerf {
+namespace {
+
+TEST(Close, CleanSolidIsLeftAlone) {
+  const Mesh m = ball(12, 24, 5);
+  const Solid s = closed(m);
+  EXPECT_EQ(s.mesh.vertices, m.vertices);
+  EXPECT_EQ(s.mesh.triangles, m.triangles);
+  EXPECT_TRUE(s.report.changes.empty());
+  for (std::uint32_t t = 0; t < s.source_triangle.size(); ++t) EXPECT_EQ(s.source_triangle[t], t);
+}
+
+TEST(Close, OpenBoxGetsABaseOfTheRightVolume) {
+  Mesh m = box({0, 0, 0}, {4, 3, 2});
+  m.triangles.erase(m.triangles.begin(), m.triangles.begin() + 2);  // the floor
+  const Solid s = closed(m);
+  expectSourceFirst(s, m);
+  EXPECT_EQ(s.report.rims_extruded, 1u);
+  EXPECT_EQ(s.report.base_direction, Vec3d(0, 0, -1));
+  EXPECT_DOUBLE_EQ(signedVolume(s.mesh), 4 * 3 * (2 + 2.0));
+  EXPECT_EQ(s.report.triangles_kept, 10u);
+}
+
+TEST(Close, InsideOutScanIsTurned) {
+  Mesh m = box({0, 0, 0}, {4, 3, 2});
+  m.triangles.erase(m.triangles.begin(), m.triangles.begin() + 2);
+  const Solid s = closed(flipped(m));
+  EXPECT_EQ(s.report.base_direction, Vec3d(0, 0, -1));
+  EXPECT_DOUBLE_EQ(signedVolume(s.mesh), 48);
+}
+
+TEST(Close, BaseDirectionCanBeGiven) {
+  Mesh m = box({0, 0, 0}, {4, 3, 2});
+  m.triangles.erase(m.triangles.begin() + 2, m.triangles.begin() + 4);  // the ceiling
+  const Solid s = closed(m, {.mode = CloseMode::kBase, .base_margin_mm = 1, .base_direction = Vec3d(0.1, 0, 0.9)});
+  EXPECT_DOUBLE_EQ(signedVolume(s.mesh), 4 * 3 * 3.0);
+}
+
+TEST(Close, ABaseDirectionAwayFromTheOpeningIsRefusedWithTheOneFound) {
+  Mesh m = box({0, 0, 0}, {4, 3, 2});
+  m.triangles.erase(m.triangles.begin(), m.triangles.begin() + 2);  // the floor
+  for (const Mesh& mesh : {m, flipped(m)}) {
+    EXPECT_DOUBLE_EQ(signedVolume(closed(mesh, {.base_direction = -Vec3d::UnitZ()}).mesh), 48);
+    for (const Vec3d& away : {Vec3d(0, 0, 1), Vec3d(1, 0, 0), Vec3d(0, -1, 0)}) {
+      const auto s = closeMesh(mesh, {.base_direction = away});
+      ASSERT_FALSE(s);
+      EXPECT_NE(s.error().found.find("open towards -z"), std::string::npos) << s.error().message();
+      EXPECT_NE(s.error().hint.find("--base-direction -z"), std::string::npos) << s.error().message();
+    }
+  }
+}
+
+TEST(Close, ABaseThatWasAskedForAndNotMadeIsNoted) {
+  for (const CloseOptions& o : {CloseOptions{.base_style = BaseStyle::kFull}, CloseOptions{.base_is_asked = true},
+                                CloseOptions{.base_height_mm = 20}, CloseOptions{.find_occlusal_plane = true}}) {
+    const Solid s = closed(box(0, 4), o);
+    ASSERT_EQ(s.report.changes.size(), 1u);
+    EXPECT_NE(s.report.changes[0].find("no base was made: the mesh is closed"), std::string::npos);
+  }
+  EXPECT_TRUE(closed(box(0, 4)).report.changes.empty());
+}
+
+TEST(Close, RepairRefusesAMissingUnderside) {
+  Mesh m = box({0, 0, 0}, {4, 3, 2});
+  m.triangles.erase(m.triangles.begin(), m.triangles.begin() + 2);
+  const auto s = closeMesh(m, {.mode = CloseMode::kRepair});
+  ASSERT_FALSE(s);
+  EXPECT_EQ(s.error().code, Error::Code::kGeometry);
+  EXPECT_NE(s.error().hint.find("base"), std::string::npos);
+}
+
+TEST(Close, HoleInABallIsFilled) {
+  Mesh m = ball(20, 40, 5);
+  const double whole = signedVolume(m);
+  m.triangles.erase(m.triangles.begin() + 200, m.triangles.begin() + 202);
+  m.triangles.erase(m.triangles.begin() + 500);
+  const Solid s = closed(m, {.mode = CloseMode::kRepair});
+  expectSourceFirst(s, m);
+  EXPECT_EQ(s.report.holes_filled, 2u);
+  EXPECT_NEAR(signedVolume(s.mesh), whole, 0.05);
+  EXPECT_EQ(s.report.triangles_kept, m.triangles.size());
+}
+
+TEST(Close, OverlappingCubesUnite) {
+  const Mesh m = both(box(0, 2), box(1, 3));
+  const Solid s = closed(m);
+  EXPECT_DOUBLE_EQ(signedVolume(s.mesh), 8 + 8 - 1);
+  EXPECT_EQ(edgeConnectedPieces(s.mesh).count, 1u);
+  EXPECT_GT(s.report.crossings_resolved, 0u);
+}
+
+TEST(Close, ObliqueBallsUniteWithinRounding) {
+  Mesh b = ball(16, 32, 5);
+  Mesh c = b;
+  for (Vec3d& p : c.vertices) p = roundedToFloat(Vec3d(p + Vec3d(3.3, 1.7, -2.2)));
+  const Solid s = closed(both(b, c));
+  // Union + intersection = sum; the lens by the formula for balls, about 1 % too large for these polyhedra.
+  const double d = Vec3d(3.3, 1.7, -2.2).norm(), lens = M_PI * (10 - d) * (10 - d) * (d * d + 20 * d) / (12 * d);
+  EXPECT_NEAR(signedVolume(s.mesh), 2 * signedVolume(b) - lens, 0.03 * lens);
+  // Every ball vertex outside the other ball is still there.
+  std::set<std::array<double, 3>> places;
+  for (const Vec3d& p : s.mesh.vertices) places.insert({p.x(), p.y(), p.z()});
+  for (const Vec3d& p : b.vertices)
+    if ((p - Vec3d(3.3, 1.7, -2.2)).norm() > 5.01) {
+      EXPECT_TRUE(places.count({p.x(), p.y(), p.z()}));
+    }
+}
+
+TEST(Close, DuplicatedCubeCountsOnce) { EXPECT_DOUBLE_EQ(signedVolume(closed(both(box(0, 2), box(0, 2))).mesh), 8); }
+
+TEST(Close, SolidInsideASolidVanishes) {
+  const Solid s = closed(both(box(0, 4), box(1, 2)));
+  EXPECT_DOUBLE_EQ(signedVolume(s.mesh), 64);
+  EXPECT_EQ(s.mesh.triangles.size(), 12u);
+}
+
+TEST(Close, CavityStays) {
+  const Solid s = closed(both(box(0, 4), flipped(box(1, 2))));
+  EXPECT_DOUBLE_EQ(signedVolume(s.mesh), 63);
+  EXPECT_EQ(s.mesh.triangles.size(), 24u);
+  EXPECT_TRUE(s.report.changes.empty());
+}
+
+TEST(Close, InsideOutPieceOnItsOwnIsTurned) {
+  const Solid s = closed(both(box(0, 2), flipped(box(5, 6))));
+  EXPECT_DOUBLE_EQ(signedVolume(s.mesh), 9);
+}
+
+TEST(Close, FlippedPatchIsTurned) {
+  Mesh m = ball(12, 24, 5);
+  const double volume = signedVolume(m);
+  for (std::size_t t = 100; t < 130; ++t) std::swap(m.triangles[t][1], m.triangles[t][2]);
+  const Solid s = closed(m);
+  EXPECT_EQ(s.report.triangles_flipped, 30u);
+  EXPECT_DOUBLE_EQ(signedVolume(s.mesh), volume);
+  expectSourceFirst(s, m);
+}
+
+TEST(Close, CubesGluedFaceToFaceBecomeOne) {
+  const Solid s = closed(both(box({0, 0, 0}, {2, 2, 2}), box({2, 0, 0}, {4, 2, 2})));
+  EXPECT_DOUBLE_EQ(signedVolume(s.mesh), 16);
+  // The same where the common wall is a part of the larger face only.
+  EXPECT_DOUBLE_EQ(signedVolume(closed(both(box(0, 2), box({2, 0.5, 0.5}, {3, 1, 1.5}))).mesh), 8.5);
+}
+
+TEST(Close, CubesTouchingInAnEdgeOrACornerAreMovedApart) {
+  const Solid edge = closed(both(box(0, 2), box({2, 2, 0}, {4, 4, 2})));
+  EXPECT_NEAR(signedVolume(edge.mesh), 16, 0.01);
+  EXPECT_GT(edge.report.vertices_moved, 0u);
+  EXPECT_LE(edge.report.largest_move_mm, 5e-4);
+  const Solid corner = closed(both(box(0, 2), box(2, 4)));
+  EXPECT_NEAR(signedVolume(corner.mesh), 16, 0.01);
+  EXPECT_EQ(corner.report.vertices_moved, 1u);
+}
+
+TEST(Close, EdgeTouchingItsOwnSolidIsMovedApart) {
+  // Two bricks on a plate meet in one edge: the material is in one piece, the edge ends at the plate.
+  const Solid s =
+      closed(both(both(box({0, 0, 0}, {4, 4, 1}), box({0, 0, 0.5}, {2, 2, 3})), box({2, 2, 0.5}, {4, 4, 3})));
+  EXPECT_NEAR(signedVolume(s.mesh), 16 + 2 * 8, 0.01);
+}
+
+/// A quarter-pipe scan whose rim crosses itself when seen from above: a sheet that overhangs.
+TEST(Close, RimThatCrossesItselfInProjectionGetsABase) {
+  // A spiral ribbon over the plane: an arc of 1.2 turns that climbs, 2 wide, normals up.
+  Mesh m;
+  const int n = 60;
+  for (int i = 0; i <= n; ++i) {
+    const double a = 2 * M_PI * 1.2 * i / n, z = 10 + 6.0 * i / n;
+    for (const double r : {4.0, 6.0}) m.vertices.push_back(roundedToFloat(Vec3d(r * std::cos(a), r * std::sin(a), z)));
+  }
+  for (std::uint32_t i = 0; i < static_cast<std::uint32_t>(n); ++i) {
+    m.triangles.push_back({2 * i, 2 * i + 1, 2 * i + 3});
+    m.triangles.push_back({2 * i, 2 * i + 3, 2 * i + 2});
+  }
+  const Solid s = closed(m, {.mode = CloseMode::kBase, .base_direction = Vec3d(0, 0, -1)});
+  EXPECT_EQ(s.report.rims_extruded, 1u);
+  // The ribbon's shadow is the full ring; where it overlaps itself the upper turn decides. Height over the base at z
+  // = 8.
+  double expected = 0;
+  const double segment = 0.5 * (36 - 16) * std::sin(2 * M_PI * 1.2 / n);
+  for (int i = n / 6; i < n; ++i) expected += segment * (2 + 6.0 * (i + 0.5) / n);
+  EXPECT_NEAR(signedVolume(s.mesh), expected, 0.02 * expected);
+}
+
+TEST(Close, VerticalRimEdgesAreNoTrouble) {
+  Mesh m = box({0, 0, 0}, {4, 3, 2});
+  m.triangles.erase(m.triangles.begin() + 4, m.triangles.begin() + 6);  // the front as well as
+  m.triangles.erase(m.triangles.begin(), m.triangles.begin() + 2);      // the floor: the rim climbs vertical edges
+  const Solid s = closed(m, {.mode = CloseMode::kBase, .base_direction = Vec3d(0, 0, -1)});
+  EXPECT_DOUBLE_EQ(signedVolume(s.mesh), 48);
+}
+
+TEST(Close, TriangleWithoutAreaOnAnEdgeIsResolved) {
+  Mesh m = box(0, 2);
+  // Put a vertex on the edge 0-1 of one of its two triangles and a triangle without area between.
+  m.vertices.push_back({1, 0, 0});
+  for (std::size_t t = 0; t < 12; ++t)
+    if (m.triangles[t] == Triangle{0, 1, 4}) {
+      m.triangles[t] = {0, 8, 4};
+      m.triangles.push_back({8, 1, 4});
+      m.triangles.push_back({0, 1, 8});
+    }
+  const Solid s = closed(m);
+  EXPECT_DOUBLE_EQ(signedVolume(s.mesh), 8);
+  expectSourceFirst(s, m);
+}
+
+TEST(Close, DuplicateTriangleInAScanIsDropped) {
+  Mesh m = ball(8, 16, 3);
+  const double volume = signedVolume(m);
+  m.triangles.push_back(m.triangles[20]);
+  const Solid s = closed(m);
+  EXPECT_DOUBLE_EQ(signedVolume(s.mesh), volume);
+  EXPECT_EQ(s.report.triangles_kept + s.report.triangles_dropped, m.triangles.size());
+}
+
+TEST(Close, DoubleCoordinatesAreRoundedAndReported) {
+  Mesh m = box(0, 2);
+  for (Vec3d& p : m.vertices) p.array() += 0.1;
+  const Solid s = closed(m);
+  EXPECT_EQ(s.report.vertices_rounded, 8u);
+  EXPECT_EQ(s.report.changes.size(), 1u);
+}
+
+TEST(Close, CrumbsGoAndAreCounted) {
+  Mesh m = ball(12, 24, 5);
+  Mesh crumb;
+  crumb.vertices = {{20, 0, 0}, {20.5, 0, 0}, {20, 0.5, 0}};
+  crumb.triangles = {{0, 1, 2}};
+  const Solid s = closed(both(m, crumb));
+  EXPECT_EQ(s.report.crumbs_dropped, 1u);
+  EXPECT_EQ(s.mesh.triangles, m.triangles);
+}
+
+TEST(Close, ColoursAreKeptAndAddedPartsAreStone) {
+  Mesh m = box({0, 0, 0}, {4, 3, 2});
+  for (std::uint8_t k = 0; k < 12; ++k) m.face_colors.push_back({k, 0, 0, 255});
+  for (std::uint8_t k = 0; k < 8; ++k) m.vertex_colors.push_back({0, k, 0, 255});
+  m.triangles.erase(m.triangles.begin(), m.triangles.begin() + 2);
+  m.face_colors.erase(m.face_colors.begin(), m.face_colors.begin() + 2);
+  const Solid s = closed(m);
+  ASSERT_EQ(s.mesh.face_colors.size(), s.mesh.triangles.size());
+  ASSERT_EQ(s.mesh.vertex_colors.size(), s.mesh.vertices.size());
+  for (std::size_t t = 0; t < s.mesh.triangles.size(); ++t)
+    EXPECT_EQ(s.mesh.face_colors[t],
+              s.source_triangle[t] == kAdded ? (Rgba8{214, 205, 189, 255}) : m.face_colors[s.source_triangle[t]]);
+  for (std::size_t v = 0; v < 8; ++v) EXPECT_EQ(s.mesh.vertex_colors[v], m.vertex_colors[v]);
+}
+
+TEST(Close, TheRimsColoursDoNotRunDownTheWalls) {
+  Mesh m = box({0, 0, 0}, {4, 3, 2});
+  m.triangles.erase(m.triangles.begin(), m.triangles.begin() + 2);
+  m.vertex_colors.assign(8, {255, 0, 0, 255});
+  for (const BaseStyle style : {BaseStyle::kHorseshoe, BaseStyle::kFull}) {
+    const Solid s = closed(m, {.base_style = style});
+    EXPECT_DOUBLE_EQ(signedVolume(s.mesh), 48);
+    for (std::size_t v = 0; v < s.mesh.vertices.size(); ++v)
+      EXPECT_EQ(s.mesh.vertex_colors[v], v < 8 ? (Rgba8{255, 0, 0, 255}) : (Rgba8{214, 205, 189, 255}));
+    for (const Triangle& t : s.mesh.triangles)
+      for (int k = 0; k < 3; ++k)
+        if ((t[static_cast<std::size_t>(k)] < 8) != (t[static_cast<std::size_t>((k + 1) % 3)] < 8)) {
+          const double down = std::abs(s.mesh.vertices[t[static_cast<std::size_t>(k)]].z() -
+                                       s.mesh.vertices[t[static_cast<std::size_t>((k + 1) % 3)]].z());
+          EXPECT_LT(down, 0.21) << "red fades into stone there";
+        }
+  }
+}
+
+TEST(Close, WrapSaysThatItIsAnApproximation) {
+  const auto s = closeMesh(box(0, 4), {.mode = CloseMode::kWrap});
+  ASSERT_TRUE(s) << s.error().message();
+  expectSolid(*s);
+  EXPECT_FALSE(s->report.exact);
+  EXPECT_NEAR(signedVolume(s->mesh), 4.1 * 4.1 * 4.1, 3.0);
+  EXPECT_GT(signedVolume(s->mesh), 64);
+}
+
+TEST(Close, SeveralMeshesUnite) {
+  const std::vector<Mesh> meshes = {box(0, 2), box(1, 3)};
+  const auto s = closeMeshes(meshes);
+  ASSERT_TRUE(s);
+  EXPECT_DOUBLE_EQ(signedVolume(s->mesh), 15);
+  for (const std::uint32_t t : s->source_triangle) EXPECT_LT(t, 24u);
+}
+
+TEST(Close, SameBitsForAnyNumberOfThreads) {
+  Mesh m = ball(16, 32, 5);
+  for (int k = 1; k < 4; ++k) {
+    Mesh other = ball(16, 32, 5);
+    for (Vec3d& p : other.vertices) p = roundedToFloat(Vec3d(p + k * Vec3d(3.3, 1.7, -2.2)));
+    append(m, other);
+  }
+  const Solid many = closed(m);
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  const Solid single = closed(m);
+  EXPECT_EQ(many.mesh.vertices, single.mesh.vertices);
+  EXPECT_EQ(many.mesh.triangles, single.mesh.triangles);
+  EXPECT_EQ(many.source_triangle, single.source_triangle);
+}
+
+TEST(Close, OnATinyScanTheBaseIsTinyToo) {
+  Mesh m = box({0, 0, 0}, {0.04, 0.03, 0.02});
+  m.triangles.erase(m.triangles.begin(), m.triangles.begin() + 2);
+  const Solid s = closed(m);
+  EXPECT_EQ(s.report.rims_extruded, 1u);
+  EXPECT_LT(bounds(s.mesh).size().z(), 0.06);
+  ASSERT_FALSE(s.report.changes.empty());
+  EXPECT_NE(s.report.changes[0].find("unit"), std::string::npos);
+}
+
+TEST(Close, StopsWhereverItIsAskedTo) {
+  // A ragged rim under a bowl that crosses itself, and a ball through it: every step has work.
+  Mesh m = ball(24, 48, 5);
+  std::erase_if(m.triangles, [&](const Triangle& t) { return m.vertices[t[0]].z() < -3.5 + 0.2 * (t[0] % 3); });
+  Mesh other = ball(24, 48, 4);
+  for (Vec3d& p : other.vertices) p = roundedToFloat(Vec3d(p + Vec3d(3.3, 1.7, 2.2)));
+  append(m, other);
+  for (const CloseMode mode : {CloseMode::kBase, CloseMode::kWrap}) {
+    int all = 0;
+    ASSERT_TRUE(closeMesh(m, {.mode = mode}, [&](double, std::string_view) { return ++all > 0; }));
+    EXPECT_GT(all, 30);
+    for (int stop = 0; stop < all; stop += 1 + all / 40) {
+      int calls = 0;
+      const auto s = closeMesh(m, {.mode = mode}, [&](double, std::string_view) { return calls++ < stop; });
+      ASSERT_FALSE(s) << stop << " of " << all;
+      EXPECT_EQ(s.error().code, Error::Code::kCancelled);
+      EXPECT_EQ(calls, stop + 1) << "nobody goes on after a no";
+    }
+  }
+}
+
+TEST(Close, NothingInNothingOut) {
+  EXPECT_EQ(closeMesh({}).error().code, Error::Code::kEmpty);
+  Mesh point;
+  point.vertices = {{0, 0, 0}};
+  point.triangles = {{0, 0, 0}};
+  EXPECT_EQ(closeMesh(point).error().code, Error::Code::kEmpty);
+  EXPECT_EQ(closeMesh(box(0, 1), {.base_margin_mm = -1}).error().code, Error::Code::kBadValue);
+  EXPECT_EQ(closeMesh(box(0, 1), {}, [](double, std::string_view) { return false; }).error().code,
+            Error::Code::kCancelled);
+}
+
+}  // namespace
+}  // namespace kerf

@@ -1,0 +1,384 @@
+#include "preprocess/volume/label_volume.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <random>
+
+#include "tests/preprocess/label_volume_samples.h"
+#include "tests/support/temporary_file.h"
+#include "tests/support/temporary_folder.h"
+
+namespace kerf {
+namespace {
+
+Expected<LabelVolume> readBytes(const std::string& name, const std::string& bytes, const LabelReadOptions& o = {}) {
+  const TemporaryFile file(name, bytes);
+  return readLabelVolume(file.path(), o);
+}
+
+void expectCounting(const Expected<LabelVolume>& v) {
+  if (!v) throw std::runtime_error(v.error().message());
+  EXPECT_EQ(v->size, (std::array<int, 3>{4, 3, 2}));
+  ASSERT_EQ(v->labels.size(), 24u);
+  for (std::uint16_t i = 0; i < 24; ++i) EXPECT_EQ(v->labels[i], i);
+  EXPECT_EQ(v->at(3, 2, 1), 23);
+}
+
+void expectNear(const Vec3d& got, const Vec3d& wanted) { EXPECT_LT((got - wanted).norm(), 1e-5) << got.transpose(); }
+
+std::string messageOf(const Expected<LabelVolume>& v) { return v ? "(it was read)" : v.error().message(); }
+void expectRefusal(const Expected<LabelVolume>& v, const std::string& words) {
+  EXPECT_NE(messageOf(v).find(words), std::string::npos) << messageOf(v);
+}
+
+LabelReadOptions spacing(double x, double y, double z) {
+  LabelReadOptions o;
+  o.spacing_mm = Vec3d(x, y, z);
+  return o;
+}
+
+TEST(LabelVolume, NrrdKeepsSpacingOriginAndOrder) {
+  const auto v = readBytes("a.nrrd", nrrd(std::string(kNrrdGrid) + kNrrdSpace, countingLabels()));
+  expectCounting(v);
+  expectNear(v->spacing, {0.5, 0.25, 2});
+  expectNear(v->toWorld({1, 1, 1}), {1.5, 2.25, 5});
+  EXPECT_NEAR(v->voxelVolume(), 0.25, 1e-12);
+}
+
+TEST(LabelVolume, NrrdInRasIsTurnedToLps) {
+  const auto v = readBytes(
+      "a.nrrd", nrrd(std::string(kNrrdGrid) + "space: right-anterior-superior\nspace directions: (0,0.5,0) (0.5,0,0) "
+                                              "(0,0,2)\nspace origin: (1,2,3)\n",
+                     countingLabels()));
+  expectCounting(v);
+  expectNear(v->toWorld({2, 0, 0}), {-1, -3, 3});
+  EXPECT_LT(v->direction.determinant(), 0) << "x and y exchanged: a mirrored grid";
+}
+
+TEST(LabelVolume, MetaImageKeepsItsGrid) {
+  const std::string grid = "TransformMatrix = 0 1 0 -1 0 0 0 0 1\nOffset = 1 2 3\nElementSpacing = 0.5 0.25 2\n";
+  const auto v = readBytes("a.mha", metaImage(grid, countingLabels()));
+  expectCounting(v);
+  expectNear(v->spacing, {0.5, 0.25, 2});
+  expectNear(v->toWorld({2, 0, 0}), {1, 3, 3});
+}
+
+TEST(LabelVolume, NiftiIsTurnedToLps) {
+  const auto v = readBytes("a.nii", nifti(countingLabels()));
+  expectCounting(v);
+  expectNear(v->spacing, {0.5, 0.25, 2});
+  expectNear(v->toWorld({0, 0, 0}), {1, 2, 3});
+  expectNear(v->toWorld({1, 1, 1}), {1.5, 2.25, 5});
+}
+
+TEST(LabelVolume, DicomSeriesIsSortedByPosition) {
+  const TemporaryFolder folder;
+  folder.write("a.dcm", dicomSlice(countingLabels().substr(12), 2));  // the upper slice first
+  folder.write("b.dcm", dicomSlice(countingLabels().substr(0, 12), 0));
+  folder.write("README.txt", "not a slice");
+  const auto v = readLabelVolume(folder.path());
+  expectCounting(v);
+  expectNear(v->spacing, {0.5, 0.25, 2});
+  expectNear(v->origin, {1, 2, 0});
+  EXPECT_TRUE(isLabelVolume(folder.path()));
+}
+
+TEST(LabelVolume, DicomSeriesWithAMissingSliceOrASecondSeriesIsRefused) {
+  const TemporaryFolder folder;
+  for (const double z : {0.0, 2.0, 4.0, 8.0})
+    folder.write("z" + std::to_string(z) + ".dcm", dicomSlice(countingLabels().substr(0, 12), z));
+  expectRefusal(readLabelVolume(folder.path()), "a slice is missing or there twice");
+  folder.write("other.dcm", dicomSlice(countingLabels().substr(0, 12), 6, "9.9.9"));
+  expectRefusal(readLabelVolume(folder.path()), "2 series");
+}
+
+TEST(LabelVolume, DicomSlicesWithoutPixelSpacingNeedAGivenOne) {
+  const TemporaryFolder folder;
+  folder.write("a.dcm", dicomSlice(countingLabels().substr(0, 12), 0, "1.2.3", ""));
+  folder.write("b.dcm", dicomSlice(countingLabels().substr(12), 2, "1.2.3", ""));
+  expectRefusal(readLabelVolume(folder.path()), "no pixel spacing (2 mm along z)");
+  const auto v = readLabelVolume(folder.path(), spacing(0.3, 0.3, 2));
+  expectCounting(v);
+  EXPECT_TRUE(v->is_spacing_given);
+  expectNear(v->spacing, {0.3, 0.3, 2});
+  expectRefusal(readLabelVolume(folder.path(), spacing(0.3, 0.3, 1)), "along z, but the file says 2 mm");
+}
+
+TEST(LabelVolume, DicomFramesInOneFileNeedASpacingBetweenThem) {
+  for (const char* pixel : {"", "0.25\\0.5"}) {
+    const TemporaryFolder folder;
+    folder.write("a.dcm", dicomSlice(countingLabels(), 0, "1.2.3", pixel, 2));
+    expectRefusal(readLabelVolume(folder.path()), "give `spacing = [x, y, z]` in the recipe");
+    const auto v = readLabelVolume(folder.path(), spacing(0.5, 0.25, 3));
+    expectCounting(v);
+    expectNear(v->spacing, {0.5, 0.25, 3});
+  }
+}
+
+TEST(LabelVolume, DicomFramesWithTheirSpacingNeedNone) {
+  const TemporaryFolder folder;
+  folder.write("a.dcm", dicomSlice(countingLabels(), 0, "1.2.3", "0.25\\0.5", 2, "3"));
+  const auto v = readLabelVolume(folder.path());
+  expectCounting(v);
+  expectNear(v->spacing, {0.5, 0.25, 3});
+  EXPECT_FALSE(v->is_spacing_given);
+}
+
+TEST(LabelVolume, DicomIsReadWithoutAWordFromTheLibrary) {
+  const TemporaryFolder folder;
+  folder.write("a.dcm", dicomSlice(countingLabels().substr(0, 12), 0));
+  folder.write("b.dcm", dicomSlice(countingLabels().substr(12), 2));
+  folder.write("notes.bin", std::string(128, '\0') + "DICM" + std::string(300, '\x37'));
+  testing::internal::CaptureStderr();
+  const auto v = readLabelVolume(folder.path());
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  expectCounting(v);
+}
+
+TEST(LabelVolume, PicturesBesideDicomSlicesAreRefusedByName) {
+  const TemporaryFolder folder;
+  folder.write("a.dcm", dicomSlice(countingLabels().substr(0, 12), 0));
+  folder.write("b.dcm", dicomSlice(countingLabels().substr(12), 2));
+  folder.write("preview.png", greyPng(4, 3, countingLabels().substr(0, 12)));
+  const auto v = readLabelVolume(folder.path(), spacing(0.5, 0.25, 2));
+  expectRefusal(v, "preview.png beside the DICOM file a.dcm");
+  expectRefusal(v, "move the pictures");
+}
+
+TEST(LabelVolume, NrrdUnitsOtherThanMillimetresAreRefusedByName) {
+  const std::string grid = std::string(kNrrdGrid) + kNrrdSpace, plain = std::string(kNrrdGrid) + "spacings: 1 1 1\n";
+  for (const char* fine : {"space units: \"mm\" \"mm\" \"mm\"\n", "space units: \"\" \"\" \"\"\n"})
+    expectCounting(readBytes("a.nrrd", nrrd(grid + fine, countingLabels())));
+  expectCounting(readBytes("a.nrrd", nrrd(plain + "units: \"mm\" \"mm\" \"mm\"\n", countingLabels())));
+  expectRefusal(readBytes("a.nrrd", nrrd(grid + "space units: \"mm\" \"um\" \"um\"\n", countingLabels())), "'um'");
+  expectRefusal(readBytes("a.nrrd", nrrd(plain + "units: \"cm\" \"cm\" \"cm\"\n", countingLabels())), "'cm'");
+  expectRefusal(readBytes("a.nrrd", nrrd(plain + "units: m m m\n", countingLabels())), "'m'");
+}
+
+TEST(LabelVolume, MoreThanFreeMemoryIsRefusedAndSaysSo) {
+  LabelReadOptions o;
+  o.available_bytes = 100;  // 24 voxels of one byte: twice while decompressing, and two bytes for the label
+  const std::string bytes = nrrd(std::string(kNrrdGrid) + kNrrdSpace, countingLabels());
+  expectRefusal(readBytes("a.nrrd", bytes, o), "4/5 of the");
+  o.available_bytes = 121;
+  expectCounting(readBytes("a.nrrd", bytes, o));
+}
+
+TEST(LabelVolume, HeadersOfSeveralFilesAreRefusedByName) {
+  std::string meta = metaImage("ElementSpacing = 1 1 1\n", "");
+  meta.resize(meta.find("ElementDataFile"));
+  for (const char* data : {"LIST", "slice%03d.raw 1 2 1", "../a.raw"}) {
+    const auto v = readBytes("a.mhd", meta + "ElementDataFile = " + data + "\n");
+    expectRefusal(v, std::string("key ElementDataFile: '") + data + "'");
+    expectRefusal(v, "save it as a single .mha");
+  }
+  expectRefusal(readBytes("a.mhd", meta + "ElementDataFile = gone.raw\n"), "'gone.raw' is not there");
+  for (const char* key : {"data file: a.raw\n", "datafile: LIST\n"})
+    expectRefusal(readBytes("a.nrrd", nrrd(std::string(kNrrdGrid) + kNrrdSpace + key, "")), "values in another file");
+}
+
+TEST(LabelVolume, PictureSlicesStackInNaturalOrder) {
+  const TemporaryFolder folder;
+  folder.write("slice-10.png", greyPng(4, 3, countingLabels().substr(12)));
+  folder.write("slice-2.png", greyPng(4, 3, countingLabels().substr(0, 12)));
+  expectRefusal(readLabelVolume(folder.path()), "give `spacing = [x, y, z]` in the recipe");
+  const auto v = readLabelVolume(folder.path(), spacing(0.5, 0.5, 1));
+  expectCounting(v);
+  EXPECT_TRUE(v->is_spacing_given);
+  folder.write("slice-11.png", greyPng(3, 4, countingLabels().substr(0, 12)));
+  expectRefusal(readLabelVolume(folder.path(), spacing(0.5, 0.5, 1)), "slice-11.png");
+}
+
+TEST(LabelVolume, UnusableSpacingIsRefusedAndReplacedByAGivenOne) {
+  for (const char* line : {"", "spacings: nan 1 1\n", "spacings: -1 1 1\n"}) {
+    const std::string bytes = nrrd(std::string(kNrrdGrid) + line, countingLabels());
+    expectRefusal(readBytes("a.nrrd", bytes), "give `spacing = [x, y, z]` in the recipe");
+    const auto v = readBytes("a.nrrd", bytes, spacing(0.3, 0.4, 0.5));
+    expectCounting(v);
+    expectNear(v->spacing, {0.3, 0.4, 0.5});
+  }
+  expectRefusal(readBytes("a.nrrd", nrrd(std::string(kNrrdGrid) + "spacings: 0 1 1\n", countingLabels())),
+                "give `spacing");
+  expectRefusal(readBytes("a.mha", metaImage("", countingLabels())), "give `spacing = [x, y, z]`");
+  expectRefusal(readBytes("a.nii", nifti(countingLabels(), 0)), "save it again with its voxel size");
+  expectRefusal(readBytes("a.nii", nifti(countingLabels(), std::numeric_limits<float>::quiet_NaN())),
+                "save it again with its voxel size");
+}
+
+TEST(LabelVolume, UsableSpacingIsNeverOverridden) {
+  const std::string bytes = nrrd(std::string(kNrrdGrid) + "spacings: 0.5 0.25 2\n", countingLabels());
+  expectRefusal(readBytes("a.nrrd", bytes, spacing(0.5, 0.5, 2)), "but the file says [0.5, 0.25, 2] mm");
+  const auto v = readBytes("a.nrrd", bytes, spacing(0.5, 0.25, 2));
+  expectCounting(v);
+  EXPECT_FALSE(v->is_spacing_given);
+  for (const double bad : {0.0, -1.0, std::numeric_limits<double>::infinity()})
+    expectRefusal(readBytes("a.nrrd", bytes, spacing(bad, 1, 1)), "above 0");
+}
+
+TEST(LabelVolume, AxesOfOneVoxelAreDroppedAndRealFourDimensionsRefused) {
+  const std::string head = "type: unsigned char\nencoding: raw\ndimension: 4\n";
+  expectCounting(readBytes("a.nrrd", nrrd(head + "sizes: 1 4 3 2\nspacings: 1 0.5 0.25 2\n", countingLabels())));
+  expectCounting(readBytes("a.nrrd", nrrd(head + "sizes: 4 3 2 1\nspacings: 0.5 0.25 2 1\n", countingLabels())));
+  expectRefusal(readBytes("a.nrrd", nrrd(head + "sizes: 2 2 3 2\nspacings: 1 1 1 1\n", countingLabels())),
+                "4 axes of more than one voxel");
+}
+
+TEST(LabelVolume, SeveralValuesPerVoxelAreRefused) {
+  const std::string grid = "ElementSpacing = 1 1 1\nElementNumberOfChannels = 3\n";
+  expectRefusal(readBytes("a.mha", metaImage(grid, std::string(72, '\1'))), "3 values per voxel");
+}
+
+std::string floatNrrd(const std::vector<float>& values) {
+  std::string raw(values.size() * 4, '\0');
+  std::memcpy(raw.data(), values.data(), raw.size());
+  return nrrd("type: float\ndimension: 3\nsizes: " + std::to_string(values.size()) +
+                  " 1 1\nendian: little\nencoding: raw\nspacings: 1 1 1\n",
+              raw);
+}
+
+TEST(LabelVolume, WholeFloatsAreLabelsAndFractionsAreIntensities) {
+  const auto v = readBytes("a.nrrd", floatNrrd({0, 1, 7}));
+  ASSERT_TRUE(v) << v.error().message();
+  EXPECT_EQ(v->labels, (std::vector<std::uint16_t>{0, 1, 7}));
+  expectRefusal(readBytes("a.nrrd", floatNrrd({0, 1.5f})), "threshold = ");
+  expectRefusal(readBytes("a.nrrd", floatNrrd({0, -1})), "threshold = ");
+  expectRefusal(readBytes("a.nrrd", floatNrrd({0, std::numeric_limits<float>::quiet_NaN()})), "threshold = ");
+  std::vector<float> many;
+  for (int i = 0; i < 300; ++i) many.push_back(static_cast<float>(i));
+  expectRefusal(readBytes("a.nrrd", floatNrrd(many)), "300 different values: these look like intensities");
+}
+
+TEST(LabelVolume, ThresholdMakesOneLabelOfAllValuesFromThereOn) {
+  LabelReadOptions o;
+  o.threshold = 1.5;
+  const auto v = readBytes("a.nrrd", floatNrrd({-1000, 1.4f, 1.5f, 3000, std::numeric_limits<float>::quiet_NaN()}), o);
+  ASSERT_TRUE(v) << v.error().message();
+  EXPECT_EQ(v->labels, (std::vector<std::uint16_t>{0, 0, 1, 1, 0}));
+}
+
+TEST(LabelVolume, AThresholdAboveEveryValueIsRefusedWithTheHighest) {
+  LabelReadOptions o;
+  o.threshold = 5000;
+  expectRefusal(readBytes("a.nrrd", floatNrrd({-1000, 1.4f, 3000, std::numeric_limits<float>::quiet_NaN()}), o),
+                "the highest is 3000");
+}
+
+TEST(LabelVolume, DensitiesInBytesAreNoLabelsButFortyRegionsAre) {
+  std::vector<float> noise, regions;
+  for (int i = 0; i < 4000; ++i) noise.push_back(static_cast<float>(i * 37 % 101));
+  for (int i = 0; i < 4000; ++i) regions.push_back(static_cast<float>(i / 100));
+  expectRefusal(readBytes("a.nrrd", floatNrrd(noise)), "neighbours differ: these look like intensities");
+  EXPECT_TRUE(readBytes("a.nrrd", floatNrrd(regions)));
+}
+
+TEST(LabelVolume, FilesShorterThanTheirHeaderClaimsAreRefusedBeforeAllocating) {
+  const std::string grid = std::string("type: unsigned char\ndimension: 3\nspacings: 1 1 1\n");
+  expectRefusal(readBytes("a.nrrd", nrrd(grid + "encoding: raw\nsizes: 4 3 3\n", countingLabels())),
+                "enough for the 36");
+  expectRefusal(readBytes("a.nrrd", nrrd(grid + "encoding: gzip\nsizes: 9000 9000 9000\n", countingLabels())),
+                "its header claims");
+  LabelReadOptions small;
+  small.max_bytes = 50;  // 24 voxels of one byte: twice while decompressing, and two bytes for the label
+  expectRefusal(readBytes("a.nrrd", nrrd(std::string(kNrrdGrid) + "spacings: 1 1 1\n", countingLabels()), small),
+                "crop the volume");
+}
+
+TEST(LabelVolume, LongFieldsAreRefusedButNotLongNotes) {
+  const std::string grid = std::string(kNrrdGrid) + kNrrdSpace;
+  EXPECT_TRUE(readBytes(
+      "a.nrrd",
+      nrrd("# " + std::string(3000, 'x') + "\nnote:=" + std::string(3000, 'x') + "\n" + grid, countingLabels())));
+  expectRefusal(readBytes("a.nrrd", nrrd(grid + "content: " + std::string(3000, 'x') + "\n", countingLabels())),
+                "a field of at most 500 bytes");
+}
+
+TEST(LabelVolume, SingularDirectionsAreRefused) {
+  expectRefusal(readBytes("a.nrrd", nrrd(std::string(kNrrdGrid) +
+                                             "space: left-posterior-superior\nspace directions: (1,0,0) (1,0,0) "
+                                             "(0,0,2)\nspace origin: (1,2,3)\n",
+                                         countingLabels())),
+                "a.nrrd");
+}
+
+TEST(LabelVolume, WhatIsNoVolumeIsRefusedByName) {
+  expectRefusal(readLabelVolume("/nonexistent/a.nrrd"), "no such file");
+  expectRefusal(readBytes("a.stl", "solid"), "'.stl'");
+  const TemporaryFolder empty;
+  expectRefusal(readLabelVolume(empty.path()), "no slices");
+  EXPECT_FALSE(isLabelVolume(empty.path()));
+  EXPECT_FALSE(isLabelVolume("a.stl"));
+}
+
+TEST(LabelVolume, CancellingStopsReading) {
+  const TemporaryFile file("a.nrrd", nrrd(std::string(kNrrdGrid) + kNrrdSpace, countingLabels()));
+  const auto v = readLabelVolume(file.path(), {}, [](double, std::string_view) { return false; });
+  ASSERT_FALSE(v);
+  EXPECT_EQ(v.error().code, Error::Code::kCancelled);
+}
+
+// Each format 600 times (slices, each tried in a process of its own, 100), with bytes changed, cut off or doubled, most
+// of them in the header: read or refused.
+TEST(LabelVolume, MutatedFilesAreReadOrRefused) {
+  const std::vector<std::pair<std::string, std::string>> seeds{
+      {"a.nrrd", nrrd(std::string(kNrrdGrid) + kNrrdSpace, countingLabels())},
+      {"a.mha", metaImage("Offset = 1 2 3\nElementSpacing = 1 1 1\n", countingLabels())},
+      {"a.nii", nifti(countingLabels())},
+      {"a.dcm", dicomSlice(countingLabels().substr(0, 12), 0)},
+      {"a.png", greyPng(4, 3, countingLabels().substr(0, 12))}};
+  const TemporaryFolder folder;
+  LabelReadOptions given = spacing(1, 1, 1);
+  given.max_bytes = 64 << 20;
+  for (std::size_t f = 0; f < seeds.size(); ++f) {
+    const auto& [name, seed] = seeds[f];
+    std::mt19937 random(static_cast<unsigned>(20261121 + f));
+    const auto below = [&](std::size_t n) { return static_cast<std::size_t>(random()) % n; };
+    int read = 0, refused = 0;
+    for (int round = 0; round < (f < 3 ? 600 : 100); ++round) {
+      std::string bytes = seed;
+      const std::size_t changes = 1 + below(4);
+      for (std::size_t c = 0; c < changes && !bytes.empty(); ++c) {
+        const std::size_t at = below(bytes.size());
+        switch (below(6)) {
+          case 0:
+            bytes.resize(at);
+            break;
+          case 1:
+            bytes.insert(at, bytes.substr(at, 1 + below(20)));
+            break;
+          case 2:
+            bytes.erase(at, 1 + below(8));
+            break;
+          case 3:
+            bytes[at] = static_cast<char>(below(2) ? 255 : '9');
+            break;
+          default:
+            bytes[at] = static_cast<char>(random());
+            break;
+        }
+      }
+      const bool slices = f >= 3;
+      const TemporaryFolder own;
+      own.write(name, bytes);
+      if (slices) own.write("b" + name, f == 3 ? dicomSlice(countingLabels().substr(12), 2) : seed);
+      const auto v = readLabelVolume(slices ? own.path() : own.path() / name, round % 2 ? given : LabelReadOptions{});
+      if (v) {
+        ++read;
+        std::size_t voxels = 1;
+        for (const int s : v->size) voxels *= static_cast<std::size_t>(s);
+        EXPECT_EQ(v->labels.size(), voxels);
+        EXPECT_TRUE((v->spacing.array() > 0).all() && v->spacing.allFinite() && v->origin.allFinite());
+        EXPECT_GT(v->voxelVolume(), 0);
+      } else {
+        ++refused;
+        EXPECT_FALSE(v.error().message().empty());
+      }
+    }
+    // A PNG's checksums find every change.
+    EXPECT_GT(read, name == "a.png" ? -1 : 0) << name;
+    EXPECT_GT(refused, f < 3 ? 50 : 10) << name;
+  }
+}
+
+}  // namespace
+}  // namespace kerf

@@ -1,0 +1,129 @@
+#include "sim/hand/virtual_hand.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/sim/block_scene.h"
+
+namespace kerf {
+namespace {
+
+using test::block;
+using test::oneTissue;
+
+CutPath straight(const Vec3d& from, const Vec3d& to, double seconds) {
+  CutPath path;
+  for (const auto& [t, p] : {std::pair(0.0, from), std::pair(seconds, to)})
+    path.poses.push_back({t, {Eigen::Quaterniond::Identity(), p}});
+  path.cuts = {1};
+  return path;
+}
+
+TEST(VirtualHand, FeedHandGoesThePathInItsTime) {
+  const CutPath path = straight({0, 0, 1}, {0, 0, -1}, 0.5);
+  FeedHand hand(path);
+  StepOutput out;
+  DeviceSample sample;
+  int ticks = 0;
+  while (hand.next(out, sample)) {
+    EXPECT_NEAR(sample.T_world_device.translation[2], std::max(1 - 4 * kTick * ticks, -1.0), 1e-9);
+    ++ticks;
+  }
+  EXPECT_EQ(ticks, 501);
+  EXPECT_EQ(hand.progress(), 1);
+}
+
+struct Plunge {
+  double rate = 0, spread = 0, load = 0;
+};
+// A ball pressed with constant force into a block, its surface moving at 840 mm/s; from when its equator is in.
+Plunge plunge(double force, double voxel) {
+  Model model;
+  model.tools = {practiceBall(0.5, 840)};
+  model.tissues = oneTissue(200, 0.5, 1000);
+  State state;
+  state.objects.emplace_back(block({3, 3, 4}, voxel));
+  const CutPath path = straight({0.01, 0.02, 0.05}, {0.01, 0.02, -3}, 1);
+  ForceHand::Options options;
+  options.force = force;
+  ForceHand hand(path, model.settings.coupling, options);
+  StepOutput out;
+  DeviceSample sample;
+  state.place(poseAt(path, 0));
+  std::vector<double> rates, loads;
+  double sum = 0, load = 0;
+  int n = 0;
+  while (hand.next(out, sample)) {
+    step(model, state, sample, out);
+    if (out.T_world_tool.translation[2] > -1 || out.T_world_tool.translation[2] < -2.5) continue;
+    sum += out.removed_mm3, load += out.normal_load;
+    if (++n % 50 == 0) rates.push_back(sum / (50 * kTick)), loads.push_back(load / 50), sum = load = 0;
+  }
+  EXPECT_FALSE(hand.gaveUp());
+  EXPECT_GE(rates.size(), 4u);
+  Plunge result;
+  double least = 1e9, most = 0;
+  for (std::size_t i = 0; i < rates.size(); ++i) {
+    result.rate += rates[i] / static_cast<double>(rates.size()),
+        result.load += loads[i] / static_cast<double>(loads.size());
+    least = std::min(least, rates[i]), most = std::max(most, rates[i]);
+  }
+  result.spread = (most - least) / result.rate;
+  return result;
+}
+
+TEST(VirtualHand, ConstantForceRemovesSteadilyAndInProportion) {
+  std::vector<double> loads, rates;
+  for (const double force : {0.5, 1.0, 2.0, 3.0}) {
+    const Plunge p = plunge(force, 0.1);
+    EXPECT_LT(p.spread, 0.03) << force;
+    // N is 3/2 of the force on a hemisphere whose pressure follows its overlap.
+    EXPECT_NEAR(p.rate / (0.5 * p.load * 840 / 1000), 1, 0.05) << force;
+    EXPECT_NEAR(p.load / force, 1.5, 0.1) << force;
+    loads.push_back(p.load), rates.push_back(p.rate);
+  }
+  double mean = 0, total = 0, residual = 0;
+  for (const double r : rates) mean += r / 4;
+  for (std::size_t n = 0; n < 4; ++n)
+    total += std::pow(rates[n] - mean, 2), residual += std::pow(rates[n] - 0.5 * loads[n] * 840 / 1000, 2);
+  EXPECT_GT(1 - residual / total, 0.98);
+}
+
+// A hand that presses a device on a block which does not give way.
+double worstEnergy(Rendering rendering, double stiffness, const DeviceHand::Options& options) {
+  Model model;
+  model.tools = {practiceBall(0.5, 0)};
+  model.tissues = oneTissue(200, 0, 1000);
+  model.settings.rendering = rendering;
+  model.settings.coupling.stiffness = stiffness;
+  model.settings.ramp_s = 0;
+  State state;
+  state.objects.emplace_back(block({4, 4, 2}, 0.1));
+  CutPath path = straight({0, 0, 1}, {0, 0, -2}, 0.5);
+  path.poses.push_back({1.5, {Eigen::Quaterniond::Identity(), {0, 0, -2}}});
+  path.poses.push_back({1.8, {Eigen::Quaterniond::Identity(), {0, 0, 1}}});
+  path.cuts = {1, 1, 1};
+  DeviceHand hand(path, options);
+  StepOutput out;
+  DeviceSample sample;
+  state.place(poseAt(path, 0));
+  double worst = -1e9;
+  while (hand.next(out, sample)) {
+    step(model, state, sample, out);
+    worst = std::max(worst, hand.portEnergy());
+  }
+  return worst;
+}
+
+TEST(VirtualHand, TheCouplingGivesNoEnergyAwayWhereDirectRenderingDoes) {
+  for (const double hand_stiffness : {0.1, 0.3, 1.0}) {
+    DeviceHand::Options options;
+    options.hand_stiffness = hand_stiffness;
+    options.hand_damping = 0.001 + 0.002 * hand_stiffness;
+    EXPECT_LT(worstEnergy(Rendering::kCoupled, 0.5, options), 1e-3) << hand_stiffness;
+    EXPECT_LT(worstEnergy(Rendering::kCoupled, 1.0, options), 1e-3) << hand_stiffness;
+    EXPECT_GT(worstEnergy(Rendering::kDirect, 1.0, options), 0.1) << hand_stiffness;
+  }
+}
+
+}  // namespace
+}  // namespace kerf

@@ -1,0 +1,200 @@
+#include "sim/live/mesher_thread.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <map>
+#include <random>
+#include <set>
+#include <thread>
+
+#include "tests/geometry/sampled_field.h"
+#include "tests/sim/carved_field.h"
+
+namespace kerf {
+namespace {
+
+using ChunkMap = std::map<std::uint64_t, MeshChunkPtr>;
+
+void replace(ChunkMap& mine, const std::vector<MeshChunkPtr>& newer) {
+  for (const MeshChunkPtr& c : newer) {
+    MeshChunkPtr& slot = mine[coordKey(c->brick)];
+    if (slot) {
+      EXPECT_GT(c->version, slot->version);
+    }
+    slot = c;
+  }
+}
+std::vector<MeshChunkPtr> chunksOf(const ChunkMap& map) {
+  std::vector<MeshChunkPtr> out;
+  for (const auto& [key, c] : map)
+    if (!c->isEmpty()) out.push_back(c);
+  return out;
+}
+
+TEST(BrickFeed, GivesBackWhatWasPushedInOrder) {
+  BrickFeed feed(3);  // rounded up
+  ASSERT_EQ(feed.capacity(), 4u);
+  BrickValues values{};
+  BrickEdit edit;
+  EXPECT_FALSE(feed.tryPop(edit));
+  int pushed = 0, popped = 0;
+  for (int round = 0; round < 5; ++round) {
+    for (int n = 0; n < 3; ++n) {
+      values.fill(static_cast<float>(pushed));
+      ASSERT_TRUE(feed.tryPush({pushed++, 0, 0}, values));
+    }
+    for (int n = 0; n < 3; ++n) {
+      ASSERT_TRUE(feed.tryPop(edit));
+      EXPECT_EQ(edit.brick[0], popped);
+      EXPECT_EQ(edit.phi[511], static_cast<float>(popped++));
+    }
+  }
+}
+
+TEST(BrickFeed, APushIntoAFullFeedChangesNothing) {
+  BrickFeed feed(2);
+  BrickValues values{};
+  ASSERT_TRUE(feed.tryPush({1, 0, 0}, values));
+  ASSERT_TRUE(feed.tryPush({2, 0, 0}, values));
+  values.fill(7);
+  EXPECT_FALSE(feed.tryPush({3, 0, 0}, values));
+  std::vector<BrickEdit> out;
+  EXPECT_EQ(feed.drain(out), 2u);
+  EXPECT_EQ(out[0].brick[0], 1);
+  EXPECT_EQ(out[1].brick[0], 2);
+  EXPECT_EQ(out[1].phi[0], 0);
+  EXPECT_TRUE(feed.tryPush({3, 0, 0}, values));
+  EXPECT_EQ(feed.drain(out), 1u);
+  EXPECT_EQ(out[2].brick[0], 3);
+}
+
+TEST(BrickFeed, BetweenTwoThreadsNothingIsLostTornOrDoubled) {
+  BrickFeed feed(8);
+  constexpr int kCount = 20'000;
+  std::thread producer([&] {
+    BrickValues values;
+    for (int n = 0; n < kCount;) {
+      values.fill(static_cast<float>(n));
+      if (feed.tryPush({n, -n, 0}, values))
+        ++n;
+      else
+        std::this_thread::yield();
+    }
+  });
+  std::vector<BrickEdit> edits;
+  int next = 0;
+  while (next < kCount) {
+    edits.clear();
+    if (feed.drain(edits) == 0) std::this_thread::yield();
+    for (const BrickEdit& e : edits) {
+      ASSERT_EQ(e.brick[0], next);
+      for (const float v : e.phi) ASSERT_EQ(v, static_cast<float>(next));
+      ++next;
+    }
+  }
+  producer.join();
+  EXPECT_EQ(feed.drain(edits), 0u);
+}
+
+MesherThreadOptions onOneThread() {
+  MesherThreadOptions options;
+  options.remesher.is_parallel = false;  // ThreadSanitizer cannot see into TBB
+  return options;
+}
+
+// A producer as the 1 kHz thread is: what does not fit stays pending and goes out later with the values of then.
+struct Producer {
+  OverlayField& field;
+  BrickFeed& feed;
+  std::set<std::uint64_t> pending{};
+  std::uint64_t pushed = 0;
+  void tick(const std::vector<BrickEdit>& edits) {
+    for (const BrickEdit& e : edits) pending.insert(coordKey(e.brick));
+    for (auto it = pending.begin(); it != pending.end();) {
+      const auto c = coordOfKey(*it);
+      const Vec3i brick{c[0], c[1], c[2]};
+      if (!feed.tryPush(brick, *field.valuesAt(brick))) return;
+      it = pending.erase(it), ++pushed;
+    }
+  }
+};
+
+TEST(MesherThread, ReaderOfAKilohertzOfCarvesEndsWithTheMeshOfTheWholeField) {
+  const double r = 1.5;
+  const BrickField phi0 = ballWithAHole(r, 0.1);
+  OverlayField truth(phi0);
+  BrickFeed feed(32);  // small on purpose: it is full now and then
+  MesherThread mesher(phi0, feed, onOneThread());
+  std::atomic<bool> is_done{false};
+  std::uint64_t pushed = 0;
+  std::thread producer([&] {
+    std::mt19937 random(8);
+    Producer p{truth, feed};
+    auto next = std::chrono::steady_clock::now();
+    for (int tick = 0; tick < 1500; ++tick) {
+      p.tick(carveAtRandom(truth, r, random));
+      std::this_thread::sleep_until(next += std::chrono::milliseconds(1));
+    }
+    while (!p.pending.empty()) p.tick({}), std::this_thread::yield();
+    pushed = p.pushed;
+    is_done = true;
+  });
+  ChunkMap mine;
+  int looks = 0, states = 0;
+  while (!is_done) {
+    const auto fresh = mesher.take();
+    replace(mine, fresh);
+    if (!fresh.empty() && looks++ % 16 == 0) {  // at any moment what a reader holds is closed
+      expectClosedManifold(weldedMesh(chunksOf(mine)));
+      ++states;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  producer.join();
+  mesher.stop();
+  replace(mine, mesher.take());
+  EXPECT_TRUE(mesher.take().empty());
+  EXPECT_EQ(mesher.editsDone(), pushed);
+  EXPECT_GT(pushed, 0u);
+  EXPECT_GT(states, 0);
+
+  const BrickField whole = truth.flattened();
+  const Remesher fresh(whole, onOneThread().remesher);
+  const auto wanted = fresh.changedSince(0);
+  const auto got = chunksOf(mine);
+  ASSERT_EQ(got.size(), wanted.size());
+  for (std::size_t n = 0; n < got.size(); ++n) {
+    const MeshChunkPtr& w =
+        *std::find_if(wanted.begin(), wanted.end(), [&](const MeshChunkPtr& c) { return c->brick == got[n]->brick; });
+    EXPECT_EQ(got[n]->vertices, w->vertices);
+    EXPECT_EQ(got[n]->triangles, w->triangles);
+  }
+}
+
+TEST(MesherThread, StopsWhileTheFeedIsFullAndMeshesWhatWasInIt) {
+  const BrickField phi0 = ballWithAHole(1.0, 0.1);
+  OverlayField truth(phi0);
+  BrickFeed feed(1024);
+  MesherThread mesher(phi0, feed, onOneThread());
+  std::uint64_t pushed = 0;
+  for (const BrickEdit& e : carve(truth, {1.0, 0, 0}, 0.4)) pushed += feed.tryPush(e.brick, e.phi);
+  mesher.stop();
+  mesher.stop();
+  EXPECT_EQ(mesher.editsDone(), pushed);
+  EXPECT_GT(pushed, 0u);
+  const BrickField whole = truth.flattened();
+  const Mesh got = weldedMesh(mesher.take()),
+             wanted = weldedMesh(Remesher(whole, onOneThread().remesher).changedSince(0));
+  EXPECT_EQ(got.vertices, wanted.vertices);
+  EXPECT_EQ(got.triangles.size(), wanted.triangles.size());
+}
+
+TEST(MesherThread, MayBeDestroyedBeforeAnybodyReads) {
+  const BrickField phi0 = ballWithAHole(1.0, 0.05);
+  BrickFeed feed;
+  for (int n = 0; n < 5; ++n) MesherThread mesher(phi0, feed, onOneThread());
+}
+
+}  // namespace
+}  // namespace kerf

@@ -1,0 +1,68 @@
+#include "sim/run/tool_check.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "geometry/tool/tool_file.h"
+
+namespace kerf {
+namespace {
+
+// One case per tool, so that they run side by side and say which one fails.
+class EveryTool : public ::testing::TestWithParam<std::filesystem::path> {};
+
+TEST_P(EveryTool, RemovesWhatItsNumbersSayAtTenVoxelsPerDiameter) {
+  const auto tool = readTool(GetParam());
+  ASSERT_TRUE(tool) << tool.error().message();
+  const double voxel =
+      tool->kind == ToolKind::kBur ? std::min(tool->head_diameter_mm / 10, tool->finest() / 3) : defaultVoxel(*tool);
+  const auto check = checkTool(*tool, voxel);
+  ASSERT_TRUE(check) << check.error().message();
+  EXPECT_LE(std::abs(check->errorPercent()), 1.0) << check->removed_mm3 << " instead of " << check->expected_mm3;
+}
+
+std::vector<std::filesystem::path> filesOfTheRack() {
+  std::vector<std::filesystem::path> files;
+  for (const ToolListing& tool : listTools({std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools"}))
+    files.push_back(tool.file);
+  return files;
+}
+
+std::string caseName(const ::testing::TestParamInfo<std::filesystem::path>& which) {
+  std::string name = which.param.stem().string();
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+}
+
+INSTANTIATE_TEST_SUITE_P(ThatComesWithKerf, EveryTool, ::testing::ValuesIn(filesOfTheRack()), caseName);
+
+TEST(ToolCheck, ToolsRemoveWhatTheirNumbersSayAtTheDefaultVoxel) {
+  for (const char* id : {"round-014", "us-35", "us-957", "878k-016", "saw-sagittal-6"}) {
+    const auto tool = readTool(std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools" / (std::string(id) + ".toml"));
+    ASSERT_TRUE(tool) << tool.error().message();
+    const auto check = checkTool(*tool);
+    ASSERT_TRUE(check) << check.error().message();
+    EXPECT_TRUE(check->passed()) << id << ": " << check->removed_mm3 << " instead of " << check->expected_mm3;
+  }
+}
+
+TEST(ToolCheck, AToolThatCutsWiderThanItsNumbersFails) {
+  auto tool = readTool(std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools/round-014.toml");
+  ASSERT_TRUE(tool);
+  tool->cut = std::make_shared<RevolvedShape>(RevolvedProfile().arcTo({0, 0.705}, {0, 1.41}));  // 1.4 % more volume
+  const auto check = checkTool(*tool);
+  ASSERT_TRUE(check) << check.error().message();
+  EXPECT_FALSE(check->passed());
+  EXPECT_GT(check->errorPercent(), 1.0);
+}
+
+TEST(ToolCheck, AVoxelTooCoarseForTheToolIsRefused) {
+  const auto tool = readTool(std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools/round-014.toml");
+  ASSERT_TRUE(tool);
+  EXPECT_FALSE(checkTool(*tool, 0.5));
+  EXPECT_FALSE(checkTool(*tool, -0.1));
+}
+
+}  // namespace
+}  // namespace kerf

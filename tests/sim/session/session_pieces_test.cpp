@@ -1,0 +1,325 @@
+// What comes apart becomes objects of its own: found, split, moved, cut further, undone, replayed.
+#include <gtest/gtest.h>
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "sim/pieces/object_pieces.h"
+#include "sim/run/replay.h"
+#include "sim/session/session.h"
+#include "tests/sim/block_scene.h"
+#include "tests/support/temporary_file.h"
+
+namespace kerf {
+namespace {
+
+Rigid3 at(double x, double y, double z) { return {Eigen::Quaterniond::Identity(), {x, y, z}}; }
+
+Model ball(double radius = 0.65) {
+  Model model;
+  model.tools = {practiceBall(radius, 8400)};
+  model.tissues = test::oneTissue(200, 0.3, 1000);
+  model.settings.rendering = Rendering::kRigid;
+  model.settings.geometry_only = true;
+  return model;
+}
+
+std::shared_ptr<const BakedObject> bar() { return test::block({6, 2, 1}, 0.1); }
+
+// Through the bar at x, from one side to the other, and off it again.
+void sever(Session& session, double x, double from = -1.8, double to = 1.8) {
+  StepOutput out;
+  session.tick(test::sampleAt(at(x, from, 3), 0), out);
+  for (int n = 0; n <= 720; ++n)
+    session.tick(test::sampleAt(at(x, from + (to - from) * n / 720, -1.15), n < 720 ? 1 : 0), out);
+  session.tick(test::sampleAt(at(x, to, 3), 0), out);
+}
+
+std::array<double, 256> sum(const std::vector<CutObject>& objects) {
+  std::array<double, 256> out{};
+  for (const CutObject& object : objects) {
+    const auto now = object.countVolumes();
+    for (std::size_t m = 0; m < 256; ++m) out[m] += now[m];
+  }
+  return out;
+}
+
+TEST(SessionPieces, WhatIsSeveredBecomesAnObjectOfItsOwn) {
+  Session session(ball(), {bar()}, at(-0.7, -1.8, -1.15));
+  session.splitWhenApart(5);
+  sever(session, 0.3);
+  const std::vector<CutObject>& objects = session.state().objects;
+  ASSERT_EQ(objects.size(), 2u);
+  for (const CutObject& object : objects) EXPECT_EQ(object.shellDefects(), 0u);
+  // The larger one stays object 0; both are where they were.
+  constexpr auto kDentin = static_cast<std::size_t>(Material::kDentin);
+  const double large = objects[0].countVolumes()[kDentin], small = objects[1].countVolumes()[kDentin];
+  EXPECT_NEAR(large, 2 * (3.3 - 0.65), 0.4);
+  EXPECT_NEAR(small, 2 * (2.7 - 0.65), 0.4);
+  for (const CutObject& object : objects) {
+    const BrickField field = object.field();
+    PieceFinder alone(field);
+    EXPECT_EQ(alone.find().pieces.size(), 1u);
+  }
+  // Each is cut on its own from now on; the ledger of each counts from the split.
+  const std::uint64_t other = objects[0].stateHash();
+  sever(session, 1.9);
+  EXPECT_EQ(objects.size(), 3u);
+  EXPECT_EQ(objects[0].stateHash(), other);
+}
+
+TEST(SessionPieces, EverythingInsideIsInExactlyOnePieceOrCrumb) {
+  Session session(ball(), {bar()}, at(-0.7, -1.8, -1.15));
+  PieceOptions options;
+  options.crumb_mm3 = 0.4;
+  session.splitWhenApart(1 << 30, options);  // when asked only
+  sever(session, 2.2);                       // leaves a sliver at the end of the bar
+  sever(session, 0);
+  const std::vector<CutObject>& objects = session.state().objects;
+  ASSERT_EQ(objects.size(), 1u);
+  const BrickField all = objects[0].field();
+  PieceFinder finder(all);
+  const SolidMeasure whole = finder.find().whole;
+  ASSERT_TRUE(session.apply("pieces.split 0 0.4"));
+  ASSERT_EQ(objects.size(), 2u);
+  EXPECT_GE(session.crumbs().count, 1u);
+  SolidMeasure parts = session.crumbs().measure;
+  for (const CutObject& object : objects) {
+    const BrickField field = object.field();
+    PieceFinder alone(field);
+    EXPECT_EQ(alone.find().pieces.size() + alone.find().crumbs.size(), 1u);
+    parts.add(alone.find().whole);
+  }
+  EXPECT_EQ(parts, whole);  // whole numbers: to the last bit
+  EXPECT_FALSE(session.apply("pieces.split 0"));
+  EXPECT_FALSE(session.apply("pieces.split 1"));
+}
+
+TEST(SessionPieces, APieceThatIsMovedAwayIsCutThereAndNoLongerHere) {
+  Session session(ball(), {bar()}, at(-0.7, -1.8, -1.15));
+  session.splitWhenApart(5);
+  sever(session, -0.7);
+  const std::vector<CutObject>& objects = session.state().objects;
+  ASSERT_EQ(objects.size(), 2u);
+  // A quarter turn about z, ten millimetres up.
+  ASSERT_TRUE(session.apply("object.move 1 0 0 10 0.7071067811865476 0 0 0.7071067811865476"));
+  const std::uint64_t before = objects[1].stateHash();
+  sever(session, -2.2);
+  EXPECT_EQ(objects[1].stateHash(), before) << "cut where it no longer is";
+  StepOutput out;
+  double removed = 0;
+  for (int n = 0; n <= 400; ++n) {
+    // The piece lay about x = -2: turned, it lies about y = -2.
+    session.tick(test::sampleAt(at(0, -2.2, 11 - 0.004 * n), n < 400 ? 1 : 0), out);
+    removed += out.removed_mm3;
+  }
+  EXPECT_GT(removed, 0.05);
+  EXPECT_NE(objects[1].stateHash(), before);
+  // And back: poses are undone with their strokes.
+  ASSERT_TRUE(session.apply("undo"));
+  EXPECT_EQ(objects[1].stateHash(), before);
+  for (const char* bad : {"object.move 2 0 0 0 1 0 0 0", "object.move 0 0 0 0 2 0 0 0", "object.move 0 0 0 0 1 0 0",
+                          "object.move 0 nan 0 0 1 0 0 0", "object.move 0 1e9 0 0 1 0 0 0", "pieces.split 9",
+                          "pieces.split 0", "add 11 7", "add 200", "add 0 0"})
+    EXPECT_FALSE(session.apply(bad)) << bad;
+}
+
+TEST(SessionPieces, UndoOfTheStrokeThatSeveredMakesItWholeAgain) {
+  Session session(ball(), {bar()}, at(-0.7, -1.8, -1.15));
+  session.splitWhenApart(5);
+  const std::vector<CutObject>& objects = session.state().objects;
+  const std::uint64_t untouched = objects[0].stateHash();
+  const auto volumes = sum(objects);
+  sever(session, 1.5, -1.8, 0);  // a notch
+  const std::uint64_t notched = objects[0].stateHash();
+  sever(session, -0.7);
+  ASSERT_EQ(objects.size(), 2u);
+  const std::uint64_t first = objects[0].stateHash(), second = objects[1].stateHash();
+  const auto severed = sum(objects);
+  ASSERT_TRUE(session.apply("undo"));
+  ASSERT_EQ(objects.size(), 1u);
+  EXPECT_EQ(objects[0].stateHash(), notched);
+  EXPECT_EQ(objects[0].shellDefects(), 0u);
+  ASSERT_TRUE(session.apply("undo"));
+  EXPECT_EQ(objects[0].stateHash(), untouched);
+  EXPECT_EQ(sum(objects), volumes);
+  ASSERT_TRUE(session.apply("redo"));
+  ASSERT_TRUE(session.apply("redo"));
+  EXPECT_FALSE(session.apply("redo"));
+  ASSERT_EQ(objects.size(), 2u);
+  EXPECT_EQ(objects[0].stateHash(), first);
+  EXPECT_EQ(objects[1].stateHash(), second);
+  EXPECT_EQ(sum(objects), severed);
+}
+
+TEST(SessionPieces, TwoObjectsComeApartInOneTickAndUndoMakesBothWhole) {
+  const auto block = test::block({2, 2, 1}, 0.1);
+  Session session(ball(), {block, block}, at(0, -1.8, -1.15));
+  ASSERT_TRUE(session.apply("object.move 1 0 2.1 0 1 0 0 0"));  // one behind the other
+  session.splitWhenApart(1 << 30);
+  sever(session, 0, -1.8, 3.9);
+  ASSERT_TRUE(session.apply("pieces.split 1"));
+  ASSERT_TRUE(session.apply("pieces.split 0"));
+  const std::vector<CutObject>& objects = session.state().objects;
+  ASSERT_EQ(objects.size(), 4u);
+  const std::uint64_t hash = session.hash();
+  // Material for one that is not there any more is material for none.
+  ASSERT_TRUE(session.apply("add 11 3"));
+  ASSERT_TRUE(session.apply("undo"));
+  EXPECT_EQ(objects.size(), 2u);
+  EXPECT_EQ(session.state().adds, Material::kNone);
+  for (const CutObject& object : objects) EXPECT_EQ(object.changedField().brickCount(), 0u);
+  ASSERT_TRUE(session.apply("redo"));
+  EXPECT_EQ(session.hash(), hash);
+}
+
+// Between two strokes nothing is open: what was apart already is split by a step of its own.
+TEST(SessionPieces, ASplitAfterAStrokeHasEndedIsUndoneAlone) {
+  Session session(ball(), {bar()}, at(-0.7, -1.8, -1.15));
+  sever(session, -0.7);
+  static_cast<void>(session.snapshot());
+  const std::uint64_t severed = session.state().objects[0].stateHash();
+  ASSERT_TRUE(session.apply("pieces.split 0"));
+  ASSERT_EQ(session.state().objects.size(), 2u);
+  ASSERT_TRUE(session.apply("undo"));
+  ASSERT_EQ(session.state().objects.size(), 1u);
+  EXPECT_EQ(session.state().objects[0].stateHash(), severed);
+}
+
+TEST(SessionPieces, APieceOfAnObjectWhoseShellsWaitForRoomHasItsOwn) {
+  const Model model = ball();
+  State state;
+  state.objects.emplace_back(bar(), 512);
+  CutObject& object = state.objects[0];
+  StepOutput out;
+  for (int n = 0; n <= 720; ++n) step(model, state, test::sampleAt(at(0, -1.8 + 3.6 * n / 720, -1.15)), out);
+  ASSERT_EQ(out.status & kStepBricksRanOut, 0u);
+  // Changed once more, and not repaired: as after a tick that ran out of room.
+  for (int s = 0; s < object.slotCount(); ++s)
+    if (!object.slot(s).own && object.slot(s).shell_count > 0 && object.freeBricks() > 0) {
+      float* const phi = object.write(s);
+      for (int n = 0; n < kBrickNodes; ++n) phi[n] += 0.01f;
+    }
+  ASSERT_GT(object.shellDefects(), 0u);
+  const BrickField field = object.field();
+  PieceFinder finder(field);
+  const PieceList& list = finder.find();
+  ASSERT_EQ(list.pieces.size(), 2u);
+  for (const PieceBricks& bricks : bricksOfPieces(finder, list.pieces.size()))
+    EXPECT_EQ(CutObject::piece(object, bricks).shellDefects(), 0u);
+}
+
+// Blanks are made before anything comes apart, from the object as it was loaded: what has been cut, added and taken off
+// since must all be in the pieces, and theirs in turn.
+TEST(SessionPieces, APieceOutOfABlankIsTheSameAsOneMadeAnew) {
+  const Model model = ball(0.3);
+  State scene;
+  const std::shared_ptr<const BakedObject> loaded = bar();
+  scene.objects.emplace_back(loaded, 512);
+  StepOutput out;
+  const auto saw = [&](State& state, double x) {
+    for (int n = 0; n <= 720; ++n) step(model, state, test::sampleAt(at(x, -1.8 + 3.6 * n / 720, -0.7)), out);
+    for (int n = 0; n <= 720; ++n) step(model, state, test::sampleAt(at(x, -1.8 + 3.6 * n / 720, -1.15)), out);
+    for (int n = 0; n <= 720; ++n) step(model, state, test::sampleAt(at(x, -1.8 + 3.6 * n / 720, -0.3)), out);
+    ASSERT_EQ(out.status & kStepBricksRanOut, 0u);
+  };
+  saw(scene, -0.7);
+  // A lump beside the bar's end, where there was air.
+  CutObject& whole = scene.objects[0];
+  const int air = whole.addAir(whole.slot(0).brick - Vec3i(1, 0, 0));
+  ASSERT_GE(air, 0);
+  BrickValues lump;
+  lump.fill(-0.2f);
+  std::array<std::uint8_t, kBrickNodes> enamel;
+  enamel.fill(static_cast<std::uint8_t>(Material::kEnamel));
+  ASSERT_TRUE(whole.restore(air, lump, enamel.data()));
+  ASSERT_TRUE(whole.repair());
+
+  const auto finderOf = [](const CutObject& object) {
+    std::vector<Vec3i> bricks;
+    std::vector<BrickEdit> edits;
+    for (int s = 0; s < object.slotCount(); ++s) {
+      const CutObject::Slot& slot = object.slot(s);
+      if (!object.has(s)) continue;
+      if (s < object.firstSlotCount()) bricks.push_back(slot.brick);
+      if (!slot.own) continue;
+      edits.emplace_back().brick = slot.brick;
+      std::copy_n(slot.own, kBrickNodes, edits.back().phi.begin());
+    }
+    auto finder = std::make_unique<PieceFinder>(object.baked().phi0(), bricks);
+    finder->apply(edits);
+    return finder;
+  };
+  // Two blanks, of three pieces the last is made anew; and again in what is left of the memory for the lists.
+  PiecePool room;
+  const auto split = [&](const CutObject& object, std::size_t count, bool in_room) {
+    const auto finder = finderOf(object);
+    if (in_room) room.reserve(loaded, *finder, 512);
+    return std::move(makePieces(object, *finder, 7, count, in_room ? &room : nullptr)->parts);
+  };
+  const auto expectSame = [](const Split& a, const Split& b) {
+    ASSERT_EQ(a.held.size(), b.held.size());
+    for (std::size_t n = 0; n < a.held.size(); ++n) {
+      const CutObject &one = a.held[n].object, &other = b.held[n].object;
+      EXPECT_EQ(one.shellDefects(), 0u);
+      EXPECT_EQ(other.shellDefects(), 0u);
+      EXPECT_EQ(one.stateHash(), other.stateHash());
+      EXPECT_EQ(one.field().stateHash(), other.field().stateHash());
+      EXPECT_EQ(one.field().interiorBricks().size(), other.field().interiorBricks().size());
+      // Node by node, whatever the order of the slots.
+      const auto volumes = one.countVolumes(), others = other.countVolumes();
+      for (std::size_t m = 0; m < volumes.size(); ++m) EXPECT_NEAR(volumes[m], others[m], 1e-9 * (1 + others[m]));
+    }
+  };
+  const auto blank = split(whole, 3, true), anew = split(whole, 3, false);
+  ASSERT_EQ(blank->held.size(), 3u);
+  EXPECT_GT(blank->held[2].object.countVolumes()[static_cast<std::size_t>(Material::kEnamel)], 0.3);
+  expectSame(*blank, *anew);
+  // And the larger one again.
+  std::vector<std::uint64_t> hashes;
+  for (Split* const parts : {blank.get(), anew.get()}) {
+    State piece;
+    piece.objects.push_back(std::move(parts->held[0].object));
+    ASSERT_TRUE(piece.objects[0].reserve(512));
+    saw(piece, 1.2);
+    ASSERT_TRUE(piece.objects[0].repair());
+    expectSame(*split(piece.objects[0], 2, true), *split(piece.objects[0], 2, false));
+    hashes.push_back(piece.objects[0].stateHash());
+  }
+  EXPECT_EQ(hashes[0], hashes[1]);
+}
+
+TEST(SessionPieces, ReplayComesApartInTheSamePlaceBitForBit) {
+  const TemporaryFile file("session.log", "");
+  std::filesystem::remove(file.path());
+  const SessionHeader header = describe(Session(ball(), {bar()}, at(-0.7, -1.8, -1.15)));
+  auto writer = SessionLogWriter::create(file.path(), header);
+  ASSERT_TRUE(writer) << writer.error().message();
+  LogSink sink(*writer);
+  Session session(ball(), {bar()}, at(-0.7, -1.8, -1.15), &sink);
+  PieceOptions options;
+  options.crumb_mm3 = 0.4;  // in the log, too
+  session.splitWhenApart(7, options);
+  sever(session, 2.2);
+  ASSERT_EQ(session.crumbs().count, 1u);
+  sever(session, -0.7);
+  ASSERT_TRUE(session.apply("object.move 1 0 0.5 0.1 1 0 0 0"));
+  sever(session, -2);
+  ASSERT_TRUE(session.apply("undo"));
+  ASSERT_TRUE(session.apply("add 11 0"));
+  sever(session, 0.4);
+  ASSERT_TRUE(session.apply("add off"));
+  session.finish();
+  ASSERT_TRUE(sink.close());
+  const auto log = readSessionLog(file.path());
+  ASSERT_TRUE(log) << log.error().message();
+  const auto again = replay(*log, file.path().string(), ball(), {bar()});
+  ASSERT_TRUE(again) << again.error().message();
+  EXPECT_TRUE(again->is_same) << again->differs_at;
+  EXPECT_GE(again->checks, 2u);
+  EXPECT_EQ(again->state_hash, fmt::format("{:016x}", session.hash()));
+}
+
+}  // namespace
+}  // namespace kerf

@@ -1,0 +1,267 @@
+// The loops of the step against plain formulas, in every instruction set this processor has.
+#include <gtest/gtest.h>
+
+#include <hwy/targets.h>
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <random>
+#include <vector>
+
+#include "sim/object/relax_brick.h"
+#include "sim/object/shell_nodes.h"
+#include "sim/step/sum_touching.h"
+
+namespace kerf::internal {
+namespace {
+
+// Calls run() under each instruction set; the last call is under the best one.
+void onEveryTarget(const std::function<void()>& run) {
+  const auto all = static_cast<std::uint64_t>(hwy::SupportedTargets());
+  int count = 0;
+  for (std::uint64_t bit = std::uint64_t{1} << 62; bit != 0; bit >>= 1) {
+    if (!(all & bit)) continue;
+    hwy::SetSupportedTargetsForTest(static_cast<std::int64_t>(bit));
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    run();
+    ++count;
+  }
+  hwy::SetSupportedTargetsForTest(0);
+  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  // One alone would compare with nothing: every x86-64 of the last ten years has several.
+  EXPECT_GE(count, 2);
+}
+
+TEST(RelaxBrick, FollowsTheExponentialAtEveryRate) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> u(-1, 1);
+  std::vector<float> x(512), y(512), z(512), tau(512), phi(512), rates(512);
+  for (std::size_t n = 0; n < 512; ++n) {
+    x[n] = u(random), y[n] = u(random), z[n] = u(random), tau[n] = 0.2f * u(random), phi[n] = 0.2f * u(random);
+    rates[n] = std::pow(10.0f, 4 * u(random) - 2);  // 1e-6 to 100
+  }
+  RelaxInput in;
+  in.x = x.data(), in.y = y.data(), in.z = z.data(), in.tau = tau.data(), in.phi = phi.data(), in.rates = rates.data();
+  in.least_radius = 0.1f, in.pivot = 5, in.cap = 0.15f;
+  for (const LeverForm lever : {LeverForm::kRadius, LeverForm::kPivot, LeverForm::kOne}) {
+    in.lever = lever;
+    std::vector<float> first;
+    onEveryTarget([&] {
+      std::vector<float> out(512);
+      const RelaxResult result = relaxBrick(in, out.data());
+      float least = 1e9f;
+      for (std::size_t n = 0; n < 512; ++n) {
+        const double p = phi[n], d = std::max(0.0, -static_cast<double>(tau[n]) - p);
+        const double arm = lever == LeverForm::kRadius
+                               ? std::max(std::hypot(static_cast<double>(x[n]), static_cast<double>(y[n])), 0.1)
+                           : lever == LeverForm::kPivot ? std::hypot(static_cast<double>(x[n]), z[n] - 5.0)
+                                                        : 1.0;
+        double expected = p + d * -std::expm1(-static_cast<double>(rates[n]) * arm);
+        if (phi[n] < in.cap) expected = std::min(expected, static_cast<double>(in.cap));
+        if (phi[n] >= in.cap) expected = p;
+        ASSERT_NEAR(out[n], expected, 1e-7 + 4e-7 * d) << rates[n];
+        least = std::min(least, out[n]);
+      }
+      EXPECT_EQ(result.least, least);
+      EXPECT_LT(result.gap, 0);
+      if (first.empty()) first = out;
+      EXPECT_EQ(out, first);
+    });
+  }
+}
+
+TEST(SumTouching, IsTheSumOfItsFormulas) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> u(0, 1);
+  for (const int count : {1, 7, 8, 50, 64}) {
+    TouchingNodes nodes{};
+    for (std::size_t n = 0; n < static_cast<std::size_t>(count); ++n) {
+      nodes.overlap[n] = 0.02f * u(random), nodes.into_cut[n] = n % 3 == 0 ? 0 : 0.8f * nodes.overlap[n];
+      nodes.slope[n] = 1.2f * u(random) - 0.2f, nodes.area[n] = 0.01f * u(random);
+      Eigen::Vector3f normal(u(random) - 0.5f, u(random) - 0.5f, u(random) - 0.4f);
+      normal.normalize();
+      for (int c = 0; c < 3; ++c) {
+        nodes.normal[c][n] = normal[c];
+        nodes.from_tip[c][n] = 4 * u(random) - 2, nodes.in_tool[c][n] = 4 * u(random) - 2;
+      }
+      nodes.stiffness[n] = 200 * u(random), nodes.friction[n] = u(random), nodes.rate[n] = u(random);
+    }
+    nodes.count = (count + 7) / 8 * 8;
+    TouchingTool tool;
+    tool.lever = LeverForm::kRadius, tool.least_radius = 0.3f, tool.speed = 1000, tool.still_speed = 0.5f;
+    tool.velocity[0] = 3, tool.angular[2] = 0.7f;
+    for (const bool spins : {true, false}) {
+      tool.body_spins = spins;
+      using S = TouchingSums;
+      std::array<double, S::kSums> expected{};
+      double deepest = 0;
+      for (std::size_t n = 0; n < static_cast<std::size_t>(count); ++n) {
+        const double facing = std::clamp(2.0 * static_cast<double>(nodes.slope[n]), 0.0, 1.0);
+        const double arm = std::max(std::hypot(double(nodes.in_tool[0][n]), double(nodes.in_tool[1][n])), 0.3);
+        const double rate = double(nodes.rate[n]) * arm, part = -std::expm1(-rate);
+        const double mean = double(nodes.overlap[n]) - double(nodes.into_cut[n]) * (1 - part / rate);
+        const double after = double(nodes.overlap[n]) - double(nodes.into_cut[n]) * part;
+        const double stiff = double(nodes.stiffness[n]) * facing * double(nodes.area[n]);
+        const Vec3d r(nodes.from_tip[0][n], nodes.from_tip[1][n], nodes.from_tip[2][n]);
+        const Vec3d normal(nodes.normal[0][n], nodes.normal[1][n], nodes.normal[2][n]);
+        Eigen::Matrix<double, 6, 1> w;
+        w << normal, r.cross(normal);
+        int entry = S::kStiffness;
+        for (int i = 0; i < 6; ++i) {
+          expected[static_cast<std::size_t>(S::kForce + i)] += stiff * mean * w[i];
+          expected[static_cast<std::size_t>(S::kForceAfter + i)] += stiff * after * w[i];
+          for (int j = 0; j <= i; ++j) expected[static_cast<std::size_t>(entry++)] += stiff * w[i] * w[j];
+        }
+        const double load = stiff * mean, rubbing = double(nodes.friction[n]) * load;
+        const bool cuts = nodes.into_cut[n] > 0;
+        const double own = cuts || spins ? 1000 * arm : 0;
+        expected[S::kNormalLoad] += load;
+        if (cuts) expected[S::kCuttingLoad] += load;
+        expected[S::kErodibleLoad] += stiff * double(nodes.into_cut[n]);
+        if (cuts || spins) expected[S::kDriveLoad] += rubbing * arm;
+        expected[S::kPower] += rubbing * own;
+        const Vec3d v = Vec3d(3, 0, 0) + Vec3d(0, 0, 0.7).cross(r);
+        const double drag = rubbing / std::max({own, v.norm(), 0.5});
+        expected[S::kDrag] += drag;
+        entry = S::kDragSecond;
+        for (int i = 0; i < 3; ++i) {
+          expected[static_cast<std::size_t>(S::kDragMoment + i)] += drag * r[i];
+          for (int j = 0; j <= i; ++j) expected[static_cast<std::size_t>(entry++)] += drag * r[i] * r[j];
+        }
+        if (stiff > 0) {
+          expected[S::kArea] += double(nodes.area[n]), expected[S::kCount] += 1;
+          deepest = std::max(deepest, double(nodes.overlap[n]));
+        }
+      }
+      std::vector<double> first;
+      onEveryTarget([&] {
+        TouchingSums sums;
+        sumTouching(nodes, tool, sums);
+        for (std::size_t s = 0; s < S::kSums; ++s)
+          EXPECT_NEAR(sums.value[s], expected[s], 2e-6 * (1 + 10 * std::abs(expected[s]))) << s;
+        EXPECT_NEAR(sums.deepest, deepest, 1e-9);
+        const std::vector<double> bits(sums.value.begin(), sums.value.end());
+        if (first.empty()) first = bits;
+        EXPECT_EQ(bits, first);
+      });
+    }
+  }
+}
+
+// The formula of a shell's node, one after the other.
+int plainShell(const BrickNeighborhood& bricks, const std::uint8_t* materials, float e, float scale, ShellChunk* out) {
+  int count = 0;
+  for (int n = 0; n < kBrickNodes; ++n) {
+    if (!(std::abs(bricks.self[n]) < e)) continue;
+    const float u = bricks.self[n] / e, fade = 1 - u * u, weight = scale * fade * fade;
+    ShellChunk& chunk = out[count / ShellChunk::kNodes];
+    const auto at = static_cast<std::size_t>(count++ % ShellChunk::kNodes);
+    float* const area[3] = {&chunk.x[at], &chunk.y[at], &chunk.z[at]};
+    for (int axis = 0, stride = 64; axis < 3; ++axis, stride /= 8) {
+      const int place = n / stride & 7;
+      const float below = place > 0 ? bricks.self[n - stride] : bricks.face[2 * axis][n + 7 * stride];
+      const float above = place < 7 ? bricks.self[n + stride] : bricks.face[2 * axis + 1][n - 7 * stride];
+      *area[axis] = weight * (above - below);
+    }
+    chunk.phi[at] = bricks.self[n];
+    chunk.offset[at] = static_cast<std::uint16_t>(n), chunk.material[at] = materials[n];
+  }
+  return count;
+}
+
+TEST(ShellNodes, AreThoseOfTheFormulaToTheBit) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> u(-1, 1);
+  // From none to all of the nodes: 0, 1, a chunk, a chunk and one, and whatever comes.
+  for (const int wanted : {0, 1, 8, 64, 65, 200, 512}) {
+    std::vector<std::vector<float>> bricks(7, std::vector<float>(512));
+    for (auto& brick : bricks)
+      for (float& value : brick) value = 0.15f * u(random);
+    std::vector<std::uint8_t> materials(512);
+    for (auto& m : materials) m = static_cast<std::uint8_t>(random());
+    for (std::size_t n = 0; n < 512; ++n) {
+      // A stride that is prime to 512 spreads the nodes over all rows and borders.
+      const std::size_t at = n * 77 % 512;
+      bricks[0][at] = static_cast<int>(n) < wanted ? 0.0749f * u(random) : (n % 2 ? 0.075f : -0.2f);
+    }
+    BrickNeighborhood around{bricks[0].data(), {}};
+    for (std::size_t f = 0; f < 6; ++f) around.face[f] = bricks[f + 1].data();
+    std::vector<ShellChunk> expected(kShellChunks), out(kShellChunks);
+    const int count = plainShell(around, materials.data(), 0.075f, 0.03f, expected.data());
+    ASSERT_EQ(count, wanted);
+    onEveryTarget([&] {
+      std::memset(static_cast<void*>(out.data()), 0xff, out.size() * sizeof(ShellChunk));
+      ASSERT_EQ(shellNodes(around, materials.data(), 0.075f, 0.03f, out.data()), count);
+      for (std::size_t n = 0; n < static_cast<std::size_t>((count + 63) / 64 * 64); ++n) {
+        const ShellChunk &a = out[n / 64], &b = expected[n / 64];
+        const bool is_node = static_cast<int>(n) < count;
+        ASSERT_EQ(a.x[n % 64], is_node ? b.x[n % 64] : 0) << n;
+        ASSERT_EQ(a.y[n % 64], is_node ? b.y[n % 64] : 0) << n;
+        ASSERT_EQ(a.z[n % 64], is_node ? b.z[n % 64] : 0) << n;
+        ASSERT_EQ(a.phi[n % 64], is_node ? b.phi[n % 64] : a.phi[0]) << n;
+        ASSERT_EQ(a.offset[n % 64], is_node ? b.offset[n % 64] : a.offset[0]) << n;
+        ASSERT_EQ(a.material[n % 64], is_node ? b.material[n % 64] : 0) << n;
+      }
+    });
+  }
+}
+
+TEST(TouchingNodes, AreThoseInsideTheToolAndRoomIsToTheNearest) {
+  std::mt19937 random(17);
+  std::uniform_real_distribution<float> u(-1, 1);
+  for (const int count : {1, 7, 8, 33, 64})
+    for (const bool has_body : {false, true}) {
+      std::vector<float> cut(64), body(64), phi(64);
+      for (std::size_t n = 0; n < 64; ++n) cut[n] = 0.8f + u(random), body[n] = 0.9f + u(random), phi[n] = u(random);
+      std::uint64_t expected = 0;
+      float least = 0.5f;
+      for (std::size_t n = 0; n < static_cast<std::size_t>(count); ++n) {
+        const float gap = (has_body ? std::min(cut[n], body[n]) : cut[n]) + phi[n];
+        expected |= std::uint64_t{gap < 0} << n;
+        least = std::min(least, gap);
+      }
+      onEveryTarget([&] {
+        float room = 0.5f;
+        EXPECT_EQ(touchingNodes(cut.data(), has_body ? body.data() : nullptr, phi.data(), count, room), expected);
+        EXPECT_EQ(room, least);
+        EXPECT_EQ(largestOf(cut.data(), 64), *std::max_element(cut.begin(), cut.end()));
+      });
+    }
+}
+
+TEST(DifferingNodes, AreThoseWhoseValuesDiffer) {
+  std::mt19937 random(11);
+  std::vector<float> a(512, 0.1f);
+  for (const int changes : {0, 1, 3, 40, 512}) {
+    std::vector<float> b = a;
+    for (int n = 0; n < changes; ++n) b[changes == 512 ? static_cast<std::size_t>(n) : random() % 512] = 0.2f;
+    onEveryTarget([&] {
+      const NodeBits bits = differingNodes(a.data(), b.data());
+      for (std::size_t n = 0; n < 512; ++n) ASSERT_EQ(bits[n / 64] >> n % 64 & 1, a[n] != b[n]) << n;
+    });
+  }
+}
+
+TEST(VolumeLost, IsTheDifferenceOfTheInsideParts) {
+  std::mt19937 random(13);
+  std::uniform_real_distribution<float> u(-0.1f, 0.1f);
+  std::vector<float> before(512), after(512);
+  for (std::size_t n = 0; n < 512; ++n) before[n] = u(random), after[n] = n / 8 % 3 == 0 ? u(random) : before[n];
+  std::vector<double> first;
+  onEveryTarget([&] {
+    std::vector<double> lost(512, -7);
+    volumeLost(before.data(), after.data(), differingNodes(before.data(), after.data()), 0.075, 1e-4, lost.data());
+    for (std::size_t n = 0; n < 512; ++n) {
+      if (n / 8 % 3 != 0) {
+        ASSERT_EQ(lost[n], -7);  // its row is left alone
+        continue;
+      }
+      ASSERT_NEAR(lost[n], 1e-4 * (insidePart(before[n], 0.075) - insidePart(after[n], 0.075)), 1e-18) << n;
+    }
+    if (first.empty()) first = lost;
+    EXPECT_EQ(lost, first);
+  });
+}
+
+}  // namespace
+}  // namespace kerf::internal

@@ -1,0 +1,289 @@
+#include "sim/step/step.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <numbers>
+
+#include "geometry/tool/tool_file.h"
+#include "tests/sim/block_scene.h"
+
+namespace kerf {
+namespace {
+
+using test::block;
+using test::oneTissue;
+using test::sampleAt;
+
+Rigid3 turned(double angle, const Vec3d& axis, const Vec3d& shift = Vec3d::Zero()) {
+  return {Eigen::Quaterniond(Eigen::AngleAxisd(angle, axis.normalized())), shift};
+}
+
+struct Slot {
+  double force = 0, normal = 0, rate = 0;
+};
+
+// A ball of 0.8 mm drawn at 2 mm/s through a block, 0.6 mm deep; means once the slot is steady.
+Slot cutSlot(double voxel, const Rigid3& attitude, double energy = 1000) {
+  Model model;
+  model.tools = {practiceBall(0.8, 840)};
+  model.tissues = oneTissue(200, 0.5, energy);
+  model.settings.rendering = Rendering::kRigid;
+  State state;
+  state.objects.emplace_back(block({8, 5, 3}, voxel, attitude));
+  StepOutput out;
+  Slot slot;
+  constexpr int kTicks = 1100, kSteady = 700;
+  for (int n = 0; n < kTicks; ++n) {
+    step(model, state, sampleAt({attitude.rotation, attitude * Vec3d(-2 + 0.002 * n, 0.01, -0.6)}), out);
+    EXPECT_EQ(out.status, kStepOk);
+    if (n < kSteady) continue;
+    slot.force += out.contact.force.norm() / (kTicks - kSteady);
+    slot.normal += out.normal_load / (kTicks - kSteady);
+    slot.rate += out.removed_mm3 / kTick / (kTicks - kSteady);
+  }
+  return slot;
+}
+
+TEST(Step, ForceAndRemovalRateDoNotDependOnVoxelSize) {
+  const Rigid3 attitude = turned(0.3, {1, 2, 3});
+  const Slot coarse = cutSlot(0.1, attitude), fine = cutSlot(0.05, attitude);
+  EXPECT_NEAR(coarse.force / fine.force, 1, 0.02);  // goal 5 %
+  EXPECT_NEAR(coarse.rate / fine.rate, 1, 0.01);
+}
+
+TEST(Step, ForceAndRemovalRateDoNotDependOnTheGridsAttitude) {
+  double least = 1e9, most = 0, least_rate = 1e9, most_rate = 0;
+  for (int n = 0; n < 8; ++n) {
+    const Slot slot =
+        cutSlot(0.1, turned(0.37 * n, {std::sin(2.0 * n), std::cos(3.0 * n), 0.5}, 0.013 * n * Vec3d(1, -2, 0.5)));
+    least = std::min(least, slot.force), most = std::max(most, slot.force);
+    least_rate = std::min(least_rate, slot.rate), most_rate = std::max(most_rate, slot.rate);
+  }
+  EXPECT_LT(most / least, 1.03);
+  EXPECT_LT(most_rate / least_rate, 1.03);
+}
+
+// Preston: mu N v / u_s, with N the integral of pressure over area.
+TEST(Step, RemovalRateIsTheLawsOwn) {
+  for (const double energy : {250.0, 500.0, 1000.0, 2000.0}) {
+    const Slot slot = cutSlot(0.05, turned(0.3, {1, 2, 3}), energy);
+    EXPECT_NEAR(slot.rate / (0.5 * slot.normal * 840 / energy), 1, 0.05) << energy;
+  }
+}
+
+TEST(Step, SameInputsSameBits) {
+  const auto run = [] {
+    Model model;
+    model.tools = {practiceBall(0.5, 840)};
+    model.tissues = oneTissue(200, 0.5, 1000);
+    State state;
+    state.objects.emplace_back(block({4, 4, 2}, 0.1, turned(0.2, {0, 1, 1})));
+    StepOutput out;
+    for (int n = 0; n < 600; ++n)
+      step(model, state, sampleAt(turned(0.001 * n, {0, 1, 0}, {0.001 * n, 0, 0.3 - 0.002 * n})), out);
+    return state.hash();
+  };
+  EXPECT_EQ(run(), run());
+}
+
+TEST(Step, InTheAirTheHandFeelsNothing) {
+  Model model;
+  model.tools = {practiceBall(0.5, 840)};
+  model.tissues = oneTissue(200, 0.5, 1000);
+  State state;
+  state.objects.emplace_back(block({6, 6, 2}, 0.1));
+  StepOutput out;
+  double most = 0;
+  // One voxel above the block, to and fro at up to 60 mm/s.
+  for (int n = 0; n < 2000; ++n) {
+    const double a = 2 * std::numbers::pi * n / 200;
+    step(model, state, sampleAt({Eigen::Quaterniond::Identity(), {2 * std::sin(a), 0, 0.1}}), out);
+    EXPECT_EQ(out.touching, 0);
+    if (n > 100) most = std::max(most, out.force.force.norm());
+  }
+  // A virtual tool of 20 g, thrown to and fro, is felt: its inertia, some hundredths of a newton at these 60 m/s^2.
+  EXPECT_LT(most, 0.1);
+  // At constant speed nothing is.
+  for (int n = 0; n < 1000; ++n) {
+    step(model, state, sampleAt({Eigen::Quaterniond::Identity(), {-2 + 0.005 * n, 0, 0.1}}), out);
+    if (n > 300) {
+      ASSERT_LT(out.force.force.norm(), 0.002);
+    }
+  }
+  EXPECT_EQ(state.objects[0].changedField().brickCount(), 0u);
+}
+
+TEST(Step, AFastPathCutsWhatASlowOneCuts) {
+  const auto removed = [](double step_mm) {
+    Model model;
+    model.tools = {practiceBall(0.5, 840)};
+    model.tissues = oneTissue(200, 0.5, 1000);
+    model.settings.rendering = Rendering::kRigid;
+    model.settings.geometry_only = true;
+    State state;
+    state.objects.emplace_back(block({8, 4, 3}, 0.05, turned(0.3, {1, 2, 3})));
+    const Rigid3 attitude = turned(0.3, {1, 2, 3});
+    StepOutput out;
+    double sum = 0;
+    for (double x = -6; x <= 6; x += step_mm) {
+      step(model, state, sampleAt({attitude.rotation, attitude * Vec3d(x, 0, -0.4)}), out);
+      sum += out.removed_mm3;
+    }
+    return sum;
+  };
+  const double slow = removed(0.01);
+  EXPECT_NEAR(removed(0.5) / slow, 1, 0.005);
+  EXPECT_NEAR(removed(3.0) / slow, 1, 0.005);
+}
+
+// 0.5 m/s against a wall of 0.3 mm: half a millimetre a tick.
+TEST(Step, AHandOfHalfAMetrePerSecondDoesNotPassAThinWall) {
+  for (const double voxel : {0.1, 0.05}) {
+    Model model;
+    model.tools = {practiceBall(0.5, 840)};
+    model.tissues = oneTissue(200, 0.5, 1000);
+    State state;
+    state.objects.emplace_back(block({8, 8, 0.3}, voxel, turned(0.3, {1, 0, 3})));
+    const Rigid3 wall = turned(0.3, {1, 0, 3});
+    StepOutput out;
+    bool was_touched = false;
+    for (int n = 0; n < 400; ++n) {
+      const double z = std::max(10 - 0.5 * n, -40.0);  // ends 40 mm beyond: the coupling gives way at its limit
+      step(model, state, sampleAt({wall.rotation, wall * Vec3d(0, 0, z)}, 0), out);
+      was_touched |= out.touching > 0;
+      ASSERT_GT((wall.inverse() * out.T_world_tool.translation)[2], -0.45) << n;
+    }
+    EXPECT_TRUE(was_touched);
+    EXPECT_GT(out.force.force.norm(), 4);
+  }
+}
+
+TEST(Step, AStillToolDoesNotCut) {
+  Model model;
+  model.tools = {practiceBall(0.5, 840)};
+  model.tissues = oneTissue(200, 0.5, 1000);
+  State state;
+  state.objects.emplace_back(block({4, 4, 2}, 0.1));
+  StepOutput out;
+  for (int n = 0; n < 500; ++n)
+    step(model, state, sampleAt({Eigen::Quaterniond::Identity(), {0, 0, 0.2 - 0.002 * n}}, 0), out);
+  EXPECT_GT(out.normal_load, 0.3);
+  EXPECT_EQ(state.objects[0].changedField().brickCount(), 0u);
+}
+
+TEST(Step, ABadSampleStopsForceAndCuttingUntilCleared) {
+  Model model;
+  model.tools = {practiceBall(0.5, 840)};
+  model.tissues = oneTissue(200, 0.5, 1000);
+  State state;
+  state.objects.emplace_back(block({4, 4, 2}, 0.1));
+  StepOutput out;
+  const DeviceSample pressed = sampleAt({Eigen::Quaterniond::Identity(), {0, 0, -1}});
+  for (int n = 0; n < 300; ++n) step(model, state, pressed, out);
+  EXPECT_GT(out.force.force.norm(), 0.3);
+  DeviceSample bad = pressed;
+  bad.T_world_device.translation[1] = std::numeric_limits<double>::quiet_NaN();
+  step(model, state, bad, out);
+  EXPECT_EQ(out.status, kStepBadSample);
+  EXPECT_EQ(out.force.force.norm(), 0);
+  const std::uint64_t field = state.objects[0].stateHash();
+  for (int n = 0; n < 10; ++n) {
+    step(model, state, pressed, out);
+    EXPECT_EQ(out.force.force.norm(), 0);  // latched
+  }
+  EXPECT_EQ(state.objects[0].stateHash(), field);
+  state.clearLatch();
+  step(model, state, pressed, out);
+  EXPECT_EQ(out.status & kStepBadSample, 0u);
+  EXPECT_LT(out.force.force.norm(), 2.1);  // fades in
+  for (DeviceSample broken : {pressed, pressed, pressed, pressed}) {
+    static int kind = 0;
+    switch (kind++) {
+      case 0:
+        broken.T_world_device.rotation.coeffs() *= 1.1;
+        break;
+      case 1:
+        broken.pedal = 1.5;
+        break;
+      case 2:
+        broken.is_valid = 0;
+        break;
+      default:
+        broken.T_world_device.translation[0] = std::numeric_limits<double>::infinity();
+    }
+    EXPECT_FALSE(broken.isUsable());
+  }
+}
+
+// Clockwise seen from the shank: pressed with its -x side, a bur climbs towards ... where its own surface pushes off.
+TEST(Step, ASpinningBurPushesItselfAlong) {
+  Model model;
+  model.tools = {practiceBall(0.8, 0)};
+  model.tools[0].motion = ToolMotion::kSpin;
+  model.tools[0].drive = {2000, 0, 0, 50};
+  model.tools[0].equator_mm = 0.8;
+  model.tissues = oneTissue(200, 0.3, 1000);
+  model.settings.rendering = Rendering::kRigid;
+  State state;
+  // The block's top faces -x of the tool: x <= 0 is tissue.
+  state.objects.emplace_back(block({8, 8, 4}, 0.1, turned(std::numbers::pi / 2, {0, 1, 0})));
+  StepOutput out;
+  for (int n = 0; n < 60; ++n) step(model, state, sampleAt({Eigen::Quaterniond::Identity(), {0.79, 0, -0.8}}), out);
+  ASSERT_GT(out.normal_load, 0.01);
+  EXPECT_GT(out.contact.force[0], 0);
+  // omega = -z, r = -x: the surface moves along +y, the tissue drags it back.
+  EXPECT_LT(out.contact.force[1], 0);
+  EXPECT_NEAR(-out.contact.force[1] / out.contact.force[0], 0.3, 0.05);
+  EXPECT_GT(out.contact.torque[2], 0);  // against the spin
+  EXPECT_NEAR(out.contact.torque[2], out.drive_load, 0.1 * out.drive_load);
+}
+
+TEST(Step, TheDriveSagsUnderLoadAndStallsNever) {
+  const auto file = findToolFile("856-016", defaultToolFolders());
+  ASSERT_TRUE(file);
+  Model model;
+  model.tools = {makeToolModel(*readTool(*file))};
+  model.tissues = oneTissue(200, 0.3, 4200);
+  State state;
+  state.objects.emplace_back(block({10, 10, 6}, 0.1, turned(std::numbers::pi / 2, {0, 1, 0})));
+  StepOutput out;
+  // Side of the bur against the wall, the hand 3 N beyond it.
+  for (int n = 0; n < 1500; ++n) {
+    const double reach = out.T_world_tool.translation[0];
+    step(model, state,
+         sampleAt({Eigen::Quaterniond::Identity(), {n == 0 ? 2.0 : std::max(reach - 3.0, reach - 0.02 * n), 0, -2}}),
+         out);
+  }
+  const double sag = 1 - out.speed / model.tools[0].drive.speed;
+  EXPECT_GT(sag, 0.03);
+  EXPECT_LT(sag, 0.15);
+}
+
+TEST(Step, AFaceThatLooksAwayDoesNotPushTheToolThrough) {
+  // A thin plate with the ball's middle beyond it: nodes of the far side would push on.
+  Model model;
+  model.tools = {practiceBall(0.5, 840)};
+  model.tissues = oneTissue(200, 0, 1000);
+  model.settings.rendering = Rendering::kRigid;
+  State state;
+  state.objects.emplace_back(block({8, 8, 0.3}, 0.05));
+  StepOutput out;
+  double last = 0;
+  for (const double depth : {0.1, 0.2, 0.3, 0.4}) {
+    step(model, state, sampleAt({Eigen::Quaterniond::Identity(), {0, 0, -depth}}, 0), out);
+    EXPECT_GT(out.contact.force[2], last) << depth;
+    last = out.contact.force[2];
+  }
+}
+
+TEST(Step, LongestSubstepFollowsVoxelAndTool) {
+  ToolModel blade;
+  blade.finest_mm = 0.4, blade.smallest_radius_mm = 0.2;
+  EXPECT_DOUBLE_EQ(longestSubstep(blade, 0.1), std::sqrt(0.4 * 0.1 * 0.2));
+  blade.finest_mm = 0.1;
+  EXPECT_DOUBLE_EQ(longestSubstep(blade, 0.1), 0.05);
+}
+
+}  // namespace
+}  // namespace kerf
