@@ -45,7 +45,14 @@ void Sha256::block(const std::byte* p) {
     const std::uint32_t t1 = h + s1 + ((e & f) ^ (~e & g)) + kRound[i] + w[i];
     const std::uint32_t s0 = std::rotr(a, 2) ^ std::rotr(a, 13) ^ std::rotr(a, 22);
     const std::uint32_t t2 = s0 + ((a & b) ^ (a & c) ^ (b & c));
-    h = g, g = f, f = e, e = d + t1, d = c, c = b, b = a, a = t1 + t2;
+    h = g;
+    g = f;
+    f = e;
+    e = d + t1;
+    d = c;
+    c = b;
+    b = a;
+    a = t1 + t2;
   }
   const std::array<std::uint32_t, 8> add{a, b, c, d, e, f, g, h};
   for (std::size_t i = 0; i < 8; ++i) h_[i] += add[i];
@@ -64,7 +71,10 @@ void Sha256::update(std::span<const std::byte> bytes) {
     std::copy_n(bytes.data(), n, buffer_.data() + used);
     bytes = bytes.subspan(n);
     used += n;
-    if (used == 64) block(buffer_.data()), used = 0;
+    if (used == 64) {
+      block(buffer_.data());
+      used = 0;
+    }
   }
 }
 

@@ -31,9 +31,18 @@ struct Box3 {
   Vec3d max = Vec3d::Constant(-std::numeric_limits<double>::infinity());
 
   bool isEmpty() const { return !(min.array() <= max.array()).all(); }
-  void add(const Vec3d& p) { min = min.cwiseMin(p), max = max.cwiseMax(p); }
-  void add(const Box3& b) { min = min.cwiseMin(b.min), max = max.cwiseMax(b.max); }
-  void grow(double margin) { min.array() -= margin, max.array() += margin; }
+  void add(const Vec3d& p) {
+    min = min.cwiseMin(p);
+    max = max.cwiseMax(p);
+  }
+  void add(const Box3& b) {
+    min = min.cwiseMin(b.min);
+    max = max.cwiseMax(b.max);
+  }
+  void grow(double margin) {
+    min.array() -= margin;
+    max.array() += margin;
+  }
   bool contains(const Vec3d& p) const { return (p.array() >= min.array()).all() && (p.array() <= max.array()).all(); }
   Vec3d size() const { return isEmpty() ? Vec3d(Vec3d::Zero()) : Vec3d(max - min); }
   Vec3d center() const { return 0.5 * (min + max); }

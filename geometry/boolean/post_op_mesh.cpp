@@ -75,9 +75,10 @@ Crumbs findCrumbs(const Mesh& mesh, const std::vector<std::uint32_t>& from_trian
   out.keep_triangle.resize(mesh.triangles.size());
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) out.keep_triangle[t] = !is_crumb[pieces.label[t]];
   for (std::size_t p = 0; p < volume.size(); ++p) {
-    if (is_crumb[p])
-      ++out.count, out.volume += std::abs(volume[p]);
-    else
+    if (is_crumb[p]) {
+      ++out.count;
+      out.volume += std::abs(volume[p]);
+    } else
       out.pieces += volume[p] > 0;
   }
   return out;
@@ -119,7 +120,9 @@ Expected<Prepared> attempt(const Mesh& source, const Mesh& removed, const Mesh& 
   const double source_volume = signedVolume(source);
   const double crumb_mm3 = std::min(options.crumb_voxels * std::pow(voxel, 3), options.crumb_fraction * source_volume);
   const Crumbs crumbs = findCrumbs(mesh, cut.from_triangle, crumb_mm3);
-  report.crumbs_dropped = crumbs.count, report.crumbs_volume_mm3 = crumbs.volume, report.pieces = crumbs.pieces;
+  report.crumbs_dropped = crumbs.count;
+  report.crumbs_volume_mm3 = crumbs.volume;
+  report.pieces = crumbs.pieces;
   std::vector<std::uint32_t> tag = cut.from_triangle;
   std::vector<char> fixed(mesh.vertices.size());
   for (std::size_t v = 0; v < fixed.size(); ++v) fixed[v] = cut.from_vertex[v] != kNoSource;
@@ -139,7 +142,8 @@ Expected<Prepared> attempt(const Mesh& source, const Mesh& removed, const Mesh& 
         report.source_vertices_in_crumbs += fixed[v];
     }
     mesh = subset(mesh, crumbs.keep_triangle);
-    tag = std::move(kept_tag), fixed = std::move(kept_fixed);
+    tag = std::move(kept_tag);
+    fixed = std::move(kept_fixed);
   }
   KERF_TRY(cleaned, cleanUpForFloat32(mesh, fixed, &tag, 0.01 * voxel));
   report.largest_move_mm = cleaned.largest_move_mm;

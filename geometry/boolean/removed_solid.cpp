@@ -72,7 +72,10 @@ RemovedSolid meshRemovedSolid(const BrickField& rho) {
   const double crumb = std::pow(rho.voxel(), 3);
   std::vector<char> keep(all.triangles.size(), 1);
   for (std::uint32_t p = 0; p < pieces.count; ++p)
-    if (std::abs(volume[p]) < crumb) ++out.parts_dropped, out.dropped_volume_mm3 += std::abs(volume[p]);
+    if (std::abs(volume[p]) < crumb) {
+      ++out.parts_dropped;
+      out.dropped_volume_mm3 += std::abs(volume[p]);
+    }
   for (std::size_t t = 0; t < keep.size(); ++t) keep[t] = std::abs(volume[pieces.label[t]]) >= crumb;
   out.mesh = out.parts_dropped ? subset(all, keep) : all;
   return out;

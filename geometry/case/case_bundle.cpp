@@ -142,7 +142,8 @@ Expected<CaseManifest> readCaseManifest(const std::filesystem::path& folder) {
   m.solid_volume_mm3 = solid.get<double>("volume_mm3", "a number");
   m.solid_area_mm2 = solid.get<double>("area_mm2", "a number");
   const auto low = solid.numbers("box_min_mm", 3), high = solid.numbers("box_max_mm", 3);
-  m.box.add(Vec3d(low[0], low[1], low[2])), m.box.add(Vec3d(high[0], high[1], high[2]));
+  m.box.add(Vec3d(low[0], low[1], low[2]));
+  m.box.add(Vec3d(high[0], high[1], high[2]));
   m.solid_sha256 = solid.get<std::string>("sha256", "64 hexadecimal digits");
   KERF_CHECK(solid.finish());
   TomlTable field(child("field"), path, "field");

@@ -21,7 +21,8 @@ std::size_t BrickField::touch(const Vec3i& brick_coord) {
 std::size_t BrickField::add(const Vec3i& brick_coord, std::span<const float, kBrickNodes> values) {
   const auto [it, is_new] = index_.try_emplace(coordKey(brick_coord), static_cast<std::int32_t>(coords_.size()));
   assert(is_new);
-  static_cast<void>(it), static_cast<void>(is_new);
+  static_cast<void>(it);
+  static_cast<void>(is_new);
   coords_.push_back(brick_coord);
   BrickValues& fresh = values_.emplace_back();
   std::copy(values.begin(), values.end(), fresh.begin());

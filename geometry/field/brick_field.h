@@ -93,7 +93,11 @@ class BrickField {
   void markInterior(const Vec3i& brick_coord) { index_.try_emplace(coordKey(brick_coord), kInterior); }
   /// Coordinates of the bricks marked as interior and not stored, sorted.
   std::vector<Vec3i> interiorBricks() const;
-  void reserve(std::size_t bricks) { coords_.reserve(bricks), values_.reserve(bricks), index_.reserve(2 * bricks); }
+  void reserve(std::size_t bricks) {
+    coords_.reserve(bricks);
+    values_.reserve(bricks);
+    index_.reserve(2 * bricks);
+  }
 
   /// Trilinear value at a point, mm.
   double sample(const Vec3d& p) const;
@@ -106,7 +110,11 @@ class BrickField {
   static constexpr std::int32_t kInterior = -2;
   struct KeyHash {
     std::size_t operator()(std::uint64_t k) const {  // finaliser of MurmurHash3: brick keys differ in few bits
-      k ^= k >> 33, k *= 0xff51afd7ed558ccdull, k ^= k >> 33, k *= 0xc4ceb9fe1a85ec53ull, k ^= k >> 33;
+      k ^= k >> 33;
+      k *= 0xff51afd7ed558ccdull;
+      k ^= k >> 33;
+      k *= 0xc4ceb9fe1a85ec53ull;
+      k ^= k >> 33;
       return static_cast<std::size_t>(k);
     }
   };

@@ -108,7 +108,10 @@ bool gather(const BrickNeighbours& field, const MarchingCubesOptions& options, P
   const auto near = static_cast<float>(1.8 * field.voxel);  // no edge that crosses zero ends farther away
   // Values of one sign that are all too far from zero to be corrected: the usual case, found fast.
   float low = patch.raw[0], high = patch.raw[0];
-  for (const float v : patch.raw) low = std::min(low, v), high = std::max(high, v);
+  for (const float v : patch.raw) {
+    low = std::min(low, v);
+    high = std::max(high, v);
+  }
   if (low >= near || high <= -near) return false;
   out = 0;
   for (int i = 0; i < kCellSpan; ++i)
@@ -138,7 +141,10 @@ Vec3f unitOr(const Vec3f& v, const Vec3f& otherwise) {
 
 void marchingCubesOfBrick(const BrickNeighbours& field, const MarchingCubesOptions& options, bool with_normals,
                           BrickSurface& out) {
-  out.names.clear(), out.positions.clear(), out.normals.clear(), out.triangles.clear();
+  out.names.clear();
+  out.positions.clear();
+  out.normals.clear();
+  out.triangles.clear();
   Patch patch;
   if (!gather(field, options, patch)) return;
   const Vec3i base = field.brick * kBrickSide;
@@ -227,7 +233,10 @@ Mesh marchingCubes(const BrickField& field, const MarchingCubesOptions& options)
     Vec3d position;
   };
   std::size_t vertices = 0, triangles = 0;
-  for (const BrickSurface& s : surfaces) vertices += s.names.size(), triangles += s.triangles.size();
+  for (const BrickSurface& s : surfaces) {
+    vertices += s.names.size();
+    triangles += s.triangles.size();
+  }
   std::vector<Named> named;
   named.reserve(vertices);
   for (const BrickSurface& s : surfaces)

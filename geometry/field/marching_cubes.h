@@ -42,7 +42,9 @@ struct BrickNeighbours {
 template <class Field>
 BrickNeighbours neighboursOf(const Field& field, const Vec3i& brick) {
   BrickNeighbours out;
-  out.brick = brick, out.voxel = field.voxel(), out.clamped = std::min(field.background(), -field.interior());
+  out.brick = brick;
+  out.voxel = field.voxel();
+  out.clamped = std::min(field.background(), -field.interior());
   for (int n = 0; n < 27; ++n) {
     const Vec3i c = brick + Vec3i{n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1};
     const auto at = static_cast<std::size_t>(n);

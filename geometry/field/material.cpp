@@ -64,7 +64,10 @@ Expected<MaterialProperties> readRow(const toml::table& table, const std::filesy
   KERF_TRY(stiffness, readNumber(row, table, file, "contact_stiffness", "N/mm3", 0.01, 1e5));
   KERF_TRY(friction, readNumber(row, table, file, "friction", "1", 0, 2));
   KERF_CHECK(row.finish());
-  m.density = density, m.hardness = hardness, m.specific_cutting_energy = energy, m.contact_stiffness = stiffness,
+  m.density = density;
+  m.hardness = hardness;
+  m.specific_cutting_energy = energy;
+  m.contact_stiffness = stiffness;
   m.friction = friction;
   return m;
 }

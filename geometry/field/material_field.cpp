@@ -47,7 +47,10 @@ Material MaterialField::near(const Vec3d& p) const {
         const Vec3i node = nearest + Vec3i(i, j, k);
         const double squared = (node.cast<double>() - x).squaredNorm();
         if (squared >= best_squared) continue;
-        if (const Material there = at(node); there != Material::kNone) best = there, best_squared = squared;
+        if (const Material there = at(node); there != Material::kNone) {
+          best = there;
+          best_squared = squared;
+        }
       }
   return best;
 }
@@ -69,7 +72,8 @@ Expected<MaterialField> readMaterialField(const std::filesystem::path& vdb) {
         transform.indexToWorld(openvdb::Vec3d(0)).length() != 0)
       return error("a transform that is more than a uniform scale");
     auto grid = std::make_shared<MaterialField::Grid>();
-    grid->labels = labels, grid->voxel = transform.voxelSize()[0];
+    grid->labels = labels;
+    grid->voxel = transform.voxelSize()[0];
     if (!(grid->voxel >= 1e-3 && grid->voxel <= 100)) return error(fmt::format("a voxel size of {} mm", grid->voxel));
     return MaterialField(std::move(grid));
   } catch (const std::exception& e) {

@@ -125,8 +125,10 @@ class ObjReader {
       if (index < 0) index = index < -count ? 0 : count + 1 + index;  // -1 is the newest vertex
       if (index <= 0 || index > 0xfffffff0ll)
         return bad("corner " + inQuotes(word), "a vertex number from 1 to " + std::to_string(count));
-      if (index > count && static_cast<std::uint64_t>(index) > highest_corner_)
-        highest_corner_ = static_cast<std::uint64_t>(index), highest_corner_at_ = at_;
+      if (index > count && static_cast<std::uint64_t>(index) > highest_corner_) {
+        highest_corner_ = static_cast<std::uint64_t>(index);
+        highest_corner_at_ = at_;
+      }
       corners_.push_back(static_cast<std::uint32_t>(index - 1));
       if (corners_.size() > kMaxPolygonCorners)
         return bad("a face of more than " + std::to_string(kMaxPolygonCorners) + " corners", "fewer",

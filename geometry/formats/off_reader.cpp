@@ -15,11 +15,26 @@ struct Kind {
 
 // "STCN4nOFF", every letter optional.
 bool parseKind(std::string_view word, Kind& kind) {
-  if (word.substr(0, 2) == "ST") kind.texture = true, word.remove_prefix(2);
-  if (word.substr(0, 1) == "C") kind.color = true, word.remove_prefix(1);
-  if (word.substr(0, 1) == "N") kind.normal = true, word.remove_prefix(1);
-  if (word.substr(0, 1) == "4") kind.four = true, word.remove_prefix(1);
-  if (word.substr(0, 1) == "n") kind.any_dimension = true, word.remove_prefix(1);
+  if (word.substr(0, 2) == "ST") {
+    kind.texture = true;
+    word.remove_prefix(2);
+  }
+  if (word.substr(0, 1) == "C") {
+    kind.color = true;
+    word.remove_prefix(1);
+  }
+  if (word.substr(0, 1) == "N") {
+    kind.normal = true;
+    word.remove_prefix(1);
+  }
+  if (word.substr(0, 1) == "4") {
+    kind.four = true;
+    word.remove_prefix(1);
+  }
+  if (word.substr(0, 1) == "n") {
+    kind.any_dimension = true;
+    word.remove_prefix(1);
+  }
   return word == "OFF";
 }
 
@@ -91,7 +106,8 @@ class OffReader {
     }
     // A vertex takes at least "0 0 0\n", a face "1 0\n".
     const std::size_t left = static_cast<std::size_t>(source_.bytes.get() + source_.size - lines_.position()) + 1;
-    vertex_count_ = static_cast<std::size_t>(count[0]), face_count_ = static_cast<std::size_t>(count[1]);
+    vertex_count_ = static_cast<std::size_t>(count[0]);
+    face_count_ = static_cast<std::size_t>(count[1]);
     if (vertex_count_ > left / 6 || face_count_ > left / 4 || vertex_count_ >= 0xfffffff0u)
       return bad(line, std::to_string(vertex_count_) + " vertices and " + std::to_string(face_count_) + " faces",
                  "what the " + std::to_string(left - 1) + " bytes after it have room for");

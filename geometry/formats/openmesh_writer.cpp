@@ -23,7 +23,9 @@ OpenMesh::Vec4uc color(const Rgba8& c) { return {c[0], c[1], c[2], c[3]}; }
 
 Expected<OpenMeshMesh> converted(const Mesh& mesh) {
   // OpenMesh reports to the standard error stream; what matters comes back as an Error.
-  omlog().disable(), omout().disable(), omerr().disable();
+  omlog().disable();
+  omout().disable();
+  omerr().disable();
   OpenMeshMesh out;
   out.reserve(mesh.vertices.size(), 3 * mesh.triangles.size() / 2, mesh.triangles.size());
   for (const Vec3d& p : mesh.vertices) {

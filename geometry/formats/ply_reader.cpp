@@ -106,11 +106,14 @@ class PlyReader {
         const std::string_view encoding = words.next();
         has_format = true;
         if (encoding == "ascii") {
-          encoding_ = Encoding::kAscii, file_.format = MeshFormat::kPlyAscii;
+          encoding_ = Encoding::kAscii;
+          file_.format = MeshFormat::kPlyAscii;
         } else if (encoding == "binary_little_endian") {
-          encoding_ = Encoding::kLittle, file_.format = MeshFormat::kPlyBinaryLittleEndian;
+          encoding_ = Encoding::kLittle;
+          file_.format = MeshFormat::kPlyBinaryLittleEndian;
         } else if (encoding == "binary_big_endian") {
-          encoding_ = Encoding::kBig, file_.format = MeshFormat::kPlyBinaryBigEndian;
+          encoding_ = Encoding::kBig;
+          file_.format = MeshFormat::kPlyBinaryBigEndian;
         } else {
           return badHeader(line, "format " + inQuotes(encoding), "ascii, binary_little_endian or binary_big_endian");
         }

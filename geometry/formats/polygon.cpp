@@ -90,7 +90,8 @@ class PolygonCutter {
       rest_.erase(rest_.begin() + static_cast<std::ptrdiff_t>(ear));
       is_ear_.erase(is_ear_.begin() + static_cast<std::ptrdiff_t>(ear));
       const std::size_t before = (ear + n - 2) % (n - 1), after = ear % (n - 1);
-      is_ear_[before] = isEar(before), is_ear_[after] = isEar(after);
+      is_ear_[before] = isEar(before);
+      is_ear_[after] = isEar(after);
     }
   }
 

@@ -129,7 +129,8 @@ class ThreeMfReader {
 
   void setUnit(const std::string& unit) {
     if (unit == "foot") {  // exact: a foot is 12 inches
-      file_.declared_unit = "inch", scale_ = 12;
+      file_.declared_unit = "inch";
+      scale_ = 12;
       file_.notes.emplace_back("The file is in feet; its coordinates were multiplied by 12 and are in inches.");
       return;
     }
@@ -150,8 +151,11 @@ class ThreeMfReader {
         ++supports;
       else if (size.triangles == 0)
         ++empty;
-      else
-        items.emplace_back(target, &item), vertices += size.vertices, triangles += size.triangles;
+      else {
+        items.emplace_back(target, &item);
+        vertices += size.vertices;
+        triangles += size.triangles;
+      }
       if (std::max(vertices, triangles) >= std::min(kMostTotal, kFreeTriangles + kMostCopies * stored_triangles_))
         return bad(Error::Code::kUnsupported, "build",
                    "copies of copies: " + std::to_string(vertices) + " vertices or more of the " +
@@ -239,7 +243,10 @@ class ThreeMfReader {
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
       for (std::size_t k = 0; k < 3; ++k) {
         const std::uint32_t v = mesh.triangles[t][k];
-        if (!known[v]) known[v] = 1, mesh.vertex_colors[v] = corner_colors_[t][k];
+        if (!known[v]) {
+          known[v] = 1;
+          mesh.vertex_colors[v] = corner_colors_[t][k];
+        }
         differs[v] |= mesh.vertex_colors[v] != corner_colors_[t][k] ? 1 : 0;
       }
     if (const auto n = std::count(differs.begin(), differs.end(), 1); n > 0)

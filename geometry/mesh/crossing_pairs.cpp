@@ -21,7 +21,10 @@ std::array<int, 2> farEnds(const Mesh& mesh, std::uint32_t t) {
   double longest = -1;
   for (int k = 0; k < 3; ++k) {
     const double d = (mesh.corner(t, k) - mesh.corner(t, (k + 1) % 3)).squaredNorm();
-    if (d > longest) longest = d, best = {k, (k + 1) % 3};
+    if (d > longest) {
+      longest = d;
+      best = {k, (k + 1) % 3};
+    }
   }
   return best;
 }

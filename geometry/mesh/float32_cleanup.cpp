@@ -20,7 +20,9 @@ constexpr std::uint32_t kNone = ~0u;
 tl::unexpected<Error> badInput(std::string place, std::string found, std::string expected) {
   Error e;
   e.code = Error::Code::kBadValue;
-  e.place = std::move(place), e.found = std::move(found), e.expected = std::move(expected);
+  e.place = std::move(place);
+  e.found = std::move(found);
+  e.expected = std::move(expected);
   return fail(std::move(e));
 }
 
@@ -81,7 +83,10 @@ class Cleaner {
       double best = -1;
       for (std::size_t k = 0; k < 3; ++k) {
         const double d = (mesh_.vertices[f[k]] - mesh_.vertices[f[(k + 1) % 3]]).squaredNorm();
-        if (d > best) best = d, longest = k;
+        if (d > best) {
+          best = d;
+          longest = k;
+        }
       }
       const double twice_area = doubleAreaVector(mesh_, t).norm();
       if (!(twice_area < height_limit * std::sqrt(best))) continue;
@@ -99,7 +104,10 @@ class Cleaner {
       double count = 0;
       for (const std::uint32_t t : around_[v])
         for (const std::uint32_t w : mesh_.triangles[t])
-          if (w != v) sum += mesh_.vertices[w], ++count;
+          if (w != v) {
+            sum += mesh_.vertices[w];
+            ++count;
+          }
       Vec3d move = sum / count - mesh_.vertices[v];
       if (move.norm() > step) move *= step / move.norm();
       const Vec3d to = roundedToFloat(mesh_.vertices[v] + move);
@@ -183,7 +191,8 @@ class Cleaner {
     if (std::min(height(pa, pd, pc), height(pd, pb, pc)) <= old_height) return false;  // no gain, and no endless loop
     for (const Vec3d& n : {doubleArea(pa, pd, pc), doubleArea(pd, pb, pc)})
       if (n.isZero(0) || n.dot(reference) < kFlipTurn * n.norm() * reference.norm()) return false;
-    detach(b, t), detach(a, other);
+    detach(b, t);
+    detach(a, other);
     mesh_.triangles[t] = {a, d, c};
     mesh_.triangles[other] = {d, b, c};
     around_[d].push_back(t);

@@ -22,7 +22,8 @@ class UnionFind {
     return i;
   }
   void join(std::uint32_t a, std::uint32_t b) {
-    a = find(a), b = find(b);
+    a = find(a);
+    b = find(b);
     if (a != b) parent_[std::max(a, b)] = std::min(a, b);
   }
 
@@ -87,7 +88,10 @@ Printed printed(const Mesh& mesh) {
   internal::ExactWelder welder(mesh.vertices.size());
   std::size_t used = 0;
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
-    if (index[v] != kUnused) index[v] = welder.add(roundedToFloat(mesh.vertices[v])), ++used;
+    if (index[v] != kUnused) {
+      index[v] = welder.add(roundedToFloat(mesh.vertices[v]));
+      ++used;
+    }
   out.duplicate_vertices = used - welder.vertices.size();
   out.mesh.vertices = std::move(welder.vertices);
   out.mesh.triangles.reserve(mesh.triangles.size());
@@ -174,7 +178,9 @@ std::vector<std::uint32_t> countTopology(const Mesh& mesh, MeshReport& report, s
 
 // Solid angle of a triangle seen from p, signed. After Van Oosterom & Strackee, 1983.
 double solidAngle(Vec3d a, Vec3d b, Vec3d c, const Vec3d& p) {
-  a -= p, b -= p, c -= p;
+  a -= p;
+  b -= p;
+  c -= p;
   const double la = a.norm(), lb = b.norm(), lc = c.norm();
   return 2 * std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
 }

@@ -114,7 +114,8 @@ bool meet(std::span<const Vec3d> vertices, const Triangle& s, const Triangle& t)
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t j = 0; j < 3; ++j)
       if (s[i] == t[j]) {
-        order_s[shared] = i, order_t[shared] = j;
+        order_s[shared] = i;
+        order_t[shared] = j;
         used_s[i] = used_t[j] = true;
         ++shared;
       }
@@ -138,7 +139,10 @@ struct Box {
   std::array<float, 3> min{HUGE_VALF, HUGE_VALF, HUGE_VALF}, max{-HUGE_VALF, -HUGE_VALF, -HUGE_VALF};
 
   void add(const Box& b) {
-    for (std::size_t k = 0; k < 3; ++k) min[k] = std::min(min[k], b.min[k]), max[k] = std::max(max[k], b.max[k]);
+    for (std::size_t k = 0; k < 3; ++k) {
+      min[k] = std::min(min[k], b.min[k]);
+      max[k] = std::max(max[k], b.max[k]);
+    }
   }
   bool overlaps(const Box& b) const {
     return (min[0] <= b.max[0]) & (b.min[0] <= max[0]) & (min[1] <= b.max[1]) & (b.min[1] <= max[1]) &
@@ -153,7 +157,8 @@ Box boxOf(std::span<const Vec3d> vertices, const Triangle& t) {
     auto l = static_cast<float>(lo), h = static_cast<float>(hi);
     if (l > lo) l = std::nextafter(l, -HUGE_VALF);
     if (h < hi) h = std::nextafter(h, HUGE_VALF);
-    box.min[static_cast<std::size_t>(k)] = l, box.max[static_cast<std::size_t>(k)] = h;
+    box.min[static_cast<std::size_t>(k)] = l;
+    box.max[static_cast<std::size_t>(k)] = h;
   }
   return box;
 }

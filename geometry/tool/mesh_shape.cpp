@@ -80,7 +80,8 @@ std::uint32_t MeshShape::build(std::uint32_t first, std::uint32_t count, const s
   }
   nodes_[here].box = box;
   if (count <= kLeaf) {
-    nodes_[here].first = first, nodes_[here].count = count;
+    nodes_[here].first = first;
+    nodes_[here].count = count;
     return here;
   }
   int axis = 0;
@@ -110,7 +111,10 @@ double MeshShape::distance(const Vec3d& p) const noexcept {
       for (std::uint32_t n = node.first; n < node.first + node.count; ++n) {
         const Corners& t = triangles_[order_[n]];
         const Nearest found = nearestOnTriangle(p, t.at[0], t.at[1], t.at[2]);
-        if (found.squared < best.squared) best = found, triangle = order_[n];
+        if (found.squared < best.squared) {
+          best = found;
+          triangle = order_[n];
+        }
       }
       continue;
     }
@@ -161,8 +165,14 @@ std::optional<Mesh> convexPartBelow(const Mesh& mesh, double level, double slack
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t a = t[k], b = t[(k + 1) % 3];
       const bool a_in = mesh.vertices[a][2] < level, b_in = mesh.vertices[b][2] < level;
-      if (a_in) polygon.push_back(vertex(a, a)), is_cut.push_back(false);
-      if (a_in != b_in) polygon.push_back(vertex(a, b)), is_cut.push_back(true);
+      if (a_in) {
+        polygon.push_back(vertex(a, a));
+        is_cut.push_back(false);
+      }
+      if (a_in != b_in) {
+        polygon.push_back(vertex(a, b));
+        is_cut.push_back(true);
+      }
     }
     for (std::size_t n = 1; n + 1 < polygon.size(); ++n)
       part.triangles.push_back({polygon[0], polygon[n], polygon[n + 1]});

@@ -79,17 +79,27 @@ double SweptTool::refineConvex(const Vec3d& x, double best, double curvature, do
       if (open_right < open_left) {
         const double s = 0.5 * (b + c), f = at(x, s);
         best = std::min(best, f);
-        if (f < fb)
-          a = b, fa = fb, b = s, fb = f;
-        else
-          c = s, fc = f;
+        if (f < fb) {
+          a = b;
+          fa = fb;
+          b = s;
+          fb = f;
+        } else {
+          c = s;
+          fc = f;
+        }
       } else {
         const double s = 0.5 * (a + b), f = at(x, s);
         best = std::min(best, f);
-        if (f < fb)
-          c = b, fc = fb, b = s, fb = f;
-        else
-          a = s, fa = f;
+        if (f < fb) {
+          c = b;
+          fc = fb;
+          b = s;
+          fb = f;
+        } else {
+          a = s;
+          fa = f;
+        }
       }
     }
     if (best <= floor) break;
@@ -109,7 +119,10 @@ double SweptTool::refineLipschitz(const Vec3d& x, double best, double speed, dou
   best = std::min({best, f0, f1});
   std::array<Interval, 64> stack;  // depth first, the more promising half last in: never deeper than the bisection
   std::size_t size = 0;
-  const auto push = [&](const Interval& near, const Interval& far) { stack[size++] = far, stack[size++] = near; };
+  const auto push = [&](const Interval& near, const Interval& far) {
+    stack[size++] = far;
+    stack[size++] = near;
+  };
   const Interval first{0, f0, 0.5, middle}, second{0.5, middle, 1, f1};
   f0 < f1 ? push(first, second) : push(second, first);
   while (size > 0) {

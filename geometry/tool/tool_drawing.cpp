@@ -226,7 +226,8 @@ std::string drawBlade(const Tool& tool) {
       swept.emplace_back(x, arc(x));
     }
     const double corner = arc(high_x) + tool.edge_depth_mm;
-    swept.emplace_back(high_x, corner), swept.emplace_back(low_x, corner);
+    swept.emplace_back(high_x, corner);
+    swept.emplace_back(low_x, corner);
     sheet.polygon(swept, "#f7ead0", "stroke-dasharray=\"5 4\"");
   } else {
     teeth.emplace_back(depth, 0);

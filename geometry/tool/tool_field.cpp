@@ -46,7 +46,8 @@ ToolField::ToolField(const ToolShape& shape, const ToolFieldOptions& options) : 
   lookup_.inverse = static_cast<float>(1 / spacing);
   for (int axis = 0; axis < 3; ++axis) {
     const auto a = static_cast<std::size_t>(axis);
-    lookup_.low[a] = static_cast<float>(low[axis]), lookup_.high[a] = static_cast<float>(high[axis]);
+    lookup_.low[a] = static_cast<float>(low[axis]);
+    lookup_.high[a] = static_cast<float>(high[axis]);
     lookup_.origin[a] = static_cast<float>(low[axis] - options.margin_mm - spacing);
     lookup_.size[a] = axis < (is_planar ? 2 : 3) ? samples(axis) : 1;
   }
@@ -77,7 +78,9 @@ void ToolField::distances(const float* x, const float* y, const float* z, float*
 
 float ToolField::distance(const Vec3f& p) const noexcept {
   float x[8], y[8], z[8], d[8];
-  std::fill_n(x, 8, p[0]), std::fill_n(y, 8, p[1]), std::fill_n(z, 8, p[2]);
+  std::fill_n(x, 8, p[0]);
+  std::fill_n(y, 8, p[1]);
+  std::fill_n(z, 8, p[2]);
   distances(x, y, z, d, 8);
   return d[0];
 }

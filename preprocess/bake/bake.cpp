@@ -171,17 +171,21 @@ Expected<void> finish(const Object& object, const BakeOptions& options, const Ma
     const MaterialProperties* row = materials.find(material);
     m.materials.push_back({row ? row->id : "?", static_cast<int>(material), volume});
   }
-  m.solid_vertices = object.solid.vertices.size(), m.solid_triangles = object.solid.triangles.size();
-  m.solid_volume_mm3 = signedVolume(object.solid), m.solid_area_mm2 = surfaceArea(object.solid);
+  m.solid_vertices = object.solid.vertices.size();
+  m.solid_triangles = object.solid.triangles.size();
+  m.solid_volume_mm3 = signedVolume(object.solid);
+  m.solid_area_mm2 = surfaceArea(object.solid);
   m.box = bounds(object.solid);
-  m.field_voxels = stats.active_voxels, m.shell_points = stats.shell_points;
+  m.field_voxels = stats.active_voxels;
+  m.shell_points = stats.shell_points;
   m.shell_area_mm2 = stats.shell_area_mm2;
   if (!report(progress, 0.85, "writing")) return cancelError();
   KERF_CHECK(writeMesh(folder / kCaseSolid, object.solid));
   KERF_CHECK(anatomy.write(folder / kCaseAnatomy, fine ? &*fine : nullptr));
   KERF_TRY(solid_hash, sha256OfFile(folder / kCaseSolid));
   KERF_TRY(field_hash, sha256OfFile(folder / kCaseAnatomy));
-  m.solid_sha256 = solid_hash, m.field_sha256 = field_hash;
+  m.solid_sha256 = solid_hash;
+  m.field_sha256 = field_hash;
   KERF_CHECK(writeCaseManifest(folder, m));
   if (!report(progress, 0.95, "syncing")) return cancelError();
   KERF_CHECK(staging.commit());
@@ -200,7 +204,8 @@ Expected<LabelObject> readLabels(const CaseRecipe& recipe, const std::string& ha
                                  BakeReport& out, const Progress& progress) {
   const fs::path path = recipe.resolve(recipe.labels->volume);
   LabelReadOptions read;
-  read.spacing_mm = recipe.labels->spacing_mm, read.threshold = recipe.labels->threshold;
+  read.spacing_mm = recipe.labels->spacing_mm;
+  read.threshold = recipe.labels->threshold;
   KERF_TRY(volume, readLabelVolume(path, read, part(progress, 0, 0.3)));
   std::vector<std::uint16_t> wanted;
   for (const RecipePart& p : recipe.parts)
@@ -217,7 +222,8 @@ Expected<LabelObject> readLabels(const CaseRecipe& recipe, const std::string& ha
   KERF_TRY(surface, object.labels->surface());
   object.surface = std::move(surface);
   KERF_TRY(source, internal::storeSource(path, volume.format, hash, case_folder, out.manifest));
-  source->unit = "mm", source->unit_reason = "as label volumes are";
+  source->unit = "mm";
+  source->unit_reason = "as label volumes are";
   out.unit_is_doubtful.push_back(false);
   std::vector<std::string> notes;
   if (volume.is_spacing_given)
@@ -296,7 +302,8 @@ Expected<BakeReport> bake(const std::vector<fs::path>& meshes, const fs::path& c
   out.manifest.id = caseId(hashes, options, "");
   if (!options.overwrite)
     if (auto manifest = existing(case_folder, out.manifest.id)) {
-      out.manifest = std::move(*manifest), out.was_up_to_date = true;
+      out.manifest = std::move(*manifest);
+      out.was_up_to_date = true;
       return out;
     }
   KERF_TRY(staging, AtomicFolder::create(case_folder, options.overwrite, kCaseManifest));
@@ -369,7 +376,8 @@ Expected<BakeReport> bakeRecipe(const fs::path& recipe_file, const fs::path& cas
   out.manifest.id = caseId(hashes, options, numbers);
   if (!options.overwrite)
     if (auto manifest = existing(case_folder, out.manifest.id)) {
-      out.manifest = std::move(*manifest), out.was_up_to_date = true;
+      out.manifest = std::move(*manifest);
+      out.was_up_to_date = true;
       return out;
     }
   KERF_TRY(staging, AtomicFolder::create(case_folder, options.overwrite, kCaseManifest));
@@ -432,7 +440,9 @@ Expected<BakeReport> bakeRecipe(const fs::path& recipe_file, const fs::path& cas
 
   for (const RecipePart& p : recipe.parts) {
     MaterialClaim claim;
-    claim.material = p.material.material, claim.replaces = p.replaces, claim.depth = p.depth;
+    claim.material = p.material.material;
+    claim.replaces = p.replaces;
+    claim.depth = p.depth;
     CasePart row{p.material.id, p.origin(), 0, 0};
     if (!p.mesh.empty()) {
       claim.solid = &solids.at(p.mesh);

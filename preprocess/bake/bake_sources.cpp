@@ -77,7 +77,8 @@ Expected<CaseSource*> storeSource(const fs::path& path, const std::string& forma
   CaseSource source;
   source.stored_as =
       fmt::format("source-{}{}", manifest.sources.size() + 1, keeps_names ? std::string() : safeExtension(path));
-  source.format = format, source.sha256 = sha256;
+  source.format = format;
+  source.sha256 = sha256;
   const fs::path copy = case_folder / source.stored_as;
   failed.clear();
   if (keeps_names) {
@@ -115,8 +116,11 @@ Expected<std::vector<Mesh>> readMeshSources(const std::vector<fs::path>& paths, 
       return fail(choice.error());
     }
     KERF_TRY(source, storeSource(paths[n], std::string(name(file.format)), hashes[n], case_folder, out.manifest));
-    source->unit = choice->unit, source->unit_reason = choice->reason, source->scale_to_mm = choice->scale_to_mm;
-    source->vertices = file.mesh.vertices.size(), source->triangles = file.mesh.triangles.size();
+    source->unit = choice->unit;
+    source->unit_reason = choice->reason;
+    source->scale_to_mm = choice->scale_to_mm;
+    source->vertices = file.mesh.vertices.size();
+    source->triangles = file.mesh.triangles.size();
     if (choice->scale_to_mm != 1)
       for (Vec3d& p : file.mesh.vertices) p *= choice->scale_to_mm;
     else if (!file.had_double_coordinates)  // decimals that say no more than a float32: nothing to report

@@ -25,11 +25,13 @@ constexpr double kMostOverlap = 0.5;  // of the lower of the two heights; an ove
 constexpr double kMostPlanesGap = 5;  // mm between the planes: farther apart each jaw's height counts from its own
 
 double extent(const Mesh& mesh, const Vec3d& n, double& low, double& high) {
-  low = 1e300, high = -1e300;
+  low = 1e300;
+  high = -1e300;
   for (const Triangle& f : mesh.triangles)
     for (const std::uint32_t v : f) {
       const double h = mesh.vertices[v].dot(n);
-      low = std::min(low, h), high = std::max(high, h);
+      low = std::min(low, h);
+      high = std::max(high, h);
     }
   return high - low;
 }
@@ -142,7 +144,10 @@ Expected<std::array<BakeReport, 2>> bakePair(const std::array<std::filesystem::p
   for (std::size_t k = 0; k < 2; ++k) {
     BakeOptions one = options;
     one.pair = CasePair{frame, case_folders[1 - k].filename().string()};
-    if (fitted.planes[k]) one.close.find_occlusal_plane = false, one.close.occlusal_plane = fitted.planes[k];
+    if (fitted.planes[k]) {
+      one.close.find_occlusal_plane = false;
+      one.close.occlusal_plane = fitted.planes[k];
+    }
     const double from = 0.5 * static_cast<double>(k);
     Progress part;
     if (progress) part = [&](double f, std::string_view what) { return progress(from + 0.5 * f, what); };

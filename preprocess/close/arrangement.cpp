@@ -186,9 +186,18 @@ class Arranger {
     for (std::uint32_t i = 0; i < pieces.size(); ++i) {
       Triangle f = pieces[i].first;
       bool even = true;
-      if (f[0] > f[1]) std::swap(f[0], f[1]), even = !even;
-      if (f[1] > f[2]) std::swap(f[1], f[2]), even = !even;
-      if (f[0] > f[1]) std::swap(f[0], f[1]), even = !even;
+      if (f[0] > f[1]) {
+        std::swap(f[0], f[1]);
+        even = !even;
+      }
+      if (f[1] > f[2]) {
+        std::swap(f[1], f[2]);
+        even = !even;
+      }
+      if (f[0] > f[1]) {
+        std::swap(f[0], f[1]);
+        even = !even;
+      }
       entries.push_back({f, i, even});
     }
     std::sort(entries.begin(), entries.end(), [](const Entry& x, const Entry& y) {

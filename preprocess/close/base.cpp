@@ -68,7 +68,10 @@ bool arrange(std::vector<Segment>& segments, Cdt& cdt, Poll& poll) {
 using Net = std::map<std::array<Point2, 2>, int>;
 
 void count(const Segment& s, Net& net) {
-  for (std::size_t k = 1; k < s.size(); ++k) ++net[{s[k - 1], s[k]}], --net[{s[k], s[k - 1]}];
+  for (std::size_t k = 1; k < s.size(); ++k) {
+    ++net[{s[k - 1], s[k]}];
+    --net[{s[k], s[k - 1]}];
+  }
 }
 
 /// Calls f(corners, winding) for every finite face: how often the edges of `net` wind around it, from the outside in.
@@ -168,7 +171,8 @@ BaseFrame baseFrame(const Vec3d& w) {
   const double sign = w[axis] < 0 ? -1 : 1;
   if ((w - sign * Vec3d::Unit(axis)).norm() < kAxisTolerance) {
     f.w = sign * Vec3d::Unit(axis);
-    f.u = Vec3d::Unit((axis + (sign > 0 ? 1 : 2)) % 3), f.v = Vec3d::Unit((axis + (sign > 0 ? 2 : 1)) % 3);
+    f.u = Vec3d::Unit((axis + (sign > 0 ? 1 : 2)) % 3);
+    f.v = Vec3d::Unit((axis + (sign > 0 ? 2 : 1)) % 3);
     return f;
   }
   int least = 0;
@@ -236,7 +240,10 @@ Expected<void> extrudeToBase(Chain& chain, const std::vector<Loop>& rims, const 
   for (std::size_t s = 0; s < edges.size(); ++s) {
     const auto& [rim_p, rim_q] = edges[s];
     const std::uint32_t p = wallTop(rim_p), q = wallTop(rim_q);
-    if (p != rim_p) chain.addTriangle(rim_p, rim_q, q), chain.addTriangle(rim_p, q, p);
+    if (p != rim_p) {
+      chain.addTriangle(rim_p, rim_q, q);
+      chain.addTriangle(rim_p, q, p);
+    }
     std::vector<std::uint32_t> below;
     for (const Point2& x : segments[s]) below.push_back(foot.vertex(x));
     chain.addTriangle(p, q, below.back());

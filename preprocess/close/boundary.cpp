@@ -46,7 +46,8 @@ Direction nearestAxis(const Vec3d& v) {
 Error ungrounded(std::string found, std::string hint) {
   Error e;
   e.code = Error::Code::kGeometry;
-  e.found = std::move(found), e.hint = std::move(hint);
+  e.found = std::move(found);
+  e.hint = std::move(hint);
   return e;
 }
 
@@ -87,7 +88,8 @@ Opening measureOpening(const Mesh& mesh, const Loop& loop) {
   }
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const double a = doubleAreaVector(mesh, t).norm();
-    area += a, centroid += a / 3 * (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2));
+    area += a;
+    centroid += a / 3 * (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2));
   }
   centroid /= area;
   const Vec3d open = areaVector(mesh, loop);
@@ -134,7 +136,8 @@ Expected<BaseFrame> placeBase(const Chain& chain, const Vec3d& down, const Vec3d
     if (options.occlusal_plane->point) occlusal = options.occlusal_plane->point->dot(w);
   } else if (options.find_occlusal_plane) {
     KERF_TRY(plane, findOcclusalPlane(chain.mesh, options.base_direction ? Vec3d(-down) : Vec3d(-open)));
-    w = -plane.normal, occlusal = plane.point.dot(w);
+    w = -plane.normal;
+    occlusal = plane.point.dot(w);
     report.occlusal_plane = plane;
     report.changes.push_back(fmt::format(
         "the occlusal plane was found: normal ({:.4f}, {:.4f}, {:.4f}), {:.1f} degrees from the nearest axis, through "
@@ -224,8 +227,10 @@ Expected<void> closeBoundary(Chain& chain, const CloseOptions& options, CloseRep
     std::vector<Box3> box(pieces.count);
     std::vector<std::uint32_t> piece_of(chain.mesh.vertices.size(), 0);
     for (std::size_t t = 0; t < chain.mesh.triangles.size(); ++t)
-      for (const std::uint32_t v : chain.mesh.triangles[t])
-        box[pieces.label[t]].add(chain.mesh.vertices[v]), piece_of[v] = pieces.label[t];
+      for (const std::uint32_t v : chain.mesh.triangles[t]) {
+        box[pieces.label[t]].add(chain.mesh.vertices[v]);
+        piece_of[v] = pieces.label[t];
+      }
     std::vector<Loop> rims;
     for (std::size_t i = 0; i < loops.size(); ++i) {
       const double own = box[piece_of[loops[i][0]]].size().norm();

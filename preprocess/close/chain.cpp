@@ -73,7 +73,10 @@ void roundAndWeld(Chain& chain, CloseReport& report) {
   double largest = 0;
   for (Vec3d& p : mesh.vertices) {
     const Vec3d r = roundedToFloat(p);
-    if (r != p) ++report.vertices_rounded, largest = std::max(largest, (r - p).norm());
+    if (r != p) {
+      ++report.vertices_rounded;
+      largest = std::max(largest, (r - p).norm());
+    }
     p = r;
   }
   if (report.vertices_rounded)
@@ -143,7 +146,10 @@ void orient(Chain& chain, CloseReport& report) {
     for (const std::uint32_t t : patch) turned += static_cast<std::size_t>(turn[t]);
     const signed char minority = 2 * turned <= patch.size() ? 1 : 0;
     for (const std::uint32_t t : patch)
-      if (turn[t] == minority) flip(chain.mesh.triangles[t]), ++report.triangles_flipped;
+      if (turn[t] == minority) {
+        flip(chain.mesh.triangles[t]);
+        ++report.triangles_flipped;
+      }
   }
   if (report.triangles_flipped)
     report.changes.push_back(counted(report.triangles_flipped, "triangle was", "triangles were") +
@@ -170,9 +176,18 @@ void dropDuplicates(Chain& chain, CloseReport& report) {
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
     Triangle f = triangles[t];
     bool even = true;
-    if (f[0] > f[1]) std::swap(f[0], f[1]), even = !even;
-    if (f[1] > f[2]) std::swap(f[1], f[2]), even = !even;
-    if (f[0] > f[1]) std::swap(f[0], f[1]), even = !even;
+    if (f[0] > f[1]) {
+      std::swap(f[0], f[1]);
+      even = !even;
+    }
+    if (f[1] > f[2]) {
+      std::swap(f[1], f[2]);
+      even = !even;
+    }
+    if (f[0] > f[1]) {
+      std::swap(f[0], f[1]);
+      even = !even;
+    }
     keys[place[f[0]]++] = {f, even, t};
   }
   for (std::uint32_t v = 0; v < vertices; ++v)
@@ -187,7 +202,10 @@ void dropDuplicates(Chain& chain, CloseReport& report) {
     std::array<std::vector<std::uint32_t>, 2> sides;
     for (std::size_t k = i; k < j; ++k) sides[keys[k].even].push_back(keys[k].t);
     while (!sides[0].empty() && !sides[1].empty()) {
-      for (auto& side : sides) keep[side.back()] = 0, side.pop_back();
+      for (auto& side : sides) {
+        keep[side.back()] = 0;
+        side.pop_back();
+      }
       cancelled += 2;
     }
     for (const auto& side : sides)
@@ -211,7 +229,8 @@ void dropDuplicates(Chain& chain, CloseReport& report) {
       int excess = 0;
       for (std::size_t k = 0; k < 3; ++k) excess += net[edge(t, k).first] * edge(t, k).second > 0;
       if (excess < 2) continue;
-      keep[t] = 0, ++merged;
+      keep[t] = 0;
+      ++merged;
       for (std::size_t k = 0; k < 3; ++k) net[edge(t, k).first] -= edge(t, k).second;
     }
   }
@@ -297,7 +316,10 @@ void dropCrumbs(Chain& chain, const CloseOptions& options, CloseReport& report) 
   std::vector<char> keep(chain.mesh.triangles.size(), 1);
   std::size_t triangles = 0;
   for (std::uint32_t t = 0; t < keep.size(); ++t)
-    if (isCrumb(info.pieces.label[t])) keep[t] = 0, ++triangles;
+    if (isCrumb(info.pieces.label[t])) {
+      keep[t] = 0;
+      ++triangles;
+    }
   for (std::uint32_t l = 0; l < info.pieces.count; ++l) report.crumbs_dropped += isCrumb(l);
   if (!triangles) return;
   report.changes.push_back(fmt::format("{} dropped ({})",
@@ -360,7 +382,10 @@ std::vector<Loop> boundaryLoops(const std::vector<Triangle>& triangles) {
     auto it = std::lower_bound(missing.begin(), missing.end(), std::pair(from, 0u));
     for (; it != missing.end() && it->first == from; ++it) {
       const auto i = static_cast<std::size_t>(it - missing.begin());
-      if (!used[i]) return used[i] = 1, it->second;
+      if (!used[i]) {
+        used[i] = 1;
+        return it->second;
+      }
     }
     return kNone;
   };
@@ -417,7 +442,8 @@ bool isClosedManifold(const Mesh& mesh) {
       const auto it = std::lower_bound(corners.begin() + static_cast<std::ptrdiff_t>(i),
                                        corners.begin() + static_cast<std::ptrdiff_t>(j), at,
                                        [](const Corner& c, std::uint32_t w) { return c.from < w; });
-      at = it->to, ++steps;
+      at = it->to;
+      ++steps;
     } while (at != corners[i].from && steps <= j - i);
     if (steps != j - i) return false;
   }
@@ -436,7 +462,10 @@ bool turnPieces(Chain& chain, CloseReport& report) {
     const Vec3d a = mesh.corner(t, 0) - center, b = mesh.corner(t, 1) - center, c = mesh.corner(t, 2) - center;
     volume[l] += a.dot(b.cross(c)) / 6;
     const double area = (b - a).cross(c - a).squaredNorm();
-    if (area > biggest_area[l]) biggest_area[l] = area, biggest[l] = t;
+    if (area > biggest_area[l]) {
+      biggest_area[l] = area;
+      biggest[l] = t;
+    }
     for (int k = 0; k < 3; ++k) box[l].add(mesh.corner(t, k));
   }
   bool nested = false;
@@ -465,10 +494,14 @@ bool turnPieces(Chain& chain, CloseReport& report) {
         if (std::abs(windingNumber(mesh, p, skip)) > 0.5) continue;
       }
     }
-    turn[l] = 1, ++turned;
+    turn[l] = 1;
+    ++turned;
   }
   for (std::uint32_t t = 0; turned && t < mesh.triangles.size(); ++t)
-    if (turn[pieces.label[t]]) flip(mesh.triangles[t]), ++report.triangles_flipped;
+    if (turn[pieces.label[t]]) {
+      flip(mesh.triangles[t]);
+      ++report.triangles_flipped;
+    }
   if (turned)
     report.changes.push_back(counted(turned, "closed piece was", "closed pieces were") + " inside out and turned");
   return nested;

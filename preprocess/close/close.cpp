@@ -25,7 +25,9 @@ constexpr double kSeparation = 4e-4;  ///< mm: how far touching parts are moved 
 Error makeError(Error::Code code, std::string found, std::string expected = {}, std::string hint = {}) {
   Error e;
   e.code = code;
-  e.found = std::move(found), e.expected = std::move(expected), e.hint = std::move(hint);
+  e.found = std::move(found);
+  e.expected = std::move(expected);
+  e.hint = std::move(hint);
   return e;
 }
 
@@ -116,15 +118,19 @@ void dropDebris(Result& r, const Mesh& imported, const CloseOptions& options, Cl
   double total = 0;
   for (std::size_t t = 0; t < r.mesh.triangles.size(); ++t) {
     const double v = (r.mesh.corner(t, 0) - c).dot((r.mesh.corner(t, 1) - c).cross(r.mesh.corner(t, 2) - c)) / 6;
-    volume[pieces.label[t]] += v, total += v;
+    volume[pieces.label[t]] += v;
+    total += v;
     if (!made[pieces.label[t]] && !isWhole(imported, r, t)) made[pieces.label[t]] = 1;
   }
   std::size_t count = 0;
   double dropped = 0;
   std::vector<char> debris(pieces.count, 0);
   for (std::uint32_t l = 0; l < pieces.count; ++l)
-    if (made[l] && std::abs(volume[l]) < options.debris_fraction * total)
-      debris[l] = 1, ++count, dropped += std::abs(volume[l]);
+    if (made[l] && std::abs(volume[l]) < options.debris_fraction * total) {
+      debris[l] = 1;
+      ++count;
+      dropped += std::abs(volume[l]);
+    }
   if (count == 0) return;
   std::size_t kept = 0;
   for (std::size_t t = 0; t < r.mesh.triangles.size(); ++t) {
@@ -187,7 +193,10 @@ Expected<Result> resolve(const Mesh& imported, const Chain& chain,
       for (const std::uint32_t t : {i, j})
         for (const std::uint32_t v : r.mesh.triangles[t]) hot[v] = 1;
     for (std::size_t v = 0; v < hot.size(); ++v)
-      if (hot[v] && fixed[v]) fixed[v] = 0, freed.push_back(r.mesh.vertices[v]);
+      if (hot[v] && fixed[v]) {
+        fixed[v] = 0;
+        freed.push_back(r.mesh.vertices[v]);
+      }
     KERF_TRY(again, cleanUpForFloat32(r.mesh, fixed, &r.source, options.cleanup_length_mm));
     last = again;
   }

@@ -68,7 +68,8 @@ Expected<Kept> keepWindingBoundary(const Mesh& chain, const Arrangement& arrange
     const double radius = perimeter > 0 ? (b - a).cross(c - a).norm() / perimeter : 0;
     const std::uint32_t l = label[t];
     if (!(radius > fatness[l])) continue;
-    fatness[l] = radius, fattest[l] = t;
+    fatness[l] = radius;
+    fattest[l] = t;
     probe[l] = perimeter > 0 ? Vec3d((la * a + lb * b + lc * c) / perimeter) : a;
   }
   std::vector<double> behind(count);  // winding number on the back of the patch

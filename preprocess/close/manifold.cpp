@@ -45,7 +45,10 @@ std::vector<std::array<Use, 2>> pairWedges(const Mesh& mesh, const std::vector<V
   for (const Use& u : uses) {
     const Vec3d n = (u.forth ? 1.0 : -1.0) * normals[u.t];
     const Vec3d into = n.cross(axis).normalized();
-    if (spokes.empty()) x = into, y = axis.cross(into);
+    if (spokes.empty()) {
+      x = into;
+      y = axis.cross(into);
+    }
     double angle = spokes.empty() ? 0 : std::atan2(into.dot(y), into.dot(x));
     if (angle < 0) angle += 2 * M_PI;
     spokes.push_back({angle, u});
@@ -56,7 +59,10 @@ std::vector<std::array<Use, 2>> pairWedges(const Mesh& mesh, const std::vector<V
   int depth = 0, least = 0;
   for (std::size_t i = 0; i < spokes.size(); ++i) {
     depth += spokes[i].use.forth ? -1 : 1;
-    if (depth < least) least = depth, start = i + 1;
+    if (depth < least) {
+      least = depth;
+      start = i + 1;
+    }
   }
   std::vector<std::array<Use, 2>> pairs;
   std::vector<Use> open;
@@ -90,7 +96,8 @@ std::size_t splitVertices(Mesh& mesh, const std::vector<Vec3d>& normals, double 
     return i;
   };
   const auto unite = [&](std::uint32_t i, std::uint32_t j) {
-    i = find(i), j = find(j);
+    i = find(i);
+    j = find(j);
     if (i != j) parent[std::max(i, j)] = std::min(i, j);
   };
   forEachEdge(edgeUses(mesh.triangles), [&](std::span<const Use> uses) {

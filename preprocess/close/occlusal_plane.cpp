@@ -95,7 +95,11 @@ Fit search(const std::vector<Vec3d>& points, const Vec3d& up) {
           const double d = (p - points[i]).dot(n);
           score += std::abs(d) <= kTolerance ? 1 : d > 0 ? -1 : 0;
         }
-        if (score > best.score) best.score = score, best.normal = n, best.point = points[i];
+        if (score > best.score) {
+          best.score = score;
+          best.normal = n;
+          best.point = points[i];
+        }
       }
   if (best.score < 0) return best;
   return judge(points, best.normal, best.point);
@@ -130,7 +134,10 @@ Expected<OcclusalPlane> settle(const Mesh& mesh, const Vec3d& from, const Vec3d&
     Vec3d mean = Vec3d::Zero();
     plane.tips = 0;
     for (std::size_t i = 0; i < fit.on.size(); ++i)
-      if (fit.on[i]) mean += points[i], ++plane.tips;
+      if (fit.on[i]) {
+        mean += points[i];
+        ++plane.tips;
+      }
     if (plane.tips < 3) return fail(none(plane.tips));
     mean /= static_cast<double>(plane.tips);
     Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
@@ -144,7 +151,8 @@ Expected<OcclusalPlane> settle(const Mesh& mesh, const Vec3d& from, const Vec3d&
     if (in_a_line || normal.dot(up) < kCosMostTilt) return fail(none(plane.tips));
     plane.rms_mm = std::sqrt(std::max(0.0, axes.eigenvalues()[0] / count));
     const bool settled = (normal - plane.normal).norm() < 1e-6 && std::abs((mean - plane.point).dot(normal)) < 1e-6;
-    plane.normal = normal, plane.point = mean;
+    plane.normal = normal;
+    plane.point = mean;
     if (settled && round >= kSearches) break;
   }
   if (plane.tips < kLeastTips) return fail(none(plane.tips));

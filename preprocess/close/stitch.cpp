@@ -41,7 +41,10 @@ class Grid {
  public:
   Grid(const Mesh& mesh, const std::vector<OpenEdge>& edges, double cell) : mesh_(mesh), cell_(cell) {
     std::vector<std::uint32_t> vertices;
-    for (const OpenEdge& e : edges) vertices.push_back(e.a), vertices.push_back(e.b);
+    for (const OpenEdge& e : edges) {
+      vertices.push_back(e.a);
+      vertices.push_back(e.b);
+    }
     std::sort(vertices.begin(), vertices.end());
     vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
     for (const std::uint32_t v : vertices) cubes_[cube(mesh.vertices[v])].push_back(v);
@@ -92,7 +95,10 @@ void joinVertices(Chain& chain, const std::vector<OpenEdge>& edges, double toler
   };
   std::vector<Pair> pairs;
   std::vector<std::uint32_t> ends;
-  for (const OpenEdge& e : edges) ends.push_back(e.a), ends.push_back(e.b);
+  for (const OpenEdge& e : edges) {
+    ends.push_back(e.a);
+    ends.push_back(e.b);
+  }
   std::sort(ends.begin(), ends.end());
   ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
   for (const std::uint32_t v : ends) {
@@ -123,7 +129,8 @@ void joinVertices(Chain& chain, const std::vector<OpenEdge>& edges, double toler
     if (std::find(around.begin(), around.end(), p.first) != around.end()) continue;
     taken[p.first] = taken[p.second] = 1;
     target[p.second] = p.first;
-    ++done.joined, done.move = std::max(done.move, p.distance);
+    ++done.joined;
+    done.move = std::max(done.move, p.distance);
   }
   for (Triangle& f : mesh.triangles)
     for (std::uint32_t& v : f) v = target[v];
@@ -150,7 +157,8 @@ bool splitEdges(Chain& chain, double tolerance, Done& done) {
     const Vec3d a = mesh.vertices[e.a], d = mesh.vertices[e.b] - a;
     const std::uint32_t apex = mesh.triangles[e.triangle][(e.corner + 2) % 3];
     Box3 box;
-    box.add(a), box.add(mesh.vertices[e.b]);
+    box.add(a);
+    box.add(mesh.vertices[e.b]);
     std::vector<Stop> stops;
     grid.forEachIn(box, tolerance, [&](std::uint32_t v) {
       if (v == e.a || v == e.b || v == apex) return;
@@ -170,8 +178,10 @@ bool splitEdges(Chain& chain, double tolerance, Done& done) {
     std::uint32_t from = cut.edge.a;
     for (std::size_t i = 0; i <= cut.stops.size(); ++i) {
       const std::uint32_t to = i < cut.stops.size() ? cut.stops[i].v : cut.edge.b;
-      if (i < cut.stops.size())
-        done.move = std::max(done.move, (mesh.vertices[to] - a - cut.stops[i].at * d).norm()), ++done.split;
+      if (i < cut.stops.size()) {
+        done.move = std::max(done.move, (mesh.vertices[to] - a - cut.stops[i].at * d).norm());
+        ++done.split;
+      }
       if (i == 0) {
         mesh.triangles[cut.edge.triangle] = {from, to, apex};
       } else {

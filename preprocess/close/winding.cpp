@@ -51,7 +51,8 @@ RayWinding::RayWinding(const Mesh& mesh)
   const double wanted = std::clamp(static_cast<double>(mesh.triangles.size()), 1.0, kMostCells);
   cell_ = std::max({std::sqrt(size[1] * size[2] / wanted), size[1] / kMostCells, size[2] / kMostCells, 1e-9});
   const auto count = [&](double length) { return static_cast<std::size_t>(length / cell_) + 1; };
-  ny_ = count(size[1]), nz_ = count(size[2]);
+  ny_ = count(size[1]);
+  nz_ = count(size[2]);
   first_.assign(ny_ * nz_ + 1, 0);
   const auto forEachCell = [&](std::size_t t, const auto& work) {
     Box3 b;

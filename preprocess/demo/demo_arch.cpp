@@ -60,7 +60,10 @@ std::vector<int> openEdgesAt(const Mesh& mesh) {
   std::vector<int> open(mesh.vertices.size(), 0);
   const auto beside = besideEdges(mesh);
   for (const auto& [edge, t] : beside)
-    if (!beside.count({edge.second, edge.first})) ++open[edge.first], ++open[edge.second];
+    if (!beside.count({edge.second, edge.first})) {
+      ++open[edge.first];
+      ++open[edge.second];
+    }
   return open;
 }
 
@@ -83,7 +86,8 @@ Mesh trimmed(const Mesh& whole, std::uint32_t seed) {
     for (std::size_t t = 0; t < keep.size(); ++t) {
       const bool bow_tie = std::ranges::any_of(mesh.triangles[t], [&](std::uint32_t v) { return open[v] > 2; });
       if (pieces.label[t] == largest && !bow_tie) continue;
-      keep[t] = 0, changed = true;
+      keep[t] = 0;
+      changed = true;
     }
     if (!changed) return mesh;
     mesh = subset(mesh, keep);

@@ -83,10 +83,16 @@ InBody inBody(const Vec3d& p) {
     double least = std::numeric_limits<double>::infinity();
     constexpr std::size_t kCoarse = 10;
     for (std::size_t i = 0; i < samples.size(); i += kCoarse)
-      if (const double d = far2(i); d < least) least = d, best = i;
+      if (const double d = far2(i); d < least) {
+        least = d;
+        best = i;
+      }
     const std::size_t from = best > kCoarse ? best - kCoarse : 0, to = std::min(samples.size() - 1, best + kCoarse);
     for (std::size_t i = from; i <= to; ++i)
-      if (const double d = far2(i); d < least) least = d, best = i;
+      if (const double d = far2(i); d < least) {
+        least = d;
+        best = i;
+      }
     // Between the samples: the nearest point of the two segments that end here, and everything else blended likewise.
     double blend = 0;
     std::size_t other = best;
@@ -95,7 +101,11 @@ InBody inBody(const Vec3d& p) {
       const Vec2d a = samples[best].border + t * (samples[best].crest - samples[best].border),
                   d = samples[i].border + t * (samples[i].crest - samples[i].border) - a;
       const double f = std::clamp((at - a).dot(d) / d.squaredNorm(), 0.0, 1.0);
-      if (const double d2 = (at - a - f * d).squaredNorm(); d2 < least) least = d2, blend = f, other = i;
+      if (const double d2 = (at - a - f * d).squaredNorm(); d2 < least) {
+        least = d2;
+        blend = f;
+        other = i;
+      }
     }
     const Sample &a = samples[best], &b = samples[other];
     found.here = {a.border + blend * (b.border - a.border),

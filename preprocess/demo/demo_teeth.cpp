@@ -198,7 +198,10 @@ double heightOnNearestTooth(const Vec3d& p) {
     if ((p - pose.middle).norm() - pose.radius >= nearest) continue;
     const Vec3d local = pose.T_tooth_jaw * p;
     const double value = toothValue(*pose.tooth, ToothTissue::kTooth, local);
-    if (value < nearest) nearest = value, height = local.z();
+    if (value < nearest) {
+      nearest = value;
+      height = local.z();
+    }
   }
   return height;
 }

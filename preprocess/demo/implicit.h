@@ -28,7 +28,11 @@ inline double bell(double x, double width) { return std::exp(-(x / width) * (x /
 inline double latticeNoise(int i, int j, int k, std::uint32_t seed) {
   std::uint32_t h = seed * 0x9e3779b9u ^ static_cast<std::uint32_t>(i) * 0x85ebca6bu ^
                     static_cast<std::uint32_t>(j) * 0xc2b2ae35u ^ static_cast<std::uint32_t>(k) * 0x27d4eb2fu;
-  h ^= h >> 15, h *= 0x2c1b3c6du, h ^= h >> 12, h *= 0x297a2d39u, h ^= h >> 15;
+  h ^= h >> 15;
+  h *= 0x2c1b3c6du;
+  h ^= h >> 12;
+  h *= 0x297a2d39u;
+  h ^= h >> 15;
   return h / 2147483648.0 - 1;
 }
 /// Smooth noise in [-1, 1) with bumps one unit wide: lattice noise blended between the corners of unit cubes.

@@ -184,7 +184,10 @@ struct SmoothLabels::Data {
     float most = -1;
     for (std::size_t s = 0; s < brick.slots.size(); ++s) {
       const float v = brick.value[s * kBrickNodes + node];
-      if (v * weight[brick.slots[s]] > most) most = v * weight[brick.slots[s]], best = brick.slots[s];
+      if (v * weight[brick.slots[s]] > most) {
+        most = v * weight[brick.slots[s]];
+        best = brick.slots[s];
+      }
     }
     return best;
   }
@@ -337,7 +340,8 @@ SmoothLabels::Data::Tally SmoothLabels::Data::measure() const {
     for (std::size_t s = 0; s < seen.size(); ++s)
       if (seen[s]) part.slots.push_back(static_cast<Slot>(s));
     const std::size_t n = part.slots.size();
-    part.samples.assign(n, 0), part.shared.assign(n, 0);
+    part.samples.assign(n, 0);
+    part.shared.assign(n, 0);
     if (same) {
       part.samples[0] = static_cast<std::uint32_t>(kBrickNodes * kCellSamples);
       return;
@@ -443,7 +447,8 @@ bool SmoothLabels::Data::fit(const std::vector<std::uint64_t>& voxels, double to
         const double secant = (now - last_volume[s]) / moved;
         slope[s] = std::clamp(secant, 0.3 * guess, 3 * guess);  // neighbours move as well: do not trust it blindly
       }
-      last_weight[s] = weight[s], last_volume[s] = now;
+      last_weight[s] = weight[s];
+      last_volume[s] = now;
       const double step = std::clamp(missing / slope[s], -0.25, 0.25);
       weight[s] = static_cast<float>(std::clamp(weight[s] + step, kLeastWeight, kMostWeight));
     }
@@ -497,7 +502,10 @@ Expected<SmoothLabels> SmoothLabels::create(const LabelVolume& volume, std::span
           if (first < 0) first = i;
           last = i;
         }
-      if (first >= 0) low = low.cwiseMin(Vec3i{first, j, k}), high = high.cwiseMax(Vec3i{last, j, k});
+      if (first >= 0) {
+        low = low.cwiseMin(Vec3i{first, j, k});
+        high = high.cwiseMax(Vec3i{last, j, k});
+      }
     }
   for (std::size_t s = 1; s < slots; ++s)
     if (voxels[s] == 0) {
@@ -643,7 +651,10 @@ std::uint16_t SmoothLabels::labelAt(const Vec3d& world_mm) const {
       if (v <= 0) return;
       std::size_t s = 0;
       while (s < count && present[s] != slot) ++s;
-      if (s == count) present[count] = slot, score[count++] = 0;
+      if (s == count) {
+        present[count] = slot;
+        score[count++] = 0;
+      }
       score[s] += w * v;
     };
     const std::int32_t b = d.find(brickOf(node));
@@ -660,7 +671,10 @@ std::uint16_t SmoothLabels::labelAt(const Vec3d& world_mm) const {
   for (std::size_t s = 0; s < count; ++s) {
     const float v = score[s] * d.weight[present[s]];
     const std::uint16_t l = present[s] == 0 ? std::uint16_t{0} : d.label[present[s]];
-    if (v > most_score || (v == most_score && l < best)) best = l, most_score = v;
+    if (v > most_score || (v == most_score && l < best)) {
+      best = l;
+      most_score = v;
+    }
   }
   return best;
 }

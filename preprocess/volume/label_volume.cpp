@@ -84,7 +84,8 @@ bool naturalLess(const std::string& a, const std::string& b) {
       if (x != y) return x < y;
     } else {
       if (a[i] != b[j]) return a[i] < b[j];
-      ++i, ++j;
+      ++i;
+      ++j;
     }
   }
   const std::size_t left_a = a.size() - i, left_b = b.size() - j;
@@ -359,7 +360,10 @@ Expected<Plan> planFor(const fs::path& path, const LabelReadOptions& options, co
   std::set<VolumeFormat> kinds;
   std::vector<fs::path> pictures;
   for (const fs::path& f : files)
-    if (const auto kind = sliceFormat(f)) kinds.insert(*kind), pictures.push_back(f);
+    if (const auto kind = sliceFormat(f)) {
+      kinds.insert(*kind);
+      pictures.push_back(f);
+    }
   if (kinds.size() > 1)
     return fail({Error::Code::kUnsupported, path.string(), "", "pictures of different formats", "one of PNG, TIFF, BMP",
                  "keep only the slices in the folder"});
@@ -432,7 +436,10 @@ double restless(const LabelVolume& v) {
   std::size_t pairs = 0, differ = 0;
   for (std::size_t row = 0; row < v.labels.size(); row += static_cast<std::size_t>(v.size[0]))
     for (std::size_t i = row + 1; i < row + static_cast<std::size_t>(v.size[0]); ++i)
-      if (v.labels[i] && v.labels[i - 1]) ++pairs, differ += v.labels[i] != v.labels[i - 1];
+      if (v.labels[i] && v.labels[i - 1]) {
+        ++pairs;
+        differ += v.labels[i] != v.labels[i - 1];
+      }
   return pairs ? static_cast<double>(differ) / static_cast<double>(pairs) : 0;
 }
 

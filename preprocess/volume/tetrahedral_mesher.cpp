@@ -154,7 +154,10 @@ class Mesher {
     bool even = true;
     for (std::size_t to = 0, from = 0; from < 4; ++from)
       if (inside(n[from])) {
-        if (from != to) std::swap(n[from], n[to]), even = !even;
+        if (from != to) {
+          std::swap(n[from], n[to]);
+          even = !even;
+        }
         ++to;
       }
     if (!even) count == 3 ? std::swap(n[0], n[1]) : std::swap(n[2], n[3]);
@@ -229,7 +232,10 @@ void undoCrossings(Mesh& mesh, const std::vector<Vec3d>& old) {
     rounded.reserve(mesh.vertices.size());
     for (const Vec3d& p : mesh.vertices) rounded.push_back(roundedToFloat(p));
     std::vector<std::uint32_t> bad = degenerateTriangles(rounded, mesh.triangles);
-    for (const auto& [a, b] : selfIntersections(rounded, mesh.triangles)) bad.push_back(a), bad.push_back(b);
+    for (const auto& [a, b] : selfIntersections(rounded, mesh.triangles)) {
+      bad.push_back(a);
+      bad.push_back(b);
+    }
     // The triangles themselves first; where they are back already, those around them.
     std::vector<char> touched(mesh.vertices.size(), 0);
     for (const std::uint32_t t : bad)

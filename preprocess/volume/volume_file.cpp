@@ -27,7 +27,9 @@ void quiet() {
   static std::once_flag once;
   std::call_once(once, [] {
     itk::Object::GlobalWarningDisplayOff();
-    gdcm::Trace::SetDebug(false), gdcm::Trace::SetWarning(false), gdcm::Trace::SetError(false);
+    gdcm::Trace::SetDebug(false);
+    gdcm::Trace::SetWarning(false);
+    gdcm::Trace::SetError(false);
   });
 }
 
@@ -192,11 +194,15 @@ void findStatedSpacing(const std::filesystem::path& path, VolumeHeader& h) {
       // The others hold on the detector or on the film; only GDCM knows for which kinds of pictures they count.
       const bool is_pixel_spacing = tag == gdcm::Tag(0x0028, 0x0030);
       if (!is_pixel_spacing && !(same(v[0], h.spacing[1]) && same(v[1], h.spacing[0]))) continue;
-      h.spacing[0] = v[1], h.spacing[1] = v[0], h.states_pixel_spacing = true;
+      h.spacing[0] = v[1];
+      h.spacing[1] = v[0];
+      h.states_pixel_spacing = true;
     }
     const std::vector<double> between = decimals(*place, gdcm::Tag(0x0018, 0x0088));
-    if (h.spacing.size() > 2 && !h.states_frame_spacing && between.size() == 1 && is_length(std::abs(between[0])))
-      h.spacing[2] = std::abs(between[0]), h.states_frame_spacing = true;
+    if (h.spacing.size() > 2 && !h.states_frame_spacing && between.size() == 1 && is_length(std::abs(between[0]))) {
+      h.spacing[2] = std::abs(between[0]);
+      h.states_frame_spacing = true;
+    }
   }
   if (h.spacing.size() > 2 && positions.size() > 1 && !h.states_frame_spacing) {
     const auto &a = positions.front(), &b = positions.back();
@@ -249,7 +255,8 @@ Expected<void> readVolumeValues(const std::filesystem::path& path, VolumeFormat 
     itk::ImageIORegion whole(static_cast<unsigned>(header.size.size()));
     for (unsigned a = 0; a < header.size.size(); ++a) {
       needed *= header.size[a];
-      whole.SetIndex(a, 0), whole.SetSize(a, header.size[a]);
+      whole.SetIndex(a, 0);
+      whole.SetSize(a, header.size[a]);
     }
     if (needed != bytes)
       return fail({Error::Code::kBadFormat, path.string(), "", std::to_string(needed) + " bytes of values",

@@ -18,7 +18,8 @@ class Interrupter {
 
   /// Names what comes next; true to go on.
   bool step(double fraction, std::string_view what) {
-    fraction_ = fraction, what_ = what;
+    fraction_ = fraction;
+    what_ = what;
     ask();
     return !cancelled_;
   }

@@ -111,8 +111,10 @@ std::size_t grow(Int32Tree& labels, Interrupter& interrupter) {
         std::ptrdiff_t most = 0;
         for (std::size_t n = 0; n < found; ++n)
           if (const auto votes = std::count(near.begin(), near.end(), near[n]);
-              votes > most || (votes == most && near[n] < best))
-            most = votes, best = near[n];
+              votes > most || (votes == most && near[n] < best)) {
+            most = votes;
+            best = near[n];
+          }
       }
       if (best > 0)
         changes[l].push_back({node.pos(), best});

@@ -56,7 +56,8 @@ LeafShell shellOfLeaf(const FloatLeaf& leaf, const FloatGrid::ConstUnsafeAccesso
       for (int axis = 0; axis < 3; ++axis) {
         const int step = kStep[static_cast<std::size_t>(axis)], local = n / step % kBrickSide;
         openvdb::Coord up = c, down = c;
-        ++up[axis], --down[axis];
+        ++up[axis];
+        --down[axis];
         const double high = local < kBrickSide - 1 ? v[n + step] : accessor.getValue(up);
         const double low = local > 0 ? v[n - step] : accessor.getValue(down);
         gradient[axis] = (high - low) / (2 * h);
@@ -84,7 +85,10 @@ LeafShell shellOfLeaf(const FloatLeaf& leaf, const FloatGrid::ConstUnsafeAccesso
     for (openvdb::Index i = 0; i < count; ++i) label.set(i, labels[i]);
   pts::AttributeWriteHandle<openvdb::Vec3f, pts::UnitVecCodec> normal(*set->get("N"));
   pts::AttributeWriteHandle<float> area(*set->get("area"));
-  for (openvdb::Index i = 0; i < count; ++i) normal.set(i, normals[i]), area.set(i, areas[i]);
+  for (openvdb::Index i = 0; i < count; ++i) {
+    normal.set(i, normals[i]);
+    area.set(i, areas[i]);
+  }
   out.leaf->replaceAttributeSet(set.release(), true);
   out.leaf->setOffsets(offsets);
   return out;

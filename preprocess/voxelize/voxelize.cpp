@@ -133,7 +133,9 @@ Expected<Anatomy> voxelizeIn(const FineRegion* region, const Mesh& solid, const 
                      "check the line's frame and unit, or a larger radius"});
     }
     grids->shell = shell.grid;
-    stats.shell_points = shell.points, stats.shell_area_mm2 = shell.area_mm2, stats.volume_mm3 = shell.volume_mm3;
+    stats.shell_points = shell.points;
+    stats.shell_area_mm2 = shell.area_mm2;
+    stats.volume_mm3 = shell.volume_mm3;
     stats.active_voxels = grids->phi->activeVoxelCount();
     stats.bytes = grids->phi->memUsage() + grids->material->memUsage() + grids->shell->memUsage();
     if (!interrupter.step(1.0, "field, shell and materials")) return cancelError();

@@ -119,7 +119,8 @@ class StrokeWriter {
       if (!stroke.failed())
         straight(stroke, "height", pose_.translation + height * (pose_.rotation * Vec3d::UnitZ()), feed, false);
     } else if (kind == "line" || kind == "move") {
-      stroke.allow("to"), stroke.allow("by");
+      stroke.allow("to");
+      stroke.allow("by");
       if (stroke.has("to") == stroke.has("by")) {
         stroke.reject(stroke.has("to") ? "by" : "to", stroke.has("to") ? "both to and by" : "neither to nor by",
                       "one of to = [x, y, z] and by = [x, y, z]");

@@ -76,9 +76,10 @@ bool ForceHand::next(const StepOutput& last, DeviceSample& sample) {
   }
   done = std::max(done, 0.0);
   at_ = std::max(at_, length_[stretch_] + done);
-  if (at_ > watched_ + options_.stillness)
-    watched_ = at_, waited_ = 0;
-  else if ((waited_ += kTick) > options_.patience)
+  if (at_ > watched_ + options_.stillness) {
+    watched_ = at_;
+    waited_ = 0;
+  } else if ((waited_ += kTick) > options_.patience)
     gave_up_ = true;
   if (gave_up_) return false;
   ahead_ = std::min(at_ + lead_, std::max(ahead_, at_) + options_.feed_limit * kTick);

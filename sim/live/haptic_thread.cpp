@@ -230,7 +230,10 @@ void HapticThread::State::publishTimes() noexcept {
 
 void HapticThread::State::tick(bool is_stalled) noexcept {
   DeviceSample sample = device->read();
-  if (is_stalled) sample.is_valid = 0, ++report.counts.stalls;
+  if (is_stalled) {
+    sample.is_valid = 0;
+    ++report.counts.stalls;
+  }
   session.step(sample, report.output);
   device->write(report.output.force);
   ++report.counts.ticks;
@@ -264,7 +267,8 @@ void HapticThread::State::run() noexcept {
     }
     has_paused |= handleCommands();
     if (has_paused) {  // the schedule begins anew
-      due = monotonicNow() + kPeriod, last_wake = 0;
+      due = monotonicNow() + kPeriod;
+      last_wake = 0;
       publish();
       continue;
     }

@@ -52,7 +52,7 @@ struct HapticCounts {
   std::uint64_t records_lost = 0;  ///< the recorder did not take them: the log has a gap, and ends to be a replay there
   std::uint64_t out_of_bricks = 0;  ///< ticks with kStepBricksRanOut or kStepNearRanOut. More than Session::reserveFor
                                     ///< / 2 bricks in one tick: a replay may differ
-  std::uint64_t pools_taken = 0;  ///< of Session::kReserve bricks at most
+  std::uint64_t pools_taken = 0;    ///< of Session::kReserve bricks at most
   PieceMaker::Counts pieces;
 };
 

@@ -73,7 +73,9 @@ PieceMaker::Subscriber& PieceMaker::follow(std::uint32_t id, CutObject& object,
   auto made = spare_subscribers_.empty() ? std::make_unique<Subscriber>() : std::move(spare_subscribers_.back());
   if (!spare_subscribers_.empty()) spare_subscribers_.pop_back();
   Subscriber& f = *subscribers_.emplace_back(std::move(made));
-  f.id = id, f.baked = object.sharedBaked(), f.origin = std::move(origin);
+  f.id = id;
+  f.baked = object.sharedBaked();
+  f.origin = std::move(origin);
   f.whole_at = monotonicNow();
   object.watch_feed = &f.feed;
   return f;
@@ -162,7 +164,9 @@ bool PieceMaker::look() {
     f->is_changed = false;
     is_apart = true;
     request_ = {};
-    request_.id = f->id, request_.crumb_mm3 = options_.pieces.crumb_mm3, request_.whole_at_ns = f->whole_at;
+    request_.id = f->id;
+    request_.crumb_mm3 = options_.pieces.crumb_mm3;
+    request_.whole_at_ns = f->whole_at;
   }
   const std::int64_t end = monotonicNow();
   next_search_ = end + std::max(kLeastPause, 3 * (end - begin));
@@ -329,7 +333,8 @@ bool PieceMaker::beforeTick(Session& session) noexcept {
   const std::int64_t now = monotonicNow();
   counts_.longest_freeze_ms = std::max(counts_.longest_freeze_ms, 1e-6 * static_cast<double>(now - frozen_at_ns_));
   if (after > before) {
-    ++counts_.splits, counts_.pieces += after - before + 1;
+    ++counts_.splits;
+    counts_.pieces += after - before + 1;
     counts_.longest_split_ms =
         std::max(counts_.longest_split_ms, 1e-6 * static_cast<double>(now - request_.whole_at_ns));
   }
@@ -359,7 +364,10 @@ void PieceMaker::afterTick(Session& session, const StepOutput& output) noexcept 
     is_sent &= !object.isWatchDirty();
   }
   has_cut_ |= output.bricks_cut > 0 && session.state().adds == Material::kNone;
-  if (has_cut_ && is_sent) has_cut_ = false, cuts_.fetch_add(1, std::memory_order_release);
+  if (has_cut_ && is_sent) {
+    has_cut_ = false;
+    cuts_.fetch_add(1, std::memory_order_release);
+  }
   if (is_freezing_ && stage_.load(std::memory_order_relaxed) == Stage::kWantsFreeze &&
       !session.object(held_).isWatchDirty())
     stage_.store(Stage::kFrozen, std::memory_order_release);

@@ -10,7 +10,8 @@ namespace {
 
 MeshChunkPtr makeChunk(const Vec3i& brick, std::uint64_t version, const BrickSurface& surface) {
   auto chunk = std::make_shared<MeshChunk>();
-  chunk->brick = brick, chunk->version = version;
+  chunk->brick = brick;
+  chunk->version = version;
   chunk->vertices.reserve(surface.positions.size());
   for (const Vec3d& p : surface.positions) chunk->vertices.push_back(p.cast<float>());
   chunk->normals = surface.normals;
@@ -59,7 +60,10 @@ Remesher::Remesher(const BrickField& phi0, const RemesherOptions& options) : fie
   else
     mesh(0, keys.size());
   for (std::size_t n = 0; n < keys.size(); ++n)
-    if (made[n]) chunks_.emplace(keys[n], made[n]), log_.push_back(std::move(made[n]));
+    if (made[n]) {
+      chunks_.emplace(keys[n], made[n]);
+      log_.push_back(std::move(made[n]));
+    }
 }
 
 bool Remesher::remesh(const Vec3i& brick) {
@@ -85,8 +89,10 @@ std::size_t Remesher::apply(std::span<const BrickEdit> edits) {
       for (int j = 0; j < kBrickSide; ++j)
         for (int k = 0; k < kBrickSide; ++k, ++at)
           if (std::bit_cast<std::uint32_t>(edit.phi[at]) !=
-              std::bit_cast<std::uint32_t>(before ? (*before)[at] : constant))
-            low = low.cwiseMin(Vec3i{i, j, k}), high = high.cwiseMax(Vec3i{i, j, k});
+              std::bit_cast<std::uint32_t>(before ? (*before)[at] : constant)) {
+            low = low.cwiseMin(Vec3i{i, j, k});
+            high = high.cwiseMax(Vec3i{i, j, k});
+          }
     if (high[0] < 0) continue;
     field_.set(edit);
     // A node's value enters the corrected values (and the normals) of its neighbours, one node away; those enter the

@@ -14,7 +14,8 @@ class TimeHistogram {
   void add(std::int64_t ns) noexcept {
     const auto value = static_cast<std::uint64_t>(std::max<std::int64_t>(ns, 0));
     ++bins_[binOf(value)];
-    ++count_, max_ = std::max(max_, value);
+    ++count_;
+    max_ = std::max(max_, value);
   }
   std::uint64_t count() const noexcept { return count_; }
   double maxMs() const noexcept { return 1e-6 * static_cast<double>(max_); }

@@ -18,9 +18,12 @@ void DistanceTransform::line(const float* in, std::ptrdiff_t in_stride, int n, f
       const int p = at_[count - 1];
       from = ((f - value_[count - 1]) + static_cast<float>(q * q - p * p)) / static_cast<float>(2 * (q - p));
       if (from > from_[count - 1]) break;
-      --count, from = kLeftmost;
+      --count;
+      from = kLeftmost;
     }
-    at_[count] = q, value_[count] = f, from_[count] = from;
+    at_[count] = q;
+    value_[count] = f;
+    from_[count] = from;
     ++count;
   }
   std::size_t k = 0;
@@ -35,7 +38,10 @@ std::span<const float> DistanceTransform::run(std::span<const std::uint8_t> seed
                                               const Vec3i& high) {
   const Vec3i part = high - low;
   const auto longest = static_cast<std::size_t>(size.maxCoeff());
-  value_.resize(longest), from_.resize(longest), at_.resize(longest), row_.resize(longest);
+  value_.resize(longest);
+  from_.resize(longest);
+  at_.resize(longest);
+  row_.resize(longest);
   const std::ptrdiff_t slab = static_cast<std::ptrdiff_t>(size[1]) * part[2];  // of along_z_, per x
   const std::ptrdiff_t plane = static_cast<std::ptrdiff_t>(part[1]) * part[2];
   along_z_.resize(static_cast<std::size_t>(slab));

@@ -62,7 +62,8 @@ Heat::Heat(const HeatSettings& settings) noexcept : settings_(settings) {
   instant_ = weight_[kStates - 1] / rate_[kStates - 1] * r / (1 - r);
   double at = 0, width = kFirstCell;
   for (std::size_t i = 0; i < kCells; ++i, width *= kGrowth) {
-    width_[i] = width, depth_[i] = at + 0.5 * width;
+    width_[i] = width;
+    depth_[i] = at + 0.5 * width;
     at += width;
   }
 }
@@ -70,7 +71,8 @@ Heat::Heat(const HeatSettings& settings) noexcept : settings_(settings) {
 void Heat::step(const HeatInput& in, double dt) noexcept {
   if (!(dt > 0 && dt < 1e9)) return;
   if (dt != dt_) {
-    dt_ = dt, gain_ = instant_;
+    dt_ = dt;
+    gain_ = instant_;
     for (std::size_t i = 0; i < kStates; ++i) {
       decay_[i] = std::exp(-rate_[i] * dt);
       gain_ += weight_[i] * (1 - decay_[i]) / rate_[i];
@@ -120,7 +122,9 @@ void Heat::stepColumn(double diffusivity, double dt) noexcept {
     const double pivot = width_[i] + from_before * (1 - previous_above) + to_next;
     above[i] = to_next / pivot;
     cell_[i] = (width_[i] * cell_[i] + from_before * previous) / pivot;
-    previous = cell_[i], previous_above = above[i], from_before = to_next;
+    previous = cell_[i];
+    previous_above = above[i];
+    from_before = to_next;
   }
   for (std::size_t i = kCells - 1; i-- > 0;) cell_[i] += above[i] * cell_[i + 1];
 }

@@ -45,8 +45,10 @@ struct Structure {
 // @param materials  none: all of the object.
 Structure collect(const BakedObject& object, std::span<const Material> materials) {
   Structure out;
-  out.object = &object, out.is_solid = materials.empty();
-  out.low = Vec3i::Constant(std::numeric_limits<int>::max()), out.high = -out.low;
+  out.object = &object;
+  out.is_solid = materials.empty();
+  out.low = Vec3i::Constant(std::numeric_limits<int>::max());
+  out.high = -out.low;
   std::array<bool, 256> wanted;
   wanted.fill(out.is_solid);
   for (const Material m : materials)
@@ -59,7 +61,8 @@ Structure collect(const BakedObject& object, std::span<const Material> materials
     if (mask.none()) continue;
     out.mask_of_slot[s] = static_cast<std::int32_t>(out.masks.size());
     out.masks.push_back(mask);
-    out.low = out.low.cwiseMin(slot.brick), out.high = out.high.cwiseMax(slot.brick + Vec3i::Ones());
+    out.low = out.low.cwiseMin(slot.brick);
+    out.high = out.high.cwiseMax(slot.brick + Vec3i::Ones());
   }
   return out;
 }
@@ -239,11 +242,16 @@ Expected<std::shared_ptr<const KeepOut>> KeepOut::build(const BakedObject& objec
     std::shared_ptr<KeepOut> out(new KeepOut);
     out->spacing_ = stride * h;
     out->inverse_ = static_cast<float>(1 / out->spacing_);
-    out->far_ = static_cast<float>(limits.most_distance), out->deep_ = static_cast<float>(-limits.most_depth);
+    out->far_ = static_cast<float>(limits.most_distance);
+    out->deep_ = static_cast<float>(-limits.most_depth);
     const int per_block = kBlockSide / (kBrickSide * stride);  // bricks along a block's side
     Vec3i low = blocks.front(), high = low;
-    for (const Vec3i& block : blocks) low = low.cwiseMin(block), high = high.cwiseMax(block);
-    out->low_ = per_block * low, out->size_ = per_block * (high - low + Vec3i::Ones());
+    for (const Vec3i& block : blocks) {
+      low = low.cwiseMin(block);
+      high = high.cwiseMax(block);
+    }
+    out->low_ = per_block * low;
+    out->size_ = per_block * (high - low + Vec3i::Ones());
     const auto cells = static_cast<std::size_t>(out->size_.cast<std::int64_t>().prod());
     out->directory_.assign(cells, kNothing);
 
@@ -342,7 +350,10 @@ KeepOut::Reading KeepOut::read(const ToolSamples& samples, const Rigid3& T_objec
     for (int n = group.begin; n < group.end; ++n) {
       const Vec3f p = place(samples.points()[static_cast<std::size_t>(n)]);
       const float d = distance(p);
-      if (d < best) best = d, where = p;
+      if (d < best) {
+        best = d;
+        where = p;
+      }
     }
   };
   // The most promising group first; then those that could still be nearer: no sample is nearer than its group's centre
@@ -351,11 +362,16 @@ KeepOut::Reading KeepOut::read(const ToolSamples& samples, const Rigid3& T_objec
   const ToolSamples::Group* first = nullptr;
   float least = std::numeric_limits<float>::infinity();
   for (const ToolSamples::Group& group : samples.groups())
-    if (const float bound = distance(place(group.center)) - group.radius; bound < least) least = bound, first = &group;
+    if (const float bound = distance(place(group.center)) - group.radius; bound < least) {
+      least = bound;
+      first = &group;
+    }
   if (first) look(*first);
   for (const ToolSamples::Group& group : samples.groups())
     if (&group != first && distance(place(group.center)) - group.radius - slack < best) look(group);
-  out.distance = static_cast<double>(best), out.point = where.cast<double>(), out.is_far = best >= far_;
+  out.distance = static_cast<double>(best);
+  out.point = where.cast<double>();
+  out.is_far = best >= far_;
   return out;
 }
 

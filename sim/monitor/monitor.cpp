@@ -51,7 +51,8 @@ void Monitor::tick(const DeviceSample& sample, const StepOutput& output, std::sp
     Structure& s = structures_[n];
     const CutObject& object = objects[s.object];
     const KeepOut::Reading reading = fields_[n]->read(samples_, object.T_world_object.inverse() * output.T_world_tool);
-    s.distance = reading.distance, s.is_far = reading.is_far;
+    s.distance = reading.distance;
+    s.is_far = reading.is_far;
     if (!reading.is_far) s.least = std::min(s.least, reading.distance);
     if (reading.distance < 0 && output.removed_mm3 > 0) ++s.ticks_in;
     if (s.object > 0) {
@@ -61,9 +62,12 @@ void Monitor::tick(const DeviceSample& sample, const StepOutput& output, std::sp
     if (s.material == Material::kPulp && !reading.is_far) pulp_depth = std::max(0.0, reading.distance);
   }
   HeatInput heat;
-  heat.power = output.power, heat.area = output.area, heat.removed = output.removed_mm3;
+  heat.power = output.power;
+  heat.area = output.area;
+  heat.removed = output.removed_mm3;
   heat.irrigation = output.touching > 0 ? sample.irrigation : 0;
-  heat.material = output.material, heat.pulp_depth = pulp_depth;
+  heat.material = output.material;
+  heat.pulp_depth = pulp_depth;
   heat_.step(heat);
   hottest_ = std::max(hottest_, temperature());
   most_pulp_rise_ = std::max(most_pulp_rise_, heat_.pulpRise());

@@ -16,8 +16,15 @@ bool project(const ToolField& field, Vec3f& p) {
     const float d = field.distance(p);
     if (std::abs(d) < 0.2f * kOnSurface) return true;
     float x[8], y[8], z[8], near[8];
-    std::fill_n(x, 8, p[0]), std::fill_n(y, 8, p[1]), std::fill_n(z, 8, p[2]);
-    x[0] += kStep, x[1] -= kStep, y[2] += kStep, y[3] -= kStep, z[4] += kStep, z[5] -= kStep;
+    std::fill_n(x, 8, p[0]);
+    std::fill_n(y, 8, p[1]);
+    std::fill_n(z, 8, p[2]);
+    x[0] += kStep;
+    x[1] -= kStep;
+    y[2] += kStep;
+    y[3] -= kStep;
+    z[4] += kStep;
+    z[5] -= kStep;
     field.distances(x, y, z, near, 8);
     const Vec3f gradient(near[0] - near[1], near[2] - near[3], near[4] - near[5]);
     const float length = gradient.norm();
@@ -40,7 +47,9 @@ std::vector<Vec3f> surfacePoints(const ToolField& field, double spacing) {
       for (int k = 0; k < size[2]; k += 8) {
         for (int n = 0; n < 8; ++n) {
           const Vec3d p = box.min + spacing * Vec3d(i, j, k + n);
-          x[n] = static_cast<float>(p[0]), y[n] = static_cast<float>(p[1]), z[n] = static_cast<float>(p[2]);
+          x[n] = static_cast<float>(p[0]);
+          y[n] = static_cast<float>(p[1]);
+          z[n] = static_cast<float>(p[2]);
         }
         field.distances(x, y, z, d, 8);
         for (int n = 0; n < 8 && k + n < size[2]; ++n)
@@ -76,7 +85,10 @@ ToolSamples::ToolSamples(const ToolField& cut, int count) {
     farthest = 0;
     for (std::size_t n = 0; n < candidates.size(); ++n) {
       squared[n] = std::min(squared[n], (candidates[n] - chosen.back()).squaredNorm());
-      if (squared[n] > farthest) farthest = squared[n], next = n;
+      if (squared[n] > farthest) {
+        farthest = squared[n];
+        next = n;
+      }
     }
   } while (chosen.size() < wanted && farthest > 0);
   // A surface point is at most the lattice's half diagonal from a node, and that node's point as far again.

@@ -94,7 +94,8 @@ float Vibration::sample(double frequency, double load) noexcept {
   const double w = std::numbers::pi * std::min(last_middle_ / rate_, 0.2), g = w * (1 + w * w / 3);
   const double high = (white - (1 + g) * band_ - low_) / (1 + g + g * g);
   const double band = g * high + band_, low = g * band + low_;
-  band_ = g * high + band, low_ = g * band + low;
+  band_ = g * high + band;
+  low_ = g * band + low;
 
   phase_ += static_cast<std::uint32_t>(static_cast<std::int64_t>(frequency / rate_ * 4294967296.0));
   const double hearable = fade(frequency, 0, 10);
@@ -139,7 +140,9 @@ void Vibration::render(const VibrationInput& in, std::span<float> out) noexcept 
     last_middle_ = middle_ + t * (middle - middle_);
     out[n] = sample(frequency_ + t * (frequency - frequency_), load_ + t * (load - load_));
   }
-  frequency_ = frequency, load_ = load, middle_ = middle;
+  frequency_ = frequency;
+  load_ = load;
+  middle_ = middle;
 }
 
 }  // namespace kerf

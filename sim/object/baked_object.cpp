@@ -28,11 +28,15 @@ Expected<std::shared_ptr<const BakedObject>> BakedObject::make(BrickField phi0, 
   out->inside_.fill(field.interior());
   const std::vector<Vec3i> interior = field.interiorBricks();
   Vec3i low = field.brickCoord(0), high = low;
-  const auto add = [&](const Vec3i& c) { low = low.cwiseMin(c), high = high.cwiseMax(c); };
+  const auto add = [&](const Vec3i& c) {
+    low = low.cwiseMin(c);
+    high = high.cwiseMax(c);
+  };
   for (std::size_t b = 0; b < field.brickCount(); ++b) add(field.brickCoord(b));
   for (const Vec3i& c : interior) add(c);
   const int air = 1 + static_cast<int>(std::ceil(kAirAround / (8 * field.voxel())));
-  out->low_ = low - Vec3i::Constant(air), out->size_ = high - low + Vec3i::Constant(1 + 2 * air);
+  out->low_ = low - Vec3i::Constant(air);
+  out->size_ = high - low + Vec3i::Constant(1 + 2 * air);
   const double cells = out->size_.cast<double>().prod();
   if (cells > 1 << 26)
     return fail({Error::Code::kBadValue, "", "distance field",

@@ -40,7 +40,8 @@ class BrickFeed {
       if (tail - seen_head_ == ring_.size()) return false;
     }
     BrickEdit& slot = ring_[tail & mask_];
-    slot.brick = brick, slot.phi = phi;
+    slot.brick = brick;
+    slot.phi = phi;
     tail_.store(tail + 1, std::memory_order_release);
     return true;
   }

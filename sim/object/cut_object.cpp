@@ -25,7 +25,8 @@ std::uint64_t materialsHash(const CutObject::Slot& slot) {
   for (int n = 0; n < kBrickNodes; n += 8) {
     std::uint64_t eight;
     std::memcpy(&eight, slot.own_materials + n, 8);
-    h = (h ^ eight) * 0x9e3779b97f4a7c15ull, h ^= h >> 29;
+    h = (h ^ eight) * 0x9e3779b97f4a7c15ull;
+    h ^= h >> 29;
   }
   return h;
 }
@@ -46,8 +47,12 @@ CutObject::CutObject(std::shared_ptr<const BakedObject> baked, std::size_t brick
 
 void CutObject::addLoaded(const BakedObject::Slot& from) {
   Slot& s = slots_.emplace_back();
-  s.brick = from.brick, s.phi = s.baked = from.phi, s.own = nullptr, s.version = nullptr;
-  s.materials = s.baked_materials = from.materials, s.own_materials = nullptr;
+  s.brick = from.brick;
+  s.phi = s.baked = from.phi;
+  s.own = nullptr;
+  s.version = nullptr;
+  s.materials = s.baked_materials = from.materials;
+  s.own_materials = nullptr;
   s.chunks.fill(nullptr);
   for (std::uint32_t n = 0; n * ShellChunk::kNodes < from.shell_count; ++n)
     s.chunks[n] = baked_->shell().data() + from.shell_begin + n;
@@ -57,14 +62,19 @@ void CutObject::addLoaded(const BakedObject::Slot& from) {
   s.has_one_material = from.has_one_material;
   s.least = from.least;
   s.sleeps_until_contact = s.sleeps_until_cut = -1;
-  s.hash_term = 0, s.hash_round = 0, s.is_hash_stale = false;
+  s.hash_term = 0;
+  s.hash_round = 0;
+  s.is_hash_stale = false;
 }
 
 void CutObject::reserveSlots(std::size_t bricks) {
   most_slots_ = bricks + kMostAdded;
   internal::reserveLarge(slots_, most_slots_);
-  dirty_.reserve(most_slots_), export_.reserve(most_slots_), watch_.reserve(most_slots_);
-  stale_.reserve(most_slots_), touched_.reserve(most_slots_);
+  dirty_.reserve(most_slots_);
+  export_.reserve(most_slots_);
+  watch_.reserve(most_slots_);
+  stale_.reserve(most_slots_);
+  touched_.reserve(most_slots_);
   to_repair_.reserve(most_slots_);
   repair_mark_.assign(most_slots_, 0);
 }
@@ -90,18 +100,32 @@ std::size_t CutObject::freeBricks() const noexcept {
 
 void CutObject::mark(int s) noexcept {
   Slot& slot = slots_[static_cast<std::size_t>(s)];
-  if (!slot.is_dirty) slot.is_dirty = true, dirty_.push_back(s);
-  if (!slot.is_exported_dirty) slot.is_exported_dirty = true, export_.push_back(s);
-  if (!slot.is_hash_stale) slot.is_hash_stale = true, stale_.push_back(s);
+  if (!slot.is_dirty) {
+    slot.is_dirty = true;
+    dirty_.push_back(s);
+  }
+  if (!slot.is_exported_dirty) {
+    slot.is_exported_dirty = true;
+    export_.push_back(s);
+  }
+  if (!slot.is_hash_stale) {
+    slot.is_hash_stale = true;
+    stale_.push_back(s);
+  }
   touch(s);
   slot.hash_round = repair_round_;
-  if (!slot.is_watched_dirty) slot.is_watched_dirty = true, watch_.push_back(s);
+  if (!slot.is_watched_dirty) {
+    slot.is_watched_dirty = true;
+    watch_.push_back(s);
+  }
 }
 
 // A copy of what the brick is now, as its own.
 void CutObject::fillVersion(BrickVersion& version, int s, BrickVersion* before, std::uint64_t stroke) noexcept {
   Slot& slot = slots_[static_cast<std::size_t>(s)];
-  version.slot = s, version.stroke = stroke, version.before = before;
+  version.slot = s;
+  version.stroke = stroke;
+  version.before = before;
   std::memcpy(version.phi.data(), slot.phi, sizeof(BrickValues));
   version.has_own_materials = slot.own_materials != nullptr;
   if (version.has_own_materials) {
@@ -235,7 +259,10 @@ void CutObject::prepareHash(std::size_t bricks, std::uint32_t rounds) noexcept {
     slot.hash_term = term;
   };
   const auto finish = [&] {
-    for (std::size_t n = waiting; n < kLanes; ++n) keys[n] = keys[0], values[n] = values[0];
+    for (std::size_t n = waiting; n < kLanes; ++n) {
+      keys[n] = keys[0];
+      values[n] = values[0];
+    }
     const auto terms = brickHashes<kLanes>(keys, values);
     for (std::size_t n = 0; n < waiting; ++n) set(*slots[n], terms[n] + rest[n]);
     waiting = 0;
@@ -257,8 +284,10 @@ void CutObject::prepareHash(std::size_t bricks, std::uint32_t rounds) noexcept {
       set(slot, of_materials);  // as baked: not part of the changed field
       continue;
     }
-    keys[waiting] = coordKey(slot.brick), values[waiting] = slot.own;
-    slots[waiting] = &slot, rest[waiting] = of_materials;
+    keys[waiting] = coordKey(slot.brick);
+    values[waiting] = slot.own;
+    slots[waiting] = &slot;
+    rest[waiting] = of_materials;
     if (++waiting == kLanes) finish();
   }
   if (waiting > 0) finish();

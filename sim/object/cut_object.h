@@ -61,7 +61,10 @@ class CutObject {
   double voxel() const { return baked_->voxel(); }
   Rigid3 T_world_object;  ///< mm; changed between ticks by moveTo(), which wakes the bricks
   std::uint32_t id = 0;   ///< of this object for good, whatever its place in the scene: see State::next_id
-  void moveTo(const Rigid3& pose) noexcept { T_world_object = pose, odometer += 1e6; }
+  void moveTo(const Rigid3& pose) noexcept {
+    T_world_object = pose;
+    odometer += 1e6;
+  }
 
   /// Held: neither cut nor filled, so that another thread may read values, materials and shells. It is felt as ever.
   bool isFrozen() const noexcept { return is_frozen_; }
@@ -100,7 +103,8 @@ class CutObject {
   void forEachIn(Vec3i low, Vec3i high, const Visit& visit) const noexcept {
     const Vec3i& first = baked_->directoryLow();
     const Vec3i& size = baked_->directorySize();
-    low = (low - first).cwiseMax(0), high = (high - first).cwiseMin(size - Vec3i::Ones());
+    low = (low - first).cwiseMax(0);
+    high = (high - first).cwiseMin(size - Vec3i::Ones());
     for (int x = low[0]; x <= high[0]; ++x)
       for (int y = low[1]; y <= high[1]; ++y) {
         const std::int32_t* row = directory_.data() + (x * size[1] + y) * size[2];
@@ -207,7 +211,10 @@ class CutObject {
   std::uint64_t stateHash() const;
   /// The same number, from what is known of the bricks that have not changed since they were looked at last.
   /// @rt but for the bricks whose hash is stale: 1 us each. prepareHash() keeps them few.
-  std::uint64_t hashNow() noexcept { return prepareHash(slots_.size(), 0), hash_sum_ + piece_key_; }
+  std::uint64_t hashNow() noexcept {
+    prepareHash(slots_.size(), 0);
+    return hash_sum_ + piece_key_;
+  }
   std::size_t staleHashes() const noexcept { return stale_.size(); }
   /// Looks at up to that many bricks whose hash is stale; those that changed in the last `rounds` of repair() may
   /// change again, and are left for later. @rt
@@ -224,7 +231,10 @@ class CutObject {
   void fillVersion(BrickVersion& version, int slot, BrickVersion* before, std::uint64_t stroke) noexcept;
   void reserveSlots(std::size_t bricks);
   void touch(int s) noexcept {
-    if (!slot(s).is_touched) slot(s).is_touched = true, touched_.push_back(s);
+    if (!slot(s).is_touched) {
+      slot(s).is_touched = true;
+      touched_.push_back(s);
+    }
   }
   void addLoaded(const BakedObject::Slot& from);
   class PieceMaking;

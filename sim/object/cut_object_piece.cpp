@@ -22,10 +22,13 @@ CutObject CutObject::blank(std::shared_ptr<const BakedObject> baked, std::size_t
   internal::reserveLarge(out.directory_, out.baked_->directory().size());
   out.directory_.assign(out.baked_->directory().size(), -1);
   out.reserveSlots(slots + kMostAdded);
-  out.slots_.resize(out.most_slots_), out.slots_.clear();
+  out.slots_.resize(out.most_slots_);
+  out.slots_.clear();
   for (const BakedObject::Slot& from : out.baked_->slots()) out.addLoaded(from);
-  for (std::vector<int>* list : {&out.dirty_, &out.export_, &out.watch_, &out.stale_, &out.touched_, &out.to_repair_})
-    list->resize(out.most_slots_), list->clear();
+  for (std::vector<int>* list : {&out.dirty_, &out.export_, &out.watch_, &out.stale_, &out.touched_, &out.to_repair_}) {
+    list->resize(out.most_slots_);
+    list->clear();
+  }
   if (!out.reserve(bricks)) throw std::bad_alloc();
   return out;
 }
@@ -66,10 +69,15 @@ class CutObject::PieceMaking {
   }
   void takeOver(int slot, const Slot& from) {
     Slot& to = out_.slot(slot);
-    to.phi = from.phi, to.own = from.own;
-    to.materials = from.materials, to.own_materials = from.own_materials;
-    to.chunks = from.chunks, to.shell_count = from.shell_count, to.owns_shell = from.owns_shell;
-    to.has_one_material = from.has_one_material, to.least = from.least;
+    to.phi = from.phi;
+    to.own = from.own;
+    to.materials = from.materials;
+    to.own_materials = from.own_materials;
+    to.chunks = from.chunks;
+    to.shell_count = from.shell_count;
+    to.owns_shell = from.owns_shell;
+    to.has_one_material = from.has_one_material;
+    to.least = from.least;
     // Added where another piece's brick had been: what was loaded there is not what it is made of.
     if (!to.own_materials && to.own && std::memcmp(to.materials, to.baked_materials, kBrickNodes) != 0)
       to.own_materials = const_cast<std::uint8_t*>(to.materials);  // to be copied, as the whole's own are
@@ -139,7 +147,10 @@ class CutObject::PieceMaking {
       if (is_changed_[static_cast<std::size_t>(own_[n])])
         slot.least = *std::min_element(slot.own, slot.own + kBrickNodes);
     });
-    for (const int s : own_) out_.slot(s).is_hash_stale = true, out_.stale_.push_back(s);
+    for (const int s : own_) {
+      out_.slot(s).is_hash_stale = true;
+      out_.stale_.push_back(s);
+    }
   }
 
   // New ones where values or those of a neighbour are other than the whole's, or a neighbour is no longer there.
@@ -160,7 +171,8 @@ class CutObject::PieceMaking {
     const auto add = [&](const Vec3i& brick) {
       const int s = out_.find(brick);
       if (s < 0 || out_.slot(s).is_touched || out_.slot(s).shell_count == 0 || !isNew(s)) return;
-      out_.touch(s), shells.push_back(s);
+      out_.touch(s);
+      shells.push_back(s);
     };
     for (const BrickEdit& edit : bricks_.changed)
       for (int face = 0; face < 6; ++face) add(beside(edit.brick, face));
@@ -185,7 +197,8 @@ class CutObject::PieceMaking {
       for (std::size_t c = 0; c < static_cast<std::size_t>(chunkCount(count)); ++c)
         *const_cast<ShellChunk*>(chunks[c]) = is_new ? scratch[c] : *slot.chunks[c];
       slot.chunks = chunks;
-      slot.shell_count = static_cast<std::int16_t>(count), slot.owns_shell = true;
+      slot.shell_count = static_cast<std::int16_t>(count);
+      slot.owns_shell = true;
     });
   }
 

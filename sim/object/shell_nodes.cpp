@@ -46,7 +46,8 @@ int shellNodesHere(const BrickNeighborhood& bricks, const std::uint8_t* material
     if (is_empty) continue;
     float* const at = line[rows[row_count++] = row];
     for (int k = 0; k < 8; k += lanes) hn::StoreU(hn::LoadU(f, bricks.self + n + k), f, at + 4 + k);
-    at[3] = bricks.face[4][n + 7], at[12] = bricks.face[5][n];
+    at[3] = bricks.face[4][n + 7];
+    at[12] = bricks.face[5][n];
   }
   float area[3][kReserve], values[kReserve];
   std::int32_t label[kReserve];  // offset, and the material 16 bits above

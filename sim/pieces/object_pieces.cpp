@@ -25,7 +25,8 @@ BrickField PieceOrigin::field() const {
 void PiecePool::reserve(const std::shared_ptr<const BakedObject>& baked, const PieceFinder& finder,
                         std::size_t bricks) {
   constexpr std::size_t kPieces = 2;
-  blanks.resize(kPieces), cuts.resize(kPieces);
+  blanks.resize(kPieces);
+  cuts.resize(kPieces);
   const std::size_t edited = finder.field().changed().brickCount();
   // Their own, beside those that are free afterwards: what was cut, and of it what is near the other one. More than is
   // wanted now, once for a whole cut.
@@ -74,7 +75,9 @@ std::unique_ptr<ObjectPieces> makePieces(const CutObject& whole, PieceFinder& fi
         whole, bricks[n], room && n < room->blanks.size() ? std::move(room->blanks[n]) : nullptr, is_parallel));
     part.id = first_id + static_cast<std::uint32_t>(n);
     auto origin = std::make_shared<PieceOrigin>();
-    origin->id = part.id, origin->of = whole.id, origin->baked = part.sharedBaked();
+    origin->id = part.id;
+    origin->of = whole.id;
+    origin->baked = part.sharedBaked();
     // What was cut before, and is the piece's alone.
     const BrickField& changed = finder.field().changed();
     std::vector<const float*> cut;
@@ -87,7 +90,8 @@ std::unique_ptr<ObjectPieces> makePieces(const CutObject& whole, PieceFinder& fi
           std::lower_bound(bricks[n].changed.begin(), bricks[n].changed.end(), coordKey(brick),
                            [](const BrickEdit& edit, std::uint64_t key) { return coordKey(edit.brick) < key; });
       if (known != bricks[n].changed.end() && known->brick == brick) continue;
-      where.push_back(brick), cut.push_back(part.slot(slot).own);
+      where.push_back(brick);
+      cut.push_back(part.slot(slot).own);
     }
     if (room && n < room->cuts.size()) origin->cut = std::move(room->cuts[n]);
     origin->cut.resize(cut.size());
@@ -95,7 +99,8 @@ std::unique_ptr<ObjectPieces> makePieces(const CutObject& whole, PieceFinder& fi
       origin->cut[c].brick = where[c];
       std::copy_n(cut[c], kBrickNodes, origin->cut[c].phi.begin());
     }
-    origin->bricks = std::move(bricks[n].bricks), origin->interior = std::move(bricks[n].interior);
+    origin->bricks = std::move(bricks[n].bricks);
+    origin->interior = std::move(bricks[n].interior);
     origin->near_others = std::move(bricks[n].changed);
     out->origins[n] = std::move(origin);
   });

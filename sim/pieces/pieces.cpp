@@ -109,9 +109,13 @@ void PieceFinder::scanAll() {
   // Bricks stored as a constant have a fringe where they end against something that is not inside: rarely.
   for (std::size_t s = 0; s < count; ++s) {
     const auto slot = static_cast<std::int32_t>(s);
-    if (detail_of_[s] == kFull && touchesOutside(slot)) detailOf(slot), measureFringe(slot);
+    if (detail_of_[s] == kFull && touchesOutside(slot)) {
+      detailOf(slot);
+      measureFringe(slot);
+    }
   }
-  block_of_.reserve(count), group_of_full_.reserve(count);
+  block_of_.reserve(count);
+  group_of_full_.reserve(count);
   for (std::size_t s = 0; s < count; ++s) addToBlock(static_cast<std::int32_t>(s));
 }
 
@@ -139,10 +143,14 @@ void PieceFinder::addToBlock(std::int32_t slot) {
 // The box of all slots, with as much air around it as can be filled before it must be laid anew.
 void PieceFinder::layDirectory() {
   Vec3i low = Vec3i::Constant(std::numeric_limits<int>::max()), high = -low;
-  for (const std::uint64_t key : keys_) low = low.cwiseMin(coordOf(key)), high = high.cwiseMax(coordOf(key));
+  for (const std::uint64_t key : keys_) {
+    low = low.cwiseMin(coordOf(key));
+    high = high.cwiseMax(coordOf(key));
+  }
   if (keys_.empty()) low = high = Vec3i::Zero();
   constexpr int kAir = 4;
-  low_ = low - Vec3i::Constant(kAir), size_ = high - low + Vec3i::Constant(1 + 2 * kAir);
+  low_ = low - Vec3i::Constant(kAir);
+  size_ = high - low + Vec3i::Constant(1 + 2 * kAir);
   directory_.assign(static_cast<std::size_t>(size_.cast<std::ptrdiff_t>().prod()), kNoSlot);
   for (std::size_t s = 0; s < keys_.size(); ++s) {
     const Vec3i at = coordOf(keys_[s]) - low_;
@@ -176,7 +184,8 @@ PieceFinder::Detail& PieceFinder::detailOf(std::int32_t slot) {
     index = static_cast<std::int32_t>(details_.size());
     Detail& made = details_.emplace_back();
     if (is_full) {
-      made.bits.fill(kAll), made.faces.fill(kAll);
+      made.bits.fill(kAll);
+      made.faces.fill(kAll);
       made.parts.push_back({{kBrickNodes, 0}, {0, 0, 0}, {7, 7, 7}, 0});
     }
   }
@@ -212,7 +221,8 @@ void PieceFinder::labelParts(const BrickValues& phi, Detail& out) {
     out.bits[i] = word;
   }
   out.faces = facesOf(out.bits);
-  out.parts.clear(), out.label.clear();
+  out.parts.clear();
+  out.label.clear();
   Bits left = out.bits;
   for (std::size_t first = 0; first < 8; ++first)
     while (left[first]) {
@@ -225,7 +235,10 @@ void PieceFinder::labelParts(const BrickValues& phi, Detail& out) {
           const std::uint64_t next = (c | ((c << 1) & ~kZ0) | ((c >> 1) & ~(kZ0 << 7)) | c << 8 | c >> 8 |
                                       (i > 0 ? grown[i - 1] : 0) | (i < 7 ? grown[i + 1] : 0)) &
                                      left[i];
-          if (next != c) grown[i] = next, is_growing = true;
+          if (next != c) {
+            grown[i] = next;
+            is_growing = true;
+          }
         }
       }
       Part part;
@@ -236,7 +249,8 @@ void PieceFinder::labelParts(const BrickValues& phi, Detail& out) {
         if (!grown[i]) continue;
         part.high[0] = static_cast<std::uint8_t>(i);
         part.measure.nodes += static_cast<std::uint64_t>(std::popcount(grown[i]));
-        seen |= grown[i], left[i] &= ~grown[i];
+        seen |= grown[i];
+        left[i] &= ~grown[i];
       }
       part.low[1] = static_cast<std::uint8_t>(std::countr_zero(seen) / 8);
       part.high[1] = static_cast<std::uint8_t>((63 - std::countl_zero(seen)) / 8);
@@ -424,7 +438,8 @@ void PieceFinder::group(Block& block) {
       if (index == kFull) {
         group_of_full_[s] = group_of[p];
         g.measure.nodes += kBrickNodes;
-        g.low = g.low.cwiseMin(base), g.high = g.high.cwiseMax(base + Vec3i::Constant(kBrickSide - 1));
+        g.low = g.low.cwiseMin(base);
+        g.high = g.high.cwiseMax(base + Vec3i::Constant(kBrickSide - 1));
         g.first = std::min(g.first, coordKey(base));
         continue;
       }
@@ -485,14 +500,16 @@ const PieceList& PieceFinder::find() {
     for (std::uint32_t n = 0; n < block.groups.size(); ++n) {
       const std::uint32_t g = block.first_group + n, root = rootOf(parent, g);
       const Group& from = block.groups[n];
-      if (root == g)
-        piece_of_group_[g] = static_cast<std::uint32_t>(found.size()), found.push_back(from);
-      else
+      if (root == g) {
+        piece_of_group_[g] = static_cast<std::uint32_t>(found.size());
+        found.push_back(from);
+      } else
         piece_of_group_[g] = piece_of_group_[root];
       if (root == g) continue;
       Group& to = found[piece_of_group_[g]];
       to.measure.add(from.measure);
-      to.low = to.low.cwiseMin(from.low), to.high = to.high.cwiseMax(from.high);
+      to.low = to.low.cwiseMin(from.low);
+      to.high = to.high.cwiseMax(from.high);
       to.first = std::min(to.first, from.first);
     }
 
@@ -500,8 +517,10 @@ const PieceList& PieceFinder::find() {
   std::vector<Piece> all(found.size());
   for (std::size_t n = 0; n < found.size(); ++n) {
     all[n].id = static_cast<std::uint32_t>(n);  // numbered anew once they are sorted
-    all[n].measure = found[n].measure, all[n].volume = found[n].measure.volume(h);
-    all[n].bounds.add(h * found[n].low.cast<double>()), all[n].bounds.add(h * found[n].high.cast<double>());
+    all[n].measure = found[n].measure;
+    all[n].volume = found[n].measure.volume(h);
+    all[n].bounds.add(h * found[n].low.cast<double>());
+    all[n].bounds.add(h * found[n].high.cast<double>());
     all[n].first_node = coordOf(found[n].first);
     list_.whole.add(found[n].measure);
   }
@@ -571,7 +590,8 @@ std::vector<std::uint32_t> PieceFinder::piecesInSight() const {
   Vec3i low = Vec3i::Constant(std::numeric_limits<int>::max()), high = -low;
   for (const Block& block : blocks_) {
     at.push_back(brickOf(coordOf(keys_[static_cast<std::size_t>(block.slots.front())])));
-    low = low.cwiseMin(at.back()), high = high.cwiseMax(at.back());
+    low = low.cwiseMin(at.back());
+    high = high.cwiseMax(at.back());
   }
   if (blocks_.empty()) return {};
   const Vec3i size = high - low + Vec3i::Constant(3);

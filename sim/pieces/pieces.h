@@ -30,7 +30,10 @@ struct SolidMeasure {
   std::uint64_t nodes = 0;  ///< inside nodes
   std::int64_t fringe = 0;  ///< sum of weight * (t - 1/2) over all crossed edges, in units of 2^-32, each rounded once
 
-  void add(const SolidMeasure& o) { nodes += o.nodes, fringe += o.fringe; }
+  void add(const SolidMeasure& o) {
+    nodes += o.nodes;
+    fringe += o.fringe;
+  }
   bool operator==(const SolidMeasure&) const = default;
   /// mm^3. @param voxel mm. A ball of n voxels' radius comes out short by 0.5 / n^2 at most.
   double volume(double voxel) const {

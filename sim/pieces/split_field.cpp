@@ -75,7 +75,10 @@ void SplitPool::takeBack(PieceBricks&& bricks) {
   for (PieceBricks& piece : lists_->out)
     if (piece.bricks.capacity() == 0) {
       piece = std::move(bricks);
-      piece.bricks.clear(), piece.interior.clear(), piece.changed.clear(), piece.at_edge.clear();
+      piece.bricks.clear();
+      piece.interior.clear();
+      piece.changed.clear();
+      piece.at_edge.clear();
       return;
     }
 }
@@ -206,7 +209,8 @@ class LayOut {
   bool isWanted(std::uint32_t id) const { return id >= first_ && id - first_ < out_.size(); }
   // The bricks with something inside, and whose that is.
   void lookAround(const Vec3i& brick) {
-    around_.clear(), near_.clear();
+    around_.clear();
+    near_.clear();
     const auto add = [&](std::uint32_t piece) {
       if (std::find(near_.begin(), near_.end(), piece) == near_.end()) near_.push_back(piece);
     };
@@ -248,7 +252,12 @@ std::vector<PieceBricks> layOut(const Split& split, std::uint32_t first, std::si
   if (parts.size() < lots * count) parts.resize(lots * count);
   internal::forEach(lots, is_parallel, [&](std::size_t lot) {
     const std::span<Bricks> to = std::span(parts).subspan(lot * count, count);
-    for (Bricks& part : to) part.bricks.clear(), part.interior.clear(), part.changed.clear(), part.at_edge.clear();
+    for (Bricks& part : to) {
+      part.bricks.clear();
+      part.interior.clear();
+      part.changed.clear();
+      part.at_edge.clear();
+    }
     LayOut lay(split, first, to);
     const auto begin = static_cast<std::uint32_t>(lot) * kSlotsAtOnce;
     for (std::uint32_t s = begin; s < std::min(slots, begin + kSlotsAtOnce); ++s) lay.add(s);
@@ -270,7 +279,8 @@ std::vector<PieceBricks> layOut(const Split& split, std::uint32_t first, std::si
       std::sort(added, to.end(), isBefore);
       std::inplace_merge(to.begin(), added, to.end(), isBefore);
     };
-    join(&Bricks::bricks, out[n].bricks), join(&Bricks::interior, out[n].interior);
+    join(&Bricks::bricks, out[n].bricks);
+    join(&Bricks::interior, out[n].interior);
     join(&Bricks::at_edge, out[n].at_edge);
     std::vector<Vec3i> changed;
     join(&Bricks::changed, changed);
@@ -301,7 +311,10 @@ class NearPieces {
         if (!last || last->id != id) last = &piece(id);
         Piece& to = *last;
         markAround(to, i, j, k);
-        if (!is_known) is_known = true, phi = field.valuesAt(brick + step);
+        if (!is_known) {
+          is_known = true;
+          phi = field.valuesAt(brick + step);
+        }
         to.balls.push_back({i, j, k, phi ? (*phi)[static_cast<std::size_t>(n)] : field.interior()});
         return false;
       });
@@ -349,7 +362,8 @@ class NearPieces {
     if (count_ == pieces_.size()) pieces_.emplace_back();
     Piece& p = pieces_[count_++];
     p.id = id;
-    p.distance.fill(kFar), p.is_next.fill(0);
+    p.distance.fill(kFar);
+    p.is_next.fill(0);
     p.balls.clear();
     return p;
   }
@@ -358,7 +372,12 @@ class NearPieces {
     const auto mark = [&](int x, int y, int z) {
       if (((x | y | z) & ~(kBrickSide - 1)) == 0) piece.is_next[static_cast<std::size_t>(nodeOffset(x, y, z))] = 1;
     };
-    mark(i - 1, j, k), mark(i + 1, j, k), mark(i, j - 1, k), mark(i, j + 1, k), mark(i, j, k - 1), mark(i, j, k + 1);
+    mark(i - 1, j, k);
+    mark(i + 1, j, k);
+    mark(i, j - 1, k);
+    mark(i, j + 1, k);
+    mark(i, j, k - 1);
+    mark(i, j, k + 1);
   }
   BrickValues values_;
   std::array<std::uint32_t, kBrickNodes> piece_of_;

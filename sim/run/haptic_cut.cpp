@@ -285,10 +285,15 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
       sound->add(heard);
     }
     ++sum.ticks;
-    sum.removed_mm3 = sumOf(object.removed_mm3), sum.added_mm3 += tick.added_mm3;
+    sum.removed_mm3 = sumOf(object.removed_mm3);
+    sum.added_mm3 += tick.added_mm3;
     sum.work += tick.power * kTick;
     const double contact = tick.contact.force.norm(), to_hand = tick.force.force.norm();
-    if (tick.touching > 0) ++in_contact, contact_sum += contact, load_sum += tick.normal_load;
+    if (tick.touching > 0) {
+      ++in_contact;
+      contact_sum += contact;
+      load_sum += tick.normal_load;
+    }
     sum.peak_contact_force = std::max(sum.peak_contact_force, contact);
     sum.peak_hand_force = std::max(sum.peak_hand_force, to_hand);
     const double nominal = sample.pedal * nominal_speed;
@@ -337,20 +342,26 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
     sum.mean_normal_load = load_sum / static_cast<double>(in_contact);
   }
   const std::array<double, 256> left = object.countVolumes();
-  sum.initial_mm3 = sumOf(baked.volumes()), sum.remaining_mm3 = sumOf(left);
+  sum.initial_mm3 = sumOf(baked.volumes());
+  sum.remaining_mm3 = sumOf(left);
   sum.removed_by_material = byMaterial(object.removed_mm3, materials);
   sum.added_by_material = byMaterial(object.added_mm3, materials);
   sum.state_hash = fmt::format("{:016x}", session.hash());
-  sum.hottest_c = monitor.hottest(), sum.pulp_rise = monitor.mostPulpRise();
-  sum.bone_limit_s = monitor.alarms().bone_warm, sum.pulp_limit_s = monitor.alarms().pulp;
+  sum.hottest_c = monitor.hottest();
+  sum.pulp_rise = monitor.mostPulpRise();
+  sum.bone_limit_s = monitor.alarms().bone_warm;
+  sum.pulp_limit_s = monitor.alarms().pulp;
   for (const Monitor::Structure& structure : monitor.structures())
     if (structure.least < 1e8) sum.least_distance_mm[structure.id] = structure.least;
   for (const Monitor::Structure& structure : monitor.structures()) {
     const std::size_t n = structure.object;
     if (n == 0) continue;
     HapticSummary::Neighbour& other = sum.beside.emplace_back();
-    other.id = structure.id, other.case_path = files.paths[n], other.case_id = files.manifests[n].id;
-    other.initial_mm3 = sumOf(loaded[n]->volumes()), other.removed_mm3 = structure.removed_mm3;
+    other.id = structure.id;
+    other.case_path = files.paths[n];
+    other.case_id = files.manifests[n].id;
+    other.initial_mm3 = sumOf(loaded[n]->volumes());
+    other.removed_mm3 = structure.removed_mm3;
     other.removed_by_material = byMaterial(session.state().objects[n].removed_mm3, materials);
     other.seconds_touched = static_cast<double>(structure.ticks_touched) * kTick;
     other.seconds_in = static_cast<double>(structure.ticks_in) * kTick;
@@ -364,7 +375,8 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
   for (std::size_t b = 0; b < edits.size(); ++b) edits[b] = {changed.brickCoord(b), changed.brick(b)};
   finder.apply(edits);
   const PieceList& pieces = finder.find();
-  sum.pieces = pieces.pieces.size(), sum.crumbs = pieces.crumbs.size();
+  sum.pieces = pieces.pieces.size();
+  sum.crumbs = pieces.crumbs.size();
 
   if (!report(progress, 0.92, "writing")) return cancelError();
   RunManifest& m = out.manifest;

@@ -24,7 +24,8 @@ Expected<std::shared_ptr<const BakedObject>> bakedFrom(const std::function<doubl
 Expected<std::shared_ptr<const BakedObject>> practiceBlock(const Vec3d& size, double voxel, const Rigid3& attitude,
                                                            Material material) {
   Box3 box;
-  box.add(Vec3d(-size[0] / 2, -size[1] / 2, -size[2])), box.add(Vec3d(size[0] / 2, size[1] / 2, 0));
+  box.add(Vec3d(-size[0] / 2, -size[1] / 2, -size[2]));
+  box.add(Vec3d(size[0] / 2, size[1] / 2, 0));
   const BoxShape shape(box);
   const Rigid3 inverse = attitude.inverse();
   Box3 turned;

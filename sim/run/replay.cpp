@@ -69,7 +69,8 @@ Expected<Replay> replayFrom(const SessionLog& log, const std::string& file, cons
   std::size_t event = 0, first_sample = 0;
   if (start.state) {
     made.emplace(std::move(*start.state), model, objects);
-    event = start.event + 1, first_sample = log.events[start.event].samples_before;
+    event = start.event + 1;
+    first_sample = log.events[start.event].samples_before;
     out.first_tick = log.events[start.event].tick + 1;
   } else {
     made.emplace(model, objects, place);
@@ -85,7 +86,10 @@ Expected<Replay> replayFrom(const SessionLog& log, const std::string& file, cons
   bool has_other_snapshots = false;
   const auto require = [&](bool is_same, std::uint64_t at) {
     ++out.checks;
-    if (!is_same && out.is_same) out.is_same = false, out.differs_at = at;
+    if (!is_same && out.is_same) {
+      out.is_same = false;
+      out.differs_at = at;
+    }
   };
   const auto compare = [&](const StateCheck& check, std::uint64_t at) {
     const Wrench& f = session.state().last_force;
@@ -106,9 +110,10 @@ Expected<Replay> replayFrom(const SessionLog& log, const std::string& file, cons
         if (!standsAtItsTick(log, event)) continue;
         KERF_TRY(bytes, unpackSnapshot(*snapshot));
         const std::vector<std::byte> now = session.snapshot();
-        if (isStateOfThisVersion(bytes))
-          require(now == bytes, e.tick), ++out.snapshots;
-        else if (!std::exchange(has_other_snapshots, true))
+        if (isStateOfThisVersion(bytes)) {
+          require(now == bytes, e.tick);
+          ++out.snapshots;
+        } else if (!std::exchange(has_other_snapshots, true))
           out.note +=
               (out.note.empty() ? "" : "; ") + std::string("snapshots of another version of Kerf were not compared");
       } else if (const auto* gap = std::get_if<SessionGap>(&e.what)) {
@@ -136,7 +141,10 @@ Expected<Replay> replayFrom(const SessionLog& log, const std::string& file, cons
   const auto note = [&out](const std::string& more) { out.note += (out.note.empty() ? "" : "; ") + more; };
   if (lacked_bricks > 0)
     note(fmt::format("{} ticks lacked room: they may have cut less than those recorded", lacked_bricks));
-  if (out.checks == 0) out.is_same = false, note("nothing to compare with in these ticks: choose more of them");
+  if (out.checks == 0) {
+    out.is_same = false;
+    note("nothing to compare with in these ticks: choose more of them");
+  }
   out.state_hash = fmt::format("{:016x}", session.hash());
   out.objects = session.state().objects.size();
   for (const CutObject& object : session.state().objects)
@@ -199,8 +207,10 @@ Expected<Replay> replayRun(const std::filesystem::path& run_folder, const Progre
   auto out = replay(log, (run_folder / internal::kRunLog).string(), std::move(model), std::move(objects), progress,
                     until_s, from_s);
   if (out && log.is_closed && out->first_tick + out->ticks == log.samples.size() &&
-      out->state_hash != manifest.state_hash)
-    out->is_same = false, out->note = "the state at the end is not the one that run.toml names, " + manifest.state_hash;
+      out->state_hash != manifest.state_hash) {
+    out->is_same = false;
+    out->note = "the state at the end is not the one that run.toml names, " + manifest.state_hash;
+  }
   return out;
 }
 

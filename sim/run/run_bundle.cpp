@@ -81,7 +81,10 @@ Expected<WallAccuracy> measureWalls(const fs::path& run_folder, const RunManifes
         nearest[i] = std::min(nearest[i], sweep.distance(sampled[i], nearest[i], 1e-6, -far));
   }
   double squares = 0;
-  for (const double d : nearest) squares += d * d, out.max_mm = std::max(out.max_mm, std::abs(d));
+  for (const double d : nearest) {
+    squares += d * d;
+    out.max_mm = std::max(out.max_mm, std::abs(d));
+  }
   out.vertices = nearest.size();
   out.rms_mm = nearest.empty() ? 0 : std::sqrt(squares / static_cast<double>(nearest.size()));
   return out;
@@ -320,7 +323,8 @@ Expected<Export> exportBundle(const fs::path& bundle, const PostOpOptions& optio
   BrickField removed = is_geometry ? removedFieldFromSweep(phi0, cut) : removedFieldFromCut(phi0, cut), added;
   if (has_added) {
     added = addedFieldFromFill(phi0, cut);
-    clearAwayFromInside(removed), clearAwayFromInside(added);
+    clearAwayFromInside(removed);
+    clearAwayFromInside(added);
   }
   auto result = postOperativeMesh(solid, removed, options, progress, has_added ? &added : nullptr);
   if (!result) {

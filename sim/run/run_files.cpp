@@ -105,7 +105,8 @@ Expected<void> finishRun(const fs::path& staging, const Tool& tool, const fs::pa
   m.path_file = "path" + path_file.extension().string();
   KERF_TRY(tool_hash, sha256OfFile(tool_file));
   KERF_TRY(path_hash, sha256OfFile(path_file));
-  m.tool_sha256 = tool_hash, m.path_sha256 = path_hash;
+  m.tool_sha256 = tool_hash;
+  m.path_sha256 = path_hash;
   KERF_CHECK(copyInto(tool_file, staging / kRunToolCopy));
   if (tool.mesh) KERF_CHECK(copyInto(tool.mesh_file, staging / tool.mesh_file.filename()));
   KERF_CHECK(copyInto(path_file, staging / m.path_file));

@@ -26,7 +26,10 @@ void SweepCutter::advance(const SweptTool& sweep) {
   box.grow(band);
   // Nothing can be cut beyond the bricks that hold the surface: a motion far out or very long costs no more than one
   // through the object. A field without bricks is tissue all over.
-  if (!object_.isEmpty()) box.min = box.min.cwiseMax(object_.min), box.max = box.max.cwiseMin(object_.max);
+  if (!object_.isEmpty()) {
+    box.min = box.min.cwiseMax(object_.min);
+    box.max = box.max.cwiseMin(object_.max);
+  }
   if (box.isEmpty()) return;
   const Vec3i low = brickOf((box.min / h).array().floor().cast<int>().matrix());
   const Vec3i high = brickOf((box.max / h).array().ceil().cast<int>().matrix());

@@ -48,14 +48,16 @@ Expected<ToolCheck> checkTool(const Tool& tool, double voxel_mm) {
     out.block_width_mm = std::min(kBlockWidth, tool.cut->bounds().size()[along]);
     if (out.block_width_mm == kBlockWidth) {
       const double middle = tool.cut->bounds().center()[along];
-      block.min[along] = middle - 0.5 * kBlockWidth, block.max[along] = middle + 0.5 * kBlockWidth;
+      block.min[along] = middle - 0.5 * kBlockWidth;
+      block.max[along] = middle + 0.5 * kBlockWidth;
       out.expected_mm3 = plungeVolume(tool, out.depth_mm, kBlockWidth);
     }
   }
   if (out.expected_mm3 == 0) out.expected_mm3 = plungeVolume(tool, out.depth_mm);
   const int axis = way[2] != 0 ? 2 : 0;
   const double touch = tool.cut->bounds().min[axis];
-  block.max[axis] = touch, block.min[axis] = touch - out.depth_mm - 6 * h;
+  block.max[axis] = touch;
+  block.min[axis] = touch - out.depth_mm - 6 * h;
 
   const Rigid3 askew{Eigen::Quaterniond(Eigen::AngleAxisd(0.6, Vec3d(1, 2, 3).normalized())),
                      0.37 * h * Vec3d(1, -1, 1)};

@@ -20,19 +20,29 @@ constexpr std::uint32_t kLeftAlone = 32;
 template <class Visit>
 void visitNumbers(StepSettings& s, const Visit& visit) {
   CouplingSettings& c = s.coupling;
-  visit("coupling.stiffness", c.stiffness), visit("coupling.damping", c.damping);
-  visit("coupling.turn_stiffness", c.turn_stiffness), visit("coupling.turn_damping", c.turn_damping);
-  visit("coupling.mass_kg", c.mass_kg), visit("coupling.gyration_mm", c.gyration_mm);
-  visit("coupling.filter_hz", c.filter_hz), visit("coupling.force_limit", c.force_limit);
-  visit("coupling.torque_limit", c.torque_limit), visit("coupling.force_rate", c.force_rate);
-  visit("coupling.torque_rate", c.torque_rate), visit("ramp_s", s.ramp_s);
+  visit("coupling.stiffness", c.stiffness);
+  visit("coupling.damping", c.damping);
+  visit("coupling.turn_stiffness", c.turn_stiffness);
+  visit("coupling.turn_damping", c.turn_damping);
+  visit("coupling.mass_kg", c.mass_kg);
+  visit("coupling.gyration_mm", c.gyration_mm);
+  visit("coupling.filter_hz", c.filter_hz);
+  visit("coupling.force_limit", c.force_limit);
+  visit("coupling.torque_limit", c.torque_limit);
+  visit("coupling.force_rate", c.force_rate);
+  visit("coupling.torque_rate", c.torque_rate);
+  visit("ramp_s", s.ramp_s);
   double rendering = static_cast<double>(s.rendering), geometry = s.geometry_only, substeps = s.most_substeps;
   double response = static_cast<double>(s.response);
-  visit("rendering", rendering), visit("geometry_only", geometry), visit("most_substeps", substeps);
-  visit("response", response), visit("restitution", s.restitution);
+  visit("rendering", rendering);
+  visit("geometry_only", geometry);
+  visit("most_substeps", substeps);
+  visit("response", response);
+  visit("restitution", s.restitution);
   s.response = static_cast<Response>(static_cast<int>(response));
   s.rendering = static_cast<Rendering>(static_cast<int>(rendering));
-  s.geometry_only = geometry != 0, s.most_substeps = static_cast<int>(substeps);
+  s.geometry_only = geometry != 0;
+  s.most_substeps = static_cast<int>(substeps);
 }
 
 std::string numbers(std::initializer_list<double> values) {
@@ -156,7 +166,8 @@ bool Session::applyWithin(std::string_view command) {
   } else if (verb == "add") {
     const auto material = number(word(), 256), object = number(rest, state_.objects.size());
     if (material && object && *material > 0 && model_.tissues[*material].is_in_table) {
-      state_.adds = static_cast<Material>(*material), state_.adds_to = *object;
+      state_.adds = static_cast<Material>(*material);
+      state_.adds_to = *object;
       is_done = true;
     }
   } else if (verb == "object.move") {
@@ -185,7 +196,10 @@ bool Session::applyWithin(std::string_view command) {
     if (is_done) state_.objects[*object].unfreeze();
   }
   // What it went to may be gone: better nothing than something else.
-  if (is_done && state_.adds_to >= state_.objects.size()) state_.adds = Material::kNone, state_.adds_to = 0;
+  if (is_done && state_.adds_to >= state_.objects.size()) {
+    state_.adds = Material::kNone;
+    state_.adds_to = 0;
+  }
   // Material may have appeared around the tool: a hand must not be struck.
   if (is_done && (command == "undo" || command == "redo" || command == "add off" || verb == "object.move"))
     state_.ramp = 0;
@@ -194,7 +208,8 @@ bool Session::applyWithin(std::string_view command) {
 }
 
 void Session::splitWhenApart(int every_ticks, const PieceOptions& options) {
-  split_every_ = every_ticks, piece_options_ = options;
+  split_every_ = every_ticks;
+  piece_options_ = options;
   watches_.clear();
 }
 
@@ -246,7 +261,8 @@ bool Session::split(std::size_t index, double crumb_mm3) {
 }
 
 void Session::offer(std::size_t object, std::unique_ptr<ObjectPieces> made) noexcept {
-  offered_to_ = object, offered_ = std::move(made);
+  offered_to_ = object;
+  offered_ = std::move(made);
 }
 
 bool Session::hasFrozen() const noexcept {
@@ -396,7 +412,8 @@ Expected<void> restoreSettings(const SessionLog& log, const std::string& file, M
     if (wrong.empty()) wrong = key;
     return false;
   };
-  model.settings.response = Response::kPenalty, model.settings.restitution = 0;  // all there was before logs named it
+  model.settings.response = Response::kPenalty;
+  model.settings.restitution = 0;  // all there was before logs named it
   visitNumbers(model.settings, [&](const char* name, double& value) {
     const std::string_view key = name;
     if ((key != "response" && key != "restitution") || !log.value(key).empty()) read(name, std::span(&value, 1));
@@ -404,7 +421,10 @@ Expected<void> restoreSettings(const SessionLog& log, const std::string& file, M
   std::array<double, 7> s{};
   if (read("start", s)) {
     start.translation = Vec3d(s[0], s[1], s[2]);
-    start.rotation.w() = s[3], start.rotation.x() = s[4], start.rotation.y() = s[5], start.rotation.z() = s[6];
+    start.rotation.w() = s[3];
+    start.rotation.x() = s[4];
+    start.rotation.y() = s[5];
+    start.rotation.z() = s[6];
   }
   std::array<double, 3> rest{};
   read("tissue.0", rest);

@@ -31,7 +31,10 @@ void SessionHistory::forgetRedo(std::vector<CutObject>& objects) noexcept {
   std::size_t known = objects.size(), split_at = objects.size();
   bool is_split = false;
   for (std::size_t n = done_; n < steps_.size(); ++n) {
-    if (steps_[n].split) is_split = true, split_at = std::min(split_at, steps_[n].split->index);
+    if (steps_[n].split) {
+      is_split = true;
+      split_at = std::min(split_at, steps_[n].split->index);
+    }
     while (!steps_[n].records.isEmpty()) {
       StrokeRecord* const record = steps_[n].records.popFront();
       if (!is_split || (record->object < known && record->object < split_at)) objects[record->object].release(record);
@@ -53,7 +56,8 @@ SessionHistory::Step& SessionHistory::addStep(std::vector<CutObject>& objects) n
   forgetRedo(objects);
   if (done_ == kMostSteps) {  // its bricks stay as they are, for good
     forget(std::move(steps_.front().split));
-    steps_.erase(steps_.begin()), --done_;
+    steps_.erase(steps_.begin());
+    --done_;
   }
   ++done_;
   return steps_.emplace_back();  // reserved
@@ -63,7 +67,8 @@ void SessionHistory::mark(std::vector<CutObject>& objects) noexcept {
   assert(objects.size() == now_.size());
   Step& step = addStep(objects);
   step.joins_last = joins_next_;
-  joins_next_ = false, is_open_ = true;
+  joins_next_ = false;
+  is_open_ = true;
   for (std::size_t n = 0; n < objects.size(); ++n) {
     CutObject& object = objects[n];
     TrackedState& known = now_[n];
@@ -73,9 +78,11 @@ void SessionHistory::mark(std::vector<CutObject>& objects) noexcept {
     if (!record) continue;
     record->object = n;
     record->bricks = object.endStroke();
-    record->pose_before = known.pose, record->before = known.ledger;
+    record->pose_before = known.pose;
+    record->before = known.ledger;
     known = trackedState(object);
-    record->pose_after = known.pose, record->after = known.ledger;
+    record->pose_after = known.pose;
+    record->after = known.ledger;
     step.records.pushFront(record);
   }
 }
@@ -120,7 +127,8 @@ void SessionHistory::apply(std::vector<CutObject>& objects, Step& step, bool is_
     const Rigid3& pose = is_undo ? record->pose_before : record->pose_after;
     if (!isSamePose(object.T_world_object, pose)) object.moveTo(pose);
     const Ledger& ledger = is_undo ? record->before : record->after;
-    object.removed_mm3 = ledger.removed, object.added_mm3 = ledger.added;
+    object.removed_mm3 = ledger.removed;
+    object.added_mm3 = ledger.added;
     now_[record->object] = {pose, ledger};
   }
 }

@@ -128,7 +128,10 @@ Expected<void> SessionRecorder::State::drain() {
   }
   // No more than was there at the beginning: a faster producer must not keep this from ever being written.
   Entry entry;
-  for (std::size_t n = queue.read_available(); n > 0 && queue.pop(entry); --n) take(entry), ++taken;
+  for (std::size_t n = queue.read_available(); n > 0 && queue.pop(entry); --n) {
+    take(entry);
+    ++taken;
+  }
   endRun();
   for (const auto& [tick, snapshot] : kept) log.add(tick, snapshot);
   return log.write();

@@ -20,11 +20,19 @@ class Writer {
   void u32(std::uint32_t v) { put(v); }
   void u64(std::uint64_t v) { put(v); }
   void f64(double v) { put(std::bit_cast<std::uint64_t>(v)); }
-  void vec(const Vec3d& v) { f64(v[0]), f64(v[1]), f64(v[2]); }
+  void vec(const Vec3d& v) {
+    f64(v[0]);
+    f64(v[1]);
+    f64(v[2]);
+  }
   void brick(const Vec3i& v) {
     for (int c = 0; c < 3; ++c) u32(static_cast<std::uint32_t>(v[c]));
   }
-  void pose(const Rigid3& p) { f64(p.rotation.w()), vec(p.rotation.vec()), vec(p.translation); }
+  void pose(const Rigid3& p) {
+    f64(p.rotation.w());
+    vec(p.rotation.vec());
+    vec(p.translation);
+  }
   void floats(const float* from, int count) {
     for (int n = 0; n < count; ++n) u32(std::bit_cast<std::uint32_t>(from[n]));
   }
@@ -78,7 +86,8 @@ class Reader {
   template <class T>
   T get() {
     if (from_.size() - at_ < sizeof(T)) {
-      is_good = false, at_ = from_.size();
+      is_good = false;
+      at_ = from_.size();
       return 0;
     }
     T v = 0;
@@ -96,10 +105,14 @@ bool hasOtherMaterials(const CutObject::Slot& slot) {
 }
 
 void packObject(const CutObject& object, std::size_t loaded, Writer& to) {
-  to.u32(static_cast<std::uint32_t>(loaded)), to.u32((object.isPiece() ? 1u : 0u) | (object.isFrozen() ? 2u : 0u));
+  to.u32(static_cast<std::uint32_t>(loaded));
+  to.u32((object.isPiece() ? 1u : 0u) | (object.isFrozen() ? 2u : 0u));
   to.u32(object.id);
   to.pose(object.T_world_object);
-  for (std::size_t m = 0; m < 256; ++m) to.f64(object.removed_mm3[m]), to.f64(object.added_mm3[m]);
+  for (std::size_t m = 0; m < 256; ++m) {
+    to.f64(object.removed_mm3[m]);
+    to.f64(object.added_mm3[m]);
+  }
   // Which bricks a piece began with; then, for any object, those of air that it took on.
   const auto putBricks = [&](int begin, int end) {
     std::uint64_t count = 0;
@@ -118,7 +131,8 @@ void packObject(const CutObject& object, std::size_t loaded, Writer& to) {
   to.u64(changed.size());
   for (const int s : changed) {
     const CutObject::Slot& slot = object.slot(s);
-    to.brick(slot.brick), to.u32(hasOtherMaterials(slot));
+    to.brick(slot.brick);
+    to.u32(hasOtherMaterials(slot));
     to.floats(slot.own, kBrickNodes);
     if (hasOtherMaterials(slot)) to.bytes(slot.own_materials, kBrickNodes);
   }
@@ -173,7 +187,8 @@ PieceBricks pieceOf(CutObject& whole, std::vector<Vec3i> bricks, const std::vect
       out.interior.push_back(c);
       continue;
     }
-    out.bricks.push_back(c), out.at_edge.push_back(c);
+    out.bricks.push_back(c);
+    out.at_edge.push_back(c);
     if (edit != edits.end()) out.changed.push_back(*edit->second);
   }
   return out;
@@ -186,7 +201,10 @@ std::optional<CutObject> unpackObject(Reader& from, const LoadedObjects& loaded)
   const bool is_piece = flags & 1;
   const Rigid3 pose = from.pose();
   std::array<double, 256> removed{}, added{};
-  for (std::size_t m = 0; m < 256; ++m) removed[m] = from.f64(), added[m] = from.f64();
+  for (std::size_t m = 0; m < 256; ++m) {
+    removed[m] = from.f64();
+    added[m] = from.f64();
+  }
   std::vector<Vec3i> own;
   if (is_piece) own = readBricks(from);
   const std::vector<Vec3i> air = readBricks(from);
@@ -208,9 +226,11 @@ std::optional<CutObject> unpackObject(Reader& from, const LoadedObjects& loaded)
   while (!object.repair())
     if (!object.reserve(1024)) return {};
   object.endStroke();  // it begins like this: nothing to undo
-  object.T_world_object = pose, object.id = id;
+  object.T_world_object = pose;
+  object.id = id;
   if (flags & 2) object.freeze();
-  object.removed_mm3 = removed, object.added_mm3 = added;
+  object.removed_mm3 = removed;
+  object.added_mm3 = added;
   return object;
 }
 
@@ -221,12 +241,21 @@ bool isStateOfThisVersion(std::span<const std::byte> bytes) { return Reader(byte
 std::vector<std::byte> packState(const State& state, const LoadedObjects& loaded) {
   Writer to;
   to.u32(kStateVersion);
-  to.u64(state.tick), to.u64(state.tool), to.f64(state.speed), to.f64(state.ramp);
-  to.u32(static_cast<std::uint32_t>(state.adds)), to.u32(static_cast<std::uint32_t>(state.adds_to));
+  to.u64(state.tick);
+  to.u64(state.tool);
+  to.f64(state.speed);
+  to.f64(state.ramp);
+  to.u32(static_cast<std::uint32_t>(state.adds));
+  to.u32(static_cast<std::uint32_t>(state.adds_to));
   to.u32((state.has_device ? 1u : 0u) | (state.is_latched ? 2u : 0u));
-  to.pose(state.body.pose), to.vec(state.body.velocity), to.vec(state.body.angular);
-  to.pose(state.device.pose), to.vec(state.device.velocity), to.vec(state.device.angular);
-  to.vec(state.last_force.force), to.vec(state.last_force.torque);
+  to.pose(state.body.pose);
+  to.vec(state.body.velocity);
+  to.vec(state.body.angular);
+  to.pose(state.device.pose);
+  to.vec(state.device.velocity);
+  to.vec(state.device.angular);
+  to.vec(state.last_force.force);
+  to.vec(state.last_force.torque);
   to.u32(state.next_id);
   to.u32(static_cast<std::uint32_t>(state.objects.size()));
   for (const CutObject& object : state.objects) {
@@ -246,13 +275,23 @@ Expected<State> unpackState(std::span<const std::byte> bytes, const LoadedObject
   if (const std::uint32_t version = from.u32(); version != kStateVersion)
     return refuse(fmt::format("version {}, not {}", version, kStateVersion));
   State out;
-  out.tick = from.u64(), out.tool = from.u64(), out.speed = from.f64(), out.ramp = from.f64();
-  out.adds = static_cast<Material>(from.u32() & 255), out.adds_to = from.u32();
+  out.tick = from.u64();
+  out.tool = from.u64();
+  out.speed = from.f64();
+  out.ramp = from.f64();
+  out.adds = static_cast<Material>(from.u32() & 255);
+  out.adds_to = from.u32();
   const std::uint32_t flags = from.u32();
-  out.has_device = flags & 1, out.is_latched = flags & 2;
-  out.body.pose = from.pose(), out.body.velocity = from.vec(), out.body.angular = from.vec();
-  out.device.pose = from.pose(), out.device.velocity = from.vec(), out.device.angular = from.vec();
-  out.last_force.force = from.vec(), out.last_force.torque = from.vec();
+  out.has_device = flags & 1;
+  out.is_latched = flags & 2;
+  out.body.pose = from.pose();
+  out.body.velocity = from.vec();
+  out.body.angular = from.vec();
+  out.device.pose = from.pose();
+  out.device.velocity = from.vec();
+  out.device.angular = from.vec();
+  out.last_force.force = from.vec();
+  out.last_force.torque = from.vec();
   out.next_id = from.u32();
   const std::uint32_t count = from.u32();
   const bool is_finite = std::isfinite(out.speed) && std::isfinite(out.ramp) && out.body.velocity.allFinite() &&

@@ -45,27 +45,51 @@ Eigen::Matrix3d crossMatrix(const Vec3d& v) {
 }  // namespace
 
 void ContactSums::add(const ContactSums& o) {
-  force += o.force, torque += o.torque, force_after += o.force_after, torque_after += o.torque_after;
+  force += o.force;
+  torque += o.torque;
+  force_after += o.force_after;
+  torque_after += o.torque_after;
   stiffness += o.stiffness;
-  drag += o.drag, drag_moment += o.drag_moment, drag_second += o.drag_second;
-  normal_load += o.normal_load, cutting_load += o.cutting_load, drive_load += o.drive_load, power += o.power;
+  drag += o.drag;
+  drag_moment += o.drag_moment;
+  drag_second += o.drag_second;
+  normal_load += o.normal_load;
+  cutting_load += o.cutting_load;
+  drive_load += o.drive_load;
+  power += o.power;
   erodible_load += o.erodible_load;
-  area += o.area, deepest = std::max(deepest, o.deepest);
-  tested += o.tested, touching += o.touching;
-  if (o.material_area > material_area) material = o.material, material_area = o.material_area;
+  area += o.area;
+  deepest = std::max(deepest, o.deepest);
+  tested += o.tested;
+  touching += o.touching;
+  if (o.material_area > material_area) {
+    material = o.material;
+    material_area = o.material_area;
+  }
 }
 
 void ContactSums::scale(double factor) {
-  force *= factor, torque *= factor, force_after *= factor, torque_after *= factor;
+  force *= factor;
+  torque *= factor;
+  force_after *= factor;
+  torque_after *= factor;
   stiffness *= factor;
-  drag *= factor, drag_moment *= factor, drag_second *= factor;
-  normal_load *= factor, cutting_load *= factor, erodible_load *= factor, drive_load *= factor, power *= factor;
+  drag *= factor;
+  drag_moment *= factor;
+  drag_second *= factor;
+  normal_load *= factor;
+  cutting_load *= factor;
+  erodible_load *= factor;
+  drive_load *= factor;
+  power *= factor;
 }
 
 ContactSums ContactSums::rotated(const Eigen::Matrix3d& r) const {
   ContactSums out = *this;
-  out.force = r * force, out.torque = r * torque;
-  out.force_after = r * force_after, out.torque_after = r * torque_after;
+  out.force = r * force;
+  out.torque = r * torque;
+  out.force_after = r * force_after;
+  out.torque_after = r * torque_after;
   for (int i = 0; i < 2; ++i)
     for (int j = 0; j < 2; ++j)
       out.stiffness.block<3, 3>(3 * i, 3 * j) = r * stiffness.block<3, 3>(3 * i, 3 * j) * r.transpose();
@@ -142,7 +166,9 @@ bool NearBricks::find(const CutObject& object, const ToolModel& tool, const Rigi
             return;
           const Vec3d center = h * (8 * slot.brick.cast<double>() + Vec3d::Constant(3.5));
           const Vec3f q = (to_tool * (center - T.translation)).cast<float>();
-          px[count] = q[0], py[count] = q[1], pz[count] = q[2];
+          px[count] = q[0];
+          py[count] = q[1];
+          pz[count] = q[2];
           slots[count++] = s;
         });
         const int padded = (count + 7) / 8 * 8;
@@ -158,7 +184,9 @@ bool NearBricks::find(const CutObject& object, const ToolModel& tool, const Rigi
             fits = false;
             break;
           }
-          slots_[count_] = slots[n], cut_[count_] = least_cut, body_[count_] = least_body;
+          slots_[count_] = slots[n];
+          cut_[count_] = least_cut;
+          body_[count_] = least_body;
           ++count_;
         }
       }
@@ -176,7 +204,8 @@ void sumContact(CutObject& object, const NearBricks& near, const ContactInput& i
   moving.lever = leverForm(tool.motion);
   moving.least_radius = kEquatorFloor * static_cast<float>(tool.equator_mm);
   moving.pivot = static_cast<float>(tool.pivot_mm);
-  moving.speed = static_cast<float>(std::abs(in.speed)), moving.still_speed = kStillSpeed;
+  moving.speed = static_cast<float>(std::abs(in.speed));
+  moving.still_speed = kStillSpeed;
   moving.body_spins = tool.motion == ToolMotion::kSpin;
   moving.geometry_only = in.geometry_only;
   for (int c = 0; c < 3; ++c) {
@@ -199,9 +228,17 @@ void sumContact(CutObject& object, const NearBricks& near, const ContactInput& i
       for (auto n = static_cast<std::size_t>(count); n < static_cast<std::size_t>(padded); ++n) row[n] = 0;
     };
     for (int n = count; n < padded; ++n) qx[n] = qy[n] = qz[n] = tau[n] = 0;
-    pad(found.overlap), pad(found.into_cut), pad(found.area);
-    pad(found.stiffness), pad(found.friction), pad(found.rate);
-    for (int c = 0; c < 3; ++c) pad(found.normal[c]), pad(found.from_tip[c]), pad(found.in_tool[c]);
+    pad(found.overlap);
+    pad(found.into_cut);
+    pad(found.area);
+    pad(found.stiffness);
+    pad(found.friction);
+    pad(found.rate);
+    for (int c = 0; c < 3; ++c) {
+      pad(found.normal[c]);
+      pad(found.from_tip[c]);
+      pad(found.in_tool[c]);
+    }
     tool.cut.distances(qx, qy, qz, cut_in, padded);
     if (any_body) tool.body.distances(qx, qy, qz, body_in, padded);
     for (int n = 0; n < padded; ++n)
@@ -209,21 +246,26 @@ void sumContact(CutObject& object, const NearBricks& near, const ContactInput& i
           ((any_body ? std::min(cut_in[n], body_in[n]) : cut_in[n]) - tau[n]) / look;
     found.count = padded;
     internal::sumTouching(found, moving, totals);
-    found.count = 0, any_body = false;
+    found.count = 0;
+    any_body = false;
   };
   sums.tested +=
       internal::forEachTouching(object, near, tool, in.T_object_tool, [&](const internal::TouchingNode& node) {
         any_body |= node.body_is_near;
         const auto i = static_cast<std::size_t>(found.count);
         const Vec3f inwards = node.in_tool - look * (to_tool_f * node.normal);
-        qx[i] = inwards[0], qy[i] = inwards[1], qz[i] = inwards[2], tau[i] = node.tau;
+        qx[i] = inwards[0];
+        qy[i] = inwards[1];
+        qz[i] = inwards[2];
+        tau[i] = node.tau;
         for (int c = 0; c < 3; ++c) {
           found.normal[c][i] = node.normal[c];
           found.from_tip[c][i] = static_cast<float>(node.from_tip[c]);
           found.in_tool[c][i] = node.in_tool[c];
         }
         const Tissue& tissue = (*in.tissues)[node.material];
-        found.overlap[i] = -node.gap, found.into_cut[i] = std::max(0.0f, -node.tau_cut - node.phi);
+        found.overlap[i] = -node.gap;
+        found.into_cut[i] = std::max(0.0f, -node.tau_cut - node.phi);
         found.area[i] = node.area;
         found.stiffness[i] = tissue.stiffness;
         found.friction[i] = static_cast<float>(tool.drive.drag_factor) * tissue.friction;
@@ -233,28 +275,36 @@ void sumContact(CutObject& object, const NearBricks& near, const ContactInput& i
       });
   flush();
   for (std::size_t m = 0; m < area_of.size(); ++m)
-    if (static_cast<double>(area_of[m]) > sums.material_area)
-      sums.material_area = static_cast<double>(area_of[m]), sums.material = static_cast<std::uint8_t>(m);
+    if (static_cast<double>(area_of[m]) > sums.material_area) {
+      sums.material_area = static_cast<double>(area_of[m]);
+      sums.material = static_cast<std::uint8_t>(m);
+    }
   using S = internal::TouchingSums;
   const auto value = [&](int at) { return totals.value[static_cast<std::size_t>(at)]; };
   const auto vector = [&](int at) { return Vec3d(value(at), value(at + 1), value(at + 2)); };
-  sums.force += vector(S::kForce), sums.torque += vector(S::kTorque);
-  sums.force_after += vector(S::kForceAfter), sums.torque_after += vector(S::kTorqueAfter);
+  sums.force += vector(S::kForce);
+  sums.torque += vector(S::kTorque);
+  sums.force_after += vector(S::kForceAfter);
+  sums.torque_after += vector(S::kTorqueAfter);
   for (int row = 0, entry = S::kStiffness; row < 6; ++row)
     for (int column = 0; column <= row; ++column, ++entry) {
       sums.stiffness(row, column) += value(entry);
       if (column != row) sums.stiffness(column, row) += value(entry);
     }
-  sums.normal_load += value(S::kNormalLoad), sums.cutting_load += value(S::kCuttingLoad);
+  sums.normal_load += value(S::kNormalLoad);
+  sums.cutting_load += value(S::kCuttingLoad);
   sums.erodible_load += value(S::kErodibleLoad);
-  sums.drive_load += value(S::kDriveLoad), sums.power += value(S::kPower);
-  sums.drag += value(S::kDrag), sums.drag_moment += vector(S::kDragMoment);
+  sums.drive_load += value(S::kDriveLoad);
+  sums.power += value(S::kPower);
+  sums.drag += value(S::kDrag);
+  sums.drag_moment += vector(S::kDragMoment);
   for (int row = 0, entry = S::kDragSecond; row < 3; ++row)
     for (int column = 0; column <= row; ++column, ++entry) {
       sums.drag_second(row, column) += value(entry);
       if (column != row) sums.drag_second(column, row) += value(entry);
     }
-  sums.area += value(S::kArea), sums.deepest = std::max(sums.deepest, static_cast<double>(totals.deepest));
+  sums.area += value(S::kArea);
+  sums.deepest = std::max(sums.deepest, static_cast<double>(totals.deepest));
   sums.touching += static_cast<int>(value(S::kCount));
 }
 
@@ -267,8 +317,12 @@ CutResult erode(CutObject& object, const NearBricks& near, const ContactInput& i
   const Rates rates(in);
   float x[kBrickNodes], y[kBrickNodes], z[kBrickNodes], tau[kBrickNodes], rate[kBrickNodes], next[kBrickNodes];
   internal::RelaxInput relax;
-  relax.x = x, relax.y = y, relax.z = z, relax.tau = tau;
-  relax.lever = leverForm(tool.motion), relax.geometry_only = in.geometry_only;
+  relax.x = x;
+  relax.y = y;
+  relax.z = z;
+  relax.tau = tau;
+  relax.lever = leverForm(tool.motion);
+  relax.geometry_only = in.geometry_only;
   // Air is air: values rise to the end of the band that was baked around the surface, and no further.
   relax.cap = object.baked().phi0().background();
   relax.least_radius = kEquatorFloor * static_cast<float>(tool.equator_mm);

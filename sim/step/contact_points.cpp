@@ -36,7 +36,8 @@ int cellOf(const Vec3f& place, const Vec3f& normal, const Box3& box) {
 
 Vector6d ContactPoint::direction() const {
   Vector6d u;
-  u.head<3>() = normal, u.tail<3>() = lever.cross(normal);
+  u.head<3>() = normal;
+  u.tail<3>() = lever.cross(normal);
   return u;
 }
 
@@ -60,7 +61,10 @@ int ContactPoints::gather(CutObject& object, int index, const NearBricks& near, 
         const int half = is_body ? kCells / 2 : 0;
         const auto cell = static_cast<std::size_t>(
             half + cellOf(node.in_tool, to_tool * node.normal, is_body ? tool.body.bounds() : tool.cut.bounds()));
-        if (node.gap < gaps[cell]) gaps[cell] = node.gap, deepest[cell] = {node.normal, node.in_tool, node.from_tip};
+        if (node.gap < gaps[cell]) {
+          gaps[cell] = node.gap;
+          deepest[cell] = {node.normal, node.in_tool, node.from_tip};
+        }
       });
   std::array<std::uint16_t, kCells> order;
   std::size_t found = 0;
@@ -165,11 +169,15 @@ void ContactLoads::solve(const Matrix6d& a, const Vector6d& b, const ContactPoin
       load[n] = std::max(
           0.0, before + (least[n] - direction[n].dot(motion) - softness * before) / (flexibility[n] + softness));
       motion += (load[n] - before) * answer[n];
-      change = std::max(change, std::abs(load[n] - before)), largest = std::max(largest, load[n]);
+      change = std::max(change, std::abs(load[n] - before));
+      largest = std::max(largest, load[n]);
     }
     if (change <= kSettled * largest) break;
   }
-  if (!motion.allFinite()) motion.setZero(), load.fill(0);
+  if (!motion.allFinite()) {
+    motion.setZero();
+    load.fill(0);
+  }
 }
 
 }  // namespace kerf

@@ -63,17 +63,22 @@ void advance(ToolBody& body, const DeviceMotion& device, const ContactSums& cont
   a.diagonal().tail<3>().array() += inertia + dt * s.turn_damping + dt * dt * s.turn_stiffness;
   const Vector6d v = a.ldlt().solve(b);
   if (!v.allFinite()) {
-    body.velocity.setZero(), body.angular.setZero();
+    body.velocity.setZero();
+    body.angular.setZero();
     return;
   }
-  body.velocity = v.head<3>(), body.angular = v.tail<3>();
+  body.velocity = v.head<3>();
+  body.angular = v.tail<3>();
   travel(body, head_reach, longest, dt);
 }
 
 double travel(ToolBody& body, double head_reach, double longest, double dt) noexcept {
   const double motion = dt * (body.velocity.norm() + head_reach * body.angular.norm());
   const double kept = motion > longest ? longest / motion : 1;
-  if (kept < 1) body.velocity *= kept, body.angular *= kept;
+  if (kept < 1) {
+    body.velocity *= kept;
+    body.angular *= kept;
+  }
   body.pose.translation += dt * body.velocity;
   body.pose.rotation = rotated(body.pose.rotation, dt * body.angular);
   return kept;

@@ -124,7 +124,8 @@ class Responder {
     own_ = ownDrag(tool_, start_, state_.speed, look_.sums);
     drag_ = look_.sums.dragMatrix();
     a_ += (is_proxy_ ? 1 / dt_ : dt_) * drag_;
-    b_.head<3>() += per_ * own_.force, b_.tail<3>() += per_ * own_.torque;
+    b_.head<3>() += per_ * own_.force;
+    b_.tail<3>() += per_ * own_.torque;
   }
 
   /// Last object first: its bricks are those that were found last.
@@ -140,14 +141,16 @@ class Responder {
       }
       const CutResult cut = erode(object, nearOf(n, in), in);
       const bool is_repaired = object.repair();  // also when room ran out: what was cut must be felt
-      look_.removed_mm3 += cut.removed_mm3, look_.bricks_cut += cut.bricks;
+      look_.removed_mm3 += cut.removed_mm3;
+      look_.bricks_cut += cut.bricks;
       if (cut.pool_ran_out || !is_repaired) look_.status |= kStepBricksRanOut;
     }
   }
 
   void move() {
     const auto setVelocity = [&](const Vector6d& v) {
-      state_.body.velocity = v.head<3>(), state_.body.angular = v.tail<3>();
+      state_.body.velocity = v.head<3>();
+      state_.body.angular = v.tail<3>();
     };
     ContactLoads back;
     for (std::size_t n = 0; n < overlap_.size(); ++n)
@@ -171,7 +174,8 @@ class Responder {
     look_.contact.force = push.head<3>() + own_.force - feed_drag.head<3>();
     look_.contact.torque = push.tail<3>() + own_.torque - feed_drag.tail<3>();
     if (look_.sums.normal_load > 0) look_.sums.scale(solved / look_.sums.normal_load);
-    look_.sums.normal_load = solved, look_.sums.cutting_load = cutting;
+    look_.sums.normal_load = solved;
+    look_.sums.cutting_load = cutting;
     return look_;
   }
 
@@ -233,9 +237,12 @@ class Responder {
 ContactInput contactInput(const Model& model, const State& state, const CutObject& object, double dt) noexcept {
   const Rigid3 T_object_world = object.T_world_object.inverse();
   ContactInput in;
-  in.tool = &model.tools[state.tool], in.tissues = &model.tissues;
+  in.tool = &model.tools[state.tool];
+  in.tissues = &model.tissues;
   in.T_object_tool = T_object_world * state.body.pose;
-  in.speed = state.speed, in.dt = dt, in.geometry_only = model.settings.geometry_only;
+  in.speed = state.speed;
+  in.dt = dt;
+  in.geometry_only = model.settings.geometry_only;
   in.velocity = T_object_world.rotation * state.body.velocity;
   in.angular = T_object_world.rotation * state.body.angular;
   return in;

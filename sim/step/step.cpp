@@ -47,16 +47,27 @@ void filterDevice(State& state, const DeviceSample& input, const CouplingSetting
 template <class AState, class HashOfObject>
 std::uint64_t hashOf(AState& state, const HashOfObject& hash_of_object) {
   std::uint64_t h = 0x6b657266;
-  const auto mix = [&h](std::uint64_t v) { h = (h ^ v) * 0x9e3779b97f4a7c15ull, h ^= h >> 29; };
+  const auto mix = [&h](std::uint64_t v) {
+    h = (h ^ v) * 0x9e3779b97f4a7c15ull;
+    h ^= h >> 29;
+  };
   for (auto& object : state.objects) mix(hash_of_object(object));
   const auto add = [&](const auto& vector) {
     for (Eigen::Index n = 0; n < vector.size(); ++n) mix(std::bit_cast<std::uint64_t>(double(vector[n])));
   };
-  add(state.body.pose.translation), add(state.body.pose.rotation.coeffs());
-  add(state.body.velocity), add(state.body.angular);
-  add(state.last_force.force), add(state.last_force.torque);
-  mix(std::bit_cast<std::uint64_t>(state.speed)), mix(state.tool), mix(state.tick);
-  if (state.adds != Material::kNone) mix(static_cast<std::uint64_t>(state.adds)), mix(state.adds_to);
+  add(state.body.pose.translation);
+  add(state.body.pose.rotation.coeffs());
+  add(state.body.velocity);
+  add(state.body.angular);
+  add(state.last_force.force);
+  add(state.last_force.torque);
+  mix(std::bit_cast<std::uint64_t>(state.speed));
+  mix(state.tool);
+  mix(state.tick);
+  if (state.adds != Material::kNone) {
+    mix(static_cast<std::uint64_t>(state.adds));
+    mix(state.adds_to);
+  }
   return h;
 }
 
@@ -75,7 +86,9 @@ double longestSubstep(const ToolModel& tool, double voxel) noexcept {
 void State::place(const Rigid3& T_world_tool) noexcept {
   body = {T_world_tool, Vec3d::Zero(), Vec3d::Zero()};
   device = {T_world_tool, Vec3d::Zero(), Vec3d::Zero()};
-  last_force = {}, speed = 0, ramp = 0;
+  last_force = {};
+  speed = 0;
+  ramp = 0;
   for (CutObject& object : objects) object.odometer += 1e6;
   has_device = true;
 }
@@ -102,9 +115,11 @@ void step(const Model& model, State& state, const DeviceSample& input, StepOutpu
   if (state.is_latched) {
     // Zero, and stays zero: a hand that comes back to a pressed tool must not be struck.
     state.last_force = {};
-    state.has_device = false, state.ramp = 0;
+    state.has_device = false;
+    state.ramp = 0;
     state.speed = 0;
-    state.body.velocity.setZero(), state.body.angular.setZero();
+    state.body.velocity.setZero();
+    state.body.angular.setZero();
     output.T_world_tool = state.body.pose;
     output.status = kStepBadSample;
     ++state.tick;
@@ -189,11 +204,13 @@ void step(const Model& model, State& state, const DeviceSample& input, StepOutpu
         } else if (input.pedal > 0 && &object - state.objects.data() == static_cast<std::ptrdiff_t>(state.adds_to)) {
           const FillResult added = fill(object, in, state.adds);
           output.added_mm3 += added.added_mm3;
-          cut.bricks = added.bricks, cut.pool_ran_out = added.pool_ran_out;
+          cut.bricks = added.bricks;
+          cut.pool_ran_out = added.pool_ran_out;
           if (added.is_clipped) look.status |= kStepFillClipped;
         }
         const bool is_repaired = object.repair();  // also when room ran out: what was cut must be felt
-        look.removed_mm3 += cut.removed_mm3, look.bricks_cut += cut.bricks;
+        look.removed_mm3 += cut.removed_mm3;
+        look.bricks_cut += cut.bricks;
         if (cut.pool_ran_out || !is_repaired) look.status |= kStepBricksRanOut;
       }
       const Wrench own = ownDrag(tool, state.body.pose, state.speed, look.sums);
@@ -203,7 +220,8 @@ void step(const Model& model, State& state, const DeviceSample& input, StepOutpu
         for (CutObject& object : state.objects) object.odometer += moved;
       }
       Vector6d twist;
-      twist.head<3>() = state.body.velocity, twist.tail<3>() = state.body.angular;
+      twist.head<3>() = state.body.velocity;
+      twist.tail<3>() = state.body.angular;
       const Vector6d feed_drag = look.sums.dragMatrix() * twist;
       look.contact.force = look.sums.force + own.force - feed_drag.head<3>();
       look.contact.torque = look.sums.torque + own.torque - feed_drag.tail<3>();
@@ -213,15 +231,21 @@ void step(const Model& model, State& state, const DeviceSample& input, StepOutpu
     }
     const double share = 1.0 / substeps;
     const ContactSums& world = look.sums;
-    output.contact.force += share * look.contact.force, output.contact.torque += share * look.contact.torque;
-    output.normal_load += share * world.normal_load, output.cutting_load += share * world.cutting_load;
-    output.drive_load += share * world.drive_load, output.power += share * world.power;
-    output.area = std::max(output.area, world.area), output.deepest = std::max(output.deepest, world.deepest);
+    output.contact.force += share * look.contact.force;
+    output.contact.torque += share * look.contact.torque;
+    output.normal_load += share * world.normal_load;
+    output.cutting_load += share * world.cutting_load;
+    output.drive_load += share * world.drive_load;
+    output.power += share * world.power;
+    output.area = std::max(output.area, world.area);
+    output.deepest = std::max(output.deepest, world.deepest);
     if (world.touching > 0) output.material = static_cast<Material>(world.material);
-    output.tested += world.tested, output.touching += world.touching;
+    output.tested += world.tested;
+    output.touching += world.touching;
     output.objects_touched |= look.objects_touched;
     output.removed_mm3 += look.removed_mm3;
-    output.bricks_near += look.bricks_near, output.bricks_cut += look.bricks_cut;
+    output.bricks_near += look.bricks_near;
+    output.bricks_cut += look.bricks_cut;
     output.status |= look.status;
   }
   output.substeps = substeps;
@@ -242,7 +266,8 @@ void step(const Model& model, State& state, const DeviceSample& input, StepOutpu
   } else if (settings.rendering == Rendering::kDirect) {
     wanted = output.contact;
   }
-  wanted.force *= state.ramp, wanted.torque *= state.ramp;
+  wanted.force *= state.ramp;
+  wanted.torque *= state.ramp;
   output.force = clamped(wanted, state.last_force, settings.coupling, kTick);
   if ((output.force.force - wanted.force).norm() > 1e-9 || (output.force.torque - wanted.torque).norm() > 1e-9)
     output.status |= kStepForceClamped;

@@ -72,7 +72,11 @@ struct State {
   /// Another tool, at rest. All bricks wake up. @rt
   void selectTool(std::size_t index) noexcept;
   /// After a fault, when the device is back. @rt
-  void clearLatch() noexcept { is_latched = false, has_device = false, ramp = 0; }
+  void clearLatch() noexcept {
+    is_latched = false;
+    has_device = false;
+    ramp = 0;
+  }
   /// Of fields, tool and force: same inputs, same number on any build.
   std::uint64_t hash() const;
   /// The same number, from what CutObject::hashNow() knows already. @rt as that is.

@@ -65,7 +65,10 @@ void sumTouchingHere(const TouchingNodes& nodes, const TouchingTool& tool, Touch
     add(S::kCuttingLoad, hn::IfThenElseZero(cuts, size));
     const V rubbing = hn::Mul(load(nodes.friction), size);
     V own = hn::Mul(hn::Set(f, tool.speed), arm), turning = hn::Mul(rubbing, arm);
-    if (!tool.body_spins) own = hn::IfThenElseZero(cuts, own), turning = hn::IfThenElseZero(cuts, turning);
+    if (!tool.body_spins) {
+      own = hn::IfThenElseZero(cuts, own);
+      turning = hn::IfThenElseZero(cuts, turning);
+    }
     add(S::kDriveLoad, turning);
     add(S::kPower, hn::Mul(rubbing, own));
     V v[3];

@@ -64,8 +64,11 @@ std::string describeDrive(const Tool& tool) {
   const auto say = [&](const std::optional<double>& number, const char* name) {
     if (number) from_file += (from_file.empty() ? "" : ", ") + std::string(name);
   };
-  say(tool.drive.frequency_hz, "speed"), say(tool.drive.stall_load, "stall"), say(tool.drive.time_constant_s, "time");
-  say(tool.drive.energy_factor, "energy"), say(tool.drive.drag_factor, "drag");
+  say(tool.drive.frequency_hz, "speed");
+  say(tool.drive.stall_load, "stall");
+  say(tool.drive.time_constant_s, "time");
+  say(tool.drive.energy_factor, "energy");
+  say(tool.drive.drag_factor, "drag");
   return text + (from_file.empty() ? " (training defaults)" : " (from the tool's file: " + from_file + ")");
 }
 
@@ -85,7 +88,8 @@ ToolDrive defaultDrive(const Tool& tool) {
         break;
       case BladeMotion::kPiezo:
         drive.speed = meanSpeed(tool.stroke_mm, 29000);  // 24 to 36 kHz
-        drive.stall_load = 20, drive.energy_factor = 5;
+        drive.stall_load = 20;
+        drive.energy_factor = 5;
         break;
       default:
         drive.speed = meanSpeed(swing(tool), 15000 / 60.0);  // 5 000 to 20 000 cycles a minute
@@ -98,17 +102,24 @@ ToolDrive defaultDrive(const Tool& tool) {
   const bool is_diamond = tool.iso ? tool.iso->material == "806" : tool.kind == ToolKind::kBlade;
   drive.energy_factor = is_diamond ? 5 : 3;
   drive.time_constant = 0.1;
-  drive.speed = 20000 * kRadPerSecond, drive.stall_load = 30;  // straight handpiece
+  drive.speed = 20000 * kRadPerSecond;
+  drive.stall_load = 30;  // straight handpiece
   if (tool.shape == "drill") {
-    drive.speed = 800 * kRadPerSecond, drive.stall_load = 400, drive.energy_factor = 1;  // implant motor
+    drive.speed = 800 * kRadPerSecond;
+    drive.stall_load = 400;
+    drive.energy_factor = 1;  // implant motor
   } else if (tool.iso && tool.iso->shankKnown()) {
     const double shank = tool.iso->shankKnown()->diameter_mm;
-    if (shank < 2)
-      drive.speed = 200000 * kRadPerSecond, drive.stall_load = 8;  // friction grip: 3 N at 016 sags by about a tenth
-    else if (tool.iso->shank.starts_with("20"))
-      drive.speed = 40000 * kRadPerSecond, drive.stall_load = 20;  // right angle
+    if (shank < 2) {
+      drive.speed = 200000 * kRadPerSecond;
+      drive.stall_load = 8;  // friction grip: 3 N at 016 sags by about a tenth
+    } else if (tool.iso->shank.starts_with("20")) {
+      drive.speed = 40000 * kRadPerSecond;
+      drive.stall_load = 20;  // right angle
+    }
   } else if (tool.head_diameter_mm > 0 && tool.head_diameter_mm < 3 && tool.kind == ToolKind::kBur) {
-    drive.speed = 200000 * kRadPerSecond, drive.stall_load = 8;
+    drive.speed = 200000 * kRadPerSecond;
+    drive.stall_load = 8;
   }
   return drive;
 }

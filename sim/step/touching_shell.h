@@ -46,7 +46,8 @@ inline void fetchShell(const CutObject::Slot& slot) {
     const auto fetch = [](const auto& row) {
       for (std::size_t n = 0; n < row.size(); n += 64 / sizeof row[0]) hwy::Prefetch(&row[n]);
     };
-    fetch(chunk.phi), fetch(chunk.offset);
+    fetch(chunk.phi);
+    fetch(chunk.offset);
   }
 }
 

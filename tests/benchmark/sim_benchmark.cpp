@@ -93,7 +93,8 @@ BENCHMARK(meshSixtyBricksInTheThread)->UseManualTime()->Iterations(200)->Unit(be
 // A block of 50 x 50 x `long_mm` mm at 0.1 mm, sawn through but for a bridge of 1 x 1 mm.
 BrickField sawnBlock(double long_mm) {
   Box3 box;
-  box.add(Vec3d(-25, -25, -long_mm / 2)), box.add(Vec3d(25, 25, long_mm / 2));
+  box.add(Vec3d(-25, -25, -long_mm / 2));
+  box.add(Vec3d(25, 25, long_mm / 2));
   return sampleDistance(
       [half = Vec3d(25, 25, long_mm / 2)](const Vec3d& p) {
         const Vec3d d = p.cwiseAbs() - half;

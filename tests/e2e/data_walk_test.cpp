@@ -83,7 +83,10 @@ Plan planFor(const Mesh& solid, const CloseReport& closing, double diagonal, dou
   plan.height = std::abs(size.dot(plan.up));
   double longest = -1;
   for (int k = 0; k < 3; ++k)
-    if (std::abs(plan.up[k]) < 0.5 && size[k] > longest) longest = size[k], plan.along = Vec3d::Unit(k);
+    if (std::abs(plan.up[k]) < 0.5 && size[k] > longest) {
+      longest = size[k];
+      plan.along = Vec3d::Unit(k);
+    }
   plan.across = plan.up.cross(plan.along);
   // Not the very highest vertex, which may be the tip of a thorn.
   std::vector<Vec3d> by_height = solid.vertices;
@@ -229,7 +232,10 @@ Verdicts askValidators(const fs::path& mesh, bool quick) {
   while (std::fgets(line, sizeof line, pipe)) {
     const std::string text = line;
     out.passed += text.starts_with("PASS ");
-    if (text.starts_with("FAIL ")) ++out.failed, out.failures += text;
+    if (text.starts_with("FAIL ")) {
+      ++out.failed;
+      out.failures += text;
+    }
   }
   ::pclose(pipe);
   return out;
@@ -335,14 +341,18 @@ TEST_P(DataWalk, BakeCutExportReadBack) {
         std::set<Place> there;
         for (const Vec3d& p : back->mesh.vertices) there.insert(place(p));
         for (std::size_t v = 0; v < kept_by_closing.size(); ++v)
-          if (scan_distance[v] >= far) ++scan_far, scan_kept += there.count(place(kept_by_closing[v]));
+          if (scan_distance[v] >= far) {
+            ++scan_far;
+            scan_kept += there.count(place(kept_by_closing[v]));
+          }
       }
     }
     // OpenSCAD takes most of the time: one run of each mesh, and none of the large ones, unless asked for.
     const bool quick = !std::getenv("KERF_OPENSCAD") && (run == 1 || exported_triangles[run] >= 50'000);
     const Verdicts v = askValidators(folder.path() / (run ? "saw.stl" : "bur.stl"), quick);
     EXPECT_EQ(v.failed, 0) << v.failures;
-    verdicts.passed += v.passed, verdicts.failed += v.failed;
+    verdicts.passed += v.passed;
+    verdicts.failed += v.failed;
   }
   EXPECT_EQ(scan_kept, scan_far);
 
@@ -531,8 +541,10 @@ TEST(DataWalk, ATaperBetweenTwoCrownsIsMeasuredAgainstTheNeighbourItNicks) {
       std::vector<char> keep(pieces.label.size());
       for (std::size_t t = 0; t < keep.size(); ++t) keep[t] = pieces.label[t] == p;
       Mesh crown = subset(arch->mesh, keep);
-      if (const double d = (bounds(crown).center() - middle).norm(); crown.triangles.size() > 1000 && d < nearest)
-        nearest = d, out = std::move(crown);
+      if (const double d = (bounds(crown).center() - middle).norm(); crown.triangles.size() > 1000 && d < nearest) {
+        nearest = d;
+        out = std::move(crown);
+      }
     }
     EXPECT_LT(nearest, 1) << "the crown that is meant";
     return out;
@@ -588,7 +600,8 @@ TEST(DataWalk, ATaperBetweenTwoCrownsIsMeasuredAgainstTheNeighbourItNicks) {
     double exact = 1e9;
     for (const Vec3d& v : crowns["molar"].vertices) exact = std::min(exact, tool->cut->distance(T_tool_world * v));
     if (exact < 0.1 || exact > 4.8) continue;  // in it: the scan's vertices say nothing of how deep
-    worst = std::max(worst, std::abs(cells[distance_column] - exact)), ++compared;
+    worst = std::max(worst, std::abs(cells[distance_column] - exact));
+    ++compared;
   }
   EXPECT_GT(compared, 20);
   EXPECT_LT(worst, 0.12) << "half a voxel, and 0.3 mm from vertex to vertex";

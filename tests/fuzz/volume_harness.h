@@ -23,7 +23,10 @@ inline void readVolume(const std::filesystem::path& path, unsigned flavour) {
   const Expected<LabelVolume> v = readLabelVolume(path, options);
   if (!v) return requireError(v.error());
   std::size_t voxels = 1;
-  for (const int s : v->size) require(s >= 1, "a volume has voxels"), voxels *= static_cast<std::size_t>(s);
+  for (const int s : v->size) {
+    require(s >= 1, "a volume has voxels");
+    voxels *= static_cast<std::size_t>(s);
+  }
   require(v->labels.size() == voxels, "a label per voxel");
   require(v->spacing.allFinite() && v->spacing.minCoeff() > 0, "spacing above zero");
   require(v->origin.allFinite() && v->direction.allFinite() && v->voxelVolume() > 0, "a grid in space");

@@ -40,12 +40,15 @@ inline std::string nifti(const std::string& values, float spacing_x = 0.5f) {
   put<std::int32_t>(h, 0, 348);
   const std::int16_t dim[8] = {3, 4, 3, 2, 1, 1, 1, 1};
   for (std::size_t i = 0; i < 8; ++i) put(h, 40 + 2 * i, dim[i]);
-  put<std::int16_t>(h, 70, 2), put<std::int16_t>(h, 72, 8);  // uint8
+  put<std::int16_t>(h, 70, 2);
+  put<std::int16_t>(h, 72, 8);  // uint8
   const float pixdim[8] = {1, spacing_x, 0.25f, 2, 1, 1, 1, 1};
   for (std::size_t i = 0; i < 8; ++i) put(h, 76 + 4 * i, pixdim[i]);
-  put<float>(h, 108, 352), put<float>(h, 112, 1);
+  put<float>(h, 108, 352);
+  put<float>(h, 112, 1);
   h[123] = 2;  // mm
-  put<std::int16_t>(h, 252, 0), put<std::int16_t>(h, 254, 1);
+  put<std::int16_t>(h, 252, 0);
+  put<std::int16_t>(h, 254, 1);
   const float sform[12] = {-spacing_x, 0, 0, -1, 0, -0.25f, 0, -2, 0, 0, 2, 3};
   for (std::size_t i = 0; i < 12; ++i) put(h, 280 + 4 * i, sform[i]);
   std::memcpy(h.data() + 344, "n+1", 4);
@@ -61,8 +64,10 @@ inline std::string dicomSlice(const std::string& values, double z, const std::st
   const auto element = [](std::uint16_t group, std::uint16_t tag, const char* vr, std::string value) {
     if (value.size() % 2) value.push_back(std::strcmp(vr, "UI") == 0 || std::strcmp(vr, "OB") == 0 ? '\0' : ' ');
     std::string e(8, '\0');
-    put(e, 0, group), put(e, 2, tag);
-    e[4] = vr[0], e[5] = vr[1];
+    put(e, 0, group);
+    put(e, 2, tag);
+    e[4] = vr[0];
+    e[5] = vr[1];
     if (std::strcmp(vr, "OB") == 0 || std::strcmp(vr, "OW") == 0) {
       e.resize(12);
       put(e, 8, static_cast<std::uint32_t>(value.size()));

@@ -76,8 +76,10 @@ inline void expectSolid(const Solid& s) {
     ASSERT_FALSE(fan.empty()) << "a vertex no triangle uses";
     std::size_t steps = 0;
     std::uint32_t at = fan.begin()->first;
-    do at = fan.at(at), ++steps;
-    while (at != fan.begin()->first && steps <= fan.size());
+    do {
+      at = fan.at(at);
+      ++steps;
+    } while (at != fan.begin()->first && steps <= fan.size());
     ASSERT_EQ(steps, fan.size()) << "a bow-tie vertex";
   }
   std::set<std::array<double, 3>> places;

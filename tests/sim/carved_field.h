@@ -13,7 +13,8 @@ namespace kerf {
 /// A ball of radius r (mm) with a hole, of voxel h: stored bricks at its surface, marked ones inside.
 inline BrickField ballWithAHole(double r, double h) {
   Box3 box;
-  box.add(Vec3d::Zero()), box.grow(r);
+  box.add(Vec3d::Zero());
+  box.grow(r);
   return sampleDistance(
       [r](const Vec3d& p) { return std::max(p.norm() - r, 0.3 * r - Vec3d(p[0] - 0.21 * r, p[1], 0).norm()); }, box, h);
 }
@@ -44,9 +45,13 @@ inline std::vector<BrickEdit> carve(OverlayField& field, const Vec3d& center, do
               const float limit = field.background();
               const float v = add ? std::min(edit.phi[at], std::max(tau, field.interior()))
                                   : std::max(edit.phi[at], std::min(-tau, limit));
-              changed |= v != edit.phi[at], edit.phi[at] = v;
+              changed |= v != edit.phi[at];
+              edit.phi[at] = v;
             }
-        if (changed) edits.push_back(edit), field.set(edit);
+        if (changed) {
+          edits.push_back(edit);
+          field.set(edit);
+        }
       }
   return edits;
 }

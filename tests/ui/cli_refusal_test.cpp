@@ -370,7 +370,8 @@ TEST_F(Cli, InterruptedBakesStopSoonAndLeaveNothing) {
   const auto before = snapshot(folder_.path());
   for (const int signal : {SIGINT, SIGTERM}) {
     RunOptions options;
-    options.signal = signal, options.signal_after = 1.5;
+    options.signal = signal;
+    options.signal_after = 1.5;
     const Outcome o = runKerf({"bake", at("molar.stl"), "-o", at("x.case"), "--voxel", "0.016"}, options);
     EXPECT_GT(o.seconds_after_signal, 0) << "it was done before the signal: choose a finer voxel";
     EXPECT_LT(o.seconds_after_signal, 10);
@@ -384,7 +385,9 @@ TEST_F(Cli, InterruptedBakesStopSoonAndLeaveNothing) {
 TEST_F(Cli, ASecondSignalOfEitherKindEndsTheProgramAtOnce) {
   ASSERT_EQ(runKerf({"demo-molar", "--edge", "0.6", "-o", at("molar.stl")}).exit_code, 0);
   RunOptions options;
-  options.signal = SIGINT, options.second_signal = SIGTERM, options.signal_after = 1.5;
+  options.signal = SIGINT;
+  options.second_signal = SIGTERM;
+  options.signal_after = 1.5;
   const Outcome o = runKerf({"bake", at("molar.stl"), "-o", at("x.case"), "--voxel", "0.016"}, options);
   EXPECT_TRUE(o.signal == SIGINT || o.signal == SIGTERM) << o.exit_code << o.err;
 }

@@ -54,7 +54,9 @@ inline Outcome runKerf(const std::vector<std::string>& arguments, const RunOptio
   if (child == 0) {
     const int o = ::open(out.c_str(), O_WRONLY | O_CREAT, 0600), e = ::open(err.c_str(), O_WRONLY | O_CREAT, 0600);
     const int nothing = ::open("/dev/null", O_RDONLY);
-    ::dup2(nothing, 0), ::dup2(o, 1), ::dup2(e, 2);
+    ::dup2(nothing, 0);
+    ::dup2(o, 1);
+    ::dup2(e, 2);
     if (options.largest_file != RLIM_INFINITY) {
       std::signal(SIGXFSZ, SIG_IGN);
       const rlimit limit{options.largest_file, options.largest_file};
@@ -83,7 +85,9 @@ inline Outcome runKerf(const std::vector<std::string>& arguments, const RunOptio
   auto signalled_at = start;
   while (::waitpid(child, &status, WNOHANG) == 0) {
     if (options.signal && !signalled && since(start) >= options.signal_after) {
-      ::kill(child, options.signal), signalled = true, signalled_at = now();
+      ::kill(child, options.signal);
+      signalled = true;
+      signalled_at = now();
       if (options.second_signal) ::kill(child, options.second_signal);
     }
     if (since(start) > options.most_seconds) {
@@ -98,7 +102,8 @@ inline Outcome runKerf(const std::vector<std::string>& arguments, const RunOptio
   outcome.seconds_after_signal = signalled ? since(signalled_at) : 0;
   outcome.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   outcome.signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
-  outcome.out = contentOf(out), outcome.err = contentOf(err);
+  outcome.out = contentOf(out);
+  outcome.err = contentOf(err);
   return outcome;
 }
 

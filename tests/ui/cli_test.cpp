@@ -187,7 +187,9 @@ TEST_F(Cli, AToolThatLeavesItsToothCutsTheNeighbourWhichIsMeasuredToldReplayedAn
     EXPECT_EQ(
         runKerf({"bake", at(name + ".off"), "--unit", "mm", "-o", at(name + ".case"), "--voxel", voxel}).exit_code, 0);
   };
-  boxAt("next", 7, "0.15"), boxAt("far", -20, "0.2"), boxAt("over", 2, "0.2");
+  boxAt("next", 7, "0.15");
+  boxAt("far", -20, "0.2");
+  boxAt("over", 2, "0.2");
   folder_.write(
       "across.toml",
       "format = \"kerf-path\"\nversion = 1\nframe = \"object\"\nfeed = 3.0\n[start]\nposition = [0, 0, -0.35]\n"
@@ -225,7 +227,10 @@ TEST_F(Cli, AToolThatLeavesItsToothCutsTheNeighbourWhichIsMeasuredToldReplayedAn
   std::string row, first, last;
   std::getline(rows, row);
   EXPECT_TRUE(row.ends_with(",beside_1_mm,beside_2_mm,beside_1_removed_mm3,beside_2_removed_mm3")) << row;
-  while (std::getline(rows, row)) first = first.empty() ? row : first, last = row;
+  while (std::getline(rows, row)) {
+    first = first.empty() ? row : first;
+    last = row;
+  }
   const auto columns = [](const std::string& line) {
     std::vector<double> out;
     std::istringstream in(line);
@@ -492,7 +497,8 @@ TEST_F(Cli, TheSameInputsGiveTheSameBytesOnAnyNumberOfThreads) {
     const Outcome o = runKerf({"export", at(n + ".run"), "-o", at(n + ".stl"), "-o", at(n + ".ply")}, options);
     EXPECT_EQ(o.exit_code, 0) << o.err;
     found["solid"] = contentOf(in(n + ".case/solid.ply"));
-    found["stl"] = contentOf(in(n + ".stl")), found["ply"] = contentOf(in(n + ".ply"));
+    found["stl"] = contentOf(in(n + ".stl"));
+    found["ply"] = contentOf(in(n + ".ply"));
     EXPECT_FALSE(found["stl"].empty());
     if (round == 0) first = found;
     for (const auto& [what, value] : found) EXPECT_TRUE(value == first[what]) << what << " differs in round " << round;

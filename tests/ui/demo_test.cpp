@@ -32,7 +32,10 @@ TEST_F(CliDemo, TheRecipeOfTheMolarBakesEveryTissueWithItsVolume) {
   EXPECT_TRUE(j["exact"]);
   std::map<std::string, double> volume;
   double sum = 0;
-  for (const auto& m : j["materials"]) volume[m["id"]] = m["volume_mm3"], sum += m["volume_mm3"].get<double>();
+  for (const auto& m : j["materials"]) {
+    volume[m["id"]] = m["volume_mm3"];
+    sum += m["volume_mm3"].get<double>();
+  }
   EXPECT_EQ(volume.size(), 4u);
   for (const char* id : {"enamel", "dentin", "pulp", "caries"}) EXPECT_GT(volume[id], 1) << id;
   EXPECT_NEAR(sum / j["solid"]["volume_mm3"].get<double>(), 1, 0.003) << "tissues fill the tooth, each place once";

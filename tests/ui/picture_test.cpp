@@ -102,7 +102,8 @@ TEST_F(Picture, OppositeViewsAreMirrored) {
   const std::pair<const char*, const char*> pairs[] = {{"left", "right"}, {"front", "back"}};
   for (const auto& [one, other] : pairs) {
     Camera a = *cameraFromView(one), b = *cameraFromView(other);
-    fitTo(a, mesh, 200, 150), fitTo(b, mesh, 200, 150);
+    fitTo(a, mesh, 200, 150);
+    fitTo(b, mesh, 200, 150);
     const Image x = draw(mesh, a, 200, 150, kMask), y = draw(mesh, b, 200, 150, kMask);
     double different = 0;
     for (int row = 0; row < 150; ++row)

@@ -64,7 +64,8 @@ Expected<Result> benchBakeOf(const std::string& scene, const fs::path& path, int
   r.state_hash = fmt::format("{:016x}", field.stateHash());
   std::sort(ratios.begin(), ratios.end());
   std::sort(voxelize_ratios.begin(), voxelize_ratios.end());
-  r.ratio = ratios[ratios.size() / 2], r.part_ratio = voxelize_ratios[ratios.size() / 2];
+  r.ratio = ratios[ratios.size() / 2];
+  r.part_ratio = voxelize_ratios[ratios.size() / 2];
   r.part = "field, materials and shell";
   return r;
 }
@@ -92,7 +93,8 @@ Expected<Result> benchCut(const std::string& scene, const std::string& tool_id, 
                           const Eigen::Quaterniond& attitude, const Progress& progress) {
   KERF_TRY(tool, toolOfRack(tool_id));
   Box3 box;
-  box.add(Vec3d(-6, -4, -5)), box.add(Vec3d(6, 4, 0));
+  box.add(Vec3d(-6, -4, -5));
+  box.add(Vec3d(6, 4, 0));
   const BoxShape block(box);
   BrickField phi0(h, static_cast<float>(3 * h), static_cast<float>(-4 * h));
   const Vec3i low = brickOf((box.min / h).array().floor().cast<int>().matrix() - Vec3i::Constant(4));
@@ -218,7 +220,10 @@ void printTable(const Result& r) {
     const std::size_t at = m.name.find(": ");
     return std::pair(m.name.substr(0, at), m.name.substr(at + 2) + (m.unit.empty() ? "" : ", " + m.unit));
   };
-  for (const Measured& m : r.measured) place(columns, split(m).first), place(rows, split(m).second);
+  for (const Measured& m : r.measured) {
+    place(columns, split(m).first);
+    place(rows, split(m).second);
+  }
   fmt::print("{:<44}", "");
   for (const std::string& column : columns) fmt::print(" {:>18}", column);
   fmt::print("\n");
@@ -281,13 +286,22 @@ void addBench(CLI::App& app, int& exit_code) {
                          {"p99.9_ms", r->percentile(0.999)},
                          {"max_ms", r->percentile(1)},
                          {"state_hash", r->state_hash}};
-        if (r->ratio > 0) j["ratio"] = r->ratio, j["ratio_to"] = r->ratio_to;
-        if (!r->part.empty()) j["part"] = r->part, j["part_ratio"] = r->part_ratio;
+        if (r->ratio > 0) {
+          j["ratio"] = r->ratio;
+          j["ratio_to"] = r->ratio_to;
+        }
+        if (!r->part.empty()) {
+          j["part"] = r->part;
+          j["part_ratio"] = r->part_ratio;
+        }
         if (r->peak_gb > 0) j["peak_gb"] = r->peak_gb;
         if (!r->notes.empty()) j["notes"] = r->notes;
         for (const Measured& m : r->measured) {
           nlohmann::json number{{"value", m.value}, {"unit", m.unit}};
-          if (m.has_goal) number["at_most"] = m.goal, number["passed"] = m.passed();
+          if (m.has_goal) {
+            number["at_most"] = m.goal;
+            number["passed"] = m.passed();
+          }
           j["measured"][m.name] = number;
         }
         all.push_back(j);

@@ -40,8 +40,11 @@ Feed feed(const Model& model, State& state, const Rigid3& frame, const Rigid3& f
     step(model, state, sample, tick);
     if (n >= steady_from * ticks) {
       ++steady;
-      out.force += tick.contact.force.norm(), out.normal += tick.normal_load, out.rate += tick.removed_mm3 / kTick;
-      out.thrust -= tick.contact.force.dot(along), out.drag += tick.drive_load;
+      out.force += tick.contact.force.norm();
+      out.normal += tick.normal_load;
+      out.rate += tick.removed_mm3 / kTick;
+      out.thrust -= tick.contact.force.dot(along);
+      out.drag += tick.drive_load;
       if (steady > 1) {
         out.jump = std::max(out.jump, (tick.contact.force - last.force).norm());
         out.turn_jump = std::max(out.turn_jump, (tick.contact.torque - last.torque).norm());
@@ -49,7 +52,11 @@ Feed feed(const Model& model, State& state, const Rigid3& frame, const Rigid3& f
     }
     last = tick.contact;
   }
-  out.force /= steady, out.normal /= steady, out.rate /= steady, out.thrust /= steady, out.drag /= steady;
+  out.force /= steady;
+  out.normal /= steady;
+  out.rate /= steady;
+  out.thrust /= steady;
+  out.drag /= steady;
   return out;
 }
 
@@ -135,13 +142,20 @@ Expected<Plunge> plunge(const Model& model, std::shared_ptr<const BakedObject> b
     step(model, state, sample, tick);
     const double depth = -tick.T_world_tool.translation[2];
     if (depth < from || depth > to) continue;
-    out.rate += tick.removed_mm3, out.load += tick.normal_load * kTick, seconds += kTick, part += tick.removed_mm3;
-    if (++n % 40 == 0) out.parts.push_back(part), part = 0;
+    out.rate += tick.removed_mm3;
+    out.load += tick.normal_load * kTick;
+    seconds += kTick;
+    part += tick.removed_mm3;
+    if (++n % 40 == 0) {
+      out.parts.push_back(part);
+      part = 0;
+    }
   }
   if (seconds == 0)
     return fail({Error::Code::kEmpty, "", "a plunge", fmt::format("never {} mm deep with {} N", from, force),
                  "to get there", "report this"});
-  out.rate /= seconds, out.load /= seconds;
+  out.rate /= seconds;
+  out.load /= seconds;
   return out;
 }
 
@@ -161,7 +175,11 @@ Expected<void> fitRemoval(Result& r, const Progress& progress) {
     if (!report(progress, 0.15, "removal over load")) return cancelled();
     KERF_TRY(pressed, plunge(model, block, force, 1.2, 2.4));
     const double n = pressed.load, rate = pressed.rate;
-    nn += n * n, nr += n * rate, rr += rate * rate, sum_n += n, sum_r += rate;
+    nn += n * n;
+    nr += n * rate;
+    rr += rate * rate;
+    sum_n += n;
+    sum_r += rate;
     ++count;
   }
   const Tissue& dentin = model.tissues[static_cast<std::size_t>(Material::kDentin)];
@@ -184,8 +202,10 @@ Expected<Result> benchInvariance(const Progress& progress) {
   for (const double h : {0.1, 0.05, 0.025}) {
     if (!report(progress, 0.1 * (0.1 / h), "voxels")) return cancelled();
     KERF_TRY(f, slot(h, askew));
-    least = std::min(least, f.force), most = std::max(most, f.force);
-    least_rate = std::min(least_rate, f.rate), most_rate = std::max(most_rate, f.rate);
+    least = std::min(least, f.force);
+    most = std::max(most, f.force);
+    least_rate = std::min(least_rate, f.rate);
+    most_rate = std::max(most_rate, f.rate);
     if (!(f.normal > 0)) return fail({Error::Code::kEmpty, "", "slot", "no contact", "a cut", "report this"});
     law = std::max(law, std::abs(percentOff(f.rate, 0.5 * f.normal * 840 / 1000)));
     r.measured.push_back({fmt::format("force at {} mm", h), f.force, "N", 0, false});
@@ -198,7 +218,10 @@ Expected<Result> benchInvariance(const Progress& progress) {
   r.measured.push_back({"removal over three voxels", percentOff(most_rate, least_rate), "%", 5});
   r.measured.push_back({"removal against mu N v / u_s", law, "%", 5});
 
-  least = 1e9, most = 0, least_rate = 1e9, most_rate = 0;
+  least = 1e9;
+  most = 0;
+  least_rate = 1e9;
+  most_rate = 0;
   for (int n = 0; n < 24; ++n) {
     if (!report(progress, 0.5 + 0.02 * n, "attitudes")) return cancelled();
     const Rigid3 frame{
@@ -206,8 +229,10 @@ Expected<Result> benchInvariance(const Progress& progress) {
             0.37 * n, Vec3d(std::sin(2.0 * n), std::cos(3.0 * n), std::sin(5.0 * n) + 0.1).normalized())),
         0.013 * n * Vec3d(1, -2, 0.5)};
     KERF_TRY(f, slot(0.1, frame));
-    least = std::min(least, f.force), most = std::max(most, f.force);
-    least_rate = std::min(least_rate, f.rate), most_rate = std::max(most_rate, f.rate);
+    least = std::min(least, f.force);
+    most = std::max(most, f.force);
+    least_rate = std::min(least_rate, f.rate);
+    most_rate = std::max(most_rate, f.rate);
   }
   r.measured.push_back({"force over 24 attitudes", percentOff(most, least), "%", 3});
   r.measured.push_back({"removal over 24 attitudes", percentOff(most_rate, least_rate), "%", 3});
@@ -221,7 +246,8 @@ Expected<Result> benchInvariance(const Progress& progress) {
     model.settings.rendering = Rendering::kRigid;
     const Vec3d center(0.013, 0.027, -5);
     Box3 box;
-    box.add(Vec3d(center.array() - 5.1)), box.add(Vec3d(center.array() + 5.1));
+    box.add(Vec3d(center.array() - 5.1));
+    box.add(Vec3d(center.array() + 5.1));
     KERF_TRY(ball, bakedFrom([&](const Vec3d& p) { return (p - center).norm() - 5; }, box, 0.05));
     State state;
     state.objects.emplace_back(ball, 64);
@@ -295,7 +321,9 @@ Expected<Result> benchForces(const Progress& progress) {
   KERF_TRY(sawing, makeModel(std::span(&saw, 1)));
   sawing.settings.rendering = Rendering::kRigid;
   Eigen::Matrix3d axes;
-  axes.col(0) = Vec3d::UnitZ(), axes.col(1) = -Vec3d::UnitY(), axes.col(2) = Vec3d::UnitX();
+  axes.col(0) = Vec3d::UnitZ();
+  axes.col(1) = -Vec3d::UnitY();
+  axes.col(2) = Vec3d::UnitX();
   constexpr double kWide = 10;
   KERF_TRY(block, practiceBlock({kWide, 4, 4}, 0.05, {}, Material::kCortical));
   Tissue& bone = sawing.tissues[static_cast<std::size_t>(Material::kCortical)];
@@ -315,15 +343,18 @@ Expected<Result> benchForces(const Progress& progress) {
         const Feed f = feed(sawing, state, {}, {Eigen::Quaterniond(axes), {-12.5, 0.01, 0.05}},
                             {0, 0, -(0.05 + kFeeds[i] / 60 * 1.2)}, kFeeds[i] / 60, 0.7);
         grid[d][i][j] = f.force;
-        jump = std::max(jump, f.jump), turn_jump = std::max(turn_jump, f.turn_jump);
+        jump = std::max(jump, f.jump);
+        turn_jump = std::max(turn_jump, f.turn_jump);
         // Speed sags with load, as the drive does: the law at the speed there is.
         const double speed = drive.speed * std::max(0.0, 1 - f.drag / drive.stall_load);
         const double reference =
             drive.energy_factor * kFeeds[i] / 60 * kWide * saw.kerfWidth() /
             (static_cast<double>(bone.inverse_energy) * static_cast<double>(bone.friction) * drive.drag_factor * speed);
         const double off = std::abs(percentOff(f.thrust, reference));
-        error += off / 27, worst = std::max(worst, off);
-        least_ratio = std::min(least_ratio, f.thrust / f.drag), most_ratio = std::max(most_ratio, f.thrust / f.drag);
+        error += off / 27;
+        worst = std::max(worst, off);
+        least_ratio = std::min(least_ratio, f.thrust / f.drag);
+        most_ratio = std::max(most_ratio, f.thrust / f.drag);
         if (d == 2)
           r.measured.push_back(
               {fmt::format("saw, cortical, {} mm/min, {} cycles/min", kFeeds[i], kCycles[j]), f.force, "N", 0, false});
@@ -384,8 +415,16 @@ Kerf measureKerf(const CutObject& object, const Rigid3& frame, double expected) 
       const double right = crossing(phi, middle, side, 1), left = crossing(phi, middle, -side, 1);
       // A wall that is not found is no kerf of the right width.
       if (std::isnan(right) || std::isnan(left)) return {1e3, 90};
-      width += right + left, ++n;
-      sx += x, sz += z, sxx += x * x, szz += z * z, sxz += x * z, sw += right, swx += right * x, swz += right * z;
+      width += right + left;
+      ++n;
+      sx += x;
+      sz += z;
+      sxx += x * x;
+      szz += z * z;
+      sxz += x * z;
+      sw += right;
+      swx += right * x;
+      swz += right * z;
     }
   // Slopes of the right wall over x and z by least squares.
   Eigen::Matrix3d a;
@@ -403,7 +442,9 @@ Expected<Result> benchSaw(const Progress& progress) {
   KERF_TRY(model, makeModel(std::span(&saw, 1)));
   model.settings.rendering = Rendering::kRigid;
   Eigen::Matrix3d axes;
-  axes.col(0) = Vec3d::UnitZ(), axes.col(1) = -Vec3d::UnitY(), axes.col(2) = Vec3d::UnitX();
+  axes.col(0) = Vec3d::UnitZ();
+  axes.col(1) = -Vec3d::UnitY();
+  axes.col(2) = Vec3d::UnitX();
   const Eigen::Quaterniond teeth_down(axes);
   for (const double h : {0.1, 0.05}) {
     double width = 0, plane = 0, least = 1e9, most = 0;
@@ -417,8 +458,10 @@ Expected<Result> benchSaw(const Progress& progress) {
       state.objects.emplace_back(block, 8192);
       const Feed f = feed(model, state, frame, {teeth_down, {-12.5, 0, 0.05}}, {0, 0, -1.55}, 2, 0.7);
       const Kerf kerf = measureKerf(state.objects[0], frame, saw.kerfWidth());
-      width = std::max(width, kerf.width_error), plane = std::max(plane, kerf.plane_degrees);
-      least = std::min(least, f.force), most = std::max(most, f.force);
+      width = std::max(width, kerf.width_error);
+      plane = std::max(plane, kerf.plane_degrees);
+      least = std::min(least, f.force);
+      most = std::max(most, f.force);
       if (n > 0) continue;
 
       // Held in its kerf: moved sideways, the flanks push back, and cut nothing.

@@ -46,7 +46,10 @@ Press press(const std::shared_ptr<const BakedObject>& block, const ToolModel& ba
   for (int n = 0; hand.next(out, sample); ++n) {
     step(model, state, sample, out);
     result.energy = std::max(result.energy, hand.portEnergy());
-    if (n > 1200 && n < 1490) low = std::min(low, hand.position()[2]), high = std::max(high, hand.position()[2]);
+    if (n > 1200 && n < 1490) {
+      low = std::min(low, hand.position()[2]);
+      high = std::max(high, hand.position()[2]);
+    }
   }
   result.trembling = high - low;
   return result;
@@ -72,14 +75,19 @@ Expected<Result> benchPassivity(const Progress& progress) {
             for (const double mass : {0.05, 0.1}) {
               if (!report(progress, 0.2 * stiffness, "hands")) return cancelled();
               DeviceHand::Options options;
-              options.hand_stiffness = hand_stiffness, options.hand_damping = hand_damping;
-              options.encoder_mm = encoder, options.mass_kg = mass, options.friction = friction;
+              options.hand_stiffness = hand_stiffness;
+              options.hand_damping = hand_damping;
+              options.encoder_mm = encoder;
+              options.mass_kg = mass;
+              options.friction = friction;
               const Press p = press(block, ball, Rendering::kCoupled, stiffness, options);
-              energy = std::max(energy, p.energy), trembling = std::max(trembling, p.trembling);
+              energy = std::max(energy, p.energy);
+              trembling = std::max(trembling, p.trembling);
               ++runs;
               if (stiffness == 1.0 && friction > 0) {
                 const double d = press(block, ball, Rendering::kDirect, stiffness, options).energy;
-                direct_energy = std::max(direct_energy, d), direct_fails += d > 0;
+                direct_energy = std::max(direct_energy, d);
+                direct_fails += d > 0;
               }
             }
       const std::string what = fmt::format("K {} N/mm, friction {} N", stiffness, friction);
@@ -119,7 +127,8 @@ Numbers numbersOf(std::size_t run, std::array<std::size_t, kAxes>& at) {
   Numbers out{};
   for (std::size_t axis = 0; axis < kAxes; ++axis) {
     const std::vector<double>& values = grid()[axis].values;
-    at[axis] = run % values.size(), run /= values.size();
+    at[axis] = run % values.size();
+    run /= values.size();
     out[axis] = values[at[axis]];
   }
   return out;
@@ -150,9 +159,13 @@ Expected<Result> benchPassivityLarge(const Progress& progress) {
       std::array<std::size_t, kAxes> at;
       const Numbers n = numbersOf(run, at);
       DeviceHand::Options options;
-      options.friction = n[kFriction], options.encoder_mm = n[kEncoder], options.mass_kg = n[kMass];
-      options.delay_ticks = static_cast<int>(n[kDelay]), options.damping = n[kDamping];
-      options.hand_stiffness = n[kHand], options.hand_damping = n[kHandDamping];
+      options.friction = n[kFriction];
+      options.encoder_mm = n[kEncoder];
+      options.mass_kg = n[kMass];
+      options.delay_ticks = static_cast<int>(n[kDelay]);
+      options.damping = n[kDamping];
+      options.hand_stiffness = n[kHand];
+      options.hand_damping = n[kHandDamping];
       presses[run] = press(block, ball, Rendering::kCoupled, n[kStiffness], options);
     });
   }
@@ -163,7 +176,8 @@ Expected<Result> benchPassivityLarge(const Progress& progress) {
     double energy = 0;
     std::vector<double> trembling;
     void add(const Press& p) {
-      ++runs, given += p.energy > 0;
+      ++runs;
+      given += p.energy > 0;
       energy = std::max(energy, p.energy);
       trembling.push_back(1000 * p.trembling);
     }

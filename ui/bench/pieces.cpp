@@ -159,7 +159,9 @@ Expected<Result> benchPieces(const Progress& progress) {
   KERF_TRY(saw, toolOfRack("saw-reciprocating-25"));
   KERF_TRY(blades, makeModel(std::span(&saw, 1)));
   Eigen::Matrix3d axes;
-  axes.col(0) = Vec3d::UnitZ(), axes.col(1) = -Vec3d::UnitY(), axes.col(2) = Vec3d::UnitX();
+  axes.col(0) = Vec3d::UnitZ();
+  axes.col(1) = -Vec3d::UnitY();
+  axes.col(2) = Vec3d::UnitX();
   const Eigen::Quaterniond teeth_down(axes);
   const auto plane = [](double y, double deep) {
     return std::pair(Vec3d(-12.5, y, 0.1), Vec3d(-12.5, y, -deep - 0.1));
@@ -178,7 +180,8 @@ Expected<Result> benchPieces(const Progress& progress) {
     // Not through: a floor of 0.3 mm holds.
     KERF_CHECK(sever(bar, blades.tools[0], teeth_down, frame, {plane(0.03, 2.6)}, {1}, small, hash));
     Box3 box;
-    box.add(Vec3d(-5.2, -5.2, -2.7)), box.add(Vec3d(5.2, 5.2, -0.3));
+    box.add(Vec3d(-5.2, -5.2, -2.7));
+    box.add(Vec3d(5.2, 5.2, -0.3));
     Box3 turned;
     for (int c = 0; c < 8; ++c)
       turned.add(frame *

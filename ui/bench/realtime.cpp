@@ -88,7 +88,10 @@ Expected<Result> benchRealtime(double seconds, const Scratch& scratch, const Pro
   const auto follow = [&] {
     for (const MeshChunkPtr& chunk : mesher.take()) mesh[coordKey(chunk->brick)] = chunk;
   };
-  while (mesh.empty()) follow(), std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  while (mesh.empty()) {
+    follow();
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
   BrickFeed* const feeds[] = {&feed};
   const StoppedAtTheEnd stopped{haptic};  // before what it writes to, should this be cancelled
   KERF_CHECK(haptic.start(device, feeds, &recorder));
@@ -111,7 +114,8 @@ Expected<Result> benchRealtime(double seconds, const Scratch& scratch, const Pro
   mesher.stop();
   follow();
   KERF_CHECK(recorder.close());
-  haptic.update(), haptic.updateTimes();
+  haptic.update();
+  haptic.updateTimes();
   const HapticCounts& counts = haptic.report().counts;
   const HapticTimes& times = haptic.times();
   const auto add = [&](const char* name, double value, const char* unit = "") {

@@ -33,7 +33,8 @@ Model modelOf(const Way& way, bool cuts) {
   if (!cuts) model.tools[0].drive.speed = 0;
   const double friction = cuts ? kFriction : 0;
   model.tissues.fill({200, static_cast<float>(friction), static_cast<float>(1 / kEnergy), true});
-  model.settings.response = way.response, model.settings.rendering = way.rendering;
+  model.settings.response = way.response;
+  model.settings.rendering = way.rendering;
   model.settings.ramp_s = 0;
   model.settings.coupling.force_rate = model.settings.coupling.torque_rate = 1e9;
   return model;
@@ -58,9 +59,11 @@ Expected<Objects> makeObjects() {
   out.askew = {Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Vec3d(1, 2, 3).normalized())), Vec3d::Zero()};
   KERF_TRY(flat, practiceBlock({8, 4, 2}, kVoxel, out.askew));
   Box3 box;
-  box.add(Vec3d(kBallCenter.array() - kBallRadius - 0.1)), box.add(Vec3d(kBallCenter.array() + kBallRadius + 0.1));
+  box.add(Vec3d(kBallCenter.array() - kBallRadius - 0.1));
+  box.add(Vec3d(kBallCenter.array() + kBallRadius + 0.1));
   KERF_TRY(ball, bakedFrom([](const Vec3d& p) { return (p - kBallCenter).norm() - kBallRadius; }, box, kVoxel));
-  out.flat = flat, out.ball = ball;
+  out.flat = flat;
+  out.ball = ball;
   return out;
 }
 
@@ -80,7 +83,8 @@ Pressed press(const Way& way, const Objects& objects, double depth, double* forc
     sample.T_world_device.rotation = objects.askew.rotation;
     step(model, state, sample, out);
     const double in = -(objects.askew.inverse() * out.T_world_tool.translation)[2];
-    p.deepest = std::max(p.deepest, in), p.at_rest = in;
+    p.deepest = std::max(p.deepest, in);
+    p.at_rest = in;
   }
   if (force) *force = out.force.force.norm();
   return p;
@@ -159,8 +163,11 @@ Expected<Held> hold(const Way& way, const std::shared_ptr<const BakedObject>& bl
         for (const double mass : {0.05, 0.1}) {
           if (!report(progress, done, way.name)) return cancelled();
           DeviceHand::Options options;
-          options.hand_stiffness = hand_stiffness, options.hand_damping = hand_damping;
-          options.encoder_mm = encoder, options.mass_kg = mass, options.friction = friction;
+          options.hand_stiffness = hand_stiffness;
+          options.hand_damping = hand_damping;
+          options.encoder_mm = encoder;
+          options.mass_kg = mass;
+          options.friction = friction;
           Model model = modelOf(way, false);
           model.settings.coupling.stiffness = stiffness;
           model.settings.coupling.force_rate = CouplingSettings{}.force_rate;  // as it is used
@@ -175,10 +182,14 @@ Expected<Held> hold(const Way& way, const std::shared_ptr<const BakedObject>& bl
           for (int n = 0; hand.next(tick, sample); ++n) {
             step(model, state, sample, tick);
             energy = std::max(energy, hand.portEnergy());
-            if (n > 1200 && n < 1490)
-              low = std::min(low, hand.position()[2]), high = std::max(high, hand.position()[2]);
+            if (n > 1200 && n < 1490) {
+              low = std::min(low, hand.position()[2]);
+              high = std::max(high, hand.position()[2]);
+            }
           }
-          ++out.runs, out.given += energy > 0, out.trembling += high - low > 0.005;
+          ++out.runs;
+          out.given += energy > 0;
+          out.trembling += high - low > 0.005;
           out.energy = std::max(out.energy, energy);
         }
   return out;
@@ -206,12 +217,14 @@ Slot cutSlot(const Way& way, const Objects& objects) {
     step(model, state, sample, out);
     slot.us.push_back(1000 * (now() - start));
     if (n < 800) continue;
-    removed += out.removed_mm3, load += out.normal_load * kTick;
+    removed += out.removed_mm3;
+    load += out.normal_load * kTick;
     force.push_back(out.force.force);
   }
   slot.rate = load > 0 ? removed / (kFriction * load * kSpeed / kEnergy) : 0;
   slot.jump = largestJump(force);
-  slot.removed = removed, slot.load = load / (1200 * kTick);
+  slot.removed = removed;
+  slot.load = load / (1200 * kTick);
   std::sort(slot.us.begin(), slot.us.end());
   return slot;
 }
@@ -259,8 +272,10 @@ Expected<Result> benchResponse(const Progress& progress) {
     const auto at = [&](double p) {
       return slot.us[std::min(slot.us.size() - 1, static_cast<std::size_t>(p * static_cast<double>(slot.us.size())))];
     };
-    add("tick, p50", at(0.5), "us"), add("tick, p99", at(0.99), "us");
-    add("tick, p99.9", at(0.999), "us"), add("tick, max", at(1), "us");
+    add("tick, p50", at(0.5), "us");
+    add("tick, p99", at(0.99), "us");
+    add("tick, p99.9", at(0.999), "us");
+    add("tick, max", at(1), "us");
   }
   return r;
 }

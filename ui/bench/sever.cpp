@@ -22,7 +22,9 @@ namespace {
 // Behind the last molars, the blade across the bone, teeth down: through on one side, then on the other.
 CutPath throughBothSides(const BrickField& phi, double y, double half_blade) {
   Eigen::Matrix3d axes;
-  axes.col(0) = Vec3d::UnitZ(), axes.col(1) = -Vec3d::UnitY(), axes.col(2) = Vec3d::UnitX();
+  axes.col(0) = Vec3d::UnitZ();
+  axes.col(1) = -Vec3d::UnitY();
+  axes.col(2) = Vec3d::UnitX();
   const Eigen::Quaterniond teeth_down(axes);
   const Box3 box = phi.bounds();
   constexpr double kSpeed = 15;  // mm/s
@@ -33,7 +35,8 @@ CutPath throughBothSides(const BrickField& phi, double y, double half_blade) {
       const double z = topAt(phi, side * x, y, box);
       if (std::isnan(z)) continue;
       if (from == 0) from = x;
-      to = x, top = std::max(top, z);
+      to = x;
+      top = std::max(top, z);
     }
     const auto add = [&](double z, bool cuts) {
       const Vec3d at(0.5 * side * (from + to) - half_blade, y, z);
@@ -44,7 +47,9 @@ CutPath throughBothSides(const BrickField& phi, double y, double half_blade) {
       }
       path.poses.push_back({t, {teeth_down, at}});
     };
-    add(top + 1, false), add(box.min[2] - 0.5, true), add(top + 1, false);
+    add(top + 1, false);
+    add(box.min[2] - 0.5, true);
+    add(top + 1, false);
   }
   return path;
 }
@@ -76,7 +81,10 @@ Expected<std::vector<double>> ticksToSplit(const SessionLog& log, Model model,
     for (; event < log.events.size() && log.events[event].samples_before <= n; ++event)
       if (const auto* command = std::get_if<SessionCommand>(&log.events[event].what)) {
         session.apply(command->text);
-        if (command->text.starts_with("pieces.")) ++next, finder.reset();
+        if (command->text.starts_with("pieces.")) {
+          ++next;
+          finder.reset();
+        }
       }
     session.tick(log.samples[n].sample, out);
     if (next == splits.size()) break;
@@ -138,7 +146,8 @@ Expected<Result> benchSever(const Scratch& scratch, const Progress& progress) {
   options.pieces.follow = [&](std::shared_ptr<const PieceOrigin> origin, std::shared_ptr<BrickFeed> its_feed) {
     const std::lock_guard lock(mutex);
     Piece& piece = pieces[origin->id];
-    piece.origin = std::move(origin), piece.feed = std::move(its_feed);
+    piece.origin = std::move(origin);
+    piece.feed = std::move(its_feed);
   };
   HapticThread haptic(model, {object}, poseAt(path, 0), options);
   const std::filesystem::path file = scratch.path() / "sever.kerflog";
@@ -176,7 +185,8 @@ Expected<Result> benchSever(const Scratch& scratch, const Progress& progress) {
   }
   haptic.stop();
   KERF_CHECK(recorder.close());
-  haptic.update(), haptic.updateTimes();
+  haptic.update();
+  haptic.updateTimes();
   const HapticCounts& counts = haptic.report().counts;
   const HapticTimes& times = haptic.times();
   KERF_TRY(log, readSessionLog(file));

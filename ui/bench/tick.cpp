@@ -40,7 +40,8 @@ struct MeshLatency {
     remesher.apply(waiting);
     free_at = at_ms + (now() - start);
     for (const double changed : since) latency.push_back(free_at - changed);
-    waiting.clear(), since.clear();
+    waiting.clear();
+    since.clear();
   }
   Remesher remesher;
   std::vector<BrickEdit> waiting;
@@ -67,7 +68,9 @@ Expected<void> timeTicks(const Model& model, State& state, VirtualHand& hand, Re
     if (out.touching == 0) continue;
     r.ms.push_back(took);
     ++in_contact;
-    touching += out.touching, tested += out.tested, bricks += out.bricks_cut;
+    touching += out.touching;
+    tested += out.tested;
+    bricks += out.bricks_cut;
     most_force = std::max(most_force, out.contact.force.norm());
   }
   if (in_contact == 0)
@@ -90,7 +93,8 @@ Expected<fs::path> bakedDemo(const DemoAnatomy& anatomy, double voxel, const Scr
   KERF_CHECK(writeDemoAnatomy(anatomy, folder, true));
   BakeOptions options;
   options.overwrite = true;
-  options.voxelize.voxel_mm = voxel, options.voxel_is_given = true;
+  options.voxelize.voxel_mm = voxel;
+  options.voxel_is_given = true;
   KERF_CHECK(bakeRecipe(folder / anatomy.manifest(), out, options, progress));
   return out;
 }
@@ -110,7 +114,8 @@ Expected<Result> benchPoints(const Progress& progress) {
     KERF_TRY(block, practiceBlock({side + 4, side + 4, 1.5}, kVoxel));
     Tool tool;
     Box3 box;
-    box.add(Vec3d(-side / 2, -side / 2, 0)), box.add(Vec3d(side / 2, side / 2, 3));
+    box.add(Vec3d(-side / 2, -side / 2, 0));
+    box.add(Vec3d(side / 2, side / 2, 3));
     tool.id = "plate";
     tool.cut = std::make_shared<const BoxShape>(box);
     tool.kind = ToolKind::kBlade;
@@ -123,7 +128,9 @@ Expected<Result> benchPoints(const Progress& progress) {
     plate.body = ToolField(BoxShape(box), options);
     plate.motion = ToolMotion::kStroke;
     plate.drive.speed = 1000;
-    plate.finest_mm = 3, plate.smallest_radius_mm = 1.5, plate.reach_mm = plate.cut.reach();
+    plate.finest_mm = 3;
+    plate.smallest_radius_mm = 1.5;
+    plate.reach_mm = plate.cut.reach();
     KERF_TRY(model, makeModel({}));
     CutObject object(block, 64);
     NearBricks near;
@@ -133,7 +140,9 @@ Expected<Result> benchPoints(const Progress& progress) {
       if (n % 256 == 0 && !report(progress, n / 3000.0, "points")) return cancelled();
       object.odometer += 1e6;  // nothing sleeps: every node is tested
       ContactInput in;
-      in.tool = &plate, in.tissues = &model.tissues, in.speed = 1000;
+      in.tool = &plate;
+      in.tissues = &model.tissues;
+      in.speed = 1000;
       // Tilted, so that about one node in fifty touches.
       in.T_object_tool = {
           Eigen::Quaterniond(Eigen::AngleAxisd(0.01, Vec3d(1, 0.3 * std::sin(0.01 * n), 0).normalized())),
@@ -143,7 +152,8 @@ Expected<Result> benchPoints(const Progress& progress) {
       ContactSums sums;
       sumContact(object, near, in, sums);
       ms.push_back(now() - start);
-      tested = sums.tested, touching = sums.touching;
+      tested = sums.tested;
+      touching = sums.touching;
     }
     Result part;
     part.ms = ms;
@@ -184,8 +194,15 @@ Expected<Result> benchTickBur(const Scratch& scratch, const Progress& progress) 
     path.poses.push_back({t, {Eigen::Quaterniond::Identity(), p}});
   };
   const double side = box.max[1] + 0.3;
-  go({-3, side, 2}, 1), go({-3, side - 0.6, 2}, 1), go({3, side - 0.6, 2}, 2), go({3, side + 1, 2}, 10);
-  go({3, side + 1, 12}, 20), go({0, 0, 12}, 20), go({0, 0, 8}, 20), go({0, 0, 3.5}, 1), go({1.5, 0, 3.5}, 1);
+  go({-3, side, 2}, 1);
+  go({-3, side - 0.6, 2}, 1);
+  go({3, side - 0.6, 2}, 2);
+  go({3, side + 1, 2}, 10);
+  go({3, side + 1, 12}, 20);
+  go({0, 0, 12}, 20);
+  go({0, 0, 8}, 20);
+  go({0, 0, 3.5}, 1);
+  go({1.5, 0, 3.5}, 1);
   model.settings.rendering = Rendering::kRigid;
   {
     FeedHand hand(path);
@@ -230,13 +247,16 @@ Expected<Result> benchTickSaw(const Scratch& scratch, const Progress& progress) 
     const double z = topAt(object->phi0(), x, y, box);
     if (std::isnan(z)) continue;
     if (left == 0) left = x;
-    right = x, top = std::max(top, z);
+    right = x;
+    top = std::max(top, z);
   }
   if (left == 0)
     return fail({Error::Code::kEmpty, "", "demo mandible", "no bone where the saw goes", "", "report this"});
   // Tool z across the bone, tool x up: the teeth look down.
   Eigen::Matrix3d axes;
-  axes.col(0) = Vec3d::UnitZ(), axes.col(1) = -Vec3d::UnitY(), axes.col(2) = Vec3d::UnitX();
+  axes.col(0) = Vec3d::UnitZ();
+  axes.col(1) = -Vec3d::UnitY();
+  axes.col(2) = Vec3d::UnitX();
   const Rigid3 start{Eigen::Quaterniond(axes), Vec3d(0.5 * (left + right) - 12.5, y, top + 0.2)};
   const auto lowered = [&](double by) {
     Rigid3 pose = start;
@@ -283,7 +303,11 @@ Expected<Result> benchTickSizes(const Progress& progress) {
     state.place(poseAt(path, 0));
     KERF_CHECK(timeTicks(model, state, hand, part, progress));
     const double p50 = part.percentile(0.5);
-    if (first == 0) first = p50, r.ms = part.ms, r.state_hash = part.state_hash;
+    if (first == 0) {
+      first = p50;
+      r.ms = part.ms;
+      r.state_hash = part.state_hash;
+    }
     r.measured.push_back({fmt::format("{} bricks: p50", block->slots().size()), p50, "ms", 0, false});
     r.measured.push_back({fmt::format("{} bricks: over the smallest", block->slots().size()), p50 / first, "", 1.25});
   }

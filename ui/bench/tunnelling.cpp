@@ -68,8 +68,12 @@ Expected<Result> benchTunnelling(const Progress& progress) {
     Vec3d tip;  // tool frame
   };
   Eigen::Matrix3d edge_down, flank_down;
-  edge_down.col(0) = Vec3d::UnitZ(), edge_down.col(1) = -Vec3d::UnitY(), edge_down.col(2) = Vec3d::UnitX();
-  flank_down.col(0) = Vec3d::UnitX(), flank_down.col(1) = Vec3d::UnitZ(), flank_down.col(2) = -Vec3d::UnitY();
+  edge_down.col(0) = Vec3d::UnitZ();
+  edge_down.col(1) = -Vec3d::UnitY();
+  edge_down.col(2) = Vec3d::UnitX();
+  flank_down.col(0) = Vec3d::UnitX();
+  flank_down.col(1) = Vec3d::UnitZ();
+  flank_down.col(2) = -Vec3d::UnitY();
   const double half = 0.5 * saw.thickness_mm;
   const Approach approaches[] = {
       {"ball of 1 mm", practiceBall(0.5, 840), Eigen::Quaterniond::Identity(), Vec3d::Zero()},
@@ -94,7 +98,9 @@ Expected<Result> benchTunnelling(const Progress& progress) {
           model.tissues.fill({200, 0.5f, 1e-3f, true});
           // Held by hand, not turning: the wall has to stop it.
           KERF_TRY(held, pass(model, voxel, attitude, approach.turn, approach.tip, speed, offset, 0));
-          passed += held.is_behind, missed_coupled += held.is_missed, deepest = std::max(deepest, held.deepest);
+          passed += held.is_behind;
+          missed_coupled += held.is_missed;
+          deepest = std::max(deepest, held.deepest);
           // A machine: nothing stops it, and it has to notice.
           model.settings.rendering = Rendering::kRigid;
           KERF_TRY(driven, pass(model, voxel, attitude, approach.turn, approach.tip, speed, offset, 0));
@@ -107,7 +113,8 @@ Expected<Result> benchTunnelling(const Progress& progress) {
             r.ms.insert(r.ms.end(), p->ms.begin(), p->ms.end());
             state = state * 0x100000001b3ull ^ p->state;
           }
-          runs += 3, part += 1;
+          runs += 3;
+          part += 1;
         }
       const std::string what = fmt::format("{}, {} m/s", approach.name, speed / 1000);
       r.measured.push_back({what + ": passed, of " + std::to_string(part), static_cast<double>(passed), "", 0});

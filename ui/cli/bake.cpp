@@ -177,13 +177,17 @@ nlohmann::json toJson(const BakeReport& r) {
 }
 
 int runPair(const Arguments& a, const std::vector<std::filesystem::path>& paths) {
-  if (paths.size() != 2)
-    return complain({Error::Code::kBadValue, "", "--pair", fmt::format("{} meshes", paths.size()),
-                     "two: the jaws that meet", "kerf bake --pair upper.ply lower.ply -o patient"}),
-           kUsage;
+  if (paths.size() != 2) {
+    complain({Error::Code::kBadValue, "", "--pair", fmt::format("{} meshes", paths.size()), "two: the jaws that meet",
+              "kerf bake --pair upper.ply lower.ply -o patient"});
+    return kUsage;
+  }
   const std::array<std::filesystem::path, 2> meshes{paths[0], paths[1]};
   const auto folders = pairFolders(meshes, a.output);
-  if (!folders) return complain(folders.error()), kUsage;
+  if (!folders) {
+    complain(folders.error());
+    return kUsage;
+  }
   auto reports = [&] {
     TerminalProgress progress;
     return bakePair(meshes, *folders, a.options, progress.callback());
@@ -201,21 +205,30 @@ int runPair(const Arguments& a, const std::vector<std::filesystem::path>& paths)
 }
 
 int run(Arguments& a) {
-  if (const auto close = readClose(a.close, a.options.close); !close) return complain(close.error()), kUsage;
+  if (const auto close = readClose(a.close, a.options.close); !close) {
+    complain(close.error());
+    return kUsage;
+  }
   if (a.fill_up_to > 0) a.options.close.fill_up_to_mm = a.fill_up_to;
-  if (const auto base = readBase(a, a.options.close); !base) return complain(base.error()), kUsage;
+  if (const auto base = readBase(a, a.options.close); !base) {
+    complain(base.error());
+    return kUsage;
+  }
   if (a.occlusal_plane == "auto") {
     a.options.close.find_occlusal_plane = true;
   } else if (!a.occlusal_plane.empty()) {
     const auto given = plane(a.occlusal_plane);
-    if (!given) return complain(given.error()), kUsage;
+    if (!given) {
+      complain(given.error());
+      return kUsage;
+    }
     a.options.close.occlusal_plane = *given;
   }
   if (!a.fine_along.empty()) {
-    if (a.pair)
-      return complain({Error::Code::kBadValue, "", "--fine-along", "beside --pair", "one object",
-                       "bake the jaws one by one"}),
-             kUsage;
+    if (a.pair) {
+      complain({Error::Code::kBadValue, "", "--fine-along", "beside --pair", "one object", "bake the jaws one by one"});
+      return kUsage;
+    }
     const auto path = readPath(a.fine_along);
     if (!path) return complain(path.error());
     FineRegion region{{}, a.fine_radius, a.fine_voxel};
@@ -231,10 +244,11 @@ int run(Arguments& a) {
   std::vector<std::filesystem::path> paths(a.inputs.begin(), a.inputs.end());
   if (a.pair) return runPair(a, paths);
   const auto recipe = std::find_if(paths.begin(), paths.end(), looksLikeRecipe);
-  if (recipe != paths.end() && paths.size() > 1)
-    return complain({Error::Code::kBadValue, recipe->string(), "", "a recipe beside other files", "the recipe alone",
-                     "name the other meshes in it, as [[part]]"}),
-           kUsage;
+  if (recipe != paths.end() && paths.size() > 1) {
+    complain({Error::Code::kBadValue, recipe->string(), "", "a recipe beside other files", "the recipe alone",
+              "name the other meshes in it, as [[part]]"});
+    return kUsage;
+  }
   auto report = [&] {
     TerminalProgress progress;
     return recipe != paths.end() ? bakeRecipe(paths[0], a.output, a.options, progress.callback())

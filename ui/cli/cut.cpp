@@ -86,7 +86,9 @@ int runByHand(const Arguments& a, const std::filesystem::path& tool) {
   warnOfNeighbours(a, s);
   if (a.json) {
     nlohmann::json j = nlohmann::json::parse(toJson(s));
-    j["tool"] = cut->manifest.tool_id, j["hand"] = a.hand, j["response"] = a.response,
+    j["tool"] = cut->manifest.tool_id;
+    j["hand"] = a.hand;
+    j["response"] = a.response;
     j["voxel_mm"] = cut->manifest.voxel_mm;
     printJson(j);
     return kOk;

@@ -60,7 +60,8 @@ Progress TerminalProgress::callback() {
     if (interrupted != 0) return false;
     const int percent = static_cast<int>(100 * fraction);
     if (is_terminal_ && (percent != last_percent_ || what != last_what_)) {
-      last_percent_ = percent, last_what_ = what;
+      last_percent_ = percent;
+      last_what_ = what;
       const double spent = seconds() - start_;
       const std::string left = fraction > 0.05 && spent > 1
                                    ? fmt::format(", {:.0f} s left", spent * (1 - fraction) / fraction)

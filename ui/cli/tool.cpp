@@ -219,7 +219,10 @@ int makeNew(const Arguments& a) {
   if (!shape) {
     std::vector<std::string> names;
     std::string all;
-    for (const HeadShape& s : headShapes()) names.emplace_back(s.name), all += (all.empty() ? "" : ", ") + names.back();
+    for (const HeadShape& s : headShapes()) {
+      names.emplace_back(s.name);
+      all += (all.empty() ? "" : ", ") + names.back();
+    }
     return complain(
         {Error::Code::kBadValue, "", "--shape", "\"" + a.shape + "\"", "one of " + all, nearestName(a.shape, names)});
   }

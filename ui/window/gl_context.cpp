@@ -57,18 +57,29 @@ std::string describe(std::string_view how) {
 /// A current context on `display`, or null with the reason in `why`. Takes a 1 x 1 pbuffer where the display can not do
 /// without a surface; the pictures are drawn into framebuffer objects either way.
 std::unique_ptr<EglContext> contextOn(EGLDisplay display, std::string& why) {
-  if (display == EGL_NO_DISPLAY) return why = eglError("opening the display"), nullptr;
+  if (display == EGL_NO_DISPLAY) {
+    why = eglError("opening the display");
+    return nullptr;
+  }
   EGLint major = 0, minor = 0;
-  if (!eglInitialize(display, &major, &minor)) return why = eglError("eglInitialize"), nullptr;
+  if (!eglInitialize(display, &major, &minor)) {
+    why = eglError("eglInitialize");
+    return nullptr;
+  }
   auto egl = std::make_unique<EglContext>();
   egl->display = display;
-  if (!eglBindAPI(EGL_OPENGL_API)) return why = eglError("binding the OpenGL API"), nullptr;
+  if (!eglBindAPI(EGL_OPENGL_API)) {
+    why = eglError("binding the OpenGL API");
+    return nullptr;
+  }
   const std::array<EGLint, 5> wanted = {EGL_SURFACE_TYPE, EGL_PBUFFER_BIT, EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT,
                                         EGL_NONE};
   EGLConfig config = nullptr;
   EGLint count = 0;
-  if (!eglChooseConfig(display, wanted.data(), &config, 1, &count) || count == 0)
-    return why = eglError("choosing a configuration"), nullptr;
+  if (!eglChooseConfig(display, wanted.data(), &config, 1, &count) || count == 0) {
+    why = eglError("choosing a configuration");
+    return nullptr;
+  }
   const std::array<EGLint, 7> version = {EGL_CONTEXT_MAJOR_VERSION_KHR,
                                          3,
                                          EGL_CONTEXT_MINOR_VERSION_KHR,
@@ -77,12 +88,17 @@ std::unique_ptr<EglContext> contextOn(EGLDisplay display, std::string& why) {
                                          EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT_KHR,
                                          EGL_NONE};
   egl->context = eglCreateContext(display, config, EGL_NO_CONTEXT, version.data());
-  if (egl->context == EGL_NO_CONTEXT) return why = eglError("creating an OpenGL 3.3 core context"), nullptr;
+  if (egl->context == EGL_NO_CONTEXT) {
+    why = eglError("creating an OpenGL 3.3 core context");
+    return nullptr;
+  }
   if (eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, egl->context)) return egl;
   const std::array<EGLint, 5> size = {EGL_WIDTH, 1, EGL_HEIGHT, 1, EGL_NONE};
   egl->surface = eglCreatePbufferSurface(display, config, size.data());
-  if (egl->surface == EGL_NO_SURFACE || !eglMakeCurrent(display, egl->surface, egl->surface, egl->context))
-    return why = eglError("making the context current"), nullptr;
+  if (egl->surface == EGL_NO_SURFACE || !eglMakeCurrent(display, egl->surface, egl->surface, egl->context)) {
+    why = eglError("making the context current");
+    return nullptr;
+  }
   return egl;
 }
 
@@ -119,16 +135,24 @@ std::unique_ptr<OffscreenContext> throughEgl(std::string& attempts) {
 }
 
 std::unique_ptr<OffscreenContext> throughHiddenWindow(std::string& attempts) {
-  if (!std::getenv("DISPLAY") && !std::getenv("WAYLAND_DISPLAY"))
-    return attempts += "hidden window: no display", nullptr;
-  if (!glfwInit()) return attempts += "hidden window: the display can not be opened", nullptr;
+  if (!std::getenv("DISPLAY") && !std::getenv("WAYLAND_DISPLAY")) {
+    attempts += "hidden window: no display";
+    return nullptr;
+  }
+  if (!glfwInit()) {
+    attempts += "hidden window: the display can not be opened";
+    return nullptr;
+  }
   auto hidden = std::make_unique<HiddenWindow>();
   glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
   hidden->window = glfwCreateWindow(16, 16, "kerf", nullptr, nullptr);
-  if (!hidden->window) return attempts += "hidden window: no OpenGL 3.3 on this display", nullptr;
+  if (!hidden->window) {
+    attempts += "hidden window: no OpenGL 3.3 on this display";
+    return nullptr;
+  }
   glfwMakeContextCurrent(hidden->window);
   hidden->description = describe("hidden GLFW window");
   return hidden;

@@ -54,7 +54,10 @@ bool parseSection(const std::string& text, kerf::SectionPlane& plane) {
   using Through = kerf::SectionPlane::Through;
   std::string direction = text;
   for (const auto& [word, through] : {std::pair("center,", Through::kCenter), std::pair("cut,", Through::kCut)})
-    if (text.starts_with(word)) plane.through = through, direction = text.substr(std::string_view(word).size());
+    if (text.starts_with(word)) {
+      plane.through = through;
+      direction = text.substr(std::string_view(word).size());
+    }
   if (plane.through == Through::kPoint) {
     std::size_t comma = 0;
     for (int k = 0; k < 3 && comma != text.npos; ++k) comma = text.find(',', k == 0 ? 0 : comma + 1);

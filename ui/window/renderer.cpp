@@ -54,9 +54,11 @@ class Program {
     KERF_TRY(v, compiled(GL_VERTEX_SHADER, vertex));
     KERF_TRY(f, compiled(GL_FRAGMENT_SHADER, fragment));
     id = glCreateProgram();
-    glAttachShader(id, v), glAttachShader(id, f);
+    glAttachShader(id, v);
+    glAttachShader(id, f);
     glLinkProgram(id);
-    glDeleteShader(v), glDeleteShader(f);
+    glDeleteShader(v);
+    glDeleteShader(f);
     GLint ok = 0;
     glGetProgramiv(id, GL_LINK_STATUS, &ok);
     if (ok) return {};
@@ -103,12 +105,18 @@ struct Renderer::Impl {
   GroundShadow shadow;
 
   Impl() {
-    glGenVertexArrays(1, &vertex_array), glGenVertexArrays(1, &empty_array), glGenBuffers(1, &vertex_buffer);
-    glGenTextures(kTextures, texture), glGenFramebuffers(kTargets, target);
+    glGenVertexArrays(1, &vertex_array);
+    glGenVertexArrays(1, &empty_array);
+    glGenBuffers(1, &vertex_buffer);
+    glGenTextures(kTextures, texture);
+    glGenFramebuffers(kTargets, target);
   }
   ~Impl() {
-    glDeleteVertexArrays(1, &vertex_array), glDeleteVertexArrays(1, &empty_array), glDeleteBuffers(1, &vertex_buffer);
-    glDeleteTextures(kTextures, texture), glDeleteFramebuffers(kTargets, target);
+    glDeleteVertexArrays(1, &vertex_array);
+    glDeleteVertexArrays(1, &empty_array);
+    glDeleteBuffers(1, &vertex_buffer);
+    glDeleteTextures(kTextures, texture);
+    glDeleteFramebuffers(kTargets, target);
     for (const Program* p : {&surface, &occlusion, &shade, &reduce}) glDeleteProgram(p->id);
   }
 
@@ -140,7 +148,8 @@ struct Renderer::Impl {
       if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
         return fail(glFailure("picture", "the driver refuses a framebuffer of " + fmt::format("{} x {}", w, h)));
     }
-    width = w, height = h;
+    width = w;
+    height = h;
     return {};
   }
 
@@ -157,12 +166,18 @@ struct Renderer::Impl {
     const double reach = 0.22 * visible, shadow_reach = 0.55 * visible;
     const int samples = std::clamp(options.occlusion_samples, 0, 64);
 
-    glDisable(GL_BLEND), glDisable(GL_CULL_FACE), glDisable(GL_SCISSOR_TEST), glDisable(GL_FRAMEBUFFER_SRGB);
-    glEnable(GL_DEPTH_TEST), glDepthFunc(GL_LESS), glDepthMask(GL_TRUE);
+    glDisable(GL_BLEND);
+    glDisable(GL_CULL_FACE);
+    glDisable(GL_SCISSOR_TEST);
+    glDisable(GL_FRAMEBUFFER_SRGB);
+    glEnable(GL_DEPTH_TEST);
+    glDepthFunc(GL_LESS);
+    glDepthMask(GL_TRUE);
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     glViewport(0, 0, width, height);
     glBindFramebuffer(GL_FRAMEBUFFER, target[kSurfaceTarget]);
-    glClearColor(0, 0, 0, 0), glClearDepth(1);
+    glClearColor(0, 0, 0, 0);
+    glClearDepth(1);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     surface.use();
     surface.set("rotation", rotation);
@@ -173,22 +188,32 @@ struct Renderer::Impl {
 
     glDisable(GL_DEPTH_TEST);
     glBindVertexArray(empty_array);
-    bindTexture(0, texture[kDepth]), bindTexture(1, texture[kNormal]), bindTexture(2, texture[kColor]);
-    bindTexture(3, texture[kOcclusion]), bindTexture(4, texture[kGround]), bindTexture(5, texture[kShaded]);
+    bindTexture(0, texture[kDepth]);
+    bindTexture(1, texture[kNormal]);
+    bindTexture(2, texture[kColor]);
+    bindTexture(3, texture[kOcclusion]);
+    bindTexture(4, texture[kGround]);
+    bindTexture(5, texture[kShaded]);
     const auto setCommon = [&](const Program& program) {
       program.use();
-      program.set("depth_map", 0), program.set("normal_map", 1);
-      program.set("mm_per_point", mm_per_point), program.set("half_depth", half_depth), program.set("reach", reach);
+      program.set("depth_map", 0);
+      program.set("normal_map", 1);
+      program.set("mm_per_point", mm_per_point);
+      program.set("half_depth", half_depth);
+      program.set("reach", reach);
       program.set("key_light", kKeyLight);
     };
     glBindFramebuffer(GL_FRAMEBUFFER, target[kOcclusionTarget]);
     setCommon(occlusion);
-    occlusion.set("shadow_reach", shadow_reach), occlusion.set("samples", samples);
+    occlusion.set("shadow_reach", shadow_reach);
+    occlusion.set("samples", samples);
     glDrawArrays(GL_TRIANGLES, 0, 3);
 
     glBindFramebuffer(GL_FRAMEBUFFER, target[kShadedTarget]);
     setCommon(shade);
-    shade.set("color_map", 2), shade.set("occlusion_map", 3), shade.set("ground_map", 4);
+    shade.set("color_map", 2);
+    shade.set("occlusion_map", 3);
+    shade.set("ground_map", 4);
     shade.set("rotation", rotation);
     const Vec3f ground = (shadow.center - camera.target).cast<float>();
     glUniform4f(shade.at("ground"), ground.x(), ground.y(), ground.z(), static_cast<float>(shadow.side));
@@ -199,7 +224,8 @@ struct Renderer::Impl {
     glBindFramebuffer(GL_FRAMEBUFFER, to);
     glViewport(0, 0, out_width, out_height);
     reduce.use();
-    reduce.set("shaded_map", 5), reduce.set("factor", factor);
+    reduce.set("shaded_map", 5);
+    reduce.set("factor", factor);
     glDrawArrays(GL_TRIANGLES, 0, 3);
     glActiveTexture(GL_TEXTURE0);
     if (const GLenum error = glGetError(); error != GL_NO_ERROR)
@@ -267,7 +293,8 @@ Expected<Image> Renderer::picture(const Camera& camera, int width, int height, c
                  .expected = fmt::format("1 to {} pixels a side", kLargestSide),
                  .hint = "--size 1600x1200"});
   GLuint buffer = 0, target = 0;
-  glGenRenderbuffers(1, &buffer), glGenFramebuffers(1, &target);
+  glGenRenderbuffers(1, &buffer);
+  glGenFramebuffers(1, &target);
   glBindRenderbuffer(GL_RENDERBUFFER, buffer);
   glRenderbufferStorage(GL_RENDERBUFFER, GL_RGBA8, width, height);
   glBindFramebuffer(GL_FRAMEBUFFER, target);
@@ -283,7 +310,8 @@ Expected<Image> Renderer::picture(const Camera& camera, int width, int height, c
     for (std::size_t y = 0; y < static_cast<std::size_t>(height); ++y)
       std::copy_n(upwards.data() + (static_cast<std::size_t>(height) - 1 - y) * row, row, image.rgba.data() + y * row);
   }
-  glDeleteFramebuffers(1, &target), glDeleteRenderbuffers(1, &buffer);
+  glDeleteFramebuffers(1, &target);
+  glDeleteRenderbuffers(1, &buffer);
   if (!drawn) return fail(drawn.error());
   return image;
 }

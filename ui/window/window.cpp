@@ -37,7 +37,11 @@ struct Desktop {
   GLFWwindow* window = nullptr;
   bool started = false, panels = false;
   ~Desktop() {
-    if (panels) ImGui_ImplOpenGL3_Shutdown(), ImGui_ImplGlfw_Shutdown(), ImGui::DestroyContext();
+    if (panels) {
+      ImGui_ImplOpenGL3_Shutdown();
+      ImGui_ImplGlfw_Shutdown();
+      ImGui::DestroyContext();
+    }
     if (window) glfwDestroyWindow(window);
     if (started) glfwTerminate();
   }
@@ -125,7 +129,8 @@ Expected<void> open(Desktop& desktop, const Scene& scene, const WindowOptions& o
   ImGui::StyleColorsLight();
   ImGui_ImplGlfw_InitForOpenGL(desktop.window, true);
   if (!ImGui_ImplOpenGL3_Init("#version 330 core")) {
-    ImGui_ImplGlfw_Shutdown(), ImGui::DestroyContext();
+    ImGui_ImplGlfw_Shutdown();
+    ImGui::DestroyContext();
     return fail(noWindow("Dear ImGui found no OpenGL 3.3"));
   }
   desktop.panels = true;

@@ -23,7 +23,8 @@ struct CutBall {
   BrickField rho;
   CutBall() {
     Box3 box;
-    box.add(Vec3d::Zero()), box.grow(kRadius);
+    box.add(Vec3d::Zero());
+    box.grow(kRadius);
     const BrickField phi0 = sampled(h, box, [](const Vec3d& p) { return p.norm() - kRadius; });
     const BrickField sweep = sampled(h, box, [&](const Vec3d& p) { return (p - center).norm() - tool; });
     rho = removedFieldFromSweep(phi0, sweep);
@@ -68,7 +69,8 @@ TEST(PostOpMesh, RemovedVolumeIsTheLensOfTwoBalls) {
 TEST(PostOpMesh, AnyCutsFieldGivesTheSameVolumeToAPercent) {
   CutBall c;
   Box3 box;
-  box.add(Vec3d::Zero()), box.grow(kRadius);
+  box.add(Vec3d::Zero());
+  box.grow(kRadius);
   const BrickField phi0 = sampled(c.h, box, [](const Vec3d& p) { return p.norm() - kRadius; });
   const BrickField phi =
       sampled(c.h, box, [&](const Vec3d& p) { return std::max(p.norm() - kRadius, c.tool - (p - c.center).norm()); });
@@ -82,7 +84,8 @@ TEST(PostOpMesh, WhatACutLeavesOfASmallObjectIsNoCrumb) {
   // At voxels of 1.5 mm ten of them are 34 mm3; the cap that stays is less, and all there is.
   const Mesh source = ballMesh(Vec3d::Zero(), kRadius, 48);
   Box3 box;
-  box.add(Vec3d::Zero()), box.grow(kRadius);
+  box.add(Vec3d::Zero());
+  box.grow(kRadius);
   const double h = 1.5;
   const BrickField phi0 = sampled(h, box, [](const Vec3d& p) { return p.norm() - kRadius; });
   const BrickField sweep = sampled(h, box, [](const Vec3d& p) { return p[2] - 1.3; });

@@ -19,7 +19,8 @@ TEST(MarchingCubes, BallVolumeIsWithinAFewHundredthsOfAPercentFromFiveVoxelsOn) 
     for (int round = 0; round < 5; ++round) {
       const Vec3d c = h * Vec3d(shift(random), shift(random), shift(random));
       Box3 box;
-      box.add(c), box.grow(r);
+      box.add(c);
+      box.grow(r);
       const Mesh m = marchingCubes(sampled(h, box, [&](const Vec3d& p) { return (p - c).norm() - r; }));
       expectClosedManifold(m);
       const double exact = 4.0 / 3.0 * std::numbers::pi * r * r * r;
@@ -34,7 +35,8 @@ TEST(MarchingCubes, PlateOfFourVoxelsKeepsItsVolumeAndItsFlatSides) {
   const double h = 0.1;
   const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.7, Vec3d(1, 2, 3).normalized()));
   Box3 box;
-  box.add(Vec3d::Zero()), box.grow(1.5);
+  box.add(Vec3d::Zero());
+  box.grow(1.5);
   const auto plate = [&](const Vec3d& p) {
     const Vec3d d = (turn * p).cwiseAbs() - half;
     return d.cwiseMax(0.0).norm() + std::min(0.0, d.maxCoeff());
@@ -82,8 +84,10 @@ TEST(BrickField, MissingBricksAreConstantAndHashIgnoresOrder) {
   EXPECT_EQ(a.at({-1, -1, -1}), 0.3f);
   EXPECT_EQ(a.brick(a.touch({5, 5, 5}))[0], -0.3f);
   BrickField c(0.1, 0.3f);
-  b.touch({0, 0, 0}), b.touch({-4, 2, 1});
-  c.touch({-4, 2, 1}), c.touch({0, 0, 0});
+  b.touch({0, 0, 0});
+  b.touch({-4, 2, 1});
+  c.touch({-4, 2, 1});
+  c.touch({0, 0, 0});
   EXPECT_EQ(b.stateHash(), c.stateHash());
   c.brick(0)[17] = 0.25f;
   EXPECT_NE(b.stateHash(), c.stateHash());

@@ -322,7 +322,8 @@ class Lib3mf {
   }
   ~Lib3mf() {
     if (object_) NMR::lib3mf_release(object_);
-    NMR::lib3mf_release(reader_), NMR::lib3mf_release(model_);
+    NMR::lib3mf_release(reader_);
+    NMR::lib3mf_release(model_);
   }
   Lib3mf(const Lib3mf&) = delete;
   Lib3mf& operator=(const Lib3mf&) = delete;
@@ -366,9 +367,15 @@ class Lib3mf {
 
 TEST_F(ThreeMf, Lib3mfReadsWhatWeWriteStrictlyAndToTheSameMesh) {
   Mesh m = octahedron();
-  m.vertices[2].y() = 5, m.vertices[4].z() = 3, m.vertices[5].z() = -3;  // lib3mf refuses beyond 10^6
+  m.vertices[2].y() = 5;
+  m.vertices[4].z() = 3;
+  m.vertices[5].z() = -3;  // lib3mf refuses beyond 10^6
   for (const bool shaded : {false, true}) {
-    if (shaded) m.vertex_colors.assign(6, Rgba8{1, 2, 3, 255}), m.vertex_colors[0][0] = 9, m.face_colors.clear();
+    if (shaded) {
+      m.vertex_colors.assign(6, Rgba8{1, 2, 3, 255});
+      m.vertex_colors[0][0] = 9;
+      m.face_colors.clear();
+    }
     ASSERT_TRUE(writeMesh(folder_.path() / "a.3mf", m));
     const Lib3mf theirs(folder_.path() / "a.3mf");
     ASSERT_TRUE(theirs.read());
@@ -383,8 +390,11 @@ TEST_F(ThreeMf, Lib3mfReadsWhatWeWriteStrictlyAndToTheSameMesh) {
 
 TEST_F(ThreeMf, Lib3mfReadsOpenSurfacesWeWrite) {
   Mesh m = octahedron();
-  m.vertices[2].y() = 5, m.vertices[4].z() = 3, m.vertices[5].z() = -3;
-  m.triangles.pop_back(), m.face_colors.pop_back();
+  m.vertices[2].y() = 5;
+  m.vertices[4].z() = 3;
+  m.vertices[5].z() = -3;
+  m.triangles.pop_back();
+  m.face_colors.pop_back();
   ASSERT_TRUE(writeMesh(folder_.path() / "a.3mf", m));
   const Lib3mf theirs(folder_.path() / "a.3mf");
   EXPECT_TRUE(theirs.read());

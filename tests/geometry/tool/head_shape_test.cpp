@@ -93,8 +93,13 @@ TEST(HeadShape, AnyCornersMakeASoundHeadOrAMistake) {
 
 TEST(HeadShape, ArcsMeetTheirNeighboursWithoutAKink) {
   HeadNumbers n;
-  n.head_diameter = 1.6, n.head_length = 8, n.tip_diameter = 1.1, n.point_length = 1.1, n.top_diameter = 0.9;
-  n.edge_radius = 0.2, n.widest_at = 4;
+  n.head_diameter = 1.6;
+  n.head_length = 8;
+  n.tip_diameter = 1.1;
+  n.point_length = 1.1;
+  n.top_diameter = 0.9;
+  n.edge_radius = 0.2;
+  n.widest_at = 4;
   for (const char* name : {"taper_round", "torpedo", "pear", "flame", "football", "taper_flat", "inverted_cone"}) {
     const auto head = findHeadShape(name)->build(n);
     ASSERT_TRUE(head) << name;

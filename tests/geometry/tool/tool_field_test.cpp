@@ -22,7 +22,9 @@ Points pointsAround(const Box3& box, double margin, int n, unsigned seed) {
       return static_cast<float>(
           std::uniform_real_distribution<double>(box.min[c] - margin, box.max[c] + margin)(random));
     };
-    p.x.push_back(along(0)), p.y.push_back(along(1)), p.z.push_back(along(2));
+    p.x.push_back(along(0));
+    p.y.push_back(along(1));
+    p.z.push_back(along(2));
   }
   return p;
 }

@@ -95,7 +95,8 @@ TEST(BakeRecipe, NothingIsBakedTwiceButAnyChangeBakesAgain) {
   EXPECT_TRUE(again->was_up_to_date);
   EXPECT_EQ(fs::last_write_time(out / kCaseManifest), written);
   BakeOptions coarser;
-  coarser.voxelize.voxel_mm = 0.2, coarser.voxel_is_given = true;
+  coarser.voxelize.voxel_mm = 0.2;
+  coarser.voxel_is_given = true;
   EXPECT_FALSE(bakeRecipe(recipe, out, coarser)) << "another case is in the way";
   ASSERT_TRUE(writeMesh(folder.path() / "pulp.ply", ballMesh({10, 0, 0.5}, 1.2, 40)));
   EXPECT_FALSE(bakeRecipe(recipe, out, {})) << "so is this one, since a source changed";
@@ -146,7 +147,9 @@ TEST(BakeRecipe, TheSameVoxelFromRecipeOrCallerIsTheSameCase) {
   const TemporaryFolder folder;
   const fs::path recipe = toothRecipe(folder.path());  // says 0.1
   BakeOptions given;
-  given.voxelize.voxel_mm = 0.1, given.voxel_is_given = true, given.close.cleanup_length_mm = 0.005;
+  given.voxelize.voxel_mm = 0.1;
+  given.voxel_is_given = true;
+  given.close.cleanup_length_mm = 0.005;
   const auto first = bakeRecipe(recipe, folder.path() / "a.case", {}),
              second = bakeRecipe(recipe, folder.path() / "a.case", given);
   ASSERT_TRUE(first && second);

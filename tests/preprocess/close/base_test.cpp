@@ -51,7 +51,10 @@ Flatness flatness(const Solid& s) {
   for (const Vec3d& p : s.mesh.vertices) {
     const double d = s.report.base_direction->dot(p) - s.report.base_level_mm;
     EXPECT_LT(d, 1e-4) << "nothing below the base";
-    if (d > -0.2) f.worst = std::max(f.worst, std::abs(d)), ++f.vertices;
+    if (d > -0.2) {
+      f.worst = std::max(f.worst, std::abs(d));
+      ++f.vertices;
+    }
   }
   return f;
 }

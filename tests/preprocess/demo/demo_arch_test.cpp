@@ -50,7 +50,10 @@ TEST_F(DemoArchScan, HasTheFaultsItClaimsAndNoOthers) {
   std::vector<char> counted(arch().mesh.vertices.size(), 0);
   for (std::size_t t = 0; t < size[0]; ++t)
     for (const std::uint32_t v : arch().mesh.triangles[t])
-      if (!counted[v]) counted[v] = 1, spikes += std::abs(internal::archSurface(arch().mesh.vertices[v])) > 0.5;
+      if (!counted[v]) {
+        counted[v] = 1;
+        spikes += std::abs(internal::archSurface(arch().mesh.vertices[v])) > 0.5;
+      }
   EXPECT_EQ(spikes, d.spikes);
 }
 
@@ -65,7 +68,10 @@ TEST_F(DemoArchScan, IsAsNoisyAsAScanner) {
       const Vec3d d = 1e-4 * Vec3d::Unit(axis);
       gradient[axis] = (internal::archSurface(p + d) - internal::archSurface(p - d)) / 2e-4;
     }
-    if (const double off = value / gradient.norm(); std::abs(off) < 0.1) sum += off * off, ++count;
+    if (const double off = value / gradient.norm(); std::abs(off) < 0.1) {
+      sum += off * off;
+      ++count;
+    }
   }
   EXPECT_GT(count, 20000);
   EXPECT_GT(1000 * std::sqrt(sum / count), 5);   // um

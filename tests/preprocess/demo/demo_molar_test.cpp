@@ -178,7 +178,10 @@ TEST(TetrahedralMesher, SkippingEmptyBlocksChangesNothing) {
   const Box3 box{Vec3d(-5, -5, -2), Vec3d(5, 5, 2)};
   const Mesh all = internal::meshImplicit(ring, box, 0.2), skipped = internal::meshImplicit(ring, box, 0.2, 3, 1.0);
   int calls = 0;
-  const auto counted = [&](const Vec3d& p) { return ++calls, ring(p); };
+  const auto counted = [&](const Vec3d& p) {
+    ++calls;
+    return ring(p);
+  };
   tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
   internal::meshImplicit(counted, box, 0.2, 0, 1.0);
   const int with_skipping = std::exchange(calls, 0);

@@ -7,7 +7,8 @@ namespace {
 
 Box3 across(double diagonal) {
   Box3 box;
-  box.add(Vec3d::Zero()), box.add(Vec3d(diagonal / std::sqrt(3), diagonal / std::sqrt(3), diagonal / std::sqrt(3)));
+  box.add(Vec3d::Zero());
+  box.add(Vec3d(diagonal / std::sqrt(3), diagonal / std::sqrt(3), diagonal / std::sqrt(3)));
   return box;
 }
 

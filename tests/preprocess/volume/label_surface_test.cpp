@@ -62,7 +62,9 @@ Deviation deviation(const Mesh& m, Distance&& distance, Normal&& normal, Counts&
     const Vec3d c = (m.corner(t, 0) + m.corner(t, 1) + m.corner(t, 2)) / 3, n = doubleAreaVector(m, t);
     if (!counts(c)) continue;
     const double a = n.norm(), angle = std::acos(std::clamp(n.normalized().dot(normal(c)), -1.0, 1.0));
-    d.distance += a * std::pow(distance(c), 2), d.angle += a * angle * angle, area += a;
+    d.distance += a * std::pow(distance(c), 2);
+    d.angle += a * angle * angle;
+    area += a;
   }
   return {std::sqrt(d.distance / area), std::sqrt(d.angle / area)};
 }

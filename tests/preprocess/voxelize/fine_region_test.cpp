@@ -87,9 +87,12 @@ struct Tooth {
   FineRegion region{{{0.5, 0, 0.2}, {1.5, 0.4, 0.5}, {3.2, 0.5, 1}}, 0.8, 0.05};
   Tooth() {
     MaterialClaim enamel, inner, dentin;
-    enamel.material = Material::kEnamel, enamel.depth = DepthRule{0.6, Plane{{0, 0, 0}, Vec3d::UnitZ()}};
-    inner.material = Material::kPulp, inner.solid = &pulp;
-    dentin.material = Material::kDentin, dentin.solid = &tooth;
+    enamel.material = Material::kEnamel;
+    enamel.depth = DepthRule{0.6, Plane{{0, 0, 0}, Vec3d::UnitZ()}};
+    inner.material = Material::kPulp;
+    inner.solid = &pulp;
+    dentin.material = Material::kDentin;
+    dentin.solid = &tooth;
     claims = {inner, enamel, dentin};
   }
 };

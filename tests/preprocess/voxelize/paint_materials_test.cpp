@@ -23,7 +23,8 @@ double capVolume(double r, double height) { return kPi * height * height * (3 * 
 
 MaterialClaim inside(Material material, const Mesh& solid) {
   MaterialClaim claim;
-  claim.material = material, claim.solid = &solid;
+  claim.material = material;
+  claim.solid = &solid;
   return claim;
 }
 

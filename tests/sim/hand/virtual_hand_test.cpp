@@ -55,17 +55,23 @@ Plunge plunge(double force, double voxel) {
   while (hand.next(out, sample)) {
     step(model, state, sample, out);
     if (out.T_world_tool.translation[2] > -1 || out.T_world_tool.translation[2] < -2.5) continue;
-    sum += out.removed_mm3, load += out.normal_load;
-    if (++n % 50 == 0) rates.push_back(sum / (50 * kTick)), loads.push_back(load / 50), sum = load = 0;
+    sum += out.removed_mm3;
+    load += out.normal_load;
+    if (++n % 50 == 0) {
+      rates.push_back(sum / (50 * kTick));
+      loads.push_back(load / 50);
+      sum = load = 0;
+    }
   }
   EXPECT_FALSE(hand.gaveUp());
   EXPECT_GE(rates.size(), 4u);
   Plunge result;
   double least = 1e9, most = 0;
   for (std::size_t i = 0; i < rates.size(); ++i) {
-    result.rate += rates[i] / static_cast<double>(rates.size()),
-        result.load += loads[i] / static_cast<double>(loads.size());
-    least = std::min(least, rates[i]), most = std::max(most, rates[i]);
+    result.rate += rates[i] / static_cast<double>(rates.size());
+    result.load += loads[i] / static_cast<double>(loads.size());
+    least = std::min(least, rates[i]);
+    most = std::max(most, rates[i]);
   }
   result.spread = (most - least) / result.rate;
   return result;
@@ -79,12 +85,15 @@ TEST(VirtualHand, ConstantForceRemovesSteadilyAndInProportion) {
     // N is 3/2 of the force on a hemisphere whose pressure follows its overlap.
     EXPECT_NEAR(p.rate / (0.5 * p.load * 840 / 1000), 1, 0.05) << force;
     EXPECT_NEAR(p.load / force, 1.5, 0.1) << force;
-    loads.push_back(p.load), rates.push_back(p.rate);
+    loads.push_back(p.load);
+    rates.push_back(p.rate);
   }
   double mean = 0, total = 0, residual = 0;
   for (const double r : rates) mean += r / 4;
-  for (std::size_t n = 0; n < 4; ++n)
-    total += std::pow(rates[n] - mean, 2), residual += std::pow(rates[n] - 0.5 * loads[n] * 840 / 1000, 2);
+  for (std::size_t n = 0; n < 4; ++n) {
+    total += std::pow(rates[n] - mean, 2);
+    residual += std::pow(rates[n] - 0.5 * loads[n] * 840 / 1000, 2);
+  }
   EXPECT_GT(1 - residual / total, 0.98);
 }
 

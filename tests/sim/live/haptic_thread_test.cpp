@@ -59,7 +59,10 @@ struct Subscriber {
     BrickEdit edit;
     for (;;) {
       const bool is_last = is_over;
-      while (feed.tryPop(edit)) replica[coordKey(edit.brick)] = edit.phi, ++edits;
+      while (feed.tryPop(edit)) {
+        replica[coordKey(edit.brick)] = edit.phi;
+        ++edits;
+      }
       if (is_last) return;
       std::this_thread::sleep_for(1ms);
     }
@@ -119,7 +122,8 @@ TEST(HapticThread, ItsLogReplaysBitForBitAndWhoFollowsTheBricksHasTheField) {
   is_over = true;
   following.join();
   ASSERT_TRUE(recorder->close());
-  haptic.update(), haptic.updateTimes();
+  haptic.update();
+  haptic.updateTimes();
   const HapticReport& report = haptic.report();
   EXPECT_EQ(report.counts.records_lost, 0u);
   EXPECT_EQ(report.counts.out_of_bricks, 0u);
@@ -184,8 +188,10 @@ TEST(HapticThread, CommandsAreDoneInTheirOrderAndWhatMeansNothingIsCounted) {
   std::uint64_t refused = 0;
   for (int n = 0; n < 150; ++n) {
     std::string command = n % 3 == 0 ? "tool.select 0" : n % 3 == 1 ? "tool.select 1" : "latch.clear";
-    if (n % 10 == 9)
-      command = n % 20 == 9 ? "undo" : n % 40 == 19 ? "pieces.split 0" : "tool.select 7", ++refused;  // nothing to undo
+    if (n % 10 == 9) {
+      command = n % 20 == 9 ? "undo" : n % 40 == 19 ? "pieces.split 0" : "tool.select 7";
+      ++refused;  // nothing to undo
+    }
     while (!haptic.send(command)) std::this_thread::sleep_for(1ms);
     if (n % 10 != 9) sent.push_back(command);
   }

@@ -115,7 +115,8 @@ struct Producer {
       const auto c = coordOfKey(*it);
       const Vec3i brick{c[0], c[1], c[2]};
       if (!feed.tryPush(brick, *field.valuesAt(brick))) return;
-      it = pending.erase(it), ++pushed;
+      it = pending.erase(it);
+      ++pushed;
     }
   }
 };
@@ -136,7 +137,10 @@ TEST(MesherThread, ReaderOfAKilohertzOfCarvesEndsWithTheMeshOfTheWholeField) {
       p.tick(carveAtRandom(truth, r, random));
       std::this_thread::sleep_until(next += std::chrono::milliseconds(1));
     }
-    while (!p.pending.empty()) p.tick({}), std::this_thread::yield();
+    while (!p.pending.empty()) {
+      p.tick({});
+      std::this_thread::yield();
+    }
     pushed = p.pushed;
     is_done = true;
   });

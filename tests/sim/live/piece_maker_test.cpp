@@ -50,7 +50,10 @@ class Sawyer final : public DeviceSource {
     if (place > done_ && place <= static_cast<int>(places_.size())) {
       const double x = places_[static_cast<std::size_t>(place - 1)];
       out = test::sampleAt({Eigen::Quaterniond::Identity(), {x, -1.8 + 3.6 * tick_ / kTicks, -1.15}}, tick_ < kTicks);
-      if (tick_++ == kTicks) tick_ = 0, done_ = place;
+      if (tick_++ == kTicks) {
+        tick_ = 0;
+        done_ = place;
+      }
     }
     return out;
   }
@@ -70,7 +73,8 @@ class Audience {
   void add(std::shared_ptr<const PieceOrigin> origin, std::shared_ptr<BrickFeed> feed) {
     const std::lock_guard lock(mutex_);
     Seen& seen = seen_[origin->id];
-    seen.origin = std::move(origin), seen.feed = std::move(feed);
+    seen.origin = std::move(origin);
+    seen.feed = std::move(feed);
   }
   void look() {
     const std::lock_guard lock(mutex_);
@@ -357,16 +361,19 @@ TEST(PieceMaker, MaterialAddedWhereAnotherPieceWasAndTakenBackLeavesNoTrace) {
           std::max(own.back().phi[static_cast<std::size_t>(n)], 0.1f * static_cast<float>(n >> 6) + 0.05f);
   }
   PieceFinder fresh(phi0, bricks), follower(phi0, bricks);
-  fresh.apply(own), follower.apply(own);
+  fresh.apply(own);
+  follower.apply(own);
   // Bricks of the other half, filled and emptied again.
   std::vector<BrickEdit> filled, emptied;
   for (const auto& slot : object->slots()) {
     if (slot.brick[0] != 1) continue;
-    filled.push_back(valuesOf(slot.brick)), emptied.push_back(valuesOf(slot.brick));
+    filled.push_back(valuesOf(slot.brick));
+    emptied.push_back(valuesOf(slot.brick));
     emptied.back().phi.fill(phi0.background());
   }
   ASSERT_FALSE(filled.empty());
-  follower.apply(filled), follower.apply(emptied);
+  follower.apply(filled);
+  follower.apply(emptied);
   ASSERT_EQ(fresh.find().pieces.size(), 1u);
   ASSERT_EQ(follower.find().pieces.size(), 1u);
   const auto expected = bricksOfPieces(fresh, 1), found = bricksOfPieces(follower, 1);

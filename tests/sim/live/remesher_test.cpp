@@ -182,7 +182,8 @@ TEST(Remesher, WhatIsCutAwayWhollyLeavesEmptyChunks) {
 TEST(Remesher, NormalsAreUnitPointOutwardsAndAgreeAcrossChunks) {
   const double r = 2.0;
   Box3 box;
-  box.add(Vec3d::Zero()), box.grow(r);
+  box.add(Vec3d::Zero());
+  box.grow(r);
   const BrickField phi0 = sampleDistance([r](const Vec3d& p) { return p.norm() - r; }, box, 0.1);
   std::map<std::array<float, 3>, Vec3f> at;
   for (const MeshChunkPtr& c : Remesher(phi0).changedSince(0)) {

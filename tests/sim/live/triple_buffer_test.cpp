@@ -12,7 +12,10 @@ TEST(TripleBuffer, GivesTheNewestAndNothingTwice) {
   TripleBuffer<int> buffer;
   EXPECT_FALSE(buffer.update());
   EXPECT_EQ(buffer.front(), 0);
-  for (int n = 1; n <= 5; ++n) buffer.back() = n, buffer.publish();
+  for (int n = 1; n <= 5; ++n) {
+    buffer.back() = n;
+    buffer.publish();
+  }
   ASSERT_TRUE(buffer.update());
   EXPECT_EQ(buffer.front(), 5);
   EXPECT_FALSE(buffer.update());
@@ -52,7 +55,8 @@ TEST(TripleBuffer, BetweenTwoThreadsValuesAreWholeAndGrow) {
     const std::uint64_t now = buffer.front().words[0];
     ASSERT_GT(now, last);
     for (const std::uint64_t word : buffer.front().words) ASSERT_EQ(word, now);
-    last = now, ++reads;
+    last = now;
+    ++reads;
   }
   writer.join();
   EXPECT_GT(reads, 0u);

@@ -14,12 +14,16 @@ namespace {
 // All of the power stays, nothing leaves but by conduction into the depth: the analytic case.
 HeatSettings oneDimensional() {
   HeatSettings settings;
-  settings.dry_share = 1, settings.air_film = 0, settings.spreads_sideways = false;
+  settings.dry_share = 1;
+  settings.air_film = 0;
+  settings.spreads_sideways = false;
   return settings;
 }
 HeatInput flux(double mw_per_mm2, Material material, double area = 1) {
   HeatInput in;
-  in.power = mw_per_mm2 * area, in.area = area, in.material = material;
+  in.power = mw_per_mm2 * area;
+  in.area = area;
+  in.material = material;
   return in;
 }
 double analyticSurface(double q, double t, Material material) {
@@ -60,7 +64,8 @@ TEST(Heat, RiseAtDepthFollowsTheSemiInfiniteSolid) {
 // q (1 - exp(h^2 t / e^2) erfc(h sqrt(t) / e)) / h: Carslaw & Jaeger's surface with a film.
 TEST(Heat, SprayCoolsAsAFilmDoes) {
   HeatSettings settings = oneDimensional();
-  settings.wet_share = 1, settings.spray_film = 2;
+  settings.wet_share = 1;
+  settings.spray_film = 2;
   Heat heat(settings);
   HeatInput in = flux(4, Material::kEnamel);
   in.irrigation = 1;
@@ -132,8 +137,10 @@ TEST(Heat, IrrigationKeepsTissueCooler) {
   Heat dry, wet;
   HeatInput in = flux(50, Material::kCortical);
   for (int n = 0; n < 5000; ++n) {
-    in.irrigation = 0, dry.step(in);
-    in.irrigation = 1, wet.step(in);
+    in.irrigation = 0;
+    dry.step(in);
+    in.irrigation = 1;
+    wet.step(in);
   }
   EXPECT_LT(wet.surfaceRise(), 0.1 * dry.surfaceRise());
   EXPECT_GT(wet.surfaceRise(), 0);
@@ -186,7 +193,11 @@ TEST(Heat, NoInputMakesItLoseItsSenses) {
   const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
   for (const double bad : {nan, inf, -inf, -1.0, 1e300}) {
     HeatInput in;
-    in.power = bad, in.area = 1, in.removed = bad, in.irrigation = bad, in.pulp_depth = bad;
+    in.power = bad;
+    in.area = 1;
+    in.removed = bad;
+    in.irrigation = bad;
+    in.pulp_depth = bad;
     heat.step(in);
     in.area = bad;
     heat.step(in);

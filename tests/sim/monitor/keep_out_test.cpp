@@ -24,7 +24,8 @@ std::shared_ptr<const BakedObject> pulp(const std::function<double(const Vec3d&)
 }
 std::shared_ptr<const BakedObject> pulpBall(double radius, double voxel, const Vec3d& center) {
   Box3 box;
-  box.add(center), box.grow(radius);
+  box.add(center);
+  box.grow(radius);
   return pulp([=](const Vec3d& p) { return (p - center).norm() - radius; }, box, voxel);
 }
 // A canal along an axis, 0.6 mm about, its ends round.
@@ -40,7 +41,10 @@ std::shared_ptr<const KeepOut> keepOut(const BakedObject& object, const KeepOutO
 // The same points everywhere: Halton's sequence.
 double halton(int n, int base) {
   double f = 1, x = 0;
-  for (; n > 0; n /= base) f /= base, x += f * (n % base);
+  for (; n > 0; n /= base) {
+    f /= base;
+    x += f * (n % base);
+  }
   return x;
 }
 Vec3d pointIn(const Box3& box, int n) {
@@ -53,7 +57,8 @@ TEST(KeepOut, DistanceToASmallBallIsRightToHalfAVoxelOrSo) {
     const auto object = pulpBall(1, voxel, center);
     const auto field = keepOut(*object, {3, 0.5});
     Box3 box;
-    box.add(center), box.grow(3);
+    box.add(center);
+    box.grow(3);
     double worst = 0;
     for (int n = 1; n < 20000; ++n) {
       const Vec3d p = pointIn(box, n);
@@ -68,7 +73,9 @@ TEST(KeepOut, DistanceToASmallBallIsRightToHalfAVoxelOrSo) {
 TEST(KeepOut, DistanceToACanalIsRightToHalfAVoxel) {
   const Vec3d from(-5, -2, 1), to(6, 3, -1);
   Box3 box;
-  box.add(from), box.add(to), box.grow(1.5);
+  box.add(from);
+  box.add(to);
+  box.grow(1.5);
   const auto object = pulp([&](const Vec3d& p) { return capsule(p, from, to, 1.5); }, box, 0.1);
   const auto field = keepOut(*object);
   EXPECT_EQ(field->spacing(), 0.1);
@@ -92,7 +99,9 @@ TEST(KeepOut, ToolsDistanceIsRightToHalfAVoxelAndItsSampling) {
   EXPECT_LT(samples.spacing(), 0.25);
   const Vec3d from(-5, 0.03, 0), to(5, 0.4, 1);
   Box3 box;
-  box.add(from), box.add(to), box.grow(1);
+  box.add(from);
+  box.add(to);
+  box.grow(1);
   const auto object = pulp([&](const Vec3d& p) { return capsule(p, from, to, 1); }, box, voxel);
   const auto field = keepOut(*object);
   box.grow(4);
@@ -117,7 +126,8 @@ TEST(KeepOut, SkippingGroupsLosesNothing) {
   const auto object = pulpBall(0.8, 0.1, Vec3d::Zero());
   const auto field = keepOut(*object);
   Box3 box;
-  box.add(Vec3d::Zero()), box.grow(5);
+  box.add(Vec3d::Zero());
+  box.grow(5);
   for (int n = 1; n < 500; ++n) {
     const Rigid3 pose{Eigen::Quaterniond::Identity(), pointIn(box, n)};
     float least = 5;
@@ -147,7 +157,8 @@ TEST(KeepOut, LessMemoryIsCoarserAndNearlyAsExact) {
   EXPECT_EQ(coarse->spacing(), 0.2);
   EXPECT_LE(coarse->bytes(), options.most_bytes);
   Box3 box;
-  box.add(Vec3d::Zero()), box.grow(4);
+  box.add(Vec3d::Zero());
+  box.grow(4);
   for (int n = 1; n < 5000; ++n) {
     const Vec3d p = pointIn(box, n);
     if (p.norm() < 1) continue;

@@ -33,8 +33,10 @@ struct Row {
 
   Row() {
     const Vec3d size(6, 5, 4);
-    for (int n = 0; n < 3; ++n)
-      half[static_cast<std::size_t>(n)] = size / 2, middle[static_cast<std::size_t>(n)] = Vec3d(0, 0, -2);
+    for (int n = 0; n < 3; ++n) {
+      half[static_cast<std::size_t>(n)] = size / 2;
+      middle[static_cast<std::size_t>(n)] = Vec3d(0, 0, -2);
+    }
     pose[0] = at(0, 0, 0);
     pose[1] = at(-8.03, 0.21, 0.13);
     pose[2] = at(8.4, -0.3, 0.3, Eigen::Quaterniond(Eigen::AngleAxisd(0.2, Vec3d(1, 2, 3).normalized())));

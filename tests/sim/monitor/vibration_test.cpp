@@ -44,14 +44,19 @@ double amplitude(const std::vector<float>& x, double rate, double frequency) {
     const double t = static_cast<double>(n);
     const double w = 1 - std::cos(2 * std::numbers::pi * t / static_cast<double>(x.size()));
     const double a = 2 * std::numbers::pi * frequency * t / rate;
-    re += w * static_cast<double>(x[n]) * std::cos(a), im += w * static_cast<double>(x[n]) * std::sin(a), sum += w;
+    re += w * static_cast<double>(x[n]) * std::cos(a);
+    im += w * static_cast<double>(x[n]) * std::sin(a);
+    sum += w;
   }
   return 2 * std::hypot(re, im) / sum;
 }
 double peakBetween(const std::vector<float>& x, double rate, double low, double high, double step) {
   double best = low, most = 0;
   for (double f = low; f <= high; f += step)
-    if (const double a = amplitude(x, rate, f); a > most) most = a, best = f;
+    if (const double a = amplitude(x, rate, f); a > most) {
+      most = a;
+      best = f;
+    }
   return best;
 }
 double mean(const std::vector<float>& x) {
@@ -146,7 +151,10 @@ TEST(Vibration, ChangesOfSpeedAndLoadMakeNoClick) {
   for (int tick = 0; tick < 2000; ++tick) {
     // Without load, so that there is no noise; speed in steps from tick to tick.
     vibration.render({40000 * kRadPerSecond * (0.5 + 0.5 * std::sin(0.05 * tick)), 0, Material::kDentin}, x);
-    for (const float v : x) steepest = std::max(steepest, static_cast<double>(std::abs(v - last))), last = v;
+    for (const float v : x) {
+      steepest = std::max(steepest, static_cast<double>(std::abs(v - last)));
+      last = v;
+    }
   }
   const double f = 40000.0 / 60, w = 2 * std::numbers::pi * f / kRate;
   EXPECT_LE(steepest, 1.02 * 0.4 * (0.25 * w + 0.1 * 2 * w));

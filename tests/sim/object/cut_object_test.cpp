@@ -24,14 +24,16 @@ TEST(PointShell, AreaOfABallIsRightWhateverTheVoxelAndWhereItLies) {
     for (const double offset : {0.0, 0.031, 0.077}) {
       const Vec3d center(offset, -0.4 * offset, 1.7 * offset);
       Box3 box;
-      box.add(Vec3d(center.array() - 1.01)), box.add(Vec3d(center.array() + 1.01));
+      box.add(Vec3d(center.array() - 1.01));
+      box.add(Vec3d(center.array() + 1.01));
       const auto ball = test::bakedFrom([&](const Vec3d& p) { return (p - center).norm() - 1; }, box, h);
       double area = 0;
       Vec3d closed = Vec3d::Zero();
       for (const ShellChunk& chunk : ball->shell())  // what fills up a chunk weighs nothing
         for (std::size_t n = 0; n < ShellChunk::kNodes; ++n) {
           const Vec3d w(chunk.x[n], chunk.y[n], chunk.z[n]);
-          area += w.norm(), closed += w;
+          area += w.norm();
+          closed += w;
         }
       EXPECT_NEAR(area / (4 * M_PI), 1, h == 0.1 ? 0.003 : 0.001) << h << " " << offset;
       EXPECT_LT(closed.norm(), 5e-4 * area);  // area vectors of a closed surface sum to nothing
@@ -193,8 +195,14 @@ TEST(CutObject, TheHashKeptUpToDateIsThatOfTheWholeField) {
       EXPECT_EQ(object.staleHashes(), 0u);
     }
     history.mark(digger.state.objects);
-    if (stroke % 4 == 1) history.undo(digger.state.objects), object.repair();
-    if (stroke % 8 == 1) history.redo(digger.state.objects), object.repair();
+    if (stroke % 4 == 1) {
+      history.undo(digger.state.objects);
+      object.repair();
+    }
+    if (stroke % 8 == 1) {
+      history.redo(digger.state.objects);
+      object.repair();
+    }
   }
   EXPECT_EQ(object.hashNow(), object.stateHash());
   while (history.undo(digger.state.objects)) object.repair();
@@ -233,9 +241,11 @@ TEST(SessionHistory, MarkingUndoAndRedoNeitherAllocateNorFree) {
   Digger digger;
   CutObject& object = digger.object();
   SessionHistory history(digger.state.objects);
-  digger.dig(-1, 0), history.mark(digger.state.objects);
+  digger.dig(-1, 0);
+  history.mark(digger.state.objects);
   const std::uint64_t once = object.stateHash();
-  digger.dig(-0.7, 0.1), history.mark(digger.state.objects);
+  digger.dig(-0.7, 0.1);
+  history.mark(digger.state.objects);
   const std::uint64_t twice = object.stateHash();
   EXPECT_GT(history.bytes(), 20 * sizeof(BrickValues));
   const std::size_t room = object.freeBricks();
@@ -247,7 +257,8 @@ TEST(SessionHistory, MarkingUndoAndRedoNeitherAllocateNorFree) {
     EXPECT_TRUE(history.redo(digger.state.objects) && object.repair());
     redone = object.hashNow();
     EXPECT_TRUE(history.undo(digger.state.objects) && object.repair());
-    digger.dig(1, 1), history.mark(digger.state.objects);
+    digger.dig(1, 1);
+    history.mark(digger.state.objects);
   }
   EXPECT_EQ(undone, once);
   EXPECT_EQ(redone, twice);
@@ -260,7 +271,8 @@ TEST(SessionHistory, ForgetsTheOldestStrokeAndKeepsTheOthersRight) {
   Digger digger;
   CutObject& object = digger.object();
   SessionHistory history(digger.state.objects);
-  digger.dig(-1, 0), history.mark(digger.state.objects);
+  digger.dig(-1, 0);
+  history.mark(digger.state.objects);
   const std::uint64_t once = object.stateHash();
   digger.dig(-0.8, 0);
   for (std::size_t n = 0; n < SessionHistory::kMostSteps; ++n) history.mark(digger.state.objects);

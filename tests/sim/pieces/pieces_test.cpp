@@ -184,7 +184,8 @@ TEST(PieceFinder, VolumeOfABallFallsShortByLessThanHalfTheSquareOfVoxelOverRadiu
       const double h = 1 / voxels;
       const Vec3d c = h * Vec3d(shift(random), shift(random), shift(random));
       Box3 box;
-      box.add(c), box.grow(1);
+      box.add(c);
+      box.grow(1);
       const BrickField phi0 = sampleDistance([&](const Vec3d& p) { return (p - c).norm() - 1; }, box, h);
       PieceFinder finder(phi0);
       const PieceList& list = finder.find();
@@ -202,7 +203,8 @@ TEST(PieceFinder, VolumeOfABoxFollowsEverySideEvenly) {
   for (const double x : {0.8, 0.803, 0.81, 0.825, 0.84, 0.8499}) {
     const Vec3d half(x, 1.21, 0.57);
     Box3 box;
-    box.add(Vec3d::Zero()), box.grow(1.5);
+    box.add(Vec3d::Zero());
+    box.grow(1.5);
     const BrickField phi0 = sampled(h, box, [&](const Vec3d& p) { return (p.cwiseAbs() - half).maxCoeff(); });
     PieceFinder finder(phi0);
     ASSERT_EQ(finder.find().pieces.size(), 1u);
@@ -218,7 +220,8 @@ TEST(PieceFinder, VolumeOfAPlateDoesNotDependOnItsAttitude) {
   for (int round = 0; round < 12; ++round) {
     const Eigen::Quaterniond turn = Eigen::Quaterniond(n(random), n(random), n(random), n(random)).normalized();
     Box3 box;
-    box.add(Vec3d::Zero()), box.grow(2.2);
+    box.add(Vec3d::Zero());
+    box.grow(2.2);
     const BrickField phi0 = sampled(h, box, [&](const Vec3d& p) {
       const Vec3d d = (turn * p).cwiseAbs() - half;
       return d.cwiseMax(0.0).norm() + std::min(0.0, d.maxCoeff());
@@ -231,7 +234,8 @@ TEST(PieceFinder, VolumeOfAPlateDoesNotDependOnItsAttitude) {
 TEST(PieceFinder, CrumbsAreListedApartLargestFirst) {
   const double h = 0.1;
   Box3 box;
-  box.add(Vec3d::Constant(-3)), box.add(Vec3d::Constant(3));
+  box.add(Vec3d::Constant(-3));
+  box.add(Vec3d::Constant(3));
   const std::array<std::pair<Vec3d, double>, 4> balls{
       {{{0, 0, 0}, 1.0}, {{2.5, 0, 0}, 0.35}, {{0, 2.5, 0}, 0.25}, {{-1.8, -1.8, 0}, 0.6}}};
   const BrickField phi0 = sampleDistance(
@@ -292,7 +296,8 @@ double chipDistance(const Vec3d& p) { return (p - Vec3d(-0.1, 0.2, 0.2)).norm() 
 
 BrickField sawnBar() {
   Box3 box;
-  box.add(Vec3d(-1.5, -1, -1)), box.add(Vec3d(1.5, 1, 1));
+  box.add(Vec3d(-1.5, -1, -1));
+  box.add(Vec3d(1.5, 1, 1));
   return sampleDistance(
       [](const Vec3d& p) {
         return std::min({upperHalfDistance(p), lowerHalfDistance(p), chipDistance(p)});
@@ -402,7 +407,8 @@ TEST(SplitField, AnObliqueKerfTakesNothingFromEither) {
 // Undo gives values back, but those who followed it have seen more: a piece must not depend on that.
 TEST(SplitField, WhatWasTakenBackLeavesNoTrace) {
   Box3 box;
-  box.add(Vec3d(-2.2, -2.2, -2.2)), box.add(Vec3d(6.6, 2.2, 2.2));
+  box.add(Vec3d(-2.2, -2.2, -2.2));
+  box.add(Vec3d(6.6, 2.2, 2.2));
   const auto twoBalls = [](const Vec3d& p) { return std::min(p.norm(), (p - Vec3d(4.4, 0, 0)).norm()) - 2; };
   const BrickField phi0 = sampleDistance(twoBalls, box, 0.1);
   PieceFinder fresh(phi0), follower(phi0);

@@ -82,7 +82,8 @@ RevolvedProfile cone(double r, double height) {
 std::vector<Case> straightCases() {
   const double r = 0.8, H = 3, L = 2.5;
   Box3 blade;
-  blade.add(Vec3d(0, -r, 0)), blade.add(Vec3d(2, r, 6));  // half thickness 0.8
+  blade.add(Vec3d(0, -r, 0));
+  blade.add(Vec3d(2, r, 6));  // half thickness 0.8
   const auto revolved = [](RevolvedProfile p) { return std::make_shared<RevolvedShape>(std::move(p)); };
   return {
       {"ball", revolved(ball(r)), {L, 0, 0}, 4.0 / 3 * kPi * r * r * r + kPi * r * r * L, r},
@@ -136,7 +137,8 @@ TEST(SweepAccuracy, TurningBallRemovesATorusSection) {
 TEST(SweepAccuracy, TurningBladeRemovesItsFan) {
   const double half = 0.4, width = 2, length = 5, angle = 0.6;
   Box3 box;
-  box.add(Vec3d(0, -half, 0)), box.add(Vec3d(width, half, length));
+  box.add(Vec3d(0, -half, 0));
+  box.add(Vec3d(width, half, length));
   const BoxShape shape(box);
   double area = 0;
   const int n = 200000;
@@ -183,7 +185,8 @@ TEST(SweepAccuracy, TwentyFourGridRotationsGiveTheSameVolume) {
   double low = 1e9, high = 0;
   for (unsigned seed = 100; seed < 124; ++seed) {
     const double volume = signedVolume(swept(*c.shape, straight(odd(seed), c.travel), 2, c.radius / 8));
-    low = std::min(low, volume), high = std::max(high, volume);
+    low = std::min(low, volume);
+    high = std::max(high, volume);
     EXPECT_NEAR(volume / c.volume, 1.0, 0.005) << seed;
   }
   std::printf("  spread over 24 rotations: %.3f %%\n", 100 * (high - low) / c.volume);
@@ -222,7 +225,8 @@ TEST(SweepAccuracy, SurfaceLiesWithinAVoxelEverywhereAndAFractionOfItOnAverage) 
     double squares = 0, worst = 0;
     for (const Vec3d& p : mesh.vertices) {
       const double d = distance(p) / h;
-      squares += d * d, worst = std::max(worst, std::abs(d));
+      squares += d * d;
+      worst = std::max(worst, std::abs(d));
     }
     const double rms = std::sqrt(squares / static_cast<double>(mesh.vertices.size()));
     // The other way: from points of the true surface, edges and corners of the tool included, to the nearest triangle.
@@ -258,12 +262,15 @@ TEST(SweepAccuracy, SurfaceLiesWithinAVoxelEverywhereAndAFractionOfItOnAverage) 
 TEST(SweepCutter, NothingIsAddedAndTheOrderOfMotionsDoesNotMatter) {
   const RevolvedShape shape(ball(0.7));
   Box3 region;
-  region.add(Vec3d(-3, -3, -3)), region.add(Vec3d(3, 3, 3));
+  region.add(Vec3d(-3, -3, -3));
+  region.add(Vec3d(3, 3, 3));
   const BrickField phi0 = solidAround(region, 0.1);
   const Rigid3 a = odd(7), b = odd(8), c = odd(9);
   SweepCutter one(phi0), other(phi0);
-  one.advance(SweptTool(shape, a, b)), one.advance(SweptTool(shape, b, c));
-  other.advance(SweptTool(shape, b, c)), other.advance(SweptTool(shape, a, b));
+  one.advance(SweptTool(shape, a, b));
+  one.advance(SweptTool(shape, b, c));
+  other.advance(SweptTool(shape, b, c));
+  other.advance(SweptTool(shape, a, b));
   const BrickField cut = one.cutField();
   ASSERT_FALSE(cut.isEmpty());
   for (std::size_t i = 0; i < cut.brickCount(); ++i)

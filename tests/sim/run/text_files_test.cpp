@@ -126,11 +126,19 @@ TEST(TextFiles, MutatedPathsAreReadOrRefused) {
 TEST(TextFiles, MutatedCaseManifestsAreReadOrRefused) {
   const TemporaryFolder folder;
   CaseManifest m;
-  m.kerf_version = "0.1.0", m.id = std::string(64, 'a'), m.close_mode = "auto", m.changes = {"one", "two"};
+  m.kerf_version = "0.1.0";
+  m.id = std::string(64, 'a');
+  m.close_mode = "auto";
+  m.changes = {"one", "two"};
   m.sources.push_back({"source-1.stl", "binary STL", std::string(64, 'b'), "mm", "as said", 1, 8, 12});
-  m.voxel_mm = 0.1, m.materials = {{"generic", 9, 1.0}}, m.solid_vertices = 8, m.solid_triangles = 12;
-  m.box.add(Vec3d(-1, -2, -3)), m.box.add(Vec3d(1, 2, 3));
-  m.solid_sha256 = std::string(64, 'c'), m.field_sha256 = std::string(64, 'd');
+  m.voxel_mm = 0.1;
+  m.materials = {{"generic", 9, 1.0}};
+  m.solid_vertices = 8;
+  m.solid_triangles = 12;
+  m.box.add(Vec3d(-1, -2, -3));
+  m.box.add(Vec3d(1, 2, 3));
+  m.solid_sha256 = std::string(64, 'c');
+  m.field_sha256 = std::string(64, 'd');
   ASSERT_TRUE(writeCaseManifest(folder.path(), m));
   const Tally t = tally(folder, "case.toml", contentOf(folder.path() / "case.toml"), 1000, [&]() -> Expected<void> {
     KERF_TRY(read, readCaseManifest(folder.path()));

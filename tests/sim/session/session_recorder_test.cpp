@@ -187,8 +187,10 @@ TEST(SessionRecorder, AGapStandsWhereSomethingIsMissing) {
   std::uint64_t lost_in_log = 0;
   std::vector<bool> gap_before(log->samples.size() + 1);
   for (const SessionEvent& event : log->events)
-    if (const auto* gap = std::get_if<SessionGap>(&event.what))
-      lost_in_log += gap->lost, gap_before[event.samples_before] = true;
+    if (const auto* gap = std::get_if<SessionGap>(&event.what)) {
+      lost_in_log += gap->lost;
+      gap_before[event.samples_before] = true;
+    }
   EXPECT_EQ(lost_in_log, lost);
   for (std::size_t i = 0; i + 1 < log->samples.size(); ++i)
     EXPECT_TRUE(gap_before[i + 1] || log->samples[i + 1].tick == log->samples[i].tick + 1) << i;
@@ -374,7 +376,10 @@ int recordUntilKilled(const fs::path& path, Told& told) {
     told.recorded = tick + 1;
     if (tick % 8 == 0) told.bytes_written = recorder->status().bytes_written;
     next.tv_nsec += 1'000'000;
-    if (next.tv_nsec >= 1'000'000'000) next.tv_nsec -= 1'000'000'000, ++next.tv_sec;
+    if (next.tv_nsec >= 1'000'000'000) {
+      next.tv_nsec -= 1'000'000'000;
+      ++next.tv_sec;
+    }
     while (::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &next, nullptr) == EINTR) {
     }
   }

@@ -41,7 +41,8 @@ TEST(Session, UndoTakesBackAStrokeBitForBitAndRedoBringsItBack) {
   std::vector<double> volumes{0};
   for (const double x : {-1.5, -0.9, 0.4}) {  // the second overlaps the first
     dab(session, x, 0.6);
-    states.push_back(field()), volumes.push_back(removed());
+    states.push_back(field());
+    volumes.push_back(removed());
     ASSERT_NE(states.back(), states[states.size() - 2]);
   }
   for (int n = 2; n >= 0; --n) {
@@ -86,7 +87,8 @@ TEST(Session, OneUndoTakesBackOneStrokeWhateverObjectItWasOn) {
   const auto block = test::block({2, 2, 1}, 0.1);
   Session session(twoBalls(), {block, block}, at(0, 0.1, 0.3));
   const_cast<State&>(session.state()).objects[1].moveTo({Eigen::Quaterniond::Identity(), {10, 0, 0}});
-  dab(session, 0, 0.5), dab(session, 10, 0.5);
+  dab(session, 0, 0.5);
+  dab(session, 10, 0.5);
   const auto hash = [&](std::size_t n) { return session.state().objects[n].stateHash(); };
   const std::uint64_t first = hash(0), second = hash(1);
   ASSERT_TRUE(session.apply("undo"));
@@ -191,7 +193,10 @@ struct CountingSink final : SessionSink {
   void sample(const DeviceSample&, std::uint64_t) noexcept override { ++samples; }
   void command(std::string_view, std::uint64_t) noexcept override { ++commands; }
   void mark(StrokeMark, std::uint64_t) noexcept override { ++marks; }
-  void check(const StateCheck& check, std::uint64_t) noexcept override { ++checks, last = check; }
+  void check(const StateCheck& check, std::uint64_t) noexcept override {
+    ++checks;
+    last = check;
+  }
   int samples = 0, commands = 0, marks = 0, checks = 0;
   StateCheck last;
 };
@@ -209,7 +214,10 @@ TEST(Session, AStepItsStrokesAndCommandsNeitherAllocateNorFree) {
       const Rigid3 pose = at(2 * std::sin(a), std::cos(1.7 * a), 0.2 - 0.8 * std::abs(std::sin(3 * a)));
       session.step(test::sampleAt(pose, n % 500 < 400), out);
       if (n % 900 == 700) undone += session.applyWithin("undo") && session.repair();
-      if (n % 900 == 705) session.applyWithin("redo"), session.repair();
+      if (n % 900 == 705) {
+        session.applyWithin("redo");
+        session.repair();
+      }
       if (n == 2000) session.applyWithin("tool.select 1");
     }
     hash = session.object(0).hashNow();
@@ -245,7 +253,8 @@ TEST(Step, NeitherAllocatesNorFrees) {
         std::pair(Response::kConstraint, Rendering::kDirect), std::pair(Response::kImpulse, Rendering::kCoupled),
         std::pair(Response::kImpulse, Rendering::kDirect)}) {
     Model model = twoBalls();
-    model.settings.response = response, model.settings.rendering = rendering;
+    model.settings.response = response;
+    model.settings.rendering = rendering;
     State state;
     state.objects.emplace_back(test::block({6, 4, 2}, 0.1), 512);
     state.objects.emplace_back(test::block({2, 2, 1}, 0.05, {Eigen::Quaterniond::Identity(), {0, 0, 1.5}}), 512);

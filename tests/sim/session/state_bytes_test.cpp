@@ -93,7 +93,8 @@ TEST(StateBytes, AReplayBeginsAtASnapshotAndEndsTheSame) {
   ASSERT_TRUE(session.apply("undo"));
   ASSERT_TRUE(session.apply("undo"));
   ASSERT_TRUE(session.apply("undo"));  // the second dab: behind every snapshot but the one at its beginning, if any
-  dab(1.4), dab(2);
+  dab(1.4);
+  dab(2);
   session.finish();
   ASSERT_TRUE(sink.close());
   const std::string hash = fmt::format("{:016x}", session.hash());

@@ -147,7 +147,8 @@ TEST(Fill, AfterManyRandomAddsAndCutsShellAndLedgerAreThoseOfARebuild) {
       state.adds = n / 30 % 2 ? Material::kComposite : Material::kNone;
       state.has_device = n % 30 != 0;  // no sweep from the last place
       step(model, state, test::sampleAt(at(place(random), place(random), height(random))), out);
-      added += out.added_mm3, removed += out.removed_mm3;
+      added += out.added_mm3;
+      removed += out.removed_mm3;
     }
   }
   EXPECT_GT(added, 1);

@@ -37,12 +37,23 @@ TEST(RelaxBrick, FollowsTheExponentialAtEveryRate) {
   std::uniform_real_distribution<float> u(-1, 1);
   std::vector<float> x(512), y(512), z(512), tau(512), phi(512), rates(512);
   for (std::size_t n = 0; n < 512; ++n) {
-    x[n] = u(random), y[n] = u(random), z[n] = u(random), tau[n] = 0.2f * u(random), phi[n] = 0.2f * u(random);
+    x[n] = u(random);
+    y[n] = u(random);
+    z[n] = u(random);
+    tau[n] = 0.2f * u(random);
+    phi[n] = 0.2f * u(random);
     rates[n] = std::pow(10.0f, 4 * u(random) - 2);  // 1e-6 to 100
   }
   RelaxInput in;
-  in.x = x.data(), in.y = y.data(), in.z = z.data(), in.tau = tau.data(), in.phi = phi.data(), in.rates = rates.data();
-  in.least_radius = 0.1f, in.pivot = 5, in.cap = 0.15f;
+  in.x = x.data();
+  in.y = y.data();
+  in.z = z.data();
+  in.tau = tau.data();
+  in.phi = phi.data();
+  in.rates = rates.data();
+  in.least_radius = 0.1f;
+  in.pivot = 5;
+  in.cap = 0.15f;
   for (const LeverForm lever : {LeverForm::kRadius, LeverForm::kPivot, LeverForm::kOne}) {
     in.lever = lever;
     std::vector<float> first;
@@ -76,20 +87,29 @@ TEST(SumTouching, IsTheSumOfItsFormulas) {
   for (const int count : {1, 7, 8, 50, 64}) {
     TouchingNodes nodes{};
     for (std::size_t n = 0; n < static_cast<std::size_t>(count); ++n) {
-      nodes.overlap[n] = 0.02f * u(random), nodes.into_cut[n] = n % 3 == 0 ? 0 : 0.8f * nodes.overlap[n];
-      nodes.slope[n] = 1.2f * u(random) - 0.2f, nodes.area[n] = 0.01f * u(random);
+      nodes.overlap[n] = 0.02f * u(random);
+      nodes.into_cut[n] = n % 3 == 0 ? 0 : 0.8f * nodes.overlap[n];
+      nodes.slope[n] = 1.2f * u(random) - 0.2f;
+      nodes.area[n] = 0.01f * u(random);
       Eigen::Vector3f normal(u(random) - 0.5f, u(random) - 0.5f, u(random) - 0.4f);
       normal.normalize();
       for (int c = 0; c < 3; ++c) {
         nodes.normal[c][n] = normal[c];
-        nodes.from_tip[c][n] = 4 * u(random) - 2, nodes.in_tool[c][n] = 4 * u(random) - 2;
+        nodes.from_tip[c][n] = 4 * u(random) - 2;
+        nodes.in_tool[c][n] = 4 * u(random) - 2;
       }
-      nodes.stiffness[n] = 200 * u(random), nodes.friction[n] = u(random), nodes.rate[n] = u(random);
+      nodes.stiffness[n] = 200 * u(random);
+      nodes.friction[n] = u(random);
+      nodes.rate[n] = u(random);
     }
     nodes.count = (count + 7) / 8 * 8;
     TouchingTool tool;
-    tool.lever = LeverForm::kRadius, tool.least_radius = 0.3f, tool.speed = 1000, tool.still_speed = 0.5f;
-    tool.velocity[0] = 3, tool.angular[2] = 0.7f;
+    tool.lever = LeverForm::kRadius;
+    tool.least_radius = 0.3f;
+    tool.speed = 1000;
+    tool.still_speed = 0.5f;
+    tool.velocity[0] = 3;
+    tool.angular[2] = 0.7f;
     for (const bool spins : {true, false}) {
       tool.body_spins = spins;
       using S = TouchingSums;
@@ -129,7 +149,8 @@ TEST(SumTouching, IsTheSumOfItsFormulas) {
           for (int j = 0; j <= i; ++j) expected[static_cast<std::size_t>(entry++)] += drag * r[i] * r[j];
         }
         if (stiff > 0) {
-          expected[S::kArea] += double(nodes.area[n]), expected[S::kCount] += 1;
+          expected[S::kArea] += double(nodes.area[n]);
+          expected[S::kCount] += 1;
           deepest = std::max(deepest, double(nodes.overlap[n]));
         }
       }
@@ -164,7 +185,8 @@ int plainShell(const BrickNeighborhood& bricks, const std::uint8_t* materials, f
       *area[axis] = weight * (above - below);
     }
     chunk.phi[at] = bricks.self[n];
-    chunk.offset[at] = static_cast<std::uint16_t>(n), chunk.material[at] = materials[n];
+    chunk.offset[at] = static_cast<std::uint16_t>(n);
+    chunk.material[at] = materials[n];
   }
   return count;
 }
@@ -212,7 +234,11 @@ TEST(TouchingNodes, AreThoseInsideTheToolAndRoomIsToTheNearest) {
   for (const int count : {1, 7, 8, 33, 64})
     for (const bool has_body : {false, true}) {
       std::vector<float> cut(64), body(64), phi(64);
-      for (std::size_t n = 0; n < 64; ++n) cut[n] = 0.8f + u(random), body[n] = 0.9f + u(random), phi[n] = u(random);
+      for (std::size_t n = 0; n < 64; ++n) {
+        cut[n] = 0.8f + u(random);
+        body[n] = 0.9f + u(random);
+        phi[n] = u(random);
+      }
       std::uint64_t expected = 0;
       float least = 0.5f;
       for (std::size_t n = 0; n < static_cast<std::size_t>(count); ++n) {
@@ -246,7 +272,10 @@ TEST(VolumeLost, IsTheDifferenceOfTheInsideParts) {
   std::mt19937 random(13);
   std::uniform_real_distribution<float> u(-0.1f, 0.1f);
   std::vector<float> before(512), after(512);
-  for (std::size_t n = 0; n < 512; ++n) before[n] = u(random), after[n] = n / 8 % 3 == 0 ? u(random) : before[n];
+  for (std::size_t n = 0; n < 512; ++n) {
+    before[n] = u(random);
+    after[n] = n / 8 % 3 == 0 ? u(random) : before[n];
+  }
   std::vector<double> first;
   onEveryTarget([&] {
     std::vector<double> lost(512, -7);

@@ -116,7 +116,8 @@ TEST_P(EachResponse, AHandAMillimetreDeepIsPushedByTheCoupling) {
 TEST_P(EachResponse, SlidesSmoothlyOverABall) {
   const Vec3d center(0.013, 0.027, -5);
   Box3 box;
-  box.add(Vec3d(center.array() - 5.1)), box.add(Vec3d(center.array() + 5.1));
+  box.add(Vec3d(center.array() - 5.1));
+  box.add(Vec3d(center.array() + 5.1));
   const auto ball = test::bakedFrom([&](const Vec3d& p) { return (p - center).norm() - 5; }, box, 0.05);
   Model m = model(0);
   m.settings.coupling.force_rate = 1e6;  // what the law itself does
@@ -135,7 +136,8 @@ TEST_P(EachResponse, SlidesSmoothlyOverABall) {
          sampleAt({Eigen::Quaterniond::Identity(), center + (5.5 - depth * down) * way - Vec3d(0, 0, 0.5)}, 0), out);
     if (n > 510) {
       jump = std::max(jump, (out.force.force - last).norm());
-      least = std::min(least, out.force.force.norm()), most = std::max(most, out.force.force.norm());
+      least = std::min(least, out.force.force.norm());
+      most = std::max(most, out.force.force.norm());
     }
     last = out.force.force;
   }
@@ -154,7 +156,10 @@ TEST_P(EachResponse, CutsAsTheLawSaysTheSameBitsTwice) {
     double removed = 0, expected = 0;
     for (int n = 0; n < 1500; ++n) {
       step(m, state, sampleAt(at(-1 + 0.002 * std::max(0, n - 500), 0.01, 0.05 - 0.001 * std::min(n, 500))), out);
-      if (n > 800) removed += out.removed_mm3, expected += 0.5 * out.normal_load * 840 / 1000 * kTick;
+      if (n > 800) {
+        removed += out.removed_mm3;
+        expected += 0.5 * out.normal_load * 840 / 1000 * kTick;
+      }
     }
     EXPECT_EQ(state.objects[0].shellDefects(), 0u);
     EXPECT_GT(removed, 0.01);
@@ -206,15 +211,18 @@ TEST_P(EachResponse, ABladeCutsItsKerfAndIsHeldInIt) {
   State state;
   state.objects.emplace_back(block({10, 3, 3}, 0.1));
   Eigen::Matrix3d axes;
-  axes.col(0) = Vec3d::UnitZ(), axes.col(1) = -Vec3d::UnitY(), axes.col(2) = Vec3d::UnitX();
+  axes.col(0) = Vec3d::UnitZ();
+  axes.col(1) = -Vec3d::UnitY();
+  axes.col(2) = Vec3d::UnitX();
   const Eigen::Quaterniond teeth_down(axes);
   StepOutput out;
   double removed = 0, law = 0, most = 0;
   for (int n = 0; n < 1600; ++n) {
     const double side = 0.5 * std::clamp((n - 1200) / 200.0, 0.0, 1.0);
     step(m, state, sampleAt({teeth_down, {-12.5, 0.01 + side, 0.2 - 0.0012 * std::min(n, 900)}}, n < 1000), out);
-    removed += out.removed_mm3, law += 0.3 * m.tools[0].drive.drag_factor / m.tools[0].drive.energy_factor *
-                                       out.cutting_load * out.speed / 50 * kTick;
+    removed += out.removed_mm3;
+    law +=
+        0.3 * m.tools[0].drive.drag_factor / m.tools[0].drive.energy_factor * out.cutting_load * out.speed / 50 * kTick;
     if (n > 400) most = std::max(most, out.normal_load);
   }
   const Vec3d tip = out.T_world_tool.translation;
@@ -249,7 +257,8 @@ TEST(Response, ALogThatDoesNotNameItIsOfThePenaltyLaw) {
   log.header.emplace_back("response", "1");
   set("rendering", "2");
   EXPECT_FALSE(restoreSettings(log, "a.log", again, start));
-  set("rendering", "0"), set("response", "3");
+  set("rendering", "0");
+  set("response", "3");
   EXPECT_FALSE(restoreSettings(log, "a.log", again, start));
 }
 
@@ -259,8 +268,10 @@ TEST(Response, AnImpulseGivesBackWhatRestitutionSays) {
     Model m;
     m.tools = {practiceBall(0.5, 840)};
     m.tissues = oneTissue(200, 0, 1000);
-    m.settings.response = Response::kImpulse, m.settings.restitution = restitution;
-    m.settings.coupling.stiffness = 1e-6, m.settings.coupling.damping = 0;
+    m.settings.response = Response::kImpulse;
+    m.settings.restitution = restitution;
+    m.settings.coupling.stiffness = 1e-6;
+    m.settings.coupling.damping = 0;
     State state;
     state.objects.emplace_back(block({4, 4, 2}, 0.1));
     state.place(at(0.02, 0.03, 0.5));

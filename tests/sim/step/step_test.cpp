@@ -57,8 +57,10 @@ TEST(Step, ForceAndRemovalRateDoNotDependOnTheGridsAttitude) {
   for (int n = 0; n < 8; ++n) {
     const Slot slot =
         cutSlot(0.1, turned(0.37 * n, {std::sin(2.0 * n), std::cos(3.0 * n), 0.5}, 0.013 * n * Vec3d(1, -2, 0.5)));
-    least = std::min(least, slot.force), most = std::max(most, slot.force);
-    least_rate = std::min(least_rate, slot.rate), most_rate = std::max(most_rate, slot.rate);
+    least = std::min(least, slot.force);
+    most = std::max(most, slot.force);
+    least_rate = std::min(least_rate, slot.rate);
+    most_rate = std::max(most_rate, slot.rate);
   }
   EXPECT_LT(most / least, 1.03);
   EXPECT_LT(most_rate / least_rate, 1.03);
@@ -279,7 +281,8 @@ TEST(Step, AFaceThatLooksAwayDoesNotPushTheToolThrough) {
 
 TEST(Step, LongestSubstepFollowsVoxelAndTool) {
   ToolModel blade;
-  blade.finest_mm = 0.4, blade.smallest_radius_mm = 0.2;
+  blade.finest_mm = 0.4;
+  blade.smallest_radius_mm = 0.2;
   EXPECT_DOUBLE_EQ(longestSubstep(blade, 0.1), std::sqrt(0.4 * 0.1 * 0.2));
   blade.finest_mm = 0.1;
   EXPECT_DOUBLE_EQ(longestSubstep(blade, 0.1), 0.05);
