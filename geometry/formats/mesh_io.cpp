@@ -28,7 +28,7 @@ Expected<void> refuseForeign(const MeshSource& source) {
   };
   if (source.hasExtension(".nrrd .nii .mha .mhd") || source.file.ends_with(".nii.gz"))
     return refuse("a label volume by its name, no mesh",
-                  "a recipe that makes tissues of its labels (docs/recipes.md); kerf info lists them");
+                  "a recipe that makes tissues of its labels (docs/reference/recipes.md); kerf info lists them");
   const std::string dcm_hint = "export as STL or PLY from the scanner software (\"open\" export in 3Shape)";
   const bool is_zip = text.starts_with("PK\x03\x04") || text.starts_with("PK\x05\x06");
   if ((is_zip && source.hasExtension(".dcm")) || start.find("<HPS") != start.npos)
@@ -38,8 +38,9 @@ Expected<void> refuseForeign(const MeshSource& source) {
   if (text.starts_with("\x1f\x8b")) return refuse("a gzip archive", "unpack it first (gunzip)");
   if (text.starts_with("7z\xbc\xaf\x27\x1c")) return refuse("a 7z archive", "unpack it first");
   if (text.substr(0, 132).ends_with("DICM") && text.size() >= 132)
-    return refuse("a DICOM image, one slice of a volume",
-                  "a recipe that takes the folder of the series (docs/recipes.md), or export the surface as STL");
+    return refuse(
+        "a DICOM image, one slice of a volume",
+        "a recipe that takes the folder of the series (docs/reference/recipes.md), or export the surface as STL");
   if (text.starts_with("glTF")) return refuse("a binary glTF file", "save it as PLY or STL");
   return {};
 }

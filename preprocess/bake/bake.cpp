@@ -278,7 +278,7 @@ Expected<void> requireMeshNotFolder(const fs::path& path) {
   if (isLabelVolume(path))
     return fail({Error::Code::kUnsupported, path.string(), "", "a folder of slices: a label volume, no mesh",
                  "a mesh file or a recipe",
-                 "a recipe that makes tissues of its labels (docs/recipes.md); kerf info lists them"});
+                 "a recipe that makes tissues of its labels (docs/reference/recipes.md); kerf info lists them"});
   return {};
 }
 

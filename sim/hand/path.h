@@ -19,7 +19,9 @@ struct CutPath {
   std::vector<char> cuts;       ///< per motion poses[i] -> poses[i + 1]: 1 cutting, 0 moving in air
 };
 
-/// Reads a CSV of timed poses (header exactly `t,x,y,z,qw,qx,qy,qz`) or a TOML of strokes (docs/path-files.md).
+/// Reads a CSV of timed poses (header exactly `t,x,y,z,qw,qx,qy,qz`) or a TOML of strokes:
+/// docs/reference/path-files.md.
+///
 /// Between poses the tip moves straight and the tool turns by the shorter way. Errors name line and column.
 Expected<CutPath> readPath(const std::filesystem::path& file);
 

@@ -1,4 +1,5 @@
-// The bytes of a session log, version 1 (docs/formats.md): what its writer, reader and recorder agree on.
+// The bytes of a session log, version 1: what its writer, reader and recorder agree on.
+// docs/reference/file-formats.md has them.
 #pragma once
 
 #include <array>

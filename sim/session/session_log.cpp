@@ -107,7 +107,7 @@ class Parser {
                       "read it with the newer Kerf that recorded it");
       return refuse(Error::Code::kBadFormat, at_,
                     fmt::format("a record of kind {}, tick {}, with {} bytes that make no sense", kind, tick, length),
-                    "a record as docs/formats.md has it", "this log was not written by Kerf as it is");
+                    "a record as docs/reference/file-formats.md has it", "this log was not written by Kerf as it is");
     }
     at_ = begin + length + kChecksum;
     return {};

@@ -1,5 +1,5 @@
 // The session log: what was loaded, and everything that was done with it since. The state of a session is a function of
-// this file: replay, undo, recovery after a crash and scoring read it. Byte by byte in docs/formats.md.
+// this file: replay, undo, recovery after a crash and scoring read it. Byte by byte in docs/reference/file-formats.md.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
 // The state of a session as bytes: what a snapshot in its log holds, and from which a replay can start. Only what
-// differs from the objects as loaded is in it. Byte by byte in docs/formats.md.
+// differs from the objects as loaded is in it. Byte by byte in docs/reference/file-formats.md.
 #pragma once
 
 #include <cstddef>

@@ -1,7 +1,7 @@
 // Every development mesh goes the whole way: bake, cut by a bur and by a saw, export to four formats, read back, judge.
 // What lies farther than two voxels from the cut must come back bit for bit. Runs where the data is (KERF_DATA).
 //
-// KERF_TABLE=FILE appends one row per mesh to FILE (docs/real-data.md holds such a table).
+// KERF_TABLE=FILE appends one row per mesh to FILE (docs/results/real-data.md holds such a table).
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

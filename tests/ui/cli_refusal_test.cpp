@@ -102,13 +102,13 @@ TEST_F(Cli, WhatIsNoMeshIsCalledByItsName) {
   refuses({"bake", at("box.case"), "-o", at("x.case")}, {"a case already, baked from source-1.off"});
   for (const std::string name : {"a.nii.gz", "a.nii", "a.nrrd", "a.mha", "a.mhd"}) {
     folder_.write(name, name == "a.nii.gz" ? "\x1f\x8b and more" : "NRRD0004 or another");
-    refuses({"bake", at(name), "-o", at("x.case")}, {name, "label volume", "docs/recipes.md"});
+    refuses({"bake", at(name), "-o", at("x.case")}, {name, "label volume", "docs/reference/recipes.md"});
   }
   folder_.write("slice.dcm", std::string(128, '\0') + "DICM and more");
-  refuses({"bake", at("slice.dcm"), "-o", at("x.case")}, {"slice.dcm", "docs/recipes.md"});
+  refuses({"bake", at("slice.dcm"), "-o", at("x.case")}, {"slice.dcm", "docs/reference/recipes.md"});
   fs::create_directory(in("series"));
   fs::copy_file(in("slice.dcm"), in("series/1.dcm"));
-  refuses({"bake", at("series"), "-o", at("x.case")}, {"series", "label volume", "docs/recipes.md"});
+  refuses({"bake", at("series"), "-o", at("x.case")}, {"series", "label volume", "docs/reference/recipes.md"});
 }
 
 TEST_F(Cli, ARenamedToolHearsOfItsOtherMistakesFirst) {

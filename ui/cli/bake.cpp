@@ -304,10 +304,11 @@ void addBake(CLI::App& app, int& exit_code) {
                 "where the base goes: +x -x +y -y +z -z (default: where the scan is open)");
   CLI::Option* voxel = c->add_option("--voxel", a->options.voxelize.voxel_mm, "voxel size [mm]; goes before a recipe's")
                            ->capture_default_str();
-  CLI::Option* along = c->add_option("--fine-along", a->fine_along,
-                                     "path file (docs/path-files.md): smaller voxels around where its tip cuts; a cut "
-                                     "that stays there uses them. Goes before a recipe's [region]")
-                           ->check(CLI::ExistingFile);
+  CLI::Option* along =
+      c->add_option("--fine-along", a->fine_along,
+                    "path file (docs/reference/path-files.md): smaller voxels around where its tip cuts; a cut "
+                    "that stays there uses them. Goes before a recipe's [region]")
+          ->check(CLI::ExistingFile);
   c->add_option("--fine-radius", a->fine_radius, "how far around [mm]")
       ->needs(along)
       ->check(CLI::Range(0.1, 1000.0))

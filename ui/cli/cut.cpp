@@ -187,7 +187,8 @@ void addCut(CLI::App& app, int& exit_code) {
       "36.run");
   c->add_option("CASE", a->case_folder, "case folder")->required();
   c->add_option("--tool", a->tool, "tool id (kerf tool list) or a tool's TOML file")->required();
-  c->add_option("--path", a->path, "CSV of poses (t,x,y,z,qw,qx,qy,qz) or TOML of strokes; see docs/path-files.md")
+  c->add_option("--path", a->path,
+                "CSV of poses (t,x,y,z,qw,qx,qy,qz) or TOML of strokes; see docs/reference/path-files.md")
       ->required();
   c->add_option("-o,--output", a->output, "run folder to write")->required();
   c->add_flag("--force", a->options.overwrite, "replace an existing run");
@@ -212,8 +213,9 @@ void addCut(CLI::App& app, int& exit_code) {
   by_hand->add_option("--coupling", a->haptic.step.coupling.stiffness, "stiffness of the virtual coupling, N/mm")
       ->capture_default_str();
   auto* held = c->add_option_group("With --hand force or device");
-  held->add_option("--response", a->response,
-                   "what keeps the tool out of the tissue: penalty, constraint (god-object), impulse; docs/haptics.md")
+  held->add_option(
+          "--response", a->response,
+          "what keeps the tool out of the tissue: penalty, constraint (god-object), impulse; docs/how-it-works/step.md")
       ->check(CLI::IsMember({"penalty", "constraint", "impulse"}))
       ->capture_default_str();
   auto* force = c->add_option_group("With --hand force");

@@ -105,7 +105,7 @@ TEST(SessionLog, ReadsBackEveryBitInOrder) {
 }
 
 TEST(SessionLog, BytesAreThoseOfTheDocumentedFormat) {
-  // By hand from docs/formats.md, so that the format cannot change unnoticed.
+  // By hand from docs/reference/file-formats.md, so that the format cannot change unnoticed.
   const Bytes& bytes = smallLog().bytes;
   const auto text = [&](std::size_t at, std::size_t size) {
     return std::string(reinterpret_cast<const char*>(bytes.data()) + at, size);
