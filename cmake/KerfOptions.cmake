@@ -7,14 +7,17 @@ endif()
 
 add_library(kerf_options INTERFACE)
 add_library(kerf::options ALIAS kerf_options)
-target_include_directories(kerf_options INTERFACE ${CMAKE_SOURCE_DIR})
+# Headers are included from the root: the source tree, or include/kerf where they are installed.
+target_include_directories(kerf_options INTERFACE
+  $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}> $<BUILD_INTERFACE:${CMAKE_BINARY_DIR}/generated> $<INSTALL_INTERFACE:include/kerf>)
 target_compile_features(kerf_options INTERFACE cxx_std_20)
 # -ffp-contract=off: the same input gives the same bits, whether or not the compiler likes fused multiply-add.
 target_compile_options(kerf_options INTERFACE
-  -Wall -Wextra -Wpedantic -Wshadow -Wno-psabi -ffp-contract=off
-  $<$<BOOL:${KERF_WERROR}>:-Werror>)
+  $<BUILD_INTERFACE:-Wall> $<BUILD_INTERFACE:-Wextra> $<BUILD_INTERFACE:-Wpedantic> $<BUILD_INTERFACE:-Wshadow> $<BUILD_INTERFACE:-Wno-psabi>
+  -ffp-contract=off
+  $<BUILD_INTERFACE:$<$<BOOL:${KERF_WERROR}>:-Werror>>)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-  target_compile_options(kerf_options INTERFACE -fpch-preprocess)
+  target_compile_options(kerf_options INTERFACE $<BUILD_INTERFACE:-fpch-preprocess>)
 endif()
 if(KERF_SANITIZE)
   target_compile_options(kerf_options INTERFACE -fsanitize=${KERF_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=undefined)

@@ -16,6 +16,7 @@ std::vector<fs::path> findAssets(const fs::path& name) {
     folders.push_back(program / "../../../assets");
     folders.push_back(program / "../share/kerf");
   }
+  folders.emplace_back(KERF_INSTALLED_ASSETS);
   folders.emplace_back(KERF_SOURCE_ASSETS);
   for (const fs::path& folder : folders) {
     const fs::path place = fs::weakly_canonical(folder / name, failed);

@@ -4,20 +4,22 @@
 #include <cstdio>
 #include <exception>
 
-#include "geometry/base/version.h"
+#include "geometry/base/build_info.h"
+#include "ui/app/manual.h"
 #include "ui/cli/command.h"
 
 int main(int argc, char** argv) {
   using namespace kerf::cli;
   CLI::App app{"Kerf: dental scans in, real cuts, printable meshes out. A training and lab tool, not a medical device.",
                "kerf"};
-  app.set_version_flag("--version", std::string("kerf ") + kerf::kVersion);
+  app.set_version_flag("--version", kerf::versionText("kerf"));
   app.require_subcommand(1);
   app.get_formatter()->column_width(34);
   int exit_code = kOk;
   constexpr AddCommand kCommands[] = {addBake, addCut,  addReplay, addExport, addCheck,
                                       addInfo, addTool, addBench,  addDemo,   addDemoMolar};
   for (const AddCommand add : kCommands) add(app, exit_code);
+  if (kerf::isManualRequest(argc, argv)) return kerf::answerManualRequest(app, argv[2]);
   if (argc < 2) {
     std::fputs(app.help().c_str(), stderr);
     return kUsage;

@@ -11,6 +11,8 @@
 #include <string_view>
 #include <utility>
 
+#include "geometry/base/build_info.h"
+#include "ui/app/manual.h"
 #include "ui/window/camera.h"
 #include "ui/window/gl_context.h"
 #include "ui/window/image.h"
@@ -131,7 +133,7 @@ int main(int argc, char** argv) try {
       "Shows a mesh, a case or the result of a run, in a window or as a picture.\n"
       "Mouse: left orbits, right or middle pans, wheel zooms. Keys: 1-7 views, F fit, Esc closes.");
   app.name("kerf-sim");
-  app.set_version_flag("--version", "kerf-sim " KERF_VERSION);
+  app.set_version_flag("--version", kerf::versionText("kerf-sim", KERF_WINDOW_LIBRARIES));
   app.add_option("scene", a.scene, "a mesh file (STL, PLY, OBJ, OFF, 3MF), a case folder or a run folder")
       ->required()
       ->type_name("MESH|CASE|RUN");
@@ -164,6 +166,7 @@ int main(int argc, char** argv) try {
       ->check(CLI::NonNegativeNumber);
   app.add_flag("-v,--verbose", a.verbose, "say what draws");
   app.footer("Kerf is a training and lab tool, not a medical device.");
+  if (kerf::isManualRequest(argc, argv)) return kerf::answerManualRequest(app, argv[2]);
   CLI11_PARSE(app, argc, argv);
   if (const auto done = run(a); !done) {
     fmt::print(stderr, "kerf-sim: error: {}\n", done.error().message());

@@ -1,0 +1,18 @@
+# Run by every build (cmake -P): writes the commit of SOURCE into OUTPUT, a header, when it is not what it says already.
+set(commit unknown)
+find_program(GIT git)
+if(GIT AND EXISTS "${SOURCE}/.git")
+  execute_process(COMMAND ${GIT} -C "${SOURCE}" describe --always --abbrev=12 --exclude=* --dirty=+
+                  OUTPUT_VARIABLE described OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET RESULT_VARIABLE failed)
+  if(NOT failed)
+    set(commit "${described}")
+  endif()
+endif()
+set(text "#pragma once\nnamespace kerf {\ninline constexpr const char* kCommit = \"${commit}\";\n}\n")
+set(before "")
+if(EXISTS "${OUTPUT}")
+  file(READ "${OUTPUT}" before)
+endif()
+if(NOT before STREQUAL text)
+  file(WRITE "${OUTPUT}" "${text}")
+endif()

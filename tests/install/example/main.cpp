@@ -1,0 +1,33 @@
+// Presses a bur into a block of dentin for a second, and says what the hand felt and how much went.
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+
+#include "geometry/tool/tool_file.h"
+#include "sim/run/load_scene.h"
+#include "sim/run/practice_block.h"
+#include "sim/session/session.h"
+
+int main() try {
+  const auto file = kerf::findToolFile("round-014", kerf::defaultToolFolders()).value();
+  const kerf::Tool bur = kerf::readTool(file).value();
+  const auto block = kerf::practiceBlock({4, 4, 3}, 0.1).value();  // mm; its top is z = 0
+
+  kerf::Session session(kerf::makeModel({&bur, 1}).value(), {block}, {});
+  kerf::StepOutput felt;
+  double removed = 0, most = 0;
+  for (int tick = 0; tick < 1000; ++tick) {
+    kerf::DeviceSample hand;
+    hand.T_world_device.translation.z() = -0.001 * tick;  // mm: 1 mm/s downwards
+    hand.pedal = 1;
+    session.tick(hand, felt);
+    removed += felt.removed_mm3;
+    most = std::max(most, felt.force.force.norm());
+  }
+
+  std::printf("removed %.3f mm3, felt %.2f N at most\n", removed, most);
+  return removed > 0.1 && most > 0 ? 0 : 1;
+} catch (const std::exception& e) {
+  std::fprintf(stderr, "%s\n", e.what());
+  return 1;
+}
