@@ -5,9 +5,9 @@
 
 namespace kerf {
 
-/// All of it is called by the haptic thread: arm() once before the first read(), then read() and write() once a
-/// tick, disarm() once after the last write(), which is zero. Before a pause (undo, no room) a zero is written at once,
-/// without a read; until it ends, tenths of a second perhaps, nothing is.
+/// The haptic thread calls all of it: arm() once before the first read(), then read() and write() once a tick, disarm()
+/// once after the last write(), which is zero. Before a pause (undo, no memory for bricks) a zero is written at once,
+/// without a read. Until the pause ends, perhaps tenths of a second later, nothing is written.
 ///
 /// None of it may allocate, throw or wait for anything that may take long. A driver whose transport can block has a
 /// thread of its own and leaves the newest sample in a TripleBuffer; it says `is_valid = 0` when that has become old.

@@ -27,34 +27,52 @@ constexpr double kTurnPerMotion = 2 * kRadian;
 constexpr double kTurnSpeed = 45 * kRadian;  // rad/s: a turn about the tip itself has no feed
 constexpr double kReach = 1000;              // mm: nothing of a patient is farther from its origin
 
-Expected<CutPath> readCsv(const fs::path& file) {
-  std::error_code ignored;
-  std::ifstream in;
-  if (fs::is_regular_file(file, ignored)) in.open(file, std::ios::binary);  // not a folder, pipe or device
-  if (!in.is_open())
-    return fail({fs::exists(file, ignored) ? Error::Code::kUnreadable : Error::Code::kNotFound, file.string(), "",
-                 fs::exists(file, ignored) ? "can not be read" : "no such file", "a CSV of poses", ""});
-  const auto bad = [&](std::size_t line, std::size_t column, std::string found, std::string expected) {
+// Reads the rows of a CSV of poses, one after the other.
+class PoseTable {
+ public:
+  explicit PoseTable(const fs::path& file) : file_(file) {}
+
+  Expected<void> add(std::size_t line, std::string_view text) {
+    if (!has_header_) {
+      if (text != kHeader)
+        return bad(line, kWholeLine, fmt::format("\"{}\"", text.substr(0, 60)), "the header " + std::string(kHeader));
+      has_header_ = true;
+      return {};
+    }
+    KERF_TRY(numbers, parse(line, text));
+    KERF_TRY(pose, poseFrom(line, numbers));
+    path_.poses.push_back(pose);
+    return {};
+  }
+
+  Expected<CutPath> take() {
+    if (!has_header_) return bad(1, kWholeLine, "no header", std::string(kHeader));
+    if (path_.poses.size() < 2)
+      return fail({.code = Error::Code::kEmpty,
+                   .file = file_.string(),
+                   .found = fmt::format("{} poses", path_.poses.size()),
+                   .expected = "at least 2 poses"});
+    path_.cuts.assign(path_.poses.size() - 1, 1);
+    return std::move(path_);
+  }
+
+ private:
+  using Row = std::array<double, kColumns.size()>;
+  static constexpr std::size_t kWholeLine = kColumns.size();
+
+  tl::unexpected<Error> bad(std::size_t line, std::size_t column, std::string found, std::string expected) const {
     const std::string place = column < kColumns.size()
                                   ? fmt::format("line {}, column {} ({})", line, column + 1, kColumns[column])
                                   : fmt::format("line {}", line);
-    return fail({Error::Code::kBadFormat, file.string(), place, std::move(found), std::move(expected), ""});
-  };
-  constexpr std::size_t kWholeLine = kColumns.size();
-  CutPath path;
-  std::string text;
-  bool has_header = false;
-  for (std::size_t line = 1; std::getline(in, text); ++line) {
-    if (line == 1 && text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);  // spreadsheets write it
-    if (text.ends_with('\r')) text.pop_back();
-    if (text.empty() || text.front() == '#') continue;
-    if (!has_header) {
-      if (text != kHeader)
-        return bad(line, kWholeLine, fmt::format("\"{}\"", text.substr(0, 60)), "the header " + std::string(kHeader));
-      has_header = true;
-      continue;
-    }
-    std::array<double, 8> v{};
+    return fail({.code = Error::Code::kBadFormat,
+                 .file = file_.string(),
+                 .place = place,
+                 .found = std::move(found),
+                 .expected = std::move(expected)});
+  }
+
+  Expected<Row> parse(std::size_t line, std::string_view text) const {
+    Row v{};
     std::size_t column = 0, at = 0;
     for (bool more = true; more; ++column) {
       const std::size_t comma = std::min(text.find(',', at), text.size());
@@ -70,31 +88,60 @@ Expected<CutPath> readCsv(const fs::path& file) {
     }
     if (column != v.size())
       return bad(line, kWholeLine, fmt::format("{} columns", column), "8 columns: " + std::string(kHeader));
+    return v;
+  }
+
+  // Time, place and attitude in range, and such that the motion from the pose before is clear.
+  Expected<PathPose> poseFrom(std::size_t line, const Row& v) const {
+    const PathPose* before = path_.poses.empty() ? nullptr : &path_.poses.back();
     PathPose pose;
     pose.t = v[0];
-    if (!path.poses.empty() && !(pose.t > path.poses.back().t))
-      return bad(line, 0, fmt::format("{} s", pose.t), fmt::format("a time after {} s", path.poses.back().t));
+    if (before && !(pose.t > before->t))
+      return bad(line, 0, fmt::format("{} s", pose.t), fmt::format("a time after {} s", before->t));
+
     for (std::size_t k = 1; k < 4; ++k)
       if (std::abs(v[k]) > kReach) return bad(line, k, fmt::format("{} mm", v[k]), fmt::format("within {} mm", kReach));
     pose.T_object_tool.translation = {v[1], v[2], v[3]};
-    Eigen::Quaterniond q(v[4], v[5], v[6], v[7]);
+
+    const Eigen::Quaterniond q(v[4], v[5], v[6], v[7]);
     if (!(std::abs(q.norm() - 1) <= 1e-3))
       return bad(line, 4, fmt::format("a quaternion of length {:.4f}", q.norm()), "length 1 within 0.001");
     pose.T_object_tool.rotation = q.normalized();
-    if (!path.poses.empty()) {
-      const double turn = path.poses.back().T_object_tool.rotation.angularDistance(pose.T_object_tool.rotation);
+    if (before) {
+      const double turn = before->T_object_tool.rotation.angularDistance(pose.T_object_tool.rotation);
       if (turn > kLargestTurn)
         return bad(line, 4, fmt::format("a turn of {:.0f} degrees since the row before", turn / kRadian),
                    "at most 120 degrees, so that the way round is clear");
     }
-    path.poses.push_back(pose);
+    return pose;
   }
-  if (!has_header) return bad(1, kWholeLine, "no header", std::string(kHeader));
-  if (path.poses.size() < 2)
-    return fail(
-        {Error::Code::kEmpty, file.string(), "", fmt::format("{} poses", path.poses.size()), "at least 2 poses", ""});
-  path.cuts.assign(path.poses.size() - 1, 1);
-  return path;
+
+  const fs::path& file_;
+  CutPath path_;
+  bool has_header_ = false;
+};
+
+Expected<CutPath> readCsv(const fs::path& file) {
+  std::error_code ignored;
+  std::ifstream in;
+  if (fs::is_regular_file(file, ignored)) in.open(file, std::ios::binary);  // not a folder, pipe or device
+  if (!in.is_open()) {
+    const bool exists = fs::exists(file, ignored);
+    return fail({.code = exists ? Error::Code::kUnreadable : Error::Code::kNotFound,
+                 .file = file.string(),
+                 .found = exists ? "can not be read" : "no such file",
+                 .expected = "a CSV of poses"});
+  }
+
+  PoseTable table(file);
+  std::string text;
+  for (std::size_t line = 1; std::getline(in, text); ++line) {
+    if (line == 1 && text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);  // spreadsheets write it
+    if (text.ends_with('\r')) text.pop_back();
+    if (text.empty() || text.front() == '#') continue;
+    KERF_CHECK(table.add(line, text));
+  }
+  return table.take();
 }
 
 // Turns strokes into poses, one after the other.
@@ -108,6 +155,7 @@ class StrokeWriter {
   void add(TomlTable& stroke, double feed) {
     const auto kind = stroke.get<std::string>("kind", kKinds);
     feed = stroke.numberOr("feed", feed, 0.001, 1000, "mm/s");
+
     if (kind == "plunge") {
       const double depth = stroke.number("depth", 1e-6, kReach);
       const Vec3d way =
@@ -126,6 +174,7 @@ class StrokeWriter {
                       "one of to = [x, y, z] and by = [x, y, z]");
         return;
       }
+
       const char* key = stroke.has("to") ? "to" : "by";
       const Vec3d v = read(stroke, key);
       if (!stroke.failed())
@@ -138,6 +187,7 @@ class StrokeWriter {
       if (angle == 0) stroke.reject("angle_deg", "0", "an angle other than 0");
       if (!stroke.failed()) round(stroke, key, about, axis, angle, feed, turns);
     } else {
+      // Its keys are no further mistake.
       stroke.reject("kind", "\"" + kind + "\"", kKinds);
       for (const char* key : {"depth", "direction", "height", "to", "by", "center", "pivot", "axis", "angle_deg"})
         stroke.allow(key);
@@ -185,6 +235,8 @@ class StrokeWriter {
       stroke.reject(key, "the tip is on the axis", "a centre beside the tip");
       return;
     }
+
+    // Short enough for the chord to stay near the arc.
     double step = turns ? kTurnPerMotion : std::numbers::pi / 4;
     if (radius > 0) step = std::min(step, 2 * std::acos(1 - std::min(0.5, kChordError / radius)));
     const int count = std::max(1, static_cast<int>(std::ceil(std::abs(angle) / step - 1e-9)));
@@ -211,6 +263,7 @@ Expected<CutPath> readStrokes(const fs::path& file) {
   const auto frame = top.get<std::string>("frame", "\"object\" or \"tool\"");
   if (frame != "object" && frame != "tool") top.reject("frame", "\"" + frame + "\"", "\"object\" or \"tool\"");
   const double feed = top.numberOr("feed", 2, 0.001, 1000, "mm/s");
+
   top.allow("start");
   const toml::table* start_table = root["start"].as_table();
   if (!start_table) top.reject("start", "missing", "[start] with position and axis");
@@ -225,6 +278,7 @@ Expected<CutPath> readStrokes(const fs::path& file) {
   Vec3d x = std::abs(z[0]) < 0.9 ? Vec3d::UnitX() : Vec3d::UnitY();
   if (start.has("edge")) x = StrokeWriter::unit(start, "edge");
   start.allow("edge");
+
   x -= x.dot(z) * z;
   if (x.norm() < 1e-3) start.reject("edge", "along the axis", "a direction across the axis");
   KERF_CHECK(start.finish());
@@ -248,8 +302,10 @@ Expected<CutPath> readStrokes(const fs::path& file) {
 Expected<CutPath> readPath(const fs::path& file) {
   if (file.extension() == ".csv") return readCsv(file);
   if (file.extension() == ".toml") return readStrokes(file);
-  return fail({Error::Code::kUnsupported, file.string(), "", "extension \"" + file.extension().string() + "\"",
-               ".csv (poses) or .toml (strokes)", ""});
+  return fail({.code = Error::Code::kUnsupported,
+               .file = file.string(),
+               .found = "extension \"" + file.extension().string() + "\"",
+               .expected = ".csv (poses) or .toml (strokes)"});
 }
 
 }  // namespace kerf

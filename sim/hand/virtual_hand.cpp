@@ -59,6 +59,7 @@ bool ForceHand::next(const StepOutput& last, DeviceSample& sample) {
     sample.T_world_device = poseAt(path_, 0);
     return true;
   }
+
   // How far the tool has come along this stretch, never backwards; a stretch is done a micrometre before its end.
   const auto pose = [&](std::size_t n) -> const Rigid3& { return path_.poses[n].T_object_tool; };
   Vec3d along = Vec3d::Zero();
@@ -76,12 +77,16 @@ bool ForceHand::next(const StepOutput& last, DeviceSample& sample) {
   }
   done = std::max(done, 0.0);
   at_ = std::max(at_, length_[stretch_] + done);
+
   if (at_ > watched_ + options_.stillness) {
     watched_ = at_;
     waited_ = 0;
-  } else if ((waited_ += kTick) > options_.patience)
-    gave_up_ = true;
+  } else {
+    waited_ += kTick;
+    if (waited_ > options_.patience) gave_up_ = true;
+  }
   if (gave_up_) return false;
+
   ahead_ = std::min(at_ + lead_, std::max(ahead_, at_) + options_.feed_limit * kTick);
   sample.T_world_device = between(pose(stretch_), pose(stretch_ + 1), done / whole);
   sample.T_world_device.translation = pose(stretch_).translation + (ahead_ - length_[stretch_]) * along;
@@ -99,6 +104,7 @@ bool DeviceHand::next(const StepOutput& last, DeviceSample& sample) {
   late_.push_back(last.force.force);
   const Vec3d force = late_.front();
   late_.erase(late_.begin());
+
   constexpr int kParts = 20;
   const double dt = kTick / kParts, mass = 1e-3 * options_.mass_kg;  // tonnes
   for (int n = 0; n < kParts; ++n) {
@@ -109,9 +115,11 @@ bool DeviceHand::next(const StepOutput& last, DeviceSample& sample) {
     const double k = options_.hand_stiffness, b = options_.hand_damping + options_.damping;
     Vec3d v = (mass * velocity_ + dt * (force + k * (wanted - position_) + options_.hand_damping * speed)) /
               (mass + dt * b + dt * dt * k);
+
     const double most = dt * options_.friction / mass;
     const double moving = v.norm();
     const Vec3d after = moving <= most ? Vec3d(Vec3d::Zero()) : Vec3d(v * (1 - most / moving));
+
     const Vec3d way = dt * after;
     work_ += force.dot(way);
     lost_ += options_.damping * after.squaredNorm() * dt + options_.friction * way.norm();
@@ -120,6 +128,8 @@ bool DeviceHand::next(const StepOutput& last, DeviceSample& sample) {
   }
   t_ += kTick;
   is_over_ = t_ >= duration(path_);
+
+  // What the encoder says; the turn and the pedal are the path's.
   sample = DeviceSample{};
   bool cuts = true;
   sample.T_world_device = poseAt(path_, t_, &cuts);

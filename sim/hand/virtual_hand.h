@@ -1,4 +1,4 @@
-// Hands that need no person: what headless cutting and benchmarks hold the tool with.
+// Virtual hands: they hold the tool in headless cutting, in tests and in benchmarks. None of them needs a person.
 #pragma once
 
 #include <cstdint>
@@ -64,9 +64,9 @@ class ForceHand final : public VirtualHand {
   bool has_begun_ = false, gave_up_ = false;
 };
 
-/// A force-feedback device in somebody's hand: a mass on a spring and damper to where the hand wants to be (the path),
-/// seen through an encoder, given its force one tick late and held for a tick. Turns are prescribed, as on a device
-/// without torque.
+/// A force-feedback device in a person's hand: a mass on a spring and damper to where the hand wants to be (the path).
+/// Its position is read through an encoder. Its force arrives one tick late and stays the same for a tick. Turns are
+/// prescribed, as on a device without torque.
 class DeviceHand final : public VirtualHand {
  public:
   struct Options {
@@ -84,8 +84,8 @@ class DeviceHand final : public VirtualHand {
 
   /// Where the device really is, mm.
   const Vec3d& position() const { return position_; }
-  /// Work the force has done on the device so far, less what the device's own damping and friction took, N mm: above
-  /// zero the simulation has given energy away.
+  /// Work the force has done on the device so far, less what the device's own damping and friction took, N mm. Above
+  /// zero the simulation has given energy to the hand.
   double portEnergy() const { return work_ - lost_; }
   double work() const { return work_; }
 
@@ -94,7 +94,7 @@ class DeviceHand final : public VirtualHand {
   Options options_;
   double t_ = 0;
   Vec3d position_, velocity_ = Vec3d::Zero();
-  std::vector<Vec3d> late_;  // forces under way, oldest first
+  std::vector<Vec3d> late_;  // forces on their way to the device, oldest first
   double work_ = 0, lost_ = 0;
   bool is_over_ = false;
 };

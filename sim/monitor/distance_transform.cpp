@@ -26,6 +26,7 @@ void DistanceTransform::line(const float* in, std::ptrdiff_t in_stride, int n, f
     from_[count] = from;
     ++count;
   }
+
   std::size_t k = 0;
   for (int q = low; q < high; ++q) {
     while (k + 1 < count && from_[k + 1] < static_cast<float>(q)) ++k;
@@ -47,6 +48,8 @@ std::span<const float> DistanceTransform::run(std::span<const std::uint8_t> seed
   along_z_.resize(static_cast<std::size_t>(slab));
   along_y_.resize(static_cast<std::size_t>(size[0] * plane));
   out_.resize(static_cast<std::size_t>(part[0] * plane));
+
+  // Along z and then y, one x after the other; last along x.
   for (int i = 0; i < size[0]; ++i) {
     float* const y_plane = along_y_.data() + i * plane;
     bool has_seeds = false;
@@ -61,12 +64,14 @@ std::span<const float> DistanceTransform::run(std::span<const std::uint8_t> seed
       std::transform(row, row + size[2], row_.begin(), [](std::uint8_t s) { return s ? 0.0f : kNone; });
       line(row_.data(), 1, size[2], z_row, 1, low[2], high[2]);
     }
+
     if (has_seeds)
       for (int k = 0; k < part[2]; ++k)
         line(along_z_.data() + k, part[2], size[1], y_plane + k, part[2], low[1], high[1]);
     else
       std::fill_n(y_plane, plane, kNone);
   }
+
   for (std::ptrdiff_t n = 0; n < plane; ++n)
     line(along_y_.data() + n, plane, size[0], out_.data() + n, plane, low[0], high[0]);
   return out_;

@@ -60,6 +60,7 @@ Heat::Heat(const HeatSettings& settings) noexcept : settings_(settings) {
   // What the endless rest adds at once: a geometric series of weight / rate.
   const double r = 1 / std::sqrt(kRatio);
   instant_ = weight_[kStates - 1] / rate_[kStates - 1] * r / (1 - r);
+
   double at = 0, width = kFirstCell;
   for (std::size_t i = 0; i < kCells; ++i, width *= kGrowth) {
     width_[i] = width;
@@ -70,14 +71,9 @@ Heat::Heat(const HeatSettings& settings) noexcept : settings_(settings) {
 
 void Heat::step(const HeatInput& in, double dt) noexcept {
   if (!(dt > 0 && dt < 1e9)) return;
-  if (dt != dt_) {
-    dt_ = dt;
-    gain_ = instant_;
-    for (std::size_t i = 0; i < kStates; ++i) {
-      decay_[i] = std::exp(-rate_[i] * dt);
-      gain_ += weight_[i] * (1 - decay_[i]) / rate_[i];
-    }
-  }
+  if (dt != dt_) setTick(dt);
+
+  // Heat that enters.
   const ThermalProperties& tissue = thermalProperties(in.material);
   const double wet = usable(in.irrigation, 1);
   const double touched = usable(in.area);
@@ -86,6 +82,7 @@ void Heat::step(const HeatInput& in, double dt) noexcept {
   const double flux = touched > 0 ? share * usable(in.power) / area : 0;
   if (touched > 0) radius_ = std::sqrt(area / std::numbers::pi);
 
+  // Ways out, each a conductance, mW/(mm^2 K).
   const double film = settings_.air_film + wet * (settings_.spray_film - settings_.air_film);
   const double coolant = wet * settings_.coolant_rise;
   double losses = film;
@@ -103,6 +100,7 @@ void Heat::step(const HeatInput& in, double dt) noexcept {
   stepColumn(tissue.diffusivity(), dt);
   time_ += dt;
 
+  // Alarms.
   if (isBone(in.material) && surface_ >= kBoneLimitRise) {
     if (alarms_.bone_warm < 0) alarms_.bone_warm = time_;
     alarms_.bone_exposure += dt;
@@ -110,6 +108,15 @@ void Heat::step(const HeatInput& in, double dt) noexcept {
   }
   pulp_ = in.pulp_depth >= 0 && std::isfinite(in.pulp_depth) ? riseAt(in.pulp_depth) : 0;
   if (pulp_ >= kPulpLimitRise && alarms_.pulp < 0) alarms_.pulp = time_;
+}
+
+void Heat::setTick(double dt) noexcept {
+  dt_ = dt;
+  gain_ = instant_;
+  for (std::size_t i = 0; i < kStates; ++i) {
+    decay_[i] = std::exp(-rate_[i] * dt);
+    gain_ += weight_[i] * (1 - decay_[i]) / rate_[i];
+  }
 }
 
 // Backward Euler in finite volumes, the surface given, no flux at the far end; Thomas' elimination.

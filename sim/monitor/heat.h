@@ -15,9 +15,9 @@
 // column of cells, solved implicitly, and falls off below a small contact as it does on the axis of a disc: by
 // sqrt(1 + (z/a)^2) - z/a.
 //
-// Not modelled: that a tool which wanders warms new tissue each time (it counts as one spot: reads hot), blood flow,
-// layers (the column is of the material under the tool), boiling. For training: the numbers rank ways of working, they
-// predict no patient.
+// Not modelled: that a tool which wanders warms new tissue each time (it counts as one spot, so the temperature reads
+// high), blood flow, layers (the column is of the material under the tool), boiling. For training: the numbers rank
+// ways of working; they predict no patient.
 //
 // mm, N, s: power in N mm/s = mW. Temperatures are rises above the body's, K; degrees Celsius at the UI's edge only.
 #pragma once
@@ -37,7 +37,7 @@ struct ThermalProperties {
   double effusivity() const noexcept;  ///< sqrt(k rho c), mW s^(1/2) / (mm^2 K)
   double diffusivity() const noexcept { return conductivity / heat_capacity; }  ///< mm^2/s
 };
-/// Of every material; what has no numbers of its own takes those of its kin, and says so in `source`. @rt safe.
+/// Of every material; one without numbers of its own takes those of a similar one, and says so in `source`. @rt safe.
 const ThermalProperties& thermalProperties(Material material) noexcept;
 
 /// Degrees Celsius of the body, for the UI's edge: shown temperature = kBodyCelsius + rise.
@@ -68,7 +68,8 @@ struct HeatInput {
   double removed = 0;                     ///< StepOutput::removed_mm3 of this tick
   double irrigation = 0;                  ///< DeviceSample::irrigation, 0 to 1; 0 when the spray does not reach tissue
   Material material = Material::kDentin;  ///< under the tool
-  double pulp_depth = -1;  ///< tissue left between surface and pulp, mm (KeepOut::Reading::distance); < 0: no pulp near
+  /// Tissue left between surface and pulp, mm (KeepOut::Reading::distance); < 0: no pulp near.
+  double pulp_depth = -1;
 };
 
 /// Times in s since the start; < 0: not yet. Latched: cooling does not take an alarm back.
@@ -99,10 +100,14 @@ class Heat {
   static constexpr int kStates = 23, kCells = 48;
 
  private:
+  void setTick(double dt) noexcept;
   void stepColumn(double diffusivity, double dt) noexcept;
+
   HeatSettings settings_;
   std::array<double, kStates> rate_{}, weight_{}, decay_{}, state_{};  // 1/s; s^-1/2; per tick; K s^1/2
-  double instant_ = 0, gain_ = 0, dt_ = 0;                             // s^1/2: of the faster states; of a tick's flux
+  double instant_ = 0;                                                 // s^1/2: gain of all faster states at once
+  double gain_ = 0;                                                    // s^1/2: of a tick's flux
+  double dt_ = 0;                                                      // s: that of decay_ and gain_
   std::array<double, kCells> depth_{}, width_{}, cell_{};              // mm, mm, K
   double radius_ = 0;                                                  // of the last contact, mm
   double surface_ = 0, pulp_ = 0, time_ = 0;

@@ -11,7 +11,7 @@
 // sagitta where the tool is round.
 //
 // Only nodes within `most_distance` are stored, in bricks found by a directory; the nerve canals of a mandible at
-// 0.1 mm take some 140 MB. Where even that exceeds `most_bytes`, every second, fourth or eighth node is kept:
+// 0.1 mm take about 140 MB. Where even that exceeds `most_bytes`, every second, fourth or eighth node is kept:
 // distances there are as exact as before, between them they are interpolated.
 #pragma once
 
@@ -32,7 +32,7 @@ class ToolSamples {
   explicit ToolSamples(const ToolField& cut, int count = 400);
 
   bool isEmpty() const { return points_.empty(); }
-  /// Tool frame, mm, on the surface to some micrometres.
+  /// Tool frame, mm, on the surface within 5 um.
   std::span<const Vec3f> points() const { return points_; }
   /// No point of the surface is farther from the nearest sample than this, mm.
   double spacing() const { return spacing_; }
@@ -45,6 +45,8 @@ class ToolSamples {
   std::span<const Group> groups() const { return groups_; }
 
  private:
+  void group(const std::vector<Vec3f>& chosen, std::size_t most_groups);
+
   std::vector<Vec3f> points_;
   std::vector<Group> groups_;
   double spacing_ = 0;
@@ -62,19 +64,20 @@ class KeepOut {
   static constexpr double kMostVoxels = 200;  ///< most_distance can be no more of them
 
   /// The nodes of `object` that lie inside it (phi0 <= 0) and are of one of `materials`.
-  /// Error kNotFound: there are none; kBadValue: options out of range. Parallel inside; seconds for a mandible.
+  /// Error kNotFound: there are none; kBadValue: options out of range, or a field that exceeds most_bytes at every
+  /// eighth node. Works on all cores. @cost seconds for a mandible.
   static Expected<std::shared_ptr<const KeepOut>> make(const BakedObject& object, std::span<const Material> materials,
                                                        const KeepOutOptions& options = {});
 
   /// All of `object` as loaded, whatever it is made of: a neighbouring tooth. In the band of its baked field (3 voxels
-  /// outside, 4 inside) distances are that field's own, a twentieth of a voxel at flat places; farther out they are
-  /// those between nodes.  @cost 0.7 s for a molar at 0.1 mm (44 MB), 7 s at 0.05 mm, 14 s for a mandible at 0.1 mm, 2
-  /// cores.
+  /// outside, 4 inside) distances are that field's own, good to a twentieth of a voxel at flat places; farther out they
+  /// are those between nodes.
+  /// @cost  on 2 cores 0.7 s for a molar at 0.1 mm (44 MB), 7 s at 0.05 mm, 14 s for a mandible at 0.1 mm.
   static Expected<std::shared_ptr<const KeepOut>> ofSolid(const BakedObject& object,
                                                           const KeepOutOptions& options = {});
 
   /// Signed distance of a point of the object's frame, mm: negative inside, between -most_depth and most_distance.
-  /// @rt safe, some 20 ns.
+  /// @rt safe. @cost about 20 ns.
   float distance(const Vec3f& p) const noexcept;
 
   struct Reading {
@@ -89,6 +92,7 @@ class KeepOut {
   std::size_t bytes() const { return values_.size() * sizeof(float) + directory_.size() * sizeof(std::int32_t); }
 
  private:
+  class Builder;
   KeepOut() = default;
   static Expected<std::shared_ptr<const KeepOut>> build(const BakedObject& object, std::span<const Material> materials,
                                                         const KeepOutOptions& options);

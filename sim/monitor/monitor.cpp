@@ -9,10 +9,11 @@
 namespace kerf {
 namespace {
 
-// A taper of 8 mm has one in 0.18 mm then: between two of them it is nearer to something flat by 0.02 mm. 6 us to read.
+// A taper of 8 mm then has a sample every 0.18 mm. Between two of them it is nearer to something flat by 0.02 mm. It
+// takes 6 us to read.
 constexpr int kSamples = 1600;
 
-// As far as a keep-out field goes by default; what it can do with that voxel otherwise.
+// The default reach of a keep-out field, or the nearest that this voxel allows.
 KeepOutOptions reachAt(double voxel) {
   KeepOutOptions out;
   out.most_distance = std::clamp(out.most_distance, 2 * voxel, KeepOut::kMostVoxels * voxel);
@@ -30,6 +31,7 @@ Expected<Monitor> Monitor::make(const LoadedObjects& objects, const ToolModel& t
     out.structures_.push_back(std::move(structure));
     out.fields_.push_back(std::move(field));
   };
+
   const BakedObject& object = *objects.front();
   for (const auto& [material, id] :
        {std::pair(Material::kPulp, "pulp"), std::pair(Material::kNerveCanal, "nerve_canal")}) {
@@ -38,6 +40,7 @@ Expected<Monitor> Monitor::make(const LoadedObjects& objects, const ToolModel& t
     if (!field) return fail(field.error());
     add({.material = material, .id = id}, std::move(*field));
   }
+
   for (std::size_t n = 1; n < objects.size(); ++n) {
     KERF_TRY(field, KeepOut::ofSolid(*objects[n], reachAt(objects[n]->voxel())));
     add({.id = neighbourId(n), .object = n}, std::move(field));
@@ -61,6 +64,7 @@ void Monitor::tick(const DeviceSample& sample, const StepOutput& output, std::sp
     }
     if (s.material == Material::kPulp && !reading.is_far) pulp_depth = std::max(0.0, reading.distance);
   }
+
   HeatInput heat;
   heat.power = output.power;
   heat.area = output.area;

@@ -1,5 +1,5 @@
-// What a trainer asks of a cut beside force: how warm it got, how near to pulp, nerve and neighbouring teeth. Beside
-// the step, never in it.
+// What a trainer asks of a cut besides force: how warm it got, how near to pulp, nerve and neighbouring teeth. It
+// reads what the step puts out and never changes it.
 #pragma once
 
 #include <memory>
@@ -13,14 +13,14 @@
 
 namespace kerf {
 
-/// What the objects beside the first are called wherever they are told of: "beside_1" is the second of a session.
+/// The name of an object beside the first in reports, tables and messages: "beside_1" is the second of a session.
 std::string neighbourId(std::size_t object);
 
 /// Follows one tool in one object, and beside others. Belongs to the thread that ticks it.
 ///
-/// A neighbour is kept out of as it was loaded, where it stands now. What was cut off it is counted, and does not make
-/// the distance to it larger: the tool that goes back through a nick is in the neighbour again. Material put onto it
-/// does not make the distance smaller.
+/// The distance to a neighbour is that to its shape as loaded, where it stands now. What was cut off it is counted and
+/// does not make the distance larger: a tool that goes back through a nick is in the neighbour again. Material put onto
+/// it does not make the distance smaller.
 class Monitor {
  public:
   /// Keep-out structures are those of pulp and nerve canal that the first object has, then every other object as a
@@ -33,15 +33,18 @@ class Monitor {
     Material material = Material::kNone;  ///< of a neighbour kNone
     std::string id;                       ///< "pulp", "nerve_canal", "beside_1" of the second object, "beside_2", ...
     std::size_t object = 0;               ///< which it belongs to, or is
-    double distance = 0;  ///< of what cuts of the tool now, mm; negative: in it. The tissue left while it touches
-    bool is_far = true;   ///< farther than the field reaches; then `distance` is that
-    double least = 1e9;   ///< ever, mm
-    std::uint64_t ticks_in = 0;       ///< ticks the tool was in it while something was cut
-    std::uint64_t ticks_touched = 0;  ///< of a neighbour: ticks any part of the tool, neck and shank, too, touched it
-    double removed_mm3 = 0;  ///< of a neighbour: what was cut off it, since it came off itself if it is a piece
+    /// Of the cutting part now, mm; negative: in the structure. While the tool touches, the tissue left.
+    double distance = 0;
+    bool is_far = true;          ///< farther than the field reaches; then `distance` is that reach
+    double least = 1e9;          ///< ever, mm
+    std::uint64_t ticks_in = 0;  ///< ticks in which the tool was in it and something was cut
+    /// Of a neighbour: ticks in which any part of the tool touched it, neck and shank too.
+    std::uint64_t ticks_touched = 0;
+    /// Of a neighbour: what was cut off it; of a piece, since the piece came off.
+    double removed_mm3 = 0;
   };
   /// After step(). @param objects  those of the session now: pieces may have come behind those it began with.
-  /// @pre no fewer than make() had.   @rt  some 6 us a structure.
+  /// @pre no fewer than make() had.   @rt safe. @cost about 6 us a structure.
   void tick(const DeviceSample& sample, const StepOutput& output, std::span<const CutObject> objects) noexcept;
 
   double temperature() const noexcept { return kBodyCelsius + heat_.surfaceRise(); }  ///< under the tool, C
@@ -50,7 +53,7 @@ class Monitor {
   double mostPulpRise() const noexcept { return most_pulp_rise_; }
   const HeatAlarms& alarms() const noexcept { return heat_.alarms(); }
   const std::vector<Structure>& structures() const noexcept { return structures_; }
-  /// Between the points of the tool that are looked at, mm: ToolSamples::spacing().
+  /// Between the points of the tool whose distance is read, mm: ToolSamples::spacing().
   double spacing() const noexcept { return samples_.spacing(); }
 
  private:

@@ -58,28 +58,27 @@ std::vector<Vec3f> surfacePoints(const ToolField& field, double spacing) {
   return out;
 }
 
-}  // namespace
-
-ToolSamples::ToolSamples(const ToolField& cut, int count) {
-  if (cut.isEmpty()) return;
-  const auto wanted = static_cast<std::size_t>(std::max(count, 1));
-  // Fine enough for a choice; no finer than some millions of lattice points.
-  double lattice = std::min(0.4, cut.bounds().size().maxCoeff() / 8);
-  std::vector<Vec3f> candidates;
+// Candidates to choose `wanted` samples from: fine enough for a choice, no finer than some millions of lattice points.
+// @param lattice  spacing, mm: out.
+std::vector<Vec3f> candidatesFor(const ToolField& cut, std::size_t wanted, double& lattice) {
+  lattice = std::min(0.4, cut.bounds().size().maxCoeff() / 8);
   for (;;) {
-    candidates = surfacePoints(cut, lattice);
+    std::vector<Vec3f> candidates = surfacePoints(cut, lattice);
     const double next = lattice / 1.4;
-    if (candidates.size() >= 20 * wanted || (cut.bounds().size() / next).prod() > 4e6) break;
+    if (candidates.size() >= 20 * wanted || (cut.bounds().size() / next).prod() > 4e6) return candidates;
     lattice = next;
   }
-  if (candidates.empty()) return;
-  // Farthest first, from the lowest on: every next point is the one worst covered so far.
+}
+
+// Farthest first, from the lowest on: every next point is the one worst covered so far.
+// @param farthest  squared distance from a candidate to the nearest point chosen, at most, mm^2: out.
+std::vector<Vec3f> chooseSpread(const std::vector<Vec3f>& candidates, std::size_t wanted, float& farthest) {
   std::size_t next = 0;
   for (std::size_t n = 1; n < candidates.size(); ++n)
     if (candidates[n][2] < candidates[next][2]) next = n;
+
   std::vector<float> squared(candidates.size(), std::numeric_limits<float>::infinity());
   std::vector<Vec3f> chosen;
-  float farthest = 0;
   do {
     chosen.push_back(candidates[next]);
     farthest = 0;
@@ -91,12 +90,28 @@ ToolSamples::ToolSamples(const ToolField& cut, int count) {
       }
     }
   } while (chosen.size() < wanted && farthest > 0);
+  return chosen;
+}
+
+}  // namespace
+
+ToolSamples::ToolSamples(const ToolField& cut, int count) {
+  if (cut.isEmpty()) return;
+  const auto wanted = static_cast<std::size_t>(std::max(count, 1));
+  double lattice = 0;
+  const std::vector<Vec3f> candidates = candidatesFor(cut, wanted, lattice);
+  if (candidates.empty()) return;
+
+  float farthest = 0;
+  const std::vector<Vec3f> chosen = chooseSpread(candidates, wanted, farthest);
   // A surface point is at most the lattice's half diagonal from a node, and that node's point as far again.
   spacing_ = std::sqrt(static_cast<double>(farthest)) + std::sqrt(3.0) * lattice;
+  group(chosen, static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(wanted)))));
+}
 
-  // Groups about the first few, which are spread as evenly as so few can be.
-  const auto group_count =
-      std::min(chosen.size(), static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(wanted)))));
+// Groups about the first few points, which are spread as evenly as so few can be.
+void ToolSamples::group(const std::vector<Vec3f>& chosen, std::size_t most_groups) {
+  const std::size_t group_count = std::min(chosen.size(), most_groups);
   std::vector<std::vector<Vec3f>> members(group_count);
   for (const Vec3f& p : chosen) {
     std::size_t nearest = 0;
@@ -104,6 +119,7 @@ ToolSamples::ToolSamples(const ToolField& cut, int count) {
       if ((p - chosen[g]).squaredNorm() < (p - chosen[nearest]).squaredNorm()) nearest = g;
     members[nearest].push_back(p);
   }
+
   for (std::size_t g = 0; g < group_count; ++g) {
     Group group{chosen[g], 0, static_cast<int>(points_.size()), 0};
     for (const Vec3f& p : members[g]) {

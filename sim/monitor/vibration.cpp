@@ -81,14 +81,16 @@ Vibration::Vibration(const VibrationSource& source, double rate, std::uint64_t s
   source_.teeth = usable(source.teeth, 1000);
 }
 
-float Vibration::sample(double frequency, double load) noexcept {
-  // The noise: splitmix64 (Steele, Lea & Flood 2014), its upper half as a number in [-1, 1).
+// The noise of the chips in the material's band.
+double Vibration::chips() noexcept {
+  // White noise by splitmix64 (Steele, Lea & Flood 2014), its upper half as a number in [-1, 1).
   noise_ += 0x9e3779b97f4a7c15u;
   std::uint64_t bits = noise_;
   bits = (bits ^ bits >> 30) * 0xbf58476d1ce4e5b9u;
   bits = (bits ^ bits >> 27) * 0x94d049bb133111ebu;
   bits ^= bits >> 31;
   const double white = static_cast<std::int32_t>(bits >> 32) / 2147483648.0;
+
   // Band pass, a state-variable filter in trapezoidal form with Q = 1: nothing at zero frequency. Tangent by its first
   // terms (the pitch of a hiss needs no more), the middle well below half the rate.
   const double w = std::numbers::pi * std::min(last_middle_ / rate_, 0.2), g = w * (1 + w * w / 3);
@@ -96,16 +98,24 @@ float Vibration::sample(double frequency, double load) noexcept {
   const double band = g * high + band_, low = g * band + low_;
   band_ = g * high + band;
   low_ = g * band + low;
+  return band;
+}
 
+float Vibration::sample(double frequency, double load) noexcept {
+  const double band = chips();
   phase_ += static_cast<std::uint32_t>(static_cast<std::int64_t>(frequency / rate_ * 4294967296.0));
   const double hearable = fade(frequency, 0, 10);
   const auto tone = [&](double f) { return hearable * (1 - fade(f, 0.4 * rate_, 0.45 * rate_)); };
   const bool spins = source_.motion == ToolMotion::kSpin;
   const double drive = source_.nominal_frequency > 0 ? std::min(1.0, frequency / source_.nominal_frequency) : 0;
   const double moved = drive * (kIdle + (1 - kIdle) * load);
+
+  // Run-out and its harmonic.
   double sum = kRunOut * moved * tone(frequency) * sine(phase_);
   const std::uint32_t harmonic = spins ? 2 : 3;
   sum += kHarmonic * moved * tone(frequency * harmonic) * sine(phase_ * harmonic);
+
+  // Teeth.
   if (source_.teeth > 0 && spins) {
     const auto z = static_cast<std::uint32_t>(source_.teeth + 0.5);
     sum += kTeeth * drive * load * tone(z * frequency) * sine(z * phase_);
@@ -119,6 +129,7 @@ float Vibration::sample(double frequency, double load) noexcept {
     sum += kTeeth * drive * load * tone(fastest) * sine(passed);
     sum += kTeethTwice * drive * load * tone(2 * fastest) * sine(2 * passed);
   }
+
   // Scaled so that the band's rare peaks alone reach its share; clamped alike on both sides.
   sum += kChips * drive * load * std::clamp(1.2 * band, -1.0, 1.0);
   return static_cast<float>(sum);
@@ -133,6 +144,7 @@ void Vibration::render(const VibrationInput& in, std::span<float> out) noexcept 
   // The drive never turns faster than the samples can tell apart: what is beyond has faded.
   const double frequency = usable(std::abs(in.speed) * source_.cycles_per_speed, 0.5 * rate_);
   const double load = usable(in.load, 1), middle = bandMiddle(in.material);
+
   if (middle_ <= 0) middle_ = middle;
   const double step = 1 / static_cast<double>(out.size());
   for (std::size_t n = 0; n < out.size(); ++n) {

@@ -1,11 +1,11 @@
-// Vibration and sound of a tool as a stream of samples at any rate: 4 kHz for a haptic channel, 44.1 or 48 kHz to be
-// heard. Apart from the 1 kHz step, whose force is the mean over a cycle and cannot carry a spindle's frequency.
+// Vibration and sound of a tool as a stream of samples at any rate: 4 kHz for a haptic channel, 44.1 or 48 kHz for
+// sound. Apart from the 1 kHz step, whose force is the mean over a cycle and cannot carry a spindle's frequency.
 //
 // Three parts, of fixed shares, so that their sum stays within -1 to 1:
-//   run-out  the drive's own frequency, f = rpm/60 of what spins, cycles per second of what goes to and fro, and one
-//            harmonic: the second of a spindle, the third of a stroke, whose force reverses.
-//   teeth    blades passing, twice: z f and 2 z f of what spins; of a blade the ripple of its pitch, whose pace follows
-//            the stroke. Only under load.
+//   run-out  the drive's own frequency and one harmonic. The frequency f is rpm/60 of a spindle, cycles per second of
+//            a stroke; the harmonic is the second of a spindle, the third of a stroke, whose force reverses.
+//   teeth    blades that pass, twice: z f and 2 z f of a spindle; of a blade the ripple of its pitch, whose pace
+//            follows the stroke. Only under load.
 //   chips    noise in a band whose middle is the material's, growing with load.
 // A turbine's sound is that: a first group at rpm/60, its harmonic, and a broad part from 5 to 15 kHz (spectra of
 // handpieces: doi 10.1007/s007840050078).
@@ -28,7 +28,8 @@ struct VibrationSource {
   ToolMotion motion = ToolMotion::kSpin;
   double cycles_per_speed = 0;   ///< Hz per unit of ToolDrive::speed
   double nominal_frequency = 0;  ///< Hz, at the drive's nominal speed
-  double teeth = 0;  ///< kSpin: blades around; else teeth passed in one stroke one way. 0: grains, no tooth tone
+  /// kSpin: blades around; else teeth passed in one stroke one way. 0: grains, no tooth tone.
+  double teeth = 0;
 };
 /// Blades: those of the shape where it says (a drill has two), else six for carbides (chosen; catalogues have 6 to 12)
 /// and none for diamonds; of saws from pitch and stroke.
@@ -46,15 +47,17 @@ inline constexpr double kFirmLoad = 5;
 /// A value; belongs to the thread that renders. The same seed and inputs give the same samples, however many a call.
 class Vibration {
  public:
-  /// @param rate  samples per second, 100 to 1e6; else nothing is heard.   @param seed  of the noise.
+  /// @param rate  samples per second, 100 to 1e6; otherwise all samples are 0.   @param seed  of the noise.
   explicit Vibration(const VibrationSource& source, double rate, std::uint64_t seed = 1) noexcept;
   /// The next samples, from the last call's speed and load to these, each in [-1, 1]: times a force (N) for the hand,
-  /// times a volume for the ear.   @rt safe.  @cost some 30 ns a sample.
+  /// times a volume for the ear.   @rt safe.  @cost about 30 ns a sample.
   void render(const VibrationInput& in, std::span<float> out) noexcept;
   double frequency() const noexcept { return frequency_; }  ///< Hz, of the drive, at the last sample
 
  private:
   float sample(double frequency, double load) noexcept;
+  double chips() noexcept;
+
   VibrationSource source_;
   double rate_ = 0;
   std::uint64_t noise_ = 0;

@@ -51,8 +51,11 @@ Expected<void> WaveFile::close() {
   }
   out_.close();
   if (out_ && samples_ <= kMost) return {};
-  return fail({Error::Code::kWriteFailed, path_.string(), "", "could not be written",
-               "room for the sound, at most 4 GB", "free some space, or leave the sound out"});
+  return fail({.code = Error::Code::kWriteFailed,
+               .file = path_.string(),
+               .found = "could not be written",
+               .expected = "space for the sound, at most 4 GB",
+               .hint = "free some space, or leave the sound out"});
 }
 
 }  // namespace kerf::internal

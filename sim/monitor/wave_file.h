@@ -9,12 +9,12 @@
 
 namespace kerf::internal {
 
-/// Writes while the sound comes; not atomic: into a staging folder.
+/// Writes the sound as it is made. Not atomic: write into a staging folder.
 class WaveFile {
  public:
   /// @param rate  samples per second.
   WaveFile(const std::filesystem::path& path, std::uint32_t rate);
-  /// Values in [-1, 1]; what is beyond is cut off.
+  /// Values in [-1, 1]; larger ones are clipped.
   void add(std::span<const float> samples);
   /// Puts the lengths into the head. Error kWriteFailed: the disk is full, or more than 4 GB.
   Expected<void> close();

@@ -384,7 +384,7 @@ void Session::finish() noexcept {
 SessionHeader describe(const Session& session) {
   SessionHeader out;
   StepSettings settings = session.model().settings;
-  if (settings.rendering == Rendering::kRigid) settings.response = Response::kPenalty;  // it has no effect there
+  settings.response = settings.effectiveResponse();
   visitNumbers(settings, [&](const char* name, double& value) { out.emplace_back(name, fmt::format("{}", value)); });
   const Rigid3& start = session.state().body.pose;
   const Eigen::Quaterniond& q = start.rotation;
@@ -445,12 +445,8 @@ Expected<void> restoreSettings(const SessionLog& log, const std::string& file, M
   };
   const StepSettings& t = model.settings;
   require(t.most_substeps >= 1 && t.most_substeps <= 1000, "most_substeps");
-  require(t.rendering == Rendering::kCoupled || t.rendering == Rendering::kDirect || t.rendering == Rendering::kRigid,
-          "rendering");
-  require(
-      t.response == Response::kPenalty || (t.rendering != Rendering::kRigid &&
-                                           (t.response == Response::kConstraint || t.response == Response::kImpulse)),
-      "response");
+  require(isKnown(t.rendering), "rendering");
+  require(isKnown(t.response) && rowOf(t.response).fits(t.rendering), "response");
   require(t.restitution >= 0 && t.restitution <= 1, "restitution");
   require(t.coupling.mass_kg > 0 && t.coupling.gyration_mm > 0, "coupling.mass_kg");
   require(t.coupling.stiffness > 0 && t.coupling.turn_stiffness > 0, "coupling.stiffness");

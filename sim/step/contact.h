@@ -26,11 +26,13 @@ struct ContactInput {
   bool geometry_only = false;      ///< the cutting part takes what it sweeps, without resistance
   Vec3d velocity = Vec3d::Zero();  ///< of the tip relative to the object, mm/s, without the tool's own motion
   Vec3d angular = Vec3d::Zero();   ///< rad/s
-  double load_scale = 1;           ///< of the pressure that erodes: see sim/step/response.h
+  double load_scale = 1;           ///< of the pressure that erodes: see erosionScale()
 };
 
-/// Sums over the nodes in contact. With overlap d = max(0, -tau - phi), pressure p = k_n d g, g = (1 - exp(-c dt)) /
-/// (c dt) the mean over the tick of an overlap that erodes, area vector w: force = sum p w (facing weight below).
+/// Sums over the nodes in contact. A node overlaps the tool by d = max(0, -tau - phi), mm. Its pressure is p = k_n d g,
+/// N/mm^2, k_n Tissue::stiffness; g = (1 - exp(-c dt)) / (c dt) is the mean over the evaluation of an overlap that
+/// erodes, c as in erode(). With the node's area vector w the force is the sum of p w, weighted by how much the node
+/// faces the tool: see sumContact(). Friction makes mu p A.
 struct ContactSums {
   Vec3d force = Vec3d::Zero(), torque = Vec3d::Zero();              ///< N, N mm, of the pressure, on the tool
   Vec3d force_after = Vec3d::Zero(), torque_after = Vec3d::Zero();  ///< the same once this tick's erosion is done
@@ -105,7 +107,8 @@ struct FillResult {
   double added_mm3 = 0;
   int bricks = 0;
   bool pool_ran_out = false;
-  bool is_clipped = false;  ///< nothing was added to air farther out than kAirAround, or beyond kMostAdded bricks of it
+  /// Something was not added: to air farther out than kAirAround, or beyond CutObject::kMostAdded bricks of air.
+  bool is_clipped = false;
 };
 /// Adds material where the cutting part of the tool is: phi = min(phi, tau). Nodes that were outside and to which the
 /// added surface is now the nearest become `material`. Updates the ledger; shells are repaired by CutObject::repair.

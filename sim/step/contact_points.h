@@ -27,7 +27,7 @@ class ContactPoints {
   /// Adds the points of one object: the deepest node of each cell that faces the tool. Cells: cutting part or body, six
   /// ways a normal may point, 4 x 4 x 4 places in that part's box, in the tool's frame. Of all objects' the deepest
   /// kMost are kept, deepest first; with equal depth the earlier one.
-  /// @param in  where the tool is looked at; geometry_only leaves the cutting part out.
+  /// @param in  where the tool is tested; geometry_only leaves the cutting part out.
   /// @return how many nodes were tested.   @cost of sumContact, less its sums.
   int gather(CutObject& object, int index, const NearBricks& near, const ContactInput& in) noexcept;
   int size() const { return count_; }

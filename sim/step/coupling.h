@@ -1,4 +1,4 @@
-// Virtual coupling: the tool is a rigid body of its own, held to the device by a spring and damper in six degrees of
+// Virtual coupling: the tool is a rigid body of its own, tied to the device by a spring and damper in six degrees of
 // freedom (after Colgate, Stanley & Brown, IROS 1995; McNeely, Puterbaugh & Troy, SIGGRAPH 1999).
 //
 // The body is integrated implicitly with the contact's own stiffness and drag, so that contact may be a thousand times

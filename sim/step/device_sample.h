@@ -8,7 +8,7 @@
 
 namespace kerf {
 
-/// Length of a tick, s. Fixed: the laws hold for any, the record of a session only for this one.
+/// Length of a tick, s. Fixed: the laws are valid for any, the record of a session only for this one.
 inline constexpr double kTick = 1e-3;
 
 /// Force and torque about a named point, in a named frame.
@@ -22,10 +22,10 @@ struct DeviceSample {
   Rigid3 T_world_device;  ///< where the hand holds the tool: tip and axes, mm
   double pedal = 0;       ///< 0 to 1 of the tool's nominal speed
   double irrigation = 1;  ///< 0 to 1 of the cooling spray
-  std::uint32_t is_valid =
-      1;  ///< 0: no sample arrived in time, or it was not finite; force goes to zero and stays there
+  /// 0: no sample arrived in time, or it was not finite. Force goes to zero and stays there.
+  std::uint32_t is_valid = 1;
 
-  /// Finite, unit quaternion within 1e-6, pedal and irrigation in range.
+  /// A valid sample whose pose is usable (Rigid3::isUsable), pedal and irrigation in range.
   bool isUsable() const;
 };
 

@@ -1,55 +1,125 @@
-// One look at contact by constraints or by impulses, beside the penalty law of sim/step/step.cpp.
+// Collision responses: what keeps the tool out of the tissue, and how the hand feels it. One row of a table each; the
+// step, command lines, help texts and the benchmark read the table.
 //
-// Both reduce the contact to a few points (sim/step/contact_points.h) and solve for the loads that hold them apart. The
-// tool may overlap the tissue by a skin, so that contact neither flickers nor ends what erosion lives on:
-// - constraint (god-object: Zilles & Salisbury, IROS 1995; Ruspini, Kolarov & Khatib, SIGGRAPH 1997; in six degrees of
-//   freedom: Ortega, Redon & Coquillart, TVCG 2007): the tool, without mass, goes to the pose nearest to the device in
-//   the metric of the coupling's stiffness, with its damping when coupled, among those without overlap. Points are
-//   gathered where it would go if nothing was there: walls are met before they are passed;
-// - impulse (Mirtich & Canny, I3D 1995; Baraff, SIGGRAPH 1989): the tool is a body on the coupling; points it would
-// meet
-//   get impulses until none comes nearer than the skin in this look, or leaves slower than restitution wants.
-// What overlaps beyond the skin is taken back a part at a time, without load or velocity: walls on both sides would
-// otherwise press as hard as they like.
+// penalty     A force that grows with the overlap: the default, the one the goals are for. sim/step/contact.h.
+// constraint  God-object (Zilles & Salisbury, IROS 1995; Ruspini, Kolarov & Khatib, SIGGRAPH 1997; in six degrees of
+//             freedom: Ortega, Redon & Coquillart, TVCG 2007). The tool has no mass. Among the poses without overlap it
+//             takes the one nearest to the device, in the metric of the coupling's stiffness, with the coupling's
+//             damping when coupled. Contact points are gathered where the tool would go if nothing was there: walls
+//             are met before they are passed.
+// impulse     (Mirtich & Canny, I3D 1995; Baraff, SIGGRAPH 1989.) The tool is a body on the coupling. Contact points
+//             that it would meet get impulses, until no point comes nearer than the skin within this evaluation, or
+//             leaves more slowly than restitution wants.
 //
-// Erosion and drag: where and in which proportion the overlap says (the penalty law's pressure), how much the solved
-// load N says. Rates are scaled until the pressure, mean over the look, integrates to N: removal is mu N v_s / u_s, as
-// long as there is that much overlap to remove. A part that cuts is allowed to overlap, up to 0.1 mm, so that there is.
+// Constraint and impulse reduce the contact to a few points (sim/step/contact_points.h) and solve for the loads that
+// hold them apart. The tool may overlap the tissue by a skin, contactSkin(): contact does not flicker, and erosion has
+// something to remove. Overlap beyond the skin is taken back a part at a time, without load or velocity: walls on both
+// sides would otherwise press as hard as they like.
+//
+// Erosion and drag under constraint and impulse: the overlap says where and in which proportion (the pressure of the
+// penalty law), the solved load N says how much. Rates are scaled until the pressure, mean over the evaluation,
+// integrates to N. Removal is then mu N v_s / u_s, as long as there is that much overlap to remove; a part that cuts
+// may overlap by up to 0.1 mm, so that there is.
+//
+// To add a response: an enumerator, a function, a row in kResponses. A row that is forgotten does not compile.
 #pragma once
 
-#include <algorithm>
+#include <array>
+#include <string_view>
 
-#include "sim/step/step.h"
+#include "geometry/base/enumerator.h"
 
 namespace kerf {
 
-/// What a point of contact may overlap, mm.
-inline double contactSkin(double voxel) { return std::max(0.1 * voxel, 0.005); }
+struct ContactEvaluation;
+struct Model;
+struct State;
+struct Substep;
 
-/// What a look came to, world frame, about the tip.
-struct Look {
-  ContactSums sums;     ///< pressure and drag; those of sim/step/contact.h
-  Wrench contact;       ///< on the tool, with drag
-  bool is_free = true;  ///< nothing holds it, and it is where the hand wants it
-  double removed_mm3 = 0;
-  std::uint64_t objects_touched = 0;  ///< StepOutput::objects_touched
-  int bricks_near = 0, bricks_cut = 0;
-  std::uint32_t status = 0;  ///< StepStatus
+/// How the hand is given the force.
+enum class Rendering {
+  kCoupled,  ///< by the virtual coupling: the default
+  kDirect,   ///< the force of contact as it is: unstable when stiff. Attachment says where the tool is
+  kRigid     ///< not at all: the tool is led by a machine that follows its path whatever the force
 };
 
-/// What an object's contact needs to know of tool and time; the tool where its body is. @rt
-ContactInput contactInput(const Model& model, const State& state, const CutObject& object, double dt) noexcept;
+/// The collision responses. Session logs keep the number.
+enum class Response { kPenalty, kConstraint, kImpulse };
 
-/// Rate times time, x, of the pressure's mean over a look: g(x) = (1 - exp(-x)) / x = now / still, both cutting loads
-/// in N, `still` before erosion.
-double relaxationRate(double now, double still) noexcept;
-/// The factor s on rates, and so on the pressure, with which the mean cutting load becomes `load`: s still g(s rate) =
-/// load. Where all of the overlap would not do, nearly all of it goes.
-double erosionScale(double load, double rate, double still) noexcept;
+/// What ties the tool to the device.
+enum class Attachment {
+  kFixed,  ///< the tool is where the device is
+  kBody,   ///< the tool is a body with a mass on the springs and dampers of the coupling
+  kProxy   ///< the same without a mass: where nothing is in its way, it goes to the device
+};
 
-/// Moves the tool by StepSettings::response, which is kConstraint or kImpulse; erodes where it was. @rt
-/// @param longest_mm  no part of the cutting head moves farther.   @param device_way_mm  how far the device takes it.
-///   @cost twice that of the penalty law's look
-Look respond(const Model& model, State& state, double dt, double longest_mm, double device_way_mm) noexcept;
+/// The response laws: sums of contact, erosion and the tool's motion in one part of a tick. @rt
+/// @cost  evaluatePenalty() tens to hundreds of microseconds, with the area in contact; the others twice that.
+ContactEvaluation evaluatePenalty(const Model& model, State& state, const Substep& substep) noexcept;
+ContactEvaluation evaluateConstraint(const Model& model, State& state, const Substep& substep) noexcept;
+ContactEvaluation evaluateImpulse(const Model& model, State& state, const Substep& substep) noexcept;
+
+/// All that belongs to one response.
+struct ResponseRow {
+  Response response;
+  std::string_view name;         ///< in command lines and JSON
+  std::string_view description;  ///< a phrase for help texts
+  Attachment coupled;            ///< of the tool with Rendering::kCoupled
+  Attachment direct;             ///< of the tool with Rendering::kDirect
+  ContactEvaluation (*evaluate)(const Model&, State&, const Substep&) noexcept;
+
+  /// Whether it goes with a rendering. A machine's tool is fixed: what needs a tool that gives way cannot hold it back.
+  constexpr bool fits(Rendering rendering) const {
+    return rendering != Rendering::kRigid || direct == Attachment::kFixed;
+  }
+};
+
+inline constexpr std::array kResponses = {
+    ResponseRow{.response = Response::kPenalty,
+                .name = "penalty",
+                .description = "a force that grows with the overlap",
+                .coupled = Attachment::kBody,
+                .direct = Attachment::kFixed,
+                .evaluate = evaluatePenalty},
+    ResponseRow{.response = Response::kConstraint,
+                .name = "constraint",
+                .description = "god-object: the pose nearest to the device that does not overlap",
+                .coupled = Attachment::kProxy,
+                .direct = Attachment::kProxy,
+                .evaluate = evaluateConstraint},
+    ResponseRow{.response = Response::kImpulse,
+                .name = "impulse",
+                .description = "contact changes the velocity of a free body at once",
+                .coupled = Attachment::kBody,
+                .direct = Attachment::kBody,
+                .evaluate = evaluateImpulse},
+};
+static_assert(hasRowForEach<kResponses, &ResponseRow::response>(), "every Response needs its row, in their order");
+
+struct RenderingRow {
+  Rendering rendering;
+  std::string_view name;
+};
+
+inline constexpr std::array kRenderings = {
+    RenderingRow{Rendering::kCoupled, "coupled"},
+    RenderingRow{Rendering::kDirect, "direct"},
+    RenderingRow{Rendering::kRigid, "rigid"},
+};
+static_assert(hasRowForEach<kRenderings, &RenderingRow::rendering>(), "every Rendering needs its row, in their order");
+
+/// Whether a number from a file stands for one.
+constexpr bool isKnown(Response response) { return static_cast<std::size_t>(response) < kResponses.size(); }
+constexpr bool isKnown(Rendering rendering) { return static_cast<std::size_t>(rendering) < kRenderings.size(); }
+
+/// @pre isKnown(). @rt
+constexpr const ResponseRow& rowOf(Response response) { return kResponses[static_cast<std::size_t>(response)]; }
+
+/// The row of that name; null: there is none.
+constexpr const ResponseRow* findResponse(std::string_view name) {
+  for (const ResponseRow& row : kResponses)
+    if (row.name == name) return &row;
+  return nullptr;
+}
 
 }  // namespace kerf

@@ -9,7 +9,7 @@
 #include <xmmintrin.h>
 #endif
 
-#include "sim/step/response.h"
+#include "sim/step/contact_evaluation.h"
 
 namespace kerf {
 namespace {
@@ -29,6 +29,49 @@ class FlushDenormals {
 #endif
 };
 
+/// Bricks sleep until the tool has moved far enough to reach them. After a jump none may: see CutObject::odometer.
+void wakeAll(State& state) {
+  for (CutObject& object : state.objects) object.odometer += 1e6;
+}
+
+/// How the tool moves in one tick.
+struct Motion {
+  Attachment attachment = Attachment::kBody;
+  Rigid3 tool_before;     ///< T_world_tool at the start of the tick
+  double longest_mm = 0;  ///< between two contact evaluations
+  double length_mm = 0;   ///< how far a part of the cutting head may move in all
+  int evaluations = 1;    ///< of contact
+  double dt = kTick;      ///< between two of them, s
+};
+
+// How far a part of the cutting head gets between two poses, at most.
+double wayBetween(const Rigid3& from, const Rigid3& to, double reach_mm) {
+  return (to.translation - from.translation).norm() + reach_mm * rotationBetween(from.rotation, to.rotation).norm();
+}
+
+// Phase 1. The force is zero and stays zero: a hand that comes back to a pressed tool must not be struck.
+bool latchIfUnusable(State& state, const DeviceSample& input, StepOutput& output) {
+  if (!input.isUsable()) state.is_latched = true;
+  if (!state.is_latched) return false;
+
+  state.last_force = {};
+  state.has_device = false;
+  state.ramp = 0;
+  state.speed = 0;
+  state.body.velocity.setZero();
+  state.body.angular.setZero();
+  output.T_world_tool = state.body.pose;
+  output.status = kStepBadSample;
+  return true;
+}
+
+// Erosion and filling leave a frozen object alone; whoever reads the output shall know.
+void reportFrozen(const State& state, StepOutput& output) {
+  for (const CutObject& object : state.objects)
+    if (object.isFrozen()) output.status |= kStepFrozen;
+}
+
+// The device's pose, and its velocity through a first-order low pass. The first sample has no velocity.
 void filterDevice(State& state, const DeviceSample& input, const CouplingSettings& settings) {
   if (!state.has_device) {
     state.device = {input.T_world_device, Vec3d::Zero(), Vec3d::Zero()};
@@ -42,6 +85,162 @@ void filterDevice(State& state, const DeviceSample& input, const CouplingSetting
   state.device.velocity += a * (v - state.device.velocity);
   state.device.angular += a * (w - state.device.angular);
   state.device.pose = input.T_world_device;
+}
+
+// How far the coupling may take a body in this tick: as fast as it is, or as fast as it would become without contact.
+double wayOfBody(const State& state, const CouplingSettings& coupling, double reach_mm) {
+  constexpr double kUnlimited = 1e9;  // mm
+  ToolBody free = state.body;
+  advance(free, state.device, ContactSums{}, Wrench{}, coupling, reach_mm, kUnlimited, kTick);
+  return kTick * std::max(free.velocity.norm() + reach_mm * free.angular.norm(),
+                          state.body.velocity.norm() + reach_mm * state.body.angular.norm());
+}
+
+// Divides the tick so that no part of the motion is longer than motion.longest_mm.
+void divideTick(const StepSettings& settings, Motion& motion, StepOutput& output) {
+  motion.evaluations = static_cast<int>(std::min(std::ceil(motion.length_mm / motion.longest_mm), 1e6));
+  motion.evaluations = std::max(motion.evaluations, 1);
+  if (motion.evaluations > settings.most_substeps) {
+    // A machine's path is followed to its end all the same, in steps as short as they must be.
+    if (settings.rendering != Rendering::kRigid) motion.evaluations = settings.most_substeps;
+    output.status |= kStepTooFast;
+  }
+  motion.dt = kTick / motion.evaluations;
+  output.substeps = motion.evaluations;
+}
+
+// Phase 2.
+Motion followDevice(const Model& model, State& state, const DeviceSample& input, StepOutput& output) {
+  const StepSettings& settings = model.settings;
+  const ToolModel& tool = model.tools[state.tool];
+  const double reach = tool.cut.reach();
+  Motion motion;
+  motion.attachment = settings.attachment();
+  motion.tool_before = state.body.pose;
+
+  const bool is_first = !state.has_device;  // at the start, and when the device is back after a fault
+  const Rigid3 device_before = is_first ? input.T_world_device : state.device.pose;
+  filterDevice(state, input, settings.coupling);
+  state.ramp = settings.ramp_s > 0 ? std::min(1.0, state.ramp + kTick / settings.ramp_s) : 1;
+
+  motion.longest_mm = 0.5 * tool.finest_mm;
+  for (const CutObject& object : state.objects)
+    motion.longest_mm = std::min(motion.longest_mm, longestSubstep(tool, object.voxel()));
+
+  switch (motion.attachment) {
+    case Attachment::kFixed:
+      if (is_first) {  // the tool is where the device is: nothing was swept on the way there
+        state.body.pose = state.device.pose;
+        wakeAll(state);
+      } else {
+        motion.length_mm = wayBetween(motion.tool_before, state.device.pose, reach);
+      }
+      break;
+    case Attachment::kBody:
+      motion.length_mm = wayOfBody(state, settings.coupling, reach);
+      break;
+    case Attachment::kProxy:
+      motion.length_mm = wayBetween(device_before, state.device.pose, reach);
+      break;
+  }
+
+  divideTick(settings, motion, output);
+  return motion;
+}
+
+// Moves a tool that is fixed to the device to the end of part n (from 0) of the motion.
+void moveWithDevice(const ToolModel& tool, State& state, const Motion& motion, int n) {
+  const Rigid3 last = state.body.pose;
+  Rigid3 pose = state.device.pose;
+  if (n + 1 < motion.evaluations) {
+    const double s = static_cast<double>(n + 1) / motion.evaluations;
+    const Rigid3& from = motion.tool_before;
+    pose = {from.rotation.slerp(s, state.device.pose.rotation),
+            from.translation + s * (state.device.pose.translation - from.translation)};
+  }
+  state.body.velocity = (pose.translation - last.translation) / motion.dt;
+  state.body.angular = rotationBetween(last.rotation, pose.rotation) / motion.dt;
+  state.body.pose = pose;
+
+  const double moved = wayBetween(last, pose, tool.reach_mm);
+  for (CutObject& object : state.objects) object.odometer += moved;
+}
+
+// Phase 3, once: part n (from 0) of the motion.
+ContactEvaluation evaluateContact(const Model& model, State& state, const DeviceSample& input, const Motion& motion,
+                                  int n) {
+  if (motion.attachment == Attachment::kFixed) moveWithDevice(model.tools[state.tool], state, motion, n);
+  const Substep substep{motion.dt, motion.longest_mm, motion.length_mm / motion.evaluations};
+  if (state.adds != Material::kNone) return evaluateAdding(model, state, substep, input.pedal > 0);
+  return rowOf(model.settings.effectiveResponse()).evaluate(model, state, substep);
+}
+
+// Forces, loads and power are means over the tick; volumes and counts are sums; area and depth the largest.
+void addTo(StepOutput& output, const ContactEvaluation& contact, double share) {
+  const ContactSums& sums = contact.sums;
+  output.contact.force += share * contact.contact.force;
+  output.contact.torque += share * contact.contact.torque;
+  output.normal_load += share * sums.normal_load;
+  output.cutting_load += share * sums.cutting_load;
+  output.drive_load += share * sums.drive_load;
+  output.power += share * sums.power;
+
+  output.area = std::max(output.area, sums.area);
+  output.deepest = std::max(output.deepest, sums.deepest);
+  if (sums.touching > 0) output.material = static_cast<Material>(sums.material);
+  output.tested += sums.tested;
+  output.touching += sums.touching;
+  output.objects_touched |= contact.objects_touched;
+
+  output.removed_mm3 += contact.removed_mm3;
+  output.added_mm3 += contact.added_mm3;
+  output.bricks_near += contact.bricks_near;
+  output.bricks_cut += contact.bricks_cut;
+  output.status |= contact.status;
+}
+
+// Phase 4. Free speed falls with the load in proportion; the drive follows with its time constant.
+void runDrive(const Model& model, State& state, const DeviceSample& input, StepOutput& output) {
+  const ToolDrive& drive = model.tools[state.tool].drive;
+  const double wanted = state.adds != Material::kNone ? 0 : input.pedal * drive.speed;
+  const double sag = drive.stall_load > 0 ? std::max(0.0, 1 - output.drive_load / drive.stall_load) : 1;
+  const double follow = drive.time_constant > 0 ? 1 - std::exp(-kTick / drive.time_constant) : 1;
+  state.speed += follow * (wanted * sag - state.speed);
+  output.speed = state.speed;
+}
+
+// What the hand is to feel, before fade-in and limits.
+// @param is_free  nothing holds the tool: a proxy is where the hand wants it, and makes no force, not even of rounding.
+Wrench wrenchOnHand(const StepSettings& settings, const State& state, const Wrench& contact, bool is_free) {
+  const bool is_proxy = settings.attachment() == Attachment::kProxy;
+  if (is_proxy && is_free) return {};
+
+  switch (settings.rendering) {
+    case Rendering::kCoupled:
+      return couplingWrench(state.body, state.device, settings.coupling);
+    case Rendering::kDirect: {
+      if (!is_proxy) return contact;
+      CouplingSettings undamped = settings.coupling;
+      undamped.damping = undamped.turn_damping = 0;
+      return couplingWrench(state.body, state.device, undamped);
+    }
+    case Rendering::kRigid:
+      break;
+  }
+  return {};
+}
+
+// Phase 5.
+void renderToHand(const StepSettings& settings, State& state, bool is_free, StepOutput& output) {
+  Wrench wanted = wrenchOnHand(settings, state, output.contact, is_free);
+  wanted.force *= state.ramp;
+  wanted.torque *= state.ramp;
+
+  output.force = clamped(wanted, state.last_force, settings.coupling, kTick);
+  if ((output.force.force - wanted.force).norm() > 1e-9 || (output.force.torque - wanted.torque).norm() > 1e-9)
+    output.status |= kStepForceClamped;
+  state.last_force = output.force;
+  output.T_world_tool = state.body.pose;
 }
 
 template <class AState, class HashOfObject>
@@ -74,9 +273,7 @@ std::uint64_t hashOf(AState& state, const HashOfObject& hash_of_object) {
 }  // namespace
 
 bool DeviceSample::isUsable() const {
-  return is_valid == 1 && T_world_device.translation.allFinite() && T_world_device.rotation.coeffs().allFinite() &&
-         std::abs(T_world_device.rotation.norm() - 1) < 1e-6 && T_world_device.translation.norm() < 1e5 && pedal >= 0 &&
-         pedal <= 1 && irrigation >= 0 && irrigation <= 1;
+  return is_valid == 1 && T_world_device.isUsable() && pedal >= 0 && pedal <= 1 && irrigation >= 0 && irrigation <= 1;
 }
 
 double longestSubstep(const ToolModel& tool, double voxel) noexcept {
@@ -89,14 +286,14 @@ void State::place(const Rigid3& T_world_tool) noexcept {
   last_force = {};
   speed = 0;
   ramp = 0;
-  for (CutObject& object : objects) object.odometer += 1e6;
   has_device = true;
+  wakeAll(*this);
 }
 
 void State::selectTool(std::size_t index) noexcept {
   tool = index;
   speed = 0;
-  for (CutObject& object : objects) object.odometer += 1e6;
+  wakeAll(*this);
 }
 
 std::uint64_t State::hash() const {
@@ -110,170 +307,23 @@ std::uint64_t State::hashNow() noexcept {
 void step(const Model& model, State& state, const DeviceSample& input, StepOutput& output) noexcept {
   const FlushDenormals flush;
   output = StepOutput{};
-  const StepSettings& settings = model.settings;
-  if (!input.isUsable()) state.is_latched = true;
-  if (state.is_latched) {
-    // Zero, and stays zero: a hand that comes back to a pressed tool must not be struck.
-    state.last_force = {};
-    state.has_device = false;
-    state.ramp = 0;
-    state.speed = 0;
-    state.body.velocity.setZero();
-    state.body.angular.setZero();
-    output.T_world_tool = state.body.pose;
-    output.status = kStepBadSample;
+  if (latchIfUnusable(state, input, output)) {
     ++state.tick;
     return;
   }
-  const ToolModel& tool = model.tools[state.tool];
-  const Rigid3 before = state.body.pose;
-  const bool is_first = !state.has_device;  // at the start, and when the device is back after a fault
-  const Rigid3 device_before = is_first ? input.T_world_device : state.device.pose;
-  filterDevice(state, input, settings.coupling);
-  state.ramp = settings.ramp_s > 0 ? std::min(1.0, state.ramp + kTick / settings.ramp_s) : 1;
 
-  double longest = 0.5 * tool.finest_mm;
-  for (const CutObject& object : state.objects) {
-    longest = std::min(longest, longestSubstep(tool, object.voxel()));
-    if (object.isFrozen()) output.status |= kStepFrozen;
-  }
-  const double reach = tool.cut.reach();
-  const bool is_penalty = settings.response == Response::kPenalty || settings.rendering == Rendering::kRigid;
-  const bool is_coupled = settings.rendering == Rendering::kCoupled || !is_penalty;  // a body of its own
-  const bool is_proxy = !is_penalty && settings.response == Response::kConstraint;
-  if (is_first && !is_coupled) {  // it is where the device is: nothing was swept on the way there
-    state.body.pose = state.device.pose;
-    for (CutObject& object : state.objects) object.odometer += 1e6;
+  reportFrozen(state, output);
+  const Motion motion = followDevice(model, state, input, output);
+
+  bool is_free = true;
+  for (int n = 0; n < motion.evaluations; ++n) {
+    const ContactEvaluation contact = evaluateContact(model, state, input, motion, n);
+    addTo(output, contact, 1.0 / motion.evaluations);
+    is_free = contact.is_free;
   }
 
-  // How many looks this tick needs: by where the path leads, or by how fast the coupled tool may become.
-  double motion = 0;
-  if (is_proxy) {
-    motion = (state.device.pose.translation - device_before.translation).norm() +
-             reach * rotationBetween(device_before.rotation, state.device.pose.rotation).norm();
-  } else if (is_coupled) {
-    ToolBody free = state.body;
-    advance(free, state.device, ContactSums{}, Wrench{}, settings.coupling, reach, 1e9, kTick);
-    motion = kTick * std::max(free.velocity.norm() + reach * free.angular.norm(),
-                              state.body.velocity.norm() + reach * state.body.angular.norm());
-  } else if (!is_first) {
-    motion = (state.device.pose.translation - before.translation).norm() +
-             reach * rotationBetween(before.rotation, state.device.pose.rotation).norm();
-  }
-  int substeps = static_cast<int>(std::min(std::ceil(motion / longest), 1e6));
-  substeps = std::max(substeps, 1);
-  if (substeps > settings.most_substeps) {
-    // A machine's path is followed to its end all the same, in steps as short as they must be.
-    if (settings.rendering != Rendering::kRigid) substeps = settings.most_substeps;
-    output.status |= kStepTooFast;
-  }
-  const double dt = kTick / substeps;
-
-  const bool is_adding = state.adds != Material::kNone;
-  const double wanted_speed = is_adding ? 0 : input.pedal * tool.drive.speed;
-  bool is_free = true;  // the proxy, at the last look
-  for (int n = 1; n <= substeps; ++n) {
-    Rigid3 last = state.body.pose;
-    if (!is_coupled) {
-      const double s = static_cast<double>(n) / substeps;
-      Rigid3 pose = state.device.pose;
-      if (n < substeps)
-        pose = {before.rotation.slerp(s, state.device.pose.rotation),
-                before.translation + s * (state.device.pose.translation - before.translation)};
-      state.body.velocity = (pose.translation - last.translation) / dt;
-      state.body.angular = rotationBetween(last.rotation, pose.rotation) / dt;
-      state.body.pose = pose;
-      const double moved = (pose.translation - last.translation).norm() +
-                           tool.reach_mm * rotationBetween(last.rotation, pose.rotation).norm();
-      for (CutObject& object : state.objects) object.odometer += moved;
-    }
-    Look look;
-    if (is_penalty || is_adding) {
-      for (CutObject& object : state.objects) {
-        const ContactInput in = contactInput(model, state, object, dt);
-        CutResult cut;
-        if (!is_adding) {
-          if (!state.near.find(object, tool, in.T_object_tool)) look.status |= kStepNearRanOut;
-          ContactSums sums;
-          sumContact(object, state.near, in, sums);
-          if (sums.touching > 0)
-            look.objects_touched |= objectBit(static_cast<std::size_t>(&object - state.objects.data()));
-          look.sums.add(sums.rotated(object.T_world_object.rotation.toRotationMatrix()));
-          cut = erode(object, state.near, in);
-          look.bricks_near += static_cast<int>(state.near.size());
-        } else if (input.pedal > 0 && &object - state.objects.data() == static_cast<std::ptrdiff_t>(state.adds_to)) {
-          const FillResult added = fill(object, in, state.adds);
-          output.added_mm3 += added.added_mm3;
-          cut.bricks = added.bricks;
-          cut.pool_ran_out = added.pool_ran_out;
-          if (added.is_clipped) look.status |= kStepFillClipped;
-        }
-        const bool is_repaired = object.repair();  // also when room ran out: what was cut must be felt
-        look.removed_mm3 += cut.removed_mm3;
-        look.bricks_cut += cut.bricks;
-        if (cut.pool_ran_out || !is_repaired) look.status |= kStepBricksRanOut;
-      }
-      const Wrench own = ownDrag(tool, state.body.pose, state.speed, look.sums);
-      if (is_coupled) {
-        advance(state.body, state.device, look.sums, own, settings.coupling, reach, longest, dt);
-        const double moved = dt * (state.body.velocity.norm() + tool.reach_mm * state.body.angular.norm()) + 1e-9;
-        for (CutObject& object : state.objects) object.odometer += moved;
-      }
-      Vector6d twist;
-      twist.head<3>() = state.body.velocity;
-      twist.tail<3>() = state.body.angular;
-      const Vector6d feed_drag = look.sums.dragMatrix() * twist;
-      look.contact.force = look.sums.force + own.force - feed_drag.head<3>();
-      look.contact.torque = look.sums.torque + own.torque - feed_drag.tail<3>();
-    } else {
-      look = respond(model, state, dt, longest, motion / substeps);
-      is_free = look.is_free;
-    }
-    const double share = 1.0 / substeps;
-    const ContactSums& world = look.sums;
-    output.contact.force += share * look.contact.force;
-    output.contact.torque += share * look.contact.torque;
-    output.normal_load += share * world.normal_load;
-    output.cutting_load += share * world.cutting_load;
-    output.drive_load += share * world.drive_load;
-    output.power += share * world.power;
-    output.area = std::max(output.area, world.area);
-    output.deepest = std::max(output.deepest, world.deepest);
-    if (world.touching > 0) output.material = static_cast<Material>(world.material);
-    output.tested += world.tested;
-    output.touching += world.touching;
-    output.objects_touched |= look.objects_touched;
-    output.removed_mm3 += look.removed_mm3;
-    output.bricks_near += look.bricks_near;
-    output.bricks_cut += look.bricks_cut;
-    output.status |= look.status;
-  }
-  output.substeps = substeps;
-
-  // Free speed falls with the load in proportion; the drive follows with its time constant.
-  const double sag = tool.drive.stall_load > 0 ? std::max(0.0, 1 - output.drive_load / tool.drive.stall_load) : 1;
-  const double follow = tool.drive.time_constant > 0 ? 1 - std::exp(-kTick / tool.drive.time_constant) : 1;
-  state.speed += follow * (wanted_speed * sag - state.speed);
-
-  Wrench wanted;
-  if (is_proxy) {
-    // Where the hand wants it there is no force, not even of rounding.
-    CouplingSettings seen = settings.coupling;
-    if (settings.rendering == Rendering::kDirect) seen.damping = seen.turn_damping = 0;
-    if (!is_free) wanted = couplingWrench(state.body, state.device, seen);
-  } else if (settings.rendering == Rendering::kCoupled) {
-    wanted = couplingWrench(state.body, state.device, settings.coupling);
-  } else if (settings.rendering == Rendering::kDirect) {
-    wanted = output.contact;
-  }
-  wanted.force *= state.ramp;
-  wanted.torque *= state.ramp;
-  output.force = clamped(wanted, state.last_force, settings.coupling, kTick);
-  if ((output.force.force - wanted.force).norm() > 1e-9 || (output.force.torque - wanted.torque).norm() > 1e-9)
-    output.status |= kStepForceClamped;
-  state.last_force = output.force;
-  output.T_world_tool = state.body.pose;
-  output.speed = state.speed;
+  runDrive(model, state, input, output);
+  renderToHand(model.settings, state, is_free, output);
   ++state.tick;
 }
 

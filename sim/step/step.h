@@ -1,7 +1,28 @@
-// The 1 kHz step: device in, contact, force out, erosion, shell repair. One function, for the haptic thread and for
+// The 1 kHz step: device in, force out, contact and erosion in between. One function, for the haptic thread and for
 // headless programs alike: same model, same state, same samples, same bits.
 //
-// World frame: that of the scene; every object and the tool have poses in it. mm, N, s, rad.
+// A tick, in order:
+//   1. Latch. A sample that is late, not finite or out of range latches the state: zero force, the tool stands still,
+//      and nothing else happens until State::clearLatch(). A hand that comes back must not be struck.
+//   2. Follow the device. Its velocity is low-passed, v += (1 - exp(-2 pi f dt)) (measured - v), f =
+//      CouplingSettings::filter_hz. The force fades in over StepSettings::ramp_s. The path of the tool in this tick is
+//      cut into n equal parts of dt = kTick / n, none longer than longestSubstep(): no wall is jumped over.
+//   3. Evaluate contact n times. In each evaluation, object by object: find the bricks near the tool; sum the force and
+//      the drag of the shell's nodes; erode; repair the shells of what changed. Force and erosion see the same pose and
+//      the same field. Then the tool moves. Laws of pressure, drag and erosion: sim/step/contact.h. How contact moves
+//      the tool: by the response, sim/step/response.h.
+//   4. Run the drive. Its speed s follows pedal and mean load of the tick: s += (1 - exp(-dt / T)) (pedal s_free
+//      max(0, 1 - load / stall) - s), see ToolDrive.
+//   5. Render to the hand: the wrench of the coupling (sim/step/coupling.h) or of contact, by StepSettings::rendering;
+//      times the fade-in; limited in size and in change per tick.
+//
+// While the state adds material (State::adds), an evaluation fills instead of steps "sum" and "erode": the drive stands
+// still and nothing is felt.
+//
+// Units: mm, N, s, rad. World frame: that of the scene; every object and the tool have poses in it.
+// Thread: the one that State belongs to. Model is const and may be shared.
+// @rt: step() allocates nothing, takes no lock, makes no system call and throws nothing. What runs out or is left out
+// sets a bit in StepOutput::status.
 #pragma once
 
 #include <vector>
@@ -10,35 +31,30 @@
 #include "sim/step/contact.h"
 #include "sim/step/coupling.h"
 #include "sim/step/device_sample.h"
+#include "sim/step/response.h"
 #include "sim/step/tissue.h"
 #include "sim/step/tool_model.h"
 
 namespace kerf {
 
-/// What stands between hand and tool.
-enum class Rendering {
-  kCoupled,  ///< virtual coupling: the default
-  kDirect,   ///< the tool is where the device is, the hand gets the contact's force: unstable when stiff
-  kRigid     ///< as kDirect, but nobody holds the device: a machine that follows its path whatever the force
-};
-
-/// What keeps the tool out of the tissue: the classical methods, for comparison on one scene. sim/step/response.h.
-enum class Response {
-  kPenalty,     ///< force of the overlap: the default, the one the goals are for
-  kConstraint,  ///< god-object: the tool is the pose nearest to the device that does not overlap
-  kImpulse      ///< the tool is a free body on the coupling; contact changes its velocity at once
-};
-
 struct StepSettings {
   CouplingSettings coupling;
   Rendering rendering = Rendering::kCoupled;
-  /// Without effect for Rendering::kRigid, whose tool is where its machine says. With the others' kDirect the tool is
-  /// still a body of its own: the hand gets the proxy's spring alone (constraint), or contact's force (impulse).
+  /// Without effect for Rendering::kRigid, whose tool is where its machine says. With Rendering::kDirect the hand gets
+  /// the force of contact, but for the constraint: there it gets the spring of the coupling alone.
   Response response = Response::kPenalty;
-  double restitution = 0;      ///< of the speed of approach, 0 to 1, how much comes back: Response::kImpulse
+  double restitution = 0;      ///< how much of the speed of approach comes back, 0 to 1: Response::kImpulse
   bool geometry_only = false;  ///< cut whatever the tool sweeps, without resistance
-  int most_substeps = 8;       ///< looks at contact within a tick, for fast motion
+  int most_substeps = 8;       ///< contact evaluations within a tick, for fast motion
   double ramp_s = 0.2;         ///< force fades in over this long after the start
+
+  /// The response that takes effect. @rt
+  Response effectiveResponse() const { return rendering == Rendering::kRigid ? Response::kPenalty : response; }
+  /// What ties the tool to the device. @rt
+  Attachment attachment() const {
+    const ResponseRow& row = rowOf(effectiveResponse());
+    return rendering == Rendering::kCoupled ? row.coupled : row.direct;
+  }
 };
 
 /// Never changes during a session; may be shared.
@@ -56,7 +72,7 @@ struct State {
   std::size_t tool = 0;       ///< index into Model::tools; change it by selectTool()
   ToolBody body;
   double speed = 0;  ///< of the drive, as in ToolDrive
-  /// Not kNone: while the pedal is pressed the tool's cutting part adds this material to object `adds_to`; its drive
+  /// Not kNone: while the pedal is pressed the tool's cutting part adds this material to object `adds_to`. Its drive
   /// stands still, and nothing is felt: paste gives way, and what lies below it has no surface of its own any more.
   Material adds = Material::kNone;
   std::size_t adds_to = 0;
@@ -64,7 +80,7 @@ struct State {
   Wrench last_force;       ///< what went to the hand
   std::uint64_t tick = 0;  ///< how many there were
   bool has_device = false, is_latched = false;
-  double ramp = 0;  ///< 0 to 1
+  double ramp = 0;  ///< of the force that fades in, 0 to 1
   NearBricks near;
 
   /// Puts the tool where a hand is, at rest: at the start, and after a pause. No force until contact.
@@ -86,13 +102,21 @@ struct State {
 /// Bits; each says which limit to raise or what happened.
 enum StepStatus : std::uint32_t {
   kStepOk = 0,
-  kStepBricksRanOut = 1,   ///< CutObject::reserve: some bricks were not cut in this tick
-  kStepNearRanOut = 2,     ///< more bricks near the tool than NearBricks holds
-  kStepTooFast = 4,        ///< the hand is faster than most_substeps follow; the tool lags, nothing was jumped over
-  kStepBadSample = 8,      ///< no usable sample: force is zero from now on, see State::clearLatch
-  kStepForceClamped = 16,  ///< the hand got less than the coupling wanted
-  kStepFillClipped = 32,   ///< something was not added: farther than kAirAround, or after CutObject::kMostAdded bricks
-  kStepFrozen = 64         ///< an object is held (CutObject::isFrozen): nothing of it is cut, nothing added
+  /// CutObject::reserve: some bricks were not cut in this tick.
+  kStepBricksRanOut = 1,
+  /// More bricks are near the tool than NearBricks holds.
+  kStepNearRanOut = 2,
+  /// The hand is faster than most_substeps evaluations follow: the tool lags, nothing was jumped over. A machine
+  /// (Rendering::kRigid) is followed to the end of its path all the same.
+  kStepTooFast = 4,
+  /// No usable sample: force is zero from now on, see State::clearLatch().
+  kStepBadSample = 8,
+  /// The hand got less than the coupling wanted.
+  kStepForceClamped = 16,
+  /// Something was not added: farther out than kAirAround, or after CutObject::kMostAdded bricks.
+  kStepFillClipped = 32,
+  /// An object is frozen (CutObject::isFrozen): nothing of it is cut, nothing added.
+  kStepFrozen = 64
 };
 
 struct StepOutput {
@@ -100,16 +124,17 @@ struct StepOutput {
   Wrench contact;     ///< on the tool, world axes, about the tip: pressure and drag, mean over the tick
   Rigid3 T_world_tool;
   double normal_load = 0;   ///< N = integral of p dA, N
-  double cutting_load = 0;  ///< of it, on what cuts
+  double cutting_load = 0;  ///< the part of it on what cuts, N
   double removed_mm3 = 0, added_mm3 = 0;
-  double drive_load = 0;                ///< N mm, of a stroke N
+  double drive_load = 0;                ///< of the spindle, N mm; of a stroke, N
   double power = 0;                     ///< of the drive into the tissue, N mm/s
   double speed = 0;                     ///< of the drive after the tick
   double area = 0, deepest = 0;         ///< mm^2, mm
   int tested = 0, touching = 0;         ///< nodes
   std::uint64_t objects_touched = 0;    ///< objectBit() of each that the tool touched, with neck or shank, too
-  Material material = Material::kNone;  ///< of most of the area in contact
-  int bricks_near = 0, bricks_cut = 0, substeps = 0;
+  Material material = Material::kNone;  ///< the one with most of the area in contact
+  int bricks_near = 0, bricks_cut = 0;
+  int substeps = 0;  ///< contact evaluations
   std::uint32_t status = kStepOk;
 };
 
@@ -117,11 +142,13 @@ struct StepOutput {
 constexpr std::uint64_t objectBit(std::size_t index) { return index < kMostObjects ? std::uint64_t{1} << index : 0; }
 static_assert(kMostObjects <= 64);
 
-/// One tick of kTick seconds. @rt @cost tens to hundreds of microseconds, with the area in contact, not the object.
-/// Contact and erosion are evaluated at the same pose and field, force first; then the tool moves.
+/// One tick of kTick seconds: see the top of this file. @rt
+/// @cost  tens to hundreds of microseconds, with the area in contact, not with the object.
 void step(const Model& model, State& state, const DeviceSample& input, StepOutput& output) noexcept;
 
-/// Longest motion between two looks at contact, mm: min(finest / 2, sqrt(0.4 h r)).
+/// Longest motion between two contact evaluations, mm: min(d / 2, sqrt(0.4 h r)). d = ToolModel::finest_mm: half of the
+/// thinnest part cannot pass through a wall. h the voxel, r = ToolModel::smallest_radius_mm: scallops between two poses
+/// stay below 0.05 h.
 double longestSubstep(const ToolModel& tool, double voxel) noexcept;
 
 }  // namespace kerf

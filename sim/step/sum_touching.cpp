@@ -23,6 +23,7 @@ void sumTouchingHere(const TouchingNodes& nodes, const TouchingTool& tool, Touch
   const auto norm = [](V x, V y, V z) {
     return hn::Sqrt(hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z)));
   };
+
   for (int begin = 0; begin < nodes.count; begin += lanes) {
     const auto load = [&](const TouchingNodes::Row& row) { return hn::LoadU(f, row.data() + begin); };
     float* const column = &lane[0][begin % 8];
@@ -30,6 +31,8 @@ void sumTouchingHere(const TouchingNodes& nodes, const TouchingTool& tool, Touch
       float* at = column + 8 * sum;
       hn::StoreU(hn::Add(hn::LoadU(f, at), value), f, at);
     };
+
+    // Overlap, facing weight, and what this evaluation's erosion leaves of the overlap: mean and afterwards.
     const V overlap = load(nodes.overlap), into_cut = load(nodes.into_cut), area = load(nodes.area);
     V facing = hn::Min(hn::Max(hn::Add(load(nodes.slope), load(nodes.slope)), zero), one);
     if (tool.geometry_only) facing = hn::IfThenElse(hn::Lt(into_cut, overlap), facing, zero);
@@ -47,6 +50,8 @@ void sumTouchingHere(const TouchingNodes& nodes, const TouchingTool& tool, Touch
     const V after = hn::Sub(overlap, hn::Mul(into_cut, part));
     const V stiff = hn::Mul(hn::Mul(load(nodes.stiffness), facing), area);  // N/mm
     const V size = hn::Mul(stiff, mean), size_after = hn::Mul(stiff, after);
+
+    // Force, torque and stiffness, u = (n, r x n).
     const V r[3] = {load(nodes.from_tip[0]), load(nodes.from_tip[1]), load(nodes.from_tip[2])};
     V u[6] = {load(nodes.normal[0]), load(nodes.normal[1]), load(nodes.normal[2]), zero, zero, zero};
     for (int c = 0; c < 3; ++c) {
@@ -60,6 +65,8 @@ void sumTouchingHere(const TouchingNodes& nodes, const TouchingTool& tool, Touch
       const V scaled = hn::Mul(stiff, u[row]);
       for (int column_of = 0; column_of <= row; ++column_of) add(entry++, hn::Mul(scaled, u[column_of]));
     }
+
+    // Loads, and what the tool's own motion costs the drive.
     const auto cuts = hn::Gt(into_cut, zero);
     add(S::kNormalLoad, size);
     add(S::kCuttingLoad, hn::IfThenElseZero(cuts, size));
@@ -71,6 +78,8 @@ void sumTouchingHere(const TouchingNodes& nodes, const TouchingTool& tool, Touch
     }
     add(S::kDriveLoad, turning);
     add(S::kPower, hn::Mul(rubbing, own));
+
+    // Drag over the sliding speed, with its first and second moments about the tip.
     V v[3];
     for (int c = 0; c < 3; ++c) {
       const int d = (c + 1) % 3, e = (c + 2) % 3;
@@ -86,12 +95,14 @@ void sumTouchingHere(const TouchingNodes& nodes, const TouchingTool& tool, Touch
       add(S::kDragMoment + row, moment);
       for (int column_of = 0; column_of <= row; ++column_of) add(entry++, hn::Mul(moment, r[column_of]));
     }
+
     const auto counts = hn::Gt(stiff, zero);
     add(S::kArea, hn::IfThenElseZero(counts, area));
     add(S::kCount, hn::IfThenElseZero(counts, one));
     add(S::kErodibleLoad, hn::Mul(stiff, into_cut));
     deepest = hn::Max(deepest, hn::IfThenElseZero(counts, overlap));
   }
+
   for (std::size_t s = 0; s < S::kSums; ++s)
     for (const float part : lane[s]) out.value[s] += static_cast<double>(part);
   out.deepest = std::max(out.deepest, hn::GetLane(hn::MaxOfLanes(f, deepest)));

@@ -56,7 +56,7 @@ struct TouchingSums {
 };
 
 /// Adds the nodes' share. Each of eight lanes is summed by itself and the lanes in their order: the same bits with any
-/// instruction set. Formulas: sim/step/contact.h. @cost some 10 ns a node.
+/// instruction set. Formulas: sim/step/contact.h. @cost about 10 ns a node.
 void sumTouching(const TouchingNodes& nodes, const TouchingTool& tool, TouchingSums& sums) noexcept;
 
 }  // namespace kerf::internal

@@ -11,18 +11,24 @@ Expected<TissueTable> tissueTable(const MaterialTable& materials, Material fallb
     if (number < 0 || number > 255) continue;
     const double energy = 1000 * row.specific_cutting_energy.value;  // J/mm^3 to N mm / mm^3
     if (!(row.contact_stiffness.value > 0) || !(energy > 0))
-      return fail({Error::Code::kBadValue, "", "material " + row.id,
-                   fmt::format("contact_stiffness {} N/mm3, specific_cutting_energy {} J/mm3",
-                               row.contact_stiffness.value, row.specific_cutting_energy.value),
-                   "both above 0", "mend materials.toml"});
+      return fail({.code = Error::Code::kBadValue,
+                   .place = "material " + row.id,
+                   .found = fmt::format("contact_stiffness {} N/mm3, specific_cutting_energy {} J/mm3",
+                                        row.contact_stiffness.value, row.specific_cutting_energy.value),
+                   .expected = "both above 0",
+                   .hint = "mend materials.toml"});
     out[static_cast<std::size_t>(number)] = {static_cast<float>(row.contact_stiffness.value),
                                              static_cast<float>(row.friction.value), static_cast<float>(1 / energy),
                                              true};
   }
+
   const Tissue& rest = out[static_cast<std::size_t>(fallback) & 255u];
   if (!rest.is_in_table)
-    return fail({Error::Code::kNotFound, "", fmt::format("material {}", static_cast<int>(fallback)),
-                 "not in the table of materials", "one of " + materials.ids(), "mend materials.toml"});
+    return fail({.code = Error::Code::kNotFound,
+                 .place = fmt::format("material {}", static_cast<int>(fallback)),
+                 .found = "not in the table of materials",
+                 .expected = "one of " + materials.ids(),
+                 .hint = "mend materials.toml"});
   for (Tissue& tissue : out)
     if (!tissue.is_in_table) tissue = {rest.stiffness, rest.friction, rest.inverse_energy, false};
   return out;

@@ -23,6 +23,65 @@ double wayPerCycle(const Tool& tool) {
   }
 }
 
+// What goes to and fro.
+ToolDrive strokeDrive(const Tool& tool) {
+  ToolDrive drive;
+  drive.time_constant = 0.05;
+  // Oscillating saws in bone: thrust over cutting force 1.4 to 1.8 (thesis, globethesis.com 2404330590467824), the
+  // table's 0.3 makes it 3.3.
+  drive.drag_factor = 2;
+  switch (tool.motion) {
+    case BladeMotion::kReciprocating:
+      // Micro saws 9 800 to 12 600 cycles a minute (J Biomech Eng 2014;136:034501); a longer stroke is a hand's, two
+      // cycles a second.
+      drive.speed = meanSpeed(tool.stroke_mm, tool.stroke_mm > 10 ? 2.0 : 12000.0 / 60);
+      drive.stall_load = 60;
+      break;
+    case BladeMotion::kPiezo:
+      drive.speed = meanSpeed(tool.stroke_mm, 29000);  // 24 to 36 kHz
+      drive.stall_load = 20;
+      drive.energy_factor = 5;
+      break;
+    default:
+      drive.speed = meanSpeed(swing(tool), 15000 / 60.0);  // 5 000 to 20 000 cycles a minute
+      drive.stall_load = 1500;
+  }
+  return drive;
+}
+
+// Burs, drills and discs.
+ToolDrive spinDrive(const Tool& tool) {
+  ToolDrive drive;
+  const auto turbine = [&drive] {
+    drive.speed = 200000 * kRadPerSecond;
+    drive.stall_load = 8;  // friction grip: 3 N at 016 sags by about a tenth
+  };
+
+  // Chips of a grain are thinner than those of a blade and cost more work: reported energies of grinding enamel are 10
+  // to 100 J/mm^3 where the table, after hardness, has 4.2.
+  const bool is_diamond = tool.iso ? tool.iso->material == "806" : tool.kind == ToolKind::kBlade;
+  drive.energy_factor = is_diamond ? 5 : 3;
+  drive.time_constant = 0.1;
+  drive.speed = 20000 * kRadPerSecond;
+  drive.stall_load = 30;  // straight handpiece
+
+  if (tool.shape == "drill") {
+    drive.speed = 800 * kRadPerSecond;
+    drive.stall_load = 400;
+    drive.energy_factor = 1;  // implant motor
+  } else if (tool.iso && tool.iso->shankKnown()) {
+    if (tool.iso->shankKnown()->diameter_mm < 2) {
+      turbine();
+    } else if (tool.iso->shank.starts_with("20")) {
+      drive.speed = 40000 * kRadPerSecond;
+      drive.stall_load = 20;  // right angle
+    }
+  } else if (tool.head_diameter_mm > 0 && tool.head_diameter_mm < 3 && tool.kind == ToolKind::kBur) {
+    turbine();
+  }
+  return drive;
+}
+
 }  // namespace
 
 ToolMotion motionOf(const Tool& tool) {
@@ -32,18 +91,19 @@ ToolMotion motionOf(const Tool& tool) {
 
 ToolDrive driveOf(const Tool& tool) {
   ToolDrive drive = defaultDrive(tool);
-  const DriveNumbers& said = tool.drive;
-  if (said.frequency_hz) drive.speed = wayPerCycle(tool) * *said.frequency_hz;
-  drive.stall_load = said.stall_load.value_or(drive.stall_load);
-  drive.time_constant = said.time_constant_s.value_or(drive.time_constant);
-  drive.energy_factor = said.energy_factor.value_or(drive.energy_factor);
-  drive.drag_factor = said.drag_factor.value_or(drive.drag_factor);
+  const DriveNumbers& file = tool.drive;
+  if (file.frequency_hz) drive.speed = wayPerCycle(tool) * *file.frequency_hz;
+  drive.stall_load = file.stall_load.value_or(drive.stall_load);
+  drive.time_constant = file.time_constant_s.value_or(drive.time_constant);
+  drive.energy_factor = file.energy_factor.value_or(drive.energy_factor);
+  drive.drag_factor = file.drag_factor.value_or(drive.drag_factor);
   return drive;
 }
 
 std::string describeDrive(const Tool& tool) {
   const ToolDrive drive = driveOf(tool);
   const double way = wayPerCycle(tool), frequency = way > 0 ? drive.speed / way : 0;
+
   std::string text;
   switch (motionOf(tool)) {
     case ToolMotion::kSpin:
@@ -60,6 +120,7 @@ std::string describeDrive(const Tool& tool) {
   }
   text += fmt::format(", follows in {:.3g} s; cutting energy x {:.3g}, drag x {:.3g}", drive.time_constant,
                       drive.energy_factor, drive.drag_factor);
+
   std::string from_file;
   const auto say = [&](const std::optional<double>& number, const char* name) {
     if (number) from_file += (from_file.empty() ? "" : ", ") + std::string(name);
@@ -73,55 +134,8 @@ std::string describeDrive(const Tool& tool) {
 }
 
 ToolDrive defaultDrive(const Tool& tool) {
-  ToolDrive drive;
-  if (tool.kind == ToolKind::kBlade && tool.motion != BladeMotion::kSpin) {
-    drive.time_constant = 0.05;
-    // Oscillating saws in bone: thrust over cutting force 1.4 to 1.8 (thesis, globethesis.com 2404330590467824), the
-    // table's 0.3 makes it 3.3.
-    drive.drag_factor = 2;
-    switch (tool.motion) {
-      case BladeMotion::kReciprocating:
-        // Micro saws 9 800 to 12 600 cycles a minute (J Biomech Eng 2014;136:034501); a longer stroke is a hand's, two
-        // cycles a second.
-        drive.speed = meanSpeed(tool.stroke_mm, tool.stroke_mm > 10 ? 2.0 : 12000.0 / 60);
-        drive.stall_load = 60;
-        break;
-      case BladeMotion::kPiezo:
-        drive.speed = meanSpeed(tool.stroke_mm, 29000);  // 24 to 36 kHz
-        drive.stall_load = 20;
-        drive.energy_factor = 5;
-        break;
-      default:
-        drive.speed = meanSpeed(swing(tool), 15000 / 60.0);  // 5 000 to 20 000 cycles a minute
-        drive.stall_load = 1500;
-    }
-    return drive;
-  }
-  // Chips of a grain are thinner than those of a blade and cost more work: reported energies of grinding enamel are 10
-  // to 100 J/mm^3 where the table, after hardness, has 4.2.
-  const bool is_diamond = tool.iso ? tool.iso->material == "806" : tool.kind == ToolKind::kBlade;
-  drive.energy_factor = is_diamond ? 5 : 3;
-  drive.time_constant = 0.1;
-  drive.speed = 20000 * kRadPerSecond;
-  drive.stall_load = 30;  // straight handpiece
-  if (tool.shape == "drill") {
-    drive.speed = 800 * kRadPerSecond;
-    drive.stall_load = 400;
-    drive.energy_factor = 1;  // implant motor
-  } else if (tool.iso && tool.iso->shankKnown()) {
-    const double shank = tool.iso->shankKnown()->diameter_mm;
-    if (shank < 2) {
-      drive.speed = 200000 * kRadPerSecond;
-      drive.stall_load = 8;  // friction grip: 3 N at 016 sags by about a tenth
-    } else if (tool.iso->shank.starts_with("20")) {
-      drive.speed = 40000 * kRadPerSecond;
-      drive.stall_load = 20;  // right angle
-    }
-  } else if (tool.head_diameter_mm > 0 && tool.head_diameter_mm < 3 && tool.kind == ToolKind::kBur) {
-    drive.speed = 200000 * kRadPerSecond;
-    drive.stall_load = 8;
-  }
-  return drive;
+  const bool is_blade = tool.kind == ToolKind::kBlade;
+  return is_blade && tool.motion != BladeMotion::kSpin ? strokeDrive(tool) : spinDrive(tool);
 }
 
 ToolModel makeToolModel(const Tool& tool, double margin_mm) {
@@ -131,7 +145,7 @@ ToolModel makeToolModel(const Tool& tool, double margin_mm) {
   options.margin_mm = margin_mm;
   out.cut = ToolField(*tool.cut, options);
   if (tool.body) {
-    options.spacing_mm = 0.02;  // what only collides is longer, and nobody measures its print
+    options.spacing_mm = 0.02;  // what only collides is longer, and leaves no print to measure
     out.body = ToolField(*tool.body, options);
   }
   out.drive = driveOf(tool);

@@ -13,11 +13,12 @@ enum class ToolMotion {
   kSwing    ///< to and fro about the pivot of a sagittal blade, in the plane y = 0
 };
 
-/// What turns it. Free speed falls in proportion to the load and reaches zero at stall.
+/// What turns or moves the cutting part. Its speed without load falls in proportion to the load and reaches zero at
+/// stall.
 ///
-/// Speeds of what goes to and fro are means over a cycle: at the ends of a stroke a tooth stands, in its middle it is
-/// pi / 2 times as fast. Removal and power grow with the distance a tooth rubs, so the mean of |v| is what counts: 2
-/// stroke f, whatever the motion in between, for it passes the stroke twice a cycle.
+/// The speed of a part that goes to and fro is the mean over a cycle: at the ends of a stroke a tooth stands still, in
+/// its middle it is pi / 2 times as fast. Removal and power grow with the distance a tooth rubs, so the mean of |v|
+/// counts: 2 stroke f, whatever the motion in between, because the tooth passes the stroke twice a cycle.
 struct ToolDrive {
   double speed = 0;          ///< kSpin: rad/s; kStroke: mean speed along the stroke, mm/s; kSwing: mean rad/s
   double stall_load = 0;     ///< kSpin, kSwing: N mm; kStroke: N
@@ -37,7 +38,7 @@ struct ToolModel {
   ToolDrive drive;
   double equator_mm = 0;          ///< kSpin: largest cutting radius. Surface speed counts as at least 0.2 of that there
   double pivot_mm = 0;            ///< kSwing: height of the pivot
-  double finest_mm = 0;           ///< no motion without a look at contact is longer than half of this
+  double finest_mm = 0;           ///< no motion without an evaluation of contact is longer than half of this
   double smallest_radius_mm = 0;  ///< of what cuts: scallops between two poses stay below 0.05 voxel
   double reach_mm = 0;            ///< farthest point from the tip
   Vec3d plunge_direction = -Vec3d::UnitZ();
@@ -46,12 +47,12 @@ struct ToolModel {
 /// Mean speed of what goes `way` (mm or rad) there and back, `frequency_hz` times a second: 2 way f.
 constexpr double meanSpeed(double way, double frequency_hz) { return 2 * way * frequency_hz; }
 
-/// Nominal drive of a tool: burs by their shank (friction grip 200 000 rpm, right angle 40 000, else 20 000; drills
-/// 800), blades by their motion. Training defaults.
+/// Nominal drive of a tool: burs by their shank (friction grip 200 000 rpm, right angle 40 000, else 20 000), drills
+/// 800 rpm, blades by their motion. Training defaults.
 ToolDrive defaultDrive(const Tool& tool);
 /// The numbers of its file ([drive]), the default for each that is left out.
 ToolDrive driveOf(const Tool& tool);
-/// The same for people: "200000 rpm, stalls at 8 N mm, ...", and which of it the tool's file says.
+/// The same as text: "200000 rpm, stalls at 8 N mm, ...", and which of the numbers come from the tool's file.
 std::string describeDrive(const Tool& tool);
 ToolMotion motionOf(const Tool& tool);
 

@@ -8,23 +8,10 @@
 #include <bit>
 
 #include "sim/object/relax_brick.h"
+#include "sim/step/brick_to_tool.h"
 #include "sim/step/contact.h"
 
 namespace kerf::internal {
-
-/// From a node's place in its brick to the tool's frame: p = base + i * along[0] + j * along[1] + k * along[2].
-struct BrickToTool {
-  float along[3][3];  ///< [axis of the brick][coordinate of the tool]
-  float base[3];
-
-  BrickToTool(const Eigen::Matrix3d& object_to_tool, const Vec3d& tip, const Vec3i& brick, double h) {
-    const Vec3d b = object_to_tool * (h * 8 * brick.cast<double>() - tip);
-    for (int c = 0; c < 3; ++c) {
-      base[c] = static_cast<float>(b[c]);
-      for (int axis = 0; axis < 3; ++axis) along[axis][c] = static_cast<float>(h * object_to_tool(c, axis));
-    }
-  }
-};
 
 /// A node of the shell that overlaps the tool.
 struct TouchingNode {
@@ -34,7 +21,7 @@ struct TouchingNode {
   float area;             ///< mm^2
   float phi, tau;         ///< mm; tau of the nearer of both fields
   float tau_cut, gap;     ///< mm; gap = tau + phi < 0
-  bool body_is_near;      ///< tau had to look at the body, too
+  bool body_is_near;      ///< tau is the nearer of cutting part and body; else the body is farther for certain
   std::uint8_t material;  ///< number
 };
 
@@ -62,6 +49,7 @@ int forEachTouching(CutObject& object, const NearBricks& near, const ToolModel& 
   const bool has_body = !tool.body.isEmpty();
   const double slack = std::max(tool.cut.slack(), tool.body.slack());
   const float aside = static_cast<float>(2 * (slack + 0.2 * h));
+
   int tested = 0;
   float px[kGather], py[kGather], pz[kGather], now[kGather], cut[kGather], body[kGather];
   for (std::size_t b = 0; b < near.size(); ++b) {
@@ -72,9 +60,10 @@ int forEachTouching(CutObject& object, const NearBricks& near, const ToolModel& 
     const BrickToTool map(to_tool, T_object_tool.translation, slot.brick, h);
     const Vec3d corner = h * 8 * slot.brick.cast<double>() - T_object_tool.translation;
     const bool body_may_touch = has_body && near.leastBody(b) < -slot.least;
-    // Until the first of its nodes touches: a body that was not looked at is known by its bound.
-    float room = has_body && !body_may_touch ? near.leastBody(b) + slot.least : ToolField::kFar;
+    // How far the tool is from touching the brick. A body whose distance is not computed is known by its bound.
+    float clearance = has_body && !body_may_touch ? near.leastBody(b) + slot.least : ToolField::kFar;
     bool touches = false;
+
     for (int begin = 0; begin < slot.shell_count; begin += kGather) {
       const ShellChunk& chunk = *slot.chunks[static_cast<std::size_t>(begin / kGather)];
       const int count = std::min(kGather, slot.shell_count - begin), padded = (count + 7) / 8 * 8;
@@ -85,11 +74,13 @@ int forEachTouching(CutObject& object, const NearBricks& near, const ToolModel& 
         phi = now;
       }
       tool.cut.distances(px, py, pz, cut, padded);
-      // Where what cuts is nearer than the body can be, there and a look further inwards, the body says nothing.
+
+      // Where what cuts is nearer than the body can be, there and a step further inwards, the body says nothing.
       const bool body_is_near = body_may_touch && largestOf(cut, padded) > near.leastBody(b) - aside;
       if (body_is_near) tool.body.distances(px, py, pz, body, padded);
       tested += count;
-      for (std::uint64_t bits = touchingNodes(cut, body_is_near ? body : nullptr, phi, count, room); bits != 0;
+
+      for (std::uint64_t bits = touchingNodes(cut, body_is_near ? body : nullptr, phi, count, clearance); bits != 0;
            bits &= bits - 1) {
         const int n = std::countr_zero(bits);
         const float nearest = body_is_near ? std::min(cut[n], body[n]) : cut[n];
@@ -98,6 +89,7 @@ int forEachTouching(CutObject& object, const NearBricks& near, const ToolModel& 
         const Vec3f w(chunk.x[at], chunk.y[at], chunk.z[at]);
         const float area = w.norm();
         if (!(area > 0)) continue;
+
         touches = true;
         const int offset = chunk.offset[at];
         visit(TouchingNode{w / area, Vec3f(px[n], py[n], pz[n]),
@@ -105,7 +97,8 @@ int forEachTouching(CutObject& object, const NearBricks& near, const ToolModel& 
                            gap, body_is_near, chunk.material[at]});
       }
     }
-    slot.sleeps_until_contact = touches ? -1 : object.odometer + static_cast<double>(room) - slack;
+
+    slot.sleeps_until_contact = touches ? -1 : object.odometer + static_cast<double>(clearance) - slack;
   }
   return tested;
 }

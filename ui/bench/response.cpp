@@ -15,16 +15,20 @@ constexpr double kVoxel = 0.05, kRadius = 0.5, kSpeed = 840;  // mm, mm, mm/s
 constexpr double kFriction = 0.5, kEnergy = 1000;             // -, N/mm^2
 
 struct Way {
-  const char* name;
+  std::string name;
   Response response;
   Rendering rendering;
 };
-constexpr Way kWays[] = {{"penalty coupled", Response::kPenalty, Rendering::kCoupled},
-                         {"penalty direct", Response::kPenalty, Rendering::kDirect},
-                         {"constraint coupled", Response::kConstraint, Rendering::kCoupled},
-                         {"constraint direct", Response::kConstraint, Rendering::kDirect},
-                         {"impulse coupled", Response::kImpulse, Rendering::kCoupled},
-                         {"impulse direct", Response::kImpulse, Rendering::kDirect}};
+
+// Every response, coupled and direct; the first is the default.
+std::vector<Way> allWays() {
+  std::vector<Way> ways;
+  for (const ResponseRow& row : kResponses)
+    for (const RenderingRow& rendering : kRenderings)
+      if (rendering.rendering != Rendering::kRigid)
+        ways.push_back({fmt::format("{} {}", row.name, rendering.name), row.response, rendering.rendering});
+  return ways;
+}
 
 // Nothing between law and number: no fade-in, no limit of the rate.
 Model modelOf(const Way& way, bool cuts) {
@@ -91,7 +95,8 @@ Pressed press(const Way& way, const Objects& objects, double depth, double* forc
 }
 // How deep the device has to be for that force at rest: bisection.
 Pressed pressWith(const Way& way, const Objects& objects, double force) {
-  double low = 0, high = way.response == Response::kPenalty && way.rendering == Rendering::kDirect ? 0.3 : 1.3 * force;
+  const bool is_fixed = way.rendering == Rendering::kDirect && rowOf(way.response).direct == Attachment::kFixed;
+  double low = 0, high = is_fixed ? 0.3 : 1.3 * force;
   for (int n = 0; n < 14; ++n) {
     const double middle = 0.5 * (low + high);
     double found = 0;
@@ -238,9 +243,10 @@ Expected<Result> benchResponse(const Progress& progress) {
   r.is_table = true;
   KERF_TRY(objects, makeObjects());
   KERF_TRY(block, practiceBlock({4, 4, 2}, 0.1));
-  const double count = std::size(kWays);
-  for (std::size_t w = 0; w < std::size(kWays); ++w) {
-    const Way& way = kWays[w];
+  const std::vector<Way> ways = allWays();
+  const auto count = static_cast<double>(ways.size());
+  for (std::size_t w = 0; w < ways.size(); ++w) {
+    const Way& way = ways[w];
     const double done = static_cast<double>(w) / count;
     const bool is_default = w == 0;
     const auto add = [&](const char* what, double value, const char* unit, double goal = -1) {

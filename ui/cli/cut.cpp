@@ -20,7 +20,7 @@ struct Arguments {
   CutOptions options;
   bool json = false;
   std::string hand;  // empty: geometry only
-  std::string response = "penalty";
+  std::string response{rowOf(StepSettings{}.response).name};
   HapticCutOptions haptic;
 };
 
@@ -31,8 +31,18 @@ std::optional<HandKind> handKind(const std::string& name) {
   return std::nullopt;
 }
 
-Response responseNamed(const std::string& name) {
-  return name == "constraint" ? Response::kConstraint : name == "impulse" ? Response::kImpulse : Response::kPenalty;
+std::vector<std::string> responseNames() {
+  std::vector<std::string> names;
+  for (const ResponseRow& row : kResponses) names.emplace_back(row.name);
+  return names;
+}
+
+std::string responseHelp() {
+  std::string text = "what keeps the tool out of the tissue: ";
+  const char* between = "";
+  for (const ResponseRow& row : kResponses)
+    text += fmt::format("{}{} ({})", std::exchange(between, ", "), row.name, row.description);
+  return text + "; docs/haptics.md";
 }
 
 // An option of a hand that nobody holds the tool with would be ignored: a mistake of the user's.
@@ -72,7 +82,7 @@ void warnOfNeighbours(const Arguments& a, const HapticSummary& s) {
 int runByHand(const Arguments& a, const std::filesystem::path& tool) {
   HapticCutOptions options = a.haptic;
   options.hand = *handKind(a.hand);
-  options.step.response = responseNamed(a.response);
+  options.step.response = findResponse(a.response)->response;  // one of responseNames(), as checked on parsing
   options.overwrite = a.options.overwrite;
   auto cut = [&] {
     TerminalProgress progress;
@@ -93,7 +103,8 @@ int runByHand(const Arguments& a, const std::filesystem::path& tool) {
     printJson(j);
     return kOk;
   }
-  const std::string response = a.response == "penalty" ? "" : " by " + a.response;
+  const bool is_default = options.step.response == StepSettings{}.response;
+  const std::string response = is_default ? "" : " by " + a.response;
   fmt::print("cut with {} held by a {} hand{} for {:.2f} s, {:.2f} s of it in contact, voxels {} mm; ended: {}\n",
              cut->manifest.tool_id, a.hand, response, s.seconds, s.seconds_in_contact, cut->manifest.voxel_mm, s.ended);
   if (!a.haptic.add.empty()) {
@@ -213,10 +224,8 @@ void addCut(CLI::App& app, int& exit_code) {
   by_hand->add_option("--coupling", a->haptic.step.coupling.stiffness, "stiffness of the virtual coupling, N/mm")
       ->capture_default_str();
   auto* held = c->add_option_group("With --hand force or device");
-  held->add_option(
-          "--response", a->response,
-          "what keeps the tool out of the tissue: penalty, constraint (god-object), impulse; docs/how-it-works/step.md")
-      ->check(CLI::IsMember({"penalty", "constraint", "impulse"}))
+  held->add_option("--response", a->response, responseHelp())
+      ->check(CLI::IsMember(responseNames()))
       ->capture_default_str();
   auto* force = c->add_option_group("With --hand force");
   force->add_option("--push", a->haptic.force.force, "N")->capture_default_str();

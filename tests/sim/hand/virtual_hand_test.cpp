@@ -49,6 +49,7 @@ Plunge plunge(double force, double voxel) {
   StepOutput out;
   DeviceSample sample;
   state.place(poseAt(path, 0));
+
   std::vector<double> rates, loads;
   double sum = 0, load = 0;
   int n = 0;
@@ -63,6 +64,7 @@ Plunge plunge(double force, double voxel) {
       sum = load = 0;
     }
   }
+
   EXPECT_FALSE(hand.gaveUp());
   EXPECT_GE(rates.size(), 4u);
   Plunge result;

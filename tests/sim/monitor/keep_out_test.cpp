@@ -97,6 +97,7 @@ TEST(KeepOut, ToolsDistanceIsRightToHalfAVoxelAndItsSampling) {
   // Between samples a ball's surface is nearer to something flat by its sagitta.
   const double sagitta = samples.spacing() * samples.spacing() / (2 * r);
   EXPECT_LT(samples.spacing(), 0.25);
+
   const Vec3d from(-5, 0.03, 0), to(5, 0.4, 1);
   Box3 box;
   box.add(from);
@@ -117,6 +118,7 @@ TEST(KeepOut, ToolsDistanceIsRightToHalfAVoxelAndItsSampling) {
     EXPECT_FALSE(reading.is_far);
     EXPECT_NEAR((pose.inverse() * reading.point - Vec3d(0, 0, r)).norm(), r, 0.005) << "the point lies on the tool";
   }
+
   EXPECT_GT(near, 500);
 }
 

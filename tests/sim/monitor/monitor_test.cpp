@@ -77,10 +77,12 @@ TEST(Monitor, NeighboursDistanceIsRightToHalfAVoxelWhileTheToolPassesBetweenThem
   ASSERT_EQ(monitor->structures().size(), 2u);
   EXPECT_EQ(monitor->structures()[0].id, "beside_1");
   EXPECT_EQ(monitor->structures()[1].id, "beside_2");
+
   Session session(model, row.objects, at(0, 0, 9));
   StepOutput output;
   std::array<double, 3> least{1e9, 1e9, 1e9};
   int near = 0;
+
   // Through the air above all three and down on both sides of the one in the middle.
   for (int n = 0; n < 4000; ++n) {
     const double a = 2 * std::numbers::pi * n / 4000;
@@ -99,6 +101,7 @@ TEST(Monitor, NeighboursDistanceIsRightToHalfAVoxelWhileTheToolPassesBetweenThem
       ASSERT_FALSE(s.is_far);
     }
   }
+
   EXPECT_GT(near, 3000);
   for (std::size_t b = 1; b < 3; ++b) EXPECT_EQ(monitor->structures()[b - 1].least, least[b]);
 }
@@ -160,6 +163,7 @@ TEST(Monitor, ANickedNeighbourIsNoFartherAwayAndWhatItLostIsCounted) {
     monitor->tick(sample, output, session.state().objects);
     removed += output.removed_mm3;
   };
+
   for (int n = 0; n < 1500; ++n) go(-7, 0.5 - 0.0006 * n, 1);  // down into it
   const Monitor::Structure& nicked = monitor->structures()[0];
   EXPECT_GT(removed, 0.2);
@@ -169,6 +173,7 @@ TEST(Monitor, ANickedNeighbourIsNoFartherAwayAndWhatItLostIsCounted) {
   EXPECT_GE(nicked.ticks_touched, nicked.ticks_in);
   EXPECT_EQ(monitor->structures()[1].ticks_touched, 0u);
   EXPECT_NEAR(nicked.distance, -(0.13 - (0.5 - 0.0006 * 1499)), 0.03) << "its top stands at 0.13";
+
   const double deepest = nicked.least;
   EXPECT_EQ(deepest, nicked.distance);
   const std::uint64_t ticks = nicked.ticks_in;
@@ -186,13 +191,14 @@ TEST(Monitor, ANeighbourThatOnlyTheShankRubsIsTouchedAndNotCut) {
   const auto tool = readTool(*file);
   ASSERT_TRUE(tool) << tool.error().message();
   const LoadedObjects objects{block({3, 3, 2}, kVoxel), block({3, 3, 22}, kVoxel, at(2.4, 0, 18))};  // from x = 0.9
-  for (const Response response : {Response::kPenalty, Response::kConstraint, Response::kImpulse}) {
+  for (const ResponseRow& row : kResponses) {
     Model model;
     model.tools.push_back(makeToolModel(*tool, 0.5));
     model.tissues = oneTissue(60, 0.1, 1e3);
-    model.settings.response = response;
+    model.settings.response = row.response;
     auto monitor = Monitor::make(objects, model.tools[0]);
     ASSERT_TRUE(monitor) << monitor.error().message();
+
     Session session(model, objects, at(-0.1, 0, 0.5));
     StepOutput output;
     const auto go = [&](double x) {
@@ -200,11 +206,12 @@ TEST(Monitor, ANeighbourThatOnlyTheShankRubsIsTouchedAndNotCut) {
       session.tick(sample, output);
       monitor->tick(sample, output, session.state().objects);
     };
+
     for (int n = 0; n < 200; ++n) go(-0.1);
     const Monitor::Structure& wall = monitor->structures()[0];
     EXPECT_EQ(wall.ticks_touched, 0u);
     for (int n = 0; n < 400; ++n) go(-0.1 + 0.0006 * n);
-    EXPECT_NEAR(static_cast<double>(wall.ticks_touched), 66, 8) << "from x = 0.1 on; " << static_cast<int>(response);
+    EXPECT_NEAR(static_cast<double>(wall.ticks_touched), 66, 8) << "from x = 0.1 on; " << row.name;
     EXPECT_EQ(output.objects_touched, objectBit(1));
     EXPECT_EQ(wall.removed_mm3, 0);
     EXPECT_GT(wall.least, 0.02) << "the head came as near as the shank let it";

@@ -66,6 +66,7 @@ TEST(Fill, ACavityFilledUpIsWholeAgainAndOfTheFillingsMaterial) {
       session.tick(test::sampleAt(at(0, 0, 0.5 - (0.5 + depth) * down), n < 400 ? 1 : 0), out);
     }
   };
+
   const std::uint64_t untouched = object.stateHash();
   dip(1);
   const double removed = object.removed_mm3[kDentin];
@@ -74,6 +75,7 @@ TEST(Fill, ACavityFilledUpIsWholeAgainAndOfTheFillingsMaterial) {
   ASSERT_TRUE(session.apply("add 11 0"));
   dip(1.02);
   ASSERT_TRUE(session.apply("add off"));
+
   // All of the cavity, and what the ball covers above and beside it.
   EXPECT_GT(object.added_mm3[kComposite], removed);
   expectLedgerBalances(object);
@@ -83,6 +85,7 @@ TEST(Fill, ACavityFilledUpIsWholeAgainAndOfTheFillingsMaterial) {
   dip(0.5);
   EXPECT_GT(object.removed_mm3[kComposite], before + 0.1);
   expectLedgerBalances(object);
+
   // Undo goes back over filling and drilling alike.
   ASSERT_TRUE(session.apply("undo"));
   ASSERT_TRUE(session.apply("undo"));

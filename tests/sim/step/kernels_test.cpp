@@ -54,6 +54,7 @@ TEST(RelaxBrick, FollowsTheExponentialAtEveryRate) {
   in.least_radius = 0.1f;
   in.pivot = 5;
   in.cap = 0.15f;
+
   for (const LeverForm lever : {LeverForm::kRadius, LeverForm::kPivot, LeverForm::kOne}) {
     in.lever = lever;
     std::vector<float> first;
@@ -73,6 +74,7 @@ TEST(RelaxBrick, FollowsTheExponentialAtEveryRate) {
         ASSERT_NEAR(out[n], expected, 1e-7 + 4e-7 * d) << rates[n];
         least = std::min(least, out[n]);
       }
+
       EXPECT_EQ(result.least, least);
       EXPECT_LT(result.gap, 0);
       if (first.empty()) first = out;
@@ -81,28 +83,82 @@ TEST(RelaxBrick, FollowsTheExponentialAtEveryRate) {
   }
 }
 
+// Nodes of any number in the ranges they have.
+TouchingNodes randomNodes(int count, std::mt19937& random) {
+  std::uniform_real_distribution<float> u(0, 1);
+  TouchingNodes nodes{};
+  for (std::size_t n = 0; n < static_cast<std::size_t>(count); ++n) {
+    nodes.overlap[n] = 0.02f * u(random);
+    nodes.into_cut[n] = n % 3 == 0 ? 0 : 0.8f * nodes.overlap[n];
+    nodes.slope[n] = 1.2f * u(random) - 0.2f;
+    nodes.area[n] = 0.01f * u(random);
+    Eigen::Vector3f normal(u(random) - 0.5f, u(random) - 0.5f, u(random) - 0.4f);
+    normal.normalize();
+    for (int c = 0; c < 3; ++c) {
+      nodes.normal[c][n] = normal[c];
+      nodes.from_tip[c][n] = 4 * u(random) - 2;
+      nodes.in_tool[c][n] = 4 * u(random) - 2;
+    }
+    nodes.stiffness[n] = 200 * u(random);
+    nodes.friction[n] = u(random);
+    nodes.rate[n] = u(random);
+  }
+  nodes.count = (count + 7) / 8 * 8;
+  return nodes;
+}
+
+// What a tool with the spinning lever adds for one node, by the formulas of sim/step/contact.h in double.
+void addPlain(const TouchingNodes& nodes, std::size_t n, const TouchingTool& tool,
+              std::array<double, TouchingSums::kSums>& sums, double& deepest) {
+  using S = TouchingSums;
+  const auto at = [&sums](int entry) -> double& { return sums[static_cast<std::size_t>(entry)]; };
+  const double facing = std::clamp(2.0 * static_cast<double>(nodes.slope[n]), 0.0, 1.0);
+  const double arm = std::max(std::hypot(double(nodes.in_tool[0][n]), double(nodes.in_tool[1][n])), 0.3);
+  const double rate = double(nodes.rate[n]) * arm, part = -std::expm1(-rate);
+  const double mean = double(nodes.overlap[n]) - double(nodes.into_cut[n]) * (1 - part / rate);
+  const double after = double(nodes.overlap[n]) - double(nodes.into_cut[n]) * part;
+  const double stiff = double(nodes.stiffness[n]) * facing * double(nodes.area[n]);
+
+  const Vec3d r(nodes.from_tip[0][n], nodes.from_tip[1][n], nodes.from_tip[2][n]);
+  const Vec3d normal(nodes.normal[0][n], nodes.normal[1][n], nodes.normal[2][n]);
+  Eigen::Matrix<double, 6, 1> w;
+  w << normal, r.cross(normal);
+  int entry = S::kStiffness;
+  for (int i = 0; i < 6; ++i) {
+    at(S::kForce + i) += stiff * mean * w[i];
+    at(S::kForceAfter + i) += stiff * after * w[i];
+    for (int j = 0; j <= i; ++j) at(entry++) += stiff * w[i] * w[j];
+  }
+
+  const double load = stiff * mean, rubbing = double(nodes.friction[n]) * load;
+  const bool cuts = nodes.into_cut[n] > 0;
+  const double own = cuts || tool.body_spins ? 1000 * arm : 0;
+  at(S::kNormalLoad) += load;
+  if (cuts) at(S::kCuttingLoad) += load;
+  at(S::kErodibleLoad) += stiff * double(nodes.into_cut[n]);
+  if (cuts || tool.body_spins) at(S::kDriveLoad) += rubbing * arm;
+  at(S::kPower) += rubbing * own;
+
+  const Vec3d v = Vec3d(3, 0, 0) + Vec3d(0, 0, 0.7).cross(r);
+  const double drag = rubbing / std::max({own, v.norm(), 0.5});
+  at(S::kDrag) += drag;
+  entry = S::kDragSecond;
+  for (int i = 0; i < 3; ++i) {
+    at(S::kDragMoment + i) += drag * r[i];
+    for (int j = 0; j <= i; ++j) at(entry++) += drag * r[i] * r[j];
+  }
+
+  if (stiff > 0) {
+    at(S::kArea) += double(nodes.area[n]);
+    at(S::kCount) += 1;
+    deepest = std::max(deepest, double(nodes.overlap[n]));
+  }
+}
+
 TEST(SumTouching, IsTheSumOfItsFormulas) {
   std::mt19937 random(5);
-  std::uniform_real_distribution<float> u(0, 1);
   for (const int count : {1, 7, 8, 50, 64}) {
-    TouchingNodes nodes{};
-    for (std::size_t n = 0; n < static_cast<std::size_t>(count); ++n) {
-      nodes.overlap[n] = 0.02f * u(random);
-      nodes.into_cut[n] = n % 3 == 0 ? 0 : 0.8f * nodes.overlap[n];
-      nodes.slope[n] = 1.2f * u(random) - 0.2f;
-      nodes.area[n] = 0.01f * u(random);
-      Eigen::Vector3f normal(u(random) - 0.5f, u(random) - 0.5f, u(random) - 0.4f);
-      normal.normalize();
-      for (int c = 0; c < 3; ++c) {
-        nodes.normal[c][n] = normal[c];
-        nodes.from_tip[c][n] = 4 * u(random) - 2;
-        nodes.in_tool[c][n] = 4 * u(random) - 2;
-      }
-      nodes.stiffness[n] = 200 * u(random);
-      nodes.friction[n] = u(random);
-      nodes.rate[n] = u(random);
-    }
-    nodes.count = (count + 7) / 8 * 8;
+    const TouchingNodes nodes = randomNodes(count, random);
     TouchingTool tool;
     tool.lever = LeverForm::kRadius;
     tool.least_radius = 0.3f;
@@ -112,53 +168,15 @@ TEST(SumTouching, IsTheSumOfItsFormulas) {
     tool.angular[2] = 0.7f;
     for (const bool spins : {true, false}) {
       tool.body_spins = spins;
-      using S = TouchingSums;
-      std::array<double, S::kSums> expected{};
+      std::array<double, TouchingSums::kSums> expected{};
       double deepest = 0;
-      for (std::size_t n = 0; n < static_cast<std::size_t>(count); ++n) {
-        const double facing = std::clamp(2.0 * static_cast<double>(nodes.slope[n]), 0.0, 1.0);
-        const double arm = std::max(std::hypot(double(nodes.in_tool[0][n]), double(nodes.in_tool[1][n])), 0.3);
-        const double rate = double(nodes.rate[n]) * arm, part = -std::expm1(-rate);
-        const double mean = double(nodes.overlap[n]) - double(nodes.into_cut[n]) * (1 - part / rate);
-        const double after = double(nodes.overlap[n]) - double(nodes.into_cut[n]) * part;
-        const double stiff = double(nodes.stiffness[n]) * facing * double(nodes.area[n]);
-        const Vec3d r(nodes.from_tip[0][n], nodes.from_tip[1][n], nodes.from_tip[2][n]);
-        const Vec3d normal(nodes.normal[0][n], nodes.normal[1][n], nodes.normal[2][n]);
-        Eigen::Matrix<double, 6, 1> w;
-        w << normal, r.cross(normal);
-        int entry = S::kStiffness;
-        for (int i = 0; i < 6; ++i) {
-          expected[static_cast<std::size_t>(S::kForce + i)] += stiff * mean * w[i];
-          expected[static_cast<std::size_t>(S::kForceAfter + i)] += stiff * after * w[i];
-          for (int j = 0; j <= i; ++j) expected[static_cast<std::size_t>(entry++)] += stiff * w[i] * w[j];
-        }
-        const double load = stiff * mean, rubbing = double(nodes.friction[n]) * load;
-        const bool cuts = nodes.into_cut[n] > 0;
-        const double own = cuts || spins ? 1000 * arm : 0;
-        expected[S::kNormalLoad] += load;
-        if (cuts) expected[S::kCuttingLoad] += load;
-        expected[S::kErodibleLoad] += stiff * double(nodes.into_cut[n]);
-        if (cuts || spins) expected[S::kDriveLoad] += rubbing * arm;
-        expected[S::kPower] += rubbing * own;
-        const Vec3d v = Vec3d(3, 0, 0) + Vec3d(0, 0, 0.7).cross(r);
-        const double drag = rubbing / std::max({own, v.norm(), 0.5});
-        expected[S::kDrag] += drag;
-        entry = S::kDragSecond;
-        for (int i = 0; i < 3; ++i) {
-          expected[static_cast<std::size_t>(S::kDragMoment + i)] += drag * r[i];
-          for (int j = 0; j <= i; ++j) expected[static_cast<std::size_t>(entry++)] += drag * r[i] * r[j];
-        }
-        if (stiff > 0) {
-          expected[S::kArea] += double(nodes.area[n]);
-          expected[S::kCount] += 1;
-          deepest = std::max(deepest, double(nodes.overlap[n]));
-        }
-      }
+      for (std::size_t n = 0; n < static_cast<std::size_t>(count); ++n) addPlain(nodes, n, tool, expected, deepest);
+
       std::vector<double> first;
       onEveryTarget([&] {
         TouchingSums sums;
         sumTouching(nodes, tool, sums);
-        for (std::size_t s = 0; s < S::kSums; ++s)
+        for (std::size_t s = 0; s < expected.size(); ++s)
           EXPECT_NEAR(sums.value[s], expected[s], 2e-6 * (1 + 10 * std::abs(expected[s]))) << s;
         EXPECT_NEAR(sums.deepest, deepest, 1e-9);
         const std::vector<double> bits(sums.value.begin(), sums.value.end());
@@ -206,11 +224,13 @@ TEST(ShellNodes, AreThoseOfTheFormulaToTheBit) {
       const std::size_t at = n * 77 % 512;
       bricks[0][at] = static_cast<int>(n) < wanted ? 0.0749f * u(random) : (n % 2 ? 0.075f : -0.2f);
     }
+
     BrickNeighborhood around{bricks[0].data(), {}};
     for (std::size_t f = 0; f < 6; ++f) around.face[f] = bricks[f + 1].data();
     std::vector<ShellChunk> expected(kShellChunks), out(kShellChunks);
     const int count = plainShell(around, materials.data(), 0.075f, 0.03f, expected.data());
     ASSERT_EQ(count, wanted);
+
     onEveryTarget([&] {
       std::memset(static_cast<void*>(out.data()), 0xff, out.size() * sizeof(ShellChunk));
       ASSERT_EQ(shellNodes(around, materials.data(), 0.075f, 0.03f, out.data()), count);
@@ -228,7 +248,7 @@ TEST(ShellNodes, AreThoseOfTheFormulaToTheBit) {
   }
 }
 
-TEST(TouchingNodes, AreThoseInsideTheToolAndRoomIsToTheNearest) {
+TEST(TouchingNodes, AreThoseInsideTheToolAndClearanceIsToTheNearest) {
   std::mt19937 random(17);
   std::uniform_real_distribution<float> u(-1, 1);
   for (const int count : {1, 7, 8, 33, 64})
@@ -247,9 +267,9 @@ TEST(TouchingNodes, AreThoseInsideTheToolAndRoomIsToTheNearest) {
         least = std::min(least, gap);
       }
       onEveryTarget([&] {
-        float room = 0.5f;
-        EXPECT_EQ(touchingNodes(cut.data(), has_body ? body.data() : nullptr, phi.data(), count, room), expected);
-        EXPECT_EQ(room, least);
+        float clearance = 0.5f;
+        EXPECT_EQ(touchingNodes(cut.data(), has_body ? body.data() : nullptr, phi.data(), count, clearance), expected);
+        EXPECT_EQ(clearance, least);
         EXPECT_EQ(largestOf(cut.data(), 64), *std::max_element(cut.begin(), cut.end()));
       });
     }

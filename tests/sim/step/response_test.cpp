@@ -7,6 +7,7 @@
 
 #include "geometry/tool/tool_file.h"
 #include "sim/run/replay.h"
+#include "sim/step/contact_evaluation.h"
 #include "sim/step/contact_points.h"
 #include "tests/sim/block_scene.h"
 #include "tests/support/temporary_file.h"
@@ -23,9 +24,7 @@ struct Way {
   Rendering rendering;
 };
 std::string nameOf(const Way& w) {
-  const char* responses[] = {"penalty", "constraint", "impulse"};
-  return std::string(responses[static_cast<int>(w.response)]) +
-         (w.rendering == Rendering::kCoupled ? "Coupled" : "Direct");
+  return std::string(rowOf(w.response).name) + (w.rendering == Rendering::kCoupled ? "Coupled" : "Direct");
 }
 
 class EachResponse : public testing::TestWithParam<Way> {
@@ -128,6 +127,7 @@ TEST_P(EachResponse, SlidesSmoothlyOverABall) {
   const double depth = toolIsTheDevice() ? 0.055 : 1;  // about 1 N
   double jump = 0, least = 1e9, most = 0;
   Vec3d last = Vec3d::Zero();
+
   // From above down to the depth, then 3 mm at 10 mm/s.
   for (int n = 0; n < 800; ++n) {
     const double down = std::min(1.0, n / 300.0), a = (-1.5 + 0.01 * std::max(n - 500, 0)) / 5;
@@ -141,6 +141,7 @@ TEST_P(EachResponse, SlidesSmoothlyOverABall) {
     }
     last = out.force.force;
   }
+
   EXPECT_GT(least, 0.8);
   EXPECT_LT(most / least, 1.05);
   EXPECT_LT(jump, 0.02);
@@ -166,6 +167,7 @@ TEST_P(EachResponse, CutsAsTheLawSaysTheSameBitsTwice) {
     *law = removed / expected;
     return state.hash();
   };
+
   double law = 0;
   const std::uint64_t first = run(&law);
   // Impulses come in bursts, and some ask for more than there is of overlap.
@@ -210,11 +212,13 @@ TEST_P(EachResponse, ABladeCutsItsKerfAndIsHeldInIt) {
   m.tissues = oneTissue(200, 0.3, 50);
   State state;
   state.objects.emplace_back(block({10, 3, 3}, 0.1));
+
   Eigen::Matrix3d axes;
   axes.col(0) = Vec3d::UnitZ();
   axes.col(1) = -Vec3d::UnitY();
   axes.col(2) = Vec3d::UnitX();
   const Eigen::Quaterniond teeth_down(axes);
+
   StepOutput out;
   double removed = 0, law = 0, most = 0;
   for (int n = 0; n < 1600; ++n) {
@@ -225,6 +229,7 @@ TEST_P(EachResponse, ABladeCutsItsKerfAndIsHeldInIt) {
         0.3 * m.tools[0].drive.drag_factor / m.tools[0].drive.energy_factor * out.cutting_load * out.speed / 50 * kTick;
     if (n > 400) most = std::max(most, out.normal_load);
   }
+
   const Vec3d tip = out.T_world_tool.translation;
   EXPECT_LT(tip[2], -0.2) << "it cut";
   EXPECT_NEAR(tip[0], -12.5, 0.1) << "along the kerf nothing holds it, and nothing drives it";
@@ -233,6 +238,30 @@ TEST_P(EachResponse, ABladeCutsItsKerfAndIsHeldInIt) {
   EXPECT_NEAR(out.force.force[2], tip[2] - (0.2 - 0.0012 * 900), 0.05);
   EXPECT_NEAR(removed / law, 1, 0.12);
   EXPECT_LT(most, 10) << "walls on both sides do not press by themselves";
+}
+
+TEST(Response, IsFoundByItsNameAndOnlyByThat) {
+  for (const ResponseRow& row : kResponses) EXPECT_EQ(findResponse(row.name), &rowOf(row.response)) << row.name;
+  EXPECT_EQ(findResponse("god"), nullptr);
+  EXPECT_EQ(findResponse(""), nullptr);
+  EXPECT_TRUE(isKnown(Response::kImpulse));
+  EXPECT_FALSE(isKnown(static_cast<Response>(3)));
+  EXPECT_FALSE(isKnown(static_cast<Response>(-1)));
+}
+
+TEST(Response, OnlyAToolThatMayBeFixedGoesWithAMachine) {
+  StepSettings settings;
+  for (const ResponseRow& row : kResponses) {
+    settings.response = row.response;
+    settings.rendering = Rendering::kRigid;
+    EXPECT_EQ(row.fits(Rendering::kRigid), row.response == Response::kPenalty) << row.name;
+    EXPECT_EQ(settings.attachment(), Attachment::kFixed) << row.name;
+    EXPECT_EQ(settings.effectiveResponse(), Response::kPenalty) << row.name;
+
+    settings.rendering = Rendering::kCoupled;
+    EXPECT_NE(settings.attachment(), Attachment::kFixed) << row.name;
+    EXPECT_EQ(settings.effectiveResponse(), row.response);
+  }
 }
 
 TEST(Response, ALogThatDoesNotNameItIsOfThePenaltyLaw) {
@@ -245,6 +274,7 @@ TEST(Response, ALogThatDoesNotNameItIsOfThePenaltyLaw) {
     for (auto& [k, v] : log.header)
       if (k == key) v = value;
   };
+
   Rigid3 start;
   set("response", "2");
   Model again = m;
@@ -253,6 +283,7 @@ TEST(Response, ALogThatDoesNotNameItIsOfThePenaltyLaw) {
   std::erase_if(log.header, [](const auto& line) { return line.first == "response" || line.first == "restitution"; });
   ASSERT_TRUE(restoreSettings(log, "a.log", again, start));
   EXPECT_EQ(again.settings.response, Response::kPenalty);
+
   // A machine's tool cannot be held back.
   log.header.emplace_back("response", "1");
   set("rendering", "2");
@@ -287,6 +318,7 @@ TEST_P(EachResponse, WildHandsGetAFiniteForceWithinItsLimit) {
   State state;
   state.objects.emplace_back(block({6, 4, 2}, 0.1), 16384);
   state.objects.emplace_back(block({2, 2, 1}, 0.05, at(0.5, 0, 1.2)), 16384);
+
   std::mt19937 random(7);
   std::normal_distribution<double> far;
   StepOutput out;
@@ -309,16 +341,19 @@ TEST_P(EachResponse, WildHandsGetAFiniteForceWithinItsLimit) {
     ASSERT_NEAR(out.T_world_tool.rotation.norm(), 1, 1e-9) << n;
     ASSERT_GE(out.removed_mm3, 0) << n;
   }
+
   EXPECT_GT(touching, 100);
   for (const CutObject& object : state.objects) EXPECT_EQ(object.shellDefects(), 0u);
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Response, EachResponse,
-    testing::Values(Way{Response::kPenalty, Rendering::kCoupled}, Way{Response::kPenalty, Rendering::kDirect},
-                    Way{Response::kConstraint, Rendering::kCoupled}, Way{Response::kConstraint, Rendering::kDirect},
-                    Way{Response::kImpulse, Rendering::kCoupled}, Way{Response::kImpulse, Rendering::kDirect}),
-    [](const auto& test) { return nameOf(test.param); });
+INSTANTIATE_TEST_SUITE_P(Response, EachResponse, testing::ValuesIn([] {
+                           std::vector<Way> ways;
+                           for (const ResponseRow& row : kResponses)
+                             for (const Rendering rendering : {Rendering::kCoupled, Rendering::kDirect})
+                               ways.push_back({row.response, rendering});
+                           return ways;
+                         }()),
+                         [](const auto& test) { return nameOf(test.param); });
 
 TEST(Response, ErosionScaleGivesTheLoadBack) {
   const auto mean = [](double x) { return -std::expm1(-x) / x; };
@@ -347,6 +382,7 @@ TEST(ContactLoads, HoldAtEveryPointAndPullAtNone) {
   State state;
   state.objects.emplace_back(block({4, 4, 2}, 0.1));
   state.body.pose = at(0.02, 0.03, -0.1);
+
   ContactInput in = contactInput(m, state, state.objects[0], kTick);
   ASSERT_TRUE(state.near.find(state.objects[0], m.tools[0], in.T_object_tool));
   points.clear();
@@ -362,6 +398,7 @@ TEST(ContactLoads, HoldAtEveryPointAndPullAtNone) {
     least[static_cast<std::size_t>(n)] = -points[n].gap;
   }
   EXPECT_NEAR(points[0].gap, -0.1, 0.005);
+
   ContactLoads loads;
   Matrix6d a = Matrix6d::Identity();
   a.diagonal().tail<3>().setConstant(1000);

@@ -184,6 +184,7 @@ TEST(Step, ABadSampleStopsForceAndCuttingUntilCleared) {
   const DeviceSample pressed = sampleAt({Eigen::Quaterniond::Identity(), {0, 0, -1}});
   for (int n = 0; n < 300; ++n) step(model, state, pressed, out);
   EXPECT_GT(out.force.force.norm(), 0.3);
+
   DeviceSample bad = pressed;
   bad.T_world_device.translation[1] = std::numeric_limits<double>::quiet_NaN();
   step(model, state, bad, out);
@@ -195,10 +196,12 @@ TEST(Step, ABadSampleStopsForceAndCuttingUntilCleared) {
     EXPECT_EQ(out.force.force.norm(), 0);  // latched
   }
   EXPECT_EQ(state.objects[0].stateHash(), field);
+
   state.clearLatch();
   step(model, state, pressed, out);
   EXPECT_EQ(out.status & kStepBadSample, 0u);
   EXPECT_LT(out.force.force.norm(), 2.1);  // fades in
+
   for (DeviceSample broken : {pressed, pressed, pressed, pressed}) {
     static int kind = 0;
     switch (kind++) {

@@ -80,6 +80,7 @@ TEST(ToolModel, TheFilesNumbersTurnIntoTheModelsUnits) {
            rest,
        2 * kPi * 10, 90},
   };
+
   for (const Case& c : cases) {
     const Tool tool = toolOf(c.text);
     const ToolDrive drive = makeToolModel(tool, 0.2).drive;

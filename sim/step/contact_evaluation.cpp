@@ -1,0 +1,120 @@
+#include "sim/step/contact_evaluation.h"
+
+#include <cmath>
+
+namespace kerf {
+namespace {
+
+constexpr double kMostRelaxed = 4;  // rate times time, at which all but 2 % of an overlap is gone
+
+// Penalty law and adding: the tool is under its own drag and what the sums say. A body on the coupling is moved by it;
+// a fixed tool has been moved by its device.
+void moveByContact(const Model& model, State& state, const Substep& substep, ContactEvaluation& out) {
+  const ToolModel& tool = model.tools[state.tool];
+  const Wrench own = ownDrag(tool, state.body.pose, state.speed, out.sums);
+
+  if (model.settings.attachment() != Attachment::kFixed) {
+    advance(state.body, state.device, out.sums, own, model.settings.coupling, tool.cut.reach(), substep.longest_mm,
+            substep.dt);
+    const double moved = substep.dt * (state.body.velocity.norm() + tool.reach_mm * state.body.angular.norm()) + 1e-9;
+    for (CutObject& object : state.objects) object.odometer += moved;
+  }
+
+  out.contact = contactWrench(state.body, {out.sums.force, out.sums.torque}, own, out.sums.dragMatrix());
+}
+
+}  // namespace
+
+ContactInput contactInput(const Model& model, const State& state, const CutObject& object, double dt) noexcept {
+  const Rigid3 T_object_world = object.T_world_object.inverse();
+  ContactInput in;
+  in.tool = &model.tools[state.tool];
+  in.tissues = &model.tissues;
+  in.T_object_tool = T_object_world * state.body.pose;
+  in.speed = state.speed;
+  in.dt = dt;
+  in.geometry_only = model.settings.geometry_only;
+  in.velocity = T_object_world.rotation * state.body.velocity;
+  in.angular = T_object_world.rotation * state.body.angular;
+  return in;
+}
+
+void finishCut(CutObject& object, const CutResult& cut, ContactEvaluation& out) noexcept {
+  const bool is_repaired = object.repair();
+  out.removed_mm3 += cut.removed_mm3;
+  out.bricks_cut += cut.bricks;
+  if (cut.pool_ran_out || !is_repaired) out.status |= kStepBricksRanOut;
+}
+
+Wrench contactWrench(const ToolBody& body, const Wrench& pressed, const Wrench& own_drag,
+                     const Matrix6d& drag_matrix) noexcept {
+  Vector6d twist;
+  twist << body.velocity, body.angular;
+  const Vector6d feed_drag = drag_matrix * twist;
+  return {pressed.force + own_drag.force - feed_drag.head<3>(), pressed.torque + own_drag.torque - feed_drag.tail<3>()};
+}
+
+ContactEvaluation evaluatePenalty(const Model& model, State& state, const Substep& substep) noexcept {
+  const ToolModel& tool = model.tools[state.tool];
+  ContactEvaluation out;
+
+  for (std::size_t n = 0; n < state.objects.size(); ++n) {
+    CutObject& object = state.objects[n];
+    const ContactInput in = contactInput(model, state, object, substep.dt);
+    if (!state.near.find(object, tool, in.T_object_tool)) out.status |= kStepNearRanOut;
+    out.bricks_near += static_cast<int>(state.near.size());
+
+    // Force first, then erosion: both see the same pose and the same field.
+    ContactSums sums;
+    sumContact(object, state.near, in, sums);
+    if (sums.touching > 0) out.objects_touched |= objectBit(n);
+    out.sums.add(sums.rotated(object.T_world_object.rotation.toRotationMatrix()));
+
+    finishCut(object, erode(object, state.near, in), out);
+  }
+
+  moveByContact(model, state, substep, out);
+  return out;
+}
+
+ContactEvaluation evaluateAdding(const Model& model, State& state, const Substep& substep, bool fills) noexcept {
+  ContactEvaluation out;
+
+  for (std::size_t n = 0; n < state.objects.size(); ++n) {
+    CutObject& object = state.objects[n];
+    FillResult added;
+    if (fills && n == state.adds_to) added = fill(object, contactInput(model, state, object, substep.dt), state.adds);
+
+    out.added_mm3 += added.added_mm3;
+    if (added.is_clipped) out.status |= kStepFillClipped;
+    finishCut(object, {.bricks = added.bricks, .pool_ran_out = added.pool_ran_out}, out);
+  }
+
+  moveByContact(model, state, substep, out);
+  return out;
+}
+
+double relaxationRate(double now, double still) noexcept {
+  if (!(now > 0 && still > 0)) return 0;
+  // g(x) = (1 - exp(-x)) / x falls and is convex: Newton from the left climbs to the root without passing it.
+  const double g = std::min(now / still, 1.0);
+  double x = 0;
+  for (int n = 0; n < 30 && g < 1 - 1e-9; ++n) {
+    const double part = -std::expm1(-x);
+    const double value = x > 1e-6 ? part / x : 1 - 0.5 * x;
+    const double slope = x > 1e-3 ? ((1 - part) - value) / x : -0.5 + x / 3;
+    const double step = (g - value) / slope;
+    x += step;
+    if (step < 1e-12 * (1 + x)) break;
+  }
+  return x;
+}
+
+double erosionScale(double load, double rate, double still) noexcept {
+  if (!(load > 0 && still > 0)) return 0;
+  if (rate < 1e-9) return load / still;
+  const double wanted = load * rate / still;
+  return (wanted < -std::expm1(-kMostRelaxed) ? -std::log1p(-wanted) : kMostRelaxed) / rate;
+}
+
+}  // namespace kerf
