@@ -25,16 +25,11 @@ constexpr int kEditsATick = 128;
 constexpr std::uint64_t kTimesEvery = 100;
 constexpr std::size_t kRecords = 4;  // of strokes an object should have free
 
-struct CommandText {
-  std::array<char, kMaxCommandBytes> text;
-  std::size_t size = 0;
-};
-
 // Everything to the recorder, and what it did not take is counted.
 class RecorderSink final : public SessionSink {
  public:
   void sample(const DeviceSample& sample, std::uint64_t tick) noexcept override { count(sample, tick); }
-  void command(std::string_view text, std::uint64_t tick) noexcept override { count(text, tick); }
+  void command(const Command& command, std::uint64_t tick) noexcept override { count(command, tick); }
   void mark(StrokeMark mark, std::uint64_t tick) noexcept override { count(mark, tick); }
   void check(const StateCheck& check, std::uint64_t tick) noexcept override { count(check, tick); }
   SessionRecorder* recorder = nullptr;
@@ -98,7 +93,7 @@ struct HapticThread::State {
 
   TripleBuffer<HapticReport> reports;
   TripleBuffer<HapticTimes> newest_times;
-  boost::lockfree::spsc_queue<CommandText, boost::lockfree::capacity<kMostCommands>> commands;
+  boost::lockfree::spsc_queue<Command, boost::lockfree::capacity<kMostCommands>> commands;
   struct Offer {                         // to the object of that number: made by the keeper, taken by the haptic thread
     std::atomic<std::size_t> wanted{0};  // bricks; 0: there is no such object
     std::atomic<BrickPool*> pool{nullptr};
@@ -156,7 +151,7 @@ void HapticThread::State::pauseFor(const Work& work) noexcept {
     device->write(report.output.force);
   }
   work();
-  if (!was_latched) session.applyWithin("latch.clear");
+  if (!was_latched) session.applyWithin(ClearLatch{});
   ++report.counts.pauses;
   report.counts.longest_pause_ms =
       std::max(report.counts.longest_pause_ms, 1e-6 * static_cast<double>(monotonicNow() - begin));
@@ -165,15 +160,14 @@ void HapticThread::State::pauseFor(const Work& work) noexcept {
 bool HapticThread::State::handleCommands() noexcept {
   bool has_paused = false;
   if (maker && maker->hasFrozen()) return false;  // they wait
-  CommandText next;
+  Command next;
   for (int n = 0; n < kCommandsATick && commands.pop(next); ++n) {
-    const std::string_view text(next.text.data(), next.size);
     bool is_done = false;
-    if (text == "undo" || text == "redo") {
-      is_done = text == "undo" ? session.canUndo() : session.canRedo();
+    if (std::holds_alternative<Undo>(next) || std::holds_alternative<Redo>(next)) {
+      is_done = std::holds_alternative<Undo>(next) ? session.canUndo() : session.canRedo();
       if (is_done) {
         pauseFor([&] {
-          session.applyWithin(text);
+          session.applyWithin(next);
           tellKeeper();
           while (!session.repair() && !is_stopping.load(std::memory_order_relaxed)) {
             sleepUntil(monotonicNow() + kPeriod);
@@ -182,9 +176,8 @@ bool HapticThread::State::handleCommands() noexcept {
         });
         has_paused = true;
       }
-    } else if (!text.starts_with("pieces.") && text != "object.hold" && !text.starts_with("object.hold ") &&
-               !text.starts_with("object.release")) {  // the maker's
-      is_done = session.applyWithin(text);
+    } else if (rowOf(next).maySend(CommandSender::kUser)) {
+      is_done = session.applyWithin(next);
     }
     ++(is_done ? report.counts.commands_done : report.counts.commands_refused);
   }
@@ -332,13 +325,7 @@ Expected<void> HapticThread::start(DeviceSource& device, std::span<BrickFeed* co
 
 const RealTimeGrant& HapticThread::grant() const noexcept { return state_->grant; }
 
-bool HapticThread::send(std::string_view command) noexcept {
-  if (command.size() > kMaxCommandBytes) return false;
-  CommandText text;
-  std::copy(command.begin(), command.end(), text.text.begin());
-  text.size = command.size();
-  return state_->commands.push(text);
-}
+bool HapticThread::send(const Command& command) noexcept { return state_->commands.push(command); }
 
 bool HapticThread::update() noexcept { return state_->reports.update(); }
 const HapticReport& HapticThread::report() const noexcept { return state_->reports.front(); }

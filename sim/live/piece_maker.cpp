@@ -1,6 +1,5 @@
 #include "sim/live/piece_maker.h"
 
-#include <fmt/format.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -103,7 +102,7 @@ void PieceMaker::stockUp() noexcept {
       const std::size_t a_tick_wants = std::min(Session::kReserve, f->baked->slots().size() + 1024) / 2;
       pools_[f->baked.get()].reserve(f->baked, *f->finder, a_tick_wants);
       while (spare_subscribers_.size() < kSpare) spare_subscribers_.push_back(std::make_unique<Subscriber>());
-      while (options_.follow && spare_feeds_.size() < kSpare) spare_feeds_.push_back(std::make_shared<BrickFeed>());
+      while (options_.on_piece && spare_feeds_.size() < kSpare) spare_feeds_.push_back(std::make_shared<BrickFeed>());
       f->wants_pool = false;
     }
   } catch (const std::bad_alloc&) {
@@ -119,7 +118,7 @@ void PieceMaker::announce() {
     const Subscriber* const f = find(origin->id);
     if (!f) continue;
     try {
-      options_.follow(origin, f->for_others);
+      options_.on_piece(origin, f->for_others);
     } catch (...) {  // whoever cannot follow does not
     }
   }
@@ -180,7 +179,7 @@ bool PieceMaker::look() {
 void PieceMaker::make() {
   Subscriber& f = *find(request_.id);
   try {
-    if (options_.severed) options_.severed(f.id);
+    if (options_.on_apart) options_.on_apart(f.id);
   } catch (...) {
   }
   // Without memory it stays as it is, and is tried again.
@@ -210,7 +209,7 @@ void PieceMaker::prepare(Subscriber& f) {
       const std::size_t room = Session::reserveFor(part);  // a tick wants half of it
       if (part.freeBricks() < room / 2) part.reserve(room);
       Subscriber& made = follow(part.id, part, origin);
-      if (!options_.follow) continue;  // nobody draws
+      if (!options_.on_piece) continue;  // nobody draws
       if (spare_feeds_.empty()) spare_feeds_.push_back(std::make_shared<BrickFeed>());
       made.for_others = std::move(spare_feeds_.back());
       spare_feeds_.pop_back();
@@ -231,7 +230,7 @@ void PieceMaker::finish() {
         f->origin = pools_[origin->baked.get()].takeBack(*origin);
       } catch (const std::bad_alloc&) {  // as it is
       }
-      if (is_done && options_.follow) fresh_.push_back(f->origin);
+      if (is_done && options_.on_piece) fresh_.push_back(f->origin);
     }
     if (!is_done)
       for (const auto& origin : request_.made->origins)
@@ -289,12 +288,6 @@ bool PieceMaker::beforeTick(Session& session) noexcept {
   if (!trash_.load(std::memory_order_acquire))
     trash_.store(session.takeForgotten().release(), std::memory_order_release);
   const Stage stage = stage_.load(std::memory_order_acquire);
-  char text[64];
-  const auto command = [&](const char* verb, bool with_crumb) {
-    const auto end = with_crumb ? fmt::format_to_n(text, sizeof text, "{} {} {}", verb, held_, request_.crumb_mm3)
-                                : fmt::format_to_n(text, sizeof text, "{} {}", verb, held_);
-    return session.applyWithin(std::string_view(text, std::min(end.size, sizeof text)));
-  };
   if (stage == Stage::kWantsFreeze && !is_freezing_) {
     const auto& objects = session.state().objects;
     held_ = 0;
@@ -307,7 +300,7 @@ bool PieceMaker::beforeTick(Session& session) noexcept {
     if (held_ == objects.size()) return refuse(Answer::kGone);
     // What is being added may not hang together yet; what could be redone would be lost.
     if (session.state().adds != Material::kNone || session.wouldLoseRedo()) return refuse(Answer::kAfterACut);
-    if (!command("object.hold", false)) return refuse(Answer::kInAMoment);
+    if (!session.applyWithin(FreezeObject{held_})) return refuse(Answer::kInAMoment);
     is_freezing_ = true;
     frozen_at_ns_ = monotonicNow();
     request_.whole = &objects[held_];
@@ -320,14 +313,14 @@ bool PieceMaker::beforeTick(Session& session) noexcept {
   if (request_.made) {
     const std::size_t crumbs = request_.made->crumbs;
     session.offer(held_, std::move(request_.made));
-    if (!command("pieces.split", true)) request_.answer = Answer::kInAMoment;
+    if (!session.applyWithin(SplitObject{held_, request_.crumb_mm3})) request_.answer = Answer::kInAMoment;
     session.repair();  // where crumbs were: a few bricks, for which a tick has room
     if (request_.answer == Answer::kDone) counts_.crumbs += crumbs;
     request_.made = session.takeOffer();  // to be destroyed over there
   } else if (request_.is_apart) {
     request_.answer = Answer::kInAMoment;
   }
-  if (held_ < before && session.state().objects[held_].isFrozen()) command("object.release", false);
+  if (held_ < before && session.state().objects[held_].isFrozen()) session.applyWithin(UnfreezeObject{held_});
   is_freezing_ = false;
   const std::size_t after = session.state().objects.size();
   const std::int64_t now = monotonicNow();
@@ -344,9 +337,7 @@ bool PieceMaker::beforeTick(Session& session) noexcept {
 
 void PieceMaker::abandon(Session& session) noexcept {
   if (!is_freezing_) return;
-  char text[32];
-  const auto end = fmt::format_to_n(text, sizeof text, "object.release {}", held_);
-  session.applyWithin(std::string_view(text, std::min(end.size, sizeof text)));
+  session.applyWithin(UnfreezeObject{held_});
   is_freezing_ = false;
 }
 

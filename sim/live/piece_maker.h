@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "sim/pieces/object_pieces.h"
+#include "sim/session/command.h"
 #include "sim/session/session.h"
 
 namespace kerf {
@@ -28,12 +29,12 @@ struct PieceMakerOptions {
   // they throw is dropped. May be empty.
 
   /// An object has come apart, or has crumbs, and is at rest: its pieces are made next. Again when that failed.
-  std::function<void(std::uint32_t id)> severed;
+  std::function<void(std::uint32_t id)> on_apart;
   /// Once for each piece, when it is in the scene (an undo may have taken it out again): what it was when it came off,
   /// and a feed that has every change since. Whoever draws makes the field (PieceOrigin::field()), meshes it and drains
   /// the feed, on a thread of its own; without a consumer the feed is full one day, which nobody minds until the end:
   /// HapticThread::stop() waits for it. Nobody but the consumer holds a feed whose object no undo brings back.
-  std::function<void(std::shared_ptr<const PieceOrigin>, std::shared_ptr<BrickFeed>)> follow;
+  std::function<void(std::shared_ptr<const PieceOrigin>, std::shared_ptr<BrickFeed>)> on_piece;
   /// Pieces are made by all cores; false: by the maker's thread alone (see RemesherOptions::is_parallel).
   bool is_parallel = true;
 };
