@@ -30,7 +30,7 @@ class SessionHistory {
   void split(std::vector<CutObject>& objects, std::size_t index, std::unique_ptr<Split> split) noexcept;
   /// Splits that can neither be undone nor redone any more: to be destroyed where there is time. @rt
   std::unique_ptr<Split> takeForgotten() noexcept { return std::move(forgotten_); }
-  /// What changes next is a stroke of its own. (What is cut after a split and before this belongs to the stroke before.)
+  /// What changes next is a stroke of its own. What is cut after a split and before this belongs to the stroke before.
   void close() noexcept {
     joins_next_ = false;
     is_open_ = false;

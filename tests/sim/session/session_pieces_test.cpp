@@ -130,7 +130,6 @@ TEST(SessionPieces, APieceThatIsMovedAwayIsCutThereAndNoLongerHere) {
                          SplitObject{0, -1.0},
                          SplitObject{0, nan},
                          AddMaterial{11, 7},
-                         AddMaterial{200, 0},
                          AddMaterial{0, 0}};
   for (const Command& command : bad) EXPECT_FALSE(session.apply(command)) << printCommand(command);
 }
@@ -262,11 +261,11 @@ TEST(SessionPieces, APieceOutOfABlankIsTheSameAsOneMadeAnew) {
     return finder;
   };
   // Two blanks, of three pieces the last is made anew; and again in what is left of the memory for the lists.
-  PiecePool room;
-  const auto split = [&](const CutObject& object, std::size_t count, bool in_room) {
+  PiecePool pool;
+  const auto split = [&](const CutObject& object, std::size_t count, bool in_pool) {
     const auto finder = finderOf(object);
-    if (in_room) room.reserve(loaded, *finder, 512);
-    return std::move(makePieces(object, *finder, 7, count, in_room ? &room : nullptr)->parts);
+    if (in_pool) pool.reserve(loaded, *finder, 512);
+    return std::move(makePieces(object, *finder, 7, count, in_pool ? &pool : nullptr)->parts);
   };
   const auto expectSame = [](const Split& a, const Split& b) {
     ASSERT_EQ(a.held.size(), b.held.size());
