@@ -25,16 +25,11 @@ constexpr int kEditsATick = 128;
 constexpr std::uint64_t kTimesEvery = 100;
 constexpr std::size_t kRecords = 4;  // of strokes an object should have free
 
-struct CommandText {
-  std::array<char, kMaxCommandBytes> text;
-  std::size_t size = 0;
-};
-
-// Everything to the recorder, and what it did not take is counted.
+// Everything to the recorder; what it did not take is counted.
 class RecorderSink final : public SessionSink {
  public:
   void sample(const DeviceSample& sample, std::uint64_t tick) noexcept override { count(sample, tick); }
-  void command(std::string_view text, std::uint64_t tick) noexcept override { count(text, tick); }
+  void command(const Command& command, std::uint64_t tick) noexcept override { count(command, tick); }
   void mark(StrokeMark mark, std::uint64_t tick) noexcept override { count(mark, tick); }
   void check(const StateCheck& check, std::uint64_t tick) noexcept override { count(check, tick); }
   SessionRecorder* recorder = nullptr;
@@ -46,6 +41,15 @@ class RecorderSink final : public SessionSink {
     if (recorder) lost += recorder->record(what, tick) != RecordStatus::kRecorded;
   }
 };
+
+tl::unexpected<Error> refuseStart(std::string found, std::string expected, std::string hint) {
+  return fail({.code = Error::Code::kBadValue,
+               .file = "",
+               .place = "starting the haptic thread",
+               .found = std::move(found),
+               .expected = std::move(expected),
+               .hint = std::move(hint)});
+}
 
 }  // namespace
 
@@ -68,19 +72,26 @@ struct HapticThread::State {
     for (Offer& offer : offers) delete offer.pool.load();
   }
 
-  // Haptic thread.
+  // Haptic thread. After a pause there is no tick: the schedule starts anew.
   void run() noexcept;
-  void tick(bool is_stalled) noexcept;
+  void startUp() noexcept;
+  void windDown() noexcept;
+  bool prepareTick() noexcept;     // true: there was a pause
+  bool waitForBricks() noexcept;   // true: there was a pause
   bool handleCommands() noexcept;  // true: there was a pause
+  bool undoOrRedo(const Command& command) noexcept;
+  void tick(bool is_stalled) noexcept;
+  void keepTime(std::int64_t wake) noexcept;
+  void restartSchedule() noexcept;
   template <class Work>
   void pauseFor(const Work& work) noexcept;
-  bool takePool() noexcept;  // false: not enough for a tick
+  bool takePools() noexcept;  // false: not enough for a tick
   void tellKeeper() noexcept;
   std::size_t exportBricks() noexcept;
   void publish() noexcept;
   void publishTimes() noexcept;
 
-  void keepPool();  // the keeper's thread
+  void keepPools();  // the keeper's thread
 
   const HapticOptions options;
   const std::size_t first_count;  // of objects
@@ -94,12 +105,15 @@ struct HapticThread::State {
   // Haptic thread only.
   HapticReport report;
   HapticTimes times;
-  std::size_t unsent = 0;  // read after the end
+  std::int64_t due = 0;        // when the next tick begins, ns
+  std::int64_t last_wake = 0;  // of the tick before; 0: there was none, or a pause
+  std::size_t unsent = 0;      // bricks; read after the end
 
   TripleBuffer<HapticReport> reports;
   TripleBuffer<HapticTimes> newest_times;
-  boost::lockfree::spsc_queue<CommandText, boost::lockfree::capacity<kMostCommands>> commands;
-  struct Offer {                         // to the object of that number: made by the keeper, taken by the haptic thread
+  boost::lockfree::spsc_queue<Command, boost::lockfree::capacity<kMostCommands>> commands;
+  // To the object of that number: made by the keeper, taken by the haptic thread.
+  struct Offer {
     std::atomic<std::size_t> wanted{0};  // bricks; 0: there is no such object
     std::atomic<BrickPool*> pool{nullptr};
   };
@@ -108,7 +122,7 @@ struct HapticThread::State {
   std::thread keeper, haptic;
 };
 
-void HapticThread::State::keepPool() {
+void HapticThread::State::keepPools() {
   while (!is_stopping.load(std::memory_order_acquire)) {
     for (Offer& offer : offers) {
       const std::size_t wanted = offer.wanted.load(std::memory_order_relaxed);
@@ -126,12 +140,13 @@ void HapticThread::State::tellKeeper() noexcept {
     offers[n].wanted.store(n < objects.size() ? Session::reserveFor(objects[n]) : 0, std::memory_order_relaxed);
 }
 
-bool HapticThread::State::takePool() noexcept {
+bool HapticThread::State::takePools() noexcept {
   bool is_enough = true;
   for (std::size_t n = 0; n < session.state().objects.size(); ++n) {
     CutObject& object = session.object(n);
     const std::size_t wanted = Session::reserveFor(object);
     const bool wants_pool = object.freeBricks() < wanted || object.freeRecords() < kRecords;
+
     if (wants_pool && offers[n].pool.load(std::memory_order_relaxed)) {
       object.take(std::unique_ptr<BrickPool>(offers[n].pool.exchange(nullptr, std::memory_order_acq_rel)));
       ++report.counts.pools_taken;
@@ -145,6 +160,8 @@ template <class Work>
 void HapticThread::State::pauseFor(const Work& work) noexcept {
   const std::int64_t begin = monotonicNow();
   const bool was_latched = session.state().is_latched;
+
+  // No force while the hand waits.
   if (was_latched) {
     device->write({});
   } else {
@@ -155,40 +172,45 @@ void HapticThread::State::pauseFor(const Work& work) noexcept {
     ++report.counts.ticks;
     device->write(report.output.force);
   }
+
   work();
-  if (!was_latched) session.applyWithin("latch.clear");
+
+  if (!was_latched) session.applyWithin(ClearLatch{});
   ++report.counts.pauses;
   report.counts.longest_pause_ms =
       std::max(report.counts.longest_pause_ms, 1e-6 * static_cast<double>(monotonicNow() - begin));
 }
 
 bool HapticThread::State::handleCommands() noexcept {
-  bool has_paused = false;
   if (maker && maker->hasFrozen()) return false;  // they wait
-  CommandText next;
+  bool has_paused = false;
+  Command next;
   for (int n = 0; n < kCommandsATick && commands.pop(next); ++n) {
-    const std::string_view text(next.text.data(), next.size);
     bool is_done = false;
-    if (text == "undo" || text == "redo") {
-      is_done = text == "undo" ? session.canUndo() : session.canRedo();
-      if (is_done) {
-        pauseFor([&] {
-          session.applyWithin(text);
-          tellKeeper();
-          while (!session.repair() && !is_stopping.load(std::memory_order_relaxed)) {
-            sleepUntil(monotonicNow() + kPeriod);
-            takePool();
-          }
-        });
-        has_paused = true;
-      }
-    } else if (!text.starts_with("pieces.") && text != "object.hold" && !text.starts_with("object.hold ") &&
-               !text.starts_with("object.release")) {  // the maker's
-      is_done = session.applyWithin(text);
+    if (std::holds_alternative<Undo>(next) || std::holds_alternative<Redo>(next)) {
+      is_done = undoOrRedo(next);
+      has_paused |= is_done;
+    } else if (rowOf(next).maySend(CommandSender::kUser)) {
+      is_done = session.applyWithin(next);
     }
     ++(is_done ? report.counts.commands_done : report.counts.commands_refused);
   }
   return has_paused;
+}
+
+bool HapticThread::State::undoOrRedo(const Command& command) noexcept {
+  const bool can_be_done = std::holds_alternative<Undo>(command) ? session.canUndo() : session.canRedo();
+  if (!can_be_done) return false;  // no reason to pause
+
+  pauseFor([&] {
+    session.applyWithin(command);
+    tellKeeper();
+    while (!session.repair() && !is_stopping.load(std::memory_order_relaxed)) {
+      sleepUntil(monotonicNow() + kPeriod);
+      takePools();
+    }
+  });
+  return true;
 }
 
 std::size_t HapticThread::State::exportBricks() noexcept {
@@ -196,11 +218,11 @@ std::size_t HapticThread::State::exportBricks() noexcept {
   for (std::size_t n = 0; n < session.state().objects.size(); ++n) {
     CutObject& object = session.object(n);
     if (!object.feed) continue;
-    int room = kEditsATick;
+    int left_this_tick = kEditsATick;
     object.exportDirty([&](const CutObject::Slot& slot) {
       BrickValues values;
       std::copy_n(slot.phi, kBrickNodes, values.begin());
-      if (room-- == 0 || !object.feed->tryPush(slot.brick, values)) return false;
+      if (left_this_tick-- == 0 || !object.feed->tryPush(slot.brick, values)) return false;
       ++report.counts.edits_pushed;
       return true;
     });
@@ -244,56 +266,82 @@ void HapticThread::State::tick(bool is_stalled) noexcept {
 }
 
 void HapticThread::State::run() noexcept {
-  grant = askForRealTime(options.real_time);
-  is_granted.release();
-  device->arm();
+  startUp();
   const auto stall = static_cast<std::int64_t>(1e6 * options.stall_ms);
-  std::int64_t due = monotonicNow() + kPeriod, last_wake = 0;
   while (!is_stopping.load(std::memory_order_acquire)) {
     sleepUntil(due);
     const std::int64_t wake = monotonicNow();
-    bool has_paused = false;
-    if (maker && maker->beforeTick(session)) tellKeeper();
-    if (!takePool()) {
-      pauseFor([&] {
-        report.is_waiting_for_bricks = true;
-        while (!takePool() && !is_stopping.load(std::memory_order_relaxed)) {
-          publish();
-          sleepUntil(monotonicNow() + kPeriod);
-        }
-        report.is_waiting_for_bricks = false;
-      });
-      has_paused = true;
-    }
-    has_paused |= handleCommands();
-    if (has_paused) {  // the schedule begins anew
-      due = monotonicNow() + kPeriod;
-      last_wake = 0;
+    if (prepareTick()) {
+      restartSchedule();
       publish();
       continue;
     }
     tick(last_wake != 0 && wake - last_wake > stall);
-    const std::int64_t end = monotonicNow();
-    times.lateness.add(wake - due);
-    if (last_wake != 0) times.jitter.add(std::abs(wake - last_wake - kPeriod));
-    times.cost.add(end - wake);
-    last_wake = wake;
-    due += kPeriod;
-    if (end > due) {
-      const std::int64_t missed = (end - due + kPeriod - 1) / kPeriod;
-      ++report.counts.overruns;
-      report.counts.missed_periods += static_cast<std::uint64_t>(missed);
-      due += missed * kPeriod;
-    }
-    if (times.cost.count() % kTimesEvery == 0) publishTimes();
+    keepTime(wake);
   }
+  windDown();
+}
+
+void HapticThread::State::startUp() noexcept {
+  grant = askForRealTime(options.real_time);
+  is_granted.release();
+  device->arm();
+  restartSchedule();
+}
+
+void HapticThread::State::restartSchedule() noexcept {
+  due = monotonicNow() + kPeriod;
+  last_wake = 0;
+}
+
+// All that is done between two ticks.
+bool HapticThread::State::prepareTick() noexcept {
+  if (maker && maker->beforeTick(session)) tellKeeper();
+  bool has_paused = waitForBricks();
+  has_paused |= handleCommands();
+  return has_paused;
+}
+
+bool HapticThread::State::waitForBricks() noexcept {
+  if (takePools()) return false;
+  pauseFor([&] {
+    report.is_waiting_for_bricks = true;
+    while (!takePools() && !is_stopping.load(std::memory_order_relaxed)) {
+      publish();
+      sleepUntil(monotonicNow() + kPeriod);
+    }
+    report.is_waiting_for_bricks = false;
+  });
+  return true;
+}
+
+// Of the tick that has just ended: its times, and when the next one is due.
+void HapticThread::State::keepTime(std::int64_t wake) noexcept {
+  const std::int64_t end = monotonicNow();
+  times.lateness.add(wake - due);
+  if (last_wake != 0) times.jitter.add(std::abs(wake - last_wake - kPeriod));
+  times.cost.add(end - wake);
+  last_wake = wake;
+
+  due += kPeriod;
+  if (end > due) {
+    const std::int64_t missed = (end - due + kPeriod - 1) / kPeriod;
+    ++report.counts.overruns;
+    report.counts.missed_periods += static_cast<std::uint64_t>(missed);
+    due += missed * kPeriod;
+  }
+
+  if (times.cost.count() % kTimesEvery == 0) publishTimes();
+}
+
+void HapticThread::State::windDown() noexcept {
   device->write({});
   device->disarm();
   releaseRealTime(grant);
   if (maker) maker->abandon(session);
   session.finish();
   report.output.force = {};
-  // Whoever follows a feed shall have all of it; but a follower that is gone is not waited for.
+  // A subscriber is to have all of its feed; but one that is gone is not waited for.
   for (int n = 0; n < 2000 && (unsent = exportBricks()) > 0; ++n) sleepUntil(monotonicNow() + kPeriod);
   publish();
   publishTimes();
@@ -310,21 +358,21 @@ const Session& HapticThread::session() const noexcept { return state_->session; 
 Expected<void> HapticThread::start(DeviceSource& device, std::span<BrickFeed* const> feeds, SessionRecorder* recorder) {
   State& s = *state_;
   if (feeds.size() > s.first_count)
-    return fail({Error::Code::kBadValue, "", "starting the haptic thread", fmt::format("{} feeds", feeds.size()),
-                 fmt::format("at most one for each of {} objects", s.first_count), "pass one feed an object, or none"});
-  if (s.haptic.joinable() || s.is_stopping)
-    return fail({Error::Code::kBadValue, "", "starting the haptic thread", "a second start", "one", "make another"});
+    return refuseStart(fmt::format("{} feeds", feeds.size()),
+                       fmt::format("at most one for each of {} objects", s.first_count),
+                       "pass one feed an object, or none");
+  if (s.haptic.joinable() || s.is_stopping) return refuseStart("a second start", "one", "make another");
+
   s.device = &device;
   for (std::size_t n = 0; n < feeds.size(); ++n) s.session.object(n).feed = feeds[n];
   s.sink.recorder = recorder;
   try {
     if (s.maker) s.maker->start();
-    s.keeper = std::thread([&s] { s.keepPool(); });
+    s.keeper = std::thread([&s] { s.keepPools(); });
     s.haptic = std::thread([&s] { s.run(); });
   } catch (const std::system_error& e) {
     stop();
-    return fail({Error::Code::kBadValue, "", "starting the haptic thread", e.what(), "three threads",
-                 "close other programs, or raise the limit nproc"});
+    return refuseStart(e.what(), "three threads", "close other programs, or raise the limit nproc");
   }
   s.is_granted.acquire();
   return {};
@@ -332,13 +380,7 @@ Expected<void> HapticThread::start(DeviceSource& device, std::span<BrickFeed* co
 
 const RealTimeGrant& HapticThread::grant() const noexcept { return state_->grant; }
 
-bool HapticThread::send(std::string_view command) noexcept {
-  if (command.size() > kMaxCommandBytes) return false;
-  CommandText text;
-  std::copy(command.begin(), command.end(), text.text.begin());
-  text.size = command.size();
-  return state_->commands.push(text);
-}
+bool HapticThread::send(const Command& command) noexcept { return state_->commands.push(command); }
 
 bool HapticThread::update() noexcept { return state_->reports.update(); }
 const HapticReport& HapticThread::report() const noexcept { return state_->reports.front(); }

@@ -1,9 +1,9 @@
-// The 1 kHz thread: device in, Session::step(), force out, and everybody else told without being waited for.
+// The 1 kHz thread: device in, Session::step(), force out. All other threads are told, and none is waited for.
 //
 //   device ──sample──▶ ┌────────┐ ──bricks──▶ BrickFeed ──▶ MesherThread
 //   device ◀──force─── │ haptic │ ──samples, commands, checks──▶ SessionRecorder
 //   send() ──queue───▶ │ thread │ ──newest report──▶ report(), times()
-//          keeper ───▶ └────────┘   room for bricks, made by the keeper's thread before it is needed
+//          keeper ───▶ └────────┘   brick pools, made by the keeper's thread before they are needed
 //
 // A tick neither allocates nor locks, makes no system call but the sleep between ticks, and throws nothing; what does
 // not fit is dropped or deferred, and counted.
@@ -18,13 +18,13 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <string_view>
 
 #include "sim/hand/device_source.h"
 #include "sim/live/piece_maker.h"
 #include "sim/live/realtime.h"
 #include "sim/live/time_histogram.h"
 #include "sim/object/brick_feed.h"
+#include "sim/session/command.h"
 #include "sim/session/session.h"
 #include "sim/session/session_recorder.h"
 
@@ -33,8 +33,8 @@ namespace kerf {
 struct HapticOptions {
   RealTimeRequest real_time;
   /// A tick that begins later than this after the one before, ms, is a stall: the hand was without guidance for that
-  /// long. Its sample counts as bad: force zero, latched until "latch.clear". Below 30 an ordinary system latches now
-  /// and then; above 200 the hand would be met by a force it has long forgotten.
+  /// long. Its sample counts as bad: force zero, latched until ClearLatch. Below 30 an ordinary system latches now and
+  /// then; above 200 the hand would be met by a force it has long forgotten.
   double stall_ms = 100;
   PieceMakerOptions pieces;
 };
@@ -45,14 +45,16 @@ struct HapticCounts {
   std::uint64_t overruns = 0;        ///< ticks that ended after the next one was due
   std::uint64_t missed_periods = 0;  ///< skipped because of them
   std::uint64_t stalls = 0;          ///< see HapticOptions::stall_ms
-  std::uint64_t pauses = 0;          ///< for undo, redo or room: see HapticThread
+  std::uint64_t pauses = 0;          ///< for undo, redo or free bricks: see HapticThread
   double longest_pause_ms = 0;
-  std::uint64_t commands_done = 0, commands_refused = 0;
+  std::uint64_t commands_done = 0;
+  std::uint64_t commands_refused = 0;
   std::uint64_t edits_pushed = 0;  ///< into all feeds
-  std::uint64_t records_lost = 0;  ///< the recorder did not take them: the log has a gap, and ends to be a replay there
-  std::uint64_t out_of_bricks = 0;  ///< ticks with kStepBricksRanOut or kStepNearRanOut. More than Session::reserveFor
-                                    ///< / 2 bricks in one tick: a replay may differ
-  std::uint64_t pools_taken = 0;    ///< of Session::kReserve bricks at most
+  std::uint64_t records_lost = 0;  ///< not taken by the recorder: the log has a gap, and replays no further than that
+  /// Ticks with kStepBricksRanOut or kStepNearRanOut: they needed more than Session::reserveFor() / 2 bricks. A replay
+  /// may differ.
+  std::uint64_t out_of_bricks = 0;
+  std::uint64_t pools_taken = 0;  ///< of Session::kReserve bricks at most
   PieceMaker::Counts pieces;
 };
 
@@ -66,7 +68,7 @@ struct HapticReport {
   StepOutput output;
   std::uint64_t tick = 0;  ///< how many there were, as State::tick
   HapticCounts counts;
-  bool is_latched = false;             ///< force is zero until "latch.clear"
+  bool is_latched = false;             ///< force is zero until ClearLatch
   bool is_waiting_for_bricks = false;  ///< paused until there is memory for the next cut
   std::size_t object_count = 0;
   std::array<ObjectReport, kMostObjects> objects;  ///< those in the scene, by their number
@@ -80,16 +82,16 @@ struct HapticTimes {
 
 /// Owns a Session and runs it.
 ///
-/// Pauses: undo and redo take some microseconds a brick, more than a tick for a large stroke; and without room for what
-/// the next tick may change it must not run, or the cut would differ from its replay. In both cases the device gets a
-/// zero force first, by a sample that is not valid (in the log like any other), then the work is done, then
-/// "latch.clear" follows: the force fades in again, the drive starts anew, and a stroke that was under way has ended. A
-/// device that was latched before stays latched. After an undo the tool may be inside tissue that came back; the
-/// coupling keeps that within the force limit as it does any other contact.
+/// Pauses: undo and redo take some µs a brick, more than a tick for a large stroke. And a tick must not run without
+/// free bricks for what it may change, or the cut would differ from its replay. In both cases the device gets a zero
+/// force first, by a sample that is not valid (in the log like any other). Then the work is done, then ClearLatch
+/// follows: the force fades in again, the drive starts anew, and a stroke that was under way has ended. A device that
+/// was latched before stays latched. After an undo the tool may be inside tissue that came back; the coupling keeps
+/// that within the force limit as it does any other contact.
 ///
-/// Pieces: what is severed becomes objects of its own (PieceMaker). Until they are made the object is felt but not cut,
-/// some 30 ms for a mandible at 0.1 mm, and commands wait. Who follows an object's bricks follows them wherever it
-/// goes; whoever wants to follow pieces is told of them by HapticOptions::pieces.
+/// Pieces: what splits off becomes an object of its own (PieceMaker). Until the pieces are made the object is felt but
+/// not cut, about 30 ms for a mandible at 0.1 mm, and commands wait. The feed of an object stays with it when it is
+/// moved, split off or brought back; HapticOptions::pieces tells subscribers of the feeds of pieces.
 class HapticThread {
  public:
   /// As Session's. Allocates all that the ticks need; starts nothing.
@@ -103,19 +105,20 @@ class HapticThread {
   const Session& session() const noexcept;
 
   /// Starts the threads; returns when the first tick is about to come. Once.
-  /// Without HapticOptions::pieces.follow nobody follows pieces: the feed of an object ends where it comes apart.
-  /// @param device, feeds, recorder  kept by reference, must outlive this. A feed an object, or null: nobody follows
-  /// it;
-  ///   none at all: nobody follows any. The haptic thread is their producer. `recorder` may be null.
+  /// Without PieceMakerOptions::on_piece pieces have no feed: that of an object ends where it splits.
+  /// @param device  kept by reference, must outlive this.
+  /// @param feeds  one an object, null for those without a subscriber; or none at all. The haptic thread is their
+  ///   producer. Kept by reference, must outlive this.
+  /// @param recorder  kept by reference, must outlive this; may be null.
   /// Error kBadValue: more feeds than objects, or the system has no thread left.
   Expected<void> start(DeviceSource& device, std::span<BrickFeed* const> feeds, SessionRecorder* recorder);
   /// What the system granted; after start().
   const RealTimeGrant& grant() const noexcept;
 
-  /// Asks for a command of Session between two ticks, in the order sent; counts tell whether it was done. Holding and
-  /// splitting are the maker's of pieces, and refused. For one thread. False: more than kMostCommands wait, or the text
-  /// is longer than kMaxCommandBytes.
-  bool send(std::string_view command) noexcept;
+  /// Asks for a command between two ticks, in the order sent; the report counts whether it was done. What
+  /// CommandSender::kUser may not send (freezing and splitting are the PieceMaker's) is refused there, too. For one
+  /// thread. False: more than kMostCommands wait.
+  bool send(const Command& command) noexcept;
   static constexpr std::size_t kMostCommands = 64;
 
   /// Fetches the newest report; false: none since the last call. For one thread.
@@ -125,9 +128,9 @@ class HapticThread {
   bool updateTimes() noexcept;
   const HapticTimes& times() const noexcept;
 
-  /// Ends after the tick under way: force zero, device disarmed, the session finished and recorded, what the feeds did
-  /// not hold yet pushed. Waits for a full feed for two seconds at most; what is left then is in unsentBricks(). May be
-  /// called again.
+  /// Ends after the tick under way: force zero, device disarmed, the session finished and recorded, the last changed
+  /// bricks pushed into the feeds. Waits for a full feed for two seconds at most; what is left then is in
+  /// unsentBricks(). May be called again.
   void stop();
   std::size_t unsentBricks() const noexcept;
 

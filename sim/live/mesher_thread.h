@@ -1,4 +1,4 @@
-// The mesher's thread: follows the cut through a BrickFeed and hands changed chunks to the window.
+// The mesher's thread: takes changed bricks from a BrickFeed and hands changed chunks of the mesh to the window.
 #pragma once
 
 #include <atomic>
@@ -16,17 +16,17 @@ namespace kerf {
 
 struct MesherThreadOptions {
   RemesherOptions remesher;
-  /// Pause between two looks into an empty feed: adds at most that much to the delay of the picture. Below 0.1 ms the
-  /// thread eats a core; above 5 ms the surface is seen to lag.
+  /// Pause after the feed was found empty: adds at most that much to the delay of the picture. Below 0.1 ms the thread
+  /// takes a whole core; above 5 ms the surface visibly lags.
   std::chrono::microseconds poll{1000};
 };
 
-/// Runs a Remesher on a thread of its own. The producer of the feed is never waited for and never made to wait: it
-/// shares the feed's two counters with this thread and nothing else. The reader and the mesher share a mutex that is
-/// held while a few pointers change hands.
+/// Runs a Remesher on a thread of its own. It never waits for the producer of the feed, nor the producer for it: they
+/// share the feed's two counters and nothing else. The reader and the mesher share a mutex, which is locked while a few
+/// pointers change hands.
 ///
-/// What take() gives belongs together: whoever replaces older chunks by it, brick by brick, holds at every time the
-/// closed mesh of one state of the mesher's replica.
+/// The chunks of one take() belong together: a reader that replaces older chunks by them, brick by brick, has the
+/// closed mesh of one state of the mesher's replica after each take().
 class MesherThread {
  public:
   /// Starts at once. The first take() that gives anything gives the whole baked surface.

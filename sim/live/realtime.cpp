@@ -75,6 +75,7 @@ RealTimeGrant askForRealTime(const RealTimeRequest& request) {
            fmt::format("{}; limit rtprio: {}", std::strerror(error), limitOf(RLIMIT_RTPRIO, "")),
            error == EINVAL ? "choose a priority from 1 to 99" : hintFor("rtprio", "95", hasCapability(CAP_SYS_NICE))});
   }
+
   if (request.lock_memory) {
     rlimit limit{};
     const bool may_all =
@@ -89,6 +90,7 @@ RealTimeGrant askForRealTime(const RealTimeRequest& request) {
            error == ENOMEM ? "close other programs: what the process has does not fit into memory"
                            : hintFor("memlock", "unlimited", hasCapability(CAP_IPC_LOCK))});
   }
+
   prefaultStack();
   return out;
 }

@@ -34,7 +34,7 @@ struct RealTimeGrant {
 };
 
 /// Asks for the calling thread: SCHED_FIFO, locked memory, a prefaulted stack, and timers as exact as the system has
-/// them (an ordinary thread is otherwise woken up to 50 us late, on purpose). Allocates, makes system calls: once,
+/// them (an ordinary thread is otherwise woken up to 50 µs late, on purpose). Allocates, makes system calls: once,
 /// before the thread's first tick.
 ///
 /// A memory limit (RLIMIT_MEMLOCK) that is smaller than all of memory is taken for a refusal, even where the process
@@ -49,7 +49,7 @@ std::int64_t monotonicNow() noexcept;
 ///
 /// Sleeping, not spinning: a thread of SCHED_FIFO that spins owns its core, is throttled by the system for 50 ms of
 /// every second (sched_rt_runtime_us), and on two cores takes one from mesher, recorder and window. What a spin would
-/// win is the wake-up, 15 to 80 us of 1000 here, which delays the sample and not the force it gives.
+/// win is the wake-up, 15 to 80 µs of 1000 here, which delays the sample and not the force it gives.
 void sleepUntil(std::int64_t monotonic_ns) noexcept;
 
 }  // namespace kerf

@@ -44,6 +44,7 @@ Remesher::Remesher(const BrickField& phi0, const RemesherOptions& options) : fie
     for (int n = 0; n < 8; ++n) keys.push_back(coordKey(Vec3i(phi0.brickCoord(b) - Vec3i{n >> 2, n >> 1 & 1, n & 1})));
   std::sort(keys.begin(), keys.end());
   keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+
   std::vector<MeshChunkPtr> made(keys.size());
   const auto mesh = [&](std::size_t first, std::size_t last) {
     BrickSurface surface;
@@ -59,6 +60,7 @@ Remesher::Remesher(const BrickField& phi0, const RemesherOptions& options) : fie
                       [&](const auto& range) { mesh(range.begin(), range.end()); });
   else
     mesh(0, keys.size());
+
   for (std::size_t n = 0; n < keys.size(); ++n)
     if (made[n]) {
       chunks_.emplace(keys[n], made[n]);
@@ -77,24 +79,30 @@ bool Remesher::remesh(const Vec3i& brick) {
   return true;
 }
 
+// The box of the nodes that differ by a bit, in the brick's own coordinates: low, high; high < low: none.
+std::pair<Vec3i, Vec3i> Remesher::changedNodes(const BrickEdit& edit) const {
+  const BrickValues* const before = field_.valuesAt(edit.brick);
+  const float constant = field_.constantAt(edit.brick);
+  Vec3i low = Vec3i::Constant(kBrickSide), high = Vec3i::Constant(-1);
+  std::size_t at = 0;
+  for (int i = 0; i < kBrickSide; ++i)
+    for (int j = 0; j < kBrickSide; ++j)
+      for (int k = 0; k < kBrickSide; ++k, ++at)
+        if (std::bit_cast<std::uint32_t>(edit.phi[at]) !=
+            std::bit_cast<std::uint32_t>(before ? (*before)[at] : constant)) {
+          low = low.cwiseMin(Vec3i{i, j, k});
+          high = high.cwiseMax(Vec3i{i, j, k});
+        }
+  return {low, high};
+}
+
 std::size_t Remesher::apply(std::span<const BrickEdit> edits) {
   dirty_.clear();
   for (const BrickEdit& edit : edits) {
-    // Box of the nodes that differ by a bit, in the brick's own coordinates.
-    const BrickValues* const before = field_.valuesAt(edit.brick);
-    const float constant = field_.constantAt(edit.brick);
-    Vec3i low = Vec3i::Constant(kBrickSide), high = Vec3i::Constant(-1);
-    std::size_t at = 0;
-    for (int i = 0; i < kBrickSide; ++i)
-      for (int j = 0; j < kBrickSide; ++j)
-        for (int k = 0; k < kBrickSide; ++k, ++at)
-          if (std::bit_cast<std::uint32_t>(edit.phi[at]) !=
-              std::bit_cast<std::uint32_t>(before ? (*before)[at] : constant)) {
-            low = low.cwiseMin(Vec3i{i, j, k});
-            high = high.cwiseMax(Vec3i{i, j, k});
-          }
+    const auto [low, high] = changedNodes(edit);
     if (high[0] < 0) continue;
     field_.set(edit);
+
     // A node's value enters the corrected values (and the normals) of its neighbours, one node away; those enter the
     // cells whose lowest corner is up to one node further down.
     const Vec3i first = brickOf(Vec3i(edit.brick * kBrickSide + low - Vec3i::Constant(2)));
@@ -105,6 +113,7 @@ std::size_t Remesher::apply(std::span<const BrickEdit> edits) {
   }
   std::sort(dirty_.begin(), dirty_.end());
   dirty_.erase(std::unique(dirty_.begin(), dirty_.end()), dirty_.end());
+
   bool changed = false;
   for (const std::uint64_t key : dirty_) {
     const auto c = coordOfKey(key);

@@ -5,6 +5,7 @@
 #include <memory>
 #include <span>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "geometry/field/marching_cubes.h"
@@ -12,8 +13,7 @@
 
 namespace kerf {
 
-/// The surface in the cells of one brick, as a graphics card takes it. Never changed once made: a newer one replaces
-/// it.
+/// The surface in the cells of one brick, as a graphics card takes it. A chunk never changes: a newer one replaces it.
 struct MeshChunk {
   Vec3i brick = Vec3i::Zero();  ///< brick coordinate, names the chunk
   std::uint64_t version = 0;    ///< of the Remesher when this chunk was made; a newer chunk has a higher one
@@ -27,8 +27,8 @@ using MeshChunkPtr = std::shared_ptr<const MeshChunk>;
 
 struct RemesherOptions {
   MarchingCubesOptions marching_cubes;
-  /// The baked surface is meshed by all cores; false: by the calling thread, so that none is taken from others (and
-  /// where ThreadSanitizer, which cannot see into Debian's TBB, is to watch). The chunks are the same.
+  /// The baked surface is meshed by all cores; false: by the calling thread, so that no core is taken from others, and
+  /// under ThreadSanitizer, which cannot see into Debian's TBB. The chunks are the same.
   bool is_parallel = true;
 };
 
@@ -36,17 +36,17 @@ struct RemesherOptions {
 ///
 /// After every call of apply() the chunks together, welded where positions are bit-equal, are the triangles that
 /// marchingCubes() would give for the whole current field: closed and 2-manifold, whatever was edited in which order.
-/// For that a change of a node dirties every brick whose cells read it: the node's own brick, and up to seven or 26
+/// For that every brick whose cells read a changed node is meshed again: the node's own brick, and up to seven or 26
 /// around it when the node, or the box of all nodes that changed, comes near to their faces.
 /// One thread at a time. Chunks may be read from anywhere, they do not change.
 class Remesher {
  public:
-  /// Meshes the whole baked field: 20 us of one core per brick with surface in it.
+  /// Meshes the whole baked field: 20 µs of one core per brick with surface in it.
   /// @param phi0  kept by reference, must outlive this and not change.
   explicit Remesher(const BrickField& phi0, const RemesherOptions& options = {});
 
   /// Takes the newest values of some bricks (a later edit of the same brick wins; new bricks may appear) and meshes
-  /// again what they touch. Runs on the calling thread alone, so that it takes no core from the haptic thread: 12 us
+  /// again what they touch. Runs on the calling thread alone, so that it takes no core from the haptic thread: 12 µs
   /// per brick meshed again, 2 ms for 60 bricks changed by a bur. Returns the number of bricks meshed again.
   std::size_t apply(std::span<const BrickEdit> edits);
 
@@ -60,6 +60,7 @@ class Remesher {
   const OverlayField& field() const { return field_; }
 
  private:
+  std::pair<Vec3i, Vec3i> changedNodes(const BrickEdit& edit) const;
   bool remesh(const Vec3i& brick);  // true: the chunk is another one now
   void compactLog();
 
@@ -73,7 +74,7 @@ class Remesher {
 };
 
 /// One indexed mesh of chunks of different bricks, welded where positions are bit-equal: vertices in order of position,
-/// triangles in order of the chunks. For export of a glimpse, and for tests.
+/// triangles in order of the chunks. For exporting a preview, and for tests.
 Mesh weldedMesh(std::span<const MeshChunkPtr> chunks);
 
 }  // namespace kerf

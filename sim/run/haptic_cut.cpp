@@ -237,7 +237,7 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
     if (!row)
       return fail({Error::Code::kNotFound, "", "--add", "\"" + options.add + "\"", "one of " + materials.ids(),
                    "or add a [[material]] to materials.toml"});
-    if (!session.apply(fmt::format("add {} 0", static_cast<int>(row->material))))
+    if (!session.apply(AddMaterial{static_cast<std::uint8_t>(row->material), 0}))
       return fail({Error::Code::kBadValue, "", "--add", "\"" + options.add + "\"", "a material that can be cut",
                    "another id, or contact stiffness and cutting energy in its row of materials.toml"});
   }

@@ -25,9 +25,9 @@ void LogSink::sample(const DeviceSample& sample, std::uint64_t tick) noexcept {
   batch_.push_back(sample);
   last_ = tick;
 }
-void LogSink::command(std::string_view text, std::uint64_t tick) noexcept {
+void LogSink::command(const Command& command, std::uint64_t tick) noexcept {
   flush();
-  writer_.add(tick, SessionCommand{std::string(text)});
+  writer_.add(tick, SessionCommand{printCommand(command)});
 }
 void LogSink::mark(StrokeMark mark, std::uint64_t tick) noexcept {
   flush();
@@ -99,7 +99,15 @@ Expected<Replay> replayFrom(const SessionLog& log, const std::string& file, cons
     for (; event < log.events.size() && log.events[event].samples_before <= samples_before; ++event) {
       const SessionEvent& e = log.events[event];
       if (const auto* command = std::get_if<SessionCommand>(&e.what)) {
-        if (!session.apply(command->text))
+        const Expected<Command> parsed = parseCommand(command->text);
+        if (!parsed)
+          return fail({.code = parsed.error().code,
+                       .file = file,
+                       .place = fmt::format("tick {}, command", e.tick),
+                       .found = parsed.error().found,
+                       .expected = parsed.error().expected,
+                       .hint = "the log was written by another version of Kerf"});
+        if (!session.apply(*parsed))
           return fail({Error::Code::kBadValue, file, fmt::format("tick {}", e.tick),
                        "command \"" + command->text + "\", which can not be done there",
                        "a command that the recorded session did", "the log fits another case or version"});

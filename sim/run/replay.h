@@ -14,7 +14,7 @@ class LogSink final : public SessionSink {
   explicit LogSink(SessionLogWriter& writer) : writer_(writer) { batch_.reserve(kBatch); }
   ~LogSink() override = default;
   void sample(const DeviceSample& sample, std::uint64_t tick) noexcept override;
-  void command(std::string_view text, std::uint64_t tick) noexcept override;
+  void command(const Command& command, std::uint64_t tick) noexcept override;
   void mark(StrokeMark mark, std::uint64_t tick) noexcept override;
   void check(const StateCheck& check, std::uint64_t tick) noexcept override;
   /// One larger than kMaxSnapshotBytes is left out: a replay starts from an earlier one then.

@@ -32,7 +32,7 @@ enum RecordKind : std::uint32_t {
 inline constexpr std::size_t kSampleBytes = 9 * 8 + 4;
 inline constexpr std::size_t kCheckBytes = 7 * 8;
 
-/// Puts numbers down in little-endian order, wherever it runs. Doubles keep every bit, NaN and -0 included.
+/// Writes numbers in little-endian order, on any machine. Doubles keep every bit, NaN and -0 included.
 class BytePacker {
  public:
   explicit BytePacker(std::byte* to) : to_(to) {}

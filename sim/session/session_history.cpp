@@ -27,8 +27,9 @@ bool SessionHistory::hasChanges(const std::vector<CutObject>& objects) const noe
 }
 
 void SessionHistory::forgetRedo(std::vector<CutObject>& objects) noexcept {
-  // Behind a split that was taken back other objects had the numbers: theirs goes with them.
-  std::size_t known = objects.size(), split_at = objects.size();
+  // Behind a split that was undone other objects had the numbers: their records go with them.
+  const std::size_t known = objects.size();
+  std::size_t split_at = objects.size();
   bool is_split = false;
   for (std::size_t n = done_; n < steps_.size(); ++n) {
     if (steps_[n].split) {
@@ -40,6 +41,7 @@ void SessionHistory::forgetRedo(std::vector<CutObject>& objects) noexcept {
       if (!is_split || (record->object < known && record->object < split_at)) objects[record->object].release(record);
     }
   }
+
   while (steps_.size() > done_) {
     forget(std::move(steps_.back().split));
     steps_.pop_back();
@@ -69,6 +71,7 @@ void SessionHistory::mark(std::vector<CutObject>& objects) noexcept {
   step.joins_last = joins_next_;
   joins_next_ = false;
   is_open_ = true;
+
   for (std::size_t n = 0; n < objects.size(); ++n) {
     CutObject& object = objects[n];
     TrackedState& known = now_[n];
@@ -76,6 +79,7 @@ void SessionHistory::mark(std::vector<CutObject>& objects) noexcept {
     StrokeRecord* const record = object.takeRecord();
     assert(record);
     if (!record) continue;
+
     record->object = n;
     record->bricks = object.endStroke();
     record->pose_before = known.pose;
@@ -96,25 +100,30 @@ void SessionHistory::split(std::vector<CutObject>& objects, std::size_t index, s
   step.split->index = index;
   swapSplit(objects, *step.split, false);
   // What the stroke that cut through goes on to cut is still the same stroke.
-  joins_next_ = is_open_ = true;
+  joins_next_ = true;
+  is_open_ = true;
 }
 
 void SessionHistory::swapSplit(std::vector<CutObject>& objects, Split& split, bool is_undo) noexcept {
-  std::vector<Split::Part>& held = split.spare;  // reserved, as objects and now_ are
-  held.clear();
-  held.push_back({std::move(objects[split.index]), std::move(now_[split.index])});
+  // Out of the scene: the whole, or for an undo all its parts.
+  std::vector<Split::Part>& out = split.spare;  // reserved, as objects and now_ are
+  out.clear();
+  out.push_back({std::move(objects[split.index]), std::move(now_[split.index])});
   if (is_undo) {
     const std::size_t first = objects.size() - (split.parts - 1);
-    for (std::size_t n = first; n < objects.size(); ++n) held.push_back({std::move(objects[n]), std::move(now_[n])});
+    for (std::size_t n = first; n < objects.size(); ++n) out.push_back({std::move(objects[n]), std::move(now_[n])});
     objects.erase(objects.begin() + static_cast<std::ptrdiff_t>(first), objects.end());
     now_.resize(first);
   }
+
+  // Into the scene: the first in its place, the others at the end.
   objects[split.index] = std::move(split.held.front().object);
   now_[split.index] = std::move(split.held.front().tracked);
   for (std::size_t n = 1; n < split.held.size(); ++n) {
     objects.push_back(std::move(split.held[n].object));
     now_.push_back(std::move(split.held[n].tracked));
   }
+
   std::swap(split.held, split.spare);
   for (CutObject& object : objects) object.odometer += 1e6;
 }

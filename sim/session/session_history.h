@@ -1,8 +1,8 @@
 // Undo and redo of a session: which versions of which bricks belong to each stroke; moves and splits of objects.
 //
 // For the thread that owns the objects, between ticks. A brick that changes in a stroke gets a version of its own out
-// of the object's room (CutObject::write), so that a stroke's end, and the end of what could be redone, are a few
-// pointers: no allocation, no lock. Undo and redo themselves take time with the stroke's size.
+// of the object's pool (CutObject::write). So the end of a stroke, and of what could be redone, costs a few pointers:
+// no allocation, no lock. Undo and redo themselves take time with the stroke's size.
 #pragma once
 
 #include <memory>
@@ -20,33 +20,37 @@ class SessionHistory {
 
   /// Something was written or moved since the last mark. @rt
   bool hasChanges(const std::vector<CutObject>& objects) const noexcept;
-  /// What was is one step of undo, be it nothing. Forgets what could be redone. @rt
+  /// Makes all that changed since the last mark one step of undo, even if that is nothing. Forgets what could be
+  /// redone. @rt
   /// @pre every object has a free record; without one its part of the stroke stays for the next mark.
   void mark(std::vector<CutObject>& objects) noexcept;
   /// Puts the parts in the place of objects[index]: the first there, the others at the end. A step of its own, undone
   /// together with the one marked before it, unless close() lies between. @pre everything is marked; not more than
   /// kMostObjects result. @rt
   void split(std::vector<CutObject>& objects, std::size_t index, std::unique_ptr<Split> split) noexcept;
-  /// Splits that can neither be taken back nor done again any more: to be destroyed where there is time. @rt
+  /// Splits that can neither be undone nor redone any more: to be destroyed where there is time. @rt
   std::unique_ptr<Split> takeForgotten() noexcept { return std::move(forgotten_); }
-  /// What follows is a stroke of its own. (What is cut after a split and before this belongs to the stroke before.)
-  void close() noexcept { joins_next_ = is_open_ = false; }
-  /// Takes back the last stroke. False: there is none. Shells follow with the objects' next repair(), which may need
-  /// more room than there is. No allocation. @pre everything is marked.
-  /// @cost 4 us a brick; repair() takes 3 to 5 us a brick more.
+  /// What changes next is a stroke of its own. What is cut after a split and before this belongs to the stroke before.
+  void close() noexcept {
+    joins_next_ = false;
+    is_open_ = false;
+  }
+  /// Undoes, redoes the last stroke. False: there is none. The objects' next repair() mends the shells; it may need
+  /// more bricks than are free. No allocation. @pre everything is marked.
+  /// @cost 4 µs a brick; repair() takes 3 to 5 µs a brick more.
   bool undo(std::vector<CutObject>& objects) noexcept;
   bool redo(std::vector<CutObject>& objects) noexcept;
   std::size_t undoable() const noexcept { return done_; }
   std::size_t redoable() const noexcept { return steps_.size() - done_; }
-  /// Bytes held in bricks.
+  /// Bytes in the versions of bricks that are kept.
   std::size_t bytes() const noexcept;
 
-  /// So many strokes and splits can be taken back; older ones are forgotten.
+  /// So many strokes and splits can be undone; older ones are forgotten.
   static constexpr std::size_t kMostSteps = 16384;
 
  private:
   struct Step {
-    LinkedList<StrokeRecord> records;  // of the objects that were changed; in their rooms
+    LinkedList<StrokeRecord> records;  // of the objects that were changed; in their pools
     std::unique_ptr<Split> split;
     bool joins_last = false;  // undone together with the step before it
   };
@@ -59,7 +63,7 @@ class SessionHistory {
 
   std::vector<TrackedState> now_;  // one an object
   std::vector<Step> steps_;
-  std::size_t done_ = 0;  // of them, not taken back
+  std::size_t done_ = 0;  // of them, not undone
   bool joins_next_ = false;
   bool is_open_ = false;  // something was marked since close()
   std::unique_ptr<Split> forgotten_;

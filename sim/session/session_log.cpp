@@ -34,7 +34,12 @@ class Parser {
 
   tl::unexpected<Error> refuse(Error::Code code, std::size_t at, std::string found, std::string expected,
                                std::string hint) const {
-    return fail({code, name_, fmt::format("byte {}", at), std::move(found), std::move(expected), std::move(hint)});
+    return fail({.code = code,
+                 .file = name_,
+                 .place = fmt::format("byte {}", at),
+                 .found = std::move(found),
+                 .expected = std::move(expected),
+                 .hint = std::move(hint)});
   }
   tl::unexpected<Error> badHeader(std::size_t at, std::string found) const {
     return refuse(Error::Code::kBadFormat, at, std::move(found), "the whole header of a session log",
@@ -52,14 +57,32 @@ class Parser {
     return ByteUnpacker(bytes_.data() + at).u32() == checksum_;
   }
 
+  // Magic, version, length; then pairs of texts; then a checksum of it all.
   Expected<void> header() {
+    KERF_TRY(length, fileHead());
+    const std::size_t end = kFileHead + length;
+    if (!agrees(bytes_.first(end), end)) return badHeader(end, "a checksum that does not fit");
+
+    for (at_ = kFileHead; at_ < end;) {
+      KERF_TRY(key, headerText(end));
+      KERF_TRY(value, headerText(end));
+      log_.header.emplace_back(std::move(key), std::move(value));
+    }
+    at_ = end + kChecksum;
+    return {};
+  }
+
+  // The length of the header's texts; header and checksum are there then.
+  Expected<std::size_t> fileHead() {
     const std::size_t start = std::min(bytes_.size(), kLogMagic.size());
     if (start == 0 || std::memcmp(bytes_.data(), kLogMagic.data(), start) != 0)
       return refuse(Error::Code::kBadFormat, 0, start == 0 ? "an empty file" : "another kind of file",
                     "a session log (it begins with KERFLOG)", "name a log that Kerf recorded");
     if (bytes_.size() < kFileHead) return badHeader(bytes_.size(), "the end of the file");
+
     ByteUnpacker head(bytes_.data() + kLogMagic.size());
-    const std::uint32_t version = head.u32(), length = head.u32();
+    const std::uint32_t version = head.u32();
+    const std::uint32_t length = head.u32();
     if (version != kLogVersion)
       return refuse(Error::Code::kUnsupported, kLogMagic.size(), fmt::format("a session log of version {}", version),
                     fmt::format("version {}", kLogVersion),
@@ -67,31 +90,32 @@ class Parser {
     if (left() - kFileHead < kChecksum || left() - kFileHead - kChecksum < length)
       return badHeader(bytes_.size(), fmt::format("the end of the file, {} bytes of header missing",
                                                   kFileHead + length + kChecksum - bytes_.size()));
-    const std::size_t end = kFileHead + length;
-    if (!agrees(bytes_.first(end), end)) return badHeader(end, "a checksum that does not fit");
-    for (at_ = kFileHead; at_ < end;) {
-      std::array<std::string, 2> words;
-      for (std::string& word : words) {
-        const std::size_t room = end - at_;
-        const std::size_t size = room < 4 ? 0 : ByteUnpacker(bytes_.data() + at_).u32();
-        if (room < 4 || size > room - 4) return badHeader(at_, "a text longer than the header");
-        word.assign(reinterpret_cast<const char*>(bytes_.data() + at_ + 4), size);
-        at_ += 4 + size;
-      }
-      log_.header.emplace_back(std::move(words[0]), std::move(words[1]));
-    }
-    at_ = end + kChecksum;
-    return {};
+    return length;
+  }
+
+  // The text at at_, of a header that ends at `end`.
+  Expected<std::string> headerText(std::size_t end) {
+    const std::size_t most = end - at_;
+    const std::size_t size = most < 4 ? 0 : ByteUnpacker(bytes_.data() + at_).u32();
+    if (most < 4 || size > most - 4) return badHeader(at_, "a text longer than the header");
+    std::string text(reinterpret_cast<const char*>(bytes_.data() + at_ + 4), size);
+    at_ += 4 + size;
+    return text;
   }
 
   Expected<void> record() {
     if (log_.is_closed) return damaged("bytes after the end of the session");
+
+    // Head: kind, length, tick.
     if (left() < kRecordHead) return stop(LogDamage::Kind::kCutShort, "the head of a record is not complete");
     ByteUnpacker head(bytes_.data() + at_);
-    const std::uint32_t kind = head.u32(), length = head.u32();
+    const std::uint32_t kind = head.u32();
+    const std::uint32_t length = head.u32();
     const std::uint64_t tick = head.u64();
     if (!agrees(bytes_.subspan(at_, kRecordHead - kChecksum), at_ + kRecordHead - kChecksum))
       return damaged("the checksum of a record's head does not fit");
+
+    // Payload.
     const std::size_t begin = at_ + kRecordHead;
     if (bytes_.size() - begin < kChecksum || bytes_.size() - begin - kChecksum < length)
       return stop(LogDamage::Kind::kCutShort,
@@ -99,7 +123,8 @@ class Parser {
                               kRecordHead + length + kChecksum));
     const auto payload = bytes_.subspan(begin, length);
     if (!agrees(payload, begin + length)) return damaged("the checksum of a record does not fit");
-    // From here on the record is what its writer wrote; what is wrong now is not damage but another writer's idea.
+
+    // The record is as it was written: what is wrong from here on is no damage, but was written so.
     if (!take(kind, tick, payload)) {
       if (kind > kEndRecord && (kind & kMaySkip) == 0)
         return refuse(Error::Code::kUnsupported, at_, fmt::format("a record of kind {}", kind),
@@ -189,14 +214,21 @@ Expected<SessionLog> parseSessionLog(std::span<const std::byte> bytes, const std
 Expected<SessionLog> readSessionLog(const std::filesystem::path& path) {
   std::error_code error;
   const auto refuse = [&](Error::Code code, std::string found) {
-    return fail({code, path.string(), "file", std::move(found), "a session log", "check the path and its permissions"});
+    return fail({.code = code,
+                 .file = path.string(),
+                 .place = "file",
+                 .found = std::move(found),
+                 .expected = "a session log",
+                 .hint = "check the path and its permissions"});
   };
   if (!std::filesystem::exists(path, error)) return refuse(Error::Code::kNotFound, "no such file");
   if (!std::filesystem::is_regular_file(path, error))
     return refuse(Error::Code::kUnreadable, "not a regular file");  // a pipe or a device would never end
+
   const std::uintmax_t size = std::filesystem::file_size(path, error);
   std::ifstream in(path, std::ios::binary);
   if (error || !in) return refuse(Error::Code::kUnreadable, std::string("cannot be opened: ") + std::strerror(errno));
+
   try {
     std::vector<std::byte> bytes(size);
     in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
@@ -209,31 +241,44 @@ Expected<SessionLog> readSessionLog(const std::filesystem::path& path) {
 
 Expected<SessionSnapshot> packSnapshot(std::span<const std::byte> bytes) {
   if (bytes.size() > kMaxSnapshotBytes)
-    return fail({Error::Code::kBadValue, "", "snapshot", fmt::format("{} bytes", bytes.size()),
-                 fmt::format("at most {}", kMaxSnapshotBytes), "keep only what changed"});
+    return fail({.code = Error::Code::kBadValue,
+                 .file = "",
+                 .place = "snapshot",
+                 .found = fmt::format("{} bytes", bytes.size()),
+                 .expected = fmt::format("at most {}", kMaxSnapshotBytes),
+                 .hint = "keep only what changed"});
+
   try {
     uLongf size = ::compressBound(bytes.size());
     SessionSnapshot snapshot{bytes.size(), std::vector<std::byte>(size)};
     if (::compress2(reinterpret_cast<Bytef*>(snapshot.packed.data()), &size,
                     reinterpret_cast<const Bytef*>(bytes.data()), bytes.size(), Z_BEST_SPEED) != Z_OK)
-      throw std::bad_alloc();  // of the reasons compress2() knows the only one left: level and room are right
+      throw std::bad_alloc();  // the only reason left: level and size of the buffer are right
     snapshot.packed.resize(size);
     return snapshot;
   } catch (const std::bad_alloc&) {
-    return fail({Error::Code::kWriteFailed, "", "snapshot", fmt::format("no memory to compress {} bytes", bytes.size()),
-                 "", "close other programs"});
+    return fail({.code = Error::Code::kWriteFailed,
+                 .file = "",
+                 .place = "snapshot",
+                 .found = fmt::format("no memory to compress {} bytes", bytes.size()),
+                 .expected = "",
+                 .hint = "close other programs"});
   }
 }
 
 Expected<std::vector<std::byte>> unpackSnapshot(const SessionSnapshot& snapshot) {
   const auto refuse = [&](std::string found) {
-    return fail({Error::Code::kBadFormat, "", "snapshot", std::move(found),
-                 fmt::format("{} bytes, packed by zlib, at most {}", snapshot.size, kMaxSnapshotBytes),
-                 "start the replay from an earlier snapshot"});
+    return fail({.code = Error::Code::kBadFormat,
+                 .file = "",
+                 .place = "snapshot",
+                 .found = std::move(found),
+                 .expected = fmt::format("{} bytes, packed by zlib, at most {}", snapshot.size, kMaxSnapshotBytes),
+                 .hint = "start the replay from an earlier snapshot"});
   };
   constexpr std::uint64_t kBestRatio = 1032;  // of deflate (zlib's technical notes): a larger claim is false
   if (snapshot.size > kMaxSnapshotBytes || snapshot.size / kBestRatio > snapshot.packed.size())
     return refuse(fmt::format("{} bytes that claim to hold {}", snapshot.packed.size(), snapshot.size));
+
   try {
     std::vector<std::byte> bytes(snapshot.size);
     std::byte nothing{};  // zlib wants an address even for no bytes

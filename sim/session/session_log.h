@@ -21,16 +21,17 @@ namespace kerf {
 /// What was loaded: case and its hashes, tools, settings, program version. In order; keys may repeat.
 using SessionHeader = std::vector<std::pair<std::string, std::string>>;
 
-/// What was asked for by name, such as `tool.select round-014`; takes effect before the sample of its tick.
+/// A command as text, such as `tool.select 0`; takes effect before the sample of its tick. The log keeps any text:
+/// parseCommand() (sim/session/command.h) says what it means to this version.
 struct SessionCommand {
   std::string text;
 };
 /// What the state was after its tick: a replay that differs has found a difference in program or machine.
 struct StateCheck {
   std::uint64_t state_hash = 0;
-  Wrench force;  ///< what went to the hand in that tick, N and N mm
+  Wrench force;  ///< sent to the hand in that tick, N and N mm
 };
-/// State after its tick, from which a replay can start: bytes of the simulation's making, compressed.
+/// State after its tick, from which a replay can start: packState(), compressed.
 struct SessionSnapshot {
   std::uint64_t size = 0;         ///< of the bytes, before compression
   std::vector<std::byte> packed;  ///< by zlib; unpackSnapshot() checks and returns the bytes
@@ -54,7 +55,7 @@ struct SessionEvent {
   std::variant<SessionCommand, StateCheck, SessionSnapshot, StrokeMark, SessionGap> what;
 };
 
-/// Where reading stopped before the end of the file. All before it is as it was written.
+/// Where reading stopped before the end of the file. All bytes before that are as they were written.
 struct LogDamage {
   enum class Kind {
     kCutShort,  ///< the last record is not complete: the program was killed, or the disk was full
@@ -79,10 +80,10 @@ struct SessionLog {
 };
 
 /// Reads a log, whole, into memory: about 2.4 times the file's size, an hour (275 MB) in a second or two. A log that
-/// was cut off or damaged is read up to the last whole record before that place, and `damage` says so. Errors, naming
-/// file and byte: no session log, a damaged or incomplete header, a newer version (kUnsupported), a kind of record that
-/// must not be skipped and is not known. Lengths in the file are claims: nothing is allocated that the file's size does
-/// not cover.
+/// was cut off or damaged is read up to the last whole record before that place, and `damage` says so. Lengths in the
+/// file are claims: nothing is allocated that the file's size does not cover.
+/// Errors name file and byte: no session log, a damaged or incomplete header, a newer version (kUnsupported), a kind of
+/// record that is not known and must not be skipped.
 Expected<SessionLog> readSessionLog(const std::filesystem::path& path);
 /// The same for bytes in memory; `name` stands for the file in errors.
 Expected<SessionLog> parseSessionLog(std::span<const std::byte> bytes, const std::string& name);
@@ -102,7 +103,8 @@ class SessionLogWriter {
 
   SessionLogWriter(SessionLogWriter&& other) noexcept;
   SessionLogWriter& operator=(SessionLogWriter&&) = delete;
-  ~SessionLogWriter();  ///< without close(): as if the program had been killed
+  /// Without close(): as if the program had been killed.
+  ~SessionLogWriter();
 
   /// Consecutive samples; the first has tick `first_tick`, > the last one's.
   void addSamples(std::uint64_t first_tick, std::span<const DeviceSample> samples);
@@ -120,8 +122,8 @@ class SessionLogWriter {
   /// Waits until what was written is on the disk (fdatasync): it survives a power failure. An error is kept as
   /// write()'s is.
   Expected<void> sync();
-  /// The same for a thread of its own, while another one adds and writes: a slow disk holds up nobody else. It keeps
-  /// no error, and bytesSynced() does not know of it. Not during close().
+  /// The same for a thread of its own, while another one adds and writes: a slow disk holds up this thread alone. It
+  /// keeps no error, and bytesSynced() does not count it. Not during close().
   Expected<void> syncAside() const;
   /// Writes all records and the mark of a clean end, syncs and closes.
   Expected<void> close(std::uint64_t last_tick);
@@ -138,7 +140,8 @@ class SessionLogWriter {
   std::vector<std::byte> pending_;        // records not yet written
   std::vector<std::size_t> record_ends_;  // in pending_
   std::uint32_t checksum_ = 0;            // of the whole log so far
-  std::uint64_t written_ = 0, synced_ = 0;
+  std::uint64_t written_ = 0;
+  std::uint64_t synced_ = 0;
   std::optional<Error> error_;
 };
 

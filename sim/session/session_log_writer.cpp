@@ -22,7 +22,12 @@ Error writeError(const std::string& file, const char* step, int reason) {
     hint = "free some space; what was recorded before is in the log";
   if (reason == ENOENT) hint = "make the folder first";
   if (reason == EEXIST) hint = "choose another name; a log is never overwritten";
-  return {Error::Code::kWriteFailed, file, step, std::strerror(reason), "", hint};
+  return {.code = Error::Code::kWriteFailed,
+          .file = file,
+          .place = step,
+          .found = std::strerror(reason),
+          .expected = "",
+          .hint = hint};
 }
 
 void append(std::vector<std::byte>& to, std::span<const std::byte> bytes) {
@@ -55,10 +60,16 @@ Expected<SessionLogWriter> SessionLogWriter::create(const fs::path& path, const 
       append(text, std::as_bytes(std::span(word)));
     }
   if (text.size() > std::numeric_limits<std::uint32_t>::max())
-    return fail({Error::Code::kBadValue, path.string(), "header", "more than 4 GiB of text", "settings", ""});
+    return fail({.code = Error::Code::kBadValue,
+                 .file = path.string(),
+                 .place = "header",
+                 .found = "more than 4 GiB of text",
+                 .expected = "settings",
+                 .hint = ""});
 
   const int fd = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (fd < 0) return fail(writeError(path.string(), "making the log", errno));
+
   SessionLogWriter log(fd, path.string());
   append(log.pending_, std::as_bytes(std::span(kLogMagic)));
   append(log.pending_, kLogVersion);
@@ -67,6 +78,7 @@ Expected<SessionLogWriter> SessionLogWriter::create(const fs::path& path, const 
   log.checksum_ = checksum(0, log.pending_);
   append(log.pending_, log.checksum_);
   log.record_ends_.push_back(log.pending_.size());
+
   KERF_CHECK(log.write());
   KERF_CHECK(log.sync());
   if (const int reason = syncFolder(path.parent_path())) return log.failed("syncing its folder to the disk", reason);
@@ -153,6 +165,7 @@ Expected<void> SessionLogWriter::write() {
     else if (n == 0 || errno != EINTR)
       reason = n == 0 ? EIO : errno;
   }
+
   const auto first_cut = std::upper_bound(record_ends_.begin(), record_ends_.end(), done);
   written_ += first_cut == record_ends_.begin() ? 0 : *(first_cut - 1);
   pending_.clear();

@@ -16,15 +16,18 @@ namespace {
 
 using namespace internal;
 
+constexpr std::size_t kMostPayload = std::max(kSampleBytes, kCheckBytes);
+
 // One thing to be recorded, packed by the thread that hands it over: a fixed size, so that nothing is allocated.
 struct Entry {
   RecordKind kind = kSamplesRecord;
   std::uint32_t size = 0;
   std::uint64_t tick = 0;
-  std::uint64_t lost_before = 0;                    // entries that found the queue full since the one before
-  std::array<std::byte, kMaxCommandBytes> payload;  // of which `size` bytes count; the rest is left as it is
+  std::uint64_t lost_before = 0;                // entries that found the queue full since the one before
+  std::array<std::byte, kMostPayload> payload;  // of which `size` bytes count; the rest is left as it is
+  Command command;                              // of a command record: printed by the recording thread
 };
-static_assert(kSampleBytes <= kMaxCommandBytes && kCheckBytes <= kMaxCommandBytes);
+static_assert(sizeof(Entry) == 176, "RecorderOptions::queue_capacity says so");
 
 // One writer: a load and a store are cheaper than fetch_add, and as good.
 void countOne(std::atomic<std::uint64_t>& n) noexcept {
@@ -74,7 +77,7 @@ struct SessionRecorder::State {
   std::condition_variable wake;
   bool is_closing = false;
   std::vector<std::pair<std::uint64_t, SessionSnapshot>> snapshots;
-  RecorderStatus told;                // but recorded and lost
+  RecorderStatus published;           // all of it but `recorded` and `lost`
   std::uint64_t entries_written = 0;  // before the file failed
   std::thread writing, syncing;
 };
@@ -108,24 +111,29 @@ void SessionRecorder::State::addGap(std::uint64_t tick, std::uint64_t count) {
 void SessionRecorder::State::take(const Entry& entry) {
   if (entry.lost_before > 0) addGap(entry.tick, entry.lost_before);
   const auto payload = std::span(entry.payload).first(entry.size);
+
   const bool goes_on = entry.kind == kSamplesRecord && !run_payload.empty() &&
                        entry.tick == run_first + run_payload.size() / kSampleBytes;
   if (!goes_on) endRun();
+
   if (entry.kind == kSamplesRecord) {
     if (!goes_on) run_first = entry.tick;
     run_payload.insert(run_payload.end(), payload.begin(), payload.end());
+  } else if (entry.kind == kCommandRecord) {
+    log.add(entry.tick, SessionCommand{printCommand(entry.command)});
   } else {
     log.addRecord(entry.kind, entry.tick, payload);
   }
 }
 
 Expected<void> SessionRecorder::State::drain() {
-  // Snapshots are fetched before the queue is looked at: what was recorded before a snapshot stands before it.
+  // Snapshots are fetched before the queue is read: what was recorded before a snapshot stands before it.
   std::vector<std::pair<std::uint64_t, SessionSnapshot>> kept;
   {
     const std::lock_guard lock(mutex);
     kept.swap(snapshots);
   }
+
   // No more than was there at the beginning: a faster producer must not keep this from ever being written.
   Entry entry;
   for (std::size_t n = queue.read_available(); n > 0 && queue.pop(entry); --n) {
@@ -133,6 +141,7 @@ Expected<void> SessionRecorder::State::drain() {
     ++taken;
   }
   endRun();
+
   for (const auto& [tick, snapshot] : kept) log.add(tick, snapshot);
   return log.write();
 }
@@ -140,7 +149,7 @@ Expected<void> SessionRecorder::State::drain() {
 void SessionRecorder::State::fail(const Error& why) {
   {
     const std::lock_guard lock(mutex);
-    if (!told.error) told.error = why;
+    if (!published.error) published.error = why;
   }
   is_over.store(true, std::memory_order_release);
 }
@@ -151,14 +160,15 @@ void SessionRecorder::State::keepSynced() {
     {
       std::unique_lock lock(mutex);
       if (wake.wait_for(lock, options.sync_every, [this] { return is_closing; })) return;
-      written = told.bytes_written;
-      if (written == told.bytes_synced || told.error) continue;
+      written = published.bytes_written;
+      if (written == published.bytes_synced || published.error) continue;
     }
+
     if (const auto done = log.syncAside(); !done) {
       fail(done.error());
     } else {
       const std::lock_guard lock(mutex);
-      told.bytes_synced = written;
+      published.bytes_synced = written;
     }
   }
 }
@@ -169,6 +179,7 @@ void SessionRecorder::State::run() {
       std::unique_lock lock(mutex);
       closing = wake.wait_for(lock, options.write_every, [this] { return is_closing; });
     }
+
     Expected<void> done;
     try {
       if (!is_over) done = drain();
@@ -179,13 +190,19 @@ void SessionRecorder::State::run() {
         is_over.store(true, std::memory_order_release);
       }
     } catch (const std::bad_alloc&) {
-      done = kerf::fail({Error::Code::kWriteFailed, "", "recording", "no memory left", "", "close other programs"});
+      done = kerf::fail({.code = Error::Code::kWriteFailed,
+                         .file = "",
+                         .place = "recording",
+                         .found = "no memory left",
+                         .expected = "",
+                         .hint = "close other programs"});
     }
     if (!done) fail(done.error());
+
     const std::lock_guard lock(mutex);
-    told.bytes_written = log.bytesWritten();
-    told.bytes_synced = std::max(told.bytes_synced, log.bytesSynced());
-    if (!told.error) entries_written = taken;
+    published.bytes_written = log.bytesWritten();
+    published.bytes_synced = std::max(published.bytes_synced, log.bytesSynced());
+    if (!published.error) entries_written = taken;
   }
 }
 
@@ -201,13 +218,18 @@ Expected<SessionRecorder> SessionRecorder::start(const std::filesystem::path& pa
   try {
     SessionRecorder recorder(std::make_unique<State>(std::move(log), options));
     State& s = *recorder.state_;
-    s.told.bytes_written = s.log.bytesWritten();
-    s.told.bytes_synced = s.log.bytesSynced();
+    s.published.bytes_written = s.log.bytesWritten();
+    s.published.bytes_synced = s.log.bytesSynced();
     s.syncing = std::thread([&s] { s.keepSynced(); });
     s.writing = std::thread([&s] { s.run(); });
     return recorder;
   } catch (const std::exception& e) {  // no memory for the queue, no more threads
-    return fail({Error::Code::kWriteFailed, path.string(), "starting to record", e.what(), "", "close other programs"});
+    return fail({.code = Error::Code::kWriteFailed,
+                 .file = path.string(),
+                 .place = "starting to record",
+                 .found = e.what(),
+                 .expected = "",
+                 .hint = "close other programs"});
   }
 }
 
@@ -224,13 +246,11 @@ RecordStatus SessionRecorder::record(const DeviceSample& sample, std::uint64_t t
   return s.push(entry);
 }
 
-RecordStatus SessionRecorder::record(std::string_view command, std::uint64_t tick) noexcept {
-  if (command.size() > kMaxCommandBytes) return state_->lose(RecordStatus::kRefused);
+RecordStatus SessionRecorder::record(const Command& command, std::uint64_t tick) noexcept {
   Entry entry;
   entry.kind = kCommandRecord;
   entry.tick = tick;
-  entry.size = static_cast<std::uint32_t>(command.size());
-  std::copy_n(std::as_bytes(std::span(command)).data(), command.size(), entry.payload.data());
+  entry.command = command;
   return state_->push(entry);
 }
 
@@ -255,17 +275,21 @@ RecordStatus SessionRecorder::record(const StateCheck& check, std::uint64_t tick
 Expected<void> SessionRecorder::recordSnapshot(std::span<const std::byte> state, std::uint64_t tick) {
   KERF_TRY(snapshot, packSnapshot(state));
   const std::lock_guard lock(state_->mutex);
-  if (state_->told.error) return fail(*state_->told.error);
+  if (state_->published.error) return fail(*state_->published.error);
   if (state_->snapshots.size() >= kMaxWaitingSnapshots)
-    return fail({Error::Code::kWriteFailed, "", "snapshot", "the ones before are not yet written", "",
-                 "record to a faster disk, or less often"});
+    return fail({.code = Error::Code::kWriteFailed,
+                 .file = "",
+                 .place = "snapshot",
+                 .found = "the ones before are not yet written",
+                 .expected = "",
+                 .hint = "record to a faster disk, or less often"});
   state_->snapshots.emplace_back(tick, std::move(snapshot));
   return {};
 }
 
 RecorderStatus SessionRecorder::status() const {
   const std::lock_guard lock(state_->mutex);
-  RecorderStatus status = state_->told;
+  RecorderStatus status = state_->published;
   status.recorded = state_->recorded.load(std::memory_order_relaxed);
   status.lost = state_->lost.load(std::memory_order_relaxed);
   // What waited when the file failed is lost as well.
@@ -283,7 +307,7 @@ Expected<void> SessionRecorder::close() {
   if (s.writing.joinable()) s.writing.join();
   if (s.syncing.joinable()) s.syncing.join();  // the writing thread did not start, or ran out of memory
   const std::lock_guard lock(s.mutex);
-  if (s.told.error) return fail(*s.told.error);
+  if (s.published.error) return fail(*s.published.error);
   return {};
 }
 

@@ -1,13 +1,13 @@
 // Records a session while it runs: takes what the haptic thread hands over without making it wait. One thread writes
-// it down; another one syncs, so that a disk that takes its time over that does not hold up the writing.
+// the log, and prints commands for it; another one syncs, so that a slow disk does not hold up the writing.
 #pragma once
 
 #include <chrono>
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <string_view>
 
+#include "sim/session/command.h"
 #include "sim/session/session_log.h"
 
 namespace kerf {
@@ -17,15 +17,11 @@ enum class RecordStatus : std::uint8_t {
   kRecorded,   ///< taken; it is in the file within RecorderOptions::write_every
   kQueueFull,  ///< lost: the disk is slower than the session. Counted, and a SessionGap stands in its place
   kFailed,     ///< lost: the file has failed or is closed; RecorderStatus::error says why. Counted
-  kRefused     ///< lost: text longer than kMaxCommandBytes, or a sample whose tick is not later than the last one's.
-               ///< Counted, and a SessionGap stands in its place
+  kRefused     ///< lost: a sample whose tick is not later than the last one's. Counted, and a SessionGap stands there
 };
 
-/// Longest text of a command, bytes.
-inline constexpr std::size_t kMaxCommandBytes = 256;
-
 struct RecorderOptions {
-  /// Samples, commands, checks and marks that may wait for the disk; each takes 280 bytes, allocated once. 8192 is
+  /// Samples, commands, checks and marks that may wait for the disk; each takes 176 bytes, allocated once. 8192 is
   /// eight seconds of samples. Too few and a slow disk makes gaps.
   std::size_t queue_capacity = 8192;
   /// How long what was recorded stays in memory: that much is lost when the program is killed. Well below it, a write
@@ -45,7 +41,7 @@ struct RecorderStatus {
 };
 
 /// One session log being written. When the file fails (disk full, device gone), the log stays valid up to the last
-/// whole record, recording ends, and everybody who asks is told.
+/// whole record, recording ends, and status() and close() say so.
 class SessionRecorder {
  public:
   /// Makes the log, which must not exist, and starts the threads.
@@ -53,7 +49,8 @@ class SessionRecorder {
                                          const RecorderOptions& options = {});
   SessionRecorder(SessionRecorder&&) noexcept;
   SessionRecorder& operator=(SessionRecorder&&) = delete;
-  ~SessionRecorder();  ///< as close(); nobody hears of an error then
+  /// As close(), but an error is lost.
+  ~SessionRecorder();
 
   // For one thread, the haptic one: no allocation, lock or system call. In the order in which they happen: commands
   // and marks of a tick, its sample, its check.
@@ -61,7 +58,7 @@ class SessionRecorder {
   /// @param tick  > that of the sample before.    @rt safe.
   RecordStatus record(const DeviceSample& sample, std::uint64_t tick) noexcept;
   /// @param tick  of the sample it comes before.    @rt safe.
-  RecordStatus record(std::string_view command, std::uint64_t tick) noexcept;
+  RecordStatus record(const Command& command, std::uint64_t tick) noexcept;
   RecordStatus record(StrokeMark mark, std::uint64_t tick) noexcept;
   /// @param tick  of the sample it comes after.    @rt safe.
   RecordStatus record(const StateCheck& check, std::uint64_t tick) noexcept;

@@ -48,7 +48,7 @@ class Writer {
   }
 };
 
-// After the end it gives zeros and says so: one look at `is_good` after each part.
+// After the end it gives zeros and says so in `is_good`, which is to be asked after each part.
 class Reader {
  public:
   explicit Reader(std::span<const std::byte> from) : from_(from) {}
@@ -72,7 +72,7 @@ class Reader {
     p.translation = vec();
     return p;
   }
-  /// A number of things of at least `bytes_each` bytes that can still follow; a larger one is a lie.
+  /// A number of things of at least `bytes_each` bytes that can still follow; a larger one is refused.
   std::size_t count(std::size_t bytes_each) {
     const std::uint64_t claimed = u64();
     if (claimed > (from_.size() - at_) / bytes_each) is_good = false;
@@ -113,6 +113,7 @@ void packObject(const CutObject& object, std::size_t loaded, Writer& to) {
     to.f64(object.removed_mm3[m]);
     to.f64(object.added_mm3[m]);
   }
+
   // Which bricks a piece began with; then, for any object, those of air that it took on.
   const auto putBricks = [&](int begin, int end) {
     std::uint64_t count = 0;
@@ -123,6 +124,8 @@ void packObject(const CutObject& object, std::size_t loaded, Writer& to) {
   };
   if (object.isPiece()) putBricks(0, object.firstSlotCount());
   putBricks(object.firstSlotCount(), object.slotCount());
+
+  // Values and materials that are not as loaded.
   std::vector<int> changed;
   for (int n = 0; n < object.slotCount(); ++n)
     if (object.slot(n).own && (std::memcmp(object.slot(n).own, object.slot(n).baked, sizeof(BrickValues)) != 0 ||
@@ -175,6 +178,7 @@ PieceBricks pieceOf(CutObject& whole, std::vector<Vec3i> bricks, const std::vect
   std::sort(bricks.begin(), bricks.end(), isBefore);
   std::unordered_map<std::uint64_t, const BrickEdit*> edits;
   for (const ChangedBrick& c : changed) edits[coordKey(c.edit.brick)] = &c.edit;
+
   PieceBricks out;
   for (std::size_t n = 0; n < bricks.size(); ++n) {
     const Vec3i& c = bricks[n];
@@ -196,8 +200,10 @@ PieceBricks pieceOf(CutObject& whole, std::vector<Vec3i> bricks, const std::vect
 
 // Nothing: the bytes do not describe such an object.
 std::optional<CutObject> unpackObject(Reader& from, const LoadedObjects& loaded) {
+  // All of its bytes.
   const std::size_t index = from.u32();
-  const std::uint32_t flags = from.u32(), id = from.u32();
+  const std::uint32_t flags = from.u32();
+  const std::uint32_t id = from.u32();
   const bool is_piece = flags & 1;
   const Rigid3 pose = from.pose();
   std::array<double, 256> removed{}, added{};
@@ -210,6 +216,8 @@ std::optional<CutObject> unpackObject(Reader& from, const LoadedObjects& loaded)
   const std::vector<Vec3i> air = readBricks(from);
   const std::vector<ChangedBrick> changed = readChanged(from);
   if (!from.is_good || index >= loaded.size() || !isPose(pose) || air.size() > CutObject::kMostAdded) return {};
+
+  // The object as loaded or as it came off, then what changed.
   CutObject object(loaded[index], is_piece ? 1 : changed.size() + 64);
   if (is_piece) {
     const std::size_t wanted = own.size();
@@ -225,6 +233,7 @@ std::optional<CutObject> unpackObject(Reader& from, const LoadedObjects& loaded)
   }
   while (!object.repair())
     if (!object.reserve(1024)) return {};
+
   object.endStroke();  // it begins like this: nothing to undo
   object.T_world_object = pose;
   object.id = id;
@@ -234,13 +243,8 @@ std::optional<CutObject> unpackObject(Reader& from, const LoadedObjects& loaded)
   return object;
 }
 
-}  // namespace
-
-bool isStateOfThisVersion(std::span<const std::byte> bytes) { return Reader(bytes).u32() == kStateVersion; }
-
-std::vector<std::byte> packState(const State& state, const LoadedObjects& loaded) {
-  Writer to;
-  to.u32(kStateVersion);
+// All that is not in its objects, in this order.
+void packHead(const State& state, Writer& to) {
   to.u64(state.tick);
   to.u64(state.tool);
   to.f64(state.speed);
@@ -248,6 +252,7 @@ std::vector<std::byte> packState(const State& state, const LoadedObjects& loaded
   to.u32(static_cast<std::uint32_t>(state.adds));
   to.u32(static_cast<std::uint32_t>(state.adds_to));
   to.u32((state.has_device ? 1u : 0u) | (state.is_latched ? 2u : 0u));
+
   to.pose(state.body.pose);
   to.vec(state.body.velocity);
   to.vec(state.body.angular);
@@ -257,6 +262,57 @@ std::vector<std::byte> packState(const State& state, const LoadedObjects& loaded
   to.vec(state.last_force.force);
   to.vec(state.last_force.torque);
   to.u32(state.next_id);
+}
+
+void unpackHead(Reader& from, State& out) {
+  out.tick = from.u64();
+  out.tool = from.u64();
+  out.speed = from.f64();
+  out.ramp = from.f64();
+  out.adds = static_cast<Material>(from.u32() & 255);
+  out.adds_to = from.u32();
+  const std::uint32_t flags = from.u32();
+  out.has_device = flags & 1;
+  out.is_latched = flags & 2;
+
+  out.body.pose = from.pose();
+  out.body.velocity = from.vec();
+  out.body.angular = from.vec();
+  out.device.pose = from.pose();
+  out.device.velocity = from.vec();
+  out.device.angular = from.vec();
+  out.last_force.force = from.vec();
+  out.last_force.torque = from.vec();
+  out.next_id = from.u32();
+}
+
+bool isHeadUsable(const State& s) {
+  return std::isfinite(s.speed) && std::isfinite(s.ramp) && s.body.velocity.allFinite() && s.body.angular.allFinite() &&
+         s.device.velocity.allFinite() && s.device.angular.allFinite() && s.last_force.force.allFinite() &&
+         s.last_force.torque.allFinite() && isPose(s.body.pose) && isPose(s.device.pose);
+}
+
+// Ids are different and below next_id, and at most one object is frozen. The first for which that is false.
+std::optional<std::size_t> firstThatClashes(const State& state) {
+  for (std::size_t n = 0; n < state.objects.size(); ++n) {
+    const CutObject& object = state.objects[n];
+    if (object.id >= state.next_id) return n;
+    for (std::size_t m = 0; m < n; ++m) {
+      const CutObject& other = state.objects[m];
+      if (other.id == object.id || (other.isFrozen() && object.isFrozen())) return n;
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+bool isStateOfThisVersion(std::span<const std::byte> bytes) { return Reader(bytes).u32() == kStateVersion; }
+
+std::vector<std::byte> packState(const State& state, const LoadedObjects& loaded) {
+  Writer to;
+  to.u32(kStateVersion);
+  packHead(state, to);
   to.u32(static_cast<std::uint32_t>(state.objects.size()));
   for (const CutObject& object : state.objects) {
     std::size_t index = 0;
@@ -268,49 +324,31 @@ std::vector<std::byte> packState(const State& state, const LoadedObjects& loaded
 
 Expected<State> unpackState(std::span<const std::byte> bytes, const LoadedObjects& loaded, const std::string& file) {
   const auto refuse = [&](const std::string& what) {
-    return fail({Error::Code::kBadValue, file, "snapshot", what, "the state of a session with these objects",
-                 "the log fits another case or version; replay from its beginning"});
+    return fail({.code = Error::Code::kBadValue,
+                 .file = file,
+                 .place = "snapshot",
+                 .found = what,
+                 .expected = "the state of a session with these objects",
+                 .hint = "the log fits another case or version; replay from its beginning"});
   };
   Reader from(bytes);
   if (const std::uint32_t version = from.u32(); version != kStateVersion)
     return refuse(fmt::format("version {}, not {}", version, kStateVersion));
+
   State out;
-  out.tick = from.u64();
-  out.tool = from.u64();
-  out.speed = from.f64();
-  out.ramp = from.f64();
-  out.adds = static_cast<Material>(from.u32() & 255);
-  out.adds_to = from.u32();
-  const std::uint32_t flags = from.u32();
-  out.has_device = flags & 1;
-  out.is_latched = flags & 2;
-  out.body.pose = from.pose();
-  out.body.velocity = from.vec();
-  out.body.angular = from.vec();
-  out.device.pose = from.pose();
-  out.device.velocity = from.vec();
-  out.device.angular = from.vec();
-  out.last_force.force = from.vec();
-  out.last_force.torque = from.vec();
-  out.next_id = from.u32();
+  unpackHead(from, out);
   const std::uint32_t count = from.u32();
-  const bool is_finite = std::isfinite(out.speed) && std::isfinite(out.ramp) && out.body.velocity.allFinite() &&
-                         out.body.angular.allFinite() && out.device.velocity.allFinite() &&
-                         out.device.angular.allFinite() && out.last_force.force.allFinite() &&
-                         out.last_force.torque.allFinite() && isPose(out.body.pose) && isPose(out.device.pose);
-  if (!from.is_good || !is_finite || count > kMostObjects)
+  if (!from.is_good || !isHeadUsable(out) || count > kMostObjects)
     return refuse(fmt::format("no state in its first {} bytes", from.at()));
+
   out.objects.reserve(kMostObjects);
   for (std::uint32_t n = 0; n < count; ++n) {
     std::optional<CutObject> object = unpackObject(from, loaded);
     if (!object) return refuse(fmt::format("object {} is not one of those loaded, or was cut short", n));
     out.objects.push_back(std::move(*object));
   }
-  for (std::size_t n = 0; n < out.objects.size(); ++n)
-    for (std::size_t m = 0; m <= n; ++m)
-      if (out.objects[n].id >= out.next_id || (m < n && (out.objects[m].id == out.objects[n].id ||
-                                                         (out.objects[m].isFrozen() && out.objects[n].isFrozen()))))
-        return refuse(fmt::format("object {} has the id of another, or is held beside another", n));
+  if (const auto n = firstThatClashes(out))
+    return refuse(fmt::format("object {} has the id of another, or is frozen beside another", *n));
   if (!from.isAtEnd()) return refuse(fmt::format("{} bytes too many", bytes.size() - from.at()));
   return out;
 }

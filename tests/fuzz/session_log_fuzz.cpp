@@ -2,8 +2,21 @@
 #include <string>
 #include <variant>
 
+#include "sim/session/command.h"
 #include "sim/session/session_format.h"
 #include "tests/fuzz/harness.h"
+
+// Any text is a command, which prints to the text it is read back from, or is refused with a reason.
+static void requireCommand(const std::string& text) {
+  using namespace kerf;
+  const Expected<Command> command = parseCommand(text);
+  if (!command) {
+    fuzz::require(!command.error().found.empty() && !command.error().expected.empty(), "a refusal says what is wrong");
+    return;
+  }
+  const Expected<Command> again = parseCommand(printCommand(*command));
+  fuzz::require(again && *again == *command, "a command that is printed is the same when it is read");
+}
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace kerf;
@@ -23,6 +36,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (const auto* snapshot = std::get_if<SessionSnapshot>(&event.what))
       if (const auto bytes = unpackSnapshot(*snapshot); bytes)
         fuzz::require(bytes->size() == snapshot->size, "a snapshot is as large as it says");
+    if (const auto* text = std::get_if<SessionCommand>(&event.what)) requireCommand(text->text);
   }
   if (log->damage)
     fuzz::require(log->damage->at_byte < size && log->damage->at_byte + log->damage->lost_bytes == size &&

@@ -105,8 +105,8 @@ Expected<Result> benchRealtime(double seconds, const Scratch& scratch, const Pro
     haptic.update();
     const double done = 1e-3 * static_cast<double>(haptic.report().tick) / seconds;
     // Right after each other: what is cut since an undo ends what could be redone.
-    if (sent == 0 && done > 0.5) sent += haptic.send("undo") && haptic.send("redo");
-    if (sent == 1 && done > 0.75) sent += haptic.send("undo");
+    if (sent == 0 && done > 0.5) sent += haptic.send(Undo{}) && haptic.send(Redo{});
+    if (sent == 1 && done > 0.75) sent += haptic.send(Undo{});
     if (!report(progress, std::min(done, 1.0), "drilling in real time"))
       return fail({Error::Code::kCancelled, "", "", "cancelled", "", ""});
   }

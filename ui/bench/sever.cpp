@@ -68,8 +68,10 @@ Expected<std::vector<double>> ticksToSplit(const SessionLog& log, Model model,
   };
   std::vector<Split> splits;
   for (const SessionEvent& event : log.events)
-    if (const auto* command = std::get_if<SessionCommand>(&event.what); command && command->text.starts_with("pieces."))
-      splits.push_back({event.tick, static_cast<std::size_t>(command->text[13] - '0'), 0, 0});
+    if (const auto* text = std::get_if<SessionCommand>(&event.what)) {
+      KERF_TRY(command, parseCommand(text->text));
+      if (const auto* of = std::get_if<SplitObject>(&command)) splits.push_back({event.tick, of->object, 0, 0});
+    }
   Session session(std::move(model), {object}, start);
   StepOutput out;
   std::size_t event = 0, next = 0;
@@ -79,9 +81,10 @@ Expected<std::vector<double>> ticksToSplit(const SessionLog& log, Model model,
                 "looking for the last bridge"))
       return cancelled();
     for (; event < log.events.size() && log.events[event].samples_before <= n; ++event)
-      if (const auto* command = std::get_if<SessionCommand>(&log.events[event].what)) {
-        session.apply(command->text);
-        if (command->text.starts_with("pieces.")) {
+      if (const auto* text = std::get_if<SessionCommand>(&log.events[event].what)) {
+        KERF_TRY(command, parseCommand(text->text));
+        session.apply(command);
+        if (std::holds_alternative<SplitObject>(command)) {
           ++next;
           finder.reset();
         }
@@ -143,7 +146,7 @@ Expected<Result> benchSever(const Scratch& scratch, const Progress& progress) {
   std::mutex mutex;
   std::map<std::uint32_t, Piece> pieces;
   HapticOptions options;
-  options.pieces.follow = [&](std::shared_ptr<const PieceOrigin> origin, std::shared_ptr<BrickFeed> its_feed) {
+  options.pieces.on_piece = [&](std::shared_ptr<const PieceOrigin> origin, std::shared_ptr<BrickFeed> its_feed) {
     const std::lock_guard lock(mutex);
     Piece& piece = pieces[origin->id];
     piece.origin = std::move(origin);

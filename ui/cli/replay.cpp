@@ -5,6 +5,7 @@
 
 #include <memory>
 
+#include "sim/session/command.h"
 #include "ui/cli/command.h"
 
 namespace kerf::cli {
@@ -14,9 +15,15 @@ struct Arguments {
   std::string run;
   double until = std::numeric_limits<double>::infinity(), from = 0;
   bool json = false;
+  bool lists_commands = false;
 };
 
 int run(const Arguments& a) {
+  if (a.lists_commands) {
+    fmt::print("{}", commandReference());
+    return kOk;
+  }
+  if (a.run.empty()) throw CLI::RequiredError("RUN");
   if (!(a.from >= 0) || !(a.until > a.from))
     return complain({Error::Code::kBadValue, "", "--from, --until", fmt::format("{} s, {} s", a.from, a.until),
                      "--from 0 or later and --until after it", "leave one of them out"});
@@ -57,12 +64,13 @@ void addReplay(CLI::App& app, int& exit_code) {
   auto a = std::make_shared<Arguments>();
   CLI::App* c = app.add_subcommand("replay", "Replay the session of a run and compare state and force, bit for bit");
   c->footer("Exit code 0: the same; 1: it differs, or the log can not be read.\nExample: kerf replay molar.run");
-  c->add_option("RUN", a->run, "run folder, cut with --hand")->required();
+  c->add_option("RUN", a->run, "run folder, cut with --hand; REQUIRED without --commands");
   c->add_option("--from", a->from,
                 "start from the last snapshot in the log that is no later than this simulated second; what lies before "
                 "is not compared");
   c->add_option("--until", a->until, "stop after this many simulated seconds");
   c->add_flag("--json", a->json, "as JSON on standard output");
+  c->add_flag("--commands", a->lists_commands, "list the commands that a session log can hold, as Markdown");
   c->callback([a, &exit_code] { exit_code = run(*a); });
 }
 

@@ -1,9 +1,11 @@
 #include "sim/live/haptic_thread.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <atomic>
 #include <chrono>
+#include <iterator>
 #include <map>
 #include <thread>
 
@@ -53,7 +55,7 @@ CutPath dabs(int count, double seconds, double depth, double rest = 0) {
   return path;
 }
 
-// A follower of the bricks: keeps the newest values of each.
+// Keeps the newest values of each brick.
 struct Subscriber {
   void run(BrickFeed& feed, const std::atomic<bool>& is_over) {
     BrickEdit edit;
@@ -83,7 +85,7 @@ struct Subscriber {
   std::uint64_t edits = 0;
 };
 
-TEST(HapticThread, ItsLogReplaysBitForBitAndWhoFollowsTheBricksHasTheField) {
+TEST(HapticThread, ItsLogReplaysBitForBitAndASubscriberOfTheBricksHasTheField) {
   const TemporaryFolder folder;
   const auto file = folder.path() / "s.kerflog";
   const CutPath path = dabs(12, 0.25, 0.5, 1);
@@ -97,30 +99,31 @@ TEST(HapticThread, ItsLogReplaysBitForBitAndWhoFollowsTheBricksHasTheField) {
   ASSERT_TRUE(recorder) << recorder.error().message();
   BrickFeed feed(16);  // small on purpose: it is full now and then
   std::atomic<bool> is_over{false};
-  Subscriber follower;
-  std::thread following([&] { follower.run(feed, is_over); });
+  Subscriber subscriber;
+  std::thread subscribing([&] { subscriber.run(feed, is_over); });
   BrickFeed* const feeds[] = {&feed};
   const auto started = haptic.start(device, feeds, &*recorder);
   ASSERT_TRUE(started) << started.error().message();
 
   std::uint64_t sent = 0;
-  const auto sendAt = [&](double tick, std::initializer_list<const char*> commands) {
+  const auto sendAt = [&](double tick, std::initializer_list<Command> commands) {
     EXPECT_TRUE(becomes(haptic, [&](const HapticReport& r) { return static_cast<double>(r.tick) > tick; }));
-    for (const char* command : commands) {
+    for (const Command& command : commands) {
       EXPECT_TRUE(haptic.send(command));
       ++sent;
-      EXPECT_TRUE(becomes(haptic, [&](const HapticReport& r) { return r.counts.commands_done == sent; })) << command;
+      EXPECT_TRUE(becomes(haptic, [&](const HapticReport& r) { return r.counts.commands_done == sent; }))
+          << printCommand(command);
     }
   };
-  sendAt(900, {"undo"});
-  sendAt(1300, {"tool.select 1"});
-  sendAt(1600, {"undo", "redo", "undo"});  // in the rest
-  sendAt(2000, {"latch.clear"});
+  sendAt(900, {Undo{}});
+  sendAt(1300, {SelectTool{1}});
+  sendAt(1600, {Undo{}, Redo{}, Undo{}});  // in the rest
+  sendAt(2000, {ClearLatch{}});
   EXPECT_TRUE(becomes(haptic, [&](const HapticReport&) { return simulated.isOver(); }));
-  sendAt(0, {"undo"});
+  sendAt(0, {Undo{}});
   haptic.stop();
   is_over = true;
-  following.join();
+  subscribing.join();
   ASSERT_TRUE(recorder->close());
   haptic.update();
   haptic.updateTimes();
@@ -135,8 +138,8 @@ TEST(HapticThread, ItsLogReplaysBitForBitAndWhoFollowsTheBricksHasTheField) {
   EXPECT_GT(haptic.times().cost.count(), 3000u);
 
   EXPECT_EQ(haptic.unsentBricks(), 0u);
-  EXPECT_EQ(follower.edits, report.counts.edits_pushed);
-  follower.expectEqual(haptic.session().state().objects[0]);
+  EXPECT_EQ(subscriber.edits, report.counts.edits_pushed);
+  subscriber.expectEqual(haptic.session().state().objects[0]);
 
   const auto log = readSessionLog(file);
   ASSERT_TRUE(log) << log.error().message();
@@ -151,8 +154,8 @@ TEST(HapticThread, ItsLogReplaysBitForBitAndWhoFollowsTheBricksHasTheField) {
   EXPECT_EQ(again->state_hash, fmt::format("{:016x}", haptic.session().hash()));
 }
 
-// Every stroke takes room of its own for the bricks it changes: all that was there at first is used up.
-TEST(HapticThread, RoomArrivesBeforeItRunsOut) {
+// Every stroke takes free bricks of its own for those it changes: all that were there at first are used up.
+TEST(HapticThread, BricksArriveBeforeTheyRunOut) {
   const CutPath path = dabs(140, 0.04, 1.7);
   FeedHand hand(path);
   SimulatedDevice simulated(hand);
@@ -169,12 +172,12 @@ TEST(HapticThread, RoomArrivesBeforeItRunsOut) {
   haptic.update();
   const std::size_t taken = haptic.report().counts.pools_taken * Session::kReserve;
   EXPECT_GT(at_first + taken - object.freeBricks(), at_first) << "what was there at first would have been enough";
-  EXPECT_EQ(haptic.report().counts.pauses, 0u) << "for room";
+  EXPECT_EQ(haptic.report().counts.pauses, 0u) << "for bricks";
   EXPECT_EQ(haptic.report().counts.out_of_bricks, 0u);
   EXPECT_EQ(object.shellDefects(), 0u);
 }
 
-TEST(HapticThread, CommandsAreDoneInTheirOrderAndWhatMeansNothingIsCounted) {
+TEST(HapticThread, CommandsAreDoneInTheirOrderAndRefusedOnesAreCounted) {
   const TemporaryFolder folder;
   const auto file = folder.path() / "s.kerflog";
   GuardedDevice device;
@@ -183,17 +186,26 @@ TEST(HapticThread, CommandsAreDoneInTheirOrderAndWhatMeansNothingIsCounted) {
   auto recorder = SessionRecorder::start(file, describe(haptic.session()));
   ASSERT_TRUE(recorder);
   ASSERT_TRUE(haptic.start(device, {}, &*recorder));
-  EXPECT_FALSE(haptic.send(std::string(kMaxCommandBytes + 1, 'x')));
+  // Under the allocation guard of the device: nothing is printed on that thread, however long its text is.
+  const MoveObject moved{0, {-1.0 / 3, 1e-300, 0.1}, {1, 0, 0, 1e-12}};
+  const Command good[] = {SelectTool{0}, SelectTool{1}, ClearLatch{}, AddMaterial{11, 0}, moved, StopAdding{}};
+  // Nothing to undo, no such tool; and what only the simulation may send.
+  const Command bad[] = {SelectTool{7}, SplitObject{0}, SplitObject{0, 0.1}, FreezeObject{0}, UnfreezeObject{0}};
   std::vector<std::string> sent;
   std::uint64_t refused = 0;
-  for (int n = 0; n < 150; ++n) {
-    std::string command = n % 3 == 0 ? "tool.select 0" : n % 3 == 1 ? "tool.select 1" : "latch.clear";
-    if (n % 10 == 9) {
-      command = n % 20 == 9 ? "undo" : n % 40 == 19 ? "pieces.split 0" : "tool.select 7";
-      ++refused;  // nothing to undo
-    }
+  const auto send = [&](const Command& command) {
     while (!haptic.send(command)) std::this_thread::sleep_for(1ms);
-    if (n % 10 != 9) sent.push_back(command);
+  };
+  send(Redo{});
+  ++refused;
+  for (std::size_t n = 0; n < 150; ++n) {
+    if (n % 10 == 9) {
+      send(bad[n / 10 % std::size(bad)]);
+      ++refused;
+    } else {
+      sent.push_back(printCommand(good[n % std::size(good)]));
+      send(good[n % std::size(good)]);
+    }
   }
   EXPECT_TRUE(becomes(haptic, [&](const HapticReport& r) {
     return r.counts.commands_done == sent.size() && r.counts.commands_refused == refused;
@@ -242,7 +254,7 @@ TEST(HapticThread, ABadSampleLatchesUntilItIsCleared) {
   EXPECT_TRUE(becomes(haptic, [&](const HapticReport& r) { return r.tick > since + 50; }));
   EXPECT_TRUE(haptic.report().is_latched);
   EXPECT_EQ(device.force, 0);
-  EXPECT_TRUE(haptic.send("latch.clear"));
+  EXPECT_TRUE(haptic.send(ClearLatch{}));
   EXPECT_TRUE(becomes(haptic, [&](const HapticReport& r) { return !r.is_latched && device.force > 0.05; }));
   haptic.stop();
   EXPECT_EQ(device.last_force, 0);

@@ -145,11 +145,11 @@ TEST(MesherThread, ReaderOfAKilohertzOfCarvesEndsWithTheMeshOfTheWholeField) {
     is_done = true;
   });
   ChunkMap mine;
-  int looks = 0, states = 0;
+  int takes = 0, states = 0;
   while (!is_done) {
     const auto fresh = mesher.take();
     replace(mine, fresh);
-    if (!fresh.empty() && looks++ % 16 == 0) {  // at any moment what a reader holds is closed
+    if (!fresh.empty() && takes++ % 16 == 0) {  // what a reader has is closed at any moment
       expectClosedManifold(weldedMesh(chunksOf(mine)));
       ++states;
     }

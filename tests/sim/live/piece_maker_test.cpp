@@ -67,7 +67,7 @@ class Sawyer final : public DeviceSource {
   int tick_ = 0;
 };
 
-// Whoever draws: is told of each piece, and follows its bricks.
+// Draws, so to say: is told of each piece, and takes its changed bricks.
 class Audience {
  public:
   void add(std::shared_ptr<const PieceOrigin> origin, std::shared_ptr<BrickFeed> feed) {
@@ -76,7 +76,7 @@ class Audience {
     seen.origin = std::move(origin);
     seen.feed = std::move(feed);
   }
-  void look() {
+  void drain() {
     const std::lock_guard lock(mutex_);
     BrickEdit edit;
     for (auto& [id, seen] : seen_)
@@ -130,7 +130,7 @@ TEST(PieceMaker, WhatIsSeveredOnTheThreadIsCutMovedTakenBackAndReplayedBitForBit
   HapticOptions options = test::ordinaryHaptics();
   options.pieces.is_parallel = kParallel;
   options.pieces.pieces.crumb_mm3 = 0.4;
-  options.pieces.follow = [&](std::shared_ptr<const PieceOrigin> origin, std::shared_ptr<BrickFeed> feed) {
+  options.pieces.on_piece = [&](std::shared_ptr<const PieceOrigin> origin, std::shared_ptr<BrickFeed> feed) {
     audience.add(std::move(origin), std::move(feed));
   };
   Sawyer sawyer({-0.7, 1.4, -2.05, 1.6});
@@ -141,7 +141,7 @@ TEST(PieceMaker, WhatIsSeveredOnTheThreadIsCutMovedTakenBackAndReplayedBitForBit
   ASSERT_TRUE(haptic.start(device, {}, &*recorder));
   const auto holds = [&](const std::function<bool(const HapticReport&)>& what) {
     return becomes(haptic, [&](const HapticReport& r) {
-      audience.look();
+      audience.drain();
       return what(r);
     });
   };
@@ -150,33 +150,33 @@ TEST(PieceMaker, WhatIsSeveredOnTheThreadIsCutMovedTakenBackAndReplayedBitForBit
     EXPECT_TRUE(holds([&](const HapticReport&) { return sawyer.rests(); }));
   };
   std::uint64_t sent = 0;
-  const auto send = [&](const char* command) {
+  const auto send = [&](const Command& command) {
     EXPECT_TRUE(haptic.send(command));
     ++sent;
-    EXPECT_TRUE(holds([&](const HapticReport& r) { return r.counts.commands_done == sent; })) << command;
+    EXPECT_TRUE(holds([&](const HapticReport& r) { return r.counts.commands_done == sent; })) << printCommand(command);
   };
   saw();
   EXPECT_TRUE(holds([](const HapticReport& r) { return r.object_count == 2; }));
   // Numbers are places in the scene; ids stay.
   EXPECT_EQ(haptic.report().objects[0].id, 1u);
   EXPECT_EQ(haptic.report().objects[1].id, 2u);
-  send("object.move 1 0 0.05 0 1 0 0 0");
+  send(MoveObject{1, {0, 0.05, 0}, {1, 0, 0, 0}});
   EXPECT_EQ(haptic.report().objects[1].T_world_object.translation[1], 0.05);
   saw();  // the larger one, which is object 0
   EXPECT_TRUE(holds([](const HapticReport& r) { return r.object_count == 3; }));
   saw();  // the one that was moved leaves a crumb or a piece
   EXPECT_TRUE(holds([](const HapticReport& r) { return r.counts.pieces.splits + r.counts.pieces.crumbs >= 3; }));
-  send("undo");
-  send("undo");  // the second cut, and the split with it
+  send(Undo{});
+  send(Undo{});  // the second cut, and the split with it
   EXPECT_TRUE(holds([](const HapticReport& r) { return r.object_count == 2; }));
   EXPECT_EQ(haptic.report().objects[0].id, 1u);
-  send("redo");
+  send(Redo{});
   EXPECT_TRUE(holds([](const HapticReport& r) { return r.object_count == 3; }));
-  send("undo");
-  saw();  // another one instead: what was to be redone is gone, and who followed it
+  send(Undo{});
+  saw();  // another one instead: what was to be redone is gone, and its subscriber
   EXPECT_TRUE(holds([](const HapticReport& r) { return r.counts.pieces.splits + r.counts.pieces.crumbs >= 4; }));
   haptic.stop();
-  audience.look();
+  audience.drain();
   ASSERT_TRUE(recorder->close());
   haptic.update();
   const HapticReport& report = haptic.report();
@@ -210,7 +210,7 @@ TEST(PieceMaker, WhatIsSeveredOnTheThreadIsCutMovedTakenBackAndReplayedBitForBit
   EXPECT_EQ(again->state_hash, fmt::format("{:016x}", haptic.session().hash()));
 }
 
-TEST(PieceMaker, AHeldObjectIsFeltAndNotCutAndNothingIsTakenBack) {
+TEST(PieceMaker, AFrozenObjectIsFeltAndNotCutAndNothingIsTakenBack) {
   Model model = ball();
   model.settings.geometry_only = false;
   Session session(model, {bar()}, {Eigen::Quaterniond::Identity(), {0, 0, 0.1}});
@@ -225,27 +225,28 @@ TEST(PieceMaker, AHeldObjectIsFeltAndNotCutAndNothingIsTakenBack) {
   };
   EXPECT_GT(press(0.2, 100), 0);
   const std::uint64_t before = session.state().objects[0].stateHash();
-  ASSERT_TRUE(session.apply("object.hold 0"));
+  ASSERT_TRUE(session.apply(FreezeObject{0}));
   EXPECT_EQ(press(0.3, 100), 0);
   EXPECT_GT(out.contact.force.norm(), 0.5);
   EXPECT_TRUE(out.status & kStepFrozen);
   EXPECT_EQ(session.state().objects[0].stateHash(), before);
-  for (const char* wrong : {"object.hold 0", "object.hold 1", "object.release 1", "undo", "redo", "pieces.split 0",
-                            "object.move 0 0 0 1 1 0 0 0"})
-    EXPECT_FALSE(session.apply(wrong)) << wrong;
-  ASSERT_TRUE(session.apply("add 11 0"));
+  for (const Command& wrong :
+       {Command(FreezeObject{0}), Command(FreezeObject{1}), Command(UnfreezeObject{1}), Command(Undo{}),
+        Command(Redo{}), Command(SplitObject{0}), Command(MoveObject{0, {0, 0, 1}, {1, 0, 0, 0}})})
+    EXPECT_FALSE(session.apply(wrong)) << printCommand(wrong);
+  ASSERT_TRUE(session.apply(AddMaterial{11, 0}));
   EXPECT_EQ(press(0.1, 10), 0);
   EXPECT_EQ(session.state().objects[0].stateHash(), before) << "nor filled";
-  ASSERT_TRUE(session.apply("add off"));
+  ASSERT_TRUE(session.apply(StopAdding{}));
   // A snapshot remembers.
   const auto bytes = packState(session.state(), {session.state().objects[0].sharedBaked()});
   const auto again = unpackState(bytes, {session.state().objects[0].sharedBaked()}, "here");
   ASSERT_TRUE(again);
   EXPECT_TRUE(again->objects[0].isFrozen());
-  ASSERT_TRUE(session.apply("object.release 0"));
+  ASSERT_TRUE(session.apply(UnfreezeObject{0}));
   EXPECT_GT(press(0.4, 100), 0);
   EXPECT_FALSE(out.status & kStepFrozen);
-  EXPECT_TRUE(session.apply("undo"));
+  EXPECT_TRUE(session.apply(Undo{}));
 }
 
 TEST(PieceMaker, CrumbsAreTakenAwayWithTheStrokeThatMadeThem) {
@@ -258,7 +259,7 @@ TEST(PieceMaker, CrumbsAreTakenAwayWithTheStrokeThatMadeThem) {
                  out);
   const double cut = session.state().objects[0].removed_mm3[static_cast<std::size_t>(Material::kDentin)];
   const std::uint32_t id = session.state().objects[0].id;
-  ASSERT_TRUE(session.apply("pieces.split 0 0.4"));
+  ASSERT_TRUE(session.apply(SplitObject{0, 0.4}));
   const CutObject& object = session.state().objects[0];
   EXPECT_EQ(session.state().objects.size(), 1u);
   EXPECT_EQ(object.id, id) << "the same object";
@@ -270,8 +271,8 @@ TEST(PieceMaker, CrumbsAreTakenAwayWithTheStrokeThatMadeThem) {
               now[static_cast<std::size_t>(Material::kDentin)], 1e-9);
   EXPECT_EQ(object.shellDefects(), 0u);
   EXPECT_LT(volumesOf(session.state().objects), nodes);
-  EXPECT_FALSE(session.apply("pieces.split 0 0.4"));
-  ASSERT_TRUE(session.apply("undo"));
+  EXPECT_FALSE(session.apply(SplitObject{0, 0.4}));
+  ASSERT_TRUE(session.apply(Undo{}));
   EXPECT_EQ(volumesOf(session.state().objects), nodes);
   EXPECT_EQ(session.state().objects[0].stateHash(), untouched);
 }
@@ -300,7 +301,7 @@ TEST(PieceMaker, StopsInTheMiddleOfASplitWithTheObjectAsItIsAndReplaysThat) {
     HapticOptions options = test::ordinaryHaptics();
     options.pieces.is_parallel = kParallel;
     std::atomic<bool> is_asked{false}, may_go_on{false};
-    options.pieces.severed = [&](std::uint32_t id) {
+    options.pieces.on_apart = [&](std::uint32_t id) {
       EXPECT_EQ(id, 0u);
       is_asked = true;
       while (!may_go_on) std::this_thread::sleep_for(1ms);
@@ -313,7 +314,7 @@ TEST(PieceMaker, StopsInTheMiddleOfASplitWithTheObjectAsItIsAndReplaysThat) {
     sawyer.next();
     EXPECT_TRUE(becomes(haptic, [&](const HapticReport& r) { return is_asked && (r.output.status & kStepFrozen); }));
     // Commands wait meanwhile.
-    EXPECT_TRUE(haptic.send("tool.select 0"));
+    EXPECT_TRUE(haptic.send(SelectTool{0}));
     const std::uint64_t since = haptic.report().tick;
     EXPECT_TRUE(becomes(haptic, [&](const HapticReport& r) { return r.tick > since + 50; }));
     EXPECT_EQ(haptic.report().counts.commands_done, 0u);
@@ -334,7 +335,7 @@ TEST(PieceMaker, StopsInTheMiddleOfASplitWithTheObjectAsItIsAndReplaysThat) {
   }
 }
 
-// What a follower saw and what a replay finds must give the same pieces, though another one's inside is air for this.
+// What a subscriber saw and what a replay finds must give the same pieces, though another one's inside is air for this.
 TEST(PieceMaker, MaterialAddedWhereAnotherPieceWasAndTakenBackLeavesNoTrace) {
   const auto object = test::block({12, 6, 6}, 0.1);  // large enough to have bricks wholly inside
   const BrickField& phi0 = object->phi0();
@@ -360,9 +361,9 @@ TEST(PieceMaker, MaterialAddedWhereAnotherPieceWasAndTakenBackLeavesNoTrace) {
       own.back().phi[static_cast<std::size_t>(n)] =
           std::max(own.back().phi[static_cast<std::size_t>(n)], 0.1f * static_cast<float>(n >> 6) + 0.05f);
   }
-  PieceFinder fresh(phi0, bricks), follower(phi0, bricks);
+  PieceFinder fresh(phi0, bricks), subscriber(phi0, bricks);
   fresh.apply(own);
-  follower.apply(own);
+  subscriber.apply(own);
   // Bricks of the other half, filled and emptied again.
   std::vector<BrickEdit> filled, emptied;
   for (const auto& slot : object->slots()) {
@@ -372,11 +373,11 @@ TEST(PieceMaker, MaterialAddedWhereAnotherPieceWasAndTakenBackLeavesNoTrace) {
     emptied.back().phi.fill(phi0.background());
   }
   ASSERT_FALSE(filled.empty());
-  follower.apply(filled);
-  follower.apply(emptied);
+  subscriber.apply(filled);
+  subscriber.apply(emptied);
   ASSERT_EQ(fresh.find().pieces.size(), 1u);
-  ASSERT_EQ(follower.find().pieces.size(), 1u);
-  const auto expected = bricksOfPieces(fresh, 1), found = bricksOfPieces(follower, 1);
+  ASSERT_EQ(subscriber.find().pieces.size(), 1u);
+  const auto expected = bricksOfPieces(fresh, 1), found = bricksOfPieces(subscriber, 1);
   EXPECT_EQ(found[0].bricks, expected[0].bricks);
   EXPECT_EQ(found[0].interior, expected[0].interior);
   EXPECT_EQ(found[0].changed.size(), expected[0].changed.size());

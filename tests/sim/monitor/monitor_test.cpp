@@ -118,8 +118,8 @@ TEST(Monitor, ANeighbourThatIsMovedIsFollowed) {
     const double t = 0.05 * n;
     const Rigid3 moved = at(-t, 0.3 * t, 0.4 * t, Eigen::Quaterniond(Eigen::AngleAxisd(0.2 * t, Vec3d::UnitY())));
     const Eigen::Quaterniond& q = moved.rotation;
-    ASSERT_TRUE(session.apply(fmt::format("object.move 1 {} {} {} {} {} {} {}", moved.translation[0],
-                                          moved.translation[1], moved.translation[2], q.w(), q.x(), q.y(), q.z())));
+    const Vec3d& p = moved.translation;
+    ASSERT_TRUE(session.apply(MoveObject{1, {p[0], p[1], p[2]}, {q.w(), q.x(), q.y(), q.z()}}));
     session.tick(sample, output);
     monitor->tick(sample, output, session.state().objects);
     const double exact = row.distance(1, output.T_world_tool * Vec3d(0, 0, kRadius), moved) - kRadius;

@@ -47,10 +47,10 @@ Recorded record(const std::filesystem::path& path, const LoadedObjects& objects)
   Recorded recorded;
   for (std::size_t n = 0; n < 2; ++n) recorded.removed[n] = removedOf(session.state().objects[n]);
   for (int n = 0; n < 400; ++n) go(4.5, -0.3 + 0.002 * n, 0);
-  EXPECT_TRUE(session.apply("object.move 1 0.3 0.2 0.1 0.9998000066665778 0 0.01999866669333308 0"));
+  EXPECT_TRUE(session.apply(MoveObject{1, {0.3, 0.2, 0.1}, {0.9998000066665778, 0, 0.01999866669333308, 0}}));
   for (int n = 0; n < 700; ++n) go(4.5, 0.5 - 0.0012 * n, 1);
   for (int n = 0; n < 400; ++n) go(4.5, -0.3 + 0.002 * n, 0);
-  EXPECT_TRUE(session.apply("undo"));
+  EXPECT_TRUE(session.apply(Undo{}));
   for (int n = 0; n < 700; ++n) go(4.1, 0.5 - 0.0012 * n, 1);
   session.finish();
   EXPECT_TRUE(sink.close());

@@ -81,7 +81,7 @@ TEST(SessionPieces, EverythingInsideIsInExactlyOnePieceOrCrumb) {
   const BrickField all = objects[0].field();
   PieceFinder finder(all);
   const SolidMeasure whole = finder.find().whole;
-  ASSERT_TRUE(session.apply("pieces.split 0 0.4"));
+  ASSERT_TRUE(session.apply(SplitObject{0, 0.4}));
   ASSERT_EQ(objects.size(), 2u);
   EXPECT_GE(session.crumbs().count, 1u);
   SolidMeasure parts = session.crumbs().measure;
@@ -92,8 +92,8 @@ TEST(SessionPieces, EverythingInsideIsInExactlyOnePieceOrCrumb) {
     parts.add(alone.find().whole);
   }
   EXPECT_EQ(parts, whole);  // whole numbers: to the last bit
-  EXPECT_FALSE(session.apply("pieces.split 0"));
-  EXPECT_FALSE(session.apply("pieces.split 1"));
+  EXPECT_FALSE(session.apply(SplitObject{0}));
+  EXPECT_FALSE(session.apply(SplitObject{1}));
 }
 
 TEST(SessionPieces, APieceThatIsMovedAwayIsCutThereAndNoLongerHere) {
@@ -103,7 +103,7 @@ TEST(SessionPieces, APieceThatIsMovedAwayIsCutThereAndNoLongerHere) {
   const std::vector<CutObject>& objects = session.state().objects;
   ASSERT_EQ(objects.size(), 2u);
   // A quarter turn about z, ten millimetres up.
-  ASSERT_TRUE(session.apply("object.move 1 0 0 10 0.7071067811865476 0 0 0.7071067811865476"));
+  ASSERT_TRUE(session.apply(MoveObject{1, {0, 0, 10}, {0.7071067811865476, 0, 0, 0.7071067811865476}}));
   const std::uint64_t before = objects[1].stateHash();
   sever(session, -2.2);
   EXPECT_EQ(objects[1].stateHash(), before) << "cut where it no longer is";
@@ -117,12 +117,21 @@ TEST(SessionPieces, APieceThatIsMovedAwayIsCutThereAndNoLongerHere) {
   EXPECT_GT(removed, 0.05);
   EXPECT_NE(objects[1].stateHash(), before);
   // And back: poses are undone with their strokes.
-  ASSERT_TRUE(session.apply("undo"));
+  ASSERT_TRUE(session.apply(Undo{}));
   EXPECT_EQ(objects[1].stateHash(), before);
-  for (const char* bad : {"object.move 2 0 0 0 1 0 0 0", "object.move 0 0 0 0 2 0 0 0", "object.move 0 0 0 0 1 0 0",
-                          "object.move 0 nan 0 0 1 0 0 0", "object.move 0 1e9 0 0 1 0 0 0", "pieces.split 9",
-                          "pieces.split 0", "add 11 7", "add 200", "add 0 0"})
-    EXPECT_FALSE(session.apply(bad)) << bad;
+  const double nan = std::nan("");
+  const Command bad[] = {MoveObject{2, {0, 0, 0}, {1, 0, 0, 0}},
+                         MoveObject{0, {0, 0, 0}, {2, 0, 0, 0}},
+                         MoveObject{0, {0, 0, 0}, {nan, 0, 0, 0}},
+                         MoveObject{0, {nan, 0, 0}, {1, 0, 0, 0}},
+                         MoveObject{0, {1e9, 0, 0}, {1, 0, 0, 0}},
+                         SplitObject{9},
+                         SplitObject{0},
+                         SplitObject{0, -1.0},
+                         SplitObject{0, nan},
+                         AddMaterial{11, 7},
+                         AddMaterial{0, 0}};
+  for (const Command& command : bad) EXPECT_FALSE(session.apply(command)) << printCommand(command);
 }
 
 TEST(SessionPieces, UndoOfTheStrokeThatSeveredMakesItWholeAgain) {
@@ -137,16 +146,16 @@ TEST(SessionPieces, UndoOfTheStrokeThatSeveredMakesItWholeAgain) {
   ASSERT_EQ(objects.size(), 2u);
   const std::uint64_t first = objects[0].stateHash(), second = objects[1].stateHash();
   const auto severed = sum(objects);
-  ASSERT_TRUE(session.apply("undo"));
+  ASSERT_TRUE(session.apply(Undo{}));
   ASSERT_EQ(objects.size(), 1u);
   EXPECT_EQ(objects[0].stateHash(), notched);
   EXPECT_EQ(objects[0].shellDefects(), 0u);
-  ASSERT_TRUE(session.apply("undo"));
+  ASSERT_TRUE(session.apply(Undo{}));
   EXPECT_EQ(objects[0].stateHash(), untouched);
   EXPECT_EQ(sum(objects), volumes);
-  ASSERT_TRUE(session.apply("redo"));
-  ASSERT_TRUE(session.apply("redo"));
-  EXPECT_FALSE(session.apply("redo"));
+  ASSERT_TRUE(session.apply(Redo{}));
+  ASSERT_TRUE(session.apply(Redo{}));
+  EXPECT_FALSE(session.apply(Redo{}));
   ASSERT_EQ(objects.size(), 2u);
   EXPECT_EQ(objects[0].stateHash(), first);
   EXPECT_EQ(objects[1].stateHash(), second);
@@ -156,21 +165,21 @@ TEST(SessionPieces, UndoOfTheStrokeThatSeveredMakesItWholeAgain) {
 TEST(SessionPieces, TwoObjectsComeApartInOneTickAndUndoMakesBothWhole) {
   const auto block = test::block({2, 2, 1}, 0.1);
   Session session(ball(), {block, block}, at(0, -1.8, -1.15));
-  ASSERT_TRUE(session.apply("object.move 1 0 2.1 0 1 0 0 0"));  // one behind the other
+  ASSERT_TRUE(session.apply(MoveObject{1, {0, 2.1, 0}, {1, 0, 0, 0}}));  // one behind the other
   session.splitWhenApart(1 << 30);
   sever(session, 0, -1.8, 3.9);
-  ASSERT_TRUE(session.apply("pieces.split 1"));
-  ASSERT_TRUE(session.apply("pieces.split 0"));
+  ASSERT_TRUE(session.apply(SplitObject{1}));
+  ASSERT_TRUE(session.apply(SplitObject{0}));
   const std::vector<CutObject>& objects = session.state().objects;
   ASSERT_EQ(objects.size(), 4u);
   const std::uint64_t hash = session.hash();
   // Material for one that is not there any more is material for none.
-  ASSERT_TRUE(session.apply("add 11 3"));
-  ASSERT_TRUE(session.apply("undo"));
+  ASSERT_TRUE(session.apply(AddMaterial{11, 3}));
+  ASSERT_TRUE(session.apply(Undo{}));
   EXPECT_EQ(objects.size(), 2u);
   EXPECT_EQ(session.state().adds, Material::kNone);
   for (const CutObject& object : objects) EXPECT_EQ(object.changedField().brickCount(), 0u);
-  ASSERT_TRUE(session.apply("redo"));
+  ASSERT_TRUE(session.apply(Redo{}));
   EXPECT_EQ(session.hash(), hash);
 }
 
@@ -180,14 +189,14 @@ TEST(SessionPieces, ASplitAfterAStrokeHasEndedIsUndoneAlone) {
   sever(session, -0.7);
   static_cast<void>(session.snapshot());
   const std::uint64_t severed = session.state().objects[0].stateHash();
-  ASSERT_TRUE(session.apply("pieces.split 0"));
+  ASSERT_TRUE(session.apply(SplitObject{0}));
   ASSERT_EQ(session.state().objects.size(), 2u);
-  ASSERT_TRUE(session.apply("undo"));
+  ASSERT_TRUE(session.apply(Undo{}));
   ASSERT_EQ(session.state().objects.size(), 1u);
   EXPECT_EQ(session.state().objects[0].stateHash(), severed);
 }
 
-TEST(SessionPieces, APieceOfAnObjectWhoseShellsWaitForRoomHasItsOwn) {
+TEST(SessionPieces, APieceOfAnObjectWhoseShellsWaitForBricksHasItsOwn) {
   const Model model = ball();
   State state;
   state.objects.emplace_back(bar(), 512);
@@ -195,7 +204,7 @@ TEST(SessionPieces, APieceOfAnObjectWhoseShellsWaitForRoomHasItsOwn) {
   StepOutput out;
   for (int n = 0; n <= 720; ++n) step(model, state, test::sampleAt(at(0, -1.8 + 3.6 * n / 720, -1.15)), out);
   ASSERT_EQ(out.status & kStepBricksRanOut, 0u);
-  // Changed once more, and not repaired: as after a tick that ran out of room.
+  // Changed once more, and not repaired: as after a tick that ran out of bricks.
   for (int s = 0; s < object.slotCount(); ++s)
     if (!object.slot(s).own && object.slot(s).shell_count > 0 && object.freeBricks() > 0) {
       float* const phi = object.write(s);
@@ -252,11 +261,11 @@ TEST(SessionPieces, APieceOutOfABlankIsTheSameAsOneMadeAnew) {
     return finder;
   };
   // Two blanks, of three pieces the last is made anew; and again in what is left of the memory for the lists.
-  PiecePool room;
-  const auto split = [&](const CutObject& object, std::size_t count, bool in_room) {
+  PiecePool pool;
+  const auto split = [&](const CutObject& object, std::size_t count, bool in_pool) {
     const auto finder = finderOf(object);
-    if (in_room) room.reserve(loaded, *finder, 512);
-    return std::move(makePieces(object, *finder, 7, count, in_room ? &room : nullptr)->parts);
+    if (in_pool) pool.reserve(loaded, *finder, 512);
+    return std::move(makePieces(object, *finder, 7, count, in_pool ? &pool : nullptr)->parts);
   };
   const auto expectSame = [](const Split& a, const Split& b) {
     ASSERT_EQ(a.held.size(), b.held.size());
@@ -304,12 +313,12 @@ TEST(SessionPieces, ReplayComesApartInTheSamePlaceBitForBit) {
   sever(session, 2.2);
   ASSERT_EQ(session.crumbs().count, 1u);
   sever(session, -0.7);
-  ASSERT_TRUE(session.apply("object.move 1 0 0.5 0.1 1 0 0 0"));
+  ASSERT_TRUE(session.apply(MoveObject{1, {0, 0.5, 0.1}, {1, 0, 0, 0}}));
   sever(session, -2);
-  ASSERT_TRUE(session.apply("undo"));
-  ASSERT_TRUE(session.apply("add 11 0"));
+  ASSERT_TRUE(session.apply(Undo{}));
+  ASSERT_TRUE(session.apply(AddMaterial{11, 0}));
   sever(session, 0.4);
-  ASSERT_TRUE(session.apply("add off"));
+  ASSERT_TRUE(session.apply(StopAdding{}));
   session.finish();
   ASSERT_TRUE(sink.close());
   const auto log = readSessionLog(file.path());

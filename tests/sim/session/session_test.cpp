@@ -1,5 +1,6 @@
 #include "sim/session/session.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
@@ -46,23 +47,23 @@ TEST(Session, UndoTakesBackAStrokeBitForBitAndRedoBringsItBack) {
     ASSERT_NE(states.back(), states[states.size() - 2]);
   }
   for (int n = 2; n >= 0; --n) {
-    ASSERT_TRUE(session.apply("undo"));
+    ASSERT_TRUE(session.apply(Undo{}));
     EXPECT_EQ(field(), states[static_cast<std::size_t>(n)]);
     EXPECT_NEAR(removed(), volumes[static_cast<std::size_t>(n)], 1e-9);
     EXPECT_EQ(session.state().objects[0].shellDefects(), 0u);
   }
-  EXPECT_FALSE(session.apply("undo"));
+  EXPECT_FALSE(session.apply(Undo{}));
   for (std::size_t n = 1; n <= 3; ++n) {
-    ASSERT_TRUE(session.apply("redo"));
+    ASSERT_TRUE(session.apply(Redo{}));
     EXPECT_EQ(field(), states[n]);
     EXPECT_NEAR(removed(), volumes[n], 1e-9);
   }
-  EXPECT_FALSE(session.apply("redo"));
+  EXPECT_FALSE(session.apply(Redo{}));
   // After an undo a new stroke ends what could be redone.
-  ASSERT_TRUE(session.apply("undo"));
+  ASSERT_TRUE(session.apply(Undo{}));
   dab(session, 1.2, 0.4);
-  EXPECT_FALSE(session.apply("redo"));
-  ASSERT_TRUE(session.apply("undo"));
+  EXPECT_FALSE(session.apply(Redo{}));
+  ASSERT_TRUE(session.apply(Undo{}));
   EXPECT_EQ(field(), states[2]);
 }
 
@@ -79,7 +80,7 @@ TEST(Session, WhatTheToolCutsWhileItRunsDownBelongsToItsStroke) {
     coasting += out.removed_mm3;
   }
   EXPECT_GT(coasting, 0);
-  ASSERT_TRUE(session.apply("undo"));
+  ASSERT_TRUE(session.apply(Undo{}));
   EXPECT_EQ(session.state().objects[0].stateHash(), untouched);
 }
 
@@ -91,19 +92,18 @@ TEST(Session, OneUndoTakesBackOneStrokeWhateverObjectItWasOn) {
   dab(session, 10, 0.5);
   const auto hash = [&](std::size_t n) { return session.state().objects[n].stateHash(); };
   const std::uint64_t first = hash(0), second = hash(1);
-  ASSERT_TRUE(session.apply("undo"));
+  ASSERT_TRUE(session.apply(Undo{}));
   EXPECT_EQ(hash(0), first);
   EXPECT_NE(hash(1), second);
-  ASSERT_TRUE(session.apply("redo"));
+  ASSERT_TRUE(session.apply(Redo{}));
   EXPECT_EQ(hash(1), second);
 }
 
-TEST(Session, RefusesCommandsThatMeanNothing) {
+TEST(Session, RefusesCommandsThatThereIsNothingToDoTo) {
   Session session(twoBalls(), {test::block({3, 3, 1}, 0.1)}, at(0, 0, 0.3));
-  for (const char* command :
-       {"", "undo", "redo", "tool.select", "tool.select 2", "tool.select -1", "tool.select 1x", "fly"})
-    EXPECT_FALSE(session.apply(command)) << command;
-  EXPECT_TRUE(session.apply("tool.select 1"));
+  for (const Command& command : {Command(Undo{}), Command(Redo{}), Command(SelectTool{2})})
+    EXPECT_FALSE(session.apply(command)) << printCommand(command);
+  EXPECT_TRUE(session.apply(SelectTool{1}));
 }
 
 struct Recorded {
@@ -119,16 +119,16 @@ Recorded record(const std::filesystem::path& file, const std::shared_ptr<const B
   Session session(twoBalls(), {block}, at(-1.5, 0.1, 0.3), &sink);
   dab(session, -1.5, 0.6);
   dab(session, -0.5, 0.5);
-  EXPECT_TRUE(session.apply("undo"));
-  EXPECT_TRUE(session.apply("tool.select 1"));
+  EXPECT_TRUE(session.apply(Undo{}));
+  EXPECT_TRUE(session.apply(SelectTool{1}));
   dab(session, 0.5, 0.4);
   StepOutput out;
   DeviceSample bad = test::sampleAt(at(0, 0, 0));
   bad.pedal = 3;
   session.tick(bad, out);
-  EXPECT_TRUE(session.apply("latch.clear"));
+  EXPECT_TRUE(session.apply(ClearLatch{}));
   for (int n = 0; n < 6; ++n) dab(session, 1.5 - 0.3 * n, 0.3);
-  EXPECT_TRUE(session.apply("undo"));
+  EXPECT_TRUE(session.apply(Undo{}));
   session.finish();
   EXPECT_TRUE(sink.close());
   return {file, session.hash()};
@@ -191,7 +191,7 @@ TEST(Session, AHeaderWithoutItsNumbersIsRefusedByName) {
 // Takes everything and keeps the numbers.
 struct CountingSink final : SessionSink {
   void sample(const DeviceSample&, std::uint64_t) noexcept override { ++samples; }
-  void command(std::string_view, std::uint64_t) noexcept override { ++commands; }
+  void command(const Command&, std::uint64_t) noexcept override { ++commands; }
   void mark(StrokeMark, std::uint64_t) noexcept override { ++marks; }
   void check(const StateCheck& check, std::uint64_t) noexcept override {
     ++checks;
@@ -206,31 +206,39 @@ TEST(Session, AStepItsStrokesAndCommandsNeitherAllocateNorFree) {
   Session session(twoBalls(), {test::block({6, 4, 2}, 0.1)}, at(-1.5, 0.1, 0.3), &sink);
   StepOutput out;
   std::uint64_t hash = 0;
-  int undone = 0;
+  int undone = 0, others_done = 0;
   {
     const AllocationGuard guard;
     for (int n = 0; n < 4000; ++n) {
       const double a = 0.003 * n;
       const Rigid3 pose = at(2 * std::sin(a), std::cos(1.7 * a), 0.2 - 0.8 * std::abs(std::sin(3 * a)));
       session.step(test::sampleAt(pose, n % 500 < 400), out);
-      if (n % 900 == 700) undone += session.applyWithin("undo") && session.repair();
+      if (n % 900 == 700) undone += session.applyWithin(Undo{}) && session.repair();
       if (n % 900 == 705) {
-        session.applyWithin("redo");
+        session.applyWithin(Redo{});
         session.repair();
       }
-      if (n == 2000) session.applyWithin("tool.select 1");
+      if (n == 2000) session.applyWithin(SelectTool{1});
     }
+    // And every other command that a HapticThread may do between two ticks.
+    others_done += session.applyWithin(AddMaterial{11, 0});
+    others_done += session.applyWithin(StopAdding{});
+    others_done += session.applyWithin(MoveObject{0, {-1.0 / 3, 1e-300, 0.1}, {1, 0, 0, 1e-12}});
+    others_done += session.applyWithin(FreezeObject{0});
+    others_done += session.applyWithin(UnfreezeObject{0});
+    others_done += session.applyWithin(ClearLatch{});
     hash = session.object(0).hashNow();
   }
   EXPECT_EQ(sink.samples, 4000);
   EXPECT_EQ(sink.marks, 22);  // eight strokes, three of them ended by an undo and begun again
   EXPECT_EQ(sink.checks, 4);
   EXPECT_EQ(undone, 4);
-  EXPECT_EQ(sink.commands, 6);  // one redo: none while a stroke is under way
+  EXPECT_EQ(others_done, 6);
+  EXPECT_EQ(sink.commands, 6 + others_done);  // one redo: none while a stroke is under way
   EXPECT_EQ(hash, session.state().objects[0].stateHash());
 }
 
-// What a check in the log says is what a look at the whole state says.
+// What a check in the log says is what hashing the whole state says.
 TEST(Session, ChecksAreTheHashOfTheWholeState) {
   CountingSink sink;
   Session session(twoBalls(), {test::block({6, 4, 2}, 0.1)}, at(-1.5, 0.1, 0.3), &sink);

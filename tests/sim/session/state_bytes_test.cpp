@@ -31,15 +31,15 @@ struct Scene {
   Scene() {
     session.splitWhenApart(5);
     StepOutput out;
-    session.apply("object.move 1 0 0 5 1 0 0 0");
+    session.apply(MoveObject{1, {0, 0, 5}, {1, 0, 0, 0}});
     for (int n = 0; n <= 2400; ++n)
       session.tick(test::sampleAt(at(0.3, -1.8 + 3.6 * n / 2400, -1.15), n < 2400 ? 1 : 0), out);
-    session.apply("object.move 2 1 0 0.5 1 0 0 0");
-    session.apply("add 11 0");
+    session.apply(MoveObject{2, {1, 0, 0.5}, {1, 0, 0, 0}});
+    session.apply(AddMaterial{11, 0});
     for (int n = 0; n <= 200; ++n)
       session.tick(test::sampleAt(at(-1 - 0.005 * n, 0.8 - 0.005 * n, -0.2), n < 200), out);
-    session.apply("add off");
-    session.apply("tool.select 1");
+    session.apply(StopAdding{});
+    session.apply(SelectTool{1});
     for (int n = 0; n <= 600; ++n)
       session.tick(test::sampleAt(at(-2 - 0.001 * n, 0, std::max(-0.4, 0.6 - 0.002 * n))), out);
   }
@@ -88,11 +88,11 @@ TEST(StateBytes, AReplayBeginsAtASnapshotAndEndsTheSame) {
     }
   };
   for (const double x : {-1.5, -1.1, -0.6, 0.2}) dab(x);  // snapshots before the third of them
-  ASSERT_TRUE(session.apply("undo"));
+  ASSERT_TRUE(session.apply(Undo{}));
   dab(0.9);
-  ASSERT_TRUE(session.apply("undo"));
-  ASSERT_TRUE(session.apply("undo"));
-  ASSERT_TRUE(session.apply("undo"));  // the second dab: behind every snapshot but the one at its beginning, if any
+  ASSERT_TRUE(session.apply(Undo{}));
+  ASSERT_TRUE(session.apply(Undo{}));
+  ASSERT_TRUE(session.apply(Undo{}));  // the second dab: behind every snapshot but the one at its beginning, if any
   dab(1.4);
   dab(2);
   session.finish();

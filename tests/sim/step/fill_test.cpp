@@ -72,9 +72,9 @@ TEST(Fill, ACavityFilledUpIsWholeAgainAndOfTheFillingsMaterial) {
   const double removed = object.removed_mm3[kDentin];
   ASSERT_GT(removed, 0.3);
   const std::uint64_t drilled = object.stateHash();
-  ASSERT_TRUE(session.apply("add 11 0"));
+  ASSERT_TRUE(session.apply(AddMaterial{11, 0}));
   dip(1.02);
-  ASSERT_TRUE(session.apply("add off"));
+  ASSERT_TRUE(session.apply(StopAdding{}));
 
   // All of the cavity, and what the ball covers above and beside it.
   EXPECT_GT(object.added_mm3[kComposite], removed);
@@ -87,15 +87,15 @@ TEST(Fill, ACavityFilledUpIsWholeAgainAndOfTheFillingsMaterial) {
   expectLedgerBalances(object);
 
   // Undo goes back over filling and drilling alike.
-  ASSERT_TRUE(session.apply("undo"));
-  ASSERT_TRUE(session.apply("undo"));
+  ASSERT_TRUE(session.apply(Undo{}));
+  ASSERT_TRUE(session.apply(Undo{}));
   EXPECT_EQ(object.stateHash(), drilled);
   EXPECT_EQ(object.removed_mm3[kDentin], removed);
   EXPECT_EQ(object.added_mm3[kComposite], 0);
-  ASSERT_TRUE(session.apply("undo"));
+  ASSERT_TRUE(session.apply(Undo{}));
   EXPECT_EQ(object.stateHash(), untouched);
-  EXPECT_FALSE(session.apply("undo"));
-  for (int n = 0; n < 3; ++n) ASSERT_TRUE(session.apply("redo"));
+  EXPECT_FALSE(session.apply(Undo{}));
+  for (int n = 0; n < 3; ++n) ASSERT_TRUE(session.apply(Redo{}));
   expectLedgerBalances(object);
 }
 
@@ -103,7 +103,7 @@ TEST(Fill, WhileItAddsTheToolIsNotFeltAndAfterwardsItFadesIn) {
   Model model = oneBall(0.5);
   model.settings.rendering = Rendering::kCoupled;
   Session session(std::move(model), {test::block({4, 4, 2}, 0.1)}, at(0, 0, 0.6));
-  ASSERT_TRUE(session.apply("add 11 0"));
+  ASSERT_TRUE(session.apply(AddMaterial{11, 0}));
   StepOutput out;
   for (int n = 0; n < 900; ++n) {
     session.tick(test::sampleAt(at(0, 0, std::max(0.6 - 0.001 * n, -0.2))), out);
@@ -113,7 +113,7 @@ TEST(Fill, WhileItAddsTheToolIsNotFeltAndAfterwardsItFadesIn) {
   EXPECT_GT(session.state().objects[0].added_mm3[kComposite], 0.5);
   EXPECT_EQ(session.state().objects[0].removed_mm3[kDentin], 0);
   // It sits in what it added: now that is hard, and the hand must not be struck.
-  ASSERT_TRUE(session.apply("add off"));
+  ASSERT_TRUE(session.apply(StopAdding{}));
   session.tick(test::sampleAt(at(0, 0, -0.2), 0), out);
   EXPECT_GT(out.normal_load, 0.5);
   EXPECT_LT(out.force.force.norm(), 0.1);
