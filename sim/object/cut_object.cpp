@@ -149,15 +149,6 @@ float* CutObject::write(int s) noexcept {
   return slot.own;
 }
 
-std::uint8_t CutObject::facesOf(const internal::NodeBits& nodes) noexcept {
-  std::uint64_t any = 0;
-  for (const std::uint64_t slab : nodes) any |= slab;
-  constexpr std::uint64_t kRow = 0xff, kLow = 0x0101010101010101;
-  return static_cast<std::uint8_t>((nodes.front() != 0) | (nodes.back() != 0) << 1 | ((any & kRow) != 0) << 2 |
-                                   ((any & kRow << 56) != 0) << 3 | ((any & kLow) != 0) << 4 |
-                                   ((any & kLow << 7) != 0) << 5);
-}
-
 std::uint8_t* CutObject::writeMaterials(int s) noexcept {
   Slot& slot = slots_[static_cast<std::size_t>(s)];
   assert(slot.version && slot.version->stroke == stroke_);

@@ -9,6 +9,7 @@
 #include <memory>
 #include <vector>
 
+#include "sim/object/brick_faces.h"
 #include "sim/object/brick_feed.h"
 #include "sim/object/brick_pool.h"
 #include "sim/object/piece_bricks.h"
@@ -18,6 +19,9 @@ namespace kerf {
 
 /// Objects a scene can hold; what would come apart into more stays in one.
 inline constexpr std::size_t kMostObjects = 64;
+
+/// Who is told of changed bricks.
+enum class BrickSubscriber : std::uint8_t { kMesher, kPieces };
 
 class CutObject {
  public:
@@ -63,8 +67,10 @@ class CutObject {
   std::uint32_t id = 0;   ///< of this object for good, whatever its place in the scene: see State::next_id
   void moveTo(const Rigid3& pose) noexcept {
     T_world_object = pose;
-    odometer += 1e6;
+    wake();
   }
+  /// Wakes all bricks: see `odometer`. @rt
+  void wake() noexcept { odometer += 1e6; }
 
   /// Held: neither cut nor filled, so that another thread may read values, materials and shells. It is felt as ever.
   bool isFrozen() const noexcept { return is_frozen_; }
@@ -116,7 +122,6 @@ class CutObject {
   /// The values of a brick to write into, copied at the first time in a stroke; null when no room is left. Marks it
   /// dirty, and all of its faces changed: a caller that knows better says so in `changed_faces`. @rt
   float* write(int slot) noexcept;
-  static constexpr std::uint8_t kAllFaces = 63;
   /// The numbers of a brick to write into, copied at the first time. @pre write() gave its values. @rt
   std::uint8_t* writeMaterials(int slot) noexcept;
   /// A brick of air that shall take material: its slot, all outside. -1: it lies farther out than kAirAround, or
@@ -124,11 +129,6 @@ class CutObject {
   int addAir(const Vec3i& brick) noexcept;
   /// Bricks of air that can be made solid during a session: 16384, some 8 cm^3 at 0.1 mm, 1 cm^3 at 0.05 mm.
   static constexpr int kMostAdded = 1 << 14;
-  /// The faces on which two bricks of values differ; those that have one of these nodes. @rt
-  static std::uint8_t facesThatDiffer(const float* a, const float* b) noexcept {
-    return facesOf(internal::differingNodes(a, b));
-  }
-  static std::uint8_t facesOf(const internal::NodeBits& nodes) noexcept;
   /// Puts in place what is left of a brick, every value at least what it was: ledger, hash and sleep follow, its shell
   /// with the next repair().  @param least  of `values`.  @param removed_mm3  what is gone is added to it, node by
   /// node. False: no room, and nothing has changed. @rt
@@ -198,6 +198,31 @@ class CutObject {
     watch_.resize(kept);
   }
   bool isWatchDirty() const noexcept { return !watch_.empty(); }
+
+  // The parts by the names they are about to have.
+  const CutObject& bricks() const noexcept { return *this; }
+  CutObject& memory() noexcept { return *this; }
+  const CutObject& memory() const noexcept { return *this; }
+  CutObject& strokes() noexcept { return *this; }
+  const CutObject& strokes() const noexcept { return *this; }
+  bool isOpen() const noexcept { return isInStroke(); }
+  LinkedList<BrickVersion> end() noexcept { return endStroke(); }
+  struct Changes {
+    CutObject& object;
+    bool is_mesher;
+    template <class Take>
+    void take(const Take& taker) const noexcept {
+      if (is_mesher)
+        object.exportDirty(taker);
+      else
+        object.watchDirty(taker);
+    }
+    bool isEmpty() const noexcept { return count() == 0; }
+    std::size_t count() const noexcept { return is_mesher ? object.export_.size() : object.watch_.size(); }
+    BrickFeed* feed() const noexcept { return is_mesher ? object.feed : object.watch_feed; }
+    void setFeed(BrickFeed* to) const noexcept { (is_mesher ? object.feed : object.watch_feed) = to; }
+  };
+  Changes changes(BrickSubscriber who) noexcept { return {*this, who == BrickSubscriber::kMesher}; }
 
   bool isPiece() const { return is_piece_; }
   /// The whole field as it is now. Allocates, 2 KB a brick.

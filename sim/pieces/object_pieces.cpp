@@ -7,6 +7,7 @@
 #include "sim/object/for_each.h"
 #include "sim/object/huge_pages.h"
 #include "sim/pieces/cut_size.h"
+#include "sim/pieces/make_piece.h"
 
 namespace kerf {
 
@@ -33,7 +34,7 @@ void PiecePool::reserve(const std::shared_ptr<const BakedObject>& baked, const P
   const std::size_t a_cut = internal::bricksOfACut(baked->slots().size());
   const std::size_t wanted = bricks + edited + 1024, more = wanted + std::max<std::size_t>(a_cut, 512);
   for (std::unique_ptr<CutObject>& blank : blanks) {
-    if (!blank) blank = std::make_unique<CutObject>(CutObject::blank(baked, more));
+    if (!blank) blank = std::make_unique<CutObject>(blankPiece(baked, more));
     if (blank->freeBricks() < wanted && !blank->reserve(more - blank->freeBricks())) throw std::bad_alloc();
   }
   for (std::vector<BrickEdit>& cut : cuts)
@@ -71,7 +72,7 @@ std::unique_ptr<ObjectPieces> makePieces(const CutObject& whole, PieceFinder& fi
   std::vector<std::optional<CutObject>> made(count);
   out->origins.resize(count);
   internal::forEach(count, is_parallel, [&](std::size_t n) {
-    CutObject& part = made[n].emplace(CutObject::piece(
+    CutObject& part = made[n].emplace(makePiece(
         whole, bricks[n], room && n < room->blanks.size() ? std::move(room->blanks[n]) : nullptr, is_parallel));
     part.id = first_id + static_cast<std::uint32_t>(n);
     auto origin = std::make_shared<PieceOrigin>();

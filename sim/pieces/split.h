@@ -21,8 +21,10 @@ struct Split {
     TrackedState tracked;
   };
   std::size_t index = 0, parts = 0;
-  std::vector<Part> held;   // the whole while it is split, the parts while that is taken back
-  std::vector<Part> spare;  // room for the others
+  /// The objects of this split that are not in the scene: the whole while it is split, else its parts.
+  std::vector<Part> out_of_scene;
+  /// Empty, its memory reserved: takes what leaves the scene when the two change places.
+  std::vector<Part> for_exchange;
   std::unique_ptr<Split> next;
 };
 
