@@ -74,10 +74,10 @@ PieceMaker::Subscriber& PieceMaker::follow(std::uint32_t id, CutObject& object,
   if (!spare_subscribers_.empty()) spare_subscribers_.pop_back();
   Subscriber& f = *subscribers_.emplace_back(std::move(made));
   f.id = id;
-  f.baked = object.sharedBaked();
+  f.baked = object.bricks().sharedBaked();
   f.origin = std::move(origin);
   f.whole_at = monotonicNow();
-  object.watch_feed = &f.feed;
+  object.changes(BrickSubscriber::kPieces).setFeed(&f.feed);
   return f;
 }
 
@@ -90,7 +90,7 @@ PieceMaker::Subscriber* PieceMaker::find(std::uint32_t id) {
 void PieceMaker::dropTrash() {
   const std::unique_ptr<Split> splits(trash_.exchange(nullptr, std::memory_order_acq_rel));
   for (const Split* split = splits.get(); split; split = split->next.get())
-    for (const auto& held : split->held)
+    for (const auto& held : split->out_of_scene)
       std::erase_if(subscribers_, [&](const auto& f) { return f->id == held.object.id; });
 }
 
@@ -205,7 +205,7 @@ void PieceMaker::prepare(Subscriber& f) {
   request_.is_apart = !request_.made && f.finder->find().pieces.size() > request_.most;
   if (request_.made && request_.made->parts)
     for (std::size_t n = 0; n < request_.made->origins.size(); ++n) {
-      CutObject& part = request_.made->parts->held[n].object;
+      CutObject& part = request_.made->parts->out_of_scene[n].object;
       const auto& origin = request_.made->origins[n];
       const std::size_t room = Session::reserveFor(part);  // a tick wants half of it
       if (part.freeBricks() < room / 2) part.reserve(room);
@@ -214,7 +214,7 @@ void PieceMaker::prepare(Subscriber& f) {
       if (spare_feeds_.empty()) spare_feeds_.push_back(std::make_shared<BrickFeed>());
       made.for_others = std::move(spare_feeds_.back());
       spare_feeds_.pop_back();
-      part.feed = made.for_others.get();
+      part.changes(BrickSubscriber::kMesher).setFeed(made.for_others.get());
     }
 }
 
@@ -354,14 +354,15 @@ void PieceMaker::afterTick(Session& session, const StepOutput& output) noexcept 
   bool is_sent = true;
   for (std::size_t n = 0; n < session.state().objects.size(); ++n) {
     CutObject& object = session.object(n);
-    if (!object.watch_feed || !object.isWatchDirty()) continue;
+    const auto changes = object.changes(BrickSubscriber::kPieces);
+    if (!changes.feed() || changes.isEmpty()) continue;
     int room = kEditsATick;
-    object.watchDirty([&](const CutObject::Slot& slot) {
+    changes.take([&](const CutObject::Slot& slot) {
       BrickValues values;
       std::copy_n(slot.phi, kBrickNodes, values.begin());
-      return room-- > 0 && object.watch_feed->tryPush(slot.brick, values);
+      return room-- > 0 && changes.feed()->tryPush(slot.brick, values);
     });
-    is_sent &= !object.isWatchDirty();
+    is_sent &= changes.isEmpty();
   }
   has_cut_ |= output.bricks_cut > 0 && session.state().adds == Material::kNone;
   if (has_cut_ && is_sent) {
@@ -369,7 +370,7 @@ void PieceMaker::afterTick(Session& session, const StepOutput& output) noexcept 
     cuts_.fetch_add(1, std::memory_order_release);
   }
   if (is_freezing_ && stage_.load(std::memory_order_relaxed) == Stage::kWantsFreeze &&
-      !session.object(held_).isWatchDirty())
+      session.object(held_).changes(BrickSubscriber::kPieces).isEmpty())
     stage_.store(Stage::kFrozen, std::memory_order_release);
 }
 

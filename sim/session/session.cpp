@@ -112,7 +112,8 @@ bool Session::apply(std::string_view command) {
 void Session::reserveBricks() {
   static_cast<void>(takeForgotten());
   for (CutObject& object : state_.objects)
-    if (object.freeBricks() < reserveFor(object) / 2 || object.freeRecords() < 4) object.reserve(reserveFor(object));
+    if (object.freeBricks() < reserveFor(object) / 2 || object.memory().freeRecords() < 4)
+      object.reserve(reserveFor(object));
   for (CutObject& object : state_.objects)
     while (object.dirtyCount() > 0 && !object.repair())
       if (!object.reserve(reserveFor(object))) break;
@@ -226,12 +227,12 @@ PieceFinder& Session::finderOf(std::size_t index, double crumb_mm3) {
   if (!watch || watch->options.crumb_mm3 != crumb_mm3) {
     watch = std::make_unique<Watch>();
     watch->options.crumb_mm3 = crumb_mm3;
-    object.watchDirty([](const CutObject::Slot&) { return true; });
+    object.changes(BrickSubscriber::kPieces).take([](const CutObject::Slot&) { return true; });
     const BrickField& phi0 = object.baked().phi0();
-    if (object.isPiece()) {
+    if (object.bricks().isPiece()) {
       std::vector<Vec3i> bricks;
-      for (int s = 0; s < object.firstSlotCount(); ++s)
-        if (object.has(s)) bricks.push_back(object.slot(s).brick);
+      for (int s = 0; s < object.bricks().firstSlotCount(); ++s)
+        if (object.bricks().has(s)) bricks.push_back(object.slot(s).brick);
       watch->finder = std::make_unique<PieceFinder>(phi0, bricks, watch->options);
     } else {
       watch->finder = std::make_unique<PieceFinder>(phi0, watch->options);
@@ -239,7 +240,7 @@ PieceFinder& Session::finderOf(std::size_t index, double crumb_mm3) {
     for (int s = 0; s < object.slotCount(); ++s)
       if (object.slot(s).own) collect(object.slot(s));
   } else {
-    object.watchDirty(collect);
+    object.changes(BrickSubscriber::kPieces).take(collect);
   }
   watch->finder->apply(watch->edits);
   watch->edits.clear();
@@ -355,13 +356,14 @@ void Session::tick(const DeviceSample& sample, StepOutput& output) {
     sink_->snapshot(snapshot(), tick - 1);
   advance(sample, output);
   for (CutObject& object : state_.objects)
-    if (object.freeBricks() < reserveFor(object) / 2 || object.freeRecords() < 4) object.reserve(reserveFor(object));
+    if (object.freeBricks() < reserveFor(object) / 2 || object.memory().freeRecords() < 4)
+      object.reserve(reserveFor(object));
   // What is being added may not hang together yet.
   if (split_every_ > 0 && state_.adds == Material::kNone && output.bricks_cut > 0 && ++ticks_cut_ >= split_every_) {
     ticks_cut_ = 0;
     for (std::size_t n = state_.objects.size(); n-- > 0;) {
       // Without a change there is nothing new to find.
-      if (n < watches_.size() && watches_[n] && !state_.objects[n].isWatchDirty()) continue;
+      if (n < watches_.size() && watches_[n] && state_.objects[n].changes(BrickSubscriber::kPieces).isEmpty()) continue;
       const PieceList& list = finderOf(n, piece_options_.crumb_mm3).find();
       if (list.pieces.size() + list.crumbs.size() > 1)
         apply(fmt::format("pieces.split {} {}", n, piece_options_.crumb_mm3));

@@ -113,7 +113,7 @@ class Session {
   /// Bricks an object is given room for at a time: kReserve, less for a small one. Every tick begins with half of it at
   /// least, live and replayed: what needs no more finds room in both.
   static std::size_t reserveFor(const CutObject& object) noexcept {
-    return std::min(kReserve, object.brickCount() + 1024);
+    return std::min(kReserve, object.bricks().brickCount() + 1024);
   }
   static constexpr std::size_t kReserve = 4096;
 

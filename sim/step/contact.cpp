@@ -159,7 +159,7 @@ bool NearBricks::find(const CutObject& object, const ToolModel& tool, const Rigi
         const double nearest = static_cast<double>(std::min(tool.cut.distance(p), tool.body.distance(p)));
         if (nearest - block_radius >= band) continue;
         int slots[kBlock * kBlock * kBlock], count = 0;
-        object.forEachIn(begin, (begin + Vec3i::Constant(kBlock - 1)).cwiseMin(high), [&](int s) {
+        object.bricks().forEachIn(begin, (begin + Vec3i::Constant(kBlock - 1)).cwiseMin(high), [&](int s) {
           const CutObject::Slot& slot = object.slot(s);
           if (object.odometer < slot.sleeps_until_cut &&
               (slot.shell_count == 0 || object.odometer < slot.sleeps_until_contact))
@@ -417,7 +417,7 @@ FillResult fill(CutObject& object, const ContactInput& in, Material material) no
           result.pool_ran_out = true;
           continue;
         }
-        slot.changed_faces = faces | CutObject::facesThatDiffer(own, next);
+        slot.changed_faces = faces | facesThatDiffer(own, next);
         const auto number = static_cast<std::uint8_t>(material);
         for (int n = 0; n < kBrickNodes; ++n) {
           if (next[n] == own[n] || static_cast<double>(next[n]) >= e) continue;

@@ -89,14 +89,14 @@ void State::place(const Rigid3& T_world_tool) noexcept {
   last_force = {};
   speed = 0;
   ramp = 0;
-  for (CutObject& object : objects) object.odometer += 1e6;
+  for (CutObject& object : objects) object.wake();
   has_device = true;
 }
 
 void State::selectTool(std::size_t index) noexcept {
   tool = index;
   speed = 0;
-  for (CutObject& object : objects) object.odometer += 1e6;
+  for (CutObject& object : objects) object.wake();
 }
 
 std::uint64_t State::hash() const {
@@ -143,7 +143,7 @@ void step(const Model& model, State& state, const DeviceSample& input, StepOutpu
   const bool is_proxy = !is_penalty && settings.response == Response::kConstraint;
   if (is_first && !is_coupled) {  // it is where the device is: nothing was swept on the way there
     state.body.pose = state.device.pose;
-    for (CutObject& object : state.objects) object.odometer += 1e6;
+    for (CutObject& object : state.objects) object.wake();
   }
 
   // How many looks this tick needs: by where the path leads, or by how fast the coupled tool may become.

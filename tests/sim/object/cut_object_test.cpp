@@ -85,8 +85,8 @@ TEST(CutObject, AfterTenThousandRandomCarvesShellAndLedgerAreThoseOfAFullRebuild
   }
   const CutObject& object = state.objects[0];
   EXPECT_GT(removed, 5);
-  EXPECT_EQ(object.shellDefects(), 0u);
-  const double initial = sum(object.baked().volumes()), remaining = sum(object.countVolumes());
+  EXPECT_EQ(object.bricks().shellDefects(), 0u);
+  const double initial = sum(object.baked().volumes()), remaining = sum(object.bricks().countVolumes());
   EXPECT_NEAR(sum(object.removed_mm3) + remaining, initial, 1e-6 * initial);
   EXPECT_NEAR(sum(object.removed_mm3), removed, 1e-9);
 }
@@ -111,13 +111,13 @@ TEST(CutObject, WithoutRoomNothingIsLostOnlyLate) {
   poor.objects.emplace_back(baked, 3);
   rich.objects.emplace_back(baked, 4096);
   EXPECT_TRUE(dig(poor, 2) & kStepBricksRanOut);
-  EXPECT_EQ(poor.objects[0].shellDefects(), 0u);  // what could be cut can be felt
+  EXPECT_EQ(poor.objects[0].bricks().shellDefects(), 0u);  // what could be cut can be felt
   EXPECT_FALSE(dig(rich, 3) & kStepBricksRanOut);
   EXPECT_NE(poor.objects[0].stateHash(), rich.objects[0].stateHash());
   ASSERT_TRUE(poor.objects[0].reserve(4096));
   EXPECT_FALSE(dig(poor, 1) & kStepBricksRanOut);
   EXPECT_EQ(poor.objects[0].stateHash(), rich.objects[0].stateHash());
-  EXPECT_EQ(poor.objects[0].shellDefects(), 0u);
+  EXPECT_EQ(poor.objects[0].bricks().shellDefects(), 0u);
 }
 
 TEST(CutObject, RestoredBricksAreTheOldOnesBitForBit) {
@@ -141,7 +141,7 @@ TEST(CutObject, RestoredBricksAreTheOldOnesBitForBit) {
     }
   ASSERT_TRUE(object.repair());
   EXPECT_EQ(object.stateHash(), untouched);
-  EXPECT_EQ(object.shellDefects(), 0u);
+  EXPECT_EQ(object.bricks().shellDefects(), 0u);
 }
 
 TEST(CutObject, RoomMadeElsewhereIsTakenAndUsedWithoutAllocating) {
@@ -153,7 +153,7 @@ TEST(CutObject, RoomMadeElsewhereIsTakenAndUsedWithoutAllocating) {
   EXPECT_FALSE(object.write(2));
   EXPECT_TRUE(object.repair());
   EXPECT_EQ(object.freeBricks(), 0u);
-  object.take(std::move(room));
+  object.memory().take(std::move(room));
   EXPECT_EQ(object.freeBricks(), 100u);
   EXPECT_TRUE(object.write(2));
   EXPECT_EQ(object.freeBricks(), 99u);
@@ -262,7 +262,7 @@ TEST(SessionHistory, MarkingUndoAndRedoNeitherAllocateNorFree) {
   }
   EXPECT_EQ(undone, once);
   EXPECT_EQ(redone, twice);
-  EXPECT_EQ(object.shellDefects(), 0u);
+  EXPECT_EQ(object.bricks().shellDefects(), 0u);
   EXPECT_EQ(history.redoable(), 0u);
   EXPECT_GT(object.freeBricks() + 40, room) << "what could be redone gave its room back";
 }
