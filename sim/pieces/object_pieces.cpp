@@ -78,7 +78,7 @@ std::unique_ptr<ObjectPieces> makePieces(const CutObject& whole, PieceFinder& fi
     auto origin = std::make_shared<PieceOrigin>();
     origin->id = part.id;
     origin->of = whole.id;
-    origin->baked = part.sharedBaked();
+    origin->baked = part.bricks().sharedBaked();
     // What was cut before, and is the piece's alone.
     const BrickField& changed = finder.field().changed();
     std::vector<const float*> cut;

@@ -41,7 +41,7 @@ struct PiecePool {
   std::shared_ptr<const PieceOrigin> takeBack(PieceOrigin& origin);
 };
 
-/// @param whole  with its shells repaired. Another thread may step it meanwhile if it is held.
+/// @param whole  with its shells repaired. Another thread may step it meanwhile if it is frozen.
 /// @param finder  up to date with it.
 /// @param first_id  of the pieces: State::next_id.
 /// @param room  used up as far as the pieces need it; null: all is made now.
