@@ -9,6 +9,7 @@
 #include <mutex>
 
 #include "sim/hand/simulated_device.h"
+#include "sim/pieces/split_field.h"
 #include "sim/run/replay.h"
 #include "tests/sim/block_scene.h"
 #include "tests/sim/haptic_scene.h"
