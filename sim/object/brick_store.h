@@ -16,15 +16,15 @@
 
 namespace kerf {
 
-/// Slots and their directory. Knows nothing of who must be told of a change: CutObject::write() does that. One thread;
-/// many may read while nobody changes anything.
+/// Slots and their directory. Subscribers are told of changes elsewhere: CutObject::write(). One thread; many may read
+/// while nothing changes.
 class BrickStore {
  public:
   /// Bricks of air that can be made solid during a session: 16384, about 8 cm^3 at 0.1 mm, 1 cm^3 at 0.05 mm.
   static constexpr int kMostAdded = 1 << 14;
 
   enum class Begin { kWithAllBricks, kEmpty };
-  /// @param begin  kEmpty: no slot, and no directory either; PieceBuilder makes them. Allocates some 300 B a brick.
+  /// @param begin  kEmpty: no slot, and no directory either; PieceBuilder makes them. Allocates about 300 B a brick.
   BrickStore(std::shared_ptr<const BakedObject> baked, Begin begin);
 
   const BakedObject& baked() const noexcept { return *baked_; }
@@ -57,7 +57,7 @@ class BrickStore {
   /// The values of a brick and of the six beside it. @rt
   BrickNeighborhood around(const BrickSlot& slot) const noexcept;
 
-  /// Slots whose values or shell are, or were, not those loaded: all that a piece need look at.
+  /// Slots whose values or shell are, or were, not those loaded: the only ones a piece cannot share as loaded.
   const SlotList& touched() const noexcept { return touched_; }
 
   // Changes. All of it is @rt.

@@ -12,16 +12,11 @@
 
 #include "sim/object/for_each.h"
 #include "sim/object/huge_pages.h"
+#include "sim/pieces/brick_parts.h"
 
 namespace kerf {
-namespace {
 
-Vec3i beside(Vec3i brick, int face) {
-  brick[face / 2] += face & 1 ? 1 : -1;
-  return brick;
-}
-
-}  // namespace
+using internal::beside;
 
 // Makes one piece: first its slots, then the values of its own, then the shells. Reads nothing of the whole that the
 // thread that cuts may write while the whole is frozen.
@@ -244,7 +239,7 @@ void PieceBuilder::makeShells() {
 // Whether its values, or those of a neighbour, are other than the whole's, or a neighbour is no longer there.
 bool PieceBuilder::needsNewShell(int s) const {
   if (whole_.dirtyCount() > 0 || is_changed_[static_cast<std::size_t>(s)]) return true;
-  for (int face = 0; face < 6; ++face) {
+  for (std::size_t face = 0; face < 6; ++face) {
     const Vec3i next = beside(out_.slot(s).brick, face);
     const int here = out_.find(next);
     if (here < 0 ? whole_.find(next) >= 0 : is_changed_[static_cast<std::size_t>(here)] != 0) return true;
@@ -262,11 +257,11 @@ std::vector<int> PieceBuilder::shellsToMake() {
     shells.push_back(s);
   };
   for (const BrickEdit& edit : bricks_.changed)
-    for (int face = 0; face < 6; ++face) add(beside(edit.brick, face));
+    for (std::size_t face = 0; face < 6; ++face) add(beside(edit.brick, face));
   for (const Vec3i& brick : bricks_.at_edge) add(brick);
   if (whole_.dirtyCount() > 0)
     for (std::size_t n = shells.size(); n-- > 0;)
-      for (int face = 0; face < 6; ++face) add(beside(out_.slot(shells[n]).brick, face));
+      for (std::size_t face = 0; face < 6; ++face) add(beside(out_.slot(shells[n]).brick, face));
 
   std::erase_if(shells, [&](int s) { return !out_.slot(s).owns_shell && !needsNewShell(s); });
   return shells;

@@ -1,7 +1,7 @@
 // The pieces of an object that is being cut: connected parts of {phi < 0}, known again soon after every cut.
 //
 //   node    a point of the grid; inside where phi < 0. Inside nodes are connected when they are neighbours along an
-//           axis (6-connectivity): what touches at an edge or a corner of the grid only is apart.
+//           axis (6-connectivity): nodes that touch across an edge or a corner are not.
 //   part    inside nodes that are connected within one brick
 //   group   parts that are connected within one block
 //   piece   groups that are connected within the object
@@ -18,7 +18,7 @@
 //                            {a}, {b, c}, {d}                   {P}, {Q, R}, {S}
 //                            b == c: they meet in the face      Q == R: parts of theirs do
 //
-// What is computed, and what a changed brick makes to be computed again:
+// What is computed, and when again:
 //
 //   for each  what                                        again when                                     cost
 //   brick     inside nodes as bits, parts, faces          its values change                              2 us, with
@@ -28,7 +28,7 @@
 //   object    pieces, sorted by volume                    anything changed                               1 us a block
 //
 // apply() does what is said of bricks, and marks their blocks. find() does the rest. A brick that is stored as the
-// constant inside is one part without being looked at.
+// constant inside is one part: its nodes are not read.
 #pragma once
 
 #include <array>
