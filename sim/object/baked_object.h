@@ -25,7 +25,7 @@ inline constexpr double kShellHalfWidth = 1.5;
 struct ShellChunk {
   static constexpr int kNodes = 64;
   std::array<float, kNodes> x, y, z;  ///< delta grad(phi) h^3, mm^2, outward; its length is the area a node stands for
-  /// mm, as the shell was built. A copy, because it takes a third of the memory of a brick's values.
+  /// mm, as the shell was built. A copy: it is a third of what would be read of a brick's values.
   std::array<float, kNodes> phi;
   std::array<std::uint16_t, kNodes> offset;   ///< of the node in its brick
   std::array<std::uint8_t, kNodes> material;  ///< number
