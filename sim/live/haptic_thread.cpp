@@ -145,13 +145,13 @@ bool HapticThread::State::takePools() noexcept {
   for (std::size_t n = 0; n < session.state().objects.size(); ++n) {
     CutObject& object = session.object(n);
     const std::size_t wanted = Session::reserveFor(object);
-    const bool wants_pool = object.freeBricks() < wanted || object.freeRecords() < kRecords;
+    const bool wants_pool = object.freeBricks() < wanted || object.memory().freeRecords() < kRecords;
 
     if (wants_pool && offers[n].pool.load(std::memory_order_relaxed)) {
-      object.take(std::unique_ptr<BrickPool>(offers[n].pool.exchange(nullptr, std::memory_order_acq_rel)));
+      object.memory().take(std::unique_ptr<BrickPool>(offers[n].pool.exchange(nullptr, std::memory_order_acq_rel)));
       ++report.counts.pools_taken;
     }
-    is_enough &= object.freeBricks() >= wanted / 2 && object.freeRecords() > 1;  // undo ends a stroke, too
+    is_enough &= object.freeBricks() >= wanted / 2 && object.memory().freeRecords() > 1;  // undo ends a stroke, too
   }
   return is_enough;
 }
@@ -217,16 +217,17 @@ std::size_t HapticThread::State::exportBricks() noexcept {
   std::size_t left = 0;
   for (std::size_t n = 0; n < session.state().objects.size(); ++n) {
     CutObject& object = session.object(n);
-    if (!object.feed) continue;
+    const auto changes = object.changes(BrickSubscriber::kMesher);
+    if (!changes.feed()) continue;
     int left_this_tick = kEditsATick;
-    object.exportDirty([&](const CutObject::Slot& slot) {
+    changes.take([&](const CutObject::Slot& slot) {
       BrickValues values;
       std::copy_n(slot.phi, kBrickNodes, values.begin());
-      if (left_this_tick-- == 0 || !object.feed->tryPush(slot.brick, values)) return false;
+      if (left_this_tick-- == 0 || !changes.feed()->tryPush(slot.brick, values)) return false;
       ++report.counts.edits_pushed;
       return true;
     });
-    left += object.exportCount();
+    left += changes.count();
   }
   return left;
 }
@@ -364,7 +365,8 @@ Expected<void> HapticThread::start(DeviceSource& device, std::span<BrickFeed* co
   if (s.haptic.joinable() || s.is_stopping) return refuseStart("a second start", "one", "make another");
 
   s.device = &device;
-  for (std::size_t n = 0; n < feeds.size(); ++n) s.session.object(n).feed = feeds[n];
+  for (std::size_t n = 0; n < feeds.size(); ++n)
+    s.session.object(n).changes(BrickSubscriber::kMesher).setFeed(feeds[n]);
   s.sink.recorder = recorder;
   try {
     if (s.maker) s.maker->start();

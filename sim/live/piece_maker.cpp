@@ -224,7 +224,7 @@ void PieceMaker::preparePieces(Subscriber& whole) {
   if (!request_.made || !request_.made->parts) return;
 
   for (std::size_t n = 0; n < request_.made->origins.size(); ++n) {
-    CutObject& part = request_.made->parts->held[n].object;
+    CutObject& part = request_.made->parts->out_of_scene[n].object;
     const std::size_t wanted = Session::reserveFor(part);  // a tick wants half of it
     if (part.freeBricks() < wanted / 2) part.reserve(wanted);
 
@@ -233,7 +233,7 @@ void PieceMaker::preparePieces(Subscriber& whole) {
     if (spare_feeds_.empty()) spare_feeds_.push_back(std::make_shared<BrickFeed>());
     made.for_others = std::move(spare_feeds_.back());
     spare_feeds_.pop_back();
-    part.feed = made.for_others.get();
+    part.changes(BrickSubscriber::kMesher).setFeed(made.for_others.get());
   }
 }
 
@@ -294,7 +294,7 @@ void PieceMaker::reservePools() noexcept {
 void PieceMaker::dropForgotten() {
   const std::unique_ptr<Split> splits(forgotten_.exchange(nullptr, std::memory_order_acq_rel));
   for (const Split* split = splits.get(); split; split = split->next.get())
-    for (const auto& held : split->held)
+    for (const auto& held : split->out_of_scene)
       std::erase_if(subscribers_, [&](const auto& s) { return s->id == held.object.id; });
 }
 
@@ -318,10 +318,10 @@ PieceMaker::Subscriber& PieceMaker::subscribe(std::uint32_t id, CutObject& objec
   if (!spare_subscribers_.empty()) spare_subscribers_.pop_back();
   Subscriber& s = *subscribers_.emplace_back(std::move(made));
   s.id = id;
-  s.baked = object.sharedBaked();
+  s.baked = object.bricks().sharedBaked();
   s.origin = std::move(origin);
   s.whole_at = monotonicNow();
-  object.watch_feed = &s.feed;
+  object.changes(BrickSubscriber::kPieces).setFeed(&s.feed);
   return s;
 }
 
@@ -404,14 +404,15 @@ void PieceMaker::afterTick(Session& session, const StepOutput& output) noexcept 
   bool is_sent = true;
   for (std::size_t n = 0; n < session.state().objects.size(); ++n) {
     CutObject& object = session.object(n);
-    if (!object.watch_feed || !object.isWatchDirty()) continue;
+    const auto changes = object.changes(BrickSubscriber::kPieces);
+    if (!changes.feed() || changes.isEmpty()) continue;
     int left_this_tick = kEditsATick;
-    object.watchDirty([&](const CutObject::Slot& slot) {
+    changes.take([&](const CutObject::Slot& slot) {
       BrickValues values;
       std::copy_n(slot.phi, kBrickNodes, values.begin());
-      return left_this_tick-- > 0 && object.watch_feed->tryPush(slot.brick, values);
+      return left_this_tick-- > 0 && changes.feed()->tryPush(slot.brick, values);
     });
-    is_sent &= !object.isWatchDirty();
+    is_sent &= changes.isEmpty();
   }
 
   // A cut counts when all its bricks are sent: the maker reads the count first, then the bricks.
@@ -422,7 +423,7 @@ void PieceMaker::afterTick(Session& session, const StepOutput& output) noexcept 
   }
 
   if (is_freezing_ && stage_.load(std::memory_order_relaxed) == Stage::kWantsFreeze &&
-      !session.object(frozen_).isWatchDirty())
+      session.object(frozen_).changes(BrickSubscriber::kPieces).isEmpty())
     moveOn(Stage::kFrozen);
 }
 

@@ -42,10 +42,7 @@ struct Structure {
   Vec3i low, high;  // bricks that have some: low <= brick < high
 
   const Mask* find(const Vec3i& brick) const {
-    const Vec3i at = brick - object->directoryLow(), size = object->directorySize();
-    if ((at.array() < 0).any() || (at.array() >= size.array()).any()) return nullptr;
-    const std::int32_t slot =
-        object->directory()[static_cast<std::size_t>((at[0] * size[1] + at[1]) * size[2] + at[2])];
+    const std::int32_t slot = object->directory().find(brick);
     const std::int32_t mask = slot < 0 ? -1 : mask_of_slot[static_cast<std::size_t>(slot)];
     return mask < 0 ? nullptr : &masks[static_cast<std::size_t>(mask)];
   }

@@ -8,6 +8,7 @@
 #include "sim/object/shell_nodes.h"
 
 namespace kerf {
+
 int shellOfBrick(const BrickNeighborhood& bricks, const std::uint8_t* materials, double voxel,
                  ShellChunk* out) noexcept {
   const double e = kShellHalfWidth * voxel;
@@ -21,93 +22,103 @@ Expected<std::shared_ptr<const BakedObject>> BakedObject::make(BrickField phi0, 
   std::shared_ptr<BakedObject> out(new BakedObject);
   out->phi0_ = std::move(phi0);
   out->fallback_ = fallback;
-  const BrickField& field = out->phi0_;
-  if (field.isEmpty())
-    return fail({Error::Code::kBadValue, "", "distance field", "empty", "a field with a surface", "bake again"});
-  out->outside_.fill(field.background());
-  out->inside_.fill(field.interior());
-  const std::vector<Vec3i> interior = field.interiorBricks();
-  Vec3i low = field.brickCoord(0), high = low;
-  const auto add = [&](const Vec3i& c) {
-    low = low.cwiseMin(c);
-    high = high.cwiseMax(c);
-  };
-  for (std::size_t b = 0; b < field.brickCount(); ++b) add(field.brickCoord(b));
-  for (const Vec3i& c : interior) add(c);
-  const int air = 1 + static_cast<int>(std::ceil(kAirAround / (8 * field.voxel())));
-  out->low_ = low - Vec3i::Constant(air);
-  out->size_ = high - low + Vec3i::Constant(1 + 2 * air);
-  const double cells = out->size_.cast<double>().prod();
-  if (cells > 1 << 26)
-    return fail({Error::Code::kBadValue, "", "distance field",
-                 fmt::format("a box of {} x {} x {} bricks of {} mm", out->size_[0], out->size_[1], out->size_[2],
-                             8 * field.voxel()),
-                 "at most 67 million bricks", "larger voxels, or pieces that lie nearer together"});
-  out->directory_.assign(static_cast<std::size_t>(cells), -1);
+  if (out->phi0_.isEmpty())
+    return fail({.code = Error::Code::kBadValue,
+                 .place = "distance field",
+                 .found = "empty",
+                 .expected = "a field with a surface",
+                 .hint = "bake again"});
+
+  out->outside_.fill(out->phi0_.background());
+  out->inside_.fill(out->phi0_.interior());
+  for (std::size_t m = 0; m < 256; ++m) {
+    out->uniform_[m] = std::make_unique<std::uint8_t[]>(kBrickNodes);
+    std::fill_n(out->uniform_[m].get(), kBrickNodes, static_cast<std::uint8_t>(m));
+  }
+
+  KERF_CHECK(out->laySlots());
+  if (materials) out->label(*materials);
+  out->buildShells();
+  return std::shared_ptr<const BakedObject>(std::move(out));
+}
+
+// A slot for each brick that is stored or interior, all of the fallback material, and the directory.
+Expected<void> BakedObject::laySlots() {
   // Sorted by coordinate: neighbours in space are neighbours in memory, and the order is that of nothing but the
   // object.
   struct Entry {
     std::uint64_t key;
     Vec3i brick;
-    int stored;
+    const float* phi;
   };
   std::vector<Entry> entries;
-  for (std::size_t b = 0; b < field.brickCount(); ++b)
-    entries.push_back({coordKey(field.brickCoord(b)), field.brickCoord(b), static_cast<int>(b)});
-  for (const Vec3i& c : interior) entries.push_back({coordKey(c), c, -1});
+  for (std::size_t b = 0; b < phi0_.brickCount(); ++b)
+    entries.push_back({coordKey(phi0_.brickCoord(b)), phi0_.brickCoord(b), phi0_.brick(b).data()});
+  for (const Vec3i& c : phi0_.interiorBricks()) entries.push_back({coordKey(c), c, inside_.data()});
   std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) { return a.key < b.key; });
 
-  for (std::size_t m = 0; m < 256; ++m) {
-    out->uniform_[m] = std::make_unique<std::uint8_t[]>(kBrickNodes);
-    std::fill_n(out->uniform_[m].get(), kBrickNodes, static_cast<std::uint8_t>(m));
+  Vec3i low = entries.front().brick, high = low;
+  for (const Entry& entry : entries) {
+    low = low.cwiseMin(entry.brick);
+    high = high.cwiseMax(entry.brick);
   }
+  const int air = 1 + static_cast<int>(std::ceil(kAirAround / (8 * voxel())));
+  const Vec3i size = high - low + Vec3i::Constant(1 + 2 * air);
+  if (size.cast<double>().prod() > 1 << 26)
+    return fail({.code = Error::Code::kBadValue,
+                 .place = "distance field",
+                 .found = fmt::format("a box of {} x {} x {} bricks of {} mm", size[0], size[1], size[2], 8 * voxel()),
+                 .expected = "at most 67 million bricks",
+                 .hint = "larger voxels, or pieces that lie nearer together"});
+
+  directory_ = BrickDirectory(low - Vec3i::Constant(air), size);
+  slots_.reserve(entries.size());
+  for (const Entry& entry : entries) {
+    directory_.set(directory_.indexOf(entry.brick), static_cast<std::int32_t>(slots_.size()));
+    slots_.push_back({entry.brick, entry.phi, fallbackMaterials(), 0, 0, true,
+                      *std::min_element(entry.phi, entry.phi + kBrickNodes)});
+  }
+  return {};
+}
+
+// The materials of each slot. A node without a label is of the fallback: whatever it is, it can be cut.
+void BakedObject::label(const MaterialField& materials) {
   std::array<std::uint8_t, kBrickNodes> numbers;
-  std::vector<std::int32_t> mixed(entries.size(), -1);
-  std::vector<std::uint8_t> uniform(entries.size(), static_cast<std::uint8_t>(fallback));
-  for (std::size_t s = 0; materials && s < entries.size(); ++s) {
-    bool is_uniform = materials->copyBrick(entries[s].brick, numbers);
-    // A node without a label is of the fallback: whatever it is, it can be cut.
-    const bool is_none = numbers[0] == 0 && is_uniform;
-    if (!is_none) std::replace(numbers.begin(), numbers.end(), std::uint8_t{0}, static_cast<std::uint8_t>(fallback));
-    if (is_none) continue;
+  std::vector<std::size_t> mixed;  // slots, in the order of materials_
+  for (std::size_t s = 0; s < slots_.size(); ++s) {
+    const bool is_uniform = materials.copyBrick(slots_[s].brick, numbers);
+    if (is_uniform && numbers[0] == 0) continue;
+    std::replace(numbers.begin(), numbers.end(), std::uint8_t{0}, static_cast<std::uint8_t>(fallback_));
     if (is_uniform) {
-      uniform[s] = numbers[0];
+      slots_[s].materials = uniform_[numbers[0]].get();
     } else {
-      mixed[s] = static_cast<std::int32_t>(out->materials_.size());
-      out->materials_.push_back(numbers);
+      slots_[s].has_one_material = false;
+      mixed.push_back(s);
+      materials_.push_back(numbers);
     }
   }
-  out->slots_.reserve(entries.size());
-  for (std::size_t s = 0; s < entries.size(); ++s) {
-    const Vec3i at = entries[s].brick - out->low_;
-    out->directory_[static_cast<std::size_t>((at[0] * out->size_[1] + at[1]) * out->size_[2] + at[2])] =
-        static_cast<std::int32_t>(s);
-    out->slots_.push_back(
-        {entries[s].brick,
-         entries[s].stored < 0 ? out->inside_.data() : field.brick(static_cast<std::size_t>(entries[s].stored)).data(),
-         mixed[s] < 0 ? out->uniform_[uniform[s]].get() : out->materials_[static_cast<std::size_t>(mixed[s])].data(), 0,
-         0, mixed[s] < 0, 0});
-    Slot& slot = out->slots_.back();
-    slot.least = *std::min_element(slot.phi, slot.phi + kBrickNodes);
-  }
-  const double e = kShellHalfWidth * field.voxel(), cell = std::pow(field.voxel(), 3);
+  // Once they stay where they are.
+  for (std::size_t n = 0; n < mixed.size(); ++n) slots_[mixed[n]].materials = materials_[n].data();
+}
+
+// The shell of each slot, and the volumes.
+void BakedObject::buildShells() {
+  const double e = kShellHalfWidth * voxel(), cell = std::pow(voxel(), 3);
   std::vector<ShellChunk> chunks(kShellChunks);
-  const int step[3] = {out->size_[1] * out->size_[2], out->size_[2], 1};
-  for (Slot& slot : out->slots_) {
-    const Vec3i at = slot.brick - out->low_;
-    const int here = (at[0] * out->size_[1] + at[1]) * out->size_[2] + at[2];
+  for (Slot& slot : slots_) {
+    const std::size_t here = directory_.indexOf(slot.brick);
     BrickNeighborhood around{slot.phi, {}};
-    for (int f = 0; f < 6; ++f) {
-      const std::int32_t s = out->directory_[static_cast<std::size_t>(here + (f & 1 ? 1 : -1) * step[f / 2])];
-      around.face[f] = s < 0 ? out->outside_.data() : out->slots_[static_cast<std::size_t>(s)].phi;
+    for (int face = 0; face < 6; ++face) {
+      const std::int32_t s = directory_.at(directory_.indexBeside(here, face));
+      around.face[face] = s < 0 ? outside_.data() : slots_[static_cast<std::size_t>(s)].phi;
     }
-    slot.shell_begin = static_cast<std::uint32_t>(out->shell_.size());
-    slot.shell_count = static_cast<std::uint32_t>(shellOfBrick(around, slot.materials, field.voxel(), chunks.data()));
-    out->shell_.insert(out->shell_.end(), chunks.begin(),
-                       chunks.begin() + (slot.shell_count + ShellChunk::kNodes - 1) / ShellChunk::kNodes);
-    for (int n = 0; n < kBrickNodes; ++n) out->volumes_[slot.materials[n]] += cell * insidePart(slot.phi[n], e);
+
+    const int nodes = shellOfBrick(around, slot.materials, voxel(), chunks.data());
+    slot.shell_begin = static_cast<std::uint32_t>(shell_.size());
+    slot.shell_count = static_cast<std::uint32_t>(nodes);
+    shell_.insert(shell_.end(), chunks.begin(), chunks.begin() + chunkCount(nodes));
+    for (int n = 0; n < kBrickNodes; ++n) volumes_[slot.materials[n]] += cell * insidePart(slot.phi[n], e);
   }
-  return std::shared_ptr<const BakedObject>(std::move(out));
 }
 
 }  // namespace kerf

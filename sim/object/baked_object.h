@@ -1,4 +1,5 @@
-// One object as loaded: baked field, labels, and a directory that finds a brick in one look-up. Never changes.
+// One object as loaded: baked field, labels, point shell, and a directory that finds a brick in one step. Never
+// changes.
 #pragma once
 
 #include <array>
@@ -7,6 +8,7 @@
 #include <vector>
 
 #include "geometry/base/error.h"
+#include "geometry/field/brick_directory.h"
 #include "geometry/field/brick_field.h"
 #include "geometry/field/material_field.h"
 
@@ -23,7 +25,8 @@ inline constexpr double kShellHalfWidth = 1.5;
 struct ShellChunk {
   static constexpr int kNodes = 64;
   std::array<float, kNodes> x, y, z;  ///< delta grad(phi) h^3, mm^2, outward; its length is the area a node stands for
-  std::array<float, kNodes> phi;      ///< mm, of when the shell was built: a third of what a brick's take
+  /// mm, as the shell was built. A copy: it is a third of what would be read of a brick's values.
+  std::array<float, kNodes> phi;
   std::array<std::uint16_t, kNodes> offset;   ///< of the node in its brick
   std::array<std::uint8_t, kNodes> material;  ///< number
 };
@@ -41,7 +44,7 @@ struct BrickNeighborhood {
 inline constexpr double kAirAround = 2;
 
 /// The shell nodes of a brick, by offset. The last chunk is filled up with copies of its first node's offset.
-/// @param out  room for kShellChunks.  @return how many nodes. @rt safe.
+/// @param out  kShellChunks of them.  @return how many nodes. @rt safe.
 int shellOfBrick(const BrickNeighborhood& bricks, const std::uint8_t* materials, double voxel,
                  ShellChunk* out) noexcept;
 
@@ -67,6 +70,7 @@ class BakedObject {
   const std::vector<Slot>& slots() const { return slots_; }
   const std::vector<ShellChunk>& shell() const { return shell_; }
   const float* outsideBrick() const { return outside_.data(); }  ///< what stands for a brick that is not stored
+
   /// What a brick of air would be.
   Slot air(const Vec3i& brick) const {
     return {brick, outside_.data(), fallbackMaterials(), 0, 0, true, phi0_.background()};
@@ -74,16 +78,20 @@ class BakedObject {
   Material fallback() const { return fallback_; }
   const std::uint8_t* fallbackMaterials() const { return uniform_[static_cast<std::size_t>(fallback_)].get(); }
 
-  /// The directory: a box of bricks, kAirAround and one more layer of air about it, z fastest.
-  const Vec3i& directoryLow() const { return low_; }
-  const Vec3i& directorySize() const { return size_; }
-  const std::vector<std::int32_t>& directory() const { return directory_; }  ///< slot or -1
+  /// The slot of each brick: of a box with kAirAround and one more layer of air about the object.
+  const BrickDirectory& directory() const { return directory_; }
+  const Vec3i& directoryLow() const { return directory_.low(); }
+  const Vec3i& directorySize() const { return directory_.size(); }
 
   /// Volume per material, mm^3: sum of the smoothed Heaviside of phi over labelled nodes.
   const std::array<double, 256>& volumes() const { return volumes_; }
 
  private:
   BakedObject() = default;
+  Expected<void> laySlots();
+  void label(const MaterialField& materials);
+  void buildShells();
+
   BrickField phi0_;
   BrickValues outside_{}, inside_{};
   std::vector<Slot> slots_;
@@ -91,8 +99,7 @@ class BakedObject {
   std::vector<std::array<std::uint8_t, kBrickNodes>> materials_;
   std::array<std::unique_ptr<std::uint8_t[]>, 256> uniform_;
   Material fallback_ = Material::kGeneric;
-  Vec3i low_, size_;
-  std::vector<std::int32_t> directory_;
+  BrickDirectory directory_;
   std::array<double, 256> volumes_{};
 };
 

@@ -1,4 +1,4 @@
-// The newest values of one brick: how the thread that cuts tells the others what changed.
+// The newest values of one brick: how the thread that cuts tells its subscribers what changed.
 #pragma once
 
 #include "geometry/field/brick_field.h"

@@ -1,4 +1,4 @@
-// Bricks from the thread that cuts to one that follows it (mesher, analysis): a bounded queue without locks.
+// Bricks from the thread that cuts to a subscriber (mesher, finder of pieces): a bounded queue without locks.
 #pragma once
 
 #include <atomic>
@@ -35,7 +35,7 @@ class BrickFeed {
   /// @rt  safe: copies 2 KiB, no allocation, lock or system call.
   [[nodiscard]] bool tryPush(const Vec3i& brick, const BrickValues& phi) noexcept {
     const std::size_t tail = tail_.load(std::memory_order_relaxed);
-    if (tail - seen_head_ == ring_.size()) {  // full as far as was known: look again
+    if (tail - seen_head_ == ring_.size()) {  // full as far as was known: read again
       seen_head_ = head_.load(std::memory_order_acquire);
       if (tail - seen_head_ == ring_.size()) return false;
     }

@@ -8,24 +8,25 @@
 
 namespace kerf {
 
-static_assert(std::is_standard_layout_v<PoolChunk>, "a ShellChunk of a room is taken for the PoolChunk it begins");
+static_assert(std::is_standard_layout_v<PoolChunk>, "a ShellChunk of a pool is taken for the PoolChunk it begins");
 
 std::unique_ptr<BrickPool> BrickPool::make(std::size_t bricks) noexcept {
   bricks = std::max<std::size_t>(bricks, 1);
   try {
-    std::unique_ptr<BrickPool> room(new BrickPool);
+    std::unique_ptr<BrickPool> pool(new BrickPool);
     // Zeroed: so that every page is there before the thread that must not wait for one writes to it.
-    internal::reserveLarge(room->versions_, bricks);
-    room->versions_.resize(bricks);
-    internal::reserveLarge(room->chunks_, bricks * kChunksPerBrick);
-    room->chunks_.resize(bricks * kChunksPerBrick);
+    internal::reserveLarge(pool->versions_, bricks);
+    pool->versions_.resize(bricks);
+    internal::reserveLarge(pool->chunks_, bricks * kChunksPerBrick);
+    pool->chunks_.resize(bricks * kChunksPerBrick);
     const std::size_t records = 4 + bricks / kBricksPerRecord;
-    room->records_.resize(records);
-    for (std::size_t n = records; n-- > 0;) room->free_records_.pushFront(&room->records_[n]);
-    for (std::size_t n = bricks; n-- > 0;) room->free_versions_.pushFront(&room->versions_[n]);
-    for (std::size_t n = bricks * kChunksPerBrick; n-- > 0;) room->free_chunks_.pushFront(&room->chunks_[n]);
-    room->bricks_ = bricks;
-    return room;
+    pool->records_.resize(records);
+
+    for (std::size_t n = records; n-- > 0;) pool->free_records_.pushFront(&pool->records_[n]);
+    for (std::size_t n = bricks; n-- > 0;) pool->free_versions_.pushFront(&pool->versions_[n]);
+    for (std::size_t n = bricks * kChunksPerBrick; n-- > 0;) pool->free_chunks_.pushFront(&pool->chunks_[n]);
+    pool->bricks_ = bricks;
+    return pool;
   } catch (const std::bad_alloc&) {
     return nullptr;
   }

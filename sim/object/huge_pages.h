@@ -1,5 +1,5 @@
-// Memory in large pages where the system has them: tens of megabytes come many times sooner, and looking things up in
-// them misses the page table less.
+// Memory in large pages where the system has them: tens of megabytes come many times sooner, and reading here and
+// there in them misses the page table less.
 #pragma once
 
 #include <sys/mman.h>
@@ -23,8 +23,8 @@ void reserveLarge(std::vector<T>& to, std::size_t count) {
 #endif
 }
 
-/// BrickPool for `least` elements; where there is less, for `wanted`, every page of it written to: whoever fills it
-/// later does not wait for memory. Drops what is in it then. T can be copied byte by byte.
+/// Makes sure of memory for `least` elements. Where there is less it reserves `wanted` and writes to every page:
+/// filling it later does not wait for memory. Drops what is in it then. T can be copied byte by byte.
 template <class T>
 void reserveTouched(std::vector<T>& to, std::size_t least, std::size_t wanted) {
   if (to.capacity() >= least) return;

@@ -1,4 +1,4 @@
-// A baked field with changed bricks on top: what a thread that follows the cutting sees of the object.
+// A baked field with changed bricks on top: what a subscriber to the changes knows of the object.
 #pragma once
 
 #include "geometry/field/brick_field.h"

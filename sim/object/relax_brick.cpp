@@ -20,11 +20,13 @@ RelaxResult relaxHere(const RelaxInput& in, float* out) {
     const V phi = hn::LoadU(f, in.phi + n), tau = hn::LoadU(f, in.tau + n);
     const V gap = hn::IfThenElse(hn::Lt(phi, cap), hn::Add(phi, tau), far);
     gaps = hn::Min(gaps, gap);
-    if (hn::AllFalse(f, hn::Lt(gap, hn::Zero(f)))) {
+
+    if (hn::AllFalse(f, hn::Lt(gap, hn::Zero(f)))) {  // nothing to cut
       least = hn::Min(least, phi);
       hn::StoreU(phi, f, out + n);
       continue;
     }
+
     V next;
     if (in.geometry_only) {
       next = hn::Max(phi, hn::Neg(tau));  // exactly, so that once or twice is the same
@@ -40,6 +42,7 @@ RelaxResult relaxHere(const RelaxInput& in, float* out) {
       const V rate = in.rates ? hn::LoadU(f, in.rates + n) : hn::Set(f, in.rate);
       next = hn::Add(phi, hn::Mul(hn::Max(hn::Neg(gap), hn::Zero(f)), relaxedPart(f, hn::Mul(rate, lever))));
     }
+
     next = hn::Min(next, hn::Max(phi, cap));
     least = hn::Min(least, next);
     hn::StoreU(next, f, out + n);
@@ -98,11 +101,11 @@ float largestHere(const float* values, int n) {
   return hn::GetLane(hn::MaxOfLanes(f, largest));
 }
 
-std::uint64_t touchingHere(const float* cut, const float* body, const float* phi, int count, float& room) {
+std::uint64_t touchingHere(const float* cut, const float* body, const float* phi, int count, float& least_gap) {
   const F f;
   const int lanes = static_cast<int>(hn::Lanes(f));
   const V far = hn::Set(f, 1e30f);
-  V least = hn::Set(f, room);
+  V least = hn::Set(f, least_gap);
   std::uint64_t bits = 0;
   for (int at = 0; at < count; at += lanes) {
     V nearest = hn::LoadU(f, cut + at);
@@ -114,7 +117,7 @@ std::uint64_t touchingHere(const float* cut, const float* body, const float* phi
     hn::StoreMaskBits(f, hn::Lt(gap, hn::Zero(f)), part);
     bits |= std::uint64_t{part[0]} << at;
   }
-  room = hn::GetLane(hn::MinOfLanes(f, least));
+  least_gap = hn::GetLane(hn::MinOfLanes(f, least));
   return bits;
 }
 
@@ -148,8 +151,9 @@ void valuesAt(const float* values, const std::uint16_t* offsets, int count, floa
 
 float largestOf(const float* values, int n) noexcept { return HWY_DYNAMIC_DISPATCH(largestHere)(values, n); }
 
-std::uint64_t touchingNodes(const float* cut, const float* body, const float* phi, int count, float& room) noexcept {
-  return HWY_DYNAMIC_DISPATCH(touchingHere)(cut, body, phi, count, room);
+std::uint64_t touchingNodes(const float* cut, const float* body, const float* phi, int count,
+                            float& least_gap) noexcept {
+  return HWY_DYNAMIC_DISPATCH(touchingHere)(cut, body, phi, count, least_gap);
 }
 
 }  // namespace kerf::internal

@@ -42,9 +42,10 @@ void valuesAt(const float* values, const std::uint16_t* offsets, int count, floa
 /// Largest of n numbers, n a multiple of 8.
 float largestOf(const float* values, int n) noexcept;
 
-/// Which of `count` <= 64 nodes touch a tool: bits of those with min(cut, body) + phi < 0. `room` becomes the least of
-/// these sums, if that is less. All are read up to the next multiple of 8.
+/// Which of `count` <= 64 nodes touch a tool: bits of those with min(cut, body) + phi < 0. `least_gap` becomes the
+/// least of these sums, if that is less. All are read up to the next multiple of 8.
 /// @param body  null: none near.
-std::uint64_t touchingNodes(const float* cut, const float* body, const float* phi, int count, float& room) noexcept;
+std::uint64_t touchingNodes(const float* cut, const float* body, const float* phi, int count,
+                            float& least_gap) noexcept;
 
 }  // namespace kerf::internal

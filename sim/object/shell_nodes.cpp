@@ -34,6 +34,7 @@ int shellNodesHere(const BrickNeighborhood& bricks, const std::uint8_t* material
   const hn::Rebind<std::uint16_t, F> u16;
   const int lanes = static_cast<int>(hn::Lanes(f));
   const V e = hn::Set(f, half_width), one = hn::Set(f, 1.0f);
+
   // Most rows have no node: the first pass finds those that have, and writes them down between their neighbours along
   // z, which stand in other bricks at both ends.
   alignas(64) float line[kRows][16];
@@ -49,6 +50,8 @@ int shellNodesHere(const BrickNeighborhood& bricks, const std::uint8_t* material
     at[3] = bricks.face[4][n + 7];
     at[12] = bricks.face[5][n];
   }
+
+  // The nodes of these rows, one after the other.
   float area[3][kReserve], values[kReserve];
   std::int32_t label[kReserve];  // offset, and the material 16 bits above
   int count = 0;
@@ -59,6 +62,7 @@ int shellNodesHere(const BrickNeighborhood& bricks, const std::uint8_t* material
                                    v > 0 ? self - 8 : bricks.face[2] + n + 7 * 8, line[row] + 3};
     const float* const above[3] = {u < 7 ? self + 64 : bricks.face[1] + n - 7 * 64,
                                    v < 7 ? self + 8 : bricks.face[3] + n - 7 * 8, line[row] + 5};
+
     for (int k = 0; k < 8; k += lanes) {
       const V phi = hn::LoadU(f, self + k);
       const auto is_node = hn::Lt(hn::Abs(phi), e);
@@ -75,6 +79,8 @@ int shellNodesHere(const BrickNeighborhood& bricks, const std::uint8_t* material
       count += static_cast<int>(hn::CountTrue(f, is_node));
     }
   }
+
+  // And chunk by chunk.
   for (int begin = 0; begin < count; begin += ShellChunk::kNodes) {
     ShellChunk& chunk = out[begin / ShellChunk::kNodes];
     const int nodes = std::min(ShellChunk::kNodes, count - begin);
@@ -83,6 +89,7 @@ int shellNodesHere(const BrickNeighborhood& bricks, const std::uint8_t* material
       values[begin + n] = values[begin];
       label[begin + n] = label[begin] & 0xffff;
     }
+
     float* const to[3] = {chunk.x.data(), chunk.y.data(), chunk.z.data()};
     for (int axis = 0; axis < 3; ++axis) std::memcpy(to[axis], area[axis] + begin, sizeof chunk.x);
     std::memcpy(chunk.phi.data(), values + begin, sizeof chunk.phi);

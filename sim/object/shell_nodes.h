@@ -12,7 +12,7 @@ using NodeBits = std::array<std::uint64_t, kBrickSide>;
 
 /// Fills `out` with the nodes |phi| < half_width of a brick, by offset: areas scale (1 - (phi / half_width)^2)^2 times
 /// the differences of the neighbours. The last chunk is filled up with copies of its first node, without area and
-/// material. The same bits with any instruction set. @return how many nodes. @cost some 2 ns a node of the shell.
+/// material. The same bits with any instruction set. @return how many nodes. @cost about 2 ns a node of the shell.
 int shellNodes(const BrickNeighborhood& bricks, const std::uint8_t* materials, float half_width, float scale,
                ShellChunk* out) noexcept;
 
@@ -20,7 +20,7 @@ int shellNodes(const BrickNeighborhood& bricks, const std::uint8_t* materials, f
 NodeBits differingNodes(const float* a, const float* b) noexcept;
 
 /// What every node of a row of eight loses, insidePart(before) - insidePart(after) times `cell`, for the rows with a
-/// bit in `changed`; rows without one are left alone. One multiplication stands for the two divisions: some 1e-16 off.
+/// bit in `changed`; rows without one are left alone. One multiplication stands for the two divisions: about 1e-16 off.
 /// @param out  512 numbers.
 void volumeLost(const float* before, const float* after, const NodeBits& changed, double half_width, double cell,
                 double* out) noexcept;

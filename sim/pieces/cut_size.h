@@ -1,4 +1,4 @@
-// How many bricks a cut through an object may change, to have memory for it before.
+// How many bricks a cut through an object may change: memory for them is reserved before.
 #pragma once
 
 #include <cmath>

@@ -35,7 +35,7 @@ class NodeSteps {
 };
 
 /// distance = min(distance, |node - ball's| + phi), for the rows of nodes within reach of each ball. The same bits with
-/// any instruction set. @cost some 2 ns a row: 30 ns a ball.
+/// any instruction set. @cost about 2 ns a row: 30 ns a ball.
 void nearBalls(std::span<const NodeBall> balls, const NodeSteps& steps, BrickValues& distance);
 
 }  // namespace kerf::internal

@@ -1,109 +1,84 @@
 #include "sim/pieces/object_pieces.h"
 
 #include <algorithm>
-#include <new>
 #include <optional>
+#include <utility>
 
 #include "sim/object/for_each.h"
-#include "sim/object/huge_pages.h"
-#include "sim/pieces/cut_size.h"
+#include "sim/pieces/make_piece.h"
+#include "sim/pieces/split_field.h"
 
 namespace kerf {
+namespace {
 
-BrickField PieceOrigin::field() const {
-  const BrickField& phi0 = baked->phi0();
-  BrickField out(phi0.voxel(), phi0.background(), phi0.interior());
-  out.reserve(bricks.size());
-  for (const Vec3i& c : interior) out.markInterior(c);
-  for (const Vec3i& c : bricks)
-    if (const BrickValues* values = phi0.valuesAt(c)) out.add(c, *values);
-  for (const auto* edits : {&cut, &near_others})
-    for (const BrickEdit& edit : *edits) out.brick(out.touch(edit.brick)) = edit.phi;
-  return out;
-}
+// Copies what was cut before and is the piece's alone: its bricks that were
+// edited, but for those near other pieces.
+// @param near_others  in order of their bricks.
+void copyCut(const CutObject& piece, const PieceFinder& finder, const std::vector<BrickEdit>& near_others,
+             std::vector<BrickEdit>& out) {
+  const auto isNearOthers = [&](const Vec3i& brick) {
+    const auto known =
+        std::lower_bound(near_others.begin(), near_others.end(), coordKey(brick),
+                         [](const BrickEdit& edit, std::uint64_t key) { return coordKey(edit.brick) < key; });
+    return known != near_others.end() && known->brick == brick;
+  };
 
-void PiecePool::reserve(const std::shared_ptr<const BakedObject>& baked, const PieceFinder& finder,
-                        std::size_t bricks) {
-  constexpr std::size_t kPieces = 2;
-  blanks.resize(kPieces);
-  cuts.resize(kPieces);
-  const std::size_t edited = finder.field().changed().brickCount();
-  // Their own, beside those that are free afterwards: what was cut, and of it what is near the other one. More than is
-  // wanted now, once for a whole cut.
-  const std::size_t a_cut = internal::bricksOfACut(baked->slots().size());
-  const std::size_t wanted = bricks + edited + 1024, more = wanted + std::max<std::size_t>(a_cut, 512);
-  for (std::unique_ptr<CutObject>& blank : blanks) {
-    if (!blank) blank = std::make_unique<CutObject>(CutObject::blank(baked, more));
-    if (blank->freeBricks() < wanted && !blank->reserve(more - blank->freeBricks())) throw std::bad_alloc();
+  const BrickField& changed = finder.field().changed();
+  std::vector<int> slots;
+  for (std::size_t c = 0; c < changed.brickCount(); ++c) {
+    const int slot = piece.find(changed.brickCoord(c));
+    if (slot >= 0 && piece.slot(slot).own && !isNearOthers(changed.brickCoord(c))) slots.push_back(slot);
   }
-  for (std::vector<BrickEdit>& cut : cuts)
-    internal::reserveTouched(cut, edited + 256, std::max(2 * edited + 1024, a_cut));
-  lists.reserve(finder, kPieces);
+
+  out.resize(slots.size());
+  for (std::size_t c = 0; c < slots.size(); ++c) {
+    const CutObject::Slot& slot = piece.slot(slots[c]);
+    out[c].brick = slot.brick;
+    std::copy_n(slot.own, kBrickNodes, out[c].phi.begin());
+  }
 }
 
-std::shared_ptr<const PieceOrigin> PiecePool::takeBack(PieceOrigin& origin) {
-  auto out = std::make_shared<const PieceOrigin>(origin);
-  lists.takeBack({std::move(origin.bricks), std::move(origin.interior), std::move(origin.near_others), {}});
-  for (std::vector<BrickEdit>& cut : cuts)
-    if (cut.capacity() == 0) {
-      cut = std::move(origin.cut);
-      cut.clear();
-      break;
-    }
-  return out;
-}
+}  // namespace
 
 std::unique_ptr<ObjectPieces> makePieces(const CutObject& whole, PieceFinder& finder, std::uint32_t first_id,
-                                         std::size_t most, PiecePool* room, bool is_parallel) {
+                                         std::size_t most, PiecePool* pool, bool is_parallel) {
   const PieceList& list = finder.find();
   const std::size_t count = list.pieces.size();
   if (count == 0 || count > most || count + list.crumbs.size() == 1) return nullptr;
+
   auto out = std::make_unique<ObjectPieces>();
   out->crumbs = list.crumbs.size();
   for (const Piece& crumb : list.crumbs) out->crumb_measure.add(crumb.measure);
-  std::vector<PieceBricks> bricks = bricksOfPieces(finder, count, is_parallel, room ? &room->lists : nullptr);
+
+  std::vector<PieceBricks> bricks = bricksOfPieces(finder, count, is_parallel, pool ? &pool->lists : nullptr);
   if (count == 1) {
     out->without_crumbs = bricks.front().changed;
-    if (room) room->lists.takeBack(std::move(bricks.front()));
+    if (pool) pool->lists.takeBack(std::move(bricks.front()));
     return out;
   }
-  // Each on its own, on as many cores as there are: neither reads what the other makes.
+
+  // Each on its own, on as many cores as there are: neither reads what the
+  // other makes.
   std::vector<std::optional<CutObject>> made(count);
   out->origins.resize(count);
   internal::forEach(count, is_parallel, [&](std::size_t n) {
-    CutObject& part = made[n].emplace(CutObject::piece(
-        whole, bricks[n], room && n < room->blanks.size() ? std::move(room->blanks[n]) : nullptr, is_parallel));
+    std::unique_ptr<CutObject> blank;
+    if (pool && n < pool->blanks.size()) blank = std::move(pool->blanks[n]);
+    CutObject& part = made[n].emplace(makePiece(whole, bricks[n], std::move(blank), is_parallel));
     part.id = first_id + static_cast<std::uint32_t>(n);
+
     auto origin = std::make_shared<PieceOrigin>();
     origin->id = part.id;
     origin->of = whole.id;
-    origin->baked = part.sharedBaked();
-    // What was cut before, and is the piece's alone.
-    const BrickField& changed = finder.field().changed();
-    std::vector<const float*> cut;
-    std::vector<Vec3i> where;
-    for (std::size_t c = 0; c < changed.brickCount(); ++c) {
-      const Vec3i& brick = changed.brickCoord(c);
-      const int slot = part.find(brick);
-      if (slot < 0 || !part.slot(slot).own) continue;
-      const auto known =
-          std::lower_bound(bricks[n].changed.begin(), bricks[n].changed.end(), coordKey(brick),
-                           [](const BrickEdit& edit, std::uint64_t key) { return coordKey(edit.brick) < key; });
-      if (known != bricks[n].changed.end() && known->brick == brick) continue;
-      where.push_back(brick);
-      cut.push_back(part.slot(slot).own);
-    }
-    if (room && n < room->cuts.size()) origin->cut = std::move(room->cuts[n]);
-    origin->cut.resize(cut.size());
-    for (std::size_t c = 0; c < cut.size(); ++c) {
-      origin->cut[c].brick = where[c];
-      std::copy_n(cut[c], kBrickNodes, origin->cut[c].phi.begin());
-    }
+    origin->baked = part.bricks().sharedBaked();
+    if (pool && n < pool->cuts.size()) origin->cut = std::move(pool->cuts[n]);
+    copyCut(part, finder, bricks[n].changed, origin->cut);
     origin->bricks = std::move(bricks[n].bricks);
     origin->interior = std::move(bricks[n].interior);
     origin->near_others = std::move(bricks[n].changed);
     out->origins[n] = std::move(origin);
   });
+
   std::vector<CutObject> parts;
   parts.reserve(count);
   for (std::optional<CutObject>& part : made) parts.push_back(std::move(*part));

@@ -11,11 +11,11 @@ TrackedState trackedState(const CutObject& object) {
 std::unique_ptr<Split> prepareSplit(std::vector<CutObject> parts) {
   auto out = std::make_unique<Split>();
   out->parts = parts.size();
-  out->held.reserve(parts.size());
-  out->spare.reserve(parts.size());
+  out->out_of_scene.reserve(parts.size());
+  out->for_exchange.reserve(parts.size());
   for (CutObject& part : parts) {
     TrackedState tracked = trackedState(part);
-    out->held.push_back({std::move(part), std::move(tracked)});
+    out->out_of_scene.push_back({std::move(part), std::move(tracked)});
   }
   return out;
 }

@@ -15,15 +15,19 @@ struct TrackedState {
 };
 TrackedState trackedState(const CutObject& object);
 
+/// One step of undo and redo: either the whole or its parts are in the scene, the others are here.
 struct Split {
   struct Part {
     CutObject object;
     TrackedState tracked;
   };
-  std::size_t index = 0, parts = 0;
-  std::vector<Part> held;   // the whole while it is split, the parts while that is taken back
-  std::vector<Part> spare;  // room for the others
-  std::unique_ptr<Split> next;
+  std::size_t index = 0;  ///< of the whole in the scene; its first part takes that place, the others are the last ones
+  std::size_t parts = 0;  ///< how many
+  /// The objects of this split that are not in the scene: the whole while it is split, else its parts.
+  std::vector<Part> out_of_scene;
+  /// Empty, its memory reserved: takes what leaves the scene when the two change places.
+  std::vector<Part> for_exchange;
+  std::unique_ptr<Split> next;  ///< in a list of splits
 };
 
 /// What SessionHistory::split() wants, made by any thread. Allocates.

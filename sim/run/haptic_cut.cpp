@@ -324,7 +324,8 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
   csv.close();
   if (sound) KERF_CHECK(sound->close());
   std::vector<BrickField> changed_of;  // the case's, then those of its neighbours
-  for (std::size_t n = 0; n < loaded.size(); ++n) changed_of.push_back(session.state().objects[n].changedField());
+  for (std::size_t n = 0; n < loaded.size(); ++n)
+    changed_of.push_back(session.state().objects[n].bricks().changedField());
   const BrickField& changed = changed_of.front();
   if (changed.isEmpty()) {
     const Vec3d &low = in_case.box.min, &high = in_case.box.max;
@@ -341,7 +342,7 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
     sum.mean_contact_force = contact_sum / static_cast<double>(in_contact);
     sum.mean_normal_load = load_sum / static_cast<double>(in_contact);
   }
-  const std::array<double, 256> left = object.countVolumes();
+  const std::array<double, 256> left = object.bricks().countVolumes();
   sum.initial_mm3 = sumOf(baked.volumes());
   sum.remaining_mm3 = sumOf(left);
   sum.removed_by_material = byMaterial(object.removed_mm3, materials);

@@ -21,7 +21,7 @@ State stateOf(const LoadedObjects& objects, const Rigid3& start) {
 }
 
 bool needsBricks(const CutObject& object) {
-  return object.freeBricks() < Session::reserveFor(object) / 2 || object.freeRecords() < 4;
+  return object.freeBricks() < Session::reserveFor(object) / 2 || object.memory().freeRecords() < 4;
 }
 
 bool isUnitQuaternion(const Eigen::Quaterniond& q) { return std::abs(q.norm() - 1) < 1e-6; }
@@ -206,16 +206,16 @@ PieceFinder& Session::finderOf(std::size_t index, double crumb_mm3) {
   };
 
   if (watch && watch->options.crumb_mm3 == crumb_mm3) {
-    object.watchDirty(collect);
+    object.changes(BrickSubscriber::kPieces).take(collect);
   } else {
     watch = std::make_unique<Watch>();
     watch->options.crumb_mm3 = crumb_mm3;
-    object.watchDirty([](const CutObject::Slot&) { return true; });
+    object.changes(BrickSubscriber::kPieces).take([](const CutObject::Slot&) { return true; });
     const BrickField& phi0 = object.baked().phi0();
-    if (object.isPiece()) {
+    if (object.bricks().isPiece()) {
       std::vector<Vec3i> bricks;
-      for (int s = 0; s < object.firstSlotCount(); ++s)
-        if (object.has(s)) bricks.push_back(object.slot(s).brick);
+      for (int s = 0; s < object.bricks().firstSlotCount(); ++s)
+        if (object.bricks().has(s)) bricks.push_back(object.slot(s).brick);
       watch->finder = std::make_unique<PieceFinder>(phi0, bricks, watch->options);
     } else {
       watch->finder = std::make_unique<PieceFinder>(phi0, watch->options);
@@ -273,7 +273,7 @@ bool Session::putInPlace(std::size_t index, ObjectPieces& made) noexcept {
 void Session::splitWhatIsApart() {
   for (std::size_t n = state_.objects.size(); n-- > 0;) {
     // Without a change there is nothing new to find.
-    if (n < watches_.size() && watches_[n] && !state_.objects[n].isWatchDirty()) continue;
+    if (n < watches_.size() && watches_[n] && state_.objects[n].changes(BrickSubscriber::kPieces).isEmpty()) continue;
     const PieceList& list = finderOf(n, piece_options_.crumb_mm3).find();
     if (list.pieces.size() + list.crumbs.size() > 1) apply(SplitObject{n, piece_options_.crumb_mm3});
   }

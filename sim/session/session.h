@@ -105,7 +105,7 @@ class Session {
   /// Bricks that are reserved for an object at a time: kReserve, less for a small one. Every tick begins with half of
   /// that free at least, live and replayed: a tick that needs no more changes the same bricks in both.
   static std::size_t reserveFor(const CutObject& object) noexcept {
-    return std::min(kReserve, object.brickCount() + 1024);
+    return std::min(kReserve, object.bricks().brickCount() + 1024);
   }
   static constexpr std::size_t kReserve = 4096;
 

@@ -15,14 +15,14 @@ SessionHistory::SessionHistory(std::vector<CutObject>& objects) {
   steps_.reserve(kMostSteps);
   now_.reserve(kMostObjects);
   for (CutObject& object : objects) {
-    static_cast<void>(object.endStroke());  // what was written before this is not to be taken back
+    static_cast<void>(object.strokes().end());  // what was written before this is not to be taken back
     now_.push_back(trackedState(object));
   }
 }
 
 bool SessionHistory::hasChanges(const std::vector<CutObject>& objects) const noexcept {
   for (std::size_t n = 0; n < objects.size(); ++n)
-    if (objects[n].isInStroke() || !isSamePose(now_[n].pose, objects[n].T_world_object)) return true;
+    if (objects[n].strokes().isOpen() || !isSamePose(now_[n].pose, objects[n].T_world_object)) return true;
   return false;
 }
 
@@ -38,7 +38,8 @@ void SessionHistory::forgetRedo(std::vector<CutObject>& objects) noexcept {
     }
     while (!steps_[n].records.isEmpty()) {
       StrokeRecord* const record = steps_[n].records.popFront();
-      if (!is_split || (record->object < known && record->object < split_at)) objects[record->object].release(record);
+      if (!is_split || (record->object < known && record->object < split_at))
+        objects[record->object].memory().release(record);
     }
   }
 
@@ -75,13 +76,13 @@ void SessionHistory::mark(std::vector<CutObject>& objects) noexcept {
   for (std::size_t n = 0; n < objects.size(); ++n) {
     CutObject& object = objects[n];
     TrackedState& known = now_[n];
-    if (!object.isInStroke() && isSamePose(known.pose, object.T_world_object)) continue;
-    StrokeRecord* const record = object.takeRecord();
+    if (!object.strokes().isOpen() && isSamePose(known.pose, object.T_world_object)) continue;
+    StrokeRecord* const record = object.memory().takeRecord();
     assert(record);
     if (!record) continue;
 
     record->object = n;
-    record->bricks = object.endStroke();
+    record->bricks = object.strokes().end();
     record->pose_before = known.pose;
     record->before = known.ledger;
     known = trackedState(object);
@@ -106,7 +107,7 @@ void SessionHistory::split(std::vector<CutObject>& objects, std::size_t index, s
 
 void SessionHistory::swapSplit(std::vector<CutObject>& objects, Split& split, bool is_undo) noexcept {
   // Out of the scene: the whole, or for an undo all its parts.
-  std::vector<Split::Part>& out = split.spare;  // reserved, as objects and now_ are
+  std::vector<Split::Part>& out = split.for_exchange;  // reserved, as objects and now_ are
   out.clear();
   out.push_back({std::move(objects[split.index]), std::move(now_[split.index])});
   if (is_undo) {
@@ -117,15 +118,15 @@ void SessionHistory::swapSplit(std::vector<CutObject>& objects, Split& split, bo
   }
 
   // Into the scene: the first in its place, the others at the end.
-  objects[split.index] = std::move(split.held.front().object);
-  now_[split.index] = std::move(split.held.front().tracked);
-  for (std::size_t n = 1; n < split.held.size(); ++n) {
-    objects.push_back(std::move(split.held[n].object));
-    now_.push_back(std::move(split.held[n].tracked));
+  objects[split.index] = std::move(split.out_of_scene.front().object);
+  now_[split.index] = std::move(split.out_of_scene.front().tracked);
+  for (std::size_t n = 1; n < split.out_of_scene.size(); ++n) {
+    objects.push_back(std::move(split.out_of_scene[n].object));
+    now_.push_back(std::move(split.out_of_scene[n].tracked));
   }
 
-  std::swap(split.held, split.spare);
-  for (CutObject& object : objects) object.odometer += 1e6;
+  std::swap(split.out_of_scene, split.for_exchange);
+  for (CutObject& object : objects) object.wake();
 }
 
 void SessionHistory::apply(std::vector<CutObject>& objects, Step& step, bool is_undo) noexcept {

@@ -9,6 +9,8 @@
 #include <optional>
 #include <unordered_map>
 
+#include "sim/pieces/make_piece.h"
+
 namespace kerf {
 namespace {
 
@@ -106,7 +108,7 @@ bool hasOtherMaterials(const CutObject::Slot& slot) {
 
 void packObject(const CutObject& object, std::size_t loaded, Writer& to) {
   to.u32(static_cast<std::uint32_t>(loaded));
-  to.u32((object.isPiece() ? 1u : 0u) | (object.isFrozen() ? 2u : 0u));
+  to.u32((object.bricks().isPiece() ? 1u : 0u) | (object.isFrozen() ? 2u : 0u));
   to.u32(object.id);
   to.pose(object.T_world_object);
   for (std::size_t m = 0; m < 256; ++m) {
@@ -117,13 +119,13 @@ void packObject(const CutObject& object, std::size_t loaded, Writer& to) {
   // Which bricks a piece began with; then, for any object, those of air that it took on.
   const auto putBricks = [&](int begin, int end) {
     std::uint64_t count = 0;
-    for (int n = begin; n < end; ++n) count += object.has(n);
+    for (int n = begin; n < end; ++n) count += object.bricks().has(n);
     to.u64(count);
     for (int n = begin; n < end; ++n)
-      if (object.has(n)) to.brick(object.slot(n).brick);
+      if (object.bricks().has(n)) to.brick(object.slot(n).brick);
   };
-  if (object.isPiece()) putBricks(0, object.firstSlotCount());
-  putBricks(object.firstSlotCount(), object.slotCount());
+  if (object.bricks().isPiece()) putBricks(0, object.bricks().firstSlotCount());
+  putBricks(object.bricks().firstSlotCount(), object.slotCount());
 
   // Values and materials that are not as loaded.
   std::vector<int> changed;
@@ -172,7 +174,7 @@ std::vector<ChangedBrick> readChanged(Reader& from) {
   return out;
 }
 
-// The bricks of a piece as CutObject::piece wants them; empty if `whole` has not all of them, or one is there twice.
+// The bricks of a piece as makePiece() wants them; empty if `whole` has not all of them, or one is there twice.
 PieceBricks pieceOf(CutObject& whole, std::vector<Vec3i> bricks, const std::vector<ChangedBrick>& changed) {
   const auto isBefore = [](const Vec3i& a, const Vec3i& b) { return coordKey(a) < coordKey(b); };
   std::sort(bricks.begin(), bricks.end(), isBefore);
@@ -223,7 +225,7 @@ std::optional<CutObject> unpackObject(Reader& from, const LoadedObjects& loaded)
     const std::size_t wanted = own.size();
     const PieceBricks bricks = pieceOf(object, std::move(own), changed);
     if (wanted == 0 || bricks.bricks.size() + bricks.interior.size() != wanted) return {};
-    object = CutObject::piece(object, bricks);
+    object = makePiece(object, bricks);
   }
   for (const Vec3i& brick : air)
     if (object.find(brick) >= 0 || object.addAir(brick) < 0) return {};
@@ -234,7 +236,7 @@ std::optional<CutObject> unpackObject(Reader& from, const LoadedObjects& loaded)
   while (!object.repair())
     if (!object.reserve(1024)) return {};
 
-  object.endStroke();  // it begins like this: nothing to undo
+  object.strokes().end();  // it begins like this: nothing to undo
   object.T_world_object = pose;
   object.id = id;
   if (flags & 2) object.freeze();

@@ -82,7 +82,7 @@ class Filling {
       result_.pool_ran_out = true;
       return;
     }
-    slot.changed_faces = faces | CutObject::facesThatDiffer(own, next_);
+    slot.changed_faces = faces | facesThatDiffer(own, next_);
 
     for (int n = 0; n < kBrickNodes; ++n)
       if (next_[n] != own[n] && static_cast<double>(next_[n]) < half_width_) bookNode(s, n, own[n]);

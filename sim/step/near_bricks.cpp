@@ -19,7 +19,7 @@ struct BlockOfBricks {
   void gather(const CutObject& object, const Vec3i& begin, const Vec3i& last, const Eigen::Matrix3d& to_tool,
               const Vec3d& tip) {
     count = 0;
-    object.forEachIn(begin, (begin + Vec3i::Constant(kBlock - 1)).cwiseMin(last), [&](int s) {
+    object.bricks().forEachIn(begin, (begin + Vec3i::Constant(kBlock - 1)).cwiseMin(last), [&](int s) {
       const CutObject::Slot& slot = object.slot(s);
       if (object.odometer < slot.sleeps_until_cut &&
           (slot.shell_count == 0 || object.odometer < slot.sleeps_until_contact))

@@ -31,7 +31,7 @@ class FlushDenormals {
 
 /// Bricks sleep until the tool has moved far enough to reach them. After a jump none may: see CutObject::odometer.
 void wakeAll(State& state) {
-  for (CutObject& object : state.objects) object.odometer += 1e6;
+  for (CutObject& object : state.objects) object.wake();
 }
 
 /// How the tool moves in one tick.

@@ -69,7 +69,7 @@ int forEachTouching(CutObject& object, const NearBricks& near, const ToolModel& 
       const int count = std::min(kGather, slot.shell_count - begin), padded = (count + 7) / 8 * 8;
       placeShell(map.base, map.along, chunk.offset.data(), padded, px, py, pz);
       const float* phi = chunk.phi.data();
-      if (slot.is_dirty) {  // cut since, and no room was left to repair it
+      if (slot.isListed(SlotBit::kDirty)) {  // cut since, and no room was left to repair it
         valuesAt(slot.phi, chunk.offset.data(), padded, now);
         phi = now;
       }

@@ -395,7 +395,7 @@ double crossing(const BrickField& phi, const Vec3d& from, const Vec3d& along, do
 
 BrickField currentField(const CutObject& object) {
   BrickField field = object.baked().phi0();
-  const BrickField changed = object.changedField();
+  const BrickField changed = object.bricks().changedField();
   for (std::size_t b = 0; b < changed.brickCount(); ++b)
     field.brick(field.touch(changed.brickCoord(b))) = changed.brick(b);
   return field;

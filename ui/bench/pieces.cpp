@@ -54,7 +54,7 @@ Expected<void> sever(const std::shared_ptr<const BakedObject>& object, const Too
     for (const double v : volumes) sum += v;
     return sum;
   };
-  const double initial = total(cut.countVolumes());
+  const double initial = total(cut.bricks().countVolumes());
   PieceFinder finder(object->phi0());
   std::size_t known = partCount(finder.find());
   std::vector<BrickEdit> edits;
@@ -72,7 +72,7 @@ Expected<void> sever(const std::shared_ptr<const BakedObject>& object, const Too
       step(model, state, sample, tick);
       const double start = now();
       edits.clear();
-      cut.exportDirty([&](const CutObject::Slot& slot) {
+      cut.changes(BrickSubscriber::kMesher).take([&](const CutObject::Slot& slot) {
         BrickEdit& edit = edits.emplace_back();
         edit.brick = slot.brick;
         std::copy_n(slot.phi, kBrickNodes, edit.phi.begin());
@@ -91,7 +91,7 @@ Expected<void> sever(const std::shared_ptr<const BakedObject>& object, const Too
     count(tally, list, expected[w], 0);
   }
   tally.ledger =
-      std::max(tally.ledger, std::abs(initial - total(cut.removed_mm3) - total(cut.countVolumes())) / initial);
+      std::max(tally.ledger, std::abs(initial - total(cut.removed_mm3) - total(cut.bricks().countVolumes())) / initial);
   hash = hash * 0x100000001b3ull ^ state.hash();
   return {};
 }

@@ -43,7 +43,7 @@ void addTimes(Result& r, const std::string& what, const TimeHistogram& times) {
 // Chunks that differ from those of a mesh made anew from the field as it is at the end.
 std::size_t chunksThatDiffer(const CutObject& object, const std::map<std::uint64_t, MeshChunkPtr>& mesh) {
   OverlayField field(object.baked().phi0());
-  const BrickField changed = object.changedField();
+  const BrickField changed = object.bricks().changedField();
   for (std::size_t b = 0; b < changed.brickCount(); ++b) field.set({changed.brickCoord(b), changed.brick(b)});
   const BrickField whole = field.flattened();
   const Remesher anew(whole);

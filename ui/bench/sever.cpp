@@ -101,12 +101,12 @@ Expected<std::vector<double>> ticksToSplit(const SessionLog& log, Model model,
       std::copy_n(slot.phi, kBrickNodes, edit.phi.begin());
       return true;
     };
-    cut.watchDirty(collect);
+    cut.changes(BrickSubscriber::kPieces).take(collect);
     if (!finder) {
       edits.clear();
       std::vector<Vec3i> bricks;
-      for (int s = 0; s < cut.firstSlotCount(); ++s)
-        if (cut.has(s)) bricks.push_back(cut.slot(s).brick);
+      for (int s = 0; s < cut.bricks().firstSlotCount(); ++s)
+        if (cut.bricks().has(s)) bricks.push_back(cut.slot(s).brick);
       finder = std::make_unique<PieceFinder>(object->phi0(), bricks);
       for (int s = 0; s < cut.slotCount(); ++s)
         if (cut.slot(s).own) collect(cut.slot(s));

@@ -28,7 +28,7 @@ void addPercentiles(Result& r, double goal_p999) {
 struct MeshLatency {
   explicit MeshLatency(const CutObject& object) : remesher(object.baked().phi0()) {}
   void tick(CutObject& object, double at_ms) {
-    object.exportDirty([&](const CutObject::Slot& slot) {
+    object.changes(BrickSubscriber::kMesher).take([&](const CutObject::Slot& slot) {
       BrickEdit& edit = waiting.emplace_back();
       edit.brick = slot.brick;
       std::copy_n(slot.phi, kBrickNodes, edit.phi.begin());
@@ -138,7 +138,7 @@ Expected<Result> benchPoints(const Progress& progress) {
     int tested = 0, touching = 0;
     for (int n = 0; n < 3000; ++n) {
       if (n % 256 == 0 && !report(progress, n / 3000.0, "points")) return cancelled();
-      object.odometer += 1e6;  // nothing sleeps: every node is tested
+      object.wake();  // nothing sleeps: every node is tested
       ContactInput in;
       in.tool = &plate;
       in.tissues = &model.tissues;

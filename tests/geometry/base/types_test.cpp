@@ -6,7 +6,6 @@
 #include <set>
 
 #include "geometry/base/progress.h"
-#include "geometry/field/brick_directory.h"
 
 namespace kerf {
 namespace {
@@ -42,24 +41,6 @@ TEST(Rigid3, IsUsableWhenFiniteUnitAndNear) {
   EXPECT_FALSE((Rigid3{Eigen::Quaterniond(1, std::nan(""), 0, 0), Vec3d::Zero()}.isUsable()));
   EXPECT_FALSE((Rigid3{Eigen::Quaterniond::Identity(), Vec3d(0, 0, Rigid3::kMostTranslation)}.isUsable()));
   EXPECT_TRUE((Rigid3{Eigen::Quaterniond::Identity(), Vec3d(0, 0, 99999)}.isUsable()));
-}
-
-TEST(BrickDirectory, NumbersTheBricksOfItsBoxOnceEachWithZFastest) {
-  const BrickDirectory directory{Vec3i(-2, 5, 0), Vec3i(2, 3, 4)};
-  std::size_t next = 0;
-  for (int x = -2; x < 0; ++x)
-    for (int y = 5; y < 8; ++y)
-      for (int z = 0; z < 4; ++z) {
-        EXPECT_TRUE(directory.contains({x, y, z}));
-        EXPECT_EQ(directory.indexOf({x, y, z}), next++);
-      }
-  EXPECT_EQ(directory.count(), next);
-  for (const Vec3i& outside : {Vec3i(-3, 5, 0), Vec3i(0, 5, 0), Vec3i(-2, 8, 0), Vec3i(-2, 5, -1), Vec3i(-2, 5, 4)})
-    EXPECT_FALSE(directory.contains(outside));
-
-  const std::array<int, 3> strides = directory.strides();
-  for (int axis = 0; axis < 3; ++axis)
-    EXPECT_EQ(directory.indexOf(directory.low + Vec3i::Unit(axis)), static_cast<std::size_t>(strides[axis]));
 }
 
 TEST(Cancelled, SaysSoAndNamesTheFileIfThereIsOne) {

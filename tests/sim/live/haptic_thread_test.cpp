@@ -174,7 +174,7 @@ TEST(HapticThread, BricksArriveBeforeTheyRunOut) {
   EXPECT_GT(at_first + taken - object.freeBricks(), at_first) << "what was there at first would have been enough";
   EXPECT_EQ(haptic.report().counts.pauses, 0u) << "for bricks";
   EXPECT_EQ(haptic.report().counts.out_of_bricks, 0u);
-  EXPECT_EQ(object.shellDefects(), 0u);
+  EXPECT_EQ(object.bricks().shellDefects(), 0u);
 }
 
 TEST(HapticThread, CommandsAreDoneInTheirOrderAndRefusedOnesAreCounted) {

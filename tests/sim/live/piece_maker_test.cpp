@@ -9,6 +9,7 @@
 #include <mutex>
 
 #include "sim/hand/simulated_device.h"
+#include "sim/pieces/split_field.h"
 #include "sim/run/replay.h"
 #include "tests/sim/block_scene.h"
 #include "tests/sim/haptic_scene.h"
@@ -91,7 +92,7 @@ class Audience {
       const auto c = coordOfKey(key);
       field.brick(field.touch({c[0], c[1], c[2]})) = phi;
     }
-    const BrickField now = object.field();
+    const BrickField now = object.bricks().field();
     for (std::size_t b = 0; b < now.brickCount(); ++b) {
       const BrickValues* values = field.valuesAt(now.brickCoord(b));
       ASSERT_TRUE(values);
@@ -117,7 +118,7 @@ std::uint64_t volumesOf(const std::vector<CutObject>& objects) {
   std::uint64_t nodes = 0;
   for (const CutObject& object : objects)
     for (int s = 0; s < object.slotCount(); ++s)
-      if (object.has(s))
+      if (object.bricks().has(s))
         nodes += static_cast<std::uint64_t>(
             std::count_if(object.slot(s).phi, object.slot(s).phi + kBrickNodes, [](float v) { return v < 0; }));
   return nodes;
@@ -189,10 +190,10 @@ TEST(PieceMaker, WhatIsSeveredOnTheThreadIsCutMovedTakenBackAndReplayedBitForBit
   const std::vector<CutObject>& objects = haptic.session().state().objects;
   EXPECT_EQ(report.object_count, objects.size());
   for (const CutObject& object : objects) {
-    EXPECT_EQ(object.shellDefects(), 0u);
+    EXPECT_EQ(object.bricks().shellDefects(), 0u);
     EXPECT_FALSE(object.isFrozen());
     audience.expectKnows(object);
-    const BrickField field = object.field();
+    const BrickField field = object.bricks().field();
     PieceFinder alone(field, options.pieces.pieces);
     EXPECT_EQ(alone.find().pieces.size(), 1u);
     EXPECT_EQ(alone.find().crumbs.size(), 0u);
@@ -239,8 +240,8 @@ TEST(PieceMaker, AFrozenObjectIsFeltAndNotCutAndNothingIsTakenBack) {
   EXPECT_EQ(session.state().objects[0].stateHash(), before) << "nor filled";
   ASSERT_TRUE(session.apply(StopAdding{}));
   // A snapshot remembers.
-  const auto bytes = packState(session.state(), {session.state().objects[0].sharedBaked()});
-  const auto again = unpackState(bytes, {session.state().objects[0].sharedBaked()}, "here");
+  const auto bytes = packState(session.state(), {session.state().objects[0].bricks().sharedBaked()});
+  const auto again = unpackState(bytes, {session.state().objects[0].bricks().sharedBaked()}, "here");
   ASSERT_TRUE(again);
   EXPECT_TRUE(again->objects[0].isFrozen());
   ASSERT_TRUE(session.apply(UnfreezeObject{0}));
@@ -265,11 +266,11 @@ TEST(PieceMaker, CrumbsAreTakenAwayWithTheStrokeThatMadeThem) {
   EXPECT_EQ(object.id, id) << "the same object";
   EXPECT_EQ(session.crumbs().count, 1u);
   EXPECT_GT(object.removed_mm3[static_cast<std::size_t>(Material::kDentin)], cut + 0.05);
-  const auto now = object.countVolumes();
+  const auto now = object.bricks().countVolumes();
   EXPECT_NEAR(object.baked().volumes()[static_cast<std::size_t>(Material::kDentin)] -
                   object.removed_mm3[static_cast<std::size_t>(Material::kDentin)],
               now[static_cast<std::size_t>(Material::kDentin)], 1e-9);
-  EXPECT_EQ(object.shellDefects(), 0u);
+  EXPECT_EQ(object.bricks().shellDefects(), 0u);
   EXPECT_LT(volumesOf(session.state().objects), nodes);
   EXPECT_FALSE(session.apply(SplitObject{0, 0.4}));
   ASSERT_TRUE(session.apply(Undo{}));
@@ -323,7 +324,7 @@ TEST(PieceMaker, StopsInTheMiddleOfASplitWithTheObjectAsItIsAndReplaysThat) {
     ASSERT_TRUE(recorder->close());
     for (const CutObject& object : haptic.session().state().objects) {
       EXPECT_FALSE(object.isFrozen());
-      EXPECT_EQ(object.shellDefects(), 0u);
+      EXPECT_EQ(object.bricks().shellDefects(), 0u);
     }
     const auto log = readSessionLog(file);
     ASSERT_TRUE(log) << log.error().message();

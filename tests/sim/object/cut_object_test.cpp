@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <random>
+#include <vector>
 
 #include "sim/session/session_history.h"
 #include "tests/sim/block_scene.h"
@@ -75,6 +76,7 @@ TEST(CutObject, AfterTenThousandRandomCarvesShellAndLedgerAreThoseOfAFullRebuild
   StepOutput out;
   Vec3d at(0, 0, 0.5), velocity(0.02, 0, -0.02);
   double removed = 0;
+
   for (int tick = 0; tick < 10000; ++tick) {
     velocity += 0.01 * Vec3d(u(random), u(random), u(random)) - 0.0005 * (at - Vec3d(0, 0, -0.6));
     velocity *= std::min(1.0, 0.08 / velocity.norm());
@@ -83,15 +85,16 @@ TEST(CutObject, AfterTenThousandRandomCarvesShellAndLedgerAreThoseOfAFullRebuild
     removed += out.removed_mm3;
     ASSERT_EQ(out.status, kStepOk) << tick;
   }
+
   const CutObject& object = state.objects[0];
   EXPECT_GT(removed, 5);
-  EXPECT_EQ(object.shellDefects(), 0u);
-  const double initial = sum(object.baked().volumes()), remaining = sum(object.countVolumes());
+  EXPECT_EQ(object.bricks().shellDefects(), 0u);
+  const double initial = sum(object.baked().volumes()), remaining = sum(object.bricks().countVolumes());
   EXPECT_NEAR(sum(object.removed_mm3) + remaining, initial, 1e-6 * initial);
   EXPECT_NEAR(sum(object.removed_mm3), removed, 1e-9);
 }
 
-TEST(CutObject, WithoutRoomNothingIsLostOnlyLate) {
+TEST(CutObject, WithoutMemoryNothingIsLostOnlyLate) {
   const auto baked = block({4, 4, 2}, 0.1);
   Model model;
   model.tools = {practiceBall(0.5, 840)};
@@ -107,17 +110,20 @@ TEST(CutObject, WithoutRoomNothingIsLostOnlyLate) {
     }
     return status;
   };
+
   State poor, rich;
   poor.objects.emplace_back(baked, 3);
   rich.objects.emplace_back(baked, 4096);
   EXPECT_TRUE(dig(poor, 2) & kStepBricksRanOut);
-  EXPECT_EQ(poor.objects[0].shellDefects(), 0u);  // what could be cut can be felt
+  EXPECT_EQ(poor.objects[0].bricks().shellDefects(), 0u);  // what could be cut can be felt
   EXPECT_FALSE(dig(rich, 3) & kStepBricksRanOut);
+
   EXPECT_NE(poor.objects[0].stateHash(), rich.objects[0].stateHash());
+
   ASSERT_TRUE(poor.objects[0].reserve(4096));
   EXPECT_FALSE(dig(poor, 1) & kStepBricksRanOut);
   EXPECT_EQ(poor.objects[0].stateHash(), rich.objects[0].stateHash());
-  EXPECT_EQ(poor.objects[0].shellDefects(), 0u);
+  EXPECT_EQ(poor.objects[0].bricks().shellDefects(), 0u);
 }
 
 TEST(CutObject, RestoredBricksAreTheOldOnesBitForBit) {
@@ -129,10 +135,12 @@ TEST(CutObject, RestoredBricksAreTheOldOnesBitForBit) {
   state.objects.emplace_back(block({4, 4, 2}, 0.1));
   CutObject& object = state.objects[0];
   const std::uint64_t untouched = object.stateHash();
+
   StepOutput out;
   for (int n = 0; n < 50; ++n)
     step(model, state, test::sampleAt({Eigen::Quaterniond::Identity(), {0, 0, -0.01 * n}}), out);
   EXPECT_NE(object.stateHash(), untouched);
+
   for (int s = 0; s < object.slotCount(); ++s)
     if (object.slot(s).own) {
       BrickValues values;
@@ -141,22 +149,44 @@ TEST(CutObject, RestoredBricksAreTheOldOnesBitForBit) {
     }
   ASSERT_TRUE(object.repair());
   EXPECT_EQ(object.stateHash(), untouched);
-  EXPECT_EQ(object.shellDefects(), 0u);
+  EXPECT_EQ(object.bricks().shellDefects(), 0u);
 }
 
-TEST(CutObject, RoomMadeElsewhereIsTakenAndUsedWithoutAllocating) {
+TEST(CutObject, MemoryMadeElsewhereIsTakenAndUsedWithoutAllocating) {
   CutObject object(block({4, 4, 2}, 0.1), 2);
-  auto room = BrickPool::make(100);
-  ASSERT_TRUE(room);
+  auto pool = BrickPool::make(100);
+  ASSERT_TRUE(pool);
   const AllocationGuard guard;
   EXPECT_TRUE(object.write(0) && object.write(1));
   EXPECT_FALSE(object.write(2));
   EXPECT_TRUE(object.repair());
   EXPECT_EQ(object.freeBricks(), 0u);
-  object.take(std::move(room));
+  object.memory().take(std::move(pool));
   EXPECT_EQ(object.freeBricks(), 100u);
   EXPECT_TRUE(object.write(2));
   EXPECT_EQ(object.freeBricks(), 99u);
+}
+
+TEST(CutObject, EverySubscriberIsGivenEachChangedBrickOnceTheLastFirst) {
+  CutObject object(block({4, 4, 2}, 0.1));
+  const auto taken = [&](BrickSubscriber who, bool is_wanted = true) {
+    std::vector<int> slots;
+    object.changes(who).take([&](const CutObject::Slot& slot) {
+      slots.push_back(object.find(slot.brick));
+      return is_wanted;
+    });
+    return slots;
+  };
+  for (const int s : {3, 1, 2, 1}) ASSERT_TRUE(object.write(s));
+  EXPECT_EQ(object.changes(BrickSubscriber::kMesher).count(), 3u);
+  EXPECT_EQ(taken(BrickSubscriber::kMesher), (std::vector<int>{2, 1, 3}));
+  EXPECT_TRUE(object.changes(BrickSubscriber::kMesher).isEmpty());
+
+  // The other one has been told nothing yet; what it does not want waits.
+  EXPECT_EQ(taken(BrickSubscriber::kPieces, false), (std::vector<int>{2}));
+  ASSERT_TRUE(object.write(1));
+  EXPECT_EQ(taken(BrickSubscriber::kPieces), (std::vector<int>{2, 1, 3}));
+  EXPECT_EQ(taken(BrickSubscriber::kMesher), (std::vector<int>{1})) << "it changed again";
 }
 
 // Digs here and there, with strokes ended, taken back and brought back, as a session would.
@@ -167,7 +197,7 @@ struct Digger {
     model.settings.rendering = Rendering::kRigid;
     model.settings.geometry_only = true;
     state.objects.emplace_back(block({5, 5, 2}, 0.1));
-    EXPECT_TRUE(state.objects[0].reserve(4096));  // more strokes than a room for its bricks alone has records for
+    EXPECT_TRUE(state.objects[0].reserve(4096));  // more strokes than a pool for its bricks alone has records for
   }
   CutObject& object() { return state.objects[0]; }
   void dig(double x, double y) {
@@ -187,6 +217,7 @@ TEST(CutObject, TheHashKeptUpToDateIsThatOfTheWholeField) {
   EXPECT_EQ(object.hashNow(), object.stateHash());
   std::mt19937 random(5);
   std::uniform_real_distribution<double> u(-2, 2);
+
   for (int stroke = 0; stroke < 30; ++stroke) {
     digger.dig(u(random), u(random));
     object.prepareHash(random() % 20, random() % 8);
@@ -204,6 +235,7 @@ TEST(CutObject, TheHashKeptUpToDateIsThatOfTheWholeField) {
       object.repair();
     }
   }
+
   EXPECT_EQ(object.hashNow(), object.stateHash());
   while (history.undo(digger.state.objects)) object.repair();
   EXPECT_EQ(object.hashNow(), object.stateHash());
@@ -248,7 +280,8 @@ TEST(SessionHistory, MarkingUndoAndRedoNeitherAllocateNorFree) {
   history.mark(digger.state.objects);
   const std::uint64_t twice = object.stateHash();
   EXPECT_GT(history.bytes(), 20 * sizeof(BrickValues));
-  const std::size_t room = object.freeBricks();
+
+  const std::size_t free = object.freeBricks();
   std::uint64_t undone = 0, redone = 0;
   {
     const AllocationGuard guard;
@@ -260,11 +293,12 @@ TEST(SessionHistory, MarkingUndoAndRedoNeitherAllocateNorFree) {
     digger.dig(1, 1);
     history.mark(digger.state.objects);
   }
+
   EXPECT_EQ(undone, once);
   EXPECT_EQ(redone, twice);
-  EXPECT_EQ(object.shellDefects(), 0u);
+  EXPECT_EQ(object.bricks().shellDefects(), 0u);
   EXPECT_EQ(history.redoable(), 0u);
-  EXPECT_GT(object.freeBricks() + 40, room) << "what could be redone gave its room back";
+  EXPECT_GT(object.freeBricks() + 40, free) << "what could be redone gave its memory back";
 }
 
 TEST(SessionHistory, ForgetsTheOldestStrokeAndKeepsTheOthersRight) {

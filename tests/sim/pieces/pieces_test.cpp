@@ -63,6 +63,7 @@ void expectAsFlooded(PieceFinder& finder) {
   const PieceList& list = finder.find();
   const std::vector<Piece> pieces = all(list);
   ASSERT_EQ(pieces.size(), flood.nodes.size());
+
   std::map<std::uint32_t, int> as_flooded;
   for (const auto& [key, label] : flood.label) {
     const auto c = coordOfKey(key);
@@ -70,6 +71,7 @@ void expectAsFlooded(PieceFinder& finder) {
     ASSERT_LT(id, pieces.size());
     ASSERT_EQ(as_flooded.try_emplace(id, label).first->second, label);
   }
+
   SolidMeasure sum;
   for (std::size_t n = 0; n < pieces.size(); ++n) {
     EXPECT_EQ(pieces[n].id, n);
@@ -135,6 +137,7 @@ TEST(PieceFinder, ABridgeOfOneNodeJoinsAndItsLossSeparates) {
     PieceFinder finder(field);
     const SolidMeasure before = finder.find().whole;
     ASSERT_EQ(all(finder.find()).size(), 1u);
+
     BrickEdit edit;
     edit.brick = brickOf(bridge);
     edit.phi = *field.valuesAt(edit.brick);
@@ -145,6 +148,7 @@ TEST(PieceFinder, ABridgeOfOneNodeJoinsAndItsLossSeparates) {
     expectAsFlooded(finder);
     EXPECT_EQ(finder.find().whole.nodes + 1, before.nodes);
     EXPECT_EQ(finder.pieceAt(bridge), PieceFinder::kNoPiece);
+
     v = -0.05f;
     finder.apply(std::span(&edit, 1));
     EXPECT_EQ(all(finder.find()).size(), 1u);
@@ -245,12 +249,14 @@ TEST(PieceFinder, CrumbsAreListedApartLargestFirst) {
         return d;
       },
       box, h);
+
   PieceOptions options;
   options.crumb_mm3 = 0.3;  // between the third ball's 0.18 and the fourth's 0.9
   PieceFinder finder(phi0, options);
   const PieceList& list = finder.find();
   ASSERT_EQ(list.pieces.size(), 2u);
   ASSERT_EQ(list.crumbs.size(), 2u);
+
   EXPECT_EQ(finder.pieceAt({0, 0, 0}), 0u);
   EXPECT_EQ(finder.pieceAt({-18, -18, 0}), 1u);
   EXPECT_EQ(finder.pieceAt({25, 0, 0}), 2u);
@@ -269,6 +275,7 @@ TEST(PieceFinder, TenThousandCarvesEndWhereARebuildBegins) {
     if (n % 500 == 0) expectAsFlooded(finder);
     if (::testing::Test::HasFailure()) return;
   }
+
   const BrickField whole = truth.flattened();
   PieceFinder fresh(whole);
   const std::vector<Piece> a = all(finder.find()), b = all(fresh.find());
@@ -313,6 +320,7 @@ TEST(SplitField, PartsAndCrumbsSumToTheWholeToTheBit) {
   const std::vector<Piece> pieces = all(finder.find());
   ASSERT_EQ(pieces.size(), 3u);
   ASSERT_EQ(finder.find().crumbs.size(), 1u);
+
   SolidMeasure sum;
   double volumes = 0;
   for (const Piece& piece : pieces) {
@@ -337,12 +345,14 @@ TEST(SplitField, ThePieceKeepsItsSurfaceAndNothingIsLeftOfTheOthers) {
     plain.chord_balance = 0;
     const Mesh whole = marchingCubes(phi0, plain), mesh = marchingCubes(alone, plain);
     expectClosedManifold(mesh);
+
     // Every vertex is, bit for bit, one of the whole.
     std::vector<std::array<double, 3>> known;
     for (const Vec3d& p : whole.vertices) known.push_back({p[0], p[1], p[2]});
     std::sort(known.begin(), known.end());
     for (const Vec3d& p : mesh.vertices)
       ASSERT_TRUE(std::binary_search(known.begin(), known.end(), std::array{p[0], p[1], p[2]}));
+
     // Nothing but the piece makes the field small: where the others were it is the distance to this one.
     const auto distance = chipDistance(h * piece.first_node.cast<double>()) < 0 ? chipDistance
                           : kerfHeight(h * piece.first_node.cast<double>()) > 0 ? upperHalfDistance
@@ -392,6 +402,7 @@ TEST(SplitField, AnObliqueKerfTakesNothingFromEither) {
               }
               phi0.add({x, y, z}, values);
             }
+
         PieceFinder finder(phi0);
         const std::vector<Piece> pieces = all(finder.find());
         ASSERT_EQ(pieces.size(), 2u);
@@ -404,7 +415,7 @@ TEST(SplitField, AnObliqueKerfTakesNothingFromEither) {
       }
 }
 
-// Undo gives values back, but those who followed it have seen more: a piece must not depend on that.
+// Undo gives values back, but a subscriber has seen what was between: a piece must not depend on that.
 TEST(SplitField, WhatWasTakenBackLeavesNoTrace) {
   Box3 box;
   box.add(Vec3d(-2.2, -2.2, -2.2));
@@ -413,6 +424,7 @@ TEST(SplitField, WhatWasTakenBackLeavesNoTrace) {
   const BrickField phi0 = sampleDistance(twoBalls, box, 0.1);
   PieceFinder fresh(phi0), follower(phi0);
   OverlayField truth(phi0);
+
   const std::vector<BrickEdit> cut = carve(truth, {0.5, 0, 0}, 0.8);
   std::vector<BrickEdit> back;
   const auto asLoaded = [&](const Vec3i& brick) {
@@ -424,12 +436,15 @@ TEST(SplitField, WhatWasTakenBackLeavesNoTrace) {
       edit.phi.fill(phi0.constantAt(brick));
     return edit;
   };
+
   for (const BrickEdit& edit : cut) back.push_back(asLoaded(edit.brick));
   for (const Vec3i& brick : phi0.interiorBricks()) back.push_back(asLoaded(brick));
   for (int x = -3; x <= 3; ++x) back.push_back(asLoaded({x, 4, 0}));  // air beside it
+
   ASSERT_FALSE(phi0.interiorBricks().empty());
   follower.apply(cut);
   follower.apply(back);
+
   const std::size_t count = fresh.find().pieces.size();
   ASSERT_EQ(follower.find().pieces.size(), count);
   const auto expected = bricksOfPieces(fresh, count), found = bricksOfPieces(follower, count);

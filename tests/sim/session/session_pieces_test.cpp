@@ -5,7 +5,9 @@
 
 #include <filesystem>
 
+#include "sim/pieces/make_piece.h"
 #include "sim/pieces/object_pieces.h"
+#include "sim/pieces/split_field.h"
 #include "sim/run/replay.h"
 #include "sim/session/session.h"
 #include "tests/sim/block_scene.h"
@@ -39,7 +41,7 @@ void sever(Session& session, double x, double from = -1.8, double to = 1.8) {
 std::array<double, 256> sum(const std::vector<CutObject>& objects) {
   std::array<double, 256> out{};
   for (const CutObject& object : objects) {
-    const auto now = object.countVolumes();
+    const auto now = object.bricks().countVolumes();
     for (std::size_t m = 0; m < 256; ++m) out[m] += now[m];
   }
   return out;
@@ -51,14 +53,14 @@ TEST(SessionPieces, WhatIsSeveredBecomesAnObjectOfItsOwn) {
   sever(session, 0.3);
   const std::vector<CutObject>& objects = session.state().objects;
   ASSERT_EQ(objects.size(), 2u);
-  for (const CutObject& object : objects) EXPECT_EQ(object.shellDefects(), 0u);
+  for (const CutObject& object : objects) EXPECT_EQ(object.bricks().shellDefects(), 0u);
   // The larger one stays object 0; both are where they were.
   constexpr auto kDentin = static_cast<std::size_t>(Material::kDentin);
-  const double large = objects[0].countVolumes()[kDentin], small = objects[1].countVolumes()[kDentin];
+  const double large = objects[0].bricks().countVolumes()[kDentin], small = objects[1].bricks().countVolumes()[kDentin];
   EXPECT_NEAR(large, 2 * (3.3 - 0.65), 0.4);
   EXPECT_NEAR(small, 2 * (2.7 - 0.65), 0.4);
   for (const CutObject& object : objects) {
-    const BrickField field = object.field();
+    const BrickField field = object.bricks().field();
     PieceFinder alone(field);
     EXPECT_EQ(alone.find().pieces.size(), 1u);
   }
@@ -78,7 +80,7 @@ TEST(SessionPieces, EverythingInsideIsInExactlyOnePieceOrCrumb) {
   sever(session, 0);
   const std::vector<CutObject>& objects = session.state().objects;
   ASSERT_EQ(objects.size(), 1u);
-  const BrickField all = objects[0].field();
+  const BrickField all = objects[0].bricks().field();
   PieceFinder finder(all);
   const SolidMeasure whole = finder.find().whole;
   ASSERT_TRUE(session.apply(SplitObject{0, 0.4}));
@@ -86,7 +88,7 @@ TEST(SessionPieces, EverythingInsideIsInExactlyOnePieceOrCrumb) {
   EXPECT_GE(session.crumbs().count, 1u);
   SolidMeasure parts = session.crumbs().measure;
   for (const CutObject& object : objects) {
-    const BrickField field = object.field();
+    const BrickField field = object.bricks().field();
     PieceFinder alone(field);
     EXPECT_EQ(alone.find().pieces.size() + alone.find().crumbs.size(), 1u);
     parts.add(alone.find().whole);
@@ -149,7 +151,7 @@ TEST(SessionPieces, UndoOfTheStrokeThatSeveredMakesItWholeAgain) {
   ASSERT_TRUE(session.apply(Undo{}));
   ASSERT_EQ(objects.size(), 1u);
   EXPECT_EQ(objects[0].stateHash(), notched);
-  EXPECT_EQ(objects[0].shellDefects(), 0u);
+  EXPECT_EQ(objects[0].bricks().shellDefects(), 0u);
   ASSERT_TRUE(session.apply(Undo{}));
   EXPECT_EQ(objects[0].stateHash(), untouched);
   EXPECT_EQ(sum(objects), volumes);
@@ -178,7 +180,7 @@ TEST(SessionPieces, TwoObjectsComeApartInOneTickAndUndoMakesBothWhole) {
   ASSERT_TRUE(session.apply(Undo{}));
   EXPECT_EQ(objects.size(), 2u);
   EXPECT_EQ(session.state().adds, Material::kNone);
-  for (const CutObject& object : objects) EXPECT_EQ(object.changedField().brickCount(), 0u);
+  for (const CutObject& object : objects) EXPECT_EQ(object.bricks().changedField().brickCount(), 0u);
   ASSERT_TRUE(session.apply(Redo{}));
   EXPECT_EQ(session.hash(), hash);
 }
@@ -210,13 +212,13 @@ TEST(SessionPieces, APieceOfAnObjectWhoseShellsWaitForBricksHasItsOwn) {
       float* const phi = object.write(s);
       for (int n = 0; n < kBrickNodes; ++n) phi[n] += 0.01f;
     }
-  ASSERT_GT(object.shellDefects(), 0u);
-  const BrickField field = object.field();
+  ASSERT_GT(object.bricks().shellDefects(), 0u);
+  const BrickField field = object.bricks().field();
   PieceFinder finder(field);
   const PieceList& list = finder.find();
   ASSERT_EQ(list.pieces.size(), 2u);
   for (const PieceBricks& bricks : bricksOfPieces(finder, list.pieces.size()))
-    EXPECT_EQ(CutObject::piece(object, bricks).shellDefects(), 0u);
+    EXPECT_EQ(makePiece(object, bricks).bricks().shellDefects(), 0u);
 }
 
 // Blanks are made before anything comes apart, from the object as it was loaded: what has been cut, added and taken off
@@ -250,8 +252,8 @@ TEST(SessionPieces, APieceOutOfABlankIsTheSameAsOneMadeAnew) {
     std::vector<BrickEdit> edits;
     for (int s = 0; s < object.slotCount(); ++s) {
       const CutObject::Slot& slot = object.slot(s);
-      if (!object.has(s)) continue;
-      if (s < object.firstSlotCount()) bricks.push_back(slot.brick);
+      if (!object.bricks().has(s)) continue;
+      if (s < object.bricks().firstSlotCount()) bricks.push_back(slot.brick);
       if (!slot.own) continue;
       edits.emplace_back().brick = slot.brick;
       std::copy_n(slot.own, kBrickNodes, edits.back().phi.begin());
@@ -268,28 +270,28 @@ TEST(SessionPieces, APieceOutOfABlankIsTheSameAsOneMadeAnew) {
     return std::move(makePieces(object, *finder, 7, count, in_pool ? &pool : nullptr)->parts);
   };
   const auto expectSame = [](const Split& a, const Split& b) {
-    ASSERT_EQ(a.held.size(), b.held.size());
-    for (std::size_t n = 0; n < a.held.size(); ++n) {
-      const CutObject &one = a.held[n].object, &other = b.held[n].object;
-      EXPECT_EQ(one.shellDefects(), 0u);
-      EXPECT_EQ(other.shellDefects(), 0u);
+    ASSERT_EQ(a.out_of_scene.size(), b.out_of_scene.size());
+    for (std::size_t n = 0; n < a.out_of_scene.size(); ++n) {
+      const CutObject &one = a.out_of_scene[n].object, &other = b.out_of_scene[n].object;
+      EXPECT_EQ(one.bricks().shellDefects(), 0u);
+      EXPECT_EQ(other.bricks().shellDefects(), 0u);
       EXPECT_EQ(one.stateHash(), other.stateHash());
-      EXPECT_EQ(one.field().stateHash(), other.field().stateHash());
-      EXPECT_EQ(one.field().interiorBricks().size(), other.field().interiorBricks().size());
+      EXPECT_EQ(one.bricks().field().stateHash(), other.bricks().field().stateHash());
+      EXPECT_EQ(one.bricks().field().interiorBricks().size(), other.bricks().field().interiorBricks().size());
       // Node by node, whatever the order of the slots.
-      const auto volumes = one.countVolumes(), others = other.countVolumes();
+      const auto volumes = one.bricks().countVolumes(), others = other.bricks().countVolumes();
       for (std::size_t m = 0; m < volumes.size(); ++m) EXPECT_NEAR(volumes[m], others[m], 1e-9 * (1 + others[m]));
     }
   };
   const auto blank = split(whole, 3, true), anew = split(whole, 3, false);
-  ASSERT_EQ(blank->held.size(), 3u);
-  EXPECT_GT(blank->held[2].object.countVolumes()[static_cast<std::size_t>(Material::kEnamel)], 0.3);
+  ASSERT_EQ(blank->out_of_scene.size(), 3u);
+  EXPECT_GT(blank->out_of_scene[2].object.bricks().countVolumes()[static_cast<std::size_t>(Material::kEnamel)], 0.3);
   expectSame(*blank, *anew);
   // And the larger one again.
   std::vector<std::uint64_t> hashes;
   for (Split* const parts : {blank.get(), anew.get()}) {
     State piece;
-    piece.objects.push_back(std::move(parts->held[0].object));
+    piece.objects.push_back(std::move(parts->out_of_scene[0].object));
     ASSERT_TRUE(piece.objects[0].reserve(512));
     saw(piece, 1.2);
     ASSERT_TRUE(piece.objects[0].repair());

@@ -50,7 +50,7 @@ TEST(Session, UndoTakesBackAStrokeBitForBitAndRedoBringsItBack) {
     ASSERT_TRUE(session.apply(Undo{}));
     EXPECT_EQ(field(), states[static_cast<std::size_t>(n)]);
     EXPECT_NEAR(removed(), volumes[static_cast<std::size_t>(n)], 1e-9);
-    EXPECT_EQ(session.state().objects[0].shellDefects(), 0u);
+    EXPECT_EQ(session.state().objects[0].bricks().shellDefects(), 0u);
   }
   EXPECT_FALSE(session.apply(Undo{}));
   for (std::size_t n = 1; n <= 3; ++n) {

@@ -48,12 +48,12 @@ struct Scene {
 TEST(StateBytes, AStateFromBytesGoesOnBitForBit) {
   Scene scene;
   ASSERT_EQ(scene.session.state().objects.size(), 3u);
-  ASSERT_GT(scene.session.state().objects[0].slotCount(), scene.session.state().objects[0].firstSlotCount());
+  ASSERT_GT(scene.session.state().objects[0].slotCount(), scene.session.state().objects[0].bricks().firstSlotCount());
   const std::vector<std::byte> bytes = packState(scene.session.state(), scene.loaded);
   auto state = unpackState(bytes, scene.loaded, "test.kerflog");
   ASSERT_TRUE(state) << state.error().message();
   EXPECT_EQ(state->hash(), scene.session.hash());
-  for (const CutObject& object : state->objects) EXPECT_EQ(object.shellDefects(), 0u);
+  for (const CutObject& object : state->objects) EXPECT_EQ(object.bricks().shellDefects(), 0u);
   EXPECT_EQ(packState(*state, scene.loaded), bytes);
   StepOutput expected, got;
   double felt = 0;

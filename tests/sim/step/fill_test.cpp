@@ -25,7 +25,7 @@ Model oneBall(double radius, double stiffness = 200) {
 }
 
 void expectLedgerBalances(const CutObject& object) {
-  const std::array<double, 256> now = object.countVolumes();
+  const std::array<double, 256> now = object.bricks().countVolumes();
   double whole = 0;
   for (const double v : object.baked().volumes()) whole += v;
   for (std::size_t m = 0; m < 256; ++m)
@@ -45,9 +45,9 @@ TEST(Fill, ABallInTheAirIsABallOfItsMaterial) {
   EXPECT_EQ(out.removed_mm3, 0);
   EXPECT_EQ(out.status & (kStepFillClipped | kStepBricksRanOut), 0u);
   CutObject& object = state.objects[0];
-  EXPECT_NEAR(object.countVolumes()[kComposite], ball, 0.01 * ball);
+  EXPECT_NEAR(object.bricks().countVolumes()[kComposite], ball, 0.01 * ball);
   EXPECT_EQ(object.removed_mm3[kDentin], 0);
-  EXPECT_EQ(object.shellDefects(), 0u);
+  EXPECT_EQ(object.bricks().shellDefects(), 0u);
   expectLedgerBalances(object);
   // The same again adds nothing and changes no bit.
   const std::uint64_t hash = object.stateHash();
@@ -79,7 +79,7 @@ TEST(Fill, ACavityFilledUpIsWholeAgainAndOfTheFillingsMaterial) {
   // All of the cavity, and what the ball covers above and beside it.
   EXPECT_GT(object.added_mm3[kComposite], removed);
   expectLedgerBalances(object);
-  EXPECT_EQ(object.shellDefects(), 0u);
+  EXPECT_EQ(object.bricks().shellDefects(), 0u);
   // The filling can be drilled like anything else, and gives way as its own material.
   const double before = object.removed_mm3[kComposite];
   dip(0.5);
@@ -132,7 +132,7 @@ TEST(Fill, ItIsSaidWhereNothingCanBeAdded) {
   far = out.status;
   EXPECT_EQ(near & kStepFillClipped, 0u);
   EXPECT_NE(far & kStepFillClipped, 0u);
-  EXPECT_EQ(state.objects[0].shellDefects(), 0u);
+  EXPECT_EQ(state.objects[0].bricks().shellDefects(), 0u);
   expectLedgerBalances(state.objects[0]);
 }
 
@@ -156,7 +156,7 @@ TEST(Fill, AfterManyRandomAddsAndCutsShellAndLedgerAreThoseOfARebuild) {
   }
   EXPECT_GT(added, 1);
   EXPECT_GT(removed, 1);
-  EXPECT_EQ(state.objects[0].shellDefects(), 0u);
+  EXPECT_EQ(state.objects[0].bricks().shellDefects(), 0u);
   expectLedgerBalances(state.objects[0]);
 }
 

@@ -62,7 +62,7 @@ TEST_P(EachResponse, GivesNothingInTheAir) {
       ASSERT_EQ(out.force.torque.norm(), 0) << n;
     }
   }
-  EXPECT_EQ(state.objects[0].changedField().brickCount(), 0u);
+  EXPECT_EQ(state.objects[0].bricks().changedField().brickCount(), 0u);
 }
 
 // 0.5 m/s against a wall of 0.3 mm, ending 40 mm beyond it.
@@ -162,7 +162,7 @@ TEST_P(EachResponse, CutsAsTheLawSaysTheSameBitsTwice) {
         expected += 0.5 * out.normal_load * 840 / 1000 * kTick;
       }
     }
-    EXPECT_EQ(state.objects[0].shellDefects(), 0u);
+    EXPECT_EQ(state.objects[0].bricks().shellDefects(), 0u);
     EXPECT_GT(removed, 0.01);
     *law = removed / expected;
     return state.hash();
@@ -343,7 +343,7 @@ TEST_P(EachResponse, WildHandsGetAFiniteForceWithinItsLimit) {
   }
 
   EXPECT_GT(touching, 100);
-  for (const CutObject& object : state.objects) EXPECT_EQ(object.shellDefects(), 0u);
+  for (const CutObject& object : state.objects) EXPECT_EQ(object.bricks().shellDefects(), 0u);
 }
 
 INSTANTIATE_TEST_SUITE_P(Response, EachResponse, testing::ValuesIn([] {

@@ -113,7 +113,7 @@ TEST(Step, InTheAirTheHandFeelsNothing) {
       ASSERT_LT(out.force.force.norm(), 0.002);
     }
   }
-  EXPECT_EQ(state.objects[0].changedField().brickCount(), 0u);
+  EXPECT_EQ(state.objects[0].bricks().changedField().brickCount(), 0u);
 }
 
 TEST(Step, AFastPathCutsWhatASlowOneCuts) {
@@ -171,7 +171,7 @@ TEST(Step, AStillToolDoesNotCut) {
   for (int n = 0; n < 500; ++n)
     step(model, state, sampleAt({Eigen::Quaterniond::Identity(), {0, 0, 0.2 - 0.002 * n}}, 0), out);
   EXPECT_GT(out.normal_load, 0.3);
-  EXPECT_EQ(state.objects[0].changedField().brickCount(), 0u);
+  EXPECT_EQ(state.objects[0].bricks().changedField().brickCount(), 0u);
 }
 
 TEST(Step, ABadSampleStopsForceAndCuttingUntilCleared) {

@@ -1,0 +1,107 @@
+// The bricks of an object that is cut: one slot each, found by coordinate, with its values copied when they change.
+//
+// A slot begins as loaded: it points into the BakedObject. The first write of a stroke makes a version, which holds
+// the brick's own values; undo and redo point the slot at another version. Bricks of air get a slot when material is
+// added to them.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "geometry/field/brick_directory.h"
+#include "sim/object/slot_list.h"
+
+namespace kerf {
+
+/// Slots and their directory. Subscribers are told of changes elsewhere: CutObject::write(). One thread; many may read
+/// while nothing changes.
+class BrickStore {
+ public:
+  /// Bricks of air that can be made solid during a session: 16384, about 8 cm^3 at 0.1 mm, 1 cm^3 at 0.05 mm.
+  static constexpr int kMostAdded = 1 << 14;
+
+  enum class Begin { kWithAllBricks, kEmpty };
+  /// @param begin  kEmpty: no slot, and no directory either; PieceBuilder makes them. Allocates about 300 B a brick.
+  BrickStore(std::shared_ptr<const BakedObject> baked, Begin begin);
+
+  const BakedObject& baked() const noexcept { return *baked_; }
+  const std::shared_ptr<const BakedObject>& sharedBaked() const noexcept { return baked_; }
+
+  // Which bricks there are.
+
+  /// Whether it is a piece of what was loaded.
+  bool isPiece() const noexcept { return is_piece_; }
+  int slotCount() const noexcept { return static_cast<int>(slots_.size()); }
+  /// Slots it began with; those after them were air. Of a piece see has().
+  int firstSlotCount() const noexcept { return static_cast<int>(most_slots_) - kMostAdded; }
+  /// Slots there can ever be.
+  std::size_t mostSlots() const noexcept { return most_slots_; }
+  /// Bricks it has.
+  std::size_t brickCount() const noexcept { return brick_count_; }
+  /// Whether a slot's brick is there: a piece may keep the slots of all that was loaded, but has its own bricks only.
+  bool has(int s) const noexcept { return find(slot(s).brick) == s; }
+
+  const BrickSlot& slot(int s) const noexcept { return slots_[static_cast<std::size_t>(s)]; }
+  BrickSlot& slot(int s) noexcept { return slots_[static_cast<std::size_t>(s)]; }
+  std::vector<BrickSlot>& slots() noexcept { return slots_; }
+  /// Slot of a brick, or -1: air. @rt
+  int find(const Vec3i& brick) const noexcept { return directory_.find(brick); }
+  /// Calls visit(slot) for the bricks of a box of bricks, in order of their coordinate. @rt
+  template <class Visit>
+  void forEachIn(const Vec3i& low, const Vec3i& high, const Visit& visit) const noexcept {
+    directory_.forEachIn(low, high, visit);
+  }
+  /// The values of a brick and of the six beside it. @rt
+  BrickNeighborhood around(const BrickSlot& slot) const noexcept;
+
+  /// Slots whose values or shell are, or were, not those loaded: the only ones a piece cannot share as loaded.
+  const SlotList& touched() const noexcept { return touched_; }
+
+  // Changes. All of it is @rt.
+
+  /// A brick of air that shall take material: its slot, all outside. -1: it lies farther out than kAirAround, or
+  /// kMostAdded bricks were added already.
+  int addAir(const Vec3i& brick) noexcept;
+  /// Makes the version the slot's own: a copy of what the brick is now.
+  void copyInto(BrickVersion& version, int s, std::uint64_t stroke) noexcept;
+  /// Points the slot of a version at it, or at the one before it. @return the faces on which the values differ.
+  std::uint8_t swapIn(BrickVersion& version, bool is_undo) noexcept;
+  /// Its own materials to write into, copied at the first time. @pre it has a version of its own of this stroke.
+  std::uint8_t* ownMaterials(int s) noexcept;
+  void touch(int s) noexcept { touched_.add(slot(s), s); }
+
+  // The state as a whole. Slow, for results, tests and benches: not @rt.
+
+  /// All values as they are now. Allocates, 2 KB a brick.
+  BrickField field() const;
+  /// The bricks that differ from the baked ones, as a field of the same kind; of a piece, its own only. Allocates.
+  BrickField changedField() const;
+  /// Order-independent hash of changed values and materials: same state, same number. StateHash knows it sooner.
+  std::uint64_t stateHash() const;
+  /// What the choice of bricks adds to the hash: 0 but for a piece.
+  std::uint64_t pieceKey() const noexcept { return piece_key_; }
+  /// Volume now per material, mm^3, summed over all nodes. @cost a few ns a node.
+  std::array<double, 256> countVolumes() const;
+  /// Rebuilds every shell from the field and compares: the number of bricks whose shell differs in any bit. For tests.
+  std::size_t shellDefects() const;
+
+ private:
+  // Fills slots, directory and counts of a piece, by many threads at a time: no function for one brick can do that.
+  friend class PieceBuilder;
+  /// For that many bricks, and those that may be added.
+  void reserveSlots(std::size_t bricks);
+  void addLoaded(const BakedObject::Slot& from);
+
+  std::shared_ptr<const BakedObject> baked_;
+  std::vector<BrickSlot> slots_;
+  BrickDirectory directory_;
+  SlotList touched_{SlotBit::kTouched};
+  std::size_t most_slots_ = 0, brick_count_ = 0;
+  bool is_piece_ = false;
+  std::uint64_t piece_key_ = 0;
+};
+
+}  // namespace kerf

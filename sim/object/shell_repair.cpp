@@ -1,0 +1,72 @@
+#include "sim/object/shell_repair.h"
+
+namespace kerf {
+
+void ShellRepair::reserve(std::size_t slots, bool is_touched) {
+  dirty_.reserve(slots);
+  to_repair_.reserve(slots);
+  wanted_in_.assign(slots, 0);
+  if (!is_touched) return;
+  dirty_.reserveTouched(slots);
+  to_repair_.resize(slots);
+  to_repair_.clear();
+}
+
+bool ShellRepair::repairOne(int s, BrickStore& bricks, BrickMemory& memory) noexcept {
+  BrickSlot& slot = bricks.slot(s);
+  bricks.touch(s);
+  const int count = shellOfBrick(bricks.around(slot), slot.materials, bricks.baked().voxel(), scratch_.data());
+  const auto chunks = static_cast<std::size_t>(chunkCount(count));
+  const std::size_t owned = slot.owns_shell ? static_cast<std::size_t>(chunkCount(slot.shell_count)) : 0;
+  if (memory.freeChunks() + owned < chunks) return false;
+
+  // Chunks of its own are filled anew; more come from memory, or those too many go back.
+  std::array<ShellChunk*, kShellChunks> next{};
+  for (std::size_t c = 0; c < chunks; ++c)
+    next[c] = c < owned ? const_cast<ShellChunk*>(slot.chunks[c]) : memory.takeChunk();
+  for (std::size_t c = chunks; c < owned; ++c) memory.giveBack(const_cast<ShellChunk*>(slot.chunks[c]));
+
+  slot.chunks.fill(nullptr);
+  for (std::size_t c = 0; c < chunks; ++c) {
+    *next[c] = scratch_[c];
+    slot.chunks[c] = next[c];
+  }
+  slot.shell_count = static_cast<std::int16_t>(count);
+  slot.owns_shell = true;
+  return true;
+}
+
+bool ShellRepair::repair(BrickStore& bricks, BrickMemory& memory) noexcept {
+  ++round_;
+  if (dirty_.isEmpty()) return true;  // frozen, it may be read by others: nothing is written
+
+  // The dirty bricks and the neighbours whose gradients they change, each once.
+  to_repair_.clear();
+  const auto want = [this](int s) {
+    std::uint32_t& wanted_in = wanted_in_[static_cast<std::size_t>(s)];
+    if (wanted_in == round_) return;
+    wanted_in = round_;
+    to_repair_.push_back(s);
+  };
+  for (const int s : dirty_.numbers()) {
+    const BrickSlot& slot = bricks.slot(s);
+    want(s);
+    // A neighbour's set of nodes stays, its own values did not change; only their gradients do, if it has any.
+    for (int face = 0; face < 6; ++face) {
+      if (!(slot.changed_faces >> face & 1)) continue;
+      Vec3i next = slot.brick;
+      next[face / 2] += face & 1 ? 1 : -1;
+      const int neighbor = bricks.find(next);
+      if (neighbor >= 0 && bricks.slot(neighbor).shell_count > 0) want(neighbor);
+    }
+  }
+
+  for (const int s : to_repair_)
+    if (!repairOne(s, bricks, memory)) return false;
+
+  for (const int s : dirty_.numbers()) bricks.slot(s).changed_faces = 0;
+  dirty_.clear(bricks.slots());
+  return true;
+}
+
+}  // namespace kerf

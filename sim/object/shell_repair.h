@@ -1,0 +1,41 @@
+// Keeps the point shell of an object that of its values: which bricks need it, and their repair.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "sim/object/brick_memory.h"
+#include "sim/object/brick_store.h"
+
+namespace kerf {
+
+/// Bricks whose values changed since the last repair(), which counts its rounds. One thread.
+class ShellRepair {
+ public:
+  ShellRepair() : scratch_(kShellChunks) {}
+  /// For that many slots in all. @param is_touched  writes to every page as well.
+  void reserve(std::size_t slots, bool is_touched);
+
+  /// The values of a brick have changed: BrickSlot::changed_faces says where. @rt
+  void add(BrickSlot& slot, int s) noexcept { dirty_.add(slot, s); }
+  std::size_t dirtyCount() const noexcept { return dirty_.count(); }
+  /// Calls of repair() so far.
+  std::uint32_t round() const noexcept { return round_; }
+
+  /// Rebuilds the shells of the dirty bricks and of their face neighbours. False when memory ran out: they all stay
+  /// dirty. Writes nothing of the bricks when none is dirty: another thread may read a frozen object. @rt
+  bool repair(BrickStore& bricks, BrickMemory& memory) noexcept;
+
+ private:
+  bool repairOne(int s, BrickStore& bricks, BrickMemory& memory) noexcept;
+
+  SlotList dirty_{SlotBit::kDirty};
+  std::uint32_t round_ = 0;
+  // Scratch of repair().
+  std::vector<int> to_repair_;
+  std::vector<std::uint32_t> wanted_in_;  // per slot, the last round in which it was in to_repair_
+  std::vector<ShellChunk> scratch_;
+};
+
+}  // namespace kerf
