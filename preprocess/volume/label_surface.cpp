@@ -132,8 +132,6 @@ std::vector<std::uint32_t> countPieces(const SlotGrid& grid, std::size_t slots) 
   return count;
 }
 
-Error cancelled() { return {Error::Code::kCancelled, "", "", "cancelled", "", ""}; }
-
 }  // namespace
 
 struct SmoothLabels::Data {
@@ -489,7 +487,7 @@ Expected<SmoothLabels> SmoothLabels::create(const LabelVolume& volume, std::span
   if (!(options.volume_tolerance > 0)) return refuse("volume tolerance", "not above 0", "0.002, say");
   const std::array<Kernel, 3> kernel{gaussian(sigma[0]), gaussian(sigma[1]), gaussian(sigma[2])};
 
-  if (!report(progress, 0.0, "finding labels")) return fail(cancelled());
+  if (!report(progress, 0.0, "finding labels")) return cancelled();
   const std::size_t slots = data->label.size();
   std::vector<std::uint64_t> voxels(slots, 0);
   Vec3i low = Vec3i::Constant(std::numeric_limits<int>::max()), high = Vec3i::Constant(-1);
@@ -547,14 +545,14 @@ Expected<SmoothLabels> SmoothLabels::create(const LabelVolume& volume, std::span
   data->index.resize(static_cast<std::size_t>(n[0] / 8) * static_cast<std::size_t>(n[1] / 8) *
                      static_cast<std::size_t>(n[2] / 8));
   data->weight.assign(slots, 1.0f);
-  if (!report(progress, 0.1, "smoothing labels")) return fail(cancelled());
+  if (!report(progress, 0.1, "smoothing labels")) return cancelled();
   data->blur(grid, kernel);
-  if (!report(progress, 0.4, "keeping thin parts")) return fail(cancelled());
+  if (!report(progress, 0.4, "keeping thin parts")) return cancelled();
   data->keepThin(grid);
   std::vector<std::uint64_t> samples;
-  if (!data->fit(voxels, options.volume_tolerance, progress, samples)) return fail(cancelled());
+  if (!data->fit(voxels, options.volume_tolerance, progress, samples)) return cancelled();
 
-  if (!report(progress, 0.95, "counting pieces")) return fail(cancelled());
+  if (!report(progress, 0.95, "counting pieces")) return cancelled();
   tbb::parallel_for(std::size_t{0}, data->mixed.size(), [&](std::size_t m) {
     for (int i = 0; i < kBrickNodes; ++i) {
       const Vec3i node = data->place[m] * kBrickSide + Vec3i{i >> 6, i >> 3 & 7, i & 7};
@@ -577,7 +575,7 @@ Expected<SmoothLabels> SmoothLabels::create(const LabelVolume& volume, std::span
 
 Expected<Mesh> SmoothLabels::surface(const Progress& progress) const {
   const Data& d = *data_;
-  if (!report(progress, 0.0, "meshing labels")) return fail(cancelled());
+  if (!report(progress, 0.0, "meshing labels")) return cancelled();
   // In voxels, so that marching cubes' limits mean what they say: a lead of one is sigma sqrt(pi / 2) voxels.
   const auto scale = static_cast<float>(std::max(0.4, d.sigma) * std::sqrt(std::acos(-1.0) / 2));
   const auto meshed = [&](float outwards) {
@@ -616,7 +614,7 @@ Expected<Mesh> SmoothLabels::surface(const Progress& progress) const {
   for (const LabelVolumeReport& r : d.reports) voxels += static_cast<double>(r.voxels);
   float outwards = 0;
   for (int round = 0; round < 6 && !mesh.triangles.empty(); ++round) {
-    if (!report(progress, 0.3 + 0.1 * round, "meshing labels")) return fail(cancelled());
+    if (!report(progress, 0.3 + 0.1 * round, "meshing labels")) return cancelled();
     const double missing = voxels - signedVolume(mesh);
     const float before = outwards;
     outwards = std::clamp(outwards + static_cast<float>(missing / surfaceArea(mesh)), 0.0f, kMostOutwards);
