@@ -7,13 +7,6 @@
 
 namespace kerf {
 
-std::string_view name(MeshFormat format) {
-  constexpr std::string_view kNames[] = {
-      "binary STL", "ASCII STL", "ASCII PLY", "binary PLY (little endian)", "binary PLY (big endian)",
-      "OBJ",        "OFF",       "3MF"};
-  return kNames[static_cast<std::size_t>(format)];
-}
-
 namespace {
 
 using internal::MeshSource;
@@ -49,6 +42,7 @@ Expected<MeshFile> readSource(const MeshSource& source, const Progress& progress
   for (const MeshFormatRow& row : meshFormats()) {
     if (!row.recognise || !row.recognise(source)) continue;
     Expected<MeshFile> file = row.read(source, progress);
+    if (file && file->format.empty()) file->format = row.name;
     if (file && by_name != &row)
       file->notes.emplace_back("The extension \"" + source.extension() +
                                "\" does not fit: by its content the file is " + std::string(row.name) +
@@ -56,8 +50,13 @@ Expected<MeshFile> readSource(const MeshSource& source, const Progress& progress
     return file;
   }
   KERF_CHECK(refuseForeign(source));
+
   // Not recognised: the reader that the extension names knows best what is missing.
-  if (by_name && by_name->read) return by_name->read(source, progress);
+  if (by_name && by_name->read) {
+    Expected<MeshFile> file = by_name->read(source, progress);
+    if (file && file->format.empty()) file->format = by_name->name;
+    return file;
+  }
   return fail(source.atByte(0, Error::Code::kUnsupported,
                             "content of an unknown kind: " + internal::inQuotes(source.text().substr(0, 16)),
                             "a mesh file (" + readableExtensions() + ")", "export the mesh as STL or PLY"));

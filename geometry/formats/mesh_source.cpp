@@ -195,8 +195,8 @@ Expected<MeshFile> finished(const MeshSource& source, MeshFile file) {
                "export the mesh again"});
 }
 
-Error cancelled(const MeshSource& source) {
-  return {Error::Code::kCancelled, source.file, "reading", "cancelled", "", ""};
+tl::unexpected<Error> cancelled(const MeshSource& source) {
+  return fail({.code = Error::Code::kCancelled, .file = source.file, .place = "reading", .found = "cancelled"});
 }
 
 }  // namespace kerf::internal

@@ -39,7 +39,7 @@ Expected<void> canWriteMesh(const std::filesystem::path& path) {
 Expected<void> writeMesh(const std::filesystem::path& path, const Mesh& mesh, const MeshWriteOptions& options) {
   KERF_TRY(row, writerOf(path));
   // What float32 cannot hold would come back as infinity.
-  if (!(options.double_positions && row->extensions == ".ply"))
+  if (!(options.double_positions && row->carries.doubles))
     for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
       if (!mesh.vertices[v].cast<float>().allFinite())
         return fail(Error{Error::Code::kBadValue, path.string(), "vertex " + std::to_string(v),

@@ -20,14 +20,13 @@ class ObjReader {
   ObjReader(const MeshSource& source, const Progress& progress) : source_(source), progress_(progress) {}
 
   Expected<MeshFile> read() {
-    file_.format = MeshFormat::kObj;
     Lines lines(source_.text());
     std::string_view line;
     std::string joined;  // a statement continued over several lines
     for (std::size_t number = 0; lines.next(line); ++number) {
       if (number % 65536 == 0) {
         const double done = static_cast<double>(line.data() - source_.bytes.get()) / static_cast<double>(source_.size);
-        if (!report(progress_, done, "reading OBJ")) return fail(cancelled(source_));
+        if (!report(progress_, done, "reading OBJ")) return cancelled(source_);
       }
       at_ = line.data();
       if (!line.empty() && line.back() == '\\' && line[line.find_first_not_of(" \t")] != '#') {

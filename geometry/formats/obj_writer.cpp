@@ -3,7 +3,7 @@
 #include <charconv>
 #include <ostream>
 
-#include "geometry/formats/mesh_sinks.h"
+#include "geometry/formats/mesh_writer.h"
 
 namespace kerf::internal {
 

@@ -44,7 +44,6 @@ class OffReader {
       : source_(source), progress_(progress), lines_(source.text()) {}
 
   Expected<MeshFile> read() {
-    file_.format = MeshFormat::kOff;
     KERF_CHECK(readHeader());
     KERF_CHECK(readVertices());
     KERF_CHECK(readFaces());
@@ -138,7 +137,7 @@ class OffReader {
     for (std::size_t i = 0; i < vertex_count_; ++i) {
       if (i % 65536 == 0 &&
           !report(progress_, 0.5 * static_cast<double>(i) / static_cast<double>(vertex_count_), "reading OFF"))
-        return fail(cancelled(source_));
+        return cancelled(source_);
       std::string_view line;
       if (!nextLine(line))
         return bad(line, "the end of the file at vertex " + std::to_string(i),
@@ -184,7 +183,7 @@ class OffReader {
     for (std::size_t i = 0; i < face_count_; ++i) {
       if (i % 65536 == 0 &&
           !report(progress_, 0.5 + 0.5 * static_cast<double>(i) / static_cast<double>(face_count_), "reading OFF"))
-        return fail(cancelled(source_));
+        return cancelled(source_);
       std::string_view line;
       if (!nextLine(line))
         return bad(line, "the end of the file at face " + std::to_string(i), std::to_string(face_count_) + " faces");

@@ -5,7 +5,7 @@
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
 #include <sstream>
 
-#include "geometry/formats/mesh_sinks.h"
+#include "geometry/formats/mesh_writer.h"
 
 namespace kerf::internal {
 namespace {

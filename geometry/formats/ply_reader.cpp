@@ -107,13 +107,13 @@ class PlyReader {
         has_format = true;
         if (encoding == "ascii") {
           encoding_ = Encoding::kAscii;
-          file_.format = MeshFormat::kPlyAscii;
+          file_.format = "ASCII PLY";
         } else if (encoding == "binary_little_endian") {
           encoding_ = Encoding::kLittle;
-          file_.format = MeshFormat::kPlyBinaryLittleEndian;
+          file_.format = "binary PLY (little endian)";
         } else if (encoding == "binary_big_endian") {
           encoding_ = Encoding::kBig;
-          file_.format = MeshFormat::kPlyBinaryBigEndian;
+          file_.format = "binary PLY (big endian)";
         } else {
           return badHeader(line, "format " + inQuotes(encoding), "ascii, binary_little_endian or binary_big_endian");
         }
@@ -328,7 +328,7 @@ class PlyReader {
     std::string_view line;
     Item item;
     for (std::size_t i = 0; i < element.count; ++i) {
-      if (!goOn(i)) return fail(cancelled(source_));
+      if (!goOn(i)) return cancelled(source_);
       std::string_view word;
       do {
         if (!lines.next(line))
@@ -434,7 +434,7 @@ class PlyReader {
     const bool colored = element.has(Role::kRed);
     Item item;
     for (std::size_t i = 0; i < element.count; ++i) {
-      if (!goOn(i)) return fail(cancelled(source_));
+      if (!goOn(i)) return cancelled(source_);
       const auto tooShort = [&] {
         return fail(source_.atByte(source_.size, Error::Code::kBadFormat, "the end of the file at " + itemName(i),
                                    std::to_string(element.count) + " items of " + inQuotes(element.name), kDamaged));

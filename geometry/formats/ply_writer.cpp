@@ -2,7 +2,7 @@
 #include <bit>
 #include <ostream>
 
-#include "geometry/formats/mesh_sinks.h"
+#include "geometry/formats/mesh_writer.h"
 
 namespace kerf::internal {
 namespace {

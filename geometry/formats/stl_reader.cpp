@@ -41,7 +41,7 @@ Expected<MeshFile> readBinary(const MeshSource& source, const Progress& progress
     return fail(source.atByte(80, Error::Code::kUnsupported, std::to_string(count) + " triangles",
                               "fewer than 1.4 thousand million", "reduce the mesh first"));
   MeshFile file;
-  file.format = MeshFormat::kStlBinary;
+  file.format = "binary STL";
   file.declared_unit = unitIn(source.text().substr(0, 80));
   file.unwelded_vertices = 3 * count;
   file.mesh.triangles.reserve(count);
@@ -49,7 +49,7 @@ Expected<MeshFile> readBinary(const MeshSource& source, const Progress& progress
   std::size_t coloured = 0;
   for (std::size_t t = 0; t < count; ++t) {
     if (t % 65536 == 0 && !report(progress, static_cast<double>(t) / static_cast<double>(count), "reading STL"))
-      return fail(cancelled(source));
+      return cancelled(source);
     const char* record = source.bytes.get() + kHeader + kRecord * t;
     Triangle triangle;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -88,7 +88,7 @@ class AsciiReader {
         welder_(source.size / 512 + 16) {}  // a facet takes some 150 to 280 bytes, a vertex two facets
 
   Expected<MeshFile> read() {
-    file_.format = MeshFormat::kStlAscii;
+    file_.format = "ASCII STL";
     std::size_t solids = 0;
     for (std::string_view word = next(); !word.empty(); word = next()) {
       if (!equalsIgnoringCase(word, "solid"))
@@ -167,7 +167,7 @@ class AsciiReader {
       file_.mesh.triangles.push_back(triangle);
       if (file_.mesh.triangles.size() % 65536 == 0) {
         const double done = static_cast<double>(p_ - source_.bytes.get()) / static_cast<double>(source_.size);
-        if (!report(progress_, done, "reading STL")) return fail(cancelled(source_));
+        if (!report(progress_, done, "reading STL")) return cancelled(source_);
       }
     }
   }

@@ -40,7 +40,6 @@ class ThreeMfReader {
       : source_(source), progress_(progress), archive_(std::move(archive)) {}
 
   Expected<MeshFile> read() {
-    file_.format = MeshFormat::kThreeMf;
     ThreeMfRelationsParser relations(source_);
     KERF_CHECK(readEntry("_rels/.rels", [&](std::string_view piece) { return relations.feed(piece); }));
     KERF_TRY(first, relations.finish());
@@ -200,7 +199,7 @@ class ThreeMfReader {
     const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
     if (!report(progress_, static_cast<double>(mesh.triangles.size()) / static_cast<double>(mesh.triangles.capacity()),
                 "building the 3MF"))
-      return fail(cancelled(source_));
+      return cancelled(source_);
     for (const Vec3d& stored : object.vertices) {
       Vec3d p = affine.is_identity ? stored : Vec3d(affine.linear * stored + affine.translation);
       p *= scale_;

@@ -3,7 +3,7 @@
 #include <charconv>
 #include <unordered_map>
 
-#include "geometry/formats/mesh_sinks.h"
+#include "geometry/formats/mesh_writer.h"
 #include "geometry/formats/zip_archive.h"
 
 namespace kerf::internal {

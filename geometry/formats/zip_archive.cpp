@@ -80,7 +80,7 @@ Expected<void> ZipArchive::read(std::uint64_t entry, const std::function<Expecte
     KERF_CHECK(take({piece.get(), static_cast<std::size_t>(n)}));
     const double fraction = size > 0 ? std::min(1.0, static_cast<double>(done) / size) : 0;
     if (done % (4 * kMiB) < static_cast<std::uint64_t>(n) && !report(progress, fraction, "reading 3MF"))
-      return fail(cancelled(*source_));
+      return cancelled(*source_);
   }
 }
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "geometry/formats/mesh_io.h"
+#include "geometry/formats/mesh_formats.h"
 #include "geometry/mesh/mesh_check.h"
 #include "geometry/tool/mesh_shape.h"
 #include "geometry/tool/tool_kinds.h"
@@ -15,9 +15,8 @@ namespace fs = std::filesystem;
 constexpr const char* kMeshKeys[] = {"mesh", "mm_per_unit", "tip", "axis", "cut_below"};
 
 bool isMeshName(const std::string& name) {
-  const std::string extension = fs::path(name).extension().string();
-  return fs::path(name).filename() == name &&
-         (extension == ".stl" || extension == ".ply" || extension == ".obj" || extension == ".off");
+  const MeshFormatRow* format = formatOfExtension(fs::path(name).extension().string());
+  return fs::path(name).filename() == name && format && format->read;
 }
 
 Vec3d readVector(TomlTable& top, const char* key) {
@@ -39,7 +38,8 @@ void readMeshTool(TomlTable& top, const fs::path& folder, Tool& tool) {
   const Vec3d tip = readVector(top, "tip"), axis = readVector(top, "axis");
   tool.cut_below_mm = top.number("cut_below", 0.01, 100, "mm above the tip");
   if (!isMeshName(name))
-    top.reject("mesh", "\"" + name + "\"", "the name of an .stl, .ply, .obj or .off file in the folder of this one");
+    top.reject("mesh", "\"" + name + "\"",
+               "the name of a mesh file (" + readableExtensions() + ") in the folder of this one");
   if (!(axis.norm() > 1e-9)) top.reject("axis", "no direction", "the way from the tip to the shank: [0, 0, 1]");
   if (top.failed()) return;
   tool.mesh_file = folder / name;

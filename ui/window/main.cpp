@@ -11,6 +11,7 @@
 #include <string_view>
 #include <utility>
 
+#include "geometry/formats/mesh_formats.h"
 #include "ui/window/camera.h"
 #include "ui/window/gl_context.h"
 #include "ui/window/image.h"
@@ -132,7 +133,7 @@ int main(int argc, char** argv) try {
       "Mouse: left orbits, right or middle pans, wheel zooms. Keys: 1-7 views, F fit, Esc closes.");
   app.name("kerf-sim");
   app.set_version_flag("--version", "kerf-sim " KERF_VERSION);
-  app.add_option("scene", a.scene, "a mesh file (STL, PLY, OBJ, OFF, 3MF), a case folder or a run folder")
+  app.add_option("scene", a.scene, "a mesh file (" + readableFormats() + "), a case folder or a run folder")
       ->required()
       ->type_name("MESH|CASE|RUN");
   app.add_option("--screenshot", a.screenshot,

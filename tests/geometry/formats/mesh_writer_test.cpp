@@ -203,6 +203,34 @@ TEST_F(MeshWriter, FullDiskAndMissingFolderAreReported) {
   }
 }
 
+TEST_F(MeshWriter, EveryFormatBringsBackWhatItsRowSaysItCarries) {
+  Mesh mesh;
+  mesh.vertices = {{0.1, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};  // 0.1 is no float32
+  mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+  Mesh by_vertex = mesh, by_face = mesh;
+  by_vertex.vertex_colors = {{255, 0, 0, 255}, {0, 255, 0, 255}, {0, 0, 255, 255}, {9, 9, 9, 255}};
+  by_face.face_colors = by_vertex.vertex_colors;
+
+  for (const MeshFormatRow& row : meshFormats()) {
+    const auto path = folder_.path() / ("carried" + std::string(row.extensions.substr(0, row.extensions.find(' '))));
+    const auto there_and_back = [&](const Mesh& from) {
+      MeshWriteOptions options;
+      options.double_positions = true;
+      EXPECT_TRUE(writeMesh(path, from, options)) << row.name;
+      auto file = readMesh(path);
+      EXPECT_TRUE(file) << row.name;
+      return file ? std::move(*file) : MeshFile{};
+    };
+    EXPECT_EQ(there_and_back(by_vertex).mesh.hasVertexColors(), row.carries.vertex_colors) << row.name;
+    const MeshFile file = there_and_back(by_face);
+    EXPECT_EQ(file.mesh.hasFaceColors(), row.carries.face_colors) << row.name;
+    EXPECT_EQ(!file.declared_unit.empty(), row.carries.unit) << row.name;
+    ASSERT_FALSE(file.mesh.vertices.empty());
+    EXPECT_EQ(file.mesh.vertices[0][0] == 0.1, row.carries.doubles) << row.name;
+    EXPECT_NE(file.format.find(row.name), file.format.npos) << file.format;
+  }
+}
+
 TEST(MeshFormats, EveryRowReadsAndWritesAndIsFoundByItsExtensions) {
   for (const MeshFormatRow& row : meshFormats()) {
     EXPECT_TRUE(row.read && row.write && row.recognise) << row.name;
@@ -210,6 +238,9 @@ TEST(MeshFormats, EveryRowReadsAndWritesAndIsFoundByItsExtensions) {
   }
   EXPECT_EQ(formatOfExtension(".StL"), &meshFormats()[0]);
   EXPECT_EQ(formatOfExtension(".docx"), nullptr);
+  EXPECT_EQ(readableExtensions(), ".stl, .ply, .off, .3mf, .obj");
+  EXPECT_EQ(writableFormats(), "STL, PLY, OFF, 3MF or OBJ");
+  EXPECT_EQ(colorFormats(), "PLY, OFF, 3MF or OBJ");
 }
 
 }  // namespace
