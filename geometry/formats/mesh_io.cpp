@@ -19,15 +19,18 @@ Expected<void> refuseForeign(const MeshSource& source) {
     return fail(source.atByte(0, Error::Code::kUnsupported, std::move(found),
                               "a mesh file (" + readableExtensions() + ")", std::move(hint)));
   };
+
   if (source.hasExtension(".nrrd .nii .mha .mhd") || source.file.ends_with(".nii.gz"))
     return refuse("a label volume by its name, no mesh",
                   "a recipe that makes tissues of its labels (docs/recipes.md); kerf info lists them");
+
   const std::string dcm_hint = "export as STL or PLY from the scanner software (\"open\" export in 3Shape)";
   const bool is_zip = text.starts_with("PK\x03\x04") || text.starts_with("PK\x05\x06");
   if ((is_zip && source.hasExtension(".dcm")) || start.find("<HPS") != start.npos)
     return refuse("a 3Shape DCM file, a closed format", dcm_hint);
   if (is_zip && !source.hasExtension(".3mf"))
     return refuse("a zip archive", "unpack it first; if it is a 3Shape DCM file, export as STL or PLY instead");
+
   if (text.starts_with("\x1f\x8b")) return refuse("a gzip archive", "unpack it first (gunzip)");
   if (text.starts_with("7z\xbc\xaf\x27\x1c")) return refuse("a 7z archive", "unpack it first");
   if (text.substr(0, 132).ends_with("DICM") && text.size() >= 132)
@@ -49,6 +52,7 @@ Expected<MeshFile> readSource(const MeshSource& source, const Progress& progress
                                ", and was read as such.");
     return file;
   }
+
   KERF_CHECK(refuseForeign(source));
 
   // Not recognised: the reader that the extension names knows best what is missing.

@@ -38,6 +38,7 @@ Expected<void> canWriteMesh(const std::filesystem::path& path) {
 
 Expected<void> writeMesh(const std::filesystem::path& path, const Mesh& mesh, const MeshWriteOptions& options) {
   KERF_TRY(row, writerOf(path));
+
   // What float32 cannot hold would come back as infinity.
   if (!(options.double_positions && row->carries.doubles))
     for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
@@ -45,9 +46,11 @@ Expected<void> writeMesh(const std::filesystem::path& path, const Mesh& mesh, co
         return fail(Error{Error::Code::kBadValue, path.string(), "vertex " + std::to_string(v),
                           "a coordinate too large for float32", "less than 3.4e38",
                           "check the unit and scale of the mesh"});
+
   MeshWriteOptions cleaned = options;
   for (char& c : cleaned.comment)
     if (static_cast<unsigned char>(c) < 0x20) c = ' ';
+
   KERF_TRY(file, AtomicFile::create(path));
   if (auto written = row->write(file.stream(), mesh, cleaned); !written) {
     Error error = std::move(written).error();

@@ -26,12 +26,14 @@ Expected<OpenMeshMesh> converted(const Mesh& mesh) {
   omlog().disable();
   omout().disable();
   omerr().disable();
+
   OpenMeshMesh out;
   out.reserve(mesh.vertices.size(), 3 * mesh.triangles.size() / 2, mesh.triangles.size());
   for (const Vec3d& p : mesh.vertices) {
     const Vec3f f = p.cast<float>();
     out.add_vertex({f.x(), f.y(), f.z()});
   }
+
   using Handle = OpenMeshMesh::VertexHandle;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const Triangle& f = mesh.triangles[t];
@@ -44,6 +46,7 @@ Expected<OpenMeshMesh> converted(const Mesh& mesh) {
                         "a surface on which every edge has at most two faces",
                         "repair the mesh first, or write PLY or OBJ"});
   }
+
   if (mesh.hasVertexColors())
     for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
       out.set_color(Handle(static_cast<int>(v)), color(mesh.vertex_colors[v]));
@@ -78,8 +81,10 @@ Expected<void> writeOff(std::ostream& out, const Mesh& mesh, const MeshWriteOpti
   if (options.colors && mesh.hasVertexColors()) write_options += OpenMesh::IO::Options::VertexColor;
   if (options.colors && mesh.hasFaceColors()) write_options += OpenMesh::IO::Options::FaceColor;
   if (options.colors) write_options += OpenMesh::IO::Options::ColorAlpha;
+
   if (!write_options.check(OpenMesh::IO::Options::FaceColor) || write_options.check(OpenMesh::IO::Options::VertexColor))
     return write(out, mesh, ".off", write_options);
+
   // OpenMesh begins with "COFF" for face colours too, but COFF promises a colour with every vertex.
   std::ostringstream text;
   KERF_CHECK(write(text, mesh, ".off", write_options));

@@ -97,9 +97,11 @@ Expected<void> writeThreeMf(std::ostream& out, const Mesh& mesh, const MeshWrite
     if (const Triangle& v = mesh.triangles[t]; v[0] == v[1] || v[1] == v[2] || v[2] == v[0])
       return fail(Error{Error::Code::kGeometry, "", "triangle " + std::to_string(t), "a triangle that repeats a vertex",
                         "three different vertices, as 3MF demands", "repair the mesh first, or write PLY or OBJ"});
+
   if (mesh.vertices.size() > 0x7fffffffu)
     return fail(Error{Error::Code::kUnsupported, "", "vertices", std::to_string(mesh.vertices.size()) + " vertices",
                       "at most 2 147 483 647, as 3MF demands", "write PLY instead"});
+
   const bool by_face = options.colors && mesh.hasFaceColors(),
              by_vertex = options.colors && !by_face && mesh.hasVertexColors();
   const Palette palette(by_face ? mesh.face_colors : by_vertex ? mesh.vertex_colors : std::vector<Rgba8>{});
@@ -112,8 +114,10 @@ Expected<void> writeThreeMf(std::ostream& out, const Mesh& mesh, const MeshWrite
   if (!palette.isEmpty()) text += " xmlns:m=\"http://schemas.microsoft.com/3dmanufacturing/material/2015/02\"";
   text += ">\n";
   if (!options.comment.empty()) text += " <metadata name=\"Application\">" + escaped(options.comment) + "</metadata>\n";
+
   text += " <resources>\n";
   if (!palette.isEmpty()) palette.write(text);
+
   append(text, "  <object id=\"", kObject);
   // An open surface may not call itself a model.
   text += isClosedManifold(mesh) ? " type=\"model\"" : " type=\"surface\"";
@@ -122,12 +126,14 @@ Expected<void> writeThreeMf(std::ostream& out, const Mesh& mesh, const MeshWrite
     text += " pindex=\"0\"";
   }
   text += ">\n   <mesh>\n    <vertices>\n";
+
   for (const Vec3d& p : mesh.vertices) {
     append(text, "<vertex x=\"", static_cast<float>(p.x()));
     append(text, " y=\"", static_cast<float>(p.y()));
     append(text, " z=\"", static_cast<float>(p.z()), "\"/>\n");
   }
   text += "    </vertices>\n    <triangles>\n";
+
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const Triangle& v = mesh.triangles[t];
     append(text, "<triangle v1=\"", v[0]);
@@ -141,6 +147,7 @@ Expected<void> writeThreeMf(std::ostream& out, const Mesh& mesh, const MeshWrite
     }
     text += "/>\n";
   }
+
   text += "    </triangles>\n   </mesh>\n  </object>\n </resources>\n <build>\n";
   append(text, "  <item objectid=\"", kObject, "\"/>\n </build>\n</model>\n");
   return writeZip(
