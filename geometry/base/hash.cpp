@@ -39,6 +39,7 @@ void Sha256::block(const std::byte* p) {
     const std::uint32_t s1 = std::rotr(w[i - 2], 17) ^ std::rotr(w[i - 2], 19) ^ (w[i - 2] >> 10);
     w[i] = w[i - 16] + s0 + w[i - 7] + s1;
   }
+
   auto [a, b, c, d, e, f, g, h] = h_;
   for (std::size_t i = 0; i < 64; ++i) {
     const std::uint32_t s1 = std::rotr(e, 6) ^ std::rotr(e, 11) ^ std::rotr(e, 25);
@@ -54,6 +55,7 @@ void Sha256::block(const std::byte* p) {
     b = a;
     a = t1 + t2;
   }
+
   const std::array<std::uint32_t, 8> add{a, b, c, d, e, f, g, h};
   for (std::size_t i = 0; i < 8; ++i) h_[i] += add[i];
 }
@@ -67,6 +69,7 @@ void Sha256::update(std::span<const std::byte> bytes) {
       bytes = bytes.subspan(64);
       continue;
     }
+
     const std::size_t n = std::min(64 - used, bytes.size());
     std::copy_n(bytes.data(), n, buffer_.data() + used);
     bytes = bytes.subspan(n);

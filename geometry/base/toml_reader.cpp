@@ -32,6 +32,7 @@ std::string decimalComma(const std::string& content, const toml::source_position
   std::istringstream lines(content);
   std::string line;
   for (toml::source_index n = 0; n < at.line; ++n) std::getline(lines, line);
+
   const auto isDigit = [&](std::size_t n) { return n < line.size() && line[n] >= '0' && line[n] <= '9'; };
   const std::size_t comma = line.find(',', at.column > 1 ? at.column - 2 : 0);
   if (comma == line.npos || comma == 0 || comma + 1 < at.column || !isDigit(comma - 1) || !isDigit(comma + 1))
@@ -46,6 +47,7 @@ std::vector<std::string> nearestNames(const std::string& found, std::vector<std:
   for (std::string& name : names)
     if (const std::size_t d = editDistance(found, name); d <= found.size() / 2)  // farther is no resemblance
       near.emplace_back(d, std::move(name));
+
   std::sort(near.begin(), near.end());
   std::vector<std::string> out;
   for (auto& [distance, name] : near)
@@ -78,6 +80,7 @@ double TomlTable::number(const std::string& key, double low, double high, const 
     missing(key, expected);
     return low;
   }
+
   const auto value = node->is_number() ? node->value<double>() : std::nullopt;
   if (!value) {
     std::string hint;
@@ -87,6 +90,7 @@ double TomlTable::number(const std::string& key, double low, double high, const 
     keep({Error::Code::kBadFormat, file_.string(), place(key, node), "a value of another type", expected, hint});
     return low;
   }
+
   if (!(*value >= low && *value <= high)) {
     reject(key, fmt::format("{}", *value), expected);
     return low;

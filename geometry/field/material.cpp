@@ -64,6 +64,7 @@ Expected<MaterialProperties> readRow(const toml::table& table, const std::filesy
   KERF_TRY(stiffness, readNumber(row, table, file, "contact_stiffness", "N/mm3", 0.01, 1e5));
   KERF_TRY(friction, readNumber(row, table, file, "friction", "1", 0, 2));
   KERF_CHECK(row.finish());
+
   m.density = density;
   m.hardness = hardness;
   m.specific_cutting_energy = energy;
@@ -100,11 +101,13 @@ Expected<MaterialTable> readMaterials(const std::filesystem::path& file) {
   if (!top.failed() && format != "kerf-materials") top.reject("format", "\"" + format + "\"", "\"kerf-materials\"");
   const auto version = top.get<std::int64_t>("version", "1");
   if (!top.failed() && version != 1) top.reject("version", fmt::format("{}", version), "1");
+
   std::vector<MaterialProperties> rows;
   std::set<std::string> ids;
   std::set<Material> numbers;
   const toml::array* tables = top.tables("material");
   KERF_CHECK(top.finish());
+
   for (const toml::node& node : *tables) {
     KERF_TRY(row, readRow(*node.as_table(), file));
     const bool repeats_id = !ids.insert(row.id).second;
@@ -114,6 +117,7 @@ Expected<MaterialTable> readMaterials(const std::filesystem::path& file) {
            fmt::format("line {}, [[material]] {}", node.source().begin.line, row.id),
            repeats_id ? "the id a second time" : fmt::format("number {} a second time", static_cast<int>(row.material)),
            "an id and a number of its own for each material", ""});
+
     rows.push_back(std::move(row));
   }
   return MaterialTable(std::move(rows));

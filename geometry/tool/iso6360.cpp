@@ -78,6 +78,7 @@ std::string Iso6360::meaning() const {
   const auto say = [&](const char* group, const std::string& code, const std::string& meaning) {
     text += meaning.empty() ? fmt::format("{} {}; ", group, code) : meaning + "; ";
   };
+
   say("material", material, materialName());
   const auto known = shankKnown();
   say("shank", shank,
@@ -99,6 +100,7 @@ Expected<Iso6360> parseIso6360(const std::string& code) {
                  digits.size() == 15 ? "\"" + digits + "\", digits only"
                                      : "\"806314198524016\", or leave the key out if a digit is not known"});
   }
+
   return Iso6360{code.substr(0, 3), code.substr(3, 3), code.substr(6, 3), code.substr(9, 3),
                  std::stoi(code.substr(12))};
 }

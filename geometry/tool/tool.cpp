@@ -69,6 +69,7 @@ std::string describe(const Tool& tool) {
 
   const Vec3d cut = tool.cut->bounds().size();
   text += fmt::format("  cutting part {:.2f} x {:.2f} x {:.2f} mm", cut[0], cut[1], cut[2]);
+
   if (tool.body) {
     const Box3 body = tool.body->bounds();
     text += fmt::format("; body up to {:.2f} mm above the tip", body.max[2]);
@@ -111,8 +112,10 @@ std::string toJson(const Tool& tool) {
   const auto box = [](const Box3& b) {
     return nlohmann::json{{"min", {b.min[0], b.min[1], b.min[2]}}, {"max", {b.max[0], b.max[1], b.max[2]}}};
   };
+
   j["cut_bounds_mm"] = box(tool.cut->bounds());
   if (tool.body) j["body_bounds_mm"] = box(tool.body->bounds());
+
   const Vec3d& d = tool.plunge_direction;
   j["plunge_direction"] = {d[0], d[1], d[2]};
   return j.dump(2);
