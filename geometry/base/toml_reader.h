@@ -1,4 +1,4 @@
-// Strict reading of Kerf's TOML files: every key is asked for, what nobody asked for is an error.
+// Strict reading of Kerf's TOML files: the reader asks for every key it knows, and any other key is an error.
 #pragma once
 
 #include <toml++/toml.h>
@@ -64,7 +64,7 @@ class TomlTable {
   /// A list of at least one point, each three finite numbers: [[0, 0, 5], [10, 0, 5]].
   std::vector<Vec3d> points(const std::string& key);
 
-  /// The first error, or one for the first key that nobody asked for (with the nearest known key). An unknown key goes
+  /// The first error, or one for the first unknown key (with the nearest known key). An unknown key goes
   /// before a missing one: most often it is the missing one, misspelt.
   Expected<void> finish();
 

@@ -50,7 +50,7 @@ Expected<MeshSource> loadMeshSource(const std::filesystem::path& path) {
         {code, source.file, "file", std::move(found), "a mesh file (" + readableExtensions() + ")", std::move(hint)});
   };
 
-  // O_NONBLOCK: opening a pipe must not wait for somebody to write into it.
+  // O_NONBLOCK: opening a pipe must not wait for its writer.
   const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (fd < 0) {
     const int reason = errno;

@@ -165,7 +165,7 @@ class PlyReader {
     if (property.name.empty()) return badHeader(line, "a property without a name", "property TYPE NAME");
 
     Element& element = elements_.back();
-    constexpr std::size_t kMostProperties = 256;  // each is compared with all others, and looked at for every item
+    constexpr std::size_t kMostProperties = 256;  // each is compared with all others, and visited for every item
     if (element.properties.size() == kMostProperties)
       return badHeader(line, "more than 256 properties of " + inQuotes(element.name), "fewer");
     for (const Property& other : element.properties)

@@ -75,15 +75,15 @@ class PolygonCutter {
 
   // Stops when no ear is left (convex rest, or a polygon that crosses itself): the caller fans out what remains.
   // In a simple polygon, cutting off an ear changes only what its two neighbours are, so that n corners cost n^2.
-  // Others are looked at again when no ear seems left, but not for ever: a file can be made to need n^3.
+  // Others are examined again when no ear seems left, but not for ever: a file can be made to need n^3.
   void clipEars(const std::uint32_t* corner) {
-    constexpr int kMostLooks = 8;
+    constexpr int kMostSearches = 8;
     findEars();
-    for (int looks = 1; rest_.size() > 3;) {
+    for (int searches = 1; rest_.size() > 3;) {
       const std::size_t n = rest_.size();
       const auto ear = static_cast<std::size_t>(std::find(is_ear_.begin(), is_ear_.end(), 1) - is_ear_.begin());
       if (ear == n) {
-        if (looks++ == kMostLooks) return;
+        if (searches++ == kMostSearches) return;
         findEars();
         if (std::find(is_ear_.begin(), is_ear_.end(), 1) == is_ear_.end()) return;
         continue;

@@ -91,7 +91,7 @@ class AsciiReader {
         progress_(progress),
         p_(source.bytes.get()),
         end_(p_ + source.size),
-        welder_(source.size / 512 + 16) {}  // a facet takes some 150 to 280 bytes, a vertex two facets
+        welder_(source.size / 512 + 16) {}  // a facet takes about 150 to 280 bytes, a vertex two facets
 
   Expected<MeshFile> read() {
     file_.format = "ASCII STL";

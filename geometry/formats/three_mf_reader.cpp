@@ -107,7 +107,7 @@ class ThreeMfReader {
     return Target{&other, object};
   }
 
-  // Sizes of all objects with their components, so that nothing is built that nobody can hold.
+  // Sizes of all objects with their components, known before anything is built: it might not fit into memory.
   Expected<void> measure(Part& part) {
     part.sizes.resize(part.model.objects.size());
     for (std::size_t o = 0; o < part.sizes.size(); ++o) {

@@ -90,18 +90,52 @@ class Palette {
   std::vector<std::uint32_t> keys_, index_;
 };
 
+Expected<void> checkWritable(const Mesh& mesh) {
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    if (const Triangle& v = mesh.triangles[t]; v[0] == v[1] || v[1] == v[2] || v[2] == v[0])
+      return fail({.code = Error::Code::kGeometry,
+                   .place = "triangle " + std::to_string(t),
+                   .found = "a triangle that repeats a vertex",
+                   .expected = "three different vertices, as 3MF demands",
+                   .hint = "repair the mesh first, or write PLY or OBJ"});
+  if (mesh.vertices.size() > 0x7fffffffu)
+    return fail({.code = Error::Code::kUnsupported,
+                 .place = "vertices",
+                 .found = std::to_string(mesh.vertices.size()) + " vertices",
+                 .expected = "at most 2 147 483 647, as 3MF demands",
+                 .hint = "write PLY instead"});
+  return {};
+}
+
+void appendVertices(std::string& text, const Mesh& mesh) {
+  for (const Vec3d& p : mesh.vertices) {
+    append(text, "<vertex x=\"", static_cast<float>(p.x()));
+    append(text, " y=\"", static_cast<float>(p.y()));
+    append(text, " z=\"", static_cast<float>(p.z()), "\"/>\n");
+  }
+}
+
+// The palette colours whole triangles, or their corners, or nothing.
+void appendTriangles(std::string& text, const Mesh& mesh, const Palette& palette, bool by_face, bool by_vertex) {
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Triangle& v = mesh.triangles[t];
+    append(text, "<triangle v1=\"", v[0]);
+    append(text, " v2=\"", v[1]);
+    append(text, " v3=\"", v[2]);
+    if (by_face) append(text, " p1=\"", palette[t]);
+    if (by_vertex) {
+      append(text, " p1=\"", palette[v[0]]);
+      append(text, " p2=\"", palette[v[1]]);
+      append(text, " p3=\"", palette[v[2]]);
+    }
+    text += "/>\n";
+  }
+}
+
 }  // namespace
 
 Expected<void> writeThreeMf(std::ostream& out, const Mesh& mesh, const MeshWriteOptions& options) {
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-    if (const Triangle& v = mesh.triangles[t]; v[0] == v[1] || v[1] == v[2] || v[2] == v[0])
-      return fail(Error{Error::Code::kGeometry, "", "triangle " + std::to_string(t), "a triangle that repeats a vertex",
-                        "three different vertices, as 3MF demands", "repair the mesh first, or write PLY or OBJ"});
-
-  if (mesh.vertices.size() > 0x7fffffffu)
-    return fail(Error{Error::Code::kUnsupported, "", "vertices", std::to_string(mesh.vertices.size()) + " vertices",
-                      "at most 2 147 483 647, as 3MF demands", "write PLY instead"});
-
+  KERF_CHECK(checkWritable(mesh));
   const bool by_face = options.colors && mesh.hasFaceColors(),
              by_vertex = options.colors && !by_face && mesh.hasVertexColors();
   const Palette palette(by_face ? mesh.face_colors : by_vertex ? mesh.vertex_colors : std::vector<Rgba8>{});
@@ -126,28 +160,9 @@ Expected<void> writeThreeMf(std::ostream& out, const Mesh& mesh, const MeshWrite
     text += " pindex=\"0\"";
   }
   text += ">\n   <mesh>\n    <vertices>\n";
-
-  for (const Vec3d& p : mesh.vertices) {
-    append(text, "<vertex x=\"", static_cast<float>(p.x()));
-    append(text, " y=\"", static_cast<float>(p.y()));
-    append(text, " z=\"", static_cast<float>(p.z()), "\"/>\n");
-  }
+  appendVertices(text, mesh);
   text += "    </vertices>\n    <triangles>\n";
-
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const Triangle& v = mesh.triangles[t];
-    append(text, "<triangle v1=\"", v[0]);
-    append(text, " v2=\"", v[1]);
-    append(text, " v3=\"", v[2]);
-    if (by_face) append(text, " p1=\"", palette[t]);
-    if (by_vertex) {
-      append(text, " p1=\"", palette[v[0]]);
-      append(text, " p2=\"", palette[v[1]]);
-      append(text, " p3=\"", palette[v[2]]);
-    }
-    text += "/>\n";
-  }
-
+  appendTriangles(text, mesh, palette, by_face, by_vertex);
   text += "    </triangles>\n   </mesh>\n  </object>\n </resources>\n <build>\n";
   append(text, "  <item objectid=\"", kObject, "\"/>\n </build>\n</model>\n");
   return writeZip(

@@ -229,7 +229,7 @@ class Cleaner {
   std::vector<char> focus_;
 };
 
-/// Drops dead triangles and the vertices nobody uses.
+/// Drops dead triangles and the vertices without one.
 void compact(Mesh& mesh, const std::vector<char>& alive, std::vector<char>& fixed, std::vector<std::uint32_t>* tag) {
   std::vector<char> used(fixed);
   for (std::size_t t = 0; t < alive.size(); ++t)

@@ -118,50 +118,51 @@ std::size_t countDuplicates(const std::vector<Triangle>& triangles) {
   return count;
 }
 
-// Edges, loops, pieces and fans in one pass over the edge table.
-std::vector<std::uint32_t> countTopology(const Mesh& mesh, MeshReport& report, std::vector<char>& piece_is_open) {
-  const EdgeTable table(mesh.vertices.size(), mesh.triangles);
-  UnionFind pieces(mesh.triangles.size());
-  UnionFind fans(3 * mesh.triangles.size());  // one element per corner: joined around its vertex across edges
-  UnionFind rims(mesh.vertices.size());
+// An edge of one triangle only.
+struct RimEdge {
+  std::uint32_t a, b, triangle;
+};
 
-  struct RimEdge {
-    std::uint32_t a, b, triangle;
-  };
+// What one pass over the edge table finds out.
+struct EdgeWalk {
+  UnionFind pieces;  // of triangles: joined across edges
+  UnionFind fans;    // of the corners of triangles: joined around their vertex across edges
+  UnionFind rims;    // of vertices: joined along the rim
   std::vector<RimEdge> rim;
+};
 
+EdgeWalk walkEdges(const Mesh& mesh, MeshReport& report) {
+  const EdgeTable table(mesh.vertices.size(), mesh.triangles);
+  EdgeWalk out{
+      UnionFind(mesh.triangles.size()), UnionFind(3 * mesh.triangles.size()), UnionFind(mesh.vertices.size()), {}};
   const auto cornerOf = [&](const EdgeUse& use, bool at_low) {
     const std::size_t k = use.ascending == at_low ? use.corner : (use.corner + 1u) % 3;
     return 3 * use.triangle + static_cast<std::uint32_t>(k);
   };
-
   table.forEachEdge([&](std::uint32_t low, const EdgeUse* use, std::uint32_t n) {
     if (n == 1) {
       ++report.boundary_edges;
-      rims.join(low, use->high);
-      rim.push_back({low, use->high, use->triangle});
+      out.rims.join(low, use->high);
+      out.rim.push_back({low, use->high, use->triangle});
     }
     if (n == 2 && use[0].ascending == use[1].ascending) ++report.flipped_edges;
     if (n > 2) ++report.non_manifold_edges;
     for (std::uint32_t i = 1; i < n; ++i) {
-      pieces.join(use[0].triangle, use[i].triangle);
-      fans.join(cornerOf(use[0], true), cornerOf(use[i], true));
-      fans.join(cornerOf(use[0], false), cornerOf(use[i], false));
+      out.pieces.join(use[0].triangle, use[i].triangle);
+      out.fans.join(cornerOf(use[0], true), cornerOf(use[i], true));
+      out.fans.join(cornerOf(use[0], false), cornerOf(use[i], false));
     }
   });
+  return out;
+}
 
-  std::vector<std::uint32_t> label(mesh.triangles.size());
-  for (std::uint32_t t = 0; t < label.size(); ++t) {
-    const std::uint32_t root = pieces.find(t);
-    label[t] = root == t ? static_cast<std::uint32_t>(report.pieces++) : label[root];
-  }
-  piece_is_open.assign(report.pieces, 0);
+constexpr std::uint32_t kNone = ~0u;
 
-  constexpr std::uint32_t kNone = ~0u;
+// The loops of the rim, the longest first.
+void countLoops(const Mesh& mesh, EdgeWalk& walk, MeshReport& report) {
   std::vector<std::uint32_t> loop_of(mesh.vertices.size(), kNone);
-  for (const RimEdge& e : rim) {
-    piece_is_open[label[e.triangle]] = 1;
-    std::uint32_t& loop = loop_of[rims.find(e.a)];
+  for (const RimEdge& e : walk.rim) {
+    std::uint32_t& loop = loop_of[walk.rims.find(e.a)];
     if (loop == kNone) {
       loop = static_cast<std::uint32_t>(report.boundary_loops.size());
       report.boundary_loops.emplace_back();
@@ -171,15 +172,34 @@ std::vector<std::uint32_t> countTopology(const Mesh& mesh, MeshReport& report, s
   }
   std::stable_sort(report.boundary_loops.begin(), report.boundary_loops.end(),
                    [](const BoundaryLoop& a, const BoundaryLoop& b) { return a.length > b.length; });
+}
 
+// Vertices of more than one fan.
+std::size_t countBowTies(const Mesh& mesh, EdgeWalk& walk) {
   std::vector<std::uint32_t> fan_of(mesh.vertices.size(), kNone);
   std::vector<char> bow_tie(mesh.vertices.size());
   for (std::uint32_t c = 0; c < 3 * mesh.triangles.size(); ++c) {
-    const std::uint32_t v = mesh.triangles[c / 3][c % 3], fan = fans.find(c);
+    const std::uint32_t v = mesh.triangles[c / 3][c % 3], fan = walk.fans.find(c);
     if (fan_of[v] == kNone) fan_of[v] = fan;
     if (fan_of[v] != fan) bow_tie[v] = 1;
   }
-  report.non_manifold_vertices = static_cast<std::size_t>(std::count(bow_tie.begin(), bow_tie.end(), 1));
+  return static_cast<std::size_t>(std::count(bow_tie.begin(), bow_tie.end(), 1));
+}
+
+// Edges, loops, pieces and fans in one pass over the edge table. @return the piece of every triangle.
+std::vector<std::uint32_t> countTopology(const Mesh& mesh, MeshReport& report, std::vector<char>& piece_is_open) {
+  EdgeWalk walk = walkEdges(mesh, report);
+
+  std::vector<std::uint32_t> label(mesh.triangles.size());
+  for (std::uint32_t t = 0; t < label.size(); ++t) {
+    const std::uint32_t root = walk.pieces.find(t);
+    label[t] = root == t ? static_cast<std::uint32_t>(report.pieces++) : label[root];
+  }
+  piece_is_open.assign(report.pieces, 0);
+  for (const RimEdge& e : walk.rim) piece_is_open[label[e.triangle]] = 1;
+
+  countLoops(mesh, walk, report);
+  report.non_manifold_vertices = countBowTies(mesh, walk);
   return label;
 }
 

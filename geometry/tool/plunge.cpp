@@ -46,7 +46,7 @@ double heightOfRadius(const Piece& piece, double r) {
   return piece.from[1] + (r - piece.from[0]) / (piece.to[0] - piece.from[0]) * (piece.to[1] - piece.from[1]);
 }
 
-// Integral of f over [a, b], Gauss-Legendre in five points, halved until it holds still.
+// Integral of f over [a, b], Gauss-Legendre in five points, halved until the sum no longer changes.
 template <class F>
 double integral(const F& f, double a, double b, double accuracy, int depth = 0) {
   static constexpr double kAt[] = {0, 0.5384693101056831, 0.9061798459386640};
