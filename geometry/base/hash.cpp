@@ -101,8 +101,12 @@ std::string sha256(std::span<const std::byte> bytes) {
 Expected<std::string> sha256OfFile(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
   const auto refuse = [&](Error::Code code) {
-    return fail(Error{code, path.string(), "file", std::string("cannot be read: ") + std::strerror(errno), "a file",
-                      "check the path"});
+    return fail({.code = code,
+                 .file = path.string(),
+                 .place = "file",
+                 .found = std::string("cannot be read: ") + std::strerror(errno),
+                 .expected = "a file",
+                 .hint = "check the path"});
   };
   if (!in) return refuse(Error::Code::kNotFound);
   Sha256 hash;
@@ -116,8 +120,12 @@ Expected<std::string> sha256OfFile(const std::filesystem::path& path) {
 Expected<void> requireSha256(const std::filesystem::path& path, const std::string& expected, const std::string& hint) {
   KERF_TRY(found, sha256OfFile(path));
   if (found == expected) return {};
-  return fail({Error::Code::kUnreadable, path.string(), "content",
-               "damaged or edited: SHA-256 " + found.substr(0, 12) + "...", expected.substr(0, 12) + "...", hint});
+  return fail({.code = Error::Code::kUnreadable,
+               .file = path.string(),
+               .place = "content",
+               .found = "damaged or edited: SHA-256 " + found.substr(0, 12) + "...",
+               .expected = expected.substr(0, 12) + "...",
+               .hint = hint});
 }
 
 }  // namespace kerf

@@ -32,11 +32,19 @@ class TomlTable {
     }
     // Exactly an integer where one is asked for: toml++ casts a float such as 1e308 to one, which is undefined.
     if (std::is_integral_v<T> && !std::is_same_v<T, bool> && !node->is_integer()) {
-      keep({Error::Code::kBadFormat, file_.string(), place(key, node), "a value of another type", expected, ""});
+      keep({.code = Error::Code::kBadFormat,
+            .file = file_.string(),
+            .place = place(key, node),
+            .found = "a value of another type",
+            .expected = expected});
       return T{};
     }
     if (const auto value = node->value<T>()) return *value;
-    keep({Error::Code::kBadFormat, file_.string(), place(key, node), "a value of another type", expected, ""});
+    keep({.code = Error::Code::kBadFormat,
+          .file = file_.string(),
+          .place = place(key, node),
+          .found = "a value of another type",
+          .expected = expected});
     return T{};
   }
   /// The same for a key that may be left out.

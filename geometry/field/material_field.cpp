@@ -59,8 +59,12 @@ Material MaterialField::near(const Vec3d& p) const {
 
 Expected<MaterialField> readMaterialField(const std::filesystem::path& vdb) {
   const auto error = [&vdb](const std::string& found) {
-    return fail({Error::Code::kUnreadable, vdb.string(), "grid material", found, "an OpenVDB file written by Kerf",
-                 "bake the case again"});
+    return fail({.code = Error::Code::kUnreadable,
+                 .file = vdb.string(),
+                 .place = "grid material",
+                 .found = found,
+                 .expected = "an OpenVDB file written by Kerf",
+                 .hint = "bake the case again"});
   };
   try {
     openvdb::initialize();

@@ -73,8 +73,11 @@ Expected<MeshFile> readMesh(const std::filesystem::path& path, const Progress& p
     KERF_TRY(source, internal::loadMeshSource(path));
     return readSource(source, progress);
   } catch (const std::bad_alloc&) {
-    return fail({Error::Code::kUnreadable, path.string(), "reading", "the mesh does not fit into memory", "",
-                 "reduce the mesh first, or close other programs"});
+    return fail({.code = Error::Code::kUnreadable,
+                 .file = path.string(),
+                 .place = "reading",
+                 .found = "the mesh does not fit into memory",
+                 .hint = "reduce the mesh first, or close other programs"});
   }
 }
 

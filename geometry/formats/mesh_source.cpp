@@ -46,8 +46,12 @@ Expected<MeshSource> loadMeshSource(const std::filesystem::path& path) {
   MeshSource source;
   source.file = path.string();
   const auto refuse = [&](Error::Code code, std::string found, std::string hint) {
-    return fail(
-        {code, source.file, "file", std::move(found), "a mesh file (" + readableExtensions() + ")", std::move(hint)});
+    return fail({.code = code,
+                 .file = source.file,
+                 .place = "file",
+                 .found = std::move(found),
+                 .expected = "a mesh file (" + readableExtensions() + ")",
+                 .hint = std::move(hint)});
   };
 
   // O_NONBLOCK: opening a pipe must not wait for its writer.
@@ -195,12 +199,19 @@ std::string unitIn(std::string_view text) {
 Expected<MeshFile> finished(const MeshSource& source, MeshFile file) {
   if (!file.mesh.triangles.empty()) return file;
   if (!file.mesh.vertices.empty())
-    return fail({Error::Code::kEmpty, source.file, "faces",
-                 "a point cloud: " + std::to_string(file.mesh.vertices.size()) + " points and no faces",
-                 "a surface made of triangles",
-                 "export the mesh, not the points, from the scanner software, or reconstruct the surface first"});
-  return fail({Error::Code::kEmpty, source.file, "faces", "no faces and no vertices", "a surface made of triangles",
-               "export the mesh again"});
+    return fail(
+        {.code = Error::Code::kEmpty,
+         .file = source.file,
+         .place = "faces",
+         .found = "a point cloud: " + std::to_string(file.mesh.vertices.size()) + " points and no faces",
+         .expected = "a surface made of triangles",
+         .hint = "export the mesh, not the points, from the scanner software, or reconstruct the surface first"});
+  return fail({.code = Error::Code::kEmpty,
+               .file = source.file,
+               .place = "faces",
+               .found = "no faces and no vertices",
+               .expected = "a surface made of triangles",
+               .hint = "export the mesh again"});
 }
 
 tl::unexpected<Error> cancelled(const MeshSource& source) {

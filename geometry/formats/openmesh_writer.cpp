@@ -41,10 +41,12 @@ Expected<OpenMeshMesh> converted(const Mesh& mesh) {
     if (repeats ||
         !out.add_face(Handle(static_cast<int>(f[0])), Handle(static_cast<int>(f[1])), Handle(static_cast<int>(f[2])))
              .is_valid())
-      return fail(Error{Error::Code::kGeometry, "", "triangle " + std::to_string(t),
-                        "it makes the surface non-manifold (an edge of three faces, a flipped or a degenerate face)",
-                        "a surface on which every edge has at most two faces",
-                        "repair the mesh first, or write PLY or OBJ"});
+      return fail(
+          {.code = Error::Code::kGeometry,
+           .place = "triangle " + std::to_string(t),
+           .found = "it makes the surface non-manifold (an edge of three faces, a flipped or a degenerate face)",
+           .expected = "a surface on which every edge has at most two faces",
+           .hint = "repair the mesh first, or write PLY or OBJ"});
   }
 
   if (mesh.hasVertexColors())
@@ -63,10 +65,13 @@ Expected<void> write(std::ostream& stream, const Mesh& mesh, const char* extensi
     constexpr std::streamsize kFloatDigits = 9;  // enough for any float32 to come back exactly
     if (OpenMesh::IO::write_mesh(converted_mesh, stream, extension, options, kFloatDigits)) return {};
     if (!stream) return {};  // the file knows better why
-    return fail(
-        Error{Error::Code::kWriteFailed, "", extension, "OpenMesh could not write the mesh", "", "write PLY instead"});
+    return fail({.code = Error::Code::kWriteFailed,
+                 .place = extension,
+                 .found = "OpenMesh could not write the mesh",
+                 .hint = "write PLY instead"});
   } catch (const std::exception& e) {
-    return fail(Error{Error::Code::kWriteFailed, "", extension, e.what(), "", "write PLY instead"});
+    return fail(
+        {.code = Error::Code::kWriteFailed, .place = extension, .found = e.what(), .hint = "write PLY instead"});
   }
 }
 

@@ -75,9 +75,12 @@ class PlyReader {
     for (std::size_t f = 0, c = 0; f < polygons_.sizes.size(); c += polygons_.sizes[f++])
       for (std::size_t k = 0; k < polygons_.sizes[f]; ++k)
         if (polygons_.corners[c + k] >= file_.mesh.vertices.size())
-          return fail({Error::Code::kBadValue, source_.file, "face " + std::to_string(f),
-                       "vertex index " + std::to_string(polygons_.corners[c + k]),
-                       "0 to " + std::to_string(file_.mesh.vertices.size()) + " - 1", kDamaged});
+          return fail({.code = Error::Code::kBadValue,
+                       .file = source_.file,
+                       .place = "face " + std::to_string(f),
+                       .found = "vertex index " + std::to_string(polygons_.corners[c + k]),
+                       .expected = "0 to " + std::to_string(file_.mesh.vertices.size()) + " - 1",
+                       .hint = kDamaged});
 
     triangulate(polygons_, file_);
     return finished(source_, std::move(file_));
@@ -315,16 +318,24 @@ class PlyReader {
 
   Expected<void> corner(std::int64_t index, Item& item, const Error& where) const {
     if (index < 0 || index > 0xffffffffll)
-      return fail({Error::Code::kBadValue, where.file, where.place, "vertex index " + std::to_string(index),
-                   "0 to the number of vertices - 1", kDamaged});
+      return fail({.code = Error::Code::kBadValue,
+                   .file = where.file,
+                   .place = where.place,
+                   .found = "vertex index " + std::to_string(index),
+                   .expected = "0 to the number of vertices - 1",
+                   .hint = kDamaged});
     item.corners.push_back(static_cast<std::uint32_t>(index));
     return {};
   }
 
   Expected<void> checkCorners(std::int64_t n, const Error& where) const {
     if (n >= 0 && n <= static_cast<std::int64_t>(kMaxPolygonCorners)) return {};
-    return fail({Error::Code::kBadValue, where.file, where.place, "a face of " + std::to_string(n) + " corners",
-                 "0 to " + std::to_string(kMaxPolygonCorners), "triangulate the mesh before exporting it"});
+    return fail({.code = Error::Code::kBadValue,
+                 .file = where.file,
+                 .place = where.place,
+                 .found = "a face of " + std::to_string(n) + " corners",
+                 .expected = "0 to " + std::to_string(kMaxPolygonCorners),
+                 .hint = "triangulate the mesh before exporting it"});
   }
 
   Expected<void> readAscii(const Element& element) {

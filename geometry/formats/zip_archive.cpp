@@ -26,8 +26,12 @@ struct ZipError {
 void ZipArchive::Closer::operator()(zip* archive) const { zip_discard(archive); }
 
 tl::unexpected<Error> ZipArchive::bad(std::string_view name, std::string found) const {
-  return fail({Error::Code::kBadFormat, source_->file, name.empty() ? "zip archive" : inQuotes(name), std::move(found),
-               "a whole zip archive", kDamaged});
+  return fail({.code = Error::Code::kBadFormat,
+               .file = source_->file,
+               .place = name.empty() ? "zip archive" : inQuotes(name),
+               .found = std::move(found),
+               .expected = "a whole zip archive",
+               .hint = kDamaged});
 }
 
 Expected<ZipArchive> ZipArchive::open(const MeshSource& source) {
@@ -73,11 +77,13 @@ Expected<void> ZipArchive::read(std::uint64_t entry, const std::function<Expecte
     if (n == 0) return {};
 
     if (static_cast<std::uint64_t>(n) > budget_)
-      return fail({Error::Code::kUnsupported, source_->file, inQuotes(name),
-                   "more than " + std::to_string(done / kMiB) + " MiB from an archive of " +
-                       std::to_string(source_->size) + " bytes: a zip bomb",
-                   "at most 100 times the size of the archive",
-                   "unpack it by hand, if you trust it, and export again"});
+      return fail({.code = Error::Code::kUnsupported,
+                   .file = source_->file,
+                   .place = inQuotes(name),
+                   .found = "more than " + std::to_string(done / kMiB) + " MiB from an archive of " +
+                            std::to_string(source_->size) + " bytes: a zip bomb",
+                   .expected = "at most 100 times the size of the archive",
+                   .hint = "unpack it by hand, if you trust it, and export again"});
 
     budget_ -= static_cast<std::uint64_t>(n);
     done += static_cast<std::uint64_t>(n);
@@ -94,8 +100,10 @@ Expected<void> writeZip(std::ostream& out, const std::vector<ZipEntry>& entries)
   constexpr zip_uint32_t kLevel = 4;  // 9, libzip's own choice, takes a mesh sixteen times as long for a tenth less
   ZipError why;
   const auto failed = [](zip_error_t* error) {
-    return fail(Error{Error::Code::kWriteFailed, "", "zip archive", zip_error_strerror(error), "",
-                      "close other programs, or write PLY instead"});
+    return fail({.code = Error::Code::kWriteFailed,
+                 .place = "zip archive",
+                 .found = zip_error_strerror(error),
+                 .hint = "close other programs, or write PLY instead"});
   };
 
   zip_source_t* target = zip_source_buffer_create(nullptr, 0, 0, &why.error);

@@ -96,7 +96,11 @@ Expected<fs::path> findToolFile(const std::string& id_or_path, const std::vector
   std::error_code ignored;
   if (path.has_parent_path() || path.extension() == ".toml") {
     if (fs::is_regular_file(path, ignored)) return path;
-    return fail({Error::Code::kNotFound, id_or_path, "", "no such file", "a tool's TOML file", "kerf tool list"});
+    return fail({.code = Error::Code::kNotFound,
+                 .file = id_or_path,
+                 .found = "no such file",
+                 .expected = "a tool's TOML file",
+                 .hint = "kerf tool list"});
   }
 
   std::vector<std::string> ids;
@@ -113,11 +117,14 @@ Expected<fs::path> findToolFile(const std::string& id_or_path, const std::vector
 
   std::string near;
   for (const std::string& id : like) near += (near.empty() ? "" : ", ") + id;
-  return fail({Error::Code::kNotFound, "", "tool " + id_or_path, "no such tool",
-               ids.empty() ? "a tools folder" : fmt::format("one of {} ids, or the path of a TOML file", ids.size()),
-               ids.empty()    ? "set KERF_ASSETS to the folder that holds tools/"
-               : near.empty() ? "kerf tool list"
-                              : near + "; kerf tool list shows all"});
+  return fail({.code = Error::Code::kNotFound,
+               .place = "tool " + id_or_path,
+               .found = "no such tool",
+               .expected = ids.empty() ? "a tools folder"
+                                       : fmt::format("one of {} ids, or the path of a TOML file", ids.size()),
+               .hint = ids.empty()    ? "set KERF_ASSETS to the folder that holds tools/"
+                       : near.empty() ? "kerf tool list"
+                                      : near + "; kerf tool list shows all"});
 }
 
 }  // namespace kerf
