@@ -205,7 +205,7 @@ TEST_F(MeshWriter, FullDiskAndMissingFolderAreReported) {
 
 TEST_F(MeshWriter, EveryFormatBringsBackWhatItsRowSaysItCarries) {
   Mesh mesh;
-  mesh.vertices = {{0.1, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};  // 0.1 is no float32
+  mesh.vertices = {{1.0 / 3, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};  // no float32, nor a short text
   mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
   Mesh by_vertex = mesh, by_face = mesh;
   by_vertex.vertex_colors = {{255, 0, 0, 255}, {0, 255, 0, 255}, {0, 0, 255, 255}, {9, 9, 9, 255}};
@@ -227,7 +227,7 @@ TEST_F(MeshWriter, EveryFormatBringsBackWhatItsRowSaysItCarries) {
     EXPECT_EQ(file.mesh.hasFaceColors(), row.carries.face_colors) << row.name;
     EXPECT_EQ(!file.declared_unit.empty(), row.carries.unit) << row.name;
     ASSERT_FALSE(file.mesh.vertices.empty());
-    EXPECT_EQ(file.mesh.vertices[0][0] == 0.1, row.carries.doubles) << row.name;
+    EXPECT_EQ(file.mesh.vertices[0][0] == 1.0 / 3, row.carries.doubles) << row.name;
     EXPECT_NE(file.format.find(row.name), file.format.npos) << file.format;
   }
 }
