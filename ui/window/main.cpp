@@ -133,7 +133,7 @@ int main(int argc, char** argv) try {
       "Mouse: left orbits, right or middle pans, wheel zooms. Keys: 1-7 views, F fit, Esc closes.");
   app.name("kerf-sim");
   app.set_version_flag("--version", "kerf-sim " KERF_VERSION);
-  app.add_option("scene", a.scene, "a mesh file (" + readableFormats() + "), a case folder or a run folder")
+  app.add_option("scene", a.scene, "a mesh file (" + kerf::readableFormats() + "), a case folder or a run folder")
       ->required()
       ->type_name("MESH|CASE|RUN");
   app.add_option("--screenshot", a.screenshot,
