@@ -152,7 +152,9 @@ Expected<void> AtomicFile::commit() {
   State& s = *state_;
   s.stream.flush();
   if (s.buffer.reason() != 0) return fail(writeError(s.path, "writing", s.buffer.reason()));
-  if (!s.stream) return fail(Error{Error::Code::kWriteFailed, s.path.string(), "writing", "the stream failed", "", ""});
+  if (!s.stream)
+    return fail(
+        {.code = Error::Code::kWriteFailed, .file = s.path.string(), .place = "writing", .found = "the stream failed"});
   // A terminal or pipe cannot be synced (EINVAL, EROFS).
   if (::fsync(s.fd) != 0 && !s.temporary.empty()) return fail(writeError(s.path, "syncing to the disk", errno));
   const int fd = s.fd;
@@ -195,7 +197,12 @@ Expected<AtomicFolder> AtomicFolder::create(const fs::path& path, bool overwrite
   const fs::file_status status = fs::status(state->target, error);
   if (fs::exists(status)) {
     const auto refuse = [&](const char* found, const std::string& expected, const char* hint) {
-      return fail(Error{Error::Code::kWriteFailed, path.string(), "folder", found, expected, hint});
+      return fail({.code = Error::Code::kWriteFailed,
+                   .file = path.string(),
+                   .place = "folder",
+                   .found = found,
+                   .expected = expected,
+                   .hint = hint});
     };
     if (!fs::is_directory(status))
       return refuse("a file of that name exists", "a folder or nothing", "choose another name");
@@ -246,8 +253,12 @@ Expected<void> AtomicFolder::commit() {
       return fail(writeError(s.path, "deleting the old folder " + s.staging.filename().string(), error.value()));
     s.staging.clear();
   } else if (errno == ENOTEMPTY || errno == EEXIST) {
-    return fail(Error{Error::Code::kWriteFailed, s.path.string(), "folder", "another program wrote it in the meantime",
-                      "a folder that stays as it was", "look at what is there; choose another name, or --force"});
+    return fail({.code = Error::Code::kWriteFailed,
+                 .file = s.path.string(),
+                 .place = "folder",
+                 .found = "another program wrote it in the meantime",
+                 .expected = "a folder that stays as it was",
+                 .hint = "look at what is there; choose another name, or --force"});
   } else {
     return fail(writeError(s.path, "renaming into place", errno));
   }

@@ -39,6 +39,7 @@ void Sha256::block(const std::byte* p) {
     const std::uint32_t s1 = std::rotr(w[i - 2], 17) ^ std::rotr(w[i - 2], 19) ^ (w[i - 2] >> 10);
     w[i] = w[i - 16] + s0 + w[i - 7] + s1;
   }
+
   auto [a, b, c, d, e, f, g, h] = h_;
   for (std::size_t i = 0; i < 64; ++i) {
     const std::uint32_t s1 = std::rotr(e, 6) ^ std::rotr(e, 11) ^ std::rotr(e, 25);
@@ -54,6 +55,7 @@ void Sha256::block(const std::byte* p) {
     b = a;
     a = t1 + t2;
   }
+
   const std::array<std::uint32_t, 8> add{a, b, c, d, e, f, g, h};
   for (std::size_t i = 0; i < 8; ++i) h_[i] += add[i];
 }
@@ -67,6 +69,7 @@ void Sha256::update(std::span<const std::byte> bytes) {
       bytes = bytes.subspan(64);
       continue;
     }
+
     const std::size_t n = std::min(64 - used, bytes.size());
     std::copy_n(bytes.data(), n, buffer_.data() + used);
     bytes = bytes.subspan(n);
@@ -98,8 +101,12 @@ std::string sha256(std::span<const std::byte> bytes) {
 Expected<std::string> sha256OfFile(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
   const auto refuse = [&](Error::Code code) {
-    return fail(Error{code, path.string(), "file", std::string("cannot be read: ") + std::strerror(errno), "a file",
-                      "check the path"});
+    return fail({.code = code,
+                 .file = path.string(),
+                 .place = "file",
+                 .found = std::string("cannot be read: ") + std::strerror(errno),
+                 .expected = "a file",
+                 .hint = "check the path"});
   };
   if (!in) return refuse(Error::Code::kNotFound);
   Sha256 hash;
@@ -113,8 +120,12 @@ Expected<std::string> sha256OfFile(const std::filesystem::path& path) {
 Expected<void> requireSha256(const std::filesystem::path& path, const std::string& expected, const std::string& hint) {
   KERF_TRY(found, sha256OfFile(path));
   if (found == expected) return {};
-  return fail({Error::Code::kUnreadable, path.string(), "content",
-               "damaged or edited: SHA-256 " + found.substr(0, 12) + "...", expected.substr(0, 12) + "...", hint});
+  return fail({.code = Error::Code::kUnreadable,
+               .file = path.string(),
+               .place = "content",
+               .found = "damaged or edited: SHA-256 " + found.substr(0, 12) + "...",
+               .expected = expected.substr(0, 12) + "...",
+               .hint = hint});
 }
 
 }  // namespace kerf

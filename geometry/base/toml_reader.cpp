@@ -32,6 +32,7 @@ std::string decimalComma(const std::string& content, const toml::source_position
   std::istringstream lines(content);
   std::string line;
   for (toml::source_index n = 0; n < at.line; ++n) std::getline(lines, line);
+
   const auto isDigit = [&](std::size_t n) { return n < line.size() && line[n] >= '0' && line[n] <= '9'; };
   const std::size_t comma = line.find(',', at.column > 1 ? at.column - 2 : 0);
   if (comma == line.npos || comma == 0 || comma + 1 < at.column || !isDigit(comma - 1) || !isDigit(comma + 1))
@@ -46,6 +47,7 @@ std::vector<std::string> nearestNames(const std::string& found, std::vector<std:
   for (std::string& name : names)
     if (const std::size_t d = editDistance(found, name); d <= found.size() / 2)  // farther is no resemblance
       near.emplace_back(d, std::move(name));
+
   std::sort(near.begin(), near.end());
   std::vector<std::string> out;
   for (auto& [distance, name] : near)
@@ -60,14 +62,22 @@ std::string nearestName(const std::string& found, const std::vector<std::string>
 
 void TomlTable::missing(const std::string& key, const std::string& expected) {
   if (error_) return;
-  keep({Error::Code::kBadFormat, file_.string(), place(key, &table_), "missing", expected, ""});
+  keep({.code = Error::Code::kBadFormat,
+        .file = file_.string(),
+        .place = place(key, &table_),
+        .found = "missing",
+        .expected = expected});
   is_missing_ = true;
 }
 
 void TomlTable::reject(const std::string& key, std::string found, std::string expected, std::string hint) {
   const toml::node* node = table_.get(key);
-  keep({Error::Code::kBadValue, file_.string(), place(key, node ? node : &table_), std::move(found),
-        std::move(expected), std::move(hint)});
+  keep({.code = Error::Code::kBadValue,
+        .file = file_.string(),
+        .place = place(key, node ? node : &table_),
+        .found = std::move(found),
+        .expected = std::move(expected),
+        .hint = std::move(hint)});
 }
 
 double TomlTable::number(const std::string& key, double low, double high, const char* unit) {
@@ -78,15 +88,22 @@ double TomlTable::number(const std::string& key, double low, double high, const 
     missing(key, expected);
     return low;
   }
+
   const auto value = node->is_number() ? node->value<double>() : std::nullopt;
   if (!value) {
     std::string hint;
     if (const auto text = node->value<std::string>())  // "1.6 mm"
       if (const std::size_t digits = text->find_first_not_of("+-0123456789."); digits > 0 && !text->empty())
         hint = fmt::format("{} = {}, without quotes or unit", key, text->substr(0, digits));
-    keep({Error::Code::kBadFormat, file_.string(), place(key, node), "a value of another type", expected, hint});
+    keep({.code = Error::Code::kBadFormat,
+          .file = file_.string(),
+          .place = place(key, node),
+          .found = "a value of another type",
+          .expected = expected,
+          .hint = hint});
     return low;
   }
+
   if (!(*value >= low && *value <= high)) {
     reject(key, fmt::format("{}", *value), expected);
     return low;
@@ -106,15 +123,22 @@ std::vector<std::string> TomlTable::strings(const std::string& key) {
   const toml::node* node = table_.get(key);
   const toml::array* array = node ? node->as_array() : nullptr;
   if (!array) {
-    keep({Error::Code::kBadFormat, file_.string(), place(key, node ? node : &table_), "missing", "a list of strings",
-          ""});
+    keep({.code = Error::Code::kBadFormat,
+          .file = file_.string(),
+          .place = place(key, node ? node : &table_),
+          .found = "missing",
+          .expected = "a list of strings"});
     return out;
   }
   for (const toml::node& item : *array) {
     if (const auto text = item.value<std::string>())
       out.push_back(*text);
     else
-      keep({Error::Code::kBadFormat, file_.string(), place(key, &item), "not a string", "a list of strings", ""});
+      keep({.code = Error::Code::kBadFormat,
+            .file = file_.string(),
+            .place = place(key, &item),
+            .found = "not a string",
+            .expected = "a list of strings"});
   }
   return out;
 }
@@ -128,8 +152,11 @@ std::vector<double> TomlTable::numbers(const std::string& key, std::size_t count
       if (const auto value = item.is_number() ? item.value<double>() : std::nullopt; value && std::isfinite(*value))
         out.push_back(*value);
   if (const toml::array* array = node ? node->as_array() : nullptr; out.size() != count || array->size() != count) {
-    keep({Error::Code::kBadFormat, file_.string(), place(key, node ? node : &table_),
-          node ? "of another form" : "missing", fmt::format("a list of {} finite numbers", count), ""});
+    keep({.code = Error::Code::kBadFormat,
+          .file = file_.string(),
+          .place = place(key, node ? node : &table_),
+          .found = node ? "of another form" : "missing",
+          .expected = fmt::format("a list of {} finite numbers", count)});
     out.assign(count, 0);
   }
   return out;
@@ -154,8 +181,11 @@ std::vector<Vec3d> TomlTable::points(const std::string& key) {
       out.push_back(p);
     }
   if (!array || out.empty() || out.size() != array->size()) {
-    keep({Error::Code::kBadFormat, file_.string(), place(key, node ? node : &table_),
-          node ? "of another form" : "missing", "a list of points, as [[0, 0, 5], [10, 0, 5]]", ""});
+    keep({.code = Error::Code::kBadFormat,
+          .file = file_.string(),
+          .place = place(key, node ? node : &table_),
+          .found = node ? "of another form" : "missing",
+          .expected = "a list of points, as [[0, 0, 5], [10, 0, 5]]"});
     out.assign(1, Vec3d::Zero());
   }
   return out;
@@ -168,8 +198,11 @@ const toml::array* TomlTable::tables(const std::string& key) {
   if (!node)
     missing(key, "one or more [[" + key + "]]");
   else if (!array || !array->is_array_of_tables())
-    keep({Error::Code::kBadFormat, file_.string(), place(key, node), "of another form", "one or more [[" + key + "]]",
-          ""});
+    keep({.code = Error::Code::kBadFormat,
+          .file = file_.string(),
+          .place = place(key, node),
+          .found = "of another form",
+          .expected = "one or more [[" + key + "]]"});
   return array;
 }
 
@@ -217,15 +250,21 @@ Expected<toml::table> parseToml(const std::filesystem::path& file) {
     const auto end =
         has_tables || equals == std::string::npos ? line.end() : line.begin() + static_cast<std::ptrdiff_t>(equals);
     if (std::count(line.begin(), end, '.') > kMostDots)
-      return fail({Error::Code::kBadFormat, file.string(), fmt::format("line {}", number),
-                   fmt::format("more than {} dots in a key", kMostDots), "keys of a few words", ""});
+      return fail({.code = Error::Code::kBadFormat,
+                   .file = file.string(),
+                   .place = fmt::format("line {}", number),
+                   .found = fmt::format("more than {} dots in a key", kMostDots),
+                   .expected = "keys of a few words"});
   }
   try {
     return toml::parse(content, file.string());
   } catch (const toml::parse_error& e) {
-    return fail({Error::Code::kBadFormat, file.string(),
-                 fmt::format("line {}, column {}", e.source().begin.line, e.source().begin.column),
-                 std::string(e.description()), "TOML", decimalComma(content, e.source().begin)});
+    return fail({.code = Error::Code::kBadFormat,
+                 .file = file.string(),
+                 .place = fmt::format("line {}, column {}", e.source().begin.line, e.source().begin.column),
+                 .found = std::string(e.description()),
+                 .expected = "TOML",
+                 .hint = decimalComma(content, e.source().begin)});
   }
 }
 

@@ -1,4 +1,4 @@
-// Strict reading of Kerf's TOML files: every key is asked for, what nobody asked for is an error.
+// Strict reading of Kerf's TOML files: the reader asks for every key it knows, and any other key is an error.
 #pragma once
 
 #include <toml++/toml.h>
@@ -32,11 +32,19 @@ class TomlTable {
     }
     // Exactly an integer where one is asked for: toml++ casts a float such as 1e308 to one, which is undefined.
     if (std::is_integral_v<T> && !std::is_same_v<T, bool> && !node->is_integer()) {
-      keep({Error::Code::kBadFormat, file_.string(), place(key, node), "a value of another type", expected, ""});
+      keep({.code = Error::Code::kBadFormat,
+            .file = file_.string(),
+            .place = place(key, node),
+            .found = "a value of another type",
+            .expected = expected});
       return T{};
     }
     if (const auto value = node->value<T>()) return *value;
-    keep({Error::Code::kBadFormat, file_.string(), place(key, node), "a value of another type", expected, ""});
+    keep({.code = Error::Code::kBadFormat,
+          .file = file_.string(),
+          .place = place(key, node),
+          .found = "a value of another type",
+          .expected = expected});
     return T{};
   }
   /// The same for a key that may be left out.
@@ -64,7 +72,7 @@ class TomlTable {
   /// A list of at least one point, each three finite numbers: [[0, 0, 5], [10, 0, 5]].
   std::vector<Vec3d> points(const std::string& key);
 
-  /// The first error, or one for the first key that nobody asked for (with the nearest known key). An unknown key goes
+  /// The first error, or one for the first unknown key (with the nearest known key). An unknown key goes
   /// before a missing one: most often it is the missing one, misspelt.
   Expected<void> finish();
 

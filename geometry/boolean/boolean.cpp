@@ -4,6 +4,8 @@
 #include <CGAL/Polygon_mesh_processing/corefinement.h>
 #include <CGAL/Surface_mesh.h>
 
+#include <algorithm>
+#include <array>
 #include <memory>
 #include <tuple>
 #include <unordered_map>
@@ -58,22 +60,124 @@ Expected<void> fill(const Mesh& mesh, const char* name, SurfaceMesh& out) {
     const Triangle& f = mesh.triangles[t];
     if (out.add_face(SurfaceMesh::Vertex_index(f[0]), SurfaceMesh::Vertex_index(f[1]),
                      SurfaceMesh::Vertex_index(f[2])) == SurfaceMesh::null_face())
-      return fail({Error::Code::kGeometry, "", name + std::string(" triangle ") + std::to_string(t),
-                   "an edge with more than two faces, or a flipped face", "a 2-manifold mesh", ""});
+      return fail({.code = Error::Code::kGeometry,
+                   .place = name + std::string(" triangle ") + std::to_string(t),
+                   .found = "an edge with more than two faces, or a flipped face",
+                   .expected = "a 2-manifold mesh"});
   }
   return {};
 }
 
 enum class Operation { kDifference, kUnion };
 
+struct HashOfPosition {
+  std::size_t operator()(const std::array<double, 3>& p) const {
+    std::size_t h = 1469598103934665603ull;
+    for (const double x : p) h = (h ^ std::hash<double>{}(x)) * 1099511628211ull;
+    return h;
+  }
+};
+
+// Which vertex of the result is which of the minuend.
+struct VertexOrigins {
+  std::vector<std::uint32_t> source;    // per vertex of the result, by CGAL's number: of the minuend, or kNoSource
+  std::vector<std::uint32_t> survivor;  // per vertex of the minuend: CGAL's number in the result, or kNoSource
+};
+
+// Surviving minuend vertices are known by their coordinates: corefinement never moves one, and never makes a new
+// point where the minuend, free of duplicates, already has one.
+VertexOrigins originsOfVertices(const Mesh& minuend, const SurfaceMesh& out) {
+  std::unordered_map<std::array<double, 3>, std::uint32_t, HashOfPosition> original;
+  original.reserve(2 * minuend.vertices.size());
+  for (std::uint32_t v = 0; v < minuend.vertices.size(); ++v) {
+    const Vec3d& p = minuend.vertices[v];
+    original.try_emplace({p[0], p[1], p[2]}, v);
+  }
+
+  VertexOrigins origins;
+  origins.source.assign(out.number_of_vertices() + out.number_of_removed_vertices(), kNoSource);
+  origins.survivor.assign(minuend.vertices.size(), kNoSource);
+  for (const auto v : out.vertices()) {
+    const auto& p = out.point(v);
+    const auto it = original.find({p.x(), p.y(), p.z()});
+    if (it == original.end() || origins.survivor[it->second] != kNoSource) continue;
+    origins.source[v] = it->second;
+    origins.survivor[it->second] = v;
+  }
+  return origins;
+}
+
+// Puts the vertices into the result: the survivors in the minuend's order, then the new ones by their coordinates.
+// @return per vertex by CGAL's number: its index in the result.
+std::vector<std::uint32_t> copyVertices(const SurfaceMesh& out, const VertexOrigins& origins, Difference& result) {
+  std::vector<std::uint32_t> index(origins.source.size(), kNoSource);
+  const auto take = [&](SurfaceMesh::Vertex_index v) {
+    const auto& p = out.point(v);
+    index[v] = static_cast<std::uint32_t>(result.mesh.vertices.size());
+    result.mesh.vertices.emplace_back(p.x(), p.y(), p.z());
+    result.from_vertex.push_back(origins.source[v]);
+  };
+  for (const std::uint32_t v : origins.survivor)
+    if (v != kNoSource) take(SurfaceMesh::Vertex_index(v));
+
+  // CGAL numbers new vertices as it comes upon them, and where two boxes touch it takes the one first that lies lower
+  // in memory: their coordinates make an order that does not depend on that.
+  std::vector<SurfaceMesh::Vertex_index> made;
+  for (const auto v : out.vertices())
+    if (origins.source[v] == kNoSource) made.push_back(v);
+  std::stable_sort(made.begin(), made.end(), [&](const auto x, const auto y) { return out.point(x) < out.point(y); });
+  for (const auto v : made) take(v);
+  return index;
+}
+
+// Puts the faces into the result: the untouched ones in the minuend's order, then the rest by their corners.
+void copyFaces(const SurfaceMesh& out, const Origins& origins, const std::vector<std::uint32_t>& index,
+               const Mesh& minuend, Difference& result) {
+  struct Face {
+    std::uint32_t source;
+    Triangle corners;
+  };
+  std::vector<Face> faces;
+  faces.reserve(out.number_of_faces());
+  for (const auto f : out.faces()) {
+    Face face{Origins::get(origins.face, f), {}};
+    std::size_t k = 0;
+    for (const auto v : CGAL::vertices_around_face(out.halfedge(f), out)) face.corners[k++] = index[v];
+    // Begin with the corner of the lowest index: CGAL's choice of first corner depends on its history.
+    std::rotate(face.corners.begin(), std::min_element(face.corners.begin(), face.corners.end()), face.corners.end());
+    faces.push_back(face);
+  }
+  std::sort(faces.begin(), faces.end(),
+            [](const Face& x, const Face& y) { return std::tie(x.source, x.corners) < std::tie(y.source, y.corners); });
+
+  for (Face& face : faces) {
+    if (face.source != kNoSource) {  // an uncut triangle keeps the source's first corner
+      const Triangle& source = minuend.triangles[face.source];
+      for (int turn = 0; turn < 3 && result.from_vertex[face.corners[0]] != source[0]; ++turn)
+        std::rotate(face.corners.begin(), face.corners.begin() + 1, face.corners.end());
+    }
+    result.mesh.triangles.push_back(face.corners);
+    result.from_triangle.push_back(face.source);
+  }
+}
+
 Expected<Difference> combine(const Mesh& minuend, const Mesh& other, Operation operation) {
   const bool is_union = operation == Operation::kUnion;
   const char* const name = is_union ? "exact union" : "exact difference";
+  const auto refuse = [name](std::string found, std::string expected, std::string hint) {
+    return fail({.code = Error::Code::kGeometry,
+                 .place = name,
+                 .found = std::move(found),
+                 .expected = std::move(expected),
+                 .hint = std::move(hint)});
+  };
+
   try {
     auto a = std::make_unique<SurfaceMesh>(), b = std::make_unique<SurfaceMesh>(),
          out = std::make_unique<SurfaceMesh>();
     KERF_CHECK(fill(minuend, "source", *a));
     KERF_CHECK(fill(other, is_union ? "added solid" : "removed solid", *b));
+
     OriginVisitor::State state;
     state.minuend = a.get();
     state.minuend_origin.face.resize(minuend.triangles.size());
@@ -83,91 +187,22 @@ Expected<Difference> combine(const Mesh& minuend, const Mesh& other, Operation o
                         ? PMP::corefine_and_compute_union(*a, *b, *out, visited, CGAL::parameters::all_default())
                         : PMP::corefine_and_compute_difference(*a, *b, *out, visited, CGAL::parameters::all_default());
     if (!ok)
-      return fail({Error::Code::kGeometry, "", name, "a result that is not 2-manifold",
-                   "surfaces that cross each other transversally", "bake with another --voxel and cut again"});
-
-    // Surviving minuend vertices are known by their coordinates: corefinement never moves one, and never makes a new
-    // point where the minuend, free of duplicates, already has one.
-    struct Hash {
-      std::size_t operator()(const std::array<double, 3>& p) const {
-        std::size_t h = 1469598103934665603ull;
-        for (const double x : p) h = (h ^ std::hash<double>{}(x)) * 1099511628211ull;
-        return h;
-      }
-    };
-    std::unordered_map<std::array<double, 3>, std::uint32_t, Hash> original;
-    original.reserve(2 * minuend.vertices.size());
-    for (std::uint32_t v = 0; v < minuend.vertices.size(); ++v) {
-      const Vec3d& p = minuend.vertices[v];
-      original.try_emplace({p[0], p[1], p[2]}, v);
-    }
-    std::vector<std::uint32_t> origin(out->number_of_vertices() + out->number_of_removed_vertices(), kNoSource);
-    std::vector<std::uint32_t> at_original(minuend.vertices.size(), kNoSource);
-    for (const auto v : out->vertices()) {
-      const auto& p = out->point(v);
-      const auto it = original.find({p.x(), p.y(), p.z()});
-      if (it == original.end() || at_original[it->second] != kNoSource) continue;
-      origin[v] = it->second;
-      at_original[it->second] = v;
-    }
+      return refuse("a result that is not 2-manifold", "surfaces that cross each other transversally",
+                    "bake with another --voxel and cut again");
 
     Difference result;
-    std::vector<std::uint32_t> index(origin.size(), kNoSource);
-    const auto take = [&](SurfaceMesh::Vertex_index v) {
-      const auto& p = out->point(v);
-      index[v] = static_cast<std::uint32_t>(result.mesh.vertices.size());
-      result.mesh.vertices.emplace_back(p.x(), p.y(), p.z());
-      result.from_vertex.push_back(origin[v]);
-    };
-    for (const std::uint32_t v : at_original)
-      if (v != kNoSource) take(SurfaceMesh::Vertex_index(v));
-    // The new ones by their coordinates, and the faces by their corners: CGAL numbers both as it comes upon them, and
-    // where two boxes touch it takes the one first that lies lower in memory.
-    std::vector<SurfaceMesh::Vertex_index> made;
-    for (const auto v : out->vertices())
-      if (origin[v] == kNoSource) made.push_back(v);
-    std::stable_sort(made.begin(), made.end(),
-                     [&](const auto x, const auto y) { return out->point(x) < out->point(y); });
-    for (const auto v : made) take(v);
-
-    // Faces: the untouched ones in the source's order, then the rest.
-    struct Face {
-      std::uint32_t source;
-      Triangle corners;
-    };
-    std::vector<Face> faces;
-    faces.reserve(out->number_of_faces());
-    for (const auto f : out->faces()) {
-      Face face{Origins::get(state.result_origin.face, f), {}};
-      std::size_t k = 0;
-      for (const auto v : CGAL::vertices_around_face(out->halfedge(f), *out)) face.corners[k++] = index[v];
-      // Begin with the corner of the lowest index: CGAL's choice of first corner depends on its history.
-      std::rotate(face.corners.begin(), std::min_element(face.corners.begin(), face.corners.end()), face.corners.end());
-      faces.push_back(face);
-    }
-    std::sort(faces.begin(), faces.end(), [](const Face& x, const Face& y) {
-      return std::tie(x.source, x.corners) < std::tie(y.source, y.corners);
-    });
-    for (Face& face : faces) {
-      if (face.source != kNoSource) {  // an uncut triangle keeps the source's first corner
-        const Triangle& source = minuend.triangles[face.source];
-        for (int turn = 0; turn < 3 && result.from_vertex[face.corners[0]] != source[0]; ++turn)
-          std::rotate(face.corners.begin(), face.corners.begin() + 1, face.corners.end());
-      }
-      result.mesh.triangles.push_back(face.corners);
-      result.from_triangle.push_back(face.source);
-    }
+    const VertexOrigins origins = originsOfVertices(minuend, *out);
+    const std::vector<std::uint32_t> index = copyVertices(*out, origins, result);
+    copyFaces(*out, state.result_origin, index, minuend, result);
     return result;
   } catch (const PMP::Corefinement::Self_intersection_exception&) {
-    return fail({Error::Code::kGeometry, "", name,
-                 is_union ? "a surface that crosses itself where material was added"
-                          : "a surface that crosses itself where the cut passes",
-                 "a source free of self-intersections",
-                 is_union ? "bake with another --voxel, or cut and add in runs of their own"
-                          : "kerf check on the source; bake with --close wrap"});
+    return refuse(is_union ? "a surface that crosses itself where material was added"
+                           : "a surface that crosses itself where the cut passes",
+                  "a source free of self-intersections",
+                  is_union ? "bake with another --voxel, or cut and add in runs of their own"
+                           : "kerf check on the source; bake with --close wrap");
   } catch (const std::exception& e) {
-    return fail({Error::Code::kGeometry, "", name, std::string("the boolean gave up: ") + e.what(), "",
-                 "bake with another --voxel and cut again"});
+    return refuse(std::string("the boolean gave up: ") + e.what(), "", "bake with another --voxel and cut again");
   }
 }
 

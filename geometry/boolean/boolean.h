@@ -14,9 +14,10 @@ inline constexpr std::uint32_t kNoSource = 0xffffffffu;
 /// minuend - subtrahend, with the origin of every vertex and triangle.
 struct Difference {
   Mesh mesh;  ///< positions and triangles only; surviving minuend vertices first, in their order
-  std::vector<std::uint32_t>
-      from_vertex;  ///< per vertex: index in the minuend, or kNoSource (new, or of the subtrahend)
-  std::vector<std::uint32_t> from_triangle;  ///< per triangle: index in the minuend, or kNoSource: a cut face
+  /// Per vertex: index in the minuend, or kNoSource (new, or of the subtrahend).
+  std::vector<std::uint32_t> from_vertex;
+  /// Per triangle: index in the minuend, or kNoSource: a cut face.
+  std::vector<std::uint32_t> from_triangle;
 };
 
 /// Boolean difference by corefinement (CGAL, Loriot et al., exact predicates, new points rounded to double).

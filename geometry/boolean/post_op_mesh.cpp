@@ -65,6 +65,7 @@ Crumbs findCrumbs(const Mesh& mesh, const std::vector<std::uint32_t>& from_trian
   const Vec3d c = bounds(mesh).center();
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     volume[pieces.label[t]] += (mesh.corner(t, 0) - c).dot((mesh.corner(t, 1) - c).cross(mesh.corner(t, 2) - c)) / 6;
+
   std::uint32_t largest = 0;
   for (std::uint32_t p = 0; p < pieces.count; ++p)
     if (volume[p] > volume[largest]) largest = p;
@@ -72,6 +73,7 @@ Crumbs findCrumbs(const Mesh& mesh, const std::vector<std::uint32_t>& from_trian
     const std::uint32_t p = pieces.label[t];
     if (from_triangle[t] == kNoSource && p != largest && std::abs(volume[p]) < below_mm3) is_crumb[p] = 1;
   }
+
   out.keep_triangle.resize(mesh.triangles.size());
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) out.keep_triangle[t] = !is_crumb[pieces.label[t]];
   for (std::size_t p = 0; p < volume.size(); ++p) {
@@ -89,92 +91,122 @@ struct Prepared {
   std::string why_not;  // empty: good
 };
 
-Expected<Prepared> attempt(const Mesh& source, const Mesh& removed, const Mesh& added, double voxel,
-                           const PostOpOptions& options) {
-  Prepared out;
-  PostOpReport& report = out.result.report;
+// The source as it is, each vertex and triangle its own origin: there is nothing to remove.
+Difference uncut(const Mesh& source) {
   Difference cut;
-  if (removed.triangles.empty()) {  // nothing to remove: the source as it is
-    cut.mesh = {source.vertices, source.triangles, {}, {}};
-    cut.from_vertex.resize(source.vertices.size());
-    std::iota(cut.from_vertex.begin(), cut.from_vertex.end(), 0u);
-    cut.from_triangle.resize(source.triangles.size());
-    std::iota(cut.from_triangle.begin(), cut.from_triangle.end(), 0u);
+  cut.mesh = {source.vertices, source.triangles, {}, {}};
+  cut.from_vertex.resize(source.vertices.size());
+  std::iota(cut.from_vertex.begin(), cut.from_vertex.end(), 0u);
+  cut.from_triangle.resize(source.triangles.size());
+  std::iota(cut.from_triangle.begin(), cut.from_triangle.end(), 0u);
+  return cut;
+}
+
+// Source minus removed, plus added; origins are those in the source.
+Expected<Difference> cutAndAdd(const Mesh& source, const Mesh& removed, const Mesh& added, PostOpReport& report) {
+  Difference cut;
+  if (removed.triangles.empty()) {
+    cut = uncut(source);
   } else {
     KERF_TRY(difference, subtract(source, removed));
     cut = std::move(difference);
   }
-  if (!added.triangles.empty()) {
-    report.removed_volume_mm3 = signedVolume(source) - signedVolume(cut.mesh);
-    KERF_TRY(both, unite(cut.mesh, added));
-    // Origins in what was cut become origins in the source.
-    for (std::uint32_t& v : both.from_vertex)
-      if (v != kNoSource) v = cut.from_vertex[v];
-    for (std::uint32_t& t : both.from_triangle)
-      if (t != kNoSource) t = cut.from_triangle[t];
-    cut = std::move(both);
+  if (added.triangles.empty()) return cut;
+
+  report.removed_volume_mm3 = signedVolume(source) - signedVolume(cut.mesh);
+  KERF_TRY(both, unite(cut.mesh, added));
+  // Origins in what was cut become origins in the source.
+  for (std::uint32_t& v : both.from_vertex)
+    if (v != kNoSource) v = cut.from_vertex[v];
+  for (std::uint32_t& t : both.from_triangle)
+    if (t != kNoSource) t = cut.from_triangle[t];
+  return std::move(both);
+}
+
+// A mesh with what is known of its vertices and triangles.
+struct TaggedMesh {
+  Mesh mesh;
+  std::vector<std::uint32_t> tag;  // per triangle: of the source, or kNoSource
+  std::vector<char> fixed;         // per vertex: of the source, must not move
+};
+
+// Leaves the crumbs out, and the vertices that only they used.
+void dropCrumbs(const Crumbs& crumbs, TaggedMesh& out, PostOpReport& report) {
+  std::vector<char> used(out.mesh.vertices.size(), 0);
+  std::vector<std::uint32_t> kept_tag;
+  for (std::size_t t = 0; t < out.mesh.triangles.size(); ++t)
+    if (crumbs.keep_triangle[t]) {
+      kept_tag.push_back(out.tag[t]);
+      for (const std::uint32_t v : out.mesh.triangles[t]) used[v] = 1;
+    }
+
+  std::vector<char> kept_fixed;
+  for (std::size_t v = 0; v < out.fixed.size(); ++v) {
+    if (used[v])
+      kept_fixed.push_back(out.fixed[v]);
+    else
+      report.source_vertices_in_crumbs += out.fixed[v];
   }
-  Mesh mesh = std::move(cut.mesh);
-  paint(source, cut, options, mesh);
+  out.mesh = subset(out.mesh, crumbs.keep_triangle);
+  out.tag = std::move(kept_tag);
+  out.fixed = std::move(kept_fixed);
+}
+
+// Counts and volumes of the report that follow from the result.
+void summarise(const Mesh& source, double source_volume, bool has_added, const TaggedMesh& out, PostOpReport& report) {
+  report.source_vertices_kept = static_cast<std::size_t>(std::count(out.fixed.begin(), out.fixed.end(), 1));
+  report.source_vertices_removed =
+      source.vertices.size() - report.source_vertices_kept - report.source_vertices_in_crumbs;
+  report.source_volume_mm3 = source_volume;
+  report.result_volume_mm3 = signedVolume(out.mesh);
+  if (has_added)
+    report.added_volume_mm3 = report.result_volume_mm3 - report.source_volume_mm3 + report.removed_volume_mm3;
+  else
+    report.removed_volume_mm3 = report.source_volume_mm3 - report.result_volume_mm3;
+}
+
+Expected<Prepared> attempt(const Mesh& source, const Mesh& removed, const Mesh& added, double voxel,
+                           const PostOpOptions& options) {
+  Prepared out;
+  PostOpReport& report = out.result.report;
+  KERF_TRY(cut, cutAndAdd(source, removed, added, report));
+  TaggedMesh now{std::move(cut.mesh), cut.from_triangle, {}};
+  paint(source, cut, options, now.mesh);
+  now.fixed.resize(now.mesh.vertices.size());
+  for (std::size_t v = 0; v < now.fixed.size(); ++v) now.fixed[v] = cut.from_vertex[v] != kNoSource;
 
   const double source_volume = signedVolume(source);
   const double crumb_mm3 = std::min(options.crumb_voxels * std::pow(voxel, 3), options.crumb_fraction * source_volume);
-  const Crumbs crumbs = findCrumbs(mesh, cut.from_triangle, crumb_mm3);
+  const Crumbs crumbs = findCrumbs(now.mesh, cut.from_triangle, crumb_mm3);
   report.crumbs_dropped = crumbs.count;
   report.crumbs_volume_mm3 = crumbs.volume;
   report.pieces = crumbs.pieces;
-  std::vector<std::uint32_t> tag = cut.from_triangle;
-  std::vector<char> fixed(mesh.vertices.size());
-  for (std::size_t v = 0; v < fixed.size(); ++v) fixed[v] = cut.from_vertex[v] != kNoSource;
-  if (crumbs.count) {
-    std::vector<char> used(mesh.vertices.size(), 0);
-    std::vector<std::uint32_t> kept_tag;
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-      if (crumbs.keep_triangle[t]) {
-        kept_tag.push_back(tag[t]);
-        for (const std::uint32_t v : mesh.triangles[t]) used[v] = 1;
-      }
-    std::vector<char> kept_fixed;
-    for (std::size_t v = 0; v < fixed.size(); ++v) {
-      if (used[v])
-        kept_fixed.push_back(fixed[v]);
-      else
-        report.source_vertices_in_crumbs += fixed[v];
-    }
-    mesh = subset(mesh, crumbs.keep_triangle);
-    tag = std::move(kept_tag);
-    fixed = std::move(kept_fixed);
-  }
-  KERF_TRY(cleaned, cleanUpForFloat32(mesh, fixed, &tag, 0.01 * voxel));
+  if (crumbs.count) dropCrumbs(crumbs, now, report);
+
+  KERF_TRY(cleaned, cleanUpForFloat32(now.mesh, now.fixed, &now.tag, 0.01 * voxel));
   report.largest_move_mm = cleaned.largest_move_mm;
   if (cleaned.crossings_left > 0)
     out.why_not = fmt::format("{} pairs of triangles cross after rounding to float32", cleaned.crossings_left);
   if (cleaned.fixed_moved > 0)
     out.why_not = fmt::format("{} source vertices are not representable in float32", cleaned.fixed_moved);
 
-  if (mesh.triangles.empty()) {
-    return fail({Error::Code::kEmpty, "", "post-operative mesh", "the cut leaves nothing of the object",
-                 "something to print", "a smaller cut"});
-  }
+  if (now.mesh.triangles.empty())
+    return fail({.code = Error::Code::kEmpty,
+                 .place = "post-operative mesh",
+                 .found = "the cut leaves nothing of the object",
+                 .expected = "something to print",
+                 .hint = "a smaller cut"});
   if (out.why_not.empty()) {
-    if (const MeshReport verdict = checkMesh(mesh); !verdict.print_ready)
+    if (const MeshReport verdict = checkMesh(now.mesh); !verdict.print_ready)
       out.why_not = verdict.reasons.empty() ? "not ready to print" : verdict.reasons.front();
   }
 
-  report.source_vertices_kept = static_cast<std::size_t>(std::count(fixed.begin(), fixed.end(), 1));
-  report.source_vertices_removed =
-      source.vertices.size() - report.source_vertices_kept - report.source_vertices_in_crumbs;
-  report.source_volume_mm3 = source_volume;
-  report.result_volume_mm3 = signedVolume(mesh);
-  if (added.triangles.empty())
-    report.removed_volume_mm3 = report.source_volume_mm3 - report.result_volume_mm3;
-  else
-    report.added_volume_mm3 = report.result_volume_mm3 - report.source_volume_mm3 + report.removed_volume_mm3;
-  out.result.is_cut.resize(mesh.triangles.size());
-  for (std::size_t t = 0; t < tag.size(); ++t) out.result.is_cut[t] = tag[t] == kNoSource;
+  summarise(source, source_volume, !added.triangles.empty(), now, report);
+  out.result.is_cut.resize(now.mesh.triangles.size());
+  for (std::size_t t = 0; t < now.tag.size(); ++t) out.result.is_cut[t] = now.tag[t] == kNoSource;
   report.cut_triangles = static_cast<std::size_t>(std::count(out.result.is_cut.begin(), out.result.is_cut.end(), 1));
-  out.result.is_source = std::move(fixed);
-  out.result.mesh = std::move(mesh);
+  out.result.is_source = std::move(now.fixed);
+  out.result.mesh = std::move(now.mesh);
   return out;
 }
 
@@ -183,6 +215,7 @@ Expected<Prepared> attempt(const Mesh& source, const Mesh& removed, const Mesh& 
 Expected<PostOpMesh> postOperativeMesh(const Mesh& source, const BrickField& rho, const PostOpOptions& options,
                                        const Progress& progress, const BrickField* added) {
   const double h = rho.voxel();
+
   // Float32 is a lottery with good odds: a mesh that does not come out clean is tried again with the cut shifted by
   // three thousandths of a voxel, which is far below the cut's own accuracy and never touches a source vertex.
   constexpr int kAttempts = 4;
@@ -198,8 +231,10 @@ Expected<PostOpMesh> postOperativeMesh(const Mesh& source, const BrickField& rho
       }
       return meshRemovedSolid(shifted).mesh;
     };
+
     const Mesh removed = meshOf(rho), put_on = added ? meshOf(*added) : Mesh{};
     if (!report(progress, (n - 0.7) / kAttempts, "exact difference")) return cancelled();
+
     auto prepared = attempt(source, removed, put_on, h, options);
     if (prepared && prepared->why_not.empty()) {
       prepared->result.report.attempts = n;

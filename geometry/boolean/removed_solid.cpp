@@ -16,6 +16,7 @@ BrickField combine(const BrickField& phi0, const BrickField& shape, float backgr
   BrickField out(phi0.voxel(), background);
   out.reserve(shape.brickCount());
   for (std::size_t b = 0; b < shape.brickCount(); ++b) out.touch(shape.brickCoord(b));
+
   tbb::parallel_for(std::size_t{0}, shape.brickCount(), [&](std::size_t b) {
     const int found = phi0.find(shape.brickCoord(b));
     const float constant = phi0.constantAt(shape.brickCoord(b));
@@ -69,6 +70,7 @@ RemovedSolid meshRemovedSolid(const BrickField& rho) {
     for (std::size_t t = 0; t < all.triangles.size(); ++t)
       volume[pieces.label[t]] += (all.corner(t, 0) - c).dot((all.corner(t, 1) - c).cross(all.corner(t, 2) - c)) / 6;
   }
+
   const double crumb = std::pow(rho.voxel(), 3);
   std::vector<char> keep(all.triangles.size(), 1);
   for (std::uint32_t p = 0; p < pieces.count; ++p)
@@ -76,6 +78,7 @@ RemovedSolid meshRemovedSolid(const BrickField& rho) {
       ++out.parts_dropped;
       out.dropped_volume_mm3 += std::abs(volume[p]);
     }
+
   for (std::size_t t = 0; t < keep.size(); ++t) keep[t] = std::abs(volume[pieces.label[t]]) >= crumb;
   out.mesh = out.parts_dropped ? subset(all, keep) : all;
   return out;

@@ -18,36 +18,196 @@ constexpr int kManifestVersion = 2;
 toml::array vec(const Vec3d& v) { return toml::array{v[0], v[1], v[2]}; }
 std::int64_t integer(std::uint64_t n) { return static_cast<std::int64_t>(n); }
 
-}  // namespace
+// --- Reading: one function a table ---
 
-bool isCase(const std::filesystem::path& folder) {
+// A folder with a manifest; anything else gets a hint how to make one of it.
+Expected<void> requireCase(const std::filesystem::path& folder) {
   std::error_code ignored;
-  return std::filesystem::is_regular_file(folder / kCaseManifest, ignored);
+  const MeshFormatRow* mesh = formatOfExtension(folder.extension().string());
+  if (mesh && mesh->read && std::filesystem::is_regular_file(folder, ignored))
+    return fail({.code = Error::Code::kNotFound,
+                 .file = folder.string(),
+                 .found = "a mesh file, not a case",
+                 .expected = "a folder with case.toml",
+                 .hint = fmt::format("kerf bake {} -o {}", folder.string(),
+                                     std::filesystem::path(folder).replace_extension(".case").string())});
+  if (!std::filesystem::is_directory(folder, ignored) || !isCase(folder))
+    return fail({.code = Error::Code::kNotFound,
+                 .file = folder.string(),
+                 .found = "not a case bundle",
+                 .expected = "a folder with case.toml",
+                 .hint = "kerf bake MESH -o " + folder.string()});
+  return {};
 }
 
-Expected<void> writeCaseManifest(const std::filesystem::path& folder, const CaseManifest& m) {
-  toml::array sources, changes, materials, parts;
-  for (const CaseMaterial& c : m.materials)
-    materials.push_back(toml::table{{"id", c.id}, {"number", c.number}, {"volume_mm3", c.volume_mm3}});
-  for (const CasePart& c : m.parts)
-    parts.push_back(toml::table{
+Expected<void> checkVersion(TomlTable& top, const std::filesystem::path& path) {
+  const auto format = top.get<std::string>("format", "\"kerf-case\"");
+  const auto version = top.get<std::int64_t>("version", "2");
+  if (format == "kerf-case" && version == kManifestVersion) return {};
+  return fail({.code = Error::Code::kUnsupported,
+               .file = path.string(),
+               .place = "key format / version",
+               .found = fmt::format("{} version {}", format, version),
+               .expected = fmt::format("kerf-case version {}", kManifestVersion),
+               .hint = "bake the case again with this Kerf"});
+}
+
+// Hands a child table of the manifest to `read`; an empty one if it is missing, so that its first key is.
+template <class Read>
+Expected<void> readTable(const toml::table& root, const std::filesystem::path& path, const char* name,
+                         const Read& read) {
+  const toml::table empty;
+  const toml::table* found = root.get_as<toml::table>(name);
+  TomlTable t(found ? *found : empty, path, name);
+  read(t);
+  return t.finish();
+}
+
+// The same for every table of a list; null: there is none.
+template <class Read>
+Expected<void> forEachTable(const toml::array* list, const std::filesystem::path& path, const char* name,
+                            const Read& read) {
+  if (!list) return {};
+  for (const toml::node& node : *list) {
+    if (!node.is_table()) continue;
+    TomlTable t(*node.as_table(), path, name);
+    read(t);
+    KERF_CHECK(t.finish());
+  }
+  return {};
+}
+
+std::size_t readCount(TomlTable& t, const char* key) {
+  return static_cast<std::size_t>(t.get<std::int64_t>(key, "a count"));
+}
+
+CaseSource readSource(TomlTable& t) {
+  CaseSource s;
+  s.stored_as = t.get<std::string>("stored_as", "a file name");
+  s.format = t.get<std::string>("format", "a mesh format");
+  s.sha256 = t.get<std::string>("sha256", "64 hexadecimal digits");
+  s.unit = t.get<std::string>("unit", "a unit");
+  s.unit_reason = t.get<std::string>("unit_reason", "a string");
+  s.scale_to_mm = t.get<double>("scale_to_mm", "a number");
+  s.vertices = readCount(t, "vertices");
+  s.triangles = readCount(t, "triangles");
+  return s;
+}
+
+void readClose(TomlTable& close, CaseManifest& m) {
+  m.close_mode = close.get<std::string>("mode", "a close mode");
+  m.exact = close.get<bool>("exact", "true or false");
+  m.changes = close.strings("changes");
+}
+
+void readSolid(TomlTable& solid, CaseManifest& m) {
+  m.solid_vertices = readCount(solid, "vertices");
+  m.solid_triangles = readCount(solid, "triangles");
+  m.solid_volume_mm3 = solid.get<double>("volume_mm3", "a number");
+  m.solid_area_mm2 = solid.get<double>("area_mm2", "a number");
+  const auto low = solid.numbers("box_min_mm", 3), high = solid.numbers("box_max_mm", 3);
+  m.box.add(Vec3d(low[0], low[1], low[2]));
+  m.box.add(Vec3d(high[0], high[1], high[2]));
+  m.solid_sha256 = solid.get<std::string>("sha256", "64 hexadecimal digits");
+}
+
+void readField(TomlTable& field, CaseManifest& m) {
+  m.voxel_mm = field.number("voxel_mm", 0.001, 100);
+  m.field_voxels = readCount(field, "voxels");
+  m.shell_points = readCount(field, "shell_points");
+  m.shell_area_mm2 = field.get<double>("shell_area_mm2", "a number");
+  m.field_sha256 = field.get<std::string>("sha256", "64 hexadecimal digits");
+}
+
+CaseMaterial readMaterial(TomlTable& t) {
+  CaseMaterial c;
+  c.id = t.get<std::string>("id", "a material");
+  c.number = static_cast<int>(t.number("number", 1, 255, "as a whole number"));
+  c.volume_mm3 = t.number("volume_mm3", 0, 1e12, "mm3");
+  return c;
+}
+
+CasePart readPart(TomlTable& t) {
+  CasePart c;
+  c.material = t.get<std::string>("material", "a material");
+  c.origin = t.get<std::string>("origin", "a mesh, label or depth");
+  c.own_mm3 = t.number("own_mm3", 0, 1e12, "mm3");
+  c.volume_mm3 = t.number("volume_mm3", 0, 1e12, "mm3");
+  return c;
+}
+
+CasePair readPair(TomlTable& t) {
+  CasePair pair{t.get<std::string>("frame", "64 hexadecimal digits"),
+                t.get<std::string>("partner", "the name of a case folder")};
+  if (const std::filesystem::path partner = pair.partner; !t.failed() && partner != partner.filename())
+    t.reject("partner", "\"" + pair.partner + "\"", "the name of a case folder, without a path");
+  return pair;
+}
+
+CaseGaps readGaps(TomlTable& t) {
+  return {t.number("unclaimed_mm3", 0, 1e12, "mm3"), t.number("forgotten_mm3", 0, 1e12, "mm3")};
+}
+
+CaseRegion readRegion(TomlTable& t) {
+  CaseRegion r;
+  r.where = {t.points("line_mm"), t.number("radius_mm", 1e-3, 1e4), t.number("voxel_mm", 1e-3, 100)};
+  r.field_voxels = readCount(t, "voxels");
+  r.shell_points = readCount(t, "shell_points");
+  r.shell_area_mm2 = t.get<double>("shell_area_mm2", "a number");
+  return r;
+}
+
+// --- Writing ---
+
+toml::array tablesOf(const std::vector<CaseSource>& sources) {
+  toml::array out;
+  for (const CaseSource& s : sources)
+    out.push_back(toml::table{{"stored_as", s.stored_as},
+                              {"format", s.format},
+                              {"sha256", s.sha256},
+                              {"unit", s.unit},
+                              {"unit_reason", s.unit_reason},
+                              {"scale_to_mm", s.scale_to_mm},
+                              {"vertices", integer(s.vertices)},
+                              {"triangles", integer(s.triangles)}});
+  return out;
+}
+
+toml::array tablesOf(const std::vector<CaseMaterial>& materials) {
+  toml::array out;
+  for (const CaseMaterial& c : materials)
+    out.push_back(toml::table{{"id", c.id}, {"number", c.number}, {"volume_mm3", c.volume_mm3}});
+  return out;
+}
+
+toml::array tablesOf(const std::vector<CasePart>& parts) {
+  toml::array out;
+  for (const CasePart& c : parts)
+    out.push_back(toml::table{
         {"material", c.material}, {"origin", c.origin}, {"own_mm3", c.own_mm3}, {"volume_mm3", c.volume_mm3}});
-  for (const CaseSource& s : m.sources)
-    sources.push_back(toml::table{{"stored_as", s.stored_as},
-                                  {"format", s.format},
-                                  {"sha256", s.sha256},
-                                  {"unit", s.unit},
-                                  {"unit_reason", s.unit_reason},
-                                  {"scale_to_mm", s.scale_to_mm},
-                                  {"vertices", integer(s.vertices)},
-                                  {"triangles", integer(s.triangles)}});
+  return out;
+}
+
+toml::table tableOf(const CaseRegion& region) {
+  toml::array line;
+  for (const Vec3d& p : region.where.line) line.push_back(vec(p));
+  return toml::table{{"line_mm", line},
+                     {"radius_mm", region.where.radius_mm},
+                     {"voxel_mm", region.where.voxel_mm},
+                     {"voxels", integer(region.field_voxels)},
+                     {"shell_points", integer(region.shell_points)},
+                     {"shell_area_mm2", region.shell_area_mm2}};
+}
+
+toml::table tableOf(const CaseManifest& m) {
+  toml::array changes;
   for (const std::string& c : m.changes) changes.push_back(c);
   toml::table root{
       {"format", "kerf-case"},
       {"version", kManifestVersion},
       {"kerf_version", m.kerf_version},
       {"id", m.id},
-      {"source", sources},
+      {"source", tablesOf(m.sources)},
       {"close", toml::table{{"mode", m.close_mode}, {"exact", m.exact}, {"changes", changes}}},
       {"solid", toml::table{{"vertices", integer(m.solid_vertices)},
                             {"triangles", integer(m.solid_triangles)},
@@ -61,144 +221,63 @@ Expected<void> writeCaseManifest(const std::filesystem::path& folder, const Case
                             {"shell_points", integer(m.shell_points)},
                             {"shell_area_mm2", m.shell_area_mm2},
                             {"sha256", m.field_sha256}}},
-      {"material", materials},
+      {"material", tablesOf(m.materials)},
   };
-  if (!parts.empty()) root.insert("part", parts);
+
+  if (!m.parts.empty()) root.insert("part", tablesOf(m.parts));
   if (m.gaps)
     root.insert("gaps",
                 toml::table{{"unclaimed_mm3", m.gaps->unclaimed_mm3}, {"forgotten_mm3", m.gaps->forgotten_mm3}});
-  if (m.region) {
-    toml::array line;
-    for (const Vec3d& p : m.region->where.line) line.push_back(vec(p));
-    root.insert("region", toml::table{{"line_mm", line},
-                                      {"radius_mm", m.region->where.radius_mm},
-                                      {"voxel_mm", m.region->where.voxel_mm},
-                                      {"voxels", integer(m.region->field_voxels)},
-                                      {"shell_points", integer(m.region->shell_points)},
-                                      {"shell_area_mm2", m.region->shell_area_mm2}});
-  }
+  if (m.region) root.insert("region", tableOf(*m.region));
   if (m.pair) root.insert("pair", toml::table{{"frame", m.pair->frame}, {"partner", m.pair->partner}});
+  return root;
+}
+
+}  // namespace
+
+bool isCase(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  return std::filesystem::is_regular_file(folder / kCaseManifest, ignored);
+}
+
+Expected<void> writeCaseManifest(const std::filesystem::path& folder, const CaseManifest& m) {
   const auto path = folder / kCaseManifest;
   std::ofstream out(path, std::ios::binary);
-  out << "# Kerf case. Lengths in mm. Training and lab tool, not a medical device.\n" << root << "\n";
+  out << "# Kerf case. Lengths in mm. Training and lab tool, not a medical device.\n" << tableOf(m) << "\n";
   out.close();
-  if (!out)
-    return fail({Error::Code::kWriteFailed, path.string(), "", "could not be written", "a writable place with room",
-                 "free some space"});
-  return {};
+  if (out) return {};
+  return fail({.code = Error::Code::kWriteFailed,
+               .file = path.string(),
+               .found = "could not be written",
+               .expected = "a writable place with room",
+               .hint = "free some space"});
 }
 
 Expected<CaseManifest> readCaseManifest(const std::filesystem::path& folder) {
+  KERF_CHECK(requireCase(folder));
   const auto path = folder / kCaseManifest;
-  std::error_code ignored;
-  if (const MeshFormatRow* mesh = formatOfExtension(folder.extension().string());
-      mesh && mesh->read && std::filesystem::is_regular_file(folder, ignored))
-    return fail({Error::Code::kNotFound, folder.string(), "", "a mesh file, not a case", "a folder with case.toml",
-                 fmt::format("kerf bake {} -o {}", folder.string(),
-                             std::filesystem::path(folder).replace_extension(".case").string())});
-  if (!std::filesystem::is_directory(folder, ignored) || !isCase(folder))
-    return fail({Error::Code::kNotFound, folder.string(), "", "not a case bundle", "a folder with case.toml",
-                 "kerf bake MESH -o " + folder.string()});
   KERF_TRY(root, parseToml(path));
   TomlTable top(root, path, "");
+  KERF_CHECK(checkVersion(top, path));
+
   CaseManifest m;
-  const auto format = top.get<std::string>("format", "\"kerf-case\"");
-  const auto version = top.get<std::int64_t>("version", "2");
-  if (format != "kerf-case" || version != kManifestVersion)
-    return fail({Error::Code::kUnsupported, path.string(), "key format / version",
-                 fmt::format("{} version {}", format, version), fmt::format("kerf-case version {}", kManifestVersion),
-                 "bake the case again with this Kerf"});
   m.kerf_version = top.get<std::string>("kerf_version", "a string");
   m.id = top.get<std::string>("id", "64 hexadecimal digits");
-  if (const toml::array* sources = top.tables("source"))
-    for (const toml::node& node : *sources) {
-      if (!node.is_table()) continue;
-      TomlTable t(*node.as_table(), path, "source");
-      CaseSource s;
-      s.stored_as = t.get<std::string>("stored_as", "a file name");
-      s.format = t.get<std::string>("format", "a mesh format");
-      s.sha256 = t.get<std::string>("sha256", "64 hexadecimal digits");
-      s.unit = t.get<std::string>("unit", "a unit");
-      s.unit_reason = t.get<std::string>("unit_reason", "a string");
-      s.scale_to_mm = t.get<double>("scale_to_mm", "a number");
-      s.vertices = static_cast<std::size_t>(t.get<std::int64_t>("vertices", "a count"));
-      s.triangles = static_cast<std::size_t>(t.get<std::int64_t>("triangles", "a count"));
-      KERF_CHECK(t.finish());
-      m.sources.push_back(s);
-    }
-  const toml::table empty;
-  const auto child = [&](const char* name) -> const toml::table& {
-    const toml::table* t = root.get_as<toml::table>(name);
-    return t ? *t : empty;
-  };
-  TomlTable close(child("close"), path, "close");
-  m.close_mode = close.get<std::string>("mode", "a close mode");
-  m.exact = close.get<bool>("exact", "true or false");
-  m.changes = close.strings("changes");
-  KERF_CHECK(close.finish());
-  TomlTable solid(child("solid"), path, "solid");
-  m.solid_vertices = static_cast<std::size_t>(solid.get<std::int64_t>("vertices", "a count"));
-  m.solid_triangles = static_cast<std::size_t>(solid.get<std::int64_t>("triangles", "a count"));
-  m.solid_volume_mm3 = solid.get<double>("volume_mm3", "a number");
-  m.solid_area_mm2 = solid.get<double>("area_mm2", "a number");
-  const auto low = solid.numbers("box_min_mm", 3), high = solid.numbers("box_max_mm", 3);
-  m.box.add(Vec3d(low[0], low[1], low[2]));
-  m.box.add(Vec3d(high[0], high[1], high[2]));
-  m.solid_sha256 = solid.get<std::string>("sha256", "64 hexadecimal digits");
-  KERF_CHECK(solid.finish());
-  TomlTable field(child("field"), path, "field");
-  m.voxel_mm = field.number("voxel_mm", 0.001, 100);
-  m.field_voxels = static_cast<std::uint64_t>(field.get<std::int64_t>("voxels", "a count"));
-  m.shell_points = static_cast<std::uint64_t>(field.get<std::int64_t>("shell_points", "a count"));
-  m.shell_area_mm2 = field.get<double>("shell_area_mm2", "a number");
-  m.field_sha256 = field.get<std::string>("sha256", "64 hexadecimal digits");
-  KERF_CHECK(field.finish());
-  if (const toml::array* materials = top.tables("material"))
-    for (const toml::node& node : *materials) {
-      if (!node.is_table()) continue;
-      TomlTable t(*node.as_table(), path, "material");
-      CaseMaterial c;
-      c.id = t.get<std::string>("id", "a material");
-      c.number = static_cast<int>(t.number("number", 1, 255, "as a whole number"));
-      c.volume_mm3 = t.number("volume_mm3", 0, 1e12, "mm3");
-      KERF_CHECK(t.finish());
-      m.materials.push_back(c);
-    }
-  if (const toml::array* parts = top.has("part") ? top.tables("part") : nullptr)
-    for (const toml::node& node : *parts) {
-      if (!node.is_table()) continue;
-      TomlTable t(*node.as_table(), path, "part");
-      CasePart c;
-      c.material = t.get<std::string>("material", "a material");
-      c.origin = t.get<std::string>("origin", "a mesh, label or depth");
-      c.own_mm3 = t.number("own_mm3", 0, 1e12, "mm3");
-      c.volume_mm3 = t.number("volume_mm3", 0, 1e12, "mm3");
-      KERF_CHECK(t.finish());
-      m.parts.push_back(c);
-    }
-  if (top.has("pair")) {
-    TomlTable pair(child("pair"), path, "pair");
-    m.pair = CasePair{pair.get<std::string>("frame", "64 hexadecimal digits"),
-                      pair.get<std::string>("partner", "the name of a case folder")};
-    if (const std::filesystem::path partner = m.pair->partner; !pair.failed() && partner != partner.filename())
-      pair.reject("partner", "\"" + m.pair->partner + "\"", "the name of a case folder, without a path");
-    KERF_CHECK(pair.finish());
-  }
-  if (top.has("gaps")) {
-    TomlTable gaps(child("gaps"), path, "gaps");
-    m.gaps = CaseGaps{gaps.number("unclaimed_mm3", 0, 1e12, "mm3"), gaps.number("forgotten_mm3", 0, 1e12, "mm3")};
-    KERF_CHECK(gaps.finish());
-  }
-  if (top.has("region")) {
-    TomlTable region(child("region"), path, "region");
-    CaseRegion r;
-    r.where = {region.points("line_mm"), region.number("radius_mm", 1e-3, 1e4), region.number("voxel_mm", 1e-3, 100)};
-    r.field_voxels = static_cast<std::uint64_t>(region.get<std::int64_t>("voxels", "a count"));
-    r.shell_points = static_cast<std::uint64_t>(region.get<std::int64_t>("shell_points", "a count"));
-    r.shell_area_mm2 = region.get<double>("shell_area_mm2", "a number");
-    KERF_CHECK(region.finish());
-    m.region = r;
-  }
+  KERF_CHECK(
+      forEachTable(top.tables("source"), path, "source", [&](TomlTable& t) { m.sources.push_back(readSource(t)); }));
+
+  KERF_CHECK(readTable(root, path, "close", [&](TomlTable& t) { readClose(t, m); }));
+  KERF_CHECK(readTable(root, path, "solid", [&](TomlTable& t) { readSolid(t, m); }));
+  KERF_CHECK(readTable(root, path, "field", [&](TomlTable& t) { readField(t, m); }));
+
+  KERF_CHECK(forEachTable(top.tables("material"), path, "material",
+                          [&](TomlTable& t) { m.materials.push_back(readMaterial(t)); }));
+  if (top.has("part"))
+    KERF_CHECK(forEachTable(top.tables("part"), path, "part", [&](TomlTable& t) { m.parts.push_back(readPart(t)); }));
+  if (top.has("pair")) KERF_CHECK(readTable(root, path, "pair", [&](TomlTable& t) { m.pair = readPair(t); }));
+  if (top.has("gaps")) KERF_CHECK(readTable(root, path, "gaps", [&](TomlTable& t) { m.gaps = readGaps(t); }));
+  if (top.has("region")) KERF_CHECK(readTable(root, path, "region", [&](TomlTable& t) { m.region = readRegion(t); }));
+
   for (const char* name : {"close", "solid", "field", "gaps", "region", "pair"}) top.allow(name);
   KERF_CHECK(top.finish());
   return m;
@@ -220,8 +299,11 @@ Expected<BrickField> readCaseField(const std::filesystem::path& folder) {
 Expected<BrickField> readCaseRegionField(const std::filesystem::path& folder) {
   KERF_TRY(manifest, readCaseManifest(folder));
   if (!manifest.region)
-    return fail({Error::Code::kNotFound, folder.string(), "", "no fine region", "a case baked with one",
-                 "kerf bake --fine-along"});
+    return fail({.code = Error::Code::kNotFound,
+                 .file = folder.string(),
+                 .found = "no fine region",
+                 .expected = "a case baked with one",
+                 .hint = "kerf bake --fine-along"});
   KERF_CHECK(requireSha256(folder / kCaseAnatomy, manifest.field_sha256, "bake the case again"));
   return readVdb(folder / kCaseAnatomy, std::string("phi") + kFineSuffix);
 }

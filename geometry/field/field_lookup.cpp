@@ -40,6 +40,7 @@ HWY_INLINE V planar(F f, const FieldTable& t, V u, V v) {
   const auto next = hn::Add(at, hn::Set(i, t.size[1])), one = hn::Set(i, 1);
   const V near = between(hn::GatherIndex(f, t.values, at), hn::GatherIndex(f, t.values, hn::Add(at, one)), b.part);
   const V far = between(hn::GatherIndex(f, t.values, next), hn::GatherIndex(f, t.values, hn::Add(next, one)), b.part);
+
   const V du = beyond(f, u, t.low[0], t.high[0]), dv = beyond(f, v, t.low[1], t.high[1]);
   const V outside = hn::Sqrt(hn::Add(hn::Mul(du, du), hn::Mul(dv, dv)));
   return hn::IfThenElse(hn::Lt(hn::Max(du, dv), hn::Set(f, t.reach)), between(near, far, a.part), outside);
@@ -50,12 +51,14 @@ HWY_INLINE V spatial(F f, const FieldTable& t, V x, V y, V z) {
   const Place a = place(f, x, t.origin[0], t.inverse, t.size[0]), b = place(f, y, t.origin[1], t.inverse, t.size[1]),
               c = place(f, z, t.origin[2], t.inverse, t.size[2]);
   const auto row = hn::Set(i, t.size[2]), slab = hn::Set(i, t.size[1] * t.size[2]), one = hn::Set(i, 1);
+
   const auto at = hn::Add(hn::Add(hn::Mul(a.cell, slab), hn::Mul(b.cell, row)), c.cell);
   const auto along = [&](hn::Vec<I> from) {
     return between(hn::GatherIndex(f, t.values, from), hn::GatherIndex(f, t.values, hn::Add(from, one)), c.part);
   };
   const V near = between(along(at), along(hn::Add(at, row)), b.part);
   const V far = between(along(hn::Add(at, slab)), along(hn::Add(hn::Add(at, slab), row)), b.part);
+
   const V dx = beyond(f, x, t.low[0], t.high[0]), dy = beyond(f, y, t.low[1], t.high[1]),
           dz = beyond(f, z, t.low[2], t.high[2]);
   const V outside = hn::Sqrt(hn::Add(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Mul(dz, dz)));

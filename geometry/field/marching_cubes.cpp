@@ -50,6 +50,7 @@ constexpr std::array<Case, 256> makeTable() {
           next[static_cast<std::size_t>(edgeBetween(face[k], face[(k + 1) % 4]))] =
               edgeBetween(face[(first + 3) % 4], face[first]);
         }
+
     Case& c = table[static_cast<std::size_t>(bits)];
     int filled = 0;
     for (int e = 0; e < 12; ++e) {
@@ -104,8 +105,10 @@ bool gather(const BrickNeighbours& field, const MarchingCubesOptions& options, P
           std::fill_n(to, count, field.constant[n]);
         out += static_cast<std::size_t>(count);
       }
+
   const auto snap = static_cast<float>(options.snap_voxels * field.voxel);
   const auto near = static_cast<float>(1.8 * field.voxel);  // no edge that crosses zero ends farther away
+
   // Values of one sign that are all too far from zero to be corrected: the usual case, found fast.
   float low = patch.raw[0], high = patch.raw[0];
   for (const float v : patch.raw) {
@@ -113,6 +116,7 @@ bool gather(const BrickNeighbours& field, const MarchingCubesOptions& options, P
     high = std::max(high, v);
   }
   if (low >= near || high <= -near) return false;
+
   out = 0;
   for (int i = 0; i < kCellSpan; ++i)
     for (int j = 0; j < kCellSpan; ++j)
@@ -147,6 +151,7 @@ void marchingCubesOfBrick(const BrickNeighbours& field, const MarchingCubesOptio
   out.triangles.clear();
   Patch patch;
   if (!gather(field, options, patch)) return;
+
   const Vec3i base = field.brick * kBrickSide;
   const double h = field.voxel, margin = std::min(0.49, options.snap_voxels);
 
@@ -159,8 +164,10 @@ void marchingCubesOfBrick(const BrickNeighbours& field, const MarchingCubesOptio
     if (slot != kNone) return slot;
     const Vec3i d = Vec3i::Unit(axis), m = n + d;
     const double a = patch.at(n[0], n[1], n[2]), b = patch.at(m[0], m[1], m[2]);
+
     // Stay off the nodes: a vertex on a node would be shared by up to six edges and collapse triangles.
     const double t = std::clamp(a / (a - b), margin, 1 - margin);
+
     slot = static_cast<std::uint16_t>(out.positions.size());
     out.names.push_back({coordKey(Vec3i(base + n)), static_cast<std::uint32_t>(axis)});
     out.positions.push_back(h * ((base + n).cast<double>() + t * d.cast<double>()));
@@ -180,6 +187,7 @@ void marchingCubesOfBrick(const BrickNeighbours& field, const MarchingCubesOptio
         for (int c = 0; c < 8; ++c)
           bits |= (patch.at(i + (c & 1), j + (c >> 1 & 1), k + (c >> 2 & 1)) < 0 ? 1 : 0) << c;
         if (bits == 0 || bits == 255) continue;
+
         const Case& which = kTable[static_cast<std::size_t>(bits)];
         std::size_t first = 0;
         for (int loop = 0; loop < which.loops; ++loop) {
@@ -190,6 +198,7 @@ void marchingCubesOfBrick(const BrickNeighbours& field, const MarchingCubesOptio
             corner[c] =
                 edgeVertex({i + (edge.from & 1), j + (edge.from >> 1 & 1), k + (edge.from >> 2 & 1)}, edge.axis);
           }
+
           if (length < 6) {
             for (std::size_t c = 2; c < length; ++c) out.triangles.push_back({corner[0], corner[c], corner[c - 1]});
           } else {
@@ -237,10 +246,12 @@ Mesh marchingCubes(const BrickField& field, const MarchingCubesOptions& options)
     vertices += s.names.size();
     triangles += s.triangles.size();
   }
+
   std::vector<Named> named;
   named.reserve(vertices);
   for (const BrickSurface& s : surfaces)
     for (std::size_t v = 0; v < s.names.size(); ++v) named.push_back({s.names[v], s.positions[v]});
+
   tbb::parallel_sort(named.begin(), named.end(), [](const Named& a, const Named& b) { return a.name < b.name; });
   named.erase(std::unique(named.begin(), named.end(), [](const Named& a, const Named& b) { return a.name == b.name; }),
               named.end());
@@ -249,6 +260,7 @@ Mesh marchingCubes(const BrickField& field, const MarchingCubesOptions& options)
   mesh.vertices.reserve(named.size());
   for (const Named& v : named) mesh.vertices.push_back(v.position);
   mesh.triangles.resize(triangles);
+
   std::vector<std::size_t> start(surfaces.size() + 1, 0);
   for (std::size_t b = 0; b < surfaces.size(); ++b) start[b + 1] = start[b] + surfaces[b].triangles.size();
   tbb::parallel_for(std::size_t{0}, surfaces.size(), [&](std::size_t b) {

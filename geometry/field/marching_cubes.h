@@ -71,7 +71,7 @@ struct BrickSurface {
 };
 
 /// Marching cubes of one brick's cells: what marchingCubes() does for every brick. Replaces `out`, whose memory is used
-/// again. About 1 us where the surface is not near (a look at the values), 20 us where it passes through.
+/// again. About 1 us where the surface is not near (its values are only compared), 20 us where it passes through.
 void marchingCubesOfBrick(const BrickNeighbours& field, const MarchingCubesOptions& options, bool with_normals,
                           BrickSurface& out);
 

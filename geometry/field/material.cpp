@@ -64,6 +64,7 @@ Expected<MaterialProperties> readRow(const toml::table& table, const std::filesy
   KERF_TRY(stiffness, readNumber(row, table, file, "contact_stiffness", "N/mm3", 0.01, 1e5));
   KERF_TRY(friction, readNumber(row, table, file, "friction", "1", 0, 2));
   KERF_CHECK(row.finish());
+
   m.density = density;
   m.hardness = hardness;
   m.specific_cutting_energy = energy;
@@ -89,8 +90,11 @@ std::string MaterialTable::ids() const {
 }
 Expected<MaterialProperties> MaterialTable::require(std::string_view id) const {
   if (const MaterialProperties* m = find(id)) return *m;
-  return fail({Error::Code::kBadValue, "", "material", fmt::format("\"{}\"", id), "one of " + ids(),
-               "or add a [[material]] to materials.toml"});
+  return fail({.code = Error::Code::kBadValue,
+               .place = "material",
+               .found = fmt::format("\"{}\"", id),
+               .expected = "one of " + ids(),
+               .hint = "or add a [[material]] to materials.toml"});
 }
 
 Expected<MaterialTable> readMaterials(const std::filesystem::path& file) {
@@ -100,20 +104,24 @@ Expected<MaterialTable> readMaterials(const std::filesystem::path& file) {
   if (!top.failed() && format != "kerf-materials") top.reject("format", "\"" + format + "\"", "\"kerf-materials\"");
   const auto version = top.get<std::int64_t>("version", "1");
   if (!top.failed() && version != 1) top.reject("version", fmt::format("{}", version), "1");
+
   std::vector<MaterialProperties> rows;
   std::set<std::string> ids;
   std::set<Material> numbers;
   const toml::array* tables = top.tables("material");
   KERF_CHECK(top.finish());
+
   for (const toml::node& node : *tables) {
     KERF_TRY(row, readRow(*node.as_table(), file));
     const bool repeats_id = !ids.insert(row.id).second;
     if (repeats_id || !numbers.insert(row.material).second)
-      return fail(
-          {Error::Code::kBadValue, file.string(),
-           fmt::format("line {}, [[material]] {}", node.source().begin.line, row.id),
-           repeats_id ? "the id a second time" : fmt::format("number {} a second time", static_cast<int>(row.material)),
-           "an id and a number of its own for each material", ""});
+      return fail({.code = Error::Code::kBadValue,
+                   .file = file.string(),
+                   .place = fmt::format("line {}, [[material]] {}", node.source().begin.line, row.id),
+                   .found = repeats_id ? "the id a second time"
+                                       : fmt::format("number {} a second time", static_cast<int>(row.material)),
+                   .expected = "an id and a number of its own for each material"});
+
     rows.push_back(std::move(row));
   }
   return MaterialTable(std::move(rows));
@@ -122,8 +130,11 @@ Expected<MaterialTable> readMaterials(const std::filesystem::path& file) {
 Expected<std::filesystem::path> findMaterialsFile() {
   const auto files = findAssets("materials.toml");
   if (files.empty())
-    return fail({Error::Code::kNotFound, "materials.toml", "", "no such file", "the table of materials",
-                 "set KERF_ASSETS to the folder that holds it"});
+    return fail({.code = Error::Code::kNotFound,
+                 .file = "materials.toml",
+                 .found = "no such file",
+                 .expected = "the table of materials",
+                 .hint = "set KERF_ASSETS to the folder that holds it"});
   return files.front();
 }
 

@@ -25,6 +25,7 @@ bool MaterialField::copyBrick(const Vec3i& brick, std::span<std::uint8_t, 512> o
   const auto number = [](std::int32_t label) {
     return static_cast<std::uint8_t>(label >= 0 && label <= 255 ? label : 0);
   };
+
   const openvdb::Coord origin(8 * brick[0], 8 * brick[1], 8 * brick[2]);
   const auto* leaf = grid_->labels->tree().probeConstLeaf(origin);
   if (!leaf) {
@@ -39,6 +40,7 @@ Material MaterialField::near(const Vec3d& p) const {
   const Vec3d x = p / grid_->voxel;
   const Vec3i nearest = x.array().round().cast<int>().matrix();
   if (const Material there = at(nearest); there != Material::kNone) return there;
+
   Material best = Material::kNone;
   double best_squared = std::numeric_limits<double>::infinity();
   for (int i = -2; i <= 2; ++i)
@@ -57,8 +59,12 @@ Material MaterialField::near(const Vec3d& p) const {
 
 Expected<MaterialField> readMaterialField(const std::filesystem::path& vdb) {
   const auto error = [&vdb](const std::string& found) {
-    return fail({Error::Code::kUnreadable, vdb.string(), "grid material", found, "an OpenVDB file written by Kerf",
-                 "bake the case again"});
+    return fail({.code = Error::Code::kUnreadable,
+                 .file = vdb.string(),
+                 .place = "grid material",
+                 .found = found,
+                 .expected = "an OpenVDB file written by Kerf",
+                 .hint = "bake the case again"});
   };
   try {
     openvdb::initialize();
@@ -67,10 +73,12 @@ Expected<MaterialField> readMaterialField(const std::filesystem::path& vdb) {
     if (!file.hasGrid("material")) return error("no such grid");
     const auto labels = openvdb::gridPtrCast<openvdb::Int32Grid>(file.readGrid("material"));
     if (!labels) return error("a grid of another type than int32");
+
     const openvdb::math::Transform& transform = labels->transform();
     if (!transform.isLinear() || !transform.hasUniformScale() ||
         transform.indexToWorld(openvdb::Vec3d(0)).length() != 0)
       return error("a transform that is more than a uniform scale");
+
     auto grid = std::make_shared<MaterialField::Grid>();
     grid->labels = labels;
     grid->voxel = transform.voxelSize()[0];

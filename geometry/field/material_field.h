@@ -18,7 +18,7 @@ class MaterialField {
   explicit MaterialField(std::shared_ptr<const Grid> grid);
 
   double voxel() const;  ///< mm
-  /// kNone outside the object and its shell. Any thread; some 50 ns.
+  /// kNone outside the object and its shell. Any thread; about 50 ns.
   Material at(const Vec3i& node) const;
   /// The numbers of a whole brick's materials, in the order of its nodes (brick_field.h); those above 255 as 0. True if
   /// all of them are the same. Any thread; microseconds.

@@ -11,8 +11,10 @@ BrickField sampleDistance(const std::function<double(const Vec3d&)>& distance, c
   BrickField field(voxel, static_cast<float>(band));
   Box3 grown = box;
   grown.grow(band + voxel);
+
   const Vec3i low = brickOf((grown.min / voxel).array().floor().cast<int>().matrix());
   const Vec3i high = brickOf((grown.max / voxel).array().ceil().cast<int>().matrix());
+
   BrickValues values;
   for (int x = low[0]; x <= high[0]; ++x)
     for (int y = low[1]; y <= high[1]; ++y)
@@ -24,6 +26,7 @@ BrickField sampleDistance(const std::function<double(const Vec3d&)>& distance, c
           field.markInterior(c);
           continue;
         }
+
         for (int i = 0; i < kBrickSide; ++i)
           for (int j = 0; j < kBrickSide; ++j)
             for (int k = 0; k < kBrickSide; ++k)

@@ -36,10 +36,12 @@ BrickField internal::toBricks(const openvdb::FloatGrid& grid) {
   auto deep = grid.tree().cbeginValueAll();
   deep.setMaxDepth(openvdb::FloatTree::ValueAllCIter::LEAF_DEPTH - 1);
   for (; deep; ++deep) interior = std::min(interior, deep.getValue());
+
   BrickField field(grid.voxelSize()[0], grid.background(), interior < 0 ? interior : -grid.background());
   field.reserve(grid.tree().leafCount());
   for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf)
     field.add(brickOf(toVec(leaf->origin())), std::span<const float, kBrickNodes>(leaf->buffer().data(), kBrickNodes));
+
   auto tile = grid.tree().cbeginValueAll();
   tile.setMaxDepth(openvdb::FloatTree::ValueAllCIter::LEAF_DEPTH - 1);
   for (; tile; ++tile) {
@@ -65,6 +67,7 @@ Expected<void> writeVdb(const std::filesystem::path& path, const std::vector<Nam
       grid->setName(named.name);
       grid->setGridClass(openvdb::GRID_LEVEL_SET);
       grid->setTransform(openvdb::math::Transform::createLinearTransform(field.voxel()));
+
       for (std::size_t b = 0; b < field.brickCount(); ++b) {
         const Vec3i n = field.brickCoord(b) * kBrickSide;
         auto* leaf = new openvdb::FloatTree::LeafNodeType(openvdb::Coord(n[0], n[1], n[2]));
@@ -78,6 +81,7 @@ Expected<void> writeVdb(const std::filesystem::path& path, const std::vector<Nam
       }
       grids.push_back(grid);
     }
+
     openvdb::MetaMap meta;
     for (const auto& [key, value] : metadata) meta.insertMeta(key, openvdb::StringMetadata(value));
     return internal::writeGrids(path, openvdb::GridCPtrVec(grids.begin(), grids.end()), meta,
@@ -100,17 +104,20 @@ Expected<BrickField> readVdb(const std::filesystem::path& path, const std::strin
     if (!transform.isLinear() || !transform.hasUniformScale() ||
         transform.indexToWorld(openvdb::Vec3d(0)).length() != 0)
       return fail(readError(path, "grid " + name, "a transform that is more than a uniform scale"));
+
     const double voxel = transform.voxelSize()[0];
     if (!(voxel >= 1e-3 && voxel <= 100))
       return fail(readError(path, "grid " + name, fmt::format("a voxel size of {} mm", voxel)));
     if (!(grid->background() > 0 && std::isfinite(grid->background())))
       return fail(readError(path, "grid " + name, fmt::format("a background of {} mm", grid->background())));
+
     openvdb::CoordBBox extent;
     grid->tree().evalLeafBoundingBox(extent);
     constexpr int kFarthest = 1 << (20 + kBrickLog);  // coordKey
     if (grid->tree().leafCount() > 0 && (openvdb::Coord::lessThan(extent.min(), openvdb::Coord(-kFarthest)) ||
                                          openvdb::Coord::lessThan(openvdb::Coord(kFarthest - 1), extent.max())))
       return fail(readError(path, "grid " + name, "voxels too far from the origin"));
+
     return internal::toBricks(*grid);
   } catch (const std::exception& e) {
     return fail(readError(path, "", e.what()));

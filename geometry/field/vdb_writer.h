@@ -22,7 +22,11 @@ inline Expected<void> writeGrids(const std::filesystem::path& path, const openvd
     using openvdb::io::Archive::write;
   };
   const auto error = [&](const std::string& found) {
-    return fail({Error::Code::kWriteFailed, path.string(), "", found, "a writable place with room", "free some space"});
+    return fail({.code = Error::Code::kWriteFailed,
+                 .file = path.string(),
+                 .found = found,
+                 .expected = "a writable place with room",
+                 .hint = "free some space"});
   };
   try {
     Archive archive;

@@ -7,13 +7,6 @@
 
 namespace kerf {
 
-std::string_view name(MeshFormat format) {
-  constexpr std::string_view kNames[] = {
-      "binary STL", "ASCII STL", "ASCII PLY", "binary PLY (little endian)", "binary PLY (big endian)",
-      "OBJ",        "OFF",       "3MF"};
-  return kNames[static_cast<std::size_t>(format)];
-}
-
 namespace {
 
 using internal::MeshSource;
@@ -26,15 +19,18 @@ Expected<void> refuseForeign(const MeshSource& source) {
     return fail(source.atByte(0, Error::Code::kUnsupported, std::move(found),
                               "a mesh file (" + readableExtensions() + ")", std::move(hint)));
   };
+
   if (source.hasExtension(".nrrd .nii .mha .mhd") || source.file.ends_with(".nii.gz"))
     return refuse("a label volume by its name, no mesh",
                   "a recipe that makes tissues of its labels (docs/reference/recipes.md); kerf info lists them");
+
   const std::string dcm_hint = "export as STL or PLY from the scanner software (\"open\" export in 3Shape)";
   const bool is_zip = text.starts_with("PK\x03\x04") || text.starts_with("PK\x05\x06");
   if ((is_zip && source.hasExtension(".dcm")) || start.find("<HPS") != start.npos)
     return refuse("a 3Shape DCM file, a closed format", dcm_hint);
   if (is_zip && !source.hasExtension(".3mf"))
     return refuse("a zip archive", "unpack it first; if it is a 3Shape DCM file, export as STL or PLY instead");
+
   if (text.starts_with("\x1f\x8b")) return refuse("a gzip archive", "unpack it first (gunzip)");
   if (text.starts_with("7z\xbc\xaf\x27\x1c")) return refuse("a 7z archive", "unpack it first");
   if (text.substr(0, 132).ends_with("DICM") && text.size() >= 132)
@@ -50,15 +46,22 @@ Expected<MeshFile> readSource(const MeshSource& source, const Progress& progress
   for (const MeshFormatRow& row : meshFormats()) {
     if (!row.recognise || !row.recognise(source)) continue;
     Expected<MeshFile> file = row.read(source, progress);
+    if (file && file->format.empty()) file->format = row.name;
     if (file && by_name != &row)
       file->notes.emplace_back("The extension \"" + source.extension() +
                                "\" does not fit: by its content the file is " + std::string(row.name) +
                                ", and was read as such.");
     return file;
   }
+
   KERF_CHECK(refuseForeign(source));
+
   // Not recognised: the reader that the extension names knows best what is missing.
-  if (by_name && by_name->read) return by_name->read(source, progress);
+  if (by_name && by_name->read) {
+    Expected<MeshFile> file = by_name->read(source, progress);
+    if (file && file->format.empty()) file->format = by_name->name;
+    return file;
+  }
   return fail(source.atByte(0, Error::Code::kUnsupported,
                             "content of an unknown kind: " + internal::inQuotes(source.text().substr(0, 16)),
                             "a mesh file (" + readableExtensions() + ")", "export the mesh as STL or PLY"));
@@ -71,8 +74,11 @@ Expected<MeshFile> readMesh(const std::filesystem::path& path, const Progress& p
     KERF_TRY(source, internal::loadMeshSource(path));
     return readSource(source, progress);
   } catch (const std::bad_alloc&) {
-    return fail({Error::Code::kUnreadable, path.string(), "reading", "the mesh does not fit into memory", "",
-                 "reduce the mesh first, or close other programs"});
+    return fail({.code = Error::Code::kUnreadable,
+                 .file = path.string(),
+                 .place = "reading",
+                 .found = "the mesh does not fit into memory",
+                 .hint = "reduce the mesh first, or close other programs"});
   }
 }
 

@@ -13,32 +13,24 @@
 
 namespace kerf {
 
-enum class MeshFormat {
-  kStlBinary,
-  kStlAscii,
-  kPlyAscii,
-  kPlyBinaryLittleEndian,
-  kPlyBinaryBigEndian,
-  kObj,
-  kOff,
-  kThreeMf
-};
-std::string_view name(MeshFormat format);  ///< "binary STL", "ASCII PLY", ...
-
 struct MeshFile {
   Mesh mesh;  ///< in the file's own unit and frame
-  MeshFormat format = MeshFormat::kStlBinary;
+  /// How the file is written, for people: "binary STL", "ASCII PLY", "OBJ". Readers of one encoding leave it empty:
+  /// readMesh() puts the name of the format there.
+  std::string_view format;
   /// The coordinates carry more than float32 holds: PLY `double`, or text that says more than any float32 does.
   bool had_double_coordinates = false;
-  std::string
-      declared_unit;  ///< "mm", "cm", "m", "um" or "inch" if a header or comment says so ("units = mm"), else empty
+  /// "mm", "cm", "m", "um" or "inch" if the file, its header or a comment says so ("units = mm"), else empty.
+  std::string declared_unit;
   std::size_t polygons_triangulated = 0;  ///< faces of four or more corners
   std::size_t unwelded_vertices = 0;  ///< STL: corners before welding, three per triangle. Others: 0, nothing is welded
   std::vector<std::string> notes;     ///< what was skipped, ignored or odd; plain sentences for the user
 };
 
-/// Reads STL (binary, ASCII), PLY (ASCII, both binary orders), OBJ, OFF/COFF/NOFF, 3MF.
-/// The content decides the format, the extension only words the errors; a wrong extension gets a note.
+/// Reads every format of the table (mesh_formats.h) that has a reader: STL (binary, ASCII), PLY (ASCII, both binary
+/// orders), OFF/COFF/NOFF, 3MF, OBJ. The content decides the format; the extension only words the errors, and a wrong
+/// one gets a note.
+///
 ///   STL        a soup: corners with exactly equal coordinates become one vertex, in order of first appearance. Nothing
 ///              is moved and no triangle is dropped, not even a degenerate one.
 ///   the others vertex order and count stay exactly as in the file, so labels and colours per vertex still fit.

@@ -46,10 +46,15 @@ Expected<MeshSource> loadMeshSource(const std::filesystem::path& path) {
   MeshSource source;
   source.file = path.string();
   const auto refuse = [&](Error::Code code, std::string found, std::string hint) {
-    return fail(
-        {code, source.file, "file", std::move(found), "a mesh file (" + readableExtensions() + ")", std::move(hint)});
+    return fail({.code = code,
+                 .file = source.file,
+                 .place = "file",
+                 .found = std::move(found),
+                 .expected = "a mesh file (" + readableExtensions() + ")",
+                 .hint = std::move(hint)});
   };
-  // O_NONBLOCK: opening a pipe must not wait for somebody to write into it.
+
+  // O_NONBLOCK: opening a pipe must not wait for its writer.
   const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (fd < 0) {
     const int reason = errno;
@@ -57,10 +62,12 @@ Expected<MeshSource> loadMeshSource(const std::filesystem::path& path) {
     return refuse(Error::Code::kUnreadable, std::string("cannot be opened: ") + std::strerror(reason),
                   reason == EACCES ? "check the permissions of the file and its folders" : "");
   }
+
   struct Closer {
     int fd;
     ~Closer() { ::close(fd); }
   } closer{fd};
+
   struct stat status {};
   if (::fstat(fd, &status) != 0) return refuse(Error::Code::kUnreadable, std::strerror(errno), "");
   if (S_ISDIR(status.st_mode)) return refuse(Error::Code::kUnreadable, "a folder", "name the mesh file inside it");
@@ -70,11 +77,13 @@ Expected<MeshSource> loadMeshSource(const std::filesystem::path& path) {
     return fail(source.atByte(0, Error::Code::kEmpty, "an empty file (0 bytes)",
                               "a mesh file (" + readableExtensions() + ")",
                               "export or copy it again; the copy may have been interrupted"));
+
   source.size = static_cast<std::size_t>(status.st_size);
   source.bytes.reset(new (std::nothrow) char[source.size]);
   if (!source.bytes)
     return refuse(Error::Code::kUnreadable, std::to_string(source.size) + " bytes do not fit into memory",
                   "reduce the mesh first");
+
   for (std::size_t done = 0; done < source.size;) {
     const ssize_t n = ::read(fd, source.bytes.get() + done, source.size - done);
     if (n < 0 && errno == EINTR) continue;
@@ -144,6 +153,7 @@ const char* parseCoordinate(std::string_view word, double& value, bool& is_doubl
   if (const char* wrong = parseNumber(word, value)) return wrong;
   const double nearest = roundedToFloat(value);
   if (nearest == value) return nullptr;
+
   // What the digits leave open: half a unit of the last one.
   int decimals = 0, exponent = 0;
   const std::size_t e = std::min(word.find_first_of("eE"), word.size());
@@ -154,6 +164,7 @@ const char* parseCoordinate(std::string_view word, double& value, bool& is_doubl
     if (digits.starts_with('+')) digits.remove_prefix(1);
     std::from_chars(digits.data(), digits.data() + digits.size(), exponent);
   }
+
   constexpr double kSlack = 1 + 1e-6;  // `value` is rounded itself
   if (std::abs(value - nearest) > kSlack * 0.5 * std::pow(10.0, exponent - decimals)) is_double = true;
   return nullptr;
@@ -165,6 +176,7 @@ std::string unitIn(std::string_view text) {
       {"cm", "cm"},      {"centimeter", "cm"}, {"centimeters", "cm"}, {"m", "m"},           {"meter", "m"},
       {"meters", "m"},   {"metre", "m"},       {"metres", "m"},       {"um", "um"},         {"micron", "um"},
       {"microns", "um"}, {"in", "inch"},       {"inch", "inch"},      {"inches", "inch"}};
+
   bool after_unit = false;
   for (std::size_t i = 0; i < text.size();) {
     if (!std::isalpha(static_cast<unsigned char>(text[i]))) {
@@ -187,16 +199,23 @@ std::string unitIn(std::string_view text) {
 Expected<MeshFile> finished(const MeshSource& source, MeshFile file) {
   if (!file.mesh.triangles.empty()) return file;
   if (!file.mesh.vertices.empty())
-    return fail({Error::Code::kEmpty, source.file, "faces",
-                 "a point cloud: " + std::to_string(file.mesh.vertices.size()) + " points and no faces",
-                 "a surface made of triangles",
-                 "export the mesh, not the points, from the scanner software, or reconstruct the surface first"});
-  return fail({Error::Code::kEmpty, source.file, "faces", "no faces and no vertices", "a surface made of triangles",
-               "export the mesh again"});
+    return fail(
+        {.code = Error::Code::kEmpty,
+         .file = source.file,
+         .place = "faces",
+         .found = "a point cloud: " + std::to_string(file.mesh.vertices.size()) + " points and no faces",
+         .expected = "a surface made of triangles",
+         .hint = "export the mesh, not the points, from the scanner software, or reconstruct the surface first"});
+  return fail({.code = Error::Code::kEmpty,
+               .file = source.file,
+               .place = "faces",
+               .found = "no faces and no vertices",
+               .expected = "a surface made of triangles",
+               .hint = "export the mesh again"});
 }
 
-Error cancelled(const MeshSource& source) {
-  return {Error::Code::kCancelled, source.file, "reading", "cancelled", "", ""};
+tl::unexpected<Error> cancelled(const MeshSource& source) {
+  return fail({.code = Error::Code::kCancelled, .file = source.file, .place = "reading", .found = "cancelled"});
 }
 
 }  // namespace kerf::internal

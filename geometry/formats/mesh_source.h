@@ -107,18 +107,7 @@ void triangulate(const Polygons& polygons, MeshFile& file);
 
 /// Last check of every reader: a mesh without faces is refused (a point cloud says so).
 Expected<MeshFile> finished(const MeshSource& source, MeshFile file);
-Error cancelled(const MeshSource& source);
-
-// The readers, one file each.
-bool isStl(const MeshSource& source);
-Expected<MeshFile> readStl(const MeshSource& source, const Progress& progress);
-bool isPly(const MeshSource& source);
-Expected<MeshFile> readPly(const MeshSource& source, const Progress& progress);
-bool isObj(const MeshSource& source);
-Expected<MeshFile> readObj(const MeshSource& source, const Progress& progress);
-bool isOff(const MeshSource& source);
-Expected<MeshFile> readOff(const MeshSource& source, const Progress& progress);
-bool isThreeMf(const MeshSource& source);
-Expected<MeshFile> readThreeMf(const MeshSource& source, const Progress& progress);
+/// The error of a cancelled reader.
+tl::unexpected<Error> cancelled(const MeshSource& source);
 
 }  // namespace kerf::internal

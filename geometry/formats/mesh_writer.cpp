@@ -15,9 +15,12 @@ namespace {
 Expected<const MeshFormatRow*> writerOf(const std::filesystem::path& path) {
   const MeshFormatRow* row = formatOfExtension(path.extension().string());
   if (row != nullptr && row->write != nullptr) return row;
-  return fail(Error{Error::Code::kUnsupported, path.string(), "extension",
-                    internal::inQuotes(path.extension().string()), "one of " + writableExtensions(),
-                    "end the name with the format wanted"});
+  return fail({.code = Error::Code::kUnsupported,
+               .file = path.string(),
+               .place = "extension",
+               .found = internal::inQuotes(path.extension().string()),
+               .expected = "one of " + writableExtensions(),
+               .hint = "end the name with the format wanted"});
 }
 
 }  // namespace
@@ -28,9 +31,11 @@ Expected<void> canWriteMesh(const std::filesystem::path& path) {
   if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored)) {
     // A pipe or a device: opening it to see would be taken for the real thing by whoever reads it.
     if (!std::filesystem::is_directory(path, ignored) && access(path.c_str(), W_OK) == 0) return {};
-    return fail(Error{Error::Code::kWriteFailed, path.string(), "",
-                      std::filesystem::is_directory(path, ignored) ? "a folder" : "it can not be written to", "a file",
-                      "choose another name"});
+    return fail({.code = Error::Code::kWriteFailed,
+                 .file = path.string(),
+                 .found = std::filesystem::is_directory(path, ignored) ? "a folder" : "it can not be written to",
+                 .expected = "a file",
+                 .hint = "choose another name"});
   }
   KERF_CHECK(AtomicFile::create(path));
   return {};
@@ -38,16 +43,22 @@ Expected<void> canWriteMesh(const std::filesystem::path& path) {
 
 Expected<void> writeMesh(const std::filesystem::path& path, const Mesh& mesh, const MeshWriteOptions& options) {
   KERF_TRY(row, writerOf(path));
+
   // What float32 cannot hold would come back as infinity.
-  if (!(options.double_positions && row->extensions == ".ply"))
+  if (!(options.double_positions && row->carries.doubles))
     for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
       if (!mesh.vertices[v].cast<float>().allFinite())
-        return fail(Error{Error::Code::kBadValue, path.string(), "vertex " + std::to_string(v),
-                          "a coordinate too large for float32", "less than 3.4e38",
-                          "check the unit and scale of the mesh"});
+        return fail({.code = Error::Code::kBadValue,
+                     .file = path.string(),
+                     .place = "vertex " + std::to_string(v),
+                     .found = "a coordinate too large for float32",
+                     .expected = "less than 3.4e38",
+                     .hint = "check the unit and scale of the mesh"});
+
   MeshWriteOptions cleaned = options;
   for (char& c : cleaned.comment)
     if (static_cast<unsigned char>(c) < 0x20) c = ' ';
+
   KERF_TRY(file, AtomicFile::create(path));
   if (auto written = row->write(file.stream(), mesh, cleaned); !written) {
     Error error = std::move(written).error();

@@ -12,14 +12,15 @@ namespace kerf {
 struct MeshWriteOptions {
   /// PLY: positions as double instead of float32. Other formats hold float32 whatever is asked.
   bool double_positions = false;
-  bool colors = true;  ///< write vertex and face colours where the format has them (PLY and OFF both, OBJ vertices; 3MF
-                       ///< those of the faces, or of the vertices if there are no others)
+  /// Write vertex and face colours where the format has them: PLY and OFF both, OBJ those of the vertices, 3MF those of
+  /// the faces, or of the vertices if there are no others.
+  bool colors = true;
   /// Comment line of PLY and OBJ, the Application of 3MF; the others hold none. It travels with the mesh, so it must
   /// name neither files nor people; line ends in it become blanks.
   std::string comment = "Kerf";
 };
 
-/// Writes `mesh` in the format of the extension (.stl .ply .obj .off .3mf), beside the target first, then renamed: an
+/// Writes `mesh` in the format of the extension (writableExtensions()), beside the target first, then renamed: an
 /// existing file is replaced only by a complete one.
 /// Positions are rounded to float32 (PLY with double_positions: kept) and come back bit for bit; vertices keep their
 /// order and count, triangles theirs. STL carries facet normals, no colour, and a header that never begins with

@@ -20,15 +20,15 @@ class ObjReader {
   ObjReader(const MeshSource& source, const Progress& progress) : source_(source), progress_(progress) {}
 
   Expected<MeshFile> read() {
-    file_.format = MeshFormat::kObj;
     Lines lines(source_.text());
     std::string_view line;
     std::string joined;  // a statement continued over several lines
     for (std::size_t number = 0; lines.next(line); ++number) {
       if (number % 65536 == 0) {
         const double done = static_cast<double>(line.data() - source_.bytes.get()) / static_cast<double>(source_.size);
-        if (!report(progress_, done, "reading OBJ")) return fail(cancelled(source_));
+        if (!report(progress_, done, "reading OBJ")) return cancelled(source_);
       }
+
       at_ = line.data();
       if (!line.empty() && line.back() == '\\' && line[line.find_first_not_of(" \t")] != '#') {
         joined.clear();
@@ -37,8 +37,10 @@ class ObjReader {
         } while (lines.next(line) && !line.empty() && line.back() == '\\');
         line = joined.append(!line.empty() && line.back() != '\\' ? line : std::string_view{});
       }
+
       KERF_CHECK(readStatement(line));
     }
+
     if (highest_corner_ > vertices().size())
       return fail(source_.atLine(highest_corner_at_, Error::Code::kBadValue,
                                  "vertex index " + std::to_string(highest_corner_),
@@ -86,9 +88,11 @@ class ObjReader {
               n < 3 ? parseCoordinate(word, value[n], file_.had_double_coordinates) : parseNumber(word, value[n]))
         return bad(inQuotes(word) + ", " + wrong, "a finite number", numberHint(word));
     }
+
     if (n < 3 || n == 5) return bad(std::to_string(n) + " numbers after \"v\"", "x y z or x y z r g b");
     if (vertices().size() >= 0xfffffff0u)
       return bad("more than 4 294 967 280 vertices", "fewer", "reduce the mesh first");
+
     vertices().emplace_back(value[0], value[1], value[2]);
     if (n >= 6) {
       std::vector<Rgba8>& colors = file_.mesh.vertex_colors;
@@ -121,6 +125,7 @@ class ObjReader {
         if (part == 2) return bad(inQuotes(word), "a corner v, v/vt, v//vn or v/vt/vn");
         begin = slash + 1;
       }
+
       const auto count = static_cast<std::int64_t>(vertices().size());
       if (index < 0) index = index < -count ? 0 : count + 1 + index;  // -1 is the newest vertex
       if (index <= 0 || index > 0xfffffff0ll)
@@ -129,11 +134,13 @@ class ObjReader {
         highest_corner_ = static_cast<std::uint64_t>(index);
         highest_corner_at_ = at_;
       }
+
       corners_.push_back(static_cast<std::uint32_t>(index - 1));
       if (corners_.size() > kMaxPolygonCorners)
         return bad("a face of more than " + std::to_string(kMaxPolygonCorners) + " corners", "fewer",
                    "triangulate the mesh before exporting it");
     }
+
     if (corners_.size() < 3) return bad("a face of " + std::to_string(corners_.size()) + " corners", "three or more");
     polygons_.add(corners_.data(), corners_.size());
     return {};

@@ -3,13 +3,14 @@
 #include <charconv>
 #include <ostream>
 
-#include "geometry/formats/mesh_sinks.h"
+#include "geometry/formats/mesh_writer.h"
 
 namespace kerf::internal {
 
 Expected<void> writeObj(std::ostream& out, const Mesh& mesh, const MeshWriteOptions& options) {
   const bool colors = options.colors && mesh.hasVertexColors();
   if (!options.comment.empty()) out << "# " << options.comment << '\n';
+
   char line[256];
   char* const end = line + sizeof line;
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
@@ -26,6 +27,7 @@ Expected<void> writeObj(std::ostream& out, const Mesh& mesh, const MeshWriteOpti
     *p++ = '\n';
     out.write(line, p - line);
   }
+
   for (const Triangle& t : mesh.triangles) {
     char* p = line;
     *p++ = 'f';

@@ -44,14 +44,15 @@ class OffReader {
       : source_(source), progress_(progress), lines_(source.text()) {}
 
   Expected<MeshFile> read() {
-    file_.format = MeshFormat::kOff;
     KERF_CHECK(readHeader());
     KERF_CHECK(readVertices());
     KERF_CHECK(readFaces());
+
     std::string_view extra;
     if (nextLine(extra)) return bad(extra, inQuotes(extra) + " after the last face", "the end of the file");
     if (colors_skipped_) file_.notes.emplace_back("Colours given as an index into a colour table were not read.");
     if (extra_values_) file_.notes.emplace_back("Additional values per vertex (normals or texture) were not read.");
+
     triangulate(polygons_, file_);
     return finished(source_, std::move(file_));
   }
@@ -84,10 +85,12 @@ class OffReader {
     Words words(line);
     const std::string_view keyword = words.next();
     if (!parseKind(keyword, kind_)) return bad(line, inQuotes(keyword), "\"OFF\", \"COFF\" or \"NOFF\"");
+
     if (kind_.four || kind_.any_dimension)
       return fail(source_.atLine(line.data(), Error::Code::kUnsupported,
                                  inQuotes(keyword) + ": vertices not of three coordinates", "OFF, COFF or NOFF",
                                  "export as three-dimensional OFF"));
+
     std::string_view word = words.next();
     if (word == "BINARY")
       return fail(source_.atLine(line.data(), Error::Code::kUnsupported, "binary OFF", "ASCII OFF",
@@ -97,6 +100,7 @@ class OffReader {
       words = Words(line);
       word = words.next();
     }
+
     std::array<std::int64_t, 3> count{};
     for (std::size_t k = 0; k < 3; ++k, word = words.next()) {
       if (word.empty() && k == 2) break;  // the number of edges is often missing and never used
@@ -104,6 +108,7 @@ class OffReader {
         return bad(line, inQuotes(word) + ", " + wrong, "a count of vertices, faces or edges");
       if (count[k] < 0) return bad(line, "a count of " + std::to_string(count[k]), "a count that is not negative");
     }
+
     // A vertex takes at least "0 0 0\n", a face "1 0\n".
     const std::size_t left = static_cast<std::size_t>(source_.bytes.get() + source_.size - lines_.position()) + 1;
     vertex_count_ = static_cast<std::size_t>(count[0]);
@@ -120,6 +125,7 @@ class OffReader {
     if (n < 3 || n > 4) return false;
     bool real = false;
     for (std::size_t k = 0; k < n; ++k) real |= word[k].find_first_of(".eE") != std::string_view::npos;
+
     for (std::size_t k = 0; k < n; ++k) {
       double value = 0;
       if (const char* wrong = parseNumber(word[k], value))
@@ -138,7 +144,7 @@ class OffReader {
     for (std::size_t i = 0; i < vertex_count_; ++i) {
       if (i % 65536 == 0 &&
           !report(progress_, 0.5 * static_cast<double>(i) / static_cast<double>(vertex_count_), "reading OFF"))
-        return fail(cancelled(source_));
+        return cancelled(source_);
       std::string_view line;
       if (!nextLine(line))
         return bad(line, "the end of the file at vertex " + std::to_string(i),
@@ -184,7 +190,7 @@ class OffReader {
     for (std::size_t i = 0; i < face_count_; ++i) {
       if (i % 65536 == 0 &&
           !report(progress_, 0.5 + 0.5 * static_cast<double>(i) / static_cast<double>(face_count_), "reading OFF"))
-        return fail(cancelled(source_));
+        return cancelled(source_);
       std::string_view line;
       if (!nextLine(line))
         return bad(line, "the end of the file at face " + std::to_string(i), std::to_string(face_count_) + " faces");

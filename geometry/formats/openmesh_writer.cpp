@@ -5,7 +5,7 @@
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
 #include <sstream>
 
-#include "geometry/formats/mesh_sinks.h"
+#include "geometry/formats/mesh_writer.h"
 
 namespace kerf::internal {
 namespace {
@@ -26,12 +26,14 @@ Expected<OpenMeshMesh> converted(const Mesh& mesh) {
   omlog().disable();
   omout().disable();
   omerr().disable();
+
   OpenMeshMesh out;
   out.reserve(mesh.vertices.size(), 3 * mesh.triangles.size() / 2, mesh.triangles.size());
   for (const Vec3d& p : mesh.vertices) {
     const Vec3f f = p.cast<float>();
     out.add_vertex({f.x(), f.y(), f.z()});
   }
+
   using Handle = OpenMeshMesh::VertexHandle;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const Triangle& f = mesh.triangles[t];
@@ -39,11 +41,14 @@ Expected<OpenMeshMesh> converted(const Mesh& mesh) {
     if (repeats ||
         !out.add_face(Handle(static_cast<int>(f[0])), Handle(static_cast<int>(f[1])), Handle(static_cast<int>(f[2])))
              .is_valid())
-      return fail(Error{Error::Code::kGeometry, "", "triangle " + std::to_string(t),
-                        "it makes the surface non-manifold (an edge of three faces, a flipped or a degenerate face)",
-                        "a surface on which every edge has at most two faces",
-                        "repair the mesh first, or write PLY or OBJ"});
+      return fail(
+          {.code = Error::Code::kGeometry,
+           .place = "triangle " + std::to_string(t),
+           .found = "it makes the surface non-manifold (an edge of three faces, a flipped or a degenerate face)",
+           .expected = "a surface on which every edge has at most two faces",
+           .hint = "repair the mesh first, or write PLY or OBJ"});
   }
+
   if (mesh.hasVertexColors())
     for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
       out.set_color(Handle(static_cast<int>(v)), color(mesh.vertex_colors[v]));
@@ -60,10 +65,13 @@ Expected<void> write(std::ostream& stream, const Mesh& mesh, const char* extensi
     constexpr std::streamsize kFloatDigits = 9;  // enough for any float32 to come back exactly
     if (OpenMesh::IO::write_mesh(converted_mesh, stream, extension, options, kFloatDigits)) return {};
     if (!stream) return {};  // the file knows better why
-    return fail(
-        Error{Error::Code::kWriteFailed, "", extension, "OpenMesh could not write the mesh", "", "write PLY instead"});
+    return fail({.code = Error::Code::kWriteFailed,
+                 .place = extension,
+                 .found = "OpenMesh could not write the mesh",
+                 .hint = "write PLY instead"});
   } catch (const std::exception& e) {
-    return fail(Error{Error::Code::kWriteFailed, "", extension, e.what(), "", "write PLY instead"});
+    return fail(
+        {.code = Error::Code::kWriteFailed, .place = extension, .found = e.what(), .hint = "write PLY instead"});
   }
 }
 
@@ -78,8 +86,10 @@ Expected<void> writeOff(std::ostream& out, const Mesh& mesh, const MeshWriteOpti
   if (options.colors && mesh.hasVertexColors()) write_options += OpenMesh::IO::Options::VertexColor;
   if (options.colors && mesh.hasFaceColors()) write_options += OpenMesh::IO::Options::FaceColor;
   if (options.colors) write_options += OpenMesh::IO::Options::ColorAlpha;
+
   if (!write_options.check(OpenMesh::IO::Options::FaceColor) || write_options.check(OpenMesh::IO::Options::VertexColor))
     return write(out, mesh, ".off", write_options);
+
   // OpenMesh begins with "COFF" for face colours too, but COFF promises a colour with every vertex.
   std::ostringstream text;
   KERF_CHECK(write(text, mesh, ".off", write_options));

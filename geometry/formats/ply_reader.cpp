@@ -70,13 +70,18 @@ class PlyReader {
       current_ = &element;
       KERF_CHECK(encoding_ == Encoding::kAscii ? readAscii(element) : readBinary(element));
     }
+
     KERF_CHECK(checkEnd());
     for (std::size_t f = 0, c = 0; f < polygons_.sizes.size(); c += polygons_.sizes[f++])
       for (std::size_t k = 0; k < polygons_.sizes[f]; ++k)
         if (polygons_.corners[c + k] >= file_.mesh.vertices.size())
-          return fail({Error::Code::kBadValue, source_.file, "face " + std::to_string(f),
-                       "vertex index " + std::to_string(polygons_.corners[c + k]),
-                       "0 to " + std::to_string(file_.mesh.vertices.size()) + " - 1", kDamaged});
+          return fail({.code = Error::Code::kBadValue,
+                       .file = source_.file,
+                       .place = "face " + std::to_string(f),
+                       .found = "vertex index " + std::to_string(polygons_.corners[c + k]),
+                       .expected = "0 to " + std::to_string(file_.mesh.vertices.size()) + " - 1",
+                       .hint = kDamaged});
+
     triangulate(polygons_, file_);
     return finished(source_, std::move(file_));
   }
@@ -107,13 +112,13 @@ class PlyReader {
         has_format = true;
         if (encoding == "ascii") {
           encoding_ = Encoding::kAscii;
-          file_.format = MeshFormat::kPlyAscii;
+          file_.format = "ASCII PLY";
         } else if (encoding == "binary_little_endian") {
           encoding_ = Encoding::kLittle;
-          file_.format = MeshFormat::kPlyBinaryLittleEndian;
+          file_.format = "binary PLY (little endian)";
         } else if (encoding == "binary_big_endian") {
           encoding_ = Encoding::kBig;
-          file_.format = MeshFormat::kPlyBinaryBigEndian;
+          file_.format = "binary PLY (big endian)";
         } else {
           return badHeader(line, "format " + inQuotes(encoding), "ascii, binary_little_endian or binary_big_endian");
         }
@@ -154,18 +159,21 @@ class PlyReader {
         return badHeader(line, "list count of type " + inQuotes(count), "an integer type such as uchar");
       type = words.next();
     }
+
     const std::optional<Type> known = typeNamed(type);
     if (!known)
       return badHeader(line, "type " + inQuotes(type), "char, uchar, short, ushort, int, uint, float or double");
     property.type = *known;
     property.name = words.next();
     if (property.name.empty()) return badHeader(line, "a property without a name", "property TYPE NAME");
+
     Element& element = elements_.back();
-    constexpr std::size_t kMostProperties = 256;  // each is compared with all others, and looked at for every item
+    constexpr std::size_t kMostProperties = 256;  // each is compared with all others, and visited for every item
     if (element.properties.size() == kMostProperties)
       return badHeader(line, "more than 256 properties of " + inQuotes(element.name), "fewer");
     for (const Property& other : element.properties)
       if (other.name == property.name) return badHeader(line, "property " + inQuotes(property.name) + " twice", "once");
+
     property.role = roleOf(element, property);
     element.properties.push_back(std::move(property));
     return {};
@@ -206,6 +214,7 @@ class PlyReader {
       if (smallest > 0 && element.count > (left + 1) / smallest)
         return badHeader(at, std::to_string(element.count) + " items of " + inQuotes(element.name),
                          "at most " + std::to_string((left + 1) / smallest) + ", which is what the file has room for");
+
       left -= std::min(left, smallest * element.count);
       if (element.name == "vertex") {
         ++vertices;
@@ -225,6 +234,7 @@ class PlyReader {
                                    "faces as property list vertex_indices", "export without triangle strips"));
       }
     }
+
     if (vertices == 1 && faces <= 1) return {};
     const char* at = elements_.empty() ? source_.bytes.get() : elements_.front().declared_at;
     return badHeader({at, 0},
@@ -308,16 +318,24 @@ class PlyReader {
 
   Expected<void> corner(std::int64_t index, Item& item, const Error& where) const {
     if (index < 0 || index > 0xffffffffll)
-      return fail({Error::Code::kBadValue, where.file, where.place, "vertex index " + std::to_string(index),
-                   "0 to the number of vertices - 1", kDamaged});
+      return fail({.code = Error::Code::kBadValue,
+                   .file = where.file,
+                   .place = where.place,
+                   .found = "vertex index " + std::to_string(index),
+                   .expected = "0 to the number of vertices - 1",
+                   .hint = kDamaged});
     item.corners.push_back(static_cast<std::uint32_t>(index));
     return {};
   }
 
   Expected<void> checkCorners(std::int64_t n, const Error& where) const {
     if (n >= 0 && n <= static_cast<std::int64_t>(kMaxPolygonCorners)) return {};
-    return fail({Error::Code::kBadValue, where.file, where.place, "a face of " + std::to_string(n) + " corners",
-                 "0 to " + std::to_string(kMaxPolygonCorners), "triangulate the mesh before exporting it"});
+    return fail({.code = Error::Code::kBadValue,
+                 .file = where.file,
+                 .place = where.place,
+                 .found = "a face of " + std::to_string(n) + " corners",
+                 .expected = "0 to " + std::to_string(kMaxPolygonCorners),
+                 .hint = "triangulate the mesh before exporting it"});
   }
 
   Expected<void> readAscii(const Element& element) {
@@ -328,7 +346,8 @@ class PlyReader {
     std::string_view line;
     Item item;
     for (std::size_t i = 0; i < element.count; ++i) {
-      if (!goOn(i)) return fail(cancelled(source_));
+      if (!goOn(i)) return cancelled(source_);
+
       std::string_view word;
       do {
         if (!lines.next(line))
@@ -340,6 +359,7 @@ class PlyReader {
       Words words(line);
       item.corners.clear();
       for (const Property& p : element.properties) KERF_CHECK(readAsciiProperty(p, words, line, item));
+
       if (const std::string_view extra = words.next(); !extra.empty())
         return fail(source_.atLine(line.data(), Error::Code::kBadFormat,
                                    inQuotes(extra) + " after the last value of " + itemName(i), "the end of the line",
@@ -358,6 +378,7 @@ class PlyReader {
       return fail(source_.atLine(line.data(), Error::Code::kBadValue, inQuotes(word) + ", " + wrong,
                                  "a value for " + inQuotes(p.name), numberHint(word)));
     };
+
     if (!p.count_type) return readAsciiScalar(p, words.next(), wrongWord, item);
     const std::string_view count = words.next();
     std::int64_t n = 0;
@@ -368,6 +389,7 @@ class PlyReader {
     } else if (n < 0) {
       return wrongWord(count, "a negative count");
     }
+
     for (std::int64_t k = 0; k < n; ++k) {
       const std::string_view word = words.next();
       std::int64_t index = 0;
@@ -434,7 +456,8 @@ class PlyReader {
     const bool colored = element.has(Role::kRed);
     Item item;
     for (std::size_t i = 0; i < element.count; ++i) {
-      if (!goOn(i)) return fail(cancelled(source_));
+      if (!goOn(i)) return cancelled(source_);
+
       const auto tooShort = [&] {
         return fail(source_.atByte(source_.size, Error::Code::kBadFormat, "the end of the file at " + itemName(i),
                                    std::to_string(element.count) + " items of " + inQuotes(element.name), kDamaged));
@@ -455,6 +478,7 @@ class PlyReader {
           data_ += size;
           continue;
         }
+
         if (source_.size - data_ < sizeOf(*p.count_type)) return tooShort();
         const std::int64_t n = integer(data_, *p.count_type);
         if (p.role == Role::kCorners) {
@@ -464,6 +488,7 @@ class PlyReader {
           return fail(source_.atByte(data_, Error::Code::kBadValue, "a list of " + std::to_string(n) + " values",
                                      "a count that is not negative", kDamaged));
         }
+
         data_ += sizeOf(*p.count_type);
         if (static_cast<std::uint64_t>(n) > (source_.size - data_) / size) return tooShort();
         if (p.role == Role::kCorners)
@@ -488,6 +513,7 @@ class PlyReader {
       ++at;
     if (at == source_.size) return {};
     const std::string found = std::to_string(source_.size - at) + " bytes after the last element";
+
     if (text)
       return fail(
           source_.atLine(source_.bytes.get() + at, Error::Code::kBadFormat, found, "the end of the file", kDamaged));

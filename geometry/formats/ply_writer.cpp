@@ -2,7 +2,7 @@
 #include <bit>
 #include <ostream>
 
-#include "geometry/formats/mesh_sinks.h"
+#include "geometry/formats/mesh_writer.h"
 
 namespace kerf::internal {
 namespace {
@@ -27,6 +27,7 @@ Expected<void> writePly(std::ostream& out, const Mesh& mesh, const MeshWriteOpti
   const bool vertex_colors = options.colors && mesh.hasVertexColors(),
              face_colors = options.colors && mesh.hasFaceColors();
   const char* real = options.double_positions ? "double" : "float";
+
   out << "ply\nformat binary_little_endian 1.0\n";
   if (!options.comment.empty()) out << "comment " << options.comment << '\n';
   out << "element vertex " << mesh.vertices.size() << '\n';
@@ -35,6 +36,7 @@ Expected<void> writePly(std::ostream& out, const Mesh& mesh, const MeshWriteOpti
   out << "element face " << mesh.triangles.size() << "\nproperty list uchar int vertex_indices\n";
   if (face_colors) out << kColorProperties;
   out << "end_header\n";
+
   char record[32];
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
     char* p = record;
@@ -44,6 +46,7 @@ Expected<void> writePly(std::ostream& out, const Mesh& mesh, const MeshWriteOpti
     if (vertex_colors) p = putColor(p, mesh.vertex_colors[v]);
     out.write(record, p - record);
   }
+
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     char* p = record;
     *p++ = 3;

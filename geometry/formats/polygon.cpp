@@ -38,9 +38,11 @@ class PolygonCutter {
     const Vec3d origin = mesh_.vertices[corner[0]];
     for (std::size_t i = 0; i < n; ++i)
       normal += (mesh_.vertices[corner[i]] - origin).cross(mesh_.vertices[corner[(i + 1) % n]] - origin);
+
     int drop = 0;
     normal.cwiseAbs().maxCoeff(&drop);
     const int x = (drop + 1) % 3, y = (drop + 2) % 3;
+
     flat_.resize(n);
     for (std::size_t i = 0; i < n; ++i) {
       const Vec3d p = mesh_.vertices[corner[i]] - origin;
@@ -73,22 +75,24 @@ class PolygonCutter {
 
   // Stops when no ear is left (convex rest, or a polygon that crosses itself): the caller fans out what remains.
   // In a simple polygon, cutting off an ear changes only what its two neighbours are, so that n corners cost n^2.
-  // Others are looked at again when no ear seems left, but not for ever: a file can be made to need n^3.
+  // Others are examined again when no ear seems left, but not for ever: a file can be made to need n^3.
   void clipEars(const std::uint32_t* corner) {
-    constexpr int kMostLooks = 8;
+    constexpr int kMostSearches = 8;
     findEars();
-    for (int looks = 1; rest_.size() > 3;) {
+    for (int searches = 1; rest_.size() > 3;) {
       const std::size_t n = rest_.size();
       const auto ear = static_cast<std::size_t>(std::find(is_ear_.begin(), is_ear_.end(), 1) - is_ear_.begin());
       if (ear == n) {
-        if (looks++ == kMostLooks) return;
+        if (searches++ == kMostSearches) return;
         findEars();
         if (std::find(is_ear_.begin(), is_ear_.end(), 1) == is_ear_.end()) return;
         continue;
       }
+
       mesh_.triangles.push_back({corner[rest_[(ear + n - 1) % n]], corner[rest_[ear]], corner[rest_[(ear + 1) % n]]});
       rest_.erase(rest_.begin() + static_cast<std::ptrdiff_t>(ear));
       is_ear_.erase(is_ear_.begin() + static_cast<std::ptrdiff_t>(ear));
+
       const std::size_t before = (ear + n - 2) % (n - 1), after = ear % (n - 1);
       is_ear_[before] = isEar(before);
       is_ear_[after] = isEar(after);
@@ -114,6 +118,7 @@ void triangulate(const Polygons& polygons, MeshFile& file) {
   for (const std::uint32_t n : polygons.sizes) total += n >= 3 ? n - 2 : 0;
   mesh.triangles.reserve(total);
   if (!polygons.colors.empty()) mesh.face_colors.reserve(total);
+
   PolygonCutter cutter(mesh);
   const std::uint32_t* corner = polygons.corners.data();
   for (std::size_t f = 0; f < polygons.sizes.size(); ++f) {
@@ -127,6 +132,7 @@ void triangulate(const Polygons& polygons, MeshFile& file) {
     }
     corner += n;
   }
+
   if (too_small > 0)
     file.notes.emplace_back(std::to_string(too_small) + " faces with fewer than three corners were left out.");
   if (file.polygons_triangulated > 0)

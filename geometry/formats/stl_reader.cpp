@@ -31,25 +31,29 @@ Expected<MeshFile> readBinary(const MeshSource& source, const Progress& progress
     return fail(source.atByte(source.size, Error::Code::kBadFormat,
                               "the end of the file after " + std::to_string(source.size) + " bytes",
                               "at least 84 bytes of a binary STL", hint));
+
   const std::size_t count = littleEndian32(&source.bytes[80]);
   if (!hasBinarySize(source))
     return fail(source.atByte(
         80, Error::Code::kBadFormat,
         "a count of " + std::to_string(count) + " triangles in a file of " + std::to_string(source.size) + " bytes",
         "84 + 50 x count = " + std::to_string(kHeader + kRecord * count) + " bytes", hint));
+
   if (count >= 0xffffffffu / 3)
     return fail(source.atByte(80, Error::Code::kUnsupported, std::to_string(count) + " triangles",
                               "fewer than 1.4 thousand million", "reduce the mesh first"));
   MeshFile file;
-  file.format = MeshFormat::kStlBinary;
+  file.format = "binary STL";
   file.declared_unit = unitIn(source.text().substr(0, 80));
   file.unwelded_vertices = 3 * count;
   file.mesh.triangles.reserve(count);
   ExactWelder welder(count / 2 + 16);  // a closed surface has half as many vertices as triangles
+
   std::size_t coloured = 0;
   for (std::size_t t = 0; t < count; ++t) {
     if (t % 65536 == 0 && !report(progress, static_cast<double>(t) / static_cast<double>(count), "reading STL"))
-      return fail(cancelled(source));
+      return cancelled(source);
+
     const char* record = source.bytes.get() + kHeader + kRecord * t;
     Triangle triangle;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -66,9 +70,11 @@ Expected<MeshFile> readBinary(const MeshSource& source, const Progress& progress
       }
       triangle[k] = welder.add(p);
     }
+
     if (record[48] != 0 || record[49] != 0) ++coloured;
     file.mesh.triangles.push_back(triangle);
   }
+
   file.mesh.vertices = std::move(welder.vertices);
   if (coloured > 0)
     file.notes.emplace_back(std::to_string(coloured) +
@@ -85,10 +91,10 @@ class AsciiReader {
         progress_(progress),
         p_(source.bytes.get()),
         end_(p_ + source.size),
-        welder_(source.size / 512 + 16) {}  // a facet takes some 150 to 280 bytes, a vertex two facets
+        welder_(source.size / 512 + 16) {}  // a facet takes about 150 to 280 bytes, a vertex two facets
 
   Expected<MeshFile> read() {
-    file_.format = MeshFormat::kStlAscii;
+    file_.format = "ASCII STL";
     std::size_t solids = 0;
     for (std::string_view word = next(); !word.empty(); word = next()) {
       if (!equalsIgnoringCase(word, "solid"))
@@ -99,6 +105,7 @@ class AsciiReader {
       KERF_CHECK(readSolid());
       ++solids;
     }
+
     file_.unwelded_vertices = 3 * file_.mesh.triangles.size();
     file_.mesh.vertices = std::move(welder_.vertices);
     if (solids > 1) file_.notes.emplace_back(std::to_string(solids) + " solids were read into one mesh.");
@@ -140,10 +147,12 @@ class AsciiReader {
       }
       if (!equalsIgnoringCase(word, "facet")) return unexpected(word, "\"facet\" or \"endsolid\"");
       KERF_CHECK(keyword("normal"));
+
       // The normal follows from the corners; programs write nan for a degenerate facet. Only its words are counted.
       for (int k = 0; k < 3; ++k)
         if (const std::string_view number = next(); number.empty() || equalsIgnoringCase(number, "outer"))
           return unexpected(number, "three numbers after \"facet normal\"");
+
       KERF_CHECK(keyword("outer"));
       KERF_CHECK(keyword("loop"));
       Triangle triangle;
@@ -162,12 +171,13 @@ class AsciiReader {
                                      "reduce the mesh first"));
         index = welder_.add(p);
       }
+
       KERF_CHECK(keyword("endloop"));
       KERF_CHECK(keyword("endfacet"));
       file_.mesh.triangles.push_back(triangle);
       if (file_.mesh.triangles.size() % 65536 == 0) {
         const double done = static_cast<double>(p_ - source_.bytes.get()) / static_cast<double>(source_.size);
-        if (!report(progress_, done, "reading STL")) return fail(cancelled(source_));
+        if (!report(progress_, done, "reading STL")) return cancelled(source_);
       }
     }
   }

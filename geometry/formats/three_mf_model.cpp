@@ -134,6 +134,7 @@ struct ThreeMfModelParser::State : XmlParser::Handler {
       default:
         break;
     }
+
     if (!core && name.name_space != kTriangleSets && parent != Node::kModel && out.skipped.size() < 8)
       out.skipped.insert(std::string(local.substr(0, 40)));
     return Node::kSkipped;
@@ -181,6 +182,7 @@ struct ThreeMfModelParser::State : XmlParser::Handler {
         return bad("unit", inQuotes(*unit), "micron, millimeter, centimeter, inch, foot or meter");
       out.unit = *unit;
     }
+
     Words required(trimmed(a.find("requiredextensions").value_or("")));
     for (std::string_view word = required.next(); !word.empty(); word = required.next()) {
       const auto known = prefixes.find(std::string(word));
@@ -220,10 +222,12 @@ struct ThreeMfModelParser::State : XmlParser::Handler {
     fresh.id = id;
     const std::string_view type = a.find("type").value_or("model");
     fresh.is_support = type == "support" || type == "solidsupport";
+
     out.objects.push_back(std::move(fresh));
     object_index[id] = out.objects.size() - 1;
     object_color.reset();
     object_group = nullptr;
+
     if (const auto pid = a.find("pid")) {
       KERF_CHECK(group("pid", *pid, object_group));
       if (const auto pindex = a.find("pindex"); pindex && object_group) {
@@ -264,6 +268,7 @@ struct ThreeMfModelParser::State : XmlParser::Handler {
       KERF_TRY(v, index(kCorners[k], text, 0, o.vertices.size(), "a vertex of the object"));
       t[k] = v;
     }
+
     std::optional<std::array<Rgba8, 3>> colored;
     const std::vector<Rgba8>* from = object_group;
     if (const auto pid = a.find("pid")) KERF_CHECK(group("pid", *pid, from));
@@ -281,6 +286,7 @@ struct ThreeMfModelParser::State : XmlParser::Handler {
       colored.emplace();
       colored->fill(*object_color);
     }
+
     if (colored && o.corner_colors.empty()) o.corner_colors.resize(o.triangles.size(), kUncolored);
     if (colored || !o.corner_colors.empty()) o.corner_colors.push_back(colored.value_or(kUncolored));
     o.triangles.push_back(t);
@@ -300,8 +306,10 @@ struct ThreeMfModelParser::State : XmlParser::Handler {
       if (known == object_index.end()) return bad("objectid", inQuotes(text), "an object defined before");
       p.object = known->second;
     }
+
     const auto transform = a.find("transform");
     if (!transform) return p;
+
     // Row vectors: p' = p * M, the translation in the last row.
     std::array<double, 12> m{};
     std::size_t n = 0;
@@ -312,8 +320,10 @@ struct ThreeMfModelParser::State : XmlParser::Handler {
         return bad("transform", inQuotes(word) + ", " + wrong, "12 numbers");
     }
     if (n != m.size()) return bad("transform", "of " + std::to_string(n) + " numbers", "12 numbers");
+
     p.linear << m[0], m[3], m[6], m[1], m[4], m[7], m[2], m[5], m[8];
     p.translation = {m[9], m[10], m[11]};
+
     const double determinant = p.linear.determinant();
     if (!std::isfinite(determinant) || determinant == 0)
       return bad("transform", "that flattens the object", "12 numbers");

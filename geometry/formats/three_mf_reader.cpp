@@ -40,19 +40,21 @@ class ThreeMfReader {
       : source_(source), progress_(progress), archive_(std::move(archive)) {}
 
   Expected<MeshFile> read() {
-    file_.format = MeshFormat::kThreeMf;
     ThreeMfRelationsParser relations(source_);
     KERF_CHECK(readEntry("_rels/.rels", [&](std::string_view piece) { return relations.feed(piece); }));
     KERF_TRY(first, relations.finish());
     KERF_TRY(root, readPart(first, true));
+
     // Parts that the build and components of the first one name; those cannot name others.
     for (const ThreeMfObject& object : root->model.objects)
       for (const ThreeMfPlacement& component : object.components) KERF_CHECK(needPart(component.path));
     for (const ThreeMfPlacement& item : root->model.items) KERF_CHECK(needPart(item.path));
+
     for (auto& [path, part] : parts_) KERF_CHECK(measure(*part));
     KERF_CHECK(measure(*root));
     setUnit(root->model.unit);
     KERF_CHECK(build(*root));
+
     finishColors();
     file_.had_double_coordinates |= root->model.had_double_coordinates;
     for (const auto& [path, part] : parts_) file_.had_double_coordinates |= part->model.had_double_coordinates;
@@ -105,7 +107,7 @@ class ThreeMfReader {
     return Target{&other, object};
   }
 
-  // Sizes of all objects with their components, so that nothing is built that nobody can hold.
+  // Sizes of all objects with their components, known before anything is built: it might not fit into memory.
   Expected<void> measure(Part& part) {
     part.sizes.resize(part.model.objects.size());
     for (std::size_t o = 0; o < part.sizes.size(); ++o) {
@@ -118,6 +120,7 @@ class ThreeMfReader {
         size.triangles = std::min(size.triangles + of.triangles, kMostTotal);
         size.nesting = std::max(size.nesting, of.nesting + 1);
       }
+
       if (size.nesting > kMostNesting)
         return bad(Error::Code::kUnsupported, "object " + std::to_string(object.id),
                    "components nested deeper than " + std::to_string(kMostNesting), "fewer",
@@ -146,6 +149,7 @@ class ThreeMfReader {
     std::vector<std::pair<Target, const ThreeMfPlacement*>> items;
     for (const ThreeMfPlacement& item : root.model.items) {
       KERF_TRY(target, resolve(root, item));
+
       const Part::Size& size = target.part->sizes[target.object];
       if (target.part->model.objects[target.object].is_support)
         ++supports;
@@ -156,27 +160,32 @@ class ThreeMfReader {
         vertices += size.vertices;
         triangles += size.triangles;
       }
+
       if (std::max(vertices, triangles) >= std::min(kMostTotal, kFreeTriangles + kMostCopies * stored_triangles_))
         return bad(Error::Code::kUnsupported, "build",
                    "copies of copies: " + std::to_string(vertices) + " vertices or more of the " +
                        std::to_string(stored_triangles_) + " triangles stored",
                    "a build of at most 100 times what the file stores", "export the object by itself");
     }
+
     if (root.model.items.empty() && stored_triangles_ > 0)
       return bad(Error::Code::kEmpty, "build",
                  "nothing to build, although the file holds " + std::to_string(root.model.objects.size()) + " objects",
                  "at least one item in the build",
                  "put the object on the plate in the program that wrote the file, and save again");
+
     file_.mesh.vertices.reserve(vertices);
     file_.mesh.triangles.reserve(triangles);
     for (const auto& [target, item] : items) KERF_CHECK(add(*target.part, target.object, Affine{}.after(*item)));
     if (file_.mesh.triangles.empty()) return {};
+
     if (placed_ > 1)
       file_.notes.emplace_back(std::to_string(items.size()) + " build items, " + std::to_string(placed_) +
                                " objects and copies in all, were united into one mesh.");
     if (moved_ > 0) file_.notes.emplace_back("Objects were moved to where the build places them.");
     if (supports > 0) file_.notes.emplace_back(std::to_string(supports) + " supports were left out.");
     if (empty > 0) file_.notes.emplace_back(std::to_string(empty) + " build items without triangles were left out.");
+
     std::string list;
     for (const std::string& name : skipped_) list += (list.empty() ? "" : ", ") + inQuotes(name);
     if (!list.empty()) file_.notes.emplace_back("Not read: " + list + ".");
@@ -200,7 +209,8 @@ class ThreeMfReader {
     const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
     if (!report(progress_, static_cast<double>(mesh.triangles.size()) / static_cast<double>(mesh.triangles.capacity()),
                 "building the 3MF"))
-      return fail(cancelled(source_));
+      return cancelled(source_);
+
     for (const Vec3d& stored : object.vertices) {
       Vec3d p = affine.is_identity ? stored : Vec3d(affine.linear * stored + affine.translation);
       p *= scale_;
@@ -211,6 +221,7 @@ class ThreeMfReader {
         file_.had_double_coordinates = file_.had_double_coordinates || roundedToFloat(p) != p;
       mesh.vertices.push_back(p);
     }
+
     const bool mirrored = affine.linear.determinant() < 0;  // the inside would be outside
     if (!object.corner_colors.empty()) {
       corner_colors_.resize(mesh.triangles.size(), kUncolored);
@@ -219,9 +230,11 @@ class ThreeMfReader {
         for (std::size_t t = mesh.triangles.size(); t < corner_colors_.size(); ++t)
           std::swap(corner_colors_[t][1], corner_colors_[t][2]);
     }
+
     for (const Triangle& t : object.triangles)
       mesh.triangles.push_back(mirrored ? Triangle{first + t[0], first + t[2], first + t[1]}
                                         : Triangle{first + t[0], first + t[1], first + t[2]});
+
     ++placed_;
     moved_ += affine.is_identity ? 0 : 1;
     return {};
@@ -238,6 +251,7 @@ class ThreeMfReader {
       for (const auto& corners : corner_colors_) mesh.face_colors.push_back(corners[0]);
       return;
     }
+
     std::vector<char> known(mesh.vertices.size(), 0), differs(mesh.vertices.size(), 0);
     mesh.vertex_colors.assign(mesh.vertices.size(), kThreeMfNoColor);
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
@@ -249,6 +263,7 @@ class ThreeMfReader {
         }
         differs[v] |= mesh.vertex_colors[v] != corner_colors_[t][k] ? 1 : 0;
       }
+
     if (const auto n = std::count(differs.begin(), differs.end(), 1); n > 0)
       file_.notes.emplace_back(std::to_string(n) +
                                " vertices have another colour in every triangle; the first one was taken.");

@@ -3,7 +3,7 @@
 #include <charconv>
 #include <unordered_map>
 
-#include "geometry/formats/mesh_sinks.h"
+#include "geometry/formats/mesh_writer.h"
 #include "geometry/formats/zip_archive.h"
 
 namespace kerf::internal {
@@ -90,44 +90,33 @@ class Palette {
   std::vector<std::uint32_t> keys_, index_;
 };
 
-}  // namespace
-
-Expected<void> writeThreeMf(std::ostream& out, const Mesh& mesh, const MeshWriteOptions& options) {
+Expected<void> checkWritable(const Mesh& mesh) {
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     if (const Triangle& v = mesh.triangles[t]; v[0] == v[1] || v[1] == v[2] || v[2] == v[0])
-      return fail(Error{Error::Code::kGeometry, "", "triangle " + std::to_string(t), "a triangle that repeats a vertex",
-                        "three different vertices, as 3MF demands", "repair the mesh first, or write PLY or OBJ"});
+      return fail({.code = Error::Code::kGeometry,
+                   .place = "triangle " + std::to_string(t),
+                   .found = "a triangle that repeats a vertex",
+                   .expected = "three different vertices, as 3MF demands",
+                   .hint = "repair the mesh first, or write PLY or OBJ"});
   if (mesh.vertices.size() > 0x7fffffffu)
-    return fail(Error{Error::Code::kUnsupported, "", "vertices", std::to_string(mesh.vertices.size()) + " vertices",
-                      "at most 2 147 483 647, as 3MF demands", "write PLY instead"});
-  const bool by_face = options.colors && mesh.hasFaceColors(),
-             by_vertex = options.colors && !by_face && mesh.hasVertexColors();
-  const Palette palette(by_face ? mesh.face_colors : by_vertex ? mesh.vertex_colors : std::vector<Rgba8>{});
+    return fail({.code = Error::Code::kUnsupported,
+                 .place = "vertices",
+                 .found = std::to_string(mesh.vertices.size()) + " vertices",
+                 .expected = "at most 2 147 483 647, as 3MF demands",
+                 .hint = "write PLY instead"});
+  return {};
+}
 
-  std::string text;
-  text.reserve(1024 + 60 * mesh.vertices.size() + 60 * mesh.triangles.size());
-  text +=
-      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<model unit=\"millimeter\" xml:lang=\"en-US\" "
-      "xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\"";
-  if (!palette.isEmpty()) text += " xmlns:m=\"http://schemas.microsoft.com/3dmanufacturing/material/2015/02\"";
-  text += ">\n";
-  if (!options.comment.empty()) text += " <metadata name=\"Application\">" + escaped(options.comment) + "</metadata>\n";
-  text += " <resources>\n";
-  if (!palette.isEmpty()) palette.write(text);
-  append(text, "  <object id=\"", kObject);
-  // An open surface may not call itself a model.
-  text += isClosedManifold(mesh) ? " type=\"model\"" : " type=\"surface\"";
-  if (!palette.isEmpty()) {
-    append(text, " pid=\"", kColorGroup);
-    text += " pindex=\"0\"";
-  }
-  text += ">\n   <mesh>\n    <vertices>\n";
+void appendVertices(std::string& text, const Mesh& mesh) {
   for (const Vec3d& p : mesh.vertices) {
     append(text, "<vertex x=\"", static_cast<float>(p.x()));
     append(text, " y=\"", static_cast<float>(p.y()));
     append(text, " z=\"", static_cast<float>(p.z()), "\"/>\n");
   }
-  text += "    </vertices>\n    <triangles>\n";
+}
+
+// The palette colours whole triangles, or their corners, or nothing.
+void appendTriangles(std::string& text, const Mesh& mesh, const Palette& palette, bool by_face, bool by_vertex) {
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const Triangle& v = mesh.triangles[t];
     append(text, "<triangle v1=\"", v[0]);
@@ -141,6 +130,39 @@ Expected<void> writeThreeMf(std::ostream& out, const Mesh& mesh, const MeshWrite
     }
     text += "/>\n";
   }
+}
+
+}  // namespace
+
+Expected<void> writeThreeMf(std::ostream& out, const Mesh& mesh, const MeshWriteOptions& options) {
+  KERF_CHECK(checkWritable(mesh));
+  const bool by_face = options.colors && mesh.hasFaceColors(),
+             by_vertex = options.colors && !by_face && mesh.hasVertexColors();
+  const Palette palette(by_face ? mesh.face_colors : by_vertex ? mesh.vertex_colors : std::vector<Rgba8>{});
+
+  std::string text;
+  text.reserve(1024 + 60 * mesh.vertices.size() + 60 * mesh.triangles.size());
+  text +=
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<model unit=\"millimeter\" xml:lang=\"en-US\" "
+      "xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\"";
+  if (!palette.isEmpty()) text += " xmlns:m=\"http://schemas.microsoft.com/3dmanufacturing/material/2015/02\"";
+  text += ">\n";
+  if (!options.comment.empty()) text += " <metadata name=\"Application\">" + escaped(options.comment) + "</metadata>\n";
+
+  text += " <resources>\n";
+  if (!palette.isEmpty()) palette.write(text);
+
+  append(text, "  <object id=\"", kObject);
+  // An open surface may not call itself a model.
+  text += isClosedManifold(mesh) ? " type=\"model\"" : " type=\"surface\"";
+  if (!palette.isEmpty()) {
+    append(text, " pid=\"", kColorGroup);
+    text += " pindex=\"0\"";
+  }
+  text += ">\n   <mesh>\n    <vertices>\n";
+  appendVertices(text, mesh);
+  text += "    </vertices>\n    <triangles>\n";
+  appendTriangles(text, mesh, palette, by_face, by_vertex);
   text += "    </triangles>\n   </mesh>\n  </object>\n </resources>\n <build>\n";
   append(text, "  <item objectid=\"", kObject, "\"/>\n </build>\n</model>\n");
   return writeZip(

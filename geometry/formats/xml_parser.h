@@ -27,7 +27,7 @@ class XmlAttributes {
   const char** pairs_;
 };
 
-/// Refuses what 3MF forbids or nobody needs: a DTD with its entities, elements nested deeper than 64, and a tag or
+/// Refuses what 3MF forbids or no mesh needs: a DTD with its entities, elements nested deeper than 64, and a tag or
 /// comment longer than 1 MiB (expat would keep it in memory, and read it again with every piece).
 class XmlParser {
  public:

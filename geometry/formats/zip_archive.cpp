@@ -26,8 +26,12 @@ struct ZipError {
 void ZipArchive::Closer::operator()(zip* archive) const { zip_discard(archive); }
 
 tl::unexpected<Error> ZipArchive::bad(std::string_view name, std::string found) const {
-  return fail({Error::Code::kBadFormat, source_->file, name.empty() ? "zip archive" : inQuotes(name), std::move(found),
-               "a whole zip archive", kDamaged});
+  return fail({.code = Error::Code::kBadFormat,
+               .file = source_->file,
+               .place = name.empty() ? "zip archive" : inQuotes(name),
+               .found = std::move(found),
+               .expected = "a whole zip archive",
+               .hint = kDamaged});
 }
 
 Expected<ZipArchive> ZipArchive::open(const MeshSource& source) {
@@ -59,8 +63,10 @@ Expected<void> ZipArchive::read(std::uint64_t entry, const std::function<Expecte
   struct CloseEntry {
     void operator()(zip_file_t* opened) const { zip_fclose(opened); }
   };
+
   const std::unique_ptr<zip_file_t, CloseEntry> file(zip_fopen_index(archive_.get(), entry, 0));
   if (!file) return failed(zip_get_error(archive_.get()));
+
   zip_stat_t stat;
   const bool has_size = zip_stat_index(archive_.get(), entry, 0, &stat) == 0 && (stat.valid & ZIP_STAT_SIZE) != 0;
   const double size = has_size ? static_cast<double>(stat.size) : 0;
@@ -69,18 +75,23 @@ Expected<void> ZipArchive::read(std::uint64_t entry, const std::function<Expecte
     const zip_int64_t n = zip_fread(file.get(), piece.get(), 1 << 16);
     if (n < 0) return failed(zip_file_get_error(file.get()));
     if (n == 0) return {};
+
     if (static_cast<std::uint64_t>(n) > budget_)
-      return fail({Error::Code::kUnsupported, source_->file, inQuotes(name),
-                   "more than " + std::to_string(done / kMiB) + " MiB from an archive of " +
-                       std::to_string(source_->size) + " bytes: a zip bomb",
-                   "at most 100 times the size of the archive",
-                   "unpack it by hand, if you trust it, and export again"});
+      return fail({.code = Error::Code::kUnsupported,
+                   .file = source_->file,
+                   .place = inQuotes(name),
+                   .found = "more than " + std::to_string(done / kMiB) + " MiB from an archive of " +
+                            std::to_string(source_->size) + " bytes: a zip bomb",
+                   .expected = "at most 100 times the size of the archive",
+                   .hint = "unpack it by hand, if you trust it, and export again"});
+
     budget_ -= static_cast<std::uint64_t>(n);
     done += static_cast<std::uint64_t>(n);
     KERF_CHECK(take({piece.get(), static_cast<std::size_t>(n)}));
+
     const double fraction = size > 0 ? std::min(1.0, static_cast<double>(done) / size) : 0;
     if (done % (4 * kMiB) < static_cast<std::uint64_t>(n) && !report(progress, fraction, "reading 3MF"))
-      return fail(cancelled(*source_));
+      return cancelled(*source_);
   }
 }
 
@@ -89,9 +100,12 @@ Expected<void> writeZip(std::ostream& out, const std::vector<ZipEntry>& entries)
   constexpr zip_uint32_t kLevel = 4;  // 9, libzip's own choice, takes a mesh sixteen times as long for a tenth less
   ZipError why;
   const auto failed = [](zip_error_t* error) {
-    return fail(Error{Error::Code::kWriteFailed, "", "zip archive", zip_error_strerror(error), "",
-                      "close other programs, or write PLY instead"});
+    return fail({.code = Error::Code::kWriteFailed,
+                 .place = "zip archive",
+                 .found = zip_error_strerror(error),
+                 .hint = "close other programs, or write PLY instead"});
   };
+
   zip_source_t* target = zip_source_buffer_create(nullptr, 0, 0, &why.error);
   if (!target) return failed(&why.error);
   zip_source_keep(target);  // zip_close() gives one reference back, the bytes are read through the other
@@ -99,11 +113,13 @@ Expected<void> writeZip(std::ostream& out, const std::vector<ZipEntry>& entries)
     zip_source_t* source;
     ~Release() { zip_source_free(source); }
   } release{target};
+
   zip_t* archive = zip_open_from_source(target, ZIP_CREATE | ZIP_TRUNCATE, &why.error);
   if (!archive) {
     zip_source_free(target);
     return failed(&why.error);
   }
+
   for (const ZipEntry& entry : entries) {
     zip_source_t* bytes = zip_source_buffer(archive, entry.bytes.data(), entry.bytes.size(), 0);
     const zip_int64_t at = bytes ? zip_file_add(archive, entry.name.c_str(), bytes, ZIP_FL_ENC_UTF_8) : -1;
@@ -116,11 +132,13 @@ Expected<void> writeZip(std::ostream& out, const std::vector<ZipEntry>& entries)
       return error;
     }
   }
+
   if (zip_close(archive) != 0) {
     auto error = failed(zip_get_error(archive));
     zip_discard(archive);
     return error;
   }
+
   if (zip_source_open(target) != 0) return failed(zip_source_error(target));
   const std::unique_ptr<char[]> piece(new char[1 << 16]);
   zip_int64_t n = 0;

@@ -50,6 +50,8 @@ std::vector<std::array<std::uint32_t, 2>> crossingPairs(const Mesh& mesh) {
   for (const auto& [i, j] : selfIntersections(mesh.vertices, mesh.triangles)) pairs.push_back({i, j});
   const std::vector<std::uint32_t> flat = degenerateTriangles(mesh.vertices, mesh.triangles);
   if (flat.empty()) return pairs;
+
+  // Each triangle without area against every proper one.
   std::vector<char> is_flat(mesh.triangles.size(), 0);
   for (const std::uint32_t t : flat) is_flat[t] = 1;
   const auto boxOf = [&](std::uint32_t t) {
@@ -57,6 +59,7 @@ std::vector<std::array<std::uint32_t, 2>> crossingPairs(const Mesh& mesh) {
     for (int k = 0; k < 3; ++k) box.add(mesh.corner(t, k));
     return box;
   };
+
   std::vector<std::vector<std::uint32_t>> met(flat.size());
   tbb::parallel_for(std::size_t{0}, flat.size(), [&](std::size_t k) {
     const Box3 box = boxOf(flat[k]);
@@ -68,6 +71,7 @@ std::vector<std::array<std::uint32_t, 2>> crossingPairs(const Mesh& mesh) {
         met[k].push_back(t);
     }
   });
+
   for (std::size_t k = 0; k < flat.size(); ++k) {
     pairs.push_back({flat[k], flat[k]});
     for (const std::uint32_t t : met[k]) pairs.push_back({std::min(flat[k], t), std::max(flat[k], t)});

@@ -47,6 +47,7 @@ class Cleaner {
         return length != o.length ? length > o.length : u != o.u ? u > o.u : v > o.v;
       }
     };
+
     std::priority_queue<Item, std::vector<Item>, std::greater<>> queue;
     const auto offer = [&](std::uint32_t u, std::uint32_t v) {
       const double d = (mesh_.vertices[u] - mesh_.vertices[v]).norm();
@@ -55,12 +56,14 @@ class Cleaner {
     for (std::uint32_t t = 0; t < alive_.size(); ++t)
       if (alive_[t] && focus_[t])
         for (std::size_t k = 0; k < 3; ++k) offer(mesh_.triangles[t][k], mesh_.triangles[t][(k + 1) % 3]);
+
     while (!queue.empty()) {
       const Item item = queue.top();
       queue.pop();
       // An edge may have gone, or changed hands, since it was offered.
       if (sharedFaces(item.u, item.v).size() != 2) continue;
       if ((mesh_.vertices[item.u] - mesh_.vertices[item.v]).norm() != item.length) continue;
+
       std::uint32_t gone = kNone;
       for (const auto& [from, to] : {std::pair(item.v, item.u), std::pair(item.u, item.v)})
         if (!fixed_[from] && tryCollapse(from, to)) {
@@ -68,6 +71,7 @@ class Cleaner {
           break;
         }
       if (gone == kNone) continue;
+
       const std::uint32_t left = gone == item.u ? item.v : item.u;
       for (const std::uint32_t t : std::vector<std::uint32_t>(around_[left]))
         for (const std::uint32_t v : mesh_.triangles[t])
@@ -88,6 +92,7 @@ class Cleaner {
           longest = k;
         }
       }
+
       const double twice_area = doubleAreaVector(mesh_, t).norm();
       if (!(twice_area < height_limit * std::sqrt(best))) continue;
       if (fixed_[f[0]] && fixed_[f[1]] && fixed_[f[2]] && twice_area > 0) continue;
@@ -100,6 +105,7 @@ class Cleaner {
     for (std::uint32_t v = 0; v < around_.size(); ++v) {
       if (fixed_[v] || around_[v].empty()) continue;
       if (std::none_of(around_[v].begin(), around_[v].end(), [&](std::uint32_t t) { return focus_[t] != 0; })) continue;
+
       Vec3d sum = Vec3d::Zero();
       double count = 0;
       for (const std::uint32_t t : around_[v])
@@ -108,8 +114,10 @@ class Cleaner {
             sum += mesh_.vertices[w];
             ++count;
           }
+
       Vec3d move = sum / count - mesh_.vertices[v];
       if (move.norm() > step) move *= step / move.norm();
+
       const Vec3d to = roundedToFloat(mesh_.vertices[v] + move);
       report.largest_move_mm = std::max(report.largest_move_mm, (to - mesh_.vertices[v]).norm());
       mesh_.vertices[v] = to;
@@ -144,6 +152,7 @@ class Cleaner {
   bool tryCollapse(std::uint32_t u, std::uint32_t v) {
     const std::vector<std::uint32_t> shared = sharedFaces(u, v);
     if (shared.size() != 2) return false;
+
     const std::vector<std::uint32_t> nu = neighbours(u), nv = neighbours(v);
     std::vector<std::uint32_t> common;
     std::set_intersection(nu.begin(), nu.end(), nv.begin(), nv.end(), std::back_inserter(common));
@@ -158,11 +167,13 @@ class Cleaner {
         now[k] = mesh_.vertices[w];
         then[k] = mesh_.vertices[w == u ? v : w];
       }
+
       const Vec3d before = doubleArea(now[0], now[1], now[2]), after = doubleArea(then[0], then[1], then[2]);
       if (after.isZero(0)) return false;
       if (height(now[0], now[1], now[2]) < kNeedleExempt || height(then[0], then[1], then[2]) < kNeedleExempt) continue;
       if (before.dot(after) < kCollapseTurn * before.norm() * after.norm()) return false;
     }
+
     report.largest_move_mm = std::max(report.largest_move_mm, (mesh_.vertices[u] - mesh_.vertices[v]).norm());
     for (const std::uint32_t t : shared) remove(t);
     for (const std::uint32_t t : around_[u]) {
@@ -180,17 +191,20 @@ class Cleaner {
     const std::vector<std::uint32_t> shared = sharedFaces(a, b);
     if (shared.size() != 2) return false;
     const std::uint32_t other = shared[0] == t ? shared[1] : shared[0];
+
     std::uint32_t d = kNone;
     for (const std::uint32_t w : mesh_.triangles[other])
       if (w != a && w != b) d = w;
     if (d == kNone || d == c || !sharedFaces(c, d).empty()) return false;
     if (around_[a].size() <= 3 || around_[b].size() <= 3) return false;
+
     const Vec3d &pa = mesh_.vertices[a], &pb = mesh_.vertices[b], &pc = mesh_.vertices[c], &pd = mesh_.vertices[d];
     const Vec3d reference = doubleAreaVector(mesh_, other);
     const double old_height = std::min(height(pa, pb, pc), height(pb, pa, pd));
     if (std::min(height(pa, pd, pc), height(pd, pb, pc)) <= old_height) return false;  // no gain, and no endless loop
     for (const Vec3d& n : {doubleArea(pa, pd, pc), doubleArea(pd, pb, pc)})
       if (n.isZero(0) || n.dot(reference) < kFlipTurn * n.norm() * reference.norm()) return false;
+
     detach(b, t);
     detach(a, other);
     mesh_.triangles[t] = {a, d, c};
@@ -215,12 +229,13 @@ class Cleaner {
   std::vector<char> focus_;
 };
 
-/// Drops dead triangles and the vertices nobody uses.
+/// Drops dead triangles and the vertices without one.
 void compact(Mesh& mesh, const std::vector<char>& alive, std::vector<char>& fixed, std::vector<std::uint32_t>* tag) {
   std::vector<char> used(fixed);
   for (std::size_t t = 0; t < alive.size(); ++t)
     if (alive[t])
       for (const std::uint32_t v : mesh.triangles[t]) used[v] = 1;
+
   std::vector<std::uint32_t> index(used.size(), kNone);
   std::uint32_t count = 0;
   for (std::size_t v = 0; v < used.size(); ++v) {
@@ -233,6 +248,7 @@ void compact(Mesh& mesh, const std::vector<char>& alive, std::vector<char>& fixe
   mesh.vertices.resize(count);
   fixed.resize(count);
   if (mesh.hasVertexColors()) mesh.vertex_colors.resize(count);
+
   std::size_t faces = 0;
   for (std::size_t t = 0; t < alive.size(); ++t) {
     if (!alive[t]) continue;
@@ -253,6 +269,7 @@ Expected<CleanupReport> cleanUpForFloat32(Mesh& mesh, std::vector<char>& fixed_v
                                           std::vector<std::uint32_t>* face_tag, double length_mm) {
   if (fixed_vertex.size() != mesh.vertices.size() || (face_tag && face_tag->size() != mesh.triangles.size()))
     return badInput({}, "clean-up labels that do not fit the mesh", "one flag per vertex and one tag per triangle");
+
   CleanupReport total;
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
     const Vec3d r = roundedToFloat(mesh.vertices[v]);
@@ -264,6 +281,7 @@ Expected<CleanupReport> cleanUpForFloat32(Mesh& mesh, std::vector<char>& fixed_v
     total.largest_move_mm = std::max(total.largest_move_mm, (r - mesh.vertices[v]).norm());
     mesh.vertices[v] = r;
   }
+
   const auto pass = [&](double length, std::vector<char> focus, bool relax) {
     Cleaner cleaner(mesh, fixed_vertex);
     if (!focus.empty()) cleaner.focusOn(std::move(focus));
@@ -278,6 +296,7 @@ Expected<CleanupReport> cleanUpForFloat32(Mesh& mesh, std::vector<char>& fixed_v
     total.largest_move_mm = std::max(total.largest_move_mm, cleaner.report.largest_move_mm);
     compact(mesh, cleaner.alive(), fixed_vertex, face_tag);
   };
+
   pass(length_mm, {}, false);
   auto pairs = crossingPairs(mesh);
   for (double length = length_mm; !pairs.empty() && total.targeted_rounds < kMaxRounds; ++total.targeted_rounds) {
@@ -287,6 +306,7 @@ Expected<CleanupReport> cleanUpForFloat32(Mesh& mesh, std::vector<char>& fixed_v
     pass(length, std::move(focus), total.targeted_rounds >= 2);
     pairs = crossingPairs(mesh);
   }
+
   total.crossings_left = pairs.size();
   return total;
 }

@@ -27,11 +27,10 @@ struct CleanupReport {
 /// most 8 rounds; from the third round on their free vertices also move towards the mean of their neighbours, by at
 /// most that length.
 /// @param mesh          closed, 2-manifold (edges with other than two triangles are left alone); vertex and face
-/// colours follow.
+///                      colours follow.
 /// @param fixed_vertex  one flag per vertex: never moves, never vanishes. Follows the vertices: on return one per
-/// vertex left.
-/// @param face_tag      optional label per triangle; follows the triangles. A flip keeps the labels of the two
-/// triangles.
+///                      vertex left.
+/// @param face_tag      optional label per triangle; follows the triangles. A flip keeps the labels of the two.
 /// @param length_mm     e.g. 1e-3 (0.01 voxel); at most 2.6 times as much in (c) rounds 1-2, 43 times in round 8.
 /// @return counts; `crossings_left` tells what remains, nothing is hidden. Errors: sizes that do not fit, non-finite
 /// coordinates. Vertices and triangles keep their order; vertices no triangle uses are dropped unless fixed.

@@ -60,10 +60,12 @@ Pieces edgeConnectedPieces(const Mesh& mesh) {
     while (parent[i] != i) i = parent[i] = parent[parent[i]];
     return i;
   };
+
   struct EdgeUse {
     std::uint64_t key;
     std::uint32_t triangle;
   };
+
   std::vector<EdgeUse> uses;
   uses.reserve(3 * n);
   for (std::uint32_t t = 0; t < n; ++t)
@@ -71,6 +73,7 @@ Pieces edgeConnectedPieces(const Mesh& mesh) {
       const std::uint64_t a = mesh.triangles[t][k], b = mesh.triangles[t][(k + 1) % 3];
       uses.push_back({(std::min(a, b) << 32) | std::max(a, b), t});
     }
+
   std::sort(uses.begin(), uses.end(), [](const EdgeUse& x, const EdgeUse& y) {
     return x.key != y.key ? x.key < y.key : x.triangle < y.triangle;
   });
@@ -79,6 +82,7 @@ Pieces edgeConnectedPieces(const Mesh& mesh) {
       const std::uint32_t a = find(uses[i - 1].triangle), b = find(uses[i].triangle);
       if (a != b) parent[std::max(a, b)] = std::min(a, b);
     }
+
   Pieces pieces;
   pieces.label.resize(n);
   for (std::uint32_t t = 0; t < n; ++t) {
@@ -95,6 +99,7 @@ Mesh subset(const Mesh& mesh, const std::vector<char>& keep) {
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     if (keep[t])
       for (const std::uint32_t v : mesh.triangles[t]) index[v] = 0;
+
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
     if (index[v] != kUnused) {
       index[v] = static_cast<std::uint32_t>(out.vertices.size());

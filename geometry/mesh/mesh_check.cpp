@@ -48,12 +48,14 @@ struct EdgeTable {
     for (const Triangle& t : triangles)
       for (std::size_t k = 0; k < 3; ++k) ++begin[std::min(t[k], t[(k + 1) % 3]) + 1];
     std::partial_sum(begin.begin(), begin.end(), begin.begin());
+
     std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
     for (std::uint32_t i = 0; i < triangles.size(); ++i)
       for (std::size_t k = 0; k < 3; ++k) {
         const std::uint32_t a = triangles[i][k], b = triangles[i][(k + 1) % 3];
         uses[next[std::min(a, b)]++] = {std::max(a, b), i, static_cast<std::uint8_t>(k), a < b};
       }
+
     for (std::size_t v = 0; v < vertices; ++v)
       std::sort(uses.begin() + begin[v], uses.begin() + begin[v + 1], [](const EdgeUse& x, const EdgeUse& y) {
         return x.high != y.high ? x.high < y.high : x.triangle < y.triangle;
@@ -85,6 +87,7 @@ Printed printed(const Mesh& mesh) {
   std::vector<std::uint32_t> index(mesh.vertices.size(), kUnused);
   for (const Triangle& t : mesh.triangles)
     for (const std::uint32_t v : t) index[v] = 0;
+
   internal::ExactWelder welder(mesh.vertices.size());
   std::size_t used = 0;
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
@@ -93,6 +96,7 @@ Printed printed(const Mesh& mesh) {
       ++used;
     }
   out.duplicate_vertices = used - welder.vertices.size();
+
   out.mesh.vertices = std::move(welder.vertices);
   out.mesh.triangles.reserve(mesh.triangles.size());
   for (const Triangle& t : mesh.triangles) {
@@ -114,16 +118,23 @@ std::size_t countDuplicates(const std::vector<Triangle>& triangles) {
   return count;
 }
 
-// Edges, loops, pieces and fans in one pass over the edge table.
-std::vector<std::uint32_t> countTopology(const Mesh& mesh, MeshReport& report, std::vector<char>& piece_is_open) {
-  const EdgeTable table(mesh.vertices.size(), mesh.triangles);
-  UnionFind pieces(mesh.triangles.size());
-  UnionFind fans(3 * mesh.triangles.size());  // one element per corner: joined around its vertex across edges
-  UnionFind rims(mesh.vertices.size());
-  struct RimEdge {
-    std::uint32_t a, b, triangle;
-  };
+// An edge of one triangle only.
+struct RimEdge {
+  std::uint32_t a, b, triangle;
+};
+
+// What one pass over the edge table finds out.
+struct EdgeWalk {
+  UnionFind pieces;  // of triangles: joined across edges
+  UnionFind fans;    // of the corners of triangles: joined around their vertex across edges
+  UnionFind rims;    // of vertices: joined along the rim
   std::vector<RimEdge> rim;
+};
+
+EdgeWalk walkEdges(const Mesh& mesh, MeshReport& report) {
+  const EdgeTable table(mesh.vertices.size(), mesh.triangles);
+  EdgeWalk out{
+      UnionFind(mesh.triangles.size()), UnionFind(3 * mesh.triangles.size()), UnionFind(mesh.vertices.size()), {}};
   const auto cornerOf = [&](const EdgeUse& use, bool at_low) {
     const std::size_t k = use.ascending == at_low ? use.corner : (use.corner + 1u) % 3;
     return 3 * use.triangle + static_cast<std::uint32_t>(k);
@@ -131,30 +142,27 @@ std::vector<std::uint32_t> countTopology(const Mesh& mesh, MeshReport& report, s
   table.forEachEdge([&](std::uint32_t low, const EdgeUse* use, std::uint32_t n) {
     if (n == 1) {
       ++report.boundary_edges;
-      rims.join(low, use->high);
-      rim.push_back({low, use->high, use->triangle});
+      out.rims.join(low, use->high);
+      out.rim.push_back({low, use->high, use->triangle});
     }
     if (n == 2 && use[0].ascending == use[1].ascending) ++report.flipped_edges;
     if (n > 2) ++report.non_manifold_edges;
     for (std::uint32_t i = 1; i < n; ++i) {
-      pieces.join(use[0].triangle, use[i].triangle);
-      fans.join(cornerOf(use[0], true), cornerOf(use[i], true));
-      fans.join(cornerOf(use[0], false), cornerOf(use[i], false));
+      out.pieces.join(use[0].triangle, use[i].triangle);
+      out.fans.join(cornerOf(use[0], true), cornerOf(use[i], true));
+      out.fans.join(cornerOf(use[0], false), cornerOf(use[i], false));
     }
   });
+  return out;
+}
 
-  std::vector<std::uint32_t> label(mesh.triangles.size());
-  for (std::uint32_t t = 0; t < label.size(); ++t) {
-    const std::uint32_t root = pieces.find(t);
-    label[t] = root == t ? static_cast<std::uint32_t>(report.pieces++) : label[root];
-  }
-  piece_is_open.assign(report.pieces, 0);
+constexpr std::uint32_t kNone = ~0u;
 
-  constexpr std::uint32_t kNone = ~0u;
+// The loops of the rim, the longest first.
+void countLoops(const Mesh& mesh, EdgeWalk& walk, MeshReport& report) {
   std::vector<std::uint32_t> loop_of(mesh.vertices.size(), kNone);
-  for (const RimEdge& e : rim) {
-    piece_is_open[label[e.triangle]] = 1;
-    std::uint32_t& loop = loop_of[rims.find(e.a)];
+  for (const RimEdge& e : walk.rim) {
+    std::uint32_t& loop = loop_of[walk.rims.find(e.a)];
     if (loop == kNone) {
       loop = static_cast<std::uint32_t>(report.boundary_loops.size());
       report.boundary_loops.emplace_back();
@@ -164,15 +172,34 @@ std::vector<std::uint32_t> countTopology(const Mesh& mesh, MeshReport& report, s
   }
   std::stable_sort(report.boundary_loops.begin(), report.boundary_loops.end(),
                    [](const BoundaryLoop& a, const BoundaryLoop& b) { return a.length > b.length; });
+}
 
+// Vertices of more than one fan.
+std::size_t countBowTies(const Mesh& mesh, EdgeWalk& walk) {
   std::vector<std::uint32_t> fan_of(mesh.vertices.size(), kNone);
   std::vector<char> bow_tie(mesh.vertices.size());
   for (std::uint32_t c = 0; c < 3 * mesh.triangles.size(); ++c) {
-    const std::uint32_t v = mesh.triangles[c / 3][c % 3], fan = fans.find(c);
+    const std::uint32_t v = mesh.triangles[c / 3][c % 3], fan = walk.fans.find(c);
     if (fan_of[v] == kNone) fan_of[v] = fan;
     if (fan_of[v] != fan) bow_tie[v] = 1;
   }
-  report.non_manifold_vertices = static_cast<std::size_t>(std::count(bow_tie.begin(), bow_tie.end(), 1));
+  return static_cast<std::size_t>(std::count(bow_tie.begin(), bow_tie.end(), 1));
+}
+
+// Edges, loops, pieces and fans in one pass over the edge table. @return the piece of every triangle.
+std::vector<std::uint32_t> countTopology(const Mesh& mesh, MeshReport& report, std::vector<char>& piece_is_open) {
+  EdgeWalk walk = walkEdges(mesh, report);
+
+  std::vector<std::uint32_t> label(mesh.triangles.size());
+  for (std::uint32_t t = 0; t < label.size(); ++t) {
+    const std::uint32_t root = walk.pieces.find(t);
+    label[t] = root == t ? static_cast<std::uint32_t>(report.pieces++) : label[root];
+  }
+  piece_is_open.assign(report.pieces, 0);
+  for (const RimEdge& e : walk.rim) piece_is_open[label[e.triangle]] = 1;
+
+  countLoops(mesh, walk, report);
+  report.non_manifold_vertices = countBowTies(mesh, walk);
   return label;
 }
 
@@ -198,13 +225,16 @@ void countInwardPieces(const Mesh& mesh, const std::vector<std::uint32_t>& label
     for (int k = 0; k < 3; ++k) box[label[t]].add(mesh.corner(t, k));
     a_vertex[label[t]] = mesh.triangles[t][0];
   }
+
   std::vector<double> angle(report.pieces);
   for (std::size_t piece = 0; piece < report.pieces; ++piece) {
     if (is_open[piece] || !(volume[piece] < 0)) continue;
     const Vec3d& p = mesh.vertices[a_vertex[piece]];
+
     const auto couldHold = [&](std::size_t other) {
       return other != piece && !is_open[other] && volume[other] > 0 && box[other].contains(p);
     };
+
     bool inside = false;
     for (std::size_t other = 0; other < report.pieces; ++other) inside |= couldHold(other);
     if (inside) {
@@ -214,6 +244,7 @@ void countInwardPieces(const Mesh& mesh, const std::vector<std::uint32_t>& label
           angle[label[t]] += solidAngle(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), p);
       inside = *std::max_element(angle.begin(), angle.end()) > 2 * std::numbers::pi;  // half of the full 4 pi
     }
+
     report.inward_pieces += !inside;
   }
 }
@@ -229,10 +260,12 @@ void judge(MeshReport& r) {
     because(fmt::format("The surface is open: {} along {}, the longest {:.4g} mm around.",
                         counted(r.boundary_edges, "boundary edge", "boundary edges"),
                         counted(r.boundary_loops.size(), "loop", "loops"), r.boundary_loops.front().length));
+
   if (r.self_intersections > 0)
     because(fmt::format("The surface crosses itself: {} meet where they are not joined.",
                         counted(r.self_intersections, "pair of triangles", "pairs of triangles")));
   if (!r.self_intersections_checked) because("Self-intersections were not looked for.");
+
   if (r.non_manifold_edges > 0)
     because(
         fmt::format("{} shared by three or more triangles.", counted(r.non_manifold_edges, "edge is", "edges are")));
@@ -242,6 +275,7 @@ void judge(MeshReport& r) {
   if (r.flipped_edges > 0)
     because(fmt::format("{} between triangles that face opposite ways.",
                         counted(r.flipped_edges, "edge lies", "edges lie")));
+
   if (r.degenerate_triangles > 0)
     because(fmt::format("{} no area once rounded to float32.",
                         counted(r.degenerate_triangles, "triangle has", "triangles have")));
@@ -249,6 +283,7 @@ void judge(MeshReport& r) {
     because(fmt::format("{} there twice.", counted(r.duplicate_triangles, "triangle is", "triangles are")));
   if (r.inward_pieces > 0)
     because(fmt::format("{} turned inside out.", counted(r.inward_pieces, "closed piece is", "closed pieces are")));
+
   if (r.boundary_edges == 0 && r.inward_pieces == 0 && !(r.volume > 0)) because("The enclosed volume is not positive.");
 }
 
@@ -258,22 +293,27 @@ MeshReport checkMesh(const Mesh& mesh, const MeshCheckOptions& options) {
   MeshReport report;
   report.triangles = mesh.triangles.size();
   report.vertices = mesh.vertices.size();
+
   const Printed print = printed(mesh);
   const Mesh& m = print.mesh;
   report.duplicate_vertices = print.duplicate_vertices;
   report.degenerate_triangles = print.collapsed + degenerateTriangles(m.vertices, m.triangles).size();
   report.duplicate_triangles = countDuplicates(m.triangles);
+
   report.box = bounds(m);
   report.area = surfaceArea(m);
   report.volume = signedVolume(m);
+
   std::vector<char> is_open;
   const std::vector<std::uint32_t> label = countTopology(m, report, is_open);
   countInwardPieces(m, label, is_open, report);
+
   if (options.self_intersections) {
     report.self_intersections_checked = true;
     const std::size_t at_most = std::max<std::size_t>(1, options.max_self_intersections);
     report.self_intersections = selfIntersections(m.vertices, m.triangles, at_most).size();
   }
+
   judge(report);
   report.print_ready = report.reasons.empty();
   return report;
@@ -285,6 +325,7 @@ std::string toJson(const MeshReport& r) {
   Json loops = Json::array();
   for (const BoundaryLoop& loop : r.boundary_loops)
     loops.push_back({{"edges", loop.edges}, {"length_mm", loop.length}});
+
   Json json = {{"print_ready", r.print_ready},
                {"reasons", r.reasons},
                {"triangles", r.triangles},
@@ -303,6 +344,7 @@ std::string toJson(const MeshReport& r) {
                {"self_intersections", r.self_intersections_checked ? Json(r.self_intersections) : Json(nullptr)},
                {"area_mm2", r.area},
                {"volume_mm3", r.isClosed() ? Json(r.volume) : Json(nullptr)}};
+
   json["box_mm"] = r.box.isEmpty() ? Json(nullptr) : Json{{"min", vector(r.box.min)}, {"max", vector(r.box.max)}};
   return json.dump(2);
 }

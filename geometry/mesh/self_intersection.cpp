@@ -119,10 +119,12 @@ bool meet(std::span<const Vec3d> vertices, const Triangle& s, const Triangle& t)
         used_s[i] = used_t[j] = true;
         ++shared;
       }
+
   if (shared == 3) return true;
   if (shared == 0)
     return meetAnywhere({vertices[s[0]], vertices[s[1]], vertices[s[2]]},
                         {vertices[t[0]], vertices[t[1]], vertices[t[2]]});
+
   for (std::size_t i = 0, ns = shared, nt = shared; i < 3; ++i) {
     if (!used_s[i]) order_s[ns++] = i;
     if (!used_t[i]) order_t[nt++] = i;
@@ -183,6 +185,8 @@ Tree buildTree(std::span<const Vec3d> vertices, std::span<const Triangle> triang
   Box3 all;
   for (const std::uint32_t t : active)
     for (const std::uint32_t v : triangles[t]) all.add(vertices[v]);
+
+  // The triangles in Morton order of their centres.
   Vec3d scale = Vec3d::Zero();
   for (int k = 0; k < 3; ++k)
     if (const double s = 2097151.0 / (all.max[k] - all.min[k]); std::isfinite(s)) scale[k] = s;
@@ -198,6 +202,7 @@ Tree buildTree(std::span<const Vec3d> vertices, std::span<const Triangle> triang
     order[i] = {code, active[i]};
   });
   tbb::parallel_sort(order.begin(), order.end());
+
   Tree tree;
   tree.triangle.resize(order.size());
   tree.level.emplace_back(order.size());
@@ -205,6 +210,7 @@ Tree buildTree(std::span<const Vec3d> vertices, std::span<const Triangle> triang
     tree.triangle[i] = order[i].second;
     tree.level[0][i] = boxOf(vertices, triangles[order[i].second]);
   });
+
   while (tree.level.back().size() > 1) {
     const std::vector<Box>& below = tree.level.back();
     std::vector<Box> here((below.size() + 3) / 4);
@@ -220,14 +226,17 @@ void pairsOfGroup(const Tree& tree, std::span<const Vec3d> vertices, std::span<c
   const std::vector<Box>& leaf = tree.level[0];
   const std::size_t begin = 4 * g, end = std::min(begin + 4, leaf.size());
   const Box& box = tree.level[1][g];
+
   struct Node {
     std::size_t level, index;
   };
   std::array<Node, 128> stack;  // depth <= 16 levels, at most 3 waiting nodes per level
   std::size_t top = 0;
   stack[top++] = {tree.level.size() - 1, 0};
+
   while (top > 0) {
     const Node node = stack[--top];
+
     if (node.level == 1) {
       const std::size_t first = 4 * node.index, last = std::min(first + 4, leaf.size());
       for (std::size_t i = begin; i < end; ++i)
@@ -238,6 +247,7 @@ void pairsOfGroup(const Tree& tree, std::span<const Vec3d> vertices, std::span<c
           }
       continue;
     }
+
     const std::size_t below = node.level - 1;
     const std::vector<Box>& boxes = tree.level[below];
     const std::size_t first = 4 * node.index, last = std::min(first + 4, boxes.size());
@@ -279,9 +289,12 @@ std::vector<Pair> selfIntersections(std::span<const Vec3d> vertices, std::span<c
       ++f;
     else
       active.push_back(static_cast<std::uint32_t>(t));
+
   std::vector<Pair> pairs;
   if (active.size() < 2 || stop_after == 0) return pairs;
   const Tree tree = buildTree(vertices, triangles, active);
+
+  // In rounds of blocks, so that a limited search can stop early.
   const std::size_t groups = tree.level[1].size();
   constexpr std::size_t kGrain = 256;  // fixed, so that the rounds of a limited search are the same on any machine
   const std::size_t blocks = (groups + kGrain - 1) / kGrain;
@@ -296,6 +309,7 @@ std::vector<Pair> selfIntersections(std::span<const Vec3d> vertices, std::span<c
     for (std::size_t block = start; block < stop; ++block)
       pairs.insert(pairs.end(), found[block].begin(), found[block].end());
   }
+
   std::sort(pairs.begin(), pairs.end());
   if (pairs.size() > stop_after) pairs.resize(stop_after);
   return pairs;

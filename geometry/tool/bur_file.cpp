@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "geometry/tool/head_shape.h"
 #include "geometry/tool/tool_kinds.h"
@@ -64,6 +65,7 @@ std::vector<ProfilePoint> readProfile(TomlTable& top) {
   std::vector<ProfilePoint> out;
   const toml::node* node = top.node(kKey);
   const toml::array* array = node ? node->as_array() : nullptr;
+
   if (!array || array->size() < 2 || array->size() > kMost) {
     top.reject(kKey,
                array  ? fmt::format("{} points", array->size())
@@ -72,6 +74,7 @@ std::vector<ProfilePoint> readProfile(TomlTable& top) {
                expected, example);
     return out;
   }
+
   for (const toml::node& item : *array) {
     const toml::array* numbers = item.as_array();
     const bool fits = numbers && (numbers->size() == 2 || numbers->size() == 3) &&
@@ -79,6 +82,7 @@ std::vector<ProfilePoint> readProfile(TomlTable& top) {
     const auto at = [&](std::size_t n) { return fits && n < numbers->size() ? *(*numbers)[n].value<double>() : 0.0; };
     const ProfilePoint p{at(0), at(1), at(2)};
     const std::string point = fmt::format("point {}", out.size() + 1);
+
     if (!fits)
       top.reject(kKey, point + " is neither [height, diameter] nor [height, diameter, arc radius]", expected, example);
     else if (!(p.height >= 0 && p.height <= 50 && p.diameter >= 0 && p.diameter <= 50))
@@ -94,6 +98,7 @@ std::vector<ProfilePoint> readProfile(TomlTable& top) {
     if (top.failed()) return out;
     out.push_back(p);
   }
+
   if (out.back().height <= 0) top.reject(kKey, "no height", expected, example);
   return out;
 }
@@ -172,6 +177,113 @@ const HeadShape* readShape(TomlTable& top) {
   return nullptr;
 }
 
+// The numbers of the head: those its shape takes, and its diameter.
+HeadNumbers readHead(TomlTable& top, const HeadShape& shape) {
+  HeadNumbers n;
+  for (const HeadKey& key : headKeys()) {
+    const auto taken = std::find_if(shape.keys.begin(), shape.keys.end(),
+                                    [&](const HeadShape::Key& k) { return std::string(k.name) == key.name; });
+    const bool is_diameter = key.value == &HeadNumbers::head_diameter;
+    if (taken == shape.keys.end() && !is_diameter) continue;
+
+    if (is_diameter && top.has(key.name))
+      if (const auto said = top.node(key.name)->value<double>(); said && *said > 0 && *said < key.low)
+        top.reject(key.name, fmt::format("{}", *said), fmt::format("a number from {} to {} mm", key.low, key.high),
+                   "mm, not cm or m: 016 on a packet is 1.6");
+    const std::string unit = fmt::format("{}: {}", key.unit, key.meaning);
+    if (is_diameter || !taken->unsaid || top.has(key.name))
+      n.*key.value = top.number(key.name, key.low, key.high, unit.c_str());
+    else
+      top.allow(key.name);
+  }
+  if (shape.takes_profile) n.profile = readProfile(top);
+  return n;
+}
+
+// What only collides above the head; diameter 0: there is none.
+struct Stem {
+  double neck = 0, neck_length = 0, shank = 0, shank_length = 0;  // mm
+};
+
+Stem readStem(TomlTable& top, double head_diameter) {
+  Stem stem;
+  stem.neck = top.numberOr("neck_diameter", 0, 0.05, 50);
+  stem.neck_length = top.numberOr("neck_length", 0, 0.05, 100);
+  stem.shank = top.numberOr("shank_diameter", 0, 0.05, 50);
+  stem.shank_length = top.numberOr("shank_length", 0, 0.05, 200);
+  for (const char* part : {"neck", "shank"})
+    if (const std::string d = fmt::format("{}_diameter", part), l = fmt::format("{}_length", part);
+        top.has(d) != top.has(l))
+      top.reject(top.has(d) ? d : l, "stands alone", "both " + d + " and " + l + ", or neither");
+  if (stem.neck > head_diameter)
+    top.reject("neck_diameter", fmt::format("{}", stem.neck),
+               fmt::format("at most the head_diameter, {} mm", head_diameter),
+               "a neck that can follow the head into its cut");
+  return stem;
+}
+
+// Up to where the end reaches, if only one of side and end cuts; 0: left out, as a drill may.
+double readEndLength(TomlTable& top, const Tool& tool, bool is_parted) {
+  top.allow("end_length");
+  if (is_parted && (top.has("end_length") || tool.shape != "drill")) return top.number("end_length", 0.05, 50);
+  if (top.has("end_length"))
+    top.reject("end_length", "where all of the head cuts", "cuts = [\"end\"] or [\"side\"] beside it");
+  return 0;
+}
+
+// The head's outline; nothing, and the mistake in `top`, when the numbers make none.
+std::optional<RevolvedProfile> buildHead(TomlTable& top, const HeadShape& shape, const HeadNumbers& n) {
+  const auto built = shape.build(n);
+  if (!built) {
+    const HeadMistake& wrong = built.error();
+    const auto key =
+        std::find_if(headKeys().begin(), headKeys().end(), [&](const HeadKey& k) { return wrong.key == k.name; });
+    top.reject(wrong.key, key == headKeys().end() ? "a point that can not be drawn" : fmt::format("{}", n.*key->value),
+               wrong.expected, wrong.hint);
+    return std::nullopt;
+  }
+  if (const double widest = 2 * built->largestRadius(); std::abs(widest - n.head_diameter) > 1e-6) {
+    top.reject("head_diameter", fmt::format("{}", n.head_diameter),
+               fmt::format("the widest of the profile, {} mm", widest),
+               std::abs(2 * n.head_diameter - widest) < 1e-6 ? "diameters throughout, never radii" : "");
+    return std::nullopt;
+  }
+  return *built;
+}
+
+// Neck and shank. The lowest part reaches down into the head until it is wholly covered: a ball narrows towards its
+// top. A shank wider than all of the head begins above it.
+RevolvedProfile outlineOf(const Stem& stem, const RevolvedProfile& head) {
+  const double lowest = 0.5 * (stem.neck > 0 ? stem.neck : stem.shank);
+  RevolvedProfile body(lowest > head.largestRadius() ? head.highest() : head.highestAsWideAs(lowest));
+  if (stem.neck > 0)
+    body.lineTo(0.5 * stem.neck, body.end()[1]).lineTo(0.5 * stem.neck, head.highest() + stem.neck_length);
+  if (stem.shank > 0)
+    body.lineTo(0.5 * stem.shank, body.end()[1])
+        .lineTo(0.5 * stem.shank, head.highest() + stem.neck_length + stem.shank_length);
+  return body.close();
+}
+
+// cut and body of the tool. @param end_length  where end and side part, if not both cut.
+void buildShapes(Tool& tool, const RevolvedProfile& head, double end_length, const Stem& stem) {
+  const bool is_parted = tool.cuts_side != tool.cuts_end;
+  tool.head = std::make_shared<const RevolvedProfile>(head);
+  const double low = tool.cuts_end ? 0 : end_length, high = tool.cuts_side ? head.highest() : end_length;
+  tool.cutting = is_parted ? std::make_shared<const RevolvedProfile>(head.clipped(low, high)) : tool.head;
+  tool.cut = std::make_shared<const RevolvedShape>(*tool.cutting);
+  if (!tool.cuts_end) tool.plunge_direction = -Vec3d::UnitX();
+
+  if (is_parted)
+    tool.body_outlines.push_back(tool.cuts_end ? head.clipped(high, head.highest()) : head.clipped(0, low));
+  if (stem.neck > 0 || stem.shank > 0) tool.body_outlines.push_back(outlineOf(stem, head));
+  std::vector<std::shared_ptr<const ToolShape>> parts;
+  for (const RevolvedProfile& outline : tool.body_outlines) parts.push_back(std::make_shared<RevolvedShape>(outline));
+  if (parts.size() == 1)
+    tool.body = parts[0];
+  else if (!parts.empty())
+    tool.body = std::make_shared<const UnionShape>(parts);
+}
+
 }  // namespace
 
 void allowBurKeys(TomlTable& top) {
@@ -183,97 +295,30 @@ void readBur(TomlTable& top, Tool& tool) {
   for (const Synonym& s : kKeyWords) top.explain(s.word, s.hint);
   const HeadShape* shape = readShape(top);
   if (!shape) return;
+
   tool.shape = shape->name;
-  HeadNumbers n;
-  for (const HeadKey& key : headKeys()) {
-    const auto taken = std::find_if(shape->keys.begin(), shape->keys.end(),
-                                    [&](const HeadShape::Key& k) { return std::string(k.name) == key.name; });
-    const bool is_diameter = key.value == &HeadNumbers::head_diameter;
-    if (taken == shape->keys.end() && !is_diameter) continue;
-    if (is_diameter && top.has(key.name))
-      if (const auto said = top.node(key.name)->value<double>(); said && *said > 0 && *said < key.low)
-        top.reject(key.name, fmt::format("{}", *said), fmt::format("a number from {} to {} mm", key.low, key.high),
-                   "mm, not cm or m: 016 on a packet is 1.6");
-    const std::string unit = fmt::format("{}: {}", key.unit, key.meaning);
-    if (is_diameter || !taken->unsaid || top.has(key.name))
-      n.*key.value = top.number(key.name, key.low, key.high, unit.c_str());
-    else
-      top.allow(key.name);
-  }
-  if (shape->takes_profile) n.profile = readProfile(top);
+  const HeadNumbers n = readHead(top, *shape);
   readCuts(top, tool);
   readIso6360(top, tool, n.head_diameter);
-  const double neck = top.numberOr("neck_diameter", 0, 0.05, 50);
-  const double neck_length = top.numberOr("neck_length", 0, 0.05, 100);
-  const double shank = top.numberOr("shank_diameter", 0, 0.05, 50);
-  const double shank_length = top.numberOr("shank_length", 0, 0.05, 200);
-  for (const char* part : {"neck", "shank"})
-    if (const std::string d = fmt::format("{}_diameter", part), l = fmt::format("{}_length", part);
-        top.has(d) != top.has(l))
-      top.reject(top.has(d) ? d : l, "stands alone", "both " + d + " and " + l + ", or neither");
-  if (neck > n.head_diameter)
-    top.reject("neck_diameter", fmt::format("{}", neck),
-               fmt::format("at most the head_diameter, {} mm", n.head_diameter),
-               "a neck that can follow the head into its cut");
+  const Stem stem = readStem(top, n.head_diameter);
   const bool is_parted = tool.cuts_side != tool.cuts_end;
-  double end_length = 0;
-  top.allow("end_length");
-  if (is_parted && (top.has("end_length") || tool.shape != "drill"))
-    end_length = top.number("end_length", 0.05, 50);
-  else if (top.has("end_length"))
-    top.reject("end_length", "where all of the head cuts", "cuts = [\"end\"] or [\"side\"] beside it");
+  double end_length = readEndLength(top, tool, is_parted);
   if (top.failed()) return;
 
-  const auto built = shape->build(n);
-  if (!built) {
-    const HeadMistake& wrong = built.error();
-    const auto key =
-        std::find_if(headKeys().begin(), headKeys().end(), [&](const HeadKey& k) { return wrong.key == k.name; });
-    top.reject(wrong.key, key == headKeys().end() ? "a point that can not be drawn" : fmt::format("{}", n.*key->value),
-               wrong.expected, wrong.hint);
-    return;
-  }
-  const RevolvedProfile& head = *built;
-  if (const double widest = 2 * head.largestRadius(); std::abs(widest - n.head_diameter) > 1e-6) {
-    top.reject("head_diameter", fmt::format("{}", n.head_diameter),
-               fmt::format("the widest of the profile, {} mm", widest),
-               std::abs(2 * n.head_diameter - widest) < 1e-6 ? "diameters throughout, never radii" : "");
-    return;
-  }
+  const std::optional<RevolvedProfile> head = buildHead(top, *shape, n);
+  if (!head) return;
   tool.head_diameter_mm = n.head_diameter;
-  tool.head_length_mm = head.highest();
-  if (tool.iso) checkShank(top, *tool.iso, shank, head.highest() + neck_length + shank_length);
+  tool.head_length_mm = head->highest();
+  if (tool.iso) checkShank(top, *tool.iso, stem.shank, head->highest() + stem.neck_length + stem.shank_length);
   // A drill cuts with its point and the corner behind it: without that land the rim would be a knife's edge, which no
   // grid holds.
-  if (is_parted && end_length == 0) end_length = head.pieces().front().to[1] + 0.25 * n.head_diameter;
-  if (is_parted && !(end_length < head.highest()))
+  if (is_parted && end_length == 0) end_length = head->pieces().front().to[1] + 0.25 * n.head_diameter;
+  if (is_parted && !(end_length < head->highest()))
     top.reject("end_length", fmt::format("{}", end_length),
-               fmt::format("less than the head's length, {:.4g} mm", head.highest()));
+               fmt::format("less than the head's length, {:.4g} mm", head->highest()));
   if (top.failed()) return;
 
-  tool.head = std::make_shared<const RevolvedProfile>(head);
-  const double low = tool.cuts_end ? 0 : end_length, high = tool.cuts_side ? head.highest() : end_length;
-  tool.cutting = is_parted ? std::make_shared<const RevolvedProfile>(head.clipped(low, high)) : tool.head;
-  tool.cut = std::make_shared<const RevolvedShape>(*tool.cutting);
-  if (!tool.cuts_end) tool.plunge_direction = -Vec3d::UnitX();
-  if (is_parted)
-    tool.body_outlines.push_back(tool.cuts_end ? head.clipped(high, head.highest()) : head.clipped(0, low));
-  if (neck > 0 || shank > 0) {
-    // The lowest part reaches down into the head until it is wholly covered: a ball narrows towards its top. A shank
-    // wider than all of the head begins above it.
-    const double lowest = 0.5 * (neck > 0 ? neck : shank);
-    RevolvedProfile body(lowest > head.largestRadius() ? head.highest() : head.highestAsWideAs(lowest));
-    if (neck > 0) body.lineTo(0.5 * neck, body.end()[1]).lineTo(0.5 * neck, head.highest() + neck_length);
-    if (shank > 0)
-      body.lineTo(0.5 * shank, body.end()[1]).lineTo(0.5 * shank, head.highest() + neck_length + shank_length);
-    tool.body_outlines.push_back(body.close());
-  }
-  std::vector<std::shared_ptr<const ToolShape>> parts;
-  for (const RevolvedProfile& outline : tool.body_outlines) parts.push_back(std::make_shared<RevolvedShape>(outline));
-  if (parts.size() == 1)
-    tool.body = parts[0];
-  else if (!parts.empty())
-    tool.body = std::make_shared<const UnionShape>(parts);
+  buildShapes(tool, *head, end_length, stem);
 }
 
 }  // namespace kerf

@@ -5,26 +5,6 @@
 namespace kerf {
 namespace {
 
-// How a kind of motion says how fast it is, and what stops it.
-struct DriveKeys {
-  const char* speed;
-  double low, high, per_second;  // of one unit of speed
-  const char* unit;
-  const char* stall;
-  const char* stall_unit;
-};
-constexpr DriveKeys kTurns{"speed_rpm", 1, 1e6, 1.0 / 60, "rpm", "stall_torque_Nmm", "N mm"};
-constexpr DriveKeys kStrokes{"cycles_per_min", 10, 1e5, 1.0 / 60, "cycles/min", "stall_force_N", "N"};
-constexpr DriveKeys kMicroStrokes{"frequency_khz", 1, 100, 1000, "kHz", "stall_force_N", "N"};
-constexpr DriveKeys kSwings{"cycles_per_min", 10, 1e5, 1.0 / 60, "cycles/min", "stall_torque_Nmm", "N mm"};
-
-const DriveKeys& keysOf(const Tool& tool) {
-  if (tool.kind != ToolKind::kBlade || tool.motion == BladeMotion::kSpin) return kTurns;
-  return tool.motion == BladeMotion::kSagittal ? kSwings
-         : tool.motion == BladeMotion::kPiezo  ? kMicroStrokes
-                                               : kStrokes;
-}
-
 void explainWords(TomlTable& t, const DriveKeys& keys) {
   const std::string speed = keys.speed, stall = keys.stall;
   for (const char* word : {"speed", "rpm", "speed_rpm", "cycles_per_min", "frequency_khz", "spindle_speed", "cpm",
@@ -49,11 +29,15 @@ void explainWords(TomlTable& t, const DriveKeys& keys) {
 Expected<void> readDrive(const TomlTable& top, const std::filesystem::path& file, Tool& tool) {
   const toml::node* node = top.node("drive");
   if (!node) return {};
-  const DriveKeys& keys = keysOf(tool);
+  const DriveKeys& keys = tool.motion ? tool.motion->drive_keys : kTurns;
   if (!node->is_table())
-    return fail({Error::Code::kBadFormat, file.string(), fmt::format("line {}, key drive", node->source().begin.line),
-                 "a value of another type", "a table of numbers",
-                 fmt::format("[drive] on a line of its own, and below it {} = ...", keys.speed)});
+    return fail({.code = Error::Code::kBadFormat,
+                 .file = file.string(),
+                 .place = fmt::format("line {}, key drive", node->source().begin.line),
+                 .found = "a value of another type",
+                 .expected = "a table of numbers",
+                 .hint = fmt::format("[drive] on a line of its own, and below it {} = ...", keys.speed)});
+
   TomlTable t(*node->as_table(), file, "drive");
   explainWords(t, keys);
   const auto optional = [&](const char* key, double low, double high, const char* unit) -> std::optional<double> {
@@ -61,6 +45,7 @@ Expected<void> readDrive(const TomlTable& top, const std::filesystem::path& file
     if (!t.has(key)) return std::nullopt;
     return t.number(key, low, high, unit);
   };
+
   if (const auto speed = optional(keys.speed, keys.low, keys.high, keys.unit))
     tool.drive.frequency_hz = *speed * keys.per_second;
   tool.drive.stall_load = optional(keys.stall, 0.1, 1e5, keys.stall_unit);

@@ -87,10 +87,13 @@ Outline torpedo(const Numbers& n) {
   const double R = 0.5 * n.head_diameter, r = 0.5 * orElse(n.tip_diameter, n.head_diameter), h = n.point_length;
   if (r > R) return wrong("tip_diameter", fmt::format("at most the head_diameter, {} mm", n.head_diameter));
   if (h >= n.head_length) return wrong("point_length", fmt::format("less than the head_length, {} mm", n.head_length));
+
   const double a = std::atan2(R - r, n.head_length - h);
   const Point P(r, h), normal(std::cos(a), -std::sin(a));
+
   const double s = P.dot(normal) > 0 ? P.squaredNorm() / (2 * P.dot(normal)) : 0;
   const Point center = P - s * normal;
+
   if (s <= 0 || center[0] > 0)
     return wrong("point_length",
                  fmt::format("a point between half as long as it is wide, {:.3g} mm, and one that the "
@@ -107,6 +110,7 @@ Outline invertedCone(const Numbers& n) {
                  "shape = \"taper_flat\" for a head that is widest at its top");
   if (edge > R || 2 * edge > n.head_length)
     return wrong("edge_radius", fmt::format("at most {:.3g} mm", std::min(R, 0.5 * n.head_length)));
+
   const Point center(R - edge, edge), last(top, n.head_length);
   RevolvedProfile head;
   head.lineTo(center[0], 0);
@@ -131,22 +135,26 @@ Outline twoArcs(const Numbers& n, double widest_at, double tip_diameter, double 
   const double R = 0.5 * n.head_diameter, L = n.head_length;
   const double w = orElse(n.widest_at, widest_at * L), r = 0.5 * orElse(n.tip_diameter, tip_diameter * n.head_diameter);
   const double top = 0.5 * orElse(n.top_diameter, top_diameter * n.head_diameter), up = L - w;
+
   if (w >= L) return wrong("widest_at", fmt::format("less than the head_length, {} mm", L));
   if (w < R)
     return wrong(std::isnan(n.widest_at) ? "head_length" : "widest_at",
                  fmt::format("a head that is widest no lower than half its diameter, {:.3g} mm above the tip", R),
                  "a longer head, or shape = \"pear\" or \"round\"");
+
   constexpr double kNearly = 1 - 1e-6;  // beyond, the arc's centre is too far away for its numbers to hold
   if (r > kNearly * R) return wrong("tip_diameter", fmt::format("less than the head_diameter, {} mm", n.head_diameter));
   if (top > R) return wrong("top_diameter", fmt::format("at most the head_diameter, {} mm", n.head_diameter));
   if (up < R - top)
     return wrong("top_diameter", fmt::format("at least {:.3g} mm: an arc can not bend in faster", 2 * (R - up)));
+
   const double s = (R * R + (w - r) * (w - r) - r * r) / (2 * (R - r));
   const Point lower(R - s, w), tip(0, r);
   RevolvedProfile head;
   if (r > 0) head.arcTo(tip, lower + s * (tip - lower).normalized());
   head.arcTo(lower, {R, w});
   if (top > kNearly * R) return head.lineTo(R, L).close();
+
   const double q = ((R - top) * (R - top) + up * up) / (2 * (R - top));
   return head.arcTo({R - q, w}, {top, L}).close();
 }
@@ -176,6 +184,7 @@ Outline freeOutline(const Numbers& n) {
       head.lineTo(to[0], to[1]);
       continue;
     }
+
     const double half = 0.5 * (to - from).norm(), radius = std::abs(p.arc_radius);
     const std::string which = fmt::format("point {}: ", i + 1);
     if (i == 0 || half <= 0) return wrong("profile", which + "two numbers: no arc leads here");
@@ -184,6 +193,7 @@ Outline freeOutline(const Numbers& n) {
           "profile",
           fmt::format("{}an arc radius of at least {:.4g} mm, half the way from the point before", which, half),
           fmt::format("{:.4g} for a half circle", half));
+
     // The centre lies beside the middle of the way: inwards (left of it) for a bulge.
     const Point along = (to - from) / (2 * half), left(-along[1], along[0]);
     const double off = std::sqrt(std::max(0.0, radius * radius - half * half));
@@ -193,6 +203,7 @@ Outline freeOutline(const Numbers& n) {
       return wrong("profile", which + "an arc whose heights do not decrease", "a larger arc radius");
     if (p.arc_radius < 0 && from[1] <= center[1] && to[1] >= center[1] && center[0] - radius < 0)
       return wrong("profile", which + "an arc that stays off the axis", "a larger arc radius");
+
     p.arc_radius > 0 ? head.arcTo(center, to) : head.hollowArcTo(center, to);
   }
   return head.close();

@@ -78,6 +78,7 @@ std::string Iso6360::meaning() const {
   const auto say = [&](const char* group, const std::string& code, const std::string& meaning) {
     text += meaning.empty() ? fmt::format("{} {}; ", group, code) : meaning + "; ";
   };
+
   say("material", material, materialName());
   const auto known = shankKnown();
   say("shank", shank,
@@ -93,12 +94,14 @@ Expected<Iso6360> parseIso6360(const std::string& code) {
     std::string digits;
     for (const char c : code)
       if (c >= '0' && c <= '9') digits += c;
-    return fail({Error::Code::kBadValue, "", "",
-                 is_digits ? fmt::format("\"{}\" has {} digits", code, code.size()) : "\"" + code + "\"",
-                 "15 digits: material 806, shank 314, shape 198, execution 524, head diameter 016 in 1/10 mm",
-                 digits.size() == 15 ? "\"" + digits + "\", digits only"
+    return fail(
+        {.code = Error::Code::kBadValue,
+         .found = is_digits ? fmt::format("\"{}\" has {} digits", code, code.size()) : "\"" + code + "\"",
+         .expected = "15 digits: material 806, shank 314, shape 198, execution 524, head diameter 016 in 1/10 mm",
+         .hint = digits.size() == 15 ? "\"" + digits + "\", digits only"
                                      : "\"806314198524016\", or leave the key out if a digit is not known"});
   }
+
   return Iso6360{code.substr(0, 3), code.substr(3, 3), code.substr(6, 3), code.substr(9, 3),
                  std::stoi(code.substr(12))};
 }

@@ -27,11 +27,14 @@ Nearest nearestOnTriangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, const 
   const double d1 = ab.dot(ap), d2 = ac.dot(ap), d3 = ab.dot(bp), d4 = ac.dot(bp), d5 = ab.dot(cp), d6 = ac.dot(cp);
   if (d1 <= 0 && d2 <= 0) return found(0, a);
   if (d3 >= 0 && d4 <= d3) return found(1, b);
+
   const double vc = d1 * d4 - d3 * d2;
   if (vc <= 0 && d1 >= 0 && d3 <= 0) return found(3, a + d1 / (d1 - d3) * ab);
   if (d6 >= 0 && d5 <= d6) return found(2, c);
+
   const double vb = d5 * d2 - d1 * d6;
   if (vb <= 0 && d2 >= 0 && d6 <= 0) return found(5, a + d2 / (d2 - d6) * ac);
+
   const double va = d3 * d6 - d5 * d4;
   if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) return found(4, b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b));
   const double sum = va + vb + vc;
@@ -55,6 +58,7 @@ MeshShape::MeshShape(Mesh mesh, bool is_convex) : box_(kerf::bounds(mesh)), is_c
       edges.try_emplace(std::minmax(v[k], v[(k + 1) % 3]), Vec3d::Zero()).first->second += faces[t];
     }
   }
+
   triangles_.resize(count);
   for (std::size_t t = 0; t < count; ++t) {
     const Triangle& v = mesh.triangles[t];
@@ -65,6 +69,7 @@ MeshShape::MeshShape(Mesh mesh, bool is_convex) : box_(kerf::bounds(mesh)), is_c
       triangles_[t].edge[k] = edges.at(std::minmax(v[k], v[(k + 1) % 3]));
     }
   }
+
   order_.resize(count);
   std::iota(order_.begin(), order_.end(), 0u);
   if (count > 0) build(0, static_cast<std::uint32_t>(count), centers);
@@ -78,12 +83,15 @@ std::uint32_t MeshShape::build(std::uint32_t first, std::uint32_t count, const s
     for (const Vec3d& p : triangles_[order_[n]].at) box.add(p);
     middles.add(centers[order_[n]]);
   }
+
   nodes_[here].box = box;
+
   if (count <= kLeaf) {
     nodes_[here].first = first;
     nodes_[here].count = count;
     return here;
   }
+
   int axis = 0;
   middles.size().maxCoeff(&axis);
   const std::uint32_t half = count / 2;
@@ -101,6 +109,7 @@ double MeshShape::distance(const Vec3d& p) const noexcept {
   std::array<std::uint32_t, 64> stack;  // halved at every level: never deeper than 32
   std::size_t size = 0;
   stack[size++] = 0;
+
   Nearest best{std::numeric_limits<double>::infinity(), 6, p};
   std::uint32_t triangle = 0;
   while (size > 0) {
@@ -118,11 +127,13 @@ double MeshShape::distance(const Vec3d& p) const noexcept {
       }
       continue;
     }
+
     const std::uint32_t left = at + 1, right = node.right;
     const bool left_first = squaredDistance(nodes_[left].box, p) < squaredDistance(nodes_[right].box, p);
     stack[size++] = left_first ? right : left;
     stack[size++] = left_first ? left : right;
   }
+
   const Corners& t = triangles_[triangle];
   const Vec3d& normal = best.feature < 3   ? t.corner[best.feature]
                         : best.feature < 6 ? t.edge[best.feature - 3]
@@ -158,6 +169,7 @@ std::optional<Mesh> convexPartBelow(const Mesh& mesh, double level, double slack
     }
     return at->second;
   };
+
   std::vector<std::pair<std::uint32_t, std::uint32_t>> rim;  // level edges of the part, the part on their left
   for (const Triangle& t : mesh.triangles) {
     std::vector<std::uint32_t> polygon;
@@ -174,12 +186,14 @@ std::optional<Mesh> convexPartBelow(const Mesh& mesh, double level, double slack
         is_cut.push_back(true);
       }
     }
+
     for (std::size_t n = 1; n + 1 < polygon.size(); ++n)
       part.triangles.push_back({polygon[0], polygon[n], polygon[n + 1]});
     for (std::size_t n = 0; n < polygon.size(); ++n)
       if (const std::size_t m = (n + 1) % polygon.size(); is_cut[n] && is_cut[m])
         rim.emplace_back(polygon[n], polygon[m]);
   }
+
   if (part.triangles.empty()) return std::nullopt;
   if (!rim.empty()) {  // a fan about its middle: right for one convex rim, and no other passes below
     Vec3d middle = Vec3d::Zero();
@@ -188,6 +202,7 @@ std::optional<Mesh> convexPartBelow(const Mesh& mesh, double level, double slack
     part.vertices.push_back(middle);
     for (const auto& [a, b] : rim) part.triangles.push_back({center, b, a});
   }
+
   for (std::size_t t = 0; t < part.triangles.size(); ++t) {
     const Vec3d area = doubleAreaVector(part, t);
     const double length = area.norm();

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "geometry/formats/mesh_io.h"
+#include "geometry/formats/mesh_formats.h"
 #include "geometry/mesh/mesh_check.h"
 #include "geometry/tool/mesh_shape.h"
 #include "geometry/tool/tool_kinds.h"
@@ -15,9 +15,8 @@ namespace fs = std::filesystem;
 constexpr const char* kMeshKeys[] = {"mesh", "mm_per_unit", "tip", "axis", "cut_below"};
 
 bool isMeshName(const std::string& name) {
-  const std::string extension = fs::path(name).extension().string();
-  return fs::path(name).filename() == name &&
-         (extension == ".stl" || extension == ".ply" || extension == ".obj" || extension == ".off");
+  const MeshFormatRow* format = formatOfExtension(fs::path(name).extension().string());
+  return fs::path(name).filename() == name && format && format->read;
 }
 
 Vec3d readVector(TomlTable& top, const char* key) {
@@ -38,25 +37,32 @@ void readMeshTool(TomlTable& top, const fs::path& folder, Tool& tool) {
   const double scale = top.number("mm_per_unit", 1e-4, 1e4, "mm");
   const Vec3d tip = readVector(top, "tip"), axis = readVector(top, "axis");
   tool.cut_below_mm = top.number("cut_below", 0.01, 100, "mm above the tip");
+
   if (!isMeshName(name))
-    top.reject("mesh", "\"" + name + "\"", "the name of an .stl, .ply, .obj or .off file in the folder of this one");
+    top.reject("mesh", "\"" + name + "\"",
+               "the name of a mesh file (" + readableExtensions() + ") in the folder of this one");
   if (!(axis.norm() > 1e-9)) top.reject("axis", "no direction", "the way from the tip to the shank: [0, 0, 1]");
   if (top.failed()) return;
+
   tool.mesh_file = folder / name;
   auto file = readMesh(tool.mesh_file);
   if (!file) return top.reject("mesh", file.error().message(), "a mesh that can be read", "kerf check " + name);
+
   Mesh& mesh = file->mesh;
   const Eigen::Quaterniond upright = Eigen::Quaterniond::FromTwoVectors(axis, Vec3d::UnitZ()).normalized();
   for (Vec3d& p : mesh.vertices) p = upright * (scale * (p - tip));
+
   const MeshReport report = checkMesh(mesh);
   if (!report.print_ready)
     return top.reject("mesh", report.reasons.empty() ? "not a solid" : report.reasons.front(),
                       "a closed solid that does not cross itself",
                       "kerf bake closes and mends meshes: take its solid.ply");
+
   const Box3 box = bounds(mesh);
   if (box.size().maxCoeff() > 500)
     return top.reject("mm_per_unit", fmt::format("{} makes a tool of {:.4g} mm", scale, box.size().maxCoeff()),
                       "a tool of at most 500 mm", "the unit of the file: 1 for mm");
+
   if (const double lowest = box.min[2]; std::abs(lowest) > 0.02) {
     Vec3d at = Vec3d::Zero();
     for (const Vec3d& p : mesh.vertices)
@@ -65,6 +71,7 @@ void readMeshTool(TomlTable& top, const fs::path& folder, Tool& tool) {
         "tip", fmt::format("the mesh begins {:.4g} mm {} it", std::abs(lowest), lowest < 0 ? "below" : "above"),
         "the mesh's lowest point along the axis", fmt::format("tip = [{:.6g}, {:.6g}, {:.6g}]", at[0], at[1], at[2]));
   }
+
   const auto solid = std::make_shared<const MeshShape>(mesh);
   if (auto part = convexPartBelow(mesh, tool.cut_below_mm))
     tool.cut = std::make_shared<const MeshShape>(std::move(*part), true);

@@ -46,6 +46,7 @@ double SweptTool::distance(const Vec3d& x, double cutoff, double tolerance, doub
   const double best = at(x, 0.5);
   const double lower = best - 0.5 * speed;
   if (lower >= cutoff || lower >= best - tolerance || best <= floor) return best;
+
   // Acceleration of the point in the tool's frame, per unit of s squared: centripetal and Coriolis.
   const double curvature = angle_ * (angle_ * lever + 2 * travel_.norm());
   return is_convex_ ? refineConvex(x, best, curvature, cutoff, tolerance, floor)
@@ -61,12 +62,14 @@ double SweptTool::refineConvex(const Vec3d& x, double best, double curvature, do
   const double slack = 0.5 * tolerance;
   const int parts = std::clamp(static_cast<int>(std::ceil(std::sqrt(curvature / (8 * slack)))), 1, 4096);
   const double bend = curvature / (8.0 * parts * parts);
+
   double left = at(x, 0);
   for (int part = 0; part < parts; ++part) {
     double a = part / static_cast<double>(parts), c = (part + 1) / static_cast<double>(parts), b = 0.5 * (a + c);
     double fa = left, fc = at(x, c), fb = at(x, b);
     left = fc;
     best = std::min({best, fa, fb, fc});
+
     for (int round = 0; round < 60 && best > floor; ++round) {
       // Convexity: beyond b, f stays above the line through the two points on the other side.
       const double slope_left = (fb - fa) / (b - a), slope_right = (fc - fb) / (c - b);
@@ -75,6 +78,7 @@ double SweptTool::refineConvex(const Vec3d& x, double best, double curvature, do
       const double open_right = slope_left < 0 ? low_right : fb, open_left = slope_right > 0 ? low_left : fb;
       const double lower = std::min({open_left, open_right, fb}) - bend;
       if (lower >= cutoff || lower >= best - slack - bend) break;
+
       // Look into the half whose bound is lower; keep three points with the lowest in the middle.
       if (open_right < open_left) {
         const double s = 0.5 * (b + c), f = at(x, s);
@@ -115,16 +119,20 @@ double SweptTool::refineLipschitz(const Vec3d& x, double best, double speed, dou
   struct Interval {
     double s0, f0, s1, f1;
   };
+
   const double middle = best, f0 = at(x, 0), f1 = at(x, 1);
   best = std::min({best, f0, f1});
   std::array<Interval, 64> stack;  // depth first, the more promising half last in: never deeper than the bisection
+
   std::size_t size = 0;
   const auto push = [&](const Interval& near, const Interval& far) {
     stack[size++] = far;
     stack[size++] = near;
   };
+
   const Interval first{0, f0, 0.5, middle}, second{0.5, middle, 1, f1};
   f0 < f1 ? push(first, second) : push(second, first);
+
   while (size > 0) {
     const Interval i = stack[--size];
     if (settled(0.5 * (i.f0 + i.f1) - 0.5 * speed * (i.s1 - i.s0)) || size + 2 > stack.size()) continue;
@@ -145,6 +153,7 @@ Box3 SweptTool::bounds() const {
   const Box3 tool = shape_.bounds();
   double lever = 0;
   for (int c = 0; c < 8; ++c) lever = std::max(lever, tool.corner(c).norm());
+
   const int steps = 1 + static_cast<int>(std::ceil(angle_ / 0.2));
   Box3 box;
   for (int n = 0; n <= steps; ++n) {

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "geometry/mesh/mesh.h"
+#include "geometry/tool/blade_motion.h"
 #include "geometry/tool/iso6360.h"
 #include "geometry/tool/tool_shape.h"
 
@@ -25,10 +26,9 @@ namespace kerf {
 
 enum class ToolKind { kBur, kBlade, kMesh };
 const char* kindName(ToolKind kind);  ///< as in files: "bur"
-enum class BladeMotion { kReciprocating, kPiezo, kSagittal, kSpin };
-const char* motionName(BladeMotion motion);  ///< as in files: "sagittal"
 
-/// What a tool's file says of its drive; what it leaves out is a training default of `sim/step/tool_model.h`.
+/// What a tool's file says of its drive. What it leaves out is a training default: of a blade its motion's, else one of
+/// `sim/step/tool_model.h`.
 struct DriveNumbers {
   std::optional<double> frequency_hz;                ///< turns, or cycles there and back, a second, free
   std::optional<double> stall_load;                  ///< what stops it: N mm, of a stroke along z N
@@ -59,9 +59,9 @@ struct Tool {
   double head_length_mm = 0;                       ///< bur: along z
 
   // Blade.
-  BladeMotion motion = BladeMotion::kReciprocating;
-  double thickness_mm = 0;     ///< without set
-  double set_per_side_mm = 0;  ///< how far teeth stand out
+  const BladeMotion* motion = nullptr;  ///< a row of bladeMotions(); null if it is no blade
+  double thickness_mm = 0;              ///< without set
+  double set_per_side_mm = 0;           ///< how far teeth stand out
   double blade_length_mm = 0, blade_width_mm = 0, stroke_mm = 0, tooth_pitch_mm = 0, edge_depth_mm = 0;
   double swing_deg = 0;  ///< sagittal: whole angle
 

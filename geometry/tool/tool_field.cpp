@@ -21,6 +21,7 @@ ToolField::ToolField(const ToolShape& shape, const ToolFieldOptions& options) : 
   lookup_.half = static_cast<float>(shape.halfThickness());
   lookup_.reach = static_cast<float>(options.margin_mm);
   for (int c = 0; c < 8; ++c) reach_ = std::max(reach_, bounds_.corner(c).norm());
+
   const bool is_planar = form != Symmetry::kNone;
   Vec3d low = bounds_.min, high = bounds_.max;
   if (is_planar) {
@@ -28,6 +29,7 @@ ToolField::ToolField(const ToolShape& shape, const ToolFieldOptions& options) : 
     low = form == Symmetry::kRevolved ? Vec3d(0, low[2], 0) : Vec3d(low[0], low[2], 0);
     high = form == Symmetry::kRevolved ? Vec3d(radius, high[2], 0) : Vec3d(high[0], high[2], 0);
   }
+
   // One sample beyond the margin on every side, so that no interpolation leaves the table.
   double spacing = is_planar ? options.spacing_mm : options.spacing_3d_mm;
   const auto samples = [&](int axis) {
@@ -38,9 +40,12 @@ ToolField::ToolField(const ToolShape& shape, const ToolFieldOptions& options) : 
     for (int axis = 0; axis < (is_planar ? 2 : 3); ++axis) n *= static_cast<std::size_t>(samples(axis));
     return n;
   };
+
   while (total() > options.most_samples) spacing *= 1.1;
+
   slack_ = (is_planar ? 0.4 : 0.7) * spacing;
   lookup_.inverse = static_cast<float>(1 / spacing);
+
   for (int axis = 0; axis < 3; ++axis) {
     const auto a = static_cast<std::size_t>(axis);
     lookup_.low[a] = static_cast<float>(low[axis]);
@@ -48,6 +53,7 @@ ToolField::ToolField(const ToolShape& shape, const ToolFieldOptions& options) : 
     lookup_.origin[a] = static_cast<float>(low[axis] - options.margin_mm - spacing);
     lookup_.size[a] = axis < (is_planar ? 2 : 3) ? samples(axis) : 1;
   }
+
   const double step = 1 / static_cast<double>(lookup_.inverse);
   const auto at = [&](int i, int j, int k) -> double {
     const Vec3d p(static_cast<double>(lookup_.origin[0]) + i * step, static_cast<double>(lookup_.origin[1]) + j * step,
@@ -55,6 +61,7 @@ ToolField::ToolField(const ToolShape& shape, const ToolFieldOptions& options) : 
     if (!is_planar) return shape.distance(p);
     return shape.distance(form == Symmetry::kRevolved ? Vec3d(std::abs(p[0]), 0, p[1]) : Vec3d(p[0], 0, p[1]));
   };
+
   table_.resize(total());
   tbb::parallel_for(0, lookup_.size[0], [&](int i) {
     std::size_t n = static_cast<std::size_t>(i) * static_cast<std::size_t>(lookup_.size[1] * lookup_.size[2]);

@@ -34,13 +34,16 @@ Expected<Tool> readTool(const fs::path& file) {
   Tool tool;
   const auto format = top.get<std::string>("format", "\"kerf-tool\"");
   if (format != "kerf-tool") top.reject("format", "\"" + format + "\"", "\"kerf-tool\"");
+
   const auto version = top.get<std::int64_t>("version", "1");
   if (version != 1) top.reject("version", fmt::format("{}", version), "1");
+
   tool.id = top.get<std::string>("id", "the file's name without .toml");
   if (tool.id.empty() || tool.id.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-") != std::string::npos)
     top.reject("id", "\"" + tool.id + "\"", "lower-case letters, digits and hyphens");
   tool.name = top.get<std::string>("name", "a name for people");
   tool.description = top.getOr<std::string>("description", "", "a text");
+
   const auto kind = top.get<std::string>("kind", "\"bur\", \"blade\" or \"mesh\"");
   if (kind == "bur") {
     tool.kind = ToolKind::kBur;
@@ -58,9 +61,11 @@ Expected<Tool> readTool(const fs::path& file) {
     allowBladeKeys(top);
     allowMeshKeys(top);
   }
+
   top.allow("drive");
   KERF_CHECK(top.finish());
   KERF_CHECK(readDrive(top, file, tool));
+
   // Last: a renamed copy of a tool should hear of what else is wrong with it first.
   if (file.filename() != kCopyInRun && file.stem() != tool.id) {
     const std::string stem = file.stem().string();
@@ -91,25 +96,35 @@ Expected<fs::path> findToolFile(const std::string& id_or_path, const std::vector
   std::error_code ignored;
   if (path.has_parent_path() || path.extension() == ".toml") {
     if (fs::is_regular_file(path, ignored)) return path;
-    return fail({Error::Code::kNotFound, id_or_path, "", "no such file", "a tool's TOML file", "kerf tool list"});
+    return fail({.code = Error::Code::kNotFound,
+                 .file = id_or_path,
+                 .found = "no such file",
+                 .expected = "a tool's TOML file",
+                 .hint = "kerf tool list"});
   }
+
   std::vector<std::string> ids;
   for (const fs::path& folder : folders) {
     if (fs::path file = folder / (id_or_path + ".toml"); fs::is_regular_file(file, ignored)) return file;
     for (const fs::path& file : toolFiles({folder})) ids.push_back(file.stem().string());
   }
+
   // Ids that hold the word ("330" is in us-330), or that look like it.
   std::vector<std::string> like;
   for (const std::string& id : ids)
     if (!id_or_path.empty() && id.find(id_or_path) != id.npos && like.size() < 5) like.push_back(id);
   if (like.empty()) like = nearestNames(id_or_path, ids, 5);
+
   std::string near;
   for (const std::string& id : like) near += (near.empty() ? "" : ", ") + id;
-  return fail({Error::Code::kNotFound, "", "tool " + id_or_path, "no such tool",
-               ids.empty() ? "a tools folder" : fmt::format("one of {} ids, or the path of a TOML file", ids.size()),
-               ids.empty()    ? "set KERF_ASSETS to the folder that holds tools/"
-               : near.empty() ? "kerf tool list"
-                              : near + "; kerf tool list shows all"});
+  return fail({.code = Error::Code::kNotFound,
+               .place = "tool " + id_or_path,
+               .found = "no such tool",
+               .expected = ids.empty() ? "a tools folder"
+                                       : fmt::format("one of {} ids, or the path of a TOML file", ids.size()),
+               .hint = ids.empty()    ? "set KERF_ASSETS to the folder that holds tools/"
+                       : near.empty() ? "kerf tool list"
+                                      : near + "; kerf tool list shows all"});
 }
 
 }  // namespace kerf

@@ -107,8 +107,10 @@ RevolvedProfile RevolvedProfile::clipped(double low, double high) const {
       if (piece.from[1] == low && low == lowest()) out.lineTo(piece.to[0], piece.to[1]);
       continue;
     }
+
     const double from = std::max(low, piece.from[1]), to = std::min(high, piece.to[1]);
     if (from >= to) continue;
+
     const Point begin = from == piece.from[1] ? piece.from : Point(piece.radiusAt(from), from);
     const Point end = to == piece.to[1] ? piece.to : Point(piece.radiusAt(to), to);
     out.lineTo(begin[0], begin[1]);
@@ -138,9 +140,11 @@ std::vector<Point> RevolvedProfile::polyline(double tolerance) const {
   for (const Piece& piece : pieces_) {
     if (piece.arc_radius > 0) {
       const auto angle = [&](const Point& p) { return std::atan2(p[1] - piece.center[1], p[0] - piece.center[0]); };
+
       const double a = angle(piece.from);
       double b = angle(piece.to);
       if (piece.is_hollow && b > a) b -= 2 * std::numbers::pi;  // clockwise, across the angle pi
+
       const double step = 2 * std::acos(1 - std::min(0.5, tolerance / piece.arc_radius));
       const int count = std::max(2, static_cast<int>(std::ceil(std::abs(b - a) / step)));
       for (int n = 1; n < count; ++n) {

@@ -115,7 +115,7 @@ Expected<std::vector<Mesh>> readMeshSources(const std::vector<fs::path>& paths, 
       choice.error().file = paths[n].string();
       return fail(choice.error());
     }
-    KERF_TRY(source, storeSource(paths[n], std::string(name(file.format)), hashes[n], case_folder, out.manifest));
+    KERF_TRY(source, storeSource(paths[n], std::string(file.format), hashes[n], case_folder, out.manifest));
     source->unit = choice->unit;
     source->unit_reason = choice->reason;
     source->scale_to_mm = choice->scale_to_mm;

@@ -55,23 +55,18 @@ double bandMiddle(Material material) noexcept {
 
 VibrationSource vibrationSource(const Tool& tool, const ToolDrive& drive) {
   VibrationSource out;
-  if (tool.kind == ToolKind::kBlade && tool.motion != BladeMotion::kSpin) {
-    const double way = tool.motion == BladeMotion::kSagittal ? tool.swing_deg * std::numbers::pi / 180 : tool.stroke_mm;
-    out.motion = tool.motion == BladeMotion::kSagittal ? ToolMotion::kSwing : ToolMotion::kStroke;
-    // The drive's speed is the mean there and back.
-    if (way > 0) out.cycles_per_speed = 1 / (2 * way);
-    const double way_mm = tool.motion == BladeMotion::kSagittal ? way * tool.blade_length_mm : way;
-    if (tool.tooth_pitch_mm > 0) out.teeth = way_mm / tool.tooth_pitch_mm;
-  } else {
+  out.motion = motionOf(tool);
+  if (out.motion == ToolMotion::kSpin)
     out.cycles_per_speed = 1 / (2 * std::numbers::pi);
-    if (tool.kind == ToolKind::kBlade)
-      out.teeth =
-          tool.tooth_pitch_mm > 0 ? std::round(std::numbers::pi * tool.head_diameter_mm / tool.tooth_pitch_mm) : 0;
-    else if (tool.shape == "drill")
-      out.teeth = 2;
-    else
-      out.teeth = tool.iso && tool.iso->material == "806" ? 0 : 6;  // 806: diamond
-  }
+  else if (const double way = tool.motion->way(tool); way > 0)
+    out.cycles_per_speed = 1 / (2 * way);  // the drive's speed is the mean there and back
+
+  if (tool.motion)
+    out.teeth = tool.motion->teeth(tool);
+  else if (tool.shape == "drill")
+    out.teeth = 2;
+  else
+    out.teeth = tool.iso && tool.iso->material == "806" ? 0 : 6;  // 806: diamond
   out.nominal_frequency = out.cycles_per_speed * drive.speed;
   return out;
 }

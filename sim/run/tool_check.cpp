@@ -42,9 +42,7 @@ Expected<ToolCheck> checkTool(const Tool& tool, double voxel_mm) {
   block.grow(6 * h);
   // Long edges meet a block 4 mm wide; where that is less than the edge, its ends stay outside.
   constexpr double kBlockWidth = 4;
-  const bool is_straight = tool.motion == BladeMotion::kReciprocating || tool.motion == BladeMotion::kPiezo;
-  if (tool.kind == ToolKind::kBlade && tool.motion != BladeMotion::kSagittal) {
-    const int along = is_straight ? 2 : 1;
+  if (const int along = tool.motion ? tool.motion->edge_axis : -1; along >= 0) {
     out.block_width_mm = std::min(kBlockWidth, tool.cut->bounds().size()[along]);
     if (out.block_width_mm == kBlockWidth) {
       const double middle = tool.cut->bounds().center()[along];

@@ -9,43 +9,20 @@ namespace kerf {
 namespace {
 
 constexpr double kRadPerSecond = 2 * std::numbers::pi / 60;  // of one turn per minute
-double swing(const Tool& tool) { return tool.swing_deg * std::numbers::pi / 180; }
 
 // How far the drive's speed goes in one turn or cycle: rad or mm.
 double wayPerCycle(const Tool& tool) {
-  switch (motionOf(tool)) {
-    case ToolMotion::kStroke:
-      return meanSpeed(tool.stroke_mm, 1);
-    case ToolMotion::kSwing:
-      return meanSpeed(swing(tool), 1);
-    default:
-      return 2 * std::numbers::pi;
-  }
+  if (motionOf(tool) == ToolMotion::kSpin) return 2 * std::numbers::pi;
+  return meanSpeed(tool.motion->way(tool), 1);
 }
 
-// What goes to and fro.
-ToolDrive strokeDrive(const Tool& tool) {
-  ToolDrive drive;
-  drive.time_constant = 0.05;
-  // Oscillating saws in bone: thrust over cutting force 1.4 to 1.8 (thesis, globethesis.com 2404330590467824), the
-  // table's 0.3 makes it 3.3.
-  drive.drag_factor = 2;
-  switch (tool.motion) {
-    case BladeMotion::kReciprocating:
-      // Micro saws 9 800 to 12 600 cycles a minute (J Biomech Eng 2014;136:034501); a longer stroke is a hand's, two
-      // cycles a second.
-      drive.speed = meanSpeed(tool.stroke_mm, tool.stroke_mm > 10 ? 2.0 : 12000.0 / 60);
-      drive.stall_load = 60;
-      break;
-    case BladeMotion::kPiezo:
-      drive.speed = meanSpeed(tool.stroke_mm, 29000);  // 24 to 36 kHz
-      drive.stall_load = 20;
-      drive.energy_factor = 5;
-      break;
-    default:
-      drive.speed = meanSpeed(swing(tool), 15000 / 60.0);  // 5 000 to 20 000 cycles a minute
-      drive.stall_load = 1500;
-  }
+// What the numbers say, over what `drive` is already.
+ToolDrive with(const DriveNumbers& said, const Tool& tool, ToolDrive drive) {
+  if (said.frequency_hz) drive.speed = wayPerCycle(tool) * *said.frequency_hz;
+  drive.stall_load = said.stall_load.value_or(drive.stall_load);
+  drive.time_constant = said.time_constant_s.value_or(drive.time_constant);
+  drive.energy_factor = said.energy_factor.value_or(drive.energy_factor);
+  drive.drag_factor = said.drag_factor.value_or(drive.drag_factor);
   return drive;
 }
 
@@ -84,21 +61,9 @@ ToolDrive spinDrive(const Tool& tool) {
 
 }  // namespace
 
-ToolMotion motionOf(const Tool& tool) {
-  if (tool.kind != ToolKind::kBlade || tool.motion == BladeMotion::kSpin) return ToolMotion::kSpin;
-  return tool.motion == BladeMotion::kSagittal ? ToolMotion::kSwing : ToolMotion::kStroke;
-}
+ToolMotion motionOf(const Tool& tool) { return tool.motion ? tool.motion->form : ToolMotion::kSpin; }
 
-ToolDrive driveOf(const Tool& tool) {
-  ToolDrive drive = defaultDrive(tool);
-  const DriveNumbers& file = tool.drive;
-  if (file.frequency_hz) drive.speed = wayPerCycle(tool) * *file.frequency_hz;
-  drive.stall_load = file.stall_load.value_or(drive.stall_load);
-  drive.time_constant = file.time_constant_s.value_or(drive.time_constant);
-  drive.energy_factor = file.energy_factor.value_or(drive.energy_factor);
-  drive.drag_factor = file.drag_factor.value_or(drive.drag_factor);
-  return drive;
-}
+ToolDrive driveOf(const Tool& tool) { return with(tool.drive, tool, defaultDrive(tool)); }
 
 std::string describeDrive(const Tool& tool) {
   const ToolDrive drive = driveOf(tool);
@@ -110,8 +75,8 @@ std::string describeDrive(const Tool& tool) {
       text = fmt::format("{:.6g} rpm, stalls at {:.4g} N mm", 60 * frequency, drive.stall_load);
       break;
     case ToolMotion::kStroke:
-      text = tool.motion == BladeMotion::kPiezo ? fmt::format("{:.4g} kHz", frequency / 1000)
-                                                : fmt::format("{:.6g} cycles/min", 60 * frequency);
+      text = tool.motion->drive_keys.unit == std::string_view("kHz") ? fmt::format("{:.4g} kHz", frequency / 1000)
+                                                                     : fmt::format("{:.6g} cycles/min", 60 * frequency);
       text += fmt::format(", {:.4g} mm/s in the mean, stalls at {:.4g} N", drive.speed, drive.stall_load);
       break;
     case ToolMotion::kSwing:
@@ -134,8 +99,8 @@ std::string describeDrive(const Tool& tool) {
 }
 
 ToolDrive defaultDrive(const Tool& tool) {
-  const bool is_blade = tool.kind == ToolKind::kBlade;
-  return is_blade && tool.motion != BladeMotion::kSpin ? strokeDrive(tool) : spinDrive(tool);
+  if (motionOf(tool) == ToolMotion::kSpin) return spinDrive(tool);
+  return with(tool.motion->usual_drive(tool), tool, {});
 }
 
 ToolModel makeToolModel(const Tool& tool, double margin_mm) {

@@ -1,17 +1,11 @@
 // A tool as the step sees it: its two distance fields, how it moves on its own, and what drives it.
 #pragma once
 
+#include "geometry/tool/blade_motion.h"
 #include "geometry/tool/tool.h"
 #include "geometry/tool/tool_field.h"
 
 namespace kerf {
-
-/// How the cutting part moves while the hand holds still. Cutting takes the mean over a cycle.
-enum class ToolMotion {
-  kSpin,    ///< about the tool's z axis, clockwise seen from the shank
-  kStroke,  ///< to and fro along z
-  kSwing    ///< to and fro about the pivot of a sagittal blade, in the plane y = 0
-};
 
 /// What turns or moves the cutting part. Its speed without load falls in proportion to the load and reaches zero at
 /// stall.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "geometry/formats/mesh_formats.h"
 #include "geometry/formats/mesh_source.h"
 #include "tests/fuzz/harness.h"
 
@@ -27,16 +28,17 @@ inline void requireError(const Error& error) {
 }
 
 /// As readMesh() does it: the reader is asked to recognise the content, and may be made to read what it does not.
-template <class Recognise, class Read>
-void readMeshBytes(const char* name, Recognise&& recognise, Read&& read, const std::uint8_t* data, std::size_t size) {
+/// @param extension  of the format in the table: ".off".
+inline void readMeshBytes(const char* extension, const std::uint8_t* data, std::size_t size) {
   if (size == 0) return;  // refused before any reader sees it
+  const MeshFormatRow& format = *formatOfExtension(extension);
   internal::MeshSource source;
-  source.file = name;
+  source.file = std::string("input") + extension;
   source.bytes.reset(new char[size]);
   source.size = size;
   std::memcpy(source.bytes.get(), data, size);
-  recognise(source);
-  const Expected<MeshFile> file = read(source, Progress{});
+  format.recognise(source);
+  const Expected<MeshFile> file = format.read(source, Progress{});
   if (file)
     requireMesh(*file);
   else

@@ -1,6 +1,6 @@
 #include "tests/fuzz/mesh_harness.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  kerf::fuzz::readMeshBytes("input.off", kerf::internal::isOff, kerf::internal::readOff, data, size);
+  kerf::fuzz::readMeshBytes(".off", data, size);
   return 0;
 }

@@ -1,7 +1,7 @@
 #include "tests/fuzz/mesh_harness.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  kerf::fuzz::readMeshBytes("input.stl", kerf::internal::isStl, kerf::internal::readStl, data, size);
+  kerf::fuzz::readMeshBytes(".stl", data, size);
   return 0;
 }
 

@@ -2,6 +2,6 @@
 #include "tests/fuzz/mesh_harness.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  kerf::fuzz::readMeshBytes("input.3mf", kerf::internal::isThreeMf, kerf::internal::readThreeMf, data, size);
+  kerf::fuzz::readMeshBytes(".3mf", data, size);
   return 0;
 }

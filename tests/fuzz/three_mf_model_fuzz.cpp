@@ -4,7 +4,6 @@
 #include <sstream>
 #include <string>
 
-#include "geometry/formats/mesh_sinks.h"
 #include "geometry/formats/zip_archive.h"
 #include "tests/fuzz/mesh_harness.h"
 
@@ -17,14 +16,16 @@ constexpr const char* kRelations =
     "Type=\"http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel\" Target=\"/3D/3dmodel.model\"/>"
     "</Relationships>";
 
+const MeshFormatRow& format() { return *formatOfExtension(".3mf"); }
+
 Expected<MeshFile> readPackage(const std::string& bytes) {
   internal::MeshSource source;
   source.file = "input.3mf";
   source.bytes.reset(new char[bytes.size()]);
   source.size = bytes.size();
   std::memcpy(source.bytes.get(), bytes.data(), bytes.size());
-  fuzz::require(internal::isThreeMf(source), "a package is recognised");
-  return internal::readThreeMf(source, Progress{});
+  fuzz::require(format().recognise(source), "a package is recognised");
+  return format().read(source, Progress{});
 }
 
 bool canBeWritten(const Mesh& mesh) {
@@ -52,7 +53,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fuzz::requireMesh(*file);
   if (!canBeWritten(file->mesh)) return 0;
   std::ostringstream written;
-  fuzz::require(internal::writeThreeMf(written, file->mesh, {}).has_value(), "what was read can be written");
+  fuzz::require(format().write(written, file->mesh, {}).has_value(), "what was read can be written");
   const Expected<MeshFile> again = readPackage(written.str());
   fuzz::require(again.has_value(), "what was written can be read");
   fuzz::require(again->mesh.triangles == file->mesh.triangles, "triangles come back");

@@ -9,6 +9,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "geometry/formats/mesh_formats.h"
 #include "preprocess/bake/case_recipe.h"
 #include "sim/hand/path.h"
 #include "ui/cli/command.h"
@@ -273,8 +274,9 @@ void addBake(CLI::App& app, int& exit_code) {
       "          kerf bake --pair upper.ply lower.ply -o patient --occlusal-plane auto --base-height 20");
   c->add_option(
        "INPUT", a->inputs,
-       "STL, PLY, OBJ, OFF or 3MF; several are united into one object. Or one recipe (.toml) that puts tissues "
-       "together from meshes, depths and label volumes")
+       readableFormats() +
+           "; several are united into one object. Or one recipe (.toml) that puts tissues together from meshes, depths "
+           "and label volumes")
       ->required();
   c->add_option("-o,--output", a->output, "case folder to write")->required();
   c->add_flag("--pair", a->pair,

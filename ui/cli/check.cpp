@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "geometry/formats/mesh_io.h"
+#include "geometry/formats/mesh_formats.h"
 #include "ui/cli/command.h"
 
 namespace kerf::cli {
@@ -17,7 +17,7 @@ void addCheck(CLI::App& app, int& exit_code) {
   auto a = std::make_shared<Arguments>();
   CLI::App* c = app.add_subcommand("check", "Say whether a mesh is ready to print, and if not, why (exit 0 yes, 1 no)");
   c->footer("Example: kerf check molar.stl --json");
-  c->add_option("MESH", a->mesh, "STL, PLY, OBJ, OFF or 3MF; judged in its own unit")->required();
+  c->add_option("MESH", a->mesh, readableFormats() + "; judged in its own unit")->required();
   c->add_flag("--json", a->json, "verdict as JSON on standard output");
   c->callback([a, &exit_code] {
     const auto file = readMesh(a->mesh);

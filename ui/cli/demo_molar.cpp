@@ -4,6 +4,7 @@
 
 #include <memory>
 
+#include "geometry/formats/mesh_formats.h"
 #include "geometry/formats/mesh_writer.h"
 #include "ui/cli/command.h"
 
@@ -17,7 +18,7 @@ void addDemoMolar(CLI::App& app, int& exit_code) {
   auto a = std::make_shared<Arguments>();
   CLI::App* c = app.add_subcommand("demo-molar", "Write a lower first molar of Kerf's own making, to try things on");
   c->footer("Example: kerf demo-molar -o molar.ply");
-  c->add_option("-o,--output", a->output, "STL, PLY (coloured), OBJ, OFF or 3MF")->required();
+  c->add_option("-o,--output", a->output, writableFormats() + "; colours in " + colorFormats())->required();
   c->add_option("--edge", a->edge_mm, "edge length of the triangles [mm]")
       ->capture_default_str()
       ->check(CLI::Range(0.08, 1.0));

@@ -3,6 +3,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "geometry/formats/mesh_formats.h"
 #include "geometry/formats/mesh_writer.h"
 #include "sim/run/run_bundle.h"
 #include "ui/cli/command.h"
@@ -94,7 +95,8 @@ void addExport(CLI::App& app, int& exit_code) {
   CLI::App* c = app.add_subcommand("export", "Write the post-operative mesh of a run, or the closed solid of a case");
   c->footer("Example: kerf export molar.run -o molar.stl -o molar.ply");
   c->add_option("RUN|CASE", a->bundle, "run or case folder")->required();
-  c->add_option("-o,--output", a->outputs, "STL, PLY (colours), OBJ, OFF or 3MF; repeat for several")
+  c->add_option("-o,--output", a->outputs,
+                writableFormats() + "; colours in " + colorFormats() + ". Repeat for several")
       ->required()
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);

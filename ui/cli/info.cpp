@@ -27,7 +27,7 @@ Expected<json> meshInfo(const fs::path& path) {
   const Box3 box = bounds(file.mesh);
   KERF_TRY(unit, chooseUnit(box, "", file.declared_unit));
   json j{{"kind", "mesh"},
-         {"format", std::string(name(file.format))},
+         {"format", std::string(file.format)},
          {"vertices", file.mesh.vertices.size()},
          {"triangles", file.mesh.triangles.size()},
          {"size_in_file_unit", size(box)},

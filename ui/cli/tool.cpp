@@ -48,7 +48,7 @@ std::string row(const Tool& tool) {
           ? fmt::format("{:<14} {:>5.2f} x {:<6.2f}", "mesh", std::max(size[0], size[1]), size[2])
       : tool.kind == ToolKind::kBur
           ? fmt::format("{:<14} {:>5.2f} x {:<6.2f}", tool.shape, tool.head_diameter_mm, tool.head_length_mm)
-          : fmt::format("{:<14} kerf {:<9.3g}", motionName(tool.motion), tool.kerfWidth());
+          : fmt::format("{:<14} kerf {:<9.3g}", tool.motion->name, tool.kerfWidth());
   return fmt::format("{:<22} {}  {:<15}  {}", tool.id, numbers, tool.iso6360, tool.name);
 }
 

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "geometry/base/build_info.h"
+#include "geometry/formats/mesh_formats.h"
 #include "ui/app/manual.h"
 #include "ui/window/camera.h"
 #include "ui/window/gl_context.h"
@@ -134,7 +135,7 @@ int main(int argc, char** argv) try {
       "Mouse: left orbits, right or middle pans, wheel zooms. Keys: 1-7 views, F fit, Esc closes.");
   app.name("kerf-sim");
   app.set_version_flag("--version", kerf::versionText("kerf-sim", KERF_WINDOW_LIBRARIES));
-  app.add_option("scene", a.scene, "a mesh file (STL, PLY, OBJ, OFF, 3MF), a case folder or a run folder")
+  app.add_option("scene", a.scene, "a mesh file (" + kerf::readableFormats() + "), a case folder or a run folder")
       ->required()
       ->type_name("MESH|CASE|RUN");
   app.add_option("--screenshot", a.screenshot,

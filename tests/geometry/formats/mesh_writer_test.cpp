@@ -203,13 +203,49 @@ TEST_F(MeshWriter, FullDiskAndMissingFolderAreReported) {
   }
 }
 
-TEST(MeshFormats, EveryRowReadsAndWritesAndIsFoundByItsExtensions) {
+TEST_F(MeshWriter, EveryFormatBringsBackWhatItsRowSaysItCarries) {
+  Mesh mesh;
+  mesh.vertices = {{1.0 / 3, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};  // no float32, nor a short text
+  mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+  Mesh by_vertex = mesh, by_face = mesh;
+  by_vertex.vertex_colors = {{255, 0, 0, 255}, {0, 255, 0, 255}, {0, 0, 255, 255}, {9, 9, 9, 255}};
+  by_face.face_colors = by_vertex.vertex_colors;
+
   for (const MeshFormatRow& row : meshFormats()) {
-    EXPECT_TRUE(row.read && row.write && row.recognise) << row.name;
+    if (!row.read || !row.write) continue;
+    const auto path = folder_.path() / ("carried" + std::string(row.extensions.substr(0, row.extensions.find(' '))));
+    const auto there_and_back = [&](const Mesh& from) {
+      MeshWriteOptions options;
+      options.double_positions = true;
+      EXPECT_TRUE(writeMesh(path, from, options)) << row.name;
+      auto file = readMesh(path);
+      EXPECT_TRUE(file) << row.name;
+      return file ? std::move(*file) : MeshFile{};
+    };
+    EXPECT_EQ(there_and_back(by_vertex).mesh.hasVertexColors(), row.carries.vertex_colors) << row.name;
+    const MeshFile file = there_and_back(by_face);
+    EXPECT_EQ(file.mesh.hasFaceColors(), row.carries.face_colors) << row.name;
+    EXPECT_EQ(!file.declared_unit.empty(), row.carries.unit) << row.name;
+    ASSERT_FALSE(file.mesh.vertices.empty());
+    EXPECT_EQ(file.mesh.vertices[0][0] == 1.0 / 3, row.carries.doubles) << row.name;
+    EXPECT_NE(file.format.find(row.name), file.format.npos) << file.format;
+  }
+}
+
+TEST(MeshFormats, EveryRowReadsOrWritesAndIsFoundByItsExtensions) {
+  for (const MeshFormatRow& row : meshFormats()) {
+    EXPECT_TRUE(row.read || row.write) << row.name;
     EXPECT_EQ(formatOfExtension(row.extensions.substr(0, row.extensions.find(' '))), &row);
   }
   EXPECT_EQ(formatOfExtension(".StL"), &meshFormats()[0]);
   EXPECT_EQ(formatOfExtension(".docx"), nullptr);
+}
+
+TEST(MeshFormats, AreListedForMessagesInTheOrderOfTheTable) {
+  EXPECT_TRUE(readableExtensions().starts_with(".stl, .ply, .off")) << readableExtensions();
+  EXPECT_TRUE(writableFormats().starts_with("STL, PLY, OFF")) << writableFormats();
+  EXPECT_NE(writableFormats().find(" or "), std::string::npos) << writableFormats();
+  EXPECT_TRUE(colorFormats().starts_with("PLY, OFF")) << colorFormats();  // STL has none
 }
 
 }  // namespace

@@ -73,7 +73,7 @@ class ThreeMf : public testing::Test {
 
 TEST_F(ThreeMf, VerticesAndTrianglesKeepTheirOrder) {
   const MeshFile file = good(package(model(object(1), kItem)));
-  EXPECT_EQ(file.format, MeshFormat::kThreeMf);
+  EXPECT_EQ(file.format, "3MF");
   EXPECT_EQ(file.mesh.vertices, (std::vector<Vec3d>{{0, 0, 0}, {1.5, 0, 0}, {0, 0.1, 0}, {0, 0, -3e-5}}));
   EXPECT_EQ(file.mesh.triangles, (std::vector<Triangle>{{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {0, 2, 3}}));
   EXPECT_FALSE(file.had_double_coordinates);

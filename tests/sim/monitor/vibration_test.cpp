@@ -204,7 +204,7 @@ TEST(Vibration, RackToolsSoundAtTheirDrivesFrequency) {
     if (source.motion == ToolMotion::kSpin) {
       ++spinning;
       EXPECT_NEAR(source.nominal_frequency, drive.speed / (2 * std::numbers::pi), 1e-9) << tool->id;
-    } else if (tool->motion == BladeMotion::kReciprocating && tool->stroke_mm <= 10) {
+    } else if (tool->motion == findBladeMotion("reciprocating") && tool->stroke_mm <= 10) {
       ++stroking;
       EXPECT_NEAR(source.nominal_frequency, 200, 1e-9) << tool->id;
       EXPECT_GT(source.teeth, 0) << tool->id;
