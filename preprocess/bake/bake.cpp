@@ -45,6 +45,7 @@ Expected<void> requireMeshNotFolder(const fs::path& path) {
                              ? "kerf info " + path.string()
                              : "kerf cut takes it as it is; with other settings bake the original file again"});
   }
+
   if (isLabelVolume(path))
     return fail({.code = Error::Code::kUnsupported,
                  .file = path.string(),

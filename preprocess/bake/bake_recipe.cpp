@@ -210,6 +210,7 @@ Expected<Mesh> unite(const std::vector<Mesh>& parts, const BakeOptions& options,
       "it lies {:.4f} mm rms, {:.3f} mm at most from the parts', gaps between them up to {:.3g} mm are closed",
       parts.size(), exact ? "it would have been a shrink-wrap" : exact.error().found, voxel, rebuilt.rms_off_mm,
       rebuilt.largest_off_mm, 2 * voxel);
+
   KERF_TRY(solid, closeMesh(rebuilt.mesh, close, partOf(progress, 0.8, 1)));
   out.close = solid.report;
   out.close.exact = false;

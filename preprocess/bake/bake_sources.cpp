@@ -141,6 +141,7 @@ Expected<std::vector<Mesh>> readMeshSources(const std::vector<fs::path>& paths, 
       choice.error().file = paths[n].string();
       return fail(choice.error());
     }
+
     KERF_TRY(source, storeSource(paths[n], std::string(name(file.format)), hashes[n], case_folder, out.manifest));
     describeSource(file, *choice, *source);
     bringToMm(file, choice->scale_to_mm);

@@ -154,6 +154,7 @@ Expected<std::array<BakeReport, 2>> bakePair(const std::array<std::filesystem::p
   for (const Jaw* jaw : {&first, &second}) text += fmt::format("{} {}\n", jaw->sha256, jaw->unit.scale_to_mm);
   const std::string frame = sha256(std::as_bytes(std::span(text.data(), text.size())));
   if (!report(progress, 0, "comparing the jaws")) return internal::cancelled();
+
   const Fitted fitted = fitTogether({&first.mesh_mm, &second.mesh_mm}, options.close);
 
   std::error_code ignored;
@@ -166,6 +167,7 @@ Expected<std::array<BakeReport, 2>> bakePair(const std::array<std::filesystem::p
       one.close.find_occlusal_plane = false;
       one.close.occlusal_plane = fitted.planes[k];
     }
+
     const double from = 0.5 * static_cast<double>(k);
     auto baked = bake({meshes[k]}, case_folders[k], one, internal::partOf(progress, from, from + 0.5));
     if (!baked) {

@@ -221,6 +221,7 @@ class Arranger {
     }
 
     std::sort(merged.begin(), merged.end(), [](const Merged& x, const Merged& y) { return x.piece < y.piece; });
+
     for (Merged& m : merged) {
       out_.triangles.push_back(pieces[m.piece].first);
       out_.parent.push_back(pieces[m.piece].second);

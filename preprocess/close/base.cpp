@@ -59,6 +59,7 @@ bool arrange(std::vector<Segment>& segments, Cdt& cdt, Poll& poll) {
           if (line[m] != next[s].back()) next[s].push_back(line[m]);
       }
     }
+
     segments = std::move(next);
     if (!changed) return true;
   }
@@ -186,6 +187,7 @@ void addWalls(Chain& chain, const Shadow& shadow, const BaseFrame& frame, double
     }
     return it->second;
   };
+
   for (std::size_t s = 0; s < shadow.edges.size(); ++s) {
     const auto& [rim_p, rim_q] = shadow.edges[s];
     const std::uint32_t p = wallTop(rim_p), q = wallTop(rim_q);
@@ -193,6 +195,7 @@ void addWalls(Chain& chain, const Shadow& shadow, const BaseFrame& frame, double
       chain.addTriangle(rim_p, rim_q, q);
       chain.addTriangle(rim_p, q, p);
     }
+
     std::vector<std::uint32_t> below;
     for (const Point2& x : shadow.segments[s]) below.push_back(foot.vertex(x));
     chain.addTriangle(p, q, below.back());

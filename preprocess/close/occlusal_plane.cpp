@@ -105,6 +105,7 @@ Fit search(const std::vector<Vec3d>& points, const Vec3d& up) {
           best.point = points[i];
         }
       }
+
   if (best.score < 0) return best;
   return judge(points, best.normal, best.point);
 }

@@ -126,6 +126,7 @@ void orientTriangles(Chain& chain, CloseReport& report) {
         ++report.triangles_flipped;
       }
   }
+
   if (report.triangles_flipped)
     report.changes.push_back(counted(report.triangles_flipped, "triangle was", "triangles were") +
                              " turned to agree with the neighbours");

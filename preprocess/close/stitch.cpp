@@ -142,6 +142,7 @@ void joinVertices(Chain& chain, const std::vector<OpenEdge>& edges, double toler
     ++done.joined;
     done.move = std::max(done.move, p.distance);
   }
+
   for (Triangle& f : mesh.triangles)
     for (std::uint32_t& v : f) v = target[v];
 }
@@ -168,6 +169,7 @@ std::vector<Cut> cutsNear(const Mesh& mesh, const std::vector<OpenEdge>& edges, 
     Box3 box;
     box.add(a);
     box.add(mesh.vertices[e.b]);
+
     std::vector<Cut::Stop> stops;
     grid.forEachIn(box, tolerance, [&](std::uint32_t v) {
       if (v == e.a || v == e.b || v == apex) return;
@@ -175,6 +177,7 @@ std::vector<Cut> cutsNear(const Mesh& mesh, const std::vector<OpenEdge>& edges, 
       if (s > 0 && s < 1 && (mesh.vertices[v] - a - s * d).norm() <= tolerance) stops.push_back({s, v});
     });
     if (stops.empty()) continue;
+
     std::sort(stops.begin(), stops.end(),
               [](const Cut::Stop& x, const Cut::Stop& y) { return x.at != y.at ? x.at < y.at : x.v < y.v; });
     taken[e.triangle] = 1;
@@ -189,10 +192,12 @@ bool splitEdges(Chain& chain, double tolerance, Done& done) {
   const std::vector<OpenEdge> edges = openEdges(mesh.triangles);
   if (edges.empty()) return false;
   const std::vector<Cut> cuts = cutsNear(mesh, edges, tolerance);
+
   for (const Cut& cut : cuts) {
     const Triangle f = mesh.triangles[cut.edge.triangle];
     const std::uint32_t apex = f[(cut.edge.corner + 2) % 3];
     const Vec3d a = mesh.vertices[cut.edge.a], d = mesh.vertices[cut.edge.b] - a;
+
     std::uint32_t from = cut.edge.a;
     for (std::size_t i = 0; i <= cut.stops.size(); ++i) {
       const std::uint32_t to = i < cut.stops.size() ? cut.stops[i].v : cut.edge.b;

@@ -57,6 +57,7 @@ RayWinding::RayWinding(const Mesh& mesh)
 
   // Counted per cell, then sorted in.
   first_.assign(ny_ * nz_ + 1, 0);
+
   const auto forEachCell = [&](std::size_t t, const auto& work) {
     Box3 b;
     for (int k = 0; k < 3; ++k) b.add(mesh_.corner(t, k));
@@ -66,6 +67,7 @@ RayWinding::RayWinding(const Mesh& mesh)
   };
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) forEachCell(t, [&](std::size_t c) { ++first_[c + 1]; });
   for (std::size_t c = 1; c < first_.size(); ++c) first_[c] += first_[c - 1];
+
   triangle_.resize(first_.back());
   std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)

@@ -52,6 +52,7 @@ Expected<std::vector<Slice>> readSlices(const fs::path& folder, const std::vecto
                  .expected = "one",
                  .hint = "move the series you want into a folder of its own"});
   }
+
   const Slice& first = slices.front();
   if (first.header.size.size() != 3)
     return fail({.code = Error::Code::kUnsupported,
@@ -82,6 +83,7 @@ Expected<void> stackSlices(std::vector<Slice>& slices) {
                    .hint = "leave scout images and other series out of the folder"});
     s.height = up.dot(originOf(s.header));
   }
+
   std::sort(slices.begin(), slices.end(), [](const Slice& a, const Slice& b) {
     return a.height != b.height ? a.height < b.height : a.path < b.path;
   });

@@ -174,6 +174,7 @@ void keepThin(const SlotGrid& grid, Memberships& memberships) {
           const Vec3i node = memberships.place[m] * kBrickSide + Vec3i{i, j, k};
           const Slot own = grid.at(node[0], node[1], node[2]);
           const float lead = -memberships.leadOfOthers(node, own);
+
           float wanted = kOwnLead;
           for (int a = 0; a < 3; ++a) {
             const Vec3i low = node - Vec3i::Unit(a), high = node + Vec3i::Unit(a);
@@ -181,6 +182,7 @@ void keepThin(const SlotGrid& grid, Memberships& memberships) {
             wanted = std::max(
                 wanted, kThinLead * std::min(memberships.leadOfOthers(low, own), memberships.leadOfOthers(high, own)));
           }
+
           lift[m][static_cast<std::size_t>(nodeOffset(i, j, k))] = std::max(0.0f, wanted - lead);
         }
   });

@@ -128,6 +128,7 @@ BrickField SmoothLabels::Data::wall(float outwards) const {
   const Memberships& all = memberships;
   // In voxels, so that marching cubes' limits mean what they say: a lead of one is sigma sqrt(pi / 2) voxels.
   const auto scale = static_cast<float>(std::max(0.4, sigma) * std::sqrt(std::acos(-1.0) / 2));
+
   BrickField field(1.0, 10.0f);
   field.reserve(all.mixed.size());
   for (std::size_t m = 0; m < all.mixed.size(); ++m) {
@@ -269,6 +270,7 @@ std::uint16_t SmoothLabels::labelAt(const Vec3d& world_mm) const {
       }
       score[s] += w * v;
     };
+
     const std::int32_t b = all.find(brickOf(node));
     if (b < 0) {
       add(static_cast<Slot>(-1 - b), 1.0f);

@@ -123,6 +123,7 @@ Expected<void> checkMemory(const fs::path& path, const LabelReadOptions& options
                  .expected = std::move(expected),
                  .hint = std::move(hint)});
   };
+
   if (needed > static_cast<double>(options.max_bytes))
     return tooLarge(fmt::format("at most {:.1f} GB", static_cast<double>(options.max_bytes) / 1e9),
                     "crop the volume to the jaw, or save it with 8 or 16 bits per voxel");
@@ -189,6 +190,7 @@ Expected<LabelVolume> readLabelVolume(const fs::path& path, const LabelReadOptio
                  .place = "threshold",
                  .found = "not a finite number",
                  .expected = "a number"});
+
   KERF_TRY(plan, internal::planVolume(path, options, progress));
   KERF_CHECK(internal::chooseSpacing(path, options, plan));
   KERF_CHECK(checkMemory(path, options, plan));

@@ -138,6 +138,7 @@ Share measureBrick(const Memberships& memberships, const Vec3i& at) {
               static_cast<int>(c & 1));
           is_uniform = is_uniform && scores.wins[node[c]] == scores.wins[node[0]];
         }
+
         if (is_uniform)
           share.samples[scores.wins[node[0]]] += static_cast<std::uint32_t>(kCellSamples);
         else

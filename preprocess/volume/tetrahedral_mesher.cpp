@@ -243,6 +243,7 @@ void undoCrossings(Mesh& mesh, const std::vector<Vec3d>& old) {
     std::vector<char> touched(mesh.vertices.size(), 0);
     for (const std::uint32_t t : bad)
       for (const std::uint32_t v : mesh.triangles[t]) touched[v] = 1;
+
     bool moved = false;
     const auto restore = [&](std::uint32_t v) {
       moved = moved || mesh.vertices[v] != old[v];

@@ -98,6 +98,7 @@ Expected<TextHeader> readTextHeader(const fs::path& path, char separator, const 
     line = trimmed(line);
     if (line.empty() && last.empty()) break;
     if (line.empty() || line[0] == '#' || (number == 1 && separator == ':')) continue;
+
     const auto at = line.find(separator);
     if (at == std::string::npos)
       return bad(path, fmt::format("line {}", number), "no key and value", fmt::format("KEY{} VALUE", separator));
@@ -105,6 +106,7 @@ Expected<TextHeader> readTextHeader(const fs::path& path, char separator, const 
     if (separator == ':' && line.size() > kMostQuoted)
       return bad(path, fmt::format("line {}", number), fmt::format("{} bytes", line.size()),
                  fmt::format("a field of at most {} bytes", kMostQuoted));
+
     const std::string key = lower(trimmed(line.substr(0, at)));
     if (!h.field.emplace(key, trimmed(line.substr(at + 1))).second)
       return bad(path, fmt::format("line {}", number), fmt::format("key '{}' a second time", key), "it once");
@@ -240,6 +242,7 @@ Expected<StatedHeader> checkMetaImage(const fs::path& path) {
     out.stored_bytes = data_bytes;
     out.data_file = path.parent_path() / data;
   }
+
   if (lower(get("compresseddata")) == "true") out.most_per_byte = kDeflate;
   if (h.field.count("elementspacing"))
     out.spacing = numbers(h.field["elementspacing"]);

@@ -86,6 +86,7 @@ Expected<VolumePlan> planPictures(const fs::path& folder, std::vector<fs::path> 
   VolumePlan plan;
   plan.format = format;
   plan.unusable = "pictures, which state no spacing in mm";
+
   for (const fs::path& f : files) {
     KERF_TRY(h, readPictureHeader(f, format));
     if (&f == &files.front()) {
@@ -121,6 +122,7 @@ Expected<VolumePlan> planFolder(const fs::path& folder, const LabelReadOptions& 
       kinds.insert(*kind);
       pictures.push_back(f);
     }
+
   if (kinds.size() > 1)
     return fail({.code = Error::Code::kUnsupported,
                  .file = folder.string(),
@@ -171,6 +173,7 @@ Expected<void> takeGivenSpacing(const fs::path& path, const Vec3d& given, Volume
            .hint = "leave the spacing out; if the file is wrong, correct the file"});
     return {};
   }
+
   for (int a = 0; a < 3; ++a)
     if (isUsableSpacing(plan.known_spacing[a]) &&
         std::abs(given[a] - plan.known_spacing[a]) > 1e-3 * plan.known_spacing[a])
@@ -181,6 +184,7 @@ Expected<void> takeGivenSpacing(const fs::path& path, const Vec3d& given, Volume
                                         plan.known_spacing[a]),
                    .expected = "one that agrees with the file",
                    .hint = "the file states none along the other axes: give those"});
+
   plan.grid.spacing = given;
   plan.grid.is_spacing_given = true;
   return {};
@@ -232,6 +236,7 @@ Expected<void> setGrid(const fs::path& path, const VolumeHeader& h, VolumePlan& 
                    .found = fmt::format("{} voxels along an axis", s),
                    .expected = "1 to 1000000"});
     plan.grid.size[i] = static_cast<int>(s);
+
     const auto at = static_cast<Eigen::Index>(i);
     plan.grid.origin[at] = h.origin[axes[i]];
     plan.grid.spacing[at] = h.spacing[axes[i]];
@@ -269,6 +274,7 @@ Expected<void> chooseSpacing(const fs::path& path, const LabelReadOptions& optio
     const double length = g.direction.col(a).norm();
     if (std::isfinite(length) && length > 1e-6) g.direction.col(a) /= length;
   }
+
   if (!g.direction.allFinite() || std::abs(g.direction.determinant()) < 0.1)
     return fail({.code = Error::Code::kBadValue,
                  .file = path.string(),
