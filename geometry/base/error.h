@@ -20,11 +20,12 @@ struct Error {
     kCancelled
   };
   Code code = Code::kBadValue;
-  std::string file;      ///< path as the user gave it
-  std::string place;     ///< "line 12", "byte 84", "key tool.head_diameter", "triangle 17"
-  std::string found;     ///< what is there
-  std::string expected;  ///< what should have been there
-  std::string hint;      ///< what to try
+  // The empty initialisers let a caller name only the fields it fills, without a warning about the rest.
+  std::string file{};      ///< path as the user gave it
+  std::string place{};     ///< "line 12", "byte 84", "key tool.head_diameter", "triangle 17"
+  std::string found{};     ///< what is there
+  std::string expected{};  ///< what should have been there
+  std::string hint{};      ///< what to try
 
   /// One line: "FILE: PLACE: FOUND; expected EXPECTED. Try: HINT."
   std::string message() const;
@@ -33,6 +34,7 @@ struct Error {
 template <class T>
 using Expected = tl::expected<T, Error>;
 
+/// `return fail({.code = Error::Code::kBadFormat, .file = path, .found = "an empty file"});`
 inline tl::unexpected<Error> fail(Error e) { return tl::unexpected<Error>(std::move(e)); }
 
 }  // namespace kerf

@@ -2,7 +2,10 @@
 #pragma once
 
 #include <functional>
+#include <string>
 #include <string_view>
+
+#include "geometry/base/error.h"
 
 namespace kerf {
 
@@ -12,6 +15,16 @@ using Progress = std::function<bool(double fraction, std::string_view what)>;
 
 inline bool report(const Progress& progress, double fraction, std::string_view what) {
   return !progress || progress(fraction, what);
+}
+
+/// What a cancelled job returns: `if (!report(progress, 0.5, "cutting")) return cancelled();`
+/// @param file  what was being read, if that helps the reader of the message.
+inline tl::unexpected<Error> cancelled(std::string file = {}) {
+  return fail({.code = Error::Code::kCancelled, .file = std::move(file), .found = "cancelled"});
+}
+/// The same from a job that would have written files: says that it has not.
+inline tl::unexpected<Error> cancelledBeforeWriting() {
+  return fail({.code = Error::Code::kCancelled, .found = "cancelled; nothing was written"});
 }
 
 }  // namespace kerf

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 
@@ -46,6 +47,19 @@ struct Box3 {
   bool contains(const Vec3d& p) const { return (p.array() >= min.array()).all() && (p.array() <= max.array()).all(); }
   Vec3d size() const { return isEmpty() ? Vec3d(Vec3d::Zero()) : Vec3d(max - min); }
   Vec3d center() const { return 0.5 * (min + max); }
+
+  /// Corner n of eight: bit 0 of n chooses the end along x, bit 1 along y, bit 2 along z; a set bit the upper end. @rt
+  Vec3d corner(int n) const noexcept {
+    return {(n & 1 ? max : min)[0], (n & 2 ? max : min)[1], (n & 4 ? max : min)[2]};
+  }
+  /// The box around this box once moved: around pose * corner(n). Larger than the moved solid when turned. @rt
+  /// @param pose  a Rigid3, a rotation or a scaling.   @pre not empty.
+  template <class Pose>
+  Box3 transformed(const Pose& pose) const noexcept {
+    Box3 box;
+    for (int n = 0; n < 8; ++n) box.add(Vec3d(pose * corner(n)));
+    return box;
+  }
 };
 
 /// A plane; heights are measured along the normal.
@@ -65,6 +79,14 @@ struct Rigid3 {
     return {(rotation * o.rotation).normalized(), rotation * o.translation + translation};
   }
   Rigid3 inverse() const { return {rotation.conjugate(), -(rotation.conjugate() * translation)}; }
+
+  static constexpr double kMostTranslation = 1e5;  ///< mm; farther away a coordinate is a mistake
+  /// Whether a pose from outside (a device, a file) can be computed with: finite, the quaternion of unit length within
+  /// 1e-6, nearer than kMostTranslation. @rt
+  bool isUsable() const noexcept {
+    return translation.allFinite() && rotation.coeffs().allFinite() && std::abs(rotation.norm() - 1) < 1e-6 &&
+           translation.norm() < kMostTranslation;
+  }
 };
 
 }  // namespace kerf

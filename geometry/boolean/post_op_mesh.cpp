@@ -182,14 +182,13 @@ Expected<Prepared> attempt(const Mesh& source, const Mesh& removed, const Mesh& 
 
 Expected<PostOpMesh> postOperativeMesh(const Mesh& source, const BrickField& rho, const PostOpOptions& options,
                                        const Progress& progress, const BrickField* added) {
-  const auto cancelError = [] { return fail({Error::Code::kCancelled, "", "", "cancelled", "", ""}); };
   const double h = rho.voxel();
   // Float32 is a lottery with good odds: a mesh that does not come out clean is tried again with the cut shifted by
   // three thousandths of a voxel, which is far below the cut's own accuracy and never touches a source vertex.
   constexpr int kAttempts = 4;
   Error last;
   for (int n = 1; n <= kAttempts; ++n) {
-    if (!report(progress, (n - 1) / double{kAttempts}, "meshing the removed solid")) return cancelError();
+    if (!report(progress, (n - 1) / double{kAttempts}, "meshing the removed solid")) return cancelled();
     const auto meshOf = [&](const BrickField& solid) {
       BrickField shifted = solid;
       if (n > 1) {
@@ -200,7 +199,7 @@ Expected<PostOpMesh> postOperativeMesh(const Mesh& source, const BrickField& rho
       return meshRemovedSolid(shifted).mesh;
     };
     const Mesh removed = meshOf(rho), put_on = added ? meshOf(*added) : Mesh{};
-    if (!report(progress, (n - 0.7) / kAttempts, "exact difference")) return cancelError();
+    if (!report(progress, (n - 0.7) / kAttempts, "exact difference")) return cancelled();
     auto prepared = attempt(source, removed, put_on, h, options);
     if (prepared && prepared->why_not.empty()) {
       prepared->result.report.attempts = n;

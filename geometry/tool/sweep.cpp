@@ -144,20 +144,13 @@ bool SweptTool::mayReach(const Vec3d& center, double radius, double cutoff) cons
 Box3 SweptTool::bounds() const {
   const Box3 tool = shape_.bounds();
   double lever = 0;
-  for (int c = 0; c < 8; ++c)
-    lever = std::max(lever, Vec3d(c & 1 ? tool.max[0] : tool.min[0], c & 2 ? tool.max[1] : tool.min[1],
-                                  c & 4 ? tool.max[2] : tool.min[2])
-                                .norm());
+  for (int c = 0; c < 8; ++c) lever = std::max(lever, tool.corner(c).norm());
   const int steps = 1 + static_cast<int>(std::ceil(angle_ / 0.2));
   Box3 box;
   for (int n = 0; n <= steps; ++n) {
     const double s = n / static_cast<double>(steps);
     const Eigen::Quaterniond turn(Eigen::AngleAxisd(s * angle_, axis_));
-    for (int c = 0; c < 8; ++c) {
-      const Vec3d corner(c & 1 ? tool.max[0] : tool.min[0], c & 2 ? tool.max[1] : tool.min[1],
-                         c & 4 ? tool.max[2] : tool.min[2]);
-      box.add(turn * (from_.rotation * corner) + start_ + s * travel_);
-    }
+    for (int c = 0; c < 8; ++c) box.add(turn * (from_.rotation * tool.corner(c)) + start_ + s * travel_);
   }
   const double bulge = angle_ / steps;  // arcs stand out from their chords by at most lever * bulge^2 / 8
   box.grow(lever * bulge * bulge / 8);

@@ -20,10 +20,7 @@ ToolField::ToolField(const ToolShape& shape, const ToolFieldOptions& options) : 
                                              : TableForm::kSpatial;
   lookup_.half = static_cast<float>(shape.halfThickness());
   lookup_.reach = static_cast<float>(options.margin_mm);
-  for (int c = 0; c < 8; ++c)
-    reach_ = std::max(reach_, Vec3d((c & 1 ? bounds_.max : bounds_.min)[0], (c & 2 ? bounds_.max : bounds_.min)[1],
-                                    (c & 4 ? bounds_.max : bounds_.min)[2])
-                                  .norm());
+  for (int c = 0; c < 8; ++c) reach_ = std::max(reach_, bounds_.corner(c).norm());
   const bool is_planar = form != Symmetry::kNone;
   Vec3d low = bounds_.min, high = bounds_.max;
   if (is_planar) {

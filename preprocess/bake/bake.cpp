@@ -70,7 +70,7 @@ Expected<std::vector<std::string>> hashMeshes(const std::vector<fs::path>& meshe
 // All meshes as one solid. @param paths  of the sources, for errors.
 Expected<Mesh> closeSources(const std::vector<fs::path>& paths, const std::vector<Mesh>& sources,
                             internal::BakeJob& job) {
-  if (!report(job.progress, 0.05, "closing")) return internal::cancelledBake();
+  if (!report(job.progress, 0.05, "closing")) return cancelledBeforeWriting();
   auto solid = closeMeshes(sources, job.options.close, internal::partOf(job.progress, 0.05, 0.3));
   if (!solid) {
     if (solid.error().file.empty())

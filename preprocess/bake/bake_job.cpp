@@ -100,10 +100,6 @@ Progress partOf(const Progress& whole, double from, double to) {
   return [whole, from, to](double f, std::string_view what) { return whole(from + f * (to - from), what); };
 }
 
-tl::unexpected<Error> cancelledBake() {
-  return fail({.code = Error::Code::kCancelled, .found = "cancelled; nothing was written"});
-}
-
 Expected<void> settleSizes(BakeOptions& o) {
   KERF_CHECK(checkVoxelSize(o.voxelize.voxel_mm));
   o.close.cleanup_length_mm = std::min(0.01 * o.voxelize.voxel_mm, 0.1);
@@ -174,7 +170,7 @@ Expected<void> writeCase(const BakeObject& object, const BakedGrids& grids, cons
   CaseManifest& manifest = job.report.manifest;
   describeCase(object, grids.anatomy.stats(), job.options, materials, manifest);
 
-  if (!report(job.progress, 0.85, "writing")) return cancelledBake();
+  if (!report(job.progress, 0.85, "writing")) return cancelledBeforeWriting();
   const fs::path& folder = staging.staging();
   KERF_CHECK(writeMesh(folder / kCaseSolid, object.solid));
   KERF_CHECK(grids.anatomy.write(folder / kCaseAnatomy, grids.fine ? &*grids.fine : nullptr));
@@ -184,7 +180,7 @@ Expected<void> writeCase(const BakeObject& object, const BakedGrids& grids, cons
   manifest.field_sha256 = field_hash;
   KERF_CHECK(writeCaseManifest(folder, manifest));
 
-  if (!report(job.progress, 0.95, "syncing")) return cancelledBake();
+  if (!report(job.progress, 0.95, "syncing")) return cancelledBeforeWriting();
   KERF_CHECK(staging.commit());
   job.report.times.write += job.watch.lap();
   report(job.progress, 1.0, "done");

@@ -63,9 +63,6 @@ struct BakedGrids {
   std::optional<Anatomy> fine;  ///< of BakeOptions::region
 };
 
-/// The error of a cancelled bake.
-tl::unexpected<Error> cancelledBake();
-
 /// Fills in the sizes that are left to the program. Errors: kBadValue for a voxel size that is out of range, or in a
 /// fine region not below the object's.
 Expected<void> settleSizes(BakeOptions& options);

@@ -220,7 +220,7 @@ Expected<Mesh> unite(const std::vector<Mesh>& parts, const BakeOptions& options,
 
 // unite(), entered in the manifest after what closing the parts changed.
 Expected<Mesh> uniteParts(const std::vector<Mesh>& outline, const Solids& solids, BakeJob& job) {
-  if (!report(job.progress, 0.2, "uniting parts")) return internal::cancelledBake();
+  if (!report(job.progress, 0.2, "uniting parts")) return cancelledBeforeWriting();
   KERF_TRY(solid, unite(outline, job.options, job.report, partOf(job.progress, 0.2, 0.3)));
   std::vector<std::string>& changes = job.report.manifest.changes;
   changes = solids.changes;

@@ -126,7 +126,7 @@ Expected<std::vector<Mesh>> readMeshSources(const std::vector<fs::path>& paths, 
   for (std::size_t n = 0; n < paths.size(); ++n) {
     if (!report(progress, static_cast<double>(n) / static_cast<double>(paths.size()),
                 "reading " + paths[n].filename().string()))
-      return cancelledBake();
+      return cancelledBeforeWriting();
     KERF_TRY(file, readMesh(paths[n]));
     if (file.declared_unit.empty()) common.add(bounds(file.mesh));
     files.push_back(std::move(file));

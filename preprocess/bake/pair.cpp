@@ -9,7 +9,6 @@
 #include "geometry/base/hash.h"
 #include "geometry/formats/mesh_io.h"
 #include "preprocess/bake/bake_job.h"
-#include "preprocess/close/poll.h"
 #include "preprocess/unit/unit.h"
 
 namespace kerf {
@@ -153,7 +152,7 @@ Expected<std::array<BakeReport, 2>> bakePair(const std::array<std::filesystem::p
   std::string text = "kerf-frame 1\n";
   for (const Jaw* jaw : {&first, &second}) text += fmt::format("{} {}\n", jaw->sha256, jaw->unit.scale_to_mm);
   const std::string frame = sha256(std::as_bytes(std::span(text.data(), text.size())));
-  if (!report(progress, 0, "comparing the jaws")) return internal::cancelled();
+  if (!report(progress, 0, "comparing the jaws")) return cancelled();
 
   const Fitted fitted = fitTogether({&first.mesh_mm, &second.mesh_mm}, options.close);
 

@@ -199,7 +199,7 @@ Expected<void> roundNewVertices(Result& r, std::vector<char>& fixed, const Close
   CleanupReport last = cleaned;
   std::vector<Vec3d> freed;
   for (int round = 0; round < 3 && last.crossings_left; ++round) {
-    if (!kerf::report(progress, 0.85 + 0.05 * round, "rounding again")) return internal::cancelled();
+    if (!kerf::report(progress, 0.85 + 0.05 * round, "rounding again")) return cancelled();
     // Only fixed vertices are left to move: the few around the remaining crossings are let go.
     const std::vector<Vec3d> more = freeAroundCrossings(r.mesh, fixed);
     freed.insert(freed.end(), more.begin(), more.end());
@@ -230,10 +230,10 @@ Expected<void> roundNewVertices(Result& r, std::vector<char>& fixed, const Close
 Expected<Result> resolve(const Mesh& imported, const Chain& chain,
                          const std::vector<std::array<std::uint32_t, 2>>& pairs, const CloseOptions& options,
                          CloseReport& report, const Progress& progress) {
-  if (!kerf::report(progress, 0.4, "resolving crossings")) return internal::cancelled();
+  if (!kerf::report(progress, 0.4, "resolving crossings")) return cancelled();
   KERF_TRY(arrangement, internal::arrangeChain(chain.mesh, pairs, progress));
   KERF_TRY(kept, internal::keepWindingBoundary(chain.mesh, arrangement, progress));
-  if (!kerf::report(progress, 0.8, "rounding")) return internal::cancelled();
+  if (!kerf::report(progress, 0.8, "rounding")) return cancelled();
   if (kept.patches_kept == 0)
     return fail(makeError(Error::Code::kGeometry, "a surface that encloses nothing", "a mesh with an inside",
                           "check the orientation, or --close wrap"));
@@ -392,13 +392,13 @@ Expected<Result> attempt(const Mesh& imported, const CloseOptions& options, Chai
     return fail(
         makeError(Error::Code::kEmpty, "a mesh whose triangles all have no area or cancel each other", "a surface"));
 
-  if (!kerf::report(progress, 0.1, "closing")) return internal::cancelled();
+  if (!kerf::report(progress, 0.1, "closing")) return cancelled();
   Chain closed = chain;
   KERF_CHECK(internal::closeBoundary(closed, options, report, progress));
   chain = std::move(closed);
   if (wraps(options)) return makeWrap(chain, options, report, progress);
 
-  if (!kerf::report(progress, 0.3, "looking for crossings")) return internal::cancelled();
+  if (!kerf::report(progress, 0.3, "looking for crossings")) return cancelled();
   Chain work = chain;
   CloseReport exact = report;
   Expected<Result> r = makeExact(imported, work, options, exact, progress);
@@ -450,7 +450,7 @@ Expected<Solid> closeMesh(const Mesh& imported_mm, const CloseOptions& options, 
   if (imported_mm.triangles.empty())
     return fail(makeError(Error::Code::kEmpty, "a mesh without triangles", "a surface",
                           "export the scan as a mesh, not as points"));
-  if (!kerf::report(progress, 0.0, "welding")) return internal::cancelled();
+  if (!kerf::report(progress, 0.0, "welding")) return cancelled();
   Solid solid;
   CloseReport& report = solid.report;
   const CloseOptions fit = fitted(options, imported_mm, report);

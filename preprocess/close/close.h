@@ -43,7 +43,7 @@ enum class BaseStyle {
   kFull,       ///< the arch stands on a plate under the convex outline of its rim: the tongue's place is floored
 };
 
-/// A plane somebody gives: parallel to the base.
+/// A plane the user gives: the base is parallel to it.
 struct GivenPlane {
   Vec3d normal = Vec3d::UnitZ();  ///< either way round, any length but zero
   std::optional<Vec3d> point{};   ///< mm, on it; without one it is put onto the highest vertex
@@ -128,7 +128,7 @@ struct Solid {
 /// @param imported_mm  anything a file can hold, in mm, at least one triangle.
 /// @return the solid. Errors: kEmpty (no triangle with area), kGeometry (kRepair on a mesh without underside; nothing
 /// left; the exact way and the wrap failed), kBadValue (options), kCancelled.
-/// @cost about 130 ms for 60k triangles without crossings; with some 800 crossing pairs (a ragged rim) about 1 s.
+/// @cost about 130 ms for 60k triangles without crossings; with about 800 crossing pairs (a ragged rim) about 1 s.
 /// @thread any; uses all TBB threads; deterministic.
 Expected<Solid> closeMesh(const Mesh& imported_mm, const CloseOptions& options = {}, const Progress& progress = {});
 

@@ -171,7 +171,7 @@ Expected<OcclusalPlane> settle(const Mesh& mesh, const Vec3d& from, const Vec3d&
 }  // namespace
 
 Expected<OcclusalPlane> findOcclusalPlane(const Mesh& mesh_mm, const Vec3d& up) {
-  // The rim of a scan tells its underside within some 40 degrees only: the axis next to it and the direction in which
+  // The rim of a scan tells its underside within about 40 degrees only: the axis next to it and the direction in which
   // the arch is flattest are often better places to start from.
   const Vec3d open = up.normalized();
   int axis = 0;

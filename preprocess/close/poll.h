@@ -28,6 +28,4 @@ class Poll {
   bool stopped_ = false;
 };
 
-inline tl::unexpected<Error> cancelled() { return fail({.code = Error::Code::kCancelled, .found = "cancelled"}); }
-
 }  // namespace kerf::internal

@@ -168,7 +168,7 @@ class Faults {
 
   std::uint32_t place() {
     for (int tries = 0;; ++tries) {
-      // Coarse meshes bend everywhere: ask for less and less, but always for room.
+      // Coarse meshes bend everywhere: ask for less and less, but always for a distance.
       const double ask = std::max(0.0, 1 - tries / 5000.0), apart = std::max(3.0, (5 + 7 * ask) * options_.edge_mm);
       const auto v = static_cast<std::uint32_t>(random_() % around_.size());
       const Vec3d p = mesh_.vertices[v], n = normal(v);
@@ -209,12 +209,16 @@ class Faults {
 }  // namespace
 
 Expected<DemoArch> demoArch(const DemoArchOptions& options, const Progress& progress) {
-  const auto cancelled = [] { return fail({Error::Code::kCancelled, "", "", "cancelled", "", ""}); };
   if (!(options.edge_mm >= 0.15 && options.edge_mm <= 1))
-    return fail(
-        {Error::Code::kBadValue, "", "edge length", std::to_string(options.edge_mm) + " mm", "0.15 to 1 mm", ""});
+    return fail({.code = Error::Code::kBadValue,
+                 .place = "edge length",
+                 .found = std::to_string(options.edge_mm) + " mm",
+                 .expected = "0.15 to 1 mm"});
   if (!(options.noise_mm >= 0 && options.noise_mm <= 0.05))
-    return fail({Error::Code::kBadValue, "", "noise", std::to_string(options.noise_mm) + " mm", "0 to 0.05 mm", ""});
+    return fail({.code = Error::Code::kBadValue,
+                 .place = "noise",
+                 .found = std::to_string(options.noise_mm) + " mm",
+                 .expected = "0 to 0.05 mm"});
 
   if (!report(progress, 0, "modelling the arch")) return cancelled();
   const Box3 box{Vec3d(-50, -14, -21), Vec3d(50, 53, 4)};

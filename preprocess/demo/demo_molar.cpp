@@ -296,7 +296,6 @@ Expected<DemoAnatomy> demoMolarAnatomy(double detail, const Progress& progress) 
   const auto step = [&](const std::string& material) {
     return report(progress, done++ / (std::size(tissues) + 1.0), "modelling " + material);
   };
-  const auto cancelled = [] { return fail({Error::Code::kCancelled, "", "", "cancelled", "", ""}); };
 
   for (const Tissue& tissue : tissues) {
     if (!step(tissue.material)) return cancelled();

@@ -28,7 +28,7 @@ std::string elsewhere(double across, double mm) {
   return text;
 }
 
-/// A unit somebody named: believed, but not in silence where it makes no dental object.
+/// A unit the user or the file names: taken, with a warning where it makes no dental object.
 UnitChoice named(std::string_view unit, double mm, const char* by_whom, double across) {
   const bool fits = across * mm >= kSmallest && across * mm <= kLargest;
   return {std::string(unit), mm,
@@ -49,7 +49,7 @@ Expected<double> millimetresPer(std::string_view unit) {
 Expected<UnitChoice> chooseUnit(const Box3& box, std::string_view asked, std::string_view declared) {
   const double across = box.size().norm();
 
-  // Somebody named it.
+  // The user or the file names it.
   if (!asked.empty()) {
     KERF_TRY(mm, millimetresPer(asked));
     UnitChoice choice = named(asked, mm, "as asked with --unit", across);

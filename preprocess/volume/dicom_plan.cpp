@@ -29,7 +29,7 @@ Expected<std::vector<Slice>> readSlices(const fs::path& folder, const std::vecto
   for (const fs::path& f : files) {
     if (!report(progress, 0.2 * static_cast<double>(slices.size()) / static_cast<double>(files.size()),
                 "reading headers"))
-      return fail({.code = Error::Code::kCancelled, .file = folder.string(), .found = "cancelled"});
+      return cancelled(folder.string());
     if (!isDicom(f)) continue;
     KERF_TRY(h, readVolumeHeader(f, VolumeFormat::kDicom));
     KERF_CHECK(requireOneValue(f, h));

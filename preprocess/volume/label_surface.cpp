@@ -22,8 +22,6 @@ using internal::SlotSurvey;
 
 constexpr double kMostSigma = 4;  // voxels
 
-tl::unexpected<Error> cancelled() { return fail({.code = Error::Code::kCancelled, .found = "cancelled"}); }
-
 tl::unexpected<Error> refuse(std::string place, std::string found, std::string expected) {
   return fail({.code = Error::Code::kBadValue,
                .place = std::move(place),

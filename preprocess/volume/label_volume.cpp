@@ -146,7 +146,7 @@ Expected<void> readLabels(const fs::path& path, const VolumePlan& plan, const Pr
   for (std::size_t f = 0; f < plan.files.size(); ++f) {
     if (!report(progress, 0.2 + 0.8 * static_cast<double>(f) / static_cast<double>(plan.files.size()),
                 "reading voxels"))
-      return fail({.code = Error::Code::kCancelled, .file = path.string(), .found = "cancelled"});
+      return cancelled(path.string());
     KERF_CHECK(internal::readVolumeValues(plan.files[f], plan.format, raw.data(), raw.size()));
     KERF_CHECK(toLabels(plan.header.type, plan.files[f], volume, raw.data(), per_file, values,
                         volume.labels.data() + f * per_file, f * per_file));

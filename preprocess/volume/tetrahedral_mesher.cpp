@@ -178,7 +178,7 @@ class Mesher {
   std::vector<double> values_;
   std::array<int, 3> blocks_{};
   std::vector<char> skipped_;                                        ///< per block
-  std::unordered_map<std::uint64_t, std::uint32_t> vertex_of_edge_;  ///< looked up, never walked through
+  std::unordered_map<std::uint64_t, std::uint32_t> vertex_of_edge_;  ///< only looked up, never iterated over
   std::vector<std::array<Vec3i, 2>> edges_;                          ///< per vertex: the nodes inside and outside
   std::vector<Face> faces_;
   Mesh mesh_;

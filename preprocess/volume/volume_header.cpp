@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kDeflate = 1032;    // no deflate stream expands more
-constexpr double kBzip2 = 1u << 22;  // runs of one byte reach some 10^6
+constexpr double kBzip2 = 1u << 22;  // runs of one byte reach about 10^6
 constexpr std::size_t kMostHeader = 1 << 20;
 constexpr int kMostAxes = 7;
 // What is longer overruns a buffer of 1024 bytes in ITK 5.2's NRRD library, which quotes it when it complains.

@@ -138,8 +138,7 @@ Expected<VolumePlan> planFolder(const fs::path& folder, const LabelReadOptions& 
                  .expected = "a DICOM series, or slices as pictures",
                  .hint = "move the pictures (or the DICOM files) out of the folder"});
 
-  if (!report(progress, 0, "trying the slices"))
-    return fail({.code = Error::Code::kCancelled, .file = folder.string(), .found = "cancelled"});
+  if (!report(progress, 0, "trying the slices")) return cancelled(folder.string());
   const bool are_pictures = kinds.size() == 1;
   if (!survivesReading(are_pictures ? pictures : files, are_pictures ? *kinds.begin() : VolumeFormat::kDicom,
                        options.max_bytes))

@@ -8,7 +8,6 @@
 
 #include "geometry/field/marching_cubes.h"
 #include "geometry/field/vdb_bricks.h"
-#include "preprocess/close/poll.h"
 #include "preprocess/voxelize/mesh_field.h"
 
 namespace kerf {
@@ -37,9 +36,9 @@ Expected<VoxelUnion> voxelUnion(std::span<const Mesh> solids, double voxel_mm, c
     openvdb::FloatGrid::Ptr all;
     for (std::size_t n = 0; n < solids.size(); ++n) {
       if (!interrupter.step(0.6 * static_cast<double>(n) / static_cast<double>(solids.size()), "uniting fields"))
-        return internal::cancelled();
+        return cancelled();
       const auto field = internal::meshField(solids[n], voxel_mm, {4, 4}, interrupter);
-      if (interrupter.isCancelled()) return internal::cancelled();
+      if (interrupter.isCancelled()) return cancelled();
       if (!field) continue;
       if (all)
         openvdb::tools::csgUnion(*all, *field);
@@ -53,13 +52,13 @@ Expected<VoxelUnion> voxelUnion(std::span<const Mesh> solids, double voxel_mm, c
                    .expected = "parts larger than a voxel",
                    .hint = "a finer voxel"});
 
-    if (!interrupter.step(0.6, "closing gaps")) return internal::cancelled();
+    if (!interrupter.step(0.6, "closing gaps")) return cancelled();
     const BrickField near = internal::toBricks(*all);
     const Mesh outside = marchingCubes(shifted(near, -h));
     const auto back = internal::meshField(outside, voxel_mm, {3, 5}, interrupter);
-    if (!back || interrupter.isCancelled()) return internal::cancelled();
+    if (!back || interrupter.isCancelled()) return cancelled();
 
-    if (!interrupter.step(0.9, "meshing")) return internal::cancelled();
+    if (!interrupter.step(0.9, "meshing")) return cancelled();
 
     VoxelUnion out;
     out.mesh = marchingCubes(shifted(internal::toBricks(*back), h));

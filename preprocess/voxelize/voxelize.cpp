@@ -11,7 +11,6 @@
 #include "geometry/base/available_memory.h"
 #include "geometry/field/vdb_writer.h"
 #include "preprocess/close/clip.h"
-#include "preprocess/close/poll.h"
 #include "preprocess/voxelize/cropped_bricks.h"
 #include "preprocess/voxelize/mesh_field.h"
 #include "preprocess/voxelize/paint_materials.h"
@@ -122,9 +121,9 @@ Expected<Anatomy> makeGrids(const FineRegion* region, const Mesh& solid, const V
   internal::Interrupter interrupter(progress);
   auto grids = std::make_unique<Anatomy::Grids>();
 
-  if (!interrupter.step(0.0, "distance field")) return internal::cancelled();
+  if (!interrupter.step(0.0, "distance field")) return cancelled();
   grids->phi = internal::meshField(solid, options.voxel_mm, bandsOf(options), interrupter);
-  if (interrupter.isCancelled()) return internal::cancelled();
+  if (interrupter.isCancelled()) return cancelled();
   if (!grids->phi || grids->phi->tree().leafCount() == 0)
     return fail({.code = Error::Code::kEmpty,
                  .found = "no surface at this voxel size",
@@ -133,10 +132,10 @@ Expected<Anatomy> makeGrids(const FineRegion* region, const Mesh& solid, const V
   grids->phi->setName("phi");
   grids->phi->setGridClass(openvdb::GRID_LEVEL_SET);
 
-  if (!interrupter.step(0.7, "materials")) return internal::cancelled();
+  if (!interrupter.step(0.7, "materials")) return cancelled();
   AnatomyStats& stats = grids->stats;
   grids->material = internal::paintMaterials(solid, *grids->phi, options, claims, stats.materials, interrupter);
-  if (!grids->material || !interrupter.step(0.9, "point shell")) return internal::cancelled();
+  if (!grids->material || !interrupter.step(0.9, "point shell")) return cancelled();
 
   const auto keep = [region](const openvdb::Coord& origin) {
     return !region || region->mayMeetBrick(brickOf({origin.x(), origin.y(), origin.z()}));
@@ -159,7 +158,7 @@ Expected<Anatomy> makeGrids(const FineRegion* region, const Mesh& solid, const V
   stats.volume_mm3 = shell.volume_mm3;
   stats.active_voxels = grids->phi->activeVoxelCount();
   stats.bytes = grids->phi->memUsage() + grids->material->memUsage() + grids->shell->memUsage();
-  if (!interrupter.step(1.0, "field, shell and materials")) return internal::cancelled();
+  if (!interrupter.step(1.0, "field, shell and materials")) return cancelled();
   return Anatomy(std::move(grids));
 }
 
