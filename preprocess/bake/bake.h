@@ -20,22 +20,24 @@ struct BakeOptions {
   std::string unit;    ///< empty: chooseUnit()
   CloseOptions close;  ///< its cleanup length is set to a hundredth of a voxel
   VoxelizeOptions voxelize;
-  std::optional<CasePair> pair;      ///< recorded in the manifest; see bakePair()
-  std::optional<FineRegion> region;  ///< finer grids there too; before a recipe's. Its voxel 0: half the object's
-  bool voxel_is_given = false;       ///< `voxelize.voxel_mm` goes before a recipe's voxel
-  /// Bake anew and replace an existing case. Without: the same case of the same inputs and settings is left as it is,
-  /// another one is an error.
+  std::optional<CasePair> pair;  ///< recorded in the manifest; see bakePair()
+  /// Finer grids there too; goes before a recipe's region. A voxel size of 0 means half the object's.
+  std::optional<FineRegion> region;
+  bool voxel_is_given = false;  ///< `voxelize.voxel_mm` goes before a recipe's voxel
+  /// Bake again and replace an existing case. Without it a case of the same inputs and settings is left as it is, and
+  /// any other case is an error.
   bool overwrite = false;
 };
 
-struct BakeTimes {  // seconds; `check` is what checking took longer than closing, beside which it runs
+/// Seconds. `check` is only what checking took longer than closing, beside which it runs.
+struct BakeTimes {
   double read = 0, check = 0, close = 0, voxelize = 0, write = 0;
   double total() const { return read + check + close + voxelize + write; }
 };
 
 /// How two jaws that are to share a frame lie to each other.
 struct PairCheck {
-  std::optional<double> planes_disagree_deg;  ///< angle between the occlusal planes; set if both were looked for
+  std::optional<double> planes_disagree_deg;  ///< angle between the occlusal planes; set if both were found
   double boxes_apart_mm = 0;                  ///< gap between the boxes
   double overlap_mm = 0;                      ///< how far the jaws reach into each other along the occlusal normal
   std::vector<std::string> notes, warnings;   ///< sentences

@@ -8,6 +8,7 @@
 
 #include "geometry/base/hash.h"
 #include "geometry/formats/mesh_io.h"
+#include "preprocess/bake/bake_job.h"
 #include "preprocess/unit/unit.h"
 #include "preprocess/volume/label_volume.h"
 
@@ -46,6 +47,21 @@ Expected<std::string> sha256OfFiles(const std::vector<fs::path>& files) {
   return sha256(std::as_bytes(std::span(text.data(), text.size())));
 }
 
+void describeSource(const MeshFile& file, const UnitChoice& choice, CaseSource& source) {
+  source.unit = choice.unit;
+  source.unit_reason = choice.reason;
+  source.scale_to_mm = choice.scale_to_mm;
+  source.vertices = file.mesh.vertices.size();
+  source.triangles = file.mesh.triangles.size();
+}
+
+void bringToMm(MeshFile& file, double scale_to_mm) {
+  if (scale_to_mm != 1)
+    for (Vec3d& p : file.mesh.vertices) p *= scale_to_mm;
+  else if (!file.had_double_coordinates)  // decimals that say no more than a float32: nothing to report
+    for (Vec3d& p : file.mesh.vertices) p = roundedToFloat(p);
+}
+
 }  // namespace
 
 Expected<std::string> sha256OfSource(const fs::path& path) {
@@ -56,8 +72,11 @@ Expected<std::string> sha256OfSource(const fs::path& path) {
   }
   if (!fs::is_directory(path, ignored)) {
     const bool is_there = fs::exists(path, ignored);  // a device has no end
-    return fail({is_there ? Error::Code::kUnreadable : Error::Code::kNotFound, path.string(), "",
-                 is_there ? "neither a file nor a folder" : "no such file", "a file", "check the path"});
+    return fail({.code = is_there ? Error::Code::kUnreadable : Error::Code::kNotFound,
+                 .file = path.string(),
+                 .found = is_there ? "neither a file nor a folder" : "no such file",
+                 .expected = "a file",
+                 .hint = "check the path"});
   }
   return sha256OfFiles(filesIn(path));
 }
@@ -74,11 +93,13 @@ Expected<CaseSource*> storeSource(const fs::path& path, const std::string& forma
     files = std::move(parts);
   }
   const bool keeps_names = is_folder || files.size() > 1;  // a header names the file with its values
+
   CaseSource source;
   source.stored_as =
       fmt::format("source-{}{}", manifest.sources.size() + 1, keeps_names ? std::string() : safeExtension(path));
   source.format = format;
   source.sha256 = sha256;
+
   const fs::path copy = case_folder / source.stored_as;
   failed.clear();
   if (keeps_names) {
@@ -88,7 +109,11 @@ Expected<CaseSource*> storeSource(const fs::path& path, const std::string& forma
   } else {
     fs::copy_file(path, copy, failed);
   }
-  if (failed) return fail({Error::Code::kWriteFailed, copy.string(), "", failed.message(), "", "free some space"});
+  if (failed)
+    return fail({.code = Error::Code::kWriteFailed,
+                 .file = copy.string(),
+                 .found = failed.message(),
+                 .hint = "free some space"});
   manifest.sources.push_back(source);
   return &manifest.sources.back();
 }
@@ -101,11 +126,12 @@ Expected<std::vector<Mesh>> readMeshSources(const std::vector<fs::path>& paths, 
   for (std::size_t n = 0; n < paths.size(); ++n) {
     if (!report(progress, static_cast<double>(n) / static_cast<double>(paths.size()),
                 "reading " + paths[n].filename().string()))
-      return fail({Error::Code::kCancelled, "", "", "cancelled; nothing was written", "", ""});
+      return cancelledBeforeWriting();
     KERF_TRY(file, readMesh(paths[n]));
     if (file.declared_unit.empty()) common.add(bounds(file.mesh));
     files.push_back(std::move(file));
   }
+
   std::vector<Mesh> meshes;
   for (std::size_t n = 0; n < paths.size(); ++n) {
     MeshFile& file = files[n];
@@ -115,16 +141,10 @@ Expected<std::vector<Mesh>> readMeshSources(const std::vector<fs::path>& paths, 
       choice.error().file = paths[n].string();
       return fail(choice.error());
     }
+
     KERF_TRY(source, storeSource(paths[n], std::string(file.format), hashes[n], case_folder, out.manifest));
-    source->unit = choice->unit;
-    source->unit_reason = choice->reason;
-    source->scale_to_mm = choice->scale_to_mm;
-    source->vertices = file.mesh.vertices.size();
-    source->triangles = file.mesh.triangles.size();
-    if (choice->scale_to_mm != 1)
-      for (Vec3d& p : file.mesh.vertices) p *= choice->scale_to_mm;
-    else if (!file.had_double_coordinates)  // decimals that say no more than a float32: nothing to report
-      for (Vec3d& p : file.mesh.vertices) p = roundedToFloat(p);
+    describeSource(file, *choice, *source);
+    bringToMm(file, choice->scale_to_mm);
     out.unit_is_doubtful.push_back(choice->is_doubtful);
     out.notes.push_back(std::move(file.notes));
     meshes.push_back(std::move(file.mesh));

@@ -24,8 +24,7 @@ Expected<CaseSource*> storeSource(const std::filesystem::path& path, const std::
 
 /// Reads meshes and brings them to mm; fills the report's sources, notes and unit doubts.
 /// @param unit     as asked for; empty: as each file declares, or by size.
-/// @param as_one   the meshes are parts of one object: those that declare no unit share one, chosen by their common
-/// box.
+/// @param as_one   the meshes are parts of one object: those that declare no unit share one, by their common box.
 Expected<std::vector<Mesh>> readMeshSources(const std::vector<std::filesystem::path>& paths,
                                             const std::vector<std::string>& hashes, const std::string& unit,
                                             bool as_one, const std::filesystem::path& case_folder, BakeReport& report,

@@ -30,8 +30,11 @@ fs::path fileName(TomlTable& table, const char* key, const char* expected) {
 Expected<Plane> readPlane(const toml::table& part, const std::filesystem::path& file) {
   const toml::table* table = part.get_as<toml::table>("above");
   if (!table)
-    return fail({Error::Code::kBadFormat, file.string(), "key part.above", "of another form",
-                 "{ point = [x, y, z], normal = [x, y, z] }", ""});
+    return fail({.code = Error::Code::kBadFormat,
+                 .file = file.string(),
+                 .place = "key part.above",
+                 .found = "of another form",
+                 .expected = "{ point = [x, y, z], normal = [x, y, z] }"});
   TomlTable t(*table, file, "part.above");
   const auto point = t.numbers("point", 3), normal = t.numbers("normal", 3);
   Plane plane;
@@ -54,6 +57,8 @@ Expected<RecipePart> readPart(const toml::table& table, const std::filesystem::p
   if (!t.failed())
     if (materialOf(t, "material", id, materials)) part.material = *materials.find(id);
   for (const char* key : {"mesh", "depth", "label", "above", "replaces"}) t.allow(key);
+
+  // Where it is.
   const int kinds = t.has("mesh") + t.has("depth") + t.has("label");
   if (kinds != 1)
     t.reject(t.has("mesh") ? "mesh" : "material", kinds == 0 ? "a part without a place" : "more than one of them",
@@ -66,6 +71,8 @@ Expected<RecipePart> readPart(const toml::table& table, const std::filesystem::p
       t.reject("label", fmt::format("{}", label), "a whole number from 1 to 65535");
     part.label = static_cast<std::uint16_t>(label);
   }
+
+  // What limits it.
   if (t.has("above")) {
     if (!part.depth) t.reject("above", "beside no depth", "above belongs to a part with a depth");
     KERF_TRY(plane, readPlane(table, file));
@@ -104,6 +111,44 @@ Expected<FineRegion> readRegion(const toml::table& table, const std::filesystem:
   return region;
 }
 
+Expected<std::vector<fs::path>> readOutline(const toml::table& table, const fs::path& file) {
+  TomlTable t(table, file, "outline");
+  std::vector<fs::path> meshes;
+  for (const std::string& mesh : t.strings("meshes")) {
+    if (mesh.empty()) t.reject("meshes", "an empty name", "a mesh file, relative to the recipe");
+    meshes.push_back(fs::path(mesh).lexically_normal());
+  }
+  if (!t.failed() && meshes.empty()) t.reject("meshes", "an empty list", "one or more mesh files");
+  KERF_CHECK(t.finish());
+  return meshes;
+}
+
+// The keys that stand above all tables, and whether the tables are tables. Returns the array of parts.
+Expected<const toml::array*> readTop(const toml::table& root, const MaterialTable& materials, CaseRecipe& recipe) {
+  TomlTable top(root, recipe.file, "");
+  const auto format = top.get<std::string>("format", "\"kerf-recipe\"");
+  if (!top.failed() && format != "kerf-recipe") top.reject("format", "\"" + format + "\"", "\"kerf-recipe\"");
+  const auto version = top.get<std::int64_t>("version", "1");
+  if (!top.failed() && version != 1) top.reject("version", fmt::format("{}", version), "1");
+
+  recipe.name = top.getOr<std::string>("name", "", "a name for people");
+  recipe.unit = top.getOr<std::string>("unit", "", "mm, cm, m, um or inch");
+  if (!top.failed() && !recipe.unit.empty() && !millimetresPer(recipe.unit))
+    top.reject("unit", "\"" + recipe.unit + "\"", "mm, cm, m, um or inch");
+  if (top.has("voxel")) recipe.voxel_mm = top.number("voxel", 0.005, 5);
+  const auto fallback = top.getOr<std::string>("fallback", "generic", "a material");
+  if (!top.failed())
+    if (const auto m = materialOf(top, "fallback", fallback, materials)) recipe.fallback = *m;
+
+  const toml::array* parts = top.tables("part");
+  for (const char* key : {"voxel", "outline", "labels", "region"}) top.allow(key);
+  for (const char* key : {"outline", "labels", "region"})
+    if (top.has(key) && !root.get_as<toml::table>(key))
+      top.reject(key, "of another form", fmt::format("a table, [{}]", key));
+  KERF_CHECK(top.finish());
+  return parts;
+}
+
 }  // namespace
 
 std::string RecipePart::origin() const {
@@ -126,40 +171,17 @@ bool looksLikeRecipe(const std::filesystem::path& path) { return path.extension(
 
 Expected<CaseRecipe> readCaseRecipe(const std::filesystem::path& file, const MaterialTable& materials) {
   KERF_TRY(root, parseToml(file));
-  TomlTable top(root, file, "");
   CaseRecipe recipe;
   recipe.file = file;
-  const auto format = top.get<std::string>("format", "\"kerf-recipe\"");
-  if (!top.failed() && format != "kerf-recipe") top.reject("format", "\"" + format + "\"", "\"kerf-recipe\"");
-  const auto version = top.get<std::int64_t>("version", "1");
-  if (!top.failed() && version != 1) top.reject("version", fmt::format("{}", version), "1");
-  recipe.name = top.getOr<std::string>("name", "", "a name for people");
-  recipe.unit = top.getOr<std::string>("unit", "", "mm, cm, m, um or inch");
-  if (!top.failed() && !recipe.unit.empty() && !millimetresPer(recipe.unit))
-    top.reject("unit", "\"" + recipe.unit + "\"", "mm, cm, m, um or inch");
-  if (top.has("voxel")) recipe.voxel_mm = top.number("voxel", 0.005, 5);
-  const auto fallback = top.getOr<std::string>("fallback", "generic", "a material");
-  if (!top.failed())
-    if (const auto m = materialOf(top, "fallback", fallback, materials)) recipe.fallback = *m;
-  const toml::array* parts = top.tables("part");
-  for (const char* key : {"voxel", "outline", "labels", "region"}) top.allow(key);
-  for (const char* key : {"outline", "labels", "region"})
-    if (top.has(key) && !root.get_as<toml::table>(key))
-      top.reject(key, "of another form", fmt::format("a table, [{}]", key));
-  KERF_CHECK(top.finish());
+  KERF_TRY(parts, readTop(root, materials, recipe));
 
   for (const toml::node& node : *parts) {
     KERF_TRY(part, readPart(*node.as_table(), file, materials));
     recipe.parts.push_back(std::move(part));
   }
   if (const toml::table* table = root.get_as<toml::table>("outline")) {
-    TomlTable t(*table, file, "outline");
-    for (const std::string& mesh : t.strings("meshes")) {
-      if (mesh.empty()) t.reject("meshes", "an empty name", "a mesh file, relative to the recipe");
-      recipe.outline.push_back(fs::path(mesh).lexically_normal());
-    }
-    if (!t.failed() && recipe.outline.empty()) t.reject("meshes", "an empty list", "one or more mesh files");
-    KERF_CHECK(t.finish());
+    KERF_TRY(outline, readOutline(*table, file));
+    recipe.outline = std::move(outline);
   }
   if (const toml::table* table = root.get_as<toml::table>("labels")) {
     KERF_TRY(labels, readLabels(*table, file));
@@ -169,15 +191,21 @@ Expected<CaseRecipe> readCaseRecipe(const std::filesystem::path& file, const Mat
     KERF_TRY(region, readRegion(*table, file));
     recipe.region = region;
   }
+
   const bool asks = std::any_of(recipe.parts.begin(), recipe.parts.end(), [](const auto& p) { return p.label; });
   if (asks != recipe.labels.has_value())
-    return fail(
-        {Error::Code::kBadValue, file.string(), asks ? "[labels]" : "[[part]]",
-         asks ? "missing, though a part says label = ..." : "no part says label = ..., though there is [labels]",
-         "[labels] with volume = \"...\", and parts with label = ...", ""});
+    return fail({.code = Error::Code::kBadValue,
+                 .file = file.string(),
+                 .place = asks ? "[labels]" : "[[part]]",
+                 .found = asks ? "missing, though a part says label = ..."
+                               : "no part says label = ..., though there is [labels]",
+                 .expected = "[labels] with volume = \"...\", and parts with label = ..."});
   if (recipe.meshes().empty() && !recipe.labels)
-    return fail({Error::Code::kBadValue, file.string(), "[[part]]", "nothing but depths",
-                 "a mesh or a label that gives the object its surface", ""});
+    return fail({.code = Error::Code::kBadValue,
+                 .file = file.string(),
+                 .place = "[[part]]",
+                 .found = "nothing but depths",
+                 .expected = "a mesh or a label that gives the object its surface"});
   return recipe;
 }
 

@@ -8,6 +8,7 @@
 
 #include "geometry/base/hash.h"
 #include "geometry/formats/mesh_io.h"
+#include "preprocess/bake/bake_job.h"
 #include "preprocess/unit/unit.h"
 
 namespace kerf {
@@ -36,15 +37,43 @@ double extent(const Mesh& mesh, const Vec3d& n, double& low, double& high) {
   return high - low;
 }
 
-/// How the jaws lie to each other, and the plane for each base where one is to be found and can be shared.
+// How the jaws lie to each other, and the plane for each base where one is to be found and can be shared.
 struct Fitted {
   PairCheck check;
   std::array<std::optional<GivenPlane>, 2> planes;
 };
 
+// Two occlusal planes found apart: made one for both bases if they agree. Returns the direction between the jaws.
+Vec3d sharePlane(const OcclusalPlane& p, const OcclusalPlane& q, Fitted& out) {
+  const double angle = std::acos(std::clamp(-p.normal.dot(q.normal), -1.0, 1.0)) * 180 / std::numbers::pi;
+  out.check.planes_disagree_deg = angle;
+  if (angle > kMostDegrees) {
+    out.check.warnings.push_back(fmt::format(
+        "the occlusal planes found disagree by {:.0f} degrees, where jaws that meet agree within {:.0f}: they are "
+        "hardly in one frame. Each base follows its own plane",
+        angle, kMostDegrees));
+    return p.normal;
+  }
+
+  const double wp = static_cast<double>(p.tips), wq = static_cast<double>(q.tips);
+  const Vec3d normal = (wp * p.normal - wq * q.normal).normalized();
+  const Vec3d point = (wp * p.point + wq * q.point) / (wp + wq);
+  const double between = std::abs((p.point - q.point).dot(normal));
+  const bool one_point = between <= kMostPlanesGap;
+  out.planes = {GivenPlane{normal, one_point ? point : p.point}, GivenPlane{normal, one_point ? point : q.point}};
+  out.check.notes.push_back(fmt::format(
+      "one occlusal plane for both bases: normal ({:.4f}, {:.4f}, {:.4f}), the mean of two that disagree by "
+      "{:.1f} degrees and {:.1f} mm{}",
+      normal.x(), normal.y(), normal.z(), angle, between,
+      one_point ? "" : "; heights count from each jaw's own cusp tips"));
+  return p.normal;
+}
+
 Fitted fitTogether(const std::array<const Mesh*, 2>& jaws, const CloseOptions& close) {
   Fitted out;
   PairCheck& check = out.check;
+
+  // The boxes.
   const Box3 a = bounds(*jaws[0]), b = bounds(*jaws[1]);
   const Vec3d gap = (a.min - b.max).cwiseMax(b.min - a.max);
   check.boxes_apart_mm = gap.cwiseMax(0).norm();
@@ -52,36 +81,17 @@ Fitted fitTogether(const std::array<const Mesh*, 2>& jaws, const CloseOptions& c
     check.warnings.push_back(fmt::format(
         "the jaws lie {:.0f} mm apart: they are hardly in one frame. Export both from the scanner as they meet",
         check.boxes_apart_mm));
+
+  // The direction from one jaw to the other: roughly, or along the occlusal normal.
   int axis = 0;
   (a.center() - b.center()).cwiseAbs().maxCoeff(&axis);
-  Vec3d n = Vec3d::Unit(axis);  // from one jaw to the other, roughly
+  Vec3d n = Vec3d::Unit(axis);
   if (close.find_occlusal_plane) {
     const auto p = findOcclusalPlaneOfScan(*jaws[0], close), q = findOcclusalPlaneOfScan(*jaws[1], close);
-    if (p && q) {  // without, closing says why there is none
-      const double angle = std::acos(std::clamp(-p->normal.dot(q->normal), -1.0, 1.0)) * 180 / std::numbers::pi;
-      check.planes_disagree_deg = angle;
-      n = p->normal;
-      if (angle > kMostDegrees) {
-        check.warnings.push_back(fmt::format(
-            "the occlusal planes found disagree by {:.0f} degrees, where jaws that meet agree within {:.0f}: they are "
-            "hardly in one frame. Each base follows its own plane",
-            angle, kMostDegrees));
-      } else {
-        const double wp = static_cast<double>(p->tips), wq = static_cast<double>(q->tips);
-        const Vec3d normal = (wp * p->normal - wq * q->normal).normalized();
-        const Vec3d point = (wp * p->point + wq * q->point) / (wp + wq);
-        const double between = std::abs((p->point - q->point).dot(normal));
-        const bool one_point = between <= kMostPlanesGap;
-        out.planes = {GivenPlane{normal, one_point ? point : p->point},
-                      GivenPlane{normal, one_point ? point : q->point}};
-        check.notes.push_back(fmt::format(
-            "one occlusal plane for both bases: normal ({:.4f}, {:.4f}, {:.4f}), the mean of two that disagree by "
-            "{:.1f} degrees and {:.1f} mm{}",
-            normal.x(), normal.y(), normal.z(), angle, between,
-            one_point ? "" : "; heights count from each jaw's own cusp tips"));
-      }
-    }
+    if (p && q) n = sharePlane(*p, *q, out);  // without, closing says why there is none
   }
+
+  // How far they reach into each other.
   if (gap.maxCoeff() < 0) {
     std::array<double, 2> low{}, high{};
     const double least = std::min(extent(*jaws[0], n, low[0], high[0]), extent(*jaws[1], n, low[1], high[1]));
@@ -94,7 +104,7 @@ Fitted fitTogether(const std::array<const Mesh*, 2>& jaws, const CloseOptions& c
   return out;
 }
 
-Expected<Jaw> lookAt(const std::filesystem::path& path, const std::string& asked_unit) {
+Expected<Jaw> readJaw(const std::filesystem::path& path, const std::string& asked_unit) {
   KERF_TRY(file, readMesh(path));
   auto unit = chooseUnit(bounds(file.mesh), asked_unit, file.declared_unit);
   if (!unit) {
@@ -111,10 +121,12 @@ Expected<Jaw> lookAt(const std::filesystem::path& path, const std::string& asked
 Expected<std::array<std::filesystem::path, 2>> pairFolders(const std::array<std::filesystem::path, 2>& meshes,
                                                            const std::string& name) {
   if (meshes[0].stem() == meshes[1].stem())
-    return fail({Error::Code::kBadValue, meshes[1].string(), "--pair",
-                 fmt::format("two files named \"{}\"", meshes[0].stem().string()),
-                 "two names: the cases are called after them",
-                 "rename one, for example to lower" + meshes[1].extension().string()});
+    return fail({.code = Error::Code::kBadValue,
+                 .file = meshes[1].string(),
+                 .place = "--pair",
+                 .found = fmt::format("two files named \"{}\"", meshes[0].stem().string()),
+                 .expected = "two names: the cases are called after them",
+                 .hint = "rename one, for example to lower" + meshes[1].extension().string()});
   std::filesystem::path base = name;
   if (base.extension() == ".case") base.replace_extension();
   std::array<std::filesystem::path, 2> folders;
@@ -126,18 +138,24 @@ Expected<std::array<std::filesystem::path, 2>> pairFolders(const std::array<std:
 Expected<std::array<BakeReport, 2>> bakePair(const std::array<std::filesystem::path, 2>& meshes,
                                              const std::array<std::filesystem::path, 2>& case_folders,
                                              const BakeOptions& options, const Progress& progress) {
-  KERF_TRY(first, lookAt(meshes[0], options.unit));
-  KERF_TRY(second, lookAt(meshes[1], options.unit));
+  KERF_TRY(first, readJaw(meshes[0], options.unit));
+  KERF_TRY(second, readJaw(meshes[1], options.unit));
   if (first.unit.scale_to_mm != second.unit.scale_to_mm)
-    return fail({Error::Code::kBadValue, meshes[1].string(), "unit",
-                 fmt::format("{} ({}), but {} for {} ({})", second.unit.unit, second.unit.reason, first.unit.unit,
-                             meshes[0].string(), first.unit.reason),
-                 "one unit for both jaws of a pair", "--unit mm, or whichever it is"});
+    return fail({.code = Error::Code::kBadValue,
+                 .file = meshes[1].string(),
+                 .place = "unit",
+                 .found = fmt::format("{} ({}), but {} for {} ({})", second.unit.unit, second.unit.reason,
+                                      first.unit.unit, meshes[0].string(), first.unit.reason),
+                 .expected = "one unit for both jaws of a pair",
+                 .hint = "--unit mm, or whichever it is"});
+
   std::string text = "kerf-frame 1\n";
   for (const Jaw* jaw : {&first, &second}) text += fmt::format("{} {}\n", jaw->sha256, jaw->unit.scale_to_mm);
   const std::string frame = sha256(std::as_bytes(std::span(text.data(), text.size())));
-  if (!report(progress, 0, "comparing the jaws")) return fail({Error::Code::kCancelled, "", "", "cancelled", "", ""});
+  if (!report(progress, 0, "comparing the jaws")) return cancelled();
+
   const Fitted fitted = fitTogether({&first.mesh_mm, &second.mesh_mm}, options.close);
+
   std::error_code ignored;
   const bool replaced = std::filesystem::exists(case_folders[0], ignored);
   std::array<BakeReport, 2> reports;
@@ -148,10 +166,9 @@ Expected<std::array<BakeReport, 2>> bakePair(const std::array<std::filesystem::p
       one.close.find_occlusal_plane = false;
       one.close.occlusal_plane = fitted.planes[k];
     }
+
     const double from = 0.5 * static_cast<double>(k);
-    Progress part;
-    if (progress) part = [&](double f, std::string_view what) { return progress(from + 0.5 * f, what); };
-    auto baked = bake({meshes[k]}, case_folders[k], one, part);
+    auto baked = bake({meshes[k]}, case_folders[k], one, internal::partOf(progress, from, from + 0.5));
     if (!baked) {
       if (k == 1 && !replaced) std::filesystem::remove_all(case_folders[0], ignored);
       if (k == 1 && replaced && !reports[0].was_up_to_date)

@@ -33,6 +33,8 @@ class Arranger {
   Arrangement run(const std::vector<std::array<std::uint32_t, 2>>& pairs) {
     const std::size_t n = mesh_.triangles.size();
     items_.resize(n);
+
+    // What meets what, and where.
     std::vector<char> touched(n, 0), flat(n, 0);
     for (const auto& [i, j] : pairs)
       if (i == j) flat[i] = 1;
@@ -51,6 +53,8 @@ class Arranger {
       }
       touched[i] = touched[j] = 1;
     }
+
+    // What that cuts the triangles into.
     std::vector<std::pair<Triangle, std::uint32_t>> pieces;
     for (std::uint32_t t = 0; t < n; ++t) {
       if (flat[t]) continue;
@@ -131,6 +135,8 @@ class Arranger {
     auto& items = items_[t];
     std::sort(items.begin(), items.end());
     items.erase(std::unique(items.begin(), items.end()), items.end());
+
+    // The plane to triangulate in: the coordinates other than `axis`.
     const Triangle& f = mesh_.triangles[t];
     const Vec3d n = doubleAreaVector(mesh_, t);
     int axis = 0;
@@ -152,6 +158,7 @@ class Arranger {
       h->info().v = vertex;
       return handles[vertex] = h;
     };
+
     for (const std::uint32_t corner : f) insert(corner);
     for (const Item& item : items)
       for (const std::uint32_t end : item)
@@ -160,6 +167,7 @@ class Arranger {
     for (std::size_t k = 0; k < 3; ++k) cdt.insert_constraint(handles[f[k]], handles[f[(k + 1) % 3]]);
     for (const Item& item : items)
       if (item[0] != item[1] && !poll_.stop()) cdt.insert_constraint(handles[item[0]], handles[item[1]]);
+
     for (auto h = cdt.finite_vertices_begin(); h != cdt.finite_vertices_end(); ++h) {
       if (h->info().v != kAdded) continue;
       // Two constraints crossed: lift their crossing back into the plane of the triangle.
@@ -171,6 +179,7 @@ class Arranger {
       x[sa] = -(normal[su] * x[su] + normal[sv] * x[sv] + plane.d()) / normal[sa];
       h->info().v = id(Point(x[0], x[1], x[2]));
     }
+
     for (auto face = cdt.finite_faces_begin(); face != cdt.finite_faces_end(); ++face)
       pieces.push_back({{face->vertex(0)->info().v, face->vertex(1)->info().v, face->vertex(2)->info().v}, t});
   }
@@ -185,24 +194,13 @@ class Arranger {
     entries.reserve(pieces.size());
     for (std::uint32_t i = 0; i < pieces.size(); ++i) {
       Triangle f = pieces[i].first;
-      bool even = true;
-      if (f[0] > f[1]) {
-        std::swap(f[0], f[1]);
-        even = !even;
-      }
-      if (f[1] > f[2]) {
-        std::swap(f[1], f[2]);
-        even = !even;
-      }
-      if (f[0] > f[1]) {
-        std::swap(f[0], f[1]);
-        even = !even;
-      }
+      const bool even = sortCorners(f);
       entries.push_back({f, i, even});
     }
     std::sort(entries.begin(), entries.end(), [](const Entry& x, const Entry& y) {
       return x.sorted != y.sorted ? x.sorted < y.sorted : x.piece < y.piece;
     });
+
     struct Merged {
       std::uint32_t piece;
       int multiplicity;
@@ -221,7 +219,9 @@ class Arranger {
       }
       merged.push_back(std::move(m));
     }
+
     std::sort(merged.begin(), merged.end(), [](const Merged& x, const Merged& y) { return x.piece < y.piece; });
+
     for (Merged& m : merged) {
       out_.triangles.push_back(pieces[m.piece].first);
       out_.parent.push_back(pieces[m.piece].second);
@@ -249,14 +249,12 @@ Expected<Arrangement> arrangeChain(const Mesh& mesh, const std::vector<std::arra
   Poll poll(progress, 0.5, "resolving crossings");
   try {
     Arrangement arrangement = Arranger(mesh, poll).run(pairs);
-    if (poll.stopped()) return cancelledError();
+    if (poll.stopped()) return cancelled();
     return arrangement;
   } catch (const std::exception& e) {
-    Error error;
-    error.code = Error::Code::kGeometry;
-    error.found = std::string("crossings that could not be resolved exactly (") + e.what() + ")";
-    error.hint = "--close wrap";
-    return fail(std::move(error));
+    return fail({.code = Error::Code::kGeometry,
+                 .found = std::string("crossings that could not be resolved exactly (") + e.what() + ")",
+                 .hint = "--close wrap"});
   }
 }
 

@@ -40,6 +40,7 @@ bool arrange(std::vector<Segment>& segments, Cdt& cdt, Poll& poll) {
       }
     }
     first.back() = ids.size();
+
     bool changed = false;
     std::vector<Segment> next(segments.size());
     for (std::size_t s = 0; s < segments.size(); ++s) {
@@ -58,6 +59,7 @@ bool arrange(std::vector<Segment>& segments, Cdt& cdt, Poll& poll) {
           if (line[m] != next[s].back()) next[s].push_back(line[m]);
       }
     }
+
     segments = std::move(next);
     if (!changed) return true;
   }
@@ -96,6 +98,7 @@ void forEachFace(const Cdt& cdt, const Net& net, F&& f) {
       stack.push_back(g);
     }
   }
+
   for (auto face = cdt.finite_faces_begin(); face != cdt.finite_faces_end(); ++face) {
     std::array<Point2, 3> corners;
     for (int k = 0; k < 3; ++k)
@@ -144,6 +147,62 @@ std::vector<Segment> convexOutline(const std::vector<Segment>& segments) {
   return outline;
 }
 
+/// The edges of all rims, and the shadow of each in the plane of the base.
+struct Shadow {
+  struct Edge {
+    std::uint32_t from, to;
+  };
+  std::vector<Edge> edges;
+  std::vector<Segment> segments;  ///< of the edges, in their order; others may follow
+};
+
+Shadow shadowOf(const Mesh& mesh, const std::vector<Loop>& rims, const BaseFrame& frame) {
+  const auto project = [&](std::uint32_t v) {
+    const Vec3d& p = mesh.vertices[v];
+    return Point2{roundedToFloat(p.dot(frame.u)), roundedToFloat(p.dot(frame.v))};
+  };
+  Shadow shadow;
+  for (const Loop& loop : rims)
+    for (std::size_t i = 0; i < loop.size(); ++i) {
+      const std::uint32_t p = loop[i], q = loop[(i + 1) % loop.size()];
+      shadow.edges.push_back({p, q});
+      Segment s{project(p)};
+      if (project(q) != s[0]) s.push_back(project(q));
+      shadow.segments.push_back(std::move(s));
+    }
+  return shadow;
+}
+
+/// Walls from the rims along w to the plane of `foot`, at `end` mm along w.
+void addWalls(Chain& chain, const Shadow& shadow, const BaseFrame& frame, double end, Floor& foot) {
+  std::map<std::uint32_t, std::uint32_t> under;  // of a rim vertex: where its colour has ended
+  const auto wallTop = [&](std::uint32_t v) {
+    if (!chain.mesh.hasVertexColors()) return v;
+    const auto [it, fresh] = under.try_emplace(v, 0);
+    if (fresh) {
+      constexpr double kFade = 0.2;  // mm
+      const Vec3d x = chain.mesh.vertices[v];
+      const double depth = end - x.dot(frame.w);
+      it->second = chain.addVertex(roundedToFloat(Vec3d(x + std::min(kFade, depth / 2) * frame.w)));
+    }
+    return it->second;
+  };
+
+  for (std::size_t s = 0; s < shadow.edges.size(); ++s) {
+    const auto& [rim_p, rim_q] = shadow.edges[s];
+    const std::uint32_t p = wallTop(rim_p), q = wallTop(rim_q);
+    if (p != rim_p) {
+      chain.addTriangle(rim_p, rim_q, q);
+      chain.addTriangle(rim_p, q, p);
+    }
+
+    std::vector<std::uint32_t> below;
+    for (const Point2& x : shadow.segments[s]) below.push_back(foot.vertex(x));
+    chain.addTriangle(p, q, below.back());
+    for (std::size_t k = below.size(); k-- > 1;) chain.addTriangle(p, below[k], below[k - 1]);
+  }
+}
+
 /// The walls and the underside of the plate.
 void addPlate(Chain& chain, const std::vector<Segment>& outline, const Cdt& underside, const BaseFrame& frame,
               Floor& ceiling) {
@@ -175,6 +234,7 @@ BaseFrame baseFrame(const Vec3d& w) {
     f.v = Vec3d::Unit((axis + (sign > 0 ? 2 : 1)) % 3);
     return f;
   }
+
   int least = 0;
   w.cwiseAbs().minCoeff(&least);
   f.w = w.normalized();
@@ -187,74 +247,40 @@ Expected<void> extrudeToBase(Chain& chain, const std::vector<Loop>& rims, const 
                              const Progress& progress) {
   Poll poll(progress, 0.15, "building the base");
   const auto given_up = [&]() -> tl::unexpected<Error> {
-    if (poll.stopped()) return cancelledError();
-    Error e;
-    e.code = Error::Code::kGeometry;
-    e.found = "a rim whose shadow on the base plane could not be triangulated";
-    e.hint = "another --base-direction, or --close wrap";
-    return fail(std::move(e));
+    if (poll.stopped()) return cancelled();
+    return fail({.code = Error::Code::kGeometry,
+                 .found = "a rim whose shadow on the base plane could not be triangulated",
+                 .hint = "another --base-direction, or --close wrap"});
   };
-  struct Edge {
-    std::uint32_t from, to;
-  };
-  const auto shadow = [&](std::uint32_t v) {
-    const Vec3d& p = chain.mesh.vertices[v];
-    return Point2{roundedToFloat(p.dot(frame.u)), roundedToFloat(p.dot(frame.v))};
-  };
-  std::vector<Edge> edges;
-  std::vector<Segment> segments;
-  for (const Loop& loop : rims)
-    for (std::size_t i = 0; i < loop.size(); ++i) {
-      const std::uint32_t p = loop[i], q = loop[(i + 1) % loop.size()];
-      edges.push_back({p, q});
-      Segment s{shadow(p)};
-      if (shadow(q) != s[0]) s.push_back(shadow(q));
-      segments.push_back(std::move(s));
-    }
+
+  // The shadow of the rims, triangulated.
+  Shadow shadow = shadowOf(chain.mesh, rims, frame);
   Cdt cdt, underside;
   std::vector<Segment> outline;
   try {
     if (on_plate)
-      for (Segment& s : convexOutline(segments)) segments.push_back(std::move(s));
-    if (!arrange(segments, cdt, poll)) return given_up();
-    outline.assign(segments.begin() + static_cast<std::ptrdiff_t>(edges.size()), segments.end());
+      for (Segment& s : convexOutline(shadow.segments)) shadow.segments.push_back(std::move(s));
+    if (!arrange(shadow.segments, cdt, poll)) return given_up();
+    outline.assign(shadow.segments.begin() + static_cast<std::ptrdiff_t>(shadow.edges.size()), shadow.segments.end());
     std::vector<Segment> again = outline;
     if (on_plate && (!arrange(again, underside, poll) || again != outline)) return given_up();
   } catch (const std::exception&) {
     return given_up();
   }
-  Floor foot(chain, frame, on_plate ? frame.ceiling : frame.level);
-  Net net, outline_net;
-  std::map<std::uint32_t, std::uint32_t> under;  // of a rim vertex: where its colour has ended
-  const auto wallTop = [&](std::uint32_t v) {
-    if (!chain.mesh.hasVertexColors()) return v;
-    const auto [it, fresh] = under.try_emplace(v, 0);
-    if (fresh) {
-      constexpr double kFade = 0.2;  // mm
-      const Vec3d x = chain.mesh.vertices[v];
-      const double depth = (on_plate ? frame.ceiling : frame.level) - x.dot(frame.w);
-      it->second = chain.addVertex(roundedToFloat(Vec3d(x + std::min(kFade, depth / 2) * frame.w)));
-    }
-    return it->second;
-  };
-  for (std::size_t s = 0; s < edges.size(); ++s) {
-    const auto& [rim_p, rim_q] = edges[s];
-    const std::uint32_t p = wallTop(rim_p), q = wallTop(rim_q);
-    if (p != rim_p) {
-      chain.addTriangle(rim_p, rim_q, q);
-      chain.addTriangle(rim_p, q, p);
-    }
-    std::vector<std::uint32_t> below;
-    for (const Point2& x : segments[s]) below.push_back(foot.vertex(x));
-    chain.addTriangle(p, q, below.back());
-    for (std::size_t k = below.size(); k-- > 1;) chain.addTriangle(p, below[k], below[k - 1]);
-    count(segments[s], net);
-  }
+
+  // The walls.
+  const double end = on_plate ? frame.ceiling : frame.level;
+  Floor foot(chain, frame, end);
+  addWalls(chain, shadow, frame, end, foot);
+  Net net;
+  for (std::size_t s = 0; s < shadow.edges.size(); ++s) count(shadow.segments[s], net);
   if (!on_plate) {
     forEachFace(cdt, net, [&](const auto& corners, int winding) { foot.addFace(corners, winding); });
     return {};
   }
+
   // The plate's upper side, without what the arch stands on.
+  Net outline_net;
   for (const Segment& s : outline) count(s, outline_net);
   for (const auto& [edge, times] : net) outline_net[edge] -= times;
   forEachFace(cdt, outline_net, [&](const auto& corners, int winding) { foot.addFace(corners, -winding); });

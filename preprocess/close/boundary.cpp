@@ -117,9 +117,26 @@ Expected<bool> isInsideOut(const Opening& opening, const CloseOptions& options) 
   return fail(std::move(e));
 }
 
+/// The base below the occlusal plane, or below the highest point.
+/// @param lowest  the lowest vertex, mm along w.   @param occlusal  the plane's height along w, if there is one.
+Expected<double> levelByHeight(const Chain& chain, const Vec3d& w, double lowest, std::optional<double> occlusal,
+                               double height_mm) {
+  constexpr double kLeastMargin = 0.5;
+  const double top = occlusal.value_or(-reach(chain.mesh, -w));
+  const double level = top + height_mm;
+  if (!(level < lowest + kLeastMargin)) return level;
+  const double least = std::ceil(10 * (lowest + kLeastMargin - top)) / 10;
+  Error e = ungrounded(fmt::format("a base {} mm below {}, but the scan reaches {:.2f} mm below it", height_mm,
+                                   occlusal ? "the occlusal plane" : "the highest point", lowest - top),
+                       fmt::format("--base-height {:.1f}", least));
+  e.expected = fmt::format("a base height of at least {:.1f} mm", least);
+  return fail(std::move(e));
+}
+
 /// Where the base goes. @param down  roughly: a coordinate axis.  @param open  where the scan is open.
 Expected<BaseFrame> placeBase(const Chain& chain, const Vec3d& down, const Vec3d& open, const CloseOptions& options,
                               CloseReport& report) {
+  // Which way it faces.
   Vec3d w = down;
   std::optional<double> occlusal;  // the plane's height, along w
   if (options.occlusal_plane) {
@@ -144,23 +161,16 @@ Expected<BaseFrame> placeBase(const Chain& chain, const Vec3d& down, const Vec3d
         "{} cusp tips (rms {:.2f} mm)",
         plane.normal.x(), plane.normal.y(), plane.normal.z(), degreesToNearestAxis(w), plane.tips, plane.rms_mm));
   }
+
+  // How far down it lies.
   BaseFrame frame = baseFrame(w);
   const double lowest = reach(chain.mesh, frame.w);
   frame.level = lowest + options.base_margin_mm;
   if (options.base_height_mm) {
-    constexpr double kLeastMargin = 0.5;
-    const double top = occlusal.value_or(-reach(chain.mesh, -frame.w));
-    frame.level = top + *options.base_height_mm;
-    if (frame.level < lowest + kLeastMargin) {
-      const double least = std::ceil(10 * (lowest + kLeastMargin - top)) / 10;
-      Error e = ungrounded(
-          fmt::format("a base {} mm below {}, but the scan reaches {:.2f} mm below it", *options.base_height_mm,
-                      occlusal ? "the occlusal plane" : "the highest point", lowest - top),
-          fmt::format("--base-height {:.1f}", least));
-      e.expected = fmt::format("a base height of at least {:.1f} mm", least);
-      return fail(std::move(e));
-    }
+    KERF_TRY(level, levelByHeight(chain, frame.w, lowest, occlusal, *options.base_height_mm));
+    frame.level = level;
   }
+
   frame.level = roundedToFloat(frame.level);
   frame.ceiling = roundedToFloat(lowest + std::min(0.25, 0.1 * (frame.level - lowest)));
   return frame;
@@ -181,102 +191,143 @@ std::string describePlace(const BaseFrame& frame) {
                      frame.w.y(), frame.w.z(), degreesToNearestAxis(frame.w));
 }
 
-}  // namespace
+/// The boundary of a chain, one entry per loop.
+struct Boundary {
+  std::vector<Loop> loops;
+  std::vector<double> lengths;  ///< mm
+  std::size_t longest = 0;
+  std::vector<char> is_rim;  ///< of a missing underside; the others are holes
+  double longestLength() const { return lengths[longest]; }
+};
 
-Expected<void> closeBoundary(Chain& chain, const CloseOptions& options, CloseReport& report, const Progress& progress) {
-  std::vector<Loop> loops = boundaryLoops(chain.mesh.triangles);
-  if (loops.empty()) {
-    if (options.only.empty() && options.mode == CloseMode::kBase)
-      return fail(ungrounded("a closed mesh, which needs no base", "the same without --close base"));
-    if (isBaseAsked(options)) report.changes.push_back("no base was made: the mesh is closed");
-    return {};
-  }
-  const double diagonal = bounds(chain.mesh).size().norm();
-  std::vector<double> lengths;
-  for (const Loop& loop : loops) lengths.push_back(length(chain.mesh, loop));
-  const auto longest = static_cast<std::size_t>(std::max_element(lengths.begin(), lengths.end()) - lengths.begin());
+/// Whether the longest loop is the rim of a missing underside. Errors: kGeometry if it is, and no base may be made.
+Expected<bool> needsBase(const Mesh& mesh, const Boundary& boundary, const CloseOptions& options) {
+  const double diagonal = bounds(mesh).size().norm();
   const bool steps = !options.only.empty();
-  const bool long_one = options.fill_up_to_mm ? lengths[longest] > *options.fill_up_to_mm
-                                              : lengths[longest] > options.rim_to_diagonal * diagonal;
+  const bool long_one = options.fill_up_to_mm ? boundary.longestLength() > *options.fill_up_to_mm
+                                              : boundary.longestLength() > options.rim_to_diagonal * diagonal;
   const bool may_base = steps ? options.only.count(CloseStep::kBase) > 0 : options.mode != CloseMode::kRepair;
   const bool has_rim = long_one || (!steps && options.mode == CloseMode::kBase);
-  if (has_rim && !may_base) {
-    const std::string found =
-        fmt::format("an open boundary of {:.0f} mm around a mesh of {:.0f} mm{}", lengths[longest], diagonal,
-                    options.fill_up_to_mm ? "" : ": its underside is missing");
-    if (steps) return fail(missingStep(found, CloseStep::kBase, options));
-    return fail(
-        ungrounded(found, options.fill_up_to_mm ? "--close base, or a larger --fill-holes-up-to" : "--close base"));
-  }
-  if (!has_rim && isBaseAsked(options))
-    report.changes.push_back(fmt::format(
-        "no base was made: no underside is missing, the longest opening is {:.1f} mm around", lengths[longest]));
-  std::vector<char> is_rim(loops.size(), 0);
-  if (has_rim) {
-    Opening opening = measureOpening(chain.mesh, loops[longest]);
-    KERF_TRY(turn, isInsideOut(opening, options));
-    Direction base = options.base_direction ? nearestAxis(*options.base_direction) : nearestAxis(opening.direction);
-    if (turn) {
-      turnAll(chain, loops);
-      opening.direction = -opening.direction;
-      if (!options.base_direction) base.sign = -base.sign;
-      report.triangles_flipped += chain.mesh.triangles.size();
-      report.changes.push_back("the scan was inside out: all triangles were turned");
+  if (!has_rim || may_base) return has_rim;
+
+  const std::string found =
+      fmt::format("an open boundary of {:.0f} mm around a mesh of {:.0f} mm{}", boundary.longestLength(), diagonal,
+                  options.fill_up_to_mm ? "" : ": its underside is missing");
+  if (steps) return fail(missingStep(found, CloseStep::kBase, options));
+  return fail(
+      ungrounded(found, options.fill_up_to_mm ? "--close base, or a larger --fill-holes-up-to" : "--close base"));
+}
+
+/// Marks the longest loop, and those that are long for their piece and open to the same side.
+void markRims(const Mesh& mesh, const Vec3d& down, const CloseOptions& options, Boundary& boundary) {
+  const Pieces pieces = edgeConnectedPieces(mesh);
+  std::vector<Box3> box(pieces.count);
+  std::vector<std::uint32_t> piece_of(mesh.vertices.size(), 0);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    for (const std::uint32_t v : mesh.triangles[t]) {
+      box[pieces.label[t]].add(mesh.vertices[v]);
+      piece_of[v] = pieces.label[t];
     }
-    const Pieces pieces = edgeConnectedPieces(chain.mesh);
-    std::vector<Box3> box(pieces.count);
-    std::vector<std::uint32_t> piece_of(chain.mesh.vertices.size(), 0);
-    for (std::size_t t = 0; t < chain.mesh.triangles.size(); ++t)
-      for (const std::uint32_t v : chain.mesh.triangles[t]) {
-        box[pieces.label[t]].add(chain.mesh.vertices[v]);
-        piece_of[v] = pieces.label[t];
-      }
-    std::vector<Loop> rims;
-    for (std::size_t i = 0; i < loops.size(); ++i) {
-      const double own = box[piece_of[loops[i][0]]].size().norm();
-      is_rim[i] = i == longest ||
-                  (lengths[i] > (options.fill_up_to_mm ? *options.fill_up_to_mm : options.rim_to_diagonal * own) &&
-                   areaVector(chain.mesh, loops[i]).dot(base.vector()) > 0);
-      if (is_rim[i]) rims.push_back(loops[i]);
-    }
-    KERF_TRY(frame, placeBase(chain, base.vector(), opening.direction, options, report));
-    KERF_CHECK(extrudeToBase(chain, rims, frame, options.base_style == BaseStyle::kFull, progress));
-    report.rims_extruded = rims.size();
-    report.base_direction = frame.w;
-    report.base_level_mm = frame.level;
-    report.changes.push_back(fmt::format(
-        "{} {:.0f} mm around, {} extruded to {}{}",
-        rims.size() == 1 ? std::string("a rim") : fmt::format("{} rims, the longest", rims.size()), lengths[longest],
-        rims.size() == 1 ? "was" : "were", describePlace(frame),
-        options.base_style == BaseStyle::kFull ? fmt::format(", a plate {:.2f} mm thick", frame.level - frame.ceiling)
-                                               : std::string()));
+  for (std::size_t i = 0; i < boundary.loops.size(); ++i) {
+    const double own = box[piece_of[boundary.loops[i][0]]].size().norm();
+    const double most = options.fill_up_to_mm ? *options.fill_up_to_mm : options.rim_to_diagonal * own;
+    boundary.is_rim[i] =
+        i == boundary.longest || (boundary.lengths[i] > most && areaVector(mesh, boundary.loops[i]).dot(down) > 0);
   }
-  for (std::size_t i = 0; i < loops.size(); ++i) {
-    if (is_rim[i]) continue;
-    if (steps && !options.only.count(CloseStep::kFill))
-      return fail(missingStep(fmt::format("a hole {:.1f} mm around", lengths[i]), CloseStep::kFill, options));
-    if (options.fill_up_to_mm && lengths[i] > *options.fill_up_to_mm) {
-      const Vec3d& p = chain.mesh.vertices[loops[i][0]];
-      Error e = ungrounded(fmt::format("a hole {:.1f} mm around", lengths[i]), "a larger --fill-holes-up-to");
+}
+
+/// Turns a scan that is inside out, and puts a base under its rims.
+Expected<void> extrudeRims(Chain& chain, Boundary& boundary, const CloseOptions& options, CloseReport& report,
+                           const Progress& progress) {
+  Opening opening = measureOpening(chain.mesh, boundary.loops[boundary.longest]);
+  KERF_TRY(turn, isInsideOut(opening, options));
+  Direction base = options.base_direction ? nearestAxis(*options.base_direction) : nearestAxis(opening.direction);
+  if (turn) {
+    turnAll(chain, boundary.loops);
+    opening.direction = -opening.direction;
+    if (!options.base_direction) base.sign = -base.sign;
+    report.triangles_flipped += chain.mesh.triangles.size();
+    report.changes.push_back("the scan was inside out: all triangles were turned");
+  }
+
+  markRims(chain.mesh, base.vector(), options, boundary);
+  std::vector<Loop> rims;
+  for (std::size_t i = 0; i < boundary.loops.size(); ++i)
+    if (boundary.is_rim[i]) rims.push_back(boundary.loops[i]);
+  KERF_TRY(frame, placeBase(chain, base.vector(), opening.direction, options, report));
+  KERF_CHECK(extrudeToBase(chain, rims, frame, options.base_style == BaseStyle::kFull, progress));
+
+  report.rims_extruded = rims.size();
+  report.base_direction = frame.w;
+  report.base_level_mm = frame.level;
+  report.changes.push_back(fmt::format(
+      "{} {:.0f} mm around, {} extruded to {}{}",
+      rims.size() == 1 ? std::string("a rim") : fmt::format("{} rims, the longest", rims.size()),
+      boundary.longestLength(), rims.size() == 1 ? "was" : "were", describePlace(frame),
+      options.base_style == BaseStyle::kFull ? fmt::format(", a plate {:.2f} mm thick", frame.level - frame.ceiling)
+                                             : std::string()));
+  return {};
+}
+
+/// Refuses holes that are not to be filled.
+Expected<void> checkHoles(const Mesh& mesh, const Boundary& boundary, const CloseOptions& options) {
+  for (std::size_t i = 0; i < boundary.loops.size(); ++i) {
+    if (boundary.is_rim[i]) continue;
+    const std::string found = fmt::format("a hole {:.1f} mm around", boundary.lengths[i]);
+    if (!options.only.empty() && !options.only.count(CloseStep::kFill))
+      return fail(missingStep(found, CloseStep::kFill, options));
+    if (options.fill_up_to_mm && boundary.lengths[i] > *options.fill_up_to_mm) {
+      const Vec3d& p = mesh.vertices[boundary.loops[i][0]];
+      Error e = ungrounded(found, "a larger --fill-holes-up-to");
       e.place = fmt::format("at ({:.2f}, {:.2f}, {:.2f}) mm", p.x(), p.y(), p.z());
       e.expected = fmt::format("holes of at most {} mm", *options.fill_up_to_mm);
       return fail(std::move(e));
     }
   }
+  return {};
+}
+
+Expected<void> fillHoles(Chain& chain, const Boundary& boundary, CloseReport& report, const Progress& progress) {
   std::size_t fans = 0;
   double widest = 0;
-  for (std::size_t i = 0; i < loops.size(); ++i) {
-    if (is_rim[i]) continue;
-    if (!kerf::report(progress, 0.2, "filling holes")) return cancelledError();
-    fans += !fillHole(chain, loops[i]);
+  for (std::size_t i = 0; i < boundary.loops.size(); ++i) {
+    if (boundary.is_rim[i]) continue;
+    if (!kerf::report(progress, 0.2, "filling holes")) return cancelled();
+    fans += !fillHole(chain, boundary.loops[i]);
     ++report.holes_filled;
-    widest = std::max(widest, lengths[i]);
+    widest = std::max(widest, boundary.lengths[i]);
   }
   if (report.holes_filled)
     report.changes.push_back(fmt::format("{} filled (the largest {:.1f} mm around)",
                                          counted(report.holes_filled, "hole was", "holes were"), widest));
   if (fans) report.changes.push_back(counted(fans, "of them was", "of them were") + " closed by a plain fan");
   return {};
+}
+
+}  // namespace
+
+Expected<void> closeBoundary(Chain& chain, const CloseOptions& options, CloseReport& report, const Progress& progress) {
+  Boundary boundary{boundaryLoops(chain.mesh.triangles), {}, 0, {}};
+  if (boundary.loops.empty()) {
+    if (options.only.empty() && options.mode == CloseMode::kBase)
+      return fail(ungrounded("a closed mesh, which needs no base", "the same without --close base"));
+    if (isBaseAsked(options)) report.changes.push_back("no base was made: the mesh is closed");
+    return {};
+  }
+  for (const Loop& loop : boundary.loops) boundary.lengths.push_back(length(chain.mesh, loop));
+  boundary.longest = static_cast<std::size_t>(std::max_element(boundary.lengths.begin(), boundary.lengths.end()) -
+                                              boundary.lengths.begin());
+  boundary.is_rim.assign(boundary.loops.size(), 0);
+
+  KERF_TRY(has_rim, needsBase(chain.mesh, boundary, options));
+  if (has_rim)
+    KERF_CHECK(extrudeRims(chain, boundary, options, report, progress));
+  else if (isBaseAsked(options))
+    report.changes.push_back(
+        fmt::format("no base was made: no underside is missing, the longest opening is {:.1f} mm around",
+                    boundary.longestLength()));
+  KERF_CHECK(checkHoles(chain.mesh, boundary, options));
+  return fillHoles(chain, boundary, report, progress);
 }
 
 Expected<OcclusalPlane> findPlaneOfScan(const Chain& chain, const CloseOptions& options) {

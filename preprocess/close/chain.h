@@ -9,6 +9,7 @@
 
 #include "geometry/base/error.h"
 #include "geometry/mesh/mesh.h"
+#include "preprocess/close/edges.h"
 #include "preprocess/unit/source_triangle.h"
 
 namespace kerf {
@@ -31,29 +32,15 @@ struct Chain {
 /// What closing adds to a coloured mesh: light model stone.
 inline constexpr Rgba8 kNeutral = {214, 205, 189, 255};
 
-/// An undirected edge a < b and how often the chain runs along it from a to b (forth) and back.
-struct EdgeCount {
-  std::uint32_t a, b;
-  int forth, back;
-};
-/// All edges, sorted by (a, b). Cost: one sort.
-std::vector<EdgeCount> countEdges(const std::vector<Triangle>& triangles);
-
-/// A closed walk along the chain's boundary, in the direction the missing faces would use; no vertex twice.
-using Loop = std::vector<std::uint32_t>;
-std::vector<Loop> boundaryLoops(const std::vector<Triangle>& triangles);
+/// True if some edge is not met by its opposite as often.
 bool hasBoundary(const Chain& chain);
 
 /// Rounds, welds, drops triangles that repeat a vertex and duplicates, stitches, orients, drops open crumbs.
 /// Everything is entered in the report. Errors: kGeometry if a step is needed that CloseOptions::only leaves out.
 Expected<Chain> buildChain(const Mesh& imported, const CloseOptions& options, CloseReport& report);
 
-/// Turns pieces that are inside out, unless they are the wall of a cavity in something else. @pre the chain is closed.
-/// @return true if the box of one piece lies in that of another: their winding numbers must be looked at.
-bool turnPieces(Chain& chain, CloseReport& report);
-
-/// True if every edge has one triangle on each side and the triangles at every vertex form one fan.
-bool isClosedManifold(const Mesh& mesh);
+/// Keeps the triangles with keep[t] != 0.
+void keepOnly(Chain& chain, const std::vector<char>& keep);
 
 /// The error for a mesh that needs a step which CloseOptions::only leaves out.
 Error missingStep(std::string found, CloseStep step, const CloseOptions& options);

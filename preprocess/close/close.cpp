@@ -11,6 +11,7 @@
 #include "preprocess/close/boundary.h"
 #include "preprocess/close/chain.h"
 #include "preprocess/close/manifold.h"
+#include "preprocess/close/orient.h"
 #include "preprocess/close/poll.h"
 #include "preprocess/close/wrap.h"
 
@@ -122,6 +123,7 @@ void dropDebris(Result& r, const Mesh& imported, const CloseOptions& options, Cl
     total += v;
     if (!made[pieces.label[t]] && !isWhole(imported, r, t)) made[pieces.label[t]] = 1;
   }
+
   std::size_t count = 0;
   double dropped = 0;
   std::vector<char> debris(pieces.count, 0);
@@ -132,6 +134,7 @@ void dropDebris(Result& r, const Mesh& imported, const CloseOptions& options, Cl
       dropped += std::abs(volume[l]);
     }
   if (count == 0) return;
+
   std::size_t kept = 0;
   for (std::size_t t = 0; t < r.mesh.triangles.size(); ++t) {
     if (debris[pieces.label[t]]) continue;
@@ -143,22 +146,98 @@ void dropDebris(Result& r, const Mesh& imported, const CloseOptions& options, Cl
   r.mesh.triangles.resize(kept);
   r.source.resize(kept);
   if (r.mesh.hasFaceColors()) r.mesh.face_colors.resize(kept);
+
   report.debris_dropped = count;
   report.changes.push_back(fmt::format("{} beside or inside the solid dropped ({:.3f} mm3 in all)",
                                        counted(count, "splinter or pocket", "splinters and pockets"), dropped));
 }
 
-/// Steps c to e: arrangement, winding, separation, rounding. Enters what it did in the report.
+/// Makes the surface a 2-manifold by moving apart what only touches. `fixed` follows the vertices.
+void separateParts(const Mesh& imported, const Chain& chain, std::vector<Vec3d>& normals, Result& r,
+                   std::vector<char>& fixed, CloseReport& report) {
+  const double separation = kSeparation * lengthScale(imported);
+  const internal::SplitReport split = internal::splitNonManifold(r.mesh, normals, r.source, separation);
+  fixed.resize(r.mesh.vertices.size(), 0);
+  if (split.places == 0) return;
+  for (const std::uint32_t v : split.copy_of) report.vertices_moved += v < chain.source_vertices;
+  report.changes.push_back(fmt::format("parts that touched in {} were moved apart by {:.1g} mm",
+                                       counted(split.places, "vertex", "vertices"), separation));
+  report.largest_move_mm = std::max(report.largest_move_mm, separation);
+}
+
+/// Lets the fixed vertices around crossings move; returns where they are.
+std::vector<Vec3d> freeAroundCrossings(const Mesh& mesh, std::vector<char>& fixed) {
+  std::vector<char> hot(mesh.vertices.size(), 0);
+  for (const auto& [i, j] : crossingPairs(mesh))
+    for (const std::uint32_t t : {i, j})
+      for (const std::uint32_t v : mesh.triangles[t]) hot[v] = 1;
+  std::vector<Vec3d> freed;
+  for (std::size_t v = 0; v < hot.size(); ++v)
+    if (hot[v] && fixed[v]) {
+      fixed[v] = 0;
+      freed.push_back(mesh.vertices[v]);
+    }
+  return freed;
+}
+
+/// How many of these places have no vertex any more.
+std::size_t countMoved(const std::vector<Vec3d>& places, const Mesh& mesh) {
+  const auto less = [](const Vec3d& p, const Vec3d& q) {
+    return p.x() != q.x() ? p.x() < q.x() : p.y() != q.y() ? p.y() < q.y() : p.z() < q.z();
+  };
+  std::vector<Vec3d> now = mesh.vertices;
+  std::sort(now.begin(), now.end(), less);
+  std::size_t moved = 0;
+  for (const Vec3d& p : places) moved += !std::binary_search(now.begin(), now.end(), p, less);
+  return moved;
+}
+
+/// Rounds all but the fixed vertices to float32; where that is not enough, a few source vertices as well.
+Expected<void> roundNewVertices(Result& r, std::vector<char>& fixed, const CloseOptions& options, CloseReport& report,
+                                const Progress& progress) {
+  KERF_TRY(cleaned, cleanUpForFloat32(r.mesh, fixed, &r.source, options.cleanup_length_mm));
+  CleanupReport last = cleaned;
+  std::vector<Vec3d> freed;
+  for (int round = 0; round < 3 && last.crossings_left; ++round) {
+    if (!kerf::report(progress, 0.85 + 0.05 * round, "rounding again")) return cancelled();
+    // Only fixed vertices are left to move: the few around the remaining crossings are let go.
+    const std::vector<Vec3d> more = freeAroundCrossings(r.mesh, fixed);
+    freed.insert(freed.end(), more.begin(), more.end());
+    KERF_TRY(again, cleanUpForFloat32(r.mesh, fixed, &r.source, options.cleanup_length_mm));
+    last = again;
+  }
+
+  if (!freed.empty()) {
+    const std::size_t moved = countMoved(freed, r.mesh);
+    report.vertices_moved += moved;
+    report.largest_move_mm = std::max(report.largest_move_mm, last.largest_move_mm);
+    report.changes.push_back(
+        fmt::format("{} moved or merged (by {:.2g} mm at most) because single precision could not "
+                    "tell the surfaces apart",
+                    counted(moved, "source vertex was", "source vertices were"), last.largest_move_mm));
+  }
+
+  if (last.crossings_left)
+    return fail(
+        makeError(Error::Code::kGeometry,
+                  counted(last.crossings_left, "pair of triangles still crosses", "pairs of triangles still cross") +
+                      " after rounding to single precision",
+                  "none", "--close wrap"));
+  return {};
+}
+
+/// Arrangement, winding, separation, rounding: steps 4 to 6 of preprocess/README.md. Entered in the report.
 Expected<Result> resolve(const Mesh& imported, const Chain& chain,
                          const std::vector<std::array<std::uint32_t, 2>>& pairs, const CloseOptions& options,
                          CloseReport& report, const Progress& progress) {
-  if (!kerf::report(progress, 0.4, "resolving crossings")) return internal::cancelledError();
+  if (!kerf::report(progress, 0.4, "resolving crossings")) return cancelled();
   KERF_TRY(arrangement, internal::arrangeChain(chain.mesh, pairs, progress));
   KERF_TRY(kept, internal::keepWindingBoundary(chain.mesh, arrangement, progress));
-  if (!kerf::report(progress, 0.8, "rounding")) return internal::cancelledError();
+  if (!kerf::report(progress, 0.8, "rounding")) return cancelled();
   if (kept.patches_kept == 0)
     return fail(makeError(Error::Code::kGeometry, "a surface that encloses nothing", "a mesh with an inside",
                           "check the orientation, or --close wrap"));
+
   std::vector<Vec3d> normals;
   Result r = assemble(chain, arrangement, kept.keep, normals);
   if (!pairs.empty())
@@ -169,58 +248,13 @@ Expected<Result> resolve(const Mesh& imported, const Chain& chain,
   if (const std::size_t gone = kept.patches - kept.patches_kept)
     report.changes.push_back(fmt::format("{} of {} dropped: inside the solid, or outside of any",
                                          counted(gone, "patch", "patches"), kept.patches));
+
   std::vector<char> fixed(r.mesh.vertices.size(), 0);
   std::fill(fixed.begin(), fixed.begin() + static_cast<std::ptrdiff_t>(chain.mesh.vertices.size()), 1);
-  const double separation = kSeparation * lengthScale(imported);
-  const internal::SplitReport split = internal::splitNonManifold(r.mesh, normals, r.source, separation);
-  fixed.resize(r.mesh.vertices.size(), 0);
-  if (split.places) {
-    for (const std::uint32_t v : split.copy_of) report.vertices_moved += v < chain.source_vertices;
-    report.changes.push_back(fmt::format("parts that touched in {} were moved apart by {:.1g} mm",
-                                         counted(split.places, "vertex", "vertices"), separation));
-    report.largest_move_mm = std::max(report.largest_move_mm, separation);
-  }
+  separateParts(imported, chain, normals, r, fixed, report);
   dropDebris(r, imported, options, report);
   compact(r.mesh, fixed);
-  KERF_TRY(cleaned, cleanUpForFloat32(r.mesh, fixed, &r.source, options.cleanup_length_mm));
-  CleanupReport last = cleaned;
-  std::vector<Vec3d> freed;
-  for (int round = 0; round < 3 && last.crossings_left; ++round) {
-    if (!kerf::report(progress, 0.85 + 0.05 * round, "rounding again")) return internal::cancelledError();
-    // Only fixed vertices are left to move: the few around the remaining crossings are let go.
-    std::vector<char> hot(r.mesh.vertices.size(), 0);
-    for (const auto& [i, j] : crossingPairs(r.mesh))
-      for (const std::uint32_t t : {i, j})
-        for (const std::uint32_t v : r.mesh.triangles[t]) hot[v] = 1;
-    for (std::size_t v = 0; v < hot.size(); ++v)
-      if (hot[v] && fixed[v]) {
-        fixed[v] = 0;
-        freed.push_back(r.mesh.vertices[v]);
-      }
-    KERF_TRY(again, cleanUpForFloat32(r.mesh, fixed, &r.source, options.cleanup_length_mm));
-    last = again;
-  }
-  if (!freed.empty()) {
-    const auto less = [](const Vec3d& p, const Vec3d& q) {
-      return p.x() != q.x() ? p.x() < q.x() : p.y() != q.y() ? p.y() < q.y() : p.z() < q.z();
-    };
-    std::vector<Vec3d> now = r.mesh.vertices;
-    std::sort(now.begin(), now.end(), less);
-    std::size_t moved = 0;
-    for (const Vec3d& p : freed) moved += !std::binary_search(now.begin(), now.end(), p, less);
-    report.vertices_moved += moved;
-    report.largest_move_mm = std::max(report.largest_move_mm, last.largest_move_mm);
-    report.changes.push_back(
-        fmt::format("{} moved or merged (by {:.2g} mm at most) because single precision could not "
-                    "tell the surfaces apart",
-                    counted(moved, "source vertex was", "source vertices were"), last.largest_move_mm));
-  }
-  if (last.crossings_left)
-    return fail(
-        makeError(Error::Code::kGeometry,
-                  counted(last.crossings_left, "pair of triangles still crosses", "pairs of triangles still cross") +
-                      " after rounding to single precision",
-                  "none", "--close wrap"));
+  KERF_CHECK(roundNewVertices(r, fixed, options, report, progress));
   return r;
 }
 
@@ -263,6 +297,7 @@ Expected<void> checkOptions(const CloseOptions& o) {
   const auto bad = [](const char* what, double value, const char* expected) {
     return fail(makeError(Error::Code::kBadValue, fmt::format("{} = {}", what, value), expected));
   };
+
   if (!(o.base_margin_mm > 0 && o.base_margin_mm < 1000))
     return bad("base_margin_mm", o.base_margin_mm, "above 0, below 1000");
   if (!(o.cleanup_length_mm > 0 && o.cleanup_length_mm <= 0.1))
@@ -320,6 +355,7 @@ Expected<Result> makeExact(const Mesh& imported, Chain& chain, const CloseOption
   const bool nested = internal::turnPieces(chain, report);
   if (report.triangles_flipped > flipped && !options.only.empty() && !options.only.count(CloseStep::kOrient))
     return fail(internal::missingStep("a piece that is inside out", CloseStep::kOrient, options));
+
   const auto pairs = crossingPairs(chain.mesh);
   if (!nested && pairs.empty() && internal::isClosedManifold(chain.mesh)) {
     Result r{std::move(chain.mesh), std::move(chain.source)};
@@ -329,6 +365,7 @@ Expected<Result> makeExact(const Mesh& imported, Chain& chain, const CloseOption
       return fail(makeError(Error::Code::kGeometry, "a solid without volume", "a verified solid"));
     return r;  // just checked: verify() would repeat it
   }
+
   if (!options.only.empty() && !options.only.count(CloseStep::kUnite))
     return fail(internal::missingStep(pairs.empty() ? std::string("parts that touch, or lie in each other")
                                                     : counted(pairs.size(), "pair of triangles that crosses or touches",
@@ -354,12 +391,14 @@ Expected<Result> attempt(const Mesh& imported, const CloseOptions& options, Chai
   if (chain.mesh.triangles.empty())
     return fail(
         makeError(Error::Code::kEmpty, "a mesh whose triangles all have no area or cancel each other", "a surface"));
-  if (!kerf::report(progress, 0.1, "closing")) return internal::cancelledError();
+
+  if (!kerf::report(progress, 0.1, "closing")) return cancelled();
   Chain closed = chain;
   KERF_CHECK(internal::closeBoundary(closed, options, report, progress));
   chain = std::move(closed);
   if (wraps(options)) return makeWrap(chain, options, report, progress);
-  if (!kerf::report(progress, 0.3, "looking for crossings")) return internal::cancelledError();
+
+  if (!kerf::report(progress, 0.3, "looking for crossings")) return cancelled();
   Chain work = chain;
   CloseReport exact = report;
   Expected<Result> r = makeExact(imported, work, options, exact, progress);
@@ -377,10 +416,11 @@ Expected<Result> makeSolid(const Mesh& imported, const CloseOptions& options, Cl
   const bool may_wrap = options.only.empty() && (options.mode == CloseMode::kAuto || options.mode == CloseMode::kWrap);
   if (first || !may_wrap || first.error().code == Error::Code::kCancelled || first.error().code == Error::Code::kEmpty)
     return first;
-  // A base that was asked for in so many words is not silently left out.
+  // A base that was asked for explicitly is not silently left out.
   const bool base_asked =
       options.base_height_mm || options.find_occlusal_plane || options.occlusal_plane || options.base_direction;
   if (base_asked && internal::hasBoundary(chain)) return first;
+
   const std::string why = first.error().found;
   const bool was_open = report.holes_filled + report.rims_extruded > 0 || internal::hasBoundary(chain);
   for (const double wide : kWiderStitches) {
@@ -398,6 +438,7 @@ Expected<Result> makeSolid(const Mesh& imported, const CloseOptions& options, Cl
         fmt::format("seams had to be stitched that wide: within {:.2g} mm {}", options.stitch_mm, why));
     return r;
   }
+
   report.changes.push_back("the exact repair failed: " + why);
   return makeWrap(chain, options, report, progress);
 }
@@ -409,11 +450,12 @@ Expected<Solid> closeMesh(const Mesh& imported_mm, const CloseOptions& options, 
   if (imported_mm.triangles.empty())
     return fail(makeError(Error::Code::kEmpty, "a mesh without triangles", "a surface",
                           "export the scan as a mesh, not as points"));
-  if (!kerf::report(progress, 0.0, "welding")) return internal::cancelledError();
+  if (!kerf::report(progress, 0.0, "welding")) return cancelled();
   Solid solid;
   CloseReport& report = solid.report;
   const CloseOptions fit = fitted(options, imported_mm, report);
   KERF_TRY(result, makeSolid(imported_mm, fit, report, progress));
+
   const std::size_t source_vertices = imported_mm.vertices.size() - report.vertices_welded;
   countTriangles(imported_mm, result, report);
   report.vertices_added =

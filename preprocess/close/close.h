@@ -18,7 +18,7 @@
 namespace kerf {
 
 enum class CloseMode {
-  kAuto,    ///< holes are filled, a missing underside gets a base; the wrap only if the exact way fails, and aloud
+  kAuto,    ///< holes are filled, a missing underside gets a base; wraps only if the exact way fails, and reports it
   kBase,    ///< the longest boundary of the mesh is taken for the rim of a missing underside, however short it is
   kRepair,  ///< holes only: a mesh whose underside is missing is refused
   kWrap,    ///< shrink-wraps the mesh, closed first where that works: the last resort, no source vertex survives
@@ -43,7 +43,7 @@ enum class BaseStyle {
   kFull,       ///< the arch stands on a plate under the convex outline of its rim: the tongue's place is floored
 };
 
-/// A plane somebody gives: parallel to the base.
+/// A plane the user gives: the base is parallel to it.
 struct GivenPlane {
   Vec3d normal = Vec3d::UnitZ();  ///< either way round, any length but zero
   std::optional<Vec3d> point{};   ///< mm, on it; without one it is put onto the highest vertex
@@ -54,12 +54,13 @@ struct CloseOptions {
   /// If not empty: exactly these steps, whatever `mode` says. A mesh that needs another one is refused with its name.
   std::set<CloseStep> only{};
   /// Boundaries no farther apart are stitched; 0: none. The default is what exporters with few digits leave open. kAuto
-  /// goes up to 0.2 mm, aloud, before it wraps.
+  /// goes up to 0.2 mm, and reports it, before it wraps.
   double stitch_mm = 1e-3;
   /// A longer boundary is no hole: it is the rim of a base, or refused. Default: by rim_to_diagonal.
   std::optional<double> fill_up_to_mm{};
   BaseStyle base_style = BaseStyle::kHorseshoe;
-  bool base_is_asked = false;  ///< in so many words: a mesh that gets none is noted, as with every other base option
+  /// A base is asked for explicitly: a mesh that gets none is noted, as with every other base option.
+  bool base_is_asked = false;
   /// The base lies this far below the lowest vertex, > 0; thin bases break in the printer. All but a tenth of it (0.25
   /// mm at most) is the plate of kFull.
   double base_margin_mm = 2.0;
@@ -68,8 +69,8 @@ struct CloseOptions {
   std::optional<double> base_height_mm{};
   /// Where the base goes, out of the mesh; the nearest coordinate axis is used, so that the base is exactly flat in
   /// float32. Without it: the axis nearest to the direction in which the mesh is open. With an occlusal plane the base
-  /// is parallel to that, and this only says which side is down. Refused if it leads away from the
-  /// opening: by more than 75 degrees, or 105 from one that only rim and orientation together show.
+  /// is parallel to that, and this only says which side is down. Refused if it leads away from the opening: by more
+  /// than 75 degrees, or 105 from one that only rim and orientation together show.
   std::optional<Vec3d> base_direction{};
   bool find_occlusal_plane = false;  ///< makes the base parallel to findOcclusalPlane(); see baseFrame() on flatness
   std::optional<GivenPlane> occlusal_plane{};  ///< or to this one
@@ -77,8 +78,7 @@ struct CloseOptions {
   /// Open pieces with less than this share of the triangles and less than a tenth of it of the area are dropped: scan
   /// debris has few triangles and is small, a patch of bone meshed coarsely is not. 0 keeps them all.
   double crumb_fraction = 0.01;
-  /// Pieces that cutting created and that are smaller than this share of the volume are dropped; 0 keeps every
-  /// splinter.
+  /// Pieces that cutting created are dropped if they are smaller than this share of the volume. 0 keeps them all.
   double debris_fraction = 1e-4;
   double cleanup_length_mm = 1e-3;  ///< new edges shorter than this are collapsed; see cleanUpForFloat32()
   double wrap_alpha_mm = 1.0;       ///< hollows narrower than this are bridged; below 0.3 a wrap takes minutes
@@ -105,7 +105,7 @@ struct CloseReport {
   double largest_move_mm = 0;                   ///< of a source vertex
   std::optional<Vec3d> base_direction;          ///< unit, out of the model; set if a base was built
   double base_level_mm = 0;                     ///< the base is {x : base_direction . x = base_level_mm}
-  std::optional<OcclusalPlane> occlusal_plane;  ///< set if it was looked for
+  std::optional<OcclusalPlane> occlusal_plane;  ///< set if options ask to find it
   bool exact = true;                            ///< false after a wrap: the surface is an approximation
 };
 
@@ -128,7 +128,7 @@ struct Solid {
 /// @param imported_mm  anything a file can hold, in mm, at least one triangle.
 /// @return the solid. Errors: kEmpty (no triangle with area), kGeometry (kRepair on a mesh without underside; nothing
 /// left; the exact way and the wrap failed), kBadValue (options), kCancelled.
-/// @cost about 130 ms for 60k triangles without crossings; with some 800 crossing pairs (a ragged rim) about 1 s.
+/// @cost about 130 ms for 60k triangles without crossings; with about 800 crossing pairs (a ragged rim) about 1 s.
 /// @thread any; uses all TBB threads; deterministic.
 Expected<Solid> closeMesh(const Mesh& imported_mm, const CloseOptions& options = {}, const Progress& progress = {});
 

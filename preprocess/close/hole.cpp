@@ -1,15 +1,16 @@
 #include "preprocess/close/hole.h"
-#include "geometry/mesh/float32_cleanup.h"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/triangulate_hole.h>
+
+#include "geometry/mesh/float32_cleanup.h"
 
 namespace kerf::internal {
 namespace {
 
 using Point = CGAL::Exact_predicates_inexact_constructions_kernel::Point_3;
-constexpr std::size_t kCubicLimit =
-    300;  ///< the exhaustive search behind the Delaunay one is cubic in the loop's length
+/// Edges of a loop; the exhaustive search behind the Delaunay one is cubic in their number.
+constexpr std::size_t kCubicLimit = 300;
 
 std::vector<Triangle> triangulate(const Chain& chain, const Loop& loop) {
   std::vector<Point> line;
@@ -27,6 +28,7 @@ std::vector<Triangle> triangulate(const Chain& chain, const Loop& loop) {
   } catch (const std::exception&) {
     return {};
   }
+
   std::vector<Triangle> out;
   bool forward = false;
   const auto n = static_cast<int>(loop.size());
@@ -39,6 +41,7 @@ std::vector<Triangle> triangulate(const Chain& chain, const Loop& loop) {
   }
   if (!forward)
     for (Triangle& t : out) std::swap(t[1], t[2]);
+
   // Trust nothing: the boundary must be the loop.
   std::vector<Triangle> closed = out;
   for (std::size_t i = 1; i + 1 < loop.size(); ++i) closed.push_back({loop[0], loop[i + 1], loop[i]});

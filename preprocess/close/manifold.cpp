@@ -36,6 +36,7 @@ std::vector<std::array<Use, 2>> pairWedges(const Mesh& mesh, const std::vector<V
                                            std::span<const Use> uses) {
   if (uses.size() == 2) return {{uses[0], uses[1]}};
   const Vec3d axis = (mesh.vertices[uses[0].b] - mesh.vertices[uses[0].a]).normalized();
+
   struct Spoke {
     double angle;
     Use use;
@@ -45,6 +46,7 @@ std::vector<std::array<Use, 2>> pairWedges(const Mesh& mesh, const std::vector<V
   for (const Use& u : uses) {
     const Vec3d n = (u.forth ? 1.0 : -1.0) * normals[u.t];
     const Vec3d into = n.cross(axis).normalized();
+
     if (spokes.empty()) {
       x = into;
       y = axis.cross(into);
@@ -54,6 +56,7 @@ std::vector<std::array<Use, 2>> pairWedges(const Mesh& mesh, const std::vector<V
     spokes.push_back({angle, u});
   }
   std::stable_sort(spokes.begin(), spokes.end(), [](const Spoke& p, const Spoke& q) { return p.angle < q.angle; });
+
   // Like brackets: b -> a opens, a -> b closes; start where the depth is least.
   std::size_t start = 0;
   int depth = 0, least = 0;
@@ -64,6 +67,7 @@ std::vector<std::array<Use, 2>> pairWedges(const Mesh& mesh, const std::vector<V
       start = i + 1;
     }
   }
+
   std::vector<std::array<Use, 2>> pairs;
   std::vector<Use> open;
   for (std::size_t i = 0; i < spokes.size(); ++i) {
@@ -86,40 +90,59 @@ void forEachEdge(const std::vector<Use>& uses, F&& f) {
   }
 }
 
-/// One round of vertex copies. Returns how many vertices were split.
-std::size_t splitVertices(Mesh& mesh, const std::vector<Vec3d>& normals, double distance, SplitReport& report) {
-  const std::size_t n = mesh.triangles.size();
-  std::vector<std::uint32_t> parent(3 * n);
-  std::iota(parent.begin(), parent.end(), 0u);
-  const auto find = [&](std::uint32_t i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+/// Joins the corners of triangles that bound the same wedges of material: corner 3 t + k is corner k of triangle t.
+class Corners {
+ public:
+  Corners(const Mesh& mesh, const std::vector<Vec3d>& normals) : parent_(3 * mesh.triangles.size()) {
+    std::iota(parent_.begin(), parent_.end(), 0u);
+    forEachEdge(edgeUses(mesh.triangles), [&](std::span<const Use> uses) {
+      for (const auto& [p, q] : pairWedges(mesh, normals, uses)) {
+        // p and q run along the edge in opposite directions: p's first corner is q's second.
+        unite(3 * p.t + p.k, 3 * q.t + (q.k + 1u) % 3);
+        unite(3 * p.t + (p.k + 1u) % 3, 3 * q.t + q.k);
+      }
+    });
+  }
+  std::uint32_t count() const { return static_cast<std::uint32_t>(parent_.size()); }
+  /// The corner that stands for all of a fan.
+  std::uint32_t root(std::uint32_t i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
     return i;
-  };
-  const auto unite = [&](std::uint32_t i, std::uint32_t j) {
-    i = find(i);
-    j = find(j);
-    if (i != j) parent[std::max(i, j)] = std::min(i, j);
-  };
-  forEachEdge(edgeUses(mesh.triangles), [&](std::span<const Use> uses) {
-    for (const auto& [p, q] : pairWedges(mesh, normals, uses)) {
-      // p and q run along the edge in opposite directions: p's first corner is q's second.
-      unite(3 * p.t + p.k, 3 * q.t + (q.k + 1u) % 3);
-      unite(3 * p.t + (p.k + 1u) % 3, 3 * q.t + q.k);
-    }
-  });
-  struct Fan {
-    std::uint32_t v, root, size;
-  };
-  std::vector<std::uint32_t> size(3 * n, 0);
-  for (std::uint32_t c = 0; c < 3 * n; ++c) ++size[find(c)];
+  }
+
+ private:
+  void unite(std::uint32_t i, std::uint32_t j) {
+    i = root(i);
+    j = root(j);
+    if (i != j) parent_[std::max(i, j)] = std::min(i, j);
+  }
+  std::vector<std::uint32_t> parent_;
+};
+
+/// The triangles at a vertex that belong together.
+struct Fan {
+  std::uint32_t v, root, size;
+};
+
+/// All fans by vertex, the largest of each first.
+std::vector<Fan> fansOf(const Mesh& mesh, Corners& corners) {
+  std::vector<std::uint32_t> size(corners.count(), 0);
+  for (std::uint32_t c = 0; c < corners.count(); ++c) ++size[corners.root(c)];
   std::vector<Fan> fans;
-  for (std::uint32_t c = 0; c < 3 * n; ++c)
-    if (find(c) == c) fans.push_back({mesh.triangles[c / 3][c % 3], c, size[c]});
+  for (std::uint32_t c = 0; c < corners.count(); ++c)
+    if (corners.root(c) == c) fans.push_back({mesh.triangles[c / 3][c % 3], c, size[c]});
   std::sort(fans.begin(), fans.end(), [](const Fan& x, const Fan& y) {
     if (x.v != y.v) return x.v < y.v;
     return x.size != y.size ? x.size > y.size : x.root < y.root;
   });
-  std::vector<std::uint32_t> vertex_of(3 * n, kAdded);  // by root
+  return fans;
+}
+
+/// One round of vertex copies. Returns how many vertices were split.
+std::size_t splitVertices(Mesh& mesh, const std::vector<Vec3d>& normals, double distance, SplitReport& report) {
+  Corners corners(mesh, normals);
+  const std::vector<Fan> fans = fansOf(mesh, corners);
+  std::vector<std::uint32_t> vertex_of(corners.count(), kAdded);  // by root
   std::size_t split = 0;
   for (std::size_t i = 0; i < fans.size(); ++i) {
     const Fan& fan = fans[i];
@@ -134,11 +157,12 @@ std::size_t splitVertices(Mesh& mesh, const std::vector<Vec3d>& normals, double 
     report.copy_of.push_back(fan.v);
   }
   if (split == 0) return 0;
+
   // Into the material: against the mean normal of the fan, each triangle weighted by its angle at the vertex.
   const std::size_t first_new = mesh.vertices.size() - report.copy_of.size();
   std::vector<Vec3d> inward(report.copy_of.size(), Vec3d::Zero());
-  for (std::uint32_t c = 0; c < 3 * n; ++c) {
-    const std::uint32_t v = vertex_of[find(c)];
+  for (std::uint32_t c = 0; c < corners.count(); ++c) {
+    const std::uint32_t v = vertex_of[corners.root(c)];
     if (v < first_new) continue;
     const Triangle& f = mesh.triangles[c / 3];
     const Vec3d p = mesh.vertices[v];
@@ -147,8 +171,9 @@ std::size_t splitVertices(Mesh& mesh, const std::vector<Vec3d>& normals, double 
                 e2 = (mesh.vertices[f[(k + 2) % 3]] - p).normalized();
     inward[v - first_new] -= std::acos(std::clamp(e1.dot(e2), -1.0, 1.0)) * normals[c / 3].normalized();
   }
+
   std::vector<Triangle> triangles = mesh.triangles;
-  for (std::uint32_t c = 0; c < 3 * n; ++c) triangles[c / 3][c % 3] = vertex_of[find(c)];
+  for (std::uint32_t c = 0; c < corners.count(); ++c) triangles[c / 3][c % 3] = vertex_of[corners.root(c)];
   mesh.triangles = std::move(triangles);
   for (std::size_t i = 0; i < inward.size(); ++i)
     if (inward[i].norm() > 0) mesh.vertices[first_new + i] += distance * inward[i].normalized();
@@ -165,11 +190,13 @@ std::size_t splitEdges(Mesh& mesh, std::vector<Vec3d>& normals, std::vector<std:
     if (uses.size() <= 2) return;
     for (const Use& u : uses)
       if (taken[u.t]) return;
+
     const auto m = static_cast<std::uint32_t>(mesh.vertices.size());
     mesh.vertices.push_back(0.5 * (mesh.vertices[uses[0].a] + mesh.vertices[uses[0].b]));
     if (mesh.hasVertexColors()) mesh.vertex_colors.push_back(mesh.vertex_colors[uses[0].a]);
     report.copy_of.push_back(kAdded);
     ++count;
+
     for (const Use& u : uses) {
       taken[u.t] = 1;
       const Triangle f = mesh.triangles[u.t];

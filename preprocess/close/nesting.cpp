@@ -1,8 +1,8 @@
+#include "preprocess/close/nesting.h"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
-
-#include "preprocess/close/nesting.h"
 
 namespace kerf::internal {
 
@@ -15,6 +15,7 @@ std::vector<NestingLevel> nestingLevels(const Mesh& mesh) {
     volume[pieces.label[t]] += (mesh.corner(t, 0) - c).dot((mesh.corner(t, 1) - c).cross(mesh.corner(t, 2) - c)) / 6;
     for (int k = 0; k < 3; ++k) box[pieces.label[t]].add(mesh.corner(t, k));
   }
+
   // Depth by boxes: a void's depth is one more than the smallest solid box around it, and so on. Boxes are a safe order
   // here: pieces do not cross, and a level is applied as a whole, so siblings do not matter.
   std::vector<std::uint32_t> order(pieces.count);
@@ -23,6 +24,7 @@ std::vector<NestingLevel> nestingLevels(const Mesh& mesh) {
     const double va = std::abs(volume[a]), vb = std::abs(volume[b]);
     return va != vb ? va > vb : a < b;
   });
+
   std::vector<int> depth(pieces.count, 0);
   for (std::size_t i = 0; i < order.size(); ++i) {
     const std::uint32_t p = order[i];
@@ -37,6 +39,7 @@ std::vector<NestingLevel> nestingLevels(const Mesh& mesh) {
     depth[p] = is_void ? (deepest_around % 2 == 0 ? deepest_around + 1 : deepest_around)
                        : (deepest_around < 0 ? 0 : deepest_around + 1);
   }
+
   std::map<int, NestingLevel> levels;
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) levels[depth[pieces.label[t]]].triangles.push_back(t);
   std::vector<NestingLevel> out;

@@ -32,6 +32,7 @@ std::vector<Vec3d> highPoints(const Mesh& mesh, const Vec3d& up) {
   std::vector<char> used(mesh.vertices.size(), 0);
   for (const Triangle& f : mesh.triangles)
     for (const std::uint32_t i : f) used[i] = 1;
+
   std::map<std::array<long, 2>, Top> cells;
   for (std::uint32_t i = 0; i < mesh.vertices.size(); ++i) {
     if (!used[i]) continue;
@@ -42,6 +43,7 @@ std::vector<Vec3d> highPoints(const Mesh& mesh, const Vec3d& up) {
     const auto [it, fresh] = cells.try_emplace(cell, Top{height, i});
     if (!fresh && height > it->second.height) it->second = {height, i};
   }
+
   std::vector<Top> tops;
   for (const auto& [cell, top] : cells) {
     bool highest = true;
@@ -55,6 +57,7 @@ std::vector<Vec3d> highPoints(const Mesh& mesh, const Vec3d& up) {
   std::sort(tops.begin(), tops.end(), [](const Top& a, const Top& b) {
     return a.height != b.height ? a.height > b.height : a.vertex < b.vertex;
   });
+
   if (tops.size() > kMostCandidates) tops.resize(kMostCandidates);
   std::vector<Vec3d> points;
   for (const Top& t : tops) points.push_back(mesh.vertices[t.vertex]);
@@ -90,6 +93,7 @@ Fit search(const std::vector<Vec3d>& points, const Vec3d& up) {
         n /= twice_area;
         if (n.dot(up) < 0) n = -n;
         if (n.dot(up) < kCosMostTilt) continue;
+
         long score = 0;
         for (const Vec3d& p : points) {
           const double d = (p - points[i]).dot(n);
@@ -101,6 +105,7 @@ Fit search(const std::vector<Vec3d>& points, const Vec3d& up) {
           best.point = points[i];
         }
       }
+
   if (best.score < 0) return best;
   return judge(points, best.normal, best.point);
 }
@@ -131,6 +136,8 @@ Expected<OcclusalPlane> settle(const Mesh& mesh, const Vec3d& from, const Vec3d&
   for (int round = 0; round < kMostRounds; ++round) {
     const std::vector<Vec3d> points = highPoints(mesh, plane.normal);
     const Fit fit = round < kSearches ? search(points, up) : judge(points, plane.normal, plane.point);
+
+    // The points on it, their mean and their spread.
     Vec3d mean = Vec3d::Zero();
     plane.tips = 0;
     for (std::size_t i = 0; i < fit.on.size(); ++i)
@@ -143,6 +150,7 @@ Expected<OcclusalPlane> settle(const Mesh& mesh, const Vec3d& from, const Vec3d&
     Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
     for (std::size_t i = 0; i < fit.on.size(); ++i)
       if (fit.on[i]) spread += (points[i] - mean) * (points[i] - mean).transpose();
+
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread);
     const double count = static_cast<double>(plane.tips);
     Vec3d normal = axes.eigenvectors().col(0);
@@ -150,6 +158,7 @@ Expected<OcclusalPlane> settle(const Mesh& mesh, const Vec3d& from, const Vec3d&
     const bool in_a_line = std::sqrt(axes.eigenvalues()[1] / count) < kLeastSpread / 3;
     if (in_a_line || normal.dot(up) < kCosMostTilt) return fail(none(plane.tips));
     plane.rms_mm = std::sqrt(std::max(0.0, axes.eigenvalues()[0] / count));
+
     const bool settled = (normal - plane.normal).norm() < 1e-6 && std::abs((mean - plane.point).dot(normal)) < 1e-6;
     plane.normal = normal;
     plane.point = mean;
@@ -162,7 +171,7 @@ Expected<OcclusalPlane> settle(const Mesh& mesh, const Vec3d& from, const Vec3d&
 }  // namespace
 
 Expected<OcclusalPlane> findOcclusalPlane(const Mesh& mesh_mm, const Vec3d& up) {
-  // The rim of a scan tells its underside within some 40 degrees only: the axis next to it and the direction in which
+  // The rim of a scan tells its underside within about 40 degrees only: the axis next to it and the direction in which
   // the arch is flattest are often better places to start from.
   const Vec3d open = up.normalized();
   int axis = 0;

@@ -1,4 +1,4 @@
-// Asks whether to go on, from loops that turn too fast to ask every time.
+// Asks whether to go on, from loops that are too short to ask every time.
 #pragma once
 
 #include <string_view>
@@ -13,7 +13,7 @@ class Poll {
  public:
   Poll(const Progress& progress, double fraction, std::string_view what)
       : progress_(progress), fraction_(fraction), what_(what) {}
-  /// True once the job is cancelled. Asks at every 32nd call, which keeps exact arithmetic within some 10 ms.
+  /// True once the job is cancelled. Asks at every 32nd call, which keeps exact arithmetic within about 10 ms.
   bool stop() {
     if (!stopped_ && ++calls_ % 32 == 0) stopped_ = !report(progress_, fraction_, what_);
     return stopped_;
@@ -27,7 +27,5 @@ class Poll {
   unsigned calls_ = 0;
   bool stopped_ = false;
 };
-
-inline tl::unexpected<Error> cancelledError() { return fail({Error::Code::kCancelled, "", "", "cancelled", "", ""}); }
 
 }  // namespace kerf::internal

@@ -36,18 +36,23 @@ std::vector<OpenEdge> openEdges(const std::vector<Triangle>& triangles) {
   return open;
 }
 
+/// The ends of open edges, each once, in rising order.
+std::vector<std::uint32_t> openVertices(const std::vector<OpenEdge>& edges) {
+  std::vector<std::uint32_t> vertices;
+  for (const OpenEdge& e : edges) {
+    vertices.push_back(e.a);
+    vertices.push_back(e.b);
+  }
+  std::sort(vertices.begin(), vertices.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  return vertices;
+}
+
 /// The open vertices, in cubes.
 class Grid {
  public:
   Grid(const Mesh& mesh, const std::vector<OpenEdge>& edges, double cell) : mesh_(mesh), cell_(cell) {
-    std::vector<std::uint32_t> vertices;
-    for (const OpenEdge& e : edges) {
-      vertices.push_back(e.a);
-      vertices.push_back(e.b);
-    }
-    std::sort(vertices.begin(), vertices.end());
-    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
-    for (const std::uint32_t v : vertices) cubes_[cube(mesh.vertices[v])].push_back(v);
+    for (const std::uint32_t v : openVertices(edges)) cubes_[cube(mesh.vertices[v])].push_back(v);
   }
   /// Calls f for the open vertices in a box, in order.
   template <class F>
@@ -85,23 +90,17 @@ struct Done {
   double move = 0;
 };
 
-/// The closest pairs first; a vertex takes part in one join.
-void joinVertices(Chain& chain, const std::vector<OpenEdge>& edges, double tolerance, Done& done) {
-  Mesh& mesh = chain.mesh;
+/// Two open vertices that may be joined; first < second.
+struct Pair {
+  double distance;
+  std::uint32_t first, second;
+};
+
+/// Those no farther apart than the tolerance, the closest first.
+std::vector<Pair> closePairs(const Mesh& mesh, const std::vector<OpenEdge>& edges, double tolerance) {
   const Grid grid(mesh, edges, cellSize(mesh, edges, tolerance));
-  struct Pair {
-    double distance;
-    std::uint32_t first, second;
-  };
   std::vector<Pair> pairs;
-  std::vector<std::uint32_t> ends;
-  for (const OpenEdge& e : edges) {
-    ends.push_back(e.a);
-    ends.push_back(e.b);
-  }
-  std::sort(ends.begin(), ends.end());
-  ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
-  for (const std::uint32_t v : ends) {
+  for (const std::uint32_t v : openVertices(edges)) {
     Box3 box;
     box.add(mesh.vertices[v]);
     grid.forEachIn(box, tolerance, [&](std::uint32_t w) {
@@ -113,15 +112,26 @@ void joinVertices(Chain& chain, const std::vector<OpenEdge>& edges, double toler
     if (x.distance != y.distance) return x.distance < y.distance;
     return x.first != y.first ? x.first < y.first : x.second < y.second;
   });
-  std::vector<std::uint32_t> target(mesh.vertices.size());
-  std::iota(target.begin(), target.end(), 0u);
-  std::vector<char> taken(mesh.vertices.size(), 0);
+  return pairs;
+}
+
+/// The closest pairs first; a vertex takes part in one join.
+void joinVertices(Chain& chain, const std::vector<OpenEdge>& edges, double tolerance, Done& done) {
+  Mesh& mesh = chain.mesh;
+  const std::vector<Pair> pairs = closePairs(mesh, edges, tolerance);
   std::map<std::uint32_t, std::vector<std::uint32_t>> neighbours;  // of the vertices in pairs
-  for (const Pair& p : pairs) neighbours[p.first], neighbours[p.second];
+  for (const Pair& p : pairs) {
+    neighbours.try_emplace(p.first);
+    neighbours.try_emplace(p.second);
+  }
   for (const Triangle& f : mesh.triangles)
     for (const std::uint32_t v : f)
       if (const auto it = neighbours.find(v); it != neighbours.end())
         it->second.insert(it->second.end(), f.begin(), f.end());
+
+  std::vector<std::uint32_t> target(mesh.vertices.size());
+  std::iota(target.begin(), target.end(), 0u);
+  std::vector<char> taken(mesh.vertices.size(), 0);
   for (const Pair& p : pairs) {
     if (taken[p.first] || taken[p.second]) continue;
     const auto& around = neighbours[p.second];
@@ -132,24 +142,24 @@ void joinVertices(Chain& chain, const std::vector<OpenEdge>& edges, double toler
     ++done.joined;
     done.move = std::max(done.move, p.distance);
   }
+
   for (Triangle& f : mesh.triangles)
     for (std::uint32_t& v : f) v = target[v];
 }
 
-/// Splits every open edge at the open vertices near it, one edge per triangle. True if any was.
-bool splitEdges(Chain& chain, double tolerance, Done& done) {
-  Mesh& mesh = chain.mesh;
-  const std::vector<OpenEdge> edges = openEdges(mesh.triangles);
-  if (edges.empty()) return false;
-  const Grid grid(mesh, edges, cellSize(mesh, edges, tolerance));
+/// An open edge, and the open vertices near it in their order along it.
+struct Cut {
   struct Stop {
-    double at;
+    double at;  ///< share of the edge
     std::uint32_t v;
   };
-  struct Cut {
-    OpenEdge edge;
-    std::vector<Stop> stops;
-  };
+  OpenEdge edge;
+  std::vector<Stop> stops;
+};
+
+/// One per triangle at most.
+std::vector<Cut> cutsNear(const Mesh& mesh, const std::vector<OpenEdge>& edges, double tolerance) {
+  const Grid grid(mesh, edges, cellSize(mesh, edges, tolerance));
   std::vector<Cut> cuts;
   std::vector<char> taken(mesh.triangles.size(), 0);
   for (const OpenEdge& e : edges) {
@@ -159,22 +169,35 @@ bool splitEdges(Chain& chain, double tolerance, Done& done) {
     Box3 box;
     box.add(a);
     box.add(mesh.vertices[e.b]);
-    std::vector<Stop> stops;
+
+    std::vector<Cut::Stop> stops;
     grid.forEachIn(box, tolerance, [&](std::uint32_t v) {
       if (v == e.a || v == e.b || v == apex) return;
       const double s = (mesh.vertices[v] - a).dot(d) / d.squaredNorm();
       if (s > 0 && s < 1 && (mesh.vertices[v] - a - s * d).norm() <= tolerance) stops.push_back({s, v});
     });
     if (stops.empty()) continue;
+
     std::sort(stops.begin(), stops.end(),
-              [](const Stop& x, const Stop& y) { return x.at != y.at ? x.at < y.at : x.v < y.v; });
+              [](const Cut::Stop& x, const Cut::Stop& y) { return x.at != y.at ? x.at < y.at : x.v < y.v; });
     taken[e.triangle] = 1;
     cuts.push_back({e, std::move(stops)});
   }
+  return cuts;
+}
+
+/// Splits every open edge at the open vertices near it, one edge per triangle. True if any was.
+bool splitEdges(Chain& chain, double tolerance, Done& done) {
+  Mesh& mesh = chain.mesh;
+  const std::vector<OpenEdge> edges = openEdges(mesh.triangles);
+  if (edges.empty()) return false;
+  const std::vector<Cut> cuts = cutsNear(mesh, edges, tolerance);
+
   for (const Cut& cut : cuts) {
     const Triangle f = mesh.triangles[cut.edge.triangle];
     const std::uint32_t apex = f[(cut.edge.corner + 2) % 3];
     const Vec3d a = mesh.vertices[cut.edge.a], d = mesh.vertices[cut.edge.b] - a;
+
     std::uint32_t from = cut.edge.a;
     for (std::size_t i = 0; i <= cut.stops.size(); ++i) {
       const std::uint32_t to = i < cut.stops.size() ? cut.stops[i].v : cut.edge.b;

@@ -41,6 +41,7 @@ double windingNumberExcept(const Mesh& mesh, const Vec3d& p, std::span<const std
 RayWinding::RayWinding(const Mesh& mesh)
     : turn_(Eigen::AngleAxisd(0.7390851, Vec3d(0.5671433, 0.2614972, 0.7834305).normalized()).toRotationMatrix()),
       direction_(turn_.row(0)) {
+  // The triangles, turned; and the grid across the ray.
   constexpr double kMostCells = 1 << 20;
   mesh_.triangles = mesh.triangles;
   mesh_.vertices.reserve(mesh.vertices.size());
@@ -53,7 +54,10 @@ RayWinding::RayWinding(const Mesh& mesh)
   const auto count = [&](double length) { return static_cast<std::size_t>(length / cell_) + 1; };
   ny_ = count(size[1]);
   nz_ = count(size[2]);
+
+  // Counted per cell, then sorted in.
   first_.assign(ny_ * nz_ + 1, 0);
+
   const auto forEachCell = [&](std::size_t t, const auto& work) {
     Box3 b;
     for (int k = 0; k < 3; ++k) b.add(mesh_.corner(t, k));
@@ -63,6 +67,7 @@ RayWinding::RayWinding(const Mesh& mesh)
   };
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) forEachCell(t, [&](std::size_t c) { ++first_[c + 1]; });
   for (std::size_t c = 1; c < first_.size(); ++c) first_[c] += first_[c - 1];
+
   triangle_.resize(first_.back());
   std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)

@@ -11,7 +11,7 @@ namespace {
 
 struct Stopped : std::exception {};
 
-/// Called by CGAL for every facet it looks at; the only way out is to throw.
+/// Called by CGAL before every facet it treats; the only way out is to throw.
 struct StopWhenAsked : CGAL::Alpha_wraps_3::internal::Wrapping_default_visitor {
   explicit StopWhenAsked(Poll& p) : poll(&p) {}
   template <class Wrapper, class Gate>
@@ -32,9 +32,11 @@ Expected<Mesh> wrapSoup(const Mesh& soup, double alpha_mm, double offset_mm, con
     for (const Vec3d& p : soup.vertices) points.push_back({p.x(), p.y(), p.z()});
     std::vector<std::array<std::size_t, 3>> faces;
     for (const Triangle& f : soup.triangles) faces.push_back({f[0], f[1], f[2]});
+
     CGAL::Surface_mesh<Point> wrap;
     CGAL::alpha_wrap_3(points, faces, alpha_mm, offset_mm, wrap, CGAL::parameters::default_values(),
                        CGAL::parameters::visitor(StopWhenAsked(poll)));
+
     Mesh mesh;
     for (const auto v : wrap.vertices())
       mesh.vertices.push_back({wrap.point(v).x(), wrap.point(v).y(), wrap.point(v).z()});
@@ -46,15 +48,13 @@ Expected<Mesh> wrapSoup(const Mesh& soup, double alpha_mm, double offset_mm, con
     }
     if (!mesh.triangles.empty()) return mesh;
   } catch (const Stopped&) {
-    return cancelledError();
+    return cancelled();
   } catch (const std::exception& e) {
     why = e.what();
   }
-  Error error;
-  error.code = Error::Code::kGeometry;
-  error.found = "a mesh that could not be wrapped (" + why + ")";
-  error.hint = "a larger wrap_alpha_mm, or repair the mesh in a mesh editor";
-  return fail(std::move(error));
+  return fail({.code = Error::Code::kGeometry,
+               .found = "a mesh that could not be wrapped (" + why + ")",
+               .hint = "a larger wrap_alpha_mm, or repair the mesh in a mesh editor"});
 }
 
 }  // namespace kerf::internal

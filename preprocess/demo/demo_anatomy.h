@@ -39,7 +39,7 @@ struct DemoAnatomy {
 Expected<DemoAnatomy> demoMolarAnatomy(double detail = 1, const Progress& progress = {});
 
 /// Mandible with teeth 31 to 37 and 41 to 47: pulp, enamel, dentin, ligament (PDL), nerve canals, spongy and compact
-/// bone; frame of internal/demo_jaw.h: x to the patient's left, y backwards, z up from the occlusal plane.
+/// bone; frame of demo_jaw.h: x to the patient's left, y backwards, z up from the occlusal plane.
 /// 900 000 triangles, 15 s of one core; parallel.
 Expected<DemoAnatomy> demoMandible(double detail = 1, const Progress& progress = {});
 

@@ -75,6 +75,7 @@ Mesh trimmed(const Mesh& whole, std::uint32_t seed) {
   for (std::size_t t = 0; t < keep.size(); ++t)
     keep[t] = std::ranges::all_of(whole.triangles[t], [&](std::uint32_t v) { return seen[v]; });
   Mesh mesh = subset(whole, keep);
+
   for (;;) {
     const Pieces pieces = edgeConnectedPieces(mesh);
     std::vector<std::size_t> size(pieces.count, 0);
@@ -82,6 +83,7 @@ Mesh trimmed(const Mesh& whole, std::uint32_t seed) {
     const auto largest = static_cast<std::uint32_t>(std::ranges::max_element(size) - size.begin());
     const std::vector<int> open = openEdgesAt(mesh);
     keep.assign(mesh.triangles.size(), 1);
+
     bool changed = false;
     for (std::size_t t = 0; t < keep.size(); ++t) {
       const bool bow_tie = std::ranges::any_of(mesh.triangles[t], [&](std::uint32_t v) { return open[v] > 2; });
@@ -117,9 +119,11 @@ class Faults {
       }
       ++made.pin_holes;
     }
+
     const std::uint32_t spike = place();
     mesh_.vertices[spike] += 1.5 * normal(spike);
     made.spikes = 1;
+
     const std::vector<std::uint32_t> patch = patchAround(place(), 2);
     std::vector<char> flipped(mesh_.triangles.size(), 0);
     for (const std::uint32_t t : patch) flipped[t] = 1;
@@ -129,6 +133,7 @@ class Faults {
         made.flipped_edges += !flipped[beside.at({mesh_.triangles[t][(k + 1) % 3], mesh_.triangles[t][k]})];
     for (const std::uint32_t t : patch) std::swap(mesh_.triangles[t][1], mesh_.triangles[t][2]);
     made.flipped_triangles = patch.size();
+
     for (int island = 0; island < 2; ++island) {
       const std::uint32_t v = place();
       const Vec3d off = 1.4 * normal(v);
@@ -149,6 +154,7 @@ class Faults {
       }
       ++made.islands;
     }
+
     mesh_ = subset(mesh_, keep);
     return made;
   }
@@ -162,7 +168,7 @@ class Faults {
 
   std::uint32_t place() {
     for (int tries = 0;; ++tries) {
-      // Coarse meshes bend everywhere: ask for less and less, but always for room.
+      // Coarse meshes bend everywhere: ask for less and less, but always for a distance.
       const double ask = std::max(0.0, 1 - tries / 5000.0), apart = std::max(3.0, (5 + 7 * ask) * options_.edge_mm);
       const auto v = static_cast<std::uint32_t>(random_() % around_.size());
       const Vec3d p = mesh_.vertices[v], n = normal(v);
@@ -203,12 +209,17 @@ class Faults {
 }  // namespace
 
 Expected<DemoArch> demoArch(const DemoArchOptions& options, const Progress& progress) {
-  const auto cancelled = [] { return fail({Error::Code::kCancelled, "", "", "cancelled", "", ""}); };
   if (!(options.edge_mm >= 0.15 && options.edge_mm <= 1))
-    return fail(
-        {Error::Code::kBadValue, "", "edge length", std::to_string(options.edge_mm) + " mm", "0.15 to 1 mm", ""});
+    return fail({.code = Error::Code::kBadValue,
+                 .place = "edge length",
+                 .found = std::to_string(options.edge_mm) + " mm",
+                 .expected = "0.15 to 1 mm"});
   if (!(options.noise_mm >= 0 && options.noise_mm <= 0.05))
-    return fail({Error::Code::kBadValue, "", "noise", std::to_string(options.noise_mm) + " mm", "0 to 0.05 mm", ""});
+    return fail({.code = Error::Code::kBadValue,
+                 .place = "noise",
+                 .found = std::to_string(options.noise_mm) + " mm",
+                 .expected = "0 to 0.05 mm"});
+
   if (!report(progress, 0, "modelling the arch")) return cancelled();
   const Box3 box{Vec3d(-50, -14, -21), Vec3d(50, 53, 4)};
   Mesh whole = meshImplicit(archSurface, box, options.edge_mm / kEdgeToSpacing, 2, 3);
@@ -217,6 +228,7 @@ Expected<DemoArch> demoArch(const DemoArchOptions& options, const Progress& prog
   arch.mesh = trimmed(whole, options.seed);
   if (!report(progress, 0.4, "evening out the arch")) return cancelled();
   evenOut(arch.mesh, archSurface, 1);
+
   if (!report(progress, 0.8, "adding noise and faults")) return cancelled();
   const std::vector<Vec3d> smooth = arch.mesh.vertices;
   arch.mesh.vertex_colors.resize(arch.mesh.vertices.size());

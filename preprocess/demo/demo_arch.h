@@ -27,12 +27,12 @@ struct DemoArch {
 
 struct DemoArchOptions {
   double edge_mm = 0.25;  ///< mean edge, 0.15 to 1. 0.25 gives about 220 000 triangles
-  double noise_mm =
-      0.008;  ///< of the surface, root mean square: half of it from vertex to vertex, half in bumps 1.5 mm wide
+  /// Of the surface, root mean square: half of it from vertex to vertex, half in bumps 1.5 mm wide.
+  double noise_mm = 0.008;
   std::uint32_t seed = 36;  ///< of the noise, the rim and where the faults are; the same seed gives the same scan
 };
 
-/// Teeth 37 to 47 and gums, as an intraoral scanner sees them; frame of internal/demo_jaw.h. Cancelled: kCancelled.
+/// Teeth 37 to 47 and gums, as an intraoral scanner sees them; frame of demo_jaw.h. Cancelled: kCancelled.
 Expected<DemoArch> demoArch(const DemoArchOptions& options = {}, const Progress& progress = {});
 
 }  // namespace kerf

@@ -43,10 +43,12 @@ std::vector<Sample> sampleStations() {
     for (std::size_t i = 0; i < knots.size(); ++i) knots[i] = {static_cast<double>(i), value(i)};
     return curve(knots, u);
   };
+
   // Catmull-Rom ends flat; in the midline x must run on, as its mirror image does.
   const auto x_along = [&](double u, auto value) {
     return u < 1 ? value(1) * (u + 0.5 * (value(2) / (2 * value(1)) - 1) * u * u * (u - 1)) : along(u, value);
   };
+
   for (int n = 0; n <= kPerStation * static_cast<int>(kStations.size() - 1); ++n) {
     const double u = static_cast<double>(n) / kPerStation;
     Sample s;
@@ -87,12 +89,14 @@ InBody inBody(const Vec3d& p) {
         least = d;
         best = i;
       }
+
     const std::size_t from = best > kCoarse ? best - kCoarse : 0, to = std::min(samples.size() - 1, best + kCoarse);
     for (std::size_t i = from; i <= to; ++i)
       if (const double d = far2(i); d < least) {
         least = d;
         best = i;
       }
+
     // Between the samples: the nearest point of the two segments that end here, and everything else blended likewise.
     double blend = 0;
     std::size_t other = best;
@@ -107,6 +111,7 @@ InBody inBody(const Vec3d& p) {
         other = i;
       }
     }
+
     const Sample &a = samples[best], &b = samples[other];
     found.here = {a.border + blend * (b.border - a.border),
                   a.crest + blend * (b.crest - a.crest),
@@ -115,6 +120,7 @@ InBody inBody(const Vec3d& p) {
                   mix(a.low, b.low, blend),
                   mix(a.middle, b.middle, blend),
                   mix(a.high, b.high, blend)};
+
     found.from_middle = std::sqrt(least);
     found.height = (p.z() - found.here.border_z) / (found.here.crest_z - found.here.border_z);
     t = std::clamp(found.height, 0.0, 1.0);

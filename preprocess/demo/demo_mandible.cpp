@@ -52,11 +52,12 @@ Expected<DemoAnatomy> demoMandible(double detail, const Progress& progress) {
       {"cancellous", "cancellous.ply", spongyBone, 0.5, 1.0, 2, jaw, {206, 150, 110, 255}},
       {"cortical", "mandible.ply", jawOutline, 0.42, 1.0, 2, jaw, kBone},
   };
+
   DemoAnatomy anatomy{"mandible", "Demo mandible", 0.2, {}, {}, {"mandible.ply"}};
   double done = 0;
   for (const Tissue& tissue : tissues) {
-    if (!report(progress, done++ / std::size(tissues), std::string("modelling ") + tissue.material))
-      return fail({Error::Code::kCancelled, "", "", "cancelled", "", ""});
+    if (!report(progress, done++ / std::size(tissues), std::string("modelling ") + tissue.material)) return cancelled();
+
     const double edge_mm = std::min(detail * tissue.edge_mm, tissue.coarsest_mm);
     Mesh mesh = meshImplicit(tissue.value, tissue.box, edge_mm / kEdgeToSpacing, 3, tissue.steepness);
     evenOut(mesh, tissue.value, 2);

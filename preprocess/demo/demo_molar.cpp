@@ -291,11 +291,12 @@ Expected<DemoAnatomy> demoMolarAnatomy(double detail, const Progress& progress) 
       {"enamel", enamel, {Vec3d(-7, -7, -1.5), Vec3d(7, 7, 9)}, 0.16, 0.50, {238, 232, 218, 255}},
       {"pulp", pulp, {Vec3d(-6, -4, -14.5), Vec3d(5, 4, 4)}, 0.10, 0.13, {186, 58, 52, 255}},
   };
+
   double done = 0;
   const auto step = [&](const std::string& material) {
     return report(progress, done++ / (std::size(tissues) + 1.0), "modelling " + material);
   };
-  const auto cancelled = [] { return fail({Error::Code::kCancelled, "", "", "cancelled", "", ""}); };
+
   for (const Tissue& tissue : tissues) {
     if (!step(tissue.material)) return cancelled();
     const std::string file = std::string(tissue.material) + ".ply";
@@ -306,6 +307,7 @@ Expected<DemoAnatomy> demoMolarAnatomy(double detail, const Progress& progress) 
     anatomy.files.push_back({file, std::move(mesh)});
     anatomy.parts.push_back({tissue.material, file});
   }
+
   if (!step("dentin")) return cancelled();
   anatomy.files.push_back({"tooth.ply", demoMolar(0.18 * detail)});
   anatomy.parts.push_back({"dentin", "tooth.ply"});

@@ -47,6 +47,7 @@ double edgeHeight(const ToothDimensions& t, double x, double y) {
     const double dx = 0.55 * (x - cx), dy = 0.75 * (y - cy);
     return height - (std::sqrt(dx * dx + dy * dy + 0.12) - std::sqrt(0.12));
   };
+
   double height = cusp(0, 0.48 * by, t.crown);
   if (t.position == 4) {
     height = smoothMax(height, cusp(-0.3, -0.55 * by, t.crown - 2.3), 0.5);
@@ -155,11 +156,13 @@ std::array<ToothPose, 7> makeRow() {
     constexpr double kContact = 0.975;  // teeth touch in areas, not in points
     const double middle = s + 0.5 * kContact * t.mesiodistal;
     s += kContact * t.mesiodistal;
+
     std::size_t n = 1;
     while (points[n].s < middle) ++n;
     const Vec3d mesial(points[n].forward.x(), points[n].forward.y(), 0), up = Vec3d::UnitZ();
     Eigen::Matrix3d axes;
     axes << mesial, up.cross(mesial), up;
+
     Rigid3 pose;
     pose.rotation = Eigen::Quaterniond(axes) *
                     Eigen::Quaterniond(Eigen::AngleAxisd(kLean[i] * std::numbers::pi / 180, Vec3d::UnitX()));

@@ -42,7 +42,7 @@ struct ToothPose {
   Vec3d middle;   ///< of a ball around the tooth, jaw frame, mm
   double radius;  ///< of that ball, mm, with 2 mm to spare
 };
-/// The left row in the jaw's frame (demo_mandible.h). The right one is its mirror image: ask with |x|.
+/// The left row in the jaw's frame (demo_jaw.h). The right one is its mirror image: ask with |x|.
 const std::array<ToothPose, 7>& lowerRow();
 
 /// Union over all teeth of something that stands no more than 1 mm out of the tooth, at a point of the jaw.

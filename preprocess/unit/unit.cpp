@@ -28,7 +28,7 @@ std::string elsewhere(double across, double mm) {
   return text;
 }
 
-/// A unit somebody named: believed, but not in silence where it makes no dental object.
+/// A unit the user or the file names: taken, with a warning where it makes no dental object.
 UnitChoice named(std::string_view unit, double mm, const char* by_whom, double across) {
   const bool fits = across * mm >= kSmallest && across * mm <= kLargest;
   return {std::string(unit), mm,
@@ -40,11 +40,16 @@ UnitChoice named(std::string_view unit, double mm, const char* by_whom, double a
 Expected<double> millimetresPer(std::string_view unit) {
   for (const Unit& u : kUnits)
     if (u.name == unit) return u.mm;
-  return fail({Error::Code::kBadValue, "", "--unit", fmt::format("\"{}\"", unit), "mm, cm, m, um or inch", ""});
+  return fail({.code = Error::Code::kBadValue,
+               .place = "--unit",
+               .found = fmt::format("\"{}\"", unit),
+               .expected = "mm, cm, m, um or inch"});
 }
 
 Expected<UnitChoice> chooseUnit(const Box3& box, std::string_view asked, std::string_view declared) {
   const double across = box.size().norm();
+
+  // The user or the file names it.
   if (!asked.empty()) {
     KERF_TRY(mm, millimetresPer(asked));
     UnitChoice choice = named(asked, mm, "as asked with --unit", across);
@@ -58,6 +63,8 @@ Expected<UnitChoice> chooseUnit(const Box3& box, std::string_view asked, std::st
     KERF_TRY(mm, millimetresPer(declared));
     return named(declared, mm, "as the file says", across);
   }
+
+  // By the size.
   const auto fits = [across](double mm) { return across * mm >= kSmallest && across * mm <= kLargest; };
   constexpr double kSmallObject = 15;  // a crown; or a jaw in cm, a block in inches
   if (fits(1) && across < kSmallObject)
@@ -70,6 +77,7 @@ Expected<UnitChoice> chooseUnit(const Box3& box, std::string_view asked, std::st
   if (fits(1))
     return UnitChoice{"mm", 1, fmt::format("{:.4g} across fits a dental object in mm; the file names no unit", across),
                       false};
+
   std::vector<Unit> others;
   for (const Unit& u : kUnits)
     if (fits(u.mm)) others.push_back(u);

@@ -63,7 +63,7 @@ class SmoothLabels {
   Expected<Mesh> surface(const Progress& progress = {}) const;
 
   /// The tissue label with the largest weighted membership at a point, 0 where the rest has it; the smallest label on a
-  /// tie. O(1), some 100 ns.
+  /// tie. O(1), about 100 ns.
   std::uint16_t labelAt(const Vec3d& world_mm) const;
 
   /// One entry per tissue label, in the order they were asked for.

@@ -18,11 +18,12 @@ namespace kerf {
 /// World: mm, LPS (x to the patient's left, y to the back, z to the head), as DICOM and ITK have it; files that store
 /// RAS (NIfTI, NRRD with such a space) are converted. Files that name no space keep their own axes.
 struct LabelVolume {
-  std::array<int, 3> size{};          ///< voxels along each axis, >= 1
-  Vec3d spacing = Vec3d::Ones();      ///< mm along each grid axis, finite, > 0
-  Vec3d origin = Vec3d::Zero();       ///< mm, centre of voxel (0, 0, 0)
-  Eigen::Matrix3d direction =         ///< columns: unit vectors along the grid's axes. Usually a rotation; may be
-      Eigen::Matrix3d::Identity();    ///< left-handed (a mirrored grid) or slightly sheared, never singular
+  std::array<int, 3> size{};      ///< voxels along each axis, >= 1
+  Vec3d spacing = Vec3d::Ones();  ///< mm along each grid axis, finite, > 0
+  Vec3d origin = Vec3d::Zero();   ///< mm, centre of voxel (0, 0, 0)
+  /// Columns: unit vectors along the grid's axes. Usually a rotation; may be left-handed (a mirrored grid) or slightly
+  /// sheared, never singular.
+  Eigen::Matrix3d direction = Eigen::Matrix3d::Identity();
   std::vector<std::uint16_t> labels;  ///< size[0] * size[1] * size[2], x fastest
   std::string format;                 ///< "NRRD", "NIfTI", "MetaImage", "DICOM", "PNG slices", ...
   bool is_spacing_given = false;      ///< the spacing came from the caller, not from the file
@@ -61,11 +62,10 @@ struct LabelReadOptions {
 /// Reads a volume. By name: `.nrrd`, `.nii`, `.nii.gz`, `.mha`, `.mhd` (with its raw file beside it), or a folder: a
 /// DICOM series, or slices as `.png`, `.tif`, `.tiff` or `.bmp`, stacked along z in natural order (slice-2 before
 /// slice-10).
-/// Refused, by name: more than three axes of more than one voxel, several values per voxel (colour, vectors), values
-/// that are no labels (fractions, negative, above 65535, or more than 256 different ones, or more than
-/// 32 of which neighbours mostly differ, as densities do) unless `threshold` is given,
-/// pictures beside DICOM slices, missing or doubled DICOM slices, several series in one folder, files that are shorter
-/// than their header claims.
+/// Refused, by name: more than three axes of more than one voxel; several values per voxel (colour, vectors); values
+/// that are no labels, unless `threshold` is given (fractions, negative, above 65535, more than 256 different ones, or
+/// more than 32 of which neighbours mostly differ, as densities do); pictures beside DICOM slices; missing or doubled
+/// DICOM slices; several series in one folder; files that are shorter than their header claims.
 /// @return the volume. Errors: kNotFound, kUnreadable, kBadFormat, kBadValue, kUnsupported, kCancelled; never throws.
 /// @cost  360 x 360 x 330 from .nii.gz: about 0.5 s, 0.25 GB.   @thread any.
 Expected<LabelVolume> readLabelVolume(const std::filesystem::path& path, const LabelReadOptions& options = {},

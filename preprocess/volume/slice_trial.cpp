@@ -15,8 +15,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Two seconds of processor time from now, and more for a large file; this process dies of exceeding them. By the clock
-// ten times that, for a file that nobody ever finishes writing: a busy machine is no fault of the file's.
+// Allows two seconds of processor time from now, and more for a large file; this process dies of exceeding them. By the
+// clock it may take ten times that: the machine may be busy, but a pipe that is never closed must end.
 void limitTime(const fs::path& file) {
   constexpr double kLeastSeconds = 2, kBytesPerSecond = 2e6, kMostSeconds = 3600;
   std::error_code failed;
@@ -48,18 +48,21 @@ bool survivesReading(const std::vector<fs::path>& files, VolumeFormat format, st
     if (nowhere >= 0) dup2(nowhere, 2);
     for (const int way_to_die : {SIGALRM, SIGXCPU, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT})
       std::signal(way_to_die, SIG_DFL);
+
     std::error_code ignored;
     for (const fs::path& f : files) {
       limitTime(f);
-      // A length that is not true makes the library take as much memory: not a second time, in the program itself.
+      // A length that is not true makes the library take that much memory. It must not happen in the program itself.
       const auto size = fs::file_size(f, ignored);
       const double ample = 1e8 + 20 * (ignored ? 0 : static_cast<double>(size)), before = mostMemory();
       const bool is_slice = format != VolumeFormat::kDicom || isDicom(f);
       if (mostMemory() > before + ample) _exit(1);
       if (!is_slice) continue;
+
       const auto h = readVolumeHeader(f, format);
       if (mostMemory() > before + ample) _exit(1);
       if (!h) continue;
+
       double bytes = static_cast<double>(bytesOf(h->type)) * h->components;
       for (const auto s : h->size) bytes *= static_cast<double>(s);
       if (!(bytes <= static_cast<double>(max_bytes))) continue;

@@ -9,8 +9,8 @@
 
 namespace kerf::internal {
 
-/// The libraries that take slices apart end the program on some broken files, and never end on others (GDCM asserts,
-/// for one). So a child process reads every slice first, each within a time that is ample. False if it died of one.
+/// The libraries that read slices end the program on some broken files (GDCM asserts), and never return on others. So a
+/// child process reads every slice first, each within an ample time. False if it died of one.
 /// @param max_bytes  files that claim more are not read.
 bool survivesReading(const std::vector<std::filesystem::path>& files, VolumeFormat format, std::uint64_t max_bytes);
 

@@ -85,6 +85,7 @@ class Mesher {
       everywhere = value_(lattice_.position(low + Vec3i::Constant(kBlock)));
       if (std::abs(everywhere) > steepness * radius) skipped_[b] = 1;
     }
+
     for (int k = low.z(); k < low.z() + 2 * kBlock && k <= 2 * lattice_.cubes[2]; ++k)
       for (int j = low.y() + k % 2; j < low.y() + 2 * kBlock && j <= 2 * lattice_.cubes[1]; j += 2)
         for (int i = low.x() + k % 2; i < low.x() + 2 * kBlock && i <= 2 * lattice_.cubes[0]; i += 2) {
@@ -161,6 +162,7 @@ class Mesher {
         ++to;
       }
     if (!even) count == 3 ? std::swap(n[0], n[1]) : std::swap(n[2], n[3]);
+
     const auto on = [&](std::size_t a, std::size_t b) { return vertexOn(n[a], n[b]); };
     if (count == 1)
       faces_.push_back({on(0, 1), on(0, 2), on(0, 3), kNone});
@@ -176,7 +178,7 @@ class Mesher {
   std::vector<double> values_;
   std::array<int, 3> blocks_{};
   std::vector<char> skipped_;                                        ///< per block
-  std::unordered_map<std::uint64_t, std::uint32_t> vertex_of_edge_;  ///< looked up, never walked through
+  std::unordered_map<std::uint64_t, std::uint32_t> vertex_of_edge_;  ///< only looked up, never iterated over
   std::vector<std::array<Vec3i, 2>> edges_;                          ///< per vertex: the nodes inside and outside
   std::vector<Face> faces_;
   Mesh mesh_;
@@ -236,10 +238,12 @@ void undoCrossings(Mesh& mesh, const std::vector<Vec3d>& old) {
       bad.push_back(a);
       bad.push_back(b);
     }
+
     // The triangles themselves first; where they are back already, those around them.
     std::vector<char> touched(mesh.vertices.size(), 0);
     for (const std::uint32_t t : bad)
       for (const std::uint32_t v : mesh.triangles[t]) touched[v] = 1;
+
     bool moved = false;
     const auto restore = [&](std::uint32_t v) {
       moved = moved || mesh.vertices[v] != old[v];
@@ -259,6 +263,7 @@ void evenOut(Mesh& mesh, const Implicit& value, int rounds) {
   std::vector<std::vector<std::uint32_t>> around(mesh.vertices.size());  // triangles
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
     for (const std::uint32_t v : mesh.triangles[t]) around[v].push_back(t);
+
   const auto normal = [&](std::uint32_t t) { return Vec3d(doubleAreaVector(mesh, t).stableNormalized()); };
   const auto move = [&](std::uint32_t v) {
     const Vec3d old = mesh.vertices[v];
@@ -275,6 +280,7 @@ void evenOut(Mesh& mesh, const Implicit& value, int rounds) {
     for (const std::uint32_t t : around[v]) folds = folds || normal(t).dot(facing) < 0.5;
     if (folds) mesh.vertices[v] = old;
   };
+
   const auto groups = groupsInOrder(mesh, around);
   for (int round = 0; round < rounds; ++round)
     for (const auto& group : groups)

@@ -69,8 +69,11 @@ std::string reason(const std::exception& e) {
 template <class F>
 auto guarded(const std::filesystem::path& path, F&& f) -> decltype(f()) {
   const auto bad = [&](std::string found) {
-    return fail({Error::Code::kBadFormat, path.string(), "", std::move(found), "a file the ITK reader accepts",
-                 "save it again from the program it came from"});
+    return fail({.code = Error::Code::kBadFormat,
+                 .file = path.string(),
+                 .found = std::move(found),
+                 .expected = "a file the ITK reader accepts",
+                 .hint = "save it again from the program it came from"});
   };
   try {
     return f();
@@ -113,8 +116,11 @@ Expected<ValueType> valueType(const std::filesystem::path& path, const Io& io) {
     default:
       break;
   }
-  return fail({Error::Code::kUnsupported, path.string(), "", "values of an unknown type",
-               "integers of 8 to 64 bits, or floating-point numbers", "convert it to 16-bit integers"});
+  return fail({.code = Error::Code::kUnsupported,
+               .file = path.string(),
+               .found = "values of an unknown type",
+               .expected = "integers of 8 to 64 bits, or floating-point numbers",
+               .hint = "convert it to 16-bit integers"});
 }
 
 Expected<VolumeHeader> headerOf(const std::filesystem::path& path, const Io& io) {
@@ -167,8 +173,8 @@ std::vector<const gdcm::DataSet*> items(const gdcm::DataSet& set, const gdcm::Ta
   return out;
 }
 
-// The spacing as the file states it: where there is none, or not where GDCM looks for it, GDCM says 1 mm and nothing
-// else.
+// The spacing as the file states it: where there is none, or not where GDCM looks for it, GDCM says 1 mm without a
+// warning.
 // Places after DICOM PS3.3: C.7.6.3 (image pixel), C.7.6.16 (functional groups of frames), C.8.6 (scanned pictures).
 void findStatedSpacing(const std::filesystem::path& path, VolumeHeader& h) {
   h.states_pixel_spacing = h.states_frame_spacing = false;
@@ -176,6 +182,8 @@ void findStatedSpacing(const std::filesystem::path& path, VolumeHeader& h) {
   reader.SetFileName(path.c_str());
   if (h.spacing.size() < 2 || !reader.ReadUpToTag(gdcm::Tag(0x7fe0, 0x0010))) return;
   const gdcm::DataSet& top = reader.GetFile().GetDataSet();
+
+  // Where it may stand: the file as a whole, or the frames.
   std::vector<gdcm::SmartPointer<gdcm::SequenceOfItems>> alive;
   std::vector<const gdcm::DataSet*> places{&top};
   std::vector<std::vector<double>> positions;  // of frames
@@ -185,6 +193,7 @@ void findStatedSpacing(const std::filesystem::path& path, VolumeHeader& h) {
       for (const gdcm::DataSet* plane : items(*group, gdcm::Tag(0x0020, 0x9113), alive))
         if (auto p = decimals(*plane, gdcm::Tag(0x0020, 0x0032)); p.size() == 3) positions.push_back(std::move(p));
     }
+
   const auto same = [](double stated, double found) { return std::abs(stated - found) <= 1e-4 * found; };
   const auto is_length = [](double v) { return std::isfinite(v) && v > 0; };
   for (const gdcm::DataSet* place : places) {
@@ -204,6 +213,8 @@ void findStatedSpacing(const std::filesystem::path& path, VolumeHeader& h) {
       h.states_frame_spacing = true;
     }
   }
+
+  // Between frames it may follow from their positions.
   if (h.spacing.size() > 2 && positions.size() > 1 && !h.states_frame_spacing) {
     const auto &a = positions.front(), &b = positions.back();
     const double step = std::hypot(b[0] - a[0], b[1] - a[1], b[2] - a[2]) / static_cast<double>(positions.size() - 1);
@@ -259,8 +270,12 @@ Expected<void> readVolumeValues(const std::filesystem::path& path, VolumeFormat 
       whole.SetSize(a, header.size[a]);
     }
     if (needed != bytes)
-      return fail({Error::Code::kBadFormat, path.string(), "", std::to_string(needed) + " bytes of values",
-                   std::to_string(bytes) + ", like its header and the other slices", "export the volume again"});
+      return fail({.code = Error::Code::kBadFormat,
+                   .file = path.string(),
+                   .found = std::to_string(needed) + " bytes of values",
+                   .expected = std::to_string(bytes) + ", like its header and the other slices",
+                   .hint = "export the volume again"});
+
     io->SetIORegion(whole);
     io->Read(out);
     return {};

@@ -24,7 +24,7 @@ struct VolumeHeader {
   ValueType type = ValueType::kU8;
   unsigned components = 1;  ///< values per voxel
   std::string series;       ///< DICOM series instance UID, else empty
-  /// DICOM: whether spacing[0] and [1], and spacing[2], stand in the file. ITK makes 1 mm of those that do not.
+  /// DICOM: whether spacing[0] and [1], and spacing[2], stand in the file. ITK says 1 mm for those that do not.
   bool states_pixel_spacing = true, states_frame_spacing = true;
 };
 
@@ -37,12 +37,12 @@ Expected<void> readVolumeValues(const std::filesystem::path& path, VolumeFormat 
 /// True if the file is DICOM, whatever its name.
 bool isDicom(const std::filesystem::path& path);
 
-/// What the file's own header says, read without ITK: it fills in what is missing, and trusts sizes.
+/// What the file's own header says, read without ITK, which fills in what is missing and trusts sizes.
 struct StatedHeader {
   std::vector<double> spacing;      ///< as stated, one per axis that has one; empty: none is stated
   std::uint64_t stored_bytes = 0;   ///< what the file holds after its header
   std::filesystem::path data_file;  ///< MetaImage: the file with the values, if it is not the header's own
-  double most_per_byte = 1;         ///< values bytes that one stored byte can stand for: 1 raw, 1032 deflate
+  double most_per_byte = 1;         ///< bytes of values that one stored byte can stand for: 1 raw, 1032 deflate
 };
 /// NRRD, NIfTI and MetaImage only.
 Expected<StatedHeader> checkVolumeHeader(const std::filesystem::path& path, VolumeFormat format);

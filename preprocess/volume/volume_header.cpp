@@ -1,5 +1,5 @@
-// Headers of NRRD, NIfTI and MetaImage files, read before ITK gets to see them: ITK takes a missing spacing for 1 mm,
-// and believes sizes before it looks how much there is to read.
+// Headers of NRRD, NIfTI and MetaImage files, read before ITK gets them: ITK takes a missing spacing for 1 mm, and
+// believes sizes before it checks how much there is to read.
 // After the format descriptions: teem.sourceforge.net/nrrd/format.html, nifti1.h of NIfTI-1.1, itk.org MetaIO.
 #include <fmt/format.h>
 #include <zlib.h>
@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kDeflate = 1032;    // no deflate stream expands more
-constexpr double kBzip2 = 1u << 22;  // runs of one byte reach some 10^6
+constexpr double kBzip2 = 1u << 22;  // runs of one byte reach about 10^6
 constexpr std::size_t kMostHeader = 1 << 20;
 constexpr int kMostAxes = 7;
 // What is longer overruns a buffer of 1024 bytes in ITK 5.2's NRRD library, which quotes it when it complains.
@@ -27,8 +27,29 @@ constexpr std::size_t kMostQuoted = 500;
 
 tl::unexpected<Error> bad(const fs::path& path, std::string place, std::string found, std::string expected,
                           std::string hint = "save it again from the program it came from") {
-  return fail({Error::Code::kBadFormat, path.string(), std::move(place), std::move(found), std::move(expected),
-               std::move(hint)});
+  return fail({.code = Error::Code::kBadFormat,
+               .file = path.string(),
+               .place = std::move(place),
+               .found = std::move(found),
+               .expected = std::move(expected),
+               .hint = std::move(hint)});
+}
+
+tl::unexpected<Error> unsupported(const fs::path& path, std::string place, std::string found, std::string expected,
+                                  std::string hint) {
+  return fail({.code = Error::Code::kUnsupported,
+               .file = path.string(),
+               .place = std::move(place),
+               .found = std::move(found),
+               .expected = std::move(expected),
+               .hint = std::move(hint)});
+}
+
+tl::unexpected<Error> unreadable(const fs::path& path, std::string found) {
+  return fail({.code = Error::Code::kUnreadable,
+               .file = path.string(),
+               .found = std::move(found),
+               .expected = "a readable file"});
 }
 
 std::string trimmed(std::string s) {
@@ -66,7 +87,7 @@ struct TextHeader {
 // Lines `key SEPARATOR value` up to an empty line (NRRD) or through the line with the key `last` (MetaImage).
 Expected<TextHeader> readTextHeader(const fs::path& path, char separator, const std::string& last) {
   std::ifstream in(path, std::ios::binary);
-  if (!in) return fail({Error::Code::kUnreadable, path.string(), "", "it can not be opened", "a readable file", ""});
+  if (!in) return unreadable(path, "it can not be opened");
   TextHeader h;
   int number = 0;
   for (std::string line; std::getline(in, line);) {
@@ -77,6 +98,7 @@ Expected<TextHeader> readTextHeader(const fs::path& path, char separator, const 
     line = trimmed(line);
     if (line.empty() && last.empty()) break;
     if (line.empty() || line[0] == '#' || (number == 1 && separator == ':')) continue;
+
     const auto at = line.find(separator);
     if (at == std::string::npos)
       return bad(path, fmt::format("line {}", number), "no key and value", fmt::format("KEY{} VALUE", separator));
@@ -84,6 +106,7 @@ Expected<TextHeader> readTextHeader(const fs::path& path, char separator, const 
     if (separator == ':' && line.size() > kMostQuoted)
       return bad(path, fmt::format("line {}", number), fmt::format("{} bytes", line.size()),
                  fmt::format("a field of at most {} bytes", kMostQuoted));
+
     const std::string key = lower(trimmed(line.substr(0, at)));
     if (!h.field.emplace(key, trimmed(line.substr(at + 1))).second)
       return bad(path, fmt::format("line {}", number), fmt::format("key '{}' a second time", key), "it once");
@@ -96,7 +119,7 @@ Expected<TextHeader> readTextHeader(const fs::path& path, char separator, const 
 Expected<std::uint64_t> fileSize(const fs::path& path) {
   std::error_code ec;
   const auto bytes = fs::file_size(path, ec);
-  if (ec) return fail({Error::Code::kUnreadable, path.string(), "", ec.message(), "a readable file", ""});
+  if (ec) return unreadable(path, ec.message());
   return bytes;
 }
 
@@ -114,69 +137,81 @@ Expected<void> checkSizes(const fs::path& path, const std::string& key, const st
   return {};
 }
 
-// One quoted unit per axis: "mm", or "" and ??? for none. ITK takes any for mm.
+// One quoted unit per axis: "mm", or "" and ??? for none. ITK takes any unit for mm.
 Expected<void> checkUnits(const fs::path& path, const std::string& key, const std::string& units) {
   for (std::size_t at = 0; at < units.size();) {
     const std::size_t open = units[at] == '"' ? at + 1 : at;
     const std::size_t end = std::min(units.find_first_of(open > at ? "\"" : " \t\"", open), units.size());
     const std::string unit = trimmed(units.substr(open, end - open));
     if (const std::string u = lower(unit); !u.empty() && u != "mm" && u != "none" && u != "\?\?\?")
-      return fail({Error::Code::kUnsupported, path.string(), "key " + key, "'" + unit + "'", "mm, or none",
-                   "save it in mm; Kerf scales no volume"});
+      return unsupported(path, "key " + key, "'" + unit + "'", "mm, or none", "save it in mm; Kerf scales no volume");
     at = open > at ? end + 1 : std::max(end, at + 1);
   }
   return {};
 }
 
+Expected<void> requireNrrdSignature(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::array<char, 8> magic{};
+  in.read(magic.data(), magic.size());
+  if (std::memcmp(magic.data(), "NRRD000", 7) != 0) return bad(path, "byte 0", "no NRRD signature", "NRRD000x");
+  return {};
+}
+
+// What values bytes one stored byte can stand for.
+Expected<double> mostPerByteOfNrrd(const fs::path& path, const std::string& encoding) {
+  if (encoding == "gzip" || encoding == "gz") return kDeflate;
+  if (encoding == "bzip2" || encoding == "bz2") return kBzip2;
+  if (encoding == "ascii" || encoding == "text" || encoding == "txt")
+    return 8;  // a digit and a blank make up to 8 bytes, and half a byte is lost to rounding
+  if (encoding == "raw" || encoding == "hex") return 1;
+  return bad(path, "key encoding", "'" + encoding + "'", "raw, gzip, bzip2, ascii or hex");
+}
+
+// Lengths of vectors: "none" on axes that are not in space; "(x,y,z)" on the others.
+std::vector<double> lengthsOf(const std::string& directions) {
+  std::vector<double> lengths;
+  std::istringstream in(directions);
+  for (std::string vector; in >> vector;) {
+    if (lower(vector) == "none") continue;
+    while (vector.find(')') == std::string::npos) {
+      std::string more;
+      if (!(in >> more)) break;
+      vector += more;
+    }
+    for (char& c : vector)
+      if (c == '(' || c == ')' || c == ',') c = ' ';
+    double square = 0;
+    for (const double v : numbers(vector)) square += v * v;
+    lengths.push_back(std::sqrt(square));
+  }
+  return lengths;
+}
+
 Expected<StatedHeader> checkNrrd(const fs::path& path) {
   KERF_TRY(bytes, fileSize(path));
   if (path.native().size() > kMostQuoted)
-    return fail({Error::Code::kUnsupported, path.string(), "", fmt::format("a path of {} bytes", path.native().size()),
-                 fmt::format("at most {} bytes", kMostQuoted), "move the file to a folder with a shorter path"});
+    return unsupported(path, "", fmt::format("a path of {} bytes", path.native().size()),
+                       fmt::format("at most {} bytes", kMostQuoted), "move the file to a folder with a shorter path");
   KERF_TRY(h, readTextHeader(path, ':', ""));
-  {
-    std::ifstream in(path, std::ios::binary);
-    std::array<char, 8> magic{};
-    in.read(magic.data(), magic.size());
-    if (std::memcmp(magic.data(), "NRRD000", 7) != 0) return bad(path, "byte 0", "no NRRD signature", "NRRD000x");
-  }
+  KERF_CHECK(requireNrrdSignature(path));
+
   const auto get = [&](const std::string& key) { return h.field.count(key) ? h.field[key] : std::string(); };
   if (h.field.count("data file") || h.field.count("datafile"))
-    return fail({Error::Code::kUnsupported, path.string(), "key data file", "values in another file",
-                 "header and values in one .nrrd", "save it as a single .nrrd"});
+    return unsupported(path, "key data file", "values in another file", "header and values in one .nrrd",
+                       "save it as a single .nrrd");
   KERF_CHECK(checkSizes(path, "sizes", numbers(get("sizes")), numbers(get("dimension"))));
   KERF_CHECK(checkUnits(path, "space units", get("space units")));
   KERF_CHECK(checkUnits(path, "units", get("units")));
+
   StatedHeader out;
   out.stored_bytes = bytes > h.bytes ? bytes - h.bytes : 0;
-  const std::string encoding = lower(get("encoding"));
-  if (encoding == "gzip" || encoding == "gz")
-    out.most_per_byte = kDeflate;
-  else if (encoding == "bzip2" || encoding == "bz2")
-    out.most_per_byte = kBzip2;
-  else if (encoding == "ascii" || encoding == "text" || encoding == "txt")
-    out.most_per_byte = 8;  // a digit and a blank make up to 8 bytes, and half a byte is lost to rounding
-  else if (encoding != "raw" && encoding != "hex")
-    return bad(path, "key encoding", "'" + encoding + "'", "raw, gzip, bzip2, ascii or hex");
-  if (h.field.count("space directions")) {
-    // "none" on axes that are not in space; "(x,y,z)" on the others.
-    std::istringstream in(h.field["space directions"]);
-    for (std::string vector; in >> vector;) {
-      if (lower(vector) == "none") continue;
-      while (vector.find(')') == std::string::npos) {
-        std::string more;
-        if (!(in >> more)) break;
-        vector += more;
-      }
-      for (char& c : vector)
-        if (c == '(' || c == ')' || c == ',') c = ' ';
-      double square = 0;
-      for (const double v : numbers(vector)) square += v * v;
-      out.spacing.push_back(std::sqrt(square));
-    }
-  } else if (h.field.count("spacings")) {
+  KERF_TRY(most_per_byte, mostPerByteOfNrrd(path, lower(get("encoding"))));
+  out.most_per_byte = most_per_byte;
+  if (h.field.count("space directions"))
+    out.spacing = lengthsOf(h.field["space directions"]);
+  else if (h.field.count("spacings"))
     out.spacing = numbers(h.field["spacings"]);
-  }
   return out;
 }
 
@@ -185,6 +220,7 @@ Expected<StatedHeader> checkMetaImage(const fs::path& path) {
   KERF_TRY(h, readTextHeader(path, '=', "elementdatafile"));
   const auto get = [&](const std::string& key) { return h.field.count(key) ? h.field[key] : std::string(); };
   KERF_CHECK(checkSizes(path, "DimSize", numbers(get("dimsize")), numbers(get("ndims"))));
+
   StatedHeader out;
   const std::string data = get("elementdatafile");
   if (lower(data) == "local") {
@@ -193,15 +229,20 @@ Expected<StatedHeader> checkMetaImage(const fs::path& path) {
     // One file beside the header. A list or a pattern of files, or a path that leads elsewhere, is not followed.
     if (data.find('/') != std::string::npos || data.find('%') != std::string::npos ||
         data.find(' ') != std::string::npos || lower(data) == "list" || data.empty())
-      return fail({Error::Code::kUnsupported, path.string(), "key ElementDataFile", "'" + data + "'",
-                   "LOCAL, or the name of one file beside it", "save it as a single .mha"});
+      return unsupported(path, "key ElementDataFile", "'" + data + "'", "LOCAL, or the name of one file beside it",
+                         "save it as a single .mha");
     if (!fs::is_regular_file(path.parent_path() / data))
-      return fail({Error::Code::kNotFound, path.string(), "key ElementDataFile", "'" + data + "' is not there",
-                   "the file with the values beside the header", "copy it too, or save a single .mha"});
+      return fail({.code = Error::Code::kNotFound,
+                   .file = path.string(),
+                   .place = "key ElementDataFile",
+                   .found = "'" + data + "' is not there",
+                   .expected = "the file with the values beside the header",
+                   .hint = "copy it too, or save a single .mha"});
     KERF_TRY(data_bytes, fileSize(path.parent_path() / data));
     out.stored_bytes = data_bytes;
     out.data_file = path.parent_path() / data;
   }
+
   if (lower(get("compresseddata")) == "true") out.most_per_byte = kDeflate;
   if (h.field.count("elementspacing"))
     out.spacing = numbers(h.field["elementspacing"]);
@@ -210,66 +251,91 @@ Expected<StatedHeader> checkMetaImage(const fs::path& path) {
   return out;
 }
 
-Expected<StatedHeader> checkNifti(const fs::path& path) {
-  KERF_TRY(bytes, fileSize(path));
-  std::array<unsigned char, 348> header{};
-  gzFile in = gzopen(path.c_str(), "rb");
-  if (!in) return fail({Error::Code::kUnreadable, path.string(), "", "it can not be opened", "a readable file", ""});
-  const int got = gzread(in, header.data(), static_cast<unsigned>(header.size()));
-  const bool plain = gzdirect(in) != 0;
-  gzclose(in);
-  if (got != 348) return bad(path, "byte 0", "the file ends in its header", "348 bytes of NIfTI-1 header");
-  const bool one_file = std::memcmp(&header[344], "n+1", 4) == 0;
-  std::int32_t size = 0;
-  std::memcpy(&size, header.data(), 4);
-  const bool swapped = size == 0x5C010000;
-  if (!one_file || (size != 348 && !swapped))
-    return bad(path, "byte 0", "no NIfTI-1 signature", "a single-file NIfTI-1 (n+1)",
-               "save it as .nii or .nii.gz, version 1");
-  const auto word = [&](std::size_t at, std::size_t count) {  // in this machine's byte order
-    std::array<unsigned char, 4> b{};
-    for (std::size_t i = 0; i < count; ++i) b[i] = header[at + (swapped ? count - 1 - i : i)];
-    return b;
-  };
-  const auto short_at = [&](std::size_t at) {
+// A NIfTI-1 header with the numbers in it, whichever byte order they are in.
+struct NiftiHeader {
+  std::array<unsigned char, 348> bytes{};
+  bool is_compressed = false;
+  bool is_swapped = false;
+
+  double shortAt(std::size_t at) const {
     std::int16_t v = 0;
     std::memcpy(&v, word(at, 2).data(), 2);
     return static_cast<double>(v);
-  };
-  const auto float_at = [&](std::size_t at) {
+  }
+  double floatAt(std::size_t at) const {
     float v = 0;
     std::memcpy(&v, word(at, 4).data(), 4);
     return static_cast<double>(v);
-  };
-  const double axes = short_at(40);
-  std::vector<double> sizes;
-  for (std::size_t a = 1; a <= 7 && static_cast<double>(a) <= axes; ++a) sizes.push_back(short_at(40 + 2 * a));
-  KERF_CHECK(checkSizes(path, "dim", sizes, {axes}));
-  StatedHeader out;
-  const double offset = float_at(108);
-  if (!(offset >= 348 && offset <= 1e9))
-    return bad(path, "key vox_offset", fmt::format("values at byte {}", offset), "at byte 352 or later");
-  for (std::size_t a = 1; a <= 3 && a <= sizes.size(); ++a) out.spacing.push_back(float_at(76 + 4 * a));
-  // ITK inverts what stands here without looking, and its linear algebra aborts the program on what is not finite.
+  }
+
+ private:
+  std::array<unsigned char, 4> word(std::size_t at, std::size_t count) const {  // in this machine's byte order
+    std::array<unsigned char, 4> b{};
+    for (std::size_t i = 0; i < count; ++i) b[i] = bytes[at + (is_swapped ? count - 1 - i : i)];
+    return b;
+  }
+};
+
+Expected<NiftiHeader> readNiftiHeader(const fs::path& path) {
+  NiftiHeader header;
+  gzFile in = gzopen(path.c_str(), "rb");
+  if (!in) return unreadable(path, "it can not be opened");
+  const int got = gzread(in, header.bytes.data(), static_cast<unsigned>(header.bytes.size()));
+  header.is_compressed = gzdirect(in) == 0;
+  gzclose(in);
+  if (got != 348) return bad(path, "byte 0", "the file ends in its header", "348 bytes of NIfTI-1 header");
+
+  const bool one_file = std::memcmp(&header.bytes[344], "n+1", 4) == 0;
+  std::int32_t size = 0;
+  std::memcpy(&size, header.bytes.data(), 4);
+  header.is_swapped = size == 0x5C010000;
+  if (!one_file || (size != 348 && !header.is_swapped))
+    return bad(path, "byte 0", "no NIfTI-1 signature", "a single-file NIfTI-1 (n+1)",
+               "save it as .nii or .nii.gz, version 1");
+  return header;
+}
+
+// ITK inverts what stands here without checking, and its linear algebra aborts the program on what is not finite.
+Expected<void> checkNiftiGeometry(const fs::path& path, const NiftiHeader& header, const std::vector<double>& spacing) {
   const auto refuse = [&](const char* key, double value) {
     return bad(path, fmt::format("key {}", key), fmt::format("the number {}", value),
                "spacing and orientation in mm, none above 1e6, no axis of length zero",
                "save it again with its voxel size, or as .nrrd");
   };
   for (std::size_t at = 76; at < 108; at += 4)
-    if (!(std::abs(float_at(at)) <= 1e6)) return refuse("pixdim", float_at(at));
+    if (!(std::abs(header.floatAt(at)) <= 1e6)) return refuse("pixdim", header.floatAt(at));
   for (std::size_t at = 256; at < 328; at += 4)
-    if (!(std::abs(float_at(at)) <= 1e6)) return refuse(at < 280 ? "qform" : "sform", float_at(at));
-  for (const double v : out.spacing)
+    if (!(std::abs(header.floatAt(at)) <= 1e6)) return refuse(at < 280 ? "qform" : "sform", header.floatAt(at));
+  for (const double v : spacing)
     if (!(v > 1e-6)) return refuse("pixdim", v);
-  if (short_at(254) > 0)
+  if (header.shortAt(254) > 0)
     for (std::size_t a = 0; a < 3; ++a) {
-      const double x = float_at(280 + 4 * a), y = float_at(296 + 4 * a), z = float_at(312 + 4 * a);
+      const double x = header.floatAt(280 + 4 * a), y = header.floatAt(296 + 4 * a), z = header.floatAt(312 + 4 * a);
       if (!(std::hypot(x, y, z) > 1e-6)) return refuse("sform", 0);
     }
-  out.most_per_byte = plain ? 1 : kDeflate;
-  out.stored_bytes =
-      plain ? (static_cast<double>(bytes) > offset ? bytes - static_cast<std::uint64_t>(offset) : 0) : bytes;
+  return {};
+}
+
+Expected<StatedHeader> checkNifti(const fs::path& path) {
+  KERF_TRY(bytes, fileSize(path));
+  KERF_TRY(header, readNiftiHeader(path));
+  const double axes = header.shortAt(40);
+  std::vector<double> sizes;
+  for (std::size_t a = 1; a <= 7 && static_cast<double>(a) <= axes; ++a) sizes.push_back(header.shortAt(40 + 2 * a));
+  KERF_CHECK(checkSizes(path, "dim", sizes, {axes}));
+  const double offset = header.floatAt(108);
+  if (!(offset >= 348 && offset <= 1e9))
+    return bad(path, "key vox_offset", fmt::format("values at byte {}", offset), "at byte 352 or later");
+
+  StatedHeader out;
+  for (std::size_t a = 1; a <= 3 && a <= sizes.size(); ++a) out.spacing.push_back(header.floatAt(76 + 4 * a));
+  KERF_CHECK(checkNiftiGeometry(path, header, out.spacing));
+  if (header.is_compressed) {
+    out.most_per_byte = kDeflate;
+    out.stored_bytes = bytes;
+  } else {
+    out.stored_bytes = static_cast<double>(bytes) > offset ? bytes - static_cast<std::uint64_t>(offset) : 0;
+  }
   return out;
 }
 

@@ -10,8 +10,8 @@
 
 namespace kerf::internal {
 
-/// Forwards cancellation into the library's long loops, which ask from all threads. The progress callback is only for
-/// the thread that made this; it works along in every loop, so it hears of a cancellation in time.
+/// Forwards cancellation into the library's long loops, which ask from all threads. Only the thread that made this
+/// calls the progress callback. It takes part in every loop, so it learns of a cancellation in time.
 class Interrupter {
  public:
   explicit Interrupter(const Progress& progress) : progress_(progress) {}

@@ -23,7 +23,7 @@ using openvdb::Index;
 using openvdb::Int32Tree;
 using Leaf = Int32Tree::LeafNodeType;
 
-// While painting, a label is the claim's place in the list plus one; 0 is nobody's.
+// While painting, a label is the claim's place in the list plus one; 0 is no claim's.
 using Label = std::int32_t;
 
 // How far a label spreads into places that no claim covers, in voxels: gaps between parts, and the outer half of the
@@ -50,6 +50,7 @@ Int32Tree::Ptr coverOf(const MaterialClaim& claim, Label label, const Mesh& soli
     return std::make_shared<Int32Tree>(openvdb::tools::sdfInteriorMask(*psi)->tree(), 0, label,
                                        openvdb::TopologyCopy());
   }
+
   // A layer under the surface: everything that is not deeper.
   const DepthRule& rule = *claim.depth;
   const FloatGrid::Ptr psi =
@@ -58,6 +59,7 @@ Int32Tree::Ptr coverOf(const MaterialClaim& claim, Label label, const Mesh& soli
   const auto deeper = openvdb::tools::sdfInteriorMask(*psi, static_cast<float>(-rule.depth_mm));
   auto cover = std::make_shared<Int32Tree>(domain, 0, label, openvdb::TopologyCopy());
   cover->topologyDifference(deeper->tree());
+
   if (rule.above) {
     cover->voxelizeActiveTiles();
     forEachLeaf(*cover, interrupter, [&](Leaf& leaf, std::size_t) {
@@ -84,8 +86,30 @@ void restrictTo(Int32Tree& cover, const Int32Tree& labels, std::span<const Mater
   });
 }
 
-// One more layer of voxels for labels that have run out; the most frequent neighbour wins, faces before edges before
-// corners, then the earlier claim. Returns how many nodes are still without.
+// The most frequent label around a node, faces before edges before corners, then the earlier claim; 0 if there is none.
+Label mostFrequentNear(const openvdb::tree::ValueAccessor<const Int32Tree, false>& labels, const Coord& node) {
+  Label best = 0;
+  for (int distance = 1; distance <= 3 && best == 0; ++distance) {  // faces, edges, corners
+    std::array<Label, 26> near{};
+    std::size_t found = 0;
+    for (int n = 0; n < 27; ++n) {
+      const int dx = n / 9 - 1, dy = n / 3 % 3 - 1, dz = n % 3 - 1;
+      if (std::abs(dx) + std::abs(dy) + std::abs(dz) != distance) continue;
+      if (const Label label = labels.getValue(node.offsetBy(dx, dy, dz)); label > 0) near[found++] = label;
+    }
+
+    std::ptrdiff_t most = 0;
+    for (std::size_t n = 0; n < found; ++n)
+      if (const auto votes = std::count(near.begin(), near.end(), near[n]);
+          votes > most || (votes == most && near[n] < best)) {
+        most = votes;
+        best = near[n];
+      }
+  }
+  return best;
+}
+
+// One more layer of voxels around labels, into nodes without one. Returns how many nodes are still without.
 std::size_t grow(Int32Tree& labels, Interrupter& interrupter) {
   struct Change {
     Index node;
@@ -98,30 +122,13 @@ std::size_t grow(Int32Tree& labels, Interrupter& interrupter) {
     const openvdb::tree::ValueAccessor<const Int32Tree, false> accessor(labels);
     for (auto node = leaf.cbeginValueOn(); node; ++node) {
       if (*node != 0) continue;
-      Label best = 0;
-      for (int distance = 1; distance <= 3 && best == 0; ++distance) {  // faces, edges, corners
-        std::array<Label, 26> near{};
-        std::size_t found = 0;
-        for (int n = 0; n < 27; ++n) {
-          const int dx = n / 9 - 1, dy = n / 3 % 3 - 1, dz = n % 3 - 1;
-          if (std::abs(dx) + std::abs(dy) + std::abs(dz) != distance) continue;
-          if (const Label label = accessor.getValue(node.getCoord().offsetBy(dx, dy, dz)); label > 0)
-            near[found++] = label;
-        }
-        std::ptrdiff_t most = 0;
-        for (std::size_t n = 0; n < found; ++n)
-          if (const auto votes = std::count(near.begin(), near.end(), near[n]);
-              votes > most || (votes == most && near[n] < best)) {
-            most = votes;
-            best = near[n];
-          }
-      }
-      if (best > 0)
+      if (const Label best = mostFrequentNear(accessor, node.getCoord()); best > 0)
         changes[l].push_back({node.pos(), best});
       else
         ++missing[l];
     }
   });
+
   forEachLeaf(labels, interrupter, [&](Leaf& leaf, std::size_t l) {
     for (const Change& change : changes[l]) leaf.setValueOnly(change.node, change.label);
   });
@@ -130,8 +137,8 @@ std::size_t grow(Int32Tree& labels, Interrupter& interrupter) {
   return total;
 }
 
-// Volume per label, nobody's at index 0. `inside_only` leaves out the outer half of the shell,
-// which lies in no claim by nature.
+// Volume per label, unclaimed at index 0. `inside_only` leaves out the outer half of the shell, which lies in no claim
+// by nature.
 std::vector<double> volumesOf(const Int32Tree& labels, const FloatGrid& phi, std::size_t claims, bool inside_only) {
   const double h = phi.voxelSize()[0];
   std::vector<const Leaf*> leaves;
@@ -147,6 +154,7 @@ std::vector<double> volumesOf(const Int32Tree& labels, const FloatGrid& phi, std
       }
     }
   });
+
   std::vector<double> nodes(claims + 1, 0);
   for (const auto& leaf : sums)
     for (std::size_t n = 0; n < nodes.size(); ++n) nodes[n] += leaf[n];
@@ -155,6 +163,31 @@ std::vector<double> volumesOf(const Int32Tree& labels, const FloatGrid& phi, std
   for (; tile; ++tile) nodes[static_cast<std::size_t>(*tile)] += static_cast<double>(tile.getVoxelCount());
   for (double& n : nodes) n *= h * h * h;
   return nodes;
+}
+
+// From the last claim to the first, each over what is there. False when cancelled.
+bool paintClaims(const Mesh& solid, double h, std::span<const MaterialClaim> claims, const BoolTree& domain,
+                 Int32Tree& labels, Interrupter& interrupter) {
+  for (std::size_t n = claims.size(); n-- > 0;) {
+    const MaterialClaim& claim = claims[n];
+    const auto label = static_cast<Label>(n + 1);
+    if (!interrupter.step(0.7 + 0.2 * static_cast<double>(claims.size() - n) / static_cast<double>(claims.size()),
+                          "materials"))
+      return false;
+    if (claim.covers) {
+      labels.voxelizeActiveTiles();
+      forEachLeaf(labels, interrupter, [&](Leaf& leaf, std::size_t) {
+        for (auto node = leaf.beginValueOn(); node; ++node)
+          if (claim.covers(position(node.getCoord(), h))) node.setValue(label);
+      });
+      continue;
+    }
+    const Int32Tree::Ptr cover = coverOf(claim, label, solid, h, domain, interrupter);
+    if (!cover) return false;
+    if (!claim.replaces.empty()) restrictTo(*cover, labels, claims, claim.replaces, interrupter);
+    openvdb::tools::compReplace(labels, *cover);
+  }
+  return true;
 }
 
 }  // namespace
@@ -172,32 +205,14 @@ openvdb::Int32Grid::Ptr paintMaterials(const Mesh& solid, const FloatGrid& phi, 
     if (!options.material_names.empty()) grid->insertMeta("labels", openvdb::StringMetadata(options.material_names));
     return grid;
   };
+
   volumes.claimed_mm3.assign(claims.size(), 0);
   if (claims.empty())
     return gridOf(std::make_shared<Int32Tree>(domain->tree(), static_cast<int>(Material::kNone),
                                               static_cast<int>(options.material), openvdb::TopologyCopy()));
 
-  // From the last claim to the first, each over what is there.
   auto labels = std::make_shared<Int32Tree>(domain->tree(), 0, 0, openvdb::TopologyCopy());
-  for (std::size_t n = claims.size(); n-- > 0;) {
-    const MaterialClaim& claim = claims[n];
-    const auto label = static_cast<Label>(n + 1);
-    if (!interrupter.step(0.7 + 0.2 * static_cast<double>(claims.size() - n) / static_cast<double>(claims.size()),
-                          "materials"))
-      return nullptr;
-    if (claim.covers) {
-      labels->voxelizeActiveTiles();
-      forEachLeaf(*labels, interrupter, [&](Leaf& leaf, std::size_t) {
-        for (auto node = leaf.beginValueOn(); node; ++node)
-          if (claim.covers(position(node.getCoord(), h))) node.setValue(label);
-      });
-      continue;
-    }
-    const Int32Tree::Ptr cover = coverOf(claim, label, solid, h, domain->tree(), interrupter);
-    if (!cover) return nullptr;
-    if (!claim.replaces.empty()) restrictTo(*cover, *labels, claims, claim.replaces, interrupter);
-    openvdb::tools::compReplace(*labels, *cover);
-  }
+  if (!paintClaims(solid, h, claims, domain->tree(), *labels, interrupter)) return nullptr;
   labels->topologyIntersection(domain->tree());
 
   labels->voxelizeActiveTiles();  // gaps may reach into uniform regions; merged again below
@@ -206,6 +221,7 @@ openvdb::Int32Grid::Ptr paintMaterials(const Mesh& solid, const FloatGrid& phi, 
     if (interrupter.wasInterrupted()) return nullptr;
     if (grow(*labels, interrupter) == 0) break;
   }
+
   const std::vector<double> sums = volumesOf(*labels, phi, claims.size(), false);
   std::copy(sums.begin() + 1, sums.end(), volumes.claimed_mm3.begin());
   volumes.forgotten_mm3 = sums[0];

@@ -19,7 +19,7 @@ struct PointShell {
 };
 
 /// One point per node |phi| < 1.5 voxels, exactly on the node: its position in the voxel is zero everywhere and costs
-/// no room. Attributes: N (inward, unit), area (mm^2, delta_e(phi) |grad phi| h^3), material.
+/// no memory. Attributes: N (inward, unit), area (mm^2, delta_e(phi) |grad phi| h^3), material.
 /// @param material  labels of at least all these nodes.   @param keep  bricks, by their first node, that matter.
 /// Parallel; the sums do not depend on threads.
 PointShell makePointShell(const openvdb::FloatGrid& phi, const openvdb::Int32Grid& material,

@@ -29,7 +29,6 @@ BrickField shifted(const BrickField& field, float by) {
 }  // namespace
 
 Expected<VoxelUnion> voxelUnion(std::span<const Mesh> solids, double voxel_mm, const Progress& progress) {
-  const auto cancelError = [] { return fail({Error::Code::kCancelled, "", "", "cancelled", "", ""}); };
   try {
     openvdb::initialize();
     internal::Interrupter interrupter(progress);
@@ -37,9 +36,9 @@ Expected<VoxelUnion> voxelUnion(std::span<const Mesh> solids, double voxel_mm, c
     openvdb::FloatGrid::Ptr all;
     for (std::size_t n = 0; n < solids.size(); ++n) {
       if (!interrupter.step(0.6 * static_cast<double>(n) / static_cast<double>(solids.size()), "uniting fields"))
-        return cancelError();
+        return cancelled();
       const auto field = internal::meshField(solids[n], voxel_mm, {4, 4}, interrupter);
-      if (interrupter.isCancelled()) return cancelError();
+      if (interrupter.isCancelled()) return cancelled();
       if (!field) continue;
       if (all)
         openvdb::tools::csgUnion(*all, *field);
@@ -47,16 +46,23 @@ Expected<VoxelUnion> voxelUnion(std::span<const Mesh> solids, double voxel_mm, c
         all = field;
     }
     if (!all || all->tree().leafCount() == 0)
-      return fail({Error::Code::kEmpty, "", "parts", "no surface at this voxel size", "parts larger than a voxel",
-                   "a finer voxel"});
-    if (!interrupter.step(0.6, "closing gaps")) return cancelError();
+      return fail({.code = Error::Code::kEmpty,
+                   .place = "parts",
+                   .found = "no surface at this voxel size",
+                   .expected = "parts larger than a voxel",
+                   .hint = "a finer voxel"});
+
+    if (!interrupter.step(0.6, "closing gaps")) return cancelled();
     const BrickField near = internal::toBricks(*all);
     const Mesh outside = marchingCubes(shifted(near, -h));
     const auto back = internal::meshField(outside, voxel_mm, {3, 5}, interrupter);
-    if (!back || interrupter.isCancelled()) return cancelError();
-    if (!interrupter.step(0.9, "meshing")) return cancelError();
+    if (!back || interrupter.isCancelled()) return cancelled();
+
+    if (!interrupter.step(0.9, "meshing")) return cancelled();
+
     VoxelUnion out;
     out.mesh = marchingCubes(shifted(internal::toBricks(*back), h));
+
     double sum = 0;
     for (const Vec3d& p : out.mesh.vertices) {
       const double off = std::abs(near.sample(p));
@@ -66,9 +72,14 @@ Expected<VoxelUnion> voxelUnion(std::span<const Mesh> solids, double voxel_mm, c
     if (!out.mesh.vertices.empty()) out.rms_off_mm = std::sqrt(sum / static_cast<double>(out.mesh.vertices.size()));
     return out;
   } catch (const std::bad_alloc&) {
-    return fail({Error::Code::kBadValue, "", "voxel size", "out of memory", "", "a coarser --voxel"});
+    return fail(
+        {.code = Error::Code::kBadValue, .place = "voxel size", .found = "out of memory", .hint = "a coarser --voxel"});
   } catch (const std::exception& e) {
-    return fail({Error::Code::kGeometry, "", "uniting parts", e.what(), "closed meshes", "kerf check on each mesh"});
+    return fail({.code = Error::Code::kGeometry,
+                 .place = "uniting parts",
+                 .found = e.what(),
+                 .expected = "closed meshes",
+                 .hint = "kerf check on each mesh"});
   }
 }
 

@@ -1,5 +1,4 @@
-// The union of solids by their distance fields: for parts that almost touch, where an exact union has nothing to hold
-// on.
+// The union of solids by their distance fields: for parts that almost touch, where no exact union exists.
 #pragma once
 
 #include <span>

@@ -72,17 +72,19 @@ std::uint64_t estimateBakeBytes(const Mesh& solid, const VoxelizeOptions& option
 
 Expected<void> checkVoxelSize(double voxel_mm) {
   if (voxel_mm >= 0.005 && voxel_mm <= 5) return {};
-  return fail({Error::Code::kBadValue, "", "voxel size", fmt::format("{} mm", voxel_mm), "0.005 to 5 mm",
-               "0.1 for an arch, 0.05 for a tooth"});
+  return fail({.code = Error::Code::kBadValue,
+               .place = "voxel size",
+               .found = fmt::format("{} mm", voxel_mm),
+               .expected = "0.005 to 5 mm",
+               .hint = "0.1 for an arch, 0.05 for a tooth"});
 }
 
 namespace {
 
-// With a region only its bricks are kept; the mesh has been clipped to a box around it.
-Expected<Anatomy> voxelizeIn(const FineRegion* region, const Mesh& solid, const VoxelizeOptions& options,
-                             const Progress& progress, std::span<const MaterialClaim> claims) {
+// Refuses voxels for which memory or OpenVDB's coordinates do not suffice.
+Expected<void> checkSize(const FineRegion* region, const Mesh& solid, const VoxelizeOptions& options,
+                         std::span<const MaterialClaim> claims) {
   const double h = options.voxel_mm;
-  KERF_CHECK(checkVoxelSize(h));
   const std::uint64_t most = std::min(options.max_bytes, internal::availableMemory() / 5 * 4);
   const auto need = [&](double voxel_mm) {
     VoxelizeOptions o = options;
@@ -93,57 +95,89 @@ Expected<Anatomy> voxelizeIn(const FineRegion* region, const Mesh& solid, const 
     double fits = h;
     while (need(fits) > most) fits *= 1.02;
     const double rounded = std::ceil(fits * 1000) / 1000;
-    return fail({Error::Code::kBadValue, "", "voxel size",
-                 fmt::format("{} mm would need about {:.1f} GB for {:.0f} mm2 of surface", h,
-                             static_cast<double>(need(h)) / 1e9, surfaceArea(solid)),
-                 fmt::format("at most {:.1f} GB", static_cast<double>(most) / 1e9),
-                 region ? fmt::format("--fine-voxel {0:.3f}, or voxel = {0:.3f} in the recipe's [region]", rounded)
-                        : fmt::format("--voxel {:.3f}", rounded)});
+    return fail({.code = Error::Code::kBadValue,
+                 .place = "voxel size",
+                 .found = fmt::format("{} mm would need about {:.1f} GB for {:.0f} mm2 of surface", h,
+                                      static_cast<double>(need(h)) / 1e9, surfaceArea(solid)),
+                 .expected = fmt::format("at most {:.1f} GB", static_cast<double>(most) / 1e9),
+                 .hint = region
+                             ? fmt::format("--fine-voxel {0:.3f}, or voxel = {0:.3f} in the recipe's [region]", rounded)
+                             : fmt::format("--voxel {:.3f}", rounded)});
   }
+
   const Box3 box = bounds(solid);
   if ((box.max.cwiseAbs().cwiseMax(box.min.cwiseAbs()) / h).maxCoeff() > (1 << 20) * 7.0)
-    return fail({Error::Code::kBadValue, "", "position", "coordinates too far from the origin for this voxel size", "",
-                 "a coarser --voxel"});
+    return fail({.code = Error::Code::kBadValue,
+                 .place = "position",
+                 .found = "coordinates too far from the origin for this voxel size",
+                 .hint = "a coarser --voxel"});
+  return {};
+}
+
+// Field, materials and shell, in this order. Throws what OpenVDB throws.
+Expected<Anatomy> makeGrids(const FineRegion* region, const Mesh& solid, const VoxelizeOptions& options,
+                            const Progress& progress, std::span<const MaterialClaim> claims) {
+  openvdb::initialize();
+  internal::Interrupter interrupter(progress);
+  auto grids = std::make_unique<Anatomy::Grids>();
+
+  if (!interrupter.step(0.0, "distance field")) return cancelled();
+  grids->phi = internal::meshField(solid, options.voxel_mm, bandsOf(options), interrupter);
+  if (interrupter.isCancelled()) return cancelled();
+  if (!grids->phi || grids->phi->tree().leafCount() == 0)
+    return fail({.code = Error::Code::kEmpty,
+                 .found = "no surface at this voxel size",
+                 .expected = "a mesh larger than a voxel",
+                 .hint = "a finer --voxel"});
+  grids->phi->setName("phi");
+  grids->phi->setGridClass(openvdb::GRID_LEVEL_SET);
+
+  if (!interrupter.step(0.7, "materials")) return cancelled();
+  AnatomyStats& stats = grids->stats;
+  grids->material = internal::paintMaterials(solid, *grids->phi, options, claims, stats.materials, interrupter);
+  if (!grids->material || !interrupter.step(0.9, "point shell")) return cancelled();
+
+  const auto keep = [region](const openvdb::Coord& origin) {
+    return !region || region->mayMeetBrick(brickOf({origin.x(), origin.y(), origin.z()}));
+  };
+  internal::PointShell shell = internal::makePointShell(*grids->phi, *grids->material, keep, interrupter);
+  if (region) {
+    grids->phi = internal::croppedBricks<openvdb::FloatGrid>(*grids->phi, keep);
+    grids->material = internal::croppedBricks<openvdb::Int32Grid>(*grids->material, keep);
+    if (shell.points == 0)
+      return fail({.code = Error::Code::kEmpty,
+                   .place = "fine region",
+                   .found = "no surface of the object in it",
+                   .expected = "a line on the object",
+                   .hint = "check the line's frame and unit, or a larger radius"});
+  }
+
+  grids->shell = shell.grid;
+  stats.shell_points = shell.points;
+  stats.shell_area_mm2 = shell.area_mm2;
+  stats.volume_mm3 = shell.volume_mm3;
+  stats.active_voxels = grids->phi->activeVoxelCount();
+  stats.bytes = grids->phi->memUsage() + grids->material->memUsage() + grids->shell->memUsage();
+  if (!interrupter.step(1.0, "field, shell and materials")) return cancelled();
+  return Anatomy(std::move(grids));
+}
+
+// With a region only its bricks are kept; the mesh has been clipped to a box around it.
+Expected<Anatomy> voxelizeIn(const FineRegion* region, const Mesh& solid, const VoxelizeOptions& options,
+                             const Progress& progress, std::span<const MaterialClaim> claims) {
+  KERF_CHECK(checkVoxelSize(options.voxel_mm));
+  KERF_CHECK(checkSize(region, solid, options, claims));
   try {
-    openvdb::initialize();
-    internal::Interrupter interrupter(progress);
-    const auto cancelError = [] { return fail({Error::Code::kCancelled, "", "", "cancelled", "", ""}); };
-    auto grids = std::make_unique<Anatomy::Grids>();
-    if (!interrupter.step(0.0, "distance field")) return cancelError();
-    grids->phi = internal::meshField(solid, h, bandsOf(options), interrupter);
-    if (interrupter.isCancelled()) return cancelError();
-    if (!grids->phi || grids->phi->tree().leafCount() == 0)
-      return fail({Error::Code::kEmpty, "", "", "no surface at this voxel size", "a mesh larger than a voxel",
-                   "a finer --voxel"});
-    grids->phi->setName("phi");
-    grids->phi->setGridClass(openvdb::GRID_LEVEL_SET);
-    if (!interrupter.step(0.7, "materials")) return cancelError();
-    AnatomyStats& stats = grids->stats;
-    grids->material = internal::paintMaterials(solid, *grids->phi, options, claims, stats.materials, interrupter);
-    if (!grids->material || !interrupter.step(0.9, "point shell")) return cancelError();
-    const auto keep = [region](const openvdb::Coord& origin) {
-      return !region || region->mayMeetBrick(brickOf({origin.x(), origin.y(), origin.z()}));
-    };
-    internal::PointShell shell = internal::makePointShell(*grids->phi, *grids->material, keep, interrupter);
-    if (region) {
-      grids->phi = internal::croppedBricks<openvdb::FloatGrid>(*grids->phi, keep);
-      grids->material = internal::croppedBricks<openvdb::Int32Grid>(*grids->material, keep);
-      if (shell.points == 0)
-        return fail({Error::Code::kEmpty, "", "fine region", "no surface of the object in it", "a line on the object",
-                     "check the line's frame and unit, or a larger radius"});
-    }
-    grids->shell = shell.grid;
-    stats.shell_points = shell.points;
-    stats.shell_area_mm2 = shell.area_mm2;
-    stats.volume_mm3 = shell.volume_mm3;
-    stats.active_voxels = grids->phi->activeVoxelCount();
-    stats.bytes = grids->phi->memUsage() + grids->material->memUsage() + grids->shell->memUsage();
-    if (!interrupter.step(1.0, "field, shell and materials")) return cancelError();
-    return Anatomy(std::move(grids));
+    return makeGrids(region, solid, options, progress, claims);
   } catch (const std::bad_alloc&) {
-    return fail({Error::Code::kBadValue, "", "voxel size", "out of memory", "", "a coarser --voxel"});
+    return fail(
+        {.code = Error::Code::kBadValue, .place = "voxel size", .found = "out of memory", .hint = "a coarser --voxel"});
   } catch (const std::exception& e) {
-    return fail({Error::Code::kGeometry, "", "distance field", e.what(), "a closed mesh", "kerf check on the mesh"});
+    return fail({.code = Error::Code::kGeometry,
+                 .place = "distance field",
+                 .found = e.what(),
+                 .expected = "a closed mesh",
+                 .hint = "kerf check on the mesh"});
   }
 }
 
@@ -159,18 +193,24 @@ Expected<Anatomy> voxelizeRegion(const Mesh& solid, const FineRegion& region, co
   VoxelizeOptions fine = options;
   fine.voxel_mm = region.voxel_mm;
   KERF_CHECK(checkVoxelSize(fine.voxel_mm));
-  // As far out as anything the region's bricks hold depends on: their own size, the bands, what depths look at, and the
-  // gaps between claims that are filled.
+
+  // As far out as anything the region's bricks hold depends on: their own size, the bands, how deep depths reach, and
+  // the gaps between claims that are filled.
   const internal::Bands bands = bandsOf(fine);
   double reach = static_cast<double>(bands.exterior + bands.interior) * fine.voxel_mm;
   for (const MaterialClaim& claim : claims)
     if (claim.depth) reach = std::max(reach, claim.depth->depth_mm);
+
   Box3 box = region.bounds();
   box.grow(reach + (2 * kBrickSide + 10) * fine.voxel_mm);
   KERF_TRY(clipped, internal::clipToBox(solid, box));
   if (clipped.triangles.empty())
-    return fail({Error::Code::kEmpty, "", "fine region", "it does not meet the object", "a line on the object",
-                 "check the line's frame and unit"});
+    return fail({.code = Error::Code::kEmpty,
+                 .place = "fine region",
+                 .found = "it does not meet the object",
+                 .expected = "a line on the object",
+                 .hint = "check the line's frame and unit"});
+
   std::vector<MaterialClaim> near(claims.begin(), claims.end());
   std::vector<Mesh> solids(claims.size());
   for (std::size_t n = 0; n < near.size(); ++n) {
@@ -190,7 +230,7 @@ Expected<double> timeBareMeshToVolume(const Mesh& solid, const VoxelizeOptions& 
   const auto start = std::chrono::steady_clock::now();
   const auto field = internal::bareMeshField(solid, options.voxel_mm, bandsOf(options), interrupter);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  if (!field || field->empty()) return fail({Error::Code::kEmpty, "", "", "meshToVolume gave nothing", "", ""});
+  if (!field || field->empty()) return fail({.code = Error::Code::kEmpty, .found = "meshToVolume gave nothing"});
   return seconds;
 }
 

@@ -57,8 +57,8 @@ struct AnatomyStats {
   MaterialVolumes materials;
 };
 
-/// The baked grids `phi` (mm, negative inside), `material` and `shell`, held behind one pointer so that OpenVDB stays
-/// in the .cpp.
+/// The baked grids `phi` (mm, negative inside), `material` and `shell`, behind one pointer so that OpenVDB stays in the
+/// .cpp.
 class Anatomy {
  public:
   struct Grids;

@@ -76,11 +76,13 @@ inline std::string dicomSlice(const std::string& values, double z, const std::st
     }
     return e + value;
   };
+
   const auto word = [](std::uint16_t v) {
     std::string s(2, '\0');
     put(s, 0, v);
     return s;
   };
+
   const std::string instance = "1.2.3.4." + std::to_string(static_cast<int>(1000 + 10 * z));
   // CT; of several frames: a greyscale byte secondary capture
   const std::string kind = frames == 1 ? "1.2.840.10008.5.1.4.1.1.2" : "1.2.840.10008.5.1.4.1.1.7.2";
@@ -89,6 +91,7 @@ inline std::string dicomSlice(const std::string& values, double z, const std::st
                      element(2, 0x12, "UI", "1.2.3.9");
   std::string length(4, '\0');
   put(length, 0, static_cast<std::uint32_t>(meta.size()));
+
   body += std::string(128, '\0') + "DICM" + element(2, 0, "UL", length) + meta;
   body += element(8, 0x16, "UI", kind) + element(8, 0x18, "UI", instance) + element(8, 0x60, "CS", "CT") +
           (between_slices.empty() ? "" : element(0x18, 0x88, "DS", between_slices)) +

@@ -69,6 +69,7 @@ inline void expectSolid(const Solid& s) {
     ASSERT_EQ(count, 1);
     ASSERT_TRUE(edges.count({e.second, e.first}));
   }
+
   std::vector<std::map<std::uint32_t, std::uint32_t>> next(m.vertices.size());
   for (const Triangle& f : m.triangles)
     for (std::size_t k = 0; k < 3; ++k) next[f[k]][f[(k + 1) % 3]] = f[(k + 2) % 3];
@@ -82,6 +83,7 @@ inline void expectSolid(const Solid& s) {
     } while (at != fan.begin()->first && steps <= fan.size());
     ASSERT_EQ(steps, fan.size()) << "a bow-tie vertex";
   }
+
   std::set<std::array<double, 3>> places;
   for (const Vec3d& p : m.vertices) {
     ASSERT_EQ(p, Vec3d(roundedToFloat(p)));

@@ -42,7 +42,7 @@ std::string responseHelp() {
   const char* between = "";
   for (const ResponseRow& row : kResponses)
     text += fmt::format("{}{} ({})", std::exchange(between, ", "), row.name, row.description);
-  return text + "; docs/haptics.md";
+  return text + "; docs/how-it-works/step.md";
 }
 
 // An option of a hand that nobody holds the tool with would be ignored: a mistake of the user's.

@@ -67,17 +67,20 @@ TEST(BakeRecipe, AnOpenPartIsRefusedWithAWayOutThatWorks) {
   ASSERT_FALSE(refused);
   for (const char* said : {"tooth.ply", "a solid, as every part", "--close base, then kerf export tooth-closed.case"})
     EXPECT_NE(refused.error().message().find(said), std::string::npos) << refused.error().message();
+
   BakeOptions base;
   base.close.mode = CloseMode::kBase;
   const auto again = bakeRecipe(recipe, out, base);
   ASSERT_FALSE(again);
   EXPECT_NE(again.error().message().find("tooth.toml"), std::string::npos) << again.error().message();
   EXPECT_NE(again.error().hint.find("kerf export"), std::string::npos);
+
   // The way out.
   ASSERT_TRUE(bake({folder.path() / "tooth.ply"}, folder.path() / "part.case", base));
   const auto solid = readCaseSolid(folder.path() / "part.case");
   ASSERT_TRUE(solid && writeMesh(folder.path() / "tooth.ply", *solid));
   EXPECT_TRUE(bakeRecipe(recipe, out, {}));
+
   // A closed mesh alone: which one, and what then.
   const auto closed = bake({folder.path() / "pulp.ply"}, folder.path() / "pulp.case", base);
   ASSERT_FALSE(closed);
@@ -94,17 +97,20 @@ TEST(BakeRecipe, NothingIsBakedTwiceButAnyChangeBakesAgain) {
   ASSERT_TRUE(again) << again.error().message();
   EXPECT_TRUE(again->was_up_to_date);
   EXPECT_EQ(fs::last_write_time(out / kCaseManifest), written);
+
   BakeOptions coarser;
   coarser.voxelize.voxel_mm = 0.2;
   coarser.voxel_is_given = true;
   EXPECT_FALSE(bakeRecipe(recipe, out, coarser)) << "another case is in the way";
   ASSERT_TRUE(writeMesh(folder.path() / "pulp.ply", ballMesh({10, 0, 0.5}, 1.2, 40)));
   EXPECT_FALSE(bakeRecipe(recipe, out, {})) << "so is this one, since a source changed";
+
   BakeOptions force;
   force.overwrite = true;
   const auto changed = bakeRecipe(recipe, out, force);
   ASSERT_TRUE(changed) << changed.error().message();
   EXPECT_FALSE(changed->was_up_to_date);
+
   write(out / kCaseAnatomy, "damaged");
   EXPECT_FALSE(bakeRecipe(recipe, out, {})) << "a damaged case is not up to date";
 }
@@ -127,11 +133,13 @@ TEST(BakeRecipe, ALabelBesideMeshesKeepsItsPlaceAndTheOutlineBounds) {
                     "encoding: raw\n\n",
                     kSide) +
             values);
+
   ASSERT_TRUE(writeMesh(folder.path() / "bone.ply", ballMesh(center, 4, 100)));
   write(folder.path() / "a.toml", kHead +
                                       "unit = \"mm\"\nvoxel = 0.1\n[[part]]\nmaterial = \"nerve_canal\"\nlabel = 5\n"
                                       "[[part]]\nmaterial = \"cancellous\"\nmesh = \"bone.ply\"\n"
                                       "[outline]\nmeshes = [\"bone.ply\"]\n[labels]\nvolume = \"nerve.nrrd\"\n");
+
   const auto report = bakeRecipe(folder.path() / "a.toml", folder.path() / "a.case", {});
   ASSERT_TRUE(report) << report.error().message();
   const CaseManifest& m = report->manifest;
@@ -177,6 +185,7 @@ TEST(BakeRecipe, AHeaderAndItsRawFileAreBothHashedAndStored) {
                     "[[part]]\nmaterial = \"dentin\"\nlabel = 1\n");
   const auto first = bakeRecipe(recipe, out, {});
   ASSERT_TRUE(first) << first.error().message();
+
   ASSERT_EQ(first->manifest.sources.size(), 1u);
   const fs::path stored = out / first->manifest.sources[0].stored_as;
   EXPECT_EQ(contentOf(stored / "ball.mhd"), contentOf(folder.path() / "ball.mhd"));
@@ -187,6 +196,7 @@ TEST(BakeRecipe, AHeaderAndItsRawFileAreBothHashedAndStored) {
   const auto again = bakeRecipe(recipe, out, {});
   ASSERT_TRUE(again) << again.error().message();
   EXPECT_TRUE(again->was_up_to_date);
+
   write(folder.path() / "ball.raw", ballLabels(6));
   BakeOptions force;
   force.overwrite = true;

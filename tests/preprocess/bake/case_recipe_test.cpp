@@ -28,9 +28,11 @@ TEST(CaseRecipe, KeepsThePartsInTheOrderOfTheirPriority) {
            "[labels]\nvolume = \"ct.nii.gz\"\nspacing = [0.2, 0.2, 0.5]\nthreshold = 120\nsmoothing = 1\n"
            "[region]\nline = [[0, 0, 5], [10, 0, 5.5]]\nradius = 3\nvoxel = 0.025\n");
   ASSERT_TRUE(recipe) << recipe.error().message();
+
   EXPECT_EQ(recipe->name, "A tooth");
   EXPECT_EQ(recipe->voxel_mm, 0.05);
   EXPECT_EQ(recipe->fallback, Material::kGingiva);
+
   ASSERT_EQ(recipe->parts.size(), 4u);
   EXPECT_EQ(recipe->parts[0].origin(), "pulp.stl");
   EXPECT_EQ(recipe->parts[1].origin(), "depth < 1.5 mm, above a plane");

@@ -46,10 +46,12 @@ TEST_P(CloseData, BecomesAVerifiedSolid) {
   ASSERT_TRUE(file) << file.error().message();
   Mesh& m = file->mesh;
   for (Vec3d& p : m.vertices) p *= c.scale;
+
   const auto start = std::chrono::steady_clock::now();
   const auto s = closeMesh(m);
   const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   ASSERT_TRUE(s) << s.error().message();
+
   std::set<std::array<double, 3>> places;
   for (const Vec3d& p : s->mesh.vertices) places.insert({p.x(), p.y(), p.z()});
   std::size_t lost = 0;
@@ -65,6 +67,7 @@ TEST_P(CloseData, BecomesAVerifiedSolid) {
       s->report.vertices_moved, edgeConnectedPieces(s->mesh).count, signedVolume(s->mesh), ms,
       s->report.exact ? "" : "; WRAPPED");
   for (const std::string& change : s->report.changes) fmt::print("    {}\n", change);
+
   EXPECT_TRUE(selfIntersections(s->mesh.vertices, s->mesh.triangles).empty());
   EXPECT_TRUE(degenerateTriangles(s->mesh.vertices, s->mesh.triangles).empty());
   EXPECT_EQ(places.size(), s->mesh.vertices.size());

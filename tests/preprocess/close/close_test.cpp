@@ -335,7 +335,7 @@ TEST(Close, StopsWhereverItIsAskedTo) {
       const auto s = closeMesh(m, {.mode = mode}, [&](double, std::string_view) { return calls++ < stop; });
       ASSERT_FALSE(s) << stop << " of " << all;
       EXPECT_EQ(s.error().code, Error::Code::kCancelled);
-      EXPECT_EQ(calls, stop + 1) << "nobody goes on after a no";
+      EXPECT_EQ(calls, stop + 1) << "no step goes on after a no";
     }
   }
 }

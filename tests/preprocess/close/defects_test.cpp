@@ -126,7 +126,7 @@ TEST(Defects, DoubleLayer) {
   const Solid s = closed(m);
   EXPECT_EQ(edgeConnectedPieces(s.mesh).count, 1u);
   EXPECT_NEAR(signedVolume(s.mesh), signedVolume(closed(whole).mesh),
-              60);  // of some 3000 mm3: the layer may close itself below
+              60);  // of about 3000 mm3: the layer may close itself below
 }
 
 TEST(Defects, FlippedPatch) {
@@ -187,6 +187,7 @@ TEST(Defects, SeamMeshedDifferentlyOnEitherSideIsStitched) {
     return without(whole, [&](std::size_t t) { return (middle(whole, t).z() > 0) != upper; });
   };
   Mesh m = half(40, true), lower = half(80, false);
+
   // The equator of the finer half onto the chords of the coarser.
   for (Vec3d& p : lower.vertices) {
     if (std::abs(p.z()) > 1e-6) continue;
@@ -200,6 +201,7 @@ TEST(Defects, SeamMeshedDifferentlyOnEitherSideIsStitched) {
     p = roundedToFloat(Vec3d(p + Vec3d(0, 0, -4e-4)));
   }
   append(m, lower);
+
   const Solid s = closed(m, {.mode = CloseMode::kRepair});
   EXPECT_TRUE(says(s, "seams were stitched"));
   EXPECT_EQ(s.report.seam_vertices, 80u);

@@ -28,6 +28,7 @@ TEST_F(DemoArchScan, HasTheFaultsItClaimsAndNoOthers) {
   EXPECT_EQ(d.islands, 2u);
   EXPECT_EQ(d.spikes, 1u);
   EXPECT_GT(d.flipped_triangles, 5u);
+
   const MeshReport report = checkMesh(arch().mesh);
   EXPECT_EQ(report.pieces, 1 + d.islands);
   ASSERT_EQ(report.boundary_loops.size(), d.rims + d.pin_holes + d.islands);
@@ -35,16 +36,19 @@ TEST_F(DemoArchScan, HasTheFaultsItClaimsAndNoOthers) {
   std::size_t small = 0;
   for (const BoundaryLoop& loop : report.boundary_loops) small += loop.edges <= 15;
   EXPECT_EQ(small, d.pin_holes + d.islands);
+
   EXPECT_EQ(report.flipped_edges, d.flipped_edges);
   EXPECT_EQ(report.non_manifold_edges, 0u);
   EXPECT_EQ(report.non_manifold_vertices, 0u);
   EXPECT_EQ(report.degenerate_triangles, 0u);
   EXPECT_EQ(report.duplicate_triangles, 0u);
   EXPECT_EQ(report.self_intersections, 0u);
+
   const Pieces pieces = edgeConnectedPieces(arch().mesh);
   std::vector<std::size_t> size(pieces.count, 0);
   for (const std::uint32_t label : pieces.label) ++size[label];
   EXPECT_EQ(size[1] + size[2], d.island_triangles);
+
   // One vertex of the large piece stands far off.
   std::size_t spikes = 0;
   std::vector<char> counted(arch().mesh.vertices.size(), 0);

@@ -58,11 +58,8 @@ class DemoMandible : public ::testing::Test {
         -Vec2d(up.x() * std::cos(half) - up.y() * std::sin(half), up.x() * std::sin(half) + up.y() * std::cos(half));
     return furthest(jaw(), Vec3d(0, out.x(), out.y()), [](const Vec3d& p) { return p.z() < -10; });
   }
-};
 
-// One test for what belongs together: each test is a process of its own, and makes the mandible anew.
-TEST_F(DemoMandible, IsMadeOfSolidsThatMeasureWhatTheTableSays) {
-  {
+  void everyTissueIsASolidReadyToPrint() {
     SCOPED_TRACE("EveryTissueIsASolidReadyToPrint");
     ASSERT_EQ(anatomy().files.size(), 7u);
     for (const DemoAnatomy::File& file : anatomy().files) {
@@ -72,7 +69,8 @@ TEST_F(DemoMandible, IsMadeOfSolidsThatMeasureWhatTheTableSays) {
     EXPECT_EQ(checkMesh(jaw()).pieces, 1u);
     EXPECT_EQ(checkMesh(mesh("nerve-canal.ply")).pieces, 2u);
   }
-  {
+
+  void hasTheOverallSizeOfAMandible() {
     SCOPED_TRACE("HasTheOverallSizeOfAMandible");
     expectWithin(kDimensions.bicondylar, bounds(jaw()).size().x(), "bicondylar");
     const Vec3d corner = gonion();
@@ -82,7 +80,8 @@ TEST_F(DemoMandible, IsMadeOfSolidsThatMeasureWhatTheTableSays) {
     const double crest = furthest(mesh("pdl.ply"), Vec3d::UnitZ(), [](const Vec3d& p) { return p.x() < 4; }).z();
     expectWithin(kDimensions.symphysis_height, crest - menton().z(), "symphysis", 0.5);
   }
-  {
+
+  void ramusHasItsHeightWidthAndAngle() {
     SCOPED_TRACE("RamusHasItsHeightWidthAndAngle");
     const Vec2d up = hindBorder(), front(-up.y(), up.x());
     const Vec3d corner = gonion();
@@ -102,7 +101,8 @@ TEST_F(DemoMandible, IsMadeOfSolidsThatMeasureWhatTheTableSays) {
     const Vec2d lower = (menton() - hind).tail<2>().normalized();
     EXPECT_NEAR(std::acos(lower.dot(up)) * 180 / std::numbers::pi, kDimensions.gonial_angle_deg, 4);
   }
-  {
+
+  void lowerBorderIsThickInFrontAndThinAtTheAngle() {
     SCOPED_TRACE("LowerBorderIsThickInFrontAndThinAtTheAngle");
     const auto front = rayHits(jaw(), {0.2, -30, menton().z() + 5}, Vec3d::UnitY());
     ASSERT_EQ(front.size(), 2u);
@@ -112,7 +112,8 @@ TEST_F(DemoMandible, IsMadeOfSolidsThatMeasureWhatTheTableSays) {
     ASSERT_EQ(angle.size(), 4u);  // both sides
     EXPECT_NEAR(angle[1] - angle[0], kDimensions.border_at_gonion, 1.0);
   }
-  {
+
+  void cortexIsTwoToThreeMillimetresThickestAtTheBase() {
     SCOPED_TRACE("CortexIsTwoToThreeMillimetresThickestAtTheBase");
     const Mesh& spongy = mesh("cancellous.ply");
     const auto cortex = [&](const Vec3d& from, const Vec3d& direction) {
@@ -126,13 +127,14 @@ TEST_F(DemoMandible, IsMadeOfSolidsThatMeasureWhatTheTableSays) {
     expectWithin(kDimensions.cortex, cortex({0.2, 60, -30}, -Vec3d::UnitY()), "behind the symphysis", 0.4);
     EXPECT_GT(base, high);
   }
-  {
+
+  void nerveCanalRunsInBoneFromForamenToForamen() {
     SCOPED_TRACE("NerveCanalRunsInBoneFromForamenToForamen");
     const Mesh& canal = mesh("nerve-canal.ply");
     const auto across = rayHits(canal, {27.0, 29, -60}, Vec3d::UnitZ());
     ASSERT_EQ(across.size(), 2u);
     EXPECT_NEAR(across[1] - across[0], kDimensions.canal_diameter, 0.2);
-    // Its two ends look out of the bone, on the inner side behind and on the outer side in front; the rest lies in
+    // Its two ends stand out of the bone, on the inner side behind and on the outer side in front; the rest lies in
     // bone.
     int mental = 0, mandibular = 0;
     double mental_z = 0, lowest = 0;
@@ -153,7 +155,8 @@ TEST_F(DemoMandible, IsMadeOfSolidsThatMeasureWhatTheTableSays) {
     const double axis = lowest + 0.5 * kDimensions.canal_diameter;
     expectWithin(kDimensions.canal_below_foramen, mental_z / mental - axis, "dip under the mental foramen", 0.5);
   }
-  {
+
+  void canalKeepsItsDistancesAtTheSecondMolar() {
     SCOPED_TRACE("CanalKeepsItsDistancesAtTheSecondMolar");
     const Mesh& canal = mesh("nerve-canal.ply");
     const Box3 here = boundsBetween(canal, 1, 36.5, 38.5);
@@ -168,7 +171,8 @@ TEST_F(DemoMandible, IsMadeOfSolidsThatMeasureWhatTheTableSays) {
       if (p.x() > 0 && p.y() > 33 && p.z() < -16) to_root = std::min(to_root, distanceToVertices(canal, p));
     EXPECT_NEAR(to_root, kDimensions.canal_to_root, 1.86);
   }
-  {
+
+  void rootsStandInTheirSocketsAndPulpInTheTeeth() {
     SCOPED_TRACE("RootsStandInTheirSocketsAndPulpInTheTeeth");
     const Mesh& teeth = mesh("teeth.ply");
     int roots = 0;
@@ -186,6 +190,18 @@ TEST_F(DemoMandible, IsMadeOfSolidsThatMeasureWhatTheTableSays) {
       ASSERT_TRUE(isInside(teeth, pulp.vertices[v])) << pulp.vertices[v].transpose();
     EXPECT_EQ(edgeConnectedPieces(pulp).count, 14u);  // one in every tooth
   }
+};
+
+// One test for what belongs together: each test is a process of its own, and would make the mandible again.
+TEST_F(DemoMandible, IsMadeOfSolidsThatMeasureWhatTheTableSays) {
+  everyTissueIsASolidReadyToPrint();
+  hasTheOverallSizeOfAMandible();
+  ramusHasItsHeightWidthAndAngle();
+  lowerBorderIsThickInFrontAndThinAtTheAngle();
+  cortexIsTwoToThreeMillimetresThickestAtTheBase();
+  nerveCanalRunsInBoneFromForamenToForamen();
+  canalKeepsItsDistancesAtTheSecondMolar();
+  rootsStandInTheirSocketsAndPulpInTheTeeth();
 }
 
 TEST_F(DemoMandible, StopsWhenCancelled) {

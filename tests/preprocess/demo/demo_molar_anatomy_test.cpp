@@ -67,6 +67,7 @@ TEST_F(DemoMolarAnatomy, CrownRootAndEnamelMeasureWhatTheTableSays) {
     SCOPED_TRACE("EnamelIsThickOnCuspsAndThinUnderFissures");
     for (const auto& [x, y] : {std::pair{2.65, 2.75}, {-0.85, 2.95}, {2.4, -2.95}, {-2.0, -3.0}})
       expectWithin(kDimensions.enamel_at_cusps, enamelAt(cuspAt(x, y)), fmt::format("cusp at {}, {}", x, y), 0.1);
+
     // Half way up the sides, where a horizontal ray from the axis leaves the tooth.
     for (const Vec3d& side : {Vec3d(1, 0.1, 0), Vec3d(-1, 0.1, 0), Vec3d(0, 1, 0), Vec3d(0, -1, 0)}) {
       const Vec3d from(0, 0, 3.2);
@@ -75,6 +76,7 @@ TEST_F(DemoMolarAnatomy, CrownRootAndEnamelMeasureWhatTheTableSays) {
       expectWithin(kDimensions.enamel_at_sides, enamelAt(from + hits[0] * side.normalized()),
                    fmt::format("side {}, {}", side.x(), side.y()), 0.1);
     }
+
     // Floors of the buccal and lingual fissures, outside the lesion, and of the mesial pit.
     for (const auto& [x, y] : {std::pair{3.1, -0.05}, {0.88, 1.9}, {0.1, -1.7}}) {
       const Vec3d from(x, y, 9);
@@ -117,6 +119,7 @@ TEST_F(DemoMolarAnatomy, PulpAndLesionLieWhereTheyShould) {
       ASSERT_GT(distanceToVertices(mesh("tooth.ply"), p), 0.35) << p.transpose();
       ASSERT_FALSE(p.z() > 1.5 && isInside(mesh("enamel.ply"), p)) << p.transpose();
     }
+
     // Two mesial canals, one distal, a millimetre and a half above their ends.
     const auto across = [&](const Vec3d& from) { return rayHits(mesh("pulp.ply"), from, Vec3d::UnitY()); };
     const auto mesial = across({2.15, -5, -11.9}), distal = across({-4.1, -5, -11.2});
@@ -138,6 +141,7 @@ TEST_F(DemoMolarAnatomy, PulpAndLesionLieWhereTheyShould) {
     const auto pulp = rayHits(mesh("pulp.ply"), from, -Vec3d::UnitZ());
     EXPECT_GT(pulp[0] - lesion[1], 0.5);
     EXPECT_LT(pulp[0] - lesion[1], 2.0);
+
     // Much wider where it spreads along the junction than at its mouth.
     Box3 mouth;
     for (const Vec3d& p : caries.vertices)

@@ -326,6 +326,7 @@ TEST(LabelVolume, MutatedFilesAreReadOrRefused) {
       {"a.nii", nifti(countingLabels())},
       {"a.dcm", dicomSlice(countingLabels().substr(0, 12), 0)},
       {"a.png", greyPng(4, 3, countingLabels().substr(0, 12))}};
+
   const TemporaryFolder folder;
   LabelReadOptions given = spacing(1, 1, 1);
   given.max_bytes = 64 << 20;
@@ -357,11 +358,13 @@ TEST(LabelVolume, MutatedFilesAreReadOrRefused) {
             break;
         }
       }
+
       const bool slices = f >= 3;
       const TemporaryFolder own;
       own.write(name, bytes);
       if (slices) own.write("b" + name, f == 3 ? dicomSlice(countingLabels().substr(12), 2) : seed);
       const auto v = readLabelVolume(slices ? own.path() : own.path() / name, round % 2 ? given : LabelReadOptions{});
+
       if (v) {
         ++read;
         std::size_t voxels = 1;
@@ -374,6 +377,7 @@ TEST(LabelVolume, MutatedFilesAreReadOrRefused) {
         EXPECT_FALSE(v.error().message().empty());
       }
     }
+
     // A PNG's checksums find every change.
     EXPECT_GT(read, name == "a.png" ? -1 : 0) << name;
     EXPECT_GT(refused, f < 3 ? 50 : 10) << name;

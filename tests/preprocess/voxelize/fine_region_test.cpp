@@ -112,6 +112,7 @@ TEST(FineRegion, HoldsWhatAnObjectBakedThatFineHoldsThere) {
   const Grids expected = gridsOf(folder.path() / "whole.vdb", ""), found = gridsOf(folder.path() / "both.vdb", "_fine");
   EXPECT_EQ(gridsOf(folder.path() / "both.vdb", "").phi->voxelSize()[0], 0.1);
   EXPECT_EQ(found.phi->voxelSize()[0], 0.05);
+
   std::size_t inside = 0, surface = 0, outside = 0;
   std::map<int, std::size_t> materials;
   for (int x = -70; x <= 90; ++x)
@@ -138,6 +139,7 @@ TEST(FineRegion, HoldsWhatAnObjectBakedThatFineHoldsThere) {
         ++(expected.phi->tree().getValue(c) < 0 ? inside : outside);
         ++materials[material];
       }
+
   EXPECT_GT(surface, 1000u) << "a test that compares nothing would pass";
   EXPECT_GT(inside, 10000u);
   EXPECT_GT(outside, 5000u);

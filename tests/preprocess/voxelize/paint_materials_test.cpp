@@ -107,6 +107,7 @@ TEST(PaintMaterials, ADepthAboveAPlaneReplacesOnlyWhatItMay) {
   const std::vector<MaterialClaim> claims{enamel, inside(Material::kPulp, core), inside(Material::kDentin, tooth)};
   const auto anatomy = voxelize(tooth, {}, {}, claims);
   ASSERT_TRUE(anatomy) << anatomy.error().message();
+
   const double layer = capVolume(r, r - 1) - capVolume(r - depth, r - depth - 1);
   const double core_in_layer = [] {  // the core reaches up to 2.7, 0.3 into the layer, and stays pulp there
     double sum = 0;
@@ -119,6 +120,7 @@ TEST(PaintMaterials, ADepthAboveAPlaneReplacesOnlyWhatItMay) {
       }
     return sum;
   }();
+
   EXPECT_NEAR(anatomy->stats().materials.claimed_mm3[0] / (layer - core_in_layer), 1, 0.01);
   EXPECT_NEAR(anatomy->stats().materials.claimed_mm3[1] / ballVolume(0.5), 1, 0.02) << "a ball of five voxels";
 }

@@ -65,6 +65,7 @@ TEST(Voxelize, ShellNormalsAreUnitAndInwardAndEveryPointHasItsMaterial) {
   const auto shell = openvdb::gridPtrCast<openvdb::points::PointDataGrid>(file.readGrid("shell"));
   const auto material = openvdb::gridPtrCast<openvdb::Int32Grid>(file.readGrid("material"));
   ASSERT_TRUE(shell && material);
+
   std::uint64_t points = 0;
   double area = 0;
   for (auto leaf = shell->tree().cbeginLeaf(); leaf; ++leaf) {
@@ -75,6 +76,7 @@ TEST(Voxelize, ShellNormalsAreUnitAndInwardAndEveryPointHasItsMaterial) {
         leaf->constAttributeArray("N"));
     const openvdb::points::AttributeHandle<float> weight(leaf->constAttributeArray("area"));
     const openvdb::points::AttributeHandle<std::int32_t> label(leaf->constAttributeArray("material"));
+
     for (auto index = leaf->beginIndexOn(); index; ++index) {
       const openvdb::Vec3d p = shell->transform().indexToWorld(position.get(*index) + index.getCoord().asVec3d());
       const openvdb::Vec3d n = normal.get(*index);
@@ -87,6 +89,7 @@ TEST(Voxelize, ShellNormalsAreUnitAndInwardAndEveryPointHasItsMaterial) {
       if (HasFailure()) return;
     }
   }
+
   EXPECT_EQ(points, anatomy->stats().shell_points);
   EXPECT_NEAR(area, anatomy->stats().shell_area_mm2, 1e-3);
   EXPECT_EQ(material->tree().getValue({0, 0, 0}), static_cast<int>(Material::kDentin));

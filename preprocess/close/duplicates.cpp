@@ -1,0 +1,113 @@
+#include "preprocess/close/duplicates.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <numeric>
+
+#include "preprocess/close/close.h"
+#include "preprocess/close/edges.h"
+
+namespace kerf::internal {
+namespace {
+
+// A triangle by its corners, whichever way round it is.
+struct Key {
+  Triangle sorted;
+  bool even;  // which way round
+  std::uint32_t t;
+};
+
+// Sorted by corners, then number: buckets by the smallest corner, then small sorts.
+std::vector<Key> sortedKeys(const std::vector<Triangle>& triangles) {
+  std::uint32_t vertices = 0;
+  for (const Triangle& f : triangles) vertices = std::max({vertices, f[0] + 1, f[1] + 1, f[2] + 1});
+  std::vector<std::uint32_t> begin(vertices + 1, 0);
+  for (const Triangle& f : triangles) ++begin[std::min({f[0], f[1], f[2]}) + 1];
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+
+  std::vector<Key> keys(triangles.size());
+  std::vector<std::uint32_t> place(begin.begin(), begin.end());
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+    Triangle f = triangles[t];
+    const bool even = sortCorners(f);
+    keys[place[f[0]]++] = {f, even, t};
+  }
+  for (std::uint32_t v = 0; v < vertices; ++v)
+    std::sort(keys.begin() + begin[v], keys.begin() + begin[v + 1],
+              [](const Key& x, const Key& y) { return x.sorted != y.sorted ? x.sorted < y.sorted : x.t < y.t; });
+  return keys;
+}
+
+// Takes opposite copies out in pairs. Returns how many triangles that are.
+// @param copies  out: what is left of groups of equal triangles, all but the first of each.
+std::size_t cancelOpposites(const std::vector<Key>& keys, std::vector<char>& keep, std::vector<std::uint32_t>& copies) {
+  std::size_t cancelled = 0;
+  for (std::size_t i = 0, j = 0; i < keys.size(); i = j) {
+    while (j < keys.size() && keys[j].sorted == keys[i].sorted) ++j;
+    if (j - i < 2) continue;
+    std::array<std::vector<std::uint32_t>, 2> sides;
+    for (std::size_t k = i; k < j; ++k) sides[keys[k].even].push_back(keys[k].t);
+    while (!sides[0].empty() && !sides[1].empty()) {
+      for (auto& side : sides) {
+        keep[side.back()] = 0;
+        side.pop_back();
+      }
+      cancelled += 2;
+    }
+    for (const auto& side : sides)
+      for (std::size_t k = 1; k < side.size(); ++k) copies.push_back(side[k]);
+  }
+  return cancelled;
+}
+
+// Drops copies that are too many for at least two of their edges. Returns how many.
+std::size_t dropCopies(const std::vector<Triangle>& triangles, const std::vector<std::uint32_t>& copies,
+                       std::vector<char>& keep) {
+  if (copies.empty()) return 0;
+  // How many times too often each of their edges is run through, in its direction from the smaller vertex.
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> net;
+  const auto edge = [&](std::uint32_t t, std::size_t k) {
+    const std::uint32_t p = triangles[t][k], q = triangles[t][(k + 1) % 3];
+    return std::pair(std::pair(std::min(p, q), std::max(p, q)), p < q ? 1 : -1);
+  };
+  for (const std::uint32_t t : copies)
+    for (std::size_t k = 0; k < 3; ++k) net[edge(t, k).first] = 0;
+
+  for (std::uint32_t t = 0; t < triangles.size(); ++t)
+    for (std::size_t k = 0; keep[t] && k < 3; ++k) {
+      const auto [key, sign] = edge(t, k);
+      if (const auto found = net.find(key); found != net.end()) found->second += sign;
+    }
+
+  std::size_t dropped = 0;
+  for (const std::uint32_t t : copies) {
+    int excess = 0;
+    for (std::size_t k = 0; k < 3; ++k) excess += net[edge(t, k).first] * edge(t, k).second > 0;
+    if (excess < 2) continue;
+    keep[t] = 0;
+    ++dropped;
+    for (std::size_t k = 0; k < 3; ++k) net[edge(t, k).first] -= edge(t, k).second;
+  }
+  return dropped;
+}
+
+}  // namespace
+
+void dropDuplicates(Chain& chain, CloseReport& report) {
+  const std::vector<Triangle>& triangles = chain.mesh.triangles;
+  std::vector<char> keep(triangles.size(), 1);
+  std::vector<std::uint32_t> copies;
+  const std::size_t cancelled = cancelOpposites(sortedKeys(triangles), keep, copies);
+  const std::size_t merged = dropCopies(triangles, copies, keep);
+  if (cancelled + merged == 0) return;
+
+  if (merged)
+    report.changes.push_back(counted(merged, "duplicate triangle was", "duplicate triangles were") + " dropped");
+  if (cancelled)
+    report.changes.push_back(counted(cancelled, "triangle was", "triangles were") +
+                             " dropped in pairs that lay back to back");
+  keepOnly(chain, keep);
+}
+
+}  // namespace kerf::internal

@@ -1,0 +1,20 @@
+// Which way round triangles and pieces face.
+#pragma once
+
+#include "preprocess/close/chain.h"
+#include "preprocess/close/edges.h"
+
+namespace kerf::internal {
+
+/// Turns triangles so that neighbours across two-sided edges agree; in every patch the minority turns. Entered in the
+/// report.
+void orientTriangles(Chain& chain, CloseReport& report);
+
+/// Turns pieces that are inside out, unless they are the wall of a cavity in something else. @pre the chain is closed.
+/// @return true if the box of one piece lies in that of another: their winding numbers must be checked.
+bool turnPieces(Chain& chain, CloseReport& report);
+
+/// As edgeConnectedPieces(), from edge uses at hand.
+Pieces piecesOf(std::size_t triangles, const std::vector<EdgeUse>& uses);
+
+}  // namespace kerf::internal
