@@ -8,8 +8,8 @@
 
 #include "geometry/tool/tool_file.h"
 #include "sim/object/baked_object.h"
+#include "sim/run/geometry_cut.h"
 #include "sim/run/haptic_cut.h"
-#include "sim/run/run_bundle.h"
 #include "ui/cli/command.h"
 
 namespace kerf::cli {

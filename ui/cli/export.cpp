@@ -4,7 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "geometry/formats/mesh_writer.h"
-#include "sim/run/run_bundle.h"
+#include "sim/run/export_bundle.h"
+#include "sim/run/run_manifest.h"
 #include "ui/cli/command.h"
 
 namespace kerf::cli {

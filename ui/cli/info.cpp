@@ -11,7 +11,7 @@
 #include "geometry/tool/tool_file.h"
 #include "preprocess/unit/unit.h"
 #include "preprocess/volume/label_volume.h"
-#include "sim/run/run_bundle.h"
+#include "sim/run/run_manifest.h"
 #include "ui/cli/command.h"
 
 namespace kerf::cli {

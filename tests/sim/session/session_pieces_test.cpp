@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "sim/pieces/object_pieces.h"
+#include "sim/run/log_sink.h"
 #include "sim/run/replay.h"
 #include "sim/session/session.h"
 #include "tests/sim/block_scene.h"
