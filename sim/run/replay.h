@@ -1,4 +1,4 @@
-// A recorded session again: the same bits, or the first tick that differs.
+// Replays a recorded session: the same bits, or the first tick that differs.
 #pragma once
 
 #include <filesystem>
@@ -10,6 +10,7 @@
 
 namespace kerf {
 
+/// What a replay did and found.
 struct Replay {
   std::uint64_t ticks = 0, checks = 0, commands = 0;
   std::uint64_t snapshots = 0;   ///< compared, byte by byte; they are among the checks
