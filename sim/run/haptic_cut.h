@@ -43,9 +43,10 @@ struct HapticCut {
   bool left_region_unused = false;  ///< the case has a finer region, which this does not use
 };
 
-/// Writes the run: run.toml, run.vdb (grid phi), forces.csv (one row a tick: docs/formats.md), summary.json,
-/// session.kerflog (what kerf replay reads), sound.wav if asked for (48 kHz, 1 MB in 11 s). Same
-/// inputs, same bytes (but for the identifier inside run.vdb).
+/// Writes the run (docs/reference/file-formats.md): run.toml, run.vdb (grid phi), forces.csv (one row a tick),
+/// summary.json, session.kerflog (what kerf replay reads), sound.wav if asked for (48 kHz, 1 MB in 11 s).
+/// Same inputs, same bytes (but for the identifier inside run.vdb).
+///
 /// Errors: as cutCase; kEmpty when nothing of the case was cut; kBadValue for options out of range, and for a case that
 /// is given twice; kNotFound for a material of a case that the table of materials no longer has.
 Expected<HapticCut> cutCaseByHand(const std::filesystem::path& case_folder, const std::filesystem::path& tool_file,

@@ -11,7 +11,7 @@
 
 #include "preprocess/bake/case_recipe.h"
 #include "sim/hand/path.h"
-#include "ui/cli/commands.h"
+#include "ui/cli/command.h"
 
 namespace kerf::cli {
 namespace {
@@ -317,9 +317,10 @@ void addClosingOptions(CLI::App& command, Arguments& a) {
 void addFineOptions(CLI::App& command, Arguments& a) {
   CLI::Option* along =
       command
-          .add_option("--fine-along", a.fine_along,
-                      "path file (docs/path-files.md): smaller voxels around where its tip cuts; a cut that stays "
-                      "there uses them. Overrides a recipe's [region]")
+          .add_option(
+              "--fine-along", a.fine_along,
+              "path file (docs/reference/path-files.md): smaller voxels around where its tip cuts; a cut that stays "
+              "there uses them. Overrides a recipe's [region]")
           ->check(CLI::ExistingFile);
   command.add_option("--fine-radius", a.fine_radius, "distance from the path that they reach [mm]")
       ->needs(along)

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "geometry/formats/mesh_io.h"
-#include "ui/cli/commands.h"
+#include "ui/cli/command.h"
 
 namespace kerf::cli {
 namespace {

@@ -1,5 +1,6 @@
 // The commands of the program kerf. A new one is a source of its own, its line in CMakeLists.txt, and two lines here:
-// declaration and row. `kerf --help` and the message about an unknown command follow from the table.
+// declaration and row. `kerf --help` and the message about an unknown command follow from the table, which only
+// main.cpp reads.
 #pragma once
 
 #include "ui/cli/command.h"
@@ -12,18 +13,18 @@ using AddOptions = void(CLI::App& command, int& exit_code);
 
 AddOptions addBake, addBench, addCheck, addCut, addDemo, addDemoMolar, addExport, addInfo, addReplay, addTool;
 
-struct Command {
+struct CommandRow {
   const char* name;     ///< as typed
   const char* summary;  ///< one line of `kerf --help`
   AddOptions* add;
   const char* group;  ///< heading in `kerf --help`, in the order in which they first come
 };
 
-inline constexpr const char* kWorkflow = "From scan to mesh";
-inline constexpr const char* kInspect = "Files and tools";
-inline constexpr const char* kExamples = "Examples and measurements";
+inline constexpr const char* kWorkflow = "Commands from scan to mesh";
+inline constexpr const char* kInspect = "Commands for files and tools";
+inline constexpr const char* kExamples = "Commands for examples and measurements";
 
-inline constexpr Command kCommands[] = {
+inline constexpr CommandRow kCommands[] = {
     {"bake", "Turn mesh files or a case recipe into a case: closed solid, distance field, materials, point shell",
      addBake, kWorkflow},
     {"cut", "Cut a case with a tool along a path", addCut, kWorkflow},

@@ -11,7 +11,7 @@
 #include "sim/object/baked_object.h"
 #include "sim/run/geometry_cut.h"
 #include "sim/run/haptic_cut.h"
-#include "ui/cli/commands.h"
+#include "ui/cli/command.h"
 
 namespace kerf::cli {
 namespace {
@@ -230,8 +230,9 @@ void addOptionsOfAnyHand(CLI::App& command, HapticCutOptions& haptic) {
 void addOptionsOfOneHand(CLI::App& command, Arguments& a) {
   auto* coupled = command.add_option_group("With --hand force or device");
   coupled
-      ->add_option("--response", a.response,
-                   "what keeps the tool out of the tissue: penalty, constraint (god-object), impulse; docs/haptics.md")
+      ->add_option(
+          "--response", a.response,
+          "what keeps the tool out of the tissue: penalty, constraint (god-object), impulse; docs/how-it-works/step.md")
       ->check(CLI::IsMember({"penalty", "constraint", "impulse"}))
       ->capture_default_str();
 
@@ -260,7 +261,8 @@ void addCut(CLI::App& command, int& exit_code) {
   command.add_option("CASE", a->case_folder, "case folder")->required();
   command.add_option("--tool", a->tool, "tool id (kerf tool list) or a tool's TOML file")->required();
   command
-      .add_option("--path", a->path, "CSV of poses (t,x,y,z,qw,qx,qy,qz) or TOML of strokes; see docs/path-files.md")
+      .add_option("--path", a->path,
+                  "CSV of poses (t,x,y,z,qw,qx,qy,qz) or TOML of strokes; see docs/reference/path-files.md")
       ->required();
   command.add_option("-o,--output", a->output, "run folder to write")->required();
   command.add_flag("--force", a->options.overwrite, "replace an existing run");

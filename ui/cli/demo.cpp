@@ -6,7 +6,7 @@
 #include "geometry/base/atomic_file.h"
 #include "preprocess/demo/demo_anatomy.h"
 #include "preprocess/demo/demo_arch.h"
-#include "ui/cli/commands.h"
+#include "ui/cli/command.h"
 
 namespace kerf::cli {
 namespace {

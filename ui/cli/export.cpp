@@ -7,7 +7,7 @@
 #include "geometry/formats/mesh_writer.h"
 #include "sim/run/export_bundle.h"
 #include "sim/run/run_manifest.h"
-#include "ui/cli/commands.h"
+#include "ui/cli/command.h"
 
 namespace kerf::cli {
 namespace {

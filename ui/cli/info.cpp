@@ -12,7 +12,7 @@
 #include "preprocess/unit/unit.h"
 #include "preprocess/volume/label_volume.h"
 #include "sim/run/run_manifest.h"
-#include "ui/cli/commands.h"
+#include "ui/cli/command.h"
 
 namespace kerf::cli {
 namespace {

@@ -13,14 +13,15 @@ using namespace kerf::cli;
 using kerf::Error;
 
 void addCommands(CLI::App& app, int& exit_code) {
-  for (const Command& row : kCommands) row.add(*app.add_subcommand(row.name, row.summary)->group(row.group), exit_code);
+  for (const CommandRow& row : kCommands)
+    row.add(*app.add_subcommand(row.name, row.summary)->group(row.group), exit_code);
 }
 
 // Of a command it does not know CLI11 only says that one is required.
 bool isKnown(const std::string& word) {
   if (word.starts_with("-")) return true;
   std::string known;
-  for (const Command& row : kCommands) {
+  for (const CommandRow& row : kCommands) {
     if (word == row.name) return true;
     known += (known.empty() ? "" : ", ") + std::string(row.name);
   }

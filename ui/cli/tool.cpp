@@ -16,7 +16,7 @@
 #include "geometry/tool/tool_template.h"
 #include "sim/run/tool_check.h"
 #include "sim/step/tool_model.h"
-#include "ui/cli/commands.h"
+#include "ui/cli/command.h"
 
 namespace kerf::cli {
 namespace {
