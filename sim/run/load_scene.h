@@ -17,7 +17,7 @@ Expected<std::shared_ptr<const BakedObject>> loadObject(const std::filesystem::p
 /// Half-width of the widest of their bands, mm: what makeModel() asks for.
 double widestBand(std::span<const std::shared_ptr<const BakedObject>> objects);
 
-/// Tools, tissues by the program's own table, settings. @param bands  of the objects the tools will meet, mm.
+/// Tools, tissues by the program's own table, settings. @param band_mm  widestBand() of the objects the tools meet.
 Expected<Model> makeModel(std::span<const Tool> tools, const StepSettings& settings = {}, double band_mm = 0.5);
 
 }  // namespace kerf

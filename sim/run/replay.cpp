@@ -9,46 +9,14 @@
 #include "geometry/tool/tool_file.h"
 #include "sim/run/load_scene.h"
 #include "sim/run/run_files.h"
+#include "sim/run/run_output.h"
 
 namespace kerf {
-
-void LogSink::flush() {
-  if (!batch_.empty()) writer_.addSamples(first_, batch_);
-  batch_.clear();
-  // A disk that is full is told of by close(): the writer keeps its first error.
-  static_cast<void>(writer_.write());
-}
-
-void LogSink::sample(const DeviceSample& sample, std::uint64_t tick) noexcept {
-  if (batch_.size() == kBatch) flush();
-  if (batch_.empty()) first_ = tick;
-  batch_.push_back(sample);
-  last_ = tick;
-}
-void LogSink::command(const Command& command, std::uint64_t tick) noexcept {
-  flush();
-  writer_.add(tick, SessionCommand{printCommand(command)});
-}
-void LogSink::mark(StrokeMark mark, std::uint64_t tick) noexcept {
-  flush();
-  writer_.add(tick, mark);
-}
-void LogSink::check(const StateCheck& check, std::uint64_t tick) noexcept {
-  flush();
-  writer_.add(tick, check);
-}
-Expected<void> LogSink::close() {
-  flush();
-  return writer_.close(last_);
-}
-
-void LogSink::snapshot(std::span<const std::byte> state, std::uint64_t tick) noexcept {
-  flush();
-  // A state too large for a snapshot is none: the log is whole without it.
-  if (const auto packed = packSnapshot(state)) writer_.add(tick, *packed);
-}
-
 namespace {
+
+namespace fs = std::filesystem;
+
+tl::unexpected<Error> cancelledReplay() { return fail({.code = Error::Code::kCancelled, .found = "cancelled"}); }
 
 // A snapshot made by another thread may stand later than the sample whose state it is.
 bool standsAtItsTick(const SessionLog& log, std::size_t event) {
@@ -62,103 +30,173 @@ struct Start {
   std::optional<State> state;
 };
 
-Expected<Replay> replayFrom(const SessionLog& log, const std::string& file, const Model& model, const Rigid3& place,
-                            const LoadedObjects& objects, Start start, const Progress& progress, double until_s) {
-  Replay out;
-  std::optional<Session> made;
-  std::size_t event = 0, first_sample = 0;
-  if (start.state) {
-    made.emplace(std::move(*start.state), model, objects);
-    event = start.event + 1;
-    first_sample = log.events[start.event].samples_before;
-    out.first_tick = log.events[start.event].tick + 1;
-  } else {
-    made.emplace(model, objects, place);
-  }
-  Session& session = *made;
-  if (log.damage)
-    out.note = (log.damage->kind == LogDamage::Kind::kCutShort ? "the log was cut off: " : "the log is damaged: ") +
-               log.damage->what;
-  else if (!log.is_closed)
-    out.note = "the log was cut off between two records: its session did not end cleanly";
-  StepOutput tick;
-  std::uint64_t lacked_bricks = 0;
-  bool has_other_snapshots = false;
-  const auto require = [&](bool is_same, std::uint64_t at) {
-    ++out.checks;
-    if (!is_same && out.is_same) {
-      out.is_same = false;
-      out.differs_at = at;
+// One pass through a log: the samples are ticked, each event is done or compared where it stands.
+class Replayer {
+ public:
+  /// @param log, file  kept by reference.   @param place  of the tool, at the beginning.
+  Replayer(const SessionLog& log, const std::string& file, const Model& model, const Rigid3& place,
+           const LoadedObjects& objects, Start start)
+      : log_(log), file_(file) {
+    if (start.state) {
+      session_.emplace(std::move(*start.state), model, objects);
+      event_ = start.event + 1;
+      first_sample_ = log.events[start.event].samples_before;
+      out_.first_tick = log.events[start.event].tick + 1;
+    } else {
+      session_.emplace(model, objects, place);
     }
-  };
-  const auto compare = [&](const StateCheck& check, std::uint64_t at) {
-    const Wrench& f = session.state().last_force;
-    require(check.state_hash == session.hash() && check.force.force == f.force && check.force.torque == f.torque, at);
-  };
-  const auto handle = [&](std::size_t samples_before) -> Expected<void> {
-    for (; event < log.events.size() && log.events[event].samples_before <= samples_before; ++event) {
-      const SessionEvent& e = log.events[event];
-      if (const auto* command = std::get_if<SessionCommand>(&e.what)) {
-        const Expected<Command> parsed = parseCommand(command->text);
-        if (!parsed)
-          return fail({.code = parsed.error().code,
-                       .file = file,
-                       .place = fmt::format("tick {}, command", e.tick),
-                       .found = parsed.error().found,
-                       .expected = parsed.error().expected,
-                       .hint = "the log was written by another version of Kerf"});
-        if (!session.apply(*parsed))
-          return fail({Error::Code::kBadValue, file, fmt::format("tick {}", e.tick),
-                       "command \"" + command->text + "\", which can not be done there",
-                       "a command that the recorded session did", "the log fits another case or version"});
-        ++out.commands;
-      } else if (const auto* check = std::get_if<StateCheck>(&e.what)) {
-        compare(*check, e.tick);
-      } else if (const auto* snapshot = std::get_if<SessionSnapshot>(&e.what)) {
-        if (!standsAtItsTick(log, event)) continue;
-        KERF_TRY(bytes, unpackSnapshot(*snapshot));
-        const std::vector<std::byte> now = session.snapshot();
-        if (isStateOfThisVersion(bytes)) {
-          require(now == bytes, e.tick);
-          ++out.snapshots;
-        } else if (!std::exchange(has_other_snapshots, true))
-          out.note +=
-              (out.note.empty() ? "" : "; ") + std::string("snapshots of another version of Kerf were not compared");
-      } else if (const auto* gap = std::get_if<SessionGap>(&e.what)) {
-        out.note =
-            fmt::format("{} samples are missing at tick {}: what follows can not be the same", gap->lost, e.tick);
-      }
+  }
+
+  Expected<Replay> run(const Progress& progress, double until_s) {
+    noteHowTheLogEnds();
+    KERF_CHECK(tickSamples(progress, until_s));
+    const std::size_t done = first_sample_ + out_.ticks;
+    if (done == log_.samples.size())
+      KERF_CHECK(handleEvents(done));
+    else
+      compareChecks(done);
+    finish();
+    return std::move(out_);
+  }
+
+ private:
+  void note(const std::string& more) { out_.note += (out_.note.empty() ? "" : "; ") + more; }
+
+  void noteHowTheLogEnds() {
+    if (log_.damage)
+      out_.note = (log_.damage->kind == LogDamage::Kind::kCutShort ? "the log was cut off: " : "the log is damaged: ") +
+                  log_.damage->what;
+    else if (!log_.is_closed)
+      out_.note = "the log was cut off between two records: its session did not end cleanly";
+  }
+
+  Expected<void> tickSamples(const Progress& progress, double until_s) {
+    const std::size_t count = log_.samples.size();
+    StepOutput tick;
+    for (std::size_t n = first_sample_; n < count; ++n) {
+      if (static_cast<double>(n) * kTick >= until_s) break;
+      if (n % 64 == 0 && !report(progress, static_cast<double>(n) / static_cast<double>(count), "replaying"))
+        return cancelledReplay();
+      KERF_CHECK(handleEvents(n));
+      session_->tick(log_.samples[n].sample, tick);
+      ticks_without_bricks_ += (tick.status & (kStepBricksRanOut | kStepNearRanOut)) != 0;
+      ++out_.ticks;
     }
     return {};
-  };
-  for (std::size_t n = first_sample; n < log.samples.size(); ++n) {
-    if (static_cast<double>(n) * kTick >= until_s) break;
-    if (n % 64 == 0 && !report(progress, static_cast<double>(n) / static_cast<double>(log.samples.size()), "replaying"))
-      return fail({Error::Code::kCancelled, "", "", "cancelled", "", ""});
-    KERF_CHECK(handle(n));
-    session.tick(log.samples[n].sample, tick);
-    lacked_bricks += (tick.status & (kStepBricksRanOut | kStepNearRanOut)) != 0;
-    ++out.ticks;
   }
-  const std::size_t done = first_sample + out.ticks;
-  if (done == log.samples.size())
-    KERF_CHECK(handle(log.samples.size()));
-  else  // stopped on the way: what was recorded right there can still be compared
-    for (; event < log.events.size() && log.events[event].samples_before <= done; ++event)
-      if (const auto* check = std::get_if<StateCheck>(&log.events[event].what)) compare(*check, log.events[event].tick);
-  const auto note = [&out](const std::string& more) { out.note += (out.note.empty() ? "" : "; ") + more; };
-  if (lacked_bricks > 0)
-    note(fmt::format("{} ticks lacked room: they may have cut less than those recorded", lacked_bricks));
-  if (out.checks == 0) {
-    out.is_same = false;
-    note("nothing to compare with in these ticks: choose more of them");
+
+  // All that stand before the sample of that index and were not handled yet.
+  Expected<void> handleEvents(std::size_t samples_before) {
+    for (; event_ < log_.events.size() && log_.events[event_].samples_before <= samples_before; ++event_)
+      KERF_CHECK(handle(log_.events[event_]));
+    return {};
   }
-  out.state_hash = fmt::format("{:016x}", session.hash());
-  out.objects = session.state().objects.size();
-  for (const CutObject& object : session.state().objects)
-    for (const double volume : object.removed_mm3) out.removed_mm3 += volume;
-  return out;
-}
+
+  // Stopped on the way: what was recorded right there can still be compared.
+  void compareChecks(std::size_t samples_before) {
+    for (; event_ < log_.events.size() && log_.events[event_].samples_before <= samples_before; ++event_)
+      if (const auto* check = std::get_if<StateCheck>(&log_.events[event_].what))
+        compare(*check, log_.events[event_].tick);
+  }
+
+  Expected<void> handle(const SessionEvent& e) {
+    if (const auto* command = std::get_if<SessionCommand>(&e.what)) return apply(*command, e.tick);
+    if (const auto* check = std::get_if<StateCheck>(&e.what))
+      compare(*check, e.tick);
+    else if (const auto* snapshot = std::get_if<SessionSnapshot>(&e.what))
+      return compare(*snapshot, e.tick);
+    else if (const auto* gap = std::get_if<SessionGap>(&e.what))
+      out_.note = fmt::format("{} samples are missing at tick {}: what follows can not be the same", gap->lost, e.tick);
+    return {};
+  }
+
+  Expected<void> apply(const SessionCommand& command, std::uint64_t tick) {
+    const Expected<Command> parsed = parseCommand(command.text);
+    if (!parsed)
+      return fail({.code = parsed.error().code,
+                   .file = file_,
+                   .place = fmt::format("tick {}, command", tick),
+                   .found = parsed.error().found,
+                   .expected = parsed.error().expected,
+                   .hint = "the log was written by another version of Kerf"});
+    if (!session_->apply(*parsed))
+      return fail({.code = Error::Code::kBadValue,
+                   .file = file_,
+                   .place = fmt::format("tick {}", tick),
+                   .found = "command \"" + command.text + "\", which can not be done there",
+                   .expected = "a command that the recorded session did",
+                   .hint = "the log fits another case or version"});
+    ++out_.commands;
+    return {};
+  }
+
+  void compare(const StateCheck& check, std::uint64_t tick) {
+    const Wrench& f = session_->state().last_force;
+    require(check.state_hash == session_->hash() && check.force.force == f.force && check.force.torque == f.torque,
+            tick);
+  }
+
+  Expected<void> compare(const SessionSnapshot& snapshot, std::uint64_t tick) {
+    if (!standsAtItsTick(log_, event_)) return {};
+    KERF_TRY(bytes, unpackSnapshot(snapshot));
+    const std::vector<std::byte> now = session_->snapshot();
+    if (isStateOfThisVersion(bytes)) {
+      require(now == bytes, tick);
+      ++out_.snapshots;
+    } else if (!std::exchange(has_other_snapshots_, true)) {
+      note("snapshots of another version of Kerf were not compared");
+    }
+    return {};
+  }
+
+  void require(bool is_same, std::uint64_t tick) {
+    ++out_.checks;
+    if (is_same || !out_.is_same) return;
+    out_.is_same = false;
+    out_.differs_at = tick;
+  }
+
+  void finish() {
+    if (ticks_without_bricks_ > 0)
+      note(fmt::format("{} ticks ran out of reserved bricks: they may have cut less than those recorded",
+                       ticks_without_bricks_));
+    if (out_.checks == 0) {
+      out_.is_same = false;
+      note("nothing to compare with in these ticks: choose more of them");
+    }
+    out_.state_hash = fmt::format("{:016x}", session_->hash());
+    out_.objects = session_->state().objects.size();
+    for (const CutObject& object : session_->state().objects)
+      for (const double volume : object.removed_mm3) out_.removed_mm3 += volume;
+  }
+
+  const SessionLog& log_;
+  const std::string& file_;
+  std::optional<Session> session_;
+  std::size_t event_ = 0, first_sample_ = 0;  // the next event; the sample it began with
+  std::uint64_t ticks_without_bricks_ = 0;
+  bool has_other_snapshots_ = false;
+  Replay out_;
+};
+
+// The log's header names what it was recorded with.
+class HeaderCheck {
+ public:
+  HeaderCheck(const SessionLog& log, fs::path file) : log_(log), file_(std::move(file)) {}
+  Expected<void> wants(const std::string& key, const std::string& expected) const {
+    if (log_.value(key) == expected) return {};
+    return fail({.code = Error::Code::kBadValue,
+                 .file = file_.string(),
+                 .place = "header, " + key,
+                 .found = std::string(log_.value(key)),
+                 .expected = expected,
+                 .hint = "the log belongs to another run"});
+  }
+
+ private:
+  const SessionLog& log_;
+  fs::path file_;
+};
 
 }  // namespace
 
@@ -166,6 +204,8 @@ Expected<Replay> replay(const SessionLog& log, const std::string& file, Model mo
                         const Progress& progress, double until_s, double from_s) {
   Rigid3 place;
   KERF_CHECK(restoreSettings(log, file, model, place));
+
+  // From the last usable snapshot not after `from_s`, else from the beginning.
   for (std::size_t n = log.events.size(); n-- > 0;) {
     const auto* snapshot = std::get_if<SessionSnapshot>(&log.events[n].what);
     if (!snapshot || !standsAtItsTick(log, n) || static_cast<double>(log.events[n].samples_before) * kTick > from_s)
@@ -174,46 +214,55 @@ Expected<Replay> replay(const SessionLog& log, const std::string& file, Model mo
     if (!isStateOfThisVersion(bytes)) continue;
     KERF_TRY(state, unpackState(bytes, objects, file));
     if (state.tool >= model.tools.size())
-      return fail({Error::Code::kBadValue, file, "snapshot", fmt::format("tool {}", state.tool),
-                   fmt::format("one of {}", model.tools.size()), "the log belongs to other tools"});
-    auto out = replayFrom(log, file, model, place, objects, {n, std::move(state)}, progress, until_s);
+      return fail({.code = Error::Code::kBadValue,
+                   .file = file,
+                   .place = "snapshot",
+                   .found = fmt::format("tool {}", state.tool),
+                   .expected = fmt::format("one of {}", model.tools.size()),
+                   .hint = "the log belongs to other tools"});
+
+    auto out = Replayer(log, file, model, place, objects, {n, std::move(state)}).run(progress, until_s);
     // An undo may want what only an earlier state knows.
     if (out || out.error().code == Error::Code::kCancelled) return out;
   }
-  return replayFrom(log, file, model, place, objects, {}, progress, until_s);
+  return Replayer(log, file, model, place, objects, {}).run(progress, until_s);
 }
 
-Expected<Replay> replayRun(const std::filesystem::path& run_folder, const Progress& progress, double until_s,
-                           double from_s) {
+Expected<Replay> replayRun(const fs::path& run_folder, const Progress& progress, double until_s, double from_s) {
   KERF_TRY(manifest, readRunManifest(run_folder));
   if (manifest.mode != kModeHaptic)
-    return fail({Error::Code::kUnsupported, run_folder.string(), "mode " + manifest.mode, "no session to replay",
-                 "a run cut against resistance", "kerf cut --hand"});
+    return fail({.code = Error::Code::kUnsupported,
+                 .file = run_folder.string(),
+                 .place = "mode " + manifest.mode,
+                 .found = "no session to replay",
+                 .expected = "a run cut against resistance",
+                 .hint = "kerf cut --hand"});
   KERF_TRY(case_folder, caseOfRun(run_folder));
   KERF_TRY(beside, casesBesideRun(run_folder));
-  if (!report(progress, 0, "loading the case")) return fail({Error::Code::kCancelled, "", "", "cancelled", "", ""});
-  KERF_TRY(log, readSessionLog(run_folder / internal::kRunLog));
-  const auto wants = [&](const char* key, const std::string& found) -> Expected<void> {
-    if (log.value(key) == found) return {};
-    return fail({Error::Code::kBadValue, (run_folder / internal::kRunLog).string(), std::string("header, ") + key,
-                 std::string(log.value(key)), found, "the log belongs to another run"});
-  };
-  KERF_CHECK(wants("case_id", manifest.case_id));
+  if (!report(progress, 0, "loading the case")) return cancelledReplay();
+
+  // The log, and whether it is of this run.
+  const fs::path log_file = run_folder / internal::kRunLog, tool_file = run_folder / internal::kRunToolCopy;
+  KERF_TRY(log, readSessionLog(log_file));
+  const HeaderCheck header(log, log_file);
+  KERF_CHECK(header.wants("case_id", manifest.case_id));
   for (std::size_t n = 1; n <= beside.size(); ++n)
-    KERF_CHECK(wants(internal::neighbourKey(n).c_str(), manifest.beside[n - 1].case_id));
-  KERF_CHECK(wants(internal::neighbourKey(beside.size() + 1).c_str(), ""));
-  KERF_CHECK(requireSha256(run_folder / internal::kRunToolCopy, manifest.tool_sha256, "cut again"));
-  KERF_CHECK(wants("tool_sha256", manifest.tool_sha256));
-  KERF_TRY(tool, readTool(run_folder / internal::kRunToolCopy));
+    KERF_CHECK(header.wants(internal::neighbourKey(n), manifest.beside[n - 1].case_id));
+  KERF_CHECK(header.wants(internal::neighbourKey(beside.size() + 1), ""));
+  KERF_CHECK(requireSha256(tool_file, manifest.tool_sha256, "cut again"));
+  KERF_CHECK(header.wants("tool_sha256", manifest.tool_sha256));
+
+  // What it was recorded with.
+  KERF_TRY(tool, readTool(tool_file));
   LoadedObjects objects;
   beside.insert(beside.begin(), case_folder);
-  for (const std::filesystem::path& folder : beside) {
+  for (const fs::path& folder : beside) {
     KERF_TRY(object, loadObject(folder));
     objects.push_back(std::move(object));
   }
   KERF_TRY(model, makeModel(std::span(&tool, 1), {}, widestBand(objects)));
-  auto out = replay(log, (run_folder / internal::kRunLog).string(), std::move(model), std::move(objects), progress,
-                    until_s, from_s);
+
+  auto out = replay(log, log_file.string(), std::move(model), std::move(objects), progress, until_s, from_s);
   if (out && log.is_closed && out->first_tick + out->ticks == log.samples.size() &&
       out->state_hash != manifest.state_hash) {
     out->is_same = false;

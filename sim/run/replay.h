@@ -1,36 +1,16 @@
-// A recorded session again: the same bits, or the first tick that differs.
+// Replays a recorded session: the same bits, or the first tick that differs.
 #pragma once
 
 #include <filesystem>
+#include <limits>
+#include <string>
 
 #include "geometry/base/progress.h"
 #include "sim/session/session.h"
 
 namespace kerf {
 
-/// Writes a session log in lockstep, without a thread of its own.
-class LogSink final : public SessionSink {
- public:
-  explicit LogSink(SessionLogWriter& writer) : writer_(writer) { batch_.reserve(kBatch); }
-  ~LogSink() override = default;
-  void sample(const DeviceSample& sample, std::uint64_t tick) noexcept override;
-  void command(const Command& command, std::uint64_t tick) noexcept override;
-  void mark(StrokeMark mark, std::uint64_t tick) noexcept override;
-  void check(const StateCheck& check, std::uint64_t tick) noexcept override;
-  /// One larger than kMaxSnapshotBytes is left out: a replay starts from an earlier one then.
-  void snapshot(std::span<const std::byte> state, std::uint64_t tick) noexcept override;
-  /// Writes what waits and the clean end. The first error of all.
-  Expected<void> close();
-
- private:
-  static constexpr std::size_t kBatch = 1024;
-  void flush();
-
-  SessionLogWriter& writer_;
-  std::vector<DeviceSample> batch_;
-  std::uint64_t first_ = 0, last_ = 0;
-};
-
+/// What a replay did and found.
 struct Replay {
   std::uint64_t ticks = 0, checks = 0, commands = 0;
   std::uint64_t snapshots = 0;   ///< compared, byte by byte; they are among the checks

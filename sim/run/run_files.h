@@ -1,28 +1,36 @@
-// What every kind of cut writes into its run folder.
+// Reads what lies in a run folder beside its manifest: the way to its cases, the sweep, the cut fields.
 #pragma once
 
 #include <filesystem>
-#include <string>
+#include <vector>
 
-#include "geometry/tool/tool.h"
-#include "sim/run/run_bundle.h"
+#include "geometry/base/error.h"
+#include "geometry/field/brick_field.h"
+#include "sim/run/run_manifest.h"
 
-namespace kerf::internal {
+namespace kerf {
 
-inline constexpr const char* kRunToolCopy = "tool.toml";
-inline constexpr const char* kRunField = "run.vdb";
-inline constexpr const char* kRunLog = "session.kerflog";
-inline constexpr int kRunFormatVersion = 1;
+/// The folder of the case a run was cut from. An error if it is not there, or was baked anew since.
+Expected<std::filesystem::path> caseOfRun(const std::filesystem::path& run_folder);
+/// The same of the cases that stood beside it, in their order; none in most runs.
+Expected<std::vector<std::filesystem::path>> casesBesideRun(const std::filesystem::path& run_folder);
 
-/// Where the session log's header names the id of the n-th case beside the one cut.
-std::string neighbourKey(std::size_t beside);
+/// The union of the tool's sweeps, mm, negative where the tool has been; cut out of the case's field it is the cut
+/// object. Checked against the manifest. At the voxel size the run was cut at: the case's, or its region's finer one.
+/// Only of a run cut geometry-only.
+Expected<BrickField> readRunSweep(const std::filesystem::path& run_folder);
+/// The cut field phi, mm, in the bricks where it differs from the baked one; of either kind of run.
+/// @param beside  0: of the case; n: of the n-th case beside it, which may have no such bricks.
+Expected<BrickField> readRunCutField(const std::filesystem::path& run_folder, std::size_t beside = 0);
 
-/// From the run to the case, so that both can be moved together. Error: a name that no TOML file can hold.
-Expected<std::string> relativeCasePath(const std::filesystem::path& case_folder,
-                                       const std::filesystem::path& run_folder);
-/// Copies tool, its mesh and path into the staging folder, hashes run.vdb, fills in what the manifest says of them, and
-/// writes it.
-Expected<void> finishRun(const std::filesystem::path& staging, const Tool& tool, const std::filesystem::path& tool_file,
-                         const std::filesystem::path& path_file, RunManifest& manifest);
+namespace internal {
 
-}  // namespace kerf::internal
+/// Error kNotFound: the run has no n-th case beside the one that was cut. 0 is always there.
+Expected<void> requireBeside(const std::filesystem::path& run_folder, const RunManifest& manifest, std::size_t beside);
+
+/// The folder of a run's case, or of the n-th one beside it.   @pre requireBeside().
+Expected<std::filesystem::path> locateCase(const std::filesystem::path& run_folder, const RunManifest& manifest,
+                                           std::size_t beside);
+
+}  // namespace internal
+}  // namespace kerf

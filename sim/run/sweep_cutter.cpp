@@ -31,10 +31,11 @@ void SweepCutter::advance(const SweptTool& sweep) {
     box.max = box.max.cwiseMin(object_.max);
   }
   if (box.isEmpty()) return;
+
+  // Bricks with tissue, then those of them the tool may reach (asked in parallel: a long motion's box holds many).
   const Vec3i low = brickOf((box.min / h).array().floor().cast<int>().matrix());
   const Vec3i high = brickOf((box.max / h).array().ceil().cast<int>().matrix());
   const double brick_radius = 0.5 * std::sqrt(3.0) * (kBrickSide - 1) * h;
-  // Bricks with tissue, then those of them the tool may reach (asked in parallel: a long motion's box holds many).
   std::vector<Vec3i> tissue;
   for (int x = low[0]; x <= high[0]; ++x)
     for (int y = low[1]; y <= high[1]; ++y)
@@ -50,6 +51,7 @@ void SweepCutter::advance(const SweptTool& sweep) {
   std::vector<std::size_t> near;
   for (std::size_t n = 0; n < tissue.size(); ++n)
     if (reached[n]) near.push_back(psi_.touch(tissue[n]));
+
   tbb::parallel_for(std::size_t{0}, near.size(), [&](std::size_t n) {
     const std::size_t b = near[n];
     const Vec3i base = psi_.brickCoord(b) * kBrickSide;

@@ -11,6 +11,64 @@
 #include "sim/run/sweep_cutter.h"
 
 namespace kerf {
+namespace {
+
+// Long edges meet a block this wide, mm; where that is less than the edge, its ends stay outside.
+constexpr double kBlockWidth = 4;
+
+double plungeDepth(const Tool& tool) {
+  constexpr double kDeepest = 3;  // mm
+  if (tool.kind == ToolKind::kBlade) return kDeepest;
+  if (tool.kind == ToolKind::kMesh) return std::min(1.5 * tool.cut_below_mm, kDeepest);
+  return std::min(tool.cuts_end ? 1.5 * tool.head_length_mm : tool.head_diameter_mm, kDeepest);
+}
+
+// The block in the tool's frame with the tip just touching: it begins where the cutting part touches and reaches on
+// along the plunge. Fills in width and expected volume.
+Box3 blockFor(const Tool& tool, double h, ToolCheck& out) {
+  Box3 block = tool.cut->bounds();
+  block.grow(6 * h);
+
+  if (const int along = tool.motion ? tool.motion->edge_axis : -1; along >= 0) {
+    out.block_width_mm = std::min(kBlockWidth, tool.cut->bounds().size()[along]);
+    if (out.block_width_mm == kBlockWidth) {
+      const double middle = tool.cut->bounds().center()[along];
+      block.min[along] = middle - 0.5 * kBlockWidth;
+      block.max[along] = middle + 0.5 * kBlockWidth;
+      out.expected_mm3 = plungeVolume(tool, out.depth_mm, kBlockWidth);
+    }
+  }
+  if (out.expected_mm3 == 0) out.expected_mm3 = plungeVolume(tool, out.depth_mm);
+
+  const int axis = tool.plunge_direction[2] != 0 ? 2 : 0;
+  const double touch = tool.cut->bounds().min[axis];
+  block.max[axis] = touch;
+  block.min[axis] = touch - out.depth_mm - 6 * h;
+  return block;
+}
+
+BrickField sampleBlock(const Box3& block, const Rigid3& pose, double h) {
+  const Rigid3 back = pose.inverse();
+  const BoxShape solid(block);
+  return sampleDistance([&](const Vec3d& p) { return solid.distance(back * p); }, block.transformed(pose), h);
+}
+
+// What is in the block and in the sweep.
+BrickField intersection(const BrickField& phi0, const BrickField& psi) {
+  BrickField removed(phi0.voxel(), psi.background());
+  BrickValues values;
+  for (std::size_t b = 0; b < psi.brickCount(); ++b) {
+    const Vec3i c = psi.brickCoord(b);
+    const int found = phi0.find(c);
+    for (std::size_t n = 0; n < kBrickNodes; ++n)
+      values[n] =
+          std::max(psi.brick(b)[n], found < 0 ? phi0.constantAt(c) : phi0.brick(static_cast<std::size_t>(found))[n]);
+    removed.add(c, values);
+  }
+  return removed;
+}
+
+}  // namespace
 
 double defaultVoxel(const Tool& tool) {
   if (tool.kind == ToolKind::kBlade) return tool.thickness_mm / 10;
@@ -24,67 +82,25 @@ Expected<ToolCheck> checkTool(const Tool& tool, double voxel_mm) {
   const double h = out.voxel_mm = voxel_mm == 0 ? defaultVoxel(tool) : voxel_mm;
   // The block is sampled whole: finer than a hundredth of the tool, memory runs out before anything is learnt.
   if (!(h >= thinnest / 100 && h <= thinnest / 3))
-    return fail({Error::Code::kBadValue, "", "voxel", fmt::format("{} mm", voxel_mm),
-                 fmt::format("{:.3g} to {:.3g} mm, a hundredth to a third of the tool", thinnest / 100, thinnest / 3),
-                 "leave --voxel out"});
-  constexpr double kDeepest = 3;
-  if (tool.kind == ToolKind::kBlade)
-    out.depth_mm = kDeepest;
-  else if (tool.kind == ToolKind::kMesh)
-    out.depth_mm = std::min(1.5 * tool.cut_below_mm, kDeepest);
-  else
-    out.depth_mm = std::min(tool.cuts_end ? 1.5 * tool.head_length_mm : tool.head_diameter_mm, kDeepest);
+    return fail({.code = Error::Code::kBadValue,
+                 .place = "voxel",
+                 .found = fmt::format("{} mm", voxel_mm),
+                 .expected = fmt::format("{:.3g} to {:.3g} mm, a hundredth to a third of the tool", thinnest / 100,
+                                         thinnest / 3),
+                 .hint = "leave --voxel out"});
 
-  // In the tool's frame with the tip just touching: the block begins where the cutting part touches and reaches on
-  // along the plunge.
-  const Vec3d way = tool.plunge_direction;
-  Box3 block = tool.cut->bounds();
-  block.grow(6 * h);
-  // Long edges meet a block 4 mm wide; where that is less than the edge, its ends stay outside.
-  constexpr double kBlockWidth = 4;
-  if (const int along = tool.motion ? tool.motion->edge_axis : -1; along >= 0) {
-    out.block_width_mm = std::min(kBlockWidth, tool.cut->bounds().size()[along]);
-    if (out.block_width_mm == kBlockWidth) {
-      const double middle = tool.cut->bounds().center()[along];
-      block.min[along] = middle - 0.5 * kBlockWidth;
-      block.max[along] = middle + 0.5 * kBlockWidth;
-      out.expected_mm3 = plungeVolume(tool, out.depth_mm, kBlockWidth);
-    }
-  }
-  if (out.expected_mm3 == 0) out.expected_mm3 = plungeVolume(tool, out.depth_mm);
-  const int axis = way[2] != 0 ? 2 : 0;
-  const double touch = tool.cut->bounds().min[axis];
-  block.max[axis] = touch;
-  block.min[axis] = touch - out.depth_mm - 6 * h;
-
+  out.depth_mm = plungeDepth(tool);
+  const Box3 block = blockFor(tool, h, out);
   const Rigid3 askew{Eigen::Quaterniond(Eigen::AngleAxisd(0.6, Vec3d(1, 2, 3).normalized())),
                      0.37 * h * Vec3d(1, -1, 1)};
-  const Rigid3 back = askew.inverse();
-  const BoxShape solid(block);
-  Box3 around;
-  for (int c = 0; c < 8; ++c)
-    around.add(askew * Vec3d(c & 1 ? block.max[0] : block.min[0], c & 2 ? block.max[1] : block.min[1],
-                             c & 4 ? block.max[2] : block.min[2]));
-  const BrickField phi0 = sampleDistance([&](const Vec3d& p) { return solid.distance(back * p); }, around, h);
+  const BrickField phi0 = sampleBlock(block, askew, h);
 
   SweepCutter cutter(phi0);
+  const Vec3d way = tool.plunge_direction;
   const Rigid3 from = askew * Rigid3{Eigen::Quaterniond::Identity(), Vec3d(-way * 6 * h)};
   const Rigid3 to = askew * Rigid3{Eigen::Quaterniond::Identity(), Vec3d(way * out.depth_mm)};
   cutter.advance(SweptTool(*tool.cut, from, to));
-
-  // What is in the block and in the sweep.
-  const BrickField& psi = cutter.sweep();
-  BrickField removed(h, psi.background());
-  BrickValues values;
-  for (std::size_t b = 0; b < psi.brickCount(); ++b) {
-    const Vec3i c = psi.brickCoord(b);
-    const int found = phi0.find(c);
-    for (std::size_t n = 0; n < kBrickNodes; ++n)
-      values[n] =
-          std::max(psi.brick(b)[n], found < 0 ? phi0.constantAt(c) : phi0.brick(static_cast<std::size_t>(found))[n]);
-    removed.add(c, values);
-  }
-  out.removed_mm3 = signedVolume(marchingCubes(removed));
+  out.removed_mm3 = signedVolume(marchingCubes(intersection(phi0, cutter.sweep())));
   return out;
 }
 

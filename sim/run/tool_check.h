@@ -1,4 +1,4 @@
-// Does a tool cut what its numbers say? The yardstick behind `kerf tool check`.
+// Does a tool cut what its numbers say? What `kerf tool check` measures.
 #pragma once
 
 #include "geometry/base/error.h"

@@ -19,9 +19,10 @@
 #include "preprocess/bake/bake.h"
 #include "preprocess/unit/unit.h"
 #include "sim/hand/path.h"
+#include "sim/run/export_bundle.h"
+#include "sim/run/geometry_cut.h"
 #include "sim/run/haptic_cut.h"
 #include "sim/run/replay.h"
-#include "sim/run/run_bundle.h"
 #include "tests/support/temporary_folder.h"
 
 namespace kerf {

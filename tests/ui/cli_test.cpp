@@ -45,6 +45,28 @@ TEST_F(Cli, WrongCommandLinesAreUsageErrors) {
   refuses({"check", at("box.off"), "--fix"}, {"--fix"}, 2);
 }
 
+TEST_F(Cli, HelpListsEveryCommandUnderAHeadingAndEachHasHelpOfItsOwn) {
+  const std::string help = runKerf({"--help"}).out;
+  for (const char* heading :
+       {"Commands from scan to mesh:", "Commands for files and tools:", "Commands for examples and measurements:"})
+    EXPECT_NE(help.find(heading), help.npos) << heading << "\n" << help;
+
+  // The names as the message about an unknown command tells them: "expected one of bake, cut, ... Try: ..."
+  const std::string message = runKerf({"saw"}).err;
+  const std::size_t begin = message.find("one of ") + 7, end = message.find(". Try");
+  ASSERT_LT(begin, end) << message;
+  std::istringstream names(message.substr(begin, end - begin));
+  std::size_t count = 0;
+  for (std::string name; std::getline(names >> std::ws, name, ','); ++count) {
+    EXPECT_NE(help.find("\n  " + name + " "), help.npos) << name << "\n" << help;
+    const Outcome own = runKerf({name, "--help"});
+    EXPECT_EQ(own.exit_code, 0) << name;
+    EXPECT_NE(own.out.find("Usage: kerf " + name), own.out.npos) << own.out;
+    EXPECT_NE(own.out.find("Example"), own.out.npos) << own.out;
+  }
+  EXPECT_GE(count, 10u);
+}
+
 TEST_F(Cli, ACutAgainstResistanceIsRecordedAndReplaysBitForBit) {
   ASSERT_EQ(runKerf({"demo", "molar", "--coarseness", "3", "-o", at("molar")}).exit_code, 0);
   ASSERT_EQ(runKerf({"bake", at("molar/molar.toml"), "--voxel", "0.2", "-o", at("molar.case")}).exit_code, 0);
@@ -265,7 +287,7 @@ TEST_F(Cli, AToolThatLeavesItsToothCutsTheNeighbourWhichIsMeasuredToldReplayedAn
   refuses({"export", at("box.case"), "--beside", "1", "-o", at("x.stl")}, {"beside_1", "--beside OTHER.case"});
 
   const Outcome both = cut("both.run", {"--beside", at("over.case")});
-  EXPECT_NE(both.err.find("overlaps the case by some 8"), both.err.npos) << "4 x 5 x 4 mm3: " << both.err;
+  EXPECT_NE(both.err.find("overlaps the case by about 8"), both.err.npos) << "4 x 5 x 4 mm3: " << both.err;
 
   const auto refused = [&](const std::vector<std::string>& more, const std::vector<std::string>& said, int code = 1) {
     std::vector<std::string> words{"cut",    at("box.case"), "--tool", "round-014", "--path", at("across.toml"),

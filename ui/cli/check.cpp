@@ -5,30 +5,33 @@
 #include <memory>
 
 #include "geometry/formats/mesh_formats.h"
+#include "geometry/formats/mesh_io.h"
 #include "ui/cli/command.h"
 
 namespace kerf::cli {
+namespace {
 
-void addCheck(CLI::App& app, int& exit_code) {
-  struct Arguments {
-    std::string mesh;
-    bool json = false;
-  };
+struct Arguments {
+  std::string mesh;
+  bool json = false;
+};
+
+int run(const Arguments& a) {
+  const auto file = readMesh(a.mesh);
+  if (!file) return complain(file.error());
+  const MeshReport report = checkMesh(file->mesh);
+  fmt::print("{}", a.json ? toJson(report) + "\n" : describe(report));
+  return report.print_ready ? kOk : kFailed;
+}
+
+}  // namespace
+
+void addCheck(CLI::App& command, int& exit_code) {
   auto a = std::make_shared<Arguments>();
-  CLI::App* c = app.add_subcommand("check", "Say whether a mesh is ready to print, and if not, why (exit 0 yes, 1 no)");
-  c->footer("Example: kerf check molar.stl --json");
-  c->add_option("MESH", a->mesh, readableFormats() + "; judged in its own unit")->required();
-  c->add_flag("--json", a->json, "verdict as JSON on standard output");
-  c->callback([a, &exit_code] {
-    const auto file = readMesh(a->mesh);
-    if (!file) {
-      exit_code = complain(file.error());
-      return;
-    }
-    const MeshReport report = checkMesh(file->mesh);
-    fmt::print("{}", a->json ? toJson(report) + "\n" : describe(report));
-    exit_code = report.print_ready ? kOk : kFailed;
-  });
+  command.footer("Example: kerf check molar.stl --json");
+  command.add_option("MESH", a->mesh, readableFormats() + "; judged in its own unit")->required();
+  command.add_flag("--json", a->json, "verdict as JSON on standard output");
+  command.callback([a, &exit_code] { exit_code = run(*a); });
 }
 
 }  // namespace kerf::cli

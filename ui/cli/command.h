@@ -1,4 +1,5 @@
-// The commands of the program kerf. A new command is one file here plus one line in main.cpp.
+// What the commands of the program kerf share: exit codes, complaints, JSON, progress. A command is one source; the
+// list of all is commands.h.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -18,25 +19,16 @@ enum ExitCode : int {
   kUsage = 2,   ///< wrong command line
 };
 
-/// Adds its sub-command, options and what to run (as CLI11 callback) to the program. `exit_code` is what main returns.
-using AddCommand = void (*)(CLI::App& app, int& exit_code);
-
-void addBake(CLI::App& app, int& exit_code);
-void addBench(CLI::App& app, int& exit_code);
-void addCheck(CLI::App& app, int& exit_code);
-void addCut(CLI::App& app, int& exit_code);
-void addDemo(CLI::App& app, int& exit_code);
-void addDemoMolar(CLI::App& app, int& exit_code);
-void addExport(CLI::App& app, int& exit_code);
-void addInfo(CLI::App& app, int& exit_code);
-void addReplay(CLI::App& app, int& exit_code);
-void addTool(CLI::App& app, int& exit_code);
-
 /// Prints "kerf: MESSAGE" on standard error, one line whatever bytes a file name holds; returns kFailed.
 int complain(const Error& error);
+/// The same about a wrong command line; returns kUsage.
+int complainOfUsage(const Error& error);
 
 /// On standard output, indented. Bytes that are no UTF-8 (file names may hold any) become replacement characters.
 void printJson(const nlohmann::json& json);
+
+/// "3 meshes", "1 piece".
+std::string counted(std::size_t count, const std::string& noun);
 
 /// A line with bar, step and time left on standard error when that is a terminal; nothing otherwise. The first SIGINT,
 /// SIGTERM or SIGHUP makes the callback say no; the second, of either kind, ends the program at once. Where no callback

@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -8,8 +10,9 @@
 
 #include "geometry/tool/tool_file.h"
 #include "sim/object/baked_object.h"
+#include "sim/run/geometry_cut.h"
 #include "sim/run/haptic_cut.h"
-#include "sim/run/run_bundle.h"
+#include "sim/step/response.h"
 #include "ui/cli/command.h"
 
 namespace kerf::cli {
@@ -20,7 +23,7 @@ struct Arguments {
   CutOptions options;
   bool json = false;
   std::string hand;  // empty: geometry only
-  std::string response{rowOf(StepSettings{}.response).name};
+  std::string response = "penalty";
   HapticCutOptions haptic;
 };
 
@@ -45,7 +48,7 @@ std::string responseHelp() {
   return text + "; docs/how-it-works/step.md";
 }
 
-// An option of a hand that nobody holds the tool with would be ignored: a mistake of the user's.
+// An option that belongs to another virtual hand than the one asked for. It would be ignored: a mistake of the user's.
 std::optional<Error> misplaced(const CLI::App& command, const std::string& hand) {
   for (const CLI::App* group : command.get_subcommands([](const CLI::App*) { return true; })) {
     const std::string& name = group->get_group();
@@ -53,12 +56,16 @@ std::optional<Error> misplaced(const CLI::App& command, const std::string& hand)
     if (fits || !name.starts_with("With --hand")) continue;
     for (const CLI::Option* option : group->get_options())
       if (option->count() > 0)
-        return Error{Error::Code::kBadValue, "",
-                     option->get_name(),     "given with " + (hand.empty() ? "no --hand" : "--hand " + hand),
-                     name.substr(5),         "kerf cut --help"};
+        return Error{.code = Error::Code::kBadValue,
+                     .place = option->get_name(),
+                     .found = "given with " + (hand.empty() ? "no --hand" : "--hand " + hand),
+                     .expected = name.substr(5),
+                     .hint = "kerf cut --help"};
   }
   return std::nullopt;
 }
+
+// ---- Against resistance
 
 // What happened to the cases beside the one that was cut, and what the export of that does not show.
 void warnOfNeighbours(const Arguments& a, const HapticSummary& s) {
@@ -68,70 +75,53 @@ void warnOfNeighbours(const Arguments& a, const HapticSummary& s) {
     const auto least = s.least_distance_mm.find(other.id);
     const bool is_in = least != s.least_distance_mm.end() && least->second < 0;
     const std::string in = is_in ? fmt::format(", cutting part in it by {:.3f} mm", -least->second) : "";
+
     if (other.removed_mm3 > 0)
       fmt::print(stderr, "kerf: {} was cut: {:.4f} mm3{}. Its mesh: kerf export {} --beside {} -o FILE\n", name,
                  other.removed_mm3, in, a.output, n + 1);
     else if (other.seconds_touched > 0 || is_in)
       fmt::print(stderr, "kerf: {} was touched for {:.3f} s, nothing cut off it{}\n", name, other.seconds_touched, in);
     if (other.overlap_mm3 > 0.01 * std::min(other.initial_mm3, s.initial_mm3))
-      fmt::print(stderr, "kerf: {} overlaps the case by some {:.1f} mm3 as loaded: there the tool meets both\n", name,
+      fmt::print(stderr, "kerf: {} overlaps the case by about {:.1f} mm3 as loaded: there the tool meets both\n", name,
                  other.overlap_mm3);
   }
 }
 
-int runByHand(const Arguments& a, const std::filesystem::path& tool) {
-  HapticCutOptions options = a.haptic;
-  options.hand = *handKind(a.hand);
-  options.step.response = findResponse(a.response)->response;  // one of responseNames(), as checked on parsing
-  options.overwrite = a.options.overwrite;
-  auto cut = [&] {
-    TerminalProgress progress;
-    return cutCaseByHand(a.case_folder, tool, a.path, a.output, options, progress.callback());
-  }();
-  if (!cut) return complain(cut.error());
-  const HapticSummary& s = cut->summary;
-  if (cut->left_region_unused)
-    fmt::print(stderr, "kerf: the case's fine region is not used by --hand: cut on the object's voxels, {} mm\n",
-               cut->manifest.voxel_mm);
-  warnOfNeighbours(a, s);
-  if (a.json) {
-    nlohmann::json j = nlohmann::json::parse(toJson(s));
-    j["tool"] = cut->manifest.tool_id;
-    j["hand"] = a.hand;
-    j["response"] = a.response;
-    j["voxel_mm"] = cut->manifest.voxel_mm;
-    printJson(j);
-    return kOk;
+nlohmann::json jsonOf(const Arguments& a, const HapticCut& cut) {
+  nlohmann::json j = nlohmann::json::parse(toJson(cut.summary));
+  j["tool"] = cut.manifest.tool_id;
+  j["hand"] = a.hand;
+  j["response"] = a.response;
+  j["voxel_mm"] = cut.manifest.voxel_mm;
+  return j;
+}
+
+// ": enamel 1.2000, dentin 0.3000"; with signs ": enamel +1.2000".
+std::string byMaterial(const std::map<std::string, double>& volumes, bool with_sign) {
+  std::string out;
+  for (const auto& [id, volume] : volumes) {
+    out += out.empty() ? ": " : ", ";
+    out += with_sign ? fmt::format("{} {:+.4f}", id, volume) : fmt::format("{} {:.4f}", id, volume);
   }
-  const bool is_default = options.step.response == StepSettings{}.response;
-  const std::string response = is_default ? "" : " by " + a.response;
-  fmt::print("cut with {} held by a {} hand{} for {:.2f} s, {:.2f} s of it in contact, voxels {} mm; ended: {}\n",
-             cut->manifest.tool_id, a.hand, response, s.seconds, s.seconds_in_contact, cut->manifest.voxel_mm, s.ended);
-  if (!a.haptic.add.empty()) {
-    fmt::print("added {:.4f} mm3", s.added_mm3);
-    const char* between = ": ";
-    for (const auto& [id, volume] : s.added_by_material)
-      fmt::print("{}{} {:+.4f}", std::exchange(between, ", "), id, volume);
-    fmt::print("\n");
+  return out;
+}
+
+void printVolumes(const HapticSummary& s, bool is_adding) {
+  if (is_adding) {
+    fmt::print("added {:.4f} mm3{}\n", s.added_mm3, byMaterial(s.added_by_material, true));
     if (s.clipped > 0)
       fmt::print(
           "{} of {} ticks reached farther than {:g} mm from the object's box, or more air than fits: nothing was added "
           "there\n",
           s.clipped, s.ticks, kAirAround);
   }
-  fmt::print("removed {:.4f} mm3", s.removed_mm3);
-  const char* separator = ": ";
-  for (const auto& [id, volume] : s.removed_by_material) {
-    fmt::print("{}{} {:.4f}", separator, id, volume);
-    separator = ", ";
-  }
-  fmt::print("; {:.4f} of {:.4f} mm3 are left, in {} piece{}", s.remaining_mm3, s.initial_mm3, s.pieces,
-             s.pieces == 1 ? "" : "s");
-  if (s.crumbs > 0) fmt::print(" and {} crumb{} below 0.1 mm3", s.crumbs, s.crumbs == 1 ? "" : "s");
+  fmt::print("removed {:.4f} mm3{}; {:.4f} of {:.4f} mm3 are left, in {}", s.removed_mm3,
+             byMaterial(s.removed_by_material, false), s.remaining_mm3, s.initial_mm3, counted(s.pieces, "piece"));
+  if (s.crumbs > 0) fmt::print(" and {} below 0.1 mm3", counted(s.crumbs, "crumb"));
   fmt::print("\n");
-  fmt::print("force on the tool {:.2f} N mean, {:.2f} N at most; normal load {:.2f} N; to the hand {:.2f} N at most\n",
-             s.mean_contact_force, s.peak_contact_force, s.mean_normal_load, s.peak_hand_force);
-  fmt::print("drive {:.1f} mJ into the tissue, speed down to {:.0f} % of nominal\n", s.work, 100 * s.least_speed);
+}
+
+void printMonitored(const HapticSummary& s) {
   fmt::print("{:.1f} C under the tool at most", s.hottest_c);
   if (s.bone_limit_s >= 0) fmt::print(", 47 C in bone passed at {:.2f} s", s.bone_limit_s);
   if (s.pulp_limit_s >= 0) fmt::print(", 5.5 K in the pulp passed at {:.2f} s", s.pulp_limit_s);
@@ -140,115 +130,167 @@ int runByHand(const Arguments& a, const std::filesystem::path& tool) {
     fmt::print("; {} {} {:.2f} mm", id, distance < 0 ? in : "no nearer than", std::abs(distance));
   }
   fmt::print("\n");
+}
+
+void print(const Arguments& a, const HapticCut& cut) {
+  const HapticSummary& s = cut.summary;
+  const bool is_default = findResponse(a.response)->response == StepSettings{}.response;
+  const std::string response = is_default ? "" : " by " + a.response;
+  fmt::print("cut with {} held by a {} hand{} for {:.2f} s, {:.2f} s of it in contact, voxels {} mm; ended: {}\n",
+             cut.manifest.tool_id, a.hand, response, s.seconds, s.seconds_in_contact, cut.manifest.voxel_mm, s.ended);
+  printVolumes(s, !a.haptic.add.empty());
+  fmt::print("force on the tool {:.2f} N mean, {:.2f} N at most; normal load {:.2f} N; to the hand {:.2f} N at most\n",
+             s.mean_contact_force, s.peak_contact_force, s.mean_normal_load, s.peak_hand_force);
+  fmt::print("drive {:.1f} mJ into the tissue, speed down to {:.0f} % of nominal\n", s.work, 100 * s.least_speed);
+  printMonitored(s);
+
   if (s.too_fast > 0)
-    fmt::print("{} of {} ticks were too fast for one look at contact a voxel: a slower feed feels more\n", s.too_fast,
-               s.ticks);
+    fmt::print("{} of {} ticks were too fast for one contact evaluation a voxel: a slower feed feels more\n",
+               s.too_fast, s.ticks);
   if (s.out_of_bricks > 0)
-    fmt::print("{} of {} ticks lacked room for all they met: what was not cut then was cut later, or not at all\n",
+    fmt::print("{} of {} ticks ran out of reserved bricks: what was not cut then was cut later, or not at all\n",
                s.out_of_bricks, s.ticks);
   fmt::print("state {}\nrun written: {}\n", s.state_hash, a.output);
+}
+
+int runByHand(const Arguments& a, const std::filesystem::path& tool) {
+  HapticCutOptions options = a.haptic;
+  options.hand = *handKind(a.hand);
+  options.step.response = findResponse(a.response)->response;  // one of responseNames(), as checked on parsing
+  options.overwrite = a.options.overwrite;
+  const auto cut = [&] {
+    TerminalProgress progress;
+    return cutCaseByHand(a.case_folder, tool, a.path, a.output, options, progress.callback());
+  }();
+  if (!cut) return complain(cut.error());
+
+  if (cut->left_region_unused)
+    fmt::print(stderr, "kerf: the case's fine region is not used by --hand: cut on the object's voxels, {} mm\n",
+               cut->manifest.voxel_mm);
+  warnOfNeighbours(a, cut->summary);
+  if (a.json)
+    printJson(jsonOf(a, *cut));
+  else
+    print(a, *cut);
+  return kOk;
+}
+
+// ---- Geometry only
+
+int runGeometry(const Arguments& a, const std::filesystem::path& tool) {
+  const auto m = [&] {
+    TerminalProgress progress;
+    return cutCase(a.case_folder, tool, a.path, a.output, a.options, progress.callback());
+  }();
+  if (!m) return complain(m.error());
+
+  if (m->beyond_region_mm > 0)
+    fmt::print(
+        stderr,
+        "kerf: the cut reaches {:.2f} mm out of the case's fine region: cut on the object's voxels, {} mm. For the "
+        "fine ones bake with a larger --fine-radius\n",
+        m->beyond_region_mm, m->voxel_mm);
+  if (a.json)
+    printJson(nlohmann::json{{"tool", m->tool_id},
+                             {"segments", m->segments},
+                             {"path_length_mm", m->path_length_mm},
+                             {"duration_s", m->duration_s},
+                             {"voxel_mm", m->voxel_mm},
+                             {"beyond_region_mm", m->beyond_region_mm},
+                             {"state_hash", m->state_hash}});
+  else
+    fmt::print("cut with {} along {:.2f} mm in {} motions, voxels {} mm; state {}\nrun written: {}\n", m->tool_id,
+               m->path_length_mm, m->segments, m->voxel_mm, m->state_hash, a.output);
   return kOk;
 }
 
 int run(const Arguments& a) {
   const auto tool = findToolFile(a.tool, defaultToolFolders());
   if (!tool) return complain(tool.error());
-  if (!a.hand.empty()) return runByHand(a, *tool);
-  auto manifest = [&] {
-    TerminalProgress progress;
-    return cutCase(a.case_folder, *tool, a.path, a.output, a.options, progress.callback());
-  }();
-  if (!manifest) return complain(manifest.error());
-  if (manifest->beyond_region_mm > 0)
-    fmt::print(
-        stderr,
-        "kerf: the cut reaches {:.2f} mm out of the case's fine region: cut on the object's voxels, {} mm. For the "
-        "fine ones bake with a larger --fine-radius\n",
-        manifest->beyond_region_mm, manifest->voxel_mm);
-  if (a.json)
-    printJson(nlohmann::json{{"tool", manifest->tool_id},
-                             {"segments", manifest->segments},
-                             {"path_length_mm", manifest->path_length_mm},
-                             {"duration_s", manifest->duration_s},
-                             {"voxel_mm", manifest->voxel_mm},
-                             {"beyond_region_mm", manifest->beyond_region_mm},
-                             {"state_hash", manifest->state_hash}});
-  else
-    fmt::print("cut with {} along {:.2f} mm in {} motions, voxels {} mm; state {}\nrun written: {}\n",
-               manifest->tool_id, manifest->path_length_mm, manifest->segments, manifest->voxel_mm,
-               manifest->state_hash, a.output);
-  return kOk;
+  return a.hand.empty() ? runGeometry(a, *tool) : runByHand(a, *tool);
+}
+
+// ---- Options
+
+constexpr const char* kFooter =
+    "Without --hand: geometry only, the cutting part removes whatever it sweeps.\n"
+    "With --hand: a virtual hand holds the tool against resistance, in steps of 1 ms. Tissues differ, force decides\n"
+    "how fast the tool cuts, neck, shank and flanks collide. The run then also holds forces.csv and summary.json.\n"
+    "With --beside: the tool also meets further teeth, as they stand in the scan's frame.\n"
+    "Examples:\n"
+    "  kerf cut molar.case --tool round-014 --path cavity.toml -o molar.run\n"
+    "  kerf cut molar.case --tool round-014 --path cavity.toml --hand force --push 1.5 -o molar.run\n"
+    "  kerf cut 36.case --tool 856-016 --path crown.toml --hand force --beside 35.case --beside 37.case -o 36.run";
+
+// The names of these groups say with which hands they go: misplaced() reads them.
+void addOptionsOfAnyHand(CLI::App& command, HapticCutOptions& haptic) {
+  auto* group = command.add_option_group("With --hand");
+  group->add_option("--spindle", haptic.spindle, "speed, 0 to 1 of the tool's nominal one")->capture_default_str();
+  group->add_option("--add", haptic.add,
+                    "id of a material, such as composite: the tool adds it where it goes, instead of cutting");
+  group
+      ->add_option("--beside", haptic.beside,
+                   "a further case of the same scan frame, such as the neighbouring tooth: the tool collides with it "
+                   "and cuts it, and its distance from it is measured; repeat for several")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  group->add_flag("--sound", haptic.with_sound, "also write sound.wav, the sound of the tool");
+  group->add_option("--time-limit", haptic.time_limit, "simulated time after which to stop, s")->capture_default_str();
+  group->add_option("--coupling", haptic.step.coupling.stiffness, "stiffness of the virtual coupling, N/mm")
+      ->capture_default_str();
+}
+
+void addOptionsOfOneHand(CLI::App& command, Arguments& a) {
+  auto* coupled = command.add_option_group("With --hand force or device");
+  coupled->add_option("--response", a.response, responseHelp())
+      ->check(CLI::IsMember(responseNames()))
+      ->capture_default_str();
+
+  auto* force = command.add_option_group("With --hand force");
+  force->add_option("--push", a.haptic.force.force, "force along the path, N")->capture_default_str();
+  force->add_option("--feed-limit", a.haptic.force.feed_limit, "no faster than this, mm/s")->capture_default_str();
+  force->add_option("--patience", a.haptic.force.patience, "s without progress until it gives up")
+      ->capture_default_str();
+
+  DeviceHand::Options& d = a.haptic.device;
+  auto* device = command.add_option_group("With --hand device");
+  device->add_option("--device-mass", d.mass_kg, "kg")->capture_default_str();
+  device->add_option("--device-damping", d.damping, "N s/mm")->capture_default_str();
+  device->add_option("--device-friction", d.friction, "N")->capture_default_str();
+  device->add_option("--encoder", d.encoder_mm, "resolution, mm")->capture_default_str();
+  device->add_option("--delay", d.delay_ticks, "ticks from sample to force")->capture_default_str();
+  device->add_option("--hand-stiffness", d.hand_stiffness, "N/mm; loose 0.3, firm 2")->capture_default_str();
+  device->add_option("--hand-damping", d.hand_damping, "N s/mm")->capture_default_str();
 }
 
 }  // namespace
 
-void addCut(CLI::App& app, int& exit_code) {
+void addCut(CLI::App& command, int& exit_code) {
   auto a = std::make_shared<Arguments>();
-  CLI::App* c = app.add_subcommand("cut", "Cut a case with a tool along a path");
-  c->footer(
-      "Without --hand geometry only: the cutting part removes whatever it sweeps. With --hand against resistance, by "
-      "the\n"
-      "1 kHz step: tissues differ, force decides how fast, neck, shank and flanks collide; the run also holds "
-      "forces.csv\n"
-      "and summary.json. With --beside the tool meets further teeth, too, as they stand in the scan's frame.\n"
-      "Examples:\n"
-      "  kerf cut molar.case --tool round-014 --path cavity.toml -o molar.run\n"
-      "  kerf cut molar.case --tool round-014 --path cavity.toml --hand force --push 1.5 -o molar.run\n"
-      "  kerf cut 36.case --tool 856-016 --path crown.toml --hand force --beside 35.case --beside 37.case -o "
-      "36.run");
-  c->add_option("CASE", a->case_folder, "case folder")->required();
-  c->add_option("--tool", a->tool, "tool id (kerf tool list) or a tool's TOML file")->required();
-  c->add_option("--path", a->path,
-                "CSV of poses (t,x,y,z,qw,qx,qy,qz) or TOML of strokes; see docs/reference/path-files.md")
+  command.footer(kFooter);
+  command.add_option("CASE", a->case_folder, "case folder")->required();
+  command.add_option("--tool", a->tool, "tool id (kerf tool list) or a tool's TOML file")->required();
+  command
+      .add_option("--path", a->path,
+                  "CSV of poses (t,x,y,z,qw,qx,qy,qz) or TOML of strokes; see docs/reference/path-files.md")
       ->required();
-  c->add_option("-o,--output", a->output, "run folder to write")->required();
-  c->add_flag("--force", a->options.overwrite, "replace an existing run");
-  c->add_option("--hand", a->hand,
-                "who holds the tool against resistance: feed (follows the path in its time), force (pushes along it), "
-                "device (a simulated force-feedback device)")
+  command.add_option("-o,--output", a->output, "run folder to write")->required();
+  command.add_flag("--force", a->options.overwrite, "replace an existing run");
+
+  command
+      .add_option("--hand", a->hand,
+                  "virtual hand that holds the tool against resistance: feed (follows the path in its time), force "
+                  "(pushes along it), device (a simulated force-feedback device)")
       ->check(CLI::IsMember({"feed", "force", "device"}));
-  c->add_flag_callback(
+  command.add_flag_callback(
       "--haptic", [a] { a->hand = a->hand.empty() ? "device" : a->hand; }, "the same as --hand device");
-  auto* by_hand = c->add_option_group("With --hand");
-  by_hand->add_option("--spindle", a->haptic.spindle, "speed, 0 to 1 of the tool's nominal one")->capture_default_str();
-  by_hand->add_option("--add", a->haptic.add,
-                      "id of a material, such as composite: the tool adds it where it goes, instead of cutting");
-  by_hand
-      ->add_option("--beside", a->haptic.beside,
-                   "a further case of the same scan frame, such as the neighbouring tooth: the tool collides with it, "
-                   "cuts it, and keeps its distance from it; repeat for several")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  by_hand->add_flag("--sound", a->haptic.with_sound, "write sound.wav, too: what the tool is heard to do");
-  by_hand->add_option("--time-limit", a->haptic.time_limit, "simulated s")->capture_default_str();
-  by_hand->add_option("--coupling", a->haptic.step.coupling.stiffness, "stiffness of the virtual coupling, N/mm")
-      ->capture_default_str();
-  auto* held = c->add_option_group("With --hand force or device");
-  held->add_option("--response", a->response, responseHelp())
-      ->check(CLI::IsMember(responseNames()))
-      ->capture_default_str();
-  auto* force = c->add_option_group("With --hand force");
-  force->add_option("--push", a->haptic.force.force, "N")->capture_default_str();
-  force->add_option("--feed-limit", a->haptic.force.feed_limit, "no faster than this, mm/s")->capture_default_str();
-  force->add_option("--patience", a->haptic.force.patience, "s without progress until it gives up")
-      ->capture_default_str();
-  auto* device = c->add_option_group("With --hand device");
-  device->add_option("--device-mass", a->haptic.device.mass_kg, "kg")->capture_default_str();
-  device->add_option("--device-damping", a->haptic.device.damping, "N s/mm")->capture_default_str();
-  device->add_option("--device-friction", a->haptic.device.friction, "N")->capture_default_str();
-  device->add_option("--encoder", a->haptic.device.encoder_mm, "resolution, mm")->capture_default_str();
-  device->add_option("--delay", a->haptic.device.delay_ticks, "ticks from sample to force")->capture_default_str();
-  device->add_option("--hand-stiffness", a->haptic.device.hand_stiffness, "N/mm; loose 0.3, firm 2")
-      ->capture_default_str();
-  device->add_option("--hand-damping", a->haptic.device.hand_damping, "N s/mm")->capture_default_str();
-  c->add_flag("--json", a->json, "summary as JSON on standard output");
-  c->callback([a, c, &exit_code] {
-    if (const auto wrong = misplaced(*c, a->hand)) {
-      complain(*wrong);
-      exit_code = kUsage;
-      return;
-    }
-    exit_code = run(*a);
+  addOptionsOfAnyHand(command, a->haptic);
+  addOptionsOfOneHand(command, *a);
+  command.add_flag("--json", a->json, "summary as JSON on standard output");
+
+  command.callback([a, &command, &exit_code] {
+    const auto wrong = misplaced(command, a->hand);
+    exit_code = wrong ? complainOfUsage(*wrong) : run(*a);
   });
 }
 

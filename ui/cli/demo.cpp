@@ -31,6 +31,7 @@ Expected<DemoAnatomy> arch(const Arguments& a, const Progress& progress) {
   options.seed = a.seed;
   KERF_TRY(scan, demoArch(options, progress));
   const DemoArchDefects& d = scan.defects;
+
   DemoAnatomy anatomy{"arch", "Demo lower arch", 0, {}, {}, {}};
   anatomy.title += fmt::format(": no underside, {} pin holes, {} islands, {} spike, {} triangles inside out",
                                d.pin_holes, d.islands, d.spikes, d.flipped_triangles);
@@ -40,15 +41,20 @@ Expected<DemoAnatomy> arch(const Arguments& a, const Progress& progress) {
 
 int run(const Arguments& a, Model model) {
   if (!(a.detail >= 0.5 && a.detail <= 4))  // CLI::Range lets "nan" pass
-    return complain({Error::Code::kBadValue, "", "--coarseness", fmt::format("{}", a.detail), "0.5 to 4", ""});
+    return complain({.code = Error::Code::kBadValue,
+                     .place = "--coarseness",
+                     .found = fmt::format("{}", a.detail),
+                     .expected = "0.5 to 4"});
   // Before the work, not after it.
   if (const auto possible = AtomicFolder::create(a.output, a.overwrite, a.manifest); !possible)
     return complain(possible.error());
+
   TerminalProgress progress;
   const auto anatomy = model(a, progress.callback());
   if (!anatomy) return complain(anatomy.error());
   if (const auto written = writeDemoAnatomy(*anatomy, a.output, a.overwrite); !written)
     return complain(written.error());
+
   for (const DemoAnatomy::File& file : anatomy->files)
     fmt::print("written: {}/{} ({} triangles)\n", a.output, file.name, file.mesh.triangles.size());
   if (!anatomy->parts.empty()) fmt::print("written: {}/{}\n", a.output, anatomy->manifest());
@@ -72,14 +78,13 @@ void add(CLI::App& parent, const std::string& name, const std::string& sentence,
 
 }  // namespace
 
-void addDemo(CLI::App& app, int& exit_code) {
-  CLI::App* c = app.add_subcommand("demo", "Write anatomy of Kerf's own making: tissues, with a recipe to bake them");
-  c->footer("Example: kerf demo molar -o molar");
-  c->require_subcommand(1);
-  add(*c, "molar", "A lower first molar: enamel, dentin, pulp and a caries lesion", molar, exit_code);
-  add(*c, "mandible", "A mandible: compact and spongy bone, nerve canals, teeth 37 to 47 in their sockets", mandible,
-      exit_code);
-  add(*c, "arch", "A lower arch as scanned: teeth and gums, open, with noise and faults", arch, exit_code);
+void addDemo(CLI::App& command, int& exit_code) {
+  command.footer("Example: kerf demo molar -o molar");
+  command.require_subcommand(1);
+  add(command, "molar", "A lower first molar: enamel, dentin, pulp and a caries lesion", molar, exit_code);
+  add(command, "mandible", "A mandible: compact and spongy bone, nerve canals, teeth 37 to 47 in their sockets",
+      mandible, exit_code);
+  add(command, "arch", "A lower arch as scanned: teeth and gums, open, with noise and faults", arch, exit_code);
 }
 
 }  // namespace kerf::cli

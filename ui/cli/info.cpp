@@ -11,7 +11,7 @@
 #include "geometry/tool/tool_file.h"
 #include "preprocess/unit/unit.h"
 #include "preprocess/volume/label_volume.h"
-#include "sim/run/run_bundle.h"
+#include "sim/run/run_manifest.h"
 #include "ui/cli/command.h"
 
 namespace kerf::cli {
@@ -42,6 +42,37 @@ Expected<json> meshInfo(const fs::path& path) {
   return j;
 }
 
+// What a case is made of, and where from: lists and parts that it may lack.
+void addContents(const CaseManifest& m, json& j) {
+  for (const CaseMaterial& c : m.materials)
+    j["materials"].push_back({{"id", c.id}, {"number", c.number}, {"volume_mm3", c.volume_mm3}});
+  for (const CasePart& p : m.parts)
+    j["parts"].push_back(
+        {{"material", p.material}, {"origin", p.origin}, {"own_mm3", p.own_mm3}, {"volume_mm3", p.volume_mm3}});
+  if (m.gaps) j["gaps"] = {{"unclaimed_mm3", m.gaps->unclaimed_mm3}, {"forgotten_mm3", m.gaps->forgotten_mm3}};
+  if (m.region)
+    j["region"] = {{"voxel_mm", m.region->where.voxel_mm},
+                   {"radius_mm", m.region->where.radius_mm},
+                   {"points", m.region->where.line.size()},
+                   {"shell_points", m.region->shell_points},
+                   {"shell_area_mm2", m.region->shell_area_mm2}};
+  for (const CaseSource& s : m.sources)
+    j["sources"].push_back({{"stored_as", s.stored_as},
+                            {"format", s.format},
+                            {"unit", s.unit},
+                            {"unit_reason", s.unit_reason},
+                            {"vertices", s.vertices},
+                            {"triangles", s.triangles},
+                            {"sha256", s.sha256}});
+}
+
+json pairInfo(const CasePair& pair, const fs::path& folder) {
+  const fs::path partner = (folder / ".").lexically_normal().parent_path().parent_path() / pair.partner;
+  const auto other = readCaseManifest(partner);
+  const bool meets = other && other->pair && other->pair->frame == pair.frame;
+  return {{"frame", pair.frame}, {"partner", pair.partner}, {"partner_is_beside", meets}};
+}
+
 Expected<json> caseInfo(const fs::path& folder) {
   KERF_TRY(m, readCaseManifest(folder));
   json j{{"kind", "case"},
@@ -58,32 +89,10 @@ Expected<json> caseInfo(const fs::path& folder) {
          {"area_mm2", m.solid_area_mm2},
          {"shell_points", m.shell_points},
          {"shell_area_mm2", m.shell_area_mm2}};
-  for (const CaseMaterial& c : m.materials)
-    j["materials"].push_back({{"id", c.id}, {"number", c.number}, {"volume_mm3", c.volume_mm3}});
-  for (const CasePart& p : m.parts)
-    j["parts"].push_back(
-        {{"material", p.material}, {"origin", p.origin}, {"own_mm3", p.own_mm3}, {"volume_mm3", p.volume_mm3}});
-  if (m.gaps) j["gaps"] = {{"unclaimed_mm3", m.gaps->unclaimed_mm3}, {"forgotten_mm3", m.gaps->forgotten_mm3}};
-  if (m.region)
-    j["region"] = {{"voxel_mm", m.region->where.voxel_mm},
-                   {"radius_mm", m.region->where.radius_mm},
-                   {"points", m.region->where.line.size()},
-                   {"shell_points", m.region->shell_points},
-                   {"shell_area_mm2", m.region->shell_area_mm2}};
-  if (m.pair) {
-    const fs::path partner = (folder / ".").lexically_normal().parent_path().parent_path() / m.pair->partner;
-    const auto other = readCaseManifest(partner);
-    const bool meets = other && other->pair && other->pair->frame == m.pair->frame;
-    j["pair"] = {{"frame", m.pair->frame}, {"partner", m.pair->partner}, {"partner_is_beside", meets}};
-  }
-  for (const CaseSource& s : m.sources)
-    j["sources"].push_back({{"stored_as", s.stored_as},
-                            {"format", s.format},
-                            {"unit", s.unit},
-                            {"unit_reason", s.unit_reason},
-                            {"vertices", s.vertices},
-                            {"triangles", s.triangles},
-                            {"sha256", s.sha256}});
+
+  addContents(m, j);
+  if (m.pair) j["pair"] = pairInfo(*m.pair, folder);
+
   KERF_CHECK(requireSha256(folder / kCaseAnatomy, m.field_sha256, "bake the case again"));
   KERF_TRY(grids, inspectVdb(folder / kCaseAnatomy));
   for (const VdbGridInfo& g : grids)
@@ -133,6 +142,7 @@ json volumeInfo(const LabelVolume& v, const std::string& missing) {
     j["notes"] = {missing +
                   ": the file states no usable spacing, so there are no lengths and volumes; a recipe gives it "
                   "as `spacing = [x, y, z]` in mm"};
+
   for (const LabelCount& c : countLabels(v)) {
     json label{{"label", c.label}, {"voxels", c.voxels}};
     if (missing.empty()) label["volume_mm3"] = static_cast<double>(c.voxels) * v.voxelVolume();
@@ -146,19 +156,24 @@ Expected<json> infoOf(const std::string& what) {
   std::error_code ignored;
   if (isCase(path)) return caseInfo(path);
   if (isRun(path)) return runInfo(path);
+
   if (isLabelVolume(path)) {
     const auto volume = readLabelVolume(path);
     if (volume) return volumeInfo(*volume, "");
-    // Without a spacing the values can be told all the same.
+    // Without a spacing the labels can be counted all the same.
     const auto unplaced = readLabelVolume(path, {.spacing_mm = Vec3d::Ones()});
     if (unplaced && unplaced->is_spacing_given) return volumeInfo(*unplaced, volume.error().found);
     return fail(volume.error());
   }
+
   if (fs::exists(path, ignored)) return path.extension() == ".toml" ? toolInfo(path) : meshInfo(path);
   // No such path: perhaps a tool's id.
   if (const auto tool = findToolFile(what, defaultToolFolders())) return toolInfo(*tool);
-  return fail({Error::Code::kNotFound, what, "", "no such file, folder or tool",
-               "a mesh, a label volume, a case, a run, a tool file or a tool id", "kerf tool list"});
+  return fail({.code = Error::Code::kNotFound,
+               .file = what,
+               .found = "no such file, folder or tool",
+               .expected = "a mesh, a label volume, a case, a run, a tool file or a tool id",
+               .hint = "kerf tool list"});
 }
 
 // Keys and values, one a line, indented by depth: JSON for people.
@@ -186,32 +201,32 @@ void print(const json& j, int depth) {
   }
 }
 
+struct Arguments {
+  std::string what;
+  bool json = false;
+};
+
+int run(const Arguments& a) {
+  const auto info = infoOf(a.what);
+  if (!info) return complain(info.error());
+  if (a.json)
+    printJson(*info);
+  else
+    print(*info, 0);
+  return kOk;
+}
+
 }  // namespace
 
-void addInfo(CLI::App& app, int& exit_code) {
-  struct Arguments {
-    std::string what;
-    bool json = false;
-  };
+void addInfo(CLI::App& command, int& exit_code) {
   auto a = std::make_shared<Arguments>();
-  CLI::App* c = app.add_subcommand("info", "Describe a mesh, a label volume, a case, a run or a tool");
-  c->footer("Example: kerf info upper.ply");
-  c->add_option("PATH", a->what,
-                "mesh file, label volume (file or folder of slices), case folder, run folder, tool file or tool id")
+  command.footer("Example: kerf info upper.ply");
+  command
+      .add_option("PATH", a->what,
+                  "mesh file, label volume (file or folder of slices), case folder, run folder, tool file or tool id")
       ->required();
-  c->add_flag("--json", a->json, "as JSON on standard output");
-  c->callback([a, &exit_code] {
-    const auto info = infoOf(a->what);
-    if (!info) {
-      exit_code = complain(info.error());
-      return;
-    }
-    if (a->json)
-      printJson(*info);
-    else
-      print(*info, 0);
-    exit_code = kOk;
-  });
+  command.add_flag("--json", a->json, "as JSON on standard output");
+  command.callback([a, &exit_code] { exit_code = run(*a); });
 }
 
 }  // namespace kerf::cli

@@ -36,8 +36,17 @@ int complain(const Error& error) {
   return kFailed;
 }
 
+int complainOfUsage(const Error& error) {
+  complain(error);
+  return kUsage;
+}
+
 void printJson(const nlohmann::json& json) {
   fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+}
+
+std::string counted(std::size_t count, const std::string& noun) {
+  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
 }
 
 TerminalProgress::TerminalProgress() : is_terminal_(isatty(STDERR_FILENO) == 1), start_(seconds()) {
@@ -62,14 +71,13 @@ Progress TerminalProgress::callback() {
     if (is_terminal_ && (percent != last_percent_ || what != last_what_)) {
       last_percent_ = percent;
       last_what_ = what;
+
       const double spent = seconds() - start_;
       const std::string left = fraction > 0.05 && spent > 1
                                    ? fmt::format(", {:.0f} s left", spent * (1 - fraction) / fraction)
                                    : std::string();
-      std::fputs(fmt::format("\r\033[K[{:<20}] {:3d} %  {}{}", std::string(static_cast<std::size_t>(percent / 5), '#'),
-                             percent, what, left)
-                     .c_str(),
-                 stderr);
+      const std::string bar(static_cast<std::size_t>(percent / 5), '#');
+      std::fputs(fmt::format("\r\033[K[{:<20}] {:3d} %  {}{}", bar, percent, what, left).c_str(), stderr);
       std::fflush(stderr);
     }
     return true;

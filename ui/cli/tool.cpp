@@ -24,6 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 constexpr const char* kToolCopy = "tool.toml";
 
+// Of all sub-commands together: each reads its own.
 struct Arguments {
   std::vector<std::string> tools;
   std::vector<std::string> words;
@@ -32,7 +33,7 @@ struct Arguments {
   bool json = false, overwrite = false, all = false;
 };
 
-// Whether a text holds a word, in whatever case.
+// Whether a text holds a word, upper or lower case.
 bool mentions(const std::string& text, const std::string& word) {
   const auto same = [](char a, char b) {
     return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
@@ -55,8 +56,11 @@ std::string row(const Tool& tool) {
 int list(const Arguments& a) {
   const auto folders = defaultToolFolders();
   if (folders.empty())
-    return complain({Error::Code::kNotFound, "", "", "no tools folder", "a folder assets/tools",
-                     "set KERF_ASSETS to the folder that holds tools/"});
+    return complain({.code = Error::Code::kNotFound,
+                     .found = "no tools folder",
+                     .expected = "a folder assets/tools",
+                     .hint = "set KERF_ASSETS to the folder that holds tools/"});
+
   bool all_read = true;
   std::size_t shown = 0;
   nlohmann::json tools = nlohmann::json::array();
@@ -67,6 +71,7 @@ int list(const Arguments& a) {
       if (a.json) tools.push_back({{"file", listing.file.string()}, {"error", listing.error->message()}});
       continue;
     }
+
     const std::string line = row(*listing.tool);
     if (!std::all_of(a.words.begin(), a.words.end(), [&](const std::string& word) { return mentions(line, word); }))
       continue;
@@ -79,6 +84,7 @@ int list(const Arguments& a) {
       fmt::print("{}\n", line);
     }
   }
+
   if (a.json) printJson(tools);
   if (!a.json && shown == 0) fmt::print("No tool mentions that; kerf tool list shows all.\n");
   return all_read ? kOk : kFailed;
@@ -96,10 +102,14 @@ nlohmann::json withDrive(const Tool& tool) {
   return j;
 }
 
+// By id or file.
+Expected<Tool> toolNamed(const std::string& name) {
+  KERF_TRY(file, findToolFile(name, defaultToolFolders()));
+  return readTool(file);
+}
+
 int info(const Arguments& a) {
-  const auto file = findToolFile(a.tool, defaultToolFolders());
-  if (!file) return complain(file.error());
-  const auto tool = readTool(*file);
+  const auto tool = toolNamed(a.tool);
   if (!tool) return complain(tool.error());
   if (a.json)
     printJson(withDrive(*tool));
@@ -108,19 +118,58 @@ int info(const Arguments& a) {
   return kOk;
 }
 
-int check(const Arguments& a) {
+nlohmann::json jsonOf(const Tool& tool, const ToolCheck& c) {
+  return {{"id", tool.id},
+          {"voxel_mm", c.voxel_mm},
+          {"depth_mm", c.depth_mm},
+          {"block_width_mm", c.block_width_mm},
+          {"expected_mm3", c.expected_mm3},
+          {"removed_mm3", c.removed_mm3},
+          {"error_percent", c.errorPercent()},
+          {"passed", c.passed()}};
+}
+
+std::string verdict(const ToolCheck& c) {
+  return c.passed() ? "PASS" : fmt::format("FAIL (allowed {} %)", ToolCheck::kLargestError);
+}
+
+void printHead() {
+  fmt::print("{:<22} {:>8} {:>9} {:>13} {:>13} {:>8}\n", "id", "deep, mm", "voxel, mm", "removed, mm3", "expected, mm3",
+             "error, %");
+}
+
+void printRow(const Tool& tool, const ToolCheck& c) {
+  fmt::print("{:<22} {:>8.3g} {:>9.3g} {:>13.5f} {:>13.5f} {:>+8.3f}  {}\n", tool.id, c.depth_mm, c.voxel_mm,
+             c.removed_mm3, c.expected_mm3, c.errorPercent(), verdict(c));
+}
+
+void print(const Tool& tool, const ToolCheck& c) {
+  const std::string block =
+      c.block_width_mm > 0 ? fmt::format(" through {:.3g} mm of the blade", c.block_width_mm) : std::string();
+  fmt::print("{}\n", describe(tool));
+  fmt::print("  {:.3g} mm deep{}, voxel {:.3g} mm: removed {:.5f} mm3, by its numbers {:.5f} mm3, {:+.3f} %: {}\n",
+             c.depth_mm, block, c.voxel_mm, c.removed_mm3, c.expected_mm3, c.errorPercent(), verdict(c));
+}
+
+Expected<std::vector<fs::path>> filesToCheck(const Arguments& a) {
   std::vector<fs::path> files;
   if (a.all)
     for (const ToolListing& listing : listTools(defaultToolFolders())) files.push_back(listing.file);
   for (const std::string& name : a.tools) {
-    const auto file = findToolFile(name, defaultToolFolders());
-    if (!file) return complain(file.error());
-    files.push_back(*file);
+    KERF_TRY(file, findToolFile(name, defaultToolFolders()));
+    files.push_back(std::move(file));
   }
-  const bool is_table = files.size() > 1;
+  return files;
+}
+
+int check(const Arguments& a) {
+  const auto files = filesToCheck(a);
+  if (!files) return complain(files.error());
+
+  const bool is_table = files->size() > 1;
   std::size_t passed = 0;
   nlohmann::json results = nlohmann::json::array();
-  for (const fs::path& file : files) {
+  for (const fs::path& file : *files) {
     const auto tool = readTool(file);
     const auto result = tool ? checkTool(*tool, a.voxel) : Expected<ToolCheck>(fail(tool.error()));
     if (!result) {
@@ -129,51 +178,38 @@ int check(const Arguments& a) {
       continue;
     }
     passed += result->passed();
-    const std::string verdict =
-        result->passed() ? "PASS" : fmt::format("FAIL (allowed {} %)", ToolCheck::kLargestError);
     if (a.json) {
-      results.push_back({{"id", tool->id},
-                         {"voxel_mm", result->voxel_mm},
-                         {"depth_mm", result->depth_mm},
-                         {"block_width_mm", result->block_width_mm},
-                         {"expected_mm3", result->expected_mm3},
-                         {"removed_mm3", result->removed_mm3},
-                         {"error_percent", result->errorPercent()},
-                         {"passed", result->passed()}});
+      results.push_back(jsonOf(*tool, *result));
     } else if (is_table) {
-      if (file == files.front())
-        fmt::print("{:<22} {:>8} {:>9} {:>13} {:>13} {:>8}\n", "id", "deep, mm", "voxel, mm", "removed, mm3",
-                   "expected, mm3", "error, %");
-      fmt::print("{:<22} {:>8.3g} {:>9.3g} {:>13.5f} {:>13.5f} {:>+8.3f}  {}\n", tool->id, result->depth_mm,
-                 result->voxel_mm, result->removed_mm3, result->expected_mm3, result->errorPercent(), verdict);
+      if (file == files->front()) printHead();
+      printRow(*tool, *result);
     } else {
-      fmt::print("{}\n", describe(*tool));
-      const std::string block = result->block_width_mm > 0
-                                    ? fmt::format(" through {:.3g} mm of the blade", result->block_width_mm)
-                                    : std::string();
-      fmt::print("  {:.3g} mm deep{}, voxel {:.3g} mm: removed {:.5f} mm3, by its numbers {:.5f} mm3, {:+.3f} %: {}\n",
-                 result->depth_mm, block, result->voxel_mm, result->removed_mm3, result->expected_mm3,
-                 result->errorPercent(), verdict);
+      print(*tool, *result);
     }
   }
+
   if (a.json)
     printJson(results);
   else if (is_table)
-    fmt::print("{} of {} tools pass.\n", passed, files.size());
-  return passed == files.size() ? kOk : kFailed;
+    fmt::print("{} of {} tools pass.\n", passed, files->size());
+  return passed == files->size() ? kOk : kFailed;
+}
+
+Expected<void> copyInto(const fs::path& from, const fs::path& to, const std::string& output) {
+  std::error_code failed;
+  fs::copy_file(from, to, failed);
+  if (!failed) return {};
+  return fail({.code = Error::Code::kWriteFailed,
+               .file = output,
+               .found = failed.message(),
+               .expected = "a writable place with room"});
 }
 
 Expected<void> write(const Arguments& a, const fs::path& file, const Tool& tool, double voxel) {
   KERF_TRY(folder, AtomicFolder::create(a.output, a.overwrite, kToolCopy));
-  std::error_code failed;
-  fs::copy_file(file, folder.staging() / kToolCopy, failed);
-  if (failed)
-    return fail({Error::Code::kWriteFailed, a.output, "", failed.message(), "a writable place with room", ""});
-  if (tool.mesh) {
-    fs::copy_file(tool.mesh_file, folder.staging() / tool.mesh_file.filename(), failed);
-    if (failed)
-      return fail({Error::Code::kWriteFailed, a.output, "", failed.message(), "a writable place with room", ""});
-  }
+  KERF_CHECK(copyInto(file, folder.staging() / kToolCopy, a.output));
+  if (tool.mesh) KERF_CHECK(copyInto(tool.mesh_file, folder.staging() / tool.mesh_file.filename(), a.output));
+
   const auto sampled = [&](const ToolShape& shape) {
     return sampleDistance([&](const Vec3d& p) { return shape.distance(p); }, shape.bounds(), voxel);
   };
@@ -193,7 +229,11 @@ int bake(const Arguments& a) {
   if (!tool) return complain(tool.error());
   const double voxel = a.voxel == 0 ? defaultVoxel(*tool) : a.voxel;
   if (!(voxel >= 0.001 && voxel <= 1))  // CLI::Range lets "nan" pass
-    return complain({Error::Code::kBadValue, "", "--voxel", fmt::format("{} mm", voxel), "0.005 to 1 mm", ""});
+    return complain({.code = Error::Code::kBadValue,
+                     .place = "--voxel",
+                     .found = fmt::format("{} mm", voxel),
+                     .expected = "0.005 to 1 mm"});
+
   const TerminalProgress guard;  // Ctrl-C waits until the staging folder is gone
   if (const auto written = write(a, *file, *tool, voxel); !written) return complain(written.error());
   fmt::print("{} baked at {:.3g} mm voxels: {}\n", tool->id, voxel, a.output);
@@ -201,9 +241,7 @@ int bake(const Arguments& a) {
 }
 
 int draw(const Arguments& a) {
-  const auto file = findToolFile(a.tool, defaultToolFolders());
-  if (!file) return complain(file.error());
-  const auto tool = readTool(*file);
+  const auto tool = toolNamed(a.tool);
   if (!tool) return complain(tool.error());
   const fs::path output = a.output.empty() ? fs::path(tool->id + ".svg") : fs::path(a.output);
   auto svg = AtomicFile::create(output);
@@ -214,58 +252,80 @@ int draw(const Arguments& a) {
   return kOk;
 }
 
-int makeNew(const Arguments& a) {
-  const HeadShape* shape = findHeadShape(a.shape);
-  if (!shape) {
-    std::vector<std::string> names;
-    std::string all;
-    for (const HeadShape& s : headShapes()) {
-      names.emplace_back(s.name);
-      all += (all.empty() ? "" : ", ") + names.back();
-    }
-    return complain(
-        {Error::Code::kBadValue, "", "--shape", "\"" + a.shape + "\"", "one of " + all, nearestName(a.shape, names)});
+Expected<const HeadShape*> shapeNamed(const std::string& name) {
+  if (const HeadShape* shape = findHeadShape(name)) return shape;
+  std::vector<std::string> names;
+  std::string all;
+  for (const HeadShape& s : headShapes()) {
+    names.emplace_back(s.name);
+    all += (all.empty() ? "" : ", ") + names.back();
   }
-  const fs::path output = a.output.empty() ? fs::path(a.tool + ".toml") : fs::path(a.output);
-  if (a.tool.empty() || a.tool.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-") != std::string::npos)
-    return complain(
-        {Error::Code::kBadValue, "", "ID", "\"" + a.tool + "\"", "lower-case letters, digits and hyphens", "my-bur"});
-  if (output.filename() != a.tool + ".toml")
-    return complain({Error::Code::kBadValue, a.output, "--output", "another name than the id",
-                     "a file called " + a.tool + ".toml: a tool's id is its file's name", ""});
+  return fail({.code = Error::Code::kBadValue,
+               .place = "--shape",
+               .found = "\"" + name + "\"",
+               .expected = "one of " + all,
+               .hint = nearestName(name, names)});
+}
+
+// Whether a tool of that id can be written to that file: a tool's id is its file's name.
+Expected<void> requireUsable(const std::string& id, const fs::path& output, bool overwrite) {
+  if (id.empty() || id.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-") != std::string::npos)
+    return fail({.code = Error::Code::kBadValue,
+                 .place = "ID",
+                 .found = "\"" + id + "\"",
+                 .expected = "lower-case letters, digits and hyphens",
+                 .hint = "my-bur"});
+  if (output.filename() != id + ".toml")
+    return fail({.code = Error::Code::kBadValue,
+                 .file = output.string(),
+                 .place = "--output",
+                 .found = "another name than the id",
+                 .expected = "a file called " + id + ".toml: a tool's id is its file's name"});
   std::error_code ignored;
-  if (fs::exists(output, ignored) && !a.overwrite)
-    return complain({Error::Code::kWriteFailed, output.string(), "", "exists already", "a new file",
-                     "another id, or --force to replace it"});
+  if (fs::exists(output, ignored) && !overwrite)
+    return fail({.code = Error::Code::kWriteFailed,
+                 .file = output.string(),
+                 .found = "exists already",
+                 .expected = "a new file",
+                 .hint = "another id, or --force to replace it"});
+  return {};
+}
+
+int makeNew(const Arguments& a) {
+  const auto shape = shapeNamed(a.shape);
+  if (!shape) return complain(shape.error());
+  const fs::path output = a.output.empty() ? fs::path(a.tool + ".toml") : fs::path(a.output);
+  if (const auto usable = requireUsable(a.tool, output, a.overwrite); !usable) return complain(usable.error());
+
   auto toml = AtomicFile::create(output);
   if (!toml) return complain(toml.error());
-  toml->stream() << toolTemplate(*shape, a.tool);
+  toml->stream() << toolTemplate(**shape, a.tool);
   if (const auto written = toml->commit(); !written) return complain(written.error());
-  const std::string quoted = output.string();
-  fmt::print("written: {0}\nedit it, then: kerf tool check {0}\n", quoted);
+  fmt::print("written: {0}\nedit it, then: kerf tool check {0}\n", output.string());
   return kOk;
 }
 
 }  // namespace
 
-void addTool(CLI::App& app, int& exit_code) {
+void addTool(CLI::App& command, int& exit_code) {
   auto a = std::make_shared<Arguments>();
-  CLI::App* c = app.add_subcommand("tool", "List, check, draw, start and bake tools");
-  c->require_subcommand(1);
+  command.footer("Example: kerf tool list pear");
+  command.require_subcommand(1);
 
-  CLI::App* l = c->add_subcommand("list", "Tools found in $KERF_ASSETS/tools and beside the program");
+  CLI::App* l = command.add_subcommand("list", "Tools found in $KERF_ASSETS/tools and beside the program");
   l->footer("Example: kerf tool list pear");
   l->add_option("WORD", a->words, "only tools whose line holds all of these words");
   l->add_flag("--json", a->json, "as JSON on standard output");
   l->callback([a, &exit_code] { exit_code = list(*a); });
 
-  CLI::App* i = c->add_subcommand("info", "A tool's numbers, its drive, and what its ISO 6360 code says");
+  CLI::App* i = command.add_subcommand("info", "A tool's numbers, its drive, and what its ISO 6360 code says");
   i->footer("Example: kerf tool info 856-016");
   i->add_option("ID|FILE", a->tool, "tool id or TOML file")->required();
   i->add_flag("--json", a->json, "as JSON on standard output");
   i->callback([a, &exit_code] { exit_code = info(*a); });
 
-  CLI::App* k = c->add_subcommand("check", "Plunge tools into a block; compare what is gone with the closed formula");
+  CLI::App* k =
+      command.add_subcommand("check", "Plunge tools into a block; compare what is gone with the closed formula");
   k->footer("Example: kerf tool check round-014 my-tool.toml");
   auto* ids = k->add_option("ID|FILE", a->tools, "tool ids or TOML files; several make a table");
   auto* all = k->add_flag("--all", a->all, "every tool there is");
@@ -278,13 +338,13 @@ void addTool(CLI::App& app, int& exit_code) {
     exit_code = check(*a);
   });
 
-  CLI::App* d = c->add_subcommand("draw", "Draw a tool with its dimensions (SVG)");
+  CLI::App* d = command.add_subcommand("draw", "Draw a tool with its dimensions (SVG)");
   d->footer("Example: kerf tool draw 856-016 -o 856-016.svg");
   d->add_option("ID|FILE", a->tool, "tool id or TOML file")->required();
   d->add_option("-o,--output", a->output, "SVG file to write; default: ID.svg");
   d->callback([a, &exit_code] { exit_code = draw(*a); });
 
-  CLI::App* n = c->add_subcommand("new", "Write a tool file to start from, every key explained");
+  CLI::App* n = command.add_subcommand("new", "Write a tool file to start from, every key explained");
   n->footer("Example: kerf tool new my-taper --shape taper_round");
   n->add_option("ID", a->tool, "the new tool's id: lower-case letters, digits, hyphens")->required();
   n->add_option("--shape", a->shape, "shape of its head: round, taper_round, profile, ... (a wrong one lists all)")
@@ -293,7 +353,7 @@ void addTool(CLI::App& app, int& exit_code) {
   n->add_flag("--force", a->overwrite, "replace an existing file");
   n->callback([a, &exit_code] { exit_code = makeNew(*a); });
 
-  CLI::App* b = c->add_subcommand("bake", "Write a tool's distance fields (OpenVDB) and its mesh into a folder");
+  CLI::App* b = command.add_subcommand("bake", "Write a tool's distance fields (OpenVDB) and its mesh into a folder");
   b->footer("Example: kerf tool bake round-014 -o round-014.tool");
   b->add_option("ID|FILE", a->tool, "tool id or TOML file")->required();
   b->add_option("-o,--output", a->output, "folder to write")->required();

@@ -9,7 +9,8 @@
 
 #include "geometry/case/case_bundle.h"
 #include "geometry/formats/mesh_io.h"
-#include "sim/run/run_bundle.h"
+#include "sim/run/export_bundle.h"
+#include "sim/run/run_files.h"
 #include "ui/window/tissue_view.h"
 
 namespace kerf {

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "sim/run/log_sink.h"
 #include "tests/sim/block_scene.h"
 #include "tests/support/temporary_file.h"
 

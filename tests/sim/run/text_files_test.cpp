@@ -11,7 +11,7 @@
 #include "geometry/formats/mesh_writer.h"
 #include "geometry/tool/tool_file.h"
 #include "sim/hand/path.h"
-#include "sim/run/run_bundle.h"
+#include "sim/run/run_manifest.h"
 #include "tests/geometry/ball_mesh.h"
 #include "tests/support/temporary_folder.h"
 

@@ -6,6 +6,7 @@
 
 #include <filesystem>
 
+#include "sim/run/log_sink.h"
 #include "sim/run/replay.h"
 #include "tests/sim/block_scene.h"
 #include "tests/support/allocation_guard.h"

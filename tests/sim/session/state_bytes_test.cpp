@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <random>
 
+#include "sim/run/log_sink.h"
 #include "sim/run/replay.h"
 #include "tests/sim/block_scene.h"
 #include "tests/support/temporary_file.h"

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "geometry/tool/tool_file.h"
+#include "sim/run/log_sink.h"
 #include "sim/run/replay.h"
 #include "sim/step/contact_evaluation.h"
 #include "sim/step/contact_points.h"

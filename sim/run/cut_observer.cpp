@@ -1,0 +1,259 @@
+#include "sim/run/cut_observer.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+
+#include "geometry/base/hash.h"
+#include "geometry/base/version.h"
+#include "sim/monitor/monitor.h"
+#include "sim/monitor/vibration.h"
+#include "sim/monitor/wave_file.h"
+#include "sim/run/log_sink.h"
+#include "sim/run/run_output.h"
+
+namespace kerf::internal {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr const char* kForces = "forces.csv";
+constexpr const char* kSound = "sound.wav";
+constexpr std::uint32_t kSoundRate = 48'000;
+
+// ---- Session log: session.kerflog
+
+class SessionLogFile final : public CutObserver {
+ public:
+  explicit SessionLogFile(SessionLogWriter writer) : writer_(std::move(writer)), sink_(writer_) {}
+  SessionSink& sink() { return sink_; }
+  void tick(const CutTick&) override {}  // the session has told the sink
+  Expected<void> close() override { return sink_.close(); }
+
+ private:
+  SessionLogWriter writer_;
+  LogSink sink_;
+};
+
+Expected<SessionLogWriter> startLog(const CutScene& scene, const fs::path& staging) {
+  const CutInputs& in = scene.inputs;
+  KERF_TRY(tool_hash, sha256OfFile(in.tool_file));
+  SessionHeader header{{"kerf_version", kVersion},
+                       {"case_id", in.manifests.front().id},
+                       {"tool", in.tool.id},
+                       {"tool_sha256", tool_hash}};
+  for (std::size_t n = 1; n < in.manifests.size(); ++n) header.emplace_back(neighbourKey(n), in.manifests[n].id);
+  // The header describes the session and is written before it: a session without a log tells what to write.
+  const SessionHeader settings = describe(Session(scene.model, {scene.objects.front()}, scene.start()));
+  header.insert(header.end(), settings.begin(), settings.end());
+  return SessionLogWriter::create(staging / kRunLog, header);
+}
+
+// ---- Temperature, distances and neighbours
+
+// What two objects have in common, mm^3: nodes of one that lie in the other.
+double overlapOf(const BakedObject& a, const BakedObject& b) {
+  const double scale = b.voxel() / a.voxel();
+  std::size_t nodes = 0;
+  for (const BakedObject::Slot& slot : b.slots()) {
+    const Vec3i base = kBrickSide * slot.brick;
+    const auto inOfA = [&](const Vec3i& node) -> Vec3i {
+      return (scale * node.cast<double>()).array().round().matrix().cast<int>();
+    };
+    const Vec3i low = brickOf(inOfA(base)) - a.directoryLow();
+    const Vec3i high = brickOf(inOfA(base + Vec3i::Constant(kBrickSide - 1))) - a.directoryLow();
+    if ((high.array() < 0).any() || (low.array() >= a.directorySize().array()).any()) continue;
+
+    for (int n = 0; n < kBrickNodes; ++n)
+      if (slot.phi[n] <= 0 && a.phi0().at(inOfA(base + Vec3i(n >> 6, n >> 3 & 7, n & 7))) <= 0) ++nodes;
+  }
+  return static_cast<double>(nodes) * b.voxel() * b.voxel() * b.voxel();
+}
+
+class MonitorObserver final : public CutObserver {
+ public:
+  MonitorObserver(const CutScene& scene, Monitor monitor) : scene_(scene), monitor_(std::move(monitor)) {}
+  const Monitor& monitor() const { return monitor_; }
+  void tick(const CutTick& tick) override { monitor_.tick(tick.sample, tick.output, tick.objects); }
+
+  void addTo(HapticSummary& summary, std::span<const CutObject> objects) const override {
+    summary.hottest_c = monitor_.hottest();
+    summary.pulp_rise = monitor_.mostPulpRise();
+    summary.bone_limit_s = monitor_.alarms().bone_warm;
+    summary.pulp_limit_s = monitor_.alarms().pulp;
+    for (const Monitor::Structure& structure : monitor_.structures()) {
+      if (structure.least < 1e8) summary.least_distance_mm[structure.id] = structure.least;
+      if (structure.object > 0) summary.beside.push_back(neighbour(structure, objects[structure.object]));
+    }
+  }
+
+ private:
+  HapticSummary::Neighbour neighbour(const Monitor::Structure& structure, const CutObject& object) const {
+    const BakedObject& baked = *scene_.objects[structure.object];
+    HapticSummary::Neighbour out;
+    out.id = structure.id;
+    out.case_path = scene_.inputs.paths[structure.object];
+    out.case_id = scene_.inputs.manifests[structure.object].id;
+    out.initial_mm3 = sumOf(baked.volumes());
+    out.removed_mm3 = structure.removed_mm3;
+    out.removed_by_material = byMaterial(object.removed_mm3, scene_.materials);
+    out.seconds_touched = static_cast<double>(structure.ticks_touched) * kTick;
+    out.seconds_in = static_cast<double>(structure.ticks_in) * kTick;
+    out.overlap_mm3 = overlapOf(scene_.object(), baked);
+    return out;
+  }
+
+  const CutScene& scene_;
+  Monitor monitor_;
+};
+
+// ---- Forces, loads and speeds of the summary
+
+class LoadStatistics final : public CutObserver {
+ public:
+  /// @param nominal_speed  of the tool's drive.
+  explicit LoadStatistics(double nominal_speed) : nominal_speed_(nominal_speed) {}
+
+  void tick(const CutTick& tick) override {
+    const StepOutput& out = tick.output;
+    sum_.work += out.power * kTick;
+
+    const double contact = out.contact.force.norm();
+    if (out.touching > 0) {
+      ++ticks_in_contact_;
+      contact_sum_ += contact;
+      load_sum_ += out.normal_load;
+    }
+    sum_.peak_contact_force = std::max(sum_.peak_contact_force, contact);
+    sum_.peak_hand_force = std::max(sum_.peak_hand_force, out.force.force.norm());
+
+    const double nominal = tick.sample.pedal * nominal_speed_;
+    const double relative = nominal > 0 ? out.speed / nominal : 0;
+    has_come_up_ = nominal > 0 && (has_come_up_ || relative > 0.98);
+    if (has_come_up_) sum_.least_speed = std::min(sum_.least_speed, relative);
+
+    sum_.too_fast += (out.status & kStepTooFast) != 0;
+    sum_.out_of_bricks += (out.status & (kStepBricksRanOut | kStepNearRanOut)) != 0;
+    sum_.clamped += (out.status & kStepForceClamped) != 0;
+    sum_.clipped += (out.status & kStepFillClipped) != 0;
+  }
+
+  void addTo(HapticSummary& summary, std::span<const CutObject>) const override {
+    summary.work = sum_.work;
+    summary.peak_contact_force = sum_.peak_contact_force;
+    summary.peak_hand_force = sum_.peak_hand_force;
+    summary.least_speed = sum_.least_speed;
+    summary.too_fast = sum_.too_fast;
+    summary.out_of_bricks = sum_.out_of_bricks;
+    summary.clamped = sum_.clamped;
+    summary.clipped = sum_.clipped;
+
+    summary.seconds_in_contact = static_cast<double>(ticks_in_contact_) * kTick;
+    if (ticks_in_contact_ == 0) return;
+    summary.mean_contact_force = contact_sum_ / static_cast<double>(ticks_in_contact_);
+    summary.mean_normal_load = load_sum_ / static_cast<double>(ticks_in_contact_);
+  }
+
+ private:
+  double nominal_speed_;
+  HapticSummary sum_;  // the fields of which this class is in charge
+  double contact_sum_ = 0, load_sum_ = 0;
+  std::uint64_t ticks_in_contact_ = 0;
+  bool has_come_up_ = false;
+};
+
+// ---- One row a tick: forces.csv
+
+class ForcesTable final : public CutObserver {
+ public:
+  /// @param monitor  told of each tick before this; kept by reference.
+  ForcesTable(const fs::path& staging, fs::path run_folder, const Monitor& monitor, std::size_t objects)
+      : out_(staging / kForces, std::ios::binary), run_folder_(std::move(run_folder)), monitor_(monitor) {
+    out_ << "t_s,x_mm,y_mm,z_mm,contact_x_N,contact_y_N,contact_z_N,hand_x_N,hand_y_N,hand_z_N,normal_load_N,"
+            "overlap_mm,removed_mm3,added_mm3,speed,drive_load,touching,temperature_C";
+    for (const Monitor::Structure& structure : monitor_.structures()) out_ << "," << structure.id << "_mm";
+    for (std::size_t n = 1; n < objects; ++n) out_ << "," << neighbourId(n) << "_removed_mm3";
+    out_ << "\n";
+  }
+
+  void tick(const CutTick& tick) override {
+    const StepOutput& out = tick.output;
+    const Vec3d &p = out.T_world_tool.translation, &f = out.contact.force, &g = out.force.force;
+    out_ << fmt::format(
+        "{:.3f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.9f},"
+        "{:.9f},{:.3f},{:.6f},{},{:.3f}",
+        static_cast<double>(tick.ticks) * kTick, p[0], p[1], p[2], f[0], f[1], f[2], g[0], g[1], g[2], out.normal_load,
+        out.deepest, tick.removed_mm3, tick.added_mm3, out.speed, out.drive_load, out.touching, monitor_.temperature());
+    for (const Monitor::Structure& structure : monitor_.structures())
+      out_ << fmt::format(",{:.4f}", structure.distance);
+    for (const Monitor::Structure& structure : monitor_.structures())
+      if (structure.object > 0) out_ << fmt::format(",{:.9f}", structure.removed_mm3);
+    out_ << "\n";
+  }
+
+  Expected<void> close() override {
+    out_.close();
+    if (out_) return {};
+    return fail({.code = Error::Code::kWriteFailed,
+                 .file = run_folder_.string(),
+                 .place = kForces,
+                 .found = "could not be written",
+                 .expected = "a writable place with room",
+                 .hint = "free some space"});
+  }
+
+ private:
+  std::ofstream out_;
+  fs::path run_folder_;
+  const Monitor& monitor_;
+};
+
+// ---- The sound of the tool: sound.wav
+
+class SoundFile final : public CutObserver {
+ public:
+  SoundFile(const fs::path& staging, const VibrationSource& source)
+      : file_(staging / kSound, kSoundRate), vibration_(source, kSoundRate) {}
+
+  void tick(const CutTick& tick) override {
+    const StepOutput& out = tick.output;
+    vibration_.render({out.speed, std::min(1.0, out.cutting_load / kFirmLoad), out.material}, samples_);
+    file_.add(samples_);
+  }
+  Expected<void> close() override { return file_.close(); }
+
+ private:
+  WaveFile file_;
+  Vibration vibration_;
+  std::array<float, kSoundRate / 1000> samples_;  // of one tick
+};
+
+}  // namespace
+
+// A new observer: its class above, one line here.
+Expected<CutObservers> CutObservers::make(const CutScene& scene, const HapticCutOptions& options,
+                                          const fs::path& staging, const fs::path& run_folder) {
+  const ToolModel& tool = scene.model.tools.front();
+  KERF_TRY(monitor, Monitor::make(scene.objects, tool));
+  KERF_TRY(log, startLog(scene, staging));
+
+  CutObservers out;
+  out.log_ = &out.add<SessionLogFile>(std::move(log)).sink();
+  const MonitorObserver& watch = out.add<MonitorObserver>(scene, std::move(monitor));
+  out.add<LoadStatistics>(tool.drive.speed);
+  out.add<ForcesTable>(staging, run_folder, watch.monitor(), scene.objects.size());
+  if (options.with_sound) out.add<SoundFile>(staging, vibrationSource(scene.inputs.tool, tool.drive));
+  return out;
+}
+
+Expected<void> CutObservers::close() {
+  Expected<void> first;
+  for (const auto& observer : all_) {
+    auto closed = observer->close();
+    if (first && !closed) first = std::move(closed);
+  }
+  return first;
+}
+
+}  // namespace kerf::internal

@@ -1,0 +1,86 @@
+#include "sim/run/cut_scene.h"
+
+#include <fmt/format.h>
+
+#include <span>
+#include <utility>
+
+#include "geometry/tool/tool_file.h"
+#include "sim/hand/virtual_hand.h"
+#include "sim/run/load_scene.h"
+#include "sim/run/run_output.h"
+
+namespace kerf::internal {
+namespace {
+
+namespace fs = std::filesystem;
+
+Expected<void> addCase(CutInputs& inputs, const fs::path& folder, const fs::path& run_folder) {
+  KERF_TRY(manifest, readCaseManifest(folder));
+  for (std::size_t n = 0; n < inputs.manifests.size(); ++n)
+    if (inputs.manifests[n].id == manifest.id)
+      return fail({.code = Error::Code::kBadValue,
+                   .file = folder.string(),
+                   .place = "--beside",
+                   .found = "the same case as " + inputs.folders[n].string() + ": two solids in one place",
+                   .expected = "another tooth or jaw of the same scan frame",
+                   .hint = "give each case once"});
+  KERF_TRY(path, relativeCasePath(folder, run_folder));
+  inputs.folders.push_back(folder);
+  inputs.manifests.push_back(std::move(manifest));
+  inputs.paths.push_back(std::move(path));
+  return {};
+}
+
+Expected<void> requireTissues(const CutScene& scene) {
+  for (std::size_t n = 0; n < scene.objects.size(); ++n)
+    for (std::size_t m = 0; m < scene.model.tissues.size(); ++m)
+      if (scene.objects[n]->volumes()[m] > 0 && !scene.model.tissues[m].is_in_table)
+        return fail({.code = Error::Code::kNotFound,
+                     .file = scene.inputs.folders[n].string(),
+                     .place = fmt::format("material {}", m),
+                     .found = "not in the table of materials",
+                     .expected = "a row that says how it cuts; there are " + scene.materials.ids(),
+                     .hint = "KERF_ASSETS, or bake the case again"});
+  return {};
+}
+
+}  // namespace
+
+Expected<CutInputs> readInputs(const fs::path& case_folder, const std::vector<fs::path>& beside,
+                               const fs::path& tool_file, const fs::path& path_file, const fs::path& run_folder) {
+  if (beside.size() >= kMostObjects)
+    return fail({.code = Error::Code::kBadValue,
+                 .place = "--beside",
+                 .found = fmt::format("{} cases", beside.size()),
+                 .expected = fmt::format("at most {}", kMostObjects - 1),
+                 .hint = "the nearest ones"});
+
+  CutInputs inputs;
+  KERF_CHECK(addCase(inputs, case_folder, run_folder));
+  for (const fs::path& folder : beside) KERF_CHECK(addCase(inputs, folder, run_folder));
+  KERF_TRY(tool, readTool(tool_file));
+  KERF_TRY(path, readPath(path_file));
+  inputs.tool_file = tool_file;
+  inputs.path_file = path_file;
+  inputs.tool = std::move(tool);
+  inputs.path = std::move(path);
+  return inputs;
+}
+
+Rigid3 CutScene::start() const { return poseAt(inputs.path, 0); }
+
+Expected<CutScene> loadScene(CutInputs inputs, const StepSettings& settings) {
+  LoadedObjects objects;
+  for (const fs::path& folder : inputs.folders) {
+    KERF_TRY(object, loadObject(folder));
+    objects.push_back(std::move(object));
+  }
+  KERF_TRY(materials, readDefaultMaterials());
+  KERF_TRY(model, makeModel(std::span(&inputs.tool, 1), settings, widestBand(objects)));
+  CutScene scene{std::move(inputs), std::move(objects), std::move(materials), std::move(model)};
+  KERF_CHECK(requireTissues(scene));
+  return scene;
+}
+
+}  // namespace kerf::internal

@@ -1,0 +1,179 @@
+#include "sim/run/export_bundle.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "geometry/base/hash.h"
+#include "geometry/boolean/removed_solid.h"
+#include "geometry/case/case_bundle.h"
+#include "geometry/tool/sweep.h"
+#include "geometry/tool/tool_file.h"
+#include "sim/hand/path.h"
+#include "sim/run/run_files.h"
+#include "sim/run/run_output.h"
+
+namespace kerf {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Vertices that only cut triangles touch; at most about `most` of them, evenly chosen.
+std::vector<Vec3d> wallVertices(const PostOpMesh& result, std::size_t most) {
+  std::vector<char> wall(result.mesh.vertices.size(), 1);
+  for (std::size_t t = 0; t < result.mesh.triangles.size(); ++t)
+    if (!result.is_cut[t])
+      for (const std::uint32_t v : result.mesh.triangles[t]) wall[v] = 0;
+
+  std::vector<Vec3d> points;
+  for (std::size_t v = 0; v < wall.size(); ++v)
+    if (wall[v]) points.push_back(result.mesh.vertices[v]);
+  const std::size_t stride = points.size() / most + 1;
+  std::vector<Vec3d> sampled;
+  for (std::size_t i = 0; i < points.size(); i += stride) sampled.push_back(points[i]);
+  return sampled;
+}
+
+// Distance of wall vertices to the exact sweep.
+Expected<WallAccuracy> measureWalls(const fs::path& run_folder, const RunManifest& m, const PostOpMesh& result) {
+  constexpr std::size_t kSamples = 4000;
+  KERF_TRY(tool, readTool(run_folder / internal::kRunToolCopy));
+  KERF_TRY(path, readPath(run_folder / m.path_file));
+  const std::vector<Vec3d> points = wallVertices(result, kSamples);
+
+  const double far = 4 * m.voxel_mm;
+  std::vector<double> nearest(points.size(), far);
+  for (std::size_t s = 0; s + 1 < path.poses.size(); ++s) {
+    if (!path.cuts[s]) continue;
+    const SweptTool sweep(*tool.cut, path.poses[s].T_object_tool, path.poses[s + 1].T_object_tool);
+    Box3 box = sweep.bounds();
+    box.grow(far);
+    for (std::size_t i = 0; i < points.size(); ++i)
+      if (box.contains(points[i])) nearest[i] = std::min(nearest[i], sweep.distance(points[i], nearest[i], 1e-6, -far));
+  }
+
+  WallAccuracy out;
+  double squares = 0;
+  for (const double d : nearest) {
+    squares += d * d;
+    out.max_mm = std::max(out.max_mm, std::abs(d));
+  }
+  out.vertices = nearest.size();
+  out.rms_mm = nearest.empty() ? 0 : std::sqrt(squares / static_cast<double>(nearest.size()));
+  return out;
+}
+
+// Somewhere phi < phi0: material was added.
+bool liesDeeper(const BrickField& phi, const BrickField& phi0) {
+  for (std::size_t b = 0; b < phi.brickCount(); ++b) {
+    const BrickValues* const before = phi0.valuesAt(phi.brickCoord(b));
+    const float constant = phi0.constantAt(phi.brickCoord(b));
+    for (std::size_t n = 0; n < kBrickNodes; ++n)
+      if (phi.brick(b)[n] < (before ? (*before)[n] : constant)) return true;
+  }
+  return false;
+}
+
+// A case and what a run did to it.
+struct CutCase {
+  Mesh solid;
+  BrickField phi0;  // on the grid of `cut`
+  BrickField cut;   // the sweep of a run cut geometry-only, else the cut field
+};
+
+Expected<CutCase> loadCut(const fs::path& run_folder, const RunManifest& manifest, const fs::path& case_folder,
+                          std::size_t beside) {
+  KERF_TRY(in_case, readCaseManifest(case_folder));
+  KERF_TRY(solid, readCaseSolid(case_folder));
+  KERF_TRY(phi0, readCaseField(case_folder));
+  const bool is_geometry = manifest.mode == kModeGeometry;
+  KERF_TRY(cut, is_geometry ? readRunSweep(run_folder) : readRunCutField(run_folder, beside));
+  const char* const advice = "cut again; a run is never edited";
+  KERF_CHECK(requireSha256(run_folder / internal::kRunToolCopy, manifest.tool_sha256, advice));
+  KERF_CHECK(requireSha256(run_folder / manifest.path_file, manifest.path_sha256, advice));
+
+  if (const auto& region = in_case.region; region && cut.voxel() == region->where.voxel_mm) {
+    KERF_TRY(fine, readCaseRegionField(case_folder));
+    phi0 = std::move(fine);
+  }
+  if (cut.voxel() != phi0.voxel())
+    return fail({.code = Error::Code::kBadValue,
+                 .file = (run_folder / internal::kRunField).string(),
+                 .place = is_geometry ? "grid sweep" : "grid phi",
+                 .found = fmt::format("{} mm voxels", cut.voxel()),
+                 .expected = fmt::format("{} mm, as in the case", phi0.voxel()),
+                 .hint = "cut again"});
+  return CutCase{std::move(solid), std::move(phi0), std::move(cut)};
+}
+
+// The solid with the removed one taken away and, if there is such, the added one united with it.
+Expected<PostOpMesh> meshOf(const CutCase& loaded, bool is_geometry, const PostOpOptions& options,
+                            const Progress& progress) {
+  const bool has_added = !is_geometry && liesDeeper(loaded.cut, loaded.phi0);
+  BrickField removed =
+      is_geometry ? removedFieldFromSweep(loaded.phi0, loaded.cut) : removedFieldFromCut(loaded.phi0, loaded.cut);
+  BrickField added;
+  if (has_added) {
+    added = addedFieldFromFill(loaded.phi0, loaded.cut);
+    clearAwayFromInside(removed);
+    clearAwayFromInside(added);
+  }
+  return postOperativeMesh(loaded.solid, removed, options, progress, has_added ? &added : nullptr);
+}
+
+Expected<Export> exportCase(const fs::path& folder, const PostOpOptions& options, const Progress& progress) {
+  KERF_TRY(manifest, readCaseManifest(folder));
+  KERF_TRY(solid, readCaseSolid(folder));
+  const BrickField nothing(manifest.voxel_mm, static_cast<float>(4 * manifest.voxel_mm));
+  KERF_TRY(mesh, postOperativeMesh(solid, nothing, options, progress));
+  Export out;
+  out.post_op = std::move(mesh);
+  return out;
+}
+
+Expected<Export> exportRun(const fs::path& folder, const PostOpOptions& options, const Progress& progress,
+                           std::size_t beside) {
+  KERF_TRY(manifest, readRunManifest(folder));
+  KERF_CHECK(internal::requireBeside(folder, manifest, beside));
+  KERF_TRY(case_folder, internal::locateCase(folder, manifest, beside));
+  if (!report(progress, 0.0, "loading")) return internal::nothingWritten();
+  KERF_TRY(loaded, loadCut(folder, manifest, case_folder, beside));
+
+  const bool is_geometry = manifest.mode == kModeGeometry;
+  auto result = meshOf(loaded, is_geometry, options, progress);
+  if (!result) {
+    result.error().file = folder.string();
+    return fail(result.error());
+  }
+  Export out;
+  out.post_op = std::move(*result);
+
+  // The mesh is made and verified: a measurement that fails does not take it away.
+  if (!is_geometry)
+    out.accuracy_missing = "cut against resistance: the tool went where force let it, there is no exact sweep";
+  else if (const auto accuracy = measureWalls(folder, manifest, out.post_op))
+    out.accuracy = *accuracy;
+  else
+    out.accuracy_missing = accuracy.error().message();
+  return out;
+}
+
+}  // namespace
+
+Expected<Export> exportBundle(const fs::path& bundle, const PostOpOptions& options, const Progress& progress,
+                              std::size_t beside) {
+  if (isCase(bundle)) {
+    KERF_CHECK(internal::requireBeside(bundle, {}, beside));
+    return exportCase(bundle, options, progress);
+  }
+  if (isRun(bundle)) return exportRun(bundle, options, progress, beside);
+  return fail({.code = Error::Code::kNotFound,
+               .file = bundle.string(),
+               .found = "neither a run nor a case",
+               .expected = "a folder with run.toml or case.toml",
+               .hint = "kerf bake, then kerf cut"});
+}
+
+}  // namespace kerf

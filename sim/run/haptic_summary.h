@@ -1,0 +1,67 @@
+// What a cut against resistance came to: summary.json.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "geometry/field/material.h"
+
+namespace kerf {
+
+/// Every force in N, volume mm^3. Volumes are the case's, forces of all that the tool met.
+struct HapticSummary {
+  std::uint64_t ticks = 0;
+  double seconds = 0;
+  bool is_complete = false;  ///< the virtual hand came to the end of its path
+  std::string ended;         ///< why it ended
+
+  double removed_mm3 = 0, remaining_mm3 = 0, initial_mm3 = 0;
+  double added_mm3 = 0;
+  std::map<std::string, double> removed_by_material;  ///< by id
+  /// By id. Of a surface that was covered < 0: its edge has a new id.
+  std::map<std::string, double> added_by_material;
+
+  double mean_contact_force = 0, peak_contact_force = 0;  ///< mean over ticks in contact
+  double mean_normal_load = 0, peak_hand_force = 0;
+  double seconds_in_contact = 0;
+  double work = 0;         ///< of the drive into the tissue, N mm
+  double least_speed = 1;  ///< of the nominal while it was on and had come up to speed
+  std::uint64_t too_fast = 0, out_of_bricks = 0, clamped = 0, clipped = 0;  ///< ticks with that status
+
+  double hottest_c = 37;                        ///< under the tool, C
+  double pulp_rise = 0;                         ///< most, K
+  double bone_limit_s = -1, pulp_limit_s = -1;  ///< when 47 C and +5.5 K were first passed, s; < 0: never
+  /// From what cuts of the tool to pulp, nerve canal and the cases beside ("beside_1"), if it came near; < 0: in it.
+  std::map<std::string, double> least_distance_mm;
+
+  /// A further case of the scene.
+  struct Neighbour {
+    std::string id, case_path, case_id;  ///< "beside_1"; the path from the run
+    double initial_mm3 = 0, removed_mm3 = 0;
+    std::map<std::string, double> removed_by_material;
+    double seconds_touched = 0;  ///< by any part of the tool, neck and shank, too
+    double seconds_in = 0;       ///< for so long what cuts was in it, as it was loaded, while something was cut
+    double overlap_mm3 = 0;      ///< with the case, as loaded: there the tool meets both. To a layer of half a voxel
+  };
+  std::vector<Neighbour> beside;
+
+  std::size_t pieces = 0, crumbs = 0;  ///< what the object split into, parts below 0.1 mm^3 apart
+  std::string state_hash;
+};
+
+/// summary.json.
+std::string toJson(const HapticSummary& summary);
+
+namespace internal {
+
+using VolumeByNumber = std::array<double, 256>;  ///< mm^3, by a material's number
+
+double sumOf(const VolumeByNumber& volumes);
+/// By id; of a number that the table lacks "material N". Materials without volume are left out.
+std::map<std::string, double> byMaterial(const VolumeByNumber& volumes, const MaterialTable& materials);
+
+}  // namespace internal
+}  // namespace kerf

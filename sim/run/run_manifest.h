@@ -1,0 +1,63 @@
+// The manifest of a run bundle: run.toml, which says what was cut, with what, and what came of it.
+//
+// A run bundle is a folder that holds one cutting session on a case:
+//
+//   run.toml     manifest: case, tool, path, result
+//   tool.toml    the tool as used, with its mesh if it has one        path.csv | path.toml   the path as used
+//   run.vdb      grids phi (the cut field, bricks that changed) and, geometry only, sweep (union of tool sweeps, mm);
+//                beside_1, beside_2, ...: phi of further cases that stood beside the one that was cut
+//   forces.csv, summary.json, session.kerflog   of a cut against resistance: haptic_cut.h
+//
+// run_files.h reads what lies beside the manifest.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "geometry/base/error.h"
+
+namespace kerf {
+
+inline constexpr const char* kRunManifest = "run.toml";
+inline constexpr const char* kModeGeometry = "geometry";  ///< the tool removed whatever it swept
+inline constexpr const char* kModeHaptic = "haptic";      ///< cut against resistance, by the 1 kHz step
+
+struct RunManifest {
+  int version = 1;
+  std::string kerf_version;
+  std::string case_path;  ///< relative to the run folder, or absolute
+  std::string case_id;    ///< must match the case
+  std::string mode = kModeGeometry;
+  std::string tool_id, tool_sha256, path_file, path_sha256;
+  std::size_t segments = 0;  ///< cutting motions
+  double path_length_mm = 0, duration_s = 0;
+  double voxel_mm = 0;
+  /// 16 hexadecimal digits, of the sweep field or of the state of the step: the same inputs give the same hash.
+  std::string state_hash;
+  std::string field_sha256;  ///< of run.vdb: a damaged file is refused
+
+  /// A further case of the same scene, cut against resistance only. It stood where its scan stands.
+  struct Beside {
+    std::string case_path, case_id;  ///< as those of the case
+    double voxel_mm = 0;
+    double removed_mm3 = 0;  ///< what was cut off it
+  };
+  std::vector<Beside> beside;  ///< the first is "beside_1": neighbourId(1)
+
+  /// Not stored. A cut that left the case's fine region was computed on the object's own voxels: so far, in mm, it
+  /// reaches out of the region. 0: there is no region, or the cut stayed inside.
+  double beyond_region_mm = 0;
+};
+
+/// Whether the folder holds a manifest; what is in it is not checked.
+bool isRun(const std::filesystem::path& folder);
+
+/// Errors, naming file and key: kNotFound without a manifest, kUnsupported for another format or version, and values
+/// that are missing, unknown or out of range.
+Expected<RunManifest> readRunManifest(const std::filesystem::path& folder);
+
+/// Writes run.toml. @param folder  exists.   Error: kWriteFailed.
+Expected<void> writeRunManifest(const std::filesystem::path& folder, const RunManifest& manifest);
+
+}  // namespace kerf

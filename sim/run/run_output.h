@@ -1,0 +1,41 @@
+// What every kind of cut writes into its run folder: names of the files, copies of the inputs, the manifest.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "geometry/tool/tool.h"
+#include "sim/hand/path.h"
+#include "sim/run/run_manifest.h"
+
+namespace kerf::internal {
+
+inline constexpr const char* kRunToolCopy = "tool.toml";
+inline constexpr const char* kRunField = "run.vdb";
+inline constexpr const char* kRunLog = "session.kerflog";
+
+/// Key in the session log's header that names the id of the n-th case beside the one that was cut.
+std::string neighbourKey(std::size_t beside);
+
+/// The case's folder as seen from the run, so that both can be moved together.
+/// Error: a name that no TOML file can hold.
+Expected<std::string> relativeCasePath(const std::filesystem::path& case_folder,
+                                       const std::filesystem::path& run_folder);
+
+/// Counts the cutting motions of a path and adds up their length: `segments` and `path_length_mm` of the manifest.
+void addMotions(const CutPath& path, RunManifest& manifest);
+
+/// What was expected of a path that cut nothing: "a path through the box (...) to (...) mm".
+std::string throughBox(const Box3& box);
+
+/// Copies tool, its mesh and path into the staging folder, hashes run.vdb, fills in what the manifest says of them, and
+/// writes it.
+Expected<void> finishRun(const std::filesystem::path& staging, const Tool& tool, const std::filesystem::path& tool_file,
+                         const std::filesystem::path& path_file, RunManifest& manifest);
+
+/// The error of a cut or an export that was cancelled.
+inline tl::unexpected<Error> nothingWritten() {
+  return fail({.code = Error::Code::kCancelled, .found = "cancelled; nothing was written"});
+}
+
+}  // namespace kerf::internal

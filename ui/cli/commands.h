@@ -1,0 +1,41 @@
+// The commands of the program kerf. A new one is a source of its own, its line in CMakeLists.txt, and two lines here:
+// declaration and row. `kerf --help` and the message about an unknown command follow from the table, which only
+// main.cpp reads.
+#pragma once
+
+#include "ui/cli/command.h"
+
+namespace kerf::cli {
+
+/// Gives a command its options, its footer and what to run (as CLI11 callback).
+/// @param command  named and described already.    @param exit_code  what main returns; set by the callback.
+using AddOptions = void(CLI::App& command, int& exit_code);
+
+AddOptions addBake, addBench, addCheck, addCut, addDemo, addDemoMolar, addExport, addInfo, addReplay, addTool;
+
+struct CommandRow {
+  const char* name;     ///< as typed
+  const char* summary;  ///< one line of `kerf --help`
+  AddOptions* add;
+  const char* group;  ///< heading in `kerf --help`, in the order in which they first come
+};
+
+inline constexpr const char* kWorkflow = "Commands from scan to mesh";
+inline constexpr const char* kInspect = "Commands for files and tools";
+inline constexpr const char* kExamples = "Commands for examples and measurements";
+
+inline constexpr CommandRow kCommands[] = {
+    {"bake", "Turn mesh files or a case recipe into a case: closed solid, distance field, materials, point shell",
+     addBake, kWorkflow},
+    {"cut", "Cut a case with a tool along a path", addCut, kWorkflow},
+    {"replay", "Replay the session of a run and compare state and force, bit for bit", addReplay, kWorkflow},
+    {"export", "Write the post-operative mesh of a run, or the closed solid of a case", addExport, kWorkflow},
+    {"check", "Say whether a mesh is ready to print, and if not, why (exit 0 yes, 1 no)", addCheck, kInspect},
+    {"info", "Describe a mesh, a label volume, a case, a run or a tool", addInfo, kInspect},
+    {"tool", "List, check, draw, start and bake tools", addTool, kInspect},
+    {"bench", "Time Kerf on shared scenes: p50, p99, max and the state hash", addBench, kExamples},
+    {"demo", "Write synthetic anatomy: tissues, with a recipe to bake them", addDemo, kExamples},
+    {"demo-molar", "Write a synthetic lower first molar, to try things on", addDemoMolar, kExamples},
+};
+
+}  // namespace kerf::cli
