@@ -27,7 +27,7 @@ class GuardedDevice : public DeviceSource {
  public:
   explicit GuardedDevice(DeviceSource* inner = nullptr) : inner_(inner) {}
   void arm() noexcept override {
-    if (inner_) inner_->read();  // a virtual hand makes room for its delay line
+    if (inner_) inner_->read();  // a virtual hand reserves its delay line
     guard_.emplace();
     is_armed = true;
   }

@@ -7,10 +7,14 @@
 #include <random>
 
 #include "tests/geometry/sampled_field.h"
-#include "tests/sim/carved_field.h"
+#include "ui/bench/scenes/carved_field.h"
 
 namespace kerf {
 namespace {
+
+using scenes::ballWithAHole;
+using scenes::carve;
+using scenes::carveAtRandom;
 
 using Soup = std::vector<std::array<std::array<float, 3>, 3>>;
 
