@@ -49,6 +49,11 @@ bool Goal::isMetBy(double value) const {
 
 std::string Goal::requirement() const { return fmt::format("{} {:g}", wordsOf(sense), limit); }
 
+std::string_view Goal::verdictOn(double value) const {
+  if (isMetBy(value)) return "met";
+  return weight == Weight::kGoal ? "MISSED" : "MISSED, an aim";
+}
+
 Verdict judge(std::span<const Goal> goals, std::span<const Measured> numbers) {
   Verdict verdict;
   std::vector<bool> is_measured(goals.size(), false);
@@ -60,7 +65,7 @@ Verdict judge(std::span<const Goal> goals, std::span<const Measured> numbers) {
         is_measured[g] = true;
       }
     verdict.goal_of.push_back(goal);
-    if (goal && !goal->isMetBy(number.value))
+    if (goal && goal->weight == Weight::kGoal && !goal->isMetBy(number.value))
       verdict.missed.push_back(fmt::format("{} is {:.4g}{}{}, not {}", number.name, number.value,
                                            number.unit.empty() ? "" : " ", number.unit, goal->requirement()));
   }

@@ -23,24 +23,30 @@ enum class Sense { kAtMost, kAtLeast, kExactly };
 /// "at most", "at least", "exactly"; with `_` in the place of the blank, the key in JSON.
 std::string_view wordsOf(Sense sense);
 
+/// A goal that is missed fails the command. An aim is known to be missed so far: it is shown, and fails nothing.
+enum class Weight { kGoal, kAim };
+
 /// One goal: a row of a scene's table.
 struct Goal {
   std::string_view name;  ///< of the number; each {} stands for any text: "force at {} mm"
   std::string_view unit;  ///< of the number; another unit is another number
   Sense sense = Sense::kAtMost;
   double limit = 0;
+  Weight weight = Weight::kGoal;
 
   bool isAbout(const Measured& number) const;
   bool isMetBy(double value) const;
   /// "at most 0.05"
   std::string requirement() const;
+  /// "met", "MISSED" or "MISSED, an aim"
+  std::string_view verdictOn(double value) const;
 };
 
 /// The verdict on a run of one scene.
 struct Verdict {
   std::vector<const Goal*> goal_of;       ///< for each number; null: it has no goal
   std::vector<const Goal*> not_measured;  ///< goals that no number is about
-  std::vector<std::string> missed;        ///< a sentence for each goal that is missed, not measured included
+  std::vector<std::string> missed;        ///< a sentence for each goal missed, and for each row not measured
 
   bool isMet() const { return missed.empty(); }
 };

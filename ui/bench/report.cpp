@@ -67,8 +67,7 @@ void printNumbers(const Result& r, const Verdict* verdict) {
     const Measured& m = r.measured[n];
     fmt::print("           {:<44} {:10.4g} {}", m.name, m.value, m.unit);
     if (const Goal* const goal = verdict ? verdict->goal_of[n] : nullptr)
-      fmt::print("{}({}: {})", m.unit.empty() ? "" : " ", goal->requirement(),
-                 goal->isMetBy(m.value) ? "met" : "MISSED");
+      fmt::print("{}({}: {})", m.unit.empty() ? "" : " ", goal->requirement(), goal->verdictOn(m.value));
     fmt::print("\n");
   }
 }
@@ -137,7 +136,8 @@ void printScenes() {
   for (const Scene& scene : scenes()) {
     fmt::print("{:<15} {}\n", scene.name, scene.what);
     for (const Goal& goal : scene.goals)
-      fmt::print("    {:<70} {}{}{}\n", goal.name, goal.requirement(), goal.unit.empty() ? "" : " ", goal.unit);
+      fmt::print("    {:<70} {}{}{}{}\n", goal.name, goal.requirement(), goal.unit.empty() ? "" : " ", goal.unit,
+                 goal.weight == Weight::kAim ? " (aim)" : "");
   }
 }
 
@@ -146,7 +146,10 @@ nlohmann::json jsonOfScenes() {
   for (const Scene& scene : scenes()) {
     nlohmann::json goals = nlohmann::json::array();
     for (const Goal& goal : scene.goals)
-      goals.push_back({{"name", goal.name}, {"unit", goal.unit}, {keyOf(goal.sense), goal.limit}});
+      goals.push_back({{"name", goal.name},
+                       {"unit", goal.unit},
+                       {keyOf(goal.sense), goal.limit},
+                       {"is_aim", goal.weight == Weight::kAim}});
     all.push_back({{"scene", scene.name},
                    {"what", scene.what},
                    {"goals", goals},
