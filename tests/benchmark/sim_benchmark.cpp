@@ -7,6 +7,7 @@
 #include <thread>
 #include <vector>
 
+#include "geometry/field/sample_field.h"
 #include "sim/live/mesher_thread.h"
 #include "sim/live/remesher.h"
 #include "sim/pieces/pieces.h"

@@ -6,6 +6,7 @@
 #include <map>
 #include <random>
 
+#include "geometry/field/sample_field.h"
 #include "tests/geometry/sampled_field.h"
 #include "ui/bench/scenes/carved_field.h"
 
