@@ -7,14 +7,18 @@
 #include <thread>
 #include <vector>
 
+#include "geometry/field/sample_field.h"
 #include "sim/live/mesher_thread.h"
 #include "sim/live/remesher.h"
 #include "sim/pieces/pieces.h"
 #include "sim/pieces/split_field.h"
-#include "tests/sim/carved_field.h"
+#include "ui/bench/scenes/carved_field.h"
 
 namespace kerf {
 namespace {
+
+using scenes::ballWithAHole;
+using scenes::carve;
 
 // Dents in a ball of 12 mm at 0.1 mm, each at another place: 60 bricks changed by a tool of a millimetre or more.
 class Dents {

@@ -1,4 +1,4 @@
-// A block of tissue at any attitude, and a bur of plain geometry: scenes with known answers.
+// The scenes of ui/bench/scenes with known answers, for tests: what can not be made fails the test.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -7,6 +7,8 @@
 
 #include "sim/run/practice_block.h"
 #include "sim/step/step.h"
+#include "ui/bench/scenes/objects.h"
+#include "ui/bench/scenes/poses.h"
 
 namespace kerf::test {
 
@@ -22,18 +24,7 @@ inline std::shared_ptr<const BakedObject> block(const Vec3d& size, double voxel,
   return *baked;
 }
 
-/// One tissue everywhere: stiffness N/mm^3, friction, specific energy N/mm^2.
-inline TissueTable oneTissue(double stiffness, double friction, double energy) {
-  TissueTable table;
-  table.fill({static_cast<float>(stiffness), static_cast<float>(friction), static_cast<float>(1 / energy), true});
-  return table;
-}
-
-inline DeviceSample sampleAt(const Rigid3& pose, double pedal = 1) {
-  DeviceSample sample;
-  sample.T_world_device = pose;
-  sample.pedal = pedal;
-  return sample;
-}
+using scenes::oneTissue;
+using scenes::sampleAt;
 
 }  // namespace kerf::test

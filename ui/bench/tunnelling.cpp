@@ -6,9 +6,13 @@
 #include "sim/run/load_scene.h"
 #include "sim/run/practice_block.h"
 #include "ui/bench/bench.h"
+#include "ui/bench/scenes/objects.h"
+#include "ui/bench/scenes/poses.h"
 
 namespace kerf::cli {
 namespace {
+
+using namespace scenes;
 
 constexpr double kWall = 0.3;    // mm
 constexpr double kBehind = 40;   // mm: where the hand ends up
@@ -32,6 +36,7 @@ Expected<Pass> pass(const Model& model, double voxel, const Rigid3& attitude, co
   state.objects.emplace_back(wall, 4096);
   const auto at = [&](double height) { return attitude * Rigid3{turn, turn * -tip + Vec3d(0.02, -0.03, height)}; };
   state.place(at(kBefore + offset));
+
   Pass out;
   StepOutput tick;
   const int ticks = static_cast<int>(std::ceil((kBefore + kBehind) / (speed * kTick))) + 200;
@@ -44,9 +49,11 @@ Expected<Pass> pass(const Model& model, double voxel, const Rigid3& attitude, co
     step(model, state, sample, tick);
     if (tick.touching > 0 || tick.removed_mm3 > 0) out.ms.push_back(now() - start);
     out.removed += tick.removed_mm3;
+
     const double height = (to_wall * (tick.T_world_tool * tip))[2];
     out.deepest = std::max(out.deepest, -height);
   }
+
   out.is_missed = out.ms.empty();
   // Beyond the far side by more than a tool held by the wall can reach.
   out.is_behind = out.deepest > kWall + 0.5;
@@ -54,77 +61,89 @@ Expected<Pass> pass(const Model& model, double voxel, const Rigid3& attitude, co
   return out;
 }
 
+struct Approach {
+  const char* name;
+  ToolModel tool;
+  Eigen::Quaterniond turn;
+  Vec3d tip;  // tool frame
+};
+
+// What four attitudes and two voxels show at one speed.
+struct Tally {
+  int places = 0, runs = 0;
+  int passed = 0, missed_coupled = 0, missed_rigid = 0, uncut = 0;
+  double deepest = 0;
+
+  void addTo(Result& r, const std::string& what) const {
+    r.add(what + ": passed, of " + std::to_string(places), passed);
+    r.add(what + ": contacts missed", missed_coupled + missed_rigid);
+    r.add(what + ": driven through without a hole", uncut);
+    r.add(what + ": deepest below the wall's near side", deepest, "mm");
+  }
+};
+
+// One approach to one wall, three times: by hand, driven, driven and cutting.
+Expected<void> tryWall(const Approach& approach, double speed, int n, double voxel, Tally& tally, Result& r,
+                       std::uint64_t& hash) {
+  const Rigid3 attitude =
+      turned(0.53 * n, {std::sin(2.0 * n + 1), std::cos(3.0 * n), 0.4}, 0.017 * n * Vec3d(1, -2, 0.5));
+  const double offset = 0.23 * n;  // where between two samples the wall stands
+  Model model;
+  model.tools = {approach.tool};
+  model.tissues = oneTissue(200, 0.5, 1000);
+  // Guided by hand, not turning: the wall has to stop it.
+  KERF_TRY(guided, pass(model, voxel, attitude, approach.turn, approach.tip, speed, offset, 0));
+  tally.passed += guided.is_behind;
+  tally.missed_coupled += guided.is_missed;
+  tally.deepest = std::max(tally.deepest, guided.deepest);
+
+  // A machine: nothing stops it, and it has to notice.
+  model.settings.rendering = Rendering::kRigid;
+  KERF_TRY(driven, pass(model, voxel, attitude, approach.turn, approach.tip, speed, offset, 0));
+  tally.missed_rigid += driven.is_missed;
+
+  // The same, cutting whatever it meets: there has to be a hole.
+  model.settings.geometry_only = true;
+  KERF_TRY(cutting, pass(model, voxel, attitude, approach.turn, approach.tip, speed, offset, 1));
+  tally.uncut += cutting.removed <= 0;
+
+  for (const Pass* p : {&guided, &driven, &cutting}) {
+    r.ms.insert(r.ms.end(), p->ms.begin(), p->ms.end());
+    hash = hash * 0x100000001b3ull ^ p->state;
+  }
+  tally.runs += 3;
+  tally.places += 1;
+  return {};
+}
+
 }  // namespace
 
-Expected<Result> benchTunnelling(const Progress& progress) {
-  Result r{
-      "tunnelling", "a wall of 0.3 mm, the hand through it and 40 mm beyond; tick times in contact", {}, "", 0, ""};
+Expected<Result> benchTunnelling(const Bench& bench) {
+  Result r(SceneId::kTunnelling, "a wall of 0.3 mm, the hand through it and 40 mm beyond; tick times in contact");
   KERF_TRY(saw, toolOfRack("saw-reciprocating-25"));
   KERF_TRY(blades, makeModel(std::span(&saw, 1)));
-  struct Approach {
-    const char* name;
-    ToolModel tool;
-    Eigen::Quaterniond turn;
-    Vec3d tip;  // tool frame
-  };
-  Eigen::Matrix3d edge_down, flank_down;
-  edge_down.col(0) = Vec3d::UnitZ();
-  edge_down.col(1) = -Vec3d::UnitY();
-  edge_down.col(2) = Vec3d::UnitX();
-  flank_down.col(0) = Vec3d::UnitX();
-  flank_down.col(1) = Vec3d::UnitZ();
-  flank_down.col(2) = -Vec3d::UnitY();
   const double half = 0.5 * saw.thickness_mm;
   const Approach approaches[] = {
       {"ball of 1 mm", practiceBall(0.5, 840), Eigen::Quaterniond::Identity(), Vec3d::Zero()},
-      {"blade, teeth first", blades.tools[0], Eigen::Quaterniond(edge_down), {0, 0, 12.5}},
-      {"blade, flank first", blades.tools[0], Eigen::Quaterniond(flank_down), {2.5, -half, 12.5}}};
+      {"blade, teeth first", blades.tools[0], teethDown(), {0, 0, 12.5}},
+      {"blade, flank first", blades.tools[0], flankDown(), {2.5, -half, 12.5}}};
+
   constexpr int kAttitudes = 4;
-  std::uint64_t state = 0;
+  std::uint64_t hash = 0;
   int runs = 0, done = 0;
-  for (const Approach& approach : approaches) {
+  for (const Approach& approach : approaches)
     for (const double speed : {100.0, 250.0, 500.0, 1000.0}) {
-      int passed = 0, missed_coupled = 0, missed_rigid = 0, uncut = 0, part = 0;
-      double deepest = 0;
+      Tally tally;
       for (int n = 0; n < kAttitudes; ++n)
         for (const double voxel : {0.1, 0.05}) {
-          if (!report(progress, done++ / 96.0, "walls")) return cancelled();
-          const Rigid3 attitude{Eigen::Quaterniond(Eigen::AngleAxisd(
-                                    0.53 * n, Vec3d(std::sin(2.0 * n + 1), std::cos(3.0 * n), 0.4).normalized())),
-                                0.017 * n * Vec3d(1, -2, 0.5)};
-          const double offset = 0.23 * n;  // where between two samples the wall stands
-          Model model;
-          model.tools = {approach.tool};
-          model.tissues.fill({200, 0.5f, 1e-3f, true});
-          // Held by hand, not turning: the wall has to stop it.
-          KERF_TRY(held, pass(model, voxel, attitude, approach.turn, approach.tip, speed, offset, 0));
-          passed += held.is_behind;
-          missed_coupled += held.is_missed;
-          deepest = std::max(deepest, held.deepest);
-          // A machine: nothing stops it, and it has to notice.
-          model.settings.rendering = Rendering::kRigid;
-          KERF_TRY(driven, pass(model, voxel, attitude, approach.turn, approach.tip, speed, offset, 0));
-          missed_rigid += driven.is_missed;
-          // The same, cutting whatever it meets: there has to be a hole.
-          model.settings.geometry_only = true;
-          KERF_TRY(cutting, pass(model, voxel, attitude, approach.turn, approach.tip, speed, offset, 1));
-          uncut += cutting.removed <= 0;
-          for (const Pass* p : {&held, &driven, &cutting}) {
-            r.ms.insert(r.ms.end(), p->ms.begin(), p->ms.end());
-            state = state * 0x100000001b3ull ^ p->state;
-          }
-          runs += 3;
-          part += 1;
+          if (!report(bench.progress, done++ / 96.0, "walls")) return cancelled();
+          KERF_CHECK(tryWall(approach, speed, n, voxel, tally, r, hash));
         }
-      const std::string what = fmt::format("{}, {} m/s", approach.name, speed / 1000);
-      r.measured.push_back({what + ": passed, of " + std::to_string(part), static_cast<double>(passed), "", 0});
-      r.measured.push_back({what + ": contacts missed", static_cast<double>(missed_coupled + missed_rigid), "", 0});
-      r.measured.push_back({what + ": driven through without a hole", static_cast<double>(uncut), "", 0});
-      r.measured.push_back({what + ": deepest below the wall's near side", deepest, "mm", 0, false});
+      tally.addTo(r, fmt::format("{}, {} m/s", approach.name, speed / 1000));
+      runs += tally.runs;
     }
-  }
-  r.measured.push_back({"runs", static_cast<double>(runs), "", 0, false});
-  r.state_hash = fmt::format("{:016x}", state);
+  r.add("runs", runs);
+  r.state_hash = fmt::format("{:016x}", hash);
   return r;
 }
 

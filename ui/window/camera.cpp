@@ -46,6 +46,7 @@ Expected<Camera> cameraFromView(std::string_view view) {
       camera.elevation = v.elevation_deg * kDegree;
       return camera;
     }
+
   double azimuth = 0, elevation = 0;
   const std::size_t comma = view.find(',');
   if (comma != std::string_view::npos && parseNumber(view.substr(0, comma), azimuth) &&
@@ -54,6 +55,7 @@ Expected<Camera> cameraFromView(std::string_view view) {
     camera.elevation = elevation * kDegree;
     return camera;
   }
+
   std::string names;
   for (const NamedView& v : namedViews()) names += std::string(v.name) + ", ";
   return fail({.code = Error::Code::kBadValue,
@@ -70,6 +72,7 @@ void fitTo(Camera& camera, const Mesh& mesh, int width, int height, double margi
     camera.target = Vec3d::Zero();
     return;
   }
+
   const Eigen::Matrix3d to_view = camera.rotation();
   Box3 box;
   for (const Vec3d& p : mesh.vertices) box.add(Vec3d(to_view * p));

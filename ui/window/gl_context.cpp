@@ -40,7 +40,7 @@ class HiddenWindow final : public OffscreenContext {
   }
 };
 
-/// libepoxy ends the program where it misses a library, so look first.
+/// libepoxy ends the program where a library is missing, so this is asked first.
 bool canLoad(std::initializer_list<const char*> any_of) {
   for (const char* name : any_of)
     if (dlopen(name, RTLD_LAZY | RTLD_GLOBAL)) return true;  // kept open: epoxy needs it next
@@ -66,12 +66,14 @@ std::unique_ptr<EglContext> contextOn(EGLDisplay display, std::string& why) {
     why = eglError("eglInitialize");
     return nullptr;
   }
+
   auto egl = std::make_unique<EglContext>();
   egl->display = display;
   if (!eglBindAPI(EGL_OPENGL_API)) {
     why = eglError("binding the OpenGL API");
     return nullptr;
   }
+
   const std::array<EGLint, 5> wanted = {EGL_SURFACE_TYPE, EGL_PBUFFER_BIT, EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT,
                                         EGL_NONE};
   EGLConfig config = nullptr;
@@ -80,6 +82,7 @@ std::unique_ptr<EglContext> contextOn(EGLDisplay display, std::string& why) {
     why = eglError("choosing a configuration");
     return nullptr;
   }
+
   const std::array<EGLint, 7> version = {EGL_CONTEXT_MAJOR_VERSION_KHR,
                                          3,
                                          EGL_CONTEXT_MINOR_VERSION_KHR,
@@ -92,6 +95,7 @@ std::unique_ptr<EglContext> contextOn(EGLDisplay display, std::string& why) {
     why = eglError("creating an OpenGL 3.3 core context");
     return nullptr;
   }
+
   if (eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, egl->context)) return egl;
   const std::array<EGLint, 5> size = {EGL_WIDTH, 1, EGL_HEIGHT, 1, EGL_NONE};
   egl->surface = eglCreatePbufferSurface(display, config, size.data());
@@ -108,6 +112,7 @@ std::unique_ptr<OffscreenContext> throughEgl(std::string& attempts) {
   const auto has = [&](std::string_view name) {
     return extensions.find(fmt::format(" {} ", name)) != std::string::npos;
   };
+
   std::string why;
   const auto attempt = [&](const char* how, EGLDisplay display) -> std::unique_ptr<OffscreenContext> {
     auto egl = contextOn(display, why);
@@ -115,6 +120,7 @@ std::unique_ptr<OffscreenContext> throughEgl(std::string& attempts) {
     if (!egl) attempts += fmt::format("{}: {}; ", how, why);
     return egl;
   };
+
   if (has("EGL_EXT_platform_base") && has("EGL_MESA_platform_surfaceless")) {
     if (auto c = attempt("EGL without a surface",
                          eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr)))
@@ -122,6 +128,7 @@ std::unique_ptr<OffscreenContext> throughEgl(std::string& attempts) {
   } else {
     attempts += "EGL without a surface: not offered by this EGL; ";
   }
+
   if (has("EGL_EXT_platform_base") && has("EGL_EXT_platform_device") && has("EGL_EXT_device_enumeration")) {
     std::array<EGLDeviceEXT, 16> devices{};
     EGLint count = 0;
@@ -143,6 +150,7 @@ std::unique_ptr<OffscreenContext> throughHiddenWindow(std::string& attempts) {
     attempts += "hidden window: the display can not be opened";
     return nullptr;
   }
+
   auto hidden = std::make_unique<HiddenWindow>();
   glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
@@ -153,6 +161,7 @@ std::unique_ptr<OffscreenContext> throughHiddenWindow(std::string& attempts) {
     attempts += "hidden window: no OpenGL 3.3 on this display";
     return nullptr;
   }
+
   glfwMakeContextCurrent(hidden->window);
   hidden->description = describe("hidden GLFW window");
   return hidden;

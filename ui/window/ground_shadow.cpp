@@ -33,9 +33,11 @@ GroundShadow groundShadow(const Mesh& mesh) {
   const Box3 box = bounds(mesh);
   const double extent = std::max(box.size().x(), box.size().y());
   if (mesh.triangles.empty() || !(extent > 0)) return shadow;
+
   shadow.center = {box.center().x(), box.center().y(), box.min.z()};
   shadow.side = 2 * extent;
   const double cell = shadow.side / kN, fade = 0.3 * std::max(box.size().z(), 0.05 * extent);
+
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const Vec3d a = mesh.corner(t, 0), u = mesh.corner(t, 1) - a, v = mesh.corner(t, 2) - a;
     const double longest = std::max({u.norm(), v.norm(), (u - v).norm()});
@@ -52,6 +54,7 @@ GroundShadow groundShadow(const Mesh& mesh) {
               static_cast<float>(share * std::exp(-(p.z() - box.min.z()) / fade));
       }
   }
+
   for (float& d : shadow.darkness) d = std::min(d, 1.0f);
   const std::vector<float> near = blurred(shadow.darkness, 2), wide = blurred(shadow.darkness, 7);
   for (std::size_t i = 0; i < near.size(); ++i) shadow.darkness[i] = 0.45f * near[i] + 0.55f * wide[i];

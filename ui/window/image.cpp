@@ -99,8 +99,10 @@ void drawScaleBar(Image& image, double length_mm, double mm_per_pixel) {
   const double unit = std::max(1.2, image.height / 400.0), width = std::max(1.3, 0.9 * unit);
   const double right = image.width - 10 * unit, y = image.height - 9 * unit, left = right - length_mm / mm_per_pixel;
   const std::string text = fmt::format("{:g} mm", length_mm);
+
   double text_width = -2;
   for (const char c : text) text_width += advance(c);
+
   drawSegment(image, {left, y}, {right, y}, width);
   drawSegment(image, {left, y - 2 * unit}, {left, y + 2 * unit}, width);
   drawSegment(image, {right, y - 2 * unit}, {right, y + 2 * unit}, width);
@@ -116,6 +118,7 @@ Expected<void> writePng(const std::filesystem::path& path, const Image& image) {
                  .expected = {},
                  .hint = "a folder that exists and may be written to"});
   };
+
   std::vector<std::uint8_t> png;
   const auto collect = [](void* to, void* data, int size) {
     const auto* bytes = static_cast<const std::uint8_t*>(data);
@@ -124,9 +127,11 @@ Expected<void> writePng(const std::filesystem::path& path, const Image& image) {
   };
   if (!stbi_write_png_to_func(collect, &png, image.width, image.height, 4, image.rgba.data(), 4 * image.width))
     return failed("the picture could not be encoded");
+
   std::string beside = path.string() + ".XXXXXX";
   const int file = mkstemp(beside.data());
   if (file < 0) return failed(fmt::format("can not write here ({})", std::strerror(errno)));
+
   bool ok = fchmod(file, 0644) == 0;
   for (std::size_t done = 0; ok && done < png.size();) {
     const ssize_t n = write(file, png.data() + done, png.size() - done);
@@ -134,6 +139,7 @@ Expected<void> writePng(const std::filesystem::path& path, const Image& image) {
     ok = n > 0;
     done += ok ? static_cast<std::size_t>(n) : 0;
   }
+
   ok = ok && fsync(file) == 0;
   int reason = errno;
   close(file);

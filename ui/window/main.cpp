@@ -84,12 +84,14 @@ kerf::Expected<void> run(const Arguments& arguments) {
   int width = arguments.screenshot.empty() ? 1280 : 1200, height = arguments.screenshot.empty() ? 800 : 900;
   if (!arguments.size.empty() && !parseSize(arguments.size, width, height))
     return kerf::fail(badValue("--size", arguments.size, "WxH, 16 to 8192 pixels a side", "--size 1200x900"));
+
   std::optional<kerf::Vec3d> look_at;
   if (kerf::Vec3d p; !arguments.look_at.empty()) {
     if (!parsePoint(arguments.look_at, p))
       return kerf::fail(badValue("--look-at", arguments.look_at, "X,Y,Z in mm", "--look-at 0,0,5"));
     look_at = p;
   }
+
   std::optional<kerf::SectionPlane> cut;
   if (kerf::SectionPlane plane; !arguments.section.empty()) {
     if (!parseSection(arguments.section, plane))
@@ -99,9 +101,11 @@ kerf::Expected<void> run(const Arguments& arguments) {
                    "--section center,0,1,0"));
     cut = plane;
   }
+
   if (!arguments.screenshot.empty() && !hasPngEnding(arguments.screenshot))
     return kerf::fail(badValue("--screenshot", arguments.screenshot, "a name that ends in .png: pictures are PNG files",
                                std::filesystem::path(arguments.screenshot).replace_extension(".png").c_str()));
+
   KERF_TRY(scene, kerf::loadScene(arguments.scene, cut));
   if (!scene.note.empty()) fmt::print(stderr, "kerf-sim: note: {}\n", scene.note);
   kerf::fitTo(camera, scene.mesh, width, height);
@@ -113,10 +117,12 @@ kerf::Expected<void> run(const Arguments& arguments) {
     if (arguments.verbose) fmt::print(stderr, "kerf-sim: {} frames drawn\n", frames);
     return {};
   }
+
   KERF_TRY(context, kerf::OffscreenContext::create(!arguments.gpu));
   if (arguments.verbose) fmt::print(stderr, "kerf-sim: drawing with {}\n", context->description);
   KERF_TRY(renderer, kerf::Renderer::create());
   renderer->setMesh(scene.mesh);
+
   kerf::RenderOptions options;
   options.ground_shadow = !arguments.no_shadow;
   options.transparent = arguments.transparent;
@@ -138,6 +144,7 @@ int main(int argc, char** argv) try {
   app.add_option("scene", a.scene, "a mesh file (" + kerf::readableFormats() + "), a case folder or a run folder")
       ->required()
       ->type_name("MESH|CASE|RUN");
+
   app.add_option("--screenshot", a.screenshot,
                  "write a picture instead of opening a window; needs no display and no GPU")
       ->type_name("OUT.png");
@@ -152,12 +159,14 @@ int main(int argc, char** argv) try {
       ->type_name("F")
       ->check(CLI::Range(0.001, 1000.0))
       ->capture_default_str();
+
   app.add_option("--look-at", a.look_at, "the point shown at the centre, mm (default: the middle of the mesh)")
       ->type_name("X,Y,Z");
   app.add_option("--section", a.section,
                  "show a case or a run cut open: a point of the plane, mm, and the direction whose side is taken away. "
                  "In the place of the point: center, the middle of the object, or cut, the middle of what a run cut")
       ->type_name("X,Y,Z,NX,NY,NZ | center,NX,NY,NZ | cut,NX,NY,NZ");
+
   app.add_flag("--transparent", a.transparent, "no background and no ground shadow");
   app.add_flag("--no-shadow", a.no_shadow, "no ground shadow");
   app.add_flag("--no-scale-bar", a.no_scale_bar, "no scale bar in the picture");
@@ -167,6 +176,7 @@ int main(int argc, char** argv) try {
       ->check(CLI::NonNegativeNumber);
   app.add_flag("-v,--verbose", a.verbose, "say what draws");
   app.footer("Kerf is a training and lab tool, not a medical device.");
+
   if (kerf::isManualRequest(argc, argv)) return kerf::answerManualRequest(app, argv[2]);
   CLI11_PARSE(app, argc, argv);
   if (const auto done = run(a); !done) {

@@ -126,12 +126,14 @@ struct Renderer::Impl {
     glGetIntegerv(GL_MAX_TEXTURE_SIZE, &most);
     if (w > most || h > most)
       return fail(glFailure("picture", fmt::format("{} x {} points, but this driver draws at most {}", w, h, most)));
+
     width = height = 0;
     makeTexture(texture[kColor], GL_RGBA8, w, h, GL_RGBA, GL_UNSIGNED_BYTE, nullptr, GL_NEAREST);
     makeTexture(texture[kNormal], GL_RGBA16F, w, h, GL_RGBA, GL_FLOAT, nullptr, GL_NEAREST);
     makeTexture(texture[kDepth], GL_DEPTH_COMPONENT32F, w, h, GL_DEPTH_COMPONENT, GL_FLOAT, nullptr, GL_NEAREST);
     makeTexture(texture[kOcclusion], GL_RG16F, w, h, GL_RG, GL_FLOAT, nullptr, GL_NEAREST);
     makeTexture(texture[kShaded], GL_RGBA16F, w, h, GL_RGBA, GL_FLOAT, nullptr, GL_NEAREST);
+
     const auto attach = [&](Target to, GLenum point, Texture what) {
       glBindFramebuffer(GL_FRAMEBUFFER, target[to]);
       glFramebufferTexture2D(GL_FRAMEBUFFER, point, GL_TEXTURE_2D, texture[what], 0);
@@ -143,6 +145,7 @@ struct Renderer::Impl {
     glDrawBuffers(2, both);
     attach(kOcclusionTarget, GL_COLOR_ATTACHMENT0, kOcclusion);
     attach(kShadedTarget, GL_COLOR_ATTACHMENT0, kShaded);
+
     for (const GLuint id : target) {
       glBindFramebuffer(GL_FRAMEBUFFER, id);
       if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
@@ -153,19 +156,29 @@ struct Renderer::Impl {
     return {};
   }
 
-  /// All passes; the last one draws into framebuffer `to`.
-  Expected<void> drawInto(GLuint to, const Camera& camera, int out_width, int out_height,
-                          const RenderOptions& options) {
-    const int factor = std::clamp(options.supersampling, 1, 4);
-    KERF_CHECK(resize(out_width * factor, out_height * factor));
-    const double mm_per_point = camera.mmPerPixel(height);
-    const Eigen::Matrix3f rotation = camera.rotation().cast<float>();
+  /// What every pass of a picture uses.
+  struct Frame {
+    const Camera& camera;
+    const RenderOptions& options;
+    Eigen::Matrix3f rotation;  ///< world -> view
+    double mm_per_point, half_depth, reach, shadow_reach;
+    Vec3d shift;  ///< of the mesh's centre in view, mm
+  };
+  Frame frameOf(const Camera& camera, const RenderOptions& options) const {
     const Vec3d shift = camera.rotation() * (center - camera.target);
-    const double half_depth = 1.05 * (radius + std::abs(shift.z()));
     const double visible = std::min(radius, 1.5 * camera.half_height);  // zoomed in: crevices of the detail
-    const double reach = 0.22 * visible, shadow_reach = 0.55 * visible;
-    const int samples = std::clamp(options.occlusion_samples, 0, 64);
+    return {.camera = camera,
+            .options = options,
+            .rotation = camera.rotation().cast<float>(),
+            .mm_per_point = camera.mmPerPixel(height),
+            .half_depth = 1.05 * (radius + std::abs(shift.z())),
+            .reach = 0.22 * visible,
+            .shadow_reach = 0.55 * visible,
+            .shift = shift};
+  }
 
+  /// Colour, normal and depth of the mesh.
+  void drawSurface(const Frame& frame) {
     glDisable(GL_BLEND);
     glDisable(GL_CULL_FACE);
     glDisable(GL_SCISSOR_TEST);
@@ -174,18 +187,24 @@ struct Renderer::Impl {
     glDepthFunc(GL_LESS);
     glDepthMask(GL_TRUE);
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+
     glViewport(0, 0, width, height);
     glBindFramebuffer(GL_FRAMEBUFFER, target[kSurfaceTarget]);
     glClearColor(0, 0, 0, 0);
     glClearDepth(1);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+
+    const Vec3d half_extent(0.5 * width * frame.mm_per_point, frame.camera.half_height, frame.half_depth);
     surface.use();
-    surface.set("rotation", rotation);
-    surface.set("shift", Vec3f(shift.cast<float>()));
-    surface.set("half_extent", Vec3f(Vec3d(0.5 * width * mm_per_point, camera.half_height, half_depth).cast<float>()));
+    surface.set("rotation", frame.rotation);
+    surface.set("shift", Vec3f(frame.shift.cast<float>()));
+    surface.set("half_extent", Vec3f(half_extent.cast<float>()));
     glBindVertexArray(vertex_array);
     if (corners > 0) glDrawArrays(GL_TRIANGLES, 0, corners);
+  }
 
+  /// The passes over the whole picture read what those before them drew.
+  void bindTextures() {
     glDisable(GL_DEPTH_TEST);
     glBindVertexArray(empty_array);
     bindTexture(0, texture[kDepth]);
@@ -194,33 +213,53 @@ struct Renderer::Impl {
     bindTexture(3, texture[kOcclusion]);
     bindTexture(4, texture[kGround]);
     bindTexture(5, texture[kShaded]);
-    const auto setCommon = [&](const Program& program) {
-      program.use();
-      program.set("depth_map", 0);
-      program.set("normal_map", 1);
-      program.set("mm_per_point", mm_per_point);
-      program.set("half_depth", half_depth);
-      program.set("reach", reach);
-      program.set("key_light", kKeyLight);
-    };
-    glBindFramebuffer(GL_FRAMEBUFFER, target[kOcclusionTarget]);
-    setCommon(occlusion);
-    occlusion.set("shadow_reach", shadow_reach);
-    occlusion.set("samples", samples);
-    glDrawArrays(GL_TRIANGLES, 0, 3);
+  }
 
+  void setCommon(const Program& program, const Frame& frame) {
+    program.use();
+    program.set("depth_map", 0);
+    program.set("normal_map", 1);
+    program.set("mm_per_point", frame.mm_per_point);
+    program.set("half_depth", frame.half_depth);
+    program.set("reach", frame.reach);
+    program.set("key_light", kKeyLight);
+  }
+
+  void drawOcclusion(const Frame& frame) {
+    glBindFramebuffer(GL_FRAMEBUFFER, target[kOcclusionTarget]);
+    setCommon(occlusion, frame);
+    occlusion.set("shadow_reach", frame.shadow_reach);
+    occlusion.set("samples", std::clamp(frame.options.occlusion_samples, 0, 64));
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+  }
+
+  void drawShade(const Frame& frame) {
+    const Vec3f ground = (shadow.center - frame.camera.target).cast<float>();
+    const bool has_ground = frame.options.ground_shadow && corners > 0;
     glBindFramebuffer(GL_FRAMEBUFFER, target[kShadedTarget]);
-    setCommon(shade);
+    setCommon(shade, frame);
     shade.set("color_map", 2);
     shade.set("occlusion_map", 3);
     shade.set("ground_map", 4);
-    shade.set("rotation", rotation);
-    const Vec3f ground = (shadow.center - camera.target).cast<float>();
+    shade.set("rotation", frame.rotation);
     glUniform4f(shade.at("ground"), ground.x(), ground.y(), ground.z(), static_cast<float>(shadow.side));
     glUniform2f(shade.at("points"), static_cast<float>(width), static_cast<float>(height));
-    shade.set("flags", (options.ground_shadow && corners > 0 ? 1 : 0) | (options.transparent ? 2 : 0));
+    shade.set("flags", (has_ground ? 1 : 0) | (frame.options.transparent ? 2 : 0));
     glDrawArrays(GL_TRIANGLES, 0, 3);
+  }
 
+  /// All passes; the last one draws into framebuffer `to`.
+  Expected<void> drawInto(GLuint to, const Camera& camera, int out_width, int out_height,
+                          const RenderOptions& options) {
+    const int factor = std::clamp(options.supersampling, 1, 4);
+    KERF_CHECK(resize(out_width * factor, out_height * factor));
+    const Frame frame = frameOf(camera, options);
+    drawSurface(frame);
+    bindTextures();
+    drawOcclusion(frame);
+    drawShade(frame);
+
+    // The mean of factor x factor points for each pixel.
     glBindFramebuffer(GL_FRAMEBUFFER, to);
     glViewport(0, 0, out_width, out_height);
     reduce.use();
@@ -256,6 +295,7 @@ void Renderer::setMesh(const Mesh& mesh) {
   impl.center = box.isEmpty() ? Vec3d(Vec3d::Zero()) : box.center();
   impl.radius = std::max(1e-3, 0.5 * box.size().norm());
   impl.shadow = groundShadow(mesh);
+
   const std::vector<Vec3f> normals = cornerNormals(mesh, 40 * std::numbers::pi / 180);
   std::vector<Corner> corners(normals.size());
   for (std::size_t c = 0; c < corners.size(); ++c) {
@@ -266,6 +306,7 @@ void Renderer::setMesh(const Mesh& mesh) {
                        : mesh.hasVertexColors() ? mesh.vertex_colors[v]
                                                 : kIvory;
   }
+
   impl.corners = static_cast<GLsizei>(corners.size());
   glBindVertexArray(impl.vertex_array);
   glBindBuffer(GL_ARRAY_BUFFER, impl.vertex_buffer);
@@ -292,6 +333,7 @@ Expected<Image> Renderer::picture(const Camera& camera, int width, int height, c
                  .found = fmt::format("{} x {}", width, height),
                  .expected = fmt::format("1 to {} pixels a side", kLargestSide),
                  .hint = "--size 1600x1200"});
+
   GLuint buffer = 0, target = 0;
   glGenRenderbuffers(1, &buffer);
   glGenFramebuffers(1, &target);
@@ -299,6 +341,7 @@ Expected<Image> Renderer::picture(const Camera& camera, int width, int height, c
   glRenderbufferStorage(GL_RENDERBUFFER, GL_RGBA8, width, height);
   glBindFramebuffer(GL_FRAMEBUFFER, target);
   glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, buffer);
+
   Image image{width, height,
               std::vector<std::uint8_t>(4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height))};
   auto drawn = impl_->drawInto(target, camera, width, height, options);
@@ -310,6 +353,7 @@ Expected<Image> Renderer::picture(const Camera& camera, int width, int height, c
     for (std::size_t y = 0; y < static_cast<std::size_t>(height); ++y)
       std::copy_n(upwards.data() + (static_cast<std::size_t>(height) - 1 - y) * row, row, image.rgba.data() + y * row);
   }
+
   glDeleteFramebuffers(1, &target);
   glDeleteRenderbuffers(1, &buffer);
   if (!drawn) return fail(drawn.error());

@@ -38,23 +38,61 @@ Expected<Plane> placed(const SectionPlane& cut, const PostOpMesh& shown, const s
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
       for (int k = 0; k < 3 && shown.is_cut[t]; ++k) walls.add(mesh.corner(t, k));
     if (walls.isEmpty())
-      return fail({Error::Code::kUnsupported, file, "--section", "no cut", "a run with cut faces",
-                   "--section center,NX,NY,NZ"});
+      return fail({.code = Error::Code::kUnsupported,
+                   .file = file,
+                   .place = "--section",
+                   .found = "no cut",
+                   .expected = "a run with cut faces",
+                   .hint = "--section center,NX,NY,NZ"});
     plane.point = walls.center();
   }
+
   double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
   for (const Vec3d& p : mesh.vertices) {
     lowest = std::min(lowest, plane.height(p));
     highest = std::max(highest, plane.height(p));
   }
+
   const std::string where = fmt::format("the object lies in {}-{} mm", inBrackets(box.min), inBrackets(box.max));
   const Vec3d& n = cut.normal;
   if (lowest >= 0)
-    return fail({Error::Code::kEmpty, file, "--section",
-                 fmt::format("the plane takes all of the object away; {}", where), "",
-                 fmt::format("--section center,{:.4g},{:.4g},{:.4g}", n[0], n[1], n[2])});
+    return fail({.code = Error::Code::kEmpty,
+                 .file = file,
+                 .place = "--section",
+                 .found = fmt::format("the plane takes all of the object away; {}", where),
+                 .expected = {},
+                 .hint = fmt::format("--section center,{:.4g},{:.4g},{:.4g}", n[0], n[1], n[2])});
   if (highest <= 0) note = fmt::format("the plane of --section takes nothing away; {}", where);
   return plane;
+}
+
+// The object of a case, or of a run of it, cut open by a plane.
+Expected<Mesh> cutOpen(const std::filesystem::path& path, const std::filesystem::path& case_folder, bool is_run,
+                       const PostOpMesh& shown, const MaterialField& materials, const MaterialTable& table,
+                       const SectionPlane& cut, std::string& note) {
+  KERF_TRY(plane, placed(cut, shown, path.string(), note));
+  KERF_TRY(phi, readCaseField(case_folder));
+  BrickField sweep, current = phi;
+  bool has_sweep = false;
+  if (is_run) {
+    KERF_TRY(run, readRunManifest(path));
+    has_sweep = run.mode == kModeGeometry;
+    if (has_sweep) {
+      KERF_TRY(swept, readRunSweep(path));
+      sweep = std::move(swept);
+    } else {
+      KERF_TRY(changed, readRunCutField(path));
+      for (std::size_t b = 0; b < changed.brickCount(); ++b)
+        current.brick(current.touch(changed.brickCoord(b))) = changed.brick(b);
+    }
+  }
+
+  // The two may have different voxels: a run within the case's fine region was cut on its own.
+  const auto distance = [&](const Vec3d& p) {
+    return has_sweep ? std::max(phi.sample(p), -sweep.sample(p)) : current.sample(p);
+  };
+  const double voxel = has_sweep ? std::min(phi.voxel(), sweep.voxel()) : phi.voxel();
+  return section(shown.mesh, distance, voxel, materials, table, plane);
 }
 
 // What a case or a run looks like: coloured by material where there are several, cut open if asked.
@@ -72,6 +110,7 @@ Expected<Scene> sceneOfBundle(const std::filesystem::path& path, const std::opti
     is_tissues |= manifest.materials.size() > 1;
     is_one_material = manifest.materials.size() == 1;
   }
+
   PostOpMesh shown;
   if (is_tissues && !is_run) {
     KERF_TRY(solid, readCaseSolid(case_folder));
@@ -81,41 +120,21 @@ Expected<Scene> sceneOfBundle(const std::filesystem::path& path, const std::opti
     KERF_TRY(exported, exportBundle(path));
     shown = std::move(exported.post_op);
   }
-  Mesh& mesh = shown.mesh;
+
   if (is_tissues) {
     KERF_TRY(materials, readCaseMaterials(case_folder));
     KERF_TRY(table, readDefaultMaterials());
     const Rgba8 cut_color = PostOpOptions{}.cut_color;
-    colorByMaterial(mesh, materials, table);
+    colorByMaterial(shown.mesh, materials, table);
     if (is_one_material)
-      for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-        if (shown.is_cut[t]) mesh.face_colors[t] = cut_color;
+      for (std::size_t t = 0; t < shown.mesh.triangles.size(); ++t)
+        if (shown.is_cut[t]) shown.mesh.face_colors[t] = cut_color;
     if (cut) {
-      KERF_TRY(plane, placed(*cut, shown, path.string(), scene.note));
-      KERF_TRY(phi, readCaseField(case_folder));
-      BrickField sweep, current = phi;
-      bool has_sweep = false;
-      if (is_run) {
-        KERF_TRY(run, readRunManifest(path));
-        has_sweep = run.mode == kModeGeometry;
-        if (has_sweep) {
-          KERF_TRY(swept, readRunSweep(path));
-          sweep = std::move(swept);
-        } else {
-          KERF_TRY(changed, readRunCutField(path));
-          for (std::size_t b = 0; b < changed.brickCount(); ++b)
-            current.brick(current.touch(changed.brickCoord(b))) = changed.brick(b);
-        }
-      }
-      // The two may have different voxels: a run within the case's fine region was cut on its own.
-      const auto distance = [&](const Vec3d& p) {
-        return has_sweep ? std::max(phi.sample(p), -sweep.sample(p)) : current.sample(p);
-      };
-      const double voxel = has_sweep ? std::min(phi.voxel(), sweep.voxel()) : phi.voxel();
-      mesh = section(mesh, distance, voxel, materials, table, plane);
+      KERF_TRY(open, cutOpen(path, case_folder, is_run, shown, materials, table, *cut, scene.note));
+      shown.mesh = std::move(open);
     }
   }
-  scene.mesh = std::move(mesh);
+  scene.mesh = std::move(shown.mesh);
   return scene;
 }
 
@@ -125,8 +144,13 @@ Expected<Scene> loadScene(const std::filesystem::path& path, const std::optional
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored)) return sceneOfBundle(path, cut);
   if (cut)
-    return fail({Error::Code::kUnsupported, path.string(), "--section", "neither a case nor a run",
-                 "a case or a run folder", "kerf bake it first: only a case knows its inside"});
+    return fail({.code = Error::Code::kUnsupported,
+                 .file = path.string(),
+                 .place = "--section",
+                 .found = "neither a case nor a run",
+                 .expected = "a case or a run folder",
+                 .hint = "kerf bake it first: only a case knows its inside"});
+
   Scene scene{.mesh = {}, .mesh_file = path, .unit = "mm", .note = {}};
   KERF_TRY(file, readMesh(scene.mesh_file));
   scene.mesh = std::move(file.mesh);

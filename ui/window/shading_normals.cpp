@@ -31,6 +31,7 @@ std::vector<Vec3f> cornerNormals(const Mesh& mesh, double crease) {
     const std::uint32_t v = mesh.triangles[c / 3][c % 3];
     const Vec3d& own = face[c / 3];
     const bool flat = own.isZero();
+
     Vec3d sum = Vec3d::Zero();
     for (std::uint32_t i = first[v]; i < first[v + 1]; ++i) {
       const std::uint32_t t = corner[i] / 3;

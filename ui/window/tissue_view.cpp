@@ -85,6 +85,7 @@ Mesh section(const Mesh& surface, const std::function<double(const Vec3d&)>& dis
   for (const Vec3d& p : surface.vertices)
     extent.extend(Eigen::Vector2d(u.dot(p - plane.point), v.dot(p - plane.point)));
   if (extent.isEmpty()) return out;
+
   const double h = voxel;
   const Eigen::Vector2i low = (extent.min() / h).array().floor().cast<int>() - 1,
                         high = (extent.max() / h).array().ceil().cast<int>() + 1;
@@ -92,11 +93,13 @@ Mesh section(const Mesh& surface, const std::function<double(const Vec3d&)>& dis
     const Vec3d p = plane.point + h * (i * u + j * v);
     return Corner{p, distance(p)};
   };
+
   std::vector<Corner> row, next;
   const auto fill = [&](std::vector<Corner>& corners, int j) {
     corners.clear();
     for (int i = low[0]; i <= high[0]; ++i) corners.push_back(at(i, j));
   };
+
   fill(next, low[1]);
   for (int j = low[1]; j < high[1]; ++j) {
     row.swap(next);

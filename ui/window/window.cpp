@@ -72,6 +72,7 @@ void moveByMouse(View& view, const ImGuiIO& io) {
     pan(view.camera, dx, dy, view.height);
   else if (ImGui::IsMouseDown(ImGuiMouseButton_Left))
     orbit(view.camera, io.MouseDelta.x, io.MouseDelta.y);
+
   if (io.MouseWheel != 0) {
     const double x = io.MousePos.x * view.pixels_per_unit - 0.5 * view.width;
     const double y = io.MousePos.y * view.pixels_per_unit - 0.5 * view.height;
@@ -88,6 +89,7 @@ void drawScenePanel(const Scene& scene, const Vec3d& size, View& view) {
   ImGui::Text("%zu triangles", scene.mesh.triangles.size());
   ImGui::Text("%.2f x %.2f x %.2f mm", size.x(), size.y(), size.z());
   ImGui::Text("unit: %s", scene.unit.c_str());
+
   ImGui::Separator();
   for (std::size_t i = 0; i < namedViews().size(); ++i) {
     if (i % 4) ImGui::SameLine();
@@ -102,6 +104,7 @@ void drawScaleBarOverlay(const View& view) {
   const double mm_per_pixel = view.camera.mmPerPixel(view.height);
   const double length = scaleBarLength(mm_per_pixel, view.width);
   const ImGuiIO& io = ImGui::GetIO();
+
   const float right = io.DisplaySize.x - 24, y = io.DisplaySize.y - 24;
   const float left = right - static_cast<float>(length / mm_per_pixel / view.pixels_per_unit);
   const ImU32 ink = IM_COL32(58, 62, 68, 255);
@@ -109,6 +112,7 @@ void drawScaleBarOverlay(const View& view) {
   list.AddLine({left, y}, {right, y}, ink, 2);
   list.AddLine({left, y - 5}, {left, y + 5}, ink, 2);
   list.AddLine({right, y - 5}, {right, y + 5}, ink, 2);
+
   const std::string text = fmt::format("{:g} mm", length);
   list.AddText({0.5f * (left + right - ImGui::CalcTextSize(text.c_str()).x), y - 20}, ink, text.c_str());
 }
@@ -119,11 +123,14 @@ Expected<void> open(Desktop& desktop, const Scene& scene, const WindowOptions& o
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+
   const std::string title = scene.mesh_file.filename().string() + " - Kerf";
   desktop.window = glfwCreateWindow(options.width, options.height, title.c_str(), nullptr, nullptr);
   if (!desktop.window) return fail(noWindow("no window can be opened: " + lastGlfwError()));
+
   glfwMakeContextCurrent(desktop.window);
   glfwSwapInterval(1);
+
   ImGui::CreateContext();
   ImGui::GetIO().IniFilename = nullptr;  // leaves no file behind in the working folder
   ImGui::StyleColorsLight();
@@ -145,6 +152,7 @@ Expected<int> runWindow(const Scene& scene, Camera camera, const WindowOptions& 
   KERF_TRY(renderer, Renderer::create());
   renderer->setMesh(scene.mesh);
   const Vec3d size = bounds(scene.mesh).size();
+
   // Jagged edges while the software renderer draws, smooth ones with a graphics card.
   const bool slow = std::strstr(reinterpret_cast<const char*>(glGetString(GL_RENDERER)), "llvmpipe") != nullptr;
   const RenderOptions still{.supersampling = slow ? 1 : 2, .occlusion_samples = slow ? 8 : 16};
@@ -162,17 +170,21 @@ Expected<int> runWindow(const Scene& scene, Camera camera, const WindowOptions& 
       glfwWaitEventsTimeout(0.1);
       continue;
     }
+
     view.pixels_per_unit = static_cast<double>(view.width) / window_width;
     ImGui_ImplOpenGL3_NewFrame();
     ImGui_ImplGlfw_NewFrame();
     ImGui::NewFrame();
+
     moveByMouse(view, ImGui::GetIO());
     for (std::size_t i = 0; i < namedViews().size(); ++i)
       if (ImGui::IsKeyPressed(GLFW_KEY_1 + static_cast<int>(i), false)) takeNamedView(view, i);
     if (ImGui::IsKeyPressed(GLFW_KEY_F, false)) fit(view);
     if (ImGui::IsKeyPressed(GLFW_KEY_ESCAPE, false)) glfwSetWindowShouldClose(desktop.window, GLFW_TRUE);
+
     drawScenePanel(scene, size, view);
     drawScaleBarOverlay(view);
+
     ImGui::Render();
     KERF_CHECK(renderer->draw(view.camera, view.width, view.height, ImGui::IsAnyMouseDown() ? moving : still));
     ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());

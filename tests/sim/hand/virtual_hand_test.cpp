@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/sim/block_scene.h"
+#include "ui/bench/scenes/press.h"
 
 namespace kerf {
 namespace {
@@ -107,22 +108,7 @@ double worstEnergy(Rendering rendering, double stiffness, const DeviceHand::Opti
   model.settings.rendering = rendering;
   model.settings.coupling.stiffness = stiffness;
   model.settings.ramp_s = 0;
-  State state;
-  state.objects.emplace_back(block({4, 4, 2}, 0.1));
-  CutPath path = straight({0, 0, 1}, {0, 0, -2}, 0.5);
-  path.poses.push_back({1.5, {Eigen::Quaterniond::Identity(), {0, 0, -2}}});
-  path.poses.push_back({1.8, {Eigen::Quaterniond::Identity(), {0, 0, 1}}});
-  path.cuts = {1, 1, 1};
-  DeviceHand hand(path, options);
-  StepOutput out;
-  DeviceSample sample;
-  state.place(poseAt(path, 0));
-  double worst = -1e9;
-  while (hand.next(out, sample)) {
-    step(model, state, sample, out);
-    worst = std::max(worst, hand.portEnergy());
-  }
-  return worst;
+  return scenes::press(model, block({4, 4, 2}, 0.1), options).energy;
 }
 
 TEST(VirtualHand, TheCouplingGivesNoEnergyAwayWhereDirectRenderingDoes) {

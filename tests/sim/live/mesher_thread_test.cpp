@@ -9,10 +9,14 @@
 #include <thread>
 
 #include "tests/geometry/sampled_field.h"
-#include "tests/sim/carved_field.h"
+#include "ui/bench/scenes/carved_field.h"
 
 namespace kerf {
 namespace {
+
+using scenes::ballWithAHole;
+using scenes::carve;
+using scenes::carveAtRandom;
 
 using ChunkMap = std::map<std::uint64_t, MeshChunkPtr>;
 

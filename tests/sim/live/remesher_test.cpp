@@ -6,11 +6,16 @@
 #include <map>
 #include <random>
 
+#include "geometry/field/sample_field.h"
 #include "tests/geometry/sampled_field.h"
-#include "tests/sim/carved_field.h"
+#include "ui/bench/scenes/carved_field.h"
 
 namespace kerf {
 namespace {
+
+using scenes::ballWithAHole;
+using scenes::carve;
+using scenes::carveAtRandom;
 
 using Soup = std::vector<std::array<std::array<float, 3>, 3>>;
 

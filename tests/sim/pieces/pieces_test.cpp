@@ -10,12 +10,17 @@
 #include <random>
 
 #include "geometry/field/marching_cubes.h"
+#include "geometry/field/sample_field.h"
 #include "sim/pieces/split_field.h"
 #include "tests/geometry/sampled_field.h"
-#include "tests/sim/carved_field.h"
+#include "ui/bench/scenes/carved_field.h"
 
 namespace kerf {
 namespace {
+
+using scenes::ballWithAHole;
+using scenes::carve;
+using scenes::carveAtRandom;
 
 // The plain way: flood fill of all nodes, one by one.
 struct Flood {

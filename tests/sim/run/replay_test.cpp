@@ -1,5 +1,6 @@
 #include "sim/run/replay.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>

@@ -1,5 +1,6 @@
 // Kerf's own text files, damaged in thousands of ways: each is read or refused, none crashes a reader, and what is read
 // keeps the promises of its header.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -115,15 +115,13 @@ TEST_P(EachResponse, AHandAMillimetreDeepIsPushedByTheCoupling) {
 
 TEST_P(EachResponse, SlidesSmoothlyOverABall) {
   const Vec3d center(0.013, 0.027, -5);
-  Box3 box;
-  box.add(Vec3d(center.array() - 5.1));
-  box.add(Vec3d(center.array() + 5.1));
-  const auto ball = test::bakedFrom([&](const Vec3d& p) { return (p - center).norm() - 5; }, box, 0.05);
+  const auto ball = scenes::practiceSphere(center, 5, 0.05);
+  ASSERT_TRUE(ball);
   Model m = model(0);
   m.settings.coupling.force_rate = 1e6;  // what the law itself does
   m.settings.ramp_s = 0;
   State state;
-  state.objects.emplace_back(ball, 64);
+  state.objects.emplace_back(*ball, 64);
   StepOutput out;
   const double depth = toolIsTheDevice() ? 0.055 : 1;  // about 1 N
   double jump = 0, least = 1e9, most = 0;
@@ -214,11 +212,7 @@ TEST_P(EachResponse, ABladeCutsItsKerfAndIsHeldInIt) {
   State state;
   state.objects.emplace_back(block({10, 3, 3}, 0.1));
 
-  Eigen::Matrix3d axes;
-  axes.col(0) = Vec3d::UnitZ();
-  axes.col(1) = -Vec3d::UnitY();
-  axes.col(2) = Vec3d::UnitX();
-  const Eigen::Quaterniond teeth_down(axes);
+  const Eigen::Quaterniond teeth_down = scenes::teethDown();
 
   StepOutput out;
   double removed = 0, law = 0, most = 0;

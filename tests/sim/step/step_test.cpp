@@ -7,6 +7,7 @@
 
 #include "geometry/tool/tool_file.h"
 #include "tests/sim/block_scene.h"
+#include "ui/bench/scenes/feed.h"
 
 namespace kerf {
 namespace {
@@ -15,39 +16,18 @@ using test::block;
 using test::oneTissue;
 using test::sampleAt;
 
-Rigid3 turned(double angle, const Vec3d& axis, const Vec3d& shift = Vec3d::Zero()) {
-  return {Eigen::Quaterniond(Eigen::AngleAxisd(angle, axis.normalized())), shift};
-}
+using scenes::turned;
 
-struct Slot {
-  double force = 0, normal = 0, rate = 0;
-};
-
-// A ball of 0.8 mm drawn at 2 mm/s through a block, 0.6 mm deep; means once the slot is steady.
-Slot cutSlot(double voxel, const Rigid3& attitude, double energy = 1000) {
-  Model model;
-  model.tools = {practiceBall(0.8, 840)};
-  model.tissues = oneTissue(200, 0.5, energy);
-  model.settings.rendering = Rendering::kRigid;
-  State state;
-  state.objects.emplace_back(block({8, 5, 3}, voxel, attitude));
-  StepOutput out;
-  Slot slot;
-  constexpr int kTicks = 1100, kSteady = 700;
-  for (int n = 0; n < kTicks; ++n) {
-    step(model, state, sampleAt({attitude.rotation, attitude * Vec3d(-2 + 0.002 * n, 0.01, -0.6)}), out);
-    EXPECT_EQ(out.status, kStepOk);
-    if (n < kSteady) continue;
-    slot.force += out.contact.force.norm() / (kTicks - kSteady);
-    slot.normal += out.normal_load / (kTicks - kSteady);
-    slot.rate += out.removed_mm3 / kTick / (kTicks - kSteady);
-  }
-  return slot;
+scenes::Feed cutSlot(double voxel, const Rigid3& attitude, double energy = 1000) {
+  const auto slot = scenes::slot(voxel, attitude, energy);
+  EXPECT_TRUE(slot) << slot.error().message();
+  EXPECT_EQ(slot->status, kStepOk);
+  return *slot;
 }
 
 TEST(Step, ForceAndRemovalRateDoNotDependOnVoxelSize) {
   const Rigid3 attitude = turned(0.3, {1, 2, 3});
-  const Slot coarse = cutSlot(0.1, attitude), fine = cutSlot(0.05, attitude);
+  const scenes::Feed coarse = cutSlot(0.1, attitude), fine = cutSlot(0.05, attitude);
   EXPECT_NEAR(coarse.force / fine.force, 1, 0.02);  // goal 5 %
   EXPECT_NEAR(coarse.rate / fine.rate, 1, 0.01);
 }
@@ -55,7 +35,7 @@ TEST(Step, ForceAndRemovalRateDoNotDependOnVoxelSize) {
 TEST(Step, ForceAndRemovalRateDoNotDependOnTheGridsAttitude) {
   double least = 1e9, most = 0, least_rate = 1e9, most_rate = 0;
   for (int n = 0; n < 8; ++n) {
-    const Slot slot =
+    const scenes::Feed slot =
         cutSlot(0.1, turned(0.37 * n, {std::sin(2.0 * n), std::cos(3.0 * n), 0.5}, 0.013 * n * Vec3d(1, -2, 0.5)));
     least = std::min(least, slot.force);
     most = std::max(most, slot.force);
@@ -69,7 +49,7 @@ TEST(Step, ForceAndRemovalRateDoNotDependOnTheGridsAttitude) {
 // Preston: mu N v / u_s, with N the integral of pressure over area.
 TEST(Step, RemovalRateIsTheLawsOwn) {
   for (const double energy : {250.0, 500.0, 1000.0, 2000.0}) {
-    const Slot slot = cutSlot(0.05, turned(0.3, {1, 2, 3}), energy);
+    const scenes::Feed slot = cutSlot(0.05, turned(0.3, {1, 2, 3}), energy);
     EXPECT_NEAR(slot.rate / (0.5 * slot.normal * 840 / energy), 1, 0.05) << energy;
   }
 }

@@ -1,17 +1,26 @@
-// Test helpers: an object that is carved at random, as edits of bricks.
-#pragma once
+#include "ui/bench/scenes/carved_field.h"
 
 #include <algorithm>
-#include <random>
-#include <vector>
 
 #include "geometry/field/sample_field.h"
-#include "sim/object/overlay_field.h"
 
-namespace kerf {
+namespace kerf::scenes {
+namespace {
 
-/// A ball of radius r (mm) with a hole, of voxel h: stored bricks at its surface, marked ones inside.
-inline BrickField ballWithAHole(double r, double h) {
+// A brick's values before a cut, whether it is stored or not.
+BrickEdit editOf(const OverlayField& field, const Vec3i& brick) {
+  BrickEdit edit;
+  edit.brick = brick;
+  if (const BrickValues* now = field.valuesAt(brick))
+    edit.phi = *now;
+  else
+    edit.phi.fill(field.constantAt(brick));
+  return edit;
+}
+
+}  // namespace
+
+BrickField ballWithAHole(double r, double h) {
   Box3 box;
   box.add(Vec3d::Zero());
   box.grow(r);
@@ -19,22 +28,16 @@ inline BrickField ballWithAHole(double r, double h) {
       [r](const Vec3d& p) { return std::max(p.norm() - r, 0.3 * r - Vec3d(p[0] - 0.21 * r, p[1], 0).norm()); }, box, h);
 }
 
-/// phi <- max(phi, -tau) (or min(phi, tau), adding) with a ball tau, in every brick the ball comes near to, stored or
-/// not. Returns the bricks that changed, and changes `field`.
-inline std::vector<BrickEdit> carve(OverlayField& field, const Vec3d& center, double radius, bool add = false) {
+std::vector<BrickEdit> carve(OverlayField& field, const Vec3d& center, double radius, bool add) {
   const double h = field.voxel(), reach = radius + field.background();
   const Vec3i low = brickOf(((center.array() - reach) / h).floor().cast<int>().matrix());
   const Vec3i high = brickOf(((center.array() + reach) / h).ceil().cast<int>().matrix());
+
   std::vector<BrickEdit> edits;
   for (int x = low[0]; x <= high[0]; ++x)
     for (int y = low[1]; y <= high[1]; ++y)
       for (int z = low[2]; z <= high[2]; ++z) {
-        BrickEdit edit;
-        edit.brick = {x, y, z};
-        if (const BrickValues* now = field.valuesAt(edit.brick))
-          edit.phi = *now;
-        else
-          edit.phi.fill(field.constantAt(edit.brick));
+        BrickEdit edit = editOf(field, {x, y, z});
         bool changed = false;
         std::size_t at = 0;
         for (int i = 0; i < kBrickSide; ++i)
@@ -56,8 +59,7 @@ inline std::vector<BrickEdit> carve(OverlayField& field, const Vec3d& center, do
   return edits;
 }
 
-/// One of many: mostly cuts at the surface, some inside, some additions, some that go where nothing was stored.
-inline std::vector<BrickEdit> carveAtRandom(OverlayField& field, double r, std::mt19937& random) {
+std::vector<BrickEdit> carveAtRandom(OverlayField& field, double r, std::mt19937& random) {
   std::normal_distribution<double> n;
   std::uniform_real_distribution<double> u(0, 1);
   const Vec3d direction = Vec3d(n(random), n(random), n(random)).normalized();
@@ -66,4 +68,4 @@ inline std::vector<BrickEdit> carveAtRandom(OverlayField& field, double r, std::
   return carve(field, depth * direction, radius, u(random) < 0.3);
 }
 
-}  // namespace kerf
+}  // namespace kerf::scenes

@@ -1,0 +1,101 @@
+// kerf bench: scenes that anyone can time on their own machine. Times vary, the state hash does not.
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "ui/bench/report.h"
+#include "ui/cli/command.h"
+
+namespace kerf::cli {
+namespace {
+
+struct Arguments {
+  std::string scene, mesh;
+  double seconds = 20;
+  std::vector<std::string> limits;
+  bool json = false, list = false, no_goals = false;
+};
+
+Expected<std::vector<const Scene*>> askedFor(const Arguments& a) {
+  std::vector<const Scene*> asked;
+  if (a.scene.empty()) {
+    for (const Scene& scene : scenes())
+      if (scene.when == Scene::When::kAlways) asked.push_back(&scene);
+  } else {
+    KERF_TRY(scene, findScene(a.scene));
+    asked.push_back(scene);
+  }
+  return asked;
+}
+
+// "points: 50k nodes, p99 is 0.7 ms, not at most 0.5; ..."
+Error missedError(const std::vector<std::string>& missed) {
+  std::string all;
+  for (const std::string& one : missed) all += (all.empty() ? "" : "; ") + one;
+  return {.code = Error::Code::kBadValue,
+          .place = fmt::format("{} goal{} missed", missed.size(), missed.size() == 1 ? "" : "s"),
+          .found = all,
+          .hint = "kerf bench --no-goals to time without goals"};
+}
+
+// Runs the scenes one after the other, printing each as it ends.   @return the exit code.
+Expected<int> runScenes(const Arguments& a) {
+  KERF_TRY(asked, askedFor(a));
+  const Scratch scratch;
+  nlohmann::json all = nlohmann::json::array();
+  std::vector<std::string> missed;
+  for (const Scene* scene : asked) {
+    std::vector<Goal> goals(scene->goals.begin(), scene->goals.end());
+    KERF_CHECK(changeLimits(goals, a.limits));
+    const auto run = [&] {
+      TerminalProgress progress;
+      return scene->run({scratch, progress.callback(), a.mesh, a.seconds});
+    };
+    KERF_TRY(result, run());
+
+    const Verdict verdict = judge(goals, result.measured);
+    const Verdict* const shown = a.no_goals ? nullptr : &verdict;
+    for (const std::string& one : verdict.missed) missed.push_back(fmt::format("{}: {}", scene->name, one));
+    if (a.json)
+      all.push_back(jsonOf(result, shown));
+    else
+      printResult(result, shown);
+  }
+  if (a.json) printJson(all);
+  if (a.no_goals || missed.empty()) return kOk;
+  return complain(missedError(missed));
+}
+
+}  // namespace
+
+void addBench(CLI::App& app, int& exit_code) {
+  auto a = std::make_shared<Arguments>();
+  CLI::App* c = &app;  // the command itself: ui/cli/commands.h
+  std::string rows = "Scenes:";
+  for (const Scene& scene : scenes()) rows += fmt::format("\n  {:<15} {}", scene.name, scene.what);
+  c->footer(rows +
+            "\nExit code: 1 when a goal is missed."
+            "\nExample: kerf bench bake --mesh scan.stl");
+  c->add_option("SCENE", a->scene, "one scene; all but the last without");
+  c->add_option("--mesh", a->mesh, "mesh for bake and export (default: the demo molar)");
+  c->add_option("--seconds", a->seconds, "length of realtime")->check(CLI::Range(1.0, 3600.0))->capture_default_str();
+  c->add_flag("--no-goals", a->no_goals, "print the numbers and judge none of them");
+  c->add_option("--limit", a->limits, "GOAL=NUMBER: judge SCENE by a limit of your own")->allow_extra_args(false);
+  c->add_flag("--list", a->list, "print the scenes and their goals, and run none");
+  c->add_flag("--json", a->json, "as JSON on standard output");
+  c->callback([a, &exit_code] {
+    if (!a->limits.empty() && a->scene.empty()) throw CLI::ValidationError("--limit", "needs a SCENE");
+    if (a->list) {
+      if (a->json)
+        printJson(jsonOfScenes());
+      else
+        printScenes();
+      exit_code = kOk;
+      return;
+    }
+    const auto done = runScenes(*a);
+    exit_code = done ? *done : complain(done.error());
+  });
+}
+
+}  // namespace kerf::cli

@@ -1,0 +1,41 @@
+// Objects of plain geometry and their tissue, and what a scene asks of an object while it is cut.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "geometry/field/brick_field.h"
+#include "sim/object/cut_object.h"
+#include "sim/step/step.h"
+
+namespace kerf::scenes {
+
+/// One tissue everywhere.
+/// @param stiffness  N/mm^3.   @param friction  of Coulomb.   @param energy  specific cutting energy, N/mm^2.
+TissueTable oneTissue(double stiffness, double friction, double energy);
+
+/// A ball of that radius (mm) about `center`, baked.
+Expected<std::shared_ptr<const BakedObject>> practiceSphere(const Vec3d& center, double radius, double voxel);
+
+/// The highest tissue on a vertical line, mm; NaN: none.
+double topAt(const BrickField& phi, double x, double y, const Box3& box);
+
+/// Where a saw goes through one side of a mandible that stands upright: bone along x, at y = `y`, from 5 mm off the
+/// middle outwards, in steps of 0.5 mm.
+struct BoneAcross {
+  double from = 0, to = 0;  ///< |x| of the first and the last bone, mm; from == 0: there is none
+  double top = -1e9;        ///< the highest bone, mm
+};
+/// @param side  1: x > 0; -1: x < 0.
+BoneAcross boneAcross(const BrickField& phi, double y, double side);
+
+/// The field as it is now: the baked one with what was changed.
+BrickField currentField(const CutObject& object);
+
+/// Appends a brick's present values.
+void appendEdit(std::vector<BrickEdit>& edits, const CutObject::Slot& slot);
+
+/// Lets the object have bricks for some more ticks, as a session does.
+void reserveForTicks(CutObject& object);
+
+}  // namespace kerf::scenes
