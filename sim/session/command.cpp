@@ -269,7 +269,7 @@ std::string commandReference() {
   std::string out =
       "# Session commands\n\n"
       "What a session can be asked to do between two ticks, as the session log holds it and scripts write it\n"
-      "([file formats](../formats.md)). Words are parted by spaces; decimal numbers have a point; what stands in\n"
+      "([file formats](file-formats.md)). Words are parted by spaces; decimal numbers have a point; what stands in\n"
       "brackets may be left out.\n\n"
       "A command takes effect before the sample of its tick. It is refused, and not recorded, when there is nothing "
       "to\n"
