@@ -39,7 +39,7 @@
 #include <thread>
 #include <vector>
 
-#include "sim/pieces/object_pieces.h"
+#include "sim/pieces/split_object.h"
 #include "sim/session/command.h"
 #include "sim/session/session.h"
 

@@ -8,7 +8,7 @@
 #include <memory>
 #include <span>
 
-#include "sim/pieces/object_pieces.h"
+#include "sim/pieces/split_object.h"
 #include "sim/session/command.h"
 #include "sim/session/session_history.h"
 #include "sim/session/session_log.h"

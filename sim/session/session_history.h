@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "sim/object/cut_object.h"
-#include "sim/pieces/split.h"
+#include "sim/pieces/split_record.h"
 
 namespace kerf {
 

@@ -6,7 +6,7 @@
 
 #include "sim/object/relax_brick.h"
 #include "sim/step/brick_to_tool.h"
-#include "sim/step/sum_touching.h"
+#include "sim/step/contact_sums.h"
 #include "sim/step/touching_shell.h"
 
 namespace kerf {

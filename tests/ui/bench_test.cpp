@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/ui/cli_runner.h"
-#include "ui/bench/goals.h"
+#include "ui/bench/verdict.h"
 
 namespace kerf {
 namespace {

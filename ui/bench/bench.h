@@ -11,7 +11,7 @@
 #include "geometry/base/progress.h"
 #include "geometry/tool/tool_file.h"
 #include "preprocess/demo/demo_anatomy.h"
-#include "ui/bench/goals.h"
+#include "ui/bench/verdict.h"
 
 namespace kerf::cli {
 

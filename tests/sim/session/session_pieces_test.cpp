@@ -6,8 +6,8 @@
 #include <filesystem>
 
 #include "sim/pieces/make_piece.h"
-#include "sim/pieces/object_pieces.h"
 #include "sim/pieces/split_field.h"
+#include "sim/pieces/split_object.h"
 #include "sim/run/log_sink.h"
 #include "sim/run/replay.h"
 #include "sim/session/session.h"

@@ -10,7 +10,7 @@
 
 #include "sim/object/relax_brick.h"
 #include "sim/object/shell_nodes.h"
-#include "sim/step/sum_touching.h"
+#include "sim/step/contact_sums.h"
 
 namespace kerf::internal {
 namespace {

@@ -1,4 +1,4 @@
-#include "ui/bench/goals.h"
+#include "ui/bench/verdict.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "sim/pieces/object_pieces.h"
+#include "sim/pieces/split_object.h"
 
 #include <algorithm>
 #include <optional>

@@ -1,4 +1,4 @@
-#include "sim/pieces/split.h"
+#include "sim/pieces/split_record.h"
 
 #include <utility>
 

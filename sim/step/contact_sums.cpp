@@ -1,9 +1,9 @@
-#include "sim/step/sum_touching.h"
+#include "sim/step/contact_sums.h"
 
 #include <algorithm>
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "sim/step/sum_touching.cpp"
+#define HWY_TARGET_INCLUDE "sim/step/contact_sums.cpp"
 #include <hwy/foreach_target.h>
 // After foreach_target.h
 #include <hwy/highway.h>

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "sim/pieces/piece_pool.h"
-#include "sim/pieces/split.h"
+#include "sim/pieces/split_record.h"
 
 namespace kerf {
 
