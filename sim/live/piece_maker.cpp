@@ -71,7 +71,6 @@ void PieceMaker::stop() {
 }
 
 // ---- The maker's thread
-// ----------------------------------------------------------------------------------------------
 
 void PieceMaker::run() {
   while (!is_stopping_.load(std::memory_order_acquire)) {
@@ -331,7 +330,6 @@ PieceMaker::Subscriber* PieceMaker::find(std::uint32_t id) {
 }
 
 // ---- The haptic thread
-// -----------------------------------------------------------------------------------------------
 
 bool PieceMaker::beforeTick(Session& session) noexcept {
   if (!forgotten_.load(std::memory_order_acquire))

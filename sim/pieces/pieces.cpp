@@ -177,6 +177,12 @@ bool PieceFinder::touchesOutside(std::int32_t slot) const {
 
 // @pre the slot has parts of its own, or none.
 void PieceFinder::measureFringeOf(std::int32_t slot) {
+  auto& own = parts_[indexOf(parts_of_[indexOf(slot)])];
+  if (own.parts.empty()) {  // most bricks of the outer band: nothing of their neighbours is looked up
+    own.outermost = {};
+    return;
+  }
+
   const Vec3i brick = internal::coordOf(keys_[indexOf(slot)]);
   internal::FringeInput in;
   in.own = {field_.valuesAt(brick), field_.constantAt(brick)};
@@ -185,7 +191,7 @@ void PieceFinder::measureFringeOf(std::int32_t slot) {
     in.beside[side] = {field_.valuesAt(next), field_.constantAt(next)};
     in.faces_beside[side] = faceBeside(slot, side);
   }
-  internal::measureFringe(in, parts_[indexOf(parts_of_[indexOf(slot)])]);
+  internal::measureFringe(in, own);
 }
 
 void PieceFinder::apply(std::span<const BrickEdit> edits) {

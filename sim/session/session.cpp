@@ -24,8 +24,6 @@ bool needsBricks(const CutObject& object) {
   return object.freeBricks() < Session::reserveFor(object) / 2 || object.memory().freeRecords() < 4;
 }
 
-bool isUnitQuaternion(const Eigen::Quaterniond& q) { return std::abs(q.norm() - 1) < 1e-6; }
-
 // Material may have appeared around the tool: the force has to fade in again, or it would strike the hand.
 bool mayMeetTool(const Command& command) noexcept {
   return std::holds_alternative<Undo>(command) || std::holds_alternative<Redo>(command) ||
@@ -127,7 +125,7 @@ bool Session::perform(const MoveObject& command) noexcept {
   Rigid3 pose;
   pose.translation = Vec3d(x, y, z);
   pose.rotation = Eigen::Quaterniond(qw, qx, qy, qz);
-  if (!isUnitQuaternion(pose.rotation) || !(pose.translation.norm() < 1e5)) return false;
+  if (!pose.isUsable()) return false;
   state_.objects[command.object].moveTo(pose);
   return true;
 }
@@ -166,7 +164,6 @@ bool Session::hasFrozen() const noexcept {
 }
 
 // ---- Memory
-// ----------------------------------------------------------------------------------------------------------
 
 // Without memory shells stay as they are until there is some: the step says kStepBricksRanOut.
 void Session::reserveBricks() {
@@ -185,7 +182,6 @@ bool Session::repair() noexcept {
 }
 
 // ---- Pieces
-// ----------------------------------------------------------------------------------------------------------
 
 void Session::splitWhenApart(int every_ticks, const PieceOptions& options) {
   split_every_ = every_ticks;
@@ -280,7 +276,6 @@ void Session::splitWhatIsApart() {
 }
 
 // ---- Strokes and ticks
-// -----------------------------------------------------------------------------------------------
 
 void Session::markAll() noexcept {
   if (history_.hasChanges(state_.objects)) history_.mark(state_.objects);

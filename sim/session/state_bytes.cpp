@@ -149,10 +149,6 @@ struct ChangedBrick {
   std::array<std::uint8_t, kBrickNodes> materials{};
 };
 
-bool isPose(const Rigid3& pose) {
-  return pose.translation.allFinite() && pose.translation.norm() < 1e5 && std::abs(pose.rotation.norm() - 1) < 1e-6;
-}
-
 std::vector<Vec3i> readBricks(Reader& from) {
   std::vector<Vec3i> out(from.count(12));
   for (Vec3i& brick : out) brick = from.brick();
@@ -217,7 +213,7 @@ std::optional<CutObject> unpackObject(Reader& from, const LoadedObjects& loaded)
   if (is_piece) own = readBricks(from);
   const std::vector<Vec3i> air = readBricks(from);
   const std::vector<ChangedBrick> changed = readChanged(from);
-  if (!from.is_good || index >= loaded.size() || !isPose(pose) || air.size() > CutObject::kMostAdded) return {};
+  if (!from.is_good || index >= loaded.size() || !pose.isUsable() || air.size() > CutObject::kMostAdded) return {};
 
   // The object as loaded or as it came off, then what changed.
   CutObject object(loaded[index], is_piece ? 1 : changed.size() + 64);
@@ -291,7 +287,7 @@ void unpackHead(Reader& from, State& out) {
 bool isHeadUsable(const State& s) {
   return std::isfinite(s.speed) && std::isfinite(s.ramp) && s.body.velocity.allFinite() && s.body.angular.allFinite() &&
          s.device.velocity.allFinite() && s.device.angular.allFinite() && s.last_force.force.allFinite() &&
-         s.last_force.torque.allFinite() && isPose(s.body.pose) && isPose(s.device.pose);
+         s.last_force.torque.allFinite() && s.body.pose.isUsable() && s.device.pose.isUsable();
 }
 
 // Ids are different and below next_id, and at most one object is frozen. The first for which that is false.
