@@ -256,7 +256,7 @@ Expected<VolumePlan> planVolume(const fs::path& path, const LabelReadOptions& op
   if (const auto format = fileFormat(path)) return planFile(path, *format, options);
   return fail({.code = Error::Code::kUnsupported,
                .file = path.string(),
-               .found = "'" + path.extension().string() + "'",
+               .found = fmt::format("'{}'", path.extension().string()),
                .expected = ".nrrd, .nii, .nii.gz, .mha, .mhd, or a folder of slices",
                .hint = "for DICOM or pictures give the folder they are in"});
 }
