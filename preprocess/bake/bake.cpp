@@ -47,11 +47,12 @@ Expected<void> requireMeshNotFolder(const fs::path& path) {
   }
 
   if (isLabelVolume(path))
-    return fail({.code = Error::Code::kUnsupported,
-                 .file = path.string(),
-                 .found = "a folder of slices: a label volume, no mesh",
-                 .expected = "a mesh file or a recipe",
-                 .hint = "a recipe that makes tissues of its labels (docs/reference/recipes.md); kerf info lists them"});
+    return fail(
+        {.code = Error::Code::kUnsupported,
+         .file = path.string(),
+         .found = "a folder of slices: a label volume, no mesh",
+         .expected = "a mesh file or a recipe",
+         .hint = "a recipe that makes tissues of its labels (docs/reference/recipes.md); kerf info lists them"});
   return {};
 }
 

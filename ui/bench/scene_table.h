@@ -1,8 +1,8 @@
 // The scenes of `kerf bench` and their goals, in one table. The command's help, --list, the printed lines, JSON and the
 // exit code all follow from it.
 //
-// A new scene: an id and a function in bench.h, and a row in scene_table.cpp. An id without a row, and a row without a function,
-// a text or goals, do not compile.
+// A new scene: an id and a function in bench.h, and a row in scene_table.cpp. An id without a row, and a row without a
+// function, a text or goals, do not compile.
 #pragma once
 
 #include <span>
