@@ -2,37 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
-#include "sim/object/relax_brick.h"
-#include "sim/step/brick_to_tool.h"
 #include "sim/step/contact_sums.h"
+#include "sim/step/erosion_rates.h"
 #include "sim/step/touching_shell.h"
 
 namespace kerf {
 namespace {
 
-constexpr float kEquatorFloor = 0.2f;  // the axis of a bur does not stand still: of the equator's speed
-constexpr float kStillSpeed = 0.5f;    // mm/s: below it Coulomb friction fades, so that it can be integrated
-
-internal::LeverForm leverForm(ToolMotion motion) {
-  return motion == ToolMotion::kSpin    ? internal::LeverForm::kRadius
-         : motion == ToolMotion::kSwing ? internal::LeverForm::kPivot
-                                        : internal::LeverForm::kOne;
-}
-
-// Erosion's rate times time, c dt, over the lever of the tool's own motion; per material.
-struct Rates {
-  std::array<float, 256> value;
-  explicit Rates(const ContactInput& in) {
-    for (std::size_t m = 0; m < 256; ++m) {
-      const Tissue& t = (*in.tissues)[m];
-      value[m] =
-          static_cast<float>(static_cast<double>(t.friction * t.stiffness * t.inverse_energy) * std::abs(in.speed) *
-                             in.tool->drive.drag_factor / in.tool->drive.energy_factor * in.dt * in.load_scale);
-    }
-  }
-};
+constexpr float kStillSpeed = 0.5f;  // mm/s: below it Coulomb friction fades, so that it can be integrated
 
 Eigen::Matrix3d crossMatrix(const Vec3d& v) {
   Eigen::Matrix3d m;
@@ -51,9 +29,7 @@ class NodeSums {
         inwards_(static_cast<float>(0.2 * object.voxel())),
         to_tool_(in.T_object_tool.rotation.toRotationMatrix().transpose().cast<float>()),
         rates_(in) {
-    moving_.lever = leverForm(tool_.motion);
-    moving_.least_radius = kEquatorFloor * static_cast<float>(tool_.equator_mm);
-    moving_.pivot = static_cast<float>(tool_.pivot_mm);
+    moving_.lever = internal::leverOf(tool_);
     moving_.speed = static_cast<float>(std::abs(in.speed));
     moving_.still_speed = kStillSpeed;
     moving_.body_spins = tool_.motion == ToolMotion::kSpin;
@@ -182,7 +158,7 @@ class NodeSums {
   const float drag_factor_;
   const float inwards_;  // step of the directional derivative of tau, mm
   const Eigen::Matrix3f to_tool_;
-  const Rates rates_;
+  const internal::ErosionRates rates_;
   internal::TouchingTool moving_;
   internal::TouchingSums totals_;
   std::array<float, 256> area_of_{};
@@ -190,53 +166,6 @@ class NodeSums {
   float x_[kGather], y_[kGather], z_[kGather];  // of `found_`, a step inwards, tool frame
   float tau_[kGather], cut_in_[kGather], body_in_[kGather];
   bool any_body_ = false;
-};
-
-// Erodes single bricks of one object.
-class BrickErosion {
- public:
-  BrickErosion(const CutObject& object, const ContactInput& in)
-      : cut_(in.tool->cut),
-        tip_(in.T_object_tool.translation),
-        to_tool_(in.T_object_tool.rotation.toRotationMatrix().transpose()),
-        h_(object.voxel()),
-        rates_(in) {
-    relax_.x = x_;
-    relax_.y = y_;
-    relax_.z = z_;
-    relax_.tau = tau_;
-    relax_.lever = leverForm(in.tool->motion);
-    relax_.geometry_only = in.geometry_only;
-    // Air is air: values rise to the end of the band that was baked around the surface, and no further.
-    relax_.cap = object.baked().phi0().background();
-    relax_.least_radius = kEquatorFloor * static_cast<float>(in.tool->equator_mm);
-    relax_.pivot = static_cast<float>(in.tool->pivot_mm);
-  }
-
-  // @param next  512 values: the brick after erosion.
-  internal::RelaxResult run(const CutObject::Slot& slot, float* next) {
-    const internal::BrickToTool map(to_tool_, tip_, slot.brick, h_);
-    internal::placeNodes(map.base, map.along, x_, y_, z_);
-    cut_.distances(x_, y_, z_, tau_, kBrickNodes);
-
-    relax_.phi = slot.phi;
-    relax_.rate = rates_.value[slot.materials[0]];
-    relax_.rates = nullptr;
-    if (!slot.has_one_material) {
-      for (int n = 0; n < kBrickNodes; ++n) rate_[n] = rates_.value[slot.materials[n]];
-      relax_.rates = rate_;
-    }
-    return internal::relaxBrick(relax_, next);
-  }
-
- private:
-  const ToolField& cut_;
-  const Vec3d tip_;
-  const Eigen::Matrix3d to_tool_;
-  const double h_;
-  const Rates rates_;
-  float x_[kBrickNodes], y_[kBrickNodes], z_[kBrickNodes], tau_[kBrickNodes], rate_[kBrickNodes];
-  internal::RelaxInput relax_;
 };
 
 }  // namespace
@@ -321,35 +250,6 @@ void sumContact(CutObject& object, const NearBricks& near, const ContactInput& i
                                            [&](const internal::TouchingNode& node) { nodes.add(node); });
   nodes.flush();
   nodes.addTo(sums);
-}
-
-CutResult erode(CutObject& object, const NearBricks& near, const ContactInput& in) noexcept {
-  CutResult result;
-  const ToolField& cut = in.tool->cut;
-  if (object.isFrozen() || cut.isEmpty() || (!in.geometry_only && in.speed == 0)) return result;
-
-  BrickErosion erosion(object, in);
-  float next[kBrickNodes];
-  for (std::size_t b = 0; b < near.size(); ++b) {
-    const int s = near.slot(b);
-    CutObject::Slot& slot = object.slot(s);
-    if (object.odometer < slot.sleeps_until_cut || near.leastCut(b) >= -slot.least) continue;
-
-    const internal::RelaxResult eroded = erosion.run(slot, next);
-    if (eroded.gap >= 0) {
-      slot.sleeps_until_cut = object.odometer + static_cast<double>(eroded.gap) - cut.slack();
-      continue;
-    }
-    slot.sleeps_until_cut = -1;
-    if (std::memcmp(next, slot.phi, sizeof next) == 0) continue;
-
-    if (!object.carve(s, next, eroded.least, result.removed_mm3)) {
-      result.pool_ran_out = true;
-      break;
-    }
-    ++result.bricks;
-  }
-  return result;
 }
 
 }  // namespace kerf

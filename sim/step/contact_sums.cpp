@@ -8,7 +8,7 @@
 // After foreach_target.h
 #include <hwy/highway.h>
 
-#include "sim/object/relaxation-inl.h"
+#include "sim/step/eroded_part-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace kerf::internal::HWY_NAMESPACE {
@@ -38,13 +38,13 @@ void sumTouchingHere(const TouchingNodes& nodes, const TouchingTool& tool, Touch
     if (tool.geometry_only) facing = hn::IfThenElse(hn::Lt(into_cut, overlap), facing, zero);
     const V px = load(nodes.in_tool[0]), py = load(nodes.in_tool[1]), pz = load(nodes.in_tool[2]);
     V arm = one;
-    if (tool.lever == LeverForm::kRadius) {
-      arm = hn::Max(hn::Sqrt(hn::Add(hn::Mul(px, px), hn::Mul(py, py))), hn::Set(f, tool.least_radius));
-    } else if (tool.lever == LeverForm::kPivot) {
-      const V up = hn::Sub(pz, hn::Set(f, tool.pivot));
+    if (tool.lever.form == LeverForm::kRadius) {
+      arm = hn::Max(hn::Sqrt(hn::Add(hn::Mul(px, px), hn::Mul(py, py))), hn::Set(f, tool.lever.least_radius));
+    } else if (tool.lever.form == LeverForm::kPivot) {
+      const V up = hn::Sub(pz, hn::Set(f, tool.lever.pivot));
       arm = hn::Sqrt(hn::Add(hn::Mul(px, px), hn::Mul(up, up)));
     }
-    const V x = hn::Mul(load(nodes.rate), arm), part = relaxedPart(f, x);
+    const V x = hn::Mul(load(nodes.rate), arm), part = erodedPart(f, x);
     const V mean_part = hn::IfThenElse(hn::Lt(x, hn::Set(f, 1e-6f)), one, hn::Div(part, hn::Max(x, hn::Set(f, 1e-6f))));
     const V mean = hn::Sub(overlap, hn::Mul(into_cut, hn::Sub(one, mean_part)));
     const V after = hn::Sub(overlap, hn::Mul(into_cut, part));

@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "sim/object/relax_brick.h"
+#include "sim/step/erode_brick.h"
 
 namespace kerf::internal {
 
@@ -22,11 +22,10 @@ struct TouchingNodes {
 
 /// What is the same for all of them.
 struct TouchingTool {
-  LeverForm lever = LeverForm::kOne;
-  float least_radius = 0, pivot = 0;  ///< mm
-  float speed = 0;                    ///< of the drive, not negative
-  float still_speed = 0;              ///< mm/s: slower sliding drags as if it were this
-  bool body_spins = false;            ///< what only collides moves as what cuts does
+  Lever lever;
+  float speed = 0;          ///< of the drive, not negative
+  float still_speed = 0;    ///< mm/s: slower sliding drags as if it were this
+  bool body_spins = false;  ///< what only collides moves as what cuts does
   bool geometry_only = false;
   float velocity[3]{}, angular[3]{};  ///< of the tip, object axes
 };

@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <cstring>
 
-#include "sim/object/relax_brick.h"
 #include "sim/object/shell_nodes.h"
 #include "sim/step/brick_to_tool.h"
 #include "sim/step/contact.h"
+#include "sim/step/node_kernels.h"
 
 namespace kerf {
 namespace {

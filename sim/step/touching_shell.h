@@ -7,9 +7,9 @@
 #include <algorithm>
 #include <bit>
 
-#include "sim/object/relax_brick.h"
 #include "sim/step/brick_to_tool.h"
 #include "sim/step/contact.h"
+#include "sim/step/node_kernels.h"
 
 namespace kerf::internal {
 

@@ -8,9 +8,10 @@
 #include <random>
 #include <vector>
 
-#include "sim/object/relax_brick.h"
 #include "sim/object/shell_nodes.h"
 #include "sim/step/contact_sums.h"
+#include "sim/step/erode_brick.h"
+#include "sim/step/node_kernels.h"
 
 namespace kerf::internal {
 namespace {
@@ -32,7 +33,7 @@ void onEveryTarget(const std::function<void()>& run) {
   EXPECT_GE(count, 2);
 }
 
-TEST(RelaxBrick, FollowsTheExponentialAtEveryRate) {
+TEST(ErodeBrick, FollowsTheExponentialAtEveryRate) {
   std::mt19937 random(3);
   std::uniform_real_distribution<float> u(-1, 1);
   std::vector<float> x(512), y(512), z(512), tau(512), phi(512), rates(512);
@@ -44,23 +45,22 @@ TEST(RelaxBrick, FollowsTheExponentialAtEveryRate) {
     phi[n] = 0.2f * u(random);
     rates[n] = std::pow(10.0f, 4 * u(random) - 2);  // 1e-6 to 100
   }
-  RelaxInput in;
+  ErodeBrickInput in;
   in.x = x.data();
   in.y = y.data();
   in.z = z.data();
   in.tau = tau.data();
   in.phi = phi.data();
   in.rates = rates.data();
-  in.least_radius = 0.1f;
-  in.pivot = 5;
+  in.lever = {LeverForm::kOne, 0.1f, 5};
   in.cap = 0.15f;
 
   for (const LeverForm lever : {LeverForm::kRadius, LeverForm::kPivot, LeverForm::kOne}) {
-    in.lever = lever;
+    in.lever.form = lever;
     std::vector<float> first;
     onEveryTarget([&] {
       std::vector<float> out(512);
-      const RelaxResult result = relaxBrick(in, out.data());
+      const ErodeBrickResult result = erodeBrick(in, out.data());
       float least = 1e9f;
       for (std::size_t n = 0; n < 512; ++n) {
         const double p = phi[n], d = std::max(0.0, -static_cast<double>(tau[n]) - p);
@@ -160,8 +160,7 @@ TEST(SumTouching, IsTheSumOfItsFormulas) {
   for (const int count : {1, 7, 8, 50, 64}) {
     const TouchingNodes nodes = randomNodes(count, random);
     TouchingTool tool;
-    tool.lever = LeverForm::kRadius;
-    tool.least_radius = 0.3f;
+    tool.lever = {LeverForm::kRadius, 0.3f, 0};
     tool.speed = 1000;
     tool.still_speed = 0.5f;
     tool.velocity[0] = 3;

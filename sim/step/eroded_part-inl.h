@@ -1,10 +1,10 @@
-// 1 - exp(-x) for rates times time steps: plain arithmetic, so that it gives the same bits with any C library and any
-// instructions. Included once per instruction set.
-#if defined(KERF_SIM_INTERNAL_RELAXATION_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef KERF_SIM_INTERNAL_RELAXATION_INL_H_
-#undef KERF_SIM_INTERNAL_RELAXATION_INL_H_
+// The part of an overlap that is gone, 1 - exp(-x), x a rate times time: plain arithmetic, so that it gives the same
+// bits with any C library and any instructions. Included once per instruction set.
+#if defined(KERF_SIM_STEP_ERODED_PART_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef KERF_SIM_STEP_ERODED_PART_INL_H_
+#undef KERF_SIM_STEP_ERODED_PART_INL_H_
 #else
-#define KERF_SIM_INTERNAL_RELAXATION_INL_H_
+#define KERF_SIM_STEP_ERODED_PART_INL_H_
 #endif
 
 #include <hwy/highway.h>
@@ -18,7 +18,7 @@ using I = hn::RebindToSigned<F>;
 using V = hn::Vec<F>;
 
 // 1 - exp(-x), x >= 0, without cancellation where x is small; relative error below 3e-7, 1 beyond x = 87.
-HWY_INLINE V relaxedPart(F f, V x) {
+HWY_INLINE V erodedPart(F f, V x) {
   const I i;
   const V one = hn::Set(f, 1.0f);
   V small = one;

@@ -1,57 +1,21 @@
-#include "sim/object/relax_brick.h"
+#include "sim/step/node_kernels.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "sim/object/relax_brick.cpp"
+#define HWY_TARGET_INCLUDE "sim/step/node_kernels.cpp"
 #include <hwy/foreach_target.h>
 // After foreach_target.h
 #include <hwy/highway.h>
 
-#include "sim/object/relaxation-inl.h"
-
 HWY_BEFORE_NAMESPACE();
 namespace kerf::internal::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
 
-RelaxResult relaxHere(const RelaxInput& in, float* out) {
-  const F f;
-  const int lanes = static_cast<int>(hn::Lanes(f));
-  const V far = hn::Set(f, 1e30f), cap = hn::Set(f, in.cap);
-  V gaps = far, least = far;
-  for (int n = 0; n < kBrickNodes; n += lanes) {
-    const V phi = hn::LoadU(f, in.phi + n), tau = hn::LoadU(f, in.tau + n);
-    const V gap = hn::IfThenElse(hn::Lt(phi, cap), hn::Add(phi, tau), far);
-    gaps = hn::Min(gaps, gap);
-
-    if (hn::AllFalse(f, hn::Lt(gap, hn::Zero(f)))) {  // nothing to cut
-      least = hn::Min(least, phi);
-      hn::StoreU(phi, f, out + n);
-      continue;
-    }
-
-    V next;
-    if (in.geometry_only) {
-      next = hn::Max(phi, hn::Neg(tau));  // exactly, so that once or twice is the same
-    } else {
-      V lever = hn::Set(f, 1.0f);
-      if (in.lever == LeverForm::kRadius) {
-        const V x = hn::LoadU(f, in.x + n), y = hn::LoadU(f, in.y + n);
-        lever = hn::Max(hn::Sqrt(hn::Add(hn::Mul(x, x), hn::Mul(y, y))), hn::Set(f, in.least_radius));
-      } else if (in.lever == LeverForm::kPivot) {
-        const V x = hn::LoadU(f, in.x + n), up = hn::Sub(hn::LoadU(f, in.z + n), hn::Set(f, in.pivot));
-        lever = hn::Sqrt(hn::Add(hn::Mul(x, x), hn::Mul(up, up)));
-      }
-      const V rate = in.rates ? hn::LoadU(f, in.rates + n) : hn::Set(f, in.rate);
-      next = hn::Add(phi, hn::Mul(hn::Max(hn::Neg(gap), hn::Zero(f)), relaxedPart(f, hn::Mul(rate, lever))));
-    }
-
-    next = hn::Min(next, hn::Max(phi, cap));
-    least = hn::Min(least, next);
-    hn::StoreU(next, f, out + n);
-  }
-  return {hn::GetLane(hn::MinOfLanes(f, gaps)), hn::GetLane(hn::MinOfLanes(f, least))};
-}
+using F = hn::CappedTag<float, 8>;
+using I = hn::RebindToSigned<F>;
+using V = hn::Vec<F>;
 
 void placeHere(const float base[3], const float along[3][3], float* x, float* y, float* z) {
-  const hn::CappedTag<float, 8> f;
+  const F f;
   const int lanes = static_cast<int>(hn::Lanes(f));
   float* out[3] = {x, y, z};
   for (int c = 0; c < 3; ++c)
@@ -127,14 +91,11 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace kerf::internal {
 
-HWY_EXPORT(relaxHere);
 HWY_EXPORT(placeHere);
 HWY_EXPORT(placeShellHere);
 HWY_EXPORT(valuesHere);
 HWY_EXPORT(largestHere);
 HWY_EXPORT(touchingHere);
-
-RelaxResult relaxBrick(const RelaxInput& in, float* out) noexcept { return HWY_DYNAMIC_DISPATCH(relaxHere)(in, out); }
 
 void placeNodes(const float base[3], const float along[3][3], float* x, float* y, float* z) noexcept {
   HWY_DYNAMIC_DISPATCH(placeHere)(base, along, x, y, z);

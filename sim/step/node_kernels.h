@@ -1,34 +1,10 @@
-// The loop of erosion: one brick's values towards the tool, in whatever vector instructions the processor has.
+// Loops over the nodes of a brick: where a tool sees them, and which of them touch it. In whatever vector instructions
+// the processor has; the same bits with any.
 #pragma once
 
 #include <cstdint>
 
-#include "geometry/field/brick_field.h"
-
 namespace kerf::internal {
-
-enum class LeverForm : int { kRadius, kPivot, kOne };
-
-struct RelaxInput {
-  const float *x, *y, *z;  ///< 512 nodes in the tool's frame, mm
-  const float *tau, *phi;  ///< mm
-  const float* rates;      ///< 512 of them, c dt over the lever; null: `rate` for all
-  float rate = 0;
-  LeverForm lever = LeverForm::kOne;
-  float least_radius = 0;  ///< kRadius: mm, what a radius counts as at least
-  float pivot = 0;         ///< kPivot: height, mm
-  float cap = 0;           ///< mm: nothing is raised beyond it; what stands there already is left alone
-  bool geometry_only = false;
-};
-
-struct RelaxResult {
-  float gap;    ///< least tau + phi before, of the nodes below the cap
-  float least;  ///< least value after
-};
-
-/// out = min(cap, phi + max(0, -tau - phi) (1 - exp(-rate lever))); geometry only: min(cap, max(phi, -tau)). The same
-/// bits with any instruction set.
-RelaxResult relaxBrick(const RelaxInput& in, float* out) noexcept;
 
 /// Nodes of a brick in the tool's frame: base + i along[0] + j along[1] + k along[2], float32. @param out  3 x 512.
 void placeNodes(const float base[3], const float along[3][3], float* x, float* y, float* z) noexcept;

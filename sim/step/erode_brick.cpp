@@ -1,0 +1,66 @@
+#include "sim/step/erode_brick.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "sim/step/erode_brick.cpp"
+#include <hwy/foreach_target.h>
+// After foreach_target.h
+#include <hwy/highway.h>
+
+#include "sim/step/eroded_part-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace kerf::internal::HWY_NAMESPACE {
+
+ErodeBrickResult erodeHere(const ErodeBrickInput& in, float* out) {
+  const F f;
+  const int lanes = static_cast<int>(hn::Lanes(f));
+  const V far = hn::Set(f, 1e30f), cap = hn::Set(f, in.cap);
+  V gaps = far, least = far;
+  for (int n = 0; n < kBrickNodes; n += lanes) {
+    const V phi = hn::LoadU(f, in.phi + n), tau = hn::LoadU(f, in.tau + n);
+    const V gap = hn::IfThenElse(hn::Lt(phi, cap), hn::Add(phi, tau), far);
+    gaps = hn::Min(gaps, gap);
+
+    if (hn::AllFalse(f, hn::Lt(gap, hn::Zero(f)))) {  // nothing to cut
+      least = hn::Min(least, phi);
+      hn::StoreU(phi, f, out + n);
+      continue;
+    }
+
+    V next;
+    if (in.geometry_only) {
+      next = hn::Max(phi, hn::Neg(tau));  // exactly, so that once or twice is the same
+    } else {
+      V lever = hn::Set(f, 1.0f);
+      if (in.lever.form == LeverForm::kRadius) {
+        const V x = hn::LoadU(f, in.x + n), y = hn::LoadU(f, in.y + n);
+        lever = hn::Max(hn::Sqrt(hn::Add(hn::Mul(x, x), hn::Mul(y, y))), hn::Set(f, in.lever.least_radius));
+      } else if (in.lever.form == LeverForm::kPivot) {
+        const V x = hn::LoadU(f, in.x + n), up = hn::Sub(hn::LoadU(f, in.z + n), hn::Set(f, in.lever.pivot));
+        lever = hn::Sqrt(hn::Add(hn::Mul(x, x), hn::Mul(up, up)));
+      }
+      const V rate = in.rates ? hn::LoadU(f, in.rates + n) : hn::Set(f, in.rate);
+      next = hn::Add(phi, hn::Mul(hn::Max(hn::Neg(gap), hn::Zero(f)), erodedPart(f, hn::Mul(rate, lever))));
+    }
+
+    next = hn::Min(next, hn::Max(phi, cap));
+    least = hn::Min(least, next);
+    hn::StoreU(next, f, out + n);
+  }
+  return {hn::GetLane(hn::MinOfLanes(f, gaps)), hn::GetLane(hn::MinOfLanes(f, least))};
+}
+
+}  // namespace kerf::internal::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace kerf::internal {
+
+HWY_EXPORT(erodeHere);
+
+ErodeBrickResult erodeBrick(const ErodeBrickInput& in, float* out) noexcept {
+  return HWY_DYNAMIC_DISPATCH(erodeHere)(in, out);
+}
+
+}  // namespace kerf::internal
+#endif

@@ -1,0 +1,90 @@
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "sim/step/brick_to_tool.h"
+#include "sim/step/contact.h"
+#include "sim/step/erosion_rates.h"
+#include "sim/step/node_kernels.h"
+
+namespace kerf {
+namespace {
+
+// Erodes single bricks of one object.
+class BrickErosion {
+ public:
+  BrickErosion(const CutObject& object, const ContactInput& in)
+      : cut_(in.tool->cut),
+        tip_(in.T_object_tool.translation),
+        to_tool_(in.T_object_tool.rotation.toRotationMatrix().transpose()),
+        h_(object.voxel()),
+        rates_(in) {
+    brick_.x = x_;
+    brick_.y = y_;
+    brick_.z = z_;
+    brick_.tau = tau_;
+    brick_.lever = internal::leverOf(*in.tool);
+    brick_.geometry_only = in.geometry_only;
+    // Air is air: values rise to the end of the band that was baked around the surface, and no further.
+    brick_.cap = object.baked().phi0().background();
+  }
+
+  // @param next  512 values: the brick after erosion.
+  internal::ErodeBrickResult run(const CutObject::Slot& slot, float* next) {
+    const internal::BrickToTool map(to_tool_, tip_, slot.brick, h_);
+    internal::placeNodes(map.base, map.along, x_, y_, z_);
+    cut_.distances(x_, y_, z_, tau_, kBrickNodes);
+
+    brick_.phi = slot.phi;
+    const std::uint8_t* const materials = slot.materials;
+    brick_.rate = rates_.value[materials[0]];
+    brick_.rates = nullptr;
+    if (!slot.has_one_material) {
+      for (int n = 0; n < kBrickNodes; ++n) rate_[n] = rates_.value[materials[n]];
+      brick_.rates = rate_;
+    }
+    return internal::erodeBrick(brick_, next);
+  }
+
+ private:
+  const ToolField& cut_;
+  const Vec3d tip_;
+  const Eigen::Matrix3d to_tool_;
+  const double h_;
+  const internal::ErosionRates rates_;
+  float x_[kBrickNodes], y_[kBrickNodes], z_[kBrickNodes], tau_[kBrickNodes], rate_[kBrickNodes];
+  internal::ErodeBrickInput brick_;
+};
+
+}  // namespace
+
+CutResult erode(CutObject& object, const NearBricks& near, const ContactInput& in) noexcept {
+  CutResult result;
+  const ToolField& cut = in.tool->cut;
+  if (object.isFrozen() || cut.isEmpty() || (!in.geometry_only && in.speed == 0)) return result;
+
+  BrickErosion erosion(object, in);
+  float next[kBrickNodes];
+  for (std::size_t b = 0; b < near.size(); ++b) {
+    const int s = near.slot(b);
+    CutObject::Slot& slot = object.slot(s);
+    if (object.odometer < slot.sleeps_until_cut || near.leastCut(b) >= -slot.least) continue;
+
+    const internal::ErodeBrickResult eroded = erosion.run(slot, next);
+    if (eroded.gap >= 0) {
+      slot.sleeps_until_cut = object.odometer + static_cast<double>(eroded.gap) - cut.slack();
+      continue;
+    }
+    slot.sleeps_until_cut = -1;
+    if (std::memcmp(next, slot.phi, sizeof next) == 0) continue;
+
+    if (!object.carve(s, next, eroded.least, result.removed_mm3)) {
+      result.pool_ran_out = true;
+      break;
+    }
+    ++result.bricks;
+  }
+  return result;
+}
+
+}  // namespace kerf
