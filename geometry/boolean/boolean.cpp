@@ -3,6 +3,8 @@
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/corefinement.h>
 #include <CGAL/Surface_mesh.h>
+#include <CGAL/boost/graph/Euler_operations.h>
+#include <CGAL/boost/graph/generators.h>
 
 #include <algorithm>
 #include <array>
@@ -206,6 +208,37 @@ Expected<Difference> combine(const Mesh& minuend, const Mesh& other, Operation o
   }
 }
 
+tl::unexpected<Error> clippingGaveUp(const std::string& found) {
+  return fail({.code = Error::Code::kGeometry,
+               .place = "part in a box",
+               .found = found,
+               .expected = "a closed surface free of self-intersections",
+               .hint = "kerf check on the mesh; or another box"});
+}
+
+// Cuts a face of four corners in two, along the diagonal CGAL's triangulate_faces() takes: on it depend bits.
+void splitQuad(SurfaceMesh& mesh, SurfaceMesh::Face_index face) {
+  const auto h0 = mesh.halfedge(face), h1 = mesh.next(h0), h2 = mesh.next(h1), h3 = mesh.next(h2);
+  const auto &p0 = mesh.point(mesh.target(h0)), &p1 = mesh.point(mesh.target(h1)), &p2 = mesh.point(mesh.target(h2)),
+             &p3 = mesh.point(mesh.target(h3));
+  const double p1p3 = CGAL::cross_product(p2 - p1, p3 - p2) * CGAL::cross_product(p0 - p3, p1 - p0);
+  const double p0p2 = CGAL::cross_product(p1 - p0, p1 - p2) * CGAL::cross_product(p3 - p2, p3 - p0);
+  if (p0p2 > p1p3)
+    CGAL::Euler::split_face(h0, h2, mesh);
+  else
+    CGAL::Euler::split_face(h1, h3, mesh);
+}
+
+// The box as CGAL's clip() would make it of an Iso_cuboid_3.
+SurfaceMesh meshOfBox(const Box3& box) {
+  const Kernel::Iso_cuboid_3 cuboid({box.min[0], box.min[1], box.min[2]}, {box.max[0], box.max[1], box.max[2]});
+  SurfaceMesh mesh;
+  CGAL::make_hexahedron(cuboid[0], cuboid[1], cuboid[2], cuboid[3], cuboid[4], cuboid[5], cuboid[6], cuboid[7], mesh);
+  const std::vector<SurfaceMesh::Face_index> quads(mesh.faces().begin(), mesh.faces().end());
+  for (const auto face : quads) splitQuad(mesh, face);
+  return mesh;
+}
+
 }  // namespace
 
 Expected<Difference> subtract(const Mesh& minuend, const Mesh& subtrahend) {
@@ -214,6 +247,46 @@ Expected<Difference> subtract(const Mesh& minuend, const Mesh& subtrahend) {
 
 Expected<Difference> unite(const Mesh& minuend, const Mesh& added) {
   return combine(minuend, added, Operation::kUnion);
+}
+
+// PMP::clip() itself is not called: it compiles three ways to clip, of which a closed mesh takes only the one below.
+// With the visitor of combine() that one is compiled already: CGAL's corefinement takes a minute each time.
+Expected<Mesh> clipToBox(const Mesh& mesh, const Box3& box) {
+  const Box3 all = bounds(mesh);
+  if (mesh.triangles.empty() || (all.min.array() > box.max.array()).any() || (all.max.array() < box.min.array()).any())
+    return Mesh{};
+  if (box.contains(all.min) && box.contains(all.max)) return Mesh{mesh.vertices, mesh.triangles, {}, {}};
+  try {
+    SurfaceMesh surface;
+    for (const Vec3d& p : mesh.vertices) surface.add_vertex({p[0], p[1], p[2]});
+    for (const Triangle& t : mesh.triangles)
+      if (surface.add_face(SurfaceMesh::Vertex_index(t[0]), SurfaceMesh::Vertex_index(t[1]),
+                           SurfaceMesh::Vertex_index(t[2])) == SurfaceMesh::null_face())
+        return clippingGaveUp("an edge with more than two faces");
+    if (!CGAL::is_closed(surface)) return clippingGaveUp("an open surface");
+
+    SurfaceMesh clipper = meshOfBox(box);
+    OriginVisitor::State unused;
+    const auto visited = CGAL::parameters::visitor(OriginVisitor(&unused)).throw_on_self_intersection(true);
+    if (!PMP::corefine_and_compute_intersection(surface, clipper, surface, visited, CGAL::parameters::all_default()))
+      return clippingGaveUp("no 2-manifold result of clipping");
+    surface.collect_garbage();
+
+    Mesh out;
+    for (const auto v : surface.vertices()) {
+      const auto& p = surface.point(v);
+      out.vertices.emplace_back(p.x(), p.y(), p.z());
+    }
+    for (const auto f : surface.faces()) {
+      Triangle t{};
+      std::size_t k = 0;
+      for (const auto v : surface.vertices_around_face(surface.halfedge(f))) t[k++] = v.idx();
+      out.triangles.push_back(t);
+    }
+    return out;
+  } catch (const std::exception& e) {
+    return clippingGaveUp(e.what());
+  }
 }
 
 }  // namespace kerf

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <openvdb/io/File.h>
 #include <openvdb/openvdb.h>
-#include <openvdb/points/PointDataGrid.h>
 #include <openvdb/tools/Prune.h>
 
 #include <cmath>

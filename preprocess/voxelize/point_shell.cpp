@@ -164,18 +164,19 @@ PointShell makePointShell(const FloatGrid& phi, const openvdb::Int32Grid& materi
                     });
 
   PointShell out;
-  out.grid = pts::PointDataGrid::create();
-  out.grid->setName("shell");
-  out.grid->setTransform(phi.transform().copy());
+  const auto grid = pts::PointDataGrid::create();
+  grid->setName("shell");
+  grid->setTransform(phi.transform().copy());
   double inside = 0;
   for (LeafShell& leaf : made) {  // in the tree's own order: the sums do not depend on threads
     out.points += leaf.points;
     out.area_mm2 += leaf.area;
     inside += leaf.inside_nodes;
-    if (leaf.leaf) out.grid->tree().addLeaf(leaf.leaf.release());
+    if (leaf.leaf) grid->tree().addLeaf(leaf.leaf.release());
   }
   inside += insideNodesOfTiles(phi.tree(), keep);
   out.volume_mm3 = inside * h * h * h;
+  out.grid = grid;
   return out;
 }
 

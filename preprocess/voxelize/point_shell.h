@@ -2,7 +2,6 @@
 #pragma once
 
 #include <openvdb/openvdb.h>
-#include <openvdb/points/PointDataGrid.h>
 
 #include <cstdint>
 #include <functional>
@@ -12,7 +11,7 @@
 namespace kerf::internal {
 
 struct PointShell {
-  openvdb::points::PointDataGrid::Ptr grid;
+  openvdb::GridBase::Ptr grid;  ///< a points::PointDataGrid, whose header takes 10 s to compile
   std::uint64_t points = 0;
   double area_mm2 = 0;    ///< sum of the area weights
   double volume_mm3 = 0;  ///< of {phi < 0} in those bricks

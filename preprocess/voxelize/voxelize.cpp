@@ -2,15 +2,14 @@
 
 #include <fmt/format.h>
 #include <openvdb/openvdb.h>
-#include <openvdb/points/PointDataGrid.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 
 #include "geometry/base/available_memory.h"
+#include "geometry/boolean/boolean.h"
 #include "geometry/field/vdb_writer.h"
-#include "preprocess/close/clip.h"
 #include "preprocess/voxelize/cropped_bricks.h"
 #include "preprocess/voxelize/mesh_field.h"
 #include "preprocess/voxelize/paint_materials.h"
@@ -21,7 +20,7 @@ namespace kerf {
 struct Anatomy::Grids {
   openvdb::FloatGrid::Ptr phi;
   openvdb::Int32Grid::Ptr material;
-  openvdb::points::PointDataGrid::Ptr shell;
+  openvdb::GridBase::Ptr shell;
   AnatomyStats stats;
 };
 
@@ -181,6 +180,16 @@ Expected<Anatomy> voxelizeIn(const FineRegion* region, const Mesh& solid, const 
   }
 }
 
+// What of a closed mesh the fine region can depend on.
+Expected<Mesh> partInBox(const Mesh& mesh, const Box3& box) {
+  Expected<Mesh> part = clipToBox(mesh, box);
+  if (part) return part;
+  Error error = std::move(part).error();
+  error.place = "fine region";
+  error.hint = "kerf check on the mesh; or another radius";
+  return fail(std::move(error));
+}
+
 }  // namespace
 
 Expected<Anatomy> voxelize(const Mesh& solid, const VoxelizeOptions& options, const Progress& progress,
@@ -203,7 +212,7 @@ Expected<Anatomy> voxelizeRegion(const Mesh& solid, const FineRegion& region, co
 
   Box3 box = region.bounds();
   box.grow(reach + (2 * kBrickSide + 10) * fine.voxel_mm);
-  KERF_TRY(clipped, internal::clipToBox(solid, box));
+  KERF_TRY(clipped, partInBox(solid, box));
   if (clipped.triangles.empty())
     return fail({.code = Error::Code::kEmpty,
                  .place = "fine region",
@@ -215,7 +224,7 @@ Expected<Anatomy> voxelizeRegion(const Mesh& solid, const FineRegion& region, co
   std::vector<Mesh> solids(claims.size());
   for (std::size_t n = 0; n < near.size(); ++n) {
     if (!near[n].solid) continue;
-    KERF_TRY(part, internal::clipToBox(*near[n].solid, box));
+    KERF_TRY(part, partInBox(*near[n].solid, box));
     solids[n] = std::move(part);
     near[n].solid = solids[n].triangles.empty() ? nullptr : &solids[n];
     if (!near[n].solid) near[n].covers = [](const Vec3d&) { return false; };
