@@ -36,11 +36,10 @@ class BrickErosion {
     cut_.distances(x_, y_, z_, tau_, kBrickNodes);
 
     brick_.phi = slot.phi;
-    const std::uint8_t* const materials = slot.materials;
-    brick_.rate = rates_.value[materials[0]];
+    brick_.rate = rates_.value[slot.materials[0]];
     brick_.rates = nullptr;
     if (!slot.has_one_material) {
-      for (int n = 0; n < kBrickNodes; ++n) rate_[n] = rates_.value[materials[n]];
+      internal::valuesOf(rates_.value.data(), slot.materials, kBrickNodes, rate_);
       brick_.rates = rate_;
     }
     return internal::erodeBrick(brick_, next);

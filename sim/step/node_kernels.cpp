@@ -57,6 +57,14 @@ void valuesHere(const float* values, const std::uint16_t* offsets, int count, fl
     hn::StoreU(hn::GatherIndex(f, values, hn::PromoteTo(i, hn::LoadU(u16, offsets + n))), f, out + n);
 }
 
+void valuesOfHere(const float* values, const std::uint8_t* numbers, int count, float* out) {
+  const F f;
+  const I i;
+  const hn::Rebind<std::uint8_t, F> u8;
+  for (int n = 0; n < count; n += static_cast<int>(hn::Lanes(f)))
+    hn::StoreU(hn::GatherIndex(f, values, hn::PromoteTo(i, hn::LoadU(u8, numbers + n))), f, out + n);
+}
+
 float largestHere(const float* values, int n) {
   const F f;
   const int lanes = static_cast<int>(hn::Lanes(f));
@@ -94,6 +102,7 @@ namespace kerf::internal {
 HWY_EXPORT(placeHere);
 HWY_EXPORT(placeShellHere);
 HWY_EXPORT(valuesHere);
+HWY_EXPORT(valuesOfHere);
 HWY_EXPORT(largestHere);
 HWY_EXPORT(touchingHere);
 
@@ -108,6 +117,10 @@ void placeShell(const float base[3], const float along[3][3], const std::uint16_
 
 void valuesAt(const float* values, const std::uint16_t* offsets, int count, float* out) noexcept {
   HWY_DYNAMIC_DISPATCH(valuesHere)(values, offsets, count, out);
+}
+
+void valuesOf(const float* values, const std::uint8_t* numbers, int count, float* out) noexcept {
+  HWY_DYNAMIC_DISPATCH(valuesOfHere)(values, numbers, count, out);
 }
 
 float largestOf(const float* values, int n) noexcept { return HWY_DYNAMIC_DISPATCH(largestHere)(values, n); }

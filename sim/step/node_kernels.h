@@ -15,6 +15,9 @@ void placeShell(const float base[3], const float along[3][3], const std::uint16_
 /// values[offsets[n]], count a multiple of 8.
 void valuesAt(const float* values, const std::uint16_t* offsets, int count, float* out) noexcept;
 
+/// values[numbers[n]] for 256 values, one per number of a material; count a multiple of 8.
+void valuesOf(const float* values, const std::uint8_t* numbers, int count, float* out) noexcept;
+
 /// Largest of n numbers, n a multiple of 8.
 float largestOf(const float* values, int n) noexcept;
 

@@ -107,6 +107,25 @@ TouchingNodes randomNodes(int count, std::mt19937& random) {
   return nodes;
 }
 
+TEST(NodeKernels, ValuesAreLookedUpByOffsetAndByMaterial) {
+  std::vector<float> values(512);
+  std::vector<std::uint16_t> offsets(64);
+  std::vector<std::uint8_t> numbers(512);
+  for (std::size_t n = 0; n < 512; ++n) {
+    values[n] = static_cast<float>(n) + 0.25f;
+    numbers[n] = static_cast<std::uint8_t>(n * 37);
+  }
+  for (std::size_t n = 0; n < 64; ++n) offsets[n] = static_cast<std::uint16_t>(511 - 8 * n);
+
+  onEveryTarget([&] {
+    std::vector<float> at(64), of(512);
+    valuesAt(values.data(), offsets.data(), 64, at.data());
+    valuesOf(values.data(), numbers.data(), 512, of.data());
+    for (std::size_t n = 0; n < 64; ++n) ASSERT_EQ(at[n], values[offsets[n]]) << n;
+    for (std::size_t n = 0; n < 512; ++n) ASSERT_EQ(of[n], values[numbers[n]]) << n;
+  });
+}
+
 // What a tool with the spinning lever adds for one node, by the formulas of sim/step/contact.h in double.
 void addPlain(const TouchingNodes& nodes, std::size_t n, const TouchingTool& tool,
               std::array<double, TouchingSums::kSums>& sums, double& deepest) {
