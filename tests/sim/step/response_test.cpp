@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <random>
+#include <string>
 
 #include "geometry/tool/tool_file.h"
 #include "sim/run/log_sink.h"
@@ -38,10 +39,11 @@ class EachResponse : public testing::TestWithParam<Way> {
     m.settings.rendering = GetParam().rendering;
     return m;
   }
-  bool toolIsTheDevice() const {
-    return GetParam().response == Response::kPenalty && GetParam().rendering == Rendering::kDirect;
-  }
-  bool isProxy() const { return GetParam().response == Response::kConstraint; }
+  Attachment attachment() const { return model().settings.attachment(); }
+  bool toolIsTheDevice() const { return attachment() == Attachment::kFixed; }
+  bool isProxy() const { return attachment() == Attachment::kProxy; }
+  // Contact points hold the tool at the skin. A response without them lets it overlap as deep as its force wants.
+  bool hasSkin() const { return rowOf(GetParam().response).direct != Attachment::kFixed; }
 };
 
 Rigid3 at(double x, double y, double z) { return {Eigen::Quaterniond::Identity(), {x, y, z}}; }
@@ -105,7 +107,7 @@ TEST_P(EachResponse, AHandAMillimetreDeepIsPushedByTheCoupling) {
     EXPECT_NEAR(out.contact.force[2], out.force.force[2], 1e-4);
     EXPECT_LT(out.force.force.head<2>().norm(), 1e-3);
     EXPECT_NEAR(out.normal_load, out.contact.force[2], 1e-3);
-    if (GetParam().response == Response::kPenalty) continue;
+    if (!hasSkin()) continue;
     EXPECT_NEAR(out.force.force[2], 1, 0.02);
     EXPECT_LT(out.deepest, contactSkin(voxel) + 1e-3);
     // What the nearest node says of the ball's lowest point: up to a voxel's half diagonal from it.
@@ -240,7 +242,7 @@ TEST(Response, IsFoundByItsNameAndOnlyByThat) {
   EXPECT_EQ(findResponse("god"), nullptr);
   EXPECT_EQ(findResponse(""), nullptr);
   EXPECT_TRUE(isKnown(Response::kImpulse));
-  EXPECT_FALSE(isKnown(static_cast<Response>(3)));
+  EXPECT_FALSE(isKnown(static_cast<Response>(kResponses.size())));
   EXPECT_FALSE(isKnown(static_cast<Response>(-1)));
 }
 
@@ -249,7 +251,12 @@ TEST(Response, OnlyAToolThatMayBeFixedGoesWithAMachine) {
   for (const ResponseRow& row : kResponses) {
     settings.response = row.response;
     settings.rendering = Rendering::kRigid;
-    EXPECT_EQ(row.fits(Rendering::kRigid), row.response == Response::kPenalty) << row.name;
+    if (row.response == Response::kPenalty) {
+      EXPECT_TRUE(row.fits(Rendering::kRigid));
+    }
+    if (row.response == Response::kConstraint || row.response == Response::kImpulse) {
+      EXPECT_FALSE(row.fits(Rendering::kRigid)) << row.name;
+    }
     EXPECT_EQ(settings.attachment(), Attachment::kFixed) << row.name;
     EXPECT_EQ(settings.effectiveResponse(), Response::kPenalty) << row.name;
 
@@ -284,7 +291,7 @@ TEST(Response, ALogThatDoesNotNameItIsOfThePenaltyLaw) {
   set("rendering", "2");
   EXPECT_FALSE(restoreSettings(log, "a.log", again, start));
   set("rendering", "0");
-  set("response", "3");
+  set("response", std::to_string(kResponses.size()).c_str());
   EXPECT_FALSE(restoreSettings(log, "a.log", again, start));
 }
 
