@@ -210,7 +210,7 @@ Expected<Difference> combine(const Mesh& minuend, const Mesh& other, Operation o
 
 tl::unexpected<Error> clippingGaveUp(const std::string& found) {
   return fail({.code = Error::Code::kGeometry,
-               .place = "part in a box",
+               .place = "clipping to a box",
                .found = found,
                .expected = "a closed surface free of self-intersections",
                .hint = "kerf check on the mesh; or another box"});
@@ -250,7 +250,7 @@ Expected<Difference> unite(const Mesh& minuend, const Mesh& added) {
 }
 
 // PMP::clip() itself is not called: it compiles three ways to clip, of which a closed mesh takes only the one below.
-// With the visitor of combine() that one is compiled already: CGAL's corefinement takes a minute each time.
+// With the visitor of combine() that one is compiled already: each other one takes a minute.
 Expected<Mesh> clipToBox(const Mesh& mesh, const Box3& box) {
   const Box3 all = bounds(mesh);
   if (mesh.triangles.empty() || (all.min.array() > box.max.array()).any() || (all.max.array() < box.min.array()).any())
@@ -258,11 +258,7 @@ Expected<Mesh> clipToBox(const Mesh& mesh, const Box3& box) {
   if (box.contains(all.min) && box.contains(all.max)) return Mesh{mesh.vertices, mesh.triangles, {}, {}};
   try {
     SurfaceMesh surface;
-    for (const Vec3d& p : mesh.vertices) surface.add_vertex({p[0], p[1], p[2]});
-    for (const Triangle& t : mesh.triangles)
-      if (surface.add_face(SurfaceMesh::Vertex_index(t[0]), SurfaceMesh::Vertex_index(t[1]),
-                           SurfaceMesh::Vertex_index(t[2])) == SurfaceMesh::null_face())
-        return clippingGaveUp("an edge with more than two faces");
+    KERF_CHECK(fill(mesh, "mesh", surface));
     if (!CGAL::is_closed(surface)) return clippingGaveUp("an open surface");
 
     SurfaceMesh clipper = meshOfBox(box);

@@ -11,7 +11,7 @@
 namespace kerf::internal {
 
 struct PointShell {
-  openvdb::GridBase::Ptr grid;  ///< a points::PointDataGrid, whose header takes 10 s to compile
+  openvdb::GridBase::Ptr grid;  ///< a points::PointDataGrid
   std::uint64_t points = 0;
   double area_mm2 = 0;    ///< sum of the area weights
   double volume_mm3 = 0;  ///< of {phi < 0} in those bricks

@@ -185,7 +185,7 @@ Expected<Mesh> partInBox(const Mesh& mesh, const Box3& box) {
   Expected<Mesh> part = clipToBox(mesh, box);
   if (part) return part;
   Error error = std::move(part).error();
-  error.place = "fine region";
+  error.place = "fine region: " + error.place;
   error.hint = "kerf check on the mesh; or another radius";
   return fail(std::move(error));
 }

@@ -49,20 +49,22 @@ void placeShellHere(const float base[3], const float along[3][3], const std::uin
   }
 }
 
-void valuesHere(const float* values, const std::uint16_t* offsets, int count, float* out) {
+// values[numbers[n]]
+template <class Number>
+HWY_INLINE void gather(const float* values, const Number* numbers, int count, float* out) {
   const F f;
   const I i;
-  const hn::Rebind<std::uint16_t, F> u16;
+  const hn::Rebind<Number, F> as_stored;
   for (int n = 0; n < count; n += static_cast<int>(hn::Lanes(f)))
-    hn::StoreU(hn::GatherIndex(f, values, hn::PromoteTo(i, hn::LoadU(u16, offsets + n))), f, out + n);
+    hn::StoreU(hn::GatherIndex(f, values, hn::PromoteTo(i, hn::LoadU(as_stored, numbers + n))), f, out + n);
+}
+
+void valuesHere(const float* values, const std::uint16_t* offsets, int count, float* out) {
+  gather(values, offsets, count, out);
 }
 
 void valuesOfHere(const float* values, const std::uint8_t* numbers, int count, float* out) {
-  const F f;
-  const I i;
-  const hn::Rebind<std::uint8_t, F> u8;
-  for (int n = 0; n < count; n += static_cast<int>(hn::Lanes(f)))
-    hn::StoreU(hn::GatherIndex(f, values, hn::PromoteTo(i, hn::LoadU(u8, numbers + n))), f, out + n);
+  gather(values, numbers, count, out);
 }
 
 float largestHere(const float* values, int n) {
