@@ -54,6 +54,8 @@ class CutObject {
   std::array<double, 256> removed_mm3{}, added_mm3{};
   /// How far the tool has moved relative to this object, mm: see BrickSlot::sleeps_until_contact. @rt
   double odometer = 0;
+  /// Load of what cuts of the tool's core in the last evaluation of contact, N: sim/step/core_contact.h. @rt
+  double core_load = 0;
 
   void moveTo(const Rigid3& pose) noexcept {
     T_world_object = pose;

@@ -14,7 +14,7 @@
 namespace kerf {
 namespace {
 
-constexpr std::uint32_t kStateVersion = 2;
+constexpr std::uint32_t kStateVersion = 3;
 
 // Little-endian, doubles with every bit.
 class Writer {
@@ -111,6 +111,7 @@ void packObject(const CutObject& object, std::size_t loaded, Writer& to) {
   to.u32((object.bricks().isPiece() ? 1u : 0u) | (object.isFrozen() ? 2u : 0u));
   to.u32(object.id);
   to.pose(object.T_world_object);
+  to.f64(object.core_load);
   for (std::size_t m = 0; m < 256; ++m) {
     to.f64(object.removed_mm3[m]);
     to.f64(object.added_mm3[m]);
@@ -204,6 +205,7 @@ std::optional<CutObject> unpackObject(Reader& from, const LoadedObjects& loaded)
   const std::uint32_t id = from.u32();
   const bool is_piece = flags & 1;
   const Rigid3 pose = from.pose();
+  const double core_load = from.f64();
   std::array<double, 256> removed{}, added{};
   for (std::size_t m = 0; m < 256; ++m) {
     removed[m] = from.f64();
@@ -213,7 +215,9 @@ std::optional<CutObject> unpackObject(Reader& from, const LoadedObjects& loaded)
   if (is_piece) own = readBricks(from);
   const std::vector<Vec3i> air = readBricks(from);
   const std::vector<ChangedBrick> changed = readChanged(from);
-  if (!from.is_good || index >= loaded.size() || !pose.isUsable() || air.size() > CutObject::kMostAdded) return {};
+  if (!from.is_good || index >= loaded.size() || !pose.isUsable() || !(core_load >= 0) || !std::isfinite(core_load) ||
+      air.size() > CutObject::kMostAdded)
+    return {};
 
   // The object as loaded or as it came off, then what changed.
   CutObject object(loaded[index], is_piece ? 1 : changed.size() + 64);
@@ -235,6 +239,7 @@ std::optional<CutObject> unpackObject(Reader& from, const LoadedObjects& loaded)
   object.strokes().end();  // it begins like this: nothing to undo
   object.T_world_object = pose;
   object.id = id;
+  object.core_load = core_load;
   if (flags & 2) object.freeze();
   object.removed_mm3 = removed;
   object.added_mm3 = added;
@@ -259,6 +264,9 @@ void packHead(const State& state, Writer& to) {
   to.vec(state.device.angular);
   to.vec(state.last_force.force);
   to.vec(state.last_force.torque);
+  to.f64(state.core_drag.drag);
+  to.vec(state.core_drag.moment);
+  for (int column = 0; column < 3; ++column) to.vec(state.core_drag.second.col(column));
   to.u32(state.next_id);
 }
 
@@ -281,13 +289,17 @@ void unpackHead(Reader& from, State& out) {
   out.device.angular = from.vec();
   out.last_force.force = from.vec();
   out.last_force.torque = from.vec();
+  out.core_drag.drag = from.f64();
+  out.core_drag.moment = from.vec();
+  for (int column = 0; column < 3; ++column) out.core_drag.second.col(column) = from.vec();
   out.next_id = from.u32();
 }
 
 bool isHeadUsable(const State& s) {
   return std::isfinite(s.speed) && std::isfinite(s.ramp) && s.body.velocity.allFinite() && s.body.angular.allFinite() &&
          s.device.velocity.allFinite() && s.device.angular.allFinite() && s.last_force.force.allFinite() &&
-         s.last_force.torque.allFinite() && s.body.pose.isUsable() && s.device.pose.isUsable();
+         s.last_force.torque.allFinite() && std::isfinite(s.core_drag.drag) && s.core_drag.moment.allFinite() &&
+         s.core_drag.second.allFinite() && s.body.pose.isUsable() && s.device.pose.isUsable();
 }
 
 // Ids are different and below next_id, and at most one object is frozen. The first for which that is false.

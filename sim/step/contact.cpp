@@ -141,6 +141,9 @@ class NodeSums {
     sums.normal_load += value(S::kNormalLoad);
     sums.cutting_load += value(S::kCuttingLoad);
     sums.erodible_load += value(S::kErodibleLoad);
+    sums.bare_load += value(S::kBareLoad);
+    sums.bare_erodible += value(S::kBareErodible);
+    sums.bare_drive_load += value(S::kBareDriveLoad);
     sums.drive_load += value(S::kDriveLoad);
     sums.power += value(S::kPower);
 
@@ -184,6 +187,9 @@ void ContactSums::add(const ContactSums& o) {
   drive_load += o.drive_load;
   power += o.power;
   erodible_load += o.erodible_load;
+  bare_load += o.bare_load;
+  bare_erodible += o.bare_erodible;
+  bare_drive_load += o.bare_drive_load;
   area += o.area;
   deepest = std::max(deepest, o.deepest);
   tested += o.tested;
@@ -206,6 +212,9 @@ void ContactSums::scale(double factor) {
   normal_load *= factor;
   cutting_load *= factor;
   erodible_load *= factor;
+  bare_load *= factor;
+  bare_erodible *= factor;
+  bare_drive_load *= factor;
   drive_load *= factor;
   power *= factor;
 }

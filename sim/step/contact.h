@@ -8,13 +8,11 @@
 
 #include "sim/object/cut_object.h"
 #include "sim/step/device_sample.h"
+#include "sim/step/one_sided_loads.h"
 #include "sim/step/tissue.h"
 #include "sim/step/tool_model.h"
 
 namespace kerf {
-
-using Matrix6d = Eigen::Matrix<double, 6, 6>;
-using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 /// What one evaluation needs to know of tool and time.
 struct ContactInput {
@@ -44,16 +42,19 @@ struct ContactSums {
   double drag = 0;                                        ///< N s/mm
   Vec3d drag_moment = Vec3d::Zero();                      ///< N s
   Eigen::Matrix3d drag_second = Eigen::Matrix3d::Zero();  ///< N s mm
-  double normal_load = 0;        ///< N = integral of p dA, N: what the removal rate is proportional to
-  double cutting_load = 0;       ///< the part of it on what cuts
-  double erodible_load = 0;      ///< that part with g = 1: before this tick's erosion
-  double drive_load = 0;         ///< of the spindle, N mm (kStroke: N): sum of mu p A times the lever
-  double power = 0;              ///< sum mu p A v_s, N mm/s: what the drive spends
-  double area = 0;               ///< touched, mm^2
-  double deepest = 0;            ///< largest overlap, mm
-  int tested = 0, touching = 0;  ///< nodes
-  std::uint8_t material = 0;     ///< number of the one with most of the area
-  double material_area = 0;      ///< mm^2
+  double normal_load = 0;    ///< N = integral of p dA, N: what the removal rate is proportional to
+  double cutting_load = 0;   ///< the part of it on what cuts
+  double erodible_load = 0;  ///< that part with g = 1: before this tick's erosion
+  /// The same three for all of what cuts, whichever way it faces: erosion asks for no facing either.
+  double bare_load = 0, bare_erodible = 0;  ///< N
+  double bare_drive_load = 0;               ///< N mm (kStroke: N)
+  double drive_load = 0;                    ///< of the spindle, N mm (kStroke: N): sum of mu p A times the lever
+  double power = 0;                         ///< sum mu p A v_s, N mm/s: what the drive spends
+  double area = 0;                          ///< touched, mm^2
+  double deepest = 0;                       ///< largest overlap, mm
+  int tested = 0, touching = 0;             ///< nodes
+  std::uint8_t material = 0;                ///< number of the one with most of the area
+  double material_area = 0;                 ///< mm^2
 
   void add(const ContactSums& other);
   /// All that grows with the pressure, times a factor; area, nodes and depth stay.

@@ -9,18 +9,23 @@ constexpr double kMostRelaxed = 4;  // rate times time, at which all but 2 % of 
 
 // Penalty law and adding: the tool is under its own drag and what the sums say. A body on the coupling is moved by it;
 // a fixed tool has been moved by its device.
-void moveByContact(const Model& model, State& state, const Substep& substep, ContactEvaluation& out) {
+void moveByContact(const Model& model, State& state, const Substep& substep, CoreContact& core,
+                   ContactEvaluation& out) {
   const ToolModel& tool = model.tools[state.tool];
   const Wrench own = ownDrag(tool, state.body.pose, state.speed, out.sums);
 
   if (model.settings.attachment() != Attachment::kFixed) {
     advance(state.body, state.device, out.sums, own, model.settings.coupling, tool.cut.reach(), substep.longest_mm,
-            substep.dt);
+            substep.dt, &core);
     const double moved = substep.dt * (state.body.velocity.norm() + tool.reach_mm * state.body.angular.norm()) + 1e-9;
     for (CutObject& object : state.objects) object.odometer += moved;
   }
 
-  out.contact = contactWrench(state.body, {out.sums.force, out.sums.torque}, own, out.sums.dragMatrix());
+  const Wrench push = core.push();
+  out.contact = contactWrench(state.body, {out.sums.force + push.force, out.sums.torque + push.torque}, own,
+                              out.sums.dragMatrix());
+  state.core_drag = core.drag(state.body);
+  for (std::size_t n = 0; n < state.objects.size(); ++n) state.objects[n].core_load = core.cuttingLoad(n);
 }
 
 }  // namespace
@@ -56,11 +61,13 @@ Wrench contactWrench(const ToolBody& body, const Wrench& pressed, const Wrench& 
 
 ContactEvaluation evaluatePenalty(const Model& model, State& state, const Substep& substep) noexcept {
   const ToolModel& tool = model.tools[state.tool];
+  const bool has_body = model.settings.attachment() != Attachment::kFixed;
   ContactEvaluation out;
+  CoreContact core;
 
   for (std::size_t n = 0; n < state.objects.size(); ++n) {
     CutObject& object = state.objects[n];
-    const ContactInput in = contactInput(model, state, object, substep.dt);
+    ContactInput in = contactInput(model, state, object, substep.dt);
     if (!state.near.find(object, tool, in.T_object_tool)) out.status |= kStepNearRanOut;
     out.bricks_near += static_cast<int>(state.near.size());
 
@@ -68,12 +75,15 @@ ContactEvaluation evaluatePenalty(const Model& model, State& state, const Subste
     ContactSums sums;
     sumContact(object, state.near, in, sums);
     if (sums.touching > 0) out.objects_touched |= objectBit(n);
+    in.load_scale = shareCoreLoad(object.core_load, state.speed, sums);
     out.sums.add(sums.rotated(object.T_world_object.rotation.toRotationMatrix()));
 
     finishCut(object, erode(object, state.near, in), out);
+    if (has_body && state.near.size() > 0) core.gather(object, n, in, substep.longest_mm);
   }
 
-  moveByContact(model, state, substep, out);
+  state.core_drag.addTo(out.sums);
+  moveByContact(model, state, substep, core, out);
   return out;
 }
 
@@ -90,7 +100,8 @@ ContactEvaluation evaluateAdding(const Model& model, State& state, const Substep
     finishCut(object, {.bricks = added.bricks, .pool_ran_out = added.pool_ran_out}, out);
   }
 
-  moveByContact(model, state, substep, out);
+  CoreContact no_core;
+  moveByContact(model, state, substep, no_core, out);
   return out;
 }
 

@@ -1,6 +1,5 @@
 #include "sim/step/contact_points.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -17,8 +16,6 @@ constexpr float kTissues = 0.97f, kTools = 0.9f;  // cosines between both normal
 constexpr float kLeastSlope = 0.25f;              // a node whose face is turned away holds nothing
 constexpr float kSmooth = 0.8f;                   // of the gradient of tau: less is at an edge inside the tool
 constexpr double kLayer = 0.75;                   // voxels from the surface: farther nodes know of it by extrapolation
-constexpr int kSweeps = 60;
-constexpr double kSettled = 1e-9;  // of the largest load: a sweep that changes less is the last
 
 int cellOf(const Vec3f& place, const Vec3f& normal, const Box3& box) {
   Eigen::Index axis;
@@ -157,62 +154,36 @@ int ContactPoints::gather(CutObject& object, int index, const NearBricks& near, 
   return tested;
 }
 
-double ContactLoads::total() const { return std::accumulate(load.begin(), load.begin() + count_, 0.0); }
+double ContactLoads::total() const { return std::accumulate(loads.load.begin(), loads.load.begin() + count_, 0.0); }
 
 double ContactLoads::ofObject(const ContactPoints& points, int object) const {
   double sum = 0;
   for (int n = 0; n < count_; ++n)
-    if (points[n].object == object) sum += load[static_cast<std::size_t>(n)];
+    if (points[n].object == object) sum += loads.load[static_cast<std::size_t>(n)];
   return sum;
 }
 
 double ContactLoads::ofCutting(const ContactPoints& points, int object) const {
   double sum = 0;
   for (int n = 0; n < count_; ++n)
-    if (points[n].object == object && points[n].cuts) sum += load[static_cast<std::size_t>(n)];
+    if (points[n].object == object && points[n].cuts) sum += loads.load[static_cast<std::size_t>(n)];
   return sum;
 }
 
 Vector6d ContactLoads::push(const ContactPoints& points) const {
   Vector6d sum = Vector6d::Zero();
-  for (int n = 0; n < count_; ++n) sum += load[static_cast<std::size_t>(n)] * points[n].direction();
+  for (int n = 0; n < count_; ++n) sum += loads.load[static_cast<std::size_t>(n)] * points[n].direction();
   return sum;
 }
 
 void ContactLoads::solve(const Matrix6d& a, const Vector6d& b, const ContactPoints& points, const Row& least,
                          double softness) noexcept {
   count_ = points.size();
-  const auto count = static_cast<std::size_t>(count_);
-
-  // What a unit of each load does: answer_i = A^-1 u_i.
-  const Eigen::LDLT<Matrix6d> inverse(a);
-  motion = inverse.solve(b);
-  std::array<Vector6d, ContactPoints::kMost> direction, answer;
-  Row flexibility;
-  for (std::size_t n = 0; n < count; ++n) {
-    direction[n] = points[static_cast<int>(n)].direction();
-    answer[n] = inverse.solve(direction[n]);
-    flexibility[n] = direction[n].dot(answer[n]);
-    motion += load[n] * answer[n];
-  }
-
-  for (int sweep = 0; sweep < kSweeps; ++sweep) {
-    double change = 0, largest = 0;
-    for (std::size_t n = 0; n < count; ++n) {
-      const double before = load[n];
-      load[n] = std::max(
-          0.0, before + (least[n] - direction[n].dot(motion) - softness * before) / (flexibility[n] + softness));
-      motion += (load[n] - before) * answer[n];
-      change = std::max(change, std::abs(load[n] - before));
-      largest = std::max(largest, load[n]);
-    }
-    if (change <= kSettled * largest) break;
-  }
-
-  if (!motion.allFinite()) {
-    motion.setZero();
-    load.fill(0);
-  }
+  OneSidedLoads::Directions directions;
+  for (int n = 0; n < count_; ++n) directions[static_cast<std::size_t>(n)] = points[n].direction();
+  Row same;
+  same.fill(softness);
+  loads.solve(a, b, std::span(directions).first(static_cast<std::size_t>(count_)), least, same);
 }
 
 }  // namespace kerf

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "sim/step/contact.h"
+#include "sim/step/one_sided_loads.h"
 
 namespace kerf {
 
@@ -22,7 +23,7 @@ struct ContactPoint {
 
 class ContactPoints {
  public:
-  static constexpr int kMost = 64;
+  static constexpr int kMost = OneSidedLoads::kMost;
   void clear() noexcept { count_ = 0; }
   /// Adds the points of one object: the deepest node of each cell that faces the tool. Cells: cutting part or body, six
   /// ways a normal may point, 4 x 4 x 4 places in that part's box, in the tool's frame. Of all objects' the deepest
@@ -38,20 +39,18 @@ class ContactPoints {
   int count_ = 0;
 };
 
-/// What holds the tool out of the tissue: y minimises y^T A y / 2 - b^T y over u_i^T y >= least_i - softness load_i,
-/// u_i the points' directions; load_i >= 0 its multipliers, A y = b + sum u_i load_i. By projected Gauss-Seidel (after
-/// Moreau, in the form of Catto, GDC 2005), a bounded number of sweeps, from the loads that are there.
+/// The loads at such points, and the motion they leave.
 struct ContactLoads {
-  using Row = std::array<double, ContactPoints::kMost>;
-  Row load{};
-  Vector6d motion = Vector6d::Zero();  ///< y
+  using Row = OneSidedLoads::Row;
+  OneSidedLoads loads;
+
+  const Vector6d& motion() const { return loads.motion; }
   double total() const;
   double ofObject(const ContactPoints& points, int object) const;
   double ofCutting(const ContactPoints& points, int object) const;  ///< of those on what cuts
   /// Sum of u_i load_i.
   Vector6d push(const ContactPoints& points) const;
-  /// @param a  symmetric, positive definite.   @param softness  >= 0; bounds the loads of walls on both sides.
-  /// Not finite: no motion, no load. @rt @cost 1 us a point at most
+  /// OneSidedLoads::solve() with the same softness at all points. @rt @cost 1 us a point at most
   void solve(const Matrix6d& a, const Vector6d& b, const ContactPoints& points, const Row& least,
              double softness) noexcept;
 

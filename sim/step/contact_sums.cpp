@@ -100,6 +100,12 @@ void sumTouchingHere(const TouchingNodes& nodes, const TouchingTool& tool, Touch
     add(S::kArea, hn::IfThenElseZero(counts, area));
     add(S::kCount, hn::IfThenElseZero(counts, one));
     add(S::kErodibleLoad, hn::Mul(stiff, into_cut));
+
+    // The same without the facing weight.
+    const V bare = hn::Mul(hn::Mul(load(nodes.stiffness), area), into_cut), bare_mean = hn::Mul(bare, mean_part);
+    add(S::kBareErodible, bare);
+    add(S::kBareLoad, bare_mean);
+    add(S::kBareDriveLoad, hn::Mul(hn::Mul(load(nodes.friction), bare_mean), arm));
     deepest = hn::Max(deepest, hn::IfThenElseZero(counts, overlap));
   }
 

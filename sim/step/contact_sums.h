@@ -48,6 +48,9 @@ struct TouchingSums {
     kArea = kDragSecond + 6,
     kCount,
     kErodibleLoad,
+    kBareLoad,
+    kBareErodible,
+    kBareDriveLoad,
     kSums
   };
   std::array<double, kSums> value{};

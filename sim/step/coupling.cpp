@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/step/core_contact.h"
+
 namespace kerf {
 namespace {
 
@@ -50,7 +52,7 @@ Vector6d springPull(const Rigid3& pose, const DeviceMotion& device, const Coupli
 }
 
 void advance(ToolBody& body, const DeviceMotion& device, const ContactSums& contact, const Wrench& own_drag,
-             const CouplingSettings& s, double head_reach, double longest, double dt) noexcept {
+             const CouplingSettings& s, double head_reach, double longest, double dt, CoreContact* core) noexcept {
   const double mass = s.mass(), inertia = s.inertia();
   Matrix6d a = dt * contact.dragMatrix() + dt * dt * contact.stiffness;
   Vector6d b;
@@ -61,7 +63,7 @@ void advance(ToolBody& body, const DeviceMotion& device, const ContactSums& cont
                 dt * (pull.tail<3>() + s.turn_damping * device.angular + contact.torque_after + own_drag.torque);
   a.diagonal().head<3>().array() += mass + dt * s.damping + dt * dt * s.stiffness;
   a.diagonal().tail<3>().array() += inertia + dt * s.turn_damping + dt * dt * s.turn_stiffness;
-  const Vector6d v = a.ldlt().solve(b);
+  const Vector6d v = core && !core->isEmpty() ? core->solve(a, b, dt) : Vector6d(a.ldlt().solve(b));
   if (!v.allFinite()) {
     body.velocity.setZero();
     body.angular.setZero();

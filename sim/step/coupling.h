@@ -9,6 +9,8 @@
 
 namespace kerf {
 
+class CoreContact;
+
 struct CouplingSettings {
   double stiffness = 1.0;        ///< N/mm. Above about 2 a common 1 kHz device hums in a loose hand
   double damping = 0.002;        ///< N s/mm (2 N s/m). More amplifies the encoder's steps
@@ -54,9 +56,11 @@ double travel(ToolBody& body, double head_reach_mm, double longest_mm, double dt
 /// One implicit Euler step of the body: (M + dt (B + D) + dt^2 (K + J)) V' = M V + dt (K e + B V_d + F + F_own).
 /// @param contact  world frame: force_after, stiffness and drag are used.   @param own_drag  of the tool's own motion.
 /// @param longest  mm: no part of the cutting head moves farther in one step; the motion is scaled down to it.
+/// @param core  what else pushes, solved for together with the velocity; null: nothing.
 /// @rt
 void advance(ToolBody& body, const DeviceMotion& device, const ContactSums& contact, const Wrench& own_drag,
-             const CouplingSettings& settings, double head_reach_mm, double longest_mm, double dt) noexcept;
+             const CouplingSettings& settings, double head_reach_mm, double longest_mm, double dt,
+             CoreContact* core = nullptr) noexcept;
 
 /// What the coupling does to the hand: spring and damper from device to tool. Not clamped. @rt
 Wrench couplingWrench(const ToolBody& body, const DeviceMotion& device, const CouplingSettings& settings) noexcept;

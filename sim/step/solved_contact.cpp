@@ -165,10 +165,10 @@ class ContactSolver {
       least_[n] = std::min(kTakenBack * overlap_[n], kMostTakenBack) / per_;
     back.solve(metric_.asDiagonal(), Vector6d::Zero(), points_, least_, kEven / metric_[0]);
 
-    setVelocity(per_ / dt_ * (loads_.motion + back.motion));
+    setVelocity(per_ / dt_ * (loads_.motion() + back.motion()));
     const double kept = travel(state_.body, reach_, longest_, dt_);
     out_.is_free = kept == 1 && loads_.total() == 0 && out_.sums.drag == 0;
-    setVelocity(kept * per_ / dt_ * loads_.motion);  // what was taken back is no velocity
+    setVelocity(kept * per_ / dt_ * loads_.motion());  // what was taken back is no velocity
     countTravelFrom(start_);
   }
 

@@ -260,6 +260,12 @@ std::uint64_t hashOf(AState& state, const HashOfObject& hash_of_object) {
   add(state.body.angular);
   add(state.last_force.force);
   add(state.last_force.torque);
+  if (!state.core_drag.isZero()) {
+    mix(std::bit_cast<std::uint64_t>(state.core_drag.drag));
+    add(state.core_drag.moment);
+    add(state.core_drag.second.reshaped());
+    for (const auto& object : state.objects) mix(std::bit_cast<std::uint64_t>(object.core_load));
+  }
   mix(std::bit_cast<std::uint64_t>(state.speed));
   mix(state.tool);
   mix(state.tick);
@@ -287,12 +293,14 @@ void State::place(const Rigid3& T_world_tool) noexcept {
   speed = 0;
   ramp = 0;
   has_device = true;
+  forgetCore();
   wakeAll(*this);
 }
 
 void State::selectTool(std::size_t index) noexcept {
   tool = index;
   speed = 0;
+  forgetCore();
   wakeAll(*this);
 }
 

@@ -29,6 +29,7 @@
 
 #include "sim/object/cut_object.h"
 #include "sim/step/contact.h"
+#include "sim/step/core_contact.h"
 #include "sim/step/coupling.h"
 #include "sim/step/device_sample.h"
 #include "sim/step/response.h"
@@ -77,12 +78,18 @@ struct State {
   Material adds = Material::kNone;
   std::size_t adds_to = 0;
   DeviceMotion device;
+  CoreDrag core_drag;      ///< of the last evaluation
   Wrench last_force;       ///< what went to the hand
   std::uint64_t tick = 0;  ///< how many there were
   bool has_device = false, is_latched = false;
   double ramp = 0;  ///< of the force that fades in, 0 to 1
   NearBricks near;
 
+  /// No load and no drag of a core.
+  void forgetCore() noexcept {
+    core_drag = {};
+    for (CutObject& object : objects) object.core_load = 0;
+  }
   /// Puts the tool where a hand is, at rest: at the start, and after a pause. No force until contact.
   void place(const Rigid3& T_world_tool) noexcept;
   /// Another tool, at rest. All bricks wake up. @rt

@@ -113,6 +113,9 @@ ToolModel makeToolModel(const Tool& tool, double margin_mm) {
     options.spacing_mm = 0.02;  // what only collides is longer, and leaves no print to measure
     out.body = ToolField(*tool.body, options);
   }
+  const bool has_symmetry = !tool.body || tool.body->symmetry() == tool.cut->symmetry();
+  out.core = makeToolCore(out.cut, out.body, has_symmetry ? tool.cut->symmetry() : ToolShape::Symmetry::kNone,
+                          tool.body ? tool.body->halfThickness() : tool.cut->halfThickness());
   out.drive = driveOf(tool);
   out.motion = motionOf(tool);
   if (out.motion == ToolMotion::kSwing) out.pivot_mm = tool.blade_length_mm;

@@ -4,6 +4,7 @@
 #include "geometry/tool/blade_motion.h"
 #include "geometry/tool/tool.h"
 #include "geometry/tool/tool_field.h"
+#include "sim/step/tool_core.h"
 
 namespace kerf {
 
@@ -27,7 +28,8 @@ struct ToolDrive {
 
 struct ToolModel {
   std::string id;
-  ToolField cut, body;  ///< tau_cut erodes; min(tau_cut, tau_body) collides
+  ToolField cut, body;          ///< tau_cut erodes; min(tau_cut, tau_body) collides
+  std::vector<CorePoint> core;  ///< keeps what is thin from sinking: sim/step/core_contact.h
   ToolMotion motion = ToolMotion::kSpin;
   ToolDrive drive;
   double equator_mm = 0;          ///< kSpin: largest cutting radius. Surface speed counts as at least 0.2 of that there

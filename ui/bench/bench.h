@@ -32,6 +32,7 @@ enum class SceneId {
   kForces,
   kSaw,
   kResponse,
+  kSink,
   kTunnelling,
   kPieces,
   kSplit,
@@ -127,6 +128,7 @@ Expected<Result> benchForces(const Bench& bench);
 Expected<Result> benchSaw(const Bench& bench);
 // One source each: the responses side by side, thin walls, pieces, splits on the clock, energy.
 Expected<Result> benchResponse(const Bench& bench);
+Expected<Result> benchSink(const Bench& bench);
 Expected<Result> benchTunnelling(const Bench& bench);
 Expected<Result> benchPieces(const Bench& bench);
 Expected<Result> benchSplit(const Bench& bench);

@@ -79,9 +79,18 @@ inline constexpr Goal kResponseGoals[] = {
     {"penalty coupled: removal less mu N v / u_s", "%", kAtMost, 5},
 };
 
+inline constexpr Goal kSinkGoals[] = {
+    {"too deep in the solid", "", kAtMost, 0},
+    {"walls passed, of {}", "", kAtMost, 0},
+    {"too deep in the solid, 1 m/s", "", kAtMost, 0, Weight::kAim},
+    {"walls passed, 1 m/s", "", kAtMost, 0, Weight::kAim},
+    {"force falls with depth by, most", "N", kAtMost, 0.05},
+    {"cutting: removal over what the work pays for, least", "", kAtLeast, 0.95},
+    // Tips thinner than three voxels: docs/results/README.md.
+    {"cutting: removal over what the work pays for, most", "", kAtMost, 1.15, Weight::kAim},
+    {"cutting: removal, 0.1 mm against 0.05 mm voxels", "%", kAtMost, 5, Weight::kAim},
+};
 inline constexpr Goal kTunnellingGoals[] = {
-    // A ball at 1 m/s passes 4 of 8 walls: docs/results/README.md says why.
-    {"{}, 1 m/s: passed, of {}", "", kAtMost, 0, Weight::kAim},
     {"{}: passed, of {}", "", kAtMost, 0},
     {"{}: contacts missed", "", kAtMost, 0},
     {"{}: driven through without a hole", "", kAtMost, 0},

@@ -31,6 +31,7 @@ constexpr Scene kScenes[] = {
     {SceneId::kSaw, "saw", "kerf, plane and side force over attitudes: no times", benchSaw, kSawGoals},
     {SceneId::kResponse, "response", "penalty, constraint and impulse, coupled and direct: a table", benchResponse,
      kResponseGoals},
+    {SceneId::kSink, "sink", "every tool, its drive off, pushed and tapped into enamel: no times", benchSink, kSinkGoals},
     {SceneId::kTunnelling, "tunnelling", "a wall of 0.3 mm at 0.1 to 1 m/s: whether anything passes", benchTunnelling,
      kTunnellingGoals},
     {SceneId::kPieces, "pieces", "planes, rings, bridges, crumbs: how many pieces, how soon known", benchPieces,

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <random>
 
+#include "geometry/tool/tool_file.h"
 #include "sim/run/log_sink.h"
 #include "sim/run/replay.h"
 #include "tests/sim/block_scene.h"
@@ -69,6 +70,30 @@ TEST(StateBytes, AStateFromBytesGoesOnBitForBit) {
   }
   EXPECT_GT(felt, 0.1);
   EXPECT_EQ(state->hash(), scene.session.hash());
+}
+
+// What a tool's core carries acts one evaluation later: it is state.
+TEST(StateBytes, ANeedleThatStandsOnItsCoreGoesOnBitForBit) {
+  const auto needle = readTool(std::string(KERF_SOURCE_DIR) + "/assets/tools/859-012.toml");
+  ASSERT_TRUE(needle) << needle.error().message();
+  Model model = twoBalls();
+  model.tools = {makeToolModel(*needle)};
+  const LoadedObjects loaded{test::block({4, 4, 2}, 0.1)};
+  Session session(model, loaded, at(0, 0, 0.1));
+  StepOutput expected, got;
+  for (int n = 0; n < 200; ++n) session.tick(test::sampleAt(at(0, 0, 0.1 - 0.01 * n)), expected);
+  ASSERT_GT(session.state().objects[0].core_load, 0.1);
+
+  auto state = unpackState(packState(session.state(), loaded), loaded, "test.kerflog");
+  ASSERT_TRUE(state) << state.error().message();
+  EXPECT_EQ(state->hash(), session.hash());
+  for (int n = 0; n < 100; ++n) {
+    const DeviceSample sample = test::sampleAt(at(0.002 * n, 0, -1.9));
+    session.tick(sample, expected);
+    step(model, *state, sample, got);
+    ASSERT_EQ(got.force.force, expected.force.force) << n;
+  }
+  EXPECT_EQ(state->hash(), session.hash());
 }
 
 TEST(StateBytes, AReplayBeginsAtASnapshotAndEndsTheSame) {

@@ -155,6 +155,10 @@ void addPlain(const TouchingNodes& nodes, std::size_t n, const TouchingTool& too
   at(S::kNormalLoad) += load;
   if (cuts) at(S::kCuttingLoad) += load;
   at(S::kErodibleLoad) += stiff * double(nodes.into_cut[n]);
+  const double bare = double(nodes.stiffness[n]) * double(nodes.area[n]) * double(nodes.into_cut[n]);
+  at(S::kBareErodible) += bare;
+  at(S::kBareLoad) += bare * part / rate;
+  at(S::kBareDriveLoad) += double(nodes.friction[n]) * bare * part / rate * arm;
   if (cuts || tool.body_spins) at(S::kDriveLoad) += rubbing * arm;
   at(S::kPower) += rubbing * own;
 

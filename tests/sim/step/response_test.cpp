@@ -409,13 +409,13 @@ TEST(ContactLoads, HoldAtEveryPointAndPullAtNone) {
   loads.solve(a, b, points, least, 0);
   for (int n = 0; n < points.size(); ++n) {
     const auto i = static_cast<std::size_t>(n);
-    EXPECT_GE(loads.load[i], 0);
-    EXPECT_GT(points[n].direction().dot(loads.motion), least[i] - 1e-6);
-    if (loads.load[i] > 1e-9) {
-      EXPECT_NEAR(points[n].direction().dot(loads.motion), least[i], 1e-6);
+    EXPECT_GE(loads.loads.load[i], 0);
+    EXPECT_GT(points[n].direction().dot(loads.motion()), least[i] - 1e-6);
+    if (loads.loads.load[i] > 1e-9) {
+      EXPECT_NEAR(points[n].direction().dot(loads.motion()), least[i], 1e-6);
     }
   }
-  EXPECT_LT((a * loads.motion - b - loads.push(points)).norm(), 1e-9);
+  EXPECT_LT((a * loads.motion() - b - loads.push(points)).norm(), 1e-9);
 }
 
 }  // namespace

@@ -1,0 +1,228 @@
+#include "sim/step/core_contact.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/step/contact_evaluation.h"
+#include "sim/step/erosion_rates.h"
+
+namespace kerf {
+namespace {
+
+constexpr double kShareOut = 0.4;    // of a point's radius: how far it stays out
+constexpr double kStiffArea = 1.5;   // mm^2: K over the contact stiffness of the material
+constexpr double kStillSpeed = 0.5;  // mm/s: as sumContact()
+constexpr double kNodeReach = 0.9;   // voxels from a place to its nearest node, and a little
+constexpr double kNoSlope = 1e-3;    // deep inside, where every value is the same, there is no way out
+constexpr double kSettled = 1e-6;    // of the largest load
+
+// The values of an object's nodes; remembers the brick it was asked for last.
+class Nodes {
+ public:
+  explicit Nodes(const CutObject& object) : object_(object), outside_(object.baked().phi0().background()) {}
+
+  double phi(const Vec3i& node) {
+    const BrickSlot* slot = slotOf(node);
+    return slot ? static_cast<double>(slot->phi[offsetOf(node)]) : static_cast<double>(outside_);
+  }
+  std::uint8_t material(const Vec3i& node) {
+    const BrickSlot* slot = slotOf(node);
+    return slot ? slot->materials[offsetOf(node)] : std::uint8_t{0};
+  }
+
+ private:
+  static std::size_t offsetOf(const Vec3i& node) {
+    return static_cast<std::size_t>((node[0] & 7) << 6 | (node[1] & 7) << 3 | (node[2] & 7));
+  }
+  const BrickSlot* slotOf(const Vec3i& node) {
+    const Vec3i brick(node[0] >> 3, node[1] >> 3, node[2] >> 3);
+    if (!is_known_ || brick != brick_) {
+      const int s = object_.find(brick);
+      slot_ = s < 0 ? nullptr : &object_.slot(s);
+      brick_ = brick;
+      is_known_ = true;
+    }
+    return slot_;
+  }
+
+  const CutObject& object_;
+  const float outside_;
+  Vec3i brick_ = Vec3i::Zero();
+  const BrickSlot* slot_ = nullptr;
+  bool is_known_ = false;
+};
+
+Vec3i nearestNode(const Vec3d& in_voxels) { return (in_voxels.array() + 0.5).floor().cast<int>(); }
+
+struct SmoothDistance {
+  double phi = 0;
+  Vec3d gradient = Vec3d::Zero();
+};
+
+// Quadratic B-splines: weights of the node before, at and after, t in [-0.5, 0.5] from the one at; and their slopes.
+SmoothDistance smoothDistance(Nodes& nodes, const Vec3d& in_voxels, const Vec3i& middle, double voxel) {
+  double weight[3][3], slope[3][3];
+  for (int c = 0; c < 3; ++c) {
+    const double t = in_voxels[c] - middle[c];
+    weight[c][0] = 0.5 * (0.5 - t) * (0.5 - t);
+    weight[c][1] = 0.75 - t * t;
+    weight[c][2] = 0.5 * (0.5 + t) * (0.5 + t);
+    slope[c][0] = t - 0.5;
+    slope[c][1] = -2 * t;
+    slope[c][2] = t + 0.5;
+  }
+  SmoothDistance out;
+  for (int x = 0; x < 3; ++x)
+    for (int y = 0; y < 3; ++y)
+      for (int z = 0; z < 3; ++z) {
+        const double phi = nodes.phi(middle + Vec3i(x - 1, y - 1, z - 1));
+        out.phi += phi * weight[0][x] * weight[1][y] * weight[2][z];
+        out.gradient[0] += phi * slope[0][x] * weight[1][y] * weight[2][z];
+        out.gradient[1] += phi * weight[0][x] * slope[1][y] * weight[2][z];
+        out.gradient[2] += phi * weight[0][x] * weight[1][y] * slope[2][z];
+      }
+  out.gradient /= voxel;
+  return out;
+}
+
+// The lever of the tool's own motion at a core point, as the shell's under it: of a bur the ball's own radius.
+double ownSpeed(const ToolModel& tool, const CorePoint& point, double speed) {
+  if (!point.cuts && tool.motion != ToolMotion::kSpin) return 0;
+  const internal::Lever lever = internal::leverOf(tool);
+  switch (lever.form) {
+    case internal::LeverForm::kRadius:
+      return std::abs(speed) * static_cast<double>(std::max(point.radius, lever.least_radius));
+    case internal::LeverForm::kPivot:
+      return std::abs(speed) * static_cast<double>(std::hypot(point.place[0], point.place[2] - lever.pivot));
+    case internal::LeverForm::kOne:
+      break;
+  }
+  return std::abs(speed);
+}
+
+}  // namespace
+
+void CoreDrag::addTo(ContactSums& sums) const {
+  sums.drag += drag;
+  sums.drag_moment += moment;
+  sums.drag_second += second;
+}
+
+void CoreContact::gather(const CutObject& object, std::size_t number, const ContactInput& in, double way_mm) noexcept {
+  const ToolModel& tool = *in.tool;
+  const double h = object.voxel(), band = static_cast<double>(object.baked().phi0().background());
+  const Eigen::Matrix3d to_object = in.T_object_tool.rotation.toRotationMatrix();
+  const Eigen::Matrix3d to_world = object.T_world_object.rotation.toRotationMatrix();
+  const double drag_factor = in.tool->drive.drag_factor;
+  Nodes nodes(object);
+
+  for (const CorePoint& point : tool.core) {
+    if (in.geometry_only && point.cuts) continue;
+    const Vec3d lever = to_object * point.place.cast<double>();
+    const Vec3d in_voxels = (lever + in.T_object_tool.translation) / h;
+    const Vec3i middle = nearestNode(in_voxels);
+    const auto radius = static_cast<double>(point.radius);
+    const double allowed = std::min({kShareOut * radius, radius - h, band - h});
+
+    // Distances change no faster than the place: most points are left here.
+    const double there = nodes.phi(middle);
+    if (there >= band || there > allowed + way_mm + kNodeReach * h) continue;
+    const SmoothDistance found = smoothDistance(nodes, in_voxels, middle, h);
+    const double slope = found.gradient.norm();
+    if (found.phi >= allowed + way_mm || slope < kNoSlope) continue;
+
+    const Vec3d normal = found.gradient / std::max(slope, 1.0);
+    const Vec3d touch = lever - radius / slope * found.gradient;
+    const Vec3i inside = nearestNode(in_voxels - (found.phi / h + 0.5) / slope * found.gradient);
+    const Tissue& tissue = (*in.tissues)[nodes.material(inside)];
+
+    Row row;
+    row.lever = to_world * lever;
+    row.touch = to_world * touch;
+    row.clearance = found.phi - allowed;
+    row.stiffness = kStiffArea * static_cast<double>(tissue.stiffness);
+    row.friction = drag_factor * static_cast<double>(tissue.friction);
+    row.slope = std::min(slope, 1.0);
+    row.own_speed = ownSpeed(tool, point, in.speed);
+    row.object = number;
+    row.cuts = point.cuts;
+
+    // The deepest are kept; of two that are as deep the earlier.
+    std::size_t at = count_;
+    if (count_ == kMost) {
+      at = 0;
+      for (std::size_t n = 1; n < kMost; ++n)
+        if (rows_[n].clearance >= rows_[at].clearance) at = n;
+      if (row.clearance >= rows_[at].clearance) continue;
+    } else {
+      ++count_;
+    }
+    rows_[at] = row;
+    const Vec3d push = to_world * normal;
+    directions_[at] << push, row.lever.cross(push);
+  }
+}
+
+Vector6d CoreContact::solve(const Matrix6d& a, const Vector6d& b, double dt) noexcept {
+  OneSidedLoads::Row least, softness;
+  for (std::size_t n = 0; n < count_; ++n) {
+    least[n] = -rows_[n].clearance / dt;
+    softness[n] = 1 / (dt * dt * rows_[n].stiffness);
+  }
+  per_s_ = 1 / dt;
+  loads_.solve(a, b, std::span(directions_).first(count_), least, softness, kSettled);
+  return loads_.motion;
+}
+
+double CoreContact::normalLoad(std::size_t n) const { return per_s_ * loads_.load[n] * rows_[n].slope; }
+
+Wrench CoreContact::push() const {
+  Vector6d sum = Vector6d::Zero();
+  for (std::size_t n = 0; n < count_; ++n) sum += per_s_ * loads_.load[n] * directions_[n];
+  return {sum.head<3>(), sum.tail<3>()};
+}
+
+double CoreContact::cuttingLoad(std::size_t number) const {
+  double sum = 0;
+  for (std::size_t n = 0; n < count_; ++n)
+    if (rows_[n].object == number && rows_[n].cuts) sum += normalLoad(n);
+  return sum;
+}
+
+double CoreContact::load(std::size_t number) const {
+  double sum = 0;
+  for (std::size_t n = 0; n < count_; ++n)
+    if (rows_[n].object == number) sum += normalLoad(n);
+  return sum;
+}
+
+CoreDrag CoreContact::drag(const ToolBody& body) const {
+  CoreDrag out;
+  for (std::size_t n = 0; n < count_; ++n) {
+    const double normal = normalLoad(n);
+    if (!(normal > 0)) continue;
+    const Row& row = rows_[n];
+    const double sliding = (body.velocity + body.angular.cross(row.touch)).norm();
+    const double drag = row.friction * normal / std::max({row.own_speed, sliding, kStillSpeed});
+    out.drag += drag;
+    out.moment += drag * row.touch;
+    out.second += drag * row.touch * row.touch.transpose();
+  }
+  return out;
+}
+
+double shareCoreLoad(double core_load, double speed, ContactSums& sums) noexcept {
+  if (!(core_load > 0)) return 1;
+  sums.normal_load += core_load;
+  sums.cutting_load += core_load;
+  if (!(sums.bare_load > 0) || speed == 0) return 1;
+
+  // The core's load rubs where the shell's does: on the whole of what cuts.
+  const double lever = sums.bare_drive_load / sums.bare_load;
+  sums.drive_load += core_load * lever;
+  sums.power += core_load * lever * std::abs(speed);
+  const double rate = relaxationRate(sums.bare_load, sums.bare_erodible);
+  return std::max(1.0, erosionScale(sums.bare_load + core_load, rate, sums.bare_erodible));
+}
+
+}  // namespace kerf

@@ -1,0 +1,86 @@
+// Contact of a tool's core: what keeps thin and pointed tools from sinking.
+//
+// The shell's force (sim/step/contact.h) grows with the overlap of surfaces and is lost once a thin part has gone
+// through: its own flanks face away from the push, and past its middle its distance points the other way. A core point
+// (sim/step/tool_core.h) is stopped before that, on the near side of the object's surface:
+//
+//   allowed   delta = min(0.4 r, r - h, band - h), r the point's radius, h the voxel, band the object's outer one: how
+//             near it may come. A core thinner than a voxel may go in by what it lacks.
+//   distance  phi and its gradient g by quadratic B-splines over the 27 nodes around: smooth where nodes are passed.
+//             Between two walls g is short by itself; only what is longer than 1 is shortened.
+//   push      N = K max(0, delta - phi') along g, K = 1.5 mm^2 times the contact stiffness of the material there, phi'
+//             the distance at the end of this evaluation: solved together with the body (OneSidedLoads), so that K may
+//             be as large as it likes.
+//   friction  mu N over the sliding speed, at the place where ball and surface meet; felt one evaluation later.
+//   erosion   by the load of the evaluation before: rates are scaled as if the shell pressed with both.
+//
+// Ordinary tools under ordinary loads do not come so near: for them nothing changes, to the bit. Only for
+// Response::kPenalty, coupled: a tool that is fixed to a machine has no body to hold, and the other responses have
+// points of their own.
+//
+// All functions are @rt.
+#pragma once
+
+#include "sim/step/contact.h"
+#include "sim/step/coupling.h"
+
+namespace kerf {
+
+/// What the core of one evaluation leaves to the next; world axes, about the tip. The load is with the objects:
+/// CutObject::core_load.
+struct CoreDrag {
+  double drag = 0;                                   ///< N s/mm: as ContactSums::drag
+  Vec3d moment = Vec3d::Zero();                      ///< N s
+  Eigen::Matrix3d second = Eigen::Matrix3d::Zero();  ///< N s mm
+
+  bool isZero() const { return drag == 0; }
+  void addTo(ContactSums& sums) const;
+};
+
+/// Core points near an object's surface, and the loads that hold them out.
+class CoreContact {
+ public:
+  static constexpr std::size_t kMost = OneSidedLoads::kMost;
+
+  /// Adds the points of one object that may be pushed in this evaluation. Of all objects' the kMost deepest are kept.
+  /// @param number  of the object.   @param way_mm  how far the tool may move meanwhile.   @cost 10 to 30 ns a point
+  /// that is not near; 0.2 us one that is.
+  void gather(const CutObject& object, std::size_t number, const ContactInput& in, double way_mm) noexcept;
+  bool isEmpty() const { return count_ == 0; }
+
+  /// How advance() solves for the velocity. @pre not empty
+  Vector6d solve(const Matrix6d& a, const Vector6d& b, double dt) noexcept;
+
+  /// The push of the loads on the tool, world axes, about its tip.
+  Wrench push() const;
+  /// Of the solved loads on one object, N: of what cuts, and of all.
+  double cuttingLoad(std::size_t number) const;
+  double load(std::size_t number) const;
+  /// Their friction.
+  CoreDrag drag(const ToolBody& body) const;
+
+ private:
+  struct Row {
+    Vec3d lever, touch;    // of the point, and of where its ball meets the surface, from the tip; world axes, mm
+    double clearance = 0;  // phi - delta, mm
+    double stiffness = 0;  // N/mm
+    double friction = 0;
+    double slope = 1;      // length of the gradient
+    double own_speed = 0;  // of the tool's surface there, mm/s
+    std::size_t object = 0;
+    bool cuts = false;
+  };
+  double normalLoad(std::size_t n) const;
+
+  std::array<Row, kMost> rows_;
+  OneSidedLoads::Directions directions_;
+  std::size_t count_ = 0;
+  OneSidedLoads loads_;
+  double per_s_ = 0;  // loads are impulses: times this they are forces
+};
+
+/// Scales the shell's loads and drive by what the core carried beside it, and says by how much erosion is faster.
+/// @param core_load  CutObject::core_load.   @return ContactInput::load_scale, 1 at least.
+double shareCoreLoad(double core_load, double speed, ContactSums& sums) noexcept;
+
+}  // namespace kerf

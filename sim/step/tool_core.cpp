@@ -1,0 +1,154 @@
+#include "sim/step/tool_core.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace kerf {
+namespace {
+
+constexpr double kPlaneStep = 0.005;   // mm along an axis
+constexpr double kMostApart = 0.15;    // mm: half of the thinnest wall, or its rim slips between two points
+constexpr double kLeastApart = 0.05;   // mm
+constexpr double kTipBare = 0.2;       // mm: how far a point goes in before its core is met
+constexpr double kEndOfBall = 0.95;    // a radius that grows like this belongs to a ball or flat that is still to come
+constexpr double kPointed = 0.6;       // one that grows faster is a point's
+constexpr double kDiscLike = 3;        // times as wide as its axis is deep
+constexpr double kLatticeStep = 0.05;  // mm
+constexpr double kNoGradient = 0.8;    // of a distance, by central differences: at the medial axis
+constexpr std::size_t kMostOfLattice = 512;
+
+class CoreMaker {
+ public:
+  CoreMaker(const ToolField& cut, const ToolField& body) : cut_(cut), body_(body) {
+    box_ = cut.bounds();
+    if (!body.isEmpty()) box_.add(body.bounds());
+  }
+
+  void addAxis() {
+    const double low = box_.min[2], high = box_.max[2] - 0.2;
+    double z = low + kPlaneStep;
+    for (; z < high; z += kPlaneStep) {
+      const double radius = radiusAt({0, 0, z});
+      const double slope = (radiusAt({0, 0, z + kPlaneStep}) - radius) / kPlaneStep;
+      const double held = z - low - kShareOut * radius;
+      if (radius >= kThinnestCore && slope < kEndOfBall && (slope < kPointed || held >= kTipBare)) break;
+    }
+    while (z < high) {
+      add({0, 0, z});
+      z += std::clamp(0.5 * radiusAt({0, 0, z}), kLeastApart, kMostApart);
+    }
+  }
+
+  // Of a disc: a circle as far inside its rim as the disc is half thick.
+  void addRim() {
+    const double widest = std::max(cut_.bounds().max[0], cut_.bounds().max[1]);
+    const double height = 0.5 * (cut_.bounds().min[2] + cut_.bounds().max[2]);
+    const double half = radiusAt({0.5 * widest, 0, height});
+    if (half < 0.02 || widest < kDiscLike * half) return;
+    const double radius = widest - half;
+    const int count = static_cast<int>(std::ceil(2 * std::numbers::pi * radius / kMostApart));
+    for (int n = 0; n < count; ++n) {
+      const double angle = 2 * std::numbers::pi * n / count;
+      add({radius * std::cos(angle), radius * std::sin(angle), height});
+    }
+  }
+
+  // Of a plate: where its middle is just as deep as the plate is half thick, along the outline.
+  void addOutline(double half) {
+    std::vector<Vec3d> rim;
+    const int nx = static_cast<int>(std::ceil(box_.size()[0] / kLatticeStep));
+    const int nz = static_cast<int>(std::ceil(box_.size()[2] / kLatticeStep));
+    for (int x = 0; x <= nx; ++x)
+      for (int z = 0; z <= nz; ++z) {
+        const Vec3d p(box_.min[0] + kLatticeStep * x, 0, box_.min[2] + kLatticeStep * z);
+        if (radiusAt(p) < 0.95 * half) continue;
+        // At the rim: a step of two further on it is thinner.
+        bool is_rim = false;
+        for (const auto& [dx, dz] : {std::pair(2, 0), std::pair(-2, 0), std::pair(0, 2), std::pair(0, -2)})
+          is_rim |= radiusAt(p + kLatticeStep * Vec3d(dx, 0, dz)) < 0.95 * half;
+        if (is_rim) rim.push_back(p);
+      }
+    addThinned(rim, kMostApart, rim.size());
+  }
+
+  void addLattice() {
+    std::vector<Vec3d> found;
+    const Eigen::Array3i count = (box_.size() / kLatticeStep).array().ceil().cast<int>();
+    for (int x = 0; x <= count[0]; ++x)
+      for (int y = 0; y <= count[1]; ++y)
+        for (int z = 0; z <= count[2]; ++z) {
+          const Vec3d p = box_.min + kLatticeStep * Vec3d(x, y, z);
+          if (radiusAt(p) < kThinnestCore) continue;
+          if (gradientAt(p).norm() < kNoGradient) found.push_back(p);
+        }
+    addThinned(found, kMostApart, kMostOfLattice);
+  }
+
+  std::vector<CorePoint> points;
+
+ private:
+  static constexpr double kShareOut = 0.4;
+
+  double radiusAt(const Vec3d& p) const {
+    const Vec3f at = p.cast<float>();
+    const float tau = body_.isEmpty() ? cut_.distance(at) : std::min(cut_.distance(at), body_.distance(at));
+    return -static_cast<double>(tau);
+  }
+
+  Vec3d gradientAt(const Vec3d& p) const {
+    Vec3d g;
+    for (int axis = 0; axis < 3; ++axis) {
+      const Vec3d step = kLatticeStep * Vec3d::Unit(axis);
+      g[axis] = (radiusAt(p + step) - radiusAt(p - step)) / (2 * kLatticeStep);
+    }
+    return g;
+  }
+
+  void add(const Vec3d& p) {
+    const double radius = radiusAt(p);
+    if (radius < 0.02) return;
+    const Vec3f at = p.cast<float>();
+    points.push_back({at, static_cast<float>(radius), body_.isEmpty() || cut_.distance(at) <= body_.distance(at)});
+  }
+
+  // Those with the largest balls first, none nearer than `apart` to one that is kept.
+  void addThinned(std::vector<Vec3d>& candidates, double apart, std::size_t most) {
+    std::stable_sort(candidates.begin(), candidates.end(),
+                     [this](const Vec3d& a, const Vec3d& b) { return radiusAt(a) > radiusAt(b); });
+    std::vector<Vec3d> kept;
+    for (const Vec3d& p : candidates) {
+      if (kept.size() == most) break;
+      const bool is_far =
+          std::none_of(kept.begin(), kept.end(), [&](const Vec3d& q) { return (p - q).norm() < apart; });
+      if (is_far) kept.push_back(p);
+    }
+    for (const Vec3d& p : kept) add(p);
+  }
+
+  const ToolField &cut_, &body_;
+  Box3 box_;
+};
+
+}  // namespace
+
+std::vector<CorePoint> makeToolCore(const ToolField& cut, const ToolField& body, ToolShape::Symmetry symmetry,
+                                    double half_thickness) {
+  if (cut.isEmpty()) return {};
+  CoreMaker maker(cut, body);
+  switch (symmetry) {
+    case ToolShape::Symmetry::kRevolved:
+      maker.addAxis();
+      maker.addRim();
+      break;
+    case ToolShape::Symmetry::kPlate:
+      maker.addOutline(half_thickness);
+      break;
+    case ToolShape::Symmetry::kNone:
+      maker.addLattice();
+      break;
+  }
+  return std::move(maker.points);
+}
+
+}  // namespace kerf

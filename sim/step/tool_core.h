@@ -1,0 +1,31 @@
+// The core of a tool: points of its medial axis, each the middle of a ball inside it. They may not enter an object.
+//
+// The shell's force grows with the overlap of surfaces, and ends where the overlap does: once a thin tip is past the
+// surface, nothing pushes it back. A core cannot get past the surface: sim/step/core_contact.h.
+#pragma once
+
+#include <vector>
+
+#include "geometry/tool/tool_field.h"
+
+namespace kerf {
+
+struct CorePoint {
+  Vec3f place;        ///< tool frame, mm
+  float radius = 0;   ///< of the largest ball about it inside the tool, mm
+  bool cuts = false;  ///< the ball meets the cutting part first
+};
+
+/// Thinner parts of a tool have no core, mm: a point that stood on its tip would not cut.
+inline constexpr double kThinnestCore = 0.08;
+
+/// The core of a tool of both parts, of which `body` may be empty.
+///   revolved  points of the axis, from the lowest that lies deep enough; of a disc, a ring at its rim
+///   plate     points along the rim, where the plate is as thick as it gets
+///   others    points of a lattice where the distance has no gradient, thinned to 0.15 mm
+/// @param symmetry  of both parts.   @param half_thickness  of a plate, mm.   @cost milliseconds; of a mesh tenths of a
+/// second.
+std::vector<CorePoint> makeToolCore(const ToolField& cut, const ToolField& body, ToolShape::Symmetry symmetry,
+                                    double half_thickness);
+
+}  // namespace kerf

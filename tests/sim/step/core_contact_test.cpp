@@ -1,0 +1,187 @@
+// The core of a tool: where its points are, what they hold, and that nothing else changes by them.
+#include "sim/step/core_contact.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "geometry/tool/tool_file.h"
+#include "sim/step/tool_core.h"
+#include "tests/sim/block_scene.h"
+#include "tests/support/allocation_guard.h"
+#include "ui/bench/scenes/sink.h"
+
+namespace kerf {
+namespace {
+
+using scenes::SinkScene;
+
+ToolModel toolOfRack(const std::string& id) {
+  const auto tool = readTool(std::string(KERF_SOURCE_DIR) + "/assets/tools/" + id + ".toml");
+  EXPECT_TRUE(tool) << tool.error().message();
+  return makeToolModel(*tool);
+}
+
+Model modelOf(const ToolModel& tool, double stiffness = 200) {
+  Model model;
+  model.tools = {tool};
+  model.tissues = scenes::oneTissue(stiffness, 0.3, 1000);
+  return model;
+}
+
+SinkScene pushedBy(double hand_mm, double height = 4, double voxel = 0.1) {
+  SinkScene scene;
+  scene.object = test::block({5, 5, height}, voxel);
+  scene.hand_mm = hand_mm;
+  return scene;
+}
+
+// --- where the points are ---
+
+TEST(ToolCore, ABallHasItsMiddleForTheLowestPoint) {
+  const ToolModel ball = practiceBall(0.5, 840);
+  ASSERT_FALSE(ball.core.empty());
+  EXPECT_NEAR(ball.core.front().place[2], 0.5, 0.03);
+  EXPECT_NEAR(ball.core.front().radius, 0.5, 0.03);
+  EXPECT_TRUE(ball.core.front().cuts);
+}
+
+TEST(ToolCore, EveryBallLiesInsideItsTool) {
+  for (const char* id : {"859-012", "round-005", "drill-20", "disc-22", "saw-piezo-050", "saw-sagittal-10", "us-699"}) {
+    const ToolModel tool = toolOfRack(id);
+    ASSERT_FALSE(tool.core.empty()) << id;
+    for (const CorePoint& point : tool.core) {
+      float tau = tool.cut.distance(point.place);
+      if (!tool.body.isEmpty()) tau = std::min(tau, tool.body.distance(point.place));
+      EXPECT_NEAR(-tau, point.radius, 1e-6) << id;
+    }
+  }
+}
+
+TEST(ToolCore, NoGapAlongAnAxisIsWiderThanHalfOfAThinWall) {
+  const ToolModel needle = toolOfRack("859-012");
+  for (std::size_t n = 1; n < needle.core.size(); ++n)
+    EXPECT_LT((needle.core[n].place - needle.core[n - 1].place).norm(), 0.151f) << n;
+  EXPECT_LT(needle.core.front().place[2], 0.2f);
+  EXPECT_GE(needle.core.front().radius, static_cast<float>(kThinnestCore));
+}
+
+TEST(ToolCore, ADiscAndABladeAreHeldByTheirRims) {
+  const auto farthest = [](const ToolModel& tool, const Vec3f& way) {
+    float most = -1e9f;
+    for (const CorePoint& point : tool.core) most = std::max(most, way.dot(point.place));
+    return most;
+  };
+  const ToolModel disc = toolOfRack("disc-22");
+  EXPECT_NEAR(farthest(disc, Vec3f::UnitX()), 11, 0.2);
+  const ToolModel blade = toolOfRack("saw-reciprocating-25");
+  EXPECT_NEAR(farthest(blade, -Vec3f::UnitX()), -blade.cut.bounds().min[0], 0.35);
+  EXPECT_NEAR(farthest(blade, -Vec3f::UnitZ()), -blade.cut.bounds().min[2], 0.35);
+}
+
+// --- what they hold ---
+
+TEST(CoreContact, ANeedleStandsOnEnamelWithTheForceOfItsHand) {
+  const Model model = modelOf(toolOfRack("859-012"));
+  const scenes::Sink still = sink(model, 0, pushedBy(8));
+  EXPECT_LT(still.deepest, 0.25);
+  EXPECT_GT(still.force, 7.5);
+  EXPECT_LT(still.fall, 0.05);
+
+  Model without = model;
+  without.tools[0].core.clear();
+  EXPECT_GT(sink(without, 0, pushedBy(8)).deepest, 2);  // the scene is one that needs it
+}
+
+TEST(CoreContact, AThinWallIsNotPassedByATapOfAMetrePerSecond) {
+  for (const char* id : {"859-012", "round-005", "us-699", "disc-22"}) {
+    const Model model = modelOf(toolOfRack(id));
+    SinkScene scene = pushedBy(2, 0.3);
+    scene.speed = 1000;
+    if (std::string_view(id) == "disc-22") scene.first = -Vec3d::UnitX();
+    EXPECT_LT(sink(model, 0, scene).deepest, 0.5) << id;
+  }
+}
+
+TEST(CoreContact, SoftTissueLetsItIn) {
+  const ToolModel needle = toolOfRack("859-012");
+  const double hard = sink(modelOf(needle), 0, pushedBy(2)).deepest;
+  const double soft = sink(modelOf(needle, 2), 0, pushedBy(2)).deepest;
+  EXPECT_GT(soft, 2 * hard);
+}
+
+TEST(CoreContact, AnOrdinaryToolUnderAnOrdinaryLoadDoesNotKnowOfIt) {
+  const Model model = modelOf(toolOfRack("round-014"));
+  Model without = model;
+  without.tools[0].core.clear();
+  const SinkScene scene = pushedBy(4);
+  EXPECT_EQ(sink(model, 0, scene).state, sink(without, 0, scene).state);
+}
+
+TEST(CoreContact, WhatAThinToolRemovesIsPaidForByItsWork) {
+  const Model model = modelOf(toolOfRack("round-005"));
+  const scenes::Dig dug = dig(model, 0, pushedBy(0, 4, 0.05), 3, 0.15);
+  const double paid = dug.work / 1000 / model.tools[0].drive.energy_factor;
+  EXPECT_GT(dug.removed, 0.01);
+  EXPECT_GT(dug.removed / paid, 0.95);
+  EXPECT_LT(dug.removed / paid, 1.25);
+
+  Model without = model;
+  without.tools[0].core.clear();
+  const scenes::Dig fell = dig(without, 0, pushedBy(0, 4, 0.05), 3, 0.15);
+  EXPECT_LT(fell.removed, 0.1 * dug.removed);  // it fell through and cut nothing
+}
+
+TEST(CoreContact, AMachineIsNotHeld) {
+  Model model = modelOf(toolOfRack("859-012"));
+  model.settings.rendering = Rendering::kRigid;
+  EXPECT_NEAR(sink(model, 0, pushedBy(2)).deepest, 2, 1e-9);
+}
+
+TEST(CoreContact, ItAllocatesNothing) {
+  const Model model = modelOf(toolOfRack("859-012"));
+  const SinkScene scene = pushedBy(4);
+  State state;
+  state.objects.emplace_back(scene.object, 64);
+  state.place({Eigen::Quaterniond::Identity(), {0, 0, 0.05}});
+  StepOutput out;
+  {
+    const AllocationGuard guard;
+    for (int n = 0; n < 300; ++n)
+      step(model, state, scenes::sampleAt({Eigen::Quaterniond::Identity(), {0, 0, 0.05 - 0.01 * n}}, 0), out);
+  }
+  EXPECT_GT(state.objects[0].core_load, 1);
+  EXPECT_FALSE(state.core_drag.isZero());
+
+  // Another tool, or another place: nothing is left of it.
+  state.place({Eigen::Quaterniond::Identity(), {0, 0, 5}});
+  EXPECT_EQ(state.objects[0].core_load, 0);
+  EXPECT_TRUE(state.core_drag.isZero());
+}
+
+// --- the loads ---
+
+TEST(OneSidedLoads, OneSoftSpringHasItsFormula) {
+  const double mass = 2e-5, dt = 1e-3, stiffness = 300, overlap = 0.05, coming = -40;
+  const Matrix6d a = mass * Matrix6d::Identity();
+  Vector6d b = Vector6d::Zero();
+  b[2] = mass * coming;
+  OneSidedLoads loads;
+  OneSidedLoads::Row least{}, softness{};
+  least[0] = overlap / dt;
+  softness[0] = 1 / (dt * dt * stiffness);
+  const Vector6d up = Vector6d::Unit(2);
+  loads.solve(a, b, std::span(&up, 1), least, softness);
+  const double expected = dt * stiffness * (overlap - dt * coming) / (1 + dt * dt * stiffness / mass);
+  EXPECT_NEAR(loads.load[0], expected, 1e-12);
+  EXPECT_NEAR(loads.motion[2], coming + expected / mass, 1e-9);
+
+  // Going away fast enough: no load.
+  b[2] = mass * 60;
+  OneSidedLoads away;
+  away.solve(a, b, std::span(&up, 1), least, softness);
+  EXPECT_EQ(away.load[0], 0);
+}
+
+}  // namespace
+}  // namespace kerf
