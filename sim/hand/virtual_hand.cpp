@@ -10,6 +10,10 @@ Rigid3 between(const Rigid3& a, const Rigid3& b, double s) {
   return {a.rotation.slerp(s, b.rotation), a.translation + s * (b.translation - a.translation)};
 }
 
+constexpr double kSharpTurn = 0.87;   // cosine of 30 degrees
+constexpr double kAheadOfTurn = 0.3;  // mm: a hand that goes for more runs past a corner
+constexpr double kLeanRate = 10;      // 1/s: how fast a hand leans against what keeps the tool off its line
+
 double duration(const CutPath& path) { return path.poses.back().t - path.poses.front().t; }
 
 }  // namespace
@@ -62,7 +66,7 @@ bool ForceHand::next(const StepOutput& last, DeviceSample& sample) {
 
   // How far the tool has come along this stretch, never backwards; a stretch is done a micrometre before its end.
   const auto pose = [&](std::size_t n) -> const Rigid3& { return path_.poses[n].T_object_tool; };
-  Vec3d along = Vec3d::Zero();
+  Vec3d along = Vec3d::Zero(), beside = Vec3d::Zero();
   double whole = 0, done = 0;
   for (;; ++stretch_) {
     if (stretch_ + 1 >= path_.poses.size()) {
@@ -72,10 +76,13 @@ bool ForceHand::next(const StepOutput& last, DeviceSample& sample) {
     whole = length_[stretch_ + 1] - length_[stretch_];
     if (whole < 1e-9) continue;  // a turn on the spot: the hand turns as the path says at its end
     along = (pose(stretch_ + 1).translation - pose(stretch_).translation) / whole;
-    done = along.dot(last.T_world_tool.translation - pose(stretch_).translation);
-    if (done < whole - 1e-3) break;
+    beside = last.T_world_tool.translation - pose(stretch_).translation;
+    done = along.dot(beside);
+    beside -= done * along;
+    // A tool that was kept off its line has not been where the stretch ends.
+    if (done < whole - 1e-3 || beside.norm() > 2 * options_.off_line) break;
   }
-  done = std::max(done, 0.0);
+  done = std::clamp(done, 0.0, whole);
   at_ = std::max(at_, length_[stretch_] + done);
 
   if (at_ > watched_ + options_.stillness) {
@@ -87,11 +94,31 @@ bool ForceHand::next(const StepOutput& last, DeviceSample& sample) {
   }
   if (gave_up_) return false;
 
-  ahead_ = std::min(at_ + lead_, std::max(ahead_, at_) + options_.feed_limit * kTick);
+  // Lean, then push on with what force is left.
+  lean_ -= kLeanRate * kTick * beside;
+  lean_ -= along.dot(lean_) * along;
+  if (const double most = lead_ / std::max(lead_, lean_.norm()); most < 1) lean_ *= most;
+  const double on_line = std::clamp(2 - beside.norm() / options_.off_line, 0.0, 1.0);
+  double forward = on_line * std::sqrt(std::max(0.0, lead_ * lead_ - lean_.squaredNorm()));
+  if (turnsAfter(stretch_)) forward = std::min(forward, whole - done + kAheadOfTurn);
+
+  ahead_ = std::min(at_ + forward, std::max(ahead_, at_) + options_.feed_limit * kTick);
   sample.T_world_device = between(pose(stretch_), pose(stretch_ + 1), done / whole);
-  sample.T_world_device.translation = pose(stretch_).translation + (ahead_ - length_[stretch_]) * along;
+  sample.T_world_device.translation = pose(stretch_).translation + (ahead_ - length_[stretch_]) * along + lean_;
   sample.pedal = path_.cuts[stretch_] ? 1 : 0;
   return true;
+}
+
+// Whether the path takes a sharp turn where a stretch ends. Arcs are many stretches with small ones.
+bool ForceHand::turnsAfter(std::size_t stretch) const {
+  const auto way = [&](std::size_t n) -> Vec3d {
+    return path_.poses[n + 1].T_object_tool.translation - path_.poses[n].T_object_tool.translation;
+  };
+  const Vec3d before = way(stretch);
+  for (std::size_t n = stretch + 1; n + 1 < path_.poses.size(); ++n)
+    if (const Vec3d after = way(n); after.norm() > 1e-9)
+      return before.dot(after) < kSharpTurn * before.norm() * after.norm();
+  return false;
 }
 
 DeviceHand::DeviceHand(const CutPath& path, const Options& options)

@@ -38,8 +38,10 @@ class FeedHand final : public VirtualHand {
 };
 
 /// Constant force: pushes along the path. The coupling is pulled `force / stiffness` ahead of where the tool is, in the
-/// direction of the stretch it is on, and holds it to that line sideways; no faster than `feed_limit`. For
-/// Rendering::kCoupled. Gives up when nothing has moved for `patience` seconds.
+/// direction of the stretch it is on, no faster than `feed_limit`. Where tissue keeps the tool off its line, the hand
+/// leans against that, more and more, up to the whole force, and waits for the tool before it pushes on; before a sharp
+/// turn it slows down. A path is cut as it was planned, or not at all. For Rendering::kCoupled. Gives up when nothing
+/// has moved for `patience` seconds.
 class ForceHand final : public VirtualHand {
  public:
   struct Options {
@@ -47,6 +49,7 @@ class ForceHand final : public VirtualHand {
     double feed_limit = 20;    ///< mm/s, in air
     double patience = 5;       ///< s
     double stillness = 0.002;  ///< mm: less progress than this in `patience` seconds is none
+    double off_line = 0.05;    ///< mm: a tool farther off its line is pushed on less, at twice that not at all
   };
   ForceHand(const CutPath& path, const CouplingSettings& coupling, const Options& options);
   bool next(const StepOutput& last, DeviceSample& sample) override;
@@ -54,12 +57,15 @@ class ForceHand final : public VirtualHand {
   bool gaveUp() const { return gave_up_; }
 
  private:
+  bool turnsAfter(std::size_t stretch) const;
+
   const CutPath& path_;
   Options options_;
   double lead_;                 // mm
   std::vector<double> length_;  // of the way up to each pose, mm
   std::size_t stretch_ = 0;     // from this pose to the next
   double at_ = 0, ahead_ = 0;   // mm of the way: the tool; where it is pulled to
+  Vec3d lean_ = Vec3d::Zero();  // mm: how far beside its line the hand stands, to bring the tool back to it
   double watched_ = 0, waited_ = 0;
   bool has_begun_ = false, gave_up_ = false;
 };

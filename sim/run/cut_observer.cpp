@@ -163,6 +163,46 @@ class LoadStatistics final : public CutObserver {
   bool has_come_up_ = false;
 };
 
+// ---- How far the tool was kept off its path
+
+class PathDeviation final : public CutObserver {
+ public:
+  explicit PathDeviation(const CutPath& path) : path_(path) {}
+
+  void tick(const CutTick& tick) override {
+    // Along the stretch it is on, or one of the next: a path may cross itself, and comes back to where it has been.
+    const Vec3d& tip = tick.output.T_world_tool.translation;
+    double nearest = distanceTo(stretch_, tip);
+    for (std::size_t n = stretch_ + 1; n < path_.cuts.size() && n <= stretch_ + 8; ++n)
+      if (const double distance = distanceTo(n, tip); distance <= nearest) {
+        nearest = distance;
+        stretch_ = n;
+      }
+    if (nearest <= farthest_) return;
+    farthest_ = nearest;
+    at_ = tip;
+  }
+
+  void addTo(HapticSummary& summary, std::span<const CutObject>) const override {
+    summary.farthest_off_mm = farthest_;
+    summary.farthest_off_at = at_;
+  }
+
+ private:
+  double distanceTo(std::size_t stretch, const Vec3d& p) const {
+    const Vec3d& from = path_.poses[stretch].T_object_tool.translation;
+    const Vec3d way = path_.poses[stretch + 1].T_object_tool.translation - from;
+    const double length = way.squaredNorm();
+    const double share = length > 0 ? std::clamp(way.dot(p - from) / length, 0.0, 1.0) : 0;
+    return (from + share * way - p).norm();
+  }
+
+  const CutPath& path_;
+  std::size_t stretch_ = 0;
+  double farthest_ = 0;
+  Vec3d at_ = Vec3d::Zero();
+};
+
 // ---- One row a tick: forces.csv
 
 class ForcesTable final : public CutObserver {
@@ -242,6 +282,7 @@ Expected<CutObservers> CutObservers::make(const CutScene& scene, const HapticCut
   out.log_ = &out.add<SessionLogFile>(std::move(log)).sink();
   const MonitorObserver& watch = out.add<MonitorObserver>(scene, std::move(monitor));
   out.add<LoadStatistics>(tool.drive.speed);
+  out.add<PathDeviation>(scene.inputs.path);
   out.add<ForcesTable>(staging, run_folder, watch.monitor(), scene.objects.size());
   if (options.with_sound) out.add<SoundFile>(staging, vibrationSource(scene.inputs.tool, tool.drive));
   return out;

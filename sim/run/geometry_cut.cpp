@@ -10,6 +10,7 @@
 #include "geometry/tool/sweep.h"
 #include "geometry/tool/tool_file.h"
 #include "sim/hand/path.h"
+#include "sim/run/removed_volumes.h"
 #include "sim/run/run_output.h"
 #include "sim/run/sweep_cutter.h"
 
@@ -45,6 +46,7 @@ struct Swept {
   std::unique_ptr<BrickField> phi0;
   std::unique_ptr<SweepCutter> cutter;
   double beyond_region_mm = 0;  // RunManifest::beyond_region_mm
+  std::map<std::string, double> removed_by_material;
 };
 
 // Sweeps the tool along the path through `swept.phi0`.   @param from, to  of the progress.
@@ -61,6 +63,17 @@ Expected<void> sweepAlong(Swept& swept, const Tool& tool, const CutPath& path, d
   return {};
 }
 
+// Of the sweep through the object's own grid.
+Expected<std::map<std::string, double>> removedByMaterial(const fs::path& case_folder, const CaseManifest& in_case,
+                                                          const Swept& swept) {
+  KERF_TRY(labels, readCaseMaterials(case_folder));
+  KERF_TRY(table, readDefaultMaterials());
+  const Material fallback =
+      in_case.materials.empty() ? Material::kGeneric : static_cast<Material>(in_case.materials.front().number);
+  return internal::byMaterial(
+      internal::removedVolumes(*swept.phi0, swept.cutter->cutField(), internal::materialsOf(labels, fallback)), table);
+}
+
 // On the object's own grid; once more on the fine region's if the case has one and the cut stays in it.
 Expected<Swept> sweepCase(const fs::path& case_folder, const CaseManifest& in_case, const Tool& tool,
                           const CutPath& path, const Progress& progress) {
@@ -68,6 +81,8 @@ Expected<Swept> sweepCase(const fs::path& case_folder, const CaseManifest& in_ca
   Swept out;
   out.phi0 = std::make_unique<BrickField>(std::move(phi0));
   KERF_CHECK(sweepAlong(out, tool, path, 0.1, in_case.region ? 0.25 : 0.9, progress));
+  KERF_TRY(removed, removedByMaterial(case_folder, in_case, out));
+  out.removed_by_material = removed;
   if (!in_case.region) return out;
 
   const FineRegion& region = in_case.region->where;
@@ -112,6 +127,7 @@ Expected<RunManifest> cutCase(const fs::path& case_folder, const fs::path& tool_
   m.voxel_mm = swept.phi0->voxel();
   m.state_hash = fmt::format("{:016x}", sweep.stateHash());
   m.beyond_region_mm = swept.beyond_region_mm;
+  m.removed_by_material = swept.removed_by_material;
 
   if (!report(progress, 0.92, "writing")) return nothingWritten();
   KERF_CHECK(

@@ -12,7 +12,9 @@
 #include "sim/pieces/pieces.h"
 #include "sim/run/cut_observer.h"
 #include "sim/run/cut_scene.h"
+#include "sim/run/removed_volumes.h"
 #include "sim/run/run_output.h"
+#include "sim/run/sweep_cutter.h"
 #include "sim/session/session.h"
 
 namespace kerf {
@@ -37,6 +39,7 @@ Expected<void> checkOptions(const HapticCutOptions& o) {
       {"force", o.force.force, 0.01, o.step.coupling.force_limit, "N"},
       {"feed limit", o.force.feed_limit, 0.01, 1000, "mm/s"},
       {"spindle", o.spindle, 0, 1, "of nominal"},
+      {"irrigation", o.irrigation, 0, 1, "of the full spray"},
       {"coupling stiffness", o.step.coupling.stiffness, 0.01, 100, "N/mm"},
       {"coupling damping", o.step.coupling.damping, 0, 1, "N s/mm"},
       {"device mass", o.device.mass_kg, 0.001, 10, "kg"},
@@ -143,6 +146,7 @@ Expected<Simulated> simulate(Session& session, const CutInputs& inputs, const Ha
       break;
     }
     sample.pedal *= options.spindle;
+    sample.irrigation = options.irrigation;
     session.tick(sample, tick);
     ++out.ticks;
     if (tick.status & kStepBadSample)
@@ -190,6 +194,19 @@ void countPieces(const BakedObject& baked, const BrickField& changed, HapticSumm
   const PieceList& pieces = finder.find();
   summary.pieces = pieces.pieces.size();
   summary.crumbs = pieces.crumbs.size();
+}
+
+// What the path asks for: the cutting part swept along it, without resistance.
+void plan(const CutScene& scene, HapticSummary& summary) {
+  const CutPath& path = scene.inputs.path;
+  SweepCutter cutter(scene.object().phi0());
+  for (std::size_t n = 0; n + 1 < path.poses.size(); ++n)
+    if (path.cuts[n])
+      cutter.advance(SweptTool(*scene.inputs.tool.cut, path.poses[n].T_object_tool, path.poses[n + 1].T_object_tool));
+  const auto planned =
+      internal::removedVolumes(scene.object().phi0(), cutter.cutField(), internal::materialsOf(scene.object()));
+  summary.planned_mm3 = internal::sumOf(planned);
+  summary.planned_by_material = internal::byMaterial(planned, scene.materials);
 }
 
 HapticSummary summarise(const Session& session, const CutScene& scene, const Simulated& simulated,
@@ -280,6 +297,8 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
   HapticCut out;
   out.summary = summarise(session, scene, simulated, observers, changed.front());
   out.manifest = manifestOf(scene, out.summary);
+  if (!report(progress, 0.9, "comparing with the path")) return nothingWritten();
+  if (options.add.empty()) plan(scene, out.summary);
   out.left_region_unused = scene.inputs.manifests.front().region.has_value();
 
   // Write.

@@ -30,6 +30,7 @@ struct HapticCutOptions {
   DeviceHand::Options device;
   StepSettings step;        ///< `rendering` is set by the hand: rigid for kFeed (penalty only), coupled for the others
   double spindle = 1;       ///< 0 to 1 of the tool's nominal speed
+  double irrigation = 1;    ///< 0 to 1 of the cooling spray
   double time_limit = 600;  ///< s of simulated time
   bool with_sound = false;  ///< also writes sound.wav, the sound of the tool
   std::string add;          ///< id of a material: the tool adds it where it goes, instead of cutting; empty: it cuts

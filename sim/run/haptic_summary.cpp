@@ -31,6 +31,9 @@ std::string toJson(const HapticSummary& s) {
                    {"initial_mm3", s.initial_mm3},
                    {"removed_mm3", s.removed_mm3},
                    {"added_mm3", s.added_mm3},
+                   {"planned_mm3", s.planned_mm3},
+                   {"farthest_off_mm", s.farthest_off_mm},
+                   {"farthest_off_at", {s.farthest_off_at[0], s.farthest_off_at[1], s.farthest_off_at[2]}},
                    {"remaining_mm3", s.remaining_mm3},
                    {"seconds_in_contact", s.seconds_in_contact},
                    {"mean_contact_force_N", s.mean_contact_force},
@@ -51,6 +54,7 @@ std::string toJson(const HapticSummary& s) {
                    {"crumbs", s.crumbs},
                    {"state_hash", s.state_hash}};
   for (const auto& [id, volume] : s.removed_by_material) j["removed_by_material_mm3"][id] = volume;
+  for (const auto& [id, volume] : s.planned_by_material) j["planned_by_material_mm3"][id] = volume;
   for (const auto& [id, volume] : s.added_by_material) j["added_by_material_mm3"][id] = volume;
   for (const auto& [id, distance] : s.least_distance_mm) j["least_distance_mm"][id] = distance;
   for (const HapticSummary::Neighbour& n : s.beside) j["beside"].push_back(jsonOf(n));

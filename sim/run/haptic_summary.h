@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "geometry/base/types.h"
 #include "geometry/field/material.h"
 
 namespace kerf {
@@ -20,6 +21,11 @@ struct HapticSummary {
 
   double removed_mm3 = 0, remaining_mm3 = 0, initial_mm3 = 0;
   double added_mm3 = 0;
+  /// What the path asks for: the tool swept along it without resistance, on the same voxels. 0 when material is added.
+  double planned_mm3 = 0;
+  std::map<std::string, double> planned_by_material;
+  double farthest_off_mm = 0;                         ///< of the tip from its path, most
+  Vec3d farthest_off_at = Vec3d::Zero();              ///< where the tip was then, mm
   std::map<std::string, double> removed_by_material;  ///< by id
   /// By id. Of a surface that was covered < 0: its edge has a new id.
   std::map<std::string, double> added_by_material;

@@ -12,6 +12,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -48,6 +49,8 @@ struct RunManifest {
   /// Not stored. A cut that left the case's fine region was computed on the object's own voxels: so far, in mm, it
   /// reaches out of the region. 0: there is no region, or the cut stayed inside.
   double beyond_region_mm = 0;
+  /// Not stored. What a geometry cut took off, by a material's id, counted on the object's own voxels.
+  std::map<std::string, double> removed_by_material;
 };
 
 /// Whether the folder holds a manifest; what is in it is not checked.

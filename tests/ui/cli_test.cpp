@@ -90,11 +90,27 @@ TEST_F(Cli, ACutAgainstResistanceIsRecordedAndReplaysBitForBit) {
   EXPECT_NEAR(by_material, removed, 1e-9 * initial);
   EXPECT_GT(feed["removed_by_material_mm3"].size(), 1u);
   EXPECT_EQ(feed["pieces"], 1);
-  // More push: felt more, and done sooner. (Less push takes more away from the floor: it dwells there.)
-  const json gentle = cut("gentle.run", {"force", "--push", "0.5"}), firm = cut("firm.run", {"force", "--push", "2"});
+  // What was planned is what a cut without resistance takes.
+  const json plan = parsed(
+      runKerf({"cut", at("molar.case"), "--tool", "round-014", "--path", cavity, "-o", at("plan.run"), "--json"}));
+  EXPECT_EQ(plan["removed_by_material_mm3"], feed["planned_by_material_mm3"]);
+  EXPECT_NEAR(plan["removed_mm3"].get<double>(), feed["planned_mm3"].get<double>(), 1e-9);
+  EXPECT_NEAR(removed / feed["planned_mm3"].get<double>(), 1, 0.05);
+  EXPECT_LT(feed["farthest_off_mm"].get<double>(), 1e-6);  // a machine's tool is where its path is
+  // Dry it gets hotter, and nothing else changes.
+  const json dry = cut("dry.run", {"feed", "--irrigation", "0"});
+  EXPECT_EQ(dry["removed_mm3"], feed["removed_mm3"]);
+  EXPECT_GT(dry["hottest_C"].get<double>(), 1.5 * feed["hottest_C"].get<double>());
+
+  // More push: felt more, done sooner, and nearly all of the path is cut all the same.
+  const json gentle = cut("gentle.run", {"force", "--push", "1"}), firm = cut("firm.run", {"force", "--push", "2"});
   EXPECT_GT(firm["mean_contact_force_N"].get<double>(), gentle["mean_contact_force_N"].get<double>());
   EXPECT_LT(firm["seconds_in_contact"].get<double>(), gentle["seconds_in_contact"].get<double>());
   EXPECT_LT(firm["mean_contact_force_N"].get<double>(), 3);
+  for (const json& pushed : {gentle, firm}) {
+    EXPECT_NEAR(pushed["removed_mm3"].get<double>() / pushed["planned_mm3"].get<double>(), 1, 0.05);
+    EXPECT_GT(pushed["farthest_off_mm"].get<double>(), 0.01);
+  }
   const json device = cut("device.run", {"device", "--hand-stiffness", "1"});
   EXPECT_LE(device["peak_hand_force_N"].get<double>(), 8);
   for (const char* response : {"constraint", "impulse"}) {

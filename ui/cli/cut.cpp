@@ -121,6 +121,16 @@ void printVolumes(const HapticSummary& s, bool is_adding) {
   fmt::print("\n");
 }
 
+// Against what the path asks for.
+void printPlan(const HapticSummary& s) {
+  if (!(s.planned_mm3 > 0)) return;
+  const Vec3d& at = s.farthest_off_at;
+  fmt::print(
+      "{:.0f} % of the {:.4f} mm3 that the path asks for{}; off it by {:.2f} mm at most, at ({:.2f}, {:.2f}, {:.2f})\n",
+      100 * s.removed_mm3 / s.planned_mm3, s.planned_mm3, byMaterial(s.planned_by_material, false), s.farthest_off_mm,
+      at[0], at[1], at[2]);
+}
+
 void printMonitored(const HapticSummary& s) {
   fmt::print("{:.1f} C under the tool at most", s.hottest_c);
   if (s.bone_limit_s >= 0) fmt::print(", 47 C in bone passed at {:.2f} s", s.bone_limit_s);
@@ -139,6 +149,7 @@ void print(const Arguments& a, const HapticCut& cut) {
   fmt::print("cut with {} held by a {} hand{} for {:.2f} s, {:.2f} s of it in contact, voxels {} mm; ended: {}\n",
              cut.manifest.tool_id, a.hand, response, s.seconds, s.seconds_in_contact, cut.manifest.voxel_mm, s.ended);
   printVolumes(s, !a.haptic.add.empty());
+  printPlan(s);
   fmt::print("force on the tool {:.2f} N mean, {:.2f} N at most; normal load {:.2f} N; to the hand {:.2f} N at most\n",
              s.mean_contact_force, s.peak_contact_force, s.mean_normal_load, s.peak_hand_force);
   fmt::print("drive {:.1f} mJ into the tissue, speed down to {:.0f} % of nominal\n", s.work, 100 * s.least_speed);
@@ -190,8 +201,12 @@ int runGeometry(const Arguments& a, const std::filesystem::path& tool) {
         "kerf: the cut reaches {:.2f} mm out of the case's fine region: cut on the object's voxels, {} mm. For the "
         "fine ones bake with a larger --fine-radius\n",
         m->beyond_region_mm, m->voxel_mm);
+  double removed = 0;
+  for (const auto& [id, volume] : m->removed_by_material) removed += volume;
   if (a.json)
     printJson(nlohmann::json{{"tool", m->tool_id},
+                             {"removed_mm3", removed},
+                             {"removed_by_material_mm3", m->removed_by_material},
                              {"segments", m->segments},
                              {"path_length_mm", m->path_length_mm},
                              {"duration_s", m->duration_s},
@@ -199,8 +214,10 @@ int runGeometry(const Arguments& a, const std::filesystem::path& tool) {
                              {"beyond_region_mm", m->beyond_region_mm},
                              {"state_hash", m->state_hash}});
   else
-    fmt::print("cut with {} along {:.2f} mm in {} motions, voxels {} mm; state {}\nrun written: {}\n", m->tool_id,
-               m->path_length_mm, m->segments, m->voxel_mm, m->state_hash, a.output);
+    fmt::print(
+        "cut with {} along {:.2f} mm in {} motions, voxels {} mm; state {}\nremoved {:.4f} mm3{}\nrun written: {}\n",
+        m->tool_id, m->path_length_mm, m->segments, m->voxel_mm, m->state_hash, removed,
+        byMaterial(m->removed_by_material, false), a.output);
   return kOk;
 }
 
@@ -226,6 +243,7 @@ constexpr const char* kFooter =
 void addOptionsOfAnyHand(CLI::App& command, HapticCutOptions& haptic) {
   auto* group = command.add_option_group("With --hand");
   group->add_option("--spindle", haptic.spindle, "speed, 0 to 1 of the tool's nominal one")->capture_default_str();
+  group->add_option("--irrigation", haptic.irrigation, "cooling spray, 0 (dry) to 1")->capture_default_str();
   group->add_option("--add", haptic.add,
                     "id of a material, such as composite: the tool adds it where it goes, instead of cutting");
   group

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include "geometry/tool/sweep.h"
+#include "sim/run/removed_volumes.h"
+#include "sim/run/sweep_cutter.h"
 #include "tests/sim/block_scene.h"
 #include "ui/bench/scenes/press.h"
 
@@ -98,6 +101,53 @@ TEST(VirtualHand, ConstantForceRemovesSteadilyAndInProportion) {
     residual += std::pow(rates[n] - 0.5 * loads[n] * 840 / 1000, 2);
   }
   EXPECT_GT(1 - residual / total, 0.98);
+}
+
+// What a ball of 1 mm removes along a path with two corners, over what it sweeps.
+double shareOfThePlan(double force, double voxel) {
+  Model model;
+  model.tools = {practiceBall(0.5, 8400)};
+  model.tissues = oneTissue(200, 0.3, 1000);
+  CutPath path;
+  double t = 0;
+  for (const Vec3d& p : {Vec3d(-1, -1, 0.2), Vec3d(-1, -1, -0.7), Vec3d(1, -1, -0.7), Vec3d(1, 1, -0.7)})
+    path.poses.push_back({t++, {Eigen::Quaterniond::Identity(), p}});
+  path.cuts = {1, 1, 1};
+
+  const auto object = block({4, 4, 2}, voxel);
+  SweepCutter sweep(object->phi0());
+  RevolvedProfile ball;
+  ball.arcTo({0, 0.5}, {0, 1});
+  const RevolvedShape shape(ball);
+  for (std::size_t n = 0; n + 1 < path.poses.size(); ++n)
+    sweep.advance(SweptTool(shape, path.poses[n].T_object_tool, path.poses[n + 1].T_object_tool));
+  const double planned =
+      internal::sumOf(internal::removedVolumes(object->phi0(), sweep.cutField(), internal::materialsOf(*object)));
+
+  State state;
+  state.objects.emplace_back(object, 8192);
+  ForceHand::Options options;
+  options.force = force;
+  ForceHand hand(path, model.settings.coupling, options);
+  StepOutput out;
+  DeviceSample sample;
+  state.place(poseAt(path, 0));
+  double removed = 0;
+  for (int n = 0; n < 120'000 && hand.next(out, sample); ++n) {
+    step(model, state, sample, out);
+    removed += out.removed_mm3;
+  }
+  EXPECT_FALSE(hand.gaveUp()) << force;
+  EXPECT_EQ(hand.progress(), 1) << force;
+  return removed / planned;
+}
+
+TEST(VirtualHand, APathWithCornersIsCutAsPlannedHoweverHardItIsPushed) {
+  for (const double voxel : {0.1, 0.2}) {
+    for (const double force : {0.2, 0.5}) EXPECT_NEAR(shareOfThePlan(force, voxel), 1, 0.05) << force;
+    // So fast in what is this soft that a film is left on the walls.
+    for (const double force : {1.5, 3.0}) EXPECT_NEAR(shareOfThePlan(force, voxel), 1, 0.1) << force;
+  }
 }
 
 // A hand that presses a device on a block which does not give way.

@@ -1,0 +1,26 @@
+// What a cut field takes off an object, tissue by tissue.
+#pragma once
+
+#include <functional>
+#include <span>
+
+#include "geometry/field/brick_field.h"
+#include "geometry/field/material_field.h"
+#include "sim/object/baked_object.h"
+#include "sim/run/haptic_summary.h"
+
+namespace kerf::internal {
+
+/// Gives the 512 numbers of a brick's materials.
+using MaterialsOf = std::function<void(const Vec3i& brick, std::span<std::uint8_t, kBrickNodes> out)>;
+
+/// mm^3 by number: the smoothed Heaviside of the field as baked less that of the field as cut, node by node, as the
+/// ledger of CutObject counts.   @param cut  the bricks that differ.
+VolumeByNumber removedVolumes(const BrickField& phi0, const BrickField& cut, const MaterialsOf& materials);
+
+/// Of a case: a node without a label is of the fallback, as loadObject() has it.
+MaterialsOf materialsOf(const MaterialField& materials, Material fallback);
+/// Of an object in memory, which is kept by reference.
+MaterialsOf materialsOf(const BakedObject& object);
+
+}  // namespace kerf::internal
