@@ -140,6 +140,7 @@ Expected<void> readLabels(const fs::path& path, const VolumePlan& plan, const Pr
                           Values& values) {
   std::size_t voxels = 1;
   for (const int s : volume.size) voxels *= static_cast<std::size_t>(s);
+  KERF_CHECK(internal::requireWholeValues(plan.packed, voxels, bytesOf(plan.header.type), progress));
   volume.labels.resize(voxels);
   const std::size_t per_file = volume.labels.size() / plan.files.size();
   std::vector<std::byte> raw(per_file * bytesOf(plan.header.type));

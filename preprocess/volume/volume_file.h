@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "geometry/base/error.h"
+#include "preprocess/volume/packed_values.h"
 
 namespace kerf::internal {
 
@@ -32,6 +33,7 @@ struct VolumeHeader {
 Expected<VolumeHeader> readVolumeHeader(const std::filesystem::path& path, VolumeFormat format);
 /// All values, in file order (first axis fastest), in the machine's byte order, to `out` of `bytes` bytes.
 /// Fails, before anything is written, if header and `bytes` disagree. Never throws.
+/// @pre requireWholeValues() accepted what is packed: of a damaged file ITK may read a part and say nothing.
 Expected<void> readVolumeValues(const std::filesystem::path& path, VolumeFormat format, std::byte* out,
                                 std::uint64_t bytes);
 /// True if the file is DICOM, whatever its name.
@@ -43,6 +45,7 @@ struct StatedHeader {
   std::uint64_t stored_bytes = 0;   ///< what the file holds after its header
   std::filesystem::path data_file;  ///< MetaImage: the file with the values, if it is not the header's own
   double most_per_byte = 1;         ///< bytes of values that one stored byte can stand for: 1 raw, 1032 deflate
+  PackedValues packed;              ///< what has to be unpacked to know that it is whole
 };
 /// NRRD, NIfTI and MetaImage only.
 Expected<StatedHeader> checkVolumeHeader(const std::filesystem::path& path, VolumeFormat format);

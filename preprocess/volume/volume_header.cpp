@@ -1,5 +1,5 @@
 // Headers of NRRD, NIfTI and MetaImage files, read before ITK gets them: ITK takes a missing spacing for 1 mm, and
-// believes sizes before it checks how much there is to read.
+// believes sizes before it checks how much there is to read. Of packed values it takes what it finds.
 // After the format descriptions: teem.sourceforge.net/nrrd/format.html, nifti1.h of NIfTI-1.1, itk.org MetaIO.
 #include <fmt/format.h>
 #include <zlib.h>
@@ -20,6 +20,7 @@ namespace fs = std::filesystem;
 
 constexpr double kDeflate = 1032;    // no deflate stream expands more
 constexpr double kBzip2 = 1u << 22;  // runs of one byte reach about 10^6
+constexpr double kText = 8;          // a digit and a blank make up to 8 bytes, and half a byte is lost to rounding
 constexpr std::size_t kMostHeader = 1 << 20;
 constexpr int kMostAxes = 7;
 // What is longer overruns a buffer of 1024 bytes in ITK 5.2's NRRD library, which quotes it when it complains.
@@ -80,9 +81,20 @@ std::vector<double> numbers(const std::string& text) {
 }
 
 struct TextHeader {
-  std::map<std::string, std::string> field;  // keys in lower case
+  std::map<std::string, std::string> field;  // keys of NRRD in lower case
   std::uint64_t bytes = 0;                   // of the header, the separating line included
 };
+
+// ITK passes over a key of MetaImage in other letters: it would take 1 mm for the spacing, and what is compressed for
+// labels.
+Expected<void> requireSpelling(const fs::path& path, int line, const std::string& key) {
+  for (const char* known : {"NDims", "DimSize", "ElementSpacing", "ElementSize", "ElementType", "ElementDataFile",
+                            "ElementNumberOfChannels", "ElementByteOrderMSB", "BinaryDataByteOrderMSB", "BinaryData",
+                            "CompressedData", "CompressedDataSize", "HeaderSize", "TransformMatrix", "Offset"})
+    if (key != known && lower(key) == lower(known))
+      return bad(path, fmt::format("line {}", line), "key '" + key + "'", fmt::format("'{}'", known));
+  return {};
+}
 
 // Lines `key SEPARATOR value` up to an empty line (NRRD) or through the line with the key `last` (MetaImage).
 Expected<TextHeader> readTextHeader(const fs::path& path, char separator, const std::string& last) {
@@ -107,7 +119,9 @@ Expected<TextHeader> readTextHeader(const fs::path& path, char separator, const 
       return bad(path, fmt::format("line {}", number), fmt::format("{} bytes", line.size()),
                  fmt::format("a field of at most {} bytes", kMostQuoted));
 
-    const std::string key = lower(trimmed(line.substr(0, at)));
+    const std::string word = trimmed(line.substr(0, at));
+    const std::string key = separator == ':' ? lower(word) : word;
+    if (separator == '=') KERF_CHECK(requireSpelling(path, number, key));
     if (!h.field.emplace(key, trimmed(line.substr(at + 1))).second)
       return bad(path, fmt::format("line {}", number), fmt::format("key '{}' a second time", key), "it once");
     if (key == last) return h;
@@ -162,10 +176,29 @@ Expected<void> requireNrrdSignature(const fs::path& path) {
 Expected<double> mostPerByteOfNrrd(const fs::path& path, const std::string& encoding) {
   if (encoding == "gzip" || encoding == "gz") return kDeflate;
   if (encoding == "bzip2" || encoding == "bz2") return kBzip2;
-  if (encoding == "ascii" || encoding == "text" || encoding == "txt")
-    return 8;  // a digit and a blank make up to 8 bytes, and half a byte is lost to rounding
+  if (encoding == "ascii" || encoding == "text" || encoding == "txt") return kText;
   if (encoding == "raw" || encoding == "hex") return 1;
   return bad(path, "key encoding", "'" + encoding + "'", "raw, gzip, bzip2, ascii or hex");
+}
+
+// Where the values of a NRRD file begin that are compressed by gzip. Lines are skipped before they are unpacked, bytes
+// afterwards; a negative number of bytes counts from the end.
+Expected<PackedValues> packedValuesOfNrrd(const fs::path& path, const TextHeader& h) {
+  const auto skip = [&](const char* key, const char* other) {
+    const auto at = h.field.count(key) ? h.field.find(key) : h.field.find(other);
+    const std::vector<double> v = at == h.field.end() ? std::vector<double>{} : numbers(at->second);
+    return v.size() == 1 && v[0] >= 0 && v[0] <= 1e12 ? static_cast<std::uint64_t>(v[0]) : 0;
+  };
+  PackedValues out{.packing = Packing::kGzip, .file = path, .from = h.bytes, .ahead = skip("byte skip", "byteskip")};
+
+  std::ifstream in(path, std::ios::binary);
+  in.seekg(static_cast<std::streamoff>(out.from));
+  std::string line;
+  for (std::uint64_t lines = skip("line skip", "lineskip"); lines > 0; --lines) {
+    if (!std::getline(in, line)) return bad(path, "key line skip", "fewer lines", "as many lines as are to be skipped");
+    out.from += line.size() + 1;
+  }
+  return out;
 }
 
 // Lengths of vectors: "none" on axes that are not in space; "(x,y,z)" on the others.
@@ -208,6 +241,10 @@ Expected<StatedHeader> checkNrrd(const fs::path& path) {
   out.stored_bytes = bytes > h.bytes ? bytes - h.bytes : 0;
   KERF_TRY(most_per_byte, mostPerByteOfNrrd(path, lower(get("encoding"))));
   out.most_per_byte = most_per_byte;
+  if (most_per_byte == kDeflate) {
+    KERF_TRY(packed, packedValuesOfNrrd(path, h));
+    out.packed = packed;
+  }
   if (h.field.count("space directions"))
     out.spacing = lengthsOf(h.field["space directions"]);
   else if (h.field.count("spacings"))
@@ -215,14 +252,45 @@ Expected<StatedHeader> checkNrrd(const fs::path& path) {
   return out;
 }
 
+// How a MetaImage file holds its values. ITK goes by the first letter of True and False.
+Expected<PackedValues> packedValuesOfMetaImage(const fs::path& path, const TextHeader& h, const StatedHeader& stated) {
+  const auto startsWith = [&](const std::string& key, const char* letters) {
+    const auto at = h.field.find(key);
+    return at != h.field.end() && !at->second.empty() &&
+           std::string_view(letters).find(at->second[0]) != std::string_view::npos;
+  };
+  PackedValues out{.file = stated.data_file.empty() ? path : stated.data_file,
+                   .from = stated.data_file.empty() ? h.bytes : 0};
+  if (startsWith("CompressedData", "Tt1")) {
+    out.packing = Packing::kZlib;
+    const auto at = h.field.find("CompressedDataSize");
+    const std::vector<double> size = at == h.field.end() ? std::vector<double>{} : numbers(at->second);
+    if (size.size() != 1 || !(size[0] >= 1 && size[0] <= 1e15) || size[0] != std::floor(size[0]))
+      return bad(path, "key CompressedDataSize", at == h.field.end() ? "it is not there" : "'" + at->second + "'",
+                 "how many bytes the compressed values take, a whole number");
+    out.bytes = static_cast<std::uint64_t>(size[0]);
+    if (out.bytes > stated.stored_bytes)
+      return bad(out.file, "", fmt::format("{} bytes of compressed values", stated.stored_bytes),
+                 fmt::format("{}, as its header claims", out.bytes), "copy the file again: it is cut short");
+  } else if (h.field.count("BinaryData") && !startsWith("BinaryData", "Tt1")) {
+    out.packing = Packing::kText;
+  }
+
+  const auto skipped = h.field.find("HeaderSize");
+  if (out.packing != Packing::kNone && skipped != h.field.end() && numbers(skipped->second) != std::vector<double>{0})
+    return unsupported(path, "key HeaderSize", "'" + skipped->second + "'", "no bytes to skip before packed values",
+                       "save it as a single .mha");
+  return out;
+}
+
 Expected<StatedHeader> checkMetaImage(const fs::path& path) {
   KERF_TRY(bytes, fileSize(path));
-  KERF_TRY(h, readTextHeader(path, '=', "elementdatafile"));
+  KERF_TRY(h, readTextHeader(path, '=', "ElementDataFile"));
   const auto get = [&](const std::string& key) { return h.field.count(key) ? h.field[key] : std::string(); };
-  KERF_CHECK(checkSizes(path, "DimSize", numbers(get("dimsize")), numbers(get("ndims"))));
+  KERF_CHECK(checkSizes(path, "DimSize", numbers(get("DimSize")), numbers(get("NDims"))));
 
   StatedHeader out;
-  const std::string data = get("elementdatafile");
+  const std::string data = get("ElementDataFile");
   if (lower(data) == "local") {
     out.stored_bytes = bytes > h.bytes ? bytes - h.bytes : 0;
   } else {
@@ -243,11 +311,19 @@ Expected<StatedHeader> checkMetaImage(const fs::path& path) {
     out.data_file = path.parent_path() / data;
   }
 
-  if (lower(get("compresseddata")) == "true") out.most_per_byte = kDeflate;
-  if (h.field.count("elementspacing"))
-    out.spacing = numbers(h.field["elementspacing"]);
-  else if (h.field.count("elementsize"))
-    out.spacing = numbers(h.field["elementsize"]);
+  KERF_TRY(packed, packedValuesOfMetaImage(path, h, out));
+  out.packed = packed;
+  if (packed.packing == Packing::kZlib) out.most_per_byte = kDeflate;
+  if (packed.packing == Packing::kText) out.most_per_byte = kText;
+  if (const std::vector<double> skipped = numbers(get("HeaderSize")); skipped.size() == 1 && skipped[0] > 0) {
+    // Counted from the start of the file that holds the values.
+    const double held = static_cast<double>(out.data_file.empty() ? bytes : out.stored_bytes) - skipped[0];
+    out.stored_bytes = held > 0 ? static_cast<std::uint64_t>(held) : 0;
+  }
+  if (h.field.count("ElementSpacing"))
+    out.spacing = numbers(h.field["ElementSpacing"]);
+  else if (h.field.count("ElementSize"))
+    out.spacing = numbers(h.field["ElementSize"]);
   return out;
 }
 
@@ -283,6 +359,9 @@ Expected<NiftiHeader> readNiftiHeader(const fs::path& path) {
   const int got = gzread(in, header.bytes.data(), static_cast<unsigned>(header.bytes.size()));
   header.is_compressed = gzdirect(in) == 0;
   gzclose(in);
+  if (got < 0)
+    return bad(path, "byte 0", "compressed bytes that are damaged", "compressed bytes that agree with their checksum",
+               "copy the file again, or save it again from the program it came from");
   if (got != 348) return bad(path, "byte 0", "the file ends in its header", "348 bytes of NIfTI-1 header");
 
   const bool one_file = std::memcmp(&header.bytes[344], "n+1", 4) == 0;
@@ -333,6 +412,7 @@ Expected<StatedHeader> checkNifti(const fs::path& path) {
   if (header.is_compressed) {
     out.most_per_byte = kDeflate;
     out.stored_bytes = bytes;
+    out.packed = {.packing = Packing::kGzip, .file = path, .ahead = static_cast<std::uint64_t>(offset)};
   } else {
     out.stored_bytes = static_cast<double>(bytes) > offset ? bytes - static_cast<std::uint64_t>(offset) : 0;
   }

@@ -42,6 +42,7 @@ Expected<VolumePlan> planFile(const fs::path& path, VolumeFormat format, const L
   VolumePlan plan;
   plan.format = format;
   plan.files = {path};
+  plan.packed = stated.packed;
   // One bad number spoils them all: a program that wrote it did not know the others either.
   const auto wrong = std::find_if_not(stated.spacing.begin(), stated.spacing.end(), isUsableSpacing);
   if (stated.spacing.size() < 3)

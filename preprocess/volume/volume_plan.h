@@ -18,6 +18,7 @@ struct VolumePlan {
   VolumeFormat format = VolumeFormat::kNrrd;
   std::vector<std::filesystem::path> files;  ///< along the last axis; one: the whole volume
   VolumeHeader header;                       ///< of each file
+  PackedValues packed{};                     ///< of a single file
   LabelVolume grid;                          ///< without labels
   std::optional<Vec3d> stated_spacing{};     ///< mm, as the files state it for all axes
   std::string unusable;                      ///< why there is no stated_spacing

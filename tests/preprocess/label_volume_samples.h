@@ -55,6 +55,23 @@ inline std::string nifti(const std::string& values, float spacing_x = 0.5f) {
   return h + values;
 }
 
+enum class Stream { kZlib, kGzip };
+
+/// Compressed, with header and checksum.
+inline std::string compressed(const std::string& bytes, Stream kind) {
+  z_stream z{};
+  if (deflateInit2(&z, 9, Z_DEFLATED, kind == Stream::kGzip ? 31 : 15, 8, Z_DEFAULT_STRATEGY) != Z_OK) return {};
+  std::string out(deflateBound(&z, bytes.size()), '\0'), in = bytes;
+  z.next_in = reinterpret_cast<unsigned char*>(in.data());
+  z.avail_in = static_cast<unsigned>(in.size());
+  z.next_out = reinterpret_cast<unsigned char*>(out.data());
+  z.avail_out = static_cast<unsigned>(out.size());
+  deflate(&z, Z_FINISH);
+  out.resize(z.total_out);
+  deflateEnd(&z);
+  return out;
+}
+
 /// One 4 x 3 slice of 8 bits as DICOM (explicit VR, little endian), at height z mm; or several frames in one file.
 /// @param pixel_spacing, between_slices  decimal strings; empty: the file states none
 inline std::string dicomSlice(const std::string& values, double z, const std::string& series = "1.2.3",

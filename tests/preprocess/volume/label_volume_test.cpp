@@ -284,6 +284,136 @@ TEST(LabelVolume, FilesShorterThanTheirHeaderClaimsAreRefusedBeforeAllocating) {
                 "crop the volume");
 }
 
+// Compressed volumes of 4 x 3 x 2 counting labels: file name, what stands before the values, the values.
+struct Compressed {
+  std::string name, head, values;
+};
+
+std::string metaImageHead(std::size_t compressed_bytes) {
+  return metaImage(
+      "ElementSpacing = 1 1 1\nCompressedData = True\nCompressedDataSize = " + std::to_string(compressed_bytes) + "\n",
+      "");
+}
+
+std::vector<Compressed> compressedVolumes() {
+  const std::string gzip = compressed(countingLabels(), Stream::kGzip),
+                    zlib = compressed(countingLabels(), Stream::kZlib);
+  const std::string grid = "type: unsigned char\ndimension: 3\nsizes: 4 3 2\nspacings: 1 1 1\nencoding: gzip\n";
+  return {{"a.nii.gz", "", compressed(nifti(countingLabels()), Stream::kGzip)},
+          {"a.nrrd", nrrd(grid, ""), gzip},
+          {"b.nrrd", nrrd(grid + "line skip: 1\nbyte skip: 352\n", "a line\n"),
+           compressed(nifti(countingLabels()), Stream::kGzip)},
+          {"a.mha", metaImageHead(zlib.size()), zlib},
+          {"b.mha", metaImageHead(gzip.size()), gzip}};
+}
+
+TEST(LabelVolume, CompressedFilesAreReadWhole) {
+  for (const auto& [name, head, values] : compressedVolumes()) {
+    SCOPED_TRACE(name);
+    expectCounting(readBytes(name, head + values));
+    expectCounting(readBytes(name, head + values + "what follows"));
+  }
+  const std::string halves = compressed(nifti(countingLabels()).substr(0, 360), Stream::kGzip) +
+                             compressed(countingLabels().substr(8), Stream::kGzip);
+  expectCounting(readBytes("two-streams.nii.gz", halves));
+}
+
+TEST(LabelVolume, CompressedFilesThatAreCutShortAreRefusedAtEveryByte) {
+  testing::internal::CaptureStderr();
+  for (const auto& [name, head, values] : compressedVolumes())
+    for (std::size_t left = 0; left < values.size(); ++left) {
+      SCOPED_TRACE(name + " with " + std::to_string(left) + " bytes of values");
+      const auto v = readBytes(name, head + values.substr(0, left));
+      ASSERT_FALSE(v);
+      if (left > values.size() - 10) expectRefusal(v, "copy the file again: it is cut short");
+    }
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
+TEST(LabelVolume, CompressedFilesWithOneByteChangedAreNeverReadWithOtherLabels) {
+  testing::internal::CaptureStderr();
+  for (const auto& [name, head, values] : compressedVolumes()) {
+    const std::size_t least = name.ends_with(".gz") || head.find("352") != std::string::npos ? 60 : 20;
+    std::size_t refused = 0;
+    for (std::size_t at = 0; at < values.size(); ++at) {
+      SCOPED_TRACE(name + ", byte " + std::to_string(at) + " of the values");
+      std::string damaged = values;
+      damaged[at] = static_cast<char>(damaged[at] ^ 0x10);
+      const auto v = readBytes(name, head + damaged);
+      if (v) expectCounting(v);  // a header has bytes that say nothing, such as the time
+      refused += !v;
+    }
+    EXPECT_GT(refused, least) << name;
+  }
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
+TEST(LabelVolume, CompressedFilesSayWhatIsWrongWithThem) {
+  const std::string volume = compressed(nifti(countingLabels()), Stream::kGzip);
+  expectRefusal(readBytes("a.nii.gz", volume.substr(0, volume.size() - 8)), "values that break off after 376 bytes");
+  std::string wrong_sum = volume;
+  wrong_sum[wrong_sum.size() - 8] = static_cast<char>(wrong_sum[wrong_sum.size() - 8] + 1);
+  expectRefusal(readBytes("a.nii.gz", wrong_sum), "compressed bytes that are damaged");
+  expectRefusal(readBytes("a.nii.gz", compressed(nifti(countingLabels().substr(0, 14)), Stream::kGzip)),
+                "14 bytes of values, unpacked; expected 24, as its header claims");
+
+  // Longer than what is looked at for the header.
+  std::string large = nifti(std::string(90 * 90 * 90, '\1'));
+  for (std::size_t axis = 0; axis < 3; ++axis) put<std::int16_t>(large, 42 + 2 * axis, 90);
+  std::mt19937 random(20261122);
+  for (std::size_t i = 352; i < large.size(); ++i) large[i] = static_cast<char>(random() % 4);
+  std::string packed = compressed(large, Stream::kGzip);
+  EXPECT_TRUE(readBytes("a.nii.gz", packed));
+  expectRefusal(readBytes("a.nii.gz", packed.substr(0, packed.size() / 2)), "values that break off after");
+  packed[packed.size() - 8] = static_cast<char>(packed[packed.size() - 8] + 1);
+  expectRefusal(readBytes("a.nii.gz", packed), "damaged after 729352 bytes (incorrect data check)");
+
+  const std::string values = compressed(countingLabels(), Stream::kZlib);
+  expectRefusal(readBytes("a.mha", metaImageHead(values.size()) + values.substr(0, values.size() - 1)),
+                fmt::format("{} bytes of compressed values; expected {}", values.size() - 1, values.size()));
+  expectRefusal(readBytes("a.mha", metaImage("ElementSpacing = 1 1 1\nCompressedData = True\n", values)),
+                "key CompressedDataSize: it is not there");
+  const std::string few = compressed(countingLabels().substr(0, 5), Stream::kZlib);
+  expectRefusal(readBytes("a.mha", metaImageHead(few.size()) + few), "5 bytes of values, unpacked; expected 24");
+}
+
+TEST(LabelVolume, MetaImageWithItsValuesCompressedBesideItIsRefusedByTheNameOfThatFile) {
+  const std::string values = compressed(countingLabels(), Stream::kZlib);
+  std::string head = metaImageHead(values.size());
+  head.replace(head.find("LOCAL"), 5, "a.zraw");
+  const TemporaryFolder folder;
+  folder.write("a.mhd", head);
+  folder.write("a.zraw", values);
+  expectCounting(readLabelVolume(folder.path() / "a.mhd"));
+  std::string damaged = values;
+  damaged.back() = static_cast<char>(damaged.back() + 1);
+  folder.write("a.zraw", damaged);
+  expectRefusal(readLabelVolume(folder.path() / "a.mhd"), "a.zraw: compressed values that are damaged");
+}
+
+TEST(LabelVolume, MetaImageInTextIsReadWholeOrRefused) {
+  const std::string fields = "ElementSpacing = 1 1 1\nBinaryData = False\n";
+  std::string numbers;
+  for (int i = 0; i < 24; ++i) numbers += std::to_string(i) + (i % 5 ? " " : "\n");
+  expectCounting(readBytes("a.mha", metaImage(fields, numbers)));
+  expectRefusal(readBytes("a.mha", metaImage(fields, numbers.substr(0, numbers.size() - 3))),
+                "23 values; expected 24, as its header claims");
+}
+
+// ITK passes over keys in other letters: it would take 1 mm for the spacing, and what is compressed for labels.
+TEST(LabelVolume, KeysOfMetaImageInOtherLettersAreRefusedByName) {
+  expectRefusal(readBytes("a.mha", metaImage("elementspacing = 0.5 0.5 0.5\n", countingLabels())),
+                "line 4: key 'elementspacing'; expected 'ElementSpacing'");
+  const std::string fields = "ElementSpacing = 1 1 1\nCOMPRESSEDDATA = True\n";
+  expectRefusal(readBytes("a.mha", metaImage(fields, compressed(countingLabels(), Stream::kZlib))),
+                "key 'COMPRESSEDDATA'; expected 'CompressedData'");
+}
+
+TEST(LabelVolume, BytesThatMetaImageSkipsAreNotCountedAsValues) {
+  const std::string head = metaImage("ElementSpacing = 1 1 1\nHeaderSize = 999\n", "");
+  expectRefusal(readBytes("a.mha", head + countingLabels()), "0 bytes of values; expected enough for the 24");
+}
+
 TEST(LabelVolume, LongFieldsAreRefusedButNotLongNotes) {
   const std::string grid = std::string(kNrrdGrid) + kNrrdSpace;
   EXPECT_TRUE(readBytes(
