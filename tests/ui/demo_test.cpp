@@ -49,7 +49,7 @@ TEST_F(CliDemo, TheRecipeOfTheMolarBakesEveryTissueWithItsVolume) {
 
 TEST_F(CliDemo, RefusesWhatItCanNotMakeAndReplacesNoForeignFolder) {
   refuses({"demo", "molar", "-o", at("nowhere/molar")}, {"nowhere"});
-  refuses({"demo", "molar", "-o", at("molar"), "--coarseness", "nan"}, {"--coarseness", "0.5 to 4"});
+  refuses({"demo", "molar", "-o", at("molar"), "--coarseness", "nan"}, {"--coarseness", "nan"}, 2);
   refuses({"demo", "whale", "-o", at("whale")}, {}, 2);
   std::filesystem::create_directory(in("holiday"));
   folder_.write("holiday/photo.jpg", "dear");

@@ -84,6 +84,7 @@ TEST_F(KerfSim, BadArgumentsAreErrorsThatSayWhatToDo) {
   const std::pair<std::string, std::string> cases[] = {{"--view sideways " + file, "occlusal"},
                                                        {"--look-at 1,2 " + file, "--look-at 0,0,5"},
                                                        {"--zoom -1 " + file, "zoom"},
+                                                       {"--zoom nan " + file, "--zoom: nan is not a finite number"},
                                                        {"--section 0,0,1 " + file, "--section center,0,1,0"},
                                                        {"--section center,0,0,0 " + file, "--section center,0,1,0"},
                                                        {"--section center,0,0,1 " + file, "kerf bake it first"},

@@ -40,11 +40,6 @@ Expected<DemoAnatomy> arch(const Arguments& a, const Progress& progress) {
 }
 
 int run(const Arguments& a, Model model) {
-  if (!(a.detail >= 0.5 && a.detail <= 4))  // CLI::Range lets "nan" pass
-    return complain({.code = Error::Code::kBadValue,
-                     .place = "--coarseness",
-                     .found = fmt::format("{}", a.detail),
-                     .expected = "0.5 to 4"});
   // Before the work, not after it.
   if (const auto possible = AtomicFolder::create(a.output, a.overwrite, a.manifest); !possible)
     return complain(possible.error());

@@ -17,11 +17,6 @@ struct Arguments {
 };
 
 int run(const Arguments& a) {
-  if (!(a.edge_mm >= 0.08 && a.edge_mm <= 1))  // CLI::Range lets "nan" pass
-    return complain({.code = Error::Code::kBadValue,
-                     .place = "--edge",
-                     .found = fmt::format("{} mm", a.edge_mm),
-                     .expected = "0.08 to 1 mm"});
   if (const auto possible = canWriteMesh(a.output); !possible) return complain(possible.error());
 
   const TerminalProgress guard;  // Ctrl-C waits until no file is half written

@@ -5,6 +5,7 @@
 #include <exception>
 
 #include "geometry/base/build_info.h"
+#include "ui/app/command_line.h"
 #include "ui/app/manual.h"
 #include "ui/cli/commands.h"
 
@@ -43,6 +44,7 @@ int main(int argc, char** argv) {
   app.get_formatter()->column_width(34);
   int exit_code = kOk;
   addCommands(app, exit_code);
+  kerf::requireFiniteNumbers(app);
   if (kerf::isManualRequest(argc, argv)) return kerf::answerManualRequest(app, argv[2]);
 
   if (argc < 2) {

@@ -228,7 +228,7 @@ int bake(const Arguments& a) {
   const auto tool = readTool(*file);
   if (!tool) return complain(tool.error());
   const double voxel = a.voxel == 0 ? defaultVoxel(*tool) : a.voxel;
-  if (!(voxel >= 0.001 && voxel <= 1))  // CLI::Range lets "nan" pass
+  if (!(voxel >= 0.001 && voxel <= 1))  // the default follows the tool
     return complain({.code = Error::Code::kBadValue,
                      .place = "--voxel",
                      .found = fmt::format("{} mm", voxel),

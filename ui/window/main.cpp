@@ -13,6 +13,7 @@
 
 #include "geometry/base/build_info.h"
 #include "geometry/formats/mesh_formats.h"
+#include "ui/app/command_line.h"
 #include "ui/app/manual.h"
 #include "ui/window/camera.h"
 #include "ui/window/gl_context.h"
@@ -176,6 +177,7 @@ int main(int argc, char** argv) try {
       ->check(CLI::NonNegativeNumber);
   app.add_flag("-v,--verbose", a.verbose, "say what draws");
   app.footer("Kerf is a training and lab tool, not a medical device.");
+  kerf::requireFiniteNumbers(app);
 
   if (kerf::isManualRequest(argc, argv)) return kerf::answerManualRequest(app, argv[2]);
   CLI11_PARSE(app, argc, argv);
