@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "geometry/base/assets.h"
 #include "geometry/tool/tool_kinds.h"
@@ -14,15 +14,14 @@ namespace {
 namespace fs = std::filesystem;
 constexpr const char* kCopyInRun = "tool.toml";  // a copy inside a run folder keeps its id
 
-std::vector<fs::path> toolFiles(const std::vector<fs::path>& folders) {
-  std::vector<fs::path> files;
+// Sorted by id. Of an id in several folders the first: the one that findToolFile() finds.
+std::map<std::string, fs::path> toolFiles(const std::vector<fs::path>& folders) {
+  std::map<std::string, fs::path> files;
   for (const fs::path& folder : folders) {
     std::error_code failed;
     for (fs::directory_iterator entry(folder, failed), end; !failed && entry != end; entry.increment(failed))
-      if (entry->path().extension() == ".toml") files.push_back(entry->path());
+      if (entry->path().extension() == ".toml") files.emplace(entry->path().stem().string(), entry->path());
   }
-  std::sort(files.begin(), files.end(),
-            [](const fs::path& a, const fs::path& b) { return std::pair(a.stem(), a) < std::pair(b.stem(), b); });
   return files;
 }
 
@@ -76,9 +75,8 @@ Expected<Tool> readTool(const fs::path& file) {
 }
 
 std::vector<ToolListing> listTools(const std::vector<fs::path>& folders) {
-  const std::vector<fs::path> files = toolFiles(folders);
   std::vector<ToolListing> out;
-  for (const fs::path& file : files) {
+  for (const auto& [id, file] : toolFiles(folders)) {
     ToolListing& listing = out.emplace_back();
     listing.file = file;
     if (auto tool = readTool(file))
@@ -104,10 +102,9 @@ Expected<fs::path> findToolFile(const std::string& id_or_path, const std::vector
   }
 
   std::vector<std::string> ids;
-  for (const fs::path& folder : folders) {
+  for (const fs::path& folder : folders)
     if (fs::path file = folder / (id_or_path + ".toml"); fs::is_regular_file(file, ignored)) return file;
-    for (const fs::path& file : toolFiles({folder})) ids.push_back(file.stem().string());
-  }
+  for (const auto& [id, file] : toolFiles(folders)) ids.push_back(id);
 
   // Ids that hold the word ("330" is in us-330), or that look like it.
   std::vector<std::string> like;

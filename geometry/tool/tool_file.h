@@ -20,7 +20,8 @@ struct ToolListing {
   std::optional<Tool> tool;
   std::optional<Error> error;  ///< why the file could not be read: listed, not hidden
 };
-/// Every *.toml in the folders, sorted by id; a folder that does not exist is skipped.
+/// Every *.toml in the folders, sorted by id; of an id in several folders the first. A folder that does not exist is
+/// skipped.
 std::vector<ToolListing> listTools(const std::vector<std::filesystem::path>& folders);
 
 /// $KERF_ASSETS/tools, then beside the installed program, then the source tree this program was built from.

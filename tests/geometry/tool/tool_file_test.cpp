@@ -42,6 +42,22 @@ TEST(ToolFile, ToolsThatComeWithKerfAreRead) {
   for (const ToolListing& t : tools) EXPECT_TRUE(t.tool) << t.error->message();
 }
 
+TEST(ToolFile, AnIdInAnEarlierFolderHidesTheSameIdInLaterOnes) {
+  const TemporaryFolder mine;
+  const std::filesystem::path rack = std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools";
+  std::filesystem::copy_file(rack / "us-330.toml", mine.path() / "us-330.toml");
+  const std::size_t all = listTools({rack}).size();
+  const auto tools = listTools({mine.path(), rack});
+  EXPECT_EQ(tools.size(), all);
+  for (const ToolListing& t : tools)
+    EXPECT_EQ(t.file.parent_path(), t.file.stem() == "us-330" ? mine.path() : rack) << t.file;
+
+  const auto none = findToolFile("no-such-tool", {mine.path(), rack});
+  ASSERT_FALSE(none);
+  EXPECT_NE(none.error().message().find("one of " + std::to_string(all) + " ids"), std::string::npos)
+      << none.error().message();
+}
+
 TEST(ToolFile, EveryToolThatComesWithKerfSaysWhatItIsAndWhereItsNumbersComeFrom) {
   for (const ToolListing& t : listTools({std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools"})) {
     ASSERT_TRUE(t.tool) << t.error->message();
