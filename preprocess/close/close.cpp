@@ -308,7 +308,8 @@ Expected<void> checkOptions(const CloseOptions& o) {
   if (!(o.wrap_alpha_mm > 0)) return bad("wrap_alpha_mm", o.wrap_alpha_mm, "above 0");
   if (!(o.wrap_offset_mm > 0)) return bad("wrap_offset_mm", o.wrap_offset_mm, "above 0");
   if (o.base_direction && !(o.base_direction->norm() > 0)) return bad("base_direction", 0, "a direction");
-  if (!(o.stitch_mm >= 0 && o.stitch_mm <= 1)) return bad("stitch_mm", o.stitch_mm, "from 0 to 1");
+  if (!(o.stitch_mm >= 0 && o.stitch_mm <= kWidestStitch))
+    return bad("stitch_mm", o.stitch_mm, fmt::format("from 0 to {}", kWidestStitch).c_str());
   if (o.fill_up_to_mm && !(*o.fill_up_to_mm > 0)) return bad("fill_up_to_mm", *o.fill_up_to_mm, "above 0");
   if (o.base_height_mm && !(*o.base_height_mm > 0 && *o.base_height_mm < 1000))
     return bad("base_height_mm", *o.base_height_mm, "above 0, below 1000");

@@ -49,6 +49,8 @@ struct GivenPlane {
   std::optional<Vec3d> point{};   ///< mm, on it; without one it is put onto the highest vertex
 };
 
+inline constexpr double kWidestStitch = 1;  ///< mm
+
 struct CloseOptions {
   CloseMode mode = CloseMode::kAuto;
   /// If not empty: exactly these steps, whatever `mode` says. A mesh that needs another one is refused with its name.

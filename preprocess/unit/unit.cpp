@@ -37,6 +37,12 @@ UnitChoice named(std::string_view unit, double mm, const char* by_whom, double a
 
 }  // namespace
 
+std::vector<std::string> unitNames() {
+  std::vector<std::string> names;
+  for (const Unit& u : kUnits) names.emplace_back(u.name);
+  return names;
+}
+
 Expected<double> millimetresPer(std::string_view unit) {
   for (const Unit& u : kUnits)
     if (u.name == unit) return u.mm;

@@ -3,6 +3,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "geometry/base/error.h"
 #include "geometry/base/types.h"
@@ -15,6 +16,9 @@ struct UnitChoice {
   std::string reason;        ///< one sentence, shown to the user and kept in the case
   bool is_doubtful = false;  ///< the size fits no unit, several, or not the one that was named: worth a warning
 };
+
+/// "mm", "cm", "m", "um", "inch".
+std::vector<std::string> unitNames();
 
 /// Millimetres per unit; kBadValue with the list of units for an unknown name.
 Expected<double> millimetresPer(std::string_view unit);

@@ -70,11 +70,11 @@ std::uint64_t estimateBakeBytes(const Mesh& solid, const VoxelizeOptions& option
 }
 
 Expected<void> checkVoxelSize(double voxel_mm) {
-  if (voxel_mm >= 0.005 && voxel_mm <= 5) return {};
+  if (voxel_mm >= kSmallestVoxel && voxel_mm <= kLargestVoxel) return {};
   return fail({.code = Error::Code::kBadValue,
                .place = "voxel size",
                .found = fmt::format("{} mm", voxel_mm),
-               .expected = "0.005 to 5 mm",
+               .expected = fmt::format("{} to {} mm", kSmallestVoxel, kLargestVoxel),
                .hint = "0.1 for an arch, 0.05 for a tooth"});
 }
 

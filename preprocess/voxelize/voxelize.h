@@ -76,7 +76,8 @@ class Anatomy {
   std::unique_ptr<Grids> grids_;
 };
 
-/// 0.005 to 5 mm; not a number is refused like any other.
+inline constexpr double kSmallestVoxel = 0.005, kLargestVoxel = 5;  ///< mm
+/// Between those two; not a number is refused like any other.
 Expected<void> checkVoxelSize(double voxel_mm);
 
 /// Bytes that voxelizing will need at peak; good to a factor of 2.

@@ -29,49 +29,6 @@ using internal::nothingWritten;
 constexpr const char* kSummary = "summary.json";
 constexpr std::uint64_t kSnapshotTicks = 10'000;  // between two snapshots in the log, at least
 
-Expected<void> checkOptions(const HapticCutOptions& o) {
-  struct Range {
-    const char* name;
-    double value, low, high;
-    const char* unit;
-  };
-  const Range ranges[] = {
-      {"force", o.force.force, 0.01, o.step.coupling.force_limit, "N"},
-      {"feed limit", o.force.feed_limit, 0.01, 1000, "mm/s"},
-      {"spindle", o.spindle, 0, 1, "of nominal"},
-      {"irrigation", o.irrigation, 0, 1, "of the full spray"},
-      {"coupling stiffness", o.step.coupling.stiffness, 0.01, 100, "N/mm"},
-      {"coupling damping", o.step.coupling.damping, 0, 1, "N s/mm"},
-      {"device mass", o.device.mass_kg, 0.001, 10, "kg"},
-      {"device damping", o.device.damping, 0, 1, "N s/mm"},
-      {"device friction", o.device.friction, 0, 10, "N"},
-      {"encoder", o.device.encoder_mm, 0, 1, "mm"},
-      {"delay", static_cast<double>(o.device.delay_ticks), 0, 50, "ticks"},
-      {"hand stiffness", o.device.hand_stiffness, 0, 100, "N/mm"},
-      {"hand damping", o.device.hand_damping, 0, 1, "N s/mm"},
-      {"patience", o.force.patience, 0.001, 86400, "s"},
-      {"coupling mass", o.step.coupling.mass_kg, 0.0001, 10, "kg"},
-      {"coupling filter", o.step.coupling.filter_hz, 0.1, 1000, "Hz"},
-      {"ramp", o.step.ramp_s, 0, 60, "s"},
-      {"contact evaluations a tick", static_cast<double>(o.step.most_substeps), 1, 1000, ""},
-      {"time limit", o.time_limit, 0.001, 86400, "s"},
-  };
-  for (const Range& r : ranges)
-    if (!(r.value >= r.low && r.value <= r.high))
-      return fail({.code = Error::Code::kBadValue,
-                   .place = r.name,
-                   .found = fmt::format("{} {}", r.value, r.unit),
-                   .expected = fmt::format("{} to {} {}", r.low, r.high, r.unit)});
-
-  if (o.hand == HandKind::kFeed && !rowOf(o.step.response).fits(Rendering::kRigid))
-    return fail({.code = Error::Code::kBadValue,
-                 .place = "response",
-                 .found = "not penalty, with a hand that follows its path",
-                 .expected = "penalty: a tool that is where its path says cannot be held back",
-                 .hint = "hand force or device"});
-  return {};
-}
-
 StepSettings settingsOf(const HapticCutOptions& options) {
   StepSettings settings = options.step;
   settings.rendering = options.hand == HandKind::kFeed ? Rendering::kRigid : Rendering::kCoupled;
@@ -272,6 +229,49 @@ Expected<void> writeRun(const fs::path& staging, const fs::path& run_folder, con
 }
 
 }  // namespace
+
+Expected<void> checkOptions(const HapticCutOptions& o) {
+  struct Range {
+    const char* name;
+    double value, low, high;
+    const char* unit;
+  };
+  const Range ranges[] = {
+      {"--push", o.force.force, 0.01, o.step.coupling.force_limit, "N"},
+      {"--feed-limit", o.force.feed_limit, 0.01, 1000, "mm/s"},
+      {"--spindle", o.spindle, 0, 1, "of nominal"},
+      {"--irrigation", o.irrigation, 0, 1, "of the full spray"},
+      {"--coupling", o.step.coupling.stiffness, 0.01, 100, "N/mm"},
+      {"coupling damping", o.step.coupling.damping, 0, 1, "N s/mm"},
+      {"--device-mass", o.device.mass_kg, 0.001, 10, "kg"},
+      {"--device-damping", o.device.damping, 0, 1, "N s/mm"},
+      {"--device-friction", o.device.friction, 0, 10, "N"},
+      {"--encoder", o.device.encoder_mm, 0, 1, "mm"},
+      {"--delay", static_cast<double>(o.device.delay_ticks), 0, 50, "ticks"},
+      {"--hand-stiffness", o.device.hand_stiffness, 0, 100, "N/mm"},
+      {"--hand-damping", o.device.hand_damping, 0, 1, "N s/mm"},
+      {"--patience", o.force.patience, 0.001, 86400, "s"},
+      {"coupling mass", o.step.coupling.mass_kg, 0.0001, 10, "kg"},
+      {"coupling filter", o.step.coupling.filter_hz, 0.1, 1000, "Hz"},
+      {"ramp", o.step.ramp_s, 0, 60, "s"},
+      {"contact evaluations a tick", static_cast<double>(o.step.most_substeps), 1, 1000, ""},
+      {"--time-limit", o.time_limit, 0.001, 86400, "s"},
+  };
+  for (const Range& r : ranges)
+    if (!(r.value >= r.low && r.value <= r.high))
+      return fail({.code = Error::Code::kBadValue,
+                   .place = r.name,
+                   .found = fmt::format("{} {}", r.value, r.unit),
+                   .expected = fmt::format("{} to {} {}", r.low, r.high, r.unit)});
+
+  if (o.hand == HandKind::kFeed && !rowOf(o.step.response).fits(Rendering::kRigid))
+    return fail({.code = Error::Code::kBadValue,
+                 .place = "--response",
+                 .found = "not penalty, with a hand that follows its path",
+                 .expected = "penalty: a tool that is where its path says cannot be held back",
+                 .hint = "hand force or device"});
+  return {};
+}
 
 Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& tool_file, const fs::path& path_file,
                                   const fs::path& run_folder, const HapticCutOptions& options,

@@ -44,6 +44,10 @@ struct HapticCut {
   bool left_region_unused = false;  ///< the case has a finer region, which this does not use
 };
 
+/// Refuses options that are out of range, or contradict each other; the error's place is the name of the option of
+/// `kerf cut`, where it has one.
+Expected<void> checkOptions(const HapticCutOptions& options);
+
 /// Writes the run (docs/reference/file-formats.md): run.toml, run.vdb (grid phi), forces.csv (one row a tick),
 /// summary.json, session.kerflog (what kerf replay reads), sound.wav if asked for (48 kHz, 1 MB in 11 s).
 /// Same inputs, same bytes (but for the identifier inside run.vdb).

@@ -181,7 +181,9 @@ TEST_F(Cli, FoldersWithoutPermissionAreRefused) {
 TEST_F(Cli, NonsenseNumbersAndUnitsAreRefused) {
   makeCase();
   for (const std::string voxel : {"0", "-1", "1e9", "0.0001"}) {
-    refuses({"bake", at("box.off"), "-o", at("x.case"), "--voxel", voxel}, {"voxel", "0.005 to 5 mm"});
+    refuses({"bake", at("box.off"), "-o", at("x.case"), "--voxel", voxel}, {"--voxel", "0.005"}, 2);
+    refuses({"bake", at("box.off"), "-o", at("x.case"), "--fine-along", at("groove.csv"), "--fine-voxel", voxel},
+            {"--fine-voxel", "0.005"}, 2);
     const Outcome tool = runKerf({"tool", "bake", "round-014", "-o", at("x.tool"), "--voxel", voxel});
     EXPECT_NE(tool.exit_code, 0) << voxel;
     EXPECT_EQ(tool.signal, 0) << voxel;
@@ -202,7 +204,14 @@ TEST_F(Cli, NonsenseNumbersAndUnitsAreRefused) {
             {"--base-height: ", "more than 0, less than 1000 mm"}, 2);
   refuses({"bake", at("box.off"), "--unit", "mm", "-o", at("x.case"), "--base", "oval"},
           {"--base: \"oval\"; expected horseshoe or full"}, 2);
-  refuses({"bake", at("box.off"), "-o", at("x.case"), "--unit", "furlong"}, {"furlong", "inch"});
+  refuses({"bake", at("box.off"), "-o", at("x.case"), "--unit", "furlong"}, {"--unit", "furlong", "inch"}, 2);
+  for (const std::string stitch : {"-1", "1.5"})
+    refuses({"bake", at("box.off"), "-o", at("x.case"), "--stitch-mm", stitch}, {"--stitch-mm", stitch}, 2);
+  for (const std::string& wrong : std::vector<std::string>{"--push=-1", "--push=9", "--feed-limit=0", "--patience=0",
+                                                           "--spindle=2", "--coupling=0", "--time-limit=0"})
+    refuses({"cut", at("box.case"), "--tool", "round-014", "--path", at("groove.csv"), "-o", at("x.run"), "--hand",
+             "force", wrong},
+            {wrong.substr(0, wrong.find('=')) + ": "}, 2);
   // 0.005 mm on a box of a metre needs more memory than anybody has: the voxel size that fits is said.
   refuses({"bake", at("box.off"), "-o", at("x.case"), "--unit", "m", "--voxel", "0.005"}, {"GB", "--voxel"});
 }

@@ -132,7 +132,7 @@ TEST_F(Cli, ACutAgainstResistanceIsRecordedAndReplaysBitForBit) {
   EXPECT_EQ(late["state_hash"], feed["state_hash"]);
   const Outcome early = runKerf({"replay", at("firm.run"), "--from", "0.5"});
   EXPECT_NE(early.out.find("from the beginning"), early.out.npos) << early.out;
-  refuses({"replay", at("firm.run"), "--from", "3", "--until", "2"}, {"--from", "--until"}, 1);
+  refuses({"replay", at("firm.run"), "--from", "3", "--until", "2"}, {"--from", "--until"}, 2);
   // As long as the run, of a height that is heard, and the same again.
   cut("loud.run", {"feed", "--sound"});
   const std::string sound = bytesOf(at("loud.run/sound.wav"));
@@ -176,7 +176,7 @@ TEST_F(Cli, ACutAgainstResistanceIsRecordedAndReplaysBitForBit) {
           {"--hand"}, 2);
   refuses({"cut", at("molar.case"), "--tool", "round-014", "--path", cavity, "-o", at("x.run"), "--hand", "force",
            "--push", "0"},
-          {"force", "0.01 to 8"});
+          {"--push: 0 N", "0.01 to 8"}, 2);
   refuses({"cut", at("molar.case"), "--tool", "round-014", "--path", cavity, "-o", at("x.run"), "--hand", "feed",
            "--spindle", "nan"},
           {"--spindle"}, 2);

@@ -81,17 +81,32 @@ TEST_F(KerfSim, FoldersShowTheirMesh) {
 
 TEST_F(KerfSim, BadArgumentsAreErrorsThatSayWhatToDo) {
   const std::string file = fmt::format("'{}'", mesh().string());
-  const std::pair<std::string, std::string> cases[] = {{"--view sideways " + file, "occlusal"},
+  const std::pair<std::string, std::string> cases[] = {{"--view sideways " + file, "--view: \"sideways\""},
+                                                       {"--view sideways " + file, "occlusal"},
+                                                       {"--frob " + file, "--frob"},
+                                                       {"", "scene is required"},
+                                                       {"--frames many " + file, "--frames"},
                                                        {"--look-at 1,2 " + file, "--look-at 0,0,5"},
                                                        {"--zoom -1 " + file, "zoom"},
                                                        {"--zoom nan " + file, "--zoom: nan is not a finite number"},
                                                        {"--section 0,0,1 " + file, "--section center,0,1,0"},
                                                        {"--section center,0,0,0 " + file, "--section center,0,1,0"},
-                                                       {"--section center,0,0,1 " + file, "kerf bake it first"},
+                                                       {"--zoom", "--zoom"}};
+  for (const auto& [arguments, words] : cases) {
+    const Outcome done = picture(arguments);
+    EXPECT_EQ(done.status, 2) << arguments << "\n" << done.text;
+    EXPECT_NE(done.text.find(words), std::string::npos) << done.text;
+    EXPECT_FALSE(fs::exists(png()));
+  }
+}
+
+TEST_F(KerfSim, WhatCanNotBeShownIsAnErrorThatSaysWhatToDo) {
+  const std::string file = fmt::format("'{}'", mesh().string());
+  const std::pair<std::string, std::string> cases[] = {{"--section center,0,0,1 " + file, "kerf bake it first"},
                                                        {"missing.stl", "missing.stl"}};
   for (const auto& [arguments, words] : cases) {
     const Outcome done = picture(arguments);
-    EXPECT_NE(done.status, 0) << arguments;
+    EXPECT_EQ(done.status, 1) << arguments << "\n" << done.text;
     EXPECT_NE(done.text.find(words), std::string::npos) << done.text;
     EXPECT_FALSE(fs::exists(png()));
   }
@@ -100,7 +115,7 @@ TEST_F(KerfSim, BadArgumentsAreErrorsThatSayWhatToDo) {
 TEST_F(KerfSim, PicturesOfAnotherNameThanPngAreRefused) {
   const fs::path jpg = folder_ / "picture.jpg";
   const Outcome done = shell(fmt::format("{} --screenshot '{}' '{}'", kProgram, jpg.string(), mesh().string()));
-  EXPECT_EQ(done.status, 1);
+  EXPECT_EQ(done.status, 2);
   EXPECT_NE(done.text.find("picture.png"), std::string::npos) << done.text;
   EXPECT_FALSE(fs::exists(jpg));
 }

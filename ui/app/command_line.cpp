@@ -25,4 +25,13 @@ void requireFiniteNumbers(CLI::App& app) {
   for (CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) requireFiniteNumbers(*command);
 }
 
+std::optional<ExitCode> parseCommandLine(CLI::App& app, int argc, const char* const* argv) {
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? kOk : kUsage;
+  }
+  return std::nullopt;
+}
+
 }  // namespace kerf

@@ -11,6 +11,7 @@
 
 #include "geometry/formats/mesh_formats.h"
 #include "preprocess/bake/case_recipe.h"
+#include "preprocess/unit/unit.h"
 #include "sim/hand/path.h"
 #include "ui/cli/command.h"
 
@@ -294,6 +295,7 @@ void addClosingOptions(CLI::App& command, Arguments& a) {
                   "approximate | or exactly some of weld,drop,stitch,orient,fill,base,union,wrap with commas")
       ->capture_default_str();
   command.add_option("--stitch-mm", a.options.close.stitch_mm, "join boundaries no farther apart [mm]; 0: none")
+      ->check(CLI::Range(0.0, kWidestStitch))
       ->capture_default_str();
   command
       .add_option("--fill-holes-up-to", a.fill_up_to,
@@ -329,7 +331,7 @@ void addFineOptions(CLI::App& command, Arguments& a) {
       ->capture_default_str();
   command.add_option("--fine-voxel", a.fine_voxel, "size of these voxels [mm] (default: half the object's)")
       ->needs(along)
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::Range(kSmallestVoxel, kLargestVoxel));
 }
 
 }  // namespace
@@ -349,12 +351,14 @@ void addBake(CLI::App& command, int& exit_code) {
   command.add_flag("--pair", a->pair,
                    "two jaws that meet: writes two cases that share one frame, called NAME-STEM.case after -o NAME and "
                    "the names of the files");
-  command.add_option("--unit", a->options.unit,
-                     "unit of the files: mm, cm, m, um, inch (default: as declared, or judged by the size; the report "
-                     "says why)");
+  command
+      .add_option("--unit", a->options.unit,
+                  "unit of the files (default: as declared, or judged by the size; the report says why)")
+      ->check(CLI::IsMember(unitNames()));
   addClosingOptions(command, *a);
   CLI::Option* voxel =
       command.add_option("--voxel", a->options.voxelize.voxel_mm, "voxel size [mm]; overrides a recipe's")
+          ->check(CLI::Range(kSmallestVoxel, kLargestVoxel))
           ->capture_default_str();
   addFineOptions(command, *a);
   command.add_flag("--force", a->options.overwrite, "bake again and replace an existing case");

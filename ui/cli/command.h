@@ -1,4 +1,4 @@
-// What the commands of the program kerf share: exit codes, complaints, JSON, progress. A command is one source; the
+// What the commands of the program kerf share: complaints, JSON, progress. A command is one source; the
 // list of all is commands.h.
 #pragma once
 
@@ -9,15 +9,9 @@
 
 #include "geometry/base/error.h"
 #include "geometry/base/progress.h"
+#include "ui/app/command_line.h"
 
 namespace kerf::cli {
-
-/// Exit codes of kerf.
-enum ExitCode : int {
-  kOk = 0,
-  kFailed = 1,  ///< the work failed, or a check says no
-  kUsage = 2,   ///< wrong command line
-};
 
 /// Prints "kerf: MESSAGE" on standard error, one line whatever bytes a file name holds; returns kFailed.
 int complain(const Error& error);

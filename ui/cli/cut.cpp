@@ -169,6 +169,7 @@ int runByHand(const Arguments& a, const std::filesystem::path& tool) {
   options.hand = *handKind(a.hand);
   options.step.response = findResponse(a.response)->response;  // one of responseNames(), as checked on parsing
   options.overwrite = a.options.overwrite;
+  if (const auto fine = checkOptions(options); !fine) return complainOfUsage(fine.error());
   const auto cut = [&] {
     TerminalProgress progress;
     return cutCaseByHand(a.case_folder, tool, a.path, a.output, options, progress.callback());

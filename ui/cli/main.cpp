@@ -13,6 +13,8 @@ namespace {
 
 using namespace kerf::cli;
 using kerf::Error;
+using kerf::kOk;
+using kerf::kUsage;
 
 void addCommands(CLI::App& app, int& exit_code) {
   for (const CommandRow& row : kCommands)
@@ -54,9 +56,7 @@ int main(int argc, char** argv) {
   if (!isKnown(argv[1])) return kUsage;
 
   try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? kOk : kUsage;
+    if (const auto end = kerf::parseCommandLine(app, argc, argv)) return *end;
   } catch (const std::exception& e) {
     return complain(
         {.code = Error::Code::kBadValue, .found = fmt::format("unexpected: {}", e.what()), .hint = "report this"});

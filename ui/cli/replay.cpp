@@ -51,11 +51,11 @@ int run(const Arguments& a) {
   }
   if (a.run.empty()) throw CLI::RequiredError("RUN");
   if (!(a.from >= 0) || !(a.until > a.from))
-    return complain({.code = Error::Code::kBadValue,
-                     .place = "--from, --until",
-                     .found = fmt::format("{} s, {} s", a.from, a.until),
-                     .expected = "--from 0 or later and --until after it",
-                     .hint = "leave one of them out"});
+    return complainOfUsage({.code = Error::Code::kBadValue,
+                            .place = "--from, --until",
+                            .found = fmt::format("{} s, {} s", a.from, a.until),
+                            .expected = "--from 0 or later and --until after it",
+                            .hint = "leave one of them out"});
   const auto again = [&] {
     TerminalProgress progress;
     return replayRun(a.run, progress.callback(), a.until, a.from);

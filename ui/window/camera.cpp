@@ -60,7 +60,7 @@ Expected<Camera> cameraFromView(std::string_view view) {
   for (const NamedView& v : namedViews()) names += std::string(v.name) + ", ";
   return fail({.code = Error::Code::kBadValue,
                .file = {},
-               .place = "view",
+               .place = "--view",
                .found = "\"" + std::string(view) + "\"",
                .expected = "one of " + names + "occlusal (= top), or AZ,EL in degrees with EL from -90 to 90",
                .hint = "--view iso, or --view 35,20"});

@@ -31,6 +31,11 @@ struct Arguments {
   bool transparent = false, no_scale_bar = false, no_shadow = false, verbose = false, gpu = false;
 };
 
+int complain(const kerf::Error& error, kerf::ExitCode exit_code) {
+  fmt::print(stderr, "kerf-sim: error: {}\n", error.message());
+  return exit_code;
+}
+
 kerf::Error badValue(const char* option, const std::string& found, const char* expected, const char* example) {
   return {.code = kerf::Error::Code::kBadValue,
           .file = {},
@@ -80,37 +85,52 @@ bool hasPngEnding(const std::string& path) {
   return ending == ".png";
 }
 
-kerf::Expected<void> run(const Arguments& arguments) {
+/// What is to be shown, and how: the words of the command line as values.
+struct Shown {
+  kerf::Camera camera;
+  int width = 0, height = 0;
+  std::optional<kerf::Vec3d> look_at;
+  std::optional<kerf::SectionPlane> cut;
+};
+
+/// Errors are of the command line.
+kerf::Expected<Shown> read(const Arguments& arguments) {
+  Shown shown;
   KERF_TRY(camera, kerf::cameraFromView(arguments.view));
-  int width = arguments.screenshot.empty() ? 1280 : 1200, height = arguments.screenshot.empty() ? 800 : 900;
-  if (!arguments.size.empty() && !parseSize(arguments.size, width, height))
+  shown.camera = camera;
+  shown.width = arguments.screenshot.empty() ? 1280 : 1200;
+  shown.height = arguments.screenshot.empty() ? 800 : 900;
+  if (!arguments.size.empty() && !parseSize(arguments.size, shown.width, shown.height))
     return kerf::fail(badValue("--size", arguments.size, "WxH, 16 to 8192 pixels a side", "--size 1200x900"));
 
-  std::optional<kerf::Vec3d> look_at;
   if (kerf::Vec3d p; !arguments.look_at.empty()) {
     if (!parsePoint(arguments.look_at, p))
       return kerf::fail(badValue("--look-at", arguments.look_at, "X,Y,Z in mm", "--look-at 0,0,5"));
-    look_at = p;
+    shown.look_at = p;
   }
 
-  std::optional<kerf::SectionPlane> cut;
   if (kerf::SectionPlane plane; !arguments.section.empty()) {
     if (!parseSection(arguments.section, plane))
       return kerf::fail(
           badValue("--section", arguments.section,
                    "X,Y,Z,NX,NY,NZ: a point in mm and a direction; or center or cut in the place of the point",
                    "--section center,0,1,0"));
-    cut = plane;
+    shown.cut = plane;
   }
 
   if (!arguments.screenshot.empty() && !hasPngEnding(arguments.screenshot))
     return kerf::fail(badValue("--screenshot", arguments.screenshot, "a name that ends in .png: pictures are PNG files",
                                std::filesystem::path(arguments.screenshot).replace_extension(".png").c_str()));
+  return shown;
+}
 
-  KERF_TRY(scene, kerf::loadScene(arguments.scene, cut));
+kerf::Expected<void> run(const Arguments& arguments, const Shown& shown) {
+  KERF_TRY(scene, kerf::loadScene(arguments.scene, shown.cut));
   if (!scene.note.empty()) fmt::print(stderr, "kerf-sim: note: {}\n", scene.note);
+  const int width = shown.width, height = shown.height;
+  kerf::Camera camera = shown.camera;
   kerf::fitTo(camera, scene.mesh, width, height);
-  if (look_at) camera.target = *look_at;
+  if (shown.look_at) camera.target = *shown.look_at;
   kerf::zoomBy(camera, arguments.zoom);
 
   if (arguments.screenshot.empty()) {
@@ -180,13 +200,12 @@ int main(int argc, char** argv) try {
   kerf::requireFiniteNumbers(app);
 
   if (kerf::isManualRequest(argc, argv)) return kerf::answerManualRequest(app, argv[2]);
-  CLI11_PARSE(app, argc, argv);
-  if (const auto done = run(a); !done) {
-    fmt::print(stderr, "kerf-sim: error: {}\n", done.error().message());
-    return 1;
-  }
-  return 0;
+  if (const auto end = kerf::parseCommandLine(app, argc, argv)) return *end;
+  const auto shown = read(a);
+  if (!shown) return complain(shown.error(), kerf::kUsage);
+  const auto done = run(a, *shown);
+  return done ? kerf::kOk : complain(done.error(), kerf::kFailed);
 } catch (const std::exception& e) {
   std::fprintf(stderr, "kerf-sim: error: %s\n", e.what());
-  return 1;
+  return kerf::kFailed;
 }
