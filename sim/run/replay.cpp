@@ -198,6 +198,22 @@ class HeaderCheck {
   fs::path file_;
 };
 
+// At the end of the log the state is that of the run, or the log lacks something.
+void compareEnd(const SessionLog& log, const RunManifest& manifest, double until_s, Replay& out) {
+  const double held_s = static_cast<double>(log.samples.size()) * kTick;
+  const bool is_at_end = out.first_tick + out.ticks == log.samples.size() && held_s < until_s;
+  if (!is_at_end || out.state_hash == manifest.state_hash) return;
+
+  const std::string other = "the state at the end is not the one that run.toml names, " + manifest.state_hash;
+  if (log.is_closed && !log.damage) {
+    out.is_same = false;
+    out.note = other;
+    return;
+  }
+  out.is_whole = false;
+  out.note += fmt::format("; it holds {:.3f} of {:.3f} s: {}", held_s, manifest.duration_s, other);
+}
+
 }  // namespace
 
 Expected<Replay> replay(const SessionLog& log, const std::string& file, Model model, LoadedObjects objects,
@@ -263,11 +279,7 @@ Expected<Replay> replayRun(const fs::path& run_folder, const Progress& progress,
   KERF_TRY(model, makeModel(std::span(&tool, 1), {}, widestBand(objects)));
 
   auto out = replay(log, log_file.string(), std::move(model), std::move(objects), progress, until_s, from_s);
-  if (out && log.is_closed && out->first_tick + out->ticks == log.samples.size() &&
-      out->state_hash != manifest.state_hash) {
-    out->is_same = false;
-    out->note = "the state at the end is not the one that run.toml names, " + manifest.state_hash;
-  }
+  if (out) compareEnd(log, manifest, until_s, *out);
   return out;
 }
 

@@ -17,6 +17,7 @@ struct Replay {
   std::uint64_t first_tick = 0;  ///< where it began
   std::uint64_t differs_at = 0;  ///< tick of the first check that did not hold
   bool is_same = true;           ///< every check held, and there was one
+  bool is_whole = true;          ///< false: the log ends before its run, so that the rest was not compared
   std::string state_hash;        ///< at the end
   std::string note;              ///< what the log lacks: cut off, damaged, samples lost
   double removed_mm3 = 0;        ///< at the end, of all objects; of a piece since it came off
@@ -32,7 +33,8 @@ Expected<Replay> replay(const SessionLog& log, const std::string& file, Model mo
                         const Progress& progress = {}, double until_s = std::numeric_limits<double>::infinity(),
                         double from_s = 0);
 
-/// The session of a haptic run: session.kerflog, with the cases and the tool the run names.
+/// The session of a haptic run: session.kerflog, with the cases and the tool the run names. Where the log ends without
+/// `until_s` the state has to be the one that run.toml names.
 Expected<Replay> replayRun(const std::filesystem::path& run_folder, const Progress& progress = {},
                            double until_s = std::numeric_limits<double>::infinity(), double from_s = 0);
 

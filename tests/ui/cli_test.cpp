@@ -167,8 +167,21 @@ TEST_F(Cli, ACutAgainstResistanceIsRecordedAndReplaysBitForBit) {
   const std::string log = bytesOf(at("feed.run/session.kerflog"));
   std::ofstream(at("feed.run/session.kerflog"), std::ios::binary) << log.substr(0, log.size() / 2);
   const Outcome torn = runKerf({"replay", at("feed.run")});
-  EXPECT_EQ(torn.exit_code, 0) << torn.err;  // what there is, is the same
+  EXPECT_EQ(torn.exit_code, 1) << torn.out;
   EXPECT_NE(torn.out.find("cut off"), torn.out.npos) << torn.out;
+  const std::string all = fmt::format(" of {:.3f} s", 0.001 * feed["ticks"].get<double>());
+  EXPECT_NE(torn.out.find(all), torn.out.npos) << torn.out;
+  EXPECT_NE(torn.out.find("INCOMPLETE: the same bit for bit"), torn.out.npos) << torn.out;
+  EXPECT_EQ(torn.out.find("\nthe same"), torn.out.npos) << torn.out;
+  const Outcome torn_json = runKerf({"replay", at("feed.run"), "--json"});
+  EXPECT_EQ(torn_json.exit_code, 1);
+  EXPECT_NE(torn_json.out.find("\"is_whole\": false"), torn_json.out.npos) << torn_json.out;
+  // Asked for no more than there is, it says how that went.
+  const json part = parsed(runKerf({"replay", at("feed.run"), "--until", "5", "--json"}));
+  EXPECT_TRUE(part["is_same"].get<bool>() && part["is_whole"].get<bool>());
+  // Cut short to a second: one sample record a tick, hardly a check.
+  std::ofstream(at("feed.run/session.kerflog"), std::ios::binary) << log.substr(0, log.size() / 18);
+  EXPECT_EQ(runKerf({"replay", at("feed.run")}).exit_code, 1);
   std::ofstream(at("feed.run/session.kerflog"), std::ios::binary) << "no log";
   refuses({"replay", at("feed.run")}, {"session.kerflog"});
   refuses({"replay", at("molar.case")}, {"not a run"});

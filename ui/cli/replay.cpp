@@ -20,9 +20,9 @@ struct Arguments {
 
 nlohmann::json jsonOf(const Replay& r) {
   nlohmann::json j{
-      {"ticks", r.ticks},           {"checks", r.checks},           {"commands", r.commands}, {"is_same", r.is_same},
-      {"state_hash", r.state_hash}, {"removed_mm3", r.removed_mm3}, {"objects", r.objects},   {"note", r.note},
-      {"snapshots", r.snapshots},   {"first_tick", r.first_tick}};
+      {"ticks", r.ticks},       {"checks", r.checks},         {"commands", r.commands},       {"is_same", r.is_same},
+      {"is_whole", r.is_whole}, {"state_hash", r.state_hash}, {"removed_mm3", r.removed_mm3}, {"objects", r.objects},
+      {"note", r.note},         {"snapshots", r.snapshots},   {"first_tick", r.first_tick}};
   if (!r.is_same && r.checks > 0) j["differs_at_tick"] = r.differs_at;
   return j;
 }
@@ -38,8 +38,11 @@ void print(const Replay& r, double from_s) {
              static_cast<double>(r.ticks) * kTick, r.commands, r.removed_mm3, of, r.state_hash);
   if (!r.note.empty()) fmt::print("{}\n", r.note);
 
-  if (r.is_same)
+  if (r.is_same && r.is_whole)
     fmt::print("the same bit for bit at all of {} checks of state and force\n", r.checks);
+  else if (r.is_same)
+    fmt::print("INCOMPLETE: the same bit for bit at all of {} checks up to there; the rest can not be compared\n",
+               r.checks);
   else if (r.checks > 0)
     fmt::print("DIFFERS: the first of {} checks that does not hold is that of tick {}\n", r.checks, r.differs_at);
 }
@@ -66,14 +69,16 @@ int run(const Arguments& a) {
     printJson(jsonOf(*again));
   else
     print(*again, a.from);
-  return again->is_same ? kOk : kFailed;
+  return again->is_same && again->is_whole ? kOk : kFailed;
 }
 
 }  // namespace
 
 void addReplay(CLI::App& command, int& exit_code) {
   auto a = std::make_shared<Arguments>();
-  command.footer("Exit code 0: the same; 1: it differs, or the log can not be read.\nExample: kerf replay molar.run");
+  command.footer(
+      "Exit code 0: the same; 1: it differs, or the log is cut short or can not be read.\nExample: kerf replay "
+      "molar.run");
   command.add_option("RUN", a->run, "run folder, cut with --hand; REQUIRED without --commands");
   command.add_option("--from", a->from,
                      "start from the last snapshot in the log that is no later than this simulated second; what lies "
