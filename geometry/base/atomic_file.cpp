@@ -179,6 +179,24 @@ struct AtomicFolder::State {
   bool overwrite = false;
 };
 
+namespace {
+
+// What a folder of Kerf's own is, if it is of another kind than the one with that manifest. A run holds a copy of its
+// tool, as a baked tool does.
+const char* otherBundle(const fs::path& folder, std::string_view manifest) {
+  constexpr std::array<std::pair<std::string_view, const char*>, 3> kBundles{
+      {{"case.toml", "it is a case"}, {"run.toml", "it is a run"}, {"tool.vdb", "it is a baked tool"}}};
+  std::error_code ignored;
+  for (const auto& [file, what] : kBundles)
+    if (fs::exists(folder / file, ignored)) {
+      const bool is_tool = file == "tool.vdb" && manifest == "tool.toml";
+      return file == manifest || is_tool ? nullptr : what;
+    }
+  return nullptr;
+}
+
+}  // namespace
+
 AtomicFolder::AtomicFolder(std::unique_ptr<State> state) : state_(std::move(state)) {}
 AtomicFolder::AtomicFolder(AtomicFolder&&) noexcept = default;
 AtomicFolder& AtomicFolder::operator=(AtomicFolder&&) noexcept = default;
@@ -209,9 +227,11 @@ Expected<AtomicFolder> AtomicFolder::create(const fs::path& path, bool overwrite
     const bool empty = fs::is_empty(state->target, error);
     if (error) return fail(writeError(path, "looking into the folder", error.value()));
     if (!empty && !overwrite) return refuse("it exists already", "a new folder", "choose another name, or --force");
+    const std::string expected = fmt::format("a folder with {} in it, or an empty one", manifest);
+    if (const char* other = empty ? nullptr : otherBundle(state->target, manifest))
+      return refuse(other, expected, "choose another name: only a folder of the same kind is replaced");
     if (!empty && !fs::exists(state->target / manifest, error))
-      return refuse("it exists and was not made by Kerf",
-                    fmt::format("a folder with {} in it, or an empty one", manifest),
+      return refuse("it exists and was not made by Kerf", expected,
                     "choose another name; Kerf does not delete what it did not write");
   }
   state->staging = makeTemporary(state->target, [](const char* folder) { return ::mkdir(folder, 0777) == 0; });

@@ -38,7 +38,8 @@ class AtomicFolder {
  public:
   /// Makes an empty folder beside `path`, whose parent must exist.
   /// @param overwrite  allow an existing folder to be replaced as a whole: everything in it goes. Only an empty folder,
-  ///                   or one that holds the file `manifest`, is ever replaced: a wrong path destroys no work.
+  ///                   or one that holds the file `manifest` and is no bundle of another kind, is ever replaced: a
+  ///                   wrong path destroys no work.
   static Expected<AtomicFolder> create(const std::filesystem::path& path, bool overwrite,
                                        std::string_view manifest = "case.toml");
 

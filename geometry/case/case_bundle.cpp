@@ -31,6 +31,12 @@ Expected<void> requireCase(const std::filesystem::path& folder) {
                  .expected = "a folder with case.toml",
                  .hint = fmt::format("kerf bake {} -o {}", folder.string(),
                                      std::filesystem::path(folder).replace_extension(".case").string())});
+  if (std::filesystem::exists(folder / "run.toml", ignored) && !isCase(folder))
+    return fail({.code = Error::Code::kNotFound,
+                 .file = folder.string(),
+                 .found = "a run, not a case",
+                 .expected = "a folder with case.toml",
+                 .hint = "the case that it was cut from; its run.toml names it as case_path"});
   if (!std::filesystem::is_directory(folder, ignored) || !isCase(folder))
     return fail({.code = Error::Code::kNotFound,
                  .file = folder.string(),

@@ -94,7 +94,7 @@ Expected<MaterialProperties> MaterialTable::require(std::string_view id) const {
                .place = "material",
                .found = fmt::format("\"{}\"", id),
                .expected = "one of " + ids(),
-               .hint = "or add a [[material]] to materials.toml"});
+               .hint = "another id, or a [[material]] of that id in materials.toml"});
 }
 
 Expected<MaterialTable> readMaterials(const std::filesystem::path& file) {

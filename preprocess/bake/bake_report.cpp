@@ -16,6 +16,11 @@ class Text {
   std::string text_;
 };
 
+// "3 pieces", "1 piece".
+std::string counted(std::size_t count, const char* noun) {
+  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
+}
+
 void addPairCheck(const BakeReport& r, Text& out) {
   if (!r.pair_check) return;
   for (const std::string& note : r.pair_check->notes) out.line("pair: " + note);
@@ -31,11 +36,11 @@ void addSource(const BakeReport& r, std::size_t i, Text& out) {
     out.line(fmt::format("source {}: {}, {} vertices, {} triangles", i + 1, s.format, s.vertices, s.triangles));
     out.line(fmt::format("  unit     {}{}: {}", r.unit_is_doubtful[i] ? "CHECK THIS: " : "", s.unit, s.unit_reason));
     out.line(fmt::format("  size     {:.2f} x {:.2f} x {:.2f} mm", c.box.size()[0], c.box.size()[1], c.box.size()[2]));
-    out.line(fmt::format(
-        "  defects  {} boundary loops ({} edges), {} non-manifold edges, {} flipped, {} degenerate, {} repeated, "
-        "{} pieces, {} self-intersections",
-        c.boundary_loops.size(), c.boundary_edges, c.non_manifold_edges, c.flipped_edges, c.degenerate_triangles,
-        c.duplicate_triangles, c.pieces, c.self_intersections));
+    out.line(fmt::format("  defects  {} ({}), {}, {} flipped, {} degenerate, {} repeated, {}, {}",
+                         counted(c.boundary_loops.size(), "boundary loop"), counted(c.boundary_edges, "edge"),
+                         counted(c.non_manifold_edges, "non-manifold edge"), c.flipped_edges, c.degenerate_triangles,
+                         c.duplicate_triangles, counted(c.pieces, "piece"),
+                         counted(c.self_intersections, "self-intersection")));
   }
   for (const std::string& note : r.notes[i]) out.line("  note     " + note);
 }

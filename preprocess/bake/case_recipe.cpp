@@ -14,8 +14,9 @@ namespace fs = std::filesystem;
 
 std::optional<Material> materialOf(TomlTable& table, const std::string& key, const std::string& id,
                                    const MaterialTable& materials) {
-  if (const MaterialProperties* m = materials.find(id)) return m->material;
-  table.reject(key, "\"" + id + "\"", "one of " + materials.ids(), "or add a [[material]] to materials.toml");
+  const auto row = materials.require(id);
+  if (row) return row->material;
+  table.reject(key, row.error().found, row.error().expected, row.error().hint);
   return {};
 }
 

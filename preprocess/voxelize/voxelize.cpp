@@ -80,6 +80,16 @@ Expected<void> checkVoxelSize(double voxel_mm) {
 
 namespace {
 
+// What to try where voxels of that size would fit into memory.
+std::string hintOfSize(double fits_mm, bool is_region, double across_mm) {
+  constexpr double kLargestObject = 300;  // mm across: a skull
+  if (is_region && fits_mm <= kLargestVoxel)
+    return fmt::format("--fine-voxel {0:.3f}, or voxel = {0:.3f} in the recipe's [region]", fits_mm);
+  std::string unit = fmt::format("another --unit: the object is {:.0f} mm across", across_mm);
+  if (fits_mm > kLargestVoxel) return unit;
+  return fmt::format("--voxel {:.3f}", fits_mm) + (across_mm > kLargestObject ? ", or " + unit : "");
+}
+
 // Refuses voxels for which memory or OpenVDB's coordinates do not suffice.
 Expected<void> checkSize(const FineRegion* region, const Mesh& solid, const VoxelizeOptions& options,
                          std::span<const MaterialClaim> claims) {
@@ -99,9 +109,7 @@ Expected<void> checkSize(const FineRegion* region, const Mesh& solid, const Voxe
                  .found = fmt::format("{} mm would need about {:.1f} GB for {:.0f} mm2 of surface", h,
                                       static_cast<double>(need(h)) / 1e9, surfaceArea(solid)),
                  .expected = fmt::format("at most {:.1f} GB", static_cast<double>(most) / 1e9),
-                 .hint = region
-                             ? fmt::format("--fine-voxel {0:.3f}, or voxel = {0:.3f} in the recipe's [region]", rounded)
-                             : fmt::format("--voxel {:.3f}", rounded)});
+                 .hint = hintOfSize(rounded, region != nullptr, bounds(solid).size().norm())});
   }
 
   const Box3 box = bounds(solid);

@@ -49,13 +49,11 @@ std::unique_ptr<VirtualHand> makeHand(const CutPath& path, const HapticCutOption
 // From the first tick on the tool adds this material to the case, instead of cutting; empty: it cuts.
 Expected<void> chooseMaterial(Session& session, const MaterialTable& materials, const std::string& id) {
   if (id.empty()) return {};
-  const MaterialProperties* row = materials.find(id);
-  if (!row)
-    return fail({.code = Error::Code::kNotFound,
-                 .place = "--add",
-                 .found = "\"" + id + "\"",
-                 .expected = "one of " + materials.ids(),
-                 .hint = "or add a [[material]] to materials.toml"});
+  auto row = materials.require(id);
+  if (!row) {
+    row.error().place = "--add";
+    return fail(std::move(row).error());
+  }
   if (session.apply(AddMaterial{static_cast<std::uint8_t>(row->material), 0})) return {};
   return fail({.code = Error::Code::kBadValue,
                .place = "--add",
@@ -70,7 +68,7 @@ Expected<void> chooseMaterial(Session& session, const MaterialTable& materials, 
 struct Simulated {
   std::uint64_t ticks = 0;
   double removed_mm3 = 0, added_mm3 = 0;  // of the case
-  bool is_complete = false;
+  bool is_complete = false, is_out_of_time = false;
   std::string ended;
 };
 
@@ -96,6 +94,7 @@ Expected<Simulated> simulate(Session& session, const CutInputs& inputs, const Ha
     if (out.ticks % 64 == 0 && !report(progress, 0.05 + 0.85 * hand->progress(), "cutting")) return nothingWritten();
     if (out.ticks >= limit) {
       out.ended = fmt::format("time limit of {} s", options.time_limit);
+      out.is_out_of_time = true;
       break;
     }
     if (!hand->next(tick, sample)) {
@@ -130,15 +129,24 @@ Expected<Simulated> simulate(Session& session, const CutInputs& inputs, const Ha
 // ---- Summarise
 
 // The fields of the case and of its neighbours in the bricks that changed. Error kEmpty: nothing of the case changed.
-Expected<std::vector<BrickField>> changedFields(const Session& session, const CutScene& scene, bool is_adding) {
+Expected<std::vector<BrickField>> changedFields(const Session& session, const CutScene& scene, bool is_adding,
+                                                const Simulated& simulated) {
   std::vector<BrickField> changed;
   for (std::size_t n = 0; n < scene.objects.size(); ++n)
     changed.push_back(session.state().objects[n].bricks().changedField());
   if (!changed.front().isEmpty()) return changed;
+
+  const std::string nothing = fmt::format("tool {} {} nothing{}", scene.inputs.tool.id, is_adding ? "added" : "cut",
+                                          scene.objects.size() > 1 ? " of the case that is to be cut" : "");
+  if (simulated.is_out_of_time)
+    return fail({.code = Error::Code::kEmpty,
+                 .file = scene.inputs.path_file.string(),
+                 .found = fmt::format("{} within the {}", nothing, simulated.ended),
+                 .expected = "a tool that reaches the case in that time",
+                 .hint = "a longer --time-limit"});
   return fail({.code = Error::Code::kEmpty,
                .file = scene.inputs.path_file.string(),
-               .found = fmt::format("tool {} {} nothing{}", scene.inputs.tool.id, is_adding ? "added" : "cut",
-                                    scene.objects.size() > 1 ? " of the case that is to be cut" : ""),
+               .found = nothing,
                .expected = internal::throughBox(scene.inputs.manifests.front().box),
                .hint = "check the path's frame and unit, the spindle and the force"});
 }
@@ -293,7 +301,7 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
   KERF_CHECK(observers.close());
 
   // Summarise.
-  KERF_TRY(changed, changedFields(session, scene, !options.add.empty()));
+  KERF_TRY(changed, changedFields(session, scene, !options.add.empty(), simulated));
   HapticCut out;
   out.summary = summarise(session, scene, simulated, observers, changed.front());
   out.manifest = manifestOf(scene, out.summary);

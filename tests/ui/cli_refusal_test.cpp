@@ -138,8 +138,12 @@ TEST_F(Cli, OutputsThatCannotBeAreRefusedAndNothingOfOthersIsReplaced) {
   };
   for (const auto& command : {bake(at("none/x")), cut(at("none/x"))}) refuses(command, {"none/x", "make the folder"});
   for (const auto& command : {bake(at("mine")), cut(at("mine"))}) refuses(command, {"mine", "exists"});
-  for (const auto& command : {bake(at("mine")), cut(at("mine")), bake(at("box.run")), cut(at("box.case"))})
-    refuses(forced(command), {"not made by Kerf"});
+  for (const auto& command : {bake(at("mine")), cut(at("mine"))}) refuses(forced(command), {"not made by Kerf"});
+  refuses(forced(bake(at("box.run"))), {"box.run", "it is a run"});
+  refuses(forced(cut(at("box.case"))), {"box.case", "it is a case"});
+  refuses({"tool", "bake", "round-014", "-o", at("box.run"), "--force"}, {"box.run", "it is a run"});
+  refuses({"cut", at("box.run"), "--tool", "round-014", "--path", path, "-o", at("x.run")},
+          {"box.run: a run, not a case", "the case that it was cut from"});
   for (const auto& command : {bake(at("file.case")), cut(at("file.case"))}) refuses(forced(command), {"file.case"});
   std::vector<std::string> finer = bake(box);
   finer.insert(finer.end(), {"--close", "repair"});
@@ -213,7 +217,8 @@ TEST_F(Cli, NonsenseNumbersAndUnitsAreRefused) {
              "force", wrong},
             {wrong.substr(0, wrong.find('=')) + ": "}, 2);
   // 0.005 mm on a box of a metre needs more memory than anybody has: the voxel size that fits is said.
-  refuses({"bake", at("box.off"), "-o", at("x.case"), "--unit", "m", "--voxel", "0.005"}, {"GB", "--voxel"});
+  refuses({"bake", at("box.off"), "-o", at("x.case"), "--unit", "m", "--voxel", "0.005"},
+          {"GB", "--voxel", "or another --unit: the object is 8775 mm across"});
 }
 
 // The options of numbers that a command's help lists: "--voxel FLOAT=0.1".

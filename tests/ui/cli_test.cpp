@@ -220,6 +220,16 @@ TEST_F(Cli, ACutAgainstResistanceIsRecordedAndReplaysBitForBit) {
   refuses({"cut", at("molar.case"), "--tool", "round-014", "--path", cavity, "-o", at("x.run"), "--hand", "feed",
            "--spindle", "0"},
           {"cut nothing", "spindle"});
+  // Nor does a tool that is still on its way when the time is over: no word of the path's frame.
+  refuses({"cut", at("molar.case"), "--tool", "round-014", "--path", cavity, "-o", at("x.run"), "--hand", "feed",
+           "--time-limit", "0.02"},
+          {"cut nothing within the time limit of 0.02 s", "Try: a longer --time-limit"});
+  refuses({"cut", at("molar.case"), "--tool", "round-014", "--path", cavity, "-o", at("x.run"), "--hand", "feed",
+           "--add", "chewing-gum"},
+          {"--add: \"chewing-gum\"", "Try: another id, or a [[material]] of that id in materials.toml"});
+  refuses({"cut", at("molar.case"), "--tool", "round-014", "--path", cavity, "-o", at("x.run"), "--haptic", "--hand",
+           "force"},
+          {"--hand excludes --haptic"}, 2);
   EXPECT_FALSE(std::filesystem::exists(at("x.run")));
   refuses({"replay", at("gone.run")}, {"not a run"});
 }

@@ -296,13 +296,16 @@ void addCut(CLI::App& command, int& exit_code) {
   command.add_option("-o,--output", a->output, "run folder to write")->required();
   command.add_flag("--force", a->options.overwrite, "replace an existing run");
 
+  CLI::Option* hand =
+      command
+          .add_option("--hand", a->hand,
+                      "virtual hand that holds the tool against resistance: feed (follows the path in its time), force "
+                      "(pushes along it), device (a simulated force-feedback device)")
+          ->check(CLI::IsMember({"feed", "force", "device"}));
   command
-      .add_option("--hand", a->hand,
-                  "virtual hand that holds the tool against resistance: feed (follows the path in its time), force "
-                  "(pushes along it), device (a simulated force-feedback device)")
-      ->check(CLI::IsMember({"feed", "force", "device"}));
-  command.add_flag_callback(
-      "--haptic", [a] { a->hand = a->hand.empty() ? "device" : a->hand; }, "the same as --hand device");
+      .add_flag_callback(
+          "--haptic", [a] { a->hand = "device"; }, "the same as --hand device")
+      ->excludes(hand);
   addOptionsOfAnyHand(command, a->haptic);
   addOptionsOfOneHand(command, *a);
   command.add_flag("--json", a->json, "summary as JSON on standard output");

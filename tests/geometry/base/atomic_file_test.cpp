@@ -116,6 +116,24 @@ TEST(AtomicFolder, ReplacesOnlyOursAndOnlyWhenAllowed) {
   EXPECT_FALSE(AtomicFolder::create(folder.path() / "holiday" / "picture", true)) << "a file is no folder";
 }
 
+TEST(AtomicFolder, ABundleOfAnotherKindIsCalledByItsNameAndNotReplaced) {
+  const TemporaryFolder folder;
+  const std::pair<std::string, std::string> bundles[] = {{"case.toml", "a case"}, {"run.toml", "a run"}};
+  for (const auto& [manifest, name] : bundles) {
+    const fs::path path = folder.path() / manifest;
+    fs::create_directory(path);
+    std::ofstream(path / manifest) << 1;
+    std::ofstream(path / "tool.toml") << 1;  // a run holds a copy of its tool
+    for (const std::string other : {"case.toml", "run.toml", "tool.toml"}) {
+      const auto made = AtomicFolder::create(path, true, other);
+      EXPECT_EQ(static_cast<bool>(made), other == manifest) << other;
+      if (!made) {
+        EXPECT_EQ(made.error().found, "it is " + name);
+      }
+    }
+  }
+}
+
 TEST(AtomicFolder, ATargetThatAppearsMeanwhileIsNotOverwritten) {
   const TemporaryFolder folder;
   auto made = AtomicFolder::create(folder.path() / "case", false);

@@ -20,6 +20,22 @@ BakeOptions coarse() {
   return options;
 }
 
+TEST(Bake, OneOfAThingIsToldInTheSingular) {
+  BakeReport report;
+  report.manifest.sources.emplace_back();
+  report.unit_is_doubtful.push_back(false);
+  report.notes.emplace_back();
+  MeshReport& mesh = report.source_checks.emplace_back();
+  mesh.boundary_loops.emplace_back();
+  mesh.boundary_edges = 3;
+  mesh.pieces = 1;
+  EXPECT_NE(
+      describe(report).find("  defects  1 boundary loop (3 edges), 0 non-manifold edges, 0 flipped, 0 degenerate, "
+                            "0 repeated, 1 piece, 0 self-intersections\n"),
+      std::string::npos)
+      << describe(report);
+}
+
 TEST(Bake, CaseHoldsTheFileByteForByteTheSolidAndTheField) {
   const TemporaryFolder folder;
   const fs::path mesh = folder.path() / "ball.stl", out = folder.path() / "ball.case";

@@ -69,6 +69,8 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{kHead, "part"}, Mistake{"format = \"kerf-tool\"\nversion = 1\n" + kTooth, "kerf-recipe"},
         Mistake{"format = \"kerf-recipe\"\nversion = 2\n" + kTooth, "version"},
         Mistake{kHead + "[[part]]\nmaterial = \"wood\"\nmesh = \"a.stl\"\n", "one of enamel, dentin"},
+        Mistake{kHead + "[[part]]\nmaterial = \"wood\"\nmesh = \"a.stl\"\n",
+                "Try: another id, or a [[material]] of that id in materials.toml"},
         Mistake{kHead + "[[part]]\nmaterial = \"pulp\"\n", "exactly one of mesh, depth and label"},
         Mistake{kHead + "[[part]]\nmaterial = \"pulp\"\nmesh = \"a.stl\"\ndepth = 1\n", "exactly one of mesh"},
         Mistake{kHead + kTooth + "[[part]]\nmaterial = \"enamel\"\ndepth = -1\n", "0.01 to 50"},
