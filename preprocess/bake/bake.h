@@ -48,7 +48,7 @@ struct BakeReport {
   std::vector<MeshReport> source_checks;        ///< defects as found, per source, in mm
   std::vector<std::vector<std::string>> notes;  ///< of the readers, per source
   std::vector<bool> unit_is_doubtful;
-  CloseReport close;
+  CloseReport close;                    ///< of the object; its warnings are those of a recipe's parts too
   std::optional<PairCheck> pair_check;  ///< set by bakePair()
   bool was_up_to_date = false;          ///< the case was there already; only `manifest` is filled
   BakeTimes times;

@@ -163,7 +163,7 @@ Error errorOfPart(Error e, const fs::path& path, const fs::path& name) {
 // Each mesh as a solid of its own, by its name: it is asked what it covers.
 struct Solids {
   std::map<fs::path, Mesh> of;
-  std::vector<std::string> changes;
+  std::vector<std::string> changes, warnings;  // of closing them, after the name of the file
 };
 
 Expected<Solids> closeParts(const MeshFiles& files, const std::vector<Mesh>& meshes, const BakeJob& job) {
@@ -173,8 +173,9 @@ Expected<Solids> closeParts(const MeshFiles& files, const std::vector<Mesh>& mes
   for (std::size_t n = 0; n < files.names.size(); ++n) {
     auto solid = closeMesh(meshes[n], close, partOf(job.progress, 0.15, 0.2));
     if (!solid) return fail(errorOfPart(solid.error(), files.paths[n], files.names[n]));
-    for (const std::string& change : solid->report.changes)
-      solids.changes.push_back(files.names[n].filename().string() + ": " + change);
+    const std::string file = files.names[n].filename().string() + ": ";
+    for (const std::string& change : solid->report.changes) solids.changes.push_back(file + change);
+    for (const std::string& warning : solid->report.warnings) solids.warnings.push_back(file + warning);
     solids.of.emplace(files.names[n], std::move(solid->mesh));
   }
   return solids;
@@ -225,6 +226,8 @@ Expected<Mesh> uniteParts(const std::vector<Mesh>& outline, const Solids& solids
   std::vector<std::string>& changes = job.report.manifest.changes;
   changes = solids.changes;
   changes.insert(changes.end(), job.report.close.changes.begin(), job.report.close.changes.end());
+  std::vector<std::string>& warnings = job.report.close.warnings;
+  warnings.insert(warnings.begin(), solids.warnings.begin(), solids.warnings.end());
   job.report.manifest.exact = job.report.close.exact;
   return std::move(solid);
 }

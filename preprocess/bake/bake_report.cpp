@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+
 #include "preprocess/bake/bake.h"
 
 namespace kerf {
@@ -47,7 +49,11 @@ void addSource(const BakeReport& r, std::size_t i, Text& out) {
 
 void addClosing(const BakeReport& r, Text& out) {
   if (r.manifest.changes.empty()) out.line("closing: nothing had to be changed");
-  for (const std::string& change : r.manifest.changes) out.line("closing: " + change);
+  const std::vector<std::string>& warnings = r.close.warnings;
+  for (const std::string& change : r.manifest.changes) {
+    const bool is_warning = std::find(warnings.begin(), warnings.end(), change) != warnings.end();
+    out.line((is_warning ? "WARNING: " : "closing: ") + change);
+  }
   if (!r.manifest.exact && r.manifest.parts.empty())
     out.line("WARNING: the surface is a shrink-wrap, an approximation of the scan: no source vertex is preserved");
 }

@@ -293,6 +293,11 @@ void countTriangles(const Mesh& imported, const Result& r, CloseReport& report) 
     ++(s == kWhole ? report.triangles_kept : s == kPart ? report.triangles_split : report.triangles_dropped);
 }
 
+void warn(CloseReport& report, std::string change) {
+  report.warnings.push_back(change);
+  report.changes.push_back(std::move(change));
+}
+
 Expected<void> checkOptions(const CloseOptions& o) {
   const auto bad = [](const char* what, double value, const char* expected) {
     return fail(makeError(Error::Code::kBadValue, fmt::format("{} = {}", what, value), expected));
@@ -325,10 +330,10 @@ CloseOptions fitted(const CloseOptions& asked, const Mesh& mesh, CloseReport& re
   if (scale == 1) return o;
   for (double* length : {&o.stitch_mm, &o.base_margin_mm, &o.cleanup_length_mm, &o.wrap_alpha_mm, &o.wrap_offset_mm})
     *length *= scale;
-  report.changes.push_back(
-      fmt::format("the object is only {:.3g} mm across: base margin ({:.2g} mm now), seams, rounding and wrap were "
-                  "scaled down with it. Is the unit right?",
-                  bounds(mesh).size().norm(), o.base_margin_mm));
+  warn(report,
+       fmt::format("the object is only {:.3g} mm across: base margin ({:.2g} mm now), seams, rounding and wrap were "
+                   "scaled down with it. Is the unit right?",
+                   bounds(mesh).size().norm(), o.base_margin_mm));
   return o;
 }
 
@@ -435,8 +440,7 @@ Expected<Result> makeSolid(const Mesh& imported, const CloseOptions& options, Cl
     if (!r && r.error().code == Error::Code::kCancelled) return r;
     if (!r) continue;
     report = std::move(again);
-    report.changes.push_back(
-        fmt::format("seams had to be stitched that wide: within {:.2g} mm {}", options.stitch_mm, why));
+    warn(report, fmt::format("seams had to be stitched that wide: within {:.2g} mm {}", options.stitch_mm, why));
     return r;
   }
 

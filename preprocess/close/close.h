@@ -89,6 +89,9 @@ struct CloseOptions {
 
 struct CloseReport {
   std::vector<std::string> changes;  ///< what was done, as sentences with counts; empty if nothing had to be
+  /// Those of the changes that went beyond what was asked for: seams stitched wider than stitch_mm, lengths scaled down
+  /// with a small object.
+  std::vector<std::string> warnings{};
   std::size_t vertices_rounded = 0;  ///< source vertices that were not float32 numbers
   std::size_t vertices_welded = 0;   ///< source vertices joined with another at the same place
   std::size_t vertices_moved = 0;    ///< source vertices moved to separate parts that touched

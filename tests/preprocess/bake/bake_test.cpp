@@ -36,6 +36,17 @@ TEST(Bake, OneOfAThingIsToldInTheSingular) {
       << describe(report);
 }
 
+TEST(Bake, WhatClosingWarnsOfIsAWarningOfTheReport) {
+  const TemporaryFolder folder;
+  const fs::path mesh = folder.path() / "crumb.stl";
+  ASSERT_TRUE(writeMesh(mesh, ballMesh({1, 2, 3}, 0.7, 30)));
+  const auto report = bake({mesh}, folder.path() / "crumb.case", coarse());
+  ASSERT_TRUE(report) << report.error().message();
+  ASSERT_EQ(report->close.warnings.size(), 1u);
+  EXPECT_NE(describe(*report).find("\nWARNING: the object is only 2."), std::string::npos) << describe(*report);
+  EXPECT_EQ(describe(*report).find("closing: the object is only"), std::string::npos) << describe(*report);
+}
+
 TEST(Bake, CaseHoldsTheFileByteForByteTheSolidAndTheField) {
   const TemporaryFolder folder;
   const fs::path mesh = folder.path() / "ball.stl", out = folder.path() / "ball.case";

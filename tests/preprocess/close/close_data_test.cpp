@@ -36,6 +36,19 @@ TEST(CloseScan, ABaseDirectionThroughTheTeethIsRefusedOnARaggedRimAsWell) {
   EXPECT_TRUE(closeMesh(file->mesh, {.base_direction = -Vec3d::UnitY()}));
 }
 
+// Stitched within 0.05 mm, where 0.001 mm was asked for.
+TEST(CloseScan, SeamsStitchedWiderThanAskedForAreAWarning) {
+  const auto path = dataFolder() / "mandible-with-teeth-nasty.obj";
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << "no data: " << path << " (set KERF_DATA)";
+  const auto file = readMesh(path);
+  ASSERT_TRUE(file) << file.error().message();
+  const auto s = closeMesh(file->mesh);
+  ASSERT_TRUE(s) << s.error().message();
+  ASSERT_EQ(s->report.warnings.size(), 1u);
+  EXPECT_EQ(s->report.warnings[0].substr(0, 56), "seams had to be stitched that wide: within 0.001 mm 2389");
+  EXPECT_EQ(s->report.changes.back(), s->report.warnings[0]);
+}
+
 class CloseData : public testing::TestWithParam<Case> {};
 
 TEST_P(CloseData, BecomesAVerifiedSolid) {
