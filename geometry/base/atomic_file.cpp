@@ -86,7 +86,7 @@ template <class Make>
 std::string makeTemporary(const fs::path& target, const Make& make) {
   static std::atomic<unsigned> counter{0};
   for (int attempt = 0; attempt < 1000; ++attempt) {
-    const std::string name =
+    std::string name =
         (folderOf(target) / fmt::format(".{}.kerf-{}-{}", target.filename().string(), ::getpid(), counter++)).string();
     if (make(name.c_str())) return name;
     if (errno != EEXIST) break;

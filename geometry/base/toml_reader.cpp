@@ -147,11 +147,12 @@ std::vector<double> TomlTable::numbers(const std::string& key, std::size_t count
   used_.insert(key);
   std::vector<double> out;
   const toml::node* node = table_.get(key);
-  if (const toml::array* array = node ? node->as_array() : nullptr)
+  const toml::array* array = node ? node->as_array() : nullptr;
+  if (array)
     for (const toml::node& item : *array)
       if (const auto value = item.is_number() ? item.value<double>() : std::nullopt; value && std::isfinite(*value))
         out.push_back(*value);
-  if (const toml::array* array = node ? node->as_array() : nullptr; out.size() != count || array->size() != count) {
+  if (!array || out.size() != count || array->size() != count) {
     keep({.code = Error::Code::kBadFormat,
           .file = file_.string(),
           .place = place(key, node ? node : &table_),

@@ -225,7 +225,8 @@ Expected<PostOpMesh> postOperativeMesh(const Mesh& source, const BrickField& rho
     const auto meshOf = [&](const BrickField& solid) {
       BrickField shifted = solid;
       if (n > 1) {
-        const auto by = static_cast<float>((n % 2 ? 0.003 : -0.003) * (n / 2) * h);
+        const int round = n / 2;
+        const auto by = static_cast<float>((n % 2 ? 0.003 : -0.003) * round * h);
         for (std::size_t b = 0; b < shifted.brickCount(); ++b)
           for (float& v : shifted.brick(b)) v += by;
       }

@@ -59,7 +59,8 @@ Expected<OpenMeshMesh> converted(const Mesh& mesh) {
   return out;
 }
 
-Expected<void> write(std::ostream& stream, const Mesh& mesh, const char* extension, OpenMesh::IO::Options options) {
+Expected<void> write(std::ostream& stream, const Mesh& mesh, const char* extension,
+                     const OpenMesh::IO::Options& options) {
   try {
     KERF_TRY(converted_mesh, converted(mesh));
     constexpr std::streamsize kFloatDigits = 9;  // enough for any float32 to come back exactly
