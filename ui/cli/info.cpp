@@ -20,7 +20,8 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-json size(const Box3& box) { return {box.size()[0], box.size()[1], box.size()[2]}; }
+json point(const Vec3d& p) { return {p[0], p[1], p[2]}; }
+json size(const Box3& box) { return point(box.size()); }
 
 Expected<json> meshInfo(const fs::path& path) {
   KERF_TRY(file, readMesh(path));
@@ -83,6 +84,7 @@ Expected<json> caseInfo(const fs::path& folder) {
          {"changes", m.changes},
          {"voxel_mm", m.voxel_mm},
          {"size_mm", size(m.box)},
+         {"box_mm", {{"min", point(m.box.min)}, {"max", point(m.box.max)}}},
          {"vertices", m.solid_vertices},
          {"triangles", m.solid_triangles},
          {"volume_mm3", m.solid_volume_mm3},
