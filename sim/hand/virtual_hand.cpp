@@ -11,6 +11,7 @@ Rigid3 between(const Rigid3& a, const Rigid3& b, double s) {
 }
 
 constexpr double kSharpTurn = 0.87;   // cosine of 30 degrees
+constexpr double kUnheld = 0.3;       // mm: ahead of a tool that touches nothing
 constexpr double kAheadOfTurn = 0.3;  // mm: a hand that goes for more runs past a corner
 constexpr double kLeanRate = 10;      // 1/s: how fast a hand leans against what keeps the tool off its line
 
@@ -45,7 +46,7 @@ bool FeedHand::next(const StepOutput&, DeviceSample& sample) {
 double FeedHand::progress() const { return duration(path_) > 0 ? std::min(1.0, t_ / duration(path_)) : 1; }
 
 ForceHand::ForceHand(const CutPath& path, const CouplingSettings& coupling, const Options& options)
-    : path_(path), options_(options), lead_(options.force / coupling.stiffness) {
+    : path_(path), options_(options), lead_(options.force / coupling.stiffness), stiffness_(coupling.stiffness) {
   double sum = 0;
   for (std::size_t n = 0; n < path.poses.size(); ++n) {
     if (n > 0) sum += (path.poses[n].T_object_tool.translation - path.poses[n - 1].T_object_tool.translation).norm();
@@ -85,21 +86,26 @@ bool ForceHand::next(const StepOutput& last, DeviceSample& sample) {
   done = std::clamp(done, 0.0, whole);
   at_ = std::max(at_, length_[stretch_] + done);
 
-  if (at_ > watched_ + options_.stillness) {
+  const double off = beside.norm();
+  if (at_ > watched_ + options_.stillness || off < watched_off_ - options_.stillness) {
     watched_ = at_;
+    watched_off_ = off;
     waited_ = 0;
   } else {
+    watched_off_ = std::max(watched_off_, off);
     waited_ += kTick;
     if (waited_ > options_.patience) gave_up_ = true;
   }
   if (gave_up_) return false;
 
-  // Lean, then push on with what force is left.
-  lean_ -= kLeanRate * kTick * beside;
+  // Lean, then push on with what force is left. Where nothing holds the tool the hand does not stand far ahead of it or
+  // beside it: a tool that breaks through must not fly.
+  const double most = std::min(lead_, last.contact.force.norm() / stiffness_ + kUnheld);
+  lean_ -= kLeanRate * std::max(1.0, lead_) * kTick * beside;
   lean_ -= along.dot(lean_) * along;
-  if (const double most = lead_ / std::max(lead_, lean_.norm()); most < 1) lean_ *= most;
+  if (const double size = lean_.norm(); size > most) lean_ *= most / size;
   const double on_line = std::clamp(2 - beside.norm() / options_.off_line, 0.0, 1.0);
-  double forward = on_line * std::sqrt(std::max(0.0, lead_ * lead_ - lean_.squaredNorm()));
+  double forward = std::min(most, on_line * std::sqrt(std::max(0.0, lead_ * lead_ - lean_.squaredNorm())));
   if (turnsAfter(stretch_)) forward = std::min(forward, whole - done + kAheadOfTurn);
 
   ahead_ = std::min(at_ + forward, std::max(ahead_, at_) + options_.feed_limit * kTick);

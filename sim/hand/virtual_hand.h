@@ -40,8 +40,8 @@ class FeedHand final : public VirtualHand {
 /// Constant force: pushes along the path. The coupling is pulled `force / stiffness` ahead of where the tool is, in the
 /// direction of the stretch it is on, no faster than `feed_limit`. Where tissue keeps the tool off its line, the hand
 /// leans against that, more and more, up to the whole force, and waits for the tool before it pushes on; before a sharp
-/// turn it slows down. A path is cut as it was planned, or not at all. For Rendering::kCoupled. Gives up when nothing
-/// has moved for `patience` seconds.
+/// turn it slows down. What of a path cannot be cut is left, not cut elsewhere. For Rendering::kCoupled. Gives up when
+/// nothing has moved for `patience` seconds.
 class ForceHand final : public VirtualHand {
  public:
   struct Options {
@@ -62,11 +62,12 @@ class ForceHand final : public VirtualHand {
   const CutPath& path_;
   Options options_;
   double lead_;                 // mm
+  double stiffness_;            // N/mm
   std::vector<double> length_;  // of the way up to each pose, mm
   std::size_t stretch_ = 0;     // from this pose to the next
   double at_ = 0, ahead_ = 0;   // mm of the way: the tool; where it is pulled to
   Vec3d lean_ = Vec3d::Zero();  // mm: how far beside its line the hand stands, to bring the tool back to it
-  double watched_ = 0, waited_ = 0;
+  double watched_ = 0, watched_off_ = 0, waited_ = 0;
   bool has_begun_ = false, gave_up_ = false;
 };
 

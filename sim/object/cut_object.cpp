@@ -87,6 +87,7 @@ bool CutObject::carve(int s, const float* values, float least, double& removed) 
 }
 
 bool CutObject::restore(int s, const BrickValues& values, const std::uint8_t* materials) {
+  forgetCore();
   if (freeBricks() == 0 && !reserve(1024)) return false;
   float* own = write(s);
   Slot& restored = slot(s);
@@ -99,6 +100,7 @@ bool CutObject::restore(int s, const BrickValues& values, const std::uint8_t* ma
 }
 
 void CutObject::swapStroke(const LinkedList<BrickVersion>& stroke, bool is_undo) noexcept {
+  forgetCore();
   for (BrickVersion* version = stroke.first; version; version = version->next) {
     Slot& swapped = slot(version->slot);
     swapped.changed_faces |= bricks_.swapIn(*version, is_undo);

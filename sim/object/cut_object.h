@@ -56,13 +56,24 @@ class CutObject {
   double odometer = 0;
   /// Load of what cuts of the tool's core in the last evaluation of contact, N: sim/step/core_contact.h. @rt
   double core_load = 0;
+  /// Whether the tool's core has been outside the object since either of them was changed but by cutting. Until it has,
+  /// it is not held out: a bur in a cavity that is taken back must not be shot out. @rt
+  bool is_core_clear = false;
 
   void moveTo(const Rigid3& pose) noexcept {
     T_world_object = pose;
     wake();
   }
   /// Wakes all bricks: whatever the tool was away from, it may touch or cut now. @rt
-  void wake() noexcept { odometer += 1e6; }
+  void wake() noexcept {
+    odometer += 1e6;
+    forgetCore();
+  }
+  /// The core is where it is. @rt
+  void forgetCore() noexcept {
+    core_load = 0;
+    is_core_clear = false;
+  }
 
   /// Frozen: neither cut nor filled, so that another thread may read values, materials and shells. It is felt as ever.
   bool isFrozen() const noexcept { return is_frozen_; }

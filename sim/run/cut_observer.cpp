@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <fstream>
+#include <limits>
 
 #include "geometry/base/hash.h"
 #include "geometry/base/version.h"
@@ -170,14 +171,11 @@ class PathDeviation final : public CutObserver {
   explicit PathDeviation(const CutPath& path) : path_(path) {}
 
   void tick(const CutTick& tick) override {
-    // Along the stretch it is on, or one of the next: a path may cross itself, and comes back to where it has been.
+    // It is near where it was. Only where that is off the path, or the path comes back to it, all of it is searched.
     const Vec3d& tip = tick.output.T_world_tool.translation;
-    double nearest = distanceTo(stretch_, tip);
-    for (std::size_t n = stretch_ + 1; n < path_.cuts.size() && n <= stretch_ + 8; ++n)
-      if (const double distance = distanceTo(n, tip); distance <= nearest) {
-        nearest = distance;
-        stretch_ = n;
-      }
+    const std::size_t last = path_.cuts.size() - 1;
+    double nearest = nearestOf(stretch_ > kAround ? stretch_ - kAround : 0, std::min(stretch_ + kAround, last), tip);
+    if (nearest > kOnPath) nearest = nearestOf(0, last, tip);
     if (nearest <= farthest_) return;
     farthest_ = nearest;
     at_ = tip;
@@ -197,6 +195,18 @@ class PathDeviation final : public CutObserver {
     return (from + share * way - p).norm();
   }
 
+  double nearestOf(std::size_t first, std::size_t last, const Vec3d& p) {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (std::size_t n = first; n <= last; ++n)
+      if (const double distance = distanceTo(n, p); distance < nearest) {
+        nearest = distance;
+        stretch_ = n;
+      }
+    return nearest;
+  }
+
+  static constexpr std::size_t kAround = 8;  // stretches
+  static constexpr double kOnPath = 0.005;   // mm
   const CutPath& path_;
   std::size_t stretch_ = 0;
   double farthest_ = 0;

@@ -161,17 +161,25 @@ void countPieces(const BakedObject& baked, const BrickField& changed, HapticSumm
   summary.crumbs = pieces.crumbs.size();
 }
 
-// What the path asks for: the cutting part swept along it, without resistance.
-void plan(const CutScene& scene, HapticSummary& summary) {
+// What the path asks for: the cutting part swept along it, without resistance; and what of that was removed.
+Expected<void> compareWithPath(const CutScene& scene, const BrickField& changed, HapticSummary& summary,
+                               const Progress& progress) {
   const CutPath& path = scene.inputs.path;
-  SweepCutter cutter(scene.object().phi0());
-  for (std::size_t n = 0; n + 1 < path.poses.size(); ++n)
+  const BrickField& phi0 = scene.object().phi0();
+  SweepCutter cutter(phi0);
+  for (std::size_t n = 0; n + 1 < path.poses.size(); ++n) {
+    const double done = static_cast<double>(n) / static_cast<double>(path.poses.size());
+    if (n % 16 == 0 && !report(progress, 0.9 + 0.02 * done, "comparing with the path")) return nothingWritten();
     if (path.cuts[n])
       cutter.advance(SweptTool(*scene.inputs.tool.cut, path.poses[n].T_object_tool, path.poses[n + 1].T_object_tool));
-  const auto planned =
-      internal::removedVolumes(scene.object().phi0(), cutter.cutField(), internal::materialsOf(scene.object()));
+  }
+
+  const BrickField plan = cutter.cutField();
+  const auto planned = internal::removedVolumes(phi0, plan, internal::materialsOf(scene.object()));
   summary.planned_mm3 = internal::sumOf(planned);
   summary.planned_by_material = internal::byMaterial(planned, scene.materials);
+  summary.reached_mm3 = internal::commonVolume(phi0, plan, changed);
+  return {};
 }
 
 HapticSummary summarise(const Session& session, const CutScene& scene, const Simulated& simulated,
@@ -305,8 +313,7 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
   HapticCut out;
   out.summary = summarise(session, scene, simulated, observers, changed.front());
   out.manifest = manifestOf(scene, out.summary);
-  if (!report(progress, 0.9, "comparing with the path")) return nothingWritten();
-  if (options.add.empty()) plan(scene, out.summary);
+  if (options.add.empty()) KERF_CHECK(compareWithPath(scene, changed.front(), out.summary, progress));
   out.left_region_unused = scene.inputs.manifests.front().region.has_value();
 
   // Write.

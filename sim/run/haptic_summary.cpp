@@ -32,6 +32,7 @@ std::string toJson(const HapticSummary& s) {
                    {"removed_mm3", s.removed_mm3},
                    {"added_mm3", s.added_mm3},
                    {"planned_mm3", s.planned_mm3},
+                   {"reached_mm3", s.reached_mm3},
                    {"farthest_off_mm", s.farthest_off_mm},
                    {"farthest_off_at", {s.farthest_off_at[0], s.farthest_off_at[1], s.farthest_off_at[2]}},
                    {"remaining_mm3", s.remaining_mm3},

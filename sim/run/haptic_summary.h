@@ -23,6 +23,7 @@ struct HapticSummary {
   double added_mm3 = 0;
   /// What the path asks for: the tool swept along it without resistance, on the same voxels. 0 when material is added.
   double planned_mm3 = 0;
+  double reached_mm3 = 0;  ///< what of that was removed; removed_mm3 less this lies beside the plan
   std::map<std::string, double> planned_by_material;
   double farthest_off_mm = 0;                         ///< of the tip from its path, most
   Vec3d farthest_off_at = Vec3d::Zero();              ///< where the tip was then, mm

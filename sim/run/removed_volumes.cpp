@@ -8,6 +8,24 @@
 
 namespace kerf::internal {
 
+double commonVolume(const BrickField& phi0, const BrickField& one, const BrickField& other) {
+  const double half_width = kShellHalfWidth * phi0.voxel(), cell = std::pow(phi0.voxel(), 3);
+  double sum = 0;
+  for (std::size_t b = 0; b < one.brickCount(); ++b) {
+    const Vec3i& brick = one.brickCoord(b);
+    const int in_other = other.find(brick), found = phi0.find(brick);
+    if (in_other < 0) continue;
+    const float constant = phi0.constantAt(brick);
+    for (std::size_t n = 0; n < kBrickNodes; ++n) {
+      const float before = found < 0 ? constant : phi0.brick(static_cast<std::size_t>(found))[n];
+      // What is left of the node in the one that takes less.
+      const float after = std::min(one.brick(b)[n], other.brick(static_cast<std::size_t>(in_other))[n]);
+      if (after > before) sum += cell * (insidePart(before, half_width) - insidePart(after, half_width));
+    }
+  }
+  return sum;
+}
+
 VolumeByNumber removedVolumes(const BrickField& phi0, const BrickField& cut, const MaterialsOf& materials) {
   const double half_width = kShellHalfWidth * phi0.voxel(), cell = std::pow(phi0.voxel(), 3);
   VolumeByNumber out{};

@@ -18,6 +18,9 @@ using MaterialsOf = std::function<void(const Vec3i& brick, std::span<std::uint8_
 /// ledger of CutObject counts.   @param cut  the bricks that differ.
 VolumeByNumber removedVolumes(const BrickField& phi0, const BrickField& cut, const MaterialsOf& materials);
 
+/// mm^3 that two cuts of one object both take off, node by node the lesser.
+double commonVolume(const BrickField& phi0, const BrickField& one, const BrickField& other);
+
 /// Of a case: a node without a label is of the fallback, as loadObject() has it.
 MaterialsOf materialsOf(const MaterialField& materials, Material fallback);
 /// Of an object in memory, which is kept by reference.

@@ -108,7 +108,7 @@ bool hasOtherMaterials(const CutObject::Slot& slot) {
 
 void packObject(const CutObject& object, std::size_t loaded, Writer& to) {
   to.u32(static_cast<std::uint32_t>(loaded));
-  to.u32((object.bricks().isPiece() ? 1u : 0u) | (object.isFrozen() ? 2u : 0u));
+  to.u32((object.bricks().isPiece() ? 1u : 0u) | (object.isFrozen() ? 2u : 0u) | (object.is_core_clear ? 4u : 0u));
   to.u32(object.id);
   to.pose(object.T_world_object);
   to.f64(object.core_load);
@@ -240,6 +240,7 @@ std::optional<CutObject> unpackObject(Reader& from, const LoadedObjects& loaded)
   object.T_world_object = pose;
   object.id = id;
   object.core_load = core_load;
+  object.is_core_clear = flags & 4;
   if (flags & 2) object.freeze();
   object.removed_mm3 = removed;
   object.added_mm3 = added;

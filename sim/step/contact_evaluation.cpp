@@ -25,7 +25,8 @@ void moveByContact(const Model& model, State& state, const Substep& substep, Cor
   out.contact = contactWrench(state.body, {out.sums.force + push.force, out.sums.torque + push.torque}, own,
                               out.sums.dragMatrix());
   state.core_drag = core.drag(state.body);
-  for (std::size_t n = 0; n < state.objects.size(); ++n) state.objects[n].core_load = core.cuttingLoad(n);
+  for (std::size_t n = 0; n < state.objects.size(); ++n)
+    state.objects[n].core_load = std::min(core.cuttingLoad(n), kMostCoreLoad);
 }
 
 }  // namespace
@@ -93,6 +94,7 @@ ContactEvaluation evaluateAdding(const Model& model, State& state, const Substep
   for (std::size_t n = 0; n < state.objects.size(); ++n) {
     CutObject& object = state.objects[n];
     FillResult added;
+    object.forgetCore();  // what is added may close around the tool
     if (fills && n == state.adds_to) added = fill(object, contactInput(model, state, object, substep.dt), state.adds);
 
     out.added_mm3 += added.added_mm3;

@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kShareOut = 0.4;    // of a point's radius: how far it stays out
 constexpr double kStiffArea = 1.5;   // mm^2: K over the contact stiffness of the material
+constexpr double kClear = 0.05;      // mm: a core that is pressed in by less has been outside
 constexpr double kStillSpeed = 0.5;  // mm/s: as sumContact()
 constexpr double kNodeReach = 0.9;   // voxels from a place to its nearest node, and a little
 constexpr double kNoSlope = 1e-3;    // deep inside, where every value is the same, there is no way out
@@ -108,13 +109,28 @@ void CoreDrag::addTo(ContactSums& sums) const {
   sums.drag_second += second;
 }
 
-void CoreContact::gather(const CutObject& object, std::size_t number, const ContactInput& in, double way_mm) noexcept {
+void CoreContact::gather(CutObject& object, std::size_t number, const ContactInput& in, double way_mm) noexcept {
   const ToolModel& tool = *in.tool;
   const double h = object.voxel(), band = static_cast<double>(object.baked().phi0().background());
   const Eigen::Matrix3d to_object = in.T_object_tool.rotation.toRotationMatrix();
   const Eigen::Matrix3d to_world = object.T_world_object.rotation.toRotationMatrix();
   const double drag_factor = in.tool->drive.drag_factor;
   Nodes nodes(object);
+  const auto allowedOf = [&](const CorePoint& point) {
+    const auto radius = static_cast<double>(point.radius);
+    return std::min({kShareOut * radius, radius - h, band - h});
+  };
+
+  if (!object.is_core_clear) {
+    object.is_core_clear = std::all_of(tool.core.begin(), tool.core.end(), [&](const CorePoint& point) {
+      const Vec3d at = (to_object * point.place.cast<double>() + in.T_object_tool.translation) / h;
+      const Vec3i middle = nearestNode(at);
+      const double there = nodes.phi(middle), least = allowedOf(point) - kClear;
+      if (std::abs(there - least) > kNodeReach * h) return there > least;
+      return smoothDistance(nodes, at, middle, h).phi > least;
+    });
+    if (!object.is_core_clear) return;
+  }
 
   for (const CorePoint& point : tool.core) {
     if (in.geometry_only && point.cuts) continue;
@@ -122,7 +138,7 @@ void CoreContact::gather(const CutObject& object, std::size_t number, const Cont
     const Vec3d in_voxels = (lever + in.T_object_tool.translation) / h;
     const Vec3i middle = nearestNode(in_voxels);
     const auto radius = static_cast<double>(point.radius);
-    const double allowed = std::min({kShareOut * radius, radius - h, band - h});
+    const double allowed = allowedOf(point);
 
     // Distances change no faster than the place: most points are left here.
     const double there = nodes.phi(middle);
@@ -186,13 +202,6 @@ double CoreContact::cuttingLoad(std::size_t number) const {
   double sum = 0;
   for (std::size_t n = 0; n < count_; ++n)
     if (rows_[n].object == number && rows_[n].cuts) sum += normalLoad(n);
-  return sum;
-}
-
-double CoreContact::load(std::size_t number) const {
-  double sum = 0;
-  for (std::size_t n = 0; n < count_; ++n)
-    if (rows_[n].object == number) sum += normalLoad(n);
   return sum;
 }
 

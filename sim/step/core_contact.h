@@ -14,6 +14,9 @@
 //   friction  mu N over the sliding speed, at the place where ball and surface meet; felt one evaluation later.
 //   erosion   by the load of the evaluation before: rates are scaled as if the shell pressed with both.
 //
+// A tool that finds itself inside (a stroke taken back, material added, an object moved) is not held until its core has
+// been outside once: CutObject::is_core_clear.
+//
 // Ordinary tools under ordinary loads do not come so near: for them nothing changes, to the bit. Only for
 // Response::kPenalty, coupled: a tool that is fixed to a machine has no body to hold, and the other responses have
 // points of their own.
@@ -42,10 +45,11 @@ class CoreContact {
  public:
   static constexpr std::size_t kMost = OneSidedLoads::kMost;
 
-  /// Adds the points of one object that may be pushed in this evaluation. Of all objects' the kMost deepest are kept.
+  /// Adds the points of one object (CutObject::is_core_clear: else none) that may be pushed in this evaluation. Of all
+  /// objects' the kMost deepest are kept.
   /// @param number  of the object.   @param way_mm  how far the tool may move meanwhile.   @cost 10 to 30 ns a point
   /// that is not near; 0.2 us one that is.
-  void gather(const CutObject& object, std::size_t number, const ContactInput& in, double way_mm) noexcept;
+  void gather(CutObject& object, std::size_t number, const ContactInput& in, double way_mm) noexcept;
   bool isEmpty() const { return count_ == 0; }
 
   /// How advance() solves for the velocity. @pre not empty
@@ -53,9 +57,8 @@ class CoreContact {
 
   /// The push of the loads on the tool, world axes, about its tip.
   Wrench push() const;
-  /// Of the solved loads on one object, N: of what cuts, and of all.
+  /// Of the solved loads on one object that of what cuts, N.
   double cuttingLoad(std::size_t number) const;
-  double load(std::size_t number) const;
   /// Their friction.
   CoreDrag drag(const ToolBody& body) const;
 
@@ -78,6 +81,10 @@ class CoreContact {
   OneSidedLoads loads_;
   double per_s_ = 0;  // loads are impulses: times this they are forces
 };
+
+/// What of a core's load erodes at most, N: more than a hand presses. A tool that finds itself inside, because material
+/// was added or an object moved, is pushed out hard, and must not cut its way.
+inline constexpr double kMostCoreLoad = 20;
 
 /// Scales the shell's loads and drive by what the core carried beside it, and says by how much erosion is faster.
 /// @param core_load  CutObject::core_load.   @return ContactInput::load_scale, 1 at least.

@@ -60,6 +60,7 @@ bool latchIfUnusable(State& state, const DeviceSample& input, StepOutput& output
   state.speed = 0;
   state.body.velocity.setZero();
   state.body.angular.setZero();
+  state.forgetCore();
   output.T_world_tool = state.body.pose;
   output.status = kStepBadSample;
   return true;

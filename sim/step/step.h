@@ -88,7 +88,7 @@ struct State {
   /// No load and no drag of a core.
   void forgetCore() noexcept {
     core_drag = {};
-    for (CutObject& object : objects) object.core_load = 0;
+    for (CutObject& object : objects) object.forgetCore();
   }
   /// Puts the tool where a hand is, at rest: at the start, and after a pause. No force until contact.
   void place(const Rigid3& T_world_tool) noexcept;
@@ -97,6 +97,7 @@ struct State {
   /// After a fault, when the device is back. @rt
   void clearLatch() noexcept {
     is_latched = false;
+    forgetCore();
     has_device = false;
     ramp = 0;
   }

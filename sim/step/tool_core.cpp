@@ -16,7 +16,9 @@ constexpr double kPointed = 0.6;       // one that grows faster is a point's
 constexpr double kDiscLike = 3;        // times as wide as its axis is deep
 constexpr double kLatticeStep = 0.05;  // mm
 constexpr double kNoGradient = 0.8;    // of a distance, by central differences: at the medial axis
-constexpr std::size_t kMostOfLattice = 512;
+constexpr std::size_t kMostOfLattice = 1024;
+constexpr double kAroundCut = 1;    // mm
+constexpr double kMostOfBox = 2e6;  // points of a lattice
 
 class CoreMaker {
  public:
@@ -69,20 +71,27 @@ class CoreMaker {
           is_rim |= radiusAt(p + kLatticeStep * Vec3d(dx, 0, dz)) < 0.95 * half;
         if (is_rim) rim.push_back(p);
       }
-    addThinned(rim, kMostApart, rim.size());
+    addThinned(rim, rim.size());
   }
 
+  // Around what cuts only: a handpiece is too thick to sink.
   void addLattice() {
     std::vector<Vec3d> found;
-    const Eigen::Array3i count = (box_.size() / kLatticeStep).array().ceil().cast<int>();
+    Box3 box = cut_.bounds();
+    box.grow(kAroundCut);
+    box = {box.min.cwiseMax(box_.min), box.max.cwiseMin(box_.max)};
+    step_ = std::max(kLatticeStep, std::cbrt(box.size().prod() / kMostOfBox));
+    const Eigen::Array3i count = (box.size() / step_).array().ceil().cast<int>();
     for (int x = 0; x <= count[0]; ++x)
       for (int y = 0; y <= count[1]; ++y)
         for (int z = 0; z <= count[2]; ++z) {
-          const Vec3d p = box_.min + kLatticeStep * Vec3d(x, y, z);
+          const Vec3d p = box.min + step_ * Vec3d(x, y, z);
           if (radiusAt(p) < kThinnestCore) continue;
           if (gradientAt(p).norm() < kNoGradient) found.push_back(p);
         }
-    addThinned(found, kMostApart, kMostOfLattice);
+    // From the tip upwards: what goes first must not be left out.
+    std::stable_sort(found.begin(), found.end(), [](const Vec3d& a, const Vec3d& b) { return a[2] < b[2]; });
+    addThinned(found, kMostOfLattice);
   }
 
   std::vector<CorePoint> points;
@@ -99,8 +108,8 @@ class CoreMaker {
   Vec3d gradientAt(const Vec3d& p) const {
     Vec3d g;
     for (int axis = 0; axis < 3; ++axis) {
-      const Vec3d step = kLatticeStep * Vec3d::Unit(axis);
-      g[axis] = (radiusAt(p + step) - radiusAt(p - step)) / (2 * kLatticeStep);
+      const Vec3d step = step_ * Vec3d::Unit(axis);
+      g[axis] = (radiusAt(p + step) - radiusAt(p - step)) / (2 * step_);
     }
     return g;
   }
@@ -112,13 +121,12 @@ class CoreMaker {
     points.push_back({at, static_cast<float>(radius), body_.isEmpty() || cut_.distance(at) <= body_.distance(at)});
   }
 
-  // Those with the largest balls first, none nearer than `apart` to one that is kept.
-  void addThinned(std::vector<Vec3d>& candidates, double apart, std::size_t most) {
-    std::stable_sort(candidates.begin(), candidates.end(),
-                     [this](const Vec3d& a, const Vec3d& b) { return radiusAt(a) > radiusAt(b); });
+  // In their order, none nearer to one that is kept than half of its ball, within bounds.
+  void addThinned(const std::vector<Vec3d>& candidates, std::size_t most) {
     std::vector<Vec3d> kept;
     for (const Vec3d& p : candidates) {
       if (kept.size() == most) break;
+      const double apart = std::clamp(0.5 * radiusAt(p), kLeastApart, kMostApart);
       const bool is_far =
           std::none_of(kept.begin(), kept.end(), [&](const Vec3d& q) { return (p - q).norm() < apart; });
       if (is_far) kept.push_back(p);
@@ -128,6 +136,7 @@ class CoreMaker {
 
   const ToolField &cut_, &body_;
   Box3 box_;
+  double step_ = kLatticeStep;  // mm
 };
 
 }  // namespace

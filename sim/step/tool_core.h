@@ -22,9 +22,8 @@ inline constexpr double kThinnestCore = 0.08;
 /// The core of a tool of both parts, of which `body` may be empty.
 ///   revolved  points of the axis, from the lowest that lies deep enough; of a disc, a ring at its rim
 ///   plate     points along the rim, where the plate is as thick as it gets
-///   others    points of a lattice where the distance has no gradient, thinned to 0.15 mm
-/// @param symmetry  of both parts.   @param half_thickness  of a plate, mm.   @cost milliseconds; of a mesh tenths of a
-/// second.
+///   others    points of a lattice around what cuts where the distance has no gradient, from the tip upwards
+/// @param symmetry  of both parts.   @param half_thickness  of a plate, mm.   @cost milliseconds; of a mesh a second.
 std::vector<CorePoint> makeToolCore(const ToolField& cut, const ToolField& body, ToolShape::Symmetry symmetry,
                                     double half_thickness);
 

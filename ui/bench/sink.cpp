@@ -39,8 +39,8 @@ struct Motion {
   double hand_mm, speed;  // how far beyond the surface the hand ends up, and how fast it gets there, mm/s
   bool at_walls;
 };
-constexpr Motion kMotions[] = {{"hand 4 mm beyond", 4, 40, false},
-                               {"hand 8 mm beyond", 8, 40, true},
+constexpr Motion kMotions[] = {{"hand 4 mm beyond", 4, 20, false},
+                               {"hand 8 mm beyond", 8, 20, true},
                                {"tap of 0.1 m/s", 2, 100, false},
                                {"tap of 0.5 m/s", 2, 500, true},
                                {"tap of 1 m/s", 2, 1000, true}};
@@ -75,9 +75,10 @@ struct Approach {
 
 // What one approach came to.
 struct Tally {
-  int runs = 0, digs = 0, too_deep = 0, passed = 0, at_walls = 0;
+  int runs = 0, digs = 0, judged = 0, too_deep = 0, passed = 0, at_walls = 0;
   int aim_too_deep = 0, aim_passed = 0;    // by a tap of 1 m/s
   double fall = 0;                         // N
+  double least_force = 1;                  // at the end, over that of the hand's spring
   std::array<double, kMost> deepest{};     // mm
   double least_work = 1e9, most_work = 0;  // over what the law asks for the volume
   double voxel_effect = 0;                 // %, of the removed volume
@@ -116,6 +117,7 @@ void digAll(const Approach& approach, const Model& model, std::size_t tool, cons
       tally.hash = tally.hash * 0x100000001b3ull ^ std::bit_cast<std::uint64_t>(dug.removed);
       rate[v] = dug.removed / std::max(dug.seconds, kTick);
       if (dug.removed < kLeastDug) continue;
+      ++tally.judged;
       const double paid = dug.work * static_cast<double>(tissue.inverse_energy) / drive.energy_factor;
       tally.least_work = std::min(tally.least_work, dug.removed / paid);
       tally.most_work = std::max(tally.most_work, dug.removed / paid);
@@ -158,6 +160,11 @@ Tally tryAll(const Approach& approach, const Model& model, std::size_t tool, con
           if (out) (*out)[m][v][n] = sunk.deepest;
           const double allowed = ball ? std::max(least, 2 * (*ball)[m][v][n]) : 1e9;
           (is_aim ? tally.aim_too_deep : tally.too_deep) += sunk.deepest > allowed;
+          if (!(sunk.deepest >= 0 && sunk.deepest < 100)) ++tally.too_deep;  // not a number, too
+          if (kMotions[m].speed < 100) {
+            const double wanted = std::min(kMotions[m].hand_mm - sunk.deepest, model.settings.coupling.force_limit);
+            tally.least_force = std::min(tally.least_force, sunk.force / wanted);
+          }
           if (kMotions[m].speed < 100) tally.fall = std::max(tally.fall, sunk.fall);
           tally.deepest[m] = std::max(tally.deepest[m], sunk.deepest);
         }
@@ -165,10 +172,11 @@ Tally tryAll(const Approach& approach, const Model& model, std::size_t tool, con
   return tally;
 }
 
-// A four-sided spike, 0.2 mm across at its end and 1.2 mm at the shank, as a closed mesh of which the lower part cuts.
-Expected<Tool> meshSpike(const Bench& bench) {
+// A four-sided spike of that length (mm), 0.2 mm across at its end and 1.2 mm at the shank, as a closed mesh of which
+// the lower part cuts.
+Expected<Tool> meshSpike(const Bench& bench, double length) {
   Mesh spike;
-  for (const auto& [half, height] : {std::pair(0.1, 0.0), std::pair(0.6, 10.0)})
+  for (const auto& [half, height] : {std::pair(0.1, 0.0), std::pair(0.6, length)})
     for (const auto& [x, y] : {std::pair(-1, -1), std::pair(1, -1), std::pair(1, 1), std::pair(-1, 1)})
       spike.vertices.push_back({half * x, half * y, height});
   spike.triangles = {{0, 2, 1}, {0, 3, 2}, {4, 5, 6}, {4, 6, 7}};
@@ -197,20 +205,29 @@ Expected<Result> benchSink(const Bench& bench) {
       "0.05 mm voxels, three attitudes; then pushes it while it cuts");
   KERF_TRY(blocks, makeBlocks());
 
-  KERF_TRY(plain, makeModel({}));
+  StepSettings at_once;
+  at_once.ramp_s = 0;  // no fade-in: a rising force would hide a falling one
+  KERF_TRY(plain, makeModel({}, at_once));
   KERF_CHECK(checkTissues(plain.tissues));
   Model ball;
   ball.tools = {practiceBall(0.5, 0)};
+  ball.settings = at_once;
   ball.tissues = plain.tissues;
   Depths ball_depths{};
   tryAll({"ball of 1 mm", &ball.tools[0], -Vec3d::UnitZ(), 1}, ball, 0, blocks, nullptr, &ball_depths);
 
   std::vector<Tool> tools;
   for (ToolListing& listing : listTools(defaultToolFolders()))
-    if (listing.tool) tools.push_back(std::move(*listing.tool));
-  KERF_TRY(drawn, meshSpike(bench));
-  tools.push_back(drawn);
-  KERF_TRY(model, makeModel(tools));
+    if (listing.tool)
+      tools.push_back(std::move(*listing.tool));
+    else
+      return fail(*listing.error);
+  for (const double length : {10.0, 14.0}) {
+    KERF_TRY(drawn, meshSpike(bench, length));
+    drawn.id += fmt::format("-{:g}", length);
+    tools.push_back(drawn);
+  }
+  KERF_TRY(model, makeModel(tools, at_once));
   std::vector<Approach> approaches;
   std::vector<std::size_t> which;
   for (std::size_t t = 0; t < tools.size(); ++t) {
@@ -246,6 +263,8 @@ Expected<Result> benchSink(const Bench& bench) {
     hash = hash * 0x100000001b3ull ^ t.hash;
     all.runs += t.runs;
     all.digs += t.digs;
+    all.judged += t.judged;
+    all.least_force = std::min(all.least_force, t.least_force);
     all.least_work = std::min(all.least_work, t.least_work);
     all.most_work = std::max(all.most_work, t.most_work);
     all.voxel_effect = std::max(all.voxel_effect, t.voxel_effect);
@@ -269,13 +288,16 @@ Expected<Result> benchSink(const Bench& bench) {
                       t.deepest[0], t.deepest[1], t.deepest[2], t.deepest[3], t.deepest[4], t.fall));
   }
   if (!off.empty()) r.notes.push_back("removal over work, and between voxels, where off by more than a little: " + off);
+  r.add("tools", static_cast<double>(tools.size()));
   r.add("runs", all.runs);
   r.add("too deep in the solid", all.too_deep);
   r.add("walls passed, of " + std::to_string(all.at_walls), all.passed);
   r.add("too deep in the solid, 1 m/s", all.aim_too_deep);
   r.add("walls passed, 1 m/s", all.aim_passed);
   r.add("force falls with depth by, most", all.fall, "N");
+  r.add("force at the end over the spring's, least", all.least_force);
   r.add("cutting: runs", all.digs);
+  r.add("cutting: runs that removed enough to judge", all.judged);
   r.add("cutting: removal over what the work pays for, least", all.least_work);
   r.add("cutting: removal over what the work pays for, most", all.most_work);
   r.add("cutting: removal, 0.1 mm against 0.05 mm voxels", all.voxel_effect, "%");

@@ -125,10 +125,10 @@ void printVolumes(const HapticSummary& s, bool is_adding) {
 void printPlan(const HapticSummary& s) {
   if (!(s.planned_mm3 > 0)) return;
   const Vec3d& at = s.farthest_off_at;
-  fmt::print(
-      "{:.0f} % of the {:.4f} mm3 that the path asks for{}; off it by {:.2f} mm at most, at ({:.2f}, {:.2f}, {:.2f})\n",
-      100 * s.removed_mm3 / s.planned_mm3, s.planned_mm3, byMaterial(s.planned_by_material, false), s.farthest_off_mm,
-      at[0], at[1], at[2]);
+  fmt::print("reached {:.0f} % of the {:.4f} mm3 that the path asks for{}\n", 100 * s.reached_mm3 / s.planned_mm3,
+             s.planned_mm3, byMaterial(s.planned_by_material, false));
+  fmt::print("{:.4f} mm3 removed beside that; off the path by {:.2f} mm at most, at ({:.2f}, {:.2f}, {:.2f})\n",
+             std::max(0.0, s.removed_mm3 - s.reached_mm3), s.farthest_off_mm, at[0], at[1], at[2]);
 }
 
 void printMonitored(const HapticSummary& s) {

@@ -138,6 +138,30 @@ TEST(CoreContact, AMachineIsNotHeld) {
   EXPECT_NEAR(sink(model, 0, pushedBy(2)).deepest, 2, 1e-9);
 }
 
+// As after adding material, or when an object was moved onto the tool.
+TEST(CoreContact, AToolThatFindsItselfInsideComesOutAndDoesNotCutItsWay) {
+  for (const double depth : {0.1, 0.3, 1.0}) {
+    for (const char* id : {"859-012", "round-005", "disc-22"}) {
+      const Model model = modelOf(toolOfRack(id));
+      State state;
+      state.objects.emplace_back(pushedBy(0).object, 4096);
+      const Rigid3 inside{Eigen::Quaterniond::Identity(), {0.02, 0.03, -depth}};
+      state.place(inside);
+      state.speed = model.tools[0].drive.speed;
+      StepOutput out;
+      double removed = 0;
+      for (int n = 0; n < 300; ++n) {
+        step(model, state, scenes::sampleAt(inside), out);
+        ASSERT_TRUE(out.T_world_tool.isUsable() && out.force.force.allFinite()) << id << ", " << depth;
+        ASSERT_LT(out.force.force.norm(), 8.001) << id << ", " << depth;
+        removed += out.removed_mm3;
+      }
+      EXPECT_LT((out.T_world_tool.translation - inside.translation).norm(), depth + 1) << id << ", " << depth;
+      EXPECT_LT(removed, 3) << id << ", " << depth;
+    }
+  }
+}
+
 TEST(CoreContact, ItAllocatesNothing) {
   const Model model = modelOf(toolOfRack("859-012"));
   const SinkScene scene = pushedBy(4);
