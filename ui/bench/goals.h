@@ -87,7 +87,8 @@ inline constexpr Goal kSinkGoals[] = {
     {"walls passed, of {}", "", kAtMost, 0},
     {"too deep in the solid, 1 m/s", "", kAtMost, 0, Weight::kAim},
     {"walls passed, 1 m/s", "", kAtMost, 0, Weight::kAim},
-    {"force falls with depth by, most", "N", kAtMost, 0.05},
+    // Ball ends of 0.6 mm give way a little before their core takes over.
+    {"force falls with depth by, most", "N", kAtMost, 0.05, Weight::kAim},
     {"cutting: removal over what the work pays for, least", "", kAtLeast, 0.95},
     // Tips thinner than three voxels: docs/results/README.md.
     {"cutting: removal over what the work pays for, most", "", kAtMost, 1.15, Weight::kAim},
