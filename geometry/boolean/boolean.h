@@ -32,8 +32,8 @@ Expected<Difference> subtract(const Mesh& minuend, const Mesh& subtrahend);
 /// What is new or of `added` has no origin.
 Expected<Difference> unite(const Mesh& minuend, const Mesh& added);
 
-/// mesh ∩ box, closed, by the same corefinement; mm. Positions and triangles only. Empty when they do not meet; a box that contains the mesh gives it
-/// back as it is.
+/// mesh ∩ box, closed, by the same corefinement; mm. Positions and triangles only. Empty when they do not meet; a box
+/// that contains the mesh gives it back as it is.
 /// @pre as above. Fails with kGeometry as above, on an open mesh too. Thread: any. About 1 s for 300k triangles.
 Expected<Mesh> clipToBox(const Mesh& mesh, const Box3& box);
 

@@ -23,7 +23,8 @@ inline constexpr double kThinnestCore = 0.08;
 ///   revolved  points of the axis, from the lowest that lies deep enough; of a disc, a ring at its rim
 ///   plate     points along the rim, where the plate is as thick as it gets
 ///   others    points of a lattice around what cuts where the distance has no gradient, from the tip upwards
-/// @param symmetry  of both parts.   @param half_thickness  of a plate, mm.   @cost milliseconds; of a mesh a second.
+/// @param symmetry  of both parts.   @param half_thickness  of a plate, mm.
+/// @cost  of a mesh at most 2 million points of a lattice, one after the other; any other tool thousands.
 std::vector<CorePoint> makeToolCore(const ToolField& cut, const ToolField& body, ToolShape::Symmetry symmetry,
                                     double half_thickness);
 

@@ -158,8 +158,8 @@ Expected<Result> benchRealtime(const Bench& bench) {
   // Idle ticks would meet every other goal: a thread that stalled and latched has measured nothing.
   r.add("removed a second", again.removed_mm3 / bench.seconds, "mm3/s");
   if (const auto stalls = haptic.report().counts.stalls; stalls > 0)
-    r.notes.push_back(fmt::format("the thread stalled {} times and let go of the hand: nothing was cut after the last",
-                                  stalls));
+    r.notes.push_back(
+        fmt::format("the thread stalled {} times and let go of the hand: nothing was cut after the last", stalls));
   r.add("state checks in the log", static_cast<double>(again.checks));
   addReplay(r, haptic, again);
   return r;
