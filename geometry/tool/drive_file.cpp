@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "geometry/tool/handpiece.h"
 #include "geometry/tool/tool_kinds.h"
 
 namespace kerf {
@@ -24,6 +25,20 @@ void explainWords(TomlTable& t, const DriveKeys& keys) {
     t.explain(word, "stroke or swing of the tool itself, above [drive]: its shape is made of it");
 }
 
+void readHandpiece(TomlTable& t, Tool& tool) {
+  const bool turns = !tool.motion || tool.motion->form == ToolMotion::kSpin;
+  if (!turns) {
+    t.explain("handpiece", "none: a saw's motion says what drives it; speed and stall may be given");
+    return;
+  }
+  t.allow("handpiece");
+  if (!t.has("handpiece")) return;
+
+  const auto name = t.get<std::string>("handpiece", ("one of " + handpieceNames()).c_str());
+  tool.drive.handpiece = findHandpiece(name);
+  if (!tool.drive.handpiece && !t.failed()) t.reject("handpiece", "\"" + name + "\"", "one of " + handpieceNames());
+}
+
 }  // namespace
 
 Expected<void> readDrive(const TomlTable& top, const std::filesystem::path& file, Tool& tool) {
@@ -46,6 +61,7 @@ Expected<void> readDrive(const TomlTable& top, const std::filesystem::path& file
     return t.number(key, low, high, unit);
   };
 
+  readHandpiece(t, tool);
   if (const auto speed = optional(keys.speed, keys.low, keys.high, keys.unit))
     tool.drive.frequency_hz = *speed * keys.per_second;
   tool.drive.stall_load = optional(keys.stall, 0.1, 1e5, keys.stall_unit);

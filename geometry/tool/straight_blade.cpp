@@ -113,7 +113,7 @@ DriveNumbers reciprocatingDrive(const Tool& tool) {
 DriveNumbers piezoDrive(const Tool&) {
   DriveNumbers out;
   out.frequency_hz = 29000;  // 24 to 36 kHz
-  out.stall_load = 20;
+  out.stall_load = 4.5;      // tangential: the tip is damped by what it presses on
   out.time_constant_s = 0.05;
   out.energy_factor = 5;
   out.drag_factor = 2;

@@ -19,6 +19,7 @@
 
 #include "geometry/mesh/mesh.h"
 #include "geometry/tool/blade_motion.h"
+#include "geometry/tool/handpiece.h"
 #include "geometry/tool/iso6360.h"
 #include "geometry/tool/tool_shape.h"
 
@@ -30,6 +31,7 @@ const char* kindName(ToolKind kind);  ///< as in files: "bur"
 /// What a tool's file says of its drive. What it leaves out is a training default: of a blade its motion's, else one of
 /// `sim/step/tool_model.h`.
 struct DriveNumbers {
+  const Handpiece* handpiece = nullptr;              ///< what turns it; null: by its shank. Never of a saw
   std::optional<double> frequency_hz;                ///< turns, or cycles there and back, a second, free
   std::optional<double> stall_load;                  ///< what stops it: N mm, of a stroke along z N
   std::optional<double> time_constant_s;             ///< how fast speed follows load and pedal

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/tool/handpiece.h"
+
 namespace kerf {
 namespace {
 
@@ -69,11 +71,12 @@ std::string toolTemplate(const HeadShape& shape, const std::string& id) {
 
   text += "# What turns it; left out: a training default for its kind and shank (kerf tool info shows it).\n";
   text += row("# [drive]", "at the end of the file");
-  text += row("# speed_rpm = 200000", "free, unloaded");
-  text += row("# stall_torque_Nmm = 8", "speed falls in proportion to the load and is zero here");
-  text += row("# time_constant_s = 0.1", "how fast speed follows");
-  text += row("# energy_factor = 5", "cutting energy over the table's: diamond 5, carbide 3, saws and drills 1");
-  text += row("# drag_factor = 1", "drag over the table's: saws 2");
+  text += row("# handpiece = \"turbine\"", handpieceNames());
+  text += row("# speed_rpm = 380000", "free, unloaded");
+  text += row("# stall_torque_Nmm = 1", "what stops it");
+  text += row("# time_constant_s = 0.32", "how fast speed follows");
+  text += row("# energy_factor = 22", "cutting energy over the table's; left out: by the tool's material");
+  text += row("# drag_factor = 1.33", "drag over the table's: diamond 1.33, carbide 1.67, saws 2");
   return text;
 }
 

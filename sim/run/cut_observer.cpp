@@ -133,6 +133,7 @@ class LoadStatistics final : public CutObserver {
     const double relative = nominal > 0 ? out.speed / nominal : 0;
     has_come_up_ = nominal > 0 && (has_come_up_ || relative > 0.98);
     if (has_come_up_) sum_.least_speed = std::min(sum_.least_speed, relative);
+    if (has_come_up_ && relative < kStalled) ++ticks_stalled_;
 
     sum_.too_fast += (out.status & kStepTooFast) != 0;
     sum_.out_of_bricks += (out.status & (kStepBricksRanOut | kStepNearRanOut)) != 0;
@@ -145,6 +146,7 @@ class LoadStatistics final : public CutObserver {
     summary.peak_contact_force = sum_.peak_contact_force;
     summary.peak_hand_force = sum_.peak_hand_force;
     summary.least_speed = sum_.least_speed;
+    summary.stalled_s = static_cast<double>(ticks_stalled_) * kTick;
     summary.too_fast = sum_.too_fast;
     summary.out_of_bricks = sum_.out_of_bricks;
     summary.clamped = sum_.clamped;
@@ -157,6 +159,8 @@ class LoadStatistics final : public CutObserver {
   }
 
  private:
+  static constexpr double kStalled = 0.02;  // of the nominal speed
+  std::uint64_t ticks_stalled_ = 0;
   double nominal_speed_;
   HapticSummary sum_;  // the fields of which this class is in charge
   double contact_sum_ = 0, load_sum_ = 0;

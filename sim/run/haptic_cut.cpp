@@ -244,6 +244,24 @@ Expected<void> writeRun(const fs::path& staging, const fs::path& run_folder, con
   return internal::finishRun(staging, inputs.tool, inputs.tool_file, inputs.path_file, cut.manifest);
 }
 
+// What the tool's file says of speed and torque belongs to its own handpiece.
+Expected<void> takeHandpiece(Tool& tool, const std::string& name) {
+  if (name.empty()) return {};
+  const Handpiece* handpiece = findHandpiece(name);
+  if (!handpiece || motionOf(tool) != ToolMotion::kSpin)
+    return fail(
+        {.code = Error::Code::kBadValue,
+         .place = "--drive",
+         .found = fmt::format("\"{}\" for {}", name, tool.id),
+         .expected = handpiece ? "a tool that turns: a saw is driven as its file says" : "one of " + handpieceNames(),
+         .hint = "kerf tool info " + tool.id});
+  tool.drive.handpiece = handpiece;
+  tool.drive.frequency_hz.reset();
+  tool.drive.stall_load.reset();
+  tool.drive.time_constant_s.reset();
+  return {};
+}
+
 }  // namespace
 
 Expected<void> checkOptions(const HapticCutOptions& o) {
@@ -295,6 +313,7 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
   // Load.
   KERF_CHECK(checkOptions(options));
   KERF_TRY(inputs, internal::readInputs(case_folder, options.beside, tool_file, path_file, run_folder));
+  KERF_CHECK(takeHandpiece(inputs.tool, options.drive));
   KERF_TRY(folder, AtomicFolder::create(run_folder, options.overwrite, kRunManifest));
   if (!report(progress, 0.0, "loading the case")) return nothingWritten();
   KERF_TRY(scene, internal::loadScene(std::move(inputs), settingsOf(options)));

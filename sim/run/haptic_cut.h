@@ -29,6 +29,7 @@ struct HapticCutOptions {
   ForceHand::Options force;
   DeviceHand::Options device;
   StepSettings step;        ///< `rendering` is set by the hand: rigid for kFeed (penalty only), coupled for the others
+  std::string drive;        ///< name of a Handpiece in place of the tool's own; empty: its own
   double spindle = 1;       ///< 0 to 1 of the tool's nominal speed
   double irrigation = 1;    ///< 0 to 1 of the cooling spray
   double time_limit = 600;  ///< s of simulated time
@@ -52,8 +53,8 @@ Expected<void> checkOptions(const HapticCutOptions& options);
 /// summary.json, session.kerflog (what kerf replay reads), sound.wav if asked for (48 kHz, 1 MB in 11 s).
 /// Same inputs, same bytes (but for the identifier inside run.vdb).
 ///
-/// Errors: as cutCase; kEmpty when nothing of the case was cut; kBadValue for options out of range, and for a case that
-/// is given twice; kNotFound for a material of a case that the table of materials no longer has.
+/// Errors: as cutCase; kEmpty when nothing of the case was cut; kBadValue for options out of range, for a case that
+/// is given twice, and for a handpiece of a tool that does not turn; kNotFound for a material of a case that the table of materials no longer has.
 Expected<HapticCut> cutCaseByHand(const std::filesystem::path& case_folder, const std::filesystem::path& tool_file,
                                   const std::filesystem::path& path_file, const std::filesystem::path& run_folder,
                                   const HapticCutOptions& options = {}, const Progress& progress = {});

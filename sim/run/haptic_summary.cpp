@@ -43,6 +43,7 @@ std::string toJson(const HapticSummary& s) {
                    {"peak_hand_force_N", s.peak_hand_force},
                    {"work_mJ", s.work},
                    {"least_speed_of_nominal", s.least_speed},
+                   {"stalled_s", s.stalled_s},
                    {"ticks_too_fast", s.too_fast},
                    {"ticks_out_of_room", s.out_of_bricks},
                    {"ticks_clamped", s.clamped},

@@ -36,6 +36,7 @@ struct HapticSummary {
   double seconds_in_contact = 0;
   double work = 0;         ///< of the drive into the tissue, N mm
   double least_speed = 1;  ///< of the nominal while it was on and had come up to speed
+  double stalled_s = 0;    ///< how long it stood still, or nearly (2 % of the nominal), after it had come up to speed
   std::uint64_t too_fast = 0, out_of_bricks = 0, clamped = 0, clipped = 0;  ///< ticks with that status
 
   double hottest_c = 37;                        ///< under the tool, C

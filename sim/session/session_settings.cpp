@@ -117,8 +117,12 @@ void readTissues(HeaderReader& header, Model& model) {
 
 void readDrives(HeaderReader& header, Model& model) {
   for (std::size_t n = 0; n < model.tools.size(); ++n) {
-    std::array<double, 5> d{};
-    if (header.read(fmt::format("drive.{}", n), d)) model.tools[n].drive = {d[0], d[1], d[2], d[3], d[4]};
+    std::array<double, 8> d{};
+    if (!header.read(fmt::format("drive.{}", n), d)) continue;
+    const bool is_known = d[5] == 0 || d[5] == 1 || d[5] == 2;
+    header.require(is_known, fmt::format("drive.{}", n));
+    const auto form = is_known ? static_cast<DriveForm>(static_cast<int>(d[5])) : DriveForm::kLine;
+    model.tools[n].drive = {d[0], d[1], d[2], d[3], d[4], form, d[6], d[7]};
   }
 }
 
@@ -159,7 +163,8 @@ SessionHeader describe(const Session& session) {
   for (std::size_t n = 0; n < session.model().tools.size(); ++n) {
     const ToolDrive& d = session.model().tools[n].drive;
     out.emplace_back(fmt::format("drive.{}", n),
-                     numbers({d.speed, d.stall_load, d.time_constant, d.energy_factor, d.drag_factor}));
+                     numbers({d.speed, d.stall_load, d.time_constant, d.energy_factor, d.drag_factor,
+                              static_cast<double>(d.form), d.run_down, d.droop}));
   }
   return out;
 }

@@ -30,6 +30,7 @@ class NodeSums {
         to_tool_(in.T_object_tool.rotation.toRotationMatrix().transpose().cast<float>()),
         rates_(in) {
     moving_.lever = internal::leverOf(tool_);
+    moving_.lips = internal::lipsOf(in);
     moving_.speed = static_cast<float>(std::abs(in.speed));
     moving_.still_speed = kStillSpeed;
     moving_.body_spins = tool_.motion == ToolMotion::kSpin;
@@ -61,6 +62,11 @@ class NodeSums {
     found_.stiffness[i] = tissue.stiffness;
     found_.friction[i] = drag_factor_ * tissue.friction;
     found_.rate[i] = rates_.value[node.material];
+    if (moving_.lips.height > 0) {
+      found_.lip_rate[i] = rates_.at_lips[node.material];
+      if (node.in_tool[2] < moving_.lips.height)
+        found_.friction[i] = static_cast<float>(tool_.lips.drag_factor) * tissue.friction;
+    }
     area_of_[node.material] += node.area;
     if (++found_.count == kGather) flush();
   }
@@ -103,6 +109,7 @@ class NodeSums {
     clear(found_.stiffness);
     clear(found_.friction);
     clear(found_.rate);
+    if (moving_.lips.height > 0) clear(found_.lip_rate);
     for (int c = 0; c < 3; ++c) {
       clear(found_.normal[c]);
       clear(found_.from_tip[c]);
@@ -144,6 +151,7 @@ class NodeSums {
     sums.bare_load += value(S::kBareLoad);
     sums.bare_erodible += value(S::kBareErodible);
     sums.bare_drive_load += value(S::kBareDriveLoad);
+    sums.lip_torque += value(S::kLipTorque);
     sums.drive_load += value(S::kDriveLoad);
     sums.power += value(S::kPower);
 
@@ -184,6 +192,7 @@ void ContactSums::add(const ContactSums& o) {
   drag_second += o.drag_second;
   normal_load += o.normal_load;
   cutting_load += o.cutting_load;
+  lip_torque += o.lip_torque;
   drive_load += o.drive_load;
   power += o.power;
   erodible_load += o.erodible_load;
@@ -215,6 +224,7 @@ void ContactSums::scale(double factor) {
   bare_load *= factor;
   bare_erodible *= factor;
   bare_drive_load *= factor;
+  lip_torque *= factor;
   drive_load *= factor;
   power *= factor;
 }
@@ -239,6 +249,7 @@ Wrench ownDrag(const ToolModel& tool, const Rigid3& pose, double speed, const Co
   const Vec3d spin = pose.rotation * Vec3d(0, 0, -speed);
   out.force = -spin.cross(sums.drag_moment);
   out.torque = -(sums.drag_second.trace() * spin - sums.drag_second * spin);
+  if (speed != 0) out.torque -= sums.lip_torque * (pose.rotation * Vec3d(0, 0, -std::copysign(1.0, speed)));
   return out;
 }
 

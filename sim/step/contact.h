@@ -48,6 +48,7 @@ struct ContactSums {
   /// The same three for all of what cuts, whichever way it faces: erosion asks for no facing either.
   double bare_load = 0, bare_erodible = 0;  ///< N
   double bare_drive_load = 0;               ///< N mm (kStroke: N)
+  double lip_torque = 0;                    ///< N mm: of a drill's lips, about its axis, whichever way it leans
   double drive_load = 0;                    ///< of the spindle, N mm (kStroke: N): sum of mu p A times the lever
   double power = 0;                         ///< sum mu p A v_s, N mm/s: what the drive spends
   double area = 0;                          ///< touched, mm^2
@@ -101,7 +102,8 @@ struct CutResult {
 };
 /// phi += d (1 - exp(-c dt)) with d = max(0, -tau_cut - phi) and the rate c = mu k_n v_s / (u_s f), f the tool's energy
 /// factor, mu that of the material times the tool's drag factor, v_s the surface speed at the node: the surface relaxes
-/// towards the tool. Geometry only: c is infinite. Updates the ledger; shells are repaired by CutObject::repair.
+/// towards the tool. At the lips of a drill: DrillLips. Geometry only: c is infinite. Updates the ledger; shells are
+/// repaired by CutObject::repair.
 CutResult erode(CutObject& object, const NearBricks& near, const ContactInput& in) noexcept;
 
 struct FillResult {

@@ -44,10 +44,26 @@ void sumTouchingHere(const TouchingNodes& nodes, const TouchingTool& tool, Touch
       const V up = hn::Sub(pz, hn::Set(f, tool.lever.pivot));
       arm = hn::Sqrt(hn::Add(hn::Mul(px, px), hn::Mul(up, up)));
     }
-    const V x = hn::Mul(load(nodes.rate), arm), part = erodedPart(f, x);
-    const V mean_part = hn::IfThenElse(hn::Lt(x, hn::Set(f, 1e-6f)), one, hn::Div(part, hn::Max(x, hn::Set(f, 1e-6f))));
-    const V mean = hn::Sub(overlap, hn::Mul(into_cut, hn::Sub(one, mean_part)));
-    const V after = hn::Sub(overlap, hn::Mul(into_cut, part));
+    V x = hn::Mul(load(nodes.rate), arm);
+    V erodes = into_cut;  // of the overlap
+    auto is_lip = hn::Lt(one, zero);
+    if (tool.lips.height > 0) {
+      const V at_lips = hn::Mul(load(nodes.lip_rate), lipLever(arm));
+      is_lip = hn::Lt(pz, hn::Set(f, tool.lips.height));
+      x = hn::IfThenElse(is_lip, at_lips, x);
+      erodes = hn::IfThenElse(is_lip, overRubbing(f, into_cut, hn::Set(f, tool.lips.rub), at_lips), into_cut);
+    }
+
+    V part = erodedPart(f, x);
+    V mean_part = hn::IfThenElse(hn::Lt(x, hn::Set(f, 1e-6f)), one, hn::Div(part, hn::Max(x, hn::Set(f, 1e-6f))));
+    if (tool.lips.height > 0) {  // a lip at its greatest feed goes in evenly
+      const V most = hn::Div(hn::Set(f, tool.lips.most), hn::Max(erodes, hn::Set(f, 1e-9f)));
+      const auto is_at_most = hn::And(is_lip, hn::Lt(most, part));
+      mean_part = hn::IfThenElse(is_at_most, hn::Sub(one, hn::Mul(hn::Set(f, 0.5f), most)), mean_part);
+      part = hn::IfThenElse(is_at_most, most, part);
+    }
+    const V mean = hn::Sub(overlap, hn::Mul(erodes, hn::Sub(one, mean_part)));
+    const V after = hn::Sub(overlap, hn::Mul(erodes, part));
     const V stiff = hn::Mul(hn::Mul(load(nodes.stiffness), facing), area);  // N/mm
     const V size = hn::Mul(stiff, mean), size_after = hn::Mul(stiff, after);
 
@@ -87,8 +103,12 @@ void sumTouchingHere(const TouchingNodes& nodes, const TouchingTool& tool, Touch
                      hn::Sub(hn::Mul(hn::Set(f, tool.angular[d]), r[e]), hn::Mul(hn::Set(f, tool.angular[e]), r[d])));
     }
     const V sliding = hn::Max(hn::Max(own, norm(v[0], v[1], v[2])), hn::Set(f, tool.still_speed));
-    const V drag = hn::Div(rubbing, sliding);
+    V drag = hn::Div(rubbing, sliding);
     add(S::kDrag, drag);
+    if (tool.lips.height > 0) {  // lips cut in pairs, whose forces across the axis cancel: see DrillLips
+      add(S::kLipTorque, hn::IfThenElseZero(is_lip, turning));
+      drag = hn::IfThenElse(is_lip, zero, drag);
+    }
     entry = S::kDragSecond;
     for (int row = 0; row < 3; ++row) {
       const V moment = hn::Mul(drag, r[row]);
@@ -102,7 +122,12 @@ void sumTouchingHere(const TouchingNodes& nodes, const TouchingTool& tool, Touch
     add(S::kErodibleLoad, hn::Mul(stiff, into_cut));
 
     // The same without the facing weight.
-    const V bare = hn::Mul(hn::Mul(load(nodes.stiffness), area), into_cut), bare_mean = hn::Mul(bare, mean_part);
+    const V bare = hn::Mul(hn::Mul(load(nodes.stiffness), area), into_cut);
+    V bare_mean = hn::Mul(bare, mean_part);
+    if (tool.lips.height > 0) {
+      const V gone = hn::Mul(hn::Mul(load(nodes.stiffness), area), hn::Mul(erodes, hn::Sub(one, mean_part)));
+      bare_mean = hn::Sub(bare, gone);
+    }
     add(S::kBareErodible, bare);
     add(S::kBareLoad, bare_mean);
     add(S::kBareDriveLoad, hn::Mul(hn::Mul(load(nodes.friction), bare_mean), arm));

@@ -17,12 +17,14 @@ struct TouchingNodes {
   alignas(32) Row from_tip[3];                ///< object axes, mm
   alignas(32) Row in_tool[3];                 ///< tool frame, mm
   alignas(32) Row stiffness, friction, rate;  ///< N/mm^3; with the tool's factor; c dt over the lever
+  alignas(32) Row lip_rate;                   ///< of a tool with lips: ErosionRates::at_lips
   int count = 0;
 };
 
 /// What is the same for all of them.
 struct TouchingTool {
   Lever lever;
+  LipLever lips;
   float speed = 0;          ///< of the drive, not negative
   float still_speed = 0;    ///< mm/s: slower sliding drags as if it were this
   bool body_spins = false;  ///< what only collides moves as what cuts does
@@ -51,6 +53,7 @@ struct TouchingSums {
     kBareLoad,
     kBareErodible,
     kBareDriveLoad,
+    kLipTorque,
     kSums
   };
   std::array<double, kSums> value{};

@@ -40,7 +40,17 @@ ErodeBrickResult erodeHere(const ErodeBrickInput& in, float* out) {
         lever = hn::Sqrt(hn::Add(hn::Mul(x, x), hn::Mul(up, up)));
       }
       const V rate = in.rates ? hn::LoadU(f, in.rates + n) : hn::Set(f, in.rate);
-      next = hn::Add(phi, hn::Mul(hn::Max(hn::Neg(gap), hn::Zero(f)), erodedPart(f, hn::Mul(rate, lever))));
+      const V overlap = hn::Max(hn::Neg(gap), hn::Zero(f));
+      next = hn::Add(phi, hn::Mul(overlap, erodedPart(f, hn::Mul(rate, lever))));
+
+      if (in.lips.height > 0) {
+        const V lip_rate = in.lip_rates ? hn::LoadU(f, in.lip_rates + n) : hn::Set(f, in.lip_rate);
+        const V over_time = hn::Mul(lip_rate, lipLever(lever));
+        const V over = overRubbing(f, overlap, hn::Set(f, in.lips.rub), over_time);
+        const V fed = hn::Min(hn::Mul(over, erodedPart(f, over_time)), hn::Set(f, in.lips.most));
+        const auto is_lip = hn::Lt(hn::LoadU(f, in.z + n), hn::Set(f, in.lips.height));
+        next = hn::IfThenElse(is_lip, hn::Add(phi, fed), next);
+      }
     }
 
     next = hn::Min(next, hn::Max(phi, cap));

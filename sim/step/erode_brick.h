@@ -15,12 +15,23 @@ struct Lever {
   float pivot = 0;         ///< kPivot: height, mm
 };
 
+/// The point of a drill: see DrillLips. Of nodes below `height` the rate is over r^0.75, and what a turn's rubbing
+/// takes is less.
+struct LipLever {
+  float height = 0;  ///< mm in the tool's frame; 0: there are no lips
+  float rub = 0;     ///< mm: what rubbing keeps from being removed, along the normal
+  float most = 0;    ///< mm: no more is removed, along the normal
+};
+
 struct ErodeBrickInput {
-  const float *x, *y, *z;  ///< 512 nodes in the tool's frame, mm
-  const float *tau, *phi;  ///< mm
-  const float* rates;      ///< 512 of them, c dt over the lever; null: `rate` for all
+  const float *x, *y, *z;        ///< 512 nodes in the tool's frame, mm
+  const float *tau, *phi;        ///< mm
+  const float* rates = nullptr;  ///< 512 of them, c dt over the lever; null: `rate` for all
   float rate = 0;
+  const float* lip_rates = nullptr;  ///< as `rates`, of nodes at the lips
+  float lip_rate = 0;                ///< as `rate`
   Lever lever;
+  LipLever lips;
   float cap = 0;  ///< mm: nothing is raised beyond it; what stands there already is left alone
   bool geometry_only = false;
 };
@@ -30,8 +41,9 @@ struct ErodeBrickResult {
   float least;  ///< least value after
 };
 
-/// out = min(cap, phi + max(0, -tau - phi) (1 - exp(-rate lever))); geometry only: min(cap, max(phi, -tau)). The same
-/// bits with any instruction set.
+/// out = min(cap, phi + max(0, -tau - phi) (1 - exp(-rate lever))); geometry only: min(cap, max(phi, -tau)). At
+/// the lips: phi + min(most, max(0, -tau - phi - rub / x) (1 - exp(-x))), x = lip rate r^0.75. The same bits with any
+/// instruction set.
 ErodeBrickResult erodeBrick(const ErodeBrickInput& in, float* out) noexcept;
 
 }  // namespace kerf::internal

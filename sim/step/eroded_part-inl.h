@@ -38,6 +38,15 @@ HWY_INLINE V erodedPart(F f, V x) {
   return hn::IfThenElse(hn::Lt(x, hn::Set(f, 0.125f)), small, hn::Sub(one, decayed));
 }
 
+// r^0.75 by two roots.
+HWY_INLINE V lipLever(V r) { return hn::Mul(hn::Sqrt(r), hn::Sqrt(hn::Sqrt(r))); }
+
+// What of an overlap lips can take at all: rubbing keeps rub / x of it. x a rate times time.
+HWY_INLINE V overRubbing(F f, V overlap, V rub, V x) {
+  const V kept = hn::Div(rub, hn::Max(x, hn::Set(f, 1e-9f)));
+  return hn::Max(hn::Sub(overlap, kept), hn::Zero(f));
+}
+
 }  // namespace kerf::internal::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 

@@ -24,6 +24,7 @@ class BrickErosion {
     brick_.z = z_;
     brick_.tau = tau_;
     brick_.lever = internal::leverOf(*in.tool);
+    brick_.lips = internal::lipsOf(in);
     brick_.geometry_only = in.geometry_only;
     // Air is air: values rise to the end of the band that was baked around the surface, and no further.
     brick_.cap = object.baked().phi0().background();
@@ -42,16 +43,26 @@ class BrickErosion {
       internal::valuesOf(rates_.value.data(), slot.materials, kBrickNodes, rate_);
       brick_.rates = rate_;
     }
+    if (brick_.lips.height > 0) setLipRates(slot);
     return internal::erodeBrick(brick_, next);
   }
 
  private:
+  void setLipRates(const CutObject::Slot& slot) {
+    brick_.lip_rate = rates_.at_lips[slot.materials[0]];
+    brick_.lip_rates = nullptr;
+    if (slot.has_one_material) return;
+    internal::valuesOf(rates_.at_lips.data(), slot.materials, kBrickNodes, lip_rate_);
+    brick_.lip_rates = lip_rate_;
+  }
+
   const ToolField& cut_;
   const Vec3d tip_;
   const Eigen::Matrix3d to_tool_;
   const double h_;
   const internal::ErosionRates rates_;
-  float x_[kBrickNodes], y_[kBrickNodes], z_[kBrickNodes], tau_[kBrickNodes], rate_[kBrickNodes];
+  float x_[kBrickNodes], y_[kBrickNodes], z_[kBrickNodes], tau_[kBrickNodes], rate_[kBrickNodes],
+      lip_rate_[kBrickNodes];
   internal::ErodeBrickInput brick_;
 };
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <numbers>
 
 #include "sim/step/contact.h"
 #include "sim/step/erode_brick.h"
@@ -18,9 +19,22 @@ inline Lever leverOf(const ToolModel& tool) {
   return {form, kEquatorFloor * static_cast<float>(tool.equator_mm), static_cast<float>(tool.pivot_mm)};
 }
 
+/// For one evaluation of contact.
+inline LipLever lipsOf(const ContactInput& in) {
+  const DrillLips& lips = in.tool->lips;
+  if (!lips.areThere()) return {};
+  const double turns = std::abs(in.speed) / (2 * std::numbers::pi) * in.dt;
+  const double along_normal = lips.slope * turns;
+  return {static_cast<float>(lips.height), static_cast<float>(along_normal * DrillLips::kRubbing),
+          static_cast<float>(along_normal * lips.most_feed)};
+}
+
 /// Rate of erosion times time, c dt, over the lever of the tool's own motion: by the number of a material. See erode().
 struct ErosionRates {
   std::array<float, 256> value;
+  /// The same of a drill's lips, over r^0.75: x = turns slope k_n pi r^0.75 / (1.25 K 2^0.25 q), so that an overlap of
+  /// a(r) q f0 / k_n only rubs. Only with lips.
+  std::array<float, 256> at_lips;
 
   explicit ErosionRates(const ContactInput& in) {
     // Read once: the compiler cannot know that writing a rate does not change them.
@@ -31,6 +45,22 @@ struct ErosionRates {
       const Tissue& t = tissues[m];
       value[m] = static_cast<float>(static_cast<double>(t.friction * t.stiffness * t.inverse_energy) * speed * drag /
                                     energy * dt * load_scale);
+    }
+    if (in.tool->lips.areThere()) setLips(in);
+  }
+
+ private:
+  void setLips(const ContactInput& in) {
+    const double turns = std::abs(in.speed) / (2 * std::numbers::pi) * in.dt;
+    constexpr double kTwoToTheQuarter = 1.189207115002721;
+    const double over_pressure =
+        turns * in.tool->lips.slope * std::numbers::pi / (1.25 * DrillLips::kThrust * kTwoToTheQuarter);
+    const Tissue* const tissues = in.tissues->data();
+    for (std::size_t m = 0; m < at_lips.size(); ++m) {
+      const Tissue& t = tissues[m];
+      const double root = std::sqrt(DrillLips::kReference * static_cast<double>(t.inverse_energy));  // 1 / u_s^0.5
+      const double per_hardness = root * std::sqrt(root);                                            // 1 / q
+      at_lips[m] = static_cast<float>(over_pressure * static_cast<double>(t.stiffness) * per_hardness * in.load_scale);
     }
   }
 };

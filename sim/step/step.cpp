@@ -10,6 +10,7 @@
 #endif
 
 #include "sim/step/contact_evaluation.h"
+#include "sim/step/drive.h"
 
 namespace kerf {
 namespace {
@@ -200,13 +201,12 @@ void addTo(StepOutput& output, const ContactEvaluation& contact, double share) {
   output.status |= contact.status;
 }
 
-// Phase 4. Free speed falls with the load in proportion; the drive follows with its time constant.
+// Phase 4.
 void runDrive(const Model& model, State& state, const DeviceSample& input, StepOutput& output) {
   const ToolDrive& drive = model.tools[state.tool].drive;
-  const double wanted = state.adds != Material::kNone ? 0 : input.pedal * drive.speed;
-  const double sag = drive.stall_load > 0 ? std::max(0.0, 1 - output.drive_load / drive.stall_load) : 1;
-  const double follow = drive.time_constant > 0 ? 1 - std::exp(-kTick / drive.time_constant) : 1;
-  state.speed += follow * (wanted * sag - state.speed);
+  const double pedal = state.adds != Material::kNone ? 0 : input.pedal;
+  const double load = drive.stall_load > 0 ? output.drive_load / drive.stall_load : 0;
+  state.speed = speedAfterTick(drive, state.speed, pedal, load);
   output.speed = state.speed;
 }
 

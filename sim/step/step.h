@@ -11,8 +11,7 @@
 //      the drag of the shell's nodes; erode; repair the shells of what changed. Force and erosion see the same pose and
 //      the same field. Then the tool moves. Laws of pressure, drag and erosion: sim/step/contact.h. How contact moves
 //      the tool: by the response, sim/step/response.h.
-//   4. Run the drive. Its speed s follows pedal and mean load of the tick: s += (1 - exp(-dt / T)) (pedal s_free
-//      max(0, 1 - load / stall) - s), see ToolDrive.
+//   4. Run the drive. Its speed follows pedal and mean load of the tick: see ToolDrive.
 //   5. Render to the hand: the wrench of the coupling (sim/step/coupling.h) or of contact, by StepSettings::rendering;
 //      times the fade-in; limited in size and in change per tick.
 //

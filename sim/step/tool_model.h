@@ -8,22 +8,55 @@
 
 namespace kerf {
 
-/// What turns or moves the cutting part. Its speed without load falls in proportion to the load and reaches zero at
-/// stall.
+/// What turns or moves the cutting part. With free speed s0, time constant T, stall load L, the mean load M of the tick
+/// and the pedal p, 0 to 1, the speed s goes by
+///   kLine      ds/dt = (p s0 max(0, 1 - M / L) - s) / T.
+///   kTurbine   ds/dt = ((p^2 - M / L) s0 - p s) / T, and - s0 / run_down at p = 0, but never below 0. The torque of an
+///              air turbine falls in proportion to its speed; T = J s0 / L of the rotor's inertia J. Torque at
+///              standstill goes with the pressure, free speed with its root: p^2 is the pressure. Power is greatest at
+///              half of the stall load: a heavier hand removes less. Without air the bearing, or a brake, stops it.
+///   kGoverned  follows p s0 (1 - droop min(1, M / L)) within a tenth of T, as far as the torque L is enough:
+///              |ds/dt| <= s0 / T (1 -+ M / L). What asks for more than L stops it.
+/// Sources: Dyson & Darvell 1999, Brockhurst & Shams 1994 for turbines; training defaults in
+/// geometry/tool/handpiece.cpp.
 ///
 /// The speed of a part that goes to and fro is the mean over a cycle: at the ends of a stroke a tooth stands still, in
 /// its middle it is pi / 2 times as fast. Removal and power grow with the distance a tooth rubs, so the mean of |v|
 /// counts: 2 stroke f, whatever the motion in between, because the tooth passes the stroke twice a cycle.
 struct ToolDrive {
   double speed = 0;          ///< kSpin: rad/s; kStroke: mean speed along the stroke, mm/s; kSwing: mean rad/s
-  double stall_load = 0;     ///< kSpin, kSwing: N mm; kStroke: N
-  double time_constant = 0;  ///< s: how fast speed follows
+  double stall_load = 0;     ///< kSpin, kSwing: N mm; kStroke: N; 0: nothing stalls it
+  double time_constant = 0;  ///< s: how fast speed follows; 0: at once
   /// Specific cutting energy of this tool over that of the materials' table: fine grit makes fine chips, and those cost
   /// more work per volume.
   double energy_factor = 1;
   /// Drag coefficient of this tool over that of the materials' table: teeth that plane drag more than grains that
   /// grind.
   double drag_factor = 1;
+  DriveForm form = DriveForm::kLine;
+  double run_down = 0;  ///< kTurbine: s from free speed to rest without air; 0: its air alone stops it
+  double droop = 0;     ///< kGoverned: part of the speed that is lost at stall_load
+};
+
+/// The lips of a drill: what its point cuts with. A chip is as thick as the feed of a turn, so thrust grows with feed,
+/// not with friction's power. At a distance r from the axis the pressure is p = a(r) q (f + f0), f the feed of a turn
+/// along the axis, a(r) = 1.25 K (2 r)^0.25 / (pi r), so that a point of diameter D needs the thrust
+///   F = K D^1.25 (f + f0) q,   K = 51.8 N/mm^2.25, f0 = 0.03 mm.
+/// q = (u_s / 1000 N/mm^2)^0.75 is 1 for cortical bone; as u_s goes with the square of bone's density, q goes with its
+/// power 1.5. The cutting force turns about the axis: two lips opposite each other push to no side. Below F = K D^1.25
+/// f0 q the lips only rub. The feed of a turn is at most 0.1 D. What is behind the point up to the end of what cuts,
+/// the land, reams by the law of friction. Sources: as measured by Saha et al. 1982 and Wiggins & Malkin 1976; the
+/// power of D there is 1.3: 1.25 is two roots.
+struct DrillLips {
+  double height = 0;       ///< of the point, mm from the tip; 0: the tool has no lips
+  double slope = 1;        ///< how far the point's surface goes in along its normal for 1 mm along the axis
+  double most_feed = 0;    ///< of a turn, mm
+  double drag_factor = 1;  ///< of the point, over that of the materials' table: cutting torque over thrust
+
+  static constexpr double kThrust = 51.8;     ///< K, N/mm^2.25
+  static constexpr double kRubbing = 0.03;    ///< f0, mm
+  static constexpr double kReference = 1000;  ///< u_s at which q is 1, N/mm^2
+  bool areThere() const noexcept { return height > 0; }
 };
 
 struct ToolModel {
@@ -32,6 +65,7 @@ struct ToolModel {
   std::vector<CorePoint> core;  ///< keeps what is thin from sinking: sim/step/core_contact.h
   ToolMotion motion = ToolMotion::kSpin;
   ToolDrive drive;
+  DrillLips lips;
   double equator_mm = 0;          ///< kSpin: largest cutting radius. Surface speed counts as at least 0.2 of that there
   double pivot_mm = 0;            ///< kSwing: height of the pivot
   double finest_mm = 0;           ///< no motion without an evaluation of contact is longer than half of this
@@ -43,12 +77,14 @@ struct ToolModel {
 /// Mean speed of what goes `way` (mm or rad) there and back, `frequency_hz` times a second: 2 way f.
 constexpr double meanSpeed(double way, double frequency_hz) { return 2 * way * frequency_hz; }
 
-/// Nominal drive of a tool: burs by their shank (friction grip 200 000 rpm, right angle 40 000, else 20 000), drills
-/// 800 rpm, blades by their motion. Training defaults.
+/// What turns a tool if its file does not say: friction grip a turbine, right angle a contra-angle of 40 000 rpm, a
+/// drill an implant motor, else a straight handpiece.  @pre motionOf(tool) is kSpin.
+const Handpiece& usualHandpiece(const Tool& tool);
+/// Nominal drive of a tool: what turns by its handpiece, saws and piezo tips by their motion. Training defaults.
 ToolDrive defaultDrive(const Tool& tool);
 /// The numbers of its file ([drive]), the default for each that is left out.
 ToolDrive driveOf(const Tool& tool);
-/// The same as text: "200000 rpm, stalls at 8 N mm, ...", and which of the numbers come from the tool's file.
+/// The same as text: "turbine, 380000 rpm, stalls at 8 N mm, ...", and which of the numbers come from the tool's file.
 std::string describeDrive(const Tool& tool);
 ToolMotion motionOf(const Tool& tool);
 

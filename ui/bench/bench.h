@@ -30,6 +30,7 @@ enum class SceneId {
   kRealtime,
   kInvariance,
   kForces,
+  kDrives,
   kSaw,
   kResponse,
   kSink,
@@ -125,6 +126,7 @@ Expected<Result> benchRealtime(const Bench& bench);
 // The step's laws, numbers that are the same on every machine: invariance.cpp, forces.cpp, saw.cpp.
 Expected<Result> benchInvariance(const Bench& bench);
 Expected<Result> benchForces(const Bench& bench);
+Expected<Result> benchDrives(const Bench& bench);
 Expected<Result> benchSaw(const Bench& bench);
 // One source each: the responses side by side, thin walls, pieces, splits on the clock, energy.
 Expected<Result> benchResponse(const Bench& bench);

@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "geometry/tool/handpiece.h"
 #include "geometry/tool/tool_file.h"
 #include "sim/object/baked_object.h"
 #include "sim/run/geometry_cut.h"
@@ -37,6 +38,12 @@ std::optional<HandKind> handKind(const std::string& name) {
 std::vector<std::string> responseNames() {
   std::vector<std::string> names;
   for (const ResponseRow& row : kResponses) names.emplace_back(row.name);
+  return names;
+}
+
+std::vector<std::string> handpiecesByName() {
+  std::vector<std::string> names;
+  for (const Handpiece& row : handpieces()) names.emplace_back(row.name);
   return names;
 }
 
@@ -152,7 +159,9 @@ void print(const Arguments& a, const HapticCut& cut) {
   printPlan(s);
   fmt::print("force on the tool {:.2f} N mean, {:.2f} N at most; normal load {:.2f} N; to the hand {:.2f} N at most\n",
              s.mean_contact_force, s.peak_contact_force, s.mean_normal_load, s.peak_hand_force);
-  fmt::print("drive {:.1f} mJ into the tissue, speed down to {:.0f} % of nominal\n", s.work, 100 * s.least_speed);
+  fmt::print("drive {:.1f} mJ into the tissue, speed down to {:.0f} % of nominal", s.work, 100 * s.least_speed);
+  if (s.stalled_s > 0) fmt::print("; it stood still for {:.2f} s: too heavy a hand for this drive", s.stalled_s);
+  fmt::print("\n");
   printMonitored(s);
 
   if (s.too_fast > 0)
@@ -243,6 +252,11 @@ constexpr const char* kFooter =
 // The names of these groups say with which hands they go: misplaced() reads them.
 void addOptionsOfAnyHand(CLI::App& command, HapticCutOptions& haptic) {
   auto* group = command.add_option_group("With --hand");
+  group
+      ->add_option(
+          "--drive", haptic.drive,
+          "handpiece that turns the tool, in place of its own: " + handpieceNames() + "; assets/tools/README.md")
+      ->check(CLI::IsMember(handpiecesByName()));
   group->add_option("--spindle", haptic.spindle, "speed, 0 to 1 of the tool's nominal one")->capture_default_str();
   group->add_option("--irrigation", haptic.irrigation, "cooling spray, 0 (dry) to 1")->capture_default_str();
   group->add_option("--add", haptic.add,

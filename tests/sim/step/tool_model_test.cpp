@@ -94,6 +94,23 @@ TEST(ToolModel, TheFilesNumbersTurnIntoTheModelsUnits) {
   }
 }
 
+TEST(ToolModel, AHandpieceOfTheFileTurnsTheTool) {
+  EXPECT_NE(describeDrive(toolOf(kBur)).find("turbine, 380000 rpm, stalls at 1 N mm"), std::string::npos);
+  for (const Handpiece& row : handpieces()) {
+    if (!(row.rpm > 0)) continue;
+    const Tool tool = toolOf(kBur + "[drive]\nhandpiece = \"" + row.name + "\"\n");
+    const ToolDrive drive = driveOf(tool);
+    EXPECT_EQ(drive.form, row.form) << row.name;
+    EXPECT_NEAR(drive.speed, row.rpm * 2 * kPi / 60, 1e-9 * drive.speed) << row.name;
+    EXPECT_EQ(drive.stall_load, row.stall_Nmm) << row.name;
+    EXPECT_NE(describeDrive(tool).find("(from the tool's file: handpiece)"), std::string::npos) << describeDrive(tool);
+  }
+  // Its numbers, where the file has its own.
+  const ToolDrive own = driveOf(toolOf(kBur + "[drive]\nhandpiece = \"electric\"\nstall_torque_Nmm = 3\n"));
+  EXPECT_EQ(own.stall_load, 3);
+  EXPECT_EQ(own.form, DriveForm::kGoverned);
+}
+
 TEST(ToolModel, WhatTheFileLeavesOutStaysADefault) {
   const Tool tool = toolOf(kBur + "[drive]\nspeed_rpm = 40000\n");
   const ToolDrive drive = driveOf(tool), usual = defaultDrive(tool);

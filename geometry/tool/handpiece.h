@@ -1,0 +1,34 @@
+// What drives a tool that turns: air turbines and motors. One table: a new handpiece is one row of handpiece.cpp.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace kerf {
+
+/// How the speed of a drive answers to load and pedal. Laws: ToolDrive in sim/step/tool_model.h.
+enum class DriveForm : int {
+  kLine,     ///< free speed falls with the load in proportion; speed follows that. Saws and piezo tips
+  kTurbine,  ///< air: torque falls with speed in proportion; without air only the bearing stops it
+  kGoverned  ///< electric: holds its speed up to its largest torque, and brakes
+};
+
+struct Handpiece {
+  const char* name;         ///< as in files and after --drive: "turbine"
+  const char* description;  ///< one line, with where its numbers come from
+  DriveForm form;
+  double rpm;              ///< free; 0: 1750 over the diameter in mm, as drills for implants are used
+  double stall_Nmm;        ///< torque at standstill (turbine) or the most there is (governed)
+  double time_constant_s;  ///< kTurbine: of the spin-up; kGoverned: from standstill to free speed, and back
+  double run_down_s;       ///< kTurbine: from free speed to rest, air off
+  double droop;            ///< kGoverned: part of the speed lost at the largest torque
+};
+
+std::span<const Handpiece> handpieces() noexcept;
+/// By its name; null if there is none.
+const Handpiece* findHandpiece(std::string_view name) noexcept;
+/// "turbine, turbine-brake, ...".
+std::string handpieceNames();
+
+}  // namespace kerf
