@@ -1,23 +1,26 @@
-// Temperature of the tissue under the tool, and of the pulp behind it: lumped, a few numbers advanced once per tick.
+// Temperature of the tissue under the tool, and of the pulp and nerve behind it: a few numbers advanced once per tick.
 //
-// Heat enters where the tool rubs: a share of the drive's power (StepOutput::power) over the area in contact. The rest
-// leaves with chips, tool and spray. Four ways out:
-//   conduction  into a semi-infinite solid. The step response of its surface is T = 2 q sqrt(t / pi) / e, e = sqrt(k
-//               rho c) the effusivity (Carslaw & Jaeger, Conduction of Heat in Solids). Its impulse response is a
-//               continuum of exponentials, 1/sqrt(pi t) = 1/pi integral xi^-1/2 exp(-xi t) dxi, of which 23 states, two
-//               a decade from 1e-7 to 1e4 per s, are enough: within 0.2 % of the formula from 10 ms to a minute. Faster
-//               ones follow at once.
-//   sideways    what a disc of the contact's radius a loses beyond the one-dimensional model: a conductance k/a. Right
-//               for short and long times (the centre of a disc settles at q a / k), up to 26 % low between.
-//   chips       tissue removed at the speed v carries its warmth off: rho c v.
-//   spray       a film conductance towards the coolant's temperature.
-// The temperature at a depth below the surface (the pulp, KeepOut's distance away) follows the surface's through a
-// column of cells, solved implicitly, and falls off below a small contact as it does on the axis of a disc: by
-// sqrt(1 + (z/a)^2) - z/a.
+// Heat enters where the tool cuts: a share beta of the drive's power P (StepOutput::power). The rest leaves with chips
+// and tool. It enters through the area A of the cutting surface that is close to tissue (sim/monitor/contact_area.h),
+// a disc of the radius a = sqrt(A / pi), whatever keeps the tool out.
 //
-// Not modelled: that a tool which wanders warms new tissue each time (it counts as one spot, so the temperature reads
-// high), blood flow, layers (the column is of the material under the tool), boiling. For training: the numbers rank
-// ways of working; they predict no patient.
+//   surface   dT = (beta P + h A dT_c) / (G + h A + c Q)
+//             G = A e sqrt(pi / (4 t)) + pi k a
+//             k, c, e of the tissue: conductivity, heat capacity rho c_p, effusivity sqrt(k c).
+//             First term of G: the semi-infinite solid under constant flux, 2 q sqrt(t / pi) / e; second: what a disc
+//             settles at, q a / k, its other ways counted (both Carslaw & Jaeger, Conduction of Heat in Solids).
+//             t, the dwell: the time in contact, or the time the tool takes over its own width, 2 a / wander speed.
+//             h A: the film of air or spray, at dT_c against the body. c Q: chips leave as warm as the surface.
+//   depth     Only G dT is conducted. It goes in as pulses of 0.1 s, each at its place: sim/monitor/heat_pulses.h. A
+//             tool that wanders warms many spots, each a little; the temperature at depth is their sum.
+//   boiling   Under full spray the surface is no hotter than 100 C; under less of it, in proportion.
+//   afterwards  sqrt(1 + s / t) - sqrt(s / t) of the surface's rise is left s after the tool has gone.
+//
+// P, Q, A and the wander are means over 0.2 s.
+//
+// Not modelled: blood flow; layers (heat goes through one tissue, that under the tool when it entered); the rest of a
+// tooth that spray cools far from the tool, so that cold water cools a pulp less than it does; what a large contact
+// is at depth (one point, its middle). For training: the numbers rank ways of working; they predict no patient.
 //
 // mm, N, s: power in N mm/s = mW. Temperatures are rises above the body's, K; degrees Celsius at the UI's edge only.
 #pragma once
@@ -25,18 +28,12 @@
 #include <array>
 
 #include "geometry/field/material.h"
+#include "sim/monitor/heat_pulses.h"
 #include "sim/step/device_sample.h"
+#include "sim/step/tool_model.h"
 
 namespace kerf {
 
-/// Of one tissue. 1 W/(m K) = 1 mW/(mm K), 1e6 J/(m^3 K) = 1 mJ/(mm^3 K).
-struct ThermalProperties {
-  double conductivity = 0;   ///< k, mW/(mm K)
-  double heat_capacity = 0;  ///< rho c, mJ/(mm^3 K)
-  const char* source = "";
-  double effusivity() const noexcept;  ///< sqrt(k rho c), mW s^(1/2) / (mm^2 K)
-  double diffusivity() const noexcept { return conductivity / heat_capacity; }  ///< mm^2/s
-};
 /// Of every material; one without numbers of its own takes those of a similar one, and says so in `source`. @rt safe.
 const ThermalProperties& thermalProperties(Material material) noexcept;
 
@@ -48,69 +45,131 @@ inline constexpr double kBoneLimitRise = 10, kBoneLimitSeconds = 60;
 /// A pulp that warms by 5.5 K: 15 % did not recover (Zach & Cohen 1965, quoted by synapse.koreamed.org 1090001).
 inline constexpr double kPulpLimitRise = 5.5;
 
+/// What heats: the kind of tool.
+///
+/// Shares after Hahn's theory of grain contact, beta = 1 / (1 + 0.97 k_tool / (e sqrt(r v))), r the grain or edge, v
+/// its speed (formula from memory): diamond 0.015-0.019, carbide 0.16-0.18, steel saw 0.25, steel drill 0.08. Taken:
+/// what reproduces measured temperatures, 0.03 for diamond the 6.8 K in a pulp after a minute dry (Farah 2019). Good to
+/// a factor of two.
+struct HeatSource {
+  double share = 0.03;      ///< beta without spray, 0 to 1. Too large: every touch burns; 0: nothing warms
+  double spray_film = 10;   ///< h under full spray, mW/(mm^2 K): 1e4 W/(m^2 K) outside, less where spray hardly gets
+  double least_area = 0.3;  ///< mm^2, > 0: contact counts as at least this; smaller is a hotter spot than lumps tell
+  Vec3d flank = Vec3d::Zero();  ///< see ContactArea
+};
+/// Diamond 0.03, carbide 0.10, steel drill and saw 0.15, piezo 0.20. A drill's film is 2 (in its hole), a blade's 5 (in
+/// its kerf). A drill has at least its circle. Burs without an ISO number count as carbide, discs as diamond.
+HeatSource heatSource(const Tool& tool);
+
 struct HeatSettings {
-  /// Shares of the drive's power that stay in the tissue, dry and in full spray. Chosen: calorimetry of drilling and
-  /// grinding spreads from a few per cent to a half. Too large: every touch burns; 0: nothing ever warms.
-  double dry_share = 0.3, wet_share = 0.05;
-  /// Film conductance of air and of full spray, mW/(mm^2 K). Chosen within textbook ranges, not looked up: gases 5-25,
-  /// forced liquids 100-20 000 W/(m^2 K).
-  double air_film = 0.02, spray_film = 5;
-  /// Spray minus body, K. 0 leaves the tooth at body temperature when nothing is cut; room temperature is -15.
-  double coolant_rise = 0;
-  bool spreads_sideways = true;  ///< false: strictly one-dimensional, hotter
-  double least_area = 0.05;      ///< mm^2: contact counts as at least this; smaller needs a hotter spot than lumps tell
+  double spray_share = 0.5;  ///< of the source's share that is left under full spray
+  double air_film = 0.02;    ///< h of air, mW/(mm^2 K): gases 5-25 W/(m^2 K), textbook
+  /// Spray minus body, K. Water of 23 C is -14; some warms in the hose. 0: as warm as the body.
+  double coolant_rise = -10;
+  double boiling_rise = 63;  ///< K: 100 C
 };
 
-/// One tick's worth, from StepOutput.
+/// One tick's worth.
 struct HeatInput {
+  bool is_touching = false;
   double power = 0;                       ///< StepOutput::power, N mm/s; >= 0
-  double area = 0;                        ///< StepOutput::area, mm^2; 0: not touching
+  double area = 0;                        ///< ContactArea, mm^2
   double removed = 0;                     ///< StepOutput::removed_mm3 of this tick
   double irrigation = 0;                  ///< DeviceSample::irrigation, 0 to 1; 0 when the spray does not reach tissue
   Material material = Material::kDentin;  ///< under the tool
-  /// Tissue left between surface and pulp, mm (KeepOut::Reading::distance); < 0: no pulp near.
-  double pulp_depth = -1;
+  Vec3d place = Vec3d::Zero();            ///< where heat enters, mm, frame of the object that is watched
+  Vec3d velocity = Vec3d::Zero();         ///< of that place over the tissue, mm/s
+  /// Heat goes into another object: the surface warms, what is watched does not.
+  bool is_elsewhere = false;
 };
 
 /// Times in s since the start; < 0: not yet. Latched: cooling does not take an alarm back.
 struct HeatAlarms {
-  double bone_warm = -1;     ///< bone first at its limit
-  double bone_dead = -1;     ///< bone has spent kBoneLimitSeconds at or above it, taken together
+  double bone_warm = -1;     ///< bone under the tool first at its limit
+  double bone_dead = -1;     ///< bone 0.5 mm beside the contact has spent kBoneLimitSeconds at or above it, together
   double pulp = -1;          ///< pulp first at its limit
-  double bone_exposure = 0;  ///< s at or above the limit so far
+  double bone_exposure = 0;  ///< s at or above the limit so far, 0.5 mm beside the contact
+};
+
+/// The points of one structure whose temperature is followed, chosen where the tool has come near. A point less than
+/// kApart from one of them is not taken. When there are kMost the coolest goes, of those older than kYoung: the warmth
+/// of a new place is still on its way.
+class HeatProbes {
+ public:
+  static constexpr int kMost = 32;
+  static constexpr double kApart = 0.5;  ///< mm
+  static constexpr double kYoung = 20;   ///< s: 2 mm take that long. Without an older one the oldest goes
+
+  /// @rt safe.
+  void watch(const Vec3d& place, const HeatPulses& pulses, double time) noexcept;
+  /// One of them, in turn: each is as of kMost ticks ago at most. @rt safe.
+  void step(const HeatPulses& pulses, double time) noexcept;
+  double rise() const noexcept;  ///< K, of the warmest; 0 without any
+
+ private:
+  struct Probe {
+    Vec3d place;
+    double rise, since;  // K; s
+  };
+  std::array<Probe, kMost> probes_{};
+  int count_ = 0, next_ = 0;
 };
 
 /// A value; belongs to the thread that steps it.
 class Heat {
  public:
-  explicit Heat(const HeatSettings& settings = {}) noexcept;
+  /// What may be followed at depth.
+  enum Structure { kPulp, kNerve, kStructures };
+
+  explicit Heat(const HeatSource& source = {}, const HeatSettings& settings = {}) noexcept;
   /// One tick of dt seconds with constant input. Inputs that are not finite count as 0, out of range as the nearest
-  /// in range.  @rt safe.  @cost below 1 microsecond.
+  /// in range.  @rt safe.  @cost 1 to 3 microseconds; every tenth of a second 10 more.
   void step(const HeatInput& in, double dt = kTick) noexcept;
+  /// The temperature of a structure is followed at this point of it from now on, mm, frame of HeatInput::place. @rt
+  /// safe.
+  void watch(Structure structure, const Vec3d& point) noexcept;
 
   double surfaceRise() const noexcept { return surface_; }  ///< of the tissue under the tool, K above body
-  /// At a depth below the surface, mm, K above body. @rt safe.
-  double riseAt(double depth) const noexcept;
-  double pulpRise() const noexcept { return pulp_; }  ///< at the last pulp_depth; 0 without one
-  double time() const noexcept { return time_; }      ///< s
+  /// At a place, mm, not nearer than some 0.3 mm to where heat entered, K above body. @rt safe.
+  double riseAt(const Vec3d& place) const noexcept;
+  /// That far below the last contact. @rt safe.
+  double riseBelow(double depth) const noexcept;
+  /// The most of the points watched, K above body; 0 without any.
+  double rise(Structure structure) const noexcept { return probes_[structure].rise(); }
+  double time() const noexcept { return time_; }  ///< s
   const HeatAlarms& alarms() const noexcept { return alarms_; }
-  /// Back to body temperature, alarms cleared.
-  void reset() noexcept { *this = Heat(settings_); }
+  const HeatPulses& pulses() const noexcept { return pulses_; }
+  /// Back to body temperature, alarms cleared, nothing watched.
+  void reset() noexcept { *this = Heat(source_, settings_); }
 
-  static constexpr int kStates = 23, kCells = 48;
+  static constexpr double kMean = 0.2;        ///< s: inputs count by their mean over this
+  static constexpr double kPulse = 0.1;       ///< s
+  static constexpr double kBoneMargin = 0.5;  ///< mm beside the contact
 
  private:
-  void setTick(double dt) noexcept;
-  void stepColumn(double diffusivity, double dt) noexcept;
+  void touch(const HeatInput& in, double dt) noexcept;
+  void leave(double dt) noexcept;
+  void conduct(const HeatInput& in, double flow, double dt) noexcept;
+  void closePulse() noexcept;
+  void alarm(double dt) noexcept;
 
+  HeatSource source_;
   HeatSettings settings_;
-  std::array<double, kStates> rate_{}, weight_{}, decay_{}, state_{};  // 1/s; s^-1/2; per tick; K s^1/2
-  double instant_ = 0;                                                 // s^1/2: gain of all faster states at once
-  double gain_ = 0;                                                    // s^1/2: of a tick's flux
-  double dt_ = 0;                                                      // s: that of decay_ and gain_
-  std::array<double, kCells> depth_{}, width_{}, cell_{};              // mm, mm, K
-  double radius_ = 0;                                                  // of the last contact, mm
-  double surface_ = 0, pulp_ = 0, time_ = 0;
+  // Means: mW, mm^2, mm^3/s, mm/s, mW/(mm K), mJ/(mm^3 K).
+  double power_ = 0, area_ = 0, removal_ = 0, conductivity_ = 0, capacity_ = 0;
+  Vec3d velocity_ = Vec3d::Zero();
+  double averaged_ = 0;                                    // s of contact in these means
+  double contact_ = 0, dwell_ = 0;                         // s
+  double away_ = 0, left_at_ = 0;                          // s since the last contact; K, the surface then
+  Vec3d place_ = Vec3d::Zero();                            // of the last contact, mm
+  double radius_ = 0;                                      // of the last contact, mm
+  double pulse_energy_ = 0, pulse_s_ = 0, pulse_age_ = 0;  // mJ; s in contact; s since it began
+  Vec3d pulse_place_ = Vec3d::Zero();
+  HeatPulses pulses_;
+  std::array<HeatProbes, kStructures> probes_;
+  Material material_ = Material::kNone;
+  double surface_ = 0, beside_ = 0, time_ = 0;
+  unsigned ticks_ = 0;
   HeatAlarms alarms_;
 };
 

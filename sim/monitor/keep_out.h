@@ -34,6 +34,8 @@ class ToolSamples {
   bool isEmpty() const { return points_.empty(); }
   /// Tool frame, mm, on the surface within 5 um.
   std::span<const Vec3f> points() const { return points_; }
+  /// mm^2 of the surface that each of them stands for; together all of it, within a few per cent.
+  std::span<const float> areas() const { return areas_; }
   /// No point of the surface is farther from the nearest sample than this, mm.
   double spacing() const { return spacing_; }
 
@@ -45,9 +47,10 @@ class ToolSamples {
   std::span<const Group> groups() const { return groups_; }
 
  private:
-  void group(const std::vector<Vec3f>& chosen, std::size_t most_groups);
+  void group(const std::vector<Vec3f>& chosen, const std::vector<float>& areas, std::size_t most_groups);
 
   std::vector<Vec3f> points_;
+  std::vector<float> areas_;
   std::vector<Group> groups_;
   double spacing_ = 0;
 };

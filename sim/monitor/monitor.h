@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/monitor/contact_area.h"
 #include "sim/monitor/heat.h"
 #include "sim/monitor/keep_out.h"
 #include "sim/step/step.h"
@@ -26,8 +27,10 @@ class Monitor {
   /// Keep-out structures are those of pulp and nerve canal that the first object has, then every other object as a
   /// whole.
   /// @param objects  at least one, in the order of those of the session: the first is the one to be cut.
+  /// @param source  heatSource() of the tool.
   /// @cost seconds for a mandible's canals, or a neighbouring tooth; at most 200 MB for each structure, see KeepOut.
-  static Expected<Monitor> make(const LoadedObjects& objects, const ToolModel& tool);
+  static Expected<Monitor> make(const LoadedObjects& objects, const ToolModel& tool, const HeatSource& source = {},
+                                const HeatSettings& settings = {});
 
   struct Structure {
     Material material = Material::kNone;  ///< of a neighbour kNone
@@ -44,25 +47,36 @@ class Monitor {
     double removed_mm3 = 0;
   };
   /// After step(). @param objects  those of the session now: pieces may have come behind those it began with.
-  /// @pre no fewer than make() had.   @rt safe. @cost about 6 us a structure.
+  /// @pre no fewer than make() had.   @rt safe. @cost about 6 us a structure, and as much for the heat.
   void tick(const DeviceSample& sample, const StepOutput& output, std::span<const CutObject> objects) noexcept;
 
   double temperature() const noexcept { return kBodyCelsius + heat_.surfaceRise(); }  ///< under the tool, C
-  double pulpRise() const noexcept { return heat_.pulpRise(); }                       ///< K
+  double pulpRise() const noexcept { return heat_.rise(Heat::kPulp); }                ///< K, where it is warmest
   double hottest() const noexcept { return hottest_; }                                ///< C, ever
-  double mostPulpRise() const noexcept { return most_pulp_rise_; }
+  double mostPulpRise() const noexcept { return most_pulp_rise_; }                    ///< K, ever
+  double mostNerveRise() const noexcept { return most_nerve_rise_; }                  ///< K, ever, of nerve canals
+  const Heat& heat() const noexcept { return heat_; }
+  double area() const noexcept { return area_; }  ///< of the cutting surface close to tissue, mm^2, in the last tick
   const HeatAlarms& alarms() const noexcept { return heat_.alarms(); }
   const std::vector<Structure>& structures() const noexcept { return structures_; }
   /// Between the points of the tool whose distance is read, mm: ToolSamples::spacing().
   double spacing() const noexcept { return samples_.spacing(); }
 
  private:
-  Monitor(ToolSamples samples) : samples_(std::move(samples)) {}
+  Monitor(const ToolModel& tool, const HeatSource& source, const HeatSettings& settings);
+  void warm(const DeviceSample& sample, const StepOutput& output, std::span<const CutObject> objects) noexcept;
+  void watch(const Structure& structure, const KeepOut& field, const Vec3d& point) noexcept;
+
   ToolSamples samples_;
+  ContactArea close_;
   Heat heat_;
+  double area_ = 0, touched_s_ = 0;
+  Vec3d middle_;            // of the area, tool frame, mm: the mean, as last known
+  Rigid3 T_object_before_;  // pose of the tool in the first object at the last tick
+  bool has_before_ = false;
   std::vector<Structure> structures_;
   std::vector<std::shared_ptr<const KeepOut>> fields_;  // of the structures
-  double hottest_ = kBodyCelsius, most_pulp_rise_ = 0;
+  double hottest_ = kBodyCelsius, most_pulp_rise_ = 0, most_nerve_rise_ = 0;
 };
 
 }  // namespace kerf

@@ -81,6 +81,7 @@ class MonitorObserver final : public CutObserver {
   void addTo(HapticSummary& summary, std::span<const CutObject> objects) const override {
     summary.hottest_c = monitor_.hottest();
     summary.pulp_rise = monitor_.mostPulpRise();
+    summary.nerve_rise = monitor_.mostNerveRise();
     summary.bone_limit_s = monitor_.alarms().bone_warm;
     summary.pulp_limit_s = monitor_.alarms().pulp;
     for (const Monitor::Structure& structure : monitor_.structures()) {
@@ -289,7 +290,7 @@ class SoundFile final : public CutObserver {
 Expected<CutObservers> CutObservers::make(const CutScene& scene, const HapticCutOptions& options,
                                           const fs::path& staging, const fs::path& run_folder) {
   const ToolModel& tool = scene.model.tools.front();
-  KERF_TRY(monitor, Monitor::make(scene.objects, tool));
+  KERF_TRY(monitor, Monitor::make(scene.objects, tool, heatSource(scene.inputs.tool)));
   KERF_TRY(log, startLog(scene, staging));
 
   CutObservers out;

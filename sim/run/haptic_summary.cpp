@@ -50,6 +50,7 @@ std::string toJson(const HapticSummary& s) {
                    {"ticks_clipped", s.clipped},
                    {"hottest_C", s.hottest_c},
                    {"pulp_rise_K", s.pulp_rise},
+                   {"nerve_rise_K", s.nerve_rise},
                    {"bone_limit_at_s", s.bone_limit_s},
                    {"pulp_limit_at_s", s.pulp_limit_s},
                    {"pieces", s.pieces},

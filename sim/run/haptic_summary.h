@@ -40,7 +40,7 @@ struct HapticSummary {
   std::uint64_t too_fast = 0, out_of_bricks = 0, clamped = 0, clipped = 0;  ///< ticks with that status
 
   double hottest_c = 37;                        ///< under the tool, C
-  double pulp_rise = 0;                         ///< most, K
+  double pulp_rise = 0, nerve_rise = 0;         ///< most, K
   double bone_limit_s = -1, pulp_limit_s = -1;  ///< when 47 C and +5.5 K were first passed, s; < 0: never
   /// From what cuts of the tool to pulp, nerve canal and the cases beside ("beside_1"), if it came near; < 0: in it.
   std::map<std::string, double> least_distance_mm;

@@ -32,6 +32,7 @@ enum class SceneId {
   kForces,
   kDrives,
   kSaw,
+  kHeat,
   kResponse,
   kSink,
   kTunnelling,
@@ -123,11 +124,12 @@ Expected<Result> benchTickBur(const Bench& bench);
 Expected<Result> benchTickSaw(const Bench& bench);
 Expected<Result> benchTickSizes(const Bench& bench);
 Expected<Result> benchRealtime(const Bench& bench);
-// The step's laws, numbers that are the same on every machine: invariance.cpp, forces.cpp, saw.cpp.
+// The step's laws, numbers that are the same on every machine: invariance.cpp, forces.cpp, saw.cpp, heat.cpp.
 Expected<Result> benchInvariance(const Bench& bench);
 Expected<Result> benchForces(const Bench& bench);
 Expected<Result> benchDrives(const Bench& bench);
 Expected<Result> benchSaw(const Bench& bench);
+Expected<Result> benchHeat(const Bench& bench);
 // One source each: the responses side by side, thin walls, pieces, splits on the clock, energy.
 Expected<Result> benchResponse(const Bench& bench);
 Expected<Result> benchSink(const Bench& bench);

@@ -70,6 +70,13 @@ inline constexpr Goal kSawGoals[] = {
     {"kerf width, worst of 12 attitudes, 0.05 mm voxels", "um", kAtMost, 25},
     {"plane of the wall, worst of 12 ({} mm)", "degrees", kAtMost, 0.1},
 };
+inline constexpr Goal kHeatGoals[] = {
+    {"  out of {} to {} by", "K", kAtMost, 0},
+    {"signs that are wrong, of {}", "", kAtMost, 0},
+    {"saw: area off kerf x 10 mm by", "%", kAtMost, 10},
+    {"responses, one wet cavity: {}", "%", kAtMost, 10},
+};
+
 // Only the default has goals.
 inline constexpr Goal kResponseGoals[] = {
     {"penalty coupled: jump of force per ms, flat", "N", kAtMost, 0.02},

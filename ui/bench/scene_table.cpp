@@ -31,6 +31,8 @@ constexpr Scene kScenes[] = {
     {SceneId::kDrives, "drives", "turbine, electric drive and drills under a hand's force: no times", benchDrives,
      kDrivesGoals},
     {SceneId::kSaw, "saw", "kerf, plane and side force over attitudes: no times", benchSaw, kSawGoals},
+    {SceneId::kHeat, "heat", "temperatures of tissue, pulp and bone against what was measured: no times", benchHeat,
+     kHeatGoals},
     {SceneId::kResponse, "response", "penalty, constraint and impulse, coupled and direct: a table", benchResponse,
      kResponseGoals},
     {SceneId::kSink, "sink", "every tool, its drive off, pushed and tapped into enamel: no times", benchSink,

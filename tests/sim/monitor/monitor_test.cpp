@@ -219,6 +219,48 @@ TEST(Monitor, ANeighbourThatOnlyTheShankRubsIsTouchedAndNotCut) {
   }
 }
 
+// A structure of pulp a millimetre below a tool that spends its power in the tissue above: as far off as it is from the
+// ball's middle, where heat enters as long as no tissue is close.
+TEST(Monitor, ThePulpWarmsAsBelowASteadySource) {
+  Box3 box;
+  box.add(Vec3d(-3, -3, -6));
+  box.add(Vec3d(3, 3, 0));
+  const auto pulp =
+      kerf::bakedFrom([](const Vec3d& p) { return (p - Vec3d(0, 0, -3)).norm() - 3; }, box, kVoxel, Material::kPulp);
+  ASSERT_TRUE(pulp) << pulp.error().message();
+  const LoadedObjects objects{*pulp, block({3, 3, 2}, kVoxel, at(20, 0, 0))};
+  const Model model = modelOf(objects);
+  HeatSource source;
+  source.share = 0.1;
+  const HeatSettings settings{.coolant_rise = 0};
+  Session session(model, objects, at(0, 0, 1));
+  DeviceSample sample = sampleAt(at(0, 0, 1));
+  sample.irrigation = 0;
+  StepOutput output;
+  output.T_world_tool = at(0, 0, 1);
+  output.touching = 1;
+  output.power = 2000;
+  output.material = Material::kDentin;
+  const auto riseAfter = [&](double seconds, std::size_t touched) {
+    auto monitor = Monitor::make(objects, model.tools[0], source, settings);
+    EXPECT_TRUE(monitor) << monitor.error().message();
+    output.objects_touched = objectBit(touched);
+    for (int n = 0; n < seconds / kTick; ++n) monitor->tick(sample, output, session.state().objects);
+    EXPECT_NEAR(monitor->heat().riseAt({0, 0, 0}), monitor->pulpRise(), 0.05 * monitor->pulpRise());
+    EXPECT_EQ(monitor->mostPulpRise(), monitor->pulpRise());
+    EXPECT_GT(monitor->temperature(), 60);
+    return monitor->pulpRise();
+  };
+
+  // Almost all is conducted: next to no film, no chips.
+  const ThermalProperties& dentin = thermalProperties(Material::kDentin);
+  const double off = 1 + kRadius;
+  const double exact = 0.1 * 2000 / (2 * std::numbers::pi * dentin.conductivity * off) *
+                       std::erfc(off / std::sqrt(4 * dentin.diffusivity() * 20));
+  EXPECT_NEAR(riseAfter(20, 0) / exact, 1, 0.05);
+  EXPECT_EQ(riseAfter(2, 1), 0) << "the heat went into the neighbour";
+}
+
 TEST(Monitor, TicksWithoutAllocating) {
   const Row row;
   const Model model = modelOf(row.objects);
@@ -228,6 +270,9 @@ TEST(Monitor, TicksWithoutAllocating) {
   StepOutput output;
   const DeviceSample sample = sampleAt(at(-5, 0, 0.5));
   session.tick(sample, output);
+  output.touching = 1;
+  output.objects_touched = 3;
+  output.power = 1000;
   const AllocationGuard guard;
   for (int n = 0; n < 100; ++n) {
     output.T_world_tool.translation[2] -= 0.01;
