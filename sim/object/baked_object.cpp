@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/object/node_volumes.h"
 #include "sim/object/shell_nodes.h"
 
 namespace kerf {
@@ -103,22 +104,27 @@ void BakedObject::label(const MaterialField& materials) {
 
 // The shell of each slot, and the volumes.
 void BakedObject::buildShells() {
-  const double e = kShellHalfWidth * voxel(), cell = std::pow(voxel(), 3);
   std::vector<ShellChunk> chunks(kShellChunks);
+  PartsByNumber parts{};
   for (Slot& slot : slots_) {
     const std::size_t here = directory_.indexOf(slot.brick);
     BrickNeighborhood around{slot.phi, {}};
+    MaterialNeighborhood materials{slot.materials, {}, slot.has_one_material};
     for (int face = 0; face < 6; ++face) {
       const std::int32_t s = directory_.at(directory_.indexBeside(here, face));
       around.face[face] = s < 0 ? outside_.data() : slots_[static_cast<std::size_t>(s)].phi;
+      if (s >= 0) materials.add(face, slots_[static_cast<std::size_t>(s)]);
     }
 
     const int nodes = shellOfBrick(around, slot.materials, voxel(), chunks.data());
     slot.shell_begin = static_cast<std::uint32_t>(shell_.size());
     slot.shell_count = static_cast<std::uint32_t>(nodes);
     shell_.insert(shell_.end(), chunks.begin(), chunks.begin() + chunkCount(nodes));
-    for (int n = 0; n < kBrickNodes; ++n) volumes_[slot.materials[n]] += cell * insidePart(slot.phi[n], e);
+    addVolumes(around, materials, parts);
   }
+
+  const double part = volumeOfPart(voxel());
+  for (std::size_t m = 0; m < parts.size(); ++m) volumes_[m] = addParts(0, parts[m], part);
 }
 
 }  // namespace kerf

@@ -83,7 +83,7 @@ class BakedObject {
   const Vec3i& directoryLow() const { return directory_.low(); }
   const Vec3i& directorySize() const { return directory_.size(); }
 
-  /// Volume per material, mm^3: sum of the smoothed Heaviside of phi over labelled nodes.
+  /// Volume per material, mm^3: sum over labelled nodes of what they stand for, sim/object/node_volumes.h.
   const std::array<double, 256>& volumes() const { return volumes_; }
 
  private:
@@ -102,14 +102,6 @@ class BakedObject {
   BrickDirectory directory_;
   std::array<double, 256> volumes_{};
 };
-
-/// Smoothed Heaviside of -phi, 1 inside, 0 outside, whose derivative is the shell's delta: what the ledger sums.
-inline double insidePart(float phi, double half_width) {
-  const double u = static_cast<double>(phi) / half_width;
-  if (u <= -1) return 1;
-  if (u >= 1) return 0;
-  return 0.5 - (15.0 / 16) * (u - u * u * u * (2.0 / 3) + u * u * u * u * u / 5);
-}
 
 /// The objects of a scene, in their order.
 using LoadedObjects = std::vector<std::shared_ptr<const BakedObject>>;

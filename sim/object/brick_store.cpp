@@ -109,6 +109,14 @@ BrickNeighborhood BrickStore::around(const BrickSlot& slot) const noexcept {
   return out;
 }
 
+MaterialNeighborhood BrickStore::materialsAround(const BrickSlot& slot) const noexcept {
+  const std::size_t here = directory_.indexOf(slot.brick);
+  MaterialNeighborhood out{slot.materials, {}, slot.has_one_material};
+  for (int face = 0; face < 6; ++face)
+    if (const std::int32_t s = directory_.at(directory_.indexBeside(here, face)); s >= 0) out.add(face, this->slot(s));
+  return out;
+}
+
 BrickField BrickStore::changedField() const {
   const BrickField& phi0 = baked_->phi0();
   BrickField out(phi0.voxel(), phi0.background(), phi0.interior());
@@ -140,10 +148,13 @@ std::uint64_t BrickStore::stateHash() const {
 }
 
 std::array<double, 256> BrickStore::countVolumes() const {
-  const double voxel = baked_->voxel(), e = kShellHalfWidth * voxel, cell = std::pow(voxel, 3);
-  std::array<double, 256> out{};
+  PartsByNumber parts{};
   for (int s = 0; s < slotCount(); ++s)
-    for (int n = 0; has(s) && n < kBrickNodes; ++n) out[slot(s).materials[n]] += cell * insidePart(slot(s).phi[n], e);
+    if (has(s)) addVolumes(around(slot(s)), materialsAround(slot(s)), parts);
+
+  const double part = volumeOfPart(baked_->voxel());
+  std::array<double, 256> out{};
+  for (std::size_t m = 0; m < parts.size(); ++m) out[m] = addParts(0, parts[m], part);
   return out;
 }
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "geometry/field/brick_directory.h"
+#include "sim/object/node_volumes.h"
 #include "sim/object/slot_list.h"
 
 namespace kerf {
@@ -54,8 +55,14 @@ class BrickStore {
   void forEachIn(const Vec3i& low, const Vec3i& high, const Visit& visit) const noexcept {
     directory_.forEachIn(low, high, visit);
   }
+  /// Slot of the brick beyond a face, or -1: air. @rt
+  int findBeside(const BrickSlot& slot, int face) const noexcept {
+    return directory_.at(directory_.indexBeside(directory_.indexOf(slot.brick), face));
+  }
   /// The values of a brick and of the six beside it. @rt
   BrickNeighborhood around(const BrickSlot& slot) const noexcept;
+  /// Their materials. @rt
+  MaterialNeighborhood materialsAround(const BrickSlot& slot) const noexcept;
 
   /// Slots whose values or shell are, or were, not those loaded: the only ones a piece cannot share as loaded.
   const SlotList& touched() const noexcept { return touched_; }
@@ -83,7 +90,7 @@ class BrickStore {
   std::uint64_t stateHash() const;
   /// What the choice of bricks adds to the hash: 0 but for a piece.
   std::uint64_t pieceKey() const noexcept { return piece_key_; }
-  /// Volume now per material, mm^3, summed over all nodes. @cost a few ns a node.
+  /// Volume now per material, mm^3, from all nodes: addVolumes().
   std::array<double, 256> countVolumes() const;
   /// Rebuilds every shell from the field and compares: the number of bricks whose shell differs in any bit. For tests.
   std::size_t shellDefects() const;

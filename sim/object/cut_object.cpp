@@ -1,11 +1,12 @@
 #include "sim/object/cut_object.h"
 
 #include <algorithm>
-#include <bit>
 #include <cassert>
 #include <cstring>
 #include <new>
 #include <utility>
+
+#include "sim/object/node_volumes.h"
 
 namespace kerf {
 
@@ -57,32 +58,55 @@ std::uint8_t* CutObject::writeMaterials(int s) noexcept {
 }
 
 bool CutObject::carve(int s, const float* values, float least, double& removed) noexcept {
+  if (!put(s, values, nullptr, 1, removed_mm3, removed)) return false;
   Slot& carved = slot(s);
-  const std::uint8_t faces = carved.changed_faces;
+  carved.least = least;
+  carved.sleeps_until_contact = -1;
+  return true;
+}
+
+bool CutObject::fill(int s, const float* values, const std::uint8_t* materials, double& added) noexcept {
+  if (!put(s, values, materials, -1, added_mm3, added)) return false;
+  Slot& filled = slot(s);
+  filled.least = *std::min_element(values, values + kBrickNodes);
+  filled.sleeps_until_contact = filled.sleeps_until_cut = -1;
+  return true;
+}
+
+// @param materials  null: as they are.   @param sign  of what is lost in `book`.   @param sum  of what is booked.
+bool CutObject::put(int s, const float* values, const std::uint8_t* materials, int sign, std::array<double, 256>& book,
+                    double& sum) noexcept {
+  Slot& changing = slot(s);
+  const std::uint8_t faces = changing.changed_faces;
   float* const own = write(s);
   if (!own) return false;
 
-  const double e = kShellHalfWidth * voxel(), cell = voxel() * voxel() * voxel();
-  const auto half_width = static_cast<float>(e);
-  double lost[kBrickNodes];
   const internal::NodeBits changed = internal::differingNodes(own, values);
-  carved.changed_faces = faces | facesOf(changed);
-  internal::volumeLost(own, values, changed, e, cell, lost);
+  changing.changed_faces = faces | facesOf(changed);
 
-  // One sum per material, node by node: the order is part of the result.
-  double one_material = removed_mm3[carved.materials[0]];
-  for (int word = 0; word < kBrickSide; ++word)
-    for (std::uint64_t bits = changed[static_cast<std::size_t>(word)]; bits != 0; bits &= bits - 1) {
-      const int n = 64 * word + std::countr_zero(bits);
-      if (own[n] >= half_width || values[n] <= -half_width) continue;
-      (carved.has_one_material ? one_material : removed_mm3[carved.materials[n]]) += lost[n];
-      removed += lost[n];
-    }
-  if (carved.has_one_material) removed_mm3[carved.materials[0]] = one_material;
+  VolumeChange change(bricks_.around(changing), values, changed, bricks_.materialsAround(changing),
+                      materials ? materials : changing.materials);
+  for (int face = 0; face < 6; ++face) {
+    if (!(change.faces() >> face & 1)) continue;
+    const int beside = bricks_.findBeside(changing, face);
+    if (beside >= 0) change.addBeyond(face, bricks_.around(slot(beside)), bricks_.materialsAround(slot(beside)));
+  }
+
+  const double part = volumeOfPart(voxel());
+  const std::int64_t lost = change.lost();
+  sum += static_cast<double>(sign * lost) * part;
+  if (change.isOfOneMaterial()) {
+    double& one = book[changing.materials[0]];
+    one = addParts(one, sign * lost, part);
+  } else {
+    PartsByNumber by_number{};
+    change.addLost(by_number);
+    for (std::size_t m = 0; m < by_number.size(); ++m)
+      if (by_number[m] != 0) book[m] = addParts(book[m], sign * by_number[m], part);
+  }
 
   std::memcpy(own, values, sizeof(BrickValues));
-  carved.least = least;
-  carved.sleeps_until_contact = -1;
+  if (materials) std::memcpy(writeMaterials(s), materials, kBrickNodes);
   return true;
 }
 

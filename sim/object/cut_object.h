@@ -50,7 +50,8 @@ class CutObject {
   Rigid3 T_world_object;  ///< mm; changed between ticks by moveTo(), which wakes the bricks
   std::uint32_t id = 0;   ///< of this object for good, whatever its place in the scene: see State::next_id
   /// The ledger, mm^3 per material number: as loaded, or as the piece came off, - removed + added is what is there now.
-  /// A node of the surface that material is put on changes its number: `added` is negative for the one it had.
+  /// Whole numbers of volumeOfPart(): what is added and cut away leaves nothing, bit for bit. What nodes stand for is
+  /// said in sim/object/node_volumes.h.
   std::array<double, 256> removed_mm3{}, added_mm3{};
   /// How far the tool has moved relative to this object, mm: see BrickSlot::sleeps_until_contact. @rt
   double odometer = 0;
@@ -100,9 +101,13 @@ class CutObject {
   /// BrickStore::addAir(). @rt
   int addAir(const Vec3i& brick) noexcept { return bricks_.addAir(brick); }
   /// Puts in place what is left of a brick, every value at least what it was: ledger, hash and sleep follow.
-  /// @param least  of `values`.  @param removed_mm3  what is gone is added to it, node by node. False: no memory, and
-  /// nothing has changed. @rt
+  /// @param least  of `values`.  @param removed_mm3  what is gone is added to it. False: no memory, and nothing has
+  /// changed. @rt
   bool carve(int slot, const float* values, float least, double& removed_mm3) noexcept;
+  /// Puts in place a brick with more in it, every value at most what it was: ledger, hash and sleep follow.
+  /// @param materials  512 numbers; null: as they are. One that differs is of a node that was outside, and changes.
+  /// @param added_mm3  what is there now and was not is added to it. False: no memory, and nothing has changed. @rt
+  bool fill(int slot, const float* values, const std::uint8_t* materials, double& added_mm3) noexcept;
   /// Values changed outside the step: the brick wakes up. The ledger is the caller's to put back. False: memory ran
   /// out. Allocates.
   /// @param materials  512 numbers; null: as baked.
@@ -159,6 +164,8 @@ class CutObject {
   explicit CutObject(BrickStore bricks);
   void reserveLists(bool is_touched);
   void mark(int slot) noexcept;
+  bool put(int slot, const float* values, const std::uint8_t* materials, int sign, std::array<double, 256>& book,
+           double& sum) noexcept;
 
   bool is_frozen_ = false;
   BrickStore bricks_;

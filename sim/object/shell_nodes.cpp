@@ -116,26 +116,6 @@ void differingNodesHere(const float* a, const float* b, NodeBits& out) {
   }
 }
 
-void volumeLostHere(const float* before, const float* after, const NodeBits& changed, double half_width, double cell,
-                    double* out) {
-  const hn::CappedTag<double, 8> d;
-  using D = hn::Vec<decltype(d)>;
-  const hn::Rebind<float, decltype(d)> f;
-  const int lanes = static_cast<int>(hn::Lanes(d));
-  const D inverse = hn::Set(d, 1 / half_width), one = hn::Set(d, 1.0), size = hn::Set(d, cell);
-  const auto inside = [&](const float* value) {
-    const D u = hn::Min(hn::Max(hn::Mul(hn::PromoteTo(d, hn::LoadU(f, value)), inverse), hn::Set(d, -1.0)), one);
-    const D square = hn::Mul(u, u);
-    const D outer = hn::Sub(hn::Set(d, 2.0 / 3), hn::Mul(square, hn::Set(d, 0.2)));
-    return hn::Mul(hn::Mul(hn::Set(d, 15.0 / 16), u), hn::Sub(one, hn::Mul(square, outer)));
-  };
-  for (int row = 0; row < kBrickNodes / 8; ++row) {
-    if ((changed[static_cast<std::size_t>(row >> 3)] >> 8 * (row & 7) & 0xff) == 0) continue;
-    for (int n = 8 * row; n < 8 * row + 8; n += lanes)
-      hn::StoreU(hn::Mul(size, hn::Sub(inside(after + n), inside(before + n))), d, out + n);
-  }
-}
-
 }  // namespace kerf::internal::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -144,7 +124,6 @@ namespace kerf::internal {
 
 HWY_EXPORT(shellNodesHere);
 HWY_EXPORT(differingNodesHere);
-HWY_EXPORT(volumeLostHere);
 
 int shellNodes(const BrickNeighborhood& bricks, const std::uint8_t* materials, float half_width, float scale,
                ShellChunk* out) noexcept {
@@ -155,11 +134,6 @@ NodeBits differingNodes(const float* a, const float* b) noexcept {
   NodeBits out;
   HWY_DYNAMIC_DISPATCH(differingNodesHere)(a, b, out);
   return out;
-}
-
-void volumeLost(const float* before, const float* after, const NodeBits& changed, double half_width, double cell,
-                double* out) noexcept {
-  HWY_DYNAMIC_DISPATCH(volumeLostHere)(before, after, changed, half_width, cell, out);
 }
 
 }  // namespace kerf::internal

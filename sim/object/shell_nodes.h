@@ -19,10 +19,4 @@ int shellNodes(const BrickNeighborhood& bricks, const std::uint8_t* materials, f
 /// The nodes at which a and b, 512 values each, differ.
 NodeBits differingNodes(const float* a, const float* b) noexcept;
 
-/// What every node of a row of eight loses, insidePart(before) - insidePart(after) times `cell`, for the rows with a
-/// bit in `changed`; rows without one are left alone. One multiplication stands for the two divisions: about 1e-16 off.
-/// @param out  512 numbers.
-void volumeLost(const float* before, const float* after, const NodeBits& changed, double half_width, double cell,
-                double* out) noexcept;
-
 }  // namespace kerf::internal

@@ -2,46 +2,99 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <vector>
 
 #include "sim/object/baked_object.h"
+#include "sim/object/node_volumes.h"
 
 namespace kerf::internal {
+namespace {
+
+// Counts bricks before and after a cut.
+class CountedCut {
+ public:
+  CountedCut(const BrickField& phi0, const BrickField& cut, const MaterialsOf& materials)
+      : phi0_(phi0), cut_(cut), materials_(materials) {
+    outside_.fill(phi0.background());
+    inside_.fill(phi0.interior());
+  }
+
+  // The bricks that differ, and those beside them: nodes there may have another neighbour.
+  PartsByNumber removed() {
+    std::vector<Vec3i> bricks;
+    for (std::size_t b = 0; b < cut_.brickCount(); ++b) {
+      bricks.push_back(cut_.brickCoord(b));
+      for (int face = 0; face < 6; ++face) bricks.push_back(beside(cut_.brickCoord(b), face));
+    }
+    const auto isBefore = [](const Vec3i& a, const Vec3i& b) { return coordKey(a) < coordKey(b); };
+    std::sort(bricks.begin(), bricks.end(), isBefore);
+    bricks.erase(std::unique(bricks.begin(), bricks.end()), bricks.end());
+
+    PartsByNumber before{}, after{};
+    for (const Vec3i& brick : bricks) count(brick, before, after);
+    for (std::size_t m = 0; m < before.size(); ++m) before[m] -= after[m];
+    return before;
+  }
+
+ private:
+  static Vec3i beside(Vec3i brick, int face) {
+    brick[face / 2] += face & 1 ? 1 : -1;
+    return brick;
+  }
+
+  const float* loaded(const Vec3i& brick) const {
+    if (const BrickValues* const values = phi0_.valuesAt(brick)) return values->data();
+    return phi0_.constantAt(brick) < 0 ? inside_.data() : outside_.data();
+  }
+
+  const float* now(const Vec3i& brick) const {
+    const BrickValues* const values = cut_.valuesAt(brick);
+    return values ? values->data() : loaded(brick);
+  }
+
+  void count(const Vec3i& brick, PartsByNumber& before, PartsByNumber& after) {
+    BrickNeighborhood was{loaded(brick), {}}, is{now(brick), {}};
+    MaterialNeighborhood numbers{numbers_[0].data(), {}, false};
+    materials_(brick, numbers_[0]);
+    for (int face = 0; face < 6; ++face) {
+      const Vec3i other = beside(brick, face);
+      was.face[face] = loaded(other);
+      is.face[face] = now(other);
+      auto& of_other = numbers_[static_cast<std::size_t>(1 + face)];
+      materials_(other, of_other);
+      numbers.face[face] = of_other.data();
+    }
+    addVolumes(was, numbers, before);
+    addVolumes(is, numbers, after);
+  }
+
+  const BrickField& phi0_;
+  const BrickField& cut_;
+  const MaterialsOf& materials_;
+  BrickValues outside_, inside_;
+  std::array<std::array<std::uint8_t, kBrickNodes>, 7> numbers_;
+};
+
+}  // namespace
 
 double commonVolume(const BrickField& phi0, const BrickField& one, const BrickField& other) {
-  const double half_width = kShellHalfWidth * phi0.voxel(), cell = std::pow(phi0.voxel(), 3);
-  double sum = 0;
+  BrickField both(phi0.voxel(), phi0.background(), phi0.interior());
   for (std::size_t b = 0; b < one.brickCount(); ++b) {
-    const Vec3i& brick = one.brickCoord(b);
-    const int in_other = other.find(brick), found = phi0.find(brick);
-    if (in_other < 0) continue;
-    const float constant = phi0.constantAt(brick);
-    for (std::size_t n = 0; n < kBrickNodes; ++n) {
-      const float before = found < 0 ? constant : phi0.brick(static_cast<std::size_t>(found))[n];
-      // What is left of the node in the one that takes less.
-      const float after = std::min(one.brick(b)[n], other.brick(static_cast<std::size_t>(in_other))[n]);
-      if (after > before) sum += cell * (insidePart(before, half_width) - insidePart(after, half_width));
-    }
+    const BrickValues* const second = other.valuesAt(one.brickCoord(b));
+    if (!second) continue;
+    BrickValues values = one.brick(b);
+    for (std::size_t n = 0; n < kBrickNodes; ++n) values[n] = std::min(values[n], (*second)[n]);
+    both.add(one.brickCoord(b), values);
   }
-  return sum;
+  const VolumeByNumber volumes = removedVolumes(phi0, both, [](const Vec3i&, auto out) { std::ranges::fill(out, 0); });
+  return volumes[0];
 }
 
 VolumeByNumber removedVolumes(const BrickField& phi0, const BrickField& cut, const MaterialsOf& materials) {
-  const double half_width = kShellHalfWidth * phi0.voxel(), cell = std::pow(phi0.voxel(), 3);
+  const PartsByNumber parts = CountedCut(phi0, cut, materials).removed();
+  const double part = volumeOfPart(phi0.voxel());
   VolumeByNumber out{};
-  std::array<std::uint8_t, kBrickNodes> numbers;
-  for (std::size_t b = 0; b < cut.brickCount(); ++b) {
-    const Vec3i& brick = cut.brickCoord(b);
-    const int found = phi0.find(brick);
-    const float constant = phi0.constantAt(brick);
-    materials(brick, numbers);
-    for (std::size_t n = 0; n < kBrickNodes; ++n) {
-      const float before = found < 0 ? constant : phi0.brick(static_cast<std::size_t>(found))[n];
-      const float after = cut.brick(b)[n];
-      if (before == after) continue;
-      out[numbers[n]] += cell * (insidePart(before, half_width) - insidePart(after, half_width));
-    }
-  }
+  for (std::size_t m = 0; m < parts.size(); ++m) out[m] = addParts(0, parts[m], part);
   return out;
 }
 

@@ -14,11 +14,11 @@ namespace kerf::internal {
 /// Gives the 512 numbers of a brick's materials.
 using MaterialsOf = std::function<void(const Vec3i& brick, std::span<std::uint8_t, kBrickNodes> out)>;
 
-/// mm^3 by number: the smoothed Heaviside of the field as baked less that of the field as cut, node by node, as the
-/// ledger of CutObject counts.   @param cut  the bricks that differ.
+/// mm^3 by number: what the nodes stand for as baked less what they stand for as cut, as the ledger of CutObject counts
+/// (sim/object/node_volumes.h).   @param cut  the bricks that differ.
 VolumeByNumber removedVolumes(const BrickField& phi0, const BrickField& cut, const MaterialsOf& materials);
 
-/// mm^3 that two cuts of one object both take off, node by node the lesser.
+/// mm^3 that two cuts of one object both take off: those of the lesser of the two, node by node.
 double commonVolume(const BrickField& phi0, const BrickField& one, const BrickField& other);
 
 /// Of a case: a node without a label is of the fallback, as loadObject() has it.

@@ -14,7 +14,7 @@
 namespace kerf {
 namespace {
 
-constexpr std::uint32_t kStateVersion = 3;
+constexpr std::uint32_t kStateVersion = 4;
 
 // Little-endian, doubles with every bit.
 class Writer {

@@ -1,7 +1,5 @@
 #include <algorithm>
-#include <cstring>
 
-#include "sim/object/shell_nodes.h"
 #include "sim/step/brick_to_tool.h"
 #include "sim/step/contact.h"
 #include "sim/step/node_kernels.h"
@@ -20,7 +18,6 @@ class Filling {
         number_(static_cast<std::uint8_t>(material)),
         h_(object.voxel()),
         half_width_(kShellHalfWidth * h_),
-        cell_(h_ * h_ * h_),
         brick_radius_(internal::radiusOf(kBrickSide, h_) + tool_.slack()),
         background_(object.baked().phi0().background()),
         interior_(object.baked().phi0().interior()),
@@ -74,34 +71,22 @@ class Filling {
     return changes;
   }
 
+  // What was outside and is now near the added surface is of the new material. Inside the object the material stays.
   void store(int s) {
-    CutObject::Slot& slot = object_.slot(s);
-    const std::uint8_t faces = slot.changed_faces;
-    float* own = object_.write(s);
-    if (!own) {
+    const CutObject::Slot& slot = object_.slot(s);
+    bool relabels = false;
+    for (int n = 0; n < kBrickNodes; ++n) {
+      const bool is_near = next_[n] != slot.phi[n] && static_cast<double>(next_[n]) < half_width_;
+      const bool takes_number = slot.phi[n] >= 0 && is_near;
+      numbers_[n] = takes_number ? number_ : slot.materials[n];
+      relabels |= numbers_[n] != slot.materials[n];
+    }
+
+    if (!object_.fill(s, next_, relabels ? numbers_ : nullptr, result_.added_mm3)) {
       result_.pool_ran_out = true;
       return;
     }
-    slot.changed_faces = faces | facesThatDiffer(own, next_);
-
-    for (int n = 0; n < kBrickNodes; ++n)
-      if (next_[n] != own[n] && static_cast<double>(next_[n]) < half_width_) bookNode(s, n, own[n]);
-
-    std::memcpy(own, next_, sizeof next_);
-    slot.least = *std::min_element(next_, next_ + kBrickNodes);
-    slot.sleeps_until_contact = slot.sleeps_until_cut = -1;
     ++result_.bricks;
-  }
-
-  // The ledger and the material of a node whose value changes from `was_phi`. Inside the object the material stays.
-  void bookNode(int s, int n, float was_phi) {
-    CutObject::Slot& slot = object_.slot(s);
-    const double before = cell_ * insidePart(was_phi, half_width_), after = cell_ * insidePart(next_[n], half_width_);
-    result_.added_mm3 += after - before;
-    const std::uint8_t was = slot.materials[n];
-    if (was_phi >= 0 && was != number_) object_.writeMaterials(s)[n] = number_;
-    object_.added_mm3[was] -= before;
-    object_.added_mm3[slot.materials[n]] += after;
   }
 
   CutObject& object_;
@@ -109,10 +94,11 @@ class Filling {
   const Rigid3& T_object_tool_;
   const Eigen::Matrix3d to_tool_;
   const std::uint8_t number_;  // of the material
-  const double h_, half_width_, cell_, brick_radius_;
+  const double h_, half_width_, brick_radius_;
   const float background_, interior_;
   const Vec3i first_, last_;  // bricks that may be filled
   float next_[kBrickNodes];
+  std::uint8_t numbers_[kBrickNodes];
   FillResult result_;
 };
 

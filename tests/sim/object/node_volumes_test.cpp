@@ -1,0 +1,95 @@
+// What nodes stand for, against formulas and meshes.
+#include "sim/object/node_volumes.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+#include <numeric>
+
+#include "geometry/field/marching_cubes.h"
+#include "tests/sim/block_scene.h"
+#include "ui/bench/scenes/strokes.h"
+
+namespace kerf {
+namespace {
+
+double sum(const std::array<double, 256>& volumes) { return std::accumulate(volumes.begin(), volumes.end(), 0.0); }
+
+Box3 boxOf(double half) {
+  Box3 box;
+  box.add(Vec3d::Constant(-half));
+  box.add(Vec3d::Constant(half));
+  return box;
+}
+
+TEST(NodeVolumes, ABallHasItsVolumeWhereverItLies) {
+  for (const double radius : {0.5, 1.0})
+    for (const double offset : {0.0, 0.031, 0.077}) {
+      const Vec3d center(offset, -0.4 * offset, 1.7 * offset);
+      const auto ball =
+          test::bakedFrom([&](const Vec3d& p) { return (p - center).norm() - radius; }, boxOf(radius + 0.3), 0.1);
+      // Chords are short of the arc by a part of (h / radius)^2.
+      const double wanted = 4.0 / 3 * std::numbers::pi * std::pow(radius, 3);
+      EXPECT_NEAR(sum(ball->volumes()) / wanted, 1, 0.12 * std::pow(0.1 / radius, 2)) << radius << " " << offset;
+    }
+}
+
+TEST(NodeVolumes, AWallAlongTheGridIsAsThickAsItIsWhateverTheScaleOfItsField) {
+  // 3 mm wide with edges at nodes across, thick by what is asked along each axis.
+  for (const double scale : {1.0, 0.2})
+    for (int axis = 0; axis < 3; ++axis)
+      for (const double thick : {0.53, 0.6, 0.671}) {
+        const auto wall = test::bakedFrom(
+            [&](const Vec3d& p) {
+              Vec3d half = Vec3d::Constant(1.45);
+              half[axis] = 0.5 * thick;
+              return scale * (p.cwiseAbs() - half).maxCoeff();
+            },
+            boxOf(1.5), 0.1);
+        // Along an edge of the wall the nearest axis is not that of its thickness.
+        EXPECT_NEAR(sum(wall->volumes()), 2.9 * 2.9 * thick, 0.01 * 2.9 * 2.9 * thick) << scale << axis << thick;
+      }
+}
+
+// Between two cuts phi is small and positive: no surface, no volume.
+TEST(NodeVolumes, AFilmBetweenCutsIsNothing) {
+  BrickValues film;
+  film.fill(1e-6f);
+  std::array<std::uint8_t, kBrickNodes> numbers;
+  numbers.fill(3);
+  const BrickNeighborhood bricks{film.data(),
+                                 {film.data(), film.data(), film.data(), film.data(), film.data(), film.data()}};
+  const MaterialNeighborhood materials{numbers.data(), {}, true};
+  PartsByNumber parts{};
+  addVolumes(bricks, materials, parts);
+  EXPECT_EQ(parts, PartsByNumber{});
+
+  film[100] = -1e-6f;
+  addVolumes(bricks, materials, parts);
+  EXPECT_EQ(parts[3], kCellParts) << "one node of this depth among its likes: half an edge to each side";
+}
+
+TEST(NodeVolumes, RandomStrokesLeaveTheVolumeOfTheMesh) {
+  for (const bool geometry_only : {true, false}) {
+    scenes::RandomStrokes strokes;
+    strokes.geometry_only = geometry_only;
+    const auto ledger = scenes::cutAtRandom(strokes);
+    ASSERT_TRUE(ledger) << ledger.error().message();
+    EXPECT_GT(ledger->removed, 0.3 * ledger->loaded);
+    EXPECT_LT(std::abs(ledger->errorPercent()), 1) << geometry_only;
+    EXPECT_LT(ledger->imbalance(), 1e-12) << geometry_only;
+  }
+}
+
+TEST(NodeVolumes, AFillingFullyCutLeavesNothing) {
+  for (const bool geometry_only : {true, false}) {
+    const auto filling = scenes::cutFilling(geometry_only);
+    ASSERT_TRUE(filling) << filling.error().message();
+    EXPECT_GT(filling->added, 0.5);
+    EXPECT_EQ(filling->removed, filling->added) << geometry_only;
+    EXPECT_EQ(filling->left, 0) << geometry_only;
+  }
+}
+
+}  // namespace
+}  // namespace kerf
