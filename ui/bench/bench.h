@@ -36,6 +36,7 @@ enum class SceneId {
   kResponse,
   kSink,
   kTunnelling,
+  kLedger,
   kPieces,
   kSplit,
   kPassivity,
@@ -130,10 +131,11 @@ Expected<Result> benchForces(const Bench& bench);
 Expected<Result> benchDrives(const Bench& bench);
 Expected<Result> benchSaw(const Bench& bench);
 Expected<Result> benchHeat(const Bench& bench);
-// One source each: the responses side by side, thin walls, pieces, splits on the clock, energy.
+// One source each: the responses side by side, thin walls, ledger, pieces, splits on the clock, energy.
 Expected<Result> benchResponse(const Bench& bench);
 Expected<Result> benchSink(const Bench& bench);
 Expected<Result> benchTunnelling(const Bench& bench);
+Expected<Result> benchLedger(const Bench& bench);
 Expected<Result> benchPieces(const Bench& bench);
 Expected<Result> benchSplit(const Bench& bench);
 Expected<Result> benchPassivity(const Bench& bench);

@@ -109,6 +109,14 @@ inline constexpr Goal kTunnellingGoals[] = {
     {"{}: contacts missed", "", kAtMost, 0},
     {"{}: driven through without a hole", "", kAtMost, 0},
 };
+inline constexpr Goal kLedgerGoals[] = {
+    {"{}: removed, off the mesh", "%", kAtMost, 1},
+    {"{}: as loaded, off the mesh", "%", kAtMost, 1},
+    {"{}: removed + left against loaded", "", kAtMost, 1e-12},
+    {"{}: filling added", "mm3", kAtLeast, 0.5},
+    {"{}: filling left", "mm3", kAtMost, 0},
+    {"{}: filling added less removed", "mm3", kAtMost, 0},
+};
 inline constexpr Goal kPiecesGoals[] = {
     {"cases counted wrong", "", kAtMost, 0},
     {"lists whose volumes do not sum to the whole, to the bit", "", kAtMost, 0},

@@ -39,6 +39,8 @@ constexpr Scene kScenes[] = {
      kSinkGoals},
     {SceneId::kTunnelling, "tunnelling", "a wall of 0.3 mm at 0.1 to 1 m/s: whether anything passes", benchTunnelling,
      kTunnellingGoals},
+    {SceneId::kLedger, "ledger", "volumes by the ledger against those of the mesh, 10 000 strokes: no times",
+     benchLedger, kLedgerGoals},
     {SceneId::kPieces, "pieces", "planes, rings, bridges, crumbs: how many pieces, how soon known", benchPieces,
      kPiecesGoals},
     {SceneId::kSplit, "sever", "a mandible sawn through on the clock: how soon its pieces are objects of their own",
