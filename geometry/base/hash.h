@@ -9,6 +9,7 @@
 #include <string>
 
 #include "geometry/base/error.h"
+#include "geometry/base/sha256_blocks.h"
 
 namespace kerf {
 
@@ -19,14 +20,13 @@ class Sha256 {
   std::array<std::uint8_t, 32> digest();
 
  private:
-  void block(const std::byte* p);
-  std::array<std::uint32_t, 8> h_{0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a,
-                                  0x510e527f, 0x9b05688c, 0x1f83d9ab, 0x5be0cd19};
+  internal::Sha256State state_{0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a,
+                               0x510e527f, 0x9b05688c, 0x1f83d9ab, 0x5be0cd19};
   std::array<std::byte, 64> buffer_{};
   std::uint64_t length_ = 0;
 };
 
-/// 64 lower-case hexadecimal digits. About 250 MB/s.
+/// 64 lower-case hexadecimal digits. @cost 0.6 ns a byte where the processor has SHA instructions, else 4.5.
 std::string sha256(std::span<const std::byte> bytes);
 Expected<std::string> sha256OfFile(const std::filesystem::path& path);
 /// Fails when the file is not the one that had this hash: damaged, cut short, or edited by hand.

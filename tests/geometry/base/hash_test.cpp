@@ -31,5 +31,20 @@ TEST(Hash, FileAndPiecesGiveTheSame) {
   EXPECT_EQ(sha256OfFile(folder.path() / "absent").error().code, Error::Code::kNotFound);
 }
 
+TEST(Hash, AllFormsTakeBlocksTheSame) {
+  const internal::Sha256Blocks instructions = internal::sha256BlocksByInstructions();
+  if (!instructions) GTEST_SKIP() << "this processor has no SHA instructions";
+  std::vector<std::byte> bytes(64 * 33 + 1);
+  std::uint32_t random = 1;
+  for (std::byte& b : bytes) b = static_cast<std::byte>((random = random * 1664525 + 1013904223) >> 24);
+  for (std::size_t count = 0; count <= 33; ++count)
+    for (const std::size_t begin : {0, 1}) {  // aligned or not
+      internal::Sha256State expected{1, 2, 3, 4, 5, 6, 7, 0xffffffff}, found = expected;
+      internal::sha256BlocksPortable(expected, bytes.data() + begin, count);
+      instructions(found, bytes.data() + begin, count);
+      ASSERT_EQ(found, expected) << count << " blocks from " << begin;
+    }
+}
+
 }  // namespace
 }  // namespace kerf
