@@ -123,23 +123,4 @@ Expected<BrickField> readVdb(const std::filesystem::path& path, const std::strin
   }
 }
 
-Expected<std::vector<VdbGridInfo>> inspectVdb(const std::filesystem::path& path) {
-  initialize();
-  try {
-    openvdb::io::File file(path.string());
-    file.open(false);
-    std::vector<VdbGridInfo> infos;
-    for (auto name = file.beginName(); name != file.endName(); ++name) {
-      const auto grid = file.readGridMetadata(name.gridName());
-      VdbGridInfo info{name.gridName(), grid->type(), grid->transform().voxelSize()[0], 0};
-      if (const auto count = grid->getMetadata<openvdb::Int64Metadata>("file_voxel_count"))
-        info.active_voxels = static_cast<std::uint64_t>(count->value());
-      infos.push_back(info);
-    }
-    return infos;
-  } catch (const std::exception& e) {
-    return fail(readError(path, "", e.what()));
-  }
-}
-
 }  // namespace kerf

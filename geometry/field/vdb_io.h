@@ -34,6 +34,8 @@ Expected<void> writeVdb(const std::filesystem::path& path, const std::vector<Nam
 /// Refuses grids whose transform is not a plain uniform scale.
 Expected<BrickField> readVdb(const std::filesystem::path& path, const std::string& name);
 
+/// The grids of a file, by name. Reads its header and those of the grids, no voxels, and not by OpenVDB: a damaged
+/// file is refused or told wrong of, never a crash. @cost microseconds a grid, whatever its size.
 Expected<std::vector<VdbGridInfo>> inspectVdb(const std::filesystem::path& path);
 
 }  // namespace kerf

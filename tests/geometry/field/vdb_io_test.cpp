@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <iterator>
+
 #include "tests/geometry/sampled_field.h"
 #include "tests/support/temporary_folder.h"
 
@@ -34,6 +37,50 @@ TEST(VdbIo, AMissingFileOrGridIsAnError) {
   const auto other = readVdb(folder.path() / "f.vdb", "sweep");
   ASSERT_FALSE(other);
   EXPECT_NE(other.error().message().find("sweep"), std::string::npos);
+}
+
+std::string contentOf(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+TEST(VdbIo, InspectingTellsTheGridsByName) {
+  const TemporaryFolder folder;
+  BrickField one(0.05, 0.2f), other(0.1, 0.3f);
+  one.touch({0, 0, 0});
+  one.touch({5, -7, 0});
+  // Metadata of any length is passed over.
+  ASSERT_TRUE(
+      writeVdb(folder.path() / "f.vdb", {{"sweep", &one}, {"phi", &other}}, {{"case_id", std::string(100'000, 'x')}}));
+  const auto grids = inspectVdb(folder.path() / "f.vdb");
+  ASSERT_TRUE(grids) << grids.error().message();
+  ASSERT_EQ(grids->size(), 2u);
+  EXPECT_EQ((*grids)[0].name, "phi");
+  EXPECT_EQ((*grids)[0].voxel, 0.1);
+  EXPECT_EQ((*grids)[0].active_voxels, 0u);
+  EXPECT_EQ((*grids)[1].name, "sweep");
+  EXPECT_EQ((*grids)[1].type, "Tree_float_5_4_3");
+  EXPECT_EQ((*grids)[1].voxel, 0.05);
+  EXPECT_EQ((*grids)[1].active_voxels, 2u * kBrickNodes);
+}
+
+TEST(VdbIo, InspectingRefusesWhatWasCutShortAndSurvivesAnyByte) {
+  const TemporaryFolder folder;
+  BrickField field(0.05, 0.2f);
+  field.touch({0, 0, 0});
+  ASSERT_TRUE(writeVdb(folder.path() / "f.vdb", {{"phi", &field}}));
+  const std::string good = contentOf(folder.path() / "f.vdb");
+  for (std::size_t size = 0; size < good.size(); size += 1 + size / 16)
+    EXPECT_FALSE(inspectVdb(folder.write("short.vdb", good.substr(0, size)))) << size << " bytes";
+  EXPECT_FALSE(inspectVdb(folder.path() / "none.vdb"));
+
+  for (std::size_t at = 0; at < std::min<std::size_t>(good.size(), 700); ++at)
+    for (const char wrong : {'\x00', '\x7f', '\xff'}) {
+      std::string bad = good;
+      bad[at] = wrong;
+      const auto grids = inspectVdb(folder.write("bad.vdb", bad));
+      EXPECT_TRUE(!grids || grids->size() <= 1) << "byte " << at;
+    }
 }
 
 }  // namespace
