@@ -320,4 +320,11 @@ Expected<MaterialField> readCaseMaterials(const std::filesystem::path& folder) {
   return readMaterialField(folder / kCaseAnatomy);
 }
 
+Expected<CaseFields> readCaseFields(const std::filesystem::path& folder, const CaseManifest& manifest) {
+  KERF_CHECK(requireSha256(folder / kCaseAnatomy, manifest.field_sha256, "bake the case again"));
+  KERF_TRY(phi0, readVdb(folder / kCaseAnatomy, "phi"));
+  KERF_TRY(materials, readMaterialField(folder / kCaseAnatomy));
+  return CaseFields{std::move(phi0), std::move(materials)};
+}
+
 }  // namespace kerf

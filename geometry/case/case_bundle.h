@@ -90,6 +90,12 @@ struct CaseManifest {
   std::string solid_sha256, field_sha256;  ///< of solid.ply and anatomy.vdb: a damaged file is refused, not cut
 };
 
+/// The baked field and its labels.
+struct CaseFields {
+  BrickField phi0;
+  MaterialField materials;
+};
+
 /// True if the folder looks like a case (has a manifest).
 bool isCase(const std::filesystem::path& folder);
 Expected<void> writeCaseManifest(const std::filesystem::path& folder, const CaseManifest& manifest);
@@ -104,5 +110,7 @@ Expected<BrickField> readCaseField(const std::filesystem::path& folder);
 Expected<BrickField> readCaseRegionField(const std::filesystem::path& folder);
 /// The labels beside it; checked the same way.
 Expected<MaterialField> readCaseMaterials(const std::filesystem::path& folder);
+/// Both, checked once. @param manifest  of that folder.
+Expected<CaseFields> readCaseFields(const std::filesystem::path& folder, const CaseManifest& manifest);
 
 }  // namespace kerf

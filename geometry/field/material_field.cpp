@@ -32,7 +32,8 @@ bool MaterialField::copyBrick(const Vec3i& brick, std::span<std::uint8_t, 512> o
     std::fill(out.begin(), out.end(), number(grid_->labels->tree().getValue(origin)));
     return true;
   }
-  for (openvdb::Index n = 0; n < 512; ++n) out[n] = number(leaf->getValue(n));
+  const std::int32_t* const labels = leaf->buffer().data();
+  for (std::size_t n = 0; n < 512; ++n) out[n] = number(labels[n]);
   return std::all_of(out.begin(), out.end(), [&](std::uint8_t label) { return label == out[0]; });
 }
 

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <mutex>
 
+#include "geometry/base/large_pages.h"
 #include "geometry/field/vdb_bricks.h"
 #include "geometry/field/vdb_writer.h"
 
@@ -38,8 +39,12 @@ BrickField internal::toBricks(const openvdb::FloatGrid& grid) {
 
   BrickField field(grid.voxelSize()[0], grid.background(), interior < 0 ? interior : -grid.background());
   field.reserve(grid.tree().leafCount());
-  for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf)
+  for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
     field.add(brickOf(toVec(leaf->origin())), std::span<const float, kBrickNodes>(leaf->buffer().data(), kBrickNodes));
+    // The first brick tells where the reserved memory is; the rest of it has not been touched yet.
+    if (field.brickCount() == 1)
+      internal::adviseLargePages(&field.brick(0), grid.tree().leafCount() * sizeof(BrickValues));
+  }
 
   auto tile = grid.tree().cbeginValueAll();
   tile.setMaxDepth(openvdb::FloatTree::ValueAllCIter::LEAF_DEPTH - 1);

@@ -1,10 +1,14 @@
 #include "sim/object/baked_object.h"
 
 #include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "sim/object/huge_pages.h"
 #include "sim/object/node_volumes.h"
 #include "sim/object/shell_nodes.h"
 
@@ -18,8 +22,7 @@ int shellOfBrick(const BrickNeighborhood& bricks, const std::uint8_t* materials,
   return internal::shellNodes(bricks, materials, static_cast<float>(e), static_cast<float>(scale), out);
 }
 
-Expected<std::shared_ptr<const BakedObject>> BakedObject::make(BrickField phi0, const MaterialField* materials,
-                                                               Material fallback) {
+Expected<std::shared_ptr<BakedObject>> BakedObject::start(BrickField phi0, Material fallback) {
   std::shared_ptr<BakedObject> out(new BakedObject);
   out->phi0_ = std::move(phi0);
   out->fallback_ = fallback;
@@ -36,10 +39,29 @@ Expected<std::shared_ptr<const BakedObject>> BakedObject::make(BrickField phi0, 
     out->uniform_[m] = std::make_unique<std::uint8_t[]>(kBrickNodes);
     std::fill_n(out->uniform_[m].get(), kBrickNodes, static_cast<std::uint8_t>(m));
   }
-
   KERF_CHECK(out->laySlots());
+  return out;
+}
+
+Expected<std::shared_ptr<const BakedObject>> BakedObject::make(BrickField phi0, const MaterialField* materials,
+                                                               Material fallback) {
+  KERF_TRY(out, start(std::move(phi0), fallback));
   if (materials) out->label(*materials);
   out->buildShells();
+  out->measureVolumes();
+  return std::shared_ptr<const BakedObject>(std::move(out));
+}
+
+Expected<std::shared_ptr<const BakedObject>> BakedObject::make(BrickField phi0, MaterialField&& materials,
+                                                               Material fallback) {
+  KERF_TRY(out, start(std::move(phi0), fallback));
+  {
+    const MaterialField labels = std::move(materials);
+    out->label(labels);
+  }
+  internal::returnFreeMemory();
+  out->buildShells();
+  out->measureVolumes();
   return std::shared_ptr<const BakedObject>(std::move(out));
 }
 
@@ -52,10 +74,12 @@ Expected<void> BakedObject::laySlots() {
     Vec3i brick;
     const float* phi;
   };
+  const std::vector<Vec3i> interior = phi0_.interiorBricks();
   std::vector<Entry> entries;
+  entries.reserve(phi0_.brickCount() + interior.size());
   for (std::size_t b = 0; b < phi0_.brickCount(); ++b)
     entries.push_back({coordKey(phi0_.brickCoord(b)), phi0_.brickCoord(b), phi0_.brick(b).data()});
-  for (const Vec3i& c : phi0_.interiorBricks()) entries.push_back({coordKey(c), c, inside_.data()});
+  for (const Vec3i& c : interior) entries.push_back({coordKey(c), c, inside_.data()});
   std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) { return a.key < b.key; });
 
   Vec3i low = entries.front().brick, high = low;
@@ -76,8 +100,9 @@ Expected<void> BakedObject::laySlots() {
   slots_.reserve(entries.size());
   for (const Entry& entry : entries) {
     directory_.set(directory_.indexOf(entry.brick), static_cast<std::int32_t>(slots_.size()));
-    slots_.push_back({entry.brick, entry.phi, fallbackMaterials(), 0, 0, true,
-                      *std::min_element(entry.phi, entry.phi + kBrickNodes)});
+    const bool is_stored = entry.phi != inside_.data();
+    const float least = is_stored ? *std::min_element(entry.phi, entry.phi + kBrickNodes) : phi0_.interior();
+    slots_.push_back({entry.brick, entry.phi, fallbackMaterials(), 0, 0, true, least});
   }
   return {};
 }
@@ -89,10 +114,10 @@ void BakedObject::label(const MaterialField& materials) {
   for (std::size_t s = 0; s < slots_.size(); ++s) {
     const bool is_uniform = materials.copyBrick(slots_[s].brick, numbers);
     if (is_uniform && numbers[0] == 0) continue;
-    std::replace(numbers.begin(), numbers.end(), std::uint8_t{0}, static_cast<std::uint8_t>(fallback_));
     if (is_uniform) {
       slots_[s].materials = uniform_[numbers[0]].get();
     } else {
+      std::replace(numbers.begin(), numbers.end(), std::uint8_t{0}, static_cast<std::uint8_t>(fallback_));
       slots_[s].has_one_material = false;
       mixed.push_back(s);
       materials_.push_back(numbers);
@@ -102,26 +127,62 @@ void BakedObject::label(const MaterialField& materials) {
   for (std::size_t n = 0; n < mixed.size(); ++n) slots_[mixed[n]].materials = materials_[n].data();
 }
 
-// The shell of each slot, and the volumes.
+// The shell of each slot: how many nodes it has is known of its values alone, so that each writes into its own place.
 void BakedObject::buildShells() {
-  std::vector<ShellChunk> chunks(kShellChunks);
-  PartsByNumber parts{};
+  const auto e = static_cast<float>(kShellHalfWidth * voxel());
+  const bool is_interior_empty = std::abs(phi0_.interior()) >= e;
+  tbb::parallel_for(std::size_t{0}, slots_.size(), [&](std::size_t s) {
+    Slot& slot = slots_[s];
+    if (isInterior(slot) && is_interior_empty) return;
+    std::uint32_t nodes = 0;
+    for (int n = 0; n < kBrickNodes; ++n) nodes += std::abs(slot.phi[n]) < e;
+    slot.shell_count = nodes;
+  });
+
+  std::uint32_t chunks = 0;
   for (Slot& slot : slots_) {
+    slot.shell_begin = chunks;
+    chunks += static_cast<std::uint32_t>(chunkCount(static_cast<int>(slot.shell_count)));
+  }
+
+  internal::reserveLarge(shell_, chunks);
+  shell_.resize(chunks);
+  tbb::parallel_for(std::size_t{0}, slots_.size(), [&](std::size_t s) {
+    const Slot& slot = slots_[s];
+    if (slot.shell_count == 0) return;
     const std::size_t here = directory_.indexOf(slot.brick);
     BrickNeighborhood around{slot.phi, {}};
-    MaterialNeighborhood materials{slot.materials, {}, slot.has_one_material};
     for (int face = 0; face < 6; ++face) {
-      const std::int32_t s = directory_.at(directory_.indexBeside(here, face));
-      around.face[face] = s < 0 ? outside_.data() : slots_[static_cast<std::size_t>(s)].phi;
-      if (s >= 0) materials.add(face, slots_[static_cast<std::size_t>(s)]);
+      const std::int32_t beside = directory_.at(directory_.indexBeside(here, face));
+      around.face[face] = beside < 0 ? outside_.data() : slots_[static_cast<std::size_t>(beside)].phi;
     }
+    shellOfBrick(around, slot.materials, voxel(), shell_.data() + slot.shell_begin);
+  });
+}
 
-    const int nodes = shellOfBrick(around, slot.materials, voxel(), chunks.data());
-    slot.shell_begin = static_cast<std::uint32_t>(shell_.size());
-    slot.shell_count = static_cast<std::uint32_t>(nodes);
-    shell_.insert(shell_.end(), chunks.begin(), chunks.begin() + chunkCount(nodes));
-    addVolumes(around, materials, parts);
-  }
+// In whole parts of a cell, so that the number of threads changes nothing.
+void BakedObject::measureVolumes() {
+  const auto ofSlots = [&](const tbb::blocked_range<std::size_t>& range, PartsByNumber parts) {
+    for (std::size_t n = range.begin(); n < range.end(); ++n) {
+      const Slot& slot = slots_[n];
+      const std::size_t here = directory_.indexOf(slot.brick);
+      BrickNeighborhood around{slot.phi, {}};
+      MaterialNeighborhood materials{slot.materials, {}, slot.has_one_material};
+      for (int face = 0; face < 6; ++face) {
+        const std::int32_t beside = directory_.at(directory_.indexBeside(here, face));
+        around.face[face] = beside < 0 ? outside_.data() : slots_[static_cast<std::size_t>(beside)].phi;
+        if (beside >= 0) materials.add(face, slots_[static_cast<std::size_t>(beside)]);
+      }
+      addVolumes(around, materials, parts);
+    }
+    return parts;
+  };
+  const auto together = [](PartsByNumber one, const PartsByNumber& other) {
+    for (std::size_t m = 0; m < one.size(); ++m) one[m] += other[m];
+    return one;
+  };
+  const PartsByNumber parts =
+      tbb::parallel_reduce(tbb::blocked_range<std::size_t>(0, slots_.size(), 1024), PartsByNumber{}, ofSlots, together);
 
   const double part = volumeOfPart(voxel());
   for (std::size_t m = 0; m < parts.size(); ++m) volumes_[m] = addParts(0, parts[m], part);

@@ -64,6 +64,9 @@ class BakedObject {
   /// Error kBadValue: an empty field, or one whose box takes more than 2^26 bricks.
   static Expected<std::shared_ptr<const BakedObject>> make(BrickField phi0, const MaterialField* materials,
                                                            Material fallback = Material::kGeneric);
+  /// The same. The memory of the labels is free as soon as they are copied: before that of the shell is taken.
+  static Expected<std::shared_ptr<const BakedObject>> make(BrickField phi0, MaterialField&& materials,
+                                                           Material fallback = Material::kGeneric);
 
   const BrickField& phi0() const { return phi0_; }
   double voxel() const { return phi0_.voxel(); }
@@ -88,9 +91,12 @@ class BakedObject {
 
  private:
   BakedObject() = default;
+  static Expected<std::shared_ptr<BakedObject>> start(BrickField phi0, Material fallback);
   Expected<void> laySlots();
   void label(const MaterialField& materials);
   void buildShells();
+  void measureVolumes();
+  bool isInterior(const Slot& slot) const { return slot.phi == inside_.data(); }
 
   BrickField phi0_;
   BrickValues outside_{}, inside_{};

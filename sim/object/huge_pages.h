@@ -2,12 +2,15 @@
 // there in them misses the page table less.
 #pragma once
 
-#include <sys/mman.h>
+#if __has_include(<malloc.h>)
+#include <malloc.h>
+#endif
 
 #include <cstddef>
-#include <cstdint>
 #include <cstring>
 #include <vector>
+
+#include "geometry/base/large_pages.h"
 
 namespace kerf::internal {
 
@@ -15,11 +18,14 @@ namespace kerf::internal {
 template <class T>
 void reserveLarge(std::vector<T>& to, std::size_t count) {
   to.reserve(count);
-#ifdef MADV_HUGEPAGE
-  constexpr std::uintptr_t kPage = std::uintptr_t{1} << 21;
-  const auto begin = (reinterpret_cast<std::uintptr_t>(to.data()) + kPage - 1) & ~(kPage - 1);
-  const auto end = reinterpret_cast<std::uintptr_t>(to.data() + to.capacity()) & ~(kPage - 1);
-  if (begin < end) static_cast<void>(madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE));
+  adviseLargePages(static_cast<void*>(to.data()), to.capacity() * sizeof(T));
+}
+
+/// Gives the system what is free between blocks in use. The C library keeps it, and a large block that is taken next
+/// comes on top of it. @cost milliseconds.
+inline void returnFreeMemory() {
+#ifdef __GLIBC__
+  malloc_trim(0);
 #endif
 }
 

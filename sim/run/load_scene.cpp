@@ -6,11 +6,10 @@ namespace kerf {
 
 Expected<std::shared_ptr<const BakedObject>> loadObject(const std::filesystem::path& case_folder) {
   KERF_TRY(manifest, readCaseManifest(case_folder));
-  KERF_TRY(phi0, readCaseField(case_folder));
-  KERF_TRY(materials, readCaseMaterials(case_folder));
+  KERF_TRY(fields, readCaseFields(case_folder, manifest));
   const Material fallback =
       manifest.materials.empty() ? Material::kGeneric : static_cast<Material>(manifest.materials.front().number);
-  auto object = BakedObject::make(std::move(phi0), &materials, fallback);
+  auto object = BakedObject::make(std::move(fields.phi0), std::move(fields.materials), fallback);
   if (!object) {
     object.error().file = case_folder.string();
     return fail(object.error());
