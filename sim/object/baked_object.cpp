@@ -173,7 +173,7 @@ void BakedObject::measureVolumes() {
         around.face[face] = beside < 0 ? outside_.data() : slots_[static_cast<std::size_t>(beside)].phi;
         if (beside >= 0) materials.add(face, slots_[static_cast<std::size_t>(beside)]);
       }
-      addVolumes(around, materials, parts);
+      addVolumes(around, materials, phi0_.background(), parts);
     }
     return parts;
   };

@@ -150,7 +150,7 @@ std::uint64_t BrickStore::stateHash() const {
 std::array<double, 256> BrickStore::countVolumes() const {
   PartsByNumber parts{};
   for (int s = 0; s < slotCount(); ++s)
-    if (has(s)) addVolumes(around(slot(s)), materialsAround(slot(s)), parts);
+    if (has(s)) addVolumes(around(slot(s)), materialsAround(slot(s)), baked_->phi0().background(), parts);
 
   const double part = volumeOfPart(baked_->voxel());
   std::array<double, 256> out{};

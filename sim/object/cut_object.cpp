@@ -85,7 +85,7 @@ bool CutObject::put(int s, const float* values, const std::uint8_t* materials, i
   changing.changed_faces = faces | facesOf(changed);
 
   VolumeChange change(bricks_.around(changing), values, changed, bricks_.materialsAround(changing),
-                      materials ? materials : changing.materials);
+                      materials ? materials : changing.materials, baked().phi0().background());
   for (int face = 0; face < 6; ++face) {
     if (!(change.faces() >> face & 1)) continue;
     const int beside = bricks_.findBeside(changing, face);

@@ -59,28 +59,29 @@ void insideBeyondHere(const float* const face[6], std::uint64_t out[6]) {
   }
 }
 
-void nodeVolumesHere(const float* value, const float* const beside[6], int count, std::int32_t* out) {
+void nodeVolumesHere(const float* value, const float* const beside[6], int count, float band, std::int32_t* out) {
   const F f;
   const I i;
   const int lanes = static_cast<int>(hn::Lanes(f));
   const V zero = hn::Zero(f), half = hn::Set(f, 0.5f), all = hn::Set(f, static_cast<float>(kCellParts));
-  const auto whole = hn::Set(i, kCellParts);
+  const V most = hn::Set(f, band);
   for (int n = 0; n < count; n += lanes) {
-    const V v = hn::LoadU(f, value + n), size = hn::Abs(v);
+    const V v = hn::LoadU(f, value + n), size = hn::Min(hn::Abs(v), most);
     const auto is_inside = hn::Lt(v, zero);
     // How far the crossing of an edge is, at most a half.
     const auto reach = [&](const float* other) {
       const V w = hn::LoadU(f, other + n);
       const auto crosses = hn::Xor(hn::Lt(w, zero), is_inside);
-      return hn::IfThenElse(crosses, hn::Min(hn::Div(size, hn::Add(size, hn::Abs(w))), half), half);
+      return hn::IfThenElse(crosses, hn::Min(hn::Div(size, hn::Add(size, hn::Min(hn::Abs(w), most))), half), half);
     };
-    V least = hn::Add(reach(beside[0]), reach(beside[1]));
-    least = hn::Min(least, hn::Add(reach(beside[2]), reach(beside[3])));
-    least = hn::Min(least, hn::Add(reach(beside[4]), reach(beside[5])));
+    V least = half;
+    for (int side = 0; side < 6; ++side) least = hn::Min(least, reach(beside[side]));
 
+    // Half of the cell and what the nearest crossing leaves beyond its middle, or takes.
     const auto parts = hn::ConvertTo(i, hn::Add(hn::Mul(least, all), half));
     const auto mask = hn::RebindMask(i, is_inside);
-    hn::StoreU(hn::IfThenElse(mask, parts, hn::Sub(whole, parts)), i, out + n);
+    const auto middle = hn::Set(i, kCellParts / 2);
+    hn::StoreU(hn::IfThenElse(mask, hn::Add(middle, parts), hn::Sub(middle, parts)), i, out + n);
   }
 }
 
@@ -126,8 +127,8 @@ static std::array<std::uint64_t, 6> insideBeyond(const float* const face[6]) noe
   return out;
 }
 
-void nodeVolumes(const float* value, const float* const beside[6], int count, std::int32_t* out) noexcept {
-  HWY_DYNAMIC_DISPATCH(nodeVolumesHere)(value, beside, count, out);
+void nodeVolumes(const float* value, const float* const beside[6], int count, float band, std::int32_t* out) noexcept {
+  HWY_DYNAMIC_DISPATCH(nodeVolumesHere)(value, beside, count, band, out);
 }
 
 void SurfaceNodes::set(int at, int node, const BrickNeighborhood& bricks) noexcept {
@@ -153,13 +154,13 @@ void SurfaceNodes::label(int at, int node, const MaterialNeighborhood& materials
   }
 }
 
-void SurfaceNodes::measure(int count) noexcept {
+void SurfaceNodes::measure(int count, float band) noexcept {
   for (int n = count; n % 8 != 0; ++n) {  // none of them counts
     value[n] = 1;
     for (auto& axis : beside) axis[n] = 1;
   }
   const float* const others[6] = {beside[0], beside[1], beside[2], beside[3], beside[4], beside[5]};
-  nodeVolumes(value, others, count, parts);
+  nodeVolumes(value, others, count, band, parts);
 }
 
 }  // namespace internal
@@ -237,7 +238,8 @@ void forEachNode(const NodeBits& nodes, const Visit& visit) {
 
 }  // namespace
 
-void addVolumes(const BrickNeighborhood& bricks, const MaterialNeighborhood& materials, PartsByNumber& sum) noexcept {
+void addVolumes(const BrickNeighborhood& bricks, const MaterialNeighborhood& materials, float band,
+                PartsByNumber& sum) noexcept {
   const Signs signs(bricks);
   const NodeBits surface = atSurface(signs.self, signs.beyond);
   NodeBits whole;
@@ -255,17 +257,19 @@ void addVolumes(const BrickNeighborhood& bricks, const MaterialNeighborhood& mat
     nodes.label(count, n, materials);
     ++count;
   });
-  nodes.measure(count);
+  nodes.measure(count, band);
   for (int n = 0; n < count; ++n) sum[nodes.material[n]] += nodes.parts[n];
 }
 
 // Its volume changes where the sign does, and beside an edge that crosses the surface and has changed at one end.
 VolumeChange::VolumeChange(const BrickNeighborhood& before, const float* after, const NodeBits& changed,
-                           const MaterialNeighborhood& materials, const std::uint8_t* materials_after) noexcept
+                           const MaterialNeighborhood& materials, const std::uint8_t* materials_after,
+                           float band) noexcept
     : before_values_(before.self),
       after_values_(after),
       materials_before_(materials.self),
       materials_after_(materials_after),
+      band_(band),
       is_one_(materials.is_one && materials_after == materials.self) {
   const Signs was(before);
   const NodeBits inside = internal::insideNodes(after);
@@ -326,8 +330,8 @@ void VolumeChange::addBeyond(int face, const BrickNeighborhood& brick, const Mat
 }
 
 std::int64_t VolumeChange::lost() noexcept {
-  before_.measure(count_);
-  after_.measure(count_);
+  before_.measure(count_, band_);
+  after_.measure(count_, band_);
   std::int64_t out = 0;
   for (int n = 0; n < count_; ++n) out += before_.parts[n] - after_.parts[n];
   return out;

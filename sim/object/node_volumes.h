@@ -2,16 +2,13 @@
 //
 // A node stands for its cell, a cube of one voxel about it. The cell counts whole inside and not at all outside, but
 // where a neighbour along an axis has the other sign. There the surface crosses the edge between the two, at the place
-// that linear interpolation gives, as the mesher has it. Let r be how far the node is from that place, in voxels, at
-// most a half, and a half on an edge without a crossing. Along an axis the sum of both r is what a column through the
-// cell has of the node's side. The node counts by the axis that has least:
+// that linear interpolation gives, as the mesher has it. Let r be the distance to the nearest crossing along an edge,
+// in voxels, at most a half: inside a node counts 1/2 + r, outside 1/2 - r.
 //
-//   inside    min over axes of r- + r+
-//   outside   1 less that
-//
-// Of a plane this is the axis nearest to its normal. Columns along it are right one by one, so their sum is, whatever
-// the scale of the field. Values on other edges do not count: a field that is small, or no distance, far from a change
-// of sign has the volume of its mesh. No volume grows when a value does.
+// Of a plane that edge is along the axis nearest to its normal. Columns along it are right one by one, so their sum is,
+// whatever the scale of the field. Values on other edges do not count: a field that is small, or no distance, far from
+// a change of sign has the volume of its mesh. No volume grows when a value does, and where the surface passes a node
+// volumes are continuous.
 //
 // Volumes are whole numbers of 1 / 65536 of a cell. So sums and differences are exact, and their order does not matter.
 #pragma once
@@ -55,8 +52,10 @@ inline double addParts(double volume, std::int64_t parts, double part) {
 }
 
 /// Adds the volumes of a brick's nodes. An outside node's part is of the material of its deepest neighbour: it is what
-/// that one has beyond the middle of the edge. @rt safe. @cost 0.3 us, 2 us where the surface passes.
-void addVolumes(const BrickNeighborhood& bricks, const MaterialNeighborhood& materials, PartsByNumber& sum) noexcept;
+/// that one has beyond the middle of the edge.   @param band  mm: values count as no farther than this, that of air
+/// without a brick, which so has no volume beside what is deep. @rt safe. @cost 0.3 us, 2 us where the surface passes.
+void addVolumes(const BrickNeighborhood& bricks, const MaterialNeighborhood& materials, float band,
+                PartsByNumber& sum) noexcept;
 
 namespace internal {
 
@@ -66,7 +65,7 @@ NodeBits insideNodes(const float* values) noexcept;
 /// The volumes of `count` nodes.   @param value  of the nodes.   @param beside  of their neighbours, -x, +x, -y, +y,
 /// -z, +z. All arrays reach to the next multiple of eight.   @param out  parts of a cell. The same with any instruction
 /// set.
-void nodeVolumes(const float* value, const float* const beside[6], int count, std::int32_t* out) noexcept;
+void nodeVolumes(const float* value, const float* const beside[6], int count, float band, std::int32_t* out) noexcept;
 
 /// Nodes whose volume is to be measured. Scratch: 30 KB, not set to anything.
 struct SurfaceNodes {
@@ -79,7 +78,7 @@ struct SurfaceNodes {
   void set(int at, int node, const BrickNeighborhood& bricks) noexcept;
   /// @pre set().
   void label(int at, int node, const MaterialNeighborhood& materials) noexcept;
-  void measure(int count) noexcept;
+  void measure(int count, float band) noexcept;
 };
 
 }  // namespace internal
@@ -92,7 +91,7 @@ class VolumeChange {
   /// @param changed  the nodes at which `after` differs from the brick's values.
   /// @param materials_after  512 numbers. One that differs is of a node that was outside, and changes its value. @rt
   VolumeChange(const BrickNeighborhood& before, const float* after, const internal::NodeBits& changed,
-               const MaterialNeighborhood& materials, const std::uint8_t* materials_after) noexcept;
+               const MaterialNeighborhood& materials, const std::uint8_t* materials_after, float band) noexcept;
 
   /// Bits of -x, +x, -y, +y, -z, +z: the bricks in which nodes change their volume, to be added. @rt
   std::uint8_t faces() const noexcept { return faces_; }
@@ -111,6 +110,7 @@ class VolumeChange {
   const float* const after_values_;
   const std::uint8_t* const materials_before_;
   const std::uint8_t* const materials_after_;
+  const float band_;
   bool is_one_;
   std::uint8_t faces_ = 0;
   std::array<std::uint64_t, 6> beyond_;  // of faces_: the nodes, bit 8 a + b, a and b the other axes in their order

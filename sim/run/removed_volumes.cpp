@@ -64,8 +64,8 @@ class CountedCut {
       materials_(other, of_other);
       numbers.face[face] = of_other.data();
     }
-    addVolumes(was, numbers, before);
-    addVolumes(is, numbers, after);
+    addVolumes(was, numbers, phi0_.background(), before);
+    addVolumes(is, numbers, phi0_.background(), after);
   }
 
   const BrickField& phi0_;

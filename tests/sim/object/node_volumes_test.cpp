@@ -61,11 +61,11 @@ TEST(NodeVolumes, AFilmBetweenCutsIsNothing) {
                                  {film.data(), film.data(), film.data(), film.data(), film.data(), film.data()}};
   const MaterialNeighborhood materials{numbers.data(), {}, true};
   PartsByNumber parts{};
-  addVolumes(bricks, materials, parts);
+  addVolumes(bricks, materials, 0.3f, parts);
   EXPECT_EQ(parts, PartsByNumber{});
 
   film[100] = -1e-6f;
-  addVolumes(bricks, materials, parts);
+  addVolumes(bricks, materials, 0.3f, parts);
   EXPECT_EQ(parts[3], kCellParts) << "one node of this depth among its likes: half an edge to each side";
 }
 

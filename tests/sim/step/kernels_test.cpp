@@ -312,7 +312,7 @@ TEST(DifferingNodes, AreThoseWhoseValuesDiffer) {
   }
 }
 
-TEST(NodeVolumes, AreTheLeastOfThreeAxes) {
+TEST(NodeVolumes, GoByTheNearestCrossing) {
   std::mt19937 random(13);
   std::uniform_real_distribution<float> u(-0.1f, 0.1f);
   constexpr std::size_t kCount = 48;
@@ -323,19 +323,15 @@ TEST(NodeVolumes, AreTheLeastOfThreeAxes) {
                                   values[4].data(), values[5].data(), values[6].data()};
   onEveryTarget([&] {
     std::vector<std::int32_t> parts(kCount, -7);
-    nodeVolumes(values[0].data(), beside, kCount, parts.data());
+    nodeVolumes(values[0].data(), beside, kCount, 0.06f, parts.data());
     for (std::size_t n = 0; n < kCount; ++n) {
       const double v = values[0][n];
-      double least = 1;
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        double sum = 0;
-        for (std::size_t side = 1; side <= 2; ++side) {
-          const double w = values[2 * axis + side][n];
-          sum += (v < 0) != (w < 0) ? std::min(0.5, v / (v - w)) : 0.5;
-        }
-        least = std::min(least, sum);
+      double least = 0.5;
+      for (std::size_t side = 1; side <= 6; ++side) {
+        const double w = values[side][n], size = std::min(std::abs(v), 0.06);
+        if ((v < 0) != (w < 0)) least = std::min(least, size / (size + std::min(std::abs(w), 0.06)));
       }
-      ASSERT_NEAR(parts[n], kCellParts * (v < 0 ? least : 1 - least), 0.51) << n;
+      ASSERT_NEAR(parts[n], kCellParts * (v < 0 ? 0.5 + least : 0.5 - least), 0.51) << n;
     }
   });
 }
