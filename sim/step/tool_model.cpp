@@ -9,7 +9,7 @@
 namespace kerf {
 namespace {
 
-constexpr double kDiamondEnergy = 22, kCarbideEnergy = 22;
+constexpr double kGrindingEnergy = 22;                       // over the table's
 constexpr double kRadPerSecond = 2 * std::numbers::pi / 60;  // of one turn per minute
 
 // How far the drive's speed goes in one turn or cycle: rad or mm.
@@ -30,9 +30,9 @@ ToolDrive with(const DriveNumbers& said, const Tool& tool, ToolDrive drive) {
 
 bool isDrill(const Tool& tool) { return tool.shape == "drill" && tool.cuts_end && !tool.cuts_side; }
 
-// Burs, drills and discs.
-ToolDrive spinDrive(const Tool& tool) {
-  const Handpiece& handpiece = tool.drive.handpiece ? *tool.drive.handpiece : usualHandpiece(tool);
+bool isDiamond(const Tool& tool) { return tool.iso ? tool.iso->material == "806" : tool.kind == ToolKind::kBlade; }
+
+ToolDrive driveBy(const Handpiece& handpiece, const Tool& tool) {
   constexpr double kDrillSpeed = 1750;  // mm / min: as drills for implants are used
   const double rpm = handpiece.rpm > 0 ? handpiece.rpm : kDrillSpeed / std::max(tool.head_diameter_mm, 0.5);
 
@@ -48,12 +48,41 @@ ToolDrive spinDrive(const Tool& tool) {
     drive.energy_factor = 0.3;  // of its land: it reams what the lips leave
     return drive;
   }
+  // Cutting friction is 0.4 of diamond, 0.5 of carbide, where the table has 0.3. The energies are such that 1 N takes
+  // what was measured in enamel: `kerf bench drives`.
+  drive.drag_factor = isDiamond(tool) ? 4.0 / 3 : 5.0 / 3;
+  drive.energy_factor = kGrindingEnergy;
+  return drive;
+}
+
+// Burs, drills and discs.
+ToolDrive spinDrive(const Tool& tool) {
+  if (tool.drive.handpiece) return driveBy(*tool.drive.handpiece, tool);
+  if (tool.shape == "drill") return driveBy(*findHandpiece("implant"), tool);
+
+  ToolDrive drive;
+  const auto frictionGrip = [&drive] {
+    drive.speed = 200000 * kRadPerSecond;
+    drive.stall_load = 8;  // 3 N at 016 sags by about a tenth
+  };
+
   // Chips of a grain are thinner than those of a blade and cost more work: reported energies of grinding enamel are 10
-  // to 100 J/mm^3 where the table, after hardness, has 4.2. Cutting friction is 0.4 of diamond, 0.5 of carbide, where
-  // the table has 0.3. The energies are such that 1 N takes what was measured: `kerf bench drives`.
-  const bool is_diamond = tool.iso ? tool.iso->material == "806" : tool.kind == ToolKind::kBlade;
-  drive.drag_factor = is_diamond ? 4.0 / 3 : 5.0 / 3;
-  drive.energy_factor = is_diamond ? kDiamondEnergy : kCarbideEnergy;
+  // to 100 J/mm^3 where the table, after hardness, has 4.2.
+  drive.energy_factor = isDiamond(tool) ? 5 : 3;
+  drive.time_constant = 0.1;
+  drive.speed = 20000 * kRadPerSecond;
+  drive.stall_load = 30;  // straight handpiece
+
+  if (tool.iso && tool.iso->shankKnown()) {
+    if (tool.iso->shankKnown()->diameter_mm < 2) {
+      frictionGrip();
+    } else if (tool.iso->shank.starts_with("20")) {
+      drive.speed = 40000 * kRadPerSecond;
+      drive.stall_load = 20;  // right angle
+    }
+  } else if (tool.head_diameter_mm > 0 && tool.head_diameter_mm < 3 && tool.kind == ToolKind::kBur) {
+    frictionGrip();
+  }
   return drive;
 }
 
@@ -86,9 +115,8 @@ std::string describeDrive(const Tool& tool) {
   std::string text;
   switch (motionOf(tool)) {
     case ToolMotion::kSpin:
-      text = fmt::format("{}, {:.6g} rpm, stalls at {:.4g} N mm",
-                         (tool.drive.handpiece ? *tool.drive.handpiece : usualHandpiece(tool)).name, 60 * frequency,
-                         drive.stall_load);
+      if (tool.drive.handpiece) text = fmt::format("{}, ", tool.drive.handpiece->name);
+      text += fmt::format("{:.6g} rpm, stalls at {:.4g} N mm", 60 * frequency, drive.stall_load);
       break;
     case ToolMotion::kStroke:
       text = tool.motion->drive_keys.unit == std::string_view("kHz") ? fmt::format("{:.4g} kHz", frequency / 1000)
@@ -114,17 +142,6 @@ std::string describeDrive(const Tool& tool) {
   say(tool.drive.energy_factor, "energy");
   say(tool.drive.drag_factor, "drag");
   return text + (from_file.empty() ? " (training defaults)" : " (from the tool's file: " + from_file + ")");
-}
-
-const Handpiece& usualHandpiece(const Tool& tool) {
-  const auto row = [](const char* name) -> const Handpiece& { return *findHandpiece(name); };
-  if (tool.shape == "drill") return row("implant");
-  if (tool.iso && tool.iso->shankKnown()) {
-    if (tool.iso->shankKnown()->diameter_mm < 2) return row("turbine");
-    return row(tool.iso->shank.starts_with("20") ? "contra-angle" : "straight");
-  }
-  const bool is_small = tool.head_diameter_mm > 0 && tool.head_diameter_mm < 3;
-  return row(is_small && tool.kind == ToolKind::kBur ? "turbine" : "straight");
 }
 
 ToolDrive defaultDrive(const Tool& tool) {

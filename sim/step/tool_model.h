@@ -77,14 +77,13 @@ struct ToolModel {
 /// Mean speed of what goes `way` (mm or rad) there and back, `frequency_hz` times a second: 2 way f.
 constexpr double meanSpeed(double way, double frequency_hz) { return 2 * way * frequency_hz; }
 
-/// What turns a tool if its file does not say: friction grip a turbine, right angle a contra-angle of 40 000 rpm, a
-/// drill an implant motor, else a straight handpiece.  @pre motionOf(tool) is kSpin.
-const Handpiece& usualHandpiece(const Tool& tool);
-/// Nominal drive of a tool: what turns by its handpiece, saws and piezo tips by their motion. Training defaults.
+/// Nominal drive of a tool whose file names no handpiece: burs by their shank (friction grip 200 000 rpm, right angle
+/// 40 000, else 20 000), drills an implant motor, blades by their motion. Training defaults: burs are quicker in enamel
+/// than was measured, and hardly stall; with a handpiece of geometry/tool/handpiece.h they are not.
 ToolDrive defaultDrive(const Tool& tool);
 /// The numbers of its file ([drive]), the default for each that is left out.
 ToolDrive driveOf(const Tool& tool);
-/// The same as text: "turbine, 380000 rpm, stalls at 8 N mm, ...", and which of the numbers come from the tool's file.
+/// The same as text: "200000 rpm, stalls at 8 N mm, ...", and which of the numbers come from the tool's file.
 std::string describeDrive(const Tool& tool);
 ToolMotion motionOf(const Tool& tool);
 

@@ -28,7 +28,7 @@ constexpr Scene kScenes[] = {
     {SceneId::kInvariance, "invariance", "force and removal over voxels, attitudes, time: no times, the same anywhere",
      benchInvariance, kInvarianceGoals},
     {SceneId::kForces, "forces", "constant force and constant feed per material: no times", benchForces, kForcesGoals},
-    {SceneId::kDrives, "drives", "turbine, electric drive and drills under a hand's force: no times", benchDrives,
+    {SceneId::kDrives, "drives", "turbine and electric drive under a hand's force: no times", benchDrives,
      kDrivesGoals},
     {SceneId::kSaw, "saw", "kerf, plane and side force over attitudes: no times", benchSaw, kSawGoals},
     {SceneId::kHeat, "heat", "temperatures of tissue, pulp and bone against what was measured: no times", benchHeat,

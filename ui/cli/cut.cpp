@@ -107,6 +107,8 @@ nlohmann::json jsonOf(const Arguments& a, const HapticCut& cut) {
 std::string byMaterial(const std::map<std::string, double>& volumes, bool with_sign) {
   std::string out;
   for (const auto& [id, volume] : volumes) {
+    // At the border of two tissues a part of a voxel may pass from one to the other: nothing that was cut.
+    if (!with_sign && volume < 0) continue;
     out += out.empty() ? ": " : ", ";
     out += with_sign ? fmt::format("{} {:+.4f}", id, volume) : fmt::format("{} {:.4f}", id, volume);
   }

@@ -224,12 +224,35 @@ TEST(Step, ASpinningBurPushesItselfAlong) {
   EXPECT_NEAR(out.contact.torque[2], out.drive_load, 0.1 * out.drive_load);
 }
 
+TEST(Step, TheDriveSagsUnderLoadAndStallsNever) {
+  const auto file = findToolFile("856-016", defaultToolFolders());
+  ASSERT_TRUE(file);
+  Model model;
+  model.tools = {makeToolModel(*readTool(*file))};
+  model.tissues = oneTissue(200, 0.3, 4200);
+  State state;
+  state.objects.emplace_back(block({10, 10, 6}, 0.1, turned(std::numbers::pi / 2, {0, 1, 0})));
+  StepOutput out;
+  // Side of the bur against the wall, the hand 3 N beyond it.
+  for (int n = 0; n < 1500; ++n) {
+    const double reach = out.T_world_tool.translation[0];
+    step(model, state,
+         sampleAt({Eigen::Quaterniond::Identity(), {n == 0 ? 2.0 : std::max(reach - 3.0, reach - 0.02 * n), 0, -2}}),
+         out);
+  }
+  const double sag = 1 - out.speed / model.tools[0].drive.speed;
+  EXPECT_GT(sag, 0.03);
+  EXPECT_LT(sag, 0.15);
+}
+
 // The speed of a turbine's bur, its side pressed to a wall for two seconds.
 double speedPressed(double force) {
   const auto file = findToolFile("856-016", defaultToolFolders());
   EXPECT_TRUE(file);
+  Tool tool = *readTool(*file);
+  tool.drive.handpiece = findHandpiece("turbine");
   Model model;
-  model.tools = {makeToolModel(*readTool(*file))};
+  model.tools = {makeToolModel(tool)};
   model.tissues = oneTissue(200, 0.3, 4200);
   State state;
   state.objects.emplace_back(block({10, 10, 6}, 0.1, turned(std::numbers::pi / 2, {0, 1, 0})));
