@@ -9,15 +9,16 @@ namespace kerf {
 
 /// How the speed of a drive answers to load and pedal. Laws: ToolDrive in sim/step/tool_model.h.
 enum class DriveForm : int {
-  kLine,     ///< free speed falls with the load in proportion; speed follows that. Saws and piezo tips
+  kLine,     ///< free speed falls with the load in proportion; speed follows that. Saws, piezo tips
   kTurbine,  ///< air: torque falls with speed in proportion; without air only the bearing stops it
   kGoverned  ///< electric: holds its speed up to its largest torque, and brakes
 };
 
 struct Handpiece {
   const char* name;         ///< as in files and after --drive: "turbine"
-  const char* description;  ///< one line, with where its numbers come from
+  const char* description;  ///< one line, for help
   DriveForm form;
+  bool is_fast;            ///< for friction grip alone: a disc or a drill would burst
   double rpm;              ///< free; 0: 1750 over the diameter in mm, as drills for implants are used
   double stall_Nmm;        ///< torque at standstill (turbine) or the most there is (governed)
   double time_constant_s;  ///< kTurbine: of the spin-up; kGoverned: from standstill to free speed, and back

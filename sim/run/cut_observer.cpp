@@ -132,7 +132,9 @@ class LoadStatistics final : public CutObserver {
 
     const double nominal = tick.sample.pedal * nominal_speed_;
     const double relative = nominal > 0 ? out.speed / nominal : 0;
-    has_come_up_ = nominal > 0 && (has_come_up_ || relative > 0.98);
+    // A turbine may meet the tissue while it still comes up: from then on its speed falls.
+    has_come_up_ = nominal > 0 && (has_come_up_ || relative > 0.98 || relative < last_relative_);
+    last_relative_ = relative;
     if (has_come_up_) sum_.least_speed = std::min(sum_.least_speed, relative);
     if (has_come_up_ && relative < kStalled) ++ticks_stalled_;
 
@@ -162,6 +164,7 @@ class LoadStatistics final : public CutObserver {
  private:
   static constexpr double kStalled = 0.02;  // of the nominal speed
   std::uint64_t ticks_stalled_ = 0;
+  double last_relative_ = 0;  // speed over the nominal, a tick ago
   double nominal_speed_;
   HapticSummary sum_;  // the fields of which this class is in charge
   double contact_sum_ = 0, load_sum_ = 0;

@@ -12,19 +12,18 @@ Hold hold(const Model& model, const HoldScene& scene) {
   state.objects.emplace_back(scene.object, 4096);
   state.place(scene.start);
   const double free_speed = model.tools[0].drive.speed;
-  if (scene.is_running) state.speed = free_speed;
+  state.speed = free_speed;
 
   Hold out;
   StepOutput tick;
+  const double lead = scene.force / model.settings.coupling.stiffness;
   double along = 0, settled_at = 0;
   int counted = 0;
   const int ticks = static_cast<int>(scene.seconds / kTick);
 
-  for (int n = 0; n < ticks && along < scene.deepest; ++n) {
+  for (int n = 0; n < ticks; ++n) {
     const double t = n * kTick;
     const double pedal = t < scene.pedal_up_at ? 1 : 0;
-    const double force = t < scene.relieved_at ? scene.force : scene.relieved_force;
-    const double lead = force / model.settings.coupling.stiffness;
     step(model, state, sampleAt({scene.start.rotation, scene.start.translation + (along + lead) * scene.way}, pedal),
          tick);
     reserveForTicks(state.objects[0]);

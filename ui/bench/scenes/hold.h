@@ -12,11 +12,7 @@ struct HoldScene {
   double force = 1;             ///< N
   double seconds = 2;           ///< at most
   double settle = 0.5;          ///< s before means are taken
-  double deepest = 1e9;         ///< mm along the way: ends there
   double pedal_up_at = 1e9;     ///< s: the pedal is up from then on
-  double relieved_at = 1e9;     ///< s: from then on the hand pushes with `relieved_force`
-  double relieved_force = 0;    ///< N
-  bool is_running = true;       ///< at free speed from the start
 };
 
 struct Hold {
@@ -27,7 +23,7 @@ struct Hold {
   double power = 0;        ///< N mm/s, mean after settling
   double torque = 0;       ///< load of the drive, mean after settling
   double depth = 0;        ///< mm along the way at the end
-  double seconds = 0;      ///< until `deepest` or the end
+  double seconds = 0;      ///< until the end
   double stopped_at = -1;  ///< s: the drive's speed first below 1 % after the pedal was up; -1: not
 };
 
