@@ -14,6 +14,19 @@ constexpr double kSharpTurn = 0.87;   // cosine of 30 degrees
 constexpr double kUnheld = 0.3;       // mm: ahead of a tool that touches nothing
 constexpr double kAheadOfTurn = 0.3;  // mm: a hand that goes for more runs past a corner
 constexpr double kLeanRate = 10;      // 1/s: how fast a hand leans against what keeps the tool off its line
+constexpr double kHold = 2;           // mm that a hand holds against each mm the tool is off its line, at once
+constexpr double kSideways = 2;       // a hand holds sideways with up to this times its push
+constexpr double kTurnRate = 1;       // rad/s: turns on the spot
+constexpr double kStalled = 0.02;     // of the highest speed of the drive: a hand lets go
+constexpr double kRecovered = 0.5;    // and pushes again
+constexpr double kLetsGo = 0.1;       // mm that it draws back
+
+constexpr double kNoWay = 1e-9;  // mm: shorter stretches are turns on the spot
+
+Vec3d shortened(const Vec3d& v, double most) {
+  const double size = v.norm();
+  return size > most ? Vec3d(v * (most / size)) : v;
+}
 
 double duration(const CutPath& path) { return path.poses.back().t - path.poses.front().t; }
 
@@ -46,7 +59,11 @@ bool FeedHand::next(const StepOutput&, DeviceSample& sample) {
 double FeedHand::progress() const { return duration(path_) > 0 ? std::min(1.0, t_ / duration(path_)) : 1; }
 
 ForceHand::ForceHand(const CutPath& path, const CouplingSettings& coupling, const Options& options)
-    : path_(path), options_(options), lead_(options.force / coupling.stiffness), stiffness_(coupling.stiffness) {
+    : path_(path),
+      options_(options),
+      lead_(options.force / coupling.stiffness),
+      stiffness_(coupling.stiffness),
+      farthest_(coupling.force_limit / coupling.stiffness) {
   double sum = 0;
   for (std::size_t n = 0; n < path.poses.size(); ++n) {
     if (n > 0) sum += (path.poses[n].T_object_tool.translation - path.poses[n - 1].T_object_tool.translation).norm();
@@ -68,18 +85,24 @@ bool ForceHand::next(const StepOutput& last, DeviceSample& sample) {
   // How far the tool has come along this stretch, never backwards; a stretch is done a micrometre before its end.
   const auto pose = [&](std::size_t n) -> const Rigid3& { return path_.poses[n].T_object_tool; };
   Vec3d along = Vec3d::Zero(), beside = Vec3d::Zero();
-  double whole = 0, done = 0;
-  for (;; ++stretch_) {
+  double whole = 0, done = 0, turn = 0;
+  for (;; ++stretch_, turned_ = 0) {
     if (stretch_ + 1 >= path_.poses.size()) {
       at_ = length_.back();
       return false;
     }
     whole = length_[stretch_ + 1] - length_[stretch_];
-    if (whole < 1e-9) continue;  // a turn on the spot: the hand turns as the path says at its end
-    along = (pose(stretch_ + 1).translation - pose(stretch_).translation) / whole;
     beside = last.T_world_tool.translation - pose(stretch_).translation;
+    const bool is_turn = whole < kNoWay;
+    along =
+        is_turn ? Vec3d(Vec3d::Zero()) : Vec3d((pose(stretch_ + 1).translation - pose(stretch_).translation) / whole);
+    turn = is_turn ? pose(stretch_).rotation.angularDistance(pose(stretch_ + 1).rotation) : 0;
     done = along.dot(beside);
     beside -= done * along;
+    if (is_turn) {
+      if (turned_ < turn) break;
+      continue;
+    }
     // A tool that was kept off its line has not been where the stretch ends.
     if (done < whole - 1e-3 || beside.norm() > 2 * options_.off_line) break;
   }
@@ -87,7 +110,7 @@ bool ForceHand::next(const StepOutput& last, DeviceSample& sample) {
   at_ = std::max(at_, length_[stretch_] + done);
 
   const double off = beside.norm();
-  if (at_ > watched_ + options_.stillness || off < watched_off_ - options_.stillness) {
+  if (turn > 0 || at_ > watched_ + options_.stillness || off < watched_off_ - options_.stillness) {
     watched_ = at_;
     watched_off_ = off;
     waited_ = 0;
@@ -98,19 +121,29 @@ bool ForceHand::next(const StepOutput& last, DeviceSample& sample) {
   }
   if (gave_up_) return false;
 
-  // Lean, then push on with what force is left. Where nothing holds the tool the hand does not stand far ahead of it or
-  // beside it: a tool that breaks through must not fly.
-  const double most = std::min(lead_, last.contact.force.norm() / stiffness_ + kUnheld);
+  // Hold the tool on its line: at once as a spring, and leaning more and more. Where nothing touches the tool the hand
+  // does not stand far beside it or ahead of it: a tool that breaks through must not fly.
+  const double touched = last.contact.force.norm() / stiffness_ + kUnheld;
+  const double most_beside = std::min({kSideways * lead_, touched, farthest_});
   lean_ -= kLeanRate * std::max(1.0, lead_) * kTick * beside;
   lean_ -= along.dot(lean_) * along;
-  if (const double size = lean_.norm(); size > most) lean_ *= most / size;
-  const double on_line = std::clamp(2 - beside.norm() / options_.off_line, 0.0, 1.0);
-  double forward = std::min(most, on_line * std::sqrt(std::max(0.0, lead_ * lead_ - lean_.squaredNorm())));
-  if (turnsAfter(stretch_)) forward = std::min(forward, whole - done + kAheadOfTurn);
+  lean_ = shortened(lean_, most_beside);
+  const Vec3d hold = shortened(lean_ - kHold * beside, most_beside);
 
+  // Push on, the less the farther the tool is off its line. Whoever feels the drive stall lets go until it is back.
+  fastest_ = std::max(fastest_, last.speed);
+  is_stalled_ = path_.cuts[stretch_] && last.speed < (is_stalled_ ? kRecovered : kStalled) * fastest_;
+  const double on_line = std::clamp(2 - off / options_.off_line, 0.0, 1.0);
+  const double left = std::sqrt(std::max(0.0, farthest_ * farthest_ - hold.squaredNorm()));
+  double forward = std::min({touched, on_line * lead_, left});
+  if (turnsAfter(stretch_)) forward = std::min(forward, whole - done + kAheadOfTurn);
+  if (is_stalled_) forward = -kLetsGo;
+
+  turned_ += kTurnRate * kTick;
+  const double part = turn > 0 ? std::min(1.0, turned_ / turn) : done / whole;
   ahead_ = std::min(at_ + forward, std::max(ahead_, at_) + options_.feed_limit * kTick);
-  sample.T_world_device = between(pose(stretch_), pose(stretch_ + 1), done / whole);
-  sample.T_world_device.translation = pose(stretch_).translation + (ahead_ - length_[stretch_]) * along + lean_;
+  sample.T_world_device = between(pose(stretch_), pose(stretch_ + 1), part);
+  sample.T_world_device.translation = pose(stretch_).translation + (ahead_ - length_[stretch_]) * along + hold;
   sample.pedal = path_.cuts[stretch_] ? 1 : 0;
   return true;
 }
@@ -122,7 +155,7 @@ bool ForceHand::turnsAfter(std::size_t stretch) const {
   };
   const Vec3d before = way(stretch);
   for (std::size_t n = stretch + 1; n + 1 < path_.poses.size(); ++n)
-    if (const Vec3d after = way(n); after.norm() > 1e-9)
+    if (const Vec3d after = way(n); after.norm() > kNoWay)
       return before.dot(after) < kSharpTurn * before.norm() * after.norm();
   return false;
 }

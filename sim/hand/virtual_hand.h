@@ -38,10 +38,11 @@ class FeedHand final : public VirtualHand {
 };
 
 /// Constant force: pushes along the path. The coupling is pulled `force / stiffness` ahead of where the tool is, in the
-/// direction of the stretch it is on, no faster than `feed_limit`. Where tissue keeps the tool off its line, the hand
-/// leans against that, more and more, up to the whole force, and waits for the tool before it pushes on; before a sharp
-/// turn it slows down. What of a path cannot be cut is left, not cut elsewhere. For Rendering::kCoupled. Gives up when
-/// nothing has moved for `patience` seconds.
+/// direction of the stretch it is on, no faster than `feed_limit`. It has a rest: slopes and the tool's own drag push a
+/// tool off its line, and the hand holds it there as a spring and leans against them, with up to twice its push. It
+/// waits for a tool off its line before it pushes on, and slows down before a sharp turn. Turns on the spot take their
+/// time. When the drive stalls it lets go until it has come up to half of its speed. What of a path cannot be cut is
+/// left, not cut elsewhere. For Rendering::kCoupled. Gives up when nothing has moved for `patience` seconds.
 class ForceHand final : public VirtualHand {
  public:
   struct Options {
@@ -49,7 +50,7 @@ class ForceHand final : public VirtualHand {
     double feed_limit = 20;    ///< mm/s, in air
     double patience = 5;       ///< s
     double stillness = 0.002;  ///< mm: less progress than this in `patience` seconds is none
-    double off_line = 0.05;    ///< mm: a tool farther off its line is pushed on less, at twice that not at all
+    double off_line = 0.03;    ///< mm: a tool farther off its line is pushed on less, at twice that not at all
   };
   ForceHand(const CutPath& path, const CouplingSettings& coupling, const Options& options);
   bool next(const StepOutput& last, DeviceSample& sample) override;
@@ -63,12 +64,15 @@ class ForceHand final : public VirtualHand {
   Options options_;
   double lead_;                 // mm
   double stiffness_;            // N/mm
+  double farthest_;             // mm from hand to tool: from there on the coupling pulls no harder
   std::vector<double> length_;  // of the way up to each pose, mm
   std::size_t stretch_ = 0;     // from this pose to the next
   double at_ = 0, ahead_ = 0;   // mm of the way: the tool; where it is pulled to
   Vec3d lean_ = Vec3d::Zero();  // mm: how far beside its line the hand stands, to bring the tool back to it
   double watched_ = 0, watched_off_ = 0, waited_ = 0;
-  bool has_begun_ = false, gave_up_ = false;
+  double turned_ = 0;   // rad of a turn on the spot
+  double fastest_ = 0;  // StepOutput::speed so far
+  bool has_begun_ = false, gave_up_ = false, is_stalled_ = false;
 };
 
 /// A force-feedback device in a person's hand: a mass on a spring and damper to where the hand wants to be (the path).

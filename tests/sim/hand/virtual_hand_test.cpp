@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "geometry/tool/sweep.h"
+#include "geometry/tool/tool_file.h"
 #include "sim/run/removed_volumes.h"
 #include "sim/run/sweep_cutter.h"
 #include "tests/sim/block_scene.h"
@@ -13,6 +16,7 @@ namespace {
 
 using test::block;
 using test::oneTissue;
+using test::turned;
 
 CutPath straight(const Vec3d& from, const Vec3d& to, double seconds) {
   CutPath path;
@@ -149,6 +153,86 @@ TEST(VirtualHand, APathWithCornersIsCutAsPlannedHoweverHardItIsPushed) {
     // So fast in what is this soft that a film is left on the walls.
     for (const double force : {1.5, 3.0}) EXPECT_NEAR(shareOfThePlan(force, voxel), 1, 0.1) << force;
   }
+}
+
+// A bur of the rack in a block of one tissue, a path, a hand that pushes: what came of it.
+struct Pushed {
+  bool gave_up = false;
+  double farthest_off = 0;  // mm, of the tip from the straight way
+  double stalled_s = 0, fell_to = 1;
+  Rigid3 end;
+};
+Pushed pushAlong(const CutPath& path, const char* tool_id, double force, const Rigid3& attitude) {
+  const auto file = findToolFile(tool_id, defaultToolFolders());
+  EXPECT_TRUE(file);
+  Model model;
+  model.tools = {makeToolModel(*readTool(*file))};
+  model.tissues = oneTissue(200, 0.3, 1000);
+  State state;
+  state.objects.emplace_back(block({5, 5, 4}, 0.1, attitude), 8192);
+  ForceHand::Options options;
+  options.force = force;
+  ForceHand hand(path, model.settings.coupling, options);
+  state.place(poseAt(path, 0));
+
+  Pushed out;
+  StepOutput tick;
+  DeviceSample sample;
+  bool has_come_up = false;
+  const Vec3d from = path.poses.front().T_object_tool.translation;
+  const Vec3d along = (path.poses.back().T_object_tool.translation - from).normalized();
+  for (int n = 0; n < 120'000 && hand.next(tick, sample); ++n) {
+    step(model, state, sample, tick);
+    const Vec3d way = tick.T_world_tool.translation - from;
+    out.farthest_off = std::max(out.farthest_off, (way - along.dot(way) * along).norm());
+    const double speed = tick.speed / model.tools[0].drive.speed;
+    has_come_up = has_come_up || speed > 0.5;
+    if (!has_come_up) continue;
+    out.fell_to = std::min(out.fell_to, speed);
+    if (speed < 0.02) out.stalled_s += kTick;
+  }
+  out.gave_up = hand.gaveUp();
+  out.end = tick.T_world_tool;
+  return out;
+}
+
+// A bur that comes down on a slope is pushed aside by it, and walks by its own drag.
+TEST(VirtualHand, AHandHoldsATurbineOnItsLineOnASlope) {
+  for (const double degrees : {20.0, 45.0, 60.0})
+    for (const double force : {0.5, 1.0, 2.0}) {
+      const Rigid3 slope = turned(degrees * std::numbers::pi / 180, {1, 0.3, 0});
+      const Pushed pushed = pushAlong(straight({0, 0, 2}, {0, 0, -1}, 1), "round-014", force, slope);
+      EXPECT_FALSE(pushed.gave_up) << degrees << " " << force;
+      EXPECT_LT(pushed.farthest_off, 0.15) << degrees << " " << force;
+    }
+}
+
+TEST(VirtualHand, AHandThatStallsItsTurbineLetsGoAndComesToTheEnd) {
+  const Pushed pushed = pushAlong(straight({-3.5, 0, -1.5}, {0, 0, -1.5}, 1), "856-016", 6, {});
+  EXPECT_FALSE(pushed.gave_up);
+  EXPECT_LT(pushed.fell_to, 0.02);
+  EXPECT_LT(pushed.stalled_s, 10);
+  EXPECT_NEAR(pushed.end.translation[0], 0, 0.05);
+}
+
+TEST(VirtualHand, ATurnOnTheSpotTakesItsTime) {
+  CutPath path = straight({0, 0, 3}, {0, 0, 3}, 1);
+  path.poses[1].T_object_tool.rotation = Eigen::Quaterniond(Eigen::AngleAxisd(0.5, Vec3d::UnitX()));
+  ForceHand hand(path, CouplingSettings{}, ForceHand::Options{});
+  StepOutput out;
+  out.T_world_tool = poseAt(path, 0);
+  DeviceSample sample;
+  int ticks = 0;
+  double last = 0, fastest = 0;
+  for (; ticks < 5000 && hand.next(out, sample); ++ticks) {
+    const double angle = sample.T_world_device.rotation.angularDistance(Eigen::Quaterniond::Identity());
+    fastest = std::max(fastest, (angle - last) / kTick);
+    last = angle;
+    out.T_world_tool = sample.T_world_device;
+  }
+  EXPECT_NEAR(last, 0.5, 1e-6);
+  EXPECT_NEAR(fastest, 1, 1e-6);
+  EXPECT_NEAR(ticks * kTick, 0.5, 0.01);
 }
 
 // A hand that presses a device on a block which does not give way.
