@@ -32,8 +32,10 @@ bool isDrill(const Tool& tool) { return tool.shape == "drill" && tool.cuts_end &
 
 bool isDiamond(const Tool& tool) { return tool.iso ? tool.iso->material == "806" : tool.kind == ToolKind::kBlade; }
 
-ToolDrive driveBy(const Handpiece& handpiece, const Tool& tool) {
+// Burs, drills and discs.
+ToolDrive spinDrive(const Tool& tool) {
   constexpr double kDrillSpeed = 1750;  // mm / min: as drills for implants are used
+  const Handpiece& handpiece = handpieceOf(tool);
   const double rpm = handpiece.rpm > 0 ? handpiece.rpm : kDrillSpeed / std::max(tool.head_diameter_mm, 0.5);
 
   ToolDrive drive;
@@ -46,42 +48,15 @@ ToolDrive driveBy(const Handpiece& handpiece, const Tool& tool) {
 
   if (isDrill(tool)) {
     drive.energy_factor = 0.3;  // of its land: it reams what the lips leave
-    return drive;
-  }
-  // Cutting friction is 0.4 of diamond, 0.5 of carbide, where the table has 0.3. The energies are such that 1 N takes
-  // what was measured in enamel: `kerf bench drives`.
-  drive.drag_factor = isDiamond(tool) ? 4.0 / 3 : 5.0 / 3;
-  drive.energy_factor = kGrindingEnergy;
-  return drive;
-}
-
-// Burs, drills and discs.
-ToolDrive spinDrive(const Tool& tool) {
-  if (tool.drive.handpiece) return driveBy(*tool.drive.handpiece, tool);
-  if (tool.shape == "drill") return driveBy(*findHandpiece("implant"), tool);
-
-  ToolDrive drive;
-  const auto frictionGrip = [&drive] {
-    drive.speed = 200000 * kRadPerSecond;
-    drive.stall_load = 8;  // 3 N at 016 sags by about a tenth
-  };
-
-  // Chips of a grain are thinner than those of a blade and cost more work: reported energies of grinding enamel are 10
-  // to 100 J/mm^3 where the table, after hardness, has 4.2.
-  drive.energy_factor = isDiamond(tool) ? 5 : 3;
-  drive.time_constant = 0.1;
-  drive.speed = 20000 * kRadPerSecond;
-  drive.stall_load = 30;  // straight handpiece
-
-  if (tool.iso && tool.iso->shankKnown()) {
-    if (tool.iso->shankKnown()->diameter_mm < 2) {
-      frictionGrip();
-    } else if (tool.iso->shank.starts_with("20")) {
-      drive.speed = 40000 * kRadPerSecond;
-      drive.stall_load = 20;  // right angle
-    }
-  } else if (tool.head_diameter_mm > 0 && tool.head_diameter_mm < 3 && tool.kind == ToolKind::kBur) {
-    frictionGrip();
+  } else if (isFrictionGrip(tool)) {
+    // Cutting friction is 0.4 of diamond, 0.5 of carbide, where the table has 0.3. The energies are such that 1 N takes
+    // what was measured in enamel: `kerf bench drives`.
+    drive.drag_factor = isDiamond(tool) ? 4.0 / 3 : 5.0 / 3;
+    drive.energy_factor = kGrindingEnergy;
+  } else {
+    // Chips of a grain are thinner than those of a blade and cost more work: reported energies of grinding enamel are
+    // 10 to 100 J/mm^3 where the table, after hardness, has 4.2.
+    drive.energy_factor = isDiamond(tool) ? 5 : 3;
   }
   return drive;
 }
@@ -106,6 +81,21 @@ DrillLips lipsOf(const Tool& tool) {
 
 ToolMotion motionOf(const Tool& tool) { return tool.motion ? tool.motion->form : ToolMotion::kSpin; }
 
+bool isFrictionGrip(const Tool& tool) {
+  if (tool.iso && tool.iso->shankKnown()) return tool.iso->shankKnown()->diameter_mm < 2;
+  return tool.kind == ToolKind::kBur && tool.head_diameter_mm > 0 && tool.head_diameter_mm < 3;
+}
+
+const Handpiece& handpieceOf(const Tool& tool) {
+  if (tool.drive.handpiece) return *tool.drive.handpiece;
+  const bool is_right_angle = tool.iso && tool.iso->shank.starts_with("20");
+  const char* name = tool.shape == "drill"  ? "implant"
+                     : isFrictionGrip(tool) ? "turbine"
+                     : is_right_angle       ? "contra-angle"
+                                            : "straight";
+  return *findHandpiece(name);
+}
+
 ToolDrive driveOf(const Tool& tool) { return with(tool.drive, tool, defaultDrive(tool)); }
 
 std::string describeDrive(const Tool& tool) {
@@ -115,8 +105,8 @@ std::string describeDrive(const Tool& tool) {
   std::string text;
   switch (motionOf(tool)) {
     case ToolMotion::kSpin:
-      if (tool.drive.handpiece) text = fmt::format("{}, ", tool.drive.handpiece->name);
-      text += fmt::format("{:.6g} rpm, stalls at {:.4g} N mm", 60 * frequency, drive.stall_load);
+      text = fmt::format("{}, {:.6g} rpm, stalls at {:.4g} N mm", handpieceOf(tool).name, 60 * frequency,
+                         drive.stall_load);
       break;
     case ToolMotion::kStroke:
       text = tool.motion->drive_keys.unit == std::string_view("kHz") ? fmt::format("{:.4g} kHz", frequency / 1000)

@@ -34,7 +34,7 @@ struct ToolDrive {
   /// grind.
   double drag_factor = 1;
   DriveForm form = DriveForm::kLine;
-  double run_down = 0;  ///< kTurbine: s from free speed to rest without air; 0: its air alone stops it
+  double run_down = 0;  ///< kTurbine: s from free speed to rest without air; 0: nothing slows it but the load
   double droop = 0;     ///< kGoverned: part of the speed that is lost at stall_load
 };
 
@@ -77,9 +77,12 @@ struct ToolModel {
 /// Mean speed of what goes `way` (mm or rad) there and back, `frequency_hz` times a second: 2 way f.
 constexpr double meanSpeed(double way, double frequency_hz) { return 2 * way * frequency_hz; }
 
-/// Nominal drive of a tool whose file names no handpiece: burs by their shank (friction grip 200 000 rpm, right angle
-/// 40 000, else 20 000), drills an implant motor, blades by their motion. Training defaults: burs are quicker in enamel
-/// than was measured, and hardly stall; with a handpiece of geometry/tool/handpiece.h they are not.
+/// A bur for turbines and fast motors: by its shank; a mesh whose shank is not known, when its head is below 3 mm.
+bool isFrictionGrip(const Tool& tool);
+/// What turns a tool: what its file says, else by its shank a turbine (friction grip), a contra-angle or a straight
+/// handpiece, an implant motor for drills.
+const Handpiece& handpieceOf(const Tool& tool);
+/// Nominal drive of a tool, without the numbers of its file: of its handpiece, of a blade by its motion.
 ToolDrive defaultDrive(const Tool& tool);
 /// The numbers of its file ([drive]), the default for each that is left out.
 ToolDrive driveOf(const Tool& tool);

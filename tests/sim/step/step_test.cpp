@@ -224,33 +224,12 @@ TEST(Step, ASpinningBurPushesItselfAlong) {
   EXPECT_NEAR(out.contact.torque[2], out.drive_load, 0.1 * out.drive_load);
 }
 
-TEST(Step, TheDriveSagsUnderLoadAndStallsNever) {
-  const auto file = findToolFile("856-016", defaultToolFolders());
-  ASSERT_TRUE(file);
-  Model model;
-  model.tools = {makeToolModel(*readTool(*file))};
-  model.tissues = oneTissue(200, 0.3, 4200);
-  State state;
-  state.objects.emplace_back(block({10, 10, 6}, 0.1, turned(std::numbers::pi / 2, {0, 1, 0})));
-  StepOutput out;
-  // Side of the bur against the wall, the hand 3 N beyond it.
-  for (int n = 0; n < 1500; ++n) {
-    const double reach = out.T_world_tool.translation[0];
-    step(model, state,
-         sampleAt({Eigen::Quaterniond::Identity(), {n == 0 ? 2.0 : std::max(reach - 3.0, reach - 0.02 * n), 0, -2}}),
-         out);
-  }
-  const double sag = 1 - out.speed / model.tools[0].drive.speed;
-  EXPECT_GT(sag, 0.03);
-  EXPECT_LT(sag, 0.15);
-}
-
-// The speed of a turbine's bur, its side pressed to a wall for two seconds.
-double speedPressed(double force) {
+// The speed of a bur, its side pressed to a wall for two seconds.
+double speedPressed(double force, const char* handpiece) {
   const auto file = findToolFile("856-016", defaultToolFolders());
   EXPECT_TRUE(file);
   Tool tool = *readTool(*file);
-  tool.drive.handpiece = findHandpiece("turbine");
+  tool.drive.handpiece = findHandpiece(handpiece);
   Model model;
   model.tools = {makeToolModel(tool)};
   model.tissues = oneTissue(200, 0.3, 4200);
@@ -267,12 +246,18 @@ double speedPressed(double force) {
 }
 
 TEST(Step, ATurbineSagsUnderALightHandAndStallsUnderAHeavyOne) {
-  const double light = speedPressed(0.5), firm = speedPressed(1.5);
+  const double light = speedPressed(0.5, "turbine"), firm = speedPressed(1.5, "turbine");
   EXPECT_GT(light, 0.7);
   EXPECT_LT(light, 0.95);
   EXPECT_GT(firm, 0.2);
   EXPECT_LT(firm, light - 0.15);
-  EXPECT_EQ(speedPressed(6), 0);
+  EXPECT_EQ(speedPressed(6, "turbine"), 0);
+}
+
+TEST(Step, AnElectricDriveHoldsItsSpeed) {
+  const double speed = speedPressed(3, "electric");
+  EXPECT_LT(speed, 1);
+  EXPECT_GT(speed, 0.97);
 }
 
 TEST(Step, AFaceThatLooksAwayDoesNotPushTheToolThrough) {

@@ -95,7 +95,7 @@ TEST(ToolModel, TheFilesNumbersTurnIntoTheModelsUnits) {
 }
 
 TEST(ToolModel, AHandpieceOfTheFileTurnsTheTool) {
-  EXPECT_NE(describeDrive(toolOf(kBur)).find("200000 rpm, stalls at 8 N mm"), std::string::npos);
+  EXPECT_NE(describeDrive(toolOf(kBur)).find("turbine, 380000 rpm, stalls at 1 N mm"), std::string::npos);
   for (const Handpiece& row : handpieces()) {
     if (!(row.rpm > 0)) continue;
     const Tool tool = toolOf(kBur + "[drive]\nhandpiece = \"" + row.name + "\"\n");
