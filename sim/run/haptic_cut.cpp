@@ -8,6 +8,7 @@
 
 #include "geometry/base/atomic_file.h"
 #include "geometry/field/vdb_io.h"
+#include "sim/hand/device_profile.h"
 #include "sim/monitor/monitor.h"
 #include "sim/pieces/pieces.h"
 #include "sim/run/cut_observer.h"
@@ -29,8 +30,19 @@ using internal::nothingWritten;
 constexpr const char* kSummary = "summary.json";
 constexpr std::uint64_t kSnapshotTicks = 10'000;  // between two snapshots in the log, at least
 
+DeviceProfile profileOf(const DeviceHand::Options& device) {
+  DeviceProfile profile;
+  profile.delay_s = device.delay_ticks * kTick;
+  profile.mass_kg = device.mass_kg;
+  profile.friction = device.friction;
+  profile.encoder_mm = device.encoder_mm;
+  return profile;
+}
+
 StepSettings settingsOf(const HapticCutOptions& options) {
   StepSettings settings = options.step;
+  if (options.hand == HandKind::kDevice)
+    settings.coupling = couplingFor(profileOf(options.device), options.step.coupling).settings;
   settings.rendering = options.hand == HandKind::kFeed ? Rendering::kRigid : Rendering::kCoupled;
   return settings;
 }
@@ -190,6 +202,7 @@ HapticSummary summarise(const Session& session, const CutScene& scene, const Sim
   out.seconds = static_cast<double>(simulated.ticks) * kTick;
   out.is_complete = simulated.is_complete;
   out.ended = simulated.ended;
+  out.coupling = session.model().settings.coupling.stiffness;
 
   out.initial_mm3 = internal::sumOf(scene.object().volumes());
   out.remaining_mm3 = internal::sumOf(object.bricks().countVolumes());
@@ -248,13 +261,17 @@ Expected<void> writeRun(const fs::path& staging, const fs::path& run_folder, con
 Expected<void> takeHandpiece(Tool& tool, const std::string& name) {
   if (name.empty()) return {};
   const Handpiece* handpiece = findHandpiece(name);
-  if (!handpiece || motionOf(tool) != ToolMotion::kSpin)
-    return fail(
-        {.code = Error::Code::kBadValue,
-         .place = "--drive",
-         .found = fmt::format("\"{}\" for {}", name, tool.id),
-         .expected = handpiece ? "a tool that turns: a saw is driven as its file says" : "one of " + handpieceNames(),
-         .hint = "kerf tool info " + tool.id});
+  const auto refuse = [&](std::string expected) {
+    return fail({.code = Error::Code::kBadValue,
+                 .place = "--drive",
+                 .found = fmt::format("\"{}\" for {}", name, tool.id),
+                 .expected = std::move(expected),
+                 .hint = "kerf tool info " + tool.id});
+  };
+  if (!handpiece) return refuse(fmt::format("one of {}", handpieceNames()));
+  if (motionOf(tool) != ToolMotion::kSpin) return refuse("a tool that turns: a saw is driven as its file says");
+  if (handpiece->is_fast && !isFrictionGrip(tool))
+    return refuse("a bur with a friction-grip shank: others are not made for that speed");
   tool.drive.handpiece = handpiece;
   tool.drive.frequency_hz.reset();
   tool.drive.stall_load.reset();
@@ -333,6 +350,9 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
   out.summary = summarise(session, scene, simulated, observers, changed.front());
   out.manifest = manifestOf(scene, out.summary);
   if (options.add.empty()) KERF_CHECK(compareWithPath(scene, changed.front(), out.summary, progress));
+  if (options.hand == HandKind::kDevice)
+    out.summary.coupling_text =
+        describeStiffness(couplingFor(profileOf(options.device), options.step.coupling), options.step.coupling);
   out.left_region_unused = scene.inputs.manifests.front().region.has_value();
 
   // Write.

@@ -54,7 +54,8 @@ Expected<void> checkOptions(const HapticCutOptions& options);
 /// Same inputs, same bytes (but for the identifier inside run.vdb).
 ///
 /// Errors: as cutCase; kEmpty when nothing of the case was cut; kBadValue for options out of range, for a case that
-/// is given twice, and for a handpiece of a tool that does not turn; kNotFound for a material of a case that the table of materials no longer has.
+/// is given twice, and for a handpiece of a tool that does not turn; kNotFound for a material of a case that the table
+/// of materials no longer has.
 Expected<HapticCut> cutCaseByHand(const std::filesystem::path& case_folder, const std::filesystem::path& tool_file,
                                   const std::filesystem::path& path_file, const std::filesystem::path& run_folder,
                                   const HapticCutOptions& options = {}, const Progress& progress = {});

@@ -28,6 +28,7 @@ std::string toJson(const HapticSummary& s) {
                    {"seconds", s.seconds},
                    {"is_complete", s.is_complete},
                    {"ended", s.ended},
+                   {"coupling_N_per_mm", s.coupling},
                    {"initial_mm3", s.initial_mm3},
                    {"removed_mm3", s.removed_mm3},
                    {"added_mm3", s.added_mm3},

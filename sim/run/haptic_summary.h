@@ -16,8 +16,10 @@ namespace kerf {
 struct HapticSummary {
   std::uint64_t ticks = 0;
   double seconds = 0;
-  bool is_complete = false;  ///< the virtual hand came to the end of its path
-  std::string ended;         ///< why it ended
+  bool is_complete = false;   ///< the virtual hand came to the end of its path
+  std::string ended;          ///< why it ended
+  double coupling = 0;        ///< stiffness between hand and tool, N/mm
+  std::string coupling_text;  ///< the same in words, and why it is no stiffer; empty: nothing bounds it
 
   double removed_mm3 = 0, remaining_mm3 = 0, initial_mm3 = 0;
   double added_mm3 = 0;

@@ -18,6 +18,8 @@ void visitNumbers(StepSettings& s, const Visit& visit) {
   visit("coupling.damping", c.damping);
   visit("coupling.turn_stiffness", c.turn_stiffness);
   visit("coupling.turn_damping", c.turn_damping);
+  visit("coupling.running_damping", c.running_damping);
+  visit("coupling.running_turn_damping", c.running_turn_damping);
   visit("coupling.mass_kg", c.mass_kg);
   visit("coupling.gyration_mm", c.gyration_mm);
   visit("coupling.filter_hz", c.filter_hz);
@@ -88,9 +90,12 @@ void readSettings(HeaderReader& header, StepSettings& settings) {
   settings.response = Response::kPenalty;
   settings.restitution = 0;
   visitNumbers(settings, [&](const std::string& key, double& value) {
-    const bool may_be_missing = key == "response" || key == "restitution";
+    const bool may_be_missing = key == "response" || key == "restitution" || key.starts_with("coupling.running_");
     if (!may_be_missing || header.has(key)) header.read(key, std::span(&value, 1));
   });
+  CouplingSettings& coupling = settings.coupling;
+  if (!header.has("coupling.running_damping")) coupling.running_damping = coupling.damping;
+  if (!header.has("coupling.running_turn_damping")) coupling.running_turn_damping = coupling.turn_damping;
 }
 
 void readStart(HeaderReader& header, Rigid3& start) {

@@ -15,8 +15,8 @@ void moveByContact(const Model& model, State& state, const Substep& substep, Cor
   const Wrench own = ownDrag(tool, state.body.pose, state.speed, out.sums);
 
   if (model.settings.attachment() != Attachment::kFixed) {
-    advance(state.body, state.device, out.sums, own, model.settings.coupling, tool.cut.reach(), substep.longest_mm,
-            substep.dt, &core);
+    advance(state.body, state.device, out.sums, own, substep.coupling, tool.cut.reach(), substep.longest_mm, substep.dt,
+            &core);
     const double moved = substep.dt * (state.body.velocity.norm() + tool.reach_mm * state.body.angular.norm()) + 1e-9;
     for (CutObject& object : state.objects) object.odometer += moved;
   }

@@ -12,9 +12,10 @@ namespace kerf {
 
 /// The part of a tick that one evaluation stands for.
 struct Substep {
-  double dt = kTick;         ///< s
-  double longest_mm = 0;     ///< no part of the cutting head moves farther
-  double device_way_mm = 0;  ///< how far the device takes the tool meanwhile; Attachment::kProxy looks that far ahead
+  double dt = kTick;          ///< s
+  double longest_mm = 0;      ///< no part of the cutting head moves farther
+  double device_way_mm = 0;   ///< how far the device takes the tool meanwhile; Attachment::kProxy looks that far ahead
+  CouplingSettings coupling;  ///< of this tick
 };
 
 /// What one evaluation came to, world frame, about the tip.

@@ -11,19 +11,31 @@ namespace kerf {
 
 class CoreContact;
 
+/// For a force-feedback device these follow from its profile: couplingFor() in sim/hand/device_profile.h.
 struct CouplingSettings {
   double stiffness = 1.0;        ///< N/mm. Above about 2 a common 1 kHz device hums in a loose hand
-  double damping = 0.002;        ///< N s/mm (2 N s/m). More amplifies the encoder's steps
+  double damping = 0.002;        ///< N s/mm (2 N s/m), while the drive stands still. More amplifies the encoder's steps
   double turn_stiffness = 1000;  ///< N mm/rad
-  double turn_damping = 2;       ///< N mm s/rad
-  double mass_kg = 0.02;         ///< of the virtual tool; 5 to 50 g makes no difference
-  double gyration_mm = 10;       ///< its radius of gyration
-  double filter_hz = 100;        ///< first-order low-pass of the device's velocity. 30 for coarse encoders
-  double force_limit = 8;        ///< N
-  double torque_limit = 300;     ///< N mm
-  double force_rate = 2000;      ///< N/s: no faster change
-  double torque_rate = 60000;    ///< N mm/s
+  double turn_damping = 2;       ///< N mm s/rad, while the drive stands still
+  double running_damping = 0.002;   ///< N s/mm, while the drive turns
+  double running_turn_damping = 2;  ///< N mm s/rad, while the drive turns
+  double mass_kg = 0.02;            ///< of the virtual tool; 5 to 50 g makes no difference
+  double gyration_mm = 10;          ///< its radius of gyration
+  double filter_hz = 100;           ///< first-order low-pass of the device's velocity
+  double force_limit = 8;           ///< N
+  double torque_limit = 300;        ///< N mm
+  double force_rate = 2000;         ///< N/s: no faster change
+  double torque_rate = 60000;       ///< N mm/s
 
+  /// As it is while the drive turns, or stands still.
+  CouplingSettings at(bool drive_turns) const {
+    CouplingSettings now = *this;
+    if (drive_turns) {
+      now.damping = running_damping;
+      now.turn_damping = running_turn_damping;
+    }
+    return now;
+  }
   double mass() const { return mass_kg * 1e-3; }                         ///< t: 1 N = 1 t mm/s^2
   double inertia() const { return mass() * gyration_mm * gyration_mm; }  ///< t mm^2
 };

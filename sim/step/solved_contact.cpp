@@ -33,6 +33,7 @@ class ContactSolver {
         dt_(substep.dt),
         longest_(substep.longest_mm),
         device_way_(substep.device_way_mm),
+        coupling_(substep.coupling),
         reach_(tool_.cut.reach()),
         per_(is_proxy_ ? 1 : substep.dt) {
     erosions_.fill({});
@@ -40,7 +41,7 @@ class ContactSolver {
 
   /// Without contact: A y = b, y a motion (proxy) or a velocity (body).
   void setUp() {
-    const CouplingSettings& c = model_.settings.coupling;
+    const CouplingSettings& c = coupling_;
     const double damped = is_proxy_ && model_.settings.rendering == Rendering::kDirect ? 0 : 1;
     const Vector6d stiffness = sixOf(c.stiffness, c.turn_stiffness);
     const Vector6d damping = damped * sixOf(c.damping, c.turn_damping);
@@ -233,6 +234,7 @@ class ContactSolver {
   const double dt_;
   double longest_;
   const double device_way_;
+  const CouplingSettings& coupling_;
   const double reach_;
   const double per_;  // what a load does to b
   ContactEvaluation out_;

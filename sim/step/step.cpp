@@ -38,7 +38,8 @@ void wakeAll(State& state) {
 /// How the tool moves in one tick.
 struct Motion {
   Attachment attachment = Attachment::kBody;
-  Rigid3 tool_before;     ///< T_world_tool at the start of the tick
+  Rigid3 tool_before;  ///< T_world_tool at the start of the tick
+  CouplingSettings coupling;
   double longest_mm = 0;  ///< between two contact evaluations
   double length_mm = 0;   ///< how far a part of the cutting head may move in all
   int evaluations = 1;    ///< of contact
@@ -119,10 +120,11 @@ Motion followDevice(const Model& model, State& state, const DeviceSample& input,
   Motion motion;
   motion.attachment = settings.attachment();
   motion.tool_before = state.body.pose;
+  motion.coupling = settings.coupling.at(state.speed > 0);
 
   const bool is_first = !state.has_device;  // at the start, and when the device is back after a fault
   const Rigid3 device_before = is_first ? input.T_world_device : state.device.pose;
-  filterDevice(state, input, settings.coupling);
+  filterDevice(state, input, motion.coupling);
   state.ramp = settings.ramp_s > 0 ? std::min(1.0, state.ramp + kTick / settings.ramp_s) : 1;
 
   motion.longest_mm = 0.5 * tool.finest_mm;
@@ -139,7 +141,7 @@ Motion followDevice(const Model& model, State& state, const DeviceSample& input,
       }
       break;
     case Attachment::kBody:
-      motion.length_mm = wayOfBody(state, settings.coupling, reach);
+      motion.length_mm = wayOfBody(state, motion.coupling, reach);
       break;
     case Attachment::kProxy:
       motion.length_mm = wayBetween(device_before, state.device.pose, reach);
@@ -172,7 +174,7 @@ void moveWithDevice(const ToolModel& tool, State& state, const Motion& motion, i
 ContactEvaluation evaluateContact(const Model& model, State& state, const DeviceSample& input, const Motion& motion,
                                   int n) {
   if (motion.attachment == Attachment::kFixed) moveWithDevice(model.tools[state.tool], state, motion, n);
-  const Substep substep{motion.dt, motion.longest_mm, motion.length_mm / motion.evaluations};
+  const Substep substep{motion.dt, motion.longest_mm, motion.length_mm / motion.evaluations, motion.coupling};
   if (state.adds != Material::kNone) return evaluateAdding(model, state, substep, input.pedal > 0);
   return rowOf(model.settings.effectiveResponse()).evaluate(model, state, substep);
 }
@@ -211,17 +213,19 @@ void runDrive(const Model& model, State& state, const DeviceSample& input, StepO
 }
 
 // What the hand is to feel, before fade-in and limits.
+// @param coupling  of this tick: the one that moved the tool.
 // @param is_free  nothing holds the tool: a proxy is where the hand wants it, and makes no force, not even of rounding.
-Wrench wrenchOnHand(const StepSettings& settings, const State& state, const Wrench& contact, bool is_free) {
+Wrench wrenchOnHand(const StepSettings& settings, const CouplingSettings& coupling, const State& state,
+                    const Wrench& contact, bool is_free) {
   const bool is_proxy = settings.attachment() == Attachment::kProxy;
   if (is_proxy && is_free) return {};
 
   switch (settings.rendering) {
     case Rendering::kCoupled:
-      return couplingWrench(state.body, state.device, settings.coupling);
+      return couplingWrench(state.body, state.device, coupling);
     case Rendering::kDirect: {
       if (!is_proxy) return contact;
-      CouplingSettings undamped = settings.coupling;
+      CouplingSettings undamped = coupling;
       undamped.damping = undamped.turn_damping = 0;
       return couplingWrench(state.body, state.device, undamped);
     }
@@ -232,12 +236,14 @@ Wrench wrenchOnHand(const StepSettings& settings, const State& state, const Wren
 }
 
 // Phase 5.
-void renderToHand(const StepSettings& settings, State& state, bool is_free, StepOutput& output) {
-  Wrench wanted = wrenchOnHand(settings, state, output.contact, is_free);
+// @param coupling  of this tick.
+void renderToHand(const StepSettings& settings, const CouplingSettings& coupling, State& state, bool is_free,
+                  StepOutput& output) {
+  Wrench wanted = wrenchOnHand(settings, coupling, state, output.contact, is_free);
   wanted.force *= state.ramp;
   wanted.torque *= state.ramp;
 
-  output.force = clamped(wanted, state.last_force, settings.coupling, kTick);
+  output.force = clamped(wanted, state.last_force, coupling, kTick);
   if ((output.force.force - wanted.force).norm() > 1e-9 || (output.force.torque - wanted.torque).norm() > 1e-9)
     output.status |= kStepForceClamped;
   state.last_force = output.force;
@@ -332,7 +338,7 @@ void step(const Model& model, State& state, const DeviceSample& input, StepOutpu
   }
 
   runDrive(model, state, input, output);
-  renderToHand(model.settings, state, is_free, output);
+  renderToHand(model.settings, motion.coupling, state, is_free, output);
   ++state.tick;
 }
 

@@ -27,7 +27,7 @@ TEST_F(Cli, WithoutArgumentsShowsHelpAndFails) {
   const Outcome o = runKerf({});
   EXPECT_EQ(o.exit_code, 2);
   EXPECT_EQ(o.out, "");
-  for (const char* command : {"bake", "cut", "export", "check", "info", "tool", "bench", "demo-molar"})
+  for (const char* command : {"bake", "cut", "export", "check", "info", "devices", "tool", "bench", "demo-molar"})
     EXPECT_NE(o.err.find(command), o.err.npos) << command;
 }
 
@@ -234,6 +234,27 @@ TEST_F(Cli, ACutAgainstResistanceIsRecordedAndReplaysBitForBit) {
   refuses({"replay", at("gone.run")}, {"not a run"});
 }
 
+TEST_F(Cli, DevicesSaysWhichCouplingADeviceCanHold) {
+  const json typical = parsed(runKerf({"devices", "--json"}));
+  EXPECT_GE(typical.size(), 5u);
+  const json own = parsed(runKerf({"devices", "--delay", "2", "--friction", "0.02", "--encoder", "0.05", "--json"}));
+  ASSERT_EQ(own.size(), 1u);
+  EXPECT_NEAR(own[0]["stiffness_N_per_mm"].get<double>(), 0.4, 1e-9);
+  EXPECT_NE(runKerf({"devices", "--encoder", "0.05"}).out.find("coarse for its friction"), std::string::npos);
+  refuses({"devices", "--mass", "0"}, {"--mass"}, 2);
+}
+
+TEST_F(Cli, FastHandpiecesTakeFrictionGripOnly) {
+  makeCase();
+  folder_.write("down.toml",
+                "format = \"kerf-path\"\nversion = 1\nframe = \"object\"\n[start]\nposition = [0, 0, 1]\n"
+                "axis = [0, 0, 1]\n[[stroke]]\nkind = \"line\"\nby = [0, 0, -1]\n");
+  for (const char* tool : {"disc-22", "drill-20"})
+    refuses({"cut", at("box.case"), "--tool", tool, "--path", at("down.toml"), "-o", at("x.run"), "--hand", "feed",
+             "--drive", "turbine"},
+            {"--drive", "friction-grip"});
+}
+
 // Along a groove out of one box, over a gap of 1 mm, into the next one, whose voxels are others.
 TEST_F(Cli, AToolThatLeavesItsToothCutsTheNeighbourWhichIsMeasuredToldReplayedAndExported) {
   makeCase();
@@ -253,11 +274,11 @@ TEST_F(Cli, AToolThatLeavesItsToothCutsTheNeighbourWhichIsMeasuredToldReplayedAn
   boxAt("over", 2, "0.2");
   folder_.write(
       "across.toml",
-      "format = \"kerf-path\"\nversion = 1\nframe = \"object\"\nfeed = 3.0\n[start]\nposition = [0, 0, -0.35]\n"
+      "format = \"kerf-path\"\nversion = 1\nframe = \"object\"\nfeed = 1.0\n[start]\nposition = [0, 0, -0.35]\n"
       "axis = [0, 0, 1]\n[[stroke]]\nkind = \"line\"\nby = [6, 0, 0]\n");
   const auto cut = [&](const std::string& run, const std::vector<std::string>& more) {
-    std::vector<std::string> words{"cut",    at("box.case"), "--tool", "round-014", "--path", at("across.toml"),
-                                   "--hand", "feed",         "-o",     at(run)};
+    std::vector<std::string> words{"cut",    at("box.case"),    "--tool", "round-014", "--drive", "electric",
+                                   "--path", at("across.toml"), "--hand", "feed",      "-o",      at(run)};
     words.insert(words.end(), more.begin(), more.end());
     return runKerf(words);
   };
@@ -329,8 +350,8 @@ TEST_F(Cli, AToolThatLeavesItsToothCutsTheNeighbourWhichIsMeasuredToldReplayedAn
   EXPECT_NE(both.err.find("overlaps the case by about 8"), both.err.npos) << "4 x 5 x 4 mm3: " << both.err;
 
   const auto refused = [&](const std::vector<std::string>& more, const std::vector<std::string>& said, int code = 1) {
-    std::vector<std::string> words{"cut",    at("box.case"), "--tool", "round-014", "--path", at("across.toml"),
-                                   "--hand", "feed",         "-o",     at("x.run")};
+    std::vector<std::string> words{"cut",    at("box.case"),    "--tool", "round-014", "--drive", "electric",
+                                   "--path", at("across.toml"), "--hand", "feed",      "-o",      at("x.run")};
     words.insert(words.end(), more.begin(), more.end());
     refuses(words, said, code);
   };

@@ -41,6 +41,7 @@ enum class SceneId {
   kSplit,
   kPassivity,
   kPassivityLarge,
+  kDevices,
   kCount
 };
 
@@ -140,5 +141,6 @@ Expected<Result> benchPieces(const Bench& bench);
 Expected<Result> benchSplit(const Bench& bench);
 Expected<Result> benchPassivity(const Bench& bench);
 Expected<Result> benchPassivityLarge(const Bench& bench);
+Expected<Result> benchDevices(const Bench& bench);
 
 }  // namespace kerf::cli

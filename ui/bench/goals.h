@@ -158,5 +158,18 @@ inline constexpr Goal kPassivityLargeGoals[] = {
     {"K within the bounds of the literature: trembling, most", "um", kAtMost, 5},
     {"K up to twice these bounds: most energy", "mJ", kAtMost, 0.1},
 };
+inline constexpr Goal kDevicesGoals[] = {
+    {"{}: runaways", "", kAtMost, 0},
+    {"wall, friction down to 0: trembling, most", "um", kAtMost, 50},
+    {"wall, friction down to 0: most energy given", "mJ", kAtMost, 0.05},
+    {"wall: trembling, most", "um", kAtMost, 20},
+    {"wall: given more than 1e-4 mJ", "%", kAtMost, 1},
+    {"wall: most energy given", "mJ", kAtMost, 0.01},
+    {"wall: force at rest over an ideal device's, as stiff as wanted, p50", "", kAtLeast, 0.95},
+    {"blade pushed sideways in its kerf: trembling, most", "um", kAtMost, 20},
+    {"blade pushed sideways in its kerf: most energy given", "mJ", kAtMost, 0.01},
+    {"blade turned in its kerf: trembling, most", "mrad", kAtMost, 0.5},
+    {"saw cutting: ripple, most", "um", kAtMost, 20},
+};
 
 }  // namespace kerf::cli::goals

@@ -50,6 +50,8 @@ constexpr Scene kScenes[] = {
     {SceneId::kPassivityLarge, "passivity-large",
      "the same over 11 664 devices and hands: minutes; only when asked for by name", benchPassivityLarge,
      kPassivityLargeGoals, Scene::When::kOnlyByName},
+    {SceneId::kDevices, "devices", "random devices in random hands, the coupling of their profile: no times",
+     benchDevices, kDevicesGoals},
 };
 
 #ifndef __SANITIZE_ADDRESS__  // GCC 12 then takes no address of a function for a constant

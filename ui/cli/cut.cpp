@@ -41,6 +41,14 @@ std::vector<std::string> responseNames() {
   return names;
 }
 
+std::string handpieceHelp() {
+  std::string text = "handpiece that turns the tool, in place of the one of its file or shank: ";
+  const char* between = "";
+  for (const Handpiece& row : handpieces())
+    text += fmt::format("{}{} ({})", std::exchange(between, "; "), row.name, row.description);
+  return text;
+}
+
 std::vector<std::string> handpiecesByName() {
   std::vector<std::string> names;
   for (const Handpiece& row : handpieces()) names.emplace_back(row.name);
@@ -107,8 +115,6 @@ nlohmann::json jsonOf(const Arguments& a, const HapticCut& cut) {
 std::string byMaterial(const std::map<std::string, double>& volumes, bool with_sign) {
   std::string out;
   for (const auto& [id, volume] : volumes) {
-    // At the border of two tissues a part of a voxel may pass from one to the other: nothing that was cut.
-    if (!with_sign && volume < 0) continue;
     out += out.empty() ? ": " : ", ";
     out += with_sign ? fmt::format("{} {:+.4f}", id, volume) : fmt::format("{} {:.4f}", id, volume);
   }
@@ -157,6 +163,7 @@ void print(const Arguments& a, const HapticCut& cut) {
   const std::string response = is_default ? "" : " by " + a.response;
   fmt::print("cut with {} held by a {} hand{} for {:.2f} s, {:.2f} s of it in contact, voxels {} mm; ended: {}\n",
              cut.manifest.tool_id, a.hand, response, s.seconds, s.seconds_in_contact, cut.manifest.voxel_mm, s.ended);
+  if (!s.coupling_text.empty()) fmt::print("held at {}\n", s.coupling_text);
   printVolumes(s, !a.haptic.add.empty());
   printPlan(s);
   fmt::print("force on the tool {:.2f} N mean, {:.2f} N at most; normal load {:.2f} N; to the hand {:.2f} N at most\n",
@@ -254,11 +261,7 @@ constexpr const char* kFooter =
 // The names of these groups say with which hands they go: misplaced() reads them.
 void addOptionsOfAnyHand(CLI::App& command, HapticCutOptions& haptic) {
   auto* group = command.add_option_group("With --hand");
-  group
-      ->add_option(
-          "--drive", haptic.drive,
-          "handpiece that turns the tool, in place of its own: " + handpieceNames() + "; assets/tools/README.md")
-      ->check(CLI::IsMember(handpiecesByName()));
+  group->add_option("--drive", haptic.drive, handpieceHelp())->check(CLI::IsMember(handpiecesByName()));
   group->add_option("--spindle", haptic.spindle, "speed, 0 to 1 of the tool's nominal one")->capture_default_str();
   group->add_option("--irrigation", haptic.irrigation, "cooling spray, 0 (dry) to 1")->capture_default_str();
   group->add_option("--add", haptic.add,
@@ -271,7 +274,10 @@ void addOptionsOfAnyHand(CLI::App& command, HapticCutOptions& haptic) {
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   group->add_flag("--sound", haptic.with_sound, "also write sound.wav, the sound of the tool");
   group->add_option("--time-limit", haptic.time_limit, "simulated time after which to stop, s")->capture_default_str();
-  group->add_option("--coupling", haptic.step.coupling.stiffness, "stiffness of the virtual coupling, N/mm")
+  group
+      ->add_option("--coupling", haptic.step.coupling.stiffness,
+                   "stiffness of the virtual coupling, N/mm; with --hand device at most: less where the device could "
+                   "not hold it")
       ->capture_default_str();
 }
 
