@@ -14,9 +14,11 @@ using F = hn::CappedTag<float, 8>;
 using I = hn::RebindToSigned<F>;
 using V = hn::Vec<F>;
 
-HWY_INLINE V beyond(F f, V x, float low, float high) {
-  return hn::Max(hn::Max(hn::Sub(hn::Set(f, low), x), hn::Sub(x, hn::Set(f, high))), hn::Zero(f));
+// How far x is outside of low..high; negative inside.
+HWY_INLINE V outOf(F f, V x, float low, float high) {
+  return hn::Max(hn::Sub(hn::Set(f, low), x), hn::Sub(x, hn::Set(f, high)));
 }
+HWY_INLINE V beyond(F f, V x, float low, float high) { return hn::Max(outOf(f, x, low, high), hn::Zero(f)); }
 
 // Cell of a coordinate and where in it: clamped to the table.
 struct Place {
@@ -65,6 +67,15 @@ HWY_INLINE V spatial(F f, const FieldTable& t, V x, V y, V z) {
   return hn::IfThenElse(hn::Lt(hn::Max(hn::Max(dx, dy), dz), hn::Set(f, t.reach)), between(near, far, a.part), outside);
 }
 
+HWY_INLINE V fromBox(F f, const FieldTable& t, V x, V y, V z) {
+  const V dx = outOf(f, x, t.low[0], t.high[0]), dy = outOf(f, y, t.low[1], t.high[1]),
+          dz = outOf(f, z, t.low[2], t.high[2]);
+  const V zero = hn::Zero(f);
+  const V ox = hn::Max(dx, zero), oy = hn::Max(dy, zero), oz = hn::Max(dz, zero);
+  const V outside = hn::Sqrt(hn::Add(hn::Add(hn::Mul(ox, ox), hn::Mul(oy, oy)), hn::Mul(oz, oz)));
+  return hn::Add(outside, hn::Min(hn::Max(hn::Max(dx, dy), dz), zero));
+}
+
 // One loop per form, over a table of its own: what may not change while results are written stays in registers.
 template <TableForm kForm>
 HWY_INLINE void lookUpAll(const FieldTable& table, const float* HWY_RESTRICT x, const float* HWY_RESTRICT y,
@@ -81,6 +92,8 @@ HWY_INLINE void lookUpAll(const FieldTable& table, const float* HWY_RESTRICT x, 
       const V flat = planar(f, t, px, pz), off = hn::Sub(hn::Abs(py), hn::Set(f, t.half));
       const V a = hn::Max(flat, hn::Zero(f)), b = hn::Max(off, hn::Zero(f));
       d = hn::Add(hn::Sqrt(hn::Add(hn::Mul(a, a), hn::Mul(b, b))), hn::Min(hn::Zero(f), hn::Max(flat, off)));
+    } else if constexpr (kForm == TableForm::kBox) {
+      d = fromBox(f, t, px, py, pz);
     } else {
       d = spatial(f, t, px, py, pz);
     }
@@ -94,6 +107,8 @@ void lookUpHere(const FieldTable& t, const float* x, const float* y, const float
       return lookUpAll<TableForm::kRevolved>(t, x, y, z, out, n);
     case TableForm::kPlate:
       return lookUpAll<TableForm::kPlate>(t, x, y, z, out, n);
+    case TableForm::kBox:
+      return lookUpAll<TableForm::kBox>(t, x, y, z, out, n);
     case TableForm::kSpatial:
       return lookUpAll<TableForm::kSpatial>(t, x, y, z, out, n);
   }

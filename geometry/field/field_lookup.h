@@ -5,11 +5,16 @@
 
 namespace kerf::internal {
 
-enum class TableForm : int { kSpatial, kRevolved, kPlate };
+enum class TableForm : int {
+  kSpatial,
+  kRevolved,
+  kPlate,
+  kBox  ///< no table: the distance to the box from `low` to `high` is a formula
+};
 
 /// A tool's table as the loop needs it: see ToolField.
 struct FieldTable {
-  const float* values = nullptr;
+  const float* values = nullptr;  ///< kBox: not read
   TableForm form = TableForm::kSpatial;
   float inverse = 1;                             ///< samples per mm
   float half = 0;                                ///< of a plate, mm

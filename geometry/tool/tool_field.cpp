@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace kerf {
 namespace {
@@ -11,16 +12,31 @@ namespace {
 using Symmetry = ToolShape::Symmetry;
 using internal::TableForm;
 
+constexpr float kRoundingOfPlates = 1e-6f;  // mm: ten times what a coordinate of a millimetre is off by
+constexpr double kRoundings = 16;           // of a point's coordinates, seen from the tool before and after it moves
+
 }  // namespace
 
 ToolField::ToolField(const ToolShape& shape, const ToolFieldOptions& options) : bounds_(shape.bounds()) {
   const Symmetry form = shape.symmetry();
-  lookup_.form = form == Symmetry::kRevolved ? TableForm::kRevolved
-                 : form == Symmetry::kPlate  ? TableForm::kPlate
-                                             : TableForm::kSpatial;
+  lookup_.form = shape.isBox()                 ? TableForm::kBox
+                 : form == Symmetry::kRevolved ? TableForm::kRevolved
+                 : form == Symmetry::kPlate    ? TableForm::kPlate
+                                               : TableForm::kSpatial;
   lookup_.half = static_cast<float>(shape.halfThickness());
   lookup_.reach = static_cast<float>(options.margin_mm);
+  if (shape.isBox() || form == Symmetry::kPlate) least_overlap_ = kRoundingOfPlates;
   for (int c = 0; c < 8; ++c) reach_ = std::max(reach_, bounds_.corner(c).norm());
+
+  if (shape.isBox()) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto a = static_cast<std::size_t>(axis);
+      lookup_.low[a] = static_cast<float>(bounds_.min[axis]);
+      lookup_.high[a] = static_cast<float>(bounds_.max[axis]);
+    }
+    slack_ = kRoundings * std::numeric_limits<float>::epsilon() * (reach_ + options.margin_mm);
+    return;
+  }
 
   const bool is_planar = form != Symmetry::kNone;
   Vec3d low = bounds_.min, high = bounds_.max;
@@ -71,7 +87,7 @@ ToolField::ToolField(const ToolShape& shape, const ToolFieldOptions& options) : 
 }
 
 void ToolField::distances(const float* x, const float* y, const float* z, float* out, int n) const noexcept {
-  if (table_.empty()) {
+  if (isEmpty()) {
     std::fill_n(out, n, kFar);
     return;
   }

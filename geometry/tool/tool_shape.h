@@ -28,6 +28,8 @@ class ToolShape {
   virtual Symmetry symmetry() const { return Symmetry::kNone; }
   /// Of a plate: half its extent along y, mm; the plate is symmetric about y = 0.
   virtual double halfThickness() const { return 0; }
+  /// The solid is all of bounds(): its distance is a formula, which needs no table.
+  virtual bool isBox() const { return false; }
 };
 
 /// Outline of a solid of revolution in the half-plane (radius >= 0, height), from the lowest point on the axis upwards.
@@ -106,6 +108,7 @@ class BoxShape final : public ToolShape {
     return rounding_ == 0 && box_.min[1] == -box_.max[1] ? Symmetry::kPlate : Symmetry::kNone;
   }
   double halfThickness() const override { return box_.max[1]; }
+  bool isBox() const override { return rounding_ == 0; }
 
  private:
   Box3 box_;

@@ -14,14 +14,15 @@ namespace kerf::internal::HWY_NAMESPACE {
 ErodeBrickResult erodeHere(const ErodeBrickInput& in, float* out) {
   const F f;
   const int lanes = static_cast<int>(hn::Lanes(f));
-  const V far = hn::Set(f, 1e30f), cap = hn::Set(f, in.cap);
+  const V far = hn::Set(f, 1e30f), cap = hn::Set(f, in.cap), touches = hn::Set(f, -in.least_overlap);
   V gaps = far, least = far;
   for (int n = 0; n < kBrickNodes; n += lanes) {
     const V phi = hn::LoadU(f, in.phi + n), tau = hn::LoadU(f, in.tau + n);
     const V gap = hn::IfThenElse(hn::Lt(phi, cap), hn::Add(phi, tau), far);
     gaps = hn::Min(gaps, gap);
 
-    if (hn::AllFalse(f, hn::Lt(gap, hn::Zero(f)))) {  // nothing to cut
+    const auto overlaps = hn::Lt(gap, touches);
+    if (hn::AllFalse(f, overlaps)) {  // nothing to cut
       least = hn::Min(least, phi);
       hn::StoreU(phi, f, out + n);
       continue;
@@ -29,7 +30,7 @@ ErodeBrickResult erodeHere(const ErodeBrickInput& in, float* out) {
 
     V next;
     if (in.geometry_only) {
-      next = hn::Max(phi, hn::Neg(tau));  // exactly, so that once or twice is the same
+      next = hn::IfThenElse(overlaps, hn::Neg(tau), phi);  // exactly, so that once or twice is the same
     } else {
       V lever = hn::Set(f, 1.0f);
       if (in.lever.form == LeverForm::kRadius) {
@@ -40,7 +41,7 @@ ErodeBrickResult erodeHere(const ErodeBrickInput& in, float* out) {
         lever = hn::Sqrt(hn::Add(hn::Mul(x, x), hn::Mul(up, up)));
       }
       const V rate = in.rates ? hn::LoadU(f, in.rates + n) : hn::Set(f, in.rate);
-      const V overlap = hn::Max(hn::Neg(gap), hn::Zero(f));
+      const V overlap = hn::IfThenElseZero(overlaps, hn::Neg(gap));
       next = hn::Add(phi, hn::Mul(overlap, erodedPart(f, hn::Mul(rate, lever))));
 
       if (in.lips.height > 0) {

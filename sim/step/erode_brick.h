@@ -32,7 +32,8 @@ struct ErodeBrickInput {
   float lip_rate = 0;                ///< as `rate`
   Lever lever;
   LipLever lips;
-  float cap = 0;  ///< mm: nothing is raised beyond it; what stands there already is left alone
+  float cap = 0;            ///< mm: nothing is raised beyond it; what stands there already is left alone
+  float least_overlap = 0;  ///< mm: what overlaps no deeper is left alone: see ToolField::leastOverlap()
   bool geometry_only = false;
 };
 
@@ -42,7 +43,8 @@ struct ErodeBrickResult {
 };
 
 /// out = min(cap, phi + max(0, -tau - phi) (1 - exp(-rate lever))); geometry only: min(cap, max(phi, -tau)). At
-/// the lips: phi + min(most, max(0, -tau - phi - rub / x) (1 - exp(-x))), x = lip rate r^0.75. The same bits with any
+/// the lips: phi + min(most, max(0, -tau - phi - rub / x) (1 - exp(-x))), x = lip rate r^0.75. What overlaps no deeper
+/// than `least_overlap` stays as it is, and so does phi at the cap and above, whatever tau. The same bits with any
 /// instruction set.
 ErodeBrickResult erodeBrick(const ErodeBrickInput& in, float* out) noexcept;
 

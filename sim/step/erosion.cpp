@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 
@@ -28,13 +29,15 @@ class BrickErosion {
     brick_.geometry_only = in.geometry_only;
     // Air is air: values rise to the end of the band that was baked around the surface, and no further.
     brick_.cap = object.baked().phi0().background();
+    brick_.least_overlap = in.tool->cut.leastOverlap();
+    std::fill_n(tau_, kBrickNodes, ToolField::kFar);
   }
 
   // @param next  512 values: the brick after erosion.
   internal::ErodeBrickResult run(const CutObject::Slot& slot, float* next) {
     const internal::BrickToTool map(to_tool_, tip_, slot.brick, h_);
     internal::placeNodes(map.base, map.along, x_, y_, z_);
-    cut_.distances(x_, y_, z_, tau_, kBrickNodes);
+    lookUpRows(internal::rowsBelow(slot.phi, brick_.cap));
 
     brick_.phi = slot.phi;
     brick_.rate = rates_.value[slot.materials[0]];
@@ -48,6 +51,16 @@ class BrickErosion {
   }
 
  private:
+  // The tool's distances at the nodes of these rows. What is air already is not looked up: nothing there is cut.
+  void lookUpRows(std::uint64_t rows) {
+    for (int end = 0; end < kRows && rows >> end != 0;) {
+      const int begin = end + std::countr_zero(rows >> end);
+      end = begin + std::countr_one(rows >> begin);
+      const int at = kRow * begin;
+      cut_.distances(x_ + at, y_ + at, z_ + at, tau_ + at, kRow * (end - begin));
+    }
+  }
+
   void setLipRates(const CutObject::Slot& slot) {
     brick_.lip_rate = rates_.at_lips[slot.materials[0]];
     brick_.lip_rates = nullptr;
@@ -55,6 +68,8 @@ class BrickErosion {
     internal::valuesOf(rates_.at_lips.data(), slot.materials, kBrickNodes, lip_rate_);
     brick_.lip_rates = lip_rate_;
   }
+
+  static constexpr int kRow = kBrickSide, kRows = kBrickNodes / kRow;
 
   const ToolField& cut_;
   const Vec3d tip_;
@@ -81,7 +96,7 @@ CutResult erode(CutObject& object, const NearBricks& near, const ContactInput& i
     if (object.odometer < slot.sleeps_until_cut || near.leastCut(b) >= -slot.least) continue;
 
     const internal::ErodeBrickResult eroded = erosion.run(slot, next);
-    if (eroded.gap >= 0) {
+    if (eroded.gap >= -cut.leastOverlap()) {
       slot.sleeps_until_cut = object.odometer + static_cast<double>(eroded.gap) - cut.slack();
       continue;
     }

@@ -75,10 +75,24 @@ float largestHere(const float* values, int n) {
   return hn::GetLane(hn::MaxOfLanes(f, largest));
 }
 
-std::uint64_t touchingHere(const float* cut, const float* body, const float* phi, int count, float& least_gap) {
+std::uint64_t rowsBelowHere(const float* values, float limit) {
   const F f;
   const int lanes = static_cast<int>(hn::Lanes(f));
-  const V far = hn::Set(f, 1e30f);
+  const V bound = hn::Set(f, limit);
+  std::uint64_t rows = 0;
+  for (int row = 0; row < 64; ++row) {
+    V least = hn::LoadU(f, values + 8 * row);
+    for (int at = lanes; at < 8; at += lanes) least = hn::Min(least, hn::LoadU(f, values + 8 * row + at));
+    rows |= std::uint64_t{!hn::AllFalse(f, hn::Lt(least, bound))} << row;
+  }
+  return rows;
+}
+
+std::uint64_t touchingHere(const float* cut, const float* body, const float* phi, int count, float least_overlap,
+                           float& least_gap) {
+  const F f;
+  const int lanes = static_cast<int>(hn::Lanes(f));
+  const V far = hn::Set(f, 1e30f), touches = hn::Set(f, -least_overlap);
   V least = hn::Set(f, least_gap);
   std::uint64_t bits = 0;
   for (int at = 0; at < count; at += lanes) {
@@ -88,7 +102,7 @@ std::uint64_t touchingHere(const float* cut, const float* body, const float* phi
                                  hn::Add(nearest, hn::LoadU(f, phi + at)), far);
     least = hn::Min(least, gap);
     std::uint8_t part[8] = {};
-    hn::StoreMaskBits(f, hn::Lt(gap, hn::Zero(f)), part);
+    hn::StoreMaskBits(f, hn::Lt(gap, touches), part);
     bits |= std::uint64_t{part[0]} << at;
   }
   least_gap = hn::GetLane(hn::MinOfLanes(f, least));
@@ -106,6 +120,7 @@ HWY_EXPORT(placeShellHere);
 HWY_EXPORT(valuesHere);
 HWY_EXPORT(valuesOfHere);
 HWY_EXPORT(largestHere);
+HWY_EXPORT(rowsBelowHere);
 HWY_EXPORT(touchingHere);
 
 void placeNodes(const float base[3], const float along[3][3], float* x, float* y, float* z) noexcept {
@@ -127,9 +142,13 @@ void valuesOf(const float* values, const std::uint8_t* numbers, int count, float
 
 float largestOf(const float* values, int n) noexcept { return HWY_DYNAMIC_DISPATCH(largestHere)(values, n); }
 
-std::uint64_t touchingNodes(const float* cut, const float* body, const float* phi, int count,
+std::uint64_t rowsBelow(const float* values, float limit) noexcept {
+  return HWY_DYNAMIC_DISPATCH(rowsBelowHere)(values, limit);
+}
+
+std::uint64_t touchingNodes(const float* cut, const float* body, const float* phi, int count, float least_overlap,
                             float& least_gap) noexcept {
-  return HWY_DYNAMIC_DISPATCH(touchingHere)(cut, body, phi, count, least_gap);
+  return HWY_DYNAMIC_DISPATCH(touchingHere)(cut, body, phi, count, least_overlap, least_gap);
 }
 
 }  // namespace kerf::internal

@@ -21,10 +21,13 @@ void valuesOf(const float* values, const std::uint8_t* numbers, int count, float
 /// Largest of n numbers, n a multiple of 8.
 float largestOf(const float* values, int n) noexcept;
 
-/// Which of `count` <= 64 nodes touch a tool: bits of those with min(cut, body) + phi < 0. `least_gap` becomes the
-/// least of these sums, if that is less. All are read up to the next multiple of 8.
-/// @param body  null: none near.
-std::uint64_t touchingNodes(const float* cut, const float* body, const float* phi, int count,
+/// Bits of the 64 rows of 8 values of a brick, along its last axis, in which one is below `limit`.
+std::uint64_t rowsBelow(const float* values, float limit) noexcept;
+
+/// Which of `count` <= 64 nodes touch a tool: bits of those with min(cut, body) + phi < -least_overlap. `least_gap`
+/// becomes the least of these sums, if that is less. All are read up to the next multiple of 8.
+/// @param body  null: none near.   @param least_overlap  mm: see ToolField::leastOverlap().
+std::uint64_t touchingNodes(const float* cut, const float* body, const float* phi, int count, float least_overlap,
                             float& least_gap) noexcept;
 
 }  // namespace kerf::internal

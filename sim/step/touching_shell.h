@@ -20,7 +20,7 @@ struct TouchingNode {
   Vec3d from_tip;         ///< object axes, mm
   float area;             ///< mm^2
   float phi, tau;         ///< mm; tau of the nearer of both fields
-  float tau_cut, gap;     ///< mm; gap = tau + phi < 0
+  float tau_cut, gap;     ///< mm; gap = tau + phi < -ToolField::leastOverlap(). tau_cut is kFar where that is far off
   bool body_is_near;      ///< tau is the nearer of cutting part and body; else the body is farther for certain
   std::uint8_t material;  ///< number
 };
@@ -49,6 +49,7 @@ int forEachTouching(CutObject& object, const NearBricks& near, const ToolModel& 
   const bool has_body = !tool.body.isEmpty();
   const double slack = std::max(tool.cut.slack(), tool.body.slack());
   const float aside = static_cast<float>(2 * (slack + 0.2 * h));
+  const float beside = static_cast<float>(0.05 * h);
 
   int tested = 0;
   float px[kGather], py[kGather], pz[kGather], now[kGather], cut[kGather], body[kGather];
@@ -60,8 +61,14 @@ int forEachTouching(CutObject& object, const NearBricks& near, const ToolModel& 
     const BrickToTool map(to_tool, T_object_tool.translation, slot.brick, h);
     const Vec3d corner = h * 8 * slot.brick.cast<double>() - T_object_tool.translation;
     const bool body_may_touch = has_body && near.leastBody(b) < -slot.least;
-    // How far the tool is from touching the brick. A body whose distance is not computed is known by its bound.
+    // What cuts is looked up where it may touch, or nearly so: a visitor may ask which of both parts is the nearer.
+    const bool cut_is_near = !body_may_touch || near.leastCut(b) < beside - slot.least;
+    // How far the tool is from touching the brick. A part whose distance is not computed is known by its bound.
     float clearance = has_body && !body_may_touch ? near.leastBody(b) + slot.least : ToolField::kFar;
+    if (!cut_is_near) {
+      clearance = near.leastCut(b) + slot.least;
+      std::fill_n(cut, kGather, ToolField::kFar);
+    }
     bool touches = false;
 
     for (int begin = 0; begin < slot.shell_count; begin += kGather) {
@@ -73,15 +80,16 @@ int forEachTouching(CutObject& object, const NearBricks& near, const ToolModel& 
         valuesAt(slot.phi, chunk.offset.data(), padded, now);
         phi = now;
       }
-      tool.cut.distances(px, py, pz, cut, padded);
+      if (cut_is_near) tool.cut.distances(px, py, pz, cut, padded);
 
       // Where what cuts is nearer than the body can be, there and a step further inwards, the body says nothing.
       const bool body_is_near = body_may_touch && largestOf(cut, padded) > near.leastBody(b) - aside;
       if (body_is_near) tool.body.distances(px, py, pz, body, padded);
       tested += count;
 
-      for (std::uint64_t bits = touchingNodes(cut, body_is_near ? body : nullptr, phi, count, clearance); bits != 0;
-           bits &= bits - 1) {
+      for (std::uint64_t bits =
+               touchingNodes(cut, body_is_near ? body : nullptr, phi, count, tool.cut.leastOverlap(), clearance);
+           bits != 0; bits &= bits - 1) {
         const int n = std::countr_zero(bits);
         const float nearest = body_is_near ? std::min(cut[n], body[n]) : cut[n];
         const float gap = nearest + phi[n];

@@ -80,11 +80,39 @@ TEST(ToolField, IsGoodToATenthOfAMicrometreWhereABurIsSmooth) {
   EXPECT_LT(worst, 5e-5);  // h^2 / 8 of curvature 1/0.5 at a spacing of 0.01
 }
 
+// A blade's parts are boxes: no table, at any distance.
+TEST(ToolField, OfABoxIsItsDistanceToTheRounding) {
+  const BoxShape box(Box3{Vec3d(0, -0.22, -1.5), Vec3d(0.5, 0.22, 26.5)});
+  const ToolField field(box);
+  const Points p = pointsAround(box.bounds(), 5, 4096, 11);
+  std::vector<float> d(p.x.size());
+  field.distances(p.x.data(), p.y.data(), p.z.data(), d.data(), static_cast<int>(d.size()));
+  for (std::size_t n = 0; n < d.size(); ++n) {
+    const Vec3f at(p.x[n], p.y[n], p.z[n]);
+    ASSERT_NEAR(static_cast<double>(d[n]), box.distance(at.cast<double>()), 2e-6) << at.transpose();
+  }
+  EXPECT_LT(field.slack(), 1e-4);
+  EXPECT_EQ(field.leastOverlap(), 1e-6f);
+  EXPECT_FALSE(field.isEmpty());
+}
+
+TEST(ToolField, OnlyWhatHasFlatSidesLeavesAnOverlapAlone) {
+  const auto leastOf = [](const char* id) {
+    const auto tool = readTool(*findToolFile(id, defaultToolFolders()));
+    EXPECT_TRUE(tool) << id;
+    return ToolField(*tool->cut).leastOverlap();
+  };
+  EXPECT_EQ(leastOf("saw-reciprocating-25"), 1e-6f);
+  EXPECT_EQ(leastOf("saw-sagittal-10"), 1e-6f);
+  EXPECT_EQ(leastOf("round-014"), 0);
+  EXPECT_EQ(leastOf("disc-22"), 0);
+}
+
 // A session recorded on one machine replays on another: whatever instructions it has, the bits are the same.
 TEST(ToolField, AllInstructionSetsGiveTheSameBits) {
-  for (const char* id : {"round-014", "saw-reciprocating"}) {
+  for (const char* id : {"round-014", "saw-reciprocating-25", "saw-sagittal-10"}) {
     const auto file = findToolFile(id, defaultToolFolders());
-    if (!file) continue;
+    ASSERT_TRUE(file) << id;
     const auto tool = readTool(*file);
     ASSERT_TRUE(tool);
     const ToolField field(*tool->cut);

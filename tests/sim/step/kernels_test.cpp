@@ -85,6 +85,32 @@ TEST(ErodeBrick, FollowsTheExponentialAtEveryRate) {
   }
 }
 
+TEST(ErodeBrick, LeavesAirAndTheLeastOverlapAlone) {
+  std::vector<float> x(512), tau(512), phi(512);
+  for (std::size_t n = 0; n < 512; ++n) {
+    phi[n] = n % 3 == 0 ? 0.15f : -0.1f;  // air and tissue, in the same rows
+    tau[n] = n % 3 == 0 ? -10.0f : 0.1f - (n % 2 ? 2e-6f : 0.5e-6f);
+  }
+  ErodeBrickInput in;
+  in.x = in.y = in.z = x.data();
+  in.tau = tau.data();
+  in.phi = phi.data();
+  in.rate = 2;
+  in.cap = 0.15f;
+  in.least_overlap = 1e-6f;
+
+  for (const bool geometry_only : {false, true}) {
+    in.geometry_only = geometry_only;
+    onEveryTarget([&] {
+      std::vector<float> out(512);
+      const ErodeBrickResult result = erodeBrick(in, out.data());
+      for (std::size_t n = 0; n < 512; ++n) ASSERT_EQ(out[n] != phi[n], n % 3 != 0 && n % 2 == 1) << n;
+      EXPECT_NEAR(result.gap, -2e-6f, 1e-8f);
+      EXPECT_EQ(result.least, -0.1f);
+    });
+  }
+}
+
 // Nodes of any number in the ranges they have.
 TouchingNodes randomNodes(int count, std::mt19937& random) {
   std::uniform_real_distribution<float> u(0, 1);
@@ -272,6 +298,21 @@ TEST(ShellNodes, AreThoseOfTheFormulaToTheBit) {
   }
 }
 
+TEST(RowsBelow, AreThoseWithAValueBelowTheLimit) {
+  std::mt19937 random(19);
+  std::vector<float> values(512, 0.15f);
+  std::uint64_t expected = 0;
+  for (const int row : {0, 1, 7, 30, 31, 32, 63}) {
+    values[static_cast<std::size_t>(8 * row) + random() % 8] = 0.149f;
+    expected |= std::uint64_t{1} << row;
+  }
+  onEveryTarget([&] {
+    EXPECT_EQ(rowsBelow(values.data(), 0.15f), expected);
+    EXPECT_EQ(rowsBelow(values.data(), 0.1f), 0u);
+    EXPECT_EQ(rowsBelow(values.data(), 0.2f), ~std::uint64_t{0});
+  });
+}
+
 TEST(TouchingNodes, AreThoseInsideTheToolAndClearanceIsToTheNearest) {
   std::mt19937 random(17);
   std::uniform_real_distribution<float> u(-1, 1);
@@ -283,19 +324,23 @@ TEST(TouchingNodes, AreThoseInsideTheToolAndClearanceIsToTheNearest) {
         body[n] = 0.9f + u(random);
         phi[n] = u(random);
       }
-      std::uint64_t expected = 0;
-      float least = 0.5f;
-      for (std::size_t n = 0; n < static_cast<std::size_t>(count); ++n) {
-        const float gap = (has_body ? std::min(cut[n], body[n]) : cut[n]) + phi[n];
-        expected |= std::uint64_t{gap < 0} << n;
-        least = std::min(least, gap);
+      for (const float least_overlap : {0.0f, 0.4f}) {
+        std::uint64_t expected = 0;
+        float least = 0.5f;
+        for (std::size_t n = 0; n < static_cast<std::size_t>(count); ++n) {
+          const float gap = (has_body ? std::min(cut[n], body[n]) : cut[n]) + phi[n];
+          expected |= std::uint64_t{gap < -least_overlap} << n;
+          least = std::min(least, gap);
+        }
+        onEveryTarget([&] {
+          float clearance = 0.5f;
+          EXPECT_EQ(
+              touchingNodes(cut.data(), has_body ? body.data() : nullptr, phi.data(), count, least_overlap, clearance),
+              expected);
+          EXPECT_EQ(clearance, least);
+          EXPECT_EQ(largestOf(cut.data(), 64), *std::max_element(cut.begin(), cut.end()));
+        });
       }
-      onEveryTarget([&] {
-        float clearance = 0.5f;
-        EXPECT_EQ(touchingNodes(cut.data(), has_body ? body.data() : nullptr, phi.data(), count, clearance), expected);
-        EXPECT_EQ(clearance, least);
-        EXPECT_EQ(largestOf(cut.data(), 64), *std::max_element(cut.begin(), cut.end()));
-      });
     }
 }
 
