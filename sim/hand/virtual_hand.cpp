@@ -131,13 +131,13 @@ bool ForceHand::next(const StepOutput& last, DeviceSample& sample) {
   const Vec3d hold = shortened(lean_ - kHold * beside, most_beside);
 
   // Push on, the less the farther the tool is off its line. Whoever feels the drive stall lets go until it is back.
-  fastest_ = std::max(fastest_, last.speed);
+  fastest_ = std::max({fastest_, last.speed, options_.free_speed});
   is_stalled_ = path_.cuts[stretch_] && last.speed < (is_stalled_ ? kRecovered : kStalled) * fastest_;
   const double on_line = std::clamp(2 - off / options_.off_line, 0.0, 1.0);
   const double left = std::sqrt(std::max(0.0, farthest_ * farthest_ - hold.squaredNorm()));
   double forward = std::min({touched, on_line * lead_, left});
   if (turnsAfter(stretch_)) forward = std::min(forward, whole - done + kAheadOfTurn);
-  if (is_stalled_) forward = -kLetsGo;
+  if (is_stalled_) forward = last.touching > 0 ? -kLetsGo : 0;
 
   turned_ += kTurnRate * kTick;
   const double part = turn > 0 ? std::min(1.0, turned_ / turn) : done / whole;

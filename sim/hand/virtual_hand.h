@@ -41,8 +41,8 @@ class FeedHand final : public VirtualHand {
 /// direction of the stretch it is on, no faster than `feed_limit`. It has a rest: slopes and the tool's own drag push a
 /// tool off its line, and the hand holds it there as a spring and leans against them, with up to twice its push. It
 /// waits for a tool off its line before it pushes on, and slows down before a sharp turn. Turns on the spot take their
-/// time. When the drive stalls it lets go until it has come up to half of its speed. What of a path cannot be cut is
-/// left, not cut elsewhere. For Rendering::kCoupled. Gives up when nothing has moved for `patience` seconds.
+/// time. It waits for the drive to come up to half of its speed, and lets go when it stalls. What of a path cannot be
+/// cut is left, not cut elsewhere. For Rendering::kCoupled. Gives up when nothing has moved for `patience` seconds.
 class ForceHand final : public VirtualHand {
  public:
   struct Options {
@@ -50,6 +50,7 @@ class ForceHand final : public VirtualHand {
     double feed_limit = 20;    ///< mm/s, in air
     double patience = 5;       ///< s
     double stillness = 0.002;  ///< mm: less progress than this in `patience` seconds is none
+    double free_speed = 0;     ///< of the drive, as StepOutput::speed; 0: not known, the fastest so far counts
     double off_line = 0.03;    ///< mm: a tool farther off its line is pushed on less, at twice that not at all
   };
   ForceHand(const CutPath& path, const CouplingSettings& coupling, const Options& options);

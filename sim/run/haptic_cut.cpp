@@ -47,10 +47,14 @@ StepSettings settingsOf(const HapticCutOptions& options) {
   return settings;
 }
 
-std::unique_ptr<VirtualHand> makeHand(const CutPath& path, const HapticCutOptions& o) {
+// @param free_speed  of the tool's drive.
+std::unique_ptr<VirtualHand> makeHand(const CutPath& path, const HapticCutOptions& o, double free_speed) {
   switch (o.hand) {
-    case HandKind::kForce:
-      return std::make_unique<ForceHand>(path, o.step.coupling, o.force);
+    case HandKind::kForce: {
+      ForceHand::Options force = o.force;
+      force.free_speed = o.add.empty() ? o.spindle * free_speed : 0;
+      return std::make_unique<ForceHand>(path, o.step.coupling, force);
+    }
     case HandKind::kDevice:
       return std::make_unique<DeviceHand>(path, o.device);
     default:
@@ -95,7 +99,7 @@ void endByHand(const VirtualHand& hand, const HapticCutOptions& options, Simulat
 // Ticks until the hand is done or the time is over; each tick is shown to the observers.
 Expected<Simulated> simulate(Session& session, const CutInputs& inputs, const HapticCutOptions& options,
                              CutObservers& observers, const Progress& progress) {
-  const std::unique_ptr<VirtualHand> hand = makeHand(inputs.path, options);
+  const std::unique_ptr<VirtualHand> hand = makeHand(inputs.path, options, session.model().tools[0].drive.speed);
   const auto limit = static_cast<std::uint64_t>(options.time_limit / kTick);
   Simulated out;
   DeviceSample sample;

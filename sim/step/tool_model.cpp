@@ -82,6 +82,7 @@ DrillLips lipsOf(const Tool& tool) {
 ToolMotion motionOf(const Tool& tool) { return tool.motion ? tool.motion->form : ToolMotion::kSpin; }
 
 bool isFrictionGrip(const Tool& tool) {
+  if (tool.shape == "drill") return false;
   if (tool.iso && tool.iso->shankKnown()) return tool.iso->shankKnown()->diameter_mm < 2;
   return tool.kind == ToolKind::kBur && tool.head_diameter_mm > 0 && tool.head_diameter_mm < 3;
 }

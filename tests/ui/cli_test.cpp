@@ -72,8 +72,8 @@ TEST_F(Cli, ACutAgainstResistanceIsRecordedAndReplaysBitForBit) {
   ASSERT_EQ(runKerf({"bake", at("molar/molar.toml"), "--voxel", "0.2", "-o", at("molar.case")}).exit_code, 0);
   const std::string cavity = std::string(KERF_SOURCE_DIR) + "/assets/paths/demo-cavity.toml";
   const auto cut = [&](const std::string& run, const std::vector<std::string>& hand) {
-    std::vector<std::string> words{"cut", at("molar.case"), "--tool", "round-014", "--path", cavity,
-                                   "-o",  at(run),          "--json", "--hand"};
+    std::vector<std::string> words{"cut", at("molar.case"), "--tool", "round-014", "--path",   cavity,
+                                   "-o",  at(run),          "--json", "--drive",   "electric", "--hand"};
     words.insert(words.end(), hand.begin(), hand.end());
     return parsed(runKerf(words));
   };
@@ -346,6 +346,10 @@ TEST_F(Cli, AToolThatLeavesItsToothCutsTheNeighbourWhichIsMeasuredToldReplayedAn
   refuses({"export", at("row.run"), "--beside", "3", "-o", at("x.stl")}, {"beside_3", "1 to 2"});
   refuses({"export", at("box.case"), "--beside", "1", "-o", at("x.stl")}, {"beside_1", "--beside OTHER.case"});
 
+  // A drive that is to start deep in two things at once would not.
+  folder_.write("across.toml",
+                "format = \"kerf-path\"\nversion = 1\nframe = \"object\"\n[start]\nposition = [0, 0, 0.5]\n"
+                "axis = [0, 0, 1]\n[[stroke]]\nkind = \"line\"\nby = [0, 0, -0.7]\n");
   const Outcome both = cut("both.run", {"--beside", at("over.case")});
   EXPECT_NE(both.err.find("overlaps the case by about 8"), both.err.npos) << "4 x 5 x 4 mm3: " << both.err;
 

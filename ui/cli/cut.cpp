@@ -169,7 +169,9 @@ void print(const Arguments& a, const HapticCut& cut) {
   fmt::print("force on the tool {:.2f} N mean, {:.2f} N at most; normal load {:.2f} N; to the hand {:.2f} N at most\n",
              s.mean_contact_force, s.peak_contact_force, s.mean_normal_load, s.peak_hand_force);
   fmt::print("drive {:.1f} mJ into the tissue, speed down to {:.0f} % of nominal", s.work, 100 * s.least_speed);
-  if (s.stalled_s > 0) fmt::print("; it stood still for {:.2f} s: too heavy a hand for this drive", s.stalled_s);
+  if (s.stalled_s > 0)
+    fmt::print("; it stood still for {:.2f} s: too {} for this drive", s.stalled_s,
+               a.hand == "feed" ? "fast a feed" : "heavy a hand");
   fmt::print("\n");
   printMonitored(s);
 

@@ -16,7 +16,7 @@ namespace {
 
 using test::block;
 using test::oneTissue;
-using test::turned;
+using scenes::turned;
 
 CutPath straight(const Vec3d& from, const Vec3d& to, double seconds) {
   CutPath path;
@@ -172,6 +172,7 @@ Pushed pushAlong(const CutPath& path, const char* tool_id, double force, const R
   state.objects.emplace_back(block({5, 5, 4}, 0.1, attitude), 8192);
   ForceHand::Options options;
   options.force = force;
+  options.free_speed = model.tools[0].drive.speed;
   ForceHand hand(path, model.settings.coupling, options);
   state.place(poseAt(path, 0));
 
