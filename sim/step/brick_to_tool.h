@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstdint>
 
 #include "geometry/base/types.h"
 #include "geometry/field/brick_field.h"
@@ -28,6 +29,13 @@ inline Vec3d centerOf(const Vec3i& brick, int nodes, double h) {
 }
 /// From that centre to the farthest node, mm.
 inline double radiusOf(int nodes, double h) { return 0.5 * std::sqrt(3.0) * (nodes - 1) * h; }
+
+/// A part of a clearance, from half of it on, that differs from brick to brick: what fell asleep in one tick does not
+/// all wake in one.
+inline double staggered(double clearance, int slot) {
+  const std::uint32_t scattered = static_cast<std::uint32_t>(slot) * 2654435769u;  // over the golden ratio
+  return clearance * (0.5 + 0x1p-33 * scattered);
+}
 
 /// The brick that a point of the object's frame lies in; at most one brick outside of first..last. Clamped before it
 /// becomes an integer: a tool may be anywhere.

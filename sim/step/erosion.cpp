@@ -97,7 +97,7 @@ CutResult erode(CutObject& object, const NearBricks& near, const ContactInput& i
 
     const internal::ErodeBrickResult eroded = erosion.run(slot, next);
     if (eroded.gap >= -cut.leastOverlap()) {
-      slot.sleeps_until_cut = object.odometer + static_cast<double>(eroded.gap) - cut.slack();
+      slot.sleeps_until_cut = object.odometer + internal::staggered(static_cast<double>(eroded.gap) - cut.slack(), s);
       continue;
     }
     slot.sleeps_until_cut = -1;

@@ -106,7 +106,8 @@ int forEachTouching(CutObject& object, const NearBricks& near, const ToolModel& 
       }
     }
 
-    slot.sleeps_until_contact = touches ? -1 : object.odometer + static_cast<double>(clearance) - slack;
+    slot.sleeps_until_contact =
+        touches ? -1 : object.odometer + staggered(static_cast<double>(clearance) - slack, near.slot(b));
   }
   return tested;
 }
