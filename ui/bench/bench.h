@@ -26,6 +26,7 @@ enum class SceneId {
   kPoints,
   kTickBur,
   kTickSaw,
+  kTickFine,
   kTickSizes,
   kRealtime,
   kInvariance,
@@ -124,6 +125,7 @@ Expected<Result> benchCutBlade(const Bench& bench);
 Expected<Result> benchPoints(const Bench& bench);
 Expected<Result> benchTickBur(const Bench& bench);
 Expected<Result> benchTickSaw(const Bench& bench);
+Expected<Result> benchTickFine(const Bench& bench);
 Expected<Result> benchTickSizes(const Bench& bench);
 Expected<Result> benchRealtime(const Bench& bench);
 // The step's laws, numbers that are the same on every machine: invariance.cpp, forces.cpp, saw.cpp, heat.cpp.

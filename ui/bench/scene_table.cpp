@@ -21,6 +21,8 @@ constexpr Scene kScenes[] = {
     {SceneId::kTickBur, "tick-bur", "whole ticks: taper 016 in the demo molar at 0.05 mm", benchTickBur, kTickBurGoals},
     {SceneId::kTickSaw, "tick-saw", "whole ticks: a 25 mm blade in the demo mandible at 0.1 mm", benchTickSaw,
      kTickSawGoals},
+    {SceneId::kTickFine, "tick-fine", "whole ticks: 10 mm of a blade, and a ball of 6 mm, sunk in bone at 0.05 mm",
+     benchTickFine, kTickFineGoals},
     {SceneId::kTickSizes, "tick-sizes", "the same contact in three sizes of object", benchTickSizes, kTickSizesGoals},
     {SceneId::kRealtime, "realtime",
      "the same on the clock, on its thread, with mesher and recorder; --seconds says how long", benchRealtime,

@@ -17,11 +17,12 @@ namespace {
 
 using namespace scenes;
 
-void addPercentiles(Result& r) {
-  r.add("p50", percentile(r.ms, 0.5), "ms");
-  r.add("p99", percentile(r.ms, 0.99), "ms");
-  r.add("p99.9", percentile(r.ms, 0.999), "ms");
-  r.add("max", percentile(r.ms, 1), "ms");
+// @param of  whose ticks: stands before each name.
+void addPercentiles(Result& r, const std::vector<double>& ms, const std::string& of = "") {
+  r.add(of + "p50", percentile(ms, 0.5), "ms");
+  r.add(of + "p99", percentile(ms, 0.99), "ms");
+  r.add(of + "p99.9", percentile(ms, 0.999), "ms");
+  r.add(of + "max", percentile(ms, 1), "ms");
 }
 
 // Changed bricks on their way to the visible mesh. The clock is the session's: a mesher that is busy when a brick
@@ -56,15 +57,19 @@ struct Ticks {
   std::uint64_t troubled = 0;                   // ticks with a bit in their status
   std::uint64_t hash = 0;
 
-  void addTo(Result& r) const {
+  // @param of  whose ticks: stands before each name.
+  void addCounts(Result& r, const std::string& of = "") const {
     const auto count = static_cast<double>(ms.size());
+    r.add(of + "nodes tested a tick", tested / count);
+    r.add(of + "nodes touching", touching / count);
+    r.add(of + "bricks cut a tick", bricks / count);
+    r.add(of + "largest force", most_force, "N");
+    r.add(of + "ticks that lacked room", static_cast<double>(troubled));
+  }
+  void addTo(Result& r) const {
     r.ms = ms;
     r.state_hash = fmt::format("{:016x}", hash);
-    r.add("nodes tested a tick", tested / count);
-    r.add("nodes touching", touching / count);
-    r.add("bricks cut a tick", bricks / count);
-    r.add("largest force", most_force, "N");
-    r.add("ticks that lacked room", static_cast<double>(troubled));
+    addCounts(r);
   }
 };
 
@@ -94,6 +99,41 @@ Expected<Ticks> timeTicks(const Model& model, State& state, VirtualHand& hand, c
   if (ticks.ms.empty()) return brokenScene("ticks", "the tool met nothing", "contact");
   ticks.hash = state.hash();
   return ticks;
+}
+
+// A tool that goes straight down into the middle of a block: first without resistance, then timed.
+struct Sinking {
+  Rigid3 start;      // of the tool: it touches the block's top
+  double depth = 0;  // mm, without resistance
+  double feed = 0;   // mm/s, then
+  double seconds = 2;
+};
+Expected<Ticks> timeSinking(const std::shared_ptr<const BakedObject>& block, Model& model, const Sinking& sinking,
+                            const Bench& bench) {
+  const auto lowered = [&](double by) {
+    Rigid3 pose = sinking.start;
+    pose.translation[2] -= by;
+    return pose;
+  };
+  State state;
+  state.objects.emplace_back(block, 8192);
+  model.settings.rendering = Rendering::kRigid;
+
+  model.settings.geometry_only = true;
+  state.place(lowered(-0.1));
+  StepOutput out;
+  for (int n = 0; n <= 600; ++n) {
+    reserveForTicks(state.objects[0]);
+    step(model, state, sampleAt(lowered(-0.1 + n * (sinking.depth + 0.1) / 600), 0), out);
+  }
+
+  model.settings.geometry_only = false;
+  CutPath path;
+  path.poses = {{0, lowered(sinking.depth)},
+                {sinking.seconds, lowered(sinking.depth + sinking.seconds * sinking.feed)}};
+  path.cuts = {1};
+  FeedHand hand(path);
+  return timeTicks(model, state, hand, bench);
 }
 
 // A plate of `side` x `side` x 3 mm, its lowest millimetre the cutting part.
@@ -206,7 +246,7 @@ Expected<Result> benchTickBur(const Bench& bench) {
     state.place(poseAt(path, 0));
     KERF_TRY(ticks, timeTicks(model, state, hand, bench));
     ticks.addTo(r);
-    addPercentiles(r);
+    addPercentiles(r, r.ms);
   }
 
   // Once more with a mesher: the step's thread and core are its own, so its ticks are timed without one.
@@ -269,7 +309,34 @@ Expected<Result> benchTickSaw(const Bench& bench) {
   FeedHand hand(path);
   KERF_TRY(ticks, timeTicks(model, state, hand, bench));
   ticks.addTo(r);
-  addPercentiles(r);
+  addPercentiles(r, r.ms);
+  return r;
+}
+
+Expected<Result> benchTickFine(const Bench& bench) {
+  constexpr double kVoxel = 0.05;
+  Result r(SceneId::kTickFine,
+           "10 mm of a 25 mm blade, 6 mm deep, fed at 40 mm/min, then a ball of 6 mm, 2 mm deep, fed at 0.1 mm/s: in "
+           "blocks of cortical bone, 0.05 mm voxels");
+
+  KERF_TRY(saw, toolOfRack("saw-reciprocating-25"));
+  KERF_TRY(with_saw, makeModel(std::span(&saw, 1)));
+  KERF_TRY(bar, practiceBlock({10, 4, 9}, kVoxel, {}, Material::kCortical));
+  const Rigid3 across{teethDown(), Vec3d(-12.5, 0, 0)};
+  KERF_TRY(blade, timeSinking(bar, with_saw, {.start = across, .depth = 6, .feed = 40.0 / 60}, bench));
+
+  KERF_TRY(with_ball, makeModel({}));
+  with_ball.tools = {practiceBall(3, 840)};
+  KERF_TRY(block, practiceBlock({8, 8, 4}, kVoxel, {}, Material::kCortical));
+  KERF_TRY(ball, timeSinking(block, with_ball, {.start = {}, .depth = 2, .feed = 0.1}, bench));
+
+  r.ms = blade.ms;
+  r.state_hash = fmt::format("{:016x}", blade.hash ^ ball.hash);
+  const std::pair<const char*, const Ticks*> both[] = {{"blade: ", &blade}, {"ball: ", &ball}};
+  for (const auto& [of, ticks] : both) {
+    ticks->addCounts(r, of);
+    addPercentiles(r, ticks->ms, of);
+  }
   return r;
 }
 
