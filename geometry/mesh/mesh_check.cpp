@@ -308,7 +308,9 @@ MeshReport checkMesh(const Mesh& mesh, const MeshCheckOptions& options) {
   const std::vector<std::uint32_t> label = countTopology(m, report, is_open);
   countInwardPieces(m, label, is_open, report);
 
-  if (options.self_intersections) {
+  if (options.known_free_of_crossings) {
+    report.self_intersections_checked = true;
+  } else if (options.self_intersections) {
     report.self_intersections_checked = true;
     const std::size_t at_most = std::max<std::size_t>(1, options.max_self_intersections);
     report.self_intersections = selfIntersections(m.vertices, m.triangles, at_most).size();

@@ -14,6 +14,9 @@ struct MeshCheckOptions {
   bool self_intersections = true;  ///< the dearest part; without it the mesh is never called print-ready
   /// Count at most so many crossing pairs. A small number is faster on a bad mesh; the verdict stays the same.
   std::size_t max_self_intersections = 1'000'000;
+  /// crossingPairs() found none in this very mesh, whose positions are float32: they are not searched for again. Equal
+  /// positions would have been a crossing, so welding joins nothing.
+  bool known_free_of_crossings = false;
 };
 
 struct BoundaryLoop {

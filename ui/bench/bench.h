@@ -23,6 +23,7 @@ enum class SceneId {
   kCutBur,
   kCutBlade,
   kExport,
+  kExport400k,
   kPoints,
   kTickBur,
   kTickSaw,
@@ -119,6 +120,7 @@ Expected<Result> benchBake(const Bench& bench);
 Expected<Result> benchBake200k(const Bench& bench);
 Expected<Result> benchMandible(const Bench& bench);
 Expected<Result> benchExport(const Bench& bench);
+Expected<Result> benchExport400k(const Bench& bench);
 Expected<Result> benchCutBur(const Bench& bench);
 Expected<Result> benchCutBlade(const Bench& bench);
 // Times of the 1 kHz step: tick.cpp. The same on its own thread and on the clock: realtime.cpp.

@@ -16,6 +16,8 @@ constexpr Scene kScenes[] = {
     {SceneId::kCutBlade, "cut-blade", "motions of a reciprocating blade in a block at 0.1 mm", benchCutBlade,
      kTimesOnly},
     {SceneId::kExport, "export", "run to printable STL", benchExport, kTimesOnly},
+    {SceneId::kExport400k, "export-400k", "the same, the demo molar in 400 000 triangles", benchExport400k,
+     kExport400kGoals},
     {SceneId::kPoints, "points", "shell nodes against a tool's fields: 50 000 and 200 000 of them", benchPoints,
      kPointsGoals},
     {SceneId::kTickBur, "tick-bur", "whole ticks: taper 016 in the demo molar at 0.05 mm", benchTickBur, kTickBurGoals},
