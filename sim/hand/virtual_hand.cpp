@@ -19,7 +19,7 @@ constexpr double kSideways = 2;       // a hand holds sideways with up to this t
 constexpr double kTurnRate = 1;       // rad/s: turns on the spot
 constexpr double kStalled = 0.02;     // of the highest speed of the drive: a hand lets go
 constexpr double kRecovered = 0.5;    // and pushes again
-constexpr double kLetsGo = 0.1;       // mm that it draws back
+constexpr double kLetsGo = 0.1;       // mm that it draws back, and no farther to a side
 
 constexpr double kNoWay = 1e-9;  // mm: shorter stretches are turns on the spot
 
@@ -121,18 +121,20 @@ bool ForceHand::next(const StepOutput& last, DeviceSample& sample) {
   }
   if (gave_up_) return false;
 
+  // Whoever feels the drive stall lets go until it is back.
+  fastest_ = std::max({fastest_, last.speed, options_.free_speed});
+  is_stalled_ = path_.cuts[stretch_] && last.speed < (is_stalled_ ? kRecovered : kStalled) * fastest_;
+
   // Hold the tool on its line: at once as a spring, and leaning more and more. Where nothing touches the tool the hand
   // does not stand far beside it or ahead of it: a tool that breaks through must not fly.
   const double touched = last.contact.force.norm() / stiffness_ + kUnheld;
-  const double most_beside = std::min({kSideways * lead_, touched, farthest_});
+  const double most_beside = is_stalled_ ? kLetsGo : std::min({kSideways * lead_, touched, farthest_});
   lean_ -= kLeanRate * std::max(1.0, lead_) * kTick * beside;
   lean_ -= along.dot(lean_) * along;
   lean_ = shortened(lean_, most_beside);
   const Vec3d hold = shortened(lean_ - kHold * beside, most_beside);
 
-  // Push on, the less the farther the tool is off its line. Whoever feels the drive stall lets go until it is back.
-  fastest_ = std::max({fastest_, last.speed, options_.free_speed});
-  is_stalled_ = path_.cuts[stretch_] && last.speed < (is_stalled_ ? kRecovered : kStalled) * fastest_;
+  // Push on, the less the farther the tool is off its line.
   const double on_line = std::clamp(2 - off / options_.off_line, 0.0, 1.0);
   const double left = std::sqrt(std::max(0.0, farthest_ * farthest_ - hold.squaredNorm()));
   double forward = std::min({touched, on_line * lead_, left});

@@ -211,8 +211,8 @@ TEST(VirtualHand, AHandHoldsATurbineOnItsLineOnASlope) {
 TEST(VirtualHand, AHandThatStallsItsTurbineLetsGoAndComesToTheEnd) {
   const Pushed pushed = pushAlong(straight({-3.5, 0, -1.5}, {0, 0, -1.5}, 1), "856-016", 6, {});
   EXPECT_FALSE(pushed.gave_up);
-  EXPECT_LT(pushed.fell_to, 0.02);
-  EXPECT_LT(pushed.stalled_s, 10);
+  EXPECT_LT(pushed.fell_to, 0.1);
+  EXPECT_LT(pushed.stalled_s, 1);
   EXPECT_NEAR(pushed.end.translation[0], 0, 0.05);
 }
 
