@@ -36,7 +36,8 @@ void readHandpiece(TomlTable& t, Tool& tool) {
 
   const auto name = t.get<std::string>("handpiece", ("one of " + handpieceNames()).c_str());
   tool.drive.handpiece = findHandpiece(name);
-  if (!tool.drive.handpiece && !t.failed()) t.reject("handpiece", "\"" + name + "\"", "one of " + handpieceNames());
+  if (!tool.drive.handpiece && !t.failed())
+    t.reject("handpiece", fmt::format("\"{}\"", name), fmt::format("one of {}", handpieceNames()));
 }
 
 }  // namespace

@@ -91,12 +91,12 @@ std::string describeStiffness(const DeviceCoupling& coupling, const CouplingSett
     case CouplingBound::kNone:
       break;
     case CouplingBound::kMass:
-      return fmt::format("{:.2g} N/mm of {:.2g}: the device is light for its delay", stiffness, wanted.stiffness);
+      return fmt::format("{:.3g} N/mm, {:.3g} wanted: the device is light for its delay", stiffness, wanted.stiffness);
     case CouplingBound::kEncoder:
-      return fmt::format("{:.2g} N/mm of {:.2g}: the steps of its encoder are coarse for its friction", stiffness,
+      return fmt::format("{:.3g} N/mm, {:.3g} wanted: the steps of its encoder are coarse for its friction", stiffness,
                          wanted.stiffness);
   }
-  return fmt::format("{:.2g} N/mm", stiffness);
+  return fmt::format("{:.3g} N/mm", stiffness);
 }
 
 }  // namespace kerf

@@ -54,7 +54,7 @@ struct DeviceCoupling {
 /// kept.
 DeviceCoupling couplingFor(const DeviceProfile& profile, const CouplingSettings& wanted = {});
 
-/// "0.44 N/mm of 1: the steps of its encoder are coarse for its friction", one sentence for a person.
+/// "0.44 N/mm, 1 wanted: the steps of its encoder are coarse for its friction", one sentence for a person.
 std::string describeStiffness(const DeviceCoupling& coupling, const CouplingSettings& wanted);
 
 }  // namespace kerf

@@ -109,21 +109,15 @@ bool ForceHand::next(const StepOutput& last, DeviceSample& sample) {
   done = std::clamp(done, 0.0, whole);
   at_ = std::max(at_, length_[stretch_] + done);
 
-  const double off = beside.norm();
-  if (turn > 0 || at_ > watched_ + options_.stillness || off < watched_off_ - options_.stillness) {
-    watched_ = at_;
-    watched_off_ = off;
-    waited_ = 0;
-  } else {
-    watched_off_ = std::max(watched_off_, off);
-    waited_ += kTick;
-    if (waited_ > options_.patience) gave_up_ = true;
-  }
-  if (gave_up_) return false;
-
   // Whoever feels the drive stall lets go until it is back.
   fastest_ = std::max({fastest_, last.speed, options_.free_speed});
   is_stalled_ = path_.cuts[stretch_] && last.speed < (is_stalled_ ? kRecovered : kStalled) * fastest_;
+  const bool is_coming_up = is_stalled_ && last.speed > last_speed_;
+  last_speed_ = last.speed;
+
+  const double off = beside.norm();
+  if (!is_coming_up) gave_up_ = !moves(turn > 0, off);
+  if (gave_up_) return false;
 
   // Hold the tool on its line: at once as a spring, and leaning more and more. Where nothing touches the tool the hand
   // does not stand far beside it or ahead of it: a tool that breaks through must not fly.
@@ -143,11 +137,30 @@ bool ForceHand::next(const StepOutput& last, DeviceSample& sample) {
 
   turned_ += kTurnRate * kTick;
   const double part = turn > 0 ? std::min(1.0, turned_ / turn) : done / whole;
+  if (turn > 0) forward = 0;
   ahead_ = std::min(at_ + forward, std::max(ahead_, at_) + options_.feed_limit * kTick);
   sample.T_world_device = between(pose(stretch_), pose(stretch_ + 1), part);
   sample.T_world_device.translation = pose(stretch_).translation + (ahead_ - length_[stretch_]) * along + hold;
   sample.pedal = path_.cuts[stretch_] ? 1 : 0;
   return true;
+}
+
+// False: nothing has moved for `patience` seconds, neither along the way nor back to it. A tool that goes to and fro
+// beside its line comes no nearer: what counts is how far off it is at most, in the later half against the earlier.
+bool ForceHand::moves(bool is_turning, double off) {
+  if (is_turning || at_ > watched_ + options_.stillness) {
+    watched_ = at_;
+    waited_ = off_early_ = off_late_ = 0;
+    return true;
+  }
+  double& most = waited_ < 0.5 * options_.patience ? off_early_ : off_late_;
+  most = std::max(most, off);
+  waited_ += kTick;
+  if (waited_ <= options_.patience) return true;
+
+  const bool comes_nearer = off_late_ < 0.95 * off_early_ - options_.stillness;
+  waited_ = off_early_ = off_late_ = 0;
+  return comes_nearer;
 }
 
 // Whether the path takes a sharp turn where a stretch ends. Arcs are many stretches with small ones.

@@ -60,19 +60,21 @@ class ForceHand final : public VirtualHand {
 
  private:
   bool turnsAfter(std::size_t stretch) const;
+  bool moves(bool is_turning, double off);
 
   const CutPath& path_;
   Options options_;
-  double lead_;                 // mm
-  double stiffness_;            // N/mm
-  double farthest_;             // mm from hand to tool: from there on the coupling pulls no harder
-  std::vector<double> length_;  // of the way up to each pose, mm
-  std::size_t stretch_ = 0;     // from this pose to the next
-  double at_ = 0, ahead_ = 0;   // mm of the way: the tool; where it is pulled to
-  Vec3d lean_ = Vec3d::Zero();  // mm: how far beside its line the hand stands, to bring the tool back to it
-  double watched_ = 0, watched_off_ = 0, waited_ = 0;
-  double turned_ = 0;   // rad of a turn on the spot
-  double fastest_ = 0;  // StepOutput::speed so far
+  double lead_;                          // mm
+  double stiffness_;                     // N/mm
+  double farthest_;                      // mm from hand to tool: from there on the coupling pulls no harder
+  std::vector<double> length_;           // of the way up to each pose, mm
+  std::size_t stretch_ = 0;              // from this pose to the next
+  double at_ = 0, ahead_ = 0;            // mm of the way: the tool; where it is pulled to
+  Vec3d lean_ = Vec3d::Zero();           // mm: how far beside its line the hand stands, to bring the tool back to it
+  double watched_ = 0, waited_ = 0;      // mm of the way, s
+  double off_early_ = 0, off_late_ = 0;  // mm beside it, at most, while waiting
+  double turned_ = 0;                    // rad of a turn on the spot
+  double fastest_ = 0, last_speed_ = 0;  // StepOutput::speed
   bool has_begun_ = false, gave_up_ = false, is_stalled_ = false;
 };
 

@@ -160,6 +160,12 @@ Expected<std::vector<BrickField>> changedFields(const Session& session, const Cu
                  .found = fmt::format("{} within the {}", nothing, simulated.ended),
                  .expected = "a tool that reaches the case in that time",
                  .hint = "a longer --time-limit"});
+  if (!simulated.is_complete)
+    return fail({.code = Error::Code::kEmpty,
+                 .file = scene.inputs.path_file.string(),
+                 .found = fmt::format("{}: {}", nothing, simulated.ended),
+                 .expected = "a hand that gets on",
+                 .hint = "a faster --spindle, another --drive, more --push, or more --patience"});
   return fail({.code = Error::Code::kEmpty,
                .file = scene.inputs.path_file.string(),
                .found = nothing,
@@ -206,7 +212,8 @@ HapticSummary summarise(const Session& session, const CutScene& scene, const Sim
   out.seconds = static_cast<double>(simulated.ticks) * kTick;
   out.is_complete = simulated.is_complete;
   out.ended = simulated.ended;
-  out.coupling = session.model().settings.coupling.stiffness;
+  const StepSettings& settings = session.model().settings;
+  if (settings.rendering == Rendering::kCoupled) out.coupling = settings.coupling.stiffness;
 
   out.initial_mm3 = internal::sumOf(scene.object().volumes());
   out.remaining_mm3 = internal::sumOf(object.bricks().countVolumes());

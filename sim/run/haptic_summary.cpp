@@ -28,7 +28,6 @@ std::string toJson(const HapticSummary& s) {
                    {"seconds", s.seconds},
                    {"is_complete", s.is_complete},
                    {"ended", s.ended},
-                   {"coupling_N_per_mm", s.coupling},
                    {"initial_mm3", s.initial_mm3},
                    {"removed_mm3", s.removed_mm3},
                    {"added_mm3", s.added_mm3},
@@ -57,6 +56,8 @@ std::string toJson(const HapticSummary& s) {
                    {"pieces", s.pieces},
                    {"crumbs", s.crumbs},
                    {"state_hash", s.state_hash}};
+  if (s.coupling > 0) j["coupling_N_per_mm"] = s.coupling;
+  if (!s.coupling_text.empty()) j["coupling"] = s.coupling_text;
   for (const auto& [id, volume] : s.removed_by_material) j["removed_by_material_mm3"][id] = volume;
   for (const auto& [id, volume] : s.planned_by_material) j["planned_by_material_mm3"][id] = volume;
   for (const auto& [id, volume] : s.added_by_material) j["added_by_material_mm3"][id] = volume;

@@ -18,8 +18,8 @@ struct HapticSummary {
   double seconds = 0;
   bool is_complete = false;   ///< the virtual hand came to the end of its path
   std::string ended;          ///< why it ended
-  double coupling = 0;        ///< stiffness between hand and tool, N/mm
-  std::string coupling_text;  ///< the same in words, and why it is no stiffer; empty: nothing bounds it
+  double coupling = 0;        ///< stiffness between hand and tool, N/mm; 0: the hand holds the tool itself
+  std::string coupling_text;  ///< of a device: the same in words, and why it is no stiffer
 
   double removed_mm3 = 0, remaining_mm3 = 0, initial_mm3 = 0;
   double added_mm3 = 0;

@@ -86,7 +86,7 @@ const Handpiece& handpieceOf(const Tool& tool);
 ToolDrive defaultDrive(const Tool& tool);
 /// The numbers of its file ([drive]), the default for each that is left out.
 ToolDrive driveOf(const Tool& tool);
-/// The same as text: "200000 rpm, stalls at 8 N mm, ...", and which of the numbers come from the tool's file.
+/// The same as text: "turbine, 380000 rpm, stalls at 1 N mm, ...", and which of the numbers come from the tool's file.
 std::string describeDrive(const Tool& tool);
 ToolMotion motionOf(const Tool& tool);
 

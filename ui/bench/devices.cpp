@@ -25,7 +25,6 @@ using namespace scenes;
 constexpr double kPressed = 0.4, kEnd = 1.6;  // s: pressed until, held until
 constexpr int kTicks = 1600;
 constexpr int kEnergyTicks = 580, kTremblingTicks = 256;
-constexpr double kRunaway = 1;  // mm
 
 struct Grasp {
   Model model;  // with the coupling of the device
@@ -126,10 +125,10 @@ Expected<std::vector<Held>> holdMany(std::size_t draws, const GraspOf& grasp, do
 }
 
 struct Unit {
-  double scale = 1000;  // of what moves
-  const char* name = "um";
+  const char* name;  // of a thousandth of what moves
+  double runaway;    // mm or rad
 };
-constexpr Unit kMicrometres{}, kMilliradians{1000, "mrad"};
+constexpr Unit kMicrometres{"um", 1}, kMilliradians{"mrad", 0.02};
 
 void addHeld(Result& r, const std::string& scene, const std::vector<Held>& held, Unit unit, bool is_cutting = false) {
   constexpr double kNotable = 1e-4;  // mJ
@@ -137,12 +136,15 @@ void addHeld(Result& r, const std::string& scene, const std::vector<Held>& held,
   double most_given = 0;
   std::vector<double> trembling, ripple;
   for (const Held& h : held) {
-    runaways += !(h.trembling < kRunaway);
+    if (!(h.trembling < unit.runaway) || !std::isfinite(h.given)) {
+      ++runaways;
+      continue;
+    }
     given += h.given > kNotable;
     rippling += h.ripple > 0.02;
     most_given = std::max(most_given, h.given);
-    trembling.push_back(unit.scale * h.trembling);
-    ripple.push_back(unit.scale * h.ripple);
+    trembling.push_back(1000 * h.trembling);
+    ripple.push_back(1000 * h.ripple);
   }
   const auto share = [&](int count) { return 100.0 * count / static_cast<double>(held.size()); };
   r.add(scene + ": devices", static_cast<double>(held.size()));

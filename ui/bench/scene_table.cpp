@@ -1,5 +1,7 @@
 #include "ui/bench/scene_table.h"
 
+#include <fmt/format.h>
+
 #include "ui/bench/goals.h"
 
 namespace kerf::cli {
@@ -94,7 +96,7 @@ Expected<const Scene*> findScene(std::string_view name) {
   return fail({.code = Error::Code::kBadValue,
                .place = "SCENE",
                .found = "\"" + std::string(name) + "\"",
-               .expected = "one of " + known});
+               .expected = fmt::format("one of {}", known)});
 }
 
 }  // namespace kerf::cli

@@ -163,15 +163,16 @@ void print(const Arguments& a, const HapticCut& cut) {
   const std::string response = is_default ? "" : " by " + a.response;
   fmt::print("cut with {} held by a {} hand{} for {:.2f} s, {:.2f} s of it in contact, voxels {} mm; ended: {}\n",
              cut.manifest.tool_id, a.hand, response, s.seconds, s.seconds_in_contact, cut.manifest.voxel_mm, s.ended);
-  if (!s.coupling_text.empty()) fmt::print("held at {}\n", s.coupling_text);
+  if (!s.coupling_text.empty()) fmt::print("the device can hold a coupling of {}\n", s.coupling_text);
   printVolumes(s, !a.haptic.add.empty());
   printPlan(s);
   fmt::print("force on the tool {:.2f} N mean, {:.2f} N at most; normal load {:.2f} N; to the hand {:.2f} N at most\n",
              s.mean_contact_force, s.peak_contact_force, s.mean_normal_load, s.peak_hand_force);
   fmt::print("drive {:.1f} mJ into the tissue, speed down to {:.0f} % of nominal", s.work, 100 * s.least_speed);
-  if (s.stalled_s > 0)
-    fmt::print("; it stood still for {:.2f} s: too {} for this drive", s.stalled_s,
-               a.hand == "feed" ? "fast a feed" : "heavy a hand");
+  if (s.stalled_s > 0.05)
+    fmt::print("; it stood still for {:.2f} s: too {} for this drive{}", s.stalled_s,
+               a.hand == "feed" ? "fast a feed" : "heavy a hand",
+               a.haptic.spindle < 1 ? fmt::format(" at {:g} of its speed", a.haptic.spindle) : "");
   fmt::print("\n");
   printMonitored(s);
 

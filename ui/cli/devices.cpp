@@ -32,7 +32,7 @@ nlohmann::json jsonOf(const std::string& name, const DeviceProfile& p, const Dev
 
 void print(const std::string& name, const DeviceProfile& p, const DeviceCoupling& c, const CouplingSettings& wanted) {
   fmt::print("{}: {:g} ms, {:g} kg, {:g} N, {:g} mm\n", name, 1000 * p.delay_s, p.mass_kg, p.friction, p.encoder_mm);
-  fmt::print("  {}; damping {:.2g} N s/m, {:.2g} while the drive turns\n", describeStiffness(c, wanted),
+  fmt::print("  coupling {}; damping {:.2g} N s/m, {:.2g} while the drive turns\n", describeStiffness(c, wanted),
              1000 * c.settings.damping, 1000 * c.settings.running_damping);
 }
 

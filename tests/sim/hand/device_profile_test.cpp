@@ -42,8 +42,9 @@ TEST(DeviceProfile, TheCouplingIsThatOfTheFormula) {
     EXPECT_GE(c.damping, 0.7 * c.stiffness * tau - 1e-12);
     EXPECT_LE(c.damping, c.running_damping);
     // A step of the encoder kicks the hand by no more than twice its friction, unless the delay asks for more.
-    if (c.damping > 0.7 * c.stiffness * tau + 1e-12)
+    if (c.damping > 0.7 * c.stiffness * tau + 1e-12) {
       EXPECT_LE(c.damping * gain * row.encoder_mm / kTick, 2 * friction + 1e-12);
+    }
     // What does not follow from the profile stays.
     EXPECT_EQ(c.turn_stiffness, CouplingSettings{}.turn_stiffness);
     EXPECT_EQ(c.force_limit, CouplingSettings{}.force_limit);
@@ -65,11 +66,11 @@ TEST(DeviceProfile, TurningHasItsOwnBounds) {
 TEST(DeviceProfile, ItSaysWhyTheCouplingIsSofter) {
   DeviceProfile p;
   EXPECT_EQ(describeStiffness(couplingFor(p), {}),
-            "0.67 N/mm of 1: the steps of its encoder are coarse for its friction");
+            "0.667 N/mm, 1 wanted: the steps of its encoder are coarse for its friction");
   p.friction = 0.1;
   EXPECT_EQ(describeStiffness(couplingFor(p), {}), "1 N/mm");
   p.delay_s = 0.006;
-  EXPECT_EQ(describeStiffness(couplingFor(p), {}), "0.38 N/mm of 1: the device is light for its delay");
+  EXPECT_EQ(describeStiffness(couplingFor(p), {}), "0.379 N/mm, 1 wanted: the device is light for its delay");
 }
 
 TEST(HeldDevice, LosesWhatFrictionAndDampingTakeAndGainsWhatMotorsGive) {

@@ -14,9 +14,9 @@
 namespace kerf {
 namespace {
 
+using scenes::turned;
 using test::block;
 using test::oneTissue;
-using scenes::turned;
 
 CutPath straight(const Vec3d& from, const Vec3d& to, double seconds) {
   CutPath path;
@@ -159,14 +159,16 @@ TEST(VirtualHand, APathWithCornersIsCutAsPlannedHoweverHardItIsPushed) {
 struct Pushed {
   bool gave_up = false;
   double farthest_off = 0;  // mm, of the tip from the straight way
-  double stalled_s = 0, fell_to = 1;
+  double stalled_s = 0, fell_to = 1, seconds = 0;
   Rigid3 end;
 };
-Pushed pushAlong(const CutPath& path, const char* tool_id, double force, const Rigid3& attitude) {
+Pushed pushAlong(const CutPath& path, const char* tool_id, double force, const Rigid3& attitude,
+                 double of_its_torque = 1) {
   const auto file = findToolFile(tool_id, defaultToolFolders());
   EXPECT_TRUE(file);
   Model model;
   model.tools = {makeToolModel(*readTool(*file))};
+  model.tools[0].drive.stall_load *= of_its_torque;
   model.tissues = oneTissue(200, 0.3, 1000);
   State state;
   state.objects.emplace_back(block({5, 5, 4}, 0.1, attitude), 8192);
@@ -184,6 +186,7 @@ Pushed pushAlong(const CutPath& path, const char* tool_id, double force, const R
   const Vec3d along = (path.poses.back().T_object_tool.translation - from).normalized();
   for (int n = 0; n < 120'000 && hand.next(tick, sample); ++n) {
     step(model, state, sample, tick);
+    out.seconds += kTick;
     const Vec3d way = tick.T_world_tool.translation - from;
     out.farthest_off = std::max(out.farthest_off, (way - along.dot(way) * along).norm());
     const double speed = tick.speed / model.tools[0].drive.speed;
@@ -214,6 +217,13 @@ TEST(VirtualHand, AHandThatStallsItsTurbineLetsGoAndComesToTheEnd) {
   EXPECT_LT(pushed.fell_to, 0.1);
   EXPECT_LT(pushed.stalled_s, 1);
   EXPECT_NEAR(pushed.end.translation[0], 0, 0.05);
+}
+
+TEST(VirtualHand, AHandGivesUpWhenItsDriveStallsAgainAndAgain) {
+  const Pushed pushed = pushAlong(straight({0, 0, 0.5}, {0, 0, -2}, 1), "round-014", 8, {}, 1e-4);
+  EXPECT_TRUE(pushed.gave_up);
+  EXPECT_LT(pushed.fell_to, 0.1);
+  EXPECT_LT(pushed.seconds, 60);
 }
 
 TEST(VirtualHand, ATurnOnTheSpotTakesItsTime) {

@@ -189,6 +189,28 @@ TEST(Session, AHeaderWithoutItsNumbersIsRefusedByName) {
   EXPECT_NE(again.error().message().find("coupling.damping"), std::string::npos) << again.error().message();
 }
 
+// Logs of before have one damping, whether the drive turns or not.
+TEST(Session, ALogThatDoesNotTellItsDampingWhileRunningReplays) {
+  const TemporaryFile file("session.log", "");
+  std::filesystem::remove(file.path());
+  record(file.path(), test::block({6, 4, 2}, 0.1));
+  auto log = readSessionLog(file.path());
+  ASSERT_TRUE(log);
+  const auto named =
+      std::erase_if(log->header, [](const auto& row) { return row.first.starts_with("coupling.running_"); });
+  EXPECT_EQ(named, 2u);
+  const auto again = replay(*log, "old.log", twoBalls(), {test::block({6, 4, 2}, 0.1)});
+  ASSERT_TRUE(again) << again.error().message();
+  EXPECT_TRUE(again->is_same);
+
+  for (auto& [key, value] : log->header)
+    if (key == "coupling.damping") value = "0.004";
+  Model model = twoBalls();
+  Rigid3 start;
+  ASSERT_TRUE(restoreSettings(*log, "old.log", model, start));
+  EXPECT_EQ(model.settings.coupling.running_damping, 0.004);
+}
+
 // Takes everything and keeps the numbers.
 struct CountingSink final : SessionSink {
   void sample(const DeviceSample&, std::uint64_t) noexcept override { ++samples; }
