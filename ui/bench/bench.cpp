@@ -30,6 +30,15 @@ Expected<Tool> toolOfRack(const std::string& id) {
   return readTool(file);
 }
 
+Expected<std::vector<Tool>> wholeRack() {
+  std::vector<Tool> tools;
+  for (ToolListing& listing : listTools(defaultToolFolders())) {
+    if (!listing.tool) return fail(*listing.error);
+    tools.push_back(std::move(*listing.tool));
+  }
+  return tools;
+}
+
 Expected<fs::path> bakedDemo(const DemoAnatomy& anatomy, double voxel, const Bench& bench) {
   const fs::path folder = bench.scratch.path() / anatomy.name;
   const fs::path out = bench.scratch.path() / (anatomy.name + ".case");

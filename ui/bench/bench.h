@@ -38,6 +38,7 @@ enum class SceneId {
   kResponse,
   kSink,
   kTunnelling,
+  kEdges,
   kLedger,
   kPieces,
   kSplit,
@@ -111,6 +112,8 @@ inline auto brokenScene(std::string place, std::string found, std::string expect
 
 /// A tool of assets/tools.
 Expected<Tool> toolOfRack(const std::string& id);
+/// All tools of the rack.
+Expected<std::vector<Tool>> wholeRack();
 
 /// Writes a demo's files into the scratch folder and bakes them there.   @return the case.
 Expected<std::filesystem::path> bakedDemo(const DemoAnatomy& anatomy, double voxel, const Bench& bench);
@@ -146,5 +149,6 @@ Expected<Result> benchSplit(const Bench& bench);
 Expected<Result> benchPassivity(const Bench& bench);
 Expected<Result> benchPassivityLarge(const Bench& bench);
 Expected<Result> benchDevices(const Bench& bench);
+Expected<Result> benchEdges(const Bench& bench);
 
 }  // namespace kerf::cli

@@ -167,6 +167,12 @@ inline constexpr Goal kPassivityLargeGoals[] = {
     {"K within the bounds of the literature: trembling, most", "um", kAtMost, 5},
     {"K up to twice these bounds: most energy", "mJ", kAtMost, 0.1},
 };
+inline constexpr Goal kEdgesGoals[] = {
+    {"slides", "", kAtLeast, 2352},
+    // A tool that falls into a groove lands on its floor, or against its far wall: a blow, not a release.
+    {"groove 1 mm wide: slides with more than 0.05 N beyond that", "", kAtMost, 0, Weight::kAim},
+    {"{}: slides with more than 0.05 N beyond that", "", kAtMost, 0},
+};
 inline constexpr Goal kDevicesGoals[] = {
     {"{}: runaways", "", kAtMost, 0},
     {"wall, friction down to 0: trembling, most", "um", kAtMost, 50},

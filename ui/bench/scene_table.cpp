@@ -45,6 +45,8 @@ constexpr Scene kScenes[] = {
      kSinkGoals},
     {SceneId::kTunnelling, "tunnelling", "a wall of 0.3 mm at 0.1 to 1 m/s: whether anything passes", benchTunnelling,
      kTunnellingGoals},
+    {SceneId::kEdges, "edges", "every tool, its drive off, slid off edges, thin walls, over a groove: no times",
+     benchEdges, kEdgesGoals},
     {SceneId::kLedger, "ledger", "volumes by the ledger against those of the mesh, 10 000 strokes: no times",
      benchLedger, kLedgerGoals},
     {SceneId::kPieces, "pieces", "planes, rings, bridges, crumbs: how many pieces, how soon known", benchPieces,

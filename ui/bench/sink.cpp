@@ -216,12 +216,7 @@ Expected<Result> benchSink(const Bench& bench) {
   Depths ball_depths{};
   tryAll({"ball of 1 mm", &ball.tools[0], -Vec3d::UnitZ(), 1}, ball, 0, blocks, nullptr, &ball_depths);
 
-  std::vector<Tool> tools;
-  for (ToolListing& listing : listTools(defaultToolFolders()))
-    if (listing.tool)
-      tools.push_back(std::move(*listing.tool));
-    else
-      return fail(*listing.error);
+  KERF_TRY(tools, wholeRack());
   for (const double length : {10.0, 14.0}) {
     KERF_TRY(drawn, meshSpike(bench, length));
     drawn.id += fmt::format("-{:g}", length);
