@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numeric>
 
 #include "sim/hand/virtual_hand.h"
 #include "sim/run/load_scene.h"
@@ -22,7 +23,7 @@ using namespace scenes;
 // A tool pressed straight down into a block with constant force: means over a stretch of depth.
 struct Plunge {
   double rate = 0, load = 0;  // mm^3/s, N
-  std::vector<double> parts;  // removed in each 40 ms, mm^3
+  std::vector<double> parts;  // removed in each eighth of the time, mm^3
 };
 Expected<Plunge> plunge(const Model& model, std::shared_ptr<const BakedObject> block, double force, double from,
                         double to) {
@@ -40,45 +41,49 @@ Expected<Plunge> plunge(const Model& model, std::shared_ptr<const BakedObject> b
   StepOutput tick;
   DeviceSample sample;
   Plunge out;
-  double seconds = 0, part = 0;
-  for (int n = 0; hand.next(tick, sample);) {
+  double seconds = 0;
+  std::vector<double> removed;
+  while (hand.next(tick, sample)) {
     step(model, state, sample, tick);
     const double depth = -tick.T_world_tool.translation[2];
     if (depth < from || depth > to) continue;
     out.rate += tick.removed_mm3;
     out.load += tick.normal_load * kTick;
     seconds += kTick;
-    part += tick.removed_mm3;
-    if (++n % 40 == 0) {
-      out.parts.push_back(part);
-      part = 0;
-    }
+    removed.push_back(tick.removed_mm3);
   }
   if (seconds == 0)
     return brokenScene("a plunge", fmt::format("never {} mm deep with {} N", from, force), "to get there");
   out.rate /= seconds;
   out.load /= seconds;
+  const std::size_t ticks = removed.size() / 8;
+  for (std::size_t n = 0; n < 8 && ticks > 0; ++n) {
+    const auto begin = removed.begin() + static_cast<std::ptrdiff_t>(n * ticks);
+    out.parts.push_back(std::accumulate(begin, begin + static_cast<std::ptrdiff_t>(ticks), 0.0));
+  }
   return out;
 }
 
-// Constant force: removal rates of a round bur, plunged, material by material.
+// Constant force: removal rates of a round bur, plunged, material by material. Its drive holds its speed: a turbine's
+// falls with the depth of the hole.
 Expected<void> plungeIntoMaterials(Result& r, const Bench& bench) {
   KERF_TRY(bur, toolOfRack("round-014"));
+  bur.drive.handpiece = findHandpiece("electric");
   KERF_TRY(model, makeModel(std::span(&bur, 1)));
   KERF_TRY(table, readDefaultMaterials());
   std::map<std::string, double> rates;  // mm^3/s per N
-  // Gently in what is soft, so that every plunge takes some tenths of a second.
-  for (const auto& [id, force] : {std::pair("enamel", 1.0), std::pair("dentin", 0.5), std::pair("cortical", 0.5),
-                                  std::pair("cancellous", 0.05)}) {
+  // Gently in what is soft, so that every plunge takes some seconds.
+  for (const auto& [id, force] :
+       {std::pair("enamel", 3.0), std::pair("dentin", 1.0), std::pair("cortical", 1.0), std::pair("cancellous", 0.1)}) {
     if (!report(bench.progress, 0.1, "constant force")) return cancelled();
     KERF_TRY(row, table.require(id));
     KERF_TRY(block, practiceBlock({3, 3, 4}, 0.1, {}, row.material));
-    KERF_TRY(pressed, plunge(model, block, force, 1.2, 2.8));
+    KERF_TRY(pressed, plunge(model, block, force, 1.2, 2.2));
     rates[id] = pressed.rate / force;
     r.add(fmt::format("round 014 in {}", id), rates[id], "mm3/s per N");
 
     const std::vector<double>& parts = pressed.parts;
-    if (parts.size() > 2) {
+    if (!parts.empty()) {
       const auto [low, high] = std::minmax_element(parts.begin(), parts.end());
       r.add(fmt::format("  spread of the rate in {}", id), percentOff(*high, *low), "%");
     }
@@ -113,7 +118,7 @@ Expected<void> fitRemoval(Result& r, const Bench& bench) {
   int count = 0;
   for (const double force : {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0}) {
     if (!report(bench.progress, 0.15, "removal over load")) return cancelled();
-    KERF_TRY(pressed, plunge(model, block, force, 1.2, 2.4));
+    KERF_TRY(pressed, plunge(model, block, force, 1.2, 1.6));
     const double n = pressed.load, rate = pressed.rate;
     nn += n * n;
     nr += n * rate;
