@@ -14,12 +14,15 @@ constexpr double kSharpTurn = 0.87;   // cosine of 30 degrees
 constexpr double kUnheld = 0.3;       // mm: ahead of a tool that touches nothing
 constexpr double kAheadOfTurn = 0.3;  // mm: a hand that goes for more runs past a corner
 constexpr double kLeanRate = 10;      // 1/s: how fast a hand leans against what keeps the tool off its line
-constexpr double kHold = 2;           // mm that a hand holds against each mm the tool is off its line, at once
-constexpr double kSideways = 2;       // a hand holds sideways with up to this times its push
-constexpr double kTurnRate = 1;       // rad/s: turns on the spot
-constexpr double kStalled = 0.02;     // of the highest speed of the drive: a hand lets go
-constexpr double kRecovered = 0.5;    // and pushes again
-constexpr double kLetsGo = 0.1;       // mm that it draws back, and no farther to a side
+// Nearer than this part of `off_line` a hand leans no more: the drag of a bur turns what pushes it, and a hand that
+// answers late to the last micrometre makes it walk round its hole, wider and wider.
+constexpr double kNearLine = 0.6;
+constexpr double kHold = 2;         // mm that a hand holds against each mm the tool is off its line, at once
+constexpr double kSideways = 2;     // a hand holds sideways with up to this times its push
+constexpr double kTurnRate = 1;     // rad/s: turns on the spot
+constexpr double kStalled = 0.02;   // of the highest speed of the drive: a hand lets go
+constexpr double kRecovered = 0.5;  // and pushes again
+constexpr double kLetsGo = 0.1;     // mm that it draws back, and no farther to a side
 
 constexpr double kNoWay = 1e-9;  // mm: shorter stretches are turns on the spot
 
@@ -123,7 +126,8 @@ bool ForceHand::next(const StepOutput& last, DeviceSample& sample) {
   // does not stand far beside it or ahead of it: a tool that breaks through must not fly.
   const double touched = last.contact.force.norm() / stiffness_ + kUnheld;
   const double most_beside = is_stalled_ ? kLetsGo : std::min({kSideways * lead_, touched, farthest_});
-  lean_ -= kLeanRate * std::max(1.0, lead_) * kTick * beside;
+  const double beyond = std::max(0.0, 1 - kNearLine * options_.off_line / std::max(off, 1e-9));
+  lean_ -= kLeanRate * std::max(1.0, lead_) * kTick * beyond * beside;
   lean_ -= along.dot(lean_) * along;
   lean_ = shortened(lean_, most_beside);
   const Vec3d hold = shortened(lean_ - kHold * beside, most_beside);
