@@ -1,5 +1,5 @@
-// What a force-feedback device is like, and the virtual coupling that it can render without ever giving energy to the
-// hand.
+// What a force-feedback device is like, and the virtual coupling that it can hold without trembling. Functions of their
+// arguments alone: any thread, some microseconds, before a session; not for the 1 kHz thread (text allocates).
 #pragma once
 
 #include <span>

@@ -243,9 +243,7 @@ struct BladeInKerf {
     box.add(Vec3d(-5.2, -2.2, -4.2));
     box.add(Vec3d(5.2, 2.2, 0.2));
     const auto distance = [&](const Vec3d& p) {
-      const Vec3d q = (p + Vec3d(0, 0, 2)).cwiseAbs() - half;
-      const double solid = q.cwiseMax(0.0).norm() + std::min(q.maxCoeff(), 0.0);
-      return std::max(solid, std::min(half_width - std::abs(p[1]), p[2] + 1.55));
+      return std::max(boxDistance(p, Vec3d(0, 0, -2), half), std::min(half_width - std::abs(p[1]), p[2] + 1.55));
     };
     KERF_TRY(block, bakedFrom(distance, box, 0.1, Material::kCortical));
     return BladeInKerf{std::move(model), std::move(block)};

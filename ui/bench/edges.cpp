@@ -10,6 +10,7 @@
 #include "sim/run/load_scene.h"
 #include "sim/run/practice_block.h"
 #include "ui/bench/bench.h"
+#include "ui/bench/scenes/objects.h"
 #include "ui/bench/scenes/poses.h"
 #include "ui/bench/scenes/sink.h"
 
@@ -49,11 +50,6 @@ struct Place {
   double edge = 0;  // x, mm: where the tool starts to leave
 };
 
-double box(const Vec3d& p, const Vec3d& center, const Vec3d& half) {
-  const Vec3d q = (p - center).cwiseAbs() - half;
-  return q.cwiseMax(0.0).norm() + std::min(q.maxCoeff(), 0.0);
-}
-
 Expected<std::vector<Place>> places(const Rigid3& frame) {
   const auto baked = [&](double x0, double x1, const auto& distance) {
     Box3 bounds;
@@ -64,11 +60,12 @@ Expected<std::vector<Place>> places(const Rigid3& frame) {
     return bakedFrom([&, inverse](const Vec3d& p) { return distance(inverse * p); }, bounds, kVoxel, Material::kEnamel);
   };
   const Vec3d middle(0, 0, -1.5);
-  KERF_TRY(block, baked(-4, 1, [&](const Vec3d& p) { return box(p, Vec3d(-1.5, 0, -1.5), Vec3d(2.5, 3, 1.5)); }));
-  KERF_TRY(wall, baked(-0.2, 0.2, [&](const Vec3d& p) { return box(p, middle, Vec3d(0.2, 3, 1.5)); }));
+  KERF_TRY(block,
+           baked(-4, 1, [&](const Vec3d& p) { return boxDistance(p, Vec3d(-1.5, 0, -1.5), Vec3d(2.5, 3, 1.5)); }));
+  KERF_TRY(wall, baked(-0.2, 0.2, [&](const Vec3d& p) { return boxDistance(p, middle, Vec3d(0.2, 3, 1.5)); }));
   KERF_TRY(groove, baked(-4, 5, [&](const Vec3d& p) {
-             const double solid = box(p, Vec3d(0.5, 0, -1.5), Vec3d(4.5, 3, 1.5));
-             return std::max(solid, -box(p, Vec3d(1.5, 0, 0), Vec3d(0.5, 9, 0.5)));
+             const double solid = boxDistance(p, Vec3d(0.5, 0, -1.5), Vec3d(4.5, 3, 1.5));
+             return std::max(solid, -boxDistance(p, Vec3d(1.5, 0, 0), Vec3d(0.5, 9, 0.5)));
            }));
   return std::vector<Place>{{"edge", block, 1}, {"wall of 0.4 mm", wall, 0.2}, {"groove 1 mm wide", groove, 1}};
 }

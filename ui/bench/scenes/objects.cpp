@@ -13,6 +13,11 @@ TissueTable oneTissue(double stiffness, double friction, double energy) {
   return table;
 }
 
+double boxDistance(const Vec3d& p, const Vec3d& center, const Vec3d& half) {
+  const Vec3d q = (p - center).cwiseAbs() - half;
+  return q.cwiseMax(0.0).norm() + std::min(q.maxCoeff(), 0.0);
+}
+
 Expected<std::shared_ptr<const BakedObject>> practiceSphere(const Vec3d& center, double radius, double voxel) {
   Box3 box;
   box.add(Vec3d(center.array() - radius - 0.1));

@@ -14,6 +14,9 @@ namespace kerf::scenes {
 /// @param stiffness  N/mm^3.   @param friction  of Coulomb.   @param energy  specific cutting energy, N/mm^2.
 TissueTable oneTissue(double stiffness, double friction, double energy);
 
+/// Signed distance to a box, mm, negative inside.   @param half  of its sides.
+double boxDistance(const Vec3d& p, const Vec3d& center, const Vec3d& half);
+
 /// A ball of that radius (mm) about `center`, baked.
 Expected<std::shared_ptr<const BakedObject>> practiceSphere(const Vec3d& center, double radius, double voxel);
 
