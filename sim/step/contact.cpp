@@ -141,8 +141,8 @@ class NodeSums {
 
     sums.force += vector(S::kForce);
     sums.torque += vector(S::kTorque);
-    sums.force_after += vector(S::kForceAfter);
-    sums.torque_after += vector(S::kTorqueAfter);
+    sums.force_next += vector(S::kForceNext);
+    sums.torque_next += vector(S::kTorqueNext);
     addSymmetric(sums.stiffness, S::kStiffness);
 
     sums.normal_load += value(S::kNormalLoad);
@@ -184,8 +184,8 @@ class NodeSums {
 void ContactSums::add(const ContactSums& o) {
   force += o.force;
   torque += o.torque;
-  force_after += o.force_after;
-  torque_after += o.torque_after;
+  force_next += o.force_next;
+  torque_next += o.torque_next;
   stiffness += o.stiffness;
   drag += o.drag;
   drag_moment += o.drag_moment;
@@ -212,8 +212,8 @@ void ContactSums::add(const ContactSums& o) {
 void ContactSums::scale(double factor) {
   force *= factor;
   torque *= factor;
-  force_after *= factor;
-  torque_after *= factor;
+  force_next *= factor;
+  torque_next *= factor;
   stiffness *= factor;
   drag *= factor;
   drag_moment *= factor;
@@ -233,8 +233,8 @@ ContactSums ContactSums::rotated(const Eigen::Matrix3d& r) const {
   ContactSums out = *this;
   out.force = r * force;
   out.torque = r * torque;
-  out.force_after = r * force_after;
-  out.torque_after = r * torque_after;
+  out.force_next = r * force_next;
+  out.torque_next = r * torque_next;
   for (int i = 0; i < 2; ++i)
     for (int j = 0; j < 2; ++j)
       out.stiffness.block<3, 3>(3 * i, 3 * j) = r * stiffness.block<3, 3>(3 * i, 3 * j) * r.transpose();

@@ -32,10 +32,10 @@ struct ContactInput {
 /// erodes, c as in erode(). With the node's area vector w the force is the sum of p w, weighted by how much the node
 /// faces the tool: see sumContact(). Friction makes mu p A.
 struct ContactSums {
-  Vec3d force = Vec3d::Zero(), torque = Vec3d::Zero();              ///< N, N mm, of the pressure, on the tool
-  Vec3d force_after = Vec3d::Zero(), torque_after = Vec3d::Zero();  ///< the same once this tick's erosion is done
-  /// -d(force_after, torque_after) / d(translation, rotation), symmetric, positive semi-definite: sum k_n A u u^T with
-  /// u = (n, r x n).
+  Vec3d force = Vec3d::Zero(), torque = Vec3d::Zero();            ///< N, N mm, of the pressure, on the tool
+  Vec3d force_next = Vec3d::Zero(), torque_next = Vec3d::Zero();  ///< of the next evaluation, if the tool stays
+  /// -d(force_next, torque_next) / d(translation, rotation), symmetric, positive semi-definite: sum k_n g A u u^T with
+  /// u = (n, r x n); g = 1 where nothing cuts.
   Matrix6d stiffness = Matrix6d::Zero();
   /// Drag on the tool is -(drag * twist) of its motion plus the part of its own motion: sums of mu p A over the surface
   /// speed, with their first and second moments about the tip.

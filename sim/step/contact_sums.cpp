@@ -32,7 +32,8 @@ void sumTouchingHere(const TouchingNodes& nodes, const TouchingTool& tool, Touch
       hn::StoreU(hn::Add(hn::LoadU(f, at), value), f, at);
     };
 
-    // Overlap, facing weight, and what this evaluation's erosion leaves of the overlap: mean and afterwards.
+    // Overlap, facing weight, what erosion leaves of the overlap: its mean over this evaluation, and over the next one
+    // if the tool stays.
     const V overlap = load(nodes.overlap), into_cut = load(nodes.into_cut), area = load(nodes.area);
     V facing = hn::Min(hn::Max(hn::Add(load(nodes.slope), load(nodes.slope)), zero), one);
     if (tool.geometry_only) facing = hn::IfThenElse(hn::Lt(into_cut, overlap), facing, zero);
@@ -63,9 +64,12 @@ void sumTouchingHere(const TouchingNodes& nodes, const TouchingTool& tool, Touch
       part = hn::IfThenElse(is_at_most, most, part);
     }
     const V mean = hn::Sub(overlap, hn::Mul(erodes, hn::Sub(one, mean_part)));
-    const V after = hn::Sub(overlap, hn::Mul(erodes, part));
+    const V kept = hn::Mul(hn::Sub(one, part), mean_part);
+    const V next = hn::Sub(overlap, hn::Mul(erodes, hn::Sub(one, kept)));
+    const auto cuts = hn::Gt(into_cut, zero);
     const V stiff = hn::Mul(hn::Mul(load(nodes.stiffness), facing), area);  // N/mm
-    const V size = hn::Mul(stiff, mean), size_after = hn::Mul(stiff, after);
+    const V stiff_next = hn::IfThenElse(cuts, hn::Mul(stiff, mean_part), stiff);
+    const V size = hn::Mul(stiff, mean), size_next = hn::Mul(stiff, next);
 
     // Force, torque and stiffness, u = (n, r x n).
     const V r[3] = {load(nodes.from_tip[0]), load(nodes.from_tip[1]), load(nodes.from_tip[2])};
@@ -77,13 +81,12 @@ void sumTouchingHere(const TouchingNodes& nodes, const TouchingTool& tool, Touch
     int entry = S::kStiffness;
     for (int row = 0; row < 6; ++row) {
       add(S::kForce + row, hn::Mul(size, u[row]));
-      add(S::kForceAfter + row, hn::Mul(size_after, u[row]));
-      const V scaled = hn::Mul(stiff, u[row]);
+      add(S::kForceNext + row, hn::Mul(size_next, u[row]));
+      const V scaled = hn::Mul(stiff_next, u[row]);
       for (int column_of = 0; column_of <= row; ++column_of) add(entry++, hn::Mul(scaled, u[column_of]));
     }
 
     // Loads, and what the tool's own motion costs the drive.
-    const auto cuts = hn::Gt(into_cut, zero);
     add(S::kNormalLoad, size);
     add(S::kCuttingLoad, hn::IfThenElseZero(cuts, size));
     const V rubbing = hn::Mul(load(nodes.friction), size);

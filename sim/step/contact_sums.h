@@ -37,8 +37,8 @@ struct TouchingSums {
   enum : int {
     kForce = 0,
     kTorque = 3,
-    kForceAfter = 6,
-    kTorqueAfter = 9,
+    kForceNext = 6,
+    kTorqueNext = 9,
     kStiffness = 12,
     kNormalLoad = 33,
     kCuttingLoad,

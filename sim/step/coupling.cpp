@@ -58,9 +58,9 @@ void advance(ToolBody& body, const DeviceMotion& device, const ContactSums& cont
   Vector6d b;
   const Vector6d pull = springPull(body.pose, device, s);
   b.head<3>() =
-      mass * body.velocity + dt * (pull.head<3>() + s.damping * device.velocity + contact.force_after + own_drag.force);
+      mass * body.velocity + dt * (pull.head<3>() + s.damping * device.velocity + contact.force_next + own_drag.force);
   b.tail<3>() = inertia * body.angular +
-                dt * (pull.tail<3>() + s.turn_damping * device.angular + contact.torque_after + own_drag.torque);
+                dt * (pull.tail<3>() + s.turn_damping * device.angular + contact.torque_next + own_drag.torque);
   a.diagonal().head<3>().array() += mass + dt * s.damping + dt * dt * s.stiffness;
   a.diagonal().tail<3>().array() += inertia + dt * s.turn_damping + dt * dt * s.turn_stiffness;
   const Vector6d v = core && !core->isEmpty() ? core->solve(a, b, dt) : Vector6d(a.ldlt().solve(b));

@@ -66,7 +66,9 @@ Vector6d springPull(const Rigid3& T_world_tool, const DeviceMotion& device, cons
 double travel(ToolBody& body, double head_reach_mm, double longest_mm, double dt) noexcept;
 
 /// One implicit Euler step of the body: (M + dt (B + D) + dt^2 (K + J)) V' = M V + dt (K e + B V_d + F + F_own).
-/// @param contact  world frame: force_after, stiffness and drag are used.   @param own_drag  of the tool's own motion.
+/// F and J are of the mean contact force over the next evaluation: a tool at rest in what it cuts is pressed with as
+/// much as the hand pulls, however much erodes in an evaluation.
+/// @param contact  world frame: force_next, stiffness and drag are used.   @param own_drag  of the tool's own motion.
 /// @param longest  mm: no part of the cutting head moves farther in one step; the motion is scaled down to it.
 /// @param core  what else pushes, solved for together with the velocity; null: nothing.
 /// @rt

@@ -90,11 +90,13 @@ void filterDevice(State& state, const DeviceSample& input, const CouplingSetting
   state.device.pose = input.T_world_device;
 }
 
-// How far the coupling may take a body in this tick: as fast as it is, or as fast as it would become without contact.
+// How far the coupling may take a body in this tick: as fast as it is, or as fast as it would become if contact held it
+// as it did in the last tick. A body that comes free, on which all of the coupling pulls at once, is slowed by travel()
+// for that tick.
 double wayOfBody(const State& state, const CouplingSettings& coupling, double reach_mm) {
   constexpr double kUnlimited = 1e9;  // mm
   ToolBody free = state.body;
-  advance(free, state.device, ContactSums{}, Wrench{}, coupling, reach_mm, kUnlimited, kTick);
+  advance(free, state.device, ContactSums{}, state.last_force, coupling, reach_mm, kUnlimited, kTick);
   return kTick * std::max(free.velocity.norm() + reach_mm * free.angular.norm(),
                           state.body.velocity.norm() + reach_mm * state.body.angular.norm());
 }

@@ -163,8 +163,10 @@ void addPlain(const TouchingNodes& nodes, std::size_t n, const TouchingTool& too
   const double arm = std::max(std::hypot(double(nodes.in_tool[0][n]), double(nodes.in_tool[1][n])), 0.3);
   const double rate = double(nodes.rate[n]) * arm, part = -std::expm1(-rate);
   const double mean = double(nodes.overlap[n]) - double(nodes.into_cut[n]) * (1 - part / rate);
-  const double after = double(nodes.overlap[n]) - double(nodes.into_cut[n]) * part;
+  const bool cuts = nodes.into_cut[n] > 0;
+  const double next = double(nodes.overlap[n]) - double(nodes.into_cut[n]) * (1 - (1 - part) * part / rate);
   const double stiff = double(nodes.stiffness[n]) * facing * double(nodes.area[n]);
+  const double stiff_next = cuts ? stiff * part / rate : stiff;
 
   const Vec3d r(nodes.from_tip[0][n], nodes.from_tip[1][n], nodes.from_tip[2][n]);
   const Vec3d normal(nodes.normal[0][n], nodes.normal[1][n], nodes.normal[2][n]);
@@ -173,12 +175,11 @@ void addPlain(const TouchingNodes& nodes, std::size_t n, const TouchingTool& too
   int entry = S::kStiffness;
   for (int i = 0; i < 6; ++i) {
     at(S::kForce + i) += stiff * mean * w[i];
-    at(S::kForceAfter + i) += stiff * after * w[i];
-    for (int j = 0; j <= i; ++j) at(entry++) += stiff * w[i] * w[j];
+    at(S::kForceNext + i) += stiff * next * w[i];
+    for (int j = 0; j <= i; ++j) at(entry++) += stiff_next * w[i] * w[j];
   }
 
   const double load = stiff * mean, rubbing = double(nodes.friction[n]) * load;
-  const bool cuts = nodes.into_cut[n] > 0;
   const double own = cuts || tool.body_spins ? 1000 * arm : 0;
   at(S::kNormalLoad) += load;
   if (cuts) at(S::kCuttingLoad) += load;
