@@ -65,6 +65,7 @@ struct HapticThread::State {
       if (free < wanted && !object.reserve(wanted - free)) throw std::bad_alloc();
     }
     tellKeeper();
+    for (const FeltSource& source : options.felt) vibrations.emplace_back(source, 1 / kTick);
     if (options.pieces.is_wanted) maker.emplace(session, options.pieces);
     report.output.T_world_tool = session.state().body.pose;
   }
@@ -81,6 +82,7 @@ struct HapticThread::State {
   bool handleCommands() noexcept;  // true: there was a pause
   bool undoOrRedo(const Command& command) noexcept;
   void tick(bool is_stalled) noexcept;
+  DeviceForce withVibration(const StepOutput& output) noexcept;
   void keepTime(std::int64_t wake) noexcept;
   void restartSchedule() noexcept;
   template <class Work>
@@ -105,9 +107,10 @@ struct HapticThread::State {
   // Haptic thread only.
   HapticReport report;
   HapticTimes times;
-  std::int64_t due = 0;        // when the next tick begins, ns
-  std::int64_t last_wake = 0;  // of the tick before; 0: there was none, or a pause
-  std::size_t unsent = 0;      // bricks; read after the end
+  std::int64_t due = 0;                   // when the next tick begins, ns
+  std::int64_t last_wake = 0;             // of the tick before; 0: there was none, or a pause
+  std::size_t unsent = 0;                 // bricks; read after the end
+  std::vector<FeltVibration> vibrations;  // of the model's tools, or none
 
   TripleBuffer<HapticReport> reports;
   TripleBuffer<HapticTimes> newest_times;
@@ -258,12 +261,28 @@ void HapticThread::State::tick(bool is_stalled) noexcept {
     ++report.counts.stalls;
   }
   session.step(sample, report.output);
-  device->write(report.output.force);
+  device->write(withVibration(report.output));
   ++report.counts.ticks;
   report.counts.out_of_bricks += (report.output.status & (kStepBricksRanOut | kStepNearRanOut)) != 0;
   exportBricks();
   if (maker) maker->afterTick(session, report.output);
   publish();
+}
+
+// The force of a tick with what the tool in use makes vibrate.
+DeviceForce HapticThread::State::withVibration(const StepOutput& output) noexcept {
+  const kerf::State& now = session.state();
+  report.vibration = 0;
+  if (now.is_latched || now.tool >= vibrations.size()) return output.force;
+
+  FeltVibration& felt = vibrations[now.tool];
+  const Vec3d direction = output.T_world_tool.rotation * felt.source().direction_in_tool;
+  DeviceForce force = output.force;
+  const double most = session.model().settings.coupling.force_limit;
+  report.vibration = now.ramp * felt.next({output.speed, output.normal_load, output.material});
+  force.force += report.vibration * direction;
+  if (const double size = force.force.norm(); size > most) force.force *= most / size;
+  return force;
 }
 
 void HapticThread::State::run() noexcept {

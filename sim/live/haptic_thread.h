@@ -18,11 +18,13 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "sim/hand/device_source.h"
 #include "sim/live/piece_maker.h"
 #include "sim/live/realtime.h"
 #include "sim/live/time_histogram.h"
+#include "sim/monitor/felt_vibration.h"
 #include "sim/object/brick_feed.h"
 #include "sim/session/command.h"
 #include "sim/session/session.h"
@@ -37,6 +39,9 @@ struct HapticOptions {
   /// then; above 200 the hand would be met by a force it has long forgotten.
   double stall_ms = 100;
   PieceMakerOptions pieces;
+  /// How the tools of the model are felt, one each: their vibration is added to the force that the device gets, within
+  /// the coupling's limit of force. It is in no log: a replay needs no hand. Empty: none.
+  std::vector<FeltSource> felt;
 };
 
 /// Since the start. Every field is written by the haptic thread alone.
@@ -66,6 +71,7 @@ struct ObjectReport {
 /// The newest tick.
 struct HapticReport {
   StepOutput output;
+  double vibration = 0;    ///< N: what of HapticOptions::felt was added to output.force for the device
   std::uint64_t tick = 0;  ///< how many there were, as State::tick
   HapticCounts counts;
   bool is_latched = false;             ///< force is zero until ClearLatch

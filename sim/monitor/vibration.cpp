@@ -7,27 +7,14 @@
 namespace kerf {
 namespace {
 
+using internal::fade;
+using internal::sine;
+using internal::usable;
+
 // Shares of the whole; together 1. Chosen.
 constexpr double kRunOut = 0.25, kHarmonic = 0.1, kTeeth = 0.2, kTeethTwice = 0.1, kChips = 0.35;
 // Of the run-out in air, of that at full load: an idle handpiece is quieter than one that works. Chosen.
 constexpr double kIdle = 0.4;
-
-double usable(double x, double most) noexcept { return std::isfinite(x) ? std::clamp(x, 0.0, most) : 0; }
-// 0 below `from`, 1 above `to`, smooth.
-double fade(double x, double from, double to) noexcept {
-  const double t = std::clamp((x - from) / (to - from), 0.0, 1.0);
-  return t * t * (3 - 2 * t);
-}
-
-// Of a phase of 2^32 a turn. A polynomial over a quarter turn either way, within 4e-6, of plain products and sums: the
-// library's sine differs between systems in the last bit.
-double sine(std::uint32_t phase) noexcept {
-  auto quarter = static_cast<std::int32_t>(phase);
-  // Second and third quarter turn: mirrored.
-  if (quarter > 0x40000000 || quarter < -0x40000000) quarter = static_cast<std::int32_t>(0x80000000u - phase);
-  const double x = quarter * (2 * std::numbers::pi / 4294967296.0), x2 = x * x;
-  return x * (1 + x2 * (-1.0 / 6 + x2 * (1.0 / 120 + x2 * (-1.0 / 5040 + x2 * (1.0 / 362880)))));
-}
 
 // Middle of the chips' band, Hz: harder rings higher. Chosen.
 double bandMiddle(Material material) noexcept {
@@ -76,29 +63,16 @@ Vibration::Vibration(const VibrationSource& source, double rate, std::uint64_t s
   source_.teeth = usable(source.teeth, 1000);
 }
 
-// The noise of the chips in the material's band.
+// The noise of the chips in the material's band. Tangent by its first terms (the pitch of a hiss needs no more), the
+// middle well below half the rate.
 double Vibration::chips() noexcept {
-  // White noise by splitmix64 (Steele, Lea & Flood 2014), its upper half as a number in [-1, 1).
-  noise_ += 0x9e3779b97f4a7c15u;
-  std::uint64_t bits = noise_;
-  bits = (bits ^ bits >> 30) * 0xbf58476d1ce4e5b9u;
-  bits = (bits ^ bits >> 27) * 0x94d049bb133111ebu;
-  bits ^= bits >> 31;
-  const double white = static_cast<std::int32_t>(bits >> 32) / 2147483648.0;
-
-  // Band pass, a state-variable filter in trapezoidal form with Q = 1: nothing at zero frequency. Tangent by its first
-  // terms (the pitch of a hiss needs no more), the middle well below half the rate.
-  const double w = std::numbers::pi * std::min(last_middle_ / rate_, 0.2), g = w * (1 + w * w / 3);
-  const double high = (white - (1 + g) * band_ - low_) / (1 + g + g * g);
-  const double band = g * high + band_, low = g * band + low_;
-  band_ = g * high + band;
-  low_ = g * band + low;
-  return band;
+  const double w = std::numbers::pi * std::min(last_middle_ / rate_, 0.2);
+  return band_.next(noise_.next(), w * (1 + w * w / 3), 1);
 }
 
 float Vibration::sample(double frequency, double load) noexcept {
   const double band = chips();
-  phase_ += static_cast<std::uint32_t>(static_cast<std::int64_t>(frequency / rate_ * 4294967296.0));
+  phase_ += internal::phaseStep(frequency, rate_);
   const double hearable = fade(frequency, 0, 10);
   const auto tone = [&](double f) { return hearable * (1 - fade(f, 0.4 * rate_, 0.45 * rate_)); };
   const bool spins = source_.motion == ToolMotion::kSpin;

@@ -19,6 +19,7 @@
 #include <span>
 
 #include "geometry/field/material.h"
+#include "sim/monitor/oscillators.h"
 #include "sim/step/tool_model.h"
 
 namespace kerf {
@@ -60,11 +61,11 @@ class Vibration {
 
   VibrationSource source_;
   double rate_ = 0;
-  std::uint64_t noise_ = 0;
+  internal::WhiteNoise noise_;
+  internal::BandPass band_;
   std::uint32_t phase_ = 0;              // of the drive, 2^32 a turn
   double frequency_ = 0, load_ = 0;      // as of the last sample
   double middle_ = 0, last_middle_ = 0;  // of the chips' band, Hz
-  double low_ = 0, band_ = 0;            // of the filter
 };
 
 }  // namespace kerf

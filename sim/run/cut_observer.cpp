@@ -9,6 +9,7 @@
 
 #include "geometry/base/hash.h"
 #include "geometry/base/version.h"
+#include "sim/monitor/felt_vibration.h"
 #include "sim/monitor/monitor.h"
 #include "sim/monitor/vibration.h"
 #include "sim/monitor/wave_file.h"
@@ -226,10 +227,15 @@ class PathDeviation final : public CutObserver {
 class ForcesTable final : public CutObserver {
  public:
   /// @param monitor  told of each tick before this; kept by reference.
-  ForcesTable(const fs::path& staging, fs::path run_folder, const Monitor& monitor, std::size_t objects)
-      : out_(staging / kForces, std::ios::binary), run_folder_(std::move(run_folder)), monitor_(monitor) {
+  /// @param felt  how the tool is felt.
+  ForcesTable(const fs::path& staging, fs::path run_folder, const Monitor& monitor, const FeltSource& felt,
+              std::size_t objects)
+      : out_(staging / kForces, std::ios::binary),
+        run_folder_(std::move(run_folder)),
+        monitor_(monitor),
+        vibration_(felt, 1 / kTick) {
     out_ << "t_s,x_mm,y_mm,z_mm,contact_x_N,contact_y_N,contact_z_N,hand_x_N,hand_y_N,hand_z_N,normal_load_N,"
-            "overlap_mm,removed_mm3,added_mm3,speed,drive_load,touching,temperature_C";
+            "overlap_mm,removed_mm3,added_mm3,speed,drive_load,touching,temperature_C,vibration_N";
     for (const Monitor::Structure& structure : monitor_.structures()) out_ << "," << structure.id << "_mm";
     for (std::size_t n = 1; n < objects; ++n) out_ << "," << neighbourId(n) << "_removed_mm3";
     out_ << "\n";
@@ -240,9 +246,10 @@ class ForcesTable final : public CutObserver {
     const Vec3d &p = out.T_world_tool.translation, &f = out.contact.force, &g = out.force.force;
     out_ << fmt::format(
         "{:.3f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.9f},"
-        "{:.9f},{:.3f},{:.6f},{},{:.3f}",
+        "{:.9f},{:.3f},{:.6f},{},{:.3f},{:.6f}",
         static_cast<double>(tick.ticks) * kTick, p[0], p[1], p[2], f[0], f[1], f[2], g[0], g[1], g[2], out.normal_load,
-        out.deepest, tick.removed_mm3, tick.added_mm3, out.speed, out.drive_load, out.touching, monitor_.temperature());
+        out.deepest, tick.removed_mm3, tick.added_mm3, out.speed, out.drive_load, out.touching, monitor_.temperature(),
+        vibration_.next({out.speed, out.normal_load, out.material}));
     for (const Monitor::Structure& structure : monitor_.structures())
       out_ << fmt::format(",{:.4f}", structure.distance);
     for (const Monitor::Structure& structure : monitor_.structures())
@@ -265,6 +272,7 @@ class ForcesTable final : public CutObserver {
   std::ofstream out_;
   fs::path run_folder_;
   const Monitor& monitor_;
+  FeltVibration vibration_;
 };
 
 // ---- The sound of the tool: sound.wav
@@ -301,7 +309,8 @@ Expected<CutObservers> CutObservers::make(const CutScene& scene, const HapticCut
   const MonitorObserver& watch = out.add<MonitorObserver>(scene, std::move(monitor));
   out.add<LoadStatistics>(tool.drive.speed);
   out.add<PathDeviation>(scene.inputs.path);
-  out.add<ForcesTable>(staging, run_folder, watch.monitor(), scene.objects.size());
+  out.add<ForcesTable>(staging, run_folder, watch.monitor(), feltSource(scene.inputs.tool, tool.drive),
+                       scene.objects.size());
   if (options.with_sound) out.add<SoundFile>(staging, vibrationSource(scene.inputs.tool, tool.drive));
   return out;
 }

@@ -226,7 +226,7 @@ class PressingDevice final : public GuardedDevice {
  public:
   DeviceSample read() noexcept override {
     ++reads;
-    DeviceSample out = test::sampleAt(at(0, 0, z), 0);
+    DeviceSample out = test::sampleAt(at(0, 0, z), pedal);
     if (is_bad) out.T_world_device.translation[1] = std::nan("");
     return out;
   }
@@ -234,7 +234,7 @@ class PressingDevice final : public GuardedDevice {
     GuardedDevice::write(f);
     force = f.force.norm();
   }
-  std::atomic<double> z{0.1}, force{0};
+  std::atomic<double> z{0.1}, force{0}, pedal{0};
   std::atomic<bool> is_bad{false};
 };
 
@@ -256,6 +256,26 @@ TEST(HapticThread, ABadSampleLatchesUntilItIsCleared) {
   EXPECT_EQ(device.force, 0);
   EXPECT_TRUE(haptic.send(ClearLatch{}));
   EXPECT_TRUE(becomes(haptic, [&](const HapticReport& r) { return !r.is_latched && device.force > 0.05; }));
+  haptic.stop();
+  EXPECT_EQ(device.last_force, 0);
+}
+
+// The force is another in every tick while a bur cuts, and what is added to it is told.
+TEST(HapticThread, AToolIsFeltToVibrateOnlyWhileItCuts) {
+  PressingDevice device;
+  device.z = 0.3;
+  device.pedal = 1;
+  HapticOptions options = test::ordinaryHaptics();
+  options.felt.assign(2, {FeltSource::Kind::kSaw, 100 / 840.0, 840, Vec3d::UnitX()});  // 100 Hz
+  HapticThread haptic(twoBalls(), {someBlock()}, at(0, 0, 0.3), options);
+  ASSERT_TRUE(haptic.start(device, {}, nullptr));
+  EXPECT_TRUE(becomes(haptic, [](const HapticReport& r) { return r.tick > 300; }));
+  EXPECT_EQ(haptic.report().vibration, 0) << "in air, long after the start";
+
+  device.z = -1;
+  EXPECT_TRUE(becomes(haptic, [](const HapticReport& r) { return r.vibration > 0.002; }));
+  EXPECT_TRUE(becomes(haptic, [](const HapticReport& r) { return r.vibration < -0.002; }));
+  EXPECT_LT(std::abs(haptic.report().vibration), 0.5);
   haptic.stop();
   EXPECT_EQ(device.last_force, 0);
 }
