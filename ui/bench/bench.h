@@ -31,6 +31,7 @@ enum class SceneId {
   kTickSizes,
   kRealtime,
   kInvariance,
+  kSharp,
   kForces,
   kDrives,
   kSaw,
@@ -133,8 +134,10 @@ Expected<Result> benchTickSaw(const Bench& bench);
 Expected<Result> benchTickFine(const Bench& bench);
 Expected<Result> benchTickSizes(const Bench& bench);
 Expected<Result> benchRealtime(const Bench& bench);
-// The step's laws, numbers that are the same on every machine: invariance.cpp, forces.cpp, saw.cpp, heat.cpp.
+// The step's laws, numbers that are the same on every machine: invariance.cpp, sharp.cpp, forces.cpp, drives.cpp,
+// saw.cpp, heat.cpp.
 Expected<Result> benchInvariance(const Bench& bench);
+Expected<Result> benchSharp(const Bench& bench);
 Expected<Result> benchForces(const Bench& bench);
 Expected<Result> benchDrives(const Bench& bench);
 Expected<Result> benchSaw(const Bench& bench);

@@ -33,6 +33,8 @@ constexpr Scene kScenes[] = {
      kRealtimeGoals},
     {SceneId::kInvariance, "invariance", "force and removal over voxels, attitudes, time: no times, the same anywhere",
      benchInvariance, kInvarianceGoals},
+    {SceneId::kSharp, "sharp", "the same for twelve tools with edges and points: a table, no times", benchSharp,
+     kSharpGoals},
     {SceneId::kForces, "forces", "constant force and constant feed per material: no times", benchForces, kForcesGoals},
     {SceneId::kDrives, "drives", "turbine and electric drive under a hand's force: no times", benchDrives,
      kDrivesGoals},
