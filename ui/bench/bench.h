@@ -34,6 +34,7 @@ enum class SceneId {
   kSharp,
   kForces,
   kDrives,
+  kDrillSites,
   kSaw,
   kHeat,
   kResponse,
@@ -135,11 +136,12 @@ Expected<Result> benchTickFine(const Bench& bench);
 Expected<Result> benchTickSizes(const Bench& bench);
 Expected<Result> benchRealtime(const Bench& bench);
 // The step's laws, numbers that are the same on every machine: invariance.cpp, sharp.cpp, forces.cpp, drives.cpp,
-// saw.cpp, heat.cpp.
+// drill_sites.cpp, saw.cpp, heat.cpp.
 Expected<Result> benchInvariance(const Bench& bench);
 Expected<Result> benchSharp(const Bench& bench);
 Expected<Result> benchForces(const Bench& bench);
 Expected<Result> benchDrives(const Bench& bench);
+Expected<Result> benchDrillSites(const Bench& bench);
 Expected<Result> benchSaw(const Bench& bench);
 Expected<Result> benchHeat(const Bench& bench);
 // One source each: the responses side by side, thin walls, ledger, pieces, splits on the clock, energy.

@@ -132,6 +132,20 @@ inline constexpr Goal kDrivesGoals[] = {
     {"turbine, {}: most power", "W", kAtMost, 13},
     {"electric, {}: speed lost at 1 N", "%", kAtMost, 5},
 };
+inline constexpr Goal kDrillSitesGoals[] = {
+    {"  {}: out of {} to {} by", "mm/s", kAtMost, 0},
+    // Sooner: 20 N drive them at the greatest feed of a turn through all of the spongy bone.
+    {"  2.0 mm, 20 N: site of 10 mm: out of 4 to 8 by", "s", kAtMost, 0, Weight::kAim},
+    {"  2.8 mm at once, 20 N: site of 10 mm: out of 4 to 8 by", "s", kAtMost, 0, Weight::kAim},
+    // Slower: four drills, one after the other; wide drills that 12 N hardly bring beyond rubbing.
+    {"  2.0 to 4.2 mm in turn, 8 N: site of 10 mm: out of 4 to 8 by", "s", kAtMost, 0, Weight::kAim},
+    {"  2.0 to 4.2 mm in turn, 12 N: site of 10 mm: out of 4 to 8 by", "s", kAtMost, 0, Weight::kAim},
+    {"  3.5 mm at once, 12 N: site of 10 mm: out of 4 to 8 by", "s", kAtMost, 0, Weight::kAim},
+    {"  4.2 mm at once, 12 N: site of 10 mm: out of 4 to 8 by", "s", kAtMost, 0, Weight::kAim},
+    {"  {}: out of {} to {} by", "s", kAtMost, 0},
+    {"  {}: out of {} to {} by", "", kAtMost, 0},
+    {"thrust against the law, the worst of 16", "%", kAtMost, 10},
+};
 inline constexpr Goal kSawGoals[] = {
     {"  pushes the wrong way ({} mm)", "", kAtMost, 0},
     {"  kerf widened by the flanks ({} mm)", "um", kAtMost, 1},

@@ -38,6 +38,8 @@ constexpr Scene kScenes[] = {
     {SceneId::kForces, "forces", "constant force and constant feed per material: no times", benchForces, kForcesGoals},
     {SceneId::kDrives, "drives", "turbine and electric drive under a hand's force: no times", benchDrives,
      kDrivesGoals},
+    {SceneId::kDrillSites, "drill-sites", "implant drills: feed, seconds a site, powers of thrust: no times",
+     benchDrillSites, kDrillSitesGoals},
     {SceneId::kSaw, "saw", "kerf, plane and side force over attitudes: no times", benchSaw, kSawGoals},
     {SceneId::kHeat, "heat", "temperatures of tissue, pulp and bone against what was measured: no times", benchHeat,
      kHeatGoals},
