@@ -56,7 +56,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(Mistake{"kerf-materials", "kerf-tool", "format"}, Mistake{"\"g/cm3\"", "\"kg/m3\"", "g/cm3"},
                     Mistake{"number = 2", "number = 1", "number 1 a second time"},
                     Mistake{"id = \"dentin\"", "id = \"enamel\"", "the id a second time"},
-                    Mistake{"number = 1\n", "number = 256\n", "1 to 255"}, Mistake{"#f1ece0", "#f1ecez", "#rrggbb"},
+                    Mistake{"number = 1\n", "number = 256\n", "1 to 255"}, Mistake{"#f4f1e8", "#f4f1ez", "#rrggbb"},
                     Mistake{"hardness = {", "hardnes = {", "hardness"}, Mistake{"value = 275", "value = nan", "HV"},
                     Mistake{"id = \"pulp\"", "id = \"Pulp!\"", "lower-case"}));
 
