@@ -8,12 +8,17 @@
 #include <cstddef>
 #include <numbers>
 
+#include "ui/window/gl_program.h"
+#include "ui/window/gl_target.h"
 #include "ui/window/ground_shadow.h"
 #include "ui/window/shaders.h"
 #include "ui/window/shading_normals.h"
 
 namespace kerf {
 namespace {
+
+using internal::glFailure;
+using Program = internal::GlProgram;
 
 struct Corner {
   Vec3f position;  ///< relative to the mesh's centre, so that float32 is enough far from the origin
@@ -24,55 +29,6 @@ static_assert(sizeof(Corner) == 28);
 
 const Vec3f kKeyLight = Vec3f(-0.46f, 0.62f, 0.63f).normalized();
 constexpr int kLargestSide = 8192;
-
-Error glFailure(std::string place, std::string found) {
-  return {.code = Error::Code::kUnsupported,
-          .file = {},
-          .place = std::move(place),
-          .found = std::move(found),
-          .expected = "OpenGL 3.3",
-          .hint = "a newer graphics driver, or LIBGL_ALWAYS_SOFTWARE=1"};
-}
-
-Expected<GLuint> compiled(GLenum kind, const char* source) {
-  const GLuint shader = glCreateShader(kind);
-  glShaderSource(shader, 1, &source, nullptr);
-  glCompileShader(shader);
-  GLint ok = 0;
-  glGetShaderiv(shader, GL_COMPILE_STATUS, &ok);
-  if (ok) return shader;
-  char log[1024] = "";
-  glGetShaderInfoLog(shader, sizeof log, nullptr, log);
-  glDeleteShader(shader);
-  return fail(glFailure("shader", log));
-}
-
-class Program {
- public:
-  GLuint id = 0;
-  Expected<void> build(const char* vertex, const char* fragment) {
-    KERF_TRY(v, compiled(GL_VERTEX_SHADER, vertex));
-    KERF_TRY(f, compiled(GL_FRAGMENT_SHADER, fragment));
-    id = glCreateProgram();
-    glAttachShader(id, v);
-    glAttachShader(id, f);
-    glLinkProgram(id);
-    glDeleteShader(v);
-    glDeleteShader(f);
-    GLint ok = 0;
-    glGetProgramiv(id, GL_LINK_STATUS, &ok);
-    if (ok) return {};
-    char log[1024] = "";
-    glGetProgramInfoLog(id, sizeof log, nullptr, log);
-    return fail(glFailure("shader program", log));
-  }
-  void use() const { glUseProgram(id); }
-  GLint at(const char* name) const { return glGetUniformLocation(id, name); }
-  void set(const char* name, int v) const { glUniform1i(at(name), v); }
-  void set(const char* name, double v) const { glUniform1f(at(name), static_cast<float>(v)); }
-  void set(const char* name, const Vec3f& v) const { glUniform3fv(at(name), 1, v.data()); }
-  void set(const char* name, const Eigen::Matrix3f& m) const { glUniformMatrix3fv(at(name), 1, GL_FALSE, m.data()); }
-};
 
 void makeTexture(GLuint texture, GLint format, int width, int height, GLenum layout, GLenum type, const void* data,
                  GLint filter) {
@@ -281,10 +237,10 @@ Expected<std::unique_ptr<Renderer>> Renderer::create() {
     return fail(glFailure("drawing", fmt::format("OpenGL {:.1f}", epoxy_gl_version() / 10.0)));
   std::unique_ptr<Renderer> renderer(new Renderer);
   Impl& impl = *renderer->impl_;
-  KERF_CHECK(impl.surface.build(shaders::kSurfaceVertex, shaders::kSurfaceFragment));
-  KERF_CHECK(impl.occlusion.build(shaders::kScreenVertex, shaders::kOcclusionFragment));
-  KERF_CHECK(impl.shade.build(shaders::kScreenVertex, shaders::kShadeFragment));
-  KERF_CHECK(impl.reduce.build(shaders::kScreenVertex, shaders::kReduceFragment));
+  KERF_CHECK(impl.surface.build({shaders::kSurfaceVertex}, {shaders::kSurfaceFragment}));
+  KERF_CHECK(impl.occlusion.build({shaders::kScreenVertex}, {shaders::kOcclusionFragment}));
+  KERF_CHECK(impl.shade.build({shaders::kScreenVertex}, {shaders::kShadeFragment}));
+  KERF_CHECK(impl.reduce.build({shaders::kScreenVertex}, {shaders::kReduceFragment}));
   renderer->setMesh({});
   return renderer;
 }
@@ -322,7 +278,9 @@ void Renderer::setMesh(const Mesh& mesh) {
 }
 
 Expected<void> Renderer::draw(const Camera& camera, int width, int height, const RenderOptions& options) {
-  return impl_->drawInto(0, camera, width, height, options);
+  GLint bound = 0;
+  glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &bound);
+  return impl_->drawInto(static_cast<GLuint>(bound), camera, width, height, options);
 }
 
 Expected<Image> Renderer::picture(const Camera& camera, int width, int height, const RenderOptions& options) {
@@ -334,30 +292,9 @@ Expected<Image> Renderer::picture(const Camera& camera, int width, int height, c
                  .expected = fmt::format("1 to {} pixels a side", kLargestSide),
                  .hint = "--size 1600x1200"});
 
-  GLuint buffer = 0, target = 0;
-  glGenRenderbuffers(1, &buffer);
-  glGenFramebuffers(1, &target);
-  glBindRenderbuffer(GL_RENDERBUFFER, buffer);
-  glRenderbufferStorage(GL_RENDERBUFFER, GL_RGBA8, width, height);
-  glBindFramebuffer(GL_FRAMEBUFFER, target);
-  glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, buffer);
-
-  Image image{width, height,
-              std::vector<std::uint8_t>(4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height))};
-  auto drawn = impl_->drawInto(target, camera, width, height, options);
-  if (drawn) {
-    std::vector<std::uint8_t> upwards(image.rgba.size());
-    glPixelStorei(GL_PACK_ALIGNMENT, 1);
-    glReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, upwards.data());
-    const std::size_t row = 4 * static_cast<std::size_t>(width);
-    for (std::size_t y = 0; y < static_cast<std::size_t>(height); ++y)
-      std::copy_n(upwards.data() + (static_cast<std::size_t>(height) - 1 - y) * row, row, image.rgba.data() + y * row);
-  }
-
-  glDeleteFramebuffers(1, &target);
-  glDeleteRenderbuffers(1, &buffer);
-  if (!drawn) return fail(drawn.error());
-  return image;
+  const internal::GlTarget target(width, height);
+  KERF_CHECK(impl_->drawInto(target.id(), camera, width, height, options));
+  return target.read();
 }
 
 }  // namespace kerf

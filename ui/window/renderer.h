@@ -32,7 +32,7 @@ class Renderer {
   /// sharp. An empty mesh draws as background. About 80 bytes of GPU memory per triangle.
   void setMesh(const Mesh& mesh);
 
-  /// Draws into the current window's framebuffer, width x height pixels.
+  /// Draws into the framebuffer that is bound, width x height pixels.
   Expected<void> draw(const Camera& camera, int width, int height, const RenderOptions& options);
   /// The picture, at most 8192 pixels a side. Same mesh, camera, options and driver: the same bytes.
   Expected<Image> picture(const Camera& camera, int width, int height, const RenderOptions& options);
