@@ -1,0 +1,429 @@
+// The picture of an object that is cut, drawn without a display. Skipped, with a word, where no OpenGL can be had.
+#include "ui/window/live_renderer.h"
+
+#include <epoxy/gl.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <random>
+
+#include "geometry/field/sample_field.h"
+#include "sim/live/chunk_occlusion.h"
+#include "ui/bench/scenes/carved_field.h"
+#include "ui/window/gl_context.h"
+#include "ui/window/gl_target.h"
+#include "ui/window/mesh_chunks.h"
+
+namespace kerf {
+namespace {
+
+constexpr int kWidth = 320, kHeight = 240;
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+/// A block of 10 x 10 x 4 mm, its top at z = 0, voxel 0.2 mm, with a round cavity of 1 mm radius about (2, 0, 0).
+class Block {
+ public:
+  Block()
+      : phi0_(sampleDistance(
+            [](const Vec3d& p) {
+              const Vec3d q = (p - Vec3d(0, 0, -2)).cwiseAbs() - Vec3d(5, 5, 2);
+              return q.cwiseMax(0.0).norm() + std::min(q.maxCoeff(), 0.0);
+            },
+            Box3{{-5, -5, -4}, {5, 5, 0}}, 0.2)),
+        remesher_(phi0_, {.marching_cubes = {}, .is_parallel = false}) {
+    OverlayField field(phi0_);
+    remesher_.apply(scenes::carve(field, {2, 0, 0}, 1));
+    chunks_ = remesher_.changedSince(0);
+  }
+  const std::vector<MeshChunkPtr>& chunks() const { return chunks_; }
+  const OverlayField& field() const { return remesher_.field(); }
+
+ private:
+  BrickField phi0_;
+  Remesher remesher_;
+  std::vector<MeshChunkPtr> chunks_;
+};
+
+/// A ball of 0.5 mm on a shank of 0.3 mm, its tip at the origin, red.
+ToolLook redBur() {
+  const auto distance = [](const Vec3d& p) {
+    const double ball = (p - Vec3d(0, 0, 0.5)).norm() - 0.5;
+    const Vec3d q = p - Vec3d(0, 0, std::clamp(p[2], 0.5, 6.0));
+    return std::min(ball, q.norm() - 0.3);
+  };
+  ToolLook look;
+  look.mesh = marchingCubes(sampleDistance(distance, Box3{{-1, -1, -0.5}, {1, 1, 7}}, 0.1));
+  look.mesh.vertex_colors.assign(look.mesh.vertices.size(), {200, 10, 10, 255});
+  look.cutting = {{-0.5, -0.5, 0}, {0.5, 0.5, 1}};
+  look.distance = [](const Vec3d& p) { return (p - Vec3d(0, 0, 0.5)).norm() - 0.5; };
+  return look;
+}
+
+Rigid3 at(double x, double y, double z) { return {Eigen::Quaterniond::Identity(), {x, y, z}}; }
+
+class LivePicture : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    if (auto made = OffscreenContext::create())
+      context_ = std::move(*made);
+    else
+      why_ = made.error().message();
+  }
+  static void TearDownTestSuite() { context_.reset(); }
+  void SetUp() override {
+    if (!context_) GTEST_SKIP() << why_;
+    auto made = LiveRenderer::create();
+    ASSERT_TRUE(made) << made.error().message();
+    renderer_ = std::move(*made);
+    camera_ = *cameraFromView("20,55");
+    camera_.half_height = 6;
+    camera_.target = {0, 0, -1};
+  }
+  void TearDown() override { renderer_.reset(); }
+
+  void showBlock() {
+    for (const MeshChunkPtr& chunk : block_.chunks())
+      renderer_->setChunk(0, *chunk, {}, occlusionOf(*chunk, block_.field()));
+  }
+  Image picture(const LiveFrame& frame = {}) { return picture(camera_, frame); }
+  Image picture(const Camera& camera, const LiveFrame& frame) {
+    auto image = renderer_->picture(camera, kWidth, kHeight, frame);
+    EXPECT_TRUE(image) << image.error().message();
+    return image ? *image : Image{kWidth, kHeight, std::vector<std::uint8_t>(4 * kWidth * kHeight)};
+  }
+  /// Where a point of the world is in the picture.
+  std::array<int, 2> pixelOf(const Vec3d& p) const {
+    const Vec3d v = camera_.rotation() * (p - camera_.target) / camera_.mmPerPixel(kHeight);
+    return {static_cast<int>(std::floor(0.5 * kWidth + v[0])), static_cast<int>(std::floor(0.5 * kHeight - v[1]))};
+  }
+
+  static inline std::unique_ptr<OffscreenContext> context_;
+  static inline std::string why_;
+  std::unique_ptr<LiveRenderer> renderer_;
+  Block block_;
+  Camera camera_;
+};
+
+/// Pixels that satisfy a predicate on (red, green, blue).
+template <class Is>
+int count(const Image& image, const Is& is) {
+  int n = 0;
+  for (std::size_t i = 0; i < image.rgba.size(); i += 4)
+    n += is(int{image.rgba[i]}, int{image.rgba[i + 1]}, int{image.rgba[i + 2]}) ? 1 : 0;
+  return n;
+}
+bool isIvory(int r, int, int b) { return r > b + 12; }  // the background is blueish
+bool isRed(int r, int g, int b) { return r > 2 * g && r > 2 * b && r > 60; }
+bool isTinted(int r, int, int b) { return b > r + 40; }
+
+/// Pixels of which any channel differs by more than `most`.
+int different(const Image& a, const Image& b, int most = 0) {
+  int n = 0;
+  for (std::size_t i = 0; i < a.rgba.size(); i += 4) {
+    bool differs = false;
+    for (std::size_t k = 0; k < 4; ++k) differs |= std::abs(int{a.rgba[i + k]} - int{b.rgba[i + k]}) > most;
+    n += differs ? 1 : 0;
+  }
+  return n;
+}
+
+const LiveFrame kPlain{.contact_mm = 0, .has_shadow = false, .has_axis_line = false};
+
+TEST_F(LivePicture, NothingToShowIsBackground) {
+  const Image empty = picture();
+  EXPECT_EQ(count(empty, isIvory), 0);
+  EXPECT_EQ(renderer_->counts().drawn_triangles, 0u);
+  showBlock();
+  EXPECT_GT(count(picture(), isIvory), 15000);
+}
+
+TEST_F(LivePicture, AChunkThatIsReplacedByAnEmptyOneIsGone) {
+  showBlock();
+  const Image before = picture();
+  for (const MeshChunkPtr& chunk : block_.chunks()) {
+    MeshChunk gone;
+    gone.brick = chunk->brick;
+    if (chunk->brick[0] >= 0) renderer_->setChunk(0, gone);
+  }
+  const Image half = picture();
+  EXPECT_NEAR(count(half, isIvory) / double(count(before, isIvory)), 0.5, 0.15);
+  renderer_->clear();
+  EXPECT_EQ(count(picture(), isIvory), 0);
+}
+
+TEST_F(LivePicture, SameInputGivesTheSameBytesWhateverCameFirst) {
+  showBlock();
+  renderer_->setTool(redBur());
+  const LiveFrame frame{.T_world_tool = at(2, 0, -1)};
+  const Image first = picture(frame);
+  picture(*cameraFromView("top"), {});
+  EXPECT_EQ(different(first, picture(frame)), 0);
+
+  auto other = LiveRenderer::create();
+  ASSERT_TRUE(other);
+  std::vector<MeshChunkPtr> shuffled = block_.chunks();
+  std::shuffle(shuffled.begin(), shuffled.end(), std::mt19937(7));
+  for (const MeshChunkPtr& chunk : shuffled) (*other)->setChunk(0, *chunk, {}, occlusionOf(*chunk, block_.field()));
+  (*other)->setTool(redBur());
+  const auto again = (*other)->picture(camera_, kWidth, kHeight, frame);
+  ASSERT_TRUE(again);
+  EXPECT_EQ(different(first, *again), 0);
+}
+
+TEST_F(LivePicture, CullingChangesNoPixel) {
+  showBlock();
+  renderer_->setTool(redBur());
+  renderer_->setPose(1, {Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Vec3d(1, 2, 3).normalized())), {4, 5, 3}});
+  for (const MeshChunkPtr& chunk : block_.chunks()) renderer_->setChunk(1, *chunk);
+  for (const char* view : {"front", "top", "iso", "bottom", "-130,-20"})
+    for (const double half_height : {2.0, 9.0}) {
+      Camera camera = *cameraFromView(view);
+      camera.half_height = half_height;
+      LiveFrame frame{.T_world_tool = at(2, 0, -0.8)};
+      const Image culled = picture(camera, frame);
+      const std::size_t drawn = renderer_->counts().drawn_triangles;
+      frame.is_culled = false;
+      EXPECT_EQ(different(culled, picture(camera, frame)), 0) << view << " " << half_height;
+      EXPECT_LT(drawn, 0.75 * static_cast<double>(renderer_->counts().drawn_triangles)) << view;
+    }
+}
+
+TEST_F(LivePicture, TheToolIsThereAndAGhostLetsTissueThrough) {
+  showBlock();
+  renderer_->setTool(redBur());
+  LiveFrame frame = kPlain;
+  frame.T_world_tool = at(-1, 1, 1);
+  const int solid = count(picture(frame), isRed);
+  EXPECT_GT(solid, 400);
+  frame.is_ghost = true;
+  const Image ghost = picture(frame);
+  EXPECT_LT(count(ghost, isRed), solid / 4);
+  EXPECT_GT(different(ghost, picture(kPlain), 8), solid / 2);
+  renderer_->setTool({});
+  EXPECT_EQ(different(picture(frame), picture(kPlain)), 0);
+}
+
+TEST_F(LivePicture, TissueNearTheTipIsTintedAndNoOther) {
+  showBlock();
+  renderer_->setTool(redBur());
+  LiveFrame frame = kPlain;
+  frame.T_world_tool = at(-2, 0, 0.05);
+  const Image plain = picture(frame);
+  frame.contact_mm = 0.3;
+  const Image tinted = picture(frame);
+  EXPECT_GT(count(tinted, isTinted), 40);
+
+  // Only where the tip is within 0.3 mm of the plane z = 0: less than 0.8 mm from the axis, with a pixel to spare.
+  const auto [x, y] = pixelOf({-2, 0, 0});
+  const double most = 0.8 / camera_.mmPerPixel(kHeight) + 2;
+  for (int row = 0; row < kHeight; ++row)
+    for (int column = 0; column < kWidth; ++column)
+      if (!std::equal(plain.at(column, row), plain.at(column, row) + 4, tinted.at(column, row))) {
+        EXPECT_LT(std::hypot(column - x, row - y), most);
+      }
+
+  frame.T_world_tool = at(-2, 0, 0.5);
+  EXPECT_EQ(count(picture(frame), isTinted), 0);
+}
+
+TEST_F(LivePicture, TheShadowIsDarkUnderTheToolAndNowhereElse) {
+  showBlock();
+  renderer_->setTool(redBur());
+  LiveFrame frame = kPlain;
+  frame.T_world_tool = at(-2, -1, 3);
+  const Image without = picture(frame);
+  frame.has_shadow = true;
+  const Image with = picture(frame);
+  const auto [x, y] = pixelOf({-2, -1, 0});
+  EXPECT_LT(with.at(x, y)[1], 0.85 * without.at(x, y)[1]);
+  const auto [beside_x, beside_y] = pixelOf({-2.8, -1, 0});
+  EXPECT_EQ(with.at(beside_x, beside_y)[1], without.at(beside_x, beside_y)[1]);
+
+  // A disc of 0.5 mm radius, seen from 55 degrees above.
+  const double mm = camera_.mmPerPixel(kHeight);
+  const double area = different(with, without, 6) * mm * mm / std::sin(camera_.elevation);
+  EXPECT_NEAR(area / (0.25 * 3.14159), 1, 0.2);
+}
+
+TEST_F(LivePicture, TheAxisLineRunsBelowTheTip) {
+  showBlock();
+  renderer_->setTool(redBur());
+  LiveFrame frame = kPlain;
+  frame.T_world_tool = at(-2, -1, 1);
+  const Image without = picture(frame);
+  frame.has_axis_line = true;
+  frame.axis_line_mm = 4;
+  const Image with = picture(frame);
+  const auto [x, y] = pixelOf({-2, -1, 0.5});
+  int darkest = 255;
+  for (int step = -2; step <= 2; ++step) darkest = std::min(darkest, int{with.at(x + step, y)[0]});
+  EXPECT_LT(darkest, 120);
+  EXPECT_GT(without.at(x, y)[0], 150);
+}
+
+TEST_F(LivePicture, ASectionShowsTheInsideInOneColour) {
+  showBlock();
+  Camera front = *cameraFromView("front");
+  front.half_height = 4;
+  front.target = {0, 0, -2};
+  LiveFrame frame = kPlain;
+  frame.section = Plane{{0, 0, 0}, -Vec3d::UnitY()};
+  frame.section_color = {0, 200, 0, 255};
+  const Image open = picture(front, frame);
+  const auto isSection = [](int r, int g, int b) { return r < 5 && g > 190 && b < 5; };
+  const double mm = front.mmPerPixel(kHeight);
+  // 10 x 4 mm less the half disc of the cavity.
+  EXPECT_NEAR(count(open, isSection) * mm * mm, 40 - 0.5 * 3.14159, 1.2);
+
+  frame.section = Plane{{0, -6, 0}, -Vec3d::UnitY()};  // takes nothing away
+  EXPECT_EQ(count(picture(front, frame), isSection), 0);
+  frame.section = Plane{{0, 6, 0}, -Vec3d::UnitY()};  // takes all
+  EXPECT_EQ(count(picture(front, frame), isIvory), 0);
+
+  // The lid lies in the plane: a tool behind it is hidden, one before it is not.
+  renderer_->setTool(redBur());
+  frame.section = Plane{{0, 0, 0}, -Vec3d::UnitY()};
+  frame.T_world_tool = at(-2, 1, -3);
+  const int behind = count(picture(front, frame), isRed);
+  frame.T_world_tool = at(-2, -1, -3);
+  EXPECT_GT(count(picture(front, frame), isRed), behind + 400);
+}
+
+TEST_F(LivePicture, PosesThatAreNotUsableHideWhatHasThem) {
+  showBlock();
+  renderer_->setTool(redBur());
+  const Image plain = picture(kPlain);
+  LiveFrame frame;
+  frame.T_world_tool = at(kNaN, 0, 0);
+  EXPECT_EQ(different(picture(frame), plain), 0);
+  frame.T_world_tool = at(1e300, 0, 0);
+  EXPECT_EQ(different(picture(frame), plain), 0);
+  frame.T_world_tool->rotation.coeffs().setZero();
+  EXPECT_EQ(different(picture(frame), plain), 0);
+
+  renderer_->setPose(0, at(0, kNaN, 0));
+  EXPECT_EQ(count(picture(), isIvory), 0);
+  renderer_->setPose(0, {});
+  renderer_->setVisible(0, false);
+  EXPECT_EQ(count(picture(), isIvory), 0);
+  renderer_->setVisible(0, true);
+  EXPECT_EQ(different(picture(), plain), 0);
+
+  frame = {.T_world_tool = at(0, 0, 0), .contact_mm = kNaN, .axis_line_mm = kNaN};
+  frame.section = Plane{{kNaN, 0, 0}, Vec3d::UnitZ()};
+  frame.supersampling = -3;
+  picture(frame);
+  Camera camera = camera_;
+  camera.azimuth = kNaN;
+  EXPECT_TRUE(renderer_->draw(camera, 10, 10, {}));
+}
+
+TEST_F(LivePicture, SizesOfNothingAndOfOnePixelDoNotHarm) {
+  showBlock();
+  const internal::GlTarget target(1, 1);
+  glBindFramebuffer(GL_FRAMEBUFFER, target.id());
+  EXPECT_TRUE(renderer_->draw(camera_, 0, 0, {}));
+  EXPECT_TRUE(renderer_->draw(camera_, 100, -1, {}));
+  EXPECT_TRUE(renderer_->draw(camera_, 1, 1, {}));
+  EXPECT_TRUE(renderer_->picture(camera_, 1, 1, {.supersampling = 3}));
+  EXPECT_FALSE(renderer_->picture(camera_, 0, 100, {}));
+  EXPECT_FALSE(renderer_->picture(camera_, 100, 9000, {}));
+}
+
+TEST_F(LivePicture, ALostFramebufferIsAnErrorAndTheNextFrameIsDrawn) {
+  showBlock();
+  const Image before = picture();
+  GLuint incomplete = 0;
+  glGenFramebuffers(1, &incomplete);
+  glBindFramebuffer(GL_FRAMEBUFFER, incomplete);
+  for (const int supersampling : {1, 2}) {
+    glBindFramebuffer(GL_FRAMEBUFFER, incomplete);
+    const auto lost = renderer_->draw(camera_, kWidth, kHeight, {.supersampling = supersampling});
+    ASSERT_FALSE(lost);
+    EXPECT_NE(lost.error().message().find("framebuffer"), std::string::npos);
+  }
+  glDeleteFramebuffers(1, &incomplete);
+  EXPECT_EQ(different(before, picture()), 0);
+}
+
+TEST_F(LivePicture, AChunkThatIsNotSoundIsTakenAsEmpty) {
+  MeshChunk chunk;
+  chunk.vertices = {{0, 0, 0}, {4, 0, 0}, {0, 4, 0}};
+  chunk.normals.assign(3, Vec3f::UnitZ());
+  chunk.triangles = {{0, 1, 2}};
+  renderer_->setChunk(0, chunk);
+  EXPECT_GT(count(picture(), isIvory), 500);
+
+  MeshChunk wrong = chunk;
+  wrong.triangles = {{0, 1, 3}};
+  renderer_->setChunk(0, wrong);
+  EXPECT_EQ(count(picture(), isIvory), 0);
+  const std::vector<Rgba8> two_colours(2);
+  renderer_->setChunk(0, chunk, two_colours);
+  EXPECT_EQ(count(picture(), isIvory), 0);
+  wrong = chunk;
+  wrong.vertices[1][0] = std::numeric_limits<float>::infinity();
+  renderer_->setChunk(0, wrong);
+  EXPECT_EQ(count(picture(), isIvory), 0);
+}
+
+TEST_F(LivePicture, OnlyWhatChangedIsUploaded) {
+  showBlock();
+  picture();
+  const std::size_t all = renderer_->counts().uploaded_bytes;
+  picture();
+  EXPECT_EQ(renderer_->counts().uploaded_bytes, 0u);
+  renderer_->setChunk(0, *block_.chunks().front());
+  picture();
+  EXPECT_GT(renderer_->counts().uploaded_bytes, 0u);
+  EXPECT_LT(renderer_->counts().uploaded_bytes, all / 3);
+}
+
+TEST_F(LivePicture, SupersamplingSmoothsEdgesAndMovesNothing) {
+  showBlock();
+  const Image rough = picture(kPlain);
+  LiveFrame frame = kPlain;
+  frame.supersampling = 3;
+  const Image smooth = picture(frame);
+  EXPECT_LT(different(rough, smooth, 24), 1500);  // along edges
+  EXPECT_NEAR(count(smooth, isIvory) / double(count(rough, isIvory)), 1, 0.02);
+}
+
+TEST(MeshChunks, HoldEveryTriangleOnceAndKeepItsColour) {
+  const Mesh bur = redBur().mesh;
+  Mesh joined;
+  for (const ColouredChunk& made : chunksOf(bur, 0.7)) {
+    ASSERT_EQ(made.colours.size(), made.chunk.vertices.size());
+    for (const Vec3f& n : made.chunk.normals) EXPECT_NEAR(n.norm(), 1, 1e-5);
+    for (const Rgba8& c : made.colours) EXPECT_EQ(c[0], 200);
+    Mesh part;
+    for (const Vec3f& p : made.chunk.vertices) part.vertices.push_back(p.cast<double>());
+    for (const auto& t : made.chunk.triangles) part.triangles.push_back({t[0], t[1], t[2]});
+    append(joined, part);
+  }
+  EXPECT_EQ(joined.triangles.size(), bur.triangles.size());
+  EXPECT_NEAR(signedVolume(joined) / signedVolume(bur), 1, 1e-5);
+  EXPECT_TRUE(chunksOf({}).empty());
+}
+
+TEST(MeshChunks, ACellWithTooManyVerticesIsDivided) {
+  Mesh strip;
+  for (std::uint32_t n = 0; n < 30000; ++n) {
+    const double x = 1e-4 * n;
+    const auto first = static_cast<std::uint32_t>(strip.vertices.size());
+    for (const Vec3d& p : {Vec3d(x, 0, 0), Vec3d(x + 1e-4, 0, 0), Vec3d(x, 1, 0)}) strip.vertices.push_back(p);
+    strip.triangles.push_back({first, first + 1, first + 2});
+  }
+  std::size_t triangles = 0;
+  for (const ColouredChunk& made : chunksOf(strip, 10)) {
+    EXPECT_LE(made.chunk.vertices.size(), 65536u);
+    triangles += made.chunk.triangles.size();
+  }
+  EXPECT_EQ(triangles, 30000u);
+}
+
+}  // namespace
+}  // namespace kerf

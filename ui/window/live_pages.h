@@ -1,0 +1,88 @@
+// The chunks of one object on their way to the graphics card: collected in pages, so that a frame takes tens of draw
+// calls, 13 us each, and not thousands.
+#pragma once
+
+#include <epoxy/gl.h>
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <span>
+#include <vector>
+
+#include "geometry/base/types.h"
+#include "sim/live/remesher.h"
+
+namespace kerf::internal {
+
+/// As the shaders read it.
+struct LiveVertex {
+  Vec3f position;                      ///< object frame, mm
+  std::array<std::int16_t, 3> normal;  ///< unit, of 32767
+  std::int16_t open = 32767;           ///< share of the light from around, of 32767
+  Rgba8 color;                         ///< alpha: gloss
+};
+static_assert(sizeof(LiveVertex) == 24);
+
+/// What is kept of a chunk.
+struct LiveChunk {
+  std::vector<LiveVertex> vertices;
+  std::vector<std::array<std::uint16_t, 3>> triangles;
+  Box3 box;  ///< object frame, mm
+};
+/// Empty for a chunk without triangles, and for one that is not sound.
+LiveChunk liveChunk(const MeshChunk& chunk, std::span<const Rgba8> colours, std::span<const std::uint8_t> occlusion);
+
+/// The chunks of 8 x 8 x 8 bricks in one vertex buffer. Needs the context current, the destructor too.
+class LivePage {
+ public:
+  static constexpr int kBricksLog = 3;
+
+  LivePage() = default;
+  ~LivePage();
+  LivePage(const LivePage&) = delete;
+  LivePage& operator=(const LivePage&) = delete;
+
+  /// An empty one removes it.
+  void set(const Vec3i& brick, LiveChunk chunk);
+  bool isEmpty() const { return chunks_.empty(); }
+  /// Brings vertices and box up to date. @return bytes uploaded.
+  std::size_t upload();
+
+  /// Chooses the triangles that face the viewer. Dropping the others here costs 2 ns each; the pipeline would take 100.
+  /// Nothing is done while the direction stays and no chunk changes. @return bytes uploaded.
+  /// @param to_viewer  unit, object frame; zero: all triangles, for views into the inside.
+  /// @param tolerance  mm: how far rounding may move a corner sideways; what may be seen because of that is kept.
+  std::size_t face(const Vec3f& to_viewer, float tolerance);
+
+  /// A chunk in the list of indices that face() chose.
+  struct Range {
+    std::size_t first = 0, count = 0;
+    Box3 box;  ///< object frame, mm
+  };
+  const std::vector<Range>& ranges() const { return ranges_; }
+  const Box3& box() const { return box_; }  ///< object frame, mm
+  std::size_t triangles() const { return indices_.size() / 3; }
+  double meanEdge() const { return mean_edge_; }  ///< mm
+  GLuint vertexArray() const { return vertex_array_; }
+
+ private:
+  struct Chosen {
+    Vec3f to_viewer = Vec3f::Zero();
+    float tolerance = -1;  // nothing chosen yet
+  };
+
+  std::map<std::array<int, 3>, LiveChunk> chunks_;  // in order: what is drawn does not depend on what came first
+  GLuint vertex_array_ = 0, vertex_buffer_ = 0, index_buffer_ = 0;
+  std::vector<std::uint32_t> indices_;       // of all chunks
+  std::vector<Vec3f> double_areas_;          // of their triangles, mm^2, outward
+  std::vector<std::size_t> first_of_chunk_;  // in indices_; one more at the end
+  std::vector<Range> ranges_;
+  Chosen chosen_;
+  Box3 box_;
+  double mean_edge_ = 0;
+  float longest_edge_ = 0;  // mm
+  bool is_dirty_ = false;
+};
+
+}  // namespace kerf::internal
