@@ -120,6 +120,22 @@ TEST_F(KerfSim, PicturesOfAnotherNameThanPngAreRefused) {
   EXPECT_FALSE(fs::exists(jpg));
 }
 
+TEST_F(KerfSim, PrintsWhatAFrameCosts) {
+  const Outcome done = shell(fmt::format("{} --time 5 --size 160x120 '{}'", kProgram, mesh().string()));
+  EXPECT_EQ(done.status, 0) << done.text;
+  EXPECT_NE(done.text.find(" triangles, 160 x 120, "), std::string::npos) << done.text;
+  double live50 = 0, live95 = 0, picture50 = 0, picture95 = 0;
+  const std::size_t at = done.text.find("live p50");
+  ASSERT_NE(at, std::string::npos) << done.text;
+  EXPECT_EQ(std::sscanf(done.text.c_str() + at, "live p50 %lf p95 %lf ms picture p50 %lf p95 %lf", &live50, &live95,
+                        &picture50, &picture95),
+            4)
+      << done.text;
+  EXPECT_GT(live50, 0);
+  EXPECT_GE(live95, live50);
+  EXPECT_GT(picture50, 0);
+}
+
 TEST_F(KerfSim, WithoutADisplayTheWindowSaysWhatToDo) {
   const Outcome done =
       shell(fmt::format("env -u DISPLAY -u WAYLAND_DISPLAY {} --frames 1 '{}'", kProgram, mesh().string()));

@@ -47,6 +47,7 @@ enum class SceneId {
   kPassivity,
   kPassivityLarge,
   kDevices,
+  kWindow,
   kCount
 };
 
@@ -155,5 +156,7 @@ Expected<Result> benchPassivity(const Bench& bench);
 Expected<Result> benchPassivityLarge(const Bench& bench);
 Expected<Result> benchDevices(const Bench& bench);
 Expected<Result> benchEdges(const Bench& bench);
+// A frame of the window, as kerf-sim times it: window.cpp.
+Expected<Result> benchWindow(const Bench& bench);
 
 }  // namespace kerf::cli

@@ -76,7 +76,7 @@ void addBench(CLI::App& app, int& exit_code) {
   c->footer(rows +
             "\nExit code: 1 when a goal is missed."
             "\nExample: kerf bench bake --mesh scan.stl");
-  c->add_option("SCENE", a->scene, "one scene; without: all but passivity-large");
+  c->add_option("SCENE", a->scene, "one scene; without: all but passivity-large and window");
   c->add_option("--mesh", a->mesh, "mesh for bake and export (default: the demo molar)");
   c->add_option("--seconds", a->seconds, "length of realtime")->check(CLI::Range(1.0, 3600.0))->capture_default_str();
   c->add_flag("--no-goals", a->no_goals, "print the numbers and judge none of them");

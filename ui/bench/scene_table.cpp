@@ -64,6 +64,8 @@ constexpr Scene kScenes[] = {
      kPassivityLargeGoals, Scene::When::kOnlyByName},
     {SceneId::kDevices, "devices", "random devices in random hands, the coupling of their profile: no times",
      benchDevices, kDevicesGoals},
+    {SceneId::kWindow, "window", "processor time of a frame, by kerf-sim beside kerf; only when asked for by name",
+     benchWindow, kWindowGoals, Scene::When::kOnlyByName},
 };
 
 #ifndef __SANITIZE_ADDRESS__  // GCC 12 then takes no address of a function for a constant

@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <cctype>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <optional>
@@ -16,6 +17,7 @@
 #include "ui/app/command_line.h"
 #include "ui/app/manual.h"
 #include "ui/window/camera.h"
+#include "ui/window/frame_times.h"
 #include "ui/window/gl_context.h"
 #include "ui/window/image.h"
 #include "ui/window/renderer.h"
@@ -27,7 +29,7 @@ namespace {
 struct Arguments {
   std::string scene, screenshot, view = "iso", size, look_at, section;
   double zoom = 1;
-  int frames = 0;
+  int frames = 0, timed_frames = 0;
   bool transparent = false, no_scale_bar = false, no_shadow = false, verbose = false, gpu = false;
 };
 
@@ -133,6 +135,12 @@ kerf::Expected<void> run(const Arguments& arguments, const Shown& shown) {
   if (shown.look_at) camera.target = *shown.look_at;
   kerf::zoomBy(camera, arguments.zoom);
 
+  if (arguments.timed_frames > 0) {
+    setenv("LP_NUM_THREADS", "0", 0);  // Mesa's software renderer: all on one thread, as beside a 1 kHz thread
+    KERF_TRY(times, kerf::timeFrames(scene.mesh, camera, width, height, arguments.timed_frames));
+    fmt::print("{} triangles, {} x {}, {}\n{}", times.triangles, width, height, times.driver, times.summary());
+    return {};
+  }
   if (arguments.screenshot.empty()) {
     KERF_TRY(frames, kerf::runWindow(scene, camera, {.width = width, .height = height, .frames = arguments.frames}));
     if (arguments.verbose) fmt::print(stderr, "kerf-sim: {} frames drawn\n", frames);
@@ -195,6 +203,12 @@ int main(int argc, char** argv) try {
   app.add_option("--frames", a.frames, "close the window after N frames (for tests)")
       ->type_name("N")
       ->check(CLI::NonNegativeNumber);
+  app.add_option(
+         "--time", a.timed_frames,
+         "print the processor time of a frame, drawn N times without a display, by the live renderer and by the "
+         "one of pictures")
+      ->type_name("N")
+      ->check(CLI::Range(5, 10000));
   app.add_flag("-v,--verbose", a.verbose, "say what draws");
   app.footer("Kerf is a training and lab tool, not a medical device.");
   kerf::requireFiniteNumbers(app);
