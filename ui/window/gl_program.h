@@ -3,6 +3,7 @@
 
 #include <epoxy/gl.h>
 
+#include <cstddef>
 #include <initializer_list>
 #include <string>
 
@@ -13,6 +14,9 @@ namespace kerf::internal {
 
 /// "PLACE: FOUND; expected OpenGL 3.3. Try: ..."
 Error glFailure(std::string place, std::string found);
+
+/// A place in a buffer, as OpenGL wants it.
+inline const void* bufferOffset(std::size_t bytes) { return static_cast<const char*>(nullptr) + bytes; }
 
 /// One program. Its owner deletes `id`. A uniform that the program does not use may be set: nothing happens.
 class GlProgram {

@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <utility>
 
+#include "ui/window/gl_program.h"
+
 namespace kerf::internal {
 namespace {
 
@@ -111,10 +113,9 @@ std::size_t LivePage::upload() {
   const std::size_t bytes = vertices.size() * sizeof(LiveVertex);
   glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(bytes), vertices.data(), GL_DYNAMIC_DRAW);
 
-  const auto offset = [](std::size_t at) { return reinterpret_cast<const void*>(at); };
-  glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(LiveVertex), offset(offsetof(LiveVertex, position)));
-  glVertexAttribPointer(1, 4, GL_SHORT, GL_TRUE, sizeof(LiveVertex), offset(offsetof(LiveVertex, normal)));
-  glVertexAttribPointer(2, 4, GL_UNSIGNED_BYTE, GL_TRUE, sizeof(LiveVertex), offset(offsetof(LiveVertex, color)));
+  glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(LiveVertex), bufferOffset(offsetof(LiveVertex, position)));
+  glVertexAttribPointer(1, 4, GL_SHORT, GL_TRUE, sizeof(LiveVertex), bufferOffset(offsetof(LiveVertex, normal)));
+  glVertexAttribPointer(2, 4, GL_UNSIGNED_BYTE, GL_TRUE, sizeof(LiveVertex), bufferOffset(offsetof(LiveVertex, color)));
   for (GLuint i = 0; i < 3; ++i) glEnableVertexAttribArray(i);
   return bytes;
 }

@@ -187,9 +187,10 @@ struct LiveRenderer::Impl {
   static void describeFlat(GLuint array, GLuint buffer) {
     glBindVertexArray(array);
     glBindBuffer(GL_ARRAY_BUFFER, buffer);
-    const auto offset = [](std::size_t bytes) { return reinterpret_cast<const void*>(bytes); };
-    glVertexAttribPointer(0, 2, GL_FLOAT, GL_FALSE, sizeof(FlatCorner), offset(offsetof(FlatCorner, position)));
-    glVertexAttribPointer(1, 4, GL_FLOAT, GL_FALSE, sizeof(FlatCorner), offset(offsetof(FlatCorner, color)));
+    glVertexAttribPointer(0, 2, GL_FLOAT, GL_FALSE, sizeof(FlatCorner),
+                          internal::bufferOffset(offsetof(FlatCorner, position)));
+    glVertexAttribPointer(1, 4, GL_FLOAT, GL_FALSE, sizeof(FlatCorner),
+                          internal::bufferOffset(offsetof(FlatCorner, color)));
     glEnableVertexAttribArray(0);
     glEnableVertexAttribArray(1);
   }
@@ -255,6 +256,8 @@ struct LiveRenderer::Impl {
     program.set("fill_light", kFillLight);
   }
   void setToolUniforms(const GlProgram& program, const View& view, const LiveFrame& frame) const;
+  void setObjectUniforms(const GlProgram& program, const View& view, const LiveFrame& frame, const Drawn& drawn,
+                         const std::optional<Rigid3>& tool) const;
 };
 
 // ------------------------------------------------------------------------------------------------------ the tool
@@ -283,10 +286,12 @@ void LiveRenderer::Impl::setTool(const ToolLook& look) {
   glBindBuffer(GL_ARRAY_BUFFER, tool_buffer);
   glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(corners.size() * sizeof(LiveVertex)), corners.data(),
                GL_STATIC_DRAW);
-  const auto offset = [](std::size_t bytes) { return reinterpret_cast<const void*>(bytes); };
-  glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(LiveVertex), offset(offsetof(LiveVertex, position)));
-  glVertexAttribPointer(1, 4, GL_SHORT, GL_TRUE, sizeof(LiveVertex), offset(offsetof(LiveVertex, normal)));
-  glVertexAttribPointer(2, 4, GL_UNSIGNED_BYTE, GL_TRUE, sizeof(LiveVertex), offset(offsetof(LiveVertex, color)));
+  glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(LiveVertex),
+                        internal::bufferOffset(offsetof(LiveVertex, position)));
+  glVertexAttribPointer(1, 4, GL_SHORT, GL_TRUE, sizeof(LiveVertex),
+                        internal::bufferOffset(offsetof(LiveVertex, normal)));
+  glVertexAttribPointer(2, 4, GL_UNSIGNED_BYTE, GL_TRUE, sizeof(LiveVertex),
+                        internal::bufferOffset(offsetof(LiveVertex, color)));
   for (GLuint i = 0; i < 3; ++i) glEnableVertexAttribArray(i);
   if (tool_corners > 0) makeToolTable(look);
 }
@@ -410,6 +415,21 @@ std::vector<Drawn> LiveRenderer::Impl::whatIsSeen(const View& view, const LiveFr
   return seen;
 }
 
+void LiveRenderer::Impl::setObjectUniforms(const GlProgram& program, const View& view, const LiveFrame& frame,
+                                           const Drawn& drawn, const std::optional<Rigid3>& tool) const {
+  const Rigid3& pose = drawn.object->T_world_object;
+  const Eigen::Matrix3d rotation = view.rotation * pose.rotation.toRotationMatrix();
+  program.set("to_clip", Eigen::Matrix4f((view.to_clip * matrixOf(pose)).cast<float>()));
+  program.set("to_view", Eigen::Matrix3f(rotation.cast<float>()));
+  if (drawn.reach != Reach::kNone)
+    program.set("to_tool", Eigen::Matrix4f(matrixOf(approachPose(*tool).inverse() * pose).cast<float>()));
+  if (isOpen(frame)) {
+    const Vec3d n = pose.rotation.conjugate() * frame.section->normal;
+    const double offset = frame.section->normal.dot(pose.translation - frame.section->point);
+    program.set("section", Eigen::Vector4f(Eigen::Vector4d(n[0], n[1], n[2], offset).cast<float>()));
+  }
+}
+
 void LiveRenderer::Impl::drawObjects(const View& view, const LiveFrame& frame, const std::optional<Rigid3>& tool) {
   const std::vector<Drawn> seen = whatIsSeen(view, frame, tool);
   const bool is_open = isOpen(frame);
@@ -460,17 +480,7 @@ void LiveRenderer::Impl::drawObjects(const View& view, const LiveFrame& frame, c
     }
     if (set_for[variant] != drawn.object) {
       set_for[variant] = drawn.object;
-      const Rigid3& pose = drawn.object->T_world_object;
-      const Eigen::Matrix3d rotation = view.rotation * pose.rotation.toRotationMatrix();
-      program.set("to_clip", Eigen::Matrix4f((view.to_clip * matrixOf(pose)).cast<float>()));
-      program.set("to_view", Eigen::Matrix3f(rotation.cast<float>()));
-      if (drawn.reach != Reach::kNone)
-        program.set("to_tool", Eigen::Matrix4f(matrixOf(approachPose(*tool).inverse() * pose).cast<float>()));
-      if (is_open) {
-        const Vec3d n = pose.rotation.conjugate() * frame.section->normal;
-        const double offset = frame.section->normal.dot(pose.translation - frame.section->point);
-        program.set("section", Eigen::Vector4f(Eigen::Vector4d(n[0], n[1], n[2], offset).cast<float>()));
-      }
+      setObjectUniforms(program, view, frame, drawn, tool);
     }
 
     // The chunks of the page that can be seen, as few ranges as they make.
@@ -501,7 +511,7 @@ void LiveRenderer::Impl::drawObjects(const View& view, const LiveFrame& frame, c
         counts_of.back() += static_cast<GLsizei>(range.count);
       } else {
         counts_of.push_back(static_cast<GLsizei>(range.count));
-        offsets.push_back(reinterpret_cast<const void*>(range.first * sizeof(std::uint32_t)));
+        offsets.push_back(internal::bufferOffset(range.first * sizeof(std::uint32_t)));
       }
       end = range.first + range.count;
       counts.drawn_triangles += range.count / 3;

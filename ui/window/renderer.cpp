@@ -268,10 +268,10 @@ void Renderer::setMesh(const Mesh& mesh) {
   glBindBuffer(GL_ARRAY_BUFFER, impl.vertex_buffer);
   glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(corners.size() * sizeof(Corner)), corners.data(),
                GL_STATIC_DRAW);
-  const auto offset = [](std::size_t bytes) { return reinterpret_cast<const void*>(bytes); };
-  glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(Corner), offset(offsetof(Corner, position)));
-  glVertexAttribPointer(1, 3, GL_FLOAT, GL_FALSE, sizeof(Corner), offset(offsetof(Corner, normal)));
-  glVertexAttribPointer(2, 4, GL_UNSIGNED_BYTE, GL_TRUE, sizeof(Corner), offset(offsetof(Corner, color)));
+  glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(Corner), internal::bufferOffset(offsetof(Corner, position)));
+  glVertexAttribPointer(1, 3, GL_FLOAT, GL_FALSE, sizeof(Corner), internal::bufferOffset(offsetof(Corner, normal)));
+  glVertexAttribPointer(2, 4, GL_UNSIGNED_BYTE, GL_TRUE, sizeof(Corner),
+                        internal::bufferOffset(offsetof(Corner, color)));
   for (GLuint i = 0; i < 3; ++i) glEnableVertexAttribArray(i);
   makeTexture(impl.texture[Impl::kGround], GL_R32F, GroundShadow::kCells, GroundShadow::kCells, GL_RED, GL_FLOAT,
               impl.shadow.darkness.data(), GL_LINEAR);
