@@ -37,12 +37,10 @@ struct LiveFrame {
   bool has_axis_line = true;                ///< from the tip along the approach, a tick every mm, on top of everything
   double axis_line_mm = 6;                  ///< its length
   /// What lies on the side its normal points to is not drawn; the inside shows flat in `section_color`. Tools are not
-  /// cut. Open meshes
-  /// show their inside in that colour, too.
+  /// cut. Open meshes show their inside in that colour, too.
   std::optional<Plane> section = {};
   Rgba8 section_color = {214, 168, 128, 255};
-  int supersampling =
-      1;  ///< n x n points a pixel, 1 to 3: smooth edges for a picture that stands still; n x n the cost
+  int supersampling = 1;  ///< n x n points a pixel, 1 to 3: smooth edges, 2 to 7 times the cost
   bool is_culled = true;  ///< false: everything goes through the pipeline. The pixels are the same; for tests
 };
 
@@ -62,7 +60,7 @@ class LiveRenderer {
   ~LiveRenderer();
 
   /// Replaces the chunk of that brick; an empty one removes it. Costs a copy; uploaded by the next draw together with
-  /// the chunks of the 8 x 8 x 8 bricks around, up to 500 KB and half a millisecond.
+  /// the chunks of the 8 x 8 x 8 bricks around, up to 500 KB.
   /// @param colours  per vertex, sRGB; in the place of alpha the gloss (tissue_colours.h). Empty: ivory.
   /// @param occlusion  per vertex (chunk_occlusion.h). Empty: all the light.
   /// A chunk with an index out of range, or with colours or occlusion of another length, is taken as empty.
