@@ -7,12 +7,13 @@
 #include <boost/lockfree/spsc_queue.hpp>
 #include <chrono>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <semaphore>
 #include <system_error>
 #include <thread>
 
-#include "sim/live/triple_buffer.h"
+#include "sim/hand/triple_buffer.h"
 
 namespace kerf {
 namespace {
@@ -195,6 +196,7 @@ bool HapticThread::State::handleCommands() noexcept {
       has_paused |= is_done;
     } else if (rowOf(next).maySend(CommandSender::kUser)) {
       is_done = session.applyWithin(next);
+      if (is_done && std::holds_alternative<PlaceTool>(next)) device->placed(session.state().body.pose);
     }
     ++(is_done ? report.counts.commands_done : report.counts.commands_refused);
   }
@@ -243,7 +245,8 @@ void HapticThread::State::publish() noexcept {
   report.object_count = session.state().objects.size();
   for (std::size_t n = 0; n < report.object_count; ++n) {
     const CutObject& object = session.state().objects[n];
-    report.objects[n] = {object.id, object.T_world_object};
+    const double removed = std::accumulate(object.removed_mm3.begin(), object.removed_mm3.end(), 0.0);
+    report.objects[n] = {object.id, object.T_world_object, removed};
   }
   reports.back() = report;
   reports.publish();

@@ -66,6 +66,7 @@ struct HapticCounts {
 struct ObjectReport {
   std::uint32_t id = 0;  ///< CutObject::id
   Rigid3 T_world_object;
+  double removed_mm3 = 0;  ///< since it was loaded, what was taken back left out
 };
 
 /// The newest tick.

@@ -72,6 +72,10 @@ constexpr std::tuple kRows{
                "smaller pieces are crumbs, which are dropped and counted, and removed if there is but one piece; 0.1 "
                "if left out",
                true}}),
+    row("tool.place",
+        "Puts the tool to another pose in the world at once, at rest, its drive as fast as it is; ends a stroke.",
+        kUser, Field{&PlaceTool::translation, {"x y z", "mm", "translation of T_world_tool, shorter than 1e5"}},
+        Field{&PlaceTool::rotation, {"qw qx qy qz", "", "rotation of T_world_tool, a unit quaternion"}}),
 };
 
 constexpr std::size_t kCount = std::variant_size_v<Command>;

@@ -62,9 +62,14 @@ struct SplitObject {
   std::optional<double> crumb_mm3 = {};  ///< pieces below this volume are crumbs; none: PieceOptions::crumb_mm3
   bool operator==(const SplitObject&) const = default;
 };
+struct PlaceTool {
+  std::array<double, 3> translation{};         ///< of T_world_tool: x y z, mm, shorter than 1e5
+  std::array<double, 4> rotation{1, 0, 0, 0};  ///< of T_world_tool: unit quaternion w x y z
+  bool operator==(const PlaceTool&) const = default;
+};
 
 using Command = std::variant<SelectTool, Undo, Redo, ClearLatch, AddMaterial, StopAdding, MoveObject, FreezeObject,
-                             UnfreezeObject, SplitObject>;
+                             UnfreezeObject, SplitObject, PlaceTool>;
 static_assert(std::is_trivially_copyable_v<Command>, "a command crosses queues without allocation");
 
 /// Who may ask for a command while a HapticThread runs the session. Session::apply() itself takes every command, so a

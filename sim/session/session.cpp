@@ -30,6 +30,17 @@ bool mayMeetTool(const Command& command) noexcept {
          std::holds_alternative<StopAdding>(command) || std::holds_alternative<MoveObject>(command);
 }
 
+// Of MoveObject and PlaceTool.
+template <class Placing>
+Rigid3 poseOf(const Placing& command) noexcept {
+  const auto& [x, y, z] = command.translation;
+  const auto& [qw, qx, qy, qz] = command.rotation;
+  Rigid3 pose;
+  pose.translation = Vec3d(x, y, z);
+  pose.rotation = Eigen::Quaterniond(qw, qx, qy, qz);
+  return pose;
+}
+
 }  // namespace
 
 // Finds the pieces of one object.
@@ -120,11 +131,7 @@ bool Session::perform(const StopAdding&) noexcept {
 
 bool Session::perform(const MoveObject& command) noexcept {
   if (command.object >= state_.objects.size() || hasFrozen()) return false;
-  const auto& [x, y, z] = command.translation;
-  const auto& [qw, qx, qy, qz] = command.rotation;
-  Rigid3 pose;
-  pose.translation = Vec3d(x, y, z);
-  pose.rotation = Eigen::Quaterniond(qw, qx, qy, qz);
+  const Rigid3 pose = poseOf(command);
   if (!pose.isUsable()) return false;
   state_.objects[command.object].moveTo(pose);
   return true;
@@ -148,6 +155,14 @@ bool Session::perform(const SplitObject& command) {
   const double crumb_mm3 = command.crumb_mm3.value_or(PieceOptions{}.crumb_mm3);
   if (command.object >= state_.objects.size() || !(crumb_mm3 >= 0 && crumb_mm3 < 1e9)) return false;
   return split(command.object, crumb_mm3);
+}
+
+bool Session::perform(const PlaceTool& command) noexcept {
+  const Rigid3 pose = poseOf(command);
+  if (!pose.isUsable()) return false;
+  if (is_stroke_) endStroke();
+  state_.moveTool(pose);
+  return true;
 }
 
 bool Session::canUndo() const noexcept {

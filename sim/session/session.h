@@ -123,6 +123,7 @@ class Session {
   bool perform(const FreezeObject& command) noexcept;
   bool perform(const UnfreezeObject& command) noexcept;
   bool perform(const SplitObject& command);
+  bool perform(const PlaceTool& command) noexcept;
 
   bool hasFrozen() const noexcept;
   void advance(const DeviceSample& sample, StepOutput& output) noexcept;

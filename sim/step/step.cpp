@@ -297,11 +297,15 @@ double longestSubstep(const ToolModel& tool, double voxel) noexcept {
 }
 
 void State::place(const Rigid3& T_world_tool) noexcept {
+  moveTool(T_world_tool);
+  speed = 0;
+  ramp = 0;
+}
+
+void State::moveTool(const Rigid3& T_world_tool) noexcept {
   body = {T_world_tool, Vec3d::Zero(), Vec3d::Zero()};
   device = {T_world_tool, Vec3d::Zero(), Vec3d::Zero()};
   last_force = {};
-  speed = 0;
-  ramp = 0;
   has_device = true;
   forgetCore();
   wakeAll(*this);

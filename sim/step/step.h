@@ -91,6 +91,8 @@ struct State {
   }
   /// Puts the tool where a hand is, at rest: at the start, and after a pause. No force until contact.
   void place(const Rigid3& T_world_tool) noexcept;
+  /// The same for a tool that is carried elsewhere: its drive goes on turning, and the force needs no fade-in. @rt
+  void moveTool(const Rigid3& T_world_tool) noexcept;
   /// Another tool, at rest. All bricks wake up. @rt
   void selectTool(std::size_t index) noexcept;
   /// After a fault, when the device is back. @rt

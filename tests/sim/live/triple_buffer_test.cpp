@@ -1,4 +1,4 @@
-#include "sim/live/triple_buffer.h"
+#include "sim/hand/triple_buffer.h"
 
 #include <gtest/gtest.h>
 

@@ -38,6 +38,7 @@ std::vector<Command> someCommands() {
   for (std::size_t n = 0; n < kAwkward.size(); ++n) {
     const auto a = [&](std::size_t k) { return kAwkward[(n + k) % kAwkward.size()]; };
     out.push_back(MoveObject{n, {a(0), a(1), a(2)}, {a(3), a(4), a(5), a(6)}});
+    out.push_back(PlaceTool{{a(0), a(1), a(2)}, {a(3), a(4), a(5), a(6)}});
     out.push_back(SplitObject{n, a(0)});
   }
   return out;
@@ -84,7 +85,8 @@ TEST(Command, TextsAreThoseOfTheLogFormat) {
       {UnfreezeObject{3}, "object.release 3"},
       {SplitObject{0}, "pieces.split 0"},
       {SplitObject{0, 0.1}, "pieces.split 0 0.1"},
-      {SplitObject{0, 1}, "pieces.split 0 1"}};
+      {SplitObject{0, 1}, "pieces.split 0 1"},
+      {PlaceTool{{0, 0.05, -0.0}, {1, 0, 0, 1e-12}}, "tool.place 0 0.05 -0 1 0 0 1e-12"}};
   EXPECT_EQ(std::size(texts), std::variant_size_v<Command> + 2);
   for (const auto& [command, text] : texts) {
     EXPECT_EQ(printCommand(command), text);

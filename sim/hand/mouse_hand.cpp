@@ -1,0 +1,113 @@
+#include "sim/hand/mouse_hand.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerf {
+namespace {
+
+constexpr double kGives = 70;          // mm/s per N, of what force is missing or too much
+constexpr double kSoftly = 0.05;       // mm above the depth the force begins to fall
+constexpr double kAhead = 0.02;        // s: where the tool will be then counts
+constexpr double kSmooth = 0.1;        // of that speed, a tick
+constexpr double kFollow = 20;         // 1/s
+constexpr double kBrake = 30;          // 1/s: of the way to the depth
+constexpr double kLetsGo = 200;        // mm/s, back
+constexpr double kSurfaceStep = 0.05;  // mm a tick
+constexpr double kAround = 1;          // mm: so far beyond anchor and pointer the surface is looked for
+constexpr double kSteepest = 0.15;     // of a slope: along a wall there is no height to be found
+
+}  // namespace
+
+MouseHand::MouseHand(std::shared_ptr<const BrickField> surface, const Rigid3& start, double stiffness)
+    : surface_(std::move(surface)), stiffness_(stiffness), pose_(start) {}
+
+void MouseHand::aim(const MouseAim& aim) noexcept {
+  aims_.back() = aim;
+  aims_.publish();
+}
+
+void MouseHand::takeNewestAim() noexcept {
+  if (aims_.update()) aim_ = aims_.front();
+}
+
+void MouseHand::placed(const Rigid3& T_world_tool) noexcept {
+  takeNewestAim();
+  placed_for_ = aim_.stroke;
+  pose_ = T_world_tool;
+  height_ = axis().dot(aim_.anchor);
+  felt_.setZero();
+  left_.reset();
+  speed_ = 0;
+}
+
+DeviceSample MouseHand::read() noexcept {
+  takeNewestAim();
+  const bool is_pressed = aim_.is_pressed && aim_.stroke == placed_for_;
+
+  if (is_pressed) moveSideways();
+  followSurface();
+  moveAlong(is_pressed);
+
+  DeviceSample out;
+  out.T_world_device = pose_;
+  out.pedal = is_pressed ? aim_.pedal : 0;
+  out.irrigation = aim_.irrigation;
+  return out;
+}
+
+// Where the line through the hand, along the axis, meets the surface as loaded.
+void MouseHand::followSurface() noexcept {
+  if (!surface_ || surface_->isEmpty()) return;
+  const Vec3d a = axis();
+  const Vec3d foot = pose_.translation - a.dot(pose_.translation) * a;
+  const double voxel = surface_->voxel();
+
+  const double here = surface_->sample(foot + height_ * a);
+  const double before = surface_->sample(foot + (height_ - voxel) * a);
+  const double falls = (before - here) / voxel;
+  const bool is_near = std::abs(here) < 0.9 * static_cast<double>(surface_->background());
+  const double step = is_near && falls > kSteepest ? here / falls : here;
+  height_ += std::clamp(step, -kSurfaceStep, kSurfaceStep);
+
+  const double anchor = a.dot(aim_.anchor), pointer = a.dot(aim_.pointer);
+  height_ = std::clamp(height_, std::min(anchor, pointer) - kAround, std::max(anchor, pointer) + kAround);
+}
+
+void MouseHand::moveSideways() noexcept {
+  const Vec3d a = axis();
+  Vec3d way = aim_.pointer - pose_.translation;
+  way -= a.dot(way) * a;
+  const double distance = way.norm();
+  if (!(distance > 1e-9)) return;
+
+  const Vec3d direction = way / distance;
+  const double against = -felt_.dot(direction);
+  const double most = std::max(kLeast, aim_.force);
+  const double speed = std::min(kFollow * distance, kSideways * std::clamp(1 - against / most, 0.0, 1.0));
+  pose_.translation += std::min(speed * kTick, distance) * direction;
+}
+
+void MouseHand::moveAlong(bool is_pressed) noexcept {
+  const Vec3d a = axis();
+  const double at = a.dot(pose_.translation);
+  const double lifted = height_ - kClearance;
+
+  double to = at;
+  if (is_pressed) {
+    // The tool stops at the depth, not the hand: that is ahead of the tool by what the coupling gives way.
+    const double felt = -felt_.dot(a);
+    const double left = height_ + std::max(aim_.depth, 0.0) - (at - felt / stiffness_);
+    speed_ += kSmooth * ((left_.value_or(left) - left) / kTick - speed_);
+    left_ = left;
+    const double ahead = left - kAhead * std::max(speed_, 0.0);
+    const double wanted = aim_.force * std::clamp(ahead / kSoftly, 0.0, 1.0);
+    const double fastest = std::min(kApproach, kBrake * left);
+    to += kTick * std::clamp(std::min(kGives * (wanted - felt), fastest), -kLetsGo, kApproach);
+  } else if (at > lifted) {
+    to = std::max(at - kTick * kApproach, lifted);
+  }
+  pose_.translation += (to - at) * a;
+}
+
+}  // namespace kerf

@@ -1,0 +1,77 @@
+// A hand for people without a force-feedback device: mouse, pen, trackpad. What they point at is a wish; this hand goes
+// there as a hand would, with a bounded force and a bounded speed, and the coupling does the rest.
+//
+// A stroke is anchored where the button went down: a line along the tool's axis and the surface as it was loaded. The
+// hand pushes along the axis with a force; sideways it follows the pointer. It never passes a depth below the surface
+// as loaded, measured along the axis at the place where the tool is: what was cut meanwhile does not draw it deeper.
+//
+//   along the axis   v = g (wanted - felt), at most kApproach; wanted is the force, and falls within 0.05 mm of the
+//                    depth of the tool, which is the hand's less felt / K
+//   sideways         v = kFollow (pointer - hand), at most kSideways, less as the side force felt nears its limit
+//   surface          followed from tick to tick by Newton's method on the field as loaded
+//
+// The samples are in the session log like any device's: a replay gives the same bits without a mouse.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "geometry/field/brick_field.h"
+#include "sim/hand/device_source.h"
+#include "sim/hand/triple_buffer.h"
+
+namespace kerf {
+
+/// What the person asks for. World frame, mm, N.
+struct MouseAim {
+  std::uint64_t stroke = 0;  ///< rises with every stroke: an aim of a stroke counts once the tool was placed for it
+  bool is_pressed = false;   ///< the button is down: the spindle turns and the hand pushes
+  Vec3d pointer = Vec3d::Zero();  ///< on the surface as loaded, or on the plane of the stroke: where the tip shall go
+  Vec3d anchor = Vec3d::Zero();   ///< on the surface as loaded, where the stroke began
+  double force = 1;               ///< along the axis, 0 to 8
+  double depth = 0.5;             ///< below the surface as loaded, along the axis, that the tip may reach; >= 0
+  double pedal = 1;               ///< of the nominal speed, 0 to 1
+  double irrigation = 1;          ///< 0 to 1
+};
+
+/// The window's thread aims, the haptic thread reads. Before a stroke the window sends PlaceTool with the pose above
+/// the anchor: this hand waits there, and keeps the attitude it was placed in.
+class MouseHand final : public DeviceSource {
+ public:
+  static constexpr double kApproach = 15;  ///< mm/s, along the axis
+  static constexpr double kSideways = 8;   ///< mm/s
+  static constexpr double kLeast = 0.3;    ///< N: side force that is always allowed
+  static constexpr double kClearance = 1;  ///< mm above the surface as loaded, where it goes when the button is up
+
+  /// @param surface  the field as loaded (mm, negative inside), kept; its frame is the world's. Null: none, the plane
+  ///   through the anchor.   @param start  where the tool is.   @param stiffness  of the coupling, N/mm.
+  MouseHand(std::shared_ptr<const BrickField> surface, const Rigid3& start, double stiffness);
+
+  /// The newest wish. One thread.
+  void aim(const MouseAim& aim) noexcept;
+
+  DeviceSample read() noexcept override;
+  void write(const DeviceForce& force) noexcept override { felt_ = force.force; }
+  void placed(const Rigid3& T_world_tool) noexcept override;
+
+ private:
+  void takeNewestAim() noexcept;
+  void followSurface() noexcept;
+  void moveSideways() noexcept;
+  void moveAlong(bool is_pressed) noexcept;
+  Vec3d axis() const noexcept { return pose_.rotation * -Vec3d::UnitZ(); }  // into the tissue
+
+  std::shared_ptr<const BrickField> surface_;
+  double stiffness_;
+  TripleBuffer<MouseAim> aims_;
+  MouseAim aim_;                  // the newest
+  std::uint64_t placed_for_ = 0;  // stroke
+  Rigid3 pose_;                   // of the hand
+  double height_ = 0;             // of the surface as loaded, along the axis, where the hand is, mm
+  std::optional<double> left_;    // of the tool's way to the depth, mm
+  double speed_ = 0;              // at which that becomes less, mm/s
+  Vec3d felt_ = Vec3d::Zero();    // N, of the last tick
+};
+
+}  // namespace kerf

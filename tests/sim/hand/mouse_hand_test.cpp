@@ -1,0 +1,206 @@
+#include "sim/hand/mouse_hand.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/session/session.h"
+#include "tests/sim/block_scene.h"
+#include "tests/support/allocation_guard.h"
+
+namespace kerf {
+namespace {
+
+constexpr double kSpeed = 12500, kFriction = 0.3;  // of the ball's surface, mm/s
+
+// Removes `mm3_per_n` a second.
+Model ball(double radius, double mm3_per_n) {
+  Model model;
+  model.tools = {practiceBall(radius, kSpeed)};
+  model.tissues = test::oneTissue(200, kFriction, kFriction * kSpeed / mm3_per_n);
+  return model;
+}
+
+Rigid3 upright(const Vec3d& tip) { return {Eigen::Quaterniond::Identity(), tip}; }
+
+// A mouse on an object, in lockstep: what the haptic thread does.
+class Desk {
+ public:
+  Desk(Model model, std::shared_ptr<const BakedObject> object)
+      : object_(std::move(object)),
+        hand_(std::shared_ptr<const BrickField>(object_, &object_->phi0()), upright({0, 0, 3}), 1),
+        session_(std::move(model), {object_}, upright({0, 0, 3})) {
+    out.T_world_tool = upright({0, 0, 3});
+  }
+
+  void press(const Vec3d& at, double force, double depth) {
+    ++aim_.stroke;
+    aim_.is_pressed = true;
+    aim_.anchor = aim_.pointer = at;
+    aim_.force = force;
+    aim_.depth = depth;
+    hand_.aim(aim_);
+    const Vec3d start = at + Vec3d(0, 0, 0.3);
+    EXPECT_TRUE(session_.apply(PlaceTool{{start[0], start[1], start[2]}}));
+    hand_.placed(session_.state().body.pose);
+  }
+  void point(const Vec3d& at) {
+    aim_.pointer = at;
+    hand_.aim(aim_);
+  }
+  void release() {
+    aim_.is_pressed = false;
+    hand_.aim(aim_);
+  }
+  template <class Look>
+  void run(double seconds, const Look& look) {
+    for (int n = 0; n < seconds / kTick; ++n) {
+      sample = hand_.read();
+      session_.tick(sample, out);
+      hand_.write(out.force);
+      removed += out.removed_mm3;
+      look();
+    }
+  }
+  void run(double seconds) {
+    run(seconds, [] {});
+  }
+  Vec3d tip() const { return out.T_world_tool.translation; }
+  MouseHand& hand() { return hand_; }
+  const MouseAim& aim() const { return aim_; }
+
+  DeviceSample sample;
+  StepOutput out;
+  double removed = 0;
+
+ private:
+  std::shared_ptr<const BakedObject> object_;
+  MouseHand hand_;
+  Session session_;
+  MouseAim aim_;
+};
+
+std::shared_ptr<const BakedObject> someBlock() { return test::block({6, 4, 3}, 0.1); }
+
+// A hill with a slope of up to 30 degrees: the part of a ball of 6 mm about (0, 0, -6).
+std::shared_ptr<const BakedObject> hill() {
+  Box3 box;
+  box.add(Vec3d(-6.5, -6.5, -12.5));
+  box.add(Vec3d(6.5, 6.5, 0.5));
+  return test::bakedFrom([](const Vec3d& p) { return (p - Vec3d(0, 0, -6)).norm() - 6; }, box, 0.1);
+}
+
+TEST(MouseHand, AHeldButtonStopsAtTheDepthAndNeverPassesIt) {
+  for (const double force : {0.3, 1.0, 5.0, 8.0})
+    for (const double depth : {0.0, 0.2, 0.5, 1.0}) {
+      Desk desk(ball(0.5, 2), someBlock());
+      desk.press({0.02, 0.03, 0}, force, depth);
+      double deepest = 0;
+      desk.run(4, [&] { deepest = std::max(deepest, -desk.tip()[2]); });
+      EXPECT_LE(deepest, depth + 0.03) << force << " N";
+      EXPECT_GE(deepest, depth - 0.03) << force << " N";
+    }
+}
+
+TEST(MouseHand, WhatIsHeldRemovesWhatTheLawSays) {
+  for (const double force : {0.2, 1.0, 2.0}) {
+    Desk desk(ball(0.8, 0.1), someBlock());
+    desk.press({0.02, 0.03, 0}, force, 2.5);
+    desk.run(1);  // from the air
+    const double before = desk.removed;
+    double along = 0, normal = 0;
+    desk.run(5, [&] {
+      along += desk.out.force.force[2] / 5000;
+      normal += desk.out.normal_load / 5000;
+    });
+    EXPECT_NEAR(along / force, 1, 0.02) << force << " N";
+    EXPECT_NEAR((desk.removed - before) / (5 * 0.1 * normal), 1, 0.05) << force << " N";
+  }
+}
+
+TEST(MouseHand, AGrooveFollowsTheSurfaceAsItWasLoaded) {
+  for (const double depth : {0.3, 1.0}) {
+    Desk desk(ball(0.5, 4), hill());
+    const auto surface = [](double x) { return std::sqrt(36 - x * x) - 6; };
+    desk.press({-3, 0, surface(-3)}, 1.5, depth);
+    desk.run(3);
+    double worst = 0, most_left = 0;
+    // There and back: the second time over what was cut.
+    for (int n = 0; n <= 120; ++n) {
+      const double x = n <= 60 ? -3 + 0.1 * n : 3 - 0.1 * (n - 60);
+      desk.point({x, 0, surface(x)});
+      desk.run(0.1, [&] {
+        const double deep = surface(desk.tip()[0]) - desk.tip()[2];
+        worst = std::max(worst, deep - depth);
+        if (n > 70) most_left = std::max(most_left, depth - deep);
+      });
+    }
+    EXPECT_LE(worst, 0.1) << depth;
+    EXPECT_LE(most_left, 0.1) << depth;
+  }
+}
+
+TEST(MouseHand, WithoutTheButtonItLiftsAndTheSpindleStops) {
+  Desk desk(ball(0.5, 2), someBlock());
+  desk.press({0, 0, 0}, 1, 0.5);
+  desk.run(2);
+  EXPECT_EQ(desk.sample.pedal, 1);
+  desk.release();
+  desk.run(0.5);
+  EXPECT_EQ(desk.sample.pedal, 0);
+  EXPECT_NEAR(desk.tip()[2], MouseHand::kClearance, 0.1);
+}
+
+TEST(MouseHand, AnAimWaitsUntilTheToolIsPlaced) {
+  Desk desk(ball(0.5, 2), someBlock());
+  MouseAim early = desk.aim();
+  early.stroke = 1;
+  early.is_pressed = true;
+  desk.hand().aim(early);
+  desk.run(0.5);
+  EXPECT_EQ(desk.sample.pedal, 0);
+  EXPECT_EQ(desk.removed, 0);
+}
+
+TEST(MouseHand, BesideTheEdgeItDoesNotPlungeDown) {
+  Desk desk(ball(0.5, 2), someBlock());
+  desk.press({2.5, 0, 0}, 2, 0.5);
+  desk.run(1);
+  desk.point({5, 0, 0});  // 2 mm beyond the edge
+  desk.run(3);
+  EXPECT_GE(desk.tip()[2], -1.7);
+  EXPECT_NEAR(desk.tip()[0], 5, 0.1);
+}
+
+TEST(MouseHand, NeitherForceNorSpeedIsEverLarge) {
+  Desk desk(ball(0.5, 0.1), someBlock());
+  desk.press({-2, 0, 0}, 1, 0.5);
+  double force = 0, way = 0;
+  Vec3d before = desk.tip();
+  bool is_first = true;
+  int n = 0;
+  desk.run(4, [&] {
+    if (++n % 300 == 0) desk.point({n % 600 == 0 ? -2.0 : 2.0, n % 900 == 0 ? 1.0 : -1.0, 0});  // a wild mouse
+    force = std::max(force, desk.out.force.force.norm());
+    if (!std::exchange(is_first, false)) way = std::max(way, (desk.tip() - before).norm());
+    before = desk.tip();
+  });
+  EXPECT_LT(force, 2.5);
+  EXPECT_LT(way, 0.05);
+}
+
+TEST(MouseHand, ReadsWithoutAllocating) {
+  const auto block = someBlock();
+  MouseHand hand(std::shared_ptr<const BrickField>(block, &block->phi0()), upright({0, 0, 1}), 1);
+  const AllocationGuard guard;
+  hand.placed(upright({0, 0, 0.3}));
+  for (int n = 0; n < 1000; ++n) {
+    hand.aim({0, true, {0.001 * n, 0, 0}, {0, 0, 0}, 1, 0.5, 1, 1});
+    hand.read();
+    hand.write({{0, 0, 0.5}, {0, 0, 0}});
+  }
+}
+
+}  // namespace
+}  // namespace kerf
