@@ -30,8 +30,26 @@ void MesherThread::run(const BrickField& phi0) {
     } else if (!is_last) {
       std::this_thread::sleep_for(options_.poll);
     }
+    copyIfWanted(remesher.field().changed());
     if (is_last) return;
   }
+}
+
+BrickField MesherThread::changedField() {
+  std::unique_lock lock(mutex_);
+  is_copy_wanted_ = true;
+  copied_.wait(lock, [this] { return copy_.has_value(); });
+  BrickField out = std::move(*copy_);
+  copy_.reset();
+  return out;
+}
+
+void MesherThread::copyIfWanted(const BrickField& changed) {
+  const std::lock_guard lock(mutex_);
+  if (!is_copy_wanted_) return;
+  is_copy_wanted_ = false;
+  copy_ = changed;
+  copied_.notify_one();
 }
 
 void MesherThread::publish(const std::vector<MeshChunkPtr>& chunks) {

@@ -3,8 +3,10 @@
 
 #include <atomic>
 #include <chrono>
+#include <condition_variable>
 #include <cstdint>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <unordered_map>
 #include <vector>
@@ -43,6 +45,10 @@ class MesherThread {
   /// Edits meshed so far: with the producer's count of successful pushes it tells how far the mesh lags behind.
   std::uint64_t editsDone() const noexcept { return edits_done_.load(std::memory_order_acquire); }
 
+  /// The bricks that differ from phi0, as this thread knows them when it has taken all that is in the feed. One caller;
+  /// waits for the mesher, some ms. Not after stop().
+  BrickField changedField();
+
   /// Meshes what is in the feed by now and ends the thread; take() then gives the rest. May be called again.
   /// The producer should push no more: what comes later stays in the feed.
   void stop();
@@ -50,12 +56,16 @@ class MesherThread {
  private:
   void run(const BrickField& phi0);
   void publish(const std::vector<MeshChunkPtr>& chunks);
+  void copyIfWanted(const BrickField& changed);
 
   BrickFeed& feed_;
   MesherThreadOptions options_;
   std::atomic<bool> is_stopping_{false};
   std::atomic<std::uint64_t> edits_done_{0};
   std::mutex mutex_;
+  std::condition_variable copied_;
+  bool is_copy_wanted_ = false;                            // guarded by mutex_
+  std::optional<BrickField> copy_;                         // guarded by mutex_
   std::unordered_map<std::uint64_t, MeshChunkPtr> fresh_;  // by key of the brick; guarded by mutex_
   std::thread thread_;                                     // last: everything above exists before it starts
 };

@@ -8,7 +8,8 @@
 namespace kerf {
 namespace {
 
-MeshChunkPtr makeChunk(const Vec3i& brick, std::uint64_t version, const BrickSurface& surface) {
+MeshChunkPtr makeChunk(const Vec3i& brick, std::uint64_t version, const BrickSurface& surface,
+                       const RemesherOptions& options, const OverlayField& field) {
   auto chunk = std::make_shared<MeshChunk>();
   chunk->brick = brick;
   chunk->version = version;
@@ -19,6 +20,7 @@ MeshChunkPtr makeChunk(const Vec3i& brick, std::uint64_t version, const BrickSur
   for (const Triangle& t : surface.triangles)  // at most 3 edges per node of 9^3 and 4 loops per cell: fits
     chunk->triangles.push_back(
         {static_cast<std::uint16_t>(t[0]), static_cast<std::uint16_t>(t[1]), static_cast<std::uint16_t>(t[2])});
+  if (options.finish && !chunk->isEmpty()) options.finish(*chunk, field);
   return chunk;
 }
 
@@ -52,7 +54,7 @@ Remesher::Remesher(const BrickField& phi0, const RemesherOptions& options) : fie
       const auto c = coordOfKey(keys[n]);
       const Vec3i brick{c[0], c[1], c[2]};
       marchingCubesOfBrick(neighboursOf(phi0, brick), options_.marching_cubes, true, surface);
-      if (!surface.triangles.empty()) made[n] = makeChunk(brick, version_, surface);
+      if (!surface.triangles.empty()) made[n] = makeChunk(brick, version_, surface, options_, field_);
     }
   };
   if (options_.is_parallel)
@@ -73,7 +75,7 @@ bool Remesher::remesh(const Vec3i& brick) {
   const std::uint64_t key = coordKey(brick);
   const auto it = chunks_.find(key);
   if (it == chunks_.end() ? surface_.triangles.empty() : isSame(*it->second, surface_)) return false;
-  MeshChunkPtr chunk = makeChunk(brick, version_ + 1, surface_);
+  MeshChunkPtr chunk = makeChunk(brick, version_ + 1, surface_, options_, field_);
   chunks_[key] = chunk;  // an empty one stays: a reader that has the older one must learn of it
   log_.push_back(std::move(chunk));
   return true;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <unordered_map>
@@ -20,16 +21,21 @@ struct MeshChunk {
   std::vector<Vec3f> vertices;  ///< mm, object frame: the positions of marchingCubes(), rounded to float32
   std::vector<Vec3f> normals;   ///< one per vertex: unit, outward, gradient of the field; seamless across chunks
   std::vector<std::array<std::uint16_t, 3>> triangles;  ///< counter-clockwise seen from outside
+  std::vector<Rgba8> colours;                           ///< one per vertex, or none: see RemesherOptions::finish
+  std::vector<std::uint8_t> occlusion;                  ///< the same
 
   bool isEmpty() const { return triangles.empty(); }
 };
 using MeshChunkPtr = std::shared_ptr<const MeshChunk>;
 
 struct RemesherOptions {
-  MarchingCubesOptions marching_cubes;
+  MarchingCubesOptions marching_cubes{};
   /// The baked surface is meshed by all cores; false: by the calling thread, so that no core is taken from others, and
   /// under ThreadSanitizer, which cannot see into Debian's TBB. The chunks are the same.
   bool is_parallel = true;
+  /// Adds colours and occlusion to a chunk that was just made, from the field as it is now. Called by the threads that
+  /// mesh, several at once in the beginning. Empty: chunks have neither.
+  std::function<void(MeshChunk& chunk, const OverlayField& field)> finish{};
 };
 
 /// Keeps the mesh of a field that changes brick by brick.

@@ -91,8 +91,12 @@ Expected<CutCase> loadCut(const fs::path& run_folder, const RunManifest& manifes
   const bool is_geometry = manifest.mode == kModeGeometry;
   KERF_TRY(cut, is_geometry ? readRunSweep(run_folder) : readRunCutField(run_folder, beside));
   const char* const advice = "cut again; a run is never edited";
-  KERF_CHECK(requireSha256(run_folder / internal::kRunToolCopy, manifest.tool_sha256, advice));
-  KERF_CHECK(requireSha256(run_folder / manifest.path_file, manifest.path_sha256, advice));
+  for (const RunManifest::ToolFile& tool : manifest.tools)
+    KERF_CHECK(requireSha256(run_folder / tool.file, tool.sha256, advice));
+  if (manifest.mode != kModeSession) {
+    KERF_CHECK(requireSha256(run_folder / internal::kRunToolCopy, manifest.tool_sha256, advice));
+    KERF_CHECK(requireSha256(run_folder / manifest.path_file, manifest.path_sha256, advice));
+  }
 
   if (const auto& region = in_case.region; region && cut.voxel() == region->where.voxel_mm) {
     KERF_TRY(fine, readCaseRegionField(case_folder));
@@ -108,19 +112,10 @@ Expected<CutCase> loadCut(const fs::path& run_folder, const RunManifest& manifes
   return CutCase{std::move(solid), std::move(phi0), std::move(cut)};
 }
 
-// The solid with the removed one taken away and, if there is such, the added one united with it.
 Expected<PostOpMesh> meshOf(const CutCase& loaded, bool is_geometry, const PostOpOptions& options,
                             const Progress& progress) {
-  const bool has_added = !is_geometry && liesDeeper(loaded.cut, loaded.phi0);
-  BrickField removed =
-      is_geometry ? removedFieldFromSweep(loaded.phi0, loaded.cut) : removedFieldFromCut(loaded.phi0, loaded.cut);
-  BrickField added;
-  if (has_added) {
-    added = addedFieldFromFill(loaded.phi0, loaded.cut);
-    clearAwayFromInside(removed);
-    clearAwayFromInside(added);
-  }
-  return postOperativeMesh(loaded.solid, removed, options, progress, has_added ? &added : nullptr);
+  if (!is_geometry) return postOperativeMeshOf(loaded.solid, loaded.phi0, loaded.cut, options, progress);
+  return postOperativeMesh(loaded.solid, removedFieldFromSweep(loaded.phi0, loaded.cut), options, progress);
 }
 
 Expected<Export> exportCase(const fs::path& folder, const PostOpOptions& options, const Progress& progress) {
@@ -161,6 +156,17 @@ Expected<Export> exportRun(const fs::path& folder, const PostOpOptions& options,
 }
 
 }  // namespace
+
+Expected<PostOpMesh> postOperativeMeshOf(const Mesh& solid, const BrickField& phi0, const BrickField& changed,
+                                         const PostOpOptions& options, const Progress& progress) {
+  BrickField removed = removedFieldFromCut(phi0, changed);
+  if (!liesDeeper(changed, phi0)) return postOperativeMesh(solid, removed, options, progress);
+
+  BrickField added = addedFieldFromFill(phi0, changed);
+  clearAwayFromInside(removed);
+  clearAwayFromInside(added);
+  return postOperativeMesh(solid, removed, options, progress, &added);
+}
 
 Expected<Export> exportBundle(const fs::path& bundle, const PostOpOptions& options, const Progress& progress,
                               std::size_t beside) {

@@ -7,6 +7,7 @@
 #include "geometry/base/error.h"
 #include "geometry/base/progress.h"
 #include "geometry/boolean/post_op_mesh.h"
+#include "geometry/field/brick_field.h"
 
 namespace kerf {
 
@@ -21,6 +22,11 @@ struct Export {
   WallAccuracy accuracy;         ///< vertices = 0 for a case without a cut
   std::string accuracy_missing;  ///< why the walls could not be measured; empty if they were, or there is no cut
 };
+
+/// The solid of a case with what was removed taken away and, if there is such, what was added united with it.
+/// @param changed  the cut field phi in the bricks where it differs from phi0, on the same grid.
+Expected<PostOpMesh> postOperativeMeshOf(const Mesh& solid, const BrickField& phi0, const BrickField& changed,
+                                         const PostOpOptions& options = {}, const Progress& progress = {});
 
 /// The post-operative mesh of a run, or the solid of a case.
 /// @param beside  0: the case that was cut; n: the n-th case that stood beside it, with what was cut off that.

@@ -47,7 +47,7 @@ class Replayer {
     }
   }
 
-  Expected<Replay> run(const Progress& progress, double until_s) {
+  Expected<Replay> run(const Progress& progress, double until_s, const AtEnd& at_end) {
     noteHowTheLogEnds();
     KERF_CHECK(tickSamples(progress, until_s));
     const std::size_t done = first_sample_ + out_.ticks;
@@ -56,6 +56,7 @@ class Replayer {
     else
       compareChecks(done);
     finish();
+    if (at_end) at_end(*session_, log_);
     return std::move(out_);
   }
 
@@ -185,11 +186,14 @@ class HeaderCheck {
   HeaderCheck(const SessionLog& log, fs::path file) : log_(log), file_(std::move(file)) {}
   Expected<void> wants(const std::string& key, const std::string& expected) const {
     if (log_.value(key) == expected) return {};
+    return refuse(key, std::string(log_.value(key)), expected);
+  }
+  tl::unexpected<Error> refuse(const std::string& key, std::string found, std::string expected) const {
     return fail({.code = Error::Code::kBadValue,
                  .file = file_.string(),
                  .place = "header, " + key,
-                 .found = std::string(log_.value(key)),
-                 .expected = expected,
+                 .found = std::move(found),
+                 .expected = std::move(expected),
                  .hint = "the log belongs to another run"});
   }
 
@@ -217,7 +221,7 @@ void compareEnd(const SessionLog& log, const RunManifest& manifest, double until
 }  // namespace
 
 Expected<Replay> replay(const SessionLog& log, const std::string& file, Model model, LoadedObjects objects,
-                        const Progress& progress, double until_s, double from_s) {
+                        const Progress& progress, double until_s, double from_s, const AtEnd& at_end) {
   Rigid3 place;
   KERF_CHECK(restoreSettings(log, file, model, place));
 
@@ -237,16 +241,44 @@ Expected<Replay> replay(const SessionLog& log, const std::string& file, Model mo
                    .expected = fmt::format("one of {}", model.tools.size()),
                    .hint = "the log belongs to other tools"});
 
-    auto out = Replayer(log, file, model, place, objects, {n, std::move(state)}).run(progress, until_s);
+    auto out = Replayer(log, file, model, place, objects, {n, std::move(state)}).run(progress, until_s, at_end);
     // An undo may want what only an earlier state knows.
     if (out || out.error().code == Error::Code::kCancelled) return out;
   }
-  return Replayer(log, file, model, place, objects, {}).run(progress, until_s);
+  return Replayer(log, file, model, place, objects, {}).run(progress, until_s, at_end);
 }
 
-Expected<Replay> replayRun(const fs::path& run_folder, const Progress& progress, double until_s, double from_s) {
-  KERF_TRY(manifest, readRunManifest(run_folder));
-  if (manifest.mode != kModeHaptic)
+namespace {
+
+// The tools of a run, read from its copies, and whether they are those of the log.
+Expected<std::vector<Tool>> readTools(const fs::path& run_folder, const RunManifest& manifest, const SessionLog& log,
+                                      const HeaderCheck& header) {
+  std::vector<RunManifest::ToolFile> files = manifest.tools;
+  if (manifest.mode != kModeSession) files = {{manifest.tool_id, internal::kRunToolCopy, manifest.tool_sha256}};
+
+  std::vector<std::string> in_log;
+  for (const auto& [key, value] : log.header)
+    if (key == "tool_sha256") in_log.push_back(value);
+  if (in_log.size() != files.size())
+    return header.refuse("tool_sha256", fmt::format("{} tools", in_log.size()),
+                         fmt::format("{} of them", files.size()));
+
+  std::vector<Tool> out;
+  for (std::size_t n = 0; n < files.size(); ++n) {
+    const fs::path file = run_folder / files[n].file;
+    KERF_CHECK(requireSha256(file, files[n].sha256, "cut again"));
+    if (in_log[n] != files[n].sha256) return header.refuse("tool_sha256", in_log[n], files[n].sha256);
+    KERF_TRY(tool, readTool(file));
+    out.push_back(std::move(tool));
+  }
+  return out;
+}
+
+}  // namespace
+
+Expected<Replay> internal::replayRun(const fs::path& run_folder, const RunManifest& manifest, const Progress& progress,
+                                     const AtEnd& at_end, double until_s, double from_s) {
+  if (manifest.mode == kModeGeometry)
     return fail({.code = Error::Code::kUnsupported,
                  .file = run_folder.string(),
                  .place = "mode " + manifest.mode,
@@ -258,29 +290,32 @@ Expected<Replay> replayRun(const fs::path& run_folder, const Progress& progress,
   if (!report(progress, 0, "loading the case")) return cancelledReplay();
 
   // The log, and whether it is of this run.
-  const fs::path log_file = run_folder / internal::kRunLog, tool_file = run_folder / internal::kRunToolCopy;
+  const fs::path log_file = run_folder / internal::kRunLog;
   KERF_TRY(log, readSessionLog(log_file));
   const HeaderCheck header(log, log_file);
   KERF_CHECK(header.wants("case_id", manifest.case_id));
   for (std::size_t n = 1; n <= beside.size(); ++n)
     KERF_CHECK(header.wants(internal::neighbourKey(n), manifest.beside[n - 1].case_id));
   KERF_CHECK(header.wants(internal::neighbourKey(beside.size() + 1), ""));
-  KERF_CHECK(requireSha256(tool_file, manifest.tool_sha256, "cut again"));
-  KERF_CHECK(header.wants("tool_sha256", manifest.tool_sha256));
+  KERF_TRY(tools, readTools(run_folder, manifest, log, header));
 
   // What it was recorded with.
-  KERF_TRY(tool, readTool(tool_file));
   LoadedObjects objects;
   beside.insert(beside.begin(), case_folder);
   for (const fs::path& folder : beside) {
     KERF_TRY(object, loadObject(folder));
     objects.push_back(std::move(object));
   }
-  KERF_TRY(model, makeModel(std::span(&tool, 1), {}, widestBand(objects)));
+  KERF_TRY(model, makeModel(tools, {}, widestBand(objects)));
 
-  auto out = replay(log, log_file.string(), std::move(model), std::move(objects), progress, until_s, from_s);
-  if (out) compareEnd(log, manifest, until_s, *out);
+  auto out = replay(log, log_file.string(), std::move(model), std::move(objects), progress, until_s, from_s, at_end);
+  if (out && !manifest.is_open) compareEnd(log, manifest, until_s, *out);
   return out;
+}
+
+Expected<Replay> replayRun(const fs::path& run_folder, const Progress& progress, double until_s, double from_s) {
+  KERF_TRY(manifest, readRunManifest(run_folder));
+  return internal::replayRun(run_folder, manifest, progress, {}, until_s, from_s);
 }
 
 }  // namespace kerf

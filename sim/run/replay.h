@@ -2,10 +2,12 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <string>
 
 #include "geometry/base/progress.h"
+#include "sim/run/run_manifest.h"
 #include "sim/session/session.h"
 
 namespace kerf {
@@ -24,6 +26,9 @@ struct Replay {
   std::size_t objects = 0;       ///< at the end: cases, and pieces
 };
 
+/// Is shown a session where its replay ends.
+using AtEnd = std::function<void(const Session& session, const SessionLog& log)>;
+
 /// Runs a log against the objects and tools it was recorded with.
 /// @param until_s  simulated seconds after which to stop.
 /// @param from_s  begins with the last snapshot not after that, if there is one: what lies before is not compared. An
@@ -31,11 +36,20 @@ struct Replay {
 /// Errors: a header that does not fit; kCancelled.
 Expected<Replay> replay(const SessionLog& log, const std::string& file, Model model, LoadedObjects objects,
                         const Progress& progress = {}, double until_s = std::numeric_limits<double>::infinity(),
-                        double from_s = 0);
+                        double from_s = 0, const AtEnd& at_end = {});
 
-/// The session of a haptic run: session.kerflog, with the cases and the tool the run names. Where the log ends without
-/// `until_s` the state has to be the one that run.toml names.
+/// The session of a run: session.kerflog, with the cases and the tools the run names. Where the log ends without
+/// `until_s` the state has to be the one that run.toml names, unless the session is open.
 Expected<Replay> replayRun(const std::filesystem::path& run_folder, const Progress& progress = {},
                            double until_s = std::numeric_limits<double>::infinity(), double from_s = 0);
+
+namespace internal {
+
+/// The same of a manifest that was read.
+Expected<Replay> replayRun(const std::filesystem::path& run_folder, const RunManifest& manifest,
+                           const Progress& progress, const AtEnd& at_end,
+                           double until_s = std::numeric_limits<double>::infinity(), double from_s = 0);
+
+}  // namespace internal
 
 }  // namespace kerf

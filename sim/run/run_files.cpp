@@ -83,6 +83,7 @@ Expected<BrickField> readRunSweep(const fs::path& run_folder) {
 
 Expected<BrickField> readRunCutField(const fs::path& run_folder, std::size_t beside) {
   KERF_TRY(manifest, readRunManifest(run_folder));
+  KERF_CHECK(requireEnded(run_folder, manifest));
   KERF_CHECK(internal::requireBeside(run_folder, manifest, beside));
   KERF_CHECK(requireSha256(run_folder / internal::kRunField, manifest.field_sha256, "cut again"));
   return readVdb(run_folder / internal::kRunField, beside == 0 ? "phi" : neighbourId(beside));

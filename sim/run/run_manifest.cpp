@@ -2,8 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
-
+#include "geometry/base/atomic_file.h"
 #include "geometry/base/toml_reader.h"
 #include "sim/monitor/monitor.h"
 
@@ -43,6 +42,44 @@ Expected<void> readBeside(TomlTable& top, const fs::path& path, RunManifest& m) 
   return {};
 }
 
+// What a run along a path was cut with.
+void readToolAndPath(TomlTable& top, RunManifest& m) {
+  m.tool_id = top.get<std::string>("tool_id", "a tool");
+  m.tool_sha256 = top.get<std::string>("tool_sha256", "64 hexadecimal digits");
+  m.path_file = top.get<std::string>("path_file", "\"path.csv\" or \"path.toml\"");
+  if (m.path_file != "path.csv" && m.path_file != "path.toml")
+    top.reject("path_file", "\"" + m.path_file + "\"", "\"path.csv\" or \"path.toml\"");
+  m.path_sha256 = top.get<std::string>("path_sha256", "64 hexadecimal digits");
+  m.segments = static_cast<std::size_t>(top.get<std::int64_t>("segments", "a count"));
+  m.path_length_mm = top.get<double>("path_length_mm", "mm");
+}
+
+bool isInFolder(const std::string& file) {
+  const fs::path path(file);
+  return !path.empty() && path.is_relative() && *path.lexically_normal().begin() != "..";
+}
+
+// What a person's session was cut with.
+Expected<void> readTools(TomlTable& top, const fs::path& path, RunManifest& m) {
+  m.is_open = top.get<bool>("is_open", "true or false");
+  m.tool_id = top.get<std::string>("tool_id", "tools");
+  const toml::array* tables = top.tables("tool");
+  if (!tables) return top.finish();
+
+  for (const toml::node& node : *tables) {
+    if (!node.is_table()) continue;
+    TomlTable t(*node.as_table(), path, fmt::format("tool {}", m.tools.size() + 1));
+    RunManifest::ToolFile tool;
+    tool.id = t.get<std::string>("id", "a tool");
+    tool.file = t.get<std::string>("file", "a file in the run folder");
+    tool.sha256 = t.get<std::string>("sha256", "64 hexadecimal digits");
+    if (!isInFolder(tool.file)) t.reject("file", "\"" + tool.file + "\"", "a file in the run folder");
+    KERF_CHECK(t.finish());
+    m.tools.push_back(std::move(tool));
+  }
+  return {};
+}
+
 }  // namespace
 
 bool isRun(const fs::path& folder) {
@@ -66,19 +103,15 @@ Expected<RunManifest> readRunManifest(const fs::path& folder) {
   m.kerf_version = top.get<std::string>("kerf_version", "a string");
   m.case_path = top.get<std::string>("case_path", "a path");
   m.case_id = top.get<std::string>("case_id", "64 hexadecimal digits");
-  m.mode = top.get<std::string>("mode", "\"geometry\" or \"haptic\"");
-  if (m.mode != kModeGeometry && m.mode != kModeHaptic)
-    top.reject("mode", "\"" + m.mode + "\"", "\"geometry\" or \"haptic\"");
+  const char* const modes = "\"geometry\", \"haptic\" or \"session\"";
+  m.mode = top.get<std::string>("mode", modes);
+  if (m.mode == kModeSession)
+    KERF_CHECK(readTools(top, path, m));
+  else if (m.mode == kModeGeometry || m.mode == kModeHaptic)
+    readToolAndPath(top, m);
+  else
+    top.reject("mode", "\"" + m.mode + "\"", modes);
 
-  m.tool_id = top.get<std::string>("tool_id", "a tool");
-  m.tool_sha256 = top.get<std::string>("tool_sha256", "64 hexadecimal digits");
-  m.path_file = top.get<std::string>("path_file", "\"path.csv\" or \"path.toml\"");
-  if (m.path_file != "path.csv" && m.path_file != "path.toml")
-    top.reject("path_file", "\"" + m.path_file + "\"", "\"path.csv\" or \"path.toml\"");
-  m.path_sha256 = top.get<std::string>("path_sha256", "64 hexadecimal digits");
-
-  m.segments = static_cast<std::size_t>(top.get<std::int64_t>("segments", "a count"));
-  m.path_length_mm = top.get<double>("path_length_mm", "mm");
   m.duration_s = top.get<double>("duration_s", "s");
   m.voxel_mm = top.number("voxel_mm", 0.001, 100);
   m.state_hash = top.get<std::string>("state_hash", "16 hexadecimal digits");
@@ -94,23 +127,24 @@ Expected<RunManifest> readRunManifest(const fs::path& folder) {
 
 Expected<void> writeRunManifest(const fs::path& folder, const RunManifest& m) {
   toml::table root{
-      {"format", "kerf-run"},
-      {"version", kRunFormatVersion},
-      {"kerf_version", m.kerf_version},
-      {"case_path", m.case_path},
-      {"case_id", m.case_id},
-      {"mode", m.mode},
-      {"tool_id", m.tool_id},
-      {"tool_sha256", m.tool_sha256},
-      {"path_file", m.path_file},
-      {"path_sha256", m.path_sha256},
-      {"segments", static_cast<std::int64_t>(m.segments)},
-      {"path_length_mm", m.path_length_mm},
-      {"duration_s", m.duration_s},
-      {"voxel_mm", m.voxel_mm},
-      {"state_hash", m.state_hash},
-      {"field_sha256", m.field_sha256},
+      {"format", "kerf-run"},       {"version", kRunFormatVersion},   {"kerf_version", m.kerf_version},
+      {"case_path", m.case_path},   {"case_id", m.case_id},           {"mode", m.mode},
+      {"tool_id", m.tool_id},       {"duration_s", m.duration_s},     {"voxel_mm", m.voxel_mm},
+      {"state_hash", m.state_hash}, {"field_sha256", m.field_sha256},
   };
+  if (m.mode == kModeSession) {
+    root.insert("is_open", m.is_open);
+    toml::array tools;
+    for (const RunManifest::ToolFile& t : m.tools)
+      tools.push_back(toml::table{{"id", t.id}, {"file", t.file}, {"sha256", t.sha256}});
+    root.insert("tool", std::move(tools));
+  } else {
+    root.insert("tool_sha256", m.tool_sha256);
+    root.insert("path_file", m.path_file);
+    root.insert("path_sha256", m.path_sha256);
+    root.insert("segments", static_cast<std::int64_t>(m.segments));
+    root.insert("path_length_mm", m.path_length_mm);
+  }
   if (!m.beside.empty()) {
     toml::array beside;
     for (const RunManifest::Beside& b : m.beside)
@@ -121,17 +155,19 @@ Expected<void> writeRunManifest(const fs::path& folder, const RunManifest& m) {
     root.insert("beside", std::move(beside));
   }
 
-  const fs::path path = folder / kRunManifest;
-  std::ofstream out(path, std::ios::binary);
-  out << "# Kerf run. Lengths in mm, times in s. Training and lab tool, not a medical device.\n" << root << "\n";
-  out.close();
-  if (!out)
-    return fail({.code = Error::Code::kWriteFailed,
-                 .file = path.string(),
-                 .found = "could not be written",
-                 .expected = "a writable place with room",
-                 .hint = "free some space"});
-  return {};
+  KERF_TRY(file, AtomicFile::create(folder / kRunManifest));
+  file.stream() << "# Kerf run. Lengths in mm, times in s. Training and lab tool, not a medical device.\n"
+                << root << "\n";
+  return file.commit();
+}
+
+Expected<void> requireEnded(const fs::path& folder, const RunManifest& m) {
+  if (!m.is_open) return {};
+  return fail({.code = Error::Code::kUnsupported,
+               .file = folder.string(),
+               .found = "a session that has not ended: only its log is there",
+               .expected = "a session that was ended",
+               .hint = "end it in the window, or, if its program is gone: kerf recover " + folder.string()});
 }
 
 }  // namespace kerf

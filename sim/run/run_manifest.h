@@ -7,6 +7,7 @@
 //   run.vdb      grids phi (the cut field, bricks that changed) and, geometry only, sweep (union of tool sweeps, mm);
 //                beside_1, beside_2, ...: phi of further cases that stood beside the one that was cut
 //   forces.csv, summary.json, session.kerflog   of a cut against resistance: haptic_cut.h
+//   tools/       mode session: in place of tool and path, all tools of the session
 //
 // run_files.h reads what lies beside the manifest.
 #pragma once
@@ -23,6 +24,7 @@ namespace kerf {
 inline constexpr const char* kRunManifest = "run.toml";
 inline constexpr const char* kModeGeometry = "geometry";  ///< the tool removed whatever it swept
 inline constexpr const char* kModeHaptic = "haptic";      ///< cut against resistance, by the 1 kHz step
+inline constexpr const char* kModeSession = "session";  ///< the same by a person: many strokes, several tools, no path
 
 struct RunManifest {
   int version = 1;
@@ -37,6 +39,15 @@ struct RunManifest {
   /// 16 hexadecimal digits, of the sweep field or of the state of the step: the same inputs give the same hash.
   std::string state_hash;
   std::string field_sha256;  ///< of run.vdb: a damaged file is refused
+
+  // Mode session only. Its tools stand in the order of the session's; tool_id names those that were in hand.
+  struct ToolFile {
+    std::string id, file, sha256;  ///< file: in the run folder
+  };
+  std::vector<ToolFile> tools;
+  /// The session has not ended, or its program has: there is the log, and neither field nor state. recoverRun()
+  /// finishes it.
+  bool is_open = false;
 
   /// A further case of the same scene, cut against resistance only. It stood where its scan stands.
   struct Beside {
@@ -56,11 +67,14 @@ struct RunManifest {
 /// Whether the folder holds a manifest; what is in it is not checked.
 bool isRun(const std::filesystem::path& folder);
 
-/// Errors, naming file and key: kNotFound without a manifest, kUnsupported for another format or version, and values
-/// that are missing, unknown or out of range.
+/// Also of a session that has not ended. Errors, naming file and key: kNotFound without a manifest, kUnsupported for
+/// another format or version, and values that are missing, unknown or out of range.
 Expected<RunManifest> readRunManifest(const std::filesystem::path& folder);
 
-/// Writes run.toml. @param folder  exists.   Error: kWriteFailed.
+/// Writes run.toml, which appears whole or not at all. @param folder  exists.   Error: kWriteFailed.
 Expected<void> writeRunManifest(const std::filesystem::path& folder, const RunManifest& manifest);
+
+/// Error kUnsupported: a session that has not ended, and so has nothing but its log.
+Expected<void> requireEnded(const std::filesystem::path& folder, const RunManifest& manifest);
 
 }  // namespace kerf

@@ -11,8 +11,8 @@ namespace kerf::cli {
 /// @param command  named and described already.    @param exit_code  what main returns; set by the callback.
 using AddOptions = void(CLI::App& command, int& exit_code);
 
-AddOptions addBake, addBench, addCheck, addCut, addDemo, addDemoMolar, addDevices, addExport, addInfo, addReplay,
-    addTool;
+AddOptions addBake, addBench, addCheck, addCut, addDemo, addDemoMolar, addDevices, addExport, addInfo, addRecover,
+    addReplay, addTool;
 
 struct CommandRow {
   const char* name;     ///< as typed
@@ -30,6 +30,7 @@ inline constexpr CommandRow kCommands[] = {
      addBake, kWorkflow},
     {"cut", "Cut a case with a tool along a path", addCut, kWorkflow},
     {"replay", "Replay the session of a run and compare state and force, bit for bit", addReplay, kWorkflow},
+    {"recover", "Finish a session of the window whose program was killed, from its log", addRecover, kWorkflow},
     {"export", "Write the post-operative mesh of a run, or the closed solid of a case", addExport, kWorkflow},
     {"check", "Say whether a mesh is ready to print, and if not, why (exit 0 yes, 1 no)", addCheck, kInspect},
     {"info", "Describe a mesh, a label volume, a case, a run or a tool", addInfo, kInspect},

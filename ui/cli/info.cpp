@@ -104,17 +104,15 @@ Expected<json> caseInfo(const fs::path& folder) {
 
 Expected<json> runInfo(const fs::path& folder) {
   KERF_TRY(m, readRunManifest(folder));
-  json j{{"kind", "run"},
-         {"case_path", m.case_path},
-         {"case_id", m.case_id},
-         {"mode", m.mode},
-         {"tool", m.tool_id},
-         {"segments", m.segments},
-         {"path_length_mm", m.path_length_mm},
-         {"duration_s", m.duration_s},
-         {"voxel_mm", m.voxel_mm},
-         {"state_hash", m.state_hash},
-         {"kerf_version", m.kerf_version}};
+  json j{{"kind", "run"},          {"case_path", m.case_path},   {"case_id", m.case_id},
+         {"mode", m.mode},         {"tool", m.tool_id},          {"duration_s", m.duration_s},
+         {"voxel_mm", m.voxel_mm}, {"state_hash", m.state_hash}, {"kerf_version", m.kerf_version}};
+  if (m.mode == kModeSession) {
+    j["is_open"] = m.is_open;
+  } else {
+    j["segments"] = m.segments;
+    j["path_length_mm"] = m.path_length_mm;
+  }
   for (const RunManifest::Beside& other : m.beside)
     j["beside"].push_back({{"case_path", other.case_path},
                            {"case_id", other.case_id},

@@ -1,0 +1,95 @@
+// A run that a person makes: a case, its tools, the three threads, the log; at the end a run folder like any other.
+//
+//   device ──▶ HapticThread ──bricks──▶ MesherThread ──chunks──▶ window
+//                   └──samples, commands──▶ SessionRecorder ──▶ RUN/session.kerflog
+//
+// The folder is there from the beginning: what a crash leaves behind, recoverRun() (session_run.h) finishes.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "geometry/base/error.h"
+#include "geometry/base/progress.h"
+#include "geometry/boolean/post_op_mesh.h"
+#include "sim/live/haptic_thread.h"
+#include "sim/live/mesher_thread.h"
+#include "sim/run/session_run.h"
+
+namespace kerf {
+
+struct LiveRunOptions {
+  std::vector<SessionTool> tools;  ///< of the rack; the first is in hand
+  Rigid3 start;                    ///< of the tool, object frame, in air
+  StepSettings step;
+  /// `felt` is set by the tools, if the device can be felt. Pieces: the mesher and the run know the first object alone,
+  /// so they are not wanted.
+  HapticOptions haptic;
+  RecorderOptions recorder;
+  MesherThreadOptions mesher;
+  bool is_felt = false;       ///< the device renders force
+  bool is_looked_at = false;  ///< chunks of the surface get colours and occlusion
+};
+
+/// All calls from one thread, the window's; the haptic thread's own interface is thread().
+class LiveRun {
+ public:
+  /// Loads the case and makes the run folder, its parent if need be. Nothing runs yet.
+  /// Errors: those of loading; kWriteFailed, kBadValue without a tool; kCancelled, and then nothing is left behind.
+  /// @cost  seconds for a tooth, 15 for a mandible at 0.05 mm. May run on any thread, as a job.
+  static Expected<std::unique_ptr<LiveRun>> open(const std::filesystem::path& case_folder,
+                                                 const std::filesystem::path& run_folder, LiveRunOptions options,
+                                                 const Progress& progress = {});
+  /// As finish(), but the result is lost.
+  ~LiveRun();
+  LiveRun(const LiveRun&) = delete;
+  LiveRun& operator=(const LiveRun&) = delete;
+
+  /// Starts the threads. @param device  must outlive this. Once.
+  Expected<void> start(DeviceSource& device);
+
+  const std::filesystem::path& folder() const noexcept { return folder_; }
+  const CaseManifest& caseManifest() const noexcept { return case_; }
+  const BakedObject& object() const noexcept { return *object_; }
+  std::shared_ptr<const BakedObject> sharedObject() const noexcept { return object_; }
+  std::span<const SessionTool> tools() const noexcept { return options_.tools; }
+  const Model& model() const noexcept { return haptic_->session().model(); }
+  HapticThread& thread() noexcept { return *haptic_; }
+  /// As HapticThread::send(); the manifest names the tools that were chosen.
+  bool send(const Command& command);
+  MesherThread& mesher() noexcept { return *mesher_; }
+  RecorderStatus recorderStatus() const { return recorder_->status(); }
+
+  /// What is cut by now: the bricks that differ from the case, as the mesher knows them, a few ms old. The cut goes on.
+  BrickField changedField() { return mesher_->changedField(); }
+  /// The post-operative mesh of a changedField(). Any thread.   Errors: as exportBundle().
+  Expected<PostOpMesh> postOperative(const BrickField& changed, const PostOpOptions& options = {},
+                                     const Progress& progress = {}) const;
+
+  /// Stops the threads and writes the run; once. kEmpty: nothing was cut, and the folder is gone again. After any other
+  /// error the folder is open, and its log is whole.
+  Expected<RunManifest> finish();
+
+ private:
+  LiveRun(LiveRunOptions options, std::filesystem::path case_folder, std::filesystem::path run_folder);
+  Expected<void> load(const Progress& progress);
+  Expected<void> makeFolder();
+  void stop();
+
+  LiveRunOptions options_;
+  std::filesystem::path case_folder_, folder_;
+  CaseManifest case_;
+  RunManifest manifest_;
+  std::shared_ptr<const BakedObject> object_;
+  BrickFeed feed_;
+  std::optional<RunLock> lock_;
+  std::optional<SessionRecorder> recorder_;
+  std::unique_ptr<HapticThread> haptic_;
+  std::unique_ptr<MesherThread> mesher_;
+  bool is_started_ = false, is_finished_ = false;
+};
+
+}  // namespace kerf

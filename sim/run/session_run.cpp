@@ -1,0 +1,180 @@
+#include "sim/run/session_run.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <set>
+#include <system_error>
+
+#include "geometry/base/hash.h"
+#include "geometry/base/version.h"
+#include "geometry/field/vdb_io.h"
+#include "geometry/tool/tool_file.h"
+#include "sim/run/load_scene.h"
+#include "sim/run/run_files.h"
+#include "sim/run/run_output.h"
+
+namespace kerf {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr const char* kLock = "lock";
+constexpr const char* kToolFolder = "tools";
+
+tl::unexpected<Error> cannotWrite(const fs::path& what, const std::string& why) {
+  return fail({.code = Error::Code::kWriteFailed,
+               .file = what.string(),
+               .found = why,
+               .expected = "a writable place with room",
+               .hint = "another folder, or free some space"});
+}
+
+// Copies a tool, with its mesh, into the run. Hashed before it is copied: see finishRun().
+Expected<RunManifest::ToolFile> storeTool(const SessionTool& tool, const fs::path& run_folder) {
+  RunManifest::ToolFile out{tool.tool.id, fmt::format("{}/{}", kToolFolder, tool.file.filename().string()), {}};
+  KERF_TRY(hash, sha256OfFile(tool.file));
+  out.sha256 = hash;
+  std::error_code failed;
+  fs::copy_file(tool.file, run_folder / out.file, failed);
+  if (failed) return cannotWrite(run_folder / out.file, failed.message());
+  if (!tool.tool.mesh) return out;
+
+  const fs::path mesh = run_folder / kToolFolder / tool.tool.mesh_file.filename();
+  fs::copy_file(tool.tool.mesh_file, mesh, fs::copy_options::skip_existing, failed);
+  if (failed) return cannotWrite(mesh, failed.message());
+  return out;
+}
+
+// Ids of the tools that were in hand, in the order of their first use.
+std::string toolsInHand(const SessionLog& log, const RunManifest& manifest) {
+  std::string out = manifest.tools.front().id;
+  std::set<std::size_t> known{0};
+  for (const SessionEvent& event : log.events) {
+    const auto* text = std::get_if<SessionCommand>(&event.what);
+    if (!text) continue;
+    const auto command = parseCommand(text->text);
+    const auto* select = command ? std::get_if<SelectTool>(&*command) : nullptr;
+    if (select && select->tool < manifest.tools.size() && known.insert(select->tool).second)
+      out += ", " + manifest.tools[select->tool].id;
+  }
+  return out;
+}
+
+}  // namespace
+
+// ---- The lock
+
+Expected<RunLock> RunLock::take(const fs::path& run_folder) {
+  const fs::path file = run_folder / kLock;
+  const int fd = ::open(file.c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0644);
+  if (fd < 0) return cannotWrite(file, std::system_category().message(errno));
+
+  RunLock out(fd);
+  if (::flock(fd, LOCK_EX | LOCK_NB) == 0) return out;
+  return fail({.code = Error::Code::kUnsupported,
+               .file = run_folder.string(),
+               .found = "the session is open in another program",
+               .expected = "a session that nobody works on",
+               .hint = "end it there"});
+}
+
+RunLock::RunLock(RunLock&& other) noexcept : file_(std::exchange(other.file_, -1)) {}
+RunLock::~RunLock() {
+  if (file_ >= 0) ::close(file_);
+}
+
+// ---- Beginning and end
+
+Expected<RunManifest> openSessionRun(const fs::path& run_folder, const fs::path& case_folder,
+                                     const CaseManifest& manifest, std::span<const SessionTool> tools) {
+  RunManifest out;
+  out.kerf_version = kVersion;
+  KERF_TRY(case_path, internal::relativeCasePath(case_folder, run_folder));
+  out.case_path = case_path;
+  out.case_id = manifest.id;
+  out.mode = kModeSession;
+  out.voxel_mm = manifest.voxel_mm;
+  out.is_open = true;
+
+  std::error_code failed;
+  if (!fs::create_directory(run_folder, failed) || failed)
+    return fail({.code = Error::Code::kWriteFailed,
+                 .file = run_folder.string(),
+                 .found = failed ? failed.message() : "there is something of that name",
+                 .expected = "a new folder in a writable one",
+                 .hint = "another name or place"});
+  fs::create_directory(run_folder / kToolFolder, failed);
+  if (failed) return cannotWrite(run_folder / kToolFolder, failed.message());
+
+  for (const SessionTool& tool : tools) {
+    KERF_TRY(stored, storeTool(tool, run_folder));
+    out.tools.push_back(std::move(stored));
+  }
+  out.tool_id = out.tools.empty() ? "" : out.tools.front().id;
+  KERF_CHECK(writeRunManifest(run_folder, out));
+  return out;
+}
+
+SessionHeader sessionHeader(const RunManifest& manifest) {
+  SessionHeader out{{"kerf_version", kVersion}, {"case_id", manifest.case_id}};
+  for (const RunManifest::ToolFile& tool : manifest.tools) {
+    out.emplace_back("tool", tool.id);
+    out.emplace_back("tool_sha256", tool.sha256);
+  }
+  return out;
+}
+
+Expected<void> endSessionRun(const fs::path& run_folder, const Session& session, RunManifest& manifest) {
+  const BrickField changed = session.state().objects.front().bricks().changedField();
+  if (changed.isEmpty())
+    return fail({.code = Error::Code::kEmpty,
+                 .file = run_folder.string(),
+                 .found = "nothing was cut in this session",
+                 .expected = "at least one stroke that is not taken back",
+                 .hint = "the folder may be deleted"});
+
+  // The field has its name only when it is whole.
+  const fs::path field = run_folder / internal::kRunField, beside = run_folder / "run.new.vdb";
+  KERF_CHECK(writeVdb(beside, {{"phi", &changed}}, {{"case_id", manifest.case_id}}));
+  KERF_TRY(hash, sha256OfFile(beside));
+  std::error_code failed;
+  fs::rename(beside, field, failed);
+  if (failed) return cannotWrite(field, failed.message());
+
+  manifest.field_sha256 = hash;
+  manifest.duration_s = static_cast<double>(session.state().tick) * kTick;
+  manifest.state_hash = fmt::format("{:016x}", session.hash());
+  manifest.is_open = false;
+  return writeRunManifest(run_folder, manifest);
+}
+
+// ---- After its program is gone
+
+Expected<Recovery> recoverRun(const fs::path& run_folder, const Progress& progress) {
+  KERF_TRY(manifest, readRunManifest(run_folder));
+  if (manifest.mode != kModeSession || !manifest.is_open)
+    return fail({.code = Error::Code::kUnsupported,
+                 .file = run_folder.string(),
+                 .found = manifest.mode == kModeSession ? "a session that was ended" : "mode " + manifest.mode,
+                 .expected = "a session whose program is gone",
+                 .hint = "nothing is lost: kerf export " + run_folder.string()});
+  const auto lock = RunLock::take(run_folder);
+  if (!lock) return fail(lock.error());
+
+  Recovery out;
+  Expected<void> ended;
+  const auto end = [&](const Session& session, const SessionLog& log) {
+    manifest.tool_id = toolsInHand(log, manifest);
+    ended = endSessionRun(run_folder, session, manifest);
+  };
+  KERF_TRY(replayed, internal::replayRun(run_folder, manifest, progress, end));
+  KERF_CHECK(ended);
+  out.manifest = std::move(manifest);
+  out.replay = std::move(replayed);
+  return out;
+}
+
+}  // namespace kerf

@@ -1,0 +1,63 @@
+// The run folder of a person's session: what is written before its first tick, and what when it has ended.
+//
+// Before the first tick: run.toml, which says that the session is open; tools/ with all tools of the session; the lock.
+// During it: session.kerflog grows. At the end: run.vdb, and run.toml once more. A program that is killed leaves the
+// folder open: recoverRun() replays the log and does the rest. Nothing is ever deleted here.
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include "geometry/base/error.h"
+#include "geometry/base/progress.h"
+#include "geometry/case/case_bundle.h"
+#include "geometry/tool/tool.h"
+#include "sim/run/replay.h"
+#include "sim/run/run_manifest.h"
+#include "sim/session/session.h"
+#include "sim/session/session_log.h"
+
+namespace kerf {
+
+/// A tool of a session, and the file it was read from.
+struct SessionTool {
+  std::filesystem::path file;
+  Tool tool;
+};
+
+/// Held as long as a program works on a run folder. The system lets go of it when the program is gone, however.
+class RunLock {
+ public:
+  /// Error kUnsupported: another program holds it. kWriteFailed: the folder cannot be written to.
+  static Expected<RunLock> take(const std::filesystem::path& run_folder);
+  RunLock(RunLock&& other) noexcept;
+  RunLock& operator=(RunLock&&) = delete;
+  ~RunLock();
+
+ private:
+  explicit RunLock(int file) : file_(file) {}
+  int file_ = -1;
+};
+
+/// Makes the folder, which must not exist, with tools and manifest. The folder of the case may be anywhere; the run
+/// notes the way to it. @return the manifest, open.
+Expected<RunManifest> openSessionRun(const std::filesystem::path& run_folder, const std::filesystem::path& case_folder,
+                                     const CaseManifest& manifest, std::span<const SessionTool> tools);
+/// What the header of its log says of case and tools; describe() says the rest.
+SessionHeader sessionHeader(const RunManifest& manifest);
+
+/// Ends a session: writes the field, then the manifest, which is then no longer open.
+/// Error kEmpty: nothing was changed, and nothing is written.
+Expected<void> endSessionRun(const std::filesystem::path& run_folder, const Session& session, RunManifest& manifest);
+
+struct Recovery {
+  RunManifest manifest;
+  Replay replay;  ///< its note says what the log lacks
+};
+/// Ends a session whose program is gone, from its log: to the last whole record, at most a second before the end.
+/// Errors: kUnsupported for a run that is no session, has ended, or is open in another program; kEmpty when nothing
+/// was cut; those of replayRun().   @cost  as the session took, or less: about a quarter of it.
+Expected<Recovery> recoverRun(const std::filesystem::path& run_folder, const Progress& progress = {});
+
+}  // namespace kerf
