@@ -1,4 +1,4 @@
-#include "ui/window/camera.h"
+#include "ui/app/camera.h"
 
 #include <gtest/gtest.h>
 

@@ -84,7 +84,7 @@ TEST_F(KerfSim, BadArgumentsAreErrorsThatSayWhatToDo) {
   const std::pair<std::string, std::string> cases[] = {{"--view sideways " + file, "--view: \"sideways\""},
                                                        {"--view sideways " + file, "occlusal"},
                                                        {"--frob " + file, "--frob"},
-                                                       {"", "scene is required"},
+                                                       {"", "a mesh, a case or a run to draw"},
                                                        {"--frames many " + file, "--frames"},
                                                        {"--look-at 1,2 " + file, "--look-at 0,0,5"},
                                                        {"--zoom -1 " + file, "zoom"},

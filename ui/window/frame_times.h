@@ -6,7 +6,7 @@
 
 #include "geometry/base/error.h"
 #include "geometry/mesh/mesh.h"
-#include "ui/window/camera.h"
+#include "ui/app/camera.h"
 
 namespace kerf {
 

@@ -14,7 +14,7 @@
 #include "geometry/base/error.h"
 #include "geometry/mesh/mesh.h"
 #include "sim/live/remesher.h"
-#include "ui/window/camera.h"
+#include "ui/app/camera.h"
 #include "ui/window/image.h"
 
 namespace kerf {

@@ -11,26 +11,33 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "geometry/base/build_info.h"
 #include "geometry/formats/mesh_formats.h"
+#include "sim/run/run_manifest.h"
+#include "ui/app/app_commands.h"
+#include "ui/app/camera.h"
 #include "ui/app/command_line.h"
 #include "ui/app/manual.h"
-#include "ui/window/camera.h"
 #include "ui/window/frame_times.h"
 #include "ui/window/gl_context.h"
 #include "ui/window/image.h"
 #include "ui/window/renderer.h"
 #include "ui/window/scene.h"
 #include "ui/window/window.h"
+#include "ui/window/workshop.h"
 
 namespace {
 
 struct Arguments {
-  std::string scene, screenshot, view = "iso", size, look_at, section;
+  std::string scene, screenshot, view, size, look_at, section, script, data;
+  std::vector<std::string> tools;
+  double voxel = 0;
   double zoom = 1;
   int frames = 0, timed_frames = 0;
   bool transparent = false, no_scale_bar = false, no_shadow = false, verbose = false, gpu = false;
+  bool lists_commands = false;
 };
 
 int complain(const kerf::Error& error, kerf::ExitCode exit_code) {
@@ -98,7 +105,7 @@ struct Shown {
 /// Errors are of the command line.
 kerf::Expected<Shown> read(const Arguments& arguments) {
   Shown shown;
-  KERF_TRY(camera, kerf::cameraFromView(arguments.view));
+  KERF_TRY(camera, kerf::cameraFromView(arguments.view.empty() ? "iso" : arguments.view));
   shown.camera = camera;
   shown.width = arguments.screenshot.empty() ? 1280 : 1200;
   shown.height = arguments.screenshot.empty() ? 800 : 900;
@@ -126,7 +133,29 @@ kerf::Expected<Shown> read(const Arguments& arguments) {
   return shown;
 }
 
+/// The window in which a person cuts, or a script in its place.
+kerf::Expected<void> cut(const Arguments& arguments, const Shown& shown) {
+  kerf::WorkshopOptions options;
+  options.open = arguments.scene;
+  options.bench.data_folder = arguments.data;
+  options.bench.tools = arguments.tools;
+  options.bench.voxel_mm = arguments.voxel;
+  options.width = shown.width;
+  options.height = shown.height;
+  options.frames = arguments.frames;
+  if (!arguments.view.empty()) options.view = arguments.view;
+  if (!arguments.script.empty()) return kerf::runWorkshopScript(arguments.script, options);
+
+  KERF_TRY(frames, kerf::runWorkshop(options));
+  if (arguments.verbose) fmt::print(stderr, "kerf-sim: {} frames drawn\n", frames);
+  return {};
+}
+
 kerf::Expected<void> run(const Arguments& arguments, const Shown& shown) {
+  const bool is_looked_at = !arguments.screenshot.empty() || shown.cut || arguments.timed_frames > 0 ||
+                            (!arguments.scene.empty() && kerf::isRun(arguments.scene));
+  if (!arguments.script.empty() || !is_looked_at) return cut(arguments, shown);
+
   KERF_TRY(scene, kerf::loadScene(arguments.scene, shown.cut));
   if (!scene.note.empty()) fmt::print(stderr, "kerf-sim: note: {}\n", scene.note);
   const int width = shown.width, height = shown.height;
@@ -166,22 +195,31 @@ kerf::Expected<void> run(const Arguments& arguments, const Shown& shown) {
 int main(int argc, char** argv) try {
   Arguments a;
   CLI::App app(
-      "Shows a mesh, a case or the result of a run, in a window or as a picture.\n"
-      "Mouse: left orbits, right or middle pans, wheel zooms. Keys: 1-7 views, F fit, Esc closes.");
+      "Cuts a scan or a case by hand in a window; shows the result of a run; draws pictures.\n"
+      "Mouse: left cuts, right turns, middle moves, wheel zooms. Keys: docs/reference/window-commands.md.");
   app.name("kerf-sim");
   app.set_version_flag("--version", kerf::versionText("kerf-sim", KERF_WINDOW_LIBRARIES));
   app.add_option("scene", a.scene, "a mesh file (" + kerf::readableFormats() + "), a case folder or a run folder")
-      ->required()
       ->type_name("MESH|CASE|RUN");
+  app.add_option("--script", a.script, "run the commands of a file instead of opening a window; needs no display")
+      ->type_name("FILE");
+  app.add_flag("--commands", a.lists_commands, "list the commands of the window, as Markdown");
+  app.add_option("--tool", a.tools, "a tool of the rack, by id or file; repeat for several (default: a selection)")
+      ->type_name("TOOL")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  app.add_option("--voxel", a.voxel, "of a scan that is opened, mm (default: as kerf bake chooses)")
+      ->type_name("MM")
+      ->check(CLI::Range(0.01, 2.0));
+  app.add_option("--data", a.data, "folder for cases and sessions (default: ~/.local/share/kerf)")->type_name("FOLDER");
 
   app.add_option("--screenshot", a.screenshot,
                  "write a picture instead of opening a window; needs no display and no GPU")
       ->type_name("OUT.png");
   app.add_option("--view", a.view,
                  "front, back, left, right, top (or occlusal), bottom, iso, or AZ,EL in degrees: AZ 0 looks along +y, "
-                 "90 from +x; EL 90 from above (+z)")
-      ->type_name("NAME")
-      ->capture_default_str();
+                 "90 from +x; EL 90 from above (+z) (default: iso for pictures, top for cutting)")
+      ->type_name("NAME");
   app.add_option("--size", a.size, "pixels of the picture (default 1200x900) or the window (1280x800)")
       ->type_name("WxH");
   app.add_option("--zoom", a.zoom, "times larger than what fits")
@@ -215,6 +253,13 @@ int main(int argc, char** argv) try {
 
   if (kerf::isManualRequest(argc, argv)) return kerf::answerManualRequest(app, argv[2]);
   if (const auto end = kerf::parseCommandLine(app, argc, argv)) return *end;
+  if (a.lists_commands) {
+    fmt::print("{}", kerf::appCommandReference());
+    return kerf::kOk;
+  }
+  if (a.scene.empty() && !a.screenshot.empty())
+    return complain(badValue("scene", "", "a mesh, a case or a run to draw", "kerf-sim --screenshot OUT.png molar.stl"),
+                    kerf::kUsage);
   const auto shown = read(a);
   if (!shown) return complain(shown.error(), kerf::kUsage);
   const auto done = run(a, *shown);

@@ -8,7 +8,7 @@
 
 #include "geometry/base/error.h"
 #include "geometry/mesh/mesh.h"
-#include "ui/window/camera.h"
+#include "ui/app/camera.h"
 #include "ui/window/image.h"
 
 namespace kerf {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "geometry/base/error.h"
-#include "ui/window/camera.h"
+#include "ui/app/camera.h"
 #include "ui/window/scene.h"
 
 namespace kerf {

@@ -1,0 +1,175 @@
+#include "ui/app/workbench.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <set>
+
+#include "geometry/formats/mesh_io.h"
+#include "geometry/formats/mesh_writer.h"
+#include "geometry/mesh/mesh_check.h"
+#include "sim/run/replay.h"
+#include "tests/support/temporary_folder.h"
+#include "ui/app/app_commands.h"
+
+namespace kerf {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A block of 6 x 4 x 3 mm without its underside, as a scan is.
+fs::path scan(const TemporaryFolder& folder) {
+  Mesh block;
+  for (int n = 0; n < 8; ++n) block.vertices.push_back({n & 1 ? 3.0 : -3.0, n & 2 ? 2.0 : -2.0, n & 4 ? 0.0 : -3.0});
+  block.triangles = {{4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4}, {2, 6, 3},
+                     {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  const fs::path file = folder.path() / "a scan.ply";
+  EXPECT_TRUE(writeMesh(file, block));
+  return file;
+}
+
+class WorkbenchTest : public testing::Test {
+ protected:
+  WorkbenchOptions options() const {
+    WorkbenchOptions out;
+    out.data_folder = folder_.path() / "data";
+    out.tools = {"round-014", "round-010"};
+    out.real_time = {.priority = 0, .lock_memory = false};
+    return out;
+  }
+  // Runs a script against a workbench of its own, and ends the session.
+  Expected<void> play(const std::string& script) {
+    Workbench bench(options());
+    Camera camera = *cameraFromView("top");
+    AppContext context{.bench = bench, .camera = camera, .width = 400, .height = 300};
+    const auto played = runScript(context, folder_.write("script.ks", script), [&] { bench.update(); });
+    camera_ = camera;
+    notices_ = bench.notices();
+    bench.cancelJob();
+    while (bench.job()) bench.update();
+    bench.close();
+    while (bench.job()) bench.update();
+    session_ = bench.sessionFolder();
+    removed_ = bench.removedMm3();
+    return played;
+  }
+  std::string allNotices() const {
+    std::string out;
+    for (const Notice& notice : notices_) out += notice.text + "\n";
+    return out;
+  }
+
+  TemporaryFolder folder_;
+  Camera camera_;
+  std::vector<Notice> notices_;
+  fs::path session_;
+  double removed_ = 0;
+};
+
+TEST_F(WorkbenchTest, FromAScanToAFileForThePrinter) {
+  const fs::path in = scan(folder_), out = folder_.path() / "cut block.stl";
+  const auto played =
+      play("file.open \"" + in.string() + "\"  # dropped\nwait\nview.fit\ncut.force 2\ncut.depth 0.4\n" +
+           "cut.press 200 150\nwait 3\ncut.drag 230 150\nwait 2\ncut.release\nwait 0.1\n" +
+           "edit.undo\nwait 0.1\ntool.select round-010\ncut.press 180 150\nwait 3\ncut.release\n" +
+           "wait 0.1\nfile.export \"" + out.string() + "\"\nwait\n");
+  ASSERT_TRUE(played) << played.error().message() << allNotices();
+  EXPECT_NE(allNotices().find("ready to print"), std::string::npos) << allNotices();
+  EXPECT_NE(allNotices().find("read as mm"), std::string::npos) << allNotices();
+
+  const auto mesh = readMesh(out);
+  ASSERT_TRUE(mesh) << mesh.error().message();
+  EXPECT_TRUE(checkMesh(mesh->mesh).print_ready);
+  EXPECT_GT(removed_, 0.05);
+
+  // The session: one stroke is taken back, two tools were in hand.
+  const auto replayed = replayRun(session_);
+  ASSERT_TRUE(replayed) << replayed.error().message();
+  EXPECT_TRUE(replayed->is_same && replayed->is_whole) << replayed->note;
+  EXPECT_NEAR(replayed->removed_mm3, removed_, 0.02);
+  EXPECT_EQ(readRunManifest(session_)->tool_id, "round-014, round-010");
+}
+
+TEST_F(WorkbenchTest, TheSameScanOpensWithoutBakingAgain) {
+  const std::string open = "file.open \"" + scan(folder_).string() + "\"\nwait\n";
+  ASSERT_TRUE(play(open)) << allNotices();
+  ASSERT_TRUE(play(open)) << allNotices();
+  std::size_t cases = 0;
+  for ([[maybe_unused]] const auto& entry : fs::directory_iterator(folder_.path() / "data" / "cases")) ++cases;
+  EXPECT_EQ(cases, 1u);
+  EXPECT_FALSE(fs::exists(session_)) << "nothing was cut";
+}
+
+TEST_F(WorkbenchTest, WhatCannotBeDoneIsSaidWithItsLine) {
+  const std::string file = scan(folder_).string();
+  const fs::path text = folder_.write("text.stl", "no mesh");
+  const std::pair<std::string, const char*> cases[] = {
+      {"fly", "line 1: fly"},
+      {"\ncut.press 1 1", "line 2"},
+      {"cut.force 90", "0.1 to 8"},
+      {"cut.force", "too few"},
+      {"file.open", "its path"},
+      {"file.open \"" + file, "closing quote"},
+      {"file.open /nowhere/a.stl\nwait", "/nowhere/a.stl"},
+      {"file.open \"" + text.string() + "\"\nwait", "text.stl"},
+      {"file.demo skull", "one of molar"},
+      {"file.export a.stl", "can not be done now"},
+      {"file.open \"" + file + "\"\nwait\ncut.press 1 1", "nothing to cut at 1, 1"},
+      {"file.open \"" + file + "\"\nwait\ntool.select nonsense", "round-014"},
+      {"file.open \"" + file + "\"\nwait\nfile.export /nowhere/a.stl\nwait", "/nowhere"},
+      {"file.open \"" + file + "\"\nwait\nfile.export a.xyz\nwait", "a.xyz"},
+      {"wait 1", "nothing is open"}};
+  for (const auto& [script, words] : cases) {
+    const auto played = play(script);
+    ASSERT_FALSE(played) << script;
+    EXPECT_NE(played.error().message().find(words), std::string::npos) << script << ": " << played.error().message();
+  }
+}
+
+TEST_F(WorkbenchTest, ACancelledJobLeavesNothing) {
+  const auto played = play("file.demo molar\njob.cancel\nwait\n");
+  EXPECT_FALSE(played);
+  EXPECT_FALSE(fs::exists(folder_.path() / "data" / "sessions"));
+}
+
+TEST_F(WorkbenchTest, ARunIsNotOpenedForCutting) {
+  ASSERT_TRUE(play("file.open \"" + scan(folder_).string() + "\"\nwait\nview.fit\ncut.press 200 150\nwait 3\n"));
+  ASSERT_TRUE(isRun(session_));
+  const auto played = play("file.open \"" + session_.string() + "\"\nwait\n");
+  ASSERT_FALSE(played);
+  EXPECT_NE(played.error().message().find("open the case it was cut from"), std::string::npos);
+}
+
+TEST(AppCommands, TheTableIsSound) {
+  std::set<std::string_view> ids, keys;
+  for (const AppCommand& command : appCommands()) {
+    EXPECT_TRUE(ids.insert(command.id).second) << command.id;
+    if (!command.key.empty()) {
+      EXPECT_TRUE(keys.insert(command.key).second) << command.key;
+    }
+    EXPECT_EQ(command.menu.empty(), command.label.empty()) << command.id;
+    EXPECT_TRUE(command.description.ends_with('.')) << command.id;
+    EXPECT_NE(appCommandReference().find(command.id), std::string::npos);
+    EXPECT_EQ(findAppCommand(command.id), &command);
+  }
+}
+
+TEST(AppCommands, ARayIsUnderItsPixel) {
+  Camera camera = *cameraFromView("35,20");
+  camera.target = {1, 2, 3};
+  camera.half_height = 10;
+  const Ray middle = rayUnder(camera, 200, 150, 400, 300);
+  EXPECT_NEAR((camera.target - middle.origin).cross(middle.direction).norm(), 0, 1e-9);
+  const Ray right = rayUnder(camera, 215, 150, 400, 300);
+  EXPECT_NEAR((right.origin - middle.origin - 15 * camera.mmPerPixel(300) * camera.right()).norm(), 0, 1e-9);
+}
+
+TEST(VoxelFor, GrowsWithTheScan) {
+  EXPECT_EQ(voxelFor(100), 0.1);
+  EXPECT_GT(voxelFor(5000), 0.1);
+  EXPECT_EQ(voxelFor(1e6), 0.25);
+}
+
+}  // namespace
+}  // namespace kerf

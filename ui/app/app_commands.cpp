@@ -1,0 +1,396 @@
+#include "ui/app/app_commands.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+namespace kerf {
+namespace {
+
+namespace fs = std::filesystem;
+
+tl::unexpected<Error> wrong(std::string found, std::string expected, std::string hint = {}) {
+  return fail({.code = Error::Code::kBadValue,
+               .found = std::move(found),
+               .expected = std::move(expected),
+               .hint = std::move(hint)});
+}
+
+Expected<double> number(AppWords words, std::size_t n, const char* name, double low, double high) {
+  if (n >= words.size()) return wrong("too few parameters", name);
+  double value = 0;
+  const std::string& word = words[n];
+  const auto [end, failed] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (failed == std::errc{} && end == word.data() + word.size() && value >= low && value <= high) return value;
+  return wrong("\"" + word + "\"", fmt::format("{}: a number of {:g} to {:g}", name, low, high));
+}
+
+Expected<double> numberOr(AppWords words, std::size_t n, double fallback, const char* name, double low, double high) {
+  if (n >= words.size()) return fallback;
+  return number(words, n, name, low, high);
+}
+
+Expected<Ray> rayOf(const AppContext& c, AppWords words) {
+  KERF_TRY(x, number(words, 0, "X", -1e5, 1e5));
+  KERF_TRY(y, number(words, 1, "Y", -1e5, 1e5));
+  return rayUnder(c.camera, x, y, c.width, c.height);
+}
+
+Expected<fs::path> pathOf(AppWords words) {
+  if (words.empty() || words[0].empty()) return wrong("no file", "its path");
+  return fs::path(words[0]);
+}
+
+// ---- When a command can be given
+
+bool always(const AppContext&) { return true; }
+bool isOpen(const AppContext& c) { return c.bench.isOpen(); }
+bool isIdle(const AppContext& c) { return !c.bench.job(); }
+bool isOpenAndIdle(const AppContext& c) { return isOpen(c) && isIdle(c); }
+bool hasJob(const AppContext& c) { return c.bench.job() != nullptr; }
+bool hasLost(const AppContext& c) { return !c.bench.lostSessions().empty() && isIdle(c); }
+
+// ---- What commands do
+
+Expected<void> openFile(AppContext& c, AppWords words) {
+  KERF_TRY(path, pathOf(words));
+  c.bench.open(path);
+  return {};
+}
+Expected<void> openDemo(AppContext& c, AppWords words) {
+  const auto names = Workbench::demoNames();
+  std::string list;
+  for (const char* name : names) {
+    list += (list.empty() ? "" : ", ") + std::string(name);
+    if (words.empty() || words[0] != name) continue;
+    c.bench.openDemo(name);
+    return {};
+  }
+  return wrong(words.empty() ? "no demo" : "\"" + words[0] + "\"", "one of " + list);
+}
+Expected<void> exportFile(AppContext& c, AppWords words) {
+  KERF_TRY(path, pathOf(words));
+  c.bench.exportTo(path);
+  return {};
+}
+Expected<void> closeSession(AppContext& c, AppWords) {
+  c.bench.close();
+  return {};
+}
+Expected<void> quit(AppContext& c, AppWords) {
+  c.wants_quit = true;
+  return {};
+}
+Expected<void> cancelJob(AppContext& c, AppWords) {
+  c.bench.cancelJob();
+  return {};
+}
+Expected<void> recover(AppContext& c, AppWords words) {
+  KERF_TRY(n, numberOr(words, 0, 1, "N", 1, 1e6));
+  c.bench.recover(static_cast<std::size_t>(n) - 1);
+  return {};
+}
+Expected<void> undo(AppContext& c, AppWords) {
+  c.bench.undo();
+  return {};
+}
+Expected<void> redo(AppContext& c, AppWords) {
+  c.bench.redo();
+  return {};
+}
+
+Expected<void> selectTool(AppContext& c, AppWords words) {
+  if (words.empty()) return wrong("no tool", "its id");
+  if (c.bench.selectTool(words[0])) return {};
+  std::string ids;
+  for (std::size_t n = 0; n < c.bench.toolCount(); ++n) ids += (n ? ", " : "") + c.bench.tool(n).id;
+  return wrong("\"" + words[0] + "\"", "one of " + ids);
+}
+Expected<void> nextTool(AppContext& c, AppWords) {
+  c.bench.selectTool((c.bench.toolInHand() + 1) % c.bench.toolCount());
+  return {};
+}
+Expected<void> previousTool(AppContext& c, AppWords) {
+  c.bench.selectTool((c.bench.toolInHand() + c.bench.toolCount() - 1) % c.bench.toolCount());
+  return {};
+}
+
+Expected<void> setForce(AppContext& c, AppWords words) {
+  KERF_TRY(force, number(words, 0, "NEWTONS", Workbench::kLeastForce, Workbench::kMostForce));
+  c.bench.setForce(force);
+  return {};
+}
+Expected<void> setDepth(AppContext& c, AppWords words) {
+  KERF_TRY(depth, number(words, 0, "MM", 0, Workbench::kMostDepth));
+  c.bench.deepen(depth - c.bench.depth_mm);
+  return {};
+}
+Expected<void> deeper(AppContext& c, AppWords words) {
+  KERF_TRY(mm, numberOr(words, 0, 0.1, "MM", 0, Workbench::kMostDepth));
+  c.bench.deepen(mm);
+  return {};
+}
+Expected<void> shallower(AppContext& c, AppWords words) {
+  KERF_TRY(mm, numberOr(words, 0, 0.1, "MM", 0, Workbench::kMostDepth));
+  c.bench.deepen(-mm);
+  return {};
+}
+
+Expected<void> press(AppContext& c, AppWords words) {
+  KERF_TRY(ray, rayOf(c, words));
+  if (c.bench.press(ray)) return {};
+  return wrong(fmt::format("nothing to cut at {}, {}", words[0], words[1]), "a pixel of the object");
+}
+Expected<void> drag(AppContext& c, AppWords words) {
+  KERF_TRY(ray, rayOf(c, words));
+  c.bench.drag(ray);
+  return {};
+}
+Expected<void> release(AppContext& c, AppWords) {
+  c.bench.release();
+  return {};
+}
+
+Expected<void> fit(AppContext& c, AppWords) {
+  fitToBox(c.camera, c.bench.surface().bounds(), c.width, c.height);
+  return {};
+}
+Expected<void> view(AppContext& c, AppWords words) {
+  if (words.empty()) return wrong("no view", "its name");
+  KERF_TRY(named, cameraFromView(words[0]));
+  c.camera = named;
+  return fit(c, {});
+}
+Expected<void> zoom(AppContext& c, AppWords words) {
+  KERF_TRY(factor, number(words, 0, "FACTOR", 0.01, 100));
+  zoomBy(c.camera, factor);
+  return {};
+}
+template <std::size_t N>
+Expected<void> namedView(AppContext& c, AppWords) {
+  const std::string words[] = {std::string(namedViews()[N].name)};
+  return view(c, words);
+}
+Expected<void> screenshot(AppContext& c, AppWords words) {
+  KERF_TRY(path, pathOf(words));
+  if (c.screenshot) return c.screenshot(path);
+  return wrong("nothing is drawn here", "a window, or a picture without one");
+}
+
+constexpr AppCommand kCommands[] = {
+    {"file.open", "File", "Open...", "Ctrl+O", "PATH",
+     "Opens a scan, a recipe or a case to cut; a scan is prepared first.", isIdle, openFile},
+    {"file.demo", "", "", "", "NAME", "Opens one of our own: molar, mandible or arch.", isIdle, openDemo},
+    {"file.export", "File", "Export...", "Ctrl+E", "PATH",
+     "Writes the cut object as a mesh, reads it back and checks it.", isOpenAndIdle, exportFile},
+    {"file.close", "File", "End the session", "Ctrl+W", "",
+     "Writes the session as a run that can be replayed and exported.", isOpenAndIdle, closeSession},
+    {"session.recover", "File", "Recover a session", "", "[N]",
+     "Finishes a session whose program was killed; 1 is the newest.", hasLost, recover},
+    {"job.cancel", "File", "Cancel what is under way", "", "",
+     "Ends the job under way and leaves nothing of it behind.", hasJob, cancelJob},
+    {"app.quit", "File", "Quit", "Ctrl+Q", "", "Ends the session, writes it and closes the window.", always, quit},
+
+    {"edit.undo", "Edit", "Undo", "Ctrl+Z", "", "Takes back the last stroke.", isOpen, undo},
+    {"edit.redo", "Edit", "Redo", "Ctrl+Y", "", "Does the stroke again that was taken back last.", isOpen, redo},
+
+    {"tool.select", "", "", "", "ID", "Takes another tool.", isOpen, selectTool},
+    {"tool.next", "Tool", "Next tool", "]", "", "Takes the next tool of the rack.", isOpen, nextTool},
+    {"tool.previous", "Tool", "Previous tool", "[", "", "Takes the tool before.", isOpen, previousTool},
+    {"cut.force", "", "", "", "NEWTONS", "Sets how hard a pressed button pushes, 0.1 to 8 N.", always, setForce},
+    {"cut.depth", "", "", "", "MM", "Sets how deep below the surface as loaded a stroke may go, 0 to 5 mm.", always,
+     setDepth},
+    {"cut.deeper", "Tool", "Deeper", ".", "[MM]", "Lets a stroke go deeper, by 0.1 mm if not told.", always, deeper},
+    {"cut.shallower", "Tool", "Less deep", ",", "[MM]", "Lets a stroke go less deep, by 0.1 mm if not told.", always,
+     shallower},
+    {"cut.press", "", "", "", "X Y", "Presses the button at a pixel: a stroke begins.", isOpen, press},
+    {"cut.drag", "", "", "", "X Y", "Moves the pressed pointer to a pixel.", isOpen, drag},
+    {"cut.release", "", "", "", "", "Lets go of the button: the stroke ends.", isOpen, release},
+
+    {"view.fit", "View", "Fit", "F", "", "Shows all of the object.", isOpen, fit},
+    {"view.front", "View", "Front", "1", "", "Looks along +y.", always, namedView<0>},
+    {"view.back", "View", "Back", "2", "", "Looks along -y.", always, namedView<1>},
+    {"view.left", "View", "Left", "3", "", "Looks along +x.", always, namedView<2>},
+    {"view.right", "View", "Right", "4", "", "Looks along -x.", always, namedView<3>},
+    {"view.top", "View", "Top", "5", "", "Looks down on the occlusal side, along -z.", always, namedView<4>},
+    {"view.bottom", "View", "Bottom", "6", "", "Looks up from below, along +z.", always, namedView<5>},
+    {"view.iso", "View", "Oblique", "7", "", "Looks from in front, above and the right.", always, namedView<6>},
+    {"view.from", "", "", "", "NAME|AZ,EL", "Looks from a named side or two angles in degrees.", always, view},
+    {"view.zoom", "", "", "", "FACTOR", "Makes things larger by a factor.", always, zoom},
+    {"picture.write", "", "", "", "OUT.png", "Writes what is shown as a picture.", always, screenshot},
+};
+
+// ---- Scripts
+
+Expected<std::vector<std::string>> wordsOf(const std::string& line) {
+  std::vector<std::string> out;
+  for (std::size_t at = 0; at < line.size();) {
+    if (std::isspace(static_cast<unsigned char>(line[at]))) {
+      ++at;
+      continue;
+    }
+    if (line[at] == '#') break;
+    if (line[at] == '"') {
+      const std::size_t end = line.find('"', at + 1);
+      if (end == line.npos) return wrong(line, "a closing quote");
+      out.push_back(line.substr(at + 1, end - at - 1));
+      at = end + 1;
+      continue;
+    }
+    std::size_t end = at;
+    while (end < line.size() && !std::isspace(static_cast<unsigned char>(line[end]))) ++end;
+    out.push_back(line.substr(at, end - at));
+    at = end;
+  }
+  return out;
+}
+
+void frameOf(const std::function<void()>& frame) {
+  frame();
+  std::this_thread::sleep_for(std::chrono::milliseconds(16));
+}
+
+Expected<void> wait(AppContext& c, AppWords words, const std::function<void()>& frame) {
+  if (words.empty()) {
+    do frameOf(frame);
+    while (c.bench.job() || (c.bench.isOpen() && c.bench.surface().triangleCount() == 0));
+    return {};
+  }
+  KERF_TRY(seconds, number(words, 0, "SECONDS", 0, 36000));
+  if (!c.bench.isOpen()) return wrong("nothing is open", "a session whose clock runs");
+  frame();
+  const auto until = c.bench.report().tick + static_cast<std::uint64_t>(seconds / kTick);
+  while (c.bench.isOpen() && c.bench.report().tick < until) frameOf(frame);
+  return {};
+}
+
+void printState(const AppContext& c) {
+  nlohmann::json j{{"open", c.bench.isOpen()},
+                   {"name", c.bench.name()},
+                   {"removed_mm3", c.bench.removedMm3()},
+                   {"force_N", c.bench.force},
+                   {"depth_mm", c.bench.depth_mm},
+                   {"ticks", c.bench.report().tick},
+                   {"triangles", c.bench.surface().triangleCount()}};
+  if (c.bench.isOpen()) j["tool"] = c.bench.tool(c.bench.toolInHand()).id;
+  if (const auto depth = c.bench.depthNow()) j["depth_now_mm"] = *depth;
+  fmt::print("{}\n", j.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+  std::fflush(stdout);
+}
+
+// Notices that are errors end a script.
+Expected<void> failOnError(const AppContext& c, std::size_t& seen) {
+  for (; seen < c.bench.notices().size(); ++seen)
+    if (const Notice& notice = c.bench.notices()[seen]; notice.is_error) return wrong(notice.text, "no error");
+  return {};
+}
+
+}  // namespace
+
+std::span<const AppCommand> appCommands() { return kCommands; }
+
+const AppCommand* findAppCommand(std::string_view id) {
+  for (const AppCommand& command : kCommands)
+    if (command.id == id) return &command;
+  return nullptr;
+}
+
+Expected<void> runAppCommand(AppContext& context, std::string_view id, AppWords parameters) {
+  const AppCommand* const command = findAppCommand(id);
+  if (!command)
+    return fail({.code = Error::Code::kNotFound,
+                 .found = fmt::format("\"{}\"", id),
+                 .expected = "a command of the window",
+                 .hint = "kerf-sim --commands lists them"});
+  if (!command->is_enabled(context))
+    return fail({.code = Error::Code::kUnsupported,
+                 .found = fmt::format("{} can not be done now", id),
+                 .expected = "an open case, and no job under way",
+                 .hint = "in a script: wait"});
+  return command->run(context, parameters);
+}
+
+std::string appCommandReference() {
+  std::string out =
+      "# Commands of the window\n\n<!-- Written by scripts/reference from kerf-sim --commands. Do not edit: change "
+      "ui/app/app_commands.cpp and run it again. -->\n\n"
+      "Menus, keys and scripts (`kerf-sim --script FILE`) run these. A script holds one a line; # begins a comment, "
+      "words in "
+      "double quotes may hold blanks. X and Y are pixels of the picture, Y downwards. Beside them a script has `wait` "
+      "(until "
+      "no job runs), `wait SECONDS` (of the simulation) and `print` (the state, as JSON). The first error ends it, "
+      "with "
+      "exit code 1 and the line.\n\n| command | parameters | key | what it does |\n|---|---|---|---|\n";
+  for (const AppCommand& c : kCommands)
+    out += fmt::format("| `{}` | {} | {} | {} |\n", c.id, c.parameters.empty() ? "" : fmt::format("`{}`", c.parameters),
+                       c.key.empty() ? "" : fmt::format("`{}`", c.key), c.description);
+  return out;
+}
+
+Ray rayUnder(const Camera& camera, double x, double y, int width, int height) {
+  constexpr double kOff = 300;  // mm: farther off than any case is large
+  const double mm = camera.mmPerPixel(height);
+  Ray ray;
+  ray.direction = -camera.backwards();
+  ray.origin = camera.target + mm * (x - 0.5 * width) * camera.right() - mm * (y - 0.5 * height) * camera.up() +
+               kOff * camera.backwards();
+  return ray;
+}
+
+void firstView(AppContext& context, const Camera& otherwise) {
+  context.camera = otherwise;
+  if (const auto& normal = context.bench.occlusalNormal()) {
+    context.camera.elevation = std::asin(std::clamp(normal->z(), -1.0, 1.0));
+    context.camera.azimuth = std::abs(normal->z()) > 0.999 ? 0 : std::atan2(normal->x(), -normal->y());
+  }
+  fitToBox(context.camera, context.bench.surface().bounds(), context.width, context.height);
+}
+
+void fitToBox(Camera& camera, const Box3& box, int width, int height) {
+  if (box.isEmpty()) return;
+  Mesh corners;
+  for (int n = 0; n < 8; ++n) corners.vertices.push_back(box.corner(n));
+  fitTo(camera, corners, width, height);
+}
+
+Expected<void> runScript(AppContext& context, const fs::path& script, const std::function<void()>& frame) {
+  std::ifstream in(script);
+  if (!in)
+    return fail({.code = Error::Code::kNotFound,
+                 .file = script.string(),
+                 .found = "cannot be read",
+                 .expected = "lines of commands",
+                 .hint = "kerf-sim --commands lists them"});
+  std::size_t seen = context.bench.notices().size();
+  std::string line;
+  for (int n = 1; std::getline(in, line) && !context.wants_quit; ++n) {
+    const auto done = [&]() -> Expected<void> {
+      KERF_TRY(words, wordsOf(line));
+      if (words.empty()) return {};
+      const AppWords parameters = AppWords(words).subspan(1);
+      if (words[0] == "wait")
+        KERF_CHECK(wait(context, parameters, frame));
+      else if (words[0] == "print")
+        printState(context);
+      else
+        KERF_CHECK(runAppCommand(context, words[0], parameters));
+      frame();
+      return failOnError(context, seen);
+    }();
+    if (done) continue;
+    Error error = done.error();
+    error.file = script.string();
+    error.place = fmt::format("line {}: {}", n, line);
+    return fail(std::move(error));
+  }
+  return {};
+}
+
+}  // namespace kerf

@@ -1,0 +1,107 @@
+// Long work beside the window: a thread of its own, progress, time left, cancel.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+
+#include "geometry/base/error.h"
+#include "geometry/base/progress.h"
+
+namespace kerf {
+
+struct JobStatus {
+  std::string title;             ///< "Preparing molar.stl"
+  std::string step;              ///< what it is at, as the work names it
+  double done = 0;               ///< 0 to 1
+  double seconds = 0;            ///< since it began
+  std::optional<double> left_s;  ///< by its pace so far; none in its first second
+  bool is_cancelling = false;
+};
+
+/// What the window knows of any job.
+class AnyJob {
+ public:
+  virtual ~AnyJob() = default;
+  virtual JobStatus status() const = 0;
+  virtual void cancel() = 0;  ///< the work stops at its next report of progress
+  virtual bool isOver() const = 0;
+};
+
+/// Runs `work` once. One thread, the window's, calls everything.
+template <class T>
+class Job final : public AnyJob {
+ public:
+  using Work = std::function<Expected<T>(const Progress&)>;
+
+  Job(std::string title, Work work) : title_(std::move(title)) {
+    thread_ = std::thread([this, work = std::move(work)] {
+      result_.emplace(guarded(work));
+      is_over_.store(true, std::memory_order_release);
+    });
+  }
+  /// Cancels, and waits.
+  ~Job() override {
+    cancel();
+    if (thread_.joinable()) thread_.join();
+  }
+  Job(const Job&) = delete;
+  Job& operator=(const Job&) = delete;
+
+  JobStatus status() const override {
+    JobStatus out;
+    out.title = title_;
+    out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
+    out.is_cancelling = is_cancelled_.load();
+    const std::lock_guard lock(mutex_);
+    out.step = step_;
+    out.done = done_;
+    if (out.seconds > 1 && done_ > 0.02) out.left_s = out.seconds * (1 - done_) / done_;
+    return out;
+  }
+  void cancel() override { is_cancelled_.store(true); }
+  bool isOver() const override { return is_over_.load(std::memory_order_acquire); }
+
+  /// Waits for the end. Once.
+  Expected<T> take() {
+    if (thread_.joinable()) thread_.join();
+    return std::move(*result_);
+  }
+
+ private:
+  // What the work throws is an error like any other: most often there was no memory.
+  Expected<T> guarded(const Work& work) {
+    try {
+      return work([this](double done, std::string_view step) {
+        const std::lock_guard lock(mutex_);
+        done_ = done;
+        step_ = step;
+        return !is_cancelled_.load();
+      });
+    } catch (const std::bad_alloc&) {
+      return fail({.code = Error::Code::kUnsupported,
+                   .place = title_,
+                   .found = "not enough memory",
+                   .expected = "more of it",
+                   .hint = "larger voxels, or close other programs"});
+    } catch (const std::exception& e) {
+      return fail({.code = Error::Code::kUnsupported, .place = title_, .found = e.what()});
+    }
+  }
+
+  const std::string title_;
+  const std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
+  std::atomic<bool> is_cancelled_{false}, is_over_{false};
+  mutable std::mutex mutex_;
+  std::string step_;  // guarded by mutex_
+  double done_ = 0;   // guarded by mutex_
+  std::optional<Expected<T>> result_;
+  std::thread thread_;
+};
+
+}  // namespace kerf

@@ -1,0 +1,52 @@
+// The surface as it is being cut, as the window knows it: chunks from the mesher, and what a ray meets of them.
+#pragma once
+
+#include <optional>
+#include <unordered_map>
+#include <vector>
+
+#include "geometry/base/types.h"
+#include "geometry/field/brick_field.h"
+#include "sim/live/remesher.h"
+
+namespace kerf {
+
+struct Ray {
+  Vec3d origin = Vec3d::Zero();       ///< mm
+  Vec3d direction = -Vec3d::UnitZ();  ///< unit
+  Vec3d at(double way) const { return origin + way * direction; }
+};
+
+struct SurfaceHit {
+  Vec3d point = Vec3d::Zero();    ///< mm
+  Vec3d normal = Vec3d::UnitZ();  ///< unit, outward: of the triangle
+  double way = 0;                 ///< along the ray, mm
+};
+
+/// One thread.
+class LiveSurface {
+ public:
+  /// Newer chunks replace older ones of the same brick; empty ones remove them.
+  void update(std::span<const MeshChunkPtr> chunks);
+  void clear() { chunks_.clear(); }
+
+  std::size_t triangleCount() const { return triangles_; }
+  Box3 bounds() const;
+  /// The first triangle that faces the ray. O(chunks), and the triangles of those that the ray passes.
+  std::optional<SurfaceHit> hit(const Ray& ray) const;
+
+ private:
+  struct Placed {
+    MeshChunkPtr chunk;
+    Box3 box;
+  };
+  std::unordered_map<std::uint64_t, Placed> chunks_;
+  std::size_t triangles_ = 0;
+};
+
+/// Where a ray first enters {field < 0}, mm along it, between `from` and `to`; none: it does not.
+/// @param field  a narrow band of distances: the ray goes on by what it reads, so it passes nothing thicker than a
+///   voxel.   @cost  some µs.
+std::optional<double> entry(const BrickField& field, const Ray& ray, double from, double to);
+
+}  // namespace kerf

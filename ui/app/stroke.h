@@ -1,0 +1,54 @@
+// One stroke by mouse: from rays under the cursor to what MouseHand is asked for.
+//
+// Where the button goes down the stroke is anchored: to a point of the surface as loaded, and to an axis, the mean
+// normal around the point. From then on the cursor moves over the surface as loaded, never over what was just cut: a
+// held button does not tunnel towards the eye. Beside the object it moves in the plane through the anchor.
+#pragma once
+
+#include <optional>
+
+#include "geometry/field/brick_field.h"
+#include "geometry/mesh/mesh.h"
+#include "sim/hand/mouse_hand.h"
+#include "ui/app/live_surface.h"
+
+namespace kerf {
+
+/// A tool that hovers or is about to cut: where, and how deep below the surface as loaded.
+struct ToolOverSurface {
+  Rigid3 T_world_tool;            ///< its tip on the surface as it is now
+  Vec3d point = Vec3d::Zero();    ///< there, mm
+  Vec3d normal = Vec3d::UnitZ();  ///< unit, outward: the tool's axis
+  double depth = 0;               ///< of the point below the surface as loaded, along the axis, mm
+};
+
+/// What a ray points at, with a tool of that radius. None: nothing.
+std::optional<ToolOverSurface> toolOver(const LiveSurface& surface, const BrickField& loaded, const Ray& ray,
+                                        double tool_radius);
+
+/// A tool's attitude with its shank along `axis` (unit, out of the tissue), turned least from upright.
+Eigen::Quaterniond attitudeAlong(const Vec3d& axis);
+
+class Stroke {
+ public:
+  /// @param loaded  the surface as loaded; kept by reference.   @param head  of the tool, tool frame: where it starts
+  /// it
+  ///   touches nothing that was loaded, as far as these vertices say.
+  Stroke(const BrickField& loaded, const ToolOverSurface& at, const Mesh& head);
+
+  /// Of the tool, before the stroke: above the anchor, in air.
+  const Rigid3& start() const { return start_; }
+  const Vec3d& anchor() const { return anchor_; }
+  const Vec3d& axis() const { return axis_; }  ///< out of the tissue, unit
+  /// Where the tip is to go when the cursor points along this ray: world, mm.
+  Vec3d pointerOf(const Ray& ray) const;
+  /// How deep a tip is below the surface as loaded, along the axis, mm; negative in air.
+  double depthOf(const Vec3d& tip) const;
+
+ private:
+  const BrickField& loaded_;
+  Vec3d anchor_, axis_;
+  Rigid3 start_;
+};
+
+}  // namespace kerf

@@ -1,0 +1,176 @@
+// What both the window and its scripts work on: what is open, what is cut, what is being done. No OpenGL, no keys.
+//
+// All calls come from one thread, once a frame update(). Long work is a job: it never blocks that thread. Each step of
+// a user is one function here; the table of commands (app_commands.h) gives them names, keys and places in menus.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "geometry/base/error.h"
+#include "sim/hand/mouse_hand.h"
+#include "sim/run/live_run.h"
+#include "ui/app/job.h"
+#include "ui/app/live_surface.h"
+#include "ui/app/stroke.h"
+
+namespace kerf {
+
+struct WorkbenchOptions {
+  /// Where cases and sessions go: "cases", "sessions" below it. Empty: $XDG_DATA_HOME/kerf, or ~/.local/share/kerf.
+  std::filesystem::path data_folder;
+  std::vector<std::string> tools;  ///< ids or files; empty: those of defaultTools()
+  double voxel_mm = 0;             ///< of scans that are opened; 0: 0.1, or coarser for a large one: voxelFor()
+  RealTimeRequest real_time;       ///< of the haptic thread
+};
+
+/// A selection of the rack for a first look: round, pear, taper, flame, a disc, drills, saws.
+const std::vector<std::string>& defaultTools();
+
+/// Voxel size for a scan, mm: 0.1, or so much more that its surface is about 800 000 triangles in the window; 0.25 at
+/// most.   @param area_mm2  of the scan.
+double voxelFor(double area_mm2);
+
+/// Something the user should read; the newest is shown.
+struct Notice {
+  bool is_error = false;
+  std::string text;
+};
+
+/// A session whose program is gone.
+struct LostSession {
+  std::filesystem::path folder;
+  std::string case_name;
+};
+
+class Workbench {
+ public:
+  explicit Workbench(WorkbenchOptions options = {});
+  ~Workbench();  ///< as close(), and waits
+  Workbench(const Workbench&) = delete;
+  Workbench& operator=(const Workbench&) = delete;
+
+  // ---- Once a frame
+
+  /// Takes what jobs, mesher and haptic thread have done since. @return chunks of the surface that changed.
+  std::vector<MeshChunkPtr> update();
+  /// The job under way; null: none. While there is one, open, export and close are refused with a notice.
+  const AnyJob* job() const { return job_.get(); }
+  void cancelJob();
+  const std::vector<Notice>& notices() const { return notices_; }
+
+  // ---- What is open
+
+  /// A case is opened, a mesh is baked first with the default remedies, what they change said as a notice. What was
+  /// open is finished.
+  void open(const std::filesystem::path& path);
+  /// Our own anatomy: made when it is first asked for.   @param name  of demoNames().
+  void openDemo(const std::string& name);
+  static std::span<const char* const> demoNames();
+  bool isOpen() const { return run_ != nullptr; }
+  /// Rises when something else was opened: pictures of what was there are outdated.
+  std::uint64_t generation() const { return generation_; }
+  std::string name() const { return name_; }
+  /// Out of the teeth, unit: the way a scan of several teeth is best looked at. None: it has no occlusal plane.
+  const std::optional<Vec3d>& occlusalNormal() const { return occlusal_; }
+  const LiveRun* run() const { return run_.get(); }
+  const LiveSurface& surface() const { return surface_; }
+  const HapticReport& report() const { return report_; }
+  HapticTimes times() const { return times_; }
+  /// Ends the session: the run is written where sessionFolder() says. A job.
+  void close();
+  const std::filesystem::path& sessionFolder() const { return session_; }
+
+  // ---- Tools
+
+  std::size_t toolCount() const { return run_ ? run_->tools().size() : 0; }
+  const Tool& tool(std::size_t n) const { return run_->tools()[n].tool; }
+  std::size_t toolInHand() const { return tool_; }
+  void selectTool(std::size_t n);
+  bool selectTool(const std::string& id);
+
+  // ---- By mouse: rays in the world's frame
+
+  double force = 1;       ///< N
+  double depth_mm = 0.5;  ///< below the surface as loaded
+  double irrigation = 1;  ///< 0 to 1
+  static constexpr double kLeastForce = 0.1, kMostForce = 8, kMostDepth = 5;
+
+  /// What the tool would do there; none: it points beside the object, or nothing is open.
+  std::optional<ToolOverSurface> over(const Ray& ray) const;
+  /// False: there is nothing there to cut.
+  bool press(const Ray& ray);
+  void drag(const Ray& ray);
+  /// Deeper, or less deep, during a stroke or before it, mm.
+  void deepen(double mm);
+  void setForce(double newtons);
+  /// Times the force, until it is 1 again.
+  void pushHarder(double factor);
+  void release();
+  bool isPressed() const { return stroke_.has_value(); }
+  /// Depth of the tool below the surface as loaded; none: no stroke.
+  std::optional<double> depthNow() const;
+
+  void undo();
+  void redo();
+
+  // ---- Results
+
+  /// The post-operative mesh as it is now, read back and compared. A job; the cut may go on.
+  void exportTo(const std::filesystem::path& file);
+  double removedMm3() const { return removed_mm3_; }
+
+  // ---- After a crash
+
+  const std::vector<LostSession>& lostSessions() const { return lost_; }
+  /// A job: finishes the session from its log; it is then a run for `kerf export`.
+  void recover(std::size_t n);
+
+ private:
+  struct Loaded {
+    std::unique_ptr<LiveRun> run;
+    std::vector<std::string> notes;
+    std::string name;
+    std::optional<Vec3d> occlusal;
+  };
+  void say(std::string text) { notices_.push_back({false, std::move(text)}); }
+  void complain(const Error& error) { notices_.push_back({true, error.message()}); }
+  bool isBusy();
+  void findLostSessions();
+  std::filesystem::path newSessionFolder(const std::string& name) const;
+  Expected<Loaded> load(const std::filesystem::path& path, const Progress& progress) const;
+  Expected<std::filesystem::path> makeDemo(const std::string& name, const Progress& progress) const;
+  using Load = std::function<Expected<Loaded>(const Progress&)>;
+  void openBy(const std::string& title, Load load);
+  void show(Loaded loaded);
+  void sendAim();
+
+  WorkbenchOptions options_;
+  std::vector<SessionTool> tools_;
+  std::vector<Notice> notices_;
+  std::vector<LostSession> lost_;
+
+  std::unique_ptr<AnyJob> job_;
+  std::function<void()> when_over_;  // takes the job's result
+
+  std::string name_;
+  std::optional<Vec3d> occlusal_;
+  std::filesystem::path session_;
+  std::unique_ptr<MouseHand> hand_;  // outlives run_
+  std::unique_ptr<LiveRun> run_;
+  LiveSurface surface_;
+  std::uint64_t generation_ = 0;
+  HapticReport report_;
+  HapticTimes times_;
+  std::size_t tool_ = 0;
+  std::vector<Mesh> heads_;  // of the tools
+  std::optional<Stroke> stroke_;
+  MouseAim aim_;
+  double push_factor_ = 1;
+  double removed_mm3_ = 0;
+};
+
+}  // namespace kerf

@@ -1,0 +1,36 @@
+// Choosing a file inside the window: works on any display, and in tests.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace kerf {
+
+class FileBrowser {
+ public:
+  enum class Purpose { kOpen, kSave };
+  /// Shows it at the next draw(). @param name  suggested, for kSave.
+  void show(Purpose purpose, const std::string& name = {});
+  bool isShown() const { return is_shown_; }
+  /// Draws it, if it is shown. @return what was chosen, once.
+  std::optional<std::filesystem::path> draw();
+
+ private:
+  struct Entry {
+    std::string name;
+    bool is_folder = false, is_case = false;
+  };
+  void goTo(const std::filesystem::path& folder);
+  bool isListed(const Entry& entry) const;
+
+  Purpose purpose_ = Purpose::kOpen;
+  bool is_shown_ = false, wants_popup_ = false;
+  std::filesystem::path folder_ = std::filesystem::current_path();
+  std::vector<Entry> entries_;
+  std::string error_;
+  char name_[512] = {};
+};
+
+}  // namespace kerf

@@ -1,0 +1,31 @@
+#include "ui/window/key_names.h"
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+
+namespace kerf {
+
+KeyChord keyChord(std::string_view name) {
+  KeyChord out;
+  const auto take = [&](std::string_view prefix, int modifier) {
+    if (!name.starts_with(prefix)) return;
+    out.modifiers |= modifier;
+    name.remove_prefix(prefix.size());
+  };
+  take("Ctrl+", GLFW_MOD_CONTROL);
+  take("Shift+", GLFW_MOD_SHIFT);
+  take("Alt+", GLFW_MOD_ALT);
+
+  // Of printable keys GLFW's number is that of the character, in capitals.
+  if (name.size() == 1)
+    out.key = name[0];
+  else if (name == "Esc")
+    out.key = GLFW_KEY_ESCAPE;
+  else if (name == "Enter")
+    out.key = GLFW_KEY_ENTER;
+  else if (name == "Delete")
+    out.key = GLFW_KEY_DELETE;
+  return out;
+}
+
+}  // namespace kerf

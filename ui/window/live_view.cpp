@@ -1,0 +1,63 @@
+#include "ui/window/live_view.h"
+
+#include <utility>
+
+namespace kerf {
+
+Expected<std::unique_ptr<LiveView>> LiveView::create() {
+  KERF_TRY(renderer, LiveRenderer::create());
+  return std::unique_ptr<LiveView>(new LiveView(std::move(renderer)));
+}
+
+void LiveView::update(Workbench& bench) {
+  const std::vector<MeshChunkPtr> chunks = bench.update();
+  if (bench.generation() != generation_) {
+    generation_ = bench.generation();
+    renderer_->clear();
+    tool_.reset();
+    hover_.reset();
+    is_fit_wanted_ = true;
+  }
+  for (const MeshChunkPtr& chunk : chunks) renderer_->setChunk(0, *chunk, chunk->colours, chunk->occlusion);
+  showTool(bench);
+}
+
+bool LiveView::takeFitWanted() { return std::exchange(is_fit_wanted_, false); }
+
+void LiveView::showTool(const Workbench& bench) {
+  if (!bench.isOpen() || tool_ == bench.toolInHand()) return;
+  tool_ = bench.toolInHand();
+  const Tool& tool = bench.tool(*tool_);
+  ToolLook look;
+  look.mesh = toolMesh(tool, 0.02);
+  look.cutting = tool.cut->bounds();
+  look.approach = tool.plunge_direction;
+  look.distance = [cut = tool.cut](const Vec3d& p) { return cut->distance(p); };
+  renderer_->setTool(look);
+}
+
+LiveFrame LiveView::frameOf(const Workbench& bench) const {
+  LiveFrame frame;
+  if (!bench.isOpen()) return frame;
+  if (bench.isPressed()) {
+    frame.T_world_tool = bench.report().output.T_world_tool;
+  } else if (hover_) {
+    frame.T_world_tool = hover_->T_world_tool;
+    frame.is_ghost = true;
+  }
+  return frame;
+}
+
+Expected<void> LiveView::draw(const Workbench& bench, const Camera& camera, int width, int height, bool is_still) {
+  LiveFrame frame = frameOf(bench);
+  frame.supersampling = is_still ? 2 : 1;
+  return renderer_->draw(camera, width, height, frame);
+}
+
+Expected<Image> LiveView::picture(const Workbench& bench, const Camera& camera, int width, int height) {
+  LiveFrame frame = frameOf(bench);
+  frame.supersampling = 2;
+  return renderer_->picture(camera, width, height, frame);
+}
+
+}  // namespace kerf

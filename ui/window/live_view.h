@@ -1,0 +1,42 @@
+// What the window shows of a workbench: its surface, the tool in hand, the ghost that hovers. For window and pictures.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "geometry/base/error.h"
+#include "ui/app/camera.h"
+#include "ui/app/workbench.h"
+#include "ui/window/image.h"
+#include "ui/window/live_renderer.h"
+
+namespace kerf {
+
+/// As LiveRenderer: its context is current in every call.
+class LiveView {
+ public:
+  static Expected<std::unique_ptr<LiveView>> create();
+
+  /// Workbench::update(), and what came of it to the graphics card. Once a frame.
+  void update(Workbench& bench);
+  /// Where the tool hovers; none: nowhere.
+  void hover(const std::optional<ToolOverSurface>& at) { hover_ = at; }
+  /// True once after something else was opened and its surface is there: time to fit the view.
+  bool takeFitWanted();
+
+  Expected<void> draw(const Workbench& bench, const Camera& camera, int width, int height, bool is_still);
+  Expected<Image> picture(const Workbench& bench, const Camera& camera, int width, int height);
+
+ private:
+  explicit LiveView(std::unique_ptr<LiveRenderer> renderer) : renderer_(std::move(renderer)) {}
+  LiveFrame frameOf(const Workbench& bench) const;
+  void showTool(const Workbench& bench);
+
+  std::unique_ptr<LiveRenderer> renderer_;
+  std::uint64_t generation_ = 0;
+  std::optional<std::size_t> tool_;
+  std::optional<ToolOverSurface> hover_;
+  bool is_fit_wanted_ = false;
+};
+
+}  // namespace kerf

@@ -1,0 +1,240 @@
+#include "ui/window/panels.h"
+
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace kerf {
+namespace {
+
+constexpr float kPanelWidth = 250;
+const ImVec4 kWarning{0.80f, 0.32f, 0.14f, 1}, kQuiet{0.42f, 0.45f, 0.50f, 1}, kAccent{0.10f, 0.42f, 0.62f, 1};
+
+void runOrSay(AppContext& context, const AppCommand& command) {
+  if (command.is_enabled(context)) (void)command.run(context, {});
+}
+
+// ---- Menus
+
+void drawMenus(AppContext& context, PanelState& state) {
+  if (!ImGui::BeginMainMenuBar()) return;
+  for (const char* const heading : {"File", "Edit", "Tool", "View"}) {
+    if (!ImGui::BeginMenu(heading)) continue;
+    for (const AppCommand& command : appCommands()) {
+      if (command.menu != heading) continue;
+      const std::string label = fmt::format("{}###{}", command.label, command.id), key(command.key);
+      if (!ImGui::MenuItem(label.c_str(), key.c_str(), false, command.is_enabled(context))) continue;
+      command.parameters == "PATH" ? state.ask_for_file(command) : runOrSay(context, command);
+    }
+    ImGui::EndMenu();
+  }
+  const std::string right = "Training and lab tool, not a medical device";
+  ImGui::SameLine(ImGui::GetWindowWidth() - ImGui::CalcTextSize(right.c_str()).x - 16);
+  ImGui::TextColored(kQuiet, "%s", right.c_str());
+  ImGui::EndMainMenuBar();
+}
+
+// ---- Tools
+
+std::string shortName(const Tool& tool) {
+  const std::string size = tool.head_diameter_mm > 0 ? fmt::format("{:.1f} mm", tool.head_diameter_mm) : "";
+  return fmt::format("{}  {}", tool.name.empty() ? tool.id : tool.name, size);
+}
+
+void drawTools(AppContext& context) {
+  Workbench& bench = context.bench;
+  const float top = ImGui::GetFrameHeight() + 8;
+  ImGui::SetNextWindowPos({8, top}, ImGuiCond_Always);
+  ImGui::SetNextWindowSize({kPanelWidth, 0}, ImGuiCond_Always);
+  ImGui::Begin("Tool", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
+  for (std::size_t n = 0; n < bench.toolCount(); ++n) {
+    const std::string label = fmt::format("{}###tool{}", shortName(bench.tool(n)), n);
+    if (ImGui::Selectable(label.c_str(), n == bench.toolInHand())) bench.selectTool(n);
+    if (ImGui::IsItemHovered())
+      ImGui::SetTooltip("%s\n%s", bench.tool(n).id.c_str(), bench.tool(n).description.c_str());
+  }
+
+  ImGui::Separator();
+  ImGui::PushItemWidth(-1);
+  float force = static_cast<float>(bench.force), depth = static_cast<float>(bench.depth_mm);
+  float spray = static_cast<float>(100 * bench.irrigation);
+  ImGui::TextUnformatted("Push");
+  if (ImGui::SliderFloat("##force", &force, static_cast<float>(Workbench::kLeastForce), 5, "%.1f N",
+                         ImGuiSliderFlags_AlwaysClamp))
+    bench.setForce(static_cast<double>(force));
+  ImGui::TextUnformatted("Depth below the surface");
+  if (ImGui::SliderFloat("##depth", &depth, 0, static_cast<float>(Workbench::kMostDepth), "%.2f mm",
+                         ImGuiSliderFlags_AlwaysClamp))
+    bench.deepen(static_cast<double>(depth) - bench.depth_mm);
+  ImGui::TextUnformatted("Spray");
+  if (ImGui::SliderFloat("##spray", &spray, 0, 100, "%.0f %%", ImGuiSliderFlags_AlwaysClamp))
+    bench.irrigation = 0.01 * static_cast<double>(spray);
+  ImGui::PopItemWidth();
+  ImGui::End();
+}
+
+// ---- Readings
+
+void reading(const char* name, const std::string& value, const char* unit, bool is_warning = false) {
+  ImGui::TextColored(kQuiet, "%s", name);
+  ImGui::SameLine(118);
+  is_warning ? ImGui::TextColored(kWarning, "%s %s", value.c_str(), unit) : ImGui::Text("%s %s", value.c_str(), unit);
+}
+
+void drawReadings(AppContext& context, const std::optional<ToolOverSurface>& over) {
+  const Workbench& bench = context.bench;
+  const HapticReport& r = bench.report();
+  const ImGuiIO& io = ImGui::GetIO();
+  ImGui::SetNextWindowPos({io.DisplaySize.x - kPanelWidth - 8, ImGui::GetFrameHeight() + 8}, ImGuiCond_Always);
+  ImGui::SetNextWindowSize({kPanelWidth, 0}, ImGuiCond_Always);
+  ImGui::Begin("Cut", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
+  const ToolDrive& drive = bench.run()->model().tools[bench.toolInHand()].drive;
+  const double speed = drive.speed > 0 ? r.output.speed / drive.speed : 0;
+  const auto depth = bench.isPressed() ? bench.depthNow() : over ? std::optional(over->depth) : std::nullopt;
+
+  reading("Depth", depth ? fmt::format("{:.2f}", *depth) : "-", "mm");
+  reading("Force", fmt::format("{:.2f}", r.output.force.force.norm()), "N");
+  reading("Spindle", fmt::format("{:.0f}", 100 * speed), "%",
+          bench.isPressed() && speed < 0.05 && r.output.normal_load > 0);
+  reading("Removed", fmt::format("{:.2f}", bench.removedMm3()), "mm3");
+  if (over)
+    reading("Point", fmt::format("{:.2f}, {:.2f}, {:.2f}", over->point[0], over->point[1], over->point[2]), "mm");
+  ImGui::Separator();
+  const TimeHistogram& cost = bench.times().cost;
+  if (cost.count() > 0) reading("Loop p99", fmt::format("{:.2f}", cost.percentileMs(0.99)), "ms");
+  reading("Overruns", fmt::format("{}", r.counts.overruns), fmt::format("of {}", r.counts.ticks).c_str());
+  if (r.is_latched) ImGui::TextColored(kWarning, "Held: the clock was late");
+  const RecorderStatus log = bench.run()->recorderStatus();
+  if (log.error) ImGui::TextWrapped("The log can not be written any more: %s", log.error->message().c_str());
+  ImGui::End();
+}
+
+// ---- What is under way, what was said
+
+void drawJob(AppContext& context) {
+  const AnyJob* const job = context.bench.job();
+  if (!job) return;
+  const JobStatus s = job->status();
+  const ImGuiIO& io = ImGui::GetIO();
+  ImGui::SetNextWindowPos({0.5f * io.DisplaySize.x, 0.5f * io.DisplaySize.y}, ImGuiCond_Always, {0.5f, 0.5f});
+  ImGui::SetNextWindowSize({440, 0}, ImGuiCond_Always);
+  ImGui::Begin("##job", nullptr,
+               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
+  ImGui::Text("%s", s.title.c_str());
+  ImGui::ProgressBar(static_cast<float>(s.done), {-1, 0});
+  std::string line = s.step;
+  if (s.left_s) line += fmt::format("   about {:.0f} s left", std::ceil(*s.left_s));
+  ImGui::TextColored(kQuiet, "%s", line.c_str());
+  if (s.is_cancelling)
+    ImGui::TextUnformatted("Cancelling...");
+  else if (ImGui::Button("Cancel", {110, 0}))
+    context.bench.cancelJob();
+  ImGui::End();
+}
+
+void drawNotices(AppContext& context, PanelState& state) {
+  const auto& notices = context.bench.notices();
+  if (state.notices_seen >= notices.size()) return;
+  const ImGuiIO& io = ImGui::GetIO();
+  ImGui::SetNextWindowPos({0.5f * io.DisplaySize.x, io.DisplaySize.y - 16}, ImGuiCond_Always, {0.5f, 1});
+  ImGui::SetNextWindowSizeConstraints({360, 0}, {720, 260});
+  ImGui::Begin("##notices", nullptr,
+               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove);
+  for (std::size_t n = state.notices_seen; n < notices.size(); ++n) {
+    ImGui::PushTextWrapPos(690);
+    notices[n].is_error ? ImGui::TextColored(kWarning, "%s", notices[n].text.c_str())
+                        : ImGui::TextUnformatted(notices[n].text.c_str());
+    ImGui::PopTextWrapPos();
+  }
+  if (ImGui::Button("OK", {90, 0})) state.notices_seen = notices.size();
+  ImGui::End();
+}
+
+void drawHints(PanelState& state) {
+  if (!state.has_hints) return;
+  const ImGuiIO& io = ImGui::GetIO();
+  ImGui::SetNextWindowPos({8, io.DisplaySize.y - 8}, ImGuiCond_Always, {0, 1});
+  ImGui::Begin("##hints", nullptr,
+               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove);
+  ImGui::TextColored(kAccent, "Left button on the object: cut. Hold still to go as deep as the limit.");
+  ImGui::TextUnformatted("Shift: push twice as hard. Wheel while cutting: the depth.");
+  ImGui::TextUnformatted("Right button: turn. Middle button: move. Wheel: zoom.");
+  if (ImGui::SmallButton("Got it")) state.has_hints = false;
+  ImGui::End();
+}
+
+// ---- The first screen
+
+void drawFirstScreen(AppContext& context, PanelState& state) {
+  Workbench& bench = context.bench;
+  if (bench.job()) return;
+  const ImGuiIO& io = ImGui::GetIO();
+  ImGui::SetNextWindowPos({0.5f * io.DisplaySize.x, 0.45f * io.DisplaySize.y}, ImGuiCond_Always, {0.5f, 0.5f});
+  ImGui::SetNextWindowSize({520, 0}, ImGuiCond_Always);
+  ImGui::Begin("##first", nullptr, ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove);
+  ImGui::TextColored(kAccent, "Drop a scan here");
+  ImGui::TextWrapped(
+      "STL, PLY, OBJ, OFF or 3MF, a recipe or a case. It is closed and prepared for cutting; the file itself is never "
+      "changed.");
+  ImGui::Spacing();
+  if (ImGui::Button("Open a file...", {-1, 36})) state.ask_for_file(*findAppCommand("file.open"));
+  ImGui::Spacing();
+  ImGui::TextColored(kQuiet, "Or try one of ours");
+  const auto names = Workbench::demoNames();
+  const float width = (ImGui::GetContentRegionAvail().x - 2 * ImGui::GetStyle().ItemSpacing.x) / 3;
+  for (std::size_t n = 0; n < names.size(); ++n) {
+    if (n > 0) ImGui::SameLine();
+    if (ImGui::Button(names[n], {width, 30})) bench.openDemo(names[n]);
+  }
+  if (!bench.lostSessions().empty()) {
+    ImGui::Spacing();
+    ImGui::TextColored(kWarning, "A session did not end: its program was stopped. Its log is whole.");
+    for (std::size_t n = 0; n < std::min<std::size_t>(bench.lostSessions().size(), 3); ++n) {
+      const LostSession& lost = bench.lostSessions()[n];
+      const std::string label = fmt::format("Recover {}###lost{}", lost.folder.filename().string(), n);
+      if (ImGui::Button(label.c_str(), {-1, 0})) bench.recover(n);
+    }
+  }
+  ImGui::End();
+}
+
+}  // namespace
+
+void drawPanels(AppContext& context, PanelState& state, const std::optional<ToolOverSurface>& over) {
+  drawMenus(context, state);
+  if (context.bench.isOpen()) {
+    drawTools(context);
+    drawReadings(context, over);
+    drawHints(state);
+  } else {
+    drawFirstScreen(context, state);
+  }
+  drawJob(context);
+  drawNotices(context, state);
+}
+
+void applyStyle(float scale) {
+  ImGuiStyle style;
+  ImGui::StyleColorsLight(&style);
+  style.WindowRounding = 6;
+  style.FrameRounding = 4;
+  style.GrabRounding = 4;
+  style.WindowBorderSize = 1;
+  style.WindowPadding = {12, 10};
+  style.ItemSpacing = {8, 6};
+  style.Colors[ImGuiCol_WindowBg] = {0.985f, 0.985f, 0.99f, 0.94f};
+  style.Colors[ImGuiCol_TitleBgActive] = style.Colors[ImGuiCol_TitleBg] = {0.90f, 0.92f, 0.95f, 1};
+  style.Colors[ImGuiCol_Button] = {0.87f, 0.91f, 0.95f, 1};
+  style.Colors[ImGuiCol_Header] = {0.78f, 0.87f, 0.95f, 1};
+  style.Colors[ImGuiCol_FrameBg] = {0.91f, 0.93f, 0.96f, 1};
+  style.Colors[ImGuiCol_ButtonHovered] = style.Colors[ImGuiCol_HeaderHovered] = {0.70f, 0.82f, 0.93f, 1};
+  style.Colors[ImGuiCol_ButtonActive] = style.Colors[ImGuiCol_HeaderActive] = {0.60f, 0.76f, 0.90f, 1};
+  style.Colors[ImGuiCol_PlotHistogram] = style.Colors[ImGuiCol_SliderGrab] = {0.22f, 0.52f, 0.74f, 1};
+  style.ScaleAllSizes(scale);
+  ImGui::GetStyle() = style;
+}
+
+}  // namespace kerf

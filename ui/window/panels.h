@@ -1,0 +1,25 @@
+// Menus and panels around the picture. They show a workbench and run commands; they hold nothing else.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "ui/app/app_commands.h"
+
+namespace kerf {
+
+/// What the window remembers between two frames.
+struct PanelState {
+  /// Asks for a file first: a command whose parameter is a path. Set by the window.
+  std::function<void(const AppCommand&)> ask_for_file;
+  std::size_t notices_seen = 0;  ///< those before were dismissed
+  bool has_hints = true;
+};
+
+/// Menu bar, tools, readings, job, notices; the first screen when nothing is open.
+void drawPanels(AppContext& context, PanelState& state, const std::optional<ToolOverSurface>& over);
+
+/// Colours, rounding and type of the panels; once, and again when the scale changes.
+void applyStyle(float scale);
+
+}  // namespace kerf

@@ -1,0 +1,371 @@
+#include "ui/window/workshop.h"
+
+#include <epoxy/gl.h>
+#include <fmt/format.h>
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+#include <backends/imgui_impl_glfw.h>
+#include <backends/imgui_impl_opengl3.h>
+#include <imgui.h>
+
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <thread>
+#include <vector>
+
+#include "ui/app/app_commands.h"
+#include "ui/window/file_browser.h"
+#include "ui/window/gl_context.h"
+#include "ui/window/key_names.h"
+#include "ui/window/live_view.h"
+#include "ui/window/panels.h"
+
+namespace kerf {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+constexpr double kStillAfter = 0.2;  // s without input or cut: the picture is drawn once more, smooth
+constexpr double kHarder = 2;        // times the force, while Shift is down
+constexpr double kNotch = 0.1;       // mm of depth, of the wheel during a stroke
+
+Error noWindow(std::string found) {
+  return {.code = Error::Code::kUnsupported,
+          .place = "window",
+          .found = std::move(found),
+          .expected = "a display with OpenGL 3.3",
+          .hint = "kerf-sim --screenshot OUT.png or --script FILE, which need no display, or xvfb-run kerf-sim"};
+}
+
+std::string lastGlfwError() {
+  const char* text = nullptr;
+  glfwGetError(&text);
+  return text ? text : "no reason given";
+}
+
+// ---- Input: what happened since the last frame, in its order. Nothing is lost in a slow frame.
+
+struct InputEvent {
+  enum class Kind { kKey, kButton, kMove, kScroll, kDrop };
+  Kind kind = Kind::kMove;
+  int key = 0, modifiers = 0;  // of a button: its number
+  bool is_down = false;
+  double x = 0, y = 0;  // of a wheel: notches
+  std::string path{};
+};
+
+std::vector<InputEvent>& eventsOf(GLFWwindow* window) {
+  return *static_cast<std::vector<InputEvent>*>(glfwGetWindowUserPointer(window));
+}
+
+void listen(GLFWwindow* window, std::vector<InputEvent>& events) {
+  using Kind = InputEvent::Kind;
+  glfwSetWindowUserPointer(window, &events);
+  glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int, int action, int modifiers) {
+    if (action != GLFW_RELEASE) eventsOf(w).push_back({.kind = Kind::kKey, .key = key, .modifiers = modifiers});
+  });
+  glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int button, int action, int modifiers) {
+    InputEvent e{.kind = Kind::kButton, .key = button, .modifiers = modifiers, .is_down = action == GLFW_PRESS};
+    glfwGetCursorPos(w, &e.x, &e.y);
+    eventsOf(w).push_back(e);
+  });
+  glfwSetCursorPosCallback(
+      window, [](GLFWwindow* w, double x, double y) { eventsOf(w).push_back({.kind = Kind::kMove, .x = x, .y = y}); });
+  glfwSetScrollCallback(
+      window, [](GLFWwindow* w, double, double y) { eventsOf(w).push_back({.kind = Kind::kScroll, .y = y}); });
+  glfwSetDropCallback(window, [](GLFWwindow* w, int count, const char** paths) {
+    for (int n = 0; n < count; ++n) eventsOf(w).push_back({.kind = Kind::kDrop, .path = paths[n]});
+  });
+}
+
+// ---- GLFW, its window and Dear ImGui, taken down in reverse
+
+struct Desktop {
+  GLFWwindow* window = nullptr;
+  bool is_started = false, has_panels = false;
+  float scale = 1;
+
+  ~Desktop() {
+    if (has_panels) {
+      ImGui_ImplOpenGL3_Shutdown();
+      ImGui_ImplGlfw_Shutdown();
+      ImGui::DestroyContext();
+    }
+    if (window) glfwDestroyWindow(window);
+    if (is_started) glfwTerminate();
+  }
+
+  Expected<void> open(const WorkshopOptions& options, std::vector<InputEvent>& events) {
+    if (!glfwInit()) return fail(noWindow("no window can be opened: " + lastGlfwError()));
+    is_started = true;
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
+    glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+    glfwWindowHint(GLFW_STENCIL_BITS, 0);
+    window = glfwCreateWindow(options.width, options.height, "Kerf", nullptr, nullptr);
+    if (!window) return fail(noWindow("no window can be opened: " + lastGlfwError()));
+
+    glfwMakeContextCurrent(window);
+    glfwSwapInterval(1);
+    listen(window, events);  // before Dear ImGui, which passes on what it gets
+    ImGui::CreateContext();
+    ImGui::GetIO().IniFilename = nullptr;  // leaves no file behind in the working folder
+    ImGui_ImplGlfw_InitForOpenGL(window, true);
+    has_panels = true;
+    if (!ImGui_ImplOpenGL3_Init("#version 330 core")) return fail(noWindow("Dear ImGui found no OpenGL 3.3"));
+
+    float y = 1;
+    glfwGetWindowContentScale(window, &scale, &y);
+    scale = std::max(scale, 1.0f);
+    loadFont();
+    applyStyle(scale);
+    return {};
+  }
+
+  void loadFont() const {
+    std::error_code ignored;
+    for (const char* const font :
+         {"/usr/share/fonts/opentype/inter/Inter-Regular.otf", "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf"})
+      if (fs::exists(font, ignored) && ImGui::GetIO().Fonts->AddFontFromFileTTF(font, 15 * scale)) return;
+  }
+};
+
+// What was cut is written before the window goes; what is not done yet is cancelled.
+void endAll(Workbench& bench, LiveView& view) {
+  const auto wait = [&] {
+    while (bench.job()) {
+      view.update(bench);
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+  };
+  bench.cancelJob();
+  wait();
+  bench.close();
+  wait();
+}
+
+// ---- The loop
+
+class Workshop {
+ public:
+  explicit Workshop(const WorkshopOptions& options) : options_(options), bench_(options.bench) {}
+
+  Expected<int> run() {
+    KERF_CHECK(desktop_.open(options_, events_));
+    KERF_TRY(view, LiveView::create());
+    view_ = std::move(view);
+    panels_.ask_for_file = [this](const AppCommand& command) { askForFile(command); };
+    if (!options_.open.empty()) bench_.open(options_.open);
+
+    while (!wants_end_) KERF_CHECK(frame());
+    endAll(bench_, *view_);
+    view_.reset();
+    return frames_;
+  }
+
+ private:
+  Expected<void> frame() {
+    const bool is_idle = !bench_.isOpen() && !bench_.job();
+    options_.frames > 0 ? glfwPollEvents() : glfwWaitEventsTimeout(is_idle ? 0.25 : 1.0 / 60);
+    glfwGetWindowSize(desktop_.window, &window_width_, &window_height_);
+    glfwGetFramebufferSize(desktop_.window, &context_.width, &context_.height);
+    if (context_.width == 0 || context_.height == 0 || window_width_ == 0) {  // minimised
+      view_->update(bench_);
+      glfwWaitEventsTimeout(0.1);
+      return {};
+    }
+
+    view_->update(bench_);
+    if (!bench_.surface().bounds().isEmpty() && view_->takeFitWanted()) fitFirst();
+    ImGui_ImplOpenGL3_NewFrame();
+    ImGui_ImplGlfw_NewFrame();
+    ImGui::NewFrame();
+    handleInput();
+    drawPanels(context_, panels_, over_);
+    chooseFile();
+    ImGui::Render();
+
+    const bool is_still = secondsSince(last_input_) > kStillAfter && !bench_.isPressed();
+    KERF_CHECK(view_->draw(bench_, camera_, context_.width, context_.height, is_still && !is_software_));
+    ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+    glfwSwapBuffers(desktop_.window);
+
+    ++frames_;
+    wants_end_ = context_.wants_quit || glfwWindowShouldClose(desktop_.window) ||
+                 (options_.frames > 0 && frames_ >= options_.frames);
+    return {};
+  }
+
+  static double secondsSince(Clock::time_point then) {
+    return std::chrono::duration<double>(Clock::now() - then).count();
+  }
+
+  void fitFirst() {
+    const auto camera = cameraFromView(options_.view);
+    firstView(context_, camera ? *camera : Camera{});
+    const std::string title = bench_.name() + " - Kerf";
+    glfwSetWindowTitle(desktop_.window, title.c_str());
+  }
+
+  // ---- Input
+
+  double pixels() const { return static_cast<double>(context_.width) / window_width_; }
+  Ray rayAt(double x, double y) const {
+    return rayUnder(camera_, x * pixels(), y * pixels(), context_.width, context_.height);
+  }
+
+  void handleInput() {
+    const ImGuiIO& io = ImGui::GetIO();
+    for (const InputEvent& e : std::exchange(events_, {})) {
+      last_input_ = Clock::now();
+      switch (e.kind) {
+        case InputEvent::Kind::kDrop:
+          bench_.open(e.path);
+          break;
+        case InputEvent::Kind::kKey:
+          if (!io.WantTextInput) key(e);
+          break;
+        case InputEvent::Kind::kButton:
+          button(e, io.WantCaptureMouse);
+          break;
+        case InputEvent::Kind::kMove:
+          move(e.x, e.y);
+          break;
+        case InputEvent::Kind::kScroll:
+          if (!io.WantCaptureMouse) scroll(e.y);
+          break;
+      }
+    }
+    pressHarder(io.KeyShift);
+    over_ = io.WantCaptureMouse || held_ != kNone ? std::nullopt : bench_.over(rayAt(x_, y_));
+    if (bench_.isPressed()) over_.reset();
+    view_->hover(over_);
+  }
+
+  void key(const InputEvent& e) {
+    const int modifiers = e.modifiers & (GLFW_MOD_CONTROL | GLFW_MOD_SHIFT | GLFW_MOD_ALT);
+    for (const AppCommand& command : appCommands()) {
+      if (command.key.empty() || keyChord(command.key) != KeyChord{e.key, modifiers}) continue;
+      if (!command.is_enabled(context_)) return;
+      if (command.parameters == "PATH")
+        askForFile(command);
+      else
+        (void)command.run(context_, {});
+      return;
+    }
+  }
+
+  void button(const InputEvent& e, bool is_on_panel) {
+    x_ = e.x;
+    y_ = e.y;
+    if (!e.is_down) {
+      if (e.key == GLFW_MOUSE_BUTTON_LEFT) bench_.release();
+      if (e.key == held_) held_ = kNone;
+      return;
+    }
+    if (is_on_panel) return;
+    if (e.key != GLFW_MOUSE_BUTTON_LEFT || !bench_.press(rayAt(x_, y_))) {
+      held_ = e.key;
+      pans_ = e.key == GLFW_MOUSE_BUTTON_MIDDLE || (e.modifiers & GLFW_MOD_SHIFT);
+    }
+  }
+
+  void move(double x, double y) {
+    const double dx = (x - x_) * pixels(), dy = (y - y_) * pixels();
+    x_ = x;
+    y_ = y;
+    if (bench_.isPressed()) return bench_.drag(rayAt(x, y));
+    if (held_ == kNone) return;
+    pans_ ? pan(camera_, dx, dy, context_.height) : orbit(camera_, dx, dy);
+  }
+
+  void scroll(double notches) {
+    if (bench_.isPressed()) return bench_.deepen(-kNotch * notches);
+    const double x = x_ * pixels() - 0.5 * context_.width, y = y_ * pixels() - 0.5 * context_.height;
+    pan(camera_, -x, -y, context_.height);
+    zoomBy(camera_, std::pow(1.15, notches));
+    pan(camera_, x, y, context_.height);
+  }
+
+  void pressHarder(bool is_wanted) {
+    const bool is_harder = is_wanted && bench_.isPressed();
+    if (is_harder == is_harder_) return;
+    is_harder_ = is_harder;
+    bench_.pushHarder(is_harder ? kHarder : 1);
+  }
+
+  // ---- Files
+
+  void askForFile(const AppCommand& command) {
+    asked_for_ = &command;
+    const bool opens = command.id == "file.open";
+    browser_.show(opens ? FileBrowser::Purpose::kOpen : FileBrowser::Purpose::kSave,
+                  opens ? "" : bench_.name() + "-cut.stl");
+  }
+
+  void chooseFile() {
+    const auto file = browser_.draw();
+    if (!file || !asked_for_) return;
+    const std::vector<std::string> words{file->string()};
+    if (asked_for_->is_enabled(context_)) (void)asked_for_->run(context_, words);
+  }
+
+  static constexpr int kNone = -1;
+  const WorkshopOptions& options_;
+  std::vector<InputEvent> events_;
+  Desktop desktop_;  // before what needs its context
+  Workbench bench_;
+  Camera camera_;
+  AppContext context_{.bench = bench_, .camera = camera_};
+  std::unique_ptr<LiveView> view_;
+  PanelState panels_;
+  FileBrowser browser_;
+  const AppCommand* asked_for_ = nullptr;
+  std::optional<ToolOverSurface> over_;
+  Clock::time_point last_input_ = Clock::now();
+  double x_ = 0, y_ = 0;  // of the pointer, window units
+  int window_width_ = 1, window_height_ = 1;
+  int held_ = kNone;
+  bool pans_ = false, is_harder_ = false, wants_end_ = false, is_software_ = true;
+  int frames_ = 0;
+};
+
+}  // namespace
+
+Expected<int> runWorkshop(const WorkshopOptions& options) {
+  // The software renderer draws in the calling thread: the other core is the haptic thread's.
+  ::setenv("LP_NUM_THREADS", std::thread::hardware_concurrency() <= 2 ? "0" : "2", 0);
+  return Workshop(options).run();
+}
+
+Expected<void> runWorkshopScript(const fs::path& script, const WorkshopOptions& options) {
+  ::setenv("LP_NUM_THREADS", std::thread::hardware_concurrency() <= 2 ? "0" : "2", 0);
+  const auto gl = OffscreenContext::create(true);
+  if (!gl) return fail(gl.error());
+  KERF_TRY(view, LiveView::create());
+  Workbench bench(options.bench);
+  KERF_TRY(camera, cameraFromView(options.view));
+  const Camera first = camera;
+  AppContext context{.bench = bench, .camera = camera, .width = options.width, .height = options.height};
+  context.screenshot = [&](const fs::path& png) -> Expected<void> {
+    view->update(bench);
+    KERF_TRY(image, view->picture(bench, camera, context.width, context.height));
+    return writePng(png, image);
+  };
+  LiveView& shown = *view;
+  const auto frame = [&] {
+    shown.update(bench);
+    if (!bench.surface().bounds().isEmpty() && shown.takeFitWanted()) firstView(context, first);
+  };
+  if (!options.open.empty()) bench.open(options.open);
+  KERF_CHECK(runScript(context, script, frame));
+
+  endAll(bench, *view);
+  view.reset();
+  for (const Notice& notice : bench.notices()) fmt::print("{}\n", notice.text);
+  return {};
+}
+
+}  // namespace kerf

@@ -1,0 +1,27 @@
+// The window in which a person cuts: menus, rack, panels, mouse and keys around a LiveView.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "geometry/base/error.h"
+#include "ui/app/workbench.h"
+
+namespace kerf {
+
+struct WorkshopOptions {
+  std::filesystem::path open;  ///< a mesh, a recipe or a case; empty: the first screen
+  WorkbenchOptions bench;
+  std::string view = "top";  ///< from which side it is seen first
+  int width = 1280, height = 800;
+  int frames = 0;  ///< closes after that many, for tests; 0: when the user does
+};
+
+/// Opens the window and runs until it is closed.   @return frames drawn.
+/// Errors: kUnsupported without a display or OpenGL 3.3.
+Expected<int> runWorkshop(const WorkshopOptions& options);
+
+/// Runs a script (ui/app/app_commands.h) without a window; pictures are drawn off screen.
+Expected<void> runWorkshopScript(const std::filesystem::path& script, const WorkshopOptions& options);
+
+}  // namespace kerf
