@@ -45,14 +45,37 @@ Error readOnly(const fs::path& path) {
           .hint = "open the case it was cut from"};
 }
 
-// Out of the teeth. Which way is up is not known: the direction in which most cusp tips are found. What is as flat as
-// a base is not teeth.
+// Where a base looks: the axis that the largest flat part of the surface is square to. None: no flat part to speak of.
+std::optional<Vec3d> baseNormalOf(const Mesh& solid) {
+  constexpr double kFlat = 0.9999, kLeastShare = 0.04;
+  std::array<double, 6> area{};
+  double all = 0;
+  for (const Triangle& t : solid.triangles) {
+    const Vec3d& a = solid.vertices[t[0]];
+    const Vec3d twice = (solid.vertices[t[1]] - a).cross(solid.vertices[t[2]] - a);
+    all += twice.norm();
+    for (std::size_t n = 0; n < 6; ++n) {
+      const double along = (n < 3 ? -1 : 1) * twice[static_cast<Eigen::Index>(n % 3)];
+      if (along > kFlat * twice.norm()) area[n] += along;
+    }
+  }
+  const auto most = static_cast<std::size_t>(std::max_element(area.begin(), area.end()) - area.begin());
+  if (!(area[most] > kLeastShare * all)) return {};
+  return (most < 3 ? -1.0 : 1.0) * Vec3d::Unit(static_cast<Eigen::Index>(most % 3));
+}
+
+// Out of the teeth: away from the base, by the occlusal plane if there is one. Without a base it is not known which way
+// is up: the direction in which most cusp tips are found; what is as flat as a base is not teeth.
 std::optional<Vec3d> occlusalNormalOf(const Mesh& solid) {
+  constexpr double kFlat = 0.05;  // mm
+  if (const auto base = baseNormalOf(solid)) {
+    const auto found = findOcclusalPlane(solid, -*base);
+    return found && found->rms_mm > kFlat && found->normal.dot(-*base) > 0.5 ? found->normal : Vec3d(-*base);
+  }
   std::optional<OcclusalPlane> best;
   for (int n = 0; n < 6; ++n) {
     const auto found = findOcclusalPlane(solid, (n < 3 ? 1.0 : -1.0) * Vec3d::Unit(n % 3));
-    const bool is_flat = found && found->rms_mm < 0.05;
-    if (found && !is_flat && (!best || found->tips > best->tips)) best = *found;
+    if (found && found->rms_mm > kFlat && (!best || found->tips > best->tips)) best = *found;
   }
   if (!best) return {};
   return best->normal;
