@@ -35,7 +35,9 @@ void MouseHand::placed(const Rigid3& T_world_tool) noexcept {
   takeNewestAim();
   placed_for_ = aim_.stroke;
   pose_ = T_world_tool;
-  height_ = axis().dot(aim_.anchor);
+  axis_ = aim_.into;
+  reach_ = aim_.reach;
+  height_ = axis_.dot(aim_.anchor);
   felt_.setZero();
   left_.reset();
   speed_ = 0;
@@ -59,7 +61,7 @@ DeviceSample MouseHand::read() noexcept {
 // Where the line through the hand, along the axis, meets the surface as loaded.
 void MouseHand::followSurface() noexcept {
   if (!surface_ || surface_->isEmpty()) return;
-  const Vec3d a = axis();
+  const Vec3d& a = axis_;
   const Vec3d foot = pose_.translation - a.dot(pose_.translation) * a;
   const double voxel = surface_->voxel();
 
@@ -75,7 +77,7 @@ void MouseHand::followSurface() noexcept {
 }
 
 void MouseHand::moveSideways() noexcept {
-  const Vec3d a = axis();
+  const Vec3d& a = axis_;
   Vec3d way = aim_.pointer - pose_.translation;
   way -= a.dot(way) * a;
   const double distance = way.norm();
@@ -89,15 +91,15 @@ void MouseHand::moveSideways() noexcept {
 }
 
 void MouseHand::moveAlong(bool is_pressed) noexcept {
-  const Vec3d a = axis();
+  const Vec3d& a = axis_;
   const double at = a.dot(pose_.translation);
-  const double lifted = height_ - kClearance;
+  const double lifted = height_ - reach_ - kClearance;
 
   double to = at;
   if (is_pressed) {
     // The tool stops at the depth, not the hand: that is ahead of the tool by what the coupling gives way.
     const double felt = -felt_.dot(a);
-    const double left = height_ + std::max(aim_.depth, 0.0) - (at - felt / stiffness_);
+    const double left = height_ + std::max(aim_.depth, 0.0) - reach_ - (at - felt / stiffness_);
     speed_ += kSmooth * ((left_.value_or(left) - left) / kTick - speed_);
     left_ = left;
     const double ahead = left - kAhead * std::max(speed_, 0.0);

@@ -29,8 +29,10 @@ struct MouseAim {
   bool is_pressed = false;   ///< the button is down: the spindle turns and the hand pushes
   Vec3d pointer = Vec3d::Zero();  ///< on the surface as loaded, or on the plane of the stroke: where the tip shall go
   Vec3d anchor = Vec3d::Zero();   ///< on the surface as loaded, where the stroke began
+  Vec3d into = -Vec3d::UnitZ();   ///< the axis: unit, into the tissue. The tool plunges along it
+  double reach = 0;               ///< from the tip along the axis to what of the tool goes first, mm: a disc's radius
   double force = 1;               ///< along the axis, 0 to 8
-  double depth = 0.5;             ///< below the surface as loaded, along the axis, that the tip may reach; >= 0
+  double depth = 0.5;             ///< below the surface as loaded, along the axis, that the tool may reach; >= 0
   double pedal = 1;               ///< of the nominal speed, 0 to 1
   double irrigation = 1;          ///< 0 to 1
 };
@@ -60,7 +62,6 @@ class MouseHand final : public DeviceSource {
   void followSurface() noexcept;
   void moveSideways() noexcept;
   void moveAlong(bool is_pressed) noexcept;
-  Vec3d axis() const noexcept { return pose_.rotation * -Vec3d::UnitZ(); }  // into the tissue
 
   std::shared_ptr<const BrickField> surface_;
   double stiffness_;
@@ -68,6 +69,8 @@ class MouseHand final : public DeviceSource {
   MouseAim aim_;                  // the newest
   std::uint64_t placed_for_ = 0;  // stroke
   Rigid3 pose_;                   // of the hand
+  Vec3d axis_ = -Vec3d::UnitZ();  // of the stroke, into the tissue
+  double reach_ = 0;              // of the tool along it, mm
   double height_ = 0;             // of the surface as loaded, along the axis, where the hand is, mm
   std::optional<double> left_;    // of the tool's way to the depth, mm
   double speed_ = 0;              // at which that becomes less, mm/s

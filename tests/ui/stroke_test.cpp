@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "geometry/tool/tool_file.h"
 #include "sim/live/remesher.h"
 #include "tests/sim/block_scene.h"
 #include "ui/app/live_surface.h"
@@ -76,22 +77,22 @@ TEST(LiveSurface, ChunksAreReplacedAndRemoved) {
 TEST(Stroke, TheToolStandsOnTheSurfaceAsItWasLoadedAlsoInsideACut) {
   const BallWithHole scene;
   for (const double x : {0.02, 0.5, 0.9}) {
-    const auto at = toolOver(scene.surface, scene.loaded->phi0(), down(x, 0.03), 0.5);
+    const auto at = toolOver(scene.surface, scene.loaded->phi0(), down(x, 0.03), Plunge{});
     ASSERT_TRUE(at) << x;
     EXPECT_LT(std::acos(at->normal.dot(Vec3d(x, 0.03, 3).normalized())), 0.06) << x;
     EXPECT_NEAR(at->depth, at->normal.dot(3 * at->normal - at->point), 0.03) << x;
     EXPECT_NEAR((at->T_world_tool.rotation * Vec3d::UnitZ() - at->normal).norm(), 0, 1e-9);
   }
-  EXPECT_FALSE(toolOver(scene.surface, scene.loaded->phi0(), down(3.3, 0), 0.5));
+  EXPECT_FALSE(toolOver(scene.surface, scene.loaded->phi0(), down(3.3, 0), Plunge{}));
 }
 
 TEST(Stroke, ItIsAnchoredOutsideAndPointsAtWhatWasLoaded) {
   const BallWithHole scene;
   Mesh head;
   head.vertices = {{0, 0, 0}, {0.5, 0, 0.5}, {-0.5, 0, 0.5}};
-  const auto at = toolOver(scene.surface, scene.loaded->phi0(), down(0.02, 0.03), 0.5);
+  const auto at = toolOver(scene.surface, scene.loaded->phi0(), down(0.02, 0.03), Plunge{});
   ASSERT_TRUE(at);
-  const Stroke stroke(scene.loaded->phi0(), *at, head);
+  const Stroke stroke(scene.loaded->phi0(), *at, Plunge{}, head);
   EXPECT_NEAR(stroke.anchor().norm(), 3, 0.01);
   for (const Vec3d& v : head.vertices) EXPECT_GT((stroke.start() * v).norm(), 3);
   EXPECT_NEAR(stroke.depthOf({0.02, 0.03, 2.5}), 0.5, 0.01);
@@ -102,6 +103,25 @@ TEST(Stroke, ItIsAnchoredOutsideAndPointsAtWhatWasLoaded) {
   const Vec3d beside = stroke.pointerOf(down(8, 0));
   EXPECT_NEAR(stroke.axis().dot(beside - stroke.anchor()), 0, 1e-9);
   EXPECT_NEAR(beside[0], 8, 1e-9);
+}
+
+TEST(Stroke, ADiscStandsOnItsRimAndASawOnItsTeeth) {
+  const BallWithHole scene;
+  for (const char* const id : {"disc-22", "saw-reciprocating-25"}) {
+    const auto file = findToolFile(id, defaultToolFolders());
+    ASSERT_TRUE(file);
+    const auto tool = readTool(*file);
+    ASSERT_TRUE(tool);
+    const Plunge plunge = plungeOf(*tool);
+    EXPECT_NEAR(plunge.reach, std::string(id) == "disc-22" ? 11 : 0, 0.05) << id;
+    const auto at = toolOver(scene.surface, scene.loaded->phi0(), down(1.8, 0), plunge);
+    ASSERT_TRUE(at);
+    EXPECT_NEAR((at->T_world_tool.rotation * plunge.direction + at->normal).norm(), 0, 1e-9);
+    const Stroke stroke(scene.loaded->phi0(), *at, plunge, {});
+    const double first = plunge.reach - stroke.axis().dot(stroke.start().translation - stroke.anchor());
+    EXPECT_NEAR(first, -0.3, 1e-9) << "above the surface";
+    EXPECT_NEAR(stroke.depthOf(stroke.start().translation), -0.3, 0.02);
+  }
 }
 
 }  // namespace

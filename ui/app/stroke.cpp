@@ -48,32 +48,44 @@ Vec3d meanNormal(const BrickField& loaded, const Vec3d& point, double radius, co
 
 }  // namespace
 
-Eigen::Quaterniond attitudeAlong(const Vec3d& axis) {
-  return Eigen::Quaterniond::FromTwoVectors(Vec3d::UnitZ(), axis).normalized();
+Plunge plungeOf(const Tool& tool) {
+  Plunge out{tool.plunge_direction, 0, 0.5 * tool.head_diameter_mm};
+  const Box3 box = tool.cut->bounds();
+  for (int n = 0; n < 8; ++n) out.reach = std::max(out.reach, box.corner(n).dot(out.direction));
+  if (out.reach > out.radius - 1e-6) out.radius = kWide;  // it cuts with its rim, a disc
+  return out;
+}
+
+Eigen::Quaterniond attitudeAlong(const Plunge& plunge, const Vec3d& axis) {
+  return Eigen::Quaterniond::FromTwoVectors(plunge.direction, -axis).normalized();
 }
 
 std::optional<ToolOverSurface> toolOver(const LiveSurface& surface, const BrickField& loaded, const Ray& ray,
-                                        double tool_radius) {
+                                        const Plunge& plunge) {
   const auto hit = surface.hit(ray);
   if (!hit) return {};
   ToolOverSurface out;
   out.point = hit->point;
   // On the surface as loaded: the walls of a cut do not turn the tool.
   const auto way = entry(loaded, ray, std::max(hit->way - 2 * kOut, 0.0), hit->way + loaded.voxel());
-  out.normal = meanNormal(loaded, way ? ray.at(*way) : hit->point, std::max(tool_radius, kWide), -ray.direction);
-  out.T_world_tool = {attitudeAlong(out.normal), out.point};
+  out.normal = meanNormal(loaded, way ? ray.at(*way) : hit->point, std::max(plunge.radius, kWide), -ray.direction);
+  out.T_world_tool = {attitudeAlong(plunge, out.normal), out.point + plunge.reach * out.normal};
   out.depth = std::max(out.normal.dot(onLoaded(loaded, hit->point, out.normal) - hit->point), 0.0);
   return out;
 }
 
-Stroke::Stroke(const BrickField& loaded, const ToolOverSurface& at, const Mesh& head)
-    : loaded_(loaded), anchor_(onLoaded(loaded, at.point, at.normal)), axis_(at.normal) {
-  start_ = {attitudeAlong(axis_), anchor_ + kAbove * axis_};
+Stroke::Stroke(const BrickField& loaded, const ToolOverSurface& at, const Plunge& plunge, const Mesh& head)
+    : loaded_(loaded),
+      anchor_(onLoaded(loaded, at.point, at.normal)),
+      axis_(at.normal),
+      reach_(plunge.reach),
+      start_{at.T_world_tool.rotation, anchor_ + (kAbove + reach_) * axis_} {
   const auto isFree = [&] {
     return std::all_of(head.vertices.begin(), head.vertices.end(),
                        [&](const Vec3d& v) { return loaded_.sample(start_ * v) > 0; });
   };
-  for (double lift = kAbove; lift < kLongestLift && !isFree(); lift += 0.1) start_.translation = anchor_ + lift * axis_;
+  for (double lift = kAbove; lift < kLongestLift && !isFree(); lift += 0.1)
+    start_.translation = anchor_ + (lift + reach_) * axis_;
 }
 
 Vec3d Stroke::pointerOf(const Ray& ray) const {
@@ -83,6 +95,9 @@ Vec3d Stroke::pointerOf(const Ray& ray) const {
   return ray.at(axis_.dot(anchor_ - ray.origin) / along);
 }
 
-double Stroke::depthOf(const Vec3d& tip) const { return axis_.dot(onLoaded(loaded_, tip, axis_) - tip); }
+double Stroke::depthOf(const Vec3d& tip) const {
+  const Vec3d first = tip - reach_ * axis_;
+  return axis_.dot(onLoaded(loaded_, first, axis_) - first);
+}
 
 }  // namespace kerf

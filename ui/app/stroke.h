@@ -9,6 +9,7 @@
 
 #include "geometry/field/brick_field.h"
 #include "geometry/mesh/mesh.h"
+#include "geometry/tool/tool.h"
 #include "sim/hand/mouse_hand.h"
 #include "ui/app/live_surface.h"
 
@@ -16,25 +17,33 @@ namespace kerf {
 
 /// A tool that hovers or is about to cut: where, and how deep below the surface as loaded.
 struct ToolOverSurface {
-  Rigid3 T_world_tool;            ///< its tip on the surface as it is now
+  Rigid3 T_world_tool;            ///< what of it goes first is on the surface as it is now
   Vec3d point = Vec3d::Zero();    ///< there, mm
-  Vec3d normal = Vec3d::UnitZ();  ///< unit, outward: the tool's axis
+  Vec3d normal = Vec3d::UnitZ();  ///< unit, outward: the tool plunges against it
   double depth = 0;               ///< of the point below the surface as loaded, along the axis, mm
 };
 
-/// What a ray points at, with a tool of that radius. None: nothing.
-std::optional<ToolOverSurface> toolOver(const LiveSurface& surface, const BrickField& loaded, const Ray& ray,
-                                        double tool_radius);
+/// How a tool goes into tissue, tool frame.
+struct Plunge {
+  Vec3d direction = -Vec3d::UnitZ();  ///< unit: Tool::plunge_direction
+  double reach = 0;                   ///< from the tip along it to what goes first, mm
+  double radius = 0.5;                ///< of the surface on which it stands, mm
+};
+Plunge plungeOf(const Tool& tool);
 
-/// A tool's attitude with its shank along `axis` (unit, out of the tissue), turned least from upright.
-Eigen::Quaterniond attitudeAlong(const Vec3d& axis);
+/// What a ray points at. None: nothing.
+std::optional<ToolOverSurface> toolOver(const LiveSurface& surface, const BrickField& loaded, const Ray& ray,
+                                        const Plunge& plunge);
+
+/// A tool's attitude in which it plunges against `axis` (unit, out of the tissue), turned least from upright.
+Eigen::Quaterniond attitudeAlong(const Plunge& plunge, const Vec3d& axis);
 
 class Stroke {
  public:
   /// @param loaded  the surface as loaded; kept by reference.   @param head  of the tool, tool frame: where it starts
   /// it
   ///   touches nothing that was loaded, as far as these vertices say.
-  Stroke(const BrickField& loaded, const ToolOverSurface& at, const Mesh& head);
+  Stroke(const BrickField& loaded, const ToolOverSurface& at, const Plunge& plunge, const Mesh& head);
 
   /// Of the tool, before the stroke: above the anchor, in air.
   const Rigid3& start() const { return start_; }
@@ -42,12 +51,13 @@ class Stroke {
   const Vec3d& axis() const { return axis_; }  ///< out of the tissue, unit
   /// Where the tip is to go when the cursor points along this ray: world, mm.
   Vec3d pointerOf(const Ray& ray) const;
-  /// How deep a tip is below the surface as loaded, along the axis, mm; negative in air.
+  /// How deep the tool with its tip there is below the surface as loaded, along the axis, mm; negative in air.
   double depthOf(const Vec3d& tip) const;
 
  private:
   const BrickField& loaded_;
   Vec3d anchor_, axis_;
+  double reach_;
   Rigid3 start_;
 };
 

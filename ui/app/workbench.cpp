@@ -151,6 +151,7 @@ Workbench::Workbench(WorkbenchOptions options) : options_(std::move(options)) {
       continue;
     }
     heads_.push_back(headOf(*tool));
+    plunges_.push_back(plungeOf(*tool));
     tools_.push_back({*file, std::move(*tool)});
   }
   findLostSessions();
@@ -392,17 +393,18 @@ bool Workbench::selectTool(const std::string& id) {
 
 std::optional<ToolOverSurface> Workbench::over(const Ray& ray) const {
   if (!run_) return {};
-  const Tool& in_hand = tool(tool_);
-  return toolOver(surface_, run_->object().phi0(), ray, 0.5 * in_hand.head_diameter_mm);
+  return toolOver(surface_, run_->object().phi0(), ray, plunges_[tool_]);
 }
 
 bool Workbench::press(const Ray& ray) {
   const auto at = over(ray);
   if (!at || job_) return false;
-  stroke_.emplace(run_->object().phi0(), *at, heads_[tool_]);
+  stroke_.emplace(run_->object().phi0(), *at, plunges_[tool_], heads_[tool_]);
   ++aim_.stroke;
   aim_.is_pressed = true;
   aim_.anchor = aim_.pointer = stroke_->anchor();
+  aim_.into = -stroke_->axis();
+  aim_.reach = plunges_[tool_].reach;
   sendAim();
 
   const Rigid3& start = stroke_->start();

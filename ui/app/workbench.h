@@ -166,7 +166,8 @@ class Workbench {
   HapticReport report_;
   HapticTimes times_;
   std::size_t tool_ = 0;
-  std::vector<Mesh> heads_;  // of the tools
+  std::vector<Mesh> heads_;      // of the tools
+  std::vector<Plunge> plunges_;  // of the same
   std::optional<Stroke> stroke_;
   MouseAim aim_;
   double push_factor_ = 1;

@@ -196,7 +196,10 @@ TEST(MouseHand, ReadsWithoutAllocating) {
   const AllocationGuard guard;
   hand.placed(upright({0, 0, 0.3}));
   for (int n = 0; n < 1000; ++n) {
-    hand.aim({0, true, {0.001 * n, 0, 0}, {0, 0, 0}, 1, 0.5, 1, 1});
+    MouseAim aim;
+    aim.is_pressed = true;
+    aim.pointer = {0.001 * n, 0, 0};
+    hand.aim(aim);
     hand.read();
     hand.write({{0, 0, 0.5}, {0, 0, 0}});
   }
