@@ -267,7 +267,7 @@ void HapticThread::State::tick(bool is_stalled) noexcept {
   device->write(withVibration(report.output));
   ++report.counts.ticks;
   report.counts.out_of_bricks += (report.output.status & (kStepBricksRanOut | kStepNearRanOut)) != 0;
-  exportBricks();
+  report.counts.edits_waiting = exportBricks();
   if (maker) maker->afterTick(session, report.output);
   publish();
 }

@@ -54,8 +54,9 @@ struct HapticCounts {
   double longest_pause_ms = 0;
   std::uint64_t commands_done = 0;
   std::uint64_t commands_refused = 0;
-  std::uint64_t edits_pushed = 0;  ///< into all feeds
-  std::uint64_t records_lost = 0;  ///< not taken by the recorder: the log has a gap, and replays no further than that
+  std::uint64_t edits_pushed = 0;   ///< into all feeds
+  std::uint64_t edits_waiting = 0;  ///< now: bricks that changed and are in no feed yet
+  std::uint64_t records_lost = 0;   ///< not taken by the recorder: the log has a gap, and replays no further than that
   /// Ticks with kStepBricksRanOut or kStepNearRanOut: they needed more than Session::reserveFor() / 2 bricks. A replay
   /// may differ.
   std::uint64_t out_of_bricks = 0;

@@ -69,17 +69,20 @@ Expected<void> LiveRun::load(const Progress& progress) {
 Expected<void> LiveRun::makeFolder() {
   std::error_code ignored;
   if (folder_.has_parent_path()) fs::create_directories(folder_.parent_path(), ignored);
-  KERF_TRY(manifest, openSessionRun(folder_, case_folder_, case_, options_.tools));
-  manifest_ = std::move(manifest);
-  KERF_TRY(lock, RunLock::take(folder_));
-  lock_.emplace(std::move(lock));
+  KERF_TRY(opened, openSessionRun(folder_, case_folder_, case_, options_.tools));
+  manifest_ = std::move(opened.manifest);
+  lock_.emplace(std::move(opened.lock));
 
   SessionHeader header = sessionHeader(manifest_);
   const SessionHeader settings = describe(haptic_->session());
   header.insert(header.end(), settings.begin(), settings.end());
-  KERF_TRY(recorder, SessionRecorder::start(folder_ / internal::kRunLog, header, options_.recorder));
-  recorder_.emplace(std::move(recorder));
-  return {};
+  auto recorder = SessionRecorder::start(folder_ / internal::kRunLog, header, options_.recorder);
+  if (recorder) {
+    recorder_.emplace(std::move(*recorder));
+    return {};
+  }
+  fs::remove_all(folder_, ignored);  // nobody has worked in it
+  return fail(std::move(recorder).error());
 }
 
 Expected<void> LiveRun::start(DeviceSource& device) {
@@ -109,9 +112,15 @@ Expected<RunManifest> LiveRun::finish() {
   is_finished_ = true;
   haptic_->stop();
   mesher_->stop();
-  KERF_CHECK(recorder_->close());
+  const auto closed = recorder_->close();
   auto ended = endSessionRun(folder_, haptic_->session(), manifest_);
-  if (ended) return manifest_;
+  if (ended && closed) return manifest_;
+  // The cut is worth more than its log.
+  if (ended) {
+    Error error = closed.error();
+    error.hint = "what was cut is whole, and can be exported; the log is not, and the session can not be replayed";
+    return fail(std::move(error));
+  }
 
   // A session without a cut is none: its folder holds nothing that anybody made.
   if (ended.error().code == Error::Code::kEmpty) {

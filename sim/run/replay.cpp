@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 
@@ -308,6 +309,11 @@ Expected<Replay> internal::replayRun(const fs::path& run_folder, const RunManife
   }
   KERF_TRY(model, makeModel(tools, {}, widestBand(objects)));
 
+  // What comes after a gap was never so: it is not finished from there.
+  if (manifest.is_open)
+    for (const SessionEvent& event : log.events)
+      if (std::holds_alternative<SessionGap>(event.what))
+        until_s = std::min(until_s, static_cast<double>(event.samples_before) * kTick);
   auto out = replay(log, log_file.string(), std::move(model), std::move(objects), progress, until_s, from_s, at_end);
   if (out && !manifest.is_open) compareEnd(log, manifest, until_s, *out);
   return out;

@@ -32,18 +32,22 @@ tl::unexpected<Error> cannotWrite(const fs::path& what, const std::string& why) 
                .hint = "another folder, or free some space"});
 }
 
-// Copies a tool, with its mesh, into the run. Hashed before it is copied: see finishRun().
-Expected<RunManifest::ToolFile> storeTool(const SessionTool& tool, const fs::path& run_folder) {
-  RunManifest::ToolFile out{tool.tool.id, fmt::format("{}/{}", kToolFolder, tool.file.filename().string()), {}};
+// Copies tool n, with its mesh, into a folder of its own: names may repeat. Hashed before it is copied: see
+// finishRun().
+Expected<RunManifest::ToolFile> storeTool(const SessionTool& tool, std::size_t n, const fs::path& run_folder) {
+  const std::string folder = fmt::format("{}/{:02}", kToolFolder, n + 1);
+  RunManifest::ToolFile out{tool.tool.id, folder + "/" + tool.file.filename().string(), {}};
   KERF_TRY(hash, sha256OfFile(tool.file));
   out.sha256 = hash;
   std::error_code failed;
+  fs::create_directories(run_folder / folder, failed);
+  if (failed) return cannotWrite(run_folder / folder, failed.message());
   fs::copy_file(tool.file, run_folder / out.file, failed);
   if (failed) return cannotWrite(run_folder / out.file, failed.message());
   if (!tool.tool.mesh) return out;
 
-  const fs::path mesh = run_folder / kToolFolder / tool.tool.mesh_file.filename();
-  fs::copy_file(tool.tool.mesh_file, mesh, fs::copy_options::skip_existing, failed);
+  const fs::path mesh = run_folder / folder / tool.tool.mesh_file.filename();
+  fs::copy_file(tool.tool.mesh_file, mesh, failed);
   if (failed) return cannotWrite(mesh, failed.message());
   return out;
 }
@@ -88,8 +92,8 @@ RunLock::~RunLock() {
 
 // ---- Beginning and end
 
-Expected<RunManifest> openSessionRun(const fs::path& run_folder, const fs::path& case_folder,
-                                     const CaseManifest& manifest, std::span<const SessionTool> tools) {
+Expected<OpenedRun> openSessionRun(const fs::path& run_folder, const fs::path& case_folder,
+                                   const CaseManifest& manifest, std::span<const SessionTool> tools) {
   RunManifest out;
   out.kerf_version = kVersion;
   KERF_TRY(case_path, internal::relativeCasePath(case_folder, run_folder));
@@ -106,16 +110,20 @@ Expected<RunManifest> openSessionRun(const fs::path& run_folder, const fs::path&
                  .found = failed ? failed.message() : "there is something of that name",
                  .expected = "a new folder in a writable one",
                  .hint = "another name or place"});
-  fs::create_directory(run_folder / kToolFolder, failed);
-  if (failed) return cannotWrite(run_folder / kToolFolder, failed.message());
 
-  for (const SessionTool& tool : tools) {
-    KERF_TRY(stored, storeTool(tool, run_folder));
-    out.tools.push_back(std::move(stored));
-  }
-  out.tool_id = out.tools.empty() ? "" : out.tools.front().id;
-  KERF_CHECK(writeRunManifest(run_folder, out));
-  return out;
+  // The lock first: a folder with a manifest and without a lock is one whose program is gone.
+  auto opened = [&]() -> Expected<OpenedRun> {
+    KERF_TRY(lock, RunLock::take(run_folder));
+    for (std::size_t n = 0; n < tools.size(); ++n) {
+      KERF_TRY(stored, storeTool(tools[n], n, run_folder));
+      out.tools.push_back(std::move(stored));
+    }
+    out.tool_id = out.tools.empty() ? "" : out.tools.front().id;
+    KERF_CHECK(writeRunManifest(run_folder, out));
+    return OpenedRun{std::move(out), std::move(lock)};
+  }();
+  if (!opened) fs::remove_all(run_folder, failed);
+  return opened;
 }
 
 SessionHeader sessionHeader(const RunManifest& manifest) {

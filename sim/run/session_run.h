@@ -40,10 +40,14 @@ class RunLock {
   int file_ = -1;
 };
 
+struct OpenedRun {
+  RunManifest manifest;  ///< open
+  RunLock lock;
+};
 /// Makes the folder, which must not exist, with tools and manifest. The folder of the case may be anywhere; the run
-/// notes the way to it. @return the manifest, open.
-Expected<RunManifest> openSessionRun(const std::filesystem::path& run_folder, const std::filesystem::path& case_folder,
-                                     const CaseManifest& manifest, std::span<const SessionTool> tools);
+/// notes the way to it. After an error it is gone again.
+Expected<OpenedRun> openSessionRun(const std::filesystem::path& run_folder, const std::filesystem::path& case_folder,
+                                   const CaseManifest& manifest, std::span<const SessionTool> tools);
 /// What the header of its log says of case and tools; describe() says the rest.
 SessionHeader sessionHeader(const RunManifest& manifest);
 

@@ -4,8 +4,12 @@
 
 #include <cstdlib>
 #include <fstream>
+#include <iterator>
+#include <map>
 #include <set>
 
+#include "geometry/base/hash.h"
+#include "geometry/case/case_bundle.h"
 #include "geometry/formats/mesh_io.h"
 #include "geometry/formats/mesh_writer.h"
 #include "geometry/mesh/mesh_check.h"
@@ -72,7 +76,8 @@ TEST_F(WorkbenchTest, FromAScanToAFileForThePrinter) {
   const auto played =
       play("file.open \"" + in.string() + "\"  # dropped\nwait\nview.fit\ncut.force 2\ncut.depth 0.4\n" +
            "cut.press 200 150\nwait 3\ncut.drag 230 150\nwait 2\ncut.release\nwait 0.1\n" +
-           "edit.undo\nwait 0.1\ntool.select round-010\ncut.press 180 150\nwait 3\ncut.release\n" +
+           "expect removed 0.01 9\nedit.undo\nwait 0.2\nexpect removed -1e-9 1e-9\ntool.select round-010\ncut.press "
+           "180 150\nwait 3\ncut.release\n" +
            "wait 0.1\nfile.export \"" + out.string() + "\"\nwait\n");
   ASSERT_TRUE(played) << played.error().message() << allNotices();
   EXPECT_NE(allNotices().find("ready to print"), std::string::npos) << allNotices();
@@ -93,11 +98,17 @@ TEST_F(WorkbenchTest, FromAScanToAFileForThePrinter) {
 
 TEST_F(WorkbenchTest, TheSameScanOpensWithoutBakingAgain) {
   const std::string open = "file.open \"" + scan(folder_).string() + "\"\nwait\n";
+  const auto times = [&] {
+    std::map<fs::path, fs::file_time_type> out;
+    for (const auto& entry : fs::directory_iterator(folder_.path() / "data" / "cases"))
+      out[entry.path()] = fs::last_write_time(entry.path() / kCaseManifest);
+    return out;
+  };
   ASSERT_TRUE(play(open)) << allNotices();
+  const auto before = times();
   ASSERT_TRUE(play(open)) << allNotices();
-  std::size_t cases = 0;
-  for ([[maybe_unused]] const auto& entry : fs::directory_iterator(folder_.path() / "data" / "cases")) ++cases;
-  EXPECT_EQ(cases, 1u);
+  EXPECT_EQ(before.size(), 1u);
+  EXPECT_EQ(times(), before);
   EXPECT_FALSE(fs::exists(session_)) << "nothing was cut";
 }
 
@@ -128,9 +139,13 @@ TEST_F(WorkbenchTest, WhatCannotBeDoneIsSaidWithItsLine) {
 }
 
 TEST_F(WorkbenchTest, ACancelledJobLeavesNothing) {
-  const auto played = play("file.demo molar\njob.cancel\nwait\n");
+  const auto played = play("file.open \"" + scan(folder_).string() + "\"\njob.cancel\nwait\n");
   EXPECT_FALSE(played);
-  EXPECT_FALSE(fs::exists(folder_.path() / "data" / "sessions"));
+  for (const char* const part : {"sessions", "cases"}) {
+    std::error_code ignored;
+    const fs::directory_iterator in(folder_.path() / "data" / part, ignored);
+    EXPECT_EQ(std::distance(begin(in), end(in)), 0) << part;
+  }
 }
 
 TEST_F(WorkbenchTest, ARunIsNotOpenedForCutting) {
@@ -139,6 +154,60 @@ TEST_F(WorkbenchTest, ARunIsNotOpenedForCutting) {
   const auto played = play("file.open \"" + session_.string() + "\"\nwait\n");
   ASSERT_FALSE(played);
   EXPECT_NE(played.error().message().find("open the case it was cut from"), std::string::npos);
+}
+
+TEST_F(WorkbenchTest, TheScanThatWasOpenedIsNeverWrittenOver) {
+  const fs::path in = scan(folder_);
+  const auto before = sha256OfFile(in);
+  const auto played = play("file.open \"" + in.string() + "\"\nwait\nfile.export \"" + in.string() + "\"\nwait\n");
+  ASSERT_FALSE(played);
+  EXPECT_NE(played.error().message().find("never written over"), std::string::npos) << played.error().message();
+  EXPECT_EQ(*sha256OfFile(in), *before);
+}
+
+TEST_F(WorkbenchTest, AnExportRightAfterAnUndoIsWithoutTheStroke) {
+  const fs::path out = folder_.path() / "whole.stl";
+  const auto played = play("file.open \"" + scan(folder_).string() +
+                           "\"\nwait\nview.fit\ncut.force 2\ncut.press 200 150\nwait 3\ncut.release\nwait 0.1\n" +
+                           "expect removed 0.01 9\nedit.undo\nfile.export \"" + out.string() + "\"\nwait\n");
+  ASSERT_TRUE(played) << played.error().message();
+  EXPECT_NE(allNotices().find("removed 0.000 mm3"), std::string::npos) << allNotices();
+}
+
+TEST_F(WorkbenchTest, WhatCannotBeOpenedLeavesTheSessionAlone) {
+  const fs::path text = folder_.write("text.stl", "no mesh");
+  Workbench bench(options());
+  const auto work = [&] {
+    do bench.update();
+    while (bench.job());
+  };
+  bench.open(scan(folder_));
+  work();
+  ASSERT_TRUE(bench.isOpen());
+  const std::string name = bench.name();
+  bench.open(text);
+  work();
+  EXPECT_TRUE(bench.isOpen());
+  EXPECT_EQ(bench.name(), name);
+  EXPECT_TRUE(bench.notices().back().is_error);
+}
+
+TEST_F(WorkbenchTest, ToolsOfOneNameAreKeptApart) {
+  WorkbenchOptions twice = options();
+  twice.tools = {"round-014", "round-014"};
+  Workbench bench(twice);
+  bench.open(scan(folder_));
+  do bench.update();
+  while (bench.job());
+  EXPECT_TRUE(bench.isOpen()) << bench.notices().back().text;
+  EXPECT_EQ(bench.toolCount(), 2u);
+}
+
+TEST_F(WorkbenchTest, TheDefaultRackIsThere) {
+  WorkbenchOptions plain = options();
+  plain.tools.clear();
+  const Workbench bench(plain);
+  EXPECT_TRUE(bench.notices().empty()) << bench.notices().front().text;
 }
 
 TEST(AppCommands, TheTableIsSound) {

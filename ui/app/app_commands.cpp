@@ -113,12 +113,16 @@ Expected<void> selectTool(AppContext& c, AppWords words) {
   for (std::size_t n = 0; n < c.bench.toolCount(); ++n) ids += (n ? ", " : "") + c.bench.tool(n).id;
   return wrong("\"" + words[0] + "\"", "one of " + ids);
 }
+std::size_t toolBeside(const AppContext& c, std::size_t way) {
+  const std::size_t count = std::max<std::size_t>(c.bench.toolCount(), 1);
+  return (c.bench.toolInHand() + way) % count;
+}
 Expected<void> nextTool(AppContext& c, AppWords) {
-  c.bench.selectTool((c.bench.toolInHand() + 1) % c.bench.toolCount());
+  c.bench.selectTool(toolBeside(c, 1));
   return {};
 }
 Expected<void> previousTool(AppContext& c, AppWords) {
-  c.bench.selectTool((c.bench.toolInHand() + c.bench.toolCount() - 1) % c.bench.toolCount());
+  c.bench.selectTool(toolBeside(c, c.bench.toolCount() - 1));
   return {};
 }
 
@@ -285,6 +289,23 @@ void printState(const AppContext& c) {
   std::fflush(stdout);
 }
 
+Expected<void> expect(const AppContext& c, AppWords words) {
+  if (words.empty()) return wrong("nothing", "removed, depth or triangles, and its range");
+  KERF_TRY(low, number(words, 1, "LOW", -1e12, 1e12));
+  KERF_TRY(high, number(words, 2, "HIGH", -1e12, 1e12));
+  double value = 0;
+  if (words[0] == "removed")
+    value = c.bench.removedMm3();
+  else if (words[0] == "depth")
+    value = c.bench.depthNow().value_or(0);
+  else if (words[0] == "triangles")
+    value = static_cast<double>(c.bench.surface().triangleCount());
+  else
+    return wrong("\"" + words[0] + "\"", "removed, depth or triangles");
+  if (value >= low && value <= high) return {};
+  return wrong(fmt::format("{} {:g}", words[0], value), fmt::format("{:g} to {:g}", low, high));
+}
+
 // Notices that are errors end a script.
 Expected<void> failOnError(const AppContext& c, std::size_t& seen) {
   for (; seen < c.bench.notices().size(); ++seen)
@@ -325,7 +346,8 @@ std::string appCommandReference() {
       "words in "
       "double quotes may hold blanks. X and Y are pixels of the picture, Y downwards. Beside them a script has `wait` "
       "(until "
-      "no job runs), `wait SECONDS` (of the simulation) and `print` (the state, as JSON). The first error ends it, "
+      "no job runs), `wait SECONDS` (of the simulation), `print` (the state, as JSON) and `expect "
+      "removed|depth|triangles LOW HIGH`. The first error ends it, "
       "with "
       "exit code 1 and the line.\n\n| command | parameters | key | what it does |\n|---|---|---|---|\n";
   for (const AppCommand& c : kCommands)
@@ -368,7 +390,7 @@ Expected<void> runScript(AppContext& context, const fs::path& script, const std:
                  .found = "cannot be read",
                  .expected = "lines of commands",
                  .hint = "kerf-sim --commands lists them"});
-  std::size_t seen = context.bench.notices().size();
+  std::size_t seen = 0;
   std::string line;
   for (int n = 1; std::getline(in, line) && !context.wants_quit; ++n) {
     const auto done = [&]() -> Expected<void> {
@@ -377,6 +399,8 @@ Expected<void> runScript(AppContext& context, const fs::path& script, const std:
       const AppWords parameters = AppWords(words).subspan(1);
       if (words[0] == "wait")
         KERF_CHECK(wait(context, parameters, frame));
+      else if (words[0] == "expect")
+        KERF_CHECK(expect(context, parameters));
       else if (words[0] == "print")
         printState(context);
       else

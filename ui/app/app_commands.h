@@ -60,6 +60,7 @@ void fitToBox(Camera& camera, const Box3& box, int width, int height);
 ///   wait               until no job runs
 ///   wait SECONDS       of the simulation
 ///   print              state as one line of JSON on standard output
+///   expect WHAT LOW HIGH  ends the script unless removed (mm^3), depth (mm) or triangles is in that range
 /// The first error ends it, and names the line.   @param frame  is called about 60 times a second while it waits.
 Expected<void> runScript(AppContext& context, const std::filesystem::path& script, const std::function<void()>& frame);
 

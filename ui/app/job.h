@@ -22,6 +22,7 @@ struct JobStatus {
   double seconds = 0;            ///< since it began
   std::optional<double> left_s;  ///< by its pace so far; none in its first second
   bool is_cancelling = false;
+  bool can_be_cancelled = true;
 };
 
 /// What the window knows of any job.
@@ -39,7 +40,8 @@ class Job final : public AnyJob {
  public:
   using Work = std::function<Expected<T>(const Progress&)>;
 
-  Job(std::string title, Work work) : title_(std::move(title)) {
+  Job(std::string title, Work work, bool can_be_cancelled = true)
+      : title_(std::move(title)), can_be_cancelled_(can_be_cancelled) {
     thread_ = std::thread([this, work = std::move(work)] {
       result_.emplace(guarded(work));
       is_over_.store(true, std::memory_order_release);
@@ -58,6 +60,7 @@ class Job final : public AnyJob {
     out.title = title_;
     out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
     out.is_cancelling = is_cancelled_.load();
+    out.can_be_cancelled = can_be_cancelled_;
     const std::lock_guard lock(mutex_);
     out.step = step_;
     out.done = done_;
@@ -95,6 +98,7 @@ class Job final : public AnyJob {
   }
 
   const std::string title_;
+  const bool can_be_cancelled_;
   const std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
   std::atomic<bool> is_cancelled_{false}, is_over_{false};
   mutable std::mutex mutex_;

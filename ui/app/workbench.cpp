@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <thread>
 #include <utility>
 
 #include "geometry/base/hash.h"
@@ -82,10 +83,10 @@ std::optional<Vec3d> occlusalNormalOf(const Mesh& solid) {
 }
 
 // mm^2, in its own unit or the one that is chosen for it.
-Expected<double> areaOfScan(const fs::path& path) {
+Expected<double> areaOfScan(const fs::path& path, const std::string& asked_unit) {
   KERF_TRY(file, readMesh(path));
   Box3 box = bounds(file.mesh);
-  KERF_TRY(unit, chooseUnit(box, "", file.declared_unit));
+  KERF_TRY(unit, chooseUnit(box, asked_unit, file.declared_unit));
   double area = 0;
   for (const Triangle& t : file.mesh.triangles) {
     const Vec3d& a = file.mesh.vertices[t[0]];
@@ -131,7 +132,7 @@ double voxelFor(double area_mm2) {
 
 const std::vector<std::string>& defaultTools() {
   static const std::vector<std::string> kTools = {
-      "round-014", "round-010", "round-018", "330-008", "856-016",
+      "round-014", "round-010", "round-018", "us-330",  "856-016",
       "837-012",   "847-016",   "862-012",   "disc-22", "saw-reciprocating-25"};
   return kTools;
 }
@@ -142,7 +143,7 @@ Workbench::Workbench(WorkbenchOptions options) : options_(std::move(options)) {
   for (const std::string& id : wanted) {
     const auto file = findToolFile(id, defaultToolFolders());
     if (!file) {
-      if (!options_.tools.empty()) complain(file.error());
+      complain(file.error());
       continue;
     }
     auto tool = readTool(*file);
@@ -170,16 +171,41 @@ std::vector<MeshChunkPtr> Workbench::update() {
     const auto done = std::exchange(when_over_, {});
     if (done) done();
   }
-  if (!run_) return {};
+  takeNews();
+  return std::exchange(fresh_, {});
+}
 
+void Workbench::takeNews() {
+  if (!run_) return;
   if (run_->thread().update()) {
     report_ = run_->thread().report();
     removed_mm3_ = report_.objects[0].removed_mm3;
   }
   if (run_->thread().updateTimes()) times_ = run_->thread().times();
-  auto chunks = run_->mesher().take();
+  const auto chunks = run_->mesher().take();
   surface_.update(chunks);
-  return chunks;
+  fresh_.insert(fresh_.end(), chunks.begin(), chunks.end());
+
+  const RecorderStatus log = run_->recorderStatus();
+  if (!log.error || std::exchange(has_told_of_log_, true)) return;
+  Error error = *log.error;
+  error.hint = "free some space and end the session: what was cut is kept, the log ends here";
+  complain(error);
+}
+
+// Until what was asked for is done and the mesher knows of it; a second at most.
+void Workbench::settle() {
+  constexpr std::uint64_t kTicks = 3;  // after a command: what it changed is counted in the next tick
+  std::optional<std::uint64_t> done_at;
+  for (int n = 0; n < 1000; ++n) {
+    takeNews();
+    const HapticCounts& c = report_.counts;
+    const bool is_done = c.commands_done + c.commands_refused >= sent_ && report_.output.touching == 0;
+    if (is_done && !done_at) done_at = report_.tick;
+    const bool is_counted = done_at && report_.tick >= *done_at + kTicks;
+    if (is_counted && c.edits_waiting == 0 && run_->mesher().editsDone() >= c.edits_pushed) return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
 }
 
 void Workbench::cancelJob() {
@@ -197,9 +223,10 @@ bool Workbench::isBusy() {
 // ---- Opening
 
 fs::path Workbench::newSessionFolder(const std::string& name) const {
-  const auto now = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
-  const std::string base =
-      fmt::format("{}-{:%Y%m%d-%H%M%S}", name, fmt::localtime(std::chrono::system_clock::to_time_t(now)));
+  const auto now = std::chrono::system_clock::now();
+  const auto part = std::chrono::duration_cast<std::chrono::milliseconds>(now.time_since_epoch()) % 1000;
+  const std::string base = fmt::format("{}-{:%Y%m%d-%H%M%S}-{:03}", name,
+                                       fmt::localtime(std::chrono::system_clock::to_time_t(now)), part.count());
   fs::path out = options_.data_folder / "sessions" / (base + ".run");
   std::error_code ignored;
   for (int n = 2; fs::exists(out, ignored); ++n) out.replace_filename(fmt::format("{}-{}.run", base, n));
@@ -213,6 +240,7 @@ Expected<Workbench::Loaded> Workbench::load(const fs::path& path, const Progress
   };
   const fs::path named = path.has_filename() ? path : path.parent_path();
   out.name = named.stem().string();
+  out.source = path;
   if (isRun(path)) return fail(readOnly(path));
 
   fs::path folder = path;
@@ -224,17 +252,19 @@ Expected<Workbench::Loaded> Workbench::load(const fs::path& path, const Progress
     std::error_code failed;
     fs::create_directories(options_.data_folder / "cases", failed);
     BakeOptions bake_options;
+    bake_options.unit = options_.unit;
     const bool is_recipe = looksLikeRecipe(path);
     if (options_.voxel_mm > 0) {
       bake_options.voxelize.voxel_mm = options_.voxel_mm;
       bake_options.voxel_is_given = true;
     } else if (!is_recipe) {
-      KERF_TRY(area, areaOfScan(path));
+      KERF_TRY(area, areaOfScan(path, options_.unit));
       bake_options.voxelize.voxel_mm = voxelFor(area);
     }
     const std::string voxel =
         is_recipe && !bake_options.voxel_is_given ? "" : fmt::format("-{:g}", bake_options.voxelize.voxel_mm);
-    const std::string base = fmt::format("{}-{}{}", out.name, hash.substr(0, 8), voxel);
+    const std::string unit = options_.unit.empty() ? "" : "-" + options_.unit;
+    const std::string base = fmt::format("{}-{}{}{}", out.name, hash.substr(0, 8), unit, voxel);
     Expected<BakeReport> baked;
     for (int n = 1; n < 100; ++n) {
       folder = options_.data_folder / "cases" / (base + (n > 1 ? fmt::format("-{}", n) : "") + ".case");
@@ -247,8 +277,8 @@ Expected<Workbench::Loaded> Workbench::load(const fs::path& path, const Progress
     for (const std::string& change : baked->manifest.changes) out.notes.push_back(change);
     out.notes.push_back(fmt::format("cut in voxels of {:g} mm", baked->manifest.voxel_mm));
     for (const CaseSource& source : baked->manifest.sources) {
-      std::string unit = fmt::format("read as {}: {}", source.unit, source.unit_reason);
-      if (std::find(out.notes.begin(), out.notes.end(), unit) == out.notes.end()) out.notes.push_back(std::move(unit));
+      std::string line = fmt::format("read as {}: {}", source.unit, source.unit_reason);
+      if (std::find(out.notes.begin(), out.notes.end(), line) == out.notes.end()) out.notes.push_back(std::move(line));
     }
   }
 
@@ -309,26 +339,26 @@ void Workbench::openDemo(const std::string& name) {
 
 void Workbench::openBy(const std::string& title, Load load) {
   if (isBusy()) return;
-  if (run_) {
-    close();
-    // The session is written first; then this goes on.
-    const auto closing = std::exchange(when_over_, {});
-    when_over_ = [this, closing, title, load = std::move(load)] {
-      closing();
-      openBy(title, load);
-    };
-    return;
-  }
   auto job = std::make_unique<Job<Loaded>>(title, std::move(load));
+  job_writes_ = false;
   when_over_ = [this, job = job.get()] {
     auto loaded = job->take();
     if (!loaded) return complain(loaded.error());
-    show(std::move(*loaded));
+    const auto next = std::make_shared<Loaded>(std::move(*loaded));
+    if (!run_) return show(*next);
+
+    // What was open is written only now that there is something in its place.
+    close();
+    const auto closing = std::exchange(when_over_, {});
+    when_over_ = [this, closing, next] {
+      closing();
+      show(*next);
+    };
   };
   job_ = std::move(job);
 }
 
-void Workbench::show(Loaded loaded) {
+void Workbench::show(Loaded& loaded) {
   const auto object = loaded.run->sharedObject();
   auto hand = std::make_unique<MouseHand>(std::shared_ptr<const BrickField>(object, &object->phi0()),
                                           loaded.run->thread().session().state().body.pose,
@@ -341,6 +371,11 @@ void Workbench::show(Loaded loaded) {
   hand_ = std::move(hand);
   run_ = std::move(loaded.run);
   name_ = loaded.name;
+  source_ = loaded.source;
+  sent_ = 0;
+  report_ = {};
+  has_told_of_log_ = false;
+  fresh_.clear();
   occlusal_ = loaded.occlusal;
   session_ = run_->folder();
   surface_.clear();
@@ -360,12 +395,14 @@ void Workbench::close() {
   const std::string name = name_;
   surface_.clear();
   ++generation_;
-  auto job = std::make_unique<Job<RunManifest>>("writing the session of " + name,
-                                                [ending, hand](const Progress&) { return ending->finish(); });
+  auto job = std::make_unique<Job<RunManifest>>(
+      "writing the session of " + name, [ending, hand](const Progress&) { return ending->finish(); }, false);
+  job_writes_ = true;
   when_over_ = [this, job = job.get(), folder = session_] {
     auto written = job->take();
     if (written)
-      say(fmt::format("session written: {}", folder.string()));
+      say(fmt::format("session written: {}\nas a mesh again: kerf export {} -o OUT.stl", folder.string(),
+                      folder.string()));
     else if (written.error().code != Error::Code::kEmpty)
       complain(written.error());
   };
@@ -377,7 +414,8 @@ void Workbench::close() {
 void Workbench::selectTool(std::size_t n) {
   if (!run_ || n >= toolCount() || n == tool_) return;
   release();
-  if (run_->send(SelectTool{n})) tool_ = n;
+  send(SelectTool{n});
+  tool_ = n;
 }
 
 bool Workbench::selectTool(const std::string& id) {
@@ -398,7 +436,9 @@ std::optional<ToolOverSurface> Workbench::over(const Ray& ray) const {
 
 bool Workbench::press(const Ray& ray) {
   const auto at = over(ray);
-  if (!at || job_) return false;
+  if (!at) return false;
+  // A mouse is no arm that could be struck: after a late clock it goes on at once.
+  if (report_.is_latched) send(ClearLatch{});
   stroke_.emplace(run_->object().phi0(), *at, plunges_[tool_], heads_[tool_]);
   ++aim_.stroke;
   aim_.is_pressed = true;
@@ -409,9 +449,12 @@ bool Workbench::press(const Ray& ray) {
 
   const Rigid3& start = stroke_->start();
   const Eigen::Quaterniond& q = start.rotation;
-  run_->send(
-      PlaceTool{{start.translation[0], start.translation[1], start.translation[2]}, {q.w(), q.x(), q.y(), q.z()}});
+  send(PlaceTool{{start.translation[0], start.translation[1], start.translation[2]}, {q.w(), q.x(), q.y(), q.z()}});
   return true;
+}
+
+void Workbench::send(const Command& command) {
+  if (run_->send(command)) ++sent_;
 }
 
 void Workbench::drag(const Ray& ray) {
@@ -457,13 +500,13 @@ std::optional<double> Workbench::depthNow() const {
 void Workbench::undo() {
   if (!run_) return;
   release();
-  run_->send(Undo{});
+  send(Undo{});
 }
 
 void Workbench::redo() {
   if (!run_) return;
   release();
-  run_->send(Redo{});
+  send(Redo{});
 }
 
 // ---- Results
@@ -473,7 +516,18 @@ void Workbench::exportTo(const fs::path& file) {
   if (!run_) return complain({.code = Error::Code::kEmpty, .found = "nothing is open", .hint = "open a scan first"});
   if (const auto possible = canWriteMesh(file); !possible) return complain(possible.error());
 
+  std::error_code ignored;
+  if (fs::equivalent(file, source_, ignored))
+    return complain({.code = Error::Code::kBadValue,
+                     .file = file.string(),
+                     .found = "the file that was opened",
+                     .expected = "another one: a scan is never written over",
+                     .hint = "another name"});
+  release();
+  settle();
+
   // The job works on a copy: the cut may go on.
+  job_writes_ = true;
   auto changed = std::make_shared<BrickField>(run_->changedField());
   const LiveRun* const run = run_.get();
   auto job = std::make_unique<Job<std::string>>(
@@ -504,22 +558,37 @@ void Workbench::findLostSessions() {
     if (!manifest || !manifest->is_open || !RunLock::take(entry.path())) continue;
     lost_.push_back({entry.path(), fs::path(manifest->case_path).stem().string()});
   }
-  std::sort(lost_.begin(), lost_.end(), [](const auto& a, const auto& b) { return a.folder > b.folder; });
+  const auto timeOf = [](const LostSession& lost) {
+    std::error_code none;
+    return fs::last_write_time(lost.folder / "session.kerflog", none);
+  };
+  std::sort(lost_.begin(), lost_.end(),
+            [&](const LostSession& a, const LostSession& b) { return timeOf(a) > timeOf(b); });
 }
 
 void Workbench::recover(std::size_t n) {
   if (isBusy() || n >= lost_.size()) return;
+  job_writes_ = true;
   const fs::path folder = lost_[n].folder;
   auto job =
       std::make_unique<Job<Recovery>>("recovering " + folder.filename().string(),
                                       [folder](const Progress& progress) { return recoverRun(folder, progress); });
   when_over_ = [this, job = job.get(), folder] {
     auto recovered = job->take();
-    if (recovered)
-      say(fmt::format("recovered {:.1f} s, {:.3f} mm3 removed: {}", recovered->manifest.duration_s,
-                      recovered->replay.removed_mm3, folder.string()));
-    else
+    if (recovered) {
+      const Replay& replay = recovered->replay;
+      const bool differs = !replay.is_same && replay.checks > 0;
+      notices_.push_back({differs, fmt::format("recovered {:.1f} s, {:.3f} mm3 removed: {}\n{}{}",
+                                               recovered->manifest.duration_s, replay.removed_mm3, folder.string(),
+                                               replay.note, differs ? "; it DIFFERS from what was recorded" : "")});
+    } else if (recovered.error().code == Error::Code::kEmpty) {
+      // A session without a cut is none: its folder holds nothing that anybody made.
+      std::error_code ignored;
+      fs::remove_all(folder, ignored);
+      say("nothing had been cut in that session");
+    } else {
       complain(recovered.error());
+    }
     findLostSessions();
   };
   job_ = std::move(job);

@@ -23,6 +23,7 @@ struct WorkbenchOptions {
   /// Where cases and sessions go: "cases", "sessions" below it. Empty: $XDG_DATA_HOME/kerf, or ~/.local/share/kerf.
   std::filesystem::path data_folder;
   std::vector<std::string> tools;  ///< ids or files; empty: those of defaultTools()
+  std::string unit;                ///< of scans that are opened: "mm", "inch"; empty: as the file says, or by its size
   double voxel_mm = 0;             ///< of scans that are opened; 0: 0.1, or coarser for a large one: voxelFor()
   RealTimeRequest real_time;       ///< of the haptic thread
 };
@@ -60,6 +61,8 @@ class Workbench {
   /// The job under way; null: none. While there is one, open, export and close are refused with a notice.
   const AnyJob* job() const { return job_.get(); }
   void cancelJob();
+  /// It writes something a user has asked for: to be waited for before the program ends.
+  bool isWriting() const { return job_ && job_writes_; }
   const std::vector<Notice>& notices() const { return notices_; }
 
   // ---- What is open
@@ -134,18 +137,22 @@ class Workbench {
     std::unique_ptr<LiveRun> run;
     std::vector<std::string> notes;
     std::string name;
+    std::filesystem::path source;
     std::optional<Vec3d> occlusal;
   };
+  void takeNews();
+  void settle();
   void say(std::string text) { notices_.push_back({false, std::move(text)}); }
   void complain(const Error& error) { notices_.push_back({true, error.message()}); }
   bool isBusy();
+  void send(const Command& command);
   void findLostSessions();
   std::filesystem::path newSessionFolder(const std::string& name) const;
   Expected<Loaded> load(const std::filesystem::path& path, const Progress& progress) const;
   Expected<std::filesystem::path> makeDemo(const std::string& name, const Progress& progress) const;
   using Load = std::function<Expected<Loaded>(const Progress&)>;
   void openBy(const std::string& title, Load load);
-  void show(Loaded loaded);
+  void show(Loaded& loaded);
   void sendAim();
 
   WorkbenchOptions options_;
@@ -155,8 +162,10 @@ class Workbench {
 
   std::unique_ptr<AnyJob> job_;
   std::function<void()> when_over_;  // takes the job's result
+  bool job_writes_ = false;
 
   std::string name_;
+  std::filesystem::path source_;  // what was opened: never written to
   std::optional<Vec3d> occlusal_;
   std::filesystem::path session_;
   std::unique_ptr<MouseHand> hand_;  // outlives run_
@@ -172,6 +181,9 @@ class Workbench {
   MouseAim aim_;
   double push_factor_ = 1;
   double removed_mm3_ = 0;
+  std::uint64_t sent_ = 0;  // commands
+  bool has_told_of_log_ = false;
+  std::vector<MeshChunkPtr> fresh_;  // not handed out yet
 };
 
 }  // namespace kerf

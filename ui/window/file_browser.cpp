@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <system_error>
+#include <utility>
 
 #include "geometry/case/case_bundle.h"
 #include "geometry/formats/mesh_formats.h"
@@ -20,6 +22,8 @@ constexpr const char* kTitle = "Choose a file###file-browser";
 void FileBrowser::show(Purpose purpose, const std::string& name) {
   purpose_ = purpose;
   is_shown_ = wants_popup_ = true;
+  asked_.clear();
+  is_accepted_ = is_escaped_ = false;
   std::snprintf(name_, sizeof(name_), "%s", name.c_str());
   goTo(folder_);
 }
@@ -79,7 +83,8 @@ std::optional<fs::path> FileBrowser::draw() {
     std::snprintf(name_, sizeof(name_), "%s", entry.name.c_str());
     const bool enters = entry.is_folder && !entry.is_case;
     if (enters) next = folder_ / entry.name;
-    if (!enters && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) chosen = folder_ / entry.name;
+    const bool is_double = ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left);
+    if (!enters && is_double && purpose_ == Purpose::kOpen) chosen = folder_ / entry.name;
   }
   ImGui::EndChild();
   if (next) {
@@ -89,11 +94,25 @@ std::optional<fs::path> FileBrowser::draw() {
 
   ImGui::SetNextItemWidth(-1);
   if (purpose_ == Purpose::kSave && ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
-  const bool is_entered = ImGui::InputText("##name", name_, sizeof(name_), ImGuiInputTextFlags_EnterReturnsTrue);
-  const char* const verb = purpose_ == Purpose::kOpen ? "Open" : "Export";
-  if ((ImGui::Button(verb, {110, 0}) || is_entered) && name_[0] != 0) chosen = folder_ / name_;
+  ImGui::InputText("##name", name_, sizeof(name_));
+  if (asked_ != name_) asked_.clear();
+  const char* const verb = purpose_ == Purpose::kOpen ? "Open" : !asked_.empty() ? "Replace" : "Export";
+  const bool is_entered = std::exchange(is_accepted_, false);
+  if ((ImGui::Button(verb, {110, 0}) || is_entered) && name_[0] != 0) {
+    std::error_code ignored;
+    const bool replaces = purpose_ == Purpose::kSave && fs::exists(folder_ / name_, ignored);
+    if (replaces && asked_.empty())
+      asked_ = name_;
+    else
+      chosen = folder_ / name_;
+  }
   ImGui::SameLine();
-  const bool is_cancelled = ImGui::Button("Cancel", {110, 0});
+  const bool is_escape = std::exchange(is_escaped_, false);
+  const bool is_cancelled = ImGui::Button("Cancel", {110, 0}) || is_escape;
+  if (!asked_.empty()) {
+    ImGui::SameLine();
+    ImGui::TextUnformatted("That file is there already.");
+  }
   if (chosen || is_cancelled) {
     ImGui::CloseCurrentPopup();
     is_shown_ = false;

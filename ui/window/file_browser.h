@@ -14,6 +14,9 @@ class FileBrowser {
   /// Shows it at the next draw(). @param name  suggested, for kSave.
   void show(Purpose purpose, const std::string& name = {});
   bool isShown() const { return is_shown_; }
+  /// The keys Enter and Escape: a tap shorter than a frame counts, which Dear ImGui would miss.
+  void accept() { is_accepted_ = true; }
+  void cancel() { is_escaped_ = true; }
   /// Draws it, if it is shown. @return what was chosen, once.
   std::optional<std::filesystem::path> draw();
 
@@ -27,9 +30,11 @@ class FileBrowser {
 
   Purpose purpose_ = Purpose::kOpen;
   bool is_shown_ = false, wants_popup_ = false;
+  bool is_accepted_ = false, is_escaped_ = false;  // since the last frame
   std::filesystem::path folder_ = std::filesystem::current_path();
   std::vector<Entry> entries_;
   std::string error_;
+  std::string asked_;  // kSave: the file that is there already, and would be replaced
   char name_[512] = {};
 };
 

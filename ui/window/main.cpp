@@ -31,7 +31,7 @@
 namespace {
 
 struct Arguments {
-  std::string scene, screenshot, view, size, look_at, section, script, data;
+  std::string scene, screenshot, view, size, look_at, section, script, data, unit;
   std::vector<std::string> tools;
   double voxel = 0;
   double zoom = 1;
@@ -140,6 +140,7 @@ kerf::Expected<void> cut(const Arguments& arguments, const Shown& shown) {
   options.bench.data_folder = arguments.data;
   options.bench.tools = arguments.tools;
   options.bench.voxel_mm = arguments.voxel;
+  options.bench.unit = arguments.unit;
   options.width = shown.width;
   options.height = shown.height;
   options.frames = arguments.frames;
@@ -211,6 +212,10 @@ int main(int argc, char** argv) try {
   app.add_option("--voxel", a.voxel, "of a scan that is opened, mm (default: as kerf bake chooses)")
       ->type_name("MM")
       ->check(CLI::Range(0.01, 2.0));
+  app.add_option("--unit", a.unit,
+                 "of a scan that is opened: mm, cm, m, um or inch (default: as it says, or by its size)")
+      ->type_name("UNIT")
+      ->check(CLI::IsMember({"mm", "cm", "m", "um", "inch"}));
   app.add_option("--data", a.data, "folder for cases and sessions (default: ~/.local/share/kerf)")->type_name("FOLDER");
 
   app.add_option("--screenshot", a.screenshot,

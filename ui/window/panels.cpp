@@ -106,7 +106,7 @@ void drawReadings(AppContext& context, const std::optional<ToolOverSurface>& ove
   const TimeHistogram& cost = bench.times().cost;
   if (cost.count() > 0) reading("Loop p99", fmt::format("{:.2f}", cost.percentileMs(0.99)), "ms");
   reading("Overruns", fmt::format("{}", r.counts.overruns), fmt::format("of {}", r.counts.ticks).c_str());
-  if (r.is_latched) ImGui::TextColored(kWarning, "Held: the clock was late");
+  if (r.is_latched) ImGui::TextColored(kWarning, "Stopped: the machine was busy. Press again.");
   const RecorderStatus log = bench.run()->recorderStatus();
   if (log.error) ImGui::TextWrapped("The log can not be written any more: %s", log.error->message().c_str());
   ImGui::End();
@@ -130,7 +130,7 @@ void drawJob(AppContext& context) {
   ImGui::TextColored(kQuiet, "%s", line.c_str());
   if (s.is_cancelling)
     ImGui::TextUnformatted("Cancelling...");
-  else if (ImGui::Button("Cancel", {110, 0}))
+  else if (s.can_be_cancelled && ImGui::Button("Cancel", {110, 0}))
     context.bench.cancelJob();
   ImGui::End();
 }

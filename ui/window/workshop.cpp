@@ -132,18 +132,24 @@ struct Desktop {
   }
 };
 
-// What was cut is written before the window goes; what is not done yet is cancelled.
-void endAll(Workbench& bench, LiveView& view) {
+// What was cut or is being exported is written before the window goes; what is being opened is cancelled. The first
+// error of that, or of a script before it.
+Expected<void> endAll(Workbench& bench, LiveView& view) {
+  const std::size_t seen = bench.notices().size();
   const auto wait = [&] {
     while (bench.job()) {
+      if (!bench.isWriting()) bench.cancelJob();
       view.update(bench);
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
   };
-  bench.cancelJob();
   wait();
   bench.close();
   wait();
+  for (std::size_t n = seen; n < bench.notices().size(); ++n)
+    if (bench.notices()[n].is_error)
+      return fail({.code = Error::Code::kWriteFailed, .place = "ending the session", .found = bench.notices()[n].text});
+  return {};
 }
 
 // ---- The loop
@@ -156,12 +162,15 @@ class Workshop {
     KERF_CHECK(desktop_.open(options_, events_));
     KERF_TRY(view, LiveView::create());
     view_ = std::move(view);
+    const std::string driver = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
+    is_software_ = driver.find("llvmpipe") != driver.npos || driver.find("softpipe") != driver.npos;
     panels_.ask_for_file = [this](const AppCommand& command) { askForFile(command); };
     if (!options_.open.empty()) bench_.open(options_.open);
 
     while (!wants_end_) KERF_CHECK(frame());
-    endAll(bench_, *view_);
+    const auto ended = endAll(bench_, *view_);
     view_.reset();
+    if (!ended) return fail(ended.error());
     return frames_;
   }
 
@@ -172,8 +181,11 @@ class Workshop {
     glfwGetWindowSize(desktop_.window, &window_width_, &window_height_);
     glfwGetFramebufferSize(desktop_.window, &context_.width, &context_.height);
     if (context_.width == 0 || context_.height == 0 || window_width_ == 0) {  // minimised
+      bench_.release();                                                       // unseen nothing is cut
+      events_.clear();
       view_->update(bench_);
       glfwWaitEventsTimeout(0.1);
+      wants_end_ = glfwWindowShouldClose(desktop_.window);
       return {};
     }
 
@@ -225,7 +237,7 @@ class Workshop {
           bench_.open(e.path);
           break;
         case InputEvent::Kind::kKey:
-          if (!io.WantTextInput) key(e);
+          key(e, io.WantTextInput);
           break;
         case InputEvent::Kind::kButton:
           button(e, io.WantCaptureMouse);
@@ -244,10 +256,14 @@ class Workshop {
     view_->hover(over_);
   }
 
-  void key(const InputEvent& e) {
+  // While text is typed only the window's own end is a command.
+  void key(const InputEvent& e, bool is_text) {
+    if (browser_.isShown() && (e.key == GLFW_KEY_ENTER || e.key == GLFW_KEY_KP_ENTER)) return browser_.accept();
+    if (browser_.isShown() && e.key == GLFW_KEY_ESCAPE) return browser_.cancel();
     const int modifiers = e.modifiers & (GLFW_MOD_CONTROL | GLFW_MOD_SHIFT | GLFW_MOD_ALT);
     for (const AppCommand& command : appCommands()) {
       if (command.key.empty() || keyChord(command.key) != KeyChord{e.key, modifiers}) continue;
+      if (is_text && command.id != "app.quit") return;
       if (!command.is_enabled(context_)) return;
       if (command.parameters == "PATH")
         askForFile(command);
@@ -360,11 +376,13 @@ Expected<void> runWorkshopScript(const fs::path& script, const WorkshopOptions& 
     if (!bench.surface().bounds().isEmpty() && shown.takeFitWanted()) firstView(context, first);
   };
   if (!options.open.empty()) bench.open(options.open);
-  KERF_CHECK(runScript(context, script, frame));
-
-  endAll(bench, *view);
+  auto played = runScript(context, script, frame);
+  const auto ended = endAll(bench, *view);
   view.reset();
-  for (const Notice& notice : bench.notices()) fmt::print("{}\n", notice.text);
+  for (const Notice& notice : bench.notices())
+    if (!notice.is_error) fmt::print("{}\n", notice.text);
+  if (!played) return fail(std::move(played).error());
+  if (!ended) return fail(ended.error());
   return {};
 }
 
