@@ -145,8 +145,10 @@ TEST_F(KerfSim, WithoutADisplayTheWindowSaysWhatToDo) {
 
 TEST_F(KerfSim, WindowOpensDrawsAndCloses) {
   if (shell("command -v xvfb-run").status != 0) GTEST_SKIP() << "xvfb-run is missing (Debian: xvfb)";
-  const Outcome done = shell(fmt::format("xvfb-run -a -s '-screen 0 800x600x24' {} -v --size 640x480 --frames 3 '{}'",
-                                         kProgram, mesh().string()));
+  const Outcome done =
+      shell(fmt::format("xvfb-run -a -s '-screen 0 800x600x24' {} -v --size 640x480 --frames 3 "
+                        "--data '{}' '{}'",
+                        kProgram, folder_.string(), mesh().string()));
   EXPECT_EQ(done.status, 0) << done.text;
   EXPECT_NE(done.text.find("3 frames drawn"), std::string::npos) << done.text;
 }

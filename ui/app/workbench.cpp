@@ -286,6 +286,7 @@ Expected<Workbench::Loaded> Workbench::load(const fs::path& path, const Progress
   live.tools = tools_;
   live.haptic.real_time = options_.real_time;
   live.is_looked_at = true;
+  live.haptic.stall_ms = 5000;  // no arm is led: a busy machine need not stop the tool
   KERF_TRY(manifest, readCaseManifest(folder));
   KERF_TRY(solid, readCaseSolid(folder));
   out.occlusal = occlusalNormalOf(solid);

@@ -143,7 +143,8 @@ class Workbench {
   void takeNews();
   void settle();
   void say(std::string text) { notices_.push_back({false, std::move(text)}); }
-  void complain(const Error& error) { notices_.push_back({true, error.message()}); }
+  /// What the user cancelled is no error.
+  void complain(const Error& error) { notices_.push_back({error.code != Error::Code::kCancelled, error.message()}); }
   bool isBusy();
   void send(const Command& command);
   void findLostSessions();
