@@ -53,6 +53,7 @@ class MouseHand final : public DeviceSource {
   /// The newest wish. One thread.
   void aim(const MouseAim& aim) noexcept;
 
+  /// @rt  @cost  two trilinear samples of the field.
   DeviceSample read() noexcept override;
   void write(const DeviceForce& force) noexcept override { felt_ = force.force; }
   void placed(const Rigid3& T_world_tool) noexcept override;

@@ -18,7 +18,15 @@ LiveRun::LiveRun(LiveRunOptions options, fs::path case_folder, fs::path run_fold
     : options_(std::move(options)), case_folder_(std::move(case_folder)), folder_(std::move(run_folder)) {}
 
 LiveRun::~LiveRun() {
-  if (is_started_ && !is_finished_) (void)finish();
+  if (is_finished_ || !recorder_) return;
+  if (is_started_) {
+    (void)finish();
+    return;
+  }
+  // Never started: nobody has worked in its folder.
+  (void)recorder_->close();
+  std::error_code ignored;
+  fs::remove_all(folder_, ignored);
 }
 
 Expected<std::unique_ptr<LiveRun>> LiveRun::open(const fs::path& case_folder, const fs::path& run_folder,

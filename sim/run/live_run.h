@@ -43,7 +43,7 @@ class LiveRun {
   static Expected<std::unique_ptr<LiveRun>> open(const std::filesystem::path& case_folder,
                                                  const std::filesystem::path& run_folder, LiveRunOptions options,
                                                  const Progress& progress = {});
-  /// As finish(), but the result is lost.
+  /// As finish(), but the result is lost. One that was never started leaves no folder.
   ~LiveRun();
   LiveRun(const LiveRun&) = delete;
   LiveRun& operator=(const LiveRun&) = delete;

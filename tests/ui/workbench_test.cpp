@@ -14,6 +14,7 @@
 #include "geometry/formats/mesh_writer.h"
 #include "geometry/mesh/mesh_check.h"
 #include "sim/run/replay.h"
+#include "tests/support/open_block.h"
 #include "tests/support/temporary_folder.h"
 #include "ui/app/app_commands.h"
 
@@ -24,12 +25,8 @@ namespace fs = std::filesystem;
 
 // A block of 6 x 4 x 3 mm without its underside, as a scan is.
 fs::path scan(const TemporaryFolder& folder) {
-  Mesh block;
-  for (int n = 0; n < 8; ++n) block.vertices.push_back({n & 1 ? 3.0 : -3.0, n & 2 ? 2.0 : -2.0, n & 4 ? 0.0 : -3.0});
-  block.triangles = {{4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4}, {2, 6, 3},
-                     {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
   const fs::path file = folder.path() / "a scan.ply";
-  EXPECT_TRUE(writeMesh(file, block));
+  EXPECT_TRUE(writeMesh(file, test::blockMesh(false)));
   return file;
 }
 

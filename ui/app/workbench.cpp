@@ -415,8 +415,7 @@ void Workbench::close() {
 void Workbench::selectTool(std::size_t n) {
   if (!run_ || n >= toolCount() || n == tool_) return;
   release();
-  send(SelectTool{n});
-  tool_ = n;
+  if (send(SelectTool{n})) tool_ = n;
 }
 
 bool Workbench::selectTool(const std::string& id) {
@@ -454,8 +453,10 @@ bool Workbench::press(const Ray& ray) {
   return true;
 }
 
-void Workbench::send(const Command& command) {
-  if (run_->send(command)) ++sent_;
+bool Workbench::send(const Command& command) {
+  if (!run_->send(command)) return false;
+  ++sent_;
+  return true;
 }
 
 void Workbench::drag(const Ray& ray) {

@@ -28,14 +28,14 @@ struct WorkbenchOptions {
   RealTimeRequest real_time;       ///< of the haptic thread
 };
 
-/// A selection of the rack for a first look: round, pear, taper, flame, a disc, drills, saws.
+/// A selection of the rack for a first look: round, pear, taper, cylinder, flame, a disc, a saw.
 const std::vector<std::string>& defaultTools();
 
 /// Voxel size for a scan, mm: 0.1, or so much more that its surface is about 800 000 triangles in the window; 0.25 at
 /// most.   @param area_mm2  of the scan.
 double voxelFor(double area_mm2);
 
-/// Something the user should read; the newest is shown.
+/// Something the user should read, until it is dismissed.
 struct Notice {
   bool is_error = false;
   std::string text;
@@ -146,7 +146,7 @@ class Workbench {
   /// What the user cancelled is no error.
   void complain(const Error& error) { notices_.push_back({error.code != Error::Code::kCancelled, error.message()}); }
   bool isBusy();
-  void send(const Command& command);
+  bool send(const Command& command);
   void findLostSessions();
   std::filesystem::path newSessionFolder(const std::string& name) const;
   Expected<Loaded> load(const std::filesystem::path& path, const Progress& progress) const;

@@ -12,25 +12,11 @@
 #include <cstring>
 #include <string>
 
+#include "ui/window/glfw_error.h"
 #include "ui/window/renderer.h"
 
 namespace kerf {
 namespace {
-
-std::string lastGlfwError() {
-  const char* text = nullptr;
-  glfwGetError(&text);
-  return text ? text : "no reason given";
-}
-
-Error noWindow(std::string found) {
-  return {.code = Error::Code::kUnsupported,
-          .file = {},
-          .place = "window",
-          .found = std::move(found),
-          .expected = "a display with OpenGL 3.3",
-          .hint = "kerf-sim --screenshot OUT.png, which needs no display, or xvfb-run kerf-sim"};
-}
 
 /// GLFW, its window and Dear ImGui, taken down in reverse.
 struct Desktop {

@@ -17,6 +17,7 @@
 #include "ui/app/app_commands.h"
 #include "ui/window/file_browser.h"
 #include "ui/window/gl_context.h"
+#include "ui/window/glfw_error.h"
 #include "ui/window/key_names.h"
 #include "ui/window/live_view.h"
 #include "ui/window/panels.h"
@@ -30,20 +31,6 @@ using Clock = std::chrono::steady_clock;
 constexpr double kStillAfter = 0.2;  // s without input or cut: the picture is drawn once more, smooth
 constexpr double kHarder = 2;        // times the force, while Shift is down
 constexpr double kNotch = 0.1;       // mm of depth, of the wheel during a stroke
-
-Error noWindow(std::string found) {
-  return {.code = Error::Code::kUnsupported,
-          .place = "window",
-          .found = std::move(found),
-          .expected = "a display with OpenGL 3.3",
-          .hint = "kerf-sim --screenshot OUT.png or --script FILE, which need no display, or xvfb-run kerf-sim"};
-}
-
-std::string lastGlfwError() {
-  const char* text = nullptr;
-  glfwGetError(&text);
-  return text ? text : "no reason given";
-}
 
 // ---- Input: what happened since the last frame, in its order. Nothing is lost in a slow frame.
 

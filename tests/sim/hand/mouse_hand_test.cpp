@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/tool/tool_file.h"
+#include "sim/run/load_scene.h"
 #include "sim/session/session.h"
 #include "tests/sim/block_scene.h"
 #include "tests/support/allocation_guard.h"
@@ -34,15 +36,20 @@ class Desk {
     out.T_world_tool = upright({0, 0, 3});
   }
 
-  void press(const Vec3d& at, double force, double depth) {
+  void press(const Vec3d& at, double force, double depth) { press(at, force, depth, -Vec3d::UnitZ(), 0); }
+  /// @param plunge, reach  of the tool, its own frame.
+  void press(const Vec3d& at, double force, double depth, const Vec3d& plunge, double reach) {
     ++aim_.stroke;
     aim_.is_pressed = true;
     aim_.anchor = aim_.pointer = at;
     aim_.force = force;
     aim_.depth = depth;
     hand_.aim(aim_);
-    const Vec3d start = at + Vec3d(0, 0, 0.3);
-    EXPECT_TRUE(session_.apply(PlaceTool{{start[0], start[1], start[2]}}));
+    aim_.reach = reach;
+    hand_.aim(aim_);
+    const Vec3d start = at + Vec3d(0, 0, 0.3 + reach);
+    const Eigen::Quaterniond q = Eigen::Quaterniond::FromTwoVectors(plunge, -Vec3d::UnitZ());
+    EXPECT_TRUE(session_.apply(PlaceTool{{start[0], start[1], start[2]}, {q.w(), q.x(), q.y(), q.z()}}));
     hand_.placed(session_.state().body.pose);
   }
   void point(const Vec3d& at) {
@@ -101,6 +108,37 @@ TEST(MouseHand, AHeldButtonStopsAtTheDepthAndNeverPassesIt) {
       EXPECT_LE(deepest, depth + 0.03) << force << " N";
       EXPECT_GE(deepest, depth - 0.03) << force << " N";
     }
+}
+
+// Every tool of the rack with its own drive, in what is soft and what is hard.
+TEST(MouseHand, NoToolOfTheRackPassesTheDepth) {
+  double worst = -1;
+  int reached = 0, runs = 0;
+  for (const ToolListing& listed : listTools(defaultToolFolders())) {
+    ASSERT_TRUE(listed.tool) << listed.file;
+    const Tool& tool = *listed.tool;
+    double reach = 0;
+    const Box3 box = tool.cut->bounds();
+    for (int n = 0; n < 8; ++n) reach = std::max(reach, box.corner(n).dot(tool.plunge_direction));
+    for (const Material material : {Material::kCaries, Material::kEnamel}) {
+      auto block = practiceBlock({8, 6, 3}, 0.1, {}, material);
+      ASSERT_TRUE(block);
+      auto model = makeModel(std::span(&tool, 1));
+      ASSERT_TRUE(model) << model.error().message();
+      for (const double force : {1.0, 8.0}) {
+        Desk desk(*model, *block);
+        desk.press({0.02, 0.03, 0}, force, 0.5, tool.plunge_direction, reach);
+        double deepest = 0;
+        desk.run(1.5, [&] { deepest = std::max(deepest, reach - desk.tip()[2]); });
+        worst = std::max(worst, deepest - 0.5);
+        reached += deepest > 0.4;
+        ++runs;
+        EXPECT_LE(deepest, 0.53) << tool.id << ", " << force << " N, material " << static_cast<int>(material);
+      }
+    }
+  }
+  EXPECT_LE(worst, 0.03) << "mm";
+  EXPECT_GE(reached, runs / 2) << "they did cut";
 }
 
 TEST(MouseHand, WhatIsHeldRemovesWhatTheLawSays) {

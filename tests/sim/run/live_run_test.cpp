@@ -16,6 +16,7 @@
 #include "sim/run/export_bundle.h"
 #include "sim/run/run_files.h"
 #include "tests/sim/haptic_scene.h"
+#include "tests/support/open_block.h"
 #include "tests/support/temporary_folder.h"
 
 namespace kerf {
@@ -25,12 +26,8 @@ namespace fs = std::filesystem;
 
 // A block of 6 x 4 x 3 mm, its top at z = 0, baked at 0.1 mm.
 fs::path bakedBlock(const TemporaryFolder& folder) {
-  Mesh block;
-  for (int n = 0; n < 8; ++n) block.vertices.push_back({n & 1 ? 3.0 : -3.0, n & 2 ? 2.0 : -2.0, n & 4 ? 0.0 : -3.0});
-  block.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
-                     {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
   const fs::path file = folder.path() / "block.ply", out = folder.path() / "block.case";
-  EXPECT_TRUE(writeMesh(file, block));
+  EXPECT_TRUE(writeMesh(file, test::blockMesh(true)));
   BakeOptions options;
   options.unit = "mm";
   options.voxelize.voxel_mm = 0.1;
@@ -193,6 +190,16 @@ TEST(LiveRun, NothingCutLeavesNoFolder) {
     ASSERT_FALSE(ended);
     EXPECT_EQ(ended.error().code, Error::Code::kEmpty);
   }
+  EXPECT_FALSE(fs::exists(run_folder));
+}
+
+TEST(LiveRun, OneThatWasNeverStartedLeavesNoFolder) {
+  const TemporaryFolder folder;
+  const fs::path block = bakedBlock(folder), run_folder = folder.path() / "block.run";
+  auto run = LiveRun::open(block, run_folder, someTools());
+  ASSERT_TRUE(run) << run.error().message();
+  EXPECT_TRUE(isRun(run_folder));
+  run->reset();
   EXPECT_FALSE(fs::exists(run_folder));
 }
 
