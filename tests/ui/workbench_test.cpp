@@ -232,11 +232,5 @@ TEST(AppCommands, ARayIsUnderItsPixel) {
   EXPECT_NEAR((right.origin - middle.origin - 15 * camera.mmPerPixel(300) * camera.right()).norm(), 0, 1e-9);
 }
 
-TEST(VoxelFor, GrowsWithTheScan) {
-  EXPECT_EQ(voxelFor(100), 0.1);
-  EXPECT_GT(voxelFor(5000), 0.1);
-  EXPECT_EQ(voxelFor(1e6), 0.25);
-}
-
 }  // namespace
 }  // namespace kerf

@@ -65,7 +65,7 @@ Expected<void> openFile(AppContext& c, AppWords words) {
   return {};
 }
 Expected<void> openDemo(AppContext& c, AppWords words) {
-  const auto names = Workbench::demoNames();
+  const auto names = demoNames();
   std::string list;
   for (const char* name : names) {
     list += (list.empty() ? "" : ", ") + std::string(name);

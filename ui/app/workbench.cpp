@@ -1,28 +1,19 @@
 #include "ui/app/workbench.h"
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <thread>
 #include <utility>
 
-#include "geometry/base/hash.h"
 #include "geometry/formats/mesh_formats.h"
 #include "geometry/formats/mesh_io.h"
 #include "geometry/formats/mesh_writer.h"
 #include "geometry/mesh/mesh_check.h"
 #include "geometry/tool/tool_file.h"
-#include "preprocess/bake/bake.h"
-#include "preprocess/bake/case_recipe.h"
-#include "preprocess/close/occlusal_plane.h"
-#include "preprocess/demo/demo_anatomy.h"
-#include "preprocess/demo/demo_arch.h"
-#include "preprocess/unit/unit.h"
 
 namespace kerf {
 namespace {
@@ -36,63 +27,6 @@ fs::path userDataFolder() {
   if (const char* xdg = std::getenv("XDG_DATA_HOME"); xdg && *xdg == '/') return fs::path(xdg) / "kerf";
   const char* home = std::getenv("HOME");
   return fs::path(home ? home : "/tmp") / ".local/share/kerf";
-}
-
-Error readOnly(const fs::path& path) {
-  return {.code = Error::Code::kUnsupported,
-          .file = path.string(),
-          .found = "a run",
-          .expected = "a mesh, a recipe or a case to cut",
-          .hint = "open the case it was cut from"};
-}
-
-// Where a base looks: the axis that the largest flat part of the surface is square to. None: no flat part to speak of.
-std::optional<Vec3d> baseNormalOf(const Mesh& solid) {
-  constexpr double kFlat = 0.9999, kLeastShare = 0.04;
-  std::array<double, 6> area{};
-  double all = 0;
-  for (const Triangle& t : solid.triangles) {
-    const Vec3d& a = solid.vertices[t[0]];
-    const Vec3d twice = (solid.vertices[t[1]] - a).cross(solid.vertices[t[2]] - a);
-    all += twice.norm();
-    for (std::size_t n = 0; n < 6; ++n) {
-      const double along = (n < 3 ? -1 : 1) * twice[static_cast<Eigen::Index>(n % 3)];
-      if (along > kFlat * twice.norm()) area[n] += along;
-    }
-  }
-  const auto most = static_cast<std::size_t>(std::max_element(area.begin(), area.end()) - area.begin());
-  if (!(area[most] > kLeastShare * all)) return {};
-  return (most < 3 ? -1.0 : 1.0) * Vec3d::Unit(static_cast<Eigen::Index>(most % 3));
-}
-
-// Out of the teeth: away from the base, by the occlusal plane if there is one. Without a base it is not known which way
-// is up: the direction in which most cusp tips are found; what is as flat as a base is not teeth.
-std::optional<Vec3d> occlusalNormalOf(const Mesh& solid) {
-  constexpr double kFlat = 0.05;  // mm
-  if (const auto base = baseNormalOf(solid)) {
-    const auto found = findOcclusalPlane(solid, -*base);
-    return found && found->rms_mm > kFlat && found->normal.dot(-*base) > 0.5 ? found->normal : Vec3d(-*base);
-  }
-  std::optional<OcclusalPlane> best;
-  for (int n = 0; n < 6; ++n) {
-    const auto found = findOcclusalPlane(solid, (n < 3 ? 1.0 : -1.0) * Vec3d::Unit(n % 3));
-    if (found && found->rms_mm > kFlat && (!best || found->tips > best->tips)) best = *found;
-  }
-  if (!best) return {};
-  return best->normal;
-}
-
-// mm^2, in its own unit or the one that is chosen for it.
-Expected<double> areaOfScan(const fs::path& path, const std::string& asked_unit) {
-  KERF_TRY(file, readMesh(path));
-  Box3 box = bounds(file.mesh);
-  KERF_TRY(unit, chooseUnit(box, asked_unit, file.declared_unit));
-  double area = 0;
-  for (const Triangle& t : file.mesh.triangles) {
-    const Vec3d& a = file.mesh.vertices[t[0]];
-    area += 0.5 * (file.mesh.vertices[t[1]] - a).cross(file.mesh.vertices[t[2]] - a).norm();
-  }
-  return area * unit.scale_to_mm * unit.scale_to_mm;
 }
 
 // What of a tool has to be free before a stroke: vertices near its tip.
@@ -123,12 +57,6 @@ Expected<void> compareWithFile(const fs::path& file, const Mesh& mesh) {
 }
 
 }  // namespace
-
-double voxelFor(double area_mm2) {
-  constexpr double kTriangles = 8e5, kPerVoxel = 3.4;  // triangles a voxel of a scan's area, its base among them
-  const double voxel = std::sqrt(kPerVoxel * area_mm2 / kTriangles);
-  return std::clamp(std::ceil(100 * voxel) / 100, 0.1, 0.25);
-}
 
 const std::vector<std::string>& defaultTools() {
   static const std::vector<std::string> kTools = {
@@ -222,130 +150,29 @@ bool Workbench::isBusy() {
 
 // ---- Opening
 
-fs::path Workbench::newSessionFolder(const std::string& name) const {
-  const auto now = std::chrono::system_clock::now();
-  const auto part = std::chrono::duration_cast<std::chrono::milliseconds>(now.time_since_epoch()) % 1000;
-  const std::string base = fmt::format("{}-{:%Y%m%d-%H%M%S}-{:03}", name,
-                                       fmt::localtime(std::chrono::system_clock::to_time_t(now)), part.count());
-  fs::path out = options_.data_folder / "sessions" / (base + ".run");
-  std::error_code ignored;
-  for (int n = 2; fs::exists(out, ignored); ++n) out.replace_filename(fmt::format("{}-{}.run", base, n));
-  return out;
-}
-
-Expected<Workbench::Loaded> Workbench::load(const fs::path& path, const Progress& progress) const {
-  Loaded out;
-  const Progress second = [&progress](double done, std::string_view step) {
-    return kerf::report(progress, 0.7 + 0.3 * done, step);
-  };
-  const fs::path named = path.has_filename() ? path : path.parent_path();
-  out.name = named.stem().string();
-  out.source = path;
-  if (isRun(path)) return fail(readOnly(path));
-
-  fs::path folder = path;
-  if (!isCase(path)) {
-    const Progress first = [&progress](double done, std::string_view step) {
-      return kerf::report(progress, 0.7 * done, step);
-    };
-    KERF_TRY(hash, sha256OfFile(path));
-    std::error_code failed;
-    fs::create_directories(options_.data_folder / "cases", failed);
-    BakeOptions bake_options;
-    bake_options.unit = options_.unit;
-    const bool is_recipe = looksLikeRecipe(path);
-    if (options_.voxel_mm > 0) {
-      bake_options.voxelize.voxel_mm = options_.voxel_mm;
-      bake_options.voxel_is_given = true;
-    } else if (!is_recipe) {
-      KERF_TRY(area, areaOfScan(path, options_.unit));
-      bake_options.voxelize.voxel_mm = voxelFor(area);
-    }
-    const std::string voxel =
-        is_recipe && !bake_options.voxel_is_given ? "" : fmt::format("-{:g}", bake_options.voxelize.voxel_mm);
-    const std::string unit = options_.unit.empty() ? "" : "-" + options_.unit;
-    const std::string base = fmt::format("{}-{}{}{}", out.name, hash.substr(0, 8), unit, voxel);
-    Expected<BakeReport> baked;
-    for (int n = 1; n < 100; ++n) {
-      folder = options_.data_folder / "cases" / (base + (n > 1 ? fmt::format("-{}", n) : "") + ".case");
-      const bool is_there = fs::exists(folder, failed);
-      baked = is_recipe ? bakeRecipe(path, folder, bake_options, first) : bake({path}, folder, bake_options, first);
-      // A case of another Kerf stays: sessions were cut from it.
-      if (baked || !is_there || baked.error().code != Error::Code::kWriteFailed) break;
-    }
-    if (!baked) return fail(std::move(baked).error());
-    for (const std::string& change : baked->manifest.changes) out.notes.push_back(change);
-    out.notes.push_back(fmt::format("cut in voxels of {:g} mm", baked->manifest.voxel_mm));
-    for (const CaseSource& source : baked->manifest.sources) {
-      std::string line = fmt::format("read as {}: {}", source.unit, source.unit_reason);
-      if (std::find(out.notes.begin(), out.notes.end(), line) == out.notes.end()) out.notes.push_back(std::move(line));
-    }
-  }
-
-  LiveRunOptions live;
-  live.tools = tools_;
-  live.haptic.real_time = options_.real_time;
-  live.is_looked_at = true;
-  live.haptic.stall_ms = 5000;  // no arm is led: a busy machine need not stop the tool
-  KERF_TRY(manifest, readCaseManifest(folder));
-  KERF_TRY(solid, readCaseSolid(folder));
-  out.occlusal = occlusalNormalOf(solid);
-  live.start = {Eigen::Quaterniond::Identity(), manifest.box.center() + Vec3d(0, 0, manifest.box.size()[2])};
-  KERF_TRY(run, LiveRun::open(folder, newSessionFolder(out.name), std::move(live), second));
-  out.run = std::move(run);
-  return out;
-}
-
-std::span<const char* const> Workbench::demoNames() {
-  static constexpr const char* kNames[] = {"molar", "mandible", "arch"};
-  return kNames;
-}
-
-Expected<fs::path> Workbench::makeDemo(const std::string& name, const Progress& progress) const {
-  const fs::path folder = options_.data_folder / "demo" / name;
-  const std::string manifest = name + (name == "arch" ? ".ply" : ".toml");
-  std::error_code ignored;
-  if (fs::exists(folder / manifest, ignored)) return folder / manifest;
-
-  fs::create_directories(folder.parent_path(), ignored);
-  if (name == "arch") {
-    KERF_TRY(scan, demoArch({}, progress));
-    DemoAnatomy anatomy{name, "Demo lower arch", 0, {}, {}, {}};
-    anatomy.files.push_back({manifest, std::move(scan.mesh)});
-    KERF_CHECK(writeDemoAnatomy(anatomy, folder, true));
-    return folder / manifest;
-  }
-  KERF_TRY(anatomy, name == "molar" ? demoMolarAnatomy(1, progress) : demoMandible(1, progress));
-  KERF_CHECK(writeDemoAnatomy(anatomy, folder, true));
-  return folder / manifest;
-}
-
 void Workbench::open(const fs::path& path) {
   openBy("opening " + path.filename().string(),
-         [this, path](const Progress& progress) { return load(path, progress); });
+         [path, options = openingOptions()](const Progress& progress) { return openToCut(path, options, progress); });
 }
 
 void Workbench::openDemo(const std::string& name) {
-  openBy("opening the demo " + name, [this, name](const Progress& progress) -> Expected<Loaded> {
-    const Progress first = [&progress](double done, std::string_view step) {
-      return kerf::report(progress, 0.3 * done, step);
-    };
-    const Progress second = [&progress](double done, std::string_view step) {
-      return kerf::report(progress, 0.3 + 0.7 * done, step);
-    };
-    KERF_TRY(path, makeDemo(name, first));
-    return load(path, second);
+  openBy("opening the demo " + name, [name, options = openingOptions()](const Progress& progress) {
+    return openDemoToCut(name, options, progress);
   });
+}
+
+OpeningOptions Workbench::openingOptions() const {
+  return {options_.data_folder, {options_.unit, options_.voxel_mm}, tools_, options_.real_time};
 }
 
 void Workbench::openBy(const std::string& title, Load load) {
   if (isBusy()) return;
-  auto job = std::make_unique<Job<Loaded>>(title, std::move(load));
+  auto job = std::make_unique<Job<Opened>>(title, std::move(load));
   job_writes_ = false;
   when_over_ = [this, job = job.get()] {
     auto loaded = job->take();
     if (!loaded) return complain(loaded.error());
-    const auto next = std::make_shared<Loaded>(std::move(*loaded));
+    const auto next = std::make_shared<Opened>(std::move(*loaded));
     if (!run_) return show(*next);
 
     // What was open is written only now that there is something in its place.
@@ -359,7 +186,7 @@ void Workbench::openBy(const std::string& title, Load load) {
   job_ = std::move(job);
 }
 
-void Workbench::show(Loaded& loaded) {
+void Workbench::show(Opened& loaded) {
   const auto object = loaded.run->sharedObject();
   auto hand = std::make_unique<MouseHand>(std::shared_ptr<const BrickField>(object, &object->phi0()),
                                           loaded.run->thread().session().state().body.pose,

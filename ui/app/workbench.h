@@ -15,6 +15,7 @@
 #include "sim/run/live_run.h"
 #include "ui/app/job.h"
 #include "ui/app/live_surface.h"
+#include "ui/app/opening.h"
 #include "ui/app/stroke.h"
 
 namespace kerf {
@@ -30,10 +31,6 @@ struct WorkbenchOptions {
 
 /// A selection of the rack for a first look: round, pear, taper, cylinder, flame, a disc, a saw.
 const std::vector<std::string>& defaultTools();
-
-/// Voxel size for a scan, mm: 0.1, or so much more that its surface is about 800 000 triangles in the window; 0.25 at
-/// most.   @param area_mm2  of the scan.
-double voxelFor(double area_mm2);
 
 /// Something the user should read, until it is dismissed.
 struct Notice {
@@ -72,7 +69,6 @@ class Workbench {
   void open(const std::filesystem::path& path);
   /// Our own anatomy: made when it is first asked for.   @param name  of demoNames().
   void openDemo(const std::string& name);
-  static std::span<const char* const> demoNames();
   bool isOpen() const { return run_ != nullptr; }
   /// Rises when something else was opened: pictures of what was there are outdated.
   std::uint64_t generation() const { return generation_; }
@@ -133,13 +129,6 @@ class Workbench {
   void recover(std::size_t n);
 
  private:
-  struct Loaded {
-    std::unique_ptr<LiveRun> run;
-    std::vector<std::string> notes;
-    std::string name;
-    std::filesystem::path source;
-    std::optional<Vec3d> occlusal;
-  };
   void takeNews();
   void settle();
   void say(std::string text) { notices_.push_back({false, std::move(text)}); }
@@ -148,12 +137,10 @@ class Workbench {
   bool isBusy();
   bool send(const Command& command);
   void findLostSessions();
-  std::filesystem::path newSessionFolder(const std::string& name) const;
-  Expected<Loaded> load(const std::filesystem::path& path, const Progress& progress) const;
-  Expected<std::filesystem::path> makeDemo(const std::string& name, const Progress& progress) const;
-  using Load = std::function<Expected<Loaded>(const Progress&)>;
+  OpeningOptions openingOptions() const;
+  using Load = std::function<Expected<Opened>(const Progress&)>;
   void openBy(const std::string& title, Load load);
-  void show(Loaded& loaded);
+  void show(Opened& loaded);
   void sendAim();
 
   WorkbenchOptions options_;

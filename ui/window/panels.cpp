@@ -183,7 +183,7 @@ void drawFirstScreen(AppContext& context, PanelState& state) {
   if (ImGui::Button("Open a file...", {-1, 36})) state.ask_for_file(*findAppCommand("file.open"));
   ImGui::Spacing();
   ImGui::TextColored(kQuiet, "Or try one of ours");
-  const auto names = Workbench::demoNames();
+  const auto names = demoNames();
   const float width = (ImGui::GetContentRegionAvail().x - 2 * ImGui::GetStyle().ItemSpacing.x) / 3;
   for (std::size_t n = 0; n < names.size(); ++n) {
     if (n > 0) ImGui::SameLine();

@@ -1,0 +1,242 @@
+#include "ui/app/opening.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+#include "geometry/base/hash.h"
+#include "geometry/case/case_bundle.h"
+#include "geometry/formats/mesh_io.h"
+#include "preprocess/bake/bake.h"
+#include "preprocess/bake/case_recipe.h"
+#include "preprocess/close/occlusal_plane.h"
+#include "preprocess/demo/demo_anatomy.h"
+#include "preprocess/demo/demo_arch.h"
+#include "preprocess/unit/unit.h"
+#include "sim/run/run_manifest.h"
+
+namespace kerf {
+namespace {
+
+namespace fs = std::filesystem;
+
+Error readOnly(const fs::path& path) {
+  return {.code = Error::Code::kUnsupported,
+          .file = path.string(),
+          .found = "a run",
+          .expected = "a mesh, a recipe or a case to cut",
+          .hint = "open the case it was cut from"};
+}
+
+// The share of a progress from `from` to `to`.
+Progress partOf(const Progress& progress, double from, double to) {
+  return [&progress, from, to](double done, std::string_view step) {
+    return report(progress, from + (to - from) * done, step);
+  };
+}
+
+// Where a base looks: the axis that the largest flat part of the surface is square to. None: no flat part to speak of.
+std::optional<Vec3d> baseNormalOf(const Mesh& solid) {
+  constexpr double kFlat = 0.9999, kLeastShare = 0.04;
+  std::array<double, 6> area{};
+  double all = 0;
+  for (const Triangle& t : solid.triangles) {
+    const Vec3d& a = solid.vertices[t[0]];
+    const Vec3d twice = (solid.vertices[t[1]] - a).cross(solid.vertices[t[2]] - a);
+    all += twice.norm();
+    for (std::size_t n = 0; n < 6; ++n) {
+      const double along = (n < 3 ? -1 : 1) * twice[static_cast<Eigen::Index>(n % 3)];
+      if (along > kFlat * twice.norm()) area[n] += along;
+    }
+  }
+  const auto most = static_cast<std::size_t>(std::max_element(area.begin(), area.end()) - area.begin());
+  if (!(area[most] > kLeastShare * all)) return {};
+  return (most < 3 ? -1.0 : 1.0) * Vec3d::Unit(static_cast<Eigen::Index>(most % 3));
+}
+
+// mm^2, in its own unit or the one that is chosen for it.
+Expected<double> areaOfScan(const fs::path& path, const std::string& asked_unit) {
+  KERF_TRY(file, readMesh(path));
+  Box3 box = bounds(file.mesh);
+  KERF_TRY(unit, chooseUnit(box, asked_unit, file.declared_unit));
+  double area = 0;
+  for (const Triangle& t : file.mesh.triangles) {
+    const Vec3d& a = file.mesh.vertices[t[0]];
+    area += 0.5 * (file.mesh.vertices[t[1]] - a).cross(file.mesh.vertices[t[2]] - a).norm();
+  }
+  return area * unit.scale_to_mm * unit.scale_to_mm;
+}
+
+std::string nameOf(const fs::path& path) {
+  const fs::path named = path.has_filename() ? path : path.parent_path();
+  return named.stem().string();
+}
+
+fs::path newSessionFolder(const fs::path& data_folder, const std::string& name) {
+  const auto now = std::chrono::system_clock::now();
+  const auto part = std::chrono::duration_cast<std::chrono::milliseconds>(now.time_since_epoch()) % 1000;
+  const std::string base = fmt::format("{}-{:%Y%m%d-%H%M%S}-{:03}", name,
+                                       fmt::localtime(std::chrono::system_clock::to_time_t(now)), part.count());
+  fs::path out = data_folder / "sessions" / (base + ".run");
+  std::error_code ignored;
+  for (int n = 2; fs::exists(out, ignored); ++n) out.replace_filename(fmt::format("{}-{}.run", base, n));
+  return out;
+}
+
+Expected<BakeOptions> bakeOptionsFor(const fs::path& path, bool is_recipe, const PrepareOptions& asked) {
+  BakeOptions out;
+  out.unit = asked.unit;
+  if (asked.voxel_mm > 0) {
+    out.voxelize.voxel_mm = asked.voxel_mm;
+    out.voxel_is_given = true;
+  } else if (!is_recipe) {
+    KERF_TRY(area, areaOfScan(path, asked.unit));
+    out.voxelize.voxel_mm = voxelFor(area);
+  }
+  return out;
+}
+
+struct Prepared {
+  fs::path case_folder;
+  std::vector<std::string> notes;
+};
+
+std::vector<std::string> notesOf(const CaseManifest& manifest) {
+  std::vector<std::string> out = manifest.changes;
+  out.push_back(fmt::format("cut in voxels of {:g} mm", manifest.voxel_mm));
+  for (const CaseSource& source : manifest.sources) {
+    std::string line = fmt::format("read as {}: {}", source.unit, source.unit_reason);
+    if (std::find(out.begin(), out.end(), line) == out.end()) out.push_back(std::move(line));
+  }
+  return out;
+}
+
+// Bakes a scan or a recipe below the data folder, or finds it baked there.
+Expected<Prepared> prepare(const fs::path& path, const OpeningOptions& options, const Progress& progress) {
+  const bool is_recipe = kindOf(path) == FileKind::kRecipe;
+  KERF_TRY(hash, sha256OfFile(path));
+  KERF_TRY(bake_options, bakeOptionsFor(path, is_recipe, options.prepare));
+
+  const fs::path cases = options.data_folder / "cases";
+  std::error_code failed;
+  fs::create_directories(cases, failed);
+  const std::string voxel =
+      is_recipe && !bake_options.voxel_is_given ? "" : fmt::format("-{:g}", bake_options.voxelize.voxel_mm);
+  const std::string unit = bake_options.unit.empty() ? "" : "-" + bake_options.unit;
+  const std::string base = fmt::format("{}-{}{}{}", nameOf(path), hash.substr(0, 8), unit, voxel);
+
+  Prepared out;
+  Expected<BakeReport> baked;
+  for (int n = 1; n < 100; ++n) {
+    out.case_folder = cases / (base + (n > 1 ? fmt::format("-{}", n) : "") + ".case");
+    const bool is_there = fs::exists(out.case_folder, failed);
+    baked = is_recipe ? bakeRecipe(path, out.case_folder, bake_options, progress)
+                      : bake({path}, out.case_folder, bake_options, progress);
+    // A case of another Kerf stays: sessions were cut from it.
+    if (baked || !is_there || baked.error().code != Error::Code::kWriteFailed) break;
+  }
+  if (!baked) return fail(std::move(baked).error());
+
+  out.notes = notesOf(baked->manifest);
+  return out;
+}
+
+}  // namespace
+
+FileKind kindOf(const fs::path& path) {
+  if (isRun(path)) return FileKind::kRun;
+  if (isCase(path)) return FileKind::kCase;
+  return looksLikeRecipe(path) ? FileKind::kRecipe : FileKind::kScan;
+}
+
+double voxelFor(double area_mm2) {
+  constexpr double kTriangles = 8e5, kPerVoxel = 3.4;  // triangles a voxel of a scan's area, its base among them
+  const double voxel = std::sqrt(kPerVoxel * area_mm2 / kTriangles);
+  return std::clamp(std::ceil(100 * voxel) / 100, 0.1, 0.25);
+}
+
+std::optional<Vec3d> occlusalNormalOf(const Mesh& solid) {
+  constexpr double kFlat = 0.05;  // mm
+  if (const auto base = baseNormalOf(solid)) {
+    const auto found = findOcclusalPlane(solid, -*base);
+    return found && found->rms_mm > kFlat && found->normal.dot(-*base) > 0.5 ? found->normal : Vec3d(-*base);
+  }
+  std::optional<OcclusalPlane> best;
+  for (int n = 0; n < 6; ++n) {
+    const auto found = findOcclusalPlane(solid, (n < 3 ? 1.0 : -1.0) * Vec3d::Unit(n % 3));
+    if (found && found->rms_mm > kFlat && (!best || found->tips > best->tips)) best = *found;
+  }
+  if (!best) return {};
+  return best->normal;
+}
+
+std::span<const char* const> demoNames() {
+  static constexpr const char* kNames[] = {"molar", "mandible", "arch"};
+  return kNames;
+}
+
+Expected<Opened> openToCut(const fs::path& path, const OpeningOptions& options, const Progress& progress) {
+  Opened out;
+  out.name = nameOf(path);
+  out.source = path;
+  const FileKind kind = kindOf(path);
+  if (kind == FileKind::kRun) return fail(readOnly(path));
+
+  fs::path case_folder = path;
+  if (kind != FileKind::kCase) {
+    KERF_TRY(prepared, prepare(path, options, partOf(progress, 0, 0.7)));
+    case_folder = prepared.case_folder;
+    out.notes = std::move(prepared.notes);
+  }
+
+  KERF_TRY(manifest, readCaseManifest(case_folder));
+  KERF_TRY(solid, readCaseSolid(case_folder));
+  out.occlusal = occlusalNormalOf(solid);
+
+  LiveRunOptions live;
+  live.tools = options.tools;
+  live.haptic.real_time = options.real_time;
+  live.is_looked_at = true;
+  live.haptic.stall_ms = 5000;  // no arm is led: a busy machine need not stop the tool
+  live.start = {Eigen::Quaterniond::Identity(), manifest.box.center() + Vec3d(0, 0, manifest.box.size()[2])};
+  KERF_TRY(run, LiveRun::open(case_folder, newSessionFolder(options.data_folder, out.name), std::move(live),
+                              partOf(progress, 0.7, 1)));
+  out.run = std::move(run);
+  return out;
+}
+
+namespace {
+
+// The file that is opened for a demo, made if it is not there yet.
+Expected<fs::path> makeDemo(const std::string& name, const fs::path& data_folder, const Progress& progress) {
+  const fs::path folder = data_folder / "demo" / name;
+  const std::string manifest = name + (name == "arch" ? ".ply" : ".toml");
+  std::error_code ignored;
+  if (fs::exists(folder / manifest, ignored)) return folder / manifest;
+
+  fs::create_directories(folder.parent_path(), ignored);
+  if (name == "arch") {
+    KERF_TRY(scan, demoArch({}, progress));
+    DemoAnatomy anatomy{name, "Demo lower arch", 0, {}, {}, {}};
+    anatomy.files.push_back({manifest, std::move(scan.mesh)});
+    KERF_CHECK(writeDemoAnatomy(anatomy, folder, true));
+    return folder / manifest;
+  }
+  KERF_TRY(anatomy, name == "molar" ? demoMolarAnatomy(1, progress) : demoMandible(1, progress));
+  KERF_CHECK(writeDemoAnatomy(anatomy, folder, true));
+  return folder / manifest;
+}
+
+}  // namespace
+
+Expected<Opened> openDemoToCut(const std::string& name, const OpeningOptions& options, const Progress& progress) {
+  KERF_TRY(path, makeDemo(name, options.data_folder, partOf(progress, 0, 0.3)));
+  return openToCut(path, options, partOf(progress, 0.3, 1));
+}
+
+}  // namespace kerf

@@ -1,0 +1,72 @@
+// From a file to a session that can be cut: what the file is, a scan baked into a case, a case loaded as a run.
+//
+// Long work without a thread of its own: the workbench calls it in a job.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "geometry/base/error.h"
+#include "geometry/base/progress.h"
+#include "geometry/mesh/mesh.h"
+#include "sim/run/live_run.h"
+
+namespace kerf {
+
+/// What can stand behind a path that a user opens.
+enum class FileKind {
+  kScan,    ///< a mesh file, or what will be refused as none: only reading it tells
+  kRecipe,  ///< puts meshes and labels together
+  kCase,    ///< baked already
+  kRun,     ///< a session that has ended: it is not cut again
+};
+/// Reads a manifest or the first lines, no more.
+FileKind kindOf(const std::filesystem::path& path);
+
+/// How a scan or a recipe is prepared.
+struct PrepareOptions {
+  std::string unit;     ///< "mm", "inch"; empty: as the file says, or by its size
+  double voxel_mm = 0;  ///< 0: voxelFor() of a scan, that of a recipe
+};
+
+struct OpeningOptions {
+  std::filesystem::path data_folder;  ///< "cases", "sessions" and "demo" are below it
+  PrepareOptions prepare;
+  std::vector<SessionTool> tools;  ///< of the rack; the first is in hand
+  RealTimeRequest real_time;       ///< of the haptic thread
+};
+
+/// A session that has not been started yet.
+struct Opened {
+  std::unique_ptr<LiveRun> run;
+  std::vector<std::string> notes;  ///< sentences: what preparing changed, the unit and its reason, the voxel size
+  std::string name;                ///< of the file, without its ending
+  std::filesystem::path source;    ///< what was opened: never written to
+  std::optional<Vec3d> occlusal;   ///< occlusalNormalOf()
+};
+
+/// Opens a case, or prepares a scan or recipe first. A scan that was prepared in the same way before is not baked
+/// again. Errors: those of reading, closing and loading; kUnsupported for a run; kCancelled, and then nothing is left
+/// behind.
+/// @cost seconds; a jaw at 0.1 mm 10 to 20 s.
+Expected<Opened> openToCut(const std::filesystem::path& path, const OpeningOptions& options,
+                           const Progress& progress = {});
+
+/// Our own anatomy: made when it is first asked for.   @param name  of demoNames().
+Expected<Opened> openDemoToCut(const std::string& name, const OpeningOptions& options, const Progress& progress = {});
+std::span<const char* const> demoNames();
+
+/// Voxel size for a scan, mm: 0.1, or so much more that its surface is about 800 000 triangles in the window; 0.25 at
+/// most.   @param area_mm2  of the scan.
+double voxelFor(double area_mm2);
+
+/// Out of the teeth, unit: away from the base, by the occlusal plane if there is one. Without a base it is not known
+/// which way is up: the direction in which most cusp tips are found. None: neither was found.
+/// @param solid  closed, mm.   @cost 50 ms for a jaw with a base, six times that without one.
+std::optional<Vec3d> occlusalNormalOf(const Mesh& solid);
+
+}  // namespace kerf
