@@ -28,7 +28,9 @@ void MouseHand::aim(const MouseAim& aim) noexcept {
 }
 
 void MouseHand::takeNewestAim() noexcept {
-  if (aims_.update()) aim_ = aims_.front();
+  if (!aims_.update()) return;
+  aim_ = aims_.front();
+  to_surface_ = aim_.T_world_surface.inverse();
 }
 
 void MouseHand::placed(const Rigid3& T_world_tool) noexcept {
@@ -65,8 +67,8 @@ void MouseHand::followSurface() noexcept {
   const Vec3d foot = pose_.translation - a.dot(pose_.translation) * a;
   const double voxel = surface_->voxel();
 
-  const double here = surface_->sample(foot + height_ * a);
-  const double before = surface_->sample(foot + (height_ - voxel) * a);
+  const double here = surface_->sample(to_surface_ * (foot + height_ * a));
+  const double before = surface_->sample(to_surface_ * (foot + (height_ - voxel) * a));
   const double falls = (before - here) / voxel;
   const bool is_near = std::abs(here) < 0.9 * static_cast<double>(surface_->background());
   const double step = is_near && falls > kSteepest ? here / falls : here;

@@ -30,6 +30,7 @@ struct MouseAim {
   Vec3d pointer = Vec3d::Zero();  ///< on the surface as loaded, or on the plane of the stroke: where the tip shall go
   Vec3d anchor = Vec3d::Zero();   ///< on the surface as loaded, where the stroke began
   Vec3d into = -Vec3d::UnitZ();   ///< the axis: unit, into the tissue. The tool plunges along it
+  Rigid3 T_world_surface;         ///< of the surface as loaded: a piece may have been moved
   double reach = 0;               ///< from the tip along the axis to what of the tool goes first, mm: a disc's radius
   double force = 1;               ///< along the axis, 0 to 8
   double depth = 0.5;             ///< below the surface as loaded, along the axis, that the tool may reach; >= 0
@@ -46,8 +47,8 @@ class MouseHand final : public DeviceSource {
   static constexpr double kLeast = 0.3;    ///< N: side force that is always allowed
   static constexpr double kClearance = 1;  ///< mm above the surface as loaded, where it goes when the button is up
 
-  /// @param surface  the field as loaded (mm, negative inside), kept; its frame is the world's. Null: none, the plane
-  ///   through the anchor.   @param start  where the tool is.   @param stiffness  of the coupling, N/mm.
+  /// @param surface  the field as loaded (mm, negative inside), kept. Null: none, the plane through the anchor. @param
+  /// start  where the tool is.   @param stiffness  of the coupling, N/mm.
   MouseHand(std::shared_ptr<const BrickField> surface, const Rigid3& start, double stiffness);
 
   /// The newest wish. One thread.
@@ -68,6 +69,7 @@ class MouseHand final : public DeviceSource {
   double stiffness_;
   TripleBuffer<MouseAim> aims_;
   MouseAim aim_;                  // the newest
+  Rigid3 to_surface_;             // from the world
   std::uint64_t placed_for_ = 0;  // stroke
   Rigid3 pose_;                   // of the hand
   Vec3d axis_ = -Vec3d::UnitZ();  // of the stroke, into the tissue

@@ -7,7 +7,6 @@
 #include <boost/lockfree/spsc_queue.hpp>
 #include <chrono>
 #include <cmath>
-#include <numeric>
 #include <optional>
 #include <semaphore>
 #include <system_error>
@@ -243,9 +242,15 @@ void HapticThread::State::publish() noexcept {
   report.counts.records_lost = sink.lost;
   if (maker) report.counts.pieces = maker->counts();
   report.object_count = session.state().objects.size();
+  report.removed_by_material.fill(0);
   for (std::size_t n = 0; n < report.object_count; ++n) {
     const CutObject& object = session.state().objects[n];
-    const double removed = std::accumulate(object.removed_mm3.begin(), object.removed_mm3.end(), 0.0);
+    double removed = 0;
+    for (std::size_t m = 0; m < report.removed_by_material.size(); ++m) {
+      const double of_material = object.removed_before_mm3[m] + object.removed_mm3[m];
+      report.removed_by_material[m] += of_material;
+      removed += of_material;
+    }
     report.objects[n] = {object.id, object.T_world_object, removed};
   }
   reports.back() = report;

@@ -67,7 +67,9 @@ struct HapticCounts {
 struct ObjectReport {
   std::uint32_t id = 0;  ///< CutObject::id
   Rigid3 T_world_object;
-  double removed_mm3 = 0;  ///< since it was loaded, what was taken back left out
+  /// Since it was loaded, what was taken back left out. The first of the pieces of an object has what was taken from
+  /// that one, too.
+  double removed_mm3 = 0;
 };
 
 /// The newest tick.
@@ -80,6 +82,7 @@ struct HapticReport {
   bool is_waiting_for_bricks = false;  ///< paused until there is memory for the next cut
   std::size_t object_count = 0;
   std::array<ObjectReport, kMostObjects> objects;  ///< those in the scene, by their number
+  std::array<double, 256> removed_by_material{};   ///< mm^3, of all of them
 };
 
 struct HapticTimes {

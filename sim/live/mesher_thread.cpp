@@ -1,11 +1,19 @@
 #include "sim/live/mesher_thread.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace kerf {
 
 MesherThread::MesherThread(const BrickField& phi0, BrickFeed& feed, const MesherThreadOptions& options)
     : feed_(feed), options_(options), thread_([this, &phi0] { run(phi0); }) {}
+
+MesherThread::MesherThread(std::shared_ptr<const PieceOrigin> piece, std::shared_ptr<BrickFeed> feed,
+                           const MesherThreadOptions& options)
+    : shared_feed_(std::move(feed)), feed_(*shared_feed_), options_(options), thread_([this, piece = std::move(piece)] {
+        piece_field_ = std::make_shared<const BrickField>(piece->field());
+        run(*piece_field_);
+      }) {}
 
 MesherThread::~MesherThread() { stop(); }
 

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -13,6 +14,7 @@
 
 #include "sim/live/remesher.h"
 #include "sim/object/brick_feed.h"
+#include "sim/pieces/piece_origin.h"
 
 namespace kerf {
 
@@ -34,6 +36,10 @@ class MesherThread {
   /// Starts at once. The first take() that gives anything gives the whole baked surface.
   /// @param phi0, feed  kept by reference, must outlive this. This thread is the feed's consumer.
   MesherThread(const BrickField& phi0, BrickFeed& feed, const MesherThreadOptions& options = {});
+  /// Of a piece: its field is made on this thread first.   @param feed  what on_piece gave with it: shared with the
+  /// maker of pieces as long as the piece may be in the scene.
+  MesherThread(std::shared_ptr<const PieceOrigin> piece, std::shared_ptr<BrickFeed> feed,
+               const MesherThreadOptions& options = {});
   /// Stops as stop() does.
   ~MesherThread();
   MesherThread(const MesherThread&) = delete;
@@ -48,6 +54,10 @@ class MesherThread {
   /// The bricks that differ from phi0, as this thread knows them when it has taken all that is in the feed. One caller;
   /// waits for the mesher, some ms. Not after stop().
   BrickField changedField();
+  /// Of a piece: its field as it came off; null before the first changedField() has returned, and for what was loaded.
+  std::shared_ptr<const BrickField> pieceField() const noexcept { return piece_field_; }
+  /// Nobody else has the feed any more: the piece will not be seen again.
+  bool isForgotten() const noexcept { return shared_feed_ && shared_feed_.use_count() == 1; }
 
   /// Meshes what is in the feed by now and ends the thread; take() then gives the rest. May be called again.
   /// The producer should push no more: what comes later stays in the feed.
@@ -58,8 +68,10 @@ class MesherThread {
   void publish(const std::vector<MeshChunkPtr>& chunks);
   void copyIfWanted(const BrickField& changed);
 
+  std::shared_ptr<BrickFeed> shared_feed_;  // of a piece
   BrickFeed& feed_;
   MesherThreadOptions options_;
+  std::shared_ptr<const BrickField> piece_field_;  // made by the thread, before any copy
   std::atomic<bool> is_stopping_{false};
   std::atomic<std::uint64_t> edits_done_{0};
   std::mutex mutex_;

@@ -53,6 +53,10 @@ class CutObject {
   /// Whole numbers of volumeOfPart(): what is added and cut away leaves nothing, bit for bit. What nodes stand for is
   /// said in sim/object/node_volumes.h.
   std::array<double, 256> removed_mm3{}, added_mm3{};
+  /// Of a piece: what had been taken from what it is a piece of, and that one's own, before it came off, mm^3 per
+  /// material. The first of the pieces has all of it, so a sum over the scene counts it once. For reports: neither in
+  /// the hash nor in snapshots.
+  std::array<double, 256> removed_before_mm3{};
   /// How far the tool has moved relative to this object, mm: see BrickSlot::sleeps_until_contact. @rt
   double odometer = 0;
   /// Load of what cuts of the tool's core in the last evaluation of contact, N: sim/step/core_contact.h. @rt

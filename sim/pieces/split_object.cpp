@@ -66,6 +66,9 @@ std::unique_ptr<ObjectPieces> makePieces(const CutObject& whole, PieceFinder& fi
     if (pool && n < pool->blanks.size()) blank = std::move(pool->blanks[n]);
     CutObject& part = made[n].emplace(makePiece(whole, bricks[n], std::move(blank), is_parallel));
     part.id = first_id + static_cast<std::uint32_t>(n);
+    if (n == 0)
+      for (std::size_t m = 0; m < whole.removed_mm3.size(); ++m)
+        part.removed_before_mm3[m] = whole.removed_before_mm3[m] + whole.removed_mm3[m];
 
     auto origin = std::make_shared<PieceOrigin>();
     origin->id = part.id;

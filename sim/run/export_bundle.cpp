@@ -144,6 +144,7 @@ Expected<Export> exportRun(const fs::path& folder, const PostOpOptions& options,
   }
   Export out;
   out.post_op = std::move(*result);
+  if (beside == 0) out.pieces = manifest.pieces;
 
   // The mesh is made and verified: a measurement that fails does not take it away.
   if (!is_geometry)

@@ -3,11 +3,13 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "geometry/base/error.h"
 #include "geometry/base/progress.h"
 #include "geometry/boolean/post_op_mesh.h"
 #include "geometry/field/brick_field.h"
+#include "sim/run/run_manifest.h"
 
 namespace kerf {
 
@@ -18,8 +20,9 @@ struct WallAccuracy {
 };
 
 struct Export {
-  PostOpMesh post_op;
-  WallAccuracy accuracy;         ///< vertices = 0 for a case without a cut
+  PostOpMesh post_op;                      ///< pieces where they were loaded: placedPieces() puts them where they are
+  std::vector<RunManifest::Piece> pieces;  ///< of a session whose object is in pieces, or was moved; else none
+  WallAccuracy accuracy;                   ///< vertices = 0 for a case without a cut
   std::string accuracy_missing;  ///< why the walls could not be measured; empty if they were, or there is no cut
 };
 

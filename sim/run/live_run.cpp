@@ -7,6 +7,7 @@
 
 #include "sim/live/chunk_occlusion.h"
 #include "sim/live/tissue_colours.h"
+#include "sim/pieces/joined_field.h"
 #include "sim/run/export_bundle.h"
 #include "sim/run/load_scene.h"
 #include "sim/run/run_output.h"
@@ -45,7 +46,6 @@ Expected<std::unique_ptr<LiveRun>> LiveRun::open(const fs::path& case_folder, co
 
 // All that may take long, and that can be cancelled.
 Expected<void> LiveRun::load(const Progress& progress) {
-  options_.haptic.pieces.is_wanted = false;
   if (!report(progress, 0, "loading the case")) return internal::nothingWritten();
   KERF_TRY(manifest, readCaseManifest(case_folder_));
   case_ = std::move(manifest);
@@ -69,8 +69,13 @@ Expected<void> LiveRun::load(const Progress& progress) {
     };
   }
   if (!report(progress, 0.8, "meshing the surface")) return internal::nothingWritten();
+  options_.haptic.pieces.on_piece = [this](std::shared_ptr<const PieceOrigin> origin, std::shared_ptr<BrickFeed> feed) {
+    const std::lock_guard lock(mutex_);
+    came_off_.push_back({std::move(origin), std::move(feed)});
+  };
   haptic_ = std::make_unique<HapticThread>(std::move(model), LoadedObjects{object_}, options_.start, options_.haptic);
-  mesher_ = std::make_unique<MesherThread>(object_->phi0(), feed_, options_.mesher);
+  const std::uint32_t id = haptic_->session().state().objects.front().id;
+  shown_.push_back({id, std::make_unique<MesherThread>(object_->phi0(), feed_, options_.mesher)});
   return {};
 }
 
@@ -110,18 +115,103 @@ bool LiveRun::send(const Command& command) {
   return true;
 }
 
-Expected<PostOpMesh> LiveRun::postOperative(const BrickField& changed, const PostOpOptions& options,
+// ---- What there is to see
+
+void LiveRun::showNewPieces() {
+  std::vector<CameOff> fresh;
+  {
+    const std::lock_guard lock(mutex_);
+    fresh.swap(came_off_);
+  }
+  for (CameOff& piece : fresh) {
+    const std::uint32_t id = piece.origin->id;
+    shown_.push_back(
+        {id, std::make_unique<MesherThread>(std::move(piece.origin), std::move(piece.feed), options_.mesher)});
+  }
+  std::erase_if(shown_, [this](const Shown& object) {
+    if (!object.mesher->isForgotten()) return false;
+    object.mesher->stop();
+    edits_of_forgotten_ += object.mesher->editsDone();
+    return true;
+  });
+}
+
+std::vector<ObjectChunks> LiveRun::takeChunks() {
+  showNewPieces();
+  std::vector<ObjectChunks> out;
+  for (const Shown& object : shown_) {
+    std::vector<MeshChunkPtr> chunks = object.mesher->take();
+    if (!chunks.empty()) out.push_back({object.id, std::move(chunks)});
+  }
+  return out;
+}
+
+std::uint64_t LiveRun::editsDone() const noexcept {
+  std::uint64_t out = edits_of_forgotten_;
+  for (const Shown& object : shown_) out += object.mesher->editsDone();
+  return out;
+}
+
+MesherThread* LiveRun::mesherOf(std::uint32_t id) {
+  for (const Shown& object : shown_)
+    if (object.id == id) return object.mesher.get();
+  return nullptr;
+}
+
+SceneCopy LiveRun::copyScene() {
+  showNewPieces();
+  const HapticReport& report = haptic_->report();
+  SceneCopy out;
+  for (std::size_t n = 0; n < report.object_count; ++n) {
+    const ObjectReport& object = report.objects[n];
+    MesherThread* const mesher = mesherOf(object.id);
+    if (!mesher) continue;
+    SceneCopy::Object& copy = out.objects.emplace_back();
+    copy.id = object.id;
+    const auto name = names_.find(object.id);
+    copy.name = name == names_.end() ? fmt::format("piece {}", n + 1) : name->second;
+    copy.T_world_object = object.T_world_object;
+    copy.changed = mesher->changedField();
+    copy.begin = mesher->pieceField();
+  }
+  return out;
+}
+
+Expected<LiveResult> LiveRun::postOperative(const SceneCopy& scene, const PostOpOptions& options,
                                             const Progress& progress) const {
+  LiveResult out;
+  std::vector<FieldPart> parts;
+  for (const SceneCopy::Object& object : scene.objects) {
+    const BrickField* const begin = object.begin ? object.begin.get() : &object_->phi0();
+    parts.push_back({.begin = begin, .changed = &object.changed});
+    RunManifest::Piece piece;
+    piece.id = object.id;
+    piece.name = object.name;
+    piece.T_case_piece = object.T_world_object;
+    out.pieces.push_back(std::move(piece));
+  }
+  const bool is_whole = parts.size() == 1 && !scene.objects.front().begin;
+  if (is_whole && !out.pieces.front().isMoved())
+    out.pieces.clear();
+  else
+    for (std::size_t n = 0; n < parts.size(); ++n) out.pieces[n].inside = deepestPoint(parts[n]);
+
+  const BrickField& loaded = object_->phi0();
+  const BrickField joined = is_whole ? BrickField() : joinedChanges(loaded, parts);
   KERF_TRY(solid, readCaseSolid(case_folder_));
-  return postOperativeMeshOf(solid, object_->phi0(), changed, options, progress);
+  const BrickField& changed = is_whole ? scene.objects.front().changed : joined;
+  KERF_TRY(mesh, postOperativeMeshOf(solid, loaded, changed, options, progress));
+  out.post_op = std::move(mesh);
+  return out;
 }
 
 Expected<RunManifest> LiveRun::finish() {
   is_finished_ = true;
   haptic_->stop();
-  mesher_->stop();
+  showNewPieces();
+  for (const Shown& object : shown_) object.mesher->stop();
   const auto closed = recorder_->close();
-  auto ended = endSessionRun(folder_, haptic_->session(), manifest_);
+  auto ended = endSessionRun(folder_, haptic_->session(), manifest_, names_);
   if (ended && closed) return manifest_;
   // The cut is worth more than its log.
   if (ended) {

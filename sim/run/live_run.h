@@ -1,15 +1,19 @@
 // A run that a person makes: a case, its tools, the three threads, the log; at the end a run folder like any other.
 //
 //   device ──▶ HapticThread ──bricks──▶ MesherThread ──chunks──▶ window
+//                   ├──bricks of pieces───▶ a MesherThread each
 //                   └──samples, commands──▶ SessionRecorder ──▶ RUN/session.kerflog
 //
 // The folder is there from the beginning: what a crash leaves behind, recoverRun() (session_run.h) finishes.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "geometry/base/error.h"
@@ -25,13 +29,35 @@ struct LiveRunOptions {
   std::vector<SessionTool> tools;  ///< of the rack; the first is in hand
   Rigid3 start;                    ///< of the tool, object frame, in air
   StepSettings step;
-  /// `felt` is set by the tools, if the device can be felt. Pieces: the mesher and the run know the first object alone,
-  /// so they are not wanted.
+  /// `felt` is set by the tools, if the device can be felt; `pieces.on_piece` by the run.
   HapticOptions haptic;
   RecorderOptions recorder;
   MesherThreadOptions mesher;
   bool is_felt = false;       ///< the device renders force
   bool is_looked_at = false;  ///< chunks of the surface get colours and occlusion
+};
+
+/// Chunks of one object that changed.
+struct ObjectChunks {
+  std::uint32_t id = 0;  ///< CutObject::id
+  std::vector<MeshChunkPtr> chunks;
+};
+
+/// What is in the scene at a moment, to work on while the cut goes on.
+struct SceneCopy {
+  struct Object {
+    std::uint32_t id = 0;
+    std::string name;
+    Rigid3 T_world_object;
+    std::shared_ptr<const BrickField> begin;  ///< of a piece, as it came off; null: as loaded
+    BrickField changed;                       ///< bricks that are other now
+  };
+  std::vector<Object> objects;
+};
+
+struct LiveResult {
+  PostOpMesh post_op;                      ///< all pieces where they were loaded
+  std::vector<RunManifest::Piece> pieces;  ///< for placedPieces(); none: one object, which was not moved
 };
 
 /// All calls from one thread, the window's; the haptic thread's own interface is thread().
@@ -60,14 +86,23 @@ class LiveRun {
   HapticThread& thread() noexcept { return *haptic_; }
   /// As HapticThread::send(); the manifest names the tools that were chosen.
   bool send(const Command& command);
-  MesherThread& mesher() noexcept { return *mesher_; }
   RecorderStatus recorderStatus() const { return recorder_->status(); }
 
-  /// What is cut by now: the bricks that differ from the case, as the mesher knows them, a few ms old. The cut goes on.
-  BrickField changedField() { return mesher_->changedField(); }
-  /// The post-operative mesh of a changedField(). Any thread.   Errors: as exportBundle().
-  Expected<PostOpMesh> postOperative(const BrickField& changed, const PostOpOptions& options = {},
+  // What there is to see: each object has a mesher of its own, with its id. An object that was split, or a piece that
+  // an undo put back, keeps its mesher as long as it may come back.
+
+  /// Chunks that changed since the last call, object by object; pieces that came off since are begun.
+  std::vector<ObjectChunks> takeChunks();
+  /// Edits meshed so far, of all objects: see MesherThread::editsDone().
+  std::uint64_t editsDone() const noexcept;
+
+  /// What is cut by now, as the meshers know it, a few ms old. The cut goes on. Waits for them, some ms.
+  SceneCopy copyScene();
+  /// The post-operative mesh of a copy. Any thread.   Errors: as exportBundle().
+  Expected<LiveResult> postOperative(const SceneCopy& scene, const PostOpOptions& options = {},
                                      const Progress& progress = {}) const;
+  /// For the manifest, and for what is exported. Empty: "piece N".
+  void namePiece(std::uint32_t id, const std::string& name) { names_[id] = name; }
 
   /// Stops the threads and writes the run; once. kEmpty: nothing was cut, and the folder is gone again. After any other
   /// error the folder is open, and its log is whole.
@@ -78,6 +113,16 @@ class LiveRun {
   Expected<void> load(const Progress& progress);
   Expected<void> makeFolder();
   void stop();
+  struct Shown {
+    std::uint32_t id = 0;
+    std::unique_ptr<MesherThread> mesher;
+  };
+  struct CameOff {
+    std::shared_ptr<const PieceOrigin> origin;
+    std::shared_ptr<BrickFeed> feed;
+  };
+  void showNewPieces();
+  MesherThread* mesherOf(std::uint32_t id);
 
   LiveRunOptions options_;
   std::filesystem::path case_folder_, folder_;
@@ -88,7 +133,11 @@ class LiveRun {
   std::optional<RunLock> lock_;
   std::optional<SessionRecorder> recorder_;
   std::unique_ptr<HapticThread> haptic_;
-  std::unique_ptr<MesherThread> mesher_;
+  std::mutex mutex_;
+  std::vector<CameOff> came_off_;  // told by the maker of pieces; guarded by mutex_
+  std::vector<Shown> shown_;       // the first is what was loaded
+  std::uint64_t edits_of_forgotten_ = 0;
+  PieceNames names_;
   bool is_started_ = false, is_finished_ = false;
 };
 

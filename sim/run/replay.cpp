@@ -169,7 +169,8 @@ class Replayer {
     out_.state_hash = fmt::format("{:016x}", session_->hash());
     out_.objects = session_->state().objects.size();
     for (const CutObject& object : session_->state().objects)
-      for (const double volume : object.removed_mm3) out_.removed_mm3 += volume;
+      for (std::size_t m = 0; m < object.removed_mm3.size(); ++m)
+        out_.removed_mm3 += object.removed_before_mm3[m] + object.removed_mm3[m];
   }
 
   const SessionLog& log_;

@@ -22,7 +22,7 @@ struct Replay {
   bool is_whole = true;          ///< false: the log ends before its run, so that the rest was not compared
   std::string state_hash;        ///< at the end
   std::string note;              ///< what the log lacks: cut off, damaged, samples lost
-  double removed_mm3 = 0;        ///< at the end, of all objects; of a piece since it came off
+  double removed_mm3 = 0;        ///< at the end, of all objects, before and after they came apart
   std::size_t objects = 0;       ///< at the end: cases, and pieces
 };
 

@@ -59,7 +59,33 @@ bool isInFolder(const std::string& file) {
   return !path.empty() && path.is_relative() && *path.lexically_normal().begin() != "..";
 }
 
-// What a person's session was cut with.
+// What a person's session left, and what it was cut with.
+Expected<void> readPieces(TomlTable& top, const fs::path& path, RunManifest& m) {
+  const toml::array* tables = top.has("piece") ? top.tables("piece") : nullptr;
+  if (!tables) return {};
+
+  for (const toml::node& node : *tables) {
+    if (!node.is_table()) continue;
+    TomlTable t(*node.as_table(), path, fmt::format("piece {}", m.pieces.size() + 1));
+    RunManifest::Piece piece;
+    piece.id = static_cast<std::uint32_t>(t.number("id", 0, 4e9, "a count"));
+    piece.name = t.get<std::string>("name", "a name");
+    piece.volume_mm3 = t.number("volume_mm3", 0, 1e12, "mm3");
+    const std::vector<double> inside = t.numbers("inside", 3), translation = t.numbers("translation", 3),
+                              rotation = t.numbers("rotation", 4);
+    KERF_CHECK(t.finish());
+
+    piece.inside = {inside[0], inside[1], inside[2]};
+    piece.T_case_piece.translation = {translation[0], translation[1], translation[2]};
+    piece.T_case_piece.rotation = {rotation[0], rotation[1], rotation[2], rotation[3]};
+    if (!piece.T_case_piece.isUsable())
+      top.reject("piece", fmt::format("piece {}: a pose that cannot be computed with", m.pieces.size() + 1),
+                 "mm below 1e5, and a unit quaternion w x y z");
+    m.pieces.push_back(std::move(piece));
+  }
+  return {};
+}
+
 Expected<void> readTools(TomlTable& top, const fs::path& path, RunManifest& m) {
   m.is_open = top.get<bool>("is_open", "true or false");
   m.tool_id = top.get<std::string>("tool_id", "tools");
@@ -77,10 +103,14 @@ Expected<void> readTools(TomlTable& top, const fs::path& path, RunManifest& m) {
     KERF_CHECK(t.finish());
     m.tools.push_back(std::move(tool));
   }
-  return {};
+  return readPieces(top, path, m);
 }
 
 }  // namespace
+
+bool RunManifest::Piece::isMoved() const {
+  return T_case_piece.translation != Vec3d::Zero() || T_case_piece.rotation.vec() != Vec3d::Zero();
+}
 
 bool isRun(const fs::path& folder) {
   std::error_code ignored;
@@ -138,6 +168,19 @@ Expected<void> writeRunManifest(const fs::path& folder, const RunManifest& m) {
     for (const RunManifest::ToolFile& t : m.tools)
       tools.push_back(toml::table{{"id", t.id}, {"file", t.file}, {"sha256", t.sha256}});
     root.insert("tool", std::move(tools));
+    toml::array pieces;
+    for (const RunManifest::Piece& p : m.pieces) {
+      const Vec3d& i = p.inside;
+      const Vec3d& t = p.T_case_piece.translation;
+      const Eigen::Quaterniond& q = p.T_case_piece.rotation;
+      pieces.push_back(toml::table{{"id", static_cast<std::int64_t>(p.id)},
+                                   {"name", p.name},
+                                   {"inside", toml::array{i[0], i[1], i[2]}},
+                                   {"volume_mm3", p.volume_mm3},
+                                   {"translation", toml::array{t[0], t[1], t[2]}},
+                                   {"rotation", toml::array{q.w(), q.x(), q.y(), q.z()}}});
+    }
+    if (!pieces.empty()) root.insert("piece", std::move(pieces));
   } else {
     root.insert("tool_sha256", m.tool_sha256);
     root.insert("path_file", m.path_file);

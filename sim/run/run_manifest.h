@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "geometry/base/error.h"
+#include "geometry/base/types.h"
 
 namespace kerf {
 
@@ -48,6 +49,17 @@ struct RunManifest {
   /// The session has not ended, or its program has: there is the log, and neither field nor state. recoverRun()
   /// finishes it.
   bool is_open = false;
+  /// Objects that the case was in at the end, when there are several or one was moved. In run.vdb all are where they
+  /// were loaded.
+  struct Piece {
+    std::uint32_t id = 0;  ///< CutObject::id
+    std::string name;
+    Vec3d inside = Vec3d::Zero();  ///< a point deep inside of it, where it was loaded, mm
+    double volume_mm3 = 0;         ///< as its nodes count
+    Rigid3 T_case_piece;           ///< from where it was loaded to where it is
+    bool isMoved() const;
+  };
+  std::vector<Piece> pieces;
 
   /// A further case of the same scene, cut against resistance only. It stood where its scan stands.
   struct Beside {

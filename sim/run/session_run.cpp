@@ -13,6 +13,7 @@
 #include "geometry/base/version.h"
 #include "geometry/field/vdb_io.h"
 #include "geometry/tool/tool_file.h"
+#include "sim/pieces/joined_field.h"
 #include "sim/run/load_scene.h"
 #include "sim/run/run_files.h"
 #include "sim/run/run_output.h"
@@ -63,6 +64,38 @@ std::string toolsInHand(const SessionLog& log, const RunManifest& manifest) {
     const auto* select = command ? std::get_if<SelectTool>(&*command) : nullptr;
     if (select && select->tool < manifest.tools.size() && known.insert(select->tool).second)
       out += ", " + manifest.tools[select->tool].id;
+  }
+  return out;
+}
+
+bool isMoved(const CutObject& object) {
+  RunManifest::Piece piece;
+  piece.T_case_piece = object.T_world_object;
+  return piece.isMoved();
+}
+
+// What differs from the case, of all objects together.
+BrickField changesOf(const std::vector<CutObject>& objects, const std::vector<BrickField>& fields) {
+  if (fields.empty()) return objects.front().bricks().changedField();
+  std::vector<FieldPart> parts;
+  for (const BrickField& field : fields) parts.push_back({.begin = &field});
+  return joinedChanges(objects.front().baked().phi0(), parts);
+}
+
+// Of objects whose fields are given, in their order.
+std::vector<RunManifest::Piece> piecesOf(const std::vector<CutObject>& objects, const std::vector<BrickField>& fields,
+                                         const PieceNames& names) {
+  std::vector<RunManifest::Piece> out;
+  for (const BrickField& field : fields) {
+    const CutObject& object = objects[out.size()];
+    RunManifest::Piece piece;
+    piece.id = object.id;
+    const auto name = names.find(object.id);
+    piece.name = name == names.end() ? fmt::format("piece {}", out.size() + 1) : name->second;
+    piece.inside = deepestPoint({.begin = &field});
+    for (const double volume : object.bricks().countVolumes()) piece.volume_mm3 += volume;
+    piece.T_case_piece = object.T_world_object;
+    out.push_back(std::move(piece));
   }
   return out;
 }
@@ -135,9 +168,16 @@ SessionHeader sessionHeader(const RunManifest& manifest) {
   return out;
 }
 
-Expected<void> endSessionRun(const fs::path& run_folder, const Session& session, RunManifest& manifest) {
-  const BrickField changed = session.state().objects.front().bricks().changedField();
-  if (changed.isEmpty())
+Expected<void> endSessionRun(const fs::path& run_folder, const Session& session, RunManifest& manifest,
+                             const PieceNames& names) {
+  const std::vector<CutObject>& objects = session.state().objects;
+  const bool is_moved = std::any_of(objects.begin(), objects.end(), [](const auto& o) { return isMoved(o); });
+  std::vector<BrickField> fields;  // in pieces or moved
+  if (objects.size() > 1 || objects.front().bricks().isPiece() || is_moved)
+    for (const CutObject& object : objects) fields.push_back(fieldOf(object));
+
+  const BrickField changed = changesOf(objects, fields);
+  if (changed.isEmpty() && !is_moved)
     return fail({.code = Error::Code::kEmpty,
                  .file = run_folder.string(),
                  .found = "nothing was cut in this session",
@@ -153,6 +193,7 @@ Expected<void> endSessionRun(const fs::path& run_folder, const Session& session,
   if (failed) return cannotWrite(field, failed.message());
 
   manifest.field_sha256 = hash;
+  manifest.pieces = piecesOf(objects, fields, names);
   manifest.duration_s = static_cast<double>(session.state().tick) * kTick;
   manifest.state_hash = fmt::format("{:016x}", session.hash());
   manifest.is_open = false;

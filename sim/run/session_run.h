@@ -5,8 +5,11 @@
 // folder open: recoverRun() replays the log and does the rest. Nothing is ever deleted here.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <map>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "geometry/base/error.h"
@@ -51,9 +54,14 @@ Expected<OpenedRun> openSessionRun(const std::filesystem::path& run_folder, cons
 /// What the header of its log says of case and tools; describe() says the rest.
 SessionHeader sessionHeader(const RunManifest& manifest);
 
-/// Ends a session: writes the field, then the manifest, which is then no longer open.
+/// Names that a person gave to pieces, by CutObject::id.
+using PieceNames = std::map<std::uint32_t, std::string>;
+
+/// Ends a session: writes the field, then the manifest, which is then no longer open. Pieces are written as one field,
+/// each where it was loaded; the manifest says where they are.
 /// Error kEmpty: nothing was changed, and nothing is written.
-Expected<void> endSessionRun(const std::filesystem::path& run_folder, const Session& session, RunManifest& manifest);
+Expected<void> endSessionRun(const std::filesystem::path& run_folder, const Session& session, RunManifest& manifest,
+                             const PieceNames& names = {});
 
 struct Recovery {
   RunManifest manifest;

@@ -133,6 +133,10 @@ bool Session::perform(const MoveObject& command) noexcept {
   if (command.object >= state_.objects.size() || hasFrozen()) return false;
   const Rigid3 pose = poseOf(command);
   if (!pose.isUsable()) return false;
+  if (!is_stroke_) {  // a step of undo of its own
+    markAll();
+    history_.close();
+  }
   state_.objects[command.object].moveTo(pose);
   return true;
 }

@@ -7,7 +7,7 @@
 #include "geometry/tool/tool_file.h"
 #include "sim/live/remesher.h"
 #include "tests/sim/block_scene.h"
-#include "ui/app/live_surface.h"
+#include "ui/app/live_scene.h"
 
 namespace kerf {
 namespace {
@@ -32,9 +32,11 @@ struct BallWithHole {
     }
     remesher.apply(edits);
     surface.update(remesher.changedSince(0));
+    scene.update(std::vector<ObjectChunks>{{1, remesher.changedSince(0)}}, {});
   }
   std::shared_ptr<const BakedObject> loaded;
   LiveSurface surface;
+  LiveScene scene;
 };
 
 Ray down(double x, double y) { return {{x, y, 20}, -Vec3d::UnitZ()}; }
@@ -77,20 +79,20 @@ TEST(LiveSurface, ChunksAreReplacedAndRemoved) {
 TEST(Stroke, TheToolStandsOnTheSurfaceAsItWasLoadedAlsoInsideACut) {
   const BallWithHole scene;
   for (const double x : {0.02, 0.5, 0.9}) {
-    const auto at = toolOver(scene.surface, scene.loaded->phi0(), down(x, 0.03), Plunge{});
+    const auto at = toolOver(scene.scene, scene.loaded->phi0(), down(x, 0.03), Plunge{});
     ASSERT_TRUE(at) << x;
     EXPECT_LT(std::acos(at->normal.dot(Vec3d(x, 0.03, 3).normalized())), 0.06) << x;
     EXPECT_NEAR(at->depth, at->normal.dot(3 * at->normal - at->point), 0.03) << x;
     EXPECT_NEAR((at->T_world_tool.rotation * Vec3d::UnitZ() - at->normal).norm(), 0, 1e-9);
   }
-  EXPECT_FALSE(toolOver(scene.surface, scene.loaded->phi0(), down(3.3, 0), Plunge{}));
+  EXPECT_FALSE(toolOver(scene.scene, scene.loaded->phi0(), down(3.3, 0), Plunge{}));
 }
 
 TEST(Stroke, ItIsAnchoredOutsideAndPointsAtWhatWasLoaded) {
   const BallWithHole scene;
   Mesh head;
   head.vertices = {{0, 0, 0}, {0.5, 0, 0.5}, {-0.5, 0, 0.5}};
-  const auto at = toolOver(scene.surface, scene.loaded->phi0(), down(0.02, 0.03), Plunge{});
+  const auto at = toolOver(scene.scene, scene.loaded->phi0(), down(0.02, 0.03), Plunge{});
   ASSERT_TRUE(at);
   const Stroke stroke(scene.loaded->phi0(), *at, Plunge{}, head);
   EXPECT_NEAR(stroke.anchor().norm(), 3, 0.01);
@@ -114,7 +116,7 @@ TEST(Stroke, ADiscStandsOnItsRimAndASawOnItsTeeth) {
     ASSERT_TRUE(tool);
     const Plunge plunge = plungeOf(*tool);
     EXPECT_NEAR(plunge.reach, std::string(id) == "disc-22" ? 11 : 0, 0.05) << id;
-    const auto at = toolOver(scene.surface, scene.loaded->phi0(), down(1.8, 0), plunge);
+    const auto at = toolOver(scene.scene, scene.loaded->phi0(), down(1.8, 0), plunge);
     ASSERT_TRUE(at);
     EXPECT_NEAR((at->T_world_tool.rotation * plunge.direction + at->normal).norm(), 0, 1e-9);
     const Stroke stroke(scene.loaded->phi0(), *at, plunge, {});

@@ -13,6 +13,8 @@
 #include "geometry/formats/mesh_io.h"
 #include "geometry/formats/mesh_writer.h"
 #include "geometry/mesh/mesh_check.h"
+#include "sim/run/export_bundle.h"
+#include "sim/run/placed_pieces.h"
 #include "sim/run/replay.h"
 #include "tests/support/open_block.h"
 #include "tests/support/temporary_folder.h"
@@ -35,7 +37,7 @@ class WorkbenchTest : public testing::Test {
   WorkbenchOptions options() const {
     WorkbenchOptions out;
     out.data_folder = folder_.path() / "data";
-    out.tools = {"round-014", "round-010"};
+    out.tools = tools_;
     out.real_time = {.priority = 0, .lock_memory = false};
     return out;
   }
@@ -62,6 +64,7 @@ class WorkbenchTest : public testing::Test {
   }
 
   TemporaryFolder folder_;
+  std::vector<std::string> tools_ = {"round-014", "round-010"};
   Camera camera_;
   std::vector<Notice> notices_;
   fs::path session_;
@@ -230,6 +233,67 @@ TEST(AppCommands, ARayIsUnderItsPixel) {
   EXPECT_NEAR((camera.target - middle.origin).cross(middle.direction).norm(), 0, 1e-9);
   const Ray right = rayUnder(camera, 215, 150, 400, 300);
   EXPECT_NEAR((right.origin - middle.origin - 15 * camera.mmPerPixel(300) * camera.right()).norm(), 0, 1e-9);
+}
+
+// A bar of 6 x 1.6 x 1.2 mm, cut through by a disc.
+TEST_F(WorkbenchTest, APieceIsMovedCutFurtherTakenBackAndExported) {
+  const fs::path in = folder_.path() / "bar.ply", out = folder_.path() / "bar.stl";
+  ASSERT_TRUE(writeMesh(in, test::blockMesh(true, {6, 1.6, 1.2})));
+  tools_ = {"disc-22", "round-010"};
+  const auto played = play(
+      "file.open \"" + in.string() + "\"\nwait\nview.fit\ncut.force 3\ncut.depth 2.2\ncut.press 200 150\nwait 5\n" +
+      "cut.release\nwait 1\nexpect pieces 2 2\npiece.choose 2\npiece.rename \"the left\"\n" +
+      "piece.move -2 1 0.5\nwait 0.1\npiece.turn Z 30\nwait 0.1\n" +
+      // The moved piece is cut where it is: in a picture of all of it the left one is to the left.
+      "view.from top\ntool.select round-010\ncut.depth 0.4\ncut.press 90 130\nwait 3\ncut.release\nwait 0.2\nprint\n" +
+      "file.export \"" + out.string() + "\"\nwait\nfile.export-each \"" + out.string() + "\"\nwait\n" +
+      "file.export-put-back \"" + (folder_.path() / "back.stl").string() + "\"\nwait\n");
+  ASSERT_TRUE(played) << played.error().message() << allNotices();
+  EXPECT_EQ(allNotices().find("NOT ready"), std::string::npos) << allNotices();
+
+  const auto moved = readMesh(out), left = readMesh(folder_.path() / "bar-the-left.stl"),
+             right = readMesh(folder_.path() / "bar-piece-1.stl"), back = readMesh(folder_.path() / "back.stl");
+  ASSERT_TRUE(moved && left && right && back);
+  EXPECT_NEAR(signedVolume(moved->mesh), signedVolume(left->mesh) + signedVolume(right->mesh), 1e-6);
+  EXPECT_NEAR(signedVolume(moved->mesh), signedVolume(back->mesh), 1e-4);
+  EXPECT_LT(bounds(moved->mesh).min[0], -4);
+  EXPECT_NEAR(bounds(back->mesh).min[0], -3, 1e-6);
+  EXPECT_NEAR(bounds(right->mesh).max[0], 3, 1e-6);
+  EXPECT_EQ(checkMesh(back->mesh).pieces, 2u);
+
+  // The run: the same bits, and the same files from the command line's functions.
+  const auto replayed = replayRun(session_);
+  ASSERT_TRUE(replayed) << replayed.error().message();
+  EXPECT_TRUE(replayed->is_same && replayed->is_whole) << replayed->note;
+  EXPECT_EQ(replayed->objects, 2u);
+  EXPECT_NEAR(replayed->removed_mm3, removed_, 1e-3);
+  const auto exported = exportBundle(session_);
+  ASSERT_TRUE(exported) << exported.error().message();
+  ASSERT_EQ(exported->pieces.size(), 2u);
+  EXPECT_EQ(exported->pieces[1].name, "the left");
+  const auto placed = placedPieces(exported->post_op.mesh, exported->pieces);
+  ASSERT_TRUE(placed) << placed.error().message();
+  EXPECT_NEAR(signedVolume((*placed)[1].mesh), signedVolume(left->mesh), 1e-6);
+  for (int axis = 0; axis < 3; ++axis)
+    EXPECT_NEAR(bounds((*placed)[1].mesh).min[axis], bounds(left->mesh).min[axis], 1e-6);
+}
+
+TEST_F(WorkbenchTest, UndoTakesBackAMoveThenThePiecesAndRedoBringsThemAgain) {
+  const fs::path in = folder_.path() / "bar.ply";
+  ASSERT_TRUE(writeMesh(in, test::blockMesh(true, {6, 1.6, 1.2})));
+  tools_ = {"disc-22"};
+  const auto played =
+      play("file.open \"" + in.string() +
+           "\"\nwait\nview.fit\ncut.force 3\ncut.depth 2.2\ncut.press 200 150\nwait 5\ncut.release\n" +
+           "wait 1\nexpect pieces 2 2\npiece.choose 2\npiece.move 0 0 3\nwait 0.2\nedit.undo\nwait 0.3\n" +
+           "expect pieces 2 2\nexpect removed 0.3 2\nedit.undo\nwait 1\nexpect pieces 1 1\n" +
+           "expect removed -1e-9 1e-9\nedit.redo\nwait 1\nexpect pieces 2 2\nexpect removed 0.3 2\n");
+  ASSERT_TRUE(played) << played.error().message() << allNotices();
+  const auto manifest = readRunManifest(session_);
+  ASSERT_TRUE(manifest) << manifest.error().message();
+  ASSERT_EQ(manifest->pieces.size(), 2u);
+  EXPECT_FALSE(manifest->pieces[1].isMoved()) << "the move was taken back";
+  EXPECT_TRUE(replayRun(session_)->is_same);
 }
 
 }  // namespace

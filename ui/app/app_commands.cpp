@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <fstream>
@@ -11,41 +10,18 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "ui/app/command_words.h"
+#include "ui/app/piece_commands.h"
+
 namespace kerf {
 namespace {
 
 namespace fs = std::filesystem;
 
-tl::unexpected<Error> wrong(std::string found, std::string expected, std::string hint = {}) {
-  return fail({.code = Error::Code::kBadValue,
-               .found = std::move(found),
-               .expected = std::move(expected),
-               .hint = std::move(hint)});
-}
-
-Expected<double> number(AppWords words, std::size_t n, const char* name, double low, double high) {
-  if (n >= words.size()) return wrong("too few parameters", name);
-  double value = 0;
-  const std::string& word = words[n];
-  const auto [end, failed] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (failed == std::errc{} && end == word.data() + word.size() && value >= low && value <= high) return value;
-  return wrong("\"" + word + "\"", fmt::format("{}: a number of {:g} to {:g}", name, low, high));
-}
-
-Expected<double> numberOr(AppWords words, std::size_t n, double fallback, const char* name, double low, double high) {
-  if (n >= words.size()) return fallback;
-  return number(words, n, name, low, high);
-}
-
 Expected<Ray> rayOf(const AppContext& c, AppWords words) {
-  KERF_TRY(x, number(words, 0, "X", -1e5, 1e5));
-  KERF_TRY(y, number(words, 1, "Y", -1e5, 1e5));
+  KERF_TRY(x, numberOf(words, 0, "X", -1e5, 1e5));
+  KERF_TRY(y, numberOf(words, 1, "Y", -1e5, 1e5));
   return rayUnder(c.camera, x, y, c.width, c.height);
-}
-
-Expected<fs::path> pathOf(AppWords words) {
-  if (words.empty() || words[0].empty()) return wrong("no file", "its path");
-  return fs::path(words[0]);
 }
 
 // ---- When a command can be given
@@ -54,6 +30,8 @@ bool always(const AppContext&) { return true; }
 bool isOpen(const AppContext& c) { return c.bench.isOpen(); }
 bool isIdle(const AppContext& c) { return !c.bench.job(); }
 bool isOpenAndIdle(const AppContext& c) { return isOpen(c) && isIdle(c); }
+bool hasPiecesAndIdle(const AppContext& c) { return piece_commands::arePieces(c) && isIdle(c); }
+bool isChosenAndIdle(const AppContext& c) { return piece_commands::isChosen(c) && isIdle(c); }
 bool hasJob(const AppContext& c) { return c.bench.job() != nullptr; }
 bool hasLost(const AppContext& c) { return !c.bench.lostSessions().empty() && isIdle(c); }
 
@@ -73,7 +51,7 @@ Expected<void> openDemo(AppContext& c, AppWords words) {
     c.bench.openDemo(name);
     return {};
   }
-  return wrong(words.empty() ? "no demo" : "\"" + words[0] + "\"", "one of " + list);
+  return wrongWord(words.empty() ? "no demo" : "\"" + words[0] + "\"", "one of " + list);
 }
 Expected<void> exportFile(AppContext& c, AppWords words) {
   KERF_TRY(path, pathOf(words));
@@ -107,11 +85,11 @@ Expected<void> redo(AppContext& c, AppWords) {
 }
 
 Expected<void> selectTool(AppContext& c, AppWords words) {
-  if (words.empty()) return wrong("no tool", "its id");
+  if (words.empty()) return wrongWord("no tool", "its id");
   if (c.bench.selectTool(words[0])) return {};
   std::string ids;
   for (std::size_t n = 0; n < c.bench.toolCount(); ++n) ids += (n ? ", " : "") + c.bench.tool(n).id;
-  return wrong("\"" + words[0] + "\"", "one of " + ids);
+  return wrongWord("\"" + words[0] + "\"", "one of " + ids);
 }
 std::size_t toolBeside(const AppContext& c, std::size_t way) {
   const std::size_t count = std::max<std::size_t>(c.bench.toolCount(), 1);
@@ -127,12 +105,12 @@ Expected<void> previousTool(AppContext& c, AppWords) {
 }
 
 Expected<void> setForce(AppContext& c, AppWords words) {
-  KERF_TRY(force, number(words, 0, "NEWTONS", Workbench::kLeastForce, Workbench::kMostForce));
+  KERF_TRY(force, numberOf(words, 0, "NEWTONS", Workbench::kLeastForce, Workbench::kMostForce));
   c.bench.setForce(force);
   return {};
 }
 Expected<void> setDepth(AppContext& c, AppWords words) {
-  KERF_TRY(depth, number(words, 0, "MM", 0, Workbench::kMostDepth));
+  KERF_TRY(depth, numberOf(words, 0, "MM", 0, Workbench::kMostDepth));
   c.bench.deepen(depth - c.bench.depth_mm);
   return {};
 }
@@ -150,7 +128,7 @@ Expected<void> shallower(AppContext& c, AppWords words) {
 Expected<void> press(AppContext& c, AppWords words) {
   KERF_TRY(ray, rayOf(c, words));
   if (c.bench.press(ray)) return {};
-  return wrong(fmt::format("nothing to cut at {}, {}", words[0], words[1]), "a pixel of the object");
+  return wrongWord(fmt::format("nothing to cut at {}, {}", words[0], words[1]), "a pixel of the object");
 }
 Expected<void> drag(AppContext& c, AppWords words) {
   KERF_TRY(ray, rayOf(c, words));
@@ -163,17 +141,17 @@ Expected<void> release(AppContext& c, AppWords) {
 }
 
 Expected<void> fit(AppContext& c, AppWords) {
-  fitToBox(c.camera, c.bench.surface().bounds(), c.width, c.height);
+  fitToBox(c.camera, c.bench.scene().bounds(), c.width, c.height);
   return {};
 }
 Expected<void> view(AppContext& c, AppWords words) {
-  if (words.empty()) return wrong("no view", "its name");
+  if (words.empty()) return wrongWord("no view", "its name");
   KERF_TRY(named, cameraFromView(words[0]));
   c.camera = named;
   return fit(c, {});
 }
 Expected<void> zoom(AppContext& c, AppWords words) {
-  KERF_TRY(factor, number(words, 0, "FACTOR", 0.01, 100));
+  KERF_TRY(factor, numberOf(words, 0, "FACTOR", 0.01, 100));
   zoomBy(c.camera, factor);
   return {};
 }
@@ -185,7 +163,7 @@ Expected<void> namedView(AppContext& c, AppWords) {
 Expected<void> screenshot(AppContext& c, AppWords words) {
   KERF_TRY(path, pathOf(words));
   if (c.screenshot) return c.screenshot(path);
-  return wrong("nothing is drawn here", "a window, or a picture without one");
+  return wrongWord("nothing is drawn here", "a window, or a picture without one");
 }
 
 constexpr AppCommand kCommands[] = {
@@ -194,6 +172,13 @@ constexpr AppCommand kCommands[] = {
     {"file.demo", "", "", "", "NAME", "Opens one of our own: molar, mandible or arch.", isIdle, openDemo},
     {"file.export", "File", "Export...", "Ctrl+E", "PATH",
      "Writes the cut object as a mesh, reads it back and checks it.", isOpenAndIdle, exportFile},
+    {"file.export-each", "File", "Export each piece...", "", "PATH", "Writes a file a piece, NAME-PIECE.stl.",
+     hasPiecesAndIdle, piece_commands::exportEach},
+    {"file.export-piece", "File", "Export the chosen piece...", "", "PATH", "Writes the chosen piece alone.",
+     isChosenAndIdle, piece_commands::exportChosen},
+    {"file.export-put-back", "File", "Export pieces put back...", "", "PATH",
+     "Writes all pieces where they were in the scan, wherever they were moved to.", hasPiecesAndIdle,
+     piece_commands::exportPutBack},
     {"file.close", "File", "End the session", "Ctrl+W", "",
      "Writes the session as a run that can be replayed and exported.", isOpenAndIdle, closeSession},
     {"session.recover", "File", "Recover a session", "", "[N]",
@@ -217,6 +202,20 @@ constexpr AppCommand kCommands[] = {
     {"cut.press", "", "", "", "X Y", "Presses the button at a pixel: a stroke begins.", isOpen, press},
     {"cut.drag", "", "", "", "X Y", "Moves the pressed pointer to a pixel.", isOpen, drag},
     {"cut.release", "", "", "", "", "Lets go of the button: the stroke ends.", isOpen, release},
+
+    {"piece.choose", "", "", "", "PIECE", "Chooses a piece by its name or number; moves are of that.", isOpen,
+     piece_commands::choose},
+    {"piece.next", "Piece", "Choose the next", "Tab", "", "Chooses the next piece, after the last one none.",
+     piece_commands::arePieces, piece_commands::chooseNext},
+    {"piece.move", "", "", "", "X Y Z", "Moves the chosen piece by so many mm.", isOpen, piece_commands::move},
+    {"piece.turn", "", "", "", "X|Y|Z DEGREES", "Turns the chosen piece about its middle.", isOpen,
+     piece_commands::turn},
+    {"piece.put-back", "Piece", "Put back", "", "", "Puts the chosen piece back where it was in the scan.",
+     piece_commands::isChosen, piece_commands::putBack},
+    {"piece.hide", "Piece", "Hide", "H", "", "Hides the chosen piece.", piece_commands::isChosen, piece_commands::hide},
+    {"piece.show-all", "Piece", "Show all", "Shift+H", "", "Shows all pieces.", isOpen, piece_commands::show},
+    {"piece.rename", "", "", "", "NAME", "Gives the chosen piece a name, for the list and for files.", isOpen,
+     piece_commands::rename},
 
     {"view.fit", "View", "Fit", "F", "", "Shows all of the object.", isOpen, fit},
     {"view.front", "View", "Front", "1", "", "Looks along +y.", always, namedView<0>},
@@ -243,7 +242,7 @@ Expected<std::vector<std::string>> wordsOf(const std::string& line) {
     if (line[at] == '#') break;
     if (line[at] == '"') {
       const std::size_t end = line.find('"', at + 1);
-      if (end == line.npos) return wrong(line, "a closing quote");
+      if (end == line.npos) return wrongWord(line, "a closing quote");
       out.push_back(line.substr(at + 1, end - at - 1));
       at = end + 1;
       continue;
@@ -264,11 +263,11 @@ void frameOf(const std::function<void()>& frame) {
 Expected<void> wait(AppContext& c, AppWords words, const std::function<void()>& frame) {
   if (words.empty()) {
     do frameOf(frame);
-    while (c.bench.job() || (c.bench.isOpen() && c.bench.surface().triangleCount() == 0));
+    while (c.bench.job() || (c.bench.isOpen() && c.bench.scene().triangleCount() == 0));
     return {};
   }
-  KERF_TRY(seconds, number(words, 0, "SECONDS", 0, 36000));
-  if (!c.bench.isOpen()) return wrong("nothing is open", "a session whose clock runs");
+  KERF_TRY(seconds, numberOf(words, 0, "SECONDS", 0, 36000));
+  if (!c.bench.isOpen()) return wrongWord("nothing is open", "a session whose clock runs");
   frame();
   const auto until = c.bench.report().tick + static_cast<std::uint64_t>(seconds / kTick);
   while (c.bench.isOpen() && c.bench.report().tick < until) frameOf(frame);
@@ -282,7 +281,8 @@ void printState(const AppContext& c) {
                    {"force_N", c.bench.force},
                    {"depth_mm", c.bench.depth_mm},
                    {"ticks", c.bench.report().tick},
-                   {"triangles", c.bench.surface().triangleCount()}};
+                   {"pieces", c.bench.scene().shown().size()},
+                   {"triangles", c.bench.scene().triangleCount()}};
   if (c.bench.isOpen()) j["tool"] = c.bench.tool(c.bench.toolInHand()).id;
   if (const auto depth = c.bench.depthNow()) j["depth_now_mm"] = *depth;
   fmt::print("{}\n", j.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
@@ -290,26 +290,28 @@ void printState(const AppContext& c) {
 }
 
 Expected<void> expect(const AppContext& c, AppWords words) {
-  if (words.empty()) return wrong("nothing", "removed, depth or triangles, and its range");
-  KERF_TRY(low, number(words, 1, "LOW", -1e12, 1e12));
-  KERF_TRY(high, number(words, 2, "HIGH", -1e12, 1e12));
+  if (words.empty()) return wrongWord("nothing", "removed, depth, triangles or pieces, and its range");
+  KERF_TRY(low, numberOf(words, 1, "LOW", -1e12, 1e12));
+  KERF_TRY(high, numberOf(words, 2, "HIGH", -1e12, 1e12));
   double value = 0;
   if (words[0] == "removed")
     value = c.bench.removedMm3();
   else if (words[0] == "depth")
     value = c.bench.depthNow().value_or(0);
   else if (words[0] == "triangles")
-    value = static_cast<double>(c.bench.surface().triangleCount());
+    value = static_cast<double>(c.bench.scene().triangleCount());
+  else if (words[0] == "pieces")
+    value = static_cast<double>(c.bench.scene().shown().size());
   else
-    return wrong("\"" + words[0] + "\"", "removed, depth or triangles");
+    return wrongWord("\"" + words[0] + "\"", "removed, depth, triangles or pieces");
   if (value >= low && value <= high) return {};
-  return wrong(fmt::format("{} {:g}", words[0], value), fmt::format("{:g} to {:g}", low, high));
+  return wrongWord(fmt::format("{} {:g}", words[0], value), fmt::format("{:g} to {:g}", low, high));
 }
 
 // Notices that are errors end a script.
 Expected<void> failOnError(const AppContext& c, std::size_t& seen) {
   for (; seen < c.bench.notices().size(); ++seen)
-    if (const Notice& notice = c.bench.notices()[seen]; notice.is_error) return wrong(notice.text, "no error");
+    if (const Notice& notice = c.bench.notices()[seen]; notice.is_error) return wrongWord(notice.text, "no error");
   return {};
 }
 
@@ -347,7 +349,7 @@ std::string appCommandReference() {
       "double quotes may hold blanks. X and Y are pixels of the picture, Y downwards. Beside them a script has `wait` "
       "(until "
       "no job runs), `wait SECONDS` (of the simulation), `print` (the state, as JSON) and `expect "
-      "removed|depth|triangles LOW HIGH`. The first error ends it, "
+      "removed|depth|triangles|pieces LOW HIGH`. The first error ends it, "
       "with "
       "exit code 1 and the line.\n\n| command | parameters | key | what it does |\n|---|---|---|---|\n";
   for (const AppCommand& c : kCommands)
@@ -372,7 +374,7 @@ void firstView(AppContext& context, const Camera& otherwise) {
     context.camera.elevation = std::asin(std::clamp(normal->z(), -1.0, 1.0));
     context.camera.azimuth = std::abs(normal->z()) > 0.999 ? 0 : std::atan2(normal->x(), -normal->y());
   }
-  fitToBox(context.camera, context.bench.surface().bounds(), context.width, context.height);
+  fitToBox(context.camera, context.bench.scene().bounds(), context.width, context.height);
 }
 
 void fitToBox(Camera& camera, const Box3& box, int width, int height) {

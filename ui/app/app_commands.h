@@ -12,6 +12,7 @@
 
 #include "geometry/base/error.h"
 #include "ui/app/camera.h"
+#include "ui/app/command_words.h"
 #include "ui/app/workbench.h"
 
 namespace kerf {
@@ -25,8 +26,6 @@ struct AppContext {
   /// Writes what the window shows; null where nothing is drawn.
   std::function<Expected<void>(const std::filesystem::path& png)> screenshot{};
 };
-
-using AppWords = std::span<const std::string>;
 
 struct AppCommand {
   std::string_view id;           ///< "file.open"
@@ -60,7 +59,7 @@ void fitToBox(Camera& camera, const Box3& box, int width, int height);
 ///   wait               until no job runs
 ///   wait SECONDS       of the simulation
 ///   print              state as one line of JSON on standard output
-///   expect WHAT LOW HIGH  ends the script unless removed (mm^3), depth (mm) or triangles is in that range
+///   expect WHAT LOW HIGH  ends the script unless removed (mm^3), depth (mm), triangles or pieces is in that range
 /// The first error ends it, and names the line.   @param frame  is called about 60 times a second while it waits.
 Expected<void> runScript(AppContext& context, const std::filesystem::path& script, const std::function<void()>& frame);
 

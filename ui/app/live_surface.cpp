@@ -38,6 +38,16 @@ std::optional<double> meet(const Ray& ray, const Vec3d& a, const Vec3d& b, const
   return way;
 }
 
+double volumeOf(const MeshChunk& chunk) {
+  double out = 0;
+  for (const auto& t : chunk.triangles) {
+    const Vec3d a = chunk.vertices[t[0]].cast<double>(), b = chunk.vertices[t[1]].cast<double>(),
+                c = chunk.vertices[t[2]].cast<double>();
+    out += a.dot(b.cross(c)) / 6;
+  }
+  return out;
+}
+
 }  // namespace
 
 void LiveSurface::update(std::span<const MeshChunkPtr> chunks) {
@@ -45,13 +55,15 @@ void LiveSurface::update(std::span<const MeshChunkPtr> chunks) {
     const std::uint64_t key = coordKey(chunk->brick);
     if (const auto old = chunks_.find(key); old != chunks_.end()) {
       triangles_ -= old->second.chunk->triangles.size();
+      volume_ -= old->second.volume;
       chunks_.erase(old);
     }
     if (chunk->isEmpty()) continue;
 
-    Placed placed{chunk, {}};
+    Placed placed{chunk, {}, volumeOf(*chunk)};
     for (const Vec3f& v : chunk->vertices) placed.box.add(Vec3d(v.cast<double>()));
     triangles_ += chunk->triangles.size();
+    volume_ += placed.volume;
     chunks_.emplace(key, std::move(placed));
   }
 }

@@ -28,10 +28,12 @@ class LiveSurface {
  public:
   /// Newer chunks replace older ones of the same brick; empty ones remove them.
   void update(std::span<const MeshChunkPtr> chunks);
-  void clear() { chunks_.clear(); }
+  void clear() { *this = {}; }
 
   std::size_t triangleCount() const { return triangles_; }
   Box3 bounds() const;
+  /// Enclosed by the surface, mm^3. 0 while chunks are missing.
+  double volume() const { return volume_; }
   /// The first triangle that faces the ray. O(chunks), and the triangles of those that the ray passes.
   std::optional<SurfaceHit> hit(const Ray& ray) const;
 
@@ -39,9 +41,11 @@ class LiveSurface {
   struct Placed {
     MeshChunkPtr chunk;
     Box3 box;
+    double volume = 0;  // of the tetrahedra from the origin to its triangles, mm^3
   };
   std::unordered_map<std::uint64_t, Placed> chunks_;
   std::size_t triangles_ = 0;
+  double volume_ = 0;
 };
 
 /// Where a ray first enters {field < 0}, mm along it, between `from` and `to`; none: it does not.

@@ -60,44 +60,58 @@ Eigen::Quaterniond attitudeAlong(const Plunge& plunge, const Vec3d& axis) {
   return Eigen::Quaterniond::FromTwoVectors(plunge.direction, -axis).normalized();
 }
 
-std::optional<ToolOverSurface> toolOver(const LiveSurface& surface, const BrickField& loaded, const Ray& ray,
+std::optional<ToolOverSurface> toolOver(const LiveScene& scene, const BrickField& loaded, const Ray& ray,
                                         const Plunge& plunge) {
-  const auto hit = surface.hit(ray);
+  const auto hit = scene.hit(ray);
   if (!hit) return {};
-  ToolOverSurface out;
-  out.point = hit->point;
+  const Rigid3 pose = scene.find(hit->id)->pose();
+  const Ray local = inFrame(pose, ray);
+  const Vec3d point = local.at(hit->on_surface.way);
+
   // On the surface as loaded: the walls of a cut do not turn the tool.
-  const auto way = entry(loaded, ray, std::max(hit->way - 2 * kOut, 0.0), hit->way + loaded.voxel());
-  out.normal = meanNormal(loaded, way ? ray.at(*way) : hit->point, std::max(plunge.radius, kWide), -ray.direction);
+  const auto way =
+      entry(loaded, local, std::max(hit->on_surface.way - 2 * kOut, 0.0), hit->on_surface.way + loaded.voxel());
+  const Vec3d normal =
+      meanNormal(loaded, way ? local.at(*way) : point, std::max(plunge.radius, kWide), -local.direction);
+
+  ToolOverSurface out;
+  out.object = hit->id;
+  out.T_world_object = pose;
+  out.point = hit->on_surface.point;
+  out.normal = pose.rotation * normal;
   out.T_world_tool = {attitudeAlong(plunge, out.normal), out.point + plunge.reach * out.normal};
-  out.depth = std::max(out.normal.dot(onLoaded(loaded, hit->point, out.normal) - hit->point), 0.0);
+  out.depth = std::max(normal.dot(onLoaded(loaded, point, normal) - point), 0.0);
   return out;
 }
 
 Stroke::Stroke(const BrickField& loaded, const ToolOverSurface& at, const Plunge& plunge, const Mesh& head)
     : loaded_(loaded),
-      anchor_(onLoaded(loaded, at.point, at.normal)),
+      T_world_object_(at.T_world_object),
+      to_object_(at.T_world_object.inverse()),
+      anchor_(T_world_object_ * onLoaded(loaded, to_object_ * at.point, to_object_.rotation * at.normal)),
       axis_(at.normal),
       reach_(plunge.reach),
       start_{at.T_world_tool.rotation, anchor_ + (kAbove + reach_) * axis_} {
   const auto isFree = [&] {
+    const Rigid3 tool = to_object_ * start_;
     return std::all_of(head.vertices.begin(), head.vertices.end(),
-                       [&](const Vec3d& v) { return loaded_.sample(start_ * v) > 0; });
+                       [&](const Vec3d& v) { return loaded_.sample(tool * v) > 0; });
   };
   for (double lift = kAbove; lift < kLongestLift && !isFree(); lift += 0.1)
     start_.translation = anchor_ + (lift + reach_) * axis_;
 }
 
 Vec3d Stroke::pointerOf(const Ray& ray) const {
-  if (const auto way = entry(loaded_, ray, 0, kFar)) return ray.at(*way);
+  const Ray local = inFrame(T_world_object_, ray);
+  if (const auto way = entry(loaded_, local, 0, kFar)) return ray.at(*way);
   const double along = ray.direction.dot(axis_);
   if (std::abs(along) < 0.05) return anchor_;
   return ray.at(axis_.dot(anchor_ - ray.origin) / along);
 }
 
 double Stroke::depthOf(const Vec3d& tip) const {
-  const Vec3d first = tip - reach_ * axis_;
-  return axis_.dot(onLoaded(loaded_, first, axis_) - first);
+  const Vec3d first = to_object_ * (tip - reach_ * axis_), axis = to_object_.rotation * axis_;
+  return axis.dot(onLoaded(loaded_, first, axis) - first);
 }
 
 }  // namespace kerf

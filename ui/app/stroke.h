@@ -11,12 +11,14 @@
 #include "geometry/mesh/mesh.h"
 #include "geometry/tool/tool.h"
 #include "sim/hand/mouse_hand.h"
-#include "ui/app/live_surface.h"
+#include "ui/app/live_scene.h"
 
 namespace kerf {
 
 /// A tool that hovers or is about to cut: where, and how deep below the surface as loaded.
 struct ToolOverSurface {
+  std::uint32_t object = 0;       ///< CutObject::id
+  Rigid3 T_world_object;          ///< of that
   Rigid3 T_world_tool;            ///< what of it goes first is on the surface as it is now
   Vec3d point = Vec3d::Zero();    ///< there, mm
   Vec3d normal = Vec3d::UnitZ();  ///< unit, outward: the tool plunges against it
@@ -31,8 +33,8 @@ struct Plunge {
 };
 Plunge plungeOf(const Tool& tool);
 
-/// What a ray points at. None: nothing.
-std::optional<ToolOverSurface> toolOver(const LiveSurface& surface, const BrickField& loaded, const Ray& ray,
+/// What a ray points at. None: nothing.   @param loaded  the surface as loaded, in the frame of every piece of it.
+std::optional<ToolOverSurface> toolOver(const LiveScene& scene, const BrickField& loaded, const Ray& ray,
                                         const Plunge& plunge);
 
 /// A tool's attitude in which it plunges against `axis` (unit, out of the tissue), turned least from upright.
@@ -56,7 +58,8 @@ class Stroke {
 
  private:
   const BrickField& loaded_;
-  Vec3d anchor_, axis_;
+  Rigid3 T_world_object_, to_object_;  // of the piece that is cut
+  Vec3d anchor_, axis_;                // world
   double reach_;
   Rigid3 start_;
 };

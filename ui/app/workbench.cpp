@@ -10,10 +10,8 @@
 #include <utility>
 
 #include "geometry/formats/mesh_formats.h"
-#include "geometry/formats/mesh_io.h"
-#include "geometry/formats/mesh_writer.h"
-#include "geometry/mesh/mesh_check.h"
 #include "geometry/tool/tool_file.h"
+#include "ui/app/exporting.h"
 
 namespace kerf {
 namespace {
@@ -35,25 +33,6 @@ Mesh headOf(const Tool& tool) {
   for (const Vec3d& v : toolMesh(tool, kHeadTolerance).vertices)
     if (v[2] < kHeadUpTo) out.vertices.push_back(v);
   return out;
-}
-
-// Vertices of every triangle, in their order: what a file has to bring back whatever its format.
-Expected<void> compareWithFile(const fs::path& file, const Mesh& mesh) {
-  KERF_TRY(read, readMesh(file));
-  const Mesh& back = read.mesh;
-  std::size_t different = back.triangles.size() == mesh.triangles.size() ? 0 : 1;
-  for (std::size_t t = 0; different == 0 && t < mesh.triangles.size(); ++t)
-    for (int k = 0; k < 3; ++k) {
-      const auto corner = static_cast<std::size_t>(k);
-      const Vec3d wanted = roundedToFloat(mesh.vertices[mesh.triangles[t][corner]]);
-      different += roundedToFloat(back.vertices[back.triangles[t][corner]]) != wanted;
-    }
-  if (different == 0) return {};
-  return fail({.code = Error::Code::kWriteFailed,
-               .file = file.string(),
-               .found = fmt::format("{} triangles read back, not those that were written", back.triangles.size()),
-               .expected = fmt::format("the {} triangles of the mesh, bit for bit", mesh.triangles.size()),
-               .hint = "write it again, to another disk"});
 }
 
 }  // namespace
@@ -93,7 +72,7 @@ Workbench::~Workbench() {
 
 // ---- Once a frame
 
-std::vector<MeshChunkPtr> Workbench::update() {
+std::vector<ObjectChunks> Workbench::update() {
   if (job_ && job_->isOver()) {
     const auto over = std::move(job_);  // what follows may start another one
     const auto done = std::exchange(when_over_, {});
@@ -107,11 +86,17 @@ void Workbench::takeNews() {
   if (!run_) return;
   if (run_->thread().update()) {
     report_ = run_->thread().report();
-    removed_mm3_ = report_.objects[0].removed_mm3;
+    removed_mm3_ = 0;
+    for (std::size_t n = 0; n < report_.object_count; ++n) removed_mm3_ += report_.objects[n].removed_mm3;
   }
   if (run_->thread().updateTimes()) times_ = run_->thread().times();
-  const auto chunks = run_->mesher().take();
-  surface_.update(chunks);
+  const auto chunks = run_->takeChunks();
+  scene_.update(chunks, report_);
+  // A piece that was moved is where the simulation has it as soon as that has answered.
+  if (moving_ && report_.counts.commands_done + report_.counts.commands_refused >= moving_->sent) {
+    dragPiece(moving_->id, std::nullopt);
+    moving_.reset();
+  }
   fresh_.insert(fresh_.end(), chunks.begin(), chunks.end());
 
   const RecorderStatus log = run_->recorderStatus();
@@ -131,7 +116,7 @@ void Workbench::settle() {
     const bool is_done = c.commands_done + c.commands_refused >= sent_ && report_.output.touching == 0;
     if (is_done && !done_at) done_at = report_.tick;
     const bool is_counted = done_at && report_.tick >= *done_at + kTicks;
-    if (is_counted && c.edits_waiting == 0 && run_->mesher().editsDone() >= c.edits_pushed) return;
+    if (is_counted && c.edits_waiting == 0 && run_->editsDone() >= c.edits_pushed) return;
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
 }
@@ -206,22 +191,30 @@ void Workbench::show(Opened& loaded) {
   fresh_.clear();
   occlusal_ = loaded.occlusal;
   session_ = run_->folder();
-  surface_.clear();
+  scene_.clear();
   tool_ = 0;
   aim_ = {};
   stroke_.reset();
+  chosen_.reset();
+  moving_.reset();
   removed_mm3_ = 0;
   ++generation_;
   for (std::string& note : loaded.notes) say(std::move(note));
 }
 
+// For what is written: names as the window shows them.
+void Workbench::namePieces() {
+  for (const SceneObject* object : scene_.shown()) run_->namePiece(object->id, object->name);
+}
+
 void Workbench::close() {
   if (isBusy() || !run_) return;
   release();
+  namePieces();
   std::shared_ptr<LiveRun> ending = std::move(run_);
   std::shared_ptr<MouseHand> hand = std::move(hand_);
   const std::string name = name_;
-  surface_.clear();
+  scene_.clear();
   ++generation_;
   auto job = std::make_unique<Job<RunManifest>>(
       "writing the session of " + name, [ending, hand](const Progress&) { return ending->finish(); }, false);
@@ -258,7 +251,7 @@ bool Workbench::selectTool(const std::string& id) {
 
 std::optional<ToolOverSurface> Workbench::over(const Ray& ray) const {
   if (!run_) return {};
-  return toolOver(surface_, run_->object().phi0(), ray, plunges_[tool_]);
+  return toolOver(scene_, run_->object().phi0(), ray, plunges_[tool_]);
 }
 
 bool Workbench::press(const Ray& ray) {
@@ -271,6 +264,7 @@ bool Workbench::press(const Ray& ray) {
   aim_.is_pressed = true;
   aim_.anchor = aim_.pointer = stroke_->anchor();
   aim_.into = -stroke_->axis();
+  aim_.T_world_surface = at->T_world_object;
   aim_.reach = plunges_[tool_].reach;
   sendAim();
 
@@ -338,9 +332,43 @@ void Workbench::redo() {
   send(Redo{});
 }
 
+// ---- Pieces
+
+const SceneObject* Workbench::chosenPiece() const { return chosen_ ? scene_.find(*chosen_) : nullptr; }
+
+void Workbench::movePiece(std::uint32_t id, const Rigid3& T_world_object) {
+  SceneObject* const piece = scene_.find(id);
+  if (!piece || !piece->is_in_scene) return;
+  if (!T_world_object.isUsable())
+    return complain({.code = Error::Code::kBadValue,
+                     .place = piece->name,
+                     .found = "a place that can not be computed with",
+                     .expected = "less than 100 m away"});
+  release();
+  const Vec3d& t = T_world_object.translation;
+  const Eigen::Quaterniond& q = T_world_object.rotation;
+  piece->dragged = T_world_object;
+  const bool is_sent = send(MoveObject{piece->index, {t[0], t[1], t[2]}, {q.w(), q.x(), q.y(), q.z()}});
+  moving_ = {id, is_sent ? sent_ : 0};
+}
+
+void Workbench::dragPiece(std::uint32_t id, const std::optional<Rigid3>& T_world_object) {
+  if (SceneObject* const piece = scene_.find(id)) piece->dragged = T_world_object;
+}
+
+void Workbench::hidePiece(std::uint32_t id, bool is_hidden) {
+  if (SceneObject* const piece = scene_.find(id)) piece->is_hidden = is_hidden;
+}
+
+void Workbench::namePiece(std::uint32_t id, const std::string& name) {
+  SceneObject* const piece = scene_.find(id);
+  if (!piece || name.empty()) return;
+  piece->name = name;
+}
+
 // ---- Results
 
-void Workbench::exportTo(const fs::path& file) {
+void Workbench::exportTo(const fs::path& file, const ExportChoice& choice) {
   if (isBusy()) return;
   if (!run_) return complain({.code = Error::Code::kEmpty, .found = "nothing is open", .hint = "open a scan first"});
   if (const auto possible = canWriteMesh(file); !possible) return complain(possible.error());
@@ -354,22 +382,16 @@ void Workbench::exportTo(const fs::path& file) {
                      .hint = "another name"});
   release();
   settle();
+  namePieces();
 
   // The job works on a copy: the cut may go on.
   job_writes_ = true;
-  auto changed = std::make_shared<BrickField>(run_->changedField());
+  auto scene = std::make_shared<const SceneCopy>(run_->copyScene());
   const LiveRun* const run = run_.get();
-  auto job = std::make_unique<Job<std::string>>(
-      "exporting " + file.filename().string(), [run, changed, file](const Progress& progress) -> Expected<std::string> {
-        KERF_TRY(result, run->postOperative(*changed, {}, progress));
-        KERF_CHECK(writeMesh(file, result.mesh));
-        KERF_CHECK(compareWithFile(file, result.mesh));
-        const MeshReport verdict = checkMesh(result.mesh);
-        const PostOpReport& r = result.report;
-        return fmt::format("{}: {} triangles, removed {:.3f} mm3, {} vertices of the scan kept bit for bit; {}",
-                           file.string(), result.mesh.triangles.size(), r.removed_volume_mm3, r.source_vertices_kept,
-                           verdict.print_ready ? "ready to print" : "NOT ready to print, see kerf check");
-      });
+  auto job = std::make_unique<Job<std::string>>("exporting " + file.filename().string(),
+                                                [run, scene, file, choice](const Progress& progress) {
+                                                  return exportScene(*run, *scene, file, choice, progress);
+                                                });
   when_over_ = [this, job = job.get()] {
     auto written = job->take();
     written ? say(std::move(*written)) : complain(written.error());

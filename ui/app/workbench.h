@@ -13,8 +13,9 @@
 #include "geometry/base/error.h"
 #include "sim/hand/mouse_hand.h"
 #include "sim/run/live_run.h"
+#include "ui/app/exporting.h"
 #include "ui/app/job.h"
-#include "ui/app/live_surface.h"
+#include "ui/app/live_scene.h"
 #include "ui/app/opening.h"
 #include "ui/app/stroke.h"
 
@@ -54,7 +55,7 @@ class Workbench {
   // ---- Once a frame
 
   /// Takes what jobs, mesher and haptic thread have done since. @return chunks of the surface that changed.
-  std::vector<MeshChunkPtr> update();
+  std::vector<ObjectChunks> update();
   /// The job under way; null: none. While there is one, open, export and close are refused with a notice.
   const AnyJob* job() const { return job_.get(); }
   void cancelJob();
@@ -76,7 +77,7 @@ class Workbench {
   /// Out of the teeth, unit: the way a scan of several teeth is best looked at. None: it has no occlusal plane.
   const std::optional<Vec3d>& occlusalNormal() const { return occlusal_; }
   const LiveRun* run() const { return run_.get(); }
-  const LiveSurface& surface() const { return surface_; }
+  const LiveScene& scene() const { return scene_; }
   const HapticReport& report() const { return report_; }
   HapticTimes times() const { return times_; }
   /// Ends the session: the run is written where sessionFolder() says. A job.
@@ -116,10 +117,22 @@ class Workbench {
   void undo();
   void redo();
 
+  // ---- Pieces, by SceneObject::id
+
+  /// A step of undo of its own. Refused with a notice during a stroke, and for a pose that is not usable.
+  void movePiece(std::uint32_t id, const Rigid3& T_world_object);
+  /// Shows it there, until it is moved or this is called with none.
+  void dragPiece(std::uint32_t id, const std::optional<Rigid3>& T_world_object);
+  void hidePiece(std::uint32_t id, bool is_hidden);
+  void namePiece(std::uint32_t id, const std::string& name);
+  /// What moves are made of; null: none is chosen, or it is not in the scene.
+  const SceneObject* chosenPiece() const;
+  void choosePiece(std::optional<std::uint32_t> id) { chosen_ = id; }
+
   // ---- Results
 
   /// The post-operative mesh as it is now, read back and compared. A job; the cut may go on.
-  void exportTo(const std::filesystem::path& file);
+  void exportTo(const std::filesystem::path& file, const ExportChoice& choice = {});
   double removedMm3() const { return removed_mm3_; }
 
   // ---- After a crash
@@ -142,6 +155,7 @@ class Workbench {
   void openBy(const std::string& title, Load load);
   void show(Opened& loaded);
   void sendAim();
+  void namePieces();
 
   WorkbenchOptions options_;
   std::vector<SessionTool> tools_;
@@ -158,7 +172,13 @@ class Workbench {
   std::filesystem::path session_;
   std::unique_ptr<MouseHand> hand_;  // outlives run_
   std::unique_ptr<LiveRun> run_;
-  LiveSurface surface_;
+  LiveScene scene_;
+  std::optional<std::uint32_t> chosen_;  // piece
+  struct Moving {
+    std::uint32_t id = 0;
+    std::uint64_t sent = 0;  // answered when that many commands are
+  };
+  std::optional<Moving> moving_;
   std::uint64_t generation_ = 0;
   HapticReport report_;
   HapticTimes times_;
@@ -171,7 +191,7 @@ class Workbench {
   double removed_mm3_ = 0;
   std::uint64_t sent_ = 0;  // commands
   bool has_told_of_log_ = false;
-  std::vector<MeshChunkPtr> fresh_;  // not handed out yet
+  std::vector<ObjectChunks> fresh_;  // not handed out yet
 };
 
 }  // namespace kerf

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -7,6 +8,7 @@
 #include "geometry/formats/mesh_formats.h"
 #include "geometry/formats/mesh_writer.h"
 #include "sim/run/export_bundle.h"
+#include "sim/run/placed_pieces.h"
 #include "sim/run/run_manifest.h"
 #include "ui/cli/command.h"
 
@@ -17,8 +19,56 @@ struct Arguments {
   std::string bundle;
   std::vector<std::string> outputs;
   std::size_t beside = 0;
-  bool json = false;
+  std::string piece;
+  bool is_put_back = false, json = false;
 };
+
+// A mesh, and the file or files it goes into.
+struct Output {
+  std::string path;
+  Mesh mesh;
+};
+
+Error noSuchPiece(const Arguments& a, const std::vector<PlacedPiece>& pieces) {
+  std::string names;
+  for (std::size_t n = 0; n < pieces.size(); ++n)
+    names += fmt::format("{}{} ({})", n ? ", " : "", n + 1, pieces[n].name);
+  return {.code = Error::Code::kNotFound,
+          .file = a.bundle,
+          .place = "--piece",
+          .found = "\"" + a.piece + "\"",
+          .expected = "all, or one of " + names,
+          .hint = "kerf info " + a.bundle};
+}
+
+bool isNamed(const std::string& word, std::size_t n, const PlacedPiece& piece) {
+  return word == std::to_string(n + 1) || word == piece.name;
+}
+
+// Pieces where they were moved to, unless they are put back.
+Expected<std::vector<Output>> outputsOf(const Arguments& a, const Export& result) {
+  std::vector<Output> out;
+  const bool is_moved = std::any_of(result.pieces.begin(), result.pieces.end(),
+                                    [&](const RunManifest::Piece& p) { return p.isMoved() && !a.is_put_back; });
+  if (a.piece.empty() && !is_moved) {
+    for (const std::string& path : a.outputs) out.push_back({path, result.post_op.mesh});
+    return out;
+  }
+
+  KERF_TRY(pieces, placedPieces(result.post_op.mesh, result.pieces, a.is_put_back));
+  bool is_found = a.piece.empty() || a.piece == "all";
+  for (const std::string& path : a.outputs) {
+    if (a.piece.empty()) out.push_back({path, together(pieces)});
+    for (std::size_t n = 0; n < pieces.size() && !a.piece.empty(); ++n) {
+      if (a.piece == "all") out.push_back({fileOfPiece(path, pieces[n].name).string(), pieces[n].mesh});
+      if (!isNamed(a.piece, n, pieces[n])) continue;
+      out.push_back({path, pieces[n].mesh});
+      is_found = true;
+    }
+  }
+  if (!is_found) return fail(noSuchPiece(a, pieces));
+  return out;
+}
 
 // What the cut took off the other teeth of the scene is in no mesh yet.
 Expected<void> warnOfNeighbours(const std::string& bundle) {
@@ -31,10 +81,20 @@ Expected<void> warnOfNeighbours(const std::string& bundle) {
   return {};
 }
 
-nlohmann::json jsonOf(const Arguments& a, const Export& result) {
+nlohmann::json piecesOf(const Export& result) {
+  nlohmann::json out = nlohmann::json::array();
+  for (const RunManifest::Piece& p : result.pieces)
+    out.push_back({{"name", p.name}, {"volume_mm3", p.volume_mm3}, {"is_moved", p.isMoved()}});
+  return out;
+}
+
+nlohmann::json jsonOf(const std::vector<Output>& outputs, const Export& result) {
   const PostOpReport& r = result.post_op.report;
   const WallAccuracy& w = result.accuracy;
-  return {{"files", a.outputs},
+  std::vector<std::string> files;
+  for (const Output& output : outputs) files.push_back(output.path);
+  return {{"files", files},
+          {"session_pieces", piecesOf(result)},
           {"vertices", result.post_op.mesh.vertices.size()},
           {"triangles", result.post_op.mesh.triangles.size()},
           {"source_vertices_kept", r.source_vertices_kept},
@@ -69,7 +129,7 @@ void printVolumes(const PostOpMesh& result, bool is_case) {
              r.cut_triangles, result.mesh.triangles.size(), has_added ? "new" : "cut faces");
 }
 
-void print(const Arguments& a, const Export& result) {
+void print(const Arguments& a, const std::vector<Output>& outputs, const Export& result) {
   printVolumes(result.post_op, isCase(a.bundle));
 
   const WallAccuracy& w = result.accuracy;
@@ -85,7 +145,11 @@ void print(const Arguments& a, const Export& result) {
   if (r.attempts > 1)
     fmt::print("took {} attempts: the cut was shifted by a few thousandths of a voxel to survive float32\n",
                r.attempts);
-  for (const std::string& path : a.outputs) fmt::print("written: {}\n", path);
+  for (const RunManifest::Piece& p : result.pieces)
+    if (p.isMoved())
+      fmt::print("{} {}: {:.2f} mm off its place in the scan\n", p.name, a.is_put_back ? "put back" : "moved",
+                 (p.T_case_piece * p.inside - p.inside).norm());
+  for (const Output& output : outputs) fmt::print("written: {}\n", output.path);
 }
 
 int run(const Arguments& a) {
@@ -99,15 +163,17 @@ int run(const Arguments& a) {
   if (!result) return complain(result.error());
 
   const TerminalProgress guard;  // Ctrl-C waits until no file is half written
-  for (const std::string& path : a.outputs)
-    if (const auto written = writeMesh(path, result->post_op.mesh); !written) return complain(written.error());
+  const auto outputs = outputsOf(a, *result);
+  if (!outputs) return complain(outputs.error());
+  for (const Output& output : *outputs)
+    if (const auto written = writeMesh(output.path, output.mesh); !written) return complain(written.error());
 
   if (a.beside == 0 && isRun(a.bundle))
     if (const auto warned = warnOfNeighbours(a.bundle); !warned) return complain(warned.error());
   if (a.json)
-    printJson(jsonOf(a, *result));
+    printJson(jsonOf(*outputs, *result));
   else
-    print(a, *result);
+    print(a, *outputs, *result);
   return kOk;
 }
 
@@ -127,6 +193,11 @@ void addExport(CLI::App& command, int& exit_code) {
       .add_option("--beside", a->beside,
                   "instead of the case that was cut: the N-th case that stood beside it (kerf cut --beside)")
       ->check(CLI::PositiveNumber);
+  command
+      .add_option("--piece", a->piece,
+                  "of a session whose object came apart: a piece, by number or name; all: a file each, NAME-PIECE.stl")
+      ->type_name("N|NAME|all");
+  command.add_flag("--put-back", a->is_put_back, "pieces where they were in the scan, not where they were moved to");
   command.add_flag("--json", a->json, "summary as JSON on standard output");
   command.callback([a, &exit_code] { exit_code = run(*a); });
 }

@@ -113,6 +113,15 @@ Expected<json> runInfo(const fs::path& folder) {
     j["segments"] = m.segments;
     j["path_length_mm"] = m.path_length_mm;
   }
+  for (const RunManifest::Piece& p : m.pieces) {
+    const Vec3d& t = p.T_case_piece.translation;
+    const Eigen::Quaterniond& q = p.T_case_piece.rotation;
+    j["pieces"].push_back({{"name", p.name},
+                           {"volume_mm3", p.volume_mm3},
+                           {"is_moved", p.isMoved()},
+                           {"translation_mm", {t[0], t[1], t[2]}},
+                           {"rotation_wxyz", {q.w(), q.x(), q.y(), q.z()}}});
+  }
   for (const RunManifest::Beside& other : m.beside)
     j["beside"].push_back({{"case_path", other.case_path},
                            {"case_id", other.case_id},

@@ -23,6 +23,8 @@ KeyChord keyChord(std::string_view name) {
     out.key = GLFW_KEY_ESCAPE;
   else if (name == "Enter")
     out.key = GLFW_KEY_ENTER;
+  else if (name == "Tab")
+    out.key = GLFW_KEY_TAB;
   else if (name == "Delete")
     out.key = GLFW_KEY_DELETE;
   return out;

@@ -10,16 +10,29 @@ Expected<std::unique_ptr<LiveView>> LiveView::create() {
 }
 
 void LiveView::update(Workbench& bench) {
-  const std::vector<MeshChunkPtr> chunks = bench.update();
+  const std::vector<ObjectChunks> changed = bench.update();
   if (bench.generation() != generation_) {
     generation_ = bench.generation();
     renderer_->clear();
+    placed_.clear();
     tool_.reset();
     hover_.reset();
     is_fit_wanted_ = true;
   }
-  for (const MeshChunkPtr& chunk : chunks) renderer_->setChunk(0, *chunk, chunk->colours, chunk->occlusion);
+  for (const ObjectChunks& object : changed)
+    for (const MeshChunkPtr& chunk : object.chunks)
+      renderer_->setChunk(object.id, *chunk, chunk->colours, chunk->occlusion);
+  placeObjects(bench.scene());
   showTool(bench);
+}
+
+void LiveView::placeObjects(const LiveScene& scene) {
+  for (const std::uint32_t id : std::exchange(placed_, {})) renderer_->setVisible(id, false);
+  for (const SceneObject* object : scene.shown()) {
+    renderer_->setPose(object->id, object->pose());
+    renderer_->setVisible(object->id, !object->is_hidden);
+    placed_.push_back(object->id);
+  }
 }
 
 bool LiveView::takeFitWanted() { return std::exchange(is_fit_wanted_, false); }

@@ -1,6 +1,7 @@
 // What the window shows of a workbench: its surface, the tool in hand, the ghost that hovers. For window and pictures.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 
@@ -31,9 +32,11 @@ class LiveView {
   explicit LiveView(std::unique_ptr<LiveRenderer> renderer) : renderer_(std::move(renderer)) {}
   LiveFrame frameOf(const Workbench& bench) const;
   void showTool(const Workbench& bench);
+  void placeObjects(const LiveScene& scene);
 
   std::unique_ptr<LiveRenderer> renderer_;
   std::uint64_t generation_ = 0;
+  std::vector<std::uint32_t> placed_;  // objects in the last picture
   std::optional<std::size_t> tool_;
   std::optional<ToolOverSurface> hover_;
   bool is_fit_wanted_ = false;

@@ -21,7 +21,7 @@ void runOrSay(AppContext& context, const AppCommand& command) {
 
 void drawMenus(AppContext& context, PanelState& state) {
   if (!ImGui::BeginMainMenuBar()) return;
-  for (const char* const heading : {"File", "Edit", "Tool", "View"}) {
+  for (const char* const heading : {"File", "Edit", "Tool", "Piece", "View"}) {
     if (!ImGui::BeginMenu(heading)) continue;
     for (const AppCommand& command : appCommands()) {
       if (command.menu != heading) continue;
@@ -84,7 +84,8 @@ void reading(const char* name, const std::string& value, const char* unit, bool 
   is_warning ? ImGui::TextColored(kWarning, "%s %s", value.c_str(), unit) : ImGui::Text("%s %s", value.c_str(), unit);
 }
 
-void drawReadings(AppContext& context, const std::optional<ToolOverSurface>& over) {
+// @return  its lower edge.
+float drawReadings(AppContext& context, const std::optional<ToolOverSurface>& over) {
   const Workbench& bench = context.bench;
   const HapticReport& r = bench.report();
   const ImGuiIO& io = ImGui::GetIO();
@@ -109,7 +110,9 @@ void drawReadings(AppContext& context, const std::optional<ToolOverSurface>& ove
   if (r.is_latched) ImGui::TextColored(kWarning, "Stopped: the machine was busy. Press again.");
   const RecorderStatus log = bench.run()->recorderStatus();
   if (log.error) ImGui::TextWrapped("The log can not be written any more: %s", log.error->message().c_str());
+  const float bottom = ImGui::GetWindowPos().y + ImGui::GetWindowSize().y;
   ImGui::End();
+  return bottom;
 }
 
 // ---- What is under way, what was said
@@ -207,7 +210,8 @@ void drawPanels(AppContext& context, PanelState& state, const std::optional<Tool
   drawMenus(context, state);
   if (context.bench.isOpen()) {
     drawTools(context);
-    drawReadings(context, over);
+    const float below = drawReadings(context, over) + 8;
+    drawPieces(context, state.piece_drag, below, state.pixels);
     drawHints(state);
   } else {
     drawFirstScreen(context, state);

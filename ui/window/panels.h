@@ -5,6 +5,7 @@
 #include <string>
 
 #include "ui/app/app_commands.h"
+#include "ui/window/pieces_panel.h"
 
 namespace kerf {
 
@@ -14,6 +15,8 @@ struct PanelState {
   std::function<void(const AppCommand&)> ask_for_file;
   std::size_t notices_seen = 0;  ///< those before were dismissed
   bool has_hints = true;
+  PieceDrag piece_drag{};
+  double pixels = 1;  ///< of the picture per window unit
 };
 
 /// Menu bar, tools, readings, job, notices; the first screen when nothing is open.

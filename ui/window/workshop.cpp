@@ -177,7 +177,7 @@ class Workshop {
     }
 
     view_->update(bench_);
-    if (!bench_.surface().bounds().isEmpty() && view_->takeFitWanted()) fitFirst();
+    if (!bench_.scene().bounds().isEmpty() && view_->takeFitWanted()) fitFirst();
     ImGui_ImplOpenGL3_NewFrame();
     ImGui_ImplGlfw_NewFrame();
     ImGui::NewFrame();
@@ -211,6 +211,7 @@ class Workshop {
   // ---- Input
 
   double pixels() const { return static_cast<double>(context_.width) / window_width_; }
+  Pixel pointer() const { return pixels() * Pixel(x_, y_); }
   Ray rayAt(double x, double y) const {
     return rayUnder(camera_, x * pixels(), y * pixels(), context_.width, context_.height);
   }
@@ -238,7 +239,10 @@ class Workshop {
       }
     }
     pressHarder(io.KeyShift);
-    over_ = io.WantCaptureMouse || held_ != kNone ? std::nullopt : bench_.over(rayAt(x_, y_));
+    panels_.pixels = pixels();
+    panels_.piece_drag.hover(context_, pointer());
+    const bool is_on_handle = panels_.piece_drag.lit().has_value();
+    over_ = io.WantCaptureMouse || held_ != kNone || is_on_handle ? std::nullopt : bench_.over(rayAt(x_, y_));
     if (bench_.isPressed()) over_.reset();
     view_->hover(over_);
   }
@@ -264,11 +268,15 @@ class Workshop {
     x_ = e.x;
     y_ = e.y;
     if (!e.is_down) {
-      if (e.key == GLFW_MOUSE_BUTTON_LEFT) bench_.release();
+      if (e.key == GLFW_MOUSE_BUTTON_LEFT) {
+        panels_.piece_drag.release(context_, pointer());
+        bench_.release();
+      }
       if (e.key == held_) held_ = kNone;
       return;
     }
     if (is_on_panel) return;
+    if (e.key == GLFW_MOUSE_BUTTON_LEFT && panels_.piece_drag.press(context_, pointer())) return;
     if (e.key != GLFW_MOUSE_BUTTON_LEFT || !bench_.press(rayAt(x_, y_))) {
       held_ = e.key;
       pans_ = e.key == GLFW_MOUSE_BUTTON_MIDDLE || (e.modifiers & GLFW_MOD_SHIFT);
@@ -279,6 +287,7 @@ class Workshop {
     const double dx = (x - x_) * pixels(), dy = (y - y_) * pixels();
     x_ = x;
     y_ = y;
+    if (panels_.piece_drag.isOn()) return panels_.piece_drag.move(context_, pointer());
     if (bench_.isPressed()) return bench_.drag(rayAt(x, y));
     if (held_ == kNone) return;
     pans_ ? pan(camera_, dx, dy, context_.height) : orbit(camera_, dx, dy);
@@ -360,7 +369,7 @@ Expected<void> runWorkshopScript(const fs::path& script, const WorkshopOptions& 
   LiveView& shown = *view;
   const auto frame = [&] {
     shown.update(bench);
-    if (!bench.surface().bounds().isEmpty() && shown.takeFitWanted()) firstView(context, first);
+    if (!bench.scene().bounds().isEmpty() && shown.takeFitWanted()) firstView(context, first);
   };
   if (!options.open.empty()) bench.open(options.open);
   auto played = runScript(context, script, frame);

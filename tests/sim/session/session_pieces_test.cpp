@@ -5,6 +5,7 @@
 
 #include <filesystem>
 
+#include "sim/pieces/joined_field.h"
 #include "sim/pieces/make_piece.h"
 #include "sim/pieces/split_field.h"
 #include "sim/pieces/split_object.h"
@@ -331,6 +332,102 @@ TEST(SessionPieces, ReplayComesApartInTheSamePlaceBitForBit) {
   EXPECT_TRUE(again->is_same) << again->differs_at;
   EXPECT_GE(again->checks, 2u);
   EXPECT_EQ(again->state_hash, fmt::format("{:016x}", session.hash()));
+}
+
+// Values at inside nodes, and at those next to them along an axis: all that a surface is made of.
+void expectSameSurface(const BrickField& one, const BrickField& other) {
+  std::size_t compared = 0;
+  for (std::size_t b = 0; b < one.brickCount(); ++b)
+    for (int n = 0; n < kBrickNodes; ++n) {
+      const Vec3i node = one.brickCoord(b) * kBrickSide + Vec3i(n >> 6, n >> 3 & 7, n & 7);
+      bool counts = one.at(node) < 0;
+      for (int axis = 0; axis < 3; ++axis)
+        for (const int way : {-1, 1}) counts |= one.at(node + way * Vec3i::Unit(axis)) < 0;
+      if (!counts) continue;
+      ++compared;
+      ASSERT_EQ(one.at(node), other.at(node)) << node.transpose();
+    }
+  EXPECT_GT(compared, 1000u);
+}
+
+BrickField withChanges(const BrickField& loaded, const BrickField& changed) {
+  BrickField out = loaded;
+  for (std::size_t b = 0; b < changed.brickCount(); ++b) out.brick(out.touch(changed.brickCoord(b))) = changed.brick(b);
+  return out;
+}
+
+TEST(SessionPieces, JoinedTheyAreWhatWouldHaveBeenCutInOnePiece) {
+  const auto object = bar();
+  Session apart(ball(), {object}, at(-0.7, -1.8, -1.15)), whole(ball(), {object}, at(-0.7, -1.8, -1.15));
+  apart.splitWhenApart(5);
+  for (Session* session : {&apart, &whole}) {
+    sever(*session, 0.3);
+    sever(*session, -0.9);
+  }
+  const std::vector<CutObject>& objects = apart.state().objects;
+  ASSERT_GE(objects.size(), 3u);
+  apart.apply(MoveObject{1, {0.5, 4, 0.25}});
+
+  std::vector<BrickField> fields;
+  std::vector<FieldPart> parts;
+  for (const CutObject& piece : objects) fields.push_back(fieldOf(piece));
+  for (const BrickField& field : fields) parts.push_back({.begin = &field});
+  const BrickField joined = withChanges(object->phi0(), joinedChanges(object->phi0(), parts));
+  expectSameSurface(whole.state().objects[0].bricks().field(), joined);
+  for (std::size_t n = 0; n < parts.size(); ++n) {
+    const Vec3d deepest = deepestPoint(parts[n]);
+    EXPECT_LT(fields[n].sample(deepest), -0.05);
+    for (std::size_t m = 0; m < parts.size(); ++m)
+      if (m != n) {
+        EXPECT_GT(fields[m].sample(deepest), 0);
+      }
+  }
+}
+
+TEST(SessionPieces, OfOneThatWasNotCutNothingDiffers) {
+  const auto object = bar();
+  const FieldPart part{.begin = &object->phi0()};
+  EXPECT_TRUE(joinedChanges(object->phi0(), {&part, 1}).isEmpty());
+  const BrickField all = fieldOf(CutObject(object, 64));
+  const FieldPart copy{.begin = &all};
+  EXPECT_TRUE(joinedChanges(object->phi0(), {&copy, 1}).isEmpty());
+}
+
+TEST(SessionPieces, WhatWasRemovedIsCountedOnceWhereverItIsNow) {
+  Session session(ball(), {bar()}, at(-0.7, -1.8, -1.15));
+  session.splitWhenApart(5);
+  const auto removed = [&] {
+    double out = 0;
+    for (const CutObject& object : session.state().objects)
+      for (std::size_t m = 0; m < 256; ++m) out += object.removed_before_mm3[m] + object.removed_mm3[m];
+    return out;
+  };
+  const double loaded = sum(session.state().objects)[static_cast<std::size_t>(Material::kDentin)];
+  for (const double x : {0.3, -1.2}) {
+    sever(session, x);
+    const double left = sum(session.state().objects)[static_cast<std::size_t>(Material::kDentin)];
+    EXPECT_NEAR(removed() + left, loaded, 1e-4 * loaded) << "a fringe near other pieces counts otherwise";
+    EXPECT_EQ(session.crumbs().count, 0u);
+  }
+  EXPECT_GE(session.state().objects.size(), 3u);
+}
+
+TEST(SessionPieces, AMoveIsAStepOfUndoOfItsOwn) {
+  Session session(ball(), {bar()}, at(-0.7, -1.8, -1.15));
+  session.splitWhenApart(5);
+  sever(session, 0.3);
+  ASSERT_EQ(session.state().objects.size(), 2u);
+  const std::uint64_t before = session.hash();
+  session.apply(MoveObject{1, {1, 0, 0}});
+  session.apply(MoveObject{1, {2, 0, 0}});
+  EXPECT_TRUE(session.apply(Undo{}));
+  EXPECT_EQ(session.state().objects[1].T_world_object.translation, Vec3d(1, 0, 0));
+  EXPECT_TRUE(session.apply(Undo{}));
+  EXPECT_EQ(session.state().objects[1].T_world_object.translation, Vec3d(0, 0, 0));
+  EXPECT_EQ(session.hash(), before);
+  EXPECT_EQ(session.state().objects.size(), 2u) << "the cut is still there";
+  EXPECT_TRUE(session.apply(Undo{}));
+  EXPECT_EQ(session.state().objects.size(), 1u);
 }
 
 }  // namespace

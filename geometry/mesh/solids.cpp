@@ -1,0 +1,83 @@
+#include "geometry/mesh/solids.h"
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace kerf {
+namespace {
+
+// Of the unit sphere, as seen from the origin.
+double solidAngle(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+  const double la = a.norm(), lb = b.norm(), lc = c.norm();
+  const double below = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
+  return 2 * std::atan2(a.dot(b.cross(c)), below);
+}
+
+// How often each shell or solid goes around a point: 1 inside, 0 outside, -1 inside a cavity by itself.
+std::vector<double> windings(const Mesh& mesh, const std::vector<std::uint32_t>& label, std::uint32_t count,
+                             const Vec3d& point) {
+  std::vector<double> out(count, 0);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    out[label[t]] += solidAngle(mesh.corner(t, 0) - point, mesh.corner(t, 1) - point, mesh.corner(t, 2) - point);
+  for (double& angle : out) angle /= 4 * std::numbers::pi;
+  return out;
+}
+
+struct Shell {
+  double volume = 0;  // mm^3; negative: a cavity
+  Vec3d somewhere = Vec3d::Zero();
+};
+
+std::vector<Shell> shellsOf(const Mesh& mesh, const Pieces& pieces) {
+  std::vector<Shell> out(pieces.count);
+  const Vec3d middle = bounds(mesh).center();
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Vec3d a = mesh.corner(t, 0) - middle, b = mesh.corner(t, 1) - middle, c = mesh.corner(t, 2) - middle;
+    Shell& shell = out[pieces.label[t]];
+    shell.volume += a.dot(b.cross(c)) / 6;
+    shell.somewhere = mesh.corner(t, 0);
+  }
+  return out;
+}
+
+}  // namespace
+
+Solids solidsOf(const Mesh& mesh) {
+  const Pieces pieces = edgeConnectedPieces(mesh);
+  const std::vector<Shell> shells = shellsOf(mesh, pieces);
+
+  // What each shell belongs to: itself, or the shell around it.
+  std::vector<std::uint32_t> owner(pieces.count);
+  for (std::uint32_t n = 0; n < pieces.count; ++n) {
+    owner[n] = n;
+    if (shells[n].volume >= 0) continue;
+    const std::vector<double> around = windings(mesh, pieces.label, pieces.count, shells[n].somewhere);
+    double smallest = std::numeric_limits<double>::infinity();
+    for (std::uint32_t m = 0; m < pieces.count; ++m) {
+      if (m == n || shells[m].volume <= 0 || around[m] < 0.5 || shells[m].volume >= smallest) continue;
+      smallest = shells[m].volume;
+      owner[n] = m;
+    }
+  }
+
+  Solids out;
+  constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> number(pieces.count, kNone);
+  out.label.reserve(mesh.triangles.size());
+  for (const std::uint32_t piece : pieces.label) {
+    std::uint32_t& solid = number[owner[piece]];
+    if (solid == kNone) solid = out.count++;
+    out.label.push_back(solid);
+  }
+  return out;
+}
+
+std::optional<std::uint32_t> solidAt(const Mesh& mesh, const Solids& solids, const Vec3d& point) {
+  const std::vector<double> around = windings(mesh, solids.label, solids.count, point);
+  for (std::uint32_t n = 0; n < solids.count; ++n)
+    if (around[n] > 0.5) return n;
+  return {};
+}
+
+}  // namespace kerf

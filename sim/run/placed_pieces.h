@@ -1,0 +1,42 @@
+// The pieces of a post-operative mesh, each where a person put it.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "geometry/base/error.h"
+#include "geometry/mesh/mesh.h"
+#include "sim/run/run_manifest.h"
+
+namespace kerf {
+
+struct PlacedPiece {
+  std::uint32_t id = 0;  ///< RunManifest::Piece::id
+  std::string name;
+  bool is_moved = false;
+  Mesh mesh;  ///< closed; of one that is not moved every vertex is that of the whole, bit for bit
+};
+
+/// Takes a mesh apart into the pieces of a run.
+///
+/// A solid of the mesh belongs to the piece whose inner point it holds; one without, too small for a voxel, to the
+/// nearest piece. A piece that was moved is turned and shifted in double precision and rounded to float32; should it
+/// then cross itself it is shifted by some hundred-thousandths of a millimetre until it does not.
+/// @param mesh  of postOperativeMesh(): all pieces where they were loaded.
+/// @param is_put_back  leaves all where they were loaded.
+/// @return  in the order of `pieces`; without those that were dropped as crumbs.
+/// Error kGeometry: two pieces hang together in the mesh, and one was moved; or a piece crosses itself wherever it is.
+/// @cost  30 ns a triangle and piece, and the search for crossings of what was moved.
+Expected<std::vector<PlacedPiece>> placedPieces(const Mesh& mesh, std::span<const RunManifest::Piece> pieces,
+                                                bool is_put_back = false);
+
+/// NAME-PIECE.stl of NAME.stl; what a file name should not hold becomes "-".
+std::filesystem::path fileOfPiece(const std::filesystem::path& file, const std::string& piece);
+
+/// All in one mesh. Without a moved piece that is the mesh they were taken from, but for the order of its parts.
+Mesh together(std::span<const PlacedPiece> pieces);
+
+}  // namespace kerf

@@ -1,0 +1,114 @@
+#include "sim/run/placed_pieces.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+#include <set>
+
+#include "geometry/mesh/mesh_check.h"
+#include "tests/support/open_block.h"
+#include "tests/support/temporary_folder.h"
+
+namespace kerf {
+namespace {
+
+using Piece = RunManifest::Piece;
+
+Mesh shifted(Mesh mesh, const Vec3d& by) {
+  for (Vec3d& v : mesh.vertices) v = roundedToFloat(v + by);
+  return mesh;
+}
+
+Piece pieceAt(std::uint32_t id, const Vec3d& inside, const Rigid3& pose = {}) {
+  Piece out;
+  out.id = id;
+  out.name = "piece " + std::to_string(id);
+  out.inside = inside;
+  out.T_case_piece = pose;
+  return out;
+}
+
+Rigid3 turned(double degrees, const Vec3d& by) {
+  return {Eigen::Quaterniond(Eigen::AngleAxisd(degrees * std::numbers::pi / 180, Vec3d(1, 2, 3).normalized())), by};
+}
+
+// Three blocks of 6 x 4 x 3 mm in a row, and a speck that has no piece.
+Mesh row() {
+  Mesh out = test::blockMesh(true);
+  append(out, shifted(test::blockMesh(true), {10, 0, 0}));
+  append(out, shifted(test::blockMesh(true), {20, 0, 0}));
+  append(out, shifted(test::blockMesh(true, {0.05, 0.05, 0.05}), {23.2, 0, 0}));
+  return out;
+}
+
+TEST(PlacedPieces, WhatIsNotMovedKeepsEveryBit) {
+  const Mesh mesh = row();
+  const std::vector<Piece> pieces = {pieceAt(4, {0, 0, -1}), pieceAt(7, {10, 0, -1}, turned(20, {0, 3, 5})),
+                                     pieceAt(5, {20, 0, -1})};
+  const auto placed = placedPieces(mesh, pieces);
+  ASSERT_TRUE(placed) << placed.error().message();
+  ASSERT_EQ(placed->size(), 3u);
+  EXPECT_EQ((*placed)[0].mesh.vertices, test::blockMesh(true).vertices);
+  EXPECT_FALSE((*placed)[0].is_moved);
+  EXPECT_EQ((*placed)[2].mesh.triangles.size(), 24u) << "the speck goes with the nearest";
+  EXPECT_TRUE((*placed)[1].is_moved);
+  for (std::size_t v = 0; v < 8; ++v) {
+    const Vec3d there = pieces[1].T_case_piece * mesh.vertices[8 + v];
+    EXPECT_LT(((*placed)[1].mesh.vertices[v] - there).norm(), 1e-5);
+    EXPECT_EQ((*placed)[1].mesh.vertices[v], roundedToFloat((*placed)[1].mesh.vertices[v]));
+  }
+  EXPECT_TRUE(checkMesh(together(*placed)).print_ready);
+
+  const auto back = placedPieces(mesh, pieces, true);
+  ASSERT_TRUE(back);
+  EXPECT_EQ(together(*back).vertices, mesh.vertices);
+}
+
+TEST(PlacedPieces, PiecesThatHangTogetherAreNotTornApart) {
+  const Mesh mesh = row();
+  const std::vector<Piece> two = {pieceAt(1, {-1, 0, -1}), pieceAt(2, {1, 0, -1}, turned(5, {0, 0, 1}))};
+  const auto placed = placedPieces(mesh, two);
+  ASSERT_FALSE(placed);
+  EXPECT_NE(placed.error().message().find("hang together"), std::string::npos);
+  const auto back = placedPieces(mesh, two, true);
+  ASSERT_TRUE(back) << "nothing is moved";
+  EXPECT_EQ(together(*back).triangles.size(), mesh.triangles.size());
+}
+
+TEST(PlacedPieces, WithoutPiecesThereIsOne) {
+  const auto placed = placedPieces(row(), {});
+  ASSERT_TRUE(placed);
+  EXPECT_EQ(placed->size(), 1u);
+}
+
+TEST(PlacedPieces, TheManifestBringsThemBack) {
+  const TemporaryFolder folder;
+  RunManifest m;
+  m.kerf_version = "x";
+  m.mode = kModeSession;
+  m.voxel_mm = 0.1;
+  m.tools.push_back({"a", "tools/01/a.toml", "b"});
+  m.pieces = {pieceAt(1, {0.1, 1.0 / 3, -7}), pieceAt(9, {1, 2, 3}, turned(33, {1, 1e-7, 4}))};
+  m.pieces[1].name = "chin \"left\"";
+  ASSERT_TRUE(writeRunManifest(folder.path(), m));
+  const auto read = readRunManifest(folder.path());
+  ASSERT_TRUE(read) << read.error().message();
+  ASSERT_EQ(read->pieces.size(), 2u);
+  for (std::size_t n = 0; n < 2; ++n) {
+    EXPECT_EQ(read->pieces[n].id, m.pieces[n].id);
+    EXPECT_EQ(read->pieces[n].name, m.pieces[n].name);
+    EXPECT_EQ(read->pieces[n].inside, m.pieces[n].inside);
+    EXPECT_EQ(read->pieces[n].T_case_piece.translation, m.pieces[n].T_case_piece.translation);
+    EXPECT_EQ(read->pieces[n].T_case_piece.rotation.coeffs(), m.pieces[n].T_case_piece.rotation.coeffs());
+  }
+  EXPECT_FALSE(read->pieces[0].isMoved());
+  EXPECT_TRUE(read->pieces[1].isMoved());
+}
+
+TEST(PlacedPieces, FilesAreNamedAfterThem) {
+  EXPECT_EQ(fileOfPiece("a/jaw.stl", "piece 2"), "a/jaw-piece-2.stl");
+  EXPECT_EQ(fileOfPiece("jaw.ply", "../x:y"), "jaw----x-y.ply");
+}
+
+}  // namespace
+}  // namespace kerf

@@ -1,0 +1,24 @@
+// The words behind a command: numbers in their ranges, files, and what to say when they are wrong.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <span>
+#include <string>
+
+#include "geometry/base/error.h"
+
+namespace kerf {
+
+using AppWords = std::span<const std::string>;
+
+/// Error kBadValue.
+tl::unexpected<Error> wrongWord(std::string found, std::string expected, std::string hint = {});
+/// Word n as a number.   @param name  as in the usage.   Error kBadValue: missing, no number, or out of range.
+Expected<double> numberOf(AppWords words, std::size_t n, const char* name, double low, double high);
+/// The same; `fallback` if the word is missing.
+Expected<double> numberOr(AppWords words, std::size_t n, double fallback, const char* name, double low, double high);
+/// The first word.
+Expected<std::filesystem::path> pathOf(AppWords words);
+
+}  // namespace kerf

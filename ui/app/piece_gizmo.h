@@ -1,0 +1,46 @@
+// Handles by which a piece is moved with the mouse: three arrows, three rings, and a disc that moves it in the picture.
+//
+// No drawing: lines in pixels of the picture, for whatever draws them, and what a drag of one of them means.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "geometry/base/types.h"
+#include "ui/app/camera.h"
+
+namespace kerf {
+
+using Pixel = Eigen::Vector2d;  ///< x to the right, y downwards
+
+enum class GizmoHandle { kMoveX, kMoveY, kMoveZ, kTurnX, kTurnY, kTurnZ, kMoveInView };
+
+class PieceGizmo {
+ public:
+  static constexpr double kArrow = 90, kRing = 60, kDisc = 9;  ///< pixels
+  static constexpr double kReach = 8;                          ///< pixels: so near to a handle is on it
+
+  /// @param center  of the piece where it is, world, mm. @param width, height  of the picture, pixels.
+  PieceGizmo(const Camera& camera, int width, int height, const Vec3d& center);
+
+  Pixel center() const { return toPixel(center_); }
+  Pixel arrowTip(int axis) const;
+  std::vector<Pixel> ring(int axis) const;  ///< closed
+  /// The one that is nearest within reach; none: beside all. An arrow that points at the viewer cannot be grabbed.
+  std::optional<GizmoHandle> handleAt(const Pixel& at) const;
+
+  /// What a drag does to a pose: along the axis, about it through the centre, or in the picture.
+  Rigid3 dragged(GizmoHandle handle, const Pixel& from, const Pixel& to, const Rigid3& pose) const;
+
+ private:
+  Pixel toPixel(const Vec3d& world) const;
+  Pixel onScreen(const Vec3d& direction) const;  // pixels per mm
+
+  Camera camera_;
+  int width_, height_;
+  double mm_per_pixel_;
+  Vec3d center_;
+};
+
+}  // namespace kerf

@@ -1,0 +1,151 @@
+#include "ui/window/pieces_panel.h"
+
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace kerf {
+namespace {
+
+constexpr float kPanelWidth = 250;
+constexpr std::array<ImU32, 3> kAxisColours = {IM_COL32(214, 66, 56, 255), IM_COL32(54, 150, 60, 255),
+                                               IM_COL32(48, 104, 214, 255)};
+constexpr ImU32 kLit = IM_COL32(250, 176, 20, 255), kDiscColour = IM_COL32(250, 250, 250, 230),
+                kEdge = IM_COL32(30, 34, 40, 220);
+
+// ---- Handles
+
+void drawGizmo(const PieceGizmo& gizmo, std::optional<GizmoHandle> lit, double pixels) {
+  ImDrawList* const draw = ImGui::GetBackgroundDrawList();
+  const auto at = [pixels](const Pixel& p) {
+    return ImVec2(static_cast<float>(p[0] / pixels), static_cast<float>(p[1] / pixels));
+  };
+  const auto colour = [&](int handle, int axis) {
+    return lit == static_cast<GizmoHandle>(handle) ? kLit : kAxisColours[static_cast<std::size_t>(axis)];
+  };
+
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<ImVec2> points;
+    for (const Pixel& p : gizmo.ring(axis)) points.push_back(at(p));
+    draw->AddPolyline(points.data(), static_cast<int>(points.size()), colour(3 + axis, axis), ImDrawFlags_Closed, 2);
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    const Pixel from = gizmo.center(), tip = gizmo.arrowTip(axis), along = tip - from;
+    if (along.norm() < 4) continue;
+    const Pixel unit = along.normalized(), side(-unit[1], unit[0]);
+    draw->AddLine(at(from), at(tip), colour(axis, axis), 3);
+    draw->AddTriangleFilled(at(tip + 12 * unit), at(tip + 6 * side), at(tip - 6 * side), colour(axis, axis));
+    static constexpr const char* kNames[] = {"x", "y", "z"};
+    draw->AddText(at(tip + 22 * unit - Pixel(4, 8)), colour(axis, axis), kNames[axis]);
+  }
+  const auto radius = static_cast<float>(PieceGizmo::kDisc / pixels);
+  draw->AddCircleFilled(at(gizmo.center()), radius, lit == GizmoHandle::kMoveInView ? kLit : kDiscColour);
+  draw->AddCircle(at(gizmo.center()), radius, kEdge, 0, 1.5f);
+}
+
+// ---- The list
+
+void drawMove(Workbench& bench, const SceneObject& piece) {
+  Rigid3 pose = piece.pose();
+  std::array<float, 3> mm{};
+  for (int axis = 0; axis < 3; ++axis) mm[static_cast<std::size_t>(axis)] = static_cast<float>(pose.translation[axis]);
+  ImGui::TextUnformatted("Moved by, mm");
+  ImGui::PushItemWidth(-1);
+  const bool is_changed = ImGui::InputFloat3("##mm", mm.data(), "%.2f", ImGuiInputTextFlags_EnterReturnsTrue);
+  ImGui::PopItemWidth();
+  if (is_changed) {
+    for (int axis = 0; axis < 3; ++axis)
+      pose.translation[axis] = static_cast<double>(mm[static_cast<std::size_t>(axis)]);
+    bench.movePiece(piece.id, pose);
+  }
+  const double degrees = 2 * std::acos(std::clamp(std::abs(pose.rotation.w()), 0.0, 1.0)) * 180 / std::numbers::pi;
+  ImGui::Text("Turned by %.1f degrees", degrees);
+  if (ImGui::Button("Put back", {-1, 0})) bench.movePiece(piece.id, {});
+}
+
+void drawList(AppContext& context, float top) {
+  Workbench& bench = context.bench;
+  const ImGuiIO& io = ImGui::GetIO();
+  ImGui::SetNextWindowPos({io.DisplaySize.x - kPanelWidth - 8, top}, ImGuiCond_Always);
+  ImGui::SetNextWindowSize({kPanelWidth, 0}, ImGuiCond_Always);
+  ImGui::Begin("Pieces", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
+  const SceneObject* const chosen = bench.chosenPiece();
+  for (SceneObject* piece : bench.scene().shown()) {
+    ImGui::PushID(static_cast<int>(piece->id));
+    bool is_shown = !piece->is_hidden;
+    if (ImGui::Checkbox("##shown", &is_shown)) bench.hidePiece(piece->id, !is_shown);
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("Show it");
+    ImGui::SameLine();
+    const std::string volume = fmt::format("{:.1f} mm3{}", piece->surface.volume(), piece->isMoved() ? ", moved" : "");
+    if (ImGui::Selectable(piece->name.c_str(), piece == chosen, 0, {90, 0}))
+      bench.choosePiece(piece == chosen ? std::nullopt : std::optional(piece->id));
+    ImGui::SameLine();
+    ImGui::TextDisabled("%s", volume.c_str());
+    ImGui::PopID();
+  }
+  if (chosen) {
+    ImGui::Separator();
+    std::array<char, 64> name{};
+    chosen->name.copy(name.data(), name.size() - 1);
+    ImGui::PushItemWidth(-1);
+    if (ImGui::InputText("##name", name.data(), name.size(), ImGuiInputTextFlags_EnterReturnsTrue))
+      bench.namePiece(chosen->id, name.data());
+    ImGui::PopItemWidth();
+    drawMove(bench, *chosen);
+  } else {
+    ImGui::TextDisabled("Click one to move or name it");
+  }
+  ImGui::End();
+}
+
+}  // namespace
+
+std::optional<PieceGizmo> gizmoOf(const AppContext& context) {
+  const SceneObject* const piece = context.bench.chosenPiece();
+  if (!piece || piece->is_hidden) return {};
+  return PieceGizmo(context.camera, context.width, context.height, piece->pose() * piece->surface.bounds().center());
+}
+
+bool PieceDrag::press(AppContext& context, const Pixel& at) {
+  const SceneObject* const piece = context.bench.chosenPiece();
+  gizmo_ = gizmoOf(context);
+  if (!piece || !gizmo_) return false;
+  handle_ = gizmo_->handleAt(at);
+  if (!handle_) return false;
+  piece_ = piece->id;
+  pose_ = piece->pose();
+  from_ = at;
+  return true;
+}
+
+void PieceDrag::move(AppContext& context, const Pixel& at) {
+  if (handle_) context.bench.dragPiece(piece_, gizmo_->dragged(*handle_, from_, at, pose_));
+}
+
+void PieceDrag::release(AppContext& context, const Pixel& at) {
+  if (!handle_) return;
+  if (at == from_)
+    context.bench.dragPiece(piece_, std::nullopt);
+  else
+    context.bench.movePiece(piece_, gizmo_->dragged(*handle_, from_, at, pose_));
+  handle_.reset();
+}
+
+void PieceDrag::hover(const AppContext& context, const Pixel& at) {
+  const auto gizmo = gizmoOf(context);
+  hovered_ = gizmo ? gizmo->handleAt(at) : std::nullopt;
+}
+
+void drawPieces(AppContext& context, const PieceDrag& drag, float top, double pixels) {
+  const auto shown = context.bench.scene().shown();
+  const bool is_moved = std::any_of(shown.begin(), shown.end(), [](const auto* piece) { return piece->isMoved(); });
+  if (shown.size() < 2 && !is_moved) return;
+  drawList(context, top);
+  if (const auto gizmo = gizmoOf(context)) drawGizmo(*gizmo, drag.lit(), pixels);
+}
+
+}  // namespace kerf

@@ -1,0 +1,37 @@
+// The list of pieces, and the handles by which the chosen one is moved. Shows a workbench and runs its functions.
+#pragma once
+
+#include <optional>
+
+#include "ui/app/app_commands.h"
+#include "ui/app/piece_gizmo.h"
+
+namespace kerf {
+
+/// A drag of a handle of the chosen piece.
+class PieceDrag {
+ public:
+  /// True: a handle is under the pointer, and the drag has begun. @param at  pixels of the picture.
+  bool press(AppContext& context, const Pixel& at);
+  void move(AppContext& context, const Pixel& at);
+  void release(AppContext& context, const Pixel& at);
+  bool isOn() const { return handle_.has_value(); }
+  void hover(const AppContext& context, const Pixel& at);
+  std::optional<GizmoHandle> lit() const { return handle_ ? handle_ : hovered_; }
+
+ private:
+  std::optional<GizmoHandle> handle_, hovered_;
+  std::uint32_t piece_ = 0;
+  Pixel from_ = Pixel::Zero();
+  Rigid3 pose_;  // at the press
+  std::optional<PieceGizmo> gizmo_;
+};
+
+/// Handles of the chosen piece; none: nothing is chosen.
+std::optional<PieceGizmo> gizmoOf(const AppContext& context);
+
+/// The list, when there is more than one piece or one was moved, and the handles over the picture.
+/// @param top  of the list, window units. @param pixels  of the picture per window unit.
+void drawPieces(AppContext& context, const PieceDrag& drag, float top, double pixels);
+
+}  // namespace kerf
