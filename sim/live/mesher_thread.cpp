@@ -11,8 +11,12 @@ MesherThread::MesherThread(const BrickField& phi0, BrickFeed& feed, const Mesher
 MesherThread::MesherThread(std::shared_ptr<const PieceOrigin> piece, std::shared_ptr<BrickFeed> feed,
                            const MesherThreadOptions& options)
     : shared_feed_(std::move(feed)), feed_(*shared_feed_), options_(options), thread_([this, piece = std::move(piece)] {
-        piece_field_ = std::make_shared<const BrickField>(piece->field());
-        run(*piece_field_);
+        auto field = std::make_shared<const BrickField>(piece->field());
+        {
+          const std::lock_guard lock(mutex_);
+          piece_field_ = field;
+        }
+        run(*field);
       }) {}
 
 MesherThread::~MesherThread() { stop(); }
@@ -50,6 +54,11 @@ BrickField MesherThread::changedField() {
   BrickField out = std::move(*copy_);
   copy_.reset();
   return out;
+}
+
+std::shared_ptr<const BrickField> MesherThread::pieceField() const {
+  const std::lock_guard lock(mutex_);
+  return piece_field_;
 }
 
 void MesherThread::copyIfWanted(const BrickField& changed) {

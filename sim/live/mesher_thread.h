@@ -54,8 +54,9 @@ class MesherThread {
   /// The bricks that differ from phi0, as this thread knows them when it has taken all that is in the feed. One caller;
   /// waits for the mesher, some ms. Not after stop().
   BrickField changedField();
-  /// Of a piece: its field as it came off; null before the first changedField() has returned, and for what was loaded.
-  std::shared_ptr<const BrickField> pieceField() const noexcept { return piece_field_; }
+  bool isPiece() const noexcept { return shared_feed_ != nullptr; }
+  /// Of a piece: its field as it came off; null until it is made, which is before the first changedField() returns.
+  std::shared_ptr<const BrickField> pieceField() const;
   /// Nobody else has the feed any more: the piece will not be seen again.
   bool isForgotten() const noexcept { return shared_feed_ && shared_feed_.use_count() == 1; }
 
@@ -71,10 +72,10 @@ class MesherThread {
   std::shared_ptr<BrickFeed> shared_feed_;  // of a piece
   BrickFeed& feed_;
   MesherThreadOptions options_;
-  std::shared_ptr<const BrickField> piece_field_;  // made by the thread, before any copy
+  std::shared_ptr<const BrickField> piece_field_;  // made by the thread, before any copy; guarded by mutex_
   std::atomic<bool> is_stopping_{false};
   std::atomic<std::uint64_t> edits_done_{0};
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::condition_variable copied_;
   bool is_copy_wanted_ = false;                            // guarded by mutex_
   std::optional<BrickField> copy_;                         // guarded by mutex_

@@ -49,11 +49,15 @@ struct PieceMaker::Subscriber {
   std::int64_t not_before = 0;  // ns: it was tried in vain
 };
 
-PieceMaker::PieceMaker(Session& session, const PieceMakerOptions& options) : options_(options) {
+PieceMaker::PieceMaker(Session& session, const PieceMakerOptions& options)
+    : options_(options), must_scan_again_(options.begins_apart) {
   fresh_.reserve(kMostObjects);
   for (std::size_t n = 0; n < session.state().objects.size(); ++n)
     subscribe(session.object(n).id, session.object(n), {});
-  for (auto& s : subscribers_) s->finder = std::make_unique<PieceFinder>(s->baked->phi0(), options_.pieces);
+  for (auto& s : subscribers_) {
+    s->finder = std::make_unique<PieceFinder>(s->baked->phi0(), options_.pieces);
+    s->is_changed = options_.begins_apart;
+  }
 }
 
 PieceMaker::~PieceMaker() {

@@ -48,6 +48,7 @@ namespace kerf {
 struct PieceMakerOptions {
   bool is_wanted = true;
   PieceOptions pieces;
+  bool begins_apart = false;  ///< what was loaded may be in pieces: they are looked for before anything is cut
 
   // Both are called by the maker's thread, which does nothing else meanwhile: they must be quick. What they throw is
   // dropped. May be empty.

@@ -10,6 +10,8 @@
 #include "sim/pieces/joined_field.h"
 #include "sim/run/export_bundle.h"
 #include "sim/run/load_scene.h"
+#include "sim/run/removed_volumes.h"
+#include "sim/run/run_files.h"
 #include "sim/run/run_output.h"
 
 namespace kerf {
@@ -49,8 +51,7 @@ Expected<void> LiveRun::load(const Progress& progress) {
   if (!report(progress, 0, "loading the case")) return internal::nothingWritten();
   KERF_TRY(manifest, readCaseManifest(case_folder_));
   case_ = std::move(manifest);
-  KERF_TRY(object, loadObject(case_folder_));
-  object_ = std::move(object);
+  KERF_CHECK(loadWhatIsCut());
 
   if (!report(progress, 0.6, "preparing the tools")) return internal::nothingWritten();
   std::vector<Tool> tools;
@@ -79,10 +80,31 @@ Expected<void> LiveRun::load(const Progress& progress) {
   return {};
 }
 
+Expected<void> LiveRun::loadWhatIsCut() {
+  if (options_.from.empty()) {
+    KERF_TRY(object, loadObject(case_folder_));
+    object_ = std::move(object);
+    original_ = {object_, &object_->phi0()};
+    return {};
+  }
+  KERF_TRY(before, readRunManifest(options_.from));
+  KERF_TRY(begin, readRunCutField(options_.from));
+  KERF_TRY(object, loadObject(case_folder_, &begin));
+  object_ = std::move(object);
+  KERF_TRY(original, readCaseField(case_folder_));
+  original_ = std::make_shared<const BrickField>(std::move(original));
+  for (const double volume : internal::removedVolumes(*original_, begin, internal::materialsOf(*object_)))
+    removed_before_ += volume;
+  pieces_before_ = before.pieces;
+  // What is in pieces comes apart at once, before anything is cut.
+  options_.haptic.pieces.begins_apart = pieces_before_.size() > 1;
+  return {};
+}
+
 Expected<void> LiveRun::makeFolder() {
   std::error_code ignored;
   if (folder_.has_parent_path()) fs::create_directories(folder_.parent_path(), ignored);
-  KERF_TRY(opened, openSessionRun(folder_, case_folder_, case_, options_.tools));
+  KERF_TRY(opened, openSessionRun(folder_, case_folder_, case_, options_.tools, options_.from));
   manifest_ = std::move(opened.manifest);
   lock_.emplace(std::move(opened.lock));
 
@@ -158,6 +180,16 @@ MesherThread* LiveRun::mesherOf(std::uint32_t id) {
   return nullptr;
 }
 
+bool LiveRun::holds(std::uint32_t id, const Vec3d& point) const {
+  for (const Shown& object : shown_) {
+    if (object.id != id) continue;
+    if (!object.mesher->isPiece()) return object_->phi0().sample(point) < 0;
+    const auto field = object.mesher->pieceField();
+    return field && field->sample(point) < 0;
+  }
+  return false;
+}
+
 SceneCopy LiveRun::copyScene() {
   showNewPieces();
   const HapticReport& report = haptic_->report();
@@ -190,13 +222,13 @@ Expected<LiveResult> LiveRun::postOperative(const SceneCopy& scene, const PostOp
     piece.T_case_piece = object.T_world_object;
     out.pieces.push_back(std::move(piece));
   }
-  const bool is_whole = parts.size() == 1 && !scene.objects.front().begin;
-  if (is_whole && !out.pieces.front().isMoved())
+  const bool is_whole = parts.size() == 1 && !scene.objects.front().begin && options_.from.empty();
+  if (parts.size() == 1 && !out.pieces.front().isMoved())
     out.pieces.clear();
   else
     for (std::size_t n = 0; n < parts.size(); ++n) out.pieces[n].inside = deepestPoint(parts[n]);
 
-  const BrickField& loaded = object_->phi0();
+  const BrickField& loaded = *original_;
   const BrickField joined = is_whole ? BrickField() : joinedChanges(loaded, parts);
   KERF_TRY(solid, readCaseSolid(case_folder_));
   const BrickField& changed = is_whole ? scene.objects.front().changed : joined;
@@ -211,7 +243,8 @@ Expected<RunManifest> LiveRun::finish() {
   showNewPieces();
   for (const Shown& object : shown_) object.mesher->stop();
   const auto closed = recorder_->close();
-  auto ended = endSessionRun(folder_, haptic_->session(), manifest_, names_);
+  auto ended =
+      endSessionRun(folder_, haptic_->session(), manifest_, names_, options_.from.empty() ? nullptr : original_.get());
   if (ended && closed) return manifest_;
   // The cut is worth more than its log.
   if (ended) {

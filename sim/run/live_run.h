@@ -33,6 +33,8 @@ struct LiveRunOptions {
   HapticOptions haptic;
   RecorderOptions recorder;
   MesherThreadOptions mesher;
+  /// A run that has ended, from which this one goes on: what it cut is cut, and undo reaches back to here. Empty: none.
+  std::filesystem::path from;
   bool is_felt = false;       ///< the device renders force
   bool is_looked_at = false;  ///< chunks of the surface get colours and occlusion
 };
@@ -81,6 +83,12 @@ class LiveRun {
   const CaseManifest& caseManifest() const noexcept { return case_; }
   const BakedObject& object() const noexcept { return *object_; }
   std::shared_ptr<const BakedObject> sharedObject() const noexcept { return object_; }
+  /// The field of the case: of one that goes on from another run, as it was before that.
+  std::shared_ptr<const BrickField> original() const noexcept { return original_; }
+  /// What the run before had removed, mm^3; 0: there was none.
+  double removedBefore() const noexcept { return removed_before_; }
+  /// The pieces it left.
+  const std::vector<RunManifest::Piece>& piecesBefore() const noexcept { return pieces_before_; }
   std::span<const SessionTool> tools() const noexcept { return options_.tools; }
   const Model& model() const noexcept { return haptic_->session().model(); }
   HapticThread& thread() noexcept { return *haptic_; }
@@ -102,6 +110,8 @@ class LiveRun {
   Expected<LiveResult> postOperative(const SceneCopy& scene, const PostOpOptions& options = {},
                                      const Progress& progress = {}) const;
   /// For the manifest, and for what is exported. Empty: "piece N".
+  /// Whether a point, in the frame of an object, is in it; false while it is not known yet. For what is in the scene.
+  bool holds(std::uint32_t id, const Vec3d& point) const;
   void namePiece(std::uint32_t id, const std::string& name) { names_[id] = name; }
 
   /// Stops the threads and writes the run; once. kEmpty: nothing was cut, and the folder is gone again. After any other
@@ -111,6 +121,7 @@ class LiveRun {
  private:
   LiveRun(LiveRunOptions options, std::filesystem::path case_folder, std::filesystem::path run_folder);
   Expected<void> load(const Progress& progress);
+  Expected<void> loadWhatIsCut();
   Expected<void> makeFolder();
   void stop();
   struct Shown {
@@ -129,6 +140,9 @@ class LiveRun {
   CaseManifest case_;
   RunManifest manifest_;
   std::shared_ptr<const BakedObject> object_;
+  std::shared_ptr<const BrickField> original_;  // within object_, unless it goes on from a run
+  double removed_before_ = 0;
+  std::vector<RunManifest::Piece> pieces_before_;
   BrickFeed feed_;
   std::optional<RunLock> lock_;
   std::optional<SessionRecorder> recorder_;

@@ -1,12 +1,24 @@
 #include "sim/run/load_scene.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace kerf {
 
-Expected<std::shared_ptr<const BakedObject>> loadObject(const std::filesystem::path& case_folder) {
+Expected<std::shared_ptr<const BakedObject>> loadObject(const std::filesystem::path& case_folder,
+                                                        const BrickField* begin) {
   KERF_TRY(manifest, readCaseManifest(case_folder));
   KERF_TRY(fields, readCaseFields(case_folder, manifest));
+  if (begin && begin->voxel() != fields.phi0.voxel())
+    return fail({.code = Error::Code::kBadValue,
+                 .file = case_folder.string(),
+                 .found = fmt::format("voxels of {:g} mm in what was cut before", begin->voxel()),
+                 .expected = fmt::format("{:g} mm, as in the case", fields.phi0.voxel()),
+                 .hint = "a run that was cut in a finer region can not be gone on with"});
+  if (begin)
+    for (std::size_t b = 0; b < begin->brickCount(); ++b)
+      fields.phi0.brick(fields.phi0.touch(begin->brickCoord(b))) = begin->brick(b);
   const Material fallback =
       manifest.materials.empty() ? Material::kGeneric : static_cast<Material>(manifest.materials.front().number);
   auto object = BakedObject::make(std::move(fields.phi0), std::move(fields.materials), fallback);

@@ -12,7 +12,10 @@ namespace kerf {
 
 /// The object of a case with its labels; unlabelled nodes are of the case's first material. Checked against the
 /// manifest's hashes. @cost seconds for a whole jaw.
-Expected<std::shared_ptr<const BakedObject>> loadObject(const std::filesystem::path& case_folder);
+/// @param begin  bricks in which it differs already: it goes on from an earlier session. Null: as the case is. Error
+/// kBadValue if their voxels are others.
+Expected<std::shared_ptr<const BakedObject>> loadObject(const std::filesystem::path& case_folder,
+                                                        const BrickField* begin = nullptr);
 
 /// Half-width of the widest of their bands, mm: what makeModel() asks for.
 double widestBand(std::span<const std::shared_ptr<const BakedObject>> objects);

@@ -89,4 +89,12 @@ Expected<BrickField> readRunCutField(const fs::path& run_folder, std::size_t bes
   return readVdb(run_folder / internal::kRunField, beside == 0 ? "phi" : neighbourId(beside));
 }
 
+Expected<std::optional<BrickField>> readRunBegin(const fs::path& run_folder, const RunManifest& manifest) {
+  if (manifest.begin_sha256.empty()) return std::optional<BrickField>{};
+  const fs::path file = run_folder / internal::kRunBegin;
+  KERF_CHECK(requireSha256(file, manifest.begin_sha256, "a run is never edited: take it from a copy"));
+  KERF_TRY(field, readVdb(file, "phi"));
+  return std::optional(std::move(field));
+}
+
 }  // namespace kerf

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "geometry/base/error.h"
@@ -22,6 +23,9 @@ Expected<BrickField> readRunSweep(const std::filesystem::path& run_folder);
 /// The cut field phi, mm, in the bricks where it differs from the baked one; of either kind of run.
 /// @param beside  0: of the case; n: of the n-th case beside it, which may have no such bricks.
 Expected<BrickField> readRunCutField(const std::filesystem::path& run_folder, std::size_t beside = 0);
+
+/// What a session began with: the bricks of begin.vdb, checked against the manifest. None: it began with the case.
+Expected<std::optional<BrickField>> readRunBegin(const std::filesystem::path& run_folder, const RunManifest& manifest);
 
 namespace internal {
 

@@ -89,6 +89,7 @@ Expected<void> readPieces(TomlTable& top, const fs::path& path, RunManifest& m) 
 Expected<void> readTools(TomlTable& top, const fs::path& path, RunManifest& m) {
   m.is_open = top.get<bool>("is_open", "true or false");
   m.tool_id = top.get<std::string>("tool_id", "tools");
+  m.begin_sha256 = top.getOr<std::string>("begin_sha256", "", "64 hexadecimal digits");
   const toml::array* tables = top.tables("tool");
   if (!tables) return top.finish();
 
@@ -164,6 +165,7 @@ Expected<void> writeRunManifest(const fs::path& folder, const RunManifest& m) {
   };
   if (m.mode == kModeSession) {
     root.insert("is_open", m.is_open);
+    if (!m.begin_sha256.empty()) root.insert("begin_sha256", m.begin_sha256);
     toml::array tools;
     for (const RunManifest::ToolFile& t : m.tools)
       tools.push_back(toml::table{{"id", t.id}, {"file", t.file}, {"sha256", t.sha256}});

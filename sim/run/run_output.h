@@ -12,6 +12,7 @@ namespace kerf::internal {
 
 inline constexpr const char* kRunToolCopy = "tool.toml";
 inline constexpr const char* kRunField = "run.vdb";
+inline constexpr const char* kRunBegin = "begin.vdb";
 inline constexpr const char* kRunLog = "session.kerflog";
 
 /// Key in the session log's header that names the id of the n-th case beside the one that was cut.

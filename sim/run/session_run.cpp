@@ -53,6 +53,17 @@ Expected<RunManifest::ToolFile> storeTool(const SessionTool& tool, std::size_t n
   return out;
 }
 
+// Copies the field of the run that is gone on with.
+Expected<std::string> storeBegin(const fs::path& from, const fs::path& run_folder) {
+  KERF_TRY(before, readRunManifest(from));
+  std::error_code failed;
+  fs::copy_file(from / internal::kRunField, run_folder / internal::kRunBegin, failed);
+  if (failed) return cannotWrite(run_folder / internal::kRunBegin, failed.message());
+  KERF_CHECK(
+      requireSha256(run_folder / internal::kRunBegin, before.field_sha256, "the run it goes on from is damaged"));
+  return before.field_sha256;
+}
+
 // Ids of the tools that were in hand, in the order of their first use.
 std::string toolsInHand(const SessionLog& log, const RunManifest& manifest) {
   std::string out = manifest.tools.front().id;
@@ -68,6 +79,12 @@ std::string toolsInHand(const SessionLog& log, const RunManifest& manifest) {
   return out;
 }
 
+// Nothing was cut since the session began.
+bool hasNothingOfItsOwn(const std::vector<CutObject>& objects) {
+  return objects.size() == 1 && !objects.front().bricks().isPiece() &&
+         objects.front().bricks().changedField().isEmpty();
+}
+
 bool isMoved(const CutObject& object) {
   RunManifest::Piece piece;
   piece.T_case_piece = object.T_world_object;
@@ -75,11 +92,12 @@ bool isMoved(const CutObject& object) {
 }
 
 // What differs from the case, of all objects together.
-BrickField changesOf(const std::vector<CutObject>& objects, const std::vector<BrickField>& fields) {
+BrickField changesOf(const std::vector<CutObject>& objects, const std::vector<BrickField>& fields,
+                     const BrickField* loaded) {
   if (fields.empty()) return objects.front().bricks().changedField();
   std::vector<FieldPart> parts;
   for (const BrickField& field : fields) parts.push_back({.begin = &field});
-  return joinedChanges(objects.front().baked().phi0(), parts);
+  return joinedChanges(loaded ? *loaded : objects.front().baked().phi0(), parts);
 }
 
 // Of objects whose fields are given, in their order.
@@ -126,7 +144,8 @@ RunLock::~RunLock() {
 // ---- Beginning and end
 
 Expected<OpenedRun> openSessionRun(const fs::path& run_folder, const fs::path& case_folder,
-                                   const CaseManifest& manifest, std::span<const SessionTool> tools) {
+                                   const CaseManifest& manifest, std::span<const SessionTool> tools,
+                                   const fs::path& from) {
   RunManifest out;
   out.kerf_version = kVersion;
   KERF_TRY(case_path, internal::relativeCasePath(case_folder, run_folder));
@@ -152,6 +171,10 @@ Expected<OpenedRun> openSessionRun(const fs::path& run_folder, const fs::path& c
       out.tools.push_back(std::move(stored));
     }
     out.tool_id = out.tools.empty() ? "" : out.tools.front().id;
+    if (!from.empty()) {
+      KERF_TRY(hash, storeBegin(from, run_folder));
+      out.begin_sha256 = hash;
+    }
     KERF_CHECK(writeRunManifest(run_folder, out));
     return OpenedRun{std::move(out), std::move(lock)};
   }();
@@ -169,15 +192,16 @@ SessionHeader sessionHeader(const RunManifest& manifest) {
 }
 
 Expected<void> endSessionRun(const fs::path& run_folder, const Session& session, RunManifest& manifest,
-                             const PieceNames& names) {
+                             const PieceNames& names, const BrickField* loaded) {
   const std::vector<CutObject>& objects = session.state().objects;
   const bool is_moved = std::any_of(objects.begin(), objects.end(), [](const auto& o) { return isMoved(o); });
   std::vector<BrickField> fields;  // in pieces or moved
-  if (objects.size() > 1 || objects.front().bricks().isPiece() || is_moved)
+  if (objects.size() > 1 || objects.front().bricks().isPiece() || is_moved || loaded)
     for (const CutObject& object : objects) fields.push_back(fieldOf(object));
 
-  const BrickField changed = changesOf(objects, fields);
-  if (changed.isEmpty() && !is_moved)
+  const BrickField changed = changesOf(objects, fields, loaded);
+  const bool is_as_it_began = loaded && hasNothingOfItsOwn(objects);
+  if ((changed.isEmpty() || is_as_it_began) && !is_moved)
     return fail({.code = Error::Code::kEmpty,
                  .file = run_folder.string(),
                  .found = "nothing was cut in this session",
@@ -193,7 +217,8 @@ Expected<void> endSessionRun(const fs::path& run_folder, const Session& session,
   if (failed) return cannotWrite(field, failed.message());
 
   manifest.field_sha256 = hash;
-  manifest.pieces = piecesOf(objects, fields, names);
+  const bool is_in_pieces = objects.size() > 1 || objects.front().bricks().isPiece() || is_moved;
+  manifest.pieces = is_in_pieces ? piecesOf(objects, fields, names) : std::vector<RunManifest::Piece>{};
   manifest.duration_s = static_cast<double>(session.state().tick) * kTick;
   manifest.state_hash = fmt::format("{:016x}", session.hash());
   manifest.is_open = false;
@@ -213,11 +238,18 @@ Expected<Recovery> recoverRun(const fs::path& run_folder, const Progress& progre
   const auto lock = RunLock::take(run_folder);
   if (!lock) return fail(lock.error());
 
+  std::optional<BrickField> loaded;  // of the case
+  if (!manifest.begin_sha256.empty()) {
+    KERF_TRY(case_folder, caseOfRun(run_folder));
+    KERF_TRY(field, readCaseField(case_folder));
+    loaded = std::move(field);
+  }
+
   Recovery out;
   Expected<void> ended;
   const auto end = [&](const Session& session, const SessionLog& log) {
     manifest.tool_id = toolsInHand(log, manifest);
-    ended = endSessionRun(run_folder, session, manifest);
+    ended = endSessionRun(run_folder, session, manifest, {}, loaded ? &*loaded : nullptr);
   };
   KERF_TRY(replayed, internal::replayRun(run_folder, manifest, progress, end));
   KERF_CHECK(ended);

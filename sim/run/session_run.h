@@ -49,8 +49,10 @@ struct OpenedRun {
 };
 /// Makes the folder, which must not exist, with tools and manifest. The folder of the case may be anywhere; the run
 /// notes the way to it. After an error it is gone again.
+/// @param from  a run of the same case that has ended, from which this one goes on: its field is copied. Empty: none.
 Expected<OpenedRun> openSessionRun(const std::filesystem::path& run_folder, const std::filesystem::path& case_folder,
-                                   const CaseManifest& manifest, std::span<const SessionTool> tools);
+                                   const CaseManifest& manifest, std::span<const SessionTool> tools,
+                                   const std::filesystem::path& from = {});
 /// What the header of its log says of case and tools; describe() says the rest.
 SessionHeader sessionHeader(const RunManifest& manifest);
 
@@ -59,9 +61,10 @@ using PieceNames = std::map<std::uint32_t, std::string>;
 
 /// Ends a session: writes the field, then the manifest, which is then no longer open. Pieces are written as one field,
 /// each where it was loaded; the manifest says where they are.
+/// @param loaded  the case's field, if the session went on from another run; null: what the session has loaded.
 /// Error kEmpty: nothing was changed, and nothing is written.
 Expected<void> endSessionRun(const std::filesystem::path& run_folder, const Session& session, RunManifest& manifest,
-                             const PieceNames& names = {});
+                             const PieceNames& names = {}, const BrickField* loaded = nullptr);
 
 struct Recovery {
   RunManifest manifest;

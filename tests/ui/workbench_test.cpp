@@ -16,6 +16,7 @@
 #include "sim/run/export_bundle.h"
 #include "sim/run/placed_pieces.h"
 #include "sim/run/replay.h"
+#include "sim/run/run_files.h"
 #include "tests/support/open_block.h"
 #include "tests/support/temporary_folder.h"
 #include "ui/app/app_commands.h"
@@ -149,12 +150,75 @@ TEST_F(WorkbenchTest, ACancelledJobLeavesNothing) {
   }
 }
 
-TEST_F(WorkbenchTest, ARunIsNotOpenedForCutting) {
+// A bar is cut through and a piece of it is moved; the next day the other one is cut, too.
+TEST_F(WorkbenchTest, ASessionGoesOnFromARunWithItsPiecesWhereTheyWere) {
+  const fs::path in = folder_.path() / "bar.ply", out = folder_.path() / "bar.stl";
+  ASSERT_TRUE(writeMesh(in, test::blockMesh(true, {6, 1.6, 1.2})));
+  tools_ = {"disc-22", "round-010"};
+  ASSERT_TRUE(play("file.open \"" + in.string() +
+                   "\"\nwait\nview.fit\ncut.force 3\ncut.depth 2.2\ncut.press 200 150\nwait 5\ncut.release\nwait 1\n" +
+                   "expect pieces 2 2\npiece.choose 2\npiece.rename \"the left\"\npiece.move -2 0 1\nwait 0.1\n"))
+      << allNotices();
+  const fs::path first = session_;
+  const double removed = removed_;
+
+  const auto played =
+      play("file.open \"" + first.string() +
+           "\"\nwait\nwait 3\nexpect pieces 2 2\npiece.choose \"the left\"\nview.from top\n" +
+           "tool.select round-010\ncut.force 2\ncut.depth 0.4\ncut.press 300 150\nwait 3\ncut.release\nwait 0.2\n" +
+           "file.export \"" + out.string() + "\"\nwait\n");
+  ASSERT_TRUE(played) << played.error().message() << allNotices();
+  EXPECT_NE(allNotices().find("goes on from"), std::string::npos) << allNotices();
+  ASSERT_NE(session_, first);
+  EXPECT_GT(removed_, removed + 0.02) << "what was removed before counts";
+
+  const auto before = readRunManifest(first), after = readRunManifest(session_);
+  ASSERT_TRUE(before && after);
+  EXPECT_EQ(after->begin_sha256, before->field_sha256);
+  ASSERT_EQ(after->pieces.size(), 2u);
+  EXPECT_EQ(after->pieces[1].name, "the left");
+  EXPECT_EQ(after->pieces[1].T_case_piece.translation, Vec3d(-2, 0, 1));
+
+  const auto replayed = replayRun(session_);
+  ASSERT_TRUE(replayed) << replayed.error().message();
+  EXPECT_TRUE(replayed->is_same && replayed->is_whole) << replayed->note;
+  const auto earlier = exportBundle(first), later = exportBundle(session_);
+  ASSERT_TRUE(earlier && later) << (later ? "" : later.error().message());
+  const double more = later->post_op.report.removed_volume_mm3 - earlier->post_op.report.removed_volume_mm3;
+  EXPECT_NEAR(more, removed_ - removed, 0.03);
+  const auto placed = placedPieces(later->post_op.mesh, later->pieces);
+  ASSERT_TRUE(placed) << placed.error().message();
+  const auto written = readMesh(out);
+  ASSERT_TRUE(written);
+  EXPECT_NEAR(signedVolume(written->mesh), signedVolume(together(*placed)), 1e-5);
+
+  // A program that is gone: the second session is finished from its log alone.
+  const auto field = readRunCutField(session_);
+  ASSERT_TRUE(field);
+  RunManifest open = *after;
+  open.is_open = true;
+  open.pieces.clear();
+  ASSERT_TRUE(writeRunManifest(session_, open));
+  const auto recovered = recoverRun(session_);
+  ASSERT_TRUE(recovered) << recovered.error().message();
+  EXPECT_EQ(readRunCutField(session_)->stateHash(), field->stateHash());
+  EXPECT_EQ(recovered->manifest.pieces.size(), 2u);
+
+  // What it began with is gone, or damaged: nothing is made up.
+  fs::remove(session_ / "begin.vdb");
+  const auto without = replayRun(session_);
+  ASSERT_FALSE(without);
+  EXPECT_NE(without.error().message().find("begin.vdb"), std::string::npos) << without.error().message();
+}
+
+TEST_F(WorkbenchTest, ASessionThatAddsNothingToARunLeavesNone) {
   ASSERT_TRUE(play("file.open \"" + scan(folder_).string() + "\"\nwait\nview.fit\ncut.press 200 150\nwait 3\n"));
   ASSERT_TRUE(isRun(session_));
-  const auto played = play("file.open \"" + session_.string() + "\"\nwait\n");
-  ASSERT_FALSE(played);
-  EXPECT_NE(played.error().message().find("open the case it was cut from"), std::string::npos);
+  const fs::path first = session_;
+  ASSERT_TRUE(play("file.open \"" + first.string() + "\"\nwait\nwait 0.2\n")) << allNotices();
+  EXPECT_NE(session_, first);
+  EXPECT_FALSE(fs::exists(session_));
+  EXPECT_TRUE(isRun(first));
 }
 
 TEST_F(WorkbenchTest, TheScanThatWasOpenedIsNeverWrittenOver) {

@@ -18,20 +18,13 @@
 #include "preprocess/demo/demo_anatomy.h"
 #include "preprocess/demo/demo_arch.h"
 #include "preprocess/unit/unit.h"
+#include "sim/run/run_files.h"
 #include "sim/run/run_manifest.h"
 
 namespace kerf {
 namespace {
 
 namespace fs = std::filesystem;
-
-Error readOnly(const fs::path& path) {
-  return {.code = Error::Code::kUnsupported,
-          .file = path.string(),
-          .found = "a run",
-          .expected = "a mesh, a recipe or a case to cut",
-          .hint = "open the case it was cut from"};
-}
 
 // The share of a progress from `from` to `to`.
 Progress partOf(const Progress& progress, double from, double to) {
@@ -185,10 +178,14 @@ Expected<Opened> openToCut(const fs::path& path, const OpeningOptions& options, 
   out.name = nameOf(path);
   out.source = path;
   const FileKind kind = kindOf(path);
-  if (kind == FileKind::kRun) return fail(readOnly(path));
-
   fs::path case_folder = path;
-  if (kind != FileKind::kCase) {
+  if (kind == FileKind::kRun) {
+    KERF_TRY(before, readRunManifest(path));
+    KERF_CHECK(requireEnded(path, before));
+    KERF_TRY(folder, caseOfRun(path));
+    case_folder = folder;
+    out.name = nameOf(fs::path(before.case_path));
+  } else if (kind != FileKind::kCase) {
     KERF_TRY(prepared, prepare(path, options, partOf(progress, 0, 0.7)));
     case_folder = prepared.case_folder;
     out.notes = std::move(prepared.notes);
@@ -202,10 +199,16 @@ Expected<Opened> openToCut(const fs::path& path, const OpeningOptions& options, 
   live.tools = options.tools;
   live.haptic.real_time = options.real_time;
   live.is_looked_at = true;
+  if (kind == FileKind::kRun) live.from = path;
   live.haptic.stall_ms = 5000;  // no arm is led: a busy machine need not stop the tool
   live.start = {Eigen::Quaterniond::Identity(), manifest.box.center() + Vec3d(0, 0, manifest.box.size()[2])};
   KERF_TRY(run, LiveRun::open(case_folder, newSessionFolder(options.data_folder, out.name), std::move(live),
                               partOf(progress, 0.7, 1)));
+  if (kind == FileKind::kRun)
+    out.notes.push_back(
+        fmt::format("goes on from {}, in a session of its own: {:.3f} mm3 were removed before; undo "
+                    "reaches back to here",
+                    path.filename().string(), run->removedBefore()));
   out.run = std::move(run);
   return out;
 }

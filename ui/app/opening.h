@@ -22,7 +22,7 @@ enum class FileKind {
   kScan,    ///< a mesh file, or what will be refused as none: only reading it tells
   kRecipe,  ///< puts meshes and labels together
   kCase,    ///< baked already
-  kRun,     ///< a session that has ended: it is not cut again
+  kRun,     ///< a session that has ended: a new one goes on from it
 };
 /// Reads a manifest or the first lines, no more.
 FileKind kindOf(const std::filesystem::path& path);
@@ -50,7 +50,8 @@ struct Opened {
 };
 
 /// Opens a case, or prepares a scan or recipe first. A scan that was prepared in the same way before is not baked
-/// again. Errors: those of reading, closing and loading; kUnsupported for a run; kCancelled, and then nothing is left
+/// again. Of a run the case is opened, with all that was cut. Errors: those of reading, closing and loading;
+/// kUnsupported for a session that has not ended; kCancelled, and then nothing is left
 /// behind.
 /// @cost seconds; a jaw at 0.1 mm 10 to 20 s.
 Expected<Opened> openToCut(const std::filesystem::path& path, const OpeningOptions& options,

@@ -86,17 +86,20 @@ void Workbench::takeNews() {
   if (!run_) return;
   if (run_->thread().update()) {
     report_ = run_->thread().report();
-    removed_mm3_ = 0;
+    removed_mm3_ = run_->removedBefore();
     for (std::size_t n = 0; n < report_.object_count; ++n) removed_mm3_ += report_.objects[n].removed_mm3;
   }
   if (run_->thread().updateTimes()) times_ = run_->thread().times();
   const auto chunks = run_->takeChunks();
   scene_.update(chunks, report_);
+  placePiecesOfBefore();
   // A piece that was moved is where the simulation has it as soon as that has answered.
-  if (moving_ && report_.counts.commands_done + report_.counts.commands_refused >= moving_->sent) {
-    dragPiece(moving_->id, std::nullopt);
-    moving_.reset();
-  }
+  const std::uint64_t answered = report_.counts.commands_done + report_.counts.commands_refused;
+  std::erase_if(moving_, [&](const Moving& piece) {
+    if (answered < piece.sent) return false;
+    dragPiece(piece.id, std::nullopt);
+    return true;
+  });
   fresh_.insert(fresh_.end(), chunks.begin(), chunks.end());
 
   const RecorderStatus log = run_->recorderStatus();
@@ -104,6 +107,29 @@ void Workbench::takeNews() {
   Error error = *log.error;
   error.hint = "free some space and end the session: what was cut is kept, the log ends here";
   complain(error);
+}
+
+// Of a run that is gone on with: its pieces get their names and places again, as soon as they are there.
+void Workbench::placePiecesOfBefore() {
+  constexpr std::uint64_t kMostTicks = 20000;
+  if (to_place_.empty()) return;
+  const bool is_late = report_.tick > kMostTicks;
+  if (scene_.shown().size() < to_place_.size() && !is_late) return;
+
+  std::string missing;
+  for (const RunManifest::Piece& before : to_place_) {
+    const auto shown = scene_.shown();
+    const auto at = std::find_if(shown.begin(), shown.end(),
+                                 [&](const SceneObject* piece) { return run_->holds(piece->id, before.inside); });
+    if (at == shown.end()) {
+      missing += (missing.empty() ? "" : ", ") + before.name;
+      continue;
+    }
+    (*at)->name = before.name;
+    if (before.isMoved()) movePiece((*at)->id, before.T_case_piece);
+  }
+  to_place_.clear();
+  if (!missing.empty()) say("not found again, and so where it was in the scan: " + missing);
 }
 
 // Until what was asked for is done and the mesher knows of it; a second at most.
@@ -172,9 +198,7 @@ void Workbench::openBy(const std::string& title, Load load) {
 }
 
 void Workbench::show(Opened& loaded) {
-  const auto object = loaded.run->sharedObject();
-  auto hand = std::make_unique<MouseHand>(std::shared_ptr<const BrickField>(object, &object->phi0()),
-                                          loaded.run->thread().session().state().body.pose,
+  auto hand = std::make_unique<MouseHand>(loaded.run->original(), loaded.run->thread().session().state().body.pose,
                                           loaded.run->model().settings.coupling.stiffness);
   const auto started = loaded.run->start(*hand);
   if (!started) {
@@ -196,7 +220,8 @@ void Workbench::show(Opened& loaded) {
   aim_ = {};
   stroke_.reset();
   chosen_.reset();
-  moving_.reset();
+  moving_.clear();
+  to_place_ = run_->piecesBefore();
   removed_mm3_ = 0;
   ++generation_;
   for (std::string& note : loaded.notes) say(std::move(note));
@@ -251,7 +276,7 @@ bool Workbench::selectTool(const std::string& id) {
 
 std::optional<ToolOverSurface> Workbench::over(const Ray& ray) const {
   if (!run_) return {};
-  return toolOver(scene_, run_->object().phi0(), ray, plunges_[tool_]);
+  return toolOver(scene_, *run_->original(), ray, plunges_[tool_]);
 }
 
 bool Workbench::press(const Ray& ray) {
@@ -259,7 +284,7 @@ bool Workbench::press(const Ray& ray) {
   if (!at) return false;
   // A mouse is no arm that could be struck: after a late clock it goes on at once.
   if (report_.is_latched) send(ClearLatch{});
-  stroke_.emplace(run_->object().phi0(), *at, plunges_[tool_], heads_[tool_]);
+  stroke_.emplace(*run_->original(), *at, plunges_[tool_], heads_[tool_]);
   ++aim_.stroke;
   aim_.is_pressed = true;
   aim_.anchor = aim_.pointer = stroke_->anchor();
@@ -349,7 +374,7 @@ void Workbench::movePiece(std::uint32_t id, const Rigid3& T_world_object) {
   const Eigen::Quaterniond& q = T_world_object.rotation;
   piece->dragged = T_world_object;
   const bool is_sent = send(MoveObject{piece->index, {t[0], t[1], t[2]}, {q.w(), q.x(), q.y(), q.z()}});
-  moving_ = {id, is_sent ? sent_ : 0};
+  moving_.push_back({id, is_sent ? sent_ : 0});
 }
 
 void Workbench::dragPiece(std::uint32_t id, const std::optional<Rigid3>& T_world_object) {

@@ -156,6 +156,7 @@ class Workbench {
   void show(Opened& loaded);
   void sendAim();
   void namePieces();
+  void placePiecesOfBefore();
 
   WorkbenchOptions options_;
   std::vector<SessionTool> tools_;
@@ -178,7 +179,8 @@ class Workbench {
     std::uint32_t id = 0;
     std::uint64_t sent = 0;  // answered when that many commands are
   };
-  std::optional<Moving> moving_;
+  std::vector<Moving> moving_;
+  std::vector<RunManifest::Piece> to_place_;  // of the run that is gone on with
   std::uint64_t generation_ = 0;
   HapticReport report_;
   HapticTimes times_;
