@@ -15,12 +15,14 @@ constexpr double kBrake = 30;          // 1/s: of the way to the depth
 constexpr double kLetsGo = 200;        // mm/s, back
 constexpr double kSurfaceStep = 0.05;  // mm a tick
 constexpr double kAround = 1;          // mm: so far beyond anchor and pointer the surface is looked for
+constexpr double kMostAside = 1;       // mm, against what pushes a tool out of its guide
 constexpr double kSteepest = 0.15;     // of a slope: along a wall there is no height to be found
 
 }  // namespace
 
-MouseHand::MouseHand(std::shared_ptr<const BrickField> surface, const Rigid3& start, double stiffness)
-    : surface_(std::move(surface)), stiffness_(stiffness), pose_(start) {}
+MouseHand::MouseHand(std::shared_ptr<const BrickField> surface, const Rigid3& start, double stiffness,
+                     double turn_stiffness)
+    : surface_(std::move(surface)), stiffness_(stiffness), turn_stiffness_(turn_stiffness), pose_(start) {}
 
 void MouseHand::aim(const MouseAim& aim) noexcept {
   aims_.back() = aim;
@@ -39,8 +41,12 @@ void MouseHand::placed(const Rigid3& T_world_tool) noexcept {
   pose_ = T_world_tool;
   axis_ = aim_.into;
   reach_ = aim_.reach;
+  front_ = aim_.front;
+  aside_ = 0;
+  lean_ = {};
   height_ = axis_.dot(aim_.anchor);
   felt_.setZero();
+  torque_.setZero();
   left_.reset();
   speed_ = 0;
 }
@@ -52,9 +58,14 @@ DeviceSample MouseHand::read() noexcept {
   if (is_pressed) moveSideways();
   followSurface();
   moveAlong(is_pressed);
+  keepInGuide();
 
   DeviceSample out;
   out.T_world_device = pose_;
+  if (!aim_.guide.isZero(0)) {
+    out.T_world_device.rotation = lean_.of(pose_.rotation);
+    out.T_world_device.translation += aside_ * aim_.guide;
+  }
   out.pedal = is_pressed ? aim_.pedal : 0;
   out.irrigation = aim_.irrigation;
   return out;
@@ -64,7 +75,7 @@ DeviceSample MouseHand::read() noexcept {
 void MouseHand::followSurface() noexcept {
   if (!surface_ || surface_->isEmpty()) return;
   const Vec3d& a = axis_;
-  const Vec3d foot = pose_.translation - a.dot(pose_.translation) * a;
+  const Vec3d foot = front() - a.dot(front()) * a;
   const double voxel = surface_->voxel();
 
   const double here = surface_->sample(to_surface_ * (foot + height_ * a));
@@ -80,8 +91,9 @@ void MouseHand::followSurface() noexcept {
 
 void MouseHand::moveSideways() noexcept {
   const Vec3d& a = axis_;
-  Vec3d way = aim_.pointer - pose_.translation;
+  Vec3d way = aim_.pointer - front();
   way -= a.dot(way) * a;
+  way -= aim_.guide.dot(way) * aim_.guide;
   const double distance = way.norm();
   if (!(distance > 1e-9)) return;
 
@@ -90,6 +102,14 @@ void MouseHand::moveSideways() noexcept {
   const double most = std::max(kLeast, aim_.force);
   const double speed = std::min(kFollow * distance, kSideways * std::clamp(1 - against / most, 0.0, 1.0));
   pose_.translation += std::min(speed * kTick, distance) * direction;
+}
+
+// What a guide holds in its plane is the tool, not the hand.
+void MouseHand::keepInGuide() noexcept {
+  if (aim_.guide.isZero(0)) return;
+  const double off = aside_ + aim_.guide.dot(felt_) / stiffness_;
+  aside_ = std::clamp(aside_ - ToolLean::kRate * kTick * off, -kMostAside, kMostAside);
+  lean_.against(torque_, turn_stiffness_);
 }
 
 void MouseHand::moveAlong(bool is_pressed) noexcept {

@@ -19,6 +19,7 @@
 
 #include "geometry/field/brick_field.h"
 #include "sim/hand/device_source.h"
+#include "sim/hand/tool_lean.h"
 #include "sim/hand/triple_buffer.h"
 
 namespace kerf {
@@ -36,6 +37,11 @@ struct MouseAim {
   double depth = 0.5;             ///< below the surface as loaded, along the axis, that the tool may reach; >= 0
   double pedal = 1;               ///< of the nominal speed, 0 to 1
   double irrigation = 1;          ///< 0 to 1
+  /// From the tip to what of the tool follows pointer and surface, square to the axis, mm: the middle of a saw's teeth.
+  Vec3d front = Vec3d::Zero();
+  /// Normal of the plane that a cutting guide keeps the tool in, from where it was placed: unit, square to the axis.
+  /// The pointer then moves it within that plane alone, and no force turns it out of it. Zero: no guide.
+  Vec3d guide = Vec3d::Zero();
 };
 
 /// The window's thread aims, the haptic thread reads. Before a stroke the window sends PlaceTool with the pose above
@@ -47,16 +53,20 @@ class MouseHand final : public DeviceSource {
   static constexpr double kLeast = 0.3;    ///< N: side force that is always allowed
   static constexpr double kClearance = 1;  ///< mm above the surface as loaded, where it goes when the button is up
 
-  /// @param surface  the field as loaded (mm, negative inside), kept. Null: none, the plane through the anchor. @param
-  /// start  where the tool is.   @param stiffness  of the coupling, N/mm.
-  MouseHand(std::shared_ptr<const BrickField> surface, const Rigid3& start, double stiffness);
+  /// @param surface  the field as loaded (mm, negative inside), kept. Null: none, the plane through the anchor.
+  /// @param start  where the tool is.   @param stiffness, turn_stiffness  of the coupling, N/mm and N mm/rad.
+  MouseHand(std::shared_ptr<const BrickField> surface, const Rigid3& start, double stiffness,
+            double turn_stiffness = 1000);
 
   /// The newest wish. One thread.
   void aim(const MouseAim& aim) noexcept;
 
   /// @rt  @cost  two trilinear samples of the field.
   DeviceSample read() noexcept override;
-  void write(const DeviceForce& force) noexcept override { felt_ = force.force; }
+  void write(const DeviceForce& force) noexcept override {
+    felt_ = force.force;
+    torque_ = force.torque;
+  }
   void placed(const Rigid3& T_world_tool) noexcept override;
 
  private:
@@ -64,9 +74,11 @@ class MouseHand final : public DeviceSource {
   void followSurface() noexcept;
   void moveSideways() noexcept;
   void moveAlong(bool is_pressed) noexcept;
+  void keepInGuide() noexcept;
+  Vec3d front() const noexcept { return pose_.translation + front_; }
 
   std::shared_ptr<const BrickField> surface_;
-  double stiffness_;
+  double stiffness_, turn_stiffness_;
   TripleBuffer<MouseAim> aims_;
   MouseAim aim_;                  // the newest
   Rigid3 to_surface_;             // from the world
@@ -78,6 +90,10 @@ class MouseHand final : public DeviceSource {
   std::optional<double> left_;    // of the tool's way to the depth, mm
   double speed_ = 0;              // at which that becomes less, mm/s
   Vec3d felt_ = Vec3d::Zero();    // N, of the last tick
+  Vec3d torque_ = Vec3d::Zero();  // N mm
+  Vec3d front_ = Vec3d::Zero();   // of the tool, see MouseAim
+  double aside_ = 0;              // of the hand beside the guide's plane, mm: what the coupling gives way
+  ToolLean lean_;
 };
 
 }  // namespace kerf

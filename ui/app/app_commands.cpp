@@ -12,17 +12,14 @@
 
 #include "ui/app/command_words.h"
 #include "ui/app/piece_commands.h"
+#include "ui/app/saw_commands.h"
+#include "ui/app/sawing.h"
 
 namespace kerf {
 namespace {
 
 namespace fs = std::filesystem;
 
-Expected<Ray> rayOf(const AppContext& c, AppWords words) {
-  KERF_TRY(x, numberOf(words, 0, "X", -1e5, 1e5));
-  KERF_TRY(y, numberOf(words, 1, "Y", -1e5, 1e5));
-  return rayUnder(c.camera, x, y, c.width, c.height);
-}
 
 // ---- When a command can be given
 
@@ -110,17 +107,17 @@ Expected<void> setForce(AppContext& c, AppWords words) {
   return {};
 }
 Expected<void> setDepth(AppContext& c, AppWords words) {
-  KERF_TRY(depth, numberOf(words, 0, "MM", 0, Workbench::kMostDepth));
+  KERF_TRY(depth, numberOf(words, 0, "MM", 0, c.bench.mostDepth()));
   c.bench.deepen(depth - c.bench.depth_mm);
   return {};
 }
 Expected<void> deeper(AppContext& c, AppWords words) {
-  KERF_TRY(mm, numberOr(words, 0, 0.1, "MM", 0, Workbench::kMostDepth));
+  KERF_TRY(mm, numberOr(words, 0, 0.1, "MM", 0, c.bench.mostDepth()));
   c.bench.deepen(mm);
   return {};
 }
 Expected<void> shallower(AppContext& c, AppWords words) {
-  KERF_TRY(mm, numberOr(words, 0, 0.1, "MM", 0, Workbench::kMostDepth));
+  KERF_TRY(mm, numberOr(words, 0, 0.1, "MM", 0, c.bench.mostDepth()));
   c.bench.deepen(-mm);
   return {};
 }
@@ -194,7 +191,8 @@ constexpr AppCommand kCommands[] = {
     {"tool.next", "Tool", "Next tool", "]", "", "Takes the next tool of the rack.", isOpen, nextTool},
     {"tool.previous", "Tool", "Previous tool", "[", "", "Takes the tool before.", isOpen, previousTool},
     {"cut.force", "", "", "", "NEWTONS", "Sets how hard a pressed button pushes, 0.1 to 8 N.", always, setForce},
-    {"cut.depth", "", "", "", "MM", "Sets how deep below the surface as loaded a stroke may go, 0 to 5 mm.", always,
+    {"cut.depth", "", "", "", "MM",
+     "Sets how deep below the surface as loaded a stroke may go, 0 to 5 mm; along a guide to its depth.", always,
      setDepth},
     {"cut.deeper", "Tool", "Deeper", ".", "[MM]", "Lets a stroke go deeper, by 0.1 mm if not told.", always, deeper},
     {"cut.shallower", "Tool", "Less deep", ",", "[MM]", "Lets a stroke go less deep, by 0.1 mm if not told.", always,
@@ -216,6 +214,52 @@ constexpr AppCommand kCommands[] = {
     {"piece.show-all", "Piece", "Show all", "Shift+H", "", "Shows all pieces.", isOpen, piece_commands::show},
     {"piece.rename", "", "", "", "NAME", "Gives the chosen piece a name, for the list and for files.", isOpen,
      piece_commands::rename},
+    {"saw.pick-points", "Saw", "Plane from three points", "P", "", "Picks three points of the surface, by mouse.",
+     isOpen, saw_commands::pickPoints},
+    {"saw.pick-line", "Saw", "Plane from a line", "L", "", "Draws a line across the bone, by mouse.", isOpen,
+     saw_commands::pickLine},
+    {"saw.pick-face", "Saw", "Plane under a face", "", "", "Picks a face, by mouse.", isOpen, saw_commands::pickFace},
+    {"saw.pick-nothing", "Saw", "Leave picking", "Esc", "", "Leaves picking; nothing is planned.",
+     saw_commands::isPicking, saw_commands::pickNothing},
+    {"saw.plane-from-points", "", "", "", "X1 Y1 X2 Y2 X3 Y3",
+     "Plans a plane through three points of the surface, at pixels.", isOpen, saw_commands::fromPoints},
+    {"saw.line", "", "", "", "X1 Y1 X2 Y2", "Plans a plane through a line of the picture, along the view.", isOpen,
+     saw_commands::line},
+    {"saw.plane-from-view", "Saw", "Plane upright in this view", "", "[X Y]",
+     "Plans a plane that is seen edge-on, through the middle of the view or a pixel.", isOpen, saw_commands::fromView},
+    {"saw.plane-from-face", "", "", "", "X Y [MM]",
+     "Plans a plane parallel to the surface at a pixel, 1 mm under it if not told.", isOpen, saw_commands::fromFace},
+    {"saw.plane", "", "", "", "X Y Z NX NY NZ", "Plans a plane through a point, mm, square to a normal.", isOpen,
+     saw_commands::fromNumbers},
+    {"saw.choose", "", "", "", "NAME", "Chooses another planned plane.", saw_commands::hasPlane, saw_commands::choose},
+    {"saw.rename", "", "", "", "NAME", "Gives the chosen plane another name.", saw_commands::hasPlane,
+     saw_commands::rename},
+    {"saw.delete", "Saw", "Delete the plane", "", "", "Takes the chosen plane out of the plan.", saw_commands::hasPlane,
+     saw_commands::remove},
+    {"saw.move", "", "", "", "MM", "Moves the chosen plane along its normal.", saw_commands::hasPlane,
+     saw_commands::move},
+    {"saw.turn", "", "", "", "DEG", "Turns the chosen plane about the way the teeth go in.", saw_commands::hasPlane,
+     saw_commands::turn},
+    {"saw.tilt", "", "", "", "DEG", "Turns the chosen plane about its line along the teeth.", saw_commands::hasPlane,
+     saw_commands::tilt},
+    {"saw.approach", "", "", "", "DEG", "Turns, within the chosen plane, the way the teeth go in.",
+     saw_commands::hasPlane, saw_commands::approach},
+    {"saw.width", "", "", "", "MM", "Bounds the chosen plane along the teeth, at most to the blade.",
+     saw_commands::hasPlane, saw_commands::width},
+    {"saw.depth", "", "", "", "MM", "Bounds how deep the chosen plane goes, at most to the blade's reach.",
+     saw_commands::hasPlane, saw_commands::depth},
+    {"saw.fit", "Saw", "Fit the plane to bone and blade", "", "", "Bounds the chosen plane to bone and blade anew.",
+     saw_commands::hasPlane, saw_commands::fit},
+    {"saw.save", "", "", "", "FILE", "Writes all planned planes to a file.", isOpen, saw_commands::save},
+    {"saw.load", "", "", "", "FILE", "Reads planned planes from a file or a session's folder.", isOpen,
+     saw_commands::load},
+    {"saw.cut", "Saw", "Cut this plane now", "", "[NEWTONS]",
+     "Saws the chosen plane with the saw in hand, pushed with 5 N at most if not told.", saw_commands::hasPlane,
+     saw_commands::cut},
+    {"saw.stop", "Saw", "Stop sawing", "", "", "Breaks a planned cut off and draws the blade out.",
+     saw_commands::isCutting, saw_commands::stop},
+    {"saw.guide", "Saw", "Guide the blade", "G", "[on|off]",
+     "Keeps a saw moved by mouse in the chosen plane, or lets it free.", isOpen, saw_commands::guide},
 
     {"view.fit", "View", "Fit", "F", "", "Shows all of the object.", isOpen, fit},
     {"view.front", "View", "Front", "1", "", "Looks along +y.", always, namedView<0>},
@@ -263,7 +307,7 @@ void frameOf(const std::function<void()>& frame) {
 Expected<void> wait(AppContext& c, AppWords words, const std::function<void()>& frame) {
   if (words.empty()) {
     do frameOf(frame);
-    while (c.bench.job() || (c.bench.isOpen() && c.bench.scene().triangleCount() == 0));
+    while (c.bench.job() || c.bench.saw().isCutting() || (c.bench.isOpen() && c.bench.scene().triangleCount() == 0));
     return {};
   }
   KERF_TRY(seconds, numberOf(words, 0, "SECONDS", 0, 36000));
@@ -282,7 +326,9 @@ void printState(const AppContext& c) {
                    {"depth_mm", c.bench.depth_mm},
                    {"ticks", c.bench.report().tick},
                    {"pieces", c.bench.scene().shown().size()},
-                   {"triangles", c.bench.scene().triangleCount()}};
+                   {"triangles", c.bench.scene().triangleCount()},
+                   {"planes", c.bench.saw().plan().planes().size()},
+                   {"sawn_percent", 100 * c.bench.saw().lastShare()}};
   if (c.bench.isOpen()) j["tool"] = c.bench.tool(c.bench.toolInHand()).id;
   if (const auto depth = c.bench.depthNow()) j["depth_now_mm"] = *depth;
   fmt::print("{}\n", j.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
@@ -290,7 +336,7 @@ void printState(const AppContext& c) {
 }
 
 Expected<void> expect(const AppContext& c, AppWords words) {
-  if (words.empty()) return wrongWord("nothing", "removed, depth, triangles or pieces, and its range");
+  if (words.empty()) return wrongWord("nothing", "removed, depth, sawn, triangles or pieces, and its range");
   KERF_TRY(low, numberOf(words, 1, "LOW", -1e12, 1e12));
   KERF_TRY(high, numberOf(words, 2, "HIGH", -1e12, 1e12));
   double value = 0;
@@ -298,12 +344,14 @@ Expected<void> expect(const AppContext& c, AppWords words) {
     value = c.bench.removedMm3();
   else if (words[0] == "depth")
     value = c.bench.depthNow().value_or(0);
+  else if (words[0] == "sawn")
+    value = 100 * c.bench.saw().lastShare();
   else if (words[0] == "triangles")
     value = static_cast<double>(c.bench.scene().triangleCount());
   else if (words[0] == "pieces")
     value = static_cast<double>(c.bench.scene().shown().size());
   else
-    return wrongWord("\"" + words[0] + "\"", "removed, depth, triangles or pieces");
+    return wrongWord("\"" + words[0] + "\"", "removed, depth, sawn, triangles or pieces");
   if (value >= low && value <= high) return {};
   return wrongWord(fmt::format("{} {:g}", words[0], value), fmt::format("{:g} to {:g}", low, high));
 }
@@ -348,14 +396,20 @@ std::string appCommandReference() {
       "words in "
       "double quotes may hold blanks. X and Y are pixels of the picture, Y downwards. Beside them a script has `wait` "
       "(until "
-      "no job runs), `wait SECONDS` (of the simulation), `print` (the state, as JSON) and `expect "
-      "removed|depth|triangles|pieces LOW HIGH`. The first error ends it, "
+      "no job runs and no plane is sawn), `wait SECONDS` (of the simulation), `print` (the state, as JSON) and `expect "
+      "removed|depth|sawn|triangles|pieces LOW HIGH`. The first error ends it, "
       "with "
       "exit code 1 and the line.\n\n| command | parameters | key | what it does |\n|---|---|---|---|\n";
   for (const AppCommand& c : kCommands)
     out += fmt::format("| `{}` | {} | {} | {} |\n", c.id, c.parameters.empty() ? "" : fmt::format("`{}`", c.parameters),
                        c.key.empty() ? "" : fmt::format("`{}`", c.key), c.description);
   return out;
+}
+
+Expected<Ray> rayOf(const AppContext& c, AppWords words, std::size_t n) {
+  KERF_TRY(x, numberOf(words, n, "X", -1e5, 1e5));
+  KERF_TRY(y, numberOf(words, n + 1, "Y", -1e5, 1e5));
+  return rayUnder(c.camera, x, y, c.width, c.height);
 }
 
 Ray rayUnder(const Camera& camera, double x, double y, int width, int height) {

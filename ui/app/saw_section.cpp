@@ -126,9 +126,9 @@ Expected<SawPlane> fitToBone(SawPlane plane, const BrickField& bone, const SawBl
 
   // Across: the bone, not beyond a line that was drawn, not beyond the blade.
   Extent across{e.across.low - kBefore, e.across.high + kBefore};
-  if (options.keeps_width) {
-    across.low = std::max(across.low, -0.5 * plane.width);
-    across.high = std::min(across.high, 0.5 * plane.width);
+  if (options.across) {
+    across.low = std::max(across.low, options.across->front());
+    across.high = std::min(across.high, options.across->back());
   }
   out.point = plane.point + 0.5 * (across.low + across.high) * out.across();
   if (const double much = across.size() - blade.most_width; much > 0) {

@@ -1,7 +1,9 @@
 // What a planned plane meets: the bone in it, the passes that saw it, and how much of it is sawn.
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "geometry/base/error.h"
@@ -14,7 +16,8 @@ namespace kerf {
 
 /// How a rectangle is bounded.
 struct FitOptions {
-  bool keeps_width = false;     ///< no wider than it is: a line was drawn
+  /// Not beyond these, mm from the point along across: a line was drawn.
+  std::optional<std::array<double, 2>> across = {};
   bool keeps_approach = false;  ///< else it turns within its plane where the blade reaches too little as it is
 };
 

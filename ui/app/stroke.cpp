@@ -84,21 +84,22 @@ std::optional<ToolOverSurface> toolOver(const LiveScene& scene, const BrickField
   return out;
 }
 
-Stroke::Stroke(const BrickField& loaded, const ToolOverSurface& at, const Plunge& plunge, const Mesh& head)
+Stroke::Stroke(const BrickField& loaded, const ToolOverSurface& at, const Plunge& plunge, const Mesh& head,
+               const Vec3d& beside)
     : loaded_(loaded),
       T_world_object_(at.T_world_object),
       to_object_(at.T_world_object.inverse()),
       anchor_(T_world_object_ * onLoaded(loaded, to_object_ * at.point, to_object_.rotation * at.normal)),
       axis_(at.normal),
       reach_(plunge.reach),
-      start_{at.T_world_tool.rotation, anchor_ + (kAbove + reach_) * axis_} {
+      start_{at.T_world_tool.rotation, anchor_ + (kAbove + reach_) * axis_ + beside} {
   const auto isFree = [&] {
     const Rigid3 tool = to_object_ * start_;
     return std::all_of(head.vertices.begin(), head.vertices.end(),
                        [&](const Vec3d& v) { return loaded_.sample(tool * v) > 0; });
   };
   for (double lift = kAbove; lift < kLongestLift && !isFree(); lift += 0.1)
-    start_.translation = anchor_ + (lift + reach_) * axis_;
+    start_.translation = anchor_ + (lift + reach_) * axis_ + beside;
 }
 
 Vec3d Stroke::pointerOf(const Ray& ray) const {

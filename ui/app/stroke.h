@@ -45,7 +45,9 @@ class Stroke {
   /// @param loaded  the surface as loaded; kept by reference.   @param head  of the tool, tool frame: where it starts
   /// it
   ///   touches nothing that was loaded, as far as these vertices say.
-  Stroke(const BrickField& loaded, const ToolOverSurface& at, const Plunge& plunge, const Mesh& head);
+  /// @param beside  from the line along the axis to the tip, square to the axis, mm: of a blade held by its front.
+  Stroke(const BrickField& loaded, const ToolOverSurface& at, const Plunge& plunge, const Mesh& head,
+         const Vec3d& beside = Vec3d::Zero());
 
   /// Of the tool, before the stroke: above the anchor, in air.
   const Rigid3& start() const { return start_; }

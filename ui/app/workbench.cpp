@@ -12,6 +12,7 @@
 #include "geometry/formats/mesh_formats.h"
 #include "geometry/tool/tool_file.h"
 #include "ui/app/exporting.h"
+#include "ui/app/sawing.h"
 
 namespace kerf {
 namespace {
@@ -44,7 +45,7 @@ const std::vector<std::string>& defaultTools() {
   return kTools;
 }
 
-Workbench::Workbench(WorkbenchOptions options) : options_(std::move(options)) {
+Workbench::Workbench(WorkbenchOptions options) : options_(std::move(options)), saw_(std::make_unique<Sawing>(*this)) {
   if (options_.data_folder.empty()) options_.data_folder = userDataFolder();
   const auto& wanted = options_.tools.empty() ? defaultTools() : options_.tools;
   for (const std::string& id : wanted) {
@@ -79,6 +80,7 @@ std::vector<ObjectChunks> Workbench::update() {
     if (done) done();
   }
   takeNews();
+  saw_->update();
   return std::exchange(fresh_, {});
 }
 
@@ -198,14 +200,17 @@ void Workbench::openBy(const std::string& title, Load load) {
 }
 
 void Workbench::show(Opened& loaded) {
+  const CouplingSettings& coupling = loaded.run->model().settings.coupling;
   auto hand = std::make_unique<MouseHand>(loaded.run->original(), loaded.run->thread().session().state().body.pose,
-                                          loaded.run->model().settings.coupling.stiffness);
-  const auto started = loaded.run->start(*hand);
+                                          coupling.stiffness, coupling.turn_stiffness);
+  auto guided = std::make_unique<GuidedHand>(*hand, coupling.stiffness, coupling.turn_stiffness);
+  const auto started = loaded.run->start(*guided);
   if (!started) {
     (void)loaded.run->finish();
     return complain(started.error());
   }
   hand_ = std::move(hand);
+  guided_ = std::move(guided);
   run_ = std::move(loaded.run);
   name_ = loaded.name;
   source_ = loaded.source;
@@ -223,6 +228,7 @@ void Workbench::show(Opened& loaded) {
   moving_.clear();
   to_place_ = run_->piecesBefore();
   removed_mm3_ = 0;
+  saw_->opened();
   ++generation_;
   for (std::string& note : loaded.notes) say(std::move(note));
 }
@@ -236,13 +242,15 @@ void Workbench::close() {
   if (isBusy() || !run_) return;
   release();
   namePieces();
+  saw_->closing();
   std::shared_ptr<LiveRun> ending = std::move(run_);
   std::shared_ptr<MouseHand> hand = std::move(hand_);
+  std::shared_ptr<GuidedHand> guided = std::move(guided_);
   const std::string name = name_;
   scene_.clear();
   ++generation_;
   auto job = std::make_unique<Job<RunManifest>>(
-      "writing the session of " + name, [ending, hand](const Progress&) { return ending->finish(); }, false);
+      "writing the session of " + name, [ending, guided, hand](const Progress&) { return ending->finish(); }, false);
   job_writes_ = true;
   when_over_ = [this, job = job.get(), folder = session_] {
     auto written = job->take();
@@ -260,6 +268,7 @@ void Workbench::close() {
 void Workbench::selectTool(std::size_t n) {
   if (!run_ || n >= toolCount() || n == tool_) return;
   release();
+  saw_->stop();
   if (send(SelectTool{n})) tool_ = n;
 }
 
@@ -276,15 +285,21 @@ bool Workbench::selectTool(const std::string& id) {
 
 std::optional<ToolOverSurface> Workbench::over(const Ray& ray) const {
   if (!run_) return {};
+  if (saw_->isGuiding()) return saw_->over(ray);
   return toolOver(scene_, *run_->original(), ray, plunges_[tool_]);
 }
 
 bool Workbench::press(const Ray& ray) {
+  if (saw_->isCutting()) return false;
   const auto at = over(ray);
   if (!at) return false;
+  saw_->forgetStrokes();
   // A mouse is no arm that could be struck: after a late clock it goes on at once.
   if (report_.is_latched) send(ClearLatch{});
-  stroke_.emplace(*run_->original(), *at, plunges_[tool_], heads_[tool_]);
+  const bool is_guided = saw_->isGuiding();
+  aim_.front = is_guided ? saw_->tipToFront() : Vec3d(Vec3d::Zero());
+  aim_.guide = is_guided ? saw_->plan().chosen()->normal : Vec3d(Vec3d::Zero());
+  stroke_.emplace(*run_->original(), *at, plunges_[tool_], heads_[tool_], -aim_.front);
   ++aim_.stroke;
   aim_.is_pressed = true;
   aim_.anchor = aim_.pointer = stroke_->anchor();
@@ -312,9 +327,11 @@ void Workbench::drag(const Ray& ray) {
 }
 
 void Workbench::deepen(double mm) {
-  depth_mm = std::clamp(depth_mm + mm, 0.0, kMostDepth);
+  depth_mm = std::clamp(depth_mm + mm, 0.0, mostDepth());
   if (stroke_) sendAim();
 }
+
+double Workbench::mostDepth() const { return saw_->isGuiding() ? saw_->plan().chosen()->depth : kMostDepth; }
 
 void Workbench::setForce(double newtons) {
   force = std::clamp(newtons, kLeastForce, kMostForce);
@@ -335,25 +352,27 @@ void Workbench::release() {
 
 void Workbench::sendAim() {
   aim_.force = std::min(force * push_factor_, kMostForce);
-  aim_.depth = depth_mm;
+  aim_.depth = std::min(depth_mm, mostDepth());
   aim_.irrigation = irrigation;
   hand_->aim(aim_);
 }
 
 std::optional<double> Workbench::depthNow() const {
   if (!stroke_) return {};
-  return stroke_->depthOf(report_.output.T_world_tool.translation);
+  return stroke_->depthOf(report_.output.T_world_tool.translation + aim_.front);
 }
 
 void Workbench::undo() {
   if (!run_) return;
   release();
-  send(Undo{});
+  saw_->stop();
+  for (std::size_t n = saw_->takeStrokes(); n > 0; --n) send(Undo{});
 }
 
 void Workbench::redo() {
   if (!run_) return;
   release();
+  saw_->stop();
   send(Redo{});
 }
 
@@ -405,6 +424,10 @@ void Workbench::exportTo(const fs::path& file, const ExportChoice& choice) {
                      .found = "the file that was opened",
                      .expected = "another one: a scan is never written over",
                      .hint = "another name"});
+  if (saw_->isCutting())
+    return complain({.code = Error::Code::kUnsupported,
+                     .found = "a plane is being sawn",
+                     .hint = "wait for it, or stop it (saw.stop)"});
   release();
   settle();
   namePieces();

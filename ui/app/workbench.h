@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "geometry/base/error.h"
+#include "sim/hand/guided_hand.h"
 #include "sim/hand/mouse_hand.h"
 #include "sim/run/live_run.h"
 #include "ui/app/exporting.h"
@@ -20,6 +21,8 @@
 #include "ui/app/stroke.h"
 
 namespace kerf {
+
+class Sawing;
 
 struct WorkbenchOptions {
   /// Where cases and sessions go: "cases", "sessions" below it. Empty: $XDG_DATA_HOME/kerf, or ~/.local/share/kerf.
@@ -128,6 +131,10 @@ class Workbench {
   /// What moves are made of; null: none is chosen, or it is not in the scene.
   const SceneObject* chosenPiece() const;
   void choosePiece(std::optional<std::uint32_t> id) { chosen_ = id; }
+  // ---- By plan
+
+  Sawing& saw() { return *saw_; }
+  const Sawing& saw() const { return *saw_; }
 
   // ---- Results
 
@@ -141,7 +148,11 @@ class Workbench {
   /// A job: finishes the session from its log; it is then a run for `kerf export`.
   void recover(std::size_t n);
 
+  /// How deep a stroke may go, mm: along a guide right through a jaw.
+  double mostDepth() const;
+
  private:
+  friend class Sawing;
   void takeNews();
   void settle();
   void say(std::string text) { notices_.push_back({false, std::move(text)}); }
@@ -171,7 +182,8 @@ class Workbench {
   std::filesystem::path source_;  // what was opened: never written to
   std::optional<Vec3d> occlusal_;
   std::filesystem::path session_;
-  std::unique_ptr<MouseHand> hand_;  // outlives run_
+  std::unique_ptr<MouseHand> hand_;     // outlives guided_
+  std::unique_ptr<GuidedHand> guided_;  // outlives run_
   std::unique_ptr<LiveRun> run_;
   LiveScene scene_;
   std::optional<std::uint32_t> chosen_;  // piece
@@ -194,6 +206,7 @@ class Workbench {
   std::uint64_t sent_ = 0;  // commands
   bool has_told_of_log_ = false;
   std::vector<ObjectChunks> fresh_;  // not handed out yet
+  std::unique_ptr<Sawing> saw_;
 };
 
 }  // namespace kerf

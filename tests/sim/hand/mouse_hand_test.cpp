@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "geometry/tool/tool_file.h"
 #include "sim/run/load_scene.h"
@@ -48,10 +49,12 @@ class Desk {
     aim_.reach = reach;
     hand_.aim(aim_);
     const Vec3d start = at + Vec3d(0, 0, 0.3 + reach);
-    const Eigen::Quaterniond q = Eigen::Quaterniond::FromTwoVectors(plunge, -Vec3d::UnitZ());
+    Eigen::Quaterniond q = Eigen::Quaterniond::FromTwoVectors(plunge, -Vec3d::UnitZ());
+    if (is_saw) q = Eigen::AngleAxisd(std::numbers::pi / 2, Vec3d::UnitZ()) * q;
     EXPECT_TRUE(session_.apply(PlaceTool{{start[0], start[1], start[2]}, {q.w(), q.x(), q.y(), q.z()}}));
     hand_.placed(session_.state().body.pose);
   }
+  void guide(const Vec3d& normal) { aim_.guide = normal; }
   void point(const Vec3d& at) {
     aim_.pointer = at;
     hand_.aim(aim_);
@@ -77,6 +80,7 @@ class Desk {
   MouseHand& hand() { return hand_; }
   const MouseAim& aim() const { return aim_; }
 
+  bool is_saw = false;  // its blade square to x
   DeviceSample sample;
   StepOutput out;
   double removed = 0;
@@ -226,6 +230,38 @@ TEST(MouseHand, NeitherForceNorSpeedIsEverLarge) {
   });
   EXPECT_LT(force, 2.5);
   EXPECT_LT(way, 0.05);
+}
+
+// Pulled about by a mouse that is everywhere, a saw stays in the plane of its guide.
+TEST(MouseHand, AGuideKeepsASawInItsPlane) {
+  const auto file = findToolFile("saw-sagittal-10", defaultToolFolders());
+  ASSERT_TRUE(file);
+  const auto tool = readTool(*file);
+  ASSERT_TRUE(tool);
+  for (const bool is_guided : {true, false}) {
+    Desk desk(*makeModel(std::span(&*tool, 1)), test::block({3, 14, 3}, 0.1));
+    desk.is_saw = true;
+    desk.guide(is_guided ? Vec3d(Vec3d::UnitX()) : Vec3d(Vec3d::Zero()));
+    desk.press({0, 0, 0}, 4, 1.5, tool->plunge_direction, 0);
+    double aside = 0, tilt = 0, along = 0;
+    int n = 0;
+    std::optional<Eigen::Quaterniond> attitude;
+    desk.run(8, [&] {
+      if (++n % 500 == 0) desk.point({n % 1000 == 0 ? 3.0 : -3.0, n % 1500 == 0 ? 1.0 : -1.0, 0});
+      aside = std::max(aside, std::abs(desk.tip()[0]));
+      along = std::max(along, std::abs(desk.tip()[1]));
+      if (!attitude) attitude = desk.out.T_world_tool.rotation;
+      tilt = std::max(tilt, desk.out.T_world_tool.rotation.angularDistance(*attitude));
+    });
+    EXPECT_GT(desk.removed, 0.3);
+    if (is_guided) {
+      EXPECT_LE(aside, 0.05) << "mm";
+      EXPECT_LE(tilt, 0.01) << "rad";
+      EXPECT_GE(along, 0.2) << "within the plane it follows";
+    } else {
+      EXPECT_GT(aside, 0.1) << "mm: free-hand it is pulled out";
+    }
+  }
 }
 
 TEST(MouseHand, ReadsWithoutAllocating) {

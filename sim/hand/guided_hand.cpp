@@ -1,0 +1,189 @@
+#include "sim/hand/guided_hand.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerf {
+namespace {
+
+constexpr double kGives = 70;              // mm/s per N, of what force is missing or too much
+constexpr double kGovern = 4;              // N per mm of way: force follows what is missing of the feed
+constexpr double kFastest = 6;             // mm/s of the hand, forward, on a way that cuts
+constexpr double kLetsGo = 200;            // mm/s, back
+constexpr double kBrake = 10;              // 1/s: of the way that is left
+constexpr double kCreep = 0.1;             // mm/s: slower it does not become before the end
+constexpr double kThere = 0.02;            // mm before the end of a way
+constexpr double kNearly = 0.1;            // mm: the same for a tool that gets on no more
+constexpr double kSmooth = 0.1;            // of the speed, a tick
+constexpr double kTouches = 0.15;          // N: less is air
+constexpr double kCarryForce = 2;          // N on a way through air: something is in it
+constexpr double kLean = ToolLean::kRate;  // 1/s
+constexpr double kGetsOn = 0.03;           // mm within kPatience; less is none
+constexpr double kPatience = 2;            // s
+constexpr double kDrawsBack = 0.4;         // s
+constexpr double kBackSpeed = 2;           // mm/s, while it draws back
+constexpr int kFadeIn = 300;               // ticks after a pause
+
+}  // namespace
+
+void GuidedHand::order(const GuidedCut& cut) noexcept {
+  orders_.back() = cut;
+  orders_.publish();
+}
+
+void GuidedHand::takeNewest() noexcept {
+  if (orders_.update()) cut_ = orders_.front();
+}
+
+void GuidedHand::placed(const Rigid3& T_world_tool) noexcept {
+  takeNewest();
+  is_mine_ = cut_.is_wanted && cut_.id != begun_ && cut_.count > 0;
+  if (!is_mine_) {
+    now_.stage = GuidedStage::kNone;
+    publish();
+    return free_.placed(T_world_tool);
+  }
+  begun_ = cut_.id;
+  now_ = {.id = cut_.id, .stage = GuidedStage::kCutting};
+  felt_.setZero();
+  torque_.setZero();
+  lean_ = {};
+  paused_ = 0;
+  was_touching_ = false;
+  begin(T_world_tool.translation, cut_.ways[0].to, T_world_tool.translation);
+  publish();
+}
+
+void GuidedHand::write(const DeviceForce& force) noexcept {
+  if (!is_mine_) return free_.write(force);
+  felt_ = force.force;
+  torque_ = force.torque;
+  // Exactly zero while something is touched: the thread has paused, or is latched. The tool stands still until the
+  // force has faded in again.
+  if (was_touching_ && felt_.isZero(0)) paused_ = kFadeIn;
+}
+
+DeviceSample GuidedHand::read() noexcept {
+  if (!is_mine_) return free_.read();
+  takeNewest();
+  if (now_.stage == GuidedStage::kCutting && (!cut_.is_wanted || cut_.id != begun_)) backOut();
+
+  if (paused_ > 0)
+    --paused_;
+  else if (now_.stage == GuidedStage::kCutting || now_.stage == GuidedStage::kBack)
+    followWay();
+  publish();
+
+  DeviceSample out;
+  out.T_world_device = {lean_.of(cut_.start.rotation), hand()};
+  out.pedal = now_.stage == GuidedStage::kCutting ? 1 : 0;
+  out.irrigation = cut_.irrigation;
+  return out;
+}
+
+// A way from a point of the line, with the hand where it is now.
+void GuidedHand::begin(const Vec3d& from, const Vec3d& to, const Vec3d& hand) noexcept {
+  const Vec3d way = to - from;
+  from_ = from;
+  length_ = way.norm();
+  direction_ = length_ > 1e-9 ? Vec3d(way / length_) : cut_.back;
+  h_ = direction_.dot(hand - from);
+  aside_ = hand - from - h_ * direction_;
+  at_ = h_ + felt_.dot(direction_) / stiffness_;
+  watched_ = at_;
+  speed_ = wanted_ = waited_ = recoil_ = 0;
+  tries_here_ = 0;
+}
+
+// Out of the tissue, to the height where the cut began.
+void GuidedHand::backOut() noexcept {
+  now_.stage = GuidedStage::kBack;
+  const Vec3d tool = hand() + felt_ / stiffness_;
+  const double up = std::max(cut_.back.dot(cut_.start.translation - tool), 0.0);
+  begin(tool, tool + up * cut_.back, hand());
+}
+
+// How fast the tool shall go.
+double GuidedHand::feedOf(double left, double resists) const noexcept {
+  const bool cuts = now_.stage == GuidedStage::kCutting && cut_.ways[now_.way].cuts;
+  const double most = !cuts ? kCarried : resists < kTouches ? kThroughAir : cut_.feed;
+  return std::clamp(kBrake * left, kCreep, most);
+}
+
+// The tool has not got on for a while.
+bool GuidedHand::isStuck(double at) noexcept {
+  if (at > watched_ + kGetsOn) {
+    watched_ = at;
+    waited_ = 0;
+    tries_here_ = 0;
+    return false;
+  }
+  waited_ += kTick;
+  return waited_ > kPatience;
+}
+
+// On to the next one. What can not be carried on stays where it is.
+void GuidedHand::endWay(bool gives_up) noexcept {
+  const bool is_jammed = gives_up && !(now_.stage == GuidedStage::kCutting && cut_.ways[now_.way].cuts);
+  now_.given_up += gives_up;
+  const Vec3d end = from_ + (gives_up ? at_ : length_) * direction_;
+  if (now_.stage == GuidedStage::kBack || is_jammed || now_.way + 1 >= cut_.count) {
+    now_.stage = GuidedStage::kOver;
+    return;
+  }
+  ++now_.way;
+  begin(end, cut_.ways[now_.way].to, hand());
+}
+
+void GuidedHand::followWay() noexcept {
+  const bool cuts = now_.stage == GuidedStage::kCutting && cut_.ways[now_.way].cuts;
+  const double resists = -felt_.dot(direction_);
+  was_touching_ = felt_.norm() > kTouches;
+
+  const double at = h_ - resists / stiffness_;
+  speed_ += kSmooth * ((at - at_) / kTick - speed_);
+  at_ = at;
+  const double left = length_ - at;
+  const bool is_stuck = isStuck(at);
+
+  const bool is_there = left < (is_stuck ? kNearly : kThere);
+  const bool gives_up = !is_there && is_stuck && tries_here_ >= kMostTries;
+  if (is_there || gives_up) return endWay(gives_up);
+
+  if (is_stuck) {
+    waited_ = 0;
+    ++tries_here_;
+    ++now_.tries;
+    recoil_ = kDrawsBack;
+  }
+  double rate;
+  if (recoil_ > 0) {
+    recoil_ -= kTick;
+    wanted_ = 0;
+    rate = std::max(kGives * -resists, -kLetsGo) - kBackSpeed;
+  } else {
+    const double most = std::min(cuts ? cut_.force : kCarryForce, stiffness_ * (left + kPast));
+    wanted_ = std::clamp(wanted_ + kGovern * (feedOf(left, resists) - speed_) * kTick, 0.0, most);
+    rate = std::clamp(kGives * (wanted_ - resists), -kLetsGo, cuts ? kFastest : kCarried);
+  }
+  h_ = std::min(h_ + kTick * rate, length_ + kPast);
+  leanAgainst();
+}
+
+// What is held on the line and in the plane is the tool, not the hand.
+void GuidedHand::leanAgainst() noexcept {
+  Vec3d off = aside_ + felt_ / stiffness_;
+  off -= direction_.dot(off) * direction_;
+  aside_ -= direction_.dot(aside_) * direction_;
+  aside_ -= kLean * kTick * off;
+  if (const double size = aside_.norm(); size > kMostAside) aside_ *= kMostAside / size;
+
+  lean_.against(torque_, turn_stiffness_);
+}
+
+void GuidedHand::publish() noexcept {
+  reports_.back() = now_;
+  reports_.publish();
+}
+
+}  // namespace kerf

@@ -1,0 +1,141 @@
+// Sawing by plan: the planes of what is open, planned cuts through the 1 kHz thread, the guide for sawing by mouse.
+//
+// Owned by the Workbench, and on its thread. Errors say what to do; what is over is said as a notice.
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "sim/hand/guided_hand.h"
+#include "ui/app/live_surface.h"
+#include "ui/app/saw_blade.h"
+#include "ui/app/saw_picking.h"
+#include "ui/app/saw_plan.h"
+#include "ui/app/saw_section.h"
+#include "ui/app/stroke.h"
+
+namespace kerf {
+
+class Workbench;
+
+/// File of a session's plan, beside the run's manifest.
+inline constexpr const char* kSawPlanFile = "saw-plan.toml";
+
+/// A planned cut that is under way.
+struct SawingStatus {
+  std::string plane;
+  double share = 0;              ///< sawn of the planned section, 0 to 1
+  double seconds = 0;            ///< of the simulation, since it began
+  std::optional<double> left_s;  ///< by its pace so far
+  bool is_stopping = false;      ///< broken off, the blade is on its way out
+};
+
+class Sawing {
+ public:
+  static constexpr double kLeastForce = 0.5, kMostForce = 8;  ///< N
+  static constexpr double kUsualForce = 5;                    ///< N: of the 2 to 8 that saws in bone are pushed with
+  static constexpr double kFeed = 1;                          ///< mm/s in bone: 60 mm/min, the fastest that is advised
+
+  explicit Sawing(Workbench& bench) : bench_(bench) {}
+
+  double force = kUsualForce;  ///< N, of a planned cut
+  SawPicking picking;          ///< what a person is pointing out
+
+  // ---- Planes. Each new one is bounded to the bone and the blade, and chosen.
+
+  SawPlan& plan() { return plan_; }
+  const SawPlan& plan() const { return plan_; }
+  /// The saw in hand; without one the first of the rack; without any a typical one.
+  SawBlade blade() const;
+
+  /// What of the surface, as it is now, a ray points at. Error kEmpty: nothing.
+  Expected<SurfaceHit> hit(const Ray& ray) const;
+  /// Through what three rays point at.
+  Expected<void> addThrough(const std::array<Ray, 3>& rays);
+  /// Through a line drawn in the view, along the view. Rays of one parallel projection.
+  Expected<void> addAlongLine(const Ray& from, const Ray& to);
+  /// Through what a ray points at, along the view, upright in it.   @param right  of the view, unit.
+  Expected<void> addFromView(const Ray& at, const Vec3d& right);
+  /// Parallel to the surface that a ray points at, `below_mm` under it.
+  Expected<void> addAlongFace(const Ray& at, double below_mm);
+  /// Through a point, square to a normal.
+  Expected<void> addAt(const Vec3d& point, const Vec3d& normal);
+
+  /// Steps of the chosen plane. Error kEmpty: none is chosen.
+  Expected<void> move(double mm);
+  Expected<void> turn(double about_approach_deg, double about_across_deg);
+  Expected<void> turnApproach(double deg);
+  Expected<void> resize(std::optional<double> width_mm, std::optional<double> depth_mm);
+  /// Bounds the chosen plane to bone and blade anew.
+  Expected<void> fit();
+  /// A file, or a session's folder.
+  Expected<void> save(const std::filesystem::path& file) const;
+  Expected<void> load(const std::filesystem::path& file);
+
+  // ---- Sawing a plane
+
+  /// Saws the chosen plane now, in real time: the tool in hand is placed above the bone and led along its passes.
+  /// Errors: kEmpty without a plane or without bone in it; kUnsupported if the tool is no saw, or something else is
+  /// under way; kGeometry if the blade finds no room above the bone.
+  Expected<void> cut(double force_n);
+  /// Breaks it off: the blade is drawn out, what was sawn stays, as one stroke.
+  void stop();
+  bool isCutting() const { return cutting_.has_value(); }
+  std::optional<SawingStatus> status() const;
+  /// Of the planned section, by the last planned cut, 0 to 1; 0: there was none.
+  double lastShare() const { return last_share_; }
+  /// Takes its news. Once a frame.
+  void update();
+
+  // ---- The guide
+
+  bool guide = false;  ///< by mouse the blade stays in the chosen plane
+  /// It is on, a plane is chosen and a saw in hand.
+  bool isGuiding() const;
+  /// Where a guided blade would stand: on the surface as it is now, below what the ray points at, its front in the
+  /// plane. None: nothing is there, or too far beside the plane.
+  std::optional<ToolOverSurface> over(const Ray& ray) const;
+  /// From the tip of a guided tool to its front, square to the approach, world, mm.
+  Vec3d tipToFront() const;
+
+  // ---- For the Workbench
+
+  void opened();   ///< something else was opened: no planes
+  void closing();  ///< writes the plan to the session's folder
+  /// How many strokes the last planned cut has become: more than one if the 1 kHz thread had to pause. Then one.
+  std::size_t takeStrokes();
+  void forgetStrokes() { strokes_ = 1; }
+
+ private:
+  struct Cutting {
+    GuidedCut order;
+    SawnSection section;
+    std::string plane;
+    Rigid3 last;                           // of the tool
+    std::uint64_t began = 0, cleared = 0;  // ticks
+    std::uint64_t pauses = 0;
+    bool is_begun = false;
+  };
+  Expected<void> addFitted(SawPlane plane, FitOptions options);
+  Expected<SawPlane> chosen() const;
+  Expected<void> requireOpen() const;
+  Expected<Rigid3> startAbove(const SawPlane& plane, const SawBlade& blade, double u, double v, bool is_turned) const;
+  std::string sawsOfTheRack() const;
+  void markSawn(const GuidedReport& report);
+  void finish(const GuidedReport& report);
+  void saveSoon();
+
+  Workbench& bench_;
+  SawPlan plan_;
+  std::optional<Cutting> cutting_;
+  std::uint64_t cuts_ = 0;
+  double last_share_ = 0;
+  std::size_t strokes_ = 1;
+  std::uint64_t saved_ = 0, seen_ = 0;  // versions of the plan
+  std::chrono::steady_clock::time_point changed_{};
+};
+
+}  // namespace kerf
