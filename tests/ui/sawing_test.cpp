@@ -55,7 +55,7 @@ class SawingTest : public testing::Test {
   }
   void work() {
     do bench_->update();
-    while (bench_->job() || (bench_->isOpen() && bench_->surface().triangleCount() == 0));
+    while (bench_->job() || (bench_->isOpen() && bench_->scene().triangleCount() == 0));
   }
   Expected<void> play(const std::string& script) {
     AppContext context{.bench = *bench_, .camera = camera_, .width = 400, .height = 300};
@@ -277,8 +277,8 @@ TEST_F(SawingTest, AlongTheGuideTheMouseMovesTheBladeInThePlaneAlone) {
   double widest = 0;
   for (double x = -2; x < 3; x += 0.01)
     for (double y = -2; y <= 2; y += 0.25) {
-      const auto top = bench_->surface().hit({{x, y, 5}, -Vec3d::UnitZ()});
-      if (top && top->point[2] < -0.3) widest = std::max(widest, std::abs(x - 0.5));
+      const auto top = bench_->scene().hit({{x, y, 5}, -Vec3d::UnitZ()});
+      if (top && top->on_surface.point[2] < -0.3) widest = std::max(widest, std::abs(x - 0.5));
     }
   EXPECT_NEAR(widest, half, 0.5 * voxel) << "mm beside the plane";
   EXPECT_FALSE(bench_->over(rayUnder(camera_, 390, 150, 400, 300))) << "far beside the plane there is nothing to saw";

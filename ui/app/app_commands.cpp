@@ -1,5 +1,7 @@
 #include "ui/app/app_commands.h"
 
+#include "ui/app/import_commands.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,7 +21,6 @@ namespace kerf {
 namespace {
 
 namespace fs = std::filesystem;
-
 
 // ---- When a command can be given
 
@@ -166,6 +167,26 @@ Expected<void> screenshot(AppContext& c, AppWords words) {
 constexpr AppCommand kCommands[] = {
     {"file.open", "File", "Open...", "Ctrl+O", "PATH",
      "Opens a scan, a recipe or a case to cut; a scan is prepared first.", isIdle, openFile},
+    {"import.read", "", "", "", "PATH",
+     "Reads a scan and shows what was found in it, before it is prepared; a recipe or a case is opened.", isIdle,
+     importRead},
+    {"import.unit", "", "", "", "UNIT", "Takes the scan as mm, cm, m, um or inch.", isImporting, importUnit},
+    {"import.close", "", "", "", "WAY", "Chooses what closes the scan: automatic, base, holes or wrap.", isImporting,
+     importClose},
+    {"import.base", "", "", "", "SHAPE [MM]",
+     "Gives the base its shape, horseshoe or full, and its thickness below the scan, 2 mm if not told.", isImporting,
+     importBase},
+    {"import.plane", "", "", "", "on|off", "Makes the base parallel to the occlusal plane.", isImporting, importPlane},
+    {"import.holes", "", "", "", "MM|auto", "Fills holes up to that length around; a longer one is a rim.", isImporting,
+     importHoles},
+    {"import.wrap", "", "", "", "MM", "Sets how wide hollows may be that a wrap bridges.", isImporting, importWrap},
+    {"import.voxel", "", "", "", "MM|auto", "Sets the voxel size, 0.02 to 0.5 mm.", isImporting, importVoxel},
+    {"import.preview", "File", "Preview the closed scan", "", "", "Closes the scan and shows the solid.", isImporting,
+     importPreview},
+    {"import.start", "File", "Prepare and cut", "Enter", "", "Prepares the scan as chosen and opens it.", isImporting,
+     importStart},
+    {"import.cancel", "File", "Put the scan away", "Esc", "", "Leaves the scan alone and goes back.", isImporting,
+     importCancel},
     {"file.demo", "", "", "", "NAME", "Opens one of our own: molar, mandible or arch.", isIdle, openDemo},
     {"file.export", "File", "Export...", "Ctrl+E", "PATH",
      "Writes the cut object as a mesh, reads it back and checks it.", isOpenAndIdle, exportFile},
@@ -307,7 +328,8 @@ void frameOf(const std::function<void()>& frame) {
 Expected<void> wait(AppContext& c, AppWords words, const std::function<void()>& frame) {
   if (words.empty()) {
     do frameOf(frame);
-    while (c.bench.job() || c.bench.saw().isCutting() || (c.bench.isOpen() && c.bench.scene().triangleCount() == 0));
+    while (c.bench.job() || isPreviewing(c) || c.bench.saw().isCutting() ||
+           (c.bench.isOpen() && c.bench.scene().triangleCount() == 0));
     return {};
   }
   KERF_TRY(seconds, numberOf(words, 0, "SECONDS", 0, 36000));
@@ -329,6 +351,7 @@ void printState(const AppContext& c) {
                    {"triangles", c.bench.scene().triangleCount()},
                    {"planes", c.bench.saw().plan().planes().size()},
                    {"sawn_percent", 100 * c.bench.saw().lastShare()}};
+  if (c.bench.importPlan()) j["import"] = nlohmann::json::parse(importState(*c.bench.importPlan()));
   if (c.bench.isOpen()) j["tool"] = c.bench.tool(c.bench.toolInHand()).id;
   if (const auto depth = c.bench.depthNow()) j["depth_now_mm"] = *depth;
   fmt::print("{}\n", j.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));

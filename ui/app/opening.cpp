@@ -52,6 +52,20 @@ std::optional<Vec3d> baseNormalOf(const Mesh& solid) {
   return (most < 3 ? -1.0 : 1.0) * Vec3d::Unit(static_cast<Eigen::Index>(most % 3));
 }
 
+// Of the area that faces a plane, the share close to it: most of a trimmed underside, little of a row of teeth.
+double shareNear(const Mesh& solid, const OcclusalPlane& plane) {
+  constexpr double kNear = 2, kFacing = 0.7;  // mm; cosine of the angle
+  double all = 0, near = 0;
+  for (std::size_t t = 0; t < solid.triangles.size(); ++t) {
+    const Vec3d twice = doubleAreaVector(solid, t);
+    const double along = twice.dot(plane.normal);
+    if (along < kFacing * twice.norm()) continue;
+    all += along;
+    if (std::abs(plane.normal.dot(solid.corner(t, 0) - plane.point)) < kNear) near += along;
+  }
+  return all > 0 ? near / all : 0;
+}
+
 // mm^2, in its own unit or the one that is chosen for it.
 Expected<double> areaOfScan(const fs::path& path, const std::string& asked_unit) {
   KERF_TRY(file, readMesh(path));
@@ -84,6 +98,7 @@ fs::path newSessionFolder(const fs::path& data_folder, const std::string& name) 
 Expected<BakeOptions> bakeOptionsFor(const fs::path& path, bool is_recipe, const PrepareOptions& asked) {
   BakeOptions out;
   out.unit = asked.unit;
+  out.close = closeOptionsOf(asked.closing);
   if (asked.voxel_mm > 0) {
     out.voxelize.voxel_mm = asked.voxel_mm;
     out.voxel_is_given = true;
@@ -141,6 +156,31 @@ Expected<Prepared> prepare(const fs::path& path, const OpeningOptions& options, 
 
 }  // namespace
 
+CloseOptions closeOptionsOf(const ClosingChoice& choice) {
+  using Way = ClosingChoice::Way;
+  CloseOptions out;
+  switch (choice.way) {
+    case Way::kAutomatic:
+      out.mode = CloseMode::kAuto;
+      break;
+    case Way::kBase:
+      out.mode = CloseMode::kBase;
+      break;
+    case Way::kHolesOnly:
+      out.mode = CloseMode::kRepair;
+      break;
+    case Way::kWrap:
+      out.mode = CloseMode::kWrap;
+      break;
+  }
+  out.base_style = choice.is_full_base ? BaseStyle::kFull : BaseStyle::kHorseshoe;
+  out.base_margin_mm = choice.base_mm;
+  out.find_occlusal_plane = choice.follows_occlusal_plane;
+  out.fill_up_to_mm = choice.holes_up_to_mm;
+  out.wrap_alpha_mm = choice.wrap_mm;
+  return out;
+}
+
 FileKind kindOf(const fs::path& path) {
   if (isRun(path)) return FileKind::kRun;
   if (isCase(path)) return FileKind::kCase;
@@ -160,9 +200,14 @@ std::optional<Vec3d> occlusalNormalOf(const Mesh& solid) {
     return found && found->rms_mm > kFlat && found->normal.dot(-*base) > 0.5 ? found->normal : Vec3d(-*base);
   }
   std::optional<OcclusalPlane> best;
+  double best_score = 0;
   for (int n = 0; n < 6; ++n) {
     const auto found = findOcclusalPlane(solid, (n < 3 ? 1.0 : -1.0) * Vec3d::Unit(n % 3));
-    if (found && found->rms_mm > kFlat && (!best || found->tips > best->tips)) best = *found;
+    if (!found || found->rms_mm <= kFlat) continue;
+    const double score = static_cast<double>(found->tips) * (1 - shareNear(solid, *found));
+    if (score <= best_score) continue;
+    best = *found;
+    best_score = score;
   }
   if (!best) return {};
   return best->normal;

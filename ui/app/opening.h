@@ -17,6 +17,8 @@
 
 namespace kerf {
 
+struct CloseOptions;
+
 /// What can stand behind a path that a user opens.
 enum class FileKind {
   kScan,    ///< a mesh file, or what will be refused as none: only reading it tells
@@ -27,10 +29,30 @@ enum class FileKind {
 /// Reads a manifest or the first lines, no more.
 FileKind kindOf(const std::filesystem::path& path);
 
+/// How a scan becomes a solid: what of CloseOptions (preprocess/close/close.h) a user decides.
+struct ClosingChoice {
+  enum class Way {
+    kAutomatic,  ///< holes are filled, a missing underside gets a base; what fails is wrapped, with a warning
+    kBase,       ///< the longest boundary gets a base, however short it is
+    kHolesOnly,  ///< a scan without underside is refused
+    kWrap,       ///< an approximation around everything: the last resort
+  };
+  Way way = Way::kAutomatic;
+  bool is_full_base = false;             ///< the arch stands on a plate; false: a horseshoe, the walls follow the rim
+  double base_mm = 2;                    ///< thickness of the base below the lowest point of the scan
+  bool follows_occlusal_plane = false;   ///< the base is parallel to it
+  std::optional<double> holes_up_to_mm;  ///< a longer boundary is no hole; none: as closing decides
+  double wrap_mm = 1;                    ///< hollows narrower than this are bridged by a wrap
+
+  bool operator==(const ClosingChoice&) const = default;
+};
+CloseOptions closeOptionsOf(const ClosingChoice& choice);
+
 /// How a scan or a recipe is prepared.
 struct PrepareOptions {
   std::string unit;     ///< "mm", "inch"; empty: as the file says, or by its size
   double voxel_mm = 0;  ///< 0: voxelFor() of a scan, that of a recipe
+  ClosingChoice closing{};
 };
 
 struct OpeningOptions {
@@ -66,7 +88,8 @@ std::span<const char* const> demoNames();
 double voxelFor(double area_mm2);
 
 /// Out of the teeth, unit: away from the base, by the occlusal plane if there is one. Without a base it is not known
-/// which way is up: the direction in which most cusp tips are found. None: neither was found.
+/// which way is up: the direction in which most cusp tips are found that stand out of what is around them. None:
+/// neither.
 /// @param solid  closed, mm.   @cost 50 ms for a jaw with a base, six times that without one.
 std::optional<Vec3d> occlusalNormalOf(const Mesh& solid);
 

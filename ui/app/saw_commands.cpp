@@ -8,7 +8,6 @@
 namespace kerf::saw_commands {
 namespace {
 
-
 constexpr double kMostMm = 1000, kMostDegrees = 360;
 constexpr double kUnderFace = 1;  // mm
 

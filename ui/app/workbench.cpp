@@ -12,6 +12,7 @@
 #include "geometry/formats/mesh_formats.h"
 #include "geometry/tool/tool_file.h"
 #include "ui/app/exporting.h"
+#include "ui/app/import_plan.h"
 #include "ui/app/sawing.h"
 
 namespace kerf {
@@ -79,6 +80,7 @@ std::vector<ObjectChunks> Workbench::update() {
     const auto done = std::exchange(when_over_, {});
     if (done) done();
   }
+  if (import_ && !job_) import_->update();
   takeNews();
   saw_->update();
   return std::exchange(fresh_, {});
@@ -175,7 +177,7 @@ void Workbench::openDemo(const std::string& name) {
 }
 
 OpeningOptions Workbench::openingOptions() const {
-  return {options_.data_folder, {options_.unit, options_.voxel_mm}, tools_, options_.real_time};
+  return {options_.data_folder, {options_.unit, options_.voxel_mm, {}}, tools_, options_.real_time};
 }
 
 void Workbench::openBy(const std::string& title, Load load) {
@@ -209,6 +211,7 @@ void Workbench::show(Opened& loaded) {
     (void)loaded.run->finish();
     return complain(started.error());
   }
+  import_.reset();
   hand_ = std::move(hand);
   guided_ = std::move(guided);
   run_ = std::move(loaded.run);

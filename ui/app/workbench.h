@@ -23,6 +23,7 @@
 namespace kerf {
 
 class Sawing;
+class ImportPlan;
 
 struct WorkbenchOptions {
   /// Where cases and sessions go: "cases", "sessions" below it. Empty: $XDG_DATA_HOME/kerf, or ~/.local/share/kerf.
@@ -65,6 +66,8 @@ class Workbench {
   /// It writes something a user has asked for: to be waited for before the program ends.
   bool isWriting() const { return job_ && job_writes_; }
   const std::vector<Notice>& notices() const { return notices_; }
+  /// Says to the user why something he asked for was not done.
+  void tell(const Error& error) { complain(error); }
 
   // ---- What is open
 
@@ -73,6 +76,13 @@ class Workbench {
   void open(const std::filesystem::path& path);
   /// Our own anatomy: made when it is first asked for.   @param name  of demoNames().
   void openDemo(const std::string& name);
+  /// Reads a scan and waits for what the user decides about it: importPlan(). What is no scan is opened at once. A job.
+  void beginImport(const std::filesystem::path& path);
+  /// The scan that is looked at; null: none. It stays until it is open to be cut, or cancelled.
+  ImportPlan* importPlan() const { return import_.get(); }
+  /// Prepares the scan as decided and opens it. A job; when it fails the plan stays, for another remedy.
+  void startImport();
+  void cancelImport();
   bool isOpen() const { return run_ != nullptr; }
   /// Rises when something else was opened: pictures of what was there are outdated.
   std::uint64_t generation() const { return generation_; }
@@ -178,6 +188,7 @@ class Workbench {
   std::function<void()> when_over_;  // takes the job's result
   bool job_writes_ = false;
 
+  std::unique_ptr<ImportPlan> import_;
   std::string name_;
   std::filesystem::path source_;  // what was opened: never written to
   std::optional<Vec3d> occlusal_;

@@ -24,6 +24,7 @@ class LiveView {
   void hover(const std::optional<ToolOverSurface>& at) { hover_ = at; }
   /// True once after something else was opened and its surface is there: time to fit the view.
   bool takeFitWanted();
+  bool isFitWanted() const { return is_fit_wanted_; }
 
   Expected<void> draw(const Workbench& bench, const Camera& camera, int width, int height, bool is_still);
   Expected<Image> picture(const Workbench& bench, const Camera& camera, int width, int height);

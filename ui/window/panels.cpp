@@ -7,11 +7,12 @@
 #include <array>
 #include <cmath>
 
+#include "ui/window/style.h"
+
 namespace kerf {
 namespace {
 
 constexpr float kPanelWidth = 250;
-const ImVec4 kWarning{0.80f, 0.32f, 0.14f, 1}, kQuiet{0.42f, 0.45f, 0.50f, 1}, kAccent{0.10f, 0.42f, 0.62f, 1};
 
 void runOrSay(AppContext& context, const AppCommand& command) {
   if (command.is_enabled(context)) (void)command.run(context, {});
@@ -33,7 +34,7 @@ void drawMenus(AppContext& context, PanelState& state) {
   }
   const std::string right = "Training and lab tool, not a medical device";
   ImGui::SameLine(ImGui::GetWindowWidth() - ImGui::CalcTextSize(right.c_str()).x - 16);
-  ImGui::TextColored(kQuiet, "%s", right.c_str());
+  ImGui::TextColored(styleColours().quiet, "%s", right.c_str());
   ImGui::EndMainMenuBar();
 }
 
@@ -48,7 +49,7 @@ void drawTools(AppContext& context) {
   Workbench& bench = context.bench;
   const float top = ImGui::GetFrameHeight() + 8;
   ImGui::SetNextWindowPos({8, top}, ImGuiCond_Always);
-  ImGui::SetNextWindowSize({kPanelWidth, 0}, ImGuiCond_Always);
+  ImGui::SetNextWindowSize({scaled(kPanelWidth), 0}, ImGuiCond_Always);
   ImGui::Begin("Tool", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
   for (std::size_t n = 0; n < bench.toolCount(); ++n) {
     const std::string label = fmt::format("{}###tool{}", shortName(bench.tool(n)), n);
@@ -79,9 +80,10 @@ void drawTools(AppContext& context) {
 // ---- Readings
 
 void reading(const char* name, const std::string& value, const char* unit, bool is_warning = false) {
-  ImGui::TextColored(kQuiet, "%s", name);
-  ImGui::SameLine(118);
-  is_warning ? ImGui::TextColored(kWarning, "%s %s", value.c_str(), unit) : ImGui::Text("%s %s", value.c_str(), unit);
+  ImGui::TextColored(styleColours().quiet, "%s", name);
+  ImGui::SameLine(scaled(118));
+  is_warning ? ImGui::TextColored(styleColours().warning, "%s %s", value.c_str(), unit)
+             : ImGui::Text("%s %s", value.c_str(), unit);
 }
 
 // @return  its lower edge.
@@ -89,8 +91,8 @@ float drawReadings(AppContext& context, const std::optional<ToolOverSurface>& ov
   const Workbench& bench = context.bench;
   const HapticReport& r = bench.report();
   const ImGuiIO& io = ImGui::GetIO();
-  ImGui::SetNextWindowPos({io.DisplaySize.x - kPanelWidth - 8, ImGui::GetFrameHeight() + 8}, ImGuiCond_Always);
-  ImGui::SetNextWindowSize({kPanelWidth, 0}, ImGuiCond_Always);
+  ImGui::SetNextWindowPos({io.DisplaySize.x - scaled(kPanelWidth) - 8, ImGui::GetFrameHeight() + 8}, ImGuiCond_Always);
+  ImGui::SetNextWindowSize({scaled(kPanelWidth), 0}, ImGuiCond_Always);
   ImGui::Begin("Cut", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
   const ToolDrive& drive = bench.run()->model().tools[bench.toolInHand()].drive;
   const double speed = drive.speed > 0 ? r.output.speed / drive.speed : 0;
@@ -107,7 +109,7 @@ float drawReadings(AppContext& context, const std::optional<ToolOverSurface>& ov
   const TimeHistogram& cost = bench.times().cost;
   if (cost.count() > 0) reading("Loop p99", fmt::format("{:.2f}", cost.percentileMs(0.99)), "ms");
   reading("Overruns", fmt::format("{}", r.counts.overruns), fmt::format("of {}", r.counts.ticks).c_str());
-  if (r.is_latched) ImGui::TextColored(kWarning, "Stopped: the machine was busy. Press again.");
+  if (r.is_latched) ImGui::TextColored(styleColours().warning, "Stopped: the machine was busy. Press again.");
   const RecorderStatus log = bench.run()->recorderStatus();
   if (log.error) ImGui::TextWrapped("The log can not be written any more: %s", log.error->message().c_str());
   const float bottom = ImGui::GetWindowPos().y + ImGui::GetWindowSize().y;
@@ -130,7 +132,7 @@ void drawJob(AppContext& context) {
   ImGui::ProgressBar(static_cast<float>(s.done), {-1, 0});
   std::string line = s.step;
   if (s.left_s) line += fmt::format("   about {:.0f} s left", std::ceil(*s.left_s));
-  ImGui::TextColored(kQuiet, "%s", line.c_str());
+  ImGui::TextColored(styleColours().quiet, "%s", line.c_str());
   if (s.is_cancelling)
     ImGui::TextUnformatted("Cancelling...");
   else if (s.can_be_cancelled && ImGui::Button("Cancel", {110, 0}))
@@ -148,7 +150,7 @@ void drawNotices(AppContext& context, PanelState& state) {
                ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove);
   for (std::size_t n = state.notices_seen; n < notices.size(); ++n) {
     ImGui::PushTextWrapPos(690);
-    notices[n].is_error ? ImGui::TextColored(kWarning, "%s", notices[n].text.c_str())
+    notices[n].is_error ? ImGui::TextColored(styleColours().warning, "%s", notices[n].text.c_str())
                         : ImGui::TextUnformatted(notices[n].text.c_str());
     ImGui::PopTextWrapPos();
   }
@@ -162,7 +164,7 @@ void drawHints(PanelState& state) {
   ImGui::SetNextWindowPos({8, io.DisplaySize.y - 8}, ImGuiCond_Always, {0, 1});
   ImGui::Begin("##hints", nullptr,
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove);
-  ImGui::TextColored(kAccent, "Left button on the object: cut. Hold still to go as deep as the limit.");
+  ImGui::TextColored(styleColours().accent, "Left button on the object: cut. Hold still to go as deep as the limit.");
   ImGui::TextUnformatted("Shift: push twice as hard. Wheel while cutting: the depth.");
   ImGui::TextUnformatted("Right button: turn. Middle button: move. Wheel: zoom.");
   if (ImGui::SmallButton("Got it")) state.has_hints = false;
@@ -178,14 +180,14 @@ void drawFirstScreen(AppContext& context, PanelState& state) {
   ImGui::SetNextWindowPos({0.5f * io.DisplaySize.x, 0.45f * io.DisplaySize.y}, ImGuiCond_Always, {0.5f, 0.5f});
   ImGui::SetNextWindowSize({520, 0}, ImGuiCond_Always);
   ImGui::Begin("##first", nullptr, ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove);
-  ImGui::TextColored(kAccent, "Drop a scan here");
+  ImGui::TextColored(styleColours().accent, "Drop a scan here");
   ImGui::TextWrapped(
       "STL, PLY, OBJ, OFF or 3MF, a recipe or a case. It is closed and prepared for cutting; the file itself is never "
       "changed.");
   ImGui::Spacing();
-  if (ImGui::Button("Open a file...", {-1, 36})) state.ask_for_file(*findAppCommand("file.open"));
+  if (ImGui::Button("Open a file...", {-1, 36})) state.ask_for_file(*findAppCommand("import.read"));
   ImGui::Spacing();
-  ImGui::TextColored(kQuiet, "Or try one of ours");
+  ImGui::TextColored(styleColours().quiet, "Or try one of ours");
   const auto names = demoNames();
   const float width = (ImGui::GetContentRegionAvail().x - 2 * ImGui::GetStyle().ItemSpacing.x) / 3;
   for (std::size_t n = 0; n < names.size(); ++n) {
@@ -194,7 +196,7 @@ void drawFirstScreen(AppContext& context, PanelState& state) {
   }
   if (!bench.lostSessions().empty()) {
     ImGui::Spacing();
-    ImGui::TextColored(kWarning, "A session did not end: its program was stopped. Its log is whole.");
+    ImGui::TextColored(styleColours().warning, "A session did not end: its program was stopped. Its log is whole.");
     for (std::size_t n = 0; n < std::min<std::size_t>(bench.lostSessions().size(), 3); ++n) {
       const LostSession& lost = bench.lostSessions()[n];
       const std::string label = fmt::format("Recover {}###lost{}", lost.folder.filename().string(), n);
@@ -208,7 +210,9 @@ void drawFirstScreen(AppContext& context, PanelState& state) {
 
 void drawPanels(AppContext& context, PanelState& state, const std::optional<ToolOverSurface>& over) {
   drawMenus(context, state);
-  if (context.bench.isOpen()) {
+  if (context.bench.importPlan()) {
+    drawImportPanel(context, state.import);
+  } else if (context.bench.isOpen()) {
     drawTools(context);
     const float below = drawReadings(context, over) + 8;
     drawPieces(context, state.piece_drag, below, state.pixels);
@@ -218,27 +222,6 @@ void drawPanels(AppContext& context, PanelState& state, const std::optional<Tool
   }
   drawJob(context);
   drawNotices(context, state);
-}
-
-void applyStyle(float scale) {
-  ImGuiStyle style;
-  ImGui::StyleColorsLight(&style);
-  style.WindowRounding = 6;
-  style.FrameRounding = 4;
-  style.GrabRounding = 4;
-  style.WindowBorderSize = 1;
-  style.WindowPadding = {12, 10};
-  style.ItemSpacing = {8, 6};
-  style.Colors[ImGuiCol_WindowBg] = {0.985f, 0.985f, 0.99f, 0.94f};
-  style.Colors[ImGuiCol_TitleBgActive] = style.Colors[ImGuiCol_TitleBg] = {0.90f, 0.92f, 0.95f, 1};
-  style.Colors[ImGuiCol_Button] = {0.87f, 0.91f, 0.95f, 1};
-  style.Colors[ImGuiCol_Header] = {0.78f, 0.87f, 0.95f, 1};
-  style.Colors[ImGuiCol_FrameBg] = {0.91f, 0.93f, 0.96f, 1};
-  style.Colors[ImGuiCol_ButtonHovered] = style.Colors[ImGuiCol_HeaderHovered] = {0.70f, 0.82f, 0.93f, 1};
-  style.Colors[ImGuiCol_ButtonActive] = style.Colors[ImGuiCol_HeaderActive] = {0.60f, 0.76f, 0.90f, 1};
-  style.Colors[ImGuiCol_PlotHistogram] = style.Colors[ImGuiCol_SliderGrab] = {0.22f, 0.52f, 0.74f, 1};
-  style.ScaleAllSizes(scale);
-  ImGui::GetStyle() = style;
 }
 
 }  // namespace kerf

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "ui/app/app_commands.h"
+#include "ui/window/import_panel.h"
 #include "ui/window/pieces_panel.h"
 
 namespace kerf {
@@ -17,12 +18,10 @@ struct PanelState {
   bool has_hints = true;
   PieceDrag piece_drag{};
   double pixels = 1;  ///< of the picture per window unit
+  ImportPanelState import;
 };
 
 /// Menu bar, tools, readings, job, notices; the first screen when nothing is open.
 void drawPanels(AppContext& context, PanelState& state, const std::optional<ToolOverSurface>& over);
-
-/// Colours, rounding and type of the panels; once, and again when the scale changes.
-void applyStyle(float scale);
 
 }  // namespace kerf

@@ -18,9 +18,11 @@
 #include "ui/window/file_browser.h"
 #include "ui/window/gl_context.h"
 #include "ui/window/glfw_error.h"
+#include "ui/window/import_view.h"
 #include "ui/window/key_names.h"
 #include "ui/window/live_view.h"
 #include "ui/window/panels.h"
+#include "ui/window/style.h"
 
 namespace kerf {
 namespace {
@@ -149,13 +151,16 @@ class Workshop {
     KERF_CHECK(desktop_.open(options_, events_));
     KERF_TRY(view, LiveView::create());
     view_ = std::move(view);
+    KERF_TRY(import_view, ImportView::create());
+    import_view_ = std::move(import_view);
     const std::string driver = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
     is_software_ = driver.find("llvmpipe") != driver.npos || driver.find("softpipe") != driver.npos;
     panels_.ask_for_file = [this](const AppCommand& command) { askForFile(command); };
-    if (!options_.open.empty()) bench_.open(options_.open);
+    if (!options_.open.empty()) bench_.beginImport(options_.open);
 
     while (!wants_end_) KERF_CHECK(frame());
     const auto ended = endAll(bench_, *view_);
+    import_view_.reset();
     view_.reset();
     if (!ended) return fail(ended.error());
     return frames_;
@@ -178,16 +183,22 @@ class Workshop {
 
     view_->update(bench_);
     if (!bench_.scene().bounds().isEmpty() && view_->takeFitWanted()) fitFirst();
+    updateImport();
     ImGui_ImplOpenGL3_NewFrame();
     ImGui_ImplGlfw_NewFrame();
     ImGui::NewFrame();
     handleInput();
+    if (panels_.import.shows_guides) drawImportGuides(context_, pixels());
     drawPanels(context_, panels_, over_);
     chooseFile();
     ImGui::Render();
 
     const bool is_still = secondsSince(last_input_) > kStillAfter && !bench_.isPressed();
-    KERF_CHECK(view_->draw(bench_, camera_, context_.width, context_.height, is_still && !is_software_));
+    const bool is_smooth = is_still && !is_software_;
+    if (bench_.importPlan())
+      KERF_CHECK(import_view_->draw(camera_, context_.width, context_.height, is_smooth));
+    else
+      KERF_CHECK(view_->draw(bench_, camera_, context_.width, context_.height, is_smooth));
     ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
     glfwSwapBuffers(desktop_.window);
 
@@ -204,8 +215,29 @@ class Workshop {
   void fitFirst() {
     const auto camera = cameraFromView(options_.view);
     firstView(context_, camera ? *camera : Camera{});
-    const std::string title = bench_.name() + " - Kerf";
-    glfwSetWindowTitle(desktop_.window, title.c_str());
+    setTitle(bench_.name());
+  }
+
+  void setTitle(const std::string& what) {
+    glfwSetWindowTitle(desktop_.window, (what.empty() ? "Kerf" : what + " - Kerf").c_str());
+  }
+
+  // While a scan is imported the session that is open, if any, rests; its view comes back when the scan is put away.
+  void updateImport() {
+    const ImportPlan* const plan = bench_.importPlan();
+    import_view_->update(plan, panels_.import.shows_solid);
+    if (plan && !camera_before_import_) camera_before_import_ = camera_;
+    if (!plan && camera_before_import_) {
+      if (!view_->isFitWanted()) {
+        camera_ = *camera_before_import_;
+        setTitle(bench_.isOpen() ? bench_.name() : "");
+      }
+      camera_before_import_.reset();
+    }
+    if (plan && import_view_->takeFitWanted()) {
+      viewScan(context_, pixels());
+      setTitle("Import " + plan->found().file.filename().string());
+    }
   }
 
   // ---- Input
@@ -222,7 +254,7 @@ class Workshop {
       last_input_ = Clock::now();
       switch (e.kind) {
         case InputEvent::Kind::kDrop:
-          bench_.open(e.path);
+          bench_.beginImport(e.path);
           break;
         case InputEvent::Kind::kKey:
           key(e, io.WantTextInput);
@@ -242,7 +274,8 @@ class Workshop {
     panels_.pixels = pixels();
     panels_.piece_drag.hover(context_, pointer());
     const bool is_on_handle = panels_.piece_drag.lit().has_value();
-    over_ = io.WantCaptureMouse || held_ != kNone || is_on_handle ? std::nullopt : bench_.over(rayAt(x_, y_));
+    const bool hovers = !io.WantCaptureMouse && held_ == kNone && !is_on_handle && !bench_.importPlan();
+    over_ = hovers ? bench_.over(rayAt(x_, y_)) : std::nullopt;
     if (bench_.isPressed()) over_.reset();
     view_->hover(over_);
   }
@@ -277,7 +310,7 @@ class Workshop {
     }
     if (is_on_panel) return;
     if (e.key == GLFW_MOUSE_BUTTON_LEFT && panels_.piece_drag.press(context_, pointer())) return;
-    if (e.key != GLFW_MOUSE_BUTTON_LEFT || !bench_.press(rayAt(x_, y_))) {
+    if (e.key != GLFW_MOUSE_BUTTON_LEFT || bench_.importPlan() || !bench_.press(rayAt(x_, y_))) {
       held_ = e.key;
       pans_ = e.key == GLFW_MOUSE_BUTTON_MIDDLE || (e.modifiers & GLFW_MOD_SHIFT);
     }
@@ -312,7 +345,7 @@ class Workshop {
 
   void askForFile(const AppCommand& command) {
     asked_for_ = &command;
-    const bool opens = command.id == "file.open";
+    const bool opens = command.id == "file.open" || command.id == "import.read";
     browser_.show(opens ? FileBrowser::Purpose::kOpen : FileBrowser::Purpose::kSave,
                   opens ? "" : bench_.name() + "-cut.stl");
   }
@@ -321,7 +354,9 @@ class Workshop {
     const auto file = browser_.draw();
     if (!file || !asked_for_) return;
     const std::vector<std::string> words{file->string()};
-    if (asked_for_->is_enabled(context_)) (void)asked_for_->run(context_, words);
+    // By hand a scan is looked at before it is prepared; in a script file.open takes the defaults.
+    const AppCommand* const command = asked_for_->id == "file.open" ? findAppCommand("import.read") : asked_for_;
+    if (command->is_enabled(context_)) (void)command->run(context_, words);
   }
 
   static constexpr int kNone = -1;
@@ -332,6 +367,8 @@ class Workshop {
   Camera camera_;
   AppContext context_{.bench = bench_, .camera = camera_};
   std::unique_ptr<LiveView> view_;
+  std::unique_ptr<ImportView> import_view_;
+  std::optional<Camera> camera_before_import_;
   PanelState panels_;
   FileBrowser browser_;
   const AppCommand* asked_for_ = nullptr;

@@ -1,0 +1,277 @@
+#include "ui/app/import_plan.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <iterator>
+#include <thread>
+
+#include "geometry/case/case_bundle.h"
+#include "geometry/formats/mesh_writer.h"
+#include "tests/support/open_block.h"
+#include "tests/support/temporary_folder.h"
+#include "ui/app/app_commands.h"
+
+namespace kerf {
+namespace {
+
+namespace fs = std::filesystem;
+
+class ImportPlanTest : public testing::Test {
+ protected:
+  // A block of 6 x 4 x 3 mm without its underside, as a scan is; or whole.
+  fs::path block(bool is_closed = false, double scale = 1) const {
+    Mesh mesh = test::blockMesh(is_closed);
+    for (Vec3d& p : mesh.vertices) p *= scale;
+    const fs::path file = folder_.path() / "block.ply";
+    EXPECT_TRUE(writeMesh(file, mesh));
+    return file;
+  }
+  ImportPlan planOf(const fs::path& file) const {
+    auto found = readScan(file);
+    EXPECT_TRUE(found) << found.error().message();
+    return ImportPlan(std::move(*found), {});
+  }
+  static void work(ImportPlan& plan) {
+    for (int n = 0; n < 1000 && !plan.preview() && !plan.previewError(); ++n) {
+      plan.update();
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+  }
+  static std::string textOf(const ImportPlan& plan) {
+    std::string out;
+    for (const Finding& finding : plan.findings()) out += finding.about + ": " + finding.text + "\n";
+    return out;
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_F(ImportPlanTest, SaysWhatWasFoundInATechniciansWords) {
+  const ImportPlan open = planOf(block());
+  EXPECT_TRUE(open.isWithoutUnderside());
+  EXPECT_NEAR(open.rimMm(), 20, 1e-5);
+  EXPECT_NE(textOf(open).find("6.0 x 4.0 x 3.0 mm"), std::string::npos) << textOf(open);
+  EXPECT_NE(textOf(open).find("the underside is missing"), std::string::npos) << textOf(open);
+  EXPECT_NE(textOf(open).find("a rim of 20 mm"), std::string::npos) << textOf(open);
+  EXPECT_GT(open.found().up.z(), 0.5) << "an open block is looked at from above, not into its hollow";
+
+  const ImportPlan closed = planOf(block(true));
+  EXPECT_FALSE(closed.isWithoutUnderside());
+  EXPECT_NE(textOf(closed).find("closed: a solid already"), std::string::npos) << textOf(closed);
+}
+
+TEST_F(ImportPlanTest, AUnitChangesTheSizeAndNothingIsScaledSilently) {
+  ImportPlan plan = planOf(block(false, 0.1));  // 0.6 x 0.4 x 0.3 of something: cm or inches
+  const UnitOption cm = plan.units()[1];
+  EXPECT_EQ(cm.unit, "cm");
+  EXPECT_TRUE(cm.is_plausible);
+  EXPECT_FALSE(plan.units()[0].is_plausible) << "0.8 mm across";
+
+  EXPECT_EQ(plan.unit().unit, "mm") << "two units would fit: none is taken on a guess";
+  EXPECT_NE(textOf(plan).find("no dental object"), std::string::npos) << textOf(plan);
+  ASSERT_TRUE(plan.setUnit("cm"));
+  EXPECT_NEAR(plan.boxMm().size()[0], 6, 1e-5);
+  EXPECT_EQ(plan.result().unit, "cm");
+  EXPECT_NE(textOf(plan).find("as chosen. All is scaled by 10"), std::string::npos) << textOf(plan);
+
+  const auto refused = plan.setUnit("furlong");
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message().find("mm, cm, m, um or inch"), std::string::npos);
+  EXPECT_EQ(plan.unit().unit, "cm");
+}
+
+TEST_F(ImportPlanTest, ThePreviewIsTheSolidThatTheChoicesGive) {
+  ImportPlan plan = planOf(block());
+  work(plan);
+  ASSERT_TRUE(plan.preview()) << plan.previewError()->message();
+  EXPECT_NEAR(plan.preview()->volume_mm3, 6 * 4 * (3 + 2), 1e-3);
+  ASSERT_TRUE(plan.preview()->base_direction);
+  EXPECT_TRUE(*plan.preview()->base_direction == -Vec3d::UnitZ());
+  EXPECT_NEAR(plan.preview()->base_level_mm, 5, 1e-5);
+  EXPECT_TRUE(plan.preview()->is_exact);
+
+  // Another choice outdates it at once; the next one is of that choice.
+  const auto version = plan.version();
+  ClosingChoice thick = plan.closing();
+  thick.base_mm = 4;
+  ASSERT_TRUE(plan.setClosing(thick));
+  EXPECT_GT(plan.version(), version);
+  EXPECT_FALSE(plan.preview());
+  work(plan);
+  ASSERT_TRUE(plan.preview());
+  EXPECT_NEAR(plan.preview()->volume_mm3, 6 * 4 * (3 + 4), 1e-3);
+
+  // The voxel size leaves the solid as it is.
+  ASSERT_TRUE(plan.setVoxel(0.2));
+  EXPECT_TRUE(plan.preview());
+}
+
+TEST_F(ImportPlanTest, WhatCannotBeClosedIsSaidBeforeItIsPrepared) {
+  ImportPlan plan = planOf(block());
+  ClosingChoice holes = plan.closing();
+  holes.way = ClosingChoice::Way::kHolesOnly;
+  ASSERT_TRUE(plan.setClosing(holes));
+  work(plan);
+  EXPECT_FALSE(plan.preview());
+  ASSERT_TRUE(plan.previewError());
+  EXPECT_FALSE(plan.previewError()->message().empty());
+}
+
+TEST_F(ImportPlanTest, AWrapWaitsUntilItIsAskedFor) {
+  ImportPlan plan = planOf(block());
+  ClosingChoice wrap = plan.closing();
+  wrap.way = ClosingChoice::Way::kWrap;
+  ASSERT_TRUE(plan.setClosing(wrap));
+  EXPECT_FALSE(plan.startsByItself());
+  for (int n = 0; n < 100; ++n) {
+    plan.update();
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  EXPECT_FALSE(plan.previewJob());
+  plan.startPreview();
+  work(plan);
+  ASSERT_TRUE(plan.preview()) << plan.previewError()->message();
+  EXPECT_FALSE(plan.preview()->is_exact);
+}
+
+TEST_F(ImportPlanTest, ChoicesOutOfRangeChangeNothing) {
+  ImportPlan plan = planOf(block());
+  ClosingChoice bad = plan.closing();
+  bad.base_mm = 0;
+  EXPECT_FALSE(plan.setClosing(bad));
+  bad = plan.closing();
+  bad.wrap_mm = 100;
+  EXPECT_FALSE(plan.setClosing(bad));
+  bad = plan.closing();
+  bad.holes_up_to_mm = -1;
+  EXPECT_FALSE(plan.setClosing(bad));
+  bad = plan.closing();
+  bad.follows_occlusal_plane = true;
+  EXPECT_FALSE(plan.setClosing(bad)) << "a block has no cusp tips";
+  EXPECT_EQ(plan.closing(), ClosingChoice{});
+  EXPECT_FALSE(plan.setVoxel(1e-9));
+  EXPECT_FALSE(plan.setVoxel(std::nan("")));
+  EXPECT_EQ(plan.voxel(), 0.1);
+}
+
+TEST(Predict, FourTimesTheVoxelsForHalfTheSize) {
+  const Prediction coarse = predict(5000, 0.2, 1), fine = predict(5000, 0.1, 1);
+  EXPECT_NEAR(fine.surface_triangles / coarse.surface_triangles, 4, 1e-9);
+  EXPECT_GT(fine.seconds, coarse.seconds);
+  EXPECT_GT(fine.bytes, coarse.bytes);
+  // A scan of an upper arch, 5108 mm2 closed, at 0.1 mm took 3.6 s and 728 MB, its closing 0.6 s of that.
+  const Prediction arch = predict(5108, 0.1, 0.6);
+  EXPECT_NEAR(arch.bytes / 728e6, 1, 0.15);
+  EXPECT_NEAR(arch.surface_triangles / 1.367e6, 1, 0.15);
+}
+
+// ---- By commands, as the window does it
+
+class ImportCommandsTest : public ImportPlanTest {
+ protected:
+  Expected<void> play(Workbench& bench, const std::string& script) {
+    Camera camera = *cameraFromView("top");
+    AppContext context{.bench = bench, .camera = camera, .width = 400, .height = 300};
+    return runScript(context, folder_.write("script.ks", script), [&] { bench.update(); });
+  }
+  WorkbenchOptions options() const {
+    WorkbenchOptions out;
+    out.data_folder = folder_.path() / "data";
+    out.tools = {"round-014"};
+    out.real_time = {.priority = 0, .lock_memory = false};
+    return out;
+  }
+  std::size_t cases() const {
+    std::error_code none;
+    const fs::directory_iterator in(folder_.path() / "data" / "cases", none);
+    return none ? 0 : static_cast<std::size_t>(std::distance(begin(in), end(in)));
+  }
+};
+
+TEST_F(ImportCommandsTest, AScanIsReadLookedAtAndPreparedAsChosen) {
+  Workbench bench(options());
+  const std::string read = "import.read \"" + block().string() + "\"\nwait\n";
+  ASSERT_TRUE(play(bench, read + "import.base full 4\nimport.voxel 0.2\nwait\n"));
+  ASSERT_TRUE(bench.importPlan());
+  EXPECT_FALSE(bench.isOpen());
+  EXPECT_EQ(cases(), 0u) << "nothing is prepared before the user says so";
+  ASSERT_TRUE(bench.importPlan()->preview()) << "a script waits for it";
+
+  const auto played = play(bench, "import.start\nwait\n");
+  ASSERT_TRUE(played) << played.error().message();
+  EXPECT_FALSE(bench.importPlan());
+  ASSERT_TRUE(bench.isOpen());
+  EXPECT_NEAR(bench.scene().bounds().size()[2], 3 + 4, 0.2) << "as drawn: within a voxel";
+  EXPECT_NE(bench.notices().back().text.find("voxels of 0.2 mm"), std::string::npos) << bench.notices().back().text;
+}
+
+TEST_F(ImportCommandsTest, WithoutAChoiceItIsTheCaseThatFileOpenMakes) {
+  Workbench bench(options());
+  const std::string file = "\"" + block().string() + "\"\nwait\n";
+  ASSERT_TRUE(play(bench, "file.open " + file + "import.read " + file + "import.start\nwait\n"));
+  EXPECT_EQ(cases(), 1u);
+}
+
+TEST_F(ImportCommandsTest, ARemedyThatFailsLeavesThePlanForAnother) {
+  Workbench bench(options());
+  const auto played =
+      play(bench, "import.read \"" + block().string() + "\"\nwait\nimport.close holes\nimport.start\nwait\n");
+  EXPECT_FALSE(played);
+  EXPECT_FALSE(bench.isOpen());
+  ASSERT_TRUE(bench.importPlan());
+  ASSERT_TRUE(bench.importPlan()->setClosing({}));
+  bench.startImport();
+  do bench.update();
+  while (bench.job());
+  EXPECT_TRUE(bench.isOpen()) << bench.notices().back().text;
+}
+
+TEST_F(ImportCommandsTest, AScanThatIsPutAwayLeavesTheSessionAlone) {
+  Workbench bench(options());
+  const std::string file = "\"" + block().string() + "\"\nwait\n";
+  ASSERT_TRUE(play(bench, "file.open " + file));
+  const auto generation = bench.generation();
+  ASSERT_TRUE(play(bench, "import.read " + file + "import.cancel\n"));
+  EXPECT_FALSE(bench.importPlan());
+  EXPECT_TRUE(bench.isOpen());
+  EXPECT_EQ(bench.generation(), generation);
+}
+
+TEST_F(ImportCommandsTest, WhatIsNoScanIsOpenedAtOnce) {
+  Workbench bench(options());
+  ASSERT_TRUE(play(bench, "file.open \"" + block().string() + "\"\nwait\n"));
+  const fs::path prepared = fs::directory_iterator(folder_.path() / "data" / "cases")->path();
+  ASSERT_TRUE(play(bench, "import.read \"" + prepared.string() + "\"\nwait\n"));
+  EXPECT_FALSE(bench.importPlan());
+  EXPECT_EQ(bench.name(), prepared.stem().string());
+}
+
+TEST_F(ImportCommandsTest, WhatCannotBeDoneIsSaid) {
+  const std::string read = "import.read \"" + block().string() + "\"\nwait\n";
+  const fs::path text = folder_.write("text.stl", "no mesh");
+  const std::pair<std::string, const char*> cases[] = {{"import.unit mm", "can not be done now"},
+                                                       {"import.start", "can not be done now"},
+                                                       {"import.read", "the path of a scan"},
+                                                       {"import.read \"" + text.string() + "\"\nwait", "text.stl"},
+                                                       {read + "import.unit", "mm, cm, m, um or inch"},
+                                                       {read + "import.unit ell", "mm, cm, m, um or inch"},
+                                                       {read + "import.close glue", "automatic, base, holes or wrap"},
+                                                       {read + "import.base round", "horseshoe or full"},
+                                                       {read + "import.base full 2mm", "a length in mm"},
+                                                       {read + "import.base full 99", "0.5 to 30 mm"},
+                                                       {read + "import.plane on", "occlusal plane"},
+                                                       {read + "import.plane maybe", "on or off"},
+                                                       {read + "import.holes x", "a length in mm"},
+                                                       {read + "import.wrap 90", "0.1 to 5 mm"},
+                                                       {read + "import.voxel 0", "auto"},
+                                                       {read + "import.voxel 9", "0.02 to 0.5 mm"}};
+  for (const auto& [script, words] : cases) {
+    Workbench bench(options());
+    const auto played = play(bench, script);
+    ASSERT_FALSE(played) << script;
+    EXPECT_NE(played.error().message().find(words), std::string::npos) << script << ": " << played.error().message();
+  }
+}
+
+}  // namespace
+}  // namespace kerf

@@ -1,0 +1,335 @@
+#include "ui/window/import_panel.h"
+
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+
+#include "ui/app/import_plan.h"
+#include "ui/window/style.h"
+
+namespace kerf {
+namespace {
+
+using Way = ClosingChoice::Way;
+
+struct WayRow {
+  Way way;
+  const char* name;
+  const char* text;
+};
+constexpr std::array<WayRow, 4> kWays = {{
+    {Way::kAutomatic, "Automatic", "Fills holes; a missing underside gets a base. What fails is wrapped, and said."},
+    {Way::kBase, "Base", "The longest edge is the rim of a base, however short it is."},
+    {Way::kHolesOnly, "Holes only", "Fills holes. A scan without underside is refused."},
+    {Way::kWrap, "Shrink-wrap", "A new skin around everything: an approximation, for what nothing else closes."},
+}};
+
+void run(AppContext& context, const char* id, std::vector<std::string> words = {}) {
+  if (const auto done = runAppCommand(context, id, words); !done) context.bench.tell(done.error());
+}
+
+// ---- What was found
+
+void drawFindings(const ImportPlan& plan) {
+  const StyleColours& colours = styleColours();
+  for (const Finding& finding : plan.findings()) {
+    const bool is_doubtful = finding.weight == Finding::Weight::kDoubtful;
+    const ImVec4 colour = is_doubtful                                  ? colours.warning
+                          : finding.weight == Finding::Weight::kMended ? colours.accent
+                                                                       : colours.good;
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    const float radius = scaled(4), half = 0.5f * ImGui::GetTextLineHeight();
+    ImGui::GetWindowDrawList()->AddCircleFilled({at.x + radius, at.y + half}, radius,
+                                                ImGui::ColorConvertFloat4ToU32(colour), 16);
+    ImGui::SetCursorPosX(ImGui::GetCursorPosX() + scaled(16));
+    ImGui::TextColored(colours.quiet, "%s", finding.about.c_str());
+    ImGui::SameLine(scaled(96));
+    ImGui::PushTextWrapPos(0);
+    is_doubtful ? ImGui::TextColored(colours.warning, "%s", finding.text.c_str())
+                : ImGui::TextUnformatted(finding.text.c_str());
+    ImGui::PopTextWrapPos();
+  }
+}
+
+// ---- Choices
+
+void drawUnit(AppContext& context, const ImportPlan& plan, const UnitOption& option) {
+  const auto length = [](double mm) {
+    return mm < 1 || mm >= 1e4 ? fmt::format("{:.3g}", mm) : fmt::format("{:.1f}", mm);
+  };
+  const std::string label = fmt::format("{}###unit-{}", option.unit, option.unit);
+  if (ImGui::RadioButton(label.c_str(), option.unit == plan.unit().unit)) run(context, "import.unit", {option.unit});
+
+  ImGui::SameLine(scaled(96));
+  const Vec3d& s = option.size_mm;
+  const std::string size = fmt::format("{} x {} x {} mm", length(s[0]), length(s[1]), length(s[2]));
+  option.is_plausible ? ImGui::TextUnformatted(size.c_str())
+                      : ImGui::TextColored(styleColours().warning, "%s: not dental", size.c_str());
+}
+
+// Those that may be meant; the others are a click away.
+void drawUnits(AppContext& context, const ImportPlan& plan) {
+  heading("Unit of the file");
+  const auto isNear = [&](const UnitOption& option) { return option.is_plausible || option.unit == plan.unit().unit; };
+  for (const UnitOption& option : plan.units())
+    if (isNear(option)) drawUnit(context, plan, option);
+  if (std::all_of(plan.units().begin(), plan.units().end(), isNear) || !ImGui::TreeNode("Other units")) return;
+  for (const UnitOption& option : plan.units())
+    if (!isNear(option)) drawUnit(context, plan, option);
+  ImGui::TreePop();
+}
+
+void drawClosing(AppContext& context, ImportPlan& plan) {
+  heading("Closing");
+  ClosingChoice choice = plan.closing();
+  const auto row = std::find_if(kWays.begin(), kWays.end(), [&](const WayRow& r) { return r.way == choice.way; });
+  ImGui::SetNextItemWidth(-1);
+  if (ImGui::BeginCombo("##way", row->name)) {
+    for (const WayRow& r : kWays) {
+      if (ImGui::Selectable(r.name, r.way == choice.way)) choice.way = r.way;
+      ImGui::PushTextWrapPos(scaled(330));
+      ImGui::TextColored(styleColours().quiet, "%s", r.text);
+      ImGui::PopTextWrapPos();
+    }
+    ImGui::EndCombo();
+  }
+
+  const bool has_base = plan.isWithoutUnderside() && choice.way != Way::kHolesOnly;
+  if (has_base) {
+    if (ImGui::RadioButton("Horseshoe", !choice.is_full_base)) choice.is_full_base = false;
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("The walls of the base follow the rim of the scan.");
+    ImGui::SameLine();
+    if (ImGui::RadioButton("Full plate", choice.is_full_base)) choice.is_full_base = true;
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("The arch stands on a plate: the place of the tongue has a floor.");
+    float base = static_cast<float>(choice.base_mm);
+    ImGui::SetNextItemWidth(-1);
+    if (ImGui::SliderFloat("##base", &base, static_cast<float>(ImportPlan::kThinnestBase), 15,
+                           "base %.1f mm below the scan", ImGuiSliderFlags_AlwaysClamp))
+      choice.base_mm = 0.1 * std::round(10 * static_cast<double>(base));
+    if (plan.found().has_occlusal_plane)
+      ImGui::Checkbox("Base parallel to the occlusal plane", &choice.follows_occlusal_plane);
+    else
+      ImGui::TextColored(styleColours().quiet, "No occlusal plane was found: too few cusp tips.");
+  }
+  if (choice.way == Way::kWrap) {
+    float wrap = static_cast<float>(choice.wrap_mm);
+    ImGui::SetNextItemWidth(-1);
+    if (ImGui::SliderFloat("##wrap", &wrap, static_cast<float>(ImportPlan::kFinestWrap),
+                           static_cast<float>(ImportPlan::kCoarsestWrap), "bridge hollows up to %.1f mm",
+                           ImGuiSliderFlags_AlwaysClamp))
+      choice.wrap_mm = 0.1 * std::round(10 * static_cast<double>(wrap));
+  }
+  if (!plan.found().check.isClosed() && choice.way != Way::kBase) {
+    bool is_given = choice.holes_up_to_mm.has_value();
+    if (ImGui::Checkbox("Decide which edges are holes", &is_given))
+      choice.holes_up_to_mm = is_given ? std::optional(20.0) : std::nullopt;
+    if (choice.holes_up_to_mm) {
+      float most = static_cast<float>(*choice.holes_up_to_mm);
+      ImGui::SetNextItemWidth(-1);
+      if (ImGui::SliderFloat("##holes", &most, 1, 500, "a hole: up to %.0f mm around",
+                             ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_Logarithmic))
+        choice.holes_up_to_mm = static_cast<double>(most);
+    }
+  }
+  if (const auto done = plan.setClosing(choice); !done) context.bench.tell(done.error());
+}
+
+void drawVoxel(ImportPlan& plan) {
+  heading("Voxel size");
+  float voxel = static_cast<float>(plan.voxel());
+  const bool is_own = plan.choice().voxel_mm > 0;
+  ImGui::SetNextItemWidth(is_own ? -scaled(90) : -1);
+  if (ImGui::SliderFloat("##voxel", &voxel, 0.05f, 0.3f, "%.2f mm", ImGuiSliderFlags_AlwaysClamp))
+    (void)plan.setVoxel(0.01 * std::round(100 * static_cast<double>(voxel)));
+  if (is_own) {
+    ImGui::SameLine();
+    if (ImGui::Button("Suggest", {-1, 0})) (void)plan.setVoxel(0);
+  }
+  const Prediction p = plan.prediction();
+  const bool is_too_much = plan.freeBytes() > 0 && p.bytes > plan.freeBytes();
+  const std::string text =
+      fmt::format("about {:.0f} s to prepare, {:.1f} GB of memory{}", std::ceil(p.seconds), 1e-9 * p.bytes,
+                  is_too_much ? fmt::format(": only {:.1f} GB are free", 1e-9 * plan.freeBytes()) : "");
+  ImGui::PushTextWrapPos(0);
+  ImGui::TextColored(is_too_much ? styleColours().warning : styleColours().quiet, "%s", text.c_str());
+  ImGui::PopTextWrapPos();
+}
+
+// ---- The closed solid
+
+void drawPreview(AppContext& context, ImportPlan& plan, ImportPanelState& state) {
+  const StyleColours& colours = styleColours();
+  heading("Preview");
+  if (const AnyJob* const job = plan.previewJob()) {
+    const JobStatus s = job->status();
+    ImGui::ProgressBar(static_cast<float>(s.done), {-scaled(90), 0}, s.step.c_str());
+    ImGui::SameLine();
+    if (ImGui::Button("Stop", {-1, 0})) plan.cancelPreview();
+    return;
+  }
+  if (plan.previewError()) {
+    ImGui::PushTextWrapPos(0);
+    ImGui::TextColored(colours.warning, "It can not be closed in this way: %s", plan.previewError()->message().c_str());
+    ImGui::PopTextWrapPos();
+    return;
+  }
+  const ClosedPreview* const preview = plan.preview();
+  if (!preview) {
+    if (ImGui::Button("Show the closed solid", {-1, 0})) run(context, "import.preview");
+    return;
+  }
+
+  if (ImGui::RadioButton("Closed solid", state.shows_solid)) state.shows_solid = true;
+  ImGui::SameLine();
+  if (ImGui::RadioButton("Scan as read", !state.shows_solid)) state.shows_solid = false;
+  ImGui::SameLine();
+  ImGui::Checkbox("Guides", &state.shows_guides);
+  ImGui::PushTextWrapPos(0);
+  preview->is_exact
+      ? ImGui::TextColored(colours.good, "Closed, %.0f mm3. Every scanned point stays where it is.",
+                           preview->volume_mm3)
+      : ImGui::TextColored(colours.warning, "Closed, %.0f mm3, as an approximation: no scanned point is kept.",
+                           preview->volume_mm3);
+  for (const std::string& warning : preview->warnings) ImGui::TextColored(colours.warning, "%s", warning.c_str());
+  ImGui::PopTextWrapPos();
+  if (!preview->changes.empty() &&
+      ImGui::TreeNode("changes", "What closing does: %zu steps", preview->changes.size())) {
+    ImGui::PushTextWrapPos(0);
+    for (const std::string& change : preview->changes) ImGui::BulletText("%s", change.c_str());
+    ImGui::PopTextWrapPos();
+    ImGui::TreePop();
+  }
+}
+
+// ---- Over the picture
+
+struct Projection {
+  const Camera& camera;
+  double width, height, pixels;
+  ImVec2 operator()(const Vec3d& p) const {
+    const double mm = 2 * camera.half_height / height;
+    const Vec3d d = p - camera.target;
+    return {static_cast<float>((0.5 * width + d.dot(camera.right()) / mm) / pixels),
+            static_cast<float>((0.5 * height - d.dot(camera.up()) / mm) / pixels)};
+  }
+};
+
+void drawLabel(ImDrawList& list, const ImVec2& at, const std::string& text) {
+  const ImVec2 size = ImGui::CalcTextSize(text.c_str());
+  const ImVec2 from{at.x - 0.5f * size.x - 5, at.y - 0.5f * size.y - 2},
+      to{at.x + 0.5f * size.x + 5, at.y + 0.5f * size.y + 2};
+  ImVec4 back = ImGui::GetStyleColorVec4(ImGuiCol_WindowBg);
+  back.w = 0.85f;
+  list.AddRectFilled(from, to, ImGui::ColorConvertFloat4ToU32(back), 3);
+  list.AddText({at.x - 0.5f * size.x, at.y - 0.5f * size.y}, styleColours().guide_text, text.c_str());
+}
+
+// A rectangle of the plane, as wide as the box.
+void drawPlane(ImDrawList& list, const Projection& at, const Plane& plane, const Box3& box, const char* name,
+               ImU32 line) {
+  const Vec3d n = plane.normal.normalized();
+  Eigen::Index axis = 0;
+  n.cwiseAbs().minCoeff(&axis);
+  Vec3d u = Vec3d::Unit(axis);
+  u = (u - u.dot(n) * n).normalized();
+  const Vec3d v = n.cross(u), c = box.center() - n * n.dot(box.center() - plane.point);
+  double half_u = 0, half_v = 0;
+  for (int k = 0; k < 8; ++k) {
+    half_u = std::max(half_u, std::abs(u.dot(box.corner(k) - c)));
+    half_v = std::max(half_v, std::abs(v.dot(box.corner(k) - c)));
+  }
+  const ImVec2 corners[4] = {at(c + half_u * u + half_v * v), at(c - half_u * u + half_v * v),
+                             at(c - half_u * u - half_v * v), at(c + half_u * u - half_v * v)};
+  list.AddPolyline(corners, 4, line, ImDrawFlags_Closed, 2);
+  const ImVec2 high =
+      *std::min_element(corners, corners + 4, [](const ImVec2& a, const ImVec2& b) { return a.y < b.y; });
+  drawLabel(list, {high.x, high.y - scaled(14)}, name);
+}
+
+}  // namespace
+
+float importPanelWidth() { return scaled(400); }
+
+void drawImportPanel(AppContext& context, ImportPanelState& state) {
+  ImportPlan* const plan = context.bench.importPlan();
+  if (!plan || context.bench.job()) return;
+  const ImGuiIO& io = ImGui::GetIO();
+  const float top = ImGui::GetFrameHeight();
+  ImGui::SetNextWindowPos({io.DisplaySize.x - importPanelWidth(), top}, ImGuiCond_Always);
+  ImGui::SetNextWindowSize({importPanelWidth(), io.DisplaySize.y - top}, ImGuiCond_Always);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 0);
+  ImGui::Begin("##import", nullptr, ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove);
+  ImGui::PopStyleVar();
+
+  ImGui::SetWindowFontScale(1.2f);
+  ImGui::TextUnformatted(plan->found().file.filename().c_str());
+  ImGui::SetWindowFontScale(1);
+  ImGui::TextColored(styleColours().quiet, "The file itself is never changed.");
+  ImGui::BeginChild("choices", {0, -scaled(46)});
+  ImGui::Dummy({0, scaled(2)});
+  drawFindings(*plan);
+  drawUnits(context, *plan);
+  drawClosing(context, *plan);
+  drawVoxel(*plan);
+  drawPreview(context, *plan, state);
+  ImGui::EndChild();
+
+  const float width = ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x;
+  if (strongButton("Prepare and cut", "Enter", 0.64f * width)) run(context, "import.start");
+  ImGui::SameLine();
+  if (plainButton("Cancel", "Esc", -1)) run(context, "import.cancel");
+  ImGui::End();
+}
+
+void drawImportGuides(const AppContext& context, double pixels) {
+  const ImportPlan* const plan = context.bench.importPlan();
+  if (!plan) return;
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  const Projection at{context.camera, static_cast<double>(context.width), static_cast<double>(context.height), pixels};
+  const StyleColours& colours = styleColours();
+  const Box3 box = plan->boxMm();
+
+  // The box and its sizes: each at the edge of that direction that is lowest in the picture.
+  for (int axis = 0; axis < 3; ++axis) {
+    ImVec2 lowest{0, -1e9f};
+    for (int n = 0; n < 8; ++n) {
+      if (n & (1 << axis)) continue;
+      const ImVec2 a = at(box.corner(n)), b = at(box.corner(n | (1 << axis)));
+      list.AddLine(a, b, colours.guide, 1);
+      const ImVec2 middle{0.5f * (a.x + b.x), 0.5f * (a.y + b.y)};
+      if (middle.y > lowest.y) lowest = middle;
+    }
+    drawLabel(list, lowest, fmt::format("{:.1f} mm", box.size()[axis]));
+  }
+
+  const ClosedPreview* const preview = plan->preview();
+  if (!preview) return;
+  if (preview->occlusal_plane)
+    drawPlane(list, at, *preview->occlusal_plane, box, "occlusal plane", IM_COL32(214, 120, 40, 220));
+  if (preview->base_direction) {
+    const Plane base{*preview->base_direction * preview->base_level_mm, *preview->base_direction};
+    drawPlane(list, at, base, box, "base", IM_COL32(30, 110, 170, 220));
+  }
+}
+
+void viewScan(AppContext& context, double pixels) {
+  const ImportPlan* const plan = context.bench.importPlan();
+  if (!plan) return;
+  constexpr double kTilt = 0.6;  // rad, off the occlusal view
+  const Vec3d& up = plan->found().up;
+  context.camera.elevation = std::asin(std::clamp(up.z(), -1.0, 1.0));
+  context.camera.azimuth = std::abs(up.z()) > 0.9 ? 0 : std::atan2(up.x(), -up.y());
+  context.camera.elevation += context.camera.elevation > 0 ? -kTilt : kTilt;
+
+  Box3 box = plan->boxMm();
+  box.grow(0.08 * box.size().norm());
+  const int panel = static_cast<int>(static_cast<double>(importPanelWidth()) * pixels);
+  fitToBox(context.camera, box, std::max(context.width - panel, 64), context.height);
+  pan(context.camera, -0.5 * panel, 0, context.height);
+}
+
+}  // namespace kerf

@@ -1,0 +1,29 @@
+// The import panel: what was found in a scan, what can be done about it, and what that will give. It shows an
+// ImportPlan and changes its choices; it holds nothing else.
+#pragma once
+
+#include "ui/app/app_commands.h"
+#include "ui/app/camera.h"
+
+namespace kerf {
+
+/// What the window remembers between two frames.
+struct ImportPanelState {
+  bool shows_solid = true;   ///< the closed solid as soon as it is there; else the scan as it was read
+  bool shows_guides = true;  ///< box with its sizes, occlusal plane, level of the base
+};
+
+/// Width that the panel takes from the right edge of the window, window units.
+float importPanelWidth();
+
+/// Draws it while bench.importPlan() is there.
+void drawImportPanel(AppContext& context, ImportPanelState& state);
+
+/// Box, occlusal plane and base over the picture.   @param pixels  of the framebuffer in a window unit.
+void drawImportGuides(const AppContext& context, double pixels);
+
+/// The scan in the part of the window that the panel leaves free, seen from its occlusal side, tilted so that the base
+/// is seen as well.
+void viewScan(AppContext& context, double pixels);
+
+}  // namespace kerf

@@ -1,0 +1,29 @@
+// Colours, sizes and type of the panels.
+#pragma once
+
+#include <imgui.h>
+
+namespace kerf {
+
+/// Beside those of Dear ImGui's own style.
+struct StyleColours {
+  ImVec4 warning, good, quiet, accent;
+  ImVec4 strong, strong_hovered, strong_text;  ///< of the one button that goes on
+  ImU32 guide = 0, guide_text = 0;             ///< lines and words over the picture
+};
+const StyleColours& styleColours();
+
+/// Window units at a scale of 1 to those of now.
+float scaled(float units);
+
+/// Once, and again when the scale changes.
+void applyStyle(float scale);
+
+/// The one button of a panel that goes on: filled. @param key  is written behind the label, quiet; may be empty.
+bool strongButton(const char* label, const char* key, float width);
+/// A button beside it.
+bool plainButton(const char* label, const char* key, float width);
+/// A quiet heading over a group of controls.
+void heading(const char* text);
+
+}  // namespace kerf
