@@ -189,6 +189,14 @@ TEST(Png, HasTheSizeOfThePictureAndReplacesAnOlderFile) {
   Image image{123, 45, std::vector<std::uint8_t>(4 * 123 * 45, 200)};
   drawScaleBar(image, 5, 0.2);
   ASSERT_TRUE(writePng(path, image));
+  const auto back = readPng(path);
+  ASSERT_TRUE(back) << back.error().message();
+  EXPECT_EQ(back->width, image.width);
+  EXPECT_EQ(back->rgba, image.rgba);
+  EXPECT_FALSE(readPng(folder / "missing.png"));
+  std::ofstream(folder / "text.png") << "no picture";
+  EXPECT_FALSE(readPng(folder / "text.png"));
+  std::filesystem::remove(folder / "text.png");
   std::ifstream file(path, std::ios::binary);
   const std::string bytes((std::istreambuf_iterator<char>(file)), {});
   ASSERT_GT(bytes.size(), 33u);

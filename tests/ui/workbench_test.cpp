@@ -275,6 +275,56 @@ TEST_F(WorkbenchTest, TheDefaultRackIsThere) {
   EXPECT_TRUE(bench.notices().empty()) << bench.notices().front().text;
 }
 
+TEST_F(WorkbenchTest, WhatWasOpenedIsOpenedAgainByTheListOfRecentFiles) {
+  WorkbenchOptions remembering = options();
+  remembering.keeps_recent = true;
+  const fs::path file = scan(folder_);
+  {
+    Workbench bench(remembering);
+    bench.open(file);
+    do bench.update();
+    while (bench.job());
+    ASSERT_EQ(bench.recent().list().size(), 1u);
+  }
+  Workbench bench(remembering);
+  Camera camera;
+  AppContext context{.bench = bench, .camera = camera};
+  const auto play = [&](const std::string& script) {
+    return runScript(context, folder_.write("script.ks", script), [&] { bench.update(); });
+  };
+  ASSERT_TRUE(play("recent.open\nwait\nimport.start\nwait\n"));
+  EXPECT_EQ(bench.source(), file);
+  EXPECT_FALSE(play("recent.forget\n")) << "which one is to be said";
+  EXPECT_FALSE(play("recent.forget 2\n"));
+  ASSERT_TRUE(play("recent.forget 1\n"));
+  EXPECT_TRUE(bench.recent().list().empty());
+  EXPECT_TRUE(fs::exists(file));
+}
+
+TEST_F(WorkbenchTest, ALostLogIsDeletedOnlyWhenThatIsAskedFor) {
+  ASSERT_TRUE(play("file.open \"" + scan(folder_).string() + "\"\nwait\nview.fit\ncut.press 200 150\nwait 2\n"));
+  // As a program that was killed leaves it: the manifest says that the session is open.
+  auto manifest = readRunManifest(session_);
+  ASSERT_TRUE(manifest);
+  manifest->is_open = true;
+  ASSERT_TRUE(writeRunManifest(session_, *manifest));
+
+  Workbench bench(options());
+  Camera camera;
+  AppContext context{.bench = bench, .camera = camera};
+  ASSERT_EQ(bench.lostSessions().size(), 1u);
+  EXPECT_GT(bench.bytesOfLost(0), 1000u);
+  const std::vector<std::string> number{"1"}, both{"1", "delete"};
+  const auto refused = runAppCommand(context, "session.forget", number);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message().find("session.recover"), std::string::npos);
+  EXPECT_TRUE(fs::exists(session_ / "session.kerflog"));
+
+  ASSERT_TRUE(runAppCommand(context, "session.forget", both));
+  EXPECT_FALSE(fs::exists(session_));
+  EXPECT_TRUE(bench.lostSessions().empty());
+}
+
 TEST(AppCommands, TheTableIsSound) {
   std::set<std::string_view> ids, keys;
   for (const AppCommand& command : appCommands()) {

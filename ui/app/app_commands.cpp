@@ -1,5 +1,6 @@
 #include "ui/app/app_commands.h"
 
+#include "ui/app/file_commands.h"
 #include "ui/app/import_commands.h"
 
 #include <fmt/format.h>
@@ -201,6 +202,12 @@ constexpr AppCommand kCommands[] = {
      "Writes the session as a run that can be replayed and exported.", isOpenAndIdle, closeSession},
     {"session.recover", "File", "Recover a session", "", "[N]",
      "Finishes a session whose program was killed; 1 is the newest.", hasLost, recover},
+    {"session.forget", "", "", "", "N delete", "Deletes a lost session with its log, for good.", hasLostSession,
+     sessionForget},
+    {"recent.open", "File", "Open the last file again", "Ctrl+Shift+O", "[N]",
+     "Opens a file that was opened before; 1 is the newest.", hasRecent, recentOpen},
+    {"recent.forget", "", "", "", "N", "Takes a file off the list of recent files; the file stays.", hasRecent,
+     recentForget},
     {"job.cancel", "File", "Cancel what is under way", "", "",
      "Ends the job under way and leaves nothing of it behind.", hasJob, cancelJob},
     {"app.quit", "File", "Quit", "Ctrl+Q", "", "Ends the session, writes it and closes the window.", always, quit},

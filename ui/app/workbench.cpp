@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdlib>
 #include <thread>
 #include <utility>
 
@@ -14,6 +13,7 @@
 #include "ui/app/exporting.h"
 #include "ui/app/import_plan.h"
 #include "ui/app/sawing.h"
+#include "ui/app/user_files.h"
 
 namespace kerf {
 namespace {
@@ -23,10 +23,8 @@ namespace fs = std::filesystem;
 constexpr double kHeadUpTo = 4;          // mm from the tip: what has to be free where a stroke starts
 constexpr double kHeadTolerance = 0.05;  // mm
 
-fs::path userDataFolder() {
-  if (const char* xdg = std::getenv("XDG_DATA_HOME"); xdg && *xdg == '/') return fs::path(xdg) / "kerf";
-  const char* home = std::getenv("HOME");
-  return fs::path(home ? home : "/tmp") / ".local/share/kerf";
+fs::path dataFolderOf(const WorkbenchOptions& options) {
+  return options.data_folder.empty() ? userDataFolder() : options.data_folder;
 }
 
 // What of a tool has to be free before a stroke: vertices near its tip.
@@ -46,8 +44,9 @@ const std::vector<std::string>& defaultTools() {
   return kTools;
 }
 
-Workbench::Workbench(WorkbenchOptions options) : options_(std::move(options)), saw_(std::make_unique<Sawing>(*this)) {
-  if (options_.data_folder.empty()) options_.data_folder = userDataFolder();
+Workbench::Workbench(WorkbenchOptions options)
+    : options_(std::move(options)), recent_(dataFolderOf(options_)), saw_(std::make_unique<Sawing>(*this)) {
+  options_.data_folder = dataFolderOf(options_);
   const auto& wanted = options_.tools.empty() ? defaultTools() : options_.tools;
   for (const std::string& id : wanted) {
     const auto file = findToolFile(id, defaultToolFolders());
@@ -234,6 +233,7 @@ void Workbench::show(Opened& loaded) {
   saw_->opened();
   ++generation_;
   for (std::string& note : loaded.notes) say(std::move(note));
+  remember(source_);
 }
 
 // For what is written: names as the window shows them.

@@ -19,6 +19,7 @@
 #include "ui/app/live_scene.h"
 #include "ui/app/opening.h"
 #include "ui/app/stroke.h"
+#include "ui/app/user_files.h"
 
 namespace kerf {
 
@@ -32,6 +33,7 @@ struct WorkbenchOptions {
   std::string unit;                ///< of scans that are opened: "mm", "inch"; empty: as the file says, or by its size
   double voxel_mm = 0;             ///< of scans that are opened; 0: 0.1, or coarser for a large one: voxelFor()
   RealTimeRequest real_time;       ///< of the haptic thread
+  bool keeps_recent = false;       ///< what is opened is put on the list of recent files
 };
 
 /// A selection of the rack for a first look: round, pear, taper, cylinder, flame, a disc, a saw.
@@ -152,9 +154,20 @@ class Workbench {
   void exportTo(const std::filesystem::path& file, const ExportChoice& choice = {});
   double removedMm3() const { return removed_mm3_; }
 
+  // ---- What was opened before
+
+  RecentFiles& recent() { return recent_; }
+  void forgetRecent(std::size_t n);
+  /// What is open: a scan, a recipe or a case. It stays until something else is open.
+  const std::filesystem::path& source() const { return source_; }
+
   // ---- After a crash
 
   const std::vector<LostSession>& lostSessions() const { return lost_; }
+  /// Of its folder, the log above all.
+  std::uintmax_t bytesOfLost(std::size_t n) const;
+  /// Deletes the folder with its log for good. The caller has asked the user.
+  void forgetLost(std::size_t n);
   /// A job: finishes the session from its log; it is then a run for `kerf export`.
   void recover(std::size_t n);
 
@@ -171,6 +184,7 @@ class Workbench {
   bool isBusy();
   bool send(const Command& command);
   void findLostSessions();
+  void remember(const std::filesystem::path& path);
   OpeningOptions openingOptions() const;
   using Load = std::function<Expected<Opened>(const Progress&)>;
   void openBy(const std::string& title, Load load);
@@ -183,6 +197,7 @@ class Workbench {
   std::vector<SessionTool> tools_;
   std::vector<Notice> notices_;
   std::vector<LostSession> lost_;
+  RecentFiles recent_;
 
   std::unique_ptr<AnyJob> job_;
   std::function<void()> when_over_;  // takes the job's result

@@ -32,7 +32,7 @@ void Workbench::startImport() {
   options.prepare = import_->result();
   const std::filesystem::path path = import_->found().file;
   const std::string as_shown =
-      fmt::format("prepared as shown, from {} to mm, {} changes; cut in voxels of {:g} mm", import_->unit().unit,
+      fmt::format("prepared as shown: read as {}, {} changes, cut in voxels of {:g} mm", import_->unit().unit,
                   import_->preview() ? import_->preview()->changes.size() : 0, import_->voxel());
   const bool was_shown = import_->preview() != nullptr;
   openBy("preparing " + path.filename().string(), [=](const Progress& progress) -> Expected<Opened> {

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <stb/stb_image.h>
 #include <stb/stb_image_write.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -107,6 +108,26 @@ void drawScaleBar(Image& image, double length_mm, double mm_per_pixel) {
   drawSegment(image, {left, y - 2 * unit}, {left, y + 2 * unit}, width);
   drawSegment(image, {right, y - 2 * unit}, {right, y + 2 * unit}, width);
   drawText(image, text, {0.5 * (left + right) - 0.5 * unit * text_width, y - 5 * unit}, unit, width);
+}
+
+Expected<Image> readPng(const std::filesystem::path& path) {
+  constexpr int kMost = 4096;
+  int width = 0, height = 0, channels = 0;
+  const auto wrong = [&](Error::Code code, std::string found) {
+    return fail({.code = code, .file = path.string(), .found = std::move(found), .expected = "a PNG picture"});
+  };
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) return wrong(Error::Code::kNotFound, "no such file");
+  if (!stbi_info(path.c_str(), &width, &height, &channels)) return wrong(Error::Code::kBadFormat, "no picture");
+  if (width > kMost || height > kMost)
+    return wrong(Error::Code::kBadFormat, fmt::format("{} x {} pixels", width, height));
+
+  stbi_uc* const pixels = stbi_load(path.c_str(), &width, &height, &channels, 4);
+  if (!pixels) return wrong(Error::Code::kBadFormat, "a picture that is cut short or damaged");
+  Image out{width, height, {}};
+  out.rgba.assign(pixels, pixels + 4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  stbi_image_free(pixels);
+  return out;
 }
 
 Expected<void> writePng(const std::filesystem::path& path, const Image& image) {

@@ -25,6 +25,9 @@ struct Image {
 /// Sizes follow the height of the picture. The bar is within half a pixel of its true length.
 void drawScaleBar(Image& image, double length_mm, double mm_per_pixel);
 
+/// Reads a PNG of at most 4096 pixels a side. Errors: kNotFound, kBadFormat.
+Expected<Image> readPng(const std::filesystem::path& path);
+
 /// Writes a PNG: beside the target first, then renamed, so a file of that name is replaced whole or not at all.
 Expected<void> writePng(const std::filesystem::path& path, const Image& image);
 

@@ -12,6 +12,7 @@ Expected<std::unique_ptr<LiveView>> LiveView::create() {
 void LiveView::update(Workbench& bench) {
   const std::vector<ObjectChunks> changed = bench.update();
   if (bench.generation() != generation_) {
+    if (before_clear_) before_clear_();
     generation_ = bench.generation();
     renderer_->clear();
     placed_.clear();

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "geometry/base/error.h"
 #include "ui/app/camera.h"
@@ -20,6 +22,8 @@ class LiveView {
 
   /// Workbench::update(), and what came of it to the graphics card. Once a frame.
   void update(Workbench& bench);
+  /// Called before what is shown is given up, for a last picture of it.
+  void setBeforeClear(std::function<void()> call) { before_clear_ = std::move(call); }
   /// Where the tool hovers; none: nowhere.
   void hover(const std::optional<ToolOverSurface>& at) { hover_ = at; }
   /// True once after something else was opened and its surface is there: time to fit the view.
@@ -41,6 +45,7 @@ class LiveView {
   std::optional<std::size_t> tool_;
   std::optional<ToolOverSurface> hover_;
   bool is_fit_wanted_ = false;
+  std::function<void()> before_clear_;
 };
 
 }  // namespace kerf

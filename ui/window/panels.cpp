@@ -171,41 +171,6 @@ void drawHints(PanelState& state) {
   ImGui::End();
 }
 
-// ---- The first screen
-
-void drawFirstScreen(AppContext& context, PanelState& state) {
-  Workbench& bench = context.bench;
-  if (bench.job()) return;
-  const ImGuiIO& io = ImGui::GetIO();
-  ImGui::SetNextWindowPos({0.5f * io.DisplaySize.x, 0.45f * io.DisplaySize.y}, ImGuiCond_Always, {0.5f, 0.5f});
-  ImGui::SetNextWindowSize({520, 0}, ImGuiCond_Always);
-  ImGui::Begin("##first", nullptr, ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove);
-  ImGui::TextColored(styleColours().accent, "Drop a scan here");
-  ImGui::TextWrapped(
-      "STL, PLY, OBJ, OFF or 3MF, a recipe or a case. It is closed and prepared for cutting; the file itself is never "
-      "changed.");
-  ImGui::Spacing();
-  if (ImGui::Button("Open a file...", {-1, 36})) state.ask_for_file(*findAppCommand("import.read"));
-  ImGui::Spacing();
-  ImGui::TextColored(styleColours().quiet, "Or try one of ours");
-  const auto names = demoNames();
-  const float width = (ImGui::GetContentRegionAvail().x - 2 * ImGui::GetStyle().ItemSpacing.x) / 3;
-  for (std::size_t n = 0; n < names.size(); ++n) {
-    if (n > 0) ImGui::SameLine();
-    if (ImGui::Button(names[n], {width, 30})) bench.openDemo(names[n]);
-  }
-  if (!bench.lostSessions().empty()) {
-    ImGui::Spacing();
-    ImGui::TextColored(styleColours().warning, "A session did not end: its program was stopped. Its log is whole.");
-    for (std::size_t n = 0; n < std::min<std::size_t>(bench.lostSessions().size(), 3); ++n) {
-      const LostSession& lost = bench.lostSessions()[n];
-      const std::string label = fmt::format("Recover {}###lost{}", lost.folder.filename().string(), n);
-      if (ImGui::Button(label.c_str(), {-1, 0})) bench.recover(n);
-    }
-  }
-  ImGui::End();
-}
-
 }  // namespace
 
 void drawPanels(AppContext& context, PanelState& state, const std::optional<ToolOverSurface>& over) {
@@ -218,7 +183,7 @@ void drawPanels(AppContext& context, PanelState& state, const std::optional<Tool
     drawPieces(context, state.piece_drag, below, state.pixels);
     drawHints(state);
   } else {
-    drawFirstScreen(context, state);
+    state.first.draw(context, state.ask_for_file);
   }
   drawJob(context);
   drawNotices(context, state);

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "ui/app/app_commands.h"
+#include "ui/window/first_screen.h"
 #include "ui/window/import_panel.h"
 #include "ui/window/pieces_panel.h"
 
@@ -19,6 +20,7 @@ struct PanelState {
   PieceDrag piece_drag{};
   double pixels = 1;  ///< of the picture per window unit
   ImportPanelState import;
+  FirstScreen first;
 };
 
 /// Menu bar, tools, readings, job, notices; the first screen when nothing is open.

@@ -12,6 +12,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "ui/app/app_commands.h"
@@ -145,12 +146,16 @@ Expected<void> endAll(Workbench& bench, LiveView& view) {
 
 class Workshop {
  public:
-  explicit Workshop(const WorkshopOptions& options) : options_(options), bench_(options.bench) {}
+  explicit Workshop(const WorkshopOptions& options) : options_(options), bench_(remembering(options.bench)) {}
 
   Expected<int> run() {
     KERF_CHECK(desktop_.open(options_, events_));
     KERF_TRY(view, LiveView::create());
     view_ = std::move(view);
+    view_->setBeforeClear([this] {
+      takePicture();
+      box_ = {};
+    });
     KERF_TRY(import_view, ImportView::create());
     import_view_ = std::move(import_view);
     const std::string driver = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
@@ -167,6 +172,11 @@ class Workshop {
   }
 
  private:
+  static WorkbenchOptions remembering(WorkbenchOptions options) {
+    options.keeps_recent = true;
+    return options;
+  }
+
   Expected<void> frame() {
     const bool is_idle = !bench_.isOpen() && !bench_.job();
     options_.frames > 0 ? glfwPollEvents() : glfwWaitEventsTimeout(is_idle ? 0.25 : 1.0 / 60);
@@ -183,6 +193,7 @@ class Workshop {
 
     view_->update(bench_);
     if (!bench_.scene().bounds().isEmpty() && view_->takeFitWanted()) fitFirst();
+    if (bench_.isOpen() && !bench_.scene().bounds().isEmpty()) box_ = bench_.scene().bounds();
     updateImport();
     ImGui_ImplOpenGL3_NewFrame();
     ImGui_ImplGlfw_NewFrame();
@@ -202,6 +213,8 @@ class Workshop {
     ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
     glfwSwapBuffers(desktop_.window);
 
+    // Not in the frame that uploads all of the surface, and not while a hand is at work.
+    if (is_still && std::exchange(is_picture_due_, false)) takePicture();
     ++frames_;
     wants_end_ = context_.wants_quit || glfwWindowShouldClose(desktop_.window) ||
                  (options_.frames > 0 && frames_ >= options_.frames);
@@ -216,6 +229,25 @@ class Workshop {
     const auto camera = cameraFromView(options_.view);
     firstView(context_, camera ? *camera : Camera{});
     setTitle(bench_.name());
+    box_ = bench_.scene().bounds();
+    picture_of_ = bench_.source();
+    is_picture_due_ = true;
+  }
+
+  // A small picture of what is open, for the first screen: when it was opened, and again as it was left.
+  void takePicture() {
+    if (picture_of_.empty() || box_.isEmpty()) return;
+    Camera camera = camera_;
+    fitToBox(camera, box_, kCardWidth, kCardHeight);
+    view_->hover({});
+    auto image = view_->picture(bench_, camera, kCardWidth, kCardHeight);
+    if (!image) return;  // a list without a picture is no failure
+    writing_picture_ = std::make_unique<Job<void>>(
+        "a picture", [image = std::move(*image), to = bench_.recent().pictureOf(picture_of_)](const Progress&) {
+          std::error_code ignored;
+          fs::create_directories(to.parent_path(), ignored);
+          return writePng(to, image);
+        });
   }
 
   void setTitle(const std::string& what) {
@@ -369,6 +401,10 @@ class Workshop {
   std::unique_ptr<LiveView> view_;
   std::unique_ptr<ImportView> import_view_;
   std::optional<Camera> camera_before_import_;
+  std::unique_ptr<Job<void>> writing_picture_;
+  bool is_picture_due_ = false;
+  fs::path picture_of_;  // what was shown last, and its box
+  Box3 box_;
   PanelState panels_;
   FileBrowser browser_;
   const AppCommand* asked_for_ = nullptr;

@@ -1,0 +1,130 @@
+#include "ui/app/user_files.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "tests/support/temporary_folder.h"
+#include "ui/app/settings.h"
+
+namespace kerf {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(UserFolders, AreThoseOfXdg) {
+  ::setenv("XDG_CONFIG_HOME", "/a/config", 1);
+  ::setenv("XDG_DATA_HOME", "not absolute", 1);
+  EXPECT_EQ(userConfigFolder(), "/a/config/kerf");
+  EXPECT_TRUE(userDataFolder().string().ends_with("/.local/share/kerf")) << "a relative one is ignored, as XDG says";
+  ::unsetenv("XDG_CONFIG_HOME");
+  ::unsetenv("XDG_DATA_HOME");
+  EXPECT_TRUE(userConfigFolder().string().ends_with("/.config/kerf"));
+}
+
+TEST(RecentFiles, TheNewestIsFirstAndOnlyOnce) {
+  const TemporaryFolder folder;
+  const fs::path a = folder.write("a scan.stl", ""), b = folder.write("b.stl", "");
+  RecentFiles files(folder.path() / "data");
+  EXPECT_TRUE(files.list().empty());
+  ASSERT_TRUE(files.add(a));
+  ASSERT_TRUE(files.add(b));
+  ASSERT_TRUE(files.add(a));
+
+  const RecentFiles again(folder.path() / "data");
+  ASSERT_EQ(again.list().size(), 2u);
+  EXPECT_EQ(again.list()[0].path, a);
+  EXPECT_EQ(again.list()[1].path, b);
+  EXPECT_TRUE(again.list()[0].is_there);
+  EXPECT_NE(again.pictureOf(a), again.pictureOf(b));
+}
+
+TEST(RecentFiles, WhatIsGoneIsShownAsSuchAndCanBeForgotten) {
+  const TemporaryFolder folder;
+  const fs::path a = folder.write("a.stl", ""), b = folder.write("b.stl", "");
+  RecentFiles files(folder.path() / "data");
+  ASSERT_TRUE(files.add(a) && files.add(b));
+  const fs::path picture = files.pictureOf(a);
+  std::ofstream(picture) << "picture";
+  fs::remove(a);
+  files.refresh();
+  ASSERT_EQ(files.list().size(), 2u);
+  EXPECT_FALSE(files.list()[1].is_there);
+
+  ASSERT_TRUE(files.forget(1));
+  EXPECT_EQ(files.list().size(), 1u);
+  EXPECT_FALSE(fs::exists(picture));
+  EXPECT_TRUE(fs::exists(b));
+  ASSERT_TRUE(files.forget(0));
+  EXPECT_TRUE(fs::exists(b)) << "forgetting a file never deletes it";
+  EXPECT_TRUE(RecentFiles(folder.path() / "data").list().empty());
+}
+
+TEST(RecentFiles, OnlyTheLastDozenIsKept) {
+  const TemporaryFolder folder;
+  RecentFiles files(folder.path());
+  for (int n = 0; n < 20; ++n) ASSERT_TRUE(files.add("/scan-" + std::to_string(n)));
+  ASSERT_EQ(files.list().size(), RecentFiles::kMost);
+  EXPECT_EQ(files.list()[0].path, "/scan-19");
+}
+
+TEST(SettingsFile, ComesBackAsItWasSaved) {
+  const TemporaryFolder folder;
+  const fs::path config = folder.path() / "not there yet";
+  SettingsFile file(config);
+  EXPECT_FALSE(file.error());
+  EXPECT_EQ(file.values, Settings{});
+  ASSERT_TRUE(file.save());
+  EXPECT_FALSE(fs::exists(file.path())) << "nothing was set";
+
+  file.values = {Theme::kDark, 1.25, true, "/scans of \"today\"", 2.5, 0.8};
+  ASSERT_TRUE(file.save());
+  const SettingsFile again(config);
+  EXPECT_FALSE(again.error());
+  EXPECT_EQ(again.values, file.values);
+}
+
+TEST(SettingsFile, LinesItDoesNotKnowStay) {
+  const TemporaryFolder folder;
+  folder.write("settings.toml", "# mine\nfuture_key = 3\ntheme = \"light\"  # by day\n\n[window]\ntheme = 7\n");
+  SettingsFile file(folder.path());
+  ASSERT_FALSE(file.error()) << file.error()->message();
+  file.values.theme = Theme::kDark;
+  file.values.ui_scale = 2;
+  ASSERT_TRUE(file.save());
+  EXPECT_EQ(contentOf(file.path()),
+            "# mine\nfuture_key = 3\ntheme = \"dark\"\n\nui_scale = 2.00\n[window]\ntheme = 7\n");
+  EXPECT_EQ(SettingsFile(folder.path()).values, file.values);
+}
+
+TEST(SettingsFile, ABrokenOneIsReportedAndNeverWrittenOver) {
+  for (const char* const text : {"theme = ", "theme = \"pink\"", "ui_scale = 99", "ui_scale = nan",
+                                 "force_N = \"much\"", "hints_dismissed = \"yes\""}) {
+    const TemporaryFolder folder;
+    folder.write("settings.toml", text);
+    SettingsFile file(folder.path());
+    ASSERT_TRUE(file.error()) << text;
+    EXPECT_NE(file.error()->message().find("settings.toml"), std::string::npos) << file.error()->message();
+    EXPECT_EQ(file.values, Settings{});
+    file.values.theme = Theme::kDark;
+    EXPECT_FALSE(file.save());
+    EXPECT_EQ(contentOf(file.path()), text);
+
+    ASSERT_TRUE(file.setAside());
+    EXPECT_EQ(contentOf(folder.path() / "settings.toml.broken"), text);
+    ASSERT_TRUE(file.save());
+    EXPECT_EQ(SettingsFile(folder.path()).values.theme, Theme::kDark);
+  }
+}
+
+TEST(SettingsFile, OneThatWasBrokenMeanwhileStaysToo) {
+  const TemporaryFolder folder;
+  SettingsFile file(folder.path());
+  file.values.depth_mm = 1;
+  folder.write("settings.toml", "theme = ");
+  EXPECT_FALSE(file.save());
+  EXPECT_EQ(contentOf(file.path()), "theme = ");
+}
+
+}  // namespace
+}  // namespace kerf

@@ -1,0 +1,157 @@
+#include "ui/app/settings.h"
+
+#include <fmt/format.h>
+
+#include <fstream>
+#include <iterator>
+#include <ostream>
+#include <sstream>
+#include <utility>
+#include <vector>
+
+#include "geometry/base/atomic_file.h"
+#include "geometry/base/toml_reader.h"
+#include "ui/app/user_files.h"
+#include "ui/app/workbench.h"
+
+namespace kerf {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string quoted(const std::string& text) {
+  std::ostringstream out;
+  out << toml::value<std::string>(text);
+  return out.str();
+}
+
+// The table of keys: what each reads as and is written as.
+struct Key {
+  const char* name;
+  std::string (*text)(const Settings&);
+  bool (*isSame)(const Settings&, const Settings&);
+};
+const std::vector<Key>& keys() {
+  static const std::vector<Key> kKeys = {
+      {"theme", [](const Settings& s) { return std::string(s.theme == Theme::kDark ? "\"dark\"" : "\"light\""); },
+       [](const Settings& a, const Settings& b) { return a.theme == b.theme; }},
+      {"ui_scale", [](const Settings& s) { return fmt::format("{:.2f}", s.ui_scale); },
+       [](const Settings& a, const Settings& b) { return a.ui_scale == b.ui_scale; }},
+      {"hints_dismissed", [](const Settings& s) { return std::string(s.are_hints_dismissed ? "true" : "false"); },
+       [](const Settings& a, const Settings& b) { return a.are_hints_dismissed == b.are_hints_dismissed; }},
+      {"last_folder", [](const Settings& s) { return quoted(s.last_folder.string()); },
+       [](const Settings& a, const Settings& b) { return a.last_folder == b.last_folder; }},
+      {"force_N", [](const Settings& s) { return fmt::format("{:.2f}", s.force_N); },
+       [](const Settings& a, const Settings& b) { return a.force_N == b.force_N; }},
+      {"depth_mm", [](const Settings& s) { return fmt::format("{:.2f}", s.depth_mm); },
+       [](const Settings& a, const Settings& b) { return a.depth_mm == b.depth_mm; }},
+  };
+  return kKeys;
+}
+
+// Keys that it does not know are another Kerf's: they are left alone.
+Expected<Settings> readSettings(const fs::path& path) {
+  KERF_TRY(root, parseToml(path));
+  TomlTable table(root, path, "settings");
+  for (const auto& [key, value] : root) table.allow(std::string(key.str()));
+
+  Settings out;
+  const std::string theme = table.getOr<std::string>("theme", "light", "\"light\" or \"dark\"");
+  if (theme != "light" && theme != "dark") table.reject("theme", "\"" + theme + "\"", "\"light\" or \"dark\"");
+  out.theme = theme == "dark" ? Theme::kDark : Theme::kLight;
+  out.ui_scale = table.numberOr("ui_scale", out.ui_scale, Settings::kSmallestScale, Settings::kLargestScale, "times");
+  out.are_hints_dismissed = table.getOr<bool>("hints_dismissed", false, "true or false");
+  out.last_folder = table.getOr<std::string>("last_folder", "", "a folder");
+  out.force_N = table.numberOr("force_N", out.force_N, Workbench::kLeastForce, Workbench::kMostForce, "N");
+  out.depth_mm = table.numberOr("depth_mm", out.depth_mm, 0, Workbench::kMostDepth);
+  KERF_CHECK(table.finish());
+  return out;
+}
+
+bool isThere(const fs::path& path) {
+  std::error_code ignored;
+  return fs::exists(path, ignored);
+}
+
+std::vector<std::string> linesOf(const fs::path& path) {
+  std::ifstream in(path);
+  std::vector<std::string> out;
+  for (std::string line; std::getline(in, line);) out.push_back(line);
+  return out;
+}
+
+bool isLineOf(const std::string& line, const std::string& key) {
+  const std::size_t from = line.find_first_not_of(" \t");
+  if (from == line.npos || line.compare(from, key.size(), key) != 0) return false;
+  const std::size_t next = line.find_first_not_of(" \t", from + key.size());
+  return next != line.npos && line[next] == '=';
+}
+
+// Our keys stand before the first table; a value of ours is never more than a line.
+void setLine(std::vector<std::string>& lines, const std::string& key, const std::string& value) {
+  const std::string line = key + " = " + value;
+  std::size_t n = 0;
+  for (; n < lines.size(); ++n) {
+    const std::size_t from = lines[n].find_first_not_of(" \t");
+    if (from != std::string::npos && lines[n][from] == '[') break;
+    if (!isLineOf(lines[n], key)) continue;
+    lines[n] = line;
+    return;
+  }
+  lines.insert(lines.begin() + static_cast<std::ptrdiff_t>(n), line);
+}
+
+}  // namespace
+
+SettingsFile::SettingsFile(fs::path folder)
+    : path_((folder.empty() ? userConfigFolder() : std::move(folder)) / "settings.toml") {
+  if (!isThere(path_)) return;
+  auto read = readSettings(path_);
+  if (!read) {
+    error_ = read.error();
+    if (error_->hint.empty()) error_->hint = "mend the line, or set the file aside in the settings window";
+    return;
+  }
+  values = written_ = *read;
+}
+
+Expected<void> SettingsFile::save() {
+  if (error_) return fail(*error_);
+  if (values == written_) return {};
+  // Somebody may have edited it since.
+  if (isThere(path_))
+    if (const auto now = readSettings(path_); !now) return fail(now.error());
+
+  std::vector<std::string> lines = linesOf(path_);
+  if (lines.empty()) lines.push_back("# Settings of kerf-sim. Lines it does not know stay as they are.");
+  for (const Key& key : keys())
+    if (!key.isSame(values, written_)) setLine(lines, key.name, key.text(values));
+
+  std::error_code failed;
+  fs::create_directories(path_.parent_path(), failed);
+  KERF_TRY(file, AtomicFile::create(path_));
+  for (const std::string& line : lines) file.stream() << line << '\n';
+  KERF_CHECK(file.commit());
+  written_ = values;
+  return {};
+}
+
+Expected<void> SettingsFile::setAside() {
+  if (!error_) return {};
+  fs::path aside = path_;
+  aside += ".broken";
+  for (int n = 2; isThere(aside); ++n) aside = path_.string() + fmt::format(".broken-{}", n);
+  std::error_code failed;
+  fs::rename(path_, aside, failed);
+  if (failed)
+    return fail({.code = Error::Code::kWriteFailed,
+                 .file = path_.string(),
+                 .found = failed.message(),
+                 .expected = "to be renamed to " + aside.filename().string(),
+                 .hint = "rename it yourself"});
+  error_.reset();
+  written_ = {};
+  return {};
+}
+
+}  // namespace kerf
