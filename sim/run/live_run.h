@@ -80,6 +80,8 @@ class LiveRun {
   Expected<void> start(DeviceSource& device);
 
   const std::filesystem::path& folder() const noexcept { return folder_; }
+  const std::filesystem::path& caseFolder() const noexcept { return case_folder_; }
+  const std::filesystem::path& from() const noexcept { return options_.from; }
   const CaseManifest& caseManifest() const noexcept { return case_; }
   const BakedObject& object() const noexcept { return *object_; }
   std::shared_ptr<const BakedObject> sharedObject() const noexcept { return object_; }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
@@ -13,6 +14,7 @@
 #include "geometry/formats/mesh_io.h"
 #include "geometry/formats/mesh_writer.h"
 #include "geometry/mesh/mesh_check.h"
+#include "geometry/tool/tool_file.h"
 #include "sim/run/export_bundle.h"
 #include "sim/run/placed_pieces.h"
 #include "sim/run/replay.h"
@@ -408,6 +410,64 @@ TEST_F(WorkbenchTest, UndoTakesBackAMoveThenThePiecesAndRedoBringsThemAgain) {
   ASSERT_EQ(manifest->pieces.size(), 2u);
   EXPECT_FALSE(manifest->pieces[1].isMoved()) << "the move was taken back";
   EXPECT_TRUE(replayRun(session_)->is_same);
+}
+
+// What a maker of tools does: a file of their own, dropped while something is open; then changed, then broken.
+TEST_F(WorkbenchTest, AToolThatIsDroppedIsInHandAndTheCutGoesOn) {
+  const std::string text =
+      "format = \"kerf-tool\"\nversion = 1\nid = \"mine\"\nname = \"My bur\"\ndescription = \"a round bur\"\n"
+      "kind = \"bur\"\nshape = \"round\"\nhead_diameter = 2.2\nneck_diameter = 0.9\nneck_length = 3.6\n"
+      "shank_diameter = 1.6\nshank_length = 10\n";
+  const auto known = readTool(*findToolFile("round-014", defaultToolFolders()));
+  ASSERT_TRUE(known);
+  const fs::path file = folder_.write("mine.toml", text);
+  ASSERT_TRUE(readTool(file)) << readTool(file).error().message();
+
+  Workbench bench(options());
+  Camera camera = *cameraFromView("top");
+  AppContext context{.bench = bench, .camera = camera, .width = 400, .height = 300};
+  const auto run = [&](const std::string& script) {
+    return runScript(context, folder_.write("s.ks", script), [&] { bench.update(); });
+  };
+  ASSERT_TRUE(run("file.open \"" + scan(folder_).string() +
+                  "\"\nwait\nview.fit\ncut.press 200 150\nwait 2\ncut.release\n" + "wait 0.2\n"));
+  const double removed = bench.removedMm3();
+  EXPECT_GT(removed, 0.01);
+  const std::uint64_t before = bench.generation();
+
+  bench.open(file);  // as a drop does
+  ASSERT_TRUE(run("wait\nwait 0.2\n"));
+  ASSERT_TRUE(bench.isOpen());
+  EXPECT_EQ(bench.tool(bench.toolInHand()).id, "mine");
+  EXPECT_NEAR(bench.removedMm3(), removed, 0.02) << "what was cut is cut";
+  EXPECT_GT(bench.generation(), before);
+  EXPECT_TRUE(bench.keepsView());
+  EXPECT_EQ(bench.name(), "a scan");
+  ASSERT_TRUE(run("cut.press 150 150\nwait 3\ncut.release\nwait 0.2\n"));
+  EXPECT_GT(bench.removedMm3(), removed + 0.01);
+
+  // Changed: it is read anew by itself.
+  folder_.write("mine.toml", std::string(text).replace(text.find("2.2"), 3, "1.9"));
+  fs::last_write_time(file, fs::file_time_type::clock::now() + std::chrono::seconds(5));
+  const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while (std::chrono::steady_clock::now() < until &&
+         !(bench.isOpen() && !bench.job() && bench.tool(bench.toolInHand()).head_diameter_mm == 1.9))
+    bench.update();
+  ASSERT_TRUE(bench.isOpen());
+  EXPECT_EQ(bench.tool(bench.toolInHand()).head_diameter_mm, 1.9);
+
+  // Broken: it is said, with the line, and the tool in hand stays.
+  folder_.write("mine.toml", text + "head_diamter = 3\n");
+  const auto refused = run("tool.add \"" + file.string() + "\"\n");
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message().find("head_diamter"), std::string::npos) << refused.error().message();
+  EXPECT_EQ(bench.tool(bench.toolInHand()).head_diameter_mm, 1.9);
+  ASSERT_TRUE(run("cut.press 250 150\nwait 2\ncut.release\nwait 0.2\n"));
+  bench.close();
+  while (bench.job()) bench.update();
+  const auto replayed = replayRun(bench.sessionFolder());
+  ASSERT_TRUE(replayed) << replayed.error().message();
+  EXPECT_TRUE(replayed->is_same && replayed->is_whole) << replayed->note;
 }
 
 }  // namespace

@@ -90,6 +90,11 @@ Expected<void> selectTool(AppContext& c, AppWords words) {
   for (std::size_t n = 0; n < c.bench.toolCount(); ++n) ids += (n ? ", " : "") + c.bench.tool(n).id;
   return wrongWord("\"" + words[0] + "\"", "one of " + ids);
 }
+Expected<void> addTool(AppContext& c, AppWords words) {
+  KERF_TRY(path, pathOf(words));
+  c.bench.addTool(path);
+  return {};
+}
 std::size_t toolBeside(const AppContext& c, std::size_t way) {
   const std::size_t count = std::max<std::size_t>(c.bench.toolCount(), 1);
   return (c.bench.toolInHand() + way) % count;
@@ -216,6 +221,8 @@ constexpr AppCommand kCommands[] = {
     {"edit.redo", "Edit", "Redo", "Ctrl+Y", "", "Does the stroke again that was taken back last.", isOpen, redo},
 
     {"tool.select", "", "", "", "ID", "Takes another tool.", isOpen, selectTool},
+    {"tool.add", "Tool", "Add a tool...", "", "PATH",
+     "Puts a tool's file into the rack, or reads it anew, and takes the tool.", isIdle, addTool},
     {"tool.next", "Tool", "Next tool", "]", "", "Takes the next tool of the rack.", isOpen, nextTool},
     {"tool.previous", "Tool", "Previous tool", "[", "", "Takes the tool before.", isOpen, previousTool},
     {"cut.force", "", "", "", "NEWTONS", "Sets how hard a pressed button pushes, 0.1 to 8 N.", always, setForce},

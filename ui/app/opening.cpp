@@ -7,6 +7,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <fstream>
 #include <utility>
 
 #include "geometry/base/hash.h"
@@ -181,9 +182,25 @@ CloseOptions closeOptionsOf(const ClosingChoice& choice) {
   return out;
 }
 
+namespace {
+
+// A recipe is TOML, too.
+bool looksLikeTool(const fs::path& path) {
+  constexpr std::size_t kMostBytes = 4096;
+  if (path.extension() != ".toml") return false;
+  std::ifstream in(path, std::ios::binary);
+  std::string begin(kMostBytes, '\0');
+  in.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  begin.resize(static_cast<std::size_t>(in.gcount()));
+  return begin.find("\"kerf-tool\"") != begin.npos;
+}
+
+}  // namespace
+
 FileKind kindOf(const fs::path& path) {
   if (isRun(path)) return FileKind::kRun;
   if (isCase(path)) return FileKind::kCase;
+  if (looksLikeTool(path)) return FileKind::kTool;
   return looksLikeRecipe(path) ? FileKind::kRecipe : FileKind::kScan;
 }
 

@@ -24,6 +24,7 @@ enum class FileKind {
   kScan,    ///< a mesh file, or what will be refused as none: only reading it tells
   kRecipe,  ///< puts meshes and labels together
   kCase,    ///< baked already
+  kTool,    ///< for the rack
   kRun,     ///< a session that has ended: a new one goes on from it
 };
 /// Reads a manifest or the first lines, no more.

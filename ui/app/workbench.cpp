@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "geometry/formats/mesh_formats.h"
-#include "geometry/tool/tool_file.h"
 #include "ui/app/exporting.h"
 #include "ui/app/import_plan.h"
 #include "ui/app/sawing.h"
@@ -20,49 +19,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kHeadUpTo = 4;          // mm from the tip: what has to be free where a stroke starts
-constexpr double kHeadTolerance = 0.05;  // mm
-
 fs::path dataFolderOf(const WorkbenchOptions& options) {
   return options.data_folder.empty() ? userDataFolder() : options.data_folder;
 }
 
-// What of a tool has to be free before a stroke: vertices near its tip.
-Mesh headOf(const Tool& tool) {
-  Mesh out;
-  for (const Vec3d& v : toolMesh(tool, kHeadTolerance).vertices)
-    if (v[2] < kHeadUpTo) out.vertices.push_back(v);
-  return out;
-}
-
 }  // namespace
-
-const std::vector<std::string>& defaultTools() {
-  static const std::vector<std::string> kTools = {
-      "round-014", "round-010", "round-018", "us-330",  "856-016",
-      "837-012",   "847-016",   "862-012",   "disc-22", "saw-reciprocating-25"};
-  return kTools;
-}
 
 Workbench::Workbench(WorkbenchOptions options)
     : options_(std::move(options)), recent_(dataFolderOf(options_)), saw_(std::make_unique<Sawing>(*this)) {
   options_.data_folder = dataFolderOf(options_);
-  const auto& wanted = options_.tools.empty() ? defaultTools() : options_.tools;
-  for (const std::string& id : wanted) {
-    const auto file = findToolFile(id, defaultToolFolders());
-    if (!file) {
-      complain(file.error());
-      continue;
-    }
-    auto tool = readTool(*file);
-    if (!tool) {
-      complain(tool.error());
-      continue;
-    }
-    heads_.push_back(headOf(*tool));
-    plunges_.push_back(plungeOf(*tool));
-    tools_.push_back({*file, std::move(*tool)});
-  }
+  fillRack();
   findLostSessions();
 }
 
@@ -82,6 +48,7 @@ std::vector<ObjectChunks> Workbench::update() {
   if (import_ && !job_) import_->update();
   takeNews();
   saw_->update();
+  watchTools();
   return std::exchange(fresh_, {});
 }
 
@@ -165,6 +132,7 @@ bool Workbench::isBusy() {
 // ---- Opening
 
 void Workbench::open(const fs::path& path) {
+  if (kindOf(path) == FileKind::kTool) return addTool(path);
   openBy("opening " + path.filename().string(),
          [path, options = openingOptions()](const Progress& progress) { return openToCut(path, options, progress); });
 }
@@ -232,8 +200,10 @@ void Workbench::show(Opened& loaded) {
   removed_mm3_ = 0;
   saw_->opened();
   ++generation_;
+  keeps_view_ = is_reopening_;
+  std::fill(is_outdated_.begin(), is_outdated_.end(), 0);
   for (std::string& note : loaded.notes) say(std::move(note));
-  remember(source_);
+  if (!is_reopening_) remember(source_);
 }
 
 // For what is written: names as the window shows them.
@@ -257,6 +227,8 @@ void Workbench::close() {
   job_writes_ = true;
   when_over_ = [this, job = job.get(), folder = session_] {
     auto written = job->take();
+    has_written_ = written.has_value();
+    has_failed_ = !written && written.error().code != Error::Code::kEmpty;
     if (written)
       say(fmt::format("session written: {}\nas a mesh again: kerf export {} -o OUT.stl", folder.string(),
                       folder.string()));
@@ -264,24 +236,6 @@ void Workbench::close() {
       complain(written.error());
   };
   job_ = std::move(job);
-}
-
-// ---- Tools
-
-void Workbench::selectTool(std::size_t n) {
-  if (!run_ || n >= toolCount() || n == tool_) return;
-  release();
-  saw_->stop();
-  if (send(SelectTool{n})) tool_ = n;
-}
-
-bool Workbench::selectTool(const std::string& id) {
-  for (std::size_t n = 0; n < toolCount(); ++n)
-    if (tool(n).id == id) {
-      selectTool(n);
-      return true;
-    }
-  return false;
 }
 
 // ---- By mouse

@@ -4,6 +4,7 @@
 // a user is one function here; the table of commands (app_commands.h) gives them names, keys and places in menus.
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -29,7 +30,7 @@ class ImportPlan;
 struct WorkbenchOptions {
   /// Where cases and sessions go: "cases", "sessions" below it. Empty: $XDG_DATA_HOME/kerf, or ~/.local/share/kerf.
   std::filesystem::path data_folder;
-  std::vector<std::string> tools;  ///< ids or files; empty: those of defaultTools()
+  std::vector<std::string> tools;  ///< ids or files; empty: all of the rack, those of defaultTools() first
   std::string unit;                ///< of scans that are opened: "mm", "inch"; empty: as the file says, or by its size
   double voxel_mm = 0;             ///< of scans that are opened; 0: 0.1, or coarser for a large one: voxelFor()
   RealTimeRequest real_time;       ///< of the haptic thread
@@ -106,6 +107,13 @@ class Workbench {
   std::size_t toolInHand() const { return tool_; }
   void selectTool(std::size_t n);
   bool selectTool(const std::string& id);
+  /// So many of the first ones are for a first look; all: a rack of a person's choice.
+  std::size_t favouriteTools() const { return favourites_ ? favourites_ : tools_.size(); }
+  /// A tool's file is put into the rack, or read anew, and the tool taken. What is open goes on in a session of its
+  /// own: undo reaches back to here. A file that is no tool is refused with what is wrong in it.
+  void addTool(const std::filesystem::path& file);
+  /// What is shown was opened only to go on with another tool: the view stays.
+  bool keepsView() const { return keeps_view_; }
 
   // ---- By mouse: rays in the world's frame
 
@@ -191,6 +199,10 @@ class Workbench {
   void show(Opened& loaded);
   void sendAim();
   void namePieces();
+  void fillRack();
+  void putIntoRack(const std::filesystem::path& file, Tool tool);
+  void reopenWith(const std::filesystem::path& tool_file);
+  void watchTools();
   void placePiecesOfBefore();
 
   WorkbenchOptions options_;
@@ -223,8 +235,14 @@ class Workbench {
   HapticReport report_;
   HapticTimes times_;
   std::size_t tool_ = 0;
-  std::vector<Mesh> heads_;      // of the tools
-  std::vector<Plunge> plunges_;  // of the same
+  std::vector<Mesh> heads_;                                                 // of the tools
+  std::vector<Plunge> plunges_;                                             // of the same
+  std::vector<std::optional<std::filesystem::file_time_type>> tool_times_;  // of their files
+  std::size_t favourites_ = 0;
+  std::chrono::steady_clock::time_point next_watch_{};
+  std::vector<char> is_outdated_;                  // its file was read anew since something was opened
+  bool has_written_ = false, has_failed_ = false;  // the last close()
+  bool is_reopening_ = false, keeps_view_ = false;
   std::optional<Stroke> stroke_;
   MouseAim aim_;
   double push_factor_ = 1;

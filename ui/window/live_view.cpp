@@ -18,7 +18,7 @@ void LiveView::update(Workbench& bench) {
     placed_.clear();
     tool_.reset();
     hover_.reset();
-    is_fit_wanted_ = true;
+    is_fit_wanted_ = !bench.keepsView();
   }
   for (const ObjectChunks& object : changed)
     for (const MeshChunkPtr& chunk : object.chunks)

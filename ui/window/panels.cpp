@@ -12,8 +12,6 @@
 namespace kerf {
 namespace {
 
-constexpr float kPanelWidth = 250;
-
 void runOrSay(AppContext& context, const AppCommand& command) {
   if (command.is_enabled(context)) (void)command.run(context, {});
 }
@@ -36,45 +34,6 @@ void drawMenus(AppContext& context, PanelState& state) {
   ImGui::SameLine(ImGui::GetWindowWidth() - ImGui::CalcTextSize(right.c_str()).x - 16);
   ImGui::TextColored(styleColours().quiet, "%s", right.c_str());
   ImGui::EndMainMenuBar();
-}
-
-// ---- Tools
-
-std::string shortName(const Tool& tool) {
-  const std::string size = tool.head_diameter_mm > 0 ? fmt::format("{:.1f} mm", tool.head_diameter_mm) : "";
-  return fmt::format("{}  {}", tool.name.empty() ? tool.id : tool.name, size);
-}
-
-void drawTools(AppContext& context) {
-  Workbench& bench = context.bench;
-  const float top = ImGui::GetFrameHeight() + 8;
-  ImGui::SetNextWindowPos({8, top}, ImGuiCond_Always);
-  ImGui::SetNextWindowSize({scaled(kPanelWidth), 0}, ImGuiCond_Always);
-  ImGui::Begin("Tool", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
-  for (std::size_t n = 0; n < bench.toolCount(); ++n) {
-    const std::string label = fmt::format("{}###tool{}", shortName(bench.tool(n)), n);
-    if (ImGui::Selectable(label.c_str(), n == bench.toolInHand())) bench.selectTool(n);
-    if (ImGui::IsItemHovered())
-      ImGui::SetTooltip("%s\n%s", bench.tool(n).id.c_str(), bench.tool(n).description.c_str());
-  }
-
-  ImGui::Separator();
-  ImGui::PushItemWidth(-1);
-  float force = static_cast<float>(bench.force), depth = static_cast<float>(bench.depth_mm);
-  float spray = static_cast<float>(100 * bench.irrigation);
-  ImGui::TextUnformatted("Push");
-  if (ImGui::SliderFloat("##force", &force, static_cast<float>(Workbench::kLeastForce), 5, "%.1f N",
-                         ImGuiSliderFlags_AlwaysClamp))
-    bench.setForce(static_cast<double>(force));
-  ImGui::TextUnformatted("Depth below the surface");
-  if (ImGui::SliderFloat("##depth", &depth, 0, static_cast<float>(Workbench::kMostDepth), "%.2f mm",
-                         ImGuiSliderFlags_AlwaysClamp))
-    bench.deepen(static_cast<double>(depth) - bench.depth_mm);
-  ImGui::TextUnformatted("Spray");
-  if (ImGui::SliderFloat("##spray", &spray, 0, 100, "%.0f %%", ImGuiSliderFlags_AlwaysClamp))
-    bench.irrigation = 0.01 * static_cast<double>(spray);
-  ImGui::PopItemWidth();
-  ImGui::End();
 }
 
 // ---- Readings
@@ -178,7 +137,7 @@ void drawPanels(AppContext& context, PanelState& state, const std::optional<Tool
   if (context.bench.importPlan()) {
     drawImportPanel(context, state.import);
   } else if (context.bench.isOpen()) {
-    drawTools(context);
+    drawTools(context, state.tools);
     const float below = drawReadings(context, over) + 8;
     drawPieces(context, state.piece_drag, below, state.pixels);
     drawHints(state);

@@ -8,6 +8,7 @@
 #include "ui/window/first_screen.h"
 #include "ui/window/import_panel.h"
 #include "ui/window/pieces_panel.h"
+#include "ui/window/tool_panel.h"
 
 namespace kerf {
 
@@ -17,6 +18,7 @@ struct PanelState {
   std::function<void(const AppCommand&)> ask_for_file;
   std::size_t notices_seen = 0;  ///< those before were dismissed
   bool has_hints = true;
+  ToolPanelState tools{};
   PieceDrag piece_drag{};
   double pixels = 1;  ///< of the picture per window unit
   ImportPanelState import;

@@ -8,10 +8,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "ui/window/style.h"
+
 namespace kerf {
 namespace {
 
-constexpr float kPanelWidth = 250;
 constexpr std::array<ImU32, 3> kAxisColours = {IM_COL32(214, 66, 56, 255), IM_COL32(54, 150, 60, 255),
                                                IM_COL32(48, 104, 214, 255)};
 constexpr ImU32 kLit = IM_COL32(250, 176, 20, 255), kDiscColour = IM_COL32(250, 250, 250, 230),
@@ -70,8 +71,8 @@ void drawMove(Workbench& bench, const SceneObject& piece) {
 void drawList(AppContext& context, float top) {
   Workbench& bench = context.bench;
   const ImGuiIO& io = ImGui::GetIO();
-  ImGui::SetNextWindowPos({io.DisplaySize.x - kPanelWidth - 8, top}, ImGuiCond_Always);
-  ImGui::SetNextWindowSize({kPanelWidth, 0}, ImGuiCond_Always);
+  ImGui::SetNextWindowPos({io.DisplaySize.x - scaled(kPanelWidth) - 8, top}, ImGuiCond_Always);
+  ImGui::SetNextWindowSize({scaled(kPanelWidth), 0}, ImGuiCond_Always);
   ImGui::Begin("Pieces", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
   const SceneObject* const chosen = bench.chosenPiece();
   for (SceneObject* piece : bench.scene().shown()) {
@@ -81,7 +82,7 @@ void drawList(AppContext& context, float top) {
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("Show it");
     ImGui::SameLine();
     const std::string volume = fmt::format("{:.1f} mm3{}", piece->surface.volume(), piece->isMoved() ? ", moved" : "");
-    if (ImGui::Selectable(piece->name.c_str(), piece == chosen, 0, {90, 0}))
+    if (ImGui::Selectable(piece->name.c_str(), piece == chosen, 0, {scaled(90), 0}))
       bench.choosePiece(piece == chosen ? std::nullopt : std::optional(piece->id));
     ImGui::SameLine();
     ImGui::TextDisabled("%s", volume.c_str());

@@ -5,6 +5,9 @@
 
 namespace kerf {
 
+/// Of the panels at the sides, before scaled().
+inline constexpr float kPanelWidth = 250;
+
 /// Beside those of Dear ImGui's own style.
 struct StyleColours {
   ImVec4 warning, good, quiet, accent;

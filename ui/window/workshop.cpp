@@ -377,7 +377,7 @@ class Workshop {
 
   void askForFile(const AppCommand& command) {
     asked_for_ = &command;
-    const bool opens = command.id == "file.open" || command.id == "import.read";
+    const bool opens = command.id == "file.open" || command.id == "import.read" || command.id == "tool.add";
     browser_.show(opens ? FileBrowser::Purpose::kOpen : FileBrowser::Purpose::kSave,
                   opens ? "" : bench_.name() + "-cut.stl");
   }

@@ -1,0 +1,169 @@
+// The rack: its tools, and those that a person adds while something is open. The rest of the workbench: workbench.cpp.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <system_error>
+#include <utility>
+
+#include "geometry/tool/tool_file.h"
+#include "ui/app/sawing.h"
+#include "ui/app/workbench.h"
+
+namespace kerf {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr double kHeadUpTo = 4;          // mm from the tip: what has to be free where a stroke starts
+constexpr double kHeadTolerance = 0.05;  // mm
+
+// What of a tool has to be free before a stroke: vertices near its tip.
+Mesh headOf(const Tool& tool) {
+  Mesh out;
+  for (const Vec3d& v : toolMesh(tool, kHeadTolerance).vertices)
+    if (v[2] < kHeadUpTo) out.vertices.push_back(v);
+  return out;
+}
+
+std::optional<fs::file_time_type> timeOf(const fs::path& file) {
+  std::error_code failed;
+  const auto out = fs::last_write_time(file, failed);
+  return failed ? std::nullopt : std::optional(out);
+}
+
+}  // namespace
+
+const std::vector<std::string>& defaultTools() {
+  static const std::vector<std::string> kTools = {
+      "round-014", "round-010", "round-018", "us-330",  "856-016",
+      "837-012",   "847-016",   "862-012",   "disc-22", "saw-reciprocating-25"};
+  return kTools;
+}
+
+void Workbench::putIntoRack(const fs::path& file, Tool tool) {
+  const auto same = [&](const SessionTool& known) { return known.file == file; };
+  const auto at = static_cast<std::size_t>(std::find_if(tools_.begin(), tools_.end(), same) - tools_.begin());
+  if (at == tools_.size()) {
+    tools_.emplace_back();
+    heads_.emplace_back();
+    plunges_.emplace_back();
+    tool_times_.emplace_back();
+    is_outdated_.push_back(0);
+  }
+  heads_[at] = headOf(tool);
+  plunges_[at] = plungeOf(tool);
+  tool_times_[at] = timeOf(file);
+  is_outdated_[at] = run_ != nullptr;
+  tools_[at] = {file, std::move(tool)};
+}
+
+void Workbench::fillRack() {
+  const auto folders = defaultToolFolders();
+  for (const std::string& id : options_.tools.empty() ? defaultTools() : options_.tools) {
+    const auto file = findToolFile(id, folders);
+    if (!file) {
+      complain(file.error());
+      continue;
+    }
+    auto tool = readTool(*file);
+    tool ? putIntoRack(*file, std::move(*tool)) : complain(tool.error());
+  }
+  if (!options_.tools.empty()) return;
+
+  favourites_ = tools_.size();
+  for (ToolListing& listed : listTools(folders))
+    if (listed.tool)
+      putIntoRack(listed.file, std::move(*listed.tool));
+    else
+      complain(*listed.error);
+}
+
+void Workbench::addTool(const fs::path& file) {
+  if (isBusy()) return;
+  auto tool = readTool(file);
+  if (!tool) return complain(tool.error());
+  const std::string id = tool->id;
+  std::error_code failed;
+  const fs::path path = fs::absolute(file, failed);
+  putIntoRack(failed ? file : path, std::move(*tool));
+  if (run_) return reopenWith(failed ? file : path);
+  say(id + " is in the rack: open something to cut with it");
+}
+
+// The tools of a session are named where its log begins. So this one is written, and another goes on from it.
+void Workbench::reopenWith(const fs::path& tool_file) {
+  const fs::path before = run_->from().empty() ? run_->caseFolder() : run_->from(), session = session_;
+  const auto plan = std::make_shared<SawPlan>(saw_->plan());
+  const fs::path source = source_;
+  const std::string name = name_;
+  close();
+  auto closing = std::exchange(when_over_, {});
+  has_written_ = false;
+  when_over_ = [this, closing = std::move(closing), before, session, plan, source, name, tool_file] {
+    const std::size_t told = notices_.size();
+    closing();
+    if (has_failed_) return;                  // what was cut is in its log: nothing is opened over that
+    if (has_written_) notices_.resize(told);  // it goes on
+    const fs::path next = has_written_ ? session : before;
+    openBy("taking the tool",
+           [this, next](const Progress& progress) { return openToCut(next, openingOptions(), progress); });
+    if (!job_) return;
+    const auto show_it = std::exchange(when_over_, {});
+    when_over_ = [this, show_it, plan, source, name, tool_file] {
+      is_reopening_ = true;
+      show_it();
+      is_reopening_ = false;
+      if (!run_) return;
+      source_ = source;
+      name_ = name;
+      saw_->plan() = *plan;
+      for (std::size_t n = 0; n < tools_.size(); ++n)
+        if (tools_[n].file == tool_file) selectTool(n);
+    };
+  };
+}
+
+// A tool's file that was changed is read anew: at once if the tool is in hand, else with what is opened next.
+void Workbench::watchTools() {
+  const auto now = std::chrono::steady_clock::now();
+  if (now < next_watch_ || job_ || isPressed() || saw_->isCutting()) return;
+  next_watch_ = now + std::chrono::seconds(1);
+
+  for (std::size_t n = 0; n < tools_.size(); ++n) {
+    const auto time = timeOf(tools_[n].file);
+    if (!time || time == tool_times_[n]) continue;
+    tool_times_[n] = time;
+    auto tool = readTool(tools_[n].file);
+    if (!tool) {
+      complain(tool.error());
+      continue;
+    }
+    const fs::path file = tools_[n].file;
+    say(fmt::format("{} was changed: it is read anew", file.filename().string()));
+    putIntoRack(file, std::move(*tool));
+    if (run_ && n == tool_) return reopenWith(file);
+  }
+}
+
+// ---- The tool in hand
+
+void Workbench::selectTool(std::size_t n) {
+  if (!run_ || n >= toolCount() || n == tool_) return;
+  release();
+  saw_->stop();
+  if (is_outdated_[n] && !job_) return reopenWith(tools_[n].file);
+  if (send(SelectTool{n})) tool_ = n;
+}
+
+bool Workbench::selectTool(const std::string& id) {
+  for (std::size_t n = 0; n < toolCount(); ++n)
+    if (tool(n).id == id) {
+      selectTool(n);
+      return true;
+    }
+  return false;
+}
+
+}  // namespace kerf

@@ -1,0 +1,185 @@
+#include "ui/window/tool_panel.h"
+
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "ui/app/tool_search.h"
+#include "ui/window/style.h"
+
+namespace kerf {
+namespace {
+
+using IconTriangle = ToolPanelState::IconTriangle;
+
+constexpr float kIcon = 30, kRowGap = 2;
+constexpr int kRows = 10;
+constexpr double kMargin = 0.18;      // of the picture, about what cuts
+constexpr double kTolerance = 0.008;  // of that
+
+std::string sizeOf(const Tool& tool) {
+  if (tool.head_diameter_mm > 0) return fmt::format("{:.1f} mm", tool.head_diameter_mm);
+  if (tool.kind == ToolKind::kBlade) return fmt::format("kerf {:.2f}", tool.kerfWidth());
+  return "";
+}
+
+// What cuts, from the side, with as much of the rest as is beside it.
+std::vector<IconTriangle> iconOf(const Tool& tool) {
+  const Box3 cut = tool.cut->bounds();
+  const Vec3d center = cut.center(), size = cut.size();
+  int thin = 0;  // the axis that it is seen along: its wide side is towards the viewer
+  for (int axis = 1; axis < 3; ++axis)
+    if (size[axis] < size[thin]) thin = axis;
+  const int up = thin == 2 ? 1 : 2, across = 3 - thin - up;
+  const double side = std::max({size[across], size[up], 1e-3}) * (1 + 2 * kMargin);
+  const Vec3d away = Vec3d::Unit(thin);
+
+  const Mesh mesh = toolMesh(tool, kTolerance * side);
+  struct Sorted {
+    double depth;
+    IconTriangle triangle;
+  };
+  std::vector<Sorted> sorted;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Vec3d normal = doubleAreaVector(mesh, t);
+    if (normal.dot(away) <= 0) continue;
+    Sorted s{0, {}};
+    bool is_seen = false;
+    for (int k = 0; k < 3; ++k) {
+      const Vec3d p = mesh.corner(t, k);
+      const double x = 0.5 + (p[across] - center[across]) / side, y = 0.5 - (p[up] - center[up]) / side;
+      s.triangle.corners[static_cast<std::size_t>(k)] = {static_cast<float>(x), static_cast<float>(y)};
+      s.depth += p.dot(away) / 3;
+      is_seen |= x > -0.2 && x < 1.2 && y > -0.2 && y < 1.2;
+    }
+    if (!is_seen) continue;
+    const Vec3d middle = (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2)) / 3;
+    s.triangle.is_cutting = tool.cut->distance(middle) < 0.02 * side;
+    s.triangle.shade =
+        static_cast<float>(0.35 + 0.65 * normal.normalized().dot((away + 0.5 * Vec3d::Unit(up)).normalized()));
+    sorted.push_back(s);
+  }
+  std::sort(sorted.begin(), sorted.end(), [](const Sorted& a, const Sorted& b) { return a.depth < b.depth; });
+
+  std::vector<IconTriangle> out;
+  for (const Sorted& s : sorted) out.push_back(s.triangle);
+  return out;
+}
+
+void drawIcon(const std::vector<IconTriangle>& icon, ImVec2 at, float side) {
+  ImDrawList* const draw = ImGui::GetWindowDrawList();
+  const ImDrawListFlags before = draw->Flags;
+  draw->Flags &= ~ImDrawListFlags_AntiAliasedFill;  // else there are seams
+  draw->PushClipRect(at, {at.x + side, at.y + side}, true);
+  for (const IconTriangle& t : icon) {
+    const float light = std::clamp(t.shade, 0.2f, 1.0f);
+    const ImVec4 base = t.is_cutting ? ImVec4(0.93f, 0.76f, 0.36f, 1) : ImVec4(0.74f, 0.77f, 0.81f, 1);
+    const auto corner = [&](std::size_t k) {
+      return ImVec2(at.x + side * t.corners[k][0], at.y + side * t.corners[k][1]);
+    };
+    draw->AddTriangleFilled(corner(0), corner(1), corner(2),
+                            ImGui::GetColorU32({base.x * light, base.y * light, base.z * light, 1}));
+  }
+  draw->PopClipRect();
+  draw->Flags = before;
+}
+
+void drawRow(Workbench& bench, ToolPanelState& state, std::size_t n) {
+  const Tool& tool = bench.tool(n);
+  const float side = scaled(kIcon);
+  ImGui::PushID(static_cast<int>(n));
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  if (ImGui::Selectable("##tool", n == bench.toolInHand(), 0, {0, side})) bench.selectTool(n);
+  if (ImGui::IsItemHovered())
+    ImGui::SetTooltip("%s\n%s%s%s", tool.id.c_str(), tool.description.c_str(),
+                      tool.iso6360.empty() ? "" : "\nISO 6360 ", tool.iso6360.c_str());
+
+  auto icon = state.icons.find(tool.cut.get());
+  if (icon == state.icons.end()) icon = state.icons.emplace(tool.cut.get(), iconOf(tool)).first;
+  drawIcon(icon->second, at, side);
+  const float line = ImGui::GetTextLineHeight();
+  ImDrawList* const draw = ImGui::GetWindowDrawList();
+  const std::string size = sizeOf(tool);
+  const float right = at.x + ImGui::GetContentRegionAvail().x;
+  const float size_at = right - ImGui::CalcTextSize(size.c_str()).x;
+  draw->PushClipRect(at, {size_at - scaled(6), at.y + side}, true);
+  draw->AddText({at.x + side + scaled(8), at.y + 0.5f * (side - line)}, ImGui::GetColorU32(ImGuiCol_Text),
+                (tool.name.empty() ? tool.id : tool.name).c_str());
+  draw->PopClipRect();
+  draw->AddText({size_at, at.y + 0.5f * (side - line)}, ImGui::GetColorU32(styleColours().quiet), size.c_str());
+  ImGui::PopID();
+}
+
+// The first ones, or all, or what is searched for; the one in hand is always among them.
+std::vector<std::size_t> listed(const Workbench& bench, const ToolPanelState& state) {
+  const std::string_view search(state.search.data());
+  std::vector<std::size_t> out;
+  for (std::size_t n = 0; n < bench.toolCount(); ++n) {
+    const bool is_wanted = search.empty() ? state.shows_all || n < bench.favouriteTools() || n == bench.toolInHand()
+                                          : matchesSearch(bench.tool(n), search);
+    if (is_wanted) out.push_back(n);
+  }
+  return out;
+}
+
+void drawRack(Workbench& bench, ToolPanelState& state) {
+  ImGui::PushItemWidth(-1);
+  const std::string hint = fmt::format("Search {} tools: round, 1.4, saw...", bench.toolCount());
+  ImGui::InputTextWithHint("##search", hint.c_str(), state.search.data(), state.search.size());
+  ImGui::PopItemWidth();
+
+  const std::vector<std::size_t> rows = listed(bench, state);
+  const float row = scaled(kIcon) + scaled(kRowGap);
+  const auto shown = static_cast<float>(std::clamp<std::size_t>(rows.size(), 1, kRows));
+  ImGui::BeginChild("rack", {0, shown * row + scaled(4)});
+  ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {scaled(8), scaled(kRowGap)});
+  ImGuiListClipper clipper;
+  clipper.Begin(static_cast<int>(rows.size()), row);
+  while (clipper.Step())
+    for (int n = clipper.DisplayStart; n < clipper.DisplayEnd; ++n)
+      drawRow(bench, state, rows[static_cast<std::size_t>(n)]);
+  ImGui::PopStyleVar();
+  if (rows.empty()) ImGui::TextDisabled("None is called that");
+  ImGui::EndChild();
+
+  if (bench.favouriteTools() < bench.toolCount() && !state.search[0]) {
+    const std::string label =
+        state.shows_all ? std::string("Show fewer") : fmt::format("Show all {}", bench.toolCount());
+    if (ImGui::SmallButton((label + "###all").c_str())) state.shows_all = !state.shows_all;
+  }
+}
+
+void drawHand(Workbench& bench) {
+  ImGui::PushItemWidth(-1);
+  float force = static_cast<float>(bench.force), depth = static_cast<float>(bench.depth_mm);
+  float spray = static_cast<float>(100 * bench.irrigation);
+  ImGui::TextUnformatted("Push");
+  if (ImGui::SliderFloat("##force", &force, static_cast<float>(Workbench::kLeastForce), 5, "%.1f N",
+                         ImGuiSliderFlags_AlwaysClamp))
+    bench.setForce(static_cast<double>(force));
+  ImGui::TextUnformatted("Depth below the surface");
+  if (ImGui::SliderFloat("##depth", &depth, 0, static_cast<float>(bench.mostDepth()), "%.2f mm",
+                         ImGuiSliderFlags_AlwaysClamp))
+    bench.deepen(static_cast<double>(depth) - bench.depth_mm);
+  ImGui::TextUnformatted("Spray");
+  if (ImGui::SliderFloat("##spray", &spray, 0, 100, "%.0f %%", ImGuiSliderFlags_AlwaysClamp))
+    bench.irrigation = 0.01 * static_cast<double>(spray);
+  ImGui::PopItemWidth();
+}
+
+}  // namespace
+
+void drawTools(AppContext& context, ToolPanelState& state) {
+  Workbench& bench = context.bench;
+  ImGui::SetNextWindowPos({8, ImGui::GetFrameHeight() + 8}, ImGuiCond_Always);
+  ImGui::SetNextWindowSize({scaled(kPanelWidth), 0}, ImGuiCond_Always);
+  ImGui::Begin("Tool", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
+  drawRack(bench, state);
+  ImGui::Separator();
+  drawHand(bench);
+  ImGui::End();
+}
+
+}  // namespace kerf

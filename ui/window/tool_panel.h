@@ -1,0 +1,27 @@
+// The rack: pictures, names, a search; and what the hand does with the tool: push, depth, spray.
+#pragma once
+
+#include <array>
+#include <map>
+#include <vector>
+
+#include "ui/app/app_commands.h"
+
+namespace kerf {
+
+/// What the window remembers of the rack between two frames.
+struct ToolPanelState {
+  std::array<char, 64> search{};
+  bool shows_all = false;
+  /// A tool as triangles in a square of side 1, y downwards; shade 0 to 1.
+  struct IconTriangle {
+    std::array<std::array<float, 2>, 3> corners;
+    float shade = 1;
+    bool is_cutting = false;
+  };
+  std::map<const void*, std::vector<IconTriangle>> icons;  ///< by the tool's shape
+};
+
+void drawTools(AppContext& context, ToolPanelState& state);
+
+}  // namespace kerf
