@@ -2,6 +2,7 @@
 
 #include "ui/app/file_commands.h"
 #include "ui/app/import_commands.h"
+#include "ui/app/settings_commands.h"
 
 #include <fmt/format.h>
 
@@ -220,6 +221,10 @@ constexpr AppCommand kCommands[] = {
     {"edit.undo", "Edit", "Undo", "Ctrl+Z", "", "Takes back the last stroke.", isOpen, undo},
     {"edit.redo", "Edit", "Redo", "Ctrl+Y", "", "Does the stroke again that was taken back last.", isOpen, redo},
 
+    {"settings.show", "Edit", "Settings...", "Ctrl+,", "", "Shows the settings, or puts them away.", hasSettings,
+     showSettings},
+    {"settings.push", "", "", "", "", "Keeps push and depth of now for later sessions.", hasSettings, keepPush},
+
     {"tool.select", "", "", "", "ID", "Takes another tool.", isOpen, selectTool},
     {"tool.add", "Tool", "Add a tool...", "", "PATH",
      "Puts a tool's file into the rack, or reads it anew, and takes the tool.", isIdle, addTool},
@@ -306,6 +311,12 @@ constexpr AppCommand kCommands[] = {
     {"view.iso", "View", "Oblique", "7", "", "Looks from in front, above and the right.", always, namedView<6>},
     {"view.from", "", "", "", "NAME|AZ,EL", "Looks from a named side or two angles in degrees.", always, view},
     {"view.zoom", "", "", "", "FACTOR", "Makes things larger by a factor.", always, zoom},
+    {"view.theme", "View", "Light or dark", "Ctrl+Shift+L", "[light|dark]", "Changes between light and dark panels.",
+     hasSettings, setTheme},
+    {"view.larger", "View", "Larger type", "Ctrl+=", "", "Makes type and panels larger.", hasSettings, makeLarger},
+    {"view.smaller", "View", "Smaller type", "Ctrl+-", "", "Makes type and panels smaller.", hasSettings, makeSmaller},
+    {"view.scale", "", "", "", "FACTOR", "Sets the size of type and panels, 0.75 to 3.", hasSettings, setScale},
+    {"view.hints", "View", "Hints for the mouse", "", "[on|off]", "Shows or hides the hints.", hasSettings, setHints},
     {"picture.write", "", "", "", "OUT.png", "Writes what is shown as a picture.", always, screenshot},
 };
 

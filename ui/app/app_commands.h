@@ -17,6 +17,8 @@
 
 namespace kerf {
 
+class SettingsFile;
+
 /// What a command acts on.
 struct AppContext {
   Workbench& bench;
@@ -25,6 +27,8 @@ struct AppContext {
   bool wants_quit = false;
   /// Writes what the window shows; null where nothing is drawn.
   std::function<Expected<void>(const std::filesystem::path& png)> screenshot{};
+  SettingsFile* settings = nullptr;  ///< null: nothing is kept
+  bool shows_settings = false;
 };
 
 struct AppCommand {

@@ -10,6 +10,7 @@
 
 #include "geometry/case/case_bundle.h"
 #include "geometry/formats/mesh_formats.h"
+#include "ui/window/style.h"
 
 namespace kerf {
 namespace {
@@ -26,6 +27,11 @@ void FileBrowser::show(Purpose purpose, const std::string& name) {
   is_accepted_ = is_escaped_ = false;
   std::snprintf(name_, sizeof(name_), "%s", name.c_str());
   goTo(folder_);
+}
+
+void FileBrowser::setFolder(const fs::path& folder) {
+  std::error_code ignored;
+  if (fs::is_directory(folder, ignored)) folder_ = folder;
 }
 
 void FileBrowser::goTo(const fs::path& folder) {
@@ -58,7 +64,7 @@ bool FileBrowser::isListed(const Entry& entry) const {
 std::optional<fs::path> FileBrowser::draw() {
   if (!is_shown_) return {};
   if (std::exchange(wants_popup_, false)) ImGui::OpenPopup(kTitle);
-  ImGui::SetNextWindowSize({640, 460}, ImGuiCond_Appearing);
+  ImGui::SetNextWindowSize({scaled(640), scaled(460)}, ImGuiCond_Appearing);
   bool stays = true;
   if (!ImGui::BeginPopupModal(kTitle, &stays)) {
     is_shown_ = stays && is_shown_;
@@ -98,7 +104,7 @@ std::optional<fs::path> FileBrowser::draw() {
   if (asked_ != name_) asked_.clear();
   const char* const verb = purpose_ == Purpose::kOpen ? "Open" : !asked_.empty() ? "Replace" : "Export";
   const bool is_entered = std::exchange(is_accepted_, false);
-  if ((ImGui::Button(verb, {110, 0}) || is_entered) && name_[0] != 0) {
+  if ((ImGui::Button(verb, {scaled(110), 0}) || is_entered) && name_[0] != 0) {
     std::error_code ignored;
     const bool replaces = purpose_ == Purpose::kSave && fs::exists(folder_ / name_, ignored);
     if (replaces && asked_.empty())
@@ -108,7 +114,7 @@ std::optional<fs::path> FileBrowser::draw() {
   }
   ImGui::SameLine();
   const bool is_escape = std::exchange(is_escaped_, false);
-  const bool is_cancelled = ImGui::Button("Cancel", {110, 0}) || is_escape;
+  const bool is_cancelled = ImGui::Button("Cancel", {scaled(110), 0}) || is_escape;
   if (!asked_.empty()) {
     ImGui::SameLine();
     ImGui::TextUnformatted("That file is there already.");

@@ -14,6 +14,9 @@ class FileBrowser {
   /// Shows it at the next draw(). @param name  suggested, for kSave.
   void show(Purpose purpose, const std::string& name = {});
   bool isShown() const { return is_shown_; }
+  /// Where it is, and where it begins when it is shown next; one that is gone changes nothing.
+  const std::filesystem::path& folder() const { return folder_; }
+  void setFolder(const std::filesystem::path& folder);
   /// The keys Enter and Escape: a tap shorter than a frame counts, which Dear ImGui would miss.
   void accept() { is_accepted_ = true; }
   void cancel() { is_escaped_ = true; }

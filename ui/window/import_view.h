@@ -27,6 +27,9 @@ class ImportView {
   bool takeFitWanted();
   bool isEmpty() const { return shown_ == kNone; }
 
+  /// The background goes with the panels.
+  void setBackground(const Vec3f& middle, const Vec3f& edge) { renderer_->setBackground(middle, edge); }
+
   Expected<void> draw(const Camera& camera, int width, int height, bool is_still);
 
  private:

@@ -153,7 +153,7 @@ struct LiveRenderer::Impl {
     glGenRenderbuffers(1, &points_depth);
     describeFlat(background_array, background_buffer);
     describeFlat(line_array, line_buffer);
-    makeBackground();
+    makeBackground(kBackgroundMiddle, kBackgroundEdge);
   }
   ~Impl() {
     objects.clear();
@@ -197,13 +197,13 @@ struct LiveRenderer::Impl {
 
   /// A gradient in a few large triangles with a colour at each corner: cheaper than a formula for each pixel, and than
   /// a copy of a picture.
-  void makeBackground() {
+  void makeBackground(const Vec3f& middle, const Vec3f& edge) {
     constexpr int kColumns = 16, kRows = 10;
     const auto corner = [&](int column, int row) {
       const float x = 2.0f * static_cast<float>(column) / kColumns - 1;
       const float y = 2.0f * static_cast<float>(row) / kRows - 1;
       const float off = std::clamp(0.5f * (x * x + (y - 0.15f) * (y - 0.15f)), 0.0f, 1.0f);
-      const Vec3f c = kBackgroundMiddle + off * (kBackgroundEdge - kBackgroundMiddle);
+      const Vec3f c = middle + off * (edge - middle);
       return FlatCorner{{x, y}, {c[0], c[1], c[2], 1}};
     };
     std::vector<FlatCorner> corners;
@@ -769,6 +769,7 @@ void LiveRenderer::setPose(std::size_t object, const Rigid3& T_world_object) {
 void LiveRenderer::setVisible(std::size_t object, bool is_visible) { impl_->objects[object].is_visible = is_visible; }
 void LiveRenderer::removeObject(std::size_t object) { impl_->objects.erase(object); }
 void LiveRenderer::clear() { impl_->objects.clear(); }
+void LiveRenderer::setBackground(const Vec3f& middle, const Vec3f& edge) { impl_->makeBackground(middle, edge); }
 void LiveRenderer::setTool(const ToolLook& tool) { impl_->setTool(tool); }
 const LiveCounts& LiveRenderer::counts() const { return impl_->counts; }
 

@@ -71,6 +71,8 @@ class LiveRenderer {
   void setVisible(std::size_t object, bool is_visible);  ///< true until set
   void removeObject(std::size_t object);                 ///< its pose and visibility, too
   void clear();                                          ///< all objects; the tool stays
+  /// Of the gradient behind everything, sRGB: in the middle, at the corners. A bluish grey until set.
+  void setBackground(const Vec3f& middle, const Vec3f& edge);
   /// A few ms. An empty mesh: no tool.
   void setTool(const ToolLook& tool);
 

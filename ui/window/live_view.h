@@ -30,6 +30,9 @@ class LiveView {
   bool takeFitWanted();
   bool isFitWanted() const { return is_fit_wanted_; }
 
+  /// The background goes with the panels.
+  void setBackground(const Vec3f& middle, const Vec3f& edge) { renderer_->setBackground(middle, edge); }
+
   Expected<void> draw(const Workbench& bench, const Camera& camera, int width, int height, bool is_still);
   Expected<Image> picture(const Workbench& bench, const Camera& camera, int width, int height);
 

@@ -31,7 +31,7 @@
 namespace {
 
 struct Arguments {
-  std::string scene, screenshot, view, size, look_at, section, script, data, unit;
+  std::string scene, screenshot, view, size, look_at, section, script, data, unit, config;
   std::vector<std::string> tools;
   double voxel = 0;
   double zoom = 1;
@@ -138,6 +138,7 @@ kerf::Expected<void> cut(const Arguments& arguments, const Shown& shown) {
   kerf::WorkshopOptions options;
   options.open = arguments.scene;
   options.bench.data_folder = arguments.data;
+  options.config = arguments.config;
   options.bench.tools = arguments.tools;
   options.bench.voxel_mm = arguments.voxel;
   options.bench.unit = arguments.unit;
@@ -216,6 +217,7 @@ int main(int argc, char** argv) try {
                  "of a scan that is opened: mm, cm, m, um or inch (default: as it says, or by its size)")
       ->type_name("UNIT")
       ->check(CLI::IsMember({"mm", "cm", "m", "um", "inch"}));
+  app.add_option("--config", a.config, "folder for settings (default: ~/.config/kerf)")->type_name("FOLDER");
   app.add_option("--data", a.data, "folder for cases and sessions (default: ~/.local/share/kerf)")->type_name("FOLDER");
 
   app.add_option("--screenshot", a.screenshot,

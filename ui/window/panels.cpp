@@ -7,6 +7,8 @@
 #include <array>
 #include <cmath>
 
+#include "ui/app/settings.h"
+#include "ui/window/settings_panel.h"
 #include "ui/window/style.h"
 
 namespace kerf {
@@ -117,8 +119,8 @@ void drawNotices(AppContext& context, PanelState& state) {
   ImGui::End();
 }
 
-void drawHints(PanelState& state) {
-  if (!state.has_hints) return;
+void drawHints(AppContext& context) {
+  if (!context.settings || context.settings->values.are_hints_dismissed) return;
   const ImGuiIO& io = ImGui::GetIO();
   ImGui::SetNextWindowPos({8, io.DisplaySize.y - 8}, ImGuiCond_Always, {0, 1});
   ImGui::Begin("##hints", nullptr,
@@ -126,7 +128,9 @@ void drawHints(PanelState& state) {
   ImGui::TextColored(styleColours().accent, "Left button on the object: cut. Hold still to go as deep as the limit.");
   ImGui::TextUnformatted("Shift: push twice as hard. Wheel while cutting: the depth.");
   ImGui::TextUnformatted("Right button: turn. Middle button: move. Wheel: zoom.");
-  if (ImGui::SmallButton("Got it")) state.has_hints = false;
+  if (ImGui::SmallButton("Got it"))
+    if (const auto done = runAppCommand(context, "view.hints", std::vector<std::string>{"off"}); !done)
+      context.bench.tell(done.error());
   ImGui::End();
 }
 
@@ -140,10 +144,11 @@ void drawPanels(AppContext& context, PanelState& state, const std::optional<Tool
     drawTools(context, state.tools);
     const float below = drawReadings(context, over) + 8;
     drawPieces(context, state.piece_drag, below, state.pixels);
-    drawHints(state);
+    drawHints(context);
   } else {
     state.first.draw(context, state.ask_for_file);
   }
+  drawSettings(context);
   drawJob(context);
   drawNotices(context, state);
 }

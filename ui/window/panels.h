@@ -17,7 +17,6 @@ struct PanelState {
   /// Asks for a file first: a command whose parameter is a path. Set by the window.
   std::function<void(const AppCommand&)> ask_for_file;
   std::size_t notices_seen = 0;  ///< those before were dismissed
-  bool has_hints = true;
   ToolPanelState tools{};
   PieceDrag piece_drag{};
   double pixels = 1;  ///< of the picture per window unit

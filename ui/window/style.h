@@ -3,6 +3,9 @@
 
 #include <imgui.h>
 
+#include "geometry/base/types.h"
+#include "ui/app/settings.h"
+
 namespace kerf {
 
 /// Of the panels at the sides, before scaled().
@@ -13,14 +16,15 @@ struct StyleColours {
   ImVec4 warning, good, quiet, accent;
   ImVec4 strong, strong_hovered, strong_text;  ///< of the one button that goes on
   ImU32 guide = 0, guide_text = 0;             ///< lines and words over the picture
+  Vec3f background_middle, background_edge;    ///< of the picture
 };
 const StyleColours& styleColours();
 
 /// Window units at a scale of 1 to those of now.
 float scaled(float units);
 
-/// Once, and again when the scale changes.
-void applyStyle(float scale);
+/// Once, and again when the theme or the scale changes.
+void applyStyle(Theme theme, float scale);
 
 /// The one button of a panel that goes on: filled. @param key  is written behind the label, quiet; may be empty.
 bool strongButton(const char* label, const char* key, float width);

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "ui/app/app_commands.h"
+#include "ui/app/settings.h"
 #include "ui/window/file_browser.h"
 #include "ui/window/gl_context.h"
 #include "ui/window/glfw_error.h"
@@ -109,12 +110,19 @@ struct Desktop {
     float y = 1;
     glfwGetWindowContentScale(window, &scale, &y);
     scale = std::max(scale, 1.0f);
-    loadFont();
-    applyStyle(scale);
     return {};
   }
 
-  void loadFont() const {
+  // Type and panels anew, between two frames.   @param factor  times the scale of the display.
+  void restyle(Theme theme, float factor) const {
+    ImGui::GetIO().Fonts->Clear();
+    loadFont(scale * factor);
+    ImGui_ImplOpenGL3_DestroyFontsTexture();
+    ImGui_ImplOpenGL3_CreateFontsTexture();
+    applyStyle(theme, scale * factor);
+  }
+
+  static void loadFont(float scale) {
     std::error_code ignored;
     for (const char* const font :
          {"/usr/share/fonts/opentype/inter/Inter-Regular.otf", "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf"})
@@ -146,7 +154,8 @@ Expected<void> endAll(Workbench& bench, LiveView& view) {
 
 class Workshop {
  public:
-  explicit Workshop(const WorkshopOptions& options) : options_(options), bench_(remembering(options.bench)) {}
+  explicit Workshop(const WorkshopOptions& options)
+      : options_(options), bench_(remembering(options.bench)), settings_(options.config) {}
 
   Expected<int> run() {
     KERF_CHECK(desktop_.open(options_, events_));
@@ -160,7 +169,12 @@ class Workshop {
     import_view_ = std::move(import_view);
     const std::string driver = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
     is_software_ = driver.find("llvmpipe") != driver.npos || driver.find("softpipe") != driver.npos;
+    applySettings();
     panels_.ask_for_file = [this](const AppCommand& command) { askForFile(command); };
+    if (settings_.error()) bench_.tell(*settings_.error());
+    bench_.setForce(settings_.values.force_N);
+    bench_.depth_mm = settings_.values.depth_mm;
+    browser_.setFolder(settings_.values.last_folder);
     if (!options_.open.empty()) bench_.beginImport(options_.open);
 
     while (!wants_end_) KERF_CHECK(frame());
@@ -195,6 +209,7 @@ class Workshop {
     if (!bench_.scene().bounds().isEmpty() && view_->takeFitWanted()) fitFirst();
     if (bench_.isOpen() && !bench_.scene().bounds().isEmpty()) box_ = bench_.scene().bounds();
     updateImport();
+    applySettings();
     ImGui_ImplOpenGL3_NewFrame();
     ImGui_ImplGlfw_NewFrame();
     ImGui::NewFrame();
@@ -219,6 +234,17 @@ class Workshop {
     wants_end_ = context_.wants_quit || glfwWindowShouldClose(desktop_.window) ||
                  (options_.frames > 0 && frames_ >= options_.frames);
     return {};
+  }
+
+  // Theme and scale, if they have changed.
+  void applySettings() {
+    const Settings& now = settings_.values;
+    if (applied_ && applied_->theme == now.theme && applied_->ui_scale == now.ui_scale) return;
+    applied_ = now;
+    desktop_.restyle(now.theme, static_cast<float>(now.ui_scale));
+    const StyleColours& colours = styleColours();
+    view_->setBackground(colours.background_middle, colours.background_edge);
+    import_view_->setBackground(colours.background_middle, colours.background_edge);
   }
 
   static double secondsSince(Clock::time_point then) {
@@ -324,9 +350,13 @@ class Workshop {
       if (command.parameters == "PATH")
         askForFile(command);
       else
-        (void)command.run(context_, {});
+        tellIfFailed(command.run(context_, {}));
       return;
     }
+  }
+
+  void tellIfFailed(const Expected<void>& done) {
+    if (!done) bench_.tell(done.error());
   }
 
   void button(const InputEvent& e, bool is_on_panel) {
@@ -385,6 +415,10 @@ class Workshop {
   void chooseFile() {
     const auto file = browser_.draw();
     if (!file || !asked_for_) return;
+    if (browser_.folder() != settings_.values.last_folder) {
+      settings_.values.last_folder = browser_.folder();
+      if (const auto kept = settings_.save(); !kept && !settings_.error()) bench_.tell(kept.error());
+    }
     const std::vector<std::string> words{file->string()};
     // By hand a scan is looked at before it is prepared; in a script file.open takes the defaults.
     const AppCommand* const command = asked_for_->id == "file.open" ? findAppCommand("import.read") : asked_for_;
@@ -397,7 +431,9 @@ class Workshop {
   Desktop desktop_;  // before what needs its context
   Workbench bench_;
   Camera camera_;
-  AppContext context_{.bench = bench_, .camera = camera_};
+  SettingsFile settings_;
+  std::optional<Settings> applied_;  // theme and scale of the panels
+  AppContext context_{.bench = bench_, .camera = camera_, .settings = &settings_};
   std::unique_ptr<LiveView> view_;
   std::unique_ptr<ImportView> import_view_;
   std::optional<Camera> camera_before_import_;
@@ -433,7 +469,9 @@ Expected<void> runWorkshopScript(const fs::path& script, const WorkshopOptions& 
   Workbench bench(options.bench);
   KERF_TRY(camera, cameraFromView(options.view));
   const Camera first = camera;
-  AppContext context{.bench = bench, .camera = camera, .width = options.width, .height = options.height};
+  SettingsFile settings(options.config);
+  AppContext context{
+      .bench = bench, .camera = camera, .width = options.width, .height = options.height, .settings = &settings};
   context.screenshot = [&](const fs::path& png) -> Expected<void> {
     view->update(bench);
     KERF_TRY(image, view->picture(bench, camera, context.width, context.height));

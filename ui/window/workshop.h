@@ -12,7 +12,8 @@ namespace kerf {
 struct WorkshopOptions {
   std::filesystem::path open;  ///< a mesh, a recipe or a case; empty: the first screen
   WorkbenchOptions bench;
-  std::string view = "top";  ///< from which side it is seen first
+  std::filesystem::path config;  ///< folder of settings.toml; empty: that of the user
+  std::string view = "top";      ///< from which side it is seen first
   int width = 1280, height = 800;
   int frames = 0;  ///< closes after that many, for tests; 0: when the user does
 };

@@ -1,0 +1,19 @@
+// Commands that change what a user has set; each is kept at once.
+#pragma once
+
+#include "geometry/base/error.h"
+#include "ui/app/app_commands.h"
+
+namespace kerf {
+
+bool hasSettings(const AppContext& c);
+
+Expected<void> setTheme(AppContext& c, AppWords words);
+Expected<void> setScale(AppContext& c, AppWords words);
+Expected<void> makeLarger(AppContext& c, AppWords words);
+Expected<void> makeSmaller(AppContext& c, AppWords words);
+Expected<void> setHints(AppContext& c, AppWords words);
+Expected<void> keepPush(AppContext& c, AppWords words);
+Expected<void> showSettings(AppContext& c, AppWords words);
+
+}  // namespace kerf
