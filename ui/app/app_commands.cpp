@@ -66,6 +66,10 @@ Expected<void> quit(AppContext& c, AppWords) {
   c.wants_quit = true;
   return {};
 }
+Expected<void> showPalette(AppContext& c, AppWords) {
+  c.wants_palette = true;
+  return {};
+}
 Expected<void> cancelJob(AppContext& c, AppWords) {
   c.bench.cancelJob();
   return {};
@@ -221,6 +225,8 @@ constexpr AppCommand kCommands[] = {
     {"edit.undo", "Edit", "Undo", "Ctrl+Z", "", "Takes back the last stroke.", isOpen, undo},
     {"edit.redo", "Edit", "Redo", "Ctrl+Y", "", "Does the stroke again that was taken back last.", isOpen, redo},
 
+    {"palette.show", "Edit", "Commands...", "Ctrl+Shift+P", "", "Finds a command by words and runs it.", always,
+     showPalette},
     {"settings.show", "Edit", "Settings...", "Ctrl+,", "", "Shows the settings, or puts them away.", hasSettings,
      showSettings},
     {"settings.push", "", "", "", "", "Keeps push and depth of now for later sessions.", hasSettings, keepPush},
@@ -435,6 +441,8 @@ Expected<void> runAppCommand(AppContext& context, std::string_view id, AppWords 
                  .hint = "in a script: wait"});
   return command->run(context, parameters);
 }
+
+Expected<std::vector<std::string>> wordsOfLine(const std::string& line) { return wordsOf(line); }
 
 std::string appCommandReference() {
   std::string out =

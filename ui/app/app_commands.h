@@ -29,6 +29,7 @@ struct AppContext {
   std::function<Expected<void>(const std::filesystem::path& png)> screenshot{};
   SettingsFile* settings = nullptr;  ///< null: nothing is kept
   bool shows_settings = false;
+  bool wants_palette = false;
 };
 
 struct AppCommand {
@@ -48,6 +49,9 @@ const AppCommand* findAppCommand(std::string_view id);
 /// Runs a command if it is enabled. Errors: kNotFound for an unknown id, kUnsupported if it is not enabled now,
 /// kBadValue for its parameters.
 Expected<void> runAppCommand(AppContext& context, std::string_view id, AppWords parameters = {});
+
+/// The words of a line of a script: blanks part them, double quotes keep them together, # begins a comment.
+Expected<std::vector<std::string>> wordsOfLine(const std::string& line);
 
 /// The table as Markdown: docs/reference/window-commands.md is this text.
 std::string appCommandReference();

@@ -23,6 +23,7 @@
 #include "ui/window/import_view.h"
 #include "ui/window/key_names.h"
 #include "ui/window/live_view.h"
+#include "ui/window/palette.h"
 #include "ui/window/panels.h"
 #include "ui/window/style.h"
 
@@ -39,16 +40,24 @@ constexpr double kNotch = 0.1;       // mm of depth, of the wheel during a strok
 // ---- Input: what happened since the last frame, in its order. Nothing is lost in a slow frame.
 
 struct InputEvent {
-  enum class Kind { kKey, kButton, kMove, kScroll, kDrop };
+  enum class Kind { kKey, kCharacter, kButton, kMove, kScroll, kDrop };
   Kind kind = Kind::kMove;
   int key = 0, modifiers = 0;  // of a button: its number
   bool is_down = false;
   double x = 0, y = 0;  // of a wheel: notches
-  std::string path{};
+  std::string path{};   // of a character: itself, UTF-8
 };
 
 std::vector<InputEvent>& eventsOf(GLFWwindow* window) {
   return *static_cast<std::vector<InputEvent>*>(glfwGetWindowUserPointer(window));
+}
+
+std::string utf8(unsigned code) {
+  const auto tail = [&](int shift) { return static_cast<char>(0x80 | ((code >> shift) & 0x3F)); };
+  if (code < 0x80) return {static_cast<char>(code)};
+  if (code < 0x800) return {static_cast<char>(0xC0 | (code >> 6)), tail(0)};
+  if (code < 0x10000) return {static_cast<char>(0xE0 | (code >> 12)), tail(6), tail(0)};
+  return {static_cast<char>(0xF0 | (code >> 18)), tail(12), tail(6), tail(0)};
 }
 
 void listen(GLFWwindow* window, std::vector<InputEvent>& events) {
@@ -56,6 +65,9 @@ void listen(GLFWwindow* window, std::vector<InputEvent>& events) {
   glfwSetWindowUserPointer(window, &events);
   glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int, int action, int modifiers) {
     if (action != GLFW_RELEASE) eventsOf(w).push_back({.kind = Kind::kKey, .key = key, .modifiers = modifiers});
+  });
+  glfwSetCharCallback(window, [](GLFWwindow* w, unsigned code) {
+    eventsOf(w).push_back({.kind = Kind::kCharacter, .path = utf8(code)});
   });
   glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int button, int action, int modifiers) {
     InputEvent e{.kind = Kind::kButton, .key = button, .modifiers = modifiers, .is_down = action == GLFW_PRESS};
@@ -216,6 +228,8 @@ class Workshop {
     handleInput();
     if (panels_.import.shows_guides) drawImportGuides(context_, pixels());
     drawPanels(context_, panels_, over_);
+    if (std::exchange(context_.wants_palette, false)) palette_.show();
+    if (const AppCommand* const command = drawPalette(context_, palette_)) askForFile(*command);
     chooseFile();
     ImGui::Render();
 
@@ -317,6 +331,9 @@ class Workshop {
         case InputEvent::Kind::kKey:
           key(e, io.WantTextInput);
           break;
+        case InputEvent::Kind::kCharacter:
+          if (palette_.isShown()) palette_.type(e.path);
+          break;
         case InputEvent::Kind::kButton:
           button(e, io.WantCaptureMouse);
           break;
@@ -340,6 +357,7 @@ class Workshop {
 
   // While text is typed only the window's own end is a command.
   void key(const InputEvent& e, bool is_text) {
+    if (palette_.isShown()) return paletteKey(e.key);
     if (browser_.isShown() && (e.key == GLFW_KEY_ENTER || e.key == GLFW_KEY_KP_ENTER)) return browser_.accept();
     if (browser_.isShown() && e.key == GLFW_KEY_ESCAPE) return browser_.cancel();
     const int modifiers = e.modifiers & (GLFW_MOD_CONTROL | GLFW_MOD_SHIFT | GLFW_MOD_ALT);
@@ -351,8 +369,19 @@ class Workshop {
         askForFile(command);
       else
         tellIfFailed(command.run(context_, {}));
+      if (std::exchange(context_.wants_palette, false)) palette_.show();  // the next characters are for it
       return;
     }
+  }
+
+  // What is typed comes as characters.
+  void paletteKey(int key) {
+    if (key == GLFW_KEY_ESCAPE) palette_.back();
+    if (key == GLFW_KEY_BACKSPACE) palette_.erase();
+    if (key == GLFW_KEY_UP) palette_.move(-1);
+    if (key == GLFW_KEY_DOWN) palette_.move(1);
+    if (key != GLFW_KEY_ENTER && key != GLFW_KEY_KP_ENTER) return;
+    if (const AppCommand* const command = palette_.accept(context_)) askForFile(*command);
   }
 
   void tellIfFailed(const Expected<void>& done) {
@@ -371,6 +400,7 @@ class Workshop {
       return;
     }
     if (is_on_panel) return;
+    palette_.hide();
     if (e.key == GLFW_MOUSE_BUTTON_LEFT && panels_.piece_drag.press(context_, pointer())) return;
     if (e.key != GLFW_MOUSE_BUTTON_LEFT || bench_.importPlan() || !bench_.press(rayAt(x_, y_))) {
       held_ = e.key;
@@ -443,6 +473,7 @@ class Workshop {
   Box3 box_;
   PanelState panels_;
   FileBrowser browser_;
+  CommandPalette palette_;
   const AppCommand* asked_for_ = nullptr;
   std::optional<ToolOverSurface> over_;
   Clock::time_point last_input_ = Clock::now();
