@@ -141,6 +141,8 @@ class ImportPlan {
   const ClosedPreview* preview() const { return preview_ ? &*preview_ : nullptr; }
   /// Why there is none: closing failed. Preparing would fail in the same way.
   const std::optional<Error>& previewError() const { return preview_error_; }
+  /// No thread works for it: destroying it waits for nothing.
+  bool isIdle() const { return !job_ || job_->isOver(); }
   const AnyJob* previewJob() const { return job_.get(); }
   /// Rises with every choice that changes what is shown.
   std::uint64_t version() const { return version_; }

@@ -178,7 +178,7 @@ void Workbench::show(Opened& loaded) {
     (void)loaded.run->finish();
     return complain(started.error());
   }
-  import_.reset();
+  putImportAway();
   hand_ = std::move(hand);
   guided_ = std::move(guided);
   run_ = std::move(loaded.run);

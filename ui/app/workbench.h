@@ -193,6 +193,7 @@ class Workbench {
   bool send(const Command& command);
   void findLostSessions();
   void remember(const std::filesystem::path& path);
+  void putImportAway();
   OpeningOptions openingOptions() const;
   using Load = std::function<Expected<Opened>(const Progress&)>;
   void openBy(const std::string& title, Load load);
@@ -216,6 +217,7 @@ class Workbench {
   bool job_writes_ = false;
 
   std::unique_ptr<ImportPlan> import_;
+  std::vector<std::unique_ptr<ImportPlan>> ending_imports_;  // their previews are being cancelled
   std::string name_;
   std::filesystem::path source_;  // what was opened: never written to
   std::optional<Vec3d> occlusal_;

@@ -20,6 +20,7 @@ void Workbench::beginImport(const std::filesystem::path& path) {
     auto found = job->take();
     if (!found) return complain(found.error());
     release();
+    putImportAway();
     import_ = std::make_unique<ImportPlan>(std::move(*found), PrepareOptions{options_.unit, options_.voxel_mm, {}});
   };
   job_ = std::move(job);
@@ -43,7 +44,16 @@ void Workbench::startImport() {
 }
 
 void Workbench::cancelImport() {
-  if (!isBusy()) import_.reset();
+  if (!isBusy()) putImportAway();
+}
+
+// Closing stops at its next report of progress: waiting for that here would hold up the frame.
+void Workbench::putImportAway() {
+  std::erase_if(ending_imports_, [](const auto& plan) { return plan->isIdle(); });
+  if (!import_) return;
+  import_->suspendPreview();
+  if (!import_->isIdle()) ending_imports_.push_back(std::move(import_));
+  import_.reset();
 }
 
 }  // namespace kerf

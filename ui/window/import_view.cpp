@@ -49,11 +49,12 @@ void ImportView::start(const ImportPlan& plan, bool shows_solid) {
 }
 
 void ImportView::update(const ImportPlan* plan, bool shows_solid) {
+  std::erase_if(ending_, [](const auto& job) { return job->isOver(); });
   if (!plan) {
     if (plan_) renderer_->clear();
     plan_ = nullptr;
     wanted_ = nullptr;
-    job_.reset();
+    if (job_) ending_.push_back(std::move(job_));  // waiting for it here would hold up the frame
     waiting_.clear();
     shown_ = kNone;
     fitted_scale_ = 0;

@@ -41,6 +41,7 @@ class ImportView {
   static constexpr std::size_t kNone = 2;
   std::unique_ptr<LiveRenderer> renderer_;
   std::unique_ptr<Job<Chunks>> job_;
+  std::vector<std::unique_ptr<Job<Chunks>>> ending_;  // of scans that were put away
   Chunks waiting_;
   std::size_t next_ = 0;       // of waiting_
   std::size_t shown_ = kNone;  // object 0 or 1
