@@ -22,6 +22,7 @@ constexpr double kGetsOn = 0.03;           // mm within kPatience; less is none
 constexpr double kPatience = 2;            // s
 constexpr double kDrawsBack = 0.4;         // s
 constexpr double kBackSpeed = 2;           // mm/s, while it draws back
+constexpr double kUnfelt = 0.1;            // mm of the hand without any force: the coupling does not pull
 constexpr int kFadeIn = 300;               // ticks after a pause
 
 }  // namespace
@@ -50,6 +51,7 @@ void GuidedHand::placed(const Rigid3& T_world_tool) noexcept {
   lean_ = {};
   paused_ = 0;
   was_touching_ = false;
+  still_ = 0;
   begin(T_world_tool.translation, cut_.ways[0].to, T_world_tool.translation);
   publish();
 }
@@ -57,10 +59,11 @@ void GuidedHand::placed(const Rigid3& T_world_tool) noexcept {
 void GuidedHand::write(const DeviceForce& force) noexcept {
   if (!is_mine_) return free_.write(force);
   felt_ = force.force;
+  if (!felt_.isZero(0)) still_ = 0;
   torque_ = force.torque;
-  // Exactly zero while something is touched: the thread has paused, or is latched. The tool stands still until the
-  // force has faded in again.
-  if (was_touching_ && felt_.isZero(0)) paused_ = kFadeIn;
+  // Exactly zero while something is touched or the hand moves: the thread has paused, or is latched. The tool stands
+  // still until the force has faded in again.
+  if (felt_.isZero(0) && (was_touching_ || still_ > kUnfelt)) paused_ = kFadeIn;
 }
 
 DeviceSample GuidedHand::read() noexcept {
@@ -166,6 +169,7 @@ void GuidedHand::followWay() noexcept {
     wanted_ = std::clamp(wanted_ + kGovern * (feedOf(left, resists) - speed_) * kTick, 0.0, most);
     rate = std::clamp(kGives * (wanted_ - resists), -kLetsGo, cuts ? kFastest : kCarried);
   }
+  still_ += std::abs(kTick * rate);
   h_ = std::min(h_ + kTick * rate, length_ + kPast);
   leanAgainst();
 }

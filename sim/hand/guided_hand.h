@@ -66,7 +66,7 @@ class GuidedHand final : public DeviceSource {
   static constexpr double kThroughAir = 5;  ///< mm/s, on a way that cuts, where nothing is felt
   static constexpr double kCarried = 15;    ///< mm/s, on the others
   static constexpr double kPast = 0.3;      ///< mm that the hand may stand beyond the end of a way
-  static constexpr double kMostAside = 1;   ///< mm that it leans sideways
+  static constexpr double kMostAside = 3;   ///< mm that it leans sideways
   static constexpr int kMostTries = 6;      ///< in the same place
 
   /// @param free  the person's hand; must outlive this.   @param stiffness, turn_stiffness  of the coupling, N/mm and
@@ -121,7 +121,8 @@ class GuidedHand final : public DeviceSource {
   double waited_ = 0;             // s since
   double recoil_ = 0;             // s left of drawing back
   int tries_here_ = 0;
-  int paused_ = 0;  // ticks left in which nothing is done: the force fades in
+  int paused_ = 0;    // ticks left in which nothing is done: the force fades in
+  double still_ = 0;  // mm that the hand has moved since a force was felt
   bool was_touching_ = false;
 };
 

@@ -14,8 +14,10 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kAbove = 0.3;          // mm before what the teeth meet first
 constexpr double kLift = 2;             // mm above the bone, between passes
 constexpr double kMostLift = 20;        // mm, where something else is in the blade's way
+constexpr double kAsideIsTold = 0.15;   // mm
 constexpr double kMarkEvery = 0.2;      // mm of the tool's way
 constexpr double kBesidePlane = 8;      // mm: farther from the plane a guided blade is not put down
 constexpr double kBesideEdge = 3;       // mm
@@ -27,6 +29,17 @@ constexpr auto kSaveAfter = std::chrono::seconds(1);
 
 tl::unexpected<Error> refuse(Error::Code code, std::string found, std::string expected, std::string hint) {
   return fail({.code = code, .found = std::move(found), .expected = std::move(expected), .hint = std::move(hint)});
+}
+
+// From a height above a pass down to it: where the teeth meet something first, v; just before it.
+double firstTissue(const SawPlane& plane, const SawBlade& blade, const BrickField& bone, const SawPass& pass,
+                   double above) {
+  constexpr double kStep = 0.2;  // mm
+  for (double v = above; v < pass.from; v += kStep)
+    for (double beside = -0.5 * blade.span; beside <= 0.5 * blade.span; beside += kStep)
+      for (const double side : {-0.5, 0.0, 0.5})
+        if (bone.sample(plane.fromPlane(pass.u + beside, v) + side * blade.kerf * plane.normal) < 0) return v - kAbove;
+  return pass.from;
 }
 
 }  // namespace
@@ -227,6 +240,9 @@ Expected<void> Sawing::cut(double force_n) {
   KERF_TRY(start, startAbove(plane, *blade, passes.front().u, highest->from, is_turned));
   const double above = plane.toPlane(start * blade->front)[1];
 
+  // What stands between there and the plane, such as a crown above the jaw, is sawn, too.
+  for (SawPass& pass : passes) pass.from = std::min(pass.from, firstTissue(plane, *blade, bone, pass, above));
+
   GuidedCut order;
   order.id = ++cuts_;
   order.is_wanted = true;
@@ -256,8 +272,14 @@ Expected<void> Sawing::cut(double force_n) {
     return refuse(Error::Code::kUnsupported, "the 1 kHz thread is busy", "a free place in its queue", "try again");
   }
   const HapticReport& now = bench_.report();
-  cutting_.emplace(
-      Cutting{order, SawnSection(plane, bone, tool, *blade), plane.name, start, now.tick, now.tick, now.counts.pauses});
+  cutting_.emplace(Cutting{.order = order,
+                           .section = SawnSection(plane, bone, tool, *blade),
+                           .plane = plane,
+                           .front = blade->front,
+                           .last = start,
+                           .began = now.tick,
+                           .cleared = now.tick,
+                           .pauses = now.counts.pauses});
   last_share_ = 0;
   return {};
 }
@@ -271,7 +293,7 @@ void Sawing::stop() {
 std::optional<SawingStatus> Sawing::status() const {
   if (!cutting_) return {};
   SawingStatus out;
-  out.plane = cutting_->plane;
+  out.plane = cutting_->plane.name;
   out.share = cutting_->section.share();
   out.seconds = kTick * static_cast<double>(bench_.report().tick - cutting_->began);
   out.is_stopping = !cutting_->order.is_wanted;
@@ -283,6 +305,7 @@ void Sawing::markSawn(const GuidedReport& report) {
   const Rigid3& now = bench_.report().output.T_world_tool;
   Cutting& c = *cutting_;
   if (report.stage == GuidedStage::kCutting) {
+    c.aside = std::max(c.aside, std::abs(c.plane.toPlane(now * c.front)[2]));
     const Vec3d way = now.translation - c.last.translation;
     const int steps = std::clamp(static_cast<int>(way.norm() / kMarkEvery), 1, 200);
     for (int n = 1; n <= steps; ++n) {
@@ -304,7 +327,7 @@ void Sawing::update() {
   if (report.id != c.order.id) {  // the tool is not there yet
     if (now.tick < c.began + kBeginsWithin) return;
     bench_.complain({.code = Error::Code::kUnsupported,
-                     .place = c.plane,
+                     .place = c.plane.name,
                      .found = "the blade was not put above the bone",
                      .hint = "saw.cut again"});
     stop();
@@ -329,15 +352,18 @@ void Sawing::finish(const GuidedReport& report) {
   strokes_ = 1 + static_cast<std::size_t>(bench_.report().counts.pauses - c.pauses);
   const double seconds = kTick * static_cast<double>(bench_.report().tick - c.began);
   const double percent = std::floor(1000 * last_share_) / 10;
+  const bool is_whole = last_share_ >= 0.995, is_aside = c.aside >= kAsideIsTold;
 
-  std::string text = fmt::format("{}: {} {:.4g} % of the planned section ({:.0f} mm2) in {:.0f} s", c.plane,
+  std::string text = fmt::format("{}: {} {:.4g} % of the planned section ({:.0f} mm2) in {:.0f} s", c.plane.name,
                                  c.order.is_wanted ? "cut" : "stopped after", percent, c.section.plannedMm2(), seconds);
   if (c.order.is_wanted && report.given_up > 0)
     text += "; the blade did not get on in places: push harder (saw.cut 8), or take another saw";
-  else if (c.order.is_wanted && last_share_ < 0.995)
+  else if (c.order.is_wanted && !is_whole && !is_aside)
     text += "; the rest is beyond the blade's reach";
+  if (is_aside) text += fmt::format("; the blade was pushed up to {:.2f} mm out of the plane", c.aside);
   if (c.section.beyondMm2() > 0.5)
-    text += fmt::format("; {:.1f} mm2 were sawn beside the rectangle: the blade is wider", c.section.beyondMm2());
+    text += fmt::format("; {:.1f} mm2 beside the rectangle were in the blade's way and are sawn, too",
+                        c.section.beyondMm2());
   bench_.say(std::move(text));
   cutting_.reset();
 }

@@ -113,8 +113,10 @@ class Sawing {
   struct Cutting {
     GuidedCut order;
     SawnSection section;
-    std::string plane;
+    SawPlane plane;
+    Vec3d front;                           // of the blade, tool frame
     Rigid3 last;                           // of the tool
+    double aside = 0;                      // of the blade beside its plane, at most, mm
     std::uint64_t began = 0, cleared = 0;  // ticks
     std::uint64_t pauses = 0;
     bool is_begun = false;

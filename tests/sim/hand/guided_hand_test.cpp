@@ -202,6 +202,18 @@ TEST(GuidedHand, InAPauseItStandsStill) {
   EXPECT_NEAR(bench.deepest, -3, 0.03);
 }
 
+TEST(GuidedHand, WhileNothingIsRenderedItDoesNotRunAheadOfTheTool) {
+  Bench bench("saw-reciprocating-25", {3, 6, 4});
+  bench.begin(bench.cutTo(3, 4));
+  bench.run(0.05);  // still in air
+  const Vec3d before = bench.hand().read().T_world_device.translation;
+  for (int n = 0; n < 5000; ++n) {
+    bench.hand().write({});
+    bench.hand().read();
+  }
+  EXPECT_LE((bench.hand().read().T_world_device.translation - before).norm(), 0.2) << "latched, it waits";
+}
+
 TEST(GuidedHand, ThePersonsHandIsAskedUntilACutBeginsAndAfterIt) {
   Bench bench("saw-sagittal-10", {3, 6, 4});
   const Rigid3 elsewhere = bench.above(5);
