@@ -132,6 +132,94 @@ int different(const Image& a, const Image& b, int most = 0) {
 
 const LiveFrame kPlain{.contact_mm = 0, .has_shadow = false, .has_axis_line = false};
 
+// ---- Planned cuts
+
+bool isPlanBlue(int r, int, int b) { return b > r + 60; }
+
+/// Across the block at x = -2, from above it through its underside, 0.44 mm thick.
+LiveSlab slabAcross() {
+  LiveSlab slab;
+  slab.corners = {Vec3d(-2, -6, 1), {-2, 6, 1}, {-2, 6, -5}, {-2, -6, -5}};
+  slab.thickness = 0.44;
+  slab.contour = {{Vec3d(-2, -5, 0), Vec3d(-2, 5, 0)}};
+  return slab;
+}
+LiveFrame planned() {
+  LiveFrame frame = kPlain;
+  frame.plan.slabs = {slabAcross()};
+  return frame;
+}
+
+TEST_F(LivePicture, APlannedCutIsTranslucentAndItsPlaceIsSeen) {
+  showBlock();
+  const Image plain = picture(kPlain), with = picture(planned());
+  EXPECT_EQ(count(plain, isPlanBlue), 0);
+  EXPECT_GT(count(with, isPlanBlue), 300);
+
+  // Through its middle, above the block, the background shines; the line on the top of the block is dark.
+  const auto at = [&](const Image& image, const Vec3d& p) {
+    const auto [x, y] = pixelOf(p);
+    const std::size_t i = 4 * (static_cast<std::size_t>(y) * kWidth + static_cast<std::size_t>(x));
+    return std::array<int, 3>{image.rgba[i], image.rgba[i + 1], image.rgba[i + 2]};
+  };
+  const auto before = at(plain, {-2, 1, 0.5}), shown = at(with, {-2, 1, 0.5});
+  EXPECT_NE(before, shown);
+  EXPECT_GT(shown[0], before[0] / 3) << "translucent";
+  const auto line = at(with, {-2, 1, 0});
+  EXPECT_LT(line[0], 90);
+  EXPECT_GT(line[2], line[0] + 30);
+
+  // Only near the slab anything changes.
+  EXPECT_LT(different(plain, with), 12000);
+}
+
+TEST_F(LivePicture, APlannedCutSeenEdgeOnIsALineAtEveryZoom) {
+  showBlock();
+  // From above, along the approach; and along the teeth.
+  for (const char* const view : {"top", "front"})
+    for (const double half_height : {6.0, 60.0}) {
+      camera_ = *cameraFromView(view);
+      camera_.half_height = half_height;
+      camera_.target = {0, 0, -1};
+      const Image with = picture(planned());
+      // In every row between its ends there is a pixel of it, at most a few wide.
+      const bool is_top = std::string(view) == "top";
+      const auto [x, y0] = pixelOf(is_top ? Vec3d(-2, 5.5, 0) : Vec3d(-2, 0, 0.8));
+      const auto y1 = pixelOf(is_top ? Vec3d(-2, -5.5, 0) : Vec3d(-2, 0, -4.8))[1];
+      ASSERT_LT(y0, y1);
+      for (int y = y0; y <= y1; ++y) {
+        int wide = 0;
+        for (int k = 0; k < kWidth; ++k) {
+          const std::size_t i = 4 * (static_cast<std::size_t>(y) * kWidth + static_cast<std::size_t>(k));
+          wide += isPlanBlue(with.rgba[i], with.rgba[i + 1], with.rgba[i + 2]);
+        }
+        EXPECT_GE(wide, 1) << view << ", " << half_height << " mm, row " << y << " of " << y0 << " to " << y1
+                           << ", column " << x;
+        EXPECT_LE(wide, 0.44 / camera_.mmPerPixel(kHeight) + 6) << view << ", " << half_height << " mm, row " << y;
+      }
+    }
+}
+
+TEST_F(LivePicture, WhatIsBeingPickedIsOnTopAndWithoutAPlanNothingChanges) {
+  showBlock();
+  const Image plain = picture(kPlain);
+  LiveFrame frame = kPlain;
+  frame.plan.dots = {Vec3d(0, 0, -2)};  // inside the block
+  frame.plan.lines = {{Vec3d(-4, 0, -2), Vec3d(4, 0, -2)}};
+  EXPECT_GT(count(picture(frame), isPlanBlue), 200);
+  EXPECT_EQ(different(picture(kPlain), plain), 0);
+}
+
+TEST_F(LivePicture, AnotherPlaneThanTheChosenOneIsGrey) {
+  showBlock();
+  LiveFrame frame = planned();
+  const int chosen = count(picture(frame), isPlanBlue);
+  frame.plan.slabs[0].is_chosen = false;
+  const Image other = picture(frame);
+  EXPECT_LT(count(other, isPlanBlue), chosen / 10);
+  EXPECT_GT(different(other, picture(kPlain), 8), 1000);
+}
+
 TEST_F(LivePicture, NothingToShowIsBackground) {
   const Image empty = picture();
   EXPECT_EQ(count(empty, isIvory), 0);

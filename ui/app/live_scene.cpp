@@ -96,4 +96,17 @@ std::optional<SceneHit> LiveScene::hit(const Ray& ray) const {
   return best;
 }
 
+std::vector<std::array<Vec3d, 2>> LiveScene::contour(const Plane& plane, const Box3& within) const {
+  std::vector<std::array<Vec3d, 2>> out;
+  for (const SceneObject* object : shown_) {
+    if (object->is_hidden) continue;
+    const Rigid3 pose = object->pose(), to_object = pose.inverse();
+    Box3 box;
+    for (int n = 0; n < 8; ++n) box.add(to_object * within.corner(n));
+    const Plane local{to_object * plane.point, to_object.rotation * plane.normal};
+    for (const auto& line : object->surface.contour(local, box)) out.push_back({pose * line[0], pose * line[1]});
+  }
+  return out;
+}
+
 }  // namespace kerf

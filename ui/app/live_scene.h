@@ -4,6 +4,7 @@
 // picture, some tenths of a second.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -52,6 +53,8 @@ class LiveScene {
   Box3 bounds() const;  ///< world frame, of those not hidden
   /// The nearest of those not hidden.
   std::optional<SceneHit> hit(const Ray& ray) const;
+  /// LiveSurface::contour() of those not hidden, each where it is; world frame.
+  std::vector<std::array<Vec3d, 2>> contour(const Plane& plane, const Box3& within) const;
 
  private:
   SceneObject& objectOf(std::uint32_t id);

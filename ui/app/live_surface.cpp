@@ -94,6 +94,29 @@ std::optional<SurfaceHit> LiveSurface::hit(const Ray& ray) const {
   return best;
 }
 
+std::vector<std::array<Vec3d, 2>> LiveSurface::contour(const Plane& plane, const Box3& within) const {
+  std::vector<std::array<Vec3d, 2>> out;
+  for (const auto& [key, placed] : chunks_) {
+    const Vec3d half = 0.5 * placed.box.size();
+    if (std::abs(plane.height(placed.box.center())) > half.dot(plane.normal.cwiseAbs())) continue;
+    if ((placed.box.min.array() > within.max.array()).any() || (placed.box.max.array() < within.min.array()).any())
+      continue;
+    for (const auto& t : placed.chunk->triangles) {
+      std::array<Vec3d, 2> ends;
+      std::size_t count = 0;
+      for (std::size_t n = 0; n < 3 && count < 2; ++n) {
+        const Vec3d a = placed.chunk->vertices[t[n]].cast<double>();
+        const Vec3d b = placed.chunk->vertices[t[(n + 1) % 3]].cast<double>();
+        const double low = plane.height(a), high = plane.height(b);
+        if ((low < 0) == (high < 0)) continue;
+        ends[count++] = a + low / (low - high) * (b - a);
+      }
+      if (count == 2 && within.contains(ends[0]) && within.contains(ends[1])) out.push_back(ends);
+    }
+  }
+  return out;
+}
+
 std::optional<double> entry(const BrickField& field, const Ray& ray, double from, double to) {
   const double least = 0.25 * field.voxel();
   double way = from, before = field.sample(ray.at(way));

@@ -1,6 +1,7 @@
 // The surface as it is being cut, as the window knows it: chunks from the mesher, and what a ray meets of them.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <unordered_map>
 #include <vector>
@@ -36,6 +37,9 @@ class LiveSurface {
   double volume() const { return volume_; }
   /// The first triangle that faces the ray. O(chunks), and the triangles of those that the ray passes.
   std::optional<SurfaceHit> hit(const Ray& ray) const;
+  /// Where a plane meets the surface within a box: straight pieces, in no order.   @cost  as the chunks that it passes,
+  /// a ms for a jaw.
+  std::vector<std::array<Vec3d, 2>> contour(const Plane& plane, const Box3& within) const;
 
  private:
   struct Placed {

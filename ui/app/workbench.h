@@ -69,8 +69,8 @@ class Workbench {
   /// It writes something a user has asked for: to be waited for before the program ends.
   bool isWriting() const { return job_ && job_writes_; }
   const std::vector<Notice>& notices() const { return notices_; }
-  /// Says to the user why something he asked for was not done.
-  void tell(const Error& error) { complain(error); }
+  /// Adds one. What the user cancelled is no error.
+  void complain(const Error& error) { notices_.push_back({error.code != Error::Code::kCancelled, error.message()}); }
 
   // ---- What is open
 
@@ -187,8 +187,6 @@ class Workbench {
   void takeNews();
   void settle();
   void say(std::string text) { notices_.push_back({false, std::move(text)}); }
-  /// What the user cancelled is no error.
-  void complain(const Error& error) { notices_.push_back({error.code != Error::Code::kCancelled, error.message()}); }
   bool isBusy();
   bool send(const Command& command);
   void findLostSessions();

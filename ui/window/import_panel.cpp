@@ -29,7 +29,7 @@ constexpr std::array<WayRow, 4> kWays = {{
 }};
 
 void run(AppContext& context, const char* id, std::vector<std::string> words = {}) {
-  if (const auto done = runAppCommand(context, id, words); !done) context.bench.tell(done.error());
+  if (const auto done = runAppCommand(context, id, words); !done) context.bench.complain(done.error());
 }
 
 // ---- What was found
@@ -135,7 +135,7 @@ void drawClosing(AppContext& context, ImportPlan& plan) {
         choice.holes_up_to_mm = static_cast<double>(most);
     }
   }
-  if (const auto done = plan.setClosing(choice); !done) context.bench.tell(done.error());
+  if (const auto done = plan.setClosing(choice); !done) context.bench.complain(done.error());
 }
 
 void drawVoxel(ImportPlan& plan) {

@@ -121,6 +121,7 @@ struct LiveRenderer::Impl {
   enum Variant { kByPixel = 1, kTool = 2, kTint = 4, kSection = 8, kVariants = 16 };
   std::array<GlProgram, kVariants> tissue;
   GlProgram steel, flat, reduce;
+  internal::LiveOverlay overlay;
 
   std::map<std::size_t, Object> objects;
   LiveCounts counts;
@@ -179,6 +180,7 @@ struct LiveRenderer::Impl {
       KERF_CHECK(tissue[n].build({version, by_pixel, with_tool, with_tint, with_section, kLight, kTissueVertex},
                                  {version, by_pixel, with_tool, with_tint, with_section, kLight, kTissueFragment}));
     }
+    KERF_CHECK(overlay.build());
     KERF_CHECK(steel.build({version, kToolVertex}, {version, kLight, kToolFragment}));
     KERF_CHECK(flat.build({version, kFlatVertex}, {version, kFlatFragment}));
     return reduce.build({version, kReduceVertex}, {version, kReduceFragment});
@@ -221,13 +223,15 @@ struct LiveRenderer::Impl {
   void makeToolTable(const ToolLook& look);
 
   // A frame, in the order in which its parts are drawn.
-  View viewOf(const Camera& camera, int width, int height, const std::optional<Rigid3>& tool) const;
+  View viewOf(const Camera& camera, int width, int height, const LiveFrame& frame,
+              const std::optional<Rigid3>& tool) const;
   std::vector<Drawn> whatIsSeen(const View& view, const LiveFrame& frame, const std::optional<Rigid3>& tool);
   void drawObjects(const View& view, const LiveFrame& frame, const std::optional<Rigid3>& tool);
   void liftSection(const View& view, const Plane& plane);
   void drawTool(const View& view, const LiveFrame& frame, const Rigid3& tool);
   void drawBackground();
   void drawAxisLine(const View& view, const LiveFrame& frame, const Rigid3& tool);
+  void drawPlan(const View& view, const LiveFrame& frame, const Camera& camera);
   Expected<void> drawInto(GLuint target, const Camera& camera, int width, int height, const LiveFrame& frame);
   Expected<void> drawPoints(GLuint target, const Camera& camera, int width, int height, const LiveFrame& frame);
   Expected<void> resizePoints(int width, int height);
@@ -347,7 +351,8 @@ void LiveRenderer::Impl::setToolUniforms(const GlProgram& program, const View& v
 
 // ------------------------------------------------------------------------------------------------------ a frame
 
-View LiveRenderer::Impl::viewOf(const Camera& camera, int width, int height, const std::optional<Rigid3>& tool) const {
+View LiveRenderer::Impl::viewOf(const Camera& camera, int width, int height, const LiveFrame& frame,
+                                const std::optional<Rigid3>& tool) const {
   View view;
   view.rotation = camera.rotation();
   view.target = camera.target;
@@ -366,6 +371,12 @@ View LiveRenderer::Impl::viewOf(const Camera& camera, int width, int height, con
     if (object.T_world_object.isUsable())
       for (const auto& [key, page] : object.pages) reach(page.box(), object.T_world_object);
   if (tool) reach(tool_box, *tool);
+  for (const LiveSlab& slab : frame.plan.slabs) {
+    Box3 box;
+    for (const Vec3d& corner : slab.corners) box.add(corner);
+    box.grow(slab.thickness);
+    reach(box, {});
+  }
   view.half_extent = Vec3d(0.5 * width * view.mm_per_pixel, camera.half_height, 1.05 * depth);
 
   Eigen::Matrix4d to_view = Eigen::Matrix4d::Identity();
@@ -639,6 +650,11 @@ void LiveRenderer::Impl::drawAxisLine(const View& view, const LiveFrame& frame, 
   glDisable(GL_BLEND);
 }
 
+void LiveRenderer::Impl::drawPlan(const View& view, const LiveFrame& frame, const Camera& camera) {
+  const double scale = std::max(1.0, view.height / 720.0);
+  overlay.draw(frame.plan, {view.to_clip, camera.right(), camera.up(), camera.backwards(), scale * view.mm_per_pixel});
+}
+
 /// One point a pixel, into a framebuffer with depth.
 Expected<void> LiveRenderer::Impl::drawPoints(GLuint target, const Camera& camera, int width, int height,
                                               const LiveFrame& frame) {
@@ -648,7 +664,7 @@ Expected<void> LiveRenderer::Impl::drawPoints(GLuint target, const Camera& camer
 
   std::optional<Rigid3> tool;
   if (tool_corners > 0 && frame.T_world_tool && frame.T_world_tool->isUsable()) tool = frame.T_world_tool;
-  const View view = viewOf(camera, width, height, tool);
+  const View view = viewOf(camera, width, height, frame, tool);
 
   glDisable(GL_BLEND);
   glDisable(GL_SCISSOR_TEST);
@@ -669,6 +685,7 @@ Expected<void> LiveRenderer::Impl::drawPoints(GLuint target, const Camera& camer
     glDepthFunc(GL_LESS);
     drawTool(view, frame, *tool);
   }
+  if (!frame.plan.isEmpty()) drawPlan(view, frame, camera);
   if (tool && frame.has_axis_line) drawAxisLine(view, frame, *tool);
 
   glDisable(GL_DEPTH_TEST);

@@ -16,6 +16,7 @@
 #include "sim/live/remesher.h"
 #include "ui/app/camera.h"
 #include "ui/window/image.h"
+#include "ui/window/live_overlay.h"
 
 namespace kerf {
 
@@ -40,6 +41,7 @@ struct LiveFrame {
   /// cut. Open meshes show their inside in that colour, too.
   std::optional<Plane> section = {};
   Rgba8 section_color = {214, 168, 128, 255};
+  LivePlan plan = {};     ///< planned cuts, and what is being picked: translucent, over everything
   int supersampling = 1;  ///< n x n points a pixel, 1 to 3: smooth edges, 2 to 7 times the cost
   bool is_culled = true;  ///< false: everything goes through the pipeline. The pixels are the same; for tests
 };

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "ui/app/sawing.h"
+
 namespace kerf {
 
 Expected<std::unique_ptr<LiveView>> LiveView::create() {
@@ -24,6 +26,7 @@ void LiveView::update(Workbench& bench) {
     for (const MeshChunkPtr& chunk : object.chunks)
       renderer_->setChunk(object.id, *chunk, chunk->colours, chunk->occlusion);
   placeObjects(bench.scene());
+  saw_.surfaceChanged(!changed.empty());
   showTool(bench);
 }
 
@@ -50,10 +53,11 @@ void LiveView::showTool(const Workbench& bench) {
   renderer_->setTool(look);
 }
 
-LiveFrame LiveView::frameOf(const Workbench& bench) const {
+LiveFrame LiveView::frameOf(const Workbench& bench, const Camera& camera) {
   LiveFrame frame;
   if (!bench.isOpen()) return frame;
-  if (bench.isPressed()) {
+  frame.plan = saw_.planOf(bench, camera);
+  if (bench.isPressed() || bench.saw().isCutting()) {
     frame.T_world_tool = bench.report().output.T_world_tool;
   } else if (hover_) {
     frame.T_world_tool = hover_->T_world_tool;
@@ -63,13 +67,13 @@ LiveFrame LiveView::frameOf(const Workbench& bench) const {
 }
 
 Expected<void> LiveView::draw(const Workbench& bench, const Camera& camera, int width, int height, bool is_still) {
-  LiveFrame frame = frameOf(bench);
+  LiveFrame frame = frameOf(bench, camera);
   frame.supersampling = is_still ? 2 : 1;
   return renderer_->draw(camera, width, height, frame);
 }
 
 Expected<Image> LiveView::picture(const Workbench& bench, const Camera& camera, int width, int height) {
-  LiveFrame frame = frameOf(bench);
+  LiveFrame frame = frameOf(bench, camera);
   frame.supersampling = 2;
   return renderer_->picture(camera, width, height, frame);
 }

@@ -12,6 +12,7 @@
 #include "ui/app/workbench.h"
 #include "ui/window/image.h"
 #include "ui/window/live_renderer.h"
+#include "ui/window/saw_view.h"
 
 namespace kerf {
 
@@ -38,7 +39,7 @@ class LiveView {
 
  private:
   explicit LiveView(std::unique_ptr<LiveRenderer> renderer) : renderer_(std::move(renderer)) {}
-  LiveFrame frameOf(const Workbench& bench) const;
+  LiveFrame frameOf(const Workbench& bench, const Camera& camera);
   void showTool(const Workbench& bench);
   void placeObjects(const LiveScene& scene);
 
@@ -47,6 +48,7 @@ class LiveView {
   std::vector<std::uint32_t> placed_;  // objects in the last picture
   std::optional<std::size_t> tool_;
   std::optional<ToolOverSurface> hover_;
+  SawView saw_;
   bool is_fit_wanted_ = false;
   std::function<void()> before_clear_;
 };

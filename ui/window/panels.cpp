@@ -15,14 +15,15 @@ namespace kerf {
 namespace {
 
 void runOrSay(AppContext& context, const AppCommand& command) {
-  if (command.is_enabled(context)) (void)command.run(context, {});
+  if (!command.is_enabled(context)) return;
+  if (const auto done = command.run(context, {}); !done) context.bench.complain(done.error());
 }
 
 // ---- Menus
 
 void drawMenus(AppContext& context, PanelState& state) {
   if (!ImGui::BeginMainMenuBar()) return;
-  for (const char* const heading : {"File", "Edit", "Tool", "Piece", "View"}) {
+  for (const char* const heading : {"File", "Edit", "Tool", "Piece", "Saw", "View"}) {
     if (!ImGui::BeginMenu(heading)) continue;
     for (const AppCommand& command : appCommands()) {
       if (command.menu != heading) continue;
@@ -130,7 +131,7 @@ void drawHints(AppContext& context) {
   ImGui::TextUnformatted("Right button: turn. Middle button: move. Wheel: zoom.");
   if (ImGui::SmallButton("Got it"))
     if (const auto done = runAppCommand(context, "view.hints", std::vector<std::string>{"off"}); !done)
-      context.bench.tell(done.error());
+      context.bench.complain(done.error());
   ImGui::End();
 }
 
@@ -142,9 +143,10 @@ void drawPanels(AppContext& context, PanelState& state, const std::optional<Tool
     drawImportPanel(context, state.import);
   } else if (context.bench.isOpen()) {
     drawTools(context, state.tools);
-    const float below = drawReadings(context, over) + 8;
-    drawPieces(context, state.piece_drag, below, state.pixels);
+    float below = drawReadings(context, over) + 8;
+    below = drawPieces(context, state.piece_drag, below, state.pixels) + 8;
     drawHints(context);
+    drawSawPanel(context, state.saw);
   } else {
     state.first.draw(context, state.ask_for_file);
   }

@@ -8,6 +8,7 @@
 #include "ui/window/first_screen.h"
 #include "ui/window/import_panel.h"
 #include "ui/window/pieces_panel.h"
+#include "ui/window/saw_panel.h"
 #include "ui/window/tool_panel.h"
 
 namespace kerf {
@@ -22,6 +23,7 @@ struct PanelState {
   double pixels = 1;  ///< of the picture per window unit
   ImportPanelState import;
   FirstScreen first;
+  SawPanelState saw{};
 };
 
 /// Menu bar, tools, readings, job, notices; the first screen when nothing is open.

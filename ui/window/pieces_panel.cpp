@@ -68,7 +68,8 @@ void drawMove(Workbench& bench, const SceneObject& piece) {
   if (ImGui::Button("Put back", {-1, 0})) bench.movePiece(piece.id, {});
 }
 
-void drawList(AppContext& context, float top) {
+// @return  its lower edge.
+float drawList(AppContext& context, float top) {
   Workbench& bench = context.bench;
   const ImGuiIO& io = ImGui::GetIO();
   ImGui::SetNextWindowPos({io.DisplaySize.x - scaled(kPanelWidth) - 8, top}, ImGuiCond_Always);
@@ -100,7 +101,9 @@ void drawList(AppContext& context, float top) {
   } else {
     ImGui::TextDisabled("Click one to move or name it");
   }
+  const float bottom = ImGui::GetWindowPos().y + ImGui::GetWindowSize().y;
   ImGui::End();
+  return bottom;
 }
 
 }  // namespace
@@ -141,12 +144,13 @@ void PieceDrag::hover(const AppContext& context, const Pixel& at) {
   hovered_ = gizmo ? gizmo->handleAt(at) : std::nullopt;
 }
 
-void drawPieces(AppContext& context, const PieceDrag& drag, float top, double pixels) {
+float drawPieces(AppContext& context, const PieceDrag& drag, float top, double pixels) {
   const auto shown = context.bench.scene().shown();
   const bool is_moved = std::any_of(shown.begin(), shown.end(), [](const auto* piece) { return piece->isMoved(); });
-  if (shown.size() < 2 && !is_moved) return;
-  drawList(context, top);
+  if (shown.size() < 2 && !is_moved) return top;
+  const float bottom = drawList(context, top);
   if (const auto gizmo = gizmoOf(context)) drawGizmo(*gizmo, drag.lit(), pixels);
+  return bottom;
 }
 
 }  // namespace kerf

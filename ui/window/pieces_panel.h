@@ -31,7 +31,8 @@ class PieceDrag {
 std::optional<PieceGizmo> gizmoOf(const AppContext& context);
 
 /// The list, when there is more than one piece or one was moved, and the handles over the picture.
-/// @param top  of the list, window units. @param pixels  of the picture per window unit.
-void drawPieces(AppContext& context, const PieceDrag& drag, float top, double pixels);
+/// @return  the list's lower edge. @param top  of the list, window units. @param pixels  of the picture per window
+/// unit.
+float drawPieces(AppContext& context, const PieceDrag& drag, float top, double pixels);
 
 }  // namespace kerf

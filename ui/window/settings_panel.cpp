@@ -11,7 +11,7 @@ namespace kerf {
 namespace {
 
 void save(AppContext& context) {
-  if (const auto done = context.settings->save(); !done) context.bench.tell(done.error());
+  if (const auto done = context.settings->save(); !done) context.bench.complain(done.error());
 }
 
 // A broken file stays as it is until the user says otherwise.
@@ -21,7 +21,7 @@ void drawBroken(AppContext& context) {
                      context.settings->error()->message().c_str());
   ImGui::PopTextWrapPos();
   if (!plainButton("Set it aside and begin anew", "", -1)) return;
-  if (const auto done = context.settings->setAside(); !done) return context.bench.tell(done.error());
+  if (const auto done = context.settings->setAside(); !done) return context.bench.complain(done.error());
   save(context);
 }
 

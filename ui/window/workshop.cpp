@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "ui/app/app_commands.h"
+#include "ui/app/sawing.h"
 #include "ui/app/settings.h"
 #include "ui/window/file_browser.h"
 #include "ui/window/gl_context.h"
@@ -183,7 +184,7 @@ class Workshop {
     is_software_ = driver.find("llvmpipe") != driver.npos || driver.find("softpipe") != driver.npos;
     applySettings();
     panels_.ask_for_file = [this](const AppCommand& command) { askForFile(command); };
-    if (settings_.error()) bench_.tell(*settings_.error());
+    if (settings_.error()) bench_.complain(*settings_.error());
     bench_.setForce(settings_.values.force_N);
     bench_.depth_mm = settings_.values.depth_mm;
     browser_.setFolder(settings_.values.last_folder);
@@ -349,9 +350,10 @@ class Workshop {
     panels_.pixels = pixels();
     panels_.piece_drag.hover(context_, pointer());
     const bool is_on_handle = panels_.piece_drag.lit().has_value();
-    const bool hovers = !io.WantCaptureMouse && held_ == kNone && !is_on_handle && !bench_.importPlan();
+    const bool is_picking = bench_.saw().picking.what() != SawPicking::What::kNothing;
+    const bool hovers = !io.WantCaptureMouse && held_ == kNone && !is_on_handle && !is_picking && !bench_.importPlan();
     over_ = hovers ? bench_.over(rayAt(x_, y_)) : std::nullopt;
-    if (bench_.isPressed()) over_.reset();
+    if (bench_.isPressed() || bench_.saw().isCutting()) over_.reset();
     view_->hover(over_);
   }
 
@@ -368,7 +370,7 @@ class Workshop {
       if (command.parameters == "PATH")
         askForFile(command);
       else
-        tellIfFailed(command.run(context_, {}));
+        say(command.run(context_, {}));
       if (std::exchange(context_.wants_palette, false)) palette_.show();  // the next characters are for it
       return;
     }
@@ -384,13 +386,24 @@ class Workshop {
     if (const AppCommand* const command = palette_.accept(context_)) askForFile(*command);
   }
 
-  void tellIfFailed(const Expected<void>& done) {
-    if (!done) bench_.tell(done.error());
+  void say(const Expected<void>& done) {
+    if (!done) bench_.complain(done.error());
+  }
+
+  // Points or a line of a plane are picked with the left button.
+  bool isPicking(const InputEvent& e) const {
+    return e.key == GLFW_MOUSE_BUTTON_LEFT && bench_.saw().picking.what() != SawPicking::What::kNothing;
   }
 
   void button(const InputEvent& e, bool is_on_panel) {
     x_ = e.x;
     y_ = e.y;
+    SawPicking& picking = bench_.saw().picking;
+    if (isPicking(e) && !is_on_panel && e.is_down && bench_.isOpen())
+      return say(picking.press(bench_.saw(), rayAt(x_, y_)));
+    if (!e.is_down && picking.lineFrom() && e.key == GLFW_MOUSE_BUTTON_LEFT)
+      return say(picking.release(bench_.saw(), rayAt(x_, y_)));
+
     if (!e.is_down) {
       if (e.key == GLFW_MOUSE_BUTTON_LEFT) {
         panels_.piece_drag.release(context_, pointer());
@@ -414,6 +427,7 @@ class Workshop {
     y_ = y;
     if (panels_.piece_drag.isOn()) return panels_.piece_drag.move(context_, pointer());
     if (bench_.isPressed()) return bench_.drag(rayAt(x, y));
+    bench_.saw().picking.move(rayAt(x, y));
     if (held_ == kNone) return;
     pans_ ? pan(camera_, dx, dy, context_.height) : orbit(camera_, dx, dy);
   }
@@ -447,7 +461,7 @@ class Workshop {
     if (!file || !asked_for_) return;
     if (browser_.folder() != settings_.values.last_folder) {
       settings_.values.last_folder = browser_.folder();
-      if (const auto kept = settings_.save(); !kept && !settings_.error()) bench_.tell(kept.error());
+      if (const auto kept = settings_.save(); !kept && !settings_.error()) bench_.complain(kept.error());
     }
     const std::vector<std::string> words{file->string()};
     // By hand a scan is looked at before it is prepared; in a script file.open takes the defaults.

@@ -1,0 +1,82 @@
+// What is planned, drawn over what is there: slabs as wide as a kerf, lines, dots. OpenGL 3.3 core.
+//
+// All of it is drawn twice: clearly where it is in front of the tissue, faintly where it is behind or inside. A slab
+// has lines along its edges, of a width in pixels: seen edge-on it is a line, never nothing.
+#pragma once
+
+#include <epoxy/gl.h>
+
+#include <array>
+#include <vector>
+
+#include "geometry/base/error.h"
+#include "geometry/base/types.h"
+#include "ui/window/gl_program.h"
+
+namespace kerf {
+
+/// A planned saw cut. World frame, mm.
+struct LiveSlab {
+  /// Of its middle plane: entering left, entering right, far right, far left.
+  std::array<Vec3d, 4> corners{};
+  double thickness = 0.4;  ///< the kerf
+  bool is_chosen = true;   ///< blue; else grey
+  /// Where its middle plane meets the surface: straight pieces.
+  std::vector<std::array<Vec3d, 2>> contour{};
+};
+
+/// On top of everything.
+struct LiveLine {
+  Vec3d from = Vec3d::Zero(), to = Vec3d::Zero();
+};
+
+/// What is drawn of a plan in one frame.
+struct LivePlan {
+  std::vector<LiveSlab> slabs{};
+  std::vector<LiveLine> lines{};  ///< that are being drawn
+  std::vector<Vec3d> dots{};      ///< that were picked
+
+  bool isEmpty() const { return slabs.empty() && lines.empty() && dots.empty(); }
+};
+
+namespace internal {
+
+/// How the frame is seen.
+struct OverlayView {
+  Eigen::Matrix4d to_clip = Eigen::Matrix4d::Identity();
+  Vec3d right = Vec3d::UnitX(), up = Vec3d::UnitY(), backwards = Vec3d::UnitZ();  ///< unit, world
+  double mm_per_pixel = 0.1;  ///< of a line's width: of the window, at its scale
+};
+
+/// Needs its OpenGL context current in every call, the destructor included.
+class LiveOverlay {
+ public:
+  LiveOverlay();
+  ~LiveOverlay();
+  LiveOverlay(const LiveOverlay&) = delete;
+  LiveOverlay& operator=(const LiveOverlay&) = delete;
+
+  Expected<void> build();
+  /// Into the framebuffer that is bound, over objects and their depth. Leaves depth test on, blending and culling off,
+  /// depth writes on.
+  void draw(const LivePlan& plan, const OverlayView& view);
+
+ private:
+  struct Corner {
+    std::array<float, 3> position;
+    std::array<float, 4> color;
+  };
+  void addFaces(const LiveSlab& slab);
+  void addLine(const OverlayView& view, const Vec3d& from, const Vec3d& to, double pixels,
+               const std::array<float, 4>& color, bool is_piece = false);
+  void addSlabLines(const LiveSlab& slab, const OverlayView& view);
+  void addDot(const Vec3d& at, const OverlayView& view);
+  void flush(const OverlayView& view, double opacity);
+
+  GlProgram program_;
+  GLuint array_ = 0, buffer_ = 0;
+  std::vector<Corner> corners_;
+};
+
+}  // namespace internal
+}  // namespace kerf
