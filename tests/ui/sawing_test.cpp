@@ -2,8 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
-#include <fstream>
+#include <thread>
 
 #include "geometry/formats/mesh_io.h"
 #include "geometry/formats/mesh_writer.h"
@@ -248,6 +249,22 @@ TEST_F(SawingTest, StoppedItLeavesAUsableSessionAndOneStroke) {
       "expect removed -1e-9 1e-9\n");
   ASSERT_TRUE(stopped) << stopped.error().message() << allNotices();
   EXPECT_NE(allNotices().find("stopped after"), std::string::npos) << allNotices();
+}
+
+TEST_F(SawingTest, UndoneWhileItSawsTheBladeComesOutFirst) {
+  const auto played = play("tool.select saw-reciprocating-25\nsaw.plane 0 0 -2 1 0 0\nsaw.cut\nwait 2.5\nedit.undo\n");
+  ASSERT_TRUE(played) << played.error().message();
+  EXPECT_TRUE(bench_->saw().isCutting());
+  EXPECT_FALSE(play("tool.select round-014\n")) << "a bur in the place of the blade would stand in the bone";
+  EXPECT_EQ(bench_->tool(bench_->toolInHand()).id, "saw-reciprocating-25");
+  for (int n = 0; n < 400 && bench_->saw().isCutting(); ++n) {
+    bench_->update();
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  const std::size_t before = bench_->report().tick;
+  while (bench_->report().tick < before + 300) bench_->update();
+  EXPECT_NEAR(bench_->removedMm3(), 0, 1e-9);
+  EXPECT_FALSE(bench_->saw().isCutting());
 }
 
 TEST_F(SawingTest, WhatTheBladeDoesNotReachIsSaid) {

@@ -290,6 +290,12 @@ void Sawing::stop() {
   bench_.guided_->order(cutting_->order);
 }
 
+// Not at once: tissue would come back around a blade that is still in it.
+void Sawing::stopAndUndo() {
+  stop();
+  if (cutting_) cutting_->is_undone_after = true;
+}
+
 std::optional<SawingStatus> Sawing::status() const {
   if (!cutting_) return {};
   SawingStatus out;
@@ -365,7 +371,9 @@ void Sawing::finish(const GuidedReport& report) {
     text += fmt::format("; {:.1f} mm2 beside the rectangle were in the blade's way and are sawn, too",
                         c.section.beyondMm2());
   bench_.say(std::move(text));
+  const bool is_undone = c.is_undone_after;
   cutting_.reset();
+  if (is_undone) bench_.undo();
 }
 
 // ---- The guide

@@ -103,7 +103,9 @@ class Sawing {
 
   // ---- For the Workbench
 
-  void opened();   ///< something else was opened: no planes
+  void opened();  ///< something else was opened: no planes
+  /// As stop(), and takes it back when the blade is out.
+  void stopAndUndo();
   void closing();  ///< writes the plan to the session's folder
   /// How many strokes the last planned cut has become: more than one if the 1 kHz thread had to pause. Then one.
   std::size_t takeStrokes();
@@ -119,7 +121,7 @@ class Sawing {
     double aside = 0;                      // of the blade beside its plane, at most, mm
     std::uint64_t began = 0, cleared = 0;  // ticks
     std::uint64_t pauses = 0;
-    bool is_begun = false;
+    bool is_begun = false, is_undone_after = false;
   };
   Expected<void> addFitted(SawPlane plane, FitOptions options);
   Expected<SawPlane> chosen() const;

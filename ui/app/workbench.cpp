@@ -129,6 +129,15 @@ bool Workbench::isBusy() {
   return true;
 }
 
+bool Workbench::isSawing() {
+  if (!saw_->isCutting()) return false;
+  complain({.code = Error::Code::kUnsupported,
+            .found = "a plane is being sawn",
+            .expected = "a tool at rest",
+            .hint = "wait for it, or stop it (saw.stop)"});
+  return true;
+}
+
 // ---- Opening
 
 void Workbench::open(const fs::path& path) {
@@ -321,15 +330,15 @@ std::optional<double> Workbench::depthNow() const {
 
 void Workbench::undo() {
   if (!run_) return;
+  if (saw_->isCutting()) return saw_->stopAndUndo();
   release();
-  saw_->stop();
   for (std::size_t n = saw_->takeStrokes(); n > 0; --n) send(Undo{});
 }
 
 void Workbench::redo() {
   if (!run_) return;
+  if (isSawing()) return;
   release();
-  saw_->stop();
   send(Redo{});
 }
 
@@ -381,10 +390,7 @@ void Workbench::exportTo(const fs::path& file, const ExportChoice& choice) {
                      .found = "the file that was opened",
                      .expected = "another one: a scan is never written over",
                      .hint = "another name"});
-  if (saw_->isCutting())
-    return complain({.code = Error::Code::kUnsupported,
-                     .found = "a plane is being sawn",
-                     .hint = "wait for it, or stop it (saw.stop)"});
+  if (isSawing()) return;
   release();
   settle();
   namePieces();

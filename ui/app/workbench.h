@@ -188,6 +188,7 @@ class Workbench {
   void settle();
   void say(std::string text) { notices_.push_back({false, std::move(text)}); }
   bool isBusy();
+  bool isSawing();
   bool send(const Command& command);
   void findLostSessions();
   void remember(const std::filesystem::path& path);

@@ -81,7 +81,7 @@ void Workbench::fillRack() {
 }
 
 void Workbench::addTool(const fs::path& file) {
-  if (isBusy()) return;
+  if (isBusy() || isSawing()) return;
   auto tool = readTool(file);
   if (!tool) return complain(tool.error());
   const std::string id = tool->id;
@@ -151,8 +151,8 @@ void Workbench::watchTools() {
 
 void Workbench::selectTool(std::size_t n) {
   if (!run_ || n >= toolCount() || n == tool_) return;
+  if (isSawing()) return;
   release();
-  saw_->stop();
   if (is_outdated_[n] && !job_) return reopenWith(tools_[n].file);
   if (send(SelectTool{n})) tool_ = n;
 }
