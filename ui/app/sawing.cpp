@@ -311,7 +311,9 @@ void Sawing::markSawn(const GuidedReport& report) {
   const Rigid3& now = bench_.report().output.T_world_tool;
   Cutting& c = *cutting_;
   if (report.stage == GuidedStage::kCutting) {
-    c.aside = std::max(c.aside, std::abs(c.plane.toPlane(now * c.front)[2]));
+    const bool cuts = report.way < c.order.count && c.order.ways[report.way].cuts;
+    if (cuts && bench_.report().output.touching > 0)
+      c.aside = std::max(c.aside, std::abs(c.plane.toPlane(now * c.front)[2]));
     const Vec3d way = now.translation - c.last.translation;
     const int steps = std::clamp(static_cast<int>(way.norm() / kMarkEvery), 1, 200);
     for (int n = 1; n <= steps; ++n) {
