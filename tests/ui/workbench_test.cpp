@@ -22,6 +22,7 @@
 #include "tests/support/open_block.h"
 #include "tests/support/temporary_folder.h"
 #include "ui/app/app_commands.h"
+#include "ui/app/point_readout.h"
 #include "ui/app/settings.h"
 
 namespace kerf {
@@ -498,6 +499,37 @@ TEST_F(WorkbenchTest, AToolThatIsDroppedIsInHandAndTheCutGoesOn) {
   const auto replayed = replayRun(bench.sessionFolder());
   ASSERT_TRUE(replayed) << replayed.error().message();
   EXPECT_TRUE(replayed->is_same && replayed->is_whole) << replayed->note;
+}
+
+TEST_F(WorkbenchTest, ThePointUnderTheCursorIsSaidInTheFrameOfTheScan) {
+  Workbench bench(options());
+  Camera camera = *cameraFromView("top");
+  std::string copied;
+  AppContext context{.bench = bench, .camera = camera, .width = 400, .height = 300};
+  context.set_clipboard = [&](const std::string& text) { copied = text; };
+  const auto run = [&](const std::string& script) {
+    return runScript(context, folder_.write("s.ks", script), [&] { bench.update(); });
+  };
+  const fs::path file = folder_.path() / "block.ply";
+  ASSERT_TRUE(writeMesh(file, test::blockMesh(true)));
+  ASSERT_TRUE(run("file.open \"" + file.string() + "\"\nwait\nview.fit\n"));
+  const Ray ray{{1.23, -0.4, 20}, -Vec3d::UnitZ()};
+  const auto readout = readoutAt(bench, ray);
+  ASSERT_TRUE(readout);
+  EXPECT_LT((readout->point - Vec3d(1.23, -0.4, 0)).norm(), 1e-3);
+  EXPECT_GT(readout->normal[2], 0.999);
+  ASSERT_TRUE(readout->thickness_mm);
+  EXPECT_NEAR(*readout->thickness_mm, 3, 0.01);
+  EXPECT_TRUE(readout->tissue.empty()) << "a scan says nothing of tissues";
+  ASSERT_TRUE(readout->T_scan_tool);
+  EXPECT_LT((readout->T_scan_tool->translation - readout->point).norm(), 1e-6) << "a round bur stands on its tip";
+  EXPECT_FALSE(readoutAt(bench, {{9, 9, 20}, -Vec3d::UnitZ()}));
+
+  ASSERT_TRUE(run("point.copy 200 150\n"));
+  EXPECT_NE(copied.find("3.00 mm thick"), std::string::npos) << copied;
+  ASSERT_TRUE(run("point.copy-row 200 150\n"));
+  EXPECT_EQ(std::count(copied.begin(), copied.end(), ','), 7) << copied;
+  EXPECT_FALSE(run("point.copy 2 2\n"));
 }
 
 }  // namespace

@@ -16,6 +16,7 @@
 
 #include "ui/app/command_words.h"
 #include "ui/app/piece_commands.h"
+#include "ui/app/point_readout.h"
 #include "ui/app/saw_commands.h"
 #include "ui/app/sawing.h"
 
@@ -146,6 +147,36 @@ Expected<void> drag(AppContext& c, AppWords words) {
 }
 Expected<void> release(AppContext& c, AppWords) {
   c.bench.release();
+  return {};
+}
+
+Expected<PointReadout> pointed(const AppContext& c, AppWords words) {
+  Ray ray;
+  if (!words.empty()) {
+    KERF_TRY(asked, rayOf(c, words));
+    ray = asked;
+  } else if (c.pointer) {
+    ray = rayUnder(c.camera, (*c.pointer)[0], (*c.pointer)[1], c.width, c.height);
+  } else {
+    return wrongWord("no pixel", "X Y, or the cursor over the object");
+  }
+  const auto readout = readoutAt(c.bench, ray);
+  if (!readout) return wrongWord("nothing is there", "a pixel of the object");
+  return *readout;
+}
+void putOut(const AppContext& c, const std::string& text) {
+  if (c.set_clipboard) return c.set_clipboard(text);
+  fmt::print("{}\n", text);
+  std::fflush(stdout);
+}
+Expected<void> copyPoint(AppContext& c, AppWords words) {
+  KERF_TRY(readout, pointed(c, words));
+  putOut(c, textOf(readout));
+  return {};
+}
+Expected<void> copyPathRow(AppContext& c, AppWords words) {
+  KERF_TRY(readout, pointed(c, words));
+  putOut(c, pathRowOf(readout));
   return {};
 }
 
@@ -306,6 +337,11 @@ constexpr AppCommand kCommands[] = {
      saw_commands::isCutting, saw_commands::stop},
     {"saw.guide", "Saw", "Guide the blade", "G", "[on|off]",
      "Keeps a saw moved by mouse in the chosen plane, or lets it free.", isOpen, saw_commands::guide},
+
+    {"point.copy", "Edit", "Copy the point under the cursor", "Ctrl+C", "[X Y]",
+     "Copies point, normal, tissue and thickness along the view, in the scan's frame, as text.", isOpen, copyPoint},
+    {"point.copy-row", "Edit", "Copy it as a row of a path", "Ctrl+Shift+C", "[X Y]",
+     "Copies the tool's pose there as a row of a path: t,x,y,z,qw,qx,qy,qz.", isOpen, copyPathRow},
 
     {"view.fit", "View", "Fit", "F", "", "Shows all of the object.", isOpen, fit},
     {"view.front", "View", "Front", "1", "", "Looks along +y.", always, namedView<0>},

@@ -3,8 +3,10 @@
 // A new command is a row in app_commands.cpp.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -27,7 +29,9 @@ struct AppContext {
   bool wants_quit = false;
   /// Writes what the window shows; null where nothing is drawn.
   std::function<Expected<void>(const std::filesystem::path& png)> screenshot{};
-  SettingsFile* settings = nullptr;  ///< null: nothing is kept
+  std::optional<std::array<double, 2>> pointer{};                ///< pixel of the picture; none: not over it
+  std::function<void(const std::string& text)> set_clipboard{};  ///< null: to standard output
+  SettingsFile* settings = nullptr;                              ///< null: nothing is kept
   bool shows_settings = false;
   bool wants_palette = false;
 };

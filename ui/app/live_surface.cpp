@@ -117,6 +117,23 @@ std::vector<std::array<Vec3d, 2>> LiveSurface::contour(const Plane& plane, const
   return out;
 }
 
+std::optional<double> LiveSurface::exit(const Ray& ray, double from) const {
+  constexpr double kFar = 1e9, kLeast = 1e-6;  // mm
+  double best = kFar;
+  for (const auto& [key, placed] : chunks_) {
+    if (!passes(ray, placed.box, best)) continue;
+    const MeshChunk& chunk = *placed.chunk;
+    for (const auto& t : chunk.triangles) {
+      const Vec3d a = chunk.vertices[t[0]].cast<double>(), b = chunk.vertices[t[1]].cast<double>(),
+                  c = chunk.vertices[t[2]].cast<double>();
+      const auto way = meet(ray, a, c, b);  // seen from behind
+      if (way && *way > from + kLeast) best = std::min(best, *way);
+    }
+  }
+  if (best == kFar) return {};
+  return best;
+}
+
 std::optional<double> entry(const BrickField& field, const Ray& ray, double from, double to) {
   const double least = 0.25 * field.voxel();
   double way = from, before = field.sample(ray.at(way));

@@ -37,6 +37,8 @@ class LiveSurface {
   double volume() const { return volume_; }
   /// The first triangle that faces the ray. O(chunks), and the triangles of those that the ray passes.
   std::optional<SurfaceHit> hit(const Ray& ray) const;
+  /// The first triangle behind `from` that faces away: where the ray leaves the material, mm along it.
+  std::optional<double> exit(const Ray& ray, double from) const;
   /// Where a plane meets the surface within a box: straight pieces, in no order.   @cost  as the chunks that it passes,
   /// a ms for a jaw.
   std::vector<std::array<Vec3d, 2>> contour(const Plane& plane, const Box3& within) const;

@@ -29,12 +29,21 @@ Workbench::Workbench(WorkbenchOptions options)
     : options_(std::move(options)), recent_(dataFolderOf(options_)), saw_(std::make_unique<Sawing>(*this)) {
   options_.data_folder = dataFolderOf(options_);
   fillRack();
+  if (auto materials = readDefaultMaterials())
+    materials_ = std::move(*materials);
+  else
+    complain(materials.error());
   findLostSessions();
 }
 
 Workbench::~Workbench() {
   job_.reset();
   if (run_) (void)run_->finish();
+}
+
+std::string Workbench::nameOf(Material material) const {
+  const MaterialProperties* const known = materials_.find(material);
+  return known ? known->name : fmt::format("material {}", static_cast<int>(material));
 }
 
 // ---- Once a frame
@@ -354,7 +363,9 @@ void Workbench::movePiece(std::uint32_t id, const Rigid3& T_world_object) {
                      .place = piece->name,
                      .found = "a place that can not be computed with",
                      .expected = "less than 100 m away"});
+  if (isSawing()) return dragPiece(id, std::nullopt);
   release();
+  saw_->forgetStrokes();
   const Vec3d& t = T_world_object.translation;
   const Eigen::Quaterniond& q = T_world_object.rotation;
   piece->dragged = T_world_object;

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "geometry/base/error.h"
+#include "geometry/field/material.h"
 #include "sim/hand/guided_hand.h"
 #include "sim/hand/mouse_hand.h"
 #include "sim/run/live_run.h"
@@ -94,6 +95,8 @@ class Workbench {
   const std::optional<Vec3d>& occlusalNormal() const { return occlusal_; }
   const LiveRun* run() const { return run_.get(); }
   const LiveScene& scene() const { return scene_; }
+  /// A tissue's name for people: "enamel".
+  std::string nameOf(Material material) const;
   const HapticReport& report() const { return report_; }
   HapticTimes times() const { return times_; }
   /// Ends the session: the run is written where sessionFolder() says. A job.
@@ -206,6 +209,7 @@ class Workbench {
   void placePiecesOfBefore();
 
   WorkbenchOptions options_;
+  MaterialTable materials_{{}};
   std::vector<SessionTool> tools_;
   std::vector<Notice> notices_;
   std::vector<LostSession> lost_;

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 
+#include "ui/app/point_readout.h"
 #include "ui/app/settings.h"
 #include "ui/window/settings_panel.h"
 #include "ui/window/style.h"
@@ -48,6 +49,16 @@ void reading(const char* name, const std::string& value, const char* unit, bool 
              : ImGui::Text("%s %s", value.c_str(), unit);
 }
 
+// What is under the cursor.
+void drawPoint(const AppContext& context) {
+  const auto& at = *context.pointer;
+  const auto point = readoutAt(context.bench, rayUnder(context.camera, at[0], at[1], context.width, context.height));
+  if (!point) return;
+  reading("Point", fmt::format("{:.2f}, {:.2f}, {:.2f}", point->point[0], point->point[1], point->point[2]), "");
+  if (point->thickness_mm) reading("Thickness", fmt::format("{:.2f}", *point->thickness_mm), "mm along the view");
+  if (!point->tissue.empty()) reading("Tissue", point->tissue, "");
+}
+
 // @return  its lower edge.
 float drawReadings(AppContext& context, const std::optional<ToolOverSurface>& over) {
   const Workbench& bench = context.bench;
@@ -65,8 +76,7 @@ float drawReadings(AppContext& context, const std::optional<ToolOverSurface>& ov
   reading("Spindle", fmt::format("{:.0f}", 100 * speed), "%",
           bench.isPressed() && speed < 0.05 && r.output.normal_load > 0);
   reading("Removed", fmt::format("{:.2f}", bench.removedMm3()), "mm3");
-  if (over)
-    reading("Point", fmt::format("{:.2f}, {:.2f}, {:.2f}", over->point[0], over->point[1], over->point[2]), "mm");
+  if (over && context.pointer) drawPoint(context);
   ImGui::Separator();
   const TimeHistogram& cost = bench.times().cost;
   if (cost.count() > 0) reading("Loop p99", fmt::format("{:.2f}", cost.percentileMs(0.99)), "ms");

@@ -183,6 +183,7 @@ class Workshop {
     const std::string driver = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
     is_software_ = driver.find("llvmpipe") != driver.npos || driver.find("softpipe") != driver.npos;
     applySettings();
+    context_.set_clipboard = [this](const std::string& text) { glfwSetClipboardString(desktop_.window, text.c_str()); };
     panels_.ask_for_file = [this](const AppCommand& command) { askForFile(command); };
     if (settings_.error()) bench_.complain(*settings_.error());
     bench_.setForce(settings_.values.force_N);
@@ -348,6 +349,7 @@ class Workshop {
     }
     pressHarder(io.KeyShift);
     panels_.pixels = pixels();
+    context_.pointer = io.WantCaptureMouse ? std::nullopt : std::optional(std::array{pointer()[0], pointer()[1]});
     panels_.piece_drag.hover(context_, pointer());
     const bool is_on_handle = panels_.piece_drag.lit().has_value();
     const bool is_picking = bench_.saw().picking.what() != SawPicking::What::kNothing;
