@@ -486,7 +486,8 @@ TEST_F(WorkbenchTest, AToolThatIsDroppedIsInHandAndTheCutGoesOn) {
   ASSERT_TRUE(bench.isOpen());
   EXPECT_EQ(bench.tool(bench.toolInHand()).head_diameter_mm, 1.9);
 
-  ASSERT_TRUE(run("cut.press 250 150\nwait 2\ncut.release\nwait 0.2\n"));
+  const auto again = run("wait\nwait 0.2\ncut.press 250 150\nwait 2\ncut.release\nwait 0.2\n");
+  ASSERT_TRUE(again) << again.error().message();
 
   // Broken: it is said, with the line, and the tool in hand stays.
   folder_.write("mine.toml", text + "head_diamter = 3\n");
@@ -516,7 +517,7 @@ TEST_F(WorkbenchTest, ThePointUnderTheCursorIsSaidInTheFrameOfTheScan) {
   const Ray ray{{1.23, -0.4, 20}, -Vec3d::UnitZ()};
   const auto readout = readoutAt(bench, ray);
   ASSERT_TRUE(readout);
-  EXPECT_LT((readout->point - Vec3d(1.23, -0.4, 0)).norm(), 1e-3);
+  EXPECT_LT((readout->point - Vec3d(1.23, -0.4, 0)).norm(), 0.01);
   EXPECT_GT(readout->normal[2], 0.999);
   ASSERT_TRUE(readout->thickness_mm);
   EXPECT_NEAR(*readout->thickness_mm, 3, 0.01);

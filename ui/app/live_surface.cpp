@@ -22,17 +22,19 @@ bool passes(const Ray& ray, const Box3& box, double farthest) {
   return low <= high;
 }
 
+constexpr double kEdge = 1e-9;  // of a side: a ray along an edge passes between no two triangles
+
 // Moeller & Trumbore, J Graphics Tools 1997;2(1):21; front faces alone.
 std::optional<double> meet(const Ray& ray, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   const Vec3d ab = b - a, ac = c - a, p = ray.direction.cross(ac);
   const double det = ab.dot(p);
   if (!(det > 1e-15)) return {};
   const Vec3d t = ray.origin - a;
-  const double u = t.dot(p);
-  if (u < 0 || u > det) return {};
+  const double slack = kEdge * det, u = t.dot(p);
+  if (u < -slack || u > det + slack) return {};
   const Vec3d q = t.cross(ab);
   const double v = ray.direction.dot(q);
-  if (v < 0 || u + v > det) return {};
+  if (v < -slack || u + v > det + slack) return {};
   const double way = ac.dot(q) / det;
   if (way < 0) return {};
   return way;
