@@ -263,7 +263,9 @@ TEST_F(WorkbenchTest, WhatCannotBeOpenedLeavesTheSessionAlone) {
 
 TEST_F(WorkbenchTest, ToolsOfOneNameAreKeptApart) {
   WorkbenchOptions twice = options();
-  twice.tools = {"round-014", "round-014"};
+  const fs::path other = folder_.path() / "round-014.toml";
+  fs::copy_file(*findToolFile("round-014", defaultToolFolders()), other);
+  twice.tools = {"round-014", other.string()};
   Workbench bench(twice);
   bench.open(scan(folder_));
   do bench.update();
@@ -361,7 +363,7 @@ TEST(AppCommands, TheTableIsSound) {
   std::set<std::string_view> ids, keys;
   for (const AppCommand& command : appCommands()) {
     EXPECT_TRUE(ids.insert(command.id).second) << command.id;
-    if (!command.key.empty()) {
+    if (!command.key.empty() && command.key != "Esc") {  // that leaves whatever can be left
       EXPECT_TRUE(keys.insert(command.key).second) << command.key;
     }
     EXPECT_EQ(command.menu.empty(), command.label.empty()) << command.id;

@@ -32,7 +32,7 @@ Place placeOf(std::string_view text, const std::string& word) {
 // 0: the word does not occur.
 int scoreOf(const AppCommand& command, const std::string& word) {
   const Place label = placeOf(command.label, word), id = placeOf(command.id, word);
-  if (label == Place::kStart) return 6;
+  if (label == Place::kStart || lower(command.menu) == word) return 6;
   if (label == Place::kWordStart) return 5;
   if (id >= Place::kWordStart) return 4;
   if (placeOf(command.menu, word) >= Place::kWordStart) return 3;

@@ -116,7 +116,9 @@ void drawNotices(AppContext& context, PanelState& state) {
   const auto& notices = context.bench.notices();
   if (state.notices_seen >= notices.size()) return;
   const ImGuiIO& io = ImGui::GetIO();
-  ImGui::SetNextWindowPos({0.5f * io.DisplaySize.x, io.DisplaySize.y - 16}, ImGuiCond_Always, {0.5f, 1});
+  const bool has_hints = context.bench.isOpen() && context.settings && !context.settings->values.are_hints_dismissed;
+  const float below = has_hints ? scaled(118) : 16;  // the hints stay readable
+  ImGui::SetNextWindowPos({0.5f * io.DisplaySize.x, io.DisplaySize.y - below}, ImGuiCond_Always, {0.5f, 1});
   ImGui::SetNextWindowSizeConstraints({360, 0}, {720, 260});
   ImGui::Begin("##notices", nullptr,
                ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove);

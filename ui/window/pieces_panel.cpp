@@ -82,7 +82,8 @@ float drawList(AppContext& context, float top) {
     if (ImGui::Checkbox("##shown", &is_shown)) bench.hidePiece(piece->id, !is_shown);
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("Show it");
     ImGui::SameLine();
-    const std::string volume = fmt::format("{:.1f} mm3{}", piece->surface.volume(), piece->isMoved() ? ", moved" : "");
+    const std::string volume = fmt::format("{:.{}f} mm3{}", piece->surface.volume(),
+                                           piece->surface.volume() < 100 ? 1 : 0, piece->isMoved() ? ", moved" : "");
     if (ImGui::Selectable(piece->name.c_str(), piece == chosen, 0, {scaled(90), 0}))
       bench.choosePiece(piece == chosen ? std::nullopt : std::optional(piece->id));
     ImGui::SameLine();

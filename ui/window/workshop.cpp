@@ -368,7 +368,7 @@ class Workshop {
     for (const AppCommand& command : appCommands()) {
       if (command.key.empty() || keyChord(command.key) != KeyChord{e.key, modifiers}) continue;
       if (is_text && command.id != "app.quit") return;
-      if (!command.is_enabled(context_)) return;
+      if (!command.is_enabled(context_)) continue;  // Esc leaves what there is to leave
       if (command.parameters == "PATH")
         askForFile(command);
       else
