@@ -528,6 +528,19 @@ TEST_F(WorkbenchTest, ThePointUnderTheCursorIsSaidInTheFrameOfTheScan) {
   EXPECT_LT((readout->T_scan_tool->translation - readout->point).norm(), 1e-6) << "a round bur stands on its tip";
   EXPECT_FALSE(readoutAt(bench, {{9, 9, 20}, -Vec3d::UnitZ()}));
 
+  // Cut open 1 mm below its top the block shows its inside, which is no surface to point at.
+  bench.section = Plane{{0, 0, -1}, Vec3d::UnitZ()};
+  EXPECT_FALSE(readoutAt(bench, ray));
+  EXPECT_FALSE(bench.over(ray));
+  EXPECT_TRUE(readoutAt(bench, {{1.23, -20, -2}, Vec3d::UnitY()})) << "what is left is still there";
+  EXPECT_FALSE(readoutAt(bench, {{1.23, -20, -0.5}, Vec3d::UnitY()})) << "this lies in what is taken away";
+  ASSERT_TRUE(run("view.section\n"));
+  EXPECT_FALSE(bench.section);
+  ASSERT_TRUE(run("view.section 200 150\nview.section-deeper 0.5\n"));
+  ASSERT_TRUE(bench.section);
+  EXPECT_NEAR(bench.section->height({0, 0, 0}), 0.5, 0.01);
+  ASSERT_TRUE(run("view.section\n"));
+
   ASSERT_TRUE(run("point.copy 200 150\n"));
   EXPECT_NE(copied.find("3.00 mm thick"), std::string::npos) << copied;
   ASSERT_TRUE(run("point.copy-row 200 150\n"));

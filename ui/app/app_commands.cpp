@@ -33,6 +33,7 @@ bool isIdle(const AppContext& c) { return !c.bench.job(); }
 bool isOpenAndIdle(const AppContext& c) { return isOpen(c) && isIdle(c); }
 bool hasPiecesAndIdle(const AppContext& c) { return piece_commands::arePieces(c) && isIdle(c); }
 bool isChosenAndIdle(const AppContext& c) { return piece_commands::isChosen(c) && isIdle(c); }
+bool hasSection(const AppContext& c) { return c.bench.isOpen() && c.bench.section.has_value(); }
 bool hasJob(const AppContext& c) { return c.bench.job() != nullptr; }
 bool hasLost(const AppContext& c) { return !c.bench.lostSessions().empty() && isIdle(c); }
 
@@ -190,6 +191,31 @@ Expected<void> view(AppContext& c, AppWords words) {
   c.camera = named;
   return fit(c, {});
 }
+// Square to the view: what is nearer than a point goes.
+Expected<void> cutOpen(AppContext& c, AppWords words) {
+  if (c.bench.section && words.empty()) {
+    c.bench.section.reset();
+    return {};
+  }
+  Vec3d through = c.bench.scene().bounds().center();
+  if (!words.empty() || c.pointer) {
+    const auto at = words.empty()
+                        ? Expected<Ray>(rayUnder(c.camera, (*c.pointer)[0], (*c.pointer)[1], c.width, c.height))
+                        : rayOf(c, words);
+    if (!at) return fail(at.error());
+    if (const auto hit = c.bench.scene().hit(*at)) through = hit->on_surface.point;
+  }
+  c.bench.section = Plane{through, c.camera.backwards()};
+  return {};
+}
+Expected<void> moveSection(AppContext& c, AppWords words, double way) {
+  KERF_TRY(mm, numberOr(words, 0, 0.2, "MM", 0, 1000));
+  c.bench.section->point += way * mm * c.bench.section->normal;
+  return {};
+}
+Expected<void> sectionDeeper(AppContext& c, AppWords words) { return moveSection(c, words, -1); }
+Expected<void> sectionNearer(AppContext& c, AppWords words) { return moveSection(c, words, 1); }
+
 Expected<void> zoom(AppContext& c, AppWords words) {
   KERF_TRY(factor, numberOf(words, 0, "FACTOR", 0.01, 100));
   zoomBy(c.camera, factor);
@@ -352,6 +378,13 @@ constexpr AppCommand kCommands[] = {
     {"view.bottom", "View", "Bottom", "6", "", "Looks up from below, along +z.", always, namedView<5>},
     {"view.iso", "View", "Oblique", "7", "", "Looks from in front, above and the right.", always, namedView<6>},
     {"view.from", "", "", "", "NAME|AZ,EL", "Looks from a named side or two angles in degrees.", always, view},
+    {"view.section", "View", "Cut open", "X", "[X Y]",
+     "Takes away what is nearer than the point under the cursor, or than the middle; again: shows all.", isOpen,
+     cutOpen},
+    {"view.section-deeper", "View", "Section deeper", "PageDown", "[MM]", "Moves the section away, 0.2 mm if not told.",
+     hasSection, sectionDeeper},
+    {"view.section-nearer", "View", "Section nearer", "PageUp", "[MM]",
+     "Moves the section towards the viewer of before, 0.2 mm if not told.", hasSection, sectionNearer},
     {"view.zoom", "", "", "", "FACTOR", "Makes things larger by a factor.", always, zoom},
     {"view.theme", "View", "Light or dark", "Ctrl+Shift+L", "[light|dark]", "Changes between light and dark panels.",
      hasSettings, setTheme},

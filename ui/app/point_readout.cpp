@@ -23,7 +23,9 @@ Material materialAt(const BakedObject& object, const Vec3d& p) {
 
 std::optional<PointReadout> readoutAt(const Workbench& bench, const Ray& ray) {
   if (!bench.isOpen()) return {};
-  const auto hit = bench.scene().hit(ray);
+  const auto seen = bench.behindSection(ray);
+  if (!seen) return {};
+  const auto hit = bench.scene().hit(*seen);
   if (!hit) return {};
   const SceneObject& object = *bench.scene().find(hit->id);
   const Rigid3 to_scan = object.pose().inverse();
@@ -36,7 +38,7 @@ std::optional<PointReadout> readoutAt(const Workbench& bench, const Ray& ray) {
   const Material material = materialAt(loaded, out.point - 0.5 * loaded.voxel() * out.normal);
   if (material != Material::kNone && material != Material::kGeneric) out.tissue = bench.nameOf(material);
 
-  const Ray local = inFrame(object.pose(), ray);
+  const Ray local = inFrame(object.pose(), *seen);
   if (const auto way = object.surface.exit(local, hit->on_surface.way)) out.thickness_mm = *way - hit->on_surface.way;
   if (const auto over = bench.over(ray)) out.T_scan_tool = to_scan * over->T_world_tool;
   return out;

@@ -213,6 +213,7 @@ void Workbench::show(Opened& loaded) {
   aim_ = {};
   stroke_.reset();
   chosen_.reset();
+  if (!is_reopening_) section.reset();
   moving_.clear();
   to_place_ = run_->piecesBefore();
   removed_mm3_ = 0;
@@ -258,10 +259,29 @@ void Workbench::close() {
 
 // ---- By mouse
 
+std::optional<Ray> Workbench::behindSection(const Ray& ray) const {
+  if (!section || section->height(ray.origin) <= 0) return ray;
+  const double falls = -section->normal.dot(ray.direction);
+  if (falls < 1e-6) return {};  // it never comes out
+  const Ray out{ray.at(section->height(ray.origin) / falls), ray.direction};
+
+  for (const SceneObject* object : scene_.shown()) {
+    if (object->is_hidden) continue;
+    // As often as a surface turns towards the ray it turns away again, unless it begins inside.
+    const Ray local = inFrame(object->pose(), out);
+    const auto in = object->surface.hit(local);
+    const auto leaves = object->surface.exit(local, 0);
+    if (leaves && (!in || *leaves < in->way)) return {};
+  }
+  return out;
+}
+
 std::optional<ToolOverSurface> Workbench::over(const Ray& ray) const {
   if (!run_) return {};
-  if (saw_->isGuiding()) return saw_->over(ray);
-  return toolOver(scene_, *run_->original(), ray, plunges_[tool_]);
+  const auto seen = behindSection(ray);
+  if (!seen) return {};
+  if (saw_->isGuiding()) return saw_->over(*seen);
+  return toolOver(scene_, *run_->original(), *seen, plunges_[tool_]);
 }
 
 bool Workbench::press(const Ray& ray) {

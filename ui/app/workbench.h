@@ -125,6 +125,11 @@ class Workbench {
   double irrigation = 1;  ///< 0 to 1
   static constexpr double kLeastForce = 0.1, kMostForce = 8, kMostDepth = 5;
 
+  /// What lies on the side its normal points to is neither seen nor pointed at. None: all is.
+  std::optional<Plane> section;
+  /// A ray from where it comes out of what a section takes away. None: that is inside of something.
+  std::optional<Ray> behindSection(const Ray& ray) const;
+
   /// What the tool would do there; none: it points beside the object, or nothing is open.
   std::optional<ToolOverSurface> over(const Ray& ray) const;
   /// False: there is nothing there to cut.

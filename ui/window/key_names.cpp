@@ -23,6 +23,10 @@ KeyChord keyChord(std::string_view name) {
     out.key = GLFW_KEY_ESCAPE;
   else if (name == "Enter")
     out.key = GLFW_KEY_ENTER;
+  else if (name == "PageUp")
+    out.key = GLFW_KEY_PAGE_UP;
+  else if (name == "PageDown")
+    out.key = GLFW_KEY_PAGE_DOWN;
   else if (name == "Tab")
     out.key = GLFW_KEY_TAB;
   else if (name == "Delete")

@@ -56,6 +56,7 @@ void LiveView::showTool(const Workbench& bench) {
 LiveFrame LiveView::frameOf(const Workbench& bench, const Camera& camera) {
   LiveFrame frame;
   if (!bench.isOpen()) return frame;
+  frame.section = bench.section;
   frame.plan = saw_.planOf(bench, camera);
   if (bench.isPressed() || bench.saw().isCutting()) {
     frame.T_world_tool = bench.report().output.T_world_tool;
