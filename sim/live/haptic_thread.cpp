@@ -59,7 +59,11 @@ struct HapticThread::State {
       : options(haptic_options),
         first_count(objects.size()),
         session(std::move(model), std::move(objects), start, &sink) {
-    for (std::size_t n = 0; n < first_count; ++n) {
+    if (options.begin) {
+      begun = options.begin(session);
+      session.keepForGood();
+    }
+    for (std::size_t n = 0; n < session.state().objects.size(); ++n) {
       CutObject& object = session.object(n);
       const std::size_t free = object.freeBricks(), wanted = Session::reserveFor(object);
       if (free < wanted && !object.reserve(wanted - free)) throw std::bad_alloc();
@@ -99,6 +103,7 @@ struct HapticThread::State {
   const std::size_t first_count;  // of objects
   RecorderSink sink;
   Session session;
+  std::vector<Command> begun;  // by HapticOptions::begin
   std::optional<PieceMaker> maker;
   DeviceSource* device = nullptr;
   RealTimeGrant grant;
@@ -393,8 +398,9 @@ Expected<void> HapticThread::start(DeviceSource& device, std::span<BrickFeed* co
 
   s.device = &device;
   for (std::size_t n = 0; n < feeds.size(); ++n)
-    s.session.object(n).changes(BrickSubscriber::kMesher).setFeed(feeds[n]);
+    if (feeds[n]) s.session.object(n).changes(BrickSubscriber::kMesher).setFeed(feeds[n]);
   s.sink.recorder = recorder;
+  for (const Command& command : s.begun) s.sink.command(command, 0);
   try {
     if (s.maker) s.maker->start();
     s.keeper = std::thread([&s] { s.keepPools(); });

@@ -16,6 +16,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -39,6 +40,9 @@ struct HapticOptions {
   /// then; above 200 the hand would be met by a force it has long forgotten.
   double stall_ms = 100;
   PieceMakerOptions pieces;
+  /// Called by the constructor, in lockstep: splits and moves with which the session begins. It returns what it has
+  /// done, which is recorded before the first tick and can not be undone. Empty: none.
+  std::function<std::vector<Command>(Session& session)> begin;
   /// How the tools of the model are felt, one each: their vibration is added to the force that the device gets, within
   /// the coupling's limit of force. It is in no log: a replay needs no hand. Empty: none.
   std::vector<FeltSource> felt;
@@ -118,7 +122,8 @@ class HapticThread {
   /// Starts the threads; returns when the first tick is about to come. Once.
   /// Without PieceMakerOptions::on_piece pieces have no feed: that of an object ends where it splits.
   /// @param device  kept by reference, must outlive this.
-  /// @param feeds  one an object, null for those without a subscriber; or none at all. The haptic thread is their
+  /// @param feeds  one an object, null for those without a subscriber and for pieces; or none at all. The haptic thread
+  /// is their
   ///   producer. Kept by reference, must outlive this.
   /// @param recorder  kept by reference, must outlive this; may be null.
   /// Error kBadValue: more feeds than objects, or the system has no thread left.

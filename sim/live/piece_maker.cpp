@@ -49,14 +49,21 @@ struct PieceMaker::Subscriber {
   std::int64_t not_before = 0;  // ns: it was tried in vain
 };
 
-PieceMaker::PieceMaker(Session& session, const PieceMakerOptions& options)
-    : options_(options), must_scan_again_(options.begins_apart) {
+PieceMaker::PieceMaker(Session& session, const PieceMakerOptions& options) : options_(options) {
   fresh_.reserve(kMostObjects);
-  for (std::size_t n = 0; n < session.state().objects.size(); ++n)
-    subscribe(session.object(n).id, session.object(n), {});
-  for (auto& s : subscribers_) {
-    s->finder = std::make_unique<PieceFinder>(s->baked->phi0(), options_.pieces);
-    s->is_changed = options_.begins_apart;
+  for (std::size_t n = 0; n < session.state().objects.size(); ++n) {
+    CutObject& object = session.object(n);
+    if (!object.bricks().isPiece()) {
+      Subscriber& s = subscribe(object.id, object, {});
+      s.finder = std::make_unique<PieceFinder>(s.baked->phi0(), options_.pieces);
+      continue;
+    }
+    const auto origin = std::make_shared<const PieceOrigin>(originOf(object));
+    Subscriber& s = subscribe(object.id, object, origin);
+    if (!options_.on_piece) continue;
+    s.for_others = std::make_shared<BrickFeed>();
+    object.changes(BrickSubscriber::kMesher).setFeed(s.for_others.get());
+    fresh_.push_back(origin);
   }
 }
 

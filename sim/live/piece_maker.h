@@ -48,18 +48,17 @@ namespace kerf {
 struct PieceMakerOptions {
   bool is_wanted = true;
   PieceOptions pieces;
-  bool begins_apart = false;  ///< what was loaded may be in pieces: they are looked for before anything is cut
 
   // Both are called by the maker's thread, which does nothing else meanwhile: they must be quick. What they throw is
   // dropped. May be empty.
 
   /// An object is in pieces, or has crumbs, and is frozen: its pieces are made next. Again when that failed.
   std::function<void(std::uint32_t id)> on_apart;
-  /// Once for each piece, when it is in the scene (an undo may have taken it out again): what it was when it came off,
-  /// and a feed that has every change since. To draw a piece, make its field (PieceOrigin::field()), mesh it and drain
-  /// the feed, on a thread of its own. A feed that is not drained is full one day; that does no harm until the end,
-  /// when HapticThread::stop() waits for it. When no undo brings the object back, the consumer is the last to own its
-  /// feed.
+  /// Once for each piece, when it is in the scene, those that are in it from the beginning among them (an undo may have
+  /// taken it out again): what it was when it came off, and a feed that has every change since. To draw a piece, make
+  /// its field (PieceOrigin::field()), mesh it and drain the feed, on a thread of its own. A feed that is not drained
+  /// is full one day; that does no harm until the end, when HapticThread::stop() waits for it. When no undo brings the
+  /// object back, the consumer is the last to own its feed.
   std::function<void(std::shared_ptr<const PieceOrigin>, std::shared_ptr<BrickFeed>)> on_piece;
 
   /// Pieces are made by all cores; false: by the maker's thread alone (see RemesherOptions::is_parallel).

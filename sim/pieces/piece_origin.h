@@ -7,6 +7,7 @@
 
 #include "sim/object/baked_object.h"
 #include "sim/object/brick_edit.h"
+#include "sim/object/cut_object.h"
 
 namespace kerf {
 
@@ -19,5 +20,8 @@ struct PieceOrigin {
   /// 2 KB a brick with values.
   BrickField field() const;
 };
+
+/// Of a piece that is in the scene already, as it is now.   @param piece  CutObject::bricks().isPiece().
+PieceOrigin originOf(const CutObject& piece);
 
 }  // namespace kerf

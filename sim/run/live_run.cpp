@@ -2,7 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <chrono>
+#include <cmath>
 #include <system_error>
+#include <thread>
 #include <utility>
 
 #include "sim/live/chunk_occlusion.h"
@@ -16,6 +20,19 @@
 
 namespace kerf {
 namespace fs = std::filesystem;
+
+namespace {
+
+// At the node that is nearest.
+bool isInside(const CutObject& object, const Vec3d& point) {
+  const Vec3d nodes = point / object.voxel();
+  const Vec3i node(static_cast<int>(std::lround(nodes[0])), static_cast<int>(std::lround(nodes[1])),
+                   static_cast<int>(std::lround(nodes[2])));
+  const int slot = object.find(brickOf(node));
+  return slot >= 0 && object.slot(slot).phi[nodeOffset(node[0], node[1], node[2])] < 0;
+}
+
+}  // namespace
 
 LiveRun::LiveRun(LiveRunOptions options, fs::path case_folder, fs::path run_folder)
     : options_(std::move(options)), case_folder_(std::move(case_folder)), folder_(std::move(run_folder)) {}
@@ -75,8 +92,9 @@ Expected<void> LiveRun::load(const Progress& progress) {
     came_off_.push_back({std::move(origin), std::move(feed)});
   };
   haptic_ = std::make_unique<HapticThread>(std::move(model), LoadedObjects{object_}, options_.start, options_.haptic);
-  const std::uint32_t id = haptic_->session().state().objects.front().id;
-  shown_.push_back({id, std::make_unique<MesherThread>(object_->phi0(), feed_, options_.mesher)});
+  const CutObject& first = haptic_->session().state().objects.front();
+  if (!first.bricks().isPiece())  // else on_piece tells of all
+    shown_.push_back({first.id, std::make_unique<MesherThread>(object_->phi0(), feed_, options_.mesher)});
   return {};
 }
 
@@ -96,9 +114,33 @@ Expected<void> LiveRun::loadWhatIsCut() {
   for (const double volume : internal::removedVolumes(*original_, begin, internal::materialsOf(*object_)))
     removed_before_ += volume;
   pieces_before_ = before.pieces;
-  // What is in pieces comes apart at once, before anything is cut.
-  options_.haptic.pieces.begins_apart = pieces_before_.size() > 1;
+  if (!pieces_before_.empty()) options_.haptic.begin = [this](Session& session) { return putPiecesBack(session); };
   return {};
+}
+
+// Of the run before: its pieces get their names and places again. What cannot be found again is in missing_.
+std::vector<Command> LiveRun::putPiecesBack(Session& session) {
+  std::vector<Command> done;
+  const auto apply = [&](const Command& command) {
+    if (session.apply(command)) done.push_back(command);
+  };
+  if (pieces_before_.size() > 1) apply(SplitObject{0});
+
+  for (const RunManifest::Piece& before : pieces_before_) {
+    const std::vector<CutObject>& objects = session.state().objects;
+    const auto at = std::find_if(objects.begin(), objects.end(),
+                                 [&](const CutObject& object) { return isInside(object, before.inside); });
+    if (at == objects.end()) {
+      missing_.push_back(before.name);
+      continue;
+    }
+    names_[at->id] = before.name;
+    if (!before.isMoved()) continue;
+    const Vec3d& t = before.T_case_piece.translation;
+    const Eigen::Quaterniond& q = before.T_case_piece.rotation;
+    apply(MoveObject{static_cast<std::size_t>(at - objects.begin()), {t[0], t[1], t[2]}, {q.w(), q.x(), q.y(), q.z()}});
+  }
+  return done;
 }
 
 Expected<void> LiveRun::makeFolder() {
@@ -121,7 +163,7 @@ Expected<void> LiveRun::makeFolder() {
 }
 
 Expected<void> LiveRun::start(DeviceSource& device) {
-  BrickFeed* const feeds[] = {&feed_};
+  BrickFeed* const feeds[] = {haptic_->session().state().objects.front().bricks().isPiece() ? nullptr : &feed_};
   KERF_CHECK(haptic_->start(device, feeds, &*recorder_));
   is_started_ = true;
   return {};
@@ -180,24 +222,36 @@ MesherThread* LiveRun::mesherOf(std::uint32_t id) {
   return nullptr;
 }
 
-bool LiveRun::holds(std::uint32_t id, const Vec3d& point) const {
-  for (const Shown& object : shown_) {
-    if (object.id != id) continue;
-    if (!object.mesher->isPiece()) return object_->phi0().sample(point) < 0;
-    const auto field = object.mesher->pieceField();
-    return field && field->sample(point) < 0;
+// Pieces are in the scene some ms before their meshers are.
+bool LiveRun::isShownWhole() {
+  constexpr auto kMost = std::chrono::seconds(5);
+  const auto until = std::chrono::steady_clock::now() + kMost;
+  for (;;) {
+    showNewPieces();
+    const HapticReport& report = haptic_->report();
+    const auto isShown = [this](const ObjectReport& object) { return mesherOf(object.id) != nullptr; };
+    if (report.object_count > 0 &&
+        std::all_of(report.objects.begin(), report.objects.begin() + static_cast<std::ptrdiff_t>(report.object_count),
+                    isShown))
+      return true;
+    if (std::chrono::steady_clock::now() > until) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    haptic_->update();
   }
-  return false;
 }
 
-SceneCopy LiveRun::copyScene() {
-  showNewPieces();
+Expected<SceneCopy> LiveRun::copyScene() {
+  if (!isShownWhole())
+    return fail({.code = Error::Code::kUnsupported,
+                 .place = "pieces",
+                 .found = "one that has just come off is not meshed yet",
+                 .expected = "all of the scene",
+                 .hint = "try again in a moment"});
   const HapticReport& report = haptic_->report();
   SceneCopy out;
   for (std::size_t n = 0; n < report.object_count; ++n) {
     const ObjectReport& object = report.objects[n];
     MesherThread* const mesher = mesherOf(object.id);
-    if (!mesher) continue;
     SceneCopy::Object& copy = out.objects.emplace_back();
     copy.id = object.id;
     const auto name = names_.find(object.id);

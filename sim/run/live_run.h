@@ -89,8 +89,10 @@ class LiveRun {
   std::shared_ptr<const BrickField> original() const noexcept { return original_; }
   /// What the run before had removed, mm^3; 0: there was none.
   double removedBefore() const noexcept { return removed_before_; }
-  /// The pieces it left.
-  const std::vector<RunManifest::Piece>& piecesBefore() const noexcept { return pieces_before_; }
+  /// Names of the pieces it left; they are apart and where they were put from the beginning.
+  const PieceNames& names() const noexcept { return names_; }
+  /// Of those that were not found again.
+  const std::vector<std::string>& missingPieces() const noexcept { return missing_; }
   std::span<const SessionTool> tools() const noexcept { return options_.tools; }
   const Model& model() const noexcept { return haptic_->session().model(); }
   HapticThread& thread() noexcept { return *haptic_; }
@@ -106,14 +108,13 @@ class LiveRun {
   /// Edits meshed so far, of all objects: see MesherThread::editsDone().
   std::uint64_t editsDone() const noexcept;
 
-  /// What is cut by now, as the meshers know it, a few ms old. The cut goes on. Waits for them, some ms.
-  SceneCopy copyScene();
+  /// What is cut by now, as the meshers know it, a few ms old. The cut goes on. Waits for them, some ms; five seconds
+  /// at most for one that has just come off.   Error kUnsupported: that has no mesh yet.
+  Expected<SceneCopy> copyScene();
   /// The post-operative mesh of a copy. Any thread.   Errors: as exportBundle().
   Expected<LiveResult> postOperative(const SceneCopy& scene, const PostOpOptions& options = {},
                                      const Progress& progress = {}) const;
   /// For the manifest, and for what is exported. Empty: "piece N".
-  /// Whether a point, in the frame of an object, is in it; false while it is not known yet. For what is in the scene.
-  bool holds(std::uint32_t id, const Vec3d& point) const;
   void namePiece(std::uint32_t id, const std::string& name) { names_[id] = name; }
 
   /// Stops the threads and writes the run; once. kEmpty: nothing was cut, and the folder is gone again. After any other
@@ -135,6 +136,8 @@ class LiveRun {
     std::shared_ptr<BrickFeed> feed;
   };
   void showNewPieces();
+  bool isShownWhole();
+  std::vector<Command> putPiecesBack(Session& session);
   MesherThread* mesherOf(std::uint32_t id);
 
   LiveRunOptions options_;
@@ -145,6 +148,7 @@ class LiveRun {
   std::shared_ptr<const BrickField> original_;  // within object_, unless it goes on from a run
   double removed_before_ = 0;
   std::vector<RunManifest::Piece> pieces_before_;
+  std::vector<std::string> missing_;
   BrickFeed feed_;
   std::optional<RunLock> lock_;
   std::optional<SessionRecorder> recorder_;

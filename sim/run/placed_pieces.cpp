@@ -6,8 +6,10 @@
 #include <cctype>
 #include <limits>
 #include <optional>
+#include <set>
 #include <utility>
 
+#include "geometry/base/hash.h"
 #include "geometry/mesh/self_intersection.h"
 #include "geometry/mesh/solids.h"
 
@@ -105,13 +107,41 @@ Expected<std::vector<PlacedPiece>> placedPieces(const Mesh& mesh, std::span<cons
   return out;
 }
 
-std::filesystem::path fileOfPiece(const std::filesystem::path& file, const std::string& piece) {
-  std::string name = piece;
-  for (char& c : name)
-    if (!std::isalnum(static_cast<unsigned char>(c)) && static_cast<unsigned char>(c) < 128 && c != '_') c = '-';
-  std::filesystem::path out = file;
-  out.replace_filename(file.stem().string() + "-" + name + file.extension().string());
+std::vector<std::filesystem::path> filesOfPieces(const std::filesystem::path& file,
+                                                 std::span<const PlacedPiece> pieces) {
+  constexpr std::size_t kMostLetters = 60;
+  std::vector<std::filesystem::path> out;
+  std::set<std::string> taken;
+  for (const PlacedPiece& piece : pieces) {
+    std::string name, small;
+    for (const char letter : piece.name.substr(0, kMostLetters))
+      name += std::isalnum(static_cast<unsigned char>(letter)) || letter == '_' ? letter : '-';
+    for (int n = 1;; ++n) {
+      const std::string numbered = n == 1 ? name : fmt::format("{}-{}", name, n);
+      small = numbered;
+      for (char& c : small) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+      if (!taken.insert(small).second) continue;
+      out.push_back(file);
+      out.back().replace_filename(fmt::format("{}-{}{}", file.stem().string(), numbered, file.extension().string()));
+      break;
+    }
+  }
   return out;
+}
+
+Expected<void> requireNoSource(const std::filesystem::path& file, const CaseManifest& manifest) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(file, ignored)) return {};
+  const auto hash = sha256OfFile(file);
+  if (!hash) return {};  // what cannot be read is no scan that was read
+  for (const CaseSource& source : manifest.sources)
+    if (source.sha256 == *hash)
+      return fail({.code = Error::Code::kBadValue,
+                   .file = file.string(),
+                   .found = "a file that the case was made of",
+                   .expected = "another name: a scan is never written over",
+                   .hint = "another name or folder"});
+  return {};
 }
 
 Mesh together(std::span<const PlacedPiece> pieces) {

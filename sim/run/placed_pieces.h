@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "geometry/base/error.h"
+#include "geometry/case/case_bundle.h"
 #include "geometry/mesh/mesh.h"
 #include "sim/run/run_manifest.h"
 
@@ -33,8 +34,14 @@ struct PlacedPiece {
 Expected<std::vector<PlacedPiece>> placedPieces(const Mesh& mesh, std::span<const RunManifest::Piece> pieces,
                                                 bool is_put_back = false);
 
-/// NAME-PIECE.stl of NAME.stl; what a file name should not hold becomes "-".
-std::filesystem::path fileOfPiece(const std::filesystem::path& file, const std::string& piece);
+/// A file for each: NAME-PIECE.stl of NAME.stl; what a file name should not hold becomes "-", a long name is cut, and
+/// what would be the same file, also where capitals do not count, gets a number.
+std::vector<std::filesystem::path> filesOfPieces(const std::filesystem::path& file,
+                                                 std::span<const PlacedPiece> pieces);
+
+/// Refuses to write over a file that the case was made of, by whatever name: its bytes are compared.
+/// Error kBadValue.   @cost  reads the file, if there is one.
+Expected<void> requireNoSource(const std::filesystem::path& file, const CaseManifest& manifest);
 
 /// All in one mesh. Without a moved piece that is the mesh they were taken from, but for the order of its parts.
 Mesh together(std::span<const PlacedPiece> pieces);

@@ -79,12 +79,6 @@ std::string toolsInHand(const SessionLog& log, const RunManifest& manifest) {
   return out;
 }
 
-// Nothing was cut since the session began.
-bool hasNothingOfItsOwn(const std::vector<CutObject>& objects) {
-  return objects.size() == 1 && !objects.front().bricks().isPiece() &&
-         objects.front().bricks().changedField().isEmpty();
-}
-
 bool isMoved(const CutObject& object) {
   RunManifest::Piece piece;
   piece.T_case_piece = object.T_world_object;
@@ -200,8 +194,8 @@ Expected<void> endSessionRun(const fs::path& run_folder, const Session& session,
     for (const CutObject& object : objects) fields.push_back(fieldOf(object));
 
   const BrickField changed = changesOf(objects, fields, loaded);
-  const bool is_as_it_began = loaded && hasNothingOfItsOwn(objects);
-  if ((changed.isEmpty() || is_as_it_began) && !is_moved)
+  const bool is_as_it_began = loaded && !session.canUndo();  // nor is there more to undo than where it began
+  if (is_as_it_began || (!loaded && changed.isEmpty() && !is_moved))
     return fail({.code = Error::Code::kEmpty,
                  .file = run_folder.string(),
                  .found = "nothing was cut in this session",

@@ -182,6 +182,12 @@ bool Session::hasFrozen() const noexcept {
   return std::any_of(state_.objects.begin(), state_.objects.end(), [](const CutObject& o) { return o.isFrozen(); });
 }
 
+void Session::keepForGood() noexcept {
+  markAll();
+  history_.close();
+  history_.keepForGood();
+}
+
 // ---- Memory
 
 // Without memory shells stay as they are until there is some: the step says kStepBricksRanOut.

@@ -49,6 +49,8 @@ class Session {
   /// One tick. A stroke begins when the pedal goes down and ends when it comes up. Then reserves memory for the next
   /// tick and searches for pieces, if that is wanted: allocates, so not @rt.
   void tick(const DeviceSample& sample, StepOutput& output);
+  /// Undo leads back to here and no further. In a replay it may: what was not undone live is not undone there.
+  void keepForGood() noexcept;
   /// Ends a stroke that is under way, and records the last check. No allocation.
   void finish() noexcept;
 

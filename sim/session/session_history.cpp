@@ -61,6 +61,7 @@ SessionHistory::Step& SessionHistory::addStep(std::vector<CutObject>& objects) n
     forget(std::move(steps_.front().split));
     steps_.erase(steps_.begin());
     --done_;
+    if (floor_ > 0) --floor_;
   }
   ++done_;
   return steps_.emplace_back();  // reserved
@@ -144,10 +145,10 @@ void SessionHistory::apply(std::vector<CutObject>& objects, Step& step, bool is_
 }
 
 bool SessionHistory::undo(std::vector<CutObject>& objects) noexcept {
-  if (done_ == 0) return false;
+  if (done_ == floor_) return false;
   joins_next_ = false;
   do apply(objects, steps_[--done_], true);
-  while (steps_[done_].joins_last && done_ > 0);
+  while (steps_[done_].joins_last && done_ > floor_);
   return true;
 }
 

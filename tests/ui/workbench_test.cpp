@@ -168,7 +168,8 @@ TEST_F(WorkbenchTest, ASessionGoesOnFromARunWithItsPiecesWhereTheyWere) {
 
   const auto played =
       play("file.open \"" + first.string() +
-           "\"\nwait\nwait 3\nexpect pieces 2 2\npiece.choose \"the left\"\nview.from top\n" +
+           "\"\nwait\nexpect pieces 2 2\nedit.undo\nwait 0.2\nexpect pieces 2 2\npiece.choose \"the left\"\nview.from "
+           "top\n" +
            "tool.select round-010\ncut.force 2\ncut.depth 0.4\ncut.press 300 150\nwait 3\ncut.release\nwait 0.2\n" +
            "file.export \"" + out.string() + "\"\nwait\n");
   ASSERT_TRUE(played) << played.error().message() << allNotices();
@@ -213,6 +214,33 @@ TEST_F(WorkbenchTest, ASessionGoesOnFromARunWithItsPiecesWhereTheyWere) {
   const auto without = replayRun(session_);
   ASSERT_FALSE(without);
   EXPECT_NE(without.error().message().find("begin.vdb"), std::string::npos) << without.error().message();
+}
+
+// Exports that would lose something: the scan by a piece's name, the scan from a run, one of two pieces.
+TEST_F(WorkbenchTest, AnExportOfPiecesWritesOverNoScanAndNoOtherPiece) {
+  const fs::path in = folder_.path() / "bar-piece-1.obj";
+  ASSERT_TRUE(writeMesh(in, test::blockMesh(true, {6, 1.6, 1.2})));
+  const auto before = sha256OfFile(in);
+  tools_ = {"disc-22"};
+  const std::string cut = "file.open \"" + in.string() +
+                          "\"\nwait\nview.fit\ncut.force 3\ncut.depth 2.2\ncut.press 200 150\nwait "
+                          "5\ncut.release\nwait 1\nexpect pieces 2 2\n";
+  const auto each = play(cut + "file.export-each \"" + (folder_.path() / "bar.obj").string() + "\"\nwait\n");
+  ASSERT_FALSE(each);
+  EXPECT_NE(each.error().message().find("never written over"), std::string::npos) << each.error().message();
+  EXPECT_EQ(*sha256OfFile(in), *before);
+  EXPECT_FALSE(fs::exists(folder_.path() / "bar-piece-2.obj")) << "nothing is written before all is checked";
+
+  const fs::path first = session_;
+  const auto from_run = play("file.open \"" + first.string() + "\"\nwait\nfile.export \"" + in.string() + "\"\nwait\n");
+  ASSERT_FALSE(from_run);
+  EXPECT_EQ(*sha256OfFile(in), *before);
+  EXPECT_FALSE(fs::exists(session_)) << "it was only opened";
+
+  const auto names = play("file.open \"" + first.string() + "\"\nwait\npiece.choose 2\npiece.rename \"piece 1\"\n");
+  ASSERT_FALSE(names);
+  EXPECT_NE(names.error().message().find("another piece"), std::string::npos) << names.error().message();
+  EXPECT_FALSE(play("file.open \"" + first.string() + "\"\nwait\npiece.choose 2\npiece.rename 7\n"));
 }
 
 TEST_F(WorkbenchTest, ASessionThatAddsNothingToARunLeavesNone) {

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "geometry/formats/mesh_formats.h"
 #include "geometry/formats/mesh_io.h"
 #include "geometry/formats/mesh_writer.h"
 #include "geometry/mesh/mesh_check.h"
@@ -87,7 +88,9 @@ Expected<std::vector<Output>> outputsOf(LiveResult& result, const SceneCopy& sce
           out.push_back({file, piece.name, std::move(piece.mesh)});
     if (out.empty()) return noSuchPiece();
   } else if (choice.is_each) {
-    for (PlacedPiece& piece : pieces) out.push_back({fileOfPiece(file, piece.name), piece.name, std::move(piece.mesh)});
+    const std::vector<fs::path> files = filesOfPieces(file, pieces);
+    for (std::size_t n = 0; n < pieces.size(); ++n)
+      out.push_back({files[n], pieces[n].name, std::move(pieces[n].mesh)});
   } else {
     Output& all = out.emplace_back(Output{file, "", together(pieces)});
     for (PlacedPiece& piece : pieces) all.pieces.push_back(std::move(piece.mesh));
@@ -103,10 +106,19 @@ Expected<std::string> exportScene(const LiveRun& run, const SceneCopy& scene, co
   const PostOpReport report = result.post_op.report;
   KERF_TRY(outputs, outputsOf(result, scene, file, choice));
 
+  for (const Output& output : outputs) {
+    KERF_CHECK(canWriteMesh(output.file));
+    KERF_CHECK(requireNoSource(output.file, run.caseManifest()));
+  }
+
   std::string out;
   for (const Output& output : outputs) {
-    KERF_TRY(line, write(output));
-    out += line + "\n";
+    auto line = write(output);
+    if (!line) {
+      if (!out.empty()) line.error().hint += "; written before it: " + out;
+      return fail(std::move(line).error());
+    }
+    out += *line + "\n";
   }
   out += fmt::format("removed {:.3f} mm3, {} vertices of the scan kept bit for bit", report.removed_volume_mm3,
                      report.source_vertices_kept);

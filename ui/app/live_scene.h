@@ -42,6 +42,8 @@ struct SceneHit {
 class LiveScene {
  public:
   void clear();
+  /// Of objects that come, by their id; the others are "piece 1", "piece 2", ...
+  void setNames(PieceNames names) { names_ = std::move(names); }
   void update(std::span<const ObjectChunks> chunks, const HapticReport& report);
 
   /// Those in the picture, hidden ones among them: in the order of the simulation, which is by size when they came off.
@@ -61,6 +63,7 @@ class LiveScene {
 
   std::vector<std::unique_ptr<SceneObject>> objects_;
   std::vector<SceneObject*> shown_;
+  PieceNames names_;
 };
 
 /// A ray as an object sees it.

@@ -60,6 +60,18 @@ Expected<void> Sawing::requireOpen() const {
   return refuse(Error::Code::kEmpty, "nothing is open", "an object to saw", "open a scan first");
 }
 
+bool Sawing::isMoved() const {
+  const auto shown = bench_.scene().shown();
+  return std::any_of(shown.begin(), shown.end(), [](const SceneObject* piece) { return piece->isMoved(); });
+}
+
+// A plan is of the object as it was loaded: where a piece was moved to, it would saw air.
+Expected<void> Sawing::requireUnmoved() const {
+  if (!isMoved()) return {};
+  return refuse(Error::Code::kUnsupported, "a piece was moved", "all pieces where they were in the scan",
+                "put them back (piece.put-back), or saw free-hand");
+}
+
 Expected<SurfaceHit> Sawing::hit(const Ray& ray) const {
   KERF_CHECK(requireOpen());
   if (const auto at = bench_.scene().hit(ray)) return at->on_surface;
@@ -73,6 +85,7 @@ Expected<SawPlane> Sawing::chosen() const {
 }
 
 Expected<void> Sawing::addFitted(SawPlane plane, FitOptions options) {
+  KERF_CHECK(requireUnmoved());
   KERF_CHECK(requireOpen());
   KERF_TRY(fitted, fitToBone(std::move(plane), *bench_.run()->original(), blade(), options));
   plan_.add(fitted);
@@ -210,6 +223,7 @@ Expected<Rigid3> Sawing::startAbove(const SawPlane& plane, const SawBlade& blade
 
 Expected<void> Sawing::cut(double force_n) {
   KERF_CHECK(requireOpen());
+  KERF_CHECK(requireUnmoved());
   KERF_TRY(plane, chosen());
   if (cutting_)
     return refuse(Error::Code::kUnsupported, "a plane is being sawn", "one at a time", "wait for it, or saw.stop");
@@ -381,7 +395,7 @@ void Sawing::finish(const GuidedReport& report) {
 // ---- The guide
 
 bool Sawing::isGuiding() const {
-  return guide && plan_.chosen() && bench_.isOpen() && SawBlade::of(bench_.tool(bench_.toolInHand()));
+  return !isMoved() && guide && plan_.chosen() && bench_.isOpen() && SawBlade::of(bench_.tool(bench_.toolInHand()));
 }
 
 Vec3d Sawing::tipToFront() const {

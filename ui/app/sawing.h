@@ -78,8 +78,8 @@ class Sawing {
   // ---- Sawing a plane
 
   /// Saws the chosen plane now, in real time: the tool in hand is placed above the bone and led along its passes.
-  /// Errors: kEmpty without a plane or without bone in it; kUnsupported if the tool is no saw, or something else is
-  /// under way; kGeometry if the blade finds no room above the bone.
+  /// Errors: kEmpty without a plane or without bone in it; kUnsupported if the tool is no saw, a piece was moved, or
+  /// something else is under way; kGeometry if the blade finds no room above the bone.
   Expected<void> cut(double force_n);
   /// Breaks it off: the blade is drawn out, what was sawn stays, as one stroke.
   void stop();
@@ -93,7 +93,7 @@ class Sawing {
   // ---- The guide
 
   bool guide = false;  ///< by mouse the blade stays in the chosen plane
-  /// It is on, a plane is chosen and a saw in hand.
+  /// It is on, a plane is chosen, a saw in hand, and no piece is moved.
   bool isGuiding() const;
   /// Where a guided blade would stand: on the surface as it is now, below what the ray points at, its front in the
   /// plane. None: nothing is there, or too far beside the plane.
@@ -126,6 +126,8 @@ class Sawing {
   Expected<void> addFitted(SawPlane plane, FitOptions options);
   Expected<SawPlane> chosen() const;
   Expected<void> requireOpen() const;
+  Expected<void> requireUnmoved() const;
+  bool isMoved() const;
   Expected<Rigid3> startAbove(const SawPlane& plane, const SawBlade& blade, double u, double v, bool is_turned) const;
   std::string sawsOfTheRack() const;
   void markSawn(const GuidedReport& report);

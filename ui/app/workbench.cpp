@@ -71,7 +71,6 @@ void Workbench::takeNews() {
   if (run_->thread().updateTimes()) times_ = run_->thread().times();
   const auto chunks = run_->takeChunks();
   scene_.update(chunks, report_);
-  placePiecesOfBefore();
   // A piece that was moved is where the simulation has it as soon as that has answered.
   const std::uint64_t answered = report_.counts.commands_done + report_.counts.commands_refused;
   std::erase_if(moving_, [&](const Moving& piece) {
@@ -86,29 +85,6 @@ void Workbench::takeNews() {
   Error error = *log.error;
   error.hint = "free some space and end the session: what was cut is kept, the log ends here";
   complain(error);
-}
-
-// Of a run that is gone on with: its pieces get their names and places again, as soon as they are there.
-void Workbench::placePiecesOfBefore() {
-  constexpr std::uint64_t kMostTicks = 20000;
-  if (to_place_.empty()) return;
-  const bool is_late = report_.tick > kMostTicks;
-  if (scene_.shown().size() < to_place_.size() && !is_late) return;
-
-  std::string missing;
-  for (const RunManifest::Piece& before : to_place_) {
-    const auto shown = scene_.shown();
-    const auto at = std::find_if(shown.begin(), shown.end(),
-                                 [&](const SceneObject* piece) { return run_->holds(piece->id, before.inside); });
-    if (at == shown.end()) {
-      missing += (missing.empty() ? "" : ", ") + before.name;
-      continue;
-    }
-    (*at)->name = before.name;
-    if (before.isMoved()) movePiece((*at)->id, before.T_case_piece);
-  }
-  to_place_.clear();
-  if (!missing.empty()) say("not found again, and so where it was in the scan: " + missing);
 }
 
 // Until what was asked for is done and the mesher knows of it; a second at most.
@@ -215,7 +191,9 @@ void Workbench::show(Opened& loaded) {
   chosen_.reset();
   if (!is_reopening_) section.reset();
   moving_.clear();
-  to_place_ = run_->piecesBefore();
+  scene_.setNames(run_->names());
+  for (const std::string& name : run_->missingPieces())
+    say("not found again, and so where it was in the scan: " + name);
   removed_mm3_ = 0;
   saw_->opened();
   ++generation_;
@@ -403,7 +381,15 @@ void Workbench::hidePiece(std::uint32_t id, bool is_hidden) {
 
 void Workbench::namePiece(std::uint32_t id, const std::string& name) {
   SceneObject* const piece = scene_.find(id);
-  if (!piece || name.empty()) return;
+  if (!piece || name.empty() || name == piece->name) return;
+  const bool is_number = std::all_of(name.begin(), name.end(), [](char c) { return c >= '0' && c <= '9'; });
+  const auto has = [&](const SceneObject* other) { return other != piece && other->name == name; };
+  const bool is_taken = std::any_of(scene_.shown().begin(), scene_.shown().end(), has);
+  if (is_number || is_taken)
+    return complain({.code = Error::Code::kBadValue,
+                     .place = piece->name,
+                     .found = fmt::format("\"{}\"{}", name, is_taken ? ", which another piece is called" : ""),
+                     .expected = "a name of its own, not a number"});
   piece->name = name;
 }
 
@@ -428,7 +414,9 @@ void Workbench::exportTo(const fs::path& file, const ExportChoice& choice) {
 
   // The job works on a copy: the cut may go on.
   job_writes_ = true;
-  auto scene = std::make_shared<const SceneCopy>(run_->copyScene());
+  auto copy = run_->copyScene();
+  if (!copy) return complain(copy.error());
+  auto scene = std::make_shared<const SceneCopy>(std::move(*copy));
   const LiveRun* const run = run_.get();
   auto job = std::make_unique<Job<std::string>>("exporting " + file.filename().string(),
                                                 [run, scene, file, choice](const Progress& progress) {

@@ -211,7 +211,6 @@ class Workbench {
   void putIntoRack(const std::filesystem::path& file, Tool tool);
   void reopenWith(const std::filesystem::path& tool_file);
   void watchTools();
-  void placePiecesOfBefore();
 
   WorkbenchOptions options_;
   MaterialTable materials_{{}};
@@ -240,7 +239,6 @@ class Workbench {
     std::uint64_t sent = 0;  // answered when that many commands are
   };
   std::vector<Moving> moving_;
-  std::vector<RunManifest::Piece> to_place_;  // of the run that is gone on with
   std::uint64_t generation_ = 0;
   HapticReport report_;
   HapticTimes times_;

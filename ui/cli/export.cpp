@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "geometry/case/case_bundle.h"
 #include "geometry/formats/mesh_formats.h"
 #include "geometry/formats/mesh_writer.h"
 #include "sim/run/export_bundle.h"
 #include "sim/run/placed_pieces.h"
+#include "sim/run/run_files.h"
 #include "sim/run/run_manifest.h"
 #include "ui/cli/command.h"
 
@@ -41,8 +43,13 @@ Error noSuchPiece(const Arguments& a, const std::vector<PlacedPiece>& pieces) {
           .hint = "kerf info " + a.bundle};
 }
 
-bool isNamed(const std::string& word, std::size_t n, const PlacedPiece& piece) {
-  return word == std::to_string(n + 1) || word == piece.name;
+// A number goes before a name.
+std::optional<std::size_t> chosenPiece(const std::string& word, const std::vector<PlacedPiece>& pieces) {
+  for (std::size_t n = 0; n < pieces.size(); ++n)
+    if (word == std::to_string(n + 1)) return n;
+  for (std::size_t n = 0; n < pieces.size(); ++n)
+    if (word == pieces[n].name) return n;
+  return {};
 }
 
 // Pieces where they were moved to, unless they are put back.
@@ -57,15 +64,15 @@ Expected<std::vector<Output>> outputsOf(const Arguments& a, const Export& result
 
   KERF_TRY(pieces, placedPieces(result.post_op.mesh, result.pieces, a.is_put_back));
   bool is_found = a.piece.empty() || a.piece == "all";
+  const auto chosen = chosenPiece(a.piece, pieces);
   for (const std::string& path : a.outputs) {
     if (a.piece.empty()) out.push_back({path, together(pieces)});
-    for (std::size_t n = 0; n < pieces.size() && !a.piece.empty(); ++n) {
-      if (a.piece == "all") out.push_back({fileOfPiece(path, pieces[n].name).string(), pieces[n].mesh});
-      if (!isNamed(a.piece, n, pieces[n])) continue;
-      out.push_back({path, pieces[n].mesh});
-      is_found = true;
-    }
+    if (chosen) out.push_back({path, pieces[*chosen].mesh});
+    if (a.piece != "all") continue;
+    const auto files = filesOfPieces(path, pieces);
+    for (std::size_t n = 0; n < pieces.size(); ++n) out.push_back({files[n].string(), pieces[n].mesh});
   }
+  is_found |= chosen.has_value();
   if (!is_found) return fail(noSuchPiece(a, pieces));
   return out;
 }
@@ -152,6 +159,16 @@ void print(const Arguments& a, const std::vector<Output>& outputs, const Export&
   for (const Output& output : outputs) fmt::print("written: {}\n", output.path);
 }
 
+Expected<void> requireNoSourceOf(const Arguments& a, const std::string& path) {
+  std::filesystem::path folder = a.bundle;
+  if (isRun(a.bundle)) {
+    KERF_TRY(of_run, caseOfRun(a.bundle));
+    folder = of_run;
+  }
+  KERF_TRY(manifest, readCaseManifest(folder));
+  return requireNoSource(path, manifest);
+}
+
 int run(const Arguments& a) {
   // A name that cannot be written costs seconds now, not minutes later, and no file beside it gets written alone.
   for (const std::string& path : a.outputs)
@@ -165,6 +182,8 @@ int run(const Arguments& a) {
   const TerminalProgress guard;  // Ctrl-C waits until no file is half written
   const auto outputs = outputsOf(a, *result);
   if (!outputs) return complain(outputs.error());
+  for (const Output& output : *outputs)
+    if (const auto checked = requireNoSourceOf(a, output.path); !checked) return complain(checked.error());
   for (const Output& output : *outputs)
     if (const auto written = writeMesh(output.path, output.mesh); !written) return complain(written.error());
 

@@ -5,11 +5,20 @@
 
 #include <algorithm>
 #include <string>
+#include <string_view>
 
 #include "ui/window/style.h"
 
 namespace kerf {
 namespace {
+
+// As much of a text as fits, with dots if that is not all.
+std::string shortened(std::string_view text, float width) {
+  std::string out(text);
+  if (ImGui::CalcTextSize(out.c_str()).x <= width) return out;
+  while (!out.empty() && ImGui::CalcTextSize((out + "...").c_str()).x > width) out.pop_back();
+  return out + "...";
+}
 
 constexpr std::size_t kRows = 12;
 
@@ -67,7 +76,9 @@ const AppCommand* drawPalette(AppContext& context, CommandPalette& palette) {
     for (std::size_t n = first; n < std::min(count, first + kRows); ++n) {
       const AppCommand& command = *palette.found()[n];
       const bool is_enabled = command.is_enabled(context);
-      const std::string name(command.label.empty() ? command.description : command.label);
+      const std::string right = command.key.empty() ? std::string(command.id) : std::string(command.key);
+      const float room = ImGui::GetContentRegionAvail().x - ImGui::CalcTextSize(right.c_str()).x - scaled(16);
+      const std::string name = shortened(command.label.empty() ? command.description : command.label, room);
       ImGui::PushID(static_cast<int>(n));
       if (!is_enabled) ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
       if (ImGui::Selectable(name.c_str(), n == palette.selected())) {
@@ -75,7 +86,6 @@ const AppCommand* drawPalette(AppContext& context, CommandPalette& palette) {
         wants_path = palette.accept(context);
       }
       if (!is_enabled) ImGui::PopStyleColor();
-      const std::string right = command.key.empty() ? std::string(command.id) : std::string(command.key);
       ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - ImGui::CalcTextSize(right.c_str()).x);
       ImGui::TextColored(colours.quiet, "%s", right.c_str());
       ImGui::PopID();

@@ -10,6 +10,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <csignal>
 #include <cstdlib>
 #include <thread>
 #include <utility>
@@ -82,6 +83,14 @@ void listen(GLFWwindow* window, std::vector<InputEvent>& events) {
   glfwSetDropCallback(window, [](GLFWwindow* w, int count, const char** paths) {
     for (int n = 0; n < count; ++n) eventsOf(w).push_back({.kind = Kind::kDrop, .path = paths[n]});
   });
+}
+
+// ---- The system wants it to end: what was cut is written first
+
+volatile std::sig_atomic_t is_told_to_end = 0;
+
+void endWhenTold() {
+  for (const int number : {SIGTERM, SIGINT, SIGHUP}) std::signal(number, [](int) { is_told_to_end = 1; });
 }
 
 // ---- GLFW, its window and Dear ImGui, taken down in reverse
@@ -171,6 +180,7 @@ class Workshop {
       : options_(options), bench_(remembering(options.bench)), settings_(options.config) {}
 
   Expected<int> run() {
+    endWhenTold();
     KERF_CHECK(desktop_.open(options_, events_));
     KERF_TRY(view, LiveView::create());
     view_ = std::move(view);
@@ -215,7 +225,7 @@ class Workshop {
       events_.clear();
       view_->update(bench_);
       glfwWaitEventsTimeout(0.1);
-      wants_end_ = glfwWindowShouldClose(desktop_.window);
+      wants_end_ = glfwWindowShouldClose(desktop_.window) || is_told_to_end;
       return {};
     }
 
@@ -247,7 +257,7 @@ class Workshop {
     // Not in the frame that uploads all of the surface, and not while a hand is at work.
     if (is_still && std::exchange(is_picture_due_, false)) takePicture();
     ++frames_;
-    wants_end_ = context_.wants_quit || glfwWindowShouldClose(desktop_.window) ||
+    wants_end_ = context_.wants_quit || glfwWindowShouldClose(desktop_.window) || is_told_to_end ||
                  (options_.frames > 0 && frames_ >= options_.frames);
     return {};
   }
@@ -364,6 +374,10 @@ class Workshop {
     if (palette_.isShown()) return paletteKey(e.key);
     if (browser_.isShown() && (e.key == GLFW_KEY_ENTER || e.key == GLFW_KEY_KP_ENTER)) return browser_.accept();
     if (browser_.isShown() && e.key == GLFW_KEY_ESCAPE) return browser_.cancel();
+    if (context_.shows_settings && e.key == GLFW_KEY_ESCAPE) {
+      context_.shows_settings = false;
+      return;
+    }
     const int modifiers = e.modifiers & (GLFW_MOD_CONTROL | GLFW_MOD_SHIFT | GLFW_MOD_ALT);
     for (const AppCommand& command : appCommands()) {
       if (command.key.empty() || keyChord(command.key) != KeyChord{e.key, modifiers}) continue;

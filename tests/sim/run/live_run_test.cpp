@@ -108,13 +108,14 @@ TEST(LiveRun, StrokesWithTwoToolsBecomeARunThatReplaysAndExports) {
     mouse.drill({1.5, 1, 0}, 3);
     mouse.send(Undo{});
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    const SceneCopy scene = (*run)->copyScene();
-    ASSERT_EQ(scene.objects.size(), 1u);
-    const auto mesh = (*run)->postOperative(scene);
+    const auto scene = (*run)->copyScene();
+    ASSERT_TRUE(scene) << scene.error().message();
+    ASSERT_EQ(scene->objects.size(), 1u);
+    const auto mesh = (*run)->postOperative(*scene);
     ASSERT_TRUE(mesh) << mesh.error().message();
     EXPECT_GT(mesh->post_op.report.removed_volume_mm3, 0.1);
     EXPECT_TRUE(mesh->pieces.empty());
-    now = scene.objects.front().changed;
+    now = scene->objects.front().changed;
     const auto manifest = (*run)->finish();
     ASSERT_TRUE(manifest) << manifest.error().message();
     EXPECT_EQ(manifest->tool_id, "round-014, round-010");

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <set>
 
+#include "geometry/base/hash.h"
 #include "geometry/mesh/mesh_check.h"
 #include "tests/support/open_block.h"
 #include "tests/support/temporary_folder.h"
@@ -105,9 +106,32 @@ TEST(PlacedPieces, TheManifestBringsThemBack) {
   EXPECT_TRUE(read->pieces[1].isMoved());
 }
 
-TEST(PlacedPieces, FilesAreNamedAfterThem) {
-  EXPECT_EQ(fileOfPiece("a/jaw.stl", "piece 2"), "a/jaw-piece-2.stl");
-  EXPECT_EQ(fileOfPiece("jaw.ply", "../x:y"), "jaw----x-y.ply");
+TEST(PlacedPieces, FilesAreNamedAfterThemEachADifferentOne) {
+  std::vector<PlacedPiece> pieces(6);
+  const char* const names[] = {"piece 2", "../x:y", "piece 2", "PIECE-2", "piece-2-2", ""};
+  for (std::size_t n = 0; n < pieces.size(); ++n) pieces[n].name = names[n];
+  const auto files = filesOfPieces("a/jaw.stl", pieces);
+  const char* const wanted[] = {"a/jaw-piece-2.stl",   "a/jaw----x-y.stl",      "a/jaw-piece-2-2.stl",
+                                "a/jaw-PIECE-2-3.stl", "a/jaw-piece-2-2-2.stl", "a/jaw-.stl"};
+  for (std::size_t n = 0; n < pieces.size(); ++n) EXPECT_EQ(files[n], wanted[n]);
+
+  pieces.resize(2);
+  for (PlacedPiece& piece : pieces) piece.name = std::string(300, 'x');
+  const auto cut = filesOfPieces("jaw.stl", pieces);
+  EXPECT_LT(cut[1].string().size(), 80u);
+  EXPECT_NE(cut[0], cut[1]);
+}
+
+TEST(PlacedPieces, WhatTheCaseWasMadeOfIsNeverWrittenOver) {
+  const TemporaryFolder folder;
+  const auto scan = folder.write("scan.stl", "a scan"), other = folder.write("other.stl", "another");
+  CaseManifest manifest;
+  manifest.sources.emplace_back();
+  manifest.sources[0].sha256 = *sha256OfFile(scan);
+  EXPECT_FALSE(requireNoSource(scan, manifest));
+  EXPECT_FALSE(requireNoSource(folder.write("copy of it.stl", "a scan"), manifest)) << "by whatever name";
+  EXPECT_TRUE(requireNoSource(other, manifest));
+  EXPECT_TRUE(requireNoSource(folder.path() / "new.stl", manifest));
 }
 
 }  // namespace
