@@ -149,6 +149,7 @@ Expected<void> LiveRun::makeFolder() {
   KERF_TRY(opened, openSessionRun(folder_, case_folder_, case_, options_.tools, options_.from));
   manifest_ = std::move(opened.manifest);
   lock_.emplace(std::move(opened.lock));
+  if (!names_.empty()) (void)writePieceNames(folder_, names_);
 
   SessionHeader header = sessionHeader(manifest_);
   const SessionHeader settings = describe(haptic_->session());
@@ -261,6 +262,13 @@ Expected<SceneCopy> LiveRun::copyScene() {
     copy.begin = mesher->pieceField();
   }
   return out;
+}
+
+void LiveRun::namePiece(std::uint32_t id, const std::string& name) {
+  std::string& known = names_[id];
+  if (known == name) return;
+  known = name;
+  (void)writePieceNames(folder_, names_);  // the manifest has them at the end
 }
 
 Expected<LiveResult> LiveRun::postOperative(const SceneCopy& scene, const PostOpOptions& options,

@@ -114,8 +114,9 @@ class LiveRun {
   /// The post-operative mesh of a copy. Any thread.   Errors: as exportBundle().
   Expected<LiveResult> postOperative(const SceneCopy& scene, const PostOpOptions& options = {},
                                      const Progress& progress = {}) const;
-  /// For the manifest, and for what is exported. Empty: "piece N".
-  void namePiece(std::uint32_t id, const std::string& name) { names_[id] = name; }
+  /// For the manifest and for what is exported, in the place of "piece N". Kept beside the log: a crash does not lose
+  /// it.
+  void namePiece(std::uint32_t id, const std::string& name);
 
   /// Stops the threads and writes the run; once. kEmpty: nothing was cut, and the folder is gone again. After any other
   /// error the folder is open, and its log is whole.

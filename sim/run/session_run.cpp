@@ -6,10 +6,13 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <charconv>
 #include <set>
 #include <system_error>
 
+#include "geometry/base/atomic_file.h"
 #include "geometry/base/hash.h"
+#include "geometry/base/toml_reader.h"
 #include "geometry/base/version.h"
 #include "geometry/field/vdb_io.h"
 #include "geometry/tool/tool_file.h"
@@ -24,6 +27,7 @@ namespace {
 namespace fs = std::filesystem;
 constexpr const char* kLock = "lock";
 constexpr const char* kToolFolder = "tools";
+constexpr const char* kPieceNames = "piece-names.toml";
 
 tl::unexpected<Error> cannotWrite(const fs::path& what, const std::string& why) {
   return fail({.code = Error::Code::kWriteFailed,
@@ -219,6 +223,33 @@ Expected<void> endSessionRun(const fs::path& run_folder, const Session& session,
   return writeRunManifest(run_folder, manifest);
 }
 
+Expected<void> writePieceNames(const fs::path& run_folder, const PieceNames& names) {
+  toml::table table;
+  for (const auto& [id, name] : names) table.insert(std::to_string(id), name);
+  KERF_TRY(file, AtomicFile::create(run_folder / kPieceNames));
+  file.stream() << "# Names of the pieces, by their number in the session.\n" << table << "\n";
+  return file.commit();
+}
+
+namespace {
+
+// Names are worth no more than a session: without the file, or with a damaged one, pieces are numbered.
+PieceNames readPieceNames(const fs::path& run_folder) {
+  PieceNames out;
+  const auto table = parseToml(run_folder / kPieceNames);
+  if (!table) return out;
+  for (const auto& [key, node] : *table) {
+    std::uint32_t id = 0;
+    const std::string_view word = key.str();
+    const auto [end, failed] = std::from_chars(word.data(), word.data() + word.size(), id);
+    const auto name = node.value<std::string>();
+    if (failed == std::errc{} && end == word.data() + word.size() && name) out[id] = *name;
+  }
+  return out;
+}
+
+}  // namespace
+
 // ---- After its program is gone
 
 Expected<Recovery> recoverRun(const fs::path& run_folder, const Progress& progress) {
@@ -243,7 +274,7 @@ Expected<Recovery> recoverRun(const fs::path& run_folder, const Progress& progre
   Expected<void> ended;
   const auto end = [&](const Session& session, const SessionLog& log) {
     manifest.tool_id = toolsInHand(log, manifest);
-    ended = endSessionRun(run_folder, session, manifest, {}, loaded ? &*loaded : nullptr);
+    ended = endSessionRun(run_folder, session, manifest, readPieceNames(run_folder), loaded ? &*loaded : nullptr);
   };
   KERF_TRY(replayed, internal::replayRun(run_folder, manifest, progress, end));
   KERF_CHECK(ended);

@@ -59,6 +59,10 @@ SessionHeader sessionHeader(const RunManifest& manifest);
 /// Names that a person gave to pieces, by CutObject::id.
 using PieceNames = std::map<std::uint32_t, std::string>;
 
+/// Keeps the names beside the log, for recoverRun(): they are in no other file before the end. Written whole or not at
+/// all. Error kWriteFailed.
+Expected<void> writePieceNames(const std::filesystem::path& run_folder, const PieceNames& names);
+
 /// Ends a session: writes the field, then the manifest, which is then no longer open. Pieces are written as one field,
 /// each where it was loaded; the manifest says where they are.
 /// @param loaded  the case's field, if the session went on from another run; null: what the session has loaded.

@@ -207,7 +207,8 @@ TEST_F(WorkbenchTest, ASessionGoesOnFromARunWithItsPiecesWhereTheyWere) {
   const auto recovered = recoverRun(session_);
   ASSERT_TRUE(recovered) << recovered.error().message();
   EXPECT_EQ(readRunCutField(session_)->stateHash(), field->stateHash());
-  EXPECT_EQ(recovered->manifest.pieces.size(), 2u);
+  ASSERT_EQ(recovered->manifest.pieces.size(), 2u);
+  EXPECT_EQ(recovered->manifest.pieces[1].name, "the left");
 
   // What it began with is gone, or damaged: nothing is made up.
   fs::remove(session_ / "begin.vdb");

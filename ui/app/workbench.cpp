@@ -38,7 +38,10 @@ Workbench::Workbench(WorkbenchOptions options)
 
 Workbench::~Workbench() {
   job_.reset();
-  if (run_) (void)run_->finish();
+  if (!run_) return;
+  namePieces();
+  saw_->closing();
+  (void)run_->finish();
 }
 
 std::string Workbench::nameOf(Material material) const {
@@ -391,6 +394,7 @@ void Workbench::namePiece(std::uint32_t id, const std::string& name) {
                      .found = fmt::format("\"{}\"{}", name, is_taken ? ", which another piece is called" : ""),
                      .expected = "a name of its own, not a number"});
   piece->name = name;
+  run_->namePiece(id, name);
 }
 
 // ---- Results
