@@ -55,7 +55,7 @@ void drawPoint(const AppContext& context) {
   const auto point = readoutAt(context.bench, rayUnder(context.camera, at[0], at[1], context.width, context.height));
   if (!point) return;
   reading("Point", fmt::format("{:.2f}, {:.2f}, {:.2f}", point->point[0], point->point[1], point->point[2]), "");
-  if (point->thickness_mm) reading("Thickness", fmt::format("{:.2f}", *point->thickness_mm), "mm along the view");
+  if (point->thickness_mm) reading("Thickness", fmt::format("{:.2f}", *point->thickness_mm), "mm");
   if (!point->tissue.empty()) reading("Tissue", point->tissue, "");
 }
 
@@ -122,7 +122,12 @@ void drawNotices(AppContext& context, PanelState& state) {
   ImGui::SetNextWindowSizeConstraints({360, 0}, {720, 260});
   ImGui::Begin("##notices", nullptr,
                ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove);
-  for (std::size_t n = state.notices_seen; n < notices.size(); ++n) {
+  // The newest: a long list would hide the object.
+  constexpr std::size_t kMost = 3;
+  const std::size_t first = std::max(state.notices_seen, notices.size() - std::min(notices.size(), kMost));
+  if (first > state.notices_seen)
+    ImGui::TextColored(styleColours().quiet, "%zu more before", first - state.notices_seen);
+  for (std::size_t n = first; n < notices.size(); ++n) {
     ImGui::PushTextWrapPos(690);
     notices[n].is_error ? ImGui::TextColored(styleColours().warning, "%s", notices[n].text.c_str())
                         : ImGui::TextUnformatted(notices[n].text.c_str());

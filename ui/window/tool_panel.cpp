@@ -134,6 +134,12 @@ void drawRack(Workbench& bench, ToolPanelState& state) {
   const float row = scaled(kIcon) + scaled(kRowGap);
   const auto shown = static_cast<float>(std::clamp<std::size_t>(rows.size(), 1, kRows));
   ImGui::BeginChild("rack", {0, shown * row + scaled(4)});
+  if (state.in_hand != bench.toolInHand()) {
+    state.in_hand = bench.toolInHand();
+    const auto at = std::find(rows.begin(), rows.end(), state.in_hand) - rows.begin();
+    const float top = static_cast<float>(at) * row;
+    if (top < ImGui::GetScrollY() || top + row > ImGui::GetScrollY() + shown * row) ImGui::SetScrollY(top);
+  }
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {scaled(8), scaled(kRowGap)});
   ImGuiListClipper clipper;
   clipper.Begin(static_cast<int>(rows.size()), row);

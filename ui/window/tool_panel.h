@@ -13,6 +13,7 @@ namespace kerf {
 struct ToolPanelState {
   std::array<char, 64> search{};
   bool shows_all = false;
+  std::size_t in_hand = 0;  ///< in the last frame: another one is scrolled to
   /// A tool as triangles in a square of side 1, y downwards; shade 0 to 1.
   struct IconTriangle {
     std::array<std::array<float, 2>, 3> corners;
