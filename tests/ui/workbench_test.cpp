@@ -577,5 +577,48 @@ TEST_F(WorkbenchTest, ThePointUnderTheCursorIsSaidInTheFrameOfTheScan) {
   EXPECT_FALSE(run("point.copy 2 2\n"));
 }
 
+TEST(Measure, DistancesAnglesAndTheirSum) {
+  Measure measure;
+  EXPECT_TRUE(measure.text().empty());
+  measure.add({0, 0, 0});
+  EXPECT_TRUE(measure.text().empty());
+  measure.add({3, 4, 0});
+  EXPECT_EQ(measure.text(), "1 to 2: 5.00 mm");
+  measure.add({3, 4, 2});
+  EXPECT_NEAR(measure.angle(1), 90, 1e-9);
+  EXPECT_NEAR(measure.length(), 7, 1e-12);
+  EXPECT_EQ(measure.text(), "1 to 2: 5.00 mm; angle at 2: 90.0 degrees; 2 to 3: 2.00 mm; together 7.00 mm");
+}
+
+TEST(AppCommands, APixelIsWhereItsRayIs) {
+  const auto camera = cameraFromView("30,40");
+  const Ray ray = rayUnder(*camera, 123, 45, 800, 600);
+  const auto pixel = pixelOf(*camera, ray.at(77), 800, 600);
+  EXPECT_NEAR(pixel[0], 123, 1e-9);
+  EXPECT_NEAR(pixel[1], 45, 1e-9);
+}
+
+TEST_F(WorkbenchTest, PointsAreMeasuredOnTheSurface) {
+  const fs::path file = folder_.path() / "block.ply";
+  ASSERT_TRUE(writeMesh(file, test::blockMesh(true)));
+  Workbench bench(options());
+  Camera camera = *cameraFromView("top");
+  std::string copied;
+  AppContext context{.bench = bench, .camera = camera, .width = 400, .height = 300};
+  context.set_clipboard = [&](const std::string& text) { copied = text; };
+  const auto played =
+      runScript(context,
+                folder_.write("s.ks", "file.open \"" + file.string() +
+                                          "\"\nwait\nview.fit\nmeasure.point 150 150\nmeasure.point 250 150\n"
+                                          "measure.copy\n"),
+                [&] { bench.update(); });
+  ASSERT_TRUE(played) << played.error().message();
+  EXPECT_NEAR(bench.measure.distance(0), 100 * camera.mmPerPixel(300), 0.01);
+  EXPECT_NE(copied.find("1 to 2"), std::string::npos) << copied;
+  EXPECT_FALSE(runAppCommand(context, "measure.point", std::vector<std::string>{"2", "2"}));
+  ASSERT_TRUE(runAppCommand(context, "measure.clear"));
+  EXPECT_TRUE(bench.measure.points().empty());
+}
+
 }  // namespace
 }  // namespace kerf

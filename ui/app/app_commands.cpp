@@ -34,6 +34,7 @@ bool isOpenAndIdle(const AppContext& c) { return isOpen(c) && isIdle(c); }
 bool hasPiecesAndIdle(const AppContext& c) { return piece_commands::arePieces(c) && isIdle(c); }
 bool isChosenAndIdle(const AppContext& c) { return piece_commands::isChosen(c) && isIdle(c); }
 bool hasSection(const AppContext& c) { return c.bench.isOpen() && c.bench.section.has_value(); }
+bool hasMeasure(const AppContext& c) { return c.bench.isOpen() && !c.bench.measure.points().empty(); }
 bool hasJob(const AppContext& c) { return c.bench.job() != nullptr; }
 bool hasLost(const AppContext& c) { return !c.bench.lostSessions().empty() && isIdle(c); }
 
@@ -173,6 +174,26 @@ void putOut(const AppContext& c, const std::string& text) {
 Expected<void> copyPoint(AppContext& c, AppWords words) {
   KERF_TRY(readout, pointed(c, words));
   putOut(c, textOf(readout));
+  return {};
+}
+Expected<void> measurePoint(AppContext& c, AppWords words) {
+  if (words.empty() && !c.pointer) return wrongWord("no pixel", "X Y, or the cursor over the object");
+  const auto ray = words.empty()
+                       ? Expected<Ray>(rayUnder(c.camera, (*c.pointer)[0], (*c.pointer)[1], c.width, c.height))
+                       : rayOf(c, words);
+  if (!ray) return fail(ray.error());
+  const auto seen = c.bench.behindSection(*ray);
+  const auto hit = seen ? c.bench.scene().hit(*seen) : std::nullopt;
+  if (!hit) return wrongWord("nothing is there", "a pixel of the object");
+  c.bench.measure.add(hit->on_surface.point);
+  return {};
+}
+Expected<void> copyMeasure(AppContext& c, AppWords) {
+  putOut(c, c.bench.measure.text());
+  return {};
+}
+Expected<void> clearMeasure(AppContext& c, AppWords) {
+  c.bench.measure.clear();
   return {};
 }
 Expected<void> copyPathRow(AppContext& c, AppWords words) {
@@ -369,6 +390,12 @@ constexpr AppCommand kCommands[] = {
     {"point.copy-row", "Edit", "Copy it as a row of a path", "Ctrl+Shift+C", "[X Y]",
      "Copies the tool's pose there as a row of a path: t,x,y,z,qw,qx,qy,qz.", isOpen, copyPathRow},
 
+    {"measure.point", "Edit", "Measure from here", "M", "[X Y]",
+     "Sets a point of the surface: distances between points, and angles at them, are shown.", isOpen, measurePoint},
+    {"measure.copy", "Edit", "Copy what was measured", "", "", "Copies distances and angles as text.", hasMeasure,
+     copyMeasure},
+    {"measure.clear", "Edit", "Measure no more", "Shift+M", "", "Takes all points away.", hasMeasure, clearMeasure},
+
     {"view.fit", "View", "Fit", "F", "", "Shows all of the object.", isOpen, fit},
     {"view.front", "View", "Front", "1", "", "Looks along +y.", always, namedView<0>},
     {"view.back", "View", "Back", "2", "", "Looks along -y.", always, namedView<1>},
@@ -545,6 +572,11 @@ Ray rayUnder(const Camera& camera, double x, double y, int width, int height) {
   ray.origin = camera.target + mm * (x - 0.5 * width) * camera.right() - mm * (y - 0.5 * height) * camera.up() +
                kOff * camera.backwards();
   return ray;
+}
+
+std::array<double, 2> pixelOf(const Camera& camera, const Vec3d& point, int width, int height) {
+  const Vec3d from_target = (point - camera.target) / camera.mmPerPixel(height);
+  return {0.5 * width + camera.right().dot(from_target), 0.5 * height - camera.up().dot(from_target)};
 }
 
 void firstView(AppContext& context, const Camera& otherwise) {

@@ -64,6 +64,8 @@ std::string appCommandReference();
 Expected<Ray> rayOf(const AppContext& context, AppWords words, std::size_t n = 0);
 /// The ray under a pixel (y downwards) of the picture: parallel projection.
 Ray rayUnder(const Camera& camera, double x, double y, int width, int height);
+/// The way back: where a point of the world is in the picture.
+std::array<double, 2> pixelOf(const Camera& camera, const Vec3d& point, int width, int height);
 /// The view of something that was just opened: from its occlusal side if it has one, else as `otherwise` says.
 void firstView(AppContext& context, const Camera& otherwise);
 /// The box in view, with some margin.

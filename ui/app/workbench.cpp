@@ -192,7 +192,10 @@ void Workbench::show(Opened& loaded) {
   aim_ = {};
   stroke_.reset();
   chosen_.reset();
-  if (!is_reopening_) section.reset();
+  if (!is_reopening_) {
+    section.reset();
+    measure.clear();
+  }
   moving_.clear();
   scene_.setNames(run_->names());
   for (const std::string& name : run_->missingPieces())

@@ -19,6 +19,7 @@
 #include "ui/app/exporting.h"
 #include "ui/app/job.h"
 #include "ui/app/live_scene.h"
+#include "ui/app/measure.h"
 #include "ui/app/opening.h"
 #include "ui/app/stroke.h"
 #include "ui/app/user_files.h"
@@ -125,6 +126,7 @@ class Workbench {
   double irrigation = 1;  ///< 0 to 1
   static constexpr double kLeastForce = 0.1, kMostForce = 8, kMostDepth = 5;
 
+  Measure measure;
   /// What lies on the side its normal points to is neither seen nor pointed at. None: all is.
   std::optional<Plane> section;
   /// A ray from where it comes out of what a section takes away. None: that is inside of something.

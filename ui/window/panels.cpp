@@ -9,6 +9,7 @@
 
 #include "ui/app/point_readout.h"
 #include "ui/app/settings.h"
+#include "ui/window/measure_panel.h"
 #include "ui/window/settings_panel.h"
 #include "ui/window/style.h"
 
@@ -162,6 +163,7 @@ void drawPanels(AppContext& context, PanelState& state, const std::optional<Tool
     drawTools(context, state.tools);
     float below = drawReadings(context, over) + 8;
     below = drawPieces(context, state.piece_drag, below, state.pixels) + 8;
+    drawMeasure(context, state.pixels);
     drawHints(context);
     drawSawPanel(context, state.saw);
   } else {

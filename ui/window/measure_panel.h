@@ -1,0 +1,11 @@
+// Measured points over the picture, and their numbers.
+#pragma once
+
+#include "ui/app/app_commands.h"
+
+namespace kerf {
+
+/// Nothing without points.   @param pixels  of the picture per window unit.
+void drawMeasure(AppContext& context, double pixels);
+
+}  // namespace kerf
