@@ -4,12 +4,17 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <limits>
+#include <map>
+#include <numeric>
 #include <optional>
 #include <set>
+#include <unordered_map>
 #include <utility>
 
 #include "geometry/base/hash.h"
+#include "geometry/field/brick_field.h"
 #include "geometry/mesh/self_intersection.h"
 #include "geometry/mesh/solids.h"
 
@@ -27,21 +32,75 @@ tl::unexpected<Error> hangTogether(const Piece& a, const Piece& b) {
                .hint = "cut through between them once more, or put both back"});
 }
 
-// The nearest vertex decides.
-std::uint32_t nearestOwner(const Mesh& mesh, const Solids& solids, const std::vector<std::uint32_t>& owner,
-                           std::uint32_t solid) {
-  const auto first = std::find(solids.label.begin(), solids.label.end(), solid) - solids.label.begin();
-  const Vec3d here = mesh.corner(static_cast<std::size_t>(first), 0);
-  double least = std::numeric_limits<double>::infinity();
-  std::uint32_t out = 0;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const std::uint32_t whose = owner[solids.label[t]];
-    const double far = whose == kNobody ? least : (mesh.corner(t, 0) - here).squaredNorm();
-    if (far >= least) continue;
-    least = far;
-    out = whose;
-  }
+// ---- Solids that hold no piece's inner point: those of a piece touch each other, or are too small for a voxel
+
+using Cell = std::uint64_t;
+using SolidPair = std::pair<std::uint32_t, std::uint32_t>;
+
+Cell cellOf(const Vec3d& p, double side) {
+  return coordKey(static_cast<int>(std::floor(p[0] / side)), static_cast<int>(std::floor(p[1] / side)),
+                  static_cast<int>(std::floor(p[2] / side)));
+}
+
+// Vertices of the solids, one of each solid in a cell: no more than that many are within reach of one another.
+std::vector<std::uint32_t> thinned(const Mesh& mesh, const std::vector<std::uint32_t>& solid_of, double side) {
+  std::vector<std::uint32_t> out;
+  std::set<std::pair<Cell, std::uint32_t>> taken;
+  for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v)
+    if (solid_of[v] != kNobody && taken.insert({cellOf(mesh.vertices[v], side), solid_of[v]}).second) out.push_back(v);
   return out;
+}
+
+// Least distances between vertices of different solids, mm, of those nearer than `reach`, to a quarter of that.
+std::map<SolidPair, double> nearPairs(const Mesh& mesh, const std::vector<std::uint32_t>& solid_of, double reach) {
+  const std::vector<std::uint32_t> vertices = thinned(mesh, solid_of, 0.25 * reach);
+  std::unordered_map<Cell, std::vector<std::uint32_t>> cells;
+  for (const std::uint32_t v : vertices) cells[cellOf(mesh.vertices[v], reach)].push_back(v);
+
+  std::map<SolidPair, double> out;
+  const auto compare = [&](std::uint32_t v, std::uint32_t w) {
+    const std::uint32_t one = solid_of[v], other = solid_of[w];
+    if (one >= other) return;
+    const double far = (mesh.vertices[v] - mesh.vertices[w]).norm();
+    if (far > reach) return;
+    const auto known = out.try_emplace({one, other}, far).first;
+    known->second = std::min(known->second, far);
+  };
+  for (const std::uint32_t v : vertices)
+    for (int n = 0; n < 27; ++n) {
+      const Vec3d beside = mesh.vertices[v] + reach * Vec3d(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
+      const auto cell = cells.find(cellOf(beside, reach));
+      if (cell == cells.end()) continue;
+      for (const std::uint32_t w : cell->second) compare(v, w);
+    }
+  return out;
+}
+
+// Joins what is nearest first, step by step outwards; never two that belong to different pieces.
+void claimByNearness(const Mesh& mesh, const Solids& solids, std::vector<std::uint32_t>& owner) {
+  constexpr double kBegin = 0.05, kMost = 1000;  // mm
+  std::vector<std::uint32_t> solid_of(mesh.vertices.size(), kNobody);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    for (const std::uint32_t v : mesh.triangles[t]) solid_of[v] = solids.label[t];
+
+  std::vector<std::uint32_t> group(solids.count);
+  std::iota(group.begin(), group.end(), 0u);
+  const auto isLeft = [&] { return std::find(owner.begin(), owner.end(), kNobody) != owner.end(); };
+  for (double reach = kBegin; reach < kMost && isLeft(); reach *= 2) {
+    std::vector<std::pair<double, SolidPair>> pairs;
+    for (const auto& [pair, far] : nearPairs(mesh, solid_of, reach)) pairs.emplace_back(far, pair);
+    std::sort(pairs.begin(), pairs.end());
+    for (const auto& [far, pair] : pairs) {
+      const std::uint32_t one = group[pair.first], other = group[pair.second];
+      const std::uint32_t a = owner[pair.first], b = owner[pair.second];
+      if (one == other || (a != kNobody && b != kNobody)) continue;
+      for (std::uint32_t solid = 0; solid < solids.count; ++solid) {
+        if (group[solid] != one && group[solid] != other) continue;
+        group[solid] = one;
+        owner[solid] = a != kNobody ? a : b;
+      }
+    }
+  }
 }
 
 // Of each solid, the number of its piece.
@@ -57,10 +116,10 @@ Expected<std::vector<std::uint32_t>> ownersOf(const Mesh& mesh, const Solids& so
     if (other == kNobody) owner[*solid] = n;
   }
 
-  std::vector<std::uint32_t> out = owner;
-  for (std::uint32_t solid = 0; solid < solids.count; ++solid)
-    if (owner[solid] == kNobody) out[solid] = nearestOwner(mesh, solids, owner, solid);
-  return out;
+  claimByNearness(mesh, solids, owner);
+  for (std::uint32_t& whose : owner)
+    if (whose == kNobody) whose = 0;
+  return owner;
 }
 
 bool crossesItself(const Mesh& mesh) { return !selfIntersections(mesh.vertices, mesh.triangles, 1).empty(); }

@@ -65,6 +65,21 @@ TEST(PlacedPieces, WhatIsNotMovedKeepsEveryBit) {
   EXPECT_EQ(together(*back).vertices, mesh.vertices);
 }
 
+// Two rows of teeth that touch within each row: each row is one piece, and holds one inner point at one end.
+TEST(PlacedPieces, SolidsThatTouchGoTogether) {
+  Mesh teeth;
+  for (int n = 0; n < 5; ++n) append(teeth, shifted(test::blockMesh(true), {6.05 * n, 0, 0}));
+  for (int n = 0; n < 5; ++n) append(teeth, shifted(test::blockMesh(true), {6.05 * n, 4.4, 0}));
+  const std::vector<Piece> rows = {pieceAt(1, {0, 0, -1}), pieceAt(2, {4 * 6.05, 4.4, -1}, turned(0, {0, 0, 5}))};
+  const auto placed = placedPieces(teeth, rows);
+  ASSERT_TRUE(placed) << placed.error().message();
+  ASSERT_EQ(placed->size(), 2u);
+  EXPECT_EQ((*placed)[0].mesh.triangles.size(), 60u);
+  EXPECT_LT(bounds((*placed)[0].mesh).max[1], 2.1);
+  EXPECT_GT(bounds((*placed)[1].mesh).min[1], 2.3);
+  EXPECT_NEAR(bounds((*placed)[1].mesh).max[2], 5, 1e-5);
+}
+
 TEST(PlacedPieces, PiecesThatHangTogetherAreNotTornApart) {
   const Mesh mesh = row();
   const std::vector<Piece> two = {pieceAt(1, {-1, 0, -1}), pieceAt(2, {1, 0, -1}, turned(5, {0, 0, 1}))};
