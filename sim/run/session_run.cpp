@@ -94,6 +94,7 @@ BrickField changesOf(const std::vector<CutObject>& objects, const std::vector<Br
                      const BrickField* loaded) {
   if (fields.empty()) return objects.front().bricks().changedField();
   std::vector<FieldPart> parts;
+  parts.reserve(fields.size());
   for (const BrickField& field : fields) parts.push_back({.begin = &field});
   return joinedChanges(loaded ? *loaded : objects.front().baked().phi0(), parts);
 }

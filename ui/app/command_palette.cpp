@@ -64,6 +64,7 @@ std::vector<const AppCommand*> findAppCommands(std::string_view words) {
   std::stable_sort(scored.begin(), scored.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
 
   std::vector<const AppCommand*> out;
+  out.reserve(scored.size());
   for (const auto& [score, command] : scored) out.push_back(command);
   return out;
 }

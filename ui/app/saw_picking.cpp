@@ -49,7 +49,7 @@ Expected<void> SawPicking::press(Sawing& saw, const Ray& ray) {
   points_.push_back(at.point);
   if (rays_.size() < 3) return {};
 
-  const auto added = saw.addThrough({rays_[0], rays_[1], rays_[2]});
+  auto added = saw.addThrough({rays_[0], rays_[1], rays_[2]});
   begin(added ? What::kNothing : What::kPoints);
   return added;
 }
