@@ -84,7 +84,6 @@ class LiveRun {
   const std::filesystem::path& from() const noexcept { return options_.from; }
   const CaseManifest& caseManifest() const noexcept { return case_; }
   const BakedObject& object() const noexcept { return *object_; }
-  std::shared_ptr<const BakedObject> sharedObject() const noexcept { return object_; }
   /// The field of the case: of one that goes on from another run, as it was before that.
   std::shared_ptr<const BrickField> original() const noexcept { return original_; }
   /// What the run before had removed, mm^3; 0: there was none.
@@ -127,7 +126,6 @@ class LiveRun {
   Expected<void> load(const Progress& progress);
   Expected<void> loadWhatIsCut();
   Expected<void> makeFolder();
-  void stop();
   struct Shown {
     std::uint32_t id = 0;
     std::unique_ptr<MesherThread> mesher;
@@ -156,7 +154,7 @@ class LiveRun {
   std::unique_ptr<HapticThread> haptic_;
   std::mutex mutex_;
   std::vector<CameOff> came_off_;  // told by the maker of pieces; guarded by mutex_
-  std::vector<Shown> shown_;       // the first is what was loaded
+  std::vector<Shown> shown_;       // what was loaded, unless it began in pieces, and what came off
   std::uint64_t edits_of_forgotten_ = 0;
   PieceNames names_;
   bool is_started_ = false, is_finished_ = false;

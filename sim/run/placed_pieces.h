@@ -24,8 +24,9 @@ struct PlacedPiece {
 /// Takes a mesh apart into the pieces of a run.
 ///
 /// A solid of the mesh belongs to the piece whose inner point it holds. One without, as of teeth that touch and so are
-/// one piece, or too small for a voxel, goes with what it is nearest to, the nearest first. A piece that was moved is turned and shifted in double precision and rounded to float32; should it
-/// then cross itself it is shifted by some hundred-thousandths of a millimetre until it does not.
+/// one piece, or too small for a voxel, goes with what it is nearest to, the nearest first. A piece that was moved is
+/// turned and shifted in double precision and rounded to float32; should it then cross itself it is shifted by some
+/// hundred-thousandths of a millimetre until it does not.
 /// @param mesh  of postOperativeMesh(): all pieces where they were loaded.
 /// @param is_put_back  leaves all where they were loaded.
 /// @return  in the order of `pieces`; without those that were dropped as crumbs.

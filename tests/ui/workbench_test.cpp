@@ -242,6 +242,12 @@ TEST_F(WorkbenchTest, AnExportOfPiecesWritesOverNoScanAndNoOtherPiece) {
   ASSERT_FALSE(names);
   EXPECT_NE(names.error().message().find("another piece"), std::string::npos) << names.error().message();
   EXPECT_FALSE(play("file.open \"" + first.string() + "\"\nwait\npiece.choose 2\npiece.rename 7\n"));
+
+  // A plan is of the scan as it was: where a piece was moved to, it would saw air.
+  const auto planned = play("file.open \"" + first.string() +
+                            "\"\nwait\npiece.choose 2\npiece.move 1 0 2\nwait 0.1\nsaw.plane 2 0 -0.5 1 0 0\n");
+  ASSERT_FALSE(planned);
+  EXPECT_NE(planned.error().message().find("a piece was moved"), std::string::npos) << planned.error().message();
 }
 
 TEST_F(WorkbenchTest, ASessionThatAddsNothingToARunLeavesNone) {

@@ -152,16 +152,14 @@ Expected<void> release(AppContext& c, AppWords) {
   return {};
 }
 
+// Through the pixel that the words name, or else through the cursor.
+Expected<Ray> pointedRay(const AppContext& c, AppWords words) {
+  if (!words.empty()) return rayOf(c, words);
+  if (!c.pointer) return wrongWord("no pixel", "X Y, or the cursor over the object");
+  return rayUnder(c.camera, (*c.pointer)[0], (*c.pointer)[1], c.width, c.height);
+}
 Expected<PointReadout> pointed(const AppContext& c, AppWords words) {
-  Ray ray;
-  if (!words.empty()) {
-    KERF_TRY(asked, rayOf(c, words));
-    ray = asked;
-  } else if (c.pointer) {
-    ray = rayUnder(c.camera, (*c.pointer)[0], (*c.pointer)[1], c.width, c.height);
-  } else {
-    return wrongWord("no pixel", "X Y, or the cursor over the object");
-  }
+  KERF_TRY(ray, pointedRay(c, words));
   const auto readout = readoutAt(c.bench, ray);
   if (!readout) return wrongWord("nothing is there", "a pixel of the object");
   return *readout;
@@ -177,12 +175,8 @@ Expected<void> copyPoint(AppContext& c, AppWords words) {
   return {};
 }
 Expected<void> measurePoint(AppContext& c, AppWords words) {
-  if (words.empty() && !c.pointer) return wrongWord("no pixel", "X Y, or the cursor over the object");
-  const auto ray = words.empty()
-                       ? Expected<Ray>(rayUnder(c.camera, (*c.pointer)[0], (*c.pointer)[1], c.width, c.height))
-                       : rayOf(c, words);
-  if (!ray) return fail(ray.error());
-  const auto seen = c.bench.behindSection(*ray);
+  KERF_TRY(ray, pointedRay(c, words));
+  const auto seen = c.bench.behindSection(ray);
   const auto hit = seen ? c.bench.scene().hit(*seen) : std::nullopt;
   if (!hit) return wrongWord("nothing is there", "a pixel of the object");
   c.bench.measure.add(hit->on_surface.point);
@@ -220,11 +214,8 @@ Expected<void> cutOpen(AppContext& c, AppWords words) {
   }
   Vec3d through = c.bench.scene().bounds().center();
   if (!words.empty() || c.pointer) {
-    const auto at = words.empty()
-                        ? Expected<Ray>(rayUnder(c.camera, (*c.pointer)[0], (*c.pointer)[1], c.width, c.height))
-                        : rayOf(c, words);
-    if (!at) return fail(at.error());
-    if (const auto hit = c.bench.scene().hit(*at)) through = hit->on_surface.point;
+    KERF_TRY(ray, pointedRay(c, words));
+    if (const auto hit = c.bench.scene().hit(ray)) through = hit->on_surface.point;
   }
   c.bench.section = Plane{through, c.camera.backwards()};
   return {};

@@ -16,9 +16,7 @@ constexpr std::array<std::pair<const char*, Way>, 4> kWays = {
     {{"automatic", Way::kAutomatic}, {"base", Way::kBase}, {"holes", Way::kHolesOnly}, {"wrap", Way::kWrap}}};
 
 tl::unexpected<Error> notAWord(const std::string& found, std::string expected) {
-  return fail({.code = Error::Code::kBadValue,
-               .found = found.empty() ? "nothing" : "\"" + found + "\"",
-               .expected = std::move(expected)});
+  return wrongWord(found.empty() ? "nothing" : "\"" + found + "\"", std::move(expected));
 }
 
 std::string wordOf(AppWords words, std::size_t n) { return n < words.size() ? words[n] : std::string(); }

@@ -17,23 +17,12 @@ std::string lower(std::string text) {
   return text;
 }
 
-const char* nameOf(ToolKind kind) {
-  switch (kind) {
-    case ToolKind::kBur:
-      return "bur";
-    case ToolKind::kBlade:
-      return "saw blade";
-    case ToolKind::kMesh:
-      return "mesh";
-  }
-  return "";
-}
-
 std::string allWordsOf(const Tool& tool) {
   const double mm = tool.head_diameter_mm;
   const std::string size = mm > 0 ? fmt::format("{:g} {:g}mm {:03.0f}", mm, mm, 10 * mm) : "";
-  return lower(fmt::format("{} {} {} {} {} {} {}", tool.id, tool.name, tool.description, tool.shape, nameOf(tool.kind),
-                           tool.iso6360, size));
+  const char* const also = tool.kind == ToolKind::kBlade ? "saw" : "";
+  return lower(fmt::format("{} {} {} {} {} {} {} {}", tool.id, tool.name, tool.description, tool.shape,
+                           kindName(tool.kind), also, tool.iso6360, size));
 }
 
 // "1.40" finds 1.4 mm.

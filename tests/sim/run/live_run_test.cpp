@@ -78,10 +78,7 @@ class Mouse {
   }
 
  private:
-  static std::shared_ptr<const BrickField> surfaceOf(const LiveRun& run) {
-    const auto object = run.sharedObject();
-    return {object, &object->phi0()};
-  }
+  static std::shared_ptr<const BrickField> surfaceOf(const LiveRun& run) { return run.original(); }
   // By the simulation's clock: the machine may be slow.
   void waitFor(double seconds) {
     run_.thread().update();
