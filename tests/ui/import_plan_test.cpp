@@ -11,6 +11,7 @@
 #include "tests/support/open_block.h"
 #include "tests/support/temporary_folder.h"
 #include "ui/app/app_commands.h"
+#include "ui/app/app_script.h"
 
 namespace kerf {
 namespace {

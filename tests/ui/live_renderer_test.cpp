@@ -12,6 +12,7 @@
 
 #include "geometry/field/sample_field.h"
 #include "sim/live/chunk_occlusion.h"
+#include "ui/app/pointing.h"
 #include "ui/bench/scenes/carved_field.h"
 #include "ui/window/gl_context.h"
 #include "ui/window/gl_target.h"

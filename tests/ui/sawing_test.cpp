@@ -12,6 +12,8 @@
 #include "sim/run/replay.h"
 #include "tests/support/temporary_folder.h"
 #include "ui/app/app_commands.h"
+#include "ui/app/app_script.h"
+#include "ui/app/pointing.h"
 #include "ui/app/workbench.h"
 
 namespace kerf {

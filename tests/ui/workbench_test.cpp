@@ -22,7 +22,9 @@
 #include "tests/support/open_block.h"
 #include "tests/support/temporary_folder.h"
 #include "ui/app/app_commands.h"
+#include "ui/app/app_script.h"
 #include "ui/app/point_readout.h"
+#include "ui/app/pointing.h"
 #include "ui/app/settings.h"
 
 namespace kerf {

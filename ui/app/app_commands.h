@@ -54,30 +54,7 @@ const AppCommand* findAppCommand(std::string_view id);
 /// kBadValue for its parameters.
 Expected<void> runAppCommand(AppContext& context, std::string_view id, AppWords parameters = {});
 
-/// The words of a line of a script: blanks part them, double quotes keep them together, # begins a comment.
-Expected<std::vector<std::string>> wordsOfLine(const std::string& line);
-
 /// The table as Markdown: docs/reference/window-commands.md is this text.
 std::string appCommandReference();
-
-/// Under the pixel that two words name, the first of them word `n`.   Error kBadValue.
-Expected<Ray> rayOf(const AppContext& context, AppWords words, std::size_t n = 0);
-/// The ray under a pixel (y downwards) of the picture: parallel projection.
-Ray rayUnder(const Camera& camera, double x, double y, int width, int height);
-/// The way back: where a point of the world is in the picture.
-std::array<double, 2> pixelOf(const Camera& camera, const Vec3d& point, int width, int height);
-/// The view of something that was just opened: from its occlusal side if it has one, else as `otherwise` says.
-void firstView(AppContext& context, const Camera& otherwise);
-/// The box in view, with some margin.
-void fitToBox(Camera& camera, const Box3& box, int width, int height);
-
-/// Lines of commands; # begins a comment; words in double quotes may hold blanks. Beside the commands of the table:
-///   wait               until no job runs and no plane is sawn
-///   wait SECONDS       of the simulation
-///   print              state as one line of JSON on standard output
-///   expect WHAT LOW HIGH  ends the script unless removed (mm^3), depth (mm), sawn (percent of
-///                      the plane sawn last), triangles or pieces is in that range
-/// The first error ends it, and names the line.   @param frame  is called about 60 times a second while it waits.
-Expected<void> runScript(AppContext& context, const std::filesystem::path& script, const std::function<void()>& frame);
 
 }  // namespace kerf

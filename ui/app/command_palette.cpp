@@ -1,3 +1,4 @@
+#include "ui/app/app_script.h"
 #include "ui/app/command_palette.h"
 
 #include <fmt/format.h>

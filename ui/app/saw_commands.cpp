@@ -3,6 +3,7 @@
 #include <array>
 
 #include "ui/app/command_words.h"
+#include "ui/app/pointing.h"
 #include "ui/app/sawing.h"
 
 namespace kerf::saw_commands {

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "ui/app/import_plan.h"
+#include "ui/app/pointing.h"
 #include "ui/window/style.h"
 
 namespace kerf {

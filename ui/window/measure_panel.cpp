@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "ui/app/pointing.h"
 #include "ui/window/style.h"
 
 namespace kerf {

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "ui/app/point_readout.h"
+#include "ui/app/pointing.h"
 #include "ui/app/settings.h"
 #include "ui/window/measure_panel.h"
 #include "ui/window/settings_panel.h"

@@ -17,8 +17,11 @@
 #include <vector>
 
 #include "ui/app/app_commands.h"
+#include "ui/app/app_script.h"
+#include "ui/app/pointing.h"
 #include "ui/app/sawing.h"
 #include "ui/app/settings.h"
+#include "ui/app/view_commands.h"
 #include "ui/window/file_browser.h"
 #include "ui/window/gl_context.h"
 #include "ui/window/glfw_error.h"

@@ -1,0 +1,147 @@
+#include "ui/app/app_script.h"
+
+#include <fmt/format.h>
+
+#include <cctype>
+#include <chrono>
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "ui/app/command_words.h"
+#include "ui/app/import_commands.h"
+#include "ui/app/sawing.h"
+
+namespace kerf {
+namespace {
+
+namespace fs = std::filesystem;
+
+void frameOf(const std::function<void()>& frame) {
+  frame();
+  std::this_thread::sleep_for(std::chrono::milliseconds(16));
+}
+
+Expected<void> wait(AppContext& c, AppWords words, const std::function<void()>& frame) {
+  if (words.empty()) {
+    do frameOf(frame);
+    while (c.bench.job() || isPreviewing(c) || c.bench.saw().isCutting() ||
+           (c.bench.isOpen() && c.bench.scene().triangleCount() == 0));
+    return {};
+  }
+  KERF_TRY(seconds, numberOf(words, 0, "SECONDS", 0, 36000));
+  if (!c.bench.isOpen()) return wrongWord("nothing is open", "a session whose clock runs");
+  frame();
+  const auto until = c.bench.report().tick + static_cast<std::uint64_t>(seconds / kTick);
+  while (c.bench.isOpen() && c.bench.report().tick < until) frameOf(frame);
+  return {};
+}
+
+void printState(const AppContext& c) {
+  nlohmann::json j{{"open", c.bench.isOpen()},
+                   {"name", c.bench.name()},
+                   {"removed_mm3", c.bench.removedMm3()},
+                   {"force_N", c.bench.force},
+                   {"depth_mm", c.bench.depth_mm},
+                   {"ticks", c.bench.report().tick},
+                   {"pieces", c.bench.scene().shown().size()},
+                   {"triangles", c.bench.scene().triangleCount()},
+                   {"planes", c.bench.saw().plan().planes().size()},
+                   {"sawn_percent", 100 * c.bench.saw().lastShare()}};
+  if (c.bench.importPlan()) j["import"] = nlohmann::json::parse(importState(*c.bench.importPlan()));
+  if (c.bench.isOpen()) j["tool"] = c.bench.tool(c.bench.toolInHand()).id;
+  if (const auto depth = c.bench.depthNow()) j["depth_now_mm"] = *depth;
+  fmt::print("{}\n", j.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+  std::fflush(stdout);
+}
+
+Expected<void> expect(const AppContext& c, AppWords words) {
+  if (words.empty()) return wrongWord("nothing", "removed, depth, sawn, triangles or pieces, and its range");
+  KERF_TRY(low, numberOf(words, 1, "LOW", -1e12, 1e12));
+  KERF_TRY(high, numberOf(words, 2, "HIGH", -1e12, 1e12));
+  double value = 0;
+  if (words[0] == "removed")
+    value = c.bench.removedMm3();
+  else if (words[0] == "depth")
+    value = c.bench.depthNow().value_or(0);
+  else if (words[0] == "sawn")
+    value = 100 * c.bench.saw().lastShare();
+  else if (words[0] == "triangles")
+    value = static_cast<double>(c.bench.scene().triangleCount());
+  else if (words[0] == "pieces")
+    value = static_cast<double>(c.bench.scene().shown().size());
+  else
+    return wrongWord("\"" + words[0] + "\"", "removed, depth, sawn, triangles or pieces");
+  if (value >= low && value <= high) return {};
+  return wrongWord(fmt::format("{} {:g}", words[0], value), fmt::format("{:g} to {:g}", low, high));
+}
+
+// Notices that are errors end a script.
+Expected<void> failOnError(const AppContext& c, std::size_t& seen) {
+  for (; seen < c.bench.notices().size(); ++seen)
+    if (const Notice& notice = c.bench.notices()[seen]; notice.is_error) return wrongWord(notice.text, "no error");
+  return {};
+}
+
+}  // namespace
+
+Expected<std::vector<std::string>> wordsOfLine(const std::string& line) {
+  std::vector<std::string> out;
+  for (std::size_t at = 0; at < line.size();) {
+    if (std::isspace(static_cast<unsigned char>(line[at]))) {
+      ++at;
+      continue;
+    }
+    if (line[at] == '#') break;
+    if (line[at] == '"') {
+      const std::size_t end = line.find('"', at + 1);
+      if (end == line.npos) return wrongWord(line, "a closing quote");
+      out.push_back(line.substr(at + 1, end - at - 1));
+      at = end + 1;
+      continue;
+    }
+    std::size_t end = at;
+    while (end < line.size() && !std::isspace(static_cast<unsigned char>(line[end]))) ++end;
+    out.push_back(line.substr(at, end - at));
+    at = end;
+  }
+  return out;
+}
+
+Expected<void> runScript(AppContext& context, const fs::path& script, const std::function<void()>& frame) {
+  std::ifstream in(script);
+  if (!in)
+    return fail({.code = Error::Code::kNotFound,
+                 .file = script.string(),
+                 .found = "cannot be read",
+                 .expected = "lines of commands",
+                 .hint = "kerf-sim --commands lists them"});
+  std::size_t seen = 0;
+  std::string line;
+  for (int n = 1; std::getline(in, line) && !context.wants_quit; ++n) {
+    const auto done = [&]() -> Expected<void> {
+      KERF_TRY(words, wordsOfLine(line));
+      if (words.empty()) return {};
+      const AppWords parameters = AppWords(words).subspan(1);
+      if (words[0] == "wait")
+        KERF_CHECK(wait(context, parameters, frame));
+      else if (words[0] == "expect")
+        KERF_CHECK(expect(context, parameters));
+      else if (words[0] == "print")
+        printState(context);
+      else
+        KERF_CHECK(runAppCommand(context, words[0], parameters));
+      frame();
+      return failOnError(context, seen);
+    }();
+    if (done) continue;
+    Error error = done.error();
+    error.file = script.string();
+    error.place = fmt::format("line {}: {}", n, line);
+    return fail(std::move(error));
+  }
+  return {};
+}
+
+}  // namespace kerf

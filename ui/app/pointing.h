@@ -1,0 +1,21 @@
+// Pixels and rays: what a pointer in the picture points at.
+#pragma once
+
+#include <array>
+
+#include "ui/app/app_commands.h"
+
+namespace kerf {
+
+/// Under the pixel that two words name, the first of them word `n`.   Error kBadValue.
+Expected<Ray> rayOf(const AppContext& context, AppWords words, std::size_t n = 0);
+/// Through the pixel that the words name, or else through the cursor.   Error kBadValue: neither is there.
+Expected<Ray> pointedRay(const AppContext& context, AppWords words);
+/// The ray under a pixel (y downwards) of the picture: parallel projection.
+Ray rayUnder(const Camera& camera, double x, double y, int width, int height);
+/// The way back: where a point of the world is in the picture.
+std::array<double, 2> pixelOf(const Camera& camera, const Vec3d& point, int width, int height);
+/// The box in view, with some margin.
+void fitToBox(Camera& camera, const Box3& box, int width, int height);
+
+}  // namespace kerf

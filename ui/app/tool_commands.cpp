@@ -1,0 +1,85 @@
+#include "ui/app/tool_commands.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "ui/app/command_words.h"
+#include "ui/app/pointing.h"
+
+namespace kerf::tool_commands {
+namespace {
+
+std::size_t toolBeside(const AppContext& c, std::size_t way) {
+  const std::size_t count = std::max<std::size_t>(c.bench.toolCount(), 1);
+  return (c.bench.toolInHand() + way) % count;
+}
+
+}  // namespace
+
+Expected<void> selectTool(AppContext& c, AppWords words) {
+  if (words.empty()) return wrongWord("no tool", "its id");
+  if (c.bench.selectTool(words[0])) return {};
+  std::string ids;
+  for (std::size_t n = 0; n < c.bench.toolCount(); ++n) ids += (n ? ", " : "") + c.bench.tool(n).id;
+  return wrongWord("\"" + words[0] + "\"", "one of " + ids);
+}
+
+Expected<void> addTool(AppContext& c, AppWords words) {
+  KERF_TRY(path, pathOf(words));
+  c.bench.addTool(path);
+  return {};
+}
+
+Expected<void> nextTool(AppContext& c, AppWords) {
+  c.bench.selectTool(toolBeside(c, 1));
+  return {};
+}
+
+Expected<void> previousTool(AppContext& c, AppWords) {
+  c.bench.selectTool(toolBeside(c, c.bench.toolCount() - 1));
+  return {};
+}
+
+Expected<void> setForce(AppContext& c, AppWords words) {
+  KERF_TRY(force, numberOf(words, 0, "NEWTONS", Workbench::kLeastForce, Workbench::kMostForce));
+  c.bench.setForce(force);
+  return {};
+}
+
+Expected<void> setDepth(AppContext& c, AppWords words) {
+  KERF_TRY(depth, numberOf(words, 0, "MM", 0, c.bench.mostDepth()));
+  c.bench.deepen(depth - c.bench.depth_mm);
+  return {};
+}
+
+Expected<void> deeper(AppContext& c, AppWords words) {
+  KERF_TRY(mm, numberOr(words, 0, 0.1, "MM", 0, c.bench.mostDepth()));
+  c.bench.deepen(mm);
+  return {};
+}
+
+Expected<void> shallower(AppContext& c, AppWords words) {
+  KERF_TRY(mm, numberOr(words, 0, 0.1, "MM", 0, c.bench.mostDepth()));
+  c.bench.deepen(-mm);
+  return {};
+}
+
+Expected<void> press(AppContext& c, AppWords words) {
+  KERF_TRY(ray, rayOf(c, words));
+  if (c.bench.press(ray)) return {};
+  return wrongWord(fmt::format("nothing to cut at {}, {}", words[0], words[1]), "a pixel of the object");
+}
+
+Expected<void> drag(AppContext& c, AppWords words) {
+  KERF_TRY(ray, rayOf(c, words));
+  c.bench.drag(ray);
+  return {};
+}
+
+Expected<void> release(AppContext& c, AppWords) {
+  c.bench.release();
+  return {};
+}
+
+}  // namespace kerf::tool_commands

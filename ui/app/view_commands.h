@@ -1,0 +1,32 @@
+// Commands that look: named views, zoom, sections, pictures; rows of the table in app_commands.cpp.
+#pragma once
+
+#include "ui/app/app_commands.h"
+
+namespace kerf {
+
+/// The view of something that was just opened: from its occlusal side if it has one, else as `otherwise` says.
+void firstView(AppContext& context, const Camera& otherwise);
+
+}  // namespace kerf
+
+namespace kerf::view_commands {
+
+bool hasSection(const AppContext& context);
+
+Expected<void> fit(AppContext& context, AppWords words);
+Expected<void> view(AppContext& context, AppWords words);  ///< NAME|AZ,EL
+template <std::size_t N>
+Expected<void> namedView(AppContext& context, AppWords) {
+  const std::string words[] = {std::string(namedViews()[N].name)};
+  return view(context, words);
+}
+Expected<void> zoom(AppContext& context, AppWords words);  ///< FACTOR
+
+Expected<void> cutOpen(AppContext& context, AppWords words);        ///< [X Y]
+Expected<void> sectionDeeper(AppContext& context, AppWords words);  ///< [MM]
+Expected<void> sectionNearer(AppContext& context, AppWords words);  ///< [MM]
+
+Expected<void> screenshot(AppContext& context, AppWords words);  ///< OUT.png
+
+}  // namespace kerf::view_commands
