@@ -16,6 +16,7 @@ constexpr double kLetsGo = 200;        // mm/s, back
 constexpr double kSurfaceStep = 0.05;  // mm a tick
 constexpr double kAround = 1;          // mm: so far beyond anchor and pointer the surface is looked for
 constexpr double kMostAside = 1;       // mm, against what pushes a tool out of its guide
+constexpr double kFeeler = 0.05;       // mm ahead, where what is kept is felt for
 constexpr double kSteepest = 0.15;     // of a slope: along a wall there is no height to be found
 
 }  // namespace
@@ -48,6 +49,7 @@ void MouseHand::placed(const Rigid3& T_world_tool) noexcept {
   felt_.setZero();
   torque_.setZero();
   left_.reset();
+  kept_.reset();
   speed_ = 0;
 }
 
@@ -55,6 +57,7 @@ DeviceSample MouseHand::read() noexcept {
   takeNewestAim();
   const bool is_pressed = aim_.is_pressed && aim_.stroke == placed_for_;
 
+  kept_ = is_pressed ? leftToKept(Vec3d::Zero()) : std::nullopt;
   if (is_pressed) moveSideways();
   followSurface();
   moveAlong(is_pressed);
@@ -69,6 +72,22 @@ DeviceSample MouseHand::read() noexcept {
   out.pedal = is_pressed ? aim_.pedal : 0;
   out.irrigation = aim_.irrigation;
   return out;
+}
+
+// Of the tool, that much ahead of where it is.
+std::optional<double> MouseHand::leftToKept(const Vec3d& ahead) const noexcept {
+  if (!structures_ || structures_->isEmpty() || aim_.keep < 0 || !aim_.samples || aim_.samples->isEmpty()) return {};
+  const Rigid3 tool{pose_.rotation, pose_.translation + felt_ / stiffness_ + ahead};
+  const KeepOut::Reading nearest = structures_->nearest(*aim_.samples, to_surface_ * tool).reading;
+  if (nearest.is_far) return {};
+  return nearest.distance - aim_.keep;
+}
+
+// Along what is kept the tool goes as fast as ever, towards it ever slower.
+double MouseHand::slowedByKept(const Vec3d& direction, double speed) const noexcept {
+  if (!kept_ || *kept_ > speed / kBrake) return speed;
+  const double nears = (*kept_ - leftToKept(kFeeler * direction).value_or(*kept_)) / kFeeler;
+  return nears > 0 ? std::min(speed, kBrake * std::max(*kept_, 0.0) / nears) : speed;
 }
 
 // Where the line through the hand, along the axis, meets the surface as loaded.
@@ -100,7 +119,8 @@ void MouseHand::moveSideways() noexcept {
   const Vec3d direction = way / distance;
   const double against = -felt_.dot(direction);
   const double most = std::max(kLeast, aim_.force);
-  const double speed = std::min(kFollow * distance, kSideways * std::clamp(1 - against / most, 0.0, 1.0));
+  const double wanted = std::min(kFollow * distance, kSideways * std::clamp(1 - against / most, 0.0, 1.0));
+  const double speed = slowedByKept(direction, wanted);
   pose_.translation += std::min(speed * kTick, distance) * direction;
 }
 
@@ -121,7 +141,8 @@ void MouseHand::moveAlong(bool is_pressed) noexcept {
   if (is_pressed) {
     // The tool stops at the depth, not the hand: that is ahead of the tool by what the coupling gives way.
     const double felt = -felt_.dot(a);
-    const double left = height_ + std::max(aim_.depth, 0.0) - reach_ - (at - felt / stiffness_);
+    const double to_depth = height_ + std::max(aim_.depth, 0.0) - reach_ - (at - felt / stiffness_);
+    const double left = std::min(to_depth, kept_.value_or(to_depth));
     speed_ += kSmooth * ((left_.value_or(left) - left) / kTick - speed_);
     left_ = left;
     const double ahead = left - kAhead * std::max(speed_, 0.0);

@@ -9,6 +9,8 @@
 //                    depth of the tool, which is the hand's less felt / K
 //   sideways         v = kFollow (pointer - hand), at most kSideways, less as the side force felt nears its limit
 //   surface          followed from tick to tick by Newton's method on the field as loaded
+//   what is kept     l = distance of the tool to pulp or nerve - what shall be left; the way to the depth is l at most,
+//                    and sideways the tool nears it no faster than kBrake l
 //
 // The samples are in the session log like any device's: a replay gives the same bits without a mouse.
 #pragma once
@@ -21,6 +23,7 @@
 #include "sim/hand/device_source.h"
 #include "sim/hand/tool_lean.h"
 #include "sim/hand/triple_buffer.h"
+#include "sim/monitor/structures.h"
 
 namespace kerf {
 
@@ -42,6 +45,10 @@ struct MouseAim {
   /// Normal of the plane that a cutting guide keeps the tool in, from where it was placed: unit, square to the axis.
   /// The pointer then moves it within that plane alone, and no force turns it out of it. Zero: no guide.
   Vec3d guide = Vec3d::Zero();
+  /// What shall be left between the tool and any of the structures to keep, mm; negative: all may be cut.
+  double keep = -1;
+  /// Points of the tool for that; null: all may be cut. They must outlive the hand.
+  const ToolSamples* samples = nullptr;
 };
 
 /// The window's thread aims, the haptic thread reads. Before a stroke the window sends PlaceTool with the pose above
@@ -58,10 +65,13 @@ class MouseHand final : public DeviceSource {
   MouseHand(std::shared_ptr<const BrickField> surface, const Rigid3& start, double stiffness,
             double turn_stiffness = 1000);
 
+  /// What MouseAim::keep is about; in the frame of the surface as loaded. Before the first read().
+  void keepAwayFrom(std::shared_ptr<const Structures> structures) { structures_ = std::move(structures); }
+
   /// The newest wish. One thread.
   void aim(const MouseAim& aim) noexcept;
 
-  /// @rt  @cost  two trilinear samples of the field.
+  /// @rt  @cost  two trilinear samples of the field; near a structure that is kept up to 40 us more for each.
   DeviceSample read() noexcept override;
   void write(const DeviceForce& force) noexcept override {
     felt_ = force.force;
@@ -75,9 +85,12 @@ class MouseHand final : public DeviceSource {
   void moveSideways() noexcept;
   void moveAlong(bool is_pressed) noexcept;
   void keepInGuide() noexcept;
+  std::optional<double> leftToKept(const Vec3d& ahead) const noexcept;
+  double slowedByKept(const Vec3d& direction, double speed) const noexcept;
   Vec3d front() const noexcept { return pose_.translation + front_; }
 
   std::shared_ptr<const BrickField> surface_;
+  std::shared_ptr<const Structures> structures_;  // null: none
   double stiffness_, turn_stiffness_;
   TripleBuffer<MouseAim> aims_;
   MouseAim aim_;                  // the newest
@@ -89,6 +102,7 @@ class MouseHand final : public DeviceSource {
   double height_ = 0;             // of the surface as loaded, along the axis, where the hand is, mm
   std::optional<double> left_;    // of the tool's way to the depth, mm
   double speed_ = 0;              // at which that becomes less, mm/s
+  std::optional<double> kept_;    // mm that the tool may still near what is kept; none: far from it, or not asked for
   Vec3d felt_ = Vec3d::Zero();    // N, of the last tick
   Vec3d torque_ = Vec3d::Zero();  // N mm
   Vec3d front_ = Vec3d::Zero();   // of the tool, see MouseAim

@@ -43,17 +43,19 @@ void MesherThread::run(const BrickField& phi0) {
       std::this_thread::sleep_for(options_.poll);
     }
     copyIfWanted(remesher.field().changed());
-    if (is_last) return;
+    if (is_last) break;
   }
+  const std::lock_guard lock(mutex_);
+  is_over_ = true;
+  copied_.notify_one();
 }
 
-BrickField MesherThread::changedField() {
+std::optional<BrickField> MesherThread::changedField() {
   std::unique_lock lock(mutex_);
   is_copy_wanted_ = true;
-  copied_.wait(lock, [this] { return copy_.has_value(); });
-  BrickField out = std::move(*copy_);
-  copy_.reset();
-  return out;
+  copied_.wait(lock, [this] { return copy_.has_value() || is_over_; });
+  is_copy_wanted_ = false;
+  return std::exchange(copy_, std::nullopt);
 }
 
 std::shared_ptr<const BrickField> MesherThread::pieceField() const {

@@ -51,9 +51,10 @@ class MesherThread {
   /// Edits meshed so far: with the producer's count of successful pushes it tells how far the mesh lags behind.
   std::uint64_t editsDone() const noexcept { return edits_done_.load(std::memory_order_acquire); }
 
-  /// The bricks that differ from phi0, as this thread knows them when it has taken all that is in the feed. One caller;
-  /// waits for the mesher, some ms. Not after stop().
-  BrickField changedField();
+  /// The bricks that differ from phi0, as this thread knows them when it has taken all that is in the feed. One caller
+  /// at a time, of any thread; waits for the mesher: some ms, for a piece that has just come off until it is meshed.
+  /// None: it has stopped.
+  std::optional<BrickField> changedField();
   bool isPiece() const noexcept { return shared_feed_ != nullptr; }
   /// Of a piece: its field as it came off; null until it is made, which is before the first changedField() returns.
   std::shared_ptr<const BrickField> pieceField() const;
@@ -77,7 +78,7 @@ class MesherThread {
   std::atomic<std::uint64_t> edits_done_{0};
   mutable std::mutex mutex_;
   std::condition_variable copied_;
-  bool is_copy_wanted_ = false;                            // guarded by mutex_
+  bool is_copy_wanted_ = false, is_over_ = false;          // guarded by mutex_
   std::optional<BrickField> copy_;                         // guarded by mutex_
   std::unordered_map<std::uint64_t, MeshChunkPtr> fresh_;  // by key of the brick; guarded by mutex_
   std::thread thread_;                                     // last: everything above exists before it starts

@@ -3,8 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <numeric>
+
+#include "sim/monitor/structures.h"
 
 namespace kerf {
 namespace {
@@ -12,14 +13,6 @@ namespace {
 // A taper of 8 mm then has a sample every 0.18 mm. Between two of them it is nearer to something flat by 0.02 mm. It
 // takes 6 us to read.
 constexpr int kSamples = 1600;
-
-// The default reach of a keep-out field, or the nearest that this voxel allows.
-KeepOutOptions reachAt(double voxel) {
-  KeepOutOptions out;
-  out.most_distance = std::clamp(out.most_distance, 2 * voxel, KeepOut::kMostVoxels * voxel);
-  out.most_depth = std::max(out.most_depth, 2 * voxel);
-  return out;
-}
 
 }  // namespace
 
@@ -39,17 +32,11 @@ Expected<Monitor> Monitor::make(const LoadedObjects& objects, const ToolModel& t
     out.fields_.push_back(std::move(field));
   };
 
-  const BakedObject& object = *objects.front();
-  for (const auto& [material, id] :
-       {std::pair(Material::kPulp, "pulp"), std::pair(Material::kNerveCanal, "nerve_canal")}) {
-    auto field = KeepOut::make(object, std::array{material}, reachAt(object.voxel()));
-    if (!field && field.error().code == Error::Code::kNotFound) continue;
-    if (!field) return fail(field.error());
-    add({.material = material, .id = id}, std::move(*field));
-  }
+  KERF_TRY(structures, Structures::of(*objects.front()));
+  for (const Structures::Structure& s : structures->all()) add({.material = s.material, .id = s.id}, s.field);
 
   for (std::size_t n = 1; n < objects.size(); ++n) {
-    KERF_TRY(field, KeepOut::ofSolid(*objects[n], reachAt(objects[n]->voxel())));
+    KERF_TRY(field, KeepOut::ofSolid(*objects[n], keepOutReach(objects[n]->voxel())));
     add({.id = neighbourId(n), .object = n}, std::move(field));
   }
   return out;

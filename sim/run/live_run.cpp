@@ -3,10 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <system_error>
-#include <thread>
 #include <utility>
 
 #include "sim/live/chunk_occlusion.h"
@@ -94,7 +92,7 @@ Expected<void> LiveRun::load(const Progress& progress) {
   haptic_ = std::make_unique<HapticThread>(std::move(model), LoadedObjects{object_}, options_.start, options_.haptic);
   const CutObject& first = haptic_->session().state().objects.front();
   if (!first.bricks().isPiece())  // else on_piece tells of all
-    shown_.push_back({first.id, std::make_unique<MesherThread>(object_->phi0(), feed_, options_.mesher)});
+    shown_.push_back({first.id, std::make_shared<MesherThread>(object_->phi0(), feed_, options_.mesher)});
   return {};
 }
 
@@ -191,7 +189,7 @@ void LiveRun::showNewPieces() {
   for (CameOff& piece : fresh) {
     const std::uint32_t id = piece.origin->id;
     shown_.push_back(
-        {id, std::make_unique<MesherThread>(std::move(piece.origin), std::move(piece.feed), options_.mesher)});
+        {id, std::make_shared<MesherThread>(std::move(piece.origin), std::move(piece.feed), options_.mesher)});
   }
   std::erase_if(shown_, [this](const Shown& object) {
     if (!object.mesher->isForgotten()) return false;
@@ -217,49 +215,43 @@ std::uint64_t LiveRun::editsDone() const noexcept {
   return out;
 }
 
-MesherThread* LiveRun::mesherOf(std::uint32_t id) {
+std::shared_ptr<MesherThread> LiveRun::mesherOf(std::uint32_t id) {
   for (const Shown& object : shown_)
-    if (object.id == id) return object.mesher.get();
+    if (object.id == id) return object.mesher;
   return nullptr;
 }
 
-// Pieces are in the scene some ms before their meshers are.
-bool LiveRun::isShownWhole() {
-  constexpr auto kMost = std::chrono::seconds(5);
-  const auto until = std::chrono::steady_clock::now() + kMost;
-  for (;;) {
-    showNewPieces();
-    const HapticReport& report = haptic_->report();
-    const auto isShown = [this](const ObjectReport& object) { return mesherOf(object.id) != nullptr; };
-    if (report.object_count > 0 &&
-        std::all_of(report.objects.begin(), report.objects.begin() + static_cast<std::ptrdiff_t>(report.object_count),
-                    isShown))
-      return true;
-    if (std::chrono::steady_clock::now() > until) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-    haptic_->update();
-  }
-}
-
-Expected<SceneCopy> LiveRun::copyScene() {
-  if (!isShownWhole())
-    return fail({.code = Error::Code::kUnsupported,
-                 .place = "pieces",
-                 .found = "one that has just come off is not meshed yet",
-                 .expected = "all of the scene",
-                 .hint = "try again in a moment"});
+std::optional<SceneView> LiveRun::viewScene() {
+  showNewPieces();
+  haptic_->update();
   const HapticReport& report = haptic_->report();
-  SceneCopy out;
+  if (report.object_count == 0) return {};
+  SceneView out;
   for (std::size_t n = 0; n < report.object_count; ++n) {
     const ObjectReport& object = report.objects[n];
-    MesherThread* const mesher = mesherOf(object.id);
-    SceneCopy::Object& copy = out.objects.emplace_back();
-    copy.id = object.id;
+    SceneView::Object& seen = out.objects.emplace_back();
+    seen.id = object.id;
     const auto name = names_.find(object.id);
-    copy.name = name == names_.end() ? fmt::format("piece {}", n + 1) : name->second;
-    copy.T_world_object = object.T_world_object;
-    copy.changed = mesher->changedField();
-    copy.begin = mesher->pieceField();
+    seen.name = name == names_.end() ? fmt::format("piece {}", n + 1) : name->second;
+    seen.T_world_object = object.T_world_object;
+    seen.mesher = mesherOf(object.id);
+    if (!seen.mesher) return {};  // pieces are in the scene some ms before their meshers are
+  }
+  return out;
+}
+
+Expected<SceneCopy> LiveRun::copyOf(const SceneView& view) {
+  SceneCopy out;
+  for (const SceneView::Object& object : view.objects) {
+    auto changed = object.mesher->changedField();
+    if (!changed)
+      return fail({.code = Error::Code::kUnsupported,
+                   .place = object.name,
+                   .found = "it was put together again meanwhile",
+                   .expected = "a scene that stays as it is",
+                   .hint = "try again"});
+    out.objects.push_back(
+        {object.id, object.name, object.T_world_object, object.mesher->pieceField(), std::move(*changed)});
   }
   return out;
 }

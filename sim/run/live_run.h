@@ -45,7 +45,18 @@ struct ObjectChunks {
   std::vector<MeshChunkPtr> chunks;
 };
 
-/// What is in the scene at a moment, to work on while the cut goes on.
+/// What is in the scene at a moment: where its objects are, and who knows what was cut off them.
+struct SceneView {
+  struct Object {
+    std::uint32_t id = 0;
+    std::string name;
+    Rigid3 T_world_object;
+    std::shared_ptr<MesherThread> mesher;
+  };
+  std::vector<Object> objects;
+};
+
+/// The same, to work on while the cut goes on.
 struct SceneCopy {
   struct Object {
     std::uint32_t id = 0;
@@ -107,9 +118,11 @@ class LiveRun {
   /// Edits meshed so far, of all objects: see MesherThread::editsDone().
   std::uint64_t editsDone() const noexcept;
 
-  /// What is cut by now, as the meshers know it, a few ms old. The cut goes on. Waits for them, some ms; five seconds
-  /// at most for one that has just come off.   Error kUnsupported: that has no mesh yet.
-  Expected<SceneCopy> copyScene();
+  /// What is in the scene. None: a piece that has just come off has no mesher yet; try again some ms later.
+  std::optional<SceneView> viewScene();
+  /// What is cut by now, as the meshers know it, a few ms old. The cut goes on. Any thread; waits for the meshers, some
+  /// ms, for a piece that has just come off some seconds.   Error kUnsupported: one of the objects is gone.
+  static Expected<SceneCopy> copyOf(const SceneView& view);
   /// The post-operative mesh of a copy. Any thread.   Errors: as exportBundle().
   Expected<LiveResult> postOperative(const SceneCopy& scene, const PostOpOptions& options = {},
                                      const Progress& progress = {}) const;
@@ -128,16 +141,15 @@ class LiveRun {
   Expected<void> makeFolder();
   struct Shown {
     std::uint32_t id = 0;
-    std::unique_ptr<MesherThread> mesher;
+    std::shared_ptr<MesherThread> mesher;  // shared with views of the scene
   };
   struct CameOff {
     std::shared_ptr<const PieceOrigin> origin;
     std::shared_ptr<BrickFeed> feed;
   };
   void showNewPieces();
-  bool isShownWhole();
   std::vector<Command> putPiecesBack(Session& session);
-  MesherThread* mesherOf(std::uint32_t id);
+  std::shared_ptr<MesherThread> mesherOf(std::uint32_t id);
 
   LiveRunOptions options_;
   std::filesystem::path case_folder_, folder_;

@@ -149,6 +149,8 @@ constexpr AppCommand kCommands[] = {
      tool_commands::deeper},
     {"cut.shallower", "Tool", "Less deep", ",", "[MM]", "Lets a stroke go less deep, by 0.1 mm if not told.", always,
      tool_commands::shallower},
+    {"cut.stop-short", "", "", "", "[MM|off]",
+     "Strokes stop that far short of pulp and nerve canal, 0.5 mm if not told.", always, tool_commands::stopShort},
     {"cut.press", "", "", "", "X Y", "Presses the button at a pixel: a stroke begins.", isOpen, tool_commands::press},
     {"cut.drag", "", "", "", "X Y", "Moves the pressed pointer to a pixel.", isOpen, tool_commands::drag},
     {"cut.release", "", "", "", "", "Lets go of the button: the stroke ends.", isOpen, tool_commands::release},
@@ -291,7 +293,7 @@ std::string appCommandReference() {
       "double quotes may hold blanks. X and Y are pixels of the picture, Y downwards. Beside them a script has `wait` "
       "(until "
       "no job runs and no plane is sawn), `wait SECONDS` (of the simulation), `print` (the state, as JSON) and `expect "
-      "removed|depth|sawn|triangles|pieces LOW HIGH`. The first error ends it, "
+      "removed|depth|near|sawn|triangles|pieces LOW HIGH`. The first error ends it, "
       "with "
       "exit code 1 and the line.\n\n| command | parameters | key | what it does |\n|---|---|---|---|\n";
   for (const AppCommand& c : kCommands)

@@ -52,12 +52,23 @@ void printState(const AppContext& c) {
   if (c.bench.importPlan()) j["import"] = nlohmann::json::parse(importState(*c.bench.importPlan()));
   if (c.bench.isOpen()) j["tool"] = c.bench.tool(c.bench.toolInHand()).id;
   if (const auto depth = c.bench.depthNow()) j["depth_now_mm"] = *depth;
+  if (const auto near = c.bench.nearStructure({}); near && !near->is_far) {
+    j["near"] = near->name;
+    j["near_mm"] = near->distance_mm;
+  }
   fmt::print("{}\n", j.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
   std::fflush(stdout);
 }
 
+// Of the tool that cuts to pulp or nerve canal, mm; far: 1000.
+double nearestOf(const AppContext& c) {
+  constexpr double kFar = 1000;
+  const auto near = c.bench.nearStructure({});
+  return near && !near->is_far ? near->distance_mm : kFar;
+}
+
 Expected<void> expect(const AppContext& c, AppWords words) {
-  if (words.empty()) return wrongWord("nothing", "removed, depth, sawn, triangles or pieces, and its range");
+  if (words.empty()) return wrongWord("nothing", "removed, depth, near, sawn, triangles or pieces, and its range");
   KERF_TRY(low, numberOf(words, 1, "LOW", -1e12, 1e12));
   KERF_TRY(high, numberOf(words, 2, "HIGH", -1e12, 1e12));
   double value = 0;
@@ -65,6 +76,8 @@ Expected<void> expect(const AppContext& c, AppWords words) {
     value = c.bench.removedMm3();
   else if (words[0] == "depth")
     value = c.bench.depthNow().value_or(0);
+  else if (words[0] == "near")
+    value = nearestOf(c);
   else if (words[0] == "sawn")
     value = 100 * c.bench.saw().lastShare();
   else if (words[0] == "triangles")
@@ -72,7 +85,7 @@ Expected<void> expect(const AppContext& c, AppWords words) {
   else if (words[0] == "pieces")
     value = static_cast<double>(c.bench.scene().shown().size());
   else
-    return wrongWord("\"" + words[0] + "\"", "removed, depth, sawn, triangles or pieces");
+    return wrongWord("\"" + words[0] + "\"", "removed, depth, near, sawn, triangles or pieces");
   if (value >= low && value <= high) return {};
   return wrongWord(fmt::format("{} {:g}", words[0], value), fmt::format("{:g} to {:g}", low, high));
 }

@@ -265,7 +265,10 @@ Expected<Opened> openToCut(const fs::path& path, const OpeningOptions& options, 
   live.haptic.stall_ms = 5000;  // no arm is led: a busy machine need not stop the tool
   live.start = {Eigen::Quaterniond::Identity(), manifest.box.center() + Vec3d(0, 0, manifest.box.size()[2])};
   KERF_TRY(run, LiveRun::open(case_folder, newSessionFolder(options.data_folder, out.name), std::move(live),
-                              partOf(progress, 0.7, 1)));
+                              partOf(progress, 0.7, 0.9)));
+  if (!report(progress, 0.9, "measuring the way to pulp and nerve")) return cancelled();
+  KERF_TRY(structures, Structures::of(run->object()));
+  out.structures = std::move(structures);
   if (kind == FileKind::kRun)
     out.notes.push_back(
         fmt::format("goes on from {}, in a session of its own: {:.3f} mm3 were removed before; undo "

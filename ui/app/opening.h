@@ -13,6 +13,7 @@
 #include "geometry/base/error.h"
 #include "geometry/base/progress.h"
 #include "geometry/mesh/mesh.h"
+#include "sim/monitor/structures.h"
 #include "sim/run/live_run.h"
 
 namespace kerf {
@@ -70,6 +71,7 @@ struct Opened {
   std::string name;                ///< of the file, without its ending
   std::filesystem::path source;    ///< what was opened: never written to
   std::optional<Vec3d> occlusal;   ///< occlusalNormalOf()
+  std::shared_ptr<const Structures> structures;  ///< of the case: pulp, nerve canals
 };
 
 /// Opens a case, or prepares a scan or recipe first. A scan that was prepared in the same way before is not baked

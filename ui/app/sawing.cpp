@@ -180,6 +180,16 @@ Expected<void> Sawing::resize(std::optional<double> width_mm, std::optional<doub
   return {};
 }
 
+std::optional<SawClearance> Sawing::clearance() {
+  const SawPlane* const plane = plan_.chosen();
+  const Structures* const structures = bench_.structures();
+  if (!plane || !structures || structures->isEmpty()) return {};
+  const double kerf = blade().kerf;
+  if (measured_.version != plan_.version() || measured_.kerf != kerf || measured_.of != structures)
+    measured_ = {plan_.version(), kerf, structures, clearanceOf(*plane, kerf, *structures)};
+  return measured_.clearance;
+}
+
 Expected<void> Sawing::fit() {
   KERF_TRY(plane, chosen());
   KERF_CHECK(requireOpen());

@@ -12,6 +12,7 @@
 #include "sim/hand/guided_hand.h"
 #include "ui/app/live_surface.h"
 #include "ui/app/saw_blade.h"
+#include "ui/app/saw_clearance.h"
 #include "ui/app/saw_picking.h"
 #include "ui/app/saw_plan.h"
 #include "ui/app/saw_section.h"
@@ -69,6 +70,8 @@ class Sawing {
   Expected<void> turn(double about_approach_deg, double about_across_deg);
   Expected<void> turnApproach(double deg);
   Expected<void> resize(std::optional<double> width_mm, std::optional<double> depth_mm);
+  /// What the chosen plane leaves to pulp and nerve canal with the blade in hand. None: no plane, or nothing to keep.
+  std::optional<SawClearance> clearance();
   /// Bounds the chosen plane to bone and blade anew.
   Expected<void> fit();
   /// A file, or a session's folder.
@@ -141,6 +144,13 @@ class Sawing {
   double last_share_ = 0;
   std::size_t strokes_ = 1;
   std::uint64_t saved_ = 0, seen_ = 0;  // versions of the plan
+  struct Measured {
+    std::uint64_t version = 0;  // of the plan
+    double kerf = 0;
+    const Structures* of = nullptr;
+    SawClearance clearance;
+  };
+  Measured measured_;
   std::chrono::steady_clock::time_point changed_{};
 };
 

@@ -65,6 +65,16 @@ Expected<void> shallower(AppContext& c, AppWords words) {
   return {};
 }
 
+Expected<void> stopShort(AppContext& c, AppWords words) {
+  if (!words.empty() && words[0] == "off") {
+    c.bench.stopShort(std::nullopt);
+    return {};
+  }
+  KERF_TRY(mm, numberOr(words, 0, Workbench::kUsualShort, "MM", 0, Workbench::kMostShort));
+  c.bench.stopShort(mm);
+  return {};
+}
+
 Expected<void> press(AppContext& c, AppWords words) {
   KERF_TRY(ray, rayOf(c, words));
   if (c.bench.press(ray)) return {};

@@ -15,6 +15,8 @@ Expected<void> setDepth(AppContext& context, AppWords words);   ///< MM
 Expected<void> deeper(AppContext& context, AppWords words);     ///< [MM]
 Expected<void> shallower(AppContext& context, AppWords words);  ///< [MM]
 
+Expected<void> stopShort(AppContext& context, AppWords words);  ///< [MM|off]
+
 Expected<void> press(AppContext& context, AppWords words);  ///< X Y
 Expected<void> drag(AppContext& context, AppWords words);   ///< X Y
 Expected<void> release(AppContext& context, AppWords words);

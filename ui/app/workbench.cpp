@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <thread>
 #include <utility>
 
 #include "geometry/formats/mesh_formats.h"
@@ -21,6 +20,15 @@ namespace fs = std::filesystem;
 
 fs::path dataFolderOf(const WorkbenchOptions& options) {
   return options.data_folder.empty() ? userDataFolder() : options.data_folder;
+}
+
+Expected<std::string> exportWhenGiven(const LiveRun& run, std::future<SceneView>& given, const fs::path& file,
+                                      const ExportChoice& choice, const Progress& progress) {
+  constexpr auto kPoll = std::chrono::milliseconds(5);
+  while (given.wait_for(kPoll) != std::future_status::ready)
+    if (!report(progress, 0, "waiting for the last stroke")) return cancelled(file.string());
+  KERF_TRY(scene, LiveRun::copyOf(given.get()));
+  return exportScene(run, scene, file, choice, progress);
 }
 
 }  // namespace
@@ -59,6 +67,7 @@ std::vector<ObjectChunks> Workbench::update() {
   }
   if (import_ && !job_) import_->update();
   takeNews();
+  handOverScene();
   saw_->update();
   watchTools();
   return std::exchange(fresh_, {});
@@ -90,19 +99,26 @@ void Workbench::takeNews() {
   complain(error);
 }
 
-// Until what was asked for is done and the mesher knows of it; a second at most.
-void Workbench::settle() {
+// What was asked for is done, and the meshers know of it.
+bool Workbench::isSettled() {
   constexpr std::uint64_t kTicks = 3;  // after a command: what it changed is counted in the next tick
-  std::optional<std::uint64_t> done_at;
-  for (int n = 0; n < 1000; ++n) {
-    takeNews();
-    const HapticCounts& c = report_.counts;
-    const bool is_done = c.commands_done + c.commands_refused >= sent_ && report_.output.touching == 0;
-    if (is_done && !done_at) done_at = report_.tick;
-    const bool is_counted = done_at && report_.tick >= *done_at + kTicks;
-    if (is_counted && c.edits_waiting == 0 && run_->editsDone() >= c.edits_pushed) return;
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
+  const HapticCounts& c = report_.counts;
+  const bool is_done = c.commands_done + c.commands_refused >= sent_ && report_.output.touching == 0;
+  if (is_done && !handover_->done_at) handover_->done_at = report_.tick;
+  const bool is_counted = handover_->done_at && report_.tick >= *handover_->done_at + kTicks;
+  return is_counted && c.edits_waiting == 0 && run_->editsDone() >= c.edits_pushed;
+}
+
+// To the job that exports it: when the last stroke is meshed, or after a second, for somebody who goes on cutting.
+void Workbench::handOverScene() {
+  constexpr auto kMost = std::chrono::seconds(1);
+  if (!handover_) return;
+  if (!run_ || !job_) return handover_.reset();
+  if (!isSettled() && std::chrono::steady_clock::now() < handover_->began + kMost) return;
+  auto view = run_->viewScene();
+  if (!view) return;
+  handover_->scene.set_value(std::move(*view));
+  handover_.reset();
 }
 
 void Workbench::cancelJob() {
@@ -170,6 +186,7 @@ void Workbench::show(Opened& loaded) {
   auto hand = std::make_unique<MouseHand>(loaded.run->original(), loaded.run->thread().session().state().body.pose,
                                           coupling.stiffness, coupling.turn_stiffness);
   auto guided = std::make_unique<GuidedHand>(*hand, coupling.stiffness, coupling.turn_stiffness);
+  hand->keepAwayFrom(loaded.structures);
   const auto started = loaded.run->start(*guided);
   if (!started) {
     (void)loaded.run->finish();
@@ -179,6 +196,8 @@ void Workbench::show(Opened& loaded) {
   hand_ = std::move(hand);
   guided_ = std::move(guided);
   run_ = std::move(loaded.run);
+  structures_ = std::move(loaded.structures);
+  samples_.clear();
   name_ = loaded.name;
   source_ = loaded.source;
   sent_ = 0;
@@ -285,6 +304,7 @@ bool Workbench::press(const Ray& ray) {
   aim_.into = -stroke_->axis();
   aim_.T_world_surface = at->T_world_object;
   aim_.reach = plunges_[tool_].reach;
+  aim_.samples = structures_->isEmpty() ? nullptr : &samplesOf(tool_);
   sendAim();
 
   const Rigid3& start = stroke_->start();
@@ -333,12 +353,39 @@ void Workbench::sendAim() {
   aim_.force = std::min(force * push_factor_, kMostForce);
   aim_.depth = std::min(depth_mm, mostDepth());
   aim_.irrigation = irrigation;
+  aim_.keep = stop_short_mm.value_or(-1);
   hand_->aim(aim_);
 }
 
 std::optional<double> Workbench::depthNow() const {
   if (!stroke_) return {};
   return stroke_->depthOf(report_.output.T_world_tool.translation + aim_.front);
+}
+
+void Workbench::stopShort(std::optional<double> mm) {
+  stop_short_mm = mm;
+  if (stroke_) sendAim();
+}
+
+const ToolSamples& Workbench::samplesOf(std::size_t tool) const {
+  const auto known = samples_.find(tool);
+  if (known != samples_.end()) return known->second;
+  return samples_.emplace(tool, ToolSamples(run_->model().tools[tool].cut)).first->second;
+}
+
+std::optional<NearStructure> Workbench::nearStructure(const std::optional<ToolOverSurface>& over) const {
+  constexpr double kStopped = 0.03;  // mm: as near as a held button comes to its limit
+  if (!run_ || structures_->isEmpty() || (!stroke_ && !over)) return {};
+  const Rigid3 tool = stroke_ ? report_.output.T_world_tool : over->T_world_tool;
+  const Rigid3& object = stroke_ ? aim_.T_world_surface : over->T_world_object;
+  const Structures::Nearest nearest = structures_->nearest(samplesOf(tool_), object.inverse() * tool);
+
+  NearStructure out;
+  out.name = nameOf(structures_->all()[nearest.structure].material);
+  out.distance_mm = nearest.reading.distance;
+  out.is_far = nearest.reading.is_far;
+  out.is_stopped = stroke_ && stop_short_mm && !out.is_far && out.distance_mm <= *stop_short_mm + kStopped;
+  return out;
 }
 
 void Workbench::undo() {
@@ -416,18 +463,16 @@ void Workbench::exportTo(const fs::path& file, const ExportChoice& choice) {
                      .hint = "another name"});
   if (isSawing()) return;
   release();
-  settle();
   namePieces();
 
   // The job works on a copy: the cut may go on.
   job_writes_ = true;
-  auto copy = run_->copyScene();
-  if (!copy) return complain(copy.error());
-  auto scene = std::make_shared<const SceneCopy>(std::move(*copy));
+  handover_.emplace();
+  auto scene = std::make_shared<std::future<SceneView>>(handover_->scene.get_future());
   const LiveRun* const run = run_.get();
   auto job = std::make_unique<Job<std::string>>("exporting " + file.filename().string(),
                                                 [run, scene, file, choice](const Progress& progress) {
-                                                  return exportScene(*run, *scene, file, choice, progress);
+                                                  return exportWhenGiven(*run, *scene, file, choice, progress);
                                                 });
   when_over_ = [this, job = job.get()] {
     auto written = job->take();

@@ -6,6 +6,8 @@
 
 #include <chrono>
 #include <filesystem>
+#include <future>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -15,6 +17,7 @@
 #include "geometry/field/material.h"
 #include "sim/hand/guided_hand.h"
 #include "sim/hand/mouse_hand.h"
+#include "sim/monitor/structures.h"
 #include "sim/run/live_run.h"
 #include "ui/app/exporting.h"
 #include "ui/app/job.h"
@@ -46,6 +49,14 @@ const std::vector<std::string>& defaultTools();
 struct Notice {
   bool is_error = false;
   std::string text;
+};
+
+/// A tool beside what must be kept.
+struct NearStructure {
+  std::string name;         ///< "pulp", "nerve canal"
+  double distance_mm = 0;   ///< negative: the tool is in it
+  bool is_far = true;       ///< farther than is measured: distance_mm is the reach
+  bool is_stopped = false;  ///< the stroke stops short of it, here
 };
 
 /// A session whose program is gone.
@@ -96,6 +107,10 @@ class Workbench {
   const std::optional<Vec3d>& occlusalNormal() const { return occlusal_; }
   const LiveRun* run() const { return run_.get(); }
   const LiveScene& scene() const { return scene_; }
+  /// Pulp and nerve canals as loaded. Null: nothing is open.
+  const Structures* structures() const { return structures_.get(); }
+  /// How near the tool is to them: during a stroke where it is, else where it would touch. None: there are none.
+  std::optional<NearStructure> nearStructure(const std::optional<ToolOverSurface>& over) const;
   /// A tissue's name for people: "enamel".
   std::string nameOf(Material material) const;
   const HapticReport& report() const { return report_; }
@@ -124,6 +139,9 @@ class Workbench {
   double force = 1;       ///< N
   double depth_mm = 0.5;  ///< below the surface as loaded
   double irrigation = 1;  ///< 0 to 1
+  /// What a stroke leaves between the tool and pulp or nerve canal, mm: it stops short of them. None: it may go into
+  /// them, with a warning. A planned cut does not know of it: Sawing::clearance() says what that leaves.
+  std::optional<double> stop_short_mm;
   static constexpr double kLeastForce = 0.1, kMostForce = 8, kMostDepth = 5;
 
   Measure measure;
@@ -146,6 +164,8 @@ class Workbench {
   bool isPressed() const { return stroke_.has_value(); }
   /// Depth of the tool below the surface as loaded; none: no stroke.
   std::optional<double> depthNow() const;
+  void stopShort(std::optional<double> mm);
+  static constexpr double kMostShort = 5, kUsualShort = 0.5;  ///< mm
 
   void undo();
   void redo();
@@ -195,7 +215,8 @@ class Workbench {
  private:
   friend class Sawing;
   void takeNews();
-  void settle();
+  bool isSettled();
+  void handOverScene();
   void say(std::string text) { notices_.push_back({false, std::move(text)}); }
   bool isBusy();
   bool isSawing();
@@ -208,6 +229,7 @@ class Workbench {
   void openBy(const std::string& title, Load load);
   void show(Opened& loaded);
   void sendAim();
+  const ToolSamples& samplesOf(std::size_t tool) const;
   void namePieces();
   void fillRack();
   void putIntoRack(const std::filesystem::path& file, Tool tool);
@@ -245,7 +267,9 @@ class Workbench {
   HapticReport report_;
   HapticTimes times_;
   std::size_t tool_ = 0;
-  std::vector<Mesh> heads_;                                                 // of the tools
+  std::vector<Mesh> heads_;  // of the tools
+  std::shared_ptr<const Structures> structures_;
+  mutable std::map<std::size_t, ToolSamples> samples_;                      // of tools that were in hand
   std::vector<Plunge> plunges_;                                             // of the same
   std::vector<std::optional<std::filesystem::file_time_type>> tool_times_;  // of their files
   std::size_t favourites_ = 0;
@@ -259,6 +283,13 @@ class Workbench {
   double removed_mm3_ = 0;
   std::uint64_t sent_ = 0;  // commands
   bool has_told_of_log_ = false;
+  /// A job that waits for what it exports: until the last stroke is meshed.
+  struct Handover {
+    std::promise<SceneView> scene;
+    std::chrono::steady_clock::time_point began = std::chrono::steady_clock::now();
+    std::optional<std::uint64_t> done_at{};  // tick at which all that was asked for was done
+  };
+  std::optional<Handover> handover_;
   std::vector<ObjectChunks> fresh_;  // not handed out yet
   std::unique_ptr<Sawing> saw_;
 };

@@ -61,6 +61,21 @@ void drawPoint(const AppContext& context) {
   if (!point->tissue.empty()) reading("Tissue", point->tissue, "");
 }
 
+// A warning that does not interrupt.
+void drawNearStructure(const Workbench& bench, const std::optional<ToolOverSurface>& over) {
+  constexpr double kClose = 0.5;  // mm
+  if (bench.structures()->isEmpty()) return;
+  const auto near = bench.nearStructure(over);
+  const std::string name = near ? near->name : bench.nameOf(bench.structures()->all().front().material);
+  const std::string label = "To " + name;
+  if (!near) return reading(label.c_str(), "-", "mm");
+  if (near->is_far) return reading(label.c_str(), fmt::format("over {:.0f}", near->distance_mm), "mm");
+  if (near->distance_mm < 0)
+    return reading(label.c_str(), fmt::format("{:.2f}", -near->distance_mm), "mm inside", true);
+  reading(label.c_str(), fmt::format("{:.2f}", near->distance_mm), near->is_stopped ? "mm, stopped" : "mm",
+          near->is_stopped || near->distance_mm < kClose);
+}
+
 // @return  its lower edge.
 float drawReadings(AppContext& context, const std::optional<ToolOverSurface>& over) {
   const Workbench& bench = context.bench;
@@ -74,6 +89,7 @@ float drawReadings(AppContext& context, const std::optional<ToolOverSurface>& ov
   const auto depth = bench.isPressed() ? bench.depthNow() : over ? std::optional(over->depth) : std::nullopt;
 
   reading("Depth", depth ? fmt::format("{:.2f}", *depth) : "-", "mm");
+  drawNearStructure(bench, over);
   reading("Force", fmt::format("{:.2f}", r.output.force.force.norm()), "N");
   reading("Spindle", fmt::format("{:.0f}", 100 * speed), "%",
           bench.isPressed() && speed < 0.05 && r.output.normal_load > 0);

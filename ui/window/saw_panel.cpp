@@ -114,8 +114,23 @@ void drawSteppers(AppContext& context) {
   stepper(context, "Depth", fmt::format("{:.1f} mm", plane.depth), "saw.depth", 5 * kStepMm, plane.depth);
 }
 
+void drawClearance(AppContext& context) {
+  constexpr double kClose = 2;  // mm: near enough to say so
+  const auto left = context.bench.saw().clearance();
+  if (!left) return;
+  if (left->is_far) return ImGui::TextColored(kQuiet, "Over %.0f mm from all nerves and pulps", left->distance_mm);
+  const std::string name = context.bench.nameOf(left->material);
+  if (left->distance_mm < 0)
+    ImGui::TextColored(styleColours().warning, "Goes through the %s", name.c_str());
+  else if (left->distance_mm < kClose)
+    ImGui::TextColored(styleColours().warning, "%.1f mm from the %s", left->distance_mm, name.c_str());
+  else
+    ImGui::Text("%.1f mm from the %s", left->distance_mm, name.c_str());
+}
+
 void drawCut(AppContext& context) {
   Sawing& saw = context.bench.saw();
+  drawClearance(context);
   bool is_guided = saw.guide;
   if (ImGui::Checkbox("Guide the blade by mouse", &is_guided)) run(context, "saw.guide", {is_guided ? "on" : "off"});
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("A saw moved by mouse stays in this plane (G)");

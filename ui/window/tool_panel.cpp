@@ -157,6 +157,21 @@ void drawRack(Workbench& bench, ToolPanelState& state) {
   }
 }
 
+// Offered where there is something to stop short of.
+void drawStopShort(Workbench& bench) {
+  if (bench.structures()->isEmpty()) return;
+  bool is_on = bench.stop_short_mm.has_value();
+  std::string names;
+  for (const Structures::Structure& s : bench.structures()->all())
+    names += (names.empty() ? "" : ", ") + bench.nameOf(s.material);
+  if (ImGui::Checkbox(("Stop short of " + names + "###short").c_str(), &is_on))
+    bench.stopShort(is_on ? std::optional(Workbench::kUsualShort) : std::nullopt);
+  if (!is_on) return;
+  auto short_of = static_cast<float>(*bench.stop_short_mm);
+  if (ImGui::SliderFloat("##short_of", &short_of, 0, 2, "%.1f mm", ImGuiSliderFlags_AlwaysClamp))
+    bench.stopShort(0.1 * std::round(10 * static_cast<double>(short_of)));
+}
+
 void drawHand(Workbench& bench) {
   ImGui::PushItemWidth(-1);
   float force = static_cast<float>(bench.force), depth = static_cast<float>(bench.depth_mm);
@@ -169,6 +184,7 @@ void drawHand(Workbench& bench) {
   if (ImGui::SliderFloat("##depth", &depth, 0, static_cast<float>(bench.mostDepth()), "%.2f mm",
                          ImGuiSliderFlags_AlwaysClamp))
     bench.deepen(static_cast<double>(depth) - bench.depth_mm);
+  drawStopShort(bench);
   ImGui::TextUnformatted("Spray");
   if (ImGui::SliderFloat("##spray", &spray, 0, 100, "%.0f %%", ImGuiSliderFlags_AlwaysClamp))
     bench.irrigation = 0.01 * static_cast<double>(spray);

@@ -105,7 +105,9 @@ TEST(LiveRun, StrokesWithTwoToolsBecomeARunThatReplaysAndExports) {
     mouse.drill({1.5, 1, 0}, 3);
     mouse.send(Undo{});
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    const auto scene = (*run)->copyScene();
+    const auto view = (*run)->viewScene();
+    ASSERT_TRUE(view);
+    const auto scene = LiveRun::copyOf(*view);
     ASSERT_TRUE(scene) << scene.error().message();
     ASSERT_EQ(scene->objects.size(), 1u);
     const auto mesh = (*run)->postOperative(*scene);
