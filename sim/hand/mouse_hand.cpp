@@ -50,6 +50,7 @@ void MouseHand::placed(const Rigid3& T_world_tool) noexcept {
   torque_.setZero();
   left_.reset();
   kept_.reset();
+  kept_speed_ = 0;
   speed_ = 0;
 }
 
@@ -57,7 +58,7 @@ DeviceSample MouseHand::read() noexcept {
   takeNewestAim();
   const bool is_pressed = aim_.is_pressed && aim_.stroke == placed_for_;
 
-  kept_ = is_pressed ? leftToKept(Vec3d::Zero()) : std::nullopt;
+  feelKept(is_pressed);
   if (is_pressed) moveSideways();
   followSurface();
   moveAlong(is_pressed);
@@ -83,11 +84,34 @@ std::optional<double> MouseHand::leftToKept(const Vec3d& ahead) const noexcept {
   return nearest.distance - aim_.keep;
 }
 
-// Along what is kept the tool goes as fast as ever, towards it ever slower.
-double MouseHand::slowedByKept(const Vec3d& direction, double speed) const noexcept {
-  if (!kept_ || *kept_ > speed / kBrake) return speed;
-  const double nears = (*kept_ - leftToKept(kFeeler * direction).value_or(*kept_)) / kFeeler;
-  return nears > 0 ? std::min(speed, kBrake * std::max(*kept_, 0.0) / nears) : speed;
+void MouseHand::feelKept(bool is_pressed) noexcept {
+  const auto left = is_pressed ? leftToKept(Vec3d::Zero()) : std::nullopt;
+  kept_speed_ = left && kept_ ? kept_speed_ + kSmooth * ((*kept_ - *left) / kTick - kept_speed_) : 0;
+  kept_ = left;
+}
+
+// The way, square to the axis, on which the tool nears what is kept: unit. Zero: it is far, or straight ahead.
+Vec3d MouseHand::sidewaysToKept() const noexcept {
+  constexpr double kLevel = 0.05;  // mm nearer on a mm of the way: less than that is along it
+  if (!kept_ || *kept_ > kSideways / kBrake) return Vec3d::Zero();
+  Vec3d out = Vec3d::Zero();
+  const Vec3d across = axis_.unitOrthogonal(), along = axis_.cross(across);
+  for (const Vec3d& way : {across, along}) {
+    const double ahead = leftToKept(kFeeler * way).value_or(*kept_);
+    const double behind = leftToKept(-kFeeler * way).value_or(*kept_);
+    out += (behind - ahead) / (2 * kFeeler) * way;
+  }
+  const double steep = out.norm();
+  return steep > kLevel ? Vec3d(out / steep) : Vec3d(Vec3d::Zero());
+}
+
+// A hand that stands still still draws the tool towards itself.
+void MouseHand::holdBackFromKept(const Vec3d& towards) noexcept {
+  if (towards.isZero(0)) return;
+  const double ahead = *kept_ - kAhead * std::max(kept_speed_, 0.0);
+  const double most = std::max(kLeast, aim_.force) * std::clamp(ahead / kSoftly, 0.0, 1.0);
+  const double pull = -felt_.dot(towards);
+  if (pull > most) pose_.translation -= std::min((pull - most) / stiffness_, kLetsGo * kTick) * towards;
 }
 
 // Where the line through the hand, along the axis, meets the surface as loaded.
@@ -109,6 +133,9 @@ void MouseHand::followSurface() noexcept {
 }
 
 void MouseHand::moveSideways() noexcept {
+  const Vec3d to_kept = sidewaysToKept();
+  holdBackFromKept(to_kept);
+
   const Vec3d& a = axis_;
   Vec3d way = aim_.pointer - front();
   way -= a.dot(way) * a;
@@ -119,9 +146,13 @@ void MouseHand::moveSideways() noexcept {
   const Vec3d direction = way / distance;
   const double against = -felt_.dot(direction);
   const double most = std::max(kLeast, aim_.force);
-  const double wanted = std::min(kFollow * distance, kSideways * std::clamp(1 - against / most, 0.0, 1.0));
-  const double speed = slowedByKept(direction, wanted);
-  pose_.translation += std::min(speed * kTick, distance) * direction;
+  const double speed = std::min(kFollow * distance, kSideways * std::clamp(1 - against / most, 0.0, 1.0));
+  Vec3d step = std::min(speed * kTick, distance) * direction;
+
+  // Along what is kept the hand goes as fast as ever, towards it ever slower.
+  const double nears = to_kept.dot(step), may = kept_ ? kTick * kBrake * std::max(*kept_, 0.0) : nears;
+  if (nears > may) step -= (nears - may) * to_kept;
+  pose_.translation += step;
 }
 
 // What a guide holds in its plane is the tool, not the hand.

@@ -9,8 +9,9 @@
 //                    depth of the tool, which is the hand's less felt / K
 //   sideways         v = kFollow (pointer - hand), at most kSideways, less as the side force felt nears its limit
 //   surface          followed from tick to tick by Newton's method on the field as loaded
-//   what is kept     l = distance of the tool to pulp or nerve - what shall be left; the way to the depth is l at most,
-//                    and sideways the tool nears it no faster than kBrake l
+//   what is kept     l = distance of the tool to pulp or nerve - what shall be left; the way to the depth is l at most.
+//                    Sideways the hand nears it no faster than kBrake l, and draws the tool towards it with a force
+//                    that falls within 0.05 mm of l
 //
 // The samples are in the session log like any device's: a replay gives the same bits without a mouse.
 #pragma once
@@ -71,7 +72,7 @@ class MouseHand final : public DeviceSource {
   /// The newest wish. One thread.
   void aim(const MouseAim& aim) noexcept;
 
-  /// @rt  @cost  two trilinear samples of the field; near a structure that is kept up to 40 us more for each.
+  /// @rt  @cost  two trilinear samples of the field; near a structure that is kept up to 60 us more for each.
   DeviceSample read() noexcept override;
   void write(const DeviceForce& force) noexcept override {
     felt_ = force.force;
@@ -86,7 +87,9 @@ class MouseHand final : public DeviceSource {
   void moveAlong(bool is_pressed) noexcept;
   void keepInGuide() noexcept;
   std::optional<double> leftToKept(const Vec3d& ahead) const noexcept;
-  double slowedByKept(const Vec3d& direction, double speed) const noexcept;
+  void feelKept(bool is_pressed) noexcept;
+  Vec3d sidewaysToKept() const noexcept;
+  void holdBackFromKept(const Vec3d& towards) noexcept;
   Vec3d front() const noexcept { return pose_.translation + front_; }
 
   std::shared_ptr<const BrickField> surface_;
@@ -102,6 +105,7 @@ class MouseHand final : public DeviceSource {
   double height_ = 0;             // of the surface as loaded, along the axis, where the hand is, mm
   std::optional<double> left_;    // of the tool's way to the depth, mm
   double speed_ = 0;              // at which that becomes less, mm/s
+  double kept_speed_ = 0;         // at which kept_ becomes less, mm/s
   std::optional<double> kept_;    // mm that the tool may still near what is kept; none: far from it, or not asked for
   Vec3d felt_ = Vec3d::Zero();    // N, of the last tick
   Vec3d torque_ = Vec3d::Zero();  // N mm

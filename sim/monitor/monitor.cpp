@@ -8,18 +8,10 @@
 #include "sim/monitor/structures.h"
 
 namespace kerf {
-namespace {
-
-// A taper of 8 mm then has a sample every 0.18 mm. Between two of them it is nearer to something flat by 0.02 mm. It
-// takes 6 us to read.
-constexpr int kSamples = 1600;
-
-}  // namespace
-
 std::string neighbourId(std::size_t object) { return fmt::format("beside_{}", object); }
 
 Monitor::Monitor(const ToolModel& tool, const HeatSource& source, const HeatSettings& settings)
-    : samples_(tool.cut, kSamples),
+    : samples_(tool.cut, kToolSamples),
       close_(tool, samples_, source.flank),
       heat_(source, settings),
       middle_(tool.cut.isEmpty() ? Vec3d(Vec3d::Zero()) : tool.cut.bounds().center()) {}

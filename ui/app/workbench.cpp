@@ -370,7 +370,7 @@ void Workbench::stopShort(std::optional<double> mm) {
 const ToolSamples& Workbench::samplesOf(std::size_t tool) const {
   const auto known = samples_.find(tool);
   if (known != samples_.end()) return known->second;
-  return samples_.emplace(tool, ToolSamples(run_->model().tools[tool].cut)).first->second;
+  return samples_.emplace(tool, ToolSamples(run_->model().tools[tool].cut, kToolSamples)).first->second;
 }
 
 std::optional<NearStructure> Workbench::nearStructure(const std::optional<ToolOverSurface>& over) const {

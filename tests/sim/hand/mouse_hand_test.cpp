@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include "geometry/tool/tool_file.h"
@@ -55,6 +56,11 @@ class Desk {
     hand_.placed(session_.state().body.pose);
   }
   void guide(const Vec3d& normal) { aim_.guide = normal; }
+  void keep(std::shared_ptr<const Structures> structures, double mm, const ToolSamples& samples) {
+    hand_.keepAwayFrom(std::move(structures));
+    aim_.keep = mm;
+    aim_.samples = &samples;
+  }
   void point(const Vec3d& at) {
     aim_.pointer = at;
     hand_.aim(aim_);
@@ -277,6 +283,112 @@ TEST(MouseHand, ReadsWithoutAllocating) {
     hand.read();
     hand.write({{0, 0, 0.5}, {0, 0, 0}});
   }
+}
+
+// ---- Short of what is kept
+
+// Pulp of that shape, in the frame of the block.
+std::shared_ptr<const Structures> pulp(const std::function<double(const Vec3d&)>& distance, const Box3& box) {
+  const auto baked = bakedFrom(distance, box, 0.1, Material::kPulp);
+  EXPECT_TRUE(baked) << baked.error().message();
+  const auto made = Structures::of(**baked);
+  EXPECT_TRUE(made) << made.error().message();
+  return *made;
+}
+
+Box3 boxOf(const Vec3d& low, const Vec3d& high) {
+  Box3 out;
+  out.add(low);
+  out.add(high);
+  return out;
+}
+
+constexpr double kShort = 0.5, kPassed = 0.05;  // mm
+
+// Of a tool to a ball of 1 mm, by points of the ball.
+double toBall(const Tool& tool, const Rigid3& T_world_tool, const Vec3d& center) {
+  constexpr int kPoints = 300;
+  const Rigid3 to_tool = T_world_tool.inverse();
+  double out = 9;
+  for (int n = 0; n < kPoints; ++n) {
+    const double z = 1 - (2.0 * n + 1) / kPoints, r = std::sqrt(1 - z * z), turn = 2.399963 * n;
+    out = std::min(out, tool.cut->distance(to_tool * (center + Vec3d(r * std::cos(turn), r * std::sin(turn), z))));
+  }
+  return out;
+}
+
+TEST(MouseHand, NoToolOfTheRackPassesWhatIsKept) {
+  constexpr double kLabels = 0.06;  // mm: a labelled node stands for its voxel of 0.1 mm
+  const Vec3d center(0, 0, -2.2);
+  const auto kept = pulp([&](const Vec3d& p) { return (p - center).norm() - 1; }, boxOf({-1, -1, -3.2}, {1, 1, -1.2}));
+  int reached = 0, runs = 0;
+  for (const ToolListing& listed : listTools(defaultToolFolders())) {
+    ASSERT_TRUE(listed.tool) << listed.file;
+    const Tool& tool = *listed.tool;
+    double reach = 0;
+    const Box3 box = tool.cut->bounds();
+    for (int n = 0; n < 8; ++n) reach = std::max(reach, box.corner(n).dot(tool.plunge_direction));
+    auto model = makeModel(std::span(&tool, 1));
+    ASSERT_TRUE(model) << model.error().message();
+    const ToolSamples samples(model->tools[0].cut, kToolSamples);
+    for (const Material material : {Material::kCaries, Material::kEnamel})
+      for (const double force : {1.0, 8.0}) {
+        auto block = practiceBlock({8, 6, 3}, 0.1, {}, material);
+        ASSERT_TRUE(block);
+        Desk desk(*model, *block);
+        desk.keep(kept, kShort, samples);
+        desk.press({0.02, 0.03, 0}, force, 5, tool.plunge_direction, reach);
+        double least = 9, to_ball = 9;
+        int ticks = 0;
+        desk.run(1.2, [&] {
+          const auto near = kept->nearest(samples, desk.out.T_world_tool).reading;
+          if (!near.is_far) least = std::min(least, near.distance);
+          if (++ticks % 40 == 0) to_ball = std::min(to_ball, toBall(tool, desk.out.T_world_tool, center));
+        });
+        EXPECT_GE(to_ball, kShort - kPassed - kLabels) << tool.id << ", " << force << " N";
+        EXPECT_GE(least, kShort - kPassed) << tool.id << ", " << force << " N, " << static_cast<int>(material);
+        reached += least < kShort + kPassed;
+        ++runs;
+      }
+  }
+  EXPECT_GE(reached, runs / 3) << "they did go there";
+}
+
+TEST(MouseHand, AlongWhatIsKeptTheToolGoesOnTowardsItItStops) {
+  const auto kept = pulp([](const Vec3d& p) { return std::max(std::abs(p[0] - 2) - 0.3, std::abs(p[2] + 1) - 0.9); },
+                         boxOf({1.7, -3, -1.9}, {2.3, 3, -0.1}));
+  Desk desk(ball(0.5, 2), someBlock());
+  const ToolSamples samples(ball(0.5, 2).tools[0].cut, kToolSamples);
+  desk.keep(kept, kShort, samples);
+  desk.press({-1, -1, 0}, 2, 0.5);
+  double least = 9;
+  const auto look = [&] { least = std::min(least, kept->nearest(samples, desk.out.T_world_tool).reading.distance); };
+  desk.run(1, look);
+  desk.point({2, -1, 0});
+  desk.run(3, look);
+  EXPECT_GE(least, kShort - kPassed);
+  EXPECT_LE(least, kShort + 2 * kPassed) << "it went there";
+
+  desk.point({2, 1, 0});
+  desk.run(3, look);
+  EXPECT_GE(least, kShort - kPassed);
+  EXPECT_NEAR(desk.tip()[1], 1, 0.1) << "beside it there is nothing to stop for";
+
+  desk.point({-1, 1, 0});
+  desk.run(2, look);
+  EXPECT_NEAR(desk.tip()[0], -1, 0.1) << "away it goes";
+}
+
+TEST(MouseHand, KeepingAllocatesNothing) {
+  const auto kept =
+      pulp([](const Vec3d& p) { return (p - Vec3d(0, 0, -1.5)).norm() - 0.5; }, boxOf({-1, -1, -2}, {1, 1, -1}));
+  Desk desk(ball(0.5, 2), someBlock());
+  const ToolSamples samples(ball(0.5, 2).tools[0].cut, kToolSamples);
+  desk.keep(kept, kShort, samples);
+  desk.press({0, 0, 0}, 2, 5);
+  desk.run(1);
+  const AllocationGuard guard;
+  for (int n = 0; n < 100; ++n) (void)desk.hand().read();
 }
 
 }  // namespace
