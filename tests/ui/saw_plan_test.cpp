@@ -9,6 +9,7 @@
 #include "tests/sim/block_scene.h"
 #include "tests/support/temporary_folder.h"
 #include "ui/app/saw_blade.h"
+#include "ui/app/saw_clearance.h"
 #include "ui/app/saw_section.h"
 
 namespace kerf {
@@ -327,6 +328,29 @@ TEST(SawPlan, ABadFileIsRefusedAndThePlanStays) {
   }
   EXPECT_FALSE(plan.load(folder.path() / "missing.toml"));
   EXPECT_FALSE(plan.save("/nowhere/plan.toml"));
+}
+
+TEST(SawClearance, IsTheDistanceFromTheKerfToWhatIsKept) {
+  Box3 box;
+  box.add(Vec3d(-1, -1, -1));
+  box.add(Vec3d(1, 1, 1));
+  const auto baked = bakedFrom([](const Vec3d& p) { return p.norm() - 1; }, box, 0.1, Material::kNerveCanal);
+  ASSERT_TRUE(baked) << baked.error().message();
+  const auto canal = Structures::of(**baked);
+  ASSERT_TRUE(canal) << canal.error().message();
+
+  SawPlane plane;  // x = 0, entering at its point along -z
+  plane.width = plane.depth = 8;
+  const auto at = [&](const Vec3d& point) {
+    plane.point = point;
+    return clearanceOf(plane, 0.4, **canal);
+  };
+  for (const double x : {1.5, 2.0, 4.0}) EXPECT_NEAR(at({x, 0, 4}).distance_mm, x - 1 - 0.2, 0.1) << x;
+  EXPECT_EQ(at({1.5, 0, 4}).material, Material::kNerveCanal);
+  EXPECT_LT(at({0.5, 0, 4}).distance_mm, 0) << "through it";
+  EXPECT_NEAR(at({0, 0, 11}).distance_mm, 2 - 0.2, 0.1) << "the plane ends above it";
+  EXPECT_NEAR(at({0, 7, 4}).distance_mm, 2 - 0.2, 0.1) << "or beside it";
+  EXPECT_TRUE(at({20, 0, 4}).is_far);
 }
 
 }  // namespace

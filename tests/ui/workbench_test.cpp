@@ -45,6 +45,7 @@ class WorkbenchTest : public testing::Test {
     WorkbenchOptions out;
     out.data_folder = folder_.path() / "data";
     out.tools = tools_;
+    out.voxel_mm = voxel_;
     out.real_time = {.priority = 0, .lock_memory = false};
     return out;
   }
@@ -72,6 +73,7 @@ class WorkbenchTest : public testing::Test {
 
   TemporaryFolder folder_;
   std::vector<std::string> tools_ = {"round-014", "round-010"};
+  double voxel_ = 0;  // mm; 0: as the scan asks
   Camera camera_;
   std::vector<Notice> notices_;
   fs::path session_;
@@ -269,6 +271,47 @@ TEST_F(WorkbenchTest, TheScanThatWasOpenedIsNeverWrittenOver) {
   ASSERT_FALSE(played);
   EXPECT_NE(played.error().message().find("never written over"), std::string::npos) << played.error().message();
   EXPECT_EQ(*sha256OfFile(in), *before);
+}
+
+TEST_F(WorkbenchTest, AStrokeStopsShortOfThePulp) {
+  tools_ = {"round-014"};
+  voxel_ = 0.15;
+  const std::string begin = "file.demo molar\nwait\nview.top\nview.fit\ncut.force 1.2\ncut.depth 5\n";
+  ASSERT_TRUE(play(begin + "cut.stop-short 3.3\ncut.press 200 150\nwait 8\nexpect near 3.27 3.35\ncut.stop-short off\n"
+                           "wait 4\nexpect near 0 3.25\ncut.release\n"))
+      << allNotices();
+  const auto replayed = replayRun(session_);
+  ASSERT_TRUE(replayed) << replayed.error().message();
+  EXPECT_TRUE(replayed->is_same && replayed->is_whole) << replayed->note;
+
+  EXPECT_FALSE(play("cut.stop-short 6\n"));
+  EXPECT_FALSE(play("cut.stop-short near\n"));
+}
+
+// The window's thread is not kept: not by the last stroke, which is still cut, nor by an export.
+TEST_F(WorkbenchTest, AnExportDoesNotHoldUpTheWindow) {
+  Workbench bench(options());
+  Camera camera = *cameraFromView("top");
+  AppContext context{.bench = bench, .camera = camera, .width = 400, .height = 300};
+  const fs::path out = folder_.path() / "cut.stl";
+  const std::string script =
+      "file.open \"" + scan(folder_).string() + "\"\nwait\nview.fit\ncut.press 200 150\nwait 0.5\n";
+  ASSERT_TRUE(runScript(context, folder_.write("a.ks", script), [&] { bench.update(); }));
+
+  bench.exportTo(out);
+  ASSERT_TRUE(bench.job());
+  EXPECT_FALSE(fs::exists(out)) << "nothing is waited for";
+  bench.press(rayUnder(camera, 220, 150, 400, 300));  // and the cut goes on
+  while (bench.job()) bench.update();
+  bench.release();
+  ASSERT_TRUE(fs::exists(out)) << bench.notices().back().text;
+  EXPECT_NE(bench.notices().back().text.find("ready to print"), std::string::npos) << bench.notices().back().text;
+
+  bench.press(rayUnder(camera, 200, 150, 400, 300));
+  bench.exportTo(folder_.path() / "no.stl");
+  bench.cancelJob();
+  while (bench.job()) bench.update();
+  EXPECT_FALSE(fs::exists(folder_.path() / "no.stl")) << "cancelled while it waited";
 }
 
 TEST_F(WorkbenchTest, AnExportRightAfterAnUndoIsWithoutTheStroke) {
