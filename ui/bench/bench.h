@@ -48,6 +48,7 @@ enum class SceneId {
   kPassivityLarge,
   kDevices,
   kWindow,
+  kWindowSession,
   kCount
 };
 
@@ -158,5 +159,6 @@ Expected<Result> benchDevices(const Bench& bench);
 Expected<Result> benchEdges(const Bench& bench);
 // A frame of the window, as kerf-sim times it: window.cpp.
 Expected<Result> benchWindow(const Bench& bench);
+Expected<Result> benchWindowSession(const Bench& bench);
 
 }  // namespace kerf::cli

@@ -255,5 +255,11 @@ inline constexpr Goal kDevicesGoals[] = {
 inline constexpr Goal kWindowGoals[] = {
     {"live frame, p50", "ms", kAtMost, 35, Weight::kAim},  // 34 to 38: as the machine is
 };
+inline constexpr Goal kWindowSessionGoals[] = {
+    {"frame while opening, longest", "ms", kAtMost, 100, Weight::kAim},  // on the clock: as the machine is
+    {"frame while exporting, longest", "ms", kAtMost, 100, Weight::kAim},
+    {"carve to picture, p95", "frames", kAtMost, 2},
+    {"haptic loop, mean", "Hz", kAtLeast, 995},
+};
 
 }  // namespace kerf::cli::goals

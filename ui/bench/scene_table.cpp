@@ -66,6 +66,9 @@ constexpr Scene kScenes[] = {
      benchDevices, kDevicesGoals},
     {SceneId::kWindow, "window", "processor time of a frame, by kerf-sim beside kerf; only when asked for by name",
      benchWindow, kWindowGoals, Scene::When::kOnlyByName},
+    {SceneId::kWindowSession, "window-session",
+     "a scan opened, drilled and exported by kerf-sim, its frames on the clock; only when asked for by name",
+     benchWindowSession, kWindowSessionGoals, Scene::When::kOnlyByName},
 };
 
 #ifndef __SANITIZE_ADDRESS__  // GCC 12 then takes no address of a function for a constant

@@ -37,7 +37,7 @@ struct Arguments {
   double zoom = 1;
   int frames = 0, timed_frames = 0;
   bool transparent = false, no_scale_bar = false, no_shadow = false, verbose = false, gpu = false;
-  bool lists_commands = false;
+  bool lists_commands = false, is_watched = false;
 };
 
 int complain(const kerf::Error& error, kerf::ExitCode exit_code) {
@@ -145,6 +145,7 @@ kerf::Expected<void> cut(const Arguments& arguments, const Shown& shown) {
   options.width = shown.width;
   options.height = shown.height;
   options.frames = arguments.frames;
+  options.is_watched = arguments.is_watched;
   if (!arguments.view.empty()) options.view = arguments.view;
   if (!arguments.script.empty()) return kerf::runWorkshopScript(arguments.script, options);
 
@@ -205,6 +206,9 @@ int main(int argc, char** argv) try {
       ->type_name("MESH|CASE|RUN");
   app.add_option("--script", a.script, "run the commands of a file instead of opening a window; needs no display")
       ->type_name("FILE");
+  app.add_flag("--watch", a.is_watched,
+               "draw a script's frames as the window would, and print how long they took, how far the picture was "
+               "behind the cut, and how punctual the 1 kHz loop was");
   app.add_flag("--commands", a.lists_commands, "list the commands of the window, as Markdown");
   app.add_option("--tool", a.tools, "a tool of the rack, by id or file; repeat for several (default: a selection)")
       ->type_name("TOOL")

@@ -23,7 +23,9 @@
 #include "ui/app/settings.h"
 #include "ui/app/view_commands.h"
 #include "ui/window/file_browser.h"
+#include "ui/window/frame_watch.h"
 #include "ui/window/gl_context.h"
+#include "ui/window/gl_target.h"
 #include "ui/window/glfw_error.h"
 #include "ui/window/import_view.h"
 #include "ui/window/key_names.h"
@@ -542,14 +544,26 @@ Expected<void> runWorkshopScript(const fs::path& script, const WorkshopOptions& 
     return writePng(png, image);
   };
   LiveView& shown = *view;
+  std::optional<internal::GlTarget> screen;
+  if (options.is_watched) screen.emplace(options.width, options.height);
+  FrameWatch watch;
   const auto frame = [&] {
+    watch.begin(bench);
     shown.update(bench);
     if (!bench.scene().bounds().isEmpty() && shown.takeFitWanted()) firstView(context, first);
+    if (!screen) return;
+    glBindFramebuffer(GL_FRAMEBUFFER, screen->id());
+    if (const auto drawn = shown.draw(bench, camera, context.width, context.height, false); !drawn)
+      bench.complain(drawn.error());
+    glFinish();
+    watch.end(bench);
   };
   if (!options.open.empty()) bench.open(options.open);
   auto played = runScript(context, script, frame);
   const auto ended = endAll(bench, *view);
   view.reset();
+  if (screen) fmt::print("{}\n", watch.summary());
+  screen.reset();
   for (const Notice& notice : bench.notices())
     if (!notice.is_error) fmt::print("{}\n", notice.text);
   if (!played) return fail(std::move(played).error());

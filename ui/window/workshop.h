@@ -15,7 +15,8 @@ struct WorkshopOptions {
   std::filesystem::path config;  ///< folder of settings.toml; empty: that of the user
   std::string view = "top";      ///< from which side it is seen first
   int width = 1280, height = 800;
-  int frames = 0;  ///< closes after that many, for tests; 0: when the user does
+  int frames = 0;           ///< closes after that many, for tests; 0: when the user does
+  bool is_watched = false;  ///< a script's frames are drawn as the window draws them, and FrameWatch::summary() printed
 };
 
 /// Opens the window and runs until it is closed.   @return frames drawn.
