@@ -274,6 +274,7 @@ void addOptionsOfAnyHand(CLI::App& command, HapticCutOptions& haptic) {
                    "a further case of the same scan frame, such as the neighbouring tooth: the tool collides with it "
                    "and cuts it, and its distance from it is measured; repeat for several")
       ->expected(1)
+      ->allow_extra_args(false)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   group->add_flag("--sound", haptic.with_sound, "also write sound.wav, the sound of the tool");
   group->add_option("--time-limit", haptic.time_limit, "simulated time after which to stop, s")->capture_default_str();

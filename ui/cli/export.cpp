@@ -207,6 +207,7 @@ void addExport(CLI::App& command, int& exit_code) {
                   writableFormats() + "; colours in " + colorFormats() + ". Repeat for several")
       ->required()
       ->expected(1)
+      ->allow_extra_args(false)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   command
       .add_option("--beside", a->beside,

@@ -213,6 +213,7 @@ int main(int argc, char** argv) try {
   app.add_option("--tool", a.tools, "a tool of the rack, by id or file; repeat for several (default: a selection)")
       ->type_name("TOOL")
       ->expected(1)
+      ->allow_extra_args(false)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_option("--voxel", a.voxel, "of a scan that is opened, mm (default: as kerf bake chooses)")
       ->type_name("MM")

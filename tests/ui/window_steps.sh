@@ -1,0 +1,55 @@
+# What the tests of a person at the window share: an own display, an own folder, waiting, failing. Sourced by them,
+# behind `kerf=$1 window=$2`. Exit code 77: xvfb-run or xdotool is missing.
+for program in xvfb-run xdotool; do
+  command -v $program >/dev/null || { printf '%s: %s is missing (Debian: xvfb, xdotool)\n' "$(basename "$0")" $program; exit 77; }
+done
+if [[ -z ${IN_XVFB:-} ]]; then
+  IN_XVFB=yes exec xvfb-run -a -s '-screen 0 800x600x24' "$0" "$@"
+fi
+
+folder=$(mktemp -d)
+log=$folder/log
+cd "$folder"
+pid=""
+cleanup() {
+  [[ -z $pid ]] || kill -9 "$pid" 2>/dev/null || true
+  rm -rf "$folder"
+}
+trap cleanup EXIT
+fail() {
+  printf '%s: %s\n' "$(basename "$0")" "$1" >&2
+  sed 's/^/  kerf-sim: /' "$log" >&2 || true
+  exit 1
+}
+until_true() { # SECONDS WHAT COMMAND...: tries until the command is true
+  local seconds=$1 what=$2
+  shift 2
+  for ((n = 0; n < 5 * seconds; n++)); do
+    if "$@" >/dev/null 2>&1; then return 0; fi
+    kill -0 "$pid" 2>/dev/null || fail "the window is gone before: $what"
+    sleep 0.2
+  done
+  fail "not within $seconds s: $what"
+}
+start() { # OPTIONS...: the window, with data and settings in the folder
+  "$window" --data "$folder/data" --config "$folder/config" --size 800x600 "$@" >"$log" 2>&1 &
+  pid=$!
+  until_true 60 'a window' xdotool search --name '.'
+}
+focus() { # NAME: there is no window manager that would
+  xdotool windowfocus "$(xdotool search --name "$1" | head -n 1)"
+}
+hold() { # X Y SECONDS: one press, held
+  xdotool mousemove "$1" "$2" mousedown 1
+  sleep "$3"
+  xdotool mouseup 1
+}
+# CODE: the window ends by itself, with that exit code.
+ends_with() {
+  local code=0
+  for ((n = 0; n < 300; n++)); do kill -0 "$pid" 2>/dev/null || break; sleep 0.2; done
+  wait "$pid" || code=$?
+  pid=""
+  [[ $code == "$1" ]] || fail "exit code $code, not $1"
+}
+whole() { [[ -s $1 ]] && "$kerf" check "$1"; }
