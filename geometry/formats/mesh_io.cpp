@@ -1,5 +1,7 @@
 #include "geometry/formats/mesh_io.h"
 
+#include <fmt/format.h>
+
 #include <new>
 
 #include "geometry/formats/mesh_formats.h"
@@ -41,6 +43,21 @@ Expected<void> refuseForeign(const MeshSource& source) {
   return {};
 }
 
+// Single precision, in which meshes are printed, knows such a place to a whole unit at best.
+Expected<void> refuseFarOff(const MeshSource& source, const Mesh& mesh) {
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+    const Vec3d& p = mesh.vertices[v];
+    if (p.cwiseAbs().maxCoeff() < kLargestCoordinate) continue;  // false for nan, too
+    return fail({.code = Error::Code::kBadValue,
+                 .file = source.file,
+                 .place = fmt::format("vertex {}", v),
+                 .found = fmt::format("{:g}, {:g}, {:g}", p.x(), p.y(), p.z()),
+                 .expected = fmt::format("coordinates below {:g}", kLargestCoordinate),
+                 .hint = "export the scan again: the file is damaged, or far from its origin"});
+  }
+  return {};
+}
+
 Expected<MeshFile> readSource(const MeshSource& source, const Progress& progress) {
   const MeshFormatRow* by_name = formatOfExtension(source.extension());
   for (const MeshFormatRow& row : meshFormats()) {
@@ -72,7 +89,9 @@ Expected<MeshFile> readSource(const MeshSource& source, const Progress& progress
 Expected<MeshFile> readMesh(const std::filesystem::path& path, const Progress& progress) {
   try {
     KERF_TRY(source, internal::loadMeshSource(path));
-    return readSource(source, progress);
+    KERF_TRY(file, readSource(source, progress));
+    KERF_CHECK(refuseFarOff(source, file.mesh));
+    return std::move(file);
   } catch (const std::bad_alloc&) {
     return fail({.code = Error::Code::kUnreadable,
                  .file = path.string(),

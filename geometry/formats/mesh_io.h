@@ -13,6 +13,9 @@
 
 namespace kerf {
 
+/// Of a file that is read, in its own unit: what lies farther off is refused.
+inline constexpr double kLargestCoordinate = 1e8;
+
 struct MeshFile {
   Mesh mesh;  ///< in the file's own unit and frame
   /// How the file is written, for people: "binary STL", "ASCII PLY", "OBJ". Readers of one encoding leave it empty:

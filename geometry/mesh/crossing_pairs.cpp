@@ -5,8 +5,6 @@
 
 #include <algorithm>
 
-#include "geometry/mesh/self_intersection.h"
-
 namespace kerf {
 namespace {
 
@@ -45,9 +43,9 @@ bool flatMeets(const Mesh& mesh, std::uint32_t flat, std::uint32_t other) {
 
 }  // namespace
 
-std::vector<std::array<std::uint32_t, 2>> crossingPairs(const Mesh& mesh) {
+std::vector<std::array<std::uint32_t, 2>> crossingPairs(const Mesh& mesh, std::size_t stop_after) {
   std::vector<std::array<std::uint32_t, 2>> pairs;
-  for (const auto& [i, j] : selfIntersections(mesh.vertices, mesh.triangles)) pairs.push_back({i, j});
+  for (const auto& [i, j] : selfIntersections(mesh.vertices, mesh.triangles, stop_after)) pairs.push_back({i, j});
   const std::vector<std::uint32_t> flat = degenerateTriangles(mesh.vertices, mesh.triangles);
   if (flat.empty()) return pairs;
 

@@ -10,6 +10,8 @@
 
 namespace kerf {
 
+inline constexpr double kLargestPrint = 2000;  ///< mm: of a mesh that is called ready to print
+
 struct MeshCheckOptions {
   bool self_intersections = true;  ///< the dearest part; without it the mesh is never called print-ready
   /// Count at most so many crossing pairs. A small number is faster on a bad mesh; the verdict stays the same.

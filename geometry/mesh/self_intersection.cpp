@@ -220,9 +220,10 @@ Tree buildTree(std::span<const Vec3d> vertices, std::span<const Triangle> triang
   return tree;
 }
 
-// Appends the pairs of leaf group `g` (triangles 4g .. 4g+3 in Morton order) with itself and everything behind it.
+// Until `out` has enough: appends the pairs of leaf group `g` (triangles 4g .. 4g+3 in Morton order) with itself and
+// everything behind it.
 void pairsOfGroup(const Tree& tree, std::span<const Vec3d> vertices, std::span<const Triangle> triangles, std::size_t g,
-                  std::vector<Pair>& out) {
+                  std::size_t enough, std::vector<Pair>& out) {
   const std::vector<Box>& leaf = tree.level[0];
   const std::size_t begin = 4 * g, end = std::min(begin + 4, leaf.size());
   const Box& box = tree.level[1][g];
@@ -234,7 +235,7 @@ void pairsOfGroup(const Tree& tree, std::span<const Vec3d> vertices, std::span<c
   std::size_t top = 0;
   stack[top++] = {tree.level.size() - 1, 0};
 
-  while (top > 0) {
+  while (top > 0 && out.size() < enough) {
     const Node node = stack[--top];
 
     if (node.level == 1) {
@@ -304,7 +305,7 @@ std::vector<Pair> selfIntersections(std::span<const Vec3d> vertices, std::span<c
     const std::size_t stop = std::min(start + round, blocks);
     tbb::parallel_for(start, stop, [&](std::size_t block) {
       for (std::size_t g = block * kGrain; g < std::min((block + 1) * kGrain, groups); ++g)
-        pairsOfGroup(tree, vertices, triangles, g, found[block]);
+        pairsOfGroup(tree, vertices, triangles, g, stop_after, found[block]);
     });
     for (std::size_t block = start; block < stop; ++block)
       pairs.insert(pairs.end(), found[block].begin(), found[block].end());

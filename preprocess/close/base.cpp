@@ -261,6 +261,11 @@ Expected<void> extrudeToBase(Chain& chain, const std::vector<Loop>& rims, const 
     if (on_plate)
       for (Segment& s : convexOutline(shadow.segments)) shadow.segments.push_back(std::move(s));
     if (!arrange(shadow.segments, cdt, poll)) return given_up();
+    if (cdt.dimension() < 2)
+      return fail({.code = Error::Code::kGeometry,
+                   .found = "a rim that the base plane sees from its edge",
+                   .expected = "a rim around some area",
+                   .hint = "another --base-direction, or --close wrap"});
     outline.assign(shadow.segments.begin() + static_cast<std::ptrdiff_t>(shadow.edges.size()), shadow.segments.end());
     std::vector<Segment> again = outline;
     if (on_plate && (!arrange(again, underside, poll) || again != outline)) return given_up();

@@ -21,6 +21,7 @@ namespace {
 using internal::Chain;
 using internal::counted;
 
+constexpr std::size_t kMostCrossings = 500'000;  ///< more than that is a heap of triangles, and would take minutes
 constexpr double kSeparation = 4e-4;  ///< mm: how far touching parts are moved apart; 100 float32 steps at 60 mm
 
 Error makeError(Error::Code code, std::string found, std::string expected = {}, std::string hint = {}) {
@@ -362,7 +363,11 @@ Expected<Result> makeExact(const Mesh& imported, Chain& chain, const CloseOption
   if (report.triangles_flipped > flipped && !options.only.empty() && !options.only.count(CloseStep::kOrient))
     return fail(internal::missingStep("a piece that is inside out", CloseStep::kOrient, options));
 
-  const auto pairs = crossingPairs(chain.mesh);
+  const auto pairs = crossingPairs(chain.mesh, kMostCrossings);
+  if (pairs.size() >= kMostCrossings)
+    return fail(makeError(Error::Code::kGeometry,
+                          fmt::format("{} pairs of triangles that cross or touch, or more", kMostCrossings),
+                          "a surface", "--close wrap, or repair the mesh in a mesh editor"));
   if (!nested && pairs.empty() && internal::isClosedManifold(chain.mesh)) {
     Result r{std::move(chain.mesh), std::move(chain.source)};
     std::vector<char> unused(r.mesh.vertices.size(), 1);
@@ -455,6 +460,8 @@ Expected<Solid> closeMesh(const Mesh& imported_mm, const CloseOptions& options, 
   if (imported_mm.triangles.empty())
     return fail(makeError(Error::Code::kEmpty, "a mesh without triangles", "a surface",
                           "export the scan as a mesh, not as points"));
+  if (degenerateTriangles(imported_mm.vertices, imported_mm.triangles).size() == imported_mm.triangles.size())
+    return fail(makeError(Error::Code::kEmpty, "a mesh whose triangles all have no area", "a surface"));
   if (!kerf::report(progress, 0.0, "welding")) return cancelled();
   Solid solid;
   CloseReport& report = solid.report;

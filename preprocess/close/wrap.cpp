@@ -3,11 +3,16 @@
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Surface_mesh.h>
 #include <CGAL/alpha_wrap_3.h>
+#include <fmt/format.h>
+
+#include <cmath>
 
 #include "preprocess/close/poll.h"
 
 namespace kerf::internal {
 namespace {
+
+constexpr double kMostFacets = 1e7;  // of a wrap around the box of the object: 10 GB
 
 struct Stopped : std::exception {};
 
@@ -24,6 +29,15 @@ struct StopWhenAsked : CGAL::Alpha_wraps_3::internal::Wrapping_default_visitor {
 }  // namespace
 
 Expected<Mesh> wrapSoup(const Mesh& soup, double alpha_mm, double offset_mm, const Progress& progress) {
+  const Vec3d size = bounds(soup).size() / alpha_mm;
+  const double facets = 2 * (size[0] * size[1] + size[1] * size[2] + size[2] * size[0]);
+  if (!(facets < kMostFacets))
+    return fail({.code = Error::Code::kBadValue,
+                 .place = "wrap_alpha_mm",
+                 .found = fmt::format("{:g} mm, for an object of {:g} x {:g} x {:g} mm", alpha_mm, size[0] * alpha_mm,
+                                      size[1] * alpha_mm, size[2] * alpha_mm),
+                 .expected = fmt::format("{:.2g} mm or more", alpha_mm * std::sqrt(facets / kMostFacets)),
+                 .hint = "hollows that wide are bridged; or is the unit another?"});
   Poll poll(progress, 0.5, "shrink-wrapping");
   using Point = CGAL::Exact_predicates_inexact_constructions_kernel::Point_3;
   std::string why = "an empty result";

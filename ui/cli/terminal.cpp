@@ -11,13 +11,24 @@
 namespace kerf::cli {
 namespace {
 
-std::atomic<int> interrupted{0};  // by this signal
-static_assert(std::atomic<int>::is_always_lock_free, "set from a signal handler");
+std::atomic<int> interrupted{0};    // by this signal
+std::atomic<bool> is_asked{false};  // somebody has taken a callback
+static_assert(std::atomic<int>::is_always_lock_free && std::atomic<bool>::is_always_lock_free,
+              "set from a signal handler");
 
 constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP};
 
+// Work that is asked to stop looks up within two seconds, or is ended; what it began to write lies beside and is swept
+// by the next run. Once it has looked up it may take longer to clean up.
+constexpr unsigned kToLookUp = 2, kToCleanUp = 10;  // s
+
+void endAtOnce(int) { ::_exit(128 + interrupted); }
+
 void onSignal(int signal) {
-  if (interrupted.exchange(signal) == 0) return;
+  if (interrupted.exchange(signal) == 0) {
+    if (signal != SIGINT && is_asked) ::alarm(kToLookUp);  // at a terminal a second Ctrl-C ends it
+    return;
+  }
   std::signal(signal, SIG_DFL);
   std::raise(signal);
 }
@@ -54,19 +65,25 @@ TerminalProgress::TerminalProgress() : is_terminal_(isatty(STDERR_FILENO) == 1),
   // it is, kills.
   for (const int signal : kSignals)
     if (std::signal(signal, onSignal) == SIG_IGN) std::signal(signal, SIG_IGN);  // as under nohup
+  std::signal(SIGALRM, endAtOnce);
 }
 
 TerminalProgress::~TerminalProgress() {
   if (is_terminal_) std::fputs("\r\033[K", stderr);
+  ::alarm(0);
   for (const int signal : kSignals)
     if (std::signal(signal, SIG_DFL) == SIG_IGN) std::signal(signal, SIG_IGN);
-  if (!is_asked_ && interrupted != 0) std::raise(interrupted);  // it was put off, not swallowed
+  if (!is_asked && interrupted != 0) std::raise(interrupted);  // it was put off, not swallowed
 }
 
 Progress TerminalProgress::callback() {
-  is_asked_ = true;
+  is_asked = true;
   return [this](double fraction, std::string_view what) {
-    if (interrupted != 0) return false;
+    if (interrupted != 0) {
+      if (!has_looked_up_ && interrupted != SIGINT) ::alarm(kToCleanUp);
+      has_looked_up_ = true;
+      return false;
+    }
     const int percent = static_cast<int>(100 * fraction);
     if (is_terminal_ && (percent != last_percent_ || what != last_what_)) {
       last_percent_ = percent;

@@ -141,5 +141,13 @@ TEST(MeshCheck, JsonAndTextCarryTheVerdict) {
       << describe(checkMesh(open));
 }
 
+TEST(MeshCheck, WhatNoPrinterTakesIsNotReady) {
+  EXPECT_TRUE(checkMesh(cube({0, 0, 0}, 1900)).print_ready);
+  const MeshReport large = checkMesh(cube({0, 0, 0}, 2100));
+  EXPECT_FALSE(large.print_ready);
+  ASSERT_EQ(large.reasons.size(), 1u);
+  EXPECT_NE(large.reasons[0].find("2100 mm long"), std::string::npos) << large.reasons[0];
+}
+
 }  // namespace
 }  // namespace kerf

@@ -186,5 +186,15 @@ TEST(SelfIntersection, AnswerDoesNotDependOnThreads) {
   EXPECT_EQ(selfIntersections(v, triangles, 7), some);
 }
 
+// Otherwise 200 million pairs.
+TEST(SelfIntersection, ALimitedSearchOfOneTriangleManyTimesIsShort) {
+  const std::vector<Vec3d> v{{0, 0, 0}, {10, 0, 0}, {0, 10, 0}};
+  const std::vector<Triangle> copies(20'000, Triangle{0, 1, 2});
+  const Pairs some = selfIntersections(v, copies, 1000);
+  EXPECT_EQ(some.size(), 1000u);
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  EXPECT_EQ(selfIntersections(v, copies, 1000), some);
+}
+
 }  // namespace
 }  // namespace kerf

@@ -340,6 +340,52 @@ TEST(Close, StopsWhereverItIsAskedTo) {
   }
 }
 
+Mesh meshOf(std::vector<Vec3d> vertices, std::vector<Triangle> triangles) {
+  Mesh out;
+  out.vertices = std::move(vertices);
+  out.triangles = std::move(triangles);
+  return out;
+}
+
+TEST(Close, TrianglesOnALineAreRefusedByEveryWay) {
+  const Mesh line = meshOf({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {5, 0, 0}}, {{0, 1, 2}, {1, 2, 3}, {0, 0, 1}});
+  for (const CloseMode mode : {CloseMode::kAuto, CloseMode::kBase, CloseMode::kRepair, CloseMode::kWrap}) {
+    const auto refused = closeMesh(line, {.mode = mode});
+    ASSERT_FALSE(refused);
+    EXPECT_NE(refused.error().found.find("no area"), std::string::npos) << refused.error().message();
+  }
+}
+
+// Seen along the base's direction its rim has no inside.
+TEST(Close, AnUprightTriangleGetsNoBase) {
+  const Mesh upright = meshOf({{0, 0, 0}, {4, 0, 0}, {2, 0, 4}}, {{0, 1, 2}});
+  const auto refused = closeMesh(upright, {.mode = CloseMode::kBase, .base_direction = -Vec3d::UnitZ()});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Error::Code::kGeometry) << refused.error().message();
+}
+
+TEST(Close, AWrapThatWouldTakeAllMemoryIsRefusedWithOneThatDoesNot) {
+  const auto refused = closeMesh(box(0, 9e6), {.mode = CloseMode::kWrap});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Error::Code::kBadValue) << refused.error().message();
+  EXPECT_NE(refused.error().expected.find("mm or more"), std::string::npos) << refused.error().message();
+}
+
+// All triangles between 40 points, most of which cross: no surface, and minutes if each pair were resolved.
+TEST(Close, AHeapOfTrianglesIsNotResolved) {
+  Mesh heap;
+  for (std::uint32_t n = 0; n < 40; ++n) {
+    const double turn = 2.399963 * n;
+    heap.vertices.push_back(roundedToFloat({10 * std::cos(turn), 10 * std::sin(turn), 0.37 * n}));
+  }
+  for (std::uint32_t a = 0; a < 40; ++a)
+    for (std::uint32_t b = 0; b < a; ++b)
+      for (std::uint32_t c = 0; c < b; ++c) heap.triangles.push_back({a, b, c});
+  const auto refused = closeMesh(heap, {.mode = CloseMode::kRepair});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Error::Code::kGeometry) << refused.error().message();
+}
+
 TEST(Close, NothingInNothingOut) {
   EXPECT_EQ(closeMesh({}).error().code, Error::Code::kEmpty);
   Mesh point;
