@@ -62,14 +62,12 @@ DeviceSample MouseHand::read() noexcept {
   if (is_pressed) moveSideways();
   followSurface();
   moveAlong(is_pressed);
-  keepInGuide();
+  holdAttitude();
 
   DeviceSample out;
   out.T_world_device = pose_;
-  if (!aim_.guide.isZero(0)) {
-    out.T_world_device.rotation = lean_.of(pose_.rotation);
-    out.T_world_device.translation += aside_ * aim_.guide;
-  }
+  if (isHeldInAttitude()) out.T_world_device.rotation = lean_.of(pose_.rotation);
+  out.T_world_device.translation += aside_ * aim_.guide;
   out.pedal = is_pressed ? aim_.pedal : 0;
   out.irrigation = aim_.irrigation;
   return out;
@@ -114,6 +112,15 @@ void MouseHand::holdBackFromKept(const Vec3d& towards) noexcept {
   if (pull > most) pose_.translation -= std::min((pull - most) / stiffness_, kLetsGo * kTick) * towards;
 }
 
+// How far what of the tool goes first is from where the hand wants it, mm. Of a tilted tool that turns out of the way,
+// too: what it touches with is beside its axis.
+Vec3d MouseHand::givesWay() const noexcept {
+  const Vec3d shift = felt_ / stiffness_;
+  if (!isTilted()) return shift;
+  const Vec3d turn = lean_.turn + torque_ / turn_stiffness_;
+  return shift + turn.cross(front_ + reach_ * axis_);
+}
+
 // Where the line through the hand, along the axis, meets the surface as loaded.
 void MouseHand::followSurface() noexcept {
   if (!surface_ || surface_->isEmpty()) return;
@@ -138,6 +145,10 @@ void MouseHand::moveSideways() noexcept {
 
   const Vec3d& a = axis_;
   Vec3d way = aim_.pointer - front();
+  if (isTilted()) {
+    const double below = a.dot(givesWay() - way) + reach_;
+    way += std::clamp(below, 0.0, std::max(aim_.depth, 0.0)) * aim_.slant;
+  }
   way -= a.dot(way) * a;
   way -= aim_.guide.dot(way) * aim_.guide;
   const double distance = way.norm();
@@ -155,12 +166,12 @@ void MouseHand::moveSideways() noexcept {
   pose_.translation += step;
 }
 
-// What a guide holds in its plane is the tool, not the hand.
-void MouseHand::keepInGuide() noexcept {
-  if (aim_.guide.isZero(0)) return;
+// What a guide holds in its plane is the tool, not the hand; its attitude is held as that of a tilted tool is.
+void MouseHand::holdAttitude() noexcept {
+  if (!isHeldInAttitude()) return;
+  lean_.against(torque_, turn_stiffness_);
   const double off = aside_ + aim_.guide.dot(felt_) / stiffness_;
   aside_ = std::clamp(aside_ - ToolLean::kRate * kTick * off, -kMostAside, kMostAside);
-  lean_.against(torque_, turn_stiffness_);
 }
 
 void MouseHand::moveAlong(bool is_pressed) noexcept {
@@ -172,7 +183,7 @@ void MouseHand::moveAlong(bool is_pressed) noexcept {
   if (is_pressed) {
     // The tool stops at the depth, not the hand: that is ahead of the tool by what the coupling gives way.
     const double felt = -felt_.dot(a);
-    const double to_depth = height_ + std::max(aim_.depth, 0.0) - reach_ - (at - felt / stiffness_);
+    const double to_depth = height_ + std::max(aim_.depth, -kClearance) - reach_ - (at + a.dot(givesWay()));
     const double left = std::min(to_depth, kept_.value_or(to_depth));
     speed_ += kSmooth * ((left_.value_or(left) - left) / kTick - speed_);
     left_ = left;

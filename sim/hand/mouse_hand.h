@@ -12,6 +12,10 @@
 //   what is kept     l = distance of the tool to pulp or nerve - what shall be left; the way to the depth is l at most.
 //                    Sideways the hand nears it no faster than kBrake l, and draws the tool towards it with a force
 //                    that falls within 0.05 mm of l
+//   a tilted tool    is led sideways by slant x its depth below the pointer, so that it goes in along its own axis
+//
+// Force, depth and surface go by the normal of the surface, tilted or not: what is tilted presses no harder, and what
+// of it is deepest stops at the depth. Its attitude is held against the torque, as a hand would.
 //
 // The samples are in the session log like any device's: a replay gives the same bits without a mouse.
 #pragma once
@@ -34,15 +38,20 @@ struct MouseAim {
   bool is_pressed = false;   ///< the button is down: the spindle turns and the hand pushes
   Vec3d pointer = Vec3d::Zero();  ///< on the surface as loaded, or on the plane of the stroke: where the tip shall go
   Vec3d anchor = Vec3d::Zero();   ///< on the surface as loaded, where the stroke began
-  Vec3d into = -Vec3d::UnitZ();   ///< the axis: unit, into the tissue. The tool plunges along it
+  Vec3d into = -Vec3d::UnitZ();   ///< the axis: unit, into the tissue, against its normal
   Rigid3 T_world_surface;         ///< of the surface as loaded: a piece may have been moved
   double reach = 0;               ///< from the tip along the axis to what of the tool goes first, mm: a disc's radius
   double force = 1;               ///< along the axis, 0 to 8
-  double depth = 0.5;             ///< below the surface as loaded, along the axis, that the tool may reach; >= 0
+  double depth = 0.5;             ///< below the surface as loaded, along the axis, that the tool may reach
+                                  ///< (negative: above it), at least -kClearance
   double pedal = 1;               ///< of the nominal speed, 0 to 1
   double irrigation = 1;          ///< 0 to 1
-  /// From the tip to what of the tool follows pointer and surface, square to the axis, mm: the middle of a saw's teeth.
+  /// From the tip to what of the tool follows pointer and surface, square to the axis, mm: the middle of a saw's teeth,
+  /// what a tilted tool touches with.
   Vec3d front = Vec3d::Zero();
+  /// Of a tilted tool: how far sideways it goes for each mm of depth, square to the axis, at most kMostSlant. Zero: it
+  /// plunges along the axis.
+  Vec3d slant = Vec3d::Zero();
   /// Normal of the plane that a cutting guide keeps the tool in, from where it was placed: unit, square to the axis.
   /// The pointer then moves it within that plane alone, and no force turns it out of it. Zero: no guide.
   Vec3d guide = Vec3d::Zero();
@@ -58,6 +67,7 @@ class MouseHand final : public DeviceSource {
  public:
   static constexpr double kApproach = 15;  ///< mm/s, along the axis
   static constexpr double kSideways = 8;   ///< mm/s
+  static constexpr double kMostSlant = 4;  ///< a tilt of 76 degrees
   static constexpr double kLeast = 0.3;    ///< N: side force that is always allowed
   static constexpr double kClearance = 1;  ///< mm above the surface as loaded, where it goes when the button is up
 
@@ -85,12 +95,15 @@ class MouseHand final : public DeviceSource {
   void followSurface() noexcept;
   void moveSideways() noexcept;
   void moveAlong(bool is_pressed) noexcept;
-  void keepInGuide() noexcept;
+  void holdAttitude() noexcept;
   std::optional<double> leftToKept(const Vec3d& ahead) const noexcept;
   void feelKept(bool is_pressed) noexcept;
   Vec3d sidewaysToKept() const noexcept;
   void holdBackFromKept(const Vec3d& towards) noexcept;
   Vec3d front() const noexcept { return pose_.translation + front_; }
+  bool isTilted() const noexcept { return !aim_.slant.isZero(0); }
+  bool isHeldInAttitude() const noexcept { return isTilted() || !aim_.guide.isZero(0); }
+  Vec3d givesWay() const noexcept;
 
   std::shared_ptr<const BrickField> surface_;
   std::shared_ptr<const Structures> structures_;  // null: none

@@ -94,7 +94,7 @@ TEST(Stroke, ItIsAnchoredOutsideAndPointsAtWhatWasLoaded) {
   head.vertices = {{0, 0, 0}, {0.5, 0, 0.5}, {-0.5, 0, 0.5}};
   const auto at = toolOver(scene.scene, scene.loaded->phi0(), down(0.02, 0.03), Plunge{});
   ASSERT_TRUE(at);
-  const Stroke stroke(scene.loaded->phi0(), *at, Plunge{}, head);
+  const Stroke stroke(scene.loaded->phi0(), *at, head);
   EXPECT_NEAR(stroke.anchor().norm(), 3, 0.01);
   for (const Vec3d& v : head.vertices) EXPECT_GT((stroke.start() * v).norm(), 3);
   EXPECT_NEAR(stroke.depthOf({0.02, 0.03, 2.5}), 0.5, 0.01);
@@ -119,7 +119,7 @@ TEST(Stroke, ADiscStandsOnItsRimAndASawOnItsTeeth) {
     const auto at = toolOver(scene.scene, scene.loaded->phi0(), down(1.8, 0), plunge);
     ASSERT_TRUE(at);
     EXPECT_NEAR((at->T_world_tool.rotation * plunge.direction + at->normal).norm(), 0, 1e-9);
-    const Stroke stroke(scene.loaded->phi0(), *at, plunge, {});
+    const Stroke stroke(scene.loaded->phi0(), *at, {});
     const double first = plunge.reach - stroke.axis().dot(stroke.start().translation - stroke.anchor());
     EXPECT_NEAR(first, -0.3, 1e-9) << "above the surface";
     EXPECT_NEAR(stroke.depthOf(stroke.start().translation), -0.3, 0.02);

@@ -4,6 +4,7 @@
 
 #include "ui/app/command_words.h"
 #include "ui/app/file_commands.h"
+#include "ui/app/hand_commands.h"
 #include "ui/app/import_commands.h"
 #include "ui/app/piece_commands.h"
 #include "ui/app/point_commands.h"
@@ -140,6 +141,13 @@ constexpr AppCommand kCommands[] = {
      "Puts a tool's file into the rack, or reads it anew, and takes the tool.", isIdle, tool_commands::addTool},
     {"tool.next", "Tool", "Next tool", "]", "", "Takes the next tool of the rack.", isOpen, tool_commands::nextTool},
     {"tool.previous", "Tool", "Previous tool", "[", "", "Takes the tool before.", isOpen, tool_commands::previousTool},
+    {"tool.tilt", "", "", "", "DEG [AZIMUTH]",
+     "Leans the tool away from the normal of the surface by 0 to 75 degrees, the shank towards an azimuth in the view: "
+     "0 "
+     "to the right, 90 up; if not told, as it leant or up.",
+     always, hand_commands::tilt},
+    {"tool.tilt-reset", "Tool", "Set upright", "", "", "Lets the tool stand square to the surface again.",
+     hand_commands::isTilted, hand_commands::resetTilt},
     {"cut.force", "", "", "", "NEWTONS", "Sets how hard a pressed button pushes, 0.1 to 8 N.", always,
      tool_commands::setForce},
     {"cut.depth", "", "", "", "MM",

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <thread>
 
 #include "ui/app/command_words.h"
@@ -44,6 +45,7 @@ void printState(const AppContext& c) {
                    {"removed_mm3", c.bench.removedMm3()},
                    {"force_N", c.bench.force},
                    {"depth_mm", c.bench.depth_mm},
+                   {"tilt_deg", c.bench.tilt.angle * 180 / std::numbers::pi},
                    {"ticks", c.bench.report().tick},
                    {"pieces", c.bench.scene().shown().size()},
                    {"triangles", c.bench.scene().triangleCount()},

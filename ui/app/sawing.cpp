@@ -436,6 +436,8 @@ std::optional<ToolOverSurface> Sawing::over(const Ray& ray) const {
   out.normal = -plane.approach;
   out.depth = std::max(plane.approach.dot(out.point - down.at(*before)), 0.0);
   const SawBlade blade_now = blade();
+  out.front = tipToFront();
+  out.reach = bench_.plunges_[bench_.tool_].reach;
   out.T_world_tool =
       blade_now.poseAt(out.point, plane.normal, plane.approach, isTurned(plane, blade_now, loaded.bounds()));
   return out;

@@ -80,26 +80,39 @@ std::optional<ToolOverSurface> toolOver(const LiveScene& scene, const BrickField
   out.point = hit->on_surface.point;
   out.normal = pose.rotation * normal;
   out.T_world_tool = {attitudeAlong(plunge, out.normal), out.point + plunge.reach * out.normal};
+  out.reach = plunge.reach;
   out.depth = std::max(normal.dot(onLoaded(loaded, point, normal) - point), 0.0);
   return out;
 }
 
-Stroke::Stroke(const BrickField& loaded, const ToolOverSurface& at, const Plunge& plunge, const Mesh& head,
-               const Vec3d& beside)
+Stroke::Stroke(const BrickField& loaded, const ToolOverSurface& at, const Mesh& head)
     : loaded_(loaded),
       T_world_object_(at.T_world_object),
       to_object_(at.T_world_object.inverse()),
       anchor_(T_world_object_ * onLoaded(loaded, to_object_ * at.point, to_object_.rotation * at.normal)),
       axis_(at.normal),
-      reach_(plunge.reach),
-      start_{at.T_world_tool.rotation, anchor_ + (kAbove + reach_) * axis_ + beside} {
+      reach_(at.reach),
+      front_(at.front),
+      slant_(at.slant),
+      start_{at.T_world_tool.rotation, anchor_ + (kAbove + reach_) * axis_ - front_} {
   const auto isFree = [&] {
     const Rigid3 tool = to_object_ * start_;
     return std::all_of(head.vertices.begin(), head.vertices.end(),
                        [&](const Vec3d& v) { return loaded_.sample(tool * v) > 0; });
   };
   for (double lift = kAbove; lift < kLongestLift && !isFree(); lift += 0.1)
-    start_.translation = anchor_ + (lift + reach_) * axis_ + beside;
+    start_.translation = anchor_ + (lift + reach_) * axis_ - front_;
+}
+
+void Stroke::begin(MouseAim& aim) const {
+  ++aim.stroke;
+  aim.is_pressed = true;
+  aim.anchor = aim.pointer = anchor_;
+  aim.into = -axis_;
+  aim.T_world_surface = T_world_object_;
+  aim.reach = reach_;
+  aim.front = front_;
+  aim.slant = slant_;
 }
 
 Vec3d Stroke::pointerOf(const Ray& ray) const {
@@ -111,7 +124,7 @@ Vec3d Stroke::pointerOf(const Ray& ray) const {
 }
 
 double Stroke::depthOf(const Vec3d& tip) const {
-  const Vec3d first = to_object_ * (tip - reach_ * axis_), axis = to_object_.rotation * axis_;
+  const Vec3d first = to_object_ * (tip + front_ - reach_ * axis_), axis = to_object_.rotation * axis_;
   return axis.dot(onLoaded(loaded_, first, axis) - first);
 }
 

@@ -22,7 +22,11 @@ struct ToolOverSurface {
   Rigid3 T_world_tool;            ///< what of it goes first is on the surface as it is now
   Vec3d point = Vec3d::Zero();    ///< there, mm
   Vec3d normal = Vec3d::UnitZ();  ///< unit, outward: the tool plunges against it
-  double depth = 0;               ///< of the point below the surface as loaded, along the axis, mm
+  double depth = 0;               ///< of the point below the surface as loaded, along the normal, mm
+  double reach = 0;               ///< from the tip against the normal to what goes first, mm
+  Vec3d front = Vec3d::Zero();  ///< from the tip to what touches, square to the normal, mm: of a blade in a guide, and
+                                ///< of a tilted tool
+  Vec3d slant = Vec3d::Zero();  ///< of a tilted tool: MouseAim::slant
 };
 
 /// How a tool goes into tissue, tool frame.
@@ -45,15 +49,15 @@ class Stroke {
   /// @param loaded  the surface as loaded; kept by reference.   @param head  of the tool, tool frame: where it starts
   /// it
   ///   touches nothing that was loaded, as far as these vertices say.
-  /// @param beside  from the line along the axis to the tip, square to the axis, mm: of a blade held by its front.
-  Stroke(const BrickField& loaded, const ToolOverSurface& at, const Plunge& plunge, const Mesh& head,
-         const Vec3d& beside = Vec3d::Zero());
+  Stroke(const BrickField& loaded, const ToolOverSurface& at, const Mesh& head);
 
   /// Of the tool, before the stroke: above the anchor, in air.
   const Rigid3& start() const { return start_; }
+  /// What the hand is asked for when the button has gone down there; what a slider sets is left as it is.
+  void begin(MouseAim& aim) const;
   const Vec3d& anchor() const { return anchor_; }
-  const Vec3d& axis() const { return axis_; }  ///< out of the tissue, unit
-  /// Where the tip is to go when the cursor points along this ray: world, mm.
+  const Vec3d& axis() const { return axis_; }  ///< out of the tissue, unit: the normal, also of a tilted tool
+  /// Where what touches is to go when the cursor points along this ray: world, mm.
   Vec3d pointerOf(const Ray& ray) const;
   /// How deep the tool with its tip there is below the surface as loaded, along the axis, mm; negative in air.
   double depthOf(const Vec3d& tip) const;
@@ -63,6 +67,7 @@ class Stroke {
   Rigid3 T_world_object_, to_object_;  // of the piece that is cut
   Vec3d anchor_, axis_;                // world
   double reach_;
+  Vec3d front_, slant_;
   Rigid3 start_;
 };
 

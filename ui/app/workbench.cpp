@@ -284,7 +284,9 @@ std::optional<ToolOverSurface> Workbench::over(const Ray& ray) const {
   const auto seen = behindSection(ray);
   if (!seen) return {};
   if (saw_->isGuiding()) return saw_->over(*seen);
-  return toolOver(scene_, *run_->original(), *seen, plunges_[tool_]);
+  auto at = toolOver(scene_, *run_->original(), *seen, plunges_[tool_]);
+  if (at) tiltTool(*at, tilt, touches_[tool_]);
+  return at;
 }
 
 bool Workbench::press(const Ray& ray) {
@@ -295,15 +297,9 @@ bool Workbench::press(const Ray& ray) {
   // A mouse is no arm that could be struck: after a late clock it goes on at once.
   if (report_.is_latched) send(ClearLatch{});
   const bool is_guided = saw_->isGuiding();
-  aim_.front = is_guided ? saw_->tipToFront() : Vec3d(Vec3d::Zero());
   aim_.guide = is_guided ? saw_->plan().chosen()->normal : Vec3d(Vec3d::Zero());
-  stroke_.emplace(*run_->original(), *at, plunges_[tool_], heads_[tool_], -aim_.front);
-  ++aim_.stroke;
-  aim_.is_pressed = true;
-  aim_.anchor = aim_.pointer = stroke_->anchor();
-  aim_.into = -stroke_->axis();
-  aim_.T_world_surface = at->T_world_object;
-  aim_.reach = plunges_[tool_].reach;
+  stroke_.emplace(*run_->original(), *at, heads_[tool_]);
+  stroke_->begin(aim_);
   aim_.samples = structures_->isEmpty() ? nullptr : &samplesOf(tool_);
   sendAim();
 
@@ -359,7 +355,7 @@ void Workbench::sendAim() {
 
 std::optional<double> Workbench::depthNow() const {
   if (!stroke_) return {};
-  return stroke_->depthOf(report_.output.T_world_tool.translation + aim_.front);
+  return stroke_->depthOf(report_.output.T_world_tool.translation);
 }
 
 void Workbench::stopShort(std::optional<double> mm) {

@@ -25,6 +25,7 @@
 #include "ui/app/measure.h"
 #include "ui/app/opening.h"
 #include "ui/app/stroke.h"
+#include "ui/app/tilt.h"
 #include "ui/app/user_files.h"
 
 namespace kerf {
@@ -142,6 +143,8 @@ class Workbench {
   /// What a stroke leaves between the tool and pulp or nerve canal, mm: it stops short of them. None: it may go into
   /// them, with a warning. A planned cut does not know of it: Sawing::clearance() says what that leaves.
   std::optional<double> stop_short_mm;
+  /// Of the tool before it touches, and of the strokes that begin from then on. A blade in a guide knows of none.
+  Tilt tilt;
   static constexpr double kLeastForce = 0.1, kMostForce = 8, kMostDepth = 5;
 
   Measure measure;
@@ -271,6 +274,7 @@ class Workbench {
   std::shared_ptr<const Structures> structures_;
   mutable std::map<std::size_t, ToolSamples> samples_;                      // of tools that were in hand
   std::vector<Plunge> plunges_;                                             // of the same
+  std::vector<TouchPoints> touches_;                                        // of the same
   std::vector<std::optional<std::filesystem::file_time_type>> tool_times_;  // of their files
   std::size_t favourites_ = 0;
   std::chrono::steady_clock::time_point next_watch_{};

@@ -49,11 +49,13 @@ void Workbench::putIntoRack(const fs::path& file, Tool tool) {
     tools_.emplace_back();
     heads_.emplace_back();
     plunges_.emplace_back();
+    touches_.emplace_back(tool);
     tool_times_.emplace_back();
     is_outdated_.push_back(0);
   }
   heads_[at] = headOf(tool);
   plunges_[at] = plungeOf(tool);
+  touches_[at] = TouchPoints(tool);
   tool_times_[at] = timeOf(file);
   is_outdated_[at] = run_ != nullptr;
   tools_[at] = {file, std::move(tool)};

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "ui/app/tool_search.h"
 #include "ui/window/style.h"
@@ -172,6 +173,16 @@ void drawStopShort(Workbench& bench) {
     bench.stopShort(0.1 * std::round(10 * static_cast<double>(short_of)));
 }
 
+// How far the tool leans; offered while it does.
+void drawTilt(AppContext& context) {
+  Tilt& tilt = context.bench.tilt;
+  if (tilt.isUpright()) return;
+  constexpr double kDegree = std::numbers::pi / 180;
+  ImGui::Text("Tilt %.0f deg, towards %.0f", tilt.angle / kDegree, azimuthInView(context.camera, tilt) / kDegree);
+  ImGui::SameLine();
+  if (ImGui::SmallButton("Upright")) tilt = {};
+}
+
 void drawHand(Workbench& bench) {
   ImGui::PushItemWidth(-1);
   float force = static_cast<float>(bench.force), depth = static_cast<float>(bench.depth_mm);
@@ -200,6 +211,7 @@ void drawTools(AppContext& context, ToolPanelState& state) {
   ImGui::Begin("Tool", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
   drawRack(bench, state);
   ImGui::Separator();
+  drawTilt(context);
   drawHand(bench);
   ImGui::End();
 }

@@ -21,6 +21,7 @@
 #include "ui/app/pointing.h"
 #include "ui/app/sawing.h"
 #include "ui/app/settings.h"
+#include "ui/app/stroke_pointer.h"
 #include "ui/app/view_commands.h"
 #include "ui/window/file_browser.h"
 #include "ui/window/frame_watch.h"
@@ -49,14 +50,22 @@ constexpr double kNotch = 0.1;       // mm of depth, of the wheel during a strok
 struct InputEvent {
   enum class Kind { kKey, kCharacter, kButton, kMove, kScroll, kDrop };
   Kind kind = Kind::kMove;
-  int key = 0, modifiers = 0;  // of a button: its number
-  bool is_down = false;
-  double x = 0, y = 0;  // of a wheel: notches
-  std::string path{};   // of a character: itself, UTF-8
+  int key = 0, modifiers = 0;  // of a button: its number. Of a move: those of Alt and Ctrl
+  bool is_down = false;        // of a key: it does not repeat itself
+  double x = 0, y = 0;         // of a wheel: notches
+  double s = 0;                // of a key: when
+  std::string path{};          // of a character: itself, UTF-8
 };
 
 std::vector<InputEvent>& eventsOf(GLFWwindow* window) {
   return *static_cast<std::vector<InputEvent>*>(glfwGetWindowUserPointer(window));
+}
+
+int heldOf(GLFWwindow* window) {
+  const auto isDown = [&](int key) { return glfwGetKey(window, key) == GLFW_PRESS; };
+  const bool alt = isDown(GLFW_KEY_LEFT_ALT) || isDown(GLFW_KEY_RIGHT_ALT);
+  const bool ctrl = isDown(GLFW_KEY_LEFT_CONTROL) || isDown(GLFW_KEY_RIGHT_CONTROL);
+  return (alt ? GLFW_MOD_ALT : 0) | (ctrl ? GLFW_MOD_CONTROL : 0);
 }
 
 std::string utf8(unsigned code) {
@@ -71,7 +80,9 @@ void listen(GLFWwindow* window, std::vector<InputEvent>& events) {
   using Kind = InputEvent::Kind;
   glfwSetWindowUserPointer(window, &events);
   glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int, int action, int modifiers) {
-    if (action != GLFW_RELEASE) eventsOf(w).push_back({.kind = Kind::kKey, .key = key, .modifiers = modifiers});
+    if (action == GLFW_RELEASE) return;
+    eventsOf(w).push_back(
+        {.kind = Kind::kKey, .key = key, .modifiers = modifiers, .is_down = action == GLFW_PRESS, .s = glfwGetTime()});
   });
   glfwSetCharCallback(window, [](GLFWwindow* w, unsigned code) {
     eventsOf(w).push_back({.kind = Kind::kCharacter, .path = utf8(code)});
@@ -81,8 +92,9 @@ void listen(GLFWwindow* window, std::vector<InputEvent>& events) {
     glfwGetCursorPos(w, &e.x, &e.y);
     eventsOf(w).push_back(e);
   });
-  glfwSetCursorPosCallback(
-      window, [](GLFWwindow* w, double x, double y) { eventsOf(w).push_back({.kind = Kind::kMove, .x = x, .y = y}); });
+  glfwSetCursorPosCallback(window, [](GLFWwindow* w, double x, double y) {
+    eventsOf(w).push_back({.kind = Kind::kMove, .modifiers = heldOf(w), .x = x, .y = y});
+  });
   glfwSetScrollCallback(
       window, [](GLFWwindow* w, double, double y) { eventsOf(w).push_back({.kind = Kind::kScroll, .y = y}); });
   glfwSetDropCallback(window, [](GLFWwindow* w, int count, const char** paths) {
@@ -333,9 +345,8 @@ class Workshop {
 
   double pixels() const { return static_cast<double>(context_.width) / window_width_; }
   Pixel pointer() const { return pixels() * Pixel(x_, y_); }
-  Ray rayAt(double x, double y) const {
-    return rayUnder(camera_, x * pixels(), y * pixels(), context_.width, context_.height);
-  }
+  Ray rayAt(double x, double y) const { return rayAtPixel(pixels() * Pixel(x, y)); }
+  Ray rayAtPixel(const Pixel& at) const { return rayUnder(camera_, at[0], at[1], context_.width, context_.height); }
 
   void handleInput() {
     const ImGuiIO& io = ImGui::GetIO();
@@ -355,7 +366,7 @@ class Workshop {
           button(e, io.WantCaptureMouse);
           break;
         case InputEvent::Kind::kMove:
-          move(e.x, e.y);
+          move(e);
           break;
         case InputEvent::Kind::kScroll:
           if (!io.WantCaptureMouse) scroll(e.y);
@@ -369,7 +380,7 @@ class Workshop {
     const bool is_on_handle = panels_.piece_drag.lit().has_value();
     const bool is_picking = bench_.saw().picking.what() != SawPicking::What::kNothing;
     const bool hovers = !io.WantCaptureMouse && held_ == kNone && !is_on_handle && !is_picking && !bench_.importPlan();
-    over_ = hovers ? bench_.over(rayAt(x_, y_)) : std::nullopt;
+    over_ = hovers ? bench_.over(rayAtPixel(stroke_.at())) : std::nullopt;
     if (bench_.isPressed() || bench_.saw().isCutting()) over_.reset();
     view_->hover(over_);
   }
@@ -383,6 +394,8 @@ class Workshop {
       context_.shows_settings = false;
       return;
     }
+    const bool is_alt = e.key == GLFW_KEY_LEFT_ALT || e.key == GLFW_KEY_RIGHT_ALT;
+    if (is_alt && e.is_down) return stroke_.tapAlt(context_, e.s);
     const int modifiers = e.modifiers & (GLFW_MOD_CONTROL | GLFW_MOD_SHIFT | GLFW_MOD_ALT);
     for (const AppCommand& command : appCommands()) {
       if (command.key.empty() || keyChord(command.key) != KeyChord{e.key, modifiers}) continue;
@@ -436,22 +449,25 @@ class Workshop {
     if (is_on_panel) return;
     palette_.hide();
     if (e.key == GLFW_MOUSE_BUTTON_LEFT && panels_.piece_drag.press(context_, pointer())) return;
-    if (e.key != GLFW_MOUSE_BUTTON_LEFT || bench_.importPlan() || !bench_.press(rayAt(x_, y_))) {
+    if (e.key != GLFW_MOUSE_BUTTON_LEFT || bench_.importPlan() || !stroke_.press(context_, pointer())) {
       held_ = e.key;
       pans_ = e.key == GLFW_MOUSE_BUTTON_MIDDLE || (e.modifiers & GLFW_MOD_SHIFT);
     }
   }
 
-  void move(double x, double y) {
-    const double dx = (x - x_) * pixels(), dy = (y - y_) * pixels();
-    x_ = x;
-    y_ = y;
+  void move(const InputEvent& e) {
+    const double dx = (e.x - x_) * pixels(), dy = (e.y - y_) * pixels();
+    x_ = e.x;
+    y_ = e.y;
     if (panels_.piece_drag.isOn()) return panels_.piece_drag.move(context_, pointer());
-    if (bench_.isPressed()) return bench_.drag(rayAt(x, y));
-    bench_.saw().picking.move(rayAt(x, y));
+    stroke_.move(context_, pointer(), {.alt = tilts(e.modifiers), .ctrl = (e.modifiers & GLFW_MOD_CONTROL) != 0});
+    if (bench_.isPressed()) return;
+    bench_.saw().picking.move(rayAt(x_, y_));
     if (held_ == kNone) return;
     pans_ ? pan(camera_, dx, dy, context_.height) : orbit(camera_, dx, dy);
   }
+
+  bool tilts(int modifiers) const { return (modifiers & GLFW_MOD_ALT) && held_ == kNone && bench_.isOpen(); }
 
   void scroll(double notches) {
     if (bench_.isPressed()) return bench_.deepen(-kNotch * notches);
@@ -510,6 +526,7 @@ class Workshop {
   FileBrowser browser_;
   CommandPalette palette_;
   const AppCommand* asked_for_ = nullptr;
+  StrokePointer stroke_;
   std::optional<ToolOverSurface> over_;
   Clock::time_point last_input_ = Clock::now();
   double x_ = 0, y_ = 0;  // of the pointer, window units

@@ -1,0 +1,39 @@
+// Where a mouse points the tool, and what its moves mean while a key is held.
+//
+//   hovering        the tool is where the cursor is; with Alt it stays, and the moves tilt it
+//   during a stroke the tool is dragged by what the cursor moves, from where the stroke began
+//
+// No window: pixels of the picture in, calls of the workbench out.
+#pragma once
+
+#include <optional>
+
+#include "ui/app/app_commands.h"
+#include "ui/app/piece_gizmo.h"
+
+namespace kerf {
+
+/// Keys that are held while the mouse moves.
+struct HeldKeys {
+  bool alt = false, ctrl = false;
+};
+
+class StrokePointer {
+ public:
+  static constexpr double kDoubleTap = 0.4;  ///< s between two taps on Alt that set the tool upright
+
+  /// The pixel that the tool is pointed at.
+  const Pixel& at() const { return at_; }
+  /// The cursor is there now.
+  void move(AppContext& context, const Pixel& cursor, const HeldKeys& held);
+  /// The button went down.   @return  false: there is nothing there to cut.
+  bool press(AppContext& context, const Pixel& cursor);
+  /// Alt went down.   @param now  s, of any clock.
+  void tapAlt(AppContext& context, double now);
+
+ private:
+  Pixel at_ = Pixel::Zero(), cursor_ = Pixel::Zero();
+  std::optional<double> tapped_;  // when Alt last went down; none: it has tilted since
+};
+
+}  // namespace kerf
