@@ -2,9 +2,16 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <cmath>
+#include <functional>
 #include <numbers>
+#include <thread>
 
+#include "geometry/formats/mesh_writer.h"
+#include "tests/support/open_block.h"
 #include "tests/support/temporary_folder.h"
+#include "ui/app/pointing.h"
 
 namespace kerf {
 namespace {
@@ -16,6 +23,7 @@ class StrokePointerTest : public testing::Test {
     WorkbenchOptions out;
     out.data_folder = folder.path();
     out.tools = {"round-014"};
+    out.real_time = {.priority = 0, .lock_memory = false};
     return out;
   }
   Workbench bench_{in(folder_)};
@@ -48,6 +56,127 @@ TEST_F(StrokePointerTest, TwoTapsOnAltSetItUprightUnlessItWasTiltedBetween) {
   EXPECT_FALSE(bench_.tilt.isUpright()) << "too late";
   pointer_.tapAlt(context_, 3.2);
   EXPECT_TRUE(bench_.tilt.isUpright());
+}
+
+// A session with a block, on its own threads.
+class OnABlock : public StrokePointerTest {
+ protected:
+  void SetUp() override {
+    const std::filesystem::path file = folder_.path() / "block.ply";
+    ASSERT_TRUE(writeMesh(file, test::blockMesh(false)));
+    bench_.open(file);
+    until([&] { return !bench_.job() && bench_.scene().triangleCount() > 0; });
+    fitToBox(camera_, bench_.scene().bounds(), context_.width, context_.height);
+    bench_.depth_mm = 0.6;
+    bench_.setForce(2);
+  }
+  void TearDown() override {
+    bench_.close();
+    until([&] { return !bench_.job(); });
+  }
+  void until(const std::function<bool()>& is_so) {
+    do {
+      bench_.update();
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    } while (!is_so());
+  }
+  void run(double seconds) {
+    const auto end = bench_.report().tick + static_cast<std::uint64_t>(seconds / kTick);
+    until([&] { return bench_.report().tick >= end; });
+  }
+  Vec3d tip() const { return bench_.report().output.T_world_tool.translation; }
+};
+
+TEST_F(OnABlock, CtrlLeadsTheToolAlongItsAxisAloneAndItStaysThere) {
+  pointer_.move(context_, {200, 150}, {});
+  ASSERT_TRUE(pointer_.press(context_, {200, 150}));
+  run(4);
+  ASSERT_NEAR(*bench_.depthNow(), 0.6, 0.05);
+  const Vec3d pointer = bench_.strokePointer();
+
+  pointer_.move(context_, {240, 120}, {.ctrl = true});  // 30 pixels up
+  run(1);
+  EXPECT_NEAR(*bench_.depthNow(), 0.3, 0.05);
+  EXPECT_EQ(bench_.strokePointer(), pointer) << "not sideways";
+  pointer_.move(context_, {240, 320}, {.ctrl = true});
+  run(1);
+  EXPECT_NEAR(*bench_.depthNow(), 0.6, 0.05) << "no deeper than the depth";
+  pointer_.move(context_, {240, 0}, {.ctrl = true});
+  run(1);
+  EXPECT_NEAR(*bench_.depthNow(), -MouseHand::kClearance, 0.05) << "no higher than over the surface";
+
+  pointer_.move(context_, {250, 0}, {});
+  EXPECT_NEAR((bench_.strokePointer() - pointer)[0], 10 * camera_.mmPerPixel(context_.height), 0.01)
+      << "it is dragged from where it was, not from where the cursor is";
+}
+
+TEST_F(OnABlock, ATiltedToolThatIsLedOutGoesBackAlongItsAxis) {
+  bench_.tilt = tiltInView(camera_, 45 * kDegree, 0);
+  pointer_.move(context_, {200, 150}, {});
+  ASSERT_TRUE(pointer_.press(context_, {200, 150}));
+  run(3);
+  ASSERT_NEAR(*bench_.depthNow(), 0.6, 0.05);
+  const Vec3d deep = tip();
+  bench_.moveAlong(-0.3 * std::sqrt(2));
+  run(1);
+  EXPECT_NEAR(tip()[2] - deep[2], 0.3, 0.05);
+  EXPECT_NEAR(tip()[0] - deep[0], 0.3, 0.08);
+}
+
+TEST_F(OnABlock, APedalHoldsTheStrokeAndKeysNudgeItInTheirSteps) {
+  pointer_.move(context_, {200, 150}, {});
+  EXPECT_FALSE(bench_.stepOnPedal({})) << "nothing was pointed at";
+  ASSERT_TRUE(pointer_.press(context_, {200, 150}));
+  ASSERT_TRUE(bench_.stepOnPedal({}));
+  pointer_.release(context_);
+  EXPECT_TRUE(bench_.isPressed()) << "the button may go";
+  const Vec3d before = bench_.strokePointer();
+  pointer_.move(context_, {300, 100}, {});
+  EXPECT_EQ(bench_.strokePointer(), before) << "the hands are free";
+
+  pointer_.nudge(context_, Vec3d::UnitX(), {});
+  pointer_.nudge(context_, Vec3d::UnitY(), {.shift = true});
+  EXPECT_NEAR((bench_.strokePointer() - before - Vec3d(0.1, 1, 0)).norm(), 0, 1e-3);
+  pointer_.nudge(context_, -Vec3d::UnitX(), {.ctrl = true});
+  EXPECT_NEAR((bench_.strokePointer() - before - Vec3d(0.09, 1, 0)).norm(), 0, 1e-3);
+  run(3);
+  EXPECT_NEAR((tip() - bench_.strokePointer()).head<2>().norm(), 0, 0.1) << "the tool followed";
+  pointer_.nudge(context_, -Vec3d::UnitZ(), {});
+  run(1);
+  EXPECT_NEAR(*bench_.depthNow(), 0.5, 0.05);
+
+  bench_.release();
+  EXPECT_FALSE(bench_.isOnPedal());
+  ASSERT_TRUE(bench_.stepOnPedal({})) << "where it was last";
+  EXPECT_NEAR((bench_.strokePointer() - before - Vec3d(0.09, 1, 0)).norm(), 0, 0.02);
+}
+
+TEST_F(OnABlock, TheSpindleTurnsAtTheSpeedItIsSetTo) {
+  const double nominal = bench_.run()->model().tools[0].drive.speed;
+  bench_.setForce(Workbench::kLeastForce);
+  pointer_.move(context_, {200, 150}, {});
+  for (const double percent : {50, 100, 0}) {
+    bench_.setSpeed(0.01 * percent);
+    ASSERT_TRUE(bench_.isPressed() || pointer_.press(context_, {200, 150}));
+    run(percent > 0 ? 2 : 5);
+    EXPECT_NEAR(100 * bench_.report().output.speed / nominal, percent, 10) << "per cent";
+  }
+}
+
+TEST_F(OnABlock, TheCommandsSayWhatTheyWereGiven) {
+  const auto run_it = [&](const char* id, std::vector<std::string> words) {
+    return runAppCommand(context_, id, words);
+  };
+  EXPECT_FALSE(run_it("cut.nudge", {"0.1", "0", "0"})) << "no stroke";
+  EXPECT_FALSE(run_it("cut.pedal", {"perhaps"}));
+  EXPECT_FALSE(run_it("cut.pedal", {"on", "2", "2"})) << "beside the block";
+  EXPECT_FALSE(run_it("cut.speed", {"120"}));
+  ASSERT_TRUE(run_it("cut.pedal", {"on", "200", "150"}));
+  const Vec3d before = bench_.strokePointer();
+  ASSERT_TRUE(run_it("cut.nudge", {"0.5", "-0.25", "0"}));
+  EXPECT_NEAR((bench_.strokePointer() - before - Vec3d(0.5, -0.25, 0)).norm(), 0, 1e-3);
+  ASSERT_TRUE(run_it("cut.pedal", {}));
+  EXPECT_FALSE(bench_.isPressed());
 }
 
 }  // namespace

@@ -163,6 +163,19 @@ constexpr AppCommand kCommands[] = {
     {"cut.drag", "", "", "", "X Y", "Moves the pressed pointer to a pixel.", isOpen, tool_commands::drag},
     {"cut.release", "", "", "", "", "Lets go of the button: the stroke ends.", isOpen, tool_commands::release},
 
+    {"cut.nudge", "", "", "", "RIGHT UP IN",
+     "Moves a stroke by so many mm: to the right and up in the picture over the surface, and in along the tool's axis, "
+     "as "
+     "far as the depth.",
+     hand_commands::isCutting, hand_commands::nudge},
+    {"cut.pedal", "Tool", "Foot pedal", "Space", "[on|off] [X Y]",
+     "Holds a stroke without the button, at a pixel, under the cursor or where was cut last; the key holds it while it "
+     "is "
+     "down.",
+     isOpen, hand_commands::pedal},
+    {"cut.speed", "", "", "", "PERCENT", "Sets the spindle to a part of its nominal speed.", always,
+     hand_commands::setSpeed},
+
     {"piece.choose", "", "", "", "PIECE", "Chooses a piece by its name or number; moves are of that.", isOpen,
      piece_commands::choose},
     {"piece.next", "Piece", "Choose the next", "Tab", "", "Chooses the next piece, after the last one none.",

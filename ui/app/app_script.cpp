@@ -45,6 +45,7 @@ void printState(const AppContext& c) {
                    {"removed_mm3", c.bench.removedMm3()},
                    {"force_N", c.bench.force},
                    {"depth_mm", c.bench.depth_mm},
+                   {"speed_percent", 100 * c.bench.speed},
                    {"tilt_deg", c.bench.tilt.angle * 180 / std::numbers::pi},
                    {"ticks", c.bench.report().tick},
                    {"pieces", c.bench.scene().shown().size()},

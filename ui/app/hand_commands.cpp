@@ -1,8 +1,10 @@
 #include "ui/app/hand_commands.h"
 
 #include <numbers>
+#include <optional>
 
 #include "ui/app/command_words.h"
+#include "ui/app/pointing.h"
 
 namespace kerf::hand_commands {
 namespace {
@@ -24,6 +26,42 @@ Expected<void> tilt(AppContext& c, AppWords words) {
 
 Expected<void> resetTilt(AppContext& c, AppWords) {
   c.bench.tilt = {};
+  return {};
+}
+
+bool isCutting(const AppContext& c) { return c.bench.isPressed(); }
+
+Expected<void> nudge(AppContext& c, AppWords words) {
+  constexpr double kMost = 10;  // mm
+  KERF_TRY(right, numberOf(words, 0, "RIGHT", -kMost, kMost));
+  KERF_TRY(up, numberOf(words, 1, "UP", -kMost, kMost));
+  KERF_TRY(in, numberOf(words, 2, "IN", -kMost, kMost));
+  if (right != 0 || up != 0) c.bench.nudge(c.camera, right, up);
+  if (in != 0) c.bench.moveAlong(in);
+  return {};
+}
+
+Expected<void> pedal(AppContext& c, AppWords words) {
+  const bool is_told = !words.empty() && (words[0] == "on" || words[0] == "off");
+  if (!words.empty() && !is_told) return wrongWord("\"" + words[0] + "\"", "on or off");
+  const bool goes_down = is_told ? words[0] == "on" : !c.bench.isOnPedal();
+  if (!goes_down) {
+    if (c.bench.isOnPedal()) c.bench.release();
+    return {};
+  }
+
+  std::optional<Ray> at;
+  if (words.size() > 1 || c.pointer) {
+    KERF_TRY(ray, pointedRay(c, is_told ? words.subspan(1) : words));
+    at = ray;
+  }
+  if (c.bench.stepOnPedal(at)) return {};
+  return wrongWord("nothing to cut there", "a place on the object");
+}
+
+Expected<void> setSpeed(AppContext& c, AppWords words) {
+  KERF_TRY(percent, numberOf(words, 0, "PERCENT", 0, 100));
+  c.bench.setSpeed(0.01 * percent);
   return {};
 }
 

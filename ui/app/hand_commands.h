@@ -10,4 +10,10 @@ bool isTilted(const AppContext& context);
 Expected<void> tilt(AppContext& context, AppWords words);  ///< DEG [AZIMUTH]
 Expected<void> resetTilt(AppContext& context, AppWords words);
 
+bool isCutting(const AppContext& context);
+
+Expected<void> nudge(AppContext& context, AppWords words);     ///< RIGHT UP IN
+Expected<void> pedal(AppContext& context, AppWords words);     ///< [on|off] [X Y]
+Expected<void> setSpeed(AppContext& context, AppWords words);  ///< PERCENT
+
 }  // namespace kerf::hand_commands

@@ -16,11 +16,13 @@ Ray rayAt(const AppContext& context, const Pixel& at) {
 void StrokePointer::move(AppContext& context, const Pixel& cursor, const HeldKeys& held) {
   const Pixel moved = cursor - std::exchange(cursor_, cursor);
   Workbench& bench = context.bench;
-  if (bench.isPressed()) {
+  const bool leads = bench.isPressed() && !bench.isOnPedal();
+  if (leads && held.ctrl) return bench.moveAlong(kAlongAPixel * moved[1]);
+  if (leads) {
     at_ += moved;
     return bench.drag(rayAt(context, at_));
   }
-  if (!held.alt) {
+  if (!held.alt || bench.isPressed()) {
     at_ = cursor;
     return;
   }
@@ -31,6 +33,23 @@ void StrokePointer::move(AppContext& context, const Pixel& cursor, const HeldKey
 bool StrokePointer::press(AppContext& context, const Pixel& cursor) {
   if (cursor != std::exchange(cursor_, cursor)) at_ = cursor;
   return context.bench.press(rayAt(context, at_));
+}
+
+void StrokePointer::release(AppContext& context) {
+  if (!context.bench.isOnPedal()) context.bench.release();
+}
+
+void StrokePointer::nudge(AppContext& context, const Vec3d& direction, const HeldKeys& held) {
+  Workbench& bench = context.bench;
+  if (!bench.isPressed()) return;
+  const double step = held.ctrl ? 0.01 : held.shift ? 1 : 0.1;
+  const Vec3d mm = step * direction;
+
+  if (mm[2] != 0) return bench.moveAlong(mm[2]);
+  bench.nudge(context.camera, mm[0], mm[1]);
+  if (bench.isOnPedal()) return;
+  const auto at = pixelOf(context.camera, bench.strokePointer(), context.width, context.height);
+  at_ = {at[0], at[1]};
 }
 
 void StrokePointer::tapAlt(AppContext& context, double now) {

@@ -210,6 +210,8 @@ void Workbench::show(Opened& loaded) {
   tool_ = 0;
   aim_ = {};
   stroke_.reset();
+  pointed_.reset();
+  is_on_pedal_ = false;
   chosen_.reset();
   if (!is_reopening_) {
     section.reset();
@@ -293,6 +295,8 @@ bool Workbench::press(const Ray& ray) {
   if (saw_->isCutting()) return false;
   const auto at = over(ray);
   if (!at) return false;
+  release();
+  pointed_ = ray;
   saw_->forgetStrokes();
   // A mouse is no arm that could be struck: after a late clock it goes on at once.
   if (report_.is_latched) send(ClearLatch{});
@@ -317,12 +321,14 @@ bool Workbench::send(const Command& command) {
 
 void Workbench::drag(const Ray& ray) {
   if (!stroke_) return;
+  pointed_ = ray;
   aim_.pointer = stroke_->pointerOf(ray);
   sendAim();
 }
 
 void Workbench::deepen(double mm) {
   depth_mm = std::clamp(depth_mm + mm, 0.0, mostDepth());
+  along_.reset();
   if (stroke_) sendAim();
 }
 
@@ -341,13 +347,16 @@ void Workbench::pushHarder(double factor) {
 void Workbench::release() {
   if (!stroke_) return;
   stroke_.reset();
+  along_.reset();
+  is_on_pedal_ = false;
   aim_.is_pressed = false;
   sendAim();
 }
 
 void Workbench::sendAim() {
   aim_.force = std::min(force * push_factor_, kMostForce);
-  aim_.depth = std::min(depth_mm, mostDepth());
+  aim_.depth = std::min({depth_mm, mostDepth(), along_.value_or(depth_mm)});
+  aim_.pedal = speed;
   aim_.irrigation = irrigation;
   aim_.keep = stop_short_mm.value_or(-1);
   hand_->aim(aim_);

@@ -140,6 +140,7 @@ class Workbench {
   double force = 1;       ///< N
   double depth_mm = 0.5;  ///< below the surface as loaded
   double irrigation = 1;  ///< 0 to 1
+  double speed = 1;       ///< that the spindle is set to, of the nominal one, 0 to 1
   /// What a stroke leaves between the tool and pulp or nerve canal, mm: it stops short of them. None: it may go into
   /// them, with a warning. A planned cut does not know of it: Sawing::clearance() says what that leaves.
   std::optional<double> stop_short_mm;
@@ -161,9 +162,23 @@ class Workbench {
   /// Deeper, or less deep, during a stroke or before it, mm.
   void deepen(double mm);
   void setForce(double newtons);
+  void setSpeed(double of_nominal);
   /// Times the force, until it is 1 again.
   void pushHarder(double factor);
+  /// Ends the stroke, whoever holds it.
   void release();
+  /// The tool goes along its axis by so many mm, in is positive, and stays at that depth until the stroke ends or the
+  /// depth is set: between kClearance above the surface as loaded and the depth. Nothing without a stroke.
+  void moveAlong(double mm);
+  /// Moves the stroke's pointer over the surface as loaded, by so many mm of the picture. Nothing without a stroke.
+  void nudge(const Camera& camera, double right_mm, double up_mm);
+  /// A foot pedal holds the stroke: it needs no button, and no move of the mouse leads it. Without a stroke one begins.
+  /// @param at  what it points at; none: the place that was pressed or dragged to last.
+  /// @return  false: there is nothing there to cut.
+  bool stepOnPedal(const std::optional<Ray>& at);
+  bool isOnPedal() const { return is_on_pedal_; }
+  /// Where the stroke's pointer is, world, mm.
+  const Vec3d& strokePointer() const { return aim_.pointer; }
   bool isPressed() const { return stroke_.has_value(); }
   /// Depth of the tool below the surface as loaded; none: no stroke.
   std::optional<double> depthNow() const;
@@ -282,6 +297,9 @@ class Workbench {
   bool has_written_ = false, has_failed_ = false;  // the last close()
   bool is_reopening_ = false, keeps_view_ = false;
   std::optional<Stroke> stroke_;
+  std::optional<Ray> pointed_;   // last, by a stroke
+  std::optional<double> along_;  // depth that the stroke was led to, mm
+  bool is_on_pedal_ = false;
   MouseAim aim_;
   double push_factor_ = 1;
   double removed_mm3_ = 0;

@@ -27,6 +27,8 @@ KeyChord keyChord(std::string_view name) {
     out.key = GLFW_KEY_PAGE_UP;
   else if (name == "PageDown")
     out.key = GLFW_KEY_PAGE_DOWN;
+  else if (name == "Space")
+    out.key = GLFW_KEY_SPACE;
   else if (name == "Tab")
     out.key = GLFW_KEY_TAB;
   else if (name == "Delete")

@@ -135,7 +135,7 @@ void drawNotices(AppContext& context, PanelState& state) {
   if (state.notices_seen >= notices.size()) return;
   const ImGuiIO& io = ImGui::GetIO();
   const bool has_hints = context.bench.isOpen() && context.settings && !context.settings->values.are_hints_dismissed;
-  const float below = has_hints ? scaled(138) : 16;  // the hints stay readable
+  const float below = has_hints ? scaled(158) : 16;  // the hints stay readable
   ImGui::SetNextWindowPos({0.5f * io.DisplaySize.x, io.DisplaySize.y - below}, ImGuiCond_Always, {0.5f, 1});
   ImGui::SetNextWindowSizeConstraints({360, 0}, {720, 260});
   ImGui::Begin("##notices", nullptr,
@@ -163,7 +163,8 @@ void drawHints(AppContext& context) {
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove);
   ImGui::TextColored(styleColours().accent, "Left button on the object: cut. Hold still to go as deep as the limit.");
   ImGui::TextUnformatted("Shift: push twice as hard. Wheel while cutting: the depth.");
-  ImGui::TextUnformatted("Alt and a move: tilt the tool. Alt twice: upright.");
+  ImGui::TextUnformatted("Alt and a move: tilt the tool. Ctrl while cutting: along its axis.");
+  ImGui::TextUnformatted("Space: foot pedal, with arrows, Home and End for small steps.");
   ImGui::TextUnformatted("Right button: turn. Middle button: move. Wheel: zoom.");
   if (ImGui::SmallButton("Got it"))
     if (const auto done = runAppCommand(context, "view.hints", std::vector<std::string>{"off"}); !done)

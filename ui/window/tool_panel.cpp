@@ -186,6 +186,7 @@ void drawTilt(AppContext& context) {
 void drawHand(Workbench& bench) {
   ImGui::PushItemWidth(-1);
   float force = static_cast<float>(bench.force), depth = static_cast<float>(bench.depth_mm);
+  float speed = static_cast<float>(100 * bench.speed);
   float spray = static_cast<float>(100 * bench.irrigation);
   ImGui::TextUnformatted("Push");
   if (ImGui::SliderFloat("##force", &force, static_cast<float>(Workbench::kLeastForce), 5, "%.1f N",
@@ -196,6 +197,9 @@ void drawHand(Workbench& bench) {
                          ImGuiSliderFlags_AlwaysClamp))
     bench.deepen(static_cast<double>(depth) - bench.depth_mm);
   drawStopShort(bench);
+  ImGui::TextUnformatted("Speed");
+  if (ImGui::SliderFloat("##speed", &speed, 0, 100, "%.0f %%", ImGuiSliderFlags_AlwaysClamp))
+    bench.setSpeed(0.01 * static_cast<double>(speed));
   ImGui::TextUnformatted("Spray");
   if (ImGui::SliderFloat("##spray", &spray, 0, 100, "%.0f %%", ImGuiSliderFlags_AlwaysClamp))
     bench.irrigation = 0.01 * static_cast<double>(spray);

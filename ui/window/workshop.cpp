@@ -51,10 +51,10 @@ struct InputEvent {
   enum class Kind { kKey, kCharacter, kButton, kMove, kScroll, kDrop };
   Kind kind = Kind::kMove;
   int key = 0, modifiers = 0;  // of a button: its number. Of a move: those of Alt and Ctrl
-  bool is_down = false;        // of a key: it does not repeat itself
-  double x = 0, y = 0;         // of a wheel: notches
-  double s = 0;                // of a key: when
-  std::string path{};          // of a character: itself, UTF-8
+  bool is_down = false, is_repeated = false;
+  double x = 0, y = 0;  // of a wheel: notches
+  double s = 0;         // of a key: when
+  std::string path{};   // of a character: itself, UTF-8
 };
 
 std::vector<InputEvent>& eventsOf(GLFWwindow* window) {
@@ -80,9 +80,12 @@ void listen(GLFWwindow* window, std::vector<InputEvent>& events) {
   using Kind = InputEvent::Kind;
   glfwSetWindowUserPointer(window, &events);
   glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int, int action, int modifiers) {
-    if (action == GLFW_RELEASE) return;
-    eventsOf(w).push_back(
-        {.kind = Kind::kKey, .key = key, .modifiers = modifiers, .is_down = action == GLFW_PRESS, .s = glfwGetTime()});
+    eventsOf(w).push_back({.kind = Kind::kKey,
+                           .key = key,
+                           .modifiers = modifiers,
+                           .is_down = action != GLFW_RELEASE,
+                           .is_repeated = action == GLFW_REPEAT,
+                           .s = glfwGetTime()});
   });
   glfwSetCharCallback(window, [](GLFWwindow* w, unsigned code) {
     eventsOf(w).push_back({.kind = Kind::kCharacter, .path = utf8(code)});
@@ -373,7 +376,7 @@ class Workshop {
           break;
       }
     }
-    pressHarder(io.KeyShift);
+    pressHarder(io.KeyShift && !bench_.isOnPedal());  // there Shift is a larger step
     panels_.pixels = pixels();
     context_.pointer = io.WantCaptureMouse ? std::nullopt : std::optional(std::array{pointer()[0], pointer()[1]});
     panels_.piece_drag.hover(context_, pointer());
@@ -387,6 +390,7 @@ class Workshop {
 
   // While text is typed only the window's own end is a command.
   void key(const InputEvent& e, bool is_text) {
+    if (!e.is_down) return keyUp(e.key);
     if (palette_.isShown()) return paletteKey(e.key);
     if (browser_.isShown() && (e.key == GLFW_KEY_ENTER || e.key == GLFW_KEY_KP_ENTER)) return browser_.accept();
     if (browser_.isShown() && e.key == GLFW_KEY_ESCAPE) return browser_.cancel();
@@ -395,7 +399,8 @@ class Workshop {
       return;
     }
     const bool is_alt = e.key == GLFW_KEY_LEFT_ALT || e.key == GLFW_KEY_RIGHT_ALT;
-    if (is_alt && e.is_down) return stroke_.tapAlt(context_, e.s);
+    if (is_alt && !e.is_repeated) return stroke_.tapAlt(context_, e.s);
+    if (!is_text && leadsStroke(e)) return;
     const int modifiers = e.modifiers & (GLFW_MOD_CONTROL | GLFW_MOD_SHIFT | GLFW_MOD_ALT);
     for (const AppCommand& command : appCommands()) {
       if (command.key.empty() || keyChord(command.key) != KeyChord{e.key, modifiers}) continue;
@@ -408,6 +413,50 @@ class Workshop {
       if (std::exchange(context_.wants_palette, false)) palette_.show();  // the next characters are for it
       return;
     }
+  }
+
+  // The foot pedal ends with its key.
+  void keyUp(int key) {
+    if (key == GLFW_KEY_SPACE && bench_.isOnPedal()) bench_.release();
+  }
+
+  // Keys that hold a stroke or nudge it.
+  bool leadsStroke(const InputEvent& e) {
+    if (e.key == GLFW_KEY_SPACE && e.modifiers == 0) {
+      const bool is_over_picture = context_.pointer.has_value();
+      if (!e.is_repeated && bench_.isOpen() && !bench_.importPlan())
+        bench_.stepOnPedal(is_over_picture ? std::optional(rayAtPixel(stroke_.at())) : std::nullopt);
+      return true;
+    }
+    if (!bench_.isPressed()) return false;
+    const std::optional<Vec3d> direction = nudgeOf(e.key);
+    if (!direction) return false;
+    stroke_.nudge(context_, *direction, heldKeys(e.modifiers));
+    return true;
+  }
+
+  static std::optional<Vec3d> nudgeOf(int key) {
+    switch (key) {
+      case GLFW_KEY_RIGHT:
+        return Vec3d::UnitX();
+      case GLFW_KEY_LEFT:
+        return -Vec3d::UnitX();
+      case GLFW_KEY_UP:
+        return Vec3d::UnitY();
+      case GLFW_KEY_DOWN:
+        return -Vec3d::UnitY();
+      case GLFW_KEY_END:
+        return Vec3d::UnitZ();
+      case GLFW_KEY_HOME:
+        return -Vec3d::UnitZ();
+      default:
+        return {};
+    }
+  }
+
+  HeldKeys heldKeys(int modifiers) const {
+    const bool tilts = (modifiers & GLFW_MOD_ALT) && held_ == kNone && bench_.isOpen();
+    return {tilts, (modifiers & GLFW_MOD_CONTROL) != 0, (modifiers & GLFW_MOD_SHIFT) != 0};
   }
 
   // What is typed comes as characters.
@@ -441,7 +490,7 @@ class Workshop {
     if (!e.is_down) {
       if (e.key == GLFW_MOUSE_BUTTON_LEFT) {
         panels_.piece_drag.release(context_, pointer());
-        bench_.release();
+        stroke_.release(context_);
       }
       if (e.key == held_) held_ = kNone;
       return;
@@ -460,14 +509,12 @@ class Workshop {
     x_ = e.x;
     y_ = e.y;
     if (panels_.piece_drag.isOn()) return panels_.piece_drag.move(context_, pointer());
-    stroke_.move(context_, pointer(), {.alt = tilts(e.modifiers), .ctrl = (e.modifiers & GLFW_MOD_CONTROL) != 0});
-    if (bench_.isPressed()) return;
+    stroke_.move(context_, pointer(), heldKeys(e.modifiers));
+    if (bench_.isPressed() && !bench_.isOnPedal()) return;
     bench_.saw().picking.move(rayAt(x_, y_));
     if (held_ == kNone) return;
     pans_ ? pan(camera_, dx, dy, context_.height) : orbit(camera_, dx, dy);
   }
-
-  bool tilts(int modifiers) const { return (modifiers & GLFW_MOD_ALT) && held_ == kNone && bench_.isOpen(); }
 
   void scroll(double notches) {
     if (bench_.isPressed()) return bench_.deepen(-kNotch * notches);

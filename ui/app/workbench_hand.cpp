@@ -1,0 +1,38 @@
+// How a stroke is led beside its pointer: along the tool's axis, in small steps, by a foot pedal. The rest of the
+// workbench: workbench.cpp.
+#include <algorithm>
+#include <cmath>
+
+#include "ui/app/sawing.h"
+#include "ui/app/workbench.h"
+
+namespace kerf {
+
+void Workbench::moveAlong(double mm) {
+  if (!stroke_) return;
+  const double deepest = std::min(depth_mm, mostDepth());
+  const double normal_mm = mm / std::sqrt(1 + aim_.slant.squaredNorm());
+  along_ = std::clamp(along_.value_or(depthNow().value_or(deepest)) + normal_mm, -MouseHand::kClearance, deepest);
+  sendAim();
+}
+
+void Workbench::nudge(const Camera& camera, double right_mm, double up_mm) {
+  constexpr double kInFront = 6;  // mm: so much nearer than the pointer the surface is looked for
+  if (!stroke_) return;
+  const Vec3d beside = aim_.pointer + right_mm * camera.right() + up_mm * camera.up();
+  drag({beside + kInFront * camera.backwards(), -camera.backwards()});
+}
+
+bool Workbench::stepOnPedal(const std::optional<Ray>& at) {
+  const std::optional<Ray> ray = at ? at : pointed_;
+  if (!stroke_ && !(ray && press(*ray))) return false;
+  is_on_pedal_ = true;
+  return true;
+}
+
+void Workbench::setSpeed(double of_nominal) {
+  speed = std::clamp(of_nominal, 0.0, 1.0);
+  if (stroke_) sendAim();
+}
+
+}  // namespace kerf
