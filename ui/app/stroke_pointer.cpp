@@ -32,7 +32,7 @@ void StrokePointer::move(AppContext& context, const Pixel& cursor, const HeldKey
 
 bool StrokePointer::press(AppContext& context, const Pixel& cursor) {
   if (cursor != std::exchange(cursor_, cursor)) at_ = cursor;
-  return context.bench.press(rayAt(context, at_));
+  return pressThere(context);
 }
 
 void StrokePointer::release(AppContext& context) {
@@ -47,7 +47,23 @@ void StrokePointer::nudge(AppContext& context, const Vec3d& direction, const Hel
 
   if (mm[2] != 0) return bench.moveAlong(mm[2]);
   bench.nudge(context.camera, mm[0], mm[1]);
-  if (bench.isOnPedal()) return;
+  viewHasTurned(context);
+}
+
+void StrokePointer::lead(AppContext& context, const Eigen::Vector2d& mm) {
+  if (context.bench.isPressed()) {
+    context.bench.nudge(context.camera, mm[0], mm[1]);
+    return viewHasTurned(context);
+  }
+  at_ += Pixel(mm[0], -mm[1]) / context.camera.mmPerPixel(context.height);
+  at_ = at_.cwiseMax(Pixel::Zero()).cwiseMin(Pixel(context.width, context.height));
+}
+
+bool StrokePointer::pressThere(AppContext& context) { return context.bench.press(rayAt(context, at_)); }
+
+void StrokePointer::viewHasTurned(const AppContext& context) {
+  const Workbench& bench = context.bench;
+  if (!bench.isPressed() || bench.isOnPedal()) return;
   const auto at = pixelOf(context.camera, bench.strokePointer(), context.width, context.height);
   at_ = {at[0], at[1]};
 }

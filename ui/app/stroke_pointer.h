@@ -35,6 +35,12 @@ class StrokePointer {
   void release(AppContext& context);
   /// One step of a key: 0.1 mm, with Ctrl 0.01, with Shift 1.   @param direction  right, up, in.
   void nudge(AppContext& context, const Vec3d& direction, const HeldKeys& held);
+  /// A stick leads the tool to the right and up in the picture, before and during a stroke, mm.
+  void lead(AppContext& context, const Eigen::Vector2d& mm);
+  /// A trigger was pulled: a stroke begins where the tool is.   @return  false: there is nothing there to cut.
+  bool pressThere(AppContext& context);
+  /// The camera moved during a stroke: the tool stays where it is.
+  void viewHasTurned(const AppContext& context);
   /// Alt went down.   @param now  s, of any clock.
   void tapAlt(AppContext& context, double now);
 

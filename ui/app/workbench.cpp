@@ -349,6 +349,7 @@ void Workbench::release() {
   stroke_.reset();
   along_.reset();
   is_on_pedal_ = false;
+  drill_ = 1;
   aim_.is_pressed = false;
   sendAim();
 }
@@ -356,7 +357,7 @@ void Workbench::release() {
 void Workbench::sendAim() {
   aim_.force = std::min(force * push_factor_, kMostForce);
   aim_.depth = std::min({depth_mm, mostDepth(), along_.value_or(depth_mm)});
-  aim_.pedal = speed;
+  aim_.pedal = speed * drill_;
   aim_.irrigation = irrigation;
   aim_.keep = stop_short_mm.value_or(-1);
   hand_->aim(aim_);

@@ -163,6 +163,8 @@ class Workbench {
   void deepen(double mm);
   void setForce(double newtons);
   void setSpeed(double of_nominal);
+  /// Times the speed, until the stroke ends: how far a trigger is pulled, 0 to 1.
+  void drill(double pedal);
   /// Times the force, until it is 1 again.
   void pushHarder(double factor);
   /// Ends the stroke, whoever holds it.
@@ -301,7 +303,7 @@ class Workbench {
   std::optional<double> along_;  // depth that the stroke was led to, mm
   bool is_on_pedal_ = false;
   MouseAim aim_;
-  double push_factor_ = 1;
+  double push_factor_ = 1, drill_ = 1;
   double removed_mm3_ = 0;
   std::uint64_t sent_ = 0;  // commands
   bool has_told_of_log_ = false;

@@ -30,6 +30,12 @@ bool Workbench::stepOnPedal(const std::optional<Ray>& at) {
   return true;
 }
 
+void Workbench::drill(double pedal) {
+  if (!stroke_) return;
+  drill_ = std::clamp(pedal, 0.0, 1.0);
+  sendAim();
+}
+
 void Workbench::setSpeed(double of_nominal) {
   speed = std::clamp(of_nominal, 0.0, 1.0);
   if (stroke_) sendAim();

@@ -18,6 +18,7 @@
 
 #include "ui/app/app_commands.h"
 #include "ui/app/app_script.h"
+#include "ui/app/gamepad_map.h"
 #include "ui/app/pointing.h"
 #include "ui/app/sawing.h"
 #include "ui/app/settings.h"
@@ -25,6 +26,7 @@
 #include "ui/app/view_commands.h"
 #include "ui/window/file_browser.h"
 #include "ui/window/frame_watch.h"
+#include "ui/window/gamepad.h"
 #include "ui/window/gl_context.h"
 #include "ui/window/gl_target.h"
 #include "ui/window/glfw_error.h"
@@ -376,16 +378,30 @@ class Workshop {
           break;
       }
     }
+    takeGamepad();
     pressHarder(io.KeyShift && !bench_.isOnPedal());  // there Shift is a larger step
     panels_.pixels = pixels();
     context_.pointer = io.WantCaptureMouse ? std::nullopt : std::optional(std::array{pointer()[0], pointer()[1]});
     panels_.piece_drag.hover(context_, pointer());
     const bool is_on_handle = panels_.piece_drag.lit().has_value();
     const bool is_picking = bench_.saw().picking.what() != SawPicking::What::kNothing;
-    const bool hovers = !io.WantCaptureMouse && held_ == kNone && !is_on_handle && !is_picking && !bench_.importPlan();
+    const bool is_on_panel = io.WantCaptureMouse && !is_led_by_gamepad_;
+    const bool hovers = !is_on_panel && held_ == kNone && !is_on_handle && !is_picking && !bench_.importPlan();
     over_ = hovers ? bench_.over(rayAtPixel(stroke_.at())) : std::nullopt;
     if (bench_.isPressed() || bench_.saw().isCutting()) over_.reset();
     view_->hover(over_);
+  }
+
+  // Of a window that does not have the focus it is nobody's.
+  void takeGamepad() {
+    const Clock::time_point now = Clock::now();
+    const double seconds = std::chrono::duration<double>(now - std::exchange(gamepad_read_, now)).count();
+    const bool is_ours =
+        bench_.isOpen() && !bench_.importPlan() && glfwGetWindowAttrib(desktop_.window, GLFW_FOCUSED) == GLFW_TRUE;
+    gamepad_.update(context_, stroke_, is_ours ? readGamepad() : std::nullopt, seconds);
+    if (!gamepad_.isUsed()) return;
+    is_led_by_gamepad_ = true;
+    last_input_ = now;
   }
 
   // While text is typed only the window's own end is a command.
@@ -508,6 +524,7 @@ class Workshop {
     const double dx = (e.x - x_) * pixels(), dy = (e.y - y_) * pixels();
     x_ = e.x;
     y_ = e.y;
+    is_led_by_gamepad_ = false;
     if (panels_.piece_drag.isOn()) return panels_.piece_drag.move(context_, pointer());
     stroke_.move(context_, pointer(), heldKeys(e.modifiers));
     if (bench_.isPressed() && !bench_.isOnPedal()) return;
@@ -574,6 +591,9 @@ class Workshop {
   CommandPalette palette_;
   const AppCommand* asked_for_ = nullptr;
   StrokePointer stroke_;
+  GamepadHand gamepad_;
+  Clock::time_point gamepad_read_ = Clock::now();
+  bool is_led_by_gamepad_ = false;  // the mouse has not moved since
   std::optional<ToolOverSurface> over_;
   Clock::time_point last_input_ = Clock::now();
   double x_ = 0, y_ = 0;  // of the pointer, window units

@@ -1,0 +1,66 @@
+// A workbench with a block on it, a camera from above, and who points the tool: for tests of hands.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <functional>
+#include <numbers>
+#include <thread>
+
+#include "geometry/formats/mesh_writer.h"
+#include "tests/support/open_block.h"
+#include "tests/support/temporary_folder.h"
+#include "ui/app/pointing.h"
+#include "ui/app/stroke_pointer.h"
+
+namespace kerf::test {
+
+// Nothing is open.
+class StrokePointerTest : public testing::Test {
+ protected:
+  TemporaryFolder folder_;
+  static WorkbenchOptions in(const TemporaryFolder& folder) {
+    WorkbenchOptions out;
+    out.data_folder = folder.path();
+    out.tools = {"round-014"};
+    out.real_time = {.priority = 0, .lock_memory = false};
+    return out;
+  }
+  Workbench bench_{in(folder_)};
+  Camera camera_ = *cameraFromView("top");
+  AppContext context_{.bench = bench_, .camera = camera_, .width = 400, .height = 300};
+  StrokePointer pointer_;
+  static constexpr double kDegree = std::numbers::pi / 180;
+};
+
+// A session with a block, on its own threads.
+class OnABlock : public StrokePointerTest {
+ protected:
+  void SetUp() override {
+    const std::filesystem::path file = folder_.path() / "block.ply";
+    ASSERT_TRUE(writeMesh(file, test::blockMesh(false)));
+    bench_.open(file);
+    until([&] { return !bench_.job() && bench_.scene().triangleCount() > 0; });
+    fitToBox(camera_, bench_.scene().bounds(), context_.width, context_.height);
+    bench_.depth_mm = 0.6;
+    bench_.setForce(2);
+  }
+  void TearDown() override {
+    bench_.close();
+    until([&] { return !bench_.job(); });
+  }
+  void until(const std::function<bool()>& is_so) {
+    do {
+      bench_.update();
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    } while (!is_so());
+  }
+  void run(double seconds) {
+    const auto end = bench_.report().tick + static_cast<std::uint64_t>(seconds / kTick);
+    until([&] { return bench_.report().tick >= end; });
+  }
+  Vec3d tip() const { return bench_.report().output.T_world_tool.translation; }
+};
+
+}  // namespace kerf::test

@@ -1,0 +1,80 @@
+#include "ui/app/gamepad_map.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace kerf {
+namespace {
+
+using Limits = GamepadLimits;
+
+// From rest to 1, without a step; gentle near rest.
+Eigen::Vector2d ofStick(const Eigen::Vector2d& stick) {
+  const double size = stick.norm();
+  if (!(size > Limits::kStickRest)) return Eigen::Vector2d::Zero();
+  const double out = (std::min(size, 1.0) - Limits::kStickRest) / (1 - Limits::kStickRest);
+  return out * out / size * stick;
+}
+
+double ofTrigger(double trigger) {
+  return std::clamp((trigger - Limits::kTriggerRest) / (1 - Limits::kTriggerRest), 0.0, 1.0);
+}
+
+void runIfItCan(AppContext& context, std::string_view id) {
+  const AppCommand* const command = findAppCommand(id);
+  if (!command->is_enabled(context)) return;
+  if (const auto done = command->run(context, {}); !done) context.bench.complain(done.error());
+}
+
+}  // namespace
+
+GamepadWish wishOf(const GamepadState& now, const GamepadState& before, double seconds) {
+  const double time = std::clamp(seconds, 0.0, Limits::kLongest);
+  const double slowed = 1 - (1 - Limits::kSlow) * ofTrigger(now.left_trigger);
+  const Eigen::Vector2d tool = Limits::kToolSpeed * time * slowed * ofStick(now.left_stick);
+
+  GamepadWish out;
+  out.tool_mm = {tool[0], -tool[1]};
+  out.orbit = Limits::kOrbitSpeed * time * slowed * ofStick(now.right_stick);
+  out.pedal = ofTrigger(now.right_trigger);
+  out.undoes = now.a && !before.a;
+  out.takes_previous = now.left_bumper && !before.left_bumper;
+  out.takes_next = now.right_bumper && !before.right_bumper;
+  return out;
+}
+
+void GamepadHand::update(AppContext& context, StrokePointer& pointer, const std::optional<GamepadState>& now,
+                         double seconds) {
+  const GamepadState state = now.value_or(GamepadState{});
+  const GamepadWish wish = wishOf(state, std::exchange(before_, state), seconds);
+  is_used_ = !wish.tool_mm.isZero(0) || !wish.orbit.isZero(0) || wish.pedal > 0;
+
+  if (!wish.orbit.isZero(0)) {
+    orbit(context.camera, wish.orbit[0], wish.orbit[1]);
+    pointer.viewHasTurned(context);
+  }
+  if (!wish.tool_mm.isZero(0)) pointer.lead(context, wish.tool_mm);
+  drill(context, pointer, wish.pedal);
+
+  if (wish.undoes) runIfItCan(context, "edit.undo");
+  if (wish.takes_previous) runIfItCan(context, "tool.previous");
+  if (wish.takes_next) runIfItCan(context, "tool.next");
+}
+
+void GamepadHand::drill(AppContext& context, StrokePointer& pointer, double pedal) {
+  Workbench& bench = context.bench;
+  if (holds_ && !bench.isPressed()) {
+    holds_ = false;
+    is_spent_ = true;
+  }
+  if (pedal <= 0) {
+    is_spent_ = false;
+    if (std::exchange(holds_, false)) bench.release();
+    return;
+  }
+
+  if (!holds_ && !is_spent_ && !bench.isPressed()) holds_ = pointer.pressThere(context);
+  if (holds_) bench.drill(pedal);
+}
+
+}  // namespace kerf

@@ -1,0 +1,13 @@
+// Reads a gamepad through GLFW.
+#pragma once
+
+#include <optional>
+
+#include "ui/app/gamepad_map.h"
+
+namespace kerf {
+
+/// The first one that GLFW has a mapping for; none: none is plugged in. The window's thread.
+std::optional<GamepadState> readGamepad();
+
+}  // namespace kerf
