@@ -115,10 +115,11 @@ void MouseHand::holdBackFromKept(const Vec3d& towards) noexcept {
 // How far what of the tool goes first is from where the hand wants it, mm. Of a tilted tool that turns out of the way,
 // too: what it touches with is beside its axis.
 Vec3d MouseHand::givesWay() const noexcept {
-  const Vec3d shift = felt_ / stiffness_;
+  Vec3d shift = felt_ / stiffness_;
   if (!isTilted()) return shift;
   const Vec3d turn = lean_.turn + torque_ / turn_stiffness_;
-  return shift + turn.cross(front_ + reach_ * axis_);
+  shift += turn.cross(front_ + reach_ * axis_);
+  return shift;
 }
 
 // Where the line through the hand, along the axis, meets the surface as loaded.

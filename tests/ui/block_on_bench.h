@@ -60,6 +60,12 @@ class OnABlock : public StrokePointerTest {
     const auto end = bench_.report().tick + static_cast<std::uint64_t>(seconds / kTick);
     until([&] { return bench_.report().tick >= end; });
   }
+  // As long as the tool needs to its depth, on a busy machine too.
+  void runToDepth() {
+    constexpr double kLongest = 20, kStep = 0.25;  // s
+    for (double t = 0; t < kLongest && bench_.isPressed() && *bench_.depthNow() < bench_.depth_mm - 0.03; t += kStep)
+      run(kStep);
+  }
   Vec3d tip() const { return bench_.report().output.T_world_tool.translation; }
 };
 

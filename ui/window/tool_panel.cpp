@@ -178,7 +178,7 @@ void drawTilt(AppContext& context) {
   Tilt& tilt = context.bench.tilt;
   if (tilt.isUpright()) return;
   constexpr double kDegree = std::numbers::pi / 180;
-  ImGui::Text("Tilt %.0f deg, towards %.0f", tilt.angle / kDegree, azimuthInView(context.camera, tilt) / kDegree);
+  ImGui::Text("Tilt %.0f deg, towards %.0f deg", tilt.angle / kDegree, azimuthInView(context.camera, tilt) / kDegree);
   ImGui::SameLine();
   if (ImGui::SmallButton("Upright")) tilt = {};
 }
