@@ -15,7 +15,8 @@
 //   a tilted tool    is led sideways by slant x its depth below the pointer, so that it goes in along its own axis
 //
 // Force, depth and surface go by the normal of the surface, tilted or not: what is tilted presses no harder, and what
-// of it is deepest stops at the depth. Its attitude is held against the torque, as a hand would.
+// of it is deepest stops at the depth. Its attitude is held against the torque, as a hand would. In hard tissue it is
+// behind its axis by side force / K, tenths of a mm, until it has cut its way there.
 //
 // The samples are in the session log like any device's: a replay gives the same bits without a mouse.
 #pragma once
