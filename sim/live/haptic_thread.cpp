@@ -258,6 +258,7 @@ void HapticThread::State::publish() noexcept {
     }
     report.objects[n] = {object.id, object.T_world_object, removed};
   }
+  report.undo = session.undoList();
   reports.back() = report;
   reports.publish();
 }

@@ -87,6 +87,7 @@ struct HapticReport {
   std::size_t object_count = 0;
   std::array<ObjectReport, kMostObjects> objects;  ///< those in the scene, by their number
   std::array<double, 256> removed_by_material{};   ///< mm^3, of all of them
+  UndoList undo;                                   ///< the steps that Undo and Redo take
 };
 
 struct HapticTimes {

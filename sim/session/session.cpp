@@ -135,7 +135,7 @@ bool Session::perform(const MoveObject& command) noexcept {
   if (!pose.isUsable()) return false;
   if (!is_stroke_) {  // a step of undo of its own
     markAll();
-    history_.close();
+    history_.close(now());
   }
   state_.objects[command.object].moveTo(pose);
   return true;
@@ -184,7 +184,7 @@ bool Session::hasFrozen() const noexcept {
 
 void Session::keepForGood() noexcept {
   markAll();
-  history_.close();
+  history_.close(now());
   history_.keepForGood();
 }
 
@@ -317,7 +317,7 @@ void Session::advance(const DeviceSample& sample, StepOutput& output) noexcept {
   if (presses && !is_stroke_) {
     is_stroke_ = true;
     markAll();
-    history_.close();
+    history_.close(now());
     if (sink_) sink_->mark(StrokeMark::kBegin, state_.tick);
   } else if (!presses && is_stroke_) {
     endStroke();
@@ -360,7 +360,7 @@ void Session::step(const DeviceSample& sample, StepOutput& output) noexcept {
 
 std::vector<std::byte> Session::snapshot() {
   markAll();
-  history_.close();
+  history_.close(now());
   last_snapshot_ = state_.tick;
   return packState(state_, loaded_);
 }

@@ -75,6 +75,8 @@ class Session {
   /// Whether Undo, Redo would be done now. @rt
   bool canUndo() const noexcept;
   bool canRedo() const noexcept;
+  /// The steps that Undo and Redo take, and the last of them. @rt  @cost below 1 µs.
+  UndoList undoList() const noexcept { return history_.list(state_.objects); }
   /// Whether something could be redone that a split would end. @rt
   bool wouldLoseRedo() const noexcept { return history_.redoable() > 0 && !history_.hasChanges(state_.objects); }
   /// For reserving bricks and exporting changed ones.
@@ -128,6 +130,7 @@ class Session {
   bool perform(const PlaceTool& command) noexcept;
 
   bool hasFrozen() const noexcept;
+  StepOrigin now() const noexcept { return {state_.tick, state_.tool}; }
   void advance(const DeviceSample& sample, StepOutput& output) noexcept;
   void reserveBricks();
   void checkState(std::uint64_t tick) noexcept;

@@ -1,5 +1,6 @@
 #include "sim/session/session_history.h"
 
+#include <algorithm>
 #include <cassert>
 
 namespace kerf {
@@ -7,6 +8,20 @@ namespace {
 
 bool isSamePose(const Rigid3& a, const Rigid3& b) {
   return a.translation == b.translation && a.rotation.coeffs() == b.rotation.coeffs();
+}
+
+// What lies between two states of a ledger.
+void addTo(UndoStep& step, const Ledger& before, const Ledger& after) noexcept {
+  for (std::size_t m = 0; m < before.removed.size(); ++m) {
+    step.removed_mm3 += after.removed[m] - before.removed[m];
+    step.added_mm3 += after.added[m] - before.added[m];
+  }
+}
+
+void addTo(UndoStep& step, const UndoStep& part) noexcept {
+  if (part.kind == UndoStep::Kind::kStroke) step.kind = UndoStep::Kind::kStroke;
+  step.removed_mm3 += part.removed_mm3;
+  step.added_mm3 += part.added_mm3;
 }
 
 }  // namespace
@@ -47,6 +62,7 @@ void SessionHistory::forgetRedo(std::vector<CutObject>& objects) noexcept {
     forget(std::move(steps_.back().split));
     steps_.pop_back();
   }
+  redo_steps_ = 0;
 }
 
 void SessionHistory::forget(std::unique_ptr<Split> split) noexcept {
@@ -55,22 +71,39 @@ void SessionHistory::forget(std::unique_ptr<Split> split) noexcept {
   forgotten_ = std::move(split);
 }
 
-SessionHistory::Step& SessionHistory::addStep(std::vector<CutObject>& objects) noexcept {
+// Its bricks stay as they are, for good.
+void SessionHistory::forgetOldest() noexcept {
+  if (floor_ > 0) {
+    --floor_;
+  } else if (steps_.size() > 1 && steps_[1].joins_last) {  // the rest of it can still be undone
+    steps_[1].what.number = steps_[0].what.number;
+    steps_[1].what.origin = steps_[0].what.origin;
+  } else {
+    --undo_steps_;
+    ++forgotten_steps_;
+  }
+  forget(std::move(steps_.front().split));
+  steps_.erase(steps_.begin());
+  --done_;
+}
+
+SessionHistory::Step& SessionHistory::addStep(std::vector<CutObject>& objects, bool joins_last) noexcept {
   forgetRedo(objects);
-  if (done_ == kMostSteps) {  // its bricks stay as they are, for good
-    forget(std::move(steps_.front().split));
-    steps_.erase(steps_.begin());
-    --done_;
-    if (floor_ > 0) --floor_;
+  if (done_ == kMostSteps) forgetOldest();
+  Step& step = steps_.emplace_back();  // reserved
+  step.joins_last = joins_last;
+  step.what.origin = next_;
+  if (beginsUndo(done_)) {
+    step.what.number = ++made_;
+    ++undo_steps_;
   }
   ++done_;
-  return steps_.emplace_back();  // reserved
+  return step;
 }
 
 void SessionHistory::mark(std::vector<CutObject>& objects) noexcept {
   assert(objects.size() == now_.size());
-  Step& step = addStep(objects);
-  step.joins_last = joins_next_;
+  Step& step = addStep(objects, joins_next_);
   joins_next_ = false;
   is_open_ = true;
 
@@ -89,6 +122,8 @@ void SessionHistory::mark(std::vector<CutObject>& objects) noexcept {
     known = trackedState(object);
     record->pose_after = known.pose;
     record->after = known.ledger;
+    if (!record->bricks.isEmpty()) step.what.kind = UndoStep::Kind::kStroke;
+    addTo(step.what, record->before, record->after);
     step.records.pushFront(record);
   }
 }
@@ -96,8 +131,8 @@ void SessionHistory::mark(std::vector<CutObject>& objects) noexcept {
 void SessionHistory::split(std::vector<CutObject>& objects, std::size_t index, std::unique_ptr<Split> split) noexcept {
   assert(split && split->parts > 0 && objects.size() + split->parts - 1 <= kMostObjects);
   const bool joins_last = done_ > 0 && is_open_;
-  Step& step = addStep(objects);
-  step.joins_last = joins_last;
+  Step& step = addStep(objects, joins_last);
+  step.what.kind = UndoStep::Kind::kStroke;
   step.split = std::move(split);
   step.split->index = index;
   swapSplit(objects, *step.split, false);
@@ -149,6 +184,8 @@ bool SessionHistory::undo(std::vector<CutObject>& objects) noexcept {
   joins_next_ = false;
   do apply(objects, steps_[--done_], true);
   while (steps_[done_].joins_last && done_ > floor_);
+  --undo_steps_;
+  ++redo_steps_;
   return true;
 }
 
@@ -156,7 +193,53 @@ bool SessionHistory::redo(std::vector<CutObject>& objects) noexcept {
   if (done_ == steps_.size()) return false;
   do apply(objects, steps_[done_++], false);
   while (done_ < steps_.size() && steps_[done_].joins_last);
+  ++undo_steps_;
+  --redo_steps_;
   return true;
+}
+
+// Since the last mark.
+UndoStep SessionHistory::changesOf(const std::vector<CutObject>& objects) const noexcept {
+  UndoStep out;
+  out.origin = next_;
+  out.number = made_ + 1;
+  for (std::size_t n = 0; n < objects.size(); ++n) {
+    if (!objects[n].strokes().isOpen()) continue;
+    out.kind = UndoStep::Kind::kStroke;
+    addTo(out, now_[n].ledger, {objects[n].removed_mm3, objects[n].added_mm3});
+  }
+  return out;
+}
+
+UndoList SessionHistory::list(const std::vector<CutObject>& objects) const noexcept {
+  UndoList out;
+  out.forgotten = forgotten_steps_;
+  out.undoable = undo_steps_;
+  out.redoable = redo_steps_;
+  const auto put = [&](const UndoStep& step) { out.newest[out.newest_count++] = step; };
+
+  // From the last to the first.
+  UndoStep joined;  // parts of the step that comes next
+  std::size_t n = steps_.size();
+  if (hasChanges(objects)) {
+    const UndoStep changes = changesOf(objects);
+    const bool joins_last = joins_next_ && done_ > floor_;
+    joins_last ? addTo(joined, changes) : put(changes);
+    out.undoable += joins_last ? 0 : 1;
+    out.redoable = 0;
+    n = done_;
+  }
+  while (n > floor_ && out.newest_count < out.newest.size()) {
+    const UndoStep& part = steps_[--n].what;
+    addTo(joined, part);
+    if (!beginsUndo(n)) continue;
+    joined.number = part.number;
+    joined.origin = part.origin;
+    put(joined);
+    joined = {};
+  }
+  std::reverse(out.newest.begin(), out.newest.begin() + static_cast<std::ptrdiff_t>(out.newest_count));
+  return out;
 }
 
 std::size_t SessionHistory::bytes() const noexcept {

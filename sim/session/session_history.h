@@ -5,6 +5,8 @@
 // no allocation, no lock. Undo and redo themselves take time with the stroke's size.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -12,6 +14,34 @@
 #include "sim/pieces/split_record.h"
 
 namespace kerf {
+
+/// When a step of undo began, and with which tool.
+struct StepOrigin {
+  std::uint64_t tick = 0;
+  std::size_t tool = 0;  ///< index into Model::tools
+  bool operator==(const StepOrigin&) const = default;
+};
+
+/// What one undo takes back: a stroke with the splits it led to, or the move of an object.
+struct UndoStep {
+  enum class Kind : std::uint8_t { kStroke, kMove };
+  std::uint64_t number = 0;  ///< 1 is the first of the session; later steps have larger ones, none comes twice
+  StepOrigin origin;
+  Kind kind = Kind::kMove;
+  double removed_mm3 = 0, added_mm3 = 0;
+  bool operator==(const UndoStep&) const = default;
+};
+
+/// What undo and redo lead to: how many steps there are, and the last of them. A value of fixed size.
+struct UndoList {
+  static constexpr std::size_t kMostNewest = 8;
+
+  std::size_t undoable = 0, redoable = 0;  ///< so many Undo, Redo would be done now
+  std::uint64_t forgotten = 0;             ///< steps that can not be undone any more: kMostSteps
+  std::array<UndoStep, kMostNewest> newest{};
+  std::size_t newest_count = 0;  ///< of `newest`: the last of all steps, those to redo among them, oldest first
+  bool operator==(const UndoList&) const = default;
+};
 
 class SessionHistory {
  public:
@@ -30,19 +60,27 @@ class SessionHistory {
   void split(std::vector<CutObject>& objects, std::size_t index, std::unique_ptr<Split> split) noexcept;
   /// Splits that can neither be undone nor redone any more: to be destroyed where there is time. @rt
   std::unique_ptr<Split> takeForgotten() noexcept { return std::move(forgotten_); }
-  /// What changes next is a stroke of its own. What is cut after a split and before this belongs to the stroke before.
-  void close() noexcept {
+  /// What changes next is a stroke of its own, which begins there. What is cut after a split and before this belongs to
+  /// the stroke before.
+  void close(const StepOrigin& next = {}) noexcept {
     joins_next_ = false;
     is_open_ = false;
+    next_ = next;
   }
   /// Undoes, redoes the last stroke. False: there is none. The objects' next repair() mends the shells; it may need
   /// more bricks than are free. No allocation. @pre everything is marked.
   /// @cost 4 µs a brick; repair() takes 3 to 5 µs a brick more.
   bool undo(std::vector<CutObject>& objects) noexcept;
   bool redo(std::vector<CutObject>& objects) noexcept;
+  /// Strokes and splits, each counted: an undo may take several of them.
   std::size_t undoable() const noexcept { return done_ - floor_; }
+  /// The steps that undo and redo take. What changed since the last mark is one of them. @rt  @cost below 1 µs.
+  UndoList list(const std::vector<CutObject>& objects) const noexcept;
   /// What was done so far can not be undone. @pre everything is marked; nothing can be redone.
-  void keepForGood() noexcept { floor_ = done_; }
+  void keepForGood() noexcept {
+    floor_ = done_;
+    undo_steps_ = 0;
+  }
   std::size_t redoable() const noexcept { return steps_.size() - done_; }
   /// Bytes in the versions of bricks that are kept.
   std::size_t bytes() const noexcept;
@@ -55,11 +93,15 @@ class SessionHistory {
     LinkedList<StrokeRecord> records;  // of the objects that were changed; in their pools
     std::unique_ptr<Split> split;
     bool joins_last = false;  // undone together with the step before it
+    UndoStep what;            // its number and origin: of the first of those that are undone together
   };
 
   void forgetRedo(std::vector<CutObject>& objects) noexcept;
   void forget(std::unique_ptr<Split> split) noexcept;
-  Step& addStep(std::vector<CutObject>& objects) noexcept;
+  Step& addStep(std::vector<CutObject>& objects, bool joins_last) noexcept;
+  void forgetOldest() noexcept;
+  bool beginsUndo(std::size_t n) const noexcept { return n == floor_ || !steps_[n].joins_last; }
+  UndoStep changesOf(const std::vector<CutObject>& objects) const noexcept;
   void apply(std::vector<CutObject>& objects, Step& step, bool is_undo) noexcept;
   void swapSplit(std::vector<CutObject>& objects, Split& split, bool is_undo) noexcept;
 
@@ -69,6 +111,9 @@ class SessionHistory {
   std::size_t floor_ = 0;  // undo leads back to these
   bool joins_next_ = false;
   bool is_open_ = false;  // something was marked since close()
+  StepOrigin next_;       // of what changes next
+  std::uint64_t made_ = 0, forgotten_steps_ = 0;
+  std::size_t undo_steps_ = 0, redo_steps_ = 0;
   std::unique_ptr<Split> forgotten_;
 };
 

@@ -311,6 +311,10 @@ TEST(SessionHistory, ForgetsTheOldestStrokeAndKeepsTheOthersRight) {
   digger.dig(-0.8, 0);
   for (std::size_t n = 0; n < SessionHistory::kMostSteps; ++n) history.mark(digger.state.objects);
   EXPECT_EQ(history.undoable(), SessionHistory::kMostSteps);
+  const UndoList list = history.list(digger.state.objects);
+  EXPECT_EQ(list.undoable, SessionHistory::kMostSteps);
+  EXPECT_EQ(list.forgotten, 1u);
+  EXPECT_EQ(list.newest.back().number, SessionHistory::kMostSteps + 1);
   while (history.undo(digger.state.objects)) object.repair();
   EXPECT_EQ(object.stateHash(), once);
 }

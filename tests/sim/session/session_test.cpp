@@ -68,6 +68,58 @@ TEST(Session, UndoTakesBackAStrokeBitForBitAndRedoBringsItBack) {
   EXPECT_EQ(field(), states[2]);
 }
 
+TEST(Session, ListsTheStepsThatUndoAndRedoTake) {
+  Session session(twoBalls(), {test::block({6, 4, 2}, 0.1)}, at(-1.5, 0.1, 0.3));
+  const auto removed = [&] {
+    return session.state().objects[0].removed_mm3[static_cast<std::size_t>(Material::kDentin)];
+  };
+  EXPECT_EQ(session.undoList(), UndoList{});
+
+  dab(session, -1.5, 0.6);
+  const double first = removed();
+  ASSERT_TRUE(session.apply(SelectTool{1}));
+  const std::uint64_t began = session.state().tick;
+  dab(session, 0.4, 0.6);
+  ASSERT_TRUE(session.apply(MoveObject{0, {0, 0, 1}}));
+  UndoList list = session.undoList();
+  EXPECT_EQ(list.undoable, 3u);
+  EXPECT_EQ(list.redoable, 0u);
+  ASSERT_EQ(list.newest_count, 3u);
+  EXPECT_EQ(list.newest[0].number, 1u);
+  EXPECT_EQ(list.newest[0].kind, UndoStep::Kind::kStroke);
+  EXPECT_NEAR(list.newest[0].removed_mm3, first, 1e-9);
+  EXPECT_EQ(list.newest[1].origin, (StepOrigin{began, 1}));
+  EXPECT_NEAR(list.newest[1].removed_mm3, removed() - first, 1e-9);
+  EXPECT_EQ(list.newest[2].kind, UndoStep::Kind::kMove);
+  EXPECT_EQ(list.newest[2].number, 3u);
+
+  // What was taken back stands behind what can be.
+  ASSERT_TRUE(session.apply(Undo{}) && session.apply(Undo{}));
+  EXPECT_EQ(session.undoList().undoable, 1u);
+  EXPECT_EQ(session.undoList().redoable, 2u);
+  EXPECT_EQ(session.undoList().newest, list.newest);
+  // A new stroke takes its place, with a number of its own.
+  dab(session, 1.2, 0.4);
+  list = session.undoList();
+  EXPECT_EQ(list.undoable, 2u);
+  EXPECT_EQ(list.redoable, 0u);
+  ASSERT_EQ(list.newest_count, 2u);
+  EXPECT_EQ(list.newest[1].number, 4u);
+  EXPECT_GT(list.newest[1].removed_mm3, 0);
+
+  // Only the last of many are listed.
+  for (int n = 0; n < 10; ++n) ASSERT_TRUE(session.apply(MoveObject{0, {0, 0, 2.0 + n}}));
+  list = session.undoList();
+  EXPECT_EQ(list.undoable, 12u);
+  EXPECT_EQ(list.newest_count, UndoList::kMostNewest);
+  EXPECT_EQ(list.newest.front().number, 7u);
+  EXPECT_EQ(list.newest.back().number, 14u);
+  for (std::size_t n = 0; n < 12; ++n) ASSERT_TRUE(session.apply(Undo{}));
+  EXPECT_FALSE(session.apply(Undo{}));
+  EXPECT_EQ(session.undoList().undoable, 0u);
+  EXPECT_EQ(session.undoList().redoable, 12u);
+}
+
 TEST(Session, WhatTheToolCutsWhileItRunsDownBelongsToItsStroke) {
   Model model = twoBalls();
   model.tools[0].drive.time_constant = 0.1;
