@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "ui/app/command_words.h"
+#include "ui/app/edit_commands.h"
 #include "ui/app/file_commands.h"
 #include "ui/app/hand_commands.h"
 #include "ui/app/import_commands.h"
@@ -71,14 +72,6 @@ Expected<void> recover(AppContext& c, AppWords words) {
   c.bench.recover(static_cast<std::size_t>(n) - 1);
   return {};
 }
-Expected<void> undo(AppContext& c, AppWords) {
-  c.bench.undo();
-  return {};
-}
-Expected<void> redo(AppContext& c, AppWords) {
-  c.bench.redo();
-  return {};
-}
 
 constexpr AppCommand kCommands[] = {
     {"file.open", "File", "Open...", "Ctrl+O", "PATH",
@@ -127,8 +120,15 @@ constexpr AppCommand kCommands[] = {
      "Ends the job under way and leaves nothing of it behind.", hasJob, cancelJob},
     {"app.quit", "File", "Quit", "Ctrl+Q", "", "Ends the session, writes it and closes the window.", always, quit},
 
-    {"edit.undo", "Edit", "Undo", "Ctrl+Z", "", "Takes back the last stroke.", isOpen, undo},
-    {"edit.redo", "Edit", "Redo", "Ctrl+Y", "", "Does the stroke again that was taken back last.", isOpen, redo},
+    {"edit.undo", "Edit", "Undo", "Ctrl+Z", "", "Takes back the last stroke.", isOpen, edit_commands::undo},
+    {"edit.redo", "Edit", "Redo", "Ctrl+Y", "", "Does the stroke again that was taken back last.", isOpen,
+     edit_commands::redo},
+    {"edit.go", "", "", "", "STEP", "Goes to the end of a step of the timeline; 0 is the beginning.", isOpen,
+     edit_commands::go},
+    {"edit.begin", "Edit", "Back to the beginning", "Ctrl+Home", "",
+     "Takes back all steps, as far back as they are kept.", isOpen, edit_commands::begin},
+    {"edit.end", "Edit", "Forward to the last step", "Ctrl+End", "", "Does all steps again that were taken back.",
+     isOpen, edit_commands::end},
 
     {"palette.show", "Edit", "Commands...", "Ctrl+Shift+P", "", "Finds a command by words and runs it.", always,
      showPalette},
@@ -314,7 +314,7 @@ std::string appCommandReference() {
       "double quotes may hold blanks. X and Y are pixels of the picture, Y downwards. Beside them a script has `wait` "
       "(until "
       "no job runs and no plane is sawn), `wait SECONDS` (of the simulation), `print` (the state, as JSON) and `expect "
-      "removed|depth|near|sawn|triangles|pieces LOW HIGH`. The first error ends it, "
+      "removed|depth|near|sawn|triangles|pieces|steps|ahead LOW HIGH`. The first error ends it, "
       "with "
       "exit code 1 and the line.\n\n| command | parameters | key | what it does |\n|---|---|---|---|\n";
   for (const AppCommand& c : kCommands)

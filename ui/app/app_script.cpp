@@ -50,6 +50,8 @@ void printState(const AppContext& c) {
                    {"ticks", c.bench.report().tick},
                    {"pieces", c.bench.scene().shown().size()},
                    {"triangles", c.bench.scene().triangleCount()},
+                   {"steps", c.bench.timeline().done()},
+                   {"steps_ahead", c.bench.timeline().steps().size() - c.bench.timeline().done()},
                    {"planes", c.bench.saw().plan().planes().size()},
                    {"sawn_percent", 100 * c.bench.saw().lastShare()}};
   if (c.bench.importPlan()) j["import"] = nlohmann::json::parse(importState(*c.bench.importPlan()));
@@ -70,8 +72,10 @@ double nearestOf(const AppContext& c) {
   return near && !near->is_far ? near->distance_mm : kFar;
 }
 
+const std::string kExpected = "removed, depth, near, sawn, triangles, pieces, steps or ahead";
+
 Expected<void> expect(const AppContext& c, AppWords words) {
-  if (words.empty()) return wrongWord("nothing", "removed, depth, near, sawn, triangles or pieces, and its range");
+  if (words.empty()) return wrongWord("nothing", kExpected + ", and its range");
   KERF_TRY(low, numberOf(words, 1, "LOW", -1e12, 1e12));
   KERF_TRY(high, numberOf(words, 2, "HIGH", -1e12, 1e12));
   double value = 0;
@@ -87,8 +91,12 @@ Expected<void> expect(const AppContext& c, AppWords words) {
     value = static_cast<double>(c.bench.scene().triangleCount());
   else if (words[0] == "pieces")
     value = static_cast<double>(c.bench.scene().shown().size());
+  else if (words[0] == "steps")
+    value = static_cast<double>(c.bench.timeline().older() + c.bench.timeline().done());
+  else if (words[0] == "ahead")
+    value = static_cast<double>(c.bench.timeline().steps().size() - c.bench.timeline().done());
   else
-    return wrongWord("\"" + words[0] + "\"", "removed, depth, near, sawn, triangles or pieces");
+    return wrongWord("\"" + words[0] + "\"", kExpected);
   if (value >= low && value <= high) return {};
   return wrongWord(fmt::format("{} {:g}", words[0], value), fmt::format("{:g} to {:g}", low, high));
 }

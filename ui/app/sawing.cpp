@@ -237,7 +237,7 @@ Expected<void> Sawing::cut(double force_n) {
   KERF_TRY(plane, chosen());
   if (cutting_)
     return refuse(Error::Code::kUnsupported, "a plane is being sawn", "one at a time", "wait for it, or saw.stop");
-  if (bench_.isPressed())
+  if (bench_.isPressed() || bench_.undos_left_ != 0)
     return refuse(Error::Code::kUnsupported, "the tool is in use", "a tool at rest", "let go of the button first");
 
   const Tool& tool = bench_.tool(bench_.toolInHand());
@@ -302,8 +302,8 @@ Expected<void> Sawing::cut(double force_n) {
                            .front = blade->front,
                            .last = start,
                            .began = now.tick,
-                           .cleared = now.tick,
-                           .pauses = now.counts.pauses});
+                           .cleared = now.tick});
+  bench_.timeline_.beginPlannedCut(plane.name);
   last_share_ = 0;
   return {};
 }
@@ -364,6 +364,7 @@ void Sawing::update() {
                      .hint = "saw.cut again"});
     stop();
     cutting_.reset();
+    bench_.timeline_.endPlannedCut();
     return;
   }
   if (!c.is_begun) c.last = now.output.T_world_tool;
@@ -381,7 +382,7 @@ void Sawing::update() {
 void Sawing::finish(const GuidedReport& report) {
   const Cutting& c = *cutting_;
   last_share_ = c.section.share();
-  strokes_ = 1 + static_cast<std::size_t>(bench_.report().counts.pauses - c.pauses);
+  bench_.timeline_.endPlannedCut();
   const double seconds = kTick * static_cast<double>(bench_.report().tick - c.began);
   const double percent = std::floor(1000 * last_share_) / 10;
   const bool is_whole = last_share_ >= 0.995, is_aside = c.aside >= kAsideIsTold;
@@ -450,7 +451,6 @@ void Sawing::opened() {
   plan_.clear();
   saved_ = seen_ = plan_.version();
   last_share_ = 0;
-  strokes_ = 1;
   guide = false;
   picking.begin(SawPicking::What::kNothing);
 }
@@ -463,8 +463,6 @@ void Sawing::closing() {
       bench_.complain(written.error());
   saved_ = plan_.version();
 }
-
-std::size_t Sawing::takeStrokes() { return std::exchange(strokes_, 1); }
 
 // A second after the last change: a stepper that is held makes one file.
 void Sawing::saveSoon() {

@@ -110,9 +110,6 @@ class Sawing {
   /// As stop(), and takes it back when the blade is out.
   void stopAndUndo();
   void closing();  ///< writes the plan to the session's folder
-  /// How many strokes the last planned cut has become: more than one if the 1 kHz thread had to pause. Then one.
-  std::size_t takeStrokes();
-  void forgetStrokes() { strokes_ = 1; }
 
  private:
   struct Cutting {
@@ -123,7 +120,6 @@ class Sawing {
     Rigid3 last;                           // of the tool
     double aside = 0;                      // of the blade beside its plane, at most, mm
     std::uint64_t began = 0, cleared = 0;  // ticks
-    std::uint64_t pauses = 0;
     bool is_begun = false, is_undone_after = false;
   };
   Expected<void> addFitted(SawPlane plane, FitOptions options);
@@ -142,7 +138,6 @@ class Sawing {
   std::optional<Cutting> cutting_;
   std::uint64_t cuts_ = 0;
   double last_share_ = 0;
-  std::size_t strokes_ = 1;
   std::uint64_t saved_ = 0, seen_ = 0;  // versions of the plan
   struct Measured {
     std::uint64_t version = 0;  // of the plan

@@ -80,13 +80,14 @@ void Workbench::takeNews() {
     removed_mm3_ = run_->removedBefore();
     for (std::size_t n = 0; n < report_.object_count; ++n) removed_mm3_ += report_.objects[n].removed_mm3;
   }
+  timeline_.update(report_.undo);
+  sendUndos();
   if (run_->thread().updateTimes()) times_ = run_->thread().times();
   const auto chunks = run_->takeChunks();
   scene_.update(chunks, report_);
   // A piece that was moved is where the simulation has it as soon as that has answered.
-  const std::uint64_t answered = report_.counts.commands_done + report_.counts.commands_refused;
   std::erase_if(moving_, [&](const Moving& piece) {
-    if (answered < piece.sent) return false;
+    if (answered() < piece.sent) return false;
     dragPiece(piece.id, std::nullopt);
     return true;
   });
@@ -103,7 +104,7 @@ void Workbench::takeNews() {
 bool Workbench::isSettled() {
   constexpr std::uint64_t kTicks = 3;  // after a command: what it changed is counted in the next tick
   const HapticCounts& c = report_.counts;
-  const bool is_done = c.commands_done + c.commands_refused >= sent_ && report_.output.touching == 0;
+  const bool is_done = undos_left_ == 0 && answered() >= sent_ && report_.output.touching == 0;
   if (is_done && !handover_->done_at) handover_->done_at = report_.tick;
   const bool is_counted = handover_->done_at && report_.tick >= *handover_->done_at + kTicks;
   return is_counted && c.edits_waiting == 0 && run_->editsDone() >= c.edits_pushed;
@@ -202,6 +203,9 @@ void Workbench::show(Opened& loaded) {
   source_ = loaded.source;
   sent_ = 0;
   report_ = {};
+  timeline_.clear();
+  undos_left_ = 0;
+  undos_answered_at_ = 0;
   has_told_of_log_ = false;
   fresh_.clear();
   occlusal_ = loaded.occlusal;
@@ -292,12 +296,11 @@ std::optional<ToolOverSurface> Workbench::over(const Ray& ray) const {
 }
 
 bool Workbench::press(const Ray& ray) {
-  if (saw_->isCutting()) return false;
+  if (saw_->isCutting() || undos_left_ != 0) return false;
   const auto at = over(ray);
   if (!at) return false;
   release();
   pointed_ = ray;
-  saw_->forgetStrokes();
   // A mouse is no arm that could be struck: after a late clock it goes on at once.
   if (report_.is_latched) send(ClearLatch{});
   const bool is_guided = saw_->isGuiding();
@@ -398,14 +401,57 @@ void Workbench::undo() {
   if (!run_) return;
   if (saw_->isCutting()) return saw_->stopAndUndo();
   release();
-  for (std::size_t n = saw_->takeStrokes(); n > 0; --n) send(Undo{});
+  // What was cut since the last report is a stroke that the timeline does not know yet.
+  const std::size_t done = stepsDone(), strokes = strokesDone();
+  undoOrRedo(done > 0 ? -static_cast<std::ptrdiff_t>(strokes - timeline_.strokesAt(done - 1)) : -1);
 }
 
 void Workbench::redo() {
   if (!run_) return;
   if (isSawing()) return;
   release();
-  send(Redo{});
+  const std::size_t done = stepsDone(), strokes = strokesDone();
+  const bool is_known = done < timeline_.steps().size();
+  undoOrRedo(is_known ? static_cast<std::ptrdiff_t>(timeline_.strokesAt(done + 1) - strokes) : 1);
+}
+
+Expected<void> Workbench::goToStep(std::uint64_t step) {
+  if (!run_) return fail({.code = Error::Code::kEmpty, .found = "nothing is open", .hint = "open a scan first"});
+  KERF_TRY(strokes, timeline_.strokesAfter(step));
+  if (saw_->isCutting())
+    return fail({.code = Error::Code::kUnsupported,
+                 .found = "a plane is being sawn",
+                 .expected = "a tool at rest",
+                 .hint = "wait for it, or stop it (saw.stop)"});
+  release();
+  undoOrRedo(static_cast<std::ptrdiff_t>(strokes) - static_cast<std::ptrdiff_t>(strokesDone()));
+  return {};
+}
+
+std::size_t Workbench::stepsDone() const { return timeline_.doneAt(strokesDone()); }
+
+// As far as is known: when all that was asked for is done.
+std::size_t Workbench::strokesDone() const {
+  const bool is_over = undos_left_ == 0 && answered() >= undos_answered_at_;
+  return is_over ? timeline_.strokesDone() : static_cast<std::size_t>(std::max<std::ptrdiff_t>(strokes_then_, 0));
+}
+
+void Workbench::undoOrRedo(std::ptrdiff_t strokes) {
+  if (strokes == 0) return;
+  strokes_then_ = static_cast<std::ptrdiff_t>(strokesDone()) + strokes;
+  undos_left_ += strokes;
+  sendUndos();
+}
+
+// So many at a time that the queue has places left for other commands.
+void Workbench::sendUndos() {
+  constexpr std::uint64_t kMost = HapticThread::kMostCommands / 2;
+  while (undos_left_ != 0 && sent_ < answered() + kMost) {
+    const bool is_undo = undos_left_ < 0;
+    if (!send(is_undo ? Command(Undo{}) : Command(Redo{}))) return;
+    undos_left_ += is_undo ? 1 : -1;
+    undos_answered_at_ = sent_;
+  }
 }
 
 // ---- Pieces
@@ -420,9 +466,8 @@ void Workbench::movePiece(std::uint32_t id, const Rigid3& T_world_object) {
                      .place = piece->name,
                      .found = "a place that can not be computed with",
                      .expected = "less than 100 m away"});
-  if (isSawing()) return dragPiece(id, std::nullopt);
+  if (isSawing() || undos_left_ != 0) return dragPiece(id, std::nullopt);
   release();
-  saw_->forgetStrokes();
   const Vec3d& t = T_world_object.translation;
   const Eigen::Quaterniond& q = T_world_object.rotation;
   piece->dragged = T_world_object;

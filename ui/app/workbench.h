@@ -26,6 +26,7 @@
 #include "ui/app/opening.h"
 #include "ui/app/stroke.h"
 #include "ui/app/tilt.h"
+#include "ui/app/timeline.h"
 #include "ui/app/user_files.h"
 
 namespace kerf {
@@ -189,6 +190,13 @@ class Workbench {
 
   void undo();
   void redo();
+  const Timeline& timeline() const { return timeline_; }
+  /// Steps that are done when all Undo and Redo that were asked for are: timeline().steps() up to there.
+  std::size_t stepsDone() const;
+  /// Takes back or does again what lies between now and the end of a step. 0: the beginning. Until that is done nothing
+  /// is cut.   @param step  its number, as people see it.
+  /// Errors: kUnsupported for one before timeline().older(), or while a plane is sawn; kBadValue for one that is not.
+  Expected<void> goToStep(std::uint64_t step);
 
   // ---- Pieces, by SceneObject::id
 
@@ -241,6 +249,10 @@ class Workbench {
   bool isBusy();
   bool isSawing();
   bool send(const Command& command);
+  std::uint64_t answered() const { return report_.counts.commands_done + report_.counts.commands_refused; }
+  void undoOrRedo(std::ptrdiff_t strokes);
+  void sendUndos();
+  std::size_t strokesDone() const;
   void findLostSessions();
   void remember(const std::filesystem::path& path);
   void putImportAway();
@@ -306,6 +318,10 @@ class Workbench {
   double push_factor_ = 1, drill_ = 1;
   double removed_mm3_ = 0;
   std::uint64_t sent_ = 0;  // commands
+  Timeline timeline_;
+  std::ptrdiff_t undos_left_ = 0;        // to be sent: Redo, or as a negative number Undo
+  std::ptrdiff_t strokes_then_ = 0;      // that are done when they all are
+  std::uint64_t undos_answered_at_ = 0;  // when so many commands are answered
   bool has_told_of_log_ = false;
   /// A job that waits for what it exports: until the last stroke is meshed.
   struct Handover {

@@ -13,6 +13,7 @@
 #include "ui/window/measure_panel.h"
 #include "ui/window/settings_panel.h"
 #include "ui/window/style.h"
+#include "ui/window/timeline_panel.h"
 
 namespace kerf {
 namespace {
@@ -135,7 +136,7 @@ void drawNotices(AppContext& context, PanelState& state) {
   if (state.notices_seen >= notices.size()) return;
   const ImGuiIO& io = ImGui::GetIO();
   const bool has_hints = context.bench.isOpen() && context.settings && !context.settings->values.are_hints_dismissed;
-  const float below = has_hints ? scaled(158) : 16;  // the hints stay readable
+  const float below = (has_hints ? scaled(158) : 16) + timelineHeight(context);  // the hints stay readable
   ImGui::SetNextWindowPos({0.5f * io.DisplaySize.x, io.DisplaySize.y - below}, ImGuiCond_Always, {0.5f, 1});
   ImGui::SetNextWindowSizeConstraints({360, 0}, {720, 260});
   ImGui::Begin("##notices", nullptr,
@@ -158,7 +159,7 @@ void drawNotices(AppContext& context, PanelState& state) {
 void drawHints(AppContext& context) {
   if (!context.settings || context.settings->values.are_hints_dismissed) return;
   const ImGuiIO& io = ImGui::GetIO();
-  ImGui::SetNextWindowPos({8, io.DisplaySize.y - 8}, ImGuiCond_Always, {0, 1});
+  ImGui::SetNextWindowPos({8, io.DisplaySize.y - 8 - timelineHeight(context)}, ImGuiCond_Always, {0, 1});
   ImGui::Begin("##hints", nullptr,
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove);
   ImGui::TextColored(styleColours().accent, "Left button on the object: cut. Hold still to go as deep as the limit.");
@@ -183,6 +184,7 @@ void drawPanels(AppContext& context, PanelState& state, const std::optional<Tool
     float below = drawReadings(context, over) + 8;
     below = drawPieces(context, state.piece_drag, below, state.pixels) + 8;
     drawMeasure(context, state.pixels);
+    drawTimeline(context);
     drawHints(context);
     drawSawPanel(context, state.saw);
   } else {

@@ -1,0 +1,245 @@
+#include "ui/app/timeline.h"
+
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "geometry/formats/mesh_writer.h"
+#include "sim/run/replay.h"
+#include "tests/support/open_block.h"
+#include "tests/support/temporary_folder.h"
+#include "ui/app/app_script.h"
+#include "ui/app/sawing.h"
+
+namespace kerf {
+namespace {
+
+namespace fs = std::filesystem;
+
+UndoStep strokeOf(std::uint64_t number) {
+  return {number, {1000 * number, 2}, UndoStep::Kind::kStroke, 0.1 * static_cast<double>(number), 0};
+}
+
+// As SessionHistory would list them.
+UndoList listOf(const std::vector<UndoStep>& all, std::size_t undoable, std::uint64_t forgotten = 0) {
+  UndoList out;
+  out.undoable = undoable;
+  out.redoable = all.size() - undoable;
+  out.forgotten = forgotten;
+  out.newest_count = std::min(all.size(), UndoList::kMostNewest);
+  std::copy(all.end() - static_cast<std::ptrdiff_t>(out.newest_count), all.end(), out.newest.begin());
+  return out;
+}
+
+std::vector<UndoStep> strokes(std::uint64_t first, std::uint64_t last) {
+  std::vector<UndoStep> out;
+  for (std::uint64_t n = first; n <= last; ++n) out.push_back(strokeOf(n));
+  return out;
+}
+
+double removedBy(const Timeline& timeline) {
+  double sum = 0;
+  for (const TimelineStep& step : timeline.steps()) sum += step.removed_mm3;
+  return sum;
+}
+
+TEST(Timeline, KeepsStepsThatAReportNoLongerNames) {
+  Timeline timeline;
+  for (std::uint64_t n = 1; n <= 20; ++n) timeline.update(listOf(strokes(1, n), n));
+  ASSERT_EQ(timeline.steps().size(), 20u);
+  EXPECT_EQ(timeline.done(), 20u);
+  EXPECT_NEAR(removedBy(timeline), 21, 1e-9);
+  EXPECT_EQ(timeline.steps()[3].began_s, 4);
+  EXPECT_EQ(timeline.steps()[3].tool, 2u);
+
+  // Taken back, and another stroke from there.
+  timeline.update(listOf(strokes(1, 20), 5));
+  EXPECT_EQ(timeline.done(), 5u);
+  EXPECT_EQ(timeline.steps().size(), 20u);
+  std::vector<UndoStep> branch = strokes(1, 5);
+  branch.push_back(strokeOf(21));
+  timeline.update(listOf(branch, 6));
+  ASSERT_EQ(timeline.steps().size(), 6u);
+  EXPECT_NEAR(removedBy(timeline), 1.5 + 2.1, 1e-9);
+  EXPECT_EQ(timeline.older(), 0u);
+}
+
+TEST(Timeline, CountsStepsThatWereTooManyForAReport) {
+  Timeline timeline;
+  timeline.update(listOf(strokes(1, 3), 3));
+  timeline.update(listOf(strokes(1, 15), 15));
+  EXPECT_EQ(timeline.steps().size(), 15u);
+  EXPECT_NEAR(timeline.steps()[14].removed_mm3, 1.5, 1e-9);
+
+  // Others in the place of those that were taken back, all between two reports.
+  timeline.update(listOf(strokes(1, 15), 12));
+  std::vector<UndoStep> branch = strokes(1, 12);
+  for (std::uint64_t n = 16; n < 24; ++n) branch.push_back(strokeOf(n));
+  timeline.update(listOf(branch, 20));
+  ASSERT_EQ(timeline.steps().size(), 20u);
+  EXPECT_EQ(timeline.steps()[5].removed_mm3, 0) << "nobody saw it";
+  EXPECT_NEAR(timeline.steps()[11].removed_mm3, 1.2, 1e-9);
+  EXPECT_NEAR(timeline.steps()[12].removed_mm3, 1.6, 1e-9);
+}
+
+TEST(Timeline, NumbersGoOnWhenTheOldestAreForgotten) {
+  Timeline timeline;
+  timeline.update(listOf(strokes(1, 6), 6));
+  timeline.update(listOf(strokes(3, 8), 6, 2));
+  EXPECT_EQ(timeline.older(), 2u);
+  ASSERT_EQ(timeline.steps().size(), 6u);
+  EXPECT_NEAR(timeline.steps()[0].removed_mm3, 0.3, 1e-9);
+
+  EXPECT_EQ(timeline.strokesAfter(2), 0u);
+  EXPECT_EQ(timeline.strokesAfter(8), 6u);
+  const auto too_old = timeline.strokesAfter(1), too_far = timeline.strokesAfter(9);
+  ASSERT_FALSE(too_old || too_far);
+  EXPECT_EQ(too_old.error().code, Error::Code::kUnsupported);
+  EXPECT_NE(too_old.error().message().find("too old"), std::string::npos) << too_old.error().message();
+  EXPECT_NE(too_far.error().message().find("2 to 8"), std::string::npos) << too_far.error().message();
+}
+
+TEST(Timeline, APlannedCutIsOneStepHoweverManyStrokesItTook) {
+  Timeline timeline;
+  timeline.update(listOf(strokes(1, 2), 2));
+  timeline.beginPlannedCut("mesial");
+  timeline.update(listOf(strokes(1, 3), 3));
+  timeline.update(listOf(strokes(1, 5), 5));
+  timeline.endPlannedCut();
+  timeline.update(listOf(strokes(1, 6), 6));
+  ASSERT_EQ(timeline.steps().size(), 4u);
+  const TimelineStep& cut = timeline.steps()[2];
+  EXPECT_EQ(cut.kind, TimelineStep::Kind::kPlannedCut);
+  EXPECT_EQ(cut.plane, "mesial");
+  EXPECT_EQ(cut.strokes, 3u);
+  EXPECT_NEAR(cut.removed_mm3, 1.2, 1e-9);
+  EXPECT_EQ(describeStep(cut, 3, "saw"), "3: planned cut mesial, 1.20 mm3 removed, at 3.0 s");
+  EXPECT_EQ(timeline.strokesAt(3), 5u);
+  EXPECT_EQ(timeline.doneAt(5), 3u);
+  EXPECT_EQ(timeline.doneAt(4), 2u) << "a part of it is not all of it";
+
+  // Nothing was cut: the next stroke is one of its own.
+  timeline.beginPlannedCut("distal");
+  timeline.endPlannedCut();
+  timeline.update(listOf(strokes(1, 7), 7));
+  EXPECT_EQ(timeline.steps().back().kind, TimelineStep::Kind::kStroke);
+}
+
+TEST(Timeline, WhatANewStrokeWouldDropIsSaidIfItIsMoreThanOneStep) {
+  EXPECT_EQ(lossOf(0), "");
+  EXPECT_EQ(lossOf(1), "");
+  EXPECT_NE(lossOf(7).find("7 steps"), std::string::npos);
+}
+
+// ---- A session
+
+class TimelineTest : public testing::Test {
+ protected:
+  TimelineTest() {
+    WorkbenchOptions options;
+    options.data_folder = folder_.path() / "data";
+    options.tools = {"round-014", "round-010", "saw-reciprocating-25"};
+    options.real_time = {.priority = 0, .lock_memory = false};
+    bench_.emplace(options);
+    context_.emplace(AppContext{.bench = *bench_, .camera = camera_, .width = 400, .height = 300});
+    const fs::path file = folder_.path() / "a scan.ply";
+    EXPECT_TRUE(writeMesh(file, test::blockMesh(false)));
+    run("file.open \"" + file.string() + "\"\nwait\nview.fit\ncut.force 2\ncut.depth 0.4\n");
+  }
+  void run(const std::string& script) {
+    const auto played = runScript(*context_, folder_.write("script.ks", script), [&] { bench_->update(); });
+    EXPECT_TRUE(played) << played.error().message();
+  }
+  std::string refusalOf(const std::string& script) {
+    const auto played = runScript(*context_, folder_.write("script.ks", script), [&] { bench_->update(); });
+    return played ? "" : played.error().message();
+  }
+  void stroke(int x) { run("cut.press " + std::to_string(x) + " 150\nwait 1\ncut.release\nwait 0.2\n"); }
+  void goTo(std::size_t step) { run("edit.go " + std::to_string(step) + "\nwait 0.3\n"); }
+  fs::path end() {
+    bench_->close();
+    while (bench_->job()) bench_->update();
+    return bench_->sessionFolder();
+  }
+
+  TemporaryFolder folder_;
+  std::optional<Workbench> bench_;
+  Camera camera_ = *cameraFromView("top");
+  std::optional<AppContext> context_;
+};
+
+TEST_F(TimelineTest, GoesBackAndForwardAndBranchesAndTheLogReplays) {
+  std::vector<double> removed{0};
+  for (const int x : {150, 180, 210, 240}) {
+    stroke(x);
+    removed.push_back(bench_->removedMm3());
+    ASSERT_GT(removed.back(), removed[removed.size() - 2]);
+  }
+  run("expect steps 4 4\nexpect ahead 0 0\n");
+  for (std::size_t n = 0; n < 4; ++n)
+    EXPECT_NEAR(bench_->timeline().steps()[n].removed_mm3, removed[n + 1] - removed[n], 1e-9);
+
+  for (const std::size_t step : {1u, 3u, 0u, 4u, 2u}) {
+    goTo(step);
+    EXPECT_NEAR(bench_->removedMm3(), removed[step], 1e-9) << step;
+    EXPECT_EQ(bench_->timeline().done(), step);
+  }
+  run("edit.begin\nwait 0.3\nexpect steps 0 0\nexpect ahead 4 4\nedit.end\nwait 0.3\nexpect steps 4 4\n");
+  EXPECT_NEAR(bench_->removedMm3(), removed[4], 1e-9);
+
+  // Another stroke from the second step ends the two ahead of it.
+  run("tool.select round-010\nedit.go 2\nwait 0.3\n");
+  stroke(260);
+  run("expect steps 3 3\nexpect ahead 0 0\n");
+  EXPECT_EQ(bench_->timeline().steps()[2].tool, 1u);
+  EXPECT_NE(refusalOf("edit.go 4\n").find("0 to 3"), std::string::npos);
+  EXPECT_NE(refusalOf("edit.go 1.5\n").find("whole"), std::string::npos);
+
+  const double at_the_end = bench_->removedMm3();
+  const auto replayed = replayRun(end());
+  ASSERT_TRUE(replayed) << replayed.error().message();
+  EXPECT_TRUE(replayed->is_same && replayed->is_whole) << replayed->note;
+  EXPECT_NEAR(replayed->removed_mm3, at_the_end, 1e-6);
+}
+
+// Faster than reports come, and more than the queue of the 1 kHz thread takes.
+TEST_F(TimelineTest, GoesOverMoreStepsThanTheQueueTakes) {
+  stroke(180);
+  const double removed = bench_->removedMm3();
+  const std::uint32_t id = bench_->scene().shown().front()->id;
+  constexpr int kMoves = 100;
+  for (int n = 1; n <= kMoves; ++n) {
+    bench_->movePiece(id, {Eigen::Quaterniond::Identity(), {0, 0, 0.01 * n}});
+    bench_->update();
+    std::this_thread::sleep_for(std::chrono::milliseconds(4));
+  }
+  run("wait 0.1\nexpect steps 101 101\n");
+  EXPECT_EQ(bench_->timeline().steps().back().kind, TimelineStep::Kind::kMove);
+  // Dragged to and fro, without waiting.
+  run("edit.go 40\nedit.go 90\nedit.go 3\nedit.undo\nedit.undo\nedit.redo\nwait 1\nexpect steps 2 2\n");
+  EXPECT_NEAR(bench_->report().objects[0].T_world_object.translation[2], 0.01, 1e-12);
+  EXPECT_NEAR(bench_->removedMm3(), removed, 1e-9);
+  run("edit.go 0\nwait 0.5\nexpect removed -1e-9 1e-9\nedit.end\nwait 1\nexpect steps 101 101\n");
+  EXPECT_NEAR(bench_->report().objects[0].T_world_object.translation[2], 1, 1e-12);
+  const auto replayed = replayRun(end());
+  ASSERT_TRUE(replayed) << replayed.error().message();
+  EXPECT_TRUE(replayed->is_same && replayed->is_whole) << replayed->note;
+}
+
+TEST_F(TimelineTest, APlannedCutIsGoneOverInOneStep) {
+  stroke(150);
+  const double before = bench_->removedMm3();
+  run("tool.select saw-reciprocating-25\nsaw.plane 1.5 0 -1 1 0 0\nsaw.cut\nwait 4\nsaw.stop\nwait\nwait 0.2\n"
+      "expect steps 2 2\n");
+  const double after = bench_->removedMm3();
+  ASSERT_GT(after, before + 0.1);
+  EXPECT_EQ(bench_->timeline().steps()[1].kind, TimelineStep::Kind::kPlannedCut);
+  goTo(1);
+  EXPECT_NEAR(bench_->removedMm3(), before, 1e-9);
+  run("edit.redo\nwait 0.3\nexpect steps 2 2\n");
+  EXPECT_NEAR(bench_->removedMm3(), after, 1e-9);
+  run("edit.undo\nedit.undo\nwait 0.3\nexpect steps 0 0\nexpect removed -1e-9 1e-9\n");
+}
+
+}  // namespace
+}  // namespace kerf

@@ -1,0 +1,17 @@
+// Commands that take back and do again; rows of the table in app_commands.cpp.
+#pragma once
+
+#include "ui/app/app_commands.h"
+
+namespace kerf::edit_commands {
+
+Expected<void> undo(AppContext& context, AppWords words);
+Expected<void> redo(AppContext& context, AppWords words);
+
+// Along the timeline.
+
+Expected<void> go(AppContext& context, AppWords words);  ///< STEP
+Expected<void> begin(AppContext& context, AppWords words);
+Expected<void> end(AppContext& context, AppWords words);
+
+}  // namespace kerf::edit_commands

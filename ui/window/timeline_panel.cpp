@@ -1,0 +1,110 @@
+#include "ui/window/timeline_panel.h"
+
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "ui/window/style.h"
+
+namespace kerf {
+namespace {
+
+constexpr float kStripHeight = 58, kBlockHeight = 18, kWidestBlock = 26;  // before scaled()
+
+bool hasSteps(const AppContext& context) {
+  return context.bench.isOpen() && !context.bench.importPlan() && !context.bench.timeline().steps().empty();
+}
+
+ImVec4 colourOf(TimelineStep::Kind kind) {
+  const StyleColours& colours = styleColours();
+  switch (kind) {
+    case TimelineStep::Kind::kStroke:
+      return colours.accent;
+    case TimelineStep::Kind::kMove:
+      return colours.quiet;
+    case TimelineStep::Kind::kPlannedCut:
+      return colours.good;
+  }
+  return colours.quiet;
+}
+
+// What was taken back is pale.
+void drawBlocks(const Timeline& timeline, std::size_t done, const ImVec2& corner, float width) {
+  const float height = scaled(kBlockHeight), gap = width > 4 ? 1.0f : 0.0f;
+  ImDrawList* const list = ImGui::GetWindowDrawList();
+  for (std::size_t n = 0; n < timeline.steps().size(); ++n) {
+    ImVec4 colour = colourOf(timeline.steps()[n].kind);
+    if (n >= done) colour.w *= 0.35f;
+    const float x = corner.x + width * static_cast<float>(n);
+    list->AddRectFilled({x + gap, corner.y}, {x + width - gap, corner.y + height}, ImGui::GetColorU32(colour), 2);
+  }
+
+  const float now = corner.x + width * static_cast<float>(done);
+  list->AddLine({now, corner.y - 3}, {now, corner.y + height + 3}, ImGui::GetColorU32(ImGuiCol_Text), 2);
+}
+
+// Above the strip, which stays readable.
+void drawHover(const Workbench& bench, std::size_t block, float top) {
+  const Timeline& timeline = bench.timeline();
+  const std::size_t n = std::min(block, timeline.steps().size() - 1);
+  const TimelineStep& step = timeline.steps()[n];
+  const std::string text = describeStep(step, timeline.older() + n + 1, bench.tool(step.tool).id);
+  const std::string loss = lossOf(timeline.steps().size() - n - 1);
+  ImGui::SetNextWindowPos({ImGui::GetIO().MousePos.x, top - 8}, ImGuiCond_Always, {0.5f, 1});
+  ImGui::BeginTooltip();
+  ImGui::TextUnformatted(text.c_str());
+  ImGui::TextColored(styleColours().quiet, "Click or drag: go there. %s", loss.c_str());
+  ImGui::EndTooltip();
+}
+
+void drawSummary(const Workbench& bench, std::size_t done) {
+  const Timeline& timeline = bench.timeline();
+  const std::uint64_t older = timeline.older(), all = older + timeline.steps().size();
+  std::string text = fmt::format("Step {} of {}", older + done, all);
+  if (older > 0) text += fmt::format(" (back to {} at most)", older);
+  ImGui::TextUnformatted(text.c_str());
+  const std::string loss = lossOf(timeline.steps().size() - done);
+  ImGui::SameLine();
+  ImGui::TextColored(styleColours().warning, "%s", loss.c_str());
+}
+
+}  // namespace
+
+float timelineHeight(const AppContext& context) { return hasSteps(context) ? scaled(kStripHeight) + 8 : 0; }
+
+void drawTimeline(AppContext& context) {
+  if (!hasSteps(context)) return;
+  const Workbench& bench = context.bench;
+  const Timeline& timeline = bench.timeline();
+  const ImGuiIO& io = ImGui::GetIO();
+  const float side = scaled(kPanelWidth) + 16;  // the panels at the sides stay free
+  ImGui::SetNextWindowPos({side, io.DisplaySize.y - 8}, ImGuiCond_Always, {0, 1});
+  ImGui::SetNextWindowSize({std::max(io.DisplaySize.x - 2 * side, scaled(120)), scaled(kStripHeight)},
+                           ImGuiCond_Always);
+  ImGui::Begin("##timeline", nullptr,
+               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
+  const std::size_t count = timeline.steps().size(), done = bench.stepsDone();
+  drawSummary(bench, done);
+
+  const float space = ImGui::GetContentRegionAvail().x;
+  const float width = std::min(scaled(kWidestBlock), space / static_cast<float>(count));
+  const ImVec2 corner = ImGui::GetCursorScreenPos();
+  ImGui::InvisibleButton("##steps", {space, scaled(kBlockHeight)});
+  const float at = std::clamp((io.MousePos.x - corner.x) / width, 0.0f, static_cast<float>(count));
+  if (ImGui::IsItemHovered() && at < static_cast<float>(count))
+    drawHover(bench, static_cast<std::size_t>(at), ImGui::GetWindowPos().y);
+  drawBlocks(timeline, done, corner, width);
+
+  // Left of the first block is the beginning; on a block its end.
+  const bool is_before = io.MousePos.x < corner.x + 0.3f * width;
+  const auto there = is_before ? 0 : std::min(count, static_cast<std::size_t>(at) + 1);
+  if (ImGui::IsItemActive() && there != done) {
+    const std::vector<std::string> words{fmt::format("{}", timeline.older() + there)};
+    if (const auto gone = runAppCommand(context, "edit.go", words); !gone) context.bench.complain(gone.error());
+  }
+  ImGui::End();
+}
+
+}  // namespace kerf
