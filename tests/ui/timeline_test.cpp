@@ -202,6 +202,30 @@ TEST_F(TimelineTest, GoesBackAndForwardAndBranchesAndTheLogReplays) {
   EXPECT_NEAR(replayed->removed_mm3, at_the_end, 1e-6);
 }
 
+TEST_F(TimelineTest, WhatIsFeltAndCutIsTraced) {
+  using Channel = Trace::Channel;
+  EXPECT_EQ(bench_->trace().largest(Channel::kRate), 0);
+  stroke(200);
+  const Trace& trace = bench_->trace();
+  EXPECT_GT(trace.largest(Channel::kForce), 0.5);
+  EXPECT_LT(trace.largest(Channel::kForce), 8);
+  EXPECT_NEAR(trace.largest(Channel::kSpindle), 100, 20);
+  EXPECT_GT(trace.largest(Channel::kDepth), 0.05);
+  double cut = 0;
+  for (const float rate : trace.values(Channel::kRate)) cut += static_cast<double>(rate) / Trace::kPerSecond;
+  EXPECT_NEAR(cut, bench_->removedMm3(), 0.2 * bench_->removedMm3());
+
+  const float most = trace.largest(Channel::kRate);
+  run("edit.undo\nwait 0.3\nedit.redo\nwait 0.3\n");
+  EXPECT_EQ(trace.largest(Channel::kRate), most) << "what comes back is no cut";
+
+  run("view.plots on\n");
+  EXPECT_TRUE(context_->shows_plots);
+  run("view.plots\n");
+  EXPECT_FALSE(context_->shows_plots);
+  EXPECT_NE(refusalOf("view.plots loud\n").find("on or off"), std::string::npos);
+}
+
 // Faster than reports come, and more than the queue of the 1 kHz thread takes.
 TEST_F(TimelineTest, GoesOverMoreStepsThanTheQueueTakes) {
   stroke(180);

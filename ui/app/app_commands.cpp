@@ -270,6 +270,8 @@ constexpr AppCommand kCommands[] = {
     {"view.section-nearer", "View", "Section nearer", "PageUp", "[MM]",
      "Moves the section towards the viewer of before, 0.2 mm if not told.", view_commands::hasSection,
      view_commands::sectionNearer},
+    {"view.plots", "View", "Plots of the last 20 s", "", "[on|off]",
+     "Shows force, torque, spindle, depth and volume rate over time, or puts them away.", always, view_commands::plots},
     {"view.zoom", "", "", "", "FACTOR", "Makes things larger by a factor.", always, view_commands::zoom},
     {"view.theme", "View", "Light or dark", "Ctrl+Shift+L", "[light|dark]", "Changes between light and dark panels.",
      hasSettings, setTheme},

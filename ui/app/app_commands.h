@@ -34,6 +34,7 @@ struct AppContext {
   SettingsFile* settings = nullptr;                              ///< null: nothing is kept
   bool shows_settings = false;
   bool wants_palette = false;
+  bool shows_plots = false;
 };
 
 struct AppCommand {

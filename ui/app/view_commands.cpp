@@ -55,6 +55,16 @@ Expected<void> zoom(AppContext& c, AppWords words) {
   return {};
 }
 
+Expected<void> plots(AppContext& c, AppWords words) {
+  if (words.empty())
+    c.shows_plots = !c.shows_plots;
+  else if (words[0] == "on" || words[0] == "off")
+    c.shows_plots = words[0] == "on";
+  else
+    return wrongWord("\"" + words[0] + "\"", "on or off");
+  return {};
+}
+
 Expected<void> screenshot(AppContext& c, AppWords words) {
   KERF_TRY(path, pathOf(words));
   if (c.screenshot) return c.screenshot(path);

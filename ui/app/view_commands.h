@@ -27,6 +27,8 @@ Expected<void> cutOpen(AppContext& context, AppWords words);        ///< [X Y]
 Expected<void> sectionDeeper(AppContext& context, AppWords words);  ///< [MM]
 Expected<void> sectionNearer(AppContext& context, AppWords words);  ///< [MM]
 
+Expected<void> plots(AppContext& context, AppWords words);  ///< [on|off]
+
 Expected<void> screenshot(AppContext& context, AppWords words);  ///< OUT.png
 
 }  // namespace kerf::view_commands

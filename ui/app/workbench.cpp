@@ -79,6 +79,7 @@ void Workbench::takeNews() {
     report_ = run_->thread().report();
     removed_mm3_ = run_->removedBefore();
     for (std::size_t n = 0; n < report_.object_count; ++n) removed_mm3_ += report_.objects[n].removed_mm3;
+    addToTrace();
   }
   timeline_.update(report_.undo);
   sendUndos();
@@ -98,6 +99,22 @@ void Workbench::takeNews() {
   Error error = *log.error;
   error.hint = "free some space and end the session: what was cut is kept, the log ends here";
   complain(error);
+}
+
+double Workbench::driveShare() const {
+  if (!run_) return 0;
+  const double free_speed = run_->model().tools[tool_].drive.speed;
+  return free_speed > 0 ? report_.output.speed / free_speed : 0;
+}
+
+void Workbench::addToTrace() {
+  trace_.add({.tick = report_.tick,
+              .force = report_.output.force.force.norm(),
+              .torque = report_.output.force.torque.norm(),
+              .spindle = 100 * driveShare(),
+              .depth = depthNow().value_or(0),
+              .removed_mm3 = removed_mm3_,
+              .jumps = report_.counts.pauses});
 }
 
 // What was asked for is done, and the meshers know of it.
@@ -204,6 +221,7 @@ void Workbench::show(Opened& loaded) {
   sent_ = 0;
   report_ = {};
   timeline_.clear();
+  trace_.clear();
   undos_left_ = 0;
   undos_answered_at_ = 0;
   has_told_of_log_ = false;

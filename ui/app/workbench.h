@@ -27,6 +27,7 @@
 #include "ui/app/stroke.h"
 #include "ui/app/tilt.h"
 #include "ui/app/timeline.h"
+#include "ui/app/trace.h"
 #include "ui/app/user_files.h"
 
 namespace kerf {
@@ -116,6 +117,10 @@ class Workbench {
   /// A tissue's name for people: "enamel".
   std::string nameOf(Material material) const;
   const HapticReport& report() const { return report_; }
+  /// The last 20 s of what was felt and cut.
+  const Trace& trace() const { return trace_; }
+  /// Speed of the drive, of its free speed, 0 to 1.
+  double driveShare() const;
   HapticTimes times() const { return times_; }
   /// Ends the session: the run is written where sessionFolder() says. A job.
   void close();
@@ -243,6 +248,7 @@ class Workbench {
  private:
   friend class Sawing;
   void takeNews();
+  void addToTrace();
   bool isSettled();
   void handOverScene();
   void say(std::string text) { notices_.push_back({false, std::move(text)}); }
@@ -319,6 +325,7 @@ class Workbench {
   double removed_mm3_ = 0;
   std::uint64_t sent_ = 0;  // commands
   Timeline timeline_;
+  Trace trace_;
   std::ptrdiff_t undos_left_ = 0;        // to be sent: Redo, or as a negative number Undo
   std::ptrdiff_t strokes_then_ = 0;      // that are done when they all are
   std::uint64_t undos_answered_at_ = 0;  // when so many commands are answered

@@ -11,6 +11,7 @@
 #include "ui/app/pointing.h"
 #include "ui/app/settings.h"
 #include "ui/window/measure_panel.h"
+#include "ui/window/plots_panel.h"
 #include "ui/window/settings_panel.h"
 #include "ui/window/style.h"
 #include "ui/window/timeline_panel.h"
@@ -85,8 +86,7 @@ float drawReadings(AppContext& context, const std::optional<ToolOverSurface>& ov
   ImGui::SetNextWindowPos({io.DisplaySize.x - scaled(kPanelWidth) - 8, ImGui::GetFrameHeight() + 8}, ImGuiCond_Always);
   ImGui::SetNextWindowSize({scaled(kPanelWidth), 0}, ImGuiCond_Always);
   ImGui::Begin("Cut", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
-  const ToolDrive& drive = bench.run()->model().tools[bench.toolInHand()].drive;
-  const double speed = drive.speed > 0 ? r.output.speed / drive.speed : 0;
+  const double speed = bench.driveShare();
   const auto depth = bench.isPressed() ? bench.depthNow() : over ? std::optional(over->depth) : std::nullopt;
 
   reading("Depth", depth ? fmt::format("{:.2f}", *depth) : "-", "mm");
@@ -96,6 +96,7 @@ float drawReadings(AppContext& context, const std::optional<ToolOverSurface>& ov
           bench.isPressed() && speed < 0.05 && r.output.normal_load > 0);
   reading("Removed", fmt::format("{:.2f}", bench.removedMm3()), "mm3");
   if (over && context.pointer) drawPoint(context);
+  drawPlots(context);
   ImGui::Separator();
   const TimeHistogram& cost = bench.times().cost;
   if (cost.count() > 0) reading("Loop p99", fmt::format("{:.2f}", cost.percentileMs(0.99)), "ms");

@@ -1,0 +1,36 @@
+#include "ui/window/plots_panel.h"
+
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include "ui/window/style.h"
+
+namespace kerf {
+namespace {
+
+void drawPlot(const Trace& trace, const Trace::About& channel) {
+  const double top = trace.scaleTop(channel);
+  const float newest = trace.newest(channel.channel);
+  ImGui::TextColored(styleColours().quiet, "%s", channel.name);
+  ImGui::SameLine(scaled(118));
+  ImGui::Text("%.2f %s", static_cast<double>(newest), channel.unit);
+  const std::string scale = fmt::format("0 to {:g}", top);
+  ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - ImGui::CalcTextSize(scale.c_str()).x);
+  ImGui::TextColored(styleColours().quiet, "%s", scale.c_str());
+
+  const std::string label = fmt::format("##{}", channel.name);
+  ImGui::PlotLines(label.c_str(), trace.values(channel.channel).data(), static_cast<int>(Trace::kCount),
+                   static_cast<int>(trace.oldest()), nullptr, 0, static_cast<float>(top),
+                   {ImGui::GetContentRegionAvail().x, scaled(34)});
+}
+
+}  // namespace
+
+void drawPlots(AppContext& context) {
+  ImGui::SetNextItemOpen(context.shows_plots, ImGuiCond_Always);
+  context.shows_plots = ImGui::CollapsingHeader("Last 20 s");
+  if (!context.shows_plots) return;
+  for (const Trace::About& channel : Trace::kChannels) drawPlot(context.bench.trace(), channel);
+}
+
+}  // namespace kerf
