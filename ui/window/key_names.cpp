@@ -29,6 +29,10 @@ KeyChord keyChord(std::string_view name) {
     out.key = GLFW_KEY_PAGE_DOWN;
   else if (name == "Space")
     out.key = GLFW_KEY_SPACE;
+  else if (name == "Home")
+    out.key = GLFW_KEY_HOME;
+  else if (name == "End")
+    out.key = GLFW_KEY_END;
   else if (name == "Tab")
     out.key = GLFW_KEY_TAB;
   else if (name == "Delete")
