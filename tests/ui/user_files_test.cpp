@@ -77,7 +77,7 @@ TEST(SettingsFile, ComesBackAsItWasSaved) {
   ASSERT_TRUE(file.save());
   EXPECT_FALSE(fs::exists(file.path())) << "nothing was set";
 
-  file.values = {Theme::kDark, 1.25, true, "/scans of \"today\"", 2.5, 0.8};
+  file.values = {Theme::kDark, 1.25, true, "/scans of \"today\"", 2.5, 0.8, 20, true};
   ASSERT_TRUE(file.save());
   const SettingsFile again(config);
   EXPECT_FALSE(again.error());
@@ -99,7 +99,7 @@ TEST(SettingsFile, LinesItDoesNotKnowStay) {
 
 TEST(SettingsFile, ABrokenOneIsReportedAndNeverWrittenOver) {
   for (const char* const text : {"theme = ", "theme = \"pink\"", "ui_scale = 99", "ui_scale = nan",
-                                 "force_N = \"much\"", "hints_dismissed = \"yes\""}) {
+                                 "force_N = \"much\"", "hints_dismissed = \"yes\"", "sound_volume = 130"}) {
     const TemporaryFolder folder;
     folder.write("settings.toml", text);
     SettingsFile file(folder.path());

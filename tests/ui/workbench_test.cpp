@@ -421,7 +421,7 @@ TEST_F(WorkbenchTest, WhatIsSetByCommandsIsKept) {
   };
   ASSERT_TRUE(
       play("view.theme dark\nview.scale 1.5\nview.larger\nview.hints off\ncut.force 2\ncut.depth 1\n"
-           "settings.push\nsettings.show\n"));
+           "settings.push\nsettings.show\nsound.volume 80\nsound.mute\n"));
   EXPECT_TRUE(context.shows_settings);
   const Settings kept = SettingsFile(folder_.path() / "config").values;
   EXPECT_EQ(kept.theme, Theme::kDark);
@@ -429,6 +429,11 @@ TEST_F(WorkbenchTest, WhatIsSetByCommandsIsKept) {
   EXPECT_TRUE(kept.are_hints_dismissed);
   EXPECT_EQ(kept.force_N, 2);
   EXPECT_EQ(kept.depth_mm, 1);
+  EXPECT_EQ(kept.sound_volume, 80);
+  EXPECT_TRUE(kept.is_muted);
+  ASSERT_TRUE(play("sound.mute off\n"));
+  EXPECT_FALSE(settings.values.is_muted);
+  EXPECT_FALSE(play("sound.volume 101\n"));
 
   EXPECT_FALSE(play("view.theme pink\n"));
   EXPECT_FALSE(play("view.scale 9\n"));

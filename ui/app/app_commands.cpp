@@ -134,6 +134,9 @@ constexpr AppCommand kCommands[] = {
      showPalette},
     {"settings.show", "Edit", "Settings...", "Ctrl+,", "", "Shows the settings, or puts them away.", hasSettings,
      showSettings},
+    {"sound.volume", "", "", "", "PERCENT", "Sets how loud the drill is, 0 to 100.", hasSettings, setVolume},
+    {"sound.mute", "Edit", "Mute the drill", "Ctrl+M", "[on|off]", "Silences the drill, or lets it be heard.",
+     hasSettings, mute},
     {"settings.push", "", "", "", "", "Keeps push and depth of now for later sessions.", hasSettings, keepPush},
 
     {"tool.select", "", "", "", "ID", "Takes another tool.", isOpen, tool_commands::selectTool},

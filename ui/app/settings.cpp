@@ -45,6 +45,10 @@ const std::vector<Key>& keys() {
        [](const Settings& a, const Settings& b) { return a.force_N == b.force_N; }},
       {"depth_mm", [](const Settings& s) { return fmt::format("{:.2f}", s.depth_mm); },
        [](const Settings& a, const Settings& b) { return a.depth_mm == b.depth_mm; }},
+      {"sound_volume", [](const Settings& s) { return fmt::format("{:.0f}", s.sound_volume); },
+       [](const Settings& a, const Settings& b) { return a.sound_volume == b.sound_volume; }},
+      {"sound_muted", [](const Settings& s) { return std::string(s.is_muted ? "true" : "false"); },
+       [](const Settings& a, const Settings& b) { return a.is_muted == b.is_muted; }},
   };
   return kKeys;
 }
@@ -64,6 +68,8 @@ Expected<Settings> readSettings(const fs::path& path) {
   out.last_folder = table.getOr<std::string>("last_folder", "", "a folder");
   out.force_N = table.numberOr("force_N", out.force_N, Workbench::kLeastForce, Workbench::kMostForce, "N");
   out.depth_mm = table.numberOr("depth_mm", out.depth_mm, 0, Workbench::kMostDepth);
+  out.sound_volume = table.numberOr("sound_volume", out.sound_volume, 0, 100, "%");
+  out.is_muted = table.getOr<bool>("sound_muted", false, "true or false");
   KERF_CHECK(table.finish());
   return out;
 }

@@ -18,6 +18,8 @@ struct Settings {
   std::filesystem::path last_folder{};  ///< last_folder: where the file browser begins; empty: the working folder
   double force_N = 1;                   ///< force_N: how hard a pressed button pushes at first, 0.1 to 8
   double depth_mm = 0.5;                ///< depth_mm: how deep a stroke may go at first, 0 to 5
+  double sound_volume = 50;             ///< sound_volume: of the drill, %, 0 to 100
+  bool is_muted = false;                ///< sound_muted
 
   static constexpr double kSmallestScale = 0.75, kLargestScale = 3;
   bool operator==(const Settings&) const = default;

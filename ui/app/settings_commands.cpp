@@ -74,6 +74,24 @@ Expected<void> keepPush(AppContext& c, AppWords) {
   return c.settings->save();
 }
 
+Expected<void> setVolume(AppContext& c, AppWords words) {
+  KERF_TRY(percent, numberOf(words, 0, "PERCENT", 0, 100));
+  c.settings->values.sound_volume = std::round(percent);
+  c.settings->values.is_muted = false;
+  return c.settings->save();
+}
+
+Expected<void> mute(AppContext& c, AppWords words) {
+  bool& is_muted = c.settings->values.is_muted;
+  if (words.empty())
+    is_muted = !is_muted;
+  else if (words[0] == "on" || words[0] == "off")
+    is_muted = words[0] == "on";
+  else
+    return wrong(words[0], "on or off");
+  return c.settings->save();
+}
+
 Expected<void> showSettings(AppContext& c, AppWords) {
   c.shows_settings = !c.shows_settings;
   return {};

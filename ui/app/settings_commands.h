@@ -14,6 +14,8 @@ Expected<void> makeLarger(AppContext& c, AppWords words);
 Expected<void> makeSmaller(AppContext& c, AppWords words);
 Expected<void> setHints(AppContext& c, AppWords words);
 Expected<void> keepPush(AppContext& c, AppWords words);
+Expected<void> setVolume(AppContext& c, AppWords words);  ///< PERCENT
+Expected<void> mute(AppContext& c, AppWords words);       ///< [on|off]
 Expected<void> showSettings(AppContext& c, AppWords words);
 
 }  // namespace kerf

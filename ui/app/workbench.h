@@ -85,6 +85,7 @@ class Workbench {
   /// It writes something a user has asked for: to be waited for before the program ends.
   bool isWriting() const { return job_ && job_writes_; }
   const std::vector<Notice>& notices() const { return notices_; }
+  void say(std::string text) { notices_.push_back({false, std::move(text)}); }
   /// Adds one. What the user cancelled is no error.
   void complain(const Error& error) { notices_.push_back({error.code != Error::Code::kCancelled, error.message()}); }
 
@@ -251,7 +252,6 @@ class Workbench {
   void addToTrace();
   bool isSettled();
   void handOverScene();
-  void say(std::string text) { notices_.push_back({false, std::move(text)}); }
   bool isBusy();
   bool isSawing();
   bool send(const Command& command);

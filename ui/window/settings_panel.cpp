@@ -61,6 +61,15 @@ void drawSettings(AppContext& context) {
     is_set = true;
   }
 
+  heading("Sound of the drill");
+  float volume = static_cast<float>(values.sound_volume);
+  ImGui::SetNextItemWidth(-scaled(90));
+  if (ImGui::SliderFloat("##volume", &volume, 0, 100, "%.0f %%", ImGuiSliderFlags_AlwaysClamp))
+    values.sound_volume = std::round(static_cast<double>(volume));
+  is_set |= ImGui::IsItemDeactivatedAfterEdit();
+  ImGui::SameLine();
+  is_set |= ImGui::Checkbox("Mute", &values.is_muted);
+
   heading("At the beginning of a session");
   float force = static_cast<float>(values.force_N), depth = static_cast<float>(values.depth_mm);
   ImGui::SetNextItemWidth(-1);

@@ -24,6 +24,8 @@
 #include "ui/app/settings.h"
 #include "ui/app/stroke_pointer.h"
 #include "ui/app/view_commands.h"
+#include "ui/sound/alsa_output.h"
+#include "ui/sound/sound_thread.h"
 #include "ui/window/file_browser.h"
 #include "ui/window/frame_watch.h"
 #include "ui/window/gamepad.h"
@@ -255,6 +257,7 @@ class Workshop {
     if (!bench_.scene().bounds().isEmpty() && view_->takeFitWanted()) fitFirst();
     if (bench_.isOpen() && !bench_.scene().bounds().isEmpty()) box_ = bench_.scene().bounds();
     updateImport();
+    updateSound();
     applySettings();
     ImGui_ImplOpenGL3_NewFrame();
     ImGui_ImplGlfw_NewFrame();
@@ -282,6 +285,22 @@ class Workshop {
     wants_end_ = context_.wants_quit || glfwWindowShouldClose(desktop_.window) || is_told_to_end ||
                  (options_.frames > 0 && frames_ >= options_.frames);
     return {};
+  }
+
+  // From the first session on. Without a device all is silent, and that is said once.
+  void updateSound() {
+    const Settings& now = settings_.values;
+    const double volume = now.is_muted ? 0 : 0.01 * now.sound_volume;
+    if (!sound_ && bench_.isOpen() && volume > 0) sound_ = std::make_unique<SoundThread>(openAlsa);
+    if (!sound_) return;
+
+    DrillSoundInput heard;
+    if (bench_.isOpen()) {
+      const std::size_t n = bench_.toolInHand();
+      heard = drillSoundOf(bench_.report(), bench_.tool(n), bench_.run()->model().tools[n].drive, volume);
+    }
+    sound_->play(heard);
+    if (const auto error = sound_->takeError()) bench_.say("The drill is not heard: " + error->message());
   }
 
   // Theme and scale, if they have changed.
@@ -583,6 +602,7 @@ class Workshop {
   std::unique_ptr<ImportView> import_view_;
   std::optional<Camera> camera_before_import_;
   std::unique_ptr<Job<void>> writing_picture_;
+  std::unique_ptr<SoundThread> sound_;
   bool is_picture_due_ = false;
   fs::path picture_of_;  // what was shown last, and its box
   Box3 box_;
