@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 namespace kerf {
@@ -16,8 +17,8 @@ constexpr int kWaitMs = 100, kMostTries = 10;  // for one block
 tl::unexpected<Error> refuse(int code) {
   return fail({.code = Error::Code::kUnsupported,
                .place = "sound",
-               .found = snd_strerror(code),
-               .expected = "ALSA's device \"default\"",
+               .found = std::string("ALSA's device \"default\": ") + snd_strerror(code),
+               .expected = "a sound card",
                .hint = "aplay -l lists the devices"});
 }
 

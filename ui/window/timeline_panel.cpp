@@ -6,12 +6,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ui/app/sawing.h"
 #include "ui/window/style.h"
 
 namespace kerf {
 namespace {
 
-constexpr float kStripHeight = 58, kBlockHeight = 18, kWidestBlock = 26;  // before scaled()
+constexpr float kStripHeight = 38, kBlockHeight = 18, kWidestBlock = 26;  // before scaled()
 
 bool hasSteps(const AppContext& context) {
   return context.bench.isOpen() && !context.bench.importPlan() && !context.bench.timeline().steps().empty();
@@ -59,15 +60,29 @@ void drawHover(const Workbench& bench, std::size_t block, float top) {
   ImGui::EndTooltip();
 }
 
-void drawSummary(const Workbench& bench, std::size_t done) {
+// One line, so that what lies above the strip stays where it can be seen.   @return its width, whatever is done: under
+// a mouse that drags the blocks must not move.
+float drawSummary(const Workbench& bench, std::size_t done) {
   const Timeline& timeline = bench.timeline();
   const std::uint64_t older = timeline.older(), all = older + timeline.steps().size();
-  std::string text = fmt::format("Step {} of {}", older + done, all);
-  if (older > 0) text += fmt::format(" (back to {} at most)", older);
-  ImGui::TextUnformatted(text.c_str());
+  const auto textOf = [&](std::uint64_t now) {
+    const std::string text = fmt::format("Step {} of {}", now, all);
+    return older > 0 ? text + fmt::format(" (back to {} at most)", older) : text;
+  };
+  const std::string text = textOf(older + done), loss = lossOf(timeline.steps().size() - done);
+  ImGui::AlignTextToFramePadding();
+  loss.empty() ? ImGui::TextUnformatted(text.c_str()) : ImGui::TextColored(styleColours().warning, "%s", text.c_str());
+  if (!loss.empty() && ImGui::IsItemHovered()) ImGui::SetTooltip("%s", loss.c_str());
+  return ImGui::CalcTextSize(textOf(all).c_str()).x;
+}
+
+// At the right end, if there is a place for it.
+void drawLoss(const Timeline& timeline, std::size_t done, float blocks_end) {
   const std::string loss = lossOf(timeline.steps().size() - done);
-  ImGui::SameLine();
-  ImGui::TextColored(styleColours().warning, "%s", loss.c_str());
+  const float begin = ImGui::GetWindowContentRegionMax().x - ImGui::CalcTextSize(loss.c_str()).x;
+  if (loss.empty() || ImGui::GetWindowPos().x + begin < blocks_end + scaled(12)) return;
+  ImGui::SameLine(begin);
+  ImGui::TextColored(styleColours().quiet, "%s", loss.c_str());
 }
 
 }  // namespace
@@ -86,12 +101,14 @@ void drawTimeline(AppContext& context) {
   ImGui::Begin("##timeline", nullptr,
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
   const std::size_t count = timeline.steps().size(), done = bench.stepsDone();
-  drawSummary(bench, done);
+  const float left = ImGui::GetStyle().WindowPadding.x + drawSummary(bench, done) + scaled(12);
+  ImGui::SameLine(left);
 
   const float space = ImGui::GetContentRegionAvail().x;
   const float width = std::min(scaled(kWidestBlock), space / static_cast<float>(count));
   const ImVec2 corner = ImGui::GetCursorScreenPos();
-  ImGui::InvisibleButton("##steps", {space, scaled(kBlockHeight)});
+  const float blocks = width * static_cast<float>(count);
+  ImGui::InvisibleButton("##steps", {blocks, scaled(kBlockHeight)});
   const float at = std::clamp((io.MousePos.x - corner.x) / width, 0.0f, static_cast<float>(count));
   if (ImGui::IsItemHovered() && at < static_cast<float>(count))
     drawHover(bench, static_cast<std::size_t>(at), ImGui::GetWindowPos().y);
@@ -100,10 +117,13 @@ void drawTimeline(AppContext& context) {
   // Left of the first block is the beginning; on a block its end.
   const bool is_before = io.MousePos.x < corner.x + 0.3f * width;
   const auto there = is_before ? 0 : std::min(count, static_cast<std::size_t>(at) + 1);
-  if (ImGui::IsItemActive() && there != done) {
+  // A refusal is said once, not in each frame of a drag.
+  const bool is_asked = bench.saw().isCutting() ? ImGui::IsItemActivated() : ImGui::IsItemActive();
+  if (is_asked && there != done) {
     const std::vector<std::string> words{fmt::format("{}", timeline.older() + there)};
     if (const auto gone = runAppCommand(context, "edit.go", words); !gone) context.bench.complain(gone.error());
   }
+  drawLoss(timeline, done, corner.x + blocks);
   ImGui::End();
 }
 

@@ -300,7 +300,7 @@ class Workshop {
       heard = drillSoundOf(bench_.report(), bench_.tool(n), bench_.run()->model().tools[n].drive, volume);
     }
     sound_->play(heard);
-    if (const auto error = sound_->takeError()) bench_.say("The drill is not heard: " + error->message());
+    if (const auto error = sound_->takeError()) bench_.say("The drill is silent: " + error->found);
   }
 
   // Theme and scale, if they have changed.
