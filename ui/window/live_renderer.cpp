@@ -8,35 +8,31 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numbers>
 #include <string>
 #include <vector>
 
 #include "ui/window/gl_program.h"
 #include "ui/window/gl_target.h"
 #include "ui/window/live_pages.h"
+#include "ui/window/live_parts.h"
 #include "ui/window/live_shaders.h"
-#include "ui/window/shading_normals.h"
 
 namespace kerf {
 namespace {
 
+using internal::describeFlat;
+using internal::FlatCorner;
+using internal::FrameView;
 using internal::glFailure;
 using internal::GlProgram;
 using internal::LiveChunk;
 using internal::LivePage;
-using internal::LiveVertex;
+using internal::matrixOf;
+using internal::Reach;
+using internal::ToolReach;
 
 constexpr int kLargestSide = 8192;
-constexpr int kTableSide = 32;             // of the table of distances to the tool
-constexpr double kTableMargin = 1;         // mm around what cuts
-constexpr double kShadowReach = 8;         // mm below the tip
-constexpr double kShadowStrength = 0.5;    // of the shown value
 constexpr double kPixelsPerTriangle = 10;  // edges longer than that: light by pixel
-
-const Vec3f kKeyLight = Vec3f(-0.46f, 0.62f, 0.63f).normalized();
-const Vec3f kFillLight = Vec3f(0.85f, 0.05f, 0.5f).normalized();
-const Vec3f kContactTint(0.10f, 0.56f, 0.82f);
 
 /// Of the background, sRGB: in the middle, at the corners.
 const Vec3f kBackgroundMiddle(0.80f, 0.835f, 0.87f), kBackgroundEdge(0.49f, 0.55f, 0.62f);
@@ -46,37 +42,17 @@ bool isFinite(const Camera& c) {
          std::isfinite(c.half_height) && c.half_height > 0;
 }
 
-double contactOf(const LiveFrame& frame) {
-  return std::isfinite(frame.contact_mm) ? std::clamp(frame.contact_mm, 0.0, kTableMargin) : 0;
-}
-
 /// Whether there is a section. It is drawn into a framebuffer of our own, which has a stencil buffer: a window need
 /// not have one.
 bool isOpen(const LiveFrame& frame) {
   return frame.section && frame.section->point.allFinite() && frame.section->normal.allFinite();
 }
 
-Eigen::Matrix4d matrixOf(const Rigid3& pose) {
-  Eigen::Matrix4d m = Eigen::Matrix4d::Identity();
-  m.topLeftCorner<3, 3>() = pose.rotation.toRotationMatrix();
-  m.topRightCorner<3, 1>() = pose.translation;
-  return m;
-}
-
-struct FlatCorner {
-  std::array<float, 2> position;  ///< of the picture, -1 to 1
-  std::array<float, 4> color;     ///< sRGB, alpha
-};
-static_assert(sizeof(FlatCorner) == 24);
-
 struct Object {
   Rigid3 T_world_object;
   bool is_visible = true;
   std::map<std::array<int, 3>, LivePage> pages;  // in order: so are the draw calls
 };
-
-/// What of the tool changes the look of a place.
-enum class Reach { kNone, kShadow, kTip };
 
 /// One page that is drawn in this frame: all of it, or its chunks within one reach of the tool.
 struct Drawn {
@@ -89,82 +65,43 @@ struct Drawn {
   Reach reach = Reach::kNone;
 };
 
-/// Where the tool reaches, from an object's frame.
-struct ToolReach {
-  Rigid3 T_approach_object;
-  Box3 around_tip, in_shadow;  ///< approach frame; empty: nothing there
-
-  Reach of(const Box3& box) const {
-    const Box3 there = box.transformed(T_approach_object);
-    const auto touches = [&](const Box3& other) {
-      return (there.min.array() <= other.max.array()).all() && (there.max.array() >= other.min.array()).all();
-    };
-    return touches(around_tip) ? Reach::kTip : touches(in_shadow) ? Reach::kShadow : Reach::kNone;
-  }
-};
-
-/// What all parts of a frame go by.
-struct View {
-  Eigen::Matrix3d rotation;  ///< world -> view
-  Vec3d target;
-  Vec3d half_extent;  ///< of what is shown, mm; z: depth
-  double mm_per_pixel = 1;
-  int width = 1, height = 1;
-  Eigen::Matrix4d to_clip;  ///< world -> clip
-
-  Vec3d toView(const Vec3d& p) const { return rotation * (p - target); }
-};
-
 }  // namespace
 
 struct LiveRenderer::Impl {
   enum Variant { kByPixel = 1, kTool = 2, kTint = 4, kSection = 8, kVariants = 16 };
   std::array<GlProgram, kVariants> tissue;
-  GlProgram steel, flat, reduce;
+  GlProgram flat, reduce;
   internal::LiveOverlay overlay;
+  internal::LiveTool hand_tool;
 
   std::map<std::size_t, Object> objects;
   LiveCounts counts;
 
-  // The tool.
-  GLuint tool_array = 0, tool_buffer = 0, tool_table = 0;
-  GLsizei tool_corners = 0;
-  Box3 tool_box;                                                     ///< tool frame
-  Eigen::Matrix3d approach_from_tool = Eigen::Matrix3d::Identity();  ///< +z away from the tissue
-  Box3 cutting, table;                                               ///< approach frame
-  bool is_round = false;
-
-  // Background and lines, and what a picture or a supersampled frame is drawn into.
-  GLuint background_array = 0, background_buffer = 0, line_array = 0, line_buffer = 0, empty_array = 0;
+  // Background, and what a picture or a supersampled frame is drawn into.
+  GLuint background_array = 0, background_buffer = 0, empty_array = 0;
   GLsizei background_corners = 0;
   GLuint points_target = 0, points_color = 0, points_depth = 0;
   int points_width = 0, points_height = 0;
 
   Impl() {
-    glGenVertexArrays(1, &tool_array);
     glGenVertexArrays(1, &background_array);
-    glGenVertexArrays(1, &line_array);
     glGenVertexArrays(1, &empty_array);
-    glGenBuffers(1, &tool_buffer);
     glGenBuffers(1, &background_buffer);
-    glGenBuffers(1, &line_buffer);
-    glGenTextures(1, &tool_table);
     glGenFramebuffers(1, &points_target);
     glGenTextures(1, &points_color);
     glGenRenderbuffers(1, &points_depth);
     describeFlat(background_array, background_buffer);
-    describeFlat(line_array, line_buffer);
     makeBackground(kBackgroundMiddle, kBackgroundEdge);
   }
   ~Impl() {
     objects.clear();
-    for (const GLuint array : {tool_array, background_array, line_array, empty_array}) glDeleteVertexArrays(1, &array);
-    for (const GLuint buffer : {tool_buffer, background_buffer, line_buffer}) glDeleteBuffers(1, &buffer);
-    for (const GLuint texture : {tool_table, points_color}) glDeleteTextures(1, &texture);
+    for (const GLuint array : {background_array, empty_array}) glDeleteVertexArrays(1, &array);
+    glDeleteBuffers(1, &background_buffer);
+    glDeleteTextures(1, &points_color);
     glDeleteFramebuffers(1, &points_target);
     glDeleteRenderbuffers(1, &points_depth);
     for (const GlProgram& program : tissue) glDeleteProgram(program.id);
-    for (const GlProgram* program : {&steel, &flat, &reduce}) glDeleteProgram(program->id);
+    for (const GlProgram* program : {&flat, &reduce}) glDeleteProgram(program->id);
   }
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
@@ -181,20 +118,9 @@ struct LiveRenderer::Impl {
                                  {version, by_pixel, with_tool, with_tint, with_section, kLight, kTissueFragment}));
     }
     KERF_CHECK(overlay.build());
-    KERF_CHECK(steel.build({version, kToolVertex}, {version, kLight, kToolFragment}));
+    KERF_CHECK(hand_tool.build());
     KERF_CHECK(flat.build({version, kFlatVertex}, {version, kFlatFragment}));
     return reduce.build({version, kReduceVertex}, {version, kReduceFragment});
-  }
-
-  static void describeFlat(GLuint array, GLuint buffer) {
-    glBindVertexArray(array);
-    glBindBuffer(GL_ARRAY_BUFFER, buffer);
-    glVertexAttribPointer(0, 2, GL_FLOAT, GL_FALSE, sizeof(FlatCorner),
-                          internal::bufferOffset(offsetof(FlatCorner, position)));
-    glVertexAttribPointer(1, 4, GL_FLOAT, GL_FALSE, sizeof(FlatCorner),
-                          internal::bufferOffset(offsetof(FlatCorner, color)));
-    glEnableVertexAttribArray(0);
-    glEnableVertexAttribArray(1);
   }
 
   /// A gradient in a few large triangles with a colour at each corner: cheaper than a formula for each pixel, and than
@@ -219,141 +145,25 @@ struct LiveRenderer::Impl {
                  GL_STATIC_DRAW);
   }
 
-  void setTool(const ToolLook& look);
-  void makeToolTable(const ToolLook& look);
-
   // A frame, in the order in which its parts are drawn.
-  View viewOf(const Camera& camera, int width, int height, const LiveFrame& frame,
-              const std::optional<Rigid3>& tool) const;
-  std::vector<Drawn> whatIsSeen(const View& view, const LiveFrame& frame, const std::optional<Rigid3>& tool);
-  void drawObjects(const View& view, const LiveFrame& frame, const std::optional<Rigid3>& tool);
-  void liftSection(const View& view, const Plane& plane);
-  void drawTool(const View& view, const LiveFrame& frame, const Rigid3& tool);
+  FrameView viewOf(const Camera& camera, int width, int height, const LiveFrame& frame,
+                   const std::optional<Rigid3>& tool) const;
+  std::vector<Drawn> whatIsSeen(const FrameView& view, const LiveFrame& frame, const std::optional<Rigid3>& tool);
+  void drawObjects(const FrameView& view, const LiveFrame& frame, const std::optional<Rigid3>& tool);
+  void liftSection(const FrameView& view, const Plane& plane);
   void drawBackground();
-  void drawAxisLine(const View& view, const LiveFrame& frame, const Rigid3& tool);
-  void drawPlan(const View& view, const LiveFrame& frame, const Camera& camera);
+  void drawPlan(const FrameView& view, const LiveFrame& frame, const Camera& camera);
   Expected<void> drawInto(GLuint target, const Camera& camera, int width, int height, const LiveFrame& frame);
   Expected<void> drawPoints(GLuint target, const Camera& camera, int width, int height, const LiveFrame& frame);
   Expected<void> resizePoints(int width, int height);
 
-  Rigid3 approachPose(const Rigid3& T_world_tool) const {
-    const Eigen::Quaterniond turn(Eigen::Matrix3d(approach_from_tool.transpose()));
-    return {(T_world_tool.rotation * turn).normalized(), T_world_tool.translation};
-  }
-  ToolReach reachOf(const LiveFrame& frame, const Rigid3& tool, const Object& object) const {
-    ToolReach reach{
-        .T_approach_object = approachPose(tool).inverse() * object.T_world_object, .around_tip = {}, .in_shadow = {}};
-    const double contact = contactOf(frame);
-    if (contact > 0) {
-      reach.around_tip = cutting;
-      reach.around_tip.grow(contact);
-    }
-    if (frame.has_shadow) {
-      reach.in_shadow = cutting;
-      reach.in_shadow.min[2] -= kShadowReach;
-    }
-    return reach;
-  }
-  void setLights(const GlProgram& program) const {
-    program.set("key_light", kKeyLight);
-    program.set("key_half", Vec3f((kKeyLight + Vec3f::UnitZ()).normalized()));
-    program.set("fill_light", kFillLight);
-  }
-  void setToolUniforms(const GlProgram& program, const View& view, const LiveFrame& frame) const;
-  void setObjectUniforms(const GlProgram& program, const View& view, const LiveFrame& frame, const Drawn& drawn,
+  void setObjectUniforms(const GlProgram& program, const FrameView& view, const LiveFrame& frame, const Drawn& drawn,
                          const std::optional<Rigid3>& tool) const;
 };
 
-// ------------------------------------------------------------------------------------------------------ the tool
-
-void LiveRenderer::Impl::setTool(const ToolLook& look) {
-  std::vector<LiveVertex> corners;
-  tool_box = {};
-  if (!look.mesh.triangles.empty()) {
-    const std::vector<Vec3f> normals = cornerNormals(look.mesh, 40 * std::numbers::pi / 180);
-    corners.resize(normals.size());
-    for (std::size_t c = 0; c < corners.size(); ++c) {
-      const std::uint32_t v = look.mesh.triangles[c / 3][c % 3];
-      LiveVertex& corner = corners[c];
-      corner.position = look.mesh.vertices[v].cast<float>();
-      for (std::size_t k = 0; k < 3; ++k)
-        corner.normal[k] = static_cast<std::int16_t>(std::lround(32767 * normals[c][static_cast<Eigen::Index>(k)]));
-      corner.color = look.mesh.hasFaceColors()     ? look.mesh.face_colors[c / 3]
-                     : look.mesh.hasVertexColors() ? look.mesh.vertex_colors[v]
-                                                   : Rgba8{176, 182, 190, 255};
-      tool_box.add(look.mesh.vertices[v]);
-    }
-  }
-
-  tool_corners = static_cast<GLsizei>(corners.size());
-  glBindVertexArray(tool_array);
-  glBindBuffer(GL_ARRAY_BUFFER, tool_buffer);
-  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(corners.size() * sizeof(LiveVertex)), corners.data(),
-               GL_STATIC_DRAW);
-  glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(LiveVertex),
-                        internal::bufferOffset(offsetof(LiveVertex, position)));
-  glVertexAttribPointer(1, 4, GL_SHORT, GL_TRUE, sizeof(LiveVertex),
-                        internal::bufferOffset(offsetof(LiveVertex, normal)));
-  glVertexAttribPointer(2, 4, GL_UNSIGNED_BYTE, GL_TRUE, sizeof(LiveVertex),
-                        internal::bufferOffset(offsetof(LiveVertex, color)));
-  for (GLuint i = 0; i < 3; ++i) glEnableVertexAttribArray(i);
-  if (tool_corners > 0) makeToolTable(look);
-}
-
-void LiveRenderer::Impl::makeToolTable(const ToolLook& look) {
-  Vec3d backwards = -look.approach;
-  if (!backwards.allFinite() || backwards.norm() < 1e-6) backwards = Vec3d::UnitZ();
-  const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(backwards, Vec3d::UnitZ());
-  approach_from_tool = turn.toRotationMatrix();
-
-  const Box3 box = look.cutting.isEmpty() ? tool_box : look.cutting;
-  cutting = box.transformed(turn);
-  table = cutting;
-  table.grow(kTableMargin);
-  const Vec3d size = cutting.size();
-  is_round = std::abs(size[0] - size[1]) < 0.02 * size[0];
-
-  // Distances, mm, at the middles of the cells of the table.
-  std::vector<float> distances;
-  distances.reserve(kTableSide * kTableSide * kTableSide);
-  const Vec3d cell = table.size() / kTableSide;
-  for (int k = 0; k < kTableSide; ++k)
-    for (int j = 0; j < kTableSide; ++j)
-      for (int i = 0; i < kTableSide; ++i) {
-        const Vec3d p = turn.conjugate() * (table.min + cell.cwiseProduct(Vec3d(i + 0.5, j + 0.5, k + 0.5)));
-        const Vec3d out = (box.min - p).cwiseMax(p - box.max);
-        const double to_box = out.cwiseMax(0.0).norm() + std::min(out.maxCoeff(), 0.0);
-        distances.push_back(static_cast<float>(look.distance ? look.distance(p) : to_box));
-      }
-  glBindTexture(GL_TEXTURE_3D, tool_table);
-  glTexImage3D(GL_TEXTURE_3D, 0, GL_R32F, kTableSide, kTableSide, kTableSide, 0, GL_RED, GL_FLOAT, distances.data());
-  glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-  glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-  for (const GLenum axis : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R})
-    glTexParameteri(GL_TEXTURE_3D, axis, GL_CLAMP_TO_EDGE);
-}
-
-void LiveRenderer::Impl::setToolUniforms(const GlProgram& program, const View& view, const LiveFrame& frame) const {
-  const Vec3d middle = cutting.center();
-  const Vec3d half = 0.5 * cutting.size();
-  const double strength = frame.has_shadow ? kShadowStrength : 0;
-  program.set("tool_distance", 0);
-  program.set("table_low", Vec3f(table.min.cast<float>()));
-  program.set("table_scale", Vec3f(table.size().cwiseInverse().cast<float>()));
-  program.set("footprint", Eigen::Vector4f(Eigen::Vector4d(middle[0], middle[1], half[0], half[1]).cast<float>()));
-  program.set(
-      "shadow",
-      Eigen::Vector4f(Eigen::Vector4d(strength, kShadowReach, is_round ? 1 : 0, 1 / view.mm_per_pixel).cast<float>()));
-  program.set("tool_height", Eigen::Vector2f(Eigen::Vector2d(cutting.min[2], cutting.max[2]).cast<float>()));
-  program.set("contact", contactOf(frame));
-  program.set("tint", kContactTint);
-}
-
-// ------------------------------------------------------------------------------------------------------ a frame
-
-View LiveRenderer::Impl::viewOf(const Camera& camera, int width, int height, const LiveFrame& frame,
-                                const std::optional<Rigid3>& tool) const {
-  View view;
+FrameView LiveRenderer::Impl::viewOf(const Camera& camera, int width, int height, const LiveFrame& frame,
+                                     const std::optional<Rigid3>& tool) const {
+  FrameView view;
   view.rotation = camera.rotation();
   view.target = camera.target;
   view.width = width;
@@ -370,7 +180,7 @@ View LiveRenderer::Impl::viewOf(const Camera& camera, int width, int height, con
   for (const auto& [number, object] : objects)
     if (object.T_world_object.isUsable())
       for (const auto& [key, page] : object.pages) reach(page.box(), object.T_world_object);
-  if (tool) reach(tool_box, *tool);
+  if (tool) reach(hand_tool.box(), *tool);
   for (const LiveSlab& slab : frame.plan.slabs) {
     Box3 box;
     for (const Vec3d& corner : slab.corners) box.add(corner);
@@ -387,7 +197,7 @@ View LiveRenderer::Impl::viewOf(const Camera& camera, int width, int height, con
   return view;
 }
 
-std::vector<Drawn> LiveRenderer::Impl::whatIsSeen(const View& view, const LiveFrame& frame,
+std::vector<Drawn> LiveRenderer::Impl::whatIsSeen(const FrameView& view, const LiveFrame& frame,
                                                   const std::optional<Rigid3>& tool) {
   std::vector<Drawn> seen;
   for (auto& [number, object] : objects) {
@@ -395,7 +205,7 @@ std::vector<Drawn> LiveRenderer::Impl::whatIsSeen(const View& view, const LiveFr
     const Eigen::Matrix3d rotation = view.rotation * object.T_world_object.rotation.toRotationMatrix();
     const Eigen::Matrix3d spread = rotation.cwiseAbs();
     std::optional<ToolReach> tool_reach;
-    if (tool) tool_reach = reachOf(frame, *tool, object);
+    if (tool) tool_reach = hand_tool.reachOf(frame, *tool, object.T_world_object);
 
     for (auto& [key, page] : object.pages) {
       const Box3& box = page.box();
@@ -426,14 +236,14 @@ std::vector<Drawn> LiveRenderer::Impl::whatIsSeen(const View& view, const LiveFr
   return seen;
 }
 
-void LiveRenderer::Impl::setObjectUniforms(const GlProgram& program, const View& view, const LiveFrame& frame,
+void LiveRenderer::Impl::setObjectUniforms(const GlProgram& program, const FrameView& view, const LiveFrame& frame,
                                            const Drawn& drawn, const std::optional<Rigid3>& tool) const {
   const Rigid3& pose = drawn.object->T_world_object;
   const Eigen::Matrix3d rotation = view.rotation * pose.rotation.toRotationMatrix();
   program.set("to_clip", Eigen::Matrix4f((view.to_clip * matrixOf(pose)).cast<float>()));
   program.set("to_view", Eigen::Matrix3f(rotation.cast<float>()));
   if (drawn.reach != Reach::kNone)
-    program.set("to_tool", Eigen::Matrix4f(matrixOf(approachPose(*tool).inverse() * pose).cast<float>()));
+    program.set("to_tool", Eigen::Matrix4f(matrixOf(hand_tool.toApproach(*tool, pose)).cast<float>()));
   if (isOpen(frame)) {
     const Vec3d n = pose.rotation.conjugate() * frame.section->normal;
     const double offset = frame.section->normal.dot(pose.translation - frame.section->point);
@@ -441,7 +251,7 @@ void LiveRenderer::Impl::setObjectUniforms(const GlProgram& program, const View&
   }
 }
 
-void LiveRenderer::Impl::drawObjects(const View& view, const LiveFrame& frame, const std::optional<Rigid3>& tool) {
+void LiveRenderer::Impl::drawObjects(const FrameView& view, const LiveFrame& frame, const std::optional<Rigid3>& tool) {
   const std::vector<Drawn> seen = whatIsSeen(view, frame, tool);
   const bool is_open = isOpen(frame);
 
@@ -462,8 +272,7 @@ void LiveRenderer::Impl::drawObjects(const View& view, const LiveFrame& frame, c
   } else {
     glEnable(GL_CULL_FACE);
   }
-  glActiveTexture(GL_TEXTURE0);
-  glBindTexture(GL_TEXTURE_3D, tool_table);
+  hand_tool.bindTable();
 
   std::array<bool, kVariants> is_prepared{};
   std::array<const Object*, kVariants> set_for{};
@@ -482,8 +291,8 @@ void LiveRenderer::Impl::drawObjects(const View& view, const LiveFrame& frame, c
     // Uniforms: once a frame, and when the object changes.
     if (!is_prepared[variant]) {
       is_prepared[variant] = true;
-      setLights(program);
-      if (drawn.reach != Reach::kNone) setToolUniforms(program, view, frame);
+      internal::setLights(program);
+      if (drawn.reach != Reach::kNone) hand_tool.setUniforms(program, view, frame);
       if (is_open) {
         const Rgba8& c = frame.section_color;
         program.set("section_color", Vec3f(Vec3f(c[0], c[1], c[2]) / 255));
@@ -504,7 +313,7 @@ void LiveRenderer::Impl::drawObjects(const View& view, const LiveFrame& frame, c
     const bool is_faced = frame.is_culled && !is_open;
     counts.uploaded_bytes += page.face(is_faced ? Vec3f(to_viewer.cast<float>()) : Vec3f(Vec3f::Zero()), tolerance);
     std::optional<ToolReach> tool_reach;
-    if (drawn.is_split) tool_reach = reachOf(frame, *tool, *drawn.object);
+    if (drawn.is_split) tool_reach = hand_tool.reachOf(frame, *tool, pose);
     const auto isSeen = [&](const LivePage::Range& range) {
       if (drawn.is_whole || !frame.is_culled) return true;
       const Vec3d middle = origin + rotation * range.box.center();
@@ -539,7 +348,7 @@ void LiveRenderer::Impl::drawObjects(const View& view, const LiveFrame& frame, c
 }
 
 /// The section so far is as deep as the wall behind it. Lifts it into its plane, so that a tool behind it is hidden.
-void LiveRenderer::Impl::liftSection(const View& view, const Plane& plane) {
+void LiveRenderer::Impl::liftSection(const FrameView& view, const Plane& plane) {
   const Vec3d n = view.rotation * plane.normal;
   if (n[2] < 1e-3 * n.norm()) return;  // seen from its edge or from behind
 
@@ -561,28 +370,6 @@ void LiveRenderer::Impl::liftSection(const View& view, const Plane& plane) {
   glDepthFunc(GL_LESS);
 }
 
-void LiveRenderer::Impl::drawTool(const View& view, const LiveFrame& frame, const Rigid3& tool) {
-  steel.use();
-  setLights(steel);
-  steel.set("to_clip", Eigen::Matrix4f((view.to_clip * matrixOf(tool)).cast<float>()));
-  steel.set("to_view", Eigen::Matrix3f((view.rotation * tool.rotation.toRotationMatrix()).cast<float>()));
-  steel.set("alpha", frame.is_ghost ? 0.4 : 1.0);
-  glBindVertexArray(tool_array);
-  glEnable(GL_CULL_FACE);
-
-  if (frame.is_ghost) {  // its nearest surface alone shines through: depth first
-    glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
-    glDrawArrays(GL_TRIANGLES, 0, tool_corners);
-    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-    glDepthFunc(GL_LEQUAL);
-    glEnable(GL_BLEND);
-    glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
-  }
-  glDrawArrays(GL_TRIANGLES, 0, tool_corners);
-  glDisable(GL_BLEND);
-  glDepthFunc(GL_LESS);
-}
-
 void LiveRenderer::Impl::drawBackground() {
   glDisable(GL_CULL_FACE);
   glDepthFunc(GL_LEQUAL);  // at the far end: only where nothing was drawn
@@ -593,64 +380,7 @@ void LiveRenderer::Impl::drawBackground() {
   glDrawArrays(GL_TRIANGLES, 0, background_corners);
 }
 
-void LiveRenderer::Impl::drawAxisLine(const View& view, const LiveFrame& frame, const Rigid3& tool) {
-  if (!std::isfinite(frame.axis_line_mm) || frame.axis_line_mm <= 0) return;
-  const double length = std::min(frame.axis_line_mm, 100.0);
-  const Rigid3 approach = approachPose(tool);
-  const auto inPixels = [&](double below) {
-    const Vec3d p = view.toView(approach * Vec3d(cutting.center()[0], cutting.center()[1], cutting.min[2] - below));
-    return Eigen::Vector2d(p.head<2>() / view.mm_per_pixel);
-  };
-  const Eigen::Vector2d from = inPixels(0), to = inPixels(length);
-  if ((to - from).norm() < 2) return;  // seen from its end
-  const Eigen::Vector2d along = (to - from).normalized(), aside(-along[1], along[0]);
-  const Eigen::Vector2d half(0.5 * view.width, 0.5 * view.height);
-
-  std::vector<FlatCorner> corners;
-  // A stroke of `width` pixels; its colour fades with the depth of its ends.
-  const auto addStroke = [&](const Eigen::Vector2d& a, const Eigen::Vector2d& b, double width, const Vec3f& color,
-                             double alpha_a, double alpha_b) {
-    const Eigen::Vector2d direction = (b - a).normalized();
-    const Eigen::Vector2d side = 0.5 * width * Eigen::Vector2d(-direction[1], direction[0]);
-    const auto corner = [&](const Eigen::Vector2d& p, double alpha) {
-      const Eigen::Vector2f at = p.cwiseQuotient(half).cast<float>();
-      corners.push_back({{at[0], at[1]}, {color[0], color[1], color[2], static_cast<float>(alpha)}});
-    };
-    for (const auto& [p, alpha] : {std::pair{Eigen::Vector2d(a - side), alpha_a},
-                                   {Eigen::Vector2d(a + side), alpha_a},
-                                   {Eigen::Vector2d(b + side), alpha_b},
-                                   {Eigen::Vector2d(a - side), alpha_a},
-                                   {Eigen::Vector2d(b + side), alpha_b},
-                                   {Eigen::Vector2d(b - side), alpha_b}})
-      corner(p, alpha);
-  };
-  const double scale = std::max(1.0, view.height / 720.0);
-  const auto addAll = [&](const Vec3f& color, double extra, double opacity) {
-    addStroke(from, to, (1.5 + extra) * scale, color, opacity, 0.15 * opacity);
-    for (int mm = 1; mm <= static_cast<int>(length); ++mm) {
-      const Eigen::Vector2d at = inPixels(mm);
-      const double reach = (mm % 5 ? 4 : 7) * scale, alpha = opacity * (1 - 0.85 * mm / length);
-      addStroke(at - reach * aside, at + reach * aside, (1.5 + extra) * scale, color, alpha, alpha);
-    }
-  };
-  addAll(Vec3f(1, 1, 1), 2, 0.45);  // a light edge, to be seen on dark and on bright
-  addAll(Vec3f(0.05f, 0.17f, 0.32f), 0, 0.9);
-
-  glBindVertexArray(line_array);
-  glBindBuffer(GL_ARRAY_BUFFER, line_buffer);
-  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(corners.size() * sizeof(FlatCorner)), corners.data(),
-               GL_STREAM_DRAW);
-  glDisable(GL_DEPTH_TEST);
-  glEnable(GL_BLEND);
-  glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
-  flat.use();
-  flat.set("depth", Vec3f(0, 0, 0));
-  flat.set("noise", 0.0);
-  glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(corners.size()));
-  glDisable(GL_BLEND);
-}
-
-void LiveRenderer::Impl::drawPlan(const View& view, const LiveFrame& frame, const Camera& camera) {
+void LiveRenderer::Impl::drawPlan(const FrameView& view, const LiveFrame& frame, const Camera& camera) {
   const double scale = std::max(1.0, view.height / 720.0);
   overlay.draw(frame.plan, {view.to_clip, camera.right(), camera.up(), camera.backwards(), scale * view.mm_per_pixel});
 }
@@ -663,8 +393,8 @@ Expected<void> LiveRenderer::Impl::drawPoints(GLuint target, const Camera& camer
     return fail(glFailure("drawing", "the framebuffer is gone or incomplete"));
 
   std::optional<Rigid3> tool;
-  if (tool_corners > 0 && frame.T_world_tool && frame.T_world_tool->isUsable()) tool = frame.T_world_tool;
-  const View view = viewOf(camera, width, height, frame, tool);
+  if (!hand_tool.isEmpty() && frame.T_world_tool && frame.T_world_tool->isUsable()) tool = frame.T_world_tool;
+  const FrameView view = viewOf(camera, width, height, frame, tool);
 
   glDisable(GL_BLEND);
   glDisable(GL_SCISSOR_TEST);
@@ -679,14 +409,14 @@ Expected<void> LiveRenderer::Impl::drawPoints(GLuint target, const Camera& camer
   glClear(GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
 
   drawObjects(view, frame, tool);
-  if (tool && !frame.is_ghost) drawTool(view, frame, *tool);
+  if (tool && !frame.is_ghost) hand_tool.draw(view, frame, *tool);
   drawBackground();
   if (tool && frame.is_ghost) {
     glDepthFunc(GL_LESS);
-    drawTool(view, frame, *tool);
+    hand_tool.draw(view, frame, *tool);
   }
   if (!frame.plan.isEmpty()) drawPlan(view, frame, camera);
-  if (tool && frame.has_axis_line) drawAxisLine(view, frame, *tool);
+  if (tool && frame.has_axis_line) hand_tool.drawAxisLine(flat, view, frame, *tool);
 
   glDisable(GL_DEPTH_TEST);
   glDisable(GL_CULL_FACE);
@@ -787,7 +517,7 @@ void LiveRenderer::setVisible(std::size_t object, bool is_visible) { impl_->obje
 void LiveRenderer::removeObject(std::size_t object) { impl_->objects.erase(object); }
 void LiveRenderer::clear() { impl_->objects.clear(); }
 void LiveRenderer::setBackground(const Vec3f& middle, const Vec3f& edge) { impl_->makeBackground(middle, edge); }
-void LiveRenderer::setTool(const ToolLook& tool) { impl_->setTool(tool); }
+void LiveRenderer::setTool(const ToolLook& tool) { impl_->hand_tool.set(tool); }
 const LiveCounts& LiveRenderer::counts() const { return impl_->counts; }
 
 Expected<void> LiveRenderer::draw(const Camera& camera, int width, int height, const LiveFrame& frame) {

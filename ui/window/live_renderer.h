@@ -6,28 +6,18 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
 
 #include "geometry/base/error.h"
-#include "geometry/mesh/mesh.h"
 #include "sim/live/remesher.h"
 #include "ui/app/camera.h"
 #include "ui/window/image.h"
 #include "ui/window/live_overlay.h"
+#include "ui/window/live_tool.h"
 
 namespace kerf {
-
-/// What is drawn of a tool, and where it touches. Tool frame, mm.
-struct ToolLook {
-  Mesh mesh;                         ///< closed pieces: toolMesh(tool)
-  Box3 cutting;                      ///< what of it cuts: tool.cut->bounds()
-  Vec3d approach = -Vec3d::UnitZ();  ///< unit: tool.plunge_direction
-  /// Signed distance to what cuts, mm: tool.cut->distance(p). Asked 32 768 times by setTool(); without one, the box.
-  std::function<double(const Vec3d&)> distance;
-};
 
 /// What one frame shows beside the objects.
 struct LiveFrame {

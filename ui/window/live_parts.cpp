@@ -1,0 +1,35 @@
+#include "ui/window/live_parts.h"
+
+#include <cstddef>
+
+namespace kerf::internal {
+namespace {
+
+const Vec3f kKeyLight = Vec3f(-0.46f, 0.62f, 0.63f).normalized();
+const Vec3f kFillLight = Vec3f(0.85f, 0.05f, 0.5f).normalized();
+
+}  // namespace
+
+void describeFlat(GLuint array, GLuint buffer) {
+  glBindVertexArray(array);
+  glBindBuffer(GL_ARRAY_BUFFER, buffer);
+  glVertexAttribPointer(0, 2, GL_FLOAT, GL_FALSE, sizeof(FlatCorner), bufferOffset(offsetof(FlatCorner, position)));
+  glVertexAttribPointer(1, 4, GL_FLOAT, GL_FALSE, sizeof(FlatCorner), bufferOffset(offsetof(FlatCorner, color)));
+  glEnableVertexAttribArray(0);
+  glEnableVertexAttribArray(1);
+}
+
+void setLights(const GlProgram& program) {
+  program.set("key_light", kKeyLight);
+  program.set("key_half", Vec3f((kKeyLight + Vec3f::UnitZ()).normalized()));
+  program.set("fill_light", kFillLight);
+}
+
+Eigen::Matrix4d matrixOf(const Rigid3& pose) {
+  Eigen::Matrix4d m = Eigen::Matrix4d::Identity();
+  m.topLeftCorner<3, 3>() = pose.rotation.toRotationMatrix();
+  m.topRightCorner<3, 1>() = pose.translation;
+  return m;
+}
+
+}  // namespace kerf::internal
