@@ -137,11 +137,14 @@ Vec3f seenThrough(Labels& labels, const Vec3d& start, const Vec3d& inward, const
 
 TissuePalette::TissuePalette(const MaterialTable& table) {
   colours_.fill(linearOf(MaterialProperties{}.color));
+  shown_.fill(MaterialProperties{}.color);
   for (std::size_t number = 0; number < gloss_.size(); ++number)
     gloss_[number] = glossOf(static_cast<Material>(static_cast<int>(number)));
   for (const MaterialProperties& row : table.rows()) {
     const int number = static_cast<int>(row.material);
-    if (number >= 0 && number < 256) colours_[static_cast<std::size_t>(number)] = linearOf(row.color);
+    if (number < 0 || number > 255) continue;
+    colours_[static_cast<std::size_t>(number)] = linearOf(row.color);
+    shown_[static_cast<std::size_t>(number)] = row.color;
   }
 }
 

@@ -18,6 +18,8 @@ class TissuePalette {
   explicit TissuePalette(const MaterialTable& table);
 
   const Vec3f& colour(std::uint8_t material) const { return colours_[material]; }
+  /// The same in sRGB, as the table says.
+  const Rgba8& shown(std::uint8_t material) const { return shown_[material]; }
   /// 0 matte to 1 as if wet.
   float gloss(std::uint8_t material) const { return gloss_[material]; }
   /// Enamel lets dentin show through where it is thin.
@@ -25,6 +27,7 @@ class TissuePalette {
 
  private:
   std::array<Vec3f, 256> colours_;
+  std::array<Rgba8, 256> shown_;
   std::array<float, 256> gloss_{};
 };
 

@@ -11,6 +11,7 @@
 #include "ui/app/exporting.h"
 #include "ui/app/import_plan.h"
 #include "ui/app/sawing.h"
+#include "ui/app/tissue_display.h"
 #include "ui/app/user_files.h"
 
 namespace kerf {
@@ -34,7 +35,10 @@ Expected<std::string> exportWhenGiven(const LiveRun& run, std::future<SceneView>
 }  // namespace
 
 Workbench::Workbench(WorkbenchOptions options)
-    : options_(std::move(options)), recent_(dataFolderOf(options_)), saw_(std::make_unique<Sawing>(*this)) {
+    : options_(std::move(options)),
+      recent_(dataFolderOf(options_)),
+      tissues_(std::make_unique<TissueDisplay>()),
+      saw_(std::make_unique<Sawing>(*this)) {
   options_.data_folder = dataFolderOf(options_);
   fillRack();
   if (auto materials = readDefaultMaterials())
@@ -47,6 +51,7 @@ Workbench::Workbench(WorkbenchOptions options)
 Workbench::~Workbench() {
   job_.reset();
   if (!run_) return;
+  tissues_->closing();
   namePieces();
   saw_->closing();
   (void)run_->finish();
@@ -215,6 +220,7 @@ void Workbench::show(Opened& loaded) {
   guided_ = std::move(guided);
   run_ = std::move(loaded.run);
   structures_ = std::move(loaded.structures);
+  tissues_->opened(*run_, materials_);
   samples_.clear();
   name_ = loaded.name;
   source_ = loaded.source;
@@ -262,6 +268,7 @@ void Workbench::close() {
   release();
   namePieces();
   saw_->closing();
+  tissues_->closing();
   std::shared_ptr<LiveRun> ending = std::move(run_);
   std::shared_ptr<MouseHand> hand = std::move(hand_);
   std::shared_ptr<GuidedHand> guided = std::move(guided_);

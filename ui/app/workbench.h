@@ -33,6 +33,7 @@
 namespace kerf {
 
 class Sawing;
+class TissueDisplay;
 class ImportPlan;
 
 struct WorkbenchOptions {
@@ -115,6 +116,8 @@ class Workbench {
   const Structures* structures() const { return structures_.get(); }
   /// How near the tool is to them: during a stroke where it is, else where it would touch. None: there are none.
   std::optional<NearStructure> nearStructure(const std::optional<ToolOverSurface>& over) const;
+  TissueDisplay& tissues() { return *tissues_; }
+  const TissueDisplay& tissues() const { return *tissues_; }
   /// A tissue's name for people: "enamel".
   std::string nameOf(Material material) const;
   const HapticReport& report() const { return report_; }
@@ -294,6 +297,7 @@ class Workbench {
   std::unique_ptr<MouseHand> hand_;     // outlives guided_
   std::unique_ptr<GuidedHand> guided_;  // outlives run_
   std::unique_ptr<LiveRun> run_;
+  std::unique_ptr<TissueDisplay> tissues_;  // ends before run_
   LiveScene scene_;
   std::optional<std::uint32_t> chosen_;  // piece
   struct Moving {

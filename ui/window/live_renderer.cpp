@@ -15,6 +15,7 @@
 #include "ui/window/gl_target.h"
 #include "ui/window/live_pages.h"
 #include "ui/window/live_parts.h"
+#include "ui/window/live_section.h"
 #include "ui/window/live_shaders.h"
 
 namespace kerf {
@@ -27,6 +28,7 @@ using internal::glFailure;
 using internal::GlProgram;
 using internal::LiveChunk;
 using internal::LivePage;
+using internal::LiveSection;
 using internal::matrixOf;
 using internal::Reach;
 using internal::ToolReach;
@@ -52,6 +54,7 @@ struct Object {
   Rigid3 T_world_object;
   bool is_visible = true;
   std::map<std::array<int, 3>, LivePage> pages;  // in order: so are the draw calls
+  LiveSection section;
 };
 
 /// One page that is drawn in this frame: all of it, or its chunks within one reach of the tool.
@@ -247,6 +250,7 @@ void LiveRenderer::Impl::setObjectUniforms(const GlProgram& program, const Frame
   if (isOpen(frame)) {
     const Vec3d n = pose.rotation.conjugate() * frame.section->normal;
     const double offset = frame.section->normal.dot(pose.translation - frame.section->point);
+    drawn.object->section.setUniforms(program, view, *frame.section, pose);
     program.set("section", Eigen::Vector4f(Eigen::Vector4d(n[0], n[1], n[2], offset).cast<float>()));
   }
 }
@@ -279,6 +283,7 @@ void LiveRenderer::Impl::drawObjects(const FrameView& view, const LiveFrame& fra
   std::vector<GLsizei> counts_of;
   std::vector<const void*> offsets;
   const GlProgram* used = nullptr;
+  const Object* bound = nullptr;
   const auto tolerance = static_cast<float>(view.mm_per_pixel / 64);  // corners are rounded to 1/256 of a pixel
   for (const Drawn& drawn : seen) {
     const std::size_t variant =
@@ -298,6 +303,8 @@ void LiveRenderer::Impl::drawObjects(const FrameView& view, const LiveFrame& fra
         program.set("section_color", Vec3f(Vec3f(c[0], c[1], c[2]) / 255));
       }
     }
+    if (is_open && bound != drawn.object) drawn.object->section.bind();
+    bound = drawn.object;
     if (set_for[variant] != drawn.object) {
       set_for[variant] = drawn.object;
       setObjectUniforms(program, view, frame, drawn, tool);
@@ -514,6 +521,9 @@ void LiveRenderer::setPose(std::size_t object, const Rigid3& T_world_object) {
   impl_->objects[object].T_world_object = T_world_object;
 }
 void LiveRenderer::setVisible(std::size_t object, bool is_visible) { impl_->objects[object].is_visible = is_visible; }
+void LiveRenderer::setSection(std::size_t object, const TissueSection& section) {
+  impl_->objects[object].section.set(section);
+}
 void LiveRenderer::removeObject(std::size_t object) { impl_->objects.erase(object); }
 void LiveRenderer::clear() { impl_->objects.clear(); }
 void LiveRenderer::setBackground(const Vec3f& middle, const Vec3f& edge) { impl_->makeBackground(middle, edge); }

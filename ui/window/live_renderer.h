@@ -12,6 +12,7 @@
 
 #include "geometry/base/error.h"
 #include "sim/live/remesher.h"
+#include "sim/live/tissue_section.h"
 #include "ui/app/camera.h"
 #include "ui/window/image.h"
 #include "ui/window/live_overlay.h"
@@ -27,8 +28,8 @@ struct LiveFrame {
   bool has_shadow = true;                   ///< outline of what cuts, dark, along the approach: where it would go in
   bool has_axis_line = true;                ///< from the tip along the approach, a tick every mm, on top of everything
   double axis_line_mm = 6;                  ///< its length
-  /// What lies on the side its normal points to is not drawn; the inside shows flat in `section_color`. Tools are not
-  /// cut. Open meshes show their inside in that colour, too.
+  /// What lies on the side its normal points to is not drawn; the inside shows flat, as setSection() says, or in
+  /// `section_color`. Tools are not cut. Open meshes show their inside in the same colours.
   std::optional<Plane> section = {};
   Rgba8 section_color = {214, 168, 128, 255};
   LivePlan plan = {};     ///< planned cuts, and what is being picked: translucent, over everything
@@ -61,8 +62,11 @@ class LiveRenderer {
   /// Identity until set. An object whose pose is not usable is not drawn.
   void setPose(std::size_t object, const Rigid3& T_world_object);
   void setVisible(std::size_t object, bool is_visible);  ///< true until set
-  void removeObject(std::size_t object);                 ///< its pose and visibility, too
-  void clear();                                          ///< all objects; the tool stays
+  /// What the object shows where the next frames cut it open. The picture is of the plane of LiveFrame::section, in the
+  /// object's frame. Copied to the graphics card. An empty one: `section_color`.
+  void setSection(std::size_t object, const TissueSection& section);
+  void removeObject(std::size_t object);  ///< its pose and visibility, too
+  void clear();                           ///< all objects; the tool stays
   /// Of the gradient behind everything, sRGB: in the middle, at the corners. A bluish grey until set.
   void setBackground(const Vec3f& middle, const Vec3f& edge);
   /// A few ms. An empty mesh: no tool.

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "ui/app/sawing.h"
+#include "ui/app/tissue_display.h"
 
 namespace kerf {
 
@@ -18,6 +19,7 @@ void LiveView::update(Workbench& bench) {
     generation_ = bench.generation();
     renderer_->clear();
     placed_.clear();
+    sections_.clear();
     tool_.reset();
     hover_.reset();
     is_fit_wanted_ = !bench.keepsView();
@@ -26,6 +28,7 @@ void LiveView::update(Workbench& bench) {
     for (const MeshChunkPtr& chunk : object.chunks)
       renderer_->setChunk(object.id, *chunk, chunk->colours, chunk->occlusion);
   placeObjects(bench.scene());
+  showSection(bench);
   saw_.surfaceChanged(!changed.empty());
   showTool(bench);
 }
@@ -36,6 +39,21 @@ void LiveView::placeObjects(const LiveScene& scene) {
     renderer_->setPose(object->id, object->pose());
     renderer_->setVisible(object->id, !object->is_hidden);
     placed_.push_back(object->id);
+  }
+}
+
+// What is made of what, anew for an object when the plane has moved through it.
+void LiveView::showSection(const Workbench& bench) {
+  if (!bench.section) return;
+  for (const SceneObject* object : bench.scene().shown()) {
+    if (object->is_hidden) continue;
+    const Rigid3 to_object = object->pose().inverse();
+    const Plane local{to_object * bench.section->point, to_object.rotation * bench.section->normal};
+    const auto known = sections_.find(object->id);
+    if (known != sections_.end() && known->second.point == local.point && known->second.normal == local.normal)
+      continue;
+    sections_[object->id] = local;
+    renderer_->setSection(object->id, bench.tissues().sectionAt(local));
   }
 }
 

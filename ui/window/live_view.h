@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -42,10 +43,12 @@ class LiveView {
   LiveFrame frameOf(const Workbench& bench, const Camera& camera);
   void showTool(const Workbench& bench);
   void placeObjects(const LiveScene& scene);
+  void showSection(const Workbench& bench);
 
   std::unique_ptr<LiveRenderer> renderer_;
   std::uint64_t generation_ = 0;
-  std::vector<std::uint32_t> placed_;  // objects in the last picture
+  std::vector<std::uint32_t> placed_;        // objects in the last picture
+  std::map<std::uint32_t, Plane> sections_;  // of objects, in their frames, as they are on the graphics card
   std::optional<std::size_t> tool_;
   std::optional<ToolOverSurface> hover_;
   SawView saw_;

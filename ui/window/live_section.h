@@ -1,0 +1,33 @@
+// The face of a section through one object, as a texture: what it is made of at each place of the plane.
+#pragma once
+
+#include <epoxy/gl.h>
+
+#include "sim/live/tissue_section.h"
+#include "ui/window/gl_program.h"
+#include "ui/window/live_parts.h"
+
+namespace kerf::internal {
+
+/// The view is orthographic: a pixel's place in the plane is affine in the pixel, whatever surface is behind it.
+/// Needs its OpenGL context current in every call, the destructor included.
+class LiveSection {
+ public:
+  LiveSection() = default;
+  ~LiveSection();
+  LiveSection(const LiveSection&) = delete;
+  LiveSection& operator=(const LiveSection&) = delete;
+
+  void set(const TissueSection& section);
+  /// Texture unit 1.
+  void bind() const;
+  /// Uniforms of a program with SECTION.
+  /// @param plane  world frame: the one of which set() has the picture, in the frame of the object at `pose`.
+  void setUniforms(const GlProgram& program, const FrameView& view, const Plane& plane, const Rigid3& pose) const;
+
+ private:
+  TissueSection section_;  // without its colours
+  GLuint texture_ = 0;
+};
+
+}  // namespace kerf::internal
