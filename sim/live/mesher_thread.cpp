@@ -51,6 +51,7 @@ void MesherThread::run(const BrickField& phi0) {
 }
 
 std::optional<BrickField> MesherThread::changedField() {
+  const std::lock_guard one(asking_);
   std::unique_lock lock(mutex_);
   is_copy_wanted_ = true;
   copied_.wait(lock, [this] { return copy_.has_value() || is_over_; });

@@ -51,8 +51,8 @@ class MesherThread {
   /// Edits meshed so far: with the producer's count of successful pushes it tells how far the mesh lags behind.
   std::uint64_t editsDone() const noexcept { return edits_done_.load(std::memory_order_acquire); }
 
-  /// The bricks that differ from phi0, as this thread knows them when it has taken all that is in the feed. One caller
-  /// at a time, of any thread; waits for the mesher: some ms, for a piece that has just come off until it is meshed.
+  /// The bricks that differ from phi0, as this thread knows them when it has taken all that is in the feed. Any thread;
+  /// waits for other callers and for the mesher: some ms, for a piece that has just come off until it is meshed.
   /// None: it has stopped.
   std::optional<BrickField> changedField();
   bool isPiece() const noexcept { return shared_feed_ != nullptr; }
@@ -76,6 +76,7 @@ class MesherThread {
   std::shared_ptr<const BrickField> piece_field_;  // made by the thread, before any copy; guarded by mutex_
   std::atomic<bool> is_stopping_{false};
   std::atomic<std::uint64_t> edits_done_{0};
+  std::mutex asking_;  // one caller of changedField() at a time; before mutex_
   mutable std::mutex mutex_;
   std::condition_variable copied_;
   bool is_copy_wanted_ = false, is_over_ = false;          // guarded by mutex_
