@@ -11,6 +11,7 @@
 #include "ui/app/point_commands.h"
 #include "ui/app/saw_commands.h"
 #include "ui/app/settings_commands.h"
+#include "ui/app/tissue_commands.h"
 #include "ui/app/tool_commands.h"
 #include "ui/app/view_commands.h"
 
@@ -275,6 +276,21 @@ constexpr AppCommand kCommands[] = {
      view_commands::sectionNearer},
     {"view.plots", "View", "Plots of the last 20 s", "", "[on|off]",
      "Shows force, torque, spindle, depth and volume rate over time, or puts them away.", always, view_commands::plots},
+    {"view.tissue", "", "", "", "NAME show|hide|ghost",
+     "Shows a tissue, hides it, or lets what is under it shine through.", tissue_commands::hasTissues,
+     tissue_commands::look},
+    {"view.tissues-all", "View", "Show all tissues", "", "", "Shows all tissues.", tissue_commands::isAnyHidden,
+     tissue_commands::showAll},
+    {"view.colours", "", "", "", "tissue|depth|distance",
+     "Colours the surface by tissue, by depth below it as loaded, or by distance to pulp and nerve canal.", isOpen,
+     tissue_commands::colours},
+    {"view.colours-tissue", "View", "Colours of tissues", "", "", "Colours the surface by tissue.", isOpen,
+     tissue_commands::coloursOf<SurfaceColours::kTissue>},
+    {"view.colours-depth", "View", "Colours of depth", "", "", "Colours the surface by depth below it as loaded.",
+     isOpen, tissue_commands::coloursOf<SurfaceColours::kDepth>},
+    {"view.colours-distance", "View", "Colours of distance to pulp and nerve", "", "",
+     "Colours the surface by distance to pulp and nerve canal.", tissue_commands::hasStructures,
+     tissue_commands::coloursOf<SurfaceColours::kDistance>},
     {"view.zoom", "", "", "", "FACTOR", "Makes things larger by a factor.", always, view_commands::zoom},
     {"view.theme", "View", "Light or dark", "Ctrl+Shift+L", "[light|dark]", "Changes between light and dark panels.",
      hasSettings, setTheme},

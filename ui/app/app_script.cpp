@@ -13,6 +13,7 @@
 #include "ui/app/command_words.h"
 #include "ui/app/import_commands.h"
 #include "ui/app/sawing.h"
+#include "ui/app/tissue_display.h"
 
 namespace kerf {
 namespace {
@@ -27,7 +28,7 @@ void frameOf(const std::function<void()>& frame) {
 Expected<void> wait(AppContext& c, AppWords words, const std::function<void()>& frame) {
   if (words.empty()) {
     do frameOf(frame);
-    while (c.bench.job() || isPreviewing(c) || c.bench.saw().isCutting() ||
+    while (c.bench.job() || isPreviewing(c) || c.bench.saw().isCutting() || c.bench.tissues().isBusy() ||
            (c.bench.isOpen() && c.bench.scene().triangleCount() == 0));
     return {};
   }

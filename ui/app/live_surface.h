@@ -31,6 +31,11 @@ class LiveSurface {
   void update(std::span<const MeshChunkPtr> chunks);
   void clear() { *this = {}; }
 
+  /// In no order.
+  template <class Visit>
+  void forEachChunk(const Visit& visit) const {
+    for (const auto& [key, placed] : chunks_) visit(*placed.chunk);
+  }
   std::size_t triangleCount() const { return triangles_; }
   Box3 bounds() const;
   /// Enclosed by the surface, mm^3. 0 while chunks are missing.

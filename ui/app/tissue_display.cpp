@@ -1,15 +1,256 @@
 #include "ui/app/tissue_display.h"
 
-namespace kerf {
+#include <fmt/format.h>
 
-void TissueDisplay::opened(const LiveRun& run, const MaterialTable& materials) {
-  opened_ = {TissueLabels::of(run.object()), TissuePalette(materials)};
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <utility>
+
+#include "sim/live/chunk_occlusion.h"
+
+namespace kerf {
+namespace {
+
+constexpr auto kPause = std::chrono::milliseconds(250);  // from one meshing of what was cut to the next
+constexpr double kLeast = 1e-6;                          // mm^3: what is less is no tissue
+constexpr std::uint8_t kMapGloss = 40;                   // matte: shine would be read as a value
+
+// Even steps of L* in CIELAB, 92 to 20, from yellow to blue: no step is told by red against green.
+constexpr std::array<std::array<double, 3>, 9> kMap = {{{253, 232, 147},
+                                                        {224, 207, 138},
+                                                        {196, 182, 130},
+                                                        {168, 158, 124},
+                                                        {141, 134, 119},
+                                                        {114, 110, 115},
+                                                        {85, 88, 113},
+                                                        {52, 66, 112},
+                                                        {0, 47, 111}}};
+
+double depthIn(const KeepOut& solid, const Vec3f& p) { return std::max(0.0, -static_cast<double>(solid.distance(p))); }
+
+KeepOutOptions depthReach(double voxel) {
+  KeepOutOptions out = keepOutReach(voxel);
+  out.most_depth = out.most_distance;
+  return out;
 }
 
-void TissueDisplay::closing() { opened_.reset(); }
+}  // namespace
+
+Rgba8 mapColour(double share) {
+  const double at = std::clamp(std::isfinite(share) ? share : 1.0, 0.0, 1.0) * (kMap.size() - 1);
+  const std::size_t low = std::min(static_cast<std::size_t>(at), kMap.size() - 2);
+  const double t = at - static_cast<double>(low);
+  Rgba8 out{0, 0, 0, 255};
+  for (std::size_t k = 0; k < 3; ++k)
+    out[k] = static_cast<std::uint8_t>(std::lround((1 - t) * kMap[low][k] + t * kMap[low + 1][k]));
+  return out;
+}
+
+// ---- What the workbench calls
+
+void TissueDisplay::opened(LiveRun& run, const MaterialTable& materials, std::shared_ptr<const Structures> structures) {
+  closing();
+  run_ = &run;
+  labels_ = TissueLabels::of(run.object());
+  palette_.emplace(materials);
+  structures_ = std::move(structures);
+  for (const MaterialProperties& row : materials.rows()) {
+    const auto number = static_cast<std::size_t>(row.material);
+    const std::array<double, 256>& volumes = run.object().volumes();
+    if (number >= volumes.size() || volumes[number] < kLeast) continue;
+    tissues_.push_back({row.material, row.id, row.name, row.color, volumes[number], TissueLook::kShow});
+  }
+}
+
+void TissueDisplay::closing() {
+  const std::uint64_t version = colours_version_ + 1;
+  *this = TissueDisplay();  // jobs are cancelled, and waited for
+  colours_version_ = version;
+}
+
+Expected<void> TissueDisplay::update() {
+  if (!run_) return {};
+  if (measuring_ && measuring_->isOver()) KERF_CHECK(takeDepths());
+  if (meshing_ && meshing_->isOver()) KERF_CHECK(takeMeshed());
+  if (meshing_) return {};
+  if (areAllShown()) {
+    meshers_.reset();
+    parts_of_.reset();
+    return {};
+  }
+
+  const bool is_asked = !meshers_ || meshers_->of != wanted();
+  const bool is_outdated =
+      run_->editsDone() != meshed_edits_ || run_->thread().report().object_count != meshed_objects_;
+  if (is_asked || (is_outdated && std::chrono::steady_clock::now() >= next_)) startMeshing();
+  return {};
+}
+
+bool TissueDisplay::isBusy() const {
+  if (!run_) return false;
+  return meshing_ || measuring_ || (!areAllShown() && parts_of_ != wanted());
+}
+
+// ---- Which tissues are seen
+
+Expected<void> TissueDisplay::set(const std::string& id, TissueLook look) {
+  std::string ids;
+  for (SeenTissue& tissue : tissues_) {
+    if (tissue.id == id || tissue.name == id) {
+      tissue.look = look;
+      return {};
+    }
+    ids += (ids.empty() ? "" : ", ") + tissue.id;
+  }
+  return fail({.code = Error::Code::kBadValue,
+               .found = fmt::format("\"{}\"", id),
+               .expected = ids.empty() ? "something with tissues" : "one of " + ids});
+}
+
+void TissueDisplay::showAll() {
+  for (SeenTissue& tissue : tissues_) tissue.look = TissueLook::kShow;
+}
+
+bool TissueDisplay::areAllShown() const {
+  return std::all_of(tissues_.begin(), tissues_.end(), [](const SeenTissue& t) { return t.look == TissueLook::kShow; });
+}
+
+TissueDisplay::Wanted TissueDisplay::wanted() const {
+  Wanted out;
+  out.solid.set();
+  TissueSet not_hidden = out.solid;
+  for (const SeenTissue& tissue : tissues_) {
+    const auto number = static_cast<std::size_t>(tissue.material);
+    if (tissue.look != TissueLook::kShow) out.solid.reset(number);
+    if (tissue.look == TissueLook::kHide) not_hidden.reset(number);
+  }
+  out.is_own_ghost = not_hidden.all() && !out.solid.all();
+  if (not_hidden != out.solid && !out.is_own_ghost) out.ghost = not_hidden;
+  return out;
+}
+
+bool TissueDisplay::hasPart(TissuePart part) const {
+  if (areAllShown() || !parts_of_) return false;
+  return part == TissuePart::kSolid || parts_of_->ghost.any();
+}
+
+bool TissueDisplay::isOwnSurfaceGhost() const { return hasPart(TissuePart::kSolid) && parts_of_->is_own_ghost; }
+
+void TissueDisplay::startMeshing() {
+  auto view = run_->viewScene();
+  if (!view) return;
+  if (!meshers_ || meshers_->of != wanted()) {
+    meshers_ = std::make_shared<Meshers>();
+    meshers_->of = wanted();
+  }
+  meshed_edits_ = run_->editsDone();
+  meshed_objects_ = view->objects.size();
+
+  RemesherOptions options;
+  options.finish = [labels = *labels_, palette = *palette_](MeshChunk& chunk, const OverlayField& field) {
+    chunk.colours = tissueColours(chunk, labels, palette);
+    chunk.occlusion = occlusionOf(chunk, field);
+  };
+  const BakedObject& loaded = run_->object();
+  meshing_ = std::make_unique<Job<Changes>>(
+      "tissues", [view = std::move(*view), meshers = meshers_, options, &loaded](const Progress& progress) {
+        return meshed(view, *meshers, loaded, options, progress);
+      });
+}
+
+Expected<TissueDisplay::Changes> TissueDisplay::meshed(const SceneView& view, Meshers& meshers,
+                                                       const BakedObject& loaded, const RemesherOptions& options,
+                                                       const Progress& progress) {
+  Changes out;
+  KERF_TRY(scene, LiveRun::copyOf(view));
+  for (const SceneCopy::Object& object : scene.objects)
+    for (const TissuePart part : {TissuePart::kSolid, TissuePart::kGhost}) {
+      const TissueSet& of = part == TissuePart::kSolid ? meshers.of.solid : meshers.of.ghost;
+      if (part == TissuePart::kGhost && of.none()) continue;
+      if (!report(progress, 0, object.name)) return cancelled();
+
+      const auto key = std::pair(object.id, part);
+      auto known = meshers.all.find(key);
+      const bool is_new = known == meshers.all.end();
+      if (is_new) {
+        const BrickField& begin = object.begin ? *object.begin : loaded.phi0();
+        auto made = std::make_unique<TissueMesher>(loaded, of, begin, options);
+        known = meshers.all.emplace(key, std::move(made)).first;
+      }
+      std::vector<MeshChunkPtr> chunks = known->second->update(object.changed);
+      if (is_new || !chunks.empty()) out.push_back({object.id, part, is_new, std::move(chunks)});
+    }
+  return out;
+}
+
+Expected<void> TissueDisplay::takeMeshed() {
+  auto changes = std::exchange(meshing_, nullptr)->take();
+  next_ = std::chrono::steady_clock::now() + kPause;
+  if (!changes) {
+    // A piece that was put together again meanwhile: the next view of the scene is without it.
+    if (changes.error().code == Error::Code::kUnsupported) {
+      meshed_edits_ = 0;
+      return {};
+    }
+    showAll();
+    return fail(std::move(changes).error());
+  }
+  parts_of_ = meshers_->of;
+  std::move(changes->begin(), changes->end(), std::back_inserter(changes_));
+  return {};
+}
+
+std::vector<TissueDisplay::Change> TissueDisplay::takeChanges() { return std::exchange(changes_, {}); }
+
+// ---- Colours
 
 TissueSection TissueDisplay::sectionAt(const Plane& plane) const {
-  return opened_ ? tissueSection(plane, opened_->labels, opened_->palette) : TissueSection{};
+  return labels_ ? tissueSection(plane, *labels_, *palette_) : TissueSection{};
+}
+
+Expected<void> TissueDisplay::setColours(SurfaceColours colours) {
+  if (!run_) return {};
+  if (colours == SurfaceColours::kDistance && structures_->isEmpty())
+    return fail({.code = Error::Code::kUnsupported,
+                 .found = "neither pulp nor nerve canal in what is open",
+                 .expected = "a case with one of them",
+                 .hint = "view.colours depth"});
+  wanted_colours_ = colours;
+  if (colours == SurfaceColours::kDepth && !depths_) {  // update() goes on
+    if (!measuring_)
+      measuring_ =
+          std::make_unique<Job<Depths>>("depths", [original = run_->original()](const Progress&) -> Expected<Depths> {
+            KERF_TRY(object, BakedObject::make(*original, static_cast<const MaterialField*>(nullptr)));
+            return KeepOut::ofSolid(*object, depthReach(object->voxel()));
+          });
+    return {};
+  }
+  colours_ = colours;
+  ++colours_version_;
+  return {};
+}
+
+Expected<void> TissueDisplay::takeDepths() {
+  auto depths = std::exchange(measuring_, nullptr)->take();
+  if (!depths) return fail(std::move(depths).error());
+  depths_ = std::move(*depths);
+  return setColours(wanted_colours_);
+}
+
+std::vector<Rgba8> TissueDisplay::coloursOf(const MeshChunk& chunk) const {
+  if (colours_ == SurfaceColours::kTissue) return chunk.colours;
+  std::vector<Rgba8> out;
+  out.reserve(chunk.vertices.size());
+  for (const Vec3f& p : chunk.vertices) {
+    const double share = colours_ == SurfaceColours::kDepth ? depthIn(*depths_, p) / kMapReach
+                                                            : 1 - structures_->distance(p.cast<double>()) / kMapReach;
+    Rgba8 colour = mapColour(share);
+    colour[3] = kMapGloss;
+    out.push_back(colour);
+  }
+  return out;
 }
 
 }  // namespace kerf

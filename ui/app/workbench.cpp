@@ -73,6 +73,7 @@ std::vector<ObjectChunks> Workbench::update() {
   if (import_ && !job_) import_->update();
   takeNews();
   handOverScene();
+  if (const auto done = tissues_->update(); !done) complain(done.error());
   saw_->update();
   watchTools();
   return std::exchange(fresh_, {});
@@ -220,7 +221,7 @@ void Workbench::show(Opened& loaded) {
   guided_ = std::move(guided);
   run_ = std::move(loaded.run);
   structures_ = std::move(loaded.structures);
-  tissues_->opened(*run_, materials_);
+  tissues_->opened(*run_, materials_, structures_);
   samples_.clear();
   name_ = loaded.name;
   source_ = loaded.source;

@@ -52,7 +52,7 @@ bool isOpen(const LiveFrame& frame) {
 
 struct Object {
   Rigid3 T_world_object;
-  bool is_visible = true;
+  bool is_visible = true, is_ghost = false;
   std::map<std::array<int, 3>, LivePage> pages;  // in order: so are the draw calls
   LiveSection section;
 };
@@ -71,7 +71,7 @@ struct Drawn {
 }  // namespace
 
 struct LiveRenderer::Impl {
-  enum Variant { kByPixel = 1, kTool = 2, kTint = 4, kSection = 8, kVariants = 16 };
+  enum Variant { kByPixel = 1, kSection = 2, kTool = 4, kTint = 8, kGhost = 12, kVariants = 16 };  // no tool on ghosts
   std::array<GlProgram, kVariants> tissue;
   GlProgram flat, reduce;
   internal::LiveOverlay overlay;
@@ -114,8 +114,11 @@ struct LiveRenderer::Impl {
     const char* const version = "#version 330 core\n";
     for (std::size_t n = 0; n < tissue.size(); ++n) {
       const char* const by_pixel = n & kByPixel ? "#define BY_PIXEL\n" : "";
-      const char* const with_tool = n & (kTool | kTint) ? "#define TOOL\n" : "";
-      const char* const with_tint = n & kTint ? "#define TINT\n" : "";
+      const std::size_t tool_part = n & kGhost;
+      const char* const with_tool = tool_part == kTool || tool_part == kTint ? "#define TOOL\n" : "";
+      const char* const with_tint = tool_part == kTint    ? "#define TINT\n"
+                                    : tool_part == kGhost ? "#define GHOST\n"
+                                                          : "";
       const char* const with_section = n & kSection ? "#define SECTION\n" : "";
       KERF_CHECK(tissue[n].build({version, by_pixel, with_tool, with_tint, with_section, kLight, kTissueVertex},
                                  {version, by_pixel, with_tool, with_tint, with_section, kLight, kTissueFragment}));
@@ -151,8 +154,12 @@ struct LiveRenderer::Impl {
   // A frame, in the order in which its parts are drawn.
   FrameView viewOf(const Camera& camera, int width, int height, const LiveFrame& frame,
                    const std::optional<Rigid3>& tool) const;
-  std::vector<Drawn> whatIsSeen(const FrameView& view, const LiveFrame& frame, const std::optional<Rigid3>& tool);
+  std::vector<Drawn> whatIsSeen(const FrameView& view, const LiveFrame& frame, const std::optional<Rigid3>& tool,
+                                bool is_ghost);
   void drawObjects(const FrameView& view, const LiveFrame& frame, const std::optional<Rigid3>& tool);
+  void drawGhosts(const FrameView& view, const LiveFrame& frame);
+  void drawPages(const std::vector<Drawn>& seen, const FrameView& view, const LiveFrame& frame,
+                 const std::optional<Rigid3>& tool, bool is_ghost);
   void liftSection(const FrameView& view, const Plane& plane);
   void drawBackground();
   void drawPlan(const FrameView& view, const LiveFrame& frame, const Camera& camera);
@@ -201,10 +208,10 @@ FrameView LiveRenderer::Impl::viewOf(const Camera& camera, int width, int height
 }
 
 std::vector<Drawn> LiveRenderer::Impl::whatIsSeen(const FrameView& view, const LiveFrame& frame,
-                                                  const std::optional<Rigid3>& tool) {
+                                                  const std::optional<Rigid3>& tool, bool is_ghost) {
   std::vector<Drawn> seen;
   for (auto& [number, object] : objects) {
-    if (!object.is_visible || !object.T_world_object.isUsable()) continue;
+    if (!object.is_visible || object.is_ghost != is_ghost || !object.T_world_object.isUsable()) continue;
     const Eigen::Matrix3d rotation = view.rotation * object.T_world_object.rotation.toRotationMatrix();
     const Eigen::Matrix3d spread = rotation.cwiseAbs();
     std::optional<ToolReach> tool_reach;
@@ -256,9 +263,7 @@ void LiveRenderer::Impl::setObjectUniforms(const GlProgram& program, const Frame
 }
 
 void LiveRenderer::Impl::drawObjects(const FrameView& view, const LiveFrame& frame, const std::optional<Rigid3>& tool) {
-  const std::vector<Drawn> seen = whatIsSeen(view, frame, tool);
   const bool is_open = isOpen(frame);
-
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_LESS);
   glDepthMask(GL_TRUE);
@@ -276,6 +281,35 @@ void LiveRenderer::Impl::drawObjects(const FrameView& view, const LiveFrame& fra
   } else {
     glEnable(GL_CULL_FACE);
   }
+  drawPages(whatIsSeen(view, frame, tool, false), view, frame, tool, false);
+  glDisable(GL_CLIP_DISTANCE0);
+  if (is_open) liftSection(view, *frame.section);
+  glDisable(GL_STENCIL_TEST);
+}
+
+/// Over everything solid and the background: depth first, so that only the nearest surface is seen.
+void LiveRenderer::Impl::drawGhosts(const FrameView& view, const LiveFrame& frame) {
+  const std::vector<Drawn> seen = whatIsSeen(view, frame, {}, true);
+  if (seen.empty()) return;
+  glEnable(GL_CULL_FACE);
+  if (isOpen(frame)) glEnable(GL_CLIP_DISTANCE0);
+  glDepthFunc(GL_LESS);
+  glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+  drawPages(seen, view, frame, {}, true);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+
+  glDepthFunc(GL_LEQUAL);
+  glEnable(GL_BLEND);
+  glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  drawPages(seen, view, frame, {}, true);
+  glDisable(GL_BLEND);
+  glDepthFunc(GL_LESS);
+  glDisable(GL_CLIP_DISTANCE0);
+}
+
+void LiveRenderer::Impl::drawPages(const std::vector<Drawn>& seen, const FrameView& view, const LiveFrame& frame,
+                                   const std::optional<Rigid3>& tool, bool is_ghost) {
+  const bool is_open = isOpen(frame);
   hand_tool.bindTable();
 
   std::array<bool, kVariants> is_prepared{};
@@ -286,9 +320,10 @@ void LiveRenderer::Impl::drawObjects(const FrameView& view, const LiveFrame& fra
   const Object* bound = nullptr;
   const auto tolerance = static_cast<float>(view.mm_per_pixel / 64);  // corners are rounded to 1/256 of a pixel
   for (const Drawn& drawn : seen) {
-    const std::size_t variant =
-        (drawn.is_by_pixel ? std::size_t{kByPixel} : 0) | (drawn.reach == Reach::kShadow ? std::size_t{kTool} : 0) |
-        (drawn.reach == Reach::kTip ? std::size_t{kTint} : 0) | (is_open ? std::size_t{kSection} : 0);
+    const std::size_t variant = (drawn.is_by_pixel ? std::size_t{kByPixel} : 0) |
+                                (drawn.reach == Reach::kShadow ? std::size_t{kTool} : 0) |
+                                (drawn.reach == Reach::kTip ? std::size_t{kTint} : 0) |
+                                (is_open ? std::size_t{kSection} : 0) | (is_ghost ? std::size_t{kGhost} : 0);
     const GlProgram& program = tissue[variant];
     if (used != &program) program.use();
     used = &program;
@@ -317,7 +352,7 @@ void LiveRenderer::Impl::drawObjects(const FrameView& view, const LiveFrame& fra
     const Eigen::Matrix3d rotation = view.rotation * pose.rotation.toRotationMatrix();
     const Eigen::Matrix3d spread = rotation.cwiseAbs();
     const Vec3d origin = view.toView(pose.translation);
-    const bool is_faced = frame.is_culled && !is_open;
+    const bool is_faced = frame.is_culled && (!is_open || is_ghost);
     counts.uploaded_bytes += page.face(is_faced ? Vec3f(to_viewer.cast<float>()) : Vec3f(Vec3f::Zero()), tolerance);
     std::optional<ToolReach> tool_reach;
     if (drawn.is_split) tool_reach = hand_tool.reachOf(frame, *tool, pose);
@@ -349,9 +384,6 @@ void LiveRenderer::Impl::drawObjects(const FrameView& view, const LiveFrame& fra
                         static_cast<GLsizei>(counts_of.size()));
     ++counts.draw_calls;
   }
-  glDisable(GL_CLIP_DISTANCE0);
-  if (is_open) liftSection(view, *frame.section);
-  glDisable(GL_STENCIL_TEST);
 }
 
 /// The section so far is as deep as the wall behind it. Lifts it into its plane, so that a tool behind it is hidden.
@@ -418,6 +450,7 @@ Expected<void> LiveRenderer::Impl::drawPoints(GLuint target, const Camera& camer
   drawObjects(view, frame, tool);
   if (tool && !frame.is_ghost) hand_tool.draw(view, frame, *tool);
   drawBackground();
+  drawGhosts(view, frame);
   if (tool && frame.is_ghost) {
     glDepthFunc(GL_LESS);
     hand_tool.draw(view, frame, *tool);
@@ -524,6 +557,7 @@ void LiveRenderer::setVisible(std::size_t object, bool is_visible) { impl_->obje
 void LiveRenderer::setSection(std::size_t object, const TissueSection& section) {
   impl_->objects[object].section.set(section);
 }
+void LiveRenderer::setGhost(std::size_t object, bool is_ghost) { impl_->objects[object].is_ghost = is_ghost; }
 void LiveRenderer::removeObject(std::size_t object) { impl_->objects.erase(object); }
 void LiveRenderer::clear() { impl_->objects.clear(); }
 void LiveRenderer::setBackground(const Vec3f& middle, const Vec3f& edge) { impl_->makeBackground(middle, edge); }

@@ -62,6 +62,8 @@ class LiveRenderer {
   /// Identity until set. An object whose pose is not usable is not drawn.
   void setPose(std::size_t object, const Rigid3& T_world_object);
   void setVisible(std::size_t object, bool is_visible);  ///< true until set
+  /// Its nearest surface is drawn translucent over all solid things; a section is open in it. False until set.
+  void setGhost(std::size_t object, bool is_ghost);
   /// What the object shows where the next frames cut it open. The picture is of the plane of LiveFrame::section, in the
   /// object's frame. Copied to the graphics card. An empty one: `section_color`.
   void setSection(std::size_t object, const TissueSection& section);

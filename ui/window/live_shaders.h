@@ -58,6 +58,9 @@ noperspective out vec4 surface_color;
 #else
 noperspective out vec3 shown;
 #endif
+#ifdef GHOST
+noperspective out float opacity;
+#endif
 #ifdef TOOL
 uniform mat4 to_tool;
 noperspective out vec4 tool_point;      // tool's approach frame, mm; w: cosine to the tool
@@ -72,6 +75,11 @@ void main() {
   surface_color = color;
 #else
   shown = lit(to_view * normal.xyz, color.rgb, color.a, normal.w);
+#endif
+#ifdef GHOST
+  // Like glass: clearest where it faces the viewer.
+  float grazing = 1.0 - abs((to_view * normal.xyz).z);
+  opacity = 0.16 + 0.6 * grazing * grazing;
 #endif
 #ifdef TOOL
   tool_point = vec4((to_tool * vec4(position, 1.0)).xyz, (mat3(to_tool) * normal.xyz).z);
@@ -88,6 +96,9 @@ noperspective in vec4 view_normal;
 noperspective in vec4 surface_color;
 #else
 noperspective in vec3 shown;
+#endif
+#ifdef GHOST
+noperspective in float opacity;
 #endif
 #ifdef TOOL
 noperspective in vec4 tool_point;
@@ -135,7 +146,11 @@ void main() {
   float d = texture(tool_distance, (tool_point.xyz - table_low) * table_scale).r;
   c = mix(c, tint, 0.6 * (1.0 - smoothstep(0.8 * contact, contact, d)));
 #endif
+#ifdef GHOST
+  result = vec4(c, opacity);
+#else
   result = vec4(c, 1.0);
+#endif
 }
 )";
 

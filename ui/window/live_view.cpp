@@ -6,6 +6,14 @@
 #include "ui/app/tissue_display.h"
 
 namespace kerf {
+namespace {
+
+/// Of a part of an object, for the renderer: objects themselves have the number of their id.
+std::size_t numberOf(std::uint32_t object, TissuePart part) {
+  return object + (std::size_t{part == TissuePart::kSolid ? 1u : 2u} << 32);
+}
+
+}  // namespace
 
 Expected<std::unique_ptr<LiveView>> LiveView::create() {
   KERF_TRY(renderer, LiveRenderer::create());
@@ -20,40 +28,85 @@ void LiveView::update(Workbench& bench) {
     renderer_->clear();
     placed_.clear();
     sections_.clear();
+    parts_.clear();
     tool_.reset();
     hover_.reset();
     is_fit_wanted_ = !bench.keepsView();
   }
   for (const ObjectChunks& object : changed)
-    for (const MeshChunkPtr& chunk : object.chunks)
-      renderer_->setChunk(object.id, *chunk, chunk->colours, chunk->occlusion);
-  placeObjects(bench.scene());
+    for (const MeshChunkPtr& chunk : object.chunks) setChunk(bench, object.id, *chunk);
+  takeTissues(bench);
+  recolour(bench);
+  placeObjects(bench);
   showSection(bench);
   saw_.surfaceChanged(!changed.empty());
   showTool(bench);
 }
 
-void LiveView::placeObjects(const LiveScene& scene) {
-  for (const std::uint32_t id : std::exchange(placed_, {})) renderer_->setVisible(id, false);
-  for (const SceneObject* object : scene.shown()) {
-    renderer_->setPose(object->id, object->pose());
-    renderer_->setVisible(object->id, !object->is_hidden);
-    placed_.push_back(object->id);
+void LiveView::setChunk(const Workbench& bench, std::size_t object, const MeshChunk& chunk) {
+  renderer_->setChunk(object, chunk, bench.tissues().coloursOf(chunk), chunk.occlusion);
+}
+
+void LiveView::takeTissues(Workbench& bench) {
+  for (const TissueDisplay::Change& change : bench.tissues().takeChanges()) {
+    const std::size_t number = numberOf(change.object, change.part);
+    if (change.is_new) {
+      renderer_->removeObject(number);
+      parts_[number].clear();
+      sections_.erase(number);
+    }
+    parts_[number].update(change.chunks);
+    for (const MeshChunkPtr& chunk : change.chunks) setChunk(bench, number, *chunk);
+  }
+  if (!bench.tissues().areAllShown()) return;
+  for (const auto& [number, surface] : std::exchange(parts_, {})) {
+    renderer_->removeObject(number);
+    sections_.erase(number);
+  }
+}
+
+// Another map: all colours anew.
+void LiveView::recolour(const Workbench& bench) {
+  if (std::exchange(colours_version_, bench.tissues().coloursVersion()) == bench.tissues().coloursVersion()) return;
+  for (const SceneObject* object : bench.scene().shown())
+    object->surface.forEachChunk([&](const MeshChunk& chunk) { setChunk(bench, object->id, chunk); });
+  for (const auto& [number, surface] : parts_)
+    surface.forEachChunk([&, n = number](const MeshChunk& chunk) { setChunk(bench, n, chunk); });
+}
+
+void LiveView::place(std::size_t object, const Rigid3& pose, bool is_visible, bool is_ghost) {
+  renderer_->setPose(object, pose);
+  renderer_->setVisible(object, is_visible);
+  renderer_->setGhost(object, is_ghost);
+  placed_.push_back(object);
+}
+
+void LiveView::placeObjects(const Workbench& bench) {
+  for (const std::size_t number : std::exchange(placed_, {})) renderer_->setVisible(number, false);
+  const TissueDisplay& tissues = bench.tissues();
+  const bool has_solid = tissues.hasPart(TissuePart::kSolid), is_ghost = tissues.isOwnSurfaceGhost();
+  for (const SceneObject* object : bench.scene().shown()) {
+    const bool is_seen = !object->is_hidden;
+    place(object->id, object->pose(), is_seen && (!has_solid || is_ghost), is_ghost);
+    for (const TissuePart part : {TissuePart::kSolid, TissuePart::kGhost})
+      if (tissues.hasPart(part)) place(numberOf(object->id, part), object->pose(), is_seen, part == TissuePart::kGhost);
   }
 }
 
 // What is made of what, anew for an object when the plane has moved through it.
 void LiveView::showSection(const Workbench& bench) {
   if (!bench.section) return;
+  const bool has_parts = bench.tissues().hasPart(TissuePart::kSolid);
   for (const SceneObject* object : bench.scene().shown()) {
     if (object->is_hidden) continue;
+    const std::size_t number = has_parts ? numberOf(object->id, TissuePart::kSolid) : object->id;
     const Rigid3 to_object = object->pose().inverse();
     const Plane local{to_object * bench.section->point, to_object.rotation * bench.section->normal};
-    const auto known = sections_.find(object->id);
+    const auto known = sections_.find(number);
     if (known != sections_.end() && known->second.point == local.point && known->second.normal == local.normal)
       continue;
-    sections_[object->id] = local;
-    renderer_->setSection(object->id, bench.tissues().sectionAt(local));
+    sections_[number] = local;
+    renderer_->setSection(number, bench.tissues().sectionAt(local));
   }
 }
 

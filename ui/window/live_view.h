@@ -42,13 +42,19 @@ class LiveView {
   explicit LiveView(std::unique_ptr<LiveRenderer> renderer) : renderer_(std::move(renderer)) {}
   LiveFrame frameOf(const Workbench& bench, const Camera& camera);
   void showTool(const Workbench& bench);
-  void placeObjects(const LiveScene& scene);
+  void setChunk(const Workbench& bench, std::size_t object, const MeshChunk& chunk);
+  void takeTissues(Workbench& bench);
+  void recolour(const Workbench& bench);
+  void placeObjects(const Workbench& bench);
+  void place(std::size_t object, const Rigid3& pose, bool is_visible, bool is_ghost);
   void showSection(const Workbench& bench);
 
   std::unique_ptr<LiveRenderer> renderer_;
   std::uint64_t generation_ = 0;
-  std::vector<std::uint32_t> placed_;        // objects in the last picture
-  std::map<std::uint32_t, Plane> sections_;  // of objects, in their frames, as they are on the graphics card
+  std::vector<std::size_t> placed_;           // numbers of the renderer that were in the last picture
+  std::map<std::size_t, LiveSurface> parts_;  // of tissues, by their number
+  std::uint64_t colours_version_ = 0;
+  std::map<std::size_t, Plane> sections_;  // by number, in their frames, as they are on the graphics card
   std::optional<std::size_t> tool_;
   std::optional<ToolOverSurface> hover_;
   SawView saw_;

@@ -15,6 +15,7 @@
 #include "ui/window/settings_panel.h"
 #include "ui/window/style.h"
 #include "ui/window/timeline_panel.h"
+#include "ui/window/tissues_panel.h"
 
 namespace kerf {
 namespace {
@@ -184,6 +185,7 @@ void drawPanels(AppContext& context, PanelState& state, const std::optional<Tool
     drawTools(context, state.tools);
     float below = drawReadings(context, over) + 8;
     below = drawPieces(context, state.piece_drag, below, state.pixels) + 8;
+    drawTissues(context, below);
     drawMeasure(context, state.pixels);
     drawTimeline(context);
     drawHints(context);

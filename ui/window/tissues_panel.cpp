@@ -1,0 +1,102 @@
+#include "ui/window/tissues_panel.h"
+
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "ui/app/tissue_display.h"
+#include "ui/window/style.h"
+
+namespace kerf {
+namespace {
+
+constexpr float kLegendHeight = 14;
+constexpr int kLegendSteps = 50;
+
+void run(AppContext& context, const char* id, const std::vector<std::string>& words) {
+  if (const auto done = runAppCommand(context, id, words); !done) context.bench.complain(done.error());
+}
+
+ImVec4 shown(const Rgba8& c) {
+  const auto one = [](std::uint8_t v) { return static_cast<float>(v) / 255; };
+  return {one(c[0]), one(c[1]), one(c[2]), 1};
+}
+
+void drawRow(AppContext& context, const SeenTissue& tissue) {
+  ImGui::PushID(tissue.id.c_str());
+  bool is_seen = tissue.look != TissueLook::kHide;
+  if (ImGui::Checkbox("##seen", &is_seen)) run(context, "view.tissue", {tissue.id, is_seen ? "show" : "hide"});
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("Show it, or hide it");
+  ImGui::SameLine();
+  ImGui::ColorButton("##colour", shown(tissue.colour), ImGuiColorEditFlags_NoTooltip | ImGuiColorEditFlags_NoPicker,
+                     {scaled(16), scaled(16)});
+  ImGui::SameLine();
+  ImGui::TextUnformatted(tissue.name.c_str());
+
+  ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - scaled(66));
+  bool is_ghost = tissue.look == TissueLook::kGhost;
+  if (ImGui::Checkbox("ghost", &is_ghost)) run(context, "view.tissue", {tissue.id, is_ghost ? "ghost" : "show"});
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("Let what is under it shine through");
+  ImGui::PopID();
+}
+
+void drawColours(AppContext& context) {
+  static constexpr std::array<std::array<const char*, 2>, 3> kChoices = {
+      {{"tissue", "tissue"}, {"depth", "depth"}, {"distance", "distance to pulp and nerve"}}};
+  const auto now = static_cast<std::size_t>(context.bench.tissues().colours());
+  ImGui::PushItemWidth(-1);
+  if (ImGui::BeginCombo("##colours", fmt::format("Colours: {}", kChoices[now][1]).c_str())) {
+    for (std::size_t n = 0; n < kChoices.size(); ++n) {
+      const bool is_possible = n != 2 || !context.bench.structures()->isEmpty();
+      const auto flags = is_possible ? ImGuiSelectableFlags_None : ImGuiSelectableFlags_Disabled;
+      if (ImGui::Selectable(kChoices[n][1], n == now, flags)) run(context, "view.colours", {kChoices[n][0]});
+    }
+    ImGui::EndCombo();
+  }
+  ImGui::PopItemWidth();
+}
+
+// From 0 at the left to the reach of the map, as the surface has it.
+void drawLegend(SurfaceColours colours) {
+  if (colours == SurfaceColours::kTissue) return;
+  const bool is_depth = colours == SurfaceColours::kDepth;
+  ImGui::TextColored(styleColours().quiet, "%s", is_depth ? "Below the surface as loaded" : "To pulp or nerve canal");
+  const ImVec2 from = ImGui::GetCursorScreenPos();
+  const float width = ImGui::GetContentRegionAvail().x, height = scaled(kLegendHeight);
+  for (int n = 0; n < kLegendSteps; ++n) {
+    const double share = (n + 0.5) / kLegendSteps;
+    const Rgba8 c = mapColour(is_depth ? share : 1 - share);
+    const float left = from.x + width * static_cast<float>(n) / kLegendSteps;
+    ImGui::GetWindowDrawList()->AddRectFilled({left, from.y}, {left + width / kLegendSteps + 1, from.y + height},
+                                              IM_COL32(c[0], c[1], c[2], 255));
+  }
+  ImGui::Dummy({width, height});
+  ImGui::TextUnformatted("0 mm");
+  const std::string end = fmt::format("{:g} mm{}", kMapReach, is_depth ? "" : " or more");
+  ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - ImGui::CalcTextSize(end.c_str()).x);
+  ImGui::TextUnformatted(end.c_str());
+}
+
+}  // namespace
+
+float drawTissues(AppContext& context, float top) {
+  const TissueDisplay& tissues = context.bench.tissues();
+  if (tissues.all().size() < 2 && tissues.colours() == SurfaceColours::kTissue) return top;
+  const ImGuiIO& io = ImGui::GetIO();
+  ImGui::SetNextWindowPos({io.DisplaySize.x - scaled(kPanelWidth) - 8, top}, ImGuiCond_Always);
+  ImGui::SetNextWindowSize({scaled(kPanelWidth), 0}, ImGuiCond_Always);
+  ImGui::Begin("Tissues", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize);
+  if (tissues.all().size() > 1)
+    for (const SeenTissue& tissue : tissues.all()) drawRow(context, tissue);
+  drawColours(context);
+  drawLegend(tissues.colours());
+  if (tissues.isBusy()) ImGui::TextColored(styleColours().quiet, "working...");
+  const float bottom = ImGui::GetWindowPos().y + ImGui::GetWindowSize().y;
+  ImGui::End();
+  return bottom;
+}
+
+}  // namespace kerf
