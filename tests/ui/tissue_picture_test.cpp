@@ -276,6 +276,31 @@ TEST_F(TissuePicture, TheSurfaceOfSomeTissuesFollowsTheCutAndItsUndo) {
   EXPECT_NEAR(surface.volume(), before, 1e-3);
 }
 
+TEST_F(TissuePicture, WhatIsCutWhileATissueIsHiddenIsSeenToBeCut) {
+  run("view.from top");
+  run("view.tissue pulp ghost");  // the surface of the others is meshed by itself
+  const Image before = picture();
+  run("cut.force 8");
+  run("cut.depth 1");
+  run("cut.press 160 120");
+  run("wait 3");
+  run("cut.release");
+  run("wait 0.5");
+  EXPECT_GT(bench_->removedMm3(), 0.01);
+  const auto differs = [&](const Image& now) {
+    int n = 0;
+    for (std::size_t i = 0; i < now.rgba.size(); i += 4) n += std::abs(now.rgba[i] - before.rgba[i]) > 12;
+    return n;
+  };
+  view_->hover({});
+  const int cut = differs(picture());
+  EXPECT_GT(cut, 20);
+
+  run("edit.undo");
+  run("wait 0.5");
+  EXPECT_LT(differs(picture()), cut / 4);
+}
+
 TEST_F(TissuePicture, MapsSayDepthAndDistanceInMillimetres) {
   const TissueDisplay& tissues = bench_->tissues();
   const BrickField& phi0 = bench_->run()->object().phi0();

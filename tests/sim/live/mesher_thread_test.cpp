@@ -204,5 +204,26 @@ TEST(MesherThread, MayBeDestroyedBeforeAnybodyReads) {
   for (int n = 0; n < 5; ++n) MesherThread mesher(phi0, feed, onOneThread());
 }
 
+TEST(MesherThread, SeveralThreadsThatAskForTheChangesEachGetThem) {
+  const BrickField phi0 = ballWithAHole(2, 0.2);
+  BrickFeed feed(4096);
+  MesherThread mesher(phi0, feed);
+  OverlayField field(phi0);
+  const auto edits = carve(field, {2, 0, 0}, 0.6);
+  for (const BrickEdit& edit : edits) ASSERT_TRUE(feed.tryPush(edit.brick, edit.phi));
+
+  std::vector<std::thread> askers;
+  std::atomic<int> answers{0};
+  for (int n = 0; n < 3; ++n)
+    askers.emplace_back([&] {
+      for (int k = 0; k < 50; ++k) {
+        const auto changed = mesher.changedField();
+        answers += changed && changed->brickCount() == edits.size() ? 1 : 0;
+      }
+    });
+  for (std::thread& asker : askers) asker.join();
+  EXPECT_EQ(answers, 150);
+}
+
 }  // namespace
 }  // namespace kerf
