@@ -23,7 +23,7 @@ struct TissueSection {
 /// The labels as loaded, whatever was cut since: what is left of the object is for its surface to say. Each colour is
 /// the mean of the eight nodes around its point, so borders of tissues are one voxel soft.
 /// @param plane  object frame; its normal is unit.   @param most  points; a voxel apart, or farther if that is more.
-/// Pure; any thread.   @cost  40 ns a point: 5 ms for a molar at 0.05 mm.
+/// Pure; any thread.   @cost  70 ns a point: 10 ms for a molar at 0.05 mm.
 TissueSection tissueSection(const Plane& plane, const TissueLabels& labels, const TissuePalette& palette,
                             std::size_t most = 600'000);
 

@@ -54,14 +54,17 @@ void reading(const char* name, const std::string& value, const char* unit, bool 
              : ImGui::Text("%s %s", value.c_str(), unit);
 }
 
-// What is under the cursor.
-void drawPoint(const AppContext& context) {
-  const auto& at = *context.pointer;
-  const auto point = readoutAt(context.bench, rayUnder(context.camera, at[0], at[1], context.width, context.height));
-  if (!point) return;
-  reading("Point", fmt::format("{:.2f}, {:.2f}, {:.2f}", point->point[0], point->point[1], point->point[2]), "");
-  if (point->thickness_mm) reading("Thickness", fmt::format("{:.2f}", *point->thickness_mm), "mm");
-  if (!point->tissue.empty()) reading("Tissue", point->tissue, "");
+// What is under the cursor. As many lines when there is nothing: panels below stay where they are.
+void drawPoint(const AppContext& context, bool is_over) {
+  std::optional<PointReadout> point;
+  if (is_over && context.pointer) {
+    const auto& at = *context.pointer;
+    point = readoutAt(context.bench, rayUnder(context.camera, at[0], at[1], context.width, context.height));
+  }
+  const Vec3d p = point ? point->point : Vec3d(Vec3d::Zero());
+  reading("Point", point ? fmt::format("{:.2f}, {:.2f}, {:.2f}", p[0], p[1], p[2]) : "-", "");
+  reading("Thickness", point && point->thickness_mm ? fmt::format("{:.2f}", *point->thickness_mm) : "-", "mm");
+  reading("Tissue", point && !point->tissue.empty() ? point->tissue : "-", "");
 }
 
 // A warning that does not interrupt.
@@ -98,6 +101,7 @@ float drawReadings(AppContext& context, const std::optional<ToolOverSurface>& ov
   reading("Removed", fmt::format("{:.2f}", bench.removedMm3()), "mm3");
   if (over && context.pointer) drawPoint(context);
   drawPlots(context);
+  drawPoint(context, over.has_value());
   ImGui::Separator();
   const TimeHistogram& cost = bench.times().cost;
   if (cost.count() > 0) reading("Loop p99", fmt::format("{:.2f}", cost.percentileMs(0.99)), "ms");

@@ -48,7 +48,7 @@ void drawColours(AppContext& context) {
       {{"tissue", "tissue"}, {"depth", "depth"}, {"distance", "distance to pulp and nerve"}}};
   const auto now = static_cast<std::size_t>(context.bench.tissues().colours());
   ImGui::PushItemWidth(-1);
-  if (ImGui::BeginCombo("##colours", fmt::format("Colours: {}", kChoices[now][1]).c_str())) {
+  if (ImGui::BeginCombo("##colours", fmt::format("Colours: {}", kChoices[now][0]).c_str())) {
     for (std::size_t n = 0; n < kChoices.size(); ++n) {
       const bool is_possible = n != 2 || !context.bench.structures()->isEmpty();
       const auto flags = is_possible ? ImGuiSelectableFlags_None : ImGuiSelectableFlags_Disabled;
