@@ -1,5 +1,5 @@
-#include "ui/app/app_script.h"
 #include "ui/app/command_palette.h"
+#include "ui/app/app_script.h"
 
 #include <fmt/format.h>
 

@@ -99,9 +99,8 @@ float drawReadings(AppContext& context, const std::optional<ToolOverSurface>& ov
   reading("Spindle", fmt::format("{:.0f}", 100 * speed), "%",
           bench.isPressed() && speed < 0.05 && r.output.normal_load > 0);
   reading("Removed", fmt::format("{:.2f}", bench.removedMm3()), "mm3");
-  if (over && context.pointer) drawPoint(context);
-  drawPlots(context);
   drawPoint(context, over.has_value());
+  drawPlots(context);
   ImGui::Separator();
   const TimeHistogram& cost = bench.times().cost;
   if (cost.count() > 0) reading("Loop p99", fmt::format("{:.2f}", cost.percentileMs(0.99)), "ms");
