@@ -140,9 +140,12 @@ void drawNotices(AppContext& context, PanelState& state) {
   const auto& notices = context.bench.notices();
   if (state.notices_seen >= notices.size()) return;
   const ImGuiIO& io = ImGui::GetIO();
-  const bool has_hints = context.bench.isOpen() && context.settings && !context.settings->values.are_hints_dismissed;
-  const float below = (has_hints ? scaled(158) : 16) + timelineHeight(context);  // the hints stay readable
-  ImGui::SetNextWindowPos({0.5f * io.DisplaySize.x, io.DisplaySize.y - below}, ImGuiCond_Always, {0.5f, 1});
+  const float middle = 0.5f * io.DisplaySize.x;
+  const bool is_cutting = context.bench.isOpen() && !context.bench.importPlan();
+  if (is_cutting)  // hints, timeline and plan stand below, what is picked is said above
+    ImGui::SetNextWindowPos({middle, ImGui::GetFrameHeight() + scaled(48)}, ImGuiCond_Always, {0.5f, 0});
+  else
+    ImGui::SetNextWindowPos({middle, io.DisplaySize.y - 16}, ImGuiCond_Always, {0.5f, 1});
   ImGui::SetNextWindowSizeConstraints({360, 0}, {720, 260});
   ImGui::Begin("##notices", nullptr,
                ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove);
@@ -164,7 +167,8 @@ void drawNotices(AppContext& context, PanelState& state) {
 void drawHints(AppContext& context) {
   if (!context.settings || context.settings->values.are_hints_dismissed) return;
   const ImGuiIO& io = ImGui::GetIO();
-  ImGui::SetNextWindowPos({8, io.DisplaySize.y - 8 - timelineHeight(context)}, ImGuiCond_Always, {0, 1});
+  ImGui::SetNextWindowPos({scaled(kPanelWidth) + 16, io.DisplaySize.y - 8 - timelineHeight(context)}, ImGuiCond_Always,
+                          {0, 1});
   ImGui::Begin("##hints", nullptr,
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove);
   ImGui::TextColored(styleColours().accent, "Left button on the object: cut. Hold still to go as deep as the limit.");
