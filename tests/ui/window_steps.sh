@@ -1,3 +1,4 @@
+# shellcheck shell=bash disable=SC2154
 # What the tests of a person at the window share: an own display, an own folder, waiting, failing. Sourced by them,
 # behind `kerf=$1 window=$2`. Exit code 77: xvfb-run or xdotool is missing.
 for program in xvfb-run xdotool; do
