@@ -95,6 +95,8 @@ class LiveRun {
   const std::filesystem::path& from() const noexcept { return options_.from; }
   const CaseManifest& caseManifest() const noexcept { return case_; }
   const BakedObject& object() const noexcept { return *object_; }
+  /// The same, for work that may go on after the run is gone.
+  std::shared_ptr<const BakedObject> sharedObject() const noexcept { return object_; }
   /// The field of the case: of one that goes on from another run, as it was before that.
   std::shared_ptr<const BrickField> original() const noexcept { return original_; }
   /// What the run before had removed, mm^3; 0: there was none.

@@ -65,12 +65,17 @@ void TissueDisplay::opened(LiveRun& run, const MaterialTable& materials, std::sh
 }
 
 void TissueDisplay::closing() {
-  const std::uint64_t version = colours_version_ + 1;
-  *this = TissueDisplay();  // jobs are cancelled, and waited for
-  colours_version_ = version;
+  TissueDisplay closed;
+  closed.colours_version_ = colours_version_ + 1;
+  closed.ending_ = std::move(ending_);
+  if (meshing_) closed.ending_.push_back(std::move(meshing_));
+  if (measuring_) closed.ending_.push_back(std::move(measuring_));
+  for (const auto& job : closed.ending_) job->cancel();
+  *this = std::move(closed);
 }
 
 Expected<void> TissueDisplay::update() {
+  std::erase_if(ending_, [](const std::unique_ptr<AnyJob>& job) { return job->isOver(); });
   if (!run_) return {};
   if (measuring_ && measuring_->isOver()) KERF_CHECK(takeDepths());
   if (meshing_ && meshing_->isOver()) KERF_CHECK(takeMeshed());
@@ -153,11 +158,9 @@ void TissueDisplay::startMeshing() {
     chunk.colours = tissueColours(chunk, labels, palette);
     chunk.occlusion = occlusionOf(chunk, field);
   };
-  const BakedObject& loaded = run_->object();
   meshing_ = std::make_unique<Job<Changes>>(
-      "tissues", [view = std::move(*view), meshers = meshers_, options, &loaded](const Progress& progress) {
-        return meshed(view, *meshers, loaded, options, progress);
-      });
+      "tissues", [view = std::move(*view), meshers = meshers_, options, loaded = run_->sharedObject()](
+                     const Progress& progress) { return meshed(view, *meshers, *loaded, options, progress); });
 }
 
 Expected<TissueDisplay::Changes> TissueDisplay::meshed(const SceneView& view, Meshers& meshers,

@@ -58,7 +58,7 @@ class TissueDisplay {
  public:
   // ---- What the workbench calls
 
-  /// @param run  must not end before closing().
+  /// @param run  must not be destroyed before closing().
   void opened(LiveRun& run, const MaterialTable& materials, std::shared_ptr<const Structures> structures);
   void closing();
   /// Once a frame. Errors: of a job; what could not be made is then given up.
@@ -143,6 +143,7 @@ class TissueDisplay {
   std::uint64_t colours_version_ = 0;
   Depths depths_;
   std::unique_ptr<Job<Depths>> measuring_;
+  std::vector<std::unique_ptr<AnyJob>> ending_;  // cancelled; nobody waits for them
 };
 
 }  // namespace kerf
