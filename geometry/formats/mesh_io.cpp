@@ -47,7 +47,7 @@ Expected<void> refuseForeign(const MeshSource& source) {
 Expected<void> refuseFarOff(const MeshSource& source, const Mesh& mesh) {
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
     const Vec3d& p = mesh.vertices[v];
-    if (p.cwiseAbs().maxCoeff() < kLargestCoordinate) continue;  // false for nan, too
+    if (p.allFinite() && p.cwiseAbs().maxCoeff() < kLargestCoordinate) continue;
     return fail({.code = Error::Code::kBadValue,
                  .file = source.file,
                  .place = fmt::format("vertex {}", v),

@@ -245,7 +245,7 @@ Expected<SceneCopy> LiveRun::copyOf(const SceneView& view) {
   for (const SceneView::Object& object : view.objects) {
     auto changed = object.mesher->changedField();
     if (!changed)
-      return fail({.code = Error::Code::kUnsupported,
+      return fail({.code = Error::Code::kNotFound,
                    .place = object.name,
                    .found = "it was put together again meanwhile",
                    .expected = "a scene that stays as it is",

@@ -123,7 +123,7 @@ class LiveRun {
   /// What is in the scene. None: a piece that has just come off has no mesher yet; try again some ms later.
   std::optional<SceneView> viewScene();
   /// What is cut by now, as the meshers know it, a few ms old. The cut goes on. Any thread; waits for the meshers, some
-  /// ms, for a piece that has just come off some seconds.   Error kUnsupported: one of the objects is gone.
+  /// ms, for a piece that has just come off some seconds.   Error kNotFound: one of the objects is gone.
   static Expected<SceneCopy> copyOf(const SceneView& view);
   /// The post-operative mesh of a copy. Any thread.   Errors: as exportBundle().
   Expected<LiveResult> postOperative(const SceneCopy& scene, const PostOpOptions& options = {},

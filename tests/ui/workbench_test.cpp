@@ -1,5 +1,6 @@
 #include "ui/app/workbench.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -312,6 +313,35 @@ TEST_F(WorkbenchTest, AnExportDoesNotHoldUpTheWindow) {
   bench.cancelJob();
   while (bench.job()) bench.update();
   EXPECT_FALSE(fs::exists(folder_.path() / "no.stl")) << "cancelled while it waited";
+}
+
+// Where a person has gone on the timeline is where the session ends, however soon it ends.
+TEST_F(WorkbenchTest, ASessionThatEndsInAJumpEndsWhereThatLeads) {
+  Workbench bench(options());
+  Camera camera = *cameraFromView("top");
+  AppContext context{.bench = bench, .camera = camera, .width = 400, .height = 300};
+  std::string script = "file.open \"" + scan(folder_).string() + "\"\nwait\nview.fit\ncut.force 2\n";
+  for (const int x : {150, 200, 250}) script += fmt::format("cut.press {} 150\nwait 1.5\ncut.release\nwait 0.1\n", x);
+  const auto played = runScript(context, folder_.write("a.ks", script), [&] { bench.update(); });
+  ASSERT_TRUE(played) << played.error().message();
+  const double all = bench.removedMm3();
+  ASSERT_EQ(bench.stepsDone(), 3u);
+
+  // A step that nobody has counted yet comes before the jump.
+  const SceneObject& block = *bench.scene().shown().front();
+  bench.movePiece(block.id, {Eigen::Quaterniond::Identity(), {0, 0, 1}});
+  ASSERT_TRUE(bench.goToStep(1));
+  const std::uint64_t sent_by = bench.report().tick + 300;
+  while (bench.report().tick < sent_by) bench.update();
+  EXPECT_EQ(bench.stepsDone(), 1u);
+  ASSERT_TRUE(bench.goToStep(3));
+  ASSERT_TRUE(bench.goToStep(1));
+  bench.close();
+  while (bench.job()) bench.update();
+  const auto replayed = replayRun(bench.sessionFolder());
+  ASSERT_TRUE(replayed) << replayed.error().message();
+  EXPECT_GT(replayed->removed_mm3, 0.1 * all);
+  EXPECT_LT(replayed->removed_mm3, 0.6 * all);
 }
 
 TEST_F(WorkbenchTest, AnExportRightAfterAnUndoIsWithoutTheStroke) {

@@ -79,6 +79,7 @@ Expected<void> TissueDisplay::update() {
   if (!run_) return {};
   if (measuring_ && measuring_->isOver()) KERF_CHECK(takeDepths());
   if (meshing_ && meshing_->isOver()) KERF_CHECK(takeMeshed());
+  is_dropped_ |= meshing_ && areAllShown();  // the window has forgotten what was handed out
   if (meshing_) return {};
   if (areAllShown()) {
     meshers_.reset();
@@ -193,12 +194,18 @@ Expected<void> TissueDisplay::takeMeshed() {
   next_ = std::chrono::steady_clock::now() + kPause;
   if (!changes) {
     // A piece that was put together again meanwhile: the next view of the scene is without it.
-    if (changes.error().code == Error::Code::kUnsupported) {
+    meshers_.reset();
+    if (changes.error().code == Error::Code::kNotFound) {
       meshed_edits_ = 0;
       return {};
     }
     showAll();
     return fail(std::move(changes).error());
+  }
+  if (std::exchange(is_dropped_, false)) {
+    meshers_.reset();
+    parts_of_.reset();
+    return {};
   }
   parts_of_ = meshers_->of;
   std::move(changes->begin(), changes->end(), std::back_inserter(changes_));

@@ -135,6 +135,7 @@ class TissueDisplay {
   std::optional<Wanted> parts_of_;  // what the surfaces that were handed out are of
   std::uint64_t meshed_edits_ = 0;  // LiveRun::editsDone() when the last job began
   std::size_t meshed_objects_ = 0;  // in the scene then
+  bool is_dropped_ = false;         // all were shown while a job was under way
   std::chrono::steady_clock::time_point next_{};
   Changes changes_;
 

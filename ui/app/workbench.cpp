@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <thread>
 #include <utility>
 
 #include "geometry/formats/mesh_formats.h"
@@ -32,6 +33,25 @@ Expected<std::string> exportWhenGiven(const LiveRun& run, std::future<SceneView>
   return exportScene(run, scene, file, choice, progress);
 }
 
+// Before a session ends: undo or redo that is still to be sent, and all that was sent answered; a minute at most.
+void sendTheRest(LiveRun& run, std::ptrdiff_t undos, std::uint64_t sent) {
+  const auto until = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+  const auto answered = [&] {
+    (void)run.thread().update();
+    const HapticCounts& counts = run.thread().report().counts;
+    return counts.commands_done + counts.commands_refused;
+  };
+  while ((undos != 0 || answered() < sent) && std::chrono::steady_clock::now() < until) {
+    const bool is_sent = undos != 0 && run.send(undos < 0 ? Command(Undo{}) : Command(Redo{}));
+    if (!is_sent) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      continue;
+    }
+    undos += undos < 0 ? 1 : -1;
+    ++sent;
+  }
+}
+
 }  // namespace
 
 Workbench::Workbench(WorkbenchOptions options)
@@ -54,6 +74,7 @@ Workbench::~Workbench() {
   tissues_->closing();
   namePieces();
   saw_->closing();
+  sendTheRest(*run_, undos_left_, sent_);
   (void)run_->finish();
 }
 
@@ -88,6 +109,7 @@ void Workbench::takeNews() {
     addToTrace();
   }
   timeline_.update(report_.undo);
+  goWhereWished();
   sendUndos();
   if (run_->thread().updateTimes()) times_ = run_->thread().times();
   const auto chunks = run_->takeChunks();
@@ -138,6 +160,11 @@ void Workbench::handOverScene() {
   constexpr auto kMost = std::chrono::seconds(1);
   if (!handover_) return;
   if (!run_ || !job_) return handover_.reset();
+  if (undos_left_ != 0 || wish_) handover_->sent = sent_;
+  if (undos_left_ != 0 || wish_ || answered() < handover_->sent) {
+    handover_->began = std::chrono::steady_clock::now();
+    return;
+  }
   if (!isSettled() && std::chrono::steady_clock::now() < handover_->began + kMost) return;
   auto view = run_->viewScene();
   if (!view) return;
@@ -231,6 +258,7 @@ void Workbench::show(Opened& loaded) {
   trace_.clear();
   undos_left_ = 0;
   undos_answered_at_ = 0;
+  wish_.reset();
   has_told_of_log_ = false;
   fresh_.clear();
   occlusal_ = loaded.occlusal;
@@ -245,6 +273,8 @@ void Workbench::show(Opened& loaded) {
   if (!is_reopening_) {
     section.reset();
     measure.clear();
+    tilt = {};  // a way to lean in the other scan
+    speed = 1;
   }
   moving_.clear();
   scene_.setNames(run_->names());
@@ -277,7 +307,12 @@ void Workbench::close() {
   scene_.clear();
   ++generation_;
   auto job = std::make_unique<Job<RunManifest>>(
-      "writing the session of " + name, [ending, guided, hand](const Progress&) { return ending->finish(); }, false);
+      "writing the session of " + name,
+      [ending, guided, hand, left = std::exchange(undos_left_, 0), sent = sent_](const Progress&) {
+        sendTheRest(*ending, left, sent);
+        return ending->finish();
+      },
+      false);
   job_writes_ = true;
   when_over_ = [this, job = job.get(), folder = session_] {
     auto written = job->take();
@@ -322,7 +357,7 @@ std::optional<ToolOverSurface> Workbench::over(const Ray& ray) const {
 }
 
 bool Workbench::press(const Ray& ray) {
-  if (saw_->isCutting() || undos_left_ != 0) return false;
+  if (import_ || saw_->isCutting() || undos_left_ != 0 || wish_) return false;  // a session behind an import rests
   const auto at = over(ray);
   if (!at) return false;
   release();
@@ -449,9 +484,23 @@ Expected<void> Workbench::goToStep(std::uint64_t step) {
                  .found = "a plane is being sawn",
                  .expected = "a tool at rest",
                  .hint = "wait for it, or stop it (saw.stop)"});
+  // A stroke or a move that is on its way to the simulation is a step that nobody has counted yet.
+  const bool is_counted = !stroke_ && !wish_ && (answered() >= sent_ || undos_answered_at_ == sent_);
   release();
-  undoOrRedo(static_cast<std::ptrdiff_t>(strokes) - static_cast<std::ptrdiff_t>(strokesDone()));
+  if (is_counted) {
+    undoOrRedo(static_cast<std::ptrdiff_t>(strokes) - static_cast<std::ptrdiff_t>(strokesDone()));
+    return {};
+  }
+  constexpr std::uint64_t kTicks = 5;  // until a stroke that is let go of has ended
+  (void)run_->thread().update();
+  wish_ = Wish{step, run_->thread().report().tick + kTicks};
   return {};
+}
+
+void Workbench::goWhereWished() {
+  if (!wish_ || undos_left_ != 0 || answered() < sent_ || report_.tick < wish_->tick) return;
+  const std::uint64_t step = std::exchange(wish_, std::nullopt)->step;
+  if (const auto gone = goToStep(step); !gone) complain(gone.error());
 }
 
 std::size_t Workbench::stepsDone() const { return timeline_.doneAt(strokesDone()); }
@@ -492,7 +541,7 @@ void Workbench::movePiece(std::uint32_t id, const Rigid3& T_world_object) {
                      .place = piece->name,
                      .found = "a place that can not be computed with",
                      .expected = "less than 100 m away"});
-  if (isSawing() || undos_left_ != 0) return dragPiece(id, std::nullopt);
+  if (isSawing() || undos_left_ != 0 || wish_) return dragPiece(id, std::nullopt);
   release();
   const Vec3d& t = T_world_object.translation;
   const Eigen::Quaterniond& q = T_world_object.rotation;
@@ -545,6 +594,7 @@ void Workbench::exportTo(const fs::path& file, const ExportChoice& choice) {
   // The job works on a copy: the cut may go on.
   job_writes_ = true;
   handover_.emplace();
+  handover_->sent = sent_;
   auto scene = std::make_shared<std::future<SceneView>>(handover_->scene.get_future());
   const LiveRun* const run = run_.get();
   auto job = std::make_unique<Job<std::string>>("exporting " + file.filename().string(),

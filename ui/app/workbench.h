@@ -261,6 +261,7 @@ class Workbench {
   std::uint64_t answered() const { return report_.counts.commands_done + report_.counts.commands_refused; }
   void undoOrRedo(std::ptrdiff_t strokes);
   void sendUndos();
+  void goWhereWished();
   std::size_t strokesDone() const;
   void findLostSessions();
   void remember(const std::filesystem::path& path);
@@ -330,6 +331,11 @@ class Workbench {
   std::uint64_t sent_ = 0;  // commands
   Timeline timeline_;
   Trace trace_;
+  struct Wish {
+    std::uint64_t step = 0;
+    std::uint64_t tick = 0;  // from which on the stroke that was ended for it is counted
+  };
+  std::optional<Wish> wish_;             // of goToStep(), until all that came before it is done
   std::ptrdiff_t undos_left_ = 0;        // to be sent: Redo, or as a negative number Undo
   std::ptrdiff_t strokes_then_ = 0;      // that are done when they all are
   std::uint64_t undos_answered_at_ = 0;  // when so many commands are answered
@@ -338,6 +344,7 @@ class Workbench {
   struct Handover {
     std::promise<SceneView> scene;
     std::chrono::steady_clock::time_point began = std::chrono::steady_clock::now();
+    std::uint64_t sent = 0;                  // commands until then: answered before anything is handed over
     std::optional<std::uint64_t> done_at{};  // tick at which all that was asked for was done
   };
   std::optional<Handover> handover_;
