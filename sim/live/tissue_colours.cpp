@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/live/label_reader.h"
+
 namespace kerf {
 namespace {
 
@@ -53,7 +55,7 @@ struct Mixed {
 class Labels {
  public:
   Labels(const TissueLabels& labels, const TissuePalette& palette)
-      : labels_(labels), palette_(palette), nodes_per_mm_(1 / labels.baked->voxel()) {}
+      : reader_(labels), palette_(palette), nodes_per_mm_(1 / labels.baked->voxel()) {}
 
   /// Over the eight nodes around.
   Mixed at(const Vec3d& p) { return mixed<2>(p); }
@@ -84,7 +86,7 @@ class Labels {
     for (int i = 0; i < kNodes; ++i)
       for (int j = 0; j < kNodes; ++j)
         for (int k = 0; k < kNodes; ++k) {
-          const std::uint8_t material = number(low + Vec3i{i, j, k});
+          const std::uint8_t material = reader_.at(low + Vec3i{i, j, k});
           if (material == 0) continue;
           const float weight = weights[0][i] * weights[1][j] * weights[2][k];
           sum.colour += weight * palette_.colour(material);
@@ -100,20 +102,9 @@ class Labels {
     return sum;
   }
 
-  std::uint8_t number(const Vec3i& node) {
-    const Vec3i brick = brickOf(node);
-    if (brick != brick_) {
-      brick_ = brick;
-      materials_ = labels_.brick(brick);
-    }
-    return materials_ ? materials_[nodeOffset(node[0], node[1], node[2])] : std::uint8_t{0};
-  }
-
-  const TissueLabels& labels_;
+  LabelReader reader_;
   const TissuePalette& palette_;
   double nodes_per_mm_;
-  Vec3i brick_ = Vec3i::Constant(1 << 30);
-  const std::uint8_t* materials_ = nullptr;
 };
 
 /// The colour seen at a place, through what is translucent. @param inward  unit.

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "sim/live/label_reader.h"
+
 namespace kerf {
 namespace {
 
@@ -11,7 +13,7 @@ namespace {
 class MeanColour {
  public:
   MeanColour(const TissueLabels& labels, const TissuePalette& palette)
-      : labels_(labels), nodes_per_mm_(1 / labels.baked->voxel()) {
+      : reader_(labels), nodes_per_mm_(1 / labels.baked->voxel()) {
     for (std::size_t n = 0; n < colours_.size(); ++n) {
       const Rgba8 c = palette.shown(static_cast<std::uint8_t>(n));
       colours_[n] = Vec3f(c[0], c[1], c[2]);
@@ -27,7 +29,7 @@ class MeanColour {
     float labelled = 0;
     for (int n = 0; n < 8; ++n) {
       const Vec3i step{n >> 2, n >> 1 & 1, n & 1};
-      const std::uint8_t material = number(low + step);
+      const std::uint8_t material = reader_.at(low + step);
       if (material == 0) continue;
       float weight = 1;
       for (int axis = 0; axis < 3; ++axis) weight *= step[axis] ? t[axis] : 1 - t[axis];
@@ -39,20 +41,9 @@ class MeanColour {
   }
 
  private:
-  std::uint8_t number(const Vec3i& node) {
-    const Vec3i brick = brickOf(node);
-    if (brick != brick_) {
-      brick_ = brick;
-      materials_ = labels_.brick(brick);
-    }
-    return materials_ ? materials_[nodeOffset(node[0], node[1], node[2])] : std::uint8_t{0};
-  }
-
-  const TissueLabels& labels_;
+  LabelReader reader_;
   double nodes_per_mm_;
   std::array<Vec3f, 256> colours_;
-  Vec3i brick_ = Vec3i::Constant(1 << 30);
-  const std::uint8_t* materials_ = nullptr;
 };
 
 // The corners of the box's cut with the plane, as (along u, along v) from its point.

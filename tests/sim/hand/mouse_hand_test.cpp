@@ -98,6 +98,14 @@ class Desk {
   MouseAim aim_;
 };
 
+// From the tip to what goes first, mm.
+double reachOf(const Tool& tool) {
+  double reach = 0;
+  const Box3 box = tool.cut->bounds();
+  for (int n = 0; n < 8; ++n) reach = std::max(reach, box.corner(n).dot(tool.plunge_direction));
+  return reach;
+}
+
 std::shared_ptr<const BakedObject> someBlock() { return test::block({6, 4, 3}, 0.1); }
 
 // A hill with a slope of up to 30 degrees: the part of a ball of 6 mm about (0, 0, -6).
@@ -127,9 +135,7 @@ TEST(MouseHand, NoToolOfTheRackPassesTheDepth) {
   for (const ToolListing& listed : listTools(defaultToolFolders())) {
     ASSERT_TRUE(listed.tool) << listed.file;
     const Tool& tool = *listed.tool;
-    double reach = 0;
-    const Box3 box = tool.cut->bounds();
-    for (int n = 0; n < 8; ++n) reach = std::max(reach, box.corner(n).dot(tool.plunge_direction));
+    const double reach = reachOf(tool);
     for (const Material material : {Material::kCaries, Material::kEnamel}) {
       auto block = practiceBlock({8, 6, 3}, 0.1, {}, material);
       ASSERT_TRUE(block);
@@ -325,9 +331,7 @@ TEST(MouseHand, NoToolOfTheRackPassesWhatIsKept) {
   for (const ToolListing& listed : listTools(defaultToolFolders())) {
     ASSERT_TRUE(listed.tool) << listed.file;
     const Tool& tool = *listed.tool;
-    double reach = 0;
-    const Box3 box = tool.cut->bounds();
-    for (int n = 0; n < 8; ++n) reach = std::max(reach, box.corner(n).dot(tool.plunge_direction));
+    const double reach = reachOf(tool);
     auto model = makeModel(std::span(&tool, 1));
     ASSERT_TRUE(model) << model.error().message();
     const ToolSamples samples(model->tools[0].cut, kToolSamples);
