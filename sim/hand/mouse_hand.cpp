@@ -75,11 +75,20 @@ DeviceSample MouseHand::read() noexcept {
 
 // Of the tool, that much ahead of where it is.
 std::optional<double> MouseHand::leftToKept(const Vec3d& ahead) const noexcept {
-  if (!structures_ || structures_->isEmpty() || aim_.keep < 0 || !aim_.samples || aim_.samples->isEmpty()) return {};
+  if (!aim_.samples || aim_.samples->isEmpty()) return {};
   const Rigid3 tool{pose_.rotation, pose_.translation + felt_ / stiffness_ + ahead};
-  const KeepOut::Reading nearest = structures_->nearest(*aim_.samples, to_surface_ * tool).reading;
-  if (nearest.is_far) return {};
-  return nearest.distance - aim_.keep;
+  std::optional<double> out;
+  if (structures_ && !structures_->isEmpty() && aim_.keep >= 0) {
+    const KeepOut::Reading nearest = structures_->nearest(*aim_.samples, to_surface_ * tool).reading;
+    if (!nearest.is_far) out = nearest.distance - aim_.keep;
+  }
+  if (aim_.keep_beside < 0) return out;
+  for (const auto& field : beside_) {
+    const KeepOut::Reading nearest = field->read(*aim_.samples, tool);
+    if (nearest.is_far) continue;
+    out = std::min(out.value_or(nearest.distance - aim_.keep_beside), nearest.distance - aim_.keep_beside);
+  }
+  return out;
 }
 
 void MouseHand::feelKept(bool is_pressed) noexcept {

@@ -9,7 +9,8 @@
 //                    depth of the tool, which is the hand's less felt / K
 //   sideways         v = kFollow (pointer - hand), at most kSideways, less as the side force felt nears its limit
 //   surface          followed from tick to tick by Newton's method on the field as loaded
-//   what is kept     l = distance of the tool to pulp or nerve - what shall be left; the way to the depth is l at most.
+//   what is kept     l = distance of the tool to pulp, nerve or neighbour - what shall be left; the way to the depth is
+//   l at most.
 //                    Sideways the hand nears it no faster than kBrake l, and draws the tool towards it with a force
 //                    that falls within 0.05 mm of l
 //   a tilted tool    is led sideways by slant x its depth below the pointer, so that it goes in along its own axis
@@ -24,6 +25,8 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "geometry/field/brick_field.h"
 #include "sim/hand/device_source.h"
@@ -58,7 +61,9 @@ struct MouseAim {
   Vec3d guide = Vec3d::Zero();
   /// What shall be left between the tool and any of the structures to keep, mm; negative: all may be cut.
   double keep = -1;
-  /// Points of the tool for that; null: all may be cut. They must outlive the hand.
+  /// The same of what stands beside the object.
+  double keep_beside = -1;
+  /// Points of the tool for both; null: all may be cut. They must outlive the hand.
   const ToolSamples* samples = nullptr;
 };
 
@@ -79,6 +84,9 @@ class MouseHand final : public DeviceSource {
 
   /// What MouseAim::keep is about; in the frame of the surface as loaded. Before the first read().
   void keepAwayFrom(std::shared_ptr<const Structures> structures) { structures_ = std::move(structures); }
+
+  /// What MouseAim::keep_beside is about, where it was loaded: it is not moved. Before the first read().
+  void keepAwayFromBeside(std::vector<std::shared_ptr<const KeepOut>> beside) { beside_ = std::move(beside); }
 
   /// The newest wish. One thread.
   void aim(const MouseAim& aim) noexcept;
@@ -107,7 +115,8 @@ class MouseHand final : public DeviceSource {
   Vec3d givesWay() const noexcept;
 
   std::shared_ptr<const BrickField> surface_;
-  std::shared_ptr<const Structures> structures_;  // null: none
+  std::shared_ptr<const Structures> structures_;        // null: none
+  std::vector<std::shared_ptr<const KeepOut>> beside_;  // world frame
   double stiffness_, turn_stiffness_;
   TripleBuffer<MouseAim> aims_;
   MouseAim aim_;                  // the newest

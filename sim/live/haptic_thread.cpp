@@ -250,13 +250,14 @@ void HapticThread::State::publish() noexcept {
   report.removed_by_material.fill(0);
   for (std::size_t n = 0; n < report.object_count; ++n) {
     const CutObject& object = session.state().objects[n];
+    const auto loaded = static_cast<std::uint32_t>(session.loadedIndexOf(object));
     double removed = 0;
     for (std::size_t m = 0; m < report.removed_by_material.size(); ++m) {
       const double of_material = object.removed_before_mm3[m] + object.removed_mm3[m];
-      report.removed_by_material[m] += of_material;
+      if (loaded == 0) report.removed_by_material[m] += of_material;
       removed += of_material;
     }
-    report.objects[n] = {object.id, object.T_world_object, removed};
+    report.objects[n] = {object.id, loaded, object.T_world_object, removed};
   }
   report.undo = session.undoList();
   reports.back() = report;

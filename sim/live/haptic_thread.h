@@ -69,7 +69,8 @@ struct HapticCounts {
 };
 
 struct ObjectReport {
-  std::uint32_t id = 0;  ///< CutObject::id
+  std::uint32_t id = 0;      ///< CutObject::id
+  std::uint32_t loaded = 0;  ///< Session::loadedIndexOf(): 0 is worked on, the others stand beside it
   Rigid3 T_world_object;
   /// Since it was loaded, what was taken back left out. The first of the pieces of an object has what was taken from
   /// that one, too.
@@ -86,7 +87,7 @@ struct HapticReport {
   bool is_waiting_for_bricks = false;  ///< paused until there is memory for the next cut
   std::size_t object_count = 0;
   std::array<ObjectReport, kMostObjects> objects;  ///< those in the scene, by their number
-  std::array<double, 256> removed_by_material{};   ///< mm^3, of all of them
+  std::array<double, 256> removed_by_material{};   ///< mm^3, of the one that is worked on and its pieces
   UndoList undo;                                   ///< the steps that Undo and Redo take
 };
 

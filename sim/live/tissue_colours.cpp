@@ -184,4 +184,13 @@ std::vector<Rgba8> tissueColours(const MeshChunk& chunk, const TissueLabels& fro
   return colours;
 }
 
+void asNeighbour(std::vector<Rgba8>& colours) {
+  constexpr std::array<int, 3> kTint = {188, 200, 216};  // sRGB
+  for (Rgba8& colour : colours) {
+    const int grey = (colour[0] + 2 * colour[1] + colour[2]) / 4;
+    for (std::size_t k = 0; k < 3; ++k)
+      colour[k] = static_cast<std::uint8_t>((colour[k] + grey) / 2 * kTint[k] / 210 * 9 / 10);
+  }
+}
+
 }  // namespace kerf

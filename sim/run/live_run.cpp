@@ -67,32 +67,116 @@ Expected<void> LiveRun::load(const Progress& progress) {
   KERF_TRY(manifest, readCaseManifest(case_folder_));
   case_ = std::move(manifest);
   KERF_CHECK(loadWhatIsCut());
+  KERF_CHECK(loadNeighbours());
 
   if (!report(progress, 0.6, "preparing the tools")) return internal::nothingWritten();
   std::vector<Tool> tools;
   for (const SessionTool& tool : options_.tools) tools.push_back(tool.tool);
-  KERF_TRY(model, makeModel(tools, options_.step, widestBand({&object_, 1})));
+  KERF_TRY(model, makeModel(tools, options_.step, widestBand(loaded())));
   if (options_.is_felt)
     for (std::size_t n = 0; n < tools.size(); ++n)
       options_.haptic.felt.push_back(feltSource(tools[n], model.tools[n].drive));
 
-  if (options_.is_looked_at) {
-    KERF_TRY(materials, readDefaultMaterials());
-    options_.mesher.remesher.finish = [labels = TissueLabels::of(*object_), palette = TissuePalette(materials)](
-                                          MeshChunk& chunk, const OverlayField& field) {
-      chunk.colours = tissueColours(chunk, labels, palette);
-      chunk.occlusion = occlusionOf(chunk, field);
-    };
-  }
+  KERF_CHECK(chooseColours());
   if (!report(progress, 0.8, "meshing the surface")) return internal::nothingWritten();
   options_.haptic.pieces.on_piece = [this](std::shared_ptr<const PieceOrigin> origin, std::shared_ptr<BrickFeed> feed) {
     const std::lock_guard lock(mutex_);
     came_off_.push_back({std::move(origin), std::move(feed)});
   };
-  haptic_ = std::make_unique<HapticThread>(std::move(model), LoadedObjects{object_}, options_.start, options_.haptic);
-  const CutObject& first = haptic_->session().state().objects.front();
-  if (!first.bricks().isPiece())  // else on_piece tells of all
-    shown_.push_back({first.id, std::make_shared<MesherThread>(object_->phi0(), feed_, options_.mesher)});
+  const LoadedObjects objects = loaded();
+  haptic_ = std::make_unique<HapticThread>(std::move(model), objects, options_.start, options_.haptic);
+  for (std::size_t n = 0; n < objects.size(); ++n) {
+    const CutObject& object = haptic_->session().state().objects[n];  // pieces stand behind all that was loaded
+    BrickFeed& feed = feeds_.emplace_back();
+    if (n > 0) names_[object.id] = neighbours_[n - 1].known.name;
+    if (!object.bricks().isPiece())  // else on_piece tells of all
+      shown_.push_back({object.id, static_cast<std::uint32_t>(n),
+                        std::make_shared<MesherThread>(objects[n]->phi0(), feed, mesher_options_[n])});
+  }
+  return {};
+}
+
+LoadedObjects LiveRun::loaded() const {
+  LoadedObjects out{object_};
+  for (const LiveNeighbour& other : neighbours_) out.push_back(other.object);
+  return out;
+}
+
+std::uint32_t LiveRun::loadedIndexOf(const BakedObject* object) const {
+  for (std::size_t n = 0; n < neighbours_.size(); ++n)
+    if (neighbours_[n].object.get() == object) return static_cast<std::uint32_t>(n + 1);
+  return 0;
+}
+
+bool LiveRun::isBeside(std::uint32_t id) const {
+  const auto at = std::find_if(shown_.begin(), shown_.end(), [&](const Shown& object) { return object.id == id; });
+  return at != shown_.end() && at->loaded > 0;
+}
+
+// How the surface of each object that is loaded is coloured.
+Expected<void> LiveRun::chooseColours() {
+  mesher_options_.assign(1 + neighbours_.size(), options_.mesher);
+  if (!options_.is_looked_at) return {};
+
+  KERF_TRY(materials, readDefaultMaterials());
+  const LoadedObjects objects = loaded();
+  for (std::size_t n = 0; n < objects.size(); ++n)
+    mesher_options_[n].remesher.finish = [labels = TissueLabels::of(*objects[n]), palette = TissuePalette(materials),
+                                          is_beside = n > 0](MeshChunk& chunk, const OverlayField& field) {
+      chunk.colours = tissueColours(chunk, labels, palette);
+      if (is_beside) asNeighbour(chunk.colours);
+      chunk.occlusion = occlusionOf(chunk, field);
+    };
+  return {};
+}
+
+// Those of the run that is gone on from, as it left them, then those that come new.
+Expected<void> LiveRun::loadNeighbours() {
+  if (!options_.from.empty()) {
+    KERF_TRY(before, readRunManifest(options_.from));
+    KERF_TRY(folders, casesBesideRun(options_.from));
+    for (std::size_t n = 0; n < folders.size(); ++n) {
+      const RunManifest::Beside& row = before.beside[n];
+      KERF_TRY(manifest, readCaseManifest(folders[n]));
+      KERF_TRY(begin, readRunCutField(options_.from, n + 1));
+      const std::string name = row.name.empty() ? fs::path(row.case_path).stem().string() : row.name;
+      KERF_CHECK(loadNeighbour({folders[n], std::move(manifest), name, true, row.removed_mm3}, &begin));
+    }
+  }
+  for (const CaseBeside& other : options_.beside) {
+    KERF_TRY(manifest, readCaseManifest(other.folder));
+    KERF_CHECK(loadNeighbour({other.folder, std::move(manifest), other.name}, nullptr));
+  }
+  return {};
+}
+
+Expected<void> LiveRun::loadNeighbour(SessionNeighbour known, const BrickField* begin) {
+  const auto isSame = [&](const LiveNeighbour& other) { return other.known.manifest.id == known.manifest.id; };
+  if (known.manifest.id == case_.id || std::any_of(neighbours_.begin(), neighbours_.end(), isSame))
+    return fail({.code = Error::Code::kBadValue,
+                 .file = known.folder.string(),
+                 .place = "neighbour " + known.name,
+                 .found = "a case that is in the scene already: two solids in one place",
+                 .expected = "another tooth or jaw of the same scan frame",
+                 .hint = "open each once"});
+  if (neighbours_.size() >= kMostNeighbours)
+    return fail({.code = Error::Code::kBadValue,
+                 .file = known.folder.string(),
+                 .place = "neighbours",
+                 .found = fmt::format("more than {}", kMostNeighbours),
+                 .expected = fmt::format("at most {}", kMostNeighbours),
+                 .hint = "open the nearest ones"});
+
+  LiveNeighbour out;
+  KERF_TRY(object, loadObject(known.folder, begin));
+  out.object = std::move(object);
+  out.original = {out.object, &out.object->phi0()};
+  if (begin) {
+    KERF_TRY(original, readCaseField(known.folder));
+    out.original = std::make_shared<const BrickField>(std::move(original));
+  }
+  out.known = std::move(known);
+  neighbours_.push_back(std::move(out));
   return {};
 }
 
@@ -126,8 +210,9 @@ std::vector<Command> LiveRun::putPiecesBack(Session& session) {
 
   for (const RunManifest::Piece& before : pieces_before_) {
     const std::vector<CutObject>& objects = session.state().objects;
-    const auto at = std::find_if(objects.begin(), objects.end(),
-                                 [&](const CutObject& object) { return isInside(object, before.inside); });
+    const auto at = std::find_if(objects.begin(), objects.end(), [&](const CutObject& object) {
+      return session.loadedIndexOf(object) == 0 && isInside(object, before.inside);
+    });
     if (at == objects.end()) {
       missing_.push_back(before.name);
       continue;
@@ -144,7 +229,9 @@ std::vector<Command> LiveRun::putPiecesBack(Session& session) {
 Expected<void> LiveRun::makeFolder() {
   std::error_code ignored;
   if (folder_.has_parent_path()) fs::create_directories(folder_.parent_path(), ignored);
-  KERF_TRY(opened, openSessionRun(folder_, case_folder_, case_, options_.tools, options_.from));
+  std::vector<SessionNeighbour> beside;
+  for (const LiveNeighbour& other : neighbours_) beside.push_back(other.known);
+  KERF_TRY(opened, openSessionRun(folder_, case_folder_, case_, options_.tools, options_.from, beside));
   manifest_ = std::move(opened.manifest);
   lock_.emplace(std::move(opened.lock));
   if (!names_.empty()) (void)writePieceNames(folder_, names_);
@@ -162,7 +249,9 @@ Expected<void> LiveRun::makeFolder() {
 }
 
 Expected<void> LiveRun::start(DeviceSource& device) {
-  BrickFeed* const feeds[] = {haptic_->session().state().objects.front().bricks().isPiece() ? nullptr : &feed_};
+  std::vector<BrickFeed*> feeds;
+  for (BrickFeed& feed : feeds_)
+    feeds.push_back(haptic_->session().state().objects[feeds.size()].bricks().isPiece() ? nullptr : &feed);
   KERF_CHECK(haptic_->start(device, feeds, &*recorder_));
   is_started_ = true;
   return {};
@@ -188,8 +277,10 @@ void LiveRun::showNewPieces() {
   }
   for (CameOff& piece : fresh) {
     const std::uint32_t id = piece.origin->id;
+    const std::uint32_t loaded = loadedIndexOf(piece.origin->baked.get());
     shown_.push_back(
-        {id, std::make_shared<MesherThread>(std::move(piece.origin), std::move(piece.feed), options_.mesher)});
+        {id, loaded,
+         std::make_shared<MesherThread>(std::move(piece.origin), std::move(piece.feed), mesher_options_[loaded])});
   }
   std::erase_if(shown_, [this](const Shown& object) {
     if (!object.mesher->isForgotten()) return false;
@@ -231,6 +322,7 @@ std::optional<SceneView> LiveRun::viewScene() {
     const ObjectReport& object = report.objects[n];
     SceneView::Object& seen = out.objects.emplace_back();
     seen.id = object.id;
+    seen.loaded = object.loaded;
     const auto name = names_.find(object.id);
     seen.name = name == names_.end() ? fmt::format("piece {}", n + 1) : name->second;
     seen.T_world_object = object.T_world_object;
@@ -250,8 +342,8 @@ Expected<SceneCopy> LiveRun::copyOf(const SceneView& view) {
                    .found = "it was put together again meanwhile",
                    .expected = "a scene that stays as it is",
                    .hint = "try again"});
-    out.objects.push_back(
-        {object.id, object.name, object.T_world_object, object.mesher->pieceField(), std::move(*changed)});
+    out.objects.push_back({object.id, object.loaded, object.name, object.T_world_object, object.mesher->pieceField(),
+                           std::move(*changed)});
   }
   return out;
 }
@@ -264,11 +356,16 @@ void LiveRun::namePiece(std::uint32_t id, const std::string& name) {
 }
 
 Expected<LiveResult> LiveRun::postOperative(const SceneCopy& scene, const PostOpOptions& options,
-                                            const Progress& progress) const {
+                                            const Progress& progress, std::size_t beside) const {
+  const LiveNeighbour* const other = beside > 0 && beside <= neighbours_.size() ? &neighbours_[beside - 1] : nullptr;
+  const BrickField& begun = other ? other->object->phi0() : object_->phi0();
   LiveResult out;
   std::vector<FieldPart> parts;
+  const SceneCopy::Object* first = nullptr;
   for (const SceneCopy::Object& object : scene.objects) {
-    const BrickField* const begin = object.begin ? object.begin.get() : &object_->phi0();
+    if (object.loaded != beside) continue;
+    if (!first) first = &object;
+    const BrickField* const begin = object.begin ? object.begin.get() : &begun;
     parts.push_back({.begin = begin, .changed = &object.changed});
     RunManifest::Piece piece;
     piece.id = object.id;
@@ -276,16 +373,22 @@ Expected<LiveResult> LiveRun::postOperative(const SceneCopy& scene, const PostOp
     piece.T_case_piece = object.T_world_object;
     out.pieces.push_back(std::move(piece));
   }
-  const bool is_whole = parts.size() == 1 && !scene.objects.front().begin && options_.from.empty();
-  if (parts.size() == 1 && !out.pieces.front().isMoved())
+  if (!first)
+    return fail({.code = Error::Code::kNotFound,
+                 .place = other ? other->known.name : "the scene",
+                 .found = "it is not in the scene",
+                 .expected = "an object that is open"});
+  const bool was_cut_before = other ? other->known.has_begin : !options_.from.empty();
+  const bool is_whole = parts.size() == 1 && !first->begin && !was_cut_before;
+  if (other || (parts.size() == 1 && !out.pieces.front().isMoved()))
     out.pieces.clear();
   else
     for (std::size_t n = 0; n < parts.size(); ++n) out.pieces[n].inside = deepestPoint(parts[n]);
 
-  const BrickField& loaded = *original_;
+  const BrickField& loaded = other ? *other->original : *original_;
   const BrickField joined = is_whole ? BrickField() : joinedChanges(loaded, parts);
-  KERF_TRY(solid, readCaseSolid(case_folder_));
-  const BrickField& changed = is_whole ? scene.objects.front().changed : joined;
+  KERF_TRY(solid, readCaseSolid(other ? other->known.folder : case_folder_));
+  const BrickField& changed = is_whole ? first->changed : joined;
   KERF_TRY(mesh, postOperativeMeshOf(solid, loaded, changed, options, progress));
   out.post_op = std::move(mesh);
   return out;
@@ -297,8 +400,11 @@ Expected<RunManifest> LiveRun::finish() {
   showNewPieces();
   for (const Shown& object : shown_) object.mesher->stop();
   const auto closed = recorder_->close();
-  auto ended =
-      endSessionRun(folder_, haptic_->session(), manifest_, names_, options_.from.empty() ? nullptr : original_.get());
+  std::vector<const BrickField*> beside;  // null: as the session has loaded it
+  for (const LiveNeighbour& other : neighbours_)
+    beside.push_back(other.known.has_begin ? other.original.get() : nullptr);
+  auto ended = endSessionRun(folder_, haptic_->session(), manifest_, names_,
+                             options_.from.empty() ? nullptr : original_.get(), beside);
   if (ended && closed) return manifest_;
   // The cut is worth more than its log.
   if (ended) {

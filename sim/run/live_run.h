@@ -8,6 +8,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <filesystem>
 #include <memory>
 #include <mutex>
@@ -25,6 +26,12 @@
 
 namespace kerf {
 
+/// A case that stands beside the one that is worked on.
+struct CaseBeside {
+  std::filesystem::path folder;
+  std::string name;  ///< for people: "35"
+};
+
 struct LiveRunOptions {
   std::vector<SessionTool> tools;  ///< of the rack; the first is in hand
   Rigid3 start;                    ///< of the tool, object frame, in air
@@ -35,6 +42,9 @@ struct LiveRunOptions {
   MesherThreadOptions mesher;
   /// A run that has ended, from which this one goes on: what it cut is cut, and undo reaches back to here. Empty: none.
   std::filesystem::path from;
+  /// They stand where their scans stand, are met by the tool, and what is cut off them is recorded. At most
+  /// LiveRun::kMostNeighbours. Of a run that is gone on from: further ones, behind those that stood there.
+  std::vector<CaseBeside> beside;
   bool is_felt = false;       ///< the device renders force
   bool is_looked_at = false;  ///< chunks of the surface get colours and occlusion
 };
@@ -49,6 +59,7 @@ struct ObjectChunks {
 struct SceneView {
   struct Object {
     std::uint32_t id = 0;
+    std::uint32_t loaded = 0;  ///< ObjectReport::loaded
     std::string name;
     Rigid3 T_world_object;
     std::shared_ptr<MesherThread> mesher;
@@ -60,6 +71,7 @@ struct SceneView {
 struct SceneCopy {
   struct Object {
     std::uint32_t id = 0;
+    std::uint32_t loaded = 0;
     std::string name;
     Rigid3 T_world_object;
     std::shared_ptr<const BrickField> begin;  ///< of a piece, as it came off; null: as loaded
@@ -71,6 +83,13 @@ struct SceneCopy {
 struct LiveResult {
   PostOpMesh post_op;                      ///< all pieces where they were loaded
   std::vector<RunManifest::Piece> pieces;  ///< for placedPieces(); none: one object, which was not moved
+};
+
+/// What stands beside the object that is worked on, as loaded.
+struct LiveNeighbour {
+  SessionNeighbour known;                      ///< known.removed_mm3: what the run before had removed
+  std::shared_ptr<const BakedObject> object;   ///< as this session begins with it
+  std::shared_ptr<const BrickField> original;  ///< as in its case
 };
 
 /// All calls from one thread, the window's; the haptic thread's own interface is thread().
@@ -90,6 +109,7 @@ class LiveRun {
   /// Starts the threads. @param device  must outlive this. Once.
   Expected<void> start(DeviceSource& device);
 
+  static constexpr std::size_t kMostNeighbours = 8;
   const std::filesystem::path& folder() const noexcept { return folder_; }
   const std::filesystem::path& caseFolder() const noexcept { return case_folder_; }
   const std::filesystem::path& from() const noexcept { return options_.from; }
@@ -105,6 +125,10 @@ class LiveRun {
   const PieceNames& names() const noexcept { return names_; }
   /// Of those that were not found again.
   const std::vector<std::string>& missingPieces() const noexcept { return missing_; }
+  /// In the order of ObjectReport::loaded, from 1 on.
+  std::span<const LiveNeighbour> neighbours() const noexcept { return neighbours_; }
+  /// Whether an object is one of them, or a piece of one.   @param id  CutObject::id.
+  bool isBeside(std::uint32_t id) const;
   std::span<const SessionTool> tools() const noexcept { return options_.tools; }
   const Model& model() const noexcept { return haptic_->session().model(); }
   HapticThread& thread() noexcept { return *haptic_; }
@@ -126,8 +150,9 @@ class LiveRun {
   /// ms, for a piece that has just come off some seconds.   Error kNotFound: one of the objects is gone.
   static Expected<SceneCopy> copyOf(const SceneView& view);
   /// The post-operative mesh of a copy. Any thread.   Errors: as exportBundle().
+  /// @param beside  0: of the object that is worked on; n: of the n-th neighbour, where its scan stands.
   Expected<LiveResult> postOperative(const SceneCopy& scene, const PostOpOptions& options = {},
-                                     const Progress& progress = {}) const;
+                                     const Progress& progress = {}, std::size_t beside = 0) const;
   /// For the manifest and for what is exported, in the place of "piece N". Kept beside the log: a crash does not lose
   /// it.
   void namePiece(std::uint32_t id, const std::string& name);
@@ -140,9 +165,15 @@ class LiveRun {
   LiveRun(LiveRunOptions options, std::filesystem::path case_folder, std::filesystem::path run_folder);
   Expected<void> load(const Progress& progress);
   Expected<void> loadWhatIsCut();
+  Expected<void> loadNeighbours();
+  Expected<void> loadNeighbour(SessionNeighbour known, const BrickField* begin);
+  LoadedObjects loaded() const;
+  Expected<void> chooseColours();
+  std::uint32_t loadedIndexOf(const BakedObject* object) const;
   Expected<void> makeFolder();
   struct Shown {
     std::uint32_t id = 0;
+    std::uint32_t loaded = 0;
     std::shared_ptr<MesherThread> mesher;  // shared with views of the scene
   };
   struct CameOff {
@@ -162,7 +193,9 @@ class LiveRun {
   double removed_before_ = 0;
   std::vector<RunManifest::Piece> pieces_before_;
   std::vector<std::string> missing_;
-  BrickFeed feed_;
+  std::vector<LiveNeighbour> neighbours_;
+  std::deque<BrickFeed> feeds_;                      // of what was loaded
+  std::vector<MesherThreadOptions> mesher_options_;  // of the same
   std::optional<RunLock> lock_;
   std::optional<SessionRecorder> recorder_;
   std::unique_ptr<HapticThread> haptic_;

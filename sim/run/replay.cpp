@@ -303,10 +303,10 @@ Expected<Replay> internal::replayRun(const fs::path& run_folder, const RunManife
 
   // What it was recorded with.
   LoadedObjects objects;
-  KERF_TRY(begin, readRunBegin(run_folder, manifest));
   beside.insert(beside.begin(), case_folder);
-  for (const fs::path& folder : beside) {
-    KERF_TRY(object, loadObject(folder, begin && objects.empty() ? &*begin : nullptr));
+  for (std::size_t n = 0; n < beside.size(); ++n) {
+    KERF_TRY(begin, readRunBegin(run_folder, manifest, n));
+    KERF_TRY(object, loadObject(beside[n], begin ? &*begin : nullptr));
     objects.push_back(std::move(object));
   }
   KERF_TRY(model, makeModel(tools, {}, widestBand(objects)));

@@ -21,7 +21,8 @@ Expected<void> requireBeside(const fs::path& run_folder, const RunManifest& m, s
                .place = neighbourId(beside),
                .found = "there is none",
                .expected = has_none ? "a run cut with other cases beside it" : fmt::format("1 to {}", m.beside.size()),
-               .hint = has_none ? "kerf cut CASE --hand ... --beside OTHER.case" : "kerf info tells them"});
+               .hint = has_none ? "kerf cut CASE --hand ... --beside OTHER.case, or open both in the window"
+                                : "kerf info tells them"});
 }
 
 Expected<fs::path> locateCase(const fs::path& run_folder, const RunManifest& m, std::size_t beside) {
@@ -89,11 +90,14 @@ Expected<BrickField> readRunCutField(const fs::path& run_folder, std::size_t bes
   return readVdb(run_folder / internal::kRunField, beside == 0 ? "phi" : neighbourId(beside));
 }
 
-Expected<std::optional<BrickField>> readRunBegin(const fs::path& run_folder, const RunManifest& manifest) {
+Expected<std::optional<BrickField>> readRunBegin(const fs::path& run_folder, const RunManifest& manifest,
+                                                 std::size_t beside) {
+  KERF_CHECK(internal::requireBeside(run_folder, manifest, beside));
   if (manifest.begin_sha256.empty()) return std::optional<BrickField>{};
+  if (beside > 0 && !manifest.beside[beside - 1].has_begin) return std::optional<BrickField>{};
   const fs::path file = run_folder / internal::kRunBegin;
   KERF_CHECK(requireSha256(file, manifest.begin_sha256, "a run is never edited: take it from a copy"));
-  KERF_TRY(field, readVdb(file, "phi"));
+  KERF_TRY(field, readVdb(file, beside == 0 ? "phi" : neighbourId(beside)));
   return std::optional(std::move(field));
 }
 

@@ -25,7 +25,9 @@ Expected<BrickField> readRunSweep(const std::filesystem::path& run_folder);
 Expected<BrickField> readRunCutField(const std::filesystem::path& run_folder, std::size_t beside = 0);
 
 /// What a session began with: the bricks of begin.vdb, checked against the manifest. None: it began with the case.
-Expected<std::optional<BrickField>> readRunBegin(const std::filesystem::path& run_folder, const RunManifest& manifest);
+/// @param beside  as of readRunCutField().
+Expected<std::optional<BrickField>> readRunBegin(const std::filesystem::path& run_folder, const RunManifest& manifest,
+                                                 std::size_t beside = 0);
 
 namespace internal {
 

@@ -36,6 +36,9 @@ Expected<void> readBeside(TomlTable& top, const fs::path& path, RunManifest& m) 
     b.case_id = t.get<std::string>("case_id", "64 hexadecimal digits");
     b.voxel_mm = t.number("voxel_mm", 0.001, 100);
     b.removed_mm3 = t.number("removed_mm3", 0, 1e12, "mm3");
+    b.name = t.getOr<std::string>("name", "", "a name");
+    b.has_begin = t.getOr<bool>("has_begin", false, "true or false");
+    if (b.has_begin && m.begin_sha256.empty()) t.reject("has_begin", "true", "a session that went on from another run");
     KERF_CHECK(t.finish());
     m.beside.push_back(std::move(b));
   }
@@ -149,7 +152,7 @@ Expected<RunManifest> readRunManifest(const fs::path& folder) {
   m.field_sha256 = top.get<std::string>("field_sha256", "64 hexadecimal digits");
 
   KERF_CHECK(readBeside(top, path, m));
-  if (!m.beside.empty() && m.mode != kModeHaptic) top.reject("beside", "in mode " + m.mode, "mode haptic");
+  if (!m.beside.empty() && m.mode == kModeGeometry) top.reject("beside", "in mode " + m.mode, "mode haptic or session");
   if (m.beside.size() >= kMostObjects)
     top.reject("beside", fmt::format("{} cases", m.beside.size()), fmt::format("at most {}", kMostObjects - 1));
   KERF_CHECK(top.finish());
@@ -192,11 +195,13 @@ Expected<void> writeRunManifest(const fs::path& folder, const RunManifest& m) {
   }
   if (!m.beside.empty()) {
     toml::array beside;
-    for (const RunManifest::Beside& b : m.beside)
-      beside.push_back(toml::table{{"case_path", b.case_path},
-                                   {"case_id", b.case_id},
-                                   {"voxel_mm", b.voxel_mm},
-                                   {"removed_mm3", b.removed_mm3}});
+    for (const RunManifest::Beside& b : m.beside) {
+      toml::table row{
+          {"case_path", b.case_path}, {"case_id", b.case_id}, {"voxel_mm", b.voxel_mm}, {"removed_mm3", b.removed_mm3}};
+      if (!b.name.empty()) row.insert("name", b.name);
+      if (b.has_begin) row.insert("has_begin", true);
+      beside.push_back(std::move(row));
+    }
     root.insert("beside", std::move(beside));
   }
 

@@ -7,7 +7,7 @@
 //   run.vdb      grids phi (the cut field, bricks that changed) and, geometry only, sweep (union of tool sweeps, mm);
 //                beside_1, beside_2, ...: phi of further cases that stood beside the one that was cut
 //   forces.csv, summary.json, session.kerflog   of a cut against resistance: haptic_cut.h
-//   begin.vdb    mode session, of one that went on from another run: that one's grid phi
+//   begin.vdb    mode session, of one that went on from another run: that one's run.vdb
 //   tools/       mode session: in place of tool and path, all tools of the session
 //
 // run_files.h reads what lies beside the manifest.
@@ -64,11 +64,14 @@ struct RunManifest {
   };
   std::vector<Piece> pieces;
 
-  /// A further case of the same scene, cut against resistance only. It stood where its scan stands.
+  /// A further case of the same scene, of a path cut against resistance or of a session. It stood where its scan
+  /// stands.
   struct Beside {
     std::string case_path, case_id;  ///< as those of the case
     double voxel_mm = 0;
-    double removed_mm3 = 0;  ///< what was cut off it
+    double removed_mm3 = 0;  ///< what was cut off it; of a session that is open, before that began
+    bool has_begin = false;  ///< mode session: begin.vdb has what was cut off it before
+    std::string name{};      ///< mode session: what a person called it; may be empty
   };
   std::vector<Beside> beside;  ///< the first is "beside_1": neighbourId(1)
 

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <memory>
 #include <set>
 #include <system_error>
 
@@ -16,6 +17,7 @@
 #include "geometry/base/version.h"
 #include "geometry/field/vdb_io.h"
 #include "geometry/tool/tool_file.h"
+#include "sim/monitor/monitor.h"
 #include "sim/pieces/joined_field.h"
 #include "sim/run/load_scene.h"
 #include "sim/run/run_files.h"
@@ -89,22 +91,63 @@ bool isMoved(const CutObject& object) {
   return piece.isMoved();
 }
 
-// What differs from the case, of all objects together.
-BrickField changesOf(const std::vector<CutObject>& objects, const std::vector<BrickField>& fields,
-                     const BrickField* loaded) {
-  if (fields.empty()) return objects.front().bricks().changedField();
+// What the session has of one case: the object, or its pieces.
+using Objects = std::vector<const CutObject*>;
+Objects objectsOf(const Session& session, std::size_t loaded) {
+  Objects out;
+  for (const CutObject& object : session.state().objects)
+    if (session.loadedIndexOf(object) == loaded) out.push_back(&object);
+  return out;
+}
+
+bool isInPieces(const Objects& objects) { return objects.size() > 1 || objects.front()->bricks().isPiece(); }
+
+std::vector<BrickField> fieldsOf(const Objects& objects) {
+  std::vector<BrickField> out;
+  out.reserve(objects.size());
+  for (const CutObject* object : objects) out.push_back(fieldOf(*object));
+  return out;
+}
+
+// What differs from the case, of all its pieces together.   @param fields  of them; none: of one whole object.
+BrickField changesOf(const Objects& objects, const std::vector<BrickField>& fields, const BrickField* loaded) {
+  if (fields.empty()) return objects.front()->bricks().changedField();
   std::vector<FieldPart> parts;
   parts.reserve(fields.size());
   for (const BrickField& field : fields) parts.push_back({.begin = &field});
-  return joinedChanges(loaded ? *loaded : objects.front().baked().phi0(), parts);
+  return joinedChanges(loaded ? *loaded : objects.front()->baked().phi0(), parts);
+}
+
+// Cases beside the one that is worked on: what differs from each, and what the ledger says was cut off it.
+struct NeighbourChanges {
+  std::vector<BrickField> fields;
+  std::vector<double> removed_mm3;
+  bool isEmpty() const {
+    return std::all_of(fields.begin(), fields.end(), [](const BrickField& field) { return field.isEmpty(); });
+  }
+};
+NeighbourChanges changesBeside(const Session& session, std::span<const BrickField* const> loaded) {
+  NeighbourChanges out;
+  for (std::size_t n = 1; n < session.loaded().size(); ++n) {
+    const Objects objects = objectsOf(session, n);
+    const BrickField* const before = n <= loaded.size() ? loaded[n - 1] : nullptr;
+    const bool is_joined = before || isInPieces(objects);
+    out.fields.push_back(changesOf(objects, is_joined ? fieldsOf(objects) : std::vector<BrickField>{}, before));
+
+    double& removed = out.removed_mm3.emplace_back(0);
+    for (const CutObject* object : objects)
+      for (std::size_t m = 0; m < object->removed_mm3.size(); ++m)
+        removed += object->removed_before_mm3[m] + object->removed_mm3[m];
+  }
+  return out;
 }
 
 // Of objects whose fields are given, in their order.
-std::vector<RunManifest::Piece> piecesOf(const std::vector<CutObject>& objects, const std::vector<BrickField>& fields,
+std::vector<RunManifest::Piece> piecesOf(const Objects& objects, const std::vector<BrickField>& fields,
                                          const PieceNames& names) {
   std::vector<RunManifest::Piece> out;
   for (const BrickField& field : fields) {
-    const CutObject& object = objects[out.size()];
+    const CutObject& object = *objects[out.size()];
     RunManifest::Piece piece;
     piece.id = object.id;
     const auto name = names.find(object.id);
@@ -144,7 +187,7 @@ RunLock::~RunLock() {
 
 Expected<OpenedRun> openSessionRun(const fs::path& run_folder, const fs::path& case_folder,
                                    const CaseManifest& manifest, std::span<const SessionTool> tools,
-                                   const fs::path& from) {
+                                   const fs::path& from, std::span<const SessionNeighbour> beside) {
   RunManifest out;
   out.kerf_version = kVersion;
   KERF_TRY(case_path, internal::relativeCasePath(case_folder, run_folder));
@@ -153,6 +196,15 @@ Expected<OpenedRun> openSessionRun(const fs::path& run_folder, const fs::path& c
   out.mode = kModeSession;
   out.voxel_mm = manifest.voxel_mm;
   out.is_open = true;
+  for (const SessionNeighbour& other : beside) {
+    KERF_TRY(path, internal::relativeCasePath(other.folder, run_folder));
+    out.beside.push_back({.case_path = path,
+                          .case_id = other.manifest.id,
+                          .voxel_mm = other.manifest.voxel_mm,
+                          .removed_mm3 = other.removed_mm3,
+                          .has_begin = other.has_begin,
+                          .name = other.name});
+  }
 
   std::error_code failed;
   if (!fs::create_directory(run_folder, failed) || failed)
@@ -187,20 +239,23 @@ SessionHeader sessionHeader(const RunManifest& manifest) {
     out.emplace_back("tool", tool.id);
     out.emplace_back("tool_sha256", tool.sha256);
   }
+  for (std::size_t n = 1; n <= manifest.beside.size(); ++n)
+    out.emplace_back(internal::neighbourKey(n), manifest.beside[n - 1].case_id);
   return out;
 }
 
 Expected<void> endSessionRun(const fs::path& run_folder, const Session& session, RunManifest& manifest,
-                             const PieceNames& names, const BrickField* loaded) {
-  const std::vector<CutObject>& objects = session.state().objects;
-  const bool is_moved = std::any_of(objects.begin(), objects.end(), [](const auto& o) { return isMoved(o); });
-  std::vector<BrickField> fields;  // in pieces or moved
-  if (objects.size() > 1 || objects.front().bricks().isPiece() || is_moved || loaded)
-    for (const CutObject& object : objects) fields.push_back(fieldOf(object));
+                             const PieceNames& names, const BrickField* loaded,
+                             std::span<const BrickField* const> beside) {
+  const Objects objects = objectsOf(session, 0);
+  const bool is_moved = std::any_of(objects.begin(), objects.end(), [](const auto* o) { return isMoved(*o); });
+  const bool is_in_pieces = isInPieces(objects) || is_moved;
+  const std::vector<BrickField> fields = is_in_pieces || loaded ? fieldsOf(objects) : std::vector<BrickField>{};
 
   const BrickField changed = changesOf(objects, fields, loaded);
+  const NeighbourChanges others = changesBeside(session, beside);
   const bool is_as_it_began = loaded && !session.canUndo();  // nor is there more to undo than where it began
-  if (is_as_it_began || (!loaded && changed.isEmpty() && !is_moved))
+  if (is_as_it_began || (!loaded && changed.isEmpty() && !is_moved && others.isEmpty()))
     return fail({.code = Error::Code::kEmpty,
                  .file = run_folder.string(),
                  .found = "nothing was cut in this session",
@@ -208,15 +263,19 @@ Expected<void> endSessionRun(const fs::path& run_folder, const Session& session,
                  .hint = "the folder may be deleted"});
 
   // The field has its name only when it is whole.
-  const fs::path field = run_folder / internal::kRunField, beside = run_folder / "run.new.vdb";
-  KERF_CHECK(writeVdb(beside, {{"phi", &changed}}, {{"case_id", manifest.case_id}}));
-  KERF_TRY(hash, sha256OfFile(beside));
+  const fs::path field = run_folder / internal::kRunField, fresh = run_folder / "run.new.vdb";
+  std::vector<NamedField> grids{{"phi", &changed}};
+  for (std::size_t n = 0; n < others.fields.size(); ++n) grids.push_back({neighbourId(n + 1), &others.fields[n]});
+  KERF_CHECK(writeVdb(fresh, grids, {{"case_id", manifest.case_id}}));
+  KERF_TRY(hash, sha256OfFile(fresh));
   std::error_code failed;
-  fs::rename(beside, field, failed);
+  fs::rename(fresh, field, failed);
   if (failed) return cannotWrite(field, failed.message());
 
   manifest.field_sha256 = hash;
-  const bool is_in_pieces = objects.size() > 1 || objects.front().bricks().isPiece() || is_moved;
+  // Rounding must not make a manifest that its reader refuses.
+  for (std::size_t n = 0; n < manifest.beside.size(); ++n)
+    manifest.beside[n].removed_mm3 = std::max(manifest.beside[n].removed_mm3 + others.removed_mm3[n], 0.0);
   manifest.pieces = is_in_pieces ? piecesOf(objects, fields, names) : std::vector<RunManifest::Piece>{};
   manifest.duration_s = static_cast<double>(session.state().tick) * kTick;
   manifest.state_hash = fmt::format("{:016x}", session.hash());
@@ -265,17 +324,27 @@ Expected<Recovery> recoverRun(const fs::path& run_folder, const Progress& progre
   if (!lock) return fail(lock.error());
 
   std::optional<BrickField> loaded;  // of the case
+  std::vector<std::unique_ptr<const BrickField>> fields;
+  std::vector<const BrickField*> beside;  // of those beside, null: as the session loads it
   if (!manifest.begin_sha256.empty()) {
     KERF_TRY(case_folder, caseOfRun(run_folder));
     KERF_TRY(field, readCaseField(case_folder));
     loaded = std::move(field);
+    KERF_TRY(folders, casesBesideRun(run_folder));
+    for (std::size_t n = 0; n < folders.size(); ++n) {
+      beside.push_back(nullptr);
+      if (!manifest.beside[n].has_begin) continue;
+      KERF_TRY(other, readCaseField(folders[n]));
+      beside.back() = fields.emplace_back(std::make_unique<const BrickField>(std::move(other))).get();
+    }
   }
 
   Recovery out;
   Expected<void> ended;
   const auto end = [&](const Session& session, const SessionLog& log) {
     manifest.tool_id = toolsInHand(log, manifest);
-    ended = endSessionRun(run_folder, session, manifest, readPieceNames(run_folder), loaded ? &*loaded : nullptr);
+    ended =
+        endSessionRun(run_folder, session, manifest, readPieceNames(run_folder), loaded ? &*loaded : nullptr, beside);
   };
   KERF_TRY(replayed, internal::replayRun(run_folder, manifest, progress, end));
   KERF_CHECK(ended);

@@ -43,6 +43,15 @@ class RunLock {
   int file_ = -1;
 };
 
+/// A case that stands beside the one that is worked on.
+struct SessionNeighbour {
+  std::filesystem::path folder;
+  CaseManifest manifest;
+  std::string name;        ///< for people: "35"
+  bool has_begin = false;  ///< it stood in the run that is gone on from, too
+  double removed_mm3 = 0;  ///< off it, in that run
+};
+
 struct OpenedRun {
   RunManifest manifest;  ///< open
   RunLock lock;
@@ -50,9 +59,11 @@ struct OpenedRun {
 /// Makes the folder, which must not exist, with tools and manifest. The folder of the case may be anywhere; the run
 /// notes the way to it. After an error it is gone again.
 /// @param from  a run of the same case that has ended, from which this one goes on: its field is copied. Empty: none.
+/// @param beside  in the order of the session's objects; those that have a begin stand first, as in `from`.
 Expected<OpenedRun> openSessionRun(const std::filesystem::path& run_folder, const std::filesystem::path& case_folder,
                                    const CaseManifest& manifest, std::span<const SessionTool> tools,
-                                   const std::filesystem::path& from = {});
+                                   const std::filesystem::path& from = {},
+                                   std::span<const SessionNeighbour> beside = {});
 /// What the header of its log says of case and tools; describe() says the rest.
 SessionHeader sessionHeader(const RunManifest& manifest);
 
@@ -65,10 +76,13 @@ Expected<void> writePieceNames(const std::filesystem::path& run_folder, const Pi
 
 /// Ends a session: writes the field, then the manifest, which is then no longer open. Pieces are written as one field,
 /// each where it was loaded; the manifest says where they are.
+/// What was cut off cases beside is counted and written, too: their pieces, if there are any, are one field of theirs.
 /// @param loaded  the case's field, if the session went on from another run; null: what the session has loaded.
+/// @param beside  the same of the cases beside, in their order; fewer: what the session has loaded.
 /// Error kEmpty: nothing was changed, and nothing is written.
 Expected<void> endSessionRun(const std::filesystem::path& run_folder, const Session& session, RunManifest& manifest,
-                             const PieceNames& names = {}, const BrickField* loaded = nullptr);
+                             const PieceNames& names = {}, const BrickField* loaded = nullptr,
+                             std::span<const BrickField* const> beside = {});
 
 struct Recovery {
   RunManifest manifest;

@@ -57,6 +57,12 @@ Session::Session(Model model, LoadedObjects objects, const Rigid3& start, Sessio
       loaded_(std::move(objects)),
       sink_(sink) {}
 
+std::size_t Session::loadedIndexOf(const CutObject& object) const noexcept {
+  for (std::size_t n = 0; n < loaded_.size(); ++n)
+    if (loaded_[n].get() == &object.baked()) return n;
+  return 0;
+}
+
 Session::Session(State state, Model model, LoadedObjects loaded, SessionSink* sink)
     : model_(std::move(model)),
       state_(std::move(state)),

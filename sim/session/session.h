@@ -101,6 +101,10 @@ class Session {
 
   const Model& model() const { return model_; }
   const State& state() const { return state_; }
+  /// What the objects of the scene were made of, in the order of the beginning: `state().objects` are pieces of these.
+  const LoadedObjects& loaded() const { return loaded_; }
+  /// Which of loaded() an object is, or is a piece of. @rt
+  std::size_t loadedIndexOf(const CutObject& object) const noexcept;
   std::uint64_t hash() const { return state_.hash(); }
 
   /// Ticks between two state checks in the log. In step() a check waits until few enough bricks changed right before

@@ -122,11 +122,14 @@ Expected<json> runInfo(const fs::path& folder) {
                            {"translation_mm", {t[0], t[1], t[2]}},
                            {"rotation_wxyz", {q.w(), q.x(), q.y(), q.z()}}});
   }
-  for (const RunManifest::Beside& other : m.beside)
-    j["beside"].push_back({{"case_path", other.case_path},
-                           {"case_id", other.case_id},
-                           {"voxel_mm", other.voxel_mm},
-                           {"removed_mm3", other.removed_mm3}});
+  for (const RunManifest::Beside& other : m.beside) {
+    json row{{"case_path", other.case_path},
+             {"case_id", other.case_id},
+             {"voxel_mm", other.voxel_mm},
+             {"removed_mm3", other.removed_mm3}};
+    if (!other.name.empty()) row["name"] = other.name;
+    j["beside"].push_back(std::move(row));
+  }
   return j;
 }
 

@@ -9,87 +9,17 @@
 #include <cstdlib>
 #include <thread>
 
-#include "geometry/formats/mesh_writer.h"
-#include "geometry/tool/tool_file.h"
-#include "preprocess/bake/bake.h"
-#include "sim/hand/mouse_hand.h"
 #include "sim/run/export_bundle.h"
 #include "sim/run/run_files.h"
-#include "tests/sim/haptic_scene.h"
-#include "tests/support/open_block.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/sim/person_at_mouse.h"
 
 namespace kerf {
 namespace {
 
 namespace fs = std::filesystem;
-
-// A block of 6 x 4 x 3 mm, its top at z = 0, baked at 0.1 mm.
-fs::path bakedBlock(const TemporaryFolder& folder) {
-  const fs::path file = folder.path() / "block.ply", out = folder.path() / "block.case";
-  EXPECT_TRUE(writeMesh(file, test::blockMesh(true)));
-  BakeOptions options;
-  options.unit = "mm";
-  options.voxelize.voxel_mm = 0.1;
-  const auto baked = bake({file}, out, options);
-  EXPECT_TRUE(baked) << baked.error().message();
-  return out;
-}
-
-LiveRunOptions someTools() {
-  LiveRunOptions out;
-  for (const char* id : {"round-014", "round-010"}) {
-    const auto file = findToolFile(id, defaultToolFolders());
-    EXPECT_TRUE(file) << file.error().message();
-    out.tools.push_back({*file, *readTool(*file)});
-  }
-  out.start = {Eigen::Quaterniond::Identity(), {0, 0, 3}};
-  out.haptic = test::ordinaryHaptics();
-  out.mesher.remesher.is_parallel = false;
-  return out;
-}
-
-// A person at the mouse.
-class Mouse {
- public:
-  explicit Mouse(LiveRun& run)
-      : run_(run),
-        hand_(surfaceOf(run), {Eigen::Quaterniond::Identity(), {0, 0, 3}}, run.model().settings.coupling.stiffness) {
-    const auto started = run.start(hand_);
-    EXPECT_TRUE(started) << started.error().message();
-  }
-  // Presses until something was removed, or the depth is reached.
-  void drill(const Vec3d& at, double seconds) {
-    ++aim_.stroke;
-    aim_.is_pressed = true;
-    aim_.anchor = aim_.pointer = at;
-    aim_.force = 1.5;
-    aim_.depth = 0.5;
-    hand_.aim(aim_);
-    EXPECT_TRUE(run_.send(PlaceTool{{at[0], at[1], at[2] + 0.3}}));
-    waitFor(seconds);
-    aim_.is_pressed = false;
-    hand_.aim(aim_);
-    waitFor(0.05);
-  }
-  void send(const Command& command) {
-    EXPECT_TRUE(run_.send(command));
-    waitFor(0.05);
-  }
-
- private:
-  static std::shared_ptr<const BrickField> surfaceOf(const LiveRun& run) { return run.original(); }
-  // By the simulation's clock: the machine may be slow.
-  void waitFor(double seconds) {
-    run_.thread().update();
-    const auto until = run_.thread().report().tick + static_cast<std::uint64_t>(seconds / kTick);
-    EXPECT_TRUE(test::becomes(run_.thread(), [&](const HapticReport& r) { return r.tick >= until; }));
-  }
-
-  LiveRun& run_;
-  MouseHand hand_;
-  MouseAim aim_;
-};
+using test::bakedBlock;
+using test::Mouse;
+using test::someTools;
 
 TEST(LiveRun, StrokesWithTwoToolsBecomeARunThatReplaysAndExports) {
   const TemporaryFolder folder;
