@@ -53,6 +53,23 @@ class KerfSim : public ::testing::Test {
   fs::path folder_;
 };
 
+TEST_F(KerfSim, TheFirstOfSeveralFilesIsWorkedOnTheOthersStandBeside) {
+  const fs::path other = folder_ / "other.off", script = folder_ / "script.ks", data = folder_ / "data";
+  std::ofstream(other) << "OFF\n4 4 0\n5 0 0\n8 0.2 0.1\n5.7 4 -0.3\n5.4 1.1 6\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n";
+  std::ofstream(script) << "wait\nexpect beside 1 1\nexpect pieces 1 1\nprint\n";
+  const std::string both = fmt::format("'{}' '{}'", mesh().string(), other.string());
+  const Outcome done =
+      shell(fmt::format("env -u DISPLAY -u WAYLAND_DISPLAY {} {} --script '{}' --data '{}' --voxel 0.2", kProgram, both,
+                        script.string(), data.string()));
+  if (done.text.find("no way to draw") != std::string::npos) GTEST_SKIP() << done.text;
+  EXPECT_EQ(done.status, 0) << done.text;
+  EXPECT_NE(done.text.find("\"name\":\"other\""), std::string::npos) << done.text;
+
+  const Outcome refused = picture(both);
+  EXPECT_NE(refused.status, 0);
+  EXPECT_NE(refused.text.find("one mesh, case or run to draw"), std::string::npos) << refused.text;
+}
+
 TEST_F(KerfSim, DrawsAPictureWithoutADisplay) {
   const Outcome done = picture(fmt::format("-v '{}'", mesh().string()));
   if (done.text.find("no way to draw") != std::string::npos) GTEST_SKIP() << done.text;

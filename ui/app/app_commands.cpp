@@ -7,6 +7,7 @@
 #include "ui/app/file_commands.h"
 #include "ui/app/hand_commands.h"
 #include "ui/app/import_commands.h"
+#include "ui/app/neighbour_commands.h"
 #include "ui/app/piece_commands.h"
 #include "ui/app/point_commands.h"
 #include "ui/app/saw_commands.h"
@@ -77,6 +78,9 @@ Expected<void> recover(AppContext& c, AppWords words) {
 constexpr AppCommand kCommands[] = {
     {"file.open", "File", "Open...", "Ctrl+O", "PATH",
      "Opens a scan, a recipe or a case to cut; a scan is prepared first.", isIdle, openFile},
+    {"file.open-beside", "File", "Open beside...", "", "PATH",
+     "Places a scan, a recipe or a case beside what is open, where its scan is: a neighbouring tooth, the other jaw.",
+     isIdle, neighbour_commands::openBeside},
     {"import.read", "", "", "", "PATH",
      "Reads a scan and shows what was found in it, before it is prepared; a recipe or a case is opened.", isIdle,
      importRead},
@@ -107,6 +111,9 @@ constexpr AppCommand kCommands[] = {
     {"file.export-put-back", "File", "Export pieces put back...", "", "PATH",
      "Writes all pieces where they were in the scan, wherever they were moved to.", hasPiecesAndIdle,
      piece_commands::exportPutBack},
+    {"file.export-beside", "File", "Export what stands beside...", "", "PATH [NEIGHBOUR]",
+     "Writes a neighbour with what was cut off it; if not told, the one that was cut most.",
+     neighbour_commands::hasNeighboursAndIdle, neighbour_commands::exportBeside},
     {"file.close", "File", "End the session", "Ctrl+W", "",
      "Writes the session as a run that can be replayed and exported.", isOpenAndIdle, closeSession},
     {"session.recover", "File", "Recover a session", "", "[N]",
@@ -163,6 +170,8 @@ constexpr AppCommand kCommands[] = {
      tool_commands::shallower},
     {"cut.stop-short", "", "", "", "[MM|off]",
      "Strokes stop that far short of pulp and nerve canal, 0.5 mm if not told.", always, tool_commands::stopShort},
+    {"cut.spare-neighbours", "", "", "", "[MM|off]",
+     "Strokes stop that far short of what stands beside, 0.2 mm if not told.", always, neighbour_commands::stopShort},
     {"cut.press", "", "", "", "X Y", "Presses the button at a pixel: a stroke begins.", isOpen, tool_commands::press},
     {"cut.drag", "", "", "", "X Y", "Moves the pressed pointer to a pixel.", isOpen, tool_commands::drag},
     {"cut.release", "", "", "", "", "Lets go of the button: the stroke ends.", isOpen, tool_commands::release},
@@ -193,6 +202,12 @@ constexpr AppCommand kCommands[] = {
     {"piece.show-all", "Piece", "Show all", "Shift+H", "", "Shows all pieces.", isOpen, piece_commands::show},
     {"piece.rename", "", "", "", "NAME", "Gives the chosen piece a name, for the list and for files.", isOpen,
      piece_commands::rename},
+    {"neighbour.look", "", "", "", "NEIGHBOUR show|ghost|hide",
+     "Shows what stands beside, makes it a ghost that is not pointed at, or hides it; the tool meets it all the same.",
+     neighbour_commands::hasNeighbours, neighbour_commands::look},
+    {"neighbour.work-on", "Piece", "Work on the neighbour", "", "[NEIGHBOUR]",
+     "Ends the session and opens the neighbour to be cut, as in its case; what was worked on stands beside it.",
+     neighbour_commands::hasNeighboursAndIdle, neighbour_commands::workOn},
     {"saw.pick-points", "Saw", "Plane from three points", "P", "", "Picks three points of the surface, by mouse.",
      isOpen, saw_commands::pickPoints},
     {"saw.pick-line", "Saw", "Plane from a line", "L", "", "Draws a line across the bone, by mouse.", isOpen,

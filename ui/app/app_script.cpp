@@ -49,7 +49,7 @@ void printState(const AppContext& c) {
                    {"speed_percent", 100 * c.bench.speed},
                    {"tilt_deg", c.bench.tilt.angle * 180 / std::numbers::pi},
                    {"ticks", c.bench.report().tick},
-                   {"pieces", c.bench.scene().shown().size()},
+                   {"pieces", c.bench.scene().pieceCount()},
                    {"triangles", c.bench.scene().triangleCount()},
                    {"steps", c.bench.timeline().done()},
                    {"steps_ahead", c.bench.timeline().steps().size() - c.bench.timeline().done()},
@@ -62,6 +62,12 @@ void printState(const AppContext& c) {
     j["near"] = near->name;
     j["near_mm"] = near->distance_mm;
   }
+  for (const Neighbour& other : c.bench.neighbours())
+    j["beside"].push_back({{"name", other.name}, {"removed_mm3", other.removed_mm3}});
+  if (const auto near = c.bench.nearNeighbour({}); near && !near->is_far) {
+    j["near_beside"] = near->name;
+    j["near_beside_mm"] = near->distance_mm;
+  }
   fmt::print("{}\n", j.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
   std::fflush(stdout);
 }
@@ -73,7 +79,21 @@ double nearestOf(const AppContext& c) {
   return near && !near->is_far ? near->distance_mm : kFar;
 }
 
-const std::string kExpected = "removed, depth, near, sawn, triangles, pieces, steps or ahead";
+// The same to what stands beside.
+double nearestBeside(const AppContext& c) {
+  constexpr double kFar = 1000;
+  const auto near = c.bench.nearNeighbour({});
+  return near && !near->is_far ? near->distance_mm : kFar;
+}
+
+double removedBeside(const AppContext& c) {
+  double out = 0;
+  for (const Neighbour& other : c.bench.neighbours()) out += other.removed_mm3;
+  return out;
+}
+
+const std::string kExpected =
+    "removed, depth, near, sawn, triangles, pieces, beside, beside-near, beside-removed, steps or ahead";
 
 Expected<void> expect(const AppContext& c, AppWords words) {
   if (words.empty()) return wrongWord("nothing", kExpected + ", and its range");
@@ -91,7 +111,13 @@ Expected<void> expect(const AppContext& c, AppWords words) {
   else if (words[0] == "triangles")
     value = static_cast<double>(c.bench.scene().triangleCount());
   else if (words[0] == "pieces")
-    value = static_cast<double>(c.bench.scene().shown().size());
+    value = static_cast<double>(c.bench.scene().pieceCount());
+  else if (words[0] == "beside")
+    value = static_cast<double>(c.bench.neighbours().size());
+  else if (words[0] == "beside-near")
+    value = nearestBeside(c);
+  else if (words[0] == "beside-removed")
+    value = removedBeside(c);
   else if (words[0] == "steps")
     value = static_cast<double>(c.bench.timeline().older() + c.bench.timeline().done());
   else if (words[0] == "ahead")

@@ -101,14 +101,19 @@ Expected<std::vector<Output>> outputsOf(LiveResult& result, const SceneCopy& sce
 }  // namespace
 
 Expected<std::string> exportScene(const LiveRun& run, const SceneCopy& scene, const fs::path& file,
-                                  const ExportChoice& choice, const Progress& progress) {
-  KERF_TRY(result, run.postOperative(scene, {}, progress));
+                                  const ExportChoice& asked, const Progress& progress) {
+  ExportChoice choice = asked;
+  for (const SceneCopy::Object& object : scene.objects)
+    if (choice.only == object.id && object.loaded > 0) choice = {.beside = object.loaded};
+  if (choice.beside > 0) choice.is_each = choice.is_put_back = false;
+  KERF_TRY(result, run.postOperative(scene, {}, progress, choice.beside));
   const PostOpReport report = result.post_op.report;
   KERF_TRY(outputs, outputsOf(result, scene, file, choice));
 
   for (const Output& output : outputs) {
     KERF_CHECK(canWriteMesh(output.file));
     KERF_CHECK(requireNoSource(output.file, run.caseManifest()));
+    for (const LiveNeighbour& other : run.neighbours()) KERF_CHECK(requireNoSource(output.file, other.known.manifest));
   }
 
   std::string out;

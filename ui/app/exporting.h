@@ -19,6 +19,7 @@ struct ExportChoice {
   bool is_put_back = false;                ///< pieces where they were loaded, wherever they were moved to
   bool is_each = false;                    ///< a file a piece: NAME-PIECE.stl in the place of NAME.stl
   std::optional<std::uint32_t> only = {};  ///< one piece
+  std::size_t beside = 0;                  ///< not the object that is worked on: the neighbour of that number
 };
 
 /// Writes what a copy of a scene holds.   @param file  its ending is the format.

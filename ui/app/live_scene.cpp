@@ -52,6 +52,7 @@ void LiveScene::update(std::span<const ObjectChunks> chunks, const HapticReport&
     SceneObject& object = objectOf(known.id);
     object.is_in_scene = true;
     object.index = n;
+    object.loaded = known.loaded;
     object.T_world_object = known.T_world_object;
     object.removed_mm3 = known.removed_mm3;
     is_meshed &= object.surface.triangleCount() > 0;
@@ -70,6 +71,11 @@ void LiveScene::update(std::span<const ObjectChunks> chunks, const HapticReport&
 SceneObject* LiveScene::find(std::uint32_t id) const {
   const auto at = std::find_if(shown_.begin(), shown_.end(), [&](const SceneObject* o) { return o->id == id; });
   return at == shown_.end() ? nullptr : *at;
+}
+
+std::size_t LiveScene::pieceCount() const {
+  return static_cast<std::size_t>(
+      std::count_if(shown_.begin(), shown_.end(), [](const SceneObject* object) { return !object->isBeside(); }));
 }
 
 std::size_t LiveScene::triangleCount() const {
@@ -91,7 +97,7 @@ Box3 LiveScene::bounds() const {
 std::optional<SceneHit> LiveScene::hit(const Ray& ray) const {
   std::optional<SceneHit> best;
   for (const SceneObject* object : shown_) {
-    if (object->is_hidden) continue;
+    if (!object->isPointedAt()) continue;
     const Rigid3 pose = object->pose();
     const auto hit = object->surface.hit(inFrame(pose, ray));
     if (!hit || (best && hit->way >= best->on_surface.way)) continue;

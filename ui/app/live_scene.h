@@ -20,6 +20,7 @@ namespace kerf {
 
 struct SceneObject {
   std::uint32_t id = 0;           ///< CutObject::id
+  std::uint32_t loaded = 0;       ///< ObjectReport::loaded: 0 is worked on, the others stand beside it
   std::string name;               ///< "piece 2", or what a person called it
   Rigid3 T_world_object;          ///< as the simulation has it
   std::optional<Rigid3> dragged;  ///< where a person is about to put it
@@ -28,6 +29,10 @@ struct SceneObject {
   std::size_t index = 0;          ///< in the simulation, for commands
   bool is_in_scene = false;       ///< now; an undo or a split takes it out
   bool is_hidden = false;         ///< by a person: neither drawn nor pointed at
+  bool is_ghost = false;          ///< a neighbour, by a person: translucent, and not pointed at
+
+  bool isBeside() const { return loaded > 0; }
+  bool isPointedAt() const { return !is_hidden && !is_ghost; }
 
   Rigid3 pose() const { return dragged.value_or(T_world_object); }
   bool isMoved() const;
@@ -48,6 +53,8 @@ class LiveScene {
 
   /// Those in the picture, hidden ones among them: in the order of the simulation, which is by size when they came off.
   std::span<SceneObject* const> shown() const { return shown_; }
+  /// Of them, how many are of the object that is worked on: 1, or its pieces.
+  std::size_t pieceCount() const;
   /// Null: it is not in the picture.
   SceneObject* find(std::uint32_t id) const;
 

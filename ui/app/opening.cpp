@@ -155,7 +155,78 @@ Expected<Prepared> prepare(const fs::path& path, const OpeningOptions& options, 
   return out;
 }
 
+// ---- What stands beside
+
+// The other jaw of a pair, where it was written. None: there is none, or it is another one by now.
+std::optional<fs::path> partnerOf(const fs::path& case_folder, const CaseManifest& manifest) {
+  if (!manifest.pair) return {};
+  const fs::path partner = fs::absolute(case_folder).lexically_normal().parent_path() / manifest.pair->partner;
+  const auto known = isCase(partner) ? readCaseManifest(partner) : tl::unexpected(Error{});
+  if (!known || !known->pair || known->pair->frame != manifest.pair->frame) return {};
+  return partner;
+}
+
+std::string freeName(const std::string& wanted, const std::string& first, const std::vector<CaseBeside>& others) {
+  std::string out = wanted;
+  const auto has = [&](const CaseBeside& other) { return other.name == out; };
+  for (int n = 2; out == first || std::any_of(others.begin(), others.end(), has); ++n)
+    out = fmt::format("{} {}", wanted, n);
+  return out;
+}
+
+// All that is to stand beside a case, as cases; the partner of a jaw last.
+Expected<std::vector<CaseBeside>> prepareBeside(const fs::path& case_folder, const CaseManifest& manifest,
+                                                const OpeningOptions& options, const Progress& progress, Opened& out) {
+  std::vector<CaseBeside> found;
+  for (const CaseBeside& asked : options.beside) {
+    const double n = static_cast<double>(found.size()), all = static_cast<double>(options.beside.size());
+    KERF_TRY(folder, prepareToStandBeside(asked, options, out.notes, partOf(progress, n / all, (n + 1) / all)));
+    const std::string name = asked.name.empty() ? nameOf(asked.folder) : asked.name;
+    found.push_back({folder, freeName(name, out.name, found)});
+    out.sources_beside.push_back(asked.folder);
+  }
+
+  const auto partner = partnerOf(case_folder, manifest);
+  std::error_code ignored;
+  const auto isPartner = [&](const CaseBeside& other) { return fs::equivalent(other.folder, *partner, ignored); };
+  if (partner && std::none_of(found.begin(), found.end(), isPartner)) {
+    found.push_back({*partner, freeName(nameOf(*partner), out.name, found)});
+    out.sources_beside.push_back(*partner);
+    out.notes.push_back(fmt::format("one jaw of a pair: {} stands beside it, as they meet", found.back().name));
+  }
+  return found;
+}
+
+// What of them hardly fits is said.
+Expected<void> noteMisfits(const LiveRun& run, std::vector<std::string>& notes) {
+  for (const LiveNeighbour& other : run.neighbours()) {
+    KERF_TRY(solid, readCaseSolid(other.known.folder));
+    if (auto note = misfitOf(*run.original(), run.caseManifest().box, other.known.name, solid))
+      notes.push_back(std::move(*note));
+  }
+  return {};
+}
+
 }  // namespace
+
+Expected<fs::path> prepareToStandBeside(const CaseBeside& asked, const OpeningOptions& options,
+                                        std::vector<std::string>& notes, const Progress& progress) {
+  const FileKind kind = kindOf(asked.folder);
+  if (kind == FileKind::kCase) return asked.folder;
+  if (kind == FileKind::kRun || kind == FileKind::kTool)
+    return fail({.code = Error::Code::kUnsupported,
+                 .file = asked.folder.string(),
+                 .found = kind == FileKind::kRun ? "a session" : "a tool",
+                 .expected = "a scan, a recipe or a case to stand beside",
+                 .hint = "of a session only the case can stand beside"});
+
+  OpeningOptions defaults = options;
+  defaults.prepare.closing = {};
+  KERF_TRY(prepared, prepare(asked.folder, defaults, progress));
+  for (const std::string& note : prepared.notes)
+    notes.push_back((asked.name.empty() ? nameOf(asked.folder) : asked.name) + ": " + note);
+  return prepared.case_folder;
+}
 
 CloseOptions closeOptionsOf(const ClosingChoice& choice) {
   using Way = ClosingChoice::Way;
@@ -248,7 +319,7 @@ Expected<Opened> openToCut(const fs::path& path, const OpeningOptions& options, 
     case_folder = folder;
     out.name = nameOf(fs::path(before.case_path));
   } else if (kind != FileKind::kCase) {
-    KERF_TRY(prepared, prepare(path, options, partOf(progress, 0, 0.7)));
+    KERF_TRY(prepared, prepare(path, options, partOf(progress, 0, options.beside.empty() ? 0.7 : 0.4)));
     case_folder = prepared.case_folder;
     out.notes = std::move(prepared.notes);
   }
@@ -262,6 +333,14 @@ Expected<Opened> openToCut(const fs::path& path, const OpeningOptions& options, 
   live.haptic.real_time = options.real_time;
   live.is_looked_at = true;
   if (kind == FileKind::kRun) live.from = path;
+  // Of a run its own come back by themselves, the partner of a jaw among them.
+  const CaseManifest alone = [&] {
+    CaseManifest copy = manifest;
+    if (kind == FileKind::kRun) copy.pair.reset();
+    return copy;
+  }();
+  KERF_TRY(beside, prepareBeside(case_folder, alone, options, partOf(progress, 0.4, 0.7), out));
+  live.beside = std::move(beside);
   live.haptic.stall_ms = 5000;  // no arm is led: a busy machine need not stop the tool
   live.start = {Eigen::Quaterniond::Identity(), manifest.box.center() + Vec3d(0, 0, manifest.box.size()[2])};
   KERF_TRY(run, LiveRun::open(case_folder, newSessionFolder(options.data_folder, out.name), std::move(live),
@@ -269,6 +348,9 @@ Expected<Opened> openToCut(const fs::path& path, const OpeningOptions& options, 
   if (!report(progress, 0.9, "measuring the way to pulp and nerve")) return cancelled();
   KERF_TRY(structures, Structures::of(run->object()));
   out.structures = std::move(structures);
+  KERF_TRY(neighbours, neighbourFields(*run, partOf(progress, 0.92, 1)));
+  out.neighbours = std::move(neighbours);
+  KERF_CHECK(noteMisfits(*run, out.notes));
   if (kind == FileKind::kRun)
     out.notes.push_back(
         fmt::format("goes on from {}, in a session of its own: {:.3f} mm3 were removed before; undo "

@@ -15,6 +15,7 @@
 #include "geometry/mesh/mesh.h"
 #include "sim/monitor/structures.h"
 #include "sim/run/live_run.h"
+#include "ui/app/neighbours.h"
 
 namespace kerf {
 
@@ -62,6 +63,9 @@ struct OpeningOptions {
   PrepareOptions prepare;
   std::vector<SessionTool> tools;  ///< of the rack; the first is in hand
   RealTimeRequest real_time;       ///< of the haptic thread
+  /// Scans, recipes or cases that stand beside; a scan is prepared with the default remedies. Without a name: that of
+  /// the file.
+  std::vector<CaseBeside> beside{};
 };
 
 /// A session that has not been started yet.
@@ -71,16 +75,24 @@ struct Opened {
   std::string name;                ///< of the file, without its ending
   std::filesystem::path source;    ///< what was opened: never written to
   std::optional<Vec3d> occlusal;   ///< occlusalNormalOf()
-  std::shared_ptr<const Structures> structures;  ///< of the case: pulp, nerve canals
+  std::shared_ptr<const Structures> structures;       ///< of the case: pulp, nerve canals
+  NeighbourFields neighbours;                         ///< of run->neighbours()
+  std::vector<std::filesystem::path> sources_beside;  ///< what they were opened from: never written to
 };
 
 /// Opens a case, or prepares a scan or recipe first. A scan that was prepared in the same way before is not baked
-/// again. Of a run the case is opened, with all that was cut. Errors: those of reading, closing and loading;
-/// kUnsupported for a session that has not ended; kCancelled, and then nothing is left
-/// behind.
+/// again. Of a run the case is opened, with all that was cut, and what stood beside it. One jaw of a pair is opened
+/// with its partner beside, if that is there still. A neighbour that hardly fits the frame is said in the notes.
+/// Errors: those of reading, closing and loading; kUnsupported for a session that has not ended; kCancelled, and then
+/// nothing is left behind.
 /// @cost seconds; a jaw at 0.1 mm 10 to 20 s.
 Expected<Opened> openToCut(const std::filesystem::path& path, const OpeningOptions& options,
                            const Progress& progress = {});
+
+/// What is to stand beside, as a case: a scan or recipe is prepared with the default remedies.
+/// Errors: those of openToCut(); kUnsupported for a session and for a tool.
+Expected<std::filesystem::path> prepareToStandBeside(const CaseBeside& asked, const OpeningOptions& options,
+                                                     std::vector<std::string>& notes, const Progress& progress = {});
 
 /// Our own anatomy: made when it is first asked for.   @param name  of demoNames().
 Expected<Opened> openDemoToCut(const std::string& name, const OpeningOptions& options, const Progress& progress = {});

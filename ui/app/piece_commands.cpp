@@ -29,7 +29,7 @@ Rigid3 turned(const Rigid3& pose, const Vec3d& middle, const Vec3d& axis, double
 bool arePieces(const AppContext& c) {
   const auto shown = c.bench.scene().shown();
   const auto is_moved = [](const SceneObject* piece) { return piece->isMoved(); };
-  return shown.size() > 1 || std::any_of(shown.begin(), shown.end(), is_moved);
+  return c.bench.scene().pieceCount() > 1 || std::any_of(shown.begin(), shown.end(), is_moved);
 }
 
 bool isChosen(const AppContext& c) { return c.bench.chosenPiece() != nullptr; }

@@ -29,12 +29,16 @@ std::optional<PointReadout> readoutAt(const Workbench& bench, const Ray& ray) {
   if (!hit) return {};
   const SceneObject& object = *bench.scene().find(hit->id);
   const Rigid3 to_scan = object.pose().inverse();
-  const BakedObject& loaded = bench.run()->object();
+  const LiveRun& run = *bench.run();
+  const BakedObject& loaded = object.isBeside() ? *run.neighbours()[object.loaded - 1].object : run.object();
 
   PointReadout out;
   out.point = to_scan * hit->on_surface.point;
   out.normal = to_scan.rotation * hit->on_surface.normal;
-  if (bench.scene().shown().size() > 1) out.piece = object.name;
+  if (object.isBeside())
+    out.piece = "neighbour " + object.name;
+  else if (bench.scene().pieceCount() > 1)
+    out.piece = object.name;
   const Material material = materialAt(loaded, out.point - 0.5 * loaded.voxel() * out.normal);
   if (material != Material::kNone && material != Material::kGeneric) out.tissue = bench.nameOf(material);
 

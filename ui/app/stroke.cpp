@@ -64,6 +64,7 @@ std::optional<ToolOverSurface> toolOver(const LiveScene& scene, const BrickField
                                         const Plunge& plunge) {
   const auto hit = scene.hit(ray);
   if (!hit) return {};
+  if (scene.find(hit->id)->isBeside()) return {};
   const Rigid3 pose = scene.find(hit->id)->pose();
   const Ray local = inFrame(pose, ray);
   const Vec3d point = local.at(hit->on_surface.way);

@@ -37,7 +37,8 @@ struct Plunge {
 };
 Plunge plungeOf(const Tool& tool);
 
-/// What a ray points at. None: nothing.   @param loaded  the surface as loaded, in the frame of every piece of it.
+/// What a ray points at. None: nothing, or what stands beside.   @param loaded  the surface as loaded, in the frame of
+/// every piece of it.
 std::optional<ToolOverSurface> toolOver(const LiveScene& scene, const BrickField& loaded, const Ray& ray,
                                         const Plunge& plunge);
 

@@ -54,6 +54,7 @@ void TissueDisplay::opened(LiveRun& run, const MaterialTable& materials, std::sh
   closing();
   run_ = &run;
   labels_ = TissueLabels::of(run.object());
+  for (const LiveNeighbour& other : run.neighbours()) labels_beside_.push_back(TissueLabels::of(*other.object));
   palette_.emplace(materials);
   structures_ = std::move(structures);
   for (const MaterialProperties& row : materials.rows()) {
@@ -169,7 +170,8 @@ Expected<TissueDisplay::Changes> TissueDisplay::meshed(const SceneView& view, Me
                                                        const Progress& progress) {
   Changes out;
   KERF_TRY(scene, LiveRun::copyOf(view));
-  for (const SceneCopy::Object& object : scene.objects)
+  for (const SceneCopy::Object& object : scene.objects) {
+    if (object.loaded > 0) continue;  // what stands beside is shown as it is
     for (const TissuePart part : {TissuePart::kSolid, TissuePart::kGhost}) {
       const TissueSet& of = part == TissuePart::kSolid ? meshers.of.solid : meshers.of.ghost;
       if (part == TissuePart::kGhost && of.none()) continue;
@@ -186,6 +188,7 @@ Expected<TissueDisplay::Changes> TissueDisplay::meshed(const SceneView& view, Me
       std::vector<MeshChunkPtr> chunks = known->second->update(object.changed);
       if (is_new || !chunks.empty()) out.push_back({object.id, part, is_new, std::move(chunks)});
     }
+  }
   return out;
 }
 
@@ -216,8 +219,9 @@ std::vector<TissueDisplay::Change> TissueDisplay::takeChanges() { return std::ex
 
 // ---- Colours
 
-TissueSection TissueDisplay::sectionAt(const Plane& plane) const {
-  return labels_ ? tissueSection(plane, *labels_, *palette_) : TissueSection{};
+TissueSection TissueDisplay::sectionAt(const Plane& plane, std::size_t beside) const {
+  if (!labels_ || beside > labels_beside_.size()) return {};
+  return tissueSection(plane, beside == 0 ? *labels_ : labels_beside_[beside - 1], *palette_);
 }
 
 Expected<void> TissueDisplay::setColours(SurfaceColours colours) {

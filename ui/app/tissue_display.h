@@ -91,8 +91,9 @@ class TissueDisplay {
   // ---- Colours
 
   /// What objects are made of in a plane of their own frame, as loaded. Empty: nothing is open.
+  /// @param beside  0: of what is worked on; n: of the n-th neighbour.
   /// @cost  as tissueSection(): once for each plane, not each frame.
-  TissueSection sectionAt(const Plane& plane) const;
+  TissueSection sectionAt(const Plane& plane, std::size_t beside = 0) const;
   SurfaceColours colours() const { return colours_; }
   /// Depth is measured in a job first: 9 s for a molar at 0.05 mm. Error kUnsupported: a map of distances without pulp
   /// and nerve canal.
@@ -126,6 +127,7 @@ class TissueDisplay {
 
   LiveRun* run_ = nullptr;
   std::optional<TissueLabels> labels_;
+  std::vector<TissueLabels> labels_beside_;
   std::optional<TissuePalette> palette_;
   std::shared_ptr<const Structures> structures_;
   std::vector<SeenTissue> tissues_;

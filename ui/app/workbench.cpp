@@ -105,7 +105,9 @@ void Workbench::takeNews() {
   if (run_->thread().update()) {
     report_ = run_->thread().report();
     removed_mm3_ = run_->removedBefore();
-    for (std::size_t n = 0; n < report_.object_count; ++n) removed_mm3_ += report_.objects[n].removed_mm3;
+    for (std::size_t n = 0; n < report_.object_count; ++n)
+      if (report_.objects[n].loaded == 0) removed_mm3_ += report_.objects[n].removed_mm3;
+    warnOfNeighbours();
     addToTrace();
   }
   timeline_.update(report_.undo);
@@ -238,6 +240,7 @@ void Workbench::show(Opened& loaded) {
                                           coupling.stiffness, coupling.turn_stiffness);
   auto guided = std::make_unique<GuidedHand>(*hand, coupling.stiffness, coupling.turn_stiffness);
   hand->keepAwayFrom(loaded.structures);
+  hand->keepAwayFromBeside(loaded.neighbours);
   const auto started = loaded.run->start(*guided);
   if (!started) {
     (void)loaded.run->finish();
@@ -248,6 +251,9 @@ void Workbench::show(Opened& loaded) {
   guided_ = std::move(guided);
   run_ = std::move(loaded.run);
   structures_ = std::move(loaded.structures);
+  neighbour_fields_ = std::move(loaded.neighbours);
+  sources_beside_ = std::move(loaded.sources_beside);
+  cut_off_.assign(run_->neighbours().size(), {});
   tissues_->opened(*run_, materials_, structures_);
   samples_.clear();
   name_ = loaded.name;
@@ -318,10 +324,14 @@ void Workbench::close() {
     auto written = job->take();
     has_written_ = written.has_value();
     has_failed_ = !written && written.error().code != Error::Code::kEmpty;
-    if (written)
+    if (written) {
       say(fmt::format("session written: {}\nas a mesh again: kerf export {} -o OUT.stl", folder.string(),
                       folder.string()));
-    else if (written.error().code != Error::Code::kEmpty)
+      for (std::size_t n = 0; n < written->beside.size(); ++n)
+        if (const RunManifest::Beside& other = written->beside[n]; other.removed_mm3 > 0)
+          say(fmt::format("{:.4f} mm3 were cut off the neighbour {}: kerf export {} --beside {} -o OUT.stl",
+                          other.removed_mm3, other.name, folder.string(), n + 1));
+    } else if (written.error().code != Error::Code::kEmpty)
       complain(written.error());
   };
   job_ = std::move(job);
@@ -359,7 +369,11 @@ std::optional<ToolOverSurface> Workbench::over(const Ray& ray) const {
 bool Workbench::press(const Ray& ray) {
   if (import_ || saw_->isCutting() || undos_left_ != 0 || wish_) return false;  // a session behind an import rests
   const auto at = over(ray);
-  if (!at) return false;
+  if (!at) {
+    const auto seen = behindSection(ray);
+    if (const auto hit = seen ? scene_.hit(*seen) : std::nullopt) (void)isNeighbour(hit->id, "to be cut");
+    return false;
+  }
   release();
   pointed_ = ray;
   // A mouse is no arm that could be struck: after a late clock it goes on at once.
@@ -368,7 +382,7 @@ bool Workbench::press(const Ray& ray) {
   aim_.guide = is_guided ? saw_->plan().chosen()->normal : Vec3d(Vec3d::Zero());
   stroke_.emplace(*run_->original(), *at, heads_[tool_]);
   stroke_->begin(aim_);
-  aim_.samples = structures_->isEmpty() ? nullptr : &samplesOf(tool_);
+  aim_.samples = structures_->isEmpty() && neighbour_fields_.empty() ? nullptr : &samplesOf(tool_);
   sendAim();
 
   const Rigid3& start = stroke_->start();
@@ -424,6 +438,7 @@ void Workbench::sendAim() {
   aim_.pedal = speed * drill_;
   aim_.irrigation = irrigation;
   aim_.keep = stop_short_mm.value_or(-1);
+  aim_.keep_beside = stop_short_beside_mm.value_or(-1);
   hand_->aim(aim_);
 }
 
@@ -535,7 +550,7 @@ const SceneObject* Workbench::chosenPiece() const { return chosen_ ? scene_.find
 
 void Workbench::movePiece(std::uint32_t id, const Rigid3& T_world_object) {
   SceneObject* const piece = scene_.find(id);
-  if (!piece || !piece->is_in_scene) return;
+  if (!piece || !piece->is_in_scene || isNeighbour(id, "to be moved")) return;
   if (!T_world_object.isUsable())
     return complain({.code = Error::Code::kBadValue,
                      .place = piece->name,
@@ -560,7 +575,7 @@ void Workbench::hidePiece(std::uint32_t id, bool is_hidden) {
 
 void Workbench::namePiece(std::uint32_t id, const std::string& name) {
   SceneObject* const piece = scene_.find(id);
-  if (!piece || name.empty() || name == piece->name) return;
+  if (!piece || name.empty() || name == piece->name || isNeighbour(id, "to be renamed")) return;
   const bool is_number = std::all_of(name.begin(), name.end(), [](char c) { return c >= '0' && c <= '9'; });
   const auto has = [&](const SceneObject* other) { return other != piece && other->name == name; };
   const bool is_taken = std::any_of(scene_.shown().begin(), scene_.shown().end(), has);
@@ -581,7 +596,8 @@ void Workbench::exportTo(const fs::path& file, const ExportChoice& choice) {
   if (const auto possible = canWriteMesh(file); !possible) return complain(possible.error());
 
   std::error_code ignored;
-  if (fs::equivalent(file, source_, ignored))
+  const auto isSource = [&](const fs::path& source) { return fs::equivalent(file, source, ignored); };
+  if (isSource(source_) || std::any_of(sources_beside_.begin(), sources_beside_.end(), isSource))
     return complain({.code = Error::Code::kBadValue,
                      .file = file.string(),
                      .found = "the file that was opened",

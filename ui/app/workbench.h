@@ -23,6 +23,7 @@
 #include "ui/app/job.h"
 #include "ui/app/live_scene.h"
 #include "ui/app/measure.h"
+#include "ui/app/neighbours.h"
 #include "ui/app/opening.h"
 #include "ui/app/stroke.h"
 #include "ui/app/tilt.h"
@@ -218,6 +219,29 @@ class Workbench {
   /// What moves are made of; null: none is chosen, or it is not in the scene.
   const SceneObject* chosenPiece() const;
   void choosePiece(std::optional<std::uint32_t> id) { chosen_ = id; }
+
+  // ---- What stands beside: workbench_neighbours.cpp
+
+  /// The first is opened to be worked on, the others stand beside it, where their scans are: each a scan, prepared with
+  /// the default remedies, a recipe or a case. Tools among them go into the rack, one alone is as beginImport().
+  void openAll(const std::vector<std::filesystem::path>& paths);
+  /// What is open goes on in a session of its own, with one more beside: undo reaches back to here. A job.
+  void openBeside(const std::filesystem::path& path);
+  /// The neighbour of that number is worked on instead, and what was worked on stands beside it, all as in their cases.
+  /// What was cut is written first.
+  void workOn(std::size_t number);
+  std::vector<Neighbour> neighbours() const;
+  /// Null: it is not what stands beside.   @param name  or its number.
+  const SceneObject* findNeighbour(const std::string& name) const;
+  /// Translucent, and not pointed at.
+  void ghostNeighbour(std::uint32_t id, bool is_ghost);
+  /// The one the tool is nearest to, as nearStructure(). None: there is none.
+  std::optional<NearNeighbour> nearNeighbour(const std::optional<ToolOverSurface>& over) const;
+  /// What a stroke leaves between the tool and neighbours, mm, as stop_short_mm. None: it may cut them, with a warning.
+  std::optional<double> stop_short_beside_mm;
+  void stopShortBeside(std::optional<double> mm);
+  static constexpr double kUsualShortBeside = 0.2;  ///< mm
+
   // ---- By plan
 
   Sawing& saw() { return *saw_; }
@@ -275,7 +299,9 @@ class Workbench {
   void namePieces();
   void fillRack();
   void putIntoRack(const std::filesystem::path& file, Tool tool);
-  void reopenWith(const std::filesystem::path& tool_file);
+  void reopenWith(const std::filesystem::path& tool_file, std::vector<CaseBeside> further = {});
+  void warnOfNeighbours();
+  bool isNeighbour(std::uint32_t id, const std::string& what);
   void watchTools();
 
   WorkbenchOptions options_;
@@ -312,6 +338,13 @@ class Workbench {
   std::size_t tool_ = 0;
   std::vector<Mesh> heads_;  // of the tools
   std::shared_ptr<const Structures> structures_;
+  NeighbourFields neighbour_fields_;
+  std::vector<std::filesystem::path> sources_beside_;
+  struct CutOff {
+    double told_mm3 = 0, now_mm3 = 0;
+    std::uint64_t tick = 0;  // when it was last another one
+  };
+  std::vector<CutOff> cut_off_;                                             // of neighbours
   mutable std::map<std::size_t, ToolSamples> samples_;                      // of tools that were in hand
   std::vector<Plunge> plunges_;                                             // of the same
   std::vector<TouchPoints> touches_;                                        // of the same

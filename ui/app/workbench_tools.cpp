@@ -94,35 +94,46 @@ void Workbench::addTool(const fs::path& file) {
   say(id + " is in the rack: open something to cut with it");
 }
 
-// The tools of a session are named where its log begins. So this one is written, and another goes on from it.
-void Workbench::reopenWith(const fs::path& tool_file) {
+// The tools and cases of a session are named where its log begins. So this one is written, and another goes on from it.
+// @param tool_file  taken in hand; empty: the one that is.
+void Workbench::reopenWith(const fs::path& tool_file, std::vector<CaseBeside> further) {
   const fs::path before = run_->from().empty() ? run_->caseFolder() : run_->from(), session = session_;
   const auto plan = std::make_shared<SawPlan>(saw_->plan());
   const fs::path source = source_;
   const std::string name = name_;
+  const fs::path tool = tool_file.empty() ? run_->tools()[tool_].file : tool_file;
+  std::vector<CaseBeside> kept;  // that do not come back with `before`
+  for (const LiveNeighbour& other : run_->neighbours())
+    if (!other.known.has_begin) kept.push_back({other.known.folder, other.known.name});
+  std::vector<fs::path> sources = sources_beside_;
+  for (const CaseBeside& other : further) sources.push_back(other.folder);
   close();
   auto closing = std::exchange(when_over_, {});
   has_written_ = false;
-  when_over_ = [this, closing = std::move(closing), before, session, plan, source, name, tool_file] {
+  when_over_ = [this, closing = std::move(closing), before, session, plan, source, name, tool, kept, further, sources] {
     const std::size_t told = notices_.size();
     closing();
     if (has_failed_) return;                  // what was cut is in its log: nothing is opened over that
     if (has_written_) notices_.resize(told);  // it goes on
     const fs::path next = has_written_ ? session : before;
-    openBy("taking the tool",
-           [this, next](const Progress& progress) { return openToCut(next, openingOptions(), progress); });
+    OpeningOptions options = openingOptions();
+    if (!has_written_) options.beside = kept;
+    options.beside.insert(options.beside.end(), further.begin(), further.end());
+    openBy(further.empty() ? "taking the tool" : "placing what stands beside",
+           [next, options](const Progress& progress) { return openToCut(next, options, progress); });
     if (!job_) return;
     const auto show_it = std::exchange(when_over_, {});
-    when_over_ = [this, show_it, plan, source, name, tool_file] {
+    when_over_ = [this, show_it, plan, source, name, tool, sources] {
       is_reopening_ = true;
       show_it();
       is_reopening_ = false;
       if (!run_) return;
       source_ = source;
       name_ = name;
+      sources_beside_ = sources;
       saw_->plan() = *plan;
       for (std::size_t n = 0; n < tools_.size(); ++n)
-        if (tools_[n].file == tool_file) selectTool(n);
+        if (tools_[n].file == tool) selectTool(n);
     };
   };
 }

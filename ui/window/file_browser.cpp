@@ -20,8 +20,9 @@ constexpr const char* kTitle = "Choose a file###file-browser";
 
 }  // namespace
 
-void FileBrowser::show(Purpose purpose, const std::string& name) {
+void FileBrowser::show(Purpose purpose, const std::string& name, bool takes_several) {
   purpose_ = purpose;
+  takes_several_ = takes_several;
   is_shown_ = wants_popup_ = true;
   asked_.clear();
   is_accepted_ = is_escaped_ = false;
@@ -41,6 +42,7 @@ void FileBrowser::goTo(const fs::path& folder) {
   if (failed) return;
 
   folder_ = folder;
+  others_.clear();
   entries_.clear();
   for (const fs::directory_entry& e : in) {
     Entry entry{e.path().filename().string(), e.is_directory(failed), false};
@@ -59,6 +61,25 @@ bool FileBrowser::isListed(const Entry& entry) const {
   const std::string ending = fs::path(entry.name).extension().string();
   const MeshFormatRow* const format = formatOfExtension(ending);
   return (format && format->read) || (purpose_ == Purpose::kOpen && ending == ".toml");
+}
+
+// @param adds  to what is chosen already, or takes it off that; else it is the only one.
+void FileBrowser::choose(const Entry& entry, bool adds) {
+  const auto known = std::find(others_.begin(), others_.end(), entry.name);
+  if (adds && known != others_.end()) {
+    others_.erase(known);
+  } else if (adds && name_[0] != 0) {
+    if (entry.name != name_) others_.push_back(entry.name);
+  } else {
+    others_.clear();
+    std::snprintf(name_, sizeof(name_), "%s", entry.name.c_str());
+  }
+}
+
+std::vector<fs::path> FileBrowser::takeOthers() {
+  std::vector<fs::path> out;
+  for (const std::string& name : std::exchange(others_, {})) out.push_back(folder_ / name);
+  return out;
 }
 
 std::optional<fs::path> FileBrowser::draw() {
@@ -85,9 +106,11 @@ std::optional<fs::path> FileBrowser::draw() {
     const std::string label = entry.is_case     ? entry.name + "   (case)"
                               : entry.is_folder ? entry.name + "/"
                                                 : entry.name;
-    if (!ImGui::Selectable(label.c_str(), entry.name == name_, ImGuiSelectableFlags_AllowDoubleClick)) continue;
-    std::snprintf(name_, sizeof(name_), "%s", entry.name.c_str());
+    const bool is_chosen =
+        entry.name == name_ || std::find(others_.begin(), others_.end(), entry.name) != others_.end();
+    if (!ImGui::Selectable(label.c_str(), is_chosen, ImGuiSelectableFlags_AllowDoubleClick)) continue;
     const bool enters = entry.is_folder && !entry.is_case;
+    choose(entry, takes_several_ && !enters && ImGui::GetIO().KeyCtrl);
     if (enters) next = folder_ / entry.name;
     const bool is_double = ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left);
     if (!enters && is_double && purpose_ == Purpose::kOpen) chosen = folder_ / entry.name;
@@ -115,6 +138,10 @@ std::optional<fs::path> FileBrowser::draw() {
   ImGui::SameLine();
   const bool is_escape = std::exchange(is_escaped_, false);
   const bool is_cancelled = ImGui::Button("Cancel", {scaled(110), 0}) || is_escape;
+  if (takes_several_) {
+    ImGui::SameLine();
+    ImGui::TextDisabled("%s", others_.empty() ? "Ctrl and a click add what stands beside" : "the first is worked on");
+  }
   if (!asked_.empty()) {
     ImGui::SameLine();
     ImGui::TextUnformatted("That file is there already.");

@@ -11,8 +11,9 @@ namespace kerf {
 class FileBrowser {
  public:
   enum class Purpose { kOpen, kSave };
-  /// Shows it at the next draw(). @param name  suggested, for kSave.
-  void show(Purpose purpose, const std::string& name = {});
+  /// Shows it at the next draw(). @param name  suggested, for kSave.   @param takes_several  Ctrl and a click choose
+  /// further files: takeOthers().
+  void show(Purpose purpose, const std::string& name = {}, bool takes_several = false);
   bool isShown() const { return is_shown_; }
   /// Where it is, and where it begins when it is shown next; one that is gone changes nothing.
   const std::filesystem::path& folder() const { return folder_; }
@@ -22,6 +23,8 @@ class FileBrowser {
   void cancel() { is_escaped_ = true; }
   /// Draws it, if it is shown. @return what was chosen, once.
   std::optional<std::filesystem::path> draw();
+  /// Further files that were chosen with the last one that draw() gave, in the order of the clicks.
+  std::vector<std::filesystem::path> takeOthers();
 
  private:
   struct Entry {
@@ -30,12 +33,14 @@ class FileBrowser {
   };
   void goTo(const std::filesystem::path& folder);
   bool isListed(const Entry& entry) const;
+  void choose(const Entry& entry, bool adds);
 
   Purpose purpose_ = Purpose::kOpen;
-  bool is_shown_ = false, wants_popup_ = false;
+  bool is_shown_ = false, wants_popup_ = false, takes_several_ = false;
   bool is_accepted_ = false, is_escaped_ = false;  // since the last frame
   std::filesystem::path folder_ = std::filesystem::current_path();
   std::vector<Entry> entries_;
+  std::vector<std::string> others_;  // beside name_
   std::string error_;
   std::string asked_;  // kSave: the file that is there already, and would be replaced
   char name_[512] = {};

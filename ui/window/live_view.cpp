@@ -1,5 +1,6 @@
 #include "ui/window/live_view.h"
 
+#include <cstdint>
 #include <utility>
 
 #include "ui/app/sawing.h"
@@ -11,6 +12,12 @@ namespace {
 /// Of a part of an object, for the renderer: objects themselves have the number of their id.
 std::size_t numberOf(std::uint32_t object, TissuePart part) {
   return object + (std::size_t{part == TissuePart::kSolid ? 1u : 2u} << 32);
+}
+
+// Parts of tissues have numbers beyond those of objects.
+bool isBeside(const Workbench& bench, std::size_t object) {
+  if (!bench.run() || bench.run()->neighbours().empty() || object > UINT32_MAX) return false;
+  return bench.run()->isBeside(static_cast<std::uint32_t>(object));
 }
 
 }  // namespace
@@ -43,7 +50,9 @@ void LiveView::update(Workbench& bench) {
   showTool(bench);
 }
 
+// Maps are of what is worked on.
 void LiveView::setChunk(const Workbench& bench, std::size_t object, const MeshChunk& chunk) {
+  if (isBeside(bench, object)) return renderer_->setChunk(object, chunk, chunk.colours, chunk.occlusion);
   renderer_->setChunk(object, chunk, bench.tissues().coloursOf(chunk), chunk.occlusion);
 }
 
@@ -87,6 +96,10 @@ void LiveView::placeObjects(const Workbench& bench) {
   const bool has_solid = tissues.hasPart(TissuePart::kSolid), is_ghost = tissues.isOwnSurfaceGhost();
   for (const SceneObject* object : bench.scene().shown()) {
     const bool is_seen = !object->is_hidden;
+    if (object->isBeside()) {
+      place(object->id, object->pose(), is_seen, object->is_ghost);
+      continue;
+    }
     place(object->id, object->pose(), is_seen && (!has_solid || is_ghost), is_ghost);
     for (const TissuePart part : {TissuePart::kSolid, TissuePart::kGhost})
       if (tissues.hasPart(part)) place(numberOf(object->id, part), object->pose(), is_seen, part == TissuePart::kGhost);
@@ -99,14 +112,14 @@ void LiveView::showSection(const Workbench& bench) {
   const bool has_parts = bench.tissues().hasPart(TissuePart::kSolid);
   for (const SceneObject* object : bench.scene().shown()) {
     if (object->is_hidden) continue;
-    const std::size_t number = has_parts ? numberOf(object->id, TissuePart::kSolid) : object->id;
+    const std::size_t number = has_parts && !object->isBeside() ? numberOf(object->id, TissuePart::kSolid) : object->id;
     const Rigid3 to_object = object->pose().inverse();
     const Plane local{to_object * bench.section->point, to_object.rotation * bench.section->normal};
     const auto known = sections_.find(number);
     if (known != sections_.end() && known->second.point == local.point && known->second.normal == local.normal)
       continue;
     sections_[number] = local;
-    renderer_->setSection(number, bench.tissues().sectionAt(local));
+    renderer_->setSection(number, bench.tissues().sectionAt(local, object->loaded));
   }
 }
 

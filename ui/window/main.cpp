@@ -31,8 +31,8 @@
 namespace {
 
 struct Arguments {
-  std::string scene, screenshot, view, size, look_at, section, script, data, unit, config;
-  std::vector<std::string> tools;
+  std::string screenshot, view, size, look_at, section, script, data, unit, config;
+  std::vector<std::string> scenes, tools;
   double voxel = 0;
   double zoom = 1;
   int frames = 0, timed_frames = 0;
@@ -136,7 +136,7 @@ kerf::Expected<Shown> read(const Arguments& arguments) {
 /// The window in which a person cuts, or a script in its place.
 kerf::Expected<void> cut(const Arguments& arguments, const Shown& shown) {
   kerf::WorkshopOptions options;
-  options.open = arguments.scene;
+  options.open.assign(arguments.scenes.begin(), arguments.scenes.end());
   options.bench.data_folder = arguments.data;
   options.config = arguments.config;
   options.bench.tools = arguments.tools;
@@ -156,10 +156,13 @@ kerf::Expected<void> cut(const Arguments& arguments, const Shown& shown) {
 
 kerf::Expected<void> run(const Arguments& arguments, const Shown& shown) {
   const bool is_looked_at = !arguments.screenshot.empty() || shown.cut || arguments.timed_frames > 0 ||
-                            (!arguments.scene.empty() && kerf::isRun(arguments.scene));
+                            (arguments.scenes.size() == 1 && kerf::isRun(arguments.scenes.front()));
   if (!arguments.script.empty() || !is_looked_at) return cut(arguments, shown);
 
-  KERF_TRY(scene, kerf::loadScene(arguments.scene, shown.cut));
+  if (arguments.scenes.size() > 1)
+    return kerf::fail(badValue("scene", arguments.scenes[1], "one mesh, case or run to draw or to time",
+                               "kerf-sim --screenshot OUT.png molar.stl"));
+  KERF_TRY(scene, kerf::loadScene(arguments.scenes.empty() ? "" : arguments.scenes.front(), shown.cut));
   if (!scene.note.empty()) fmt::print(stderr, "kerf-sim: note: {}\n", scene.note);
   const int width = shown.width, height = shown.height;
   kerf::Camera camera = shown.camera;
@@ -202,7 +205,10 @@ int main(int argc, char** argv) try {
       "Mouse: left cuts, right turns, middle moves, wheel zooms. Keys: docs/reference/window-commands.md.");
   app.name("kerf-sim");
   app.set_version_flag("--version", kerf::versionText("kerf-sim", KERF_WINDOW_LIBRARIES));
-  app.add_option("scene", a.scene, "a mesh file (" + kerf::readableFormats() + "), a case folder or a run folder")
+  app.add_option("scene", a.scenes,
+                 "a mesh file (" + kerf::readableFormats() +
+                     "), a case folder or a run folder; of several to cut the first is worked on, the others stand "
+                     "beside it")
       ->type_name("MESH|CASE|RUN");
   app.add_option("--script", a.script, "run the commands of a file instead of opening a window; needs no display")
       ->type_name("FILE");
@@ -269,7 +275,7 @@ int main(int argc, char** argv) try {
     fmt::print("{}", kerf::appCommandReference());
     return kerf::kOk;
   }
-  if (a.scene.empty() && !a.screenshot.empty())
+  if (a.scenes.empty() && !a.screenshot.empty())
     return complain(badValue("scene", "", "a mesh, a case or a run to draw", "kerf-sim --screenshot OUT.png molar.stl"),
                     kerf::kUsage);
   const auto shown = read(a);

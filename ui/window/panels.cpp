@@ -82,6 +82,27 @@ void drawNearStructure(const Workbench& bench, const std::optional<ToolOverSurfa
           near->is_stopped || near->distance_mm < kClose);
 }
 
+// The same of what stands beside: how near, and what was cut off it.
+void drawNeighbours(const Workbench& bench, const std::optional<ToolOverSurface>& over) {
+  constexpr double kClose = 0.2;  // mm
+  const std::vector<Neighbour> all = bench.neighbours();
+  if (all.empty()) return;
+  const auto near = bench.nearNeighbour(over);
+  const std::string label = "To " + (near ? near->name : all.front().name);
+  if (!near)
+    reading(label.c_str(), "-", "mm");
+  else if (near->is_far)
+    reading(label.c_str(), fmt::format("over {:.0f}", near->distance_mm), "mm");
+  else if (near->distance_mm < 0)
+    reading(label.c_str(), fmt::format("{:.2f}", -near->distance_mm), "mm inside", true);
+  else
+    reading(label.c_str(), fmt::format("{:.2f}", near->distance_mm), near->is_stopped ? "mm, stopped" : "mm",
+            near->is_stopped || near->distance_mm < kClose);
+  for (const Neighbour& other : all)
+    if (other.removed_mm3 > 0)
+      reading(("Cut off " + other.name).c_str(), fmt::format("{:.3f}", other.removed_mm3), "mm3", true);
+}
+
 // @return  its lower edge.
 float drawReadings(AppContext& context, const std::optional<ToolOverSurface>& over) {
   const Workbench& bench = context.bench;
@@ -95,6 +116,7 @@ float drawReadings(AppContext& context, const std::optional<ToolOverSurface>& ov
 
   reading("Depth", depth ? fmt::format("{:.2f}", *depth) : "-", "mm");
   drawNearStructure(bench, over);
+  drawNeighbours(bench, over);
   reading("Force", fmt::format("{:.2f}", r.output.force.force.norm()), "N");
   reading("Spindle", fmt::format("{:.0f}", 100 * speed), "%",
           bench.isPressed() && speed < 0.05 && r.output.normal_load > 0);

@@ -77,6 +77,7 @@ float drawList(AppContext& context, float top) {
   ImGui::Begin("Pieces", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
   const SceneObject* const chosen = bench.chosenPiece();
   for (SceneObject* piece : bench.scene().shown()) {
+    if (piece->isBeside()) continue;
     ImGui::PushID(static_cast<int>(piece->id));
     bool is_shown = !piece->is_hidden;
     if (ImGui::Checkbox("##shown", &is_shown)) bench.hidePiece(piece->id, !is_shown);
@@ -107,11 +108,38 @@ float drawList(AppContext& context, float top) {
   return bottom;
 }
 
+// What stands beside.   @return  its lower edge.
+float drawBeside(Workbench& bench, float top) {
+  const ImGuiIO& io = ImGui::GetIO();
+  ImGui::SetNextWindowPos({io.DisplaySize.x - scaled(kPanelWidth) - 8, top}, ImGuiCond_Always);
+  ImGui::SetNextWindowSize({scaled(kPanelWidth), 0}, ImGuiCond_Always);
+  ImGui::Begin("Beside", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
+  for (const SceneObject* object : bench.scene().shown()) {
+    if (!object->isBeside()) continue;
+    ImGui::PushID(static_cast<int>(object->id));
+    bool is_shown = !object->is_hidden, is_ghost = object->is_ghost;
+    if (ImGui::Checkbox("##shown", &is_shown)) bench.hidePiece(object->id, !is_shown);
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("Show it; the tool meets it all the same");
+    ImGui::SameLine();
+    if (ImGui::Checkbox("##ghost", &is_ghost)) bench.ghostNeighbour(object->id, is_ghost);
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("A ghost: translucent, and not pointed at");
+    ImGui::SameLine();
+    ImGui::TextUnformatted(object->name.c_str());
+    ImGui::PopID();
+  }
+  bool stops = bench.stop_short_beside_mm.has_value();
+  if (ImGui::Checkbox("Stop short of them", &stops))
+    bench.stopShortBeside(stops ? std::optional(Workbench::kUsualShortBeside) : std::nullopt);
+  const float bottom = ImGui::GetWindowPos().y + ImGui::GetWindowSize().y;
+  ImGui::End();
+  return bottom;
+}
+
 }  // namespace
 
 std::optional<PieceGizmo> gizmoOf(const AppContext& context) {
   const SceneObject* const piece = context.bench.chosenPiece();
-  if (!piece || piece->is_hidden) return {};
+  if (!piece || piece->is_hidden || piece->isBeside()) return {};
   return PieceGizmo(context.camera, context.width, context.height, piece->pose() * piece->surface.bounds().center());
 }
 
@@ -148,7 +176,8 @@ void PieceDrag::hover(const AppContext& context, const Pixel& at) {
 float drawPieces(AppContext& context, const PieceDrag& drag, float top, double pixels) {
   const auto shown = context.bench.scene().shown();
   const bool is_moved = std::any_of(shown.begin(), shown.end(), [](const auto* piece) { return piece->isMoved(); });
-  if (shown.size() < 2 && !is_moved) return top;
+  if (context.bench.scene().pieceCount() < shown.size()) top = drawBeside(context.bench, top) + 8;
+  if (context.bench.scene().pieceCount() < 2 && !is_moved) return top;
   const float bottom = drawList(context, top);
   if (const auto gizmo = gizmoOf(context)) drawGizmo(*gizmo, drag.lit(), pixels);
   return bottom;

@@ -56,9 +56,10 @@ struct InputEvent {
   Kind kind = Kind::kMove;
   int key = 0, modifiers = 0;  // of a button: its number. Of a move: those of Alt and Ctrl
   bool is_down = false, is_repeated = false;
-  double x = 0, y = 0;  // of a wheel: notches
-  double s = 0;         // of a key: when
-  std::string path{};   // of a character: itself, UTF-8
+  double x = 0, y = 0;            // of a wheel: notches
+  double s = 0;                   // of a key: when
+  std::string path{};             // of a character: itself, UTF-8
+  std::vector<fs::path> paths{};  // dropped
 };
 
 std::vector<InputEvent>& eventsOf(GLFWwindow* window) {
@@ -105,7 +106,9 @@ void listen(GLFWwindow* window, std::vector<InputEvent>& events) {
   glfwSetScrollCallback(
       window, [](GLFWwindow* w, double, double y) { eventsOf(w).push_back({.kind = Kind::kScroll, .y = y}); });
   glfwSetDropCallback(window, [](GLFWwindow* w, int count, const char** paths) {
-    for (int n = 0; n < count; ++n) eventsOf(w).push_back({.kind = Kind::kDrop, .path = paths[n]});
+    InputEvent drop{.kind = Kind::kDrop};
+    drop.paths.assign(paths, paths + count);
+    eventsOf(w).push_back(std::move(drop));
   });
 }
 
@@ -224,7 +227,7 @@ class Workshop {
     bench_.setForce(settings_.values.force_N);
     bench_.depth_mm = settings_.values.depth_mm;
     browser_.setFolder(settings_.values.last_folder);
-    if (!options_.open.empty()) bench_.beginImport(options_.open);
+    bench_.openAll(options_.open);
 
     while (!wants_end_) KERF_CHECK(frame());
     const auto ended = endAll(bench_, *view_);
@@ -379,7 +382,7 @@ class Workshop {
       last_input_ = Clock::now();
       switch (e.kind) {
         case InputEvent::Kind::kDrop:
-          bench_.beginImport(e.path);
+          bench_.openAll(e.paths);
           break;
         case InputEvent::Kind::kKey:
           key(e, io.WantTextInput);
@@ -572,9 +575,10 @@ class Workshop {
 
   void askForFile(const AppCommand& command) {
     asked_for_ = &command;
-    const bool opens = command.id == "file.open" || command.id == "import.read" || command.id == "tool.add";
+    const bool opens = command.id == "file.open" || command.id == "file.open-beside" || command.id == "import.read" ||
+                       command.id == "tool.add";
     browser_.show(opens ? FileBrowser::Purpose::kOpen : FileBrowser::Purpose::kSave,
-                  opens ? "" : bench_.name() + "-cut.stl");
+                  opens ? "" : bench_.name() + "-cut.stl", command.id == "file.open");
   }
 
   void chooseFile() {
@@ -583,6 +587,12 @@ class Workshop {
     if (browser_.folder() != settings_.values.last_folder) {
       settings_.values.last_folder = browser_.folder();
       if (const auto kept = settings_.save(); !kept && !settings_.error()) bench_.complain(kept.error());
+    }
+    std::vector<fs::path> several = browser_.takeOthers();
+    if (asked_for_->id == "file.open" && !several.empty()) {
+      several.insert(several.begin(), *file);
+      if (asked_for_->is_enabled(context_)) bench_.openAll(several);
+      return;
     }
     const std::vector<std::string> words{file->string()};
     // By hand a scan is looked at before it is prepared; in a script file.open takes the defaults.
@@ -663,7 +673,8 @@ Expected<void> runWorkshopScript(const fs::path& script, const WorkshopOptions& 
     glFinish();
     watch.end(bench);
   };
-  if (!options.open.empty()) bench.open(options.open);
+  if (options.open.size() == 1) bench.open(options.open.front());
+  if (options.open.size() > 1) bench.openAll(options.open);
   auto played = runScript(context, script, frame);
   const auto ended = endAll(bench, *view);
   view.reset();

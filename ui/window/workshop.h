@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "geometry/base/error.h"
 #include "ui/app/workbench.h"
@@ -10,7 +11,8 @@
 namespace kerf {
 
 struct WorkshopOptions {
-  std::filesystem::path open;  ///< a mesh, a recipe or a case; empty: the first screen
+  /// Meshes, recipes or cases: the first is worked on, the others stand beside it. None: the first screen.
+  std::vector<std::filesystem::path> open;
   WorkbenchOptions bench;
   std::filesystem::path config;  ///< folder of settings.toml; empty: that of the user
   std::string view = "top";      ///< from which side it is seen first

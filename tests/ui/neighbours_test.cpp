@@ -1,0 +1,346 @@
+// A workbench with a block to work on and another one beside it, 0.3 mm away.
+#include "ui/app/neighbours.h"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "geometry/formats/mesh_io.h"
+#include "geometry/mesh/mesh_check.h"
+#include "geometry/tool/tool_file.h"
+#include "preprocess/bake/pair.h"
+#include "sim/run/export_bundle.h"
+#include "sim/run/replay.h"
+#include "tests/ui/block_on_bench.h"
+#include "ui/app/app_script.h"
+#include "ui/app/point_readout.h"
+
+namespace kerf {
+namespace {
+
+namespace fs = std::filesystem;
+
+Ray from(double x, double y) { return {{x, y, 20}, {0, 0, -1}}; }
+
+class NeighboursTest : public test::StrokePointerTest {
+ protected:
+  // Its top at z = 0, 6 x 4 x 3 mm, without underside.
+  fs::path block(const std::string& name, const Vec3d& shift, const Vec3d& size = {6, 4, 3}, double scale = 1) {
+    Mesh mesh = test::blockMesh(false, size);
+    for (Vec3d& v : mesh.vertices) v = scale * (v + shift);
+    const fs::path file = folder_.path() / (name + ".ply");
+    EXPECT_TRUE(writeMesh(file, mesh));
+    return file;
+  }
+  void SetUp() override {
+    bench_.depth_mm = 0.5;
+    bench_.setForce(2);
+  }
+  void TearDown() override {
+    settle();
+    bench_.close();
+    settle();
+  }
+  void until(const std::function<bool()>& is_so) {
+    do {
+      bench_.update();
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    } while (!is_so());
+  }
+  void settle() {
+    until([&] { return !bench_.job() && (!bench_.isOpen() || bench_.scene().triangleCount() > 0); });
+  }
+  void run(double seconds) {
+    const auto end = bench_.report().tick + static_cast<std::uint64_t>(seconds / kTick);
+    until([&] { return bench_.report().tick >= end; });
+  }
+  void openBoth() {
+    bench_.openAll({block("36", {0, 0, 0}), block("35", {6.3, 0, 0})});
+    settle();
+    ASSERT_TRUE(bench_.isOpen()) << said();
+    ASSERT_EQ(bench_.neighbours().size(), 1u);
+  }
+  void drill(double x, double y, double seconds) {
+    ASSERT_TRUE(bench_.press(from(x, y)));
+    run(seconds);
+    bench_.release();
+    run(0.3);
+  }
+  std::string said() const {
+    std::string out;
+    for (const Notice& notice : bench_.notices()) out += notice.text + "\n";
+    return out;
+  }
+  bool hasSaid(const std::string& text) const { return said().find(text) != std::string::npos; }
+  // A bur of 1.4 mm there, 0.4 mm from the gap, reaches into the neighbour.
+  static constexpr double kBetween = 2.9;
+};
+
+TEST_F(NeighboursTest, ItIsSeenAndPointedAtButNotWorkedOn) {
+  openBoth();
+  EXPECT_EQ(bench_.name(), "36");
+  EXPECT_EQ(bench_.neighbours()[0].name, "35");
+  until([&] { return bench_.scene().shown().size() == 2; });
+  EXPECT_EQ(bench_.scene().pieceCount(), 1u);
+  EXPECT_NEAR(bench_.scene().bounds().max[0], 9.3, 0.1);
+
+  const auto point = readoutAt(bench_, from(6, 0));
+  ASSERT_TRUE(point);
+  EXPECT_EQ(point->piece, "neighbour 35");
+  EXPECT_NEAR(point->point[2], 0, 0.05);
+  EXPECT_FALSE(bench_.over(from(6, 0)));
+  EXPECT_FALSE(bench_.press(from(6, 0)));
+  EXPECT_TRUE(hasSaid("35 stands beside and is not there to be cut")) << said();
+  EXPECT_TRUE(readoutAt(bench_, from(0, 0))->piece.empty());
+
+  // A ghost is not pointed at; nor can it be moved or renamed.
+  const SceneObject* const other = bench_.findNeighbour("35");
+  ASSERT_TRUE(other);
+  bench_.ghostNeighbour(other->id, true);
+  EXPECT_FALSE(readoutAt(bench_, from(6, 0)));
+  bench_.movePiece(other->id, {Eigen::Quaterniond::Identity(), {5, 0, 0}});
+  run(0.1);
+  EXPECT_EQ(bench_.findNeighbour("35")->pose().translation, Vec3d::Zero());
+  EXPECT_TRUE(hasSaid("not there to be moved")) << said();
+
+  // Another colour than that of what is worked on.
+  const auto coloursOf = [&](const SceneObject& object) {
+    Rgba8 out{};
+    object.surface.forEachChunk([&](const MeshChunk& chunk) {
+      if (!chunk.colours.empty()) out = chunk.colours.front();
+    });
+    return out;
+  };
+  EXPECT_NE(coloursOf(*bench_.scene().shown()[0]), coloursOf(*bench_.scene().shown()[1]));
+}
+
+TEST_F(NeighboursTest, HowNearTheToolIsAndWhatWasCutByAccidentIsSaid) {
+  openBoth();
+  const auto over = bench_.over(from(kBetween, 0));
+  ASSERT_TRUE(over);
+  const auto hovering = bench_.nearNeighbour(over);
+  ASSERT_TRUE(hovering);
+  EXPECT_EQ(hovering->name, "35");
+  // Of a ball on the surface, to the neighbour's edge: sqrt(0.4^2 + 0.7^2) - 0.7.
+  EXPECT_NEAR(hovering->distance_mm, 0.106, 0.05);
+  EXPECT_TRUE(bench_.nearNeighbour(bench_.over(from(-2, 0)))->is_far);
+
+  ASSERT_TRUE(bench_.press(from(kBetween, 0)));
+  until([&] { return bench_.neighbours()[0].removed_mm3 > 0.01; });
+  EXPECT_LT(bench_.nearNeighbour({})->distance_mm, 0);
+  EXPECT_FALSE(hasSaid("you have cut the neighbour")) << "a stroke is not interrupted";
+  bench_.release();
+  run(0.4);
+  const double removed = bench_.neighbours()[0].removed_mm3;
+  EXPECT_TRUE(hasSaid(fmt::format("you have cut the neighbour 35: {:.4f} mm3", removed))) << said();
+  double of_object = 0;
+  for (std::size_t n = 0; n < bench_.report().object_count; ++n)
+    if (bench_.report().objects[n].loaded == 0) of_object += bench_.report().objects[n].removed_mm3;
+  EXPECT_EQ(bench_.removedMm3(), of_object) << "what was cut off a neighbour does not count as work";
+
+  bench_.undo();
+  until([&] { return bench_.neighbours()[0].removed_mm3 == 0; });
+  EXPECT_EQ(bench_.removedMm3(), 0);
+}
+
+TEST_F(NeighboursTest, AStrokeStopsShortOfItWhenAsked) {
+  openBoth();
+  bench_.stopShortBeside(0.2);
+  ASSERT_TRUE(bench_.press(from(2.6, 0)));
+  double least = 1000;
+  const auto end = bench_.report().tick + 4000;
+  until([&] {
+    if (const auto near = bench_.nearNeighbour({})) least = std::min(least, near->distance_mm);
+    return bench_.report().tick >= end;
+  });
+  EXPECT_GT(least, 0.12);
+  EXPECT_LT(least, 0.28);
+  EXPECT_TRUE(bench_.nearNeighbour({})->is_stopped);
+  bench_.release();
+  run(0.2);
+  EXPECT_EQ(bench_.neighbours()[0].removed_mm3, 0);
+
+  // Without it the same stroke goes on to its depth, and into the neighbour.
+  bench_.stopShortBeside(std::nullopt);
+  drill(2.6, 0, 4);
+  EXPECT_LT(bench_.nearNeighbour(bench_.over(from(2.6, 0)))->distance_mm, 0.05);
+}
+
+TEST_F(NeighboursTest, BothAreExportedAndTheSessionReplays) {
+  openBoth();
+  drill(kBetween, 0, 3);
+  const fs::path out = folder_.path() / "35-cut.stl";
+  bench_.exportTo(out, {.beside = 1});
+  settle();
+  EXPECT_TRUE(hasSaid("ready to print")) << said();
+  const auto mesh = readMesh(out);
+  ASSERT_TRUE(mesh) << mesh.error().message();
+  EXPECT_TRUE(checkMesh(mesh->mesh).print_ready);
+  EXPECT_GT(bounds(mesh->mesh).min[0], 3.2);
+  bench_.exportTo(folder_.path() / "35.ply", {.beside = 1});
+  EXPECT_TRUE(hasSaid("never written over")) << said();
+
+  const fs::path session = bench_.sessionFolder();
+  bench_.close();
+  settle();
+  EXPECT_TRUE(hasSaid("were cut off the neighbour 35: kerf export")) << said();
+  const auto replayed = replayRun(session);
+  ASSERT_TRUE(replayed) << replayed.error().message();
+  EXPECT_TRUE(replayed->is_same && replayed->is_whole) << replayed->note;
+  const auto exported = exportBundle(session, {}, {}, 1);
+  ASSERT_TRUE(exported) << exported.error().message();
+  EXPECT_EQ(exported->post_op.mesh.triangles.size(), mesh->mesh.triangles.size());
+
+  // The run opens with what stood beside.
+  bench_.open(session);
+  settle();
+  ASSERT_EQ(bench_.neighbours().size(), 1u) << said();
+  EXPECT_EQ(bench_.neighbours()[0].name, "35");
+  EXPECT_GT(bench_.neighbours()[0].before_mm3, 0.01);
+}
+
+TEST_F(NeighboursTest, OneIsPlacedBesideWhatIsCutAlreadyAndStaysWithAnotherTool) {
+  bench_.open(block("36", {0, 0, 0}));
+  settle();
+  drill(-1, 0, 2);
+  const double before = bench_.removedMm3();
+  ASSERT_GT(before, 0.01);
+
+  bench_.openBeside(folder_.write("text.stl", "no mesh"));
+  settle();
+  EXPECT_TRUE(hasSaid("text.stl")) << said();
+  EXPECT_EQ(bench_.removedMm3(), before) << "what is open stays open";
+  bench_.openBeside(block("the same", {0, 0, 0}));
+  settle();
+  EXPECT_TRUE(hasSaid("two solids in one place")) << said();
+
+  bench_.openBeside(block("35", {6.3, 0, 0}));
+  settle();
+  until([&] { return !bench_.job() && bench_.neighbours().size() == 1; });
+  run(0.1);
+  EXPECT_EQ(bench_.neighbours()[0].name, "35");
+  EXPECT_NEAR(bench_.removedMm3(), before, 1e-6);
+  EXPECT_EQ(bench_.name(), "36");
+  drill(kBetween, 0, 3);
+  const double off_other = bench_.neighbours()[0].removed_mm3;
+  EXPECT_GT(off_other, 0.01);
+
+  bench_.addTool(*findToolFile("round-010", defaultToolFolders()));
+  until([&] { return !bench_.job() && bench_.toolCount() == 2; });
+  ASSERT_EQ(bench_.neighbours().size(), 1u) << said();
+  EXPECT_NEAR(bench_.neighbours()[0].before_mm3, off_other, 1e-9);
+
+  bench_.workOn(1);
+  until([&] { return !bench_.job() && bench_.name() == "35"; });
+  ASSERT_EQ(bench_.neighbours().size(), 1u) << said();
+  EXPECT_EQ(bench_.neighbours()[0].name, "36");
+  EXPECT_TRUE(bench_.over(from(6, 0)));
+}
+
+TEST_F(NeighboursTest, WhatHardlyFitsTheFrameIsSaid) {
+  const struct {
+    const char* name;
+    Vec3d shift, size;
+    double scale;
+    const char* expected;
+  } cases[] = {{"far", {60, 0, 0}, {6, 4, 3}, 1, "lies 54 mm away"},
+               {"large", {10, 0, 0}, {6, 4, 3}, 25.4, "another unit?"},
+               {"inside", {0.5, 0, -0.2}, {4, 3, 2}, 1, "lie inside what is worked on"}};
+  const fs::path object = block("36", {0, 0, 0});
+  for (const auto& c : cases) {
+    bench_.openAll({object, block(c.name, c.shift, c.size, c.scale)});
+    settle();
+    EXPECT_TRUE(hasSaid(c.expected)) << c.name << ": " << said();
+  }
+}
+
+TEST_F(NeighboursTest, OneJawOfAPairOpensWithTheOtherBeside) {
+  const std::array<fs::path, 2> meshes = {block("lower", {0, 0, 0}), block("upper", {0, 0, 3.2})};
+  const auto folders = pairFolders(meshes, (folder_.path() / "patient").string());
+  ASSERT_TRUE(folders) << folders.error().message();
+  BakeOptions options;
+  options.unit = "mm";
+  options.voxelize.voxel_mm = 0.1;
+  const auto baked = bakePair(meshes, *folders, options);
+  ASSERT_TRUE(baked) << baked.error().message();
+
+  bench_.open((*folders)[1]);
+  settle();
+  ASSERT_EQ(bench_.neighbours().size(), 1u) << said();
+  EXPECT_EQ(bench_.name(), "patient-upper");
+  EXPECT_EQ(bench_.neighbours()[0].name, "patient-lower");
+  EXPECT_TRUE(hasSaid("one jaw of a pair")) << said();
+
+  // Given together they are there once.
+  bench_.openAll({(*folders)[0], (*folders)[1]});
+  until([&] { return !bench_.job() && bench_.name() == "patient-lower"; });
+  EXPECT_EQ(bench_.neighbours().size(), 1u) << said();
+}
+
+TEST_F(NeighboursTest, AScriptOpensLooksCutsAndExports) {
+  const std::string object = block("36", {0, 0, 0}).string(), other = block("35", {6.3, 0, 0}).string();
+  Camera camera = *cameraFromView("top");
+  AppContext context{.bench = bench_, .camera = camera, .width = 400, .height = 300};
+  const auto play = [&](const std::string& script) {
+    return runScript(context, folder_.write("script.ks", script), [&] { bench_.update(); });
+  };
+  auto played = play("file.open \"" + object + "\"\nwait\nfile.open-beside \"" + other +
+                     "\"\nwait\nexpect beside 1 1\nexpect pieces 1 1\nneighbour.look 35 ghost\ncut.spare-neighbours " +
+                     "0.3\ncut.spare-neighbours off\nexpect beside-removed 0 0\nview.fit\n");
+  ASSERT_TRUE(played) << played.error().message() << said();
+  // The picture is as wide as both: where between them is, the camera says.
+  const Vec3d at = camera.target;
+  EXPECT_NEAR(at[0], 3.15, 0.2);
+  const double x = 200 + (kBetween - at[0]) / camera.mmPerPixel(300);
+  played =
+      play(fmt::format("cut.press {:.0f} 150\nwait 3\nexpect beside-near -2 0\ncut.release\nwait 0.2\nexpect "
+                       "beside-removed 0.005 1\nfile.export-beside \"{}\" 35\nwait\n",
+                       x, (folder_.path() / "out.stl").string()));
+  ASSERT_TRUE(played) << played.error().message() << said();
+  EXPECT_TRUE(fs::exists(folder_.path() / "out.stl"));
+  const auto wrong = play("neighbour.look 44 hide\n");
+  ASSERT_FALSE(wrong);
+  EXPECT_NE(wrong.error().message().find("one of 35"), std::string::npos) << wrong.error().message();
+}
+
+// Real scans, where they are.
+class RealNeighboursTest : public NeighboursTest {
+ protected:
+  static fs::path data(const std::string& file) {
+    const char* given = std::getenv("KERF_DATA");
+    const fs::path folder = given ? fs::path(given) : fs::path(KERF_SOURCE_DIR) / ".." / "shared" / "data";
+    return folder / file;
+  }
+};
+
+TEST_F(RealNeighboursTest, TeethOfOnePatientStandWhereTheScanHasThem) {
+  const fs::path molar = data("tooth-19-molar-crown-root.stl"), canine = data("tooth-22-canine-crown-root.stl");
+  if (!fs::exists(molar)) GTEST_SKIP() << "no data: " << molar << " (set KERF_DATA)";
+  bench_.openAll({molar, canine});
+  settle();
+  ASSERT_EQ(bench_.neighbours().size(), 1u) << said();
+  EXPECT_FALSE(hasSaid("hardly in one frame") || hasSaid("another unit")) << said();
+  const auto shown = bench_.scene().shown();
+  ASSERT_EQ(shown.size(), 2u);
+  const Vec3d apart = shown[0]->surface.bounds().center() - shown[1]->surface.bounds().center();
+  EXPECT_GT(apart.norm(), 10) << "where the scan has them";
+  EXPECT_LT(apart.norm(), 40);
+}
+
+TEST_F(RealNeighboursTest, APairOfJawsOpensAsOneToWorkOnAndTheOtherBeside) {
+  const std::array<fs::path, 2> meshes = {data("lower-jaw-scan-01-facecolour.ply"), data("upper-arch-scan-02.stl")};
+  if (!fs::exists(meshes[0])) GTEST_SKIP() << "no data: " << meshes[0] << " (set KERF_DATA)";
+  const auto folders = pairFolders(meshes, (folder_.path() / "jaws").string());
+  ASSERT_TRUE(folders) << folders.error().message();
+  BakeOptions options;
+  options.voxelize.voxel_mm = 0.25;
+  const auto baked = bakePair(meshes, *folders, options);
+  ASSERT_TRUE(baked) << baked.error().message();
+
+  bench_.open((*folders)[0]);
+  settle();
+  ASSERT_EQ(bench_.neighbours().size(), 1u) << said();
+  EXPECT_TRUE(hasSaid("one jaw of a pair")) << said();
+}
+
+}  // namespace
+}  // namespace kerf
