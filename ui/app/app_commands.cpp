@@ -350,7 +350,8 @@ std::string appCommandReference() {
       "double quotes may hold blanks. X and Y are pixels of the picture, Y downwards. Beside them a script has `wait` "
       "(until "
       "no job runs and no plane is sawn), `wait SECONDS` (of the simulation), `print` (the state, as JSON) and `expect "
-      "removed|depth|near|sawn|triangles|pieces|steps|ahead LOW HIGH`. The first error ends it, "
+      "removed|depth|near|sawn|triangles|pieces|beside|beside-near|beside-removed|steps|ahead LOW HIGH`. The first "
+      "error ends it, "
       "with "
       "exit code 1 and the line.\n\n| command | parameters | key | what it does |\n|---|---|---|---|\n";
   for (const AppCommand& c : kCommands)
