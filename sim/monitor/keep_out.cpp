@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <array>
@@ -238,18 +239,20 @@ class KeepOut::Builder {
       : structure_(structure), limits_(limits), blocks_(blocks) {}
 
   // Null: the field takes more than `most_bytes`.
-  std::shared_ptr<const KeepOut> build(int stride, std::size_t most_bytes) {
+  Expected<std::shared_ptr<const KeepOut>> build(int stride, std::size_t most_bytes, const Progress& progress) {
     std::shared_ptr<KeepOut> out(new KeepOut);
     layOut(stride, *out);
 
-    // A slice at a time, so that memory stops growing where the limit is.
-    constexpr std::size_t kSlice = 16;
-    for (std::size_t begin = 0; begin < blocks_.size(); begin += kSlice) {
-      std::vector<Bricks> made(std::min(kSlice, blocks_.size() - begin));
+    // A slice at a time, so that memory stops growing where the limit is, and that it can be cancelled.
+    const std::size_t slice = 2 * static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+    for (std::size_t begin = 0; begin < blocks_.size(); begin += slice) {
+      const double done = static_cast<double>(begin) / static_cast<double>(blocks_.size());
+      if (!report(progress, done, "measuring distances")) return cancelled();
+      std::vector<Bricks> made(std::min(slice, blocks_.size() - begin));
       tbb::parallel_for(std::size_t{0}, made.size(),
                         [&](std::size_t b) { makeBricks(blocks_[begin + b], stride, *out, made[b]); });
       for (const Bricks& bricks : made) store(bricks, *out);
-      if (out->bytes() > most_bytes) return nullptr;
+      if (out->bytes() > most_bytes) return std::shared_ptr<const KeepOut>();
     }
     out->values_.shrink_to_fit();
     return out;
@@ -333,22 +336,23 @@ class KeepOut::Builder {
 };
 
 Expected<std::shared_ptr<const KeepOut>> KeepOut::make(const BakedObject& object, std::span<const Material> materials,
-                                                       const KeepOutOptions& options) {
+                                                       const KeepOutOptions& options, const Progress& progress) {
   if (materials.empty())
     return fail({.code = Error::Code::kNotFound,
                  .place = "keep-out structure",
                  .found = "no material named",
                  .expected = "the materials to keep out of",
                  .hint = "KeepOut::ofSolid for all of an object"});
-  return build(object, materials, options);
+  return build(object, materials, options, progress);
 }
 
-Expected<std::shared_ptr<const KeepOut>> KeepOut::ofSolid(const BakedObject& object, const KeepOutOptions& options) {
-  return build(object, {}, options);
+Expected<std::shared_ptr<const KeepOut>> KeepOut::ofSolid(const BakedObject& object, const KeepOutOptions& options,
+                                                          const Progress& progress) {
+  return build(object, {}, options, progress);
 }
 
 Expected<std::shared_ptr<const KeepOut>> KeepOut::build(const BakedObject& object, std::span<const Material> materials,
-                                                        const KeepOutOptions& options) {
+                                                        const KeepOutOptions& options, const Progress& progress) {
   const double h = object.voxel();
   KERF_CHECK(checkOptions(options, h));
   const Structure structure = collect(object, materials);
@@ -364,8 +368,10 @@ Expected<std::shared_ptr<const KeepOut>> KeepOut::build(const BakedObject& objec
   const std::vector<Vec3i> blocks = blocksNear(structure, limits.most_distance / h + 1, &bricks_near);
 
   Builder builder(structure, limits, blocks);
-  for (int stride = firstStride(bricks_near, options.most_bytes); stride <= kMostStride; stride *= 2)
-    if (auto field = builder.build(stride, options.most_bytes)) return field;
+  for (int stride = firstStride(bricks_near, options.most_bytes); stride <= kMostStride; stride *= 2) {
+    KERF_TRY(field, builder.build(stride, options.most_bytes, progress));
+    if (field) return field;
+  }
   return fail({.code = Error::Code::kBadValue,
                .place = "keep-out field",
                .found = "more than its memory at every eighth node",

@@ -19,6 +19,7 @@
 #include <span>
 #include <vector>
 
+#include "geometry/base/progress.h"
 #include "sim/object/baked_object.h"
 #include "sim/step/tool_model.h"
 
@@ -68,16 +69,17 @@ class KeepOut {
 
   /// The nodes of `object` that lie inside it (phi0 <= 0) and are of one of `materials`.
   /// Error kNotFound: there are none; kBadValue: options out of range, or a field that exceeds most_bytes at every
-  /// eighth node. Works on all cores. @cost seconds for a mandible.
+  /// eighth node; kCancelled. Works on all cores. @cost seconds for a mandible.
   static Expected<std::shared_ptr<const KeepOut>> make(const BakedObject& object, std::span<const Material> materials,
-                                                       const KeepOutOptions& options = {});
+                                                       const KeepOutOptions& options = {},
+                                                       const Progress& progress = {});
 
   /// All of `object` as loaded, whatever it is made of: a neighbouring tooth. In the band of its baked field (3 voxels
   /// outside, 4 inside) distances are that field's own, good to a twentieth of a voxel at flat places; farther out they
   /// are those between nodes.
   /// @cost  on 2 cores 0.7 s for a molar at 0.1 mm (44 MB), 7 s at 0.05 mm, 14 s for a mandible at 0.1 mm.
-  static Expected<std::shared_ptr<const KeepOut>> ofSolid(const BakedObject& object,
-                                                          const KeepOutOptions& options = {});
+  static Expected<std::shared_ptr<const KeepOut>> ofSolid(const BakedObject& object, const KeepOutOptions& options = {},
+                                                          const Progress& progress = {});
 
   /// Signed distance of a point of the object's frame, mm: negative inside, between -most_depth and most_distance.
   /// @rt safe. @cost about 20 ns.
@@ -98,7 +100,7 @@ class KeepOut {
   class Builder;
   KeepOut() = default;
   static Expected<std::shared_ptr<const KeepOut>> build(const BakedObject& object, std::span<const Material> materials,
-                                                        const KeepOutOptions& options);
+                                                        const KeepOutOptions& options, const Progress& progress);
   double spacing_ = 0;
   float inverse_ = 0, far_ = 0, deep_ = 0;
   Vec3i low_ = Vec3i::Zero(), size_ = Vec3i::Zero();  // of the directory, in bricks

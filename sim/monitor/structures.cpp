@@ -12,11 +12,14 @@ KeepOutOptions keepOutReach(double voxel) {
   return out;
 }
 
-Expected<std::shared_ptr<const Structures>> Structures::of(const BakedObject& object) {
+Expected<std::shared_ptr<const Structures>> Structures::of(const BakedObject& object, const Progress& progress) {
   const std::shared_ptr<Structures> out(new Structures);
+  const KeepOutOptions options = keepOutReach(object.voxel());
+  // As the fields have it: what they say of a far place is no nearer than that.
+  out->reach_ = static_cast<double>(static_cast<float>(options.most_distance));
   for (const auto& [material, id] :
        {std::pair(Material::kPulp, "pulp"), std::pair(Material::kNerveCanal, "nerve_canal")}) {
-    auto field = KeepOut::make(object, std::array{material}, keepOutReach(object.voxel()));
+    auto field = KeepOut::make(object, std::array{material}, options, progress);
     if (!field && field.error().code == Error::Code::kNotFound) continue;
     if (!field) return fail(field.error());
     out->all_.push_back({material, id, std::move(*field)});
@@ -34,7 +37,7 @@ Structures::Nearest Structures::nearest(const ToolSamples& samples, const Rigid3
 }
 
 double Structures::distance(const Vec3d& p) const noexcept {
-  double out = KeepOutOptions{}.most_distance;
+  double out = reach_;
   for (const Structure& s : all_) out = std::min(out, static_cast<double>(s.field->distance(p.cast<float>())));
   return out;
 }

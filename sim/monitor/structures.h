@@ -24,9 +24,10 @@ class Structures {
     std::shared_ptr<const KeepOut> field;  ///< object frame
   };
 
-  /// Those that the object has; none is no error.   Errors: those of KeepOut::make(), but kNotFound.
+  /// Those that the object has; none is no error.   Errors: those of KeepOut::make(), but kNotFound;
+  /// kCancelled.
   /// @cost  seconds for a mandible's canals; at most 200 MB for each structure.
-  static Expected<std::shared_ptr<const Structures>> of(const BakedObject& object);
+  static Expected<std::shared_ptr<const Structures>> of(const BakedObject& object, const Progress& progress = {});
 
   bool isEmpty() const { return all_.empty(); }
   std::span<const Structure> all() const { return all_; }
@@ -37,12 +38,15 @@ class Structures {
   };
   /// To a tool.   @pre samples are not empty, nor is this.   @rt safe.   @cost  below 20 us a structure.
   Nearest nearest(const ToolSamples& samples, const Rigid3& T_object_tool) const noexcept;
-  /// Of a point of the object's frame, mm: 5 if all is that far or farther.   @rt safe.
+  /// Of a point of the object's frame, mm: reach() if all is that far or farther.   @rt safe.
   double distance(const Vec3d& p) const noexcept;
+  /// What lies farther away is not measured, mm: 5, or 200 voxels if these are small.
+  double reach() const noexcept { return reach_; }
 
  private:
   Structures() = default;
   std::vector<Structure> all_;
+  double reach_ = 0;
 };
 
 /// The default reach of a keep-out field, or the nearest to it that this voxel allows.

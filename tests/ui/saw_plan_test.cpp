@@ -353,5 +353,22 @@ TEST(SawClearance, IsTheDistanceFromTheKerfToWhatIsKept) {
   EXPECT_TRUE(at({20, 0, 4}).is_far);
 }
 
+// Distances of small voxels reach less far: what is beyond is far, not at the reach.
+TEST(SawClearance, OfSmallVoxelsIsFarWhereNothingIsMeasured) {
+  Box3 box;
+  box.add(Vec3d(-0.2, -0.2, -0.2));
+  box.add(Vec3d(0.2, 0.2, 0.2));
+  const auto baked = bakedFrom([](const Vec3d& p) { return p.norm() - 0.2; }, box, 0.01, Material::kNerveCanal);
+  ASSERT_TRUE(baked) << baked.error().message();
+  const auto canal = Structures::of(**baked);
+  ASSERT_TRUE(canal) << canal.error().message();
+  SawPlane plane;
+  plane.width = plane.depth = 2;
+  plane.point = Vec3d(4.5, 0, 1);
+  EXPECT_TRUE(clearanceOf(plane, 0.4, **canal).is_far);
+  plane.point = Vec3d(1.5, 0, 1);
+  EXPECT_FALSE(clearanceOf(plane, 0.4, **canal).is_far);
+}
+
 }  // namespace
 }  // namespace kerf

@@ -234,10 +234,10 @@ Expected<void> TissueDisplay::setColours(SurfaceColours colours) {
   wanted_colours_ = colours;
   if (colours == SurfaceColours::kDepth && !depths_) {  // update() goes on
     if (!measuring_)
-      measuring_ =
-          std::make_unique<Job<Depths>>("depths", [original = run_->original()](const Progress&) -> Expected<Depths> {
+      measuring_ = std::make_unique<Job<Depths>>(
+          "depths", [original = run_->original()](const Progress& progress) -> Expected<Depths> {
             KERF_TRY(object, BakedObject::make(*original, static_cast<const MaterialField*>(nullptr)));
-            return KeepOut::ofSolid(*object, depthReach(object->voxel()));
+            return KeepOut::ofSolid(*object, depthReach(object->voxel()), progress);
           });
     return {};
   }
@@ -253,13 +253,20 @@ Expected<void> TissueDisplay::takeDepths() {
   return setColours(wanted_colours_);
 }
 
+// 1 at the structure, 0 as far as the map reaches or as is measured.
+double TissueDisplay::nearness(const Vec3d& p) const {
+  constexpr double kRounding = 1e-4;  // mm
+  const double distance = structures_->distance(p);
+  return distance >= structures_->reach() - kRounding ? 0 : 1 - distance / kMapReach;
+}
+
 std::vector<Rgba8> TissueDisplay::coloursOf(const MeshChunk& chunk) const {
   if (colours_ == SurfaceColours::kTissue) return chunk.colours;
   std::vector<Rgba8> out;
   out.reserve(chunk.vertices.size());
   for (const Vec3f& p : chunk.vertices) {
-    const double share = colours_ == SurfaceColours::kDepth ? depthIn(*depths_, p) / kMapReach
-                                                            : 1 - structures_->distance(p.cast<double>()) / kMapReach;
+    const double share =
+        colours_ == SurfaceColours::kDepth ? depthIn(*depths_, p) / kMapReach : nearness(p.cast<double>());
     Rgba8 colour = mapColour(share);
     colour[3] = kMapGloss;
     out.push_back(colour);

@@ -123,6 +123,7 @@ class TissueDisplay {
   Wanted wanted() const;
   void startMeshing();
   Expected<void> takeMeshed();
+  double nearness(const Vec3d& p) const;
   Expected<void> takeDepths();
 
   LiveRun* run_ = nullptr;

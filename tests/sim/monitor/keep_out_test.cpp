@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "geometry/tool/tool_file.h"
+#include "sim/monitor/structures.h"
 #include "tests/sim/block_scene.h"
 #include "tests/support/allocation_guard.h"
 
@@ -192,6 +193,27 @@ TEST(KeepOut, WhatIsNotThereIsRefused) {
     EXPECT_FALSE(KeepOut::make(*object, kPulp, {bad, 1}));
   }
   EXPECT_FALSE(KeepOut::make(*object, kPulp, {5, 1, 100})) << "no room at all";
+}
+
+TEST(KeepOut, CanBeCancelled) {
+  const auto object = pulpBall(1, 0.1, Vec3d::Zero());
+  int reports = 0;
+  const auto stop = [&reports](double, std::string_view) { return ++reports < 1; };
+  const auto made = KeepOut::ofSolid(*object, {}, stop);
+  ASSERT_FALSE(made);
+  EXPECT_EQ(made.error().code, Error::Code::kCancelled);
+  EXPECT_EQ(reports, 1);
+}
+
+TEST(Structures, SayHowFarTheyAreMeasured) {
+  for (const double voxel : {0.1, 0.01}) {
+    const auto object = pulpBall(voxel < 0.05 ? 0.1 : 1, voxel, Vec3d::Zero());
+    const auto made = Structures::of(*object);
+    ASSERT_TRUE(made) << made.error().message();
+    EXPECT_NEAR((*made)->reach(), std::min(5.0, KeepOut::kMostVoxels * voxel), 1e-6);
+    EXPECT_EQ((*made)->distance({40, 0, 0}), (*made)->reach());
+    EXPECT_NEAR((*made)->distance({voxel < 0.05 ? 1.1 : 3, 0, 0}), voxel < 0.05 ? 1 : 2, voxel);
+  }
 }
 
 TEST(KeepOut, ReadsWithoutAllocating) {
