@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <cstring>
 #include <thread>
 
 #include "geometry/formats/mesh_io.h"
@@ -201,6 +202,12 @@ TEST_F(SawingTest, ABarIsSawnThroughInThePlaneAndReplaysBitForBit) {
   ASSERT_TRUE(played) << played.error().message() << allNotices();
   EXPECT_NE(allNotices().find("distal: cut 100 %"), std::string::npos) << allNotices();
   EXPECT_NE(allNotices().find("ready to print"), std::string::npos) << allNotices();
+  // Planned against done: the section of the bar times the kerf.
+  const std::size_t told = allNotices().find(" mm3 planned, ");
+  ASSERT_NE(told, std::string::npos) << allNotices();
+  const double removed = std::stod(allNotices().substr(told + std::strlen(" mm3 planned, ")));
+  const double planned = std::stod(allNotices().substr(allNotices().rfind(' ', told - 1)));
+  EXPECT_NEAR(removed / planned, 1, 0.05) << allNotices();
 
   const auto mesh = readMesh(out);
   ASSERT_TRUE(mesh);

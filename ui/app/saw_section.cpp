@@ -187,8 +187,10 @@ SawnSection::SawnSection(const SawPlane& plane, const BrickField& bone, const To
   for (double u = -wide; u <= wide; u += kCell)
     for (double v = -kBeside; v <= plane.depth + kBeside; v += kCell) {
       const Vec3d at = plane.fromPlane(u, v);
-      if (bone.sample(at) >= 0) continue;
+      const auto distance = static_cast<double>(bone.sample(at));
       const bool is_planned = std::abs(u) <= 0.5 * plane.width && v >= 0 && v <= plane.depth;
+      if (is_planned) area_ += std::clamp(0.5 - distance / kCell, 0.0, 1.0);
+      if (distance >= 0) continue;
       cells_.push_back({at, u, v, is_planned, false});
       planned_ += is_planned;
     }

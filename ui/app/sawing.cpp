@@ -300,6 +300,8 @@ Expected<void> Sawing::cut(double force_n) {
                            .section = SawnSection(plane, bone, tool, *blade),
                            .plane = plane,
                            .front = blade->front,
+                           .kerf = blade->kerf,
+                           .removed_before = bench_.removedMm3(),
                            .last = start,
                            .began = now.tick,
                            .cleared = now.tick});
@@ -325,11 +327,17 @@ std::optional<SawingStatus> Sawing::status() const {
   SawingStatus out;
   out.plane = cutting_->plane.name;
   out.share = cutting_->section.share();
+  out.planned_mm3 = plannedMm3();
+  out.removed_mm3 = removedMm3();
   out.seconds = kTick * static_cast<double>(bench_.report().tick - cutting_->began);
   out.is_stopping = !cutting_->order.is_wanted;
   if (out.share > 0.03) out.left_s = out.seconds * (1 - out.share) / out.share;
   return out;
 }
+
+// Of the cut under way.
+double Sawing::plannedMm3() const { return cutting_->section.plannedMm2() * cutting_->kerf; }
+double Sawing::removedMm3() const { return bench_.removedMm3() - cutting_->removed_before; }
 
 void Sawing::markSawn(const GuidedReport& report) {
   const Rigid3& now = bench_.report().output.T_world_tool;
@@ -389,6 +397,7 @@ void Sawing::finish(const GuidedReport& report) {
 
   std::string text = fmt::format("{}: {} {:.4g} % of the planned section ({:.0f} mm2) in {:.0f} s", c.plane.name,
                                  c.order.is_wanted ? "cut" : "stopped after", percent, c.section.plannedMm2(), seconds);
+  text += fmt::format("; {:.1f} mm3 planned, {:.1f} mm3 removed", plannedMm3(), removedMm3());
   if (c.order.is_wanted && report.given_up > 0)
     text += "; the blade did not get on in places: push harder (saw.cut 8), or take another saw";
   else if (c.order.is_wanted && !is_whole && !is_aside)

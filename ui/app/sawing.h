@@ -29,6 +29,8 @@ inline constexpr const char* kSawPlanFile = "saw-plan.toml";
 struct SawingStatus {
   std::string plane;
   double share = 0;              ///< sawn of the planned section, 0 to 1
+  double planned_mm3 = 0;        ///< the planned section times the blade's kerf
+  double removed_mm3 = 0;        ///< since it began
   double seconds = 0;            ///< of the simulation, since it began
   std::optional<double> left_s;  ///< by its pace so far
   bool is_stopping = false;      ///< broken off, the blade is on its way out
@@ -117,6 +119,8 @@ class Sawing {
     SawnSection section;
     SawPlane plane;
     Vec3d front;                           // of the blade, tool frame
+    double kerf = 0;                       // mm
+    double removed_before = 0;             // mm^3
     Rigid3 last;                           // of the tool
     double aside = 0;                      // of the blade beside its plane, at most, mm
     std::uint64_t began = 0, cleared = 0;  // ticks
@@ -130,6 +134,8 @@ class Sawing {
   Expected<Rigid3> startAbove(const SawPlane& plane, const SawBlade& blade, double u, double v, bool is_turned) const;
   std::string sawsOfTheRack() const;
   void markSawn(const GuidedReport& report);
+  double plannedMm3() const;
+  double removedMm3() const;
   void finish(const GuidedReport& report);
   void saveSoon();
 

@@ -62,6 +62,8 @@ void drawProgress(AppContext& context, const SawingStatus& status) {
   std::string line = fmt::format("{:.0f} s", status.seconds);
   if (status.left_s && !status.is_stopping) line += fmt::format(", about {:.0f} s left", std::ceil(*status.left_s));
   ImGui::TextColored(kQuiet, "%s", line.c_str());
+  const std::string volumes = fmt::format("{:.1f} of {:.1f} mm3", status.removed_mm3, status.planned_mm3);
+  ImGui::TextColored(kQuiet, "%s", volumes.c_str());
   if (status.is_stopping)
     ImGui::TextUnformatted("The blade is drawn out...");
   else if (wideButton("Stop", false))
