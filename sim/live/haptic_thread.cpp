@@ -58,7 +58,8 @@ struct HapticThread::State {
         const HapticOptions& haptic_options)
       : options(haptic_options),
         first_count(objects.size()),
-        session(std::move(model), std::move(objects), start, &sink) {
+        session(std::move(model), std::move(objects), start, &sink),
+        heat(session.model().tools) {
     if (options.begin) {
       begun = options.begin(session);
       session.keepForGood();
@@ -105,6 +106,7 @@ struct HapticThread::State {
   Session session;
   std::vector<Command> begun;  // by HapticOptions::begin
   std::optional<PieceMaker> maker;
+  LiveHeat heat;
   DeviceSource* device = nullptr;
   RealTimeGrant grant;
   std::binary_semaphore is_granted{0};
@@ -260,6 +262,7 @@ void HapticThread::State::publish() noexcept {
     report.objects[n] = {object.id, loaded, object.T_world_object, removed};
   }
   report.undo = session.undoList();
+  report.heat = heat.report();
   reports.back() = report;
   reports.publish();
 }
@@ -277,6 +280,7 @@ void HapticThread::State::tick(bool is_stalled) noexcept {
   }
   session.step(sample, report.output);
   device->write(withVibration(report.output));
+  heat.tick(session.state().tool, sample, report.output, session.state().objects);
   ++report.counts.ticks;
   report.counts.out_of_bricks += (report.output.status & (kStepBricksRanOut | kStepNearRanOut)) != 0;
   report.counts.edits_waiting = exportBricks();
@@ -416,6 +420,14 @@ Expected<void> HapticThread::start(DeviceSource& device, std::span<BrickFeed* co
 }
 
 const RealTimeGrant& HapticThread::grant() const noexcept { return state_->grant; }
+
+void HapticThread::watchHeatOf(std::shared_ptr<const Structures> structures) {
+  state_->heat.watch(std::move(structures));
+}
+
+void HapticThread::heatBy(std::size_t tool, const ToolSamples& samples, const HeatSource& source) {
+  state_->heat.add(tool, samples, source);
+}
 
 bool HapticThread::send(const Command& command) noexcept { return state_->commands.push(command); }
 

@@ -22,6 +22,7 @@
 #include <vector>
 
 #include "sim/hand/device_source.h"
+#include "sim/live/live_heat.h"
 #include "sim/live/piece_maker.h"
 #include "sim/live/realtime.h"
 #include "sim/live/time_histogram.h"
@@ -89,6 +90,7 @@ struct HapticReport {
   std::array<ObjectReport, kMostObjects> objects;  ///< those in the scene, by their number
   std::array<double, 256> removed_by_material{};   ///< mm^3, of the one that is worked on and its pieces
   UndoList undo;                                   ///< the steps that Undo and Redo take
+  HeatReport heat;                                 ///< of the first object
 };
 
 struct HapticTimes {
@@ -132,6 +134,12 @@ class HapticThread {
   Expected<void> start(DeviceSource& device, std::span<BrickFeed* const> feeds, SessionRecorder* recorder);
   /// What the system granted; after start().
   const RealTimeGrant& grant() const noexcept;
+
+  /// Pulp and nerve canals of the first object: their temperature is told, too. Before start().
+  void watchHeatOf(std::shared_ptr<const Structures> structures);
+  /// From now on the report tells how warm this tool of the model makes what it cuts; the thread may run. For the one
+  /// thread that sends commands.   @param samples  of the tool.   @cost  some ms.
+  void heatBy(std::size_t tool, const ToolSamples& samples, const HeatSource& source);
 
   /// Asks for a command between two ticks, in the order sent; the report counts whether it was done. What
   /// CommandSender::kUser may not send (freezing and splitting are the PieceMaker's) is refused there, too. For one

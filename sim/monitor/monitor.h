@@ -7,9 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "sim/monitor/contact_area.h"
-#include "sim/monitor/heat.h"
 #include "sim/monitor/keep_out.h"
+#include "sim/monitor/tool_heat.h"
 #include "sim/step/step.h"
 
 namespace kerf {
@@ -50,30 +49,26 @@ class Monitor {
   /// @pre no fewer than make() had.   @rt safe. @cost about 6 us a structure, and as much for the heat.
   void tick(const DeviceSample& sample, const StepOutput& output, std::span<const CutObject> objects) noexcept;
 
-  double temperature() const noexcept { return kBodyCelsius + heat_.surfaceRise(); }  ///< under the tool, C
-  double pulpRise() const noexcept { return heat_.rise(Heat::kPulp); }                ///< K, where it is warmest
-  double hottest() const noexcept { return hottest_; }                                ///< C, ever
-  double mostPulpRise() const noexcept { return most_pulp_rise_; }                    ///< K, ever
-  double mostNerveRise() const noexcept { return most_nerve_rise_; }                  ///< K, ever, of nerve canals
-  const Heat& heat() const noexcept { return heat_; }
-  double area() const noexcept { return area_; }  ///< of the cutting surface close to tissue, mm^2, in the last tick
-  const HeatAlarms& alarms() const noexcept { return heat_.alarms(); }
+  double temperature() const noexcept { return heat_.temperature(); }    ///< under the tool, C
+  double pulpRise() const noexcept { return heat().rise(Heat::kPulp); }  ///< K, where it is warmest
+  double hottest() const noexcept { return hottest_; }                   ///< C, ever
+  double mostPulpRise() const noexcept { return most_pulp_rise_; }       ///< K, ever
+  double mostNerveRise() const noexcept { return most_nerve_rise_; }     ///< K, ever, of nerve canals
+  const Heat& heat() const noexcept { return heat_.heat(); }
+  double area() const noexcept {
+    return heat_.area();
+  }  ///< of the cutting surface close to tissue, mm^2, in the last tick
+  const HeatAlarms& alarms() const noexcept { return heat().alarms(); }
   const std::vector<Structure>& structures() const noexcept { return structures_; }
   /// Between the points of the tool whose distance is read, mm: ToolSamples::spacing().
   double spacing() const noexcept { return samples_.spacing(); }
 
  private:
   Monitor(const ToolModel& tool, const HeatSource& source, const HeatSettings& settings);
-  void warm(const DeviceSample& sample, const StepOutput& output, std::span<const CutObject> objects) noexcept;
-  void watch(const Structure& structure, const KeepOut& field, const Vec3d& point) noexcept;
 
   ToolSamples samples_;
-  ContactArea close_;
-  Heat heat_;
-  double area_ = 0, touched_s_ = 0;
-  Vec3d middle_;            // of the area, tool frame, mm: the mean, as last known
-  Rigid3 T_object_before_;  // pose of the tool in the first object at the last tick
-  bool has_before_ = false;
+  HeatingTool tool_;
+  ToolHeat heat_;
   std::vector<Structure> structures_;
   std::vector<std::shared_ptr<const KeepOut>> fields_;  // of the structures
   double hottest_ = kBodyCelsius, most_pulp_rise_ = 0, most_nerve_rise_ = 0;

@@ -23,6 +23,16 @@ TEST(Trace, KeepsTheLastTwentySecondsAtSixtyASecond) {
   }
 }
 
+TEST(Trace, KnowsLoadPenetrationAndTemperature) {
+  Trace trace;
+  trace.add({.tick = 0});
+  trace.add({.tick = 100, .load = 40, .penetration = 12, .temperature = 61});
+  EXPECT_EQ(trace.newest(Channel::kLoad), 40);
+  EXPECT_EQ(trace.newest(Channel::kPenetration), 12);
+  EXPECT_EQ(trace.newest(Channel::kTemperature), 61);
+  for (const Trace::About& about : Trace::kChannels) EXPECT_GE(trace.scaleTop(about), about.least_top) << about.name;
+}
+
 TEST(Trace, SlowReportsFillTheTimeBetweenThem) {
   Trace trace;
   trace.add({.tick = 0});

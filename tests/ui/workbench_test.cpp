@@ -289,6 +289,17 @@ TEST_F(WorkbenchTest, AStrokeStopsShortOfThePulp) {
   EXPECT_FALSE(play("cut.stop-short near\n"));
 }
 
+TEST_F(WorkbenchTest, ADryStrokeIsWarm) {
+  tools_ = {"round-014"};
+  voxel_ = 0.15;
+  const std::string begin =
+      "file.demo molar\nwait\nview.top\nview.fit\ncut.force 1.2\ncut.depth 5\nexpect warm 36.9 37.1\n";
+  const std::string stroke = "cut.press 200 150\nwait 2\nexpect removed 0.01 5\n";
+  EXPECT_TRUE(play(begin + stroke + "expect warm 30 50\n")) << allNotices();
+  EXPECT_TRUE(play(begin + "cut.irrigation 0\n" + stroke + "expect warm 60 400\n")) << allNotices();
+  EXPECT_FALSE(play("cut.irrigation 101\n"));
+}
+
 // The window's thread is not kept: not by the last stroke, which is still cut, nor by an export.
 TEST_F(WorkbenchTest, AnExportDoesNotHoldUpTheWindow) {
   Workbench bench(options());

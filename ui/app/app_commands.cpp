@@ -188,6 +188,8 @@ constexpr AppCommand kCommands[] = {
      isOpen, hand_commands::pedal},
     {"cut.speed", "", "", "", "PERCENT", "Sets the spindle to a part of its nominal speed.", always,
      hand_commands::setSpeed},
+    {"cut.irrigation", "", "", "", "PERCENT", "Sets the spray, 0 to 100 % of full.", always,
+     hand_commands::setIrrigation},
 
     {"piece.choose", "", "", "", "PIECE", "Chooses a piece by its name or number; moves are of that.", isOpen,
      piece_commands::choose},
@@ -350,7 +352,8 @@ std::string appCommandReference() {
       "double quotes may hold blanks. X and Y are pixels of the picture, Y downwards. Beside them a script has `wait` "
       "(until "
       "no job runs and no plane is sawn), `wait SECONDS` (of the simulation), `print` (the state, as JSON) and `expect "
-      "removed|depth|near|sawn|triangles|pieces|beside|beside-near|beside-removed|steps|ahead LOW HIGH`. The first "
+      "removed|depth|near|warm|sawn|triangles|pieces|beside|beside-near|beside-removed|steps|ahead LOW HIGH`. The "
+      "first "
       "error ends it, "
       "with "
       "exit code 1 and the line.\n\n| command | parameters | key | what it does |\n|---|---|---|---|\n";

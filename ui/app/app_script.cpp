@@ -55,6 +55,12 @@ void printState(const AppContext& c) {
                    {"steps_ahead", c.bench.timeline().steps().size() - c.bench.timeline().done()},
                    {"planes", c.bench.saw().plan().planes().size()},
                    {"sawn_percent", 100 * c.bench.saw().lastShare()}};
+  const HeatReport& heat = c.bench.report().heat;
+  if (heat.is_known) {
+    j["surface_C"] = heat.surface;
+    j["pulp_rise_K"] = heat.pulp_rise;
+    j["nerve_rise_K"] = heat.nerve_rise;
+  }
   if (c.bench.importPlan()) j["import"] = nlohmann::json::parse(importState(*c.bench.importPlan()));
   if (c.bench.isOpen()) j["tool"] = c.bench.tool(c.bench.toolInHand()).id;
   if (const auto depth = c.bench.depthNow()) j["depth_now_mm"] = *depth;
@@ -93,7 +99,7 @@ double removedBeside(const AppContext& c) {
 }
 
 const std::string kExpected =
-    "removed, depth, near, sawn, triangles, pieces, beside, beside-near, beside-removed, steps or ahead";
+    "removed, depth, near, warm, sawn, triangles, pieces, beside, beside-near, beside-removed, steps or ahead";
 
 Expected<void> expect(const AppContext& c, AppWords words) {
   if (words.empty()) return wrongWord("nothing", kExpected + ", and its range");
@@ -106,6 +112,8 @@ Expected<void> expect(const AppContext& c, AppWords words) {
     value = c.bench.depthNow().value_or(0);
   else if (words[0] == "near")
     value = nearestOf(c);
+  else if (words[0] == "warm")
+    value = c.bench.report().heat.surface;
   else if (words[0] == "sawn")
     value = 100 * c.bench.saw().lastShare();
   else if (words[0] == "triangles")

@@ -18,9 +18,9 @@ Expected<std::vector<std::string>> wordsOfLine(const std::string& line);
 ///   wait SECONDS       of the simulation
 ///   print              state as one line of JSON on standard output
 ///   expect WHAT LOW HIGH  ends the script unless removed (mm^3), depth (mm), near (mm from the tool that cuts to pulp
-///   or nerve), sawn (percent of
-///                      the plane sawn last), triangles, pieces, steps (done, since the session began) or ahead (steps
-///                      that were taken back) is in that range
+///                      or nerve), warm (C, of the tissue under the tool), sawn (percent of the plane sawn last),
+///                      triangles, pieces, steps (done, since the session began) or ahead (steps that were taken back)
+///                      is in that range
 /// The first error ends it, and names the line.   @param frame  is called about 60 times a second while it waits.
 Expected<void> runScript(AppContext& context, const std::filesystem::path& script, const std::function<void()>& frame);
 

@@ -65,4 +65,10 @@ Expected<void> setSpeed(AppContext& c, AppWords words) {
   return {};
 }
 
+Expected<void> setIrrigation(AppContext& c, AppWords words) {
+  KERF_TRY(percent, numberOf(words, 0, "PERCENT", 0, 100));
+  c.bench.setIrrigation(0.01 * percent);
+  return {};
+}
+
 }  // namespace kerf::hand_commands

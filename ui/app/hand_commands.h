@@ -12,8 +12,9 @@ Expected<void> resetTilt(AppContext& context, AppWords words);
 
 bool isCutting(const AppContext& context);
 
-Expected<void> nudge(AppContext& context, AppWords words);     ///< RIGHT UP IN
-Expected<void> pedal(AppContext& context, AppWords words);     ///< [on|off] [X Y]
-Expected<void> setSpeed(AppContext& context, AppWords words);  ///< PERCENT
+Expected<void> nudge(AppContext& context, AppWords words);          ///< RIGHT UP IN
+Expected<void> pedal(AppContext& context, AppWords words);          ///< [on|off] [X Y]
+Expected<void> setSpeed(AppContext& context, AppWords words);       ///< PERCENT
+Expected<void> setIrrigation(AppContext& context, AppWords words);  ///< PERCENT
 
 }  // namespace kerf::hand_commands

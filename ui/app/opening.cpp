@@ -346,7 +346,8 @@ Expected<Opened> openToCut(const fs::path& path, const OpeningOptions& options, 
   KERF_TRY(run, LiveRun::open(case_folder, newSessionFolder(options.data_folder, out.name), std::move(live),
                               partOf(progress, 0.7, 0.9)));
   if (!report(progress, 0.9, "measuring the way to pulp and nerve")) return cancelled();
-  KERF_TRY(structures, Structures::of(run->object()));
+  KERF_TRY(structures, Structures::of(run->object(), partOf(progress, 0.9, 1)));
+  run->thread().watchHeatOf(structures);
   out.structures = std::move(structures);
   KERF_TRY(neighbours, neighbourFields(*run, partOf(progress, 0.92, 1)));
   out.neighbours = std::move(neighbours);

@@ -29,8 +29,14 @@ void Trace::add(const TraceInput& input) {
   const std::uint64_t slots = slotOf(input.tick) - slotOf(last_.tick);
   if (slots == 0) return;
 
-  const std::array<double, kChannels.size()> now{input.force, input.torque, input.spindle, input.depth,
-                                                 rateBetween(last_, input)};
+  const std::array<double, kChannels.size()> now{input.force,
+                                                 input.torque,
+                                                 input.load,
+                                                 input.spindle,
+                                                 input.depth,
+                                                 input.penetration,
+                                                 rateBetween(last_, input),
+                                                 input.temperature};
   for (std::uint64_t n = 0; n < std::min<std::uint64_t>(slots, kCount); ++n) {
     for (std::size_t c = 0; c < values_.size(); ++c) values_[c][next_] = static_cast<float>(now[c]);
     next_ = (next_ + 1) % kCount;

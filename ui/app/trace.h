@@ -15,26 +15,32 @@ struct TraceInput {
   std::uint64_t tick = 0;
   double force = 0;         ///< on the hand, N
   double torque = 0;        ///< on the hand, N mm
+  double load = 0;          ///< of the drive, % of what stalls it
   double spindle = 0;       ///< of the drive's free speed, %
   double depth = 0;         ///< below the surface as loaded, mm
+  double penetration = 0;   ///< of the tool into tissue, um: what it is pushed back by
+  double temperature = 37;  ///< of the tissue under the tool, C
   double removed_mm3 = 0;   ///< since the session began
   std::uint64_t jumps = 0;  ///< rises when removed_mm3 changes by an undo or redo: that is no cut
 };
 
 class Trace {
  public:
-  enum class Channel : std::uint8_t { kForce, kTorque, kSpindle, kDepth, kRate };
+  enum class Channel : std::uint8_t { kForce, kTorque, kLoad, kSpindle, kDepth, kPenetration, kRate, kTemperature };
   struct About {
     Channel channel;
     const char* name;
     const char* unit;
     double least_top;  ///< the scale ends there at least: noise at rest looks small
   };
-  static constexpr std::array<About, 5> kChannels{{{Channel::kForce, "Force", "N", 1},
+  static constexpr std::array<About, 8> kChannels{{{Channel::kForce, "Force", "N", 1},
                                                    {Channel::kTorque, "Torque", "N mm", 1},
+                                                   {Channel::kLoad, "Drive load", "%", 100},
                                                    {Channel::kSpindle, "Spindle", "%", 100},
                                                    {Channel::kDepth, "Depth", "mm", 0.5},
-                                                   {Channel::kRate, "Volume rate", "mm3/s", 0.1}}};
+                                                   {Channel::kPenetration, "Penetration", "um", 50},
+                                                   {Channel::kRate, "Volume rate", "mm3/s", 0.1},
+                                                   {Channel::kTemperature, "Temperature", "C", 50}}};
   static constexpr std::size_t kPerSecond = 60, kSeconds = 20, kCount = kPerSecond * kSeconds;
 
   void clear() { *this = {}; }

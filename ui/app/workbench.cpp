@@ -109,6 +109,7 @@ void Workbench::takeNews() {
       if (report_.objects[n].loaded == 0) removed_mm3_ += report_.objects[n].removed_mm3;
     warnOfNeighbours();
     addToTrace();
+    warnOfHeat();
   }
   timeline_.update(report_.undo);
   goWhereWished();
@@ -137,14 +138,46 @@ double Workbench::driveShare() const {
   return free_speed > 0 ? report_.output.speed / free_speed : 0;
 }
 
+double Workbench::driveLoadShare() const {
+  if (!run_) return 0;
+  const double stall_load = run_->model().tools[tool_].drive.stall_load;
+  return stall_load > 0 ? report_.output.drive_load / stall_load : 0;
+}
+
 void Workbench::addToTrace() {
   trace_.add({.tick = report_.tick,
               .force = report_.output.force.force.norm(),
               .torque = report_.output.force.torque.norm(),
+              .load = 100 * driveLoadShare(),
               .spindle = 100 * driveShare(),
               .depth = depthNow().value_or(0),
+              .penetration = 1000 * report_.output.deepest,
+              .temperature = report_.heat.surface,
               .removed_mm3 = removed_mm3_,
               .jumps = report_.counts.pauses});
+}
+
+// Once each: a notice does not interrupt.
+void Workbench::warnOfHeat() {
+  const HeatAlarms& alarms = report_.heat.alarms;
+  if (alarms.pulp >= 0 && !std::exchange(has_told_of_pulp_, true))
+    say(
+        fmt::format("The pulp is {:.1f} C warmer than the body: not every pulp recovers from that (Zach & Cohen 1965). "
+                    "More spray, less force, or a pause.",
+                    kPulpLimitRise));
+  if (alarms.bone_warm >= 0 && !std::exchange(has_told_of_bone_, true))
+    say(fmt::format(
+        "The bone under the tool has {:.0f} C: after a minute it dies (Eriksson & Albrektsson). More spray, "
+        "less force, or a pause.",
+        kBodyCelsius + kBoneLimitRise));
+  if (alarms.bone_dead >= 0 && !std::exchange(has_told_of_dead_bone_, true))
+    say(fmt::format("Bone half a millimetre beside the cut had {:.0f} C or more for {:.0f} s together: it would die.",
+                    kBodyCelsius + kBoneLimitRise, kBoneLimitSeconds));
+}
+
+double Workbench::removedOf(Material material) const {
+  const auto number = static_cast<std::size_t>(material);
+  return run_ && number < report_.removed_by_material.size() ? report_.removed_by_material[number] : 0;
 }
 
 // What was asked for is done, and the meshers know of it.
@@ -265,7 +298,7 @@ void Workbench::show(Opened& loaded) {
   undos_left_ = 0;
   undos_answered_at_ = 0;
   wish_.reset();
-  has_told_of_log_ = false;
+  has_told_of_log_ = has_told_of_pulp_ = has_told_of_bone_ = has_told_of_dead_bone_ = false;
   fresh_.clear();
   occlusal_ = loaded.occlusal;
   session_ = run_->folder();
@@ -288,6 +321,7 @@ void Workbench::show(Opened& loaded) {
     say("not found again, and so where it was in the scan: " + name);
   removed_mm3_ = 0;
   saw_->opened();
+  heatByToolInHand();
   ++generation_;
   keeps_view_ = is_reopening_;
   std::fill(is_outdated_.begin(), is_outdated_.end(), 0);
@@ -451,6 +485,9 @@ void Workbench::stopShort(std::optional<double> mm) {
   stop_short_mm = mm;
   if (stroke_) sendAim();
 }
+
+// From now on the report tells how warm it makes what it cuts.
+void Workbench::heatByToolInHand() { run_->thread().heatBy(tool_, samplesOf(tool_), heatSource(tool(tool_))); }
 
 const ToolSamples& Workbench::samplesOf(std::size_t tool) const {
   const auto known = samples_.find(tool);

@@ -126,6 +126,8 @@ class Workbench {
   const Trace& trace() const { return trace_; }
   /// Speed of the drive, of its free speed, 0 to 1.
   double driveShare() const;
+  /// What the drive has to bear, of what stalls it; 0: nothing stalls it.
+  double driveLoadShare() const;
   HapticTimes times() const { return times_; }
   /// Ends the session: the run is written where sessionFolder() says. A job.
   void close();
@@ -174,6 +176,7 @@ class Workbench {
   void deepen(double mm);
   void setForce(double newtons);
   void setSpeed(double of_nominal);
+  void setIrrigation(double of_full);
   /// Times the speed, until the stroke ends: how far a trigger is pulled, 0 to 1.
   void drill(double pedal);
   /// Times the force, until it is 1 again.
@@ -252,6 +255,8 @@ class Workbench {
   /// The post-operative mesh as it is now, read back and compared. A job; the cut may go on.
   void exportTo(const std::filesystem::path& file, const ExportChoice& choice = {});
   double removedMm3() const { return removed_mm3_; }
+  /// Of one tissue, in this session, mm^3. In small parts below 0 where a border passes through what was cut.
+  double removedOf(Material material) const;
 
   // ---- What was opened before
 
@@ -277,6 +282,7 @@ class Workbench {
   friend class Sawing;
   void takeNews();
   void addToTrace();
+  void warnOfHeat();
   bool isSettled();
   void handOverScene();
   bool isBusy();
@@ -296,6 +302,7 @@ class Workbench {
   void show(Opened& loaded);
   void sendAim();
   const ToolSamples& samplesOf(std::size_t tool) const;
+  void heatByToolInHand();
   void namePieces();
   void fillRack();
   void putIntoRack(const std::filesystem::path& file, Tool tool);
@@ -373,6 +380,7 @@ class Workbench {
   std::ptrdiff_t strokes_then_ = 0;      // that are done when they all are
   std::uint64_t undos_answered_at_ = 0;  // when so many commands are answered
   bool has_told_of_log_ = false;
+  bool has_told_of_pulp_ = false, has_told_of_bone_ = false, has_told_of_dead_bone_ = false;  // that they got warm
   /// A job that waits for what it exports: until the last stroke is meshed.
   struct Handover {
     std::promise<SceneView> scene;

@@ -41,4 +41,9 @@ void Workbench::setSpeed(double of_nominal) {
   if (stroke_) sendAim();
 }
 
+void Workbench::setIrrigation(double of_full) {
+  irrigation = std::clamp(of_full, 0.0, 1.0);
+  if (stroke_) sendAim();
+}
+
 }  // namespace kerf

@@ -167,7 +167,9 @@ void Workbench::selectTool(std::size_t n) {
   if (isSawing()) return;
   release();
   if (is_outdated_[n] && !job_) return reopenWith(tools_[n].file);
-  if (send(SelectTool{n})) tool_ = n;
+  if (!send(SelectTool{n})) return;
+  tool_ = n;
+  heatByToolInHand();
 }
 
 bool Workbench::selectTool(const std::string& id) {

@@ -103,6 +103,24 @@ void drawNeighbours(const Workbench& bench, const std::optional<ToolOverSurface>
       reading(("Cut off " + other.name).c_str(), fmt::format("{:.3f}", other.removed_mm3), "mm3", true);
 }
 
+// Limits: bone that dies after a minute, a pulp that not always recovers, a surface that boils.
+void drawHeat(const Workbench& bench) {
+  const HeatReport& heat = bench.report().heat;
+  if (!heat.is_known) return reading("Temperature", "-", "C");
+  const Material under = bench.report().output.material;
+  const bool is_bone = under == Material::kCortical || under == Material::kCancellous;
+  const double limit = kBodyCelsius + (is_bone ? kBoneLimitRise : HeatSettings{}.boiling_rise);
+  reading("Temperature", fmt::format("{:.0f}", heat.surface), "C", heat.surface >= limit);
+
+  for (const Structures::Structure& structure : bench.structures()->all()) {
+    const bool is_pulp = structure.material == Material::kPulp;
+    const double rise = is_pulp ? heat.pulp_rise : heat.nerve_rise;
+    const std::string name = "  of " + bench.nameOf(structure.material);
+    reading(name.c_str(), fmt::format("{:.1f}", kBodyCelsius + rise), "C",
+            rise >= (is_pulp ? kPulpLimitRise : kBoneLimitRise));
+  }
+}
+
 // @return  its lower edge.
 float drawReadings(AppContext& context, const std::optional<ToolOverSurface>& over) {
   const Workbench& bench = context.bench;
@@ -120,6 +138,7 @@ float drawReadings(AppContext& context, const std::optional<ToolOverSurface>& ov
   reading("Force", fmt::format("{:.2f}", r.output.force.force.norm()), "N");
   reading("Spindle", fmt::format("{:.0f}", 100 * speed), "%",
           bench.isPressed() && speed < 0.05 && r.output.normal_load > 0);
+  drawHeat(bench);
   reading("Removed", fmt::format("{:.2f}", bench.removedMm3()), "mm3");
   drawPoint(context, over.has_value());
   drawPlots(context);

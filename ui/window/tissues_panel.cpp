@@ -25,6 +25,14 @@ ImVec4 shown(const Rgba8& c) {
   return {one(c[0]), one(c[1]), one(c[2]), 1};
 }
 
+// What is gone, of what there was when it was loaded.
+void drawRemoved(double whole_mm3, double removed_mm3) {
+  constexpr double kLeast = 0.005;  // mm^3
+  if (removed_mm3 < kLeast || whole_mm3 <= 0) return;
+  ImGui::TextColored(styleColours().quiet, "    %.2f of %.1f mm3 gone (%.1f %%)", removed_mm3, whole_mm3,
+                     100 * removed_mm3 / whole_mm3);
+}
+
 void drawRow(AppContext& context, const SeenTissue& tissue) {
   ImGui::PushID(tissue.id.c_str());
   bool is_seen = tissue.look != TissueLook::kHide;
@@ -40,6 +48,7 @@ void drawRow(AppContext& context, const SeenTissue& tissue) {
   bool is_ghost = tissue.look == TissueLook::kGhost;
   if (ImGui::Checkbox("ghost", &is_ghost)) run(context, "view.tissue", {tissue.id, is_ghost ? "ghost" : "show"});
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("Let what is under it shine through");
+  drawRemoved(tissue.mm3, context.bench.removedOf(tissue.material));
   ImGui::PopID();
 }
 

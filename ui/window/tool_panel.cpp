@@ -202,7 +202,7 @@ void drawHand(Workbench& bench) {
     bench.setSpeed(0.01 * static_cast<double>(speed));
   ImGui::TextUnformatted("Spray");
   if (ImGui::SliderFloat("##spray", &spray, 0, 100, "%.0f %%", ImGuiSliderFlags_AlwaysClamp))
-    bench.irrigation = 0.01 * static_cast<double>(spray);
+    bench.setIrrigation(0.01 * static_cast<double>(spray));
   ImGui::PopItemWidth();
 }
 
