@@ -53,6 +53,25 @@ tl::unexpected<Error> refuseStart(std::string found, std::string expected, std::
 
 }  // namespace
 
+void describeScene(const Session& session, HapticReport& report) noexcept {
+  report.tick = session.state().tick;
+  report.is_latched = session.state().is_latched;
+  report.object_count = session.state().objects.size();
+  report.removed_by_material.fill(0);
+  for (std::size_t n = 0; n < report.object_count; ++n) {
+    const CutObject& object = session.state().objects[n];
+    const auto loaded = static_cast<std::uint32_t>(session.loadedIndexOf(object));
+    double removed = 0;
+    for (std::size_t m = 0; m < report.removed_by_material.size(); ++m) {
+      const double of_material = object.removed_before_mm3[m] + object.removed_mm3[m];
+      if (loaded == 0) report.removed_by_material[m] += of_material;
+      removed += of_material;
+    }
+    report.objects[n] = {object.id, loaded, object.T_world_object, removed};
+  }
+  report.undo = session.undoList();
+}
+
 struct HapticThread::State {
   State(Model model, std::vector<std::shared_ptr<const BakedObject>> objects, const Rigid3& start,
         const HapticOptions& haptic_options)
@@ -244,24 +263,9 @@ std::size_t HapticThread::State::exportBricks() noexcept {
 }
 
 void HapticThread::State::publish() noexcept {
-  report.tick = session.state().tick;
-  report.is_latched = session.state().is_latched;
   report.counts.records_lost = sink.lost;
   if (maker) report.counts.pieces = maker->counts();
-  report.object_count = session.state().objects.size();
-  report.removed_by_material.fill(0);
-  for (std::size_t n = 0; n < report.object_count; ++n) {
-    const CutObject& object = session.state().objects[n];
-    const auto loaded = static_cast<std::uint32_t>(session.loadedIndexOf(object));
-    double removed = 0;
-    for (std::size_t m = 0; m < report.removed_by_material.size(); ++m) {
-      const double of_material = object.removed_before_mm3[m] + object.removed_mm3[m];
-      if (loaded == 0) report.removed_by_material[m] += of_material;
-      removed += of_material;
-    }
-    report.objects[n] = {object.id, loaded, object.T_world_object, removed};
-  }
-  report.undo = session.undoList();
+  describeScene(session, report);
   report.heat = heat.report();
   reports.back() = report;
   reports.publish();

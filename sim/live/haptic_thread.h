@@ -99,6 +99,9 @@ struct HapticTimes {
   TimeHistogram jitter;    ///< of the period: how far two wake-ups are from 1 ms apart
 };
 
+/// What a report says of a session's scene between two ticks: tick, latch, objects, volumes, undo. @rt
+void describeScene(const Session& session, HapticReport& report) noexcept;
+
 /// Owns a Session and runs it.
 ///
 /// Pauses: undo and redo take some µs a brick, more than a tick for a large stroke. And a tick must not run without

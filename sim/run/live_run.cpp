@@ -7,9 +7,8 @@
 #include <system_error>
 #include <utility>
 
-#include "sim/live/chunk_occlusion.h"
-#include "sim/live/tissue_colours.h"
 #include "sim/pieces/joined_field.h"
+#include "sim/run/chunk_look.h"
 #include "sim/run/export_bundle.h"
 #include "sim/run/load_scene.h"
 #include "sim/run/removed_volumes.h"
@@ -118,15 +117,11 @@ Expected<void> LiveRun::chooseColours() {
   mesher_options_.assign(1 + neighbours_.size(), options_.mesher);
   if (!options_.is_looked_at) return {};
 
-  KERF_TRY(materials, readDefaultMaterials());
   const LoadedObjects objects = loaded();
-  for (std::size_t n = 0; n < objects.size(); ++n)
-    mesher_options_[n].remesher.finish = [labels = TissueLabels::of(*objects[n]), palette = TissuePalette(materials),
-                                          is_beside = n > 0](MeshChunk& chunk, const OverlayField& field) {
-      chunk.colours = tissueColours(chunk, labels, palette);
-      if (is_beside) asNeighbour(chunk.colours);
-      chunk.occlusion = occlusionOf(chunk, field);
-    };
+  for (std::size_t n = 0; n < objects.size(); ++n) {
+    KERF_TRY(look, internal::chunkLook(objects[n], n > 0));
+    mesher_options_[n].remesher.finish = std::move(look);
+  }
   return {};
 }
 

@@ -1,0 +1,212 @@
+// A session that has ended, watched: its log is replayed by a thread of its own, paced by the clock times a speed.
+//
+//   RUN/session.kerflog ──▶ LogPlayer ──bricks──▶ a MesherThread an object ──chunks──▶ window
+//     play, pause, jump ──▶ (its thread)
+//                               └──────newest moment──▶ moment(), as live reports
+//
+// What is seen is what was cut, bit for bit, at whatever speed: a sample is ticked or it is not, and no tick differs
+// from that of the session. Nothing is written.
+//
+// To go back, the log is played again from the last state that was kept, or from its beginning, without pictures.
+// States are kept where a stroke begins, in memory. They do not know what could be undone before them: where an undo in
+// the log reaches back behind one, the log is played from an earlier one.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <thread>
+#include <unordered_map>
+#include <vector>
+
+#include "geometry/base/error.h"
+#include "geometry/base/progress.h"
+#include "sim/live/haptic_thread.h"
+#include "sim/live/mesher_thread.h"
+#include "sim/run/live_run.h"
+#include "sim/run/log_player.h"
+
+namespace kerf {
+
+struct WatchOptions {
+  MesherThreadOptions mesher;
+  bool is_looked_at = false;  ///< chunks of the surface get colours and occlusion
+  /// Of states that are kept to go back to, bytes. When they are more, every second one is given up.
+  std::size_t kept_bytes = std::size_t{256} << 20;
+  /// Simulated seconds between two of them at least.
+  double keep_every_s = 5;
+};
+
+/// What the log holds that a person would go to.
+struct WatchedStep {
+  enum class Kind { kStroke, kMove, kUndo, kRedo };
+  Kind kind = Kind::kStroke;
+  std::size_t begin = 0, end = 0;  ///< samples: the log is right behind the step when `end` of them are ticked
+  std::size_t tool = 0;            ///< in hand when it began
+};
+
+/// Whether the replay ended where the session did.
+struct WatchVerdict {
+  bool is_same = false;
+  bool is_whole = true;  ///< false: the log ends before its session did
+  std::string text;      ///< a sentence
+};
+
+/// A moment of the session.
+struct WatchMoment {
+  HapticReport report;     ///< as the session had it; counts: ticks, pauses (undo, jumps) and edits alone
+  std::size_t sample = 0;  ///< so many are ticked
+  std::size_t steps = 0;   ///< of steps() that are over
+  std::size_t tool = 0;    ///< in hand
+  bool is_playing = false;
+  bool is_jumping = false;  ///< played without pictures, to where a person wants to be
+  double jump_share = 0;    ///< of that, 0 to 1
+  bool is_at_end = false;
+  double speed = 1;                     ///< times that of the clock; kFastest: as fast as it can
+  std::optional<WatchVerdict> verdict;  ///< at the end, or where the log can not be played on
+};
+
+/// All calls from one thread.
+class WatchedRun {
+ public:
+  /// Loads the run; paused at its beginning. May run on any thread, as a job.
+  /// Errors: kUnsupported for a session that has not ended (kerf recover) and for a run without a log; those of
+  /// loading; kCancelled.   @cost  as LiveRun::open().
+  static Expected<std::unique_ptr<WatchedRun>> open(const std::filesystem::path& run_folder, WatchOptions options,
+                                                    const Progress& progress = {});
+  ~WatchedRun();
+  WatchedRun(const WatchedRun&) = delete;
+  WatchedRun& operator=(const WatchedRun&) = delete;
+
+  const std::filesystem::path& folder() const noexcept { return folder_; }
+  const std::filesystem::path& caseFolder() const noexcept { return recording_.cases.front(); }
+  const RunManifest& manifest() const noexcept { return recording_.manifest; }
+  std::span<const Tool> tools() const noexcept { return recording_.tools; }
+  const Model& model() const noexcept { return recording_.model; }
+  const BakedObject& object() const noexcept { return *recording_.objects.front(); }
+  /// What an earlier run had removed, from which the session went on, mm^3.
+  double removedBefore() const noexcept { return removed_before_; }
+  /// Of the pieces at the end, by CutObject::id.
+  PieceNames names() const;
+  /// In the order of the log.
+  std::span<const WatchedStep> steps() const noexcept { return steps_; }
+  std::size_t samples() const noexcept { return recording_.log.samples.size(); }
+  double seconds() const noexcept { return kTick * static_cast<double>(samples()); }
+
+  // What is asked for is done by the thread some ms later; what is played goes on playing after a jump.
+
+  static constexpr double kFastest = 0, kLeastSpeed = 0.25, kMostSpeed = 16;
+  /// At the end: nothing.
+  void play();
+  void pause();
+  /// @param speed  clamped to kLeastSpeed and kMostSpeed, or kFastest.
+  void setSpeed(double speed);
+  /// @param sample  clamped to samples(). A jump that is under way is given up.
+  void jumpTo(std::size_t sample);
+
+  /// Fetches the newest moment; false: none since the last call.
+  bool update();
+  const WatchMoment& moment() const noexcept { return moment_; }
+  /// Whether all that was asked for is done, but for playing, and its moment is the newest one and meshed.
+  bool isSettled() const;
+
+  /// Chunks that changed since the last call, object by object, as LiveRun::takeChunks().
+  std::vector<ObjectChunks> takeChunks();
+  std::uint64_t editsDone() const noexcept;
+
+ private:
+  WatchedRun(std::filesystem::path folder, WatchOptions options)
+      : folder_(std::move(folder)), options_(std::move(options)) {}
+  Expected<void> load(const Progress& progress);
+  void findSteps();
+
+  // The thread.
+  struct Orders {
+    std::uint64_t number = 0;  // of the last one
+    bool is_playing = false, is_over = false;
+    double speed = 1;
+    std::optional<std::size_t> jump;
+  };
+  struct Kept {
+    std::size_t sample = 0, event = 0;
+    std::vector<std::byte> state;
+    std::map<std::uint32_t, std::array<double, 256>> removed_before;  // CutObject's, by its id
+  };
+  // What the mesher of an object was told.
+  struct Told {
+    std::shared_ptr<BrickFeed> feed;
+    std::unordered_map<std::uint64_t, Vec3i> bricks;  // that may differ from what the mesher began with
+    std::vector<Vec3i> again;                         // to be told once more
+  };
+  void run();
+  Orders takeOrders();
+  bool isOrdered() const;
+  void follow(const Orders& orders);
+  void playOn();
+  void jump(std::size_t target);
+  bool tick();
+  const Kept* lastKept(std::size_t before) const;
+  void startFrom(const Kept* kept);
+  void keepState();
+  void arrive();
+  void stopWith(const Error& error);
+  Told& toldOf(CutObject& object);
+  void sendBricks();
+  void publish();
+  void restartClock();
+
+  std::filesystem::path folder_;
+  WatchOptions options_;
+  internal::Recording recording_;
+  std::string log_name_;
+  Rigid3 place_;
+  double removed_before_ = 0;
+  std::vector<WatchedStep> steps_;
+  std::vector<decltype(RemesherOptions::finish)> looks_;  // of recording_.objects, or none
+
+  // The thread's.
+  std::optional<internal::LogPlayer> player_;
+  std::vector<Kept> kept_;                 // by rising samples
+  std::optional<std::size_t> began_with_;  // sample of the state that the player began with
+  std::uint64_t jumps_ = 0;
+  std::unordered_map<std::uint32_t, Told> told_;
+  StepOutput output_;
+  WatchMoment now_;
+  std::chrono::steady_clock::time_point clock_from_{};
+  std::size_t sample_from_ = 0;
+
+  // Between the two; guarded by mutex_.
+  mutable std::mutex mutex_;
+  std::condition_variable ordered_;
+  Orders orders_;
+  std::uint64_t orders_done_ = 0;
+  WatchMoment newest_;
+  bool is_fresh_ = false;
+  struct CameOff {
+    std::shared_ptr<const PieceOrigin> origin;  // null: as loaded
+    std::size_t loaded = 0;                     // of recording_.objects
+    std::uint32_t id = 0;
+    std::shared_ptr<BrickFeed> feed;
+  };
+  std::vector<CameOff> came_off_;
+
+  // The caller's.
+  WatchMoment moment_;
+  struct Shown {
+    std::uint32_t id = 0;
+    std::shared_ptr<BrickFeed> feed;  // outlives the mesher
+    std::unique_ptr<MesherThread> mesher;
+  };
+  std::vector<Shown> shown_;
+  std::thread thread_;  // last: everything above exists before it starts
+};
+
+}  // namespace kerf

@@ -1,0 +1,229 @@
+#include "sim/run/watched_run.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <fstream>
+#include <map>
+#include <thread>
+
+#include "sim/run/replay.h"
+#include "sim/run/run_output.h"
+#include "tests/sim/person_at_mouse.h"
+#include "tests/support/temporary_folder.h"
+
+namespace kerf {
+namespace {
+
+namespace fs = std::filesystem;
+using std::chrono::milliseconds;
+
+// The newest chunk of each brick: what is in the picture.
+class Picture {
+ public:
+  void add(const std::vector<ObjectChunks>& objects) {
+    for (const ObjectChunks& object : objects)
+      for (const MeshChunkPtr& chunk : object.chunks) {
+        const auto key = std::pair(object.id, coordKey(chunk->brick));
+        if (chunk->isEmpty())
+          chunks_.erase(key);
+        else
+          chunks_[key] = chunk;
+      }
+  }
+  std::size_t size() const { return chunks_.size(); }
+  bool operator==(const Picture& other) const {
+    return std::equal(chunks_.begin(), chunks_.end(), other.chunks_.begin(), other.chunks_.end(),
+                      [](const auto& one, const auto& two) {
+                        return one.first == two.first && one.second->vertices == two.second->vertices &&
+                               one.second->triangles == two.second->triangles;
+                      });
+  }
+
+ private:
+  std::map<std::pair<std::uint32_t, std::uint64_t>, MeshChunkPtr> chunks_;
+};
+
+// A session of three strokes with two tools, the first two of them taken back.
+class WatchedRunTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new TemporaryFolder();
+    live_ = new Picture();
+    const fs::path block = test::bakedBlock(*folder_);
+    auto run = LiveRun::open(block, runFolder(), test::someTools());
+    ASSERT_TRUE(run) << run.error().message();
+    test::Mouse mouse(**run);
+    mouse.drill({-1, 0, 0}, 2);
+    mouse.drill({0, 0.5, 0}, 2);
+    mouse.send(Undo{});
+    mouse.send(Undo{});
+    mouse.send(SelectTool{1});
+    mouse.drill({1, 0, 0}, 2);
+    (*run)->thread().stop();  // the last bricks are sent
+    const auto manifest = (*run)->finish();
+    ASSERT_TRUE(manifest) << manifest.error().message();
+    live_->add((*run)->takeChunks());
+  }
+  static void TearDownTestSuite() {
+    delete live_;
+    delete folder_;
+  }
+  static fs::path runFolder() { return folder_->path() / "block.run"; }
+
+  static std::unique_ptr<WatchedRun> watch(const fs::path& run_folder, double keep_every_s = 1) {
+    WatchOptions options;
+    options.mesher.remesher.is_parallel = false;
+    options.keep_every_s = keep_every_s;
+    auto run = WatchedRun::open(run_folder, options);
+    EXPECT_TRUE(run) << run.error().message();
+    return run ? std::move(*run) : nullptr;
+  }
+  // Until it is so, at most two minutes.
+  template <class IsSo>
+  static bool becomes(WatchedRun& run, Picture& seen, const IsSo& is_so) {
+    for (int n = 0; n < 60000; ++n) {
+      run.update();
+      seen.add(run.takeChunks());
+      if (is_so()) return true;
+      std::this_thread::sleep_for(milliseconds(2));
+    }
+    return false;
+  }
+  static bool settles(WatchedRun& run, Picture& seen) {
+    return becomes(run, seen, [&] { return run.isSettled() && !run.moment().is_playing; });
+  }
+
+  static inline TemporaryFolder* folder_ = nullptr;
+  static inline Picture* live_ = nullptr;
+};
+
+TEST_F(WatchedRunTest, AtAnySpeedTheEndIsThatOfTheSessionBitForBit) {
+  for (const double speed : {4.0, 16.0, WatchedRun::kFastest}) {
+    const auto run = watch(runFolder());
+    ASSERT_TRUE(run);
+    Picture seen;
+    run->setSpeed(speed);
+    run->play();
+    ASSERT_TRUE(becomes(*run, seen, [&] { return run->moment().is_at_end && run->isSettled(); }));
+    const auto& verdict = run->moment().verdict;
+    ASSERT_TRUE(verdict);
+    EXPECT_TRUE(verdict->is_same && verdict->is_whole) << verdict->text;
+    EXPECT_NE(verdict->text.find(run->manifest().state_hash), std::string::npos) << verdict->text;
+    EXPECT_GT(seen.size(), 20u);
+    EXPECT_TRUE(seen == *live_) << "at speed " << speed;
+    EXPECT_EQ(run->moment().tool, 1u);
+    EXPECT_EQ(run->moment().steps, 5u) << "three strokes and two undos";
+    EXPECT_NEAR(run->moment().report.objects[0].removed_mm3, replayRun(runFolder())->removed_mm3, 1e-9);
+  }
+}
+
+TEST_F(WatchedRunTest, ItIsPacedByTheClockAndPauseHolds) {
+  const auto run = watch(runFolder());
+  ASSERT_TRUE(run);
+  Picture seen;
+  ASSERT_TRUE(settles(*run, seen));
+  EXPECT_EQ(run->moment().sample, 0u);
+  const auto begin = std::chrono::steady_clock::now();
+  run->play();
+  ASSERT_TRUE(becomes(*run, seen, [&] { return run->moment().sample >= 1000; }));
+  run->pause();
+  EXPECT_GE(std::chrono::steady_clock::now() - begin, milliseconds(980)) << "a second takes a second";
+  ASSERT_TRUE(settles(*run, seen));
+  const std::size_t held = run->moment().sample;
+  const Picture then = seen;
+  std::this_thread::sleep_for(milliseconds(200));
+  ASSERT_TRUE(settles(*run, seen));
+  EXPECT_EQ(run->moment().sample, held);
+  EXPECT_TRUE(seen == then);
+  EXPECT_FALSE(run->moment().verdict) << "nobody knows yet";
+}
+
+TEST_F(WatchedRunTest, BackAndForthEndsInTheSameStateAndPicture) {
+  const auto run = watch(runFolder());
+  ASSERT_TRUE(run);
+  ASSERT_EQ(run->steps().size(), 5u);
+  EXPECT_EQ(run->steps()[2].kind, WatchedStep::Kind::kUndo);
+  const std::size_t places[] = {run->steps()[0].end, run->steps()[1].end, run->steps()[3].end, run->steps()[4].end};
+
+  // Each place by way of others, and each alone, of a replay that has not been anywhere. From the first to the second a
+  // state is taken that was kept between them: the second undo reaches back behind it, which is found out on the way.
+  Picture seen;
+  std::map<std::size_t, Picture> at;
+  std::map<std::size_t, double> removed;
+  for (const int n : {1, 0, 1, 2, 3, 0, 2, 1, 3, 0}) {
+    run->jumpTo(places[n]);
+    ASSERT_TRUE(settles(*run, seen));
+    ASSERT_EQ(run->moment().sample, places[n]);
+    if (!at.contains(places[n])) {
+      const auto alone = watch(runFolder(), 1e6);
+      ASSERT_TRUE(alone);
+      alone->jumpTo(places[n]);
+      ASSERT_TRUE(settles(*alone, at[places[n]]));
+      removed[places[n]] = alone->moment().report.objects[0].removed_mm3;
+    }
+    EXPECT_TRUE(seen == at[places[n]]) << "place " << n;
+    EXPECT_EQ(run->moment().report.objects[0].removed_mm3, removed[places[n]]);
+  }
+  EXPECT_FALSE(at[places[0]] == at[places[1]]) << "a stroke is seen";
+
+  run->jumpTo(run->samples());
+  ASSERT_TRUE(settles(*run, seen));
+  ASSERT_TRUE(run->moment().verdict);
+  EXPECT_TRUE(run->moment().verdict->is_same) << run->moment().verdict->text;
+  EXPECT_TRUE(seen == *live_);
+  run->jumpTo(0);
+  ASSERT_TRUE(settles(*run, seen));
+  EXPECT_FALSE(run->moment().verdict);
+  EXPECT_EQ(run->moment().report.objects[0].removed_mm3, 0);
+}
+
+TEST_F(WatchedRunTest, ALogThatIsCutShortSaysSo) {
+  const fs::path copy = folder_->path() / "short.run";
+  fs::copy(runFolder(), copy, fs::copy_options::recursive);
+  const fs::path log = copy / internal::kRunLog;
+  fs::resize_file(log, fs::file_size(log) * 2 / 3);
+  const auto run = watch(copy);
+  ASSERT_TRUE(run);
+  Picture seen;
+  run->setSpeed(WatchedRun::kFastest);
+  run->play();
+  ASSERT_TRUE(becomes(*run, seen, [&] { return run->moment().is_at_end && run->isSettled(); }));
+  ASSERT_TRUE(run->moment().verdict);
+  EXPECT_FALSE(run->moment().verdict->is_same);
+  EXPECT_FALSE(run->moment().verdict->is_whole);
+  EXPECT_NE(run->moment().verdict->text.find("cut off"), std::string::npos) << run->moment().verdict->text;
+}
+
+TEST_F(WatchedRunTest, WhatDiffersIsSaid) {
+  const fs::path copy = folder_->path() / "other.run";
+  fs::copy(runFolder(), copy, fs::copy_options::recursive);
+  auto manifest = readRunManifest(copy);
+  ASSERT_TRUE(manifest);
+  manifest->state_hash = "0123456789abcdef";
+  ASSERT_TRUE(writeRunManifest(copy, *manifest));
+  const auto run = watch(copy);
+  ASSERT_TRUE(run);
+  Picture seen;
+  run->jumpTo(run->samples());
+  ASSERT_TRUE(settles(*run, seen));
+  ASSERT_TRUE(run->moment().verdict);
+  EXPECT_FALSE(run->moment().verdict->is_same);
+  EXPECT_TRUE(run->moment().verdict->is_whole);
+  EXPECT_NE(run->moment().verdict->text.find("0123456789abcdef"), std::string::npos) << run->moment().verdict->text;
+}
+
+TEST_F(WatchedRunTest, ASessionThatIsOpenIsRefused) {
+  const fs::path copy = folder_->path() / "open.run";
+  fs::copy(runFolder(), copy, fs::copy_options::recursive);
+  auto manifest = readRunManifest(copy);
+  ASSERT_TRUE(manifest);
+  manifest->is_open = true;
+  ASSERT_TRUE(writeRunManifest(copy, *manifest));
+  const auto run = WatchedRun::open(copy, {});
+  ASSERT_FALSE(run);
+  EXPECT_NE(run.error().hint.find("kerf recover"), std::string::npos) << run.error().message();
+}
+
+}  // namespace
+}  // namespace kerf
