@@ -237,7 +237,7 @@ void WatchedRun::follow(const Orders& orders) {
   now_.is_playing = orders.is_playing && !player_->isAtEnd();
   if (orders.jump) {
     jump(*orders.jump);
-    now_.is_playing = orders.is_playing && !player_->isAtEnd();
+    now_.is_playing = orders.is_playing && !player_->isAtEnd() && !now_.verdict;
   }
   restartClock();
 }
@@ -381,7 +381,7 @@ void WatchedRun::jump(std::size_t target) {
 
 // At the end: is it the session's?
 void WatchedRun::arrive() {
-  now_.is_playing = false;
+  stopPlaying();
   if (now_.verdict) return;
   if (const auto rest = player_->handleEvents(); !rest) return stopWith(rest.error());
 
@@ -403,8 +403,15 @@ void WatchedRun::arrive() {
   now_.verdict = std::move(verdict);
 }
 
-void WatchedRun::stopWith(const Error& error) {
+// A jump from here does not play on, unless that is asked for again.
+void WatchedRun::stopPlaying() {
   now_.is_playing = false;
+  const std::lock_guard lock(mutex_);
+  if (!orders_.jump) orders_.is_playing = false;
+}
+
+void WatchedRun::stopWith(const Error& error) {
+  stopPlaying();
   now_.verdict = WatchVerdict{false, true, error.message()};
 }
 

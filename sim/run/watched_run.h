@@ -157,6 +157,7 @@ class WatchedRun {
   void startFrom(const Kept* kept);
   void keepState();
   void arrive();
+  void stopPlaying();
   void stopWith(const Error& error);
   Told& toldOf(CutObject& object);
   void sendBricks();

@@ -222,6 +222,56 @@ TEST_F(WorkbenchTest, ASessionGoesOnFromARunWithItsPiecesWhereTheyWere) {
   EXPECT_NE(without.error().message().find("begin.vdb"), std::string::npos) << without.error().message();
 }
 
+TEST_F(WorkbenchTest, ASessionWithPiecesIsWatchedAndThenGoneOnWith) {
+  const fs::path in = folder_.path() / "bar.ply";
+  ASSERT_TRUE(writeMesh(in, test::blockMesh(true, {6, 1.6, 1.2})));
+  tools_ = {"disc-22", "round-010"};
+  ASSERT_TRUE(play("file.open \"" + in.string() +
+                   "\"\nwait\nview.fit\ncut.force 3\ncut.depth 2.2\ncut.press 200 150\nwait 5\ncut.release\nwait 1\n" +
+                   "expect pieces 2 2\npiece.choose 2\npiece.rename \"the left\"\npiece.move -2 0 1\nwait 0.1\n" +
+                   "tool.select round-010\ncut.depth 0.4\ncut.press 290 150\nwait 2\ncut.release\nwait 0.3\n"))
+      << allNotices();
+  const fs::path first = session_;
+  const double removed = removed_;
+  const std::string all = fmt::format("expect same 1 1\nexpect pieces 2 2\nexpect steps 3 3\nexpect removed {} {}\n",
+                                      removed - 1e-9, removed + 1e-9);
+  const std::string open = "replay.open \"" + first.string() + "\"\nwait\n";
+
+  const auto watched =
+      play(open + "expect time 0 0\nexpect pieces 1 1\nexpect removed 0 0\nexpect same -1 -1\nview.fit\n" +
+           "replay.speed fastest\nreplay.play\nwait 1000\nwait\n" + all +  // played to its end
+           "replay.jump 1\nwait\nexpect steps 1 1\nexpect same -1 -1\n" +  // back
+           "replay.begin\nwait\nexpect time 0 0\nexpect pieces 1 1\nexpect removed 0 0\n" +
+           "replay.next\nwait\nexpect steps 1 1\nreplay.next\nwait\nexpect pieces 2 2\nexpect steps 2 2\n" +
+           "replay.previous\nwait\nexpect steps 1 1\nreplay.end\nwait\n" + all +  // forth
+           "replay.time 1\nwait\nexpect time 1 1\nreplay.speed 2\nreplay.play\nwait 0.5\nreplay.pause\nwait\n" +
+           "expect time 1.4 3\nprint\nreplay.end\nwait\nreplay.go-on\nwait\nexpect pieces 2 2\n" +
+           fmt::format("expect removed {} {}\n", removed - 0.03, removed + 0.03) +  // as the run's field counts
+           "tool.select round-010\ncut.depth 0.4\ncut.press 300 150\nwait 2\ncut.release\nwait 0.3\n");
+  ASSERT_TRUE(watched) << watched.error().message() << allNotices();
+  EXPECT_NE(allNotices().find("replayed: the same"), std::string::npos) << allNotices();
+  const fs::path second = session_;
+  ASSERT_NE(second, first);
+
+  // One that began in pieces, and where it had been put.
+  const auto again = play("replay.open \"" + second.string() +
+                          "\"\nwait\nexpect pieces 2 2\nreplay.end\nwait\nexpect same 1 1\nexpect pieces 2 2\n" +
+                          fmt::format("expect removed {} {}\n", removed_ - 1e-9, removed_ + 1e-9) +
+                          "replay.close\nwait\nexpect pieces 0 0\n");
+  ASSERT_TRUE(again) << again.error().message() << allNotices();
+
+  const std::pair<std::string, const char*> refused[] = {
+      {open + "replay.go-on", "0.0 of"},        {open + "replay.jump 4", "0 to 3"},
+      {open + "replay.speed 40", "0.25 to 16"}, {open + "cut.press 200 150", "can not be done now"},
+      {"replay.play", "can not be done now"},   {"replay.open \"" + in.string() + "\"\nwait", "bar.ply"},
+  };
+  for (const auto& [script, expected] : refused) {
+    const auto played = play(script + "\n");
+    ASSERT_FALSE(played) << script;
+    EXPECT_NE(played.error().message().find(expected), std::string::npos) << played.error().message();
+  }
+}
+
 // Exports that would lose something: the scan by a piece's name, the scan from a run, one of two pieces.
 TEST_F(WorkbenchTest, AnExportOfPiecesWritesOverNoScanAndNoOtherPiece) {
   const fs::path in = folder_.path() / "bar-piece-1.obj";

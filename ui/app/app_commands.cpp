@@ -10,6 +10,7 @@
 #include "ui/app/neighbour_commands.h"
 #include "ui/app/piece_commands.h"
 #include "ui/app/point_commands.h"
+#include "ui/app/replay_commands.h"
 #include "ui/app/saw_commands.h"
 #include "ui/app/settings_commands.h"
 #include "ui/app/tissue_commands.h"
@@ -23,6 +24,7 @@ namespace {
 
 bool always(const AppContext&) { return true; }
 bool isOpen(const AppContext& c) { return c.bench.isOpen(); }
+bool isShown(const AppContext& c) { return c.bench.isShown(); }
 bool isIdle(const AppContext& c) { return !c.bench.job(); }
 bool isOpenAndIdle(const AppContext& c) { return isOpen(c) && isIdle(c); }
 bool hasPiecesAndIdle(const AppContext& c) { return piece_commands::arePieces(c) && isIdle(c); }
@@ -120,6 +122,35 @@ constexpr AppCommand kCommands[] = {
      "Finishes a session whose program was killed; 1 is the newest.", hasLost, recover},
     {"session.forget", "", "", "", "N delete", "Deletes a lost session with its log, for good.", hasLostSession,
      sessionForget},
+    {"replay.open", "File", "Watch a session...", "", "PATH",
+     "Shows a session that has ended as it was cut, from its beginning.", isIdle, replay_commands::open},
+    {"replay.play", "", "", "", "", "Plays on; at the end: from the beginning.", replay_commands::isWatching,
+     replay_commands::play},
+    {"replay.pause", "", "", "", "", "Holds the session where it is.", replay_commands::isWatching,
+     replay_commands::pause},
+    {"replay.toggle", "Replay", "Play or pause", "K", "", "Plays on, or holds the session where it is.",
+     replay_commands::isWatching, replay_commands::toggle},
+    {"replay.speed", "", "", "", "FACTOR|fastest",
+     "Plays 0.25 to 16 times as fast as it was cut, or as fast as it can.", replay_commands::isWatching,
+     replay_commands::speed},
+    {"replay.jump", "", "", "", "STEP", "Goes to the end of a step of the session; 0 is the beginning.",
+     replay_commands::isWatching, replay_commands::jump},
+    {"replay.time", "", "", "", "SECONDS", "Goes to a moment, in seconds of the session's own clock.",
+     replay_commands::isWatching, replay_commands::time},
+    {"replay.next", "Replay", "To the end of the next step", "N", "", "Goes to the end of the next step.",
+     replay_commands::isWatching, replay_commands::next},
+    {"replay.previous", "Replay", "To the end of the step before", "B", "", "Goes to the end of the step before.",
+     replay_commands::isWatching, replay_commands::previous},
+    {"replay.begin", "Replay", "To the beginning", "Shift+B", "", "Goes to the beginning of the session.",
+     replay_commands::isWatching, replay_commands::begin},
+    {"replay.end", "Replay", "To the end", "Shift+N", "",
+     "Goes to the end of the session, and says whether its state is the one that was recorded.",
+     replay_commands::isWatching, replay_commands::end},
+    {"replay.go-on", "Replay", "Go on cutting from here", "", "",
+     "Opens the session to cut, when its end is shown: a new session goes on from it.",
+     replay_commands::isWatchingAndIdle, replay_commands::goOn},
+    {"replay.close", "Replay", "Watch no more", "Esc", "", "Puts the session away.", replay_commands::isWatching,
+     replay_commands::close},
     {"recent.open", "File", "Open the last file again", "Ctrl+Shift+O", "[N]",
      "Opens a file that was opened before; 1 is the newest.", hasRecent, recentOpen},
     {"recent.forget", "", "", "", "N", "Takes a file off the list of recent files; the file stays.", hasRecent,
@@ -271,7 +302,7 @@ constexpr AppCommand kCommands[] = {
     {"measure.clear", "Edit", "Measure no more", "Shift+M", "", "Takes all points away.", point_commands::hasMeasure,
      point_commands::clearMeasure},
 
-    {"view.fit", "View", "Fit", "F", "", "Shows all of the object.", isOpen, view_commands::fit},
+    {"view.fit", "View", "Fit", "F", "", "Shows all of the object.", isShown, view_commands::fit},
     {"view.front", "View", "Front", "1", "", "Looks along +y.", always, view_commands::namedView<0>},
     {"view.back", "View", "Back", "2", "", "Looks along -y.", always, view_commands::namedView<1>},
     {"view.left", "View", "Left", "3", "", "Looks along +x.", always, view_commands::namedView<2>},
@@ -351,10 +382,12 @@ std::string appCommandReference() {
       "words in "
       "double quotes may hold blanks. X and Y are pixels of the picture, Y downwards. Beside them a script has `wait` "
       "(until "
-      "no job runs and no plane is sawn), `wait SECONDS` (of the simulation), `print` (the state, as JSON) and `expect "
-      "removed|depth|near|warm|sawn|triangles|pieces|beside|beside-near|beside-removed|steps|ahead LOW HIGH`. The "
-      "first "
-      "error ends it, "
+      "no job runs, no plane is sawn and no replay jumps), `wait SECONDS` (of the simulation), `print` (the state, as "
+      "JSON) and `expect "
+      "removed|depth|near|warm|sawn|triangles|pieces|beside|beside-near|beside-removed|steps|ahead|time|same LOW "
+      "HIGH`: `time` is the second that is watched, "
+      "`same` "
+      "1 when a replay ended as recorded, 0 when not, -1 before its end. The first error ends it, "
       "with "
       "exit code 1 and the line.\n\n| command | parameters | key | what it does |\n|---|---|---|---|\n";
   for (const AppCommand& c : kCommands)

@@ -10,6 +10,7 @@
 #include <numbers>
 #include <thread>
 
+#include "sim/run/watched_run.h"
 #include "ui/app/command_words.h"
 #include "ui/app/import_commands.h"
 #include "ui/app/sawing.h"
@@ -25,14 +26,30 @@ void frameOf(const std::function<void()>& frame) {
   std::this_thread::sleep_for(std::chrono::milliseconds(16));
 }
 
+// A pause or a jump that is on its way; what is played goes on.
+bool isReplayBusy(const AppContext& c) {
+  const WatchedRun* const run = c.bench.watched();
+  return run && !run->isSettled() && !run->moment().is_playing;
+}
+
+// Of the session that is watched; to its end at most.
+Expected<void> waitForReplay(AppContext& c, double seconds, const std::function<void()>& frame) {
+  const std::size_t until = c.bench.watched()->moment().sample + static_cast<std::size_t>(seconds / kTick);
+  frameOf(frame);
+  frameOf(frame);  // what was asked for last is on its way
+  while (c.bench.isPlaying() && c.bench.watched()->moment().sample < until) frameOf(frame);
+  return {};
+}
+
 Expected<void> wait(AppContext& c, AppWords words, const std::function<void()>& frame) {
   if (words.empty()) {
     do frameOf(frame);
-    while (c.bench.job() || isPreviewing(c) || c.bench.saw().isCutting() || c.bench.tissues().isBusy() ||
-           (c.bench.isOpen() && c.bench.scene().triangleCount() == 0));
+    while (c.bench.job() || isReplayBusy(c) || isPreviewing(c) || c.bench.saw().isCutting() ||
+           c.bench.tissues().isBusy() || (c.bench.isShown() && c.bench.scene().triangleCount() == 0));
     return {};
   }
   KERF_TRY(seconds, numberOf(words, 0, "SECONDS", 0, 36000));
+  if (c.bench.watched()) return waitForReplay(c, seconds, frame);
   if (!c.bench.isOpen()) return wrongWord("nothing is open", "a session whose clock runs");
   frame();
   const auto until = c.bench.report().tick + static_cast<std::uint64_t>(seconds / kTick);
@@ -62,7 +79,17 @@ void printState(const AppContext& c) {
     j["nerve_rise_K"] = heat.nerve_rise;
   }
   if (c.bench.importPlan()) j["import"] = nlohmann::json::parse(importState(*c.bench.importPlan()));
-  if (c.bench.isOpen()) j["tool"] = c.bench.tool(c.bench.toolInHand()).id;
+  if (const WatchedRun* const run = c.bench.watched()) {
+    const WatchMoment& now = run->moment();
+    j["replay"] = {{"seconds", kTick * static_cast<double>(now.sample)},
+                   {"of_seconds", run->seconds()},
+                   {"step", now.steps},
+                   {"of_steps", run->steps().size()},
+                   {"speed", now.speed},
+                   {"is_playing", now.is_playing}};
+    if (now.verdict) j["replay"]["verdict"] = now.verdict->text;
+  }
+  if (c.bench.isShown()) j["tool"] = c.bench.tool(c.bench.toolInHand()).id;
   if (const auto depth = c.bench.depthNow()) j["depth_now_mm"] = *depth;
   if (const auto near = c.bench.nearStructure({}); near && !near->is_far) {
     j["near"] = near->name;
@@ -99,7 +126,17 @@ double removedBeside(const AppContext& c) {
 }
 
 const std::string kExpected =
-    "removed, depth, near, warm, sawn, triangles, pieces, beside, beside-near, beside-removed, steps or ahead";
+    "removed, depth, near, warm, sawn, triangles, pieces, beside, beside-near, beside-removed, steps, ahead, time or "
+    "same";
+
+double secondWatched(const AppContext& c) {
+  return c.bench.watched() ? kTick * static_cast<double>(c.bench.watched()->moment().sample) : 0;
+}
+
+double sameness(const AppContext& c) {
+  if (!c.bench.watched() || !c.bench.watched()->moment().verdict) return -1;
+  return c.bench.watched()->moment().verdict->is_same ? 1 : 0;
+}
 
 Expected<void> expect(const AppContext& c, AppWords words) {
   if (words.empty()) return wrongWord("nothing", kExpected + ", and its range");
@@ -126,8 +163,14 @@ Expected<void> expect(const AppContext& c, AppWords words) {
     value = nearestBeside(c);
   else if (words[0] == "beside-removed")
     value = removedBeside(c);
+  else if (words[0] == "steps" && c.bench.watched())
+    value = static_cast<double>(c.bench.watched()->moment().steps);
   else if (words[0] == "steps")
     value = static_cast<double>(c.bench.timeline().older() + c.bench.timeline().done());
+  else if (words[0] == "time")
+    value = secondWatched(c);
+  else if (words[0] == "same")
+    value = sameness(c);
   else if (words[0] == "ahead")
     value = static_cast<double>(c.bench.timeline().steps().size() - c.bench.timeline().done());
   else

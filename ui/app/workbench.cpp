@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "geometry/formats/mesh_formats.h"
+#include "sim/run/watched_run.h"
 #include "ui/app/exporting.h"
 #include "ui/app/import_plan.h"
 #include "ui/app/sawing.h"
@@ -101,6 +102,7 @@ std::vector<ObjectChunks> Workbench::update() {
 }
 
 void Workbench::takeNews() {
+  if (watched_) return takeWatched();
   if (!run_) return;
   if (run_->thread().update()) {
     report_ = run_->thread().report();
@@ -133,8 +135,9 @@ void Workbench::takeNews() {
 }
 
 double Workbench::driveShare() const {
-  if (!run_) return 0;
-  const double free_speed = run_->model().tools[tool_].drive.speed;
+  if (!isShown()) return 0;
+  const Model& model = run_ ? run_->model() : watched_->model();
+  const double free_speed = model.tools[tool_].drive.speed;
   return free_speed > 0 ? report_.output.speed / free_speed : 0;
 }
 
@@ -280,6 +283,8 @@ void Workbench::show(Opened& loaded) {
     return complain(started.error());
   }
   putImportAway();
+  watched_.reset();
+  asked_run_.reset();
   hand_ = std::move(hand);
   guided_ = std::move(guided);
   run_ = std::move(loaded.run);

@@ -36,6 +36,7 @@ namespace kerf {
 class Sawing;
 class TissueDisplay;
 class ImportPlan;
+class WatchedRun;
 
 struct WorkbenchOptions {
   /// Where cases and sessions go: "cases", "sessions" below it. Empty: $XDG_DATA_HOME/kerf, or ~/.local/share/kerf.
@@ -45,6 +46,7 @@ struct WorkbenchOptions {
   double voxel_mm = 0;             ///< of scans that are opened; 0: 0.1, or coarser for a large one: voxelFor()
   RealTimeRequest real_time;       ///< of the haptic thread
   bool keeps_recent = false;       ///< what is opened is put on the list of recent files
+  bool asks_about_runs = false;    ///< whether a run is gone on with or watched: askedRun()
 };
 
 /// A selection of the rack for a first look: round, pear, taper, cylinder, flame, a disc, a saw.
@@ -133,10 +135,27 @@ class Workbench {
   void close();
   const std::filesystem::path& sessionFolder() const { return session_; }
 
+  // ---- Watching a session that has ended: sim/run/watched_run.h. Nothing is cut meanwhile: isOpen() is false.
+
+  /// Loads a run and shows its beginning; what was open is finished. A job.
+  void watch(const std::filesystem::path& run_folder);
+  /// Null: nothing is watched.
+  WatchedRun* watched() { return watched_.get(); }
+  const WatchedRun* watched() const { return watched_.get(); }
+  bool isPlaying() const;
+  /// Something is in the picture: it is cut, or watched.
+  bool isShown() const { return run_ || watched_; }
+  void endWatching();
+  /// Opens the run that is watched, to go on cutting.   Error kUnsupported: it is not at its end.
+  Expected<void> goOnCutting();
+  /// A run that beginImport() was given, until somebody says what to do with it: open() or watch(). None in scripts.
+  const std::optional<std::filesystem::path>& askedRun() const { return asked_run_; }
+  void forgetAskedRun() { asked_run_.reset(); }
+
   // ---- Tools
 
-  std::size_t toolCount() const { return run_ ? run_->tools().size() : 0; }
-  const Tool& tool(std::size_t n) const { return run_->tools()[n].tool; }
+  std::size_t toolCount() const;
+  const Tool& tool(std::size_t n) const;
   std::size_t toolInHand() const { return tool_; }
   void selectTool(std::size_t n);
   bool selectTool(const std::string& id);
@@ -285,6 +304,8 @@ class Workbench {
   void warnOfHeat();
   bool isSettled();
   void handOverScene();
+  void takeWatched();
+  void showWatched(std::unique_ptr<WatchedRun> run, const std::optional<Vec3d>& occlusal);
   bool isBusy();
   bool isSawing();
   bool send(const Command& command);
@@ -391,6 +412,9 @@ class Workbench {
   std::optional<Handover> handover_;
   std::vector<ObjectChunks> fresh_;  // not handed out yet
   std::unique_ptr<Sawing> saw_;
+  std::unique_ptr<WatchedRun> watched_;
+  bool has_told_of_verdict_ = false;
+  std::optional<std::filesystem::path> asked_run_;
 };
 
 }  // namespace kerf

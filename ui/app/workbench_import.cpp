@@ -11,7 +11,12 @@ namespace kerf {
 
 void Workbench::beginImport(const std::filesystem::path& path) {
   if (isBusy()) return;
-  if (kindOf(path) != FileKind::kScan) return open(path);
+  const FileKind kind = kindOf(path);
+  if (kind == FileKind::kRun && options_.asks_about_runs) {
+    asked_run_ = path;
+    return;
+  }
+  if (kind != FileKind::kScan) return open(path);
 
   auto job = std::make_unique<Job<ScanFound>>("reading " + path.filename().string(),
                                               [path](const Progress& progress) { return readScan(path, progress); });

@@ -10,6 +10,7 @@
 
 #include "geometry/case/case_bundle.h"
 #include "geometry/formats/mesh_formats.h"
+#include "sim/run/run_manifest.h"
 #include "ui/window/style.h"
 
 namespace kerf {
@@ -46,7 +47,8 @@ void FileBrowser::goTo(const fs::path& folder) {
   entries_.clear();
   for (const fs::directory_entry& e : in) {
     Entry entry{e.path().filename().string(), e.is_directory(failed), false};
-    entry.is_case = entry.is_folder && isCase(e.path());
+    entry.is_run = entry.is_folder && isRun(e.path());
+    entry.is_case = entry.is_run || (entry.is_folder && isCase(e.path()));
     if (isListed(entry)) entries_.push_back(std::move(entry));
   }
   std::sort(entries_.begin(), entries_.end(), [](const Entry& a, const Entry& b) {
@@ -103,7 +105,8 @@ std::optional<fs::path> FileBrowser::draw() {
   ImGui::BeginChild("entries", {0, -2.2f * ImGui::GetFrameHeightWithSpacing()}, true);
   std::optional<fs::path> next;
   for (const Entry& entry : entries_) {
-    const std::string label = entry.is_case     ? entry.name + "   (case)"
+    const std::string label = entry.is_run      ? entry.name + "   (run)"
+                              : entry.is_case   ? entry.name + "   (case)"
                               : entry.is_folder ? entry.name + "/"
                                                 : entry.name;
     const bool is_chosen =

@@ -29,7 +29,7 @@ class FileBrowser {
  private:
   struct Entry {
     std::string name;
-    bool is_folder = false, is_case = false;
+    bool is_folder = false, is_case = false, is_run = false;  // a run is chosen like a case
   };
   void goTo(const std::filesystem::path& folder);
   bool isListed(const Entry& entry) const;

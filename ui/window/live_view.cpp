@@ -126,7 +126,7 @@ void LiveView::showSection(const Workbench& bench) {
 bool LiveView::takeFitWanted() { return std::exchange(is_fit_wanted_, false); }
 
 void LiveView::showTool(const Workbench& bench) {
-  if (!bench.isOpen() || tool_ == bench.toolInHand()) return;
+  if (!bench.isShown() || tool_ == bench.toolInHand()) return;
   tool_ = bench.toolInHand();
   const Tool& tool = bench.tool(*tool_);
   ToolLook look;
@@ -139,10 +139,10 @@ void LiveView::showTool(const Workbench& bench) {
 
 LiveFrame LiveView::frameOf(const Workbench& bench, const Camera& camera) {
   LiveFrame frame;
-  if (!bench.isOpen()) return frame;
+  if (!bench.isShown()) return frame;
   frame.section = bench.section;
   frame.plan = saw_.planOf(bench, camera);
-  if (bench.isPressed() || bench.saw().isCutting()) {
+  if (bench.watched() || bench.isPressed() || bench.saw().isCutting()) {
     frame.T_world_tool = bench.report().output.T_world_tool;
   } else if (hover_) {
     frame.T_world_tool = hover_->T_world_tool;

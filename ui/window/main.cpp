@@ -31,7 +31,7 @@
 namespace {
 
 struct Arguments {
-  std::string screenshot, view, size, look_at, section, script, data, unit, config;
+  std::string replay, screenshot, view, size, look_at, section, script, data, unit, config;
   std::vector<std::string> scenes, tools;
   double voxel = 0;
   double zoom = 1;
@@ -137,6 +137,7 @@ kerf::Expected<Shown> read(const Arguments& arguments) {
 kerf::Expected<void> cut(const Arguments& arguments, const Shown& shown) {
   kerf::WorkshopOptions options;
   options.open.assign(arguments.scenes.begin(), arguments.scenes.end());
+  options.replay = arguments.replay;
   options.bench.data_folder = arguments.data;
   options.config = arguments.config;
   options.bench.tools = arguments.tools;
@@ -157,7 +158,7 @@ kerf::Expected<void> cut(const Arguments& arguments, const Shown& shown) {
 kerf::Expected<void> run(const Arguments& arguments, const Shown& shown) {
   const bool is_looked_at = !arguments.screenshot.empty() || shown.cut || arguments.timed_frames > 0 ||
                             (arguments.scenes.size() == 1 && kerf::isRun(arguments.scenes.front()));
-  if (!arguments.script.empty() || !is_looked_at) return cut(arguments, shown);
+  if (!arguments.script.empty() || !arguments.replay.empty() || !is_looked_at) return cut(arguments, shown);
 
   if (arguments.scenes.size() > 1)
     return kerf::fail(badValue("scene", arguments.scenes[1], "one mesh, case or run to draw or to time",
@@ -212,6 +213,10 @@ int main(int argc, char** argv) try {
       ->type_name("MESH|CASE|RUN");
   app.add_option("--script", a.script, "run the commands of a file instead of opening a window; needs no display")
       ->type_name("FILE");
+  app.add_option("--replay", a.replay,
+                 "watch a session that has ended, from its beginning; kerf-sim RUN shows its result, and File, Open "
+                 "goes on with it")
+      ->type_name("RUN");
   app.add_flag("--watch", a.is_watched,
                "draw a script's frames as the window would, and print how long they took, how far the picture was "
                "behind the cut, and how punctual the 1 kHz loop was");
@@ -277,6 +282,10 @@ int main(int argc, char** argv) try {
   }
   if (a.scenes.empty() && !a.screenshot.empty())
     return complain(badValue("scene", "", "a mesh, a case or a run to draw", "kerf-sim --screenshot OUT.png molar.stl"),
+                    kerf::kUsage);
+  if (!a.replay.empty() && !(a.scenes.empty() && a.screenshot.empty()))
+    return complain(badValue("--replay", a.replay, "no other scene, and no --screenshot beside it",
+                             "picture.write OUT.png in a script"),
                     kerf::kUsage);
   const auto shown = read(a);
   if (!shown) return complain(shown.error(), kerf::kUsage);

@@ -12,6 +12,7 @@
 #include "ui/app/settings.h"
 #include "ui/window/measure_panel.h"
 #include "ui/window/plots_panel.h"
+#include "ui/window/replay_panel.h"
 #include "ui/window/settings_panel.h"
 #include "ui/window/style.h"
 #include "ui/window/timeline_panel.h"
@@ -29,7 +30,7 @@ void runOrSay(AppContext& context, const AppCommand& command) {
 
 void drawMenus(AppContext& context, PanelState& state) {
   if (!ImGui::BeginMainMenuBar()) return;
-  for (const char* const heading : {"File", "Edit", "Tool", "Piece", "Saw", "View"}) {
+  for (const char* const heading : {"File", "Edit", "Tool", "Piece", "Saw", "Replay", "View"}) {
     if (!ImGui::BeginMenu(heading)) continue;
     for (const AppCommand& command : appCommands()) {
       if (command.menu != heading) continue;
@@ -182,7 +183,7 @@ void drawNotices(AppContext& context, PanelState& state) {
   if (state.notices_seen >= notices.size()) return;
   const ImGuiIO& io = ImGui::GetIO();
   const float middle = 0.5f * io.DisplaySize.x;
-  const bool is_cutting = context.bench.isOpen() && !context.bench.importPlan();
+  const bool is_cutting = context.bench.isShown() && !context.bench.importPlan();
   if (is_cutting)  // hints, timeline and plan stand below, what is picked is said above
     ImGui::SetNextWindowPos({middle, ImGui::GetFrameHeight() + scaled(48)}, ImGuiCond_Always, {0.5f, 0});
   else
@@ -229,6 +230,8 @@ void drawPanels(AppContext& context, PanelState& state, const std::optional<Tool
   drawMenus(context, state);
   if (context.bench.importPlan()) {
     drawImportPanel(context, state.import);
+  } else if (context.bench.watched()) {
+    drawReplay(context);
   } else if (context.bench.isOpen()) {
     drawTools(context, state.tools);
     float below = drawReadings(context, over) + 8;
@@ -241,6 +244,7 @@ void drawPanels(AppContext& context, PanelState& state, const std::optional<Tool
   } else {
     state.first.draw(context, state.ask_for_file);
   }
+  drawRunQuestion(context);
   drawSettings(context);
   drawJob(context);
   drawNotices(context, state);

@@ -227,7 +227,10 @@ class Workshop {
     bench_.setForce(settings_.values.force_N);
     bench_.depth_mm = settings_.values.depth_mm;
     browser_.setFolder(settings_.values.last_folder);
-    bench_.openAll(options_.open);
+    if (!options_.replay.empty())
+      bench_.watch(options_.replay);
+    else
+      bench_.openAll(options_.open);
 
     while (!wants_end_) KERF_CHECK(frame());
     const auto ended = endAll(bench_, *view_);
@@ -240,11 +243,12 @@ class Workshop {
  private:
   static WorkbenchOptions remembering(WorkbenchOptions options) {
     options.keeps_recent = true;
+    options.asks_about_runs = true;
     return options;
   }
 
   Expected<void> frame() {
-    const bool is_idle = !bench_.isOpen() && !bench_.job();
+    const bool is_idle = !bench_.isShown() && !bench_.job();
     options_.frames > 0 ? glfwPollEvents() : glfwWaitEventsTimeout(is_idle ? 0.25 : 1.0 / 60);
     glfwGetWindowSize(desktop_.window, &window_width_, &window_height_);
     glfwGetFramebufferSize(desktop_.window, &context_.width, &context_.height);
@@ -259,7 +263,7 @@ class Workshop {
 
     view_->update(bench_);
     if (!bench_.scene().bounds().isEmpty() && view_->takeFitWanted()) fitFirst();
-    if (bench_.isOpen() && !bench_.scene().bounds().isEmpty()) box_ = bench_.scene().bounds();
+    if (bench_.isShown() && !bench_.scene().bounds().isEmpty()) box_ = bench_.scene().bounds();
     updateImport();
     updateSound();
     applySettings();
@@ -274,7 +278,7 @@ class Workshop {
     chooseFile();
     ImGui::Render();
 
-    const bool is_still = secondsSince(last_input_) > kStillAfter && !bench_.isPressed();
+    const bool is_still = secondsSince(last_input_) > kStillAfter && !bench_.isPressed() && !bench_.isPlaying();
     const bool is_smooth = is_still && !is_software_;
     if (bench_.importPlan())
       KERF_CHECK(import_view_->draw(camera_, context_.width, context_.height, is_smooth));
@@ -461,6 +465,10 @@ class Workshop {
 
   // Keys that hold a stroke or nudge it.
   bool leadsStroke(const InputEvent& e) {
+    if (e.key == GLFW_KEY_SPACE && e.modifiers == 0 && bench_.watched()) {
+      if (!e.is_repeated) say(runAppCommand(context_, "replay.toggle", {}));
+      return true;
+    }
     if (e.key == GLFW_KEY_SPACE && e.modifiers == 0) {
       const bool is_over_picture = context_.pointer.has_value();
       if (!e.is_repeated && bench_.isOpen() && !bench_.importPlan())
@@ -576,7 +584,7 @@ class Workshop {
   void askForFile(const AppCommand& command) {
     asked_for_ = &command;
     const bool opens = command.id == "file.open" || command.id == "file.open-beside" || command.id == "import.read" ||
-                       command.id == "tool.add";
+                       command.id == "replay.open" || command.id == "tool.add";
     browser_.show(opens ? FileBrowser::Purpose::kOpen : FileBrowser::Purpose::kSave,
                   opens ? "" : bench_.name() + "-cut.stl", command.id == "file.open");
   }
@@ -673,8 +681,12 @@ Expected<void> runWorkshopScript(const fs::path& script, const WorkshopOptions& 
     glFinish();
     watch.end(bench);
   };
-  if (options.open.size() == 1) bench.open(options.open.front());
-  if (options.open.size() > 1) bench.openAll(options.open);
+  if (!options.replay.empty())
+    bench.watch(options.replay);
+  else if (options.open.size() == 1)
+    bench.open(options.open.front());
+  else if (options.open.size() > 1)
+    bench.openAll(options.open);
   auto played = runScript(context, script, frame);
   const auto ended = endAll(bench, *view);
   view.reset();

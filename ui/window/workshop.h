@@ -13,6 +13,7 @@ namespace kerf {
 struct WorkshopOptions {
   /// Meshes, recipes or cases: the first is worked on, the others stand beside it. None: the first screen.
   std::vector<std::filesystem::path> open;
+  std::filesystem::path replay;  ///< a run that is watched, in the place of `open`; empty: none
   WorkbenchOptions bench;
   std::filesystem::path config;  ///< folder of settings.toml; empty: that of the user
   std::string view = "top";      ///< from which side it is seen first

@@ -114,6 +114,12 @@ TEST_F(WatchedRunTest, AtAnySpeedTheEndIsThatOfTheSessionBitForBit) {
     EXPECT_TRUE(seen == *live_) << "at speed " << speed;
     EXPECT_EQ(run->moment().tool, 1u);
     EXPECT_EQ(run->moment().steps, 5u) << "three strokes and two undos";
+    run->jumpTo(10);
+    ASSERT_TRUE(settles(*run, seen));
+    EXPECT_EQ(run->moment().sample, 10u) << "nobody has asked to play on";
+    run->jumpTo(run->samples());
+    ASSERT_TRUE(settles(*run, seen));
+    EXPECT_TRUE(seen == *live_);
     EXPECT_NEAR(run->moment().report.objects[0].removed_mm3, replayRun(runFolder())->removed_mm3, 1e-9);
   }
 }
