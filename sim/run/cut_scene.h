@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,12 +21,15 @@ struct CutInputs {
   std::vector<std::filesystem::path> folders;  ///< of the cases: the one to be cut first, then those beside it
   std::vector<CaseManifest> manifests;         ///< of the same
   std::vector<std::string> paths;              ///< the same as seen from the run
+  std::filesystem::path from;                  ///< the run that is gone on from; empty: none
   std::filesystem::path tool_file, path_file;
   Tool tool;
   CutPath path;
 };
 
-/// Errors: kBadValue for too many cases, and for one that is given twice; those of the readers.
+/// @param case_folder  or a run that has ended, from which it goes on.
+/// Errors: kUnsupported for a run that is open, whose pieces were moved, or that has cases beside it; kBadValue for too
+/// many cases, and for one that is given twice; those of the readers.
 Expected<CutInputs> readInputs(const std::filesystem::path& case_folder,
                                const std::vector<std::filesystem::path>& beside, const std::filesystem::path& tool_file,
                                const std::filesystem::path& path_file, const std::filesystem::path& run_folder);
@@ -36,6 +40,8 @@ struct CutScene {
   LoadedObjects objects;  ///< of inputs.folders, in their order
   MaterialTable materials;
   Model model;
+  /// Of a cut that goes on: the field of the case, before what it goes on from. None: objects.front() has it.
+  std::optional<BrickField> original;
 
   const BakedObject& object() const { return *objects.front(); }  ///< the one to be cut
   Rigid3 start() const;                                           ///< of the tool, on its path

@@ -102,6 +102,12 @@ Expected<Swept> sweepCase(const fs::path& case_folder, const CaseManifest& in_ca
 
 Expected<RunManifest> cutCase(const fs::path& case_folder, const fs::path& tool_file, const fs::path& path_file,
                               const fs::path& run_folder, const CutOptions& options, const Progress& progress) {
+  if (isRun(case_folder))
+    return fail({.code = Error::Code::kUnsupported,
+                 .file = case_folder.string(),
+                 .found = "a run, to be gone on from geometry only",
+                 .expected = "a case: what a run has is cut against resistance further",
+                 .hint = "--hand; or both paths in one file"});
   KERF_TRY(in_case, readCaseManifest(case_folder));
   KERF_TRY(case_path, internal::relativeCasePath(case_folder, run_folder));
   KERF_TRY(tool, readTool(tool_file));

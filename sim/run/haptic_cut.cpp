@@ -10,6 +10,7 @@
 #include "geometry/field/vdb_io.h"
 #include "sim/hand/device_profile.h"
 #include "sim/monitor/monitor.h"
+#include "sim/pieces/joined_field.h"
 #include "sim/pieces/pieces.h"
 #include "sim/run/cut_observer.h"
 #include "sim/run/cut_scene.h"
@@ -368,6 +369,12 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
 
   // Write.
   if (!report(progress, 0.92, "writing")) return nothingWritten();
+  if (scene.original) {  // the run has all that was cut, and what it began with
+    const FieldPart all{.begin = &scene.object().phi0(), .changed = &changed.front()};
+    changed.front() = joinedChanges(*scene.original, {&all, 1});
+    KERF_TRY(begin_sha256, internal::storeBegin(scene.inputs.from, folder.staging()));
+    out.manifest.begin_sha256 = begin_sha256;
+  }
   KERF_CHECK(writeRun(folder.staging(), run_folder, scene.inputs, changed, out));
   KERF_CHECK(folder.commit());
   report(progress, 1.0, "done");

@@ -49,6 +49,9 @@ struct HapticCut {
 /// `kerf cut`, where it has one.
 Expected<void> checkOptions(const HapticCutOptions& options);
 
+/// @param case_folder  or a run that has ended: its case is cut further, and the new run has all that was cut in both.
+///   Pieces are cut as one object, each where it was; the summary counts from where the earlier run ended.
+///   Error kUnsupported for one that is open, whose pieces were moved, or that has cases beside it.
 /// Writes the run (docs/reference/file-formats.md): run.toml, run.vdb (grid phi), forces.csv (one row a tick),
 /// summary.json, session.kerflog (what kerf replay reads), sound.wav if asked for (48 kHz, 1 MB in 11 s).
 /// Same inputs, same bytes (but for the identifier inside run.vdb).

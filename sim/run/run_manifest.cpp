@@ -92,7 +92,6 @@ Expected<void> readPieces(TomlTable& top, const fs::path& path, RunManifest& m) 
 Expected<void> readTools(TomlTable& top, const fs::path& path, RunManifest& m) {
   m.is_open = top.get<bool>("is_open", "true or false");
   m.tool_id = top.get<std::string>("tool_id", "tools");
-  m.begin_sha256 = top.getOr<std::string>("begin_sha256", "", "64 hexadecimal digits");
   const toml::array* tables = top.tables("tool");
   if (!tables) return top.finish();
 
@@ -146,6 +145,7 @@ Expected<RunManifest> readRunManifest(const fs::path& folder) {
   else
     top.reject("mode", "\"" + m.mode + "\"", modes);
 
+  if (m.mode != kModeGeometry) m.begin_sha256 = top.getOr<std::string>("begin_sha256", "", "64 hexadecimal digits");
   m.duration_s = top.get<double>("duration_s", "s");
   m.voxel_mm = top.number("voxel_mm", 0.001, 100);
   m.state_hash = top.get<std::string>("state_hash", "16 hexadecimal digits");
@@ -166,9 +166,9 @@ Expected<void> writeRunManifest(const fs::path& folder, const RunManifest& m) {
       {"tool_id", m.tool_id},       {"duration_s", m.duration_s},     {"voxel_mm", m.voxel_mm},
       {"state_hash", m.state_hash}, {"field_sha256", m.field_sha256},
   };
+  if (m.mode != kModeGeometry && !m.begin_sha256.empty()) root.insert("begin_sha256", m.begin_sha256);
   if (m.mode == kModeSession) {
     root.insert("is_open", m.is_open);
-    if (!m.begin_sha256.empty()) root.insert("begin_sha256", m.begin_sha256);
     toml::array tools;
     for (const RunManifest::ToolFile& t : m.tools)
       tools.push_back(toml::table{{"id", t.id}, {"file", t.file}, {"sha256", t.sha256}});

@@ -7,7 +7,7 @@
 //   run.vdb      grids phi (the cut field, bricks that changed) and, geometry only, sweep (union of tool sweeps, mm);
 //                beside_1, beside_2, ...: phi of further cases that stood beside the one that was cut
 //   forces.csv, summary.json, session.kerflog   of a cut against resistance: haptic_cut.h
-//   begin.vdb    mode session, of one that went on from another run: that one's run.vdb
+//   begin.vdb    modes haptic and session, of one that went on from another run: what that one left, phi and beside_1, ...
 //   tools/       mode session: in place of tool and path, all tools of the session
 //
 // run_files.h reads what lies beside the manifest.
@@ -42,6 +42,10 @@ struct RunManifest {
   std::string state_hash;
   std::string field_sha256;  ///< of run.vdb: a damaged file is refused
 
+  /// Of begin.vdb, modes haptic and session: what an earlier run had cut, from which this one went on. Empty: it began
+  /// with the case.
+  std::string begin_sha256;
+
   // Mode session only. Its tools stand in the order of the session's; tool_id names those that were in hand.
   struct ToolFile {
     std::string id, file, sha256;  ///< file: in the run folder
@@ -50,8 +54,6 @@ struct RunManifest {
   /// The session has not ended, or its program has: there is the log, and neither field nor state. recoverRun()
   /// finishes it.
   bool is_open = false;
-  /// Of begin.vdb: what an earlier run had cut, from which this one went on. Empty: it began with the case.
-  std::string begin_sha256;
   /// Objects that the case was in at the end, when there are several or one was moved. In run.vdb all are where they
   /// were loaded.
   struct Piece {

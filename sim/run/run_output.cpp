@@ -48,6 +48,13 @@ bool isText(const std::string& bytes) {
 
 std::string neighbourKey(std::size_t beside) { return neighbourId(beside) + ".case_id"; }
 
+Expected<std::string> storeBegin(const fs::path& from, const fs::path& run_folder) {
+  KERF_TRY(before, readRunManifest(from));
+  KERF_CHECK(copyInto(from / kRunField, run_folder / kRunBegin));
+  KERF_CHECK(requireSha256(run_folder / kRunBegin, before.field_sha256, "the run it goes on from is damaged"));
+  return before.field_sha256;
+}
+
 Expected<std::string> relativeCasePath(const fs::path& case_folder, const fs::path& run_folder) {
   // Links are resolved: ".." goes by the real folders.
   std::error_code ignored;

@@ -29,6 +29,10 @@ void addMotions(const CutPath& path, RunManifest& manifest);
 /// What was expected of a path that cut nothing: "a path through the box (...) to (...) mm".
 std::string throughBox(const Box3& box);
 
+/// Copies the field of a run that has ended, from which another one goes on, into that one's folder. @return its hash.
+/// Errors: kWriteFailed; kBadValue when it is damaged.
+Expected<std::string> storeBegin(const std::filesystem::path& from, const std::filesystem::path& run_folder);
+
 /// Copies tool, its mesh and path into the staging folder, hashes run.vdb, fills in what the manifest says of them, and
 /// writes it.
 Expected<void> finishRun(const std::filesystem::path& staging, const Tool& tool, const std::filesystem::path& tool_file,

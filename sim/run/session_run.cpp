@@ -59,17 +59,6 @@ Expected<RunManifest::ToolFile> storeTool(const SessionTool& tool, std::size_t n
   return out;
 }
 
-// Copies the field of the run that is gone on with.
-Expected<std::string> storeBegin(const fs::path& from, const fs::path& run_folder) {
-  KERF_TRY(before, readRunManifest(from));
-  std::error_code failed;
-  fs::copy_file(from / internal::kRunField, run_folder / internal::kRunBegin, failed);
-  if (failed) return cannotWrite(run_folder / internal::kRunBegin, failed.message());
-  KERF_CHECK(
-      requireSha256(run_folder / internal::kRunBegin, before.field_sha256, "the run it goes on from is damaged"));
-  return before.field_sha256;
-}
-
 // Ids of the tools that were in hand, in the order of their first use.
 std::string toolsInHand(const SessionLog& log, const RunManifest& manifest) {
   std::string out = manifest.tools.front().id;
@@ -223,7 +212,7 @@ Expected<OpenedRun> openSessionRun(const fs::path& run_folder, const fs::path& c
     }
     out.tool_id = out.tools.empty() ? "" : out.tools.front().id;
     if (!from.empty()) {
-      KERF_TRY(hash, storeBegin(from, run_folder));
+      KERF_TRY(hash, internal::storeBegin(from, run_folder));
       out.begin_sha256 = hash;
     }
     KERF_CHECK(writeRunManifest(run_folder, out));

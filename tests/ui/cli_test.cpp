@@ -67,6 +67,47 @@ TEST_F(Cli, HelpListsEveryCommandUnderAHeadingAndEachHasHelpOfItsOwn) {
   EXPECT_GE(count, 10u);
 }
 
+TEST_F(Cli, ACutAgainstResistanceGoesOnFromARun) {
+  ASSERT_EQ(runKerf({"demo", "molar", "--coarseness", "3", "-o", at("molar")}).exit_code, 0);
+  ASSERT_EQ(runKerf({"bake", at("molar/molar.toml"), "--voxel", "0.2", "-o", at("molar.case")}).exit_code, 0);
+  const std::string cavity = std::string(KERF_SOURCE_DIR) + "/assets/paths/demo-cavity.toml";
+  // A hole beside it.
+  folder_.write("beside.csv", "t,x,y,z,qw,qx,qy,qz\n0,3.2,0.5,9,1,0,0,0\n3,3.2,0.5,3,1,0,0,0\n6,3.2,0.5,9,1,0,0,0\n");
+  const auto cut = [&](const std::string& from, const std::string& path, const std::string& run,
+                       const std::vector<std::string>& more) {
+    std::vector<std::string> words{"cut", at(from), "--tool", "round-014", "--path", path, "-o", at(run), "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  };
+  const json first = parsed(runKerf(cut("molar.case", at("beside.csv"), "first.run", {"--hand", "feed"})));
+  const json second = parsed(runKerf(cut("first.run", cavity, "second.run", {"--hand", "force"})));
+  const json alone = parsed(runKerf(cut("molar.case", cavity, "alone.run", {"--hand", "force"})));
+  const double before = first["removed_mm3"], then = second["removed_mm3"];
+  ASSERT_GT(before, 0.05);
+  EXPECT_GT(then, 5);
+  EXPECT_NEAR(second["initial_mm3"].get<double>(), first["remaining_mm3"].get<double>(), 1e-6);
+  EXPECT_LE(then, alone["removed_mm3"].get<double>() + 0.2) << "what is gone is not cut again";
+
+  // What both have cut is exported; the run says what it went on from, and replays.
+  const auto exported = [&](const std::string& run) {
+    const json out = parsed(runKerf({"export", at(run), "-o", at(run + ".stl"), "--json"}));
+    EXPECT_EQ(runKerf({"check", at(run + ".stl")}).exit_code, 0) << run;
+    return out["removed_volume_mm3"].get<double>();
+  };
+  const double all = exported("second.run"), part = exported("first.run");
+  EXPECT_NEAR(all - part, then, 0.05 * then);
+  const json info = parsed(runKerf({"info", at("second.run"), "--json"}));
+  EXPECT_EQ(info["goes_on_from_field_sha256"].get<std::string>().size(), 64u) << info;
+  const json replayed = parsed(runKerf({"replay", at("second.run"), "--json"}));
+  EXPECT_TRUE(replayed["is_same"].get<bool>() && replayed["is_whole"].get<bool>()) << replayed;
+
+  refuses(cut("first.run", cavity, "x.run", {}), {"geometry only", "--hand"});
+  refuses(cut("first.run", cavity, "first.run", {"--hand", "feed", "--force"}), {"never changed"});
+  parsed(runKerf(cut("molar.case", at("beside.csv"), "damaged.run", {"--hand", "feed"})));
+  std::ofstream(at("damaged.run/run.vdb"), std::ios::binary) << "no field";
+  refuses(cut("damaged.run", cavity, "x.run", {"--hand", "feed"}), {"run.vdb"});
+}
+
 TEST_F(Cli, ACutAgainstResistanceIsRecordedAndReplaysBitForBit) {
   ASSERT_EQ(runKerf({"demo", "molar", "--coarseness", "3", "-o", at("molar")}).exit_code, 0);
   ASSERT_EQ(runKerf({"bake", at("molar/molar.toml"), "--voxel", "0.2", "-o", at("molar.case")}).exit_code, 0);

@@ -255,6 +255,7 @@ constexpr const char* kFooter =
     "Without --hand: geometry only, the cutting part removes whatever it sweeps.\n"
     "With --hand: a virtual hand holds the tool against resistance, in steps of 1 ms. Tissues differ, force decides\n"
     "how fast the tool cuts, neck, shank and flanks collide. The run then also holds forces.csv and summary.json.\n"
+    "With --hand a RUN can be gone on from, unless it is open, its pieces were moved, or it has cases beside it.\n"
     "With --beside: the tool also meets further teeth, as they stand in the scan's frame.\n"
     "Examples:\n"
     "  kerf cut molar.case --tool round-014 --path cavity.toml -o molar.run\n"
@@ -313,7 +314,12 @@ void addOptionsOfOneHand(CLI::App& command, Arguments& a) {
 void addCut(CLI::App& command, int& exit_code) {
   auto a = std::make_shared<Arguments>();
   command.footer(kFooter);
-  command.add_option("CASE", a->case_folder, "case folder")->required();
+  command
+      .add_option("CASE", a->case_folder,
+                  "case folder; with --hand also a run that has ended: the new run goes on from it and holds all that "
+                  "was cut in both")
+      ->type_name("CASE|RUN")
+      ->required();
   command.add_option("--tool", a->tool, "tool id (kerf tool list) or a tool's TOML file")->required();
   command
       .add_option("--path", a->path,

@@ -113,6 +113,7 @@ Expected<json> runInfo(const fs::path& folder) {
     j["segments"] = m.segments;
     j["path_length_mm"] = m.path_length_mm;
   }
+  if (!m.begin_sha256.empty()) j["goes_on_from_field_sha256"] = m.begin_sha256;
   for (const RunManifest::Piece& p : m.pieces) {
     const Vec3d& t = p.T_case_piece.translation;
     const Eigen::Quaterniond& q = p.T_case_piece.rotation;
