@@ -7,10 +7,12 @@
 #include <limits>
 #include <numbers>
 
+#include "geometry/mesh/crossing_pairs.h"
 #include "geometry/mesh/float32_cleanup.h"
 #include "preprocess/close/base.h"
 #include "preprocess/close/hole.h"
 #include "preprocess/close/poll.h"
+#include "preprocess/close/smooth_base.h"
 
 namespace kerf::internal {
 namespace {
@@ -218,22 +220,118 @@ Expected<bool> needsBase(const Mesh& mesh, const Boundary& boundary, const Close
       ungrounded(found, options.fill_up_to_mm ? "--close base, or a larger --fill-holes-up-to" : "--close base"));
 }
 
+std::vector<std::uint32_t> pieceOfVertices(const Mesh& mesh, const Pieces& pieces) {
+  std::vector<std::uint32_t> out(mesh.vertices.size(), 0);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    for (const std::uint32_t v : mesh.triangles[t]) out[v] = pieces.label[t];
+  return out;
+}
+
 /// Marks the longest loop, and those that are long for their piece and open to the same side.
 void markRims(const Mesh& mesh, const Vec3d& down, const CloseOptions& options, Boundary& boundary) {
   const Pieces pieces = edgeConnectedPieces(mesh);
   std::vector<Box3> box(pieces.count);
-  std::vector<std::uint32_t> piece_of(mesh.vertices.size(), 0);
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-    for (const std::uint32_t v : mesh.triangles[t]) {
-      box[pieces.label[t]].add(mesh.vertices[v]);
-      piece_of[v] = pieces.label[t];
-    }
+  const std::vector<std::uint32_t> piece_of = pieceOfVertices(mesh, pieces);
+  for (const Triangle& f : mesh.triangles)
+    for (const std::uint32_t v : f) box[piece_of[v]].add(mesh.vertices[v]);
   for (std::size_t i = 0; i < boundary.loops.size(); ++i) {
     const double own = box[piece_of[boundary.loops[i][0]]].size().norm();
     const double most = options.fill_up_to_mm ? *options.fill_up_to_mm : options.rim_to_diagonal * own;
     boundary.is_rim[i] =
         i == boundary.longest || (boundary.lengths[i] > most && areaVector(mesh, boundary.loops[i]).dot(down) > 0);
   }
+}
+
+/// Whether the shadow of `inner` along the axis lies within that of `outer`. At most 200 vertices of `inner` are asked.
+bool liesInShadow(const Mesh& mesh, const Loop& inner, const Loop& outer, int axis) {
+  const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+  constexpr std::size_t kMostAsked = 200;
+  const std::size_t stride = (inner.size() + kMostAsked - 1) / kMostAsked;
+  for (std::size_t k = 0; k < inner.size(); k += stride) {
+    const Vec3d& p = mesh.vertices[inner[k]];
+    int winding = 0;
+    for (std::size_t i = 0; i < outer.size(); ++i) {
+      const Vec3d &a = mesh.vertices[outer[i]], &b = mesh.vertices[outer[(i + 1) % outer.size()]];
+      if ((a[v] <= p[v]) == (b[v] <= p[v])) continue;
+      const double side = (b[u] - a[u]) * (p[v] - a[v]) - (b[v] - a[v]) * (p[u] - a[u]);
+      if (a[v] <= p[v] && side > 0) ++winding;
+      if (b[v] <= p[v] && side < 0) --winding;
+    }
+    if (winding == 0) return false;
+  }
+  return true;
+}
+
+bool mayFill(const CloseOptions& o) {
+  return !o.fill_up_to_mm && (o.only.empty() || o.only.count(CloseStep::kFill) > 0);
+}
+
+/// A loose piece that runs through the piece with the longest rim, above the base that this gets, needs no walls of its
+/// own: its rim is a hole.
+void leaveInnerRims(const Mesh& mesh, const Direction& down, const CloseOptions& options, Boundary& boundary) {
+  if (!mayFill(options)) return;
+  std::vector<std::size_t> inner;
+  for (std::size_t i = 0; i < boundary.loops.size(); ++i)
+    if (boundary.is_rim[i] && i != boundary.longest &&
+        liesInShadow(mesh, boundary.loops[i], boundary.loops[boundary.longest], down.axis))
+      inner.push_back(i);
+  if (inner.empty()) return;
+
+  const Pieces pieces = edgeConnectedPieces(mesh);
+  const std::vector<std::uint32_t> piece_of = pieceOfVertices(mesh, pieces);
+  const std::uint32_t main = piece_of[boundary.loops[boundary.longest][0]];
+  constexpr std::size_t kMostPairs = 500'000;
+  std::vector<char> touches(pieces.count, 0);
+  for (const auto& [s, t] : crossingPairs(mesh, kMostPairs)) {
+    if (pieces.label[s] == main) touches[pieces.label[t]] = 1;
+    if (pieces.label[t] == main) touches[pieces.label[s]] = 1;
+  }
+  for (const std::size_t i : inner) {
+    const std::uint32_t piece = piece_of[boundary.loops[i][0]];
+    if (piece != main && touches[piece]) boundary.is_rim[i] = 0;
+  }
+}
+
+/// Several open shells, none larger than a tooth: crowns. Walls down to one base would be stilts.
+bool areCrowns(const Mesh& mesh, const Boundary& boundary, const CloseOptions& options) {
+  constexpr double kLargestTooth = 25;  // mm, the diagonal of its box; a crown has 15
+  if (!mayFill(options) || isBaseAsked(options) || options.mode == CloseMode::kBase) return false;
+  const Pieces pieces = edgeConnectedPieces(mesh);
+  if (pieces.count < 2) return false;
+
+  const std::vector<std::uint32_t> piece_of = pieceOfVertices(mesh, pieces);
+  std::vector<Box3> box(pieces.count);
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) box[piece_of[v]].add(mesh.vertices[v]);
+  for (const Box3& b : box)
+    if (!(b.size().norm() <= kLargestTooth)) return false;
+  std::vector<char> has_rim(pieces.count, 0);
+  for (std::size_t i = 0; i < boundary.loops.size(); ++i) {
+    const std::uint32_t piece = piece_of[boundary.loops[i][0]];
+    if (boundary.lengths[i] > options.rim_to_diagonal * box[piece].size().norm()) has_rim[piece] = 1;
+  }
+  return std::count(has_rim.begin(), has_rim.end(), 1) > 1;
+}
+
+/// From the rims down to calmer outlines, as the options ask; without smoothing the rims as they are.
+Expected<std::vector<Loop>> smoothRims(Chain& chain, const std::vector<Loop>& rims, const BaseFrame& frame,
+                                       const CloseOptions& options, CloseReport& report, const Progress& progress) {
+  // A plate hides most of the walls, and leaves no depth for others.
+  if (!(options.base_smoothing_mm > 0) || options.base_style == BaseStyle::kFull) return rims;
+  constexpr double kSmallestDental = 3;  // mm: smaller objects get smaller bridges and lips
+  const double scale = std::min(1.0, bounds(chain.mesh).size().norm() / kSmallestDental);
+
+  BridgedGaps gaps;
+  KERF_TRY(bridged, bridgeFjords(chain, rims, scale, gaps, progress));
+  if (gaps.count)
+    report.changes.push_back(fmt::format("{} in the rim {} bridged ({:.0f} mm of rim, the widest {:.1f} mm)",
+                                         counted(gaps.count, "gap", "gaps"), gaps.count == 1 ? "was" : "were",
+                                         gaps.rim_mm, gaps.widest_mm));
+  report.gaps_bridged = gaps.count;
+  report.rim_bridged_mm = gaps.rim_mm;
+  report.widest_gap_mm = gaps.widest_mm;
+
+  const SmoothWalls walls{options.base_smoothing_mm, options.base_lip_mm, scale};
+  return addSmoothWalls(chain, bridged, frame, walls, progress);
 }
 
 /// Turns a scan that is inside out, and puts a base under its rims.
@@ -251,13 +349,17 @@ Expected<void> extrudeRims(Chain& chain, Boundary& boundary, const CloseOptions&
   }
 
   markRims(chain.mesh, base.vector(), options, boundary);
+  leaveInnerRims(chain.mesh, base, options, boundary);
   std::vector<Loop> rims;
   for (std::size_t i = 0; i < boundary.loops.size(); ++i)
     if (boundary.is_rim[i]) rims.push_back(boundary.loops[i]);
   KERF_TRY(frame, placeBase(chain, base.vector(), opening.direction, options, report));
-  KERF_CHECK(extrudeToBase(chain, rims, frame, options.base_style == BaseStyle::kFull, progress));
-
+  for (const Loop& loop : boundary.loops)
+    for (const std::uint32_t v : loop) report.rim_points.push_back(chain.mesh.vertices[v]);
   report.rims_extruded = rims.size();
+  KERF_TRY(outlines, smoothRims(chain, rims, frame, options, report, progress));
+  KERF_CHECK(extrudeToBase(chain, outlines, frame, options.base_style == BaseStyle::kFull, progress));
+
   report.base_direction = frame.w;
   report.base_level_mm = frame.level;
   report.changes.push_back(fmt::format(
@@ -320,7 +422,10 @@ Expected<void> closeBoundary(Chain& chain, const CloseOptions& options, CloseRep
   boundary.is_rim.assign(boundary.loops.size(), 0);
 
   KERF_TRY(has_rim, needsBase(chain.mesh, boundary, options));
-  if (has_rim)
+  const bool are_crowns = has_rim && areCrowns(chain.mesh, boundary, options);
+  if (are_crowns)
+    report.changes.push_back("several open shells no larger than a tooth: each was capped, none got a base");
+  else if (has_rim)
     KERF_CHECK(extrudeRims(chain, boundary, options, report, progress));
   else if (isBaseAsked(options))
     report.changes.push_back(

@@ -294,6 +294,73 @@ void countTriangles(const Mesh& imported, const Result& r, CloseReport& report) 
     ++(s == kWhole ? report.triangles_kept : s == kPart ? report.triangles_split : report.triangles_dropped);
 }
 
+bool lessPlace(const Vec3d& p, const Vec3d& q) {
+  return p.x() != q.x() ? p.x() < q.x() : p.y() != q.y() ? p.y() < q.y() : p.z() < q.z();
+}
+
+/// Source vertices whose place has no vertex of the solid, and how many of them lie far from the rims.
+void countLost(const Mesh& imported, const Mesh& solid, CloseReport& report) {
+  constexpr double kFar = 1;  // mm
+  std::vector<Vec3d> places = solid.vertices;
+  std::sort(places.begin(), places.end(), lessPlace);
+  std::vector<char> used(imported.vertices.size(), 0);
+  for (const Triangle& f : imported.triangles)
+    for (const std::uint32_t v : f) used[v] = 1;
+  std::vector<Vec3d> rim = report.rim_points;
+  std::sort(rim.begin(), rim.end(), lessPlace);
+
+  const auto isFar = [&](const Vec3d& p) {
+    auto at =
+        std::lower_bound(rim.begin(), rim.end(), p.x() - kFar, [](const Vec3d& q, double x) { return q.x() < x; });
+    for (; at != rim.end() && at->x() <= p.x() + kFar; ++at)
+      if ((*at - p).norm() <= kFar) return false;
+    return true;
+  };
+  std::vector<Vec3d> lost;
+  for (std::size_t v = 0; v < used.size(); ++v) {
+    const Vec3d p = roundedToFloat(imported.vertices[v]);
+    if (used[v] && !std::binary_search(places.begin(), places.end(), p, lessPlace)) lost.push_back(p);
+  }
+  std::sort(lost.begin(), lost.end(), lessPlace);
+  lost.erase(std::unique(lost.begin(), lost.end()), lost.end());
+  report.vertices_lost = lost.size();
+  report.vertices_lost_far = static_cast<std::size_t>(std::count_if(lost.begin(), lost.end(), isFar));
+}
+
+/// Handles of a surface without boundary: pieces less half the Euler characteristic. Of an open one: as if each of its
+/// boundaries were closed by a disc.
+int handlesOf(const std::vector<Triangle>& triangles, std::size_t vertices, std::size_t pieces) {
+  std::size_t edges = 0;
+  internal::forEachEdge(internal::edgeUses(triangles), [&](const auto&) { ++edges; });
+  const auto boundaries = static_cast<long>(internal::boundaryLoops(triangles).size());
+  const long euler = static_cast<long>(vertices) - static_cast<long>(edges) + static_cast<long>(triangles.size());
+  return static_cast<int>(static_cast<long>(pieces) - (euler + boundaries) / 2);
+}
+
+int handlesOf(const Mesh& mesh) {
+  std::vector<char> used(mesh.vertices.size(), 0);
+  for (const Triangle& f : mesh.triangles)
+    for (const std::uint32_t v : f) used[v] = 1;
+  const auto vertices = static_cast<std::size_t>(std::count(used.begin(), used.end(), 1));
+  return handlesOf(mesh.triangles, vertices, edgeConnectedPieces(mesh).count);
+}
+
+/// What a base cost, as sentences.
+void reportLosses(const Mesh& imported, const Result& r, int handles_before, CloseReport& report) {
+  countLost(imported, r.mesh, report);
+  if (report.rims_extruded == 0 || !report.exact) return;
+  if (report.vertices_lost)
+    report.changes.push_back(
+        fmt::format("{} of the scan {} not in the solid, {} of them farther than 1 mm from the rim",
+                    counted(report.vertices_lost, "vertex", "vertices"), report.vertices_lost == 1 ? "is" : "are",
+                    report.vertices_lost_far));
+  report.handles_added = handlesOf(r.mesh) - handles_before;
+  if (report.handles_added > 0)
+    report.changes.push_back(fmt::format(
+        "the solid has {} (genus) that the scan has not",
+        counted(static_cast<std::size_t>(report.handles_added), "hole right through it", "holes right through it")));
+}
+
 void warn(CloseReport& report, std::string change) {
   report.warnings.push_back(change);
   report.changes.push_back(std::move(change));
@@ -306,6 +373,9 @@ Expected<void> checkOptions(const CloseOptions& o) {
 
   if (!(o.base_margin_mm > 0 && o.base_margin_mm < 1000))
     return bad("base_margin_mm", o.base_margin_mm, "above 0, below 1000");
+  if (!(o.base_smoothing_mm >= 0 && o.base_smoothing_mm <= 100))
+    return bad("base_smoothing_mm", o.base_smoothing_mm, "from 0 to 100");
+  if (!(o.base_lip_mm >= 0 && o.base_lip_mm <= 1)) return bad("base_lip_mm", o.base_lip_mm, "from 0 to 1");
   if (!(o.cleanup_length_mm > 0 && o.cleanup_length_mm <= 0.1))
     return bad("cleanup_length_mm", o.cleanup_length_mm, "above 0, at most 0.1");
   if (!(o.crumb_fraction >= 0 && o.crumb_fraction < 1))
@@ -329,7 +399,8 @@ CloseOptions fitted(const CloseOptions& asked, const Mesh& mesh, CloseReport& re
   const double scale = lengthScale(mesh);
   CloseOptions o = asked;
   if (scale == 1) return o;
-  for (double* length : {&o.stitch_mm, &o.base_margin_mm, &o.cleanup_length_mm, &o.wrap_alpha_mm, &o.wrap_offset_mm})
+  for (double* length : {&o.stitch_mm, &o.base_margin_mm, &o.base_smoothing_mm, &o.base_lip_mm, &o.cleanup_length_mm,
+                         &o.wrap_alpha_mm, &o.wrap_offset_mm})
     *length *= scale;
   warn(report,
        fmt::format("the object is only {:.3g} mm across: base margin ({:.2g} mm now), seams, rounding and wrap were "
@@ -417,13 +488,47 @@ Expected<Result> attempt(const Mesh& imported, const CloseOptions& options, Chai
   return r;
 }
 
+/// As attempt(); where smooth walls can not be resolved, with another lip, then with straight walls.
+Expected<Result> attemptBases(const Mesh& imported, const CloseOptions& options, Chain& chain, CloseReport& report,
+                              const Progress& progress) {
+  const CloseReport before = report;
+  Expected<Result> first = attempt(imported, options, chain, report, progress);
+  const bool is_smooth = options.base_smoothing_mm > 0 && options.base_style == BaseStyle::kHorseshoe;
+  if (first || !is_smooth || report.rims_extruded == 0 || first.error().code != Error::Code::kGeometry) return first;
+
+  struct Other {
+    double smoothing_mm, lip_mm;
+    std::string name;
+  };
+  const double wider = options.base_lip_mm * 4 / 3;
+  const std::array<Other, 3> others{{{options.base_smoothing_mm, wider, fmt::format("a lip of {:.2g} mm", wider)},
+                                     {options.base_smoothing_mm, 0, "no lip"},
+                                     {0, 0, "straight walls"}}};
+  for (const Other& other : others) {
+    CloseOptions changed = options;
+    changed.base_smoothing_mm = other.smoothing_mm;
+    changed.base_lip_mm = other.lip_mm;
+    CloseReport again = before;
+    Chain unused;
+    Expected<Result> r = attempt(imported, changed, unused, again, progress);
+    if (!r && r.error().code == Error::Code::kCancelled) return r;
+    if (!r) continue;
+    report = std::move(again);
+    report.base_fallback = other.name;
+    warn(report, fmt::format("the base was built with {}: with the walls asked for {} were found", other.name,
+                             first.error().found));
+    return r;
+  }
+  return first;
+}
+
 constexpr std::array<double, 2> kWiderStitches = {0.05, 0.2};  // mm: what kAuto tries before it wraps
 
 /// As attempt(); kAuto then stitches wider, and wraps at last.
 Expected<Result> makeSolid(const Mesh& imported, const CloseOptions& options, CloseReport& report,
                            const Progress& progress) {
   Chain chain;
-  Expected<Result> first = attempt(imported, options, chain, report, progress);
+  Expected<Result> first = attemptBases(imported, options, chain, report, progress);
   const bool may_wrap = options.only.empty() && (options.mode == CloseMode::kAuto || options.mode == CloseMode::kWrap);
   if (first || !may_wrap || first.error().code == Error::Code::kCancelled || first.error().code == Error::Code::kEmpty)
     return first;
@@ -441,7 +546,7 @@ Expected<Result> makeSolid(const Mesh& imported, const CloseOptions& options, Cl
     wider.stitch_mm = width;
     CloseReport again;
     Chain unused;
-    Expected<Result> r = attempt(imported, wider, unused, again, progress);
+    Expected<Result> r = attemptBases(imported, wider, unused, again, progress);
     if (!r && r.error().code == Error::Code::kCancelled) return r;
     if (!r) continue;
     report = std::move(again);
@@ -467,6 +572,13 @@ Expected<Solid> closeMesh(const Mesh& imported_mm, const CloseOptions& options, 
   CloseReport& report = solid.report;
   const CloseOptions fit = fitted(options, imported_mm, report);
   KERF_TRY(result, makeSolid(imported_mm, fit, report, progress));
+
+  int handles = 0;
+  if (report.rims_extruded > 0) {
+    CloseReport unused;
+    if (const auto welded = internal::buildChain(imported_mm, fit, unused)) handles = handlesOf(welded->mesh);
+  }
+  reportLosses(imported_mm, result, handles, report);
 
   const std::size_t source_vertices = imported_mm.vertices.size() - report.vertices_welded;
   countTriangles(imported_mm, result, report);
@@ -497,11 +609,11 @@ std::string canonicalText(const CloseOptions& o) {
     return v ? fmt::format("({} {} {})", v->x(), v->y(), v->z()) : std::string("-");
   };
   return fmt::format(
-      "{} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {}", static_cast<int>(o.mode), static_cast<int>(o.base_style),
+      "{} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {}", static_cast<int>(o.mode), static_cast<int>(o.base_style),
       o.base_margin_mm, o.base_height_mm.value_or(0), vector(o.base_direction), o.find_occlusal_plane,
       o.occlusal_plane ? vector(o.occlusal_plane->normal) + vector(o.occlusal_plane->point) : std::string("-"),
       o.rim_to_diagonal, o.crumb_fraction, o.debris_fraction, o.cleanup_length_mm, o.wrap_alpha_mm, o.wrap_offset_mm,
-      namesOf(o.only), o.stitch_mm, o.fill_up_to_mm.value_or(0));
+      namesOf(o.only), o.stitch_mm, o.fill_up_to_mm.value_or(0), o.base_smoothing_mm, o.base_lip_mm);
 }
 
 Expected<Solid> closeMeshes(std::span<const Mesh> imported_mm, const CloseOptions& options, const Progress& progress) {

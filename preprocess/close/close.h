@@ -66,6 +66,12 @@ struct CloseOptions {
   /// The base lies this far below the lowest vertex, > 0; thin bases break in the printer. All but a tenth of it (0.25
   /// mm at most) is the plate of kFull.
   double base_margin_mm = 2.0;
+  /// The walls of kHorseshoe lead from the rim to an outline without waves shorter than this; narrow gaps of the rim
+  /// are bridged first. 8 is crisper on casts that were cut, 16 calmer on ragged rims. 0: straight walls under every
+  /// corner of the rim. Where the smooth walls can not be resolved another lip is tried, then straight walls, with a
+  /// warning.
+  double base_smoothing_mm = 12;
+  double base_lip_mm = 0.3;  ///< how far the scan is led on along its tangent plane before the walls turn down; 0: not
   /// From the base up to the occlusal plane (found, given, or the highest vertex), in place of the margin. Too little
   /// for the scan is refused. Laboratories leave 3 to 6 mm below the gingiva.
   std::optional<double> base_height_mm{};
@@ -106,8 +112,16 @@ struct CloseReport {
   std::size_t holes_filled = 0;
   std::size_t seam_vertices = 0;  ///< boundary vertices joined, or put on a boundary edge, by stitching
   std::size_t rims_extruded = 0;
-  std::size_t crossings_resolved = 0;           ///< pairs of triangles that crossed or touched
-  double largest_move_mm = 0;                   ///< of a source vertex
+  std::vector<Vec3d> rim_points{};     ///< mm: boundary vertices of a scan that got a base
+  std::size_t gaps_bridged = 0;        ///< of these rims
+  double rim_bridged_mm = 0;           ///< length of the rims along these gaps
+  double widest_gap_mm = 0;            ///< that was bridged
+  std::string base_fallback{};         ///< how the base was built where the smooth walls failed: "a lip of 0.4 mm", ...
+  std::size_t vertices_lost = 0;       ///< source vertices whose place has no vertex of the solid
+  std::size_t vertices_lost_far = 0;   ///< those of them farther than 1 mm from the scan's boundary
+  int handles_added = 0;               ///< of the solid beyond the scan's own; counted where a rim got a base
+  std::size_t crossings_resolved = 0;  ///< pairs of triangles that crossed or touched
+  double largest_move_mm = 0;          ///< of a source vertex
   std::optional<Vec3d> base_direction;          ///< unit, out of the model; set if a base was built
   double base_level_mm = 0;                     ///< the base is {x : base_direction . x = base_level_mm}
   std::optional<OcclusalPlane> occlusal_plane;  ///< set if options ask to find it
@@ -129,7 +143,7 @@ struct Solid {
 /// refused.
 /// Colours: a source vertex or triangle keeps its own; a new vertex on a source triangle takes the colour there;
 /// everything else is light model stone (214, 205, 189). Where vertices carry the colours a wall runs from the rim's
-/// into stone within its uppermost 0.2 mm, in a row of triangles of its own.
+/// into stone within its uppermost 0.2 mm, in a row of triangles of its own; smooth walls do so in their lip, 0.3 mm.
 /// @param imported_mm  anything a file can hold, in mm, at least one triangle.
 /// @return the solid. Errors: kEmpty (no triangle with area), kGeometry (kRepair on a mesh without underside; nothing
 /// left; the exact way and the wrap failed), kBadValue (options), kCancelled.

@@ -168,6 +168,14 @@ nlohmann::json jsonOf(const PairCheck& c) {
   return j;
 }
 
+// What closing cost.
+nlohmann::json jsonOf(const CloseReport& c) {
+  return {{"vertices_lost", c.vertices_lost}, {"vertices_lost_farther_than_1_mm_from_rim", c.vertices_lost_far},
+          {"gaps_bridged", c.gaps_bridged},   {"rim_bridged_mm", c.rim_bridged_mm},
+          {"widest_gap_mm", c.widest_gap_mm}, {"handles_added", c.handles_added},
+          {"base_fallback", c.base_fallback}};
+}
+
 // The n-th source, as it was read.
 nlohmann::json sourceJson(const BakeReport& r, std::size_t n) {
   const CaseSource& s = r.manifest.sources[n];
@@ -188,6 +196,7 @@ nlohmann::json jsonOf(const BakeReport& r) {
 
   j["seconds"] = {{"read", r.times.read},         {"check", r.times.check}, {"close", r.times.close},
                   {"voxelize", r.times.voxelize}, {"write", r.times.write}, {"total", r.times.total()}};
+  if (r.manifest.parts.empty()) j["closing"] = jsonOf(r.close);
   for (std::size_t n = 0; n < r.manifest.sources.size(); ++n) j["sources"].push_back(sourceJson(r, n));
   return j;
 }
@@ -312,6 +321,12 @@ void addClosingOptions(CLI::App& command, Arguments& a) {
                      "from the base up to the occlusal plane, or without one to the highest point [mm]; overrides "
                      "--base-margin");
   command.add_option("--base-margin", a.options.close.base_margin_mm, "base below the lowest point [mm]")
+      ->capture_default_str();
+  command
+      .add_option("--base-smoothing", a.options.close.base_smoothing_mm,
+                  "walls lead from the rim to an outline without waves shorter than this, narrow gaps of the rim are "
+                  "bridged [mm]; 0: straight walls under every corner of the rim")
+      ->check(CLI::Range(0.0, 100.0))
       ->capture_default_str();
   command.add_option("--base-direction", a.base_direction,
                      "where the base goes: +x -x +y -y +z -z (default: where the scan is open)");

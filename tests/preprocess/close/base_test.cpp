@@ -51,7 +51,7 @@ Flatness flatness(const Solid& s) {
   for (const Vec3d& p : s.mesh.vertices) {
     const double d = s.report.base_direction->dot(p) - s.report.base_level_mm;
     EXPECT_LT(d, 1e-4) << "nothing below the base";
-    if (d > -0.2) {
+    if (d > -0.05) {  // the lowest curve of the walls lies 0.1 mm above the base, or more
       f.worst = std::max(f.worst, std::abs(d));
       ++f.vertices;
     }
@@ -95,7 +95,10 @@ TEST(Base, TakesAGivenPlaneEitherWayRound) {
   const Vec3d normal(0.05, -0.1, 0.99);
   const Solid up = closed(m, {.occlusal_plane = GivenPlane{normal}});
   const Solid down = closed(m, {.occlusal_plane = GivenPlane{-3 * normal}});
-  EXPECT_EQ(up.mesh.vertices, down.mesh.vertices);
+  // The normals differ in their last bit: so may the walls, which sums of many terms place.
+  ASSERT_EQ(up.mesh.vertices.size(), down.mesh.vertices.size());
+  for (std::size_t v = 0; v < up.mesh.vertices.size(); ++v)
+    EXPECT_LT((up.mesh.vertices[v] - down.mesh.vertices[v]).norm(), 1e-4);
   EXPECT_LT(degrees(*up.report.base_direction, -normal), 1e-3);
   EXPECT_LT(flatness(up).worst, 2e-5);
 }
@@ -127,7 +130,7 @@ TEST(Base, PlaneAcrossTheUndersideIsRefused) {
 
 TEST(Base, FullStandsOnAPlateThatFloorsTheTonguesPlace) {
   const Mesh m = arch();
-  const Solid horseshoe = closed(m), full = closed(m, {.base_style = BaseStyle::kFull});
+  const Solid horseshoe = closed(m, {.base_smoothing_mm = 0}), full = closed(m, {.base_style = BaseStyle::kFull});
   expectSourceFirst(full, m);
   EXPECT_EQ(full.report.triangles_kept, m.triangles.size());
   EXPECT_EQ(edgeConnectedPieces(full.mesh).count, 1u);

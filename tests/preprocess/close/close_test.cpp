@@ -20,10 +20,13 @@ TEST(Close, CleanSolidIsLeftAlone) {
   for (std::uint32_t t = 0; t < s.source_triangle.size(); ++t) EXPECT_EQ(s.source_triangle[t], t);
 }
 
+/// Walls whose volume a formula gives.
+const CloseOptions kStraight{.base_smoothing_mm = 0};
+
 TEST(Close, OpenBoxGetsABaseOfTheRightVolume) {
   Mesh m = box({0, 0, 0}, {4, 3, 2});
   m.triangles.erase(m.triangles.begin(), m.triangles.begin() + 2);  // the floor
-  const Solid s = closed(m);
+  const Solid s = closed(m, kStraight);
   expectSourceFirst(s, m);
   EXPECT_EQ(s.report.rims_extruded, 1u);
   EXPECT_EQ(s.report.base_direction, Vec3d(0, 0, -1));
@@ -34,7 +37,7 @@ TEST(Close, OpenBoxGetsABaseOfTheRightVolume) {
 TEST(Close, InsideOutScanIsTurned) {
   Mesh m = box({0, 0, 0}, {4, 3, 2});
   m.triangles.erase(m.triangles.begin(), m.triangles.begin() + 2);
-  const Solid s = closed(flipped(m));
+  const Solid s = closed(flipped(m), kStraight);
   EXPECT_EQ(s.report.base_direction, Vec3d(0, 0, -1));
   EXPECT_DOUBLE_EQ(signedVolume(s.mesh), 48);
 }
@@ -42,7 +45,8 @@ TEST(Close, InsideOutScanIsTurned) {
 TEST(Close, BaseDirectionCanBeGiven) {
   Mesh m = box({0, 0, 0}, {4, 3, 2});
   m.triangles.erase(m.triangles.begin() + 2, m.triangles.begin() + 4);  // the ceiling
-  const Solid s = closed(m, {.mode = CloseMode::kBase, .base_margin_mm = 1, .base_direction = Vec3d(0.1, 0, 0.9)});
+  const Solid s = closed(
+      m, {.mode = CloseMode::kBase, .base_margin_mm = 1, .base_smoothing_mm = 0, .base_direction = Vec3d(0.1, 0, 0.9)});
   EXPECT_DOUBLE_EQ(signedVolume(s.mesh), 4 * 3 * 3.0);
 }
 
@@ -50,7 +54,7 @@ TEST(Close, ABaseDirectionAwayFromTheOpeningIsRefusedWithTheOneFound) {
   Mesh m = box({0, 0, 0}, {4, 3, 2});
   m.triangles.erase(m.triangles.begin(), m.triangles.begin() + 2);  // the floor
   for (const Mesh& mesh : {m, flipped(m)}) {
-    EXPECT_DOUBLE_EQ(signedVolume(closed(mesh, {.base_direction = -Vec3d::UnitZ()}).mesh), 48);
+    EXPECT_DOUBLE_EQ(signedVolume(closed(mesh, {.base_smoothing_mm = 0, .base_direction = -Vec3d::UnitZ()}).mesh), 48);
     for (const Vec3d& away : {Vec3d(0, 0, 1), Vec3d(1, 0, 0), Vec3d(0, -1, 0)}) {
       const auto s = closeMesh(mesh, {.base_direction = away});
       ASSERT_FALSE(s);
@@ -183,7 +187,7 @@ TEST(Close, RimThatCrossesItselfInProjectionGetsABase) {
     m.triangles.push_back({2 * i, 2 * i + 1, 2 * i + 3});
     m.triangles.push_back({2 * i, 2 * i + 3, 2 * i + 2});
   }
-  const Solid s = closed(m, {.mode = CloseMode::kBase, .base_direction = Vec3d(0, 0, -1)});
+  const Solid s = closed(m, {.mode = CloseMode::kBase, .base_smoothing_mm = 0, .base_direction = Vec3d(0, 0, -1)});
   EXPECT_EQ(s.report.rims_extruded, 1u);
   // The ribbon's shadow is the full ring; where it overlaps itself the upper turn decides. Height over the base at z
   // = 8.
@@ -197,7 +201,7 @@ TEST(Close, VerticalRimEdgesAreNoTrouble) {
   Mesh m = box({0, 0, 0}, {4, 3, 2});
   m.triangles.erase(m.triangles.begin() + 4, m.triangles.begin() + 6);  // the front as well as
   m.triangles.erase(m.triangles.begin(), m.triangles.begin() + 2);      // the floor: the rim climbs vertical edges
-  const Solid s = closed(m, {.mode = CloseMode::kBase, .base_direction = Vec3d(0, 0, -1)});
+  const Solid s = closed(m, {.mode = CloseMode::kBase, .base_smoothing_mm = 0, .base_direction = Vec3d(0, 0, -1)});
   EXPECT_DOUBLE_EQ(signedVolume(s.mesh), 48);
 }
 
@@ -263,7 +267,7 @@ TEST(Close, TheRimsColoursDoNotRunDownTheWalls) {
   m.triangles.erase(m.triangles.begin(), m.triangles.begin() + 2);
   m.vertex_colors.assign(8, {255, 0, 0, 255});
   for (const BaseStyle style : {BaseStyle::kHorseshoe, BaseStyle::kFull}) {
-    const Solid s = closed(m, {.base_style = style});
+    const Solid s = closed(m, {.base_style = style, .base_smoothing_mm = 0});
     EXPECT_DOUBLE_EQ(signedVolume(s.mesh), 48);
     for (std::size_t v = 0; v < s.mesh.vertices.size(); ++v)
       EXPECT_EQ(s.mesh.vertex_colors[v], v < 8 ? (Rgba8{255, 0, 0, 255}) : (Rgba8{214, 205, 189, 255}));
@@ -275,6 +279,23 @@ TEST(Close, TheRimsColoursDoNotRunDownTheWalls) {
           EXPECT_LT(down, 0.21) << "red fades into stone there";
         }
   }
+}
+
+TEST(Close, OnSmoothWallsTheRimsColoursEndInTheLip) {
+  Mesh m = box({0, 0, 0}, {4, 3, 2});
+  m.triangles.erase(m.triangles.begin(), m.triangles.begin() + 2);
+  m.vertex_colors.assign(8, {255, 0, 0, 255});
+  const Solid s = closed(m);
+  EXPECT_NEAR(signedVolume(s.mesh), 48, 0.3) << "corners are rounded a little";
+  for (const Vec3d& p : s.mesh.vertices)
+    EXPECT_LT((p - p.cwiseMax(Vec3d(0, 0, -2)).cwiseMin(Vec3d(4, 3, 2))).norm(), 0.1);
+  for (std::size_t v = 0; v < s.mesh.vertices.size(); ++v) {
+    EXPECT_EQ(s.mesh.vertex_colors[v], v < 8 ? (Rgba8{255, 0, 0, 255}) : (Rgba8{214, 205, 189, 255}));
+    if (v >= 8) EXPECT_GT(s.mesh.vertices[v].z(), -2.01);
+  }
+  double lip = 1;
+  for (std::size_t v = 8; v < s.mesh.vertices.size(); ++v) lip = std::min(lip, std::abs(s.mesh.vertices[v].z()));
+  EXPECT_LT(lip, 0.31) << "stone begins there";
 }
 
 TEST(Close, WrapSaysThatItIsAnApproximation) {

@@ -1,0 +1,47 @@
+// Walls that a technician would trim: from a ragged rim down to a calm outline.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "geometry/base/error.h"
+#include "geometry/base/progress.h"
+#include "preprocess/close/base.h"
+#include "preprocess/close/chain.h"
+
+namespace kerf::internal {
+
+/// Lengths in mm. `scale` is below 1 on objects smaller than dental ones; it shrinks all lengths that are not given.
+struct SmoothWalls {
+  double smoothing_mm = 12;  ///< wave length below which the outline of the base is straightened, > 0
+  double lip_mm = 0.3;       ///< how far the scan is led on in its own tangent plane; 0: the walls begin at the rim
+  double scale = 1;
+};
+
+/// Gaps of a rim that were filled before the walls were built.
+struct BridgedGaps {
+  std::size_t count = 0;
+  double rim_mm = 0;     ///< length of the rim along them
+  double widest_mm = 0;  ///< of the bridges
+};
+
+/// Fills narrow fjords of the rims: where two of its vertices lie within 4 mm, the way between them along the rim is
+/// more than three times as long, and the straight line leads over empty space at both ends (outward conormals). The
+/// longest first; none overlap. A bridge adds triangles between rim vertices and moves nothing.
+/// @return the rims that are left, in the order given. Errors: kCancelled; the chain may then hold half of the bridges.
+/// @cost O(n^2) in the vertices of a rim, of which 5000 at most are looked at: 50 ms.
+Expected<std::vector<Loop>> bridgeFjords(Chain& chain, const std::vector<Loop>& rims, double scale, BridgedGaps& gaps,
+                                         const Progress& progress);
+
+/// Adds a lip and three wall curves below each rim, each smoother than the one above: 0.5, 1 and 2 mm down, smoothed
+/// below wave lengths of 2, 4 and `smoothing_mm` mm. A curve T is the closed polygon that minimises
+///   sum m rho(|T - R|) + (L / 2 pi)^4 sum m rho(|T''|),   rho Huber's function,
+/// over the rim's samples R in the plane of the base, by eight rounds of reweighting; lengths are measured on the T of
+/// the round before, so that folds collapse and corners stay.
+/// @return the lowest curves, one per rim, above frame.level: extrudeToBase() goes on from them.
+/// Errors: kGeometry for a rim without extent, kCancelled; the chain is then not to be used.
+/// @cost about 50 ms for a rim of 400 mm. One thread; the same bits for the same input.
+Expected<std::vector<Loop>> addSmoothWalls(Chain& chain, const std::vector<Loop>& rims, const BaseFrame& frame,
+                                           const SmoothWalls& walls, const Progress& progress);
+
+}  // namespace kerf::internal

@@ -1,0 +1,237 @@
+// The base of an open scan: every vertex kept, walls without needles, an outline that a technician would trim.
+#include <oneapi/tbb/global_control.h>
+
+#include <chrono>
+#include <numbers>
+#include <random>
+
+#include "preprocess/close/edges.h"
+#include "preprocess/close/smooth_base.h"
+#include "tests/preprocess/solid_checks.h"
+
+namespace kerf {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+/// A dome over the disc of radius r(angle) (mm), open below, normals up; its rim is ragged as r and z are.
+template <class Radius, class Height>
+Mesh dome(int rings, int sectors, Radius&& radius, Height&& rim_height) {
+  Mesh m;
+  m.vertices.push_back({0, 0, 9});
+  for (int i = 1; i <= rings; ++i)
+    for (int j = 0; j < sectors; ++j) {
+      const double f = static_cast<double>(i) / rings, a = 2 * kPi * j / sectors;
+      const double r = (f < 1 ? 12 * f : radius(j)), z = f < 1 ? 9 * std::sqrt(1 - 0.8 * f * f) : rim_height(j);
+      m.vertices.push_back(roundedToFloat(Vec3d(r * std::cos(a), r * std::sin(a), z)));
+    }
+  const auto id = [&](int i, int j) { return static_cast<std::uint32_t>(1 + (i - 1) * sectors + j % sectors); };
+  for (int j = 0; j < sectors; ++j) {
+    m.triangles.push_back({0, id(1, j), id(1, j + 1)});
+    for (int i = 1; i < rings; ++i) {
+      m.triangles.push_back({id(i, j), id(i + 1, j), id(i + 1, j + 1)});
+      m.triangles.push_back({id(i, j), id(i + 1, j + 1), id(i, j + 1)});
+    }
+  }
+  return m;
+}
+
+/// The teeth of a saw: every other rim vertex sticks out by up to 1 mm.
+Mesh raggedDome() {
+  std::mt19937 random(7);
+  std::vector<double> out(180), down(180);
+  for (std::size_t j = 0; j < out.size(); ++j) {
+    out[j] = 12.3 + (j % 2 ? 1e-3 * static_cast<double>(random() % 1000) : 0);
+    down[j] = 2.2 + 1e-3 * static_cast<double>(random() % 800);
+  }
+  return dome(
+      24, 180, [&](int j) { return out[static_cast<std::size_t>(j)]; },
+      [&](int j) { return down[static_cast<std::size_t>(j)]; });
+}
+
+/// Sum of the changes of direction along the outline of the base, degrees: 360 around a disc.
+double turningOfBase(const Solid& s) {
+  const Vec3d w = *s.report.base_direction;
+  std::map<std::uint32_t, std::uint32_t> next;
+  const auto on_base = [&](std::uint32_t v) {
+    return std::abs(w.dot(s.mesh.vertices[v]) - s.report.base_level_mm) < 1e-4;
+  };
+  std::set<std::pair<std::uint32_t, std::uint32_t>> edges;
+  for (const Triangle& f : s.mesh.triangles)
+    if (on_base(f[0]) && on_base(f[1]) && on_base(f[2]))
+      for (std::size_t k = 0; k < 3; ++k) edges.insert({f[k], f[(k + 1) % 3]});
+  for (const auto& [a, b] : edges)
+    if (!edges.count({b, a})) next[a] = b;
+
+  double sum = 0;
+  for (const auto& [a, b] : next) {
+    const Vec3d in = s.mesh.vertices[b] - s.mesh.vertices[a];
+    const Vec3d out = s.mesh.vertices[next.at(b)] - s.mesh.vertices[b];
+    sum += std::acos(std::clamp(in.normalized().dot(out.normalized()), -1.0, 1.0));
+  }
+  return sum * 180 / kPi;
+}
+
+void expectOnePieceWithoutHandles(const Solid& s) {
+  EXPECT_EQ(edgeConnectedPieces(s.mesh).count, 1u);
+  EXPECT_EQ(s.report.handles_added, 0);
+  const std::size_t edges = s.mesh.triangles.size() * 3 / 2;
+  EXPECT_EQ(s.mesh.vertices.size() + s.mesh.triangles.size() - edges, 2u) << "Euler's formula for a ball";
+}
+
+TEST(SmoothBase, ARaggedRimGetsACalmOutlineAndLosesNothing) {
+  const Mesh m = raggedDome();
+  const Solid s = closed(m);
+  EXPECT_EQ(s.report.vertices_lost, 0u);
+  EXPECT_EQ(s.report.base_fallback, "");
+  expectSourceFirst(s, m);
+  expectOnePieceWithoutHandles(s);
+  EXPECT_LT(turningOfBase(s), 450);
+
+  const Solid straight = closed(m, {.base_smoothing_mm = 0});
+  EXPECT_GT(turningOfBase(straight), 3000) << "today's walls repeat every tooth of the rim";
+  EXPECT_DOUBLE_EQ(s.report.base_level_mm, straight.report.base_level_mm);
+}
+
+TEST(SmoothBase, TheOutlineStaysUnderTheRim) {
+  const Solid s = closed(raggedDome());
+  for (const Vec3d& p : s.mesh.vertices) {
+    const double r = std::hypot(p.x(), p.y());
+    if (p.z() > 0.3) continue;  // the base and the foot of the walls lie 2 mm lower
+    EXPECT_GT(r, 11.8);
+    EXPECT_LT(r, 13.5);
+  }
+}
+
+/// A round patch with a slit 1.2 mm wide from its rim to near its middle.
+TEST(SmoothBase, AFjordIsBridgedAndNoShaftIsLeft) {
+  Mesh m = dome(
+      24, 240, [](int) { return 12.5; }, [](int) { return 2.0; });
+  const auto is_slit = [&](const Triangle& f) {
+    const Vec3d c = (m.vertices[f[0]] + m.vertices[f[1]] + m.vertices[f[2]]) / 3;
+    return c.x() > 4 && std::abs(c.y()) < 0.6;
+  };
+  std::erase_if(m.triangles, is_slit);
+  const Solid s = closed(m);
+  EXPECT_EQ(s.report.gaps_bridged, 1u);
+  EXPECT_GT(s.report.rim_bridged_mm, 14);
+  EXPECT_LT(s.report.widest_gap_mm, 3) << "across the slit, a little aslant";
+  EXPECT_EQ(s.report.vertices_lost, 0u);
+  expectOnePieceWithoutHandles(s);
+  EXPECT_LT(turningOfBase(s), 450);
+  const std::string said = fmt::format("{}", fmt::join(s.report.changes, "; "));
+  EXPECT_NE(said.find("1 gap in the rim was bridged"), std::string::npos) << said;
+
+  EXPECT_EQ(closed(m, {.base_smoothing_mm = 0}).report.gaps_bridged, 0u);
+}
+
+TEST(SmoothBase, ATongueIsNotCutOff) {
+  // A strip 2.5 mm wide sticks out of the rim by 5 mm: its sides face each other from within.
+  const auto length = [](int j) { return j < 6 || j > 234 ? 18.0 : 12.5; };
+  const Mesh m = dome(24, 240, length, [](int) { return 2.0; });
+  const Solid s = closed(m);
+  EXPECT_EQ(s.report.gaps_bridged, 0u);
+  EXPECT_EQ(s.report.vertices_lost, 0u);
+  expectOnePieceWithoutHandles(s);
+}
+
+/// Half a barrel, cut flat at both ends: the rim climbs straight up there and comes down again.
+TEST(SmoothBase, VerticalCutsOfTheRimLoseNothing) {
+  Mesh m;
+  constexpr int kAlong = 60, kAround = 40;
+  for (int i = 0; i <= kAlong; ++i)
+    for (int j = 0; j <= kAround; ++j) {
+      const double a = kPi * j / kAround;
+      m.vertices.push_back(roundedToFloat(Vec3d(0.5 * i, -5 * std::cos(a), 6 * std::sin(a))));
+    }
+  const auto id = [](int i, int j) { return static_cast<std::uint32_t>(i * (kAround + 1) + j); };
+  for (int i = 0; i < kAlong; ++i)
+    for (int j = 0; j < kAround; ++j) {
+      m.triangles.push_back({id(i, j), id(i + 1, j), id(i + 1, j + 1)});
+      m.triangles.push_back({id(i, j), id(i + 1, j + 1), id(i, j + 1)});
+    }
+  const Solid s = closed(m, {.mode = CloseMode::kBase, .base_direction = -Vec3d::UnitZ()});
+  EXPECT_EQ(s.report.vertices_lost, 0u);
+  EXPECT_EQ(edgeConnectedPieces(s.mesh).count, 1u);
+  EXPECT_NEAR(signedVolume(s.mesh), 30 * (kPi / 2 * 5 * 6 + 10 * 2), 40) << "walls as upright as the cuts";
+}
+
+TEST(SmoothBase, CrownsAreCappedEach) {
+  const auto crown = [](double x) {
+    Mesh m = ball(24, 48, 4);
+    std::erase_if(m.triangles, [&](const Triangle& f) {
+      return m.vertices[f[0]].z() < -1.5 || m.vertices[f[1]].z() < -1.5 || m.vertices[f[2]].z() < -1.5;
+    });
+    for (Vec3d& p : m.vertices) p = roundedToFloat(Vec3d(p + Vec3d(x, 0, 0)));
+    return m;
+  };
+  const Mesh m = both(crown(0), crown(8.2));
+  const Solid s = closed(m);
+  EXPECT_EQ(s.report.rims_extruded, 0u);
+  EXPECT_EQ(s.report.holes_filled, 2u);
+  EXPECT_EQ(edgeConnectedPieces(s.mesh).count, 2u);
+  for (const Vec3d& p : s.mesh.vertices) EXPECT_GE(p.z(), -1.5) << "no stilts";
+
+  EXPECT_EQ(closed(crown(0)).report.rims_extruded, 1u) << "one alone gets a base";
+  EXPECT_EQ(closed(m, {.mode = CloseMode::kBase}).report.rims_extruded, 2u);
+}
+
+TEST(SmoothBase, TheSameBitsForAnyNumberOfThreads) {
+  const Mesh m = raggedDome();
+  const Solid many = closed(m);
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  const Solid single = closed(m);
+  EXPECT_EQ(many.mesh.vertices, single.mesh.vertices);
+  EXPECT_EQ(many.mesh.triangles, single.mesh.triangles);
+}
+
+TEST(SmoothBase, ARimOfThreeEdgesGetsABase) {
+  Mesh m;
+  m.vertices = {{0, 0, 3}, {2, 0, 0}, {-1, 2, 0}, {-1, -2, 0}};
+  m.triangles = {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}};
+  const Solid s = closed(m, {.mode = CloseMode::kBase});
+  expectSourceFirst(s, m);
+  EXPECT_EQ(s.report.rims_extruded, 1u);
+}
+
+TEST(SmoothBase, ARimOfAHundredThousandVerticesTakesSeconds) {
+  // A narrow band whose lower rim is a saw.
+  internal::Chain chain;
+  constexpr std::uint32_t kRim = 100'000;
+  for (std::uint32_t j = 0; j < kRim; ++j)
+    for (const double r : {39.98 + 0.02 * (j % 2), 39.96}) {
+      const double a = 2 * kPi * j / kRim;
+      chain.addVertex(roundedToFloat(Vec3d(r * std::cos(a), r * std::sin(a), r < 39.97 ? 1.0 : 0.0)));
+    }
+  for (std::uint32_t j = 0; j < kRim; ++j) {
+    const std::uint32_t a = 2 * j, b = 2 * ((j + 1) % kRim);
+    chain.addTriangle(a, b, b + 1);
+    chain.addTriangle(a, b + 1, a + 1);
+  }
+  std::vector<internal::Loop> rims;
+  for (const internal::Loop& loop : internal::boundaryLoops(chain.mesh.triangles))
+    if (loop[0] % 2 == 0) rims.push_back(loop);
+  ASSERT_EQ(rims.size(), 1u);
+  internal::BaseFrame frame = internal::baseFrame(-Vec3d::UnitZ());
+  frame.level = 2;
+
+  const auto start = std::chrono::steady_clock::now();
+  internal::BridgedGaps gaps;
+  const auto left = internal::bridgeFjords(chain, rims, 1, gaps, {});
+  ASSERT_TRUE(left);
+  const auto outline = internal::addSmoothWalls(chain, *left, frame, {}, {});
+  ASSERT_TRUE(outline);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(30));
+  EXPECT_LT((*outline)[0].size(), 1000u);
+  EXPECT_EQ(internal::boundaryLoops(chain.mesh.triangles).size(), 2u) << "the upper rim of the band, and the outline";
+}
+
+TEST(SmoothBase, SettingsOutOfRangeAreRefused) {
+  for (const double bad : {-1.0, 101.0, std::nan("")}) {
+    EXPECT_EQ(closeMesh(raggedDome(), {.base_smoothing_mm = bad}).error().code, Error::Code::kBadValue);
+    EXPECT_EQ(closeMesh(raggedDome(), {.base_lip_mm = bad}).error().code, Error::Code::kBadValue);
+  }
+}
+
+}  // namespace
+}  // namespace kerf
