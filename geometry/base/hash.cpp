@@ -58,6 +58,15 @@ std::string sha256(std::span<const std::byte> bytes) {
 }
 
 Expected<std::string> sha256OfFile(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (const auto status = std::filesystem::status(path, ignored);
+      std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
+    return fail({.code = Error::Code::kUnreadable,
+                 .file = path.string(),
+                 .place = "file",
+                 .found = std::filesystem::is_directory(status) ? "a folder" : "a pipe or a device",
+                 .expected = "a regular file",
+                 .hint = "get the folder it lies in again: Kerf writes nothing of that kind"});
   std::ifstream in(path, std::ios::binary);
   const auto refuse = [&](Error::Code code) {
     return fail({.code = code,

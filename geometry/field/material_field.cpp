@@ -18,7 +18,8 @@ MaterialField::MaterialField(std::shared_ptr<const Grid> grid) : grid_(std::move
 double MaterialField::voxel() const { return grid_->voxel; }
 
 Material MaterialField::at(const Vec3i& node) const {
-  return static_cast<Material>(grid_->labels->tree().getValue({node[0], node[1], node[2]}));
+  const std::int32_t label = grid_->labels->tree().getValue({node[0], node[1], node[2]});
+  return label >= 0 && label <= 255 ? static_cast<Material>(label) : Material::kNone;
 }
 
 bool MaterialField::copyBrick(const Vec3i& brick, std::span<std::uint8_t, 512> out) const {
@@ -69,6 +70,8 @@ Expected<MaterialField> readMaterialField(const std::filesystem::path& vdb) {
   };
   try {
     openvdb::initialize();
+    std::error_code ignored;
+    if (!std::filesystem::is_regular_file(vdb, ignored)) return error("no regular file");
     openvdb::io::File file(vdb.string());
     file.open(false);
     if (!file.hasGrid("material")) return error("no such grid");

@@ -115,6 +115,9 @@ Expected<std::vector<VdbGridInfo>> inspectVdb(const std::filesystem::path& path)
                  .hint = "bake the case again"});
   };
 
+  std::error_code ignored;
+  if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored))
+    return refuse("file", "a folder, a pipe or a device");
   VdbReader in(path);
   if (in.number<std::int64_t>() != kMagic) return refuse("header", "no OpenVDB file, or none at all");
   const auto version = in.number<std::uint32_t>();

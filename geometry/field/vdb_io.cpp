@@ -31,6 +31,45 @@ Vec3i toVec(const openvdb::Coord& c) { return {c.x(), c.y(), c.z()}; }
 
 }  // namespace
 
+namespace {
+
+// What no field of ours holds, and what would be cut as if it were tissue, or take all memory. Empty: nothing.
+std::string faultOf(const openvdb::FloatGrid& grid) {
+  constexpr int kFarthest = 1 << (20 + kBrickLog);    // coordKey
+  constexpr std::int64_t kMostInterior = 16'000'000;  // bricks; a mandible at 0.05 mm has about one million
+  const double most = 1000 * grid.voxelSize()[0];     // mm; bands are a few voxels wide
+  const auto isBeyond = [&](float value) { return !(std::abs(static_cast<double>(value)) <= most); };
+  const auto isFar = [](const openvdb::CoordBBox& box) {
+    return openvdb::Coord::lessThan(box.min(), openvdb::Coord(-kFarthest)) ||
+           openvdb::Coord::lessThan(openvdb::Coord(kFarthest - 1), box.max());
+  };
+
+  std::int64_t interior = 0;
+  auto tile = grid.tree().cbeginValueAll();
+  tile.setMaxDepth(openvdb::FloatTree::ValueAllCIter::LEAF_DEPTH - 1);
+  for (; tile; ++tile) {
+    if (isBeyond(tile.getValue())) return fmt::format("a tile of {} mm", tile.getValue());
+    if (tile.getValue() >= 0) continue;
+    openvdb::CoordBBox box;
+    tile.getBoundingBox(box);
+    if (isFar(box)) return "tiles too far from the origin";
+    interior += static_cast<std::int64_t>(box.volume() / kBrickNodes);
+    if (interior > kMostInterior) return fmt::format("more than {} bricks deep inside", kMostInterior);
+  }
+
+  for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
+    if (isFar(leaf->getNodeBoundingBox())) return "voxels too far from the origin";
+    const float* const values = leaf->buffer().data();
+    const float* const bad = std::find_if(values, values + kBrickNodes, isBeyond);
+    if (bad == values + kBrickNodes) continue;
+    const openvdb::Coord at = leaf->offsetToGlobalCoord(static_cast<openvdb::Index>(bad - values));
+    return fmt::format("{} mm at voxel {}, {}, {}", *bad, at.x(), at.y(), at.z());
+  }
+  return {};
+}
+
+}  // namespace
+
 BrickField internal::toBricks(const openvdb::FloatGrid& grid) {
   float interior = 0;  // the deepest constant inside; a file without interior tiles has none to tell
   auto deep = grid.tree().cbeginValueAll();
@@ -99,6 +138,9 @@ Expected<void> writeVdb(const std::filesystem::path& path, const std::vector<Nam
 Expected<BrickField> readVdb(const std::filesystem::path& path, const std::string& name) {
   initialize();
   try {
+    std::error_code ignored;
+    if (!std::filesystem::is_regular_file(path, ignored))
+      return fail(readError(path, "file", std::filesystem::exists(path, ignored) ? "no regular file" : "no such file"));
     openvdb::io::File file(path.string());
     file.open(false);
     if (!file.hasGrid(name)) return fail(readError(path, "grid " + name, "no such grid"));
@@ -115,13 +157,7 @@ Expected<BrickField> readVdb(const std::filesystem::path& path, const std::strin
     if (!(grid->background() > 0 && std::isfinite(grid->background())))
       return fail(readError(path, "grid " + name, fmt::format("a background of {} mm", grid->background())));
 
-    openvdb::CoordBBox extent;
-    grid->tree().evalLeafBoundingBox(extent);
-    constexpr int kFarthest = 1 << (20 + kBrickLog);  // coordKey
-    if (grid->tree().leafCount() > 0 && (openvdb::Coord::lessThan(extent.min(), openvdb::Coord(-kFarthest)) ||
-                                         openvdb::Coord::lessThan(openvdb::Coord(kFarthest - 1), extent.max())))
-      return fail(readError(path, "grid " + name, "voxels too far from the origin"));
-
+    if (const std::string fault = faultOf(*grid); !fault.empty()) return fail(readError(path, "grid " + name, fault));
     return internal::toBricks(*grid);
   } catch (const std::exception& e) {
     return fail(readError(path, "", e.what()));

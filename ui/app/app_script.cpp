@@ -212,8 +212,10 @@ Expected<std::vector<std::string>> wordsOfLine(const std::string& line) {
 }
 
 Expected<void> runScript(AppContext& context, const fs::path& script, const std::function<void()>& frame) {
-  std::ifstream in(script);
-  if (!in)
+  std::error_code ignored;
+  std::ifstream in;
+  if (!fs::is_directory(script, ignored)) in.open(script);
+  if (!in.is_open())
     return fail({.code = Error::Code::kNotFound,
                  .file = script.string(),
                  .found = "cannot be read",

@@ -258,7 +258,8 @@ namespace {
 // A recipe is TOML, too.
 bool looksLikeTool(const fs::path& path) {
   constexpr std::size_t kMostBytes = 4096;
-  if (path.extension() != ".toml") return false;
+  std::error_code ignored;
+  if (path.extension() != ".toml" || !fs::is_regular_file(path, ignored)) return false;
   std::ifstream in(path, std::ios::binary);
   std::string begin(kMostBytes, '\0');
   in.read(begin.data(), static_cast<std::streamsize>(begin.size()));

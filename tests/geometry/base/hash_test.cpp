@@ -1,6 +1,7 @@
 #include "geometry/base/hash.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "tests/support/temporary_folder.h"
 
@@ -29,6 +30,18 @@ TEST(Hash, FileAndPiecesGiveTheSame) {
   whole.update(std::as_bytes(std::span(text.data(), text.size())));
   EXPECT_EQ(pieces.digest(), whole.digest());
   EXPECT_EQ(sha256OfFile(folder.path() / "absent").error().code, Error::Code::kNotFound);
+}
+
+TEST(Hash, APipeADeviceOrAFolderIsRefusedAtOnce) {
+  const TemporaryFolder folder;
+  const auto pipe = folder.path() / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  for (const std::filesystem::path& path : {pipe, std::filesystem::path("/dev/zero"), folder.path()}) {
+    const auto found = sha256OfFile(path);
+    ASSERT_FALSE(found) << path;
+    EXPECT_EQ(found.error().code, Error::Code::kUnreadable) << path;
+    EXPECT_NE(found.error().message().find("a regular file"), std::string::npos) << found.error().message();
+  }
 }
 
 TEST(Hash, AllFormsTakeBlocksTheSame) {

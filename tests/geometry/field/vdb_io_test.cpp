@@ -1,9 +1,12 @@
 #include "geometry/field/vdb_io.h"
 
 #include <gtest/gtest.h>
+#include <openvdb/openvdb.h>
+#include <sys/stat.h>
 
 #include <fstream>
 #include <iterator>
+#include <limits>
 
 #include "tests/geometry/sampled_field.h"
 #include "tests/support/temporary_folder.h"
@@ -37,6 +40,47 @@ TEST(VdbIo, AMissingFileOrGridIsAnError) {
   const auto other = readVdb(folder.path() / "f.vdb", "sweep");
   ASSERT_FALSE(other);
   EXPECT_NE(other.error().message().find("sweep"), std::string::npos);
+}
+
+// A case from a stranger: numbers that are no distances are not cut as if they were tissue.
+TEST(VdbIo, ValuesThatAreNoDistancesAreRefused) {
+  const TemporaryFolder folder;
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN(), kInfinite = std::numeric_limits<float>::infinity();
+  for (const float bad : {kNan, kInfinite, -kInfinite, 1e30f, -51.f}) {
+    BrickField field(0.05, 0.2f, -0.25f);
+    field.brick(field.touch({0, 0, 0}))[77] = bad;
+    ASSERT_TRUE(writeVdb(folder.path() / "f.vdb", {{"phi", &field}}));
+    const auto back = readVdb(folder.path() / "f.vdb", "phi");
+    ASSERT_FALSE(back) << bad;
+    EXPECT_NE(back.error().message().find("at voxel 1, 1, 5"), std::string::npos) << back.error().message();
+  }
+  BrickField deep(0.05, 0.2f, -1e9f);
+  deep.markInterior({0, 0, 0});
+  ASSERT_TRUE(writeVdb(folder.path() / "f.vdb", {{"phi", &deep}}));
+  EXPECT_FALSE(readVdb(folder.path() / "f.vdb", "phi"));
+}
+
+// One number in a file of some kB: 4096 nodes along each side of a tile are 134 million bricks.
+TEST(VdbIo, ATileThatWouldFillTheMemoryIsRefused) {
+  const TemporaryFolder folder;
+  openvdb::initialize();
+  auto grid = openvdb::FloatGrid::create(0.2f);
+  grid->setName("phi");
+  grid->setTransform(openvdb::math::Transform::createLinearTransform(0.05));
+  grid->tree().addTile(openvdb::FloatTree::RootNodeType::LEVEL, openvdb::Coord(0, 0, 0), -0.25f, false);
+  const auto file = folder.path() / "f.vdb";
+  openvdb::io::File(file.string()).write({grid});
+  const auto back = readVdb(file, "phi");
+  ASSERT_FALSE(back);
+  EXPECT_NE(back.error().message().find("deep inside"), std::string::npos) << back.error().message();
+}
+
+TEST(VdbIo, APipeIsRefusedAtOnce) {
+  const TemporaryFolder folder;
+  const auto pipe = folder.path() / "pipe.vdb";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_FALSE(readVdb(pipe, "phi"));
+  EXPECT_FALSE(inspectVdb(pipe));
 }
 
 std::string contentOf(const std::filesystem::path& path) {
