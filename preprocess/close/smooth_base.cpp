@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <set>
 #include <unordered_map>
 
 #include "geometry/mesh/float32_cleanup.h"
@@ -25,6 +26,7 @@ constexpr double kLargestShare = 0.45;    // of the rim
 constexpr double kLeastFacing = 0.3;      // cosine between the bridge and the conormals at its ends
 constexpr std::size_t kMostSites = 5000;  // rim vertices where bridges may end
 constexpr std::size_t kMostPerSite = 64;
+constexpr double kPyramid = 0.1;  // height under a tooth of the rim that a bridge covers
 
 constexpr double kSample = 0.1;
 constexpr Index kFewestSamples = 24;
@@ -139,6 +141,47 @@ Expected<std::vector<Bridge>> findBridges(const Mesh& mesh, const Loop& rim, con
     chosen.push_back(b);
   }
   return chosen;
+}
+
+Triangle sorted(Triangle f) {
+  std::sort(f.begin(), f.end());
+  return f;
+}
+
+/// Triangles with all corners on the rims, their corners sorted.
+std::set<Triangle> trianglesOnRims(const Mesh& mesh, const std::vector<Loop>& rims) {
+  std::vector<char> on_rim(mesh.vertices.size(), 0);
+  for (const Loop& rim : rims)
+    for (const std::uint32_t v : rim) on_rim[v] = 1;
+  std::set<Triangle> out;
+  for (const Triangle& f : mesh.triangles)
+    if (on_rim[f[0]] && on_rim[f[1]] && on_rim[f[2]]) out.insert(sorted(f));
+  return out;
+}
+
+Loop pathAlong(const Loop& rim, const Bridge& b) {
+  Loop out;
+  for (std::size_t i = b.from; i != b.to; i = (i + 1) % rim.size()) out.push_back(rim[i]);
+  out.push_back(rim[b.to]);
+  return out;
+}
+
+/// Fills the loop. Where that lays the back of a triangle against a triangle of the scan the two would cancel, and a
+/// tip of the rim be lost: the back becomes a flat pyramid below it.
+void fillWithoutFolds(Chain& chain, const std::set<Triangle>& teeth, const Loop& loop, double height_mm) {
+  const std::size_t before = chain.mesh.triangles.size();
+  fillHole(chain, loop);
+  const std::size_t filled = chain.mesh.triangles.size();
+  for (std::size_t t = before; t < filled; ++t) {
+    const Triangle f = chain.mesh.triangles[t];
+    if (!teeth.count(sorted(f))) continue;
+    const Vec3d normal = doubleAreaVector(chain.mesh, t).normalized();
+    const Vec3d middle = (chain.mesh.corner(t, 0) + chain.mesh.corner(t, 1) + chain.mesh.corner(t, 2)) / 3;
+    const std::uint32_t top = chain.addVertex(roundedToFloat(Vec3d(middle + height_mm * normal)));
+    chain.mesh.triangles[t] = {f[0], f[1], top};
+    chain.addTriangle(f[1], f[2], top);
+    chain.addTriangle(f[2], f[0], top);
+  }
 }
 
 /// A closed curve in space, the rim's parameter of each point (rising, from 0 to below 1), and its vertices.
@@ -369,33 +412,30 @@ Expected<std::vector<Loop>> bridgeFjords(Chain& chain, const std::vector<Loop>& 
                                          const Progress& progress) {
   Poll poll(progress, 0.12, "bridging gaps in the rim");
   const std::vector<std::vector<Vec3d>> outwards = conormals(chain.mesh, rims);
+  const std::set<Triangle> teeth = trianglesOnRims(chain.mesh, rims);
   std::vector<Loop> left;
   for (std::size_t r = 0; r < rims.size(); ++r) {
     const Loop& rim = rims[r];
     KERF_TRY(bridges, findBridges(chain.mesh, rim, outwards[r], scale, poll));
 
-    std::vector<char> inside(rim.size(), 0);
-    for (const Bridge& b : bridges)
-      for (std::size_t i = (b.from + 1) % rim.size(); i != b.to; i = (i + 1) % rim.size()) inside[i] = 1;
-    Loop rest;
-    for (std::size_t i = 0; i < rim.size(); ++i)
-      if (!inside[i]) rest.push_back(rim[i]);
     constexpr std::size_t kFewest = 6;
-    if (rest.size() < kFewest) {
-      left.push_back(rim);
-      continue;
-    }
-
+    std::size_t edges_left = rim.size();
+    std::vector<char> inside(rim.size(), 0);
     for (const Bridge& b : bridges) {
       if (!report(progress, 0.13, "bridging gaps in the rim")) return cancelled();
-      Loop hole;
-      for (std::size_t i = b.from; i != b.to; i = (i + 1) % rim.size()) hole.push_back(rim[i]);
-      hole.push_back(rim[b.to]);
-      fillHole(chain, hole);
+      const std::size_t steps = (b.to + rim.size() - b.from) % rim.size();
+      if (edges_left - steps + 1 < kFewest) continue;
+      fillWithoutFolds(chain, teeth, pathAlong(rim, b), kPyramid * scale);
+      edges_left -= steps - 1;
+      for (std::size_t k = 1; k < steps; ++k) inside[(b.from + k) % rim.size()] = 1;
       ++gaps.count;
       gaps.rim_mm += b.rim_mm;
       gaps.widest_mm = std::max(gaps.widest_mm, b.width_mm);
     }
+
+    Loop rest;
+    for (std::size_t i = 0; i < rim.size(); ++i)
+      if (!inside[i]) rest.push_back(rim[i]);
     left.push_back(std::move(rest));
   }
   return left;

@@ -66,7 +66,10 @@ TEST(Defects, RaggedRim) {
   const Mesh whole = arch();
   const Mesh m = without(whole, [&](std::size_t t) { return middle(whole, t).z() < 1.5 && random() % 2 == 0; });
   const Solid s = closed(m);
-  EXPECT_LT(lost(s, m), m.vertices.size() / 50);  // only islands and teeth of the rim that hang over others
+  // Islands are most of them: 44 with straight walls. Bridges fold over a few teeth of 1 mm: 55. On real scans, whose
+  // triangles are smaller, they save more than they cost (CloseLosses).
+  EXPECT_LT(lost(s, m), m.vertices.size() / 40);
+  EXPECT_LT(lost(closed(m, {.base_smoothing_mm = 0}), m), m.vertices.size() / 50);
   EXPECT_TRUE(says(s, "rim"));
 }
 
