@@ -10,6 +10,7 @@
 #include "preprocess/close/arrangement.h"
 #include "preprocess/close/boundary.h"
 #include "preprocess/close/chain.h"
+#include "preprocess/close/guard.h"
 #include "preprocess/close/manifold.h"
 #include "preprocess/close/orient.h"
 #include "preprocess/close/poll.h"
@@ -579,6 +580,8 @@ Expected<Solid> closeMesh(const Mesh& imported_mm, const CloseOptions& options, 
     if (const auto welded = internal::buildChain(imported_mm, fit, unused)) handles = handlesOf(welded->mesh);
   }
   reportLosses(imported_mm, result, handles, report);
+  for (std::string& warning : internal::guardWarnings(imported_mm, result.mesh, report))
+    warn(report, std::move(warning));
 
   const std::size_t source_vertices = imported_mm.vertices.size() - report.vertices_welded;
   countTriangles(imported_mm, result, report);
