@@ -257,6 +257,7 @@ TEST_F(ImportCommandsTest, WhatCannotBeDoneIsSaid) {
                                                        {read + "import.unit", "mm, cm, m, um or inch"},
                                                        {read + "import.unit ell", "mm, cm, m, um or inch"},
                                                        {read + "import.close glue", "automatic, base, holes or wrap"},
+                                                       {read + "import.smooth 21", "0 to 20 mm"},
                                                        {read + "import.base round", "horseshoe or full"},
                                                        {read + "import.base full 2mm", "a length in mm"},
                                                        {read + "import.base full 99", "0.5 to 30 mm"},

@@ -72,6 +72,13 @@ Expected<void> importBase(AppContext& c, AppWords words) {
   return c.bench.importPlan()->setClosing(choice);
 }
 
+Expected<void> importSmooth(AppContext& c, AppWords words) {
+  ClosingChoice choice = c.bench.importPlan()->closing();
+  KERF_TRY(mm, lengthOf(wordOf(words, 0)));
+  choice.smooth_mm = mm;
+  return c.bench.importPlan()->setClosing(choice);
+}
+
 Expected<void> importPlane(AppContext& c, AppWords words) {
   ClosingChoice choice = c.bench.importPlan()->closing();
   const std::string word = wordOf(words, 0);

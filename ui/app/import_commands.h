@@ -17,6 +17,7 @@ Expected<void> importRead(AppContext& c, AppWords words);
 Expected<void> importUnit(AppContext& c, AppWords words);
 Expected<void> importClose(AppContext& c, AppWords words);
 Expected<void> importBase(AppContext& c, AppWords words);
+Expected<void> importSmooth(AppContext& c, AppWords words);
 Expected<void> importPlane(AppContext& c, AppWords words);
 Expected<void> importHoles(AppContext& c, AppWords words);
 Expected<void> importWrap(AppContext& c, AppWords words);

@@ -182,6 +182,8 @@ Expected<void> ImportPlan::setClosing(const ClosingChoice& c) {
   if (!(c.base_mm >= kThinnestBase && c.base_mm <= kThickestBase))
     return wrong(fmt::format("a base of {:g} mm", c.base_mm),
                  fmt::format("{:g} to {:g} mm", kThinnestBase, kThickestBase));
+  if (!(c.smooth_mm >= 0 && c.smooth_mm <= kSmoothest))
+    return wrong(fmt::format("walls smooth over {:g} mm", c.smooth_mm), fmt::format("0 to {:g} mm", kSmoothest));
   if (!(c.wrap_mm >= kFinestWrap && c.wrap_mm <= kCoarsestWrap))
     return wrong(fmt::format("a wrap of {:g} mm", c.wrap_mm),
                  fmt::format("{:g} to {:g} mm", kFinestWrap, kCoarsestWrap));

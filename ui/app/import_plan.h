@@ -107,6 +107,7 @@ class ImportPlan {
   double voxel() const { return choice_.voxel_mm > 0 ? choice_.voxel_mm : suggestedVoxel(); }
   static constexpr double kFinestVoxel = 0.02, kCoarsestVoxel = 0.5;  ///< mm
   static constexpr double kThinnestBase = 0.5, kThickestBase = 30;    ///< mm
+  static constexpr double kSmoothest = 20;                            ///< mm
   static constexpr double kFinestWrap = 0.1, kCoarsestWrap = 5;       ///< mm
 
   // ---- What comes of them

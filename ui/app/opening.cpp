@@ -247,6 +247,7 @@ CloseOptions closeOptionsOf(const ClosingChoice& choice) {
   }
   out.base_style = choice.is_full_base ? BaseStyle::kFull : BaseStyle::kHorseshoe;
   out.base_margin_mm = choice.base_mm;
+  out.base_smoothing_mm = choice.smooth_mm;
   out.find_occlusal_plane = choice.follows_occlusal_plane;
   out.fill_up_to_mm = choice.holes_up_to_mm;
   out.wrap_alpha_mm = choice.wrap_mm;

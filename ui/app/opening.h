@@ -43,6 +43,7 @@ struct ClosingChoice {
   Way way = Way::kAutomatic;
   bool is_full_base = false;             ///< the arch stands on a plate; false: a horseshoe, the walls follow the rim
   double base_mm = 2;                    ///< thickness of the base below the lowest point of the scan
+  double smooth_mm = 12;                 ///< walls have no waves shorter than this; 0: straight under the rim
   bool follows_occlusal_plane = false;   ///< the base is parallel to it
   std::optional<double> holes_up_to_mm;  ///< a longer boundary is no hole; none: as closing decides
   double wrap_mm = 1;                    ///< hollows narrower than this are bridged by a wrap

@@ -111,6 +111,14 @@ void drawClosing(AppContext& context, ImportPlan& plan) {
     if (ImGui::SliderFloat("##base", &base, static_cast<float>(ImportPlan::kThinnestBase), 15,
                            "base %.1f mm below the scan", ImGuiSliderFlags_AlwaysClamp))
       choice.base_mm = 0.1 * std::round(10 * static_cast<double>(base));
+    if (!choice.is_full_base) {
+      float smooth = static_cast<float>(choice.smooth_mm);
+      ImGui::SetNextItemWidth(-1);
+      if (ImGui::SliderFloat("##smooth", &smooth, 0, static_cast<float>(ImportPlan::kSmoothest),
+                             smooth > 0 ? "walls smooth over %.0f mm" : "walls straight under the rim",
+                             ImGuiSliderFlags_AlwaysClamp))
+        choice.smooth_mm = std::round(static_cast<double>(smooth));
+    }
     if (plan.found().has_occlusal_plane)
       ImGui::Checkbox("Base parallel to the occlusal plane", &choice.follows_occlusal_plane);
     else
