@@ -7,8 +7,8 @@
 //   run.vdb      grids phi (the cut field, bricks that changed) and, geometry only, sweep (union of tool sweeps, mm);
 //                beside_1, beside_2, ...: phi of further cases that stood beside the one that was cut
 //   forces.csv, summary.json, session.kerflog   of a cut against resistance: haptic_cut.h
-//   begin.vdb    modes haptic and session, of one that went on from another run: what that one left, phi and beside_1, ...
-//   tools/       mode session: in place of tool and path, all tools of the session
+//   begin.vdb    modes haptic and session, of one that went on from another run: what that one left, phi and beside_1,
+//   ... tools/       mode session: in place of tool and path, all tools of the session
 //
 // run_files.h reads what lies beside the manifest.
 #pragma once

@@ -83,6 +83,9 @@ TEST_F(ImportPlanTest, AUnitChangesTheSizeAndNothingIsScaledSilently) {
 
 TEST_F(ImportPlanTest, ThePreviewIsTheSolidThatTheChoicesGive) {
   ImportPlan plan = planOf(block());
+  ClosingChoice straight = plan.closing();
+  straight.smooth_mm = 0;  // a volume that a formula gives
+  ASSERT_TRUE(plan.setClosing(straight));
   work(plan);
   ASSERT_TRUE(plan.preview()) << plan.previewError()->message();
   EXPECT_NEAR(plan.preview()->volume_mm3, 6 * 4 * (3 + 2), 1e-3);

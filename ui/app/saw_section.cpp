@@ -189,7 +189,8 @@ SawnSection::SawnSection(const SawPlane& plane, const BrickField& bone, const To
       const Vec3d at = plane.fromPlane(u, v);
       const auto distance = static_cast<double>(bone.sample(at));
       const bool is_planned = std::abs(u) <= 0.5 * plane.width && v >= 0 && v <= plane.depth;
-      if (is_planned) area_ += std::clamp(0.5 - distance / kCell, 0.0, 1.0);
+      const auto part = [](double inside) { return std::clamp(0.5 + inside / kCell, 0.0, 1.0); };  // mm from an edge
+      area_ += part(0.5 * plane.width - std::abs(u)) * part(std::min(v, plane.depth - v)) * part(-distance);
       if (distance >= 0) continue;
       cells_.push_back({at, u, v, is_planned, false});
       planned_ += is_planned;

@@ -51,7 +51,7 @@ class SawnSection {
   void mark(const Rigid3& T_world_tool);
   /// Sawn, of the bone in the rectangle, 0 to 1; 1 where there is none.
   double share() const;
-  /// Of the bone in the rectangle. A cell at its surface counts in part: whole ones would be 7 % too many for 5 x 4 mm.
+  /// Of the bone in the rectangle. Cells at its edges count in part: whole ones would be 7 % too many for 5 x 4 mm.
   double plannedMm2() const { return kCell * kCell * area_; }
   /// Bone sawn in the plane, but outside the rectangle.
   double beyondMm2() const { return kCell * kCell * static_cast<double>(beyond_); }

@@ -21,7 +21,7 @@ void drawPlot(const Trace& trace, const Trace::About& channel) {
   const std::string label = fmt::format("##{}", channel.name);
   ImGui::PlotLines(label.c_str(), trace.values(channel.channel).data(), static_cast<int>(Trace::kCount),
                    static_cast<int>(trace.oldest()), nullptr, 0, static_cast<float>(top),
-                   {ImGui::GetContentRegionAvail().x, scaled(34)});
+                   {ImGui::GetContentRegionAvail().x, scaled(20)});
 }
 
 }  // namespace
