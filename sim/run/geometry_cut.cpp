@@ -105,9 +105,9 @@ Expected<RunManifest> cutCase(const fs::path& case_folder, const fs::path& tool_
   if (isRun(case_folder))
     return fail({.code = Error::Code::kUnsupported,
                  .file = case_folder.string(),
-                 .found = "a run, to be gone on from geometry only",
-                 .expected = "a case: what a run has is cut against resistance further",
-                 .hint = "--hand; or both paths in one file"});
+                 .found = "a run, not a case: a cut of geometry alone does not go on from one",
+                 .expected = "the case that it was cut from",
+                 .hint = "--hand force goes on from a run; or cut the case, with both paths in one file"});
   KERF_TRY(in_case, readCaseManifest(case_folder));
   KERF_TRY(case_path, internal::relativeCasePath(case_folder, run_folder));
   KERF_TRY(tool, readTool(tool_file));
