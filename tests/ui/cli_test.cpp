@@ -101,7 +101,7 @@ TEST_F(Cli, ACutAgainstResistanceGoesOnFromARun) {
   const json replayed = parsed(runKerf({"replay", at("second.run"), "--json"}));
   EXPECT_TRUE(replayed["is_same"].get<bool>() && replayed["is_whole"].get<bool>()) << replayed;
 
-  refuses(cut("first.run", cavity, "x.run", {}), {"geometry only", "--hand"});
+  refuses(cut("first.run", cavity, "x.run", {}), {"a run, not a case", "--hand force"});
   refuses(cut("first.run", cavity, "first.run", {"--hand", "feed", "--force"}), {"never changed"});
   parsed(runKerf(cut("molar.case", at("beside.csv"), "damaged.run", {"--hand", "feed"})));
   std::ofstream(at("damaged.run/run.vdb"), std::ios::binary) << "no field";
