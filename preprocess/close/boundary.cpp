@@ -11,6 +11,7 @@
 #include "geometry/mesh/float32_cleanup.h"
 #include "preprocess/close/base.h"
 #include "preprocess/close/hole.h"
+#include "preprocess/close/openness.h"
 #include "preprocess/close/poll.h"
 #include "preprocess/close/smooth_base.h"
 
@@ -371,6 +372,34 @@ Expected<void> extrudeRims(Chain& chain, Boundary& boundary, const CloseOptions&
   return {};
 }
 
+Boundary boundaryOf(const Mesh& mesh) {
+  Boundary out{boundaryLoops(mesh.triangles), {}, 0, {}};
+  for (const Loop& loop : out.loops) out.lengths.push_back(length(mesh, loop));
+  out.longest =
+      static_cast<std::size_t>(std::max_element(out.lengths.begin(), out.lengths.end()) - out.lengths.begin());
+  out.is_rim.assign(out.loops.size(), 0);
+  return out;
+}
+
+/// A mesh as good as closed whose triangles do not fit together can have a boundary as long as a rim, where no
+/// underside is missing: a base would be invented. What encloses nothing is dropped.
+/// Errors: kGeometry if a boundary as long as a rim is left.
+Expected<void> dropWhatLooksOpen(Chain& chain, const CloseOptions& options, Boundary& boundary, CloseReport& report) {
+  const double across = bounds(chain.mesh).size().norm();
+  const bool is_asked = !options.only.empty() || options.mode == CloseMode::kBase || options.fill_up_to_mm;
+  if (is_asked || chain.open_mm > kHardlyOpen * across) return {};
+
+  dropSheets(chain, report);
+  boundary = boundaryOf(chain.mesh);
+  if (boundary.loops.empty() || !(boundary.longestLength() > options.rim_to_diagonal * across)) return {};
+  Error e = ungrounded(fmt::format("a boundary of {:.0f} mm along edges that three or more triangles share; the mesh "
+                                   "is open along {:.1f} mm only: no underside is missing",
+                                   boundary.longestLength(), chain.open_mm),
+                       "--close wrap, or mend the mesh in another program; --close base if it is a scan");
+  e.expected = "a surface";
+  return fail(std::move(e));
+}
+
 /// Refuses holes that are not to be filled.
 Expected<void> checkHoles(const Mesh& mesh, const Boundary& boundary, const CloseOptions& options) {
   for (std::size_t i = 0; i < boundary.loops.size(); ++i) {
@@ -409,17 +438,17 @@ Expected<void> fillHoles(Chain& chain, const Boundary& boundary, CloseReport& re
 }  // namespace
 
 Expected<void> closeBoundary(Chain& chain, const CloseOptions& options, CloseReport& report, const Progress& progress) {
-  Boundary boundary{boundaryLoops(chain.mesh.triangles), {}, 0, {}};
+  Boundary boundary = boundaryOf(chain.mesh);
   if (boundary.loops.empty()) {
     if (options.only.empty() && options.mode == CloseMode::kBase)
       return fail(ungrounded("a closed mesh, which needs no base", "the same without --close base"));
     if (isBaseAsked(options)) report.changes.push_back("no base was made: the mesh is closed");
     return {};
   }
-  for (const Loop& loop : boundary.loops) boundary.lengths.push_back(length(chain.mesh, loop));
-  boundary.longest = static_cast<std::size_t>(std::max_element(boundary.lengths.begin(), boundary.lengths.end()) -
-                                              boundary.lengths.begin());
-  boundary.is_rim.assign(boundary.loops.size(), 0);
+  if (boundary.longestLength() > options.rim_to_diagonal * bounds(chain.mesh).size().norm()) {
+    KERF_CHECK(dropWhatLooksOpen(chain, options, boundary, report));
+    if (boundary.loops.empty()) return {};
+  }
 
   KERF_TRY(has_rim, needsBase(chain.mesh, boundary, options));
   const bool are_crowns = has_rim && areCrowns(chain.mesh, boundary, options);

@@ -9,6 +9,7 @@
 #include "geometry/mesh/exact_weld.h"
 #include "preprocess/close/close.h"
 #include "preprocess/close/duplicates.h"
+#include "preprocess/close/openness.h"
 #include "preprocess/close/orient.h"
 #include "preprocess/close/stitch.h"
 
@@ -194,6 +195,7 @@ Expected<Chain> buildChain(const Mesh& imported, const CloseOptions& options, Cl
     return needed(counted(n, "triangle without area", "triangles without area"), CloseStep::kDrop);
 
   if (wanted(CloseStep::kStitch)) stitchSeams(chain, options.stitch_mm, report);
+  chain.open_mm = openLength(chain.mesh, chain.mesh.triangles);
   orientTriangles(chain, report);
   if (report.triangles_flipped && !wanted(CloseStep::kOrient))
     return needed(counted(report.triangles_flipped, "triangle that disagrees with its neighbours",

@@ -24,6 +24,7 @@ struct Chain {
   Mesh mesh;                          ///< float32 coordinates, no two vertices equal
   std::vector<std::uint32_t> source;  ///< per triangle: imported triangle or kAdded
   std::uint32_t source_vertices = 0;  ///< vertices below this index come from the import, in its order
+  double open_mm = 0;  ///< openLength() of the import, welded and stitched, before any of its triangles was dropped
 
   std::uint32_t addVertex(const Vec3d& p);
   void addTriangle(std::uint32_t a, std::uint32_t b, std::uint32_t c);

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "preprocess/close/edges.h"
+#include "preprocess/close/openness.h"
 
 namespace kerf::internal {
 namespace {
@@ -36,14 +36,6 @@ std::vector<Triangle> weldedTriangles(const Mesh& mesh, std::size_t& used) {
   return out;
 }
 
-double boundaryLength(const Mesh& mesh, const std::vector<Triangle>& triangles) {
-  double length = 0;
-  forEachEdge(edgeUses(triangles), [&](const auto& uses) {
-    if (uses.size() == 1) length += (mesh.vertices[uses[0].a] - mesh.vertices[uses[0].b]).norm();
-  });
-  return length;
-}
-
 }  // namespace
 
 std::vector<std::string> guardWarnings(const Mesh& imported_mm, const Mesh& solid, const CloseReport& report) {
@@ -56,7 +48,7 @@ std::vector<std::string> guardWarnings(const Mesh& imported_mm, const Mesh& soli
 
   const double before = std::abs(signedVolume(imported_mm)), after = std::abs(signedVolume(solid));
   const bool is_hardly_open =
-      !triangles.empty() && boundaryLength(imported_mm, triangles) <= kHardlyOpen * box.size().norm();
+      !triangles.empty() && openLength(imported_mm, triangles) <= kHardlyOpen * box.size().norm();
   const double ratio = before > 0 ? after / before : 1;
   if (is_hardly_open && (ratio > kMostGrowth || ratio < kLeastShrink))
     out.push_back(fmt::format(

@@ -11,8 +11,6 @@ namespace kerf::internal {
 /// A solid may have so many times the volume of a mesh that was as good as closed. Less is told below a half: pieces
 /// that overlap and shells within shells count once in a solid, and more than once in a mesh.
 inline constexpr double kMostGrowth = 1.1, kLeastShrink = 0.5;
-/// A mesh is as good as closed if its boundaries together are shorter than this part of its diagonal.
-inline constexpr double kHardlyOpen = 0.2;
 /// An exact solid may lack this part of the scan's vertices.
 inline constexpr double kMostLost = 0.1;
 
