@@ -115,7 +115,8 @@ class WatchedRun {
   /// Fetches the newest moment; false: none since the last call.
   bool update();
   const WatchMoment& moment() const noexcept { return moment_; }
-  /// Whether all that was asked for is done, but for playing, and its moment is the newest one and meshed.
+  /// Whether all that was asked for is done, but for playing, and its moment is the newest one and meshed:
+  /// the next takeChunks() has what is left of it.
   bool isSettled() const;
 
   /// Chunks that changed since the last call, object by object, as LiveRun::takeChunks().

@@ -46,6 +46,7 @@ Expected<void> wait(AppContext& c, AppWords words, const std::function<void()>& 
     do frameOf(frame);
     while (c.bench.job() || isReplayBusy(c) || isPreviewing(c) || c.bench.saw().isCutting() ||
            c.bench.tissues().isBusy() || (c.bench.isShown() && c.bench.scene().triangleCount() == 0));
+    if (c.bench.watched()) frame();  // takes the chunks that were meshed since the last look
     return {};
   }
   KERF_TRY(seconds, numberOf(words, 0, "SECONDS", 0, 36000));

@@ -85,7 +85,10 @@ class WatchedRunTest : public testing::Test {
     for (int n = 0; n < 60000; ++n) {
       run.update();
       seen.add(run.takeChunks());
-      if (is_so()) return true;
+      if (is_so()) {
+        seen.add(run.takeChunks());  // those that were meshed since the last look
+        return true;
+      }
       std::this_thread::sleep_for(milliseconds(2));
     }
     return false;
