@@ -11,8 +11,8 @@ namespace kerf::cli {
 /// @param command  named and described already.    @param exit_code  what main returns; set by the callback.
 using AddOptions = void(CLI::App& command, int& exit_code);
 
-AddOptions addBake, addBench, addCheck, addCut, addDemo, addDemoMolar, addDevices, addExport, addInfo, addRecover,
-    addReplay, addTool;
+AddOptions addBake, addBench, addCheck, addCut, addDemo, addDemoMolar, addDevices, addExport, addInfo, addPick,
+    addRecover, addReplay, addTool;
 
 struct CommandRow {
   const char* name;     ///< as typed
@@ -34,6 +34,7 @@ inline constexpr CommandRow kCommands[] = {
     {"export", "Write the post-operative mesh of a run, or the closed solid of a case", addExport, kWorkflow},
     {"check", "Say whether a mesh is ready to print, and if not, why (exit 0 yes, 1 no)", addCheck, kInspect},
     {"info", "Describe a mesh, a label volume, a case, a run or a tool", addInfo, kInspect},
+    {"pick", "Say what is at a place of a view: the point in mm, normal, tissue, thickness", addPick, kInspect},
     {"devices", "Say which coupling a force-feedback device can hold, from its profile", addDevices, kInspect},
     {"tool", "List, check, draw, start and bake tools", addTool, kInspect},
     {"bench", "Time Kerf on shared scenes: p50, p99, max and the state hash", addBench, kExamples},

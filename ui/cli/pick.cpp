@@ -1,0 +1,261 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <string_view>
+
+#include "geometry/case/case_bundle.h"
+#include "geometry/field/material_field.h"
+#include "geometry/formats/mesh_formats.h"
+#include "geometry/formats/mesh_io.h"
+#include "geometry/mesh/ray_hits.h"
+#include "preprocess/unit/unit.h"
+#include "sim/run/export_bundle.h"
+#include "sim/run/run_files.h"
+#include "ui/app/camera.h"
+#include "ui/app/point_readout.h"
+#include "ui/cli/command.h"
+
+namespace kerf::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+struct Arguments {
+  std::string scene, view = "top", unit;
+  std::vector<std::string> at, pixels;
+  std::string size = "1200x900";
+  bool json = false;
+};
+
+// What is looked at: a surface in mm, and of what it is made if that is known.
+struct Picked {
+  Mesh mesh;
+  std::string note;
+  std::optional<MaterialField> materials;
+  std::vector<CaseMaterial> names;
+};
+
+Expected<Picked> readCaseScene(const fs::path& bundle, const fs::path& case_folder) {
+  KERF_TRY(shown, exportBundle(bundle));
+  KERF_TRY(manifest, readCaseManifest(case_folder));
+  Picked out;
+  out.mesh = std::move(shown.post_op.mesh);
+  out.names = manifest.materials;
+  if (manifest.materials.size() > 1) {
+    KERF_TRY(materials, readCaseMaterials(case_folder));
+    out.materials = std::move(materials);
+  }
+  return out;
+}
+
+Expected<Picked> readScene(const Arguments& a) {
+  const fs::path path = a.scene;
+  if (isCase(path)) return readCaseScene(path, path);
+  if (isRun(path)) {
+    KERF_TRY(case_folder, caseOfRun(path));
+    return readCaseScene(path, case_folder);
+  }
+  KERF_TRY(file, readMesh(path));
+  KERF_TRY(unit, chooseUnit(bounds(file.mesh), a.unit, file.declared_unit));
+  Picked out{std::move(file.mesh), {}, {}, {}};
+  if (unit.scale_to_mm != 1) {
+    for (Vec3d& p : out.mesh.vertices) p *= unit.scale_to_mm;
+    out.note = fmt::format("the file is in {}, the numbers are mm: {}", unit.unit, unit.reason);
+  } else if (unit.is_doubtful) {
+    out.note = "CHECK THE UNIT: " + unit.reason;
+  }
+  return out;
+}
+
+// "X,Y" or "WxH".
+std::optional<std::array<double, 2>> twoNumbers(std::string_view text, char between) {
+  const std::size_t at = text.find(between);
+  if (at == text.npos) return {};
+  std::array<double, 2> out{};
+  const std::array<std::string_view, 2> words{text.substr(0, at), text.substr(at + 1)};
+  for (std::size_t k = 0; k < 2; ++k) {
+    const auto [end, error] = std::from_chars(words[k].data(), words[k].data() + words[k].size(), out[k]);
+    if (error != std::errc() || end != words[k].data() + words[k].size() || !std::isfinite(out[k])) return {};
+  }
+  return out;
+}
+
+Error wrongOption(const char* option, const std::string& found, const char* expected, const char* hint) {
+  return {.code = Error::Code::kBadValue,
+          .place = option,
+          .found = "\"" + found + "\"",
+          .expected = expected,
+          .hint = hint};
+}
+
+// Where to look, in mm to the right and up in the view, from the scan's origin.
+struct Place {
+  std::string asked;
+  double right = 0, up = 0;
+};
+
+Expected<std::vector<Place>> placesOf(const Arguments& a, const Camera& view, const Mesh& mesh) {
+  std::vector<Place> out;
+  for (const std::string& text : a.at) {
+    const auto xy = twoNumbers(text, ',');
+    if (!xy) return fail(wrongOption("--at", text, "X,Y in mm", "--at 1.5,-2"));
+    out.push_back({text, (*xy)[0], (*xy)[1]});
+  }
+  if (a.pixels.empty()) return out;
+
+  const auto size = twoNumbers(a.size, 'x');
+  constexpr double kLeast = 16, kMost = 8192;
+  if (!size || std::min((*size)[0], (*size)[1]) < kLeast || std::max((*size)[0], (*size)[1]) > kMost)
+    return fail(wrongOption("--size", a.size, "WxH, 16 to 8192 pixels a side", "--size 1200x900"));
+  const int width = static_cast<int>((*size)[0]), height = static_cast<int>((*size)[1]);
+  Camera fitted = view;
+  fitTo(fitted, mesh, width, height);
+  const double mm = fitted.mmPerPixel(height);
+  for (const std::string& text : a.pixels) {
+    const auto uv = twoNumbers(text, ',');
+    if (!uv)
+      return fail(wrongOption("--pixel", text, "U,V: pixels from the left and the upper edge", "--pixel 600,450"));
+    out.push_back({"pixel " + text, fitted.target.dot(view.right()) + ((*uv)[0] - 0.5 * width) * mm,
+                   fitted.target.dot(view.up()) - ((*uv)[1] - 0.5 * height) * mm});
+  }
+  return out;
+}
+
+// Rounding of a point in a coordinate plane would print -0.000.
+double withoutNegativeZero(double x) { return std::abs(x) < 1e-12 ? 0 : x; }
+
+struct Found {
+  PointReadout readout;
+  bool from_behind = false;
+};
+
+std::string tissueAt(const Picked& scene, const Vec3d& inside) {
+  if (!scene.materials) return {};
+  const Material material = scene.materials->near(inside);
+  for (const CaseMaterial& m : scene.names)
+    if (m.number == static_cast<int>(material)) return m.id;
+  return {};
+}
+
+std::optional<Found> look(const Picked& scene, const Camera& view, const Place& place, double nearest) {
+  const Vec3d towards = -view.backwards();
+  const Vec3d from = place.right * view.right() + place.up * view.up() + nearest * view.backwards();
+  const std::vector<RayHit> hits = rayHits(scene.mesh, from, towards);
+  if (hits.empty()) return {};
+
+  Found out;
+  const RayHit& first = hits.front();
+  out.from_behind = !first.enters;
+  out.readout.point = (from + first.way * towards).unaryExpr(&withoutNegativeZero);
+  out.readout.normal = doubleAreaVector(scene.mesh, first.triangle).normalized();
+  Eigen::Quaterniond along = Eigen::Quaterniond::FromTwoVectors(Vec3d::UnitZ(), view.backwards());
+  along.coeffs() = along.coeffs().unaryExpr(&withoutNegativeZero).eval();
+  out.readout.T_scan_tool = Rigid3{along, out.readout.point};
+  constexpr double kInside = 0.05;  // mm under the surface, or at the next labelled node
+  out.readout.tissue = tissueAt(scene, out.readout.point - kInside * out.readout.normal);
+  if (first.enters)
+    for (const RayHit& hit : hits)
+      if (!hit.enters) {
+        out.readout.thickness_mm = hit.way - first.way;
+        break;
+      }
+  return out;
+}
+
+Error nothingThere(const Arguments& a, const Place& place, const Camera& view, const Mesh& mesh) {
+  Box3 seen;
+  for (const Vec3d& p : mesh.vertices) seen.add({p.dot(view.right()), p.dot(view.up()), 0});
+  return {.code = Error::Code::kNotFound,
+          .file = a.scene,
+          .place = fmt::format("at {} in the view {}", place.asked, a.view),
+          .found = "nothing",
+          .expected = fmt::format("a place on the object, which is seen from {:.2f} to {:.2f} mm to the right and "
+                                  "from {:.2f} to {:.2f} mm up",
+                                  seen.min.x(), seen.max.x(), seen.min.y(), seen.max.y()),
+          .hint = fmt::format("kerf-sim --screenshot OUT.png --view {} {}", a.view, a.scene)};
+}
+
+json toJson(const Place& place, const Found& found) {
+  const PointReadout& r = found.readout;
+  json j{{"at", {place.right, place.up}},
+         {"point_mm", {r.point[0], r.point[1], r.point[2]}},
+         {"normal", {r.normal[0], r.normal[1], r.normal[2]}},
+         {"is_seen_from_behind", found.from_behind},
+         {"path_row", pathRowOf(r)}};
+  j["tissue"] = r.tissue.empty() ? json() : json(r.tissue);
+  j["thickness_mm"] = r.thickness_mm ? json(*r.thickness_mm) : json();
+  return j;
+}
+
+int run(const Arguments& a) {
+  if (a.at.empty() && a.pixels.empty())
+    return complainOfUsage({.code = Error::Code::kBadValue,
+                            .found = "no place to look at",
+                            .expected = "--at X,Y or --pixel U,V",
+                            .hint = "--at 0,0"});
+  const auto view = cameraFromView(a.view);
+  if (!view) return complainOfUsage(view.error());
+  const auto scene = readScene(a);
+  if (!scene) return complain(scene.error());
+  const auto places = placesOf(a, *view, scene->mesh);
+  if (!places) return complainOfUsage(places.error());
+
+  double nearest = 0;
+  for (const Vec3d& p : scene->mesh.vertices) nearest = std::max(nearest, p.dot(view->backwards()));
+  json rows = json::array();
+  std::string text = scene->note.empty() ? "" : scene->note + "\n";
+  for (const Place& place : *places) {
+    const auto found = look(*scene, *view, place, nearest + 1);
+    if (!found) return complain(nothingThere(a, place, *view, scene->mesh));
+    rows.push_back(toJson(place, *found));
+    text += textOf(found->readout);
+    if (found->from_behind) text += "; SEEN FROM BEHIND: the scan is open there, or inside out";
+    text += '\n';
+  }
+  json all{{"view", a.view}, {"points", std::move(rows)}};
+  if (!scene->note.empty()) all["note"] = scene->note;
+  if (a.json)
+    printJson(all);
+  else
+    fmt::print("{}", text);
+  return kOk;
+}
+
+}  // namespace
+
+void addPick(CLI::App& command, int& exit_code) {
+  auto a = std::make_shared<Arguments>();
+  command.footer(
+      "A length in the view is one in mm: --at counts to the right and up in it, from the scan's origin. Seen from the "
+      "top these are x and y. The row of a path (--json) holds a tool there that points along the view. --pixel counts "
+      "in a picture that kerf-sim --screenshot draws with the same view and "
+      "size.\n"
+      "Example: kerf pick molar.case --view top --at 1.2,-0.4");
+  command.add_option("SCENE", a->scene, "mesh, case or run; meshes: " + readableFormats())->required();
+  command
+      .add_option("--view", a->view,
+                  "where it is looked at from: front, back, left, right, top (or occlusal), bottom, iso, or AZ,EL in "
+                  "degrees, as kerf-sim --view")
+      ->type_name("NAME")
+      ->capture_default_str();
+  command.add_option("--at", a->at, "mm to the right and up in the view; may be repeated")
+      ->type_name("X,Y")
+      ->allow_extra_args(false);
+  command.add_option("--pixel", a->pixels, "of a picture, from its left and upper edge; may be repeated")
+      ->type_name("U,V")
+      ->allow_extra_args(false);
+  command.add_option("--size", a->size, "pixels of that picture")->type_name("WxH")->capture_default_str();
+  command.add_option("--unit", a->unit, "of a mesh: mm, cm, m, um or inch (default: as it says, or by its size)")
+      ->type_name("UNIT")
+      ->check(CLI::IsMember(unitNames()));
+  command.add_flag("--json", a->json, "as JSON on standard output");
+  command.callback([a, &exit_code] { exit_code = run(*a); });
+}
+
+}  // namespace kerf::cli
