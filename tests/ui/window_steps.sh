@@ -37,8 +37,9 @@ start() { # OPTIONS...: the window, with data and settings in the folder
   pid=$!
   until_true 60 'a window' xdotool search --name '.'
 }
-focus() { # NAME: there is no window manager that would
-  xdotool windowfocus "$(xdotool search --name "$1" | head -n 1)"
+focus_once() { xdotool windowfocus "$(xdotool search --name "$1" | head -n 1)"; }
+focus() { # NAME: there is no window manager that would; a window that is not yet mapped refuses it
+  until_true 60 "focus on $1" focus_once "$1"
 }
 hold() { # X Y SECONDS: one press, held
   xdotool mousemove "$1" "$2" mousedown 1

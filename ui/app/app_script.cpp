@@ -35,9 +35,10 @@ bool isReplayBusy(const AppContext& c) {
 // Of the session that is watched; to its end at most.
 Expected<void> waitForReplay(AppContext& c, double seconds, const std::function<void()>& frame) {
   const std::size_t until = c.bench.watched()->moment().sample + static_cast<std::size_t>(seconds / kTick);
-  frameOf(frame);
-  frameOf(frame);  // what was asked for last is on its way
+  do frameOf(frame);
+  while (isReplayBusy(c));  // what was asked for last is on its way
   while (c.bench.isPlaying() && c.bench.watched()->moment().sample < until) frameOf(frame);
+  while (isReplayBusy(c)) frameOf(frame);
   return {};
 }
 
