@@ -67,6 +67,27 @@ TEST_F(Cli, HelpListsEveryCommandUnderAHeadingAndEachHasHelpOfItsOwn) {
   EXPECT_GE(count, 10u);
 }
 
+TEST_F(Cli, CheckJudgesManyMeshesEachUnderItsName) {
+  folder_.write("box.off", box());
+  folder_.write("open.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+  const Outcome all = runKerf({"check", at("box.off"), at("open.off"), at("none.off")});
+  EXPECT_EQ(all.exit_code, 1);
+  EXPECT_NE(all.out.find(at("box.off") + ": Ready to print."), all.out.npos) << all.out;
+  EXPECT_NE(all.out.find(at("open.off") + ": Not ready"), all.out.npos) << all.out;
+  EXPECT_NE(all.out.find("1 of 3 ready to print"), all.out.npos) << all.out;
+  EXPECT_NE(all.err.find("none.off"), all.err.npos) << all.err;
+
+  const Outcome rows = runKerf({"check", at("box.off"), at("none.off"), "--json"});
+  EXPECT_EQ(rows.exit_code, 1);
+  const json j = json::parse(rows.out);
+  ASSERT_EQ(j.size(), 2u);
+  EXPECT_EQ(j[0]["file"], at("box.off"));
+  EXPECT_TRUE(j[0]["print_ready"].get<bool>()) << j[0];
+  EXPECT_NE(j[1]["error"].get<std::string>().find("none.off"), std::string::npos) << j[1];
+
+  EXPECT_EQ(runKerf({"check", at("box.off"), at("box.off")}).exit_code, 0);
+}
+
 TEST_F(Cli, ACutAgainstResistanceGoesOnFromARun) {
   ASSERT_EQ(runKerf({"demo", "molar", "--coarseness", "3", "-o", at("molar")}).exit_code, 0);
   ASSERT_EQ(runKerf({"bake", at("molar/molar.toml"), "--voxel", "0.2", "-o", at("molar.case")}).exit_code, 0);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 
 #include "geometry/formats/mesh_formats.h"
@@ -11,27 +12,57 @@
 namespace kerf::cli {
 namespace {
 
+using nlohmann::json;
+
 struct Arguments {
-  std::string mesh;
+  std::vector<std::string> meshes;
   bool json = false;
 };
 
-int run(const Arguments& a) {
-  const auto file = readMesh(a.mesh);
+// One mesh alone: its verdict as it is.
+int runOne(const Arguments& a) {
+  const auto file = readMesh(a.meshes.front());
   if (!file) return complain(file.error());
   const MeshReport report = checkMesh(file->mesh);
   fmt::print("{}", a.json ? toJson(report) + "\n" : describe(report));
   return report.print_ready ? kOk : kFailed;
 }
 
+// Several: each under its name, and a count. What can not be read is not ready, and the others are judged all the same.
+int runAll(const Arguments& a) {
+  json rows = json::array();
+  std::size_t ready = 0;
+  int code = kOk;
+  for (const std::string& name : a.meshes) {
+    const auto file = readMesh(name);
+    if (!file) {
+      code = complain(file.error());
+      rows.push_back({{"file", name}, {"error", file.error().message()}});
+      continue;
+    }
+    const MeshReport report = checkMesh(file->mesh);
+    ready += report.print_ready;
+    if (!a.json) fmt::print("{}: {}\n", name, describe(report));
+    json row = json::parse(toJson(report));
+    row["file"] = name;
+    rows.push_back(std::move(row));
+  }
+  if (a.json)
+    printJson(rows);
+  else
+    fmt::print("{} of {} ready to print\n", ready, a.meshes.size());
+  return ready == a.meshes.size() ? kOk : std::max<int>(code, kFailed);
+}
+
 }  // namespace
 
 void addCheck(CLI::App& command, int& exit_code) {
   auto a = std::make_shared<Arguments>();
-  command.footer("Example: kerf check molar.stl --json");
-  command.add_option("MESH", a->mesh, readableFormats() + "; judged in its own unit")->required();
-  command.add_flag("--json", a->json, "verdict as JSON on standard output");
-  command.callback([a, &exit_code] { exit_code = run(*a); });
+  command.footer("Example: kerf check molar.stl --json\n         kerf check patient/*.stl");
+  command.add_option("MESH", a->meshes, readableFormats() + "; judged in its own unit; several: each in turn")
+      ->required();
+  command.add_flag("--json", a->json, "verdict as JSON on standard output; of several meshes a list, with their files");
+  command.callback([a, &exit_code] { exit_code = a->meshes.size() == 1 ? runOne(*a) : runAll(*a); });
 }
 
 }  // namespace kerf::cli
