@@ -34,6 +34,33 @@ TEST(Camera, FrameIsRightHandedAndUpright) {
     }
 }
 
+TEST(Camera, AnySideCanBeUp) {
+  for (const char* name : {"+x", "-x", "+y", "-y", "+z", "-z"}) {
+    const auto side = axisFromName(name);
+    ASSERT_TRUE(side) << name;
+    EXPECT_EQ(nameOfAxis(*side), name);
+    const Eigen::Matrix3d m = uprightFrame(*side);
+    EXPECT_EQ(m * m.transpose(), Eigen::Matrix3d::Identity()) << name;
+    EXPECT_EQ(m.determinant(), 1) << name;
+    EXPECT_EQ(m * *side, Vec3d::UnitZ()) << name;
+    EXPECT_EQ(uprightFrame(*side + 0.4 * Vec3d(0.3, -0.8, 0.5)), m) << name;
+
+    Camera top = *cameraFromView("top");
+    top.upright = m;
+    EXPECT_NEAR((top.backwards() - *side).norm(), 0, 1e-12) << name;
+    Camera front = *cameraFromView("front");
+    front.upright = m;
+    EXPECT_NEAR((front.up() - *side).norm(), 0, 1e-12) << name;
+    for (const Vec3d& from : {Vec3d(0.3, -0.8, 0.5), Vec3d(-1, 0.2, 0.1), *side}) {
+      lookFrom(front, from);
+      EXPECT_NEAR((front.backwards() - from.normalized()).norm(), 0, 1e-12) << name;
+    }
+  }
+  EXPECT_EQ(uprightFrame(Vec3d::UnitZ()), Eigen::Matrix3d::Identity());
+  EXPECT_EQ(axisFromName("y"), Vec3d::UnitY());
+  for (const char* bad : {"", "+", "w", "+xy", "x+", "--z"}) EXPECT_FALSE(axisFromName(bad)) << bad;
+}
+
 TEST(Camera, AnglesAreReadInDegrees) {
   const auto camera = cameraFromView("35,-20.5");
   ASSERT_TRUE(camera);

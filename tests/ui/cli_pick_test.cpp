@@ -86,6 +86,25 @@ TEST_F(CliPick, OfARunIsWhatIsLeft) {
   EXPECT_NEAR(j["points"][0]["thickness_mm"].get<double>(), 3.5, 0.02);
 }
 
+// A scan that is stored with its teeth towards -y and open towards +y is looked at from its teeth.
+TEST_F(CliPick, AnOpenScanStandsUpright) {
+  folder_.write("open.off",
+                "OFF\n8 10 0\n10 20 30\n12 20 30\n10 24 30\n12 24 30\n10 20 36\n12 20 36\n10 24 36\n12 24 36\n"
+                "3 0 2 1\n3 1 2 3\n3 4 5 6\n3 5 7 6\n3 0 1 4\n3 1 5 4\n3 0 4 2\n3 2 4 6\n3 1 3 5\n3 3 7 5\n");
+  const json top = pick({at("open.off"), "--unit", "mm", "--at", "11,33"});
+  EXPECT_EQ(top["up"], "-y");
+  expectNear(top["points"][0]["point_mm"], {11, 20, 33});
+  EXPECT_FALSE(top["points"][0]["is_seen_from_behind"].get<bool>());
+  EXPECT_TRUE(top["points"][0]["thickness_mm"].is_null()) << "it is open";
+  const Outcome text = runKerf({"pick", at("open.off"), "--unit", "mm", "--at", "11,33"});
+  EXPECT_NE(text.out.find("seen with -y up"), std::string::npos) << text.out;
+  const json bottom = pick({at("open.off"), "--unit", "mm", "--view", "bottom", "--at", "11,-33"});
+  EXPECT_TRUE(bottom["points"][0]["is_seen_from_behind"].get<bool>());
+
+  const json stored = pick({at("open.off"), "--unit", "mm", "--at", "11,22", "--up", "+z"});
+  expectNear(stored["points"][0]["point_mm"], {11, 22, 36});
+}
+
 TEST_F(CliPick, WhatIsBesideOrNoPlaceIsRefused) {
   writeBlock();
   const std::string block = at("block.off");
@@ -95,6 +114,7 @@ TEST_F(CliPick, WhatIsBesideOrNoPlaceIsRefused) {
     refuses({"pick", block, "--at", wrong}, {"--at"}, 2);
   refuses({"pick", block, "--pixel", "1,1", "--size", "0x0"}, {"--size"}, 2);
   refuses({"pick", block, "--at", "1,1", "--view", "sky"}, {"--view"}, 2);
+  refuses({"pick", block, "--at", "1,1", "--up", "sideways"}, {"--up", "+x"}, 2);
   refuses({"pick", at("none.stl"), "--at", "1,1"}, {"none.stl"});
 }
 

@@ -5,6 +5,7 @@
 #include "geometry/formats/mesh_writer.h"
 #include "tests/support/open_block.h"
 #include "tests/support/temporary_folder.h"
+#include "ui/app/upright.h"
 
 namespace kerf {
 namespace {

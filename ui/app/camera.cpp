@@ -19,9 +19,10 @@ bool parseNumber(std::string_view text, double& value) {
 
 }  // namespace
 
-Vec3d Camera::right() const { return {std::cos(azimuth), std::sin(azimuth), 0}; }
+Vec3d Camera::right() const { return upright.transpose() * Vec3d(std::cos(azimuth), std::sin(azimuth), 0); }
 Vec3d Camera::backwards() const {
-  return {std::sin(azimuth) * std::cos(elevation), -std::cos(azimuth) * std::cos(elevation), std::sin(elevation)};
+  return upright.transpose() *
+         Vec3d(std::sin(azimuth) * std::cos(elevation), -std::cos(azimuth) * std::cos(elevation), std::sin(elevation));
 }
 Vec3d Camera::up() const { return backwards().cross(right()); }
 
@@ -64,6 +65,46 @@ Expected<Camera> cameraFromView(std::string_view view) {
                .found = "\"" + std::string(view) + "\"",
                .expected = "one of " + names + "occlusal (= top), or AZ,EL in degrees with EL from -90 to 90",
                .hint = "--view iso, or --view 35,20"});
+}
+
+Eigen::Matrix3d uprightFrame(const Vec3d& up) {
+  int axis = 0;
+  up.cwiseAbs().maxCoeff(&axis);
+  const Vec3d z = (up[axis] < 0 ? -1.0 : 1.0) * Vec3d::Unit(axis);
+  Eigen::Matrix3d m;
+  if (axis == 0)
+    m << Vec3d::UnitY().cross(z).transpose(), Vec3d::UnitY().transpose(), z.transpose();
+  else
+    m << Vec3d::UnitX().transpose(), z.cross(Vec3d::UnitX()).transpose(), z.transpose();
+  return m;
+}
+
+Expected<Vec3d> axisFromName(std::string_view name) {
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double sign : {1.0, -1.0}) {
+      const Vec3d direction = sign * Vec3d::Unit(axis);
+      const std::string full = nameOfAxis(direction);
+      if (name == full || (sign > 0 && name == full.substr(1))) return direction;
+    }
+  return fail({.code = Error::Code::kBadValue,
+               .file = {},
+               .place = {},
+               .found = "\"" + std::string(name) + "\"",
+               .expected = "one of +x, -x, +y, -y, +z, -z",
+               .hint = "+z"});
+}
+
+std::string nameOfAxis(const Vec3d& direction) {
+  int axis = 0;
+  direction.cwiseAbs().maxCoeff(&axis);
+  return {direction[axis] < 0 ? '-' : '+', "xyz"[axis]};
+}
+
+void lookFrom(Camera& camera, const Vec3d& direction) {
+  const Vec3d d = camera.upright * direction.normalized();
+  constexpr double kStraight = 0.999;
+  camera.elevation = std::asin(std::clamp(d.z(), -1.0, 1.0));
+  camera.azimuth = std::abs(d.z()) > kStraight ? 0 : std::atan2(d.x(), -d.y());
 }
 
 void fitTo(Camera& camera, const Mesh& mesh, int width, int height, double margin) {

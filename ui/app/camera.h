@@ -1,6 +1,7 @@
 // The camera of the window and of pictures: parallel projection, so that a length in mm is the same everywhere.
 //
-// World frame: right-handed, mm, +z up. The camera stands off the target at azimuth and elevation:
+// World frame: right-handed, mm: that of the scan. Upright frame: the same turned about the axes, so that +z is up;
+// scans are stored with any side up. The camera stands off the target at azimuth and elevation, of the upright frame:
 //   azimuth 0 looks along +y (the front), growing counter-clockwise seen from +z: 90 deg stands at +x (the right side).
 //   elevation 90 deg looks down on the occlusal side (+z), with +y up in the picture.
 // View frame: x right, y up, z towards the viewer, origin at the target.
@@ -16,10 +17,11 @@
 namespace kerf {
 
 struct Camera {
-  double azimuth = 0;            ///< rad
-  double elevation = 0;          ///< rad, in [-pi/2, pi/2]
-  Vec3d target = Vec3d::Zero();  ///< mm, shown at the centre of the picture
-  double half_height = 10;       ///< mm from the centre to the upper edge, > 0: the zoom
+  double azimuth = 0;                                     ///< rad
+  double elevation = 0;                                   ///< rad, in [-pi/2, pi/2]
+  Vec3d target = Vec3d::Zero();                           ///< mm, shown at the centre of the picture
+  double half_height = 10;                                ///< mm from the centre to the upper edge, > 0: the zoom
+  Eigen::Matrix3d upright = Eigen::Matrix3d::Identity();  ///< world direction -> upright direction: uprightFrame()
 
   Vec3d right() const;      ///< unit, world frame
   Vec3d up() const;         ///< unit, world frame
@@ -39,6 +41,17 @@ const std::vector<NamedView>& namedViews();
 /// A camera with the direction of a named view or of "AZ,EL" in degrees ("35,20"; EL in [-90, 90]); target and zoom are
 /// the defaults. Anything else is an error that lists the names.
 Expected<Camera> cameraFromView(std::string_view view);
+
+/// The turn about coordinate axes after which the axis nearest to `up` is +z. For +z: none; for other sides +x stays,
+/// or for +-x +y does.   @pre  up is finite, not 0.
+Eigen::Matrix3d uprightFrame(const Vec3d& up);
+/// "+x", "-x", "y" ...: the direction; anything else is an error that lists them.
+Expected<Vec3d> axisFromName(std::string_view name);
+/// "+x" ... of the coordinate axis nearest to a direction.
+std::string nameOfAxis(const Vec3d& direction);
+/// The viewer stands in this direction (world, any length but 0), the camera's upright frame being what it is. From
+/// straight above +y of that frame is up in the picture.
+void lookFrom(Camera& camera, const Vec3d& direction);
 
 /// Centres the mesh and zooms so that it just fits into width x height pixels, `margin` (fraction) free on each side.
 /// A mesh without vertices, or with all of them in one point, gets a 10 mm field about it. O(vertices).

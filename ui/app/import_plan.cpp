@@ -11,6 +11,7 @@
 #include "preprocess/close/close.h"
 #include "preprocess/close/occlusal_plane.h"
 #include "preprocess/unit/unit.h"
+#include "ui/app/upright.h"
 
 namespace kerf {
 namespace {
@@ -26,15 +27,6 @@ constexpr Rgba8 kAddedColour = {190, 203, 216, 255};            // what closing 
 constexpr Rgba8 kScannedColour = {233, 221, 197, 255};
 
 double secondsSince(Clock::time_point then) { return std::chrono::duration<double>(Clock::now() - then).count(); }
-
-// An open surface has an area vector: it points away from where it is open. None: closed, or nearly so.
-std::optional<Vec3d> awayFromOpening(const Mesh& mesh) {
-  constexpr double kLeastShare = 0.05;  // of the area
-  Vec3d twice = Vec3d::Zero();
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) twice += doubleAreaVector(mesh, t);
-  if (!(twice.norm() > kLeastShare * 2 * surfaceArea(mesh))) return {};
-  return twice.normalized();
-}
 
 Mesh scaled(const Mesh& mesh, double factor) {
   Mesh out = mesh;

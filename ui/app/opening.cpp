@@ -15,12 +15,12 @@
 #include "geometry/formats/mesh_io.h"
 #include "preprocess/bake/bake.h"
 #include "preprocess/bake/case_recipe.h"
-#include "preprocess/close/occlusal_plane.h"
 #include "preprocess/demo/demo_anatomy.h"
 #include "preprocess/demo/demo_arch.h"
 #include "preprocess/unit/unit.h"
 #include "sim/run/run_files.h"
 #include "sim/run/run_manifest.h"
+#include "ui/app/upright.h"
 
 namespace kerf {
 namespace {
@@ -32,39 +32,6 @@ Progress partOf(const Progress& progress, double from, double to) {
   return [&progress, from, to](double done, std::string_view step) {
     return report(progress, from + (to - from) * done, step);
   };
-}
-
-// Where a base looks: the axis that the largest flat part of the surface is square to. None: no flat part to speak of.
-std::optional<Vec3d> baseNormalOf(const Mesh& solid) {
-  constexpr double kFlat = 0.9999, kLeastShare = 0.04;
-  std::array<double, 6> area{};
-  double all = 0;
-  for (const Triangle& t : solid.triangles) {
-    const Vec3d& a = solid.vertices[t[0]];
-    const Vec3d twice = (solid.vertices[t[1]] - a).cross(solid.vertices[t[2]] - a);
-    all += twice.norm();
-    for (std::size_t n = 0; n < 6; ++n) {
-      const double along = (n < 3 ? -1 : 1) * twice[static_cast<Eigen::Index>(n % 3)];
-      if (along > kFlat * twice.norm()) area[n] += along;
-    }
-  }
-  const auto most = static_cast<std::size_t>(std::max_element(area.begin(), area.end()) - area.begin());
-  if (!(area[most] > kLeastShare * all)) return {};
-  return (most < 3 ? -1.0 : 1.0) * Vec3d::Unit(static_cast<Eigen::Index>(most % 3));
-}
-
-// Of the area that faces a plane, the share close to it: most of a trimmed underside, little of a row of teeth.
-double shareNear(const Mesh& solid, const OcclusalPlane& plane) {
-  constexpr double kNear = 2, kFacing = 0.7;  // mm; cosine of the angle
-  double all = 0, near = 0;
-  for (std::size_t t = 0; t < solid.triangles.size(); ++t) {
-    const Vec3d twice = doubleAreaVector(solid, t);
-    const double along = twice.dot(plane.normal);
-    if (along < kFacing * twice.norm()) continue;
-    all += along;
-    if (std::abs(plane.normal.dot(solid.corner(t, 0) - plane.point)) < kNear) near += along;
-  }
-  return all > 0 ? near / all : 0;
 }
 
 // mm^2, in its own unit or the one that is chosen for it.
@@ -281,26 +248,6 @@ double voxelFor(double area_mm2) {
   constexpr double kTriangles = 8e5, kPerVoxel = 3.4;  // triangles a voxel of a scan's area, its base among them
   const double voxel = std::sqrt(kPerVoxel * area_mm2 / kTriangles);
   return std::clamp(std::ceil(100 * voxel) / 100, 0.1, 0.25);
-}
-
-std::optional<Vec3d> occlusalNormalOf(const Mesh& solid) {
-  constexpr double kFlat = 0.05;  // mm
-  if (const auto base = baseNormalOf(solid)) {
-    const auto found = findOcclusalPlane(solid, -*base);
-    return found && found->rms_mm > kFlat && found->normal.dot(-*base) > 0.5 ? found->normal : Vec3d(-*base);
-  }
-  std::optional<OcclusalPlane> best;
-  double best_score = 0;
-  for (int n = 0; n < 6; ++n) {
-    const auto found = findOcclusalPlane(solid, (n < 3 ? 1.0 : -1.0) * Vec3d::Unit(n % 3));
-    if (!found || found->rms_mm <= kFlat) continue;
-    const double score = static_cast<double>(found->tips) * (1 - shareNear(solid, *found));
-    if (score <= best_score) continue;
-    best = *found;
-    best_score = score;
-  }
-  if (!best) return {};
-  return best->normal;
 }
 
 std::span<const char* const> demoNames() {

@@ -103,10 +103,4 @@ std::span<const char* const> demoNames();
 /// most.   @param area_mm2  of the scan.
 double voxelFor(double area_mm2);
 
-/// Out of the teeth, unit: away from the base, by the occlusal plane if there is one. Without a base it is not known
-/// which way is up: the direction in which most cusp tips are found that stand out of what is around them. None:
-/// neither.
-/// @param solid  closed, mm.   @cost 50 ms for a jaw with a base, six times that without one.
-std::optional<Vec3d> occlusalNormalOf(const Mesh& solid);
-
 }  // namespace kerf

@@ -27,7 +27,17 @@ Expected<void> fit(AppContext& c, AppWords) {
 Expected<void> view(AppContext& c, AppWords words) {
   if (words.empty()) return wrongWord("no view", "its name");
   KERF_TRY(named, cameraFromView(words[0]));
+  const Eigen::Matrix3d upright = c.camera.upright;
   c.camera = named;
+  c.camera.upright = upright;
+  return fit(c, {});
+}
+
+Expected<void> up(AppContext& c, AppWords words) {
+  if (words.empty()) return wrongWord("no side", "+x, -x, +y, -y, +z, -z or auto");
+  const Vec3d found = c.bench.occlusalNormal().value_or(Vec3d::UnitZ());
+  KERF_TRY(side, words[0] == "auto" ? Expected<Vec3d>(found) : axisFromName(words[0]));
+  c.camera.upright = uprightFrame(side);
   return fit(c, {});
 }
 
@@ -78,8 +88,9 @@ namespace kerf {
 void firstView(AppContext& context, const Camera& otherwise) {
   context.camera = otherwise;
   if (const auto& normal = context.bench.occlusalNormal()) {
-    context.camera.elevation = std::asin(std::clamp(normal->z(), -1.0, 1.0));
-    context.camera.azimuth = std::abs(normal->z()) > 0.999 ? 0 : std::atan2(normal->x(), -normal->y());
+    constexpr double kFromAbove = 1.5;  // rad
+    context.camera.upright = uprightFrame(*normal);
+    if (otherwise.elevation > kFromAbove) lookFrom(context.camera, *normal);
   }
   fitToBox(context.camera, context.bench.scene().bounds(), context.width, context.height);
 }

@@ -5,7 +5,8 @@
 
 namespace kerf {
 
-/// The view of something that was just opened: from its occlusal side if it has one, else as `otherwise` says.
+/// The view of something that was just opened: as `otherwise` says, its occlusal side up if it has one. From above is
+/// square to that side.
 void firstView(AppContext& context, const Camera& otherwise);
 
 }  // namespace kerf
@@ -16,6 +17,7 @@ bool hasSection(const AppContext& context);
 
 Expected<void> fit(AppContext& context, AppWords words);
 Expected<void> view(AppContext& context, AppWords words);  ///< NAME|AZ,EL
+Expected<void> up(AppContext& context, AppWords words);    ///< AXIS|auto
 template <std::size_t N>
 Expected<void> namedView(AppContext& context, AppWords) {
   const std::string words[] = {std::string(namedViews()[N].name)};

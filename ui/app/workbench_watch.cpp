@@ -8,6 +8,7 @@
 #include "sim/run/watched_run.h"
 #include "ui/app/import_plan.h"
 #include "ui/app/sawing.h"
+#include "ui/app/upright.h"
 #include "ui/app/workbench.h"
 
 namespace kerf {

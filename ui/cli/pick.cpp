@@ -18,6 +18,7 @@
 #include "sim/run/run_files.h"
 #include "ui/app/camera.h"
 #include "ui/app/point_readout.h"
+#include "ui/app/upright.h"
 #include "ui/cli/command.h"
 
 namespace kerf::cli {
@@ -27,7 +28,7 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 struct Arguments {
-  std::string scene, view = "top", unit;
+  std::string scene, view = "top", up = "auto", unit;
   std::vector<std::string> at, pixels;
   std::string size = "1200x900";
   bool json = false;
@@ -178,7 +179,7 @@ Error nothingThere(const Arguments& a, const Place& place, const Camera& view, c
           .expected = fmt::format("a place on the object, which is seen from {:.2f} to {:.2f} mm to the right and "
                                   "from {:.2f} to {:.2f} mm up",
                                   seen.min.x(), seen.max.x(), seen.min.y(), seen.max.y()),
-          .hint = fmt::format("kerf-sim --screenshot OUT.png --view {} {}", a.view, a.scene)};
+          .hint = fmt::format("kerf-sim --screenshot OUT.png --view {} --up {} {}", a.view, a.up, a.scene)};
 }
 
 json toJson(const Place& place, const Found& found) {
@@ -199,10 +200,15 @@ int run(const Arguments& a) {
                             .found = "no place to look at",
                             .expected = "--at X,Y or --pixel U,V",
                             .hint = "--at 0,0"});
-  const auto view = cameraFromView(a.view);
+  auto view = cameraFromView(a.view);
   if (!view) return complainOfUsage(view.error());
+  const auto asked_up = a.up == "auto" ? Expected<Vec3d>(Vec3d::UnitZ()) : axisFromName(a.up);
+  if (!asked_up)
+    return complainOfUsage(wrongOption("--up", a.up, "auto, or one of +x, -x, +y, -y, +z, -z", "--up auto"));
   const auto scene = readScene(a);
   if (!scene) return complain(scene.error());
+  const Vec3d up = a.up == "auto" ? surelyUp(a.scene, scene->mesh).value_or(*asked_up) : *asked_up;
+  view->upright = uprightFrame(up);
   const auto places = placesOf(a, *view, scene->mesh);
   if (!places) return complainOfUsage(places.error());
 
@@ -210,6 +216,9 @@ int run(const Arguments& a) {
   for (const Vec3d& p : scene->mesh.vertices) nearest = std::max(nearest, p.dot(view->backwards()));
   json rows = json::array();
   std::string text = scene->note.empty() ? "" : scene->note + "\n";
+  if (a.up == "auto" && !view->upright.isIdentity())
+    text +=
+        fmt::format("seen with {} up, where the scan's occlusal side is; --up +z takes it as stored\n", nameOfAxis(up));
   for (const Place& place : *places) {
     const auto found = look(*scene, *view, place, nearest + 1);
     if (!found) return complain(nothingThere(a, place, *view, scene->mesh));
@@ -218,7 +227,7 @@ int run(const Arguments& a) {
     if (found->from_behind) text += "; SEEN FROM BEHIND: the scan is open there, or inside out";
     text += '\n';
   }
-  json all{{"view", a.view}, {"points", std::move(rows)}};
+  json all{{"view", a.view}, {"up", nameOfAxis(up)}, {"points", std::move(rows)}};
   if (!scene->note.empty()) all["note"] = scene->note;
   if (a.json)
     printJson(all);
@@ -233,7 +242,8 @@ void addPick(CLI::App& command, int& exit_code) {
   auto a = std::make_shared<Arguments>();
   command.footer(
       "A length in the view is one in mm: --at counts to the right and up in it, from the scan's origin. Seen from the "
-      "top these are x and y. The row of a path (--json) holds a tool there that points along the view. --pixel counts "
+      "top, with +z up, these are x and y. The row of a path (--json) holds a tool there that points along the view. "
+      "--pixel counts "
       "in a picture that kerf-sim --screenshot draws with the same view and "
       "size.\n"
       "Example: kerf pick molar.case --view top --at 1.2,-0.4");
@@ -244,6 +254,7 @@ void addPick(CLI::App& command, int& exit_code) {
                   "degrees, as kerf-sim --view")
       ->type_name("NAME")
       ->capture_default_str();
+  command.add_option("--up", a->up, "the side that is up, as kerf-sim --up")->type_name("AXIS")->capture_default_str();
   command.add_option("--at", a->at, "mm to the right and up in the view; may be repeated")
       ->type_name("X,Y")
       ->allow_extra_args(false);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <string>
 
 #include "ui/app/import_plan.h"
@@ -329,10 +330,9 @@ void viewScan(AppContext& context, double pixels) {
   const ImportPlan* const plan = context.bench.importPlan();
   if (!plan) return;
   constexpr double kTilt = 0.6;  // rad, off the occlusal view
-  const Vec3d& up = plan->found().up;
-  context.camera.elevation = std::asin(std::clamp(up.z(), -1.0, 1.0));
-  context.camera.azimuth = std::abs(up.z()) > 0.9 ? 0 : std::atan2(up.x(), -up.y());
-  context.camera.elevation += context.camera.elevation > 0 ? -kTilt : kTilt;
+  context.camera.upright = uprightFrame(plan->found().up);
+  context.camera.azimuth = 0;
+  context.camera.elevation = std::numbers::pi / 2 - kTilt;
 
   Box3 box = plan->boxMm();
   box.grow(0.08 * box.size().norm());

@@ -20,6 +20,7 @@
 #include "ui/app/camera.h"
 #include "ui/app/command_line.h"
 #include "ui/app/manual.h"
+#include "ui/app/upright.h"
 #include "ui/window/frame_times.h"
 #include "ui/window/gl_context.h"
 #include "ui/window/image.h"
@@ -31,7 +32,7 @@
 namespace {
 
 struct Arguments {
-  std::string replay, screenshot, view, size, look_at, section, script, data, unit, config;
+  std::string replay, screenshot, view, up, size, look_at, section, script, data, unit, config;
   std::vector<std::string> scenes, tools;
   double voxel = 0;
   double zoom = 1;
@@ -100,6 +101,7 @@ struct Shown {
   int width = 0, height = 0;
   std::optional<kerf::Vec3d> look_at;
   std::optional<kerf::SectionPlane> cut;
+  std::optional<kerf::Vec3d> up;  ///< none: as the scan tells
 };
 
 /// Errors are of the command line.
@@ -107,6 +109,11 @@ kerf::Expected<Shown> read(const Arguments& arguments) {
   Shown shown;
   KERF_TRY(camera, kerf::cameraFromView(arguments.view.empty() ? "iso" : arguments.view));
   shown.camera = camera;
+  if (!arguments.up.empty() && arguments.up != "auto") {
+    auto up = kerf::axisFromName(arguments.up);
+    if (!up) return kerf::fail(badValue("--up", arguments.up, "auto, or one of +x, -x, +y, -y, +z, -z", "--up auto"));
+    shown.up = *up;
+  }
   shown.width = arguments.screenshot.empty() ? 1280 : 1200;
   shown.height = arguments.screenshot.empty() ? 800 : 900;
   if (!arguments.size.empty() && !parseSize(arguments.size, shown.width, shown.height))
@@ -167,8 +174,17 @@ kerf::Expected<void> run(const Arguments& arguments, const Shown& shown) {
   if (!scene.note.empty()) fmt::print(stderr, "kerf-sim: note: {}\n", scene.note);
   const int width = shown.width, height = shown.height;
   kerf::Camera camera = shown.camera;
+  // A picture stands on its ground: the mesh is turned, not the camera.
+  const auto found =
+      shown.up ? shown.up : kerf::surelyUp(arguments.scenes.empty() ? "" : arguments.scenes.front(), scene.mesh);
+  const Eigen::Matrix3d upright = found ? kerf::uprightFrame(*found) : Eigen::Matrix3d::Identity();
+  if (!upright.isIdentity() && !shown.up)
+    fmt::print(stderr,
+               "kerf-sim: note: shown with {} up, where the scan's occlusal side is; --up +z shows it as stored\n",
+               kerf::nameOfAxis(*found));
+  for (kerf::Vec3d& p : scene.mesh.vertices) p = upright * p;
   kerf::fitTo(camera, scene.mesh, width, height);
-  if (shown.look_at) camera.target = *shown.look_at;
+  if (shown.look_at) camera.target = upright * *shown.look_at;
   kerf::zoomBy(camera, arguments.zoom);
 
   if (arguments.timed_frames > 0) {
@@ -243,6 +259,11 @@ int main(int argc, char** argv) try {
                  "front, back, left, right, top (or occlusal), bottom, iso, or AZ,EL in degrees: AZ 0 looks along +y, "
                  "90 from +x; EL 90 from above (+z) (default: iso for pictures, top for cutting)")
       ->type_name("NAME");
+  app.add_option(
+         "--up", a.up,
+         "the side that is up: +x, -x, +y, -y, +z, -z, or auto, away from a base or an open underside (default; "
+         "the window finds the occlusal side itself: view.up); views are named by it, coordinates stay the scan's")
+      ->type_name("AXIS");
   app.add_option("--size", a.size, "pixels of the picture (default 1200x900) or the window (1280x800)")
       ->type_name("WxH");
   app.add_option("--zoom", a.zoom, "times larger than what fits")

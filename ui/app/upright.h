@@ -1,0 +1,29 @@
+// Which side of a scan is up. Scanners store jaws any way round.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "geometry/mesh/mesh.h"
+
+namespace kerf {
+
+/// An open surface has an area vector: it points away from where it is open, unit. None: closed, or nearly so.
+/// @pre outward; a scan that is inside out gives the opposite.   @cost one pass.
+std::optional<Vec3d> awayFromOpening(const Mesh& mesh);
+
+/// Out of the teeth, unit: away from the base, by the occlusal plane if there is one. Without a base it is not known
+/// which way is up: the direction in which most cusp tips are found that stand out of what is around them. None:
+/// neither.
+/// @param solid  closed, mm.   @cost 50 ms for a jaw with a base, six times that without one.
+std::optional<Vec3d> occlusalNormalOf(const Mesh& solid);
+
+/// The coordinate axis that is up, by what can not be mistaken: away from the opening, or from a flat base. None: the
+/// mesh tells nothing, as a single tooth.   @cost two passes.
+std::optional<Vec3d> surelyUp(const Mesh& mesh);
+
+/// The same of what a program is asked to show: of the solid of a case and of a run's case, in which no cut can be
+/// taken for a base; else of the mesh.   @param mesh  of a mesh file, mm.
+std::optional<Vec3d> surelyUp(const std::filesystem::path& scene, const Mesh& mesh);
+
+}  // namespace kerf
