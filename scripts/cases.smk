@@ -1,14 +1,16 @@
 # Many cases: every scan of a folder is baked, cut if a path is given, exported and checked. The same on a laptop and on
-# a cluster (snakemake --cluster, --profile); stopped at any point, it goes on where it was.
+# a cluster (snakemake --cluster, --profile); stopped at any point, it goes on where it was. scripts/cases starts it:
 #
-#   snakemake -s scripts/cases.smk --cores 2 --config scans=scans out=out
-#   snakemake -s scripts/cases.smk --cores 2 --config scans=scans out=out tool=round-014 path=cut.toml
+#   scripts/cases scans out
+#   scripts/cases scans out tool=round-014 path=cut.toml
 #
 # scans    a folder of STL, PLY, OBJ, OFF and 3MF meshes, and of case recipes (.toml; keep their parts in a folder below)
 # out      where NAME.case, NAME.run, NAME.stl and NAME.json go, and report.csv with a line for each
 # voxel    mm; without it the recipe's, or 0.1
 # bake     more options of kerf bake, as "--close repair"
 # tool, path   what to cut with, and along what; without them the closed scans are exported
+# mem_mb, runtime   what a scheduler is told that a scan needs, MB and minutes: 4000 and 60. A jaw at 0.1 mm takes 1 GB
+#          and half a minute.
 # kerf     the program, default: the one in build/release/bin, else the one on the PATH
 #
 # A scan that fails does not stop the others: its line in report.csv says at which step and why, out/log has all of it,
@@ -90,6 +92,9 @@ rule scan:
         run=os.path.join(OUT, "{name}.run"),
         mesh=os.path.join(OUT, "{name}.stl"),
         check=os.path.join(OUT, "{name}.json"),
+    resources:
+        mem_mb=int(config.get("mem_mb", 4000)),
+        runtime=int(config.get("runtime", 60)),
     log:
         os.path.join(OUT, "log", "{name}.txt"),
     shell:
@@ -141,7 +146,8 @@ rule report:
                 if code == "0":
                     with open(os.path.join(OUT, name + ".json")) as check:
                         numbers = json.load(check)
-                    table.writerow([name, "ok", *(numbers.get(key, "") for key in keys), ""])
+                    values = [numbers.get(key, "") for key in keys]
+                    table.writerow([name, "ok", *(str(v).lower() if isinstance(v, bool) else v for v in values), ""])
                 else:
                     failed.append(row)
                     table.writerow([name, step + " failed", *("" for key in keys), reason(name, step, code)])
