@@ -168,7 +168,10 @@ class Cli : public ::testing::Test {
     EXPECT_EQ(o.exit_code, exit_code) << o.out << o.err;
     EXPECT_EQ(o.err.find("Sanitizer"), o.err.npos) << o.err;
     EXPECT_EQ(o.err.find("unexpected:"), o.err.npos) << o.err;
-    EXPECT_EQ(o.out, "");
+    if (std::find(arguments.begin(), arguments.end(), "--json") == arguments.end())
+      EXPECT_EQ(o.out, "");
+    else
+      EXPECT_EQ(o.out.find("{\n  \"error\": {"), 0u) << o.out;
     if (exit_code == 1) {
       EXPECT_EQ(o.err.substr(0, 6), "kerf: ");
       EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << o.err;

@@ -67,6 +67,39 @@ TEST_F(Cli, HelpListsEveryCommandUnderAHeadingAndEachHasHelpOfItsOwn) {
   EXPECT_GE(count, 10u);
 }
 
+TEST_F(Cli, ErrorsAreAnsweredInJsonToo) {
+  const Outcome o = runKerf({"info", at("none.stl"), "--json"});
+  EXPECT_EQ(o.exit_code, 1);
+  EXPECT_EQ(o.err.substr(0, 6), "kerf: ");
+  const json error = json::parse(o.out)["error"];
+  EXPECT_EQ(error["file"], at("none.stl"));
+  EXPECT_EQ(error["code"], "not_found");
+  for (const char* key : {"message", "found", "expected", "hint"}) EXPECT_FALSE(error[key].get<std::string>().empty());
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"bake", at("none.stl"), "-o", at("x.case")},
+        {"export", at("none.run"), "-o", at("x.stl")},
+        {"check", at("none.stl")},
+        {"replay", at("none.run")},
+        {"pick", at("none.stl"), "--at", "0,0"},
+        {"cut", at("none.case"), "--tool", "round-014", "--path", at("none.csv"), "-o", at("x.run")}}) {
+    std::vector<std::string> asked = words;
+    asked.push_back("--json");
+    EXPECT_TRUE(json::parse(runKerf(asked).out, nullptr, false).contains("error")) << words[0];
+    EXPECT_EQ(runKerf(words).out, "") << words[0];
+  }
+}
+
+TEST_F(Cli, BakeTellsTheSameKeysWhenUpToDate) {
+  folder_.write("box.off", box());
+  const std::vector<std::string> words{"bake", at("box.off"), "--unit",       "mm",    "--voxel",
+                                       "0.2",  "-o",          at("box.case"), "--json"};
+  const json first = parsed(runKerf(words)), again = parsed(runKerf(words));
+  EXPECT_FALSE(first["was_up_to_date"].get<bool>());
+  EXPECT_TRUE(again["was_up_to_date"].get<bool>());
+  for (const auto& [key, value] : first.items()) EXPECT_TRUE(again.contains(key)) << key;
+  EXPECT_EQ(again["sources"][0]["sha256"], first["sources"][0]["sha256"]);
+}
+
 TEST_F(Cli, CheckJudgesManyMeshesEachUnderItsName) {
   folder_.write("box.off", box());
   folder_.write("open.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");

@@ -177,13 +177,17 @@ nlohmann::json jsonOf(const CloseReport& c) {
 }
 
 // The n-th source, as it was read.
+nlohmann::json sourceJson(const CaseSource& s) {
+  return {{"stored_as", s.stored_as}, {"format", s.format},           {"sha256", s.sha256},
+          {"unit", s.unit},           {"unit_reason", s.unit_reason}, {"scale_to_mm", s.scale_to_mm},
+          {"vertices", s.vertices},   {"triangles", s.triangles}};
+}
+
+// With what reading it told.
 nlohmann::json sourceJson(const BakeReport& r, std::size_t n) {
-  const CaseSource& s = r.manifest.sources[n];
-  nlohmann::json j{{"stored_as", s.stored_as},     {"format", s.format},
-                   {"sha256", s.sha256},           {"unit", s.unit},
-                   {"unit_reason", s.unit_reason}, {"unit_is_doubtful", static_cast<bool>(r.unit_is_doubtful[n])},
-                   {"scale_to_mm", s.scale_to_mm}, {"vertices", s.vertices},
-                   {"triangles", s.triangles},     {"notes", r.notes[n]}};
+  nlohmann::json j = sourceJson(r.manifest.sources[n]);
+  j["unit_is_doubtful"] = static_cast<bool>(r.unit_is_doubtful[n]);
+  j["notes"] = r.notes[n];
   if (n < r.source_checks.size()) j["check"] = nlohmann::json::parse(kerf::toJson(r.source_checks[n]));
   return j;
 }
@@ -192,7 +196,12 @@ nlohmann::json jsonOf(const BakeReport& r) {
   nlohmann::json j = jsonOf(r.manifest);
   j["was_up_to_date"] = r.was_up_to_date;
   if (r.pair_check) j["pair_check"] = jsonOf(*r.pair_check);
-  if (r.was_up_to_date) return j;
+  if (r.was_up_to_date) {  // the same keys: nothing was timed or closed
+    j["seconds"] = nullptr;
+    if (r.manifest.parts.empty()) j["closing"] = nullptr;
+    for (const CaseSource& s : r.manifest.sources) j["sources"].push_back(sourceJson(s));
+    return j;
+  }
 
   j["seconds"] = {{"read", r.times.read},         {"check", r.times.check}, {"close", r.times.close},
                   {"voxelize", r.times.voxelize}, {"write", r.times.write}, {"total", r.times.total()}};

@@ -13,13 +13,17 @@
 
 namespace kerf::cli {
 
-/// Prints "kerf: MESSAGE" on standard error, one line whatever bytes a file name holds; returns kFailed.
+/// Prints "kerf: MESSAGE" on standard error, one line whatever bytes a file name holds; returns kFailed. With --json
+/// the program also answers {"error": {...}} in the end, unless it has printed other JSON: answerInJson().
 int complain(const Error& error);
 /// The same about a wrong command line; returns kUsage.
 int complainOfUsage(const Error& error);
 
 /// On standard output, indented. Bytes that are no UTF-8 (file names may hold any) become replacement characters.
 void printJson(const nlohmann::json& json);
+
+/// Called once, when the command is over and asked for JSON: what was complained of last, if no JSON was printed.
+void answerInJson();
 
 /// "3 meshes", "1 piece".
 std::string counted(std::size_t count, const std::string& noun);

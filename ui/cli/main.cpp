@@ -1,8 +1,10 @@
 // kerf: everything Kerf does, without a window.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <exception>
+#include <string_view>
 
 #include "geometry/base/build_info.h"
 #include "ui/app/command_line.h"
@@ -61,6 +63,8 @@ int main(int argc, char** argv) {
     return complain(
         {.code = Error::Code::kBadValue, .found = fmt::format("unexpected: {}", e.what()), .hint = "report this"});
   }
+
+  if (std::find(argv + 2, argv + argc, std::string_view("--json")) != argv + argc) answerInJson();
 
   // A report that did not arrive (full disk behind a redirection) is no success.
   if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)

@@ -37,7 +37,40 @@ double seconds() { return std::chrono::duration<double>(std::chrono::steady_cloc
 
 }  // namespace
 
+namespace {
+
+// What answerInJson() has to say.
+std::optional<Error> complained_of;
+bool has_printed_json = false;
+
+const char* nameOf(Error::Code code) {
+  switch (code) {
+    case Error::Code::kNotFound:
+      return "not_found";
+    case Error::Code::kUnreadable:
+      return "unreadable";
+    case Error::Code::kBadFormat:
+      return "bad_format";
+    case Error::Code::kBadValue:
+      return "bad_value";
+    case Error::Code::kUnsupported:
+      return "unsupported";
+    case Error::Code::kEmpty:
+      return "empty";
+    case Error::Code::kGeometry:
+      return "geometry";
+    case Error::Code::kWriteFailed:
+      return "write_failed";
+    case Error::Code::kCancelled:
+      return "cancelled";
+  }
+  return "other";
+}
+
+}  // namespace
+
 int complain(const Error& error) {
+  complained_of = error;
   std::string line = "kerf: ";
   for (const char c : error.message()) {  // a file name may hold line ends and terminal commands
     const auto byte = static_cast<unsigned char>(c);
@@ -52,7 +85,19 @@ int complainOfUsage(const Error& error) {
   return kUsage;
 }
 
+void answerInJson() {
+  if (!complained_of || has_printed_json) return;
+  nlohmann::json error{{"code", nameOf(complained_of->code)}, {"message", complained_of->message()}};
+  for (const auto& [key, text] :
+       {std::pair("file", complained_of->file), std::pair("place", complained_of->place),
+        std::pair("found", complained_of->found), std::pair("expected", complained_of->expected),
+        std::pair("hint", complained_of->hint)})
+    if (!text.empty()) error[key] = text;
+  printJson({{"error", std::move(error)}});
+}
+
 void printJson(const nlohmann::json& json) {
+  has_printed_json = true;
   fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
 }
 
