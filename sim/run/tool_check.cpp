@@ -79,7 +79,10 @@ double defaultVoxel(const Tool& tool) {
 Expected<ToolCheck> checkTool(const Tool& tool, double voxel_mm) {
   ToolCheck out;
   const double thinnest = tool.finest();
-  const double h = out.voxel_mm = voxel_mm == 0 ? defaultVoxel(tool) : voxel_mm;
+  out.depth_mm = plungeDepth(tool);
+  // A wide head cuts a shallow bowl: its depth must be resolved, too.
+  const double resolved = std::max(std::min(defaultVoxel(tool), out.depth_mm / 12), thinnest / 100);
+  const double h = out.voxel_mm = voxel_mm == 0 ? resolved : voxel_mm;
   // The block is sampled whole: finer than a hundredth of the tool, memory runs out before anything is learnt.
   if (!(h >= thinnest / 100 && h <= thinnest / 3))
     return fail({.code = Error::Code::kBadValue,
@@ -89,7 +92,6 @@ Expected<ToolCheck> checkTool(const Tool& tool, double voxel_mm) {
                                          thinnest / 3),
                  .hint = "leave --voxel out"});
 
-  out.depth_mm = plungeDepth(tool);
   const Box3 block = blockFor(tool, h, out);
   const Rigid3 askew{Eigen::Quaterniond(Eigen::AngleAxisd(0.6, Vec3d(1, 2, 3).normalized())),
                      0.37 * h * Vec3d(1, -1, 1)};

@@ -100,6 +100,18 @@ TEST_F(Cli, BakeTellsTheSameKeysWhenUpToDate) {
   EXPECT_EQ(again["sources"][0]["sha256"], first["sources"][0]["sha256"]);
 }
 
+// 016 in a bur's number is 1.6 mm. A ball of 16 mm is cut right all the same.
+TEST_F(Cli, AHeadTenTimesTooWideIsDoubtedAndItsVolumeIsRight) {
+  folder_.write("big-ball.toml",
+                "format = \"kerf-tool\"\nversion = 1\nid = \"big-ball\"\nname = \"Ball\"\nkind = \"bur\"\n"
+                "shape = \"round\"\nhead_diameter = 16\nshank_diameter = 1.6\nshank_length = 15\n");
+  const Outcome o = runKerf({"tool", "check", at("big-ball.toml")});
+  EXPECT_EQ(o.exit_code, 0) << o.out << o.err;
+  EXPECT_NE(o.out.find("CHECK THIS: a head 16 mm wide"), o.out.npos) << o.out;
+  EXPECT_EQ(runKerf({"tool", "check", "round-016"}).out.find("CHECK THIS"), std::string::npos);
+  EXPECT_TRUE(parsed(runKerf({"tool", "check", at("big-ball.toml"), "--json"}))[0].contains("doubt"));
+}
+
 TEST_F(Cli, CheckJudgesManyMeshesEachUnderItsName) {
   folder_.write("box.off", box());
   folder_.write("open.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");

@@ -118,15 +118,26 @@ int info(const Arguments& a) {
   return kOk;
 }
 
+// What is allowed, and hardly meant; else empty.
+std::string doubtAbout(const Tool& tool) {
+  constexpr double kWideHead = 8;  // mm; the rack's widest has 4
+  if (tool.kind != ToolKind::kBur || tool.head_diameter_mm < kWideHead) return {};
+  return fmt::format(
+      "a head {:.3g} mm wide is unusual: ISO 6360 counts in tenths of a millimetre, so that 016 is 1.6 mm",
+      tool.head_diameter_mm);
+}
+
 nlohmann::json jsonOf(const Tool& tool, const ToolCheck& c) {
-  return {{"id", tool.id},
-          {"voxel_mm", c.voxel_mm},
-          {"depth_mm", c.depth_mm},
-          {"block_width_mm", c.block_width_mm},
-          {"expected_mm3", c.expected_mm3},
-          {"removed_mm3", c.removed_mm3},
-          {"error_percent", c.errorPercent()},
-          {"passed", c.passed()}};
+  nlohmann::json j{{"id", tool.id},
+                   {"voxel_mm", c.voxel_mm},
+                   {"depth_mm", c.depth_mm},
+                   {"block_width_mm", c.block_width_mm},
+                   {"expected_mm3", c.expected_mm3},
+                   {"removed_mm3", c.removed_mm3},
+                   {"error_percent", c.errorPercent()},
+                   {"passed", c.passed()}};
+  if (const std::string doubt = doubtAbout(tool); !doubt.empty()) j["doubt"] = doubt;
+  return j;
 }
 
 std::string verdict(const ToolCheck& c) {
@@ -149,6 +160,7 @@ void print(const Tool& tool, const ToolCheck& c) {
   fmt::print("{}\n", describe(tool));
   fmt::print("  {:.3g} mm deep{}, voxel {:.3g} mm: removed {:.5f} mm3, by its numbers {:.5f} mm3, {:+.3f} %: {}\n",
              c.depth_mm, block, c.voxel_mm, c.removed_mm3, c.expected_mm3, c.errorPercent(), verdict(c));
+  if (const std::string doubt = doubtAbout(tool); !doubt.empty()) fmt::print("  CHECK THIS: {}\n", doubt);
 }
 
 Expected<std::vector<fs::path>> filesToCheck(const Arguments& a) {
