@@ -2,14 +2,19 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <signal.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cerrno>
+#include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
+#include <fstream>
 #include <locale>
 #include <streambuf>
 
@@ -80,14 +85,48 @@ fs::path followed(const fs::path& path) {
   return target.empty() ? path : target;
 }
 
+// Who can tell whether a process lives: this machine, among the processes it sees here. Eight hexadecimal digits.
+const std::string& processTable() {
+  static const std::string tag = [] {
+    std::array<char, 256> host{};
+    ::gethostname(host.data(), host.size() - 1);
+    std::error_code ignored;
+    const std::string names = host.data() + fs::read_symlink("/proc/self/ns/pid", ignored).string();
+    std::uint32_t hash = 2166136261u;  // FNV-1a
+    for (const char c : names) hash = (hash ^ static_cast<unsigned char>(c)) * 16777619u;
+    return fmt::format("{:08x}", hash);
+  }();
+  return tag;
+}
+
+// What is being written for a target stands beside it, as .NAME.kerf-TABLE-PROCESS-NUMBER.
+std::string temporaryPrefix(const fs::path& target) {
+  return fmt::format(".{}.kerf-{}-", target.filename().string(), processTable());
+}
+
+// Deletes what killed processes were writing for the same target. Those of another machine that shares the folder are
+// left alone: whether they live can not be told from here.
+void sweepLeftovers(const fs::path& target) {
+  const std::string prefix = temporaryPrefix(target);
+  std::error_code ignored;
+  for (fs::directory_iterator it(folderOf(target), ignored), end; it != end; it.increment(ignored)) {
+    const std::string name = it->path().filename().string();
+    if (!name.starts_with(prefix)) continue;
+    const int process = std::atoi(name.c_str() + prefix.size());
+    const bool is_dead = process > 0 && ::kill(process, 0) != 0 && errno == ESRCH;
+    if (is_dead) fs::remove_all(it->path(), ignored);
+  }
+}
+
 // A name beside `target` that no living process uses; `make` returns false with errno set. Leftovers of a killed
-// process with our id are stepped over.
+// process are deleted, those with our id stepped over.
 template <class Make>
 std::string makeTemporary(const fs::path& target, const Make& make) {
   static std::atomic<unsigned> counter{0};
+  sweepLeftovers(target);
   for (int attempt = 0; attempt < 1000; ++attempt) {
     std::string name =
-        (folderOf(target) / fmt::format(".{}.kerf-{}-{}", target.filename().string(), ::getpid(), counter++)).string();
+        (folderOf(target) / fmt::format("{}{}-{}", temporaryPrefix(target), ::getpid(), counter++)).string();
     if (make(name.c_str())) return name;
     if (errno != EEXIST) break;
   }
@@ -136,6 +175,14 @@ Expected<AtomicFile> AtomicFile::create(const fs::path& path) {
     return AtomicFile(std::make_unique<State>(fd, path, target, std::string()));
   }
   if (!target.has_filename()) return fail(writeError(path, "opening for writing", EISDIR));
+  std::error_code ignored;
+  if (!exists && fs::is_symlink(fs::symlink_status(target, ignored)))
+    return fail({.code = Error::Code::kWriteFailed,
+                 .file = path.string(),
+                 .place = "opening for writing",
+                 .found = "a link to what is not there",
+                 .expected = "a new file, or a link to one",
+                 .hint = "delete the link, or choose another name"});
   int fd = -1;
   std::string temporary = makeTemporary(target, [&](const char* file) {
     return (fd = ::open(file, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666)) >= 0;
@@ -195,6 +242,53 @@ const char* otherBundle(const fs::path& folder, std::string_view manifest) {
   return nullptr;
 }
 
+// What bundles hold beside what one of their .toml files names.
+bool isUsualName(const std::string& name, std::string_view manifest) {
+  constexpr std::array<std::string_view, 18> kNames{
+      "case.toml", "recipe.toml", "solid.ply",    "anatomy.vdb",     "run.toml",         "run.vdb",
+      "begin.vdb", "forces.csv",  "summary.json", "session.kerflog", "sound.wav",        "tool.toml",
+      "tool.vdb",  "path.toml",   "path.csv",     "saw-plan.toml",   "piece-names.toml", "lock"};
+  if (name == manifest || name.starts_with("source-")) return true;
+  if (std::find(kNames.begin(), kNames.end(), name) != kNames.end()) return true;
+  return manifest.ends_with(".ply") && name.ends_with(".ply");  // demo anatomy without a recipe
+}
+
+// The text of all .toml files of a folder, of each no more than Kerf ever writes.
+std::string tomlTextOf(const fs::path& folder) {
+  constexpr std::size_t kMost = 1 << 20;
+  std::string out, text(kMost, '\0');
+  std::error_code ignored;
+  for (fs::directory_iterator it(folder, ignored), end; it != end; it.increment(ignored)) {
+    if (it->path().extension() != ".toml" || !it->is_regular_file(ignored)) continue;
+    std::ifstream in(it->path(), std::ios::binary);
+    in.read(text.data(), static_cast<std::streamsize>(kMost));
+    out.append(text.data(), static_cast<std::size_t>(in.gcount()));
+  }
+  return out;
+}
+
+// The first entry, by name, of a folder that is to be replaced which Kerf did not write: it would be lost. Empty: none.
+std::string foreignEntry(const fs::path& folder, std::string_view manifest) {
+  const std::string named = tomlTextOf(folder);
+  std::string first;
+  std::error_code ignored;
+  for (fs::directory_iterator it(folder, ignored), end; it != end; it.increment(ignored)) {
+    std::string name = it->path().filename().string();
+    if (isUsualName(name, manifest) || named.find("\"" + name + "\"") != std::string::npos) continue;
+    if (first.empty() || name < first) first = std::move(name);
+  }
+  return first;
+}
+
+Error holdsForeign(const fs::path& path, const std::string& entry) {
+  return {.code = Error::Code::kWriteFailed,
+          .file = path.string(),
+          .place = "folder",
+          .found = "it also holds \"" + entry + "\", which Kerf did not write",
+          .expected = "a folder with nothing in it that would be lost",
+          .hint = "move that away, or choose another name"};
+}
+
 }  // namespace
 
 AtomicFolder::AtomicFolder(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -233,6 +327,15 @@ Expected<AtomicFolder> AtomicFolder::create(const fs::path& path, bool overwrite
     if (!empty && !fs::exists(state->target / manifest, error))
       return refuse("it exists and was not made by Kerf", expected,
                     "choose another name; Kerf does not delete what it did not write");
+    if (const std::string foreign = empty ? "" : foreignEntry(state->target, manifest); !foreign.empty())
+      return fail(holdsForeign(path, foreign));
+  } else if (fs::is_symlink(fs::symlink_status(state->target, error))) {
+    return fail({.code = Error::Code::kWriteFailed,
+                 .file = path.string(),
+                 .place = "folder",
+                 .found = "a link to what is not there",
+                 .expected = "a new folder, or a link to one",
+                 .hint = "delete the link, or choose another name"});
   }
   state->staging = makeTemporary(state->target, [](const char* folder) { return ::mkdir(folder, 0777) == 0; });
   if (state->staging.empty()) return fail(writeError(path, "making the folder", errno));
@@ -257,6 +360,8 @@ Expected<void> AtomicFolder::commit() {
   } else if ((errno == ENOTEMPTY || errno == EEXIST) && s.overwrite) {
     if (!fs::exists(s.target / s.manifest, error))  // it came while we worked
       return fail(writeError(s.path, "renaming into place", EEXIST));
+    if (const std::string foreign = foreignEntry(s.target, s.manifest); !foreign.empty())
+      return fail(holdsForeign(s.path, foreign));
     if (::renameat2(AT_FDCWD, s.staging.c_str(), AT_FDCWD, s.target.c_str(), RENAME_EXCHANGE) != 0) {
       const std::string aside = s.staging.string() + "-old";
       if (::rename(s.target.c_str(), aside.c_str()) != 0)

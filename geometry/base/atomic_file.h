@@ -13,8 +13,9 @@ namespace kerf {
 /// A file being written. Until commit() the target keeps its old content; without commit() nothing is left behind.
 class AtomicFile {
  public:
-  /// Opens a temporary file in the folder of `path`, which must exist. A symbolic link is followed, so that it stays
-  /// one. A target that is not a regular file (a device, a pipe) is opened itself: it cannot be replaced.
+  /// Opens a temporary file in the folder of `path`, which must exist, and deletes there what killed processes were
+  /// writing for the same target. A symbolic link is followed, so that it stays one; one that leads nowhere is refused.
+  /// A target that is not a regular file (a device, a pipe) is opened itself: it cannot be replaced.
   static Expected<AtomicFile> create(const std::filesystem::path& path);
 
   AtomicFile(AtomicFile&&) noexcept;
@@ -36,10 +37,11 @@ class AtomicFile {
 /// A folder being built, such as a case bundle: fill staging(), then commit().
 class AtomicFolder {
  public:
-  /// Makes an empty folder beside `path`, whose parent must exist.
+  /// Makes an empty folder beside `path`, whose parent must exist; leftovers and links as with AtomicFile.
   /// @param overwrite  allow an existing folder to be replaced as a whole: everything in it goes. Only an empty folder,
-  ///                   or one that holds the file `manifest` and is no bundle of another kind, is ever replaced: a
-  ///                   wrong path destroys no work.
+  ///                   or one that holds the file `manifest` and is no bundle of another kind, is ever replaced, and
+  ///                   only while all in it is what Kerf writes or one of its .toml files names: a wrong path, or a
+  ///                   file laid beside, destroys no work.
   static Expected<AtomicFolder> create(const std::filesystem::path& path, bool overwrite,
                                        std::string_view manifest = "case.toml");
 

@@ -1,6 +1,9 @@
 #include "geometry/base/atomic_file.h"
 
 #include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "tests/support/temporary_folder.h"
 
@@ -67,10 +70,51 @@ TEST(AtomicFile, MissingFolderAndFolderAsTargetAreRefused) {
   EXPECT_EQ(AtomicFile::create(folder.path()).error().found, "Is a directory");
 }
 
+TEST(AtomicFile, ALinkToWhatIsNotThereIsRefused) {
+  const TemporaryFolder folder;
+  fs::create_symlink("nowhere.stl", folder.path() / "cut.stl");
+  const auto made = AtomicFile::create(folder.path() / "cut.stl");
+  ASSERT_FALSE(made);
+  EXPECT_EQ(made.error().found, "a link to what is not there");
+  EXPECT_EQ(folder.entries(), 1u);
+}
+
+// Killed in the middle, a process leaves what it wrote; the next one that writes the same target takes it away, and
+// nothing else.
+TEST(AtomicFile, LeftoversOfAKilledProcessAreDeleted) {
+  const TemporaryFolder folder;
+  const fs::path file = folder.path() / "cut.stl", bundle = folder.path() / "case";
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const auto one = AtomicFile::create(file);
+    const auto two = AtomicFolder::create(bundle, false);
+    if (one && two) ::kill(::getpid(), SIGKILL);
+    ::_exit(1);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFSIGNALED(status));
+  ASSERT_EQ(folder.entries(), 2u);
+
+  auto other = AtomicFile::create(folder.path() / "cut.st");  // a name that begins alike
+  auto mine = AtomicFile::create(file);
+  EXPECT_EQ(folder.entries(), 3u);
+  auto third = AtomicFile::create(file);  // what we are writing ourselves stays
+  EXPECT_EQ(folder.entries(), 4u);
+  ASSERT_TRUE(mine && mine->commit());
+  auto made = AtomicFolder::create(bundle, false);
+  ASSERT_TRUE(made);
+  std::ofstream(made->staging() / "case.toml") << 1;
+  ASSERT_TRUE(made->commit());
+  EXPECT_TRUE(fs::exists(file));
+  EXPECT_TRUE(fs::exists(bundle));
+  EXPECT_EQ(folder.entries(), 4u) << "these two, and the two that are being written";
+}
+
 void fill(const AtomicFolder& folder, const std::string& text) {
   std::ofstream(folder.staging() / "case.toml") << text;
-  fs::create_directory(folder.staging() / "inner");
-  std::ofstream(folder.staging() / "inner" / "x") << text;
+  fs::create_directory(folder.staging() / "source-1");
+  std::ofstream(folder.staging() / "source-1" / "x") << text;
 }
 
 TEST(AtomicFolder, AppearsOnCommitWithEverythingInIt) {
@@ -87,7 +131,7 @@ TEST(AtomicFolder, AppearsOnCommitWithEverythingInIt) {
   fill(*made, "one");
   EXPECT_FALSE(fs::exists(path));
   ASSERT_TRUE(made->commit());
-  EXPECT_EQ(contentOf(path / "inner" / "x"), "one");
+  EXPECT_EQ(contentOf(path / "source-1" / "x"), "one");
   EXPECT_EQ(folder.entries(), 1u);
 }
 
@@ -96,7 +140,7 @@ TEST(AtomicFolder, ReplacesOnlyOursAndOnlyWhenAllowed) {
   const fs::path path = folder.path() / "case";
   auto first = AtomicFolder::create(path, false);
   fill(*first, "one");
-  std::ofstream(first->staging() / "only in one") << 1;
+  std::ofstream(first->staging() / "recipe.toml") << 1;
   ASSERT_TRUE(first->commit());
   EXPECT_FALSE(AtomicFolder::create(path, false));
   auto second = AtomicFolder::create(path, true);
@@ -105,7 +149,7 @@ TEST(AtomicFolder, ReplacesOnlyOursAndOnlyWhenAllowed) {
   EXPECT_EQ(contentOf(path / "case.toml"), "one");
   ASSERT_TRUE(second->commit());
   EXPECT_EQ(contentOf(path / "case.toml"), "two");
-  EXPECT_FALSE(fs::exists(path / "only in one"));
+  EXPECT_FALSE(fs::exists(path / "recipe.toml"));
   EXPECT_EQ(folder.entries(), 1u);
 
   fs::create_directory(folder.path() / "holiday");
@@ -114,6 +158,43 @@ TEST(AtomicFolder, ReplacesOnlyOursAndOnlyWhenAllowed) {
   ASSERT_FALSE(foreign);
   EXPECT_NE(foreign.error().message().find("not made by Kerf"), std::string::npos);
   EXPECT_FALSE(AtomicFolder::create(folder.path() / "holiday" / "picture", true)) << "a file is no folder";
+}
+
+TEST(AtomicFolder, WhatSomebodyLaidIntoABundleIsNotReplacedWithIt) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "case";
+  auto first = AtomicFolder::create(path, false);
+  fill(*first, "mesh = \"my bur.stl\"");
+  std::ofstream(first->staging() / "my bur.stl") << 1;  // named by a file of the bundle
+  ASSERT_TRUE(first->commit());
+  ASSERT_TRUE(AtomicFolder::create(path, true));
+
+  std::ofstream(path / "thesis.doc") << "years of work";
+  const auto refused = AtomicFolder::create(path, true);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().found.find("\"thesis.doc\""), std::string::npos) << refused.error().message();
+  EXPECT_EQ(folder.entries(), 1u);
+
+  // Laid there while the new one was made.
+  fs::remove(path / "thesis.doc");
+  auto late = AtomicFolder::create(path, true);
+  ASSERT_TRUE(late);
+  fill(*late, "two");
+  fs::create_directory(path / "holiday");
+  EXPECT_FALSE(late->commit());
+  EXPECT_TRUE(fs::exists(path / "holiday"));
+  EXPECT_TRUE(fs::exists(path / "my bur.stl"));
+}
+
+TEST(AtomicFolder, ALinkToWhatIsNotThereIsRefusedBeforeTheWork) {
+  const TemporaryFolder folder;
+  fs::create_symlink("nowhere", folder.path() / "case");
+  for (const bool overwrite : {false, true}) {
+    const auto made = AtomicFolder::create(folder.path() / "case", overwrite);
+    ASSERT_FALSE(made);
+    EXPECT_EQ(made.error().found, "a link to what is not there");
+  }
+  EXPECT_FALSE(fs::exists(folder.path() / "nowhere"));
 }
 
 TEST(AtomicFolder, ABundleOfAnotherKindIsCalledByItsNameAndNotReplaced) {
