@@ -48,7 +48,7 @@ struct MouseAim {
   double force = 1;               ///< along the axis, 0 to 8
   double depth = 0.5;             ///< below the surface as loaded, along the axis, that the tool may reach
                                   ///< (negative: above it), at least -kClearance
-  double pedal = 1;               ///< of the nominal speed, 0 to 1
+  double pedal = 1;               ///< of the nominal speed, 0 to 1; negative: backwards
   double irrigation = 1;          ///< 0 to 1
   /// From the tip to what of the tool follows pointer and surface, square to the axis, mm: the middle of a saw's teeth,
   /// what a tilted tool touches with.

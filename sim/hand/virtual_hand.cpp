@@ -113,10 +113,11 @@ bool ForceHand::next(const StepOutput& last, DeviceSample& sample) {
   at_ = std::max(at_, length_[stretch_] + done);
 
   // Whoever feels the drive stall lets go until it is back.
-  fastest_ = std::max({fastest_, last.speed, options_.free_speed});
-  is_stalled_ = path_.cuts[stretch_] && last.speed < (is_stalled_ ? kRecovered : kStalled) * fastest_;
-  const bool is_coming_up = is_stalled_ && last.speed > last_speed_;
-  last_speed_ = last.speed;
+  const double speed = std::abs(last.speed);
+  fastest_ = std::max({fastest_, speed, options_.free_speed});
+  is_stalled_ = path_.cuts[stretch_] && speed < (is_stalled_ ? kRecovered : kStalled) * fastest_;
+  const bool is_coming_up = is_stalled_ && speed > last_speed_;
+  last_speed_ = speed;
 
   const double off = beside.norm();
   if (!is_coming_up) gave_up_ = !moves(turn > 0, off);

@@ -131,8 +131,8 @@ class LoadStatistics final : public CutObserver {
     sum_.peak_contact_force = std::max(sum_.peak_contact_force, contact);
     sum_.peak_hand_force = std::max(sum_.peak_hand_force, out.force.force.norm());
 
-    const double nominal = tick.sample.pedal * nominal_speed_;
-    const double relative = nominal > 0 ? out.speed / nominal : 0;
+    const double nominal = std::abs(tick.sample.pedal) * nominal_speed_;
+    const double relative = nominal > 0 ? std::abs(out.speed) / nominal : 0;
     // A turbine may meet the tissue while it still comes up: from then on its speed falls.
     has_come_up_ = nominal > 0 && (has_come_up_ || relative > 0.98 || relative < last_relative_);
     last_relative_ = relative;

@@ -18,6 +18,7 @@
 #include "sim/run/run_output.h"
 #include "sim/run/sweep_cutter.h"
 #include "sim/session/session.h"
+#include "sim/step/drive.h"
 
 namespace kerf {
 namespace {
@@ -118,7 +119,7 @@ Expected<Simulated> simulate(Session& session, const CutInputs& inputs, const Ha
       endByHand(*hand, options, out);
       break;
     }
-    sample.pedal *= options.spindle;
+    sample.pedal *= options.is_reversed ? -options.spindle : options.spindle;
     sample.irrigation = options.irrigation;
     session.tick(sample, tick);
     ++out.ticks;
@@ -291,6 +292,15 @@ Expected<void> takeHandpiece(Tool& tool, const std::string& name) {
   return {};
 }
 
+Expected<void> checkReverse(const Tool& tool, bool is_reversed) {
+  if (!is_reversed || turnsBackwards(driveOf(tool).form)) return {};
+  return fail({.code = Error::Code::kBadValue,
+               .place = "--reverse",
+               .found = fmt::format("{}, whose drive goes one way: {}", tool.id, describeDrive(tool)),
+               .expected = "a tool that a motor turns",
+               .hint = isFrictionGrip(tool) ? "--drive electric" : "leave --reverse out"});
+}
+
 }  // namespace
 
 Expected<void> checkOptions(const HapticCutOptions& o) {
@@ -343,6 +353,7 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
   KERF_CHECK(checkOptions(options));
   KERF_TRY(inputs, internal::readInputs(case_folder, options.beside, tool_file, path_file, run_folder));
   KERF_CHECK(takeHandpiece(inputs.tool, options.drive));
+  KERF_CHECK(checkReverse(inputs.tool, options.is_reversed));
   KERF_TRY(folder, AtomicFolder::create(run_folder, options.overwrite, kRunManifest));
   if (!report(progress, 0.0, "loading the case")) return nothingWritten();
   KERF_TRY(scene, internal::loadScene(std::move(inputs), settingsOf(options)));

@@ -28,13 +28,14 @@ struct HapticCutOptions {
   HandKind hand = HandKind::kFeed;
   ForceHand::Options force;
   DeviceHand::Options device;
-  StepSettings step;        ///< `rendering` is set by the hand: rigid for kFeed (penalty only), coupled for the others
-  std::string drive;        ///< name of a Handpiece in place of the tool's own; empty: its own
-  double spindle = 1;       ///< 0 to 1 of the tool's nominal speed
-  double irrigation = 1;    ///< 0 to 1 of the cooling spray
-  double time_limit = 600;  ///< s of simulated time
-  bool with_sound = false;  ///< also writes sound.wav, the sound of the tool
-  std::string add;          ///< id of a material: the tool adds it where it goes, instead of cutting; empty: it cuts
+  StepSettings step;         ///< `rendering` is set by the hand: rigid for kFeed (penalty only), coupled for the others
+  std::string drive;         ///< name of a Handpiece in place of the tool's own; empty: its own
+  double spindle = 1;        ///< 0 to 1 of the tool's nominal speed
+  bool is_reversed = false;  ///< the drive turns backwards: a motor can
+  double irrigation = 1;     ///< 0 to 1 of the cooling spray
+  double time_limit = 600;   ///< s of simulated time
+  bool with_sound = false;   ///< also writes sound.wav, the sound of the tool
+  std::string add;           ///< id of a material: the tool adds it where it goes, instead of cutting; empty: it cuts
   /// Further cases, each where its scan stands, in the frame of the case: the tool collides with them, and cuts them.
   std::vector<std::filesystem::path> beside;
 };

@@ -331,7 +331,7 @@ void WatchedRun::keepState() {
   const std::size_t n = player_->nextSample();
   const auto presses = [&](std::size_t sample) {
     const DeviceSample& s = recording_.log.samples[sample].sample;
-    return s.isUsable() && s.pedal > 0;
+    return s.isUsable() && s.pedal != 0;
   };
   const auto every = static_cast<std::size_t>(options_.keep_every_s / kTick);
   const Kept* const last = lastKept(n + 1);

@@ -319,7 +319,7 @@ void Session::endStroke() noexcept {
 }
 
 void Session::advance(const DeviceSample& sample, StepOutput& output) noexcept {
-  const bool presses = sample.isUsable() && sample.pedal > 0;
+  const bool presses = sample.isUsable() && sample.pedal != 0;
   if (presses && !is_stroke_) {
     is_stroke_ = true;
     markAll();
@@ -373,7 +373,7 @@ std::vector<std::byte> Session::snapshot() {
 
 void Session::tick(const DeviceSample& sample, StepOutput& output) {
   const std::uint64_t tick = state_.tick;
-  const bool begins_stroke = !is_stroke_ && sample.isUsable() && sample.pedal > 0;
+  const bool begins_stroke = !is_stroke_ && sample.isUsable() && sample.pedal != 0;
   if (sink_ && snapshot_every_ > 0 && tick > 0 && tick - last_snapshot_ >= snapshot_every_ && begins_stroke)
     sink_->snapshot(snapshot(), tick - 1);
 

@@ -19,7 +19,7 @@ struct ContactInput {
   const ToolModel* tool = nullptr;
   const TissueTable* tissues = nullptr;
   Rigid3 T_object_tool;            ///< mm
-  double speed = 0;                ///< of the drive now: see ToolDrive::speed
+  double speed = 0;                ///< of the drive now: see ToolDrive::speed; negative: backwards
   double dt = kTick;               ///< s
   bool geometry_only = false;      ///< the cutting part takes what it sweeps, without resistance
   Vec3d velocity = Vec3d::Zero();  ///< of the tip relative to the object, mm/s, without the tool's own motion

@@ -20,7 +20,7 @@ struct Wrench {
 /// One sample of the device, as the session log keeps it. A state is a function of these, the commands and the case.
 struct DeviceSample {
   Rigid3 T_world_device;  ///< where the hand holds the tool: tip and axes, mm
-  double pedal = 0;       ///< 0 to 1 of the tool's nominal speed
+  double pedal = 0;       ///< 0 to 1 of the tool's nominal speed; negative: backwards, by a motor that can
   double irrigation = 1;  ///< 0 to 1 of the cooling spray
   /// 0: no sample arrived in time, or it was not finite. Force goes to zero and stays there.
   std::uint32_t is_valid = 1;

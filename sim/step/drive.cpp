@@ -26,9 +26,10 @@ double turbineSpeed(const ToolDrive& drive, double speed, double pedal, double l
   return std::max(0.0, speed * (1 - x * mean) + push * kTick * mean);
 }
 
+// Forwards: neither speed nor result is negative.
 double governedSpeed(const ToolDrive& drive, double speed, double pedal, double load) {
   const double wanted = pedal * drive.speed * (1 - drive.droop * std::min(1.0, load));
-  if (!(drive.time_constant > 0)) return load < 1 ? wanted : 0;
+  if (!(drive.time_constant > 0)) return load < 1 ? std::max(0.0, wanted) : 0;
 
   constexpr double kLag = 0.1;  // of the time constant
   const double follow = 1 - std::exp(-kTick / (kLag * drive.time_constant));
@@ -38,16 +39,21 @@ double governedSpeed(const ToolDrive& drive, double speed, double pedal, double 
 
 }  // namespace
 
+bool turnsBackwards(DriveForm form) noexcept { return form == DriveForm::kGoverned; }
+
 double speedAfterTick(const ToolDrive& drive, double speed, double pedal, double load) noexcept {
+  const double forwards = std::max(0.0, pedal);
   switch (drive.form) {
     case DriveForm::kTurbine:
-      return turbineSpeed(drive, speed, pedal, load);
-    case DriveForm::kGoverned:
-      return governedSpeed(drive, speed, pedal, load);
+      return turbineSpeed(drive, speed, forwards, load);
+    case DriveForm::kGoverned: {
+      const bool is_backwards = speed < 0 || (speed == 0 && pedal < 0);
+      return is_backwards ? -governedSpeed(drive, -speed, -pedal, load) : governedSpeed(drive, speed, pedal, load);
+    }
     case DriveForm::kLine:
       break;
   }
-  return lineSpeed(drive, speed, pedal, load);
+  return lineSpeed(drive, speed, forwards, load);
 }
 
 }  // namespace kerf

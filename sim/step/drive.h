@@ -5,9 +5,14 @@
 
 namespace kerf {
 
+/// Motors do; an air turbine, a saw and a piezo tip go one way.
+bool turnsBackwards(DriveForm form) noexcept;
+
 /// The speed a tick of kTick seconds later, by the law of ToolDrive.
-/// @param speed  now, as ToolDrive::speed, not negative.   @param pedal  0 to 1.
-/// @param load  over the stall load, not negative: the mean of the tick.   @return not negative. @rt
+/// @param speed  now, as ToolDrive::speed; negative: backwards, kGoverned alone.
+/// @param pedal  -1 to 1. Only kGoverned turns backwards: for all others a negative pedal is one that is up.
+/// @param load  over the stall load, not negative: the mean of the tick. It slows either way of turning.
+/// @return between -ToolDrive::speed and that; a tick never passes through standstill. @rt
 double speedAfterTick(const ToolDrive& drive, double speed, double pedal, double load) noexcept;
 
 }  // namespace kerf

@@ -86,7 +86,8 @@ class BrickErosion {
 CutResult erode(CutObject& object, const NearBricks& near, const ContactInput& in) noexcept {
   CutResult result;
   const ToolField& cut = in.tool->cut;
-  if (object.isFrozen() || cut.isEmpty() || (!in.geometry_only && in.speed == 0)) return result;
+  if (object.isFrozen() || cut.isEmpty()) return result;
+  if (!in.geometry_only && (in.speed == 0 || internal::onlyRubs(in))) return result;
 
   BrickErosion erosion(object, in);
   float next[kBrickNodes];

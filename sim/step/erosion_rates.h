@@ -19,10 +19,13 @@ inline Lever leverOf(const ToolModel& tool) {
   return {form, kEquatorFloor * static_cast<float>(tool.equator_mm), static_cast<float>(tool.pivot_mm)};
 }
 
-/// For one evaluation of contact.
+/// It turns backwards, and its edges rub with their backs: nothing erodes.
+inline bool onlyRubs(const ContactInput& in) { return in.speed < 0 && !in.tool->cuts_backwards; }
+
+/// For one evaluation of contact. Backwards a drill's point is a cone that rubs.
 inline LipLever lipsOf(const ContactInput& in) {
   const DrillLips& lips = in.tool->lips;
-  if (!lips.areThere()) return {};
+  if (!lips.areThere() || onlyRubs(in)) return {};
   const double turns = std::abs(in.speed) / (2 * std::numbers::pi) * in.dt;
   const double along_normal = lips.slope * turns;
   return {static_cast<float>(lips.height), static_cast<float>(along_normal * DrillLips::kRubbing),
@@ -37,6 +40,11 @@ struct ErosionRates {
   std::array<float, 256> at_lips;
 
   explicit ErosionRates(const ContactInput& in) {
+    if (onlyRubs(in)) {
+      value.fill(0);
+      at_lips.fill(0);
+      return;
+    }
     // Read once: the compiler cannot know that writing a rate does not change them.
     const Tissue* const tissues = in.tissues->data();
     const double speed = std::abs(in.speed), drag = in.tool->drive.drag_factor, energy = in.tool->drive.energy_factor;

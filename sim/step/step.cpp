@@ -123,7 +123,7 @@ Motion followDevice(const Model& model, State& state, const DeviceSample& input,
   motion.attachment = settings.attachment();
   motion.tool_before = state.body.pose;
   constexpr double kTurns = 0.02;  // of the free speed: a motor that runs down is never quite at rest
-  motion.coupling = settings.coupling.at(state.speed > kTurns * tool.drive.speed);
+  motion.coupling = settings.coupling.at(std::abs(state.speed) > kTurns * tool.drive.speed);
 
   const bool is_first = !state.has_device;  // at the start, and when the device is back after a fault
   const Rigid3 device_before = is_first ? input.T_world_device : state.device.pose;
@@ -178,7 +178,7 @@ ContactEvaluation evaluateContact(const Model& model, State& state, const Device
                                   int n) {
   if (motion.attachment == Attachment::kFixed) moveWithDevice(model.tools[state.tool], state, motion, n);
   const Substep substep{motion.dt, motion.longest_mm, motion.length_mm / motion.evaluations, motion.coupling};
-  if (state.adds != Material::kNone) return evaluateAdding(model, state, substep, input.pedal > 0);
+  if (state.adds != Material::kNone) return evaluateAdding(model, state, substep, input.pedal != 0);
   return rowOf(model.settings.effectiveResponse()).evaluate(model, state, substep);
 }
 
@@ -289,7 +289,7 @@ std::uint64_t hashOf(AState& state, const HashOfObject& hash_of_object) {
 }  // namespace
 
 bool DeviceSample::isUsable() const {
-  return is_valid == 1 && T_world_device.isUsable() && pedal >= 0 && pedal <= 1 && irrigation >= 0 && irrigation <= 1;
+  return is_valid == 1 && T_world_device.isUsable() && std::abs(pedal) <= 1 && irrigation >= 0 && irrigation <= 1;
 }
 
 double longestSubstep(const ToolModel& tool, double voxel) noexcept {

@@ -155,6 +155,7 @@ ToolModel makeToolModel(const Tool& tool, double margin_mm) {
                           tool.body ? tool.body->halfThickness() : tool.cut->halfThickness());
   out.drive = driveOf(tool);
   out.lips = lipsOf(tool);
+  out.cuts_backwards = isDiamond(tool);
   out.motion = motionOf(tool);
   if (out.motion == ToolMotion::kSwing) out.pivot_mm = tool.blade_length_mm;
   const Box3& box = out.cut.bounds();

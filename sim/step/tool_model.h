@@ -16,7 +16,8 @@ namespace kerf {
 ///              standstill goes with the pressure, free speed with its root: p^2 is the pressure. Power is greatest at
 ///              half of the stall load: a heavier hand removes less. Without air the bearing, or a brake, stops it.
 ///   kGoverned  follows p s0 (1 - droop min(1, M / L)) within a tenth of T, as far as the torque L is enough:
-///              |ds/dt| <= s0 / T (1 -+ M / L). What asks for more than L stops it.
+///              |ds/dt| <= s0 / T (1 -+ M / L). What asks for more than L stops it. With p < 0 it turns backwards by
+///              the same law: it slows down, stops, and comes up the other way.
 /// Sources: Dyson & Darvell 1999, Brockhurst & Shams 1994 for turbines; training defaults in
 /// geometry/tool/handpiece.cpp.
 ///
@@ -66,6 +67,8 @@ struct ToolModel {
   ToolMotion motion = ToolMotion::kSpin;
   ToolDrive drive;
   DrillLips lips;
+  /// Turned backwards it cuts as well: grains do. Blades and the lips of a drill then only rub, with their backs.
+  bool cuts_backwards = true;
   double equator_mm = 0;          ///< kSpin: largest cutting radius. Surface speed counts as at least 0.2 of that there
   double pivot_mm = 0;            ///< kSwing: height of the pivot
   double finest_mm = 0;           ///< no motion without an evaluation of contact is longer than half of this

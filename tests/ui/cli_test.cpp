@@ -366,6 +366,27 @@ TEST_F(Cli, FastHandpiecesTakeFrictionGripOnly) {
             {"--drive", "friction-grip"});
 }
 
+TEST_F(Cli, ADrillTurnedBackwardsTakesNothingAndATurbineRefuses) {
+  makeCase();
+  folder_.write("down.toml",
+                "format = \"kerf-path\"\nversion = 1\nframe = \"object\"\n[start]\nposition = [0, 0, 1]\n"
+                "axis = [0, 0, 1]\n[[stroke]]\nkind = \"line\"\nby = [0, 0, -1]\n");
+  const auto cut = [&](const char* tool) {
+    return std::vector<std::string>{"cut", at("box.case"), "--tool", tool,   "--path",    at("down.toml"),
+                                    "-o",  at("back.run"), "--hand", "feed", "--reverse", "--force"};
+  };
+  refuses(cut("round-014"), {"--reverse", "one way", "Try: --drive electric"});
+
+  const auto done = runKerf(cut("drill-20"));
+  ASSERT_EQ(done.exit_code, 0) << done.err;
+  EXPECT_NE(done.out.find("removed 0.0000 mm3"), std::string::npos) << done.out;
+  const auto again = runKerf({"replay", at("back.run")});
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_NE(again.out.find("the same bit for bit"), std::string::npos) << again.out;
+  refuses({"cut", at("box.case"), "--tool", "drill-20", "--path", at("down.toml"), "-o", at("x.run"), "--reverse"},
+          {"--reverse", "--hand"}, 2);
+}
+
 // Along a groove out of one box, over a gap of 1 mm, into the next one, whose voxels are others.
 TEST_F(Cli, AToolThatLeavesItsToothCutsTheNeighbourWhichIsMeasuredToldReplayedAndExported) {
   makeCase();

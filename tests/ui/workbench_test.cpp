@@ -339,6 +339,25 @@ TEST_F(WorkbenchTest, AStrokeStopsShortOfThePulp) {
   EXPECT_FALSE(play("cut.stop-short near\n"));
 }
 
+TEST_F(WorkbenchTest, ADrillThatTurnsBackwardsTakesNothingAndATurbineRefuses) {
+  tools_ = {"round-014", "drill-20"};
+  const std::string open = "file.open \"" + scan(folder_).string() + "\"\nwait\nview.fit\ncut.force 4\n";
+  const std::string stroke = "cut.press 200 150\nwait 2\ncut.release\nwait 0.2\n";
+  const auto played = play(open + "tool.select drill-20\ncut.reverse on\n" + stroke + "expect removed 0 0\n" +
+                           "cut.reverse\n" + stroke + "expect removed 0.1 100\n");
+  EXPECT_TRUE(played) << played.error().message() << allNotices();
+
+  // The next tool begins forwards.
+  const auto next = play(open + "tool.select drill-20\ncut.reverse on\ntool.select round-014\n" + stroke +
+                         "expect removed 0.1 100\n");
+  EXPECT_TRUE(next) << next.error().message();
+
+  const auto refused = play(open + "cut.reverse on\n");
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message().find("a turbine does not turn backwards"), std::string::npos)
+      << refused.error().message();
+}
+
 TEST_F(WorkbenchTest, ADryStrokeIsWarm) {
   tools_ = {"round-014"};
   voxel_ = 0.15;

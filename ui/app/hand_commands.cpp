@@ -59,6 +59,12 @@ Expected<void> pedal(AppContext& c, AppWords words) {
   return wrongWord("nothing to cut there", "a place on the object");
 }
 
+Expected<void> reverse(AppContext& c, AppWords words) {
+  if (words.empty()) return c.bench.setReversed(!c.bench.isReversed());
+  if (words[0] != "on" && words[0] != "off") return wrongWord("\"" + words[0] + "\"", "on or off");
+  return c.bench.setReversed(words[0] == "on");
+}
+
 Expected<void> setSpeed(AppContext& c, AppWords words) {
   KERF_TRY(percent, numberOf(words, 0, "PERCENT", 0, 100));
   c.bench.setSpeed(0.01 * percent);

@@ -14,6 +14,7 @@ bool isCutting(const AppContext& context);
 
 Expected<void> nudge(AppContext& context, AppWords words);          ///< RIGHT UP IN
 Expected<void> pedal(AppContext& context, AppWords words);          ///< [on|off] [X Y]
+Expected<void> reverse(AppContext& context, AppWords words);        ///< [on|off]
 Expected<void> setSpeed(AppContext& context, AppWords words);       ///< PERCENT
 Expected<void> setIrrigation(AppContext& context, AppWords words);  ///< PERCENT
 

@@ -474,7 +474,7 @@ void Workbench::release() {
 void Workbench::sendAim() {
   aim_.force = std::min(force * push_factor_, kMostForce);
   aim_.depth = std::min({depth_mm, mostDepth(), along_.value_or(depth_mm)});
-  aim_.pedal = speed * drill_;
+  aim_.pedal = (is_reversed_ ? -1 : 1) * speed * drill_;
   aim_.irrigation = irrigation;
   aim_.keep = stop_short_mm.value_or(-1);
   aim_.keep_beside = stop_short_beside_mm.value_or(-1);

@@ -196,6 +196,11 @@ class Workbench {
   void setForce(double newtons);
   void setSpeed(double of_nominal);
   void setIrrigation(double of_full);
+  /// The drive turns backwards from now on, until another tool is taken. Refused, with what to do, by a drive that goes
+  /// one way: an air turbine, a saw, a piezo tip.
+  Expected<void> setReversed(bool is_reversed);
+  bool isReversed() const { return is_reversed_; }
+  bool canReverse() const;
   /// Times the speed, until the stroke ends: how far a trigger is pulled, 0 to 1.
   void drill(double pedal);
   /// Times the force, until it is 1 again.
@@ -385,7 +390,7 @@ class Workbench {
   std::optional<Stroke> stroke_;
   std::optional<Ray> pointed_;   // last, by a stroke
   std::optional<double> along_;  // depth that the stroke was led to, mm
-  bool is_on_pedal_ = false;
+  bool is_on_pedal_ = false, is_reversed_ = false;
   MouseAim aim_;
   double push_factor_ = 1, drill_ = 1;
   double removed_mm3_ = 0;

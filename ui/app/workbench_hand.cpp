@@ -1,8 +1,11 @@
 // How a stroke is led beside its pointer: along the tool's axis, in small steps, by a foot pedal. The rest of the
 // workbench: workbench.cpp.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
+#include "sim/step/drive.h"
 #include "ui/app/sawing.h"
 #include "ui/app/workbench.h"
 
@@ -44,6 +47,20 @@ void Workbench::setSpeed(double of_nominal) {
 void Workbench::setIrrigation(double of_full) {
   irrigation = std::clamp(of_full, 0.0, 1.0);
   if (stroke_) sendAim();
+}
+
+bool Workbench::canReverse() const { return run_ && turnsBackwards(run_->model().tools[tool_].drive.form); }
+
+Expected<void> Workbench::setReversed(bool is_reversed) {
+  if (is_reversed && !canReverse())
+    return fail({.code = Error::Code::kBadValue,
+                 .place = "cut.reverse",
+                 .found = run_ ? fmt::format("{}, whose drive goes one way", tool(tool_).name) : "no tool in hand",
+                 .expected = "a tool that a motor turns",
+                 .hint = "take a drill, a bur of a contra-angle or a disc: a turbine does not turn backwards"});
+  is_reversed_ = is_reversed;
+  if (stroke_) sendAim();
+  return {};
 }
 
 }  // namespace kerf

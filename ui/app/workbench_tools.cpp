@@ -169,6 +169,7 @@ void Workbench::selectTool(std::size_t n) {
   if (is_outdated_[n] && !job_) return reopenWith(tools_[n].file);
   if (!send(SelectTool{n})) return;
   tool_ = n;
+  is_reversed_ = false;
   heatByToolInHand();
 }
 

@@ -267,6 +267,8 @@ void addOptionsOfAnyHand(CLI::App& command, HapticCutOptions& haptic) {
   auto* group = command.add_option_group("With --hand");
   group->add_option("--drive", haptic.drive, handpieceHelp())->check(CLI::IsMember(handpiecesByName()));
   group->add_option("--spindle", haptic.spindle, "speed, 0 to 1 of the tool's nominal one")->capture_default_str();
+  group->add_flag("--reverse", haptic.is_reversed,
+                  "turn the tool backwards, as a motor can: diamonds cut as ever, blades and drills only rub");
   group->add_option("--irrigation", haptic.irrigation, "cooling spray, 0 (dry) to 1")->capture_default_str();
   group->add_option("--add", haptic.add,
                     "id of a material, such as composite: the tool adds it where it goes, instead of cutting");

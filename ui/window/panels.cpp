@@ -130,14 +130,15 @@ float drawReadings(AppContext& context, const std::optional<ToolOverSurface>& ov
   ImGui::SetNextWindowPos({io.DisplaySize.x - scaled(kPanelWidth) - 8, ImGui::GetFrameHeight() + 8}, ImGuiCond_Always);
   ImGui::SetNextWindowSize({scaled(kPanelWidth), 0}, ImGuiCond_Always);
   ImGui::Begin("Cut", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
-  const double speed = bench.driveShare();
+  const double speed = std::abs(bench.driveShare());
+  const char* const turns = bench.driveShare() < 0 ? "% backwards" : "%";
   const auto depth = bench.isPressed() ? bench.depthNow() : over ? std::optional(over->depth) : std::nullopt;
 
   reading("Depth", depth ? fmt::format("{:.2f}", *depth) : "-", "mm");
   drawNearStructure(bench, over);
   drawNeighbours(bench, over);
   reading("Force", fmt::format("{:.2f}", r.output.force.force.norm()), "N");
-  reading("Spindle", fmt::format("{:.0f}", 100 * speed), "%",
+  reading("Spindle", fmt::format("{:.0f}", 100 * speed), turns,
           bench.isPressed() && speed < 0.05 && r.output.normal_load > 0);
   drawHeat(bench);
   reading("Removed", fmt::format("{:.2f}", bench.removedMm3()), "mm3");

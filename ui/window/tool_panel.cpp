@@ -200,6 +200,10 @@ void drawHand(Workbench& bench) {
   ImGui::TextUnformatted("Speed");
   if (ImGui::SliderFloat("##speed", &speed, 0, 100, "%.0f %%", ImGuiSliderFlags_AlwaysClamp))
     bench.setSpeed(0.01 * static_cast<double>(speed));
+  bool is_reversed = bench.isReversed();
+  if (bench.canReverse() && ImGui::Checkbox("Turn backwards", &is_reversed)) {
+    if (const auto turned = bench.setReversed(is_reversed); !turned) bench.say(turned.error().message());
+  }
   ImGui::TextUnformatted("Spray");
   if (ImGui::SliderFloat("##spray", &spray, 0, 100, "%.0f %%", ImGuiSliderFlags_AlwaysClamp))
     bench.setIrrigation(0.01 * static_cast<double>(spray));

@@ -70,6 +70,36 @@ TEST(Drive, AMotorHoldsItsSpeedUpToItsTorque) {
   EXPECT_LT(run(motor(), 1000, 0, 0, 0.5), 10);
 }
 
+TEST(Drive, AMotorTurnsBackwardsAsForwardsAndStopsInBetween) {
+  for (const double load : {0.0, 0.5, 1.5})
+    EXPECT_EQ(run(motor(), 0, -1, load, 2), -run(motor(), 0, 1, load, 2)) << load;
+
+  // From full speed to full speed the other way, through standstill.
+  double speed = 1000, before = speed;
+  int stood = 0;
+  for (int n = 0; n < 1000; ++n) {
+    speed = speedAfterTick(motor(), speed, -1, 0.1);
+    EXPECT_FALSE(before > 0 && speed < 0) << n;
+    stood += speed == 0;
+    before = speed;
+  }
+  EXPECT_GT(stood, 0);
+  EXPECT_NEAR(speed, -1000 * (1 - 0.02 * 0.1), 1);
+  // A load slows what turns backwards, and does not drive it.
+  EXPECT_LT(run(motor(), -1000, 0, 0, 0.1), -600);
+  EXPECT_GT(run(motor(), -1000, 0, 0.9, 0.1), run(motor(), -1000, 0, 0, 0.1));
+}
+
+TEST(Drive, WhatGoesOneWayTakesANegativePedalForOneThatIsUp) {
+  ToolDrive line{1000, 1, 0.05, 1, 1};
+  EXPECT_FALSE(turnsBackwards(DriveForm::kLine));
+  EXPECT_FALSE(turnsBackwards(DriveForm::kTurbine));
+  for (const ToolDrive& drive : {turbine(), line}) {
+    EXPECT_EQ(run(drive, 0, -1, 0, 1), 0);
+    EXPECT_EQ(run(drive, 1000, -1, 0, 0.2), run(drive, 1000, 0, 0, 0.2));
+  }
+}
+
 TEST(Drive, WithoutATimeItFollowsAtOnceAndWithoutAStallNothingStopsIt) {
   for (const DriveForm form : {DriveForm::kLine, DriveForm::kTurbine, DriveForm::kGoverned}) {
     ToolDrive drive{1000, 0, 0, 1, 1};
@@ -108,7 +138,7 @@ Model drillAt(const char* id, double rpm) {
   return *model;
 }
 
-scenes::Hold drilled(const Model& model, Material material, double force, double seconds) {
+scenes::HoldScene drillScene(Material material, double force, double seconds) {
   scenes::HoldScene scene;
   const auto block = practiceBlock({5, 5, 7}, 0.1, {}, material);
   EXPECT_TRUE(block);
@@ -117,7 +147,11 @@ scenes::Hold drilled(const Model& model, Material material, double force, double
   scene.force = force;
   scene.seconds = seconds;
   scene.settle = 0.6 * seconds;
-  return scenes::hold(model, scene);
+  return scene;
+}
+
+scenes::Hold drilled(const Model& model, Material material, double force, double seconds) {
+  return scenes::hold(model, drillScene(material, force, seconds));
 }
 
 // F = K D^1.25 (f + f0): feed of a turn by thrust, with the point in the bone.
@@ -138,6 +172,44 @@ TEST(Drill, BelowAForceItOnlyRubs) {
   // Where the part of the point that is in needs all of the force.
   const double wide = std::pow(2.5 / (DrillLips::kThrust * DrillLips::kRubbing), 1 / 1.25);
   EXPECT_NEAR(held.depth, 0.5 * wide / std::sqrt(3.0), 0.03);
+}
+
+// As one backs a drill out: its lips rub with their backs, nothing goes, and the torque is the other way round.
+TEST(Drill, BackwardsItOnlyRubs) {
+  const Model model = drillAt("drill-20", 1500);
+  scenes::HoldScene scene = drillScene(Material::kCortical, 10, 1.0);
+  const scenes::Hold forwards = scenes::hold(model, scene);
+  scene.pedal = -1;
+  const scenes::Hold backwards = scenes::hold(model, scene);
+
+  EXPECT_GT(forwards.rate, 1);
+  EXPECT_EQ(backwards.rate, 0);
+  EXPECT_NEAR(backwards.last_speed, -forwards.last_speed, 0.02);
+  EXPECT_GT(backwards.torque, 0.1);
+}
+
+// Grains have no back: a diamond takes as much backwards, and pulls the hand to the other side.
+TEST(Drive, ADiamondCutsBackwardsAsForwardsAndPullsTheOtherWay) {
+  const auto tool = readTool(*findToolFile("856-016", defaultToolFolders()));
+  ASSERT_TRUE(tool);
+  Tool held = *tool;
+  held.drive.handpiece = findHandpiece("electric");
+  const auto model = makeModel(std::span(&held, 1));
+  ASSERT_TRUE(model);
+  ASSERT_TRUE(model->tools[0].cuts_backwards);
+
+  scenes::HoldScene scene;
+  scene.object = *practiceBlock({6, 6, 6}, 0.1, {}, Material::kDentin);
+  scene.start = {Eigen::Quaterniond(Eigen::AngleAxisd(-std::numbers::pi / 2, Vec3d::UnitX())), {0.01, -3.0, 0.85}};
+  scene.force = 0.5;
+  scene.seconds = 1.5;
+  const scenes::Hold forwards = scenes::hold(*model, scene);
+  scene.pedal = -1;
+  const scenes::Hold backwards = scenes::hold(*model, scene);
+  EXPECT_GT(forwards.rate, 0.01);
+  EXPECT_NEAR(backwards.rate / forwards.rate, 1, 0.02);
+  EXPECT_GT(std::abs(forwards.aside[0]), 0.02);
+  EXPECT_NEAR(backwards.aside[0], -forwards.aside[0], 0.1 * std::abs(forwards.aside[0]));
 }
 
 TEST(Drill, OnlyTheDrillsOfTheRackHaveLips) {

@@ -12,7 +12,7 @@ Hold hold(const Model& model, const HoldScene& scene) {
   state.objects.emplace_back(scene.object, 4096);
   state.place(scene.start);
   const double free_speed = model.tools[0].drive.speed;
-  state.speed = free_speed;
+  state.speed = scene.pedal * free_speed;
 
   Hold out;
   StepOutput tick;
@@ -23,7 +23,7 @@ Hold hold(const Model& model, const HoldScene& scene) {
 
   for (int n = 0; n < ticks; ++n) {
     const double t = n * kTick;
-    const double pedal = t < scene.pedal_up_at ? 1 : 0;
+    const double pedal = t < scene.pedal_up_at ? scene.pedal : 0;
     step(model, state, sampleAt({scene.start.rotation, scene.start.translation + (along + lead) * scene.way}, pedal),
          tick);
     reserveForTicks(state.objects[0]);
@@ -42,6 +42,7 @@ Hold hold(const Model& model, const HoldScene& scene) {
     out.speed += speed;
     out.power += tick.power;
     out.torque += tick.drive_load;
+    out.aside += tick.contact.force - tick.contact.force.dot(scene.way) * scene.way;
   }
 
   out.depth = along;
@@ -52,6 +53,7 @@ Hold hold(const Model& model, const HoldScene& scene) {
   out.speed /= counted;
   out.power /= counted;
   out.torque /= counted;
+  out.aside /= counted;
   return out;
 }
 

@@ -12,19 +12,21 @@ struct HoldScene {
   double force = 1;             ///< N
   double seconds = 2;           ///< at most
   double settle = 0.5;          ///< s before means are taken
+  double pedal = 1;             ///< -1 to 1, as DeviceSample::pedal
   double pedal_up_at = 1e9;     ///< s: the pedal is up from then on
 };
 
 struct Hold {
-  double rate = 0;         ///< mm^3/s, mean after settling
-  double feed = 0;         ///< mm/s along the way, mean after settling
-  double speed = 0;        ///< of the drive over its free speed, mean after settling
-  double last_speed = 0;   ///< of the drive over its free speed, at the end
-  double power = 0;        ///< N mm/s, mean after settling
-  double torque = 0;       ///< load of the drive, mean after settling
-  double depth = 0;        ///< mm along the way at the end
-  double seconds = 0;      ///< until the end
-  double stopped_at = -1;  ///< s: the drive's speed first below 1 % after the pedal was up; -1: not
+  double rate = 0;              ///< mm^3/s, mean after settling
+  double feed = 0;              ///< mm/s along the way, mean after settling
+  double speed = 0;             ///< of the drive over its free speed, mean after settling
+  double last_speed = 0;        ///< of the drive over its free speed, at the end
+  double power = 0;             ///< N mm/s, mean after settling
+  Vec3d aside = Vec3d::Zero();  ///< force on the tool across the way, N, mean after settling
+  double torque = 0;            ///< load of the drive, mean after settling
+  double depth = 0;             ///< mm along the way at the end
+  double seconds = 0;           ///< until the end
+  double stopped_at = -1;       ///< s: the drive's speed first below 1 % after the pedal was up; -1: not
 };
 
 /// Reserves bricks between ticks: nothing is left uncut for want of room.
