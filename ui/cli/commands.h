@@ -35,7 +35,7 @@ inline constexpr CommandRow kCommands[] = {
     {"check", "Say whether a mesh is ready to print, and if not, why (exit 0 yes, 1 no)", addCheck, kInspect},
     {"info", "Describe a mesh, a label volume, a case, a run or a tool", addInfo, kInspect},
     {"pick", "Say what is at a place of a view: the point in mm, normal, tissue, thickness", addPick, kInspect},
-    {"devices", "Say which coupling a force-feedback device can hold, from its profile", addDevices, kInspect},
+    {"devices", "List, try and record devices that are plugged in; say which coupling one can hold", addDevices, kInspect},
     {"tool", "List, check, draw, start and bake tools", addTool, kInspect},
     {"bench", "Time Kerf on shared scenes: p50, p99, max and the state hash", addBench, kExamples},
     {"demo", "Write synthetic anatomy: tissues, with a recipe to bake them", addDemo, kExamples},
