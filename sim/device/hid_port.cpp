@@ -1,7 +1,7 @@
 #include "sim/device/hid_port.h"
 
 #include <fmt/format.h>
-#include <hidapi.h>
+#include <hidapi/hidapi.h>
 #include <unistd.h>
 
 #include <algorithm>

@@ -71,7 +71,8 @@ int word(std::span<const std::uint8_t> report, std::size_t at) noexcept {
 // Three axes, from the frame of the device (right, to the person, down) to that of a reading.
 void takeThree(std::span<const std::uint8_t> report, std::size_t at, double* axes) noexcept {
   constexpr double kSign[] = {1, -1, -1};
-  for (std::size_t n = 0; n < 3; ++n) axes[n] = kSign[n] * std::clamp(word(report, at + 2 * n) / kFull, -1.0, 1.0);
+  for (std::size_t n = 0; n < 3; ++n)
+    axes[n] = kSign[n] * std::clamp(word(report, at + 2 * n) / kFull, -1.0, 1.0) + 0.0;  // no -0
 }
 
 ReportKind takeMotion(std::span<const std::uint8_t> report, DeviceReading& reading) noexcept {
