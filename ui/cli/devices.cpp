@@ -1,16 +1,18 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <csignal>
+#include <cmath>
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "sim/device/arm_simulator.h"
 #include "sim/device/device_recording.h"
 #include "sim/device/hid_device.h"
 #include "sim/hand/device_profile.h"
 #include "ui/cli/command.h"
+#include "ui/cli/interruption.h"
 
 namespace kerf::cli {
 namespace {
@@ -20,6 +22,8 @@ struct Arguments {
   bool wants_probe = false;
   std::string record, replay;  // files
   double seconds = 0;          // of probe and recording; 0: until it is interrupted
+  std::string simulate, path;  // what, and the way of its hand
+  int port = 4417;
   bool wants_typical = false;
   double delay_ms = 2;
   DeviceProfile profile;
@@ -139,28 +143,6 @@ std::string textOf(const DeviceReading& r, const std::array<double, 6>& axes) {
   return out;
 }
 
-volatile std::sig_atomic_t is_interrupted = 0;
-void interrupt(int) { is_interrupted = 1; }
-
-// While it lives the first interruption ends what runs, not the program: a recording is written to its end.
-class Interruption {
- public:
-  Interruption() {
-    is_interrupted = 0;
-    struct sigaction action {};
-    action.sa_handler = interrupt;
-    action.sa_flags = SA_RESETHAND;
-    for (std::size_t n = 0; n < kSignals.size(); ++n) sigaction(kSignals[n], &action, &before_[n]);
-  }
-  ~Interruption() {
-    for (std::size_t n = 0; n < kSignals.size(); ++n) sigaction(kSignals[n], &before_[n], nullptr);
-  }
-
- private:
-  static constexpr std::array kSignals = {SIGINT, SIGTERM, SIGHUP};
-  std::array<struct sigaction, 3> before_{};
-};
-
 // What the reader's thread hears.
 struct Tape {
   std::mutex mutex;
@@ -183,7 +165,7 @@ bool watch(HidDevice& device, const Arguments& a) {
   const bool prints = a.wants_probe && !a.json;
   bool has_warned = false;
   std::string last;
-  while (!is_interrupted && (a.seconds <= 0 || passed() < a.seconds)) {
+  while (!isInterrupted() && (a.seconds <= 0 || passed() < a.seconds)) {
     if (!device.isConnected()) return false;
     const std::array<double, 6> axes = device.axes();
     const DeviceReading& r = device.reading();
@@ -259,7 +241,78 @@ int replay(const Arguments& a) {
   return kOk;
 }
 
+// ---- A device that is not there
+
+// A hand that comes down, presses for some seconds while it goes round a small circle, and lifts again.
+CutPath ownPath() {
+  CutPath out;
+  const auto go = [&](double t, const Vec3d& p, bool cuts) {
+    if (!out.poses.empty()) out.cuts.push_back(cuts);
+    out.poses.push_back({t, {Eigen::Quaterniond::Identity(), p}});
+  };
+  go(0, {0, 0, 0}, false);
+  go(1, {0, 0, 0}, false);
+  go(3, {0, 0, -4}, true);
+  for (int n = 1; n <= 40; ++n) {
+    const double angle = 0.157079632679489662 * n;
+    go(3 + 0.1 * n, {0.4 * std::sin(angle), 0.4 * (1 - std::cos(angle)), -4}, true);
+  }
+  go(8, {0, 0, 2}, false);
+  go(9, {0, 0, 2}, false);
+  return out;
+}
+
+int simulate(const Arguments& a) {
+  CutPath path = ownPath();
+  if (!a.path.empty()) {
+    auto read = readPath(a.path);
+    if (!read) return complain(read.error());
+    path = std::move(*read);
+  }
+  ArmOptions options;
+  options.port = static_cast<std::uint16_t>(a.port);
+  options.hand.mass_kg = a.profile.mass_kg;
+  options.hand.friction = a.profile.friction;
+  options.hand.encoder_mm = a.profile.encoder_mm;
+  options.hand.delay_ticks = static_cast<int>(std::lround(a.delay_ms));
+  const Interruption interruption;
+  auto arm = ArmSimulator::start(std::move(path), options);
+  if (!arm) return complain(arm.error());
+  if (!a.json) fmt::print("a simulated arm sends to 127.0.0.1, port {}\n", a.port);
+
+  ArmReport r;
+  const auto began = std::chrono::steady_clock::now();
+  double last = -1;
+  for (;;) {
+    r = (*arm)->report();
+    const double now = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    if (isInterrupted() || r.is_over || (a.seconds > 0 && now >= a.seconds)) break;
+    if (!a.json && now - last >= 0.5) {
+      fmt::print("{:7.2f} s  at {:+.2f} {:+.2f} {:+.2f} mm, force {:+.2f} {:+.2f} {:+.2f} N{}\n", now, r.position[0],
+                 r.position[1], r.position[2], r.force[0], r.force[1], r.force[2], r.is_enabled ? "" : ", none");
+      std::fflush(stdout);
+      last = now;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  if (a.json) {
+    printJson({{"seconds", 1e-3 * static_cast<double>(r.ticks)},
+               {"most_force_N", r.most_force},
+               {"energy_Nmm", r.port_energy},
+               {"most_energy_Nmm", r.most_energy},
+               {"force_frames", r.force_frames},
+               {"stops", r.forceless},
+               {"worst_age_ms", r.worst_age_ms}});
+  } else {
+    fmt::print("{} ticks, {} force frames, {} stops by the dead-man; force {:.2f} N at most, up to {:.1f} ms old\n",
+               r.ticks, r.force_frames, r.forceless, r.most_force, r.worst_age_ms);
+    fmt::print("energy given to the hand: {:.4f} N mm at most, {:.4f} in the end\n", r.most_energy, r.port_energy);
+  }
+  return kOk;
+}
+
 int run(const Arguments& a) {
+  if (!a.simulate.empty()) return simulate(a);
   if (!a.replay.empty()) return replay(a);
   if (a.wants_probe || !a.record.empty()) return probe(a);
   if (a.is_own || a.wants_typical) return sayCouplings(a);
@@ -278,6 +331,7 @@ void addDevices(CLI::App& command, int& exit_code) {
       "tremble, or worse. The law: docs/how-it-works/step.md.\n"
       "Examples: kerf devices --probe --for 10\n"
       "          kerf devices /dev/hidraw3 --record mine.txt\n"
+      "          kerf devices --simulate arm --delay 3\n"
       "          kerf devices --delay 1.5 --mass 0.07 --friction 0.26 --encoder 0.055");
   CLI::Option* const device =
       command.add_option("DEVICE", a->device, "its path or serial number; default: the only one");
@@ -286,8 +340,18 @@ void addDevices(CLI::App& command, int& exit_code) {
   CLI::Option* const replay =
       command.add_option("--replay", a->replay, "print what the reports of such a file say")->excludes(probe);
   replay->excludes(record)->excludes(device);
-  command.add_option("--for", a->seconds, "how long to probe or record, s; 0: until Ctrl-C")
+  command.add_option("--for", a->seconds, "how long to probe, record or simulate, s; 0: until Ctrl-C")
       ->check(CLI::Range(0.0, 1e5));
+  CLI::Option* const simulated =
+      command.add_option("--simulate", a->simulate, "be a device that is not there, for kerf live: arm")
+          ->check(CLI::IsMember({"arm"}));
+  command.add_option("--port", a->port, "of 127.0.0.1, where kerf live listens")
+      ->check(CLI::Range(1, 65535))
+      ->needs(simulated)
+      ->capture_default_str();
+  command.add_option("--path", a->path, "where the hand of the simulated arm goes; default: down, and a small circle")
+      ->needs(simulated);
+  simulated->excludes(probe)->excludes(record)->excludes(replay);
   CLI::Option* const typical =
       command.add_flag("--typical", a->wants_typical, "couplings of typical force-feedback devices");
 
