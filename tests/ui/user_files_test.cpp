@@ -78,6 +78,7 @@ TEST(SettingsFile, ComesBackAsItWasSaved) {
   EXPECT_FALSE(fs::exists(file.path())) << "nothing was set";
 
   file.values = {Theme::kDark, 1.25, true, "/scans of \"today\"", 2.5, 0.8, 20, true};
+  file.values.space_mouse = {SpaceMouseLeads::kTool, 2.5, 0.1, true, {true, false, true, false, false, false}};
   ASSERT_TRUE(file.save());
   const SettingsFile again(config);
   EXPECT_FALSE(again.error());
@@ -98,8 +99,10 @@ TEST(SettingsFile, LinesItDoesNotKnowStay) {
 }
 
 TEST(SettingsFile, ABrokenOneIsReportedAndNeverWrittenOver) {
-  for (const char* const text : {"theme = ", "theme = \"pink\"", "ui_scale = 99", "ui_scale = nan",
-                                 "force_N = \"much\"", "hints_dismissed = \"yes\"", "sound_volume = 130"}) {
+  for (const char* const text :
+       {"theme = ", "theme = \"pink\"", "ui_scale = 99", "ui_scale = nan", "force_N = \"much\"",
+        "hints_dismissed = \"yes\"", "sound_volume = 130", "space_mouse = \"both\"", "space_mouse_gain = 0",
+        "space_mouse_inverted = \"sideways\""}) {
     const TemporaryFolder folder;
     folder.write("settings.toml", text);
     SettingsFile file(folder.path());

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "ui/app/command_words.h"
+#include "ui/app/device_commands.h"
 #include "ui/app/edit_commands.h"
 #include "ui/app/file_commands.h"
 #include "ui/app/hand_commands.h"
@@ -179,6 +180,17 @@ constexpr AppCommand kCommands[] = {
     {"sound.volume", "", "", "", "PERCENT", "Sets how loud the drill is, 0 to 100.", hasSettings, setVolume},
     {"sound.mute", "Edit", "Mute the drill", "Ctrl+M", "[on|off]", "Silences the drill, or lets it be heard.",
      hasSettings, mute},
+    {"device.leads", "Edit", "SpaceMouse: tool or view", "", "[tool|view|nothing]",
+     "Lets a SpaceMouse lead the tool or the view; if not told, the other one.", hasSettings, device_commands::leads},
+    {"device.gain", "", "", "", "FACTOR", "Makes a SpaceMouse 0.1 to 4 times as fast.", hasSettings,
+     device_commands::gain},
+    {"device.dead-band", "", "", "", "PERCENT", "So far an axis of a SpaceMouse is at rest, 0 to 50 % of its way.",
+     hasSettings, device_commands::deadBand},
+    {"device.dominant", "", "", "", "[on|off]", "Lets only that axis of a SpaceMouse count that is moved most.",
+     hasSettings, device_commands::dominant},
+    {"device.invert", "", "", "", "AXIS...|none",
+     "Inverts axes of a SpaceMouse: right, away, up, pitch, roll, yaw; all others go as they are.", hasSettings,
+     device_commands::invert},
     {"settings.push", "", "", "", "", "Keeps push and depth of now for later sessions.", hasSettings, keepPush},
 
     {"tool.select", "", "", "", "ID", "Takes another tool.", isOpen, tool_commands::selectTool},

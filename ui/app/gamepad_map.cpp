@@ -20,12 +20,6 @@ double ofTrigger(double trigger) {
   return std::clamp((trigger - Limits::kTriggerRest) / (1 - Limits::kTriggerRest), 0.0, 1.0);
 }
 
-void runIfItCan(AppContext& context, std::string_view id) {
-  const AppCommand* const command = findAppCommand(id);
-  if (!command->is_enabled(context)) return;
-  if (const auto done = command->run(context, {}); !done) context.bench.complain(done.error());
-}
-
 }  // namespace
 
 GamepadWish wishOf(const GamepadState& now, const GamepadState& before, double seconds) {
@@ -54,27 +48,11 @@ void GamepadHand::update(AppContext& context, StrokePointer& pointer, const std:
     pointer.viewHasTurned(context);
   }
   if (!wish.tool_mm.isZero(0)) pointer.lead(context, wish.tool_mm);
-  drill(context, pointer, wish.pedal);
+  pedal_.update(context, pointer, wish.pedal);
 
   if (wish.undoes) runIfItCan(context, "edit.undo");
   if (wish.takes_previous) runIfItCan(context, "tool.previous");
   if (wish.takes_next) runIfItCan(context, "tool.next");
-}
-
-void GamepadHand::drill(AppContext& context, StrokePointer& pointer, double pedal) {
-  Workbench& bench = context.bench;
-  if (holds_ && !bench.isPressed()) {
-    holds_ = false;
-    is_spent_ = true;
-  }
-  if (pedal <= 0) {
-    is_spent_ = false;
-    if (std::exchange(holds_, false)) bench.release();
-    return;
-  }
-
-  if (!holds_ && !is_spent_ && !bench.isPressed()) holds_ = pointer.pressThere(context);
-  if (holds_) bench.drill(pedal);
 }
 
 }  // namespace kerf

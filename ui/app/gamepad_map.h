@@ -10,7 +10,7 @@
 
 #include <optional>
 
-#include "ui/app/stroke_pointer.h"
+#include "ui/app/pedal_hold.h"
 
 namespace kerf {
 
@@ -51,11 +51,8 @@ class GamepadHand {
   bool isUsed() const { return is_used_; }
 
  private:
-  void drill(AppContext& context, StrokePointer& pointer, double pedal);
-
   GamepadState before_;
-  bool holds_ = false;     // the stroke
-  bool is_spent_ = false;  // its stroke was ended by something else: the trigger has to go to rest first
+  PedalHold pedal_;
   bool is_used_ = false;
 };
 

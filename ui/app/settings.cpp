@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 #include <ostream>
@@ -49,8 +50,41 @@ const std::vector<Key>& keys() {
        [](const Settings& a, const Settings& b) { return a.sound_volume == b.sound_volume; }},
       {"sound_muted", [](const Settings& s) { return std::string(s.is_muted ? "true" : "false"); },
        [](const Settings& a, const Settings& b) { return a.is_muted == b.is_muted; }},
+      {"space_mouse", [](const Settings& s) { return quoted(nameOf(s.space_mouse.leads)); },
+       [](const Settings& a, const Settings& b) { return a.space_mouse.leads == b.space_mouse.leads; }},
+      {"space_mouse_gain", [](const Settings& s) { return fmt::format("{:.2f}", s.space_mouse.gain); },
+       [](const Settings& a, const Settings& b) { return a.space_mouse.gain == b.space_mouse.gain; }},
+      {"space_mouse_dead_band", [](const Settings& s) { return fmt::format("{:.2f}", s.space_mouse.dead_band); },
+       [](const Settings& a, const Settings& b) { return a.space_mouse.dead_band == b.space_mouse.dead_band; }},
+      {"space_mouse_dominant",
+       [](const Settings& s) { return std::string(s.space_mouse.is_dominant ? "true" : "false"); },
+       [](const Settings& a, const Settings& b) { return a.space_mouse.is_dominant == b.space_mouse.is_dominant; }},
+      {"space_mouse_inverted", [](const Settings& s) { return quoted(namesOfInverted(s.space_mouse)); },
+       [](const Settings& a, const Settings& b) { return a.space_mouse.is_inverted == b.space_mouse.is_inverted; }},
   };
   return kKeys;
+}
+
+void readSpaceMouse(TomlTable& table, SpaceMouseSettings& out) {
+  constexpr const char* kExpected = "\"tool\", \"view\" or \"nothing\"";
+  const std::string leads = table.getOr<std::string>("space_mouse", nameOf(out.leads), kExpected);
+  bool is_known = false;
+  for (const auto one : {SpaceMouseLeads::kTool, SpaceMouseLeads::kView, SpaceMouseLeads::kNothing}) {
+    if (leads != nameOf(one)) continue;
+    out.leads = one;
+    is_known = true;
+  }
+  if (!is_known) table.reject("space_mouse", "\"" + leads + "\"", kExpected);
+
+  using Limits = SpaceMouseSettings;
+  out.gain = table.numberOr("space_mouse_gain", out.gain, Limits::kLeastGain, Limits::kMostGain, "times");
+  out.dead_band = table.numberOr("space_mouse_dead_band", out.dead_band, 0, Limits::kMostDeadBand, "of its way");
+  out.is_dominant = table.getOr<bool>("space_mouse_dominant", false, "true or false");
+  const std::string names = table.getOr<std::string>("space_mouse_inverted", "", "names of axes");
+  if (const auto inverted = invertedFromNames(names))
+    out.is_inverted = *inverted;
+  else
+    table.reject("space_mouse_inverted", "\"" + names + "\"", inverted.error().expected);
 }
 
 // Keys that it does not know are another Kerf's: they are left alone.
@@ -70,6 +104,7 @@ Expected<Settings> readSettings(const fs::path& path) {
   out.depth_mm = table.numberOr("depth_mm", out.depth_mm, 0, Workbench::kMostDepth);
   out.sound_volume = table.numberOr("sound_volume", out.sound_volume, 0, 100, "%");
   out.is_muted = table.getOr<bool>("sound_muted", false, "true or false");
+  readSpaceMouse(table, out.space_mouse);
   KERF_CHECK(table.finish());
   return out;
 }
@@ -108,6 +143,40 @@ void setLine(std::vector<std::string>& lines, const std::string& key, const std:
 }
 
 }  // namespace
+
+std::string namesOfInverted(const SpaceMouseSettings& settings) {
+  std::string out;
+  for (std::size_t n = 0; n < settings.is_inverted.size(); ++n)
+    if (settings.is_inverted[n]) out += (out.empty() ? "" : " ") + std::string(SpaceMouseSettings::kAxes[n]);
+  return out;
+}
+
+Expected<std::array<bool, 6>> invertedFromNames(const std::string& names) {
+  std::array<bool, 6> out{};
+  std::istringstream words(names);
+  for (std::string word; words >> word;) {
+    const auto& axes = SpaceMouseSettings::kAxes;
+    const auto at = std::find(axes.begin(), axes.end(), word);
+    if (at == axes.end())
+      return fail({.code = Error::Code::kBadValue,
+                   .found = "\"" + word + "\"",
+                   .expected = "some of right, away, up, pitch, roll, yaw"});
+    out[static_cast<std::size_t>(at - axes.begin())] = true;
+  }
+  return out;
+}
+
+const char* nameOf(SpaceMouseLeads leads) {
+  switch (leads) {
+    case SpaceMouseLeads::kTool:
+      return "tool";
+    case SpaceMouseLeads::kView:
+      return "view";
+    case SpaceMouseLeads::kNothing:
+      break;
+  }
+  return "nothing";
+}
 
 SettingsFile::SettingsFile(fs::path folder)
     : path_((folder.empty() ? userConfigFolder() : std::move(folder)) / "settings.toml") {

@@ -1,6 +1,7 @@
 // What a user has set: kept in a text file that he may edit as well.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -10,6 +11,22 @@
 namespace kerf {
 
 enum class Theme { kLight, kDark };
+
+enum class SpaceMouseLeads { kTool, kView, kNothing };
+
+/// How a SpaceMouse is taken.
+struct SpaceMouseSettings {
+  SpaceMouseLeads leads = SpaceMouseLeads::kView;  ///< space_mouse = "tool", "view" or "nothing"
+  double gain = 1;                                 ///< space_mouse_gain: times the speed, 0.1 to 4
+  double dead_band = 0.05;                         ///< space_mouse_dead_band: so far an axis is at rest, 0 to 0.5
+  bool is_dominant = false;                        ///< space_mouse_dominant: only the axis that is moved most counts
+  /// space_mouse_inverted: names of axes with blanks between them, of kAxes.
+  std::array<bool, 6> is_inverted{};
+
+  static constexpr double kLeastGain = 0.1, kMostGain = 4, kMostDeadBand = 0.5;
+  static constexpr std::array<const char*, 6> kAxes = {"right", "away", "up", "pitch", "roll", "yaw"};
+  bool operator==(const SpaceMouseSettings&) const = default;
+};
 
 struct Settings {
   Theme theme = Theme::kLight;          ///< theme = "light" or "dark"
@@ -21,9 +38,17 @@ struct Settings {
   double sound_volume = 50;             ///< sound_volume: of the drill, %, 0 to 100
   bool is_muted = false;                ///< sound_muted
 
+  SpaceMouseSettings space_mouse{};
+
   static constexpr double kSmallestScale = 0.75, kLargestScale = 3;
   bool operator==(const Settings&) const = default;
 };
+
+/// "right up": the inverted axes; empty: none.
+std::string namesOfInverted(const SpaceMouseSettings& settings);
+/// Error kBadValue: a name that is none of kAxes.
+Expected<std::array<bool, 6>> invertedFromNames(const std::string& names);
+const char* nameOf(SpaceMouseLeads leads);
 
 /// FOLDER/settings.toml. Lines that it does not know, comments among them, stay as they are. A file that can not be
 /// read as settings is never written over: error() says what is wrong, the defaults hold, and save() refuses.

@@ -11,7 +11,7 @@ namespace kerf::cli {
 /// @param command  named and described already.    @param exit_code  what main returns; set by the callback.
 using AddOptions = void(CLI::App& command, int& exit_code);
 
-AddOptions addBake, addBench, addCheck, addCut, addDemo, addDemoMolar, addDevices, addExport, addInfo, addPick,
+AddOptions addBake, addBench, addCheck, addCut, addDemo, addDemoMolar, addDevices, addExport, addInfo, addLive, addPick,
     addRecover, addReplay, addTool;
 
 struct CommandRow {
@@ -29,13 +29,15 @@ inline constexpr CommandRow kCommands[] = {
     {"bake", "Turn mesh files or a case recipe into a case: closed solid, distance field, materials, point shell",
      addBake, kWorkflow},
     {"cut", "Cut a case with a tool along a path", addCut, kWorkflow},
+    {"live", "Cut a case with a force-feedback device behind a bridge, without a window", addLive, kWorkflow},
     {"replay", "Replay the session of a run and compare state and force, bit for bit", addReplay, kWorkflow},
     {"recover", "Finish a session of the window whose program was killed, from its log", addRecover, kWorkflow},
     {"export", "Write the post-operative mesh of a run, or the closed solid of a case", addExport, kWorkflow},
     {"check", "Say whether a mesh is ready to print, and if not, why (exit 0 yes, 1 no)", addCheck, kInspect},
     {"info", "Describe a mesh, a label volume, a case, a run or a tool", addInfo, kInspect},
     {"pick", "Say what is at a place of a view: the point in mm, normal, tissue, thickness", addPick, kInspect},
-    {"devices", "Say which coupling a force-feedback device can hold, from its profile", addDevices, kInspect},
+    {"devices", "List, try and record devices that are plugged in; say which coupling one can hold", addDevices,
+     kInspect},
     {"tool", "List, check, draw, start and bake tools", addTool, kInspect},
     {"bench", "Time Kerf on shared scenes: p50, p99, max and the state hash", addBench, kExamples},
     {"demo", "Write synthetic anatomy: tissues, with a recipe to bake them", addDemo, kExamples},

@@ -1,21 +1,38 @@
 #include <fmt/format.h>
 
+#include <chrono>
+#include <cmath>
 #include <memory>
+#include <mutex>
 #include <nlohmann/json.hpp>
+#include <thread>
 
+#include "sim/device/arm_simulator.h"
+#include "sim/device/device_recording.h"
+#include "sim/device/hid_device.h"
 #include "sim/hand/device_profile.h"
 #include "ui/cli/command.h"
+#include "ui/cli/interruption.h"
 
 namespace kerf::cli {
 namespace {
 
 struct Arguments {
+  std::string device;  // path or serial
+  bool wants_probe = false;
+  std::string record, replay;  // files
+  double seconds = 0;          // of probe and recording; 0: until it is interrupted
+  std::string simulate, path;  // what, and the way of its hand
+  int port = 4417;
+  bool wants_typical = false;
   double delay_ms = 2;
   DeviceProfile profile;
   double wanted = CouplingSettings{}.stiffness;
   bool is_own = false;  // some number was given
   bool json = false;
 };
+
+// ---- What a coupling can be
 
 nlohmann::json jsonOf(const std::string& name, const DeviceProfile& p, const DeviceCoupling& c,
                       const CouplingSettings& wanted) {
@@ -36,7 +53,7 @@ void print(const std::string& name, const DeviceProfile& p, const DeviceCoupling
              1000 * c.settings.damping, 1000 * c.settings.running_damping);
 }
 
-int run(const Arguments& a) {
+int sayCouplings(const Arguments& a) {
   CouplingSettings wanted;
   wanted.stiffness = a.wanted;
   nlohmann::json list = nlohmann::json::array();
@@ -61,14 +78,283 @@ int run(const Arguments& a) {
   return kOk;
 }
 
+// ---- What is plugged in
+
+constexpr const char* kMayNotOpen =
+    "this user may not open it: run scripts/setup --udev (udev rule 70-kerf-hid.rules), then plug it out and in";
+
+std::string idOf(const HidInfo& info) { return fmt::format("{:04x}:{:04x}", info.vendor, info.product); }
+
+nlohmann::json jsonOf(const FoundDevice& found) {
+  nlohmann::json paths = nlohmann::json::array();
+  for (const HidInfo& info : found.interfaces) paths.push_back(info.path);
+  nlohmann::json out = {{"name", found.name},         {"id", idOf(found.interfaces.front())},
+                        {"path", found.path()},       {"interfaces", paths},
+                        {"serial", found.serial()},   {"driver", found.driver->id},
+                        {"may_open", found.mayOpen()}};
+  if (!found.mayOpen()) out["problem"] = kMayNotOpen;
+  return out;
+}
+
+int listDevices(const Arguments& a) {
+  std::vector<FoundDevice> devices = findDevices();
+  if (!a.device.empty()) {
+    auto one = chooseDevice(devices, a.device);
+    if (!one) return complain(one.error());
+    devices = {std::move(*one)};
+  }
+  if (a.json) {
+    nlohmann::json list = nlohmann::json::array();
+    for (const FoundDevice& found : devices) list.push_back(jsonOf(found));
+    printJson(list);
+    return kOk;
+  }
+  if (devices.empty()) fmt::print("no device that a driver knows is plugged in\n");
+  for (const FoundDevice& found : devices) {
+    fmt::print("{}: {}, {}\n", found.path(), found.name, found.driver->people);
+    fmt::print("  id {}, serial {}, driver {}", idOf(found.interfaces.front()),
+               found.serial().empty() ? "none" : found.serial(), found.driver->id);
+    if (found.interfaces.size() > 1) fmt::print(", {}", counted(found.interfaces.size(), "interface"));
+    fmt::print("\n");
+    if (!found.mayOpen()) fmt::print("  {}\n", kMayNotOpen);
+  }
+  return kOk;
+}
+
+// ---- What it says
+
+nlohmann::json jsonOf(const DeviceReading& r, const std::array<double, 6>& axes) {
+  nlohmann::json out = {{"axes", axes},
+                        {"buttons", r.buttons},
+                        {"reports", r.reports},
+                        {"unknown", r.unknown},
+                        {"malformed", r.malformed}};
+  if (r.battery_percent >= 0) out["battery_percent"] = r.battery_percent;
+  return out;
+}
+
+std::string textOf(const DeviceReading& r, const std::array<double, 6>& axes) {
+  std::string out = fmt::format("right {:+.2f} away {:+.2f} up {:+.2f}, turned {:+.2f} {:+.2f} {:+.2f}", axes[0],
+                                axes[1], axes[2], axes[3], axes[4], axes[5]);
+  for (int n = 0; n < 64; ++n)
+    if (r.buttons >> n & 1) out += fmt::format(" b{}", n + 1);
+  if (r.battery_percent >= 0) out += fmt::format(", battery {} %{}", r.battery_percent, r.is_charging ? "+" : "");
+  if (r.unknown + r.malformed > 0) out += fmt::format(", {} unknown, {} malformed", r.unknown, r.malformed);
+  return out;
+}
+
+// What the reader's thread hears.
+struct Tape {
+  std::mutex mutex;
+  DeviceRecording recording;  // guarded by mutex
+  std::int64_t first_ns = 0;
+
+  void hear(std::int64_t time_ns, int interface, std::span<const std::uint8_t> report) {
+    const std::lock_guard lock(mutex);
+    if (recording.reports.empty()) first_ns = time_ns;
+    recording.reports.push_back({(time_ns - first_ns) / 1000, interface, {report.begin(), report.end()}});
+  }
+};
+
+// Prints what has changed, 20 times a second at most, until the time is over. False: it was unplugged.
+bool watch(HidDevice& device, const Arguments& a) {
+  using std::chrono::duration;
+  using std::chrono::steady_clock;
+  const auto began = steady_clock::now();
+  const auto passed = [&] { return duration<double>(steady_clock::now() - began).count(); };
+  const bool prints = a.wants_probe && !a.json;
+  bool has_warned = false;
+  std::string last;
+  while (!isInterrupted() && (a.seconds <= 0 || passed() < a.seconds)) {
+    if (!device.isConnected()) return false;
+    const std::array<double, 6> axes = device.axes();
+    const DeviceReading& r = device.reading();
+    if (const std::string text = textOf(r, axes); prints && r.reports + r.unknown + r.malformed > 0 && text != last) {
+      fmt::print("{:8.3f} s  {}\n", passed(), text);
+      std::fflush(stdout);
+      last = text;
+    }
+    if (!has_warned && passed() > 2 && r.reports + r.unknown + r.malformed == 0) {
+      fmt::print(stderr, "kerf: {}: nothing has come for 2 s; move it. Another driver may have taken it.\n",
+                 device.what().path());
+      has_warned = true;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  return true;
+}
+
+int probe(const Arguments& a) {
+  auto found = chooseDevice(findDevices(), a.device);
+  if (!found) return complain(found.error());
+
+  Tape tape;
+  tape.recording.driver = found->driver;
+  tape.recording.device = idOf(found->interfaces.front()) + " " + found->name;
+  HidDevice::Listener listener;
+  if (!a.record.empty())
+    listener = [&](std::int64_t t, int interface, std::span<const std::uint8_t> r) { tape.hear(t, interface, r); };
+  const Interruption interruption;
+  auto device = HidDevice::open(*found, listener);
+  if (!device) return complain(device.error());
+  if (!a.json) fmt::print("{}: {}\n", found->path(), found->name);
+  const bool is_connected = watch(**device, a);
+  (*device)->update();
+  const DeviceReading last = (*device)->reading();
+  device->reset();  // nothing is heard any more
+
+  if (!a.record.empty()) {
+    if (const auto written = writeRecording(a.record, tape.recording); !written) return complain(written.error());
+    if (!a.json) fmt::print("written: {} ({})\n", a.record, counted(tape.recording.reports.size(), "report"));
+  }
+  if (a.json) {
+    nlohmann::json out = jsonOf(last, last.axes);
+    out["device"] = jsonOf(*found);
+    out["connected"] = is_connected;
+    printJson(out);
+  }
+  if (is_connected) return kOk;
+  return complain({.code = Error::Code::kNotFound,
+                   .file = found->path(),
+                   .found = "the device was unplugged",
+                   .expected = "it to stay",
+                   .hint = "plug it in and begin again"});
+}
+
+int replay(const Arguments& a) {
+  const auto recording = readRecording(a.replay);
+  if (!recording) return complain(recording.error());
+  const std::vector<DeviceReading> readings = replayRecording(*recording);
+  if (a.json) {
+    nlohmann::json list = nlohmann::json::array();
+    for (std::size_t n = 0; n < readings.size(); ++n) {
+      list.push_back(jsonOf(readings[n], readings[n].axes));
+      list.back()["time_us"] = recording->reports[n].time_us;
+    }
+    printJson({{"device", recording->device}, {"driver", recording->driver->id}, {"readings", list}});
+    return kOk;
+  }
+  fmt::print("{}, driver {}: {}\n", recording->device, recording->driver->id, counted(readings.size(), "report"));
+  for (std::size_t n = 0; n < readings.size(); ++n)
+    fmt::print("{:8.3f} s  {}\n", 1e-6 * static_cast<double>(recording->reports[n].time_us),
+               textOf(readings[n], readings[n].axes));
+  return kOk;
+}
+
+// ---- A device that is not there
+
+// A hand that comes down, presses for some seconds while it goes round a small circle, and lifts again.
+CutPath ownPath() {
+  CutPath out;
+  const auto go = [&](double t, const Vec3d& p, bool cuts) {
+    if (!out.poses.empty()) out.cuts.push_back(cuts);
+    out.poses.push_back({t, {Eigen::Quaterniond::Identity(), p}});
+  };
+  go(0, {0, 0, 0}, false);
+  go(1, {0, 0, 0}, false);
+  go(3, {0, 0, -4}, true);
+  for (int n = 1; n <= 40; ++n) {
+    const double angle = 0.157079632679489662 * n;
+    go(3 + 0.1 * n, {0.4 * std::sin(angle), 0.4 * (1 - std::cos(angle)), -4}, true);
+  }
+  go(8, {0, 0, 2}, false);
+  go(9, {0, 0, 2}, false);
+  return out;
+}
+
+int simulate(const Arguments& a) {
+  CutPath path = ownPath();
+  if (!a.path.empty()) {
+    auto read = readPath(a.path);
+    if (!read) return complain(read.error());
+    path = std::move(*read);
+  }
+  ArmOptions options;
+  options.port = static_cast<std::uint16_t>(a.port);
+  options.hand.mass_kg = a.profile.mass_kg;
+  options.hand.friction = a.profile.friction;
+  options.hand.encoder_mm = a.profile.encoder_mm;
+  options.hand.delay_ticks = static_cast<int>(std::lround(a.delay_ms));
+  const Interruption interruption;
+  auto arm = ArmSimulator::start(std::move(path), options);
+  if (!arm) return complain(arm.error());
+  if (!a.json) fmt::print("a simulated arm sends to 127.0.0.1, port {}\n", a.port);
+
+  ArmReport r;
+  const auto began = std::chrono::steady_clock::now();
+  double last = -1;
+  for (;;) {
+    r = (*arm)->report();
+    const double now = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    if (isInterrupted() || r.is_over || (a.seconds > 0 && now >= a.seconds)) break;
+    if (!a.json && now - last >= 0.5) {
+      fmt::print("{:7.2f} s  at {:+.2f} {:+.2f} {:+.2f} mm, force {:+.2f} {:+.2f} {:+.2f} N{}\n", now, r.position[0],
+                 r.position[1], r.position[2], r.force[0], r.force[1], r.force[2], r.is_enabled ? "" : ", none");
+      std::fflush(stdout);
+      last = now;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  if (a.json) {
+    printJson({{"seconds", 1e-3 * static_cast<double>(r.ticks)},
+               {"most_force_N", r.most_force},
+               {"energy_Nmm", r.port_energy},
+               {"most_energy_Nmm", r.most_energy},
+               {"force_frames", r.force_frames},
+               {"stops", r.forceless},
+               {"worst_age_ms", r.worst_age_ms}});
+  } else {
+    fmt::print("{} ticks, {} force frames, {} stops by the dead-man; force {:.2f} N at most, up to {:.1f} ms old\n",
+               r.ticks, r.force_frames, r.forceless, r.most_force, r.worst_age_ms);
+    fmt::print("energy given to the hand: {:.4f} N mm at most, {:.4f} in the end\n", r.most_energy, r.port_energy);
+  }
+  return kOk;
+}
+
+int run(const Arguments& a) {
+  if (!a.simulate.empty()) return simulate(a);
+  if (!a.replay.empty()) return replay(a);
+  if (a.wants_probe || !a.record.empty()) return probe(a);
+  if (a.is_own || a.wants_typical) return sayCouplings(a);
+  return listDevices(a);
+}
+
 }  // namespace
 
 void addDevices(CLI::App& command, int& exit_code) {
   auto a = std::make_shared<Arguments>();
   command.footer(
-      "A coupling that is too stiff for a device makes it tremble, or worse. Without options: typical devices.\n"
-      "No device is opened yet. The law: docs/how-it-works/step.md.\n"
-      "Example: kerf devices --delay 1.5 --mass 0.07 --friction 0.26 --encoder 0.055");
+      "Without options: what is plugged in and known to a driver, with its path and serial number. None was ever\n"
+      "tried on hardware: a recording of yours helps (--record), it holds the reports of the device and nothing else.\n"
+      "With a profile or --typical: the coupling that a force-feedback device can hold. One that is too stiff makes "
+      "it\n"
+      "tremble, or worse. The law: docs/how-it-works/step.md.\n"
+      "Examples: kerf devices --probe --for 10\n"
+      "          kerf devices /dev/hidraw3 --record mine.txt\n"
+      "          kerf devices --simulate arm --delay 3\n"
+      "          kerf devices --delay 1.5 --mass 0.07 --friction 0.26 --encoder 0.055");
+  CLI::Option* const device =
+      command.add_option("DEVICE", a->device, "its path or serial number; default: the only one");
+  CLI::Option* const probe = command.add_flag("--probe", a->wants_probe, "print what it says, as it changes");
+  CLI::Option* const record = command.add_option("--record", a->record, "write its reports into this text file");
+  CLI::Option* const replay =
+      command.add_option("--replay", a->replay, "print what the reports of such a file say")->excludes(probe);
+  replay->excludes(record)->excludes(device);
+  command.add_option("--for", a->seconds, "how long to probe, record or simulate, s; 0: until Ctrl-C")
+      ->check(CLI::Range(0.0, 1e5));
+  CLI::Option* const simulated =
+      command.add_option("--simulate", a->simulate, "be a device that is not there, for kerf live: arm")
+          ->check(CLI::IsMember({"arm"}));
+  command.add_option("--port", a->port, "of 127.0.0.1, where kerf live listens")
+      ->check(CLI::Range(1, 65535))
+      ->needs(simulated)
+      ->capture_default_str();
+  command.add_option("--path", a->path, "where the hand of the simulated arm goes; default: down, and a small circle")
+      ->needs(simulated);
+  simulated->excludes(probe)->excludes(record)->excludes(replay);
+  CLI::Option* const typical =
+      command.add_flag("--typical", a->wants_typical, "couplings of typical force-feedback devices");
+
   const auto number = [&](const char* name, double& value, const char* what, double low, double high) {
     return command.add_option(name, value, what)->check(CLI::Range(low, high))->capture_default_str();
   };
@@ -77,10 +363,12 @@ void addDevices(CLI::App& command, int& exit_code) {
   own.push_back(number("--mass", a->profile.mass_kg, "that the hand moves at the tip, kg", 0.001, 10));
   own.push_back(number("--friction", a->profile.friction, "of the device at the tip, N", 0, 10));
   own.push_back(number("--encoder", a->profile.encoder_mm, "step of its position at the tip, mm; 0: perfect", 0, 1));
-  number("--coupling", a->wanted, "stiffness that is wanted, N/mm", 0.01, 100);
+  CLI::Option* const coupling = number("--coupling", a->wanted, "stiffness that is wanted, N/mm", 0.01, 100);
+  for (CLI::Option* option : own) option->excludes(typical);
   command.add_flag("--json", a->json, "as JSON on standard output");
-  command.callback([a, own, &exit_code] {
+  command.callback([a, own, coupling, &exit_code] {
     for (const CLI::Option* option : own) a->is_own = a->is_own || option->count() > 0;
+    if (coupling->count() > 0 && !a->is_own) a->wants_typical = true;
     exit_code = run(*a);
   });
 }

@@ -22,6 +22,7 @@
 #include "ui/app/pointing.h"
 #include "ui/app/sawing.h"
 #include "ui/app/settings.h"
+#include "ui/app/space_mouse_link.h"
 #include "ui/app/stroke_pointer.h"
 #include "ui/app/view_commands.h"
 #include "ui/sound/alsa_output.h"
@@ -405,29 +406,32 @@ class Workshop {
           break;
       }
     }
-    takeGamepad();
+    takeDevices();
     pressHarder(io.KeyShift && !bench_.isOnPedal());  // there Shift is a larger step
     panels_.pixels = pixels();
     context_.pointer = io.WantCaptureMouse ? std::nullopt : std::optional(std::array{pointer()[0], pointer()[1]});
     panels_.piece_drag.hover(context_, pointer());
     const bool is_on_handle = panels_.piece_drag.lit().has_value();
     const bool is_picking = bench_.saw().picking.what() != SawPicking::What::kNothing;
-    const bool is_on_panel = io.WantCaptureMouse && !is_led_by_gamepad_;
+    const bool is_on_panel = io.WantCaptureMouse && !is_led_by_device_;
     const bool hovers = !is_on_panel && held_ == kNone && !is_on_handle && !is_picking && !bench_.importPlan();
     over_ = hovers ? bench_.over(rayAtPixel(stroke_.at())) : std::nullopt;
     if (bench_.isPressed() || bench_.saw().isCutting()) over_.reset();
     view_->hover(over_);
   }
 
-  // Of a window that does not have the focus it is nobody's.
-  void takeGamepad() {
+  // Gamepad and SpaceMouse. Of a window that does not have the focus they are nobody's.
+  void takeDevices() {
     const Clock::time_point now = Clock::now();
-    const double seconds = std::chrono::duration<double>(now - std::exchange(gamepad_read_, now)).count();
+    const double seconds = std::chrono::duration<double>(now - std::exchange(devices_read_, now)).count();
     const bool is_ours =
         bench_.isOpen() && !bench_.importPlan() && glfwGetWindowAttrib(desktop_.window, GLFW_FOCUSED) == GLFW_TRUE;
     gamepad_.update(context_, stroke_, is_ours ? readGamepad() : std::nullopt, seconds);
-    if (!gamepad_.isUsed()) return;
-    is_led_by_gamepad_ = true;
+    if (const auto news = space_mouse_link_.news()) bench_.say(*news);
+    const auto knob = space_mouse_link_.read();
+    space_mouse_.update(context_, stroke_, settings_.values.space_mouse, is_ours ? knob : std::nullopt, seconds);
+    if (!gamepad_.isUsed() && !space_mouse_.isUsed()) return;
+    is_led_by_device_ = true;
     last_input_ = now;
   }
 
@@ -555,7 +559,7 @@ class Workshop {
     const double dx = (e.x - x_) * pixels(), dy = (e.y - y_) * pixels();
     x_ = e.x;
     y_ = e.y;
-    is_led_by_gamepad_ = false;
+    is_led_by_device_ = false;
     if (panels_.piece_drag.isOn()) return panels_.piece_drag.move(context_, pointer());
     stroke_.move(context_, pointer(), heldKeys(e.modifiers));
     if (bench_.isPressed() && !bench_.isOnPedal()) return;
@@ -631,8 +635,10 @@ class Workshop {
   const AppCommand* asked_for_ = nullptr;
   StrokePointer stroke_;
   GamepadHand gamepad_;
-  Clock::time_point gamepad_read_ = Clock::now();
-  bool is_led_by_gamepad_ = false;  // the mouse has not moved since
+  SpaceMouseLink space_mouse_link_;
+  SpaceMouseHand space_mouse_;
+  Clock::time_point devices_read_ = Clock::now();
+  bool is_led_by_device_ = false;  // the mouse has not moved since
   std::optional<ToolOverSurface> over_;
   Clock::time_point last_input_ = Clock::now();
   double x_ = 0, y_ = 0;  // of the pointer, window units

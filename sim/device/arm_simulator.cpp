@@ -1,0 +1,156 @@
+#include "sim/device/arm_simulator.h"
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+#include <limits>
+#include <mutex>
+#include <system_error>
+#include <thread>
+
+#include "sim/device/device_driver.h"
+
+namespace kerf {
+namespace {
+
+constexpr std::int64_t kPeriod = 1'000'000;  // ns
+
+void sleepTo(std::int64_t when) {
+  const timespec until{when / 1'000'000'000, when % 1'000'000'000};
+  ::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr);
+}
+
+}  // namespace
+
+struct ArmSimulator::State {
+  State(CutPath given, const ArmOptions& how) : path(std::move(given)), options(how), hand(path, how.hand) {}
+  ~State() {
+    if (socket >= 0) ::close(socket);
+  }
+  void run();
+  void hear(std::int64_t now);
+  void say(const DeviceSample& sample, std::int64_t now);
+
+  const CutPath path;
+  const ArmOptions options;
+  DeviceHand hand;
+  int socket = -1;
+  std::atomic<bool> is_stopping{false}, is_hanging{false}, wants_nan{false};
+
+  // Of the thread.
+  HandFrame frame;
+  ForceFrame newest;
+  std::int64_t heard = 0;  // ns; 0: nothing yet
+  ArmReport now_report;
+
+  mutable std::mutex mutex;
+  ArmReport told;  // guarded by mutex
+  std::thread thread;
+};
+
+void ArmSimulator::State::run() {
+  frame.gives_torque = false;
+  frame.most_force = options.most_force;
+  frame.most_stiffness = options.most_stiffness;
+  StepOutput last;
+  DeviceSample sample;
+  sample.T_world_device = poseAt(path, 0);
+  for (std::int64_t due = deviceClock(); !is_stopping.load(std::memory_order_acquire); due += kPeriod) {
+    sleepTo(due);
+    const std::int64_t now = deviceClock();
+    if (!is_hanging.load(std::memory_order_relaxed)) hear(now);
+
+    // The dead-man of the bridge.
+    const bool is_late = heard != 0 && now - heard > 1'000'000 * std::int64_t{newest.deadline_ms};
+    const bool has_force = heard != 0 && !is_late && newest.is_enabled;
+    if (now_report.is_enabled && is_late) ++now_report.forceless;
+    now_report.is_enabled = has_force;
+    now_report.force = has_force ? newest.force : Vec3d(Vec3d::Zero());
+    now_report.most_force = std::max(now_report.most_force, now_report.force.norm());
+
+    last.force.force = now_report.force;
+    now_report.is_over = !hand.next(last, sample);
+    if (!is_hanging.load(std::memory_order_relaxed)) say(sample, now);
+
+    ++now_report.ticks;
+    now_report.position = hand.position();
+    now_report.port_energy = hand.portEnergy();
+    now_report.most_energy = std::max(now_report.most_energy, now_report.port_energy);
+    const std::lock_guard lock(mutex);
+    told = now_report;
+  }
+}
+
+void ArmSimulator::State::hear(std::int64_t now) {
+  std::array<std::uint8_t, 256> bytes{};
+  for (;;) {
+    const ssize_t size = ::recv(socket, bytes.data(), bytes.size(), MSG_DONTWAIT);
+    if (size < 0) return;
+    ForceFrame got;
+    if (decode({bytes.data(), static_cast<std::size_t>(size)}, got) != FrameFault::kNone) continue;
+    if (heard != 0 && got.number < newest.number && now - heard < 1'000'000'000) continue;
+    newest = got;
+    heard = now;
+    ++now_report.force_frames;
+    if (got.is_enabled && got.hand_time_ns != 0)
+      now_report.worst_age_ms = std::max(now_report.worst_age_ms,
+                                         1e-6 * static_cast<double>(now - static_cast<std::int64_t>(got.hand_time_ns)));
+  }
+}
+
+void ArmSimulator::State::say(const DeviceSample& sample, std::int64_t now) {
+  ++frame.number;
+  frame.time_ns = static_cast<std::uint64_t>(now);
+  frame.velocity = (sample.T_world_device.translation - frame.pose.translation) / kTick;
+  frame.pose = sample.T_world_device;
+  frame.buttons = sample.pedal > 0 ? 1 : 0;
+  HandFrame out = frame;
+  if (wants_nan.exchange(false)) out.pose.translation[1] = std::numeric_limits<double>::quiet_NaN();
+  const auto bytes = encode(out);
+  ::send(socket, bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+}
+
+ArmSimulator::ArmSimulator(std::unique_ptr<State> state) : state_(std::move(state)) {}
+ArmSimulator::~ArmSimulator() {
+  state_->is_stopping.store(true, std::memory_order_release);
+  if (state_->thread.joinable()) state_->thread.join();
+}
+
+Expected<std::unique_ptr<ArmSimulator>> ArmSimulator::start(CutPath path, const ArmOptions& options) {
+  auto state = std::make_unique<State>(std::move(path), options);
+  State& s = *state;
+  s.socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  sockaddr_in there{};
+  there.sin_family = AF_INET;
+  there.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  there.sin_port = htons(options.port);
+  if (s.socket < 0 || ::connect(s.socket, reinterpret_cast<const sockaddr*>(&there), sizeof there) != 0)
+    return fail({.code = Error::Code::kUnreadable,
+                 .place = "the socket of the simulated arm",
+                 .found = std::strerror(errno),
+                 .expected = "a datagram socket to 127.0.0.1"});
+  std::unique_ptr<ArmSimulator> arm(new ArmSimulator(std::move(state)));
+  try {
+    s.thread = std::thread([&s] { s.run(); });
+  } catch (const std::system_error& e) {
+    return fail(
+        {.code = Error::Code::kBadValue, .place = "the simulated arm", .found = e.what(), .expected = "a thread"});
+  }
+  return arm;
+}
+
+ArmReport ArmSimulator::report() const {
+  const std::lock_guard lock(state_->mutex);
+  return state_->told;
+}
+void ArmSimulator::hang(bool is_hanging) noexcept { state_->is_hanging = is_hanging; }
+void ArmSimulator::sendNan() noexcept { state_->wants_nan = true; }
+
+}  // namespace kerf

@@ -1,0 +1,30 @@
+// Which devices are plugged in, and which of them a name means.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sim/device/device_driver.h"
+
+namespace kerf {
+
+/// A device that a driver knows, with all the interfaces that may talk for it.
+struct FoundDevice {
+  const DeviceDriver* driver = nullptr;
+  std::string name;                 ///< of its model, for people
+  std::vector<HidInfo> interfaces;  ///< at least one, by number
+
+  const std::string& path() const { return interfaces.front().path; }
+  const std::string& serial() const { return interfaces.front().serial; }
+  bool mayOpen() const;  ///< all of them
+};
+
+/// Interfaces of one plugged-in device together; those no driver knows are left out. In the order of the paths.
+std::vector<FoundDevice> groupDevices(const std::vector<HidInfo>& interfaces);
+inline std::vector<FoundDevice> findDevices() { return groupDevices(listHid()); }
+
+/// @param name  path of any of its interfaces, or its serial number. Empty: the only one.
+/// Errors: kNotFound with what there is; kBadValue: several, and no name, or a serial that two of them have.
+Expected<FoundDevice> chooseDevice(const std::vector<FoundDevice>& devices, const std::string& name);
+
+}  // namespace kerf

@@ -1,0 +1,166 @@
+#include "sim/device/device_recording.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <fstream>
+#include <iterator>
+
+#include "geometry/base/atomic_file.h"
+
+namespace kerf {
+namespace {
+
+constexpr std::size_t kLargestFile = 64 << 20;  // bytes: half a day of reports
+
+class Lines {
+ public:
+  Lines(std::string_view text, const std::string& file) : rest_(text), file_(file) {}
+  // The next one that is neither empty nor a comment. False: the end.
+  bool next() {
+    while (!rest_.empty()) {
+      const std::size_t end = rest_.find('\n');
+      line_ = rest_.substr(0, end);
+      rest_.remove_prefix(end == std::string_view::npos ? rest_.size() : end + 1);
+      ++number_;
+      if (!line_.empty() && line_.back() == '\r') line_.remove_suffix(1);
+      if (!line_.empty() && line_.front() != '#') return true;
+    }
+    return false;
+  }
+  std::string_view line() const { return line_; }
+  tl::unexpected<Error> refuse(std::string found, std::string expected,
+                               Error::Code code = Error::Code::kBadFormat) const {
+    return fail({.code = code,
+                 .file = file_,
+                 .place = fmt::format("line {}", number_),
+                 .found = std::move(found),
+                 .expected = std::move(expected),
+                 .hint = "record it again with kerf devices --record"});
+  }
+  // Up to the next blank.
+  std::string_view word() {
+    const std::size_t end = line_.find(' ');
+    const std::string_view out = line_.substr(0, end);
+    line_.remove_prefix(end == std::string_view::npos ? line_.size() : end + 1);
+    return out;
+  }
+
+ private:
+  std::string_view rest_, line_;
+  const std::string& file_;
+  int number_ = 0;
+};
+
+std::string quoted(std::string_view text) {
+  std::string out = "\"";
+  for (const char c : text.substr(0, 40)) out += c >= 0x20 && c < 0x7F ? c : '?';
+  return out + "\"";
+}
+
+template <class Number>
+bool parseAll(std::string_view word, Number& out, int base = 10) {
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), out, base);
+  return error == std::errc() && end == word.data() + word.size() && !word.empty();
+}
+
+Expected<void> parseHead(Lines& lines, DeviceRecording& out) {
+  if (!lines.next() || lines.word() != "kerf-device") return lines.refuse("something else", "\"kerf-device 1\"");
+  int version = 0;
+  if (!parseAll(lines.line(), version) || version < 1) return lines.refuse(quoted(lines.line()), "version 1");
+  if (version != 1)
+    return lines.refuse(fmt::format("version {}", version), "version 1, all this Kerf knows",
+                        Error::Code::kUnsupported);
+
+  if (!lines.next() || lines.word() != "driver") return lines.refuse("something else", "\"driver NAME\"");
+  out.driver = findDriver(lines.line());
+  if (!out.driver)
+    return lines.refuse("the driver " + quoted(lines.line()), "one of this Kerf", Error::Code::kUnsupported);
+
+  if (!lines.next() || lines.word() != "device")
+    return lines.refuse("something else", "\"device VENDOR:PRODUCT NAME\"");
+  out.device = std::string(lines.line());
+  return {};
+}
+
+Expected<RecordedReport> parseReport(Lines& lines, std::int64_t not_before) {
+  RecordedReport out;
+  const std::string_view time = lines.word();
+  if (!parseAll(time, out.time_us) || out.time_us < 0)
+    return lines.refuse(quoted(time), "us since the first report, whole");
+  if (out.time_us < not_before)
+    return lines.refuse(fmt::format("{} us after {} us", out.time_us, not_before), "times that never go back");
+  const std::string_view interface = lines.word();
+  if (!parseAll(interface, out.interface)) return lines.refuse(quoted(interface), "the number of an interface");
+
+  while (!lines.line().empty()) {
+    const std::string_view byte = lines.word();
+    std::uint8_t value = 0;
+    if (byte.size() != 2 || !parseAll(byte, value, 16))
+      return lines.refuse(quoted(byte), "a byte of two digits, 00 to ff");
+    if (out.bytes.size() == HidPort::kLongestReport)
+      return lines.refuse("a longer report", fmt::format("at most {} bytes", HidPort::kLongestReport));
+    out.bytes.push_back(value);
+  }
+  if (out.bytes.empty()) return lines.refuse("no bytes", "at least one");
+  return out;
+}
+
+}  // namespace
+
+Expected<DeviceRecording> parseRecording(std::string_view text, const std::string& file) {
+  Lines lines(text, file);
+  DeviceRecording out;
+  KERF_CHECK(parseHead(lines, out));
+  std::int64_t not_before = 0;
+  while (lines.next()) {
+    KERF_TRY(report, parseReport(lines, not_before));
+    not_before = report.time_us;
+    out.reports.push_back(std::move(report));
+  }
+  return out;
+}
+
+Expected<DeviceRecording> readRecording(const std::filesystem::path& file) {
+  std::error_code error;
+  const auto size = std::filesystem::file_size(file, error);
+  if (error)
+    return fail({.code = Error::Code::kNotFound,
+                 .file = file.string(),
+                 .found = error.message(),
+                 .expected = "a recording of a device",
+                 .hint = "make one with kerf devices --record"});
+  if (size > kLargestFile)
+    return fail({.code = Error::Code::kBadFormat,
+                 .file = file.string(),
+                 .found = fmt::format("{} MB", size >> 20),
+                 .expected = fmt::format("a recording of at most {} MB", kLargestFile >> 20)});
+  std::ifstream in(file, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  if (!in && !in.eof()) return fail({.code = Error::Code::kUnreadable, .file = file.string(), .found = "no text"});
+  return parseRecording(text, file.string());
+}
+
+Expected<void> writeRecording(const std::filesystem::path& file, const DeviceRecording& recording) {
+  KERF_TRY(out, AtomicFile::create(file));
+  out.stream() << fmt::format("kerf-device 1\ndriver {}\ndevice {}\n", recording.driver->id, recording.device);
+  for (const RecordedReport& report : recording.reports) {
+    out.stream() << report.time_us << ' ' << report.interface;
+    for (const std::uint8_t byte : report.bytes) out.stream() << fmt::format(" {:02x}", byte);
+    out.stream() << '\n';
+  }
+  return out.commit();
+}
+
+std::vector<DeviceReading> replayRecording(const DeviceRecording& recording) {
+  std::vector<DeviceReading> out;
+  DeviceReading reading;
+  for (const RecordedReport& report : recording.reports) {
+    // One more ns than recorded: a time of zero means that nothing has come.
+    takeReport(*recording.driver, report.bytes, 1000 * report.time_us + 1, reading);
+    out.push_back(reading);
+  }
+  return out;
+}
+
+}  // namespace kerf

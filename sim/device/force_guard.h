@@ -1,0 +1,37 @@
+// What stands between a force that was computed and the motors of a device.
+#pragma once
+
+#include "geometry/base/types.h"
+
+namespace kerf {
+
+struct ForceLimits {
+  double force = 3;     ///< N, most of a force; its direction is kept
+  double rate = 500;    ///< N/s: no faster change, away from zero. Towards zero by a stop it is at once
+  double ramp_s = 0.5;  ///< after arm() the force fades in over this long
+};
+
+/// Disarmed at first: zero. A force that is not finite disarms it, until arm() is called again. @rt safe, one thread.
+class ForceGuard {
+ public:
+  explicit ForceGuard(const ForceLimits& limits = {}) : limits_(limits) {}
+  void limit(const ForceLimits& limits) noexcept { limits_ = limits; }
+  void arm() noexcept;
+  /// Zero from now on, without a ramp.
+  void disarm() noexcept;
+  bool isArmed() const noexcept { return is_armed_; }
+  /// It was disarmed by a force that was not finite.
+  bool hasFault() const noexcept { return has_fault_; }
+  void forgetFault() noexcept { has_fault_ = false; }
+
+  /// @param wanted  N.   @param dt  since the last call, s.   @return  what the device may be given.
+  Vec3d pass(const Vec3d& wanted, double dt) noexcept;
+
+ private:
+  ForceLimits limits_;
+  Vec3d last_ = Vec3d::Zero();
+  double armed_for_ = 0;  // s
+  bool is_armed_ = false, has_fault_ = false;
+};
+
+}  // namespace kerf

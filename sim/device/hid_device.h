@@ -1,0 +1,48 @@
+// An open HID device: a thread that reads, one that writes, and the newest reading for whoever asks.
+//
+//   interfaces ──reports──▶ reader ──newest reading──▶ update(), reading()
+//   interfaces ◀───────────  writer ◀──newest wish──── light()
+//
+// Two threads, since a write to a device in trouble may take a second, and its reports must not wait for that. Reports
+// are drained to the newest: the system keeps 64, and who reads them one a frame lags by seconds.
+#pragma once
+
+#include <functional>
+#include <memory>
+
+#include "sim/device/device_finder.h"
+
+namespace kerf {
+
+class HidDevice {
+ public:
+  /// Told of each report by the reader's thread, before it is taken.
+  using Listener = std::function<void(std::int64_t time_ns, int interface, std::span<const std::uint8_t> report)>;
+
+  /// Opens all interfaces, lights the device and starts the threads. Of a receiver with several interfaces the one that
+  /// moves counts; another one takes its place when it moves and the first has been silent for kSilence.
+  /// Errors: those of HidPort::open().
+  static Expected<std::unique_ptr<HidDevice>> open(const FoundDevice& found, Listener listener = {});
+  /// Puts the light out.
+  ~HidDevice();
+  HidDevice(const HidDevice&) = delete;
+  HidDevice& operator=(const HidDevice&) = delete;
+
+  const FoundDevice& what() const noexcept;
+  /// False: it was unplugged, and will not come back; its axes are at rest. Any thread. @rt safe
+  bool isConnected() const noexcept;
+  /// Fetches the newest reading; false: none since the last call. For one thread. @rt safe
+  bool update() noexcept;
+  const DeviceReading& reading() const noexcept;
+  /// The axes as they count now: zero after kSilence and once unplugged. The same thread. @rt safe
+  std::array<double, 6> axes() noexcept;
+  /// Any thread but the 1 kHz one; the newest wish counts.
+  void light(bool is_lit);
+
+ private:
+  struct State;
+  explicit HidDevice(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace kerf

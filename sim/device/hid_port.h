@@ -1,0 +1,56 @@
+// HID devices of the system, through hidapi: the one place that knows it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "geometry/base/error.h"
+
+namespace kerf {
+
+/// One HID interface, as the system lists it. A device may have several.
+struct HidInfo {
+  std::string path;  ///< of its node, "/dev/hidraw0"
+  std::uint16_t vendor = 0, product = 0;
+  std::uint16_t usage_page = 0, usage = 0;  ///< of its first application collection
+  int interface = -1;                       ///< of USB; -1: not known
+  std::string serial;                       ///< may be empty
+  std::string maker, name;                  ///< as the device says, UTF-8
+  /// The same for all interfaces of one plugged-in device.
+  std::string parent;
+  bool may_open = false;  ///< this user may read and write it
+};
+
+/// Every interface, once each, by path. Takes some ms and allocates; not for the 1 kHz thread. Any one thread at a
+/// time.
+std::vector<HidInfo> listHid();
+
+/// An open interface. Reading and writing may be done by two threads; nothing else is shared.
+class HidPort {
+ public:
+  /// Errors: kUnreadable, with the udev rule where permission is what is missing; kNotFound.
+  static Expected<HidPort> open(const std::string& path);
+  HidPort(HidPort&&) noexcept;
+  HidPort& operator=(HidPort&&) noexcept;
+  ~HidPort();
+
+  static constexpr std::size_t kLongestReport = 256;  ///< bytes
+  /// The oldest report that waits, its number first if it has one.
+  /// @param wait_ms  how long to wait for one.
+  /// @return  its bytes; 0: none came; negative: the device is gone.
+  int read(std::span<std::uint8_t> report, int wait_ms) noexcept;
+  /// @param report  its number first; 0 if it has none.   @return  false: it was not taken.
+  /// @cost  about a ms on USB, much longer from a device in trouble.
+  bool write(std::span<const std::uint8_t> report) noexcept;
+
+ private:
+  struct Handle;
+  explicit HidPort(std::unique_ptr<Handle> handle);
+  std::unique_ptr<Handle> handle_;
+};
+
+}  // namespace kerf

@@ -1,0 +1,81 @@
+#include "sim/device/force_guard.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "sim/device/workspace_map.h"
+
+namespace kerf {
+namespace {
+
+constexpr double kMs = 1e-3;
+
+TEST(ForceGuard, DisarmedItGivesNothingAndArmedItFadesIn) {
+  ForceGuard guard({.force = 3, .rate = 1e9, .ramp_s = 0.5});
+  EXPECT_EQ(guard.pass({0, 0, 1}, kMs), Vec3d::Zero());
+  guard.arm();
+  Vec3d force;
+  for (int n = 0; n < 250; ++n) force = guard.pass({0, 0, 1}, kMs);
+  EXPECT_NEAR(force[2], 0.5, 1e-9);
+  for (int n = 0; n < 250; ++n) force = guard.pass({0, 0, 1}, kMs);
+  EXPECT_NEAR(force[2], 1, 1e-9);
+  guard.disarm();
+  EXPECT_EQ(guard.pass({0, 0, 1}, kMs), Vec3d::Zero()) << "at once";
+}
+
+TEST(ForceGuard, SizeAndRateAreBoundAndTheWayBackIsNot) {
+  ForceGuard guard({.force = 3, .rate = 500, .ramp_s = kMs});
+  guard.arm();
+  Vec3d last = Vec3d::Zero();
+  double most = 0, fastest = 0;
+  for (int n = 0; n < 2000; ++n) {
+    const double speed = n < 1000 ? 0.01 : 1;  // first the size, then the rate
+    const Vec3d force = guard.pass(10 * Vec3d(std::sin(0.9 * speed * n), std::cos(1.7 * speed * n), 1), kMs);
+    most = std::max(most, force.norm());
+    if (force.norm() > last.norm()) fastest = std::max(fastest, (force - last).norm());
+    last = force;
+  }
+  EXPECT_LE(most, 3 + 1e-12);
+  EXPECT_GT(most, 2.9);
+  EXPECT_LE(fastest, 0.5 + 1e-9);
+  EXPECT_EQ(guard.pass(Vec3d::Zero(), kMs), Vec3d::Zero());
+}
+
+TEST(ForceGuard, ANumberThatIsNoneTakesTheForceAwayUntilItIsArmedAgain) {
+  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    ForceGuard guard({.force = 3, .rate = 1e9, .ramp_s = kMs});
+    guard.arm();
+    ASSERT_NE(guard.pass({1, 0, 0}, kMs), Vec3d::Zero());
+    EXPECT_EQ(guard.pass({bad, 0, 0}, kMs), Vec3d::Zero());
+    EXPECT_TRUE(guard.hasFault());
+    EXPECT_EQ(guard.pass({1, 0, 0}, kMs), Vec3d::Zero());
+    guard.arm();
+    EXPECT_NE(guard.pass({1, 0, 0}, kMs), Vec3d::Zero());
+  }
+}
+
+TEST(WorkspaceMap, ATurnedAndScaledHandMeetsTheToolAndFeelsItsForceWhereItPushes) {
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(M_PI / 2, Vec3d::UnitZ()));
+  WorkspaceMap map(turn, 0.5);
+  const Rigid3 hand{Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Vec3d::UnitY())), {100, 20, -30}};
+  const Rigid3 tool{Eigen::Quaterniond(Eigen::AngleAxisd(1.1, Vec3d::UnitX())), {1, 2, 3}};
+  map.meet(hand, tool);
+  EXPECT_NEAR((map.toWorld(hand).translation - tool.translation).norm(), 0, 1e-12);
+  EXPECT_NEAR(map.toWorld(hand).rotation.angularDistance(tool.rotation), 0, 1e-7);
+
+  Rigid3 moved = hand;
+  moved.translation += Vec3d(2, 0, 0);
+  const Vec3d way = map.toWorld(moved).translation - tool.translation;
+  EXPECT_NEAR((way - Vec3d(0, 1, 0)).norm(), 0, 1e-12) << "to its right is along +y of the world, at half the size";
+  EXPECT_NEAR((map.toDevice(-way) - Vec3d(-1, 0, 0)).norm(), 0, 1e-12) << "against the motion in both";
+
+  // Its turn about its own axis is that of the tool about the same axis of the world.
+  Rigid3 turned = hand;
+  turned.rotation = Eigen::Quaterniond(Eigen::AngleAxisd(0.2, Vec3d::UnitX())) * hand.rotation;
+  const Eigen::AngleAxisd got(map.toWorld(turned).rotation * tool.rotation.conjugate());
+  EXPECT_NEAR((got.angle() * got.axis() - 0.2 * Vec3d::UnitY()).norm(), 0, 1e-9);
+}
+
+}  // namespace
+}  // namespace kerf

@@ -1,0 +1,47 @@
+// HID devices that are not there: nodes and sysfs by umockdev, under the unmodified hidapi of the system. The program
+// has to run with umockdev's library preloaded; isThere() tells.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace kerf {
+
+using Bytes = std::vector<std::uint8_t>;
+
+struct SimulatedHid {
+  std::uint16_t vendor = 0x046d, product = 0xc626;
+  std::string maker = "3Dconnexion", name = "SpaceNavigator", serial = {};
+  /// Usage of each interface, page and usage: one node each.
+  std::vector<std::pair<int, int>> interfaces = {{1, 8}};
+  int port = 1;  ///< of the USB hub: no two may share one
+  int first_node = 0;
+};
+
+class HidTestbed {
+ public:
+  static bool isThere();
+  HidTestbed();
+  ~HidTestbed();
+  HidTestbed(const HidTestbed&) = delete;
+  HidTestbed& operator=(const HidTestbed&) = delete;
+
+  void plugIn(const SimulatedHid& what);
+  /// Reads and writes fail, then the nodes are gone.
+  void unplug(const SimulatedHid& what);
+  /// A report the device sends. The system keeps them in order, each by itself.
+  void send(int node, const Bytes& report);
+  /// What was written to the node so far.
+  std::vector<Bytes> written(int node) const;
+  static std::string path(int node) { return "/dev/hidraw" + std::to_string(node); }
+  /// Where its files are in truth: to take a permission away.
+  std::string realPath(int node) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace kerf

@@ -1,0 +1,36 @@
+#include "ui/app/space_mouse_link.h"
+
+#include <utility>
+
+#include "sim/device/device_watch.h"
+
+namespace kerf {
+
+struct SpaceMouseLink::State {
+  DeviceWatch watch;
+  std::shared_ptr<HidDevice> device;
+  std::string name, trouble;  // when they were last told of
+};
+
+SpaceMouseLink::SpaceMouseLink() : state_(std::make_unique<State>()) {}
+SpaceMouseLink::~SpaceMouseLink() = default;
+
+std::optional<SpaceMouseState> SpaceMouseLink::read() {
+  State& s = *state_;
+  if (!s.device || !s.device->isConnected()) s.device = s.watch.device();
+  if (!s.device || !s.device->isConnected()) return {};
+  const std::array<double, 6> axes = s.device->axes();
+  return SpaceMouseState{axes, s.device->reading().buttons};
+}
+
+std::optional<std::string> SpaceMouseLink::news() {
+  State& s = *state_;
+  const bool is_there = s.device && s.device->isConnected();
+  const std::string name = is_there ? s.device->what().name : "", trouble = is_there ? "" : s.watch.trouble();
+  const std::string last_name = std::exchange(s.name, name), last_trouble = std::exchange(s.trouble, trouble);
+  if (name != last_name) return name.empty() ? last_name + " was unplugged" : name + " is ready";
+  if (trouble != last_trouble && !trouble.empty()) return trouble;
+  return {};
+}
+
+}  // namespace kerf

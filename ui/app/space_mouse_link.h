@@ -1,0 +1,30 @@
+// The SpaceMouse of the window: looked for while the program runs, opened, and found again when it was unplugged.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "ui/app/space_mouse_map.h"
+
+namespace kerf {
+
+/// One thread, the window's. A thread of its own lists devices once a second as long as there is none.
+class SpaceMouseLink {
+ public:
+  SpaceMouseLink();
+  ~SpaceMouseLink();
+  SpaceMouseLink(const SpaceMouseLink&) = delete;
+  SpaceMouseLink& operator=(const SpaceMouseLink&) = delete;
+
+  /// Its newest state; none: no device is open.
+  std::optional<SpaceMouseState> read();
+  /// What has changed since the last call, a sentence for a notice: it was found, is gone, or may not be opened.
+  std::optional<std::string> news();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace kerf

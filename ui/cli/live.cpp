@@ -1,0 +1,215 @@
+// kerf live: a session with a force-feedback device behind a bridge, without a window.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <thread>
+
+#include "geometry/tool/tool_file.h"
+#include "sim/device/bridge_device.h"
+#include "sim/run/live_run.h"
+#include "ui/cli/command.h"
+#include "ui/cli/interruption.h"
+
+namespace kerf::cli {
+namespace {
+
+using std::chrono::duration;
+using std::chrono::steady_clock;
+
+// s: a ms each until the bridge's clock, Kerf's thread and the tick come round. Left out, a simulated arm that cut a
+// block was given 2.4 N mm in 9 s; with it, it gave 0.7.
+constexpr double kTransport = 0.003;
+
+struct Arguments {
+  std::string case_folder, run_folder, tool, device = "udp:4417", start;
+  double seconds = 0, wait_s = 30;
+  double force = 3, scale = 1, turn_deg = 0;
+  bool is_forceless = false, pedal_is_down = false;
+  double delay_ms = 2;
+  DeviceProfile profile;
+  bool json = false;
+};
+
+Expected<Vec3d> pointOf(const std::string& text) {
+  Vec3d out;
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  for (int n = 0; n < 3; ++n) {
+    const auto [after, error] = std::from_chars(at, end, out[n]);
+    const bool is_last = n == 2;
+    if (error != std::errc() || (is_last ? after != end : after == end || *after != ','))
+      return fail({.code = Error::Code::kBadValue,
+                   .place = "--start",
+                   .found = "\"" + text + "\"",
+                   .expected = "X,Y,Z in mm, as in --start 1.5,0,8"});
+    at = after + (is_last ? 0 : 1);
+  }
+  return out;
+}
+
+// Until the bridge sends its first frame: how stiff the device may be coupled is in it.
+Expected<HandFrame> waitForHand(const BridgeDevice& device, double most_s) {
+  HandFrame hand;
+  for (const auto began = steady_clock::now(); !isInterrupted();) {
+    if (device.lastHand(hand)) return hand;
+    if (duration<double>(steady_clock::now() - began).count() > most_s) break;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  const BridgeCounts counts = device.counts();
+  return fail({.code = Error::Code::kNotFound,
+               .place = fmt::format("127.0.0.1, port {}", device.port()),
+               .found = counts.refused > 0
+                            ? fmt::format("{} frames that are none: {}", counts.refused, nameOf(counts.last_fault))
+                            : fmt::format("no frame in {:g} s", most_s),
+               .expected = "a bridge that sends version 1 (docs/reference/device-bridge.md)",
+               .hint = fmt::format("start the bridge; to try: kerf devices --simulate arm --port {}", device.port())});
+}
+
+// The session itself; says when the hand comes and goes. A latch is cleared once the hand has been back for a while.
+void follow(LiveRun& run, const BridgeDevice& device, const Arguments& a) {
+  constexpr double kBack = 0.3;  // s
+  const auto began = steady_clock::now();
+  auto last_away = began;
+  bool was_talking = true;
+  while (!isInterrupted()) {
+    const auto now = steady_clock::now();
+    if (a.seconds > 0 && duration<double>(now - began).count() >= a.seconds) return;
+    run.takeChunks();
+    run.thread().update();
+    const bool is_talking = device.counts().is_talking;
+    if (!is_talking) last_away = now;
+    if (is_talking != was_talking && !a.json)
+      fmt::print("{:8.3f} s  {}\n", duration<double>(now - began).count(),
+                 is_talking ? "the hand is back" : "the hand is gone: no force");
+    was_talking = is_talking;
+    const bool is_back = duration<double>(now - last_away).count() > kBack;
+    if (run.thread().report().is_latched && is_back) {
+      run.send(ClearLatch{});
+      last_away = now;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+}
+
+int say(const Arguments& a, const RunManifest& manifest, const HapticReport& report, const BridgeCounts& counts) {
+  double removed = 0;
+  for (std::size_t n = 0; n < report.object_count; ++n) removed += report.objects[n].removed_mm3;
+  if (a.json) {
+    printJson({{"run", a.run_folder},
+               {"seconds", manifest.duration_s},
+               {"removed_mm3", removed},
+               {"state_hash", manifest.state_hash},
+               {"ticks", report.counts.ticks},
+               {"overruns", report.counts.overruns},
+               {"hand_frames", counts.hand_frames},
+               {"force_frames", counts.force_frames},
+               {"refused_frames", counts.refused},
+               {"old_frames", counts.old}});
+    return kOk;
+  }
+  fmt::print("cut for {:.3f} s with {}; removed {:.4f} mm3; state {}\n", manifest.duration_s, manifest.tool_id, removed,
+             manifest.state_hash);
+  fmt::print("frames: {} of the hand, {} refused, {} too old; {} of force\n", counts.hand_frames, counts.refused,
+             counts.old, counts.force_frames);
+  fmt::print("run written: {}\n", a.run_folder);
+  return kOk;
+}
+
+int run(const Arguments& a) {
+  const auto port = parseBridgeAddress(a.device);
+  if (!port) return complainOfUsage(port.error());
+  const auto start = pointOf(a.start);
+  if (!start) return complainOfUsage(start.error());
+  const auto file = findToolFile(a.tool, defaultToolFolders());
+  if (!file) return complain(file.error());
+  const auto tool = readTool(*file);
+  if (!tool) return complain(tool.error());
+
+  const Interruption interruption;
+  constexpr double kRadians = 0.017453292519943295;
+  BridgeOptions options;
+  options.port = *port;
+  options.limits.force = a.force;
+  options.map = WorkspaceMap(Eigen::Quaterniond(Eigen::AngleAxisd(a.turn_deg * kRadians, Vec3d::UnitZ())), a.scale);
+  options.start.translation = *start;
+  options.pedal_is_down = a.pedal_is_down;
+  auto device = BridgeDevice::open(options);
+  if (!device) return complain(device.error());
+  if (!a.json) fmt::print("waiting for a hand at 127.0.0.1, port {}\n", (*device)->port());
+  std::fflush(stdout);
+  const auto hand = waitForHand(**device, a.wait_s);
+  if (!hand) return complain(hand.error());
+
+  DeviceProfile profile = a.profile;
+  profile.delay_s = a.delay_ms / 1000 + kTransport;
+  CouplingSettings wanted;
+  if (hand->most_stiffness > 0) wanted.stiffness = std::min(wanted.stiffness, hand->most_stiffness / a.scale);
+  wanted.force_limit = std::min({wanted.force_limit, a.force, hand->most_force});
+  const DeviceCoupling coupling = couplingFor(options.map.inWorld(profile), wanted);
+
+  LiveRunOptions live;
+  live.tools = {{*file, *tool}};
+  live.start = options.start;
+  live.step.coupling = coupling.settings;
+  live.is_felt = true;
+  auto session = [&] {
+    TerminalProgress progress;
+    return LiveRun::open(a.case_folder, a.run_folder, std::move(live), progress.callback());
+  }();
+  if (!session) return complain(session.error());
+  if (!a.json)
+    fmt::print("coupling {}; force at most {:.2g} N{}\n", describeStiffness(coupling, wanted), wanted.force_limit,
+               a.is_forceless ? ", switched off" : "");
+  std::fflush(stdout);
+  (*device)->enable(!a.is_forceless);
+  if (const auto started = (*session)->start(**device); !started) return complain(started.error());
+  follow(**session, **device, a);
+
+  const auto manifest = (*session)->finish();
+  if (!manifest) return complain(manifest.error());
+  (*session)->thread().update();
+  return say(a, *manifest, (*session)->thread().report(), (*device)->counts());
+}
+
+}  // namespace
+
+void addLive(CLI::App& command, int& exit_code) {
+  auto a = std::make_shared<Arguments>();
+  command.footer(
+      "The device is led by a bridge: a small program for that device, which sends its pose to this port of 127.0.0.1\n"
+      "and gets its force (docs/reference/device-bridge.md). Other machines are refused. No device was at hand to "
+      "try:\n"
+      "simulated arms alone were. Keep a hand on its switch.\n"
+      "Button 1 is the pedal; while button 2 is held the hand moves and the tool stays.\n"
+      "Ctrl-C ends the session, whose run replays and exports as any other.\n"
+      "Example: kerf live molar.case --tool round-014 --start 0,0,9 -o molar.run\n"
+      "         kerf devices --simulate arm                              (in another terminal, to try)");
+  command.add_option("CASE", a->case_folder, "case folder")->required();
+  command.add_option("--tool", a->tool, "tool id (kerf tool list) or a tool's TOML file")->required();
+  command.add_option("-o,--output", a->run_folder, "run folder to write")->required();
+  command.add_option("--start", a->start, "X,Y,Z in mm: where the hand finds the tip of the tool, upright")->required();
+  command.add_option("--device", a->device, "udp:PORT of this machine")->capture_default_str();
+  const auto number = [&](const char* name, double& value, const char* what, double low, double high) {
+    command.add_option(name, value, what)->check(CLI::Range(low, high))->capture_default_str();
+  };
+  number("--for", a->seconds, "how long, s; 0: until Ctrl-C", 0, 1e5);
+  number("--wait", a->wait_s, "how long to wait for the hand, s", 0.1, 1e5);
+  number("--force", a->force, "most force, N; never more than the device says it can", 0.1, 20);
+  number("--scale", a->scale, "mm of the scene for a mm of the hand", 0.05, 5);
+  number("--turn", a->turn_deg, "of the device about the scene's z axis, degrees", -360, 360);
+  number("--delay", a->delay_ms,
+         "of the device alone, from a sample to its force at the motors, ms; 3 for the datagrams are added", 0, 50);
+  number("--mass", a->profile.mass_kg, "of the device at the tip, kg", 0.001, 10);
+  number("--friction", a->profile.friction, "of the device at the tip, N", 0, 10);
+  number("--encoder", a->profile.encoder_mm, "step of its position at the tip, mm; 0: perfect", 0, 1);
+  command.add_flag("--no-force", a->is_forceless, "the device leads the tool and gives no force");
+  command.add_flag("--pedal", a->pedal_is_down, "the drive turns without button 1");
+  command.add_flag("--json", a->json, "as JSON on standard output");
+  command.callback([a, &exit_code] { exit_code = run(*a); });
+}
+
+}  // namespace kerf::cli
