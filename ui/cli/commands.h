@@ -11,7 +11,7 @@ namespace kerf::cli {
 /// @param command  named and described already.    @param exit_code  what main returns; set by the callback.
 using AddOptions = void(CLI::App& command, int& exit_code);
 
-AddOptions addBake, addBench, addCheck, addCut, addDemo, addDemoMolar, addDevices, addExport, addInfo, addPick,
+AddOptions addBake, addBench, addCheck, addCut, addDemo, addDemoMolar, addDevices, addExport, addInfo, addPick, addPlot,
     addRecover, addReplay, addTool;
 
 struct CommandRow {
@@ -35,6 +35,8 @@ inline constexpr CommandRow kCommands[] = {
     {"check", "Say whether a mesh is ready to print, and if not, why (exit 0 yes, 1 no)", addCheck, kInspect},
     {"info", "Describe a mesh, a label volume, a case, a run or a tool", addInfo, kInspect},
     {"pick", "Say what is at a place of a view: the point in mm, normal, tissue, thickness", addPick, kInspect},
+    {"plot", "Draw a run over time: force, load, speed, temperature, distance, removed volume, as SVG", addPlot,
+     kInspect},
     {"devices", "Say which coupling a force-feedback device can hold, from its profile", addDevices, kInspect},
     {"tool", "List, check, draw, start and bake tools", addTool, kInspect},
     {"bench", "Time Kerf on shared scenes: p50, p99, max and the state hash", addBench, kExamples},
