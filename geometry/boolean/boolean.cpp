@@ -70,7 +70,7 @@ Expected<void> fill(const Mesh& mesh, const char* name, SurfaceMesh& out) {
   return {};
 }
 
-enum class Operation { kDifference, kUnion };
+enum class Operation { kDifference, kUnion, kIntersection };
 
 struct HashOfPosition {
   std::size_t operator()(const std::array<double, 3>& p) const {
@@ -163,9 +163,25 @@ void copyFaces(const SurfaceMesh& out, const Origins& origins, const std::vector
   }
 }
 
+template <class Parameters>
+bool compute(Operation operation, SurfaceMesh& a, SurfaceMesh& b, SurfaceMesh& out, const Parameters& visited) {
+  const auto plain = CGAL::parameters::all_default();
+  switch (operation) {
+    case Operation::kUnion:
+      return PMP::corefine_and_compute_union(a, b, out, visited, plain);
+    case Operation::kIntersection:
+      return PMP::corefine_and_compute_intersection(a, b, out, visited, plain);
+    case Operation::kDifference:
+      break;
+  }
+  return PMP::corefine_and_compute_difference(a, b, out, visited, plain);
+}
+
 Expected<Difference> combine(const Mesh& minuend, const Mesh& other, Operation operation) {
   const bool is_union = operation == Operation::kUnion;
-  const char* const name = is_union ? "exact union" : "exact difference";
+  const char* const name = is_union                                ? "exact union"
+                           : operation == Operation::kIntersection ? "exact intersection"
+                                                                   : "exact difference";
   const auto refuse = [name](std::string found, std::string expected, std::string hint) {
     return fail({.code = Error::Code::kGeometry,
                  .place = name,
@@ -185,9 +201,7 @@ Expected<Difference> combine(const Mesh& minuend, const Mesh& other, Operation o
     state.minuend_origin.face.resize(minuend.triangles.size());
     for (std::uint32_t t = 0; t < minuend.triangles.size(); ++t) state.minuend_origin.face[t] = t;
     const auto visited = CGAL::parameters::visitor(OriginVisitor(&state)).throw_on_self_intersection(true);
-    const bool ok = is_union
-                        ? PMP::corefine_and_compute_union(*a, *b, *out, visited, CGAL::parameters::all_default())
-                        : PMP::corefine_and_compute_difference(*a, *b, *out, visited, CGAL::parameters::all_default());
+    const bool ok = compute(operation, *a, *b, *out, visited);
     if (!ok)
       return refuse("a result that is not 2-manifold", "surfaces that cross each other transversally",
                     "bake with another --voxel and cut again");
@@ -247,6 +261,10 @@ Expected<Difference> subtract(const Mesh& minuend, const Mesh& subtrahend) {
 
 Expected<Difference> unite(const Mesh& minuend, const Mesh& added) {
   return combine(minuend, added, Operation::kUnion);
+}
+
+Expected<Difference> intersect(const Mesh& minuend, const Mesh& other) {
+  return combine(minuend, other, Operation::kIntersection);
 }
 
 // PMP::clip() itself is not called: it compiles three ways to clip, of which a closed mesh takes only the one below.

@@ -32,6 +32,9 @@ Expected<Difference> subtract(const Mesh& minuend, const Mesh& subtrahend);
 /// What is new or of `added` has no origin.
 Expected<Difference> unite(const Mesh& minuend, const Mesh& added);
 
+/// minuend ∩ other, as subtract(): the other side of the same cut, whose new vertices are the same points.
+Expected<Difference> intersect(const Mesh& minuend, const Mesh& other);
+
 /// mesh ∩ box, closed, by the same corefinement; mm. Positions and triangles only. Empty when they do not meet; a box
 /// that contains the mesh gives it back as it is.
 /// @pre as above. Fails with kGeometry as above, on an open mesh too. Thread: any. About 1 s for 300k triangles.

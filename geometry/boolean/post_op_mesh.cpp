@@ -86,11 +86,6 @@ Crumbs findCrumbs(const Mesh& mesh, const std::vector<std::uint32_t>& from_trian
   return out;
 }
 
-struct Prepared {
-  PostOpMesh result;
-  std::string why_not;  // empty: good
-};
-
 // The source as it is, each vertex and triangle its own origin: there is nothing to remove.
 Difference uncut(const Mesh& source) {
   Difference cut;
@@ -165,25 +160,37 @@ void summarise(const Mesh& source, double source_volume, bool has_added, const T
     report.removed_volume_mm3 = report.source_volume_mm3 - report.result_volume_mm3;
 }
 
-Expected<Prepared> attempt(const Mesh& source, const Mesh& removed, const Mesh& added, double voxel,
-                           const PostOpOptions& options) {
-  Prepared out;
-  PostOpReport& report = out.result.report;
+Expected<internal::FinishedCut> attempt(const Mesh& source, const Mesh& removed, const Mesh& added, double voxel,
+                                        const PostOpOptions& options) {
+  PostOpReport report;
   KERF_TRY(cut, cutAndAdd(source, removed, added, report));
+  const double crumb_mm3 =
+      std::min(options.crumb_voxels * std::pow(voxel, 3), options.crumb_fraction * signedVolume(source));
+  return internal::finishCut(source, std::move(cut), 0.01 * voxel, crumb_mm3, options, report,
+                             !added.triangles.empty());
+}
+
+}  // namespace
+
+Expected<internal::FinishedCut> internal::finishCut(const Mesh& source, Difference cut, double length_mm,
+                                                    double crumb_mm3, const PostOpOptions& options, PostOpReport known,
+                                                    bool has_added) {
+  FinishedCut out;
+  PostOpReport& report = out.result.report;
+  report = known;
   TaggedMesh now{std::move(cut.mesh), cut.from_triangle, {}};
   paint(source, cut, options, now.mesh);
   now.fixed.resize(now.mesh.vertices.size());
   for (std::size_t v = 0; v < now.fixed.size(); ++v) now.fixed[v] = cut.from_vertex[v] != kNoSource;
 
   const double source_volume = signedVolume(source);
-  const double crumb_mm3 = std::min(options.crumb_voxels * std::pow(voxel, 3), options.crumb_fraction * source_volume);
   const Crumbs crumbs = findCrumbs(now.mesh, cut.from_triangle, crumb_mm3);
   report.crumbs_dropped = crumbs.count;
   report.crumbs_volume_mm3 = crumbs.volume;
   report.pieces = crumbs.pieces;
   if (crumbs.count) dropCrumbs(crumbs, now, report);
 
-  KERF_TRY(cleaned, cleanUpForFloat32(now.mesh, now.fixed, &now.tag, 0.01 * voxel));
+  KERF_TRY(cleaned, cleanUpForFloat32(now.mesh, now.fixed, &now.tag, length_mm));
   report.largest_move_mm = cleaned.largest_move_mm;
   if (cleaned.crossings_left > 0)
     out.why_not = fmt::format("{} pairs of triangles cross after rounding to float32", cleaned.crossings_left);
@@ -202,7 +209,7 @@ Expected<Prepared> attempt(const Mesh& source, const Mesh& removed, const Mesh& 
       out.why_not = verdict.reasons.empty() ? "not ready to print" : verdict.reasons.front();
   }
 
-  summarise(source, source_volume, !added.triangles.empty(), now, report);
+  summarise(source, source_volume, has_added, now, report);
   out.result.is_cut.resize(now.mesh.triangles.size());
   for (std::size_t t = 0; t < now.tag.size(); ++t) out.result.is_cut[t] = now.tag[t] == kNoSource;
   report.cut_triangles = static_cast<std::size_t>(std::count(out.result.is_cut.begin(), out.result.is_cut.end(), 1));
@@ -210,8 +217,6 @@ Expected<Prepared> attempt(const Mesh& source, const Mesh& removed, const Mesh& 
   out.result.mesh = std::move(now.mesh);
   return out;
 }
-
-}  // namespace
 
 Expected<PostOpMesh> postOperativeMesh(const Mesh& source, const BrickField& rho, const PostOpOptions& options,
                                        const Progress& progress, const BrickField* added) {

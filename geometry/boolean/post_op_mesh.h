@@ -2,8 +2,12 @@
 // for a printer.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "geometry/base/error.h"
 #include "geometry/base/progress.h"
+#include "geometry/boolean/boolean.h"
 #include "geometry/field/brick_field.h"
 #include "geometry/mesh/mesh.h"
 
@@ -48,4 +52,18 @@ struct PostOpMesh {
 Expected<PostOpMesh> postOperativeMesh(const Mesh& source, const BrickField& rho, const PostOpOptions& options = {},
                                        const Progress& progress = {}, const BrickField* added = nullptr);
 
+namespace internal {
+
+/// What became of a cut, and why it can not be printed; empty: it can.
+struct FinishedCut {
+  PostOpMesh result;
+  std::string why_not;
+};
+/// Paints, drops crumbs, rounds to float32, mends and verifies what a boolean left of `source`.
+/// @param length_mm  of the clean-up: cleanUpForFloat32().   @param crumb_mm3  cut-off parts below it are dropped.
+/// @param report  what is known already; of an added solid `has_added`.   Error kEmpty: nothing is left.
+Expected<FinishedCut> finishCut(const Mesh& source, Difference cut, double length_mm, double crumb_mm3,
+                                const PostOpOptions& options, PostOpReport report = {}, bool has_added = false);
+
+}  // namespace internal
 }  // namespace kerf

@@ -2,10 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <new>
 
 #include "geometry/formats/mesh_formats.h"
 #include "geometry/formats/mesh_source.h"
+#include "geometry/formats/mesh_stream.h"
 
 namespace kerf {
 
@@ -64,7 +67,7 @@ Expected<MeshFile> readSource(const MeshSource& source, const Progress& progress
     if (!row.recognise || !row.recognise(source)) continue;
     Expected<MeshFile> file = row.read(source, progress);
     if (file && file->format.empty()) file->format = row.name;
-    if (file && by_name != &row)
+    if (file && by_name != &row && !source.extension().empty())
       file->notes.emplace_back("The extension \"" + source.extension() +
                                "\" does not fit: by its content the file is " + std::string(row.name) +
                                ", and was read as such.");
@@ -85,6 +88,33 @@ Expected<MeshFile> readSource(const MeshSource& source, const Progress& progress
 }
 
 }  // namespace
+
+Expected<MeshFile> readMeshStream(std::istream& in, const std::string& name) {
+  try {
+    std::string bytes;
+    std::array<char, 1 << 16> part;
+    while (in.read(part.data(), part.size()) || in.gcount() > 0) {
+      bytes.append(part.data(), static_cast<std::size_t>(in.gcount()));
+      if (bytes.size() > kLargestStream)
+        return fail({.code = Error::Code::kUnreadable,
+                     .file = name,
+                     .found = "more than 4 GB",
+                     .expected = "one mesh",
+                     .hint = "a file in its place"});
+    }
+    MeshSource source{name, std::make_unique<char[]>(bytes.size() + 1), bytes.size()};
+    std::copy(bytes.begin(), bytes.end(), source.bytes.get());
+    KERF_TRY(file, readSource(source, {}));
+    KERF_CHECK(refuseFarOff(source, file.mesh));
+    return std::move(file);
+  } catch (const std::bad_alloc&) {
+    return fail({.code = Error::Code::kUnreadable,
+                 .file = name,
+                 .place = "reading",
+                 .found = "the mesh does not fit into memory",
+                 .hint = "reduce the mesh first, or close other programs"});
+  }
+}
 
 Expected<MeshFile> readMesh(const std::filesystem::path& path, const Progress& progress) {
   try {

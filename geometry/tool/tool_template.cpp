@@ -16,18 +16,71 @@ std::string tomlNumber(double value) {
   return text;
 }
 
+std::string row(const std::string& assignment, const std::string& meaning) {
+  return fmt::format("{:<36} # {}\n", assignment, meaning);
+}
+
+// What every tool file begins with.
+std::string head(const std::string& id, const char* name, const char* kind) {
+  return "# Lengths in mm; diameters, never radii. Say here where the numbers come from.\n"
+         "format = \"kerf-tool\"\nversion = 1\n" +
+         row(fmt::format("id = \"{}\"", id), "the file's name without .toml") +
+         fmt::format("name = \"{}\"\ndescription = \"\"\nkind = \"{}\"\n", name, kind);
+}
+
+// What the keys of blades mean, with numbers that make one.
+struct BladeKey {
+  const char* name;
+  double example;
+  double small;  // of a blade that only trembles: its stroke is a tenth of a millimetre
+  const char* meaning;
+};
+constexpr BladeKey kBladeKeys[] = {
+    {"diameter", 22, 22, "of the disc"},
+    {"shank_diameter", 2.35, 2.35, "of the mandrel: it collides, it does not cut"},
+    {"shank_length", 40, 40, "from the disc upwards"},
+    {"width", 5, 4, "teeth to back; of a sagittal blade across"},
+    {"length", 25, 8, "tip to clamp; of a sagittal blade tip to pivot"},
+    {"stroke", 3, 0.1, "to and fro, from end to end"},
+    {"swing", 4, 4, "degrees, from end to end"},
+    {"tooth_pitch", 1, 1, "from tooth to tooth: drawn and heard"},
+    {"edge_depth", 0.5, 0.4, "depth of the part that cuts"},
+};
+
 }  // namespace
+
+std::string bladeTemplate(const BladeMotion& motion, const std::string& id) {
+  std::string text = head(id, motion.form == ToolMotion::kSpin ? "My disc" : "My saw", "blade");
+  text += row(fmt::format("motion = \"{}\"", motion.name), "how it moves");
+  text += row("thickness = 0.4", "of the flanks, without set");
+  text += row("set_per_side = 0.02", "how far teeth stand out to either side");
+  const bool trembles = motion.form == ToolMotion::kStroke && std::string(motion.drive_keys.unit) == "kHz";
+  for (const char* key : motion.keys)
+    for (const BladeKey& known : kBladeKeys)
+      if (std::string(key) == known.name)
+        text += row(fmt::format("{} = {}", key, tomlNumber(trembles ? known.small : known.example)), known.meaning);
+
+  text += "# What drives it; left out: a training default for its motion (kerf tool info shows it).\n";
+  text += row("# [drive]", "at the end of the file");
+  text += row(fmt::format("# {} = ...", motion.drive_keys.speed), motion.drive_keys.unit);
+  text += row(fmt::format("# {} = ...", motion.drive_keys.stall),
+              fmt::format("what stops it, {}", motion.drive_keys.stall_unit));
+  return text;
+}
+
+std::string meshToolTemplate(const std::string& mesh, const std::string& id) {
+  std::string text = head(id, "My mesh tool", "mesh");
+  text += row(fmt::format("mesh = \"{}\"", mesh), "a closed mesh, in the folder of this file");
+  text += row("mm_per_unit = 1.0", "25.4 of a file in inches, 1000 in metres");
+  text += row("tip = [0.0, 0.0, 0.0]", "the lowest point along the axis, in the mesh's own coordinates");
+  text += row("axis = [0.0, 0.0, 1.0]", "from the tip to the shank: about it the tool turns");
+  text += row("cut_below = 4.0", "mm above the tip: up to there it cuts, above it collides");
+  return text;
+}
 
 std::string toolTemplate(const HeadShape& shape, const std::string& id) {
   constexpr double kDiameter = 1.6, kOverall = 19, kShank = 1.6;
-  const auto row = [](const std::string& assignment, const std::string& meaning) {
-    return fmt::format("{:<36} # {}\n", assignment, meaning);
-  };
-
-  std::string text = "# Lengths in mm; diameters, never radii. Say here where the numbers come from.\n";
-  text += "format = \"kerf-tool\"\nversion = 1\n";
-  text += row(fmt::format("id = \"{}\"", id), "the file's name without .toml");
-  text += "name = \"My bur\"\ndescription = \"\"\nkind = \"bur\"\n";
+  std::string text = head(id, "My bur", "bur");
   text += row(fmt::format("shape = \"{}\"", shape.name), shape.outline);
 
   HeadNumbers numbers;
@@ -56,9 +109,9 @@ std::string toolTemplate(const HeadShape& shape, const std::string& id) {
     numbers.profile = {{0, 0.6, 0}, {0.5, 1.6, 0.5}, {3, 1.6, 0}, {4, 1.0, -1.0}};
   }
 
-  const auto head = shape.build(numbers);  // the table's examples make heads: tested for every shape
-  const double length = head ? head->highest() : 0;
-  const double top = head ? head->clipped(0.95 * length, length).largestRadius() : 0;
+  const auto built = shape.build(numbers);  // the table's examples make heads: tested for every shape
+  const double length = built ? built->highest() : 0;
+  const double top = built ? built->clipped(0.95 * length, length).largestRadius() : 0;
   const double neck = std::clamp(std::floor(16 * top) / 10, 0.5, 1.2);
 
   text += row("# cuts = [\"end\"]", "[\"side\"] or [\"end\"] when not all of the head cuts ...");

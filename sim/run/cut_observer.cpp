@@ -20,7 +20,6 @@ namespace kerf::internal {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr const char* kForces = "forces.csv";
 constexpr const char* kSound = "sound.wav";
 constexpr std::uint32_t kSoundRate = 48'000;
 
@@ -75,9 +74,26 @@ double overlapOf(const BakedObject& a, const BakedObject& b) {
 
 class MonitorObserver final : public CutObserver {
  public:
-  MonitorObserver(const CutScene& scene, Monitor monitor) : scene_(scene), monitor_(std::move(monitor)) {}
+  MonitorObserver(const CutScene& scene, Monitor monitor)
+      : scene_(scene),
+        monitor_(std::move(monitor)),
+        hottest_(monitor_.hottest()),
+        least_(monitor_.structures().size()) {}
   const Monitor& monitor() const { return monitor_; }
-  void tick(const CutTick& tick) override { monitor_.tick(tick.sample, tick.output, tick.objects); }
+  void tick(const CutTick& tick) override {
+    monitor_.tick(tick.sample, tick.output, tick.objects);
+
+    const double now = static_cast<double>(tick.ticks) * kTick;
+    if (monitor_.hottest() > hottest_) {
+      hottest_ = monitor_.hottest();
+      hottest_s_ = now;
+    }
+    for (std::size_t n = 0; n < monitor_.structures().size(); ++n) {
+      const double least = monitor_.structures()[n].least;
+      if (!(least < least_[n].value)) continue;
+      least_[n] = {least, now};
+    }
+  }
 
   void addTo(HapticSummary& summary, std::span<const CutObject> objects) const override {
     summary.hottest_c = monitor_.hottest();
@@ -85,8 +101,13 @@ class MonitorObserver final : public CutObserver {
     summary.nerve_rise = monitor_.mostNerveRise();
     summary.bone_limit_s = monitor_.alarms().bone_warm;
     summary.pulp_limit_s = monitor_.alarms().pulp;
-    for (const Monitor::Structure& structure : monitor_.structures()) {
-      if (structure.least < 1e8) summary.least_distance_mm[structure.id] = structure.least;
+    summary.hottest_s = hottest_s_;
+    for (std::size_t n = 0; n < least_.size(); ++n) {
+      const Monitor::Structure& structure = monitor_.structures()[n];
+      if (structure.least < kNever) {
+        summary.least_distance_mm[structure.id] = structure.least;
+        summary.least_distance_s[structure.id] = least_[n].at_s;
+      }
       if (structure.object > 0) summary.beside.push_back(neighbour(structure, objects[structure.object]));
     }
   }
@@ -107,8 +128,15 @@ class MonitorObserver final : public CutObserver {
     return out;
   }
 
+  static constexpr double kNever = 1e8;  // mm; Monitor::Structure::least begins above
+  struct Least {
+    double value = kNever, at_s = 0;
+  };
+
   const CutScene& scene_;
   Monitor monitor_;
+  double hottest_, hottest_s_ = 0;
+  std::vector<Least> least_;  // of the monitor's structures
 };
 
 // ---- Forces, loads and speeds of the summary
@@ -128,7 +156,10 @@ class LoadStatistics final : public CutObserver {
       contact_sum_ += contact;
       load_sum_ += out.normal_load;
     }
-    sum_.peak_contact_force = std::max(sum_.peak_contact_force, contact);
+    if (contact > sum_.peak_contact_force) {
+      sum_.peak_contact_force = contact;
+      sum_.peak_contact_force_s = static_cast<double>(tick.ticks) * kTick;
+    }
     sum_.peak_hand_force = std::max(sum_.peak_hand_force, out.force.force.norm());
 
     const double nominal = std::abs(tick.sample.pedal) * nominal_speed_;
@@ -148,6 +179,7 @@ class LoadStatistics final : public CutObserver {
   void addTo(HapticSummary& summary, std::span<const CutObject>) const override {
     summary.work = sum_.work;
     summary.peak_contact_force = sum_.peak_contact_force;
+    summary.peak_contact_force_s = sum_.peak_contact_force_s;
     summary.peak_hand_force = sum_.peak_hand_force;
     summary.least_speed = sum_.least_speed;
     summary.stalled_s = static_cast<double>(ticks_stalled_) * kTick;
@@ -227,15 +259,17 @@ class PathDeviation final : public CutObserver {
 class ForcesTable final : public CutObserver {
  public:
   /// @param monitor  told of each tick before this; kept by reference.
-  /// @param felt  how the tool is felt.
+  /// @param felt  how the tool is felt.   @param motion  of the tool: what its speed and load are counted in.
   ForcesTable(const fs::path& staging, fs::path run_folder, const Monitor& monitor, const FeltSource& felt,
-              std::size_t objects)
-      : out_(staging / kForces, std::ios::binary),
+              std::size_t objects, ToolMotion motion)
+      : out_(staging / kRunForces, std::ios::binary),
         run_folder_(std::move(run_folder)),
         monitor_(monitor),
         vibration_(felt, 1 / kTick) {
     out_ << "t_s,x_mm,y_mm,z_mm,contact_x_N,contact_y_N,contact_z_N,hand_x_N,hand_y_N,hand_z_N,normal_load_N,"
-            "overlap_mm,removed_mm3,added_mm3,speed,drive_load,touching,temperature_C,vibration_N";
+            "overlap_mm,removed_mm3,added_mm3,"
+         << (motion == ToolMotion::kStroke ? "speed_mm_per_s,drive_load_N" : "speed_rad_per_s,drive_load_Nmm")
+         << ",touching_nodes,temperature_C,vibration_N";
     for (const Monitor::Structure& structure : monitor_.structures()) out_ << "," << structure.id << "_mm";
     for (std::size_t n = 1; n < objects; ++n) out_ << "," << neighbourId(n) << "_removed_mm3";
     out_ << "\n";
@@ -262,7 +296,7 @@ class ForcesTable final : public CutObserver {
     if (out_) return {};
     return fail({.code = Error::Code::kWriteFailed,
                  .file = run_folder_.string(),
-                 .place = kForces,
+                 .place = kRunForces,
                  .found = "could not be written",
                  .expected = "a writable place with room",
                  .hint = "free some space"});
@@ -310,7 +344,7 @@ Expected<CutObservers> CutObservers::make(const CutScene& scene, const HapticCut
   out.add<LoadStatistics>(tool.drive.speed);
   out.add<PathDeviation>(scene.inputs.path);
   out.add<ForcesTable>(staging, run_folder, watch.monitor(), feltSource(scene.inputs.tool, tool.drive),
-                       scene.objects.size());
+                       scene.objects.size(), motionOf(scene.inputs.tool));
   if (options.with_sound) out.add<SoundFile>(staging, vibrationSource(scene.inputs.tool, tool.drive));
   return out;
 }

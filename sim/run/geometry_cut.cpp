@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "geometry/base/atomic_file.h"
 #include "geometry/case/case_bundle.h"
@@ -47,6 +48,7 @@ struct Swept {
   std::unique_ptr<SweepCutter> cutter;
   double beyond_region_mm = 0;  // RunManifest::beyond_region_mm
   std::map<std::string, double> removed_by_material;
+  internal::PieceCount left;
 };
 
 // Sweeps the tool along the path through `swept.phi0`.   @param from, to  of the progress.
@@ -83,6 +85,7 @@ Expected<Swept> sweepCase(const fs::path& case_folder, const CaseManifest& in_ca
   KERF_CHECK(sweepAlong(out, tool, path, 0.1, in_case.region ? 0.25 : 0.9, progress));
   KERF_TRY(removed, removedByMaterial(case_folder, in_case, out));
   out.removed_by_material = removed;
+  out.left = internal::countPieces(*out.phi0, out.cutter->cutField());
   if (!in_case.region) return out;
 
   const FineRegion& region = in_case.region->where;
@@ -96,6 +99,24 @@ Expected<Swept> sweepCase(const fs::path& case_folder, const CaseManifest& in_ca
   out.phi0 = std::make_unique<BrickField>(std::move(fine));
   KERF_CHECK(sweepAlong(out, tool, path, 0.25, 0.9, progress));
   return out;
+}
+
+// What no other file of the run says: volumes, and what the object is in now.
+Expected<void> writeSummary(const fs::path& file, const CaseManifest& in_case, const Swept& swept) {
+  double initial = 0, removed = 0;
+  nlohmann::json loaded = nlohmann::json::object();
+  for (const CaseMaterial& material : in_case.materials) {
+    loaded[material.id] = material.volume_mm3;
+    initial += material.volume_mm3;
+  }
+  for (const auto& [id, volume] : swept.removed_by_material) removed += volume;
+  KERF_TRY(out, AtomicFile::create(file));
+  out.stream() << nlohmann::json{{"initial_mm3", initial},      {"initial_by_material_mm3", loaded},
+                                 {"removed_mm3", removed},      {"removed_by_material_mm3", swept.removed_by_material},
+                                 {"pieces", swept.left.pieces}, {"crumbs", swept.left.crumbs}}
+                      .dump(2)
+               << "\n";
+  return out.commit();
 }
 
 }  // namespace
@@ -138,6 +159,7 @@ Expected<RunManifest> cutCase(const fs::path& case_folder, const fs::path& tool_
   if (!report(progress, 0.92, "writing")) return nothingWritten();
   KERF_CHECK(
       writeVdb(staging.staging() / internal::kRunField, {{"sweep", &sweep}, {"phi", &cut}}, {{"case_id", m.case_id}}));
+  KERF_CHECK(writeSummary(staging.staging() / internal::kRunSummary, in_case, swept));
   KERF_CHECK(internal::finishRun(staging.staging(), tool, tool_file, path_file, m));
   KERF_CHECK(staging.commit());
   report(progress, 1.0, "done");

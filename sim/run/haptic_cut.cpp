@@ -11,7 +11,6 @@
 #include "sim/hand/device_profile.h"
 #include "sim/monitor/monitor.h"
 #include "sim/pieces/joined_field.h"
-#include "sim/pieces/pieces.h"
 #include "sim/run/cut_observer.h"
 #include "sim/run/cut_scene.h"
 #include "sim/run/removed_volumes.h"
@@ -29,7 +28,6 @@ using internal::CutObservers;
 using internal::CutScene;
 using internal::nothingWritten;
 
-constexpr const char* kSummary = "summary.json";
 constexpr std::uint64_t kSnapshotTicks = 10'000;  // between two snapshots in the log, at least
 
 DeviceProfile profileOf(const DeviceHand::Options& device) {
@@ -175,16 +173,6 @@ Expected<std::vector<BrickField>> changedFields(const Session& session, const Cu
                .hint = "check the path's frame and unit, the spindle and the force"});
 }
 
-void countPieces(const BakedObject& baked, const BrickField& changed, HapticSummary& summary) {
-  PieceFinder finder(baked.phi0());
-  std::vector<BrickEdit> edits(changed.brickCount());
-  for (std::size_t b = 0; b < edits.size(); ++b) edits[b] = {changed.brickCoord(b), changed.brick(b)};
-  finder.apply(edits);
-  const PieceList& pieces = finder.find();
-  summary.pieces = pieces.pieces.size();
-  summary.crumbs = pieces.crumbs.size();
-}
-
 // What the path asks for: the cutting part swept along it, without resistance; and what of that was removed.
 Expected<void> compareWithPath(const CutScene& scene, const BrickField& changed, HapticSummary& summary,
                                const Progress& progress) {
@@ -218,6 +206,7 @@ HapticSummary summarise(const Session& session, const CutScene& scene, const Sim
   if (settings.rendering == Rendering::kCoupled) out.coupling = settings.coupling.stiffness;
 
   out.initial_mm3 = internal::sumOf(scene.object().volumes());
+  out.initial_by_material = internal::byMaterial(scene.object().volumes(), scene.materials);
   out.remaining_mm3 = internal::sumOf(object.bricks().countVolumes());
   out.removed_mm3 = simulated.removed_mm3;
   out.added_mm3 = simulated.added_mm3;
@@ -226,7 +215,9 @@ HapticSummary summarise(const Session& session, const CutScene& scene, const Sim
   out.state_hash = fmt::format("{:016x}", session.hash());
 
   observers.addTo(out, session.state().objects);
-  countPieces(scene.object(), changed, out);
+  const internal::PieceCount count = internal::countPieces(scene.object().phi0(), changed);
+  out.pieces = count.pieces;
+  out.crumbs = count.crumbs;
   return out;
 }
 
@@ -257,13 +248,13 @@ Expected<void> writeRun(const fs::path& staging, const fs::path& run_folder, con
   for (std::size_t n = 1; n < changed.size(); ++n) fields.push_back({neighbourId(n), &changed[n]});
   KERF_CHECK(writeVdb(staging / internal::kRunField, fields, {{"case_id", cut.manifest.case_id}}));
 
-  std::ofstream summary(staging / kSummary, std::ios::binary);
+  std::ofstream summary(staging / internal::kRunSummary, std::ios::binary);
   summary << toJson(cut.summary) << "\n";
   summary.close();
   if (!summary)
     return fail({.code = Error::Code::kWriteFailed,
                  .file = run_folder.string(),
-                 .place = kSummary,
+                 .place = internal::kRunSummary,
                  .found = "could not be written",
                  .expected = "a writable place with room",
                  .hint = "free some space"});

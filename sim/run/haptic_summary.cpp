@@ -21,6 +21,9 @@ nlohmann::json jsonOf(const HapticSummary::Neighbour& n) {
   return j;
 }
 
+// null: never.
+nlohmann::json firstTime(double at_s) { return at_s < 0 ? nlohmann::json() : nlohmann::json(at_s); }
+
 }  // namespace
 
 std::string toJson(const HapticSummary& s) {
@@ -39,6 +42,7 @@ std::string toJson(const HapticSummary& s) {
                    {"seconds_in_contact", s.seconds_in_contact},
                    {"mean_contact_force_N", s.mean_contact_force},
                    {"peak_contact_force_N", s.peak_contact_force},
+                   {"peak_contact_force_at_s", s.peak_contact_force_s},
                    {"mean_normal_load_N", s.mean_normal_load},
                    {"peak_hand_force_N", s.peak_hand_force},
                    {"work_mJ", s.work},
@@ -49,19 +53,22 @@ std::string toJson(const HapticSummary& s) {
                    {"ticks_clamped", s.clamped},
                    {"ticks_clipped", s.clipped},
                    {"hottest_C", s.hottest_c},
+                   {"hottest_at_s", s.hottest_s},
                    {"pulp_rise_K", s.pulp_rise},
                    {"nerve_rise_K", s.nerve_rise},
-                   {"bone_limit_at_s", s.bone_limit_s},
-                   {"pulp_limit_at_s", s.pulp_limit_s},
+                   {"bone_limit_at_s", firstTime(s.bone_limit_s)},
+                   {"pulp_limit_at_s", firstTime(s.pulp_limit_s)},
                    {"pieces", s.pieces},
                    {"crumbs", s.crumbs},
                    {"state_hash", s.state_hash}};
   if (s.coupling > 0) j["coupling_N_per_mm"] = s.coupling;
   if (!s.coupling_text.empty()) j["coupling"] = s.coupling_text;
+  for (const auto& [id, volume] : s.initial_by_material) j["initial_by_material_mm3"][id] = volume;
   for (const auto& [id, volume] : s.removed_by_material) j["removed_by_material_mm3"][id] = volume;
   for (const auto& [id, volume] : s.planned_by_material) j["planned_by_material_mm3"][id] = volume;
   for (const auto& [id, volume] : s.added_by_material) j["added_by_material_mm3"][id] = volume;
   for (const auto& [id, distance] : s.least_distance_mm) j["least_distance_mm"][id] = distance;
+  for (const auto& [id, at_s] : s.least_distance_s) j["least_distance_at_s"][id] = at_s;
   for (const HapticSummary::Neighbour& n : s.beside) j["beside"].push_back(jsonOf(n));
   return j.dump(2);
 }

@@ -22,6 +22,7 @@ struct HapticSummary {
   std::string coupling_text;  ///< of a device: the same in words, and why it is no stiffer
 
   double removed_mm3 = 0, remaining_mm3 = 0, initial_mm3 = 0;
+  std::map<std::string, double> initial_by_material;  ///< by id
   double added_mm3 = 0;
   /// What the path asks for: the tool swept along it without resistance, on the same voxels. 0 when material is added.
   double planned_mm3 = 0;
@@ -34,6 +35,7 @@ struct HapticSummary {
   std::map<std::string, double> added_by_material;
 
   double mean_contact_force = 0, peak_contact_force = 0;  ///< mean over ticks in contact
+  double peak_contact_force_s = 0;                        ///< when
   double mean_normal_load = 0, peak_hand_force = 0;
   double seconds_in_contact = 0;
   double work = 0;         ///< of the drive into the tissue, N mm
@@ -41,11 +43,11 @@ struct HapticSummary {
   double stalled_s = 0;    ///< how long it stood still, or nearly (2 % of the nominal), after it had come up to speed
   std::uint64_t too_fast = 0, out_of_bricks = 0, clamped = 0, clipped = 0;  ///< ticks with that status
 
-  double hottest_c = 37;                        ///< under the tool, C
+  double hottest_c = 37, hottest_s = 0;         ///< under the tool, C, and when
   double pulp_rise = 0, nerve_rise = 0;         ///< most, K
   double bone_limit_s = -1, pulp_limit_s = -1;  ///< when 47 C and +5.5 K were first passed, s; < 0: never
   /// From what cuts of the tool to pulp, nerve canal and the cases beside ("beside_1"), if it came near; < 0: in it.
-  std::map<std::string, double> least_distance_mm;
+  std::map<std::string, double> least_distance_mm, least_distance_s;  ///< and when
 
   /// A further case of the scene.
   struct Neighbour {

@@ -166,6 +166,20 @@ Expected<std::vector<PlacedPiece>> placedPieces(const Mesh& mesh, std::span<cons
   return out;
 }
 
+std::vector<PlacedPiece> solidPieces(const Mesh& mesh) {
+  const Solids solids = solidsOf(mesh);
+  std::vector<PlacedPiece> out;
+  for (std::uint32_t n = 0; n < solids.count; ++n) {
+    std::vector<char> is_kept(mesh.triangles.size());
+    for (std::size_t t = 0; t < is_kept.size(); ++t) is_kept[t] = solids.label[t] == n;
+    out.push_back({0, "", false, subset(mesh, is_kept)});
+  }
+  std::stable_sort(out.begin(), out.end(),
+                   [](const auto& a, const auto& b) { return signedVolume(a.mesh) > signedVolume(b.mesh); });
+  for (std::size_t n = 0; n < out.size(); ++n) out[n].name = fmt::format("piece {}", n + 1);
+  return out;
+}
+
 std::vector<std::filesystem::path> filesOfPieces(const std::filesystem::path& file,
                                                  std::span<const PlacedPiece> pieces) {
   constexpr std::size_t kMostLetters = 60;

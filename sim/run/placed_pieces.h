@@ -35,6 +35,10 @@ struct PlacedPiece {
 Expected<std::vector<PlacedPiece>> placedPieces(const Mesh& mesh, std::span<const RunManifest::Piece> pieces,
                                                 bool is_put_back = false);
 
+/// The solids of a mesh as pieces, the largest first: "piece 1", "piece 2", ... Of a cut that no session has divided.
+/// @cost  as solidsOf().
+std::vector<PlacedPiece> solidPieces(const Mesh& mesh);
+
 /// A file for each: NAME-PIECE.stl of NAME.stl; what a file name should not hold becomes "-", a long name is cut, and
 /// what would be the same file, also where capitals do not count, gets a number.
 std::vector<std::filesystem::path> filesOfPieces(const std::filesystem::path& file,

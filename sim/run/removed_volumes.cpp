@@ -6,6 +6,7 @@
 
 #include "sim/object/baked_object.h"
 #include "sim/object/node_volumes.h"
+#include "sim/pieces/pieces.h"
 
 namespace kerf::internal {
 namespace {
@@ -88,6 +89,15 @@ double commonVolume(const BrickField& phi0, const BrickField& one, const BrickFi
   }
   const VolumeByNumber volumes = removedVolumes(phi0, both, [](const Vec3i&, auto out) { std::ranges::fill(out, 0); });
   return volumes[0];
+}
+
+PieceCount countPieces(const BrickField& phi0, const BrickField& cut) {
+  PieceFinder finder(phi0);
+  std::vector<BrickEdit> edits(cut.brickCount());
+  for (std::size_t b = 0; b < edits.size(); ++b) edits[b] = {cut.brickCoord(b), cut.brick(b)};
+  finder.apply(edits);
+  const PieceList& found = finder.find();
+  return {found.pieces.size(), found.crumbs.size()};
 }
 
 VolumeByNumber removedVolumes(const BrickField& phi0, const BrickField& cut, const MaterialsOf& materials) {

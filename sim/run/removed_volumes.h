@@ -1,4 +1,4 @@
-// What a cut field takes off an object, tissue by tissue.
+// What a cut field takes off an object, tissue by tissue, and in how many pieces it leaves it.
 #pragma once
 
 #include <functional>
@@ -20,6 +20,12 @@ VolumeByNumber removedVolumes(const BrickField& phi0, const BrickField& cut, con
 
 /// mm^3 that two cuts of one object both take off: those of the lesser of the two, node by node.
 double commonVolume(const BrickField& phi0, const BrickField& one, const BrickField& other);
+
+struct PieceCount {
+  std::size_t pieces = 0, crumbs = 0;  ///< crumbs: parts below 0.1 mm^3
+};
+/// What the object is in.   @param cut  the bricks that differ.
+PieceCount countPieces(const BrickField& phi0, const BrickField& cut);
 
 /// Of a case: a node without a label is of the fallback, as loadObject() has it.
 MaterialsOf materialsOf(const MaterialField& materials, Material fallback);

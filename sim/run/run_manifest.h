@@ -80,7 +80,7 @@ struct RunManifest {
   /// Not stored. A cut that left the case's fine region was computed on the object's own voxels: so far, in mm, it
   /// reaches out of the region. 0: there is no region, or the cut stayed inside.
   double beyond_region_mm = 0;
-  /// Not stored. What a geometry cut took off, by a material's id, counted on the object's own voxels.
+  /// In summary.json. What a geometry cut took off, by a material's id, counted on the object's own voxels.
   std::map<std::string, double> removed_by_material;
 };
 

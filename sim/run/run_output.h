@@ -14,6 +14,8 @@ inline constexpr const char* kRunToolCopy = "tool.toml";
 inline constexpr const char* kRunField = "run.vdb";
 inline constexpr const char* kRunBegin = "begin.vdb";
 inline constexpr const char* kRunLog = "session.kerflog";
+inline constexpr const char* kRunForces = "forces.csv";
+inline constexpr const char* kRunSummary = "summary.json";
 
 /// Key in the session log's header that names the id of the n-th case beside the one that was cut.
 std::string neighbourKey(std::size_t beside);

@@ -213,6 +213,10 @@ Expected<std::vector<std::string>> wordsOfLine(const std::string& line) {
   return out;
 }
 
+Expected<void> waitUntilSettled(AppContext& context, const std::function<void()>& frame) {
+  return wait(context, {}, frame);
+}
+
 Expected<void> runScript(AppContext& context, const fs::path& script, const std::function<void()>& frame) {
   std::error_code ignored;
   std::ifstream in;

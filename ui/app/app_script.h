@@ -24,4 +24,7 @@ Expected<std::vector<std::string>> wordsOfLine(const std::string& line);
 /// The first error ends it, and names the line.   @param frame  is called about 60 times a second while it waits.
 Expected<void> runScript(AppContext& context, const std::filesystem::path& script, const std::function<void()>& frame);
 
+/// What `wait` does: until no job runs, no plane is sawn, and a replay has come where it was sent.
+Expected<void> waitUntilSettled(AppContext& context, const std::function<void()>& frame);
+
 }  // namespace kerf

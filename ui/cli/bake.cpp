@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <memory>
@@ -13,6 +12,7 @@
 #include "preprocess/bake/case_recipe.h"
 #include "preprocess/unit/unit.h"
 #include "sim/hand/path.h"
+#include "ui/app/plane_words.h"
 #include "ui/cli/command.h"
 
 namespace kerf::cli {
@@ -105,33 +105,15 @@ Expected<void> readClose(const std::string& text, CloseOptions& options) {
 
 /// NX,NY,NZ or NX,NY,NZ@PX,PY,PZ.
 Expected<GivenPlane> plane(const std::string& text) {
-  const auto wrong = [&](const char* why) {
+  const auto given = normalAndPointOfWord(text);
+  if (!given)
     return fail({.code = Error::Code::kBadValue,
                  .place = "--occlusal-plane",
                  .found = "\"" + text + "\"",
-                 .expected = why,
+                 .expected = "auto, or three numbers with commas: a normal, not of length 0; after @ a point on the "
+                             "plane, mm",
                  .hint = "auto, 0,0,1 or 0.1,0,0.99@0,0,12.5"});
-  };
-  const auto vector = [](const std::string& s) -> std::optional<Vec3d> {
-    Vec3d v;
-    const char *at = s.data(), *end = s.data() + s.size();
-    for (int k = 0; k < 3; ++k) {
-      const auto [next, error] = std::from_chars(at, end, v[k]);
-      if (error != std::errc() || !std::isfinite(v[k]) || (k < 2 ? next == end || *next != ',' : next != end))
-        return {};
-      at = next + 1;
-    }
-    return v;
-  };
-
-  const std::size_t at = text.find('@');
-  const auto normal = vector(text.substr(0, at));
-  if (!normal || !(normal->norm() > 0)) return wrong("auto, or three numbers with commas: a normal, not of length 0");
-  GivenPlane given{*normal, {}};
-  if (at == std::string::npos) return given;
-  given.point = vector(text.substr(at + 1));
-  if (!given.point) return wrong("after @ a point on the plane: three numbers with commas, mm");
-  return given;
+  return GivenPlane{given->normal, given->point};
 }
 
 nlohmann::json jsonOf(const CaseManifest& m) {

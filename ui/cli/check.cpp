@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iostream>
 #include <memory>
 
 #include "geometry/formats/mesh_formats.h"
 #include "geometry/formats/mesh_io.h"
+#include "geometry/formats/mesh_stream.h"
 #include "ui/cli/command.h"
 
 namespace kerf::cli {
@@ -19,9 +21,14 @@ struct Arguments {
   bool json = false;
 };
 
+// "-" is standard input.
+Expected<MeshFile> read(const std::string& name) {
+  return name == "-" ? readMeshStream(std::cin, "standard input") : readMesh(name);
+}
+
 // One mesh alone: its verdict as it is.
 int runOne(const Arguments& a) {
-  const auto file = readMesh(a.meshes.front());
+  const auto file = read(a.meshes.front());
   if (!file) return complain(file.error());
   const MeshReport report = checkMesh(file->mesh);
   fmt::print("{}", a.json ? toJson(report) + "\n" : describe(report));
@@ -34,7 +41,7 @@ int runAll(const Arguments& a) {
   std::size_t ready = 0;
   int code = kOk;
   for (const std::string& name : a.meshes) {
-    const auto file = readMesh(name);
+    const auto file = read(name);
     if (!file) {
       code = complain(file.error());
       rows.push_back({{"file", name}, {"error", file.error().message()}});
@@ -58,8 +65,12 @@ int runAll(const Arguments& a) {
 
 void addCheck(CLI::App& command, int& exit_code) {
   auto a = std::make_shared<Arguments>();
-  command.footer("Example: kerf check molar.stl --json\n         kerf check patient/*.stl");
-  command.add_option("MESH", a->meshes, readableFormats() + "; judged in its own unit; several: each in turn")
+  command.footer(
+      "Example: kerf check molar.stl --json\n         kerf check patient/*.stl\n         zcat molar.stl.gz | kerf "
+      "check -");
+  command
+      .add_option("MESH", a->meshes,
+                  readableFormats() + "; judged in its own unit; several: each in turn; -: from standard input")
       ->required();
   command.add_flag("--json", a->json, "verdict as JSON on standard output; of several meshes a list, with their files");
   command.callback([a, &exit_code] { exit_code = a->meshes.size() == 1 ? runOne(*a) : runAll(*a); });

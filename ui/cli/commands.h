@@ -12,7 +12,7 @@ namespace kerf::cli {
 using AddOptions = void(CLI::App& command, int& exit_code);
 
 AddOptions addBake, addBench, addCheck, addCut, addDemo, addDemoMolar, addDevices, addExport, addInfo, addLive, addPick,
-    addRecover, addReplay, addTool;
+    addPlot, addRecover, addReplay, addTool, addTrim;
 
 struct CommandRow {
   const char* name;     ///< as typed
@@ -33,9 +33,12 @@ inline constexpr CommandRow kCommands[] = {
     {"replay", "Replay the session of a run and compare state and force, bit for bit", addReplay, kWorkflow},
     {"recover", "Finish a session of the window whose program was killed, from its log", addRecover, kWorkflow},
     {"export", "Write the post-operative mesh of a run, or the closed solid of a case", addExport, kWorkflow},
+    {"trim", "Cut a solid by planes into two, or a die out of a model, closed by flat faces", addTrim, kWorkflow},
     {"check", "Say whether a mesh is ready to print, and if not, why (exit 0 yes, 1 no)", addCheck, kInspect},
     {"info", "Describe a mesh, a label volume, a case, a run or a tool", addInfo, kInspect},
     {"pick", "Say what is at a place of a view: the point in mm, normal, tissue, thickness", addPick, kInspect},
+    {"plot", "Draw a run over time: force, load, speed, temperature, distance, removed volume, as SVG", addPlot,
+     kInspect},
     {"devices", "List, try and record devices that are plugged in; say which coupling one can hold", addDevices,
      kInspect},
     {"tool", "List, check, draw, start and bake tools", addTool, kInspect},

@@ -62,7 +62,9 @@ Expected<std::vector<Output>> outputsOf(const Arguments& a, const Export& result
     return out;
   }
 
-  KERF_TRY(pieces, placedPieces(result.post_op.mesh, result.pieces, a.is_put_back));
+  auto placed = result.pieces.empty() ? Expected<std::vector<PlacedPiece>>(solidPieces(result.post_op.mesh))
+                                      : placedPieces(result.post_op.mesh, result.pieces, a.is_put_back);
+  KERF_TRY(pieces, std::move(placed));
   bool is_found = a.piece.empty() || a.piece == "all";
   const auto chosen = chosenPiece(a.piece, pieces);
   for (const std::string& path : a.outputs) {
@@ -215,7 +217,8 @@ void addExport(CLI::App& command, int& exit_code) {
       ->check(CLI::PositiveNumber);
   command
       .add_option("--piece", a->piece,
-                  "of a session whose object came apart: a piece, by number or name; all: a file each, NAME-PIECE.stl")
+                  "of an object that came apart: a piece, by number (of a session also by name); all: a file each, "
+                  "NAME-PIECE.stl, in the folder of NAME.stl")
       ->type_name("N|NAME|all");
   command.add_flag("--put-back", a->is_put_back, "pieces where they were in the scan, not where they were moved to");
   command.add_flag("--json", a->json, "summary as JSON on standard output");

@@ -10,8 +10,9 @@
 #include "geometry/tool/tool_file.h"
 #include "preprocess/unit/unit.h"
 #include "preprocess/volume/label_volume.h"
-#include "sim/run/run_manifest.h"
+#include "sim/run/run_report.h"
 #include "ui/cli/command.h"
+#include "ui/cli/run_info.h"
 
 namespace kerf::cli {
 namespace {
@@ -102,38 +103,6 @@ Expected<json> caseInfo(const fs::path& folder) {
   return j;
 }
 
-Expected<json> runInfo(const fs::path& folder) {
-  KERF_TRY(m, readRunManifest(folder));
-  json j{{"kind", "run"},          {"case_path", m.case_path},   {"case_id", m.case_id},
-         {"mode", m.mode},         {"tool", m.tool_id},          {"duration_s", m.duration_s},
-         {"voxel_mm", m.voxel_mm}, {"state_hash", m.state_hash}, {"kerf_version", m.kerf_version}};
-  if (m.mode == kModeSession) {
-    j["is_open"] = m.is_open;
-  } else {
-    j["segments"] = m.segments;
-    j["path_length_mm"] = m.path_length_mm;
-  }
-  if (!m.begin_sha256.empty()) j["goes_on_from_field_sha256"] = m.begin_sha256;
-  for (const RunManifest::Piece& p : m.pieces) {
-    const Vec3d& t = p.T_case_piece.translation;
-    const Eigen::Quaterniond& q = p.T_case_piece.rotation;
-    j["pieces"].push_back({{"name", p.name},
-                           {"volume_mm3", p.volume_mm3},
-                           {"is_moved", p.isMoved()},
-                           {"translation_mm", {t[0], t[1], t[2]}},
-                           {"rotation_wxyz", {q.w(), q.x(), q.y(), q.z()}}});
-  }
-  for (const RunManifest::Beside& other : m.beside) {
-    json row{{"case_path", other.case_path},
-             {"case_id", other.case_id},
-             {"voxel_mm", other.voxel_mm},
-             {"removed_mm3", other.removed_mm3}};
-    if (!other.name.empty()) row["name"] = other.name;
-    j["beside"].push_back(std::move(row));
-  }
-  return j;
-}
-
 Expected<json> toolInfo(const fs::path& file) {
   KERF_TRY(tool, readTool(file));
   json j = json::parse(toJson(tool));
@@ -167,7 +136,6 @@ Expected<json> infoOf(const std::string& what) {
   const fs::path path = what;
   std::error_code ignored;
   if (isCase(path)) return caseInfo(path);
-  if (isRun(path)) return runInfo(path);
 
   if (isLabelVolume(path)) {
     const auto volume = readLabelVolume(path);
@@ -215,10 +183,41 @@ void print(const json& j, int depth) {
 
 struct Arguments {
   std::string what;
-  bool json = false;
+  bool json = false, replays = false;
 };
 
+// What is said for people of a run comes first; of the rest what is not in there.
+void printRun(const RunReport& report, const json& j) {
+  fmt::print("{}\n", runText(report));
+  json rest = json::object();
+  for (const char* key : {"case_path", "case_id", "mode", "is_open", "duration_s", "segments", "path_length_mm",
+                          "voxel_mm", "state_hash", "kerf_version", "goes_on_from_field_sha256", "pieces", "beside"})
+    if (j.contains(key)) rest[key] = j[key];
+  print(rest, 0);
+}
+
+int runOfRun(const Arguments& a) {
+  const auto report = [&] {
+    TerminalProgress progress;
+    return readRunReport(a.what, a.replays, progress.callback());
+  }();
+  if (!report) return complain(report.error());
+  const json j = runJson(*report);
+  if (a.json)
+    printJson(j);
+  else
+    printRun(*report, j);
+  return kOk;
+}
+
 int run(const Arguments& a) {
+  if (isRun(a.what)) return runOfRun(a);
+  if (a.replays)
+    return complainOfUsage({.code = Error::Code::kBadValue,
+                            .place = "--replay",
+                            .found = "\"" + a.what + "\", which is no run",
+                            .expected = "a run folder",
+                            .hint = "leave --replay out"});
   const auto info = infoOf(a.what);
   if (!info) return complain(info.error());
   if (a.json)
@@ -238,6 +237,10 @@ void addInfo(CLI::App& command, int& exit_code) {
                   "mesh file, label volume (file or folder of slices), case folder, run folder, tool file or tool id")
       ->required();
   command.add_flag("--json", a->json, "as JSON on standard output");
+  command.add_flag(
+      "--replay", a->replays,
+      "of a session: replay its log for force, temperature and distances, which no file of it keeps; takes "
+      "about a quarter of its time");
   command.callback([a, &exit_code] { exit_code = run(*a); });
 }
 

@@ -1,15 +1,19 @@
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "geometry/base/atomic_file.h"
 #include "geometry/base/toml_reader.h"
 #include "geometry/field/sample_field.h"
 #include "geometry/field/vdb_io.h"
 #include "geometry/formats/mesh_writer.h"
+#include "geometry/tool/blade_motion.h"
 #include "geometry/tool/head_shape.h"
 #include "geometry/tool/tool_drawing.h"
 #include "geometry/tool/tool_file.h"
@@ -23,6 +27,7 @@ namespace {
 
 namespace fs = std::filesystem;
 constexpr const char* kToolCopy = "tool.toml";
+constexpr const char* kMeshKind = "mesh";
 
 // Of all sub-commands together: each reads its own.
 struct Arguments {
@@ -118,8 +123,43 @@ int info(const Arguments& a) {
   return kOk;
 }
 
+// A tool of a mesh turns about its axis. One that is long in another direction, or lies beside its axis, has hardly the
+// axis that is meant.
+std::string doubtAboutAxis(const Mesh& mesh) {
+  double area = 0;
+  Vec3d middle = Vec3d::Zero();
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const double weight = doubleAreaVector(mesh, t).norm();
+    middle += weight / 3 * (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2));
+    area += weight;
+  }
+  if (!(area > 0)) return {};
+  middle /= area;
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Vec3d d = (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2)) / 3 - middle;
+    spread += doubleAreaVector(mesh, t).norm() / area * d * d.transpose();
+  }
+
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread);
+  const Vec3d lengths = axes.eigenvalues().cwiseMax(0.0).cwiseSqrt(), longest = axes.eigenvectors().col(2);
+  constexpr double kSlender = 2, kMostDegrees = 3, kMostOff = 0.25;
+  const double degrees = std::acos(std::min(1.0, std::abs(longest[2]))) * 180 / std::numbers::pi;
+  if (lengths[2] > kSlender * lengths[1] && degrees > kMostDegrees)
+    return fmt::format(
+        "the mesh is longest {:.0f} degrees off the axis about which it turns: is `axis` the way from the "
+        "tip to the shank?",
+        degrees);
+  const double off = middle.head<2>().norm();
+  if (off > kMostOff * std::max(lengths[1], 0.1))
+    return fmt::format("the middle of the mesh lies {:.2f} mm beside the axis about which it turns: is `tip` on it?",
+                       off);
+  return {};
+}
+
 // What is allowed, and hardly meant; else empty.
 std::string doubtAbout(const Tool& tool) {
+  if (tool.mesh) return doubtAboutAxis(*tool.mesh);
   constexpr double kWideHead = 8;  // mm; the rack's widest has 4
   if (tool.kind != ToolKind::kBur || tool.head_diameter_mm < kWideHead) return {};
   return fmt::format(
@@ -264,14 +304,24 @@ int draw(const Arguments& a) {
   return kOk;
 }
 
-Expected<const HeadShape*> shapeNamed(const std::string& name) {
-  if (const HeadShape* shape = findHeadShape(name)) return shape;
+// The text of a new tool file: of a bur by its head, of a blade by its motion, of a mesh.
+Expected<std::string> newToolText(const std::string& name, const std::string& id) {
+  if (const HeadShape* shape = findHeadShape(name)) return toolTemplate(*shape, id);
+  if (const BladeMotion* motion = findBladeMotion(name)) return bladeTemplate(*motion, id);
+  if (name == kMeshKind) return meshToolTemplate(id + ".stl", id);
+
   std::vector<std::string> names;
   std::string all;
   for (const HeadShape& s : headShapes()) {
     names.emplace_back(s.name);
     all += (all.empty() ? "" : ", ") + names.back();
   }
+  for (const BladeMotion* motion : bladeMotions()) {
+    names.emplace_back(motion->name);
+    all += ", " + names.back();
+  }
+  names.emplace_back(kMeshKind);
+  all += std::string(" or ") + kMeshKind;
   return fail({.code = Error::Code::kBadValue,
                .place = "--shape",
                .found = "\"" + name + "\"",
@@ -304,14 +354,14 @@ Expected<void> requireUsable(const std::string& id, const fs::path& output, bool
 }
 
 int makeNew(const Arguments& a) {
-  const auto shape = shapeNamed(a.shape);
-  if (!shape) return complain(shape.error());
+  const auto text = newToolText(a.shape, a.tool);
+  if (!text) return complain(text.error());
   const fs::path output = a.output.empty() ? fs::path(a.tool + ".toml") : fs::path(a.output);
   if (const auto usable = requireUsable(a.tool, output, a.overwrite); !usable) return complain(usable.error());
 
   auto toml = AtomicFile::create(output);
   if (!toml) return complain(toml.error());
-  toml->stream() << toolTemplate(**shape, a.tool);
+  toml->stream() << *text;
   if (const auto written = toml->commit(); !written) return complain(written.error());
   fmt::print("written: {0}\nedit it, then: kerf tool check {0}\n", output.string());
   return kOk;
@@ -359,7 +409,9 @@ void addTool(CLI::App& command, int& exit_code) {
   CLI::App* n = command.add_subcommand("new", "Write a tool file to start from, every key explained");
   n->footer("Example: kerf tool new my-taper --shape taper_round");
   n->add_option("ID", a->tool, "the new tool's id: lower-case letters, digits, hyphens")->required();
-  n->add_option("--shape", a->shape, "shape of its head: round, taper_round, profile, ... (a wrong one lists all)")
+  n->add_option("--shape", a->shape,
+                "shape of its head: round, taper_round, profile, ...; of a saw or a disc its motion: reciprocating, "
+                "sagittal, piezo, spin; or mesh (a wrong one lists all)")
       ->required();
   n->add_option("-o,--output", a->output, "file to write, named after the id; default: ID.toml here");
   n->add_flag("--force", a->overwrite, "replace an existing file");

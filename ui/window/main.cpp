@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -32,9 +33,10 @@
 namespace {
 
 struct Arguments {
-  std::string replay, screenshot, view, up, size, look_at, section, script, data, unit, config;
+  std::string replay, screenshot, view, up, size, look_at, section, script, data, unit, config, film;
   std::vector<std::string> scenes, tools;
   double voxel = 0;
+  double fps = 10, from = 0, until = std::numeric_limits<double>::infinity();
   double zoom = 1;
   int frames = 0, timed_frames = 0;
   bool transparent = false, no_scale_bar = false, no_shadow = false, verbose = false, gpu = false;
@@ -155,6 +157,12 @@ kerf::Expected<void> cut(const Arguments& arguments, const Shown& shown) {
   options.frames = arguments.frames;
   options.is_watched = arguments.is_watched;
   if (!arguments.view.empty()) options.view = arguments.view;
+  if (!arguments.film.empty()) {
+    const kerf::FilmOptions film{arguments.film, arguments.fps, arguments.from, arguments.until};
+    KERF_TRY(pictures, kerf::runWorkshopFilm(film, options));
+    fmt::print("{} pictures written: {}\n", pictures, arguments.film);
+    return {};
+  }
   if (!arguments.script.empty()) return kerf::runWorkshopScript(arguments.script, options);
 
   KERF_TRY(frames, kerf::runWorkshop(options));
@@ -167,9 +175,6 @@ kerf::Expected<void> run(const Arguments& arguments, const Shown& shown) {
                             (arguments.scenes.size() == 1 && kerf::isRun(arguments.scenes.front()));
   if (!arguments.script.empty() || !arguments.replay.empty() || !is_looked_at) return cut(arguments, shown);
 
-  if (arguments.scenes.size() > 1)
-    return kerf::fail(badValue("scene", arguments.scenes[1], "one mesh, case or run to draw or to time",
-                               "kerf-sim --screenshot OUT.png molar.stl"));
   KERF_TRY(scene, kerf::loadScene(arguments.scenes.empty() ? "" : arguments.scenes.front(), shown.cut));
   if (!scene.note.empty()) fmt::print(stderr, "kerf-sim: note: {}\n", scene.note);
   const int width = shown.width, height = shown.height;
@@ -233,6 +238,16 @@ int main(int argc, char** argv) try {
                  "watch a session that has ended, from its beginning; kerf-sim RUN shows its result, and File, Open "
                  "goes on with it")
       ->type_name("RUN");
+  auto* film = app.add_option("--film", a.film,
+                              "with --replay: write a picture for each step of the session's time instead of opening a "
+                              "window: frame-00001.png, ... in a new folder; needs no display")
+                   ->type_name("DIR");
+  app.add_option("--fps", a.fps, "with --film: pictures a simulated second")
+      ->capture_default_str()
+      ->needs(film)
+      ->check(CLI::Range(0.001, kerf::FilmOptions::kMostFps));
+  app.add_option("--from", a.from, "with --film: where it begins, s")->needs(film)->capture_default_str();
+  app.add_option("--until", a.until, "with --film: where it ends, s (default: the end)")->needs(film);
   app.add_flag("--watch", a.is_watched,
                "draw a script's frames as the window would, and print how long they took, how far the picture was "
                "behind the cut, and how punctual the 1 kHz loop was");
@@ -307,6 +322,14 @@ int main(int argc, char** argv) try {
   if (!a.replay.empty() && !(a.scenes.empty() && a.screenshot.empty()))
     return complain(badValue("--replay", a.replay, "no other scene, and no --screenshot beside it",
                              "picture.write OUT.png in a script"),
+                    kerf::kUsage);
+  if (!a.film.empty() && (a.replay.empty() || !a.script.empty()))
+    return complain(badValue("--film", a.film, "--replay RUN beside it, and no --script",
+                             "kerf-sim --replay molar.run --film frames"),
+                    kerf::kUsage);
+  if (a.scenes.size() > 1 && (!a.screenshot.empty() || !a.section.empty() || a.timed_frames > 0) && a.script.empty())
+    return complain(badValue("scene", a.scenes[1], "one mesh, case or run to draw or to time",
+                             "kerf-sim --screenshot OUT.png molar.stl"),
                     kerf::kUsage);
   const auto shown = read(a);
   if (!shown) return complain(shown.error(), kerf::kUsage);

@@ -656,7 +656,12 @@ Expected<int> runWorkshop(const WorkshopOptions& options) {
   return Workshop(options).run();
 }
 
-Expected<void> runWorkshopScript(const fs::path& script, const WorkshopOptions& options) {
+namespace {
+
+// What is done with the workbench while nobody looks at it.
+using Play = std::function<Expected<void>(AppContext& context, const std::function<void()>& frame)>;
+
+Expected<void> runOffscreen(const WorkshopOptions& options, const Play& play) {
   ::setenv("LP_NUM_THREADS", std::thread::hardware_concurrency() <= 2 ? "0" : "2", 0);
   const auto gl = OffscreenContext::create(true);
   if (!gl) return fail(gl.error());
@@ -693,7 +698,7 @@ Expected<void> runWorkshopScript(const fs::path& script, const WorkshopOptions& 
     bench.open(options.open.front());
   else if (options.open.size() > 1)
     bench.openAll(options.open);
-  auto played = runScript(context, script, frame);
+  auto played = play(context, frame);
   const auto ended = endAll(bench, *view);
   view.reset();
   if (screen) fmt::print("{}\n", watch.summary());
@@ -703,6 +708,23 @@ Expected<void> runWorkshopScript(const fs::path& script, const WorkshopOptions& 
   if (!played) return fail(std::move(played).error());
   if (!ended) return fail(ended.error());
   return {};
+}
+
+}  // namespace
+
+Expected<void> runWorkshopScript(const fs::path& script, const WorkshopOptions& options) {
+  return runOffscreen(options,
+                      [&](AppContext& context, const auto& frame) { return runScript(context, script, frame); });
+}
+
+Expected<std::size_t> runWorkshopFilm(const FilmOptions& film, const WorkshopOptions& options) {
+  std::size_t pictures = 0;
+  KERF_CHECK(runOffscreen(options, [&](AppContext& context, const auto& frame) -> Expected<void> {
+    KERF_TRY(written, filmReplay(context, film, frame));
+    pictures = written;
+    return {};
+  }));
+  return pictures;
 }
 
 }  // namespace kerf

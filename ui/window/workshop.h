@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "geometry/base/error.h"
+#include "ui/app/replay_film.h"
 #include "ui/app/workbench.h"
 
 namespace kerf {
@@ -28,5 +29,8 @@ Expected<int> runWorkshop(const WorkshopOptions& options);
 
 /// Runs a script (ui/app/app_commands.h) without a window; pictures are drawn off screen.
 Expected<void> runWorkshopScript(const std::filesystem::path& script, const WorkshopOptions& options);
+
+/// Writes pictures of the replay of `options.replay`, drawn off screen.   @return how many.
+Expected<std::size_t> runWorkshopFilm(const FilmOptions& film, const WorkshopOptions& options);
 
 }  // namespace kerf

@@ -67,5 +67,29 @@ TEST(ToolTemplate, OfEveryShapeIsAToolAsItIsAndWithEveryCommentedKey) {
   }
 }
 
+TEST(ToolTemplate, OfEveryMotionIsABladeAsItIs) {
+  const TemporaryFolder folder;
+  for (const BladeMotion* motion : bladeMotions()) {
+    const std::string text = bladeTemplate(*motion, "my-saw");
+    const auto tool = readTool(folder.write("my-saw.toml", text));
+    ASSERT_TRUE(tool) << motion->name << ": " << tool.error().message() << "\n" << text;
+    EXPECT_EQ(tool->motion, motion);
+    for (const char* key : motion->keys) EXPECT_NE(text.find(std::string(key) + " = "), text.npos) << key;
+  }
+}
+
+TEST(ToolTemplate, OfAMeshIsAToolWhenTheMeshIsThere) {
+  const TemporaryFolder folder;
+  const std::string text = meshToolTemplate("point.off", "my-mesh");
+  const auto without = readTool(folder.write("my-mesh.toml", text));
+  ASSERT_FALSE(without);
+  EXPECT_NE(without.error().message().find("point.off"), std::string::npos) << without.error().message();
+  folder.write("point.off",
+               "OFF\n5 6 0\n0 0 0\n1 1 8\n-1 1 8\n-1 -1 8\n1 -1 8\n"
+               "3 0 2 1\n3 0 3 2\n3 0 4 3\n3 0 1 4\n3 1 2 3\n3 1 3 4\n");
+  const auto tool = readTool(folder.path() / "my-mesh.toml");
+  EXPECT_TRUE(tool) << tool.error().message();
+}
+
 }  // namespace
 }  // namespace kerf

@@ -1,0 +1,311 @@
+#include "geometry/boolean/plane_cut.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "geometry/boolean/boolean.h"
+
+namespace kerf {
+namespace {
+
+constexpr double kCleanupLength = 1e-3;  // mm, as of an export at voxels of 0.1 mm
+constexpr double kCrumb = 0.01;          // mm^3, the same
+
+// ---- The room above all planes, as a closed mesh
+
+// A convex solid by its faces, each a polygon of vertex indices, seen from outside counter-clockwise.
+struct Convex {
+  std::vector<Vec3d> vertices;
+  std::vector<std::vector<std::uint32_t>> faces;
+};
+
+Convex boxAround(const Box3& box) {
+  Convex out;
+  for (int n = 0; n < 8; ++n) out.vertices.push_back(box.corner(n));
+  out.faces = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
+  return out;
+}
+
+// Takes away what lies below a plane. Vertices on it, to within rounding, count as above.
+Convex clipped(const Convex& solid, const Plane& plane) {
+  constexpr double kOnPlane = 1e-12;  // of the largest coordinate
+  double largest = 1;
+  for (const Vec3d& p : solid.vertices) largest = std::max(largest, p.cwiseAbs().maxCoeff());
+  std::vector<double> height;
+  for (const Vec3d& p : solid.vertices) height.push_back(plane.height(p));
+  const auto isAbove = [&](std::uint32_t v) { return height[v] >= -kOnPlane * largest; };
+
+  Convex out;
+  std::map<std::uint32_t, std::uint32_t> kept;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> cut;  // by the edge that is cut
+  const auto keep = [&](std::uint32_t v) {
+    const auto [it, is_new] = kept.try_emplace(v, static_cast<std::uint32_t>(out.vertices.size()));
+    if (is_new) out.vertices.push_back(solid.vertices[v]);
+    return it->second;
+  };
+  const auto cutEdge = [&](std::uint32_t a, std::uint32_t b) {
+    if (a > b) std::swap(a, b);
+    const auto [it, is_new] = cut.try_emplace({a, b}, static_cast<std::uint32_t>(out.vertices.size()));
+    if (is_new) {
+      const double share = height[a] / (height[a] - height[b]);
+      out.vertices.push_back(solid.vertices[a] + share * (solid.vertices[b] - solid.vertices[a]));
+    }
+    return it->second;
+  };
+
+  std::map<std::uint32_t, std::uint32_t> rim;  // of the new face: from vertex to vertex
+  for (const std::vector<std::uint32_t>& face : solid.faces) {
+    std::vector<std::uint32_t> left;
+    std::optional<std::uint32_t> goes_down, comes_up;
+    for (std::size_t n = 0; n < face.size(); ++n) {
+      const std::uint32_t a = face[n], b = face[(n + 1) % face.size()];
+      if (isAbove(a)) left.push_back(keep(a));
+      if (isAbove(a) == isAbove(b)) continue;
+      const std::uint32_t at = isAbove(a) && height[a] <= 0   ? keep(a)
+                               : isAbove(b) && height[b] <= 0 ? keep(b)
+                                                              : cutEdge(a, b);
+      (isAbove(a) ? goes_down : comes_up) = at;
+      if (left.empty() || left.back() != at) left.push_back(at);
+    }
+    while (left.size() > 1 && left.front() == left.back()) left.pop_back();
+    if (left.size() >= 3) out.faces.push_back(left);
+    if (goes_down && comes_up && *goes_down != *comes_up) rim[*comes_up] = *goes_down;
+  }
+  if (rim.empty()) return out;
+
+  // A face runs along its cut from where it goes down to where it comes up; the new face runs the other way.
+  std::vector<std::uint32_t> face{rim.begin()->first};
+  while (face.size() <= rim.size()) {
+    const auto next = rim.find(face.back());
+    if (next == rim.end() || next->second == face.front()) break;
+    face.push_back(next->second);
+  }
+  if (face.size() >= 3) out.faces.push_back(std::move(face));
+  return out;
+}
+
+Mesh meshOf(const Convex& solid) {
+  Mesh out;
+  out.vertices = solid.vertices;
+  for (const std::vector<std::uint32_t>& face : solid.faces)
+    for (std::size_t n = 1; n + 1 < face.size(); ++n) out.triangles.push_back({face[0], face[n], face[n + 1]});
+  return out;
+}
+
+// ---- Refusals
+
+Error notMet(const Mesh& source, std::span<const Plane> planes, bool nothing_above) {
+  std::string where;
+  for (std::size_t n = 0; n < planes.size(); ++n) {
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (const Vec3d& p : source.vertices) {
+      low = std::min(low, planes[n].height(p));
+      high = std::max(high, planes[n].height(p));
+    }
+    where += fmt::format("{}the object lies from {:.3f} to {:.3f} mm above plane {}", n ? "; " : "", low, high, n + 1);
+  }
+  return {.code = Error::Code::kEmpty,
+          .place = "plane cut",
+          .found = nothing_above
+                       ? "nothing of the object lies above" + std::string(planes.size() > 1 ? " all planes" : "")
+                       : "all of the object lies above: nothing is cut",
+          .expected = "planes that pass through it: " + where,
+          .hint = "move the plane, or turn its normal round"};
+}
+
+Error noRoom() {
+  return {.code = Error::Code::kGeometry,
+          .place = "plane cut",
+          .found = "planes that share no room above them",
+          .expected = "normals that point to what is to be cut off",
+          .hint = "turn a normal round"};
+}
+
+// ---- The piece that is wanted
+
+struct PieceBoxes {
+  std::vector<Box3> boxes;
+  std::uint32_t wanted = 0;
+};
+
+PieceBoxes piecesNear(const Mesh& mesh, const Vec3d& point) {
+  const Pieces pieces = edgeConnectedPieces(mesh);
+  PieceBoxes out;
+  out.boxes.resize(pieces.count);
+  std::vector<double> nearest(pieces.count, std::numeric_limits<double>::infinity());
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    for (int k = 0; k < 3; ++k) {
+      const Vec3d p = mesh.corner(t, k);
+      out.boxes[pieces.label[t]].add(p);
+      nearest[pieces.label[t]] = std::min(nearest[pieces.label[t]], (p - point).norm());
+    }
+  for (std::uint32_t n = 0; n < pieces.count; ++n)
+    if (nearest[n] < nearest[out.wanted]) out.wanted = n;
+  return out;
+}
+
+// Planes around the wanted piece that keep the other pieces out of the room; none where there is but one piece.
+Expected<std::vector<Plane>> planesAround(const Mesh& above, const Vec3d& point) {
+  constexpr double kMargin = 0.05;  // mm
+  const PieceBoxes found = piecesNear(above, point);
+  std::vector<Plane> out;
+  if (found.boxes.size() < 2) return out;
+
+  Box3 wanted = found.boxes[found.wanted];
+  wanted.grow(kMargin);
+  for (std::uint32_t n = 0; n < found.boxes.size(); ++n) {
+    const Box3& other = found.boxes[n];
+    if (n == found.wanted) continue;
+    const bool is_inside = wanted.contains(other.min) && wanted.contains(other.max);
+    const bool is_apart =
+        (other.min.array() > wanted.max.array()).any() || (other.max.array() < wanted.min.array()).any();
+    if (is_inside || is_apart) continue;
+    return fail({.code = Error::Code::kGeometry,
+                 .place = "plane cut",
+                 .found = "another piece above the planes, too close to the one that is wanted",
+                 .expected = "pieces whose boxes do not meet",
+                 .hint = "add a plane between them"});
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    out.push_back({wanted.min, Vec3d::Unit(axis)});
+    out.push_back({wanted.max, -Vec3d::Unit(axis)});
+  }
+  return out;
+}
+
+// ---- The cut
+
+struct Attempt {
+  PlaneCut cut;
+  std::string why_not;
+};
+
+double flatnessOf(const PostOpMesh& part, std::span<const Plane> planes) {
+  double worst = 0;
+  for (std::size_t t = 0; t < part.mesh.triangles.size(); ++t) {
+    if (!part.is_cut[t]) continue;
+    // All of a face lies in one of the planes.
+    double off = std::numeric_limits<double>::infinity();
+    for (const Plane& plane : planes) {
+      double here = 0;
+      for (int k = 0; k < 3; ++k) here = std::max(here, std::abs(plane.height(part.mesh.corner(t, k))));
+      off = std::min(off, here);
+    }
+    worst = std::max(worst, off);
+  }
+  return worst;
+}
+
+// Of a run, faces are cut already: those of the source keep their colours, what this cut made is told by its origin.
+Expected<Attempt> attempt(const Mesh& source, const Mesh& room, std::span<const Plane> planes,
+                          const PostOpOptions& options) {
+  KERF_TRY(inside, intersect(source, room));
+  KERF_TRY(outside, subtract(source, room));
+  if (inside.mesh.triangles.empty()) return fail(notMet(source, planes, true));
+  if (outside.mesh.triangles.empty()) return fail(notMet(source, planes, false));
+
+  const double crumb = std::min(kCrumb, options.crumb_fraction * signedVolume(source));
+  KERF_TRY(above, internal::finishCut(source, std::move(inside), kCleanupLength, crumb, options));
+  KERF_TRY(rest, internal::finishCut(source, std::move(outside), kCleanupLength, crumb, options));
+  Attempt out;
+  out.why_not = !above.why_not.empty() ? above.why_not : rest.why_not;
+  out.cut.above = std::move(above.result);
+  out.cut.rest = std::move(rest.result);
+  out.cut.flatness_mm = std::max(flatnessOf(out.cut.above, planes), flatnessOf(out.cut.rest, planes));
+  return out;
+}
+
+// What lies above all planes, within a box that the object does not reach.
+Expected<Mesh> roomAbove(const Box3& box, std::span<const Plane> planes) {
+  Convex room = boxAround(box);
+  for (const Plane& plane : planes) room = clipped(room, plane);
+  if (room.faces.size() < 4) return fail(noRoom());
+  return meshOf(room);
+}
+
+Expected<std::vector<Plane>> normalized(std::span<const Plane> planes) {
+  std::vector<Plane> out;
+  for (const Plane& plane : planes) {
+    const double length = plane.normal.norm();
+    if (!(length > 0) || !std::isfinite(length) || !plane.point.allFinite())
+      return fail({.code = Error::Code::kBadValue,
+                   .place = fmt::format("plane {}", out.size() + 1),
+                   .found = "a normal of length 0, or a number that is not finite",
+                   .expected = "a direction and a point, mm"});
+    out.push_back({plane.point, plane.normal / length});
+  }
+  if (out.empty() || out.size() > kMostCutPlanes)
+    return fail({.code = Error::Code::kBadValue,
+                 .place = "planes",
+                 .found = fmt::format("{} of them", out.size()),
+                 .expected = fmt::format("1 to {}", kMostCutPlanes)});
+  return out;
+}
+
+}  // namespace
+
+Expected<PlaneCut> cutByPlanes(const Mesh& source, std::span<const Plane> asked, const PlaneCutOptions& options,
+                               const Progress& progress) {
+  KERF_TRY(planes, normalized(asked));
+  Box3 box = bounds(source);
+  // Sides that are no multiple of anything: a face of the box and one of the object must not lie in one plane.
+  box.grow(0.1 * box.size().norm() + 1.0123);
+
+  // Heights decide what needs no boolean.
+  bool all_above = true;
+  for (const Plane& plane : planes) {
+    bool any_above = false;
+    for (const Vec3d& p : source.vertices) {
+      const bool is_above = plane.height(p) > 0;
+      any_above |= is_above;
+      all_above &= plane.height(p) >= 0;
+    }
+    if (!any_above) return fail(notMet(source, planes, true));
+  }
+  if (all_above) return fail(notMet(source, planes, false));
+
+  std::vector<Plane> around;
+  if (options.piece_at) {
+    KERF_TRY(room, roomAbove(box, planes));
+    KERF_TRY(inside, intersect(source, room));
+    if (inside.mesh.triangles.empty()) return fail(notMet(source, planes, true));
+    KERF_TRY(found, planesAround(inside.mesh, *options.piece_at));
+    around = std::move(found);
+  }
+
+  // A plane through vertices of the object, or float32, may spoil a cut: then it is tried some 0.1 um farther.
+  constexpr int kAttempts = 8;
+  constexpr double kShift = 0.00013;  // mm
+  Error last;
+  for (int n = 1; n <= kAttempts; ++n) {
+    if (!report(progress, (n - 1) / double{kAttempts}, "cutting")) return cancelled();
+    const double shift = (n % 2 ? 1 : -1) * (n / 2) * kShift;
+    std::vector<Plane> shifted = planes;
+    for (Plane& plane : shifted) plane.point += shift * plane.normal;
+    const std::vector<Plane> cutting = shifted;
+    shifted.insert(shifted.end(), around.begin(), around.end());
+    KERF_TRY(room, roomAbove(box, shifted));
+
+    auto tried = attempt(source, room, cutting, options.post_op);
+    if (tried && tried->why_not.empty()) {
+      tried->cut.attempts = n;
+      tried->cut.shift_mm = std::abs(shift);
+      return std::move(tried->cut);
+    }
+    last = tried ? Error{.code = Error::Code::kGeometry,
+                         .place = "plane cut",
+                         .found = tried->why_not,
+                         .expected = "a mesh that prints",
+                         .hint = "move the plane by some hundredths of a millimetre, or kerf check on the source"}
+                 : tried.error();
+    if (last.code == Error::Code::kEmpty) break;
+  }
+  return fail(last);
+}
+
+}  // namespace kerf

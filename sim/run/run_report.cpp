@@ -1,0 +1,313 @@
+#include "sim/run/run_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "geometry/case/case_bundle.h"
+#include "geometry/field/material.h"
+#include "sim/hand/path.h"
+#include "sim/run/haptic_summary.h"
+#include "sim/run/removed_volumes.h"
+#include "sim/run/run_files.h"
+#include "sim/run/run_output.h"
+#include "sim/session/session_log.h"
+
+namespace kerf {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+// ---- summary.json
+
+Error damagedSummary(const fs::path& file, std::string found) {
+  return {.code = Error::Code::kBadFormat,
+          .file = file.string(),
+          .found = std::move(found),
+          .expected = "the summary that kerf cut wrote",
+          .hint = "cut again: a run is never edited"};
+}
+
+// Values by their keys; a key that an older version did not write has none.
+class Summary {
+ public:
+  Summary(const json& j, const fs::path& file) : j_(j), file_(file) {}
+
+  std::optional<double> number(const char* key) {
+    const auto it = j_.find(key);
+    if (it == j_.end() || it->is_null()) return {};
+    if (!it->is_number()) {
+      wrong_ = fmt::format("key {}: no number", key);
+      return {};
+    }
+    return it->get<double>();
+  }
+  std::optional<std::size_t> count(const char* key) {
+    const auto value = number(key);
+    if (!value || !(*value >= 0 && *value < 1e15)) return {};
+    return static_cast<std::size_t>(*value);
+  }
+  std::map<std::string, double> numbers(const char* key) {
+    std::map<std::string, double> out;
+    const auto it = j_.find(key);
+    if (it == j_.end() || it->is_null()) return out;
+    if (!it->is_object()) {
+      wrong_ = fmt::format("key {}: no table", key);
+      return out;
+    }
+    for (const auto& [id, value] : it->items())
+      if (value.is_number())
+        out[id] = value.get<double>();
+      else
+        wrong_ = fmt::format("key {}, {}: no number", key, id);
+    return out;
+  }
+  std::optional<std::string> text(const char* key) {
+    const auto it = j_.find(key);
+    if (it == j_.end() || !it->is_string()) return {};
+    return it->get<std::string>();
+  }
+  std::optional<Vec3d> point(const char* key) {
+    const auto it = j_.find(key);
+    if (it == j_.end() || it->is_null()) return {};
+    if (!it->is_array() || it->size() != 3 ||
+        !std::all_of(it->begin(), it->end(), [](const json& x) { return x.is_number(); })) {
+      wrong_ = fmt::format("key {}: no point", key);
+      return {};
+    }
+    return Vec3d((*it)[0].get<double>(), (*it)[1].get<double>(), (*it)[2].get<double>());
+  }
+
+  Expected<void> finish() const {
+    if (wrong_.empty()) return {};
+    return fail(damagedSummary(file_, wrong_));
+  }
+
+ private:
+  const json& j_;
+  const fs::path& file_;
+  std::string wrong_;
+};
+
+// A time that is negative stands for never.
+RunReport::FirstTime firstTime(double at_s) { return at_s < 0 ? RunReport::FirstTime{} : RunReport::FirstTime{at_s}; }
+
+Expected<void> takeSummary(const fs::path& file, RunReport& out) {
+  std::ifstream in(file, std::ios::binary);
+  const json j = json::parse(in, nullptr, false);
+  if (!j.is_object()) return fail(damagedSummary(file, "no JSON object"));
+  Summary s(j, file);
+
+  out.loaded_mm3 = s.number("initial_mm3");
+  out.loaded_by_material = s.numbers("initial_by_material_mm3");
+  out.removed_mm3 = s.number("removed_mm3");
+  out.removed_by_material = s.numbers("removed_by_material_mm3");
+  if (const auto added = s.number("added_mm3"); added && *added != 0) out.added_mm3 = added;
+  out.added_by_material = s.numbers("added_by_material_mm3");
+
+  if (const auto planned = s.number("planned_mm3"); planned && *planned > 0) {
+    out.planned_mm3 = planned;
+    out.reached_mm3 = s.number("reached_mm3");
+    out.planned_by_material = s.numbers("planned_by_material_mm3");
+    out.farthest_off_mm = s.number("farthest_off_mm");
+    out.farthest_off_at = s.point("farthest_off_at");
+  }
+
+  if (const auto force = s.number("peak_contact_force_N"))
+    out.contact_force = RunReport::Peak{*force, s.number("peak_contact_force_at_s")};
+  if (const auto hottest = s.number("hottest_C")) out.hottest = RunReport::Peak{*hottest, s.number("hottest_at_s")};
+  const auto times = s.numbers("least_distance_at_s");
+  for (const auto& [id, mm] : s.numbers("least_distance_mm")) {
+    const auto at = times.find(id);
+    out.least_distance[id] = RunReport::Peak{mm, at == times.end() ? std::nullopt : std::optional(at->second)};
+  }
+  if (out.hottest) {
+    out.bone_limit = firstTime(s.number("bone_limit_at_s").value_or(-1));
+    out.pulp_limit = firstTime(s.number("pulp_limit_at_s").value_or(-1));
+  }
+  out.pieces = s.count("pieces");
+  out.crumbs = s.count("crumbs");
+  out.ended = s.text("ended");
+  return s.finish();
+}
+
+// ---- What no file states
+
+// Where the tool was meant to cut without a break.
+std::optional<std::size_t> strokesOfPath(const fs::path& file) {
+  const auto path = readPath(file);
+  if (!path) return {};
+  std::size_t strokes = 0;
+  for (std::size_t n = 0; n < path->cuts.size(); ++n) strokes += path->cuts[n] && (n == 0 || !path->cuts[n - 1]);
+  return strokes;
+}
+
+void missVolumes(const Error& error, RunReport& out) {
+  out.missing.push_back("removed volume by tissue: " + error.message());
+}
+
+// As the nodes of run and case count.
+Expected<void> countVolumes(const fs::path& run_folder, RunReport& out) {
+  KERF_TRY(case_folder, caseOfRun(run_folder));
+  KERF_TRY(in_case, readCaseManifest(case_folder));
+  if (out.manifest.voxel_mm != in_case.voxel_mm)
+    return fail(
+        {.code = Error::Code::kUnsupported,
+         .file = run_folder.string(),
+         .found = fmt::format("cut in the case's fine region, at {} mm, by an older Kerf", out.manifest.voxel_mm),
+         .expected = "volumes counted while it was cut",
+         .hint = "cut again"});
+  KERF_TRY(fields, readCaseFields(case_folder, in_case));
+  KERF_TRY(cut, readRunCutField(run_folder));
+  KERF_TRY(table, readDefaultMaterials());
+  const Material fallback =
+      in_case.materials.empty() ? Material::kGeneric : static_cast<Material>(in_case.materials.front().number);
+  const auto volumes = internal::removedVolumes(fields.phi0, cut, internal::materialsOf(fields.materials, fallback));
+  out.removed_by_material = internal::byMaterial(volumes, table);
+  out.removed_mm3 = internal::sumOf(volumes);
+  return {};
+}
+
+// What the case was loaded with, unless the summary says so.
+void takeLoaded(const fs::path& run_folder, RunReport& out) {
+  if (!out.loaded_by_material.empty()) return;
+  const auto folder = caseOfRun(run_folder);
+  const auto in_case = folder ? readCaseManifest(*folder) : Expected<CaseManifest>(fail(folder.error()));
+  if (!in_case) {
+    out.missing.push_back("share of each tissue: " + in_case.error().message());
+    return;
+  }
+  double sum = 0;
+  for (const CaseMaterial& material : in_case->materials) {
+    out.loaded_by_material[material.id] += material.volume_mm3;
+    sum += material.volume_mm3;
+  }
+  if (!out.loaded_mm3) out.loaded_mm3 = sum;
+}
+
+// Without resistance a tool goes where its path says.
+void takePlanOfGeometry(RunReport& out) {
+  out.planned_mm3 = out.removed_mm3;
+  out.reached_mm3 = out.removed_mm3;
+  out.planned_by_material = out.removed_by_material;
+  out.farthest_off_mm = 0;
+}
+
+void takeSession(const fs::path& run_folder, RunReport& out) {
+  if (const auto log = readSessionLog(run_folder / internal::kRunLog))
+    out.strokes = strokesOf(*log).size();
+  else
+    out.missing.push_back("strokes: " + log.error().message());
+  out.missing.push_back("planned against done: a session by hand has no path to compare with");
+}
+
+void takePath(const fs::path& run_folder, RunReport& out) {
+  out.strokes = strokesOfPath(run_folder / out.manifest.path_file);
+  if (!out.strokes) out.missing.push_back("strokes: the copy of the path in the run can not be read");
+}
+
+// When a peak was: the summary of an older version knows its size alone.
+bool lacksTimes(const RunReport& r) {
+  const auto lacks = [](const std::optional<RunReport::Peak>& peak) { return peak && !peak->at_s; };
+  return lacks(r.contact_force) || lacks(r.hottest) ||
+         std::any_of(r.least_distance.begin(), r.least_distance.end(), [&](const auto& d) { return lacks(d.second); });
+}
+
+Expected<void> takeSeries(const fs::path& run_folder, bool replays, const Progress& progress, RunReport& out) {
+  const std::string& mode = out.manifest.mode;
+  if (mode == kModeGeometry) {
+    out.missing.push_back(
+        "force, temperature, distances: cut by geometry alone, where nothing resists and nothing takes time; "
+        "kerf cut --hand cuts against resistance");
+    return {};
+  }
+  const bool has_table = fs::is_regular_file(run_folder / internal::kRunForces);
+  if (mode == kModeSession && !has_table && !replays) {
+    out.missing.push_back(
+        fmt::format("force, temperature, distances: a session keeps its log alone; kerf info "
+                    "--replay {} replays its {:.0f} s for them, in about a quarter of that time",
+                    run_folder.string(), out.manifest.duration_s));
+    return {};
+  }
+  if (has_table && out.contact_force && !lacksTimes(out) && !out.least_distance.empty()) return {};
+
+  auto series = readRunSeries(run_folder, progress);
+  if (series)
+    internal::addPeaks(*series, out);
+  else if (series.error().code == Error::Code::kCancelled)
+    return fail(series.error());
+  else
+    out.missing.push_back("times of force, temperature, distances: " + series.error().message());
+  return {};
+}
+
+}  // namespace
+
+void internal::addPeaks(const RunSeries& series, RunReport& out) {
+  if (series.size() == 0) return;
+  const auto peakOf = [&](const std::vector<float>& values, std::vector<float>::const_iterator at) {
+    const auto n = static_cast<std::size_t>(at - values.begin());
+    return RunReport::Peak{values[n], series.t_s[n]};
+  };
+  // A size that is known to more digits stays.
+  const auto take = [](std::optional<RunReport::Peak>& known, const RunReport::Peak& found) {
+    if (known)
+      known->at_s = found.at_s;
+    else
+      known = found;
+  };
+
+  take(out.contact_force, peakOf(series.contact_N, std::max_element(series.contact_N.begin(), series.contact_N.end())));
+  take(out.hottest,
+       peakOf(series.temperature_C, std::max_element(series.temperature_C.begin(), series.temperature_C.end())));
+
+  for (const RunSeries::Distance& distance : series.distances) {
+    std::optional<RunReport::Peak>& least = out.least_distance[distance.id];
+    std::optional<std::size_t> nearest;
+    for (std::size_t n = 0; n < distance.mm.size(); ++n)
+      if (!std::isnan(distance.mm[n]) && (!nearest || distance.mm[n] < distance.mm[*nearest])) nearest = n;
+    if (nearest) take(least, {distance.mm[*nearest], series.t_s[*nearest]});
+  }
+}
+
+Expected<RunReport> readRunReport(const fs::path& run_folder, bool replays, const Progress& progress) {
+  RunReport out;
+  KERF_TRY(manifest, readRunManifest(run_folder));
+  out.manifest = std::move(manifest);
+  const std::string& mode = out.manifest.mode;
+  if (mode != kModeGeometry) out.seconds = out.manifest.duration_s;
+  if (mode != kModeSession) out.path_s = out.manifest.duration_s;
+  if (mode == kModeHaptic) out.path_s.reset();
+  for (std::size_t from = 0; from < out.manifest.tool_id.size();) {
+    const std::size_t comma = std::min(out.manifest.tool_id.find(", ", from), out.manifest.tool_id.size());
+    out.tools.push_back(out.manifest.tool_id.substr(from, comma - from));
+    from = comma + 2;
+  }
+  if (out.manifest.is_open) {
+    out.missing.push_back("all of its result: the session has not ended; if its program is gone: kerf recover " +
+                          run_folder.string());
+    return out;
+  }
+
+  const fs::path summary = run_folder / internal::kRunSummary;
+  std::error_code ignored;
+  if (fs::is_regular_file(summary, ignored)) KERF_CHECK(takeSummary(summary, out));
+  if (!out.removed_mm3)
+    if (const auto counted = countVolumes(run_folder, out); !counted) missVolumes(counted.error(), out);
+  takeLoaded(run_folder, out);
+
+  if (mode == kModeGeometry) takePlanOfGeometry(out);
+  if (mode == kModeSession)
+    takeSession(run_folder, out);
+  else
+    takePath(run_folder, out);
+  if (!out.manifest.pieces.empty()) out.pieces = out.manifest.pieces.size();
+  KERF_CHECK(takeSeries(run_folder, replays, progress, out));
+  return out;
+}
+
+}  // namespace kerf

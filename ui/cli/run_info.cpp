@@ -1,0 +1,227 @@
+#include "ui/cli/run_info.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "ui/cli/command.h"
+
+namespace kerf::cli {
+namespace {
+
+using nlohmann::json;
+
+template <class T>
+json orNull(const std::optional<T>& value) {
+  return value ? json(*value) : json();
+}
+
+// Tissues that were loaded, then what else was removed.
+std::vector<std::string> tissuesOf(const RunReport& r) {
+  std::vector<std::string> out;
+  for (const auto* volumes : {&r.loaded_by_material, &r.removed_by_material, &r.planned_by_material})
+    for (const auto& [id, volume] : *volumes)
+      if (std::find(out.begin(), out.end(), id) == out.end()) out.push_back(id);
+  return out;
+}
+
+double volumeOf(const std::map<std::string, double>& volumes, const std::string& id) {
+  const auto it = volumes.find(id);
+  return it == volumes.end() ? 0 : it->second;
+}
+
+std::optional<double> shareOf(const RunReport& r, const std::string& id) {
+  const double loaded = volumeOf(r.loaded_by_material, id);
+  if (!(loaded > 0) || !r.removed_mm3) return {};
+  return volumeOf(r.removed_by_material, id) / loaded;
+}
+
+void addVolumes(const RunReport& r, json& j) {
+  j["loaded_mm3"] = orNull(r.loaded_mm3);
+  j["removed_mm3"] = orNull(r.removed_mm3);
+  if (r.added_mm3) {
+    j["added_mm3"] = *r.added_mm3;
+    j["added_by_material_mm3"] = r.added_by_material;
+  }
+  j["loaded_by_material_mm3"] = r.loaded_by_material;
+  j["removed_by_material_mm3"] = r.removed_mm3 ? json(r.removed_by_material) : json();
+  json shares = json::object();
+  for (const std::string& id : tissuesOf(r)) shares[id] = orNull(shareOf(r, id));
+  j["removed_share_by_material"] = shares;
+}
+
+void addPlan(const RunReport& r, json& j) {
+  j["planned_mm3"] = orNull(r.planned_mm3);
+  j["planned_by_material_mm3"] = r.planned_mm3 ? json(r.planned_by_material) : json();
+  j["reached_mm3"] = orNull(r.reached_mm3);
+  j["farthest_off_mm"] = orNull(r.farthest_off_mm);
+  const auto& at = r.farthest_off_at;
+  j["farthest_off_at_mm"] = at ? json{(*at)[0], (*at)[1], (*at)[2]} : json();
+}
+
+void addPeaks(const RunReport& r, json& j) {
+  j["peak_contact_force_N"] = r.contact_force ? json(r.contact_force->value) : json();
+  j["peak_contact_force_at_s"] = r.contact_force ? orNull(r.contact_force->at_s) : json();
+  j["hottest_C"] = r.hottest ? json(r.hottest->value) : json();
+  j["hottest_at_s"] = r.hottest ? orNull(r.hottest->at_s) : json();
+  j["bone_limit_at_s"] = r.bone_limit ? orNull(*r.bone_limit) : json();
+  j["pulp_limit_at_s"] = r.pulp_limit ? orNull(*r.pulp_limit) : json();
+
+  json distances = json::object(), times = json::object();
+  for (const auto& [id, least] : r.least_distance) {
+    distances[id] = least ? json(least->value) : json();
+    times[id] = least ? orNull(least->at_s) : json();
+  }
+  j["least_distance_mm"] = distances;
+  j["least_distance_at_s"] = times;
+}
+
+void addMoved(const RunManifest& m, json& j) {
+  for (const RunManifest::Piece& p : m.pieces) {
+    const Vec3d& t = p.T_case_piece.translation;
+    const Eigen::Quaterniond& q = p.T_case_piece.rotation;
+    j["pieces"].push_back({{"name", p.name},
+                           {"volume_mm3", p.volume_mm3},
+                           {"is_moved", p.isMoved()},
+                           {"translation_mm", {t[0], t[1], t[2]}},
+                           {"rotation_wxyz", {q.w(), q.x(), q.y(), q.z()}}});
+  }
+  for (const RunManifest::Beside& other : m.beside) {
+    json row{{"case_path", other.case_path},
+             {"case_id", other.case_id},
+             {"voxel_mm", other.voxel_mm},
+             {"removed_mm3", other.removed_mm3}};
+    if (!other.name.empty()) row["name"] = other.name;
+    j["beside"].push_back(std::move(row));
+  }
+}
+
+// ---- For people
+
+std::string at(const std::optional<double>& at_s) { return at_s ? fmt::format(" at {:.2f} s", *at_s) : ""; }
+
+std::string percent(double share) { return fmt::format("{:.{}f} %", 100 * share, share < 0.1 ? 2 : 1); }
+
+void printVolumes(const RunReport& r, std::string& out) {
+  if (!r.removed_mm3) {
+    out += "removed: not known\n";
+    return;
+  }
+  out += fmt::format("removed {:.4f} mm3", *r.removed_mm3);
+  if (r.loaded_mm3 && *r.loaded_mm3 > 0)
+    out +=
+        fmt::format(", {} of the {:.1f} mm3 that were loaded", percent(*r.removed_mm3 / *r.loaded_mm3), *r.loaded_mm3);
+  out += "\n";
+  for (const std::string& id : tissuesOf(r)) {
+    const auto share = shareOf(r, id);
+    out += fmt::format("  {:<18} {:>10.4f} mm3", id, volumeOf(r.removed_by_material, id));
+    if (share) out += fmt::format("  {:>7} of {:.1f}", percent(*share), volumeOf(r.loaded_by_material, id));
+    out += "\n";
+  }
+  if (!r.added_mm3) return;
+  out += fmt::format("added {:.4f} mm3", *r.added_mm3);
+  const char* between = ": ";
+  for (const auto& [id, volume] : r.added_by_material)
+    out += fmt::format("{}{} {:+.4f}", std::exchange(between, ", "), id, volume);
+  out += "\n";
+}
+
+void printPlan(const RunReport& r, std::string& out) {
+  if (!r.planned_mm3 || !r.reached_mm3 || !(*r.planned_mm3 > 0)) return;
+  if (r.manifest.mode == kModeGeometry) {
+    out += fmt::format("planned {:.4f} mm3, all done: without resistance the tool goes where its path says\n",
+                       *r.planned_mm3);
+    return;
+  }
+  const double beside = std::max(0.0, r.removed_mm3.value_or(0) - *r.reached_mm3);
+  out += fmt::format("planned {:.4f} mm3, done {} of it, {:.4f} mm3 beside it\n", *r.planned_mm3,
+                     percent(*r.reached_mm3 / *r.planned_mm3), beside);
+  if (!r.farthest_off_mm) return;
+  out += fmt::format("off the path by {:.2f} mm at most", *r.farthest_off_mm);
+  if (const auto& p = r.farthest_off_at) out += fmt::format(", at ({:.2f}, {:.2f}, {:.2f})", (*p)[0], (*p)[1], (*p)[2]);
+  out += "\n";
+}
+
+std::string nameOf(const std::string& id) {
+  if (id == "nerve_canal") return "nerve canal";
+  return id.starts_with("beside_") ? "neighbour " + id.substr(7) : id;
+}
+
+void printPeaks(const RunReport& r, std::string& out) {
+  if (r.contact_force)
+    out += fmt::format("largest force {:.2f} N{}\n", r.contact_force->value, at(r.contact_force->at_s));
+  for (const auto& [id, least] : r.least_distance) {
+    if (!least)
+      out += fmt::format("{}: never near\n", nameOf(id));
+    else if (least->value < 0)
+      out += fmt::format("{}: TOOL IN IT by {:.2f} mm{}\n", nameOf(id), -least->value, at(least->at_s));
+    else
+      out += fmt::format("{}: {:.2f} mm at the nearest{}\n", nameOf(id), least->value, at(least->at_s));
+  }
+  if (!r.hottest) return;
+  out += fmt::format("highest temperature {:.1f} C{}", r.hottest->value, at(r.hottest->at_s));
+  const auto limit = [](const char* what, const std::optional<RunReport::FirstTime>& when) {
+    if (!when) return std::string();
+    return *when ? fmt::format("; {} first at {:.2f} s", what, **when) : fmt::format("; {} never", what);
+  };
+  out += limit("47 C in bone", r.bone_limit) + limit("5.5 K in the pulp", r.pulp_limit) + "\n";
+}
+
+void printCourse(const RunReport& r, std::string& out) {
+  if (r.seconds)
+    out += fmt::format("time {:.2f} s", *r.seconds);
+  else if (r.path_s)
+    out += fmt::format("time none: geometry alone, along a path of {:.2f} s", *r.path_s);
+  if (r.strokes) out += "; " + counted(*r.strokes, "stroke");
+  if (r.pieces) out += "; " + counted(*r.pieces, "piece");
+  if (r.crumbs.value_or(0) > 0) out += fmt::format(" and {} below 0.1 mm3", counted(*r.crumbs, "crumb"));
+  if (r.ended) out += "; ended: " + *r.ended;
+  out += "\ntools: ";
+  for (std::size_t n = 0; n < r.tools.size(); ++n) out += (n ? ", " : "") + r.tools[n];
+  out += "\n";
+}
+
+}  // namespace
+
+json runJson(const RunReport& r) {
+  const RunManifest& m = r.manifest;
+  json j{{"kind", "run"},          {"case_path", m.case_path},   {"case_id", m.case_id},
+         {"mode", m.mode},         {"tool", m.tool_id},          {"duration_s", m.duration_s},
+         {"voxel_mm", m.voxel_mm}, {"state_hash", m.state_hash}, {"kerf_version", m.kerf_version}};
+  addVolumes(r, j);
+  addPlan(r, j);
+  addPeaks(r, j);
+  j["time_s"] = orNull(r.seconds);
+  j["strokes"] = orNull(r.strokes);
+  j["piece_count"] = orNull(r.pieces);
+  j["crumbs"] = orNull(r.crumbs);
+  j["tools"] = r.tools;
+  j["ended"] = orNull(r.ended);
+  j["missing"] = r.missing;
+
+  if (m.mode == kModeSession) {
+    j["is_open"] = m.is_open;
+  } else {
+    j["segments"] = m.segments;
+    j["path_length_mm"] = m.path_length_mm;
+  }
+  if (!m.begin_sha256.empty()) j["goes_on_from_field_sha256"] = m.begin_sha256;
+  addMoved(m, j);
+  return j;
+}
+
+std::string runText(const RunReport& r) {
+  std::string out;
+  if (!r.manifest.is_open) {
+    printVolumes(r, out);
+    printPlan(r, out);
+    printPeaks(r, out);
+    printCourse(r, out);
+  }
+  for (const std::string& sentence : r.missing) out += "not known: " + sentence + "\n";
+  return out;
+}
+
+}  // namespace kerf::cli

@@ -1,0 +1,313 @@
+// kerf trim: a solid cut by planes.
+#include <fmt/format.h>
+
+#include <array>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "geometry/boolean/plane_cut.h"
+#include "geometry/case/case_bundle.h"
+#include "geometry/formats/mesh_formats.h"
+#include "geometry/formats/mesh_io.h"
+#include "geometry/formats/mesh_writer.h"
+#include "geometry/mesh/mesh_check.h"
+#include "preprocess/unit/unit.h"
+#include "sim/run/export_bundle.h"
+#include "sim/run/placed_pieces.h"
+#include "sim/run/run_files.h"
+#include "sim/run/run_manifest.h"
+#include "ui/app/plane_words.h"
+#include "ui/app/saw_plan.h"
+#include "ui/cli/command.h"
+
+namespace kerf::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+struct Arguments {
+  std::string what, plan, box, between, keep = "both", unit;
+  std::vector<std::string> planes, outputs;
+  bool json = false;
+};
+
+// ---- What is cut
+
+struct Source {
+  Mesh solid;
+  std::optional<CaseManifest> of_case;
+  std::string note;
+};
+
+// A mesh file that is a solid already: what is open is closed by kerf bake, which says what it changes.
+Expected<Source> readSolidMesh(const Arguments& a) {
+  KERF_TRY(file, readMesh(a.what));
+  KERF_TRY(unit, chooseUnit(bounds(file.mesh), a.unit, file.declared_unit));
+  Source out;
+  out.solid = std::move(file.mesh);
+  if (unit.scale_to_mm != 1) {
+    for (Vec3d& p : out.solid.vertices) p = (p * unit.scale_to_mm).cast<float>().cast<double>();
+    out.note = fmt::format("the file is in {}, what is written is in mm: {}", unit.unit, unit.reason);
+  } else if (unit.is_doubtful) {
+    out.note = "CHECK THE UNIT: " + unit.reason;
+  }
+  const MeshReport report = checkMesh(out.solid);
+  if (report.print_ready) return out;
+  return fail(
+      {.code = Error::Code::kGeometry,
+       .file = a.what,
+       .found = report.reasons.empty() ? "not a solid" : report.reasons.front(),
+       .expected = "a solid: closed, without crossings",
+       .hint = fmt::format("kerf bake {} -o {}.case, then kerf trim that", a.what, fs::path(a.what).stem().string())});
+}
+
+Expected<Source> readSource(const Arguments& a) {
+  const bool is_run = isRun(a.what);
+  if (!is_run && !isCase(a.what)) return readSolidMesh(a);
+
+  KERF_TRY(exported, [&] {
+    TerminalProgress progress;
+    return exportBundle(a.what, {}, progress.callback());
+  }());
+  Source out;
+  out.solid = std::move(exported.post_op.mesh);
+  fs::path folder = a.what;
+  if (is_run) {
+    KERF_TRY(of_run, caseOfRun(a.what));
+    folder = of_run;
+  }
+  KERF_TRY(manifest, readCaseManifest(folder));
+  out.of_case = std::move(manifest);
+  for (const RunManifest::Piece& piece : exported.pieces)
+    if (piece.isMoved()) out.note = "pieces are cut where they were in the scan, not where they were moved to";
+  return out;
+}
+
+// ---- Where it is cut
+
+struct Cut {
+  std::vector<Plane> planes;
+  PlaneCutOptions options;
+  std::array<const char*, 2> names{"above", "below"};  // of the two parts, in files
+};
+
+Error wrongOption(const char* option, const std::string& found, const char* expected, const char* hint) {
+  return {.code = Error::Code::kBadValue,
+          .place = option,
+          .found = "\"" + found + "\"",
+          .expected = expected,
+          .hint = hint};
+}
+
+// Six planes around the room between two corners.
+Expected<void> addBox(const std::string& word, Cut& cut) {
+  KERF_TRY(corners, twoPointsOfWord(word, "--box"));
+  Box3 box;
+  box.add(corners[0]);
+  box.add(corners[1]);
+  if (!(box.size().minCoeff() > 0))
+    return fail(wrongOption("--box", word, "two corners that differ in x, y and z", "-8,30,-20/2,42,20"));
+  for (int axis = 0; axis < 3; ++axis) {
+    cut.planes.push_back({box.min, Vec3d::Unit(axis)});
+    cut.planes.push_back({box.max, -Vec3d::Unit(axis)});
+  }
+  return {};
+}
+
+// A plane through each point, square to the line between: what lies between them there.
+Expected<void> addBetween(const std::string& word, Cut& cut) {
+  KERF_TRY(ends, twoPointsOfWord(word, "--between"));
+  const Vec3d way = ends[1] - ends[0];
+  constexpr double kLeast = 0.1;  // mm
+  if (!(way.norm() > kLeast))
+    return fail(wrongOption("--between", word, "two points more than 0.1 mm apart", "-8,40,3/2,42,3"));
+  cut.planes.push_back({ends[0], way.normalized()});
+  cut.planes.push_back({ends[1], -way.normalized()});
+  cut.options.piece_at = 0.5 * (ends[0] + ends[1]);
+  return {};
+}
+
+Expected<Cut> cutOf(const Arguments& a, const Mesh& solid) {
+  Cut out;
+  for (const std::string& word : a.planes) {
+    KERF_TRY(plane, planeOfWord(word, solid, "--plane"));
+    out.planes.push_back(plane);
+  }
+  if (!a.plan.empty()) {
+    SawPlan plan;
+    KERF_CHECK(plan.load(a.plan));
+    for (const SawPlane& plane : plan.planes()) out.planes.push_back({plane.point, plane.normal});
+  }
+  if (!a.box.empty()) KERF_CHECK(addBox(a.box, out));
+  if (!a.between.empty()) KERF_CHECK(addBetween(a.between, out));
+  if (!a.box.empty() || !a.between.empty()) out.names = {"die", "rest"};
+  return out;
+}
+
+// ---- What is written
+
+struct Output {
+  std::string path;
+  const PostOpMesh* part;
+};
+
+fs::path named(const fs::path& file, const char* part) {
+  fs::path out = file;
+  return out.replace_filename(fmt::format("{}-{}{}", file.stem().string(), part, file.extension().string()));
+}
+
+bool keepsFirst(const Arguments& a) { return a.keep == "both" || a.keep == "above" || a.keep == "die"; }
+bool keepsSecond(const Arguments& a) { return a.keep == "both" || a.keep == "below" || a.keep == "rest"; }
+
+std::vector<Output> outputsOf(const Arguments& a, const Cut& cut, const PlaneCut& result) {
+  std::vector<Output> out;
+  const bool is_both = keepsFirst(a) && keepsSecond(a);
+  for (const std::string& path : a.outputs) {
+    if (keepsFirst(a)) out.push_back({is_both ? named(path, cut.names[0]).string() : path, &result.above});
+    if (keepsSecond(a)) out.push_back({is_both ? named(path, cut.names[1]).string() : path, &result.rest});
+  }
+  return out;
+}
+
+Expected<void> requireNew(const Arguments& a, const Source& source, const std::string& path) {
+  if (source.of_case) return requireNoSource(path, *source.of_case);
+  std::error_code ignored;
+  if (!fs::equivalent(path, a.what, ignored)) return {};
+  return fail({.code = Error::Code::kBadValue,
+               .file = path,
+               .found = "the file that is cut",
+               .expected = "another name: a scan is never written over",
+               .hint = "another name or folder"});
+}
+
+json jsonOf(const char* name, const PostOpMesh& part) {
+  const PostOpReport& r = part.report;
+  return {{"part", name},
+          {"volume_mm3", r.result_volume_mm3},
+          {"pieces", r.pieces},
+          {"vertices", part.mesh.vertices.size()},
+          {"triangles", part.mesh.triangles.size()},
+          {"source_vertices_kept", r.source_vertices_kept},
+          {"cut_triangles", r.cut_triangles},
+          {"crumbs_dropped", r.crumbs_dropped},
+          {"crumbs_volume_mm3", r.crumbs_volume_mm3}};
+}
+
+json jsonOf(const Cut& cut, const Source& source, const PlaneCut& result, const std::vector<Output>& outputs) {
+  json planes = json::array(), files = json::array();
+  for (const Plane& p : cut.planes)
+    planes.push_back(
+        {{"point_mm", {p.point[0], p.point[1], p.point[2]}}, {"normal", {p.normal[0], p.normal[1], p.normal[2]}}});
+  for (const Output& output : outputs) files.push_back(output.path);
+  json j{{"files", files},
+         {"planes", planes},
+         {"source_volume_mm3", result.above.report.source_volume_mm3},
+         {"parts", {jsonOf(cut.names[0], result.above), jsonOf(cut.names[1], result.rest)}},
+         {"flatness_mm", result.flatness_mm},
+         {"shift_mm", result.shift_mm},
+         {"attempts", result.attempts}};
+  if (!source.note.empty()) j["note"] = source.note;
+  return j;
+}
+
+void print(const Arguments& a, const Cut& cut, const PlaneCut& result, const std::vector<Output>& outputs) {
+  const auto line = [](const char* name, const PostOpReport& r, bool is_kept) {
+    fmt::print("{}: {:.4f} mm3 in {}{}; {} vertices of the solid kept bit for bit\n", name, r.result_volume_mm3,
+               counted(r.pieces, "piece"), is_kept ? "" : ", cut off", r.source_vertices_kept);
+    if (r.crumbs_dropped)
+      fmt::print("  dropped {} crumbs, {:.6f} mm3 together\n", r.crumbs_dropped, r.crumbs_volume_mm3);
+  };
+  line(cut.names[0], result.above.report, keepsFirst(a));
+  line(cut.names[1], result.rest.report, keepsSecond(a));
+  fmt::print("the cut faces are flat to {:.3f} um\n", 1e3 * result.flatness_mm);
+  if (result.shift_mm > 0)
+    fmt::print("the cut was moved by {:.2f} um along its normals to survive float32\n", 1e3 * result.shift_mm);
+  for (const Output& output : outputs) fmt::print("written: {}\n", output.path);
+}
+
+Expected<void> trim(const Arguments& a) {
+  for (const std::string& path : a.outputs) KERF_CHECK(canWriteMesh(path));
+  KERF_TRY(source, readSource(a));
+  if (!source.note.empty()) fmt::print(stderr, "kerf: {}\n", source.note);
+  KERF_TRY(cut, cutOf(a, source.solid));
+  auto result = [&] {
+    TerminalProgress progress;
+    return cutByPlanes(source.solid, cut.planes, cut.options, progress.callback());
+  }();
+  if (!result) {
+    result.error().file = a.what;
+    return fail(std::move(result).error());
+  }
+
+  const TerminalProgress guard;  // Ctrl-C waits until no file is half written
+  const std::vector<Output> outputs = outputsOf(a, cut, *result);
+  for (const Output& output : outputs) KERF_CHECK(requireNew(a, source, output.path));
+  for (const Output& output : outputs) KERF_CHECK(writeMesh(output.path, output.part->mesh));
+  if (a.json)
+    printJson(jsonOf(cut, source, *result, outputs));
+  else
+    print(a, cut, *result, outputs);
+  return {};
+}
+
+int run(const Arguments& a) {
+  if (a.planes.empty() && a.plan.empty() && a.box.empty() && a.between.empty())
+    return complainOfUsage({.code = Error::Code::kBadValue,
+                            .found = "nothing to cut along",
+                            .expected = "--plane, --plan, --box or --between",
+                            .hint = "--plane 0,0,1@0,0,12"});
+  const auto trimmed = trim(a);
+  return trimmed ? kOk : complain(trimmed.error());
+}
+
+constexpr const char* kFooter =
+    "Above a plane is the side to which its normal points; several planes cut off what is above all of them. Both "
+    "parts\n"
+    "are written unless --keep says which, NAME-above.stl and NAME-below.stl; of --box and --between NAME-die.stl and\n"
+    "NAME-rest.stl. Both are closed by flat faces; vertices that are not cut stay bit for bit.\n"
+    "Examples:\n"
+    "  kerf trim arch.case --plane occlusal@-12 --keep above -o arch.stl    the underside off, 12 mm under the cusps\n"
+    "  kerf trim arch.case --between -8,40,3/2,42,3 --keep die -o die.stl   a tooth out of a model, between two "
+    "points\n"
+    "  kerf trim arch.case --plane 1,0,0@4,0,0 --plane -1,0,0@12,0,0 -o slice.stl";
+
+}  // namespace
+
+void addTrim(CLI::App& command, int& exit_code) {
+  auto a = std::make_shared<Arguments>();
+  command.footer(kFooter);
+  command
+      .add_option("CASE|RUN|MESH", a->what, "what is cut; a mesh has to be a solid already: kerf bake closes others")
+      ->required();
+  const auto takeAll = [](CLI::Option* option) {
+    return option->expected(1)->allow_extra_args(false)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  };
+  takeAll(command.add_option("-o,--output", a->outputs,
+                             writableFormats() + "; colours in " + colorFormats() + ". Repeat for several"))
+      ->required();
+  takeAll(command.add_option("--plane", a->planes,
+                             "normal @ point; or three points, above is where they run counter-clockwise; or so much "
+                             "above the occlusal plane (negative: below); mm. Repeat for several"))
+      ->type_name(kPlaneWords);
+  command.add_option("--plan", a->plan, "planes planned in the window, as its saw.save writes them")->type_name("FILE");
+  command.add_option("--box", a->box, "cut off what is between two corners")->type_name("X,Y,Z/X,Y,Z");
+  command
+      .add_option("--between", a->between,
+                  "cut off what is between two points, such as those where a tooth meets its neighbours: by planes "
+                  "square to the line between them; only the piece that is there")
+      ->type_name("X,Y,Z/X,Y,Z");
+  command.add_option("--keep", a->keep, "the parts that are written: above (or die), below (or rest), both")
+      ->check(CLI::IsMember({"above", "below", "die", "rest", "both"}))
+      ->capture_default_str();
+  command.add_option("--unit", a->unit, "of a mesh: mm, cm, m, um or inch (default: as it says, or by its size)")
+      ->type_name("UNIT")
+      ->check(CLI::IsMember(unitNames()));
+  command.add_flag("--json", a->json, "summary as JSON on standard output");
+  command.callback([a, &exit_code] { exit_code = run(*a); });
+}
+
+}  // namespace kerf::cli
