@@ -53,6 +53,21 @@ class KerfSim : public ::testing::Test {
   fs::path folder_;
 };
 
+TEST_F(KerfSim, AFilmIsThatOfAReplay) {
+  const fs::path film = folder_ / "film";
+  const auto asked = [&](const std::string& more) {
+    return shell(fmt::format("env -u DISPLAY -u WAYLAND_DISPLAY {} --film '{}' {}", kProgram, film.string(), more));
+  };
+  for (const std::string& more : {std::string(), std::string("--replay x.run --fps 0"), "'" + mesh().string() + "'"}) {
+    const Outcome refused = asked(more);
+    EXPECT_EQ(refused.status, 2) << refused.text;
+    EXPECT_FALSE(fs::exists(film)) << more;
+  }
+  const Outcome missing = asked(fmt::format("--replay '{}'", (folder_ / "none.run").string()));
+  EXPECT_EQ(missing.status, 1) << missing.text;
+  EXPECT_NE(missing.text.find("none.run"), std::string::npos) << missing.text;
+}
+
 TEST_F(KerfSim, TheFirstOfSeveralFilesIsWorkedOnTheOthersStandBeside) {
   const fs::path other = folder_ / "other.off", script = folder_ / "script.ks", data = folder_ / "data";
   std::ofstream(other) << "OFF\n4 4 0\n5 0 0\n8 0.2 0.1\n5.7 4 -0.3\n5.4 1.1 6\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n";
@@ -66,7 +81,7 @@ TEST_F(KerfSim, TheFirstOfSeveralFilesIsWorkedOnTheOthersStandBeside) {
   EXPECT_NE(done.text.find("\"name\":\"other\""), std::string::npos) << done.text;
 
   const Outcome refused = picture(both);
-  EXPECT_NE(refused.status, 0);
+  EXPECT_EQ(refused.status, 2);
   EXPECT_NE(refused.text.find("one mesh, case or run to draw"), std::string::npos) << refused.text;
 }
 

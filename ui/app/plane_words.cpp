@@ -47,8 +47,13 @@ Expected<Plane> aboveOcclusalPlane(const std::string& word, std::string_view hei
                  .found = "no occlusal plane: neither a base nor cusp tips say which side is up",
                  .expected = "a jaw",
                  .hint = "a plane by normal and point: 0,0,1@0,0,12"});
-  KERF_TRY(found, findOcclusalPlane(mesh, *up));
-  return Plane{found.point + *mm * found.normal, found.normal};
+  auto found = findOcclusalPlane(mesh, *up);
+  if (!found) {
+    found.error().place = option + " occlusal";
+    found.error().hint = "a plane by normal and point: 0,0,1@0,0,12";
+    return fail(std::move(found).error());
+  }
+  return Plane{found->point + *mm * found->normal, found->normal};
 }
 
 }  // namespace

@@ -232,7 +232,6 @@ void print(const Arguments& a, const Cut& cut, const PlaneCut& result, const std
 Expected<void> trim(const Arguments& a) {
   for (const std::string& path : a.outputs) KERF_CHECK(canWriteMesh(path));
   KERF_TRY(source, readSource(a));
-  if (!source.note.empty()) fmt::print(stderr, "kerf: {}\n", source.note);
   KERF_TRY(cut, cutOf(a, source.solid));
   auto result = [&] {
     TerminalProgress progress;
@@ -247,6 +246,7 @@ Expected<void> trim(const Arguments& a) {
   const std::vector<Output> outputs = outputsOf(a, cut, *result);
   for (const Output& output : outputs) KERF_CHECK(requireNew(a, source, output.path));
   for (const Output& output : outputs) KERF_CHECK(writeMesh(output.path, output.part->mesh));
+  if (!source.note.empty()) fmt::print(stderr, "kerf: {}\n", source.note);
   if (a.json)
     printJson(jsonOf(cut, source, *result, outputs));
   else

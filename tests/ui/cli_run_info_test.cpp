@@ -1,0 +1,238 @@
+// kerf info RUN, kerf plot and kerf trim, as a user runs them.
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "tests/ui/cli_runner.h"
+
+namespace kerf {
+namespace {
+
+using nlohmann::json;
+
+class CliRunInfo : public Cli {
+ protected:
+  json parsed(const std::vector<std::string>& words) {
+    const Outcome o = runKerf(words);
+    EXPECT_EQ(o.exit_code, 0) << o.err;
+    const json j = json::parse(o.out, nullptr, false);
+    EXPECT_FALSE(j.is_discarded()) << o.out;
+    return j;
+  }
+
+  void bakeMolar() {
+    ASSERT_EQ(runKerf({"demo", "molar", "--coarseness", "3", "-o", at("molar")}).exit_code, 0);
+    ASSERT_EQ(runKerf({"bake", at("molar/molar.toml"), "--voxel", "0.2", "-o", at("molar.case")}).exit_code, 0);
+  }
+
+  json cut(const std::string& run, const std::vector<std::string>& more = {}) {
+    std::vector<std::string> words{
+        "cut",       at("molar.case"), "--tool",
+        "round-014", "--path",         std::string(KERF_SOURCE_DIR) + "/assets/paths/demo-cavity.toml",
+        "-o",        at(run),          "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    return parsed(words);
+  }
+
+  static double sumOf(const json& volumes) {
+    double sum = 0;
+    for (const auto& [id, volume] : volumes.items()) sum += volume.get<double>();
+    return sum;
+  }
+};
+
+TEST_F(CliRunInfo, OfARunOfGeometrySaysTissuesSharesAndPlan) {
+  bakeMolar();
+  const json made = cut("plain.run");
+  const json info = parsed({"info", at("plain.run"), "--json"});
+  EXPECT_EQ(info["removed_by_material_mm3"], made["removed_by_material_mm3"]);
+  EXPECT_NEAR(sumOf(info["removed_by_material_mm3"]), info["removed_mm3"].get<double>(), 1e-9);
+  for (const auto& [id, volume] : info["removed_by_material_mm3"].items())
+    EXPECT_NEAR(info["removed_share_by_material"][id].get<double>(),
+                volume.get<double>() / info["loaded_by_material_mm3"][id].get<double>(), 1e-12)
+        << id;
+  EXPECT_EQ(info["removed_share_by_material"]["pulp"], 0.0);
+  EXPECT_EQ(info["planned_mm3"], info["removed_mm3"]);
+  EXPECT_EQ(info["reached_mm3"], info["removed_mm3"]);
+  EXPECT_EQ(info["piece_count"], 1);
+  EXPECT_GT(info["strokes"].get<int>(), 0);
+  EXPECT_TRUE(info["time_s"].is_null());
+  EXPECT_TRUE(info["peak_contact_force_N"].is_null());
+  ASSERT_EQ(info["missing"].size(), 1u) << info["missing"];
+  EXPECT_NE(info["missing"][0].get<std::string>().find("geometry alone"), std::string::npos);
+
+  // People are told the same first, and what the run is made of after that.
+  const Outcome plain = runKerf({"info", at("plain.run")});
+  EXPECT_EQ(plain.out.find("removed "), 0u) << plain.out;
+  EXPECT_NE(plain.out.find("enamel"), plain.out.npos);
+  EXPECT_NE(plain.out.find("not known: force"), plain.out.npos) << plain.out;
+  EXPECT_LT(plain.out.find("tools: round-014"), plain.out.find("state_hash:")) << plain.out;
+
+  // Without its summary, as older runs are, the field is counted: the same.
+  std::filesystem::remove(at("plain.run/summary.json"));
+  const json counted = parsed({"info", at("plain.run"), "--json"});
+  EXPECT_EQ(counted["removed_by_material_mm3"], info["removed_by_material_mm3"]);
+  // Neither summary nor case: it says so, and what it knows.
+  std::filesystem::rename(at("molar.case"), at("elsewhere.case"));
+  const json alone = parsed({"info", at("plain.run"), "--json"});
+  EXPECT_TRUE(alone["removed_mm3"].is_null());
+  EXPECT_NE(alone["missing"].dump().find("removed volume by tissue"), std::string::npos) << alone["missing"];
+  EXPECT_EQ(alone["tools"], json({"round-014"}));
+
+  std::ofstream(at("plain.run/summary.json")) << "{\"removed_mm3\": \"much\"}";
+  refuses({"info", at("plain.run")}, {"summary.json", "removed_mm3"});
+  refuses({"info", at("elsewhere.case"), "--replay"}, {"--replay"}, 2);
+  refuses({"plot", at("plain.run"), "-o", at("x.svg")}, {"geometry alone"});
+}
+
+TEST_F(CliRunInfo, OfARunAgainstResistanceSaysWhenAndWhere) {
+  bakeMolar();
+  const json made = cut("push.run", {"--hand", "force", "--push", "1.5", "--time-limit", "20"});
+  const json info = parsed({"info", at("push.run"), "--json"});
+  EXPECT_EQ(info["removed_by_material_mm3"], made["removed_by_material_mm3"]);
+  EXPECT_EQ(info["peak_contact_force_N"], made["peak_contact_force_N"]);
+  EXPECT_EQ(info["farthest_off_at_mm"], made["farthest_off_at"]);
+  EXPECT_EQ(info["missing"], json::array());
+  EXPECT_TRUE(info["bone_limit_at_s"].is_null()) << "never is null, not -1";
+
+  // Force, temperature and distance were what they are said to have been, then.
+  std::ifstream rows(at("push.run/forces.csv"));
+  std::string row;
+  std::getline(rows, row);
+  std::vector<std::string> names;
+  std::istringstream header(row);
+  for (std::string name; std::getline(header, name, ',');) names.push_back(name);
+  std::map<int, std::map<std::string, double>> by_ms;
+  while (std::getline(rows, row)) {
+    std::istringstream values(row);
+    std::map<std::string, double> of;
+    for (const std::string& name : names) {
+      std::string value;
+      std::getline(values, value, ',');
+      of[name] = std::stod(value);
+    }
+    by_ms[static_cast<int>(std::lround(1000 * of["t_s"]))] = of;
+  }
+  const auto at_s = [&](const char* key) {
+    return by_ms.at(static_cast<int>(std::lround(1000 * info[key].get<double>())));
+  };
+  auto then = at_s("peak_contact_force_at_s");
+  EXPECT_NEAR(std::hypot(then["contact_x_N"], then["contact_y_N"], then["contact_z_N"]),
+              info["peak_contact_force_N"].get<double>(), 1e-5);
+  EXPECT_NEAR(at_s("hottest_at_s")["temperature_C"], info["hottest_C"].get<double>(), 1e-3);
+  const double nearest_s = info["least_distance_at_s"]["pulp"];
+  EXPECT_NEAR(by_ms.at(static_cast<int>(std::lround(1000 * nearest_s)))["pulp_mm"],
+              info["least_distance_mm"]["pulp"].get<double>(), 1e-4);
+
+  // A summary of an older version has no times: the table has.
+  json older = json::parse(contentOf(at("push.run/summary.json")));
+  for (const char* key : {"peak_contact_force_at_s", "hottest_at_s", "least_distance_at_s"}) older.erase(key);
+  older["bone_limit_at_s"] = -1;
+  std::ofstream(at("push.run/summary.json")) << older;
+  const json again = parsed({"info", at("push.run"), "--json"});
+  EXPECT_NEAR(again["peak_contact_force_at_s"].get<double>(), info["peak_contact_force_at_s"].get<double>(), 1e-4);
+  // To the digits of the table it was as near once before.
+  const double again_s = again["least_distance_at_s"]["pulp"];
+  EXPECT_NEAR(by_ms.at(static_cast<int>(std::lround(1000 * again_s)))["pulp_mm"],
+              info["least_distance_mm"]["pulp"].get<double>(), 1.1e-4);
+  EXPECT_TRUE(again["bone_limit_at_s"].is_null());
+
+  // A chart from the table; and from the log where there is none, with the same marks.
+  const auto plot = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words{"plot", at("push.run"), "-o", at("chart.svg")};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome o = runKerf(words);
+    EXPECT_EQ(o.exit_code, 0) << o.err;
+    return contentOf(at("chart.svg"));
+  };
+  const std::string chart = plot({});
+  for (const char* words : {"force [N]", "load of the drive [N mm]", "speed of the drive [rpm]", "removed [mm\u00b3]",
+                            "temperature under the tool", "to pulp", "time [s]", "stroke ("})
+    EXPECT_NE(chart.find(words), chart.npos) << words;
+  const std::string peak = fmt::format("{:.3g} N at {:.2f} s", info["peak_contact_force_N"].get<double>(),
+                                       info["peak_contact_force_at_s"].get<double>());
+  EXPECT_NE(chart.find(peak), chart.npos) << peak;
+  EXPECT_LT(chart.size(), 300'000u);
+
+  const std::string part = plot({"--show", "force,distance", "--from", "1", "--until", "2.5"});
+  EXPECT_EQ(part.find("removed [mm"), part.npos);
+  EXPECT_NE(part.find("to pulp"), part.npos);
+  std::filesystem::remove(at("push.run/forces.csv"));
+  const std::string replayed = plot({});
+  EXPECT_NE(replayed.find("session.kerflog, replayed"), replayed.npos);
+  EXPECT_NE(replayed.find(peak), replayed.npos);
+
+  refuses({"plot", at("push.run"), "-o", at("x.png")}, {".svg"}, 2);
+  refuses({"plot", at("push.run"), "--from", "900", "-o", at("x.svg")}, {"--from"});
+  refuses({"plot", at("push.run"), "--show", "colour", "-o", at("x.svg")}, {"--show"}, 2);
+  std::ofstream(at("push.run/forces.csv")) << "t_s,x\n1,2\n";
+  refuses({"plot", at("push.run"), "-o", at("x.svg")}, {"forces.csv", "line 1"});
+}
+
+TEST_F(CliRunInfo, TrimWritesBothSidesOrOneAndTheFileStaysAsItWas) {
+  folder_.write("box.off", box());
+  const json j = parsed({"trim", at("box.off"), "--plane", "0,0,1@0,0,-1", "-o", at("out.stl"), "--json"});
+  EXPECT_EQ(j["files"], json({at("out-above.stl"), at("out-below.stl")}));
+  EXPECT_NEAR(j["parts"][0]["volume_mm3"].get<double>(), 30, 1e-4);
+  EXPECT_NEAR(j["parts"][1]["volume_mm3"].get<double>(), 90, 1e-4);
+  for (const char* name : {"out-above.stl", "out-below.stl"})
+    EXPECT_EQ(runKerf({"check", at(name)}).exit_code, 0) << name;
+
+  // The same plane by three points; one side alone has the name that was asked for.
+  const json three = parsed({"trim", at("box.off"), "--plane", "0,0,-1/3,0,-1/0,3,-1", "--keep", "below", "-o",
+                             at("low.ply"), "-o", at("low.stl"), "--json"});
+  EXPECT_EQ(three["files"], json({at("low.ply"), at("low.stl")}));
+  EXPECT_NEAR(parsed({"check", at("low.ply"), "--json"})["volume_mm3"].get<double>(), 90, 1e-4);
+
+  const json die = parsed({"trim", at("box.off"), "--between", "-1,0,-2/1,0,-2", "-o", at("t.stl"), "--json"});
+  EXPECT_EQ(die["files"], json({at("t-die.stl"), at("t-rest.stl")}));
+  EXPECT_NEAR(die["parts"][0]["volume_mm3"].get<double>(), 40, 1e-4);
+  EXPECT_EQ(die["parts"][1]["pieces"], 2);
+  const json corner =
+      parsed({"trim", at("box.off"), "--box", "1,1,-2/9,9,9", "--keep", "die", "-o", at("c.stl"), "--json"});
+  EXPECT_NEAR(corner["parts"][0]["volume_mm3"].get<double>(), 6, 1e-4);
+
+  refuses({"trim", at("box.off"), "--plane", "0,0,1@0,0,50", "-o", at("x.stl")},
+          {"box.off", "nothing", "above plane 1"});
+  refuses({"trim", at("box.off"), "--plane", "0,0,1", "-o", at("x.stl")}, {"--plane", "0,0,1@0,0,12"});
+  refuses({"trim", at("box.off"), "--plane", "0,0,0/1,0,0/2,0,0", "-o", at("x.stl")}, {"on a line"});
+  refuses({"trim", at("box.off"), "--plane", "occlusal@-3", "-o", at("x.stl")}, {"--plane", "occlusal"});
+  refuses({"trim", at("box.off"), "-o", at("x.stl")}, {"nothing to cut along"}, 2);
+  refuses({"trim", at("box.off"), "--plane", "0,0,1@0,0,-1", "--keep", "above", "-o", at("box.off")},
+          {"never written over"});
+  folder_.write("open.off", "OFF\n3 1 0\n0 0 0\n9 0 0\n0 9 0\n3 0 1 2\n");
+  refuses({"trim", at("open.off"), "--plane", "0,0,1@0,0,0", "-o", at("x.stl")}, {"open.off", "kerf bake"});
+}
+
+TEST_F(CliRunInfo, ExportWritesEachPieceOfACutThatSevered) {
+  folder_.write("box.off", box());
+  ASSERT_EQ(runKerf({"bake", at("box.off"), "--voxel", "0.2", "-o", at("bar.case")}).exit_code, 0);
+  // A ball of 1.4 mm goes through all of the height, from one side of the box to the other.
+  std::string path = "t,x,y,z,qw,qx,qy,qz\n";
+  double t = 0;
+  for (double z = -0.2; z > -6; z -= 0.5) {
+    path += fmt::format("{},1,-4,{},1,0,0,0\n", t, z);
+    path += fmt::format("{},1,4,{},1,0,0,0\n", t + 2, z);
+    t += 4;
+  }
+  folder_.write("saw.csv", path);
+  ASSERT_EQ(
+      runKerf({"cut", at("bar.case"), "--tool", "round-014", "--path", at("saw.csv"), "-o", at("two.run")}).exit_code,
+      0);
+  EXPECT_EQ(parsed({"info", at("two.run"), "--json"})["piece_count"], 2);
+  std::filesystem::create_directory(at("pieces"));
+  const json all = parsed({"export", at("two.run"), "--piece", "all", "-o", at("pieces/bar.stl"), "--json"});
+  EXPECT_EQ(all["files"], json({at("pieces/bar-piece-1.stl"), at("pieces/bar-piece-2.stl")}));
+  const auto volume = [&](const std::string& file) {
+    return parsed({"check", file, "--json"})["volume_mm3"].get<double>();
+  };
+  const double large = volume(at("pieces/bar-piece-1.stl")), small = volume(at("pieces/bar-piece-2.stl"));
+  EXPECT_GT(large, small);
+  EXPECT_NEAR(large + small, all["result_volume_mm3"].get<double>(), 1e-2);
+  parsed({"export", at("two.run"), "--piece", "2", "-o", at("small.stl"), "--json"});
+  EXPECT_NEAR(volume(at("small.stl")), small, 1e-9);
+  refuses({"export", at("two.run"), "--piece", "3", "-o", at("x.stl")}, {"--piece", "piece 1"});
+}
+
+}  // namespace
+}  // namespace kerf
