@@ -7,10 +7,10 @@
 #include <CGAL/boost/graph/generators.h>
 
 #include <algorithm>
-#include <array>
 #include <memory>
-#include <tuple>
-#include <unordered_map>
+#include <numeric>
+
+#include "geometry/mesh/exact_weld.h"
 
 namespace kerf {
 namespace {
@@ -72,14 +72,6 @@ Expected<void> fill(const Mesh& mesh, const char* name, SurfaceMesh& out) {
 
 enum class Operation { kDifference, kUnion, kIntersection };
 
-struct HashOfPosition {
-  std::size_t operator()(const std::array<double, 3>& p) const {
-    std::size_t h = 1469598103934665603ull;
-    for (const double x : p) h = (h ^ std::hash<double>{}(x)) * 1099511628211ull;
-    return h;
-  }
-};
-
 // Which vertex of the result is which of the minuend.
 struct VertexOrigins {
   std::vector<std::uint32_t> source;    // per vertex of the result, by CGAL's number: of the minuend, or kNoSource
@@ -89,22 +81,20 @@ struct VertexOrigins {
 // Surviving minuend vertices are known by their coordinates: corefinement never moves one, and never makes a new
 // point where the minuend, free of duplicates, already has one.
 VertexOrigins originsOfVertices(const Mesh& minuend, const SurfaceMesh& out) {
-  std::unordered_map<std::array<double, 3>, std::uint32_t, HashOfPosition> original;
-  original.reserve(2 * minuend.vertices.size());
-  for (std::uint32_t v = 0; v < minuend.vertices.size(); ++v) {
-    const Vec3d& p = minuend.vertices[v];
-    original.try_emplace({p[0], p[1], p[2]}, v);
-  }
+  internal::ExactWelder positions(minuend.vertices.size());
+  std::vector<std::uint32_t> first;  // per position: the first vertex there
+  for (std::uint32_t v = 0; v < minuend.vertices.size(); ++v)
+    if (positions.add(minuend.vertices[v]) == first.size()) first.push_back(v);
 
   VertexOrigins origins;
   origins.source.assign(out.number_of_vertices() + out.number_of_removed_vertices(), kNoSource);
   origins.survivor.assign(minuend.vertices.size(), kNoSource);
   for (const auto v : out.vertices()) {
     const auto& p = out.point(v);
-    const auto it = original.find({p.x(), p.y(), p.z()});
-    if (it == original.end() || origins.survivor[it->second] != kNoSource) continue;
-    origins.source[v] = it->second;
-    origins.survivor[it->second] = v;
+    const std::uint32_t position = positions.find({p.x(), p.y(), p.z()});
+    if (position == internal::ExactWelder::kNotThere || origins.survivor[first[position]] != kNoSource) continue;
+    origins.source[v] = first[position];
+    origins.survivor[first[position]] = v;
   }
   return origins;
 }
@@ -139,18 +129,27 @@ void copyFaces(const SurfaceMesh& out, const Origins& origins, const std::vector
     std::uint32_t source;
     Triangle corners;
   };
-  std::vector<Face> faces;
-  faces.reserve(out.number_of_faces());
+  // How many there are of each source, then where the first of each is to stand; the last source is none.
+  const std::size_t none = minuend.triangles.size();
+  const auto placeOf = [none](std::uint32_t source) { return source == kNoSource ? none : std::size_t{source}; };
+  std::vector<std::uint32_t> begin(none + 2);
+  for (const auto f : out.faces()) ++begin[placeOf(Origins::get(origins.face, f)) + 1];
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+
+  std::vector<Face> faces(out.number_of_faces());
+  std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
   for (const auto f : out.faces()) {
     Face face{Origins::get(origins.face, f), {}};
     std::size_t k = 0;
     for (const auto v : CGAL::vertices_around_face(out.halfedge(f), out)) face.corners[k++] = index[v];
     // Begin with the corner of the lowest index: CGAL's choice of first corner depends on its history.
     std::rotate(face.corners.begin(), std::min_element(face.corners.begin(), face.corners.end()), face.corners.end());
-    faces.push_back(face);
+    faces[next[placeOf(face.source)]++] = face;
   }
-  std::sort(faces.begin(), faces.end(),
-            [](const Face& x, const Face& y) { return std::tie(x.source, x.corners) < std::tie(y.source, y.corners); });
+  for (std::size_t source = 0; source + 1 < begin.size(); ++source)
+    if (begin[source + 1] - begin[source] > 1)
+      std::sort(faces.begin() + begin[source], faces.begin() + begin[source + 1],
+                [](const Face& x, const Face& y) { return x.corners < y.corners; });
 
   for (Face& face : faces) {
     if (face.source != kNoSource) {  // an uncut triangle keeps the source's first corner

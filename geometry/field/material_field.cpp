@@ -1,41 +1,80 @@
 #include "geometry/field/material_field.h"
 
-#include <fmt/format.h>
-#include <openvdb/io/File.h>
 #include <openvdb/openvdb.h>
 
 #include <algorithm>
-#include <cmath>
+#include <array>
+#include <limits>
+#include <vector>
+
+#include "geometry/base/large_pages.h"
+#include "geometry/field/brick_field.h"
+#include "geometry/field/vdb_reader.h"
 
 namespace kerf {
 
+// The tree as stored, but for the values of its leaves: these would take four times as much as the numbers do, and most
+// leaves are of one material.
 struct MaterialField::Grid {
-  openvdb::Int32Grid::ConstPtr labels;
+  using Leaf = openvdb::Int32Tree::LeafNodeType;
+  using Numbers = std::array<std::uint8_t, kBrickNodes>;
+
+  openvdb::Int32Grid::Ptr labels;  // a leaf's transient data: its one material, or kMixed and more the place in `mixed`
+  std::vector<Numbers> mixed;
   double voxel = 0;
+
+  static constexpr openvdb::Index32 kMixed = 256;
+
+  static std::uint8_t number(std::int32_t label) {
+    return static_cast<std::uint8_t>(label >= 0 && label <= 255 ? label : 0);
+  }
+  // Null: all of the leaf is of one material.
+  const Numbers* numbersOf(const Leaf& leaf) const {
+    return leaf.transientData() < kMixed ? nullptr : &mixed[leaf.transientData() - kMixed];
+  }
+
+  void read(internal::VdbGridFile& file) {
+    mixed.reserve(labels->tree().leafCount());  // what is not used of it is never touched
+    internal::adviseLargePages(static_cast<void*>(mixed.data()), mixed.capacity() * sizeof(Numbers));
+    Numbers numbers;
+    std::array<std::int32_t, kBrickNodes> values;
+    for (auto leaf = labels->tree().beginLeaf(); leaf; ++leaf) {
+      file.readLeaf(values.data());
+      std::transform(values.begin(), values.end(), numbers.begin(), number);
+      const bool is_one = std::all_of(numbers.begin(), numbers.end(), [&](auto one) { return one == numbers[0]; });
+      leaf->setTransientData(is_one ? numbers[0] : kMixed + static_cast<openvdb::Index32>(mixed.size()));
+      if (!is_one) mixed.push_back(numbers);
+    }
+  }
 };
 
 MaterialField::MaterialField(std::shared_ptr<const Grid> grid) : grid_(std::move(grid)) {}
 double MaterialField::voxel() const { return grid_->voxel; }
 
 Material MaterialField::at(const Vec3i& node) const {
-  const std::int32_t label = grid_->labels->tree().getValue({node[0], node[1], node[2]});
-  return label >= 0 && label <= 255 ? static_cast<Material>(label) : Material::kNone;
+  const openvdb::Coord coord(node[0], node[1], node[2]);
+  const Grid::Leaf* const leaf = grid_->labels->constTree().probeConstLeaf(coord);
+  if (!leaf) return static_cast<Material>(Grid::number(grid_->labels->constTree().getValue(coord)));
+  const Grid::Numbers* const numbers = grid_->numbersOf(*leaf);
+  return static_cast<Material>(numbers ? (*numbers)[Grid::Leaf::coordToOffset(coord)] : leaf->transientData());
+}
+
+std::optional<Material> MaterialField::oneOf(const Vec3i& brick) const {
+  const openvdb::Coord origin(8 * brick[0], 8 * brick[1], 8 * brick[2]);
+  const Grid::Leaf* const leaf = grid_->labels->constTree().probeConstLeaf(origin);
+  if (!leaf) return static_cast<Material>(Grid::number(grid_->labels->constTree().getValue(origin)));
+  if (grid_->numbersOf(*leaf)) return std::nullopt;
+  return static_cast<Material>(leaf->transientData());
 }
 
 bool MaterialField::copyBrick(const Vec3i& brick, std::span<std::uint8_t, 512> out) const {
-  const auto number = [](std::int32_t label) {
-    return static_cast<std::uint8_t>(label >= 0 && label <= 255 ? label : 0);
-  };
-
-  const openvdb::Coord origin(8 * brick[0], 8 * brick[1], 8 * brick[2]);
-  const auto* leaf = grid_->labels->tree().probeConstLeaf(origin);
-  if (!leaf) {
-    std::fill(out.begin(), out.end(), number(grid_->labels->tree().getValue(origin)));
+  if (const std::optional<Material> one = oneOf(brick)) {
+    std::fill(out.begin(), out.end(), static_cast<std::uint8_t>(*one));
     return true;
   }
-  const std::int32_t* const labels = leaf->buffer().data();
-  for (std::size_t n = 0; n < 512; ++n) out[n] = number(labels[n]);
-  return std::all_of(out.begin(), out.end(), [&](std::uint8_t label) { return label == out[0]; });
+  const Grid::Leaf* const leaf = grid_->labels->constTree().probeConstLeaf({8 * brick[0], 8 * brick[1], 8 * brick[2]});
+  std::copy_n(grid_->numbersOf(*leaf)->begin(), out.size(), out.begin());
+  return false;
 }
 
 Material MaterialField::near(const Vec3d& p) const {
@@ -60,36 +99,24 @@ Material MaterialField::near(const Vec3d& p) const {
 }
 
 Expected<MaterialField> readMaterialField(const std::filesystem::path& vdb) {
-  const auto error = [&vdb](const std::string& found) {
-    return fail({.code = Error::Code::kUnreadable,
-                 .file = vdb.string(),
-                 .place = "grid material",
-                 .found = found,
-                 .expected = "an OpenVDB file written by Kerf",
-                 .hint = "bake the case again"});
-  };
+  const std::string place = "grid material";
+  const auto error = [&](const std::string& found) { return fail(internal::vdbReadError(vdb, place, found)); };
   try {
-    openvdb::initialize();
-    std::error_code ignored;
-    if (!std::filesystem::is_regular_file(vdb, ignored)) return error("no regular file");
-    openvdb::io::File file(vdb.string());
-    file.open(false);
-    if (!file.hasGrid("material")) return error("no such grid");
-    const auto labels = openvdb::gridPtrCast<openvdb::Int32Grid>(file.readGrid("material"));
+    KERF_CHECK(internal::requireVdbFile(vdb));
+    internal::VdbGridFile file(vdb);
+    const openvdb::GridBase::Ptr any = file.open("material");
+    if (!any) return error("no such grid");
+    const auto labels = openvdb::gridPtrCast<openvdb::Int32Grid>(any);
     if (!labels) return error("a grid of another type than int32");
-
-    const openvdb::math::Transform& transform = labels->transform();
-    if (!transform.isLinear() || !transform.hasUniformScale() ||
-        transform.indexToWorld(openvdb::Vec3d(0)).length() != 0)
-      return error("a transform that is more than a uniform scale");
+    KERF_CHECK(internal::requireUniformScale(*labels, vdb, place));
 
     auto grid = std::make_shared<MaterialField::Grid>();
     grid->labels = labels;
-    grid->voxel = transform.voxelSize()[0];
-    if (!(grid->voxel >= 1e-3 && grid->voxel <= 100)) return error(fmt::format("a voxel size of {} mm", grid->voxel));
+    grid->voxel = labels->voxelSize()[0];
+    grid->read(file);
     return MaterialField(std::move(grid));
   } catch (const std::exception& e) {
-    return error(e.what());
+    return fail(internal::vdbReadError(vdb, place, e));
   }
 }
 

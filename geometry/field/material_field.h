@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "geometry/base/error.h"
@@ -20,6 +21,8 @@ class MaterialField {
   double voxel() const;  ///< mm
   /// kNone outside the object and its shell. Any thread; about 50 ns.
   Material at(const Vec3i& node) const;
+  /// The material of a whole brick, kNone included; nothing: it has several. Any thread; about 50 ns.
+  std::optional<Material> oneOf(const Vec3i& brick) const;
   /// The numbers of a whole brick's materials, in the order of its nodes (brick_field.h); those above 255 as 0. True if
   /// all of them are the same. Any thread; microseconds.
   bool copyBrick(const Vec3i& brick, std::span<std::uint8_t, 512> out) const;

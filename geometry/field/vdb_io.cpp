@@ -1,15 +1,15 @@
 #include "geometry/field/vdb_io.h"
 
 #include <fmt/format.h>
-#include <openvdb/io/File.h>
 #include <openvdb/openvdb.h>
-#include <openvdb/tools/Prune.h>
 
+#include <algorithm>
 #include <cmath>
-#include <mutex>
+#include <functional>
 
 #include "geometry/base/large_pages.h"
 #include "geometry/field/vdb_bricks.h"
+#include "geometry/field/vdb_reader.h"
 #include "geometry/field/vdb_writer.h"
 
 namespace kerf {
@@ -17,38 +17,34 @@ namespace {
 
 static_assert(openvdb::FloatTree::LeafNodeType::SIZE == kBrickNodes, "a brick is one OpenVDB leaf");
 
-void initialize() {
-  static std::once_flag once;
-  std::call_once(once, [] { openvdb::initialize(); });
-}
-
-Error readError(const std::filesystem::path& path, const std::string& place, const std::string& found) {
-  return {Error::Code::kUnreadable,          path.string(),        place, found,
-          "an OpenVDB file written by Kerf", "bake the case again"};
-}
-
 Vec3i toVec(const openvdb::Coord& c) { return {c.x(), c.y(), c.z()}; }
 
-}  // namespace
+// What no field of ours holds, and what would be cut as if it were tissue, or take all memory.
+bool isBeyond(float value, double voxel) {
+  const double most = 1000 * voxel;  // mm; bands are a few voxels wide
+  return !(std::abs(static_cast<double>(value)) <= most);
+}
 
-namespace {
+bool isFar(const openvdb::CoordBBox& box) {
+  constexpr int kFarthest = 1 << (20 + kBrickLog);  // coordKey
+  return openvdb::Coord::lessThan(box.min(), openvdb::Coord(-kFarthest)) ||
+         openvdb::Coord::lessThan(openvdb::Coord(kFarthest - 1), box.max());
+}
 
-// What no field of ours holds, and what would be cut as if it were tissue, or take all memory. Empty: nothing.
-std::string faultOf(const openvdb::FloatGrid& grid) {
-  constexpr int kFarthest = 1 << (20 + kBrickLog);    // coordKey
-  constexpr std::int64_t kMostInterior = 16'000'000;  // bricks; a mandible at 0.05 mm has about one million
-  const double most = 1000 * grid.voxelSize()[0];     // mm; bands are a few voxels wide
-  const auto isBeyond = [&](float value) { return !(std::abs(static_cast<double>(value)) <= most); };
-  const auto isFar = [](const openvdb::CoordBBox& box) {
-    return openvdb::Coord::lessThan(box.min(), openvdb::Coord(-kFarthest)) ||
-           openvdb::Coord::lessThan(openvdb::Coord(kFarthest - 1), box.max());
-  };
-
-  std::int64_t interior = 0;
+openvdb::FloatTree::ValueAllCIter tilesOf(const openvdb::FloatGrid& grid) {
   auto tile = grid.tree().cbeginValueAll();
   tile.setMaxDepth(openvdb::FloatTree::ValueAllCIter::LEAF_DEPTH - 1);
-  for (; tile; ++tile) {
-    if (isBeyond(tile.getValue())) return fmt::format("a tile of {} mm", tile.getValue());
+  return tile;
+}
+
+// Of all but the values of leaves. Empty: nothing.
+std::string faultOf(const openvdb::FloatGrid& grid) {
+  constexpr std::int64_t kMostInterior = 16'000'000;  // bricks; a mandible at 0.05 mm has about one million
+  const double voxel = grid.voxelSize()[0];
+
+  std::int64_t interior = 0;
+  for (auto tile = tilesOf(grid); tile; ++tile) {
+    if (isBeyond(tile.getValue(), voxel)) return fmt::format("a tile of {} mm", tile.getValue());
     if (tile.getValue() >= 0) continue;
     openvdb::CoordBBox box;
     tile.getBoundingBox(box);
@@ -57,37 +53,36 @@ std::string faultOf(const openvdb::FloatGrid& grid) {
     if (interior > kMostInterior) return fmt::format("more than {} bricks deep inside", kMostInterior);
   }
 
-  for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
+  for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf)
     if (isFar(leaf->getNodeBoundingBox())) return "voxels too far from the origin";
-    const float* const values = leaf->buffer().data();
-    const float* const bad = std::find_if(values, values + kBrickNodes, isBeyond);
-    if (bad == values + kBrickNodes) continue;
-    const openvdb::Coord at = leaf->offsetToGlobalCoord(static_cast<openvdb::Index>(bad - values));
-    return fmt::format("{} mm at voxel {}, {}, {}", *bad, at.x(), at.y(), at.z());
-  }
   return {};
 }
 
-}  // namespace
+// Of the values of a leaf. Empty: nothing.
+std::string faultOf(const openvdb::FloatTree::LeafNodeType& leaf, const BrickValues& values, double voxel) {
+  const auto bad = std::find_if(values.begin(), values.end(), [voxel](float value) { return isBeyond(value, voxel); });
+  if (bad == values.end()) return {};
+  const openvdb::Coord at = leaf.offsetToGlobalCoord(static_cast<openvdb::Index>(bad - values.begin()));
+  return fmt::format("{} mm at voxel {}, {}, {}", *bad, at.x(), at.y(), at.z());
+}
 
-BrickField internal::toBricks(const openvdb::FloatGrid& grid) {
+// A field for the bricks of a grid, which has none of them yet.
+BrickField fieldFor(const openvdb::FloatGrid& grid, std::size_t bricks) {
   float interior = 0;  // the deepest constant inside; a file without interior tiles has none to tell
-  auto deep = grid.tree().cbeginValueAll();
-  deep.setMaxDepth(openvdb::FloatTree::ValueAllCIter::LEAF_DEPTH - 1);
-  for (; deep; ++deep) interior = std::min(interior, deep.getValue());
+  for (auto tile = tilesOf(grid); tile; ++tile) interior = std::min(interior, tile.getValue());
 
   BrickField field(grid.voxelSize()[0], grid.background(), interior < 0 ? interior : -grid.background());
-  field.reserve(grid.tree().leafCount());
-  for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
-    field.add(brickOf(toVec(leaf->origin())), std::span<const float, kBrickNodes>(leaf->buffer().data(), kBrickNodes));
-    // The first brick tells where the reserved memory is; the rest of it has not been touched yet.
-    if (field.brickCount() == 1)
-      internal::adviseLargePages(&field.brick(0), grid.tree().leafCount() * sizeof(BrickValues));
-  }
+  field.reserve(bricks);
+  return field;
+}
 
-  auto tile = grid.tree().cbeginValueAll();
-  tile.setMaxDepth(openvdb::FloatTree::ValueAllCIter::LEAF_DEPTH - 1);
-  for (; tile; ++tile) {
+// The first brick tells where the reserved memory is; the rest of it has not been touched yet.
+void adviseOnFirst(BrickField& field, std::size_t bricks) {
+  if (field.brickCount() == 1) internal::adviseLargePages(&field.brick(0), bricks * sizeof(BrickValues));
+}
+
+void markTiles(const openvdb::FloatGrid& grid, BrickField& field) {
+  for (auto tile = tilesOf(grid); tile; ++tile) {
     if (tile.getValue() >= 0) continue;
     openvdb::CoordBBox box;
     tile.getBoundingBox(box);
@@ -96,12 +91,41 @@ BrickField internal::toBricks(const openvdb::FloatGrid& grid) {
       for (int y = low[1]; y <= high[1]; ++y)
         for (int z = low[2]; z <= high[2]; ++z) field.markInterior({x, y, z});
   }
+}
+
+// The grid's leaves from the file into the bricks of a field, one after the other.
+Expected<BrickField> readBricks(internal::VdbGridFile& file, const openvdb::FloatGrid& grid,
+                                const std::function<Error(const std::string&)>& error) {
+  const double voxel = grid.voxelSize()[0];
+  const std::size_t bricks = grid.tree().leafCount();
+  BrickField field = fieldFor(grid, bricks);
+  BrickValues values;
+  for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
+    file.readLeaf(values.data());
+    if (const std::string fault = faultOf(*leaf, values, voxel); !fault.empty()) return fail(error(fault));
+    field.add(brickOf(toVec(leaf->origin())), values);
+    adviseOnFirst(field, bricks);
+  }
+  markTiles(grid, field);
+  return field;
+}
+
+}  // namespace
+
+BrickField internal::toBricks(const openvdb::FloatGrid& grid) {
+  const std::size_t bricks = grid.tree().leafCount();
+  BrickField field = fieldFor(grid, bricks);
+  for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
+    field.add(brickOf(toVec(leaf->origin())), std::span<const float, kBrickNodes>(leaf->buffer().data(), kBrickNodes));
+    adviseOnFirst(field, bricks);
+  }
+  markTiles(grid, field);
   return field;
 }
 
 Expected<void> writeVdb(const std::filesystem::path& path, const std::vector<NamedField>& fields,
                         const std::map<std::string, std::string>& metadata) {
-  initialize();
+  openvdb::initialize();
   try {
     openvdb::GridPtrVec grids;
     for (const NamedField& named : fields) {
@@ -136,31 +160,23 @@ Expected<void> writeVdb(const std::filesystem::path& path, const std::vector<Nam
 }
 
 Expected<BrickField> readVdb(const std::filesystem::path& path, const std::string& name) {
-  initialize();
+  const std::string place = "grid " + name;
+  const auto error = [&](const std::string& found) { return internal::vdbReadError(path, place, found); };
   try {
-    std::error_code ignored;
-    if (!std::filesystem::is_regular_file(path, ignored))
-      return fail(readError(path, "file", std::filesystem::exists(path, ignored) ? "no regular file" : "no such file"));
-    openvdb::io::File file(path.string());
-    file.open(false);
-    if (!file.hasGrid(name)) return fail(readError(path, "grid " + name, "no such grid"));
-    const auto grid = openvdb::gridPtrCast<openvdb::FloatGrid>(file.readGrid(name));
-    if (!grid) return fail(readError(path, "grid " + name, "a grid of another type than float"));
-    const openvdb::math::Transform& transform = grid->transform();
-    if (!transform.isLinear() || !transform.hasUniformScale() ||
-        transform.indexToWorld(openvdb::Vec3d(0)).length() != 0)
-      return fail(readError(path, "grid " + name, "a transform that is more than a uniform scale"));
-
-    const double voxel = transform.voxelSize()[0];
-    if (!(voxel >= 1e-3 && voxel <= 100))
-      return fail(readError(path, "grid " + name, fmt::format("a voxel size of {} mm", voxel)));
+    KERF_CHECK(internal::requireVdbFile(path));
+    internal::VdbGridFile file(path);
+    const openvdb::GridBase::Ptr any = file.open(name);
+    if (!any) return fail(error("no such grid"));
+    const auto grid = openvdb::gridPtrCast<openvdb::FloatGrid>(any);
+    if (!grid) return fail(error("a grid of another type than float"));
+    KERF_CHECK(internal::requireUniformScale(*grid, path, place));
     if (!(grid->background() > 0 && std::isfinite(grid->background())))
-      return fail(readError(path, "grid " + name, fmt::format("a background of {} mm", grid->background())));
+      return fail(error(fmt::format("a background of {} mm", grid->background())));
 
-    if (const std::string fault = faultOf(*grid); !fault.empty()) return fail(readError(path, "grid " + name, fault));
-    return internal::toBricks(*grid);
+    if (const std::string fault = faultOf(*grid); !fault.empty()) return fail(error(fault));
+    return readBricks(file, *grid, error);
   } catch (const std::exception& e) {
-    return fail(readError(path, "", e.what()));
+    return fail(internal::vdbReadError(path, place, e));
   }
 }
 

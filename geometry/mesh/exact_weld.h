@@ -18,21 +18,30 @@ class ExactWelder {
 
   std::uint32_t add(const Vec3d& p) {
     if (2 * (vertices.size() + 1) > table_.size()) grow();
-    for (std::size_t slot = hash(p);; ++slot) {
-      std::uint32_t& entry = table_[slot & (table_.size() - 1)];
-      if (entry == kFree) {
-        entry = static_cast<std::uint32_t>(vertices.size());
-        vertices.push_back(p);
-        return entry;
-      }
-      if (vertices[entry] == p) return entry;
+    std::uint32_t& entry = table_[slotOf(p)];
+    if (entry == kFree) {
+      entry = static_cast<std::uint32_t>(vertices.size());
+      vertices.push_back(p);
     }
+    return entry;
   }
+
+  static constexpr std::uint32_t kNotThere = ~0u;
+  /// The number that add() gave it, or kNotThere.
+  std::uint32_t find(const Vec3d& p) const { return table_[slotOf(p)]; }
 
   std::vector<Vec3d> vertices;
 
  private:
-  static constexpr std::uint32_t kFree = ~0u;
+  static constexpr std::uint32_t kFree = kNotThere;
+
+  // Where it is, or would be.
+  std::size_t slotOf(const Vec3d& p) const {
+    const std::size_t mask = table_.size() - 1;
+    std::size_t slot = hash(p) & mask;
+    while (table_[slot] != kFree && vertices[table_[slot]] != p) slot = (slot + 1) & mask;
+    return slot;
+  }
 
   static std::size_t hash(const Vec3d& p) {
     std::uint64_t h = 0x9e3779b97f4a7c15ull;

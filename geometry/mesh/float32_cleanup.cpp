@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
+#include <numeric>
 #include <queue>
+#include <span>
 
 #include "geometry/mesh/crossing_pairs.h"
 
@@ -26,14 +29,46 @@ tl::unexpected<Error> badInput(std::string place, std::string found, std::string
   return fail(std::move(e));
 }
 
+/// The triangles of every vertex, in the order in which they came to it. A clean-up changes few of these lists: the
+/// others stand in one array, where a list each would take half the time of a clean-up.
+class TrianglesAround {
+ public:
+  explicit TrianglesAround(const Mesh& mesh)
+      : begin_(mesh.vertices.size() + 1), all_(3 * mesh.triangles.size()), own_(mesh.vertices.size(), kNone) {
+    for (const Triangle& t : mesh.triangles)
+      for (const std::uint32_t v : t) ++begin_[v + std::size_t{1}];
+    std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+    std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
+      for (const std::uint32_t v : mesh.triangles[t]) all_[next[v]++] = t;
+  }
+
+  std::size_t size() const { return own_.size(); }
+  std::span<const std::uint32_t> operator[](std::uint32_t v) const {
+    if (own_[v] != kNone) return changed_[own_[v]];
+    return {all_.data() + begin_[v], all_.data() + begin_[v + std::size_t{1}]};
+  }
+  /// The list, to be changed.
+  std::vector<std::uint32_t>& change(std::uint32_t v) {
+    if (own_[v] == kNone) {
+      const std::span<const std::uint32_t> before = (*this)[v];
+      changed_.emplace_back(before.begin(), before.end());
+      own_[v] = static_cast<std::uint32_t>(changed_.size() - 1);
+    }
+    return changed_[own_[v]];
+  }
+
+ private:
+  std::vector<std::uint32_t> begin_, all_;  // per vertex, where its triangles begin
+  std::vector<std::uint32_t> own_;          // per vertex: its list in changed_, or kNone
+  std::deque<std::vector<std::uint32_t>> changed_;
+};
+
 /// Collapses and flips on an indexed mesh with the triangles of every vertex at hand. Dead triangles keep their slot.
 class Cleaner {
  public:
   Cleaner(Mesh& mesh, const std::vector<char>& fixed)
-      : mesh_(mesh), fixed_(fixed), alive_(mesh.triangles.size(), 1), around_(mesh.vertices.size()), focus_(alive_) {
-    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
-      for (const std::uint32_t v : mesh.triangles[t]) around_[v].push_back(t);
-  }
+      : mesh_(mesh), fixed_(fixed), alive_(mesh.triangles.size(), 1), around_(mesh), focus_(alive_) {}
 
   CleanupReport report;
   const std::vector<char>& alive() const { return alive_; }
@@ -73,7 +108,7 @@ class Cleaner {
       if (gone == kNone) continue;
 
       const std::uint32_t left = gone == item.u ? item.v : item.u;
-      for (const std::uint32_t t : std::vector<std::uint32_t>(around_[left]))
+      for (const std::uint32_t t : around_[left])
         for (const std::uint32_t v : mesh_.triangles[t])
           if (v != left) offer(left, v);
     }
@@ -179,9 +214,9 @@ class Cleaner {
     for (const std::uint32_t t : around_[u]) {
       for (std::uint32_t& w : mesh_.triangles[t])
         if (w == u) w = v;
-      around_[v].push_back(t);
+      around_.change(v).push_back(t);
     }
-    around_[u].clear();
+    around_.change(u).clear();
     ++report.collapsed;
     return true;
   }
@@ -209,13 +244,14 @@ class Cleaner {
     detach(a, other);
     mesh_.triangles[t] = {a, d, c};
     mesh_.triangles[other] = {d, b, c};
-    around_[d].push_back(t);
-    around_[c].push_back(other);
+    around_.change(d).push_back(t);
+    around_.change(c).push_back(other);
     return true;
   }
 
   void detach(std::uint32_t v, std::uint32_t t) {
-    around_[v].erase(std::find(around_[v].begin(), around_[v].end(), t));
+    std::vector<std::uint32_t>& list = around_.change(v);
+    list.erase(std::find(list.begin(), list.end(), t));
   }
   void remove(std::uint32_t t) {
     for (const std::uint32_t v : mesh_.triangles[t]) detach(v, t);
@@ -225,7 +261,7 @@ class Cleaner {
   Mesh& mesh_;
   const std::vector<char>& fixed_;
   std::vector<char> alive_;
-  std::vector<std::vector<std::uint32_t>> around_;
+  TrianglesAround around_;
   std::vector<char> focus_;
 };
 

@@ -61,27 +61,29 @@ Pieces edgeConnectedPieces(const Mesh& mesh) {
     return i;
   };
 
-  struct EdgeUse {
-    std::uint64_t key;
-    std::uint32_t triangle;
-  };
+  // Uses of edges, grouped by their lower vertex: a counting sort and many tiny ones by (other vertex, triangle).
+  std::vector<std::uint32_t> begin(mesh.vertices.size() + 1);
+  for (const Triangle& t : mesh.triangles)
+    for (std::size_t k = 0; k < 3; ++k) ++begin[std::min(t[k], t[(k + 1) % 3]) + std::size_t{1}];
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
 
-  std::vector<EdgeUse> uses;
-  uses.reserve(3 * n);
+  std::vector<std::uint64_t> uses(3 * n);
+  std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
   for (std::uint32_t t = 0; t < n; ++t)
     for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint64_t a = mesh.triangles[t][k], b = mesh.triangles[t][(k + 1) % 3];
-      uses.push_back({(std::min(a, b) << 32) | std::max(a, b), t});
+      const std::uint32_t a = mesh.triangles[t][k], b = mesh.triangles[t][(k + 1) % 3];
+      uses[next[std::min(a, b)]++] = std::uint64_t{std::max(a, b)} << 32 | t;
     }
 
-  std::sort(uses.begin(), uses.end(), [](const EdgeUse& x, const EdgeUse& y) {
-    return x.key != y.key ? x.key < y.key : x.triangle < y.triangle;
-  });
-  for (std::size_t i = 1; i < uses.size(); ++i)
-    if (uses[i].key == uses[i - 1].key) {
-      const std::uint32_t a = find(uses[i - 1].triangle), b = find(uses[i].triangle);
+  for (std::size_t v = 0; v + 1 < begin.size(); ++v) {
+    std::sort(uses.begin() + begin[v], uses.begin() + begin[v + 1]);
+    for (std::size_t i = begin[v] + std::size_t{1}; i < begin[v + 1]; ++i) {
+      if (uses[i] >> 32 != uses[i - 1] >> 32) continue;
+      const std::uint32_t a = find(static_cast<std::uint32_t>(uses[i - 1])),
+                          b = find(static_cast<std::uint32_t>(uses[i]));
       if (a != b) parent[std::max(a, b)] = std::min(a, b);
     }
+  }
 
   Pieces pieces;
   pieces.label.resize(n);

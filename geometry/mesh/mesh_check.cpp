@@ -109,12 +109,24 @@ Printed printed(const Mesh& mesh) {
   return out;
 }
 
-std::size_t countDuplicates(const std::vector<Triangle>& triangles) {
-  std::vector<Triangle> sorted = triangles;
-  for (Triangle& t : sorted) std::sort(t.begin(), t.end());
-  std::sort(sorted.begin(), sorted.end());
+// Grouped by their lowest corner: a counting sort and many tiny ones.
+std::size_t countDuplicates(std::size_t vertices, const std::vector<Triangle>& triangles) {
+  std::vector<std::uint32_t> begin(vertices + 1);
+  for (const Triangle& t : triangles) ++begin[*std::min_element(t.begin(), t.end()) + std::size_t{1}];
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+
+  std::vector<std::uint64_t> others(triangles.size());  // the two higher corners
+  std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
+  for (Triangle t : triangles) {
+    std::sort(t.begin(), t.end());
+    others[next[t[0]]++] = std::uint64_t{t[1]} << 32 | t[2];
+  }
+
   std::size_t count = 0;
-  for (std::size_t i = 1; i < sorted.size(); ++i) count += sorted[i] == sorted[i - 1];
+  for (std::size_t v = 0; v < vertices; ++v) {
+    std::sort(others.begin() + begin[v], others.begin() + begin[v + 1]);
+    for (std::size_t i = begin[v] + std::size_t{1}; i < begin[v + 1]; ++i) count += others[i] == others[i - 1];
+  }
   return count;
 }
 
@@ -300,7 +312,7 @@ MeshReport checkMesh(const Mesh& mesh, const MeshCheckOptions& options) {
   const Mesh& m = print.mesh;
   report.duplicate_vertices = print.duplicate_vertices;
   report.degenerate_triangles = print.collapsed + degenerateTriangles(m.vertices, m.triangles).size();
-  report.duplicate_triangles = countDuplicates(m.triangles);
+  report.duplicate_triangles = countDuplicates(m.vertices.size(), m.triangles);
 
   report.box = bounds(m);
   report.area = surfaceArea(m);

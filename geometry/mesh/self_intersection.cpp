@@ -63,9 +63,10 @@ bool meetBeyondSharedEdge(const Vec3d& a, const Vec3d& b, const Vec3d& c, const 
   // Folded over means: the normals of (a,b,c) and (a,b,d) point the same way. A clear angle between them settles it.
   const Vec3d u = b - a, v = c - a, w = d - a;
   const Vec3d n1 = u.cross(v), n2 = u.cross(w);
-  const double l1 = n1.norm(), l2 = n2.norm();
-  if (l1 > 1e-10 * u.norm() * v.norm() && l2 > 1e-10 * u.norm() * w.norm() && l1 > kUnderflow && l2 > kUnderflow &&
-      n1.dot(n2) < 0.9 * l1 * l2)
+  // In squares, which need no roots: both normals are known well enough, and their cosine is below 0.9.
+  const double l1 = n1.squaredNorm(), l2 = n2.squaredNorm(), uu = u.squaredNorm(), cosine = n1.dot(n2);
+  if (l1 > 1e-20 * uu * v.squaredNorm() && l2 > 1e-20 * uu * w.squaredNorm() && l1 > kUnderflow && l2 > kUnderflow &&
+      (cosine < 0 || cosine * cosine < 0.81 * l1 * l2))
     return false;
   if (certainSide(a, b, c, d) != 0) return false;
   const Point pa = exactPoint(a), pb = exactPoint(b), pc = exactPoint(c), pd = exactPoint(d);
@@ -75,6 +76,8 @@ bool meetBeyondSharedEdge(const Vec3d& a, const Vec3d& b, const Vec3d& c, const 
 
 // Triangles (v,a1,a2) and (v,b1,b2): if they meet elsewhere, the edge opposite v of one of them reaches the other.
 bool meetBeyondSharedVertex(const Vec3d& v, const Vec3d (&a)[2], const Vec3d (&b)[2]) {
+  // Any axis will do that separates them: of edges about as long the plain sum does, sooner.
+  if (separates((b[0] + b[1]) - (a[0] + a[1]), v, a, 2, b, 2, true)) return false;
   const Vec3d middle_a = (a[0] - v).normalized() + (a[1] - v).normalized();
   const Vec3d middle_b = (b[0] - v).normalized() + (b[1] - v).normalized();
   if (separates(middle_b - middle_a, v, a, 2, b, 2, true)) return false;

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "sim/object/huge_pages.h"
 #include "sim/object/node_volumes.h"
@@ -47,7 +48,7 @@ Expected<std::shared_ptr<const BakedObject>> BakedObject::make(BrickField phi0, 
                                                                Material fallback) {
   KERF_TRY(out, start(std::move(phi0), fallback));
   if (materials) out->label(*materials);
-  out->buildShells();
+  out->countShells();
   out->measureVolumes();
   return std::shared_ptr<const BakedObject>(std::move(out));
 }
@@ -60,7 +61,7 @@ Expected<std::shared_ptr<const BakedObject>> BakedObject::make(BrickField phi0, 
     out->label(labels);
   }
   internal::returnFreeMemory();
-  out->buildShells();
+  out->countShells();
   out->measureVolumes();
   return std::shared_ptr<const BakedObject>(std::move(out));
 }
@@ -74,13 +75,24 @@ Expected<void> BakedObject::laySlots() {
     Vec3i brick;
     const float* phi;
   };
+  std::vector<Entry> stored;
+  stored.reserve(phi0_.brickCount());
+  for (std::size_t b = 0; b < phi0_.brickCount(); ++b)
+    stored.push_back({coordKey(phi0_.brickCoord(b)), phi0_.brickCoord(b), phi0_.brick(b).data()});
+  std::sort(stored.begin(), stored.end(), [](const Entry& a, const Entry& b) { return a.key < b.key; });
+
+  // The others come sorted.
   const std::vector<Vec3i> interior = phi0_.interiorBricks();
   std::vector<Entry> entries;
-  entries.reserve(phi0_.brickCount() + interior.size());
-  for (std::size_t b = 0; b < phi0_.brickCount(); ++b)
-    entries.push_back({coordKey(phi0_.brickCoord(b)), phi0_.brickCoord(b), phi0_.brick(b).data()});
-  for (const Vec3i& c : interior) entries.push_back({coordKey(c), c, inside_.data()});
-  std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) { return a.key < b.key; });
+  entries.reserve(stored.size() + interior.size());
+  auto takeStored = [&, next = stored.begin()](std::uint64_t below) mutable {
+    for (; next != stored.end() && next->key < below; ++next) entries.push_back(*next);
+  };
+  for (const Vec3i& c : interior) {
+    takeStored(coordKey(c));
+    entries.push_back({coordKey(c), c, inside_.data()});
+  }
+  takeStored(~std::uint64_t{0});
 
   Vec3i low = entries.front().brick, high = low;
   for (const Entry& entry : entries) {
@@ -100,64 +112,62 @@ Expected<void> BakedObject::laySlots() {
   slots_.reserve(entries.size());
   for (const Entry& entry : entries) {
     directory_.set(directory_.indexOf(entry.brick), static_cast<std::int32_t>(slots_.size()));
-    const bool is_stored = entry.phi != inside_.data();
-    const float least = is_stored ? *std::min_element(entry.phi, entry.phi + kBrickNodes) : phi0_.interior();
-    slots_.push_back({entry.brick, entry.phi, fallbackMaterials(), 0, 0, true, least});
+    slots_.push_back({entry.brick, phi0_.interior(), entry.phi, fallbackMaterials(), 0, true});
   }
   return {};
 }
 
 // The materials of each slot. A node without a label is of the fallback: whatever it is, it can be cut.
 void BakedObject::label(const MaterialField& materials) {
-  std::array<std::uint8_t, kBrickNodes> numbers;
   std::vector<std::size_t> mixed;  // slots, in the order of materials_
   for (std::size_t s = 0; s < slots_.size(); ++s) {
-    const bool is_uniform = materials.copyBrick(slots_[s].brick, numbers);
-    if (is_uniform && numbers[0] == 0) continue;
-    if (is_uniform) {
-      slots_[s].materials = uniform_[numbers[0]].get();
+    const std::optional<Material> one = materials.oneOf(slots_[s].brick);
+    if (one == Material::kNone) continue;
+    if (one) {
+      slots_[s].materials = uniform_[static_cast<std::size_t>(*one)].get();
     } else {
-      std::replace(numbers.begin(), numbers.end(), std::uint8_t{0}, static_cast<std::uint8_t>(fallback_));
       slots_[s].has_one_material = false;
       mixed.push_back(s);
-      materials_.push_back(numbers);
     }
   }
-  // Once they stay where they are.
-  for (std::size_t n = 0; n < mixed.size(); ++n) slots_[mixed[n]].materials = materials_[n].data();
+
+  internal::reserveLarge(materials_, mixed.size());
+  materials_.resize(mixed.size());
+  tbb::parallel_for(std::size_t{0}, mixed.size(), [&](std::size_t n) {
+    auto& numbers = materials_[n];
+    materials.copyBrick(slots_[mixed[n]].brick, numbers);
+    std::replace(numbers.begin(), numbers.end(), std::uint8_t{0}, static_cast<std::uint8_t>(fallback_));
+    slots_[mixed[n]].materials = numbers.data();
+  });
 }
 
-// The shell of each slot: how many nodes it has is known of its values alone, so that each writes into its own place.
-void BakedObject::buildShells() {
+BrickNeighborhood BakedObject::around(const Slot& slot) const noexcept {
+  const std::size_t here = directory_.indexOf(slot.brick);
+  BrickNeighborhood out{slot.phi, {}};
+  for (int face = 0; face < 6; ++face) {
+    const std::int32_t beside = directory_.at(directory_.indexBeside(here, face));
+    out.face[face] = beside < 0 ? outside_.data() : slots_[static_cast<std::size_t>(beside)].phi;
+  }
+  return out;
+}
+
+int BakedObject::shellOf(const Slot& slot, ShellChunk* out) const noexcept {
+  return shellOfBrick(around(slot), slot.materials, voxel(), out);
+}
+
+// How many nodes the shell of each slot has, and its least value: both are known of its own values.
+void BakedObject::countShells() {
   const auto e = static_cast<float>(kShellHalfWidth * voxel());
   const bool is_interior_empty = std::abs(phi0_.interior()) >= e;
   tbb::parallel_for(std::size_t{0}, slots_.size(), [&](std::size_t s) {
     Slot& slot = slots_[s];
     if (isInterior(slot) && is_interior_empty) return;
-    std::uint32_t nodes = 0;
-    for (int n = 0; n < kBrickNodes; ++n) nodes += std::abs(slot.phi[n]) < e;
+    slot.least = *std::min_element(slot.phi, slot.phi + kBrickNodes);
+    std::uint16_t nodes = 0;
+    for (int n = 0; n < kBrickNodes; ++n) nodes = static_cast<std::uint16_t>(nodes + (std::abs(slot.phi[n]) < e));
     slot.shell_count = nodes;
   });
-
-  std::uint32_t chunks = 0;
-  for (Slot& slot : slots_) {
-    slot.shell_begin = chunks;
-    chunks += static_cast<std::uint32_t>(chunkCount(static_cast<int>(slot.shell_count)));
-  }
-
-  internal::reserveLarge(shell_, chunks);
-  shell_.resize(chunks);
-  tbb::parallel_for(std::size_t{0}, slots_.size(), [&](std::size_t s) {
-    const Slot& slot = slots_[s];
-    if (slot.shell_count == 0) return;
-    const std::size_t here = directory_.indexOf(slot.brick);
-    BrickNeighborhood around{slot.phi, {}};
-    for (int face = 0; face < 6; ++face) {
-      const std::int32_t beside = directory_.at(directory_.indexBeside(here, face));
-      around.face[face] = beside < 0 ? outside_.data() : slots_[static_cast<std::size_t>(beside)].phi;
-    }
-    shellOfBrick(around, slot.materials, voxel(), shell_.data() + slot.shell_begin);
-  });
+  for (const Slot& slot : slots_) shell_chunks_ += static_cast<std::size_t>(chunkCount(slot.shell_count));
 }
 
 // In whole parts of a cell, so that the number of threads changes nothing.
@@ -168,12 +178,17 @@ void BakedObject::measureVolumes() {
       const std::size_t here = directory_.indexOf(slot.brick);
       BrickNeighborhood around{slot.phi, {}};
       MaterialNeighborhood materials{slot.materials, {}, slot.has_one_material};
+      bool is_deep = isInterior(slot);
       for (int face = 0; face < 6; ++face) {
         const std::int32_t beside = directory_.at(directory_.indexBeside(here, face));
         around.face[face] = beside < 0 ? outside_.data() : slots_[static_cast<std::size_t>(beside)].phi;
         if (beside >= 0) materials.add(face, slots_[static_cast<std::size_t>(beside)]);
+        is_deep = is_deep && around.face[face] == inside_.data();
       }
-      addVolumes(around, materials, phi0_.background(), parts);
+      if (is_deep && slot.has_one_material)  // no surface: whole cells
+        parts[slot.materials[0]] += std::int64_t{kBrickNodes} * kCellParts;
+      else
+        addVolumes(around, materials, phi0_.background(), parts);
     }
     return parts;
   };

@@ -28,6 +28,7 @@ struct BrickSlot {
   BrickVersion* version = nullptr;          ///< which holds both of its own, or null
   const float* baked = nullptr;             ///< 512 values as loaded: what undo goes back to
   const std::uint8_t* baked_materials = nullptr;
+  /// Its shell. As loaded, it may be there or not: CutObject::needShell().
   std::array<const ShellChunk*, kShellChunks> chunks{};
   std::int16_t shell_count = 0;
   bool owns_shell = false, has_one_material = false;

@@ -32,8 +32,6 @@ void BrickStore::addLoaded(const BakedObject::Slot& from) {
   s.brick = from.brick;
   s.phi = s.baked = from.phi;
   s.materials = s.baked_materials = from.materials;
-  for (std::uint32_t n = 0; n * ShellChunk::kNodes < from.shell_count; ++n)
-    s.chunks[n] = baked_->shell().data() + from.shell_begin + n;
   s.shell_count = static_cast<std::int16_t>(from.shell_count);
   s.has_one_material = from.has_one_material;
   s.least = from.least;
@@ -159,17 +157,25 @@ std::array<double, 256> BrickStore::countVolumes() const {
 }
 
 std::size_t BrickStore::shellDefects() const {
-  std::vector<ShellChunk> expected(kShellChunks);
+  std::vector<ShellChunk> expected(kShellChunks), loaded(kShellChunks);
   std::size_t defects = 0;
   for (int n = 0; n < slotCount(); ++n) {
     if (!has(n)) continue;
     const BrickSlot& slot = this->slot(n);
     const int count = shellOfBrick(around(slot), slot.materials, baked_->voxel(), expected.data());
     bool is_same = count == slot.shell_count;
-    for (std::size_t c = 0; is_same && c < static_cast<std::size_t>(chunkCount(count)); ++c)
-      is_same = slot.chunks[c]->x == expected[c].x && slot.chunks[c]->y == expected[c].y &&
-                slot.chunks[c]->z == expected[c].z && slot.chunks[c]->phi == expected[c].phi &&
-                slot.chunks[c]->offset == expected[c].offset && slot.chunks[c]->material == expected[c].material;
+    const bool is_made = slot.shell_count == 0 || slot.chunks[0] != nullptr;
+    if (is_same && !is_made) {
+      const std::int32_t before = baked_->directory().find(slot.brick);
+      is_same =
+          before >= 0 && baked_->shellOf(baked_->slots()[static_cast<std::size_t>(before)], loaded.data()) == count;
+    }
+    for (std::size_t c = 0; is_same && c < static_cast<std::size_t>(chunkCount(count)); ++c) {
+      const ShellChunk& chunk = is_made ? *slot.chunks[c] : loaded[c];
+      is_same = chunk.x == expected[c].x && chunk.y == expected[c].y && chunk.z == expected[c].z &&
+                chunk.phi == expected[c].phi && chunk.offset == expected[c].offset &&
+                chunk.material == expected[c].material;
+    }
     defects += !is_same;
   }
   return defects;

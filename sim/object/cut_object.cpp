@@ -22,6 +22,7 @@ CutObject::CutObject(std::shared_ptr<const BakedObject> baked, std::size_t brick
 void CutObject::reserveLists(bool is_touched) {
   const std::size_t slots = bricks_.mostSlots();
   shell_.reserve(slots, is_touched);
+  loaded_shells_.reserve(baked());
   hash_.reserve(slots, is_touched);
   for (DirtyLog* const log : {&for_mesher_, &for_pieces_}) {
     log->list.reserve(slots);

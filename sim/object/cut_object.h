@@ -6,6 +6,7 @@
 //   BrickStore   which bricks there are, and where their values are now
 //   BrickMemory  memory for versions of bricks, shells and records of strokes, reserved beforehand
 //   ShellRepair  which shells are not those of their values, and their repair
+//   LoadedShells the shells of bricks that did not change, made where the tool is
 //   DirtyLog     what a subscriber (mesher, finder of pieces) has not been told yet
 //   StrokeLog    what was written since the last stroke ended: what undo takes back
 //   StateHash    the hash of the state, brick by brick
@@ -24,6 +25,7 @@
 #include "sim/object/brick_memory.h"
 #include "sim/object/brick_store.h"
 #include "sim/object/dirty_log.h"
+#include "sim/object/loaded_shells.h"
 #include "sim/object/piece_bricks.h"
 #include "sim/object/shell_repair.h"
 #include "sim/object/state_hash.h"
@@ -120,6 +122,10 @@ class CutObject {
   /// Brings the shells of the dirty bricks and of their face neighbours up to date. False when memory ran out: they
   /// stay dirty. @rt
   bool repair() noexcept { return shell_.repair(bricks_, memory_); }
+  /// Makes sure that the shell of a brick with nodes is there: BrickSlot::chunks, until another one is asked for. @rt
+  void needShell(int slot) noexcept {
+    if (!this->slot(slot).chunks[0]) loaded_shells_.make(bricks_, slot);
+  }
   /// Bricks whose shells wait for repair(). @rt
   std::size_t dirtyCount() const noexcept { return shell_.dirtyCount(); }
 
@@ -175,6 +181,7 @@ class CutObject {
   BrickStore bricks_;
   BrickMemory memory_;
   ShellRepair shell_;
+  LoadedShells loaded_shells_;
   DirtyLog for_mesher_{SlotList(SlotBit::kForMesher)}, for_pieces_{SlotList(SlotBit::kForPieces)};
   StrokeLog strokes_;
   StateHash hash_;

@@ -192,7 +192,7 @@ void PieceBuilder::share(int slot, const BrickSlot& from) {
   to.own = from.own;
   to.materials = from.materials;
   to.own_materials = from.own_materials;
-  to.chunks = from.chunks;
+  if (from.owns_shell) to.chunks = from.chunks;  // those as loaded come and go
   to.shell_count = from.shell_count;
   to.owns_shell = from.owns_shell;
   to.has_one_material = from.has_one_material;

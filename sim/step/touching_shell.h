@@ -28,6 +28,7 @@ struct TouchingNode {
 /// What forEachTouching() reads of every node. A large contact does not fit the caches: while one brick is summed, the
 /// next one's nodes come nearer.
 inline void fetchShell(const CutObject::Slot& slot) {
+  if (!slot.chunks[0]) return;  // not made yet
   for (int begin = 0; begin < slot.shell_count; begin += ShellChunk::kNodes) {
     const ShellChunk& chunk = *slot.chunks[static_cast<std::size_t>(begin / ShellChunk::kNodes)];
     const auto fetch = [](const auto& row) {
@@ -57,6 +58,7 @@ int forEachTouching(CutObject& object, const NearBricks& near, const ToolModel& 
     CutObject::Slot& slot = object.slot(near.slot(b));
     if (slot.shell_count == 0 || object.odometer < slot.sleeps_until_contact || near.leastAny(b) >= -slot.least)
       continue;
+    object.needShell(near.slot(b));
     if (b + 1 < near.size()) fetchShell(object.slot(near.slot(b + 1)));
     const BrickToTool map(to_tool, T_object_tool.translation, slot.brick, h);
     const Vec3d corner = h * 8 * slot.brick.cast<double>() - T_object_tool.translation;

@@ -88,6 +88,23 @@ std::string contentOf(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
+TEST(VdbIo, AFileThatWasCutShortIsRefused) {
+  const TemporaryFolder folder;
+  BrickField field(0.05, 0.2f, -0.25f);
+  for (const int x : {0, 1, 40})
+    for (std::size_t n = 0; n < kBrickNodes; ++n)
+      field.brick(field.touch({x, 2, 1}))[n] = 1e-4f * static_cast<float>((n * n + 7 * n) % 1999);
+  ASSERT_TRUE(writeVdb(folder.path() / "f.vdb", {{"phi", &field}}));
+  const std::string good = contentOf(folder.path() / "f.vdb");
+  for (std::size_t size = 0; size < good.size(); size += 1 + size / 16) {
+    const auto back = readVdb(folder.write("short.vdb", good.substr(0, size)), "phi");
+    EXPECT_FALSE(back) << size << " of " << good.size() << " bytes";
+  }
+  const auto back = readVdb(folder.write("short.vdb", good.substr(0, good.size() - 100)), "phi");
+  ASSERT_FALSE(back);
+  EXPECT_NE(back.error().message().find("cut short"), std::string::npos) << back.error().message();
+}
+
 TEST(VdbIo, InspectingTellsTheGridsByName) {
   const TemporaryFolder folder;
   BrickField one(0.05, 0.2f), other(0.1, 0.3f);

@@ -30,12 +30,18 @@ TEST(PointShell, AreaOfABallIsRightWhateverTheVoxelAndWhereItLies) {
       const auto ball = test::bakedFrom([&](const Vec3d& p) { return (p - center).norm() - 1; }, box, h);
       double area = 0;
       Vec3d closed = Vec3d::Zero();
-      for (const ShellChunk& chunk : ball->shell())  // what fills up a chunk weighs nothing
-        for (std::size_t n = 0; n < ShellChunk::kNodes; ++n) {
-          const Vec3d w(chunk.x[n], chunk.y[n], chunk.z[n]);
+      std::vector<ShellChunk> shell(kShellChunks);
+      for (const BakedObject::Slot& slot : ball->slots()) {
+        const int nodes = ball->shellOf(slot, shell.data());
+        ASSERT_EQ(nodes, slot.shell_count);
+        for (std::size_t n = 0; n < static_cast<std::size_t>(nodes); ++n) {
+          const ShellChunk& chunk = shell[n / ShellChunk::kNodes];
+          const std::size_t at = n % ShellChunk::kNodes;
+          const Vec3d w(chunk.x[at], chunk.y[at], chunk.z[at]);
           area += w.norm();
           closed += w;
         }
+      }
       EXPECT_NEAR(area / (4 * M_PI), 1, h == 0.1 ? 0.003 : 0.001) << h << " " << offset;
       EXPECT_LT(closed.norm(), 5e-4 * area);  // area vectors of a closed surface sum to nothing
     }
@@ -43,9 +49,11 @@ TEST(PointShell, AreaOfABallIsRightWhateverTheVoxelAndWhereItLies) {
 
 TEST(PointShell, NormalsPointOutOfTheTissue) {
   const auto object = block({4, 4, 2}, 0.1);
-  for (const BakedObject::Slot& slot : object->slots())
-    for (std::uint32_t n = 0; n < slot.shell_count; ++n) {
-      const ShellChunk& chunk = object->shell()[slot.shell_begin + n / ShellChunk::kNodes];
+  std::vector<ShellChunk> shell(kShellChunks);
+  for (const BakedObject::Slot& slot : object->slots()) {
+    const auto nodes = static_cast<std::size_t>(object->shellOf(slot, shell.data()));
+    for (std::size_t n = 0; n < nodes; ++n) {
+      const ShellChunk& chunk = shell[n / ShellChunk::kNodes];
       const int offset = chunk.offset[n % ShellChunk::kNodes];
       const Vec3i at = 8 * slot.brick + Vec3i(offset >> 6, offset >> 3 & 7, offset & 7);
       const Vec3d p = 0.1 * at.cast<double>();
@@ -53,6 +61,41 @@ TEST(PointShell, NormalsPointOutOfTheTissue) {
         ASSERT_GT(chunk.z[n % ShellChunk::kNodes], 0);
       }
     }
+  }
+}
+
+// Two chunks more than the longest shell has: every shell takes the place of those before it.
+TEST(LoadedShells, AreThoseOfTheValuesHoweverOftenTheyAreMade) {
+  const auto baked = block({3, 2, 2}, 0.1, {Eigen::Quaterniond(Eigen::AngleAxisd(0.4, Vec3d::UnitX())), {0, 0, 0}});
+  BrickStore bricks(baked, BrickStore::Begin::kWithAllBricks);
+  LoadedShells shells;
+  shells.reserve(*baked, kShellChunks + 2);
+  std::vector<ShellChunk> expected(kShellChunks);
+  int made = 0, dropped = 0;
+  for (int s = 0; s < bricks.slotCount(); ++s) {
+    if (bricks.slot(s).shell_count == 0) continue;
+    shells.make(bricks, s);
+    ++made;
+    // Of all slots, those that have a shell have the right one.
+    for (int other = 0; other <= s; ++other) {
+      const BrickSlot& slot = bricks.slot(other);
+      if (slot.shell_count == 0) continue;
+      dropped += slot.chunks[0] == nullptr;
+      if (slot.chunks[0] == nullptr) continue;
+      const BakedObject::Slot& loaded = baked->slots()[static_cast<std::size_t>(other)];
+      ASSERT_EQ(baked->shellOf(loaded, expected.data()), slot.shell_count);
+      for (int c = 0; c < chunkCount(slot.shell_count); ++c) {
+        const auto at = static_cast<std::size_t>(c);
+        ASSERT_EQ(slot.chunks[at]->x, expected[at].x);
+        ASSERT_EQ(slot.chunks[at]->phi, expected[at].phi);
+        ASSERT_EQ(slot.chunks[at]->offset, expected[at].offset);
+      }
+    }
+    ASSERT_NE(bricks.slot(s).chunks[0], nullptr);
+  }
+  EXPECT_GT(made, 50);
+  EXPECT_GT(dropped, 1000);
+  EXPECT_EQ(bricks.shellDefects(), 0u);
 }
 
 TEST(CutObject, FindsEveryBrickAndNoOther) {

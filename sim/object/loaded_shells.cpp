@@ -1,0 +1,44 @@
+#include "sim/object/loaded_shells.h"
+
+#include <algorithm>
+#include <cassert>
+
+#include "sim/object/huge_pages.h"
+
+namespace kerf {
+
+void LoadedShells::reserve(const BakedObject& baked, std::size_t most_chunks) {
+  if (!ring_.empty()) return;
+  const std::size_t chunks = std::clamp(baked.shellChunks(), std::size_t{kShellChunks}, most_chunks);
+  internal::reserveLarge(ring_, chunks);
+  ring_.resize(chunks);
+  owners_.assign(chunks, kNobody);
+}
+
+void LoadedShells::make(BrickStore& bricks, int s) noexcept {
+  BrickSlot& slot = bricks.slot(s);
+  assert(!slot.owns_shell && slot.shell_count > 0);
+  const auto chunks = static_cast<std::size_t>(chunkCount(slot.shell_count));
+  if (next_ + chunks > ring_.size()) next_ = 0;
+  for (std::size_t c = 0; c < chunks; ++c) free(bricks, next_ + c);
+
+  // The last chunk is filled up to its end: no more than these are written.
+  const BakedObject& baked = bricks.baked();
+  const std::int32_t loaded = baked.directory().find(slot.brick);
+  baked.shellOf(baked.slots()[static_cast<std::size_t>(loaded)], &ring_[next_]);
+  for (std::size_t c = 0; c < chunks; ++c) {
+    slot.chunks[c] = &ring_[next_ + c];
+    owners_[next_ + c] = s;
+  }
+  next_ += chunks;
+}
+
+// Whoever had it has no shell any more; nobody may have it, or have another one by now.
+void LoadedShells::free(BrickStore& bricks, std::size_t chunk) noexcept {
+  if (owners_[chunk] == kNobody) return;
+  BrickSlot& owner = bricks.slot(owners_[chunk]);
+  if (std::find(owner.chunks.begin(), owner.chunks.end(), &ring_[chunk]) != owner.chunks.end())
+    owner.chunks.fill(nullptr);
+}
+
+}  // namespace kerf
