@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/field/vdb_check.h"
+
 namespace kerf {
 
 struct MaterialField::Grid {
@@ -59,6 +61,36 @@ Material MaterialField::near(const Vec3d& p) const {
   return best;
 }
 
+namespace {
+
+constexpr std::int32_t kMostLabel = 255;
+
+// The first number that no material has; empty: none.
+std::string unknownLabel(const openvdb::Int32Grid& grid) {
+  const auto isUnknown = [](std::int32_t label) { return label < 0 || label > kMostLabel; };
+  const auto say = [&grid](std::int32_t label, const openvdb::Coord& at) {
+    const openvdb::Vec3d p = grid.indexToWorld(at);
+    return fmt::format("material {} at voxel {}, {}, {}, which is {:.3f}, {:.3f}, {:.3f} mm; materials are 0 to {}",
+                       label, at.x(), at.y(), at.z(), p.x(), p.y(), p.z(), kMostLabel);
+  };
+
+  if (isUnknown(grid.background())) return fmt::format("material {} as background", grid.background());
+  auto tile = grid.tree().cbeginValueAll();
+  tile.setMaxDepth(openvdb::Int32Tree::ValueAllCIter::LEAF_DEPTH - 1);
+  for (; tile; ++tile)
+    if (isUnknown(tile.getValue())) return say(tile.getValue(), tile.getCoord());
+
+  for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
+    const std::int32_t* const labels = leaf->buffer().data();
+    const std::int32_t* const end = labels + openvdb::Int32Tree::LeafNodeType::SIZE;
+    const std::int32_t* const bad = std::find_if(labels, end, isUnknown);
+    if (bad != end) return say(*bad, leaf->offsetToGlobalCoord(static_cast<openvdb::Index>(bad - labels)));
+  }
+  return {};
+}
+
+}  // namespace
+
 Expected<MaterialField> readMaterialField(const std::filesystem::path& vdb) {
   const auto error = [&vdb](const std::string& found) {
     return fail({.code = Error::Code::kUnreadable,
@@ -72,6 +104,7 @@ Expected<MaterialField> readMaterialField(const std::filesystem::path& vdb) {
     openvdb::initialize();
     std::error_code ignored;
     if (!std::filesystem::is_regular_file(vdb, ignored)) return error("no regular file");
+    KERF_CHECK(internal::checkVdbGrid(vdb, "material", "Tree_int32_5_4_3"));
     openvdb::io::File file(vdb.string());
     file.open(false);
     if (!file.hasGrid("material")) return error("no such grid");
@@ -87,6 +120,7 @@ Expected<MaterialField> readMaterialField(const std::filesystem::path& vdb) {
     grid->labels = labels;
     grid->voxel = transform.voxelSize()[0];
     if (!(grid->voxel >= 1e-3 && grid->voxel <= 100)) return error(fmt::format("a voxel size of {} mm", grid->voxel));
+    if (const std::string fault = unknownLabel(*labels); !fault.empty()) return error(fault);
     return MaterialField(std::move(grid));
   } catch (const std::exception& e) {
     return error(e.what());

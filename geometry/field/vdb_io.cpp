@@ -10,6 +10,7 @@
 
 #include "geometry/base/large_pages.h"
 #include "geometry/field/vdb_bricks.h"
+#include "geometry/field/vdb_check.h"
 #include "geometry/field/vdb_writer.h"
 
 namespace kerf {
@@ -33,37 +34,53 @@ Vec3i toVec(const openvdb::Coord& c) { return {c.x(), c.y(), c.z()}; }
 
 namespace {
 
+// Bricks deep inside that a file may state: a mandible at 0.05 mm has about one million. They need no bytes of their
+// own, so a small file could state any number. A band of n leaves encloses fewer than n^1.5 bricks, and a fine region
+// that lies inside tissue has no band at all.
+constexpr std::int64_t kMostInterior = 16'000'000, kInteriorWithoutBand = 1'000'000;
+
+std::string placeOf(const openvdb::FloatGrid& grid, const openvdb::Coord& at) {
+  const openvdb::Vec3d p = grid.indexToWorld(at);
+  return fmt::format("at voxel {}, {}, {}, which is {:.3f}, {:.3f}, {:.3f} mm", at.x(), at.y(), at.z(), p.x(), p.y(),
+                     p.z());
+}
+
+bool isFar(const openvdb::CoordBBox& box) {
+  constexpr int kFarthest = 1 << (20 + kBrickLog);  // coordKey
+  return openvdb::Coord::lessThan(box.min(), openvdb::Coord(-kFarthest)) ||
+         openvdb::Coord::lessThan(openvdb::Coord(kFarthest - 1), box.max());
+}
+
 // What no field of ours holds, and what would be cut as if it were tissue, or take all memory. Empty: nothing.
 std::string faultOf(const openvdb::FloatGrid& grid) {
-  constexpr int kFarthest = 1 << (20 + kBrickLog);    // coordKey
-  constexpr std::int64_t kMostInterior = 16'000'000;  // bricks; a mandible at 0.05 mm has about one million
-  const double most = 1000 * grid.voxelSize()[0];     // mm; bands are a few voxels wide
+  const double most = 1000 * grid.voxelSize()[0];  // mm; bands are a few voxels wide
   const auto isBeyond = [&](float value) { return !(std::abs(static_cast<double>(value)) <= most); };
-  const auto isFar = [](const openvdb::CoordBBox& box) {
-    return openvdb::Coord::lessThan(box.min(), openvdb::Coord(-kFarthest)) ||
-           openvdb::Coord::lessThan(openvdb::Coord(kFarthest - 1), box.max());
-  };
 
+  const double leaves = static_cast<double>(grid.tree().leafCount());
+  const std::int64_t most_interior =
+      std::min(kMostInterior, kInteriorWithoutBand + static_cast<std::int64_t>(std::min(1e9, std::pow(leaves, 1.5))));
   std::int64_t interior = 0;
   auto tile = grid.tree().cbeginValueAll();
   tile.setMaxDepth(openvdb::FloatTree::ValueAllCIter::LEAF_DEPTH - 1);
   for (; tile; ++tile) {
-    if (isBeyond(tile.getValue())) return fmt::format("a tile of {} mm", tile.getValue());
+    if (isBeyond(tile.getValue()))
+      return fmt::format("a tile of {} mm {}", tile.getValue(), placeOf(grid, tile.getCoord()));
     if (tile.getValue() >= 0) continue;
     openvdb::CoordBBox box;
     tile.getBoundingBox(box);
-    if (isFar(box)) return "tiles too far from the origin";
+    if (isFar(box)) return "tiles too far from the origin, " + placeOf(grid, box.min());
     interior += static_cast<std::int64_t>(box.volume() / kBrickNodes);
-    if (interior > kMostInterior) return fmt::format("more than {} bricks deep inside", kMostInterior);
+    if (interior > most_interior)
+      return fmt::format("more than {} bricks deep inside a band of {} bricks", most_interior, leaves);
   }
 
   for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
-    if (isFar(leaf->getNodeBoundingBox())) return "voxels too far from the origin";
+    if (isFar(leaf->getNodeBoundingBox())) return "voxels too far from the origin, " + placeOf(grid, leaf->origin());
     const float* const values = leaf->buffer().data();
     const float* const bad = std::find_if(values, values + kBrickNodes, isBeyond);
     if (bad == values + kBrickNodes) continue;
     const openvdb::Coord at = leaf->offsetToGlobalCoord(static_cast<openvdb::Index>(bad - values));
-    return fmt::format("{} mm at voxel {}, {}, {}", *bad, at.x(), at.y(), at.z());
+    return fmt::format("{} mm {}", *bad, placeOf(grid, at));
   }
   return {};
 }
@@ -141,6 +158,7 @@ Expected<BrickField> readVdb(const std::filesystem::path& path, const std::strin
     std::error_code ignored;
     if (!std::filesystem::is_regular_file(path, ignored))
       return fail(readError(path, "file", std::filesystem::exists(path, ignored) ? "no regular file" : "no such file"));
+    KERF_CHECK(internal::checkVdbGrid(path, name, "Tree_float_5_4_3"));
     openvdb::io::File file(path.string());
     file.open(false);
     if (!file.hasGrid(name)) return fail(readError(path, "grid " + name, "no such grid"));
