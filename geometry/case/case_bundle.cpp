@@ -83,18 +83,33 @@ Expected<void> forEachTable(const toml::array* list, const std::filesystem::path
   return {};
 }
 
+constexpr double kMostMm2 = 1e12, kMostMm3 = 1e12, kFarthestMm = 1e6;
+
 std::size_t readCount(TomlTable& t, const char* key) {
-  return static_cast<std::size_t>(t.get<std::int64_t>(key, "a count"));
+  constexpr std::int64_t kMost = std::int64_t{1} << 40;
+  const auto count = t.get<std::int64_t>(key, "a count");
+  if (count >= 0 && count <= kMost) return static_cast<std::size_t>(count);
+  t.reject(key, fmt::format("{}", count), fmt::format("a count from 0 to {}", kMost));
+  return 0;
+}
+
+// A file of the bundle itself: no path that leads out of it.
+std::string readFileName(TomlTable& t, const char* key) {
+  std::string name = t.get<std::string>(key, "a file name");
+  const std::filesystem::path path = name;
+  if (!t.failed() && (name.empty() || name == "." || name == ".." || path != path.filename()))
+    t.reject(key, "\"" + name + "\"", "the name of a file in the case, without a path");
+  return name;
 }
 
 CaseSource readSource(TomlTable& t) {
   CaseSource s;
-  s.stored_as = t.get<std::string>("stored_as", "a file name");
+  s.stored_as = readFileName(t, "stored_as");
   s.format = t.get<std::string>("format", "a mesh format");
   s.sha256 = t.get<std::string>("sha256", "64 hexadecimal digits");
   s.unit = t.get<std::string>("unit", "a unit");
   s.unit_reason = t.get<std::string>("unit_reason", "a string");
-  s.scale_to_mm = t.get<double>("scale_to_mm", "a number");
+  s.scale_to_mm = t.number("scale_to_mm", 1e-9, 1e9, "mm");
   s.vertices = readCount(t, "vertices");
   s.triangles = readCount(t, "triangles");
   return s;
@@ -109,9 +124,13 @@ void readClose(TomlTable& close, CaseManifest& m) {
 void readSolid(TomlTable& solid, CaseManifest& m) {
   m.solid_vertices = readCount(solid, "vertices");
   m.solid_triangles = readCount(solid, "triangles");
-  m.solid_volume_mm3 = solid.get<double>("volume_mm3", "a number");
-  m.solid_area_mm2 = solid.get<double>("area_mm2", "a number");
+  m.solid_volume_mm3 = solid.number("volume_mm3", 0, kMostMm3, "mm3");
+  m.solid_area_mm2 = solid.number("area_mm2", 0, kMostMm2, "mm2");
   const auto low = solid.numbers("box_min_mm", 3), high = solid.numbers("box_max_mm", 3);
+  for (std::size_t k = 0; k < 3 && !solid.failed(); ++k)
+    if (!(low[k] <= high[k] && low[k] >= -kFarthestMm && high[k] <= kFarthestMm))
+      solid.reject("box_min_mm", fmt::format("{} to {} mm along axis {}", low[k], high[k], k),
+                   fmt::format("a box within {} mm, its smaller corner first", kFarthestMm));
   m.box.add(Vec3d(low[0], low[1], low[2]));
   m.box.add(Vec3d(high[0], high[1], high[2]));
   m.solid_sha256 = solid.get<std::string>("sha256", "64 hexadecimal digits");
@@ -121,7 +140,7 @@ void readField(TomlTable& field, CaseManifest& m) {
   m.voxel_mm = field.number("voxel_mm", 0.001, 100);
   m.field_voxels = readCount(field, "voxels");
   m.shell_points = readCount(field, "shell_points");
-  m.shell_area_mm2 = field.get<double>("shell_area_mm2", "a number");
+  m.shell_area_mm2 = field.number("shell_area_mm2", 0, kMostMm2, "mm2");
   m.field_sha256 = field.get<std::string>("sha256", "64 hexadecimal digits");
 }
 
@@ -159,7 +178,7 @@ CaseRegion readRegion(TomlTable& t) {
   r.where = {t.points("line_mm"), t.number("radius_mm", 1e-3, 1e4), t.number("voxel_mm", 1e-3, 100)};
   r.field_voxels = readCount(t, "voxels");
   r.shell_points = readCount(t, "shell_points");
-  r.shell_area_mm2 = t.get<double>("shell_area_mm2", "a number");
+  r.shell_area_mm2 = t.number("shell_area_mm2", 0, kMostMm2, "mm2");
   return r;
 }
 

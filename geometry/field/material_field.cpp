@@ -9,6 +9,7 @@
 
 #include "geometry/base/large_pages.h"
 #include "geometry/field/brick_field.h"
+#include "geometry/field/vdb_check.h"
 #include "geometry/field/vdb_reader.h"
 
 namespace kerf {
@@ -24,6 +25,7 @@ struct MaterialField::Grid {
   double voxel = 0;
 
   static constexpr openvdb::Index32 kMixed = 256;
+  static constexpr std::int32_t kMostLabel = 255;
 
   static std::uint8_t number(std::int32_t label) {
     return static_cast<std::uint8_t>(label >= 0 && label <= 255 ? label : 0);
@@ -33,18 +35,37 @@ struct MaterialField::Grid {
     return leaf.transientData() < kMixed ? nullptr : &mixed[leaf.transientData() - kMixed];
   }
 
-  void read(internal::VdbGridFile& file) {
+  static bool isUnknown(std::int32_t label) { return label < 0 || label > kMostLabel; }
+  std::string unknown(std::int32_t label, const openvdb::Coord& at) const {
+    return fmt::format("material {} {}; materials are 0 to {}", label, internal::vdbPlace(*labels, at), kMostLabel);
+  }
+
+  // The first number outside the leaves that no material has; empty: none.
+  std::string faultOfTiles() const {
+    if (isUnknown(labels->background())) return fmt::format("material {} as background", labels->background());
+    auto tile = labels->tree().cbeginValueAll();
+    tile.setMaxDepth(openvdb::Int32Tree::ValueAllCIter::LEAF_DEPTH - 1);
+    for (; tile; ++tile)
+      if (isUnknown(tile.getValue())) return unknown(tile.getValue(), tile.getCoord());
+    return {};
+  }
+
+  // Returns the first number that no material has; empty: none.
+  std::string read(internal::VdbGridFile& file) {
     mixed.reserve(labels->tree().leafCount());  // what is not used of it is never touched
     internal::adviseLargePages(static_cast<void*>(mixed.data()), mixed.capacity() * sizeof(Numbers));
     Numbers numbers;
     std::array<std::int32_t, kBrickNodes> values;
     for (auto leaf = labels->tree().beginLeaf(); leaf; ++leaf) {
       file.readLeaf(values.data());
+      if (const auto bad = std::find_if(values.begin(), values.end(), isUnknown); bad != values.end())
+        return unknown(*bad, leaf->offsetToGlobalCoord(static_cast<openvdb::Index>(bad - values.begin())));
       std::transform(values.begin(), values.end(), numbers.begin(), number);
       const bool is_one = std::all_of(numbers.begin(), numbers.end(), [&](auto one) { return one == numbers[0]; });
       leaf->setTransientData(is_one ? numbers[0] : kMixed + static_cast<openvdb::Index32>(mixed.size()));
       if (!is_one) mixed.push_back(numbers);
     }
+    return {};
   }
 };
 
@@ -103,6 +124,7 @@ Expected<MaterialField> readMaterialField(const std::filesystem::path& vdb) {
   const auto error = [&](const std::string& found) { return fail(internal::vdbReadError(vdb, place, found)); };
   try {
     KERF_CHECK(internal::requireVdbFile(vdb));
+    KERF_CHECK(internal::checkVdbGrid(vdb, "material", "Tree_int32_5_4_3"));
     internal::VdbGridFile file(vdb);
     const openvdb::GridBase::Ptr any = file.open("material");
     if (!any) return error("no such grid");
@@ -113,7 +135,8 @@ Expected<MaterialField> readMaterialField(const std::filesystem::path& vdb) {
     auto grid = std::make_shared<MaterialField::Grid>();
     grid->labels = labels;
     grid->voxel = labels->voxelSize()[0];
-    grid->read(file);
+    if (const std::string fault = grid->faultOfTiles(); !fault.empty()) return error(fault);
+    if (const std::string fault = grid->read(file); !fault.empty()) return error(fault);
     return MaterialField(std::move(grid));
   } catch (const std::exception& e) {
     return fail(internal::vdbReadError(vdb, place, e));

@@ -10,79 +10,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cmath>
-#include <cstring>
-#include <fstream>
 #include <optional>
 
 #include "geometry/field/vdb_io.h"
+#include "geometry/field/vdb_bytes.h"
 
 namespace kerf {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "the file is read as it lies in memory");
-
-constexpr std::int64_t kMagic = 0x56444220;
-constexpr std::uint32_t kOldest = 222, kNewest = 224;
-constexpr std::int32_t kMostEntries = 10'000, kMostBytes = 1 << 16;  // far more than a name has
-
-// Reads numbers and strings one after the other; after the first that is not there, nothing but zeros.
-class VdbReader {
- public:
-  explicit VdbReader(const std::filesystem::path& path) : in_(path, std::ios::binary | std::ios::ate) {
-    size_ = in_.tellg();
-    in_.seekg(0);
-  }
-
-  bool isGood() const { return in_.good(); }
-  void fail() { in_.setstate(std::ios::failbit); }
-  void goTo(std::int64_t at) {
-    if (at < 0 || at > size_) return fail();  // a file that was cut short
-    in_.seekg(at);
-  }
-
-  template <class Number>
-  Number number() {
-    std::array<char, sizeof(Number)> bytes{};
-    in_.read(bytes.data(), sizeof(Number));
-    return in_ ? std::bit_cast<Number>(bytes) : Number{};
-  }
-
-  std::string text() {
-    const auto size = number<std::int32_t>();
-    if (size >= 0 && size <= kMostBytes) return bytes(size);
-    fail();
-    return {};
-  }
-
-  std::string bytes(std::int32_t size) {
-    std::string out(static_cast<std::size_t>(size), '\0');
-    in_.read(out.data(), size);
-    return in_ ? out : std::string();
-  }
-
-  // Calls visit(name, bytes) for each entry.
-  template <class Visit>
-  void metadata(const Visit& visit) {
-    const auto entries = number<std::int32_t>();
-    if (entries < 0 || entries > kMostEntries) return fail();
-    for (std::int32_t n = 0; n < entries && isGood(); ++n) {
-      const std::string name = text();
-      text();  // type
-      const auto size = number<std::int32_t>();
-      if (size < 0) return fail();
-      const std::int64_t begin = in_.tellg();
-      if (size <= kMostBytes) visit(name, bytes(size));
-      goTo(begin + size);  // what OpenVDB notes down to load blocks later is long, and nothing of it is wanted
-    }
-  }
-
- private:
-  std::ifstream in_;
-  std::int64_t size_ = 0;
-};
+using internal::VdbReader;
 
 // A grid, from what stands at its beginning.
 std::optional<VdbGridInfo> readGrid(VdbReader& in, std::string name, std::string type) {
@@ -91,9 +28,8 @@ std::optional<VdbGridInfo> readGrid(VdbReader& in, std::string name, std::string
   VdbGridInfo out{std::move(name), std::move(type)};
 
   in.number<std::uint32_t>();
-  in.metadata([&out](const std::string& key, const std::string& bytes) {
-    if (key == "file_voxel_count" && bytes.size() == sizeof out.active_voxels)
-      std::memcpy(&out.active_voxels, bytes.data(), sizeof out.active_voxels);
+  in.metadata([&](const std::string& key, const std::string&, std::int32_t size) {
+    if (key == "file_voxel_count" && size == sizeof out.active_voxels) out.active_voxels = in.number<std::uint64_t>();
   });
 
   const std::string map = in.text();
@@ -119,16 +55,17 @@ Expected<std::vector<VdbGridInfo>> inspectVdb(const std::filesystem::path& path)
   if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored))
     return refuse("file", "a folder, a pipe or a device");
   VdbReader in(path);
-  if (in.number<std::int64_t>() != kMagic) return refuse("header", "no OpenVDB file, or none at all");
+  if (in.number<std::int64_t>() != internal::kVdbMagic) return refuse("header", "no OpenVDB file, or none at all");
   const auto version = in.number<std::uint32_t>();
-  if (version < kOldest || version > kNewest) return refuse("header", fmt::format("version {}", version));
+  if (version < internal::kOldestVdb || version > internal::kNewestVdb)
+    return refuse("header", fmt::format("version {}", version));
   in.number<std::uint64_t>();  // of the library
   if (in.number<std::uint8_t>() == 0) return refuse("header", "no index of its grids");
   for (int n = 0; n < 36; ++n) in.number<char>();  // identifier
-  in.metadata([](const std::string&, const std::string&) {});
+  in.metadata([](const std::string&, const std::string&, std::int32_t) {});
 
   const auto count = in.number<std::int32_t>();
-  if (!in.isGood() || count < 0 || count > kMostEntries) return refuse("header", "damaged");
+  if (!in.isGood() || count < 0 || count > internal::kMostVdbEntries) return refuse("header", "damaged");
   std::vector<VdbGridInfo> grids;
   for (std::int32_t n = 0; n < count; ++n) {
     std::string name = in.text(), type = in.text();

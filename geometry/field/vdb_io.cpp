@@ -9,6 +9,7 @@
 
 #include "geometry/base/large_pages.h"
 #include "geometry/field/vdb_bricks.h"
+#include "geometry/field/vdb_check.h"
 #include "geometry/field/vdb_reader.h"
 #include "geometry/field/vdb_writer.h"
 
@@ -37,33 +38,45 @@ openvdb::FloatTree::ValueAllCIter tilesOf(const openvdb::FloatGrid& grid) {
   return tile;
 }
 
+// Bricks deep inside that a file may state: a mandible at 0.05 mm has about one million. They need no bytes of their
+// own, so a small file could state any number. A band of n leaves encloses fewer than n^1.5 bricks, and a fine region
+// that lies inside tissue has no band at all.
+constexpr std::int64_t kMostInterior = 16'000'000, kInteriorWithoutBand = 1'000'000;
+
 // Of all but the values of leaves. Empty: nothing.
 std::string faultOf(const openvdb::FloatGrid& grid) {
-  constexpr std::int64_t kMostInterior = 16'000'000;  // bricks; a mandible at 0.05 mm has about one million
   const double voxel = grid.voxelSize()[0];
 
+  const double leaves = static_cast<double>(grid.tree().leafCount());
+  const std::int64_t most_interior =
+      std::min(kMostInterior, kInteriorWithoutBand + static_cast<std::int64_t>(std::min(1e9, std::pow(leaves, 1.5))));
   std::int64_t interior = 0;
   for (auto tile = tilesOf(grid); tile; ++tile) {
-    if (isBeyond(tile.getValue(), voxel)) return fmt::format("a tile of {} mm", tile.getValue());
+    if (isBeyond(tile.getValue(), voxel))
+      return fmt::format("a tile of {} mm {}", tile.getValue(), internal::vdbPlace(grid, tile.getCoord()));
     if (tile.getValue() >= 0) continue;
     openvdb::CoordBBox box;
     tile.getBoundingBox(box);
-    if (isFar(box)) return "tiles too far from the origin";
+    if (isFar(box)) return "tiles too far from the origin, " + internal::vdbPlace(grid, box.min());
     interior += static_cast<std::int64_t>(box.volume() / kBrickNodes);
-    if (interior > kMostInterior) return fmt::format("more than {} bricks deep inside", kMostInterior);
+    if (interior > most_interior)
+      return fmt::format("more than {} bricks deep inside a band of {} bricks", most_interior, leaves);
   }
 
   for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf)
-    if (isFar(leaf->getNodeBoundingBox())) return "voxels too far from the origin";
+    if (isFar(leaf->getNodeBoundingBox()))
+      return "voxels too far from the origin, " + internal::vdbPlace(grid, leaf->origin());
   return {};
 }
 
 // Of the values of a leaf. Empty: nothing.
-std::string faultOf(const openvdb::FloatTree::LeafNodeType& leaf, const BrickValues& values, double voxel) {
+std::string faultOf(const openvdb::FloatGrid& grid, const openvdb::FloatTree::LeafNodeType& leaf,
+                    const BrickValues& values) {
+  const double voxel = grid.voxelSize()[0];
   const auto bad = std::find_if(values.begin(), values.end(), [voxel](float value) { return isBeyond(value, voxel); });
   if (bad == values.end()) return {};
   const openvdb::Coord at = leaf.offsetToGlobalCoord(static_cast<openvdb::Index>(bad - values.begin()));
-  return fmt::format("{} mm at voxel {}, {}, {}", *bad, at.x(), at.y(), at.z());
+  return fmt::format("{} mm {}", *bad, internal::vdbPlace(grid, at));
 }
 
 // A field for the bricks of a grid, which has none of them yet.
@@ -102,7 +115,7 @@ Expected<BrickField> readBricks(internal::VdbGridFile& file, const openvdb::Floa
   BrickValues values;
   for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
     file.readLeaf(values.data());
-    if (const std::string fault = faultOf(*leaf, values, voxel); !fault.empty()) return fail(error(fault));
+    if (const std::string fault = faultOf(grid, *leaf, values); !fault.empty()) return fail(error(fault));
     field.add(brickOf(toVec(leaf->origin())), values);
     adviseOnFirst(field, bricks);
   }
@@ -164,6 +177,7 @@ Expected<BrickField> readVdb(const std::filesystem::path& path, const std::strin
   const auto error = [&](const std::string& found) { return internal::vdbReadError(path, place, found); };
   try {
     KERF_CHECK(internal::requireVdbFile(path));
+    KERF_CHECK(internal::checkVdbGrid(path, name, "Tree_float_5_4_3"));
     internal::VdbGridFile file(path);
     const openvdb::GridBase::Ptr any = file.open(name);
     if (!any) return fail(error("no such grid"));

@@ -31,7 +31,9 @@ Expected<void> writeVdb(const std::filesystem::path& path, const std::vector<Nam
                         const std::map<std::string, std::string>& metadata = {});
 
 /// Reads the float grid `name`. Leaf nodes become bricks; tiles below zero mark interior bricks.
-/// Refuses grids whose transform is not a plain uniform scale.
+/// Refuses grids whose transform is not a plain uniform scale, values that are no distances, and files whose structure
+/// does not add up, before memory is taken for them: a file from a stranger costs no more memory than 40 times its size
+/// and what a million bricks deep inside need.
 Expected<BrickField> readVdb(const std::filesystem::path& path, const std::string& name);
 
 /// The grids of a file, by name. Reads its header and those of the grids, no voxels, and not by OpenVDB: a damaged

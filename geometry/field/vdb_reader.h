@@ -104,6 +104,13 @@ inline Error vdbReadError(const std::filesystem::path& path, const std::string& 
   return vdbReadError(path, place, is_short ? "cut short, or not to be read" : thrown.what());
 }
 
+/// "at voxel 4, 5, 6, which is 2.000, 2.500, 3.000 mm".
+inline std::string vdbPlace(const openvdb::GridBase& grid, const openvdb::Coord& at) {
+  const openvdb::Vec3d p = grid.constTransform().indexToWorld(at);
+  return fmt::format("at voxel {}, {}, {}, which is {:.3f}, {:.3f}, {:.3f} mm", at.x(), at.y(), at.z(), p.x(), p.y(),
+                     p.z());
+}
+
 /// Nothing where there is a regular file.
 inline Expected<void> requireVdbFile(const std::filesystem::path& path) {
   std::error_code ignored;

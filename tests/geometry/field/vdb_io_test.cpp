@@ -4,10 +4,13 @@
 #include <openvdb/openvdb.h>
 #include <sys/stat.h>
 
+#include <cmath>
+#include <cstring>
 #include <fstream>
 #include <iterator>
 #include <limits>
 
+#include "geometry/field/material_field.h"
 #include "tests/geometry/sampled_field.h"
 #include "tests/support/temporary_folder.h"
 
@@ -103,6 +106,106 @@ TEST(VdbIo, AFileThatWasCutShortIsRefused) {
   const auto back = readVdb(folder.write("short.vdb", good.substr(0, good.size() - 100)), "phi");
   ASSERT_FALSE(back);
   EXPECT_NE(back.error().message().find("cut short"), std::string::npos) << back.error().message();
+}
+
+// A small grid as a file, of which single numbers are forged. OpenVDB takes them as they stand: a length of 2 GB is
+// allocated before a byte of it is read.
+class ForgedVdb : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    BrickField field(0.05, 0.2f, -0.25f);
+    for (std::size_t n = 0; n < kBrickNodes; ++n)
+      field.brick(field.touch({3, 2, 1}))[n] = 1e-3f * static_cast<float>(n) - 0.2f;
+    field.markInterior({2, 2, 1});
+    ASSERT_TRUE(writeVdb(folder_.path() / "f.vdb", {{"phi", &field}}, {{"case_id", "0123"}}));
+    good_ = contentOf(folder_.path() / "f.vdb");
+    ASSERT_TRUE(readVdb(folder_.path() / "f.vdb", "phi"));
+  }
+
+  template <class Number>
+  static std::string forged(std::string bytes, std::size_t at, Number number) {
+    std::memcpy(bytes.data() + at, &number, sizeof number);
+    return bytes;
+  }
+
+  // What the reader says of these bytes; empty: it took them.
+  std::string refusalOf(const std::string& bytes) const {
+    const auto field = readVdb(folder_.write("bad.vdb", bytes), "phi");
+    return field ? std::string() : field.error().message();
+  }
+
+  // Behind the transform: 15 numbers after the name of the map.
+  std::size_t tree() const { return good_.find("UniformScaleMap") + 15 + 15 * sizeof(double); }
+
+  TemporaryFolder folder_;
+  std::string good_;
+};
+
+TEST_F(ForgedVdb, LengthsAndCountsAreRefusedBeforeMemoryIsTakenForThem) {
+  const std::size_t metadata = good_.find("case_id") + 7 + 4 + 6;  // name, and "string" with its length
+  const std::size_t map = good_.find("UniformScaleMap") - 4;
+  const std::size_t notes = good_.find("__delayedload") + 13 + 4;
+  const std::size_t tiles = tree() + 4 + 4, children = tiles + 4;
+  const std::size_t first_block = children + 4 + 12 + 2 * 4096 + 1;
+  for (const std::size_t at : {metadata, map, notes, tiles, children}) {
+    const std::string refusal = refusalOf(forged(good_, at, std::int32_t{0x7ffffff0}));
+    EXPECT_NE(refusal.find("grid phi: byte "), std::string::npos) << "byte " << at << ": " << refusal;
+  }
+  for (const std::int64_t length : {std::int64_t{1} << 33, -(std::int64_t{1} << 33), std::int64_t{1'000'000}}) {
+    const std::string refusal = refusalOf(forged(good_, first_block, length));
+    EXPECT_NE(refusal.find("grid phi: byte "), std::string::npos) << length << ": " << refusal;
+  }
+}
+
+TEST_F(ForgedVdb, NodesFarAwayOrTwiceAtOnePlaceAreRefused) {
+  const std::size_t origin = tree() + 4 + 4 + 8;
+  for (const std::int32_t x : {1 << 30, -(1 << 30), 17})
+    EXPECT_NE(refusalOf(forged(good_, origin, x)).find("a node at voxel"), std::string::npos) << x;
+}
+
+TEST_F(ForgedVdb, OtherTypesAndTransformsAreRefused) {
+  const auto with = [&](const char* from, const char* to) {
+    std::string bytes = good_;
+    return bytes.replace(bytes.find(from), std::strlen(to), to);
+  };
+  EXPECT_NE(refusalOf(with("Tree_float_5_4_3", "Tree_int32_5_4_3")).find("of type"), std::string::npos);
+  EXPECT_NE(refusalOf(with("UniformScaleMap", "UnitaryMap_____")).find("transform"), std::string::npos);
+}
+
+TEST_F(ForgedVdb, AFileCutShortAnywhereIsRefused) {
+  for (std::size_t size = 0; size < good_.size(); size += 1 + size / 64)
+    EXPECT_FALSE(refusalOf(good_.substr(0, size)).empty()) << size << " bytes";
+}
+
+// Some bytes of each kind: whatever is read then is a field of numbers that can be cut.
+TEST_F(ForgedVdb, NoByteMakesTheReaderCrash) {
+  for (std::size_t at = 0; at < good_.size(); at += at < 1500 ? 5 : 151)
+    for (const char wrong : {'\x00', '\x7f', '\xff'}) {
+      std::string bad = good_;
+      bad[at] = wrong;
+      const auto field = readVdb(folder_.write("bad.vdb", bad), "phi");
+      if (!field) continue;
+      EXPECT_LE(field->brickCount(), 1u + 8u) << "byte " << at;
+      for (std::size_t b = 0; b < field->brickCount(); ++b)
+        for (const float value : field->brick(b)) ASSERT_LE(std::abs(value), 1000 * field->voxel()) << "byte " << at;
+    }
+}
+
+TEST(MaterialGrid, ANumberThatNoMaterialHasIsRefusedWithItsPlace) {
+  const TemporaryFolder folder;
+  openvdb::initialize();
+  for (const std::int32_t label : {-1, 256, 1 << 30}) {
+    auto grid = openvdb::Int32Grid::create(0);
+    grid->setName("material");
+    grid->setTransform(openvdb::math::Transform::createLinearTransform(0.5));
+    grid->tree().setValue({4, 5, 6}, label);
+    const auto file = folder.path() / "m.vdb";
+    openvdb::io::File(file.string()).write({grid});
+    const auto read = readMaterialField(file);
+    ASSERT_FALSE(read) << label;
+    EXPECT_NE(read.error().message().find("at voxel 4, 5, 6, which is 2.000, 2.500, 3.000 mm"), std::string::npos)
+        << read.error().message();
+  }
 }
 
 TEST(VdbIo, InspectingTellsTheGridsByName) {
