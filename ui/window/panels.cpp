@@ -122,13 +122,10 @@ void drawHeat(const Workbench& bench) {
   }
 }
 
-// @return  its lower edge.
-float drawReadings(AppContext& context, const std::optional<ToolOverSurface>& over) {
+void drawReadings(AppContext& context, const std::optional<ToolOverSurface>& over, PanelColumn& column) {
   const Workbench& bench = context.bench;
   const HapticReport& r = bench.report();
-  const ImGuiIO& io = ImGui::GetIO();
-  ImGui::SetNextWindowPos({io.DisplaySize.x - scaled(kPanelWidth) - 8, ImGui::GetFrameHeight() + 8}, ImGuiCond_Always);
-  ImGui::SetNextWindowSize({scaled(kPanelWidth), 0}, ImGuiCond_Always);
+  column.place();
   ImGui::Begin("Cut", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
   const double speed = bench.driveShare();
   const auto depth = bench.isPressed() ? bench.depthNow() : over ? std::optional(over->depth) : std::nullopt;
@@ -150,9 +147,8 @@ float drawReadings(AppContext& context, const std::optional<ToolOverSurface>& ov
   if (r.is_latched) ImGui::TextColored(styleColours().warning, "Stopped: the machine was busy. Press again.");
   const RecorderStatus log = bench.run()->recorderStatus();
   if (log.error) ImGui::TextWrapped("The log can not be written any more: %s", log.error->message().c_str());
-  const float bottom = ImGui::GetWindowPos().y + ImGui::GetWindowSize().y;
+  column.take();
   ImGui::End();
-  return bottom;
 }
 
 // ---- What is under way, what was said
@@ -234,9 +230,10 @@ void drawPanels(AppContext& context, PanelState& state, const std::optional<Tool
     drawReplay(context);
   } else if (context.bench.isOpen()) {
     drawTools(context, state.tools);
-    float below = drawReadings(context, over) + 8;
-    below = drawPieces(context, state.piece_drag, below, state.pixels) + 8;
-    drawTissues(context, below);
+    PanelColumn column(context);
+    drawReadings(context, over, column);
+    drawPieces(context, state.piece_drag, column, state.pixels);
+    drawTissues(context, column);
     drawMeasure(context, state.pixels);
     drawTimeline(context);
     drawHints(context);
