@@ -79,6 +79,7 @@ TEST(SettingsFile, ComesBackAsItWasSaved) {
 
   file.values = {Theme::kDark, 1.25, true, "/scans of \"today\"", 2.5, 0.8, 20, true};
   file.values.space_mouse = {SpaceMouseLeads::kTool, 2.5, 0.1, true, {true, false, true, false, false, false}};
+  file.values.perspective_deg = 45;
   ASSERT_TRUE(file.save());
   const SettingsFile again(config);
   EXPECT_FALSE(again.error());

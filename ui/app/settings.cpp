@@ -12,6 +12,7 @@
 
 #include "geometry/base/atomic_file.h"
 #include "geometry/base/toml_reader.h"
+#include "ui/app/camera.h"
 #include "ui/app/user_files.h"
 #include "ui/app/workbench.h"
 
@@ -61,6 +62,8 @@ const std::vector<Key>& keys() {
        [](const Settings& a, const Settings& b) { return a.space_mouse.is_dominant == b.space_mouse.is_dominant; }},
       {"space_mouse_inverted", [](const Settings& s) { return quoted(namesOfInverted(s.space_mouse)); },
        [](const Settings& a, const Settings& b) { return a.space_mouse.is_inverted == b.space_mouse.is_inverted; }},
+      {"perspective_deg", [](const Settings& s) { return fmt::format("{:.1f}", s.perspective_deg); },
+       [](const Settings& a, const Settings& b) { return a.perspective_deg == b.perspective_deg; }},
   };
   return kKeys;
 }
@@ -105,6 +108,8 @@ Expected<Settings> readSettings(const fs::path& path) {
   out.sound_volume = table.numberOr("sound_volume", out.sound_volume, 0, 100, "%");
   out.is_muted = table.getOr<bool>("sound_muted", false, "true or false");
   readSpaceMouse(table, out.space_mouse);
+  out.perspective_deg =
+      table.numberOr("perspective_deg", out.perspective_deg, Camera::kLeastField, Camera::kMostField, "deg");
   KERF_CHECK(table.finish());
   return out;
 }

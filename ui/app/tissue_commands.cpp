@@ -21,7 +21,9 @@ std::string quoted(AppWords words, std::size_t n) {
 
 bool hasTissues(const AppContext& c) { return c.bench.isOpen() && !c.bench.tissues().all().empty(); }
 bool isAnyHidden(const AppContext& c) { return c.bench.isOpen() && !c.bench.tissues().areAllShown(); }
-bool hasStructures(const AppContext& c) { return c.bench.isOpen() && !c.bench.structures()->isEmpty(); }
+bool hasStructures(const AppContext& c) {
+  return c.bench.isOpen() && c.bench.structures() && !c.bench.structures()->isEmpty();
+}
 
 Expected<void> look(AppContext& c, AppWords words) {
   for (const auto& [word, look] : kLooks)

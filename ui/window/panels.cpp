@@ -13,6 +13,7 @@
 #include "ui/window/measure_panel.h"
 #include "ui/window/plots_panel.h"
 #include "ui/window/replay_panel.h"
+#include "ui/window/scale_bar.h"
 #include "ui/window/settings_panel.h"
 #include "ui/window/style.h"
 #include "ui/window/timeline_panel.h"
@@ -122,13 +123,10 @@ void drawHeat(const Workbench& bench) {
   }
 }
 
-// @return  its lower edge.
-float drawReadings(AppContext& context, const std::optional<ToolOverSurface>& over) {
+void drawReadings(AppContext& context, const std::optional<ToolOverSurface>& over, PanelColumn& column) {
   const Workbench& bench = context.bench;
   const HapticReport& r = bench.report();
-  const ImGuiIO& io = ImGui::GetIO();
-  ImGui::SetNextWindowPos({io.DisplaySize.x - scaled(kPanelWidth) - 8, ImGui::GetFrameHeight() + 8}, ImGuiCond_Always);
-  ImGui::SetNextWindowSize({scaled(kPanelWidth), 0}, ImGuiCond_Always);
+  column.place();
   ImGui::Begin("Cut", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
   const double speed = std::abs(bench.driveShare());
   const char* const turns = bench.driveShare() < 0 ? "% backwards" : "%";
@@ -151,9 +149,8 @@ float drawReadings(AppContext& context, const std::optional<ToolOverSurface>& ov
   if (r.is_latched) ImGui::TextColored(styleColours().warning, "Stopped: the machine was busy. Press again.");
   const RecorderStatus log = bench.run()->recorderStatus();
   if (log.error) ImGui::TextWrapped("The log can not be written any more: %s", log.error->message().c_str());
-  const float bottom = ImGui::GetWindowPos().y + ImGui::GetWindowSize().y;
+  column.take();
   ImGui::End();
-  return bottom;
 }
 
 // ---- What is under way, what was said
@@ -207,6 +204,13 @@ void drawNotices(AppContext& context, PanelState& state) {
   ImGui::End();
 }
 
+// Left of the readings, over the timeline.
+void drawScaleBar(const AppContext& context, double pixels) {
+  const ImGuiIO& io = ImGui::GetIO();
+  drawScaleBarAt({io.DisplaySize.x - scaled(kPanelWidth) - 32, io.DisplaySize.y - timelineHeight(context) - 20},
+                 context.camera, context.width, context.height, pixels, styleColours().guide_text);
+}
+
 void drawHints(AppContext& context) {
   if (!context.settings || context.settings->values.are_hints_dismissed) return;
   const ImGuiIO& io = ImGui::GetIO();
@@ -235,11 +239,13 @@ void drawPanels(AppContext& context, PanelState& state, const std::optional<Tool
     drawReplay(context);
   } else if (context.bench.isOpen()) {
     drawTools(context, state.tools);
-    float below = drawReadings(context, over) + 8;
-    below = drawPieces(context, state.piece_drag, below, state.pixels) + 8;
-    drawTissues(context, below);
+    PanelColumn column(context);
+    drawReadings(context, over, column);
+    drawPieces(context, state.piece_drag, column, state.pixels);
+    drawTissues(context, column);
     drawMeasure(context, state.pixels);
     drawTimeline(context);
+    drawScaleBar(context, state.pixels);
     drawHints(context);
     drawSawPanel(context, state.saw);
   } else {

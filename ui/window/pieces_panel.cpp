@@ -68,12 +68,9 @@ void drawMove(Workbench& bench, const SceneObject& piece) {
   if (ImGui::Button("Put back", {-1, 0})) bench.movePiece(piece.id, {});
 }
 
-// @return  its lower edge.
-float drawList(AppContext& context, float top) {
+void drawList(AppContext& context, PanelColumn& column) {
   Workbench& bench = context.bench;
-  const ImGuiIO& io = ImGui::GetIO();
-  ImGui::SetNextWindowPos({io.DisplaySize.x - scaled(kPanelWidth) - 8, top}, ImGuiCond_Always);
-  ImGui::SetNextWindowSize({scaled(kPanelWidth), 0}, ImGuiCond_Always);
+  column.place();
   ImGui::Begin("Pieces", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
   const SceneObject* const chosen = bench.chosenPiece();
   for (SceneObject* piece : bench.scene().shown()) {
@@ -103,16 +100,13 @@ float drawList(AppContext& context, float top) {
   } else {
     ImGui::TextDisabled("Click one to move or name it");
   }
-  const float bottom = ImGui::GetWindowPos().y + ImGui::GetWindowSize().y;
+  column.take();
   ImGui::End();
-  return bottom;
 }
 
-// What stands beside.   @return  its lower edge.
-float drawBeside(Workbench& bench, float top) {
-  const ImGuiIO& io = ImGui::GetIO();
-  ImGui::SetNextWindowPos({io.DisplaySize.x - scaled(kPanelWidth) - 8, top}, ImGuiCond_Always);
-  ImGui::SetNextWindowSize({scaled(kPanelWidth), 0}, ImGuiCond_Always);
+// What stands beside.
+void drawBeside(Workbench& bench, PanelColumn& column) {
+  column.place();
   ImGui::Begin("Beside", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
   for (const SceneObject* object : bench.scene().shown()) {
     if (!object->isBeside()) continue;
@@ -130,9 +124,8 @@ float drawBeside(Workbench& bench, float top) {
   bool stops = bench.stop_short_beside_mm.has_value();
   if (ImGui::Checkbox("Stop short of them", &stops))
     bench.stopShortBeside(stops ? std::optional(Workbench::kUsualShortBeside) : std::nullopt);
-  const float bottom = ImGui::GetWindowPos().y + ImGui::GetWindowSize().y;
+  column.take();
   ImGui::End();
-  return bottom;
 }
 
 }  // namespace
@@ -173,14 +166,13 @@ void PieceDrag::hover(const AppContext& context, const Pixel& at) {
   hovered_ = gizmo ? gizmo->handleAt(at) : std::nullopt;
 }
 
-float drawPieces(AppContext& context, const PieceDrag& drag, float top, double pixels) {
+void drawPieces(AppContext& context, const PieceDrag& drag, PanelColumn& column, double pixels) {
   const auto shown = context.bench.scene().shown();
   const bool is_moved = std::any_of(shown.begin(), shown.end(), [](const auto* piece) { return piece->isMoved(); });
-  if (context.bench.scene().pieceCount() < shown.size()) top = drawBeside(context.bench, top) + 8;
-  if (context.bench.scene().pieceCount() < 2 && !is_moved) return top;
-  const float bottom = drawList(context, top);
+  if (context.bench.scene().pieceCount() < shown.size()) drawBeside(context.bench, column);
+  if (context.bench.scene().pieceCount() < 2 && !is_moved) return;
+  drawList(context, column);
   if (const auto gizmo = gizmoOf(context)) drawGizmo(*gizmo, drag.lit(), pixels);
-  return bottom;
 }
 
 }  // namespace kerf

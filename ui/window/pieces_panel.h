@@ -5,6 +5,7 @@
 
 #include "ui/app/app_commands.h"
 #include "ui/app/piece_gizmo.h"
+#include "ui/window/panel_column.h"
 
 namespace kerf {
 
@@ -31,8 +32,7 @@ class PieceDrag {
 std::optional<PieceGizmo> gizmoOf(const AppContext& context);
 
 /// The list, when there is more than one piece or one was moved, and the handles over the picture.
-/// @return  the list's lower edge. @param top  of the list, window units. @param pixels  of the picture per window
-/// unit.
-float drawPieces(AppContext& context, const PieceDrag& drag, float top, double pixels);
+/// @param pixels  of the picture per window unit.
+void drawPieces(AppContext& context, const PieceDrag& drag, PanelColumn& column, double pixels);
 
 }  // namespace kerf

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "ui/app/tissue_commands.h"
 #include "ui/app/tissue_display.h"
 #include "ui/window/style.h"
 
@@ -59,7 +60,7 @@ void drawColours(AppContext& context) {
   ImGui::PushItemWidth(-1);
   if (ImGui::BeginCombo("##colours", fmt::format("Colours: {}", kChoices[now][0]).c_str())) {
     for (std::size_t n = 0; n < kChoices.size(); ++n) {
-      const bool is_possible = n != 2 || !context.bench.structures()->isEmpty();
+      const bool is_possible = n != 2 || tissue_commands::hasStructures(context);
       const auto flags = is_possible ? ImGuiSelectableFlags_None : ImGuiSelectableFlags_Disabled;
       if (ImGui::Selectable(kChoices[n][1], n == now, flags)) run(context, "view.colours", {kChoices[n][0]});
     }
@@ -91,21 +92,18 @@ void drawLegend(SurfaceColours colours) {
 
 }  // namespace
 
-float drawTissues(AppContext& context, float top) {
+void drawTissues(AppContext& context, PanelColumn& column) {
   const TissueDisplay& tissues = context.bench.tissues();
-  if (tissues.all().size() < 2 && tissues.colours() == SurfaceColours::kTissue) return top;
-  const ImGuiIO& io = ImGui::GetIO();
-  ImGui::SetNextWindowPos({io.DisplaySize.x - scaled(kPanelWidth) - 8, top}, ImGuiCond_Always);
-  ImGui::SetNextWindowSize({scaled(kPanelWidth), 0}, ImGuiCond_Always);
+  if (tissues.all().size() < 2 && tissues.colours() == SurfaceColours::kTissue) return;
+  column.place();
   ImGui::Begin("Tissues", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize);
   if (tissues.all().size() > 1)
     for (const SeenTissue& tissue : tissues.all()) drawRow(context, tissue);
   drawColours(context);
   drawLegend(tissues.colours());
   if (tissues.isBusy()) ImGui::TextColored(styleColours().quiet, "working...");
-  const float bottom = ImGui::GetWindowPos().y + ImGui::GetWindowSize().y;
+  column.take();
   ImGui::End();
-  return bottom;
 }
 
 }  // namespace kerf

@@ -1,0 +1,37 @@
+#include "ui/window/panel_column.h"
+
+#include <imgui.h>
+
+#include <algorithm>
+
+#include "ui/window/style.h"
+#include "ui/window/timeline_panel.h"
+
+namespace kerf {
+namespace {
+
+constexpr float kLeastHeight = 110, kGap = 8;
+
+float firstTop() { return ImGui::GetFrameHeight() + kGap; }
+
+}  // namespace
+
+PanelColumn::PanelColumn(const AppContext& context)
+    : left_(ImGui::GetIO().DisplaySize.x - scaled(kPanelWidth) - kGap),
+      top_(firstTop()),
+      end_(ImGui::GetIO().DisplaySize.y - timelineHeight(context) - kGap) {}
+
+void PanelColumn::place() {
+  const float width = scaled(kPanelWidth), least = scaled(kLeastHeight);
+  if (top_ > firstTop() && top_ + least > end_) {
+    left_ -= width + kGap;
+    top_ = firstTop();
+  }
+  ImGui::SetNextWindowPos({left_, top_}, ImGuiCond_Always);
+  ImGui::SetNextWindowSize({width, 0}, ImGuiCond_Always);
+  ImGui::SetNextWindowSizeConstraints({width, 0}, {width, std::max(end_ - top_, least)});
+}
+
+void PanelColumn::take() { top_ = ImGui::GetWindowPos().y + ImGui::GetWindowSize().y + kGap; }
+
+}  // namespace kerf
