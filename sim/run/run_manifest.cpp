@@ -53,8 +53,8 @@ void readToolAndPath(TomlTable& top, RunManifest& m) {
   if (m.path_file != "path.csv" && m.path_file != "path.toml")
     top.reject("path_file", "\"" + m.path_file + "\"", "\"path.csv\" or \"path.toml\"");
   m.path_sha256 = top.get<std::string>("path_sha256", "64 hexadecimal digits");
-  m.segments = static_cast<std::size_t>(top.get<std::int64_t>("segments", "a count"));
-  m.path_length_mm = top.get<double>("path_length_mm", "mm");
+  m.segments = static_cast<std::size_t>(top.number("segments", 0, 1e12, "motions"));
+  m.path_length_mm = top.number("path_length_mm", 0, 1e9, "mm");
 }
 
 bool isInFolder(const std::string& file) {
@@ -146,7 +146,7 @@ Expected<RunManifest> readRunManifest(const fs::path& folder) {
     top.reject("mode", "\"" + m.mode + "\"", modes);
 
   if (m.mode != kModeGeometry) m.begin_sha256 = top.getOr<std::string>("begin_sha256", "", "64 hexadecimal digits");
-  m.duration_s = top.get<double>("duration_s", "s");
+  m.duration_s = top.number("duration_s", 0, 1e9, "s");
   m.voxel_mm = top.number("voxel_mm", 0.001, 100);
   m.state_hash = top.get<std::string>("state_hash", "16 hexadecimal digits");
   m.field_sha256 = top.get<std::string>("field_sha256", "64 hexadecimal digits");

@@ -151,13 +151,31 @@ TEST(TextFiles, MutatedCaseManifestsAreReadOrRefused) {
   EXPECT_GT(t.refused, 100);
 }
 
+constexpr const char* kRunOfAPath =
+    "# Kerf run\nformat = \"kerf-run\"\nversion = 1\nkerf_version = \"0.1.0\"\ncase_path = \"../a.case\"\n"
+    "case_id = \"0123456789abcdef\"\nmode = \"geometry\"\ntool_id = \"round-014\"\ntool_sha256 = \"01\"\n"
+    "path_file = \"path.csv\"\npath_sha256 = \"02\"\nsegments = 12\npath_length_mm = 3.5\nduration_s = 2.0\n"
+    "voxel_mm = 0.1\nstate_hash = \"0123456789abcdef\"\nfield_sha256 = \"03\"\n";
+
+// They were shown as results.
+TEST(TextFiles, NumbersThatNoRunHasAreRefusedByTheirKey) {
+  const TemporaryFolder folder;
+  for (const std::string line : {"segments = 12", "path_length_mm = 3.5", "duration_s = 2.0", "voxel_mm = 0.1"}) {
+    const std::string key = line.substr(0, line.find(' '));
+    for (const char* value : {"-1", "nan", "inf", "1e30"}) {
+      std::string bad = kRunOfAPath;
+      bad.replace(bad.find(line), line.size(), key + " = " + value);
+      folder.write("run.toml", bad);
+      const auto read = readRunManifest(folder.path());
+      ASSERT_FALSE(read) << key << " " << value;
+      EXPECT_NE(read.error().message().find(key), std::string::npos) << read.error().message();
+    }
+  }
+}
+
 TEST(TextFiles, MutatedRunManifestsAreReadOrRefused) {
   const TemporaryFolder folder;
-  const std::string good =
-      "# Kerf run\nformat = \"kerf-run\"\nversion = 1\nkerf_version = \"0.1.0\"\ncase_path = \"../a.case\"\n"
-      "case_id = \"0123456789abcdef\"\nmode = \"geometry\"\ntool_id = \"round-014\"\ntool_sha256 = \"01\"\n"
-      "path_file = \"path.csv\"\npath_sha256 = \"02\"\nsegments = 12\npath_length_mm = 3.5\nduration_s = 2.0\n"
-      "voxel_mm = 0.1\nstate_hash = \"0123456789abcdef\"\nfield_sha256 = \"03\"\n";
+  const std::string good = kRunOfAPath;
   const auto read_all = [&]() -> Expected<void> {
     KERF_TRY(read, readRunManifest(folder.path()));
     EXPECT_TRUE(read.voxel_mm >= 0.001 && read.voxel_mm <= 100) << read.voxel_mm;
