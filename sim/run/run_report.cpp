@@ -305,7 +305,8 @@ Expected<RunReport> readRunReport(const fs::path& run_folder, bool replays, cons
     takeSession(run_folder, out);
   else
     takePath(run_folder, out);
-  if (!out.manifest.pieces.empty()) out.pieces = out.manifest.pieces.size();
+  // A session lists its pieces when there are several, or one was moved.
+  if (mode == kModeSession) out.pieces = std::max<std::size_t>(1, out.manifest.pieces.size());
   KERF_CHECK(takeSeries(run_folder, replays, progress, out));
   return out;
 }
