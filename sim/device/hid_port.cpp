@@ -96,19 +96,21 @@ HidPort::~HidPort() = default;
 
 Expected<HidPort> HidPort::open(const std::string& path) {
   initOnce();
-  auto handle = std::make_unique<Handle>();
-  errno = 0;
-  handle->device = hid_open_path(path.c_str());
-  if (handle->device) return HidPort(std::move(handle));
-
-  const int reason = ::access(path.c_str(), R_OK | W_OK) == 0 ? errno : (errno ? errno : EACCES);
-  if (reason == EACCES || reason == EPERM)
+  // Asked for first: what opening says of it depends on the library.
+  const bool is_there = ::access(path.c_str(), F_OK) == 0;
+  if (is_there && ::access(path.c_str(), R_OK | W_OK) != 0)
     return fail({.code = Error::Code::kUnreadable,
                  .file = path,
                  .found = "a device that this user may not open",
                  .expected = "permission to read and write it",
                  .hint = "run scripts/setup --udev, which installs the udev rule 70-kerf-hid.rules; then plug the "
                          "device out and in"});
+
+  auto handle = std::make_unique<Handle>();
+  errno = 0;
+  handle->device = hid_open_path(path.c_str());
+  if (handle->device) return HidPort(std::move(handle));
+  const int reason = errno;
   return fail({.code = Error::Code::kNotFound,
                .file = path,
                .found = fmt::format("no device that opens ({})", reason ? std::strerror(reason) : "no reason given"),

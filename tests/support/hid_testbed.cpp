@@ -12,6 +12,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <deque>
+#include <filesystem>
 #include <map>
 #include <mutex>
 
@@ -242,6 +243,17 @@ std::vector<Bytes> HidTestbed::written(int node_number) const {
   Node& node = *state_->nodes.at(node_number);
   const std::lock_guard lock(node.mutex);
   return node.written;
+}
+
+void HidTestbed::letOthersLook() {
+  namespace fs = std::filesystem;
+  gchar* const root = umockdev_testbed_get_root_dir(state_->bed);
+  const fs::path folder(root);
+  g_free(root);
+  const auto look = fs::perms::others_read | fs::perms::others_exec;
+  fs::permissions(folder, look, fs::perm_options::add);
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    if (entry.is_directory() && !entry.is_symlink()) fs::permissions(entry.path(), look, fs::perm_options::add);
 }
 
 std::string HidTestbed::realPath(int node) const {

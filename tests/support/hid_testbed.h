@@ -36,6 +36,8 @@ class HidTestbed {
   /// What was written to the node so far.
   std::vector<Bytes> written(int node) const;
   static std::string path(int node) { return "/dev/hidraw" + std::to_string(node); }
+  /// Who is not the owner of its files may list devices, as on a real system.
+  void letOthersLook();
   /// Where its files are in truth: to take a permission away.
   std::string realPath(int node) const;
 
