@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <numbers>
+
+#include "ui/app/pointing.h"
 
 namespace kerf {
 namespace {
@@ -103,6 +106,95 @@ TEST(Camera, EmptyAndPointMeshesGetAField) {
   fitTo(camera, point, 100, 100);
   EXPECT_GT(camera.half_height, 0);
   EXPECT_NEAR((camera.target - Vec3d(1, 2, 3)).norm(), 0, 1e-12);
+}
+
+// Where a point is in a picture of 800 x 600.
+std::array<double, 2> at(const Camera& camera, const Vec3d& p) { return pixelOf(camera, p, 800, 600); }
+
+Camera perspective(double degrees) {
+  Camera camera{.azimuth = 0.6, .elevation = 0.4, .target = {1, 2, 3}, .half_height = 12};
+  setFieldOfView(camera, degrees * kPi / 180);
+  return camera;
+}
+
+TEST(Camera, InPerspectiveWhatIsNearerIsLargerAndTheFocusIsAsItWas) {
+  for (const double degrees : {10, 30, 90}) {
+    const Camera camera = perspective(degrees);
+    Camera parallel = camera;
+    setFieldOfView(parallel, 0);
+    const Vec3d beside = camera.target + 3 * camera.right() + 2 * camera.up();
+    EXPECT_NEAR(at(camera, beside)[0], at(parallel, beside)[0], 1e-9) << "at the focus";
+    EXPECT_NEAR(at(camera, beside)[1], at(parallel, beside)[1], 1e-9);
+
+    // Half way to the eye all is twice as large.
+    const Vec3d nearer = beside + 0.5 * camera.eyeDistance() * camera.backwards();
+    EXPECT_NEAR(at(camera, nearer)[0] - 400, 2 * (at(camera, beside)[0] - 400), 1e-9);
+    EXPECT_NEAR(camera.mmPerPixelAt(nearer, 600), 0.5 * camera.mmPerPixel(600), 1e-12);
+    EXPECT_NEAR(2 * std::atan(camera.half_height / camera.eyeDistance()), degrees * kPi / 180, 1e-12);
+  }
+}
+
+TEST(Camera, ARayMeetsEveryPointOfItsPixelInBothProjections) {
+  for (const double degrees : {0, 5, 30, 90}) {
+    const Camera camera = perspective(degrees);
+    for (const Vec3d& p : {Vec3d(4, -1, 2), Vec3d(-3, 6, 8), Vec3d(1, 2, 3)}) {
+      const auto pixel = at(camera, p);
+      const Ray ray = rayUnder(camera, pixel[0], pixel[1], 800, 600);
+      EXPECT_NEAR(ray.direction.cross(p - ray.origin).norm(), 0, 1e-9) << degrees;
+      EXPECT_GT(ray.direction.dot(p - ray.origin), 0) << degrees;
+      EXPECT_NEAR((ray.direction + camera.towardsViewer(p)).norm(), 0, 1e-9) << degrees;
+    }
+  }
+}
+
+TEST(Camera, FocusMovesAndThePictureStays) {
+  Camera camera = perspective(40);
+  const Vec3d eye = camera.target + camera.eyeDistance() * camera.backwards();
+  const Vec3d p(4, -1, 2), other(-3, 6, 8);
+  const auto before = at(camera, p), beside = at(camera, other);
+  focusOn(camera, p);
+  EXPECT_NEAR(camera.shrinkAt(p), 1, 1e-12);
+  EXPECT_NEAR((camera.target + camera.eyeDistance() * camera.backwards() - eye).norm(), 0, 1e-9);
+  EXPECT_NEAR(at(camera, p)[0], before[0], 1e-9);
+  EXPECT_NEAR(at(camera, other)[1], beside[1], 1e-9);
+}
+
+TEST(Camera, FitShowsAllInPerspectiveToo) {
+  Mesh mesh;
+  for (int i = 0; i < 8; ++i)
+    mesh.vertices.push_back({100.0 + 10 * (i & 1), -50.0 + 4 * ((i >> 1) & 1), 7.0 + 22 * (i >> 2)});
+  for (const char* view : {"front", "top", "iso", "70,-12"}) {
+    Camera camera = *cameraFromView(view);
+    setFieldOfView(camera, 1.2);
+    fitTo(camera, mesh, 300, 200, 0.1);
+    double farthest = 0;
+    for (const Vec3d& p : mesh.vertices) {
+      EXPECT_GT(camera.shrinkAt(p), Camera::kNearest) << view;
+      const auto pixel = pixelOf(camera, p, 300, 200);
+      farthest = std::max({farthest, std::abs(pixel[0] - 150) / 150, std::abs(pixel[1] - 100) / 100});
+    }
+    EXPECT_LE(farthest, 0.8 + 1e-9) << view;
+    EXPECT_GT(farthest, 0.7) << view;
+  }
+}
+
+TEST(Camera, RollTurnsThePictureAndDragsFollowIt) {
+  Camera camera{.azimuth = 0.6, .elevation = 0.4, .target = {1, 2, 3}, .half_height = 12};
+  const Vec3d up = camera.up(), p = camera.target + 5 * up;
+  camera.roll = kPi / 2;
+  EXPECT_NEAR(at(camera, p)[0], 400 + 5 / camera.mmPerPixel(600), 1e-9) << "clockwise: what was up is at the right";
+  EXPECT_NEAR(at(camera, p)[1], 300, 1e-9);
+  EXPECT_NEAR((camera.rotation() * camera.rotation().transpose() - Eigen::Matrix3d::Identity()).norm(), 0, 1e-12);
+
+  // A point before the target follows the cursor, turned or not.
+  for (const double roll : {0.0, 0.7, kPi / 2, -2.0}) {
+    Camera turned = camera;
+    turned.roll = roll;
+    const Vec3d near = turned.target + 5 * turned.backwards();
+    orbit(turned, 4, 0);
+    EXPECT_GT(at(turned, near)[0], 401) << roll;
+    EXPECT_NEAR(at(turned, near)[1], 300, 1.5) << roll;
+  }
 }
 
 TEST(Camera, PanKeepsThePointUnderTheCursor) {

@@ -381,6 +381,124 @@ TEST_F(LivePicture, ASectionShowsTheInsideInOneColour) {
   EXPECT_GT(count(picture(front, frame), isRed), behind + 400);
 }
 
+// ---- Perspective
+
+TEST_F(LivePicture, InPerspectiveAThingIsDrawnWhereItsPixelIs) {
+  showBlock();
+  renderer_->setTool(redBur());
+  setFieldOfView(camera_, 1.2);
+  const Image without = picture(kPlain);
+  // The bur's ball, in front of the focus and behind it.
+  for (const Vec3d& tip : {Vec3d(3, -1, 2), Vec3d(-3, 2, 0), Vec3d(0, 2, 1), Vec3d(-4, 4, 1)}) {
+    LiveFrame frame = kPlain;
+    frame.T_world_tool = at(tip[0], tip[1], tip[2]);
+    const Image with = picture(frame);
+    const auto pixel = kerf::pixelOf(camera_, tip + Vec3d(0, 0, 0.5), kWidth, kHeight);
+    const int x = static_cast<int>(pixel[0]), y = static_cast<int>(pixel[1]);
+    const auto isTool = [&](int row) { return !std::equal(with.at(x, row), with.at(x, row) + 3, without.at(x, row)); };
+
+    // As large as a ball of 0.5 mm there: down to its lower edge, away from the shank.
+    const double radius = 0.5 / camera_.mmPerPixelAt(tip + Vec3d(0, 0, 0.5), kHeight);
+    int below = 0;
+    while (y + below < kHeight && isTool(y + below)) ++below;
+    EXPECT_NEAR(below, radius, 0.1 * radius + 1.5) << tip.transpose();
+  }
+}
+
+TEST_F(LivePicture, CullingChangesNoPixelInPerspectiveEither) {
+  showBlock();
+  renderer_->setTool(redBur());
+  for (const double field : {0.3, 1.5})
+    for (const double half_height : {6.0, 1.5, 0.4}) {
+      Camera camera = camera_;
+      camera.half_height = half_height;
+      camera.target = {2, -1, 0};
+      setFieldOfView(camera, field);
+      LiveFrame frame{.T_world_tool = at(2, 0, -1)};
+      const Image culled = picture(camera, frame);
+      const std::size_t drawn = renderer_->counts().drawn_triangles;
+      frame.is_culled = false;
+      EXPECT_EQ(different(culled, picture(camera, frame)), 0) << field << " rad, " << half_height << " mm";
+      if (half_height < 1) {
+        EXPECT_LT(drawn, 0.8 * static_cast<double>(renderer_->counts().drawn_triangles));
+      }
+    }
+}
+
+// Stripes of 1 mm in the plane of the section are seen where the points of the plane are.
+TEST_F(LivePicture, ASectionShowsItsTissuesInPlaceInBothProjections) {
+  showBlock();
+  TissueSection stripes;
+  stripes.width = 240;
+  stripes.height = 100;
+  stripes.origin = Vec3d(-6 + 0.025, 0, -4.5 + 0.025);
+  stripes.u = 0.05 * Vec3d::UnitX();
+  stripes.v = 0.05 * Vec3d::UnitZ();
+  const auto isGreen = [](double x, double z) {
+    return (static_cast<int>(std::floor(x)) + static_cast<int>(std::floor(z))) % 2 == 0;
+  };
+  for (int j = 0; j < stripes.height; ++j)
+    for (int i = 0; i < stripes.width; ++i) {
+      const Vec3d p = stripes.origin + i * stripes.u + j * stripes.v;
+      stripes.colours.push_back(isGreen(p[0], p[2]) ? Rgba8{0, 200, 0, 255} : Rgba8{200, 0, 0, 255});
+    }
+  renderer_->setSection(0, stripes);
+
+  for (const double degrees : {0, 30, 80}) {
+    Camera camera = *cameraFromView("25,20");
+    camera.half_height = 5;
+    camera.target = {0.3, 1, -2};
+    setFieldOfView(camera, degrees * 3.14159 / 180);
+    LiveFrame frame = kPlain;
+    frame.section = Plane{{0, 0, 0}, -Vec3d::UnitY()};
+    const Image image = picture(camera, frame);
+    for (double x = -4.5; x < 0.6; x += 1)
+      for (double z = -3.5; z < 0; z += 1) {
+        const auto pixel = kerf::pixelOf(camera, {x, 0, z}, kWidth, kHeight);
+        const auto* const shown = image.at(static_cast<int>(pixel[0]), static_cast<int>(pixel[1]));
+        EXPECT_EQ(shown[1] > shown[0], isGreen(x, z)) << degrees << " deg, " << x << ", " << z;
+        EXPECT_GT(std::max(shown[0], shown[1]), 190) << degrees << " deg, " << x << ", " << z;
+      }
+
+    // The lid lies in the plane: a tool behind it is hidden, one before it is not.
+    renderer_->setTool(redBur());
+    renderer_->setSection(0, {});
+    frame.section_color = {0, 200, 0, 255};
+    frame.T_world_tool = at(-2, 1.5, -3);
+    const auto seen = [&](double y) {
+      frame.T_world_tool = at(-2, y, -3);
+      const auto pixel = kerf::pixelOf(camera, Vec3d(-2, y, -2.5), kWidth, kHeight);
+      const auto* const shown = picture(camera, frame).at(static_cast<int>(pixel[0]), static_cast<int>(pixel[1]));
+      return isRed(shown[0], shown[1], shown[2]);
+    };
+    EXPECT_FALSE(seen(1.5)) << degrees;
+    EXPECT_TRUE(seen(-1.5)) << degrees;
+    renderer_->setSection(0, stripes);
+  }
+}
+
+TEST_F(LivePicture, InPerspectiveAPlannedCutIsAsWideInPixelsEverywhere) {
+  showBlock();
+  setFieldOfView(camera_, 1.0);
+  LiveFrame frame = kPlain;
+  // From behind the focus to before it.
+  frame.plan.lines = {{camera_.target - 4 * camera_.right() - 4 * camera_.backwards(),
+                       camera_.target + 2 * camera_.right() + 5 * camera_.backwards()}};
+  const Image image = picture(frame);
+  int least = 1000, most = 0;
+  for (double part = 0.1; part < 0.95; part += 0.1) {
+    const Vec3d p = frame.plan.lines[0].from + part * (frame.plan.lines[0].to - frame.plan.lines[0].from);
+    const int x = static_cast<int>(kerf::pixelOf(camera_, p, kWidth, kHeight)[0]);
+    if (x < 0 || x >= kWidth) continue;
+    int wide = 0;
+    for (int y = 0; y < kHeight; ++y) wide += isPlanBlue(image.at(x, y)[0], image.at(x, y)[1], image.at(x, y)[2]);
+    least = std::min(least, wide);
+    most = std::max(most, wide);
+  }
+  EXPECT_GE(least, 2);
+  EXPECT_LE(most, 5);
+}
+
 TEST_F(LivePicture, PosesThatAreNotUsableHideWhatHasThem) {
   showBlock();
   renderer_->setTool(redBur());

@@ -52,6 +52,29 @@ TEST(PieceGizmo, TheDiscMovesInThePicture) {
   EXPECT_NEAR(moved.dot(camera->backwards()), 0, 1e-9);
 }
 
+TEST(PieceGizmo, InPerspectiveTheCentreIsLedToTheCursor) {
+  Camera camera = *cameraFromView("30,40");
+  camera.half_height = 12;
+  setFieldOfView(camera, 1.0);
+  const PieceGizmo gizmo(camera, 800, 600, kCenter);
+  EXPECT_EQ(gizmo.handleAt(gizmo.center()), GizmoHandle::kMoveInView);
+
+  for (int axis = 0; axis < 3; ++axis) {
+    const Pixel tip = gizmo.arrowTip(axis);
+    for (const double part : {-1.5, -0.3, 0.5, 2.0}) {
+      const Pixel to = gizmo.center() + part * (tip - gizmo.center());
+      const Rigid3 after = gizmo.dragged(static_cast<GizmoHandle>(axis), gizmo.center(), to, some());
+      const Vec3d moved = after.translation - some().translation;
+      EXPECT_LT((moved - moved[axis] * Vec3d::Unit(axis)).norm(), 1e-9);
+      EXPECT_LT((PieceGizmo(camera, 800, 600, kCenter + moved).center() - to).norm(), 1e-6) << axis << " " << part;
+    }
+  }
+  const Pixel aside = gizmo.center() + Pixel(120, -70);
+  const Rigid3 after = gizmo.dragged(GizmoHandle::kMoveInView, gizmo.center(), aside, some());
+  const Vec3d moved = after.translation - some().translation;
+  EXPECT_LT((PieceGizmo(camera, 800, 600, kCenter + moved).center() - aside).norm(), 1e-6);
+}
+
 TEST(PieceGizmo, AnArrowThatPointsAtTheViewerIsNotGrabbed) {
   const PieceGizmo gizmo(*cameraFromView("top"), 800, 600, kCenter);
   EXPECT_LT((gizmo.arrowTip(2) - gizmo.center()).norm(), 1e-6);

@@ -93,6 +93,20 @@ class SawingTest : public testing::Test {
 
 // ---- Planning
 
+TEST_F(SawingTest, PlanesDrawnInPerspectiveContainTheEyeAndWhatWasUnderTheCursor) {
+  const double edge_on = 1e-6;
+  ASSERT_TRUE(play("view.perspective 60\nsaw.line 250 80 260 230\n"));
+  const auto eye = [&]() -> Vec3d { return camera_.target + camera_.eyeDistance() * camera_.backwards(); };
+  EXPECT_NEAR(plane().toPlane(eye())[2], 0, edge_on);
+  EXPECT_GT(std::abs(plane().normal[2]), 0.05) << "it leans to the eye";
+  for (const auto& [x, y] : {std::array{250.0, 80.0}, {260.0, 230.0}}) {
+    const Ray ray = rayUnder(camera_, x, y, 400, 300);
+    EXPECT_NEAR(plane().toPlane(ray.at(10))[2], 0, edge_on);
+  }
+  ASSERT_TRUE(play("saw.plane-from-view 280 150\n"));
+  EXPECT_NEAR(plane().toPlane(eye())[2], 0, edge_on);
+}
+
 TEST_F(SawingTest, EveryWayOfPlanningMakesAPlaneOfTheBar) {
   // A line from below to above in the picture, seen from the top: x = 1.
   ASSERT_TRUE(play("saw.line 220 60 220 240\n"));

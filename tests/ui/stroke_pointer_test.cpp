@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 #include "tests/ui/block_on_bench.h"
+#include "ui/app/point_readout.h"
 
 namespace kerf {
 namespace {
@@ -58,6 +60,75 @@ TEST_F(OnABlock, CtrlLeadsTheToolAlongItsAxisAloneAndItStaysThere) {
   pointer_.move(context_, {250, 0}, {});
   EXPECT_NEAR((bench_.strokePointer() - pointer)[0], 10 * camera_.mmPerPixel(context_.height), 0.01)
       << "it is dragged from where it was, not from where the cursor is";
+}
+
+// On the top of the block, seen from above and aslant, with each projection.
+TEST_F(OnABlock, APointIsPickedInBothProjectionsAtThePixelWhereItIsSeen) {
+  const double top = 0;  // mm; at its edges the surface is not as exact
+  const Vec3d middle = bench_.scene().bounds().center();
+  for (const double degrees : {0, 20, 60})
+    for (const double elevation : {90, 50}) {
+      camera_.elevation = elevation * kDegree;
+      setFieldOfView(camera_, degrees * kDegree);
+      fitToBox(camera_, bench_.scene().bounds(), context_.width, context_.height);
+      for (const auto& [x, y] : {std::array{0.0, 0.0}, {2.0, 1.0}, {-2.2, 1.3}}) {
+        const Vec3d p(middle[0] + x, middle[1] + y, top);
+        const auto at = pixelOf(camera_, p, context_.width, context_.height);
+        const auto point = readoutAt(bench_, rayUnder(camera_, at[0], at[1], context_.width, context_.height));
+        ASSERT_TRUE(point) << degrees << " deg";
+        EXPECT_LT((point->point - p).norm(), 0.02) << degrees << " deg, elevation " << elevation;
+      }
+    }
+}
+
+TEST_F(OnABlock, AGrooveDrilledInPerspectiveIsWhereTheCursorWent) {
+  const double top = 0;  // mm; at its edges the surface is not as exact
+  const Vec3d middle = bench_.scene().bounds().center();
+  const Vec3d from(middle[0] - 1.6, middle[1] + 0.8, top), to(middle[0] + 1.6, middle[1] - 0.6, top);
+  setFieldOfView(camera_, 60 * kDegree);
+  fitToBox(camera_, bench_.scene().bounds(), context_.width, context_.height);
+  const auto pixel = [&](const Vec3d& p) {
+    const auto at = pixelOf(camera_, p, context_.width, context_.height);
+    return Pixel(at[0], at[1]);
+  };
+
+  pointer_.move(context_, pixel(from), {});
+  ASSERT_TRUE(pointer_.press(context_, pixel(from)));
+  runToDepth();
+  const auto follows = [&](const Vec3d& p) {
+    for (int n = 0; n < 20 && (tip() - p).head<2>().norm() > 0.1; ++n) run(0.5);
+    return (tip() - p).head<2>().norm() < 0.1;
+  };
+  EXPECT_TRUE(follows(from)) << tip().transpose();
+  constexpr int kSteps = 20;
+  for (int n = 1; n <= kSteps; ++n) {
+    pointer_.move(context_, pixel(from + n / double(kSteps) * (to - from)), {});
+    run(0.3);
+  }
+  EXPECT_LT((bench_.strokePointer() - to).norm(), 0.03);
+  EXPECT_TRUE(follows(to)) << tip().transpose();
+
+  // Moved by numbers, it goes beside in the picture and stays on the surface.
+  const Pixel before = pixel(bench_.strokePointer());
+  pointer_.nudge(context_, -Vec3d::UnitX(), {});
+  const Pixel moved = pixel(bench_.strokePointer()) - before;
+  EXPECT_NEAR(moved[0], -0.1 / camera_.mmPerPixelAt(to, context_.height), 0.3);
+  EXPECT_NEAR(moved[1], 0, 0.3);
+  EXPECT_NEAR(bench_.strokePointer()[2], top, 0.02);
+}
+
+TEST_F(OnABlock, ZoomedInInPerspectiveThePointUnderTheCursorStaysAndTheEyeOutside) {
+  const double top = 0;  // mm; at its edges the surface is not as exact
+  const Vec3d middle = bench_.scene().bounds().center(), p(middle[0] + 2, middle[1] + 1, top);
+  setFieldOfView(camera_, 40 * kDegree);
+  fitToBox(camera_, bench_.scene().bounds(), context_.width, context_.height);
+  const auto before = pixelOf(camera_, p, context_.width, context_.height);
+  for (int n = 0; n < 30; ++n) zoomAt(context_, before[0], before[1], 1.15);
+  const auto after = pixelOf(camera_, p, context_.width, context_.height);
+  EXPECT_NEAR(after[0], before[0], 2);
+  EXPECT_NEAR(after[1], before[1], 2);
+  EXPECT_GT((camera_.target + camera_.eyeDistance() * camera_.backwards())[2], top);
+  EXPECT_NEAR(camera_.target[2], top, 0.02) << "the scale bar holds on the surface";
 }
 
 TEST_F(OnABlock, ATiltedToolThatIsLedOutGoesBackAlongItsAxis) {

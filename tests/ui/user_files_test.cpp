@@ -77,7 +77,7 @@ TEST(SettingsFile, ComesBackAsItWasSaved) {
   ASSERT_TRUE(file.save());
   EXPECT_FALSE(fs::exists(file.path())) << "nothing was set";
 
-  file.values = {Theme::kDark, 1.25, true, "/scans of \"today\"", 2.5, 0.8, 20, true};
+  file.values = {Theme::kDark, 1.25, true, "/scans of \"today\"", 2.5, 0.8, 20, true, 45};
   ASSERT_TRUE(file.save());
   const SettingsFile again(config);
   EXPECT_FALSE(again.error());

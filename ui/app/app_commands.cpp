@@ -346,7 +346,17 @@ constexpr AppCommand kCommands[] = {
     {"view.colours-distance", "View", "Colours of distance to pulp and nerve", "", "",
      "Colours the surface by distance to pulp and nerve canal.", tissue_commands::hasStructures,
      tissue_commands::coloursOf<SurfaceColours::kDistance>},
-    {"view.zoom", "", "", "", "FACTOR", "Makes things larger by a factor.", always, view_commands::zoom},
+    {"view.zoom", "", "", "", "FACTOR [X Y]",
+     "Makes things larger by a factor, about the middle or a pixel as the wheel does.", always, view_commands::zoom},
+    {"view.perspective", "View", "Perspective", "O", "[DEG|off]",
+     "Shows near things larger, with a field of view of 5 to 90 degrees from the lower to the upper edge, the one of "
+     "the "
+     "settings if not told; again: parallel lines stay parallel, as at first.",
+     always, view_commands::perspective},
+    {"view.roll", "View", "Turn the picture", "R", "[DEG]",
+     "Turns what is seen clockwise in the picture, by 15 degrees if not told.", always, view_commands::roll},
+    {"view.level", "View", "Upright again", "Shift+R", "", "Takes back all turns of the picture.",
+     view_commands::isRolled, view_commands::level},
     {"view.theme", "View", "Light or dark", "Ctrl+Shift+L", "[light|dark]", "Changes between light and dark panels.",
      hasSettings, setTheme},
     {"view.larger", "View", "Larger type", "Ctrl+=", "", "Makes type and panels larger.", hasSettings, makeLarger},

@@ -19,7 +19,11 @@ bool parseNumber(std::string_view text, double& value) {
 
 }  // namespace
 
-Vec3d Camera::right() const { return upright.transpose() * Vec3d(std::cos(azimuth), std::sin(azimuth), 0); }
+Vec3d Camera::right() const {
+  const Vec3d level = upright.transpose() * Vec3d(std::cos(azimuth), std::sin(azimuth), 0);
+  if (roll == 0) return level;
+  return std::cos(roll) * level + std::sin(roll) * backwards().cross(level);
+}
 Vec3d Camera::backwards() const {
   return upright.transpose() *
          Vec3d(std::sin(azimuth) * std::cos(elevation), -std::cos(azimuth) * std::cos(elevation), std::sin(elevation));
@@ -30,6 +34,17 @@ Eigen::Matrix3d Camera::rotation() const {
   Eigen::Matrix3d m;
   m << right().transpose(), up().transpose(), backwards().transpose();
   return m;
+}
+
+double Camera::shrinkAt(const Vec3d& point) const {
+  if (!isPerspective()) return 1;
+  return std::max(1 - backwards().dot(point - target) / eyeDistance(), kNearest);
+}
+
+Vec3d Camera::towardsViewer(const Vec3d& point) const {
+  if (!isPerspective()) return backwards();
+  const Vec3d eye = target + eyeDistance() * backwards();
+  return (eye - point).norm() > 1e-9 ? Vec3d((eye - point).normalized()) : backwards();
 }
 
 const std::vector<NamedView>& namedViews() {
@@ -119,11 +134,26 @@ void fitTo(Camera& camera, const Mesh& mesh, int width, int height, double margi
   for (const Vec3d& p : mesh.vertices) box.add(Vec3d(to_view * p));
   camera.target = to_view.transpose() * box.center();
   const double half_width = 0.5 * box.size().x(), half_height = 0.5 * box.size().y();
-  const double needed = std::max(half_height, half_width * height / width) / (1 - 2 * margin);
+  double needed = std::max(half_height, half_width * height / width) / (1 - 2 * margin);
+  if (camera.isPerspective()) {
+    // What is nearer than the target by z is seen within half_height - z tan(field / 2).
+    const double slope = std::tan(0.5 * camera.field_of_view);
+    needed = 0;
+    for (const Vec3d& p : mesh.vertices) {
+      const Vec3d q = to_view * (p - camera.target);
+      const double off = std::max(std::abs(q.y()), std::abs(q.x()) * height / width) / (1 - 2 * margin);
+      needed = std::max(needed, off + slope * q.z());
+    }
+  }
   if (needed > 0) camera.half_height = needed;
 }
 
 void orbit(Camera& camera, double dx, double dy) {
+  if (camera.roll != 0) {
+    const double c = std::cos(camera.roll), s = std::sin(camera.roll), level = c * dx + s * dy;
+    dy = c * dy - s * dx;
+    dx = level;
+  }
   camera.azimuth = std::remainder(camera.azimuth - 0.5 * kDegree * dx, 2 * std::numbers::pi);
   camera.elevation = std::clamp(camera.elevation + 0.5 * kDegree * dy, -90 * kDegree, 90 * kDegree);
 }
@@ -133,6 +163,18 @@ void pan(Camera& camera, double dx, double dy, int height) {
 }
 
 void zoomBy(Camera& camera, double factor) { camera.half_height = std::clamp(camera.half_height / factor, 1e-4, 1e6); }
+
+void setFieldOfView(Camera& camera, double angle) {
+  constexpr double kLeast = Camera::kLeastField * kDegree, kMost = Camera::kMostField * kDegree;
+  camera.field_of_view = angle > 0 ? std::clamp(angle, kLeast, kMost) : 0;
+}
+
+void focusOn(Camera& camera, const Vec3d& point) {
+  if (!camera.isPerspective()) return;
+  const double shrink = camera.shrinkAt(point);
+  camera.target += (1 - shrink) * camera.eyeDistance() * camera.backwards();
+  camera.half_height *= shrink;
+}
 
 double scaleBarLength(double mm_per_pixel, int width) {
   const double most = 0.25 * mm_per_pixel * width;

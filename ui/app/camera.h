@@ -1,4 +1,5 @@
-// The camera of the window and of pictures: parallel projection, so that a length in mm is the same everywhere.
+// The camera of the window and of pictures. Parallel projection, unless a field of view is set: a length in mm is the
+// same everywhere. In perspective it is so in the plane through the target, the focus: nearer things are larger.
 //
 // World frame: right-handed, mm: that of the scan. Upright frame: the same turned about the axes, so that +z is up;
 // scans are stored with any side up. The camera stands off the target at azimuth and elevation, of the upright frame:
@@ -7,6 +8,7 @@
 // View frame: x right, y up, z towards the viewer, origin at the target.
 #pragma once
 
+#include <cmath>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,15 +22,31 @@ struct Camera {
   double azimuth = 0;                                     ///< rad
   double elevation = 0;                                   ///< rad, in [-pi/2, pi/2]
   Vec3d target = Vec3d::Zero();                           ///< mm, shown at the centre of the picture
-  double half_height = 10;                                ///< mm from the centre to the upper edge, > 0: the zoom
+  double half_height = 10;                                ///< mm from the target to the upper edge, > 0: the zoom
   Eigen::Matrix3d upright = Eigen::Matrix3d::Identity();  ///< world direction -> upright direction: uprightFrame()
+  double field_of_view = 0;                               ///< rad from the lower to the upper edge; 0: parallel
+  double roll = 0;                                        ///< rad: the picture is turned so far clockwise
+
+  /// Of the distance between eye and target: what is nearer to the eye is neither shown nor pointed at.
+  static constexpr double kNearest = 0.02;
+  static constexpr double kLeastField = 5, kMostField = 90;  ///< deg
 
   Vec3d right() const;      ///< unit, world frame
   Vec3d up() const;         ///< unit, world frame
   Vec3d backwards() const;  ///< unit, world frame, from the target to the viewer
   /// Rows right, up, backwards: world direction -> view direction.
   Eigen::Matrix3d rotation() const;
-  double mmPerPixel(int height) const { return 2 * half_height / height; }
+  double mmPerPixel(int height) const { return 2 * half_height / height; }  ///< at the target
+
+  bool isPerspective() const { return field_of_view > 0; }
+  /// mm from the target; only in perspective.
+  double eyeDistance() const { return half_height / std::tan(0.5 * field_of_view); }
+  /// mm of a pixel's side where the point is, as a part of that at the target: 1 in parallel projection, at least
+  /// kNearest.
+  double shrinkAt(const Vec3d& point) const;
+  double mmPerPixelAt(const Vec3d& point, int height) const { return shrinkAt(point) * mmPerPixel(height); }
+  /// Unit, world frame: from a point along its line of sight.
+  Vec3d towardsViewer(const Vec3d& point) const;
 };
 
 struct NamedView {
@@ -59,8 +77,13 @@ void fitTo(Camera& camera, const Mesh& mesh, int width, int height, double margi
 
 /// Mouse moves, in pixels (y downwards) of a window `height` pixels high.
 void orbit(Camera& camera, double dx, double dy);            ///< 0.5 deg per pixel; elevation stops at the poles
-void pan(Camera& camera, double dx, double dy, int height);  ///< what is under the cursor stays under it
+void pan(Camera& camera, double dx, double dy, int height);  ///< what is under the cursor at the focus stays under it
 void zoomBy(Camera& camera, double factor);                  ///< factor > 1 makes things larger
+/// Perspective or, with 0, parallel; things at the focus stay as large as they are.   @param angle  rad
+void setFieldOfView(Camera& camera, double angle);
+/// In perspective: moves the target along the view to the depth of a point. The eye stays, and so does the picture.
+/// The eye then comes near to that surface when the view is zoomed in, never through it. Parallel: nothing.
+void focusOn(Camera& camera, const Vec3d& point);
 
 /// Length of a scale bar: the largest 1, 2 or 5 times a power of ten, in mm, not over a quarter of the width.
 double scaleBarLength(double mm_per_pixel, int width);

@@ -23,14 +23,34 @@ GizmoHandle turnAbout(int axis) { return static_cast<GizmoHandle>(3 + axis); }
 }  // namespace
 
 PieceGizmo::PieceGizmo(const Camera& camera, int width, int height, const Vec3d& center)
-    : camera_(camera), width_(width), height_(height), mm_per_pixel_(camera.mmPerPixel(height)), center_(center) {}
+    : camera_(camera),
+      middle_(0.5 * width, 0.5 * height),
+      mm_per_pixel_(camera.mmPerPixelAt(center, height)),
+      center_(center) {}
 
-Pixel PieceGizmo::onScreen(const Vec3d& direction) const {
+Pixel PieceGizmo::flat(const Vec3d& direction) const {
   return Pixel(camera_.right().dot(direction), -camera_.up().dot(direction)) / mm_per_pixel_;
 }
 
-Pixel PieceGizmo::toPixel(const Vec3d& world) const {
-  return Pixel(0.5 * width_, 0.5 * height_) + onScreen(world - camera_.target);
+double PieceGizmo::growth(const Vec3d& direction) const {
+  if (!camera_.isPerspective()) return 0;
+  return camera_.backwards().dot(direction) / (camera_.shrinkAt(center_) * camera_.eyeDistance());
+}
+
+Pixel PieceGizmo::onScreen(const Vec3d& direction) const {
+  return flat(direction) + growth(direction) * (center() - middle_);
+}
+
+Pixel PieceGizmo::center() const { return middle_ + flat(center_ - camera_.target); }
+
+double PieceGizmo::alongAxis(const Vec3d& direction, const Pixel& by) const {
+  const Pixel along = onScreen(direction);
+  const double length = along.norm();
+  if (!(length > 0)) return 0;
+  // Seen from the centre, a point s mm along the axis is s length / (1 - s growth) pixels off.
+  constexpr double kHorizon = 0.1;
+  const double pixels = by.dot(along) / length;
+  return pixels / std::max(length + pixels * growth(direction), kHorizon * length);
 }
 
 Pixel PieceGizmo::arrowTip(int axis) const { return center() + kArrow * mm_per_pixel_ * onScreen(Vec3d::Unit(axis)); }
@@ -77,8 +97,8 @@ Rigid3 PieceGizmo::dragged(GizmoHandle handle, const Pixel& from, const Pixel& t
     return out;
   }
   if (number < 3) {
-    const Pixel along = onScreen(Vec3d::Unit(number));
-    if (along.squaredNorm() > 0) out.translation += by.dot(along) / along.squaredNorm() * Vec3d::Unit(number);
+    // The centre is led by as much as the cursor goes, wherever the arrow was grabbed.
+    out.translation += alongAxis(Vec3d::Unit(number), by) * Vec3d::Unit(number);
     return out;
   }
 

@@ -24,7 +24,7 @@ class PieceGizmo {
   /// @param center  of the piece where it is, world, mm. @param width, height  of the picture, pixels.
   PieceGizmo(const Camera& camera, int width, int height, const Vec3d& center);
 
-  Pixel center() const { return toPixel(center_); }
+  Pixel center() const;
   Pixel arrowTip(int axis) const;
   std::vector<Pixel> ring(int axis) const;  ///< closed
   /// The one that is nearest within reach; none: beside all. An arrow that points at the viewer cannot be grabbed.
@@ -34,12 +34,14 @@ class PieceGizmo {
   Rigid3 dragged(GizmoHandle handle, const Pixel& from, const Pixel& to, const Rigid3& pose) const;
 
  private:
-  Pixel toPixel(const Vec3d& world) const;
-  Pixel onScreen(const Vec3d& direction) const;  // pixels per mm
+  Pixel flat(const Vec3d& direction) const;      // pixels per mm, in a plane square to the view
+  Pixel onScreen(const Vec3d& direction) const;  // pixels per mm, at the centre
+  double growth(const Vec3d& direction) const;   // per mm: how much larger things become that way, in perspective
+  double alongAxis(const Vec3d& direction, const Pixel& by) const;  // mm
 
   Camera camera_;
-  int width_, height_;
-  double mm_per_pixel_;
+  Pixel middle_;         // of the picture
+  double mm_per_pixel_;  // at the centre of the piece
   Vec3d center_;
 };
 

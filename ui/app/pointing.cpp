@@ -1,5 +1,7 @@
 #include "ui/app/pointing.h"
 
+#include <algorithm>
+
 #include "ui/app/command_words.h"
 
 namespace kerf {
@@ -19,16 +21,32 @@ Expected<Ray> rayOf(const AppContext& c, AppWords words, std::size_t n) {
 Ray rayUnder(const Camera& camera, double x, double y, int width, int height) {
   constexpr double kOff = 300;  // mm: farther off than any case is large
   const double mm = camera.mmPerPixel(height);
-  Ray ray;
-  ray.direction = -camera.backwards();
-  ray.origin = camera.target + mm * (x - 0.5 * width) * camera.right() - mm * (y - 0.5 * height) * camera.up() +
-               kOff * camera.backwards();
-  return ray;
+  const Vec3d off = mm * (x - 0.5 * width) * camera.right() - mm * (y - 0.5 * height) * camera.up();
+  if (!camera.isPerspective()) return {camera.target + off + kOff * camera.backwards(), -camera.backwards()};
+
+  const double distance = camera.eyeDistance();
+  const Vec3d eye = camera.target + distance * camera.backwards(), to_focus = camera.target + off - eye;
+  const double first = std::max(1 - kOff / distance, Camera::kNearest);  // of the way to the focus
+  return {eye + first * to_focus, to_focus.normalized()};
 }
 
 std::array<double, 2> pixelOf(const Camera& camera, const Vec3d& point, int width, int height) {
-  const Vec3d from_target = (point - camera.target) / camera.mmPerPixel(height);
+  const Vec3d from_target = (point - camera.target) / camera.mmPerPixelAt(point, height);
   return {0.5 * width + camera.right().dot(from_target), 0.5 * height - camera.up().dot(from_target)};
+}
+
+void zoomAt(AppContext& context, double x, double y, double factor) {
+  Camera& camera = context.camera;
+  if (!context.bench.importPlan()) {
+    const auto seen = context.bench.behindSection(rayUnder(camera, x, y, context.width, context.height));
+    const auto hit = seen ? context.bench.scene().hit(*seen) : std::nullopt;
+    if (hit) focusOn(camera, hit->on_surface.point);
+  }
+
+  const double right = x - 0.5 * context.width, down = y - 0.5 * context.height;
+  pan(camera, -right, -down, context.height);
+  zoomBy(camera, factor);
+  pan(camera, right, down, context.height);
 }
 
 void fitToBox(Camera& camera, const Box3& box, int width, int height) {

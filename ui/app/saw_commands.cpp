@@ -47,7 +47,8 @@ Expected<void> fromView(AppContext& c, AppWords words) {
     KERF_TRY(under, rayOf(c, words));
     at = under;
   }
-  return c.bench.saw().addFromView(at, c.camera.right());
+  const Vec3d right = c.camera.right();
+  return c.bench.saw().addFromView(at, (right - at.direction.dot(right) * at.direction).normalized());
 }
 
 Expected<void> fromFace(AppContext& c, AppWords words) {

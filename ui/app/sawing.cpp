@@ -31,6 +31,17 @@ tl::unexpected<Error> refuse(Error::Code code, std::string found, std::string ex
   return fail({.code = code, .found = std::move(found), .expected = std::move(expected), .hint = std::move(hint)});
 }
 
+// Of two rays of one view, the one between them; part 0 is the first.
+Ray rayBetween(const Ray& from, const Ray& to, double part) {
+  const Vec3d apart = to.origin - from.origin, origin = from.origin + part * apart;
+  const double cosine = from.direction.dot(to.direction), sine2 = 1 - cosine * cosine;
+  if (sine2 < 1e-18) return {origin, from.direction};
+
+  // In perspective all come from the eye: where the two lines meet.
+  const double back = (apart.dot(from.direction) - cosine * apart.dot(to.direction)) / sine2;
+  return {origin, (origin - from.at(back)).normalized()};
+}
+
 // From a height above a pass down to it: where the teeth meet something first, v; just before it.
 double firstTissue(const SawPlane& plane, const SawBlade& blade, const BrickField& bone, const SawPass& pass,
                    double above) {
@@ -106,15 +117,13 @@ Expected<void> Sawing::addThrough(const std::array<Ray, 3>& rays) {
 
 Expected<void> Sawing::addAlongLine(const Ray& from, const Ray& to) {
   KERF_CHECK(requireOpen());
-  KERF_TRY(plane, planeAlongView(from.origin, to.origin, from.direction));
-
   // The surface under the line, as near to its middle as it is found.
   std::optional<SurfaceHit> nearest;
   double best = 1;
   for (int n = 0; n < kAlongLine; ++n) {
     const double part = static_cast<double>(n) / (kAlongLine - 1), away = std::abs(part - 0.5);
     if (away >= best) continue;
-    const auto at = bench_.scene().hit({from.origin + part * (to.origin - from.origin), from.direction});
+    const auto at = bench_.scene().hit(rayBetween(from, to, part));
     if (!at) continue;
     nearest = at->on_surface;
     best = away;
@@ -123,6 +132,12 @@ Expected<void> Sawing::addAlongLine(const Ray& from, const Ray& to) {
     return refuse(Error::Code::kEmpty, "a line beside the object", "a line across the bone",
                   "draw it from one side of the bone to the other");
 
+  // The ends of the line at the depth of the surface.
+  const Vec3d view = rayBetween(from, to, 0.5).direction;
+  const auto atDepth = [&](const Ray& ray) {
+    return ray.at(view.dot(nearest->point - ray.origin) / view.dot(ray.direction));
+  };
+  KERF_TRY(plane, planeAlongView(atDepth(from), atDepth(to), view));
   const Vec3d under = plane.toPlane(nearest->point);
   plane.point = plane.fromPlane(under[0], under[1]);
   const double half = 0.5 * plane.width;

@@ -11,6 +11,7 @@
 
 #include "geometry/base/atomic_file.h"
 #include "geometry/base/toml_reader.h"
+#include "ui/app/camera.h"
 #include "ui/app/user_files.h"
 #include "ui/app/workbench.h"
 
@@ -49,6 +50,8 @@ const std::vector<Key>& keys() {
        [](const Settings& a, const Settings& b) { return a.sound_volume == b.sound_volume; }},
       {"sound_muted", [](const Settings& s) { return std::string(s.is_muted ? "true" : "false"); },
        [](const Settings& a, const Settings& b) { return a.is_muted == b.is_muted; }},
+      {"perspective_deg", [](const Settings& s) { return fmt::format("{:.1f}", s.perspective_deg); },
+       [](const Settings& a, const Settings& b) { return a.perspective_deg == b.perspective_deg; }},
   };
   return kKeys;
 }
@@ -70,6 +73,8 @@ Expected<Settings> readSettings(const fs::path& path) {
   out.depth_mm = table.numberOr("depth_mm", out.depth_mm, 0, Workbench::kMostDepth);
   out.sound_volume = table.numberOr("sound_volume", out.sound_volume, 0, 100, "%");
   out.is_muted = table.getOr<bool>("sound_muted", false, "true or false");
+  out.perspective_deg =
+      table.numberOr("perspective_deg", out.perspective_deg, Camera::kLeastField, Camera::kMostField, "deg");
   KERF_CHECK(table.finish());
   return out;
 }

@@ -20,6 +20,7 @@ struct Settings {
   double depth_mm = 0.5;                ///< depth_mm: how deep a stroke may go at first, 0 to 5
   double sound_volume = 50;             ///< sound_volume: of the drill, %, 0 to 100
   bool is_muted = false;                ///< sound_muted
+  double perspective_deg = 30;          ///< perspective_deg: field of view of a perspective, 5 to 90
 
   static constexpr double kSmallestScale = 0.75, kLargestScale = 3;
   bool operator==(const Settings&) const = default;

@@ -2,12 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "ui/app/command_words.h"
 #include "ui/app/pointing.h"
+#include "ui/app/settings.h"
 
 namespace kerf::view_commands {
 namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kFarOff = 1e5;  // pixels
 
 Expected<void> moveSection(AppContext& c, AppWords words, double way) {
   KERF_TRY(mm, numberOr(words, 0, 0.2, "MM", 0, 1000));
@@ -27,9 +32,9 @@ Expected<void> fit(AppContext& c, AppWords) {
 Expected<void> view(AppContext& c, AppWords words) {
   if (words.empty()) return wrongWord("no view", "its name");
   KERF_TRY(named, cameraFromView(words[0]));
-  const Eigen::Matrix3d upright = c.camera.upright;
+  named.upright = c.camera.upright;
+  named.field_of_view = c.camera.field_of_view;
   c.camera = named;
-  c.camera.upright = upright;
   return fit(c, {});
 }
 
@@ -61,9 +66,41 @@ Expected<void> sectionNearer(AppContext& c, AppWords words) { return moveSection
 
 Expected<void> zoom(AppContext& c, AppWords words) {
   KERF_TRY(factor, numberOf(words, 0, "FACTOR", 0.01, 100));
-  zoomBy(c.camera, factor);
+  if (words.size() < 2) {
+    zoomBy(c.camera, factor);
+    return {};
+  }
+  KERF_TRY(x, numberOf(words, 1, "X", -kFarOff, kFarOff));
+  KERF_TRY(y, numberOf(words, 2, "Y", -kFarOff, kFarOff));
+  zoomAt(c, x, y, factor);
   return {};
 }
+
+Expected<void> perspective(AppContext& c, AppWords words) {
+  const double kept = c.settings ? c.settings->values.perspective_deg : Settings{}.perspective_deg;
+  if (words.empty() ? c.camera.isPerspective() : words[0] == "off") {
+    setFieldOfView(c.camera, 0);
+    return {};
+  }
+  KERF_TRY(degrees, numberOr(words, 0, kept, "DEG", Camera::kLeastField, Camera::kMostField));
+  setFieldOfView(c.camera, degrees * kDegree);
+  if (!c.settings || words.empty()) return {};
+  c.settings->values.perspective_deg = degrees;
+  return c.settings->save();
+}
+
+Expected<void> roll(AppContext& c, AppWords words) {
+  KERF_TRY(degrees, numberOr(words, 0, 15, "DEG", -360, 360));
+  c.camera.roll = std::remainder(c.camera.roll + degrees * kDegree, 2 * std::numbers::pi);
+  return {};
+}
+
+Expected<void> level(AppContext& c, AppWords) {
+  c.camera.roll = 0;
+  return {};
+}
+
+bool isRolled(const AppContext& c) { return c.camera.roll != 0; }
 
 Expected<void> plots(AppContext& c, AppWords words) {
   if (words.empty())
@@ -86,7 +123,9 @@ Expected<void> screenshot(AppContext& c, AppWords words) {
 namespace kerf {
 
 void firstView(AppContext& context, const Camera& otherwise) {
+  const double field_of_view = context.camera.field_of_view;
   context.camera = otherwise;
+  context.camera.field_of_view = field_of_view;
   if (const auto& normal = context.bench.occlusalNormal()) {
     constexpr double kFromAbove = 1.5;  // rad
     context.camera.upright = uprightFrame(*normal);

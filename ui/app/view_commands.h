@@ -23,7 +23,11 @@ Expected<void> namedView(AppContext& context, AppWords) {
   const std::string words[] = {std::string(namedViews()[N].name)};
   return view(context, words);
 }
-Expected<void> zoom(AppContext& context, AppWords words);  ///< FACTOR
+Expected<void> zoom(AppContext& context, AppWords words);         ///< FACTOR [X Y]
+Expected<void> perspective(AppContext& context, AppWords words);  ///< [DEG|off]
+Expected<void> roll(AppContext& context, AppWords words);         ///< [DEG]
+bool isRolled(const AppContext& context);
+Expected<void> level(AppContext& context, AppWords words);
 
 Expected<void> cutOpen(AppContext& context, AppWords words);        ///< [X Y]
 Expected<void> sectionDeeper(AppContext& context, AppWords words);  ///< [MM]

@@ -20,7 +20,8 @@ void Workbench::nudge(const Camera& camera, double right_mm, double up_mm) {
   constexpr double kInFront = 6;  // mm: so much nearer than the pointer the surface is looked for
   if (!stroke_) return;
   const Vec3d beside = aim_.pointer + right_mm * camera.right() + up_mm * camera.up();
-  drag({beside + kInFront * camera.backwards(), -camera.backwards()});
+  const Vec3d to_viewer = camera.towardsViewer(beside);
+  drag({beside + kInFront * to_viewer, -to_viewer});
 }
 
 bool Workbench::stepOnPedal(const std::optional<Ray>& at) {

@@ -84,17 +84,18 @@ void LiveOverlay::addFaces(const LiveSlab& slab) {
 // are no longer than they are: where they overlapped they would be darker.
 void LiveOverlay::addLine(const OverlayView& view, const Vec3d& from, const Vec3d& to, double pixels,
                           const Color& color, bool is_piece) {
-  const double half = 0.5 * pixels * view.mm_per_pixel;
+  const Vec3d to_viewer = view.camera.towardsViewer(0.5 * (from + to));
   Vec3d along = to - from;
-  along -= view.backwards.dot(along) * view.backwards;
+  along -= to_viewer.dot(along) * to_viewer;
   const double length = along.norm();
-  along = length > 1e-9 ? Vec3d(along / length) : view.right;
-  const Vec3d aside = half * view.backwards.cross(along),
-              further = is_piece ? Vec3d(Vec3d::Zero()) : Vec3d(half * along),
-              nearer = (is_piece ? kNearer : 0) * view.backwards;
+  along = length > 1e-9 ? Vec3d(along / length) : view.camera.right();
 
-  const std::array<Vec3d, 4> p = {from - further - aside + nearer, from - further + aside + nearer,
-                                  to + further + aside + nearer, to + further - aside + nearer};
+  const Vec3d aside = to_viewer.cross(along), nearer = (is_piece ? kNearer : 0) * to_viewer;
+  const auto corner = [&](const Vec3d& end, double outwards, double side) -> Vec3d {
+    const double half = view.mm(0.5 * pixels, end);
+    return end + half * ((is_piece ? 0 : outwards) * along + side * aside) + nearer;
+  };
+  const std::array<Vec3d, 4> p = {corner(from, -1, -1), corner(from, -1, 1), corner(to, 1, 1), corner(to, 1, -1)};
   for (const std::size_t n : {0, 1, 2, 0, 2, 3}) {
     const Vec3f at = p[n].cast<float>();
     corners_.push_back({{at[0], at[1], at[2]}, color});
@@ -132,10 +133,10 @@ void LiveOverlay::addSlabLines(const LiveSlab& slab, const OverlayView& view) {
 void LiveOverlay::addDot(const Vec3d& at, const OverlayView& view) {
   const auto add = [&](double pixels, const Color& color) {
     constexpr int kSides = 16;
-    const double radius = 0.5 * pixels * view.mm_per_pixel;
+    const double radius = view.mm(0.5 * pixels, at);
     const auto rim = [&](int n) -> Vec3d {
       const double angle = 2 * M_PI * n / kSides;
-      return at + radius * (std::cos(angle) * view.right + std::sin(angle) * view.up);
+      return at + radius * (std::cos(angle) * view.camera.right() + std::sin(angle) * view.camera.up());
     };
     for (int n = 0; n < kSides; ++n)
       for (const Vec3d& p : {at, rim(n), rim(n + 1)}) {

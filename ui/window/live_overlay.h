@@ -11,6 +11,7 @@
 
 #include "geometry/base/error.h"
 #include "geometry/base/types.h"
+#include "ui/app/camera.h"
 #include "ui/window/gl_program.h"
 
 namespace kerf {
@@ -44,8 +45,11 @@ namespace internal {
 /// How the frame is seen.
 struct OverlayView {
   Eigen::Matrix4d to_clip = Eigen::Matrix4d::Identity();
-  Vec3d right = Vec3d::UnitX(), up = Vec3d::UnitY(), backwards = Vec3d::UnitZ();  ///< unit, world
-  double mm_per_pixel = 0.1;  ///< of a line's width: of the window, at its scale
+  Camera camera;
+  double mm_per_pixel = 0.1;  ///< of a line's width, at the target: of the window, at its scale
+
+  /// mm of so many pixels, where a point is.
+  double mm(double pixels, const Vec3d& at) const { return pixels * mm_per_pixel * camera.shrinkAt(at); }
 };
 
 /// Needs its OpenGL context current in every call, the destructor included.

@@ -1,5 +1,6 @@
 #include "ui/window/live_parts.h"
 
+#include <cmath>
 #include <cstddef>
 
 namespace kerf::internal {
@@ -23,6 +24,17 @@ void setLights(const GlProgram& program) {
   program.set("key_light", kKeyLight);
   program.set("key_half", Vec3f((kKeyLight + Vec3f::UnitZ()).normalized()));
   program.set("fill_light", kFillLight);
+}
+
+// A box is wide enough for its farthest side to show, and narrow enough for its nearest one.
+FrameView::Visibility FrameView::visibilityOf(const Vec3d& middle, const Vec3d& half) const {
+  const double farthest = shrinkAt(middle[2] - half[2]), nearest = shrinkAt(middle[2] + half[2]);
+  Visibility out{.is_whole = nearest > 0, .is_outside = farthest <= 0};
+  for (int axis = 0; axis < 2; ++axis) {
+    out.is_outside |= std::abs(middle[axis]) - half[axis] > farthest * half_extent[axis];
+    out.is_whole &= std::abs(middle[axis]) + half[axis] <= nearest * half_extent[axis];
+  }
+  return out;
 }
 
 Eigen::Matrix4d matrixOf(const Rigid3& pose) {

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -41,7 +42,8 @@ const Vec3f kBackgroundMiddle(0.80f, 0.835f, 0.87f), kBackgroundEdge(0.49f, 0.55
 
 bool isFinite(const Camera& c) {
   return std::isfinite(c.azimuth) && std::isfinite(c.elevation) && c.target.allFinite() &&
-         std::isfinite(c.half_height) && c.half_height > 0;
+         std::isfinite(c.half_height) && c.half_height > 0 && std::isfinite(c.roll) && c.field_of_view >= 0 &&
+         c.field_of_view < std::numbers::pi;
 }
 
 /// Whether there is a section. It is drawn into a framebuffer of our own, which has a stencil buffer: a window need
@@ -203,7 +205,18 @@ FrameView LiveRenderer::Impl::viewOf(const Camera& camera, int width, int height
   to_view.topLeftCorner<3, 3>() = view.rotation;
   to_view.topRightCorner<3, 1>() = -(view.rotation * camera.target);
   const Vec3d scale = view.half_extent.cwiseInverse();
-  view.to_clip = Eigen::Vector4d(scale[0], scale[1], -scale[2], 1).asDiagonal() * to_view;
+  Eigen::Matrix4d projection = Eigen::Vector4d(scale[0], scale[1], -scale[2], 1).asDiagonal();
+  if (camera.isPerspective()) {
+    // w is the distance from the eye, as a part of that of the target; depth from the nearest to the farthest thing.
+    const double eye = camera.eyeDistance();
+    view.slope = 1 / eye;
+    const double nearest = std::max(1 - view.slope * view.half_extent[2], Camera::kNearest);
+    const double farthest = 1 + view.slope * view.half_extent[2];
+    projection(3, 2) = -view.slope;
+    projection(2, 2) = -view.slope * (farthest + nearest) / (farthest - nearest);
+    projection(2, 3) = (farthest + nearest - 2 * farthest * nearest) / (farthest - nearest);
+  }
+  view.to_clip = projection * to_view;
   return view;
 }
 
@@ -223,14 +236,11 @@ std::vector<Drawn> LiveRenderer::Impl::whatIsSeen(const FrameView& view, const L
       const Vec3d middle = view.toView(object.T_world_object * box.center());
       const Vec3d half = spread * (0.5 * box.size());
       Drawn drawn{.page = &page, .object = &object, .depth = middle[2]};
-      bool is_outside = false;
-      for (int axis = 0; axis < 2; ++axis) {
-        is_outside |= std::abs(middle[axis]) - half[axis] > view.half_extent[axis];
-        drawn.is_whole &= std::abs(middle[axis]) + half[axis] <= view.half_extent[axis];
-      }
-      if (is_outside && frame.is_culled) continue;
+      const FrameView::Visibility visibility = view.visibilityOf(middle, half);
+      drawn.is_whole = visibility.is_whole;
+      if (visibility.is_outside && frame.is_culled) continue;
 
-      drawn.is_by_pixel = page.meanEdge() > kPixelsPerTriangle * view.mm_per_pixel;
+      drawn.is_by_pixel = page.meanEdge() > kPixelsPerTriangle * view.mm_per_pixel * view.shrinkAt(middle[2]);
       // Near the tool chunk by chunk: the shaders that know the tool cost half as much again.
       const Reach reach = tool_reach ? tool_reach->of(box) : Reach::kNone;
       drawn.is_split = reach != Reach::kNone;
@@ -352,7 +362,8 @@ void LiveRenderer::Impl::drawPages(const std::vector<Drawn>& seen, const FrameVi
     const Eigen::Matrix3d rotation = view.rotation * pose.rotation.toRotationMatrix();
     const Eigen::Matrix3d spread = rotation.cwiseAbs();
     const Vec3d origin = view.toView(pose.translation);
-    const bool is_faced = frame.is_culled && (!is_open || is_ghost);
+    // In perspective there is no one direction that all of a page is seen from: the driver culls.
+    const bool is_faced = frame.is_culled && (!is_open || is_ghost) && view.slope == 0;
     counts.uploaded_bytes += page.face(is_faced ? Vec3f(to_viewer.cast<float>()) : Vec3f(Vec3f::Zero()), tolerance);
     std::optional<ToolReach> tool_reach;
     if (drawn.is_split) tool_reach = hand_tool.reachOf(frame, *tool, pose);
@@ -360,8 +371,7 @@ void LiveRenderer::Impl::drawPages(const std::vector<Drawn>& seen, const FrameVi
       if (drawn.is_whole || !frame.is_culled) return true;
       const Vec3d middle = origin + rotation * range.box.center();
       const Vec3d half = spread * (0.5 * range.box.size());
-      return std::abs(middle[0]) - half[0] <= view.half_extent[0] &&
-             std::abs(middle[1]) - half[1] <= view.half_extent[1];
+      return !view.visibilityOf(middle, half).is_outside;
     };
     counts_of.clear();
     offsets.clear();
@@ -388,13 +398,13 @@ void LiveRenderer::Impl::drawPages(const std::vector<Drawn>& seen, const FrameVi
 
 /// The section so far is as deep as the wall behind it. Lifts it into its plane, so that a tool behind it is hidden.
 void LiveRenderer::Impl::liftSection(const FrameView& view, const Plane& plane) {
-  const Vec3d n = view.rotation * plane.normal;
-  if (n[2] < 1e-3 * n.norm()) return;  // seen from its edge or from behind
+  if (view.facing(view.toView(plane.point), view.rotation * plane.normal) < 1e-3) return;  // from its edge or behind
 
-  // z of the plane = (n at - n_x x - n_y y) / n_z, of clip space: over minus half the depth.
-  const Vec3d& half = view.half_extent;
-  const double middle = n.dot(view.toView(plane.point)) / n[2];
-  const Vec3d depth = Vec3d(n[0] / n[2] * half[0], n[1] / n[2] * half[1], -middle) / half[2];
+  // A plane of the world is one of clip space, too: a x + b y + c z + d = 0.
+  Eigen::RowVector4d world;
+  world << plane.normal.transpose(), -plane.normal.dot(plane.point);
+  const Eigen::RowVector4d clip = world * view.to_clip.inverse();
+  const Vec3d depth = -Vec3d(clip[0], clip[1], clip[3]) / clip[2];
   glStencilFunc(GL_EQUAL, 1, 1);
   glStencilOp(GL_KEEP, GL_KEEP, GL_KEEP);
   glDepthFunc(GL_ALWAYS);
@@ -421,7 +431,7 @@ void LiveRenderer::Impl::drawBackground() {
 
 void LiveRenderer::Impl::drawPlan(const FrameView& view, const LiveFrame& frame, const Camera& camera) {
   const double scale = std::max(1.0, view.height / 720.0);
-  overlay.draw(frame.plan, {view.to_clip, camera.right(), camera.up(), camera.backwards(), scale * view.mm_per_pixel});
+  overlay.draw(frame.plan, {view.to_clip, camera, scale * view.mm_per_pixel});
 }
 
 /// One point a pixel, into a framebuffer with depth.

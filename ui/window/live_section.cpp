@@ -32,26 +32,32 @@ void LiveSection::setUniforms(const GlProgram& program, const FrameView& view, c
                               const Rigid3& pose) const {
   constexpr double kEdgeOn = 1e-3;
   const Vec3d n = view.rotation * plane.normal;
-  const bool is_shown = section_.width > 0 && n[2] > kEdgeOn * n.norm();
+  const Vec3d middle = view.toView(plane.point);
+  const bool is_shown = section_.width > 0 && view.facing(middle, n) > kEdgeOn;
   program.set("section_tissues", 1);
   program.set("has_tissues", is_shown ? 1 : 0);
   if (!is_shown) return;
 
-  // Where a pixel's line of sight meets the plane: as a share of the picture's width and height.
-  const Vec3d middle = view.toView(plane.point);
+  // Where a pixel's line of sight meets the plane: as a share of the picture's width and height, times a weight. All
+  // three are affine in the pixel; in parallel projection the weight is the same everywhere.
   const Rigid3 to_object = pose.inverse();
-  const auto placeOf = [&](double x, double y) {
-    Vec3d p((2 * x / view.width - 1) * view.half_extent[0], (2 * y / view.height - 1) * view.half_extent[1], 0);
-    p[2] = (n.dot(middle) - n[0] * p[0] - n[1] * p[1]) / n[2];
-    const Vec3d from = to_object * (view.rotation.transpose() * p + view.target) - section_.origin;
-    return Eigen::Vector2d((from.dot(section_.u) / section_.u.squaredNorm() + 0.5) / section_.width,
-                           (from.dot(section_.v) / section_.v.squaredNorm() + 0.5) / section_.height);
+  const auto placeOf = [&](double x, double y) -> Vec3d {
+    const auto [from, way] = view.sightThrough(x, y);
+    const double weight = n.dot(way);
+    const Vec3d begin = to_object * (view.rotation.transpose() * from + view.target) - section_.origin;
+    const Vec3d at = weight * begin + n.dot(middle - from) * (to_object.rotation * (view.rotation.transpose() * way));
+    return {(at.dot(section_.u) / section_.u.squaredNorm() + 0.5 * weight) / section_.width,
+            (at.dot(section_.v) / section_.v.squaredNorm() + 0.5 * weight) / section_.height, weight};
   };
-  const Eigen::Vector2d first = placeOf(0, 0);
-  const Eigen::Vector2d along = (placeOf(view.width, 0) - first) / view.width;
-  const Eigen::Vector2d upwards = (placeOf(0, view.height) - first) / view.height;
-  program.set("section_across", Vec3f(Vec3d(along[0], upwards[0], first[0]).cast<float>()));
-  program.set("section_up", Vec3f(Vec3d(along[1], upwards[1], first[1]).cast<float>()));
+  const Vec3d first = placeOf(-1, -1);
+  const Vec3d along = (placeOf(1, -1) - first) / view.width;
+  const Vec3d upwards = (placeOf(-1, 1) - first) / view.height;
+  const auto set = [&](const char* name, int row) {
+    program.set(name, Vec3f(Vec3d(along[row], upwards[row], first[row]).cast<float>()));
+  };
+  set("section_across", 0);
+  set("section_up", 1);
+  set("section_weight", 2);
 }
 
 }  // namespace kerf::internal

@@ -9,7 +9,7 @@
 
 namespace kerf::internal {
 
-/// The view is orthographic: a pixel's place in the plane is affine in the pixel, whatever surface is behind it.
+/// A pixel's place in the plane does not depend on the surface that is behind it.
 /// Needs its OpenGL context current in every call, the destructor included.
 class LiveSection {
  public:

@@ -116,14 +116,14 @@ uniform vec3 tint;
 uniform vec3 section_color;
 uniform int has_tissues;
 uniform sampler2D section_tissues;      // of the plane: colours times their alpha
-uniform vec3 section_across, section_up;  // of a pixel (x, y, 1): where it is in that picture
+uniform vec3 section_across, section_up, section_weight;  // of a pixel (x, y, 1): where it is in that picture
 #endif
 out vec4 result;
 void main() {
 #ifdef SECTION
   if (!gl_FrontFacing) {  // the inside of a solid: what is seen is the section through it
     vec3 pixel = vec3(gl_FragCoord.xy, 1.0);
-    vec4 tissue = has_tissues == 0 ? vec4(0.0) : texture(section_tissues, vec2(dot(section_across, pixel), dot(section_up, pixel)));
+    vec4 tissue = has_tissues == 0 ? vec4(0.0) : texture(section_tissues, vec2(dot(section_across, pixel), dot(section_up, pixel)) / dot(section_weight, pixel));
     result = vec4(tissue.a > 0.02 ? tissue.rgb / tissue.a : section_color, 1.0);
     return;
   }

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <vector>
 
+#include "ui/app/camera.h"
 #include "ui/window/live_pages.h"
 #include "ui/window/live_renderer.h"
 #include "ui/window/live_shaders.h"
@@ -183,7 +184,7 @@ void LiveTool::drawAxisLine(const GlProgram& flat, const FrameView& view, const 
   const Rigid3 approach = approachPose(tool);
   const auto inPixels = [&](double below) {
     const Vec3d p = view.toView(approach * Vec3d(cutting_.center()[0], cutting_.center()[1], cutting_.min[2] - below));
-    return Eigen::Vector2d(p.head<2>() / view.mm_per_pixel);
+    return Eigen::Vector2d(p.head<2>() / (view.mm_per_pixel * std::max(view.shrinkAt(p[2]), Camera::kNearest)));
   };
   const Eigen::Vector2d from = inPixels(0), to = inPixels(length);
   if ((to - from).norm() < 2) return;  // seen from its end

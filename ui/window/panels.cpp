@@ -13,6 +13,7 @@
 #include "ui/window/measure_panel.h"
 #include "ui/window/plots_panel.h"
 #include "ui/window/replay_panel.h"
+#include "ui/window/scale_bar.h"
 #include "ui/window/settings_panel.h"
 #include "ui/window/style.h"
 #include "ui/window/timeline_panel.h"
@@ -202,6 +203,13 @@ void drawNotices(AppContext& context, PanelState& state) {
   ImGui::End();
 }
 
+// Left of the readings, over the timeline.
+void drawScaleBar(const AppContext& context, double pixels) {
+  const ImGuiIO& io = ImGui::GetIO();
+  drawScaleBarAt({io.DisplaySize.x - scaled(kPanelWidth) - 32, io.DisplaySize.y - timelineHeight(context) - 20},
+                 context.camera, context.width, context.height, pixels, styleColours().guide_text);
+}
+
 void drawHints(AppContext& context) {
   if (!context.settings || context.settings->values.are_hints_dismissed) return;
   const ImGuiIO& io = ImGui::GetIO();
@@ -236,6 +244,7 @@ void drawPanels(AppContext& context, PanelState& state, const std::optional<Tool
     drawTissues(context, column);
     drawMeasure(context, state.pixels);
     drawTimeline(context);
+    drawScaleBar(context, state.pixels);
     drawHints(context);
     drawSawPanel(context, state.saw);
   } else {

@@ -62,7 +62,8 @@ LivePlan SawView::planOf(const Workbench& bench, const Camera& camera) {
   out.dots = picking.points();
   if (const auto& from = picking.lineFrom()) {
     const auto inView = [&](const Ray& ray) -> Vec3d {
-      return ray.at((camera.target - ray.origin).dot(ray.direction));
+      const Vec3d back = camera.backwards();
+      return ray.at(back.dot(camera.target - ray.origin) / back.dot(ray.direction));
     };
     out.lines.push_back({inView(*from), inView(picking.lineTo())});
   }

@@ -3,12 +3,15 @@
 #include <imgui.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "ui/app/settings.h"
 #include "ui/window/style.h"
 
 namespace kerf {
 namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
 
 void save(AppContext& context) {
   if (const auto done = context.settings->save(); !done) context.bench.complain(done.error());
@@ -60,6 +63,19 @@ void drawSettings(AppContext& context) {
     values.are_hints_dismissed = !has_hints;
     is_set = true;
   }
+
+  heading("Perspective");
+  bool is_perspective = context.camera.isPerspective();
+  if (ImGui::Checkbox("Near things are larger", &is_perspective)) (void)runAppCommand(context, "view.perspective");
+  float field = static_cast<float>(values.perspective_deg);
+  ImGui::SetNextItemWidth(-1);
+  if (ImGui::SliderFloat("##field", &field, static_cast<float>(Camera::kLeastField),
+                         static_cast<float>(Camera::kMostField), "field of view %.0f deg",
+                         ImGuiSliderFlags_AlwaysClamp)) {
+    values.perspective_deg = std::round(static_cast<double>(field));
+    if (is_perspective) setFieldOfView(context.camera, values.perspective_deg * kDegree);
+  }
+  is_set |= ImGui::IsItemDeactivatedAfterEdit();
 
   heading("Sound of the drill");
   float volume = static_cast<float>(values.sound_volume);

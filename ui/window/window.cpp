@@ -14,6 +14,7 @@
 
 #include "ui/window/glfw_error.h"
 #include "ui/window/renderer.h"
+#include "ui/window/scale_bar.h"
 
 namespace kerf {
 namespace {
@@ -87,20 +88,9 @@ void drawScenePanel(const Scene& scene, const Vec3d& size, View& view) {
 }
 
 void drawScaleBarOverlay(const View& view) {
-  const double mm_per_pixel = view.camera.mmPerPixel(view.height);
-  const double length = scaleBarLength(mm_per_pixel, view.width);
   const ImGuiIO& io = ImGui::GetIO();
-
-  const float right = io.DisplaySize.x - 24, y = io.DisplaySize.y - 24;
-  const float left = right - static_cast<float>(length / mm_per_pixel / view.pixels_per_unit);
-  const ImU32 ink = IM_COL32(58, 62, 68, 255);
-  ImDrawList& list = *ImGui::GetBackgroundDrawList();
-  list.AddLine({left, y}, {right, y}, ink, 2);
-  list.AddLine({left, y - 5}, {left, y + 5}, ink, 2);
-  list.AddLine({right, y - 5}, {right, y + 5}, ink, 2);
-
-  const std::string text = fmt::format("{:g} mm", length);
-  list.AddText({0.5f * (left + right - ImGui::CalcTextSize(text.c_str()).x), y - 20}, ink, text.c_str());
+  drawScaleBarAt({io.DisplaySize.x - 24, io.DisplaySize.y - 24}, view.camera, view.width, view.height,
+                 view.pixels_per_unit, IM_COL32(58, 62, 68, 255));
 }
 
 Expected<void> open(Desktop& desktop, const Scene& scene, const WindowOptions& options) {

@@ -566,10 +566,7 @@ class Workshop {
 
   void scroll(double notches) {
     if (bench_.isPressed()) return bench_.deepen(-kNotch * notches);
-    const double x = x_ * pixels() - 0.5 * context_.width, y = y_ * pixels() - 0.5 * context_.height;
-    pan(camera_, -x, -y, context_.height);
-    zoomBy(camera_, std::pow(1.15, notches));
-    pan(camera_, x, y, context_.height);
+    zoomAt(context_, pointer()[0], pointer()[1], std::pow(1.15, notches));
   }
 
   void pressHarder(bool is_wanted) {
