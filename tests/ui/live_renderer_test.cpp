@@ -389,7 +389,7 @@ TEST_F(LivePicture, InPerspectiveAThingIsDrawnWhereItsPixelIs) {
   setFieldOfView(camera_, 1.2);
   const Image without = picture(kPlain);
   // The bur's ball, in front of the focus and behind it.
-  for (const Vec3d& tip : {Vec3d(3, -1, 2), Vec3d(-3, 2, 0), Vec3d(0, 0, 4), Vec3d(-4, 4, 1)}) {
+  for (const Vec3d& tip : {Vec3d(3, -1, 2), Vec3d(-3, 2, 0), Vec3d(0, 2, 1), Vec3d(-4, 4, 1)}) {
     LiveFrame frame = kPlain;
     frame.T_world_tool = at(tip[0], tip[1], tip[2]);
     const Image with = picture(frame);
