@@ -4,6 +4,10 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <atomic>
+#include <utility>
+
+#include "geometry/mesh/box_tree.h"
 
 namespace kerf {
 namespace {
@@ -58,16 +62,27 @@ std::vector<std::array<std::uint32_t, 2>> crossingPairs(const Mesh& mesh, std::s
     return box;
   };
 
+  std::vector<std::uint32_t> proper;
+  std::vector<Box3> boxes;
+  for (std::uint32_t t = 0; t < is_flat.size(); ++t) {
+    if (is_flat[t]) continue;
+    proper.push_back(t);
+    boxes.push_back(boxOf(t));
+  }
+  const BoxTree tree(std::move(boxes));
+
   std::vector<std::vector<std::uint32_t>> met(flat.size());
+  std::atomic<std::size_t> found = pairs.size();
   tbb::parallel_for(std::size_t{0}, flat.size(), [&](std::size_t k) {
     const Box3 box = boxOf(flat[k]);
-    for (std::uint32_t t = 0; t < is_flat.size(); ++t) {
-      if (is_flat[t]) continue;
-      const Box3 other = boxOf(t);
-      if ((box.min.array() <= other.max.array()).all() && (other.min.array() <= box.max.array()).all() &&
-          flatMeets(mesh, flat[k], t))
-        met[k].push_back(t);
-    }
+    tree.visit([&](const Box3& node) { return overlap(node, box); },
+               [&](std::uint32_t n) {
+                 if (overlap(tree.boxes()[n], box) && flatMeets(mesh, flat[k], proper[n])) {
+                   met[k].push_back(proper[n]);
+                   ++found;
+                 }
+                 return found <= stop_after;
+               });
   });
 
   for (std::size_t k = 0; k < flat.size(); ++k) {

@@ -14,8 +14,10 @@ namespace kerf {
 /// selfIntersections() and, besides, every triangle without area: as the pair (i, i), and with each proper triangle it
 /// touches away from shared vertices. An empty answer means the mesh is embedded.
 /// @return sorted pairs (i <= j). Exact; deterministic.
-/// @param stop_after  as in selfIntersections(): with more pairs than that the answer is not whole.
-/// @cost   as selfIntersections(), plus 5 ns per triangle and triangle without area. @thread any; uses all TBB threads.
+/// @param stop_after  as in selfIntersections(): with more pairs than that the answer is not whole, and which it holds
+/// may differ.
+/// @cost   as selfIntersections(), plus a search in a tree of boxes per triangle without area. @thread any; uses all
+/// TBB threads.
 std::vector<std::array<std::uint32_t, 2>> crossingPairs(const Mesh& mesh, std::size_t stop_after = kAllPairs);
 
 }  // namespace kerf

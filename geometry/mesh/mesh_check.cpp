@@ -7,9 +7,12 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <numeric>
+#include <utility>
 
+#include "geometry/mesh/box_tree.h"
 #include "geometry/mesh/exact_weld.h"
 #include "geometry/mesh/self_intersection.h"
+#include "geometry/mesh/solids.h"
 
 namespace kerf {
 namespace {
@@ -141,6 +144,7 @@ struct EdgeWalk {
   UnionFind fans;    // of the corners of triangles: joined around their vertex across edges
   UnionFind rims;    // of vertices: joined along the rim
   std::vector<RimEdge> rim;
+  std::uint32_t most_at_an_edge = 0;  // triangles
 };
 
 EdgeWalk walkEdges(const Mesh& mesh, MeshReport& report) {
@@ -159,6 +163,7 @@ EdgeWalk walkEdges(const Mesh& mesh, MeshReport& report) {
     }
     if (n == 2 && use[0].ascending == use[1].ascending) ++report.flipped_edges;
     if (n > 2) ++report.non_manifold_edges;
+    out.most_at_an_edge = std::max(out.most_at_an_edge, n);
     for (std::uint32_t i = 1; i < n; ++i) {
       out.pieces.join(use[0].triangle, use[i].triangle);
       out.fans.join(cornerOf(use[0], true), cornerOf(use[i], true));
@@ -167,6 +172,10 @@ EdgeWalk walkEdges(const Mesh& mesh, MeshReport& report) {
   });
   return out;
 }
+
+/// Where more triangles share an edge crossings are not looked for: all of these would be compared with each other, and
+/// the mesh is not ready to print anyway.
+constexpr std::uint32_t kMostAtAnEdge = 1000;
 
 constexpr std::uint32_t kNone = ~0u;
 
@@ -199,8 +208,11 @@ std::size_t countBowTies(const Mesh& mesh, EdgeWalk& walk) {
 }
 
 // Edges, loops, pieces and fans in one pass over the edge table. @return the piece of every triangle.
-std::vector<std::uint32_t> countTopology(const Mesh& mesh, MeshReport& report, std::vector<char>& piece_is_open) {
+// @param most_at_an_edge  out: triangles at the edge that most share.
+std::vector<std::uint32_t> countTopology(const Mesh& mesh, MeshReport& report, std::vector<char>& piece_is_open,
+                                         std::uint32_t& most_at_an_edge) {
   EdgeWalk walk = walkEdges(mesh, report);
+  most_at_an_edge = walk.most_at_an_edge;
 
   std::vector<std::uint32_t> label(mesh.triangles.size());
   for (std::uint32_t t = 0; t < label.size(); ++t) {
@@ -224,41 +236,84 @@ double solidAngle(Vec3d a, Vec3d b, Vec3d c, const Vec3d& p) {
   return 2 * std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
 }
 
-// Closed pieces of negative volume are cavities if they lie inside another closed piece, and inside out otherwise.
-void countInwardPieces(const Mesh& mesh, const std::vector<std::uint32_t>& label, const std::vector<char>& is_open,
-                       MeshReport& report) {
+// The triangles of every piece, one after the other.
+struct TrianglesOfPieces {
+  std::vector<std::uint32_t> triangle;
+  std::vector<std::size_t> begin;  // of piece p: triangle[begin[p] .. begin[p + 1])
+
+  TrianglesOfPieces(const std::vector<std::uint32_t>& label, std::size_t pieces)
+      : triangle(label.size()), begin(pieces + 1, 0) {
+    for (const std::uint32_t piece : label) ++begin[piece + 1];
+    std::partial_sum(begin.begin(), begin.end(), begin.begin());
+    std::vector<std::size_t> at(begin.begin(), begin.end());
+    for (std::uint32_t t = 0; t < label.size(); ++t) triangle[at[label[t]]++] = t;
+  }
+};
+
+// What is known of every piece.
+struct PieceShapes {
+  std::vector<double> volume;  // mm3, signed
+  std::vector<Box3> box;
+  std::vector<std::uint32_t> a_vertex;
+};
+
+PieceShapes shapesOf(const Mesh& mesh, const std::vector<std::uint32_t>& label, const MeshReport& report) {
   const Vec3d center = report.box.center();
-  std::vector<double> volume(report.pieces);
-  std::vector<Box3> box(report.pieces);
-  std::vector<std::uint32_t> a_vertex(report.pieces);
+  PieceShapes out{std::vector<double>(report.pieces), std::vector<Box3>(report.pieces),
+                  std::vector<std::uint32_t>(report.pieces)};
   for (std::size_t t = 0; t < label.size(); ++t) {
     const Vec3d a = mesh.corner(t, 0) - center, b = mesh.corner(t, 1) - center, c = mesh.corner(t, 2) - center;
-    volume[label[t]] += a.dot(b.cross(c)) / 6;
-    for (int k = 0; k < 3; ++k) box[label[t]].add(mesh.corner(t, k));
-    a_vertex[label[t]] = mesh.triangles[t][0];
+    out.volume[label[t]] += a.dot(b.cross(c)) / 6;
+    for (int k = 0; k < 3; ++k) out.box[label[t]].add(mesh.corner(t, k));
+    out.a_vertex[label[t]] = mesh.triangles[t][0];
   }
+  return out;
+}
 
-  std::vector<double> angle(report.pieces);
-  for (std::size_t piece = 0; piece < report.pieces; ++piece) {
+// Which pieces are cavities: closed ones of negative volume inside another closed piece.
+std::vector<char> findCavities(const Mesh& mesh, const std::vector<std::uint32_t>& label,
+                               const std::vector<char>& is_open, const PieceShapes& shapes) {
+  const std::vector<double>& volume = shapes.volume;
+  std::vector<char> is_cavity(volume.size(), 0);
+  if (std::none_of(volume.begin(), volume.end(), [](double v) { return v < 0; })) return is_cavity;
+
+  const TrianglesOfPieces of(label, volume.size());
+  const BoxTree boxes(shapes.box);
+  for (std::uint32_t piece = 0; piece < volume.size(); ++piece) {
     if (is_open[piece] || !(volume[piece] < 0)) continue;
-    const Vec3d& p = mesh.vertices[a_vertex[piece]];
+    const Vec3d& p = mesh.vertices[shapes.a_vertex[piece]];
 
-    const auto couldHold = [&](std::size_t other) {
-      return other != piece && !is_open[other] && volume[other] > 0 && box[other].contains(p);
+    const auto surrounds = [&](std::uint32_t other) {
+      if (other == piece || is_open[other] || !(volume[other] > 0) || !shapes.box[other].contains(p)) return false;
+      double angle = 0;
+      for (std::size_t i = of.begin[other]; i < of.begin[other + 1]; ++i) {
+        const std::size_t t = of.triangle[i];
+        angle += solidAngle(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), p);
+      }
+      return angle > 2 * std::numbers::pi;  // half of the full 4 pi
     };
-
-    bool inside = false;
-    for (std::size_t other = 0; other < report.pieces; ++other) inside |= couldHold(other);
-    if (inside) {
-      std::fill(angle.begin(), angle.end(), 0.0);
-      for (std::size_t t = 0; t < label.size(); ++t)
-        if (couldHold(label[t]))
-          angle[label[t]] += solidAngle(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), p);
-      inside = *std::max_element(angle.begin(), angle.end()) > 2 * std::numbers::pi;  // half of the full 4 pi
-    }
-
-    report.inward_pieces += !inside;
+    is_cavity[piece] = !boxes.visit([&](const Box3& node) { return node.contains(p); },
+                                    [&](std::uint32_t other) { return !surrounds(other); });
   }
+  return is_cavity;
+}
+
+// Pieces, cavities, specks, and pieces turned inside out.
+void judgePieces(const Mesh& mesh, const std::vector<std::uint32_t>& label, const std::vector<char>& is_open,
+                 MeshReport& report) {
+  const PieceShapes shapes = shapesOf(mesh, label, report);
+  const std::vector<char> is_cavity = findCavities(mesh, label, is_open, shapes);
+  std::vector<double> closed;  // volumes, mm3
+  for (std::size_t piece = 0; piece < is_cavity.size(); ++piece) {
+    report.cavities += is_cavity[piece] != 0;
+    if (is_open[piece] || is_cavity[piece]) continue;
+    report.inward_pieces += shapes.volume[piece] < 0;
+    closed.push_back(std::abs(shapes.volume[piece]));
+  }
+  report.pieces -= report.cavities;
+  const PieceCount count = countPieces(closed);
+  report.specks = count.specks;
+  report.specks_mm3 = count.specks_mm3;
 }
 
 std::string counted(std::size_t n, const char* one, const char* many) {
@@ -319,12 +374,13 @@ MeshReport checkMesh(const Mesh& mesh, const MeshCheckOptions& options) {
   report.volume = signedVolume(m);
 
   std::vector<char> is_open;
-  const std::vector<std::uint32_t> label = countTopology(m, report, is_open);
-  countInwardPieces(m, label, is_open, report);
+  std::uint32_t most_at_an_edge = 0;
+  const std::vector<std::uint32_t> label = countTopology(m, report, is_open, most_at_an_edge);
+  judgePieces(m, label, is_open, report);
 
   if (options.known_free_of_crossings) {
     report.self_intersections_checked = true;
-  } else if (options.self_intersections) {
+  } else if (options.self_intersections && most_at_an_edge <= kMostAtAnEdge) {
     report.self_intersections_checked = true;
     const std::size_t at_most = std::max<std::size_t>(1, options.max_self_intersections);
     report.self_intersections = selfIntersections(m.vertices, m.triangles, at_most).size();
@@ -356,6 +412,9 @@ std::string toJson(const MeshReport& r) {
                {"duplicate_triangles", r.duplicate_triangles},
                {"duplicate_vertices", r.duplicate_vertices},
                {"pieces", r.pieces},
+               {"cavities", r.cavities},
+               {"specks", r.specks},
+               {"specks_mm3", r.specks_mm3},
                {"inward_pieces", r.inward_pieces},
                {"self_intersections", r.self_intersections_checked ? Json(r.self_intersections) : Json(nullptr)},
                {"area_mm2", r.area},
@@ -370,7 +429,8 @@ std::string describe(const MeshReport& r) {
   for (const std::string& reason : r.reasons) text += "  - " + reason + "\n";
   const Vec3d size = r.box.size();
   text += fmt::format("{} triangles, {} vertices, {}; {:.4g} x {:.4g} x {:.4g} mm, area {:.6g} mm2", r.triangles,
-                      r.vertices, counted(r.pieces, "piece", "pieces"), size.x(), size.y(), size.z(), r.area);
+                      r.vertices, describe(PieceCount{r.pieces, r.cavities, r.specks, r.specks_mm3}), size.x(),
+                      size.y(), size.z(), r.area);
   if (r.isClosed()) text += fmt::format(", volume {:.6g} mm3", r.volume);
   return text + "\n";
 }

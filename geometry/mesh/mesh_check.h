@@ -39,7 +39,10 @@ struct MeshReport {
   std::size_t non_manifold_edges = 0;        ///< edges of three or more triangles
   std::size_t non_manifold_vertices = 0;     ///< bow ties: the triangles around the vertex form more than one fan
   std::size_t flipped_edges = 0;             ///< edges whose two triangles run through them in the same direction
-  std::size_t pieces = 0;                    ///< connected through edges
+  std::size_t pieces = 0;                    ///< connected through edges; the walls of cavities are none
+  std::size_t cavities = 0;                  ///< in these pieces
+  std::size_t specks = 0;                    ///< of the closed pieces; see PieceCount
+  double specks_mm3 = 0;                     ///< all specks together
   std::size_t inward_pieces = 0;             ///< closed pieces turned inside out that are not a cavity of another piece
   std::size_t self_intersections = 0;        ///< pairs of triangles that meet where they are not joined
   bool self_intersections_checked = false;

@@ -1,5 +1,8 @@
 #include "geometry/mesh/solids.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -71,6 +74,35 @@ Solids solidsOf(const Mesh& mesh) {
     out.label.push_back(solid);
   }
   return out;
+}
+
+PieceCount countPieces(std::span<const double> volumes_mm3) {
+  PieceCount out;
+  const double largest = volumes_mm3.empty() ? 0 : *std::max_element(volumes_mm3.begin(), volumes_mm3.end());
+  for (const double volume : volumes_mm3) {
+    out.cavities += volume < 0;
+    if (!(volume > 0)) continue;
+    ++out.pieces;
+    if (!(volume < kLargestSpeck && volume < kSpeckOfLargest * largest)) continue;
+    ++out.specks;
+    out.specks_mm3 += volume;
+  }
+  return out;
+}
+
+PieceCount countPieces(const Mesh& mesh) {
+  std::vector<double> volumes;
+  for (const Shell& shell : shellsOf(mesh, edgeConnectedPieces(mesh))) volumes.push_back(shell.volume);
+  return countPieces(volumes);
+}
+
+std::string describe(const PieceCount& count) {
+  std::string text = fmt::format("{} piece{}", count.pieces, count.pieces == 1 ? "" : "s");
+  if (count.cavities) text += fmt::format(" with {} cavit{}", count.cavities, count.cavities == 1 ? "y" : "ies");
+  if (count.specks)
+    text += fmt::format(", {} of them {} (below {} mm3, {:.2g} mm3 together)", count.specks,
+                        count.specks == 1 ? "a speck" : "specks", kLargestSpeck, count.specks_mm3);
+  return text;
 }
 
 std::optional<std::uint32_t> solidAt(const Mesh& mesh, const Solids& solids, const Vec3d& point) {

@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "geometry/mesh/mesh.h"
@@ -17,6 +19,25 @@ struct Solids {
 /// A cavity belongs to the smallest outer shell around it; one that nothing is around is a solid of its own.
 /// @pre closed, each shell outward or, a cavity, inward.   @cost  O(n), and 30 ns a triangle for each cavity.
 Solids solidsOf(const Mesh& mesh);
+
+inline constexpr double kLargestSpeck = 1;       ///< mm3
+inline constexpr double kSpeckOfLargest = 0.01;  ///< of the largest piece's volume
+
+/// How many pieces a closed mesh is in, as people count them: the wall of a cavity is none.
+struct PieceCount {
+  std::size_t pieces = 0;    ///< shells of positive volume
+  std::size_t cavities = 0;  ///< shells of negative volume
+  std::size_t specks = 0;    ///< pieces below kLargestSpeck and below kSpeckOfLargest of the largest
+  double specks_mm3 = 0;     ///< all specks together
+};
+
+/// @param volumes_mm3  signed, of the shells.
+PieceCount countPieces(std::span<const double> volumes_mm3);
+/// @pre closed, each shell outward or, a cavity, inward.   @cost  O(n).
+PieceCount countPieces(const Mesh& mesh);
+
+/// "1 piece", "37 pieces, 36 of them specks (below 1 mm3, 3.2 mm3 together)", "1 piece with 2 cavities".
+std::string describe(const PieceCount& count);
 
 /// The solid whose material is at a point; none: air. A point on the surface may be either.
 /// @cost  30 ns a triangle. Van Oosterom & Strackee 1983: the solid angle of a triangle.

@@ -11,6 +11,7 @@
 #include "geometry/base/progress.h"
 #include "geometry/case/case_bundle.h"
 #include "geometry/mesh/mesh_check.h"
+#include "geometry/mesh/solids.h"
 #include "preprocess/close/close.h"
 #include "preprocess/voxelize/voxelize.h"
 
@@ -50,7 +51,8 @@ struct BakeReport {
   std::vector<bool> unit_is_doubtful;
   CloseReport close;                    ///< of the object; its warnings are those of a recipe's parts too
   std::optional<PairCheck> pair_check;  ///< set by bakePair()
-  bool was_up_to_date = false;          ///< the case was there already; only `manifest` is filled
+  PieceCount pieces;                    ///< of the solid
+  bool was_up_to_date = false;          ///< the case was there already; only `manifest` and `pieces` are filled
   BakeTimes times;
 };
 

@@ -15,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // Raised by every change of what a bake makes of the same inputs.
-constexpr int kBakeRevision = 3;
+constexpr int kBakeRevision = 4;
 
 const char* nameOf(CloseMode mode) {
   switch (mode) {
@@ -122,6 +122,8 @@ Expected<std::optional<AtomicFolder>> openCase(const fs::path& case_folder, std:
     if (auto manifest = existing(case_folder, job.report.manifest.id)) {
       job.report.manifest = std::move(*manifest);
       job.report.was_up_to_date = true;
+      KERF_TRY(solid, readCaseSolid(case_folder));
+      job.report.pieces = countPieces(solid);
       return std::optional<AtomicFolder>();
     }
   KERF_TRY(staging, AtomicFolder::create(case_folder, job.options.overwrite, kCaseManifest));
@@ -169,6 +171,7 @@ Expected<void> writeCase(const BakeObject& object, const BakedGrids& grids, cons
                          AtomicFolder& staging, BakeJob& job) {
   CaseManifest& manifest = job.report.manifest;
   describeCase(object, grids.anatomy.stats(), job.options, materials, manifest);
+  job.report.pieces = countPieces(object.solid);
 
   if (!report(job.progress, 0.85, "writing")) return cancelledBeforeWriting();
   const fs::path& folder = staging.staging();

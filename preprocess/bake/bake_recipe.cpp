@@ -26,6 +26,7 @@ BakeOptions optionsOf(const CaseRecipe& recipe, const BakeOptions& asked) {
   BakeOptions options = asked;
   if (!asked.voxel_is_given && recipe.voxel_mm) options.voxelize.voxel_mm = *recipe.voxel_mm;
   if (options.unit.empty()) options.unit = recipe.unit;
+  if (asked.close.drop_specks_mm3 == 0) options.close.drop_specks_mm3 = recipe.drop_specks_mm3;
   options.voxelize.material = recipe.fallback;
   if (!asked.region) options.region = recipe.region;
   return options;
@@ -169,6 +170,7 @@ struct Solids {
 Expected<Solids> closeParts(const MeshFiles& files, const std::vector<Mesh>& meshes, const BakeJob& job) {
   CloseOptions close = job.options.close;
   if (close.mode == CloseMode::kAuto) close.mode = CloseMode::kRepair;  // a part has no missing underside
+  close.drop_specks_mm3 = 0;                                            // only of the object
   Solids solids;
   for (std::size_t n = 0; n < files.names.size(); ++n) {
     auto solid = closeMesh(meshes[n], close, partOf(job.progress, 0.15, 0.2));
@@ -196,6 +198,7 @@ Expected<Mesh> unite(const std::vector<Mesh>& parts, const BakeOptions& options,
                      const Progress& progress) {
   CloseOptions close = options.close;
   if (close.mode == CloseMode::kAuto) close.mode = CloseMode::kRepair;
+  close.accept_doubtful = true;  // each part was judged by itself; what lies in another is lost in a union
   auto exact = closeMeshes(parts, close, partOf(progress, 0, 0.5));
   if (exact && exact->report.exact) {
     out.close = exact->report;

@@ -47,20 +47,36 @@ void addSource(const BakeReport& r, std::size_t i, Text& out) {
   for (const std::string& note : r.notes[i]) out.line("  note     " + note);
 }
 
+std::string whatIsLost(const CloseReport& c) {
+  std::string text = c.vertices_lost == 0   ? "every vertex is in the solid"
+                     : c.vertices_lost == 1 ? "1 of its vertices is not in the solid"
+                                            : fmt::format("{} of its vertices are not in the solid", c.vertices_lost);
+  if (c.vertices_trimmed > 0) text += fmt::format(", beside {} that were trimmed, as asked", c.vertices_trimmed);
+  return text;
+}
+
+// What matters first: what came out, and what of the scan did not.
+void addHeadline(const BakeReport& r, Text& out) {
+  const CaseManifest& m = r.manifest;
+  out.line(fmt::format("solid: {}, {:.2f} mm3, {:.2f} mm2; {} vertices, {} triangles", describe(r.pieces),
+                       m.solid_volume_mm3, m.solid_area_mm2, m.solid_vertices, m.solid_triangles));
+  if (r.pieces.specks > 0 && r.pieces.pieces > 1)
+    out.line(
+        "  specks are printed, and cut, as pieces of their own: --drop-specks MM3, or drop_specks_mm3 in a recipe");
+  if (m.parts.empty() && m.exact) out.line("scan: " + whatIsLost(r.close));
+  if (!m.exact && m.parts.empty())
+    out.line("WARNING: the surface is a shrink-wrap, an approximation of the scan: no source vertex is preserved");
+  for (const std::string& warning : r.close.warnings) out.line("WARNING: " + warning);
+}
+
 void addClosing(const BakeReport& r, Text& out) {
   if (r.manifest.changes.empty()) out.line("closing: nothing had to be changed");
   const std::vector<std::string>& warnings = r.close.warnings;
-  for (const std::string& change : r.manifest.changes) {
-    const bool is_warning = std::find(warnings.begin(), warnings.end(), change) != warnings.end();
-    out.line((is_warning ? "WARNING: " : "closing: ") + change);
-  }
-  if (!r.manifest.exact && r.manifest.parts.empty())
-    out.line("WARNING: the surface is a shrink-wrap, an approximation of the scan: no source vertex is preserved");
+  for (const std::string& change : r.manifest.changes)
+    if (std::find(warnings.begin(), warnings.end(), change) == warnings.end()) out.line("closing: " + change);
 }
 
 void addGrids(const CaseManifest& m, Text& out) {
-  out.line(fmt::format("solid: {} vertices, {} triangles, {:.2f} mm3, {:.2f} mm2", m.solid_vertices, m.solid_triangles,
-                       m.solid_volume_mm3, m.solid_area_mm2));
   out.line(fmt::format("field: {} mm voxels, {:.2f} M in the band; shell: {:.2f} M points standing for {:.2f} mm2",
                        m.voxel_mm, static_cast<double>(m.field_voxels) / 1e6, static_cast<double>(m.shell_points) / 1e6,
                        m.shell_area_mm2));
@@ -116,6 +132,7 @@ std::string describe(const BakeReport& r) {
   }
 
   const CaseManifest& m = r.manifest;
+  addHeadline(r, out);
   for (std::size_t i = 0; i < m.sources.size(); ++i) addSource(r, i, out);
   addClosing(r, out);
   if (m.pair) out.line(fmt::format("pair: one frame with {}; nothing was moved", m.pair->partner));

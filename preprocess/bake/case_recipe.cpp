@@ -137,12 +137,13 @@ Expected<const toml::array*> readTop(const toml::table& root, const MaterialTabl
   if (!top.failed() && !recipe.unit.empty() && !millimetresPer(recipe.unit))
     top.reject("unit", "\"" + recipe.unit + "\"", "mm, cm, m, um or inch");
   if (top.has("voxel")) recipe.voxel_mm = top.number("voxel", 0.005, 5);
+  if (top.has("drop_specks_mm3")) recipe.drop_specks_mm3 = top.number("drop_specks_mm3", 0, 1e6, "mm3");
   const auto fallback = top.getOr<std::string>("fallback", "generic", "a material");
   if (!top.failed())
     if (const auto m = materialOf(top, "fallback", fallback, materials)) recipe.fallback = *m;
 
   const toml::array* parts = top.tables("part");
-  for (const char* key : {"voxel", "outline", "labels", "region"}) top.allow(key);
+  for (const char* key : {"voxel", "drop_specks_mm3", "outline", "labels", "region"}) top.allow(key);
   for (const char* key : {"outline", "labels", "region"})
     if (top.has(key) && !root.get_as<toml::table>(key))
       top.reject(key, "of another form", fmt::format("a table, [{}]", key));

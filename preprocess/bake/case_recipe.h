@@ -5,6 +5,7 @@
 //   name = "Molar with enamel"
 //   unit = "mm"                        # of the meshes; without it as declared, or by the size of all together
 //   voxel = 0.05                       # mm; --voxel goes before it
+//   drop_specks_mm3 = 1                # pieces of the object smaller than this are dropped; may be left out
 //
 //   [[part]]                           # in order of priority: where parts overlap, the first wins
 //   material = "pulp"                  # an id of materials.toml
@@ -69,6 +70,7 @@ struct CaseRecipe {
   std::string name;
   std::string unit;  ///< empty: to be chosen
   std::optional<double> voxel_mm{};
+  double drop_specks_mm3 = 0;
   Material fallback = Material::kGeneric;      ///< of places no part is near
   std::vector<RecipePart> parts;               ///< first wins
   std::vector<std::filesystem::path> outline;  ///< empty: all meshes and labels

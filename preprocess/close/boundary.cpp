@@ -14,6 +14,7 @@
 #include "preprocess/close/openness.h"
 #include "preprocess/close/poll.h"
 #include "preprocess/close/smooth_base.h"
+#include "preprocess/close/trim.h"
 
 namespace kerf::internal {
 namespace {
@@ -199,7 +200,8 @@ struct Boundary {
   std::vector<Loop> loops;
   std::vector<double> lengths;  ///< mm
   std::size_t longest = 0;
-  std::vector<char> is_rim;  ///< of a missing underside; the others are holes
+  std::vector<char> is_rim;    ///< of a missing underside; the others are holes
+  std::vector<char> is_inner;  ///< of a loose piece that runs through the arch: a hole, closed by a fan
   double longestLength() const { return lengths[longest]; }
 };
 
@@ -243,38 +245,63 @@ void markRims(const Mesh& mesh, const Vec3d& down, const CloseOptions& options, 
   }
 }
 
-/// Whether the shadow of `inner` along the axis lies within that of `outer`. At most 200 vertices of `inner` are asked.
-bool liesInShadow(const Mesh& mesh, const Loop& inner, const Loop& outer, int axis) {
-  const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+/// A point along an axis, as its shadow.
+Eigen::Vector2d shadowOf(const Vec3d& p, int axis) { return {p[(axis + 1) % 3], p[(axis + 2) % 3]}; }
+
+bool isInside(const Eigen::Vector2d& p, const std::vector<Eigen::Vector2d>& outline) {
+  int winding = 0;
+  for (std::size_t i = 0; i < outline.size(); ++i) {
+    const Eigen::Vector2d &a = outline[i], &b = outline[(i + 1) % outline.size()];
+    if ((a.y() <= p.y()) == (b.y() <= p.y())) continue;
+    const double side = (b.x() - a.x()) * (p.y() - a.y()) - (b.y() - a.y()) * (p.x() - a.x());
+    if (a.y() <= p.y() && side > 0) ++winding;
+    if (b.y() <= p.y() && side < 0) --winding;
+  }
+  return winding != 0;
+}
+
+double distanceTo(const Eigen::Vector2d& p, const std::vector<Eigen::Vector2d>& outline) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < outline.size(); ++i) {
+    const Eigen::Vector2d a = outline[i], d = outline[(i + 1) % outline.size()] - a;
+    const double length = d.squaredNorm(), s = length > 0 ? std::clamp((p - a).dot(d) / length, 0.0, 1.0) : 0;
+    nearest = std::min(nearest, (p - a - s * d).norm());
+  }
+  return nearest;
+}
+
+/// Whether the shadow of `inner` along the axis lies within that of `outer`: a third of it inside, and nothing farther
+/// out than `overhang` mm. At most 200 vertices of `inner` are asked.
+bool liesInShadow(const Mesh& mesh, const Loop& inner, const Loop& outer, int axis, double overhang) {
+  std::vector<Eigen::Vector2d> outline;
+  for (const std::uint32_t v : outer) outline.push_back(shadowOf(mesh.vertices[v], axis));
   constexpr std::size_t kMostAsked = 200;
   const std::size_t stride = (inner.size() + kMostAsked - 1) / kMostAsked;
+  std::size_t asked = 0, inside = 0;
   for (std::size_t k = 0; k < inner.size(); k += stride) {
-    const Vec3d& p = mesh.vertices[inner[k]];
-    int winding = 0;
-    for (std::size_t i = 0; i < outer.size(); ++i) {
-      const Vec3d &a = mesh.vertices[outer[i]], &b = mesh.vertices[outer[(i + 1) % outer.size()]];
-      if ((a[v] <= p[v]) == (b[v] <= p[v])) continue;
-      const double side = (b[u] - a[u]) * (p[v] - a[v]) - (b[v] - a[v]) * (p[u] - a[u]);
-      if (a[v] <= p[v] && side > 0) ++winding;
-      if (b[v] <= p[v] && side < 0) --winding;
-    }
-    if (winding == 0) return false;
+    const Eigen::Vector2d p = shadowOf(mesh.vertices[inner[k]], axis);
+    const bool is_inside = isInside(p, outline);
+    if (!is_inside && distanceTo(p, outline) > overhang) return false;
+    ++asked;
+    inside += is_inside;
   }
-  return true;
+  return 3 * inside >= asked;
 }
 
 bool mayFill(const CloseOptions& o) {
   return !o.fill_up_to_mm && (o.only.empty() || o.only.count(CloseStep::kFill) > 0);
 }
 
-/// A loose piece that runs through the piece with the longest rim, above the base that this gets, needs no walls of its
-/// own: its rim is a hole.
+/// A loose piece that runs through the piece with the longest rim, above the base that this gets or at its edge, needs
+/// no walls of its own: they would bury what lies beside them. Its rim is a hole.
 void leaveInnerRims(const Mesh& mesh, const Direction& down, const CloseOptions& options, Boundary& boundary) {
   if (!mayFill(options)) return;
+  constexpr double kOverhang = 2, kSmallestDental = 3;  // mm
+  const double overhang = kOverhang * std::min(1.0, bounds(mesh).size().norm() / kSmallestDental);
   std::vector<std::size_t> inner;
   for (std::size_t i = 0; i < boundary.loops.size(); ++i)
     if (boundary.is_rim[i] && i != boundary.longest &&
-        liesInShadow(mesh, boundary.loops[i], boundary.loops[boundary.longest], down.axis))
+        liesInShadow(mesh, boundary.loops[i], boundary.loops[boundary.longest], down.axis, overhang))
       inner.push_back(i);
   if (inner.empty()) return;
 
@@ -289,7 +316,9 @@ void leaveInnerRims(const Mesh& mesh, const Direction& down, const CloseOptions&
   }
   for (const std::size_t i : inner) {
     const std::uint32_t piece = piece_of[boundary.loops[i][0]];
-    if (piece != main && touches[piece]) boundary.is_rim[i] = 0;
+    if (piece == main || !touches[piece]) continue;
+    boundary.is_rim[i] = 0;
+    boundary.is_inner[i] = 1;
   }
 }
 
@@ -364,20 +393,22 @@ Expected<void> extrudeRims(Chain& chain, Boundary& boundary, const CloseOptions&
   report.base_direction = frame.w;
   report.base_level_mm = frame.level;
   report.changes.push_back(fmt::format(
-      "{} {:.0f} mm around, {} extruded to {}{}",
-      rims.size() == 1 ? std::string("a rim") : fmt::format("{} rims, the longest", rims.size()),
-      boundary.longestLength(), rims.size() == 1 ? "was" : "were", describePlace(frame),
+      "{} {} extruded to {}{}",
+      rims.size() == 1 ? fmt::format("a rim {:.0f} mm around", boundary.longestLength())
+                       : fmt::format("{} rims, the longest {:.0f} mm around,", rims.size(), boundary.longestLength()),
+      rims.size() == 1 ? "was" : "were", describePlace(frame),
       options.base_style == BaseStyle::kFull ? fmt::format(", a plate {:.2f} mm thick", frame.level - frame.ceiling)
                                              : std::string()));
   return {};
 }
 
 Boundary boundaryOf(const Mesh& mesh) {
-  Boundary out{boundaryLoops(mesh.triangles), {}, 0, {}};
+  Boundary out{boundaryLoops(mesh.triangles), {}, 0, {}, {}};
   for (const Loop& loop : out.loops) out.lengths.push_back(length(mesh, loop));
   out.longest =
       static_cast<std::size_t>(std::max_element(out.lengths.begin(), out.lengths.end()) - out.lengths.begin());
   out.is_rim.assign(out.loops.size(), 0);
+  out.is_inner.assign(out.loops.size(), 0);
   return out;
 }
 
@@ -398,6 +429,31 @@ Expected<void> dropWhatLooksOpen(Chain& chain, const CloseOptions& options, Boun
                        "--close wrap, or mend the mesh in another program; --close base if it is a scan");
   e.expected = "a surface";
   return fail(std::move(e));
+}
+
+/// What is narrow along the rims goes, as asked.
+void trimBoundary(Chain& chain, const CloseOptions& options, Boundary& boundary, CloseReport& report) {
+  const double across = bounds(chain.mesh).size().norm();
+  std::vector<Loop> rims;
+  for (std::size_t i = 0; i < boundary.loops.size(); ++i)
+    if (i == boundary.longest || boundary.lengths[i] > options.rim_to_diagonal * across)
+      rims.push_back(boundary.loops[i]);
+
+  const Trimmed taken = trimRims(chain, rims, options.trim_rim_mm);
+  report.rim_places_trimmed = taken.places;
+  report.vertices_trimmed = taken.vertices;
+  report.triangles_trimmed = taken.triangles;
+  report.trimmed_mm2 = taken.area_mm2;
+  if (taken.triangles == 0) {
+    report.changes.push_back(
+        fmt::format("nothing along the rim is narrower than {} mm: nothing was trimmed", options.trim_rim_mm));
+    return;
+  }
+  report.changes.push_back(fmt::format(
+      "the rim was trimmed, as asked, in {} narrower than {} mm: {}, {} and {:.1f} mm2 of the scan were taken",
+      counted(taken.places, "place", "places"), options.trim_rim_mm, counted(taken.vertices, "vertex", "vertices"),
+      counted(taken.triangles, "triangle", "triangles"), taken.area_mm2));
+  boundary = boundaryOf(chain.mesh);
 }
 
 /// Refuses holes that are not to be filled.
@@ -424,7 +480,11 @@ Expected<void> fillHoles(Chain& chain, const Boundary& boundary, CloseReport& re
   for (std::size_t i = 0; i < boundary.loops.size(); ++i) {
     if (boundary.is_rim[i]) continue;
     if (!kerf::report(progress, 0.2, "filling holes")) return cancelled();
-    fans += !fillHole(chain, boundary.loops[i]);
+    // A smooth patch would follow the rim of a loose piece, and bury more of the arch than a fan that goes straight in.
+    if (boundary.is_inner[i])
+      fanHole(chain, boundary.loops[i]);
+    else
+      fans += !fillHole(chain, boundary.loops[i]);
     ++report.holes_filled;
     widest = std::max(widest, boundary.lengths[i]);
   }
@@ -452,6 +512,7 @@ Expected<void> closeBoundary(Chain& chain, const CloseOptions& options, CloseRep
 
   KERF_TRY(has_rim, needsBase(chain.mesh, boundary, options));
   const bool are_crowns = has_rim && areCrowns(chain.mesh, boundary, options);
+  if (has_rim && !are_crowns && options.trim_rim_mm > 0) trimBoundary(chain, options, boundary, report);
   if (are_crowns)
     report.changes.push_back("several open shells no larger than a tooth: each was capped, none got a base");
   else if (has_rim)

@@ -70,6 +70,37 @@ void dropRepeated(Chain& chain, CloseReport& report) {
   keepOnly(chain, keep);
 }
 
+/// Refuses what has no surface anywhere near: an edge that very many triangles share. All that follows would take its
+/// square in time, to no use. Copies of one triangle count once: they are dropped.
+Expected<void> refuseHeaps(const Mesh& mesh) {
+  constexpr std::size_t kMostAround = 40;  // scans have 5 at most, labels cut to blocks 4
+  std::size_t most = 0;
+  Vec3d where = Vec3d::Zero();
+  std::vector<std::uint32_t> apexes;
+  forEachEdge(edgeUses(mesh.triangles), [&](std::span<const EdgeUse> uses) {
+    if (uses.size() <= std::max(most, kMostAround)) return;
+    apexes.clear();
+    for (const EdgeUse& use : uses) {
+      const Triangle& f = mesh.triangles[use.triangle];
+      apexes.push_back(f[0] ^ f[1] ^ f[2] ^ use.a ^ use.b);
+    }
+    std::sort(apexes.begin(), apexes.end());
+    const auto count = static_cast<std::size_t>(std::unique(apexes.begin(), apexes.end()) - apexes.begin());
+    if (count <= most) return;
+    most = count;
+    where = 0.5 * (mesh.vertices[uses[0].a] + mesh.vertices[uses[0].b]);
+  });
+  if (most <= kMostAround) return {};
+
+  Error e;
+  e.code = Error::Code::kGeometry;
+  e.place = fmt::format("near ({:.3f}, {:.3f}, {:.3f}) mm", where.x(), where.y(), where.z());
+  e.found = fmt::format("an edge that {} triangles share", most);
+  e.expected = fmt::format("a surface: two at an edge, {} at the very most", kMostAround);
+  e.hint = "mend the mesh in another program, as by making it manifold, and export it again";
+  return fail(std::move(e));
+}
+
 struct PieceInfo {
   Pieces pieces;
   std::vector<std::size_t> size;
@@ -194,7 +225,8 @@ Expected<Chain> buildChain(const Mesh& imported, const CloseOptions& options, Cl
   if (const std::size_t n = before - chain.mesh.triangles.size(); n && !wanted(CloseStep::kDrop))
     return needed(counted(n, "triangle without area", "triangles without area"), CloseStep::kDrop);
 
-  if (wanted(CloseStep::kStitch)) stitchSeams(chain, options.stitch_mm, report);
+  KERF_CHECK(refuseHeaps(chain.mesh));
+  if (wanted(CloseStep::kStitch)) KERF_CHECK(stitchSeams(chain, options.stitch_mm, report));
   chain.open_mm = openLength(chain.mesh, chain.mesh.triangles);
   orientTriangles(chain, report);
   if (report.triangles_flipped && !wanted(CloseStep::kOrient))

@@ -7,6 +7,7 @@
 
 #include "geometry/mesh/crossing_pairs.h"
 #include "geometry/mesh/float32_cleanup.h"
+#include "geometry/mesh/solids.h"
 #include "preprocess/close/arrangement.h"
 #include "preprocess/close/boundary.h"
 #include "preprocess/close/chain.h"
@@ -152,6 +153,41 @@ void dropDebris(Result& r, const Mesh& imported, const CloseOptions& options, Cl
   report.debris_dropped = count;
   report.changes.push_back(fmt::format("{} beside or inside the solid dropped ({:.3f} mm3 in all)",
                                        counted(count, "splinter or pocket", "splinters and pockets"), dropped));
+}
+
+/// The triangles of `r` that have keep != 0, and the vertices they use.
+void keepTriangles(Result& r, const std::vector<char>& keep) {
+  std::size_t kept = 0;
+  for (std::size_t t = 0; t < keep.size(); ++t)
+    if (keep[t]) r.source[kept++] = r.source[t];
+  r.source.resize(kept);
+  r.mesh = subset(r.mesh, keep);
+}
+
+/// Drops closed pieces smaller than the limit, with their cavities; never the largest.
+void dropSpecks(Result& r, double limit_mm3, CloseReport& report) {
+  const Solids solids = solidsOf(r.mesh);
+  std::vector<double> volume(solids.count, 0);
+  const Vec3d c = bounds(r.mesh).center();
+  for (std::size_t t = 0; t < r.mesh.triangles.size(); ++t)
+    volume[solids.label[t]] +=
+        (r.mesh.corner(t, 0) - c).dot((r.mesh.corner(t, 1) - c).cross(r.mesh.corner(t, 2) - c)) / 6;
+
+  const auto largest = std::max_element(volume.begin(), volume.end()) - volume.begin();
+  std::vector<char> goes(solids.count, 0);
+  for (std::size_t n = 0; n < volume.size(); ++n) {
+    goes[n] = volume[n] < limit_mm3 && static_cast<std::ptrdiff_t>(n) != largest;
+    report.specks_dropped += goes[n] != 0;
+    if (goes[n]) report.specks_dropped_mm3 += volume[n];
+  }
+  if (report.specks_dropped == 0) return;
+
+  std::vector<char> keep(solids.label.size());
+  for (std::size_t t = 0; t < keep.size(); ++t) keep[t] = !goes[solids.label[t]];
+  keepTriangles(r, keep);
+  report.changes.push_back(fmt::format("{} smaller than {} mm3 {} dropped, as asked ({:.3g} mm3 in all)",
+                                       counted(report.specks_dropped, "piece", "pieces"), limit_mm3,
+                                       report.specks_dropped == 1 ? "was" : "were", report.specks_dropped_mm3));
 }
 
 /// Makes the surface a 2-manifold by moving apart what only touches. `fixed` follows the vertices.
@@ -324,8 +360,9 @@ void countLost(const Mesh& imported, const Mesh& solid, CloseReport& report) {
   }
   std::sort(lost.begin(), lost.end(), lessPlace);
   lost.erase(std::unique(lost.begin(), lost.end()), lost.end());
-  report.vertices_lost = lost.size();
-  report.vertices_lost_far = static_cast<std::size_t>(std::count_if(lost.begin(), lost.end(), isFar));
+  report.vertices_lost = lost.size() - std::min(lost.size(), report.vertices_trimmed);
+  const auto far = static_cast<std::size_t>(std::count_if(lost.begin(), lost.end(), isFar));
+  report.vertices_lost_far = std::min(far, report.vertices_lost);
 }
 
 /// Handles of a surface without boundary: pieces less half the Euler characteristic. Of an open one: as if each of its
@@ -379,6 +416,9 @@ Expected<void> checkOptions(const CloseOptions& o) {
   if (!(o.base_lip_mm >= 0 && o.base_lip_mm <= 1)) return bad("base_lip_mm", o.base_lip_mm, "from 0 to 1");
   if (!(o.cleanup_length_mm > 0 && o.cleanup_length_mm <= 0.1))
     return bad("cleanup_length_mm", o.cleanup_length_mm, "above 0, at most 0.1");
+  if (!(o.trim_rim_mm >= 0 && o.trim_rim_mm <= kWidestTrim))
+    return bad("trim_rim_mm", o.trim_rim_mm, fmt::format("from 0 to {}", kWidestTrim).c_str());
+  if (!(o.drop_specks_mm3 >= 0)) return bad("drop_specks_mm3", o.drop_specks_mm3, "0 or more");
   if (!(o.crumb_fraction >= 0 && o.crumb_fraction < 1))
     return bad("crumb_fraction", o.crumb_fraction, "from 0 to below 1");
   if (!(o.rim_to_diagonal > 0)) return bad("rim_to_diagonal", o.rim_to_diagonal, "above 0");
@@ -461,8 +501,13 @@ Expected<Result> makeExact(const Mesh& imported, Chain& chain, const CloseOption
 
 Expected<Result> makeWrap(const Chain& chain, const CloseOptions& options, CloseReport& report,
                           const Progress& progress) {
+  if (!internal::hasBoundary(chain)) report.volume_closed_mm3 = internal::windingVolume(chain.mesh);
   KERF_TRY(wrapped, wrap(chain, options, report, progress));
   KERF_CHECK(verify(wrapped.mesh));
+  const double volume = signedVolume(wrapped.mesh);
+  if (report.volume_closed_mm3 > 0)
+    report.changes.push_back(fmt::format("the wrap has {:.4g} mm3, {:.3g} times the {:.3g} mm3 that were wrapped",
+                                         volume, volume / report.volume_closed_mm3, report.volume_closed_mm3));
   return std::move(wrapped);
 }
 
@@ -533,6 +578,7 @@ Expected<Result> makeSolid(const Mesh& imported, const CloseOptions& options, Cl
   const bool may_wrap = options.only.empty() && (options.mode == CloseMode::kAuto || options.mode == CloseMode::kWrap);
   if (first || !may_wrap || first.error().code == Error::Code::kCancelled || first.error().code == Error::Code::kEmpty)
     return first;
+  if (chain.mesh.triangles.empty()) return first;  // not even that much could be made of it
   // A base that was asked for explicitly is not silently left out.
   const bool base_asked =
       options.base_height_mm || options.find_occlusal_plane || options.occlusal_plane || options.base_direction;
@@ -580,9 +626,11 @@ Expected<Solid> closeMesh(const Mesh& imported_mm, const CloseOptions& options, 
     if (const auto welded = internal::buildChain(imported_mm, fit, unused)) handles = handlesOf(welded->mesh);
   }
   reportLosses(imported_mm, result, handles, report);
-  for (std::string& warning : internal::guardWarnings(imported_mm, result.mesh, report))
-    warn(report, std::move(warning));
+  internal::Judgement judgement = internal::judgeSolid(imported_mm, result.mesh, report);
+  if (judgement.refusal && !options.accept_doubtful) return fail(std::move(*judgement.refusal));
+  for (std::string& warning : judgement.warnings) warn(report, std::move(warning));
 
+  if (options.drop_specks_mm3 > 0) dropSpecks(result, options.drop_specks_mm3, report);
   const std::size_t source_vertices = imported_mm.vertices.size() - report.vertices_welded;
   countTriangles(imported_mm, result, report);
   report.vertices_added =
@@ -611,12 +659,17 @@ std::string canonicalText(const CloseOptions& o) {
   const auto vector = [](const std::optional<Vec3d>& v) {
     return v ? fmt::format("({} {} {})", v->x(), v->y(), v->z()) : std::string("-");
   };
+  // What is left out by default stays out of the text: it names the cases that are there already.
+  std::string more;
+  if (o.trim_rim_mm > 0) more += fmt::format(" trim {}", o.trim_rim_mm);
+  if (o.drop_specks_mm3 > 0) more += fmt::format(" specks {}", o.drop_specks_mm3);
   return fmt::format(
-      "{} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {}", static_cast<int>(o.mode), static_cast<int>(o.base_style),
-      o.base_margin_mm, o.base_height_mm.value_or(0), vector(o.base_direction), o.find_occlusal_plane,
+      "{} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {}{}", static_cast<int>(o.mode),
+      static_cast<int>(o.base_style), o.base_margin_mm, o.base_height_mm.value_or(0), vector(o.base_direction),
+      o.find_occlusal_plane,
       o.occlusal_plane ? vector(o.occlusal_plane->normal) + vector(o.occlusal_plane->point) : std::string("-"),
       o.rim_to_diagonal, o.crumb_fraction, o.debris_fraction, o.cleanup_length_mm, o.wrap_alpha_mm, o.wrap_offset_mm,
-      namesOf(o.only), o.stitch_mm, o.fill_up_to_mm.value_or(0), o.base_smoothing_mm, o.base_lip_mm);
+      namesOf(o.only), o.stitch_mm, o.fill_up_to_mm.value_or(0), o.base_smoothing_mm, o.base_lip_mm, more);
 }
 
 Expected<Solid> closeMeshes(std::span<const Mesh> imported_mm, const CloseOptions& options, const Progress& progress) {

@@ -50,6 +50,7 @@ struct GivenPlane {
 };
 
 inline constexpr double kWidestStitch = 1;  ///< mm
+inline constexpr double kWidestTrim = 20;   ///< mm
 
 struct CloseOptions {
   CloseMode mode = CloseMode::kAuto;
@@ -80,6 +81,8 @@ struct CloseOptions {
   /// is parallel to that, and this only says which side is down. Refused if it leads away from the opening: by more
   /// than 75 degrees, or 105 from one that only rim and orientation together show.
   std::optional<Vec3d> base_direction{};
+  /// Tongues and flakes of a rim narrower than this are taken before it gets a base; 0: nothing is. See trimRims().
+  double trim_rim_mm = 0;
   bool find_occlusal_plane = false;  ///< makes the base parallel to findOcclusalPlane(); see baseFrame() on flatness
   std::optional<GivenPlane> occlusal_plane{};  ///< or to this one
   double rim_to_diagonal = 1.2;  ///< a boundary longer than this many box diagonals is a rim, a shorter one a hole
@@ -88,9 +91,13 @@ struct CloseOptions {
   double crumb_fraction = 0.01;
   /// Pieces that cutting created are dropped if they are smaller than this share of the volume. 0 keeps them all.
   double debris_fraction = 1e-4;
+  double drop_specks_mm3 = 0;       ///< closed pieces of the solid smaller than this are dropped; never the largest
   double cleanup_length_mm = 1e-3;  ///< new edges shorter than this are collapsed; see cleanUpForFloat32()
   double wrap_alpha_mm = 1.0;       ///< hollows narrower than this are bridged; below 0.3 a wrap takes minutes
   double wrap_offset_mm = 0.05;     ///< the wrap stands off the mesh by this much
+  /// A solid that is not what was scanned (more than twice or less than a quarter of its volume, more than a third of
+  /// the vertices lost) is made all the same, with a warning, not refused.
+  bool accept_doubtful = false;
 };
 
 struct CloseReport {
@@ -117,15 +124,22 @@ struct CloseReport {
   double rim_bridged_mm = 0;           ///< length of the rims along these gaps
   double widest_gap_mm = 0;            ///< that was bridged
   std::string base_fallback{};         ///< how the base was built where the smooth walls failed: "a lip of 0.4 mm", ...
-  std::size_t vertices_lost = 0;       ///< source vertices whose place has no vertex of the solid
-  std::size_t vertices_lost_far = 0;   ///< those of them farther than 1 mm from the scan's boundary
-  int handles_added = 0;               ///< of the solid beyond the scan's own; counted where a rim got a base
-  std::size_t crossings_resolved = 0;  ///< pairs of triangles that crossed or touched
-  double largest_move_mm = 0;          ///< of a source vertex
+  std::size_t rim_places_trimmed = 0;  ///< as CloseOptions::trim_rim_mm asked; with what was taken there:
+  std::size_t vertices_trimmed = 0;
+  std::size_t triangles_trimmed = 0;
+  double trimmed_mm2 = 0;
+  std::size_t vertices_lost = 0;      ///< source vertices whose place has no vertex of the solid, but for trimmed ones
+  std::size_t vertices_lost_far = 0;  ///< those of them farther than 1 mm from the scan's boundary
+  int handles_added = 0;              ///< of the solid beyond the scan's own; counted where a rim got a base
+  std::size_t specks_dropped = 0;     ///< as CloseOptions::drop_specks_mm3 asked
+  double specks_dropped_mm3 = 0;
+  std::size_t crossings_resolved = 0;           ///< pairs of triangles that crossed or touched
+  double largest_move_mm = 0;                   ///< of a source vertex
   std::optional<Vec3d> base_direction;          ///< unit, out of the model; set if a base was built
   double base_level_mm = 0;                     ///< the base is {x : base_direction . x = base_level_mm}
   std::optional<OcclusalPlane> occlusal_plane;  ///< set if options ask to find it
   bool exact = true;                            ///< false after a wrap: the surface is an approximation
+  double volume_closed_mm3 = 0;  ///< enclosed by the closed triangles that were wrapped; 0: none, or they stayed open
 };
 
 struct Solid {
@@ -146,7 +160,8 @@ struct Solid {
 /// into stone within its uppermost 0.2 mm, in a row of triangles of its own; smooth walls do so in their lip, 0.3 mm.
 /// @param imported_mm  anything a file can hold, in mm, at least one triangle.
 /// @return the solid. Errors: kEmpty (no triangle with area), kGeometry (kRepair on a mesh without underside; nothing
-/// left; the exact way and the wrap failed), kBadValue (options), kCancelled.
+/// left; the exact way and the wrap failed; a solid that is not what was scanned, see CloseOptions::accept_doubtful),
+/// kBadValue (options), kCancelled.
 /// @cost about 130 ms for 60k triangles without crossings; with about 800 crossing pairs (a ragged rim) about 1 s.
 /// @thread any; uses all TBB threads; deterministic.
 Expected<Solid> closeMesh(const Mesh& imported_mm, const CloseOptions& options = {}, const Progress& progress = {});

@@ -65,17 +65,18 @@ std::vector<Loop> boundaryLoops(const std::vector<Triangle>& triangles) {
   }
   std::sort(missing.begin(), missing.end());
 
+  // Of the edges that leave a vertex the first that is left is taken: `next` is where the search for it begins.
   std::vector<char> used(missing.size(), 0);
-
+  std::map<std::uint32_t, std::size_t> next;
+  for (std::size_t i = missing.size(); i-- > 0;) next[missing[i].first] = i;
   const auto take = [&](std::uint32_t from) {
-    auto it = std::lower_bound(missing.begin(), missing.end(), std::pair(from, 0u));
-    for (; it != missing.end() && it->first == from; ++it) {
-      const auto i = static_cast<std::size_t>(it - missing.begin());
+    const auto it = next.find(from);
+    if (it == next.end()) return kNone;
+    for (std::size_t& i = it->second; i < missing.size() && missing[i].first == from; ++i)
       if (!used[i]) {
         used[i] = 1;
-        return it->second;
+        return missing[i].second;
       }
-    }
     return kNone;
   };
 

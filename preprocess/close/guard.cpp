@@ -1,12 +1,15 @@
 #include "preprocess/close/guard.h"
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "preprocess/close/openness.h"
+#include "preprocess/close/winding.h"
 
 namespace kerf::internal {
 namespace {
@@ -36,33 +39,100 @@ std::vector<Triangle> weldedTriangles(const Mesh& mesh, std::size_t& used) {
   return out;
 }
 
+Error refusalOf(std::string found, std::string expected) {
+  return {.code = Error::Code::kGeometry,
+          .found = std::move(found),
+          .expected = std::move(expected),
+          .hint =
+              "--close repair or --close wrap, or mend the mesh in another program; --accept-doubtful takes the "
+              "solid as it is"};
+}
+
+// What a solid's volume is to be compared with, mm3; 0: nothing.
+struct Expectation {
+  double volume = 0;
+  const char* of = "";
+};
+
+Expectation expectationOf(const Mesh& imported_mm, bool is_hardly_open, const CloseReport& report) {
+  if (!report.exact && report.volume_closed_mm3 > 0) return {report.volume_closed_mm3, "the closed mesh encloses"};
+  if (is_hardly_open) return {std::abs(signedVolume(imported_mm)), "the mesh encloses"};
+  return {};
+}
+
+void judgeVolume(const Mesh& imported_mm, const Mesh& solid, const Expectation& expected, bool is_hardly_open,
+                 const CloseReport& report, Judgement& out) {
+  if (!(expected.volume > 0)) return;
+  const double after = std::abs(signedVolume(solid)), ratio = after / expected.volume;
+  if (ratio <= kMostGrowth && ratio >= kLeastShrink) return;
+  // Shells that lie in each other or face different ways count wrong in a sum over triangles.
+  const double wound = is_hardly_open && report.exact ? windingVolume(imported_mm) : expected.volume;
+  if (after <= kMostGrowth * wound && after * kMostGrowth >= wound) return;
+
+  const std::string found =
+      fmt::format("{:.4g} mm3, {:.3g} times the {:.4g} mm3 that {}", after, ratio, expected.volume, expected.of);
+  out.warnings.push_back("THE SOLID IS NOT WHAT WAS SCANNED: it has " + found +
+                         ". Look at it before anything is cut; try --close repair, --close wrap, or mend the mesh in "
+                         "another program");
+  const double least = std::min(wound, expected.volume), most = std::max(wound, expected.volume);
+  if (after > kRefusedGrowth * most || after < kRefusedShrink * least)
+    out.refusal = refusalOf(
+        "a solid of " + found,
+        fmt::format("{} to {} times as much: a solid that is what was scanned", kRefusedShrink, kRefusedGrowth));
+}
+
+void judgeLoss(std::size_t vertices, bool is_volume_right, const CloseReport& report, Judgement& out) {
+  const double lost = vertices > 0 ? static_cast<double>(report.vertices_lost) / static_cast<double>(vertices) : 0;
+  if (!report.exact || !(lost > kMostLost)) return;
+
+  const std::string found =
+      fmt::format("{} of its {} vertices ({:.0f} %) are not in the solid", report.vertices_lost, vertices, 100 * lost);
+  out.warnings.push_back("MUCH OF THE SCAN IS LOST: " + found +
+                         ". Look at it before anything is cut; try --close repair, --close wrap, or mend the mesh in "
+                         "another program");
+  if (lost > kRefusedLost && !is_volume_right && !out.refusal)
+    out.refusal = refusalOf("a closing that ruins the scan: " + found, "a third at most");
+}
+
 }  // namespace
 
-std::vector<std::string> guardWarnings(const Mesh& imported_mm, const Mesh& solid, const CloseReport& report) {
-  std::vector<std::string> out;
+double windingVolume(const Mesh& mesh) {
+  constexpr std::size_t kPlaces = 50'000;  // 1 % of a volume that fills a fifth of the box
+  const Box3 box = bounds(mesh);
+  const RayWinding rays(mesh);
+  const auto nothing = [](std::uint32_t) { return false; };
+  std::vector<char> is_inside(kPlaces, 0);
+  tbb::parallel_for(std::size_t{0}, kPlaces, [&](std::size_t n) {
+    // An even sequence: powers of 1 / x with x^4 = x + 1.
+    const Vec3d step(0.8191725133961645, 0.6710436067037893, 0.5497004779019703);
+    const Vec3d share = (static_cast<double>(n + 1) * step).unaryExpr([](double x) { return x - std::floor(x); });
+    const auto winding = rays.at(box.min + share.cwiseProduct(box.size()), nothing);
+    is_inside[n] = winding && *winding != 0;
+  });
+  const auto inside = static_cast<double>(std::count(is_inside.begin(), is_inside.end(), 1));
+  return box.size().prod() * inside / kPlaces;
+}
+
+Judgement judgeSolid(const Mesh& imported_mm, const Mesh& solid, const CloseReport& report) {
+  Judgement out;
   std::size_t used = 0;
   const std::vector<Triangle> triangles = weldedTriangles(imported_mm, used);
   Box3 box;
   for (const Triangle& f : triangles)
     for (const std::uint32_t v : f) box.add(imported_mm.vertices[v]);
-
-  const double before = std::abs(signedVolume(imported_mm)), after = std::abs(signedVolume(solid));
   const bool is_hardly_open =
       !triangles.empty() && openLength(imported_mm, triangles) <= kHardlyOpen * box.size().norm();
-  const double ratio = before > 0 ? after / before : 1;
-  if (is_hardly_open && (ratio > kMostGrowth || ratio < kLeastShrink))
-    out.push_back(fmt::format(
-        "THE SOLID IS NOT WHAT WAS SCANNED: it has {:.4g} mm3, {:.3g} times the {:.4g} mm3 that the mesh encloses. "
-        "Look at it before anything is cut; try --close holes, a smaller --wrap-alpha, or mend the mesh in "
-        "another program",
-        after, ratio, before));
 
-  const double lost = used > 0 ? static_cast<double>(report.vertices_lost) / static_cast<double>(used) : 0;
-  if (report.exact && lost > kMostLost)
-    out.push_back(fmt::format(
-        "MUCH OF THE SCAN IS LOST: {} of its {} vertices ({:.0f} %) are not in the solid. Look at it before "
-        "anything is cut; try --close holes, --close wrap, or mend the mesh in another program",
-        report.vertices_lost, used, 100 * lost));
+  const Expectation expected = expectationOf(imported_mm, is_hardly_open, report);
+  judgeVolume(imported_mm, solid, expected, is_hardly_open, report, out);
+  const bool is_volume_right = is_hardly_open && expected.volume > 0 && out.warnings.empty();
+  judgeLoss(used, is_volume_right, report, out);
+
+  if (report.handles_added > kMostHandles)
+    out.warnings.push_back(fmt::format(
+        "THE SOLID IS FULL OF HOLES: {} go right through it that the scan has not. Look at it before anything is cut; "
+        "try --base-smoothing 16, or mend the mesh in another program",
+        report.handles_added));
   return out;
 }
 

@@ -1,21 +1,39 @@
 // Whether a solid is still the scan it was made of: what closing added or lost beyond what any remedy intends.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "geometry/base/error.h"
 #include "preprocess/close/close.h"
 
 namespace kerf::internal {
 
-/// A solid may have so many times the volume of a mesh that was as good as closed. Less is told below a half: pieces
-/// that overlap and shells within shells count once in a solid, and more than once in a mesh.
+/// A solid may have so many times the volume that the mesh encloses, or that was wrapped. Less is told below a
+/// half: pieces that overlap and shells within shells count once in a solid, and more than once in a mesh.
 inline constexpr double kMostGrowth = 1.1, kLeastShrink = 0.5;
-/// An exact solid may lack this part of the scan's vertices.
-inline constexpr double kMostLost = 0.1;
+/// Beyond these it is refused. Then the volume of the mesh is counted by winding numbers as well, so that shells which
+/// lie in each other count once, and both have to be exceeded.
+inline constexpr double kRefusedGrowth = 2, kRefusedShrink = 0.25;
+/// An exact solid may lack this part of the scan's vertices; beyond the second limit it is refused, unless the mesh
+/// encloses what the solid does: then its inner shells are lost, as in every union.
+inline constexpr double kMostLost = 0.1, kRefusedLost = 1.0 / 3;
+/// So many holes right through the solid that the scan has not are told in capitals: real scans get 9 at most.
+inline constexpr int kMostHandles = 20;
 
-/// Sentences, each with what to try; none: the solid is what was scanned, as far as this can tell.
-/// @param report  of the same closing: its vertices_lost are counted.   @cost  that of sorting the edges.
-std::vector<std::string> guardWarnings(const Mesh& imported_mm, const Mesh& solid, const CloseReport& report);
+/// Volume of where the mesh winds around at least once, whichever way, mm3: shells in each other count once. Counted at
+/// 50 000 places of its box. @pre closed, or hardly open: rays cross it as often one way as the other.
+double windingVolume(const Mesh& mesh);
+
+/// What the guard has to say. Nothing: the solid is what was scanned, as far as this can tell.
+struct Judgement {
+  std::vector<std::string> warnings;  ///< sentences, each with what to try
+  std::optional<Error> refusal;       ///< kGeometry; names CloseOptions::accept_doubtful as the way to take it as it is
+};
+
+/// @param report  of the same closing: its vertices_lost are counted.
+/// @cost  that of sorting the edges; where the volume is doubtful up to a second more.
+Judgement judgeSolid(const Mesh& imported_mm, const Mesh& solid, const CloseReport& report);
 
 }  // namespace kerf::internal

@@ -60,11 +60,15 @@ bool fillHole(Chain& chain, const Loop& loop) {
   const std::vector<Triangle> triangles = triangulate(chain, loop);
   for (const Triangle& t : triangles) chain.addTriangle(t[0], t[1], t[2]);
   if (!triangles.empty()) return true;
+  fanHole(chain, loop);
+  return false;
+}
+
+void fanHole(Chain& chain, const Loop& loop) {
   Vec3d mean = Vec3d::Zero();
   for (const std::uint32_t v : loop) mean += chain.mesh.vertices[v] / static_cast<double>(loop.size());
   const std::uint32_t c = chain.addVertex(roundedToFloat(mean));
   for (std::size_t i = 0; i < loop.size(); ++i) chain.addTriangle(loop[i], loop[(i + 1) % loop.size()], c);
-  return false;
 }
 
 }  // namespace kerf::internal

@@ -11,4 +11,7 @@ namespace kerf::internal {
 /// @return true unless the fan was needed.
 bool fillHole(Chain& chain, const Loop& loop);
 
+/// Adds the fan around the loop's mean.
+void fanHole(Chain& chain, const Loop& loop);
+
 }  // namespace kerf::internal

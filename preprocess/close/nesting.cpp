@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
+
+#include "geometry/mesh/box_tree.h"
 
 namespace kerf::internal {
 
@@ -25,17 +28,22 @@ std::vector<NestingLevel> nestingLevels(const Mesh& mesh) {
     return va != vb ? va > vb : a < b;
   });
 
+  std::vector<std::size_t> rank(pieces.count);
+  for (std::size_t i = 0; i < order.size(); ++i) rank[order[i]] = i;
+
+  const BoxTree boxes(std::move(box));
   std::vector<int> depth(pieces.count, 0);
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    const std::uint32_t p = order[i];
+  for (const std::uint32_t p : order) {
     const bool is_void = volume[p] < 0;
+    const Box3& inner = boxes.boxes()[p];
     int deepest_around = is_void ? 0 : -1;
-    for (std::size_t j = 0; j < i; ++j) {
-      const std::uint32_t q = order[j];
-      if ((volume[q] < 0) != is_void && box[q].contains(box[p].min) && box[q].contains(box[p].max) &&
-          (is_void || depth[q] > 0))
-        deepest_around = std::max(deepest_around, depth[q]);
-    }
+    boxes.visit([&](const Box3& node) { return holds(node, inner); },
+                [&](std::uint32_t q) {
+                  if (rank[q] < rank[p] && (volume[q] < 0) != is_void && holds(boxes.boxes()[q], inner) &&
+                      (is_void || depth[q] > 0))
+                    deepest_around = std::max(deepest_around, depth[q]);
+                  return true;
+                });
     depth[p] = is_void ? (deepest_around % 2 == 0 ? deepest_around + 1 : deepest_around)
                        : (deepest_around < 0 ? 0 : deepest_around + 1);
   }

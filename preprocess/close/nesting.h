@@ -15,7 +15,7 @@ struct NestingLevel {
 };
 
 /// Signed volume of one piece decides what it is: a piece of a crossing-free solid is a void exactly if it is negative.
-/// Outermost first. O(pieces^2) box tests.
+/// Outermost first. @cost O(n log n) unless very many boxes lie in each other.
 /// @pre mesh closed, oriented, free of self-intersections.
 std::vector<NestingLevel> nestingLevels(const Mesh& mesh);
 

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 
+#include "geometry/mesh/box_tree.h"
 #include "preprocess/close/close.h"
 #include "preprocess/close/winding.h"
 
@@ -81,13 +82,11 @@ PieceSizes sizesOf(const Mesh& mesh, const Pieces& pieces) {
   return out;
 }
 
-// Pieces by the size of their boxes, the largest first: most often it holds all others.
-std::vector<std::uint32_t> largestFirst(const std::vector<Box3>& box) {
-  std::vector<std::uint32_t> order(box.size());
-  std::iota(order.begin(), order.end(), 0u);
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::uint32_t a, std::uint32_t b) { return box[a].size().prod() > box[b].size().prod(); });
-  return order;
+// Whether the box of piece `l` lies in that of another.
+bool isHeld(const BoxTree& pieces, std::uint32_t l) {
+  const Box3& inner = pieces.boxes()[l];
+  return !pieces.visit([&](const Box3& node) { return holds(node, inner); },
+                       [&](std::uint32_t o) { return o == l || !holds(pieces.boxes()[o], inner); });
 }
 
 // Whether the place of piece `l` lies in what the other pieces enclose.
@@ -158,17 +157,14 @@ bool turnPieces(Chain& chain, CloseReport& report) {
   Mesh& mesh = chain.mesh;
   const Pieces pieces = piecesOf(mesh.triangles.size(), edgeUses(mesh.triangles));
   const PieceSizes sizes = sizesOf(mesh, pieces);
-  const std::vector<Box3>& box = sizes.box;
-  const std::vector<std::uint32_t> by_size = largestFirst(box);
+  const BoxTree boxes(sizes.box);
 
   bool nested = false;
   std::vector<char> turn(pieces.count, 0);
   std::size_t turned = 0;
   std::optional<RayWinding> rays;
   for (std::uint32_t l = 0; l < pieces.count; ++l) {
-    const bool inside_another = std::any_of(by_size.begin(), by_size.end(), [&](std::uint32_t o) {
-      return o != l && box[o].contains(box[l].min) && box[o].contains(box[l].max);
-    });
+    const bool inside_another = isHeld(boxes, l);
     nested = nested || inside_another;
     if (!(sizes.volume[l] < 0)) continue;
     if (inside_another && liesInOthers(mesh, pieces, l, sizes.biggest[l], rays)) continue;  // the wall of a cavity

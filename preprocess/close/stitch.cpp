@@ -7,6 +7,7 @@
 #include <map>
 #include <numeric>
 
+#include "geometry/mesh/box_tree.h"
 #include "preprocess/close/close.h"
 
 namespace kerf::internal {
@@ -48,42 +49,50 @@ std::vector<std::uint32_t> openVertices(const std::vector<OpenEdge>& edges) {
   return vertices;
 }
 
-/// The open vertices, in cubes.
-class Grid {
+/// The open vertices in a tree. A search costs what lies near its segment, however the vertices are spread and however
+/// long the open edges are.
+class OpenPoints {
  public:
-  Grid(const Mesh& mesh, const std::vector<OpenEdge>& edges, double cell) : mesh_(mesh), cell_(cell) {
-    for (const std::uint32_t v : openVertices(edges)) cubes_[cube(mesh.vertices[v])].push_back(v);
-  }
-  /// Calls f for the open vertices in a box, in order.
+  OpenPoints(const Mesh& mesh, const std::vector<OpenEdge>& edges)
+      : vertices_(openVertices(edges)), tree_(boxesOf(mesh, vertices_)) {}
+  const std::vector<std::uint32_t>& vertices() const { return vertices_; }
+
+  /// Calls f for the open vertices within `margin` of the segment, and for some a little farther away; in no order.
+  /// It stops once f returns false.
   template <class F>
-  void forEachIn(Box3 box, double margin, F&& f) const {
-    box.grow(margin);
-    const Cube low = cube(box.min), high = cube(box.max);
-    for (long x = low[0]; x <= high[0]; ++x)
-      for (long y = low[1]; y <= high[1]; ++y)
-        for (long z = low[2]; z <= high[2]; ++z)
-          if (const auto it = cubes_.find({x, y, z}); it != cubes_.end())
-            for (const std::uint32_t v : it->second)
-              if (box.contains(mesh_.vertices[v])) f(v);
+  void forEachNear(const Vec3d& a, const Vec3d& b, double margin, const F& f) const {
+    const Vec3d along = b - a;
+    const double wide = margin * (1 + 1e-6);  // a division by a small length rounds
+    tree_.visit([&](const Box3& box) { return comesInto(box, a, along, wide); },
+                [&](std::uint32_t n) { return f(vertices_[n]); });
   }
 
  private:
-  using Cube = std::array<long, 3>;
-  Cube cube(const Vec3d& p) const {
-    return {std::lround(std::floor(p[0] / cell_)), std::lround(std::floor(p[1] / cell_)),
-            std::lround(std::floor(p[2] / cell_))};
+  static std::vector<Box3> boxesOf(const Mesh& mesh, const std::vector<std::uint32_t>& vertices) {
+    std::vector<Box3> boxes(vertices.size());
+    for (std::size_t n = 0; n < vertices.size(); ++n) boxes[n].add(mesh.vertices[vertices[n]]);
+    return boxes;
   }
-  const Mesh& mesh_;
-  double cell_;
-  std::map<Cube, std::vector<std::uint32_t>> cubes_;
-};
 
-/// Mean length of the open edges, at least twice the tolerance: a good size for the cubes.
-double cellSize(const Mesh& mesh, const std::vector<OpenEdge>& edges, double tolerance) {
-  double sum = 0;
-  for (const OpenEdge& e : edges) sum += (mesh.vertices[e.a] - mesh.vertices[e.b]).norm();
-  return std::max(2 * tolerance, sum / static_cast<double>(edges.size()));
-}
+  /// Whether the segment comes into the box grown by the margin.
+  static bool comesInto(const Box3& box, const Vec3d& a, const Vec3d& along, double margin) {
+    double from = 0, to = 1;
+    for (int k = 0; k < 3; ++k) {
+      const double low = box.min[k] - margin - a[k], high = box.max[k] + margin - a[k];
+      if (along[k] == 0) {
+        if (low > 0 || high < 0) return false;
+        continue;
+      }
+      const double x = low / along[k], y = high / along[k];
+      from = std::max(from, std::min(x, y));
+      to = std::min(to, std::max(x, y));
+    }
+    return from <= to;
+  }
+
+  std::vector<std::uint32_t> vertices_;
+  BoxTree tree_;
+};
 
 struct Done {
   std::size_t joined = 0, split = 0;
@@ -96,17 +105,29 @@ struct Pair {
   std::uint32_t first, second;
 };
 
+/// More than that near each other are no seams.
+constexpr std::size_t kMostPairs = 2'000'000;
+
+Error heap(std::size_t limit, const char* what, double tolerance) {
+  Error e;
+  e.code = Error::Code::kGeometry;
+  e.found = fmt::format("more than {} {} within {:.2g} mm of each other", limit, what, tolerance);
+  e.expected = "a surface with seams, not a heap of triangles";
+  e.hint = "--stitch-mm 0, which joins nothing, or mend the mesh in another program";
+  return e;
+}
+
 /// Those no farther apart than the tolerance, the closest first.
-std::vector<Pair> closePairs(const Mesh& mesh, const std::vector<OpenEdge>& edges, double tolerance) {
-  const Grid grid(mesh, edges, cellSize(mesh, edges, tolerance));
+Expected<std::vector<Pair>> closePairs(const Mesh& mesh, const std::vector<OpenEdge>& edges, double tolerance) {
+  const OpenPoints points(mesh, edges);
   std::vector<Pair> pairs;
-  for (const std::uint32_t v : openVertices(edges)) {
-    Box3 box;
-    box.add(mesh.vertices[v]);
-    grid.forEachIn(box, tolerance, [&](std::uint32_t w) {
+  for (const std::uint32_t v : points.vertices()) {
+    points.forEachNear(mesh.vertices[v], mesh.vertices[v], tolerance, [&](std::uint32_t w) {
       const double d = (mesh.vertices[v] - mesh.vertices[w]).norm();
       if (w > v && d <= tolerance) pairs.push_back({d, v, w});
+      return pairs.size() <= kMostPairs;
     });
+    if (pairs.size() > kMostPairs) return fail(heap(kMostPairs, "pairs of boundary vertices", tolerance));
   }
   std::sort(pairs.begin(), pairs.end(), [](const Pair& x, const Pair& y) {
     if (x.distance != y.distance) return x.distance < y.distance;
@@ -115,11 +136,11 @@ std::vector<Pair> closePairs(const Mesh& mesh, const std::vector<OpenEdge>& edge
   return pairs;
 }
 
-/// The closest pairs first; a vertex takes part in one join.
-void joinVertices(Chain& chain, const std::vector<OpenEdge>& edges, double tolerance, Done& done) {
-  Mesh& mesh = chain.mesh;
-  const std::vector<Pair> pairs = closePairs(mesh, edges, tolerance);
-  std::map<std::uint32_t, std::vector<std::uint32_t>> neighbours;  // of the vertices in pairs
+/// Of the vertices in pairs: the corners of their triangles, sorted.
+using Neighbours = std::map<std::uint32_t, std::vector<std::uint32_t>>;
+
+Neighbours neighboursOf(const Mesh& mesh, const std::vector<Pair>& pairs) {
+  Neighbours neighbours;
   for (const Pair& p : pairs) {
     neighbours.try_emplace(p.first);
     neighbours.try_emplace(p.second);
@@ -128,15 +149,25 @@ void joinVertices(Chain& chain, const std::vector<OpenEdge>& edges, double toler
     for (const std::uint32_t v : f)
       if (const auto it = neighbours.find(v); it != neighbours.end())
         it->second.insert(it->second.end(), f.begin(), f.end());
+  for (auto& [v, around] : neighbours) std::sort(around.begin(), around.end());
+  return neighbours;
+}
+
+/// The closest pairs first; a vertex takes part in one join.
+Expected<void> joinVertices(Chain& chain, const std::vector<OpenEdge>& edges, double tolerance, Done& done) {
+  Mesh& mesh = chain.mesh;
+  KERF_TRY(pairs, closePairs(mesh, edges, tolerance));
+  if (pairs.empty()) return {};
+  const Neighbours neighbours = neighboursOf(mesh, pairs);
 
   std::vector<std::uint32_t> target(mesh.vertices.size());
   std::iota(target.begin(), target.end(), 0u);
   std::vector<char> taken(mesh.vertices.size(), 0);
   for (const Pair& p : pairs) {
     if (taken[p.first] || taken[p.second]) continue;
-    const auto& around = neighbours[p.second];
+    const auto& around = neighbours.at(p.second);
     // Two ends of one edge: joining them would lose a triangle.
-    if (std::find(around.begin(), around.end(), p.first) != around.end()) continue;
+    if (std::binary_search(around.begin(), around.end(), p.first)) continue;
     taken[p.first] = taken[p.second] = 1;
     target[p.second] = p.first;
     ++done.joined;
@@ -145,6 +176,7 @@ void joinVertices(Chain& chain, const std::vector<OpenEdge>& edges, double toler
 
   for (Triangle& f : mesh.triangles)
     for (std::uint32_t& v : f) v = target[v];
+  return {};
 }
 
 /// An open edge, and the open vertices near it in their order along it.
@@ -157,26 +189,31 @@ struct Cut {
   std::vector<Stop> stops;
 };
 
+/// More vertices on edges, in all rounds, are no seams: each split makes edges that others may lie on.
+constexpr std::size_t kMostStops = 200'000;
+
 /// One per triangle at most.
-std::vector<Cut> cutsNear(const Mesh& mesh, const std::vector<OpenEdge>& edges, double tolerance) {
-  const Grid grid(mesh, edges, cellSize(mesh, edges, tolerance));
+/// @param found  how many there were in earlier rounds.
+Expected<std::vector<Cut>> cutsNear(const Mesh& mesh, const std::vector<OpenEdge>& edges, double tolerance,
+                                    std::size_t found) {
+  const OpenPoints points(mesh, edges);
   std::vector<Cut> cuts;
   std::vector<char> taken(mesh.triangles.size(), 0);
   for (const OpenEdge& e : edges) {
     if (taken[e.triangle]) continue;
     const Vec3d a = mesh.vertices[e.a], d = mesh.vertices[e.b] - a;
     const std::uint32_t apex = mesh.triangles[e.triangle][(e.corner + 2) % 3];
-    Box3 box;
-    box.add(a);
-    box.add(mesh.vertices[e.b]);
 
     std::vector<Cut::Stop> stops;
-    grid.forEachIn(box, tolerance, [&](std::uint32_t v) {
-      if (v == e.a || v == e.b || v == apex) return;
+    points.forEachNear(a, mesh.vertices[e.b], tolerance, [&](std::uint32_t v) {
+      if (v == e.a || v == e.b || v == apex) return true;
       const double s = (mesh.vertices[v] - a).dot(d) / d.squaredNorm();
       if (s > 0 && s < 1 && (mesh.vertices[v] - a - s * d).norm() <= tolerance) stops.push_back({s, v});
+      return found + stops.size() <= kMostStops;
     });
     if (stops.empty()) continue;
+    found += stops.size();
+    if (found > kMostStops) return fail(heap(kMostStops, "boundary vertices and edges", tolerance));
 
     std::sort(stops.begin(), stops.end(),
               [](const Cut::Stop& x, const Cut::Stop& y) { return x.at != y.at ? x.at < y.at : x.v < y.v; });
@@ -187,11 +224,11 @@ std::vector<Cut> cutsNear(const Mesh& mesh, const std::vector<OpenEdge>& edges, 
 }
 
 /// Splits every open edge at the open vertices near it, one edge per triangle. True if any was.
-bool splitEdges(Chain& chain, double tolerance, Done& done) {
+Expected<bool> splitEdges(Chain& chain, double tolerance, Done& done) {
   Mesh& mesh = chain.mesh;
   const std::vector<OpenEdge> edges = openEdges(mesh.triangles);
   if (edges.empty()) return false;
-  const std::vector<Cut> cuts = cutsNear(mesh, edges, tolerance);
+  KERF_TRY(cuts, cutsNear(mesh, edges, tolerance, done.split));
 
   for (const Cut& cut : cuts) {
     const Triangle f = mesh.triangles[cut.edge.triangle];
@@ -220,14 +257,16 @@ bool splitEdges(Chain& chain, double tolerance, Done& done) {
 
 }  // namespace
 
-void stitchSeams(Chain& chain, double tolerance, CloseReport& report) {
+Expected<void> stitchSeams(Chain& chain, double tolerance, CloseReport& report) {
   const std::vector<OpenEdge> edges = openEdges(chain.mesh.triangles);
-  if (edges.empty() || !(tolerance > 0)) return;
+  if (edges.empty() || !(tolerance > 0)) return {};
   Done done;
-  joinVertices(chain, edges, tolerance, done);
-  for (int round = 0; round < kMostRounds && splitEdges(chain, tolerance, done); ++round) {
+  KERF_CHECK(joinVertices(chain, edges, tolerance, done));
+  for (int round = 0; round < kMostRounds; ++round) {
+    KERF_TRY(any, splitEdges(chain, tolerance, done));
+    if (!any) break;
   }
-  if (done.joined + done.split == 0) return;
+  if (done.joined + done.split == 0) return {};
   report.seam_vertices = done.joined + done.split;
   report.vertices_moved += done.joined;
   report.largest_move_mm = std::max(report.largest_move_mm, done.move);
@@ -235,6 +274,7 @@ void stitchSeams(Chain& chain, double tolerance, CloseReport& report) {
       fmt::format("seams were stitched within {:.2g} mm: {} joined, {} split at one (moved by {:.2g} mm at most)",
                   tolerance, counted(done.joined, "pair of boundary vertices was", "pairs of boundary vertices were"),
                   counted(done.split, "boundary edge was", "boundary edges were"), done.move));
+  return {};
 }
 
 }  // namespace kerf::internal

@@ -80,6 +80,10 @@ struct RunManifest {
   /// Not stored. A cut that left the case's fine region was computed on the object's own voxels: so far, in mm, it
   /// reaches out of the region. 0: there is no region, or the cut stayed inside.
   double beyond_region_mm = 0;
+  /// Not stored. Short motions of a geometry cut that were swept as parts of longer ones, each point of the tool within
+  /// the tolerance of where the path leads it; and how many motions were swept.
+  std::size_t merged_motions = 0, swept_motions = 0;
+  double merge_tolerance_mm = 0;
   /// In summary.json. What a geometry cut took off, by a material's id, counted on the object's own voxels.
   std::map<std::string, double> removed_by_material;
 };

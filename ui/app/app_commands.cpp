@@ -234,7 +234,7 @@ constexpr AppCommand kCommands[] = {
      isOpen, hand_commands::pedal},
     {"cut.speed", "", "", "", "PERCENT", "Sets the spindle to a part of its nominal speed.", always,
      hand_commands::setSpeed},
-    {"cut.reverse", "Tool", "Turn backwards", "R", "[on|off]",
+    {"cut.reverse", "Tool", "Turn backwards", "T", "[on|off]",
      "Turns the drive backwards, as a motor can, until another tool is taken: diamonds cut as ever, blades and drills "
      "only rub.",
      isOpen, hand_commands::reverse},

@@ -152,10 +152,21 @@ nlohmann::json jsonOf(const PairCheck& c) {
 
 // What closing cost.
 nlohmann::json jsonOf(const CloseReport& c) {
-  return {{"vertices_lost", c.vertices_lost}, {"vertices_lost_farther_than_1_mm_from_rim", c.vertices_lost_far},
-          {"gaps_bridged", c.gaps_bridged},   {"rim_bridged_mm", c.rim_bridged_mm},
-          {"widest_gap_mm", c.widest_gap_mm}, {"handles_added", c.handles_added},
-          {"base_fallback", c.base_fallback}};
+  return {{"vertices_lost", c.vertices_lost},
+          {"vertices_lost_farther_than_1_mm_from_rim", c.vertices_lost_far},
+          {"gaps_bridged", c.gaps_bridged},
+          {"rim_bridged_mm", c.rim_bridged_mm},
+          {"widest_gap_mm", c.widest_gap_mm},
+          {"handles_added", c.handles_added},
+          {"base_fallback", c.base_fallback},
+          {"warnings", c.warnings},
+          {"rim_places_trimmed", c.rim_places_trimmed},
+          {"vertices_trimmed", c.vertices_trimmed},
+          {"triangles_trimmed", c.triangles_trimmed},
+          {"trimmed_mm2", c.trimmed_mm2},
+          {"specks_dropped", c.specks_dropped},
+          {"specks_dropped_mm3", c.specks_dropped_mm3},
+          {"wrapped_mm3", c.exact ? nlohmann::json(nullptr) : nlohmann::json(c.volume_closed_mm3)}};
 }
 
 // The n-th source, as it was read.
@@ -176,6 +187,10 @@ nlohmann::json sourceJson(const BakeReport& r, std::size_t n) {
 
 nlohmann::json jsonOf(const BakeReport& r) {
   nlohmann::json j = jsonOf(r.manifest);
+  j["solid"]["pieces"] = r.pieces.pieces;
+  j["solid"]["cavities"] = r.pieces.cavities;
+  j["solid"]["specks"] = r.pieces.specks;
+  j["solid"]["specks_mm3"] = r.pieces.specks_mm3;
   j["was_up_to_date"] = r.was_up_to_date;
   if (r.pair_check) j["pair_check"] = jsonOf(*r.pair_check);
   if (r.was_up_to_date) {  // the same keys: nothing was timed or closed
@@ -321,6 +336,20 @@ void addClosingOptions(CLI::App& command, Arguments& a) {
       ->capture_default_str();
   command.add_option("--base-direction", a.base_direction,
                      "where the base goes: +x -x +y -y +z -z (default: where the scan is open)");
+  command
+      .add_option(
+          "--trim-rim", a.options.close.trim_rim_mm,
+          "take tongues and flakes of the rim narrower than this [mm] before the base is built; the report says "
+          "what was taken (default: nothing is)")
+      ->check(CLI::Range(0.0, kWidestTrim));
+  command
+      .add_option("--drop-specks", a.options.close.drop_specks_mm3,
+                  "drop pieces of the solid smaller than this [mm3] (default: none; overrides a recipe's)")
+      ->check(CLI::NonNegativeNumber);
+  command.add_flag(
+      "--accept-doubtful", a.options.close.accept_doubtful,
+      "make the solid, with a warning, even if it has more than twice or less than a quarter of the volume "
+      "it should have, or lacks more than a third of the scan's vertices; without it that is refused");
 }
 
 void addFineOptions(CLI::App& command, Arguments& a) {

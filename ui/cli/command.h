@@ -30,7 +30,7 @@ std::string counted(std::size_t count, const std::string& noun);
 
 /// A line with bar, step and time left on standard error when that is a terminal; nothing otherwise. The first SIGINT,
 /// SIGTERM or SIGHUP makes the callback say no; the second, of either kind, ends the program at once. After SIGTERM or
-/// SIGHUP it also ends, with 128 + the signal, if nobody asks the callback for two seconds. Where no callback
+/// SIGHUP it also ends, with 128 + the signal, if nobody asks the callback for a second. Where no callback
 /// was taken, the first is put off until the destructor: files are written to their end, then the program ends by it.
 /// The line is erased by the destructor.
 class TerminalProgress {

@@ -210,6 +210,13 @@ int runByHand(const Arguments& a, const std::filesystem::path& tool) {
 
 // ---- Geometry only
 
+// That short motions were swept as longer ones; nothing if none was.
+std::string mergedLine(const RunManifest& m) {
+  if (m.merged_motions == 0) return {};
+  return fmt::format("{} short motions were merged: {} were swept, each within {:.2g} mm of the path\n",
+                     m.merged_motions, m.swept_motions, m.merge_tolerance_mm);
+}
+
 int runGeometry(const Arguments& a, const std::filesystem::path& tool) {
   const auto m = [&] {
     TerminalProgress progress;
@@ -234,11 +241,13 @@ int runGeometry(const Arguments& a, const std::filesystem::path& tool) {
                              {"duration_s", m->duration_s},
                              {"voxel_mm", m->voxel_mm},
                              {"beyond_region_mm", m->beyond_region_mm},
+                             {"merged_motions", m->merged_motions},
+                             {"swept_motions", m->swept_motions},
                              {"state_hash", m->state_hash}});
   else
     fmt::print(
-        "cut with {} along {:.2f} mm in {} motions, voxels {} mm; state {}\nremoved {:.4f} mm3{}\nrun written: {}\n",
-        m->tool_id, m->path_length_mm, m->segments, m->voxel_mm, m->state_hash, removed,
+        "cut with {} along {:.2f} mm in {} motions, voxels {} mm; state {}\n{}removed {:.4f} mm3{}\nrun written: {}\n",
+        m->tool_id, m->path_length_mm, m->segments, m->voxel_mm, m->state_hash, mergedLine(*m), removed,
         byMaterial(m->removed_by_material, false), a.output);
   return kOk;
 }

@@ -7,6 +7,7 @@
 #include "geometry/field/vdb_io.h"
 #include "geometry/formats/mesh_io.h"
 #include "geometry/mesh/mesh_check.h"
+#include "geometry/mesh/solids.h"
 #include "geometry/tool/tool_file.h"
 #include "preprocess/unit/unit.h"
 #include "preprocess/volume/label_volume.h"
@@ -92,6 +93,12 @@ Expected<json> caseInfo(const fs::path& folder) {
          {"shell_points", m.shell_points},
          {"shell_area_mm2", m.shell_area_mm2}};
 
+  KERF_TRY(solid, readCaseSolid(folder));
+  const PieceCount pieces = countPieces(solid);
+  j["pieces"] = pieces.pieces;
+  j["cavities"] = pieces.cavities;
+  j["specks"] = pieces.specks;
+  j["specks_mm3"] = pieces.specks_mm3;
   addContents(m, j);
   if (m.pair) j["pair"] = pairInfo(*m.pair, folder);
 

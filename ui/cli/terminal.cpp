@@ -18,9 +18,9 @@ static_assert(std::atomic<int>::is_always_lock_free && std::atomic<bool>::is_alw
 
 constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP};
 
-// Work that is asked to stop looks up within two seconds, or is ended; what it began to write lies beside and is swept
+// Work that is asked to stop looks up within a second, or is ended; what it began to write lies beside and is swept
 // by the next run. Once it has looked up it may take longer to clean up.
-constexpr unsigned kToLookUp = 2, kToCleanUp = 10;  // s
+constexpr unsigned kToLookUp = 1, kToCleanUp = 10;  // s
 
 void endAtOnce(int) { ::_exit(128 + interrupted); }
 

@@ -99,6 +99,9 @@ TEST(MeshCheck, CavityIsFineAndInsideOutIsNot) {
   EXPECT_TRUE(r.print_ready) << describe(r);
   EXPECT_EQ(r.inward_pieces, 0u);
   EXPECT_DOUBLE_EQ(r.volume, 64 - 8);
+  EXPECT_EQ(r.pieces, 1u) << "as export counts: the wall of a cavity is no piece";
+  EXPECT_EQ(r.cavities, 1u);
+  EXPECT_EQ(r.specks, 0u);
   r = checkMesh(joined(cube({0, 0, 0}, 4), flipped(cube({9, 1, 1}))));
   EXPECT_EQ(r.inward_pieces, 1u);
   EXPECT_FALSE(r.print_ready);

@@ -58,5 +58,23 @@ TEST(Solids, ACavityThatNothingIsAroundIsASolidOfItsOwn) {
   EXPECT_EQ(solidsOf(Mesh{}).count, 0u);
 }
 
+TEST(Solids, PiecesAreCountedAsPeopleCountThem) {
+  const PieceCount count = countPieces(nested());
+  EXPECT_EQ(count.pieces, 3u);
+  EXPECT_EQ(count.cavities, 2u);
+  EXPECT_EQ(count.specks, 0u);
+  EXPECT_EQ(describe(count), "3 pieces with 2 cavities");
+
+  Mesh mesh = cube({0, 0, 0}, 10);
+  EXPECT_EQ(describe(countPieces(mesh)), "1 piece");
+  for (int n = 0; n < 4; ++n) append(mesh, cube({10.0 + 2 * n, 0, 0}, 0.5));
+  append(mesh, cube({0, 20, 0}, 2));  // a small piece, no speck
+  EXPECT_EQ(describe(countPieces(mesh)), "6 pieces, 4 of them specks (below 1 mm3, 0.5 mm3 together)");
+  // Beside an object as small as that it is none.
+  Mesh small = cube({0, 0, 0}, 0.6);
+  append(small, cube({2, 0, 0}, 0.5));
+  EXPECT_EQ(countPieces(small).specks, 0u);
+}
+
 }  // namespace
 }  // namespace kerf

@@ -58,7 +58,7 @@ struct Losses {
 
 class CloseLosses : public testing::TestWithParam<Losses> {};
 
-// Scan 02: most of them lie where a loose piece runs through the arch, whatever the walls.
+// Scan 02: a loose piece runs through the arch at its rim. Walls below it buried 70 more.
 TEST_P(CloseLosses, SmoothWallsLoseFewVerticesAndMakeFewerHandles) {
   const auto path = dataFolder() / GetParam().file;
   if (!std::filesystem::exists(path)) GTEST_SKIP() << "no data: " << path << " (set KERF_DATA)";
@@ -79,7 +79,7 @@ TEST_P(CloseLosses, SmoothWallsLoseFewVerticesAndMakeFewerHandles) {
 
 INSTANTIATE_TEST_SUITE_P(Scans, CloseLosses,
                          testing::Values(Losses{"lower-jaw-scan-01-facecolour.ply", 85},
-                                         Losses{"upper-arch-scan-02.stl", 200},
+                                         Losses{"upper-arch-scan-02.stl", 140},
                                          Losses{"upper-jaw-cast-scan-03-vertexcolour.ply", 110},
                                          Losses{"gingiva-strip-open.ply", 75}),
                          [](const auto& parameter) {
