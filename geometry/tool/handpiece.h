@@ -14,6 +14,9 @@ enum class DriveForm : int {
   kGoverned  ///< electric: holds its speed up to its largest torque, and brakes
 };
 
+/// Motors do; an air turbine, a saw and a piezo tip go one way.
+constexpr bool turnsBackwards(DriveForm form) noexcept { return form == DriveForm::kGoverned; }
+
 struct Handpiece {
   const char* name;         ///< as in files and after --drive: "turbine"
   const char* description;  ///< one line, for help

@@ -8,6 +8,7 @@
 
 #include "geometry/base/atomic_file.h"
 #include "geometry/field/vdb_io.h"
+#include "geometry/tool/handpiece.h"
 #include "sim/hand/device_profile.h"
 #include "sim/monitor/monitor.h"
 #include "sim/pieces/joined_field.h"
@@ -17,7 +18,6 @@
 #include "sim/run/run_output.h"
 #include "sim/run/sweep_cutter.h"
 #include "sim/session/session.h"
-#include "sim/step/drive.h"
 
 namespace kerf {
 namespace {

@@ -39,8 +39,6 @@ double governedSpeed(const ToolDrive& drive, double speed, double pedal, double 
 
 }  // namespace
 
-bool turnsBackwards(DriveForm form) noexcept { return form == DriveForm::kGoverned; }
-
 double speedAfterTick(const ToolDrive& drive, double speed, double pedal, double load) noexcept {
   const double forwards = std::max(0.0, pedal);
   switch (drive.form) {

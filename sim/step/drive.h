@@ -5,9 +5,6 @@
 
 namespace kerf {
 
-/// Motors do; an air turbine, a saw and a piezo tip go one way.
-bool turnsBackwards(DriveForm form) noexcept;
-
 /// The speed a tick of kTick seconds later, by the law of ToolDrive.
 /// @param speed  now, as ToolDrive::speed; negative: backwards, kGoverned alone.
 /// @param pedal  -1 to 1. Only kGoverned turns backwards: for all others a negative pedal is one that is up.

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/step/drive.h"
+#include "geometry/tool/handpiece.h"
 #include "ui/app/sawing.h"
 #include "ui/app/workbench.h"
 
