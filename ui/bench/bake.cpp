@@ -4,8 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdlib>
-#include <ctime>
 #include <fstream>
 
 #include "geometry/boolean/removed_solid.h"
@@ -16,6 +14,7 @@
 #include "sim/run/export_bundle.h"
 #include "sim/run/geometry_cut.h"
 #include "ui/bench/bench.h"
+#include "ui/bench/resources.h"
 
 namespace kerf::cli {
 namespace {
@@ -27,15 +26,6 @@ Expected<fs::path> meshOf(const Bench& bench) {
   const fs::path molar = bench.scratch.path() / "molar.ply";
   if (!fs::exists(molar)) KERF_CHECK(writeMesh(molar, demoMolar(0.18)));
   return molar;
-}
-
-// Most memory this process has had since clearPeak(), GB; 0 where the system does not tell.
-void clearPeak() { std::ofstream("/proc/self/clear_refs") << "5"; }
-double peakGigabytes() {
-  std::ifstream status("/proc/self/status");
-  for (std::string line; std::getline(status, line);)
-    if (line.starts_with("VmHWM:")) return std::strtod(line.c_str() + 6, nullptr) * 1024 / 1e9;
-  return 0;
 }
 
 // The whole bake, files included, against the bare library call on the solid it voxelizes.
@@ -79,9 +69,6 @@ void writeGroove(const fs::path& csv, const Box3& box) {
   for (int n = 0; n <= 60; ++n)
     out << fmt::format("{},{},{},{},1,0,0,0\n", 0.05 * n, c[0] + (n - 30) * box.size()[0] / 60, c[1], c[2]);
 }
-
-// Time of all processors that this program has used, ms.
-double processorTime() { return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 // Bakes once, cuts a groove over the top, exports five times.
 Expected<Result> exportOf(SceneId scene, const fs::path& mesh, const Bench& bench) {

@@ -20,6 +20,7 @@ enum class SceneId {
   kBake,
   kBake200k,
   kMandible,
+  kOpen,
   kCutBur,
   kCutBlade,
   kExport,
@@ -69,8 +70,9 @@ class Scratch {
 struct Bench {
   const Scratch& scratch;
   Progress progress;
-  std::string mesh{};   ///< of the user, for bake and export; empty: the demo molar
-  double seconds = 20;  ///< length of realtime
+  std::string mesh{};         ///< of the user, for bake and export; empty: the demo molar
+  std::string case_folder{};  ///< of the user, for open; empty: the demo mandible
+  double seconds = 20;        ///< length of realtime
 };
 
 /// What a scene gives back. Goals are not its business: they are in the table, by the names of the numbers.
@@ -122,10 +124,12 @@ Expected<std::vector<Tool>> wholeRack();
 /// Writes a demo's files into the scratch folder and bakes them there.   @return the case.
 Expected<std::filesystem::path> bakedDemo(const DemoAnatomy& anatomy, double voxel, const Bench& bench);
 
-// The scenes. Bake and export, against the library they call: bake.cpp. Motions of a tool: cut.cpp.
+// The scenes. Bake and export, against the library they call: bake.cpp. Opening a case: open.cpp. Motions of a tool:
+// cut.cpp.
 Expected<Result> benchBake(const Bench& bench);
 Expected<Result> benchBake200k(const Bench& bench);
 Expected<Result> benchMandible(const Bench& bench);
+Expected<Result> benchOpen(const Bench& bench);
 Expected<Result> benchExport(const Bench& bench);
 Expected<Result> benchExport400k(const Bench& bench);
 Expected<Result> benchCutBur(const Bench& bench);

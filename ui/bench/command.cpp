@@ -10,7 +10,7 @@ namespace kerf::cli {
 namespace {
 
 struct Arguments {
-  std::string scene, mesh;
+  std::string scene, mesh, case_folder;
   double seconds = 20;
   std::vector<std::string> limits;
   bool json = false, list = false, no_goals = false;
@@ -49,7 +49,7 @@ Expected<int> runScenes(const Arguments& a) {
     KERF_CHECK(changeLimits(goals, a.limits));
     const auto run = [&] {
       TerminalProgress progress;
-      return scene->run({scratch, progress.callback(), a.mesh, a.seconds});
+      return scene->run({scratch, progress.callback(), a.mesh, a.case_folder, a.seconds});
     };
     KERF_TRY(result, run());
 
@@ -78,6 +78,7 @@ void addBench(CLI::App& app, int& exit_code) {
             "\nExample: kerf bench bake --mesh scan.stl");
   c->add_option("SCENE", a->scene, "one scene; without: all but passivity-large and window");
   c->add_option("--mesh", a->mesh, "mesh for bake and export (default: the demo molar)");
+  c->add_option("--case", a->case_folder, "case for open (default: the demo mandible at 0.1 mm)");
   c->add_option("--seconds", a->seconds, "length of realtime")->check(CLI::Range(1.0, 3600.0))->capture_default_str();
   c->add_flag("--no-goals", a->no_goals, "print the numbers and judge none of them");
   c->add_option("--limit", a->limits, "GOAL=NUMBER: judge SCENE by a limit of your own")->allow_extra_args(false);

@@ -10,6 +10,11 @@ namespace kerf::cli::goals {
 
 using enum Sense;
 
+// Of a whole mandible at 0.05 mm, which is short in memory: docs/results/README.md.
+inline constexpr Goal kOpenGoals[] = {
+    {"processor time, p50", "s", kAtMost, 5},
+    {"most memory", "GB", kAtMost, 1.2, Weight::kAim},
+};
 inline constexpr Goal kExport400kGoals[] = {
     {"processor time, p50", "s", kAtMost, 1.2, Weight::kAim},
 };

@@ -14,6 +14,8 @@ constexpr Scene kScenes[] = {
     {SceneId::kBake, "bake", "mesh to case, against the bare library call", benchBake, kTimesOnly},
     {SceneId::kBake200k, "bake-200k", "the same, the demo molar in 200 000 triangles", benchBake200k, kTimesOnly},
     {SceneId::kMandible, "mandible", "the same, the demo mandible: time and memory", benchMandible, kTimesOnly},
+    {SceneId::kOpen, "open", "a case from its files to an object to cut: processor time and memory; --case says which",
+     benchOpen, kOpenGoals},
     {SceneId::kCutBur, "cut-bur", "motions of a round bur in a block at 0.05 mm", benchCutBur, kTimesOnly},
     {SceneId::kCutBlade, "cut-blade", "motions of a reciprocating blade in a block at 0.1 mm", benchCutBlade,
      kTimesOnly},

@@ -5,7 +5,10 @@
 #include <openvdb/points/PointDataGrid.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
+#include <array>
 #include <numbers>
+#include <optional>
 
 #include "geometry/base/hash.h"
 #include "geometry/field/material_field.h"
@@ -87,6 +90,20 @@ TEST(PaintMaterials, ReadBackTheLabelsAreThoseOfTheFile) {
     for (int y = -20; y <= 20; ++y)
       for (int z = -20; z <= 20; ++z)
         ASSERT_EQ(static_cast<int>(field->at({x, y, z})), labels.material->tree().getValue({x, y, z}));
+  int mixed = 0;
+  for (int x = -4; x <= 3; ++x)
+    for (int y = -4; y <= 3; ++y)
+      for (int z = -4; z <= 3; ++z) {
+        std::array<std::uint8_t, kBrickNodes> numbers;
+        const bool is_one = field->copyBrick({x, y, z}, numbers);
+        for (int n = 0; n < kBrickNodes; ++n)
+          ASSERT_EQ(int{numbers[static_cast<std::size_t>(n)]},
+                    labels.material->tree().getValue({8 * x + (n >> 6), 8 * y + (n >> 3 & 7), 8 * z + (n & 7)}));
+        ASSERT_EQ(is_one, std::all_of(numbers.begin(), numbers.end(), [&](auto m) { return m == numbers[0]; }));
+        ASSERT_EQ(field->oneOf({x, y, z}), is_one ? std::optional(static_cast<Material>(numbers[0])) : std::nullopt);
+        mixed += !is_one;
+      }
+  EXPECT_GT(mixed, 20);
   EXPECT_EQ(field->near({0.53, 0.02, 0.04}), Material::kPulp);
   EXPECT_EQ(field->near({-1.0, 0, 0}), Material::kDentin);
   EXPECT_EQ(field->near({0, 0, 1.5 + 0.3}), Material::kDentin) << "a little outside: what is nearest";
