@@ -166,7 +166,13 @@ void printPeaks(const RunReport& r, std::string& out) {
     if (!when) return std::string();
     return *when ? fmt::format("; {} first at {:.2f} s", what, **when) : fmt::format("; {} never", what);
   };
-  out += limit("47 C in bone", r.bone_limit) + limit("5.5 K in the pulp", r.pulp_limit) + "\n";
+  // What a case has not can not be too warm; where its tissues are not known both are said.
+  const auto may_have = [&r](const char* id) {
+    return r.loaded_by_material.empty() || r.loaded_by_material.contains(id);
+  };
+  if (may_have("cortical") || may_have("cancellous")) out += limit("47 C in bone", r.bone_limit);
+  if (may_have("pulp")) out += limit("5.5 K in the pulp", r.pulp_limit);
+  out += "\n";
 }
 
 void printCourse(const RunReport& r, std::string& out) {
