@@ -28,19 +28,25 @@ Mesh hollowBox() {
   return out;
 }
 
+CloseReport exactReport() {
+  CloseReport out;
+  out.exact = true;
+  return out;
+}
+
 TEST(Guard, ASolidThatIsWhatWasScannedIsNotComplainedAbout) {
   const Mesh ball_of_5 = ball(12, 24, 5);
-  EXPECT_TRUE(guardWarnings(ball_of_5, ball_of_5, {.exact = true}).empty());
+  EXPECT_TRUE(guardWarnings(ball_of_5, ball_of_5, exactReport()).empty());
   // An open scan encloses nothing to compare with.
   Mesh open = box({0, 0, 0}, {4, 3, 2});
   open.triangles.erase(open.triangles.begin(), open.triangles.begin() + 2);
-  EXPECT_TRUE(guardWarnings(open, box({0, 0, -2}, {4, 3, 2}), {.exact = true}).empty());
+  EXPECT_TRUE(guardWarnings(open, box({0, 0, -2}, {4, 3, 2}), exactReport()).empty());
 }
 
 TEST(Guard, AVolumeThatGrewOrWentIsSaidAloud) {
   const Mesh mesh = box({0, 0, 0}, {4, 3, 2});
   for (const double height : {2.3, 7.4, 0.9}) {
-    const auto said = guardWarnings(mesh, box({0, 0, 0}, {4, 3, height}), {.exact = true});
+    const auto said = guardWarnings(mesh, box({0, 0, 0}, {4, 3, height}), exactReport());
     ASSERT_EQ(said.size(), 1u) << height;
     EXPECT_NE(said[0].find("NOT WHAT WAS SCANNED"), std::string::npos) << said[0];
     EXPECT_NE(said[0].find("try --close"), std::string::npos) << said[0];
@@ -48,12 +54,12 @@ TEST(Guard, AVolumeThatGrewOrWentIsSaidAloud) {
   // Without a few triangles, as a stair-stepped skull: as good as closed.
   Mesh fine = ball(60, 120, 5);
   fine.triangles.erase(fine.triangles.begin() + 3000, fine.triangles.begin() + 3002);
-  EXPECT_EQ(guardWarnings(fine, box({-9, -9, -9}, {9, 9, 9}), {.exact = true}).size(), 1u);
+  EXPECT_EQ(guardWarnings(fine, box({-9, -9, -9}, {9, 9, 9}), exactReport()).size(), 1u);
 }
 
 TEST(Guard, AScanOfWhichATenthIsGoneIsSaidAloud) {
   const Mesh mesh = ball(12, 24, 5);
-  CloseReport report{.exact = true};
+  CloseReport report = exactReport();
   report.vertices_lost = mesh.vertices.size() / 20;
   EXPECT_TRUE(guardWarnings(mesh, mesh, report).empty());
   report.vertices_lost = mesh.vertices.size() / 3;
@@ -81,10 +87,10 @@ Mesh rowOfBoxes(int n) {
 
 TEST(Guard, ASolidOfTwiceTheVolumeIsRefusedAndTheWayOutNamed) {
   const Mesh mesh = box({0, 0, 0}, {4, 3, 2});
-  EXPECT_FALSE(judgeSolid(mesh, box({0, 0, 0}, {4, 3, 3.9}), {.exact = true}).refusal);
-  EXPECT_FALSE(judgeSolid(mesh, box({0, 0, 0}, {4, 3, 0.6}), {.exact = true}).refusal);
+  EXPECT_FALSE(judgeSolid(mesh, box({0, 0, 0}, {4, 3, 3.9}), exactReport()).refusal);
+  EXPECT_FALSE(judgeSolid(mesh, box({0, 0, 0}, {4, 3, 0.6}), exactReport()).refusal);
   for (const double height : {4.2, 9.0, 0.4}) {
-    const auto judged = judgeSolid(mesh, box({0, 0, 0}, {4, 3, height}), {.exact = true});
+    const auto judged = judgeSolid(mesh, box({0, 0, 0}, {4, 3, height}), exactReport());
     ASSERT_TRUE(judged.refusal) << height;
     EXPECT_EQ(judged.refusal->code, Error::Code::kGeometry);
     EXPECT_NE(judged.refusal->hint.find("--accept-doubtful"), std::string::npos) << judged.refusal->message();
@@ -99,14 +105,14 @@ TEST(Guard, ShellsInEachOtherAndPiecesInsideOutAreCountedByWinding) {
   const Mesh outer = ball(12, 24, 3);
   EXPECT_LT(signedVolume(outer), 0.4 * signedVolume(onion));
   EXPECT_NEAR(windingVolume(onion), signedVolume(outer), 0.03 * signedVolume(outer));
-  const auto judged = judgeSolid(onion, outer, {.exact = true});
+  const auto judged = judgeSolid(onion, outer, exactReport());
   EXPECT_TRUE(judged.warnings.empty()) << judged.warnings.front();
 
   Mesh mixed = rowOfBoxes(6);
   for (std::size_t t = 0; t < 36; ++t) std::swap(mixed.triangles[t][1], mixed.triangles[t][2]);
   append(mixed, box({-3, 0, 0}, {-2, 2, 2}));
   ASSERT_LT(std::abs(signedVolume(mixed)), 10);
-  EXPECT_TRUE(judgeSolid(mixed, both(rowOfBoxes(6), box({-3, 0, 0}, {-2, 2, 2})), {.exact = true}).warnings.empty());
+  EXPECT_TRUE(judgeSolid(mixed, both(rowOfBoxes(6), box({-3, 0, 0}, {-2, 2, 2})), exactReport()).warnings.empty());
 }
 
 TEST(Guard, AThirdOfAScanLostIsRefusedUnlessInnerShellsAre) {
@@ -114,7 +120,7 @@ TEST(Guard, AThirdOfAScanLostIsRefusedUnlessInnerShellsAre) {
   std::vector<char> keep(whole.triangles.size(), 1);
   std::fill(keep.begin(), keep.begin() + 200, 0);
   const Mesh open = subset(whole, keep);
-  CloseReport report{.exact = true};
+  CloseReport report = exactReport();
   report.vertices_lost = open.vertices.size() / 4;
   EXPECT_FALSE(judgeSolid(open, ball(12, 24, 5), report).refusal);
   report.vertices_lost = open.vertices.size() / 2;
@@ -149,7 +155,7 @@ TEST(Guard, AWrapOfManyTimesTheVolumeIsRefusedAndCanBeAccepted) {
 
 TEST(Guard, ManyHolesRightThroughAreSaidInCapitals) {
   const Mesh mesh = ball(12, 24, 5);
-  CloseReport report{.exact = true};
+  CloseReport report = exactReport();
   report.handles_added = 9;
   EXPECT_TRUE(judgeSolid(mesh, mesh, report).warnings.empty());
   report.handles_added = 50;
