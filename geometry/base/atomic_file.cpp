@@ -85,13 +85,23 @@ fs::path followed(const fs::path& path) {
   return target.empty() ? path : target;
 }
 
-// Who can tell whether a process lives: this machine, among the processes it sees here. Eight hexadecimal digits.
+std::string firstLineOf(const char* file) {
+  std::ifstream in(file);
+  std::string line;
+  std::getline(in, line);
+  return line;
+}
+
+// Who can tell whether a process lives: this machine since it was started, among the processes it sees here. Eight
+// hexadecimal digits. Neither the name of a machine nor its number is its own where it was cloned; what it drew when
+// it was started is.
 const std::string& processTable() {
   static const std::string tag = [] {
     std::array<char, 256> host{};
     ::gethostname(host.data(), host.size() - 1);
     std::error_code ignored;
-    const std::string names = host.data() + fs::read_symlink("/proc/self/ns/pid", ignored).string();
+    const std::string names = host.data() + firstLineOf("/proc/sys/kernel/random/boot_id") +
+                              fs::read_symlink("/proc/self/ns/pid", ignored).string();
     std::uint32_t hash = 2166136261u;  // FNV-1a
     for (const char c : names) hash = (hash ^ static_cast<unsigned char>(c)) * 16777619u;
     return fmt::format("{:08x}", hash);
@@ -104,8 +114,11 @@ std::string temporaryPrefix(const fs::path& target) {
   return fmt::format(".{}.kerf-{}-", target.filename().string(), processTable());
 }
 
-// Deletes what killed processes were writing for the same target. Those of another machine that shares the folder are
-// left alone: whether they live can not be told from here.
+constexpr std::string_view kMovedAside = "-old";  // the target while a new one takes its place
+
+// Deletes what killed processes were writing for the same target, and puts back a target that one of them had moved
+// aside. What another machine that shares the folder writes, or this one wrote before it was started anew, is left
+// alone: whether its process lives can not be told from here.
 void sweepLeftovers(const fs::path& target) {
   const std::string prefix = temporaryPrefix(target);
   std::error_code ignored;
@@ -114,7 +127,11 @@ void sweepLeftovers(const fs::path& target) {
     if (!name.starts_with(prefix)) continue;
     const int process = std::atoi(name.c_str() + prefix.size());
     const bool is_dead = process > 0 && ::kill(process, 0) != 0 && errno == ESRCH;
-    if (is_dead) fs::remove_all(it->path(), ignored);
+    if (!is_dead) continue;
+    if (name.ends_with(kMovedAside) && !fs::exists(fs::symlink_status(target, ignored)))
+      fs::rename(it->path(), target, ignored);
+    else
+      fs::remove_all(it->path(), ignored);
   }
 }
 
@@ -244,10 +261,10 @@ const char* otherBundle(const fs::path& folder, std::string_view manifest) {
 
 // What bundles hold beside what one of their .toml files names.
 bool isUsualName(const std::string& name, std::string_view manifest) {
-  constexpr std::array<std::string_view, 18> kNames{
-      "case.toml", "recipe.toml", "solid.ply",    "anatomy.vdb",     "run.toml",         "run.vdb",
-      "begin.vdb", "forces.csv",  "summary.json", "session.kerflog", "sound.wav",        "tool.toml",
-      "tool.vdb",  "path.toml",   "path.csv",     "saw-plan.toml",   "piece-names.toml", "lock"};
+  constexpr std::array<std::string_view, 21> kNames{
+      "tool.ply",  "tools",    "run.new.vdb", "case.toml",  "recipe.toml",   "solid.ply",        "anatomy.vdb",
+      "run.toml",  "run.vdb",  "begin.vdb",   "forces.csv", "summary.json",  "session.kerflog",  "sound.wav",
+      "tool.toml", "tool.vdb", "path.toml",   "path.csv",   "saw-plan.toml", "piece-names.toml", "lock"};
   if (name == manifest || name.starts_with("source-")) return true;
   if (std::find(kNames.begin(), kNames.end(), name) != kNames.end()) return true;
   return manifest.ends_with(".ply") && name.ends_with(".ply");  // demo anatomy without a recipe
@@ -274,7 +291,10 @@ std::string foreignEntry(const fs::path& folder, std::string_view manifest) {
   std::error_code ignored;
   for (fs::directory_iterator it(folder, ignored), end; it != end; it.increment(ignored)) {
     std::string name = it->path().filename().string();
-    if (isUsualName(name, manifest) || named.find("\"" + name + "\"") != std::string::npos) continue;
+    const bool is_named =
+        named.find('"' + name + '"') != std::string::npos || named.find("'" + name + "'") != std::string::npos;
+    const bool is_leftover = name.starts_with('.') && name.find(".kerf-") != std::string::npos;
+    if (isUsualName(name, manifest) || is_named || is_leftover) continue;
     if (first.empty() || name < first) first = std::move(name);
   }
   return first;
@@ -305,6 +325,7 @@ Expected<AtomicFolder> AtomicFolder::create(const fs::path& path, bool overwrite
   state->overwrite = overwrite;
   state->manifest = manifest;
   if (!state->target.has_filename()) return fail(writeError(path, "making the folder", EINVAL));
+  sweepLeftovers(state->target);
   std::error_code error;
   const fs::file_status status = fs::status(state->target, error);
   if (fs::exists(status)) {
@@ -363,7 +384,7 @@ Expected<void> AtomicFolder::commit() {
     if (const std::string foreign = foreignEntry(s.target, s.manifest); !foreign.empty())
       return fail(holdsForeign(s.path, foreign));
     if (::renameat2(AT_FDCWD, s.staging.c_str(), AT_FDCWD, s.target.c_str(), RENAME_EXCHANGE) != 0) {
-      const std::string aside = s.staging.string() + "-old";
+      const std::string aside = s.staging.string() + std::string(kMovedAside);
       if (::rename(s.target.c_str(), aside.c_str()) != 0)
         return fail(writeError(s.path, "moving the old folder aside", errno));
       if (::rename(s.staging.c_str(), s.target.c_str()) != 0) {

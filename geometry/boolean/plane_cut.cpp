@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "geometry/boolean/boolean.h"
+#include "geometry/mesh/solids.h"
 
 namespace kerf {
 namespace {
@@ -133,8 +134,9 @@ struct PieceBoxes {
   std::uint32_t wanted = 0;
 };
 
+// A piece with its cavities is one.
 PieceBoxes piecesNear(const Mesh& mesh, const Vec3d& point) {
-  const Pieces pieces = edgeConnectedPieces(mesh);
+  const Solids pieces = solidsOf(mesh);
   PieceBoxes out;
   out.boxes.resize(pieces.count);
   std::vector<double> nearest(pieces.count, std::numeric_limits<double>::infinity());
@@ -161,10 +163,9 @@ Expected<std::vector<Plane>> planesAround(const Mesh& above, const Vec3d& point)
   for (std::uint32_t n = 0; n < found.boxes.size(); ++n) {
     const Box3& other = found.boxes[n];
     if (n == found.wanted) continue;
-    const bool is_inside = wanted.contains(other.min) && wanted.contains(other.max);
     const bool is_apart =
         (other.min.array() > wanted.max.array()).any() || (other.max.array() < wanted.min.array()).any();
-    if (is_inside || is_apart) continue;
+    if (is_apart) continue;
     return fail({.code = Error::Code::kGeometry,
                  .place = "plane cut",
                  .found = "another piece above the planes, too close to the one that is wanted",

@@ -83,7 +83,7 @@ Expected<void> forEachTable(const toml::array* list, const std::filesystem::path
   return {};
 }
 
-constexpr double kMostMm2 = 1e12, kMostMm3 = 1e12, kFarthestMm = 1e6;
+constexpr double kMostMm2 = 1e12, kMostMm3 = 1e12, kFarthestMm = 1e11;  // as far as a mesh in metres reads
 
 std::size_t readCount(TomlTable& t, const char* key) {
   constexpr std::int64_t kMost = std::int64_t{1} << 40;

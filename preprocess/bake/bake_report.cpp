@@ -52,6 +52,8 @@ std::string whatIsLost(const CloseReport& c) {
                      : c.vertices_lost == 1 ? "1 of its vertices is not in the solid"
                                             : fmt::format("{} of its vertices are not in the solid", c.vertices_lost);
   if (c.vertices_trimmed > 0) text += fmt::format(", beside {} that were trimmed, as asked", c.vertices_trimmed);
+  if (c.vertices_in_specks > 0)
+    text += fmt::format(", beside {} of pieces that were dropped, as asked", c.vertices_in_specks);
   return text;
 }
 

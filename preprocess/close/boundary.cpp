@@ -445,8 +445,10 @@ void trimBoundary(Chain& chain, const CloseOptions& options, Boundary& boundary,
   report.triangles_trimmed = taken.triangles;
   report.trimmed_mm2 = taken.area_mm2;
   if (taken.triangles == 0) {
-    report.changes.push_back(
-        fmt::format("nothing along the rim is narrower than {} mm: nothing was trimmed", options.trim_rim_mm));
+    report.changes.push_back(fmt::format(
+        "nothing was trimmed: what along the rim is narrower than {} mm sticks out no farther than a corner "
+        "does; a smaller --trim-rim takes short tongues",
+        options.trim_rim_mm));
     return;
   }
   report.changes.push_back(fmt::format(

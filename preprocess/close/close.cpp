@@ -630,7 +630,11 @@ Expected<Solid> closeMesh(const Mesh& imported_mm, const CloseOptions& options, 
   if (judgement.refusal && !options.accept_doubtful) return fail(std::move(*judgement.refusal));
   for (std::string& warning : judgement.warnings) warn(report, std::move(warning));
 
-  if (options.drop_specks_mm3 > 0) dropSpecks(result, options.drop_specks_mm3, report);
+  if (options.drop_specks_mm3 > 0) {
+    const std::size_t before = result.mesh.vertices.size();
+    dropSpecks(result, options.drop_specks_mm3, report);
+    report.vertices_in_specks = before - result.mesh.vertices.size();
+  }
   const std::size_t source_vertices = imported_mm.vertices.size() - report.vertices_welded;
   countTriangles(imported_mm, result, report);
   report.vertices_added =

@@ -133,6 +133,7 @@ struct CloseReport {
   int handles_added = 0;              ///< of the solid beyond the scan's own; counted where a rim got a base
   std::size_t specks_dropped = 0;     ///< as CloseOptions::drop_specks_mm3 asked
   double specks_dropped_mm3 = 0;
+  std::size_t vertices_in_specks = 0;           ///< that went with them; not in vertices_lost
   std::size_t crossings_resolved = 0;           ///< pairs of triangles that crossed or touched
   double largest_move_mm = 0;                   ///< of a source vertex
   std::optional<Vec3d> base_direction;          ///< unit, out of the model; set if a base was built

@@ -39,13 +39,18 @@ std::vector<Triangle> weldedTriangles(const Mesh& mesh, std::size_t& used) {
   return out;
 }
 
-Error refusalOf(std::string found, std::string expected) {
+// What else to try. A wrap is the last of the ways to close: it fills what it can not get into, such as cavities.
+std::string otherWays(const CloseReport& report) {
+  return report.exact ? "--close repair, --close wrap, or mend the mesh in another program"
+                      : "--close repair, or mend the mesh in another program: a wrap fills cavities and what it can "
+                        "not get into";
+}
+
+Error refusalOf(std::string found, std::string expected, const CloseReport& report) {
   return {.code = Error::Code::kGeometry,
           .found = std::move(found),
           .expected = std::move(expected),
-          .hint =
-              "--close repair or --close wrap, or mend the mesh in another program; --accept-doubtful takes the "
-              "solid as it is"};
+          .hint = otherWays(report) + "; --accept-doubtful takes the solid as it is"};
 }
 
 // What a solid's volume is to be compared with, mm3; 0: nothing.
@@ -72,13 +77,13 @@ void judgeVolume(const Mesh& imported_mm, const Mesh& solid, const Expectation& 
   const std::string found =
       fmt::format("{:.4g} mm3, {:.3g} times the {:.4g} mm3 that {}", after, ratio, expected.volume, expected.of);
   out.warnings.push_back("THE SOLID IS NOT WHAT WAS SCANNED: it has " + found +
-                         ". Look at it before anything is cut; try --close repair, --close wrap, or mend the mesh in "
-                         "another program");
+                         ". Look at it before anything is cut; try " + otherWays(report));
   const double least = std::min(wound, expected.volume), most = std::max(wound, expected.volume);
   if (after > kRefusedGrowth * most || after < kRefusedShrink * least)
     out.refusal = refusalOf(
         "a solid of " + found,
-        fmt::format("{} to {} times as much: a solid that is what was scanned", kRefusedShrink, kRefusedGrowth));
+        fmt::format("{} to {} times as much: a solid that is what was scanned", kRefusedShrink, kRefusedGrowth),
+        report);
 }
 
 void judgeLoss(std::size_t vertices, bool is_volume_right, const CloseReport& report, Judgement& out) {
@@ -87,11 +92,11 @@ void judgeLoss(std::size_t vertices, bool is_volume_right, const CloseReport& re
 
   const std::string found =
       fmt::format("{} of its {} vertices ({:.0f} %) are not in the solid", report.vertices_lost, vertices, 100 * lost);
-  out.warnings.push_back("MUCH OF THE SCAN IS LOST: " + found +
-                         ". Look at it before anything is cut; try --close repair, --close wrap, or mend the mesh in "
-                         "another program");
+  out.warnings.push_back("MUCH OF THE SCAN IS LOST: " + found + ". Look at it before anything is cut; try " +
+                         otherWays(report));
   if (lost > kRefusedLost && !is_volume_right && !out.refusal)
-    out.refusal = refusalOf("a closing that ruins the scan: " + found, "a third at most");
+    out.refusal = refusalOf("a closing that ruins the scan: " + found,
+                            "three fifths at most: a layer that is there twice loses half", report);
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ inline constexpr double kMostGrowth = 1.1, kLeastShrink = 0.5;
 inline constexpr double kRefusedGrowth = 2, kRefusedShrink = 0.25;
 /// An exact solid may lack this part of the scan's vertices; beyond the second limit it is refused, unless the mesh
 /// encloses what the solid does: then its inner shells are lost, as in every union.
-inline constexpr double kMostLost = 0.1, kRefusedLost = 1.0 / 3;
+inline constexpr double kMostLost = 0.1, kRefusedLost = 0.6;  // a layer that is there twice loses half
 /// So many holes right through the solid that the scan has not are told in capitals: real scans get 9 at most.
 inline constexpr int kMostHandles = 20;
 

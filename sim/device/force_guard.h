@@ -7,7 +7,7 @@ namespace kerf {
 
 struct ForceLimits {
   double force = 3;     ///< N, most of a force; its direction is kept
-  double rate = 500;    ///< N/s: no faster change, away from zero. Towards zero by a stop it is at once
+  double rate = 500;    ///< N/s: no faster change, but towards zero along the force that is there, which is at once
   double ramp_s = 0.5;  ///< after arm() the force fades in over this long
 };
 

@@ -5,10 +5,14 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <filesystem>
+#include <mutex>
 #include <system_error>
+#include <thread>
 
 namespace kerf {
 namespace {
@@ -82,8 +86,11 @@ std::vector<HidInfo> listHid() {
   return out;
 }
 
+// hidapi keeps the text of a device's last error in the device: two calls that fail at once would free it twice.
 struct HidPort::Handle {
   hid_device* device = nullptr;
+  std::mutex in_use;
+  std::atomic<int> writers{0};  // that wait or write: the reader, which is always back at once, lets them go first
   ~Handle() {
     if (device) hid_close(device);
   }
@@ -119,11 +126,20 @@ Expected<HidPort> HidPort::open(const std::string& path) {
 }
 
 int HidPort::read(std::span<std::uint8_t> report, int wait_ms) noexcept {
+  while (handle_->writers.load() > 0) std::this_thread::sleep_for(std::chrono::microseconds(200));
+  const std::lock_guard lock(handle_->in_use);
   return hid_read_timeout(handle_->device, report.data(), report.size(), wait_ms);
 }
 
 bool HidPort::write(std::span<const std::uint8_t> report) noexcept {
-  return hid_write(handle_->device, report.data(), report.size()) >= 0;
+  ++handle_->writers;
+  bool is_taken = false;
+  {
+    const std::lock_guard lock(handle_->in_use);
+    is_taken = hid_write(handle_->device, report.data(), report.size()) >= 0;
+  }
+  --handle_->writers;
+  return is_taken;
 }
 
 }  // namespace kerf

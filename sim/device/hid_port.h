@@ -29,7 +29,8 @@ struct HidInfo {
 /// time.
 std::vector<HidInfo> listHid();
 
-/// An open interface. Reading and writing may be done by two threads; nothing else is shared.
+/// An open interface. Reading and writing may be done by two threads; one waits for the other, reading for writing
+/// first.
 class HidPort {
  public:
   /// Errors: kUnreadable, with the udev rule where permission is what is missing; kNotFound.

@@ -22,7 +22,9 @@ CutObject::CutObject(std::shared_ptr<const BakedObject> baked, std::size_t brick
 void CutObject::reserveLists(bool is_touched) {
   const std::size_t slots = bricks_.mostSlots();
   shell_.reserve(slots, is_touched);
-  loaded_shells_.reserve(baked());
+  // A piece is a part of what was loaded, and there may be many.
+  constexpr std::size_t kOfAPiece = LoadedShells::kMostChunks / 8;
+  loaded_shells_.reserve(baked(), bricks_.isPiece() ? kOfAPiece : LoadedShells::kMostChunks);
   hash_.reserve(slots, is_touched);
   for (DirtyLog* const log : {&for_mesher_, &for_pieces_}) {
     log->list.reserve(slots);

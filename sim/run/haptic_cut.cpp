@@ -145,8 +145,10 @@ Expected<Simulated> simulate(Session& session, const CutInputs& inputs, const Ha
 // ---- Summarise
 
 // The fields of the case and of its neighbours in the bricks that changed. Error kEmpty: nothing of the case changed.
-Expected<std::vector<BrickField>> changedFields(const Session& session, const CutScene& scene, bool is_adding,
-                                                const Simulated& simulated) {
+Expected<std::vector<BrickField>> changedFields(const Session& session, const CutScene& scene,
+                                                const HapticCutOptions& options, const Simulated& simulated) {
+  const bool is_adding = !options.add.empty();
+  const bool only_rubs = options.is_reversed && !scene.model.tools.front().cuts_backwards;
   std::vector<BrickField> changed;
   for (std::size_t n = 0; n < scene.objects.size(); ++n)
     changed.push_back(session.state().objects[n].bricks().changedField());
@@ -154,6 +156,12 @@ Expected<std::vector<BrickField>> changedFields(const Session& session, const Cu
 
   const std::string nothing = fmt::format("tool {} {} nothing{}", scene.inputs.tool.id, is_adding ? "added" : "cut",
                                           scene.objects.size() > 1 ? " of the case that is to be cut" : "");
+  if (only_rubs)
+    return fail({.code = Error::Code::kEmpty,
+                 .file = scene.inputs.path_file.string(),
+                 .found = nothing,
+                 .expected = "a tool that cuts the way it turns",
+                 .hint = "leave --reverse out: turned backwards this tool only rubs"});
   if (simulated.is_out_of_time)
     return fail({.code = Error::Code::kEmpty,
                  .file = scene.inputs.path_file.string(),
@@ -359,7 +367,7 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
   KERF_CHECK(observers.close());
 
   // Summarise.
-  KERF_TRY(changed, changedFields(session, scene, !options.add.empty(), simulated));
+  KERF_TRY(changed, changedFields(session, scene, options, simulated));
   HapticCut out;
   out.summary = summarise(session, scene, simulated, observers, changed.front());
   out.manifest = manifestOf(scene, out.summary);

@@ -352,6 +352,10 @@ TEST_F(WorkbenchTest, ADrillThatTurnsBackwardsTakesNothingAndATurbineRefuses) {
                          "expect removed 0.1 100\n");
   EXPECT_TRUE(next) << next.error().message();
 
+  // So does what is opened next.
+  const auto again = play(open + "tool.select drill-20\ncut.reverse on\n" + open + stroke + "expect removed 0.1 100\n");
+  EXPECT_TRUE(again) << again.error().message();
+
   const auto refused = play(open + "cut.reverse on\n");
   ASSERT_FALSE(refused);
   EXPECT_NE(refused.error().message().find("a turbine does not turn backwards"), std::string::npos)

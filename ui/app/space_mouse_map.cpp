@@ -38,9 +38,9 @@ SpaceMouseWish wishOf(const SpaceMouseState& now, const SpaceMouseState& before,
   const double pushed = Limits::kViewHeights * time * height;  // pixels, fully
 
   SpaceMouseWish out;
+  if (settings.leads == SpaceMouseLeads::kNothing) return out;
   out.undoes = isDown(now, 2) && !isDown(before, 2);
   out.changes = isDown(now, 1) && !isDown(before, 1);
-  if (settings.leads == SpaceMouseLeads::kNothing) return out;
   out.orbit = Limits::kOrbitSpeed * time * Eigen::Vector2d(axes[5], axes[3]);
   if (settings.leads == SpaceMouseLeads::kView) {
     out.pan = pushed * Eigen::Vector2d(axes[0], -axes[2]);

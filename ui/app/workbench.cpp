@@ -312,7 +312,7 @@ void Workbench::show(Opened& loaded) {
   aim_ = {};
   stroke_.reset();
   pointed_.reset();
-  is_on_pedal_ = false;
+  is_on_pedal_ = is_reversed_ = false;
   chosen_.reset();
   if (!is_reopening_) {
     section.reset();

@@ -166,6 +166,7 @@ nlohmann::json jsonOf(const CloseReport& c) {
           {"trimmed_mm2", c.trimmed_mm2},
           {"specks_dropped", c.specks_dropped},
           {"specks_dropped_mm3", c.specks_dropped_mm3},
+          {"vertices_in_specks", c.vertices_in_specks},
           {"wrapped_mm3", c.exact ? nlohmann::json(nullptr) : nlohmann::json(c.volume_closed_mm3)}};
 }
 
@@ -349,7 +350,7 @@ void addClosingOptions(CLI::App& command, Arguments& a) {
   command.add_flag(
       "--accept-doubtful", a.options.close.accept_doubtful,
       "make the solid, with a warning, even if it has more than twice or less than a quarter of the volume "
-      "it should have, or lacks more than a third of the scan's vertices; without it that is refused");
+      "it should have, or lacks more than three fifths of the scan's vertices; without it that is refused");
 }
 
 void addFineOptions(CLI::App& command, Arguments& a) {

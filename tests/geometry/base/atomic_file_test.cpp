@@ -111,6 +111,32 @@ TEST(AtomicFile, LeftoversOfAKilledProcessAreDeleted) {
   EXPECT_EQ(folder.entries(), 4u) << "these two, and the two that are being written";
 }
 
+// Where a file system can not exchange two folders the old one is moved aside first: killed then, a program leaves no
+// target but two whole folders.
+TEST(AtomicFolder, ATargetThatWasMovedAsideByAKilledProcessComesBack) {
+  const TemporaryFolder folder;
+  const fs::path bundle = folder.path() / "case";
+  std::string staging;
+  {
+    const auto made = AtomicFolder::create(bundle, false);
+    ASSERT_TRUE(made);
+    staging = made->staging().filename().string();
+  }
+  const pid_t child = ::fork();
+  if (child == 0) ::_exit(0);
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  const std::string own = std::to_string(::getpid());
+  const fs::path aside =
+      folder.path() / (staging.substr(0, staging.rfind("-" + own + "-")) + "-" + std::to_string(child) + "-0-old");
+  fs::create_directory(aside);
+  std::ofstream(aside / "case.toml") << "years";
+
+  EXPECT_FALSE(AtomicFolder::create(bundle, false)) << "it is there again";
+  EXPECT_EQ(contentOf(bundle / "case.toml"), "years");
+  EXPECT_EQ(folder.entries(), 1u);
+}
+
 void fill(const AtomicFolder& folder, const std::string& text) {
   std::ofstream(folder.staging() / "case.toml") << text;
   fs::create_directory(folder.staging() / "source-1");
@@ -164,8 +190,10 @@ TEST(AtomicFolder, WhatSomebodyLaidIntoABundleIsNotReplacedWithIt) {
   const TemporaryFolder folder;
   const fs::path path = folder.path() / "case";
   auto first = AtomicFolder::create(path, false);
-  fill(*first, "mesh = \"my bur.stl\"");
+  fill(*first, "mesh = \"my bur.stl\"\nbody = 'my body.stl'");
   std::ofstream(first->staging() / "my bur.stl") << 1;  // named by a file of the bundle
+  std::ofstream(first->staging() / "my body.stl") << 1;
+  std::ofstream(first->staging() / ".run.toml.kerf-00000000-1-0") << 1;
   ASSERT_TRUE(first->commit());
   ASSERT_TRUE(AtomicFolder::create(path, true));
 

@@ -144,6 +144,26 @@ TEST(PlaneCut, TwoPlanesCutADieAndThePieceThatIsMeantAlone) {
   EXPECT_NEAR(one->above.report.result_volume_mm3 + one->rest.report.result_volume_mm3, signedVolume(arch), 1e-3);
 }
 
+TEST(PlaneCut, APieceIsMeantWithItsCavitiesAndWithoutWhatIsLooseInThem) {
+  Mesh cavity = ballMesh(Vec3d::Zero(), 0.7 * kRadius, 24);
+  for (Triangle& f : cavity.triangles) std::swap(f[1], f[2]);
+  Mesh model = ballMesh(Vec3d::Zero(), kRadius, 40);
+  append(model, cavity);
+  append(model, ballMesh({20, 0, 0}, kRadius, 40));
+  const std::array<Plane, 2> planes{Plane{{0, -1, 0}, Vec3d::UnitY()}, Plane{{0, 1.5, 0}, -Vec3d::UnitY()}};
+  const PlaneCutOptions meant{.piece_at = Vec3d(0.65 * kRadius, 0, 0), .post_op = {}};  // nearest to the cavity's wall
+
+  const auto one = cutByPlanes(model, planes, meant);
+  ASSERT_TRUE(one) << one.error().message();
+  EXPECT_EQ(one->above.report.pieces, 1u);
+  EXPECT_LT(bounds(one->above.mesh).max[0], 10);
+
+  append(model, ballMesh(Vec3d::Zero(), 0.3 * kRadius, 12));
+  const auto loose = cutByPlanes(model, planes, {.piece_at = Vec3d(0.98 * kRadius, 0, 0), .post_op = {}});
+  ASSERT_FALSE(loose) << "what is loose in the cavity would go with it";
+  EXPECT_NE(loose.error().found.find("another piece"), std::string::npos);
+}
+
 TEST(PlaneCut, ColoursStayAndCutFacesHaveTheirOwn) {
   Mesh ball = ballMesh(Vec3d::Zero(), kRadius, 24);
   for (std::size_t t = 0; t < ball.triangles.size(); ++t)

@@ -115,15 +115,15 @@ TEST(Guard, ShellsInEachOtherAndPiecesInsideOutAreCountedByWinding) {
   EXPECT_TRUE(judgeSolid(mixed, both(rowOfBoxes(6), box({-3, 0, 0}, {-2, 2, 2})), exactReport()).warnings.empty());
 }
 
-TEST(Guard, AThirdOfAScanLostIsRefusedUnlessInnerShellsAre) {
+TEST(Guard, MoreThanTwoLayersOfAScanLostIsRefusedUnlessInnerShellsAre) {
   const Mesh whole = ball(12, 24, 5);
   std::vector<char> keep(whole.triangles.size(), 1);
   std::fill(keep.begin(), keep.begin() + 200, 0);
   const Mesh open = subset(whole, keep);
   CloseReport report = exactReport();
-  report.vertices_lost = open.vertices.size() / 4;
-  EXPECT_FALSE(judgeSolid(open, ball(12, 24, 5), report).refusal);
   report.vertices_lost = open.vertices.size() / 2;
+  EXPECT_FALSE(judgeSolid(open, ball(12, 24, 5), report).refusal);
+  report.vertices_lost = 2 * open.vertices.size() / 3;
   const auto judged = judgeSolid(open, ball(12, 24, 5), report);
   ASSERT_TRUE(judged.refusal);
   EXPECT_NE(judged.refusal->found.find("vertices"), std::string::npos);

@@ -135,7 +135,13 @@ TEST(Openness, WhatCanNotBeToldIsWrappedAndSaidAloud) {
   Mesh skull = shellWithSheet().mesh;
   for (std::size_t t = skull.triangles.size() - 60; t < skull.triangles.size() - 58; ++t)
     skull.triangles[t] = {0, 0, 0};
-  const auto s = closeMesh(skull);
+  // The wrap fills the hollow: more than twice the volume is refused, unless it is taken knowingly.
+  const auto filled = closeMesh(skull);
+  ASSERT_FALSE(filled);
+  EXPECT_NE(filled.error().hint.find("--accept-doubtful"), std::string::npos) << filled.error().message();
+  EXPECT_EQ(filled.error().hint.find("--close wrap"), std::string::npos) << filled.error().message();
+
+  const auto s = closeMesh(skull, {.accept_doubtful = true});
   ASSERT_TRUE(s) << s.error().message();
   EXPECT_EQ(s->report.rims_extruded, 0u);
   EXPECT_FALSE(s->report.exact);

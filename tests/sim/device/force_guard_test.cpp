@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "sim/device/workspace_map.h"
@@ -24,6 +25,12 @@ TEST(ForceGuard, DisarmedItGivesNothingAndArmedItFadesIn) {
   EXPECT_EQ(guard.pass({0, 0, 1}, kMs), Vec3d::Zero()) << "at once";
 }
 
+// How far a force is from those on the way from the last one to zero.
+double fromWayBack(const Vec3d& force, const Vec3d& last) {
+  const double old = last.squaredNorm();
+  return (force - (old > 0 ? std::clamp(force.dot(last) / old, 0.0, 1.0) : 0.0) * last).norm();
+}
+
 TEST(ForceGuard, SizeAndRateAreBoundAndTheWayBackIsNot) {
   ForceGuard guard({.force = 3, .rate = 500, .ramp_s = kMs});
   guard.arm();
@@ -33,13 +40,22 @@ TEST(ForceGuard, SizeAndRateAreBoundAndTheWayBackIsNot) {
     const double speed = n < 1000 ? 0.01 : 1;  // first the size, then the rate
     const Vec3d force = guard.pass(10 * Vec3d(std::sin(0.9 * speed * n), std::cos(1.7 * speed * n), 1), kMs);
     most = std::max(most, force.norm());
-    if (force.norm() > last.norm()) fastest = std::max(fastest, (force - last).norm());
+    fastest = std::max(fastest, fromWayBack(force, last));
     last = force;
   }
   EXPECT_LE(most, 3 + 1e-12);
   EXPECT_GT(most, 2.9);
   EXPECT_LE(fastest, 0.5 + 1e-9);
   EXPECT_EQ(guard.pass(Vec3d::Zero(), kMs), Vec3d::Zero());
+}
+
+// A hand that is pulled one way must not be struck the other way, though that force is the smaller one.
+TEST(ForceGuard, AForceThatTurnsRoundGrowsFromZero) {
+  ForceGuard guard({.force = 3, .rate = 500, .ramp_s = kMs});
+  guard.arm();
+  for (int n = 0; n < 100; ++n) guard.pass({0, 0, 3}, kMs);
+  const Vec3d turned = guard.pass({0, 0, -2.9}, kMs);
+  EXPECT_NEAR(turned[2], -0.5, 1e-9);
 }
 
 TEST(ForceGuard, ANumberThatIsNoneTakesTheForceAwayUntilItIsArmedAgain) {
