@@ -370,7 +370,7 @@ TEST_F(Cli, ADrillTurnedBackwardsTakesNothingAndATurbineRefuses) {
   makeCase();
   folder_.write("down.toml",
                 "format = \"kerf-path\"\nversion = 1\nframe = \"object\"\n[start]\nposition = [0, 0, 1]\n"
-                "axis = [0, 0, 1]\n[[stroke]]\nkind = \"line\"\nby = [0, 0, -1]\n");
+                "axis = [0, 0, 1]\n[[stroke]]\nkind = \"line\"\nby = [0, 0, -2]\n");
   const auto cut = [&](const char* tool) {
     return std::vector<std::string>{"cut", at("box.case"), "--tool", tool,   "--path",    at("down.toml"),
                                     "-o",  at("back.run"), "--hand", "feed", "--reverse", "--force"};
