@@ -13,8 +13,8 @@
 #include <cmath>
 #include <optional>
 
-#include "geometry/field/vdb_io.h"
 #include "geometry/field/vdb_bytes.h"
+#include "geometry/field/vdb_io.h"
 
 namespace kerf {
 namespace {
