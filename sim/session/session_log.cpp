@@ -24,7 +24,8 @@ class Parser {
 
   Expected<SessionLog> parse() {
     KERF_CHECK(header());
-    log_.samples.reserve(left() / kSampleBytes);  // no more can be there; what is not is never touched
+    if (version_ == kOldestLogVersion)
+      log_.samples.reserve(left() / kSampleBytes);  // no more can be there; what is not is never touched
     while (at_ < bytes_.size() && !log_.damage) KERF_CHECK(record());
     return std::move(log_);
   }
@@ -81,12 +82,12 @@ class Parser {
     if (bytes_.size() < kFileHead) return badHeader(bytes_.size(), "the end of the file");
 
     ByteUnpacker head(bytes_.data() + kLogMagic.size());
-    const std::uint32_t version = head.u32();
+    version_ = head.u32();
     const std::uint32_t length = head.u32();
-    if (version != kLogVersion)
-      return refuse(Error::Code::kUnsupported, kLogMagic.size(), fmt::format("a session log of version {}", version),
-                    fmt::format("version {}", kLogVersion),
-                    version > kLogVersion ? "read it with the newer Kerf that recorded it" : "copy the file again");
+    if (version_ < kOldestLogVersion || version_ > kLogVersion)
+      return refuse(Error::Code::kUnsupported, kLogMagic.size(), fmt::format("a session log of version {}", version_),
+                    fmt::format("version {} or {}", kOldestLogVersion, kLogVersion),
+                    version_ > kLogVersion ? "read it with the newer Kerf that recorded it" : "copy the file again");
     if (left() - kFileHead < kChecksum || left() - kFileHead - kChecksum < length)
       return badHeader(bytes_.size(), fmt::format("the end of the file, {} bytes of header missing",
                                                   kFileHead + length + kChecksum - bytes_.size()));
@@ -126,9 +127,9 @@ class Parser {
 
     // The record is as it was written: what is wrong from here on is no damage, but was written so.
     if (!take(kind, tick, payload)) {
-      if (kind > kEndRecord && (kind & kMaySkip) == 0)
+      if (kind > lastKind() && (kind & kMaySkip) == 0)
         return refuse(Error::Code::kUnsupported, at_, fmt::format("a record of kind {}", kind),
-                      fmt::format("kinds 1 to {}, or one that may be skipped", +kEndRecord),
+                      fmt::format("kinds 1 to {}, or one that may be skipped", lastKind()),
                       "read it with the newer Kerf that recorded it");
       return refuse(Error::Code::kBadFormat, at_,
                     fmt::format("a record of kind {}, tick {}, with {} bytes that make no sense", kind, tick, length),
@@ -172,16 +173,31 @@ class Parser {
       case kEndRecord:
         log_.is_closed = payload.empty();
         return log_.is_closed;
+      case kPackedSamplesRecord:
+        return version_ > kOldestLogVersion && packedSamples(tick, payload);
       default:
         log_.skipped += (kind & kMaySkip) != 0;
         return (kind & kMaySkip) != 0;
     }
   }
 
+  std::uint32_t lastKind() const { return version_ > kOldestLogVersion ? kPackedSamplesRecord : kEndRecord; }
+
+  bool mayFollow(std::uint64_t first_tick, std::size_t count) const {
+    if (count == 0 || first_tick + (count - 1) < first_tick) return false;
+    return log_.samples.empty() || first_tick > log_.samples.back().tick;
+  }
+
+  bool packedSamples(std::uint64_t first_tick, std::span<const std::byte> payload) {
+    numbers_.clear();
+    if (!unpackSamples(payload, history_, numbers_) || !mayFollow(first_tick, numbers_.size())) return false;
+    for (std::size_t i = 0; i < numbers_.size(); ++i) log_.samples.push_back({first_tick + i, sampleOf(numbers_[i])});
+    return true;
+  }
+
   bool samples(std::uint64_t first_tick, std::span<const std::byte> payload) {
     const std::size_t count = payload.size() / kSampleBytes;
-    if (count == 0 || payload.size() % kSampleBytes != 0 || first_tick + (count - 1) < first_tick) return false;
-    if (!log_.samples.empty() && first_tick <= log_.samples.back().tick) return false;
+    if (payload.size() % kSampleBytes != 0 || !mayFollow(first_tick, count)) return false;
     for (std::size_t i = 0; i < count; ++i)
       log_.samples.push_back({first_tick + i, unpackSample(payload.data() + i * kSampleBytes)});
     return true;
@@ -190,6 +206,9 @@ class Parser {
   std::span<const std::byte> bytes_;
   const std::string& name_;
   std::size_t at_ = 0;  // the first byte not yet used
+  std::uint32_t version_ = 0;
+  SampleHistory history_;            // of packed samples
+  std::vector<SampleBits> numbers_;  // of one record
   std::uint32_t checksum_ = 0;
   SessionLog log_;
 };

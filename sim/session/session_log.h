@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "geometry/base/error.h"
+#include "sim/session/packed_samples.h"
 #include "sim/step/device_sample.h"
 
 namespace kerf {
@@ -79,9 +80,10 @@ struct SessionLog {
   std::string_view value(std::string_view key) const;
 };
 
-/// Reads a log, whole, into memory: about 2.4 times the file's size, an hour (275 MB) in a second or two. A log that
-/// was cut off or damaged is read up to the last whole record before that place, and `damage` says so. Lengths in the
-/// file are claims: nothing is allocated that the file's size does not cover.
+/// Reads a log, whole, into memory: 88 bytes a sample, an hour takes 320 MB and a second or two. A log that was cut off
+/// or damaged is read up to the last whole record before that place, and `damage` says so. Lengths in the file are
+/// claims: nothing is allocated that the file's size does not cover, but 28 bytes may hold kMostPackedSamples.
+/// Logs of older versions are read as well.
 /// Errors name file and byte: no session log, a damaged or incomplete header, a newer version (kUnsupported), a kind of
 /// record that is not known and must not be skipped.
 Expected<SessionLog> readSessionLog(const std::filesystem::path& path);
@@ -108,6 +110,8 @@ class SessionLogWriter {
 
   /// Consecutive samples; the first has tick `first_tick`, > the last one's.
   void addSamples(std::uint64_t first_tick, std::span<const DeviceSample> samples);
+  /// The same, each as pack() of sim/session/session_format.h makes it. Compresses: 50 samples in about 50 us.
+  void addSampleBytes(std::uint64_t first_tick, std::span<const std::byte> samples);
   void add(std::uint64_t tick, const SessionCommand& command);
   void add(std::uint64_t tick, const StateCheck& check);
   void add(std::uint64_t tick, const SessionSnapshot& snapshot);
@@ -140,6 +144,7 @@ class SessionLogWriter {
   std::vector<std::byte> pending_;        // records not yet written
   std::vector<std::size_t> record_ends_;  // in pending_
   std::uint32_t checksum_ = 0;            // of the whole log so far
+  internal::SampleHistory history_;       // of the samples so far
   std::uint64_t written_ = 0;
   std::uint64_t synced_ = 0;
   std::optional<Error> error_;

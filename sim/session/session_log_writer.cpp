@@ -91,6 +91,7 @@ SessionLogWriter::SessionLogWriter(SessionLogWriter&& other) noexcept
       pending_(std::move(other.pending_)),
       record_ends_(std::move(other.record_ends_)),
       checksum_(other.checksum_),
+      history_(other.history_),
       written_(other.written_),
       synced_(other.synced_),
       error_(std::move(other.error_)) {}
@@ -119,10 +120,20 @@ void SessionLogWriter::addRecord(std::uint32_t kind, std::uint64_t tick, std::sp
 }
 
 void SessionLogWriter::addSamples(std::uint64_t first_tick, std::span<const DeviceSample> samples) {
-  std::vector<std::byte> payload(samples.size() * kSampleBytes);
+  std::vector<std::byte> bytes(samples.size() * kSampleBytes);
   for (std::size_t i = 0; i < samples.size(); ++i)
-    pack(samples[i], std::span<std::byte, kSampleBytes>(payload.data() + i * kSampleBytes, kSampleBytes));
-  if (!samples.empty()) addRecord(kSamplesRecord, first_tick, payload);
+    pack(samples[i], std::span<std::byte, kSampleBytes>(bytes.data() + i * kSampleBytes, kSampleBytes));
+  addSampleBytes(first_tick, bytes);
+}
+
+void SessionLogWriter::addSampleBytes(std::uint64_t first_tick, std::span<const std::byte> samples) {
+  const std::size_t count = samples.size() / kSampleBytes;
+  std::vector<SampleBits> numbers(count);
+  for (std::size_t i = 0; i < count; ++i) numbers[i] = bitsOfSample(samples.data() + i * kSampleBytes);
+  for (std::size_t i = 0; i < count; i += kMostPackedSamples) {
+    const std::size_t n = std::min(count - i, kMostPackedSamples);
+    addRecord(kPackedSamplesRecord, first_tick + i, packSamples(std::span(numbers).subspan(i, n), history_));
+  }
 }
 
 void SessionLogWriter::add(std::uint64_t tick, const SessionCommand& command) {

@@ -68,7 +68,7 @@ struct SessionRecorder::State {
 
   // Recording thread only.
   SessionLogWriter log;
-  std::vector<std::byte> run_payload;  // consecutive samples, one record
+  std::vector<std::byte> run_payload;  // consecutive samples
   std::uint64_t run_first = 0;
   std::uint64_t taken = 0;  // entries out of the queue
 
@@ -99,7 +99,7 @@ RecordStatus SessionRecorder::State::push(Entry& entry) noexcept {
 }
 
 void SessionRecorder::State::endRun() {
-  if (!run_payload.empty()) log.addRecord(kSamplesRecord, run_first, run_payload);
+  log.addSampleBytes(run_first, run_payload);
   run_payload.clear();
 }
 

@@ -42,8 +42,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     fuzz::require(log->damage->at_byte < size && log->damage->at_byte + log->damage->lost_bytes == size &&
                       !log->damage->what.empty(),
                   "damage says where it is and what is lost");
-  const std::size_t least = internal::kSampleBytes * log->samples.size() +
-                            (internal::kRecordHead + internal::kChecksum) * (log->events.size() + log->skipped);
+  constexpr std::size_t kLeastRecord = internal::kRecordHead + internal::kChecksum;
+  const std::size_t packed = log->samples.size() / internal::kMostPackedSamples;
+  const std::size_t least = kLeastRecord * (packed + log->events.size() + log->skipped);
   fuzz::require(least <= size, "nothing is read that is not there");
   return 0;
 }

@@ -111,12 +111,60 @@ TEST(SessionLog, BytesAreThoseOfTheDocumentedFormat) {
     return std::string(reinterpret_cast<const char*>(bytes.data()) + at, size);
   };
   using namespace std::string_literals;
-  EXPECT_EQ(text(0, 24), "KERFLOG\n\1\0\0\0\x41\0\0\0\4\0\0\0kerf"s);
+  EXPECT_EQ(text(0, 24), "KERFLOG\n\2\0\0\0\x41\0\0\0\4\0\0\0kerf"s);
   const std::size_t samples = smallLog().ends[2];
-  EXPECT_EQ(text(samples, 16), "\1\0\0\0\x98\0\0\0\0\0\0\0\0\0\0\0"s);
-  // rotation w of sample 0: the NaN with a payload, least byte first
-  EXPECT_EQ(text(samples + 20, 8), "\xef\xbe\0\0\xad\xde\xf4\xff"s);
-  EXPECT_EQ(smallLog().ends[3] - samples, 20u + 2 * 76 + 4);
+  EXPECT_EQ(text(samples, 4), "\x8\0\0\0"s);
+  // Sample 2: all of its numbers are others than those of sample 1, but that it is valid.
+  EXPECT_EQ(text(smallLog().ends[5] + 20, 4), "\1\0\xff\1"s) << "one sample, nine numbers that move";
+}
+
+// As the program before version 2 wrote it: by hand from docs/reference/file-formats.md.
+TEST(SessionLog, ALogOfVersionOneIsRead) {
+  using namespace internal;
+  Bytes bytes;
+  std::uint32_t sum = 0;
+  const auto add = [&](std::span<const std::byte> part) {
+    bytes.insert(bytes.end(), part.begin(), part.end());
+    sum = checksum(sum, part);
+  };
+  const auto seal = [&] {
+    std::array<std::byte, 4> out;
+    BytePacker(out.data()).u32(sum);
+    bytes.insert(bytes.end(), out.begin(), out.end());
+  };
+  std::array<std::byte, 16> head;
+  std::copy_n(std::as_bytes(std::span(kLogMagic)).begin(), 8, head.begin());
+  BytePacker(head.data() + 8).u32(1).u32(0);
+  add(head);
+  seal();
+  BytePacker(head.data()).u32(kSamplesRecord).u32(2 * kSampleBytes).u64(5);
+  add(head);
+  seal();
+  for (const std::uint64_t tick : {5, 6}) {
+    std::array<std::byte, kSampleBytes> sample;
+    pack(sampleOf(tick), sample);
+    add(sample);
+  }
+  seal();
+
+  const auto log = parseSessionLog(bytes, "old.kerflog");
+  ASSERT_TRUE(log) << log.error().message();
+  EXPECT_FALSE(log->damage);
+  ASSERT_EQ(log->samples.size(), 2u);
+  for (const std::size_t n : {0u, 1u}) {
+    EXPECT_EQ(log->samples[n].tick, 5 + n);
+    EXPECT_TRUE(sameBits(log->samples[n].sample, sampleOf(5 + n)));
+  }
+
+  // It knows no packed samples.
+  BytePacker(head.data()).u32(kPackedSamplesRecord).u32(0).u64(7);
+  add(head);
+  seal();
+  seal();
+  const auto refused = parseSessionLog(bytes, "old.kerflog");
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().found, "a record of kind 8");
+  EXPECT_NE(refused.error().expected.find("1 to 7"), std::string::npos);
 }
 
 TEST(SessionLog, CutOffAtAnyByteReadsUpToTheLastWholeRecord) {
@@ -209,21 +257,25 @@ TEST(SessionLog, LengthsThatTheFileDoesNotCoverCostNoMemory) {
   EXPECT_EQ(log->damage->at_byte, smallLog().ends[0]);
 }
 
+std::string place_of_it;  // of the record that withRecord() adds
+
 Expected<SessionLog> withRecord(std::uint32_t kind, std::uint64_t tick, const Bytes& payload) {
   const TemporaryFolder folder;
   auto log = SessionLogWriter::create(folder.path() / "s.kerflog", {});
   log->addSamples(10, std::array{sampleOf(0)});
+  EXPECT_TRUE(log->write());
+  place_of_it = "byte " + std::to_string(log->bytesWritten());
   log->addRecord(kind, tick, payload);
   EXPECT_TRUE(log->write());
   return readSessionLog(folder.path() / "s.kerflog");
 }
 
 TEST(SessionLog, UnknownKindsAreRefusedUnlessTheyMayBeSkipped) {
-  const auto refused = withRecord(8, 10, {});
+  const auto refused = withRecord(9, 10, {});
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, Error::Code::kUnsupported);
-  EXPECT_EQ(refused.error().found, "a record of kind 8");
-  const auto skipped = withRecord(internal::kMaySkip | 8, 10, someState(9));
+  EXPECT_EQ(refused.error().found, "a record of kind 9");
+  const auto skipped = withRecord(internal::kMaySkip | 9, 10, someState(9));
   ASSERT_TRUE(skipped);
   EXPECT_EQ(skipped->skipped, 1u);
   EXPECT_FALSE(skipped->damage);
@@ -232,15 +284,15 @@ TEST(SessionLog, UnknownKindsAreRefusedUnlessTheyMayBeSkipped) {
 TEST(SessionLog, RecordsThatMakeNoSenseAreRefusedByKindAndPlace) {
   using namespace internal;
   const std::vector<std::tuple<std::uint32_t, std::uint64_t, std::size_t>> cases = {
-      {kSamplesRecord, 11, 0},  {kSamplesRecord, 11, 75},     {kSamplesRecord, 11, 77}, {kSamplesRecord, 10, 76},
-      {kSamplesRecord, 9, 76},  {kSamplesRecord, ~0ull, 152}, {kCheckRecord, 10, 55},   {kCheckRecord, 10, 57},
-      {kSnapshotRecord, 10, 7}, {kStrokeRecord, 10, 3},       {kStrokeRecord, 10, 0},   {kGapRecord, 10, 4},
-      {kEndRecord, 10, 1}};
+      {kSamplesRecord, 11, 0},  {kSamplesRecord, 11, 75},      {kSamplesRecord, 11, 77},     {kSamplesRecord, 10, 76},
+      {kSamplesRecord, 9, 76},  {kSamplesRecord, ~0ull, 152},  {kCheckRecord, 10, 55},       {kCheckRecord, 10, 57},
+      {kSnapshotRecord, 10, 7}, {kStrokeRecord, 10, 3},        {kStrokeRecord, 10, 0},       {kGapRecord, 10, 4},
+      {kEndRecord, 10, 1},      {kPackedSamplesRecord, 11, 0}, {kPackedSamplesRecord, 11, 4}};
   for (const auto& [kind, tick, size] : cases) {
     const auto log = withRecord(kind, tick, Bytes(size));
     ASSERT_FALSE(log) << kind << ' ' << size;
     EXPECT_EQ(log.error().code, Error::Code::kBadFormat);
-    EXPECT_EQ(log.error().place, "byte 120") << "after the header of 20 bytes and a sample of 100";
+    EXPECT_EQ(log.error().place, place_of_it) << "after the header and a sample";
   }
   Bytes third_mark(4);
   third_mark[0] = std::byte{2};
@@ -250,13 +302,13 @@ TEST(SessionLog, RecordsThatMakeNoSenseAreRefusedByKindAndPlace) {
 
 TEST(SessionLog, ANewerVersionIsRefusedByName) {
   Bytes bytes = smallLog().bytes;
-  bytes[8] = std::byte{2};
+  bytes[8] = std::byte{3};
   const auto log = parseSessionLog(bytes, "new.kerflog");
   ASSERT_FALSE(log);
   EXPECT_EQ(log.error().code, Error::Code::kUnsupported);
   EXPECT_EQ(
       log.error().message(),
-      "new.kerflog: byte 8: a session log of version 2; expected version 1. Try: read it with the newer Kerf that "
+      "new.kerflog: byte 8: a session log of version 3; expected version 1 or 2. Try: read it with the newer Kerf that "
       "recorded it");
 }
 
