@@ -70,7 +70,9 @@ std::string uriOf(const std::string& file) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 3) return 2;
+  if (argc < 3) return 2;
+  std::string uris;
+  for (int n = 2; n < argc; ++n) uris += uriOf(argv[n]);
   display = XOpenDisplay(nullptr);
   if (!display) return 2;
   const Window root = DefaultRootWindow(display), to = find(root, argv[1]);
@@ -90,7 +92,7 @@ int main(int argc, char** argv) {
     }
     XEvent e;
     XNextEvent(display, &e);
-    if (e.type == SelectionRequest) answer(e.xselectionrequest, uriOf(argv[2]));
+    if (e.type == SelectionRequest) answer(e.xselectionrequest, uris);
     if (e.type != ClientMessage) continue;
     if (e.xclient.message_type == atom("XdndStatus")) send(to, "XdndDrop", source, 0, CurrentTime, 0, 0);
     if (e.xclient.message_type == atom("XdndFinished")) return 0;

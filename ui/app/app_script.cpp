@@ -80,7 +80,7 @@ void printState(const AppContext& c) {
     j["pulp_rise_K"] = heat.pulp_rise;
     j["nerve_rise_K"] = heat.nerve_rise;
   }
-  if (c.bench.importPlan()) j["import"] = nlohmann::json::parse(importState(*c.bench.importPlan()));
+  if (c.bench.isImporting()) j["import"] = nlohmann::json::parse(importState(*c.bench.importSet()));
   if (const WatchedRun* const run = c.bench.watched()) {
     const WatchMoment& now = run->moment();
     j["replay"] = {{"seconds", kTick * static_cast<double>(now.sample)},

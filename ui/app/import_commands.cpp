@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <filesystem>
@@ -14,6 +15,9 @@ namespace {
 using Way = ClosingChoice::Way;
 constexpr std::array<std::pair<const char*, Way>, 4> kWays = {
     {{"automatic", Way::kAutomatic}, {"base", Way::kBase}, {"holes", Way::kHolesOnly}, {"wrap", Way::kWrap}}};
+
+constexpr std::array<std::pair<const char*, ImportRole>, 3> kRoles = {
+    {{"cut", ImportRole::kCut}, {"beside", ImportRole::kBeside}, {"out", ImportRole::kOut}}};
 
 tl::unexpected<Error> notAWord(const std::string& found, std::string expected) {
   return wrongWord(found.empty() ? "nothing" : "\"" + found + "\"", std::move(expected));
@@ -32,17 +36,44 @@ Expected<double> lengthOf(const std::string& word) {
 
 }  // namespace
 
-bool isImporting(const AppContext& c) { return c.bench.importPlan() && !c.bench.job(); }
+bool isImporting(const AppContext& c) { return c.bench.importSet() && !c.bench.job(); }
+bool isImportingScan(const AppContext& c) { return isImporting(c) && c.bench.importSet()->scan(); }
+bool isImportingLabels(const AppContext& c) { return isImporting(c) && c.bench.importSet()->labels(); }
+bool isImportingSeveral(const AppContext& c) { return isImporting(c) && c.bench.importSet()->isSeveral(); }
 
-bool isPreviewing(const AppContext& c) {
-  const ImportPlan* const plan = c.bench.importPlan();
-  return plan && !c.bench.job() && plan->isPreviewComing();
-}
+bool isPreviewing(const AppContext& c) { return isImporting(c) && c.bench.importSet()->isPreviewComing(); }
 
 Expected<void> importRead(AppContext& c, AppWords words) {
   if (wordOf(words, 0).empty()) return notAWord("", "the path of a scan");
-  c.bench.beginImport(std::filesystem::path(words[0]));
+  c.bench.beginImports({words.begin(), words.end()});
   return {};
+}
+
+Expected<void> importAdd(AppContext& c, AppWords words) {
+  if (wordOf(words, 0).empty()) return notAWord("", "the path of a scan");
+  c.bench.importMore({words.begin(), words.end()});
+  return {};
+}
+
+Expected<void> importChoose(AppContext& c, AppWords words) {
+  ImportSet& set = *c.bench.importSet();
+  KERF_TRY(n, numberOf(words, 0, "N", 1, static_cast<double>(set.entries().size())));
+  set.choose(static_cast<std::size_t>(n) - 1);
+  return {};
+}
+
+Expected<void> importRole(AppContext& c, AppWords words) {
+  ImportSet& set = *c.bench.importSet();
+  KERF_TRY(n, numberOf(words, 0, "N", 1, static_cast<double>(set.entries().size())));
+  for (const auto& [name, role] : kRoles)
+    if (wordOf(words, 1) == name) return set.setRole(static_cast<std::size_t>(n) - 1, role);
+  return notAWord(wordOf(words, 1), "cut, beside or out");
+}
+
+Expected<void> importTissue(AppContext& c, AppWords words) {
+  KERF_TRY(label, numberOf(words, 0, "LABEL", 1, 65535));
+  if (wordOf(words, 1).empty()) return notAWord("", "a tissue, or none");
+  return c.bench.importSet()->labels()->setTissue(static_cast<std::uint16_t>(label), words[1]);
 }
 
 Expected<void> importUnit(AppContext& c, AppWords words) {
@@ -105,14 +136,20 @@ Expected<void> importWrap(AppContext& c, AppWords words) {
 }
 
 Expected<void> importVoxel(AppContext& c, AppWords words) {
-  if (wordOf(words, 0) == "auto") return c.bench.importPlan()->setVoxel(0);
+  const ImportSet& set = *c.bench.importSet();
+  const auto setVoxel = [&](double mm) -> Expected<void> {
+    if (set.scan()) return set.scan()->setVoxel(mm);
+    if (set.labels()) return set.labels()->setVoxel(mm);
+    return wrongWord("a " + set.entries()[set.chosen()].what(), "a scan or labels: the others have their voxel size");
+  };
+  if (wordOf(words, 0) == "auto") return setVoxel(0);
   KERF_TRY(mm, lengthOf(wordOf(words, 0)));
   if (mm == 0) return notAWord("0", "auto, or a length in mm");
-  return c.bench.importPlan()->setVoxel(mm);
+  return setVoxel(mm);
 }
 
 Expected<void> importPreview(AppContext& c, AppWords) {
-  c.bench.importPlan()->startPreview();
+  c.bench.importSet()->startPreview();
   return {};
 }
 
@@ -126,26 +163,65 @@ Expected<void> importCancel(AppContext& c, AppWords) {
   return {};
 }
 
-std::string importState(const ImportPlan& plan) {
+namespace {
+
+void addScan(nlohmann::json& j, const ImportPlan& plan) {
   const Vec3d size = plan.unit().size_mm;
-  const Prediction prediction = plan.prediction();
-  nlohmann::json j{{"file", plan.found().file.string()},
-                   {"unit", plan.unit().unit},
-                   {"size_mm", {size[0], size[1], size[2]}},
-                   {"is_plausible", plan.unit().is_plausible},
-                   {"is_closed", plan.found().check.isClosed()},
-                   {"needs_base", plan.isWithoutUnderside()},
-                   {"voxel_mm", plan.voxel()},
-                   {"predicted_s", prediction.seconds},
-                   {"predicted_bytes", prediction.bytes},
-                   {"predicted_triangles", prediction.surface_triangles}};
-  if (const ClosedPreview* const preview = plan.preview()) {
+  j["unit"] = plan.unit().unit;
+  j["size_mm"] = {size[0], size[1], size[2]};
+  j["is_plausible"] = plan.unit().is_plausible;
+  j["is_closed"] = plan.found().check.isClosed();
+  j["needs_base"] = plan.isWithoutUnderside();
+  j["voxel_mm"] = plan.voxel();
+}
+
+void addLabels(nlohmann::json& j, const LabelPlan& plan) {
+  const Vec3d size = plan.found().box.size();
+  j["size_mm"] = {size[0], size[1], size[2]};
+  j["voxel_mm"] = plan.voxel();
+  j["volume_mm3"] = plan.volumeMm3();
+  for (const LabelFound& label : plan.found().labels) {
+    const auto tissue = plan.tissue(label.label);
+    j["labels"].push_back({{"label", label.label},
+                           {"name", label.name},
+                           {"volume_mm3", label.volume_mm3},
+                           {"tissue", tissue ? plan.materials().find(*tissue)->id : "none"}});
+  }
+}
+
+void addPrediction(nlohmann::json& j, const Prediction& prediction) {
+  j["predicted_s"] = prediction.seconds;
+  j["predicted_bytes"] = prediction.bytes;
+  j["predicted_triangles"] = prediction.surface_triangles;
+}
+
+const char* nameOf(ImportRole role) {
+  const auto row = std::find_if(kRoles.begin(), kRoles.end(), [&](const auto& r) { return r.second == role; });
+  return row->first;
+}
+
+}  // namespace
+
+std::string importState(const ImportSet& set) {
+  const ImportEntry& chosen = set.entries()[set.chosen()];
+  nlohmann::json j{{"file", chosen.file.string()}, {"what", chosen.what()}, {"chosen", set.chosen() + 1}};
+  if (set.scan()) addScan(j, *set.scan());
+  if (set.labels()) addLabels(j, *set.labels());
+  addPrediction(j, set.prediction());
+  if (const ClosedPreview* const preview = set.preview()) {
     j["solid_mm3"] = preview->volume_mm3;
     j["solid_mm2"] = preview->area_mm2;
     j["is_exact"] = preview->is_exact;
     j["changes"] = preview->changes;
   }
-  for (const Finding& finding : plan.findings()) j["found"].push_back(finding.about + ": " + finding.text);
+  const auto add = [&](const Finding& finding) { j["found"].push_back(finding.about + ": " + finding.text); };
+  if (set.scan())
+    for (const Finding& finding : set.scan()->findings()) add(finding);
+  if (set.labels())
+    for (const Finding& finding : set.labels()->findings()) add(finding);
+  for (const Finding& finding : set.findings()) add(finding);
+  for (const ImportEntry& entry : set.entries())
+    j["files"].push_back({{"file", entry.file.string()}, {"what", entry.what()}, {"role", nameOf(entry.role)}});
   return j.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 

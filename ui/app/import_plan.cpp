@@ -69,18 +69,6 @@ Expected<ClosedPreview> closed(const Mesh& source, double scale_to_mm, const Clo
   return out;
 }
 
-// MemAvailable of Linux: what can be had without swapping.
-double freeMemory() {
-  std::ifstream in("/proc/meminfo");
-  std::string name;
-  double kilobytes = 0;
-  while (in >> name >> kilobytes) {
-    if (name == "MemAvailable:") return 1024 * kilobytes;
-    in.ignore(100, '\n');
-  }
-  return 0;
-}
-
 std::string counted(std::size_t n, const char* one, const char* several) {
   return fmt::format("{} {}", n, n == 1 ? one : several);
 }
@@ -134,6 +122,18 @@ Prediction predict(double area_mm2, double voxel_mm, double closing_s) {
   out.bytes = kProgram + kBytesPerTriangle * out.surface_triangles;
   out.seconds = kStart + closing_s + kSecondsPerTriangle * out.surface_triangles;
   return out;
+}
+
+// MemAvailable of Linux: what can be had without swapping.
+double freeMemory() {
+  std::ifstream in("/proc/meminfo");
+  std::string name;
+  double kilobytes = 0;
+  while (in >> name >> kilobytes) {
+    if (name == "MemAvailable:") return 1024 * kilobytes;
+    in.ignore(100, '\n');
+  }
+  return 0;
 }
 
 ImportPlan::ImportPlan(ScanFound found, PrepareOptions defaults)

@@ -69,6 +69,8 @@ struct Prediction {
 /// from a quarter too few to twice too many, as the machine was busy or idle.
 /// @param area_mm2       of the closed solid.   @param closing_s  what closing took or will take.
 Prediction predict(double area_mm2, double voxel_mm, double closing_s);
+/// That can be had without swapping, bytes; 0: not known.
+double freeMemory();
 
 /// The solid that will be cut, before it is cut.
 struct ClosedPreview {

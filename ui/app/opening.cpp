@@ -10,6 +10,7 @@
 #include <fstream>
 #include <utility>
 
+#include "geometry/base/atomic_file.h"
 #include "geometry/base/hash.h"
 #include "geometry/case/case_bundle.h"
 #include "geometry/formats/mesh_io.h"
@@ -18,8 +19,10 @@
 #include "preprocess/demo/demo_anatomy.h"
 #include "preprocess/demo/demo_arch.h"
 #include "preprocess/unit/unit.h"
+#include "preprocess/volume/label_volume.h"
 #include "sim/run/run_files.h"
 #include "sim/run/run_manifest.h"
+#include "ui/app/label_plan.h"
 #include "ui/app/upright.h"
 
 namespace kerf {
@@ -49,7 +52,8 @@ Expected<double> areaOfScan(const fs::path& path, const std::string& asked_unit)
 
 std::string nameOf(const fs::path& path) {
   const fs::path named = path.has_filename() ? path : path.parent_path();
-  return named.stem().string();
+  const fs::path stem = named.stem();
+  return stem.extension() == ".nii" ? stem.stem().string() : stem.string();  // "ct.nii.gz"
 }
 
 fs::path newSessionFolder(const fs::path& data_folder, const std::string& name) {
@@ -92,9 +96,45 @@ std::vector<std::string> notesOf(const CaseManifest& manifest) {
   return out;
 }
 
+// The recipe that a label volume is baked by, below the data folder: people can read it there, and bake it again.
+Expected<fs::path> writeRecipe(const fs::path& volume, const OpeningOptions& options, const Progress& progress) {
+  std::string text = options.prepare.recipe;
+  if (text.empty()) {
+    KERF_TRY(found, readLabels(volume, progress));
+    KERF_TRY(materials, readDefaultMaterials());
+    const LabelPlan plan(std::move(found), std::move(materials), options.prepare.voxel_mm);
+    if (plan.isEmpty())
+      return fail({.code = Error::Code::kEmpty,
+                   .file = volume.string(),
+                   .found = "labels whose names say that they are no tissue",
+                   .expected = "one that is",
+                   .hint = "choose tissues in the import panel, or write a recipe (docs/reference/recipes.md)"});
+    text = plan.recipe();
+  }
+
+  const fs::path folder = options.data_folder / "recipes";
+  std::error_code failed;
+  fs::create_directories(folder, failed);
+  const std::string hash = sha256(std::as_bytes(std::span(text)));
+  fs::path out = folder / fmt::format("{}-{}.toml", nameOf(volume), hash.substr(0, 8));
+  KERF_TRY(file, AtomicFile::create(out));
+  file.stream() << text;
+  KERF_CHECK(file.commit());
+  return out;
+}
+
 // Bakes a scan or a recipe below the data folder, or finds it baked there.
 Expected<Prepared> prepare(const fs::path& path, const OpeningOptions& options, const Progress& progress) {
-  const bool is_recipe = kindOf(path) == FileKind::kRecipe;
+  const FileKind kind = kindOf(path);
+  if (kind == FileKind::kLabels) {
+    KERF_TRY(recipe, writeRecipe(path, options, partOf(progress, 0, 0.1)));
+    OpeningOptions as_recipe = options;
+    as_recipe.prepare = {};
+    KERF_TRY(prepared, prepare(recipe, as_recipe, partOf(progress, 0.1, 1)));
+    prepared.notes.push_back("baked by the recipe " + recipe.string());
+    return std::move(prepared);
+  }
+  const bool is_recipe = kind == FileKind::kRecipe;
   KERF_TRY(hash, sha256OfFile(path));
   KERF_TRY(bake_options, bakeOptionsFor(path, is_recipe, options.prepare));
 
@@ -145,12 +185,12 @@ std::string freeName(const std::string& wanted, const std::string& first, const 
 Expected<std::vector<CaseBeside>> prepareBeside(const fs::path& case_folder, const CaseManifest& manifest,
                                                 const OpeningOptions& options, const Progress& progress, Opened& out) {
   std::vector<CaseBeside> found;
-  for (const CaseBeside& asked : options.beside) {
+  for (const OpenBeside& asked : options.beside) {
     const double n = static_cast<double>(found.size()), all = static_cast<double>(options.beside.size());
     KERF_TRY(folder, prepareToStandBeside(asked, options, out.notes, partOf(progress, n / all, (n + 1) / all)));
-    const std::string name = asked.name.empty() ? nameOf(asked.folder) : asked.name;
+    const std::string name = asked.name.empty() ? nameOf(asked.path) : asked.name;
     found.push_back({folder, freeName(name, out.name, found)});
-    out.sources_beside.push_back(asked.folder);
+    out.sources_beside.push_back(asked.path);
   }
 
   const auto partner = partnerOf(case_folder, manifest);
@@ -176,22 +216,22 @@ Expected<void> noteMisfits(const LiveRun& run, std::vector<std::string>& notes) 
 
 }  // namespace
 
-Expected<fs::path> prepareToStandBeside(const CaseBeside& asked, const OpeningOptions& options,
+Expected<fs::path> prepareToStandBeside(const OpenBeside& asked, const OpeningOptions& options,
                                         std::vector<std::string>& notes, const Progress& progress) {
-  const FileKind kind = kindOf(asked.folder);
-  if (kind == FileKind::kCase) return asked.folder;
+  const FileKind kind = kindOf(asked.path);
+  if (kind == FileKind::kCase) return asked.path;
   if (kind == FileKind::kRun || kind == FileKind::kTool)
     return fail({.code = Error::Code::kUnsupported,
-                 .file = asked.folder.string(),
+                 .file = asked.path.string(),
                  .found = kind == FileKind::kRun ? "a session" : "a tool",
                  .expected = "a scan, a recipe or a case to stand beside",
                  .hint = "of a session only the case can stand beside"});
 
-  OpeningOptions defaults = options;
-  defaults.prepare.closing = {};
-  KERF_TRY(prepared, prepare(asked.folder, defaults, progress));
+  OpeningOptions its_own = options;
+  its_own.prepare = asked.prepare;
+  KERF_TRY(prepared, prepare(asked.path, its_own, progress));
   for (const std::string& note : prepared.notes)
-    notes.push_back((asked.name.empty() ? nameOf(asked.folder) : asked.name) + ": " + note);
+    notes.push_back((asked.name.empty() ? nameOf(asked.path) : asked.name) + ": " + note);
   return prepared.case_folder;
 }
 
@@ -241,7 +281,9 @@ FileKind kindOf(const fs::path& path) {
   if (isRun(path)) return FileKind::kRun;
   if (isCase(path)) return FileKind::kCase;
   if (looksLikeTool(path)) return FileKind::kTool;
-  return looksLikeRecipe(path) ? FileKind::kRecipe : FileKind::kScan;
+  if (looksLikeRecipe(path)) return FileKind::kRecipe;
+  std::error_code ignored;
+  return isLabelVolume(path) && !fs::is_directory(path, ignored) ? FileKind::kLabels : FileKind::kScan;
 }
 
 double voxelFor(double area_mm2) {

@@ -24,6 +24,7 @@ struct CloseOptions;
 /// What can stand behind a path that a user opens.
 enum class FileKind {
   kScan,    ///< a mesh file, or what will be refused as none: only reading it tells
+  kLabels,  ///< a label volume of a CT, by its name; a folder of slices is none here
   kRecipe,  ///< puts meshes and labels together
   kCase,    ///< baked already
   kTool,    ///< for the rack
@@ -57,6 +58,15 @@ struct PrepareOptions {
   std::string unit;     ///< "mm", "inch"; empty: as the file says, or by its size
   double voxel_mm = 0;  ///< 0: voxelFor() of a scan, that of a recipe
   ClosingChoice closing{};
+  /// Of a label volume: the text of the recipe it is baked by. Empty: every label is what its name says it is.
+  std::string recipe{};
+};
+
+/// What stands beside.
+struct OpenBeside {
+  std::filesystem::path path;  ///< a scan, a label volume, a recipe or a case
+  std::string name{};          ///< empty: that of the file
+  PrepareOptions prepare{};    ///< of a scan
 };
 
 struct OpeningOptions {
@@ -64,9 +74,7 @@ struct OpeningOptions {
   PrepareOptions prepare;
   std::vector<SessionTool> tools;  ///< of the rack; the first is in hand
   RealTimeRequest real_time;       ///< of the haptic thread
-  /// Scans, recipes or cases that stand beside; a scan is prepared with the default remedies. Without a name: that of
-  /// the file.
-  std::vector<CaseBeside> beside{};
+  std::vector<OpenBeside> beside{};
 };
 
 /// A session that has not been started yet.
@@ -82,17 +90,17 @@ struct Opened {
 };
 
 /// Opens a case, or prepares a scan or recipe first. A scan that was prepared in the same way before is not baked
-/// again. Of a run the case is opened, with all that was cut, and what stood beside it. One jaw of a pair is opened
-/// with its partner beside, if that is there still. A neighbour that hardly fits the frame is said in the notes.
-/// Errors: those of reading, closing and loading; kUnsupported for a session that has not ended; kCancelled, and then
-/// nothing is left behind.
+/// again. Of a label volume a recipe is written below the data folder, and baked. Of a run the case is opened, with all
+/// that was cut, and what stood beside it. One jaw of a pair is opened with its partner beside, if that is there still.
+/// A neighbour that hardly fits the frame is said in the notes. Errors: those of reading, closing and loading;
+/// kUnsupported for a session that has not ended; kCancelled, and then nothing is left behind.
 /// @cost seconds; a jaw at 0.1 mm 10 to 20 s.
 Expected<Opened> openToCut(const std::filesystem::path& path, const OpeningOptions& options,
                            const Progress& progress = {});
 
-/// What is to stand beside, as a case: a scan or recipe is prepared with the default remedies.
+/// What is to stand beside, as a case: a scan or recipe is prepared first.
 /// Errors: those of openToCut(); kUnsupported for a session and for a tool.
-Expected<std::filesystem::path> prepareToStandBeside(const CaseBeside& asked, const OpeningOptions& options,
+Expected<std::filesystem::path> prepareToStandBeside(const OpenBeside& asked, const OpeningOptions& options,
                                                      std::vector<std::string>& notes, const Progress& progress = {});
 
 /// Our own anatomy: made when it is first asked for.   @param name  of demoNames().

@@ -37,7 +37,7 @@ std::array<double, 2> pixelOf(const Camera& camera, const Vec3d& point, int widt
 
 void zoomAt(AppContext& context, double x, double y, double factor) {
   Camera& camera = context.camera;
-  if (!context.bench.importPlan()) {
+  if (!context.bench.isImporting()) {
     const auto seen = context.bench.behindSection(rayUnder(camera, x, y, context.width, context.height));
     const auto hit = seen ? context.bench.scene().hit(*seen) : std::nullopt;
     if (hit) focusOn(camera, hit->on_surface.point);

@@ -11,7 +11,7 @@
 #include "geometry/formats/mesh_formats.h"
 #include "sim/run/watched_run.h"
 #include "ui/app/exporting.h"
-#include "ui/app/import_plan.h"
+#include "ui/app/import_set.h"
 #include "ui/app/sawing.h"
 #include "ui/app/tissue_display.h"
 #include "ui/app/user_files.h"

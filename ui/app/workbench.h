@@ -36,6 +36,7 @@ namespace kerf {
 class Sawing;
 class TissueDisplay;
 class ImportPlan;
+class ImportSet;
 class WatchedRun;
 
 struct WorkbenchOptions {
@@ -100,11 +101,20 @@ class Workbench {
   void open(const std::filesystem::path& path);
   /// Our own anatomy: made when it is first asked for.   @param name  of demoNames().
   void openDemo(const std::string& name);
-  /// Reads a scan and waits for what the user decides about it: importPlan(). What is no scan is opened at once. A job.
+  /// Reads a scan or a label volume and waits for what the user decides about it: importSet(). A recipe, a case or a
+  /// run alone is opened at once. A job.
   void beginImport(const std::filesystem::path& path);
-  /// The scan that is looked at; null: none. It stays until it is open to be cut, or cancelled.
-  ImportPlan* importPlan() const { return import_.get(); }
-  /// Prepares the scan as decided and opens it. A job; when it fails the plan stays, for another remedy.
+  /// The same for several files together: the first is cut, the others stand beside it, until the user says otherwise.
+  /// Tools among them go into the rack. A job.
+  void beginImports(const std::vector<std::filesystem::path>& paths);
+  /// Reads more, to stand beside those that are looked at; without such: as beginImports(). A job.
+  void importMore(const std::vector<std::filesystem::path>& paths);
+  /// What is looked at; null: nothing. It stays until it is open to be cut, or cancelled.
+  ImportSet* importSet() const { return import_.get(); }
+  bool isImporting() const { return import_ != nullptr; }
+  /// The scan among it whose choices are shown; null: none is looked at, or that one is no scan.
+  ImportPlan* importPlan() const;
+  /// Prepares all as decided and opens it. A job; when it fails the plans stay, for another remedy.
   void startImport();
   void cancelImport();
   bool isOpen() const { return run_ != nullptr; }
@@ -251,6 +261,7 @@ class Workbench {
 
   /// The first is opened to be worked on, the others stand beside it, where their scans are: each a scan, prepared with
   /// the default remedies, a recipe or a case. Tools among them go into the rack, one alone is as beginImport().
+  /// For a hand that is to decide first: beginImports().
   void openAll(const std::vector<std::filesystem::path>& paths);
   /// What is open goes on in a session of its own, with one more beside: undo reaches back to here. A job.
   void openBeside(const std::filesystem::path& path);
@@ -322,6 +333,8 @@ class Workbench {
   void findLostSessions();
   void remember(const std::filesystem::path& path);
   void putImportAway();
+  std::vector<std::filesystem::path> takeTools(const std::vector<std::filesystem::path>& paths);
+  void readToImports(std::vector<std::filesystem::path> paths, const std::string& title, bool is_more);
   OpeningOptions openingOptions() const;
   using Load = std::function<Expected<Opened>(const Progress&)>;
   void openBy(const std::string& title, Load load);
@@ -348,8 +361,8 @@ class Workbench {
   std::function<void()> when_over_;  // takes the job's result
   bool job_writes_ = false;
 
-  std::unique_ptr<ImportPlan> import_;
-  std::vector<std::unique_ptr<ImportPlan>> ending_imports_;  // their previews are being cancelled
+  std::unique_ptr<ImportSet> import_;
+  std::vector<std::unique_ptr<ImportSet>> ending_imports_;  // their previews are being cancelled
   std::string name_;
   std::filesystem::path source_;  // what was opened: never written to
   std::optional<Vec3d> occlusal_;

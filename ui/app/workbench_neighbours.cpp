@@ -15,19 +15,14 @@ namespace fs = std::filesystem;
 // ---- Opening
 
 void Workbench::openAll(const std::vector<fs::path>& paths) {
-  std::vector<fs::path> objects;
-  for (const fs::path& path : paths)
-    if (kindOf(path) == FileKind::kTool)
-      addTool(path);
-    else
-      objects.push_back(path);
+  const std::vector<fs::path> objects = takeTools(paths);
   if (objects.empty()) return;
   if (objects.size() == 1) return beginImport(objects.front());
 
   OpeningOptions options = openingOptions();
   std::string names;
   for (std::size_t n = 1; n < objects.size(); ++n) {
-    options.beside.push_back({objects[n], {}});
+    options.beside.push_back({objects[n], {}, options.prepare});
     names += (n > 1 ? ", " : "") + objects[n].filename().string();
   }
   const fs::path first = objects.front();
@@ -48,7 +43,8 @@ void Workbench::openBeside(const fs::path& path) {
     CaseBeside beside;
     std::vector<std::string> notes;
   };
-  const CaseBeside asked{path, (path.has_filename() ? path : path.parent_path()).stem().string()};
+  const OpenBeside asked{path, (path.has_filename() ? path : path.parent_path()).stem().string(),
+                         openingOptions().prepare};
   std::vector<std::string> known{run_->caseManifest().id};
   for (const LiveNeighbour& other : run_->neighbours()) known.push_back(other.known.manifest.id);
   auto job = std::make_unique<Job<Prepared>>(
@@ -59,7 +55,7 @@ void Workbench::openBeside(const fs::path& path) {
         KERF_TRY(manifest, readCaseManifest(folder));
         if (std::find(known.begin(), known.end(), manifest.id) != known.end())
           return fail({.code = Error::Code::kBadValue,
-                       .file = asked.folder.string(),
+                       .file = asked.path.string(),
                        .found = "it is in the scene already: two solids in one place",
                        .expected = "another tooth or jaw of the same scan frame",
                        .hint = "open each once"});
@@ -82,10 +78,10 @@ void Workbench::openBeside(const fs::path& path) {
 void Workbench::workOn(std::size_t number) {
   if (isBusy() || isSawing() || !run_ || number < 1 || number > run_->neighbours().size()) return;
   OpeningOptions options = openingOptions();
-  options.beside.push_back({run_->caseFolder(), name_});
+  options.beside.push_back({run_->caseFolder(), name_, {}});
   for (std::size_t n = 0; n < run_->neighbours().size(); ++n)
     if (const SessionNeighbour& other = run_->neighbours()[n].known; n + 1 != number)
-      options.beside.push_back({other.folder, other.name});
+      options.beside.push_back({other.folder, other.name, {}});
   const SessionNeighbour& wanted = run_->neighbours()[number - 1].known;
   openBy("opening " + wanted.name,
          [folder = wanted.folder, name = wanted.name, options](const Progress& progress) -> Expected<Opened> {

@@ -117,8 +117,9 @@ void Workbench::reopenWith(const fs::path& tool_file, std::vector<CaseBeside> fu
     if (has_written_) notices_.resize(told);  // it goes on
     const fs::path next = has_written_ ? session : before;
     OpeningOptions options = openingOptions();
-    if (!has_written_) options.beside = kept;
-    options.beside.insert(options.beside.end(), further.begin(), further.end());
+    std::vector<CaseBeside> beside = has_written_ ? std::vector<CaseBeside>{} : kept;
+    beside.insert(beside.end(), further.begin(), further.end());
+    for (const CaseBeside& other : beside) options.beside.push_back({other.folder, other.name, {}});
     openBy(further.empty() ? "taking the tool" : "placing what stands beside",
            [next, options](const Progress& progress) { return openToCut(next, options, progress); });
     if (!job_) return;

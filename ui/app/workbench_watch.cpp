@@ -6,7 +6,7 @@
 
 #include "geometry/case/case_bundle.h"
 #include "sim/run/watched_run.h"
-#include "ui/app/import_plan.h"
+#include "ui/app/import_set.h"
 #include "ui/app/sawing.h"
 #include "ui/app/upright.h"
 #include "ui/app/workbench.h"

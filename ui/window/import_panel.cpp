@@ -9,7 +9,7 @@
 #include <numbers>
 #include <string>
 
-#include "ui/app/import_plan.h"
+#include "ui/app/import_set.h"
 #include "ui/app/pointing.h"
 #include "ui/window/style.h"
 
@@ -36,9 +36,9 @@ void run(AppContext& context, const char* id, std::vector<std::string> words = {
 
 // ---- What was found
 
-void drawFindings(const ImportPlan& plan) {
+void drawFindings(const std::vector<Finding>& findings) {
   const StyleColours& colours = styleColours();
-  for (const Finding& finding : plan.findings()) {
+  for (const Finding& finding : findings) {
     const bool is_doubtful = finding.weight == Finding::Weight::kDoubtful;
     const ImVec4 colour = is_doubtful                                  ? colours.warning
                           : finding.weight == Finding::Weight::kMended ? colours.accent
@@ -148,10 +148,11 @@ void drawClosing(AppContext& context, ImportPlan& plan) {
   if (const auto done = plan.setClosing(choice); !done) context.bench.complain(done.error());
 }
 
-void drawVoxel(ImportPlan& plan) {
+// Of a scan's plan and of a label volume's alike.
+template <class Plan>
+void drawVoxel(Plan& plan, bool is_own) {
   heading("Voxel size");
   float voxel = static_cast<float>(plan.voxel());
-  const bool is_own = plan.choice().voxel_mm > 0;
   ImGui::SetNextItemWidth(is_own ? -scaled(90) : -1);
   if (ImGui::SliderFloat("##voxel", &voxel, 0.05f, 0.3f, "%.2f mm", ImGuiSliderFlags_AlwaysClamp))
     (void)plan.setVoxel(0.01 * std::round(100 * static_cast<double>(voxel)));
@@ -159,55 +160,155 @@ void drawVoxel(ImportPlan& plan) {
     ImGui::SameLine();
     if (ImGui::Button("Suggest", {-1, 0})) (void)plan.setVoxel(0);
   }
-  const Prediction p = plan.prediction();
-  const bool is_too_much = plan.freeBytes() > 0 && p.bytes > plan.freeBytes();
-  const std::string text =
-      fmt::format("about {:.0f} s to prepare, {:.1f} GB of memory{}", std::ceil(p.seconds), 1e-9 * p.bytes,
-                  is_too_much ? fmt::format(": only {:.1f} GB are free", 1e-9 * plan.freeBytes()) : "");
+}
+
+// Of all files together.
+void drawPrediction(const ImportSet& set) {
+  const Prediction p = set.prediction();
+  if (p.bytes <= 0) return;
+  const bool is_too_much = set.freeBytes() > 0 && p.bytes > set.freeBytes();
+  const std::string text = fmt::format(
+      "about {:.0f} s to prepare{}, {:.1f} GB of memory{}", std::ceil(p.seconds), set.isSeveral() ? " all" : "",
+      1e-9 * p.bytes, is_too_much ? fmt::format(": only {:.1f} GB are free", 1e-9 * set.freeBytes()) : "");
   ImGui::PushTextWrapPos(0);
   ImGui::TextColored(is_too_much ? styleColours().warning : styleColours().quiet, "%s", text.c_str());
   ImGui::PopTextWrapPos();
 }
 
+// ---- Several files
+
+struct RoleRow {
+  ImportRole role;
+  const char* word;  // of the command
+  const char* text;
+};
+constexpr std::array<RoleRow, 3> kRoles = {{{ImportRole::kCut, "cut", "is cut"},
+                                            {ImportRole::kBeside, "beside", "stands beside"},
+                                            {ImportRole::kOut, "out", "left out"}}};
+
+void drawFiles(AppContext& context, const ImportSet& set) {
+  heading("Files");
+  for (std::size_t n = 0; n < set.entries().size(); ++n) {
+    const ImportEntry& entry = set.entries()[n];
+    const std::string number = std::to_string(n + 1);
+    ImGui::PushID(static_cast<int>(n));
+    const std::string name = entry.file.filename().string();
+    const float width = ImGui::GetContentRegionAvail().x - scaled(132);
+    if (ImGui::Selectable(name.c_str(), n == set.chosen(), 0, {width, 0})) run(context, "import.choose", {number});
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s: %s", entry.what().c_str(), entry.file.c_str());
+    ImGui::SameLine();
+    ImGui::SetNextItemWidth(-1);
+    const auto row = std::find_if(kRoles.begin(), kRoles.end(), [&](const RoleRow& r) { return r.role == entry.role; });
+    if (ImGui::BeginCombo("##role", row->text)) {
+      for (const RoleRow& r : kRoles)
+        if (ImGui::Selectable(r.text, r.role == entry.role)) run(context, "import.role", {number, r.word});
+      ImGui::EndCombo();
+    }
+    ImGui::PopID();
+  }
+  drawFindings(set.findings());
+}
+
+// ---- Labels of a CT
+
+ImVec4 colourOf(const MaterialProperties* material) {
+  if (!material) return {0, 0, 0, 0};
+  const Rgba8& c = material->color;
+  return {static_cast<float>(c[0]) / 255, static_cast<float>(c[1]) / 255, static_cast<float>(c[2]) / 255, 1};
+}
+
+void drawLabel(AppContext& context, const LabelPlan& plan, const LabelFound& label) {
+  const auto tissue = plan.tissue(label.label);
+  const MaterialProperties* const material = tissue ? plan.materials().find(*tissue) : nullptr;
+  ImGui::TableNextRow();
+  ImGui::TableNextColumn();
+  ImGui::ColorButton("##colour", colourOf(material), ImGuiColorEditFlags_NoTooltip | ImGuiColorEditFlags_AlphaPreview,
+                     {scaled(14), scaled(14)});
+  ImGui::SameLine();
+  ImGui::TextUnformatted(label.called().c_str());
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("label %d, %s", label.label, label.called().c_str());
+
+  ImGui::TableNextColumn();
+  const std::string volume = fmt::format("{:.4g} mm3", label.volume_mm3);
+  ImGui::TextUnformatted(volume.c_str());
+
+  ImGui::TableNextColumn();
+  ImGui::SetNextItemWidth(-1);
+  const std::string number = std::to_string(label.label);
+  if (!ImGui::BeginCombo("##tissue", material ? material->name.c_str() : "left out")) return;
+  for (const MaterialProperties& row : plan.materials().rows())
+    if (ImGui::Selectable(row.name.c_str(), &row == material)) run(context, "import.tissue", {number, row.id});
+  if (ImGui::Selectable("left out", !material)) run(context, "import.tissue", {number, "none"});
+  ImGui::EndCombo();
+}
+
+void drawLabels(AppContext& context, const LabelPlan& plan) {
+  heading("Tissues");
+  constexpr std::size_t kMostRows = 9;  // the others are scrolled to
+  const float row = ImGui::GetFrameHeightWithSpacing();
+  const float height = row * static_cast<float>(std::min(plan.found().labels.size(), kMostRows)) + scaled(4);
+  if (!ImGui::BeginTable("labels", 3, ImGuiTableFlags_ScrollY | ImGuiTableFlags_SizingStretchProp, {0, height})) return;
+  ImGui::TableSetupColumn("name", 0, 1.2f);
+  ImGui::TableSetupColumn("volume", 0, 0.8f);
+  ImGui::TableSetupColumn("tissue", 0, 1.2f);
+  for (const LabelFound& label : plan.found().labels) {
+    ImGui::PushID(label.label);
+    drawLabel(context, plan, label);
+    ImGui::PopID();
+  }
+  ImGui::EndTable();
+}
+
 // ---- The closed solid
 
-void drawPreview(AppContext& context, ImportPlan& plan, ImportPanelState& state) {
+void drawVerdict(const ImportSet& set, const ClosedPreview& preview) {
+  const StyleColours& colours = styleColours();
+  if (set.labels())
+    ImGui::TextColored(colours.good, "Smooth, %.0f mm3 in %.0f mm2. Every label keeps its volume.", preview.volume_mm3,
+                       preview.area_mm2);
+  else if (preview.is_exact)
+    ImGui::TextColored(colours.good, "Closed, %.0f mm3. Every scanned point stays where it is.", preview.volume_mm3);
+  else
+    ImGui::TextColored(colours.warning, "Closed, %.0f mm3, as an approximation: no scanned point is kept.",
+                       preview.volume_mm3);
+}
+
+void drawPreview(AppContext& context, ImportSet& set, ImportPanelState& state) {
   const StyleColours& colours = styleColours();
   heading("Preview");
-  if (const AnyJob* const job = plan.previewJob()) {
+  if (const AnyJob* const job = set.previewJob()) {
     const JobStatus s = job->status();
     ImGui::ProgressBar(static_cast<float>(s.done), {-scaled(90), 0}, s.step.c_str());
     ImGui::SameLine();
-    if (ImGui::Button("Stop", {-1, 0})) plan.cancelPreview();
+    if (ImGui::Button("Stop", {-1, 0})) set.cancelPreview();
     return;
   }
-  if (plan.previewError()) {
+  if (set.previewError()) {
     ImGui::PushTextWrapPos(0);
-    ImGui::TextColored(colours.warning, "It can not be closed in this way: %s", plan.previewError()->message().c_str());
+    ImGui::TextColored(colours.warning, "It can not be closed in this way: %s", set.previewError()->message().c_str());
     ImGui::PopTextWrapPos();
     return;
   }
-  const ClosedPreview* const preview = plan.preview();
+  const ClosedPreview* const preview = set.preview();
   if (!preview) {
-    if (ImGui::Button("Show the closed solid", {-1, 0})) run(context, "import.preview");
+    if (ImGui::Button(set.labels() ? "Show the surface" : "Show the closed solid", {-1, 0}))
+      run(context, "import.preview");
     return;
   }
 
-  if (ImGui::RadioButton("Closed solid", state.shows_solid)) state.shows_solid = true;
-  ImGui::SameLine();
-  if (ImGui::RadioButton("Scan as read", !state.shows_solid)) state.shows_solid = false;
-  ImGui::SameLine();
+  if (set.scan()) {
+    if (ImGui::RadioButton("Closed solid", state.shows_solid)) state.shows_solid = true;
+    ImGui::SameLine();
+    if (ImGui::RadioButton("Scan as read", !state.shows_solid)) state.shows_solid = false;
+    ImGui::SameLine();
+  }
   ImGui::Checkbox("Guides", &state.shows_guides);
   ImGui::PushTextWrapPos(0);
-  preview->is_exact
-      ? ImGui::TextColored(colours.good, "Closed, %.0f mm3. Every scanned point stays where it is.",
-                           preview->volume_mm3)
-      : ImGui::TextColored(colours.warning, "Closed, %.0f mm3, as an approximation: no scanned point is kept.",
-                           preview->volume_mm3);
+  drawVerdict(set, *preview);
   for (const std::string& warning : preview->warnings) ImGui::TextColored(colours.warning, "%s", warning.c_str());
   ImGui::PopTextWrapPos();
-  if (!preview->changes.empty() &&
-      ImGui::TreeNode("changes", "What closing does: %zu steps", preview->changes.size())) {
+  if (!preview->changes.empty() && ImGui::TreeNode("changes", "What %s does: %zu steps",
+                                                   set.labels() ? "smoothing" : "closing", preview->changes.size())) {
     ImGui::PushTextWrapPos(0);
     for (const std::string& change : preview->changes) ImGui::BulletText("%s", change.c_str());
     ImGui::PopTextWrapPos();
@@ -219,16 +320,15 @@ void drawPreview(AppContext& context, ImportPlan& plan, ImportPanelState& state)
 
 struct Projection {
   const Camera& camera;
-  double width, height, pixels;
+  int width, height;
+  double pixels;
   ImVec2 operator()(const Vec3d& p) const {
-    const double mm = 2 * camera.half_height / height;
-    const Vec3d d = p - camera.target;
-    return {static_cast<float>((0.5 * width + d.dot(camera.right()) / mm) / pixels),
-            static_cast<float>((0.5 * height - d.dot(camera.up()) / mm) / pixels)};
+    const auto at = pixelOf(camera, p, width, height);
+    return {static_cast<float>(at[0] / pixels), static_cast<float>(at[1] / pixels)};
   }
 };
 
-void drawLabel(ImDrawList& list, const ImVec2& at, const std::string& text) {
+void drawWords(ImDrawList& list, const ImVec2& at, const std::string& text) {
   const ImVec2 size = ImGui::CalcTextSize(text.c_str());
   const ImVec2 from{at.x - 0.5f * size.x - 5, at.y - 0.5f * size.y - 2},
       to{at.x + 0.5f * size.x + 5, at.y + 0.5f * size.y + 2};
@@ -257,7 +357,7 @@ void drawPlane(ImDrawList& list, const Projection& at, const Plane& plane, const
   list.AddPolyline(corners, 4, line, ImDrawFlags_Closed, 2);
   const ImVec2 high =
       *std::min_element(corners, corners + 4, [](const ImVec2& a, const ImVec2& b) { return a.y < b.y; });
-  drawLabel(list, {high.x, high.y - scaled(14)}, name);
+  drawWords(list, {high.x, high.y - scaled(14)}, name);
 }
 
 }  // namespace
@@ -265,8 +365,8 @@ void drawPlane(ImDrawList& list, const Projection& at, const Plane& plane, const
 float importPanelWidth() { return scaled(400); }
 
 void drawImportPanel(AppContext& context, ImportPanelState& state) {
-  ImportPlan* const plan = context.bench.importPlan();
-  if (!plan || context.bench.job()) return;
+  ImportSet* const set = context.bench.importSet();
+  if (!set || context.bench.job()) return;
   const ImGuiIO& io = ImGui::GetIO();
   const float top = ImGui::GetFrameHeight();
   ImGui::SetNextWindowPos({io.DisplaySize.x - importPanelWidth(), top}, ImGuiCond_Always);
@@ -275,17 +375,35 @@ void drawImportPanel(AppContext& context, ImportPanelState& state) {
   ImGui::Begin("##import", nullptr, ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove);
   ImGui::PopStyleVar();
 
+  const ImportEntry& chosen = set->entries()[set->chosen()];
   ImGui::SetWindowFontScale(1.2f);
-  ImGui::TextUnformatted(plan->found().file.filename().c_str());
+  ImGui::TextUnformatted(chosen.file.filename().c_str());
   ImGui::SetWindowFontScale(1);
-  ImGui::TextColored(styleColours().quiet, "The file itself is never changed.");
+  ImGui::TextColored(
+      styleColours().quiet, "%s",
+      set->isSeveral() ? "The files themselves are never changed." : "The file itself is never changed.");
   ImGui::BeginChild("choices", {0, -scaled(46)});
   ImGui::Dummy({0, scaled(2)});
-  drawFindings(*plan);
-  drawUnits(context, *plan);
-  drawClosing(context, *plan);
-  drawVoxel(*plan);
-  drawPreview(context, *plan, state);
+  if (set->isSeveral()) {
+    drawFiles(context, *set);
+    heading(chosen.file.filename().c_str());
+  }
+  ImGui::PushID(static_cast<int>(set->chosen()));
+  if (ImportPlan* const plan = set->scan()) {
+    drawFindings(plan->findings());
+    drawUnits(context, *plan);
+    drawClosing(context, *plan);
+    drawVoxel(*plan, plan->choice().voxel_mm > 0);
+  } else if (LabelPlan* const labels = set->labels()) {
+    drawFindings(labels->findings());
+    drawLabels(context, *labels);
+    drawVoxel(*labels, labels->hasOwnVoxel());
+  } else {
+    ImGui::TextWrapped("A %s: it is prepared as it says, nothing is decided here.", chosen.what().c_str());
+  }
+  ImGui::PopID();
+  drawPrediction(*set);
+  if (set->scan() || set->labels()) drawPreview(context, *set, state);
   ImGui::EndChild();
 
   const float width = ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x;
@@ -296,12 +414,13 @@ void drawImportPanel(AppContext& context, ImportPanelState& state) {
 }
 
 void drawImportGuides(const AppContext& context, double pixels) {
-  const ImportPlan* const plan = context.bench.importPlan();
-  if (!plan) return;
+  const ImportSet* const set = context.bench.importSet();
+  if (!set) return;
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
-  const Projection at{context.camera, static_cast<double>(context.width), static_cast<double>(context.height), pixels};
+  const Projection at{context.camera, context.width, context.height, pixels};
   const StyleColours& colours = styleColours();
-  const Box3 box = plan->boxMm();
+  const Box3 box = set->scan() ? set->scan()->boxMm() : set->labels() ? set->labels()->found().box : Box3();
+  if (box.isEmpty()) return;
 
   // The box and its sizes: each at the edge of that direction that is lowest in the picture.
   for (int axis = 0; axis < 3; ++axis) {
@@ -313,10 +432,10 @@ void drawImportGuides(const AppContext& context, double pixels) {
       const ImVec2 middle{0.5f * (a.x + b.x), 0.5f * (a.y + b.y)};
       if (middle.y > lowest.y) lowest = middle;
     }
-    drawLabel(list, lowest, fmt::format("{:.1f} mm", box.size()[axis]));
+    drawWords(list, lowest, fmt::format("{:.1f} mm", box.size()[axis]));
   }
 
-  const ClosedPreview* const preview = plan->preview();
+  const ClosedPreview* const preview = set->preview();
   if (!preview) return;
   if (preview->occlusal_plane)
     drawPlane(list, at, *preview->occlusal_plane, box, "occlusal plane", IM_COL32(214, 120, 40, 220));
@@ -327,14 +446,15 @@ void drawImportGuides(const AppContext& context, double pixels) {
 }
 
 void viewScan(AppContext& context, double pixels) {
-  const ImportPlan* const plan = context.bench.importPlan();
-  if (!plan) return;
+  const ImportSet* const set = context.bench.importSet();
+  if (!set) return;
   constexpr double kTilt = 0.6;  // rad, off the occlusal view
-  context.camera.upright = uprightFrame(plan->found().up);
+  const ImportPicture picture = set->picture(false);
+  context.camera.upright = uprightFrame(picture.up);
   context.camera.azimuth = 0;
   context.camera.elevation = std::numbers::pi / 2 - kTilt;
 
-  Box3 box = plan->boxMm();
+  Box3 box = picture.box;
   box.grow(0.08 * box.size().norm());
   const int panel = static_cast<int>(static_cast<double>(importPanelWidth()) * pixels);
   fitToBox(context.camera, box, std::max(context.width - panel, 64), context.height);

@@ -1,5 +1,6 @@
-// The import panel: what was found in a scan, what can be done about it, and what that will give. It shows an
-// ImportPlan and changes its choices; it holds nothing else.
+// The import panel: what was found in a scan or a label volume, what can be done about it, and what that will give; of
+// several files, which one is cut and which stand beside it. It shows an ImportSet and changes its choices; it holds
+// nothing else.
 #pragma once
 
 #include "ui/app/app_commands.h"
@@ -16,7 +17,7 @@ struct ImportPanelState {
 /// Width that the panel takes from the right edge of the window, window units.
 float importPanelWidth();
 
-/// Draws it while bench.importPlan() is there.
+/// Draws it while bench.importSet() is there.
 void drawImportPanel(AppContext& context, ImportPanelState& state);
 
 /// Box, occlusal plane and base over the picture.   @param pixels  of the framebuffer in a window unit.

@@ -10,18 +10,30 @@ constexpr std::size_t kTrianglesAFrame = 150'000;  // copied to the renderer: ab
 constexpr Rgba8 kScanColour = {233, 221, 197, 255};
 constexpr Rgba8 kInsideColour = {150, 138, 132, 255};  // of a scan that is open: its hollow underside
 
+// A colour for each face: what is joined has all or none.
+void colourFaces(Mesh& mesh) {
+  if (mesh.hasFaceColors()) return;
+  mesh.face_colors.assign(mesh.triangles.size(), kScanColour);
+  for (std::size_t t = 0; mesh.hasVertexColors() && t < mesh.triangles.size(); ++t)
+    mesh.face_colors[t] = mesh.vertex_colors[mesh.triangles[t][0]];
+  mesh.vertex_colors.clear();
+}
+
+// Half way to a bluish grey.
+void makePale(Mesh& mesh) {
+  constexpr Rgba8 kPale = {150, 165, 185, 255};
+  for (Rgba8& colour : mesh.face_colors)
+    for (std::size_t n = 0; n < 3; ++n)
+      colour[n] = static_cast<std::uint8_t>((static_cast<int>(colour[n]) + static_cast<int>(kPale[n])) / 2);
+}
+
 // With its inside, which the renderer draws only as triangles of their own.
 Mesh withInside(Mesh mesh) {
   Mesh inside = mesh;
   for (Triangle& t : inside.triangles) std::swap(t[1], t[2]);
   inside.vertex_colors.clear();
   inside.face_colors.assign(inside.triangles.size(), kInsideColour);
-  if (!mesh.hasFaceColors()) {
-    mesh.face_colors.assign(mesh.triangles.size(), kScanColour);
-    for (std::size_t t = 0; mesh.hasVertexColors() && t < mesh.triangles.size(); ++t)
-      mesh.face_colors[t] = mesh.vertex_colors[mesh.triangles[t][0]];
-    mesh.vertex_colors.clear();
-  }
+  colourFaces(mesh);
   append(mesh, inside);
   return mesh;
 }
@@ -33,44 +45,47 @@ Expected<std::unique_ptr<ImportView>> ImportView::create() {
   return std::unique_ptr<ImportView>(new ImportView(std::move(renderer)));
 }
 
-void ImportView::start(const ImportPlan& plan, bool shows_solid) {
-  const std::shared_ptr<const Mesh> mesh = shows_solid ? plan.preview()->solid : plan.found().mesh;
-  const double scale = shows_solid ? 1 : plan.unit().scale_to_mm;
-  const bool is_open = !shows_solid && !plan.found().check.isClosed();
-  const double across = plan.boxMm().size().norm();
+void ImportView::start(const ImportPicture& picture) {
   waiting_.clear();
-  job_ = std::make_unique<Job<Chunks>>("showing the scan", [mesh, scale, is_open, across](const Progress& progress) {
-    Mesh shown = *mesh;
-    for (Vec3d& p : shown.vertices) p *= scale;
-    if (is_open) shown = withInside(std::move(shown));
-    if (!report(progress, 0.3, "chunks")) return Expected<Chunks>(cancelled());
-    return Expected<Chunks>(chunksOf(shown, std::max(2.0, across / 40)));
-  });
+  job_ = std::make_unique<Job<Chunks>>(
+      "showing the scan", [parts = picture.parts, across = picture.box.size().norm()](const Progress& progress) {
+        Mesh all;
+        for (const ImportPicture::Part& part : parts) {
+          Mesh shown = *part.mesh;
+          for (Vec3d& p : shown.vertices) p *= part.scale_to_mm;
+          if (part.is_open) shown = withInside(std::move(shown));
+          const bool is_first = all.triangles.empty();
+          if (part.is_beside || parts.size() > 1) colourFaces(shown);
+          if (part.is_beside) makePale(shown);
+          if (is_first)
+            all = std::move(shown);
+          else
+            append(all, shown);
+        }
+        if (!report(progress, 0.3, "chunks")) return Expected<Chunks>(cancelled());
+        return Expected<Chunks>(chunksOf(all, std::max(2.0, across / 40)));
+      });
 }
 
-void ImportView::update(const ImportPlan* plan, bool shows_solid) {
+void ImportView::update(const std::optional<ImportPicture>& picture) {
   std::erase_if(ending_, [](const auto& job) { return job->isOver(); });
-  if (!plan) {
-    if (plan_) renderer_->clear();
-    plan_ = nullptr;
-    wanted_ = nullptr;
+  if (!picture) {
+    if (!of_.empty()) renderer_->clear();
+    of_.clear();
+    fitted_.clear();
+    wanted_.clear();
     if (job_) ending_.push_back(std::move(job_));  // waiting for it here would hold up the frame
     waiting_.clear();
     shown_ = kNone;
-    fitted_scale_ = 0;
     return;
   }
 
-  const bool is_solid = shows_solid && plan->preview();
-  const Mesh* const mesh = is_solid ? plan->preview()->solid.get() : plan->found().mesh.get();
-  const double scale = plan->unit().scale_to_mm;
-  const bool is_other = plan != plan_ || mesh != wanted_ || scale != wanted_scale_;
+  const bool is_other = picture->of != of_ || picture->parts != wanted_;
   // A job that is outdated ends by itself: waiting for it here would hold up the frame.
-  if (is_other && (!job_ || job_->isOver())) {
-    plan_ = plan;
-    wanted_ = mesh;
-    wanted_scale_ = scale;
-    start(*plan, is_solid);
+  if (is_other && !picture->parts.empty() && (!job_ || job_->isOver())) {
+    of_ = picture->of;
+    wanted_ = picture->parts;
+    start(*picture);
   }
   if (job_ && job_->isOver()) {
     if (auto chunks = job_->take()) waiting_ = std::move(*chunks);
@@ -95,7 +110,7 @@ void ImportView::handOver() {
   renderer_->setVisible(hidden, true);
   if (shown_ != kNone) renderer_->removeObject(shown_);
   shown_ = hidden;
-  if (std::exchange(fitted_scale_, wanted_scale_) != wanted_scale_) is_fit_wanted_ = true;
+  if (std::exchange(fitted_, of_) != of_) is_fit_wanted_ = true;
 }
 
 bool ImportView::takeFitWanted() { return std::exchange(is_fit_wanted_, false); }

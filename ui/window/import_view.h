@@ -1,14 +1,16 @@
-// The scan of an import plan as a picture: as it was read, or the closed solid that will be cut.
+// What is imported as a picture: scans as they were read, or the closed solids that will be cut.
 #pragma once
 
 #include <cstdint>
 #include <deque>
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "geometry/base/error.h"
 #include "ui/app/camera.h"
-#include "ui/app/import_plan.h"
+#include "ui/app/import_set.h"
 #include "ui/app/job.h"
 #include "ui/window/live_renderer.h"
 #include "ui/window/mesh_chunks.h"
@@ -21,9 +23,9 @@ class ImportView {
   static Expected<std::unique_ptr<ImportView>> create();
 
   /// Once a frame. What is shown is cut into chunks by a job and handed to the graphics card over several frames; until
-  /// all of it is there the picture stays as it was.   @param plan  null: nothing is imported.
-  void update(const ImportPlan* plan, bool shows_solid);
-  /// True once after another scan, or the same in another unit, is there.
+  /// all of it is there the picture stays as it was.   @param picture  none: nothing is imported.
+  void update(const std::optional<ImportPicture>& picture);
+  /// True once after other files, or the same in another unit, are there.
   bool takeFitWanted();
   bool isEmpty() const { return shown_ == kNone; }
 
@@ -35,7 +37,7 @@ class ImportView {
  private:
   using Chunks = std::vector<ColouredChunk>;
   explicit ImportView(std::unique_ptr<LiveRenderer> renderer) : renderer_(std::move(renderer)) {}
-  void start(const ImportPlan& plan, bool shows_solid);
+  void start(const ImportPicture& picture);
   void handOver();
 
   static constexpr std::size_t kNone = 2;
@@ -43,12 +45,10 @@ class ImportView {
   std::unique_ptr<Job<Chunks>> job_;
   std::vector<std::unique_ptr<Job<Chunks>>> ending_;  // of scans that were put away
   Chunks waiting_;
-  std::size_t next_ = 0;       // of waiting_
-  std::size_t shown_ = kNone;  // object 0 or 1
-  const ImportPlan* plan_ = nullptr;
-  const Mesh* wanted_ = nullptr;  // the mesh that job_ works on, that waits, or that is shown
-  double wanted_scale_ = 0;
-  double fitted_scale_ = 0;
+  std::size_t next_ = 0;                     // of waiting_
+  std::size_t shown_ = kNone;                // object 0 or 1
+  std::vector<ImportPicture::Part> wanted_;  // what job_ works on, that waits, or that is shown
+  std::string of_, fitted_;                  // ImportPicture::of
   bool is_fit_wanted_ = false;
 };
 

@@ -181,7 +181,7 @@ void drawNotices(AppContext& context, PanelState& state) {
   if (state.notices_seen >= notices.size()) return;
   const ImGuiIO& io = ImGui::GetIO();
   const float middle = 0.5f * io.DisplaySize.x;
-  const bool is_cutting = context.bench.isShown() && !context.bench.importPlan();
+  const bool is_cutting = context.bench.isShown() && !context.bench.isImporting();
   if (is_cutting)  // hints, timeline and plan stand below, what is picked is said above
     ImGui::SetNextWindowPos({middle, ImGui::GetFrameHeight() + scaled(48)}, ImGuiCond_Always, {0.5f, 0});
   else
@@ -233,7 +233,7 @@ void drawHints(AppContext& context) {
 
 void drawPanels(AppContext& context, PanelState& state, const std::optional<ToolOverSurface>& over) {
   drawMenus(context, state);
-  if (context.bench.importPlan()) {
+  if (context.bench.isImporting()) {
     drawImportPanel(context, state.import);
   } else if (context.bench.watched()) {
     drawReplay(context);

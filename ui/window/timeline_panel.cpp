@@ -15,7 +15,7 @@ namespace {
 constexpr float kStripHeight = 38, kBlockHeight = 18, kWidestBlock = 26;  // before scaled()
 
 bool hasSteps(const AppContext& context) {
-  return context.bench.isOpen() && !context.bench.importPlan() && !context.bench.timeline().steps().empty();
+  return context.bench.isOpen() && !context.bench.isImporting() && !context.bench.timeline().steps().empty();
 }
 
 ImVec4 colourOf(TimelineStep::Kind kind) {

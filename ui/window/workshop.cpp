@@ -231,7 +231,7 @@ class Workshop {
     if (!options_.replay.empty())
       bench_.watch(options_.replay);
     else
-      bench_.openAll(options_.open);
+      bench_.beginImports(options_.open);
 
     while (!wants_end_) KERF_CHECK(frame());
     const auto ended = endAll(bench_, *view_);
@@ -281,7 +281,7 @@ class Workshop {
 
     const bool is_still = secondsSince(last_input_) > kStillAfter && !bench_.isPressed() && !bench_.isPlaying();
     const bool is_smooth = is_still && !is_software_;
-    if (bench_.importPlan())
+    if (bench_.isImporting())
       KERF_CHECK(import_view_->draw(camera_, context_.width, context_.height, is_smooth));
     else
       KERF_CHECK(view_->draw(bench_, camera_, context_.width, context_.height, is_smooth));
@@ -331,6 +331,7 @@ class Workshop {
     const auto camera = cameraFromView(options_.view);
     firstView(context_, camera ? *camera : Camera{});
     setTitle(bench_.name());
+    camera_before_import_.reset();  // what is open now is another one than before
     box_ = bench_.scene().bounds();
     picture_of_ = bench_.source();
     is_picture_due_ = true;
@@ -358,19 +359,19 @@ class Workshop {
 
   // While a scan is imported the session that is open, if any, rests; its view comes back when the scan is put away.
   void updateImport() {
-    const ImportPlan* const plan = bench_.importPlan();
-    import_view_->update(plan, panels_.import.shows_solid);
-    if (plan && !camera_before_import_) camera_before_import_ = camera_;
-    if (!plan && camera_before_import_) {
+    const ImportSet* const set = bench_.importSet();
+    import_view_->update(set ? std::optional(set->picture(panels_.import.shows_solid)) : std::nullopt);
+    if (set && !camera_before_import_) camera_before_import_ = camera_;
+    if (!set && camera_before_import_) {
       if (!view_->isFitWanted()) {
         camera_ = *camera_before_import_;
         setTitle(bench_.isOpen() ? bench_.name() : "");
       }
       camera_before_import_.reset();
     }
-    if (plan && import_view_->takeFitWanted()) {
+    if (set && import_view_->takeFitWanted()) {
       viewScan(context_, pixels());
-      setTitle("Import " + plan->found().file.filename().string());
+      setTitle("Import " + set->cut().file.filename().string());
     }
   }
 
@@ -387,7 +388,7 @@ class Workshop {
       last_input_ = Clock::now();
       switch (e.kind) {
         case InputEvent::Kind::kDrop:
-          bench_.openAll(e.paths);
+          bench_.importMore(e.paths);
           break;
         case InputEvent::Kind::kKey:
           key(e, io.WantTextInput);
@@ -414,7 +415,7 @@ class Workshop {
     const bool is_on_handle = panels_.piece_drag.lit().has_value();
     const bool is_picking = bench_.saw().picking.what() != SawPicking::What::kNothing;
     const bool is_on_panel = io.WantCaptureMouse && !is_led_by_device_;
-    const bool hovers = !is_on_panel && held_ == kNone && !is_on_handle && !is_picking && !bench_.importPlan();
+    const bool hovers = !is_on_panel && held_ == kNone && !is_on_handle && !is_picking && !bench_.isImporting();
     over_ = hovers ? bench_.over(rayAtPixel(stroke_.at())) : std::nullopt;
     if (bench_.isPressed() || bench_.saw().isCutting()) over_.reset();
     view_->hover(over_);
@@ -425,7 +426,7 @@ class Workshop {
     const Clock::time_point now = Clock::now();
     const double seconds = std::chrono::duration<double>(now - std::exchange(devices_read_, now)).count();
     const bool is_ours =
-        bench_.isOpen() && !bench_.importPlan() && glfwGetWindowAttrib(desktop_.window, GLFW_FOCUSED) == GLFW_TRUE;
+        bench_.isOpen() && !bench_.isImporting() && glfwGetWindowAttrib(desktop_.window, GLFW_FOCUSED) == GLFW_TRUE;
     gamepad_.update(context_, stroke_, is_ours ? readGamepad() : std::nullopt, seconds);
     if (const auto news = space_mouse_link_.news()) bench_.say(*news);
     const auto knob = space_mouse_link_.read();
@@ -475,7 +476,7 @@ class Workshop {
     }
     if (e.key == GLFW_KEY_SPACE && e.modifiers == 0) {
       const bool is_over_picture = context_.pointer.has_value();
-      if (!e.is_repeated && bench_.isOpen() && !bench_.importPlan())
+      if (!e.is_repeated && bench_.isOpen() && !bench_.isImporting())
         bench_.stepOnPedal(is_over_picture ? std::optional(rayAtPixel(stroke_.at())) : std::nullopt);
       return true;
     }
@@ -549,7 +550,7 @@ class Workshop {
     if (is_on_panel) return;
     palette_.hide();
     if (e.key == GLFW_MOUSE_BUTTON_LEFT && panels_.piece_drag.press(context_, pointer())) return;
-    if (e.key != GLFW_MOUSE_BUTTON_LEFT || bench_.importPlan() || !stroke_.press(context_, pointer())) {
+    if (e.key != GLFW_MOUSE_BUTTON_LEFT || bench_.isImporting() || !stroke_.press(context_, pointer())) {
       held_ = e.key;
       pans_ = e.key == GLFW_MOUSE_BUTTON_MIDDLE || (e.modifiers & GLFW_MOD_SHIFT);
     }
@@ -585,7 +586,7 @@ class Workshop {
   void askForFile(const AppCommand& command) {
     asked_for_ = &command;
     const bool opens = command.id == "file.open" || command.id == "file.open-beside" || command.id == "import.read" ||
-                       command.id == "replay.open" || command.id == "tool.add";
+                       command.id == "import.add" || command.id == "replay.open" || command.id == "tool.add";
     browser_.show(opens ? FileBrowser::Purpose::kOpen : FileBrowser::Purpose::kSave,
                   opens ? "" : bench_.name() + "-cut.stl", command.id == "file.open");
   }
@@ -600,7 +601,7 @@ class Workshop {
     std::vector<fs::path> several = browser_.takeOthers();
     if (asked_for_->id == "file.open" && !several.empty()) {
       several.insert(several.begin(), *file);
-      if (asked_for_->is_enabled(context_)) bench_.openAll(several);
+      if (asked_for_->is_enabled(context_)) bench_.importMore(several);
       return;
     }
     const std::vector<std::string> words{file->string()};

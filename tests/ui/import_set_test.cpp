@@ -1,0 +1,252 @@
+#include "ui/app/import_set.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "geometry/case/case_bundle.h"
+#include "geometry/formats/mesh_writer.h"
+#include "tests/support/open_block.h"
+#include "tests/support/temporary_folder.h"
+#include "ui/app/app_commands.h"
+#include "ui/app/app_script.h"
+#include "ui/app/import_commands.h"
+
+namespace kerf {
+namespace {
+
+namespace fs = std::filesystem;
+
+class ImportSetTest : public testing::Test {
+ protected:
+  // A block of 6 x 4 x 3 mm without its underside, as a scan is, its middle at x.
+  fs::path block(const std::string& name, double x) const {
+    Mesh mesh = test::blockMesh(false);
+    for (Vec3d& p : mesh.vertices) p[0] += x;
+    const fs::path file = folder_.path() / (name + ".ply");
+    EXPECT_TRUE(writeMesh(file, mesh));
+    return file;
+  }
+  // 30 x 20 x 20 voxels of 0.3 mm: a ball of label 2, in which one of label 7 lies, and air around.
+  fs::path volume(const std::string& names = "") const {
+    const Vec3d middle(15, 10, 10);
+    std::string values;
+    for (int k = 0; k < 20; ++k)
+      for (int j = 0; j < 20; ++j)
+        for (int i = 0; i < 30; ++i) {
+          const double r = (Vec3d(i, j, k) - middle).norm();
+          values += static_cast<char>(r < 3 ? 7 : r < 8 ? 2 : 0);
+        }
+    return folder_.write("ct.nrrd",
+                         "NRRD0004\ntype: unsigned char\ndimension: 3\nsizes: 30 20 20\nencoding: raw\nspace: "
+                         "left-posterior-superior\nspace directions: (0.3,0,0) (0,0.3,0) (0,0,0.3)\nspace origin: "
+                         "(0,0,0)\n" +
+                             names + "\n" + values);
+  }
+  static constexpr const char* kNames =
+      "Segment0_LabelValue:=2\nSegment0_Name:=Mandible bone\nSegment1_LabelValue:=7\nSegment1_Name:=Mandibular "
+      "canal\n";
+
+  Expected<void> play(Workbench& bench, const std::string& script) {
+    Camera camera = *cameraFromView("top");
+    AppContext context{.bench = bench, .camera = camera, .width = 400, .height = 300};
+    return runScript(context, folder_.write("script.ks", script), [&] { bench.update(); });
+  }
+  void mustPlay(Workbench& bench, const std::string& script) {
+    const auto played = play(bench, script);
+    ASSERT_TRUE(played) << played.error().message();
+  }
+  WorkbenchOptions options() const {
+    WorkbenchOptions out;
+    out.data_folder = folder_.path() / "data";
+    out.tools = {"round-014"};
+    out.real_time = {.priority = 0, .lock_memory = false};
+    return out;
+  }
+  static std::string quoted(const fs::path& path) { return " \"" + path.string() + "\""; }
+  TemporaryFolder folder_;
+};
+
+// ---- Several scans
+
+TEST_F(ImportSetTest, OfSeveralScansOneIsCutAndTheOthersStandBesideAsChosen) {
+  Workbench bench(options());
+  mustPlay(bench,
+           "import.read" + quoted(block("36", 0)) + quoted(block("35", 7)) + quoted(block("37", -7)) + "\nwait\n");
+  ASSERT_TRUE(bench.importSet());
+  const auto& entries = bench.importSet()->entries();
+  ASSERT_EQ(entries.size(), 3u);
+  EXPECT_EQ(entries[0].role, ImportRole::kCut);
+  EXPECT_EQ(entries[1].role, ImportRole::kBeside);
+  EXPECT_EQ(bench.importSet()->chosen(), 0u);
+
+  // Each has its own remedies; one is cut at any time.
+  mustPlay(bench, "import.role 2 cut\nimport.role 3 out\nimport.choose 1\nimport.base full 5\nimport.voxel 0.2\n");
+  EXPECT_EQ(entries[0].role, ImportRole::kBeside);
+  EXPECT_EQ(bench.importSet()->cut().file.stem(), "35");
+  EXPECT_EQ(entries[1].scan->closing(), ClosingChoice{}) << "another file's base stays as it was";
+  EXPECT_FALSE(play(bench, "import.role 2 out\n")) << "one has to be cut";
+  EXPECT_EQ(bench.importSet()->cut().file.stem(), "35");
+
+  mustPlay(bench, "import.start\nwait\n");
+  ASSERT_TRUE(bench.isOpen());
+  EXPECT_EQ(bench.name(), "35");
+  ASSERT_EQ(bench.neighbours().size(), 1u) << "37 was left out";
+  EXPECT_EQ(bench.neighbours()[0].name, "36");
+  const CaseManifest& beside = bench.run()->neighbours()[0].known.manifest;
+  EXPECT_NEAR(beside.box.size()[2], 3 + 5, 1e-3) << "the base that was chosen for it";
+  EXPECT_EQ(beside.voxel_mm, 0.2);
+  EXPECT_EQ(bench.run()->caseManifest().voxel_mm, 0.1);
+}
+
+TEST_F(ImportSetTest, OneMoreIsAddedToWhatIsLookedAt) {
+  Workbench bench(options());
+  mustPlay(bench, "import.read" + quoted(block("36", 0)) + "\nwait\nimport.base full 5\n");
+  EXPECT_FALSE(play(bench, "import.role 1 beside\n")) << "there is one alone";
+  mustPlay(bench, "import.add" + quoted(block("35", 7)) + "\nwait\n");
+  ASSERT_EQ(bench.importSet()->entries().size(), 2u);
+  EXPECT_EQ(bench.importSet()->chosen(), 1u) << "the new one is shown";
+  EXPECT_EQ(bench.importSet()->entries()[0].scan->closing().base_mm, 5) << "what was decided stays";
+  EXPECT_EQ(bench.importSet()->entries()[1].role, ImportRole::kBeside);
+}
+
+TEST_F(ImportSetTest, AFileThatIsNoneLeavesWhatIsLookedAtAlone) {
+  Workbench bench(options());
+  mustPlay(bench, "import.read" + quoted(block("36", 0)) + "\nwait\n");
+  EXPECT_FALSE(play(bench, "import.add" + quoted(folder_.write("broken.stl", "solid")) + "\nwait\n"));
+  ASSERT_TRUE(bench.importSet());
+  EXPECT_EQ(bench.importSet()->entries().size(), 1u);
+}
+
+TEST_F(ImportSetTest, ScansThatAreFarApartAreDoubtedBeforeTheyArePrepared) {
+  Workbench bench(options());
+  mustPlay(bench, "import.read" + quoted(block("36", 0)) + quoted(block("far", 90)) + "\nwait\n");
+  const auto findings = bench.importSet()->findings();
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_NE(findings[0].text.find("far.ply is 84 mm away"), std::string::npos) << findings[0].text;
+  mustPlay(bench, "import.role 2 out\n");
+  EXPECT_TRUE(bench.importSet()->findings().empty());
+}
+
+TEST_F(ImportSetTest, ACaseAmongThemStandsAsItIs) {
+  Workbench bench(options());
+  mustPlay(bench, "file.open" + quoted(block("35", 7)) + "\nwait\nfile.close\nwait\n");
+  const fs::path prepared = fs::directory_iterator(folder_.path() / "data" / "cases")->path();
+  mustPlay(bench, "import.read" + quoted(block("36", 0)) + quoted(prepared) + "\nwait\nimport.choose 2\n");
+  EXPECT_FALSE(bench.importPlan());
+  EXPECT_FALSE(play(bench, "import.base full 3\n")) << "nothing is decided about a case";
+  mustPlay(bench, "import.start\nwait\n");
+  ASSERT_EQ(bench.neighbours().size(), 1u);
+  EXPECT_EQ(bench.name(), "36");
+}
+
+TEST_F(ImportSetTest, ThePictureShowsAllThatIsNotLeftOut) {
+  Workbench bench(options());
+  mustPlay(bench, "import.read" + quoted(block("36", 0)) + quoted(block("35", 7)) + "\nwait\n");
+  ASSERT_TRUE(bench.importSet()->preview()) << "a script waits for it";
+  ImportPicture picture = bench.importSet()->picture(true);
+  ASSERT_EQ(picture.parts.size(), 2u);
+  EXPECT_FALSE(picture.parts[0].is_beside);
+  EXPECT_TRUE(picture.parts[1].is_beside);
+  EXPECT_EQ(picture.parts[0].mesh, bench.importSet()->preview()->solid);
+  EXPECT_NEAR(picture.box.size()[0], 13, 1e-5);
+  mustPlay(bench, "import.role 2 out\n");
+  EXPECT_EQ(bench.importSet()->picture(true).parts.size(), 1u);
+}
+
+// ---- Labels of a CT
+
+TEST_F(ImportSetTest, LabelsOfACtAreListedWithTheirNamesAndVolumes) {
+  Workbench bench(options());
+  mustPlay(bench, "import.read" + quoted(volume(kNames)) + "\nwait\n");
+  ASSERT_TRUE(bench.importSet());
+  const LabelPlan* const plan = bench.importSet()->labels();
+  ASSERT_TRUE(plan);
+  ASSERT_EQ(plan->found().labels.size(), 2u);
+  EXPECT_EQ(plan->found().labels[0].called(), "Mandible bone");
+  EXPECT_EQ(plan->found().labels[1].label, 7);
+  const double voxels = static_cast<double>(plan->found().labels[1].voxels);
+  EXPECT_NEAR(plan->found().labels[1].volume_mm3, voxels * 0.027, 1e-9);
+  EXPECT_EQ(plan->tissue(2), Material::kCortical);
+  EXPECT_EQ(plan->tissue(7), Material::kNerveCanal);
+
+  // A ball of 2.4 mm: 72 mm2.
+  const double area = 4 * M_PI * 2.4 * 2.4;
+  ASSERT_TRUE(plan->preview()) << "a script waits for it";
+  EXPECT_NEAR(plan->preview()->area_mm2, area, 0.05 * area);
+  EXPECT_NEAR(plan->preview()->volume_mm3, plan->volumeMm3(), 0.01 * plan->volumeMm3());
+  LabelPlan unseen(plan->found(), plan->materials());
+  EXPECT_NEAR(unseen.areaMm2(), area, 0.15 * area) << "from the faces of voxels, before the surface is there";
+  EXPECT_GT(unseen.prediction().bytes, 0);
+
+  const auto state = nlohmann::json::parse(importState(*bench.importSet()));
+  EXPECT_EQ(state["labels"][1]["tissue"], "nerve_canal");
+  EXPECT_EQ(state["files"][0]["what"], "labels of a CT");
+}
+
+TEST_F(ImportSetTest, LabelsAreCutAsTheTissuesThatWereChosen) {
+  Workbench bench(options());
+  mustPlay(bench, "import.read" + quoted(volume()) + "\nwait\n");
+  EXPECT_EQ(bench.importSet()->labels()->tissue(2), Material::kGeneric) << "no name, no tissue of its own";
+  EXPECT_FALSE(play(bench, "import.tissue 3 dentin\n")) << "there is no label 3";
+  EXPECT_FALSE(play(bench, "import.tissue 2 wood\n"));
+  mustPlay(bench, "import.tissue 2 dentin\nimport.tissue 7 pulp\nimport.voxel 0.15\nimport.start\nwait\n");
+  ASSERT_TRUE(bench.isOpen());
+  EXPECT_EQ(bench.name(), "ct");
+  EXPECT_EQ(bench.source(), folder_.path() / "ct.nrrd");
+  const CaseManifest& made = bench.run()->caseManifest();
+  EXPECT_EQ(made.voxel_mm, 0.15);
+  ASSERT_EQ(made.parts.size(), 2u);
+  EXPECT_EQ(made.parts[0].material, "dentin");
+  EXPECT_EQ(made.parts[1].material, "pulp");
+  EXPECT_FALSE(bench.structures()->isEmpty()) << "a pulp is kept an eye on";
+}
+
+TEST_F(ImportSetTest, ALabelThatIsLeftOutIsAir) {
+  Workbench bench(options());
+  mustPlay(bench, "import.read" + quoted(volume()) + "\nwait\nimport.tissue 7 none\nwait\n");
+  const LabelPlan& plan = *bench.importSet()->labels();
+  ASSERT_TRUE(plan.preview());
+  EXPECT_NEAR(plan.preview()->volume_mm3, plan.found().labels[0].volume_mm3, 0.02 * plan.found().labels[0].volume_mm3);
+  mustPlay(bench, "import.tissue 2 none\n");
+  const auto refused = play(bench, "import.start\n");
+  ASSERT_FALSE(refused) << "nothing would be there";
+  EXPECT_NE(refused.error().message().find("all labels are left out"), std::string::npos) << refused.error().message();
+  EXPECT_TRUE(bench.importSet());
+}
+
+TEST_F(ImportSetTest, AVolumeThatIsOpenedAtOnceTakesItsTissuesByName) {
+  Workbench bench(options());
+  mustPlay(bench, "file.open" + quoted(volume(kNames)) + "\nwait\n");
+  ASSERT_TRUE(bench.isOpen());
+  ASSERT_EQ(bench.run()->caseManifest().parts.size(), 2u);
+  EXPECT_EQ(bench.run()->caseManifest().parts[1].material, "nerve_canal");
+}
+
+TEST_F(ImportSetTest, ARecipeIsBakedAsItSays) {
+  (void)volume();
+  const fs::path recipe =
+      folder_.write("ball.toml",
+                    "format = \"kerf-recipe\"\nversion = 1\nname = \"Ball\"\nvoxel = 0.2\n\n[[part]]\n"
+                    "material = \"dentin\"\nlabel = 2\n\n[labels]\nvolume = \"ct.nrrd\"\n");
+  Workbench bench(options());
+  mustPlay(bench, "import.read" + quoted(recipe) + "\nwait\n");
+  EXPECT_FALSE(bench.importSet()) << "nothing is left to decide";
+  ASSERT_TRUE(bench.isOpen());
+  EXPECT_EQ(bench.run()->caseManifest().voxel_mm, 0.2);
+  EXPECT_EQ(bench.source(), recipe);
+}
+
+TEST(TissueByName, TheMoreSpecialWordCounts) {
+  EXPECT_EQ(tissueByName("Left mandibular canal"), Material::kNerveCanal);
+  EXPECT_EQ(tissueByName("MANDIBLE"), Material::kCortical);
+  EXPECT_EQ(tissueByName("root canal"), Material::kPulp);
+  EXPECT_EQ(tissueByName("Right maxillary sinus"), std::nullopt);
+  EXPECT_EQ(tissueByName("lower first molar"), Material::kDentin);
+  EXPECT_EQ(tissueByName("Segment_1"), Material::kGeneric);
+  EXPECT_EQ(tissueByName(""), Material::kGeneric);
+}
+
+}  // namespace
+}  // namespace kerf

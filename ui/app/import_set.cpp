@@ -1,0 +1,260 @@
+#include "ui/app/import_set.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace kerf {
+namespace {
+
+namespace fs = std::filesystem;
+
+Box3 boxOf(const ImportEntry& entry) {
+  if (entry.scan) return entry.scan->boxMm();
+  return entry.labels ? entry.labels->found().box : Box3();
+}
+
+// Between two boxes, mm; 0: they meet.
+double gapBetween(const Box3& a, const Box3& b) {
+  const Vec3d apart = (a.min - b.max).cwiseMax(b.min - a.max).cwiseMax(0.0);
+  return apart.norm();
+}
+
+}  // namespace
+
+Expected<ImportRead> readToImport(const fs::path& file, const Progress& progress) {
+  ImportRead out;
+  out.file = file;
+  out.kind = kindOf(file);
+  switch (out.kind) {
+    case FileKind::kScan: {
+      KERF_TRY(scan, readScan(file, progress));
+      out.scan = std::move(scan);
+      break;
+    }
+    case FileKind::kLabels: {
+      KERF_TRY(labels, readLabels(file, progress));
+      out.labels = std::move(labels);
+      break;
+    }
+    case FileKind::kRecipe:
+    case FileKind::kCase:
+      break;
+    case FileKind::kRun:
+    case FileKind::kTool:
+      return fail({.code = Error::Code::kUnsupported,
+                   .file = file.string(),
+                   .found = out.kind == FileKind::kRun ? "a session" : "a tool",
+                   .expected = "scans, label volumes, recipes and cases",
+                   .hint = "open it alone"});
+  }
+  return out;
+}
+
+std::string ImportEntry::what() const {
+  switch (kind) {
+    case FileKind::kLabels:
+      return "labels of a CT";
+    case FileKind::kRecipe:
+      return "recipe";
+    case FileKind::kCase:
+      return "case";
+    case FileKind::kScan:
+    case FileKind::kTool:
+    case FileKind::kRun:
+      break;
+  }
+  return "scan";
+}
+
+PrepareOptions ImportEntry::decided() const {
+  if (scan) return scan->result();
+  PrepareOptions out;
+  if (labels) out.recipe = labels->recipe();
+  return out;
+}
+
+ImportSet::ImportSet(std::vector<ImportRead> read, const PrepareOptions& defaults, const MaterialTable& materials)
+    : defaults_(defaults), materials_(materials) {
+  add(std::move(read));
+  chosen_ = 0;
+}
+
+void ImportSet::add(std::vector<ImportRead> read) {
+  const std::size_t first = entries_.size();
+  for (ImportRead& one : read) {
+    ImportEntry entry;
+    entry.file = one.file;
+    entry.kind = one.kind;
+    entry.role = entries_.empty() ? ImportRole::kCut : ImportRole::kBeside;
+    if (one.scan) entry.scan = std::make_unique<ImportPlan>(std::move(*one.scan), defaults_);
+    if (one.labels) entry.labels = std::make_unique<LabelPlan>(std::move(*one.labels), materials_, defaults_.voxel_mm);
+    entries_.push_back(std::move(entry));
+  }
+  choose(first);
+}
+
+// What is computed for another one makes way.
+void ImportSet::choose(std::size_t n) {
+  if (n >= entries_.size() || n == chosen_) return;
+  if (scan()) scan()->suspendPreview();
+  if (labels()) labels()->suspendPreview();
+  chosen_ = n;
+}
+
+const ImportEntry& ImportSet::cut() const {
+  return *std::find_if(entries_.begin(), entries_.end(), [](const auto& e) { return e.role == ImportRole::kCut; });
+}
+
+Expected<void> ImportSet::setRole(std::size_t n, ImportRole role) {
+  if (n >= entries_.size())
+    return fail({.code = Error::Code::kBadValue,
+                 .found = fmt::format("file {}", n + 1),
+                 .expected = fmt::format("1 to {}", entries_.size())});
+  ImportEntry& entry = entries_[n];
+  if (entry.role == role) return {};
+  if (entry.role == ImportRole::kCut)
+    return fail({.code = Error::Code::kBadValue,
+                 .place = entry.file.filename().string(),
+                 .found = "nothing that would be cut",
+                 .expected = "one file that is cut",
+                 .hint = "let another one be cut first"});
+  if (role == ImportRole::kCut)
+    for (ImportEntry& other : entries_)
+      if (other.role == ImportRole::kCut) other.role = ImportRole::kBeside;
+  entry.role = role;
+  return {};
+}
+
+std::vector<Finding> ImportSet::findings() const {
+  constexpr double kFar = 20;  // mm: neighbours of one frame are nearer
+  std::vector<Finding> out;
+  const Box3 first = boxOf(cut());
+  for (const ImportEntry& entry : entries_) {
+    if (entry.role == ImportRole::kOut) continue;
+    const std::string name = entry.file.filename().string();
+    const Box3 box = boxOf(entry);
+    if (&entry == &cut() || box.isEmpty() || first.isEmpty()) continue;
+    if (const double gap = gapBetween(first, box); gap > kFar)
+      out.push_back({Finding::Weight::kDoubtful, "Frame",
+                     fmt::format("{} is {:.0f} mm away: scans of one frame meet, or nearly so", name, gap)});
+  }
+  return out;
+}
+
+Expected<void> ImportSet::requireReady() const {
+  for (const ImportEntry& entry : entries_)
+    if (entry.role != ImportRole::kOut && entry.labels && entry.labels->isEmpty())
+      return fail({.code = Error::Code::kEmpty,
+                   .file = entry.file.string(),
+                   .found = "no tissue: all labels are left out",
+                   .expected = "a tissue for one label at least",
+                   .hint = "import.tissue LABEL TISSUE"});
+  return {};
+}
+
+Prediction ImportSet::prediction() const {
+  constexpr double kProgram = 5.5e8;  // that each one's prediction counts once
+  Prediction out;
+  for (const ImportEntry& entry : entries_) {
+    if (entry.role == ImportRole::kOut || (!entry.scan && !entry.labels)) continue;
+    const Prediction one = entry.scan ? entry.scan->prediction() : entry.labels->prediction();
+    out.seconds += one.seconds;
+    out.bytes += out.bytes > 0 ? std::max(one.bytes - kProgram, 0.0) : one.bytes;
+    out.surface_triangles += one.surface_triangles;
+  }
+  return out;
+}
+
+double ImportSet::freeBytes() const {
+  for (const ImportEntry& entry : entries_) {
+    if (entry.scan) return entry.scan->freeBytes();
+    if (entry.labels) return entry.labels->freeBytes();
+  }
+  return 0;
+}
+
+// ---- Previews
+
+void ImportSet::update() {
+  for (std::size_t n = 0; n < entries_.size(); ++n) {
+    const ImportEntry& entry = entries_[n];
+    // Of one that is not chosen only what was begun is taken.
+    if (entry.scan && (n == chosen_ || entry.scan->previewJob())) entry.scan->update();
+    if (entry.labels && (n == chosen_ || entry.labels->previewJob())) entry.labels->update();
+  }
+}
+
+void ImportSet::startPreview() {
+  if (scan()) scan()->startPreview();
+  if (labels()) labels()->startPreview();
+}
+
+bool ImportSet::isPreviewComing() const {
+  return (scan() && scan()->isPreviewComing()) || (labels() && labels()->isPreviewComing());
+}
+
+void ImportSet::suspendPreviews() {
+  for (const ImportEntry& entry : entries_) {
+    if (entry.scan) entry.scan->suspendPreview();
+    if (entry.labels) entry.labels->suspendPreview();
+  }
+}
+
+bool ImportSet::isIdle() const {
+  return std::all_of(entries_.begin(), entries_.end(), [](const ImportEntry& entry) {
+    return (!entry.scan || entry.scan->isIdle()) && (!entry.labels || entry.labels->isIdle());
+  });
+}
+
+const ClosedPreview* ImportSet::preview() const {
+  if (scan()) return scan()->preview();
+  return labels() ? labels()->preview() : nullptr;
+}
+
+const std::optional<Error>& ImportSet::previewError() const {
+  static const std::optional<Error> kNone;
+  if (scan()) return scan()->previewError();
+  return labels() ? labels()->previewError() : kNone;
+}
+
+const AnyJob* ImportSet::previewJob() const {
+  if (scan()) return scan()->previewJob();
+  return labels() ? labels()->previewJob() : nullptr;
+}
+
+void ImportSet::cancelPreview() {
+  if (scan()) scan()->cancelPreview();
+  if (labels()) labels()->cancelPreview();
+}
+
+ImportPicture ImportSet::picture(bool shows_solid) const {
+  ImportPicture out;
+  out.of = entries_.front().file.string();
+  if (scan()) {
+    out.up = scan()->found().up;
+    out.of += scan()->unit().unit;
+  }
+  for (std::size_t n = 0; n < entries_.size(); ++n) {
+    const ImportEntry& entry = entries_[n];
+    const bool is_chosen = n == chosen_;
+    if (entry.role == ImportRole::kOut && !is_chosen) continue;
+    const ClosedPreview* const solid = entry.scan     ? entry.scan->preview()
+                                       : entry.labels ? entry.labels->preview()
+                                                      : nullptr;
+    if (solid && (entry.labels || shows_solid))
+      out.parts.push_back({solid->solid, 1, false, !is_chosen});
+    else if (entry.scan)
+      out.parts.push_back({entry.scan->found().mesh, entry.scan->unit().scale_to_mm,
+                           !entry.scan->found().check.isClosed(), !is_chosen});
+    const Box3 box = boxOf(entry);
+    if (!box.isEmpty()) {
+      out.box.add(box.min);
+      out.box.add(box.max);
+    }
+  }
+  return out;
+}
+
+}  // namespace kerf
