@@ -10,6 +10,19 @@ void LiveHeat::add(std::size_t tool, const ToolSamples& samples, const HeatSourc
   ready_[tool].store(made_.back().get(), std::memory_order_release);
 }
 
+LiveHeat::Memory LiveHeat::memory() const {
+  Memory out{heat_, report_, {}};
+  for (const auto& tool : made_) out.turns.push_back(tool->heating.close.turn());
+  return out;
+}
+
+void LiveHeat::restore(const Memory& memory) {
+  heat_ = memory.heat;
+  report_ = memory.report;
+  for (std::size_t n = 0; n < made_.size(); ++n)
+    made_[n]->heating.close.setTurn(n < memory.turns.size() ? memory.turns[n] : 0);
+}
+
 void LiveHeat::tick(std::size_t tool, const DeviceSample& sample, const StepOutput& output,
                     std::span<const CutObject> objects) noexcept {
   Tool* const in_use = tool < ready_.size() ? ready_[tool].load(std::memory_order_acquire) : nullptr;

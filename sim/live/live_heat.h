@@ -43,6 +43,15 @@ class LiveHeat {
             std::span<const CutObject> objects) noexcept;
   const HeatReport& report() const noexcept { return report_; }
 
+  /// How warm everything is now: a replay that goes back begins with it again. A value; tools that were added stay.
+  struct Memory {
+    ToolHeat heat;
+    HeatReport report;
+    std::vector<std::size_t> turns;  ///< of the tools, in the order in which they were added
+  };
+  Memory memory() const;
+  void restore(const Memory& memory);
+
  private:
   struct Tool {
     ToolSamples samples;

@@ -38,6 +38,9 @@ class ContactArea {
   /// @param touched  bit n: look at object n.
   /// @rt safe.  @cost about 3 us for 1600 samples and one object.
   Reading read(std::span<const CutObject> objects, std::uint64_t touched, const Rigid3& T_world_tool) noexcept;
+  /// Whose turn it is next: all that it remembers from one tick to the next.
+  std::size_t turn() const noexcept { return turn_; }
+  void setTurn(std::size_t turn) noexcept { turn_ = turn; }
 
  private:
   struct Sample {

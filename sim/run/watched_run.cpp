@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "geometry/case/case_bundle.h"
+#include "sim/monitor/heat.h"
 #include "sim/pieces/piece_origin.h"
 #include "sim/run/chunk_look.h"
 #include "sim/run/removed_volumes.h"
@@ -59,10 +61,12 @@ Expected<void> WatchedRun::load(const Progress& progress) {
   recording_ = std::move(recording);
   log_name_ = recording_.log_file.string();
   KERF_CHECK(restoreSettings(recording_.log, log_name_, recording_.model, place_));
+  original_ = {recording_.objects.front(), &recording_.objects.front()->phi0()};
   if (recording_.begin) {
     KERF_TRY(original, readCaseField(caseFolder()));
     for (const double volume : internal::removedVolumes(original, *recording_.begin, internal::materialsOf(object())))
       removed_before_ += volume;
+    original_ = std::make_shared<const BrickField>(std::move(original));
   }
   if (options_.is_looked_at)
     for (const auto& loaded : recording_.objects) {
@@ -71,9 +75,28 @@ Expected<void> WatchedRun::load(const Progress& progress) {
     }
   if (!report(progress, 0.9, "reading the log")) return fail({.code = Error::Code::kCancelled, .found = "cancelled"});
   findSteps();
+  if (options_.is_looked_at) KERF_CHECK(watchHeat(progress));
   player_.emplace(recording_.log, log_name_, recording_.model, place_, recording_.objects,
                   internal::LogPlayer::Start{});
   output_.T_world_tool = player_->session().state().body.pose;
+  return {};
+}
+
+// By the laws of the live session: the temperature is no part of the log.
+Expected<void> WatchedRun::watchHeat(const Progress& progress) {
+  if (!report(progress, 0.93, "measuring the way to pulp and nerve")) return cancelled();
+  const Progress rest = [&](double done, std::string_view step) { return report(progress, 0.93 + 0.07 * done, step); };
+  KERF_TRY(structures, Structures::of(object(), rest));
+  structures_ = std::move(structures);
+  heat_ = std::make_unique<LiveHeat>(model().tools);
+  heat_->watch(structures_);
+
+  std::vector<bool> is_used(tools().size());
+  for (const WatchedStep& step : steps_)
+    if (step.tool < is_used.size()) is_used[step.tool] = true;
+  for (std::size_t n = 0; n < is_used.size(); ++n)
+    if (is_used[n]) heat_->add(n, ToolSamples(model().tools[n].cut, kToolSamples), heatSource(tools()[n]));
+  cold_ = heat_->memory();
   return {};
 }
 
@@ -177,16 +200,33 @@ std::vector<ObjectChunks> WatchedRun::takeChunks() {
   for (CameOff& object : fresh) {
     MesherThreadOptions options = options_.mesher;
     if (!looks_.empty()) options.remesher.finish = looks_[object.loaded];
-    auto mesher = object.origin ? std::make_unique<MesherThread>(object.origin, object.feed, options)
-                                : std::make_unique<MesherThread>(recording_.objects[object.loaded]->phi0(),
+    auto mesher = object.origin ? std::make_shared<MesherThread>(object.origin, object.feed, options)
+                                : std::make_shared<MesherThread>(recording_.objects[object.loaded]->phi0(),
                                                                  *object.feed, options);
-    shown_.push_back({object.id, std::move(object.feed), std::move(mesher)});
+    shown_.push_back({object.id, std::move(object.feed), object.loaded, std::move(mesher)});
   }
 
   std::vector<ObjectChunks> out;
   for (const Shown& object : shown_) {
     std::vector<MeshChunkPtr> chunks = object.mesher->take();
     if (!chunks.empty()) out.push_back({object.id, std::move(chunks)});
+  }
+  return out;
+}
+
+std::optional<SceneView> WatchedRun::viewScene() const {
+  const HapticReport& report = moment_.report;
+  if (report.object_count == 0) return {};
+  const PieceNames known = names();
+  SceneView out;
+  for (std::size_t n = 0; n < report.object_count; ++n) {
+    const ObjectReport& object = report.objects[n];
+    const auto shown = std::find_if(shown_.begin(), shown_.end(), [&](const Shown& s) { return s.id == object.id; });
+    if (shown == shown_.end()) return {};  // pieces are in the scene some ms before their meshers are
+    const auto name = known.find(object.id);
+    out.objects.push_back({object.id, object.loaded,
+                           name == known.end() ? fmt::format("piece {}", n + 1) : name->second, object.T_world_object,
+                           shown->mesher});
   }
   return out;
 }
@@ -268,7 +308,12 @@ bool WatchedRun::tick() {
   auto done = player_->handleEvents();
   if (done) {
     keepState();
+    const std::size_t sample = player_->nextSample();
     done = player_->tick(output_);
+    if (done && heat_) {
+      const Session& session = player_->session();
+      heat_->tick(session.state().tool, recording_.log.samples[sample].sample, output_, session.state().objects);
+    }
   }
   if (done) return true;
   if (!began_with_) {
@@ -313,6 +358,7 @@ void WatchedRun::startFrom(const Kept* kept) {
   output_ = {};
   output_.T_world_tool = session.state().body.pose;
   now_.verdict.reset();
+  if (heat_) heat_->restore(kept ? kept->heat : cold_);
   ++jumps_;
 
   // Meshers know a later or an earlier moment: all in which those may differ is told once more.
@@ -339,7 +385,11 @@ void WatchedRun::keepState() {
   const auto& objects = player_->session().state().objects;
   if (std::any_of(objects.begin(), objects.end(), [](const CutObject& o) { return o.isFrozen(); })) return;
 
-  Kept kept{.sample = n, .event = player_->nextEvent(), .state = player_->session().snapshot(), .removed_before = {}};
+  Kept kept{.sample = n,
+            .event = player_->nextEvent(),
+            .state = player_->session().snapshot(),
+            .removed_before = {},
+            .heat = heat_ ? heat_->memory() : cold_};
   for (const CutObject& object : objects) kept.removed_before[object.id] = object.removed_before_mm3;
   const auto after = std::partition_point(kept_.begin(), kept_.end(), [&](const Kept& k) { return k.sample < n; });
   kept_.insert(after, std::move(kept));
@@ -468,6 +518,7 @@ void WatchedRun::publish() {
   const std::size_t sample = player_->nextSample();
   now_.report.output = output_;
   describeScene(session, now_.report);
+  if (heat_) now_.report.heat = heat_->report();
   now_.report.counts.ticks = sample;
   now_.report.counts.pauses = jumps_;
   now_.sample = sample;

@@ -30,7 +30,9 @@
 #include "geometry/base/error.h"
 #include "geometry/base/progress.h"
 #include "sim/live/haptic_thread.h"
+#include "sim/live/live_heat.h"
 #include "sim/live/mesher_thread.h"
+#include "sim/monitor/structures.h"
 #include "sim/run/live_run.h"
 #include "sim/run/log_player.h"
 
@@ -62,7 +64,8 @@ struct WatchVerdict {
 
 /// A moment of the session.
 struct WatchMoment {
-  HapticReport report;     ///< as the session had it; counts: ticks, pauses (undo, jumps) and edits alone
+  HapticReport report;     ///< as the session had it; counts: ticks, pauses (undo, jumps) and edits alone; heat: where
+                           ///< it is looked at
   std::size_t sample = 0;  ///< so many are ticked
   std::size_t steps = 0;   ///< of steps() that are over
   std::size_t tool = 0;    ///< in hand
@@ -92,6 +95,12 @@ class WatchedRun {
   std::span<const Tool> tools() const noexcept { return recording_.tools; }
   const Model& model() const noexcept { return recording_.model; }
   const BakedObject& object() const noexcept { return *recording_.objects.front(); }
+  /// What was loaded: what was worked on, and behind it what stood beside.
+  std::span<const std::shared_ptr<const BakedObject>> objects() const noexcept { return recording_.objects; }
+  /// The field of the case, before anything was cut.
+  std::shared_ptr<const BrickField> original() const noexcept { return original_; }
+  /// Pulp and nerve canals, as loaded; null unless options.is_looked_at.
+  std::shared_ptr<const Structures> structures() const noexcept { return structures_; }
   /// What an earlier run had removed, from which the session went on, mm^3.
   double removedBefore() const noexcept { return removed_before_; }
   /// Of the pieces at the end, by CutObject::id.
@@ -122,12 +131,15 @@ class WatchedRun {
   /// Chunks that changed since the last call, object by object, as LiveRun::takeChunks().
   std::vector<ObjectChunks> takeChunks();
   std::uint64_t editsDone() const noexcept;
+  /// What is in the scene now, as LiveRun::viewScene().
+  std::optional<SceneView> viewScene() const;
 
  private:
   WatchedRun(std::filesystem::path folder, WatchOptions options)
       : folder_(std::move(folder)), options_(std::move(options)) {}
   Expected<void> load(const Progress& progress);
   void findSteps();
+  Expected<void> watchHeat(const Progress& progress);
 
   // The thread.
   struct Orders {
@@ -140,6 +152,7 @@ class WatchedRun {
     std::size_t sample = 0, event = 0;
     std::vector<std::byte> state;
     std::map<std::uint32_t, std::array<double, 256>> removed_before;  // CutObject's, by its id
+    LiveHeat::Memory heat;
   };
   // What the mesher of an object was told.
   struct Told {
@@ -173,6 +186,8 @@ class WatchedRun {
   double removed_before_ = 0;
   std::vector<WatchedStep> steps_;
   std::vector<decltype(RemesherOptions::finish)> looks_;  // of recording_.objects, or none
+  std::shared_ptr<const BrickField> original_;
+  std::shared_ptr<const Structures> structures_;
 
   // The thread's.
   std::optional<internal::LogPlayer> player_;
@@ -181,6 +196,8 @@ class WatchedRun {
   std::uint64_t jumps_ = 0;
   std::unordered_map<std::uint32_t, Told> told_;
   StepOutput output_;
+  std::unique_ptr<LiveHeat> heat_;  // null: nobody looks
+  LiveHeat::Memory cold_;           // of the beginning
   WatchMoment now_;
   std::chrono::steady_clock::time_point clock_from_{};
   std::size_t sample_from_ = 0;
@@ -205,7 +222,8 @@ class WatchedRun {
   struct Shown {
     std::uint32_t id = 0;
     std::shared_ptr<BrickFeed> feed;  // outlives the mesher
-    std::unique_ptr<MesherThread> mesher;
+    std::size_t loaded = 0;
+    std::shared_ptr<MesherThread> mesher;
   };
   std::vector<Shown> shown_;
   std::thread thread_;  // last: everything above exists before it starts

@@ -176,6 +176,59 @@ TEST_F(TissuePicture, ASectionOfAPieceThatIsMovedShowsWhatIsInThePiece) {
   bench_->dragPiece(id, std::nullopt);
 }
 
+TEST_F(TissuePicture, ASessionThatIsWatchedShowsThemAsWhileItIsCut) {
+  WorkbenchOptions options;
+  options.data_folder = folder_->path() / "data";
+  options.tools = {"round-014"};
+  options.voxel_mm = 0.15;
+  options.real_time = {.priority = 0, .lock_memory = false};
+  Workbench bench(options);
+  auto view = std::move(*LiveView::create());
+  Camera camera;
+  AppContext app{.bench = bench, .camera = camera, .width = kWidth, .height = kHeight};
+  const auto play = [&](const std::string& lines) {
+    const auto played = runScript(app, folder_->write("watch.ks", lines), [&] {
+      view->update(bench);
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    });
+    EXPECT_TRUE(played) << played.error().message();
+  };
+  const auto shot = [&] {
+    view->update(bench);
+    auto image = view->picture(bench, camera, kWidth, kHeight);
+    EXPECT_TRUE(image) << image.error().message();
+    return image ? *image : Image{};
+  };
+  play(
+      "file.demo molar\nwait\nview.from top\ncut.force 2\ncut.press 160 120\nwait 1.5\ncut.release\nwait 0.3\n"
+      "file.close\nwait\n");
+  play("replay.open \"" + bench.sessionFolder().string() + "\"\nwait\nview.from front\n");
+  ASSERT_TRUE(bench.watched());
+
+  EXPECT_EQ(countNear(shot(), kPulp), 0);
+  bench.section = Plane{bench.scene().bounds().center(), {0, -1, 0}};
+  const Image open = shot();
+  EXPECT_GT(countNear(open, kDentin), 4000);
+  EXPECT_GT(countNear(open, kPulp), 600);
+  bench.section.reset();
+
+  const Image whole = shot();
+  play("view.tissue enamel hide\nwait\n");
+  EXPECT_GT(countYellow(shot()), countYellow(whole) + 3000) << "dentin under it";
+
+  // They follow what is played.
+  play("view.from top\n");
+  const Image before = shot();
+  play("replay.end\nwait\nexpect same 1 1\nwait\nexpect warm 37.1 200\n");
+  double difference = 0;
+  for (int n = 0; n < 100 && difference < 0.05; ++n) {
+    play("wait\n");
+    difference = test::pictureDifference(before, shot());
+  }
+  EXPECT_GT(difference, 0.05) << "the stroke has gone into the dentin";
+  play("view.tissues-all\nwait\nreplay.close\nwait\n");
+}
+
 TEST_F(TissuePicture, WhatIsUnderAHiddenTissueIsSeen) {
   const Image whole = picture();
   run("view.tissue enamel hide");

@@ -239,6 +239,7 @@ TEST_F(WorkbenchTest, ASessionWithPiecesIsWatchedAndThenGoneOnWith) {
 
   const auto watched =
       play(open + "expect time 0 0\nexpect pieces 1 1\nexpect removed 0 0\nexpect same -1 -1\nview.fit\n" +
+           "view.section\nview.section-deeper 0.1\nview.section\nview.colours depth\nwait\nview.colours tissue\n" +
            "replay.speed fastest\nreplay.play\nwait 1000\nwait\n" + all +  // played to its end
            "replay.jump 1\nwait\nexpect steps 1 1\nexpect same -1 -1\n" +  // back
            "replay.begin\nwait\nexpect time 0 0\nexpect pieces 1 1\nexpect removed 0 0\n" +

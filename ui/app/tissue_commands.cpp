@@ -19,10 +19,10 @@ std::string quoted(AppWords words, std::size_t n) {
 
 }  // namespace
 
-bool hasTissues(const AppContext& c) { return c.bench.isOpen() && !c.bench.tissues().all().empty(); }
-bool isAnyHidden(const AppContext& c) { return c.bench.isOpen() && !c.bench.tissues().areAllShown(); }
+bool hasTissues(const AppContext& c) { return c.bench.isShown() && !c.bench.tissues().all().empty(); }
+bool isAnyHidden(const AppContext& c) { return c.bench.isShown() && !c.bench.tissues().areAllShown(); }
 bool hasStructures(const AppContext& c) {
-  return c.bench.isOpen() && c.bench.structures() && !c.bench.structures()->isEmpty();
+  return c.bench.isShown() && c.bench.structures() && !c.bench.structures()->isEmpty();
 }
 
 Expected<void> look(AppContext& c, AppWords words) {

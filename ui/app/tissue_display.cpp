@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "sim/live/chunk_occlusion.h"
+#include "sim/run/watched_run.h"
 
 namespace kerf {
 namespace {
@@ -48,18 +49,41 @@ Rgba8 mapColour(double share) {
   return out;
 }
 
+TissueSource tissueSourceOf(LiveRun& run, std::shared_ptr<const Structures> structures) {
+  TissueSource out;
+  out.view = [&run] { return run.viewScene(); };
+  out.edits = [&run] { return run.editsDone(); };
+  out.objects_now = [&run]() -> std::size_t { return run.thread().report().object_count; };
+  out.object = run.sharedObject();
+  for (const LiveNeighbour& other : run.neighbours()) out.beside.push_back(other.object);
+  out.original = run.original();
+  out.structures = std::move(structures);
+  return out;
+}
+
+TissueSource tissueSourceOf(const WatchedRun& run) {
+  TissueSource out;
+  out.view = [&run] { return run.viewScene(); };
+  out.edits = [&run] { return run.editsDone(); };
+  out.objects_now = [&run]() -> std::size_t { return run.moment().report.object_count; };
+  out.object = run.objects().front();
+  out.beside.assign(run.objects().begin() + 1, run.objects().end());
+  out.original = run.original();
+  out.structures = run.structures();
+  return out;
+}
+
 // ---- What the workbench calls
 
-void TissueDisplay::opened(LiveRun& run, const MaterialTable& materials, std::shared_ptr<const Structures> structures) {
+void TissueDisplay::opened(TissueSource source, const MaterialTable& materials) {
   closing();
-  run_ = &run;
-  labels_ = TissueLabels::of(run.object());
-  for (const LiveNeighbour& other : run.neighbours()) labels_beside_.push_back(TissueLabels::of(*other.object));
+  source_ = std::move(source);
+  labels_ = TissueLabels::of(*source_->object);
+  for (const auto& other : source_->beside) labels_beside_.push_back(TissueLabels::of(*other));
   palette_.emplace(materials);
-  structures_ = std::move(structures);
+  const std::array<double, 256>& volumes = source_->object->volumes();
   for (const MaterialProperties& row : materials.rows()) {
     const auto number = static_cast<std::size_t>(row.material);
-    const std::array<double, 256>& volumes = run.object().volumes();
     if (number >= volumes.size() || volumes[number] < kLeast) continue;
     tissues_.push_back({row.material, row.id, row.name, row.color, volumes[number], TissueLook::kShow});
   }
@@ -77,7 +101,7 @@ void TissueDisplay::closing() {
 
 Expected<void> TissueDisplay::update() {
   std::erase_if(ending_, [](const std::unique_ptr<AnyJob>& job) { return job->isOver(); });
-  if (!run_) return {};
+  if (!source_) return {};
   if (measuring_ && measuring_->isOver()) KERF_CHECK(takeDepths());
   if (meshing_ && meshing_->isOver()) KERF_CHECK(takeMeshed());
   is_dropped_ |= meshing_ && areAllShown();  // the window has forgotten what was handed out
@@ -89,14 +113,13 @@ Expected<void> TissueDisplay::update() {
   }
 
   const bool is_asked = !meshers_ || meshers_->of != wanted();
-  const bool is_outdated =
-      run_->editsDone() != meshed_edits_ || run_->thread().report().object_count != meshed_objects_;
+  const bool is_outdated = source_->edits() != meshed_edits_ || source_->objects_now() != meshed_objects_;
   if (is_asked || (is_outdated && std::chrono::steady_clock::now() >= next_)) startMeshing();
   return {};
 }
 
 bool TissueDisplay::isBusy() const {
-  if (!run_) return false;
+  if (!source_) return false;
   return meshing_ || measuring_ || (!areAllShown() && parts_of_ != wanted());
 }
 
@@ -146,13 +169,13 @@ bool TissueDisplay::hasPart(TissuePart part) const {
 bool TissueDisplay::isOwnSurfaceGhost() const { return hasPart(TissuePart::kSolid) && parts_of_->is_own_ghost; }
 
 void TissueDisplay::startMeshing() {
-  auto view = run_->viewScene();
+  auto view = source_->view();
   if (!view) return;
   if (!meshers_ || meshers_->of != wanted()) {
     meshers_ = std::make_shared<Meshers>();
     meshers_->of = wanted();
   }
-  meshed_edits_ = run_->editsDone();
+  meshed_edits_ = source_->edits();
   meshed_objects_ = view->objects.size();
 
   RemesherOptions options;
@@ -161,7 +184,7 @@ void TissueDisplay::startMeshing() {
     chunk.occlusion = occlusionOf(chunk, field);
   };
   meshing_ = std::make_unique<Job<Changes>>(
-      "tissues", [view = std::move(*view), meshers = meshers_, options, loaded = run_->sharedObject()](
+      "tissues", [view = std::move(*view), meshers = meshers_, options, loaded = source_->object](
                      const Progress& progress) { return meshed(view, *meshers, *loaded, options, progress); });
 }
 
@@ -225,8 +248,8 @@ TissueSection TissueDisplay::sectionAt(const Plane& plane, std::size_t beside) c
 }
 
 Expected<void> TissueDisplay::setColours(SurfaceColours colours) {
-  if (!run_) return {};
-  if (colours == SurfaceColours::kDistance && structures_->isEmpty())
+  if (!source_) return {};
+  if (colours == SurfaceColours::kDistance && source_->structures->isEmpty())
     return fail({.code = Error::Code::kUnsupported,
                  .found = "neither pulp nor nerve canal in what is open",
                  .expected = "a case with one of them",
@@ -235,7 +258,7 @@ Expected<void> TissueDisplay::setColours(SurfaceColours colours) {
   if (colours == SurfaceColours::kDepth && !depths_) {  // update() goes on
     if (!measuring_)
       measuring_ = std::make_unique<Job<Depths>>(
-          "depths", [original = run_->original()](const Progress& progress) -> Expected<Depths> {
+          "depths", [original = source_->original](const Progress& progress) -> Expected<Depths> {
             KERF_TRY(object, BakedObject::make(*original, static_cast<const MaterialField*>(nullptr)));
             return KeepOut::ofSolid(*object, depthReach(object->voxel()), progress);
           });
@@ -256,8 +279,8 @@ Expected<void> TissueDisplay::takeDepths() {
 // 1 at the structure, 0 as far as the map reaches or as is measured.
 double TissueDisplay::nearness(const Vec3d& p) const {
   constexpr double kRounding = 1e-4;  // mm
-  const double distance = structures_->distance(p);
-  return distance >= structures_->reach() - kRounding ? 0 : 1 - distance / kMapReach;
+  const double distance = source_->structures->distance(p);
+  return distance >= source_->structures->reach() - kRounding ? 0 : 1 - distance / kMapReach;
 }
 
 std::vector<Rgba8> TissueDisplay::coloursOf(const MeshChunk& chunk) const {

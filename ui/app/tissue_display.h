@@ -8,6 +8,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -24,6 +25,8 @@
 #include "ui/app/job.h"
 
 namespace kerf {
+
+class WatchedRun;
 
 enum class TissueLook { kShow, kGhost, kHide };
 
@@ -53,13 +56,26 @@ enum class TissuePart {
   kGhost   ///< of those shown and the ghosts, while others are hidden; else the object's own surface is the ghost
 };
 
+/// What it is told of: a session that is cut, or one that is watched.
+struct TissueSource {
+  std::function<std::optional<SceneView>()> view;            ///< as LiveRun::viewScene()
+  std::function<std::uint64_t()> edits;                      ///< as LiveRun::editsDone()
+  std::function<std::size_t()> objects_now;                  ///< in the scene
+  std::shared_ptr<const BakedObject> object;                 ///< that is worked on, as loaded
+  std::vector<std::shared_ptr<const BakedObject>> beside{};  ///< what stands beside it
+  std::shared_ptr<const BrickField> original;                ///< of the case
+  std::shared_ptr<const Structures> structures;              ///< pulp and nerve canals as loaded
+};
+TissueSource tissueSourceOf(LiveRun& run, std::shared_ptr<const Structures> structures);
+TissueSource tissueSourceOf(const WatchedRun& run);
+
 /// One thread, the window's.
 class TissueDisplay {
  public:
   // ---- What the workbench calls
 
-  /// @param run  must not be destroyed before closing().
-  void opened(LiveRun& run, const MaterialTable& materials, std::shared_ptr<const Structures> structures);
+  /// @param source  is not called after closing().
+  void opened(TissueSource source, const MaterialTable& materials);
   void closing();
   /// Once a frame. Errors: of a job; what could not be made is then given up.
   Expected<void> update();
@@ -126,11 +142,10 @@ class TissueDisplay {
   double nearness(const Vec3d& p) const;
   Expected<void> takeDepths();
 
-  LiveRun* run_ = nullptr;
+  std::optional<TissueSource> source_;  // none: nothing is open
   std::optional<TissueLabels> labels_;
   std::vector<TissueLabels> labels_beside_;
   std::optional<TissuePalette> palette_;
-  std::shared_ptr<const Structures> structures_;
   std::vector<SeenTissue> tissues_;
 
   std::shared_ptr<Meshers> meshers_;

@@ -22,7 +22,7 @@ Expected<void> moveSection(AppContext& c, AppWords words, double way) {
 
 }  // namespace
 
-bool hasSection(const AppContext& c) { return c.bench.isOpen() && c.bench.section.has_value(); }
+bool hasSection(const AppContext& c) { return c.bench.isShown() && c.bench.section.has_value(); }
 
 Expected<void> fit(AppContext& c, AppWords) {
   fitToBox(c.camera, c.bench.scene().bounds(), c.width, c.height);

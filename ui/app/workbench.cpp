@@ -180,7 +180,7 @@ void Workbench::warnOfHeat() {
 
 double Workbench::removedOf(Material material) const {
   const auto number = static_cast<std::size_t>(material);
-  return run_ && number < report_.removed_by_material.size() ? report_.removed_by_material[number] : 0;
+  return isShown() && number < report_.removed_by_material.size() ? report_.removed_by_material[number] : 0;
 }
 
 // What was asked for is done, and the meshers know of it.
@@ -283,6 +283,7 @@ void Workbench::show(Opened& loaded) {
     return complain(started.error());
   }
   putImportAway();
+  tissues_->closing();  // before what it is told of is gone
   watched_.reset();
   asked_run_.reset();
   hand_ = std::move(hand);
@@ -292,7 +293,7 @@ void Workbench::show(Opened& loaded) {
   neighbour_fields_ = std::move(loaded.neighbours);
   sources_beside_ = std::move(loaded.sources_beside);
   cut_off_.assign(run_->neighbours().size(), {});
-  tissues_->opened(*run_, materials_, structures_);
+  tissues_->opened(tissueSourceOf(*run_, structures_), materials_);
   samples_.clear();
   name_ = loaded.name;
   source_ = loaded.source;

@@ -8,6 +8,7 @@
 #include "sim/run/watched_run.h"
 #include "ui/app/import_set.h"
 #include "ui/app/sawing.h"
+#include "ui/app/tissue_display.h"
 #include "ui/app/upright.h"
 #include "ui/app/workbench.h"
 
@@ -68,7 +69,10 @@ void Workbench::watch(const fs::path& run_folder) {
 
 void Workbench::showWatched(std::unique_ptr<WatchedRun> run, const std::optional<Vec3d>& occlusal) {
   putImportAway();
+  tissues_->closing();
   watched_ = std::move(run);
+  structures_ = watched_->structures();
+  tissues_->opened(tissueSourceOf(*watched_), materials_);
   name_ = fs::path(watched_->manifest().case_path).stem().string();
   source_ = watched_->folder();
   occlusal_ = occlusal;
@@ -85,7 +89,7 @@ void Workbench::showWatched(std::unique_ptr<WatchedRun> run, const std::optional
   measure.clear();
   tool_ = 0;
   removed_mm3_ = 0;
-  has_told_of_verdict_ = false;
+  has_told_of_verdict_ = has_told_of_pulp_ = has_told_of_bone_ = has_told_of_dead_bone_ = false;
   keeps_view_ = false;
   ++generation_;
   remember(source_);
@@ -99,6 +103,7 @@ void Workbench::takeWatched() {
     removed_mm3_ = watched_->removedBefore();
     for (std::size_t n = 0; n < report_.object_count; ++n) removed_mm3_ += report_.objects[n].removed_mm3;
     addToTrace();
+    warnOfHeat();
     if (now.verdict && !std::exchange(has_told_of_verdict_, true))
       notices_.push_back({!now.verdict->is_same, "replayed: " + now.verdict->text});
   }
@@ -113,11 +118,14 @@ bool Workbench::isPlaying() const {
 
 void Workbench::endWatching() {
   if (!watched_) return;
+  tissues_->closing();
   watched_.reset();
   scene_.clear();
   fresh_.clear();
   report_ = {};
   removed_mm3_ = 0;
+  section.reset();
+  structures_.reset();
   ++generation_;
 }
 

@@ -12,6 +12,7 @@
 #include "ui/app/settings.h"
 #include "ui/window/measure_panel.h"
 #include "ui/window/plots_panel.h"
+#include "ui/window/readings.h"
 #include "ui/window/replay_panel.h"
 #include "ui/window/scale_bar.h"
 #include "ui/window/settings_panel.h"
@@ -48,13 +49,6 @@ void drawMenus(AppContext& context, PanelState& state) {
 }
 
 // ---- Readings
-
-void reading(const char* name, const std::string& value, const char* unit, bool is_warning = false) {
-  ImGui::TextColored(styleColours().quiet, "%s", name);
-  ImGui::SameLine(scaled(118));
-  is_warning ? ImGui::TextColored(styleColours().warning, "%s %s", value.c_str(), unit)
-             : ImGui::Text("%s %s", value.c_str(), unit);
-}
 
 // What is under the cursor. As many lines when there is nothing: panels below stay where they are.
 void drawPoint(const AppContext& context, bool is_over) {
@@ -103,24 +97,6 @@ void drawNeighbours(const Workbench& bench, const std::optional<ToolOverSurface>
   for (const Neighbour& other : all)
     if (other.removed_mm3 > 0)
       reading(("Cut off " + other.name).c_str(), fmt::format("{:.3f}", other.removed_mm3), "mm3", true);
-}
-
-// Limits: bone that dies after a minute, a pulp that not always recovers, a surface that boils.
-void drawHeat(const Workbench& bench) {
-  const HeatReport& heat = bench.report().heat;
-  if (!heat.is_known) return reading("Temperature", "-", "C");
-  const Material under = bench.report().output.material;
-  const bool is_bone = under == Material::kCortical || under == Material::kCancellous;
-  const double limit = kBodyCelsius + (is_bone ? kBoneLimitRise : HeatSettings{}.boiling_rise);
-  reading("Temperature", fmt::format("{:.0f}", heat.surface), "C", heat.surface >= limit);
-
-  for (const Structures::Structure& structure : bench.structures()->all()) {
-    const bool is_pulp = structure.material == Material::kPulp;
-    const double rise = is_pulp ? heat.pulp_rise : heat.nerve_rise;
-    const std::string name = "  of " + bench.nameOf(structure.material);
-    reading(name.c_str(), fmt::format("{:.1f}", kBodyCelsius + rise), "C",
-            rise >= (is_pulp ? kPulpLimitRise : kBoneLimitRise));
-  }
 }
 
 void drawReadings(AppContext& context, const std::optional<ToolOverSurface>& over, PanelColumn& column) {

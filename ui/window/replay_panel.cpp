@@ -8,8 +8,11 @@
 #include <vector>
 
 #include "sim/run/watched_run.h"
+#include "ui/window/panel_column.h"
 #include "ui/window/plots_panel.h"
+#include "ui/window/readings.h"
 #include "ui/window/style.h"
+#include "ui/window/tissues_panel.h"
 
 namespace kerf {
 namespace {
@@ -143,32 +146,28 @@ void drawStrip(AppContext& context) {
   ImGui::End();
 }
 
-void line(const char* name, const std::string& value) {
-  ImGui::TextColored(styleColours().quiet, "%s", name);
-  ImGui::SameLine(scaled(118));
-  ImGui::TextUnformatted(value.c_str());
-}
-
-void drawMoment(AppContext& context) {
+void drawMoment(AppContext& context, PanelColumn& column) {
   const Workbench& bench = context.bench;
   const HapticReport& report = bench.report();
-  ImGui::SetNextWindowPos({ImGui::GetIO().DisplaySize.x - scaled(kPanelWidth) - 8, ImGui::GetFrameHeight() + 8},
-                          ImGuiCond_Always);
-  ImGui::SetNextWindowSize({scaled(kPanelWidth), 0}, ImGuiCond_Always);
+  column.place();
   ImGui::Begin("Watched", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
-  line("Tool", bench.tool(bench.toolInHand()).id);
-  line("Force", fmt::format("{:.2f} N", report.output.force.force.norm()));
-  line("Spindle", fmt::format("{:.0f} %", 100 * bench.driveShare()));
-  line("Removed", fmt::format("{:.2f} mm3", bench.removedMm3()));
-  line("Pieces", fmt::format("{}", report.object_count));
+  reading("Tool", bench.tool(bench.toolInHand()).id, "");
+  reading("Force", fmt::format("{:.2f}", report.output.force.force.norm()), "N");
+  reading("Spindle", fmt::format("{:.0f}", 100 * bench.driveShare()), "%");
+  drawHeat(bench);
+  reading("Removed", fmt::format("{:.2f}", bench.removedMm3()), "mm3");
+  reading("Pieces", fmt::format("{}", report.object_count), "");
   drawPlots(context);
+  column.take();
   ImGui::End();
 }
 
 }  // namespace
 
 void drawReplay(AppContext& context) {
-  drawMoment(context);
+  PanelColumn column(context);
+  drawMoment(context, column);
+  drawTissues(context, column);
   drawStrip(context);
 }
 

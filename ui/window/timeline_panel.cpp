@@ -87,7 +87,11 @@ void drawLoss(const Timeline& timeline, std::size_t done, float blocks_end) {
 
 }  // namespace
 
-float timelineHeight(const AppContext& context) { return hasSteps(context) ? scaled(kStripHeight) + 8 : 0; }
+float timelineHeight(const AppContext& context) {
+  constexpr float kReplayHeight = 96;  // of the strip of a session that is watched
+  if (context.bench.watched()) return scaled(kReplayHeight);
+  return hasSteps(context) ? scaled(kStripHeight) + 8 : 0;
+}
 
 void drawTimeline(AppContext& context) {
   if (!hasSteps(context)) return;

@@ -3,10 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <cmath>
 #include <fstream>
 #include <map>
 #include <thread>
 
+#include "sim/monitor/heat.h"
+#include "sim/monitor/structures.h"
 #include "sim/run/replay.h"
 #include "sim/run/run_output.h"
 #include "tests/sim/person_at_mouse.h"
@@ -53,6 +56,9 @@ class WatchedRunTest : public testing::Test {
     const fs::path block = test::bakedBlock(*folder_);
     auto run = LiveRun::open(block, runFolder(), test::someTools());
     ASSERT_TRUE(run) << run.error().message();
+    const auto tools = (*run)->tools();
+    for (std::size_t n = 0; n < tools.size(); ++n)
+      (*run)->thread().heatBy(n, ToolSamples((*run)->model().tools[n].cut, kToolSamples), heatSource(tools[n].tool));
     test::Mouse mouse(**run);
     mouse.drill({-1, 0, 0}, 2);
     mouse.drill({0, 0.5, 0}, 2);
@@ -61,6 +67,8 @@ class WatchedRunTest : public testing::Test {
     mouse.send(SelectTool{1});
     mouse.drill({1, 0, 0}, 2);
     (*run)->thread().stop();  // the last bricks are sent
+    (*run)->thread().update();
+    live_heat_ = (*run)->thread().report().heat;
     const auto manifest = (*run)->finish();
     ASSERT_TRUE(manifest) << manifest.error().message();
     live_->add((*run)->takeChunks());
@@ -71,8 +79,10 @@ class WatchedRunTest : public testing::Test {
   }
   static fs::path runFolder() { return folder_->path() / "block.run"; }
 
-  static std::unique_ptr<WatchedRun> watch(const fs::path& run_folder, double keep_every_s = 1) {
+  static std::unique_ptr<WatchedRun> watch(const fs::path& run_folder, double keep_every_s = 1,
+                                           bool is_looked_at = false) {
     WatchOptions options;
+    options.is_looked_at = is_looked_at;
     options.mesher.remesher.is_parallel = false;
     options.keep_every_s = keep_every_s;
     auto run = WatchedRun::open(run_folder, options);
@@ -99,6 +109,7 @@ class WatchedRunTest : public testing::Test {
 
   static inline TemporaryFolder* folder_ = nullptr;
   static inline Picture* live_ = nullptr;
+  static inline HeatReport live_heat_;  // at the end
 };
 
 TEST_F(WatchedRunTest, AtAnySpeedTheEndIsThatOfTheSessionBitForBit) {
@@ -125,6 +136,49 @@ TEST_F(WatchedRunTest, AtAnySpeedTheEndIsThatOfTheSessionBitForBit) {
     EXPECT_TRUE(seen == *live_);
     EXPECT_NEAR(run->moment().report.objects[0].removed_mm3, replayRun(runFolder())->removed_mm3, 1e-9);
   }
+}
+
+TEST_F(WatchedRunTest, TheTemperatureIsThatOfTheSessionWhereverOneJumps) {
+  ASSERT_TRUE(live_heat_.is_known);
+  const auto run = watch(runFolder(), 1, true);
+  ASSERT_TRUE(run);
+  Picture seen;
+  ASSERT_TRUE(settles(*run, seen));
+  EXPECT_EQ(run->moment().report.heat.surface, kBodyCelsius) << "nothing was cut yet";
+
+  // In the middle of the last stroke, on the way there, and from behind: through a state that was kept.
+  std::size_t middle = 0;
+  for (const WatchedStep& step : run->steps())
+    if (step.kind == WatchedStep::Kind::kStroke) middle = (step.begin + step.end) / 2;
+  run->jumpTo(middle);
+  ASSERT_TRUE(settles(*run, seen));
+  const double warm = run->moment().report.heat.surface;
+  EXPECT_GT(std::abs(warm - kBodyCelsius), 0.1) << "the drive heats it, the spray cools it";
+  run->jumpTo(run->samples());
+  ASSERT_TRUE(settles(*run, seen));
+  EXPECT_NEAR(run->moment().report.heat.surface, live_heat_.surface, 0.01);
+  EXPECT_NE(run->moment().report.heat.surface, warm);
+  run->jumpTo(middle);
+  ASSERT_TRUE(settles(*run, seen));
+  EXPECT_EQ(run->moment().report.heat.surface, warm);
+  run->jumpTo(0);
+  ASSERT_TRUE(settles(*run, seen));
+  EXPECT_EQ(run->moment().report.heat.surface, kBodyCelsius);
+}
+
+TEST_F(WatchedRunTest, TheSceneCanBeCopiedAsWhileItIsCut) {
+  const auto run = watch(runFolder());
+  ASSERT_TRUE(run);
+  Picture seen;
+  ASSERT_TRUE(settles(*run, seen));
+  run->jumpTo(run->samples());
+  ASSERT_TRUE(settles(*run, seen));
+  const auto view = run->viewScene();
+  ASSERT_TRUE(view);
+  ASSERT_EQ(view->objects.size(), 1u);
+  const auto copy = LiveRun::copyOf(*view);
+  ASSERT_TRUE(copy) << copy.error().message();
+  EXPECT_GT(copy->objects[0].changed.brickCount(), 0u) << "what was cut";
 }
 
 TEST_F(WatchedRunTest, ItIsPacedByTheClockAndPauseHolds) {

@@ -1,0 +1,15 @@
+// Readings that several panels show: a name, a number, a unit.
+#pragma once
+
+#include <string>
+
+#include "ui/app/workbench.h"
+
+namespace kerf {
+
+void reading(const char* name, const std::string& value, const char* unit, bool is_warning = false);
+
+/// The temperature under the tool, and of pulp and nerve canal; in the colour of warnings from their limits on.
+void drawHeat(const Workbench& bench);
+
+}  // namespace kerf
