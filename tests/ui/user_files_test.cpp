@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "tests/support/temporary_folder.h"
+#include "ui/app/app_commands.h"
 #include "ui/app/settings.h"
 
 namespace kerf {
@@ -80,10 +81,32 @@ TEST(SettingsFile, ComesBackAsItWasSaved) {
   file.values = {Theme::kDark, 1.25, true, "/scans of \"today\"", 2.5, 0.8, 20, true};
   file.values.space_mouse = {SpaceMouseLeads::kTool, 2.5, 0.1, true, {true, false, true, false, false, false}};
   file.values.perspective_deg = 45;
+  file.values.is_perspective = true;
   ASSERT_TRUE(file.save());
   const SettingsFile again(config);
   EXPECT_FALSE(again.error());
   EXPECT_EQ(again.values, file.values);
+}
+
+TEST(SettingsFile, PerspectiveIsKeptAsItWasChosen) {
+  const TemporaryFolder folder;
+  WorkbenchOptions options;
+  options.data_folder = folder.path() / "data";
+  options.tools = {"round-014"};
+  Workbench bench(options);
+  Camera camera;
+  SettingsFile file(folder.path());
+  AppContext context{.bench = bench, .camera = camera, .settings = &file};
+  const auto choose = [&](const std::string& word) {
+    ASSERT_TRUE(runAppCommand(context, "view.perspective", std::vector<std::string>{word}));
+  };
+  choose("40");
+  EXPECT_TRUE(camera.isPerspective());
+  EXPECT_TRUE(SettingsFile(folder.path()).values.is_perspective);
+  EXPECT_EQ(SettingsFile(folder.path()).values.perspective_deg, 40);
+  choose("off");
+  EXPECT_FALSE(SettingsFile(folder.path()).values.is_perspective);
+  EXPECT_EQ(SettingsFile(folder.path()).values.perspective_deg, 40) << "for the next time";
 }
 
 TEST(SettingsFile, LinesItDoesNotKnowStay) {

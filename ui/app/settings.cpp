@@ -64,6 +64,8 @@ const std::vector<Key>& keys() {
        [](const Settings& a, const Settings& b) { return a.space_mouse.is_inverted == b.space_mouse.is_inverted; }},
       {"perspective_deg", [](const Settings& s) { return fmt::format("{:.1f}", s.perspective_deg); },
        [](const Settings& a, const Settings& b) { return a.perspective_deg == b.perspective_deg; }},
+      {"perspective", [](const Settings& s) { return std::string(s.is_perspective ? "true" : "false"); },
+       [](const Settings& a, const Settings& b) { return a.is_perspective == b.is_perspective; }},
   };
   return kKeys;
 }
@@ -110,6 +112,7 @@ Expected<Settings> readSettings(const fs::path& path) {
   readSpaceMouse(table, out.space_mouse);
   out.perspective_deg =
       table.numberOr("perspective_deg", out.perspective_deg, Camera::kLeastField, Camera::kMostField, "deg");
+  out.is_perspective = table.getOr<bool>("perspective", false, "true or false");
   KERF_CHECK(table.finish());
   return out;
 }

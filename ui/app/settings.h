@@ -40,6 +40,7 @@ struct Settings {
   double perspective_deg = 30;          ///< perspective_deg: field of view of a perspective, 5 to 90
 
   SpaceMouseSettings space_mouse{};
+  bool is_perspective = false;  ///< perspective: near things are larger, from the beginning of a session
 
   static constexpr double kSmallestScale = 0.75, kLargestScale = 3;
   bool operator==(const Settings&) const = default;

@@ -78,15 +78,19 @@ Expected<void> zoom(AppContext& c, AppWords words) {
 
 Expected<void> perspective(AppContext& c, AppWords words) {
   const double kept = c.settings ? c.settings->values.perspective_deg : Settings{}.perspective_deg;
+  const auto keep = [&c](bool is_on) -> Expected<void> {
+    if (!c.settings) return {};
+    c.settings->values.is_perspective = is_on;
+    return c.settings->save();
+  };
   if (words.empty() ? c.camera.isPerspective() : words[0] == "off") {
     setFieldOfView(c.camera, 0);
-    return {};
+    return keep(false);
   }
   KERF_TRY(degrees, numberOr(words, 0, kept, "DEG", Camera::kLeastField, Camera::kMostField));
   setFieldOfView(c.camera, degrees * kDegree);
-  if (!c.settings || words.empty()) return {};
-  c.settings->values.perspective_deg = degrees;
-  return c.settings->save();
+  if (c.settings && !words.empty()) c.settings->values.perspective_deg = degrees;
+  return keep(true);
 }
 
 Expected<void> roll(AppContext& c, AppWords words) {

@@ -12,6 +12,7 @@
 #include <cmath>
 #include <csignal>
 #include <cstdlib>
+#include <numbers>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -227,6 +228,8 @@ class Workshop {
     if (settings_.error()) bench_.complain(*settings_.error());
     bench_.setForce(settings_.values.force_N);
     bench_.depth_mm = settings_.values.depth_mm;
+    if (settings_.values.is_perspective)
+      setFieldOfView(camera_, settings_.values.perspective_deg * std::numbers::pi / 180);
     browser_.setFolder(settings_.values.last_folder);
     if (!options_.replay.empty())
       bench_.watch(options_.replay);
@@ -328,10 +331,10 @@ class Workshop {
   }
 
   void fitFirst() {
+    camera_before_import_.reset();  // what is open now is another one than before
     const auto camera = cameraFromView(options_.view);
     firstView(context_, camera ? *camera : Camera{});
     setTitle(bench_.name());
-    camera_before_import_.reset();  // what is open now is another one than before
     box_ = bench_.scene().bounds();
     picture_of_ = bench_.source();
     is_picture_due_ = true;
