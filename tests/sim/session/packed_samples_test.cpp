@@ -74,7 +74,8 @@ TEST(PackedSamples, BytesAreThoseOfTheDocumentedFormat) {
   SampleBits one{};
   one[4] = 5;
   SampleHistory history;
-  const std::vector<std::byte> wanted = {std::byte{1}, {}, std::byte{1 << 4}, {}, std::byte{3 << 2}, std::byte{0b01010}};
+  const std::vector<std::byte> wanted = {std::byte{1},      {}, std::byte{1 << 4}, {}, std::byte{3 << 2},
+                                         std::byte{0b01010}};
   EXPECT_EQ(packSamples(std::span(&one, 1), history), wanted);
 }
 
