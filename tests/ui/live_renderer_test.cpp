@@ -8,10 +8,12 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <numbers>
 #include <random>
 
 #include "geometry/field/sample_field.h"
 #include "sim/live/chunk_occlusion.h"
+#include "tests/ui/picture_compare.h"
 #include "ui/app/pointing.h"
 #include "ui/bench/scenes/carved_field.h"
 #include "ui/window/gl_context.h"
@@ -403,6 +405,44 @@ TEST_F(LivePicture, InPerspectiveAThingIsDrawnWhereItsPixelIs) {
     while (y + below < kHeight && isTool(y + below)) ++below;
     EXPECT_NEAR(below, radius, 0.1 * radius + 1.5) << tip.transpose();
   }
+}
+
+// A round shank of 0.5 mm along z, of that many slices: long triangles, or short ones.
+ToolLook shankOf(int slices) {
+  constexpr int kSides = 12;
+  constexpr double kRadius = 0.5, kFrom = -1, kTo = 80;
+  ToolLook look;
+  for (int n = 0; n <= slices; ++n)
+    for (int k = 0; k < kSides; ++k) {
+      const double turn = 2 * std::numbers::pi * k / kSides;
+      look.mesh.vertices.push_back(
+          {kRadius * std::cos(turn), kRadius * std::sin(turn), kFrom + (kTo - kFrom) * n / slices});
+    }
+  for (int n = 0; n < slices; ++n)
+    for (int k = 0; k < kSides; ++k) {
+      const auto at = [&](int row, int side) { return static_cast<std::uint32_t>(row * kSides + side % kSides); };
+      look.mesh.triangles.push_back({at(n, k), at(n, k + 1), at(n + 1, k)});
+      look.mesh.triangles.push_back({at(n + 1, k), at(n, k + 1), at(n + 1, k + 1)});
+    }
+  look.mesh.vertex_colors.assign(look.mesh.vertices.size(), {200, 10, 10, 255});
+  look.cutting = {{-0.5, -0.5, -1}, {0.5, 0.5, 0}};
+  return look;
+}
+
+// What goes past the eye is cut off there, between corners of which some are behind it.
+TEST_F(LivePicture, AShankThatGoesPastTheEyeIsLitAsInFrontOfIt) {
+  Camera camera = *cameraFromView("top");
+  camera.half_height = 6;
+  setFieldOfView(camera, 1.0);
+  for (const double lean : {0.0, 0.1, 0.25, 0.4})
+    for (const double aside : {0.7, 1.5, 3.0}) {
+      LiveFrame frame;
+      frame.T_world_tool = Rigid3{Eigen::Quaterniond(Eigen::AngleAxisd(lean, Vec3d::UnitY())), {aside, 0.3, 0}};
+      renderer_->setTool(shankOf(1));
+      const Image whole = picture(camera, frame);
+      renderer_->setTool(shankOf(400));
+      EXPECT_LT(test::pictureDifference(whole, picture(camera, frame)), 0.5) << lean << ' ' << aside;
+    }
 }
 
 TEST_F(LivePicture, CullingChangesNoPixelInPerspectiveEither) {

@@ -161,8 +161,8 @@ layout(location = 1) in vec4 normal;
 layout(location = 2) in vec4 color;
 uniform mat4 to_clip;
 uniform mat3 to_view;
-noperspective out vec3 view_normal;
-noperspective out vec3 surface_color;
+out vec3 view_normal;
+out vec3 surface_color;
 void main() {
   gl_Position = to_clip * vec4(position, 1.0);
   view_normal = to_view * normal.xyz;
@@ -170,8 +170,8 @@ void main() {
 }
 )";
 inline constexpr const char* kToolFragment = R"(
-noperspective in vec3 view_normal;
-noperspective in vec3 surface_color;
+in vec3 view_normal;
+in vec3 surface_color;
 uniform float alpha;
 out vec4 result;
 void main() {
