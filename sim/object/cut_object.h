@@ -80,7 +80,10 @@ class CutObject {
   void forgetCore() noexcept {
     core_load = 0;
     is_core_clear = false;
+    ++contact_epoch_;
   }
+  /// Another number when what was known of the contact is void: forgetCore() was called. @rt
+  std::uint32_t contactEpoch() const noexcept { return contact_epoch_; }
 
   /// Frozen: neither cut nor filled, so that another thread may read values, materials and shells. It is felt as ever.
   bool isFrozen() const noexcept { return is_frozen_; }
@@ -122,6 +125,12 @@ class CutObject {
   /// Brings the shells of the dirty bricks and of their face neighbours up to date. False when memory ran out: they
   /// stay dirty. @rt
   bool repair() noexcept { return shell_.repair(bricks_, memory_); }
+  /// The same for those of them alone whose slot is wanted(slot); the neighbours of the others wait with them. Who
+  /// reads a shell must have wanted it. @rt
+  template <class Wanted>
+  bool repair(const Wanted& wanted) noexcept {
+    return shell_.repair(bricks_, memory_, wanted);
+  }
   /// Makes sure that the shell of a brick with nodes is there: BrickSlot::chunks, until another one is asked for. @rt
   void needShell(int slot) noexcept {
     if (!this->slot(slot).chunks[0]) loaded_shells_.make(bricks_, slot);
@@ -178,6 +187,7 @@ class CutObject {
            double& sum) noexcept;
 
   bool is_frozen_ = false;
+  std::uint32_t contact_epoch_ = 0;
   BrickStore bricks_;
   BrickMemory memory_;
   ShellRepair shell_;

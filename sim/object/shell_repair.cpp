@@ -36,6 +36,18 @@ bool ShellRepair::repairOne(int s, BrickStore& bricks, BrickMemory& memory) noex
   return true;
 }
 
+void ShellRepair::spread(BrickStore& bricks) noexcept {
+  for (std::size_t n = 0, count = dirty_.count(); n < count; ++n) {
+    BrickSlot& slot = bricks.slot(dirty_.numbers()[n]);
+    for (int face = 0; slot.changed_faces != 0 && face < 6; ++face) {
+      if (!(slot.changed_faces >> face & 1)) continue;
+      const int neighbor = bricks.findBeside(slot, face);
+      if (neighbor >= 0 && bricks.slot(neighbor).shell_count > 0) dirty_.add(bricks.slot(neighbor), neighbor);
+    }
+    slot.changed_faces = 0;
+  }
+}
+
 bool ShellRepair::repair(BrickStore& bricks, BrickMemory& memory) noexcept {
   ++round_;
   if (dirty_.isEmpty()) return true;  // frozen, it may be read by others: nothing is written

@@ -27,7 +27,25 @@ class ShellRepair {
   /// dirty. Writes nothing of the bricks when none is dirty: another thread may read a frozen object. @rt
   bool repair(BrickStore& bricks, BrickMemory& memory) noexcept;
 
+  /// The same for the dirty bricks alone that are wanted(slot). Neighbours become dirty, and are repaired when they are
+  /// wanted.
+  template <class Wanted>
+  bool repair(BrickStore& bricks, BrickMemory& memory, const Wanted& wanted) noexcept {
+    ++round_;
+    spread(bricks);
+    bool is_done = true;
+    for (std::size_t n = dirty_.count(); n-- > 0;) {  // the last takes the place of what is removed
+      const int s = dirty_.numbers()[n];
+      if (!wanted(s)) continue;
+      is_done = is_done && repairOne(s, bricks, memory);
+      if (is_done) dirty_.removeAt(n, bricks.slots());
+    }
+    return is_done;
+  }
+
  private:
+  /// Makes dirty the neighbours whose gradients the dirty bricks change: no brick's changed_faces is left. @rt
+  void spread(BrickStore& bricks) noexcept;
   bool repairOne(int s, BrickStore& bricks, BrickMemory& memory) noexcept;
 
   SlotList dirty_{SlotBit::kDirty};

@@ -150,7 +150,7 @@ bool Session::perform(const MoveObject& command) noexcept {
 bool Session::perform(const FreezeObject& command) noexcept {
   if (command.object >= state_.objects.size() || hasFrozen()) return false;
   CutObject& object = state_.objects[command.object];
-  if (object.dirtyCount() > 0) return false;  // pieces take its shells over
+  if (object.dirtyCount() > 0 && !object.repair()) return false;  // pieces take its shells over
   object.freeze();
   return true;
 }

@@ -14,7 +14,7 @@
 namespace kerf {
 namespace {
 
-constexpr std::uint32_t kStateVersion = 4;
+constexpr std::uint32_t kStateVersion = 5;
 
 // Little-endian, doubles with every bit.
 class Writer {
@@ -106,9 +106,11 @@ bool hasOtherMaterials(const CutObject::Slot& slot) {
   return slot.own_materials && std::memcmp(slot.own_materials, slot.baked_materials, kBrickNodes) != 0;
 }
 
-void packObject(const CutObject& object, std::size_t loaded, Writer& to) {
+void packObject(const CutObject& object, const ContactTurns& turns, std::size_t loaded, Writer& to) {
+  const bool has_turns = turns.isActiveFor(object);
   to.u32(static_cast<std::uint32_t>(loaded));
-  to.u32((object.bricks().isPiece() ? 1u : 0u) | (object.isFrozen() ? 2u : 0u) | (object.is_core_clear ? 4u : 0u));
+  to.u32((object.bricks().isPiece() ? 1u : 0u) | (object.isFrozen() ? 2u : 0u) | (object.is_core_clear ? 4u : 0u) |
+         (has_turns ? 8u : 0u));
   to.u32(object.id);
   to.pose(object.T_world_object);
   to.f64(object.core_load);
@@ -142,6 +144,10 @@ void packObject(const CutObject& object, std::size_t loaded, Writer& to) {
     to.floats(slot.own, kBrickNodes);
     if (hasOtherMaterials(slot)) to.bytes(slot.own_materials, kBrickNodes);
   }
+
+  if (!has_turns) return;
+  ContactTurns packed = turns;
+  packed.forEachNumber([&](double& number) { to.f64(number); });
 }
 
 struct ChangedBrick {
@@ -198,7 +204,8 @@ PieceBricks pieceOf(CutObject& whole, std::vector<Vec3i> bricks, const std::vect
 }
 
 // Nothing: the bytes do not describe such an object.
-std::optional<CutObject> unpackObject(Reader& from, const LoadedObjects& loaded) {
+// @param turns  of the object.
+std::optional<CutObject> unpackObject(Reader& from, const LoadedObjects& loaded, ContactTurns& turns) {
   // All of its bytes.
   const std::size_t index = from.u32();
   const std::uint32_t flags = from.u32();
@@ -215,6 +222,15 @@ std::optional<CutObject> unpackObject(Reader& from, const LoadedObjects& loaded)
   if (is_piece) own = readBricks(from);
   const std::vector<Vec3i> air = readBricks(from);
   const std::vector<ChangedBrick> changed = readChanged(from);
+  if (flags & 8) {
+    turns.forEachNumber([&](double& number) {
+      number = from.f64();
+      const bool is_number = std::abs(number) < 1e15;  // an integer that it may become can hold it
+      from.is_good = from.is_good && is_number;
+      if (!is_number) number = 0;
+    });
+    from.is_good = from.is_good && turns.isUsable();
+  }
   if (!from.is_good || index >= loaded.size() || !pose.isUsable() || !(core_load >= 0) || !std::isfinite(core_load) ||
       air.size() > CutObject::kMostAdded)
     return {};
@@ -244,6 +260,7 @@ std::optional<CutObject> unpackObject(Reader& from, const LoadedObjects& loaded)
   if (flags & 2) object.freeze();
   object.removed_mm3 = removed;
   object.added_mm3 = added;
+  turns.belongTo(object.contactEpoch());
   return object;
 }
 
@@ -325,10 +342,11 @@ std::vector<std::byte> packState(const State& state, const LoadedObjects& loaded
   to.u32(kStateVersion);
   packHead(state, to);
   to.u32(static_cast<std::uint32_t>(state.objects.size()));
-  for (const CutObject& object : state.objects) {
+  for (std::size_t n = 0; n < state.objects.size(); ++n) {
+    const CutObject& object = state.objects[n];
     std::size_t index = 0;
     while (index < loaded.size() && loaded[index].get() != &object.baked()) ++index;
-    packObject(object, index, to);
+    packObject(object, state.turns[n], index, to);
   }
   return std::move(to.out);
 }
@@ -354,7 +372,7 @@ Expected<State> unpackState(std::span<const std::byte> bytes, const LoadedObject
 
   out.objects.reserve(kMostObjects);
   for (std::uint32_t n = 0; n < count; ++n) {
-    std::optional<CutObject> object = unpackObject(from, loaded);
+    std::optional<CutObject> object = unpackObject(from, loaded, out.turns[n]);
     if (!object) return refuse(fmt::format("object {} is not one of those loaded, or was cut short", n));
     out.objects.push_back(std::move(*object));
   }

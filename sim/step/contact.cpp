@@ -144,6 +144,8 @@ class NodeSums {
     sums.force_next += vector(S::kForceNext);
     sums.torque_next += vector(S::kTorqueNext);
     addSymmetric(sums.stiffness, S::kStiffness);
+    sums.load_next += value(S::kLoadNext);
+    for (int row = 0; row < 6; ++row) sums.load_slope[row] += value(S::kLoadSlope + row);
 
     sums.normal_load += value(S::kNormalLoad);
     sums.cutting_load += value(S::kCuttingLoad);
@@ -187,6 +189,8 @@ void ContactSums::add(const ContactSums& o) {
   force_next += o.force_next;
   torque_next += o.torque_next;
   stiffness += o.stiffness;
+  load_next += o.load_next;
+  load_slope += o.load_slope;
   drag += o.drag;
   drag_moment += o.drag_moment;
   drag_second += o.drag_second;
@@ -215,6 +219,8 @@ void ContactSums::scale(double factor) {
   force_next *= factor;
   torque_next *= factor;
   stiffness *= factor;
+  load_next *= factor;
+  load_slope *= factor;
   drag *= factor;
   drag_moment *= factor;
   drag_second *= factor;
@@ -238,6 +244,7 @@ ContactSums ContactSums::rotated(const Eigen::Matrix3d& r) const {
   for (int i = 0; i < 2; ++i)
     for (int j = 0; j < 2; ++j)
       out.stiffness.block<3, 3>(3 * i, 3 * j) = r * stiffness.block<3, 3>(3 * i, 3 * j) * r.transpose();
+  out.load_slope << r * load_slope.head<3>(), r * load_slope.tail<3>();
   out.drag_moment = r * drag_moment;
   out.drag_second = r * drag_second * r.transpose();
   return out;

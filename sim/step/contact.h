@@ -42,6 +42,10 @@ struct ContactSums {
   double drag = 0;                                        ///< N s/mm
   Vec3d drag_moment = Vec3d::Zero();                      ///< N s
   Eigen::Matrix3d drag_second = Eigen::Matrix3d::Zero();  ///< N s mm
+  /// Normal load of the next evaluation, if the tool stays, N; and how it falls as the tool moves along (translation,
+  /// rotation): sum k_n g A u.
+  double load_next = 0;
+  Vector6d load_slope = Vector6d::Zero();
   double normal_load = 0;    ///< N = integral of p dA, N: what the removal rate is proportional to
   double cutting_load = 0;   ///< the part of it on what cuts
   double erodible_load = 0;  ///< that part with g = 1: before this tick's erosion
@@ -78,6 +82,18 @@ class NearBricks {
   /// Bricks within the object's band of the tool. Hierarchical: bounding box, blocks of 4^3 bricks, bricks.
   /// Returns false if there are more than the capacity: the rest is left out.
   bool find(const CutObject& object, const ToolModel& tool, const Rigid3& T_object_tool) noexcept;
+  /// Becomes those of another list whose slot is wanted(slot). @pre its capacity is no greater than this one's. @rt
+  template <class Wanted>
+  void take(const NearBricks& from, const Wanted& wanted) noexcept {
+    count_ = 0;
+    for (std::size_t n = 0; n < from.count_; ++n) {
+      if (!wanted(from.slots_[n])) continue;
+      slots_[count_] = from.slots_[n];
+      cut_[count_] = from.cut_[n];
+      body_[count_] = from.body_[n];
+      ++count_;
+    }
+  }
   std::size_t size() const { return count_; }
   int slot(std::size_t n) const { return slots_[n]; }
   /// Lower bounds of the tool's distances in that brick, mm.

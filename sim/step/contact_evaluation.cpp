@@ -2,10 +2,49 @@
 
 #include <cmath>
 
+#include "sim/step/contact_turns.h"
+
 namespace kerf {
 namespace {
 
 constexpr double kMostRelaxed = 4;  // rate times time, at which all but 2 % of an overlap is gone
+
+// Counts the cut of a turn. Before its force the shells of its groups must be up to date.
+void finishTurn(const CutResult& cut, ContactEvaluation& out) {
+  out.removed_mm3 += cut.removed_mm3;
+  out.bricks_cut += cut.bricks;
+  if (cut.pool_ran_out) out.status |= kStepBricksRanOut;
+}
+
+// Force, then erosion: both see the same pose and the same field. A contact too large for a tick goes by turns.
+void touchAndCut(const Model& model, State& state, const Substep& substep, std::size_t number, ContactInput& in,
+                 ContactEvaluation& out) {
+  CutObject& object = state.objects[number];
+  ContactTurns& turns = state.turns[number];
+  const bool may_take_turns = model.settings.takes_turns && !model.settings.geometry_only;
+  const bool by_turns = turns.begin(object.contactEpoch()) && may_take_turns;
+  ContactSums sums;
+  std::uint32_t groups = 0;
+  if (by_turns) {
+    groups =
+        turns.sum(object, state.near, state.near_in_turn, in, std::min(substep.longest_mm, 0.5 * object.voxel()), sums);
+  } else {
+    if (object.dirtyCount() > 0) static_cast<void>(object.repair());  // what turns left, or a lack of memory
+    sumContact(object, state.near, in, sums);
+  }
+
+  if (sums.touching > 0) out.objects_touched |= objectBit(number);
+  in.load_scale = shareCoreLoad(object.core_load, state.speed, sums);
+  out.sums.add(sums.rotated(object.T_world_object.rotation.toRotationMatrix()));
+
+  if (by_turns) {
+    finishTurn(turns.erode(object, state.near, state.near_in_turn, in, groups), out);
+    return;
+  }
+  const CutResult cut = erode(object, state.near, in);
+  finishCut(object, cut, out);
+  if (may_take_turns) turns.weigh(ContactTurns::workOf(sums.touching, cut.bricks));
+}
 
 // Penalty law and adding: the tool is under its own drag and what the sums say. A body on the coupling is moved by it;
 // a fixed tool has been moved by its device.
@@ -72,14 +111,7 @@ ContactEvaluation evaluatePenalty(const Model& model, State& state, const Subste
     if (!state.near.find(object, tool, in.T_object_tool)) out.status |= kStepNearRanOut;
     out.bricks_near += static_cast<int>(state.near.size());
 
-    // Force first, then erosion: both see the same pose and the same field.
-    ContactSums sums;
-    sumContact(object, state.near, in, sums);
-    if (sums.touching > 0) out.objects_touched |= objectBit(n);
-    in.load_scale = shareCoreLoad(object.core_load, state.speed, sums);
-    out.sums.add(sums.rotated(object.T_world_object.rotation.toRotationMatrix()));
-
-    finishCut(object, erode(object, state.near, in), out);
+    touchAndCut(model, state, substep, n, in, out);
     if (has_body && state.near.size() > 0) core.gather(object, n, in, substep.longest_mm);
   }
 

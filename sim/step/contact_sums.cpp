@@ -83,11 +83,13 @@ void sumTouchingHere(const TouchingNodes& nodes, const TouchingTool& tool, Touch
       add(S::kForce + row, hn::Mul(size, u[row]));
       add(S::kForceNext + row, hn::Mul(size_next, u[row]));
       const V scaled = hn::Mul(stiff_next, u[row]);
+      add(S::kLoadSlope + row, scaled);
       for (int column_of = 0; column_of <= row; ++column_of) add(entry++, hn::Mul(scaled, u[column_of]));
     }
 
     // Loads, and what the tool's own motion costs the drive.
     add(S::kNormalLoad, size);
+    add(S::kLoadNext, size_next);
     add(S::kCuttingLoad, hn::IfThenElseZero(cuts, size));
     const V rubbing = hn::Mul(load(nodes.friction), size);
     V own = hn::Mul(hn::Set(f, tool.speed), arm), turning = hn::Mul(rubbing, arm);

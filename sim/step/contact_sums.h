@@ -54,7 +54,9 @@ struct TouchingSums {
     kBareErodible,
     kBareDriveLoad,
     kLipTorque,
-    kSums
+    kLoadNext,
+    kLoadSlope,
+    kSums = kLoadSlope + 6
   };
   std::array<double, kSums> value{};
   float deepest = 0;

@@ -276,6 +276,11 @@ std::uint64_t hashOf(AState& state, const HashOfObject& hash_of_object) {
     add(state.core_drag.second.reshaped());
     for (const auto& object : state.objects) mix(std::bit_cast<std::uint64_t>(object.core_load));
   }
+  for (std::size_t n = 0; n < state.objects.size(); ++n) {
+    if (!state.turns[n].isActiveFor(state.objects[n])) continue;
+    ContactTurns turns = state.turns[n];
+    turns.forEachNumber([&](double& number) { mix(std::bit_cast<std::uint64_t>(number)); });
+  }
   mix(std::bit_cast<std::uint64_t>(state.speed));
   mix(state.tool);
   mix(state.tick);

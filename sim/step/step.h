@@ -28,6 +28,7 @@
 
 #include "sim/object/cut_object.h"
 #include "sim/step/contact.h"
+#include "sim/step/contact_turns.h"
 #include "sim/step/core_contact.h"
 #include "sim/step/coupling.h"
 #include "sim/step/device_sample.h"
@@ -46,6 +47,7 @@ struct StepSettings {
   double restitution = 0;      ///< how much of the speed of approach comes back, 0 to 1: Response::kImpulse
   bool geometry_only = false;  ///< cut whatever the tool sweeps, without resistance
   int most_substeps = 8;       ///< contact evaluations within a tick, for fast motion
+  bool takes_turns = true;     ///< contacts too large for a tick: sim/step/contact_turns.h. False: to compare with
   double ramp_s = 0.2;         ///< force fades in over this long after the start
 
   /// The response that takes effect. @rt
@@ -66,7 +68,7 @@ struct Model {
 
 /// Belongs to the thread that calls step(). Everything is reserved when it is made.
 struct State {
-  State() : near(1 << 16) {}
+  State() : turns(kMostObjects) {}
   std::vector<CutObject> objects;
   std::uint32_t next_id = 0;  ///< CutObject::id of the next object that comes into being
   std::size_t tool = 0;       ///< index into Model::tools; change it by selectTool()
@@ -82,7 +84,8 @@ struct State {
   std::uint64_t tick = 0;  ///< how many there were
   bool has_device = false, is_latched = false;
   double ramp = 0;  ///< of the force that fades in, 0 to 1
-  NearBricks near;
+  NearBricks near, near_in_turn;
+  std::vector<ContactTurns> turns;  ///< by object
 
   /// No load and no drag of a core.
   void forgetCore() noexcept {
