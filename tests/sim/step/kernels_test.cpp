@@ -176,12 +176,14 @@ void addPlain(const TouchingNodes& nodes, std::size_t n, const TouchingTool& too
   for (int i = 0; i < 6; ++i) {
     at(S::kForce + i) += stiff * mean * w[i];
     at(S::kForceNext + i) += stiff * next * w[i];
+    at(S::kLoadSlope + i) += stiff_next * w[i];
     for (int j = 0; j <= i; ++j) at(entry++) += stiff_next * w[i] * w[j];
   }
 
   const double load = stiff * mean, rubbing = double(nodes.friction[n]) * load;
   const double own = cuts || tool.body_spins ? 1000 * arm : 0;
   at(S::kNormalLoad) += load;
+  at(S::kLoadNext) += stiff * next;
   if (cuts) at(S::kCuttingLoad) += load;
   at(S::kErodibleLoad) += stiff * double(nodes.into_cut[n]);
   const double bare = double(nodes.stiffness[n]) * double(nodes.area[n]) * double(nodes.into_cut[n]);
