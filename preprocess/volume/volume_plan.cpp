@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "preprocess/volume/dicom_pixels.h"
 #include "preprocess/volume/slice_trial.h"
 #include "preprocess/volume/volume_names.h"
 
@@ -141,6 +142,9 @@ Expected<VolumePlan> planFolder(const fs::path& folder, const LabelReadOptions& 
 
   if (!report(progress, 0, "trying the slices")) return cancelled(folder.string());
   const bool are_pictures = kinds.size() == 1;
+  if (!are_pictures)
+    for (const fs::path& f : files)
+      if (hasDicomMark(f)) KERF_CHECK(requireWholePixels(f));
   if (!survivesReading(are_pictures ? pictures : files, are_pictures ? *kinds.begin() : VolumeFormat::kDicom,
                        options.max_bytes))
     return fail({.code = Error::Code::kBadFormat,

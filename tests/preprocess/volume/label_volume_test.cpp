@@ -348,6 +348,115 @@ TEST(LabelVolume, CompressedFilesWithOneByteChangedAreNeverReadWithOtherLabels) 
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 
+// Volumes that are not compressed, and those compressed in other ways: file name, what stands before the values, the
+// values.
+std::vector<Compressed> otherVolumes() {
+  const std::string grid = "type: unsigned char\ndimension: 3\nsizes: 4 3 2\nspacings: 1 1 1\n";
+  std::string ascii, hex;
+  for (const char c : countingLabels()) {
+    ascii += fmt::format("{} ", static_cast<int>(c) + 100);
+    hex += fmt::format("{:02x}", static_cast<int>(c));
+  }
+  return {{"raw.nrrd", nrrd(grid + "encoding: raw\n", ""), countingLabels()},
+          {"skip.nrrd", nrrd(grid + "encoding: raw\nline skip: 1\nbyte skip: 3\n", "a line\nabc"), countingLabels()},
+          {"ascii.nrrd", nrrd(grid + "encoding: ascii\n", ""), ascii},
+          {"hex.nrrd", nrrd(grid + "encoding: hex\n", ""), hex},
+          {"raw.nii", nifti(""), countingLabels()},
+          {"raw.mha", metaImage("ElementSpacing = 1 1 1\n", ""), countingLabels()}};
+}
+
+TEST(LabelVolume, FilesOfEveryEncodingThatAreCutShortAreRefusedAtEveryByte) {
+  for (const auto& [name, head, values] : otherVolumes()) {
+    EXPECT_TRUE(readBytes(name, head + values)) << name;
+    const std::size_t last = name == "ascii.nrrd" ? 4 : 0;  // without its last digit a number is another one
+    for (std::size_t left = 0; left + last < values.size(); ++left) {
+      SCOPED_TRACE(name + " with " + std::to_string(left) + " bytes of values");
+      EXPECT_FALSE(readBytes(name, head + values.substr(0, left)));
+    }
+  }
+}
+
+// GDCM returns what was in memory before for pixels that are not there.
+TEST(LabelVolume, DicomFilesThatAreCutShortAreRefusedAtEveryByteOfTheirPixels) {
+  const std::string lower = dicomSlice(countingLabels().substr(0, 12), 0),
+                    upper = dicomSlice(countingLabels().substr(12), 2),
+                    frames = dicomSlice(countingLabels(), 0, "1.2.3", "0.25\\0.5", 2, "3");
+  for (std::size_t left = 0; left < 24; ++left) {
+    SCOPED_TRACE(std::to_string(left) + " bytes of pixels");
+    if (left < 12) {
+      const TemporaryFolder series;
+      series.write("a.dcm", lower);
+      series.write("b.dcm", upper.substr(0, upper.size() - 12 + left));
+      expectRefusal(readLabelVolume(series.path()),
+                    fmt::format("b.dcm: {} bytes of pixels; expected 12, as it claims", left));
+    }
+    const TemporaryFolder folder;
+    folder.write("a.dcm", frames.substr(0, frames.size() - 24 + left));
+    expectRefusal(readLabelVolume(folder.path()),
+                  fmt::format("a.dcm: {} bytes of pixels; expected 24, as it claims", left));
+  }
+}
+
+TEST(LabelVolume, DicomFilesWithFewerPixelsThanRowsAndColumnsSayAreRefused) {
+  const TemporaryFolder folder;
+  folder.write("a.dcm", dicomSlice(countingLabels().substr(0, 12), 0));
+  folder.write("b.dcm", dicomSlice(countingLabels().substr(12, 10), 2));
+  expectRefusal(readLabelVolume(folder.path()), "b.dcm: 10 bytes of pixels; expected 12: 4 x 3 in 1 frames");
+}
+
+TEST(LabelVolume, DicomFilesThatAreCutShortBeforeTheirPixelsAreRefused) {
+  const std::string lower = dicomSlice(countingLabels().substr(0, 12), 0),
+                    upper = dicomSlice(countingLabels().substr(12), 2);
+  for (std::size_t left = 132; left + 12 < upper.size(); ++left) {
+    SCOPED_TRACE(std::to_string(left) + " bytes");
+    const TemporaryFolder folder;
+    folder.write("a.dcm", lower);
+    folder.write("b.dcm", upper.substr(0, left));
+    EXPECT_FALSE(readLabelVolume(folder.path()));
+  }
+}
+
+// Pixels in fragments (PS3.5, annex A.4), run-length encoded (annex G): a table of offsets, one fragment, the end.
+TEST(LabelVolume, DicomFilesWithCompressedPixelsAreReadWholeOrRefused) {
+  const auto number = [](std::uint32_t v) {
+    std::string s(4, '\0');
+    put(s, 0, v);
+    return s;
+  };
+  const auto runLengths = [&](const std::string& values) {
+    const std::string item("\xfe\xff\x00\xe0", 4), end("\xfe\xff\xdd\xe0\0\0\0\0", 8);
+    std::string segment(1, static_cast<char>(values.size() - 1));
+    segment += values;
+    if (segment.size() % 2) segment += '\0';
+    std::string header = number(1) + number(64);
+    header.resize(64, '\0');
+    return item + number(0) + item + number(static_cast<std::uint32_t>(64 + segment.size())) + header + segment + end;
+  };
+  const auto slice = [&](const std::string& values, double z) {
+    std::string bytes = dicomSlice(values, z);
+    const std::string plain("1.2.840.10008.1.2.1\0", 20), packed = "1.2.840.10008.1.2.5";
+    bytes.replace(bytes.find(plain), 20, packed + '\0');
+    bytes.resize(bytes.size() - 12);
+    bytes.replace(bytes.size() - 4, 4, "\xff\xff\xff\xff");
+    return bytes + runLengths(values);
+  };
+
+  const std::string lower = slice(countingLabels().substr(0, 12), 0), upper = slice(countingLabels().substr(12), 2);
+  const TemporaryFolder whole;
+  whole.write("a.dcm", lower);
+  whole.write("b.dcm", upper);
+  expectCounting(readLabelVolume(whole.path()));
+
+  const std::size_t pixels = runLengths(countingLabels().substr(12)).size();
+  for (std::size_t left = 0; left < pixels; ++left) {
+    SCOPED_TRACE(std::to_string(left) + " bytes of pixels");
+    const TemporaryFolder folder;
+    folder.write("a.dcm", lower);
+    folder.write("b.dcm", upper.substr(0, upper.size() - pixels + left));
+    expectRefusal(readLabelVolume(folder.path()), fmt::format("pixels that break off after {} bytes", left));
+  }
+}
+
 TEST(LabelVolume, CompressedFilesSayWhatIsWrongWithThem) {
   const std::string volume = compressed(nifti(countingLabels()), Stream::kGzip);
   expectRefusal(readBytes("a.nii.gz", volume.substr(0, volume.size() - 8)), "values that break off after 376 bytes");
