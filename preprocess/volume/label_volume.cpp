@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <span>
 
 #include "geometry/base/available_memory.h"
 #include "preprocess/volume/volume_file.h"
@@ -36,12 +37,13 @@ tl::unexpected<Error> notLabels(const fs::path& path, std::string place, std::st
 // Share of neighbours along x, neither of them nothing, that have different labels.
 double restless(const LabelVolume& v) {
   std::size_t pairs = 0, differ = 0;
-  for (std::size_t row = 0; row < v.labels.size(); row += static_cast<std::size_t>(v.size[0]))
-    for (std::size_t i = row + 1; i < row + static_cast<std::size_t>(v.size[0]); ++i)
-      if (v.labels[i] && v.labels[i - 1]) {
-        ++pairs;
-        differ += v.labels[i] != v.labels[i - 1];
-      }
+  for (const LabelVolume::Slice& slice : v.slices)
+    for (const LabelVolume::Row& row : slice.rows)
+      for (auto i = row.first + 1; i < row.first + static_cast<std::uint64_t>(row.end - row.begin); ++i)
+        if (slice.labels[i] && slice.labels[i - 1]) {
+          ++pairs;
+          differ += slice.labels[i] != slice.labels[i - 1];
+        }
   return pairs ? static_cast<double>(differ) / static_cast<double>(pairs) : 0;
 }
 
@@ -110,10 +112,9 @@ Expected<void> checkMemory(const fs::path& path, const LabelReadOptions& options
   const auto value_bytes = static_cast<double>(bytesOf(plan.header.type));
   double voxels = 1;
   for (const int s : plan.grid.size) voxels *= s;
-  // While ITK decompresses, the values are there twice.
-  const double per_voxel = plan.files.size() == 1 ? 2.0 * value_bytes + 2 : 2;
-  const double needed =
-      voxels * per_voxel + (plan.files.size() > 1 ? voxels / static_cast<double>(plan.files.size()) * value_bytes : 0);
+  const double slice = voxels / plan.grid.size[2] * value_bytes;
+  // Two bytes for a label, if there is one everywhere. While ITK decompresses, the values are there twice.
+  const double needed = 2 * voxels + (plan.files.size() > 1 || plan.packed.is_plain ? slice : 2 * voxels * value_bytes);
 
   const auto tooLarge = [&](std::string expected, std::string hint) {
     return fail({.code = Error::Code::kUnsupported,
@@ -138,19 +139,32 @@ Expected<void> checkMemory(const fs::path& path, const LabelReadOptions& options
 // All values, made labels. Throws std::bad_alloc.
 Expected<void> readLabels(const fs::path& path, const VolumePlan& plan, const Progress& progress, LabelVolume& volume,
                           Values& values) {
-  std::size_t voxels = 1;
-  for (const int s : volume.size) voxels *= static_cast<std::size_t>(s);
-  KERF_CHECK(internal::requireWholeValues(plan.packed, voxels, bytesOf(plan.header.type), progress));
-  volume.labels.resize(voxels);
-  const std::size_t per_file = volume.labels.size() / plan.files.size();
-  std::vector<std::byte> raw(per_file * bytesOf(plan.header.type));
-  for (std::size_t f = 0; f < plan.files.size(); ++f) {
-    if (!report(progress, 0.2 + 0.8 * static_cast<double>(f) / static_cast<double>(plan.files.size()),
-                "reading voxels"))
+  const auto slices = static_cast<std::size_t>(volume.size[2]);
+  const std::size_t per_slice = static_cast<std::size_t>(volume.size[0]) * static_cast<std::size_t>(volume.size[1]);
+  const std::size_t value_bytes = bytesOf(plan.header.type);
+  std::vector<std::uint16_t> labels(per_slice);
+  const auto take = [&](const fs::path& file, std::size_t slice, std::span<const std::byte> raw) -> Expected<void> {
+    if (!report(progress, 0.2 + 0.8 * static_cast<double>(slice) / static_cast<double>(slices), "reading voxels"))
       return cancelled(path.string());
+    KERF_CHECK(
+        toLabels(plan.header.type, file, volume, raw.data(), per_slice, values, labels.data(), slice * per_slice));
+    volume.addSlice(labels);
+    return {};
+  };
+
+  if (plan.packed.is_plain)
+    return internal::readSlices(
+        plan.packed, slices, per_slice, value_bytes,
+        [&](std::size_t slice, std::span<const std::byte> raw) { return take(path, slice, raw); }, progress);
+
+  KERF_CHECK(internal::requireWholeValues(plan.packed, slices * per_slice, bytesOf(plan.stored_type), progress));
+  const std::size_t per_file = slices / plan.files.size();
+  std::vector<std::byte> raw(per_file * per_slice * value_bytes);
+  for (std::size_t f = 0; f < plan.files.size(); ++f) {
     KERF_CHECK(internal::readVolumeValues(plan.files[f], plan.format, raw.data(), raw.size()));
-    KERF_CHECK(toLabels(plan.header.type, plan.files[f], volume, raw.data(), per_file, values,
-                        volume.labels.data() + f * per_file, f * per_file));
+    for (std::size_t s = 0; s < per_file; ++s)
+      KERF_CHECK(take(plan.files[f], f * per_file + s,
+                      std::span(raw).subspan(s * per_slice * value_bytes, per_slice * value_bytes)));
   }
   return {};
 }
@@ -175,9 +189,39 @@ Expected<void> requireLabels(const fs::path& path, const LabelVolume& volume, co
 
 double LabelVolume::voxelVolume() const { return std::abs(axes().determinant()); }
 
+void LabelVolume::addSlice(std::span<const std::uint16_t> labels) {
+  const auto nx = static_cast<std::size_t>(size[0]);
+  Slice& slice = slices.emplace_back();
+  std::vector<Row> rows;
+  rows.reserve(static_cast<std::size_t>(size[1]));
+  std::uint64_t held = 0;
+  for (std::size_t at = 0; at < labels.size(); at += nx) {
+    std::size_t begin = 0, end = nx;
+    while (begin < nx && labels[at + begin] == 0) ++begin;
+    while (end > begin && labels[at + end - 1] == 0) --end;
+    rows.push_back({held, static_cast<int>(begin), static_cast<int>(end)});
+    held += end - begin;
+  }
+  if (held == 0) return;
+
+  slice.rows = std::move(rows);
+  slice.labels.reserve(held);
+  for (std::size_t j = 0; j < slice.rows.size(); ++j) {
+    const auto line = labels.subspan(j * nx, nx);
+    slice.labels.insert(slice.labels.end(), line.begin() + slice.rows[j].begin, line.begin() + slice.rows[j].end);
+  }
+}
+
 std::vector<LabelCount> countLabels(const LabelVolume& volume) {
   std::vector<std::uint64_t> count(65536, 0);
-  for (const std::uint16_t l : volume.labels) ++count[l];
+  std::uint64_t held = 0;
+  for (const LabelVolume::Slice& slice : volume.slices) {
+    for (const std::uint16_t l : slice.labels) ++count[l];
+    held += slice.labels.size();
+  }
+  std::uint64_t voxels = 1;
+  for (const int s : volume.size) voxels *= static_cast<std::uint64_t>(s);
+  count[0] += voxels - held;
   std::vector<LabelCount> out;
   for (std::size_t l = 0; l < count.size(); ++l)
     if (count[l]) out.push_back({static_cast<std::uint16_t>(l), count[l]});

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -14,9 +15,10 @@
 
 namespace kerf {
 
-/// Labels on a regular grid. Voxel (i, j, k) is centred at toWorld((i, j, k)); label 0 is nothing.
-/// World: mm, LPS (x to the patient's left, y to the back, z to the head), as DICOM and ITK have it; files that store
-/// RAS (NIfTI, NRRD with such a space) are converted. Files that name no space keep their own axes.
+/// Labels on a regular grid. Of every line along x only what lies between its first and its last label is kept: a jaw
+/// in a head takes a fraction of the two bytes of every voxel. Voxel (i, j, k) is centred at toWorld((i, j, k)); label
+/// 0 is nothing. World: mm, LPS (x to the patient's left, y to the back, z to the head), as DICOM and ITK have it;
+/// files that store RAS (NIfTI, NRRD with such a space) are converted. Files that name no space keep their own axes.
 struct LabelVolume {
   std::array<int, 3> size{};      ///< voxels along each axis, >= 1
   Vec3d spacing = Vec3d::Ones();  ///< mm along each grid axis, finite, > 0
@@ -24,16 +26,29 @@ struct LabelVolume {
   /// Columns: unit vectors along the grid's axes. Usually a rotation; may be left-handed (a mirrored grid) or slightly
   /// sheared, never singular.
   Eigen::Matrix3d direction = Eigen::Matrix3d::Identity();
-  std::vector<std::uint16_t> labels;  ///< size[0] * size[1] * size[2], x fastest
-  std::string format;                 ///< "NRRD", "NIfTI", "MetaImage", "DICOM", "PNG slices", ...
-  bool is_spacing_given = false;      ///< the spacing came from the caller, not from the file
+  /// A line along x: its labels from voxel `begin` up to `end` are those of the slice from number `first` on.
+  struct Row {
+    std::uint64_t first = 0;
+    int begin = 0, end = 0;
+  };
+  struct Slice {
+    std::vector<Row> rows;  ///< size[1] of them; none where the slice has no label
+    std::vector<std::uint16_t> labels;
+  };
+  std::vector<Slice> slices;      ///< size[2] of them once the volume is whole
+  std::string format;             ///< "NRRD", "NIfTI", "MetaImage", "DICOM", "PNG slices", ...
+  bool is_spacing_given = false;  ///< the spacing came from the caller, not from the file
 
-  std::size_t offset(int i, int j, int k) const {
-    return (static_cast<std::size_t>(k) * static_cast<std::size_t>(size[1]) + static_cast<std::size_t>(j)) *
-               static_cast<std::size_t>(size[0]) +
-           static_cast<std::size_t>(i);
+  /// Adds the next slice along z. @param labels  size[0] * size[1] of them, x fastest.
+  void addSlice(std::span<const std::uint16_t> labels);
+
+  std::uint16_t at(int i, int j, int k) const {
+    const Slice& slice = slices[static_cast<std::size_t>(k)];
+    if (slice.rows.empty()) return 0;
+    const Row& row = slice.rows[static_cast<std::size_t>(j)];
+    if (i < row.begin || i >= row.end) return 0;
+    return slice.labels[row.first + static_cast<std::uint64_t>(i - row.begin)];
   }
-  std::uint16_t at(int i, int j, int k) const { return labels[offset(i, j, k)]; }
   /// Columns: mm per step along each grid axis.
   Eigen::Matrix3d axes() const { return direction * spacing.asDiagonal(); }
   Vec3d toWorld(const Vec3d& index) const { return origin + axes() * index; }
@@ -68,7 +83,8 @@ struct LabelReadOptions {
 /// DICOM slices; several series in one folder; files that are shorter than their header claims, or whose checksum is
 /// not that of what is packed in them. (What has no checksum, raw values and DICOM, hides a changed bit.)
 /// @return the volume. Errors: kNotFound, kUnreadable, kBadFormat, kBadValue, kUnsupported, kCancelled; never throws.
-/// @cost  360 x 360 x 330 from .nii.gz: about 0.5 s, 0.25 GB.   @thread any.
+/// @cost  360 x 360 x 330 from .nii.gz: about 0.5 s. What lies raw or compressed in one file is read slice by slice; in
+/// other encodings (text, bzip2, frames of DICOM) all values are there at once.   @thread any.
 Expected<LabelVolume> readLabelVolume(const std::filesystem::path& path, const LabelReadOptions& options = {},
                                       const Progress& progress = {});
 

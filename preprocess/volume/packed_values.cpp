@@ -69,8 +69,11 @@ struct Inflater {
   Inflater& operator=(const Inflater&) = delete;
 };
 
+// What comes out of the packed bytes, in parts of any size.
+using ByteSink = std::function<Expected<void>(std::span<const std::byte>)>;
+
 // Unpacks to the end, where the checksum stands; the bytes that came out.
-Expected<std::uint64_t> inflatedBytes(const PackedValues& packed, const Progress& progress) {
+Expected<std::uint64_t> inflate(const PackedValues& packed, const ByteSink& sink, const Progress& progress) {
   const bool is_gzip = packed.packing == Packing::kGzip;
   Inflater inflater(is_gzip ? kGzipOnly : kGzipOrZlib);
   PackedBytes in(packed);
@@ -84,7 +87,7 @@ Expected<std::uint64_t> inflatedBytes(const PackedValues& packed, const Progress
 
   for (;;) {
     if (in.size() == 0) {
-      if (!report(progress, 0.2, "checking the packed values")) return cancelled(packed.file.string());
+      if (!report(progress, 0.2, "unpacking voxels")) return cancelled(packed.file.string());
       in.refill();
       if (in.size() == 0)
         return bad(packed.file, fmt::format("compressed values that break off after {} bytes", bytes),
@@ -96,9 +99,11 @@ Expected<std::uint64_t> inflatedBytes(const PackedValues& packed, const Progress
     z.avail_in = static_cast<unsigned>(in.size());
     z.next_out = out.data();
     z.avail_out = static_cast<unsigned>(out.size());
-    const int said = inflate(&z, Z_NO_FLUSH);
+    const int said = ::inflate(&z, Z_NO_FLUSH);
     in.drop(in.size() - z.avail_in);
-    bytes += out.size() - z.avail_out;
+    const std::size_t fresh = out.size() - z.avail_out;
+    bytes += fresh;
+    if (sink) KERF_CHECK(sink(std::as_bytes(std::span(out).first(fresh))));
 
     if (said == Z_STREAM_END) {
       if (in.size() < 2) in.refill();
@@ -114,6 +119,60 @@ Expected<std::uint64_t> inflatedBytes(const PackedValues& packed, const Progress
     }
   }
 }
+
+// Raw bytes to the end; how many there are.
+Expected<std::uint64_t> copy(const PackedValues& packed, const ByteSink& sink, const Progress& progress) {
+  PackedBytes in(packed);
+  std::uint64_t bytes = 0;
+  for (in.refill(); in.size() > 0; in.refill()) {
+    if (!report(progress, 0.2, "reading voxels")) return cancelled(packed.file.string());
+    KERF_CHECK(sink(std::as_bytes(std::span(in.at(), in.size()))));
+    bytes += in.size();
+    in.drop(in.size());
+  }
+  return bytes;
+}
+
+// Puts parts of any size together to slices.
+class SliceCutter {
+ public:
+  SliceCutter(const PackedValues& packed, std::size_t slices, std::size_t bytes, std::size_t value_bytes,
+              const SliceSink& sink)
+      : sink_(sink), ahead_(packed.ahead), slices_(slices), value_bytes_(value_bytes), slice_(bytes) {
+    is_swapped_ = packed.is_swapped && value_bytes > 1;
+  }
+
+  Expected<void> take(std::span<const std::byte> part) {
+    const auto dropped = static_cast<std::size_t>(std::min<std::uint64_t>(ahead_, part.size()));
+    ahead_ -= dropped;
+    part = part.subspan(dropped);
+    while (!part.empty() && done_ < slices_) {
+      const std::size_t n = std::min(part.size(), slice_.size() - held_);
+      std::memcpy(slice_.data() + held_, part.data(), n);
+      held_ += n;
+      part = part.subspan(n);
+      if (held_ < slice_.size()) break;
+      if (is_swapped_) swap();
+      KERF_CHECK(sink_(done_++, slice_));
+      held_ = 0;
+    }
+    return {};
+  }
+
+ private:
+  void swap() {
+    for (std::size_t at = 0; at < slice_.size(); at += value_bytes_)
+      std::reverse(slice_.begin() + static_cast<std::ptrdiff_t>(at),
+                   slice_.begin() + static_cast<std::ptrdiff_t>(at + value_bytes_));
+  }
+
+  const SliceSink& sink_;
+  std::uint64_t ahead_;
+  std::size_t slices_, value_bytes_;
+  std::vector<std::byte> slice_;
+  std::size_t held_ = 0, done_ = 0;
+  bool is_swapped_ = false;
+};
 
 // How many words stand there.
 Expected<std::uint64_t> wordsOf(const PackedValues& packed, const Progress& progress) {
@@ -133,30 +192,48 @@ Expected<std::uint64_t> wordsOf(const PackedValues& packed, const Progress& prog
   return words;
 }
 
+Expected<void> requireReadable(const PackedValues& packed) {
+  if (PackedBytes(packed).isReadable()) return {};
+  return fail({.code = Error::Code::kUnreadable,
+               .file = packed.file.string(),
+               .found = "it can not be opened",
+               .expected = "a readable file"});
+}
+
+// @param bytes  that came out.   @param needed  those of the values.
+Expected<void> requireEnough(const PackedValues& packed, std::uint64_t bytes, std::uint64_t needed) {
+  if (bytes >= packed.ahead + needed) return {};
+  const bool is_raw = packed.packing == Packing::kNone;
+  return bad(packed.file,
+             fmt::format("{} bytes of values{}", bytes - std::min(bytes, packed.ahead), is_raw ? "" : ", unpacked"),
+             fmt::format("{}, as its header claims", needed),
+             is_raw ? "copy the file again: it is cut short"
+                    : "save it again from the program it came from: its header and its values do not belong together");
+}
+
 }  // namespace
+
+Expected<void> readSlices(const PackedValues& packed, std::size_t slices, std::size_t values_per_slice,
+                          std::size_t value_bytes, const SliceSink& sink, const Progress& progress) {
+  KERF_CHECK(requireReadable(packed));
+  SliceCutter cutter(packed, slices, values_per_slice * value_bytes, value_bytes, sink);
+  const ByteSink take = [&](std::span<const std::byte> part) { return cutter.take(part); };
+  KERF_TRY(bytes, packed.packing == Packing::kNone ? copy(packed, take, progress) : inflate(packed, take, progress));
+  return requireEnough(packed, bytes, std::uint64_t{slices} * values_per_slice * value_bytes);
+}
 
 Expected<void> requireWholeValues(const PackedValues& packed, std::uint64_t values, std::uint64_t value_bytes,
                                   const Progress& progress) {
   if (packed.packing == Packing::kNone) return {};
-  if (!PackedBytes(packed).isReadable())
-    return fail({.code = Error::Code::kUnreadable,
-                 .file = packed.file.string(),
-                 .found = "it can not be opened",
-                 .expected = "a readable file"});
-
+  KERF_CHECK(requireReadable(packed));
   if (packed.packing == Packing::kText) {
     KERF_TRY(words, wordsOf(packed, progress));
     if (words >= values) return {};
     return bad(packed.file, fmt::format("{} values", words), fmt::format("{}, as its header claims", values),
                "copy the file again: it is cut short");
   }
-
-  KERF_TRY(bytes, inflatedBytes(packed, progress));
-  const std::uint64_t needed = packed.ahead + values * value_bytes;
-  if (bytes >= needed) return {};
-  return bad(packed.file, fmt::format("{} bytes of values, unpacked", bytes - std::min(bytes, packed.ahead)),
-             fmt::format("{}, as its header claims", values * value_bytes),
-             "save it again from the program it came from: its header and its values do not belong together");
+  KERF_TRY(bytes, inflate(packed, {}, progress));
+  return requireEnough(packed, bytes, values * value_bytes);
 }
 
 }  // namespace kerf::internal

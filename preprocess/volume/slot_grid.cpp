@@ -83,20 +83,23 @@ void readRow(const Slot* s, int n, Row& row, Pieces& pieces) {
 SlotSurvey surveySlots(const LabelVolume& volume, std::span<const Slot> slot_of, std::size_t slots) {
   SlotSurvey survey{std::vector<std::uint64_t>(slots, 0), Vec3i::Constant(std::numeric_limits<int>::max()),
                     Vec3i::Constant(-1)};
-  for (int k = 0; k < volume.size[2]; ++k)
-    for (int j = 0; j < volume.size[1]; ++j) {
+  for (std::size_t k = 0; k < volume.slices.size(); ++k) {
+    const LabelVolume::Slice& slice = volume.slices[k];
+    for (std::size_t j = 0; j < slice.rows.size(); ++j) {
+      const LabelVolume::Row& row = slice.rows[j];
       int first = -1, last = -1;
-      for (int i = 0; i < volume.size[0]; ++i)
-        if (const Slot s = slot_of[volume.at(i, j, k)]) {
+      for (int i = row.begin; i < row.end; ++i)
+        if (const Slot s = slot_of[slice.labels[row.first + static_cast<std::uint64_t>(i - row.begin)]]) {
           ++survey.voxels[s];
           if (first < 0) first = i;
           last = i;
         }
       if (first >= 0) {
-        survey.low = survey.low.cwiseMin(Vec3i{first, j, k});
-        survey.high = survey.high.cwiseMax(Vec3i{last, j, k});
+        survey.low = survey.low.cwiseMin(Vec3i{first, static_cast<int>(j), static_cast<int>(k)});
+        survey.high = survey.high.cwiseMax(Vec3i{last, static_cast<int>(j), static_cast<int>(k)});
       }
     }
+  }
   return survey;
 }
 

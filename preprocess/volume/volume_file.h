@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -45,7 +46,8 @@ struct StatedHeader {
   std::uint64_t stored_bytes = 0;   ///< what the file holds after its header
   std::filesystem::path data_file;  ///< MetaImage: the file with the values, if it is not the header's own
   double most_per_byte = 1;         ///< bytes of values that one stored byte can stand for: 1 raw, 1032 deflate
-  PackedValues packed;              ///< what has to be unpacked to know that it is whole
+  PackedValues packed;              ///< where the values are, and how they are written
+  std::optional<ValueType> type;    ///< of the stored values, where ITK may make others of them
 };
 /// NRRD, NIfTI and MetaImage only.
 Expected<StatedHeader> checkVolumeHeader(const std::filesystem::path& path, VolumeFormat format);

@@ -5,6 +5,7 @@
 #include <zlib.h>
 
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -79,6 +80,9 @@ std::vector<double> numbers(const std::string& text) {
   }
   return out;
 }
+
+// True if bytes in that order are not in this machine's.
+bool isSwapped(bool is_big) { return is_big != (std::endian::native == std::endian::big); }
 
 struct TextHeader {
   std::map<std::string, std::string> field;  // keys of NRRD in lower case
@@ -181,23 +185,34 @@ Expected<double> mostPerByteOfNrrd(const fs::path& path, const std::string& enco
   return bad(path, "key encoding", "'" + encoding + "'", "raw, gzip, bzip2, ascii or hex");
 }
 
-// Where the values of a NRRD file begin that are compressed by gzip. Lines are skipped before they are unpacked, bytes
-// afterwards; a negative number of bytes counts from the end.
-Expected<PackedValues> packedValuesOfNrrd(const fs::path& path, const TextHeader& h) {
+// Where the values of a NRRD file begin that are raw or compressed by gzip. Lines are skipped before they are unpacked,
+// bytes afterwards; a negative number of bytes counts from the end.
+Expected<PackedValues> packedValuesOfNrrd(const fs::path& path, const TextHeader& h, Packing packing) {
   const auto skip = [&](const char* key, const char* other) {
     const auto at = h.field.count(key) ? h.field.find(key) : h.field.find(other);
-    const std::vector<double> v = at == h.field.end() ? std::vector<double>{} : numbers(at->second);
-    return v.size() == 1 && v[0] >= 0 && v[0] <= 1e12 ? static_cast<std::uint64_t>(v[0]) : 0;
+    if (at == h.field.end()) return 0.0;
+    const std::vector<double> v = numbers(at->second);
+    return v.size() == 1 ? v[0] : std::nan("");
   };
-  PackedValues out{.packing = Packing::kGzip, .file = path, .from = h.bytes, .ahead = skip("byte skip", "byteskip")};
+  const auto isCount = [](double v) { return v >= 0 && v <= 1e12 && v == std::floor(v); };
+  const double lines_ahead = skip("line skip", "lineskip"), bytes_ahead = skip("byte skip", "byteskip");
+  PackedValues out{.packing = packing,
+                   .file = path,
+                   .from = h.bytes,
+                   .ahead = isCount(bytes_ahead) ? static_cast<std::uint64_t>(bytes_ahead) : 0};
 
   std::ifstream in(path, std::ios::binary);
   in.seekg(static_cast<std::streamoff>(out.from));
   std::string line;
-  for (std::uint64_t lines = skip("line skip", "lineskip"); lines > 0; --lines) {
+  for (double lines = isCount(lines_ahead) ? lines_ahead : 0; lines > 0; --lines) {
     if (!std::getline(in, line)) return bad(path, "key line skip", "fewer lines", "as many lines as are to be skipped");
     out.from += line.size() + 1;
   }
+
+  const auto endian = h.field.find("endian");
+  const std::string order = endian == h.field.end() ? "" : lower(endian->second);
+  out.is_plain = isCount(lines_ahead) && isCount(bytes_ahead) && (order.empty() || order == "little" || order == "big");
+  out.is_swapped = isSwapped(order == "big");
   return out;
 }
 
@@ -241,8 +256,9 @@ Expected<StatedHeader> checkNrrd(const fs::path& path) {
   out.stored_bytes = bytes > h.bytes ? bytes - h.bytes : 0;
   KERF_TRY(most_per_byte, mostPerByteOfNrrd(path, lower(get("encoding"))));
   out.most_per_byte = most_per_byte;
-  if (most_per_byte == kDeflate) {
-    KERF_TRY(packed, packedValuesOfNrrd(path, h));
+  const bool is_raw = lower(get("encoding")) == "raw";
+  if (most_per_byte == kDeflate || is_raw) {
+    KERF_TRY(packed, packedValuesOfNrrd(path, h, is_raw ? Packing::kNone : Packing::kGzip));
     out.packed = packed;
   }
   if (h.field.count("space directions"))
@@ -280,6 +296,8 @@ Expected<PackedValues> packedValuesOfMetaImage(const fs::path& path, const TextH
   if (out.packing != Packing::kNone && skipped != h.field.end() && numbers(skipped->second) != std::vector<double>{0})
     return unsupported(path, "key HeaderSize", "'" + skipped->second + "'", "no bytes to skip before packed values",
                        "save it as a single .mha");
+  out.is_plain = out.packing != Packing::kText && skipped == h.field.end();
+  out.is_swapped = isSwapped(startsWith("BinaryDataByteOrderMSB", "Tt1") || startsWith("ElementByteOrderMSB", "Tt1"));
   return out;
 }
 
@@ -395,6 +413,40 @@ Expected<void> checkNiftiGeometry(const fs::path& path, const NiftiHeader& heade
   return {};
 }
 
+// Of the stored values; none for those that are no single number.
+std::optional<ValueType> niftiType(const NiftiHeader& header) {
+  switch (static_cast<int>(header.shortAt(70))) {
+    case 2:
+      return ValueType::kU8;
+    case 4:
+      return ValueType::kI16;
+    case 8:
+      return ValueType::kI32;
+    case 16:
+      return ValueType::kF32;
+    case 64:
+      return ValueType::kF64;
+    case 256:
+      return ValueType::kI8;
+    case 512:
+      return ValueType::kU16;
+    case 768:
+      return ValueType::kU32;
+    case 1024:
+      return ValueType::kI64;
+    case 1280:
+      return ValueType::kU64;
+    default:
+      return std::nullopt;
+  }
+}
+
+// Whether the values are slope times what is stored, plus a number.
+bool isScaled(const NiftiHeader& header) {
+  const double slope = header.floatAt(112), more = header.floatAt(116);
+  return slope != 0 && !(slope == 1 && more == 0);
+}
+
 Expected<StatedHeader> checkNifti(const fs::path& path) {
   KERF_TRY(bytes, fileSize(path));
   KERF_TRY(header, readNiftiHeader(path));
@@ -409,13 +461,18 @@ Expected<StatedHeader> checkNifti(const fs::path& path) {
   StatedHeader out;
   for (std::size_t a = 1; a <= 3 && a <= sizes.size(); ++a) out.spacing.push_back(header.floatAt(76 + 4 * a));
   KERF_CHECK(checkNiftiGeometry(path, header, out.spacing));
+  const auto start = static_cast<std::uint64_t>(offset);
+  out.type = niftiType(header);
   if (header.is_compressed) {
     out.most_per_byte = kDeflate;
     out.stored_bytes = bytes;
-    out.packed = {.packing = Packing::kGzip, .file = path, .ahead = static_cast<std::uint64_t>(offset)};
+    out.packed = {.packing = Packing::kGzip, .file = path, .ahead = start};
   } else {
-    out.stored_bytes = static_cast<double>(bytes) > offset ? bytes - static_cast<std::uint64_t>(offset) : 0;
+    out.stored_bytes = bytes > start ? bytes - start : 0;
+    out.packed = {.file = path, .from = start};
   }
+  out.packed.is_plain = out.type && !isScaled(header);
+  out.packed.is_swapped = header.is_swapped;
   return out;
 }
 

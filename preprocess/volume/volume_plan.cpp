@@ -27,7 +27,7 @@ tl::unexpected<Error> noSpacing(const fs::path& path, std::string found) {
 }
 
 Expected<void> requireAllValues(const fs::path& path, const VolumeHeader& header, const StatedHeader& stated) {
-  double claimed = static_cast<double>(bytesOf(header.type));
+  double claimed = static_cast<double>(bytesOf(stated.type.value_or(header.type)));
   for (const auto s : header.size) claimed *= static_cast<double>(s);
   const double most = static_cast<double>(stated.stored_bytes) * stated.most_per_byte;
   if (!(claimed > most)) return {};
@@ -57,6 +57,9 @@ Expected<VolumePlan> planFile(const fs::path& path, VolumeFormat format, const L
   KERF_CHECK(requireOneValue(path, header));
   KERF_CHECK(setGrid(path, header, plan));
   KERF_CHECK(requireAllValues(path, header, stated));
+  plan.stored_type = stated.type.value_or(header.type);
+  // Where ITK makes other values of those that are stored (NIfTI's slope), it reads them itself.
+  plan.packed.is_plain = plan.packed.is_plain && plan.stored_type == header.type;
 
   if (!plan.unusable.empty()) return plan;
   const Vec3d& spacing = plan.grid.spacing;

@@ -19,6 +19,7 @@ struct VolumePlan {
   std::vector<std::filesystem::path> files;  ///< along the last axis; one: the whole volume
   VolumeHeader header;                       ///< of each file
   PackedValues packed{};                     ///< of a single file
+  ValueType stored_type = ValueType::kU8;    ///< of the packed values: not that of the header where ITK scales them
   LabelVolume grid;                          ///< without labels
   std::optional<Vec3d> stated_spacing{};     ///< mm, as the files state it for all axes
   std::string unusable;                      ///< why there is no stated_spacing

@@ -22,12 +22,14 @@ inline void readVolume(const std::filesystem::path& path, unsigned flavour) {
   if (flavour > 1) options.threshold = 1;
   const Expected<LabelVolume> v = readLabelVolume(path, options);
   if (!v) return requireError(v.error());
-  std::size_t voxels = 1;
+  std::uint64_t voxels = 1, counted = 0;
   for (const int s : v->size) {
     require(s >= 1, "a volume has voxels");
-    voxels *= static_cast<std::size_t>(s);
+    voxels *= static_cast<std::uint64_t>(s);
   }
-  require(v->labels.size() == voxels, "a label per voxel");
+  require(v->slices.size() == static_cast<std::size_t>(v->size[2]), "all slices");
+  for (const LabelCount& c : countLabels(*v)) counted += c.voxels;
+  require(counted == voxels, "a label per voxel");
   require(v->spacing.allFinite() && v->spacing.minCoeff() > 0, "spacing above zero");
   require(v->origin.allFinite() && v->direction.allFinite() && v->voxelVolume() > 0, "a grid in space");
 }

@@ -19,11 +19,12 @@ LabelVolume digitise(int side, LabelOf&& label_of, const Vec3d& spacing = Vec3d:
   v.size = {side, side, side};
   v.spacing = spacing;
   v.origin = -0.5 * (side - 1) * spacing;
-  v.labels.resize(static_cast<std::size_t>(side) * static_cast<std::size_t>(side) * static_cast<std::size_t>(side));
-  for (int k = 0; k < side; ++k)
+  for (int k = 0; k < side; ++k) {
+    std::vector<std::uint16_t> slice;
     for (int j = 0; j < side; ++j)
-      for (int i = 0; i < side; ++i)
-        v.labels[v.offset(i, j, k)] = static_cast<std::uint16_t>(label_of(v.toWorld(Vec3d(i, j, k))));
+      for (int i = 0; i < side; ++i) slice.push_back(static_cast<std::uint16_t>(label_of(v.toWorld(Vec3d(i, j, k)))));
+    v.addSlice(slice);
+  }
   return v;
 }
 

@@ -17,11 +17,20 @@ Expected<LabelVolume> readBytes(const std::string& name, const std::string& byte
   return readLabelVolume(file.path(), o);
 }
 
+std::vector<std::uint16_t> labelsOf(const LabelVolume& v) {
+  std::vector<std::uint16_t> out;
+  for (int k = 0; k < v.size[2]; ++k)
+    for (int j = 0; j < v.size[1]; ++j)
+      for (int i = 0; i < v.size[0]; ++i) out.push_back(v.at(i, j, k));
+  return out;
+}
+
 void expectCounting(const Expected<LabelVolume>& v) {
   if (!v) throw std::runtime_error(v.error().message());
   EXPECT_EQ(v->size, (std::array<int, 3>{4, 3, 2}));
-  ASSERT_EQ(v->labels.size(), 24u);
-  for (std::uint16_t i = 0; i < 24; ++i) EXPECT_EQ(v->labels[i], i);
+  const std::vector<std::uint16_t> labels = labelsOf(*v);
+  ASSERT_EQ(labels.size(), 24u);
+  for (std::uint16_t i = 0; i < 24; ++i) EXPECT_EQ(labels[i], i);
   EXPECT_EQ(v->at(3, 2, 1), 23);
 }
 
@@ -158,10 +167,10 @@ TEST(LabelVolume, NrrdUnitsOtherThanMillimetresAreRefusedByName) {
 
 TEST(LabelVolume, MoreThanFreeMemoryIsRefusedAndSaysSo) {
   LabelReadOptions o;
-  o.available_bytes = 100;  // 24 voxels of one byte: twice while decompressing, and two bytes for the label
+  o.available_bytes = 74;  // 24 voxels: two bytes for the label of each, and a slice of 12 values of one byte
   const std::string bytes = nrrd(std::string(kNrrdGrid) + kNrrdSpace, countingLabels());
   expectRefusal(readBytes("a.nrrd", bytes, o), "4/5 of the");
-  o.available_bytes = 121;
+  o.available_bytes = 76;
   expectCounting(readBytes("a.nrrd", bytes, o));
 }
 
@@ -240,7 +249,7 @@ std::string floatNrrd(const std::vector<float>& values) {
 TEST(LabelVolume, WholeFloatsAreLabelsAndFractionsAreIntensities) {
   const auto v = readBytes("a.nrrd", floatNrrd({0, 1, 7}));
   ASSERT_TRUE(v) << v.error().message();
-  EXPECT_EQ(v->labels, (std::vector<std::uint16_t>{0, 1, 7}));
+  EXPECT_EQ(labelsOf(*v), (std::vector<std::uint16_t>{0, 1, 7}));
   expectRefusal(readBytes("a.nrrd", floatNrrd({0, 1.5f})), "threshold = ");
   expectRefusal(readBytes("a.nrrd", floatNrrd({0, -1})), "threshold = ");
   expectRefusal(readBytes("a.nrrd", floatNrrd({0, std::numeric_limits<float>::quiet_NaN()})), "threshold = ");
@@ -254,7 +263,7 @@ TEST(LabelVolume, ThresholdMakesOneLabelOfAllValuesFromThereOn) {
   o.threshold = 1.5;
   const auto v = readBytes("a.nrrd", floatNrrd({-1000, 1.4f, 1.5f, 3000, std::numeric_limits<float>::quiet_NaN()}), o);
   ASSERT_TRUE(v) << v.error().message();
-  EXPECT_EQ(v->labels, (std::vector<std::uint16_t>{0, 0, 1, 1, 0}));
+  EXPECT_EQ(labelsOf(*v), (std::vector<std::uint16_t>{0, 0, 1, 1, 0}));
 }
 
 TEST(LabelVolume, AThresholdAboveEveryValueIsRefusedWithTheHighest) {
@@ -279,7 +288,7 @@ TEST(LabelVolume, FilesShorterThanTheirHeaderClaimsAreRefusedBeforeAllocating) {
   expectRefusal(readBytes("a.nrrd", nrrd(grid + "encoding: gzip\nsizes: 9000 9000 9000\n", countingLabels())),
                 "its header claims");
   LabelReadOptions small;
-  small.max_bytes = 50;  // 24 voxels of one byte: twice while decompressing, and two bytes for the label
+  small.max_bytes = 50;  // as above: 60
   expectRefusal(readBytes("a.nrrd", nrrd(std::string(kNrrdGrid) + "spacings: 1 1 1\n", countingLabels()), small),
                 "crop the volume");
 }
@@ -316,6 +325,70 @@ TEST(LabelVolume, CompressedFilesAreReadWhole) {
   const std::string halves = compressed(nifti(countingLabels()).substr(0, 360), Stream::kGzip) +
                              compressed(countingLabels().substr(8), Stream::kGzip);
   expectCounting(readBytes("two-streams.nii.gz", halves));
+}
+
+// The values 256 i + 1, both bytes of which count, in either order of bytes, raw and compressed.
+TEST(LabelVolume, BytesInEitherOrderAreReadAsTheHeaderSays) {
+  for (const bool is_big : {false, true})
+    for (const bool is_packed : {false, true}) {
+      SCOPED_TRACE(std::string(is_big ? "big" : "little") + (is_packed ? ", compressed" : ", raw"));
+      std::string raw;
+      for (int i = 0; i < 24; ++i) {
+        raw += static_cast<char>(is_big ? i : 1);
+        raw += static_cast<char>(is_big ? 1 : i);
+      }
+      const auto expectLabels = [](const Expected<LabelVolume>& v) {
+        ASSERT_TRUE(v) << v.error().message();
+        for (std::size_t i = 0; i < 24; ++i) EXPECT_EQ(labelsOf(*v)[i], 256 * i + 1);
+      };
+
+      expectLabels(readBytes(
+          "a.nrrd", nrrd(std::string("type: unsigned short\ndimension: 3\nsizes: 4 3 2\nspacings: 1 1 1\nendian: ") +
+                             (is_big ? "big" : "little") + "\nencoding: " + (is_packed ? "gzip" : "raw") + "\n",
+                         is_packed ? compressed(raw, Stream::kGzip) : raw)));
+
+      const std::string values = is_packed ? compressed(raw, Stream::kZlib) : raw;
+      std::string meta = metaImage(
+          std::string("ElementSpacing = 1 1 1\nBinaryData = True\nBinaryDataByteOrderMSB = ") +
+              (is_big ? "True" : "False") +
+              (is_packed ? "\nCompressedData = True\nCompressedDataSize = " + std::to_string(values.size()) : "") +
+              "\n",
+          values);
+      meta.replace(meta.find("MET_UCHAR"), 9, "MET_USHORT");
+      expectLabels(readBytes("a.mha", meta));
+    }
+}
+
+// A NIfTI file may hold values that are to be multiplied: ITK does that.
+TEST(LabelVolume, ScaledNiftiValuesAreScaled) {
+  std::string bytes = nifti(countingLabels());
+  put<float>(bytes, 112, 2);
+  put<float>(bytes, 116, 3);
+  for (const bool is_packed : {false, true}) {
+    const auto v = is_packed ? readBytes("a.nii.gz", compressed(bytes, Stream::kGzip)) : readBytes("a.nii", bytes);
+    ASSERT_TRUE(v) << v.error().message();
+    for (std::size_t i = 0; i < 24; ++i) EXPECT_EQ(labelsOf(*v)[i], 2 * i + 3);
+  }
+}
+
+TEST(LabelVolume, OfALineOnlyWhatLiesBetweenItsLabelsIsKept) {
+  LabelVolume v;
+  v.size = {100, 2, 3};
+  std::vector<std::uint16_t> slice(200, 0);
+  v.addSlice(slice);
+  slice[140] = 7;
+  slice[144] = 9;
+  v.addSlice(slice);
+  v.addSlice(std::vector<std::uint16_t>(200, 0));
+  EXPECT_TRUE(v.slices[0].rows.empty() && v.slices[2].rows.empty());
+  EXPECT_EQ(v.slices[1].labels, (std::vector<std::uint16_t>{7, 0, 0, 0, 9}));
+  std::vector<std::uint16_t> expected(600, 0);
+  expected[340] = 7;
+  expected[344] = 9;
+  EXPECT_EQ(labelsOf(v), expected);
+  const std::vector<LabelCount> counts = countLabels(v);
+  ASSERT_EQ(counts.size(), 3u);
+  EXPECT_EQ(counts[0].voxels, 598u);
 }
 
 TEST(LabelVolume, CompressedFilesThatAreCutShortAreRefusedAtEveryByte) {
@@ -608,7 +681,9 @@ TEST(LabelVolume, MutatedFilesAreReadOrRefused) {
         ++read;
         std::size_t voxels = 1;
         for (const int s : v->size) voxels *= static_cast<std::size_t>(s);
-        EXPECT_EQ(v->labels.size(), voxels);
+        std::uint64_t counted = 0;
+        for (const LabelCount& c : countLabels(*v)) counted += c.voxels;
+        EXPECT_EQ(counted, voxels);
         EXPECT_TRUE((v->spacing.array() > 0).all() && v->spacing.allFinite() && v->origin.allFinite());
         EXPECT_GT(v->voxelVolume(), 0);
       } else {
