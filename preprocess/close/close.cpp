@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "geometry/mesh/crossing_pairs.h"
 #include "geometry/mesh/float32_cleanup.h"
@@ -14,6 +15,7 @@
 #include "preprocess/close/guard.h"
 #include "preprocess/close/manifold.h"
 #include "preprocess/close/orient.h"
+#include "preprocess/close/pinholes.h"
 #include "preprocess/close/poll.h"
 #include "preprocess/close/wrap.h"
 
@@ -335,24 +337,14 @@ bool lessPlace(const Vec3d& p, const Vec3d& q) {
   return p.x() != q.x() ? p.x() < q.x() : p.y() != q.y() ? p.y() < q.y() : p.z() < q.z();
 }
 
-/// Source vertices whose place has no vertex of the solid, and how many of them lie far from the rims.
-void countLost(const Mesh& imported, const Mesh& solid, CloseReport& report) {
-  constexpr double kFar = 1;  // mm
+/// Places of source vertices, float32, that have no vertex of the solid; sorted.
+std::vector<Vec3d> lostPlaces(const Mesh& imported, const Mesh& solid) {
   std::vector<Vec3d> places = solid.vertices;
   std::sort(places.begin(), places.end(), lessPlace);
   std::vector<char> used(imported.vertices.size(), 0);
   for (const Triangle& f : imported.triangles)
     for (const std::uint32_t v : f) used[v] = 1;
-  std::vector<Vec3d> rim = report.rim_points;
-  std::sort(rim.begin(), rim.end(), lessPlace);
 
-  const auto isFar = [&](const Vec3d& p) {
-    auto at =
-        std::lower_bound(rim.begin(), rim.end(), p.x() - kFar, [](const Vec3d& q, double x) { return q.x() < x; });
-    for (; at != rim.end() && at->x() <= p.x() + kFar; ++at)
-      if ((*at - p).norm() <= kFar) return false;
-    return true;
-  };
   std::vector<Vec3d> lost;
   for (std::size_t v = 0; v < used.size(); ++v) {
     const Vec3d p = roundedToFloat(imported.vertices[v]);
@@ -360,6 +352,23 @@ void countLost(const Mesh& imported, const Mesh& solid, CloseReport& report) {
   }
   std::sort(lost.begin(), lost.end(), lessPlace);
   lost.erase(std::unique(lost.begin(), lost.end()), lost.end());
+  return lost;
+}
+
+/// How many source vertices are lost, and how many of them lie far from the rims.
+void countLost(const Mesh& imported, const Mesh& solid, CloseReport& report) {
+  constexpr double kFar = 1;  // mm
+  std::vector<Vec3d> rim = report.rim_points;
+  std::sort(rim.begin(), rim.end(), lessPlace);
+  const auto isFar = [&](const Vec3d& p) {
+    auto at =
+        std::lower_bound(rim.begin(), rim.end(), p.x() - kFar, [](const Vec3d& q, double x) { return q.x() < x; });
+    for (; at != rim.end() && at->x() <= p.x() + kFar; ++at)
+      if ((*at - p).norm() <= kFar) return false;
+    return true;
+  };
+
+  const std::vector<Vec3d> lost = lostPlaces(imported, solid);
   report.vertices_lost = lost.size() - std::min(lost.size(), report.vertices_trimmed);
   const auto far = static_cast<std::size_t>(std::count_if(lost.begin(), lost.end(), isFar));
   report.vertices_lost_far = std::min(far, report.vertices_lost);
@@ -393,10 +402,24 @@ void reportLosses(const Mesh& imported, const Result& r, int handles_before, Clo
                     counted(report.vertices_lost, "vertex", "vertices"), report.vertices_lost == 1 ? "is" : "are",
                     report.vertices_lost_far));
   report.handles_added = handlesOf(r.mesh) - handles_before;
-  if (report.handles_added > 0)
-    report.changes.push_back(fmt::format(
-        "the solid has {} (genus) that the scan has not",
-        counted(static_cast<std::size_t>(report.handles_added), "hole right through it", "holes right through it")));
+  if (report.handles_added <= 0) return;
+
+  // Where to look: the finest holes first; where no hole is found, the thread of material beside one.
+  constexpr double kLongest = 30;  // mm around
+  std::vector<internal::ShortLoop> loops = internal::shortLoops(r.mesh, kLongest, {});
+  std::stable_partition(loops.begin(), loops.end(), [](const internal::ShortLoop& l) { return l.is_tunnel; });
+  loops.resize(std::min(loops.size(), static_cast<std::size_t>(report.handles_added)));
+  std::string where;
+  for (const internal::ShortLoop& loop : loops) {
+    const Vec3d& p = loop.middle;
+    report.handles_at.push_back(p);
+    where += fmt::format("{}({:.1f}, {:.1f}, {:.1f}), {:.2g} mm around", where.empty() ? "" : "; ", p.x(), p.y(), p.z(),
+                         loop.length);
+  }
+  report.changes.push_back(fmt::format(
+      "the solid has {} (genus) that the scan has not{}",
+      counted(static_cast<std::size_t>(report.handles_added), "hole right through it", "holes right through it"),
+      where.empty() ? "" : ". Look near " + where));
 }
 
 void warn(CloseReport& report, std::string change) {
@@ -467,11 +490,18 @@ bool wraps(const CloseOptions& o) {
   return o.only.empty() ? o.mode == CloseMode::kWrap : o.only.count(CloseStep::kWrap) > 0;
 }
 
-/// The exact way: a closed chain to a verified solid.
-Expected<Result> makeExact(const Mesh& imported, Chain& chain, const CloseOptions& options, CloseReport& report,
-                           const Progress& progress) {
+void addPlug(Chain& chain, const Mesh& plug) {
+  std::vector<std::uint32_t> number;
+  for (const Vec3d& p : plug.vertices) number.push_back(chain.addVertex(p));
+  for (const Triangle& f : plug.triangles) chain.addTriangle(number[f[0]], number[f[1]], number[f[2]]);
+}
+
+/// The exact way: a closed chain to a verified solid. @param plugs  closed, added to it as they face.
+Expected<Result> makeExact(const Mesh& imported, Chain& chain, std::span<const Mesh> plugs, const CloseOptions& options,
+                           CloseReport& report, const Progress& progress) {
   const std::size_t flipped = report.triangles_flipped;
   const bool nested = internal::turnPieces(chain, report);
+  for (const Mesh& plug : plugs) addPlug(chain, plug);
   if (report.triangles_flipped > flipped && !options.only.empty() && !options.only.count(CloseStep::kOrient))
     return fail(internal::missingStep("a piece that is inside out", CloseStep::kOrient, options));
 
@@ -511,6 +541,45 @@ Expected<Result> makeWrap(const Chain& chain, const CloseOptions& options, Close
   return std::move(wrapped);
 }
 
+/// Plugs the pinholes that a base made, and cuts the threads. A plug stays if the solid has a hole less for it, and
+/// lacks no more of the scan. Each is united with the solid as it is: only the few triangles around it cross.
+/// @param handles  of the scan.
+void plugPinholes(const Mesh& imported, const CloseOptions& options, int handles, Result& result, CloseReport& report,
+                  const Progress& progress) {
+  constexpr double kLongest = 4;  // mm around
+  constexpr int kMostTries = 24;
+  int now = handlesOf(result.mesh), tries = 0;
+  if (now <= handles) return;
+  const int first = now;
+  const Mesh solid = result.mesh;  // the loops are numbers of its vertices
+  const std::size_t lost = lostPlaces(imported, solid).size();
+
+  const auto helps = [&](const internal::ShortLoop& loop, bool is_left) {
+    const std::array<Mesh, 1> plug{internal::plugOf(solid, loop, is_left)};
+    if (plug[0].triangles.empty()) return false;
+    const auto vertices = static_cast<std::uint32_t>(result.mesh.vertices.size());
+    Chain work{.mesh = result.mesh, .source = result.source, .source_vertices = vertices};
+    CloseReport unused;
+    Expected<Result> r = makeExact(imported, work, plug, options, unused, progress);
+    if (!r || handlesOf(r->mesh) >= now || lostPlaces(imported, r->mesh).size() > lost) return false;
+    now = handlesOf(r->mesh);
+    result = std::move(*r);
+    report.vertices_moved += unused.vertices_moved;
+    report.largest_move_mm = std::max(report.largest_move_mm, unused.largest_move_mm);
+    return true;
+  };
+  for (const internal::ShortLoop& loop : internal::shortLoops(solid, kLongest * lengthScale(imported), progress))
+    for (const bool is_left : {true, false}) {
+      if (now <= handles || ++tries > kMostTries) break;
+      if (helps(loop, is_left)) break;
+    }
+  if (now == first) return;
+
+  report.pinholes_mended = static_cast<std::size_t>(first - now);
+  report.changes.push_back(counted(report.pinholes_mended, "pinhole", "pinholes") +
+                           (first - now == 1 ? " that the base made was mended" : " that the base made were mended"));
+}
+
 /// One attempt from the imported mesh, without a second choice. `chain` is left closed, or, where that failed, open.
 Expected<Result> attempt(const Mesh& imported, const CloseOptions& options, Chain& chain, CloseReport& report,
                          const Progress& progress) {
@@ -521,6 +590,7 @@ Expected<Result> attempt(const Mesh& imported, const CloseOptions& options, Chai
         makeError(Error::Code::kEmpty, "a mesh whose triangles all have no area or cancel each other", "a surface"));
 
   if (!kerf::report(progress, 0.1, "closing")) return cancelled();
+  const int handles = wraps(options) ? 0 : handlesOf(chain.mesh);
   Chain closed = chain;
   KERF_CHECK(internal::closeBoundary(closed, options, report, progress));
   chain = std::move(closed);
@@ -529,8 +599,11 @@ Expected<Result> attempt(const Mesh& imported, const CloseOptions& options, Chai
   if (!kerf::report(progress, 0.3, "looking for crossings")) return cancelled();
   Chain work = chain;
   CloseReport exact = report;
-  Expected<Result> r = makeExact(imported, work, options, exact, progress);
-  if (r) report = std::move(exact);
+  Expected<Result> r = makeExact(imported, work, {}, options, exact, progress);
+  if (!r) return r;
+  report = std::move(exact);
+  if (report.rims_extruded > 0 && options.base_smoothing_mm > 0)
+    plugPinholes(imported, options, handles, *r, report, progress);
   return r;
 }
 

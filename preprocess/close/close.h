@@ -131,6 +131,8 @@ struct CloseReport {
   std::size_t vertices_lost = 0;      ///< source vertices whose place has no vertex of the solid, but for trimmed ones
   std::size_t vertices_lost_far = 0;  ///< those of them farther than 1 mm from the scan's boundary
   int handles_added = 0;              ///< of the solid beyond the scan's own; counted where a rim got a base
+  std::vector<Vec3d> handles_at{};    ///< mm: where to look for them, the finest of the solid first
+  std::size_t pinholes_mended = 0;    ///< holes that the base made, and threads of material around one
   std::size_t specks_dropped = 0;     ///< as CloseOptions::drop_specks_mm3 asked
   double specks_dropped_mm3 = 0;
   std::size_t vertices_in_specks = 0;           ///< that went with them; not in vertices_lost

@@ -152,12 +152,16 @@ nlohmann::json jsonOf(const PairCheck& c) {
 
 // What closing cost.
 nlohmann::json jsonOf(const CloseReport& c) {
+  nlohmann::json holes = nlohmann::json::array();
+  for (const Vec3d& p : c.handles_at) holes.push_back({p.x(), p.y(), p.z()});
   return {{"vertices_lost", c.vertices_lost},
           {"vertices_lost_farther_than_1_mm_from_rim", c.vertices_lost_far},
           {"gaps_bridged", c.gaps_bridged},
           {"rim_bridged_mm", c.rim_bridged_mm},
           {"widest_gap_mm", c.widest_gap_mm},
           {"handles_added", c.handles_added},
+          {"handles_at_mm", holes},
+          {"pinholes_mended", c.pinholes_mended},
           {"base_fallback", c.base_fallback},
           {"warnings", c.warnings},
           {"rim_places_trimmed", c.rim_places_trimmed},

@@ -54,6 +54,7 @@ TEST(CloseScan, SeamsStitchedWiderThanAskedForAreAWarning) {
 struct Losses {
   const char* file;
   std::size_t most;  ///< vertices lost: what was measured, and a few for another compiler
+  int handles;       ///< holes through the solid that the scan has not; pinholes are plugged
 };
 
 class CloseLosses : public testing::TestWithParam<Losses> {};
@@ -74,14 +75,15 @@ TEST_P(CloseLosses, SmoothWallsLoseFewVerticesAndMakeFewerHandles) {
   ASSERT_TRUE(straight) << straight.error().message();
   fmt::print("{}: {} lost, {} with straight walls; handles {} and {}\n", GetParam().file, s->report.vertices_lost,
              straight->report.vertices_lost, s->report.handles_added, straight->report.handles_added);
-  EXPECT_LE(s->report.handles_added, straight->report.handles_added);
+  EXPECT_LE(s->report.handles_added, GetParam().handles);
+  EXPECT_EQ(s->report.handles_at.size(), static_cast<std::size_t>(s->report.handles_added)) << "where to look";
 }
 
 INSTANTIATE_TEST_SUITE_P(Scans, CloseLosses,
-                         testing::Values(Losses{"lower-jaw-scan-01-facecolour.ply", 85},
-                                         Losses{"upper-arch-scan-02.stl", 140},
-                                         Losses{"upper-jaw-cast-scan-03-vertexcolour.ply", 110},
-                                         Losses{"gingiva-strip-open.ply", 75}),
+                         testing::Values(Losses{"lower-jaw-scan-01-facecolour.ply", 85, 1},
+                                         Losses{"upper-arch-scan-02.stl", 140, 0},
+                                         Losses{"upper-jaw-cast-scan-03-vertexcolour.ply", 110, 0},
+                                         Losses{"gingiva-strip-open.ply", 75, 0}),
                          [](const auto& parameter) {
                            std::string name = parameter.param.file;
                            for (char& ch : name)
