@@ -32,7 +32,15 @@ void roundVertices(Mesh& mesh, CloseReport& report) {
   report.largest_move_mm = std::max(report.largest_move_mm, largest);
 }
 
-/// Joins vertices at the same place; the first of them stays.
+/// Where a vertex counts as being. Near zero float32 tells apart what lies 1e-45 mm apart: the pole of a sphere whose
+/// points are R sin(pi), 1e-16, is 24 of them, and a hole to everything that follows. What is less than a hundredth of
+/// an atom is nothing.
+Vec3d placeOf(const Vec3d& p) {
+  constexpr double kNothing = 1e-9;  // mm
+  return (p.array().abs() < kNothing).select(0, p);
+}
+
+/// Joins vertices at the same place; the first of them stays, bit for bit.
 void weldVertices(Chain& chain, CloseReport& report) {
   Mesh& mesh = chain.mesh;
   ExactWelder welder(mesh.vertices.size());
@@ -40,8 +48,9 @@ void weldVertices(Chain& chain, CloseReport& report) {
   index.reserve(mesh.vertices.size());
   std::uint32_t count = 0;
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
-    index.push_back(welder.add(mesh.vertices[v]));
+    index.push_back(welder.add(placeOf(mesh.vertices[v])));
     if (index.back() != count) continue;
+    mesh.vertices[count] = mesh.vertices[v];
     if (mesh.hasVertexColors()) mesh.vertex_colors[count] = mesh.vertex_colors[v];
     ++count;
   }
@@ -50,7 +59,7 @@ void weldVertices(Chain& chain, CloseReport& report) {
   if (report.vertices_welded)
     report.changes.push_back(counted(report.vertices_welded, "vertex was", "vertices were") +
                              " welded to another at the same place");
-  mesh.vertices = std::move(welder.vertices);
+  mesh.vertices.resize(count);
   if (mesh.hasVertexColors()) mesh.vertex_colors.resize(count);
   if (report.vertices_welded)
     for (Triangle& f : mesh.triangles)

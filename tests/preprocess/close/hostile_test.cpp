@@ -172,5 +172,31 @@ TEST(Hostile, TrianglesWithoutAreaBesideAsManyWith) {
   expectAnswer(m, "flat");
 }
 
+// Its points are R sin(pi), 1e-16 mm, from the axis, and float32 tells them apart: a hole that was stitched for
+// minutes.
+TEST(Hostile, ASphereWithPolesOfManyPointsIsClosedAsItIs) {
+  constexpr int kAround = 24, kRings = 24;
+  const double pi = std::acos(-1.0);
+  Mesh m;
+  for (int j = 0; j <= kRings; ++j)
+    for (int i = 0; i < kAround; ++i) {
+      const double polar = pi * j / kRings, around = 2 * pi * i / kAround;
+      const double r = j == 0 || j == kRings ? 6e-16 : 5 * std::sin(polar);
+      m.vertices.push_back({r * std::cos(around), r * std::sin(around), 5 * std::cos(polar)});
+    }
+  for (int j = 0; j < kRings; ++j)
+    for (int i = 0; i < kAround; ++i) {
+      const auto at = [&](int ring, int n) { return static_cast<std::uint32_t>(ring * kAround + n % kAround); };
+      m.triangles.push_back({at(j, i), at(j + 1, i), at(j + 1, i + 1)});
+      m.triangles.push_back({at(j, i), at(j + 1, i + 1), at(j, i + 1)});
+    }
+  const auto solid = closeMesh(m);
+  ASSERT_TRUE(solid) << solid.error().message();
+  EXPECT_TRUE(solid->report.exact);
+  EXPECT_EQ(solid->report.crossings_resolved, 0u);
+  EXPECT_EQ(solid->mesh.vertices.size(), static_cast<std::size_t>((kRings - 1) * kAround + 2));
+  EXPECT_EQ(solid->report.holes_filled, 0u);
+}
+
 }  // namespace
 }  // namespace kerf
