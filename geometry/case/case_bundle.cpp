@@ -6,6 +6,7 @@
 
 #include "geometry/base/hash.h"
 #include "geometry/base/toml_reader.h"
+#include "geometry/field/distance_check.h"
 #include "geometry/field/vdb_io.h"
 #include "geometry/formats/mesh_formats.h"
 #include "geometry/formats/mesh_io.h"
@@ -315,10 +316,24 @@ Expected<Mesh> readCaseSolid(const std::filesystem::path& folder) {
   return std::move(file.mesh);
 }
 
+namespace {
+
+// The field of the whole object, whose numbers are distances.
+Expected<BrickField> readDistances(const std::filesystem::path& file) {
+  KERF_TRY(phi, readVdb(file, "phi"));
+  if (auto checked = requireDistances(phi); !checked) {
+    checked.error().file = file.string();
+    return fail(std::move(checked).error());
+  }
+  return std::move(phi);
+}
+
+}  // namespace
+
 Expected<BrickField> readCaseField(const std::filesystem::path& folder) {
   KERF_TRY(manifest, readCaseManifest(folder));
   KERF_CHECK(requireSha256(folder / kCaseAnatomy, manifest.field_sha256, "bake the case again"));
-  return readVdb(folder / kCaseAnatomy, "phi");
+  return readDistances(folder / kCaseAnatomy);
 }
 
 Expected<BrickField> readCaseRegionField(const std::filesystem::path& folder) {
@@ -341,7 +356,7 @@ Expected<MaterialField> readCaseMaterials(const std::filesystem::path& folder) {
 
 Expected<CaseFields> readCaseFields(const std::filesystem::path& folder, const CaseManifest& manifest) {
   KERF_CHECK(requireSha256(folder / kCaseAnatomy, manifest.field_sha256, "bake the case again"));
-  KERF_TRY(phi0, readVdb(folder / kCaseAnatomy, "phi"));
+  KERF_TRY(phi0, readDistances(folder / kCaseAnatomy));
   KERF_TRY(materials, readMaterialField(folder / kCaseAnatomy));
   return CaseFields{std::move(phi0), std::move(materials)};
 }

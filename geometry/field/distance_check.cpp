@@ -1,0 +1,88 @@
+#include "geometry/field/distance_check.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace kerf {
+namespace {
+
+constexpr double kMostStep = 1.5;    // voxels from node to node; exact distances: 1
+constexpr double kMostShare = 0.01;  // of pairs, of nodes: what is worse is no slip of an edge
+
+tl::unexpected<Error> refuse(std::string found, std::string expected) {
+  return fail({.code = Error::Code::kBadValue,
+               .place = "grid phi",
+               .found = std::move(found),
+               .expected = std::move(expected),
+               .hint = "take the case from where it was made, or bake it again"});
+}
+
+std::string placeOf(const BrickField& phi, std::size_t b, int node) {
+  const Vec3d p = phi.position(8 * phi.brickCoord(b) + Vec3i{node >> 6, node >> 3 & 7, node & 7});
+  return fmt::format("({:.2f}, {:.2f}, {:.2f}) mm", p.x(), p.y(), p.z());
+}
+
+// How many did not hold, out of how many, and the first of them.
+struct Tally {
+  std::size_t wrong = 0, all = 0, brick = 0;
+  int node = 0;
+
+  void add(bool is_wrong, std::size_t b, int at) {
+    ++all;
+    if (!is_wrong) return;
+    if (wrong++ > 0) return;
+    brick = b;
+    node = at;
+  }
+  bool isTooMany() const { return static_cast<double>(wrong) > kMostShare * static_cast<double>(all); }
+  double percent() const { return 100 * static_cast<double>(wrong) / static_cast<double>(all); }
+};
+
+// Pairs of neighbours along each axis in a brick.
+void countSteps(const BrickField& phi, std::size_t b, Tally& steps) {
+  const auto most = static_cast<float>(kMostStep * phi.voxel());
+  const BrickValues& v = phi.brick(b);
+  for (int n = 0; n < kBrickNodes; ++n)
+    for (const int axis : {64, 8, 1})
+      if ((n / axis & 7) < 7)
+        steps.add(!(std::abs(v[static_cast<std::size_t>(n + axis)] - v[static_cast<std::size_t>(n)]) <= most), b, n);
+}
+
+// Nodes at the faces beyond which there is nothing: they lie outside.
+void countOutside(const BrickField& phi, std::size_t b, Tally& outside) {
+  for (int axis = 0; axis < 3; ++axis)
+    for (const int side : {-1, 1}) {
+      const Vec3i beside = phi.brickCoord(b) + side * Vec3i::Unit(axis);
+      if (phi.find(beside) >= 0 || phi.constantAt(beside) < 0) continue;
+      for (int i = 0; i < 8; ++i)
+        for (int j = 0; j < 8; ++j) {
+          Vec3i at{i, i, i};
+          at[(axis + 1) % 3] = j;
+          at[axis] = side < 0 ? 0 : 7;
+          const int node = nodeOffset(at[0], at[1], at[2]);
+          outside.add(phi.brick(b)[static_cast<std::size_t>(node)] < 0, b, node);
+        }
+    }
+}
+
+}  // namespace
+
+Expected<void> requireDistances(const BrickField& phi) {
+  Tally steps, outside;
+  for (std::size_t b = 0; b < phi.brickCount(); ++b) {
+    countSteps(phi, b, steps);
+    countOutside(phi, b, outside);
+  }
+  if (steps.isTooMany())
+    return refuse(fmt::format("noise: {:.0f} % of neighbouring values differ by more than {:.3g} mm, the first at {}",
+                              steps.percent(), kMostStep * phi.voxel(), placeOf(phi, steps.brick, steps.node)),
+                  fmt::format("distances, which change by {:.3g} mm from voxel to voxel at most", phi.voxel()));
+  if (outside.isTooMany())
+    return refuse(fmt::format("a turned sign: {:.0f} % of the outermost values are inside, the first at {}",
+                              outside.percent(), placeOf(phi, outside.brick, outside.node)),
+                  "distances that are negative inside");
+  return {};
+}
+
+}  // namespace kerf
