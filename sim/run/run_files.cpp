@@ -11,6 +11,34 @@
 namespace kerf {
 namespace fs = std::filesystem;
 
+namespace {
+
+std::vector<fs::path>& placesOfCases() {
+  static std::vector<fs::path> places;
+  return places;
+}
+
+// Among the places that were given. None: no place was given, or none holds a case beside the one that was cut.
+Expected<std::optional<fs::path>> findGivenCase(const fs::path& run_folder, const std::string& id, bool is_main) {
+  std::string found;
+  for (const fs::path& place : placesOfCases()) {
+    KERF_TRY(manifest, readCaseManifest(place));
+    if (manifest.id == id) return std::optional(place);
+    found += fmt::format("{}{} is case {}", found.empty() ? "" : ", ", place.string(), manifest.id.substr(0, 12));
+  }
+  if (!is_main || placesOfCases().empty()) return std::optional<fs::path>{};
+  return fail({.code = Error::Code::kBadValue,
+               .file = run_folder.string(),
+               .place = "--case",
+               .found = found,
+               .expected = "case " + id.substr(0, 12) + ", from which this run was cut",
+               .hint = "the case as it was when the run was cut: one that was baked anew is another"});
+}
+
+}  // namespace
+
+void setPlacesOfCases(std::vector<fs::path> folders) { placesOfCases() = std::move(folders); }
+
 namespace internal {
 
 Expected<void> requireBeside(const fs::path& run_folder, const RunManifest& m, std::size_t beside) {
@@ -30,6 +58,9 @@ Expected<fs::path> locateCase(const fs::path& run_folder, const RunManifest& m, 
   const std::string& id = beside == 0 ? m.case_id : m.beside[beside - 1].case_id;
   const std::string keys = beside == 0 ? "" : neighbourId(beside) + ", ";
 
+  KERF_TRY(given, findGivenCase(run_folder, id, beside == 0));
+  if (given) return *given;
+
   // As named first, then with symbolic links resolved: a run may be reached through one.
   std::error_code ignored;
   fs::path wanted = (fs::absolute(run_folder, ignored) / path).lexically_normal();
@@ -40,7 +71,7 @@ Expected<fs::path> locateCase(const fs::path& run_folder, const RunManifest& m, 
                  .place = keys + "key case_path",
                  .found = "no case at " + path,
                  .expected = beside == 0 ? "the case this run was cut from" : "the case that stood beside it",
-                 .hint = "move the case back beside the run, or cut again"});
+                 .hint = "--case FOLDER says where it is now; or move it back, or cut again"});
 
   KERF_TRY(manifest, readCaseManifest(wanted));
   if (manifest.id != id)

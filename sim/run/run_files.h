@@ -11,6 +11,11 @@
 
 namespace kerf {
 
+/// Where else to look for the cases of runs, before the places that the runs name: those that the user of a program
+/// gave it (kerf export RUN --case FOLDER). One counts if its id is the one in the run. Called once, before runs are
+/// read, by a program; not by libraries.
+void setPlacesOfCases(std::vector<std::filesystem::path> folders);
+
 /// The folder of the case a run was cut from. An error if it is not there, or was baked anew since.
 Expected<std::filesystem::path> caseOfRun(const std::filesystem::path& run_folder);
 /// The same of the cases that stood beside it, in their order; none in most runs.

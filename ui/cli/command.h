@@ -25,6 +25,12 @@ void printJson(const nlohmann::json& json);
 /// Called once, when the command is over and asked for JSON: what was complained of last, if no JSON was printed.
 void answerInJson();
 
+/// --overwrite, and its old spelling --force, which help does not show: beside --hand force and the forces of devices
+/// it was taken for one of them.
+void addOverwrite(CLI::App& command, bool& overwrites, const std::string& description);
+/// --case FOLDER: where the case of a run is that was moved alone; see setPlacesOfCases(). Repeat for cases beside.
+void addCasePlaces(CLI::App& command);
+
 /// "3 meshes", "1 piece".
 std::string counted(std::size_t count, const std::string& noun);
 

@@ -222,6 +222,7 @@ void addExport(CLI::App& command, int& exit_code) {
       ->type_name("N|NAME|all");
   command.add_flag("--put-back", a->is_put_back, "pieces where they were in the scan, not where they were moved to");
   command.add_flag("--json", a->json, "summary as JSON on standard output");
+  addCasePlaces(command);
   command.callback([a, &exit_code] { exit_code = run(*a); });
 }
 

@@ -248,6 +248,7 @@ void addInfo(CLI::App& command, int& exit_code) {
       "--replay", a->replays,
       "of a session: replay its log for force, temperature and distances, which no file of it keeps; takes "
       "about a quarter of its time");
+  addCasePlaces(command);
   command.callback([a, &exit_code] { exit_code = run(*a); });
 }
 

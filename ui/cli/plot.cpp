@@ -101,6 +101,7 @@ void addPlot(CLI::App& command, int& exit_code) {
       ->allow_extra_args(false);
   command.add_option("--from", a->from, "where the chart begins, s")->capture_default_str();
   command.add_option("--until", a->until, "where it ends, s (default: the end of the run)");
+  addCasePlaces(command);
   command.callback([a, &exit_code] { exit_code = run(*a); });
 }
 

@@ -86,6 +86,7 @@ void addReplay(CLI::App& command, int& exit_code) {
   command.add_option("--until", a->until, "stop after this many simulated seconds");
   command.add_flag("--json", a->json, "as JSON on standard output");
   command.add_flag("--commands", a->lists_commands, "list the commands that a session log can hold, as Markdown");
+  addCasePlaces(command);
   command.callback([a, &exit_code] { exit_code = run(*a); });
 }
 

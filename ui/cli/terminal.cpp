@@ -6,6 +6,7 @@
 #include <csignal>
 #include <cstdio>
 
+#include "sim/run/run_files.h"
 #include "ui/cli/command.h"
 
 namespace kerf::cli {
@@ -99,6 +100,25 @@ void answerInJson() {
 void printJson(const nlohmann::json& json) {
   has_printed_json = true;
   fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+}
+
+void addOverwrite(CLI::App& command, bool& overwrites, const std::string& description) {
+  command.add_flag("--overwrite", overwrites, description);
+  command.add_flag("--force", overwrites, "the old name of --overwrite")->group("");
+}
+
+void addCasePlaces(CLI::App& command) {
+  command
+      .add_option_function<std::vector<std::string>>(
+          "--case",
+          [](const std::vector<std::string>& folders) {
+            setPlacesOfCases({folders.begin(), folders.end()});
+          },
+          "where the case of the run is, if the run was moved without it. Repeat for cases that stood beside it")
+      ->type_name("FOLDER")
+      ->expected(1)
+      ->allow_extra_args(false)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
 }
 
 std::string counted(std::size_t count, const std::string& noun) {
