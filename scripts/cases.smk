@@ -104,12 +104,12 @@ rule scan:
         step() {{ step=$1; echo "== kerf $*" >&2; {params.kerf:q} "$@"; }}
         bake() {{ step bake {input.scan:q} -o {params.case:q} {params.bake} "$@"; }}
         scan() {{
-            # Without --force a case that is up to date is left alone; one of other settings is baked again.
-            if [ -e {params.case:q} ]; then bake || bake --force; else bake; fi || return
+            # Without --overwrite a case that is up to date is left alone; one of other settings is baked again.
+            if [ -e {params.case:q} ]; then bake || bake --overwrite; else bake; fi || return
             result={params.case:q}
             if {params.cuts}; then
                 result={params.run:q}
-                step cut {params.case:q} --tool {params.tool:q} --path {input.path:q} -o "$result" --force || return
+                step cut {params.case:q} --tool {params.tool:q} --path {input.path:q} -o "$result" --overwrite || return
             fi
             step export "$result" -o {params.mesh:q} || return
             step check {params.mesh:q} --json >{params.check:q}

@@ -341,7 +341,7 @@ Expected<AtomicFolder> AtomicFolder::create(const fs::path& path, bool overwrite
       return refuse("a file of that name exists", "a folder or nothing", "choose another name");
     const bool empty = fs::is_empty(state->target, error);
     if (error) return fail(writeError(path, "looking into the folder", error.value()));
-    if (!empty && !overwrite) return refuse("it exists already", "a new folder", "choose another name, or --force");
+    if (!empty && !overwrite) return refuse("it exists already", "a new folder", "choose another name, or --overwrite");
     const std::string expected = fmt::format("a folder with {} in it, or an empty one", manifest);
     if (const char* other = empty ? nullptr : otherBundle(state->target, manifest))
       return refuse(other, expected, "choose another name: only a folder of the same kind is replaced");
@@ -404,7 +404,7 @@ Expected<void> AtomicFolder::commit() {
                  .place = "folder",
                  .found = "another program wrote it in the meantime",
                  .expected = "a folder that stays as it was",
-                 .hint = "look at what is there; choose another name, or --force"});
+                 .hint = "look at what is there; choose another name, or --overwrite"});
   } else {
     return fail(writeError(s.path, "renaming into place", errno));
   }

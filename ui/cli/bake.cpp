@@ -401,7 +401,7 @@ void addBake(CLI::App& command, int& exit_code) {
           ->check(CLI::Range(kSmallestVoxel, kLargestVoxel))
           ->capture_default_str();
   addFineOptions(command, *a);
-  command.add_flag("--force", a->options.overwrite, "bake again and replace an existing case");
+  addOverwrite(command, a->options.overwrite, "bake again and replace an existing case");
   command.add_flag("--json", a->json, "report as JSON on standard output");
   command.callback([a, voxel, &exit_code] {
     a->options.voxel_is_given = voxel->count() > 0;

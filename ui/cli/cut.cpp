@@ -337,7 +337,7 @@ void addCut(CLI::App& command, int& exit_code) {
                   "CSV of poses (t,x,y,z,qw,qx,qy,qz) or TOML of strokes; see docs/reference/path-files.md")
       ->required();
   command.add_option("-o,--output", a->output, "run folder to write")->required();
-  command.add_flag("--force", a->options.overwrite, "replace an existing run");
+  addOverwrite(command, a->options.overwrite, "replace an existing run");
 
   CLI::Option* hand =
       command

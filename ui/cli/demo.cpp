@@ -66,7 +66,7 @@ void add(CLI::App& parent, const std::string& name, const std::string& sentence,
   c->add_option("--coarseness", a->detail, "edges of the triangles are this many times as long")
       ->capture_default_str()
       ->check(CLI::Range(0.5, 4.0));
-  c->add_flag("--force", a->overwrite, "replace a folder that holds such a model");
+  addOverwrite(*c, a->overwrite, "replace a folder that holds such a model");
   if (model == arch) c->add_option("--seed", a->seed, "of noise, rim and faults")->capture_default_str();
   c->callback([a, model, &exit_code] { exit_code = run(*a, model); });
 }

@@ -349,7 +349,7 @@ Expected<void> requireUsable(const std::string& id, const fs::path& output, bool
                  .file = output.string(),
                  .found = "exists already",
                  .expected = "a new file",
-                 .hint = "another id, or --force to replace it"});
+                 .hint = "another id, or --overwrite to replace it"});
   return {};
 }
 
@@ -414,7 +414,7 @@ void addTool(CLI::App& command, int& exit_code) {
                 "sagittal, piezo, spin; or mesh (a wrong one lists all)")
       ->required();
   n->add_option("-o,--output", a->output, "file to write, named after the id; default: ID.toml here");
-  n->add_flag("--force", a->overwrite, "replace an existing file");
+  addOverwrite(*n, a->overwrite, "replace an existing file");
   n->callback([a, &exit_code] { exit_code = makeNew(*a); });
 
   CLI::App* b = command.add_subcommand("bake", "Write a tool's distance fields (OpenVDB) and its mesh into a folder");
@@ -423,7 +423,7 @@ void addTool(CLI::App& command, int& exit_code) {
   b->add_option("-o,--output", a->output, "folder to write")->required();
   b->add_option("--voxel", a->voxel, "mm; default: head diameter / 20, blades thickness / 10")
       ->check(CLI::Range(0.005, 1.0));
-  b->add_flag("--force", a->overwrite, "replace an existing folder of a baked tool");
+  addOverwrite(*b, a->overwrite, "replace an existing folder of a baked tool");
   b->callback([a, &exit_code] { exit_code = bake(*a); });
 }
 
