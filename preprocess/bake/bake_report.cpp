@@ -116,11 +116,13 @@ void addMaterials(const CaseManifest& m, Text& out) {
 }
 
 void addLostSurface(const CaseManifest& m, Text& out) {
-  if (!(m.shell_area_mm2 < 0.98 * m.solid_area_mm2)) return;
+  constexpr double kMatters = 0.05;  // less is lost by every scan at a coarse voxel, along its creases
+  const double lost = 1 - m.shell_area_mm2 / m.solid_area_mm2;
+  if (!(lost > kMatters)) return;
   out.line(fmt::format(
-      "WARNING: the field holds {:.1f} % less surface than the solid: slots and fins thinner than a voxel are lost in "
-      "it (export is exact all the same). A finer --voxel keeps more",
-      100 * (1 - m.shell_area_mm2 / m.solid_area_mm2)));
+      "WARNING: gaps and ridges narrower than {:g} mm, {:.0f} % of the surface, are not there for the tool: "
+      "it can not cut into them or feel them. What you export keeps them. --voxel {:g} keeps more",
+      m.voxel_mm, 100 * lost, m.voxel_mm / 2));
 }
 
 }  // namespace
@@ -129,7 +131,7 @@ std::string describe(const BakeReport& r) {
   Text out;
   if (r.was_up_to_date) {
     addPairCheck(r, out);
-    out.line("the case is there already, of the same inputs and settings; --force bakes it again");
+    out.line("the case is there already, of the same inputs and settings; --overwrite bakes it again");
     return out.take();
   }
 
