@@ -235,11 +235,19 @@ Expected<toml::table> parseToml(const std::filesystem::path& file) {
     return fail({std::filesystem::exists(file, ignored) ? Error::Code::kUnreadable : Error::Code::kNotFound,
                  file.string(), "", std::filesystem::exists(file, ignored) ? "can not be read" : "no such file",
                  "a TOML file", ""});
-  std::stringstream text;
-  text << in.rdbuf();
+  constexpr std::uintmax_t kMostBytes = 16 << 20;  // 400 000 poses
+  const std::uintmax_t bytes = std::filesystem::file_size(file, ignored);
+  std::string content(static_cast<std::size_t>(std::min(bytes, kMostBytes + 1)), '\0');
+  in.read(content.data(), static_cast<std::streamsize>(content.size()));
+  content.resize(static_cast<std::size_t>(in.gcount()));
+  if (content.size() > kMostBytes)
+    return fail({.code = Error::Code::kBadFormat,
+                 .file = file.string(),
+                 .found = fmt::format("more than {} MB", kMostBytes >> 20),
+                 .expected = "a TOML file of a few kB",
+                 .hint = "a path of many poses is read from .csv"});
   // toml++ limits how deep values nest, but not how long a dotted key is, and it walks the tables of one recursively.
   constexpr int kMostDots = 500;
-  const std::string content = text.str();
   std::istringstream lines(content);
   std::string line;
   for (int number = 1; std::getline(lines, line); ++number) {

@@ -391,6 +391,58 @@ TEST_F(Cli, ARunWhoseCaseIsGoneOrAnotherIsRefused) {
   refuses({"export", at("box.run"), "-o", at("x.stl")}, {"box.run", "baked anew"});
 }
 
+TEST_F(Cli, ARunThatWasMovedAloneFindsItsCaseWhereItIsSaidToBe) {
+  makeRun();
+  const std::string moved = at("moved.case");
+  ASSERT_EQ(runKerf({"export", at("box.run"), "-o", at("before.stl")}).exit_code, 0);
+  fs::rename(in("box.case"), moved);
+  const Outcome lost = runKerf({"export", at("box.run"), "-o", at("x.stl")});
+  EXPECT_NE(lost.err.find("--case FOLDER says where it is now"), std::string::npos) << lost.err;
+  const Outcome found = runKerf({"export", at("box.run"), "--case", moved, "-o", at("after.stl")});
+  EXPECT_EQ(found.exit_code, 0) << found.err;
+  EXPECT_EQ(contentOf(in("after.stl")), contentOf(in("before.stl")));
+  const Outcome info = runKerf({"info", at("box.run"), "--case", moved});
+  EXPECT_EQ(info.exit_code, 0) << info.err;
+  EXPECT_EQ(info.out.find("no case at"), std::string::npos) << info.out;
+
+  ASSERT_EQ(runKerf({"bake", at("box.off"), "--unit", "mm", "-o", at("other.case"), "--voxel", "0.25"}).exit_code, 0);
+  refuses({"export", at("box.run"), "--case", at("other.case"), "-o", at("x.stl")},
+          {"--case", "other.case is case", "from which this run was cut"});
+  refuses({"export", at("box.run"), "--case", at("nowhere"), "-o", at("x.stl")}, {"nowhere"});
+}
+
+TEST_F(Cli, WrongWordsOfTrimAreUsageErrors) {
+  makeRun();
+  for (const std::vector<std::string>& words : {std::vector<std::string>{"--plane", "sideways"},
+                                                {"--plane", "0,0,0@0,0,2"},
+                                                {"--box", "1,2,3/1,5,6"},
+                                                {"--between", "1,1,1/1,1,1"}}) {
+    std::vector<std::string> command{"trim", at("box.case"), "-o", at("x.stl")};
+    command.insert(command.end(), words.begin(), words.end());
+    refuses(command, {words[0]}, 2);
+  }
+}
+
+TEST_F(Cli, TomlFilesOfManyMegabytesAreRefusedBeforeTheyAreParsed) {
+  folder_.write("big.toml", "id = \"" + std::string(17 << 20, 'x') + "\"\n");
+  refuses({"tool", "check", at("big.toml")}, {"big.toml", "more than 16 MB"});
+}
+
+TEST_F(Cli, OverwriteIsTheNameAndForceTheOldOne) {
+  makeRun();
+  const std::vector<std::string> cut{"cut",    at("box.case"),   "--tool", "round-014",
+                                     "--path", at("groove.csv"), "-o",     at("box.run")};
+  refuses(cut, {"exists already", "or --overwrite"});
+  for (const std::string& word : {std::string("--overwrite"), std::string("--force")}) {
+    std::vector<std::string> command = cut;
+    command.push_back(word);
+    EXPECT_EQ(runKerf(command).exit_code, 0) << word;
+  }
+  const std::string help = runKerf({"cut", "--help"}).out;
+  EXPECT_NE(help.find("--overwrite"), std::string::npos);
+  EXPECT_EQ(help.find("--force"), std::string::npos);
+}
+
 // On a full disk writes fail half-way; a limit on the size of files does the same to a program that ignores SIGXFSZ.
 TEST_F(Cli, AFullDiskLeavesNothing) {
   makeRun();

@@ -261,7 +261,10 @@ int run(const Arguments& a) {
                             .expected = "--plane, --plan, --box or --between",
                             .hint = "--plane 0,0,1@0,0,12"});
   const auto trimmed = trim(a);
-  return trimmed ? kOk : complain(trimmed.error());
+  if (trimmed) return kOk;
+  const Error& error = trimmed.error();
+  const bool is_usage = error.code == Error::Code::kBadValue && error.place.starts_with("--");
+  return is_usage ? complainOfUsage(error) : complain(error);
 }
 
 constexpr const char* kFooter =
