@@ -64,7 +64,11 @@ Expected<RecipePart> readPart(const toml::table& table, const std::filesystem::p
   if (kinds != 1)
     t.reject(t.has("mesh") ? "mesh" : "material", kinds == 0 ? "a part without a place" : "more than one of them",
              "exactly one of mesh, depth and label");
-  if (t.has("mesh")) part.mesh = fileName(t, "mesh", "a mesh file, relative to the recipe");
+  if (t.has("mesh")) {
+    part.mesh = fileName(t, "mesh", "a mesh file, relative to the recipe");
+    if (!t.failed() && !part.mesh.has_filename())
+      t.reject("mesh", "\"" + part.mesh.string() + "\", a folder", "a mesh file, relative to the recipe");
+  }
   if (t.has("depth")) part.depth = DepthRule{t.number("depth", 0.01, 50), {}};
   if (t.has("label")) {
     const auto label = t.get<std::int64_t>("label", "a whole number from 1 to 65535");
@@ -116,7 +120,9 @@ Expected<std::vector<fs::path>> readOutline(const toml::table& table, const fs::
   TomlTable t(table, file, "outline");
   std::vector<fs::path> meshes;
   for (const std::string& mesh : t.strings("meshes")) {
-    if (mesh.empty()) t.reject("meshes", "an empty name", "a mesh file, relative to the recipe");
+    if (!fs::path(mesh).has_filename())
+      t.reject("meshes", mesh.empty() ? "an empty name" : "\"" + mesh + "\", a folder",
+               "a mesh file, relative to the recipe");
     meshes.push_back(fs::path(mesh).lexically_normal());
   }
   if (!t.failed() && meshes.empty()) t.reject("meshes", "an empty list", "one or more mesh files");
