@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cerrno>
 #include <csignal>
+#include <fstream>
+#include <new>
 #include <system_error>
 
 namespace kerf::internal {
@@ -38,6 +40,21 @@ double mostMemory() {
   return 1024.0 * static_cast<double>(used.ru_maxrss);
 }
 
+// Allows the memory that a sound file needs, beyond what this process has; it dies of asking for more. GDCM takes what
+// a length in a file says before it looks how long the file is.
+// @param values  bytes of the pixels, unpacked; 0 while only the header is read.
+void limitMemory(const fs::path& file, double values) {
+  constexpr double kAmple = 512e6, kPerByte = 20, kCopies = 4;
+  std::error_code failed;
+  const auto size = fs::file_size(file, failed);
+  double pages = 0;
+  if (!(std::ifstream("/proc/self/statm") >> pages)) return;
+  const double most = pages * static_cast<double>(sysconf(_SC_PAGESIZE)) + kAmple + kCopies * values +
+                      (failed ? 0 : kPerByte * static_cast<double>(size));
+  const rlimit limit{static_cast<rlim_t>(most), RLIM_INFINITY};
+  setrlimit(RLIMIT_AS, &limit);
+}
+
 }  // namespace
 
 bool survivesReading(const std::vector<fs::path>& files, VolumeFormat format, std::uint64_t max_bytes) {
@@ -49,9 +66,11 @@ bool survivesReading(const std::vector<fs::path>& files, VolumeFormat format, st
     for (const int way_to_die : {SIGALRM, SIGXCPU, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT})
       std::signal(way_to_die, SIG_DFL);
 
+    std::set_new_handler([] { _exit(1); });
     std::error_code ignored;
     for (const fs::path& f : files) {
       limitTime(f);
+      limitMemory(f, 0);
       // A length that is not true makes the library take that much memory. It must not happen in the program itself.
       const auto size = fs::file_size(f, ignored);
       const double ample = 1e8 + 20 * (ignored ? 0 : static_cast<double>(size)), before = mostMemory();
@@ -66,6 +85,7 @@ bool survivesReading(const std::vector<fs::path>& files, VolumeFormat format, st
       double bytes = static_cast<double>(bytesOf(h->type)) * h->components;
       for (const auto s : h->size) bytes *= static_cast<double>(s);
       if (!(bytes <= static_cast<double>(max_bytes))) continue;
+      limitMemory(f, bytes);
       std::vector<std::byte> values(static_cast<std::size_t>(bytes));
       (void)readVolumeValues(f, format, values.data(), values.size());
     }

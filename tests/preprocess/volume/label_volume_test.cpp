@@ -1,7 +1,9 @@
 #include "preprocess/volume/label_volume.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
+#include <fstream>
 #include <limits>
 #include <random>
 
@@ -468,6 +470,21 @@ TEST(LabelVolume, DicomFilesThatAreCutShortAreRefusedAtEveryByteOfTheirPixels) {
     expectRefusal(readLabelVolume(folder.path()),
                   fmt::format("a.dcm: {} bytes of pixels; expected 24, as it claims", left));
   }
+}
+
+// A length of 1.4 GB in a file of 568 bytes: neither the program takes that, nor the process that tries the slices.
+TEST(LabelVolume, LengthsInDicomFilesAreNotTakenAsMemory) {
+  const std::filesystem::path seed =
+      std::filesystem::path(KERF_SOURCE_DIR) / "tests/data/fuzz/label_slices/a-length-of-gigabytes";
+  std::ifstream in(seed, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+  ASSERT_GT(bytes.size(), 500u);
+  const TemporaryFolder folder;
+  folder.write("a.dcm", bytes.substr(1));
+  EXPECT_FALSE(readLabelVolume(folder.path()));
+  rusage used{};
+  getrusage(RUSAGE_CHILDREN, &used);
+  EXPECT_LT(used.ru_maxrss, 1000 << 10) << "kB";
 }
 
 TEST(LabelVolume, DicomFilesWithFewerPixelsThanRowsAndColumnsSayAreRefused) {
