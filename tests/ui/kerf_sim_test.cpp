@@ -68,6 +68,41 @@ TEST_F(KerfSim, AFilmIsThatOfAReplay) {
   EXPECT_NE(missing.text.find("none.run"), std::string::npos) << missing.text;
 }
 
+// A groove along the mesh, and a picture of every half second of it.
+TEST_F(KerfSim, AFilmShowsTheCutGrowAndIsTheSameTwice) {
+  const std::string kerf = std::string("'") + KERF_BIN_DIR + "/kerf'", a_case = (folder_ / "a.case").string(),
+                    run = (folder_ / "a.run").string(), path = (folder_ / "groove.csv").string();
+  std::ofstream(path) << "t,x,y,z,qw,qx,qy,qz\n0,1.2,1,5,1,0,0,0\n1,1.2,1,1.5,1,0,0,0\n2,1.2,1.8,1.5,1,0,0,0\n";
+  const Outcome made = shell(
+      fmt::format("{0} bake '{1}' --unit mm -o '{2}' --voxel 0.2 && {0} cut '{2}' --tool round-014 --path '{3}' --hand "
+                  "feed -o '{4}'",
+                  kerf, mesh().string(), a_case, path, run));
+  ASSERT_EQ(made.status, 0) << made.text;
+
+  std::vector<std::vector<std::string>> films;
+  for (const char* name : {"one", "two"}) {
+    const fs::path film = folder_ / name;
+    const Outcome done =
+        shell(fmt::format("env -u DISPLAY -u WAYLAND_DISPLAY {} --replay '{}' --film '{}' --fps 2 "
+                          "--size 96x64",
+                          kProgram, run, film.string()));
+    if (done.text.find("no way to draw") != std::string::npos) GTEST_SKIP() << done.text;
+    ASSERT_EQ(done.status, 0) << done.text;
+    films.emplace_back();
+    for (int n = 1; fs::exists(film / fmt::format("frame-{:05}.png", n)); ++n) {
+      std::ifstream in(film / fmt::format("frame-{:05}.png", n), std::ios::binary);
+      films.back().emplace_back(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
+    }
+    EXPECT_EQ(static_cast<std::size_t>(std::distance(fs::directory_iterator(film), fs::directory_iterator())),
+              films.back().size())
+        << "numbered without a gap, and nothing else";
+  }
+  ASSERT_GE(films[0].size(), 5u) << "two seconds and more, two a second";
+  EXPECT_EQ(films[0], films[1]);
+  EXPECT_NE(films[0].front(), films[0][films[0].size() / 2]);
+  EXPECT_NE(films[0].front(), films[0].back());
+}
+
 TEST_F(KerfSim, TheFirstOfSeveralFilesIsWorkedOnTheOthersStandBeside) {
   const fs::path other = folder_ / "other.off", script = folder_ / "script.ks", data = folder_ / "data";
   std::ofstream(other) << "OFF\n4 4 0\n5 0 0\n8 0.2 0.1\n5.7 4 -0.3\n5.4 1.1 6\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n";
