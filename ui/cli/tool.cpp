@@ -355,9 +355,10 @@ Expected<void> requireUsable(const std::string& id, const fs::path& output, bool
 
 int makeNew(const Arguments& a) {
   const auto text = newToolText(a.shape, a.tool);
-  if (!text) return complain(text.error());
+  if (!text) return complainOfUsage(text.error());
   const fs::path output = a.output.empty() ? fs::path(a.tool + ".toml") : fs::path(a.output);
-  if (const auto usable = requireUsable(a.tool, output, a.overwrite); !usable) return complain(usable.error());
+  if (const auto usable = requireUsable(a.tool, output, a.overwrite); !usable)
+    return usable.error().code == Error::Code::kBadValue ? complainOfUsage(usable.error()) : complain(usable.error());
 
   auto toml = AtomicFile::create(output);
   if (!toml) return complain(toml.error());
