@@ -17,6 +17,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// What the process was started with may be lower, and is not to be raised.
+void setSoftLimit(decltype(RLIMIT_AS) what, rlim_t wanted) {
+  rlimit limit{};
+  if (getrlimit(what, &limit) != 0) return;
+  limit.rlim_cur = std::min(wanted, limit.rlim_max);
+  setrlimit(what, &limit);
+}
+
 // Allows two seconds of processor time from now, and more for a large file; this process dies of exceeding them. By the
 // clock it may take ten times that: the machine may be busy, but a pipe that is never closed must end.
 void limitTime(const fs::path& file) {
@@ -28,8 +36,7 @@ void limitTime(const fs::path& file) {
   rusage used{};
   getrusage(RUSAGE_SELF, &used);
   const auto until = static_cast<rlim_t>(used.ru_utime.tv_sec + used.ru_stime.tv_sec) + 1 + static_cast<rlim_t>(more);
-  const rlimit limit{until, RLIM_INFINITY};
-  setrlimit(RLIMIT_CPU, &limit);
+  setSoftLimit(RLIMIT_CPU, until);
   alarm(10 * static_cast<unsigned>(more));
 }
 
@@ -51,8 +58,7 @@ void limitMemory(const fs::path& file, double values) {
   if (!(std::ifstream("/proc/self/statm") >> pages)) return;
   const double most = pages * static_cast<double>(sysconf(_SC_PAGESIZE)) + kAmple + kCopies * values +
                       (failed ? 0 : kPerByte * static_cast<double>(size));
-  const rlimit limit{static_cast<rlim_t>(most), RLIM_INFINITY};
-  setrlimit(RLIMIT_AS, &limit);
+  setSoftLimit(RLIMIT_AS, static_cast<rlim_t>(most));
 }
 
 }  // namespace
