@@ -21,6 +21,7 @@
 #include <array>
 #include <memory>
 
+#include "sim/object/cut_area.h"
 #include "sim/object/brick_faces.h"
 #include "sim/object/brick_memory.h"
 #include "sim/object/brick_store.h"
@@ -63,6 +64,8 @@ class CutObject {
   double odometer = 0;
   /// Load of what cuts of the tool's core in the last evaluation of contact, N: sim/step/core_contact.h. @rt
   double core_load = 0;
+  /// What the tool has cut of late: corrects the areas of nodes. @rt
+  CutArea cut_area;
   /// Whether the tool's core has been outside the object since either of them was changed but by cutting. Until it has,
   /// it is not held out: a bur in a cavity that is taken back must not be shot out. @rt
   bool is_core_clear = false;
@@ -79,6 +82,7 @@ class CutObject {
   /// The core is where it is. @rt
   void forgetCore() noexcept {
     core_load = 0;
+    cut_area = {};
     is_core_clear = false;
     ++contact_epoch_;
   }

@@ -114,6 +114,8 @@ void packObject(const CutObject& object, const ContactTurns& turns, std::size_t 
   to.u32(object.id);
   to.pose(object.T_world_object);
   to.f64(object.core_load);
+  to.f64(object.cut_area.byLedger());
+  to.f64(object.cut_area.byShell());
   for (std::size_t m = 0; m < 256; ++m) {
     to.f64(object.removed_mm3[m]);
     to.f64(object.added_mm3[m]);
@@ -213,6 +215,7 @@ std::optional<CutObject> unpackObject(Reader& from, const LoadedObjects& loaded,
   const bool is_piece = flags & 1;
   const Rigid3 pose = from.pose();
   const double core_load = from.f64();
+  const double by_ledger = from.f64(), by_shell = from.f64();
   std::array<double, 256> removed{}, added{};
   for (std::size_t m = 0; m < 256; ++m) {
     removed[m] = from.f64();
@@ -232,6 +235,7 @@ std::optional<CutObject> unpackObject(Reader& from, const LoadedObjects& loaded,
     from.is_good = from.is_good && turns.isUsable();
   }
   if (!from.is_good || index >= loaded.size() || !pose.isUsable() || !(core_load >= 0) || !std::isfinite(core_load) ||
+      !(by_ledger >= 0) || !std::isfinite(by_ledger) || !(by_shell >= 0) || !std::isfinite(by_shell) ||
       air.size() > CutObject::kMostAdded)
     return {};
 
@@ -256,6 +260,7 @@ std::optional<CutObject> unpackObject(Reader& from, const LoadedObjects& loaded,
   object.T_world_object = pose;
   object.id = id;
   object.core_load = core_load;
+  object.cut_area.add(by_ledger, by_shell, 0);
   object.is_core_clear = flags & 4;
   if (flags & 2) object.freeze();
   object.removed_mm3 = removed;

@@ -35,6 +35,7 @@ class NodeSums {
     moving_.still_speed = kStillSpeed;
     moving_.body_spins = tool_.motion == ToolMotion::kSpin;
     moving_.geometry_only = in.geometry_only;
+    moving_.area_scale = static_cast<float>(in.area_scale);
     for (int c = 0; c < 3; ++c) {
       moving_.velocity[c] = static_cast<float>(in.velocity[c]);
       moving_.angular[c] = static_cast<float>(in.angular[c]);
@@ -153,6 +154,7 @@ class NodeSums {
     sums.bare_load += value(S::kBareLoad);
     sums.bare_erodible += value(S::kBareErodible);
     sums.bare_drive_load += value(S::kBareDriveLoad);
+    sums.cut_by_shell += value(S::kCutByShell);
     sums.lip_torque += value(S::kLipTorque);
     sums.drive_load += value(S::kDriveLoad);
     sums.power += value(S::kPower);
@@ -201,6 +203,7 @@ void ContactSums::add(const ContactSums& o) {
   power += o.power;
   erodible_load += o.erodible_load;
   bare_load += o.bare_load;
+  cut_by_shell += o.cut_by_shell;
   bare_erodible += o.bare_erodible;
   bare_drive_load += o.bare_drive_load;
   area += o.area;

@@ -25,6 +25,7 @@ struct ContactInput {
   Vec3d velocity = Vec3d::Zero();  ///< of the tip relative to the object, mm/s, without the tool's own motion
   Vec3d angular = Vec3d::Zero();   ///< rad/s
   double load_scale = 1;           ///< of the pressure that erodes: see erosionScale()
+  double area_scale = 1;           ///< of the areas of nodes that are cut: CutArea
 };
 
 /// Sums over the nodes in contact. A node overlaps the tool by d = max(0, -tau - phi), mm. Its pressure is p = k_n d g,
@@ -52,14 +53,15 @@ struct ContactSums {
   /// The same three for all of what cuts, whichever way it faces: erosion asks for no facing either.
   double bare_load = 0, bare_erodible = 0;  ///< N
   double bare_drive_load = 0;               ///< N mm (kStroke: N)
-  double lip_torque = 0;                    ///< N mm: of a drill's lips, about its axis, whichever way it leans
-  double drive_load = 0;                    ///< of the spindle, N mm (kStroke: N): sum of mu p A times the lever
-  double power = 0;                         ///< sum mu p A v_s, N mm/s: what the drive spends
-  double area = 0;                          ///< touched, mm^2
-  double deepest = 0;                       ///< largest overlap, mm
-  int tested = 0, touching = 0;             ///< nodes
-  std::uint8_t material = 0;                ///< number of the one with most of the area
-  double material_area = 0;                 ///< mm^2
+  double cut_by_shell = 0;       ///< what erodes by the areas of the nodes that face the tool, unscaled, mm^3
+  double lip_torque = 0;         ///< N mm: of a drill's lips, about its axis, whichever way it leans
+  double drive_load = 0;         ///< of the spindle, N mm (kStroke: N): sum of mu p A times the lever
+  double power = 0;              ///< sum mu p A v_s, N mm/s: what the drive spends
+  double area = 0;               ///< touched, mm^2
+  double deepest = 0;            ///< largest overlap, mm
+  int tested = 0, touching = 0;  ///< nodes
+  std::uint8_t material = 0;     ///< number of the one with most of the area
+  double material_area = 0;      ///< mm^2
 
   void add(const ContactSums& other);
   /// All that grows with the pressure, times a factor; area, nodes and depth stay.

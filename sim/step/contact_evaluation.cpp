@@ -16,6 +16,18 @@ void finishTurn(const CutResult& cut, ContactEvaluation& out) {
   if (cut.pool_ran_out) out.status |= kStepBricksRanOut;
 }
 
+// What was removed, against the areas of the shell. The load of the core erodes too: beside the shell's, in proportion.
+// Where something forbade the cut, the areas are not to blame.
+void learnArea(CutObject& object, const ContactSums& sums, double core_load, const CutResult& cut, double dt) {
+  if (object.isFrozen() || cut.pool_ran_out) return;
+  const bool is_shared = core_load > 0 && sums.bare_load > 0;
+  const double share = is_shared ? sums.bare_load / (sums.bare_load + core_load) : 1;
+  if (sums.cut_by_shell > 0)
+    object.cut_area.add(share * cut.removed_mm3, sums.cut_by_shell, dt);
+  else if (sums.touching == 0)
+    object.cut_area.fade(dt);
+}
+
 // Force, then erosion: both see the same pose and the same field. A contact too large for a tick goes by turns.
 void touchAndCut(const Model& model, State& state, const Substep& substep, std::size_t number, ContactInput& in,
                  ContactEvaluation& out) {
@@ -25,6 +37,7 @@ void touchAndCut(const Model& model, State& state, const Substep& substep, std::
   const bool by_turns = turns.begin(object.contactEpoch()) && may_take_turns;
   ContactSums sums;
   std::uint32_t groups = 0;
+  in.area_scale = object.cut_area.scale(object.voxel());
   if (by_turns) {
     groups =
         turns.sum(object, state.near, state.near_in_turn, in, std::min(substep.longest_mm, 0.5 * object.voxel()), sums);
@@ -37,11 +50,13 @@ void touchAndCut(const Model& model, State& state, const Substep& substep, std::
   in.load_scale = shareCoreLoad(object.core_load, state.speed, sums);
   out.sums.add(sums.rotated(object.T_world_object.rotation.toRotationMatrix()));
 
+  const CutResult cut =
+      by_turns ? turns.erode(object, state.near, state.near_in_turn, in, groups) : erode(object, state.near, in);
+  if (!in.geometry_only) learnArea(object, sums, object.core_load, cut, substep.dt);
   if (by_turns) {
-    finishTurn(turns.erode(object, state.near, state.near_in_turn, in, groups), out);
+    finishTurn(cut, out);
     return;
   }
-  const CutResult cut = erode(object, state.near, in);
   finishCut(object, cut, out);
   if (may_take_turns) turns.weigh(ContactTurns::workOf(sums.touching, cut.bricks));
 }

@@ -67,7 +67,8 @@ void sumTouchingHere(const TouchingNodes& nodes, const TouchingTool& tool, Touch
     const V kept = hn::Mul(hn::Sub(one, part), mean_part);
     const V next = hn::Sub(overlap, hn::Mul(erodes, hn::Sub(one, kept)));
     const auto cuts = hn::Gt(into_cut, zero);
-    const V stiff = hn::Mul(hn::Mul(load(nodes.stiffness), facing), area);  // N/mm
+    const V counted = hn::IfThenElse(cuts, hn::Mul(area, hn::Set(f, tool.area_scale)), area);
+    const V stiff = hn::Mul(hn::Mul(load(nodes.stiffness), facing), counted);  // N/mm
     const V stiff_next = hn::IfThenElse(cuts, hn::Mul(stiff, mean_part), stiff);
     const V size = hn::Mul(stiff, mean), size_next = hn::Mul(stiff, next);
 
@@ -125,12 +126,13 @@ void sumTouchingHere(const TouchingNodes& nodes, const TouchingTool& tool, Touch
     add(S::kArea, hn::IfThenElseZero(counts, area));
     add(S::kCount, hn::IfThenElseZero(counts, one));
     add(S::kErodibleLoad, hn::Mul(stiff, into_cut));
+    add(S::kCutByShell, hn::Mul(hn::Mul(facing, area), hn::Mul(erodes, part)));
 
     // The same without the facing weight.
-    const V bare = hn::Mul(hn::Mul(load(nodes.stiffness), area), into_cut);
+    const V bare = hn::Mul(hn::Mul(load(nodes.stiffness), counted), into_cut);
     V bare_mean = hn::Mul(bare, mean_part);
     if (tool.lips.height > 0) {
-      const V gone = hn::Mul(hn::Mul(load(nodes.stiffness), area), hn::Mul(erodes, hn::Sub(one, mean_part)));
+      const V gone = hn::Mul(hn::Mul(load(nodes.stiffness), counted), hn::Mul(erodes, hn::Sub(one, mean_part)));
       bare_mean = hn::Sub(bare, gone);
     }
     add(S::kBareErodible, bare);

@@ -140,6 +140,7 @@ std::uint32_t ContactTurns::sum(CutObject& object, const NearBricks& near, NearB
       of_group = carried(group, in.T_object_tool, in.dt);
     } else {
       of_group.tested = 0;
+      of_group.cut_by_shell = 0;  // of this evaluation alone
     }
     sums.add(of_group);
   }

@@ -276,6 +276,11 @@ std::uint64_t hashOf(AState& state, const HashOfObject& hash_of_object) {
     add(state.core_drag.second.reshaped());
     for (const auto& object : state.objects) mix(std::bit_cast<std::uint64_t>(object.core_load));
   }
+  for (const auto& object : state.objects) {
+    if (!(object.cut_area.byShell() > 0)) continue;
+    mix(std::bit_cast<std::uint64_t>(object.cut_area.byLedger()));
+    mix(std::bit_cast<std::uint64_t>(object.cut_area.byShell()));
+  }
   for (std::size_t n = 0; n < state.objects.size(); ++n) {
     if (!state.turns[n].isActiveFor(state.objects[n])) continue;
     ContactTurns turns = state.turns[n];

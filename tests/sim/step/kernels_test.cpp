@@ -165,7 +165,8 @@ void addPlain(const TouchingNodes& nodes, std::size_t n, const TouchingTool& too
   const double mean = double(nodes.overlap[n]) - double(nodes.into_cut[n]) * (1 - part / rate);
   const bool cuts = nodes.into_cut[n] > 0;
   const double next = double(nodes.overlap[n]) - double(nodes.into_cut[n]) * (1 - (1 - part) * part / rate);
-  const double stiff = double(nodes.stiffness[n]) * facing * double(nodes.area[n]);
+  const double area = double(nodes.area[n]), counted = cuts ? double(tool.area_scale) * area : area;
+  const double stiff = double(nodes.stiffness[n]) * facing * counted;
   const double stiff_next = cuts ? stiff * part / rate : stiff;
 
   const Vec3d r(nodes.from_tip[0][n], nodes.from_tip[1][n], nodes.from_tip[2][n]);
@@ -186,7 +187,8 @@ void addPlain(const TouchingNodes& nodes, std::size_t n, const TouchingTool& too
   at(S::kLoadNext) += stiff * next;
   if (cuts) at(S::kCuttingLoad) += load;
   at(S::kErodibleLoad) += stiff * double(nodes.into_cut[n]);
-  const double bare = double(nodes.stiffness[n]) * double(nodes.area[n]) * double(nodes.into_cut[n]);
+  const double bare = double(nodes.stiffness[n]) * counted * double(nodes.into_cut[n]);
+  at(S::kCutByShell) += facing * area * double(nodes.into_cut[n]) * part;
   at(S::kBareErodible) += bare;
   at(S::kBareLoad) += bare * part / rate;
   at(S::kBareDriveLoad) += double(nodes.friction[n]) * bare * part / rate * arm;
@@ -217,6 +219,7 @@ TEST(SumTouching, IsTheSumOfItsFormulas) {
     tool.lever = {LeverForm::kRadius, 0.3f, 0};
     tool.speed = 1000;
     tool.still_speed = 0.5f;
+    tool.area_scale = 1.25f;
     tool.velocity[0] = 3;
     tool.angular[2] = 0.7f;
     for (const bool spins : {true, false}) {
