@@ -16,30 +16,13 @@
 #include <thread>
 
 #include "sim/device/device_driver.h"
-#include "sim/hand/triple_buffer.h"
 
 namespace kerf {
 namespace {
 
-constexpr std::int64_t kMs = 1'000'000;  // ns
-constexpr std::int64_t kDeadManNs = 20 * kMs;
-static_assert(kDeadManNs == static_cast<std::int64_t>(1e9 * BridgeDevice::kDeadMan));
+constexpr std::int64_t kMs = 1'000'000;         // ns
 constexpr std::int64_t kPeerGone = 1000 * kMs;  // then another sender may talk
 constexpr std::int64_t kSendAgain = 5 * kMs;    // when there is nothing new to say
-constexpr double kJump = 5;                     // mm from frame to frame: no hand, a device that was set anew
-constexpr std::uint32_t kPedal = 1, kClutch = 2;
-
-struct Stamped {
-  HandFrame frame;
-  std::int64_t came_ns = 0;  // 0: none yet
-};
-
-struct Wish {
-  Vec3d force = Vec3d::Zero(), torque = Vec3d::Zero();  // device frame
-  bool is_enabled = false;
-  std::int64_t written_ns = 0;
-  std::uint64_t hand_number = 0, hand_time_ns = 0;
-};
 
 bool isSame(const sockaddr_in& a, const sockaddr_in& b) {
   return a.sin_addr.s_addr == b.sin_addr.s_addr && a.sin_port == b.sin_port;
@@ -75,10 +58,6 @@ Expected<std::uint16_t> parseBridgeAddress(const std::string& text) {
 }
 
 struct BridgeDevice::State {
-  explicit State(const BridgeOptions& given) : options(given), guard(given.limits), map(given.map) {
-    sample.T_world_device = given.start;
-    sample.pedal = 0;
-  }
   ~State() {
     if (socket >= 0) ::close(socket);
   }
@@ -91,33 +70,20 @@ struct BridgeDevice::State {
   void send(const ForceFrame& frame);
   void stop();
 
-  // The haptic thread.
-  bool isUsable(const Stamped& hand, std::int64_t now) const noexcept;
-
-  const BridgeOptions options;
+  BridgeDevice* device = nullptr;
   int socket = -1;
   std::uint16_t port = 0;
-  std::atomic<bool> is_stopping{false}, may_give_force{false};
-  TripleBuffer<Stamped> hands;
-  TripleBuffer<Wish> wishes;
+  std::atomic<bool> is_stopping{false};
 
   // The bridge's thread alone.
   sockaddr_in peer{};
-  std::int64_t peer_came = 0, last_sent = 0, last_written = 0;
-  Stamped newest;
-  ForceFrame next;
+  std::int64_t peer_came = 0, last_sent = 0;
+  std::uint64_t number = 0;  // of the last force frame
+  ArmLink::Hand newest;
+  ForceFrame last;
 
   mutable std::mutex mutex;
-  BridgeCounts counts;  // guarded by mutex, as the next
-  Stamped told;
-
-  // The haptic thread alone.
-  ForceGuard guard;
-  WorkspaceMap map;
-  DeviceSample sample;
-  HandFrame hand;  // of the last read()
-  bool has_met = false, is_clutched = false, is_armed = false;
-
+  ArmCounts counts;  // guarded by mutex
   std::thread thread;
 };
 
@@ -130,10 +96,10 @@ void BridgeDevice::State::exchange() {
     receive();
     answer(deviceClock());
   }
-  next.is_enabled = false;
-  next.force.setZero();
-  next.torque.setZero();
-  for (int n = 0; n < 3; ++n) send(next);  // one may be lost
+  last.is_enabled = false;
+  last.force.setZero();
+  last.torque.setZero();
+  for (int n = 0; n < 3; ++n) send(last);  // one may be lost
 }
 
 // All that waits; the newest is published.
@@ -152,8 +118,9 @@ void BridgeDevice::State::receive() {
     take({bytes.data(), kept}, from, deviceClock());
   }
   if (newest.frame.number == before && newest.came_ns == came_before) return;
-  hands.back() = newest;
-  hands.publish();
+  device->link_.hands.back() = newest;
+  device->link_.hands.publish();
+  device->tell(newest);
 }
 
 void BridgeDevice::State::take(std::span<const std::uint8_t> bytes, const sockaddr_in& from, std::int64_t now) {
@@ -162,7 +129,7 @@ void BridgeDevice::State::take(std::span<const std::uint8_t> bytes, const sockad
   const std::lock_guard lock(mutex);
   if (fault != FrameFault::kNone) {
     ++counts.refused;
-    counts.last_fault = fault;
+    counts.last_fault = nameOf(fault);
     return;
   }
   const bool is_free = peer_came == 0 || now - peer_came > kPeerGone;
@@ -177,41 +144,30 @@ void BridgeDevice::State::take(std::span<const std::uint8_t> bytes, const sockad
   peer = from;
   peer_came = now;
   newest = {frame, now};
-  told = newest;
-  ++counts.hand_frames;
+  counts.newest_came_ns = now;
+  ++counts.hands;
 }
 
-// What the haptic thread wrote last, as long as it is news; zero after that.
 void BridgeDevice::State::answer(std::int64_t now) {
   if (peer_came == 0) return;
-  wishes.update();
-  const Wish& wish = wishes.front();
-  const bool is_alive = wish.written_ns != 0 && now - wish.written_ns <= kDeadManNs;
-  const bool is_enabled = is_alive && wish.is_enabled && may_give_force.load(std::memory_order_acquire) &&
-                          newest.frame.is_ready && now - newest.came_ns <= kDeadManNs;
-  const bool is_news = wish.written_ns != last_written || is_enabled != next.is_enabled;
+  const ForceFrame next = device->link_.answer(newest, now);
+  const bool is_news = next.hand_number != last.hand_number || next.is_enabled != last.is_enabled ||
+                       next.force != last.force || next.torque != last.torque;
   if (!is_news && now - last_sent < kSendAgain) return;
-
-  last_written = wish.written_ns;
-  next.hand_number = wish.hand_number;
-  next.hand_time_ns = wish.hand_time_ns;
-  next.is_enabled = is_enabled;
-  next.force = is_enabled ? wish.force : Vec3d::Zero();
-  next.torque = is_enabled ? wish.torque : Vec3d::Zero();
+  last = next;
   send(next);
   last_sent = now;
 }
 
 void BridgeDevice::State::send(const ForceFrame& frame) {
   if (peer_came == 0) return;
-  ++next.number;
   ForceFrame out = frame;
-  out.number = next.number;
+  out.number = ++number;
   const auto bytes = encode(out);
   const ssize_t sent = ::sendto(socket, bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL,
                                 reinterpret_cast<const sockaddr*>(&peer), sizeof peer);
   const std::lock_guard lock(mutex);
-  counts.force_frames += sent > 0;
+  counts.forces += sent > 0;
   counts.is_enabled = out.is_enabled;
 }
 
@@ -222,11 +178,14 @@ void BridgeDevice::State::stop() {
 
 // ---- Opening
 
-BridgeDevice::BridgeDevice(std::unique_ptr<State> state) : state_(std::move(state)) {}
+BridgeDevice::BridgeDevice(const BridgeOptions& options, std::unique_ptr<State> state)
+    : ForceArm({options.limits, options.map, options.pedal_is_down}, options.start), state_(std::move(state)) {
+  state_->device = this;
+}
 BridgeDevice::~BridgeDevice() { state_->stop(); }
 
 Expected<std::unique_ptr<BridgeDevice>> BridgeDevice::open(const BridgeOptions& options) {
-  auto state = std::make_unique<State>(options);
+  auto state = std::make_unique<State>();
   State& s = *state;
   s.socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   if (s.socket < 0) return systemError("opening a socket", "raise the limit nofile");
@@ -241,7 +200,7 @@ Expected<std::unique_ptr<BridgeDevice>> BridgeDevice::open(const BridgeOptions& 
     return systemError("asking for the port of the bridge", "");
   s.port = ntohs(here.sin_port);
 
-  std::unique_ptr<BridgeDevice> device(new BridgeDevice(std::move(state)));
+  std::unique_ptr<BridgeDevice> device(new BridgeDevice(options, std::move(state)));
   try {
     s.thread = std::thread([&s] { s.exchange(); });
   } catch (const std::system_error& e) {
@@ -255,92 +214,18 @@ Expected<std::unique_ptr<BridgeDevice>> BridgeDevice::open(const BridgeOptions& 
 }
 
 std::uint16_t BridgeDevice::port() const noexcept { return state_->port; }
-void BridgeDevice::enable(bool may_give_force) noexcept {
-  state_->may_give_force.store(may_give_force, std::memory_order_release);
-}
+std::string BridgeDevice::what() const { return fmt::format("bridge, port {} of this machine", state_->port); }
 
-BridgeCounts BridgeDevice::counts() const {
+ArmCounts BridgeDevice::counts() const {
   const std::lock_guard lock(state_->mutex);
-  BridgeCounts out = state_->counts;
-  out.is_talking = state_->told.came_ns != 0 && deviceClock() - state_->told.came_ns <= kDeadManNs;
+  ArmCounts out = state_->counts;
+  const double age = 1e-9 * static_cast<double>(deviceClock() - out.newest_came_ns);
+  out.is_talking = out.newest_came_ns != 0 && age <= kDeadMan;
+  if (out.newest_came_ns == 0)
+    out.trouble = fmt::format("no bridge sends to port {} yet: start it", state_->port);
+  else if (!out.is_talking)
+    out.trouble = "the bridge has fallen silent: start it again";
   return out;
-}
-
-bool BridgeDevice::lastHand(HandFrame& out) const {
-  const std::lock_guard lock(state_->mutex);
-  if (state_->told.came_ns == 0) return false;
-  out = state_->told.frame;
-  return true;
-}
-
-// ---- The haptic thread
-
-bool BridgeDevice::State::isUsable(const Stamped& now_hand, std::int64_t now) const noexcept {
-  return is_armed && now_hand.came_ns != 0 && now - now_hand.came_ns <= kDeadManNs && now_hand.frame.is_ready;
-}
-
-void BridgeDevice::arm() noexcept { state_->is_armed = true; }
-
-DeviceSample BridgeDevice::read() noexcept {
-  State& s = *state_;
-  s.hands.update();
-  const Stamped& newest = s.hands.front();
-  if (!s.isUsable(newest, deviceClock())) {
-    s.guard.disarm();
-    s.has_met = false;
-    s.sample.is_valid = 0;
-    s.sample.pedal = 0;
-    return s.sample;
-  }
-
-  // A hand that has just come, one that leapt, one that holds the clutch: it takes the tool where the tool is.
-  const bool has_leapt = s.has_met && (newest.frame.pose.translation - s.hand.pose.translation).norm() > kJump;
-  const bool is_clutched = newest.frame.buttons & kClutch;
-  s.hand = newest.frame;
-  if (!s.hand.senses_orientation) s.hand.pose.rotation.setIdentity();
-  if (!s.has_met || has_leapt || is_clutched || s.is_clutched) s.map.meet(s.hand.pose, s.sample.T_world_device);
-  if (has_leapt || is_clutched) s.guard.disarm();
-  s.has_met = true;
-  s.is_clutched = is_clutched;
-
-  ForceLimits limits = s.options.limits;
-  limits.force = std::min(limits.force, s.hand.most_force);
-  s.guard.limit(limits);
-  if (!s.may_give_force.load(std::memory_order_acquire)) {
-    s.guard.disarm();
-    s.guard.forgetFault();
-  } else if (!is_clutched && !has_leapt && !s.guard.hasFault()) {
-    s.guard.arm();
-  }
-
-  s.sample.is_valid = 1;
-  s.sample.T_world_device = s.map.toWorld(s.hand.pose);
-  s.sample.pedal = s.options.pedal_is_down || (s.hand.buttons & kPedal) ? 1 : 0;
-  return s.sample;
-}
-
-void BridgeDevice::write(const DeviceForce& force) noexcept {
-  State& s = *state_;
-  Wish& wish = s.wishes.back();
-  wish.force = s.guard.pass(s.map.toDevice(force.force), kTick);
-  wish.torque = Vec3d::Zero();
-  wish.is_enabled = s.guard.isArmed();
-  wish.written_ns = deviceClock();
-  wish.hand_number = s.hand.number;
-  wish.hand_time_ns = s.hand.time_ns;
-  s.wishes.publish();
-}
-
-void BridgeDevice::placed(const Rigid3& T_world_tool) noexcept {
-  state_->sample.T_world_device = T_world_tool;
-  state_->has_met = false;
-  state_->guard.disarm();
-}
-
-void BridgeDevice::disarm() noexcept {
-  state_->is_armed = false;
-  state_->guard.disarm();
-  write({});
 }
 
 }  // namespace kerf

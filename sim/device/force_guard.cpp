@@ -26,13 +26,20 @@ Vec3d ForceGuard::pass(const Vec3d& wanted, double dt) noexcept {
   }
   armed_for_ += dt;
   Vec3d force = std::min(1.0, armed_for_ / limits_.ramp_s) * wanted;
-  if (const double size = force.norm(); size > limits_.force) force *= limits_.force / size;
+  is_clamped_ = false;
+  if (const double size = force.norm(); size > limits_.force) {
+    force *= limits_.force / size;
+    is_clamped_ = true;
+  }
 
   // Free is the way towards zero along the force that is there; what grows from it is bound in rate.
   const double old = last_.squaredNorm();
   const Vec3d nearer = old > 0 ? Vec3d(std::clamp(force.dot(last_) / old, 0.0, 1.0) * last_) : last_;
   Vec3d change = force - nearer;
-  if (const double size = change.norm(), most = limits_.rate * dt; size > most) change *= most / size;
+  if (const double size = change.norm(), most = limits_.rate * dt; size > most) {
+    change *= most / size;
+    is_clamped_ = true;
+  }
   last_ = nearer + change;
   if (const double size = last_.norm(); size > limits_.force) last_ *= limits_.force / size;
   return last_;

@@ -1,6 +1,8 @@
 // What stands between a force that was computed and the motors of a device.
 #pragma once
 
+#include <algorithm>
+
 #include "geometry/base/types.h"
 
 namespace kerf {
@@ -23,6 +25,10 @@ class ForceGuard {
   /// It was disarmed by a force that was not finite.
   bool hasFault() const noexcept { return has_fault_; }
   void forgetFault() noexcept { has_fault_ = false; }
+  /// Share of the fading-in, 0 to 1; 0: not armed.
+  double ramp() const noexcept { return is_armed_ ? std::min(1.0, armed_for_ / limits_.ramp_s) : 0; }
+  /// The last force was bound in size or in rate.
+  bool isClamped() const noexcept { return is_armed_ && is_clamped_; }
 
   /// @param wanted  N.   @param dt  since the last call, s.   @return  what the device may be given.
   Vec3d pass(const Vec3d& wanted, double dt) noexcept;
@@ -31,7 +37,7 @@ class ForceGuard {
   ForceLimits limits_;
   Vec3d last_ = Vec3d::Zero();
   double armed_for_ = 0;  // s
-  bool is_armed_ = false, has_fault_ = false;
+  bool is_armed_ = false, has_fault_ = false, is_clamped_ = false;
 };
 
 }  // namespace kerf

@@ -24,6 +24,10 @@ class WorkspaceMap {
     offset_ = world.translation - scale_ * (turn_ * device.translation);
   }
   double scale() const noexcept { return scale_; }
+  /// The same turn and scale; the offset is another matter.
+  bool isAlike(const WorkspaceMap& other) const noexcept {
+    return scale_ == other.scale_ && turn_.coeffs() == other.turn_.coeffs();
+  }
   /// The device as the world sees it: what a coupling there has to be made for. A mm of the world is 1 / scale of the
   /// hand's, and a N is a N.
   DeviceProfile inWorld(DeviceProfile profile) const noexcept {

@@ -59,11 +59,11 @@ Expected<HandFrame> waitForHand(const BridgeDevice& device, double most_s) {
     if (duration<double>(steady_clock::now() - began).count() > most_s) break;
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
-  const BridgeCounts counts = device.counts();
+  const ArmCounts counts = device.counts();
   return fail({.code = Error::Code::kNotFound,
                .place = fmt::format("127.0.0.1, port {}", device.port()),
                .found = counts.refused > 0
-                            ? fmt::format("{} frames that are none: {}", counts.refused, nameOf(counts.last_fault))
+                            ? fmt::format("{} frames that are none: {}", counts.refused, counts.last_fault)
                             : fmt::format("no frame in {:g} s", most_s),
                .expected = "a bridge that sends version 1 (docs/reference/device-bridge.md)",
                .hint = fmt::format("start the bridge; to try: kerf devices --simulate arm --port {}", device.port())});
@@ -95,7 +95,7 @@ void follow(LiveRun& run, const BridgeDevice& device, const Arguments& a) {
   }
 }
 
-int say(const Arguments& a, const RunManifest& manifest, const HapticReport& report, const BridgeCounts& counts) {
+int say(const Arguments& a, const RunManifest& manifest, const HapticReport& report, const ArmCounts& counts) {
   double removed = 0;
   for (std::size_t n = 0; n < report.object_count; ++n) removed += report.objects[n].removed_mm3;
   if (a.json) {
@@ -105,16 +105,16 @@ int say(const Arguments& a, const RunManifest& manifest, const HapticReport& rep
                {"state_hash", manifest.state_hash},
                {"ticks", report.counts.ticks},
                {"overruns", report.counts.overruns},
-               {"hand_frames", counts.hand_frames},
-               {"force_frames", counts.force_frames},
+               {"hand_frames", counts.hands},
+               {"force_frames", counts.forces},
                {"refused_frames", counts.refused},
                {"old_frames", counts.old}});
     return kOk;
   }
   fmt::print("cut for {:.3f} s with {}; removed {:.4f} mm3; state {}\n", manifest.duration_s, manifest.tool_id, removed,
              manifest.state_hash);
-  fmt::print("frames: {} of the hand, {} refused, {} too old; {} of force\n", counts.hand_frames, counts.refused,
-             counts.old, counts.force_frames);
+  fmt::print("frames: {} of the hand, {} refused, {} too old; {} of force\n", counts.hands, counts.refused, counts.old,
+             counts.forces);
   fmt::print("run written: {}\n", a.run_folder);
   return kOk;
 }

@@ -191,7 +191,7 @@ TEST_F(Bridge, NumbersThatAreNoneNeverReachTheMotors) {
   ASSERT_TRUE(until([&] { return isPushed(); }));
   arm_->sendNan();
   ASSERT_TRUE(until([&] { return device_->counts().refused == 1; }));
-  EXPECT_EQ(device_->counts().last_fault, FrameFault::kNotFinite);
+  EXPECT_EQ(device_->counts().last_fault, nameOf(FrameFault::kNotFinite));
 
   wall.gives_nan = true;
   EXPECT_LT(secondsUntil([&] { return !arm_->report().is_enabled; }), 0.02 + kRoom);
@@ -275,9 +275,9 @@ TEST_F(Bridge, AHandThatLeapsTakesTheToolAlongFromWhereTheToolIs) {
     frame.pose.translation = p;
     frame.buttons = buttons;
     const auto bytes = encode(frame);
-    const std::uint64_t before = device_->counts().hand_frames;
+    const std::uint64_t before = device_->counts().hands;
     ::sendto(socket, bytes.data(), bytes.size(), 0, reinterpret_cast<const sockaddr*>(&there), sizeof there);
-    EXPECT_TRUE(until([&] { return device_->counts().hand_frames > before; }));
+    EXPECT_TRUE(until([&] { return device_->counts().hands > before; }));
     std::this_thread::sleep_for(milliseconds(3));
     return device_->read();
   };
