@@ -204,6 +204,41 @@ constexpr AppCommand kCommands[] = {
     {"device.invert", "", "", "", "AXIS...|none",
      "Inverts axes of a SpaceMouse: right, away, up, pitch, roll, yaw; all others go as they are.", hasSettings,
      device_commands::invert},
+    {"device.panel", "Device", "Force-feedback device...", "", "[on|off]",
+     "Shows the force-feedback device: hand, buttons, force, safety, what is missing; or puts it away.", always,
+     device_commands::panel},
+    {"device.open", "", "", "", "NAME",
+     "Opens a force-feedback device, whose hand leads the tool when it comes: bridge, bridge:PORT. What is open goes "
+     "on in a session that it can bear.",
+     isIdle, device_commands::open},
+    {"device.close", "Device", "Close the device", "", "", "Takes all force away and gives the tool back to the mouse.",
+     device_commands::isOpen, device_commands::close},
+    {"device.arm", "Device", "Arm: let it give force", "", "",
+     "Lets the device give force from now on, faded in. Keep a hand on it.", device_commands::isOpen,
+     device_commands::arm},
+    {"device.disarm", "Device", "Disarm: no force", "F8", "", "Takes the force away at once; the hand leads on.",
+     device_commands::isOpen, device_commands::disarm},
+    {"device.fit", "Device", "Make the session fit the device", "", "",
+     "Goes on in a session of its own, coupled as the device can bear it now.", isOpenAndIdle, device_commands::fit},
+    {"device.force", "", "", "", "NEWTONS", "Bounds the force of the device, 0.1 to 20 N; it may bound it more.",
+     always, device_commands::force},
+    {"device.scale", "", "", "", "FACTOR", "Sets how many mm of the scene a mm of the hand is, 0.05 to 5.", always,
+     device_commands::scale},
+    {"device.turn", "", "", "", "DEG", "Turns the device about the scene's z axis.", always, device_commands::turn},
+    {"device.pedal", "", "", "", "[on|off]", "Lets the drive turn without button 1 of the device.", always,
+     device_commands::pedal},
+    {"device.profile", "", "", "", "MS KG N MM",
+     "Says what the device is like: delay, mass, friction, step of its encoder. The next session is coupled by it.",
+     always, device_commands::profile},
+    {"device.place", "", "", "", "X Y Z",
+     "Puts the tip of the tool there, mm: where the hand is now means that place from now on.",
+     device_commands::isLeading, device_commands::place},
+    {"device.calibrate", "Device", "Calibrate: it is in its home pose", "", "",
+     "Tells a device that needs it that its arm is in its home pose.", device_commands::isOpen,
+     device_commands::calibrate},
+    {"device.test", "Device", "Test force: 0.5 N up", "", "[NEWTONS [X Y Z]]",
+     "Pushes the hand gently for 1.5 s, at most 1 N, along a direction of the device; up if not told.",
+     device_commands::isArmed, device_commands::test},
     {"settings.push", "", "", "", "", "Keeps push and depth of now for later sessions.", hasSettings, keepPush},
 
     {"tool.select", "", "", "", "ID", "Takes another tool.", isOpen, tool_commands::selectTool},
@@ -428,10 +463,14 @@ std::string appCommandReference() {
       "words in "
       "double quotes may hold blanks. X and Y are pixels of the picture, Y downwards. Beside them a script has `wait` "
       "(until "
-      "no job runs, no plane is sawn and no replay jumps), `wait SECONDS` (of the simulation), `print` (the state, as "
+      "no job runs, no plane is sawn and no replay jumps), `wait SECONDS` (of the simulation), `wait device [SECONDS]` "
+      "(until a force-feedback device leads the tool; 10 s at most), `print` (the state, as "
       "JSON) and `expect "
-      "removed|depth|near|warm|sawn|triangles|pieces|beside|beside-near|beside-removed|steps|ahead|time|same LOW "
-      "HIGH`: `time` is the second that is watched, "
+      "removed|depth|near|warm|sawn|triangles|pieces|beside|beside-near|beside-removed|steps|ahead|time|same|device|"
+      "device-force "
+      "LOW "
+      "HIGH`: `device` is 0 without a force-feedback device, 1 when it is silent, 2 when its hand is there, 3 when it "
+      "leads, 4 when it is armed; `time` is the second that is watched, "
       "`same` "
       "1 when a replay ended as recorded, 0 when not, -1 before its end. The first error ends it, "
       "with "

@@ -35,6 +35,7 @@ struct AppContext {
   bool shows_settings = false;
   bool wants_palette = false;
   bool shows_plots = false;
+  bool shows_device = false;
 };
 
 struct AppCommand {

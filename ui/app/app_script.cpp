@@ -11,7 +11,9 @@
 #include <thread>
 
 #include "sim/run/watched_run.h"
+#include "ui/app/arm_lead.h"
 #include "ui/app/command_words.h"
+#include "ui/app/device_commands.h"
 #include "ui/app/import_commands.h"
 #include "ui/app/sawing.h"
 #include "ui/app/tissue_display.h"
@@ -42,6 +44,25 @@ Expected<void> waitForReplay(AppContext& c, double seconds, const std::function<
   return {};
 }
 
+// Until a force-feedback device leads the tool.
+Expected<void> waitForDevice(AppContext& c, AppWords words, const std::function<void()>& frame) {
+  KERF_TRY(seconds, numberOr(words, 1, 10, "SECONDS", 0, 36000));
+  const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
+  while (!c.bench.isLed() && std::chrono::steady_clock::now() < until) frameOf(frame);
+  if (c.bench.isLed()) return {};
+  return wrongWord(fmt::format("no device that leads the tool after {:g} s", seconds), "one",
+                   c.bench.arm().view().missing);
+}
+
+// 0: none is open; 1: it is silent; 2: its hand is there; 3: the tool follows it; 4: and it may give force.
+int stageOfDevice(const AppContext& c) {
+  const ArmView now = c.bench.arm().view();
+  if (now.what.empty()) return 0;
+  if (!now.is_there) return 1;
+  if (!now.is_leading) return 2;
+  return now.is_armed ? 4 : 3;
+}
+
 Expected<void> wait(AppContext& c, AppWords words, const std::function<void()>& frame) {
   if (words.empty()) {
     do frameOf(frame);
@@ -50,6 +71,7 @@ Expected<void> wait(AppContext& c, AppWords words, const std::function<void()>& 
     if (c.bench.watched()) frame();  // takes the chunks that were meshed since the last look
     return {};
   }
+  if (words[0] == "device") return waitForDevice(c, words, frame);
   KERF_TRY(seconds, numberOf(words, 0, "SECONDS", 0, 36000));
   if (c.bench.watched()) return waitForReplay(c, seconds, frame);
   if (!c.bench.isOpen()) return wrongWord("nothing is open", "a session whose clock runs");
@@ -80,6 +102,7 @@ void printState(const AppContext& c) {
     j["pulp_rise_K"] = heat.pulp_rise;
     j["nerve_rise_K"] = heat.nerve_rise;
   }
+  if (c.bench.arm().isOpen()) j["device"] = nlohmann::json::parse(device_commands::deviceState(c));
   if (c.bench.isImporting()) j["import"] = nlohmann::json::parse(importState(*c.bench.importSet()));
   if (const WatchedRun* const run = c.bench.watched()) {
     const WatchMoment& now = run->moment();
@@ -128,8 +151,8 @@ double removedBeside(const AppContext& c) {
 }
 
 const std::string kExpected =
-    "removed, depth, near, warm, sawn, triangles, pieces, beside, beside-near, beside-removed, steps, ahead, time or "
-    "same";
+    "removed, depth, near, warm, sawn, triangles, pieces, beside, beside-near, beside-removed, steps, ahead, time, "
+    "same, device or device-force";
 
 double secondWatched(const AppContext& c) {
   return c.bench.watched() ? kTick * static_cast<double>(c.bench.watched()->moment().sample) : 0;
@@ -173,6 +196,10 @@ Expected<void> expect(const AppContext& c, AppWords words) {
     value = secondWatched(c);
   else if (words[0] == "same")
     value = sameness(c);
+  else if (words[0] == "device")
+    value = stageOfDevice(c);
+  else if (words[0] == "device-force")
+    value = c.bench.arm().view().felt.force.norm();
   else if (words[0] == "ahead")
     value = static_cast<double>(c.bench.timeline().steps().size() - c.bench.timeline().done());
   else

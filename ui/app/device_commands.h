@@ -1,4 +1,5 @@
-// Commands about devices that are plugged in: what a SpaceMouse leads, and how; each is kept at once.
+// Commands about devices that are plugged in: what a SpaceMouse leads, and how, each kept at once; the force-feedback
+// device of the window.
 #pragma once
 
 #include "ui/app/app_commands.h"
@@ -10,5 +11,27 @@ Expected<void> gain(AppContext& c, AppWords words);      ///< FACTOR
 Expected<void> deadBand(AppContext& c, AppWords words);  ///< PERCENT
 Expected<void> dominant(AppContext& c, AppWords words);  ///< [on|off]
 Expected<void> invert(AppContext& c, AppWords words);    ///< AXIS... or none
+
+bool isOpen(const AppContext& c);
+bool isLeading(const AppContext& c);
+bool isArmed(const AppContext& c);
+
+Expected<void> open(AppContext& c, AppWords words);  ///< NAME
+Expected<void> close(AppContext& c, AppWords words);
+Expected<void> arm(AppContext& c, AppWords words);
+Expected<void> disarm(AppContext& c, AppWords words);
+Expected<void> fit(AppContext& c, AppWords words);
+Expected<void> force(AppContext& c, AppWords words);    ///< NEWTONS
+Expected<void> scale(AppContext& c, AppWords words);    ///< FACTOR
+Expected<void> turn(AppContext& c, AppWords words);     ///< DEG
+Expected<void> pedal(AppContext& c, AppWords words);    ///< [on|off]
+Expected<void> profile(AppContext& c, AppWords words);  ///< MS KG NEWTONS MM
+Expected<void> place(AppContext& c, AppWords words);    ///< X Y Z
+Expected<void> calibrate(AppContext& c, AppWords words);
+Expected<void> test(AppContext& c, AppWords words);   ///< [NEWTONS [X Y Z]]
+Expected<void> panel(AppContext& c, AppWords words);  ///< [on|off]
+
+/// The device of the window as one JSON object, for scripts.
+std::string deviceState(const AppContext& c);
 
 }  // namespace kerf::device_commands

@@ -332,7 +332,11 @@ Expected<Opened> openToCut(const fs::path& path, const OpeningOptions& options, 
   }();
   KERF_TRY(beside, prepareBeside(case_folder, alone, options, partOf(progress, 0.4, 0.7), out));
   live.beside = std::move(beside);
-  live.haptic.stall_ms = 5000;  // no arm is led: a busy machine need not stop the tool
+  live.is_felt = options.coupling.has_value();
+  if (options.coupling)
+    live.step.coupling = *options.coupling;
+  else
+    live.haptic.stall_ms = 5000;  // no arm is led: a busy machine need not stop the tool
   live.start = {Eigen::Quaterniond::Identity(), manifest.box.center() + Vec3d(0, 0, manifest.box.size()[2])};
   KERF_TRY(run, LiveRun::open(case_folder, newSessionFolder(options.data_folder, out.name), std::move(live),
                               partOf(progress, 0.7, 0.9)));

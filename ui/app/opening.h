@@ -74,6 +74,8 @@ struct OpeningOptions {
   PrepareOptions prepare;
   std::vector<SessionTool> tools;  ///< of the rack; the first is in hand
   RealTimeRequest real_time;       ///< of the haptic thread
+  /// Of a force-feedback device that is to lead the tool and be felt; none: no arm is led.
+  std::optional<CouplingSettings> coupling{};
   std::vector<OpenBeside> beside{};
 };
 

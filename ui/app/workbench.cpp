@@ -10,6 +10,7 @@
 
 #include "geometry/formats/mesh_formats.h"
 #include "sim/run/watched_run.h"
+#include "ui/app/arm_lead.h"
 #include "ui/app/exporting.h"
 #include "ui/app/import_set.h"
 #include "ui/app/sawing.h"
@@ -58,6 +59,7 @@ void sendTheRest(LiveRun& run, std::ptrdiff_t undos, std::uint64_t sent) {
 Workbench::Workbench(WorkbenchOptions options)
     : options_(std::move(options)),
       recent_(dataFolderOf(options_)),
+      arm_(std::make_unique<ArmLead>()),
       tissues_(std::make_unique<TissueDisplay>()),
       saw_(std::make_unique<Sawing>(*this)) {
   options_.data_folder = dataFolderOf(options_);
@@ -67,6 +69,8 @@ Workbench::Workbench(WorkbenchOptions options)
   else
     complain(materials.error());
   findLostSessions();
+  if (options_.device.empty()) return;
+  if (const auto opened = arm_->open(options_.device); !opened) complain(opened.error());
 }
 
 Workbench::~Workbench() {
@@ -75,6 +79,7 @@ Workbench::~Workbench() {
   tissues_->closing();
   namePieces();
   saw_->closing();
+  arm_->closing();
   sendTheRest(*run_, undos_left_, sent_);
   (void)run_->finish();
 }
@@ -94,6 +99,7 @@ std::vector<ObjectChunks> Workbench::update() {
   }
   if (import_ && !job_) import_->update();
   takeNews();
+  if (!run_) (void)arm_->update(report_, false);  // its panel shows it
   handOverScene();
   if (const auto done = tissues_->update(); !done) complain(done.error());
   saw_->update();
@@ -116,6 +122,7 @@ void Workbench::takeNews() {
   timeline_.update(report_.undo);
   goWhereWished();
   sendUndos();
+  followDevice();
   if (run_->thread().updateTimes()) times_ = run_->thread().times();
   const auto chunks = run_->takeChunks();
   scene_.update(chunks, report_);
@@ -246,7 +253,7 @@ void Workbench::openDemo(const std::string& name) {
 }
 
 OpeningOptions Workbench::openingOptions() const {
-  return {options_.data_folder, {options_.unit, options_.voxel_mm, {}}, tools_, options_.real_time};
+  return {options_.data_folder, {options_.unit, options_.voxel_mm, {}}, tools_, options_.real_time, arm_->coupling()};
 }
 
 void Workbench::openBy(const std::string& title, Load load) {
@@ -274,7 +281,8 @@ void Workbench::show(Opened& loaded) {
   const CouplingSettings& coupling = loaded.run->model().settings.coupling;
   auto hand = std::make_unique<MouseHand>(loaded.run->original(), loaded.run->thread().session().state().body.pose,
                                           coupling.stiffness, coupling.turn_stiffness);
-  auto guided = std::make_unique<GuidedHand>(*hand, coupling.stiffness, coupling.turn_stiffness);
+  auto hands = std::make_shared<HandSwitch>(*hand);
+  auto guided = std::make_unique<GuidedHand>(*hands, coupling.stiffness, coupling.turn_stiffness);
   hand->keepAwayFrom(loaded.structures);
   hand->keepAwayFromBeside(loaded.neighbours);
   const auto started = loaded.run->start(*guided);
@@ -287,8 +295,10 @@ void Workbench::show(Opened& loaded) {
   watched_.reset();
   asked_run_.reset();
   hand_ = std::move(hand);
+  hands_ = std::move(hands);
   guided_ = std::move(guided);
   run_ = std::move(loaded.run);
+  arm_->opened(*run_, hands_);
   structures_ = std::move(loaded.structures);
   neighbour_fields_ = std::move(loaded.neighbours);
   sources_beside_ = std::move(loaded.sources_beside);
@@ -346,15 +356,17 @@ void Workbench::close() {
   namePieces();
   saw_->closing();
   tissues_->closing();
+  arm_->closing();
   std::shared_ptr<LiveRun> ending = std::move(run_);
   std::shared_ptr<MouseHand> hand = std::move(hand_);
+  std::shared_ptr<HandSwitch> hands = std::move(hands_);
   std::shared_ptr<GuidedHand> guided = std::move(guided_);
   const std::string name = name_;
   scene_.clear();
   ++generation_;
   auto job = std::make_unique<Job<RunManifest>>(
       "writing the session of " + name,
-      [ending, guided, hand, left = std::exchange(undos_left_, 0), sent = sent_](const Progress&) {
+      [ending, guided, hands, hand, left = std::exchange(undos_left_, 0), sent = sent_](const Progress&) {
         sendTheRest(*ending, left, sent);
         return ending->finish();
       },
@@ -408,6 +420,10 @@ std::optional<ToolOverSurface> Workbench::over(const Ray& ray) const {
 
 bool Workbench::press(const Ray& ray) {
   if (import_ || saw_->isCutting() || undos_left_ != 0 || wish_) return false;  // a session behind an import rests
+  if (isLed()) {
+    warnThatItIsLed();
+    return false;
+  }
   const auto at = over(ray);
   if (!at) {
     const auto seen = behindSection(ray);
@@ -503,9 +519,11 @@ const ToolSamples& Workbench::samplesOf(std::size_t tool) const {
 
 std::optional<NearStructure> Workbench::nearStructure(const std::optional<ToolOverSurface>& over) const {
   constexpr double kStopped = 0.03;  // mm: as near as a held button comes to its limit
-  if (!run_ || structures_->isEmpty() || (!stroke_ && !over)) return {};
-  const Rigid3 tool = stroke_ ? report_.output.T_world_tool : over->T_world_tool;
-  const Rigid3& object = stroke_ ? aim_.T_world_surface : over->T_world_object;
+  if (!run_ || structures_->isEmpty() || (!stroke_ && !over && !isLed())) return {};
+  const Rigid3 tool = stroke_ || isLed() ? report_.output.T_world_tool : over->T_world_tool;
+  const Rigid3 object = stroke_   ? aim_.T_world_surface
+                        : isLed() ? report_.objects[0].T_world_object
+                                  : over->T_world_object;
   const Structures::Nearest nearest = structures_->nearest(samplesOf(tool_), object.inverse() * tool);
 
   NearStructure out;

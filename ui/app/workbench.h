@@ -16,6 +16,7 @@
 #include "geometry/base/error.h"
 #include "geometry/field/material.h"
 #include "sim/hand/guided_hand.h"
+#include "sim/hand/hand_switch.h"
 #include "sim/hand/mouse_hand.h"
 #include "sim/monitor/structures.h"
 #include "sim/run/live_run.h"
@@ -33,6 +34,7 @@
 
 namespace kerf {
 
+class ArmLead;
 class Sawing;
 class TissueDisplay;
 class ImportPlan;
@@ -46,6 +48,7 @@ struct WorkbenchOptions {
   std::string unit;                ///< of scans that are opened: "mm", "inch"; empty: as the file says, or by its size
   double voxel_mm = 0;             ///< of scans that are opened; 0: 0.1, or coarser for a large one: voxelFor()
   RealTimeRequest real_time;       ///< of the haptic thread
+  std::string device;              ///< a force-feedback device to open: ArmLead::open(); empty: none
   bool keeps_recent = false;       ///< what is opened is put on the list of recent files
   bool asks_about_runs = false;    ///< whether a run is gone on with or watched: askedRun()
 };
@@ -280,6 +283,20 @@ class Workbench {
   void stopShortBeside(std::optional<double> mm);
   static constexpr double kUsualShortBeside = 0.2;  ///< mm
 
+  // ---- By a force-feedback device: workbench_hand.cpp
+
+  /// Of one that is not open everything can be asked as well.
+  ArmLead& arm() { return *arm_; }
+  const ArmLead& arm() const { return *arm_; }
+  /// Opens it; what is open to be cut goes on in a session whose coupling it can bear.
+  Expected<void> openDevice(const std::string& name);
+  /// What is open goes on in a session whose coupling is made for the device as it is now.
+  Expected<void> fitToDevice();
+  /// The hand, where it is now, means that place of the tool's tip from now on; the tool is put there.
+  Expected<void> placeHand(const Vec3d& tip);
+  /// The tool follows a device, not the mouse.
+  bool isLed() const;
+
   // ---- By plan
 
   Sawing& saw() { return *saw_; }
@@ -340,6 +357,8 @@ class Workbench {
   void openBy(const std::string& title, Load load);
   void show(Opened& loaded);
   void sendAim();
+  void followDevice();
+  void warnThatItIsLed();
   const ToolSamples& samplesOf(std::size_t tool) const;
   void heatByToolInHand();
   void namePieces();
@@ -367,7 +386,9 @@ class Workbench {
   std::filesystem::path source_;  // what was opened: never written to
   std::optional<Vec3d> occlusal_;
   std::filesystem::path session_;
-  std::unique_ptr<MouseHand> hand_;     // outlives guided_
+  std::unique_ptr<ArmLead> arm_;        // outlives hands_
+  std::unique_ptr<MouseHand> hand_;     // outlives hands_
+  std::shared_ptr<HandSwitch> hands_;   // mouse or arm; outlives guided_
   std::unique_ptr<GuidedHand> guided_;  // outlives run_
   std::unique_ptr<LiveRun> run_;
   std::unique_ptr<TissueDisplay> tissues_;  // ends before run_
@@ -418,7 +439,7 @@ class Workbench {
   std::ptrdiff_t undos_left_ = 0;        // to be sent: Redo, or as a negative number Undo
   std::ptrdiff_t strokes_then_ = 0;      // that are done when they all are
   std::uint64_t undos_answered_at_ = 0;  // when so many commands are answered
-  bool has_told_of_log_ = false;
+  bool has_told_of_log_ = false, has_told_that_it_is_led_ = false;
   bool has_told_of_pulp_ = false, has_told_of_bone_ = false, has_told_of_dead_bone_ = false;  // that they got warm
   /// A job that waits for what it exports: until the last stroke is meshed.
   struct Handover {

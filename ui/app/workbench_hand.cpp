@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "geometry/tool/handpiece.h"
+#include "ui/app/arm_lead.h"
 #include "ui/app/sawing.h"
 #include "ui/app/workbench.h"
 
@@ -62,6 +64,58 @@ Expected<void> Workbench::setReversed(bool is_reversed) {
   is_reversed_ = is_reversed;
   if (stroke_) sendAim();
   return {};
+}
+
+// ---- By a force-feedback device
+
+bool Workbench::isLed() const { return arm_->isLeading(); }
+
+void Workbench::warnThatItIsLed() {
+  if (std::exchange(has_told_that_it_is_led_, true)) return;
+  say("A force-feedback device leads the tool: device.close gives it back to the mouse.");
+}
+
+Expected<void> Workbench::openDevice(const std::string& name) {
+  if (isBusy() || isSawing()) return {};
+  release();
+  KERF_CHECK(arm_->open(name));
+  say(arm_->arm()->what() + " is open: its hand leads the tool when it comes.");
+  has_told_that_it_is_led_ = false;
+  if (run_) reopenWith({});
+  return {};
+}
+
+Expected<void> Workbench::fitToDevice() {
+  if (isBusy() || isSawing()) return {};
+  release();
+  if (run_) reopenWith({});
+  return {};
+}
+
+Expected<void> Workbench::placeHand(const Vec3d& tip) {
+  if (!isLed())
+    return fail({.code = Error::Code::kUnsupported,
+                 .place = "device.place",
+                 .found = "no device that leads the tool",
+                 .expected = "one",
+                 .hint = arm_->view().missing});
+  const Eigen::Quaterniond& q = report_.output.T_world_tool.rotation;
+  send(PlaceTool{{tip[0], tip[1], tip[2]}, {q.w(), q.x(), q.y(), q.z()}});
+  return {};
+}
+
+// The haptic thread is told who leads; a tool that was held by something else is handed over where it is.
+void Workbench::followDevice() {
+  arm_->drive((is_reversed_ ? -1 : 1) * speed, irrigation);
+  const bool may_lead = !stroke_ && !import_ && !saw_->isCutting() && !wish_;
+  const ArmLead::News news = arm_->update(report_, may_lead);
+  for (const std::string& notice : news.notices) say(notice);
+  if (news.wants_tool) {
+    const Rigid3& at = report_.output.T_world_tool;
+    const Eigen::Quaterniond& q = at.rotation;
+    send(PlaceTool{{at.translation[0], at.translation[1], at.translation[2]}, {q.w(), q.x(), q.y(), q.z()}});
+  }
+  if ((news.wants_go_on || news.wants_tool) && report_.is_latched && answered() >= sent_) send(ClearLatch{});
 }
 
 }  // namespace kerf

@@ -142,7 +142,7 @@ LiveFrame LiveView::frameOf(const Workbench& bench, const Camera& camera) {
   if (!bench.isShown()) return frame;
   frame.section = bench.section;
   frame.plan = saw_.planOf(bench, camera);
-  if (bench.watched() || bench.isPressed() || bench.saw().isCutting()) {
+  if (bench.watched() || bench.isPressed() || bench.isLed() || bench.saw().isCutting()) {
     frame.T_world_tool = bench.report().output.T_world_tool;
   } else if (hover_) {
     frame.T_world_tool = hover_->T_world_tool;

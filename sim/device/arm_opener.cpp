@@ -1,0 +1,28 @@
+#include "sim/device/arm_opener.h"
+
+#include "sim/device/bridge_device.h"
+
+namespace kerf {
+namespace {
+
+Expected<OpenedArm> openBridge(const std::string& address, const ArmSettings& settings, const Rigid3& start) {
+  KERF_TRY(port, parseBridgeAddress(address));
+  KERF_TRY(arm, BridgeDevice::open({port, settings.limits, settings.map, start, settings.pedal_is_down}));
+  return OpenedArm{std::move(arm), {}};
+}
+
+}  // namespace
+
+Expected<OpenedArm> openArm(const std::string& name, const ArmSettings& settings, const Rigid3& start) {
+  if (name == "bridge") return openBridge("udp:" + std::to_string(kBridgePort), settings, start);
+  if (name.starts_with("udp:")) return openBridge(name, settings, start);
+  if (name.starts_with("bridge:")) return openBridge("udp:" + name.substr(7), settings, start);
+  return fail({.code = Error::Code::kBadValue,
+               .place = "force-feedback device",
+               .found = "\"" + name + "\"",
+               .expected = kArmNames,
+               .hint = "kerf devices lists what is plugged in; "
+                       "docs/reference/device-bridge.md is for all others"});
+}
+
+}  // namespace kerf

@@ -1,0 +1,59 @@
+// Two hands, of which one leads the tool: a person's mouse, and a force-feedback arm that may come and go.
+#pragma once
+
+#include <atomic>
+
+#include "sim/hand/device_source.h"
+
+namespace kerf {
+
+/// The window says who leads, the haptic thread changes hands before its next read(): the one that leads no more is
+/// given no force and told so, the other one finds the tool where it is. @rt safe.
+class HandSwitch final : public DeviceSource {
+ public:
+  /// @param first  leads at first, must outlive this.
+  explicit HandSwitch(DeviceSource& first) : first_(first), now_(&first), wanted_(&first), in_use_(&first) {}
+
+  /// Null: the first one. Any other one must outlive its use: isInUse(). One thread.
+  void lead(DeviceSource* other) noexcept { wanted_.store(other ? other : &first_, std::memory_order_release); }
+  bool isInUse(const DeviceSource* other) const noexcept {
+    return in_use_.load(std::memory_order_acquire) == other || wanted_.load(std::memory_order_relaxed) == other;
+  }
+
+  void arm() noexcept override {
+    is_armed_ = true;
+    now_->arm();
+  }
+  DeviceSample read() noexcept override {
+    if (DeviceSource* const wanted = wanted_.load(std::memory_order_acquire); wanted != now_) change(wanted);
+    last_ = now_->read();
+    return last_;
+  }
+  void write(const DeviceForce& force) noexcept override { now_->write(force); }
+  void placed(const Rigid3& T_world_tool) noexcept override {
+    last_.T_world_device = T_world_tool;
+    now_->placed(T_world_tool);
+  }
+  void disarm() noexcept override {
+    is_armed_ = false;
+    now_->disarm();
+  }
+
+ private:
+  void change(DeviceSource* wanted) noexcept {
+    now_->write({});
+    now_->disarm();
+    now_ = wanted;
+    if (is_armed_) now_->arm();
+    now_->placed(last_.T_world_device);
+    in_use_.store(now_, std::memory_order_release);
+  }
+
+  DeviceSource& first_;
+  DeviceSource* now_;  // of the haptic thread, as the next two
+  DeviceSample last_;
+  bool is_armed_ = false;
+  std::atomic<DeviceSource*> wanted_, in_use_;
+};
+
+}  // namespace kerf
