@@ -23,6 +23,13 @@ std::optional<SpaceMouseState> SpaceMouseLink::read() {
   return SpaceMouseState{axes, s.device->reading().buttons};
 }
 
+std::string SpaceMouseLink::name() const {
+  const State& s = *state_;
+  return s.device && s.device->isConnected() ? s.device->what().name : "";
+}
+
+std::string SpaceMouseLink::trouble() const { return state_->watch.trouble(); }
+
 std::optional<std::string> SpaceMouseLink::news() {
   State& s = *state_;
   const bool is_there = s.device && s.device->isConnected();

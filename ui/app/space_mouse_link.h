@@ -21,6 +21,10 @@ class SpaceMouseLink {
   std::optional<SpaceMouseState> read();
   /// What has changed since the last call, a sentence for a notice: it was found, is gone, or may not be opened.
   std::optional<std::string> news();
+  /// Of the one that was read last; empty: there is none.
+  std::string name() const;
+  /// What is wrong with one that is there but does not open; empty: nothing.
+  std::string trouble() const;
 
  private:
   struct State;

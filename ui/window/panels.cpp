@@ -32,7 +32,7 @@ void runOrSay(AppContext& context, const AppCommand& command) {
 
 void drawMenus(AppContext& context, PanelState& state) {
   if (!ImGui::BeginMainMenuBar()) return;
-  for (const char* const heading : {"File", "Edit", "Tool", "Piece", "Saw", "Replay", "View"}) {
+  for (const char* const heading : {"File", "Edit", "Tool", "Piece", "Saw", "Device", "Replay", "View"}) {
     if (!ImGui::BeginMenu(heading)) continue;
     for (const AppCommand& command : appCommands()) {
       if (command.menu != heading) continue;
@@ -122,7 +122,9 @@ void drawReadings(AppContext& context, const std::optional<ToolOverSurface>& ove
   const TimeHistogram& cost = bench.times().cost;
   if (cost.count() > 0) reading("Loop p99", fmt::format("{:.2f}", cost.percentileMs(0.99)), "ms");
   reading("Overruns", fmt::format("{}", r.counts.overruns), fmt::format("of {}", r.counts.ticks).c_str());
-  if (r.is_latched) ImGui::TextColored(styleColours().warning, "Stopped: the machine was busy. Press again.");
+  if (r.is_latched)
+    ImGui::TextColored(styleColours().warning, "%s",
+                       bench.isLed() ? "Stopped: waits for the hand." : "Stopped: the machine was busy. Press again.");
   const RecorderStatus log = bench.run()->recorderStatus();
   if (log.error) ImGui::TextWrapped("The log can not be written any more: %s", log.error->message().c_str());
   column.take();
@@ -227,6 +229,7 @@ void drawPanels(AppContext& context, PanelState& state, const std::optional<Tool
   } else {
     state.first.draw(context, state.ask_for_file);
   }
+  drawDevicePanel(context, state.devices);
   drawRunQuestion(context);
   drawSettings(context);
   drawJob(context);

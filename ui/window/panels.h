@@ -5,6 +5,7 @@
 #include <string>
 
 #include "ui/app/app_commands.h"
+#include "ui/window/device_panel.h"
 #include "ui/window/first_screen.h"
 #include "ui/window/import_panel.h"
 #include "ui/window/pieces_panel.h"
@@ -24,6 +25,7 @@ struct PanelState {
   ImportPanelState import;
   FirstScreen first;
   SawPanelState saw{};
+  DevicePanelState devices{};
 };
 
 /// Menu bar, tools, readings, job, notices; the first screen when nothing is open.

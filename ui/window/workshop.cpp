@@ -19,6 +19,7 @@
 
 #include "ui/app/app_commands.h"
 #include "ui/app/app_script.h"
+#include "ui/app/arm_lead.h"
 #include "ui/app/gamepad_map.h"
 #include "ui/app/pointing.h"
 #include "ui/app/sawing.h"
@@ -258,6 +259,7 @@ class Workshop {
     glfwGetFramebufferSize(desktop_.window, &context_.width, &context_.height);
     if (context_.width == 0 || context_.height == 0 || window_width_ == 0) {  // minimised
       bench_.release();                                                       // unseen nothing is cut
+      bench_.arm().pause(true);
       events_.clear();
       view_->update(bench_);
       glfwWaitEventsTimeout(0.1);
@@ -265,6 +267,7 @@ class Workshop {
       return {};
     }
 
+    bench_.arm().pause(browser_.isShown());
     view_->update(bench_);
     if (!bench_.scene().bounds().isEmpty() && view_->takeFitWanted()) fitFirst();
     if (bench_.isShown() && !bench_.scene().bounds().isEmpty()) box_ = bench_.scene().bounds();
@@ -282,7 +285,8 @@ class Workshop {
     chooseFile();
     ImGui::Render();
 
-    const bool is_still = secondsSince(last_input_) > kStillAfter && !bench_.isPressed() && !bench_.isPlaying();
+    const bool is_still =
+        secondsSince(last_input_) > kStillAfter && !bench_.isPressed() && !bench_.isLed() && !bench_.isPlaying();
     const bool is_smooth = is_still && !is_software_;
     if (bench_.isImporting())
       KERF_CHECK(import_view_->draw(camera_, context_.width, context_.height, is_smooth));
@@ -420,7 +424,7 @@ class Workshop {
     const bool is_on_panel = io.WantCaptureMouse && !is_led_by_device_;
     const bool hovers = !is_on_panel && held_ == kNone && !is_on_handle && !is_picking && !bench_.isImporting();
     over_ = hovers ? bench_.over(rayAtPixel(stroke_.at())) : std::nullopt;
-    if (bench_.isPressed() || bench_.saw().isCutting()) over_.reset();
+    if (bench_.isPressed() || bench_.isLed() || bench_.saw().isCutting()) over_.reset();
     view_->hover(over_);
   }
 
@@ -433,6 +437,7 @@ class Workshop {
     gamepad_.update(context_, stroke_, is_ours ? readGamepad() : std::nullopt, seconds);
     if (const auto news = space_mouse_link_.news()) bench_.say(*news);
     const auto knob = space_mouse_link_.read();
+    if (context_.shows_device) panels_.devices = {knob, space_mouse_link_.name(), space_mouse_link_.trouble()};
     space_mouse_.update(context_, stroke_, settings_.values.space_mouse, is_ours ? knob : std::nullopt, seconds);
     if (!gamepad_.isUsed() && !space_mouse_.isUsed()) return;
     is_led_by_device_ = true;
