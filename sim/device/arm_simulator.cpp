@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <limits>
 #include <mutex>
@@ -47,11 +48,13 @@ struct ArmSimulator::State {
   // Of the thread.
   HandFrame frame;
   ForceFrame newest;
-  std::int64_t heard = 0;  // ns; 0: nothing yet
+  std::int64_t heard = 0;         // ns; 0: nothing yet
+  std::int64_t enabled_came = 0;  // the last one that was enabled
   ArmReport now_report;
 
   mutable std::mutex mutex;
-  ArmReport told;  // guarded by mutex
+  ArmReport told;              // guarded by mutex, as the next
+  TimeHistogram ages, jitter;  // of enabled forces
   std::thread thread;
 };
 
@@ -99,9 +102,16 @@ void ArmSimulator::State::hear(std::int64_t now) {
     newest = got;
     heard = now;
     ++now_report.force_frames;
-    if (got.is_enabled && got.hand_time_ns != 0)
-      now_report.worst_age_ms = std::max(now_report.worst_age_ms,
-                                         1e-6 * static_cast<double>(now - static_cast<std::int64_t>(got.hand_time_ns)));
+    if (!got.is_enabled || got.hand_time_ns == 0) {
+      enabled_came = 0;
+      continue;
+    }
+    const std::int64_t came = deviceClock(), age = came - static_cast<std::int64_t>(got.hand_time_ns);
+    const std::lock_guard lock(mutex);
+    now_report.worst_age_ms = std::max(now_report.worst_age_ms, 1e-6 * static_cast<double>(age));
+    ages.add(age);
+    if (enabled_came != 0) jitter.add(std::abs(came - enabled_came - kPeriod));
+    enabled_came = came;
   }
 }
 
@@ -149,6 +159,14 @@ Expected<std::unique_ptr<ArmSimulator>> ArmSimulator::start(CutPath path, const 
 ArmReport ArmSimulator::report() const {
   const std::lock_guard lock(state_->mutex);
   return state_->told;
+}
+TimeHistogram ArmSimulator::ages() const {
+  const std::lock_guard lock(state_->mutex);
+  return state_->ages;
+}
+TimeHistogram ArmSimulator::jitter() const {
+  const std::lock_guard lock(state_->mutex);
+  return state_->jitter;
 }
 void ArmSimulator::hang(bool is_hanging) noexcept { state_->is_hanging = is_hanging; }
 void ArmSimulator::sendNan() noexcept { state_->wants_nan = true; }

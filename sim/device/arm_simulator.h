@@ -6,6 +6,7 @@
 
 #include "sim/device/device_frame.h"
 #include "sim/hand/virtual_hand.h"
+#include "sim/live/time_histogram.h"
 
 namespace kerf {
 
@@ -34,6 +35,10 @@ class ArmSimulator {
   static Expected<std::unique_ptr<ArmSimulator>> start(CutPath path, const ArmOptions& options);
   ~ArmSimulator();
   ArmReport report() const;
+  /// Ages of the forces when they came, as worst_age_ms; and how far two that came one after the other are from 1 ms
+  /// apart. Of forces that were enabled.
+  TimeHistogram ages() const;
+  TimeHistogram jitter() const;
   /// Its bridge hangs: nothing is sent or heard, but the arm goes on, and its dead-man watches.
   void hang(bool is_hanging) noexcept;
   /// The next frame has a place that is not finite.

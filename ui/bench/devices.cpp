@@ -11,6 +11,7 @@
 #include "sim/run/load_scene.h"
 #include "sim/run/practice_block.h"
 #include "ui/bench/bench.h"
+#include "ui/bench/device_stack.h"
 #include "ui/bench/scenes/held_device.h"
 #include "ui/bench/scenes/objects.h"
 #include "ui/bench/scenes/poses.h"
@@ -325,6 +326,7 @@ Expected<Result> benchDevices(const Bench& bench) {
   KERF_CHECK(pushBlade(r, bench));
   KERF_CHECK(sawBone(r, bench));
   KERF_CHECK(cutEnamel(r, bench));
+  KERF_CHECK(pressThroughTheStack(r, bench));
   return r;
 }
 

@@ -256,6 +256,10 @@ inline constexpr Goal kDevicesGoals[] = {
     {"blade pushed sideways in its kerf: most energy given", "mJ", kAtMost, 0.01},
     {"blade turned in its kerf: trembling, most", "mrad", kAtMost, 0.5},
     {"saw cutting: ripple, most", "um", kAtMost, 20},
+    {"whole stack: energy given, at the end", "mJ", kAtMost, 0.01},
+    {"whole stack: age of a force at the motors, p99", "ms", kAtMost, 4,
+     Weight::kAim},  // on the clock: as the machine is
+    {"whole stack: age of a force at the motors, p99.9", "ms", kAtMost, 10, Weight::kAim},
 };
 inline constexpr Goal kWindowGoals[] = {
     {"live frame, p50", "ms", kAtMost, 35, Weight::kAim},  // 34 to 38: as the machine is
