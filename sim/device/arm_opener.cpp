@@ -1,6 +1,9 @@
 #include "sim/device/arm_opener.h"
 
 #include "sim/device/bridge_device.h"
+#include "sim/device/haply_arm.h"
+#include "sim/device/hid_arm.h"
+#include "sim/device/serial_arm.h"
 
 namespace kerf {
 namespace {
@@ -17,12 +20,23 @@ Expected<OpenedArm> openArm(const std::string& name, const ArmSettings& settings
   if (name == "bridge") return openBridge("udp:" + std::to_string(kBridgePort), settings, start);
   if (name.starts_with("udp:")) return openBridge(name, settings, start);
   if (name.starts_with("bridge:")) return openBridge("udp:" + name.substr(7), settings, start);
-  return fail({.code = Error::Code::kBadValue,
-               .place = "force-feedback device",
-               .found = "\"" + name + "\"",
-               .expected = kArmNames,
-               .hint = "kerf devices lists what is plugged in; "
-                       "docs/reference/device-bridge.md is for all others"});
+  if (name == "haply" || name.starts_with("haply:")) {
+    KERF_TRY(arm, HaplyArm::open(name.size() > 6 ? name.substr(6) : "", settings, start));
+    return OpenedArm{std::move(arm), kHaplyProfile};
+  }
+  if (name.starts_with("serial:")) {
+    KERF_TRY(arm, SerialArm::open(name.substr(7), settings, start));
+    return OpenedArm{std::move(arm), kSerialProfile};
+  }
+  if (name.empty())
+    return fail({.code = Error::Code::kBadValue,
+                 .place = "force-feedback device",
+                 .found = "no name",
+                 .expected = kArmNames,
+                 .hint = "kerf devices lists what is plugged in; docs/reference/device-bridge.md is for all others"});
+  KERF_TRY(found, chooseArm(findArms(), name));
+  KERF_TRY(arm, HidArm::open(found, settings, start));
+  return OpenedArm{std::move(arm), found.driver->profile};
 }
 
 }  // namespace kerf

@@ -17,12 +17,14 @@ struct OpenedArm {
 
 inline constexpr std::uint16_t kBridgePort = 4417;
 
-/// @param name  "bridge" (port kBridgePort), "bridge:PORT", "udp:PORT".
+/// @param name  "bridge" (port kBridgePort), "bridge:PORT", "udp:PORT"; "haply", "haply:PORT" of this machine;
+/// "serial:PATH"; else path or serial number of an arm on HID.
 /// @param start  of the tool, world: there the hand finds it.
 /// Errors: kBadValue: a name that is none; those of opening.
 Expected<OpenedArm> openArm(const std::string& name, const ArmSettings& settings, const Rigid3& start = {});
 
 /// What a name may be, for help texts.
-inline constexpr const char* kArmNames = "bridge or bridge:PORT";
+inline constexpr const char* kArmNames =
+    "bridge, bridge:PORT, haply, serial:/dev/ttyACM0, or path or serial number of an arm that kerf devices lists";
 
 }  // namespace kerf

@@ -21,7 +21,10 @@ namespace {
 
 // One application collection of that usage; hidapi asks for no more.
 Bytes descriptorOf(int page, int usage) {
-  return {0x05, static_cast<std::uint8_t>(page), 0x09, static_cast<std::uint8_t>(usage), 0xA1, 0x01, 0xC0};
+  const auto low = [](int n) { return static_cast<std::uint8_t>(n & 255); };
+  const auto high = [](int n) { return static_cast<std::uint8_t>(n >> 8); };
+  if (page > 255) return {0x06, low(page), high(page), 0x0A, low(usage), high(usage), 0xA1, 0x01, 0xC0};
+  return {0x05, low(page), 0x09, low(usage), 0xA1, 0x01, 0xC0};
 }
 
 std::string hex(const Bytes& bytes) {
@@ -49,6 +52,9 @@ struct Node {
   std::deque<Bytes> queue;  // guarded by mutex, as the next two
   std::vector<Bytes> written;
   bool is_gone = false;
+  std::function<Bytes(std::uint8_t)> get_feature;
+  std::function<void(const Bytes&)> set_feature;
+  bool is_bluetooth = false;
 
   void wake() const {
     const char token = 1;
@@ -84,11 +90,29 @@ gboolean onIoctl(UMockdevIoctlBase*, UMockdevIoctlClient* client, gpointer user)
       put(data, &descriptor, sizeof descriptor);
       break;
     case 3:
-      info.bustype = 3;
+      info.bustype = node.is_bluetooth ? 5 : 3;
       info.vendor = static_cast<__s16>(node.vendor);
       info.product = static_cast<__s16>(node.product);
       put(data, &info, sizeof info);
       break;
+    case 6:
+      if (node.set_feature) {
+        node.set_feature(Bytes(data->data, data->data + data->data_len));
+        umockdev_ioctl_data_unref(data);
+        umockdev_ioctl_client_complete(client, static_cast<glong>(_IOC_SIZE(request)), 0);
+        return TRUE;
+      }
+      [[fallthrough]];
+    case 7:
+      if (_IOC_NR(request) == 7 && node.get_feature) {
+        Bytes answer = node.get_feature(data->data[0]);
+        answer.resize(_IOC_SIZE(request));
+        put(data, answer.data(), answer.size());
+        umockdev_ioctl_data_unref(data);
+        umockdev_ioctl_client_complete(client, static_cast<glong>(_IOC_SIZE(request)), 0);
+        return TRUE;
+      }
+      [[fallthrough]];
     default:
       umockdev_ioctl_data_unref(data);
       umockdev_ioctl_client_complete(client, -1, EINVAL);
@@ -148,7 +172,8 @@ std::string interfaceFolder(const SimulatedHid& what, std::size_t n) {
   return fmt::format("{}/1-{}:1.{}", usbFolder(what), what.port, n);
 }
 std::string hidName(const SimulatedHid& what, std::size_t n) {
-  return fmt::format("0003:{:04X}:{:04X}.{:04X}", what.vendor, what.product, 16 * what.port + static_cast<int>(n));
+  return fmt::format("{:04X}:{:04X}:{:04X}.{:04X}", what.is_bluetooth ? 5 : 3, what.vendor, what.product,
+                     16 * what.port + static_cast<int>(n));
 }
 
 }  // namespace
@@ -189,17 +214,21 @@ void HidTestbed::plugIn(const SimulatedHid& what) {
   for (std::size_t n = 0; n < what.interfaces.size(); ++n) {
     const int number = what.first_node + static_cast<int>(n);
     auto node = std::make_unique<Node>();
-    node->descriptor = descriptorOf(what.interfaces[n].first, what.interfaces[n].second);
+    node->descriptor = n < what.descriptors.size() && !what.descriptors[n].empty()
+                           ? what.descriptors[n]
+                           : descriptorOf(what.interfaces[n].first, what.interfaces[n].second);
+    node->is_bluetooth = what.is_bluetooth;
     node->vendor = what.vendor;
     node->product = what.product;
 
     const std::string interface = interfaceFolder(what, n), hid = interface + "/" + hidName(what, n);
     state_->add(
         fmt::format("P: {}\nE: DEVTYPE=usb_interface\nE: SUBSYSTEM=usb\nA: bInterfaceNumber={:02x}\n", interface, n));
-    state_->add(fmt::format(
-        "P: {}\nE: SUBSYSTEM=hid\nE: HID_ID=0003:{:08X}:{:08X}\nE: HID_NAME={} {}\n"
-        "E: HID_PHYS=usb-0000:00:14.0-{}/input{}\nE: HID_UNIQ={}\nH: report_descriptor={}\n",
-        hid, what.vendor, what.product, what.maker, what.name, what.port, n, what.serial, hex(node->descriptor)));
+    state_->add(
+        fmt::format("P: {}\nE: SUBSYSTEM=hid\nE: HID_ID={:04X}:{:08X}:{:08X}\nE: HID_NAME={} {}\n"
+                    "E: HID_PHYS=usb-0000:00:14.0-{}/input{}\nE: HID_UNIQ={}\nH: report_descriptor={}\n",
+                    hid, what.is_bluetooth ? 5 : 3, what.vendor, what.product, what.maker, what.name, what.port, n,
+                    what.serial, hex(node->descriptor)));
     state_->add(
         fmt::format("P: {0}/hidraw/hidraw{1}\nN: hidraw{1}\nE: DEVNAME=/dev/hidraw{1}\nE: MAJOR=240\nE: MINOR={1}\n"
                     "E: SUBSYSTEM=hidraw\nL: device=../../../{2}\n",
@@ -243,6 +272,25 @@ std::vector<Bytes> HidTestbed::written(int node_number) const {
   Node& node = *state_->nodes.at(node_number);
   const std::lock_guard lock(node.mutex);
   return node.written;
+}
+
+Bytes HidTestbed::lastWritten(int node_number) const {
+  Node& node = *state_->nodes.at(node_number);
+  const std::lock_guard lock(node.mutex);
+  return node.written.empty() ? Bytes() : node.written.back();
+}
+
+void HidTestbed::forgetWritten(int node_number) {
+  Node& node = *state_->nodes.at(node_number);
+  const std::lock_guard lock(node.mutex);
+  node.written.clear();
+}
+
+void HidTestbed::setFeatures(int node_number, std::function<Bytes(std::uint8_t number)> get,
+                             std::function<void(const Bytes&)> set) {
+  Node& node = *state_->nodes.at(node_number);
+  node.get_feature = std::move(get);
+  node.set_feature = std::move(set);
 }
 
 void HidTestbed::letOthersLook() {

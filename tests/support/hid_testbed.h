@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -18,6 +19,9 @@ struct SimulatedHid {
   std::vector<std::pair<int, int>> interfaces = {{1, 8}};
   int port = 1;  ///< of the USB hub: no two may share one
   int first_node = 0;
+  /// Of each interface; empty: a collection of its usage alone.
+  std::vector<Bytes> descriptors = {};
+  bool is_bluetooth = false;
 };
 
 class HidTestbed {
@@ -36,6 +40,11 @@ class HidTestbed {
   /// What was written to the node so far.
   std::vector<Bytes> written(int node) const;
   static std::string path(int node) { return "/dev/hidraw" + std::to_string(node); }
+  Bytes lastWritten(int node) const;  ///< empty: nothing
+  void forgetWritten(int node);
+  /// What the device answers when it is asked for a feature report, and what it does with one that is set; both with
+  /// the number first. Called by a thread of the testbed.
+  void setFeatures(int node, std::function<Bytes(std::uint8_t number)> get, std::function<void(const Bytes&)> set);
   /// Who is not the owner of its files may list devices, as on a real system.
   void letOthersLook();
   /// Where its files are in truth: to take a permission away.

@@ -1,0 +1,213 @@
+#include "sim/device/hid_arm.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <mutex>
+#include <system_error>
+#include <thread>
+
+#include "sim/device/device_driver.h"
+
+namespace kerf {
+namespace {
+
+constexpr std::int64_t kSendAgain =
+    5'000'000;  // ns, when there is nothing new to say: an arm in lock-step waits for it
+
+std::string listOf(const std::vector<FoundArm>& arms) {
+  std::string out;
+  for (const FoundArm& arm : arms) {
+    out += (out.empty() ? "" : ", ") + arm.info.path;
+    if (!arm.info.serial.empty()) out += " (serial " + arm.info.serial + ")";
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<FoundArm> groupArms(const std::vector<HidInfo>& interfaces) {
+  std::vector<FoundArm> out;
+  for (const HidInfo& info : interfaces)
+    if (const ArmDriver* const driver = armDriverOf(info)) out.push_back({driver, driver->nameOf(info), info});
+  return out;
+}
+
+Expected<FoundArm> chooseArm(const std::vector<FoundArm>& arms, const std::string& name) {
+  std::vector<FoundArm> meant;
+  for (const FoundArm& arm : arms)
+    if (name.empty() || arm.info.path == name || (!arm.info.serial.empty() && arm.info.serial == name))
+      meant.push_back(arm);
+  if (meant.size() == 1) return meant.front();
+  const std::string what = name.empty() ? "" : " called \"" + name + "\"";
+  if (meant.empty())
+    return fail(
+        {.code = Error::Code::kNotFound,
+         .place = "force-feedback devices",
+         .found = "none" + what + (arms.empty() ? "" : ", but " + listOf(arms)),
+         .expected = "one that a driver knows",
+         .hint = "plug it in and see kerf devices; any other one needs a bridge: docs/reference/device-bridge.md"});
+  return fail({.code = Error::Code::kBadValue,
+               .place = "force-feedback devices",
+               .found = fmt::format("{}{}: {}", meant.size(), what, listOf(meant)),
+               .expected = "one",
+               .hint = "name it by its path or, if each has its own, by its serial number"});
+}
+
+struct HidArm::State {
+  State(const FoundArm& found, HidPort opened) : what(found), port(std::move(opened)) {}
+  void exchange();
+  bool receive();
+  void answer(std::int64_t now);
+  void sendCalibration();
+  void stop();
+
+  const FoundArm what;
+  HidPort port;
+  HidArm* arm = nullptr;
+  std::atomic<bool> is_stopping{false}, wants_calibration{false};
+
+  // The thread alone.
+  ArmState now;
+  ArmLink::Hand newest;
+  ForceFrame last;
+  std::int64_t last_sent = 0;
+
+  mutable std::mutex mutex;
+  ArmCounts counts;  // guarded by mutex, as the next
+  bool is_unplugged = false, is_stuck = false;
+  std::thread thread;
+};
+
+void HidArm::State::exchange() {
+  while (!is_stopping.load(std::memory_order_acquire)) {
+    if (!receive()) break;
+    if (wants_calibration.exchange(false)) sendCalibration();
+    answer(deviceClock());
+  }
+  ArmReportBytes bytes{};
+  const std::size_t size = what.driver->write({}, now, what.info, bytes);
+  for (int n = 0; n < 2; ++n) port.write({bytes.data(), size});
+}
+
+// Until nothing waits any more; a millisecond for the first one. An arm that talks faster than it is read must not keep
+// the force waiting. False: it is gone.
+bool HidArm::State::receive() {
+  constexpr int kMost = 64;                     // as many as the system keeps
+  constexpr std::int64_t kLongest = 3'000'000;  // ns
+  const std::int64_t began = deviceClock();
+  std::array<std::uint8_t, HidPort::kLongestReport> bytes{};
+  bool has_news = false;
+  for (int n = 0; n < kMost && deviceClock() - began < kLongest; ++n) {
+    const int size = port.read(bytes, n == 0 ? 1 : 0);
+    if (size < 0) {
+      const std::lock_guard lock(mutex);
+      is_unplugged = true;
+      return false;
+    }
+    if (size == 0) break;
+    const std::int64_t came = deviceClock();
+    const FrameFault fault = what.driver->take({bytes.data(), static_cast<std::size_t>(size)}, now);
+    const std::lock_guard lock(mutex);
+    if (fault != FrameFault::kNone) {
+      ++counts.refused;
+      counts.last_fault = nameOf(fault);
+      continue;
+    }
+    ++counts.hands;
+    counts.newest_came_ns = came;
+    newest.frame = now.hand;
+    if (newest.frame.number == 0) {  // its reports do not count
+      newest.frame.number = counts.hands;
+      newest.frame.time_ns = static_cast<std::uint64_t>(came);
+    }
+    newest.came_ns = came;
+    has_news = true;
+  }
+  if (!has_news) return true;
+  arm->link_.hands.back() = newest;
+  arm->link_.hands.publish();
+  arm->tell(newest);
+  return true;
+}
+
+void HidArm::State::answer(std::int64_t when) {
+  const ForceFrame next = arm->link_.answer(newest, when);
+  const bool is_news =
+      next.hand_number != last.hand_number || next.is_enabled != last.is_enabled || next.force != last.force;
+  if (!is_news && when - last_sent < kSendAgain) return;
+  last = next;
+  last_sent = when;
+  ArmReportBytes bytes{};
+  const std::size_t size = what.driver->write(next, now, what.info, bytes);
+  const bool is_taken = port.write({bytes.data(), size});
+  const std::lock_guard lock(mutex);
+  counts.forces += is_taken;
+  counts.is_enabled = is_taken && next.is_enabled;
+  is_stuck = !is_taken;
+}
+
+void HidArm::State::sendCalibration() {
+  ArmReportBytes bytes{};
+  const std::size_t size = what.driver->calibrate(what.info, bytes);
+  if (size > 0) port.write({bytes.data(), size});
+}
+
+void HidArm::State::stop() {
+  is_stopping.store(true, std::memory_order_release);
+  if (thread.joinable()) thread.join();
+}
+
+HidArm::HidArm(const ArmSettings& settings, const Rigid3& start, std::unique_ptr<State> state)
+    : ForceArm(settings, start), state_(std::move(state)) {
+  state_->arm = this;
+}
+HidArm::~HidArm() { state_->stop(); }
+
+Expected<std::unique_ptr<HidArm>> HidArm::open(const FoundArm& found, const ArmSettings& settings,
+                                               const Rigid3& start) {
+  KERF_TRY(port, HidPort::open(found.info.path));
+  std::unique_ptr<HidArm> arm(new HidArm(settings, start, std::make_unique<State>(found, std::move(port))));
+  State& s = *arm->state_;
+  try {
+    s.thread = std::thread([&s] { s.exchange(); });
+  } catch (const std::system_error& e) {
+    return fail({.code = Error::Code::kBadValue,
+                 .file = found.info.path,
+                 .found = e.what(),
+                 .expected = "a thread",
+                 .hint = "close other programs, or raise the limit nproc"});
+  }
+  return arm;
+}
+
+std::string HidArm::what() const { return fmt::format("{}, {}", state_->what.name, state_->what.info.path); }
+
+ArmCounts HidArm::counts() const {
+  const std::lock_guard lock(state_->mutex);
+  ArmCounts out = state_->counts;
+  const double age = 1e-9 * static_cast<double>(deviceClock() - out.newest_came_ns);
+  out.is_talking = !state_->is_unplugged && out.newest_came_ns != 0 && age <= kDeadMan;
+  if (state_->is_unplugged)
+    out.trouble = "it was unplugged: plug it in";
+  else if (state_->is_stuck)
+    out.trouble = "it takes no report: plug it out and in";
+  else if (!out.is_talking)
+    out.trouble = "it says nothing: switch it on; another program may have taken it";
+  return out;
+}
+
+bool HidArm::isGone() const {
+  const std::lock_guard lock(state_->mutex);
+  return state_->is_unplugged;
+}
+
+bool HidArm::calibrate() {
+  ArmReportBytes bytes{};
+  if (state_->what.driver->calibrate(state_->what.info, bytes) == 0) return false;
+  state_->wants_calibration = true;
+  return true;
+}
+
+}  // namespace kerf

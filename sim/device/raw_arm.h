@@ -1,0 +1,26 @@
+// Reports of Kerf's own profile for force-feedback arms on HID, version 1: docs/reference/rawhid-arm.md is the same
+// table for who writes a firmware. Fixed layout, little-endian, 64 bytes each way.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "sim/device/device_frame.h"
+
+namespace kerf {
+
+inline constexpr std::uint16_t kRawArmPage = 0xFF4B, kRawArmUsage = 0x0001;
+inline constexpr std::uint8_t kRawArmVersion = 1;
+inline constexpr std::size_t kRawArmSize = 64;
+
+using RawArmReport = std::array<std::uint8_t, kRawArmSize>;
+
+/// What an arm sends.
+RawArmReport encodeRawHand(const HandFrame& hand) noexcept;
+FrameFault decodeRawHand(std::span<const std::uint8_t> report, HandFrame& out) noexcept;
+/// What it is sent.
+RawArmReport encodeRawForce(const ForceFrame& force) noexcept;
+FrameFault decodeRawForce(std::span<const std::uint8_t> report, ForceFrame& out) noexcept;
+
+}  // namespace kerf

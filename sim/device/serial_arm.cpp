@@ -1,0 +1,256 @@
+#include "sim/device/serial_arm.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <mutex>
+#include <system_error>
+#include <thread>
+
+#include "sim/device/device_driver.h"
+#include "sim/device/woody_arm.h"
+
+namespace kerf {
+namespace {
+
+constexpr std::int64_t kPeriod = 1'000'000;     // ns, between two lines that are sent
+constexpr std::int64_t kAnswerBy = 20'000'000;  // ns: then the arm is asked again
+constexpr int kWoodyModel = 3;
+constexpr std::size_t kLongestLine = 128;
+
+}  // namespace
+
+bool parseSerialLine(std::string_view line, SerialLine& out) noexcept {
+  constexpr std::size_t kNumbers = 8, kMostDigits = 9;
+  if (line.size() < 2 || line.front() != '[' || line.back() != ']') return false;
+  line = line.substr(1, line.size() - 2);
+  std::array<int, kNumbers> numbers{};
+  for (std::size_t n = 0; n < kNumbers; ++n) {
+    const std::size_t comma = line.find(',');
+    const bool is_last = n + 1 == kNumbers;
+    if ((comma == line.npos) != is_last) return false;
+    const std::string_view word = line.substr(0, comma);
+    if (word.empty() || word.size() > kMostDigits + 1) return false;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), numbers[n]);
+    if (error != std::errc() || end != word.data() + word.size()) return false;
+    if (!is_last) line.remove_prefix(comma + 1);
+  }
+  out.model = numbers[0];
+  std::copy_n(numbers.begin() + 1, 6, out.counts.begin());
+  out.error = numbers[7];
+  return true;
+}
+
+std::size_t writeSerialLine(const Vec3d& milliamperes, std::span<char, 64> out) noexcept {
+  char* at = out.data();
+  char* const end = at + out.size();
+  *at++ = '[';
+  for (int n = 0; n < 3; ++n) {
+    const double value = std::isfinite(milliamperes[n]) ? milliamperes[n] : 0;
+    const int current = static_cast<int>(std::lround(std::clamp(value, -kWoodyMostCurrent, kWoodyMostCurrent)));
+    at = std::to_chars(at, end, current).ptr;
+    *at++ = n < 2 ? ',' : ']';
+  }
+  *at++ = '\n';
+  return static_cast<std::size_t>(at - out.data());
+}
+
+struct SerialArm::State {
+  ~State() {
+    if (fd >= 0) ::close(fd);
+  }
+  void exchange();
+  bool receive(int wait_ms);
+  void takeLine(std::string_view line);
+  bool send(const ForceFrame& force);
+  void stop();
+
+  std::string path;
+  int fd = -1;
+  SerialArm* arm = nullptr;
+  std::atomic<bool> is_stopping{false};
+
+  // The thread alone.
+  std::array<char, kLongestLine> line{};
+  std::size_t length = 0;
+  bool is_too_long = false;
+  Eigen::Matrix3d jacobian = Eigen::Matrix3d::Zero();
+  ArmLink::Hand newest;
+  bool has_answer = true;
+
+  mutable std::mutex mutex;
+  ArmCounts counts;  // guarded by mutex, as the next
+  bool is_unplugged = false;
+  int other_model = 0;  // whose kinematics are not known
+  int error = 0;        // that the arm tells of
+  std::thread thread;
+};
+
+void SerialArm::State::exchange() {
+  std::int64_t asked = 0;
+  while (!is_stopping.load(std::memory_order_acquire)) {
+    const std::int64_t now = deviceClock();
+    if ((has_answer && now - asked >= kPeriod) || now - asked >= kAnswerBy) {
+      if (!send(arm->link_.answer(newest, now))) break;
+      asked = now;
+      has_answer = false;
+    }
+    if (!receive(1)) break;
+  }
+  (void)send({});
+}
+
+// False: it is gone.
+bool SerialArm::State::receive(int wait_ms) {
+  pollfd waits{fd, POLLIN, 0};
+  if (::poll(&waits, 1, wait_ms) <= 0) return true;
+  std::array<char, 256> bytes{};
+  const ssize_t size = ::read(fd, bytes.data(), bytes.size());
+  if (size <= 0) {
+    if (size < 0 && (errno == EAGAIN || errno == EINTR)) return true;
+    const std::lock_guard lock(mutex);
+    is_unplugged = true;
+    return false;
+  }
+  for (ssize_t n = 0; n < size; ++n) {
+    const char c = bytes[static_cast<std::size_t>(n)];
+    if (c == '\n') {
+      std::string_view text(line.data(), length);
+      if (text.ends_with('\r')) text.remove_suffix(1);
+      takeLine(is_too_long ? std::string_view() : text);
+      length = 0;
+      is_too_long = false;
+    } else if (length < line.size()) {
+      line[length++] = c;
+    } else {
+      is_too_long = true;
+    }
+  }
+  return true;
+}
+
+void SerialArm::State::takeLine(std::string_view text) {
+  const std::int64_t came = deviceClock();
+  has_answer = true;
+  SerialLine said;
+  const bool is_good = parseSerialLine(text, said);
+  const std::lock_guard lock(mutex);
+  if (!is_good) {
+    ++counts.refused;
+    counts.last_fault = "its text";
+    return;
+  }
+  error = said.error;
+  other_model = said.model == kWoodyModel ? 0 : said.model;
+  if (other_model != 0) return;
+  const WoodyModel model;
+  const WoodyPose pose = woodyPose(model, said.counts);
+  jacobian = pose.jacobian;
+  ++counts.hands;
+  counts.newest_came_ns = came;
+  HandFrame& hand = newest.frame;
+  hand.number = counts.hands;
+  hand.time_ns = static_cast<std::uint64_t>(came);
+  hand.pose = {Eigen::Quaterniond::Identity(), pose.position};
+  hand.is_ready = said.error == 0;
+  hand.senses_orientation = false;
+  hand.most_force = model.most_force;
+  hand.most_stiffness = model.most_stiffness;
+  newest.came_ns = came;
+  arm->link_.hands.back() = newest;
+  arm->link_.hands.publish();
+  arm->tell(newest);
+}
+
+bool SerialArm::State::send(const ForceFrame& force) {
+  std::array<char, 64> text{};
+  const Vec3d currents = force.is_enabled ? woodyCurrents({}, jacobian, force.force) : Vec3d(Vec3d::Zero());
+  const std::size_t size = writeSerialLine(currents, text);
+  const ssize_t written = ::write(fd, text.data(), size);
+  const std::lock_guard lock(mutex);
+  if (written < 0 && errno != EAGAIN) {
+    is_unplugged = true;
+    return false;
+  }
+  counts.forces += written == static_cast<ssize_t>(size);
+  counts.is_enabled = force.is_enabled;
+  return true;
+}
+
+void SerialArm::State::stop() {
+  is_stopping.store(true, std::memory_order_release);
+  if (thread.joinable()) thread.join();
+}
+
+SerialArm::SerialArm(const ArmSettings& settings, const Rigid3& start, std::unique_ptr<State> state)
+    : ForceArm(settings, start), state_(std::move(state)) {
+  state_->arm = this;
+}
+SerialArm::~SerialArm() { state_->stop(); }
+
+Expected<std::unique_ptr<SerialArm>> SerialArm::open(const std::string& path, const ArmSettings& settings,
+                                                     const Rigid3& start) {
+  auto state = std::make_unique<State>();
+  state->path = path;
+  state->fd = ::open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+  if (state->fd < 0)
+    return fail({.code = errno == ENOENT ? Error::Code::kNotFound : Error::Code::kUnreadable,
+                 .file = path,
+                 .found = std::strerror(errno),
+                 .expected = "a serial port of an arm that this user may open",
+                 .hint = "plug it in; as a member of the group dialout"});
+  termios line{};
+  if (::tcgetattr(state->fd, &line) != 0)
+    return fail({.code = Error::Code::kBadValue,
+                 .file = path,
+                 .found = "no serial port",
+                 .expected = "one, as /dev/ttyACM0",
+                 .hint = "ls /dev/ttyACM*"});
+  ::cfmakeraw(&line);
+  ::cfsetspeed(&line, B115200);  // USB does not care
+  ::tcsetattr(state->fd, TCSANOW, &line);
+  ::tcflush(state->fd, TCIOFLUSH);
+
+  std::unique_ptr<SerialArm> arm(new SerialArm(settings, start, std::move(state)));
+  State& s = *arm->state_;
+  try {
+    s.thread = std::thread([&s] { s.exchange(); });
+  } catch (const std::system_error& e) {
+    return fail({.code = Error::Code::kBadValue, .file = path, .found = e.what(), .expected = "a thread"});
+  }
+  return arm;
+}
+
+std::string SerialArm::what() const { return "serial arm, " + state_->path; }
+
+bool SerialArm::isGone() const {
+  const std::lock_guard lock(state_->mutex);
+  return state_->is_unplugged;
+}
+
+ArmCounts SerialArm::counts() const {
+  const std::lock_guard lock(state_->mutex);
+  ArmCounts out = state_->counts;
+  const double age = 1e-9 * static_cast<double>(deviceClock() - out.newest_came_ns);
+  out.is_talking = !state_->is_unplugged && out.newest_came_ns != 0 && age <= kDeadMan;
+  if (state_->is_unplugged)
+    out.trouble = "it was unplugged: plug it in";
+  else if (state_->other_model != 0)
+    out.trouble =
+        fmt::format("it is of model {}, whose arm is not known here: only 3, WoodenHaptics, is", state_->other_model);
+  else if (state_->error != 0)
+    out.trouble = fmt::format("it tells of error {}", state_->error);
+  else if (!out.is_talking)
+    out.trouble = "it does not answer: switch it on";
+  return out;
+}
+
+}  // namespace kerf

@@ -1,0 +1,125 @@
+// What tests of devices with force share: waiting, somebody in the place of the haptic thread, a simulated system.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <limits>
+#include <mutex>
+#include <thread>
+
+#include "sim/device/arm_opener.h"
+#include "tests/support/hid_testbed.h"
+
+namespace kerf::test {
+
+inline constexpr double kRoom = 0.06;  // s that a busy machine may take beside the 20 ms
+
+template <class Condition>
+bool until(const Condition& holds, int most_ms = 20000) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(most_ms);
+  while (std::chrono::steady_clock::now() < end) {
+    if (holds()) return true;
+    std::this_thread::sleep_for(std::chrono::microseconds(500));
+  }
+  return holds();
+}
+template <class Condition>
+double secondsUntil(const Condition& holds) {
+  const auto began = std::chrono::steady_clock::now();
+  EXPECT_TRUE(until(holds));
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+}
+
+// In the place of the haptic thread: a force that is always the same.
+class Pusher {
+ public:
+  Pusher(ForceArm& arm, const Vec3d& force) : arm_(arm), force_(force) {
+    thread_ = std::thread([this] { run(); });
+  }
+  ~Pusher() {
+    is_stopping_ = true;
+    thread_.join();
+  }
+  std::atomic<bool> hangs{false}, is_valid{false}, gives_nan{false};
+  Vec3d place() const {
+    const std::lock_guard lock(mutex_);
+    return place_;
+  }
+
+ private:
+  void run() {
+    arm_.arm();
+    while (!is_stopping_) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      if (hangs) continue;
+      const DeviceSample sample = arm_.read();
+      is_valid = sample.is_valid != 0;
+      {
+        const std::lock_guard lock(mutex_);
+        place_ = sample.T_world_device.translation;
+      }
+      const Vec3d force = gives_nan ? Vec3d::Constant(std::numeric_limits<double>::quiet_NaN()) : force_;
+      arm_.write({sample.is_valid ? force : Vec3d(Vec3d::Zero()), Vec3d::Zero()});
+    }
+    arm_.disarm();
+  }
+  ForceArm& arm_;
+  const Vec3d force_;
+  std::atomic<bool> is_stopping_{false};
+  mutable std::mutex mutex_;
+  Vec3d place_ = Vec3d::Zero();
+  std::thread thread_;
+};
+
+// Under the hidapi of the system; skipped where umockdev is not preloaded.
+class OnTestbed : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!HidTestbed::isThere()) GTEST_SKIP() << "umockdev is not preloaded: run umockdev-wrapper kerf_device_tests";
+    bed_ = std::make_unique<HidTestbed>();
+  }
+  std::unique_ptr<ForceArm> open(const std::string& name = HidTestbed::path(0)) {
+    auto opened = openArm(name, {.limits = {.force = 3, .rate = 500, .ramp_s = 0.1}});
+    EXPECT_TRUE(opened) << opened.error().message();
+    return opened ? std::move(opened->arm) : nullptr;
+  }
+  Bytes lastWritten() const { return bed_->lastWritten(0); }
+  // Does what is to take the force away, and waits for that. A force is sent once a millisecond at most: so many
+  // reports that still give one are milliseconds, whatever else the machine does meanwhile.
+  int forcesAfter(const std::function<void()>& change, const std::function<bool(const Bytes&)>& gives) {
+    const std::size_t before = bed_->written(0).size();
+    change();
+    EXPECT_TRUE(until([&] { return !gives(lastWritten()); }));
+    const std::vector<Bytes> all = bed_->written(0);
+    return static_cast<int>(std::count_if(all.begin() + static_cast<std::ptrdiff_t>(before), all.end(), gives));
+  }
+  static constexpr int kDeadMan = 25;  ///< reports: 20 ms, and what was on its way
+  // Its firmware: a report each millisecond.
+  void talk(const std::function<Bytes()>& report) {
+    firmware_ = std::thread([this, report] {
+      while (!is_off_) {
+        if (!is_silent_) bed_->send(0, report());
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      }
+    });
+  }
+  void TearDown() override {
+    is_off_ = true;
+    if (firmware_.joinable()) firmware_.join();
+  }
+  const SimulatedHid raw_{.vendor = 0xCAFE,
+                          .product = 0x4004,
+                          .maker = "Me",
+                          .name = "My arm",
+                          .serial = "R-1",
+                          .interfaces = {{0xFF4B, 1}}};
+  std::unique_ptr<HidTestbed> bed_;
+  std::thread firmware_;
+  std::atomic<bool> is_off_{false}, is_silent_{false};
+};
+
+}  // namespace kerf::test

@@ -1,0 +1,76 @@
+// Haply's service: its JSON, and the way of a force through a simulated one.
+#include "sim/device/haply_arm.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "sim/device/haply_simulator.h"
+#include "tests/sim/device/force_scene.h"
+
+namespace kerf {
+namespace {
+
+using namespace test;
+
+TEST(HaplyJson, PartialStatesKeepWhatTheyDoNotSay) {
+  HaplyState state;
+  EXPECT_EQ(
+      parseHaplyState(
+          R"({"session_id":1,"inverse3":[{"device_id":"049D","state":{"cursor_position":{"x":0.01,"y":-0.02,"z":0.1}}}],
+      "wireless_verse_grip":[{"state":{"orientation":{"x":0,"y":0,"z":0,"w":1},"buttons":{"a":true,"b":false,"c":true}}}]})",
+          state),
+      HaplyNews::kPlace);
+  EXPECT_EQ(state.id, "049D");
+  EXPECT_LT((state.hand.pose.translation - Vec3d(10, -20, 100)).norm(), 1e-9);
+  EXPECT_EQ(state.hand.buttons, 5u);
+  EXPECT_TRUE(state.hand.senses_orientation);
+  EXPECT_EQ(parseHaplyState(R"({"inverse3":[{"state":{}}]})", state), HaplyNews::kOther);
+  EXPECT_EQ(parseHaplyState("{}", state), HaplyNews::kOther);
+  EXPECT_EQ(state.id, "049D");
+  for (const char* bad : {"", "[]", "null", "{\"inverse3\"", "\xff\xfe",
+                          R"({"inverse3":[{"state":{"cursor_position":{"x":1e300,"y":0,"z":0}}}]})",
+                          R"({"inverse3":[{"state":{"cursor_position":{"x":"0","y":0,"z":0}}}]})",
+                          R"({"inverse3":[{"state":{"cursor_position":{"x":0,"y":0}}}]})"})
+    EXPECT_EQ(parseHaplyState(bad, state), HaplyNews::kMalformed) << bad;
+  EXPECT_LT((state.hand.pose.translation - Vec3d(10, -20, 100)).norm(), 1e-9) << "nothing of them is used";
+  EXPECT_EQ(parseHaplyState(std::string(100000, '['), state), HaplyNews::kMalformed);
+
+  EXPECT_EQ(
+      haplyForce("049D", {0.5, 0, -1}),
+      R"({"inverse3":[{"commands":{"set_cursor_force":{"values":{"x":0.5,"y":0.0,"z":-1.0}}},"device_id":"049D"}]})");
+  EXPECT_EQ(haplyForce("a", {std::nan(""), 1, 1}).find("1.0"), std::string::npos) << "no numbers: no force";
+}
+
+TEST(HaplyArm, ASimulatedServiceClosesTheLoop) {
+  auto service = HaplySimulator::start({.port = 0});
+  ASSERT_TRUE(service) << service.error().message();
+  auto opened =
+      openArm("haply:" + std::to_string((*service)->port()), {.limits = {.force = 3, .rate = 500, .ramp_s = 0.1}});
+  ASSERT_TRUE(opened) << opened.error().message();
+  ForceArm& arm = *opened->arm;
+  arm.enable(true);
+  {
+    Pusher pusher(arm, {0, 0, 1});
+    ASSERT_TRUE(until([&] { return pusher.is_valid.load(); })) << arm.counts().trouble;
+    ASSERT_TRUE(until([&] { return (*service)->report().force[2] > 0.99; }));
+    EXPECT_LE((*service)->report().most_force, 3 + 1e-9);
+    HandFrame hand;
+    ASSERT_TRUE(arm.lastHand(hand));
+    EXPECT_GT(hand.pose.translation[2], 0.5) << "pushed up against its spring";
+
+    // The service hangs, then dies.
+    (*service)->hang(true);
+    EXPECT_LT(secondsUntil([&] { return !pusher.is_valid; }), 0.02 + kRoom);
+    (*service)->hang(false);
+    ASSERT_TRUE(until([&] { return pusher.is_valid.load(); }));
+    service->reset();
+    EXPECT_LT(secondsUntil([&] { return !pusher.is_valid; }), 0.02 + kRoom);
+    EXPECT_TRUE(until([&] { return arm.counts().trouble.find("no service answers") != std::string::npos; }));
+  }
+  EXPECT_FALSE(openArm("haply:192.168.0.1", {}));
+  EXPECT_FALSE(openArm("haply:70000", {}));
+}
+
+}  // namespace
+}  // namespace kerf
