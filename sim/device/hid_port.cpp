@@ -74,6 +74,7 @@ std::vector<HidInfo> listHid() {
     info.maker = utf8(at->manufacturer_string);
     info.name = utf8(at->product_string);
     info.parent = parentOf(info.path, at->bus_type == HID_API_BUS_USB);
+    info.is_bluetooth = at->bus_type == HID_API_BUS_BLUETOOTH;
     info.may_open = ::access(info.path.c_str(), R_OK | W_OK) == 0;
     out.push_back(std::move(info));
   }
@@ -131,15 +132,36 @@ int HidPort::read(std::span<std::uint8_t> report, int wait_ms) noexcept {
   return hid_read_timeout(handle_->device, report.data(), report.size(), wait_ms);
 }
 
-bool HidPort::write(std::span<const std::uint8_t> report) noexcept {
-  ++handle_->writers;
-  bool is_taken = false;
+namespace {
+
+// A call that the reader lets go first.
+template <class Call>
+int beforeReading(std::atomic<int>& writers, std::mutex& in_use, const Call& call) noexcept {
+  ++writers;
+  int out = -1;
   {
-    const std::lock_guard lock(handle_->in_use);
-    is_taken = hid_write(handle_->device, report.data(), report.size()) >= 0;
+    const std::lock_guard lock(in_use);
+    out = call();
   }
-  --handle_->writers;
-  return is_taken;
+  --writers;
+  return out;
+}
+
+}  // namespace
+
+bool HidPort::write(std::span<const std::uint8_t> report) noexcept {
+  return beforeReading(handle_->writers, handle_->in_use,
+                       [&] { return hid_write(handle_->device, report.data(), report.size()); }) >= 0;
+}
+
+bool HidPort::setFeature(std::span<const std::uint8_t> report) noexcept {
+  return beforeReading(handle_->writers, handle_->in_use,
+                       [&] { return hid_send_feature_report(handle_->device, report.data(), report.size()); }) >= 0;
+}
+
+int HidPort::getFeature(std::span<std::uint8_t> report) noexcept {
+  return beforeReading(handle_->writers, handle_->in_use,
+                       [&] { return hid_get_feature_report(handle_->device, report.data(), report.size()); });
 }
 
 }  // namespace kerf

@@ -24,4 +24,13 @@ std::optional<GamepadState> readGamepad() {
   return {};
 }
 
+std::optional<PadId> gamepadId() {
+  for (int id = GLFW_JOYSTICK_1; id <= GLFW_JOYSTICK_LAST; ++id) {
+    if (!glfwJoystickIsGamepad(id)) continue;
+    const char* const guid = glfwGetJoystickGUID(id);
+    return guid ? padIdOf(guid) : std::nullopt;
+  }
+  return {};
+}
+
 }  // namespace kerf

@@ -4,10 +4,14 @@
 #include <optional>
 
 #include "ui/app/gamepad_map.h"
+#include "ui/app/pad_rumble.h"
 
 namespace kerf {
 
 /// The first one that GLFW has a mapping for; none: none is plugged in. The window's thread.
 std::optional<GamepadState> readGamepad();
+
+/// Which one that is.
+std::optional<PadId> gamepadId();
 
 }  // namespace kerf

@@ -1,0 +1,207 @@
+#include "sim/device/rumble_pad.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <system_error>
+#include <thread>
+
+#include "sim/device/device_driver.h"
+#include "sim/hand/triple_buffer.h"
+
+namespace kerf {
+namespace {
+
+constexpr auto kPause = std::chrono::milliseconds(10);  // between two reports
+constexpr std::int64_t kAgain = 1'000'000'000;          // ns: an Xbox pad stops by itself after 2.5 s
+constexpr int kMostFailures = 3;                        // one after the other: it is gone
+
+struct Model {
+  std::uint16_t vendor, product;
+  bool is_bluetooth;
+  PadKind kind;
+};
+constexpr Model kModels[] = {
+    {0x054c, 0x0ce6, false, PadKind::kDualSense},    {0x054c, 0x0ce6, true, PadKind::kDualSenseBluetooth},
+    {0x054c, 0x0df2, false, PadKind::kDualSense},    {0x054c, 0x0df2, true, PadKind::kDualSenseBluetooth},
+    {0x054c, 0x05c4, false, PadKind::kDualShock4},   {0x054c, 0x05c4, true, PadKind::kDualShock4Bluetooth},
+    {0x054c, 0x09cc, false, PadKind::kDualShock4},   {0x054c, 0x09cc, true, PadKind::kDualShock4Bluetooth},
+    {0x045e, 0x02e0, true, PadKind::kXboxBluetooth}, {0x045e, 0x02fd, true, PadKind::kXboxBluetooth},
+    {0x045e, 0x0b05, true, PadKind::kXboxBluetooth}, {0x045e, 0x0b13, true, PadKind::kXboxBluetooth},
+    {0x045e, 0x0b20, true, PadKind::kXboxBluetooth},
+};
+
+std::uint8_t strength(double share, double most) {
+  if (!(share > 0)) return 0;
+  return static_cast<std::uint8_t>(std::lround(std::min(share, 1.0) * most));
+}
+
+void sign(std::vector<std::uint8_t>& report) {
+  const std::uint32_t crc = padChecksum(std::span(report).first(report.size() - 4));
+  for (std::size_t n = 0; n < 4; ++n) report[report.size() - 4 + n] = static_cast<std::uint8_t>(crc >> (8 * n));
+}
+
+}  // namespace
+
+std::optional<PadKind> padKindOf(const HidInfo& info) {
+  for (const Model& m : kModels)
+    if (m.vendor == info.vendor && m.product == info.product && m.is_bluetooth == info.is_bluetooth) return m.kind;
+  return {};
+}
+
+const char* nameOf(PadKind kind) {
+  switch (kind) {
+    case PadKind::kDualSense:
+      return "DualSense";
+    case PadKind::kDualSenseBluetooth:
+      return "DualSense by Bluetooth";
+    case PadKind::kDualShock4:
+      return "DualShock 4";
+    case PadKind::kDualShock4Bluetooth:
+      return "DualShock 4 by Bluetooth";
+    case PadKind::kXboxBluetooth:
+      break;
+  }
+  return "Xbox by Bluetooth";
+}
+
+std::uint32_t padChecksum(std::span<const std::uint8_t> bytes) {
+  constexpr std::uint8_t kOutputBegins = 0xA2;
+  std::uint32_t crc = 0xFFFFFFFF;
+  const auto add = [&](std::uint8_t byte) {
+    crc ^= byte;
+    for (int bit = 0; bit < 8; ++bit) crc = (crc >> 1) ^ (crc & 1 ? 0xEDB88320U : 0U);
+  };
+  add(kOutputBegins);
+  for (const std::uint8_t byte : bytes) add(byte);
+  return ~crc;
+}
+
+std::vector<std::uint8_t> rumbleReport(PadKind kind, const Rumble& rumble, std::uint8_t number) {
+  const std::uint8_t weak = strength(rumble.weak, 255), strong = strength(rumble.strong, 255);
+  std::vector<std::uint8_t> out;
+  switch (kind) {
+    case PadKind::kDualSense:
+      out.resize(48);
+      out[0] = 0x02;
+      out[1] = 0x03;  // as a DualShock 4 vibrates; no haptic sound
+      out[3] = weak;
+      out[4] = strong;
+      return out;
+    case PadKind::kDualSenseBluetooth:
+      out.resize(78);
+      out[0] = 0x31;
+      out[1] = static_cast<std::uint8_t>((number & 15) << 4);
+      out[2] = 0x10;
+      out[3] = 0x03;
+      out[5] = weak;
+      out[6] = strong;
+      sign(out);
+      return out;
+    case PadKind::kDualShock4:
+      out.resize(32);
+      out[0] = 0x05;
+      out[1] = 0x01;  // the motors alone; its light stays
+      out[4] = weak;
+      out[5] = strong;
+      return out;
+    case PadKind::kDualShock4Bluetooth:
+      out.resize(78);
+      out[0] = 0x11;
+      out[1] = 0xC0;
+      out[3] = 0x01;
+      out[6] = weak;
+      out[7] = strong;
+      sign(out);
+      return out;
+    case PadKind::kXboxBluetooth:
+      break;
+  }
+  return {0x03, 0x0F, 0, 0, strength(rumble.strong, 100), strength(rumble.weak, 100), 0xFF, 0x00, 0xEB};
+}
+
+struct RumblePad::State {
+  State(HidPort opened, PadKind of) : port(std::move(opened)), kind(of) {}
+  void write();
+
+  struct Wish {
+    Rumble rumble;
+    std::int64_t wished_ns = 0;
+  };
+  HidPort port;
+  const PadKind kind;
+  TripleBuffer<Wish> wishes;
+  std::atomic<bool> is_stopping{false}, is_connected{true};
+  std::thread thread;
+};
+
+void RumblePad::State::write() {
+  Rumble last;
+  std::int64_t written = 0;
+  std::uint8_t number = 0;
+  int failures = 0;
+  const auto send = [&](const Rumble& rumble, std::int64_t now) {
+    const bool is_taken = port.write(rumbleReport(kind, rumble, number++));
+    failures = is_taken ? 0 : failures + 1;
+    last = rumble;
+    written = now;
+  };
+  while (!is_stopping.load(std::memory_order_acquire) && failures < kMostFailures) {
+    wishes.update();
+    const std::int64_t now = deviceClock();
+    const Wish& wish = wishes.front();
+    const bool is_news = wish.wished_ns != 0 && static_cast<double>(now - wish.wished_ns) < 1e9 * kStale;
+    const Rumble wanted = is_news ? wish.rumble : Rumble{};
+    const bool fades = last != Rumble{} && now - written > kAgain;
+    if (wanted != last || fades) send(wanted, now);
+    std::this_thread::sleep_for(kPause);
+  }
+  if (failures < kMostFailures && written != 0) send({}, deviceClock());
+  is_connected.store(failures < kMostFailures, std::memory_order_release);
+}
+
+RumblePad::RumblePad(std::unique_ptr<State> state) : state_(std::move(state)) {}
+RumblePad::~RumblePad() {
+  state_->is_stopping.store(true, std::memory_order_release);
+  if (state_->thread.joinable()) state_->thread.join();
+}
+
+Expected<std::unique_ptr<RumblePad>> RumblePad::open(const HidInfo& info, PadKind kind) {
+  KERF_TRY(port, HidPort::open(info.path));
+  std::unique_ptr<RumblePad> pad(new RumblePad(std::make_unique<State>(std::move(port), kind)));
+  State& s = *pad->state_;
+  try {
+    s.thread = std::thread([&s] { s.write(); });
+  } catch (const std::system_error& e) {
+    return fail({.code = Error::Code::kBadValue, .file = info.path, .found = e.what(), .expected = "a thread"});
+  }
+  return pad;
+}
+
+Expected<std::unique_ptr<RumblePad>> RumblePad::open(std::uint16_t vendor, std::uint16_t product) {
+  std::vector<HidInfo> alike;
+  for (const HidInfo& info : listHid())
+    if (info.vendor == vendor && info.product == product && padKindOf(info)) alike.push_back(info);
+  // A pad has one interface with motors; those of its sound are no HID.
+  if (alike.size() == 1) return open(alike.front(), *padKindOf(alike.front()));
+  return fail({.code = alike.empty() ? Error::Code::kNotFound : Error::Code::kBadValue,
+               .place = "gamepad",
+               .found = alike.empty() ? fmt::format("{:04x}:{:04x}, which is not known to shake", vendor, product)
+                                      : fmt::format("{} pads alike", alike.size()),
+               .expected = "one DualSense, DualShock 4, or Xbox pad by Bluetooth"});
+}
+
+PadKind RumblePad::kind() const noexcept { return state_->kind; }
+bool RumblePad::isConnected() const noexcept { return state_->is_connected.load(std::memory_order_acquire); }
+
+void RumblePad::set(const Rumble& rumble) noexcept {
+  State::Wish& wish = state_->wishes.back();
+  wish.rumble = rumble;
+  wish.wished_ns = deviceClock();
+  state_->wishes.publish();
+}
+
+}  // namespace kerf

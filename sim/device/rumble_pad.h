@@ -1,0 +1,65 @@
+// The two motors of a gamepad, which carry the vibration of the drill: DualSense, DualShock 4, Xbox by Bluetooth. Never
+// tried on hardware: reports are those that Linux and SDL write. (An Xbox pad on a cable is no HID device on Linux.)
+//
+//   window ──newest wish──▶ thread ──report──▶ pad          at most 100 a second, and only what has changed
+//
+// A pad goes on shaking until it is told otherwise: a wish older than kStale is zero, and so is the end. One that is
+// killed leaves the last strength behind, until the pad is switched off; on Xbox for 2.5 s.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "sim/device/hid_port.h"
+
+namespace kerf {
+
+enum class PadKind { kDualSense, kDualSenseBluetooth, kDualShock4, kDualShock4Bluetooth, kXboxBluetooth };
+
+struct Rumble {
+  double strong = 0, weak = 0;  ///< 0 to 1: the slow heavy motor, the fast light one
+  bool operator==(const Rumble&) const = default;
+};
+
+/// None: it is no such pad.
+std::optional<PadKind> padKindOf(const HidInfo& info);
+/// "DualSense by Bluetooth".
+const char* nameOf(PadKind kind);
+/// The report that makes it shake so, its number first.
+/// @param number  of the report, counts up: some pads want it.
+std::vector<std::uint8_t> rumbleReport(PadKind kind, const Rumble& rumble, std::uint8_t number);
+/// As Sony's pads check a report that comes by Bluetooth: CRC-32 over 0xA2 and the bytes.
+std::uint32_t padChecksum(std::span<const std::uint8_t> bytes);
+
+/// An open pad with a thread that writes.
+class RumblePad {
+ public:
+  static constexpr double kStale = 0.2;  ///< s
+
+  /// @param vendor, product  of the pad that is in use.   Errors: kNotFound: none, or one that cannot shake; kBadValue:
+  /// several alike; those of HidPort::open().
+  static Expected<std::unique_ptr<RumblePad>> open(std::uint16_t vendor, std::uint16_t product);
+  static Expected<std::unique_ptr<RumblePad>> open(const HidInfo& info, PadKind kind);
+  /// Stands still.
+  ~RumblePad();
+  RumblePad(const RumblePad&) = delete;
+  RumblePad& operator=(const RumblePad&) = delete;
+
+  PadKind kind() const noexcept;
+  /// The newest wish; to be repeated. Any one thread. Never waits.
+  void set(const Rumble& rumble) noexcept;
+  /// False: it was unplugged.
+  bool isConnected() const noexcept;
+
+ private:
+  struct State;
+  explicit RumblePad(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace kerf
