@@ -2,19 +2,14 @@
 #include "sim/device/hid_device.h"
 
 #include <gtest/gtest.h>
-#include <sys/stat.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <atomic>
 #include <chrono>
-#include <cstdio>
 #include <mutex>
 #include <thread>
 
 #include "sim/device/device_watch.h"
 #include "tests/support/hid_testbed.h"
-#include "tests/support/temporary_folder.h"
 
 namespace kerf {
 namespace {
@@ -197,86 +192,6 @@ TEST_F(HidDevices, UnpluggedWhileItMovesItIsAtRestAndPluggedInAgainItIsFound) {
   EXPECT_TRUE(until([&] { return watch.device()->axes()[5] == 1; }));
 }
 
-struct Printed {
-  int code = -1;
-  std::string text;
-};
-Printed kerfSays(const std::string& arguments, const std::string& by = "timeout 60 ") {
-  Printed out;
-  FILE* const pipe = ::popen((by + KERF_BIN_DIR "/kerf " + arguments + " 2>&1").c_str(), "r");
-  std::array<char, 4096> part{};
-  while (const std::size_t size = std::fread(part.data(), 1, part.size(), pipe)) out.text.append(part.data(), size);
-  out.code = WEXITSTATUS(::pclose(pipe));
-  return out;
-}
-
-TEST_F(HidDevices, APermissionThatIsMissingNamesTheUdevRule) {
-  const std::string nobody = "timeout 60 setpriv --reuid 65534 --regid 65534 --clear-groups ";
-  if (kerfSays("--version", nobody).code != 0) GTEST_SKIP() << "only root can run kerf without its rights";
-  bed_->plugIn({});
-  ASSERT_EQ(::chmod(bed_->realPath(0).c_str(), 0600), 0);
-  bed_->letOthersLook();
-
-  const Printed list = kerfSays("devices", nobody);
-  EXPECT_EQ(list.code, 0);
-  EXPECT_NE(list.text.find("/dev/hidraw0: SpaceNavigator"), std::string::npos) << list.text;
-  EXPECT_NE(list.text.find("scripts/setup --udev (udev rule 70-kerf-hid.rules)"), std::string::npos) << list.text;
-  const Printed probed = kerfSays("devices --probe --for 1", nobody);
-  EXPECT_EQ(probed.code, 1);
-  EXPECT_NE(probed.text.find("/dev/hidraw0: a device that this user may not open"), std::string::npos) << probed.text;
-  EXPECT_NE(probed.text.find("70-kerf-hid.rules"), std::string::npos) << probed.text;
-}
-
-TEST_F(HidDevices, TheProgramListsProbesRecordsAndReplays) {
-  const TemporaryFolder folder;
-  const std::string file = (folder.path() / "mine.txt").string();
-  bed_->plugIn({.serial = "A-17"});
-  const Printed list = kerfSays("devices");
-  EXPECT_EQ(list.code, 0);
-  EXPECT_NE(list.text.find("/dev/hidraw0: SpaceNavigator"), std::string::npos) << list.text;
-  EXPECT_NE(list.text.find("serial A-17, driver spacemouse"), std::string::npos) << list.text;
-
-  std::atomic<bool> is_over{false};
-  std::thread hand([&] {
-    for (int n = 0; !is_over; ++n) {
-      bed_->send(0, n % 2 ? kTurned : kRight);
-      std::this_thread::sleep_for(milliseconds(8));
-    }
-  });
-  const Printed probed = kerfSays("devices A-17 --probe --for 1.5 --record " + file);
-  is_over = true;
-  hand.join();
-  EXPECT_EQ(probed.code, 0) << probed.text;
-  EXPECT_NE(probed.text.find("right +1.00 away +0.00 up +0.00, turned +0.00 +0.00 +1.00"), std::string::npos)
-      << probed.text;
-  EXPECT_NE(probed.text.find("written: " + file), std::string::npos) << probed.text;
-  EXPECT_EQ(bed_->written(0).back(), (Bytes{4, 0})) << "dark again";
-
-  const Printed replayed = kerfSays("devices --replay " + file);
-  EXPECT_EQ(replayed.code, 0);
-  EXPECT_NE(replayed.text.find("046d:c626 SpaceNavigator, driver spacemouse"), std::string::npos) << replayed.text;
-  EXPECT_NE(replayed.text.find("turned +0.00 +0.00 +1.00"), std::string::npos) << replayed.text;
-}
-
-TEST_F(HidDevices, UnpluggedWhileItIsRecordedTheRecordingIsWritten) {
-  const TemporaryFolder folder;
-  const std::string file = (folder.path() / "mine.txt").string();
-  bed_->plugIn({});
-  std::thread hand([&] {
-    for (int n = 0; n < 100; ++n) {
-      bed_->send(0, kRight);
-      std::this_thread::sleep_for(milliseconds(8));
-    }
-    bed_->unplug({});
-  });
-  const Printed recorded = kerfSays("devices --for 20 --record " + file);
-  hand.join();
-  EXPECT_EQ(recorded.code, 1);
-  EXPECT_NE(recorded.text.find("the device was unplugged"), std::string::npos) << recorded.text;
-  EXPECT_NE(recorded.text.find("written: " + file), std::string::npos) << recorded.text;
-  EXPECT_EQ(kerfSays("devices --replay " + file).code, 0);
-}
-
 TEST_F(HidDevices, AListenerHearsEveryReportAsItCame) {
   bed_->plugIn({});
   const auto found = chooseDevice(findDevices(), "");
@@ -295,6 +210,18 @@ TEST_F(HidDevices, AListenerHearsEveryReportAsItCame) {
     }));
   }
   EXPECT_EQ(heard, (std::vector<Bytes>{kRight, kTurned, {0x42}, kRest}));
+}
+
+TEST_F(HidDevices, OfSeveralNoneIsTakenByItsPlace) {
+  bed_->plugIn({.serial = "A"});
+  bed_->plugIn({.serial = "B", .port = 2, .first_node = 1});
+  const DeviceWatch any("", 20);
+  ASSERT_TRUE(until([&] { return !any.trouble().empty(); }));
+  EXPECT_EQ(any.device(), nullptr);
+  EXPECT_NE(any.trouble().find("/dev/hidraw0 (serial A), /dev/hidraw1 (serial B)"), std::string::npos) << any.trouble();
+  const DeviceWatch named("B", 20, findDriver("spacemouse"));
+  ASSERT_TRUE(until([&] { return named.device() != nullptr; })) << named.trouble();
+  EXPECT_EQ(named.device()->what().path(), "/dev/hidraw1");
 }
 
 }  // namespace
