@@ -12,6 +12,7 @@ struct DeviceWatch::State {
   void look();
 
   std::string name;
+  const DeviceDriver* driver = nullptr;
   std::chrono::milliseconds every{};
   mutable std::mutex mutex;
   std::condition_variable ended;
@@ -37,20 +38,17 @@ void DeviceWatch::State::watch() {
 
 void DeviceWatch::State::look() {
   std::vector<FoundDevice> there = findDevices();
+  if (driver) std::erase_if(there, [&](const FoundDevice& found) { return found.driver != driver; });
   std::shared_ptr<HidDevice> opened;
   std::string wrong;
-  if (!name.empty()) {
-    const auto meant = chooseDevice(there, name);
-    there.clear();
-    if (meant) there.push_back(*meant);
-  }
-  for (const FoundDevice& found : there) {
-    auto one = HidDevice::open(found);
-    if (one) {
+  if (const auto meant = chooseDevice(there, name)) {
+    auto one = HidDevice::open(*meant);
+    if (one)
       opened = std::move(*one);
-      break;
-    }
-    if (wrong.empty()) wrong = one.error().message();
+    else
+      wrong = one.error().message();
+  } else if (!there.empty()) {
+    wrong = meant.error().message();
   }
 
   const std::lock_guard lock(mutex);
@@ -58,8 +56,10 @@ void DeviceWatch::State::look() {
   trouble = device ? std::string() : std::move(wrong);
 }
 
-DeviceWatch::DeviceWatch(std::string name, int every_ms) : state_(std::make_unique<State>()) {
+DeviceWatch::DeviceWatch(std::string name, int every_ms, const DeviceDriver* driver)
+    : state_(std::make_unique<State>()) {
   state_->name = std::move(name);
+  state_->driver = driver;
   state_->every = std::chrono::milliseconds(every_ms);
   state_->thread = std::thread([this] { state_->watch(); });
 }

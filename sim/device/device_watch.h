@@ -11,8 +11,9 @@ namespace kerf {
 /// A thread of its own lists devices, once a second as long as none is open.
 class DeviceWatch {
  public:
-  /// @param name  as chooseDevice(); empty: the first one that opens.
-  explicit DeviceWatch(std::string name = {}, int every_ms = 1000);
+  /// @param name  as chooseDevice(): of several without a name none is opened, and trouble() lists them.
+  /// @param driver  its id; null: of any driver.
+  explicit DeviceWatch(std::string name = {}, int every_ms = 1000, const DeviceDriver* driver = nullptr);
   ~DeviceWatch();
   DeviceWatch(const DeviceWatch&) = delete;
   DeviceWatch& operator=(const DeviceWatch&) = delete;

@@ -22,7 +22,7 @@ bool until(const Condition& holds) {
 }
 
 TEST(SpaceMouseLink, IsFoundWhileTheProgramRunsTellsOnceAndIsFoundAgain) {
-  if (!HidTestbed::isThere()) GTEST_SKIP() << "umockdev is not preloaded: run umockdev-wrapper kerf_device_tests";
+  if (!HidTestbed::isThere()) GTEST_SKIP() << "umockdev is not preloaded: run umockdev-wrapper kerf_led_tests";
   HidTestbed bed;
   SpaceMouseLink link;
   EXPECT_FALSE(link.read());

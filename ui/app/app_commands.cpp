@@ -208,8 +208,8 @@ constexpr AppCommand kCommands[] = {
      "Shows the force-feedback device: hand, buttons, force, safety, what is missing; or puts it away.", always,
      device_commands::panel},
     {"device.open", "", "", "", "NAME",
-     "Opens a force-feedback device, whose hand leads the tool when it comes: bridge, bridge:PORT. What is open goes "
-     "on in a session that it can bear.",
+     "Opens a force-feedback device, whose hand leads the tool when it comes: bridge, bridge:PORT, haply, serial:PATH, "
+     "or path or serial number. What is open goes on in a session that it can bear.",
      isIdle, device_commands::open},
     {"device.close", "Device", "Close the device", "", "", "Takes all force away and gives the tool back to the mouse.",
      device_commands::isOpen, device_commands::close},

@@ -95,6 +95,8 @@ std::optional<CouplingSettings> ArmLead::coupling() const {
   return couplingFor(mapOf(choice_).inWorld(profile), wanted).settings;
 }
 
+bool ArmLead::hasJustCome() const { return Seconds(Clock::now() - there_since_).count() < 2 * kBack; }
+
 // What a person can do something about first.
 std::string ArmLead::missingForForce() const {
   constexpr double kSlack = 1.001;
@@ -237,7 +239,9 @@ ArmView ArmLead::view() const {
   else if (out.is_there && !out.hand.is_ready)
     out.missing = "it is not ready: switch it on, and calibrate it (device.calibrate)";
   else if (!is_leading_)
-    out.missing = run_ ? "the tool is held by something else" : "nothing is open to be cut";
+    out.missing = !run_           ? "nothing is open to be cut"
+                  : hasJustCome() ? "its hand has just come"
+                                  : "the tool is held by something else, or the window waits for an answer";
   else
     out.missing = missingForForce();
   return out;

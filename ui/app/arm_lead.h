@@ -107,6 +107,7 @@ class ArmLead {
 
  private:
   using Clock = std::chrono::steady_clock;
+  bool hasJustCome() const;
   std::string missingForForce() const;
   ArmSettings settings() const;
   void stopLeading();

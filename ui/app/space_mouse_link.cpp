@@ -7,12 +7,13 @@
 namespace kerf {
 
 struct SpaceMouseLink::State {
+  explicit State(std::string wanted) : watch(std::move(wanted), 1000, findDriver("spacemouse")) {}
   DeviceWatch watch;
   std::shared_ptr<HidDevice> device;
   std::string name, trouble;  // when they were last told of
 };
 
-SpaceMouseLink::SpaceMouseLink() : state_(std::make_unique<State>()) {}
+SpaceMouseLink::SpaceMouseLink(std::string name) : state_(std::make_unique<State>(std::move(name))) {}
 SpaceMouseLink::~SpaceMouseLink() = default;
 
 std::optional<SpaceMouseState> SpaceMouseLink::read() {

@@ -12,7 +12,8 @@ namespace kerf {
 /// One thread, the window's. A thread of its own lists devices once a second as long as there is none.
 class SpaceMouseLink {
  public:
-  SpaceMouseLink();
+  /// @param name  path or serial number; empty: the only one. Several without a name: none, and news() says so.
+  explicit SpaceMouseLink(std::string name = {});
   ~SpaceMouseLink();
   SpaceMouseLink(const SpaceMouseLink&) = delete;
   SpaceMouseLink& operator=(const SpaceMouseLink&) = delete;

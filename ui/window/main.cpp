@@ -33,7 +33,8 @@
 namespace {
 
 struct Arguments {
-  std::string replay, screenshot, view, up, size, look_at, section, script, data, unit, config, film, device;
+  std::string replay, screenshot, view, up, size, look_at, section, script, data, unit, config, film, device,
+      space_mouse;
   std::vector<std::string> scenes, tools;
   double voxel = 0;
   double fps = 10, from = 0, until = std::numeric_limits<double>::infinity();
@@ -153,6 +154,7 @@ kerf::Expected<void> cut(const Arguments& arguments, const Shown& shown) {
   options.bench.voxel_mm = arguments.voxel;
   options.bench.unit = arguments.unit;
   options.bench.device = arguments.device;
+  options.space_mouse = arguments.space_mouse;
   options.width = shown.width;
   options.height = shown.height;
   options.frames = arguments.frames;
@@ -265,11 +267,12 @@ int main(int argc, char** argv) try {
                  "of a scan that is opened: mm, cm, m, um or inch (default: as it says, or by its size)")
       ->type_name("UNIT")
       ->check(CLI::IsMember({"mm", "cm", "m", "um", "inch"}));
-  app.add_option(
-         "--device", a.device,
-         "a force-feedback device that leads the tool: bridge or bridge:PORT (docs/reference/device-bridge.md); "
-         "it gives force when it is armed (device.arm)")
+  app.add_option("--device", a.device,
+                 "a force-feedback device that leads the tool: bridge, bridge:PORT, haply, serial:PATH, or path or "
+                 "serial number of an arm that kerf devices lists; it gives force when it is armed (device.arm)")
       ->type_name("NAME");
+  app.add_option("--space-mouse", a.space_mouse, "the SpaceMouse to be used, where there are several")
+      ->type_name("PATH|SERIAL");
   app.add_option("--config", a.config, "folder for settings (default: ~/.config/kerf)")->type_name("FOLDER");
   app.add_option("--data", a.data, "folder for cases and sessions (default: ~/.local/share/kerf)")->type_name("FOLDER");
 

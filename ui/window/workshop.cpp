@@ -208,7 +208,10 @@ Expected<void> endAll(Workbench& bench, LiveView& view) {
 class Workshop {
  public:
   explicit Workshop(const WorkshopOptions& options)
-      : options_(options), bench_(remembering(options.bench)), settings_(options.config) {}
+      : options_(options),
+        bench_(remembering(options.bench)),
+        settings_(options.config),
+        space_mouse_link_(options.space_mouse) {}
 
   Expected<int> run() {
     endWhenTold();
@@ -435,6 +438,7 @@ class Workshop {
     const bool is_ours =
         bench_.isOpen() && !bench_.isImporting() && glfwGetWindowAttrib(desktop_.window, GLFW_FOCUSED) == GLFW_TRUE;
     gamepad_.update(context_, stroke_, is_ours ? readGamepad() : std::nullopt, seconds);
+    shakePad(is_ours);
     if (const auto news = space_mouse_link_.news()) bench_.say(*news);
     const auto knob = space_mouse_link_.read();
     if (context_.shows_device) panels_.devices = {knob, space_mouse_link_.name(), space_mouse_link_.trouble()};
@@ -442,6 +446,13 @@ class Workshop {
     if (!gamepad_.isUsed() && !space_mouse_.isUsed()) return;
     is_led_by_device_ = true;
     last_input_ = now;
+  }
+
+  // The pad shakes while it drills, and stands still out of focus, in a pause, and when nothing turns.
+  void shakePad(bool is_ours) {
+    const bool shakes = is_ours && gamepad_.isUsed() && bench_.isPressed();
+    const Rumble wanted = shakes ? rumbleOf(bench_.report(), bench_.driveShare()) : Rumble{};
+    if (const auto told = pad_rumble_.update(gamepadId(), wanted)) bench_.say(*told);
   }
 
   // While text is typed only the window's own end is a command.
@@ -641,6 +652,7 @@ class Workshop {
   const AppCommand* asked_for_ = nullptr;
   StrokePointer stroke_;
   GamepadHand gamepad_;
+  PadRumble pad_rumble_;
   SpaceMouseLink space_mouse_link_;
   SpaceMouseHand space_mouse_;
   Clock::time_point devices_read_ = Clock::now();
