@@ -16,6 +16,14 @@ Expected<OpenedArm> openBridge(const std::string& address, const ArmSettings& se
 
 }  // namespace
 
+DeviceProfile withTurning(DeviceProfile profile, const HandFrame& hand) {
+  if (!hand.gives_torque || profile.inertia_kgmm2 > 0) return profile;
+  profile.inertia_kgmm2 = 30;
+  profile.turn_friction = 0.5;
+  profile.encoder_rad = 0.002;
+  return profile;
+}
+
 Expected<OpenedArm> openArm(const std::string& name, const ArmSettings& settings, const Rigid3& start) {
   if (name == "bridge") return openBridge("udp:" + std::to_string(kBridgePort), settings, start);
   if (name.starts_with("udp:")) return openBridge(name, settings, start);

@@ -23,6 +23,10 @@ inline constexpr std::uint16_t kBridgePort = 4417;
 /// Errors: kBadValue: a name that is none; those of opening.
 Expected<OpenedArm> openArm(const std::string& name, const ArmSettings& settings, const Rigid3& start = {});
 
+/// The profile of a device as it says it is: of one that gives torque, and of whose turning nothing is known, light in
+/// turning, so that its coupling is soft.
+DeviceProfile withTurning(DeviceProfile profile, const HandFrame& hand);
+
 /// What a name may be, for help texts.
 inline constexpr const char* kArmNames =
     "bridge, bridge:PORT, haply, serial:/dev/ttyACM0, or path or serial number of an arm that kerf devices lists";

@@ -15,6 +15,7 @@ static_assert(kDeadManNs == static_cast<std::int64_t>(1e9 * ForceArm::kDeadMan))
 constexpr double kJump = 5;  // mm from frame to frame: no hand, a device that was set anew
 constexpr std::uint32_t kPedal = 1, kClutch = 2;
 constexpr std::uint64_t kAgesEvery = 100;
+constexpr double kTorqueRate = 20;  // of the most torque, 1/s: all of it within 50 ms
 
 }  // namespace
 
@@ -88,6 +89,7 @@ DeviceSample ForceArm::read() noexcept {
   felt_now_.is_valid = isUsable(newest, deviceClock());
   if (!felt_now_.is_valid) {
     guard_.disarm();
+    torque_guard_.disarm();
     has_met_ = false;
     sample_.is_valid = 0;
     sample_.pedal = 0;
@@ -111,15 +113,25 @@ DeviceSample ForceArm::read() noexcept {
   if (!isEnabled()) {
     guard_.disarm();
     guard_.forgetFault();
+    torque_guard_.forgetFault();
   } else if (!is_clutched && !has_leapt && !guard_.hasFault()) {
     guard_.arm();
   }
+  guardTorque();
 
   sample_.is_valid = 1;
   sample_.T_world_device = map_.toWorld(hand_.pose);
   sample_.pedal = now_.pedal_is_down || (hand_.buttons & kPedal) ? now_.speed : 0;
   sample_.irrigation = now_.irrigation;
   return sample_;
+}
+
+// Armed with the force, or not at all.
+void ForceArm::guardTorque() noexcept {
+  const bool gives = hand_.gives_torque && hand_.senses_orientation && hand_.most_torque > 0;
+  if (!gives || !guard_.isArmed()) return torque_guard_.disarm();
+  torque_guard_.limit({hand_.most_torque, kTorqueRate * hand_.most_torque, now_.limits.ramp_s});
+  torque_guard_.arm();
 }
 
 // Swells and fades: a half sine squared.
@@ -140,7 +152,13 @@ void ForceArm::write(const DeviceForce& force) noexcept {
   if (!guard_.isArmed()) test_left_ = 0;  // it does not wait for a person to arm
   ArmLink::Wish& wish = link_.wishes.back();
   wish.force = guard_.pass(wanted, kTick);
-  wish.torque = Vec3d::Zero();
+  wish.torque = torque_guard_.pass(map_.toDevice(force.torque), kTick);
+  if (torque_guard_.hasFault()) guard_.fail();
+  if (!guard_.isArmed()) {
+    torque_guard_.disarm();
+    wish.force.setZero();
+    wish.torque.setZero();
+  }
   wish.is_enabled = guard_.isArmed();
   wish.written_ns = deviceClock();
   wish.hand_number = hand_.number;
@@ -148,6 +166,7 @@ void ForceArm::write(const DeviceForce& force) noexcept {
 
   const std::int64_t age = wish.written_ns - hand_came_;
   felt_now_.force = wish.force;
+  felt_now_.torque = wish.torque;
   felt_now_.wanted = wanted.norm();
   felt_now_.age_ms = 1e-6 * static_cast<double>(age);
   felt_now_.ramp = guard_.ramp();
@@ -171,11 +190,13 @@ void ForceArm::placed(const Rigid3& T_world_tool) noexcept {
   sample_.T_world_device = T_world_tool;
   has_met_ = false;
   guard_.disarm();
+  torque_guard_.disarm();
 }
 
 void ForceArm::disarm() noexcept {
   is_armed_ = false;
   guard_.disarm();
+  torque_guard_.disarm();
   write({});
 }
 

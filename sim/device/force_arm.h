@@ -11,6 +11,8 @@
 // hand is less than kDeadMan old and says that it is ready; the haptic thread wrote less than kDeadMan ago; no force
 // was other than finite. When it begins to hold the force fades in. When it ends to hold the very next frame says zero.
 //
+// A torque goes the same way, to a device that says it gives one, with a guard of its own: at most what it says it can.
+//
 // Buttons: 1 is the pedal; while 2 is held the tool stays where it is and the hand moves on (clutch), without force.
 #pragma once
 
@@ -54,14 +56,15 @@ struct ArmCounts {
 
 /// What the haptic thread has done with the newest hand.
 struct ArmFelt {
-  Vec3d force = Vec3d::Zero();  ///< N, device frame, behind all bounds
-  double wanted = 0;            ///< N, before them
-  double age_ms = 0;            ///< of the hand that it answers
-  double ramp = 0;              ///< share of the fading-in, 0 to 1
-  bool is_valid = false;        ///< the hand was taken
-  bool is_armed = false;        ///< the guard lets force through
-  bool is_clamped = false;      ///< the force is bound in size or rate, now
-  bool has_fault = false;       ///< a force was not finite: switched off until enable(false)
+  Vec3d force = Vec3d::Zero();   ///< N, device frame, behind all bounds
+  Vec3d torque = Vec3d::Zero();  ///< N mm, the same
+  double wanted = 0;             ///< N, before them
+  double age_ms = 0;             ///< of the hand that it answers
+  double ramp = 0;               ///< share of the fading-in, 0 to 1
+  bool is_valid = false;         ///< the hand was taken
+  bool is_armed = false;         ///< the guard lets force through
+  bool is_clamped = false;       ///< the force is bound in size or rate, now
+  bool has_fault = false;        ///< a force was not finite: switched off until enable(false)
   bool is_clutched = false;
   double pedal = 0;
 };
@@ -157,7 +160,8 @@ class ForceArm : public DeviceSource {
 
   // The haptic thread alone.
   ArmSettings now_;
-  ForceGuard guard_;
+  ForceGuard guard_, torque_guard_;
+  void guardTorque() noexcept;
   WorkspaceMap map_;
   DeviceSample sample_;
   HandFrame hand_;  // of the last read()

@@ -13,7 +13,8 @@ struct ForceLimits {
   double ramp_s = 0.5;  ///< after arm() the force fades in over this long
 };
 
-/// Disarmed at first: zero. A force that is not finite disarms it, until arm() is called again. @rt safe, one thread.
+/// Of forces, or of torques in N mm. Disarmed at first: zero. A force that is not finite disarms it, until arm() is
+/// called again. @rt safe, one thread.
 class ForceGuard {
  public:
   explicit ForceGuard(const ForceLimits& limits = {}) : limits_(limits) {}
@@ -25,6 +26,11 @@ class ForceGuard {
   /// It was disarmed by a force that was not finite.
   bool hasFault() const noexcept { return has_fault_; }
   void forgetFault() noexcept { has_fault_ = false; }
+  /// As after a force that was not finite.
+  void fail() noexcept {
+    disarm();
+    has_fault_ = true;
+  }
   /// Share of the fading-in, 0 to 1; 0: not armed.
   double ramp() const noexcept { return is_armed_ ? std::min(1.0, armed_for_ / limits_.ramp_s) : 0; }
   /// The last force was bound in size or in rate.

@@ -62,9 +62,7 @@ void ArmLead::close() {
   if (!arm_) return;
   disarmForce();
   stopLeading();
-  // The haptic thread may be in the middle of a call: it changes hands at its next tick, after a pause at the latest.
-  for (int n = 0; hands_ && hands_->isInUse(arm_.get()) && n < 5000; ++n)
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  letGo();
   arm_.reset();
   name_.clear();
 }
@@ -91,6 +89,7 @@ std::optional<CouplingSettings> ArmLead::coupling() const {
   if (HandFrame hand; arm_->lastHand(hand)) {
     if (hand.most_stiffness > 0) wanted.stiffness = std::min(wanted.stiffness, hand.most_stiffness / choice_.scale);
     wanted.force_limit = std::min(wanted.force_limit, hand.most_force);
+    profile = withTurning(profile, hand);
   }
   return couplingFor(mapOf(choice_).inWorld(profile), wanted).settings;
 }
@@ -103,6 +102,10 @@ std::string ArmLead::missingForForce() const {
   if (!run_) return "nothing is open to be cut";
   const CouplingSettings now = run_->model().settings.coupling;
   const CouplingSettings borne = *coupling();
+  HandFrame hand;
+  const bool turns = arm_->lastHand(hand) && hand.gives_torque;
+  if (turns && now.turn_stiffness > kSlack * borne.turn_stiffness)
+    return "the session was opened for a hand that is not turned: device.fit opens it anew, what was cut stays";
   if (now.stiffness > kSlack * borne.stiffness || now.damping > kSlack * std::max(borne.damping, borne.running_damping))
     return fmt::format(
         "the session was opened for a stiffer hand, {:.2g} N/mm; this one bears {:.2g}: device.fit "
@@ -149,10 +152,18 @@ void ArmLead::opened(LiveRun& run, std::shared_ptr<HandSwitch> hands) {
 void ArmLead::closing() {
   disarmForce();
   stopLeading();
-  for (int n = 0; arm_ && hands_ && hands_->isInUse(arm_.get()) && n < 5000; ++n)
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  if (arm_) letGo();
   run_ = nullptr;
   hands_.reset();
+}
+
+// The haptic thread changes hands at its next read(). While something else holds the tool, a guide or a pause, that may
+// be much later: until then the arm is kept, disarmed as it is.
+void ArmLead::letGo() {
+  constexpr int kMostMs = 100;
+  for (int n = 0; hands_ && hands_->isInUse(arm_.get()) && n < kMostMs; ++n)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  if (hands_ && hands_->isInUse(arm_.get())) kept_.emplace_back(hands_, arm_);
 }
 
 void ArmLead::stopLeading() {
@@ -173,6 +184,7 @@ void ArmLead::openAnew() {
 
 ArmLead::News ArmLead::update(const HapticReport& report, bool may_lead) {
   News out;
+  std::erase_if(kept_, [](const Kept& kept) { return kept.first.use_count() == 1; });  // that session is over
   if (!arm_) return out;
   may_lead = may_lead && !is_paused_;
   arm_->update();

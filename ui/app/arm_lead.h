@@ -12,6 +12,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "geometry/base/error.h"
@@ -110,10 +111,13 @@ class ArmLead {
   bool hasJustCome() const;
   std::string missingForForce() const;
   ArmSettings settings() const;
+  void letGo();
   void stopLeading();
   void forgetHand();
   void openAnew();
 
+  using Kept = std::pair<std::shared_ptr<HandSwitch>, std::shared_ptr<ForceArm>>;
+  std::vector<Kept> kept_;  // arms that a haptic thread may still call, with who calls them
   std::string name_;
   std::shared_ptr<ForceArm> arm_;
   ArmChoice choice_;

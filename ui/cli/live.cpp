@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "geometry/tool/tool_file.h"
-#include "sim/device/bridge_device.h"
+#include "sim/device/arm_opener.h"
 #include "sim/run/live_run.h"
 #include "ui/cli/command.h"
 #include "ui/cli/interruption.h"
@@ -52,7 +52,7 @@ Expected<Vec3d> pointOf(const std::string& text) {
 }
 
 // Until the bridge sends its first frame: how stiff the device may be coupled is in it.
-Expected<HandFrame> waitForHand(const BridgeDevice& device, double most_s) {
+Expected<HandFrame> waitForHand(const ForceArm& device, double most_s) {
   HandFrame hand;
   for (const auto began = steady_clock::now(); !isInterrupted();) {
     if (device.lastHand(hand)) return hand;
@@ -60,17 +60,17 @@ Expected<HandFrame> waitForHand(const BridgeDevice& device, double most_s) {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   const ArmCounts counts = device.counts();
-  return fail({.code = Error::Code::kNotFound,
-               .place = fmt::format("127.0.0.1, port {}", device.port()),
-               .found = counts.refused > 0
-                            ? fmt::format("{} frames that are none: {}", counts.refused, counts.last_fault)
-                            : fmt::format("no frame in {:g} s", most_s),
-               .expected = "a bridge that sends version 1 (docs/reference/device-bridge.md)",
-               .hint = fmt::format("start the bridge; to try: kerf devices --simulate arm --port {}", device.port())});
+  return fail(
+      {.code = Error::Code::kNotFound,
+       .place = device.what(),
+       .found = counts.refused > 0 ? fmt::format("{} frames that are none: {}", counts.refused, counts.last_fault)
+                                   : fmt::format("no hand in {:g} s", most_s),
+       .expected = "a device or a bridge that sends where its hand is",
+       .hint = counts.trouble + "; a bridge to try: kerf devices --simulate arm (docs/reference/device-bridge.md)"});
 }
 
 // The session itself; says when the hand comes and goes. A latch is cleared once the hand has been back for a while.
-void follow(LiveRun& run, const BridgeDevice& device, const Arguments& a) {
+void follow(LiveRun& run, const ForceArm& device, const Arguments& a) {
   constexpr double kBack = 0.3;  // s
   const auto began = steady_clock::now();
   auto last_away = began;
@@ -120,8 +120,6 @@ int say(const Arguments& a, const RunManifest& manifest, const HapticReport& rep
 }
 
 int run(const Arguments& a) {
-  const auto port = parseBridgeAddress(a.device);
-  if (!port) return complainOfUsage(port.error());
   const auto start = pointOf(a.start);
   if (!start) return complainOfUsage(start.error());
   const auto file = findToolFile(a.tool, defaultToolFolders());
@@ -131,29 +129,31 @@ int run(const Arguments& a) {
 
   const Interruption interruption;
   constexpr double kRadians = 0.017453292519943295;
-  BridgeOptions options;
-  options.port = *port;
-  options.limits.force = a.force;
-  options.map = WorkspaceMap(Eigen::Quaterniond(Eigen::AngleAxisd(a.turn_deg * kRadians, Vec3d::UnitZ())), a.scale);
-  options.start.translation = *start;
-  options.pedal_is_down = a.pedal_is_down;
-  auto device = BridgeDevice::open(options);
-  if (!device) return complain(device.error());
-  if (!a.json) fmt::print("waiting for a hand at 127.0.0.1, port {}\n", (*device)->port());
+  ArmSettings settings;
+  settings.limits.force = a.force;
+  settings.map = WorkspaceMap(Eigen::Quaterniond(Eigen::AngleAxisd(a.turn_deg * kRadians, Vec3d::UnitZ())), a.scale);
+  settings.pedal_is_down = a.pedal_is_down;
+  Rigid3 begin;
+  begin.translation = *start;
+  auto opened = openArm(a.device, settings, begin);
+  if (!opened && opened.error().code == Error::Code::kBadValue) return complainOfUsage(opened.error());
+  if (!opened) return complain(opened.error());
+  const std::unique_ptr<ForceArm> device = std::move(opened->arm);
+  if (!a.json) fmt::print("waiting for a hand: {}\n", device->what());
   std::fflush(stdout);
-  const auto hand = waitForHand(**device, a.wait_s);
+  const auto hand = waitForHand(*device, a.wait_s);
   if (!hand) return complain(hand.error());
 
-  DeviceProfile profile = a.profile;
+  DeviceProfile profile = withTurning(a.profile, *hand);
   profile.delay_s = a.delay_ms / 1000 + kTransport;
   CouplingSettings wanted;
   if (hand->most_stiffness > 0) wanted.stiffness = std::min(wanted.stiffness, hand->most_stiffness / a.scale);
   wanted.force_limit = std::min({wanted.force_limit, a.force, hand->most_force});
-  const DeviceCoupling coupling = couplingFor(options.map.inWorld(profile), wanted);
+  const DeviceCoupling coupling = couplingFor(settings.map.inWorld(profile), wanted);
 
   LiveRunOptions live;
   live.tools = {{*file, *tool}};
-  live.start = options.start;
+  live.start = begin;
   live.step.coupling = coupling.settings;
   live.is_felt = true;
   auto session = [&] {
@@ -165,14 +165,14 @@ int run(const Arguments& a) {
     fmt::print("coupling {}; force at most {:.2g} N{}\n", describeStiffness(coupling, wanted), wanted.force_limit,
                a.is_forceless ? ", switched off" : "");
   std::fflush(stdout);
-  (*device)->enable(!a.is_forceless);
-  if (const auto started = (*session)->start(**device); !started) return complain(started.error());
-  follow(**session, **device, a);
+  device->enable(!a.is_forceless);
+  if (const auto started = (*session)->start(*device); !started) return complain(started.error());
+  follow(**session, *device, a);
 
   const auto manifest = (*session)->finish();
   if (!manifest) return complain(manifest.error());
   (*session)->thread().update();
-  return say(a, *manifest, (*session)->thread().report(), (*device)->counts());
+  return say(a, *manifest, (*session)->thread().report(), device->counts());
 }
 
 }  // namespace
@@ -180,10 +180,10 @@ int run(const Arguments& a) {
 void addLive(CLI::App& command, int& exit_code) {
   auto a = std::make_shared<Arguments>();
   command.footer(
-      "The device is led by a bridge: a small program for that device, which sends its pose to this port of 127.0.0.1\n"
-      "and gets its force (docs/reference/device-bridge.md). Other machines are refused. No device was at hand to "
-      "try:\n"
-      "simulated arms alone were. Keep a hand on its switch.\n"
+      "A bridge is a small program for a device, which sends its pose to a port of 127.0.0.1 and gets its force\n"
+      "(docs/reference/device-bridge.md); other machines are refused. All devices: docs/reference/devices.md. None "
+      "was\n"
+      "at hand to try: simulated arms alone were. Keep a hand on its switch.\n"
       "Button 1 is the pedal; while button 2 is held the hand moves and the tool stays.\n"
       "Ctrl-C ends the session, whose run replays and exports as any other.\n"
       "Example: kerf live molar.case --tool round-014 --start 0,0,9 -o molar.run\n"
@@ -192,7 +192,8 @@ void addLive(CLI::App& command, int& exit_code) {
   command.add_option("--tool", a->tool, "tool id (kerf tool list) or a tool's TOML file")->required();
   command.add_option("-o,--output", a->run_folder, "run folder to write")->required();
   command.add_option("--start", a->start, "X,Y,Z in mm: where the hand finds the tip of the tool, upright")->required();
-  command.add_option("--device", a->device, "udp:PORT of this machine")->capture_default_str();
+  command.add_option("--device", a->device, "bridge, bridge:PORT, haply, serial:PATH; path or serial number of an arm")
+      ->capture_default_str();
   const auto number = [&](const char* name, double& value, const char* what, double low, double high) {
     command.add_option(name, value, what)->check(CLI::Range(low, high))->capture_default_str();
   };

@@ -292,6 +292,47 @@ TEST_F(Bridge, AHandThatLeapsTakesTheToolAlongFromWhereTheToolIs) {
   ::close(socket);
 }
 
+TEST_F(Bridge, ATorqueGoesToADeviceThatGivesOneBoundByWhatItCan) {
+  open({.limits = {.force = 3, .rate = 1e6, .ramp_s = 0.01}});
+  const int socket = ::socket(AF_INET, SOCK_DGRAM, 0);
+  sockaddr_in there{};
+  there.sin_family = AF_INET;
+  there.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  there.sin_port = htons(device_->port());
+  ASSERT_EQ(::connect(socket, reinterpret_cast<const sockaddr*>(&there), sizeof there), 0);
+  HandFrame hand;
+  hand.most_torque = 40;
+  ForceFrame felt;
+  // Some ticks of a torque; then what the device was told last.
+  const auto turnedBy = [&](const Vec3d& torque, bool gives) {
+    hand.gives_torque = gives;
+    for (int n = 0; n < 100; ++n) {
+      ++hand.number;
+      const auto bytes = encode(hand);
+      ::send(socket, bytes.data(), bytes.size(), 0);
+      std::this_thread::sleep_for(milliseconds(1));
+      (void)device_->read();
+      device_->write({Vec3d(0, 0, 1), torque});
+    }
+    std::this_thread::sleep_for(milliseconds(8));
+    std::array<std::uint8_t, 256> got{};
+    for (ssize_t size = 0; (size = ::recv(socket, got.data(), got.size(), MSG_DONTWAIT)) > 0;)
+      EXPECT_EQ(decode(std::span(got).first(static_cast<std::size_t>(size)), felt), FrameFault::kNone);
+  };
+  device_->arm();
+  turnedBy({0, 30, 0}, true);
+  EXPECT_TRUE(felt.is_enabled);
+  EXPECT_LT((felt.torque - Vec3d(0, 30, 0)).norm(), 1e-6);
+  turnedBy({0, 300, 0}, true);
+  EXPECT_NEAR(felt.torque.norm(), 40, 1e-6);
+  turnedBy({0, 30, 0}, false);
+  EXPECT_TRUE(felt.is_enabled);
+  EXPECT_EQ(felt.torque, Vec3d::Zero()) << "it does not say that it gives one";
+  turnedBy({0, std::numeric_limits<double>::quiet_NaN(), 0}, true);
+  EXPECT_FALSE(felt.is_enabled) << "a torque that is none takes the force with it";
+  ::close(socket);
+}
+
 // The haptic thread itself, allocation guard and all, on an arm of average friction with the coupling of its profile.
 TEST_F(Bridge, TheWholeStackIsPassiveOnABlockAndCutsIt) {
   const DeviceProfile profile{.delay_s = 0.004, .mass_kg = 0.08, .friction = 0.05, .encoder_mm = 0.02};
