@@ -19,6 +19,8 @@ KeyChord keyChord(std::string_view name) {
   // Of printable keys GLFW's number is that of the character, in capitals.
   if (name.size() == 1)
     out.key = name[0];
+  else if (name.size() == 2 && name[0] == 'F' && name[1] >= '1' && name[1] <= '9')
+    out.key = GLFW_KEY_F1 + (name[1] - '1');
   else if (name == "Esc")
     out.key = GLFW_KEY_ESCAPE;
   else if (name == "Enter")

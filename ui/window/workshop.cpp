@@ -458,6 +458,7 @@ class Workshop {
   // While text is typed only the window's own end is a command.
   void key(const InputEvent& e, bool is_text) {
     if (!e.is_down) return keyUp(e.key);
+    if (takesForceAway(e)) return;
     if (palette_.isShown()) return paletteKey(e.key);
     if (browser_.isShown() && (e.key == GLFW_KEY_ENTER || e.key == GLFW_KEY_KP_ENTER)) return browser_.accept();
     if (browser_.isShown() && e.key == GLFW_KEY_ESCAPE) return browser_.cancel();
@@ -480,6 +481,14 @@ class Workshop {
       if (std::exchange(context_.wants_palette, false)) palette_.show();  // the next characters are for it
       return;
     }
+  }
+
+  // Whatever else has the keys.
+  bool takesForceAway(const InputEvent& e) {
+    const AppCommand& disarm = *findAppCommand("device.disarm");
+    if (keyChord(disarm.key).key != e.key || !disarm.is_enabled(context_)) return false;
+    say(disarm.run(context_, {}));
+    return true;
   }
 
   // The foot pedal ends with its key.
