@@ -36,7 +36,10 @@ tl::unexpected<Error> wrong(std::string found, std::string expected) {
   return fail({.code = Error::Code::kBadValue, .found = std::move(found), .expected = std::move(expected)});
 }
 
-std::size_t voxelsOf(const LabelVolume& v) { return v.labels.size(); }
+std::size_t voxelsOf(const LabelVolume& v) {
+  return static_cast<std::size_t>(v.size[0]) * static_cast<std::size_t>(v.size[1]) *
+         static_cast<std::size_t>(v.size[2]);
+}
 
 // ---- Reading
 
