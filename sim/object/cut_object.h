@@ -21,10 +21,10 @@
 #include <array>
 #include <memory>
 
-#include "sim/object/cut_area.h"
 #include "sim/object/brick_faces.h"
 #include "sim/object/brick_memory.h"
 #include "sim/object/brick_store.h"
+#include "sim/object/cut_area.h"
 #include "sim/object/dirty_log.h"
 #include "sim/object/loaded_shells.h"
 #include "sim/object/piece_bricks.h"

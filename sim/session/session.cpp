@@ -108,12 +108,14 @@ bool Session::perform(const Undo&) noexcept {
   if (is_stroke_) endStroke();
   markAll();
   watches_.clear();
+  state_.forgetTurns();
   return history_.undo(state_.objects);
 }
 
 bool Session::perform(const Redo&) noexcept {
   if (!canRedo()) return false;
   watches_.clear();
+  state_.forgetTurns();
   return history_.redo(state_.objects);
 }
 
@@ -286,6 +288,7 @@ bool Session::putInPlace(std::size_t index, ObjectPieces& made) noexcept {
     if (index < watches_.size()) watches_[index].reset();
     state_.next_id += static_cast<std::uint32_t>(made.parts->parts);
     history_.split(state_.objects, index, std::move(made.parts));
+    state_.forgetTurns();
   } else {  // the stroke under way has done that, too
     double removed = 0;
     for (const BrickEdit& edit : made.without_crumbs)

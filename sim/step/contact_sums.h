@@ -29,7 +29,7 @@ struct TouchingTool {
   float still_speed = 0;    ///< mm/s: slower sliding drags as if it were this
   bool body_spins = false;  ///< what only collides moves as what cuts does
   bool geometry_only = false;
-  float area_scale = 1;  ///< of nodes that are cut
+  float area_scale = 1;               ///< of nodes that are cut
   float velocity[3]{}, angular[3]{};  ///< of the tip, object axes
 };
 

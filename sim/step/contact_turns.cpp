@@ -124,7 +124,7 @@ std::uint32_t ContactTurns::sum(CutObject& object, const NearBricks& near, NearB
   }
 
   // Without memory a shell stays dirty, and is read as far as it can be: forEachTouching().
-  static_cast<void>(object.repair([now](int slot) { return has(now, groupOf(slot)); }));
+  is_short_ = !object.repair([now](int slot) { return has(now, groupOf(slot)); });
 
   for (int g = 0; g < kGroups; ++g) {
     Group& group = groups_[static_cast<std::size_t>(g)];
@@ -150,6 +150,7 @@ std::uint32_t ContactTurns::sum(CutObject& object, const NearBricks& near, NearB
 CutResult ContactTurns::erode(CutObject& object, const NearBricks& near, NearBricks& turn, const ContactInput& in,
                               std::uint32_t groups) noexcept {
   CutResult out;
+  out.pool_ran_out = is_short_;
   for (int g = 0; g < kGroups; ++g) {
     if (!has(groups, g)) continue;
     Group& group = groups_[static_cast<std::size_t>(g)];
@@ -170,7 +171,12 @@ bool ContactTurns::isUsable() const noexcept {
   const auto isInACycle = [](std::int32_t n) { return n >= 1 && n <= kMostInACycle; };
   bool is_good = isInACycle(cycle_.length) && isInACycle(cycle_.next) && cycle_.at >= 0 && cycle_.at < cycle_.length &&
                  cycle_.count >= 0 && cycle_.pose.isUsable();
-  for (const Group& group : groups_) is_good = is_good && group.pose.isUsable() && group.due >= 0;
+  constexpr int kMostNodes = 1 << 24;  // of one group: more than a brick has in all slots that are near
+  constexpr double kLongestTurn = 1;   // s
+  for (const Group& group : groups_)
+    is_good = is_good && group.pose.isUsable() && group.due >= 0 && group.due <= cycle_.count + 2 * kMostInACycle &&
+              group.until <= cycle_.clock + kLongestTurn && group.sums.touching <= kMostNodes &&
+              group.sums.tested <= kMostNodes;
   return is_good;
 }
 

@@ -23,8 +23,10 @@
 // Ordinary contacts never come here: see kEnter.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <type_traits>
 
 #include "sim/step/contact.h"
@@ -39,7 +41,7 @@ class ContactTurns {
   static constexpr int kMostInACycle = 16;
   /// Work is reckoned in microseconds of a slow core. Above kEnter bricks take turns, with about kBudget an evaluation;
   /// below kLeave they no longer do.
-  static constexpr double kEnter = 450, kBudget = 250, kLeave = 350;
+  static constexpr double kEnter = 800, kBudget = 250, kLeave = 600;
 
   /// What an evaluation cost, from what it did.   @param cut  bricks that erosion changed.
   /// What sleeps is not asked: a session that goes on from a snapshot is awake, and must find the same.
@@ -100,6 +102,8 @@ class ContactTurns {
   void forEachNumber(const Number& number) noexcept;
   /// Whether the numbers can be those of turns. @pre they are finite.
   bool isUsable() const noexcept;
+  /// Nothing is known of a contact: the object in this place is another one. @rt
+  void forget() noexcept { cycle_ = {}; }
   /// Of an object that was made anew, as it is now.
   void belongTo(std::uint32_t epoch) noexcept { cycle_.epoch = epoch; }
 
@@ -112,6 +116,7 @@ class ContactTurns {
 
   Cycle cycle_;
   Groups groups_;
+  bool is_short_ = false;  // of memory for shells, in the evaluation under way
 };
 
 template <class Number>
@@ -119,6 +124,9 @@ void ContactTurns::forEachNumber(const Number& number) noexcept {
   const auto integer = [&](auto& value) {
     double as_double = static_cast<double>(value);
     number(as_double);
+    using Limits = std::numeric_limits<std::remove_reference_t<decltype(value)>>;
+    constexpr double kMost = std::min(static_cast<double>(Limits::max()), 1e15);
+    as_double = std::clamp(as_double, 0.0, kMost);  // none of them is negative
     value = static_cast<std::remove_reference_t<decltype(value)>>(as_double);
   };
   const auto all = [&](auto& values) {

@@ -87,6 +87,10 @@ struct State {
   NearBricks near, near_in_turn;
   std::vector<ContactTurns> turns;  ///< by object
 
+  /// Objects have changed their places. @rt
+  void forgetTurns() noexcept {
+    for (ContactTurns& turn : turns) turn.forget();
+  }
   /// No load and no drag of a core.
   void forgetCore() noexcept {
     core_drag = {};
