@@ -89,7 +89,7 @@ void HaplyArm::State::talk(Stream& stream) {
   while (!is_stopping.load(std::memory_order_acquire)) {
     buffer.clear();
     stream.read(buffer, error);
-    if (error) return;
+    if (error) break;
     {
       const std::lock_guard lock(mutex);
       is_connected = true;
@@ -106,7 +106,8 @@ void HaplyArm::State::talk(Stream& stream) {
     ++counts.forces;
     counts.is_enabled = next.is_enabled;
   }
-  stream.write(asio::buffer(haplyForce(said.id, Vec3d::Zero())), error);
+  // Whatever ended it: as far as the service still listens, the last word is no force.
+  if (!said.id.empty()) stream.write(asio::buffer(haplyForce(said.id, Vec3d::Zero())), error);
   stream.close(beast::websocket::close_code::normal, error);
 }
 
@@ -138,7 +139,7 @@ bool HaplyArm::State::take(std::string_view text) {
 void HaplyArm::State::stop() {
   is_stopping.store(true, std::memory_order_release);
   for (int n = 0; n < 20 && open_socket.load() >= 0; ++n) std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  if (const int socket = open_socket.load(); socket >= 0) ::shutdown(socket, SHUT_RDWR);
+  if (const int socket = open_socket.load(); socket >= 0) ::shutdown(socket, SHUT_RD);
   if (thread.joinable()) thread.join();
 }
 

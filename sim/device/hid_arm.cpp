@@ -134,8 +134,8 @@ bool HidArm::State::receive() {
 
 void HidArm::State::answer(std::int64_t when) {
   const ForceFrame next = arm->link_.answer(newest, when);
-  const bool is_news =
-      next.hand_number != last.hand_number || next.is_enabled != last.is_enabled || next.force != last.force;
+  const bool is_news = next.hand_number != last.hand_number || next.is_enabled != last.is_enabled ||
+                       next.force != last.force || next.torque != last.torque;
   if (!is_news && when - last_sent < kSendAgain) return;
   last = next;
   last_sent = when;

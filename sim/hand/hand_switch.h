@@ -12,12 +12,13 @@ namespace kerf {
 class HandSwitch final : public DeviceSource {
  public:
   /// @param first  leads at first, must outlive this.
-  explicit HandSwitch(DeviceSource& first) : first_(first), now_(&first), wanted_(&first), in_use_(&first) {}
+  explicit HandSwitch(DeviceSource& first)
+      : first_(first), now_(&first), wanted_(&first), coming_(&first), in_use_(&first) {}
 
   /// Null: the first one. Any other one must outlive its use: isInUse(). One thread.
-  void lead(DeviceSource* other) noexcept { wanted_.store(other ? other : &first_, std::memory_order_release); }
+  void lead(DeviceSource* other) noexcept { wanted_.store(other ? other : &first_); }
   bool isInUse(const DeviceSource* other) const noexcept {
-    return in_use_.load(std::memory_order_acquire) == other || wanted_.load(std::memory_order_relaxed) == other;
+    return in_use_.load(std::memory_order_acquire) == other || wanted_.load() == other || coming_.load() == other;
   }
 
   void arm() noexcept override {
@@ -25,7 +26,14 @@ class HandSwitch final : public DeviceSource {
     now_->arm();
   }
   DeviceSample read() noexcept override {
-    if (DeviceSource* const wanted = wanted_.load(std::memory_order_acquire); wanted != now_) change(wanted);
+    if (DeviceSource* const wanted = wanted_.load(); wanted != now_) {
+      // Claimed first, then looked at again: who asks isInUse() after another was wanted must not miss this one.
+      coming_.store(wanted);
+      if (wanted_.load() == wanted)
+        change(wanted);
+      else
+        coming_.store(now_);
+    }
     last_ = now_->read();
     return last_;
   }
@@ -53,7 +61,7 @@ class HandSwitch final : public DeviceSource {
   DeviceSource* now_;  // of the haptic thread, as the next two
   DeviceSample last_;
   bool is_armed_ = false;
-  std::atomic<DeviceSource*> wanted_, in_use_;
+  std::atomic<DeviceSource*> wanted_, coming_, in_use_;
 };
 
 }  // namespace kerf

@@ -70,6 +70,7 @@ void ArmLead::close() {
 void ArmLead::choose(const ArmChoice& choice) {
   choice_ = choice;
   if (arm_) arm_->set(settings());
+  if (isArmed() && !missingForForce().empty()) disarmForce();
   forgetHand();
 }
 
@@ -203,6 +204,11 @@ ArmLead::News ArmLead::update(const HapticReport& report, bool may_lead) {
     out.notices.push_back(
         "A force that is no number was kept from the device, which is given none: disarm it, then arm "
         "it again.");
+  if (isArmed() && !is_leading_ && is_gone) disarmForce();
+  if (const std::string missing = isArmed() ? missingForForce() : std::string(); !missing.empty()) {
+    disarmForce();
+    out.notices.push_back("The device is disarmed: " + missing + ".");
+  }
   if (arm_->isGone() && !is_leading_) openAnew();
   if (!hands_) return out;
   if (is_leading_ && !may_lead) stopLeading();
