@@ -568,9 +568,19 @@ void plugPinholes(const Mesh& imported, const CloseOptions& options, int handles
     report.largest_move_mm = std::max(report.largest_move_mm, unused.largest_move_mm);
     return true;
   };
+  // A tunnel of the scan itself is the patient's, and stays.
+  std::vector<char> is_beside_added(solid.vertices.size(), 0);
+  for (std::size_t t = 0; t < solid.triangles.size(); ++t)
+    if (result.source[t] == kAdded)
+      for (const std::uint32_t v : solid.triangles[t]) is_beside_added[v] = 1;
+  const auto isOfTheBase = [&](const internal::ShortLoop& loop) {
+    return std::any_of(loop.vertices.begin(), loop.vertices.end(),
+                       [&](std::uint32_t v) { return is_beside_added[v] != 0; });
+  };
+
   for (const internal::ShortLoop& loop : internal::shortLoops(solid, kLongest * lengthScale(imported), progress))
     for (const bool is_left : {true, false}) {
-      if (now <= handles || ++tries > kMostTries) break;
+      if (now <= handles || !isOfTheBase(loop) || ++tries > kMostTries) break;
       if (helps(loop, is_left)) break;
     }
   if (now == first) return;

@@ -73,6 +73,7 @@ class Walk {
                                kBig = "1.2.840.10008.1.2.2", kDeflated = "1.2.840.10008.1.2.1.99";
     if (syntax.empty() || syntax == kDeflated) return Found::kUnknown;
     is_compressed = syntax != kImplicit && syntax != kExplicit && syntax != kBig;
+    if (is_compressed && !syntax.starts_with("1.2.840.10008.1.2.")) return Found::kUnknown;  // a vendor's own
     return walkSet(syntax == kImplicit ? Writing::kImplicitLittle
                    : syntax == kBig    ? Writing::kExplicitBig
                                        : Writing::kExplicitLittle,
@@ -226,7 +227,8 @@ Expected<void> requireWholePixels(const fs::path& path) {
   const std::string in_element = fmt::format("element ({:04x},{:04x})", walk.cut_in >> 16, walk.cut_in & 0xffff);
   if (found == Found::kCut) return cutShort(path, "a file that ends in its " + in_element, "its pixels");
   if (found == Found::kEnd) return {};
-  const double needed = walk.samples * walk.rows * walk.columns * walk.frames * walk.bits / 8;
+  // Colours may be stored with fewer values than pixels; they are no labels, and are refused for that.
+  const double needed = walk.samples > 1 ? 0 : walk.rows * walk.columns * walk.frames * walk.bits / 8;
   if (found == Found::kUnknown) {
     if (walk.is_compressed || static_cast<double>(bytes) >= needed) return {};
     return cutShort(path, fmt::format("{} bytes", bytes), fmt::format("{:.0f} bytes of pixels alone", needed));
