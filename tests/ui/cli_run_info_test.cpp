@@ -194,7 +194,7 @@ TEST_F(CliRunInfo, TrimWritesBothSidesOrOneAndTheFileStaysAsItWas) {
 
   refuses({"trim", at("box.off"), "--plane", "0,0,1@0,0,50", "-o", at("x.stl")},
           {"box.off", "nothing", "above plane 1"});
-  refuses({"trim", at("box.off"), "--plane", "0,0,1", "-o", at("x.stl")}, {"--plane", "0,0,1@0,0,12"});
+  refuses({"trim", at("box.off"), "--plane", "0,0,1", "-o", at("x.stl")}, {"--plane", "0,0,1@0,0,12"}, 2);
   refuses({"trim", at("box.off"), "--plane", "0,0,0/1,0,0/2,0,0", "-o", at("x.stl")}, {"on a line"});
   refuses({"trim", at("box.off"), "--plane", "occlusal@-3", "-o", at("x.stl")}, {"--plane", "occlusal"});
   refuses({"trim", at("box.off"), "-o", at("x.stl")}, {"nothing to cut along"}, 2);

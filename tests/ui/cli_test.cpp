@@ -504,7 +504,7 @@ TEST_F(Cli, AToolThatLeavesItsToothCutsTheNeighbourWhichIsMeasuredToldReplayedAn
           {"--beside", "--hand"}, 2);
   // A neighbour that is gone, or another one: no replay, and what to do. The case's own mesh needs none.
   std::filesystem::rename(at("next.case"), at("gone.case"));
-  refuses({"replay", at("row.run")}, {"beside_1", "no case at ../next.case", "move the case back"});
+  refuses({"replay", at("row.run")}, {"beside_1", "no case at ../next.case", "move it back"});
   refuses({"export", at("row.run"), "--beside", "1", "-o", at("x.stl")}, {"beside_1", "../next.case"});
   EXPECT_EQ(runKerf({"export", at("row.run"), "-o", at("again.stl")}).exit_code, 0);
   EXPECT_TRUE(bytesOf(at("again.stl")) == bytesOf(at("row.stl")));

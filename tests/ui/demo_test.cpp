@@ -18,7 +18,7 @@ TEST_F(CliDemo, WritesMeshesAndARecipeAndReplacesThemOnlyOnDemand) {
     EXPECT_TRUE(std::filesystem::is_regular_file(in("molar") / file)) << file;
     EXPECT_NE(o.out.find(std::string("molar/") + file), o.out.npos) << o.out;
   }
-  refuses(command, {"molar", "--force"});
+  refuses(command, {"molar", "--overwrite"});
   auto forced = command;
   forced.push_back("--force");
   EXPECT_EQ(runKerf(forced).exit_code, 0);

@@ -153,7 +153,7 @@ const AppCommand* CommandPalette::accept(AppContext& context) {
     if (!words->empty()) return runOrSay(context, command, *words);
   }
 
-  if (command.parameters == "PATH") {
+  if (command.parameters.starts_with("PATH")) {
     hide();
     return &command;
   }
