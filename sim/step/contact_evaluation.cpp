@@ -37,7 +37,8 @@ void touchAndCut(const Model& model, State& state, const Substep& substep, std::
   const bool by_turns = turns.begin(object.contactEpoch()) && may_take_turns;
   ContactSums sums;
   std::uint32_t groups = 0;
-  in.area_scale = object.cut_area.scale(object.voxel());
+  if (!in.tool->lips.areThere())  // whose law is of feed and thrust, not of work
+    in.area_scale = object.cut_area.scale(object.voxel());
   if (by_turns) {
     groups =
         turns.sum(object, state.near, state.near_in_turn, in, std::min(substep.longest_mm, 0.5 * object.voxel()), sums);
