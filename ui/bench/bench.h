@@ -33,6 +33,7 @@ enum class SceneId {
   kRealtime,
   kInvariance,
   kSharp,
+  kSharpRack,
   kForces,
   kDrives,
   kDrillSites,
@@ -145,6 +146,7 @@ Expected<Result> benchRealtime(const Bench& bench);
 // drill_sites.cpp, saw.cpp, heat.cpp.
 Expected<Result> benchInvariance(const Bench& bench);
 Expected<Result> benchSharp(const Bench& bench);
+Expected<Result> benchSharpRack(const Bench& bench);
 Expected<Result> benchForces(const Bench& bench);
 Expected<Result> benchDrives(const Bench& bench);
 Expected<Result> benchDrillSites(const Bench& bench);

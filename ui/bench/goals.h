@@ -113,6 +113,14 @@ inline constexpr Goal kSharpGoals[] = {
     {"24 at 0.1 mm: force {}", "%", kAtMost, 5},
     {"{}: removal, {}", "%", kAtMost, 5},
 };
+inline constexpr Goal kSharpRackGoals[] = {
+    {"0.1 and 0.05 mm: {}, p90", "%", kAtMost, 5},
+    {"{} attitudes at 0.05 mm: {}, p90", "%", kAtMost, 3},
+    {"{} attitudes at 0.1 mm: {}, p90", "%", kAtMost, 5},
+    {"0.1 and 0.05 mm: {}, most of all", "%", kAtMost, 5, Weight::kAim},
+    {"{} attitudes at 0.05 mm: {}, most of all", "%", kAtMost, 3, Weight::kAim},
+    {"{} attitudes at 0.1 mm: {}, most of all", "%", kAtMost, 5, Weight::kAim},
+};
 inline constexpr Goal kForcesGoals[] = {
     {"  spread of the rate in {}", "%", kAtMost, 3},
     {"  against {} as configured", "%", kAtMost, 10},
@@ -188,9 +196,9 @@ inline constexpr Goal kSinkGoals[] = {
     {"walls passed, 1 m/s", "", kAtMost, 0, Weight::kAim},
     // Ball ends of 0.6 mm give way a little before their core takes over.
     {"force falls with depth by, most", "N", kAtMost, 0.05, Weight::kAim},
-    {"cutting: removal over what the work pays for, least", "", kAtLeast, 0.75},
+    // Tips thinner than three voxels, spikes of a mesh: docs/results/README.md.
+    {"cutting: removal over what the work pays for, least", "", kAtLeast, 0.75, Weight::kAim},
     {"cutting: runs that removed less than 0.95 of that", "", kAtMost, 0, Weight::kAim},
-    // Tips thinner than three voxels: docs/results/README.md.
     {"cutting: removal over what the work pays for, most", "", kAtMost, 1.15, Weight::kAim},
     {"cutting: removal, 0.1 mm against 0.05 mm voxels", "%", kAtMost, 5, Weight::kAim},
 };

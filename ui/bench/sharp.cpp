@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "sim/run/load_scene.h"
@@ -30,13 +32,15 @@ constexpr double kKerfDepth = 0.3;                             // mm, of a blade
 constexpr double kFeedLength = 0.5;                            // mm; means are taken over the last four fifths
 constexpr double kAttitudeFine = 0.05, kAttitudeCoarse = 0.1;  // voxels, mm
 constexpr int kAttitudes = 24;
+constexpr int kRackAttitudes = 6;  // of every tool of the rack
+constexpr double kRackFeed = 1;    // mm/s
 
 // Of the rack: something of every form that has an edge or a point, and a ball to compare with.
 struct Subject {
-  const char* id;
+  std::string id;
   double feed;  // mm/s, of the cut: some newtons
 };
-constexpr std::array kSubjects{
+const std::vector<Subject> kTwelve{
     Subject{"805-014", 1},    // inverted cone
     Subject{"837-012", 1},    // cylinder, flat end
     Subject{"847-012", 1},    // taper, flat end
@@ -78,7 +82,8 @@ class Trial {
     const bool is_blade = tool.plunge_direction[2] > -0.9 || tool.motion != ToolMotion::kSpin;
     const bool goes_down = is_blade || tool.lips.areThere();
     pressed_ = placed(tool, is_blade ? 0 : kLean, kOverlap);
-    depth_ = is_blade ? kKerfDepth : tool.lips.areThere() ? tool.lips.height + kKerfDepth : kSlotDepth;
+    const double slot = std::min(kSlotDepth, 0.8 * tool.cut.bounds().size()[2]);  // what does not cut stays above
+    depth_ = is_blade ? kKerfDepth : tool.lips.areThere() ? tool.lips.height + kKerfDepth : slot;
     cutting_ = placed(tool, 0, depth_);
     way_ = kFeedLength * (goes_down ? Vec3d(-Vec3d::UnitZ()) : Vec3d(Vec3d::UnitX()));
     if (!goes_down) cutting_.translation -= 0.5 * way_;
@@ -136,26 +141,23 @@ class Trial {
   Vec3d way_;
 };
 
-Expected<std::vector<Trial>> makeTrials() {
-  std::vector<Trial> trials;
-  for (const Subject& subject : kSubjects) {
-    KERF_TRY(tool, toolOfRack(subject.id));
-    KERF_TRY(model, makeModel(std::span(&tool, 1)));
-    model.settings.rendering = Rendering::kRigid;
-    trials.emplace_back(std::move(model), subject.feed);
-  }
-  return trials;
+Expected<Trial> makeTrial(const Tool& tool, double feed_speed) {
+  KERF_TRY(model, makeModel(std::span(&tool, 1)));
+  model.settings.rendering = Rendering::kRigid;
+  return Trial(std::move(model), feed_speed);
 }
 
-using Row = std::array<Tried, kSubjects.size()>;
+// One number a subject.
+using Row = std::vector<Tried>;
 
-Expected<Row> tryAll(std::vector<Trial>& trials, double voxel, const Rigid3& frame) {
+Expected<Row> tryAll(std::vector<Trial>& trials, const std::vector<Subject>& subjects, double voxel,
+                     const Rigid3& frame) {
   KERF_TRY(block, practiceBlock({6, 5, 3}, voxel, frame, Material::kCortical));
-  Row row;
+  Row row(trials.size());
   tbb::parallel_for(std::size_t{0}, trials.size(), [&](std::size_t t) { row[t] = trials[t].on(block, frame); });
   for (std::size_t t = 0; t < trials.size(); ++t)
     if (!(row[t].pressed > 0 && row[t].cutting > 0 && row[t].removal > 0))
-      return brokenScene(kSubjects[t].id, "no contact", "a cut");
+      return brokenScene(subjects[t].id, "no contact", "a cut");
   return row;
 }
 
@@ -172,25 +174,51 @@ double quantityOf(const Tried& tried, std::size_t quantity) {
   return std::array{tried.pressed, tried.cutting, tried.removal}[quantity];
 }
 
+// Of one subject over the rows, %.
+double spreadOf(const std::vector<Row>& rows, std::size_t subject, std::size_t quantity) {
+  Spread spread;
+  for (const Row& row : rows) spread.add(quantityOf(row[subject], quantity));
+  return spread.percent();
+}
+
 // A column: the spread of each quantity over the rows, tool by tool, and the most of all tools.
 void addColumn(Result& r, const std::string& column, const std::vector<Row>& rows) {
   for (std::size_t q = 0; q < kQuantities.size(); ++q) {
     double most = 0;
-    for (std::size_t t = 0; t < kSubjects.size(); ++t) {
-      Spread spread;
-      for (const Row& row : rows) spread.add(quantityOf(row[t], q));
-      r.add(fmt::format("{}: {}, {}", column, kQuantities[q], kSubjects[t].id), spread.percent(), "%");
-      most = std::max(most, spread.percent());
+    for (std::size_t t = 0; t < kTwelve.size(); ++t) {
+      const double apart = spreadOf(rows, t, q);
+      r.add(fmt::format("{}: {}, {}", column, kQuantities[q], kTwelve[t].id), apart, "%");
+      most = std::max(most, apart);
     }
     r.add(fmt::format("{}: {}, most of all", column, kQuantities[q]), most, "%");
   }
 }
 
 void noteMeans(Result& r, const Row& fine) {
-  for (std::size_t t = 0; t < kSubjects.size(); ++t)
+  for (std::size_t t = 0; t < kTwelve.size(); ++t)
     r.notes.push_back(fmt::format("{}, 0.025 mm voxels: pressed {:.3g} N; fed at {} mm/s {:.3g} N, {:.3g} mm3/s",
-                                  kSubjects[t].id, fine[t].pressed, kSubjects[t].feed, fine[t].cutting,
-                                  fine[t].removal));
+                                  kTwelve[t].id, fine[t].pressed, kTwelve[t].feed, fine[t].cutting, fine[t].removal));
+}
+
+// What a column of the whole rack comes to: how many tools keep the goal, and which do not.
+void addRackColumn(Result& r, const std::string& column, const std::vector<Row>& rows,
+                   const std::vector<Subject>& subjects, double goal) {
+  for (std::size_t q = 1; q < kQuantities.size(); ++q) {
+    std::vector<double> apart;
+    std::string beyond;
+    for (std::size_t t = 0; t < subjects.size(); ++t) {
+      apart.push_back(spreadOf(rows, t, q));
+      if (apart.back() > goal)
+        beyond += fmt::format("{}{} {:.1f}", beyond.empty() ? "" : ", ", subjects[t].id, apart.back());
+    }
+    const auto within = std::count_if(apart.begin(), apart.end(), [goal](double percent) { return percent <= goal; });
+    const std::string name = fmt::format("{}: {}", column, kQuantities[q]);
+    r.add(fmt::format("{}, tools within {:g} %", name, goal), static_cast<double>(within));
+    r.add(name + ", p50", percentile(apart, 0.5), "%");
+    r.add(name + ", p90", percentile(apart, 0.9), "%");
+    r.add(name + ", most of all", percentile(apart, 1), "%");
+    if (!beyond.empty()) r.notes.push_back(fmt::format("{}, beyond {:g} %: {}", name, goal, beyond));
+  }
 }
 
 }  // namespace
@@ -200,12 +228,17 @@ Expected<Result> benchSharp(const Bench& bench) {
       SceneId::kSharp,
       "twelve tools on a flat block of bone, their drives holding their speed: how far apart force and removal lie");
   r.is_table = true;
-  KERF_TRY(trials, makeTrials());
+  std::vector<Trial> trials;
+  for (const Subject& subject : kTwelve) {
+    KERF_TRY(tool, toolOfRack(subject.id));
+    KERF_TRY(trial, makeTrial(tool, subject.feed));
+    trials.push_back(std::move(trial));
+  }
 
   std::vector<Row> over_voxels;
   for (const double voxel : {0.1, 0.05, 0.025}) {
     if (!report(bench.progress, 0.005 / voxel, "voxels")) return cancelled();
-    KERF_TRY(row, tryAll(trials, voxel, askew()));
+    KERF_TRY(row, tryAll(trials, kTwelve, voxel, askew()));
     over_voxels.push_back(row);
   }
   noteMeans(r, over_voxels.back());
@@ -217,10 +250,47 @@ Expected<Result> benchSharp(const Bench& bench) {
     for (int n = 0; n < kAttitudes; ++n) {
       if (!report(bench.progress, share, "attitudes")) return cancelled();
       share += voxel == kAttitudeFine ? 0.02 : 0.009;
-      KERF_TRY(row, tryAll(trials, voxel, attitudeOf(n)));
+      KERF_TRY(row, tryAll(trials, kTwelve, voxel, attitudeOf(n)));
       over_attitudes.push_back(row);
     }
     addColumn(r, fmt::format("24 at {} mm", voxel), over_attitudes);
+  }
+  return r;
+}
+
+Expected<Result> benchSharpRack(const Bench& bench) {
+  Result r(SceneId::kSharpRack,
+           "every tool of the rack fed through a flat block of bone, its drive holding its speed: how far apart force "
+           "and removal lie");
+  r.is_table = true;
+  KERF_TRY(tools, wholeRack());
+  std::vector<Subject> subjects;
+  std::vector<Trial> trials;
+  for (const Tool& tool : tools) {
+    KERF_TRY(trial, makeTrial(tool, kRackFeed));
+    trials.push_back(std::move(trial));
+    subjects.push_back({tool.id, kRackFeed});
+  }
+  r.add("0.1 and 0.05 mm: tools", static_cast<double>(tools.size()));
+
+  std::vector<Row> over_voxels;
+  for (const double voxel : {0.1, 0.05}) {
+    if (!report(bench.progress, 0.015 / voxel, "voxels")) return cancelled();
+    KERF_TRY(row, tryAll(trials, subjects, voxel, askew()));
+    over_voxels.push_back(row);
+  }
+  addRackColumn(r, "0.1 and 0.05 mm", over_voxels, subjects, 5);
+
+  double share = 0.5;
+  for (const auto& [voxel, goal] : {std::pair(kAttitudeFine, 3.0), std::pair(kAttitudeCoarse, 5.0)}) {
+    std::vector<Row> over_attitudes;
+    for (int n = 0; n < kRackAttitudes; ++n) {
+      if (!report(bench.progress, share, "attitudes")) return cancelled();
+      share += voxel == kAttitudeFine ? 0.07 : 0.01;
+      KERF_TRY(row, tryAll(trials, subjects, voxel, attitudeOf(n)));
+      over_attitudes.push_back(row);
+    }
+    addRackColumn(r, fmt::format("{} attitudes at {} mm", kRackAttitudes, voxel), over_attitudes, subjects, goal);
   }
   return r;
 }
