@@ -127,6 +127,12 @@ class Parser {
 
     // The record is as it was written: what is wrong from here on is no damage, but was written so.
     if (!take(kind, tick, payload)) {
+      if (has_too_many_)
+        return refuse(Error::Code::kBadValue, at_,
+                      fmt::format("more than {} samples in a file of {} bytes", mostSamples(), bytes_.size()),
+                      fmt::format("{} MiB of samples at most, and {} bytes more for each byte of the file",
+                                  kSampleMemory >> 20, kSampleMemoryPerByte),
+                      "Kerf's recorder packs no session so tightly: do not trust where this log comes from");
       if (kind > lastKind() && (kind & kMaySkip) == 0)
         return refuse(Error::Code::kUnsupported, at_, fmt::format("a record of kind {}", kind),
                       fmt::format("kinds 1 to {}, or one that may be skipped", lastKind()),
@@ -188,9 +194,15 @@ class Parser {
     return log_.samples.empty() || first_tick > log_.samples.back().tick;
   }
 
+  std::uint64_t mostSamples() const {
+    return (kSampleMemory + kSampleMemoryPerByte * bytes_.size()) / sizeof(TimedSample);
+  }
+
   bool packedSamples(std::uint64_t first_tick, std::span<const std::byte> payload) {
     numbers_.clear();
     if (!unpackSamples(payload, history_, numbers_) || !mayFollow(first_tick, numbers_.size())) return false;
+    has_too_many_ = log_.samples.size() + numbers_.size() > mostSamples();
+    if (has_too_many_) return false;
     for (std::size_t i = 0; i < numbers_.size(); ++i) log_.samples.push_back({first_tick + i, sampleOf(numbers_[i])});
     return true;
   }
@@ -209,6 +221,7 @@ class Parser {
   std::uint32_t version_ = 0;
   SampleHistory history_;            // of packed samples
   std::vector<SampleBits> numbers_;  // of one record
+  bool has_too_many_ = false;        // samples for the size of the file
   std::uint32_t checksum_ = 0;
   SessionLog log_;
 };

@@ -46,6 +46,11 @@ struct SessionGap {
 /// A snapshot can hold this much, bytes; larger ones are refused by writer and reader.
 inline constexpr std::uint64_t kMaxSnapshotBytes = std::uint64_t{1} << 30;
 
+/// Memory that the samples of a log may take: so many bytes, and so many more for each byte of its file. A hand at rest
+/// packs to next to nothing, so a small file can state that it holds millions of samples. What SessionRecorder writes
+/// of one takes 140 bytes a byte at most; a `kerf cut` along a path reaches the limit after an hour without a motion.
+inline constexpr std::uint64_t kSampleMemory = std::uint64_t{256} << 20, kSampleMemoryPerByte = 160;
+
 struct TimedSample {
   std::uint64_t tick = 0;
   DeviceSample sample;
@@ -82,10 +87,10 @@ struct SessionLog {
 
 /// Reads a log, whole, into memory: 88 bytes a sample, an hour takes 320 MB and a second or two. A log that was cut off
 /// or damaged is read up to the last whole record before that place, and `damage` says so. Lengths in the file are
-/// claims: nothing is allocated that the file's size does not cover, but 28 bytes may hold kMostPackedSamples.
+/// claims: nothing is allocated that the file's size does not cover; samples are packed, and bound by kSampleMemory.
 /// Logs of older versions are read as well.
 /// Errors name file and byte: no session log, a damaged or incomplete header, a newer version (kUnsupported), a kind of
-/// record that is not known and must not be skipped.
+/// record that is not known and must not be skipped, more samples than its size allows.
 Expected<SessionLog> readSessionLog(const std::filesystem::path& path);
 /// The same for bytes in memory; `name` stands for the file in errors.
 Expected<SessionLog> parseSessionLog(std::span<const std::byte> bytes, const std::string& name);

@@ -257,6 +257,38 @@ TEST(SessionLog, LengthsThatTheFileDoesNotCoverCostNoMemory) {
   EXPECT_EQ(log->damage->at_byte, smallLog().ends[0]);
 }
 
+TEST(SessionLog, SamplesThatTakeNextToNoBytesAreBoundByTheSizeOfTheFile) {
+  using namespace internal;
+  const TemporaryFolder folder;
+  auto log = SessionLogWriter::create(folder.path() / "s.kerflog", {});
+  ASSERT_TRUE(log) << log.error().message();
+  const std::vector<std::byte> at_rest = [] {
+    SampleHistory zeros;
+    return packSamples(std::vector<SampleBits>(kMostPackedSamples), zeros);
+  }();
+  const std::uint64_t record = kRecordHead + at_rest.size() + kChecksum;
+  // The first record that no longer fits: n records of so many samples, in a file of n of those bytes.
+  const std::uint64_t memory = kMostPackedSamples * sizeof(TimedSample);
+  const std::uint64_t most = kSampleMemory / (memory - kSampleMemoryPerByte * record);
+  std::uint64_t tick = 0;
+  for (; tick < (most - 5) * kMostPackedSamples; tick += kMostPackedSamples)
+    log->addRecord(kPackedSamplesRecord, tick, at_rest);
+  ASSERT_TRUE(log->write());
+  {
+    const auto read = readSessionLog(folder.path() / "s.kerflog");
+    ASSERT_TRUE(read) << read.error().message();
+    EXPECT_EQ(read->samples.size(), tick) << "as many as there may be";
+  }
+
+  for (int n = 0; n < 10; ++n, tick += kMostPackedSamples) log->addRecord(kPackedSamplesRecord, tick, at_rest);
+  ASSERT_TRUE(log->write());
+  EXPECT_LT(log->bytesWritten(), 500'000u) << "half a megabyte stated more than 256";
+  const auto refused = readSessionLog(folder.path() / "s.kerflog");
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Error::Code::kBadValue);
+  EXPECT_NE(refused.error().message().find("256 MiB"), std::string::npos) << refused.error().message();
+}
+
 std::string place_of_it;  // of the record that withRecord() adds
 
 Expected<SessionLog> withRecord(std::uint32_t kind, std::uint64_t tick, const Bytes& payload) {
