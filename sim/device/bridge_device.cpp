@@ -7,14 +7,12 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <cerrno>
 #include <charconv>
 #include <cstring>
 #include <mutex>
-#include <system_error>
-#include <thread>
 
+#include "sim/device/arm_thread.h"
 #include "sim/device/device_driver.h"
 
 namespace kerf {
@@ -68,12 +66,10 @@ struct BridgeDevice::State {
   void take(std::span<const std::uint8_t> bytes, const sockaddr_in& from, std::int64_t now);
   void answer(std::int64_t now);
   void send(const ForceFrame& frame);
-  void stop();
 
   BridgeDevice* device = nullptr;
   int socket = -1;
   std::uint16_t port = 0;
-  std::atomic<bool> is_stopping{false};
 
   // The bridge's thread alone.
   sockaddr_in peer{};
@@ -82,15 +78,13 @@ struct BridgeDevice::State {
   ArmLink::Hand newest;
   ForceFrame last;
 
-  mutable std::mutex mutex;
-  ArmCounts counts;  // guarded by mutex
-  std::thread thread;
+  internal::ArmThread thread;
 };
 
 // ---- The bridge's thread
 
 void BridgeDevice::State::exchange() {
-  while (!is_stopping.load(std::memory_order_acquire)) {
+  while (!thread.isStopping()) {
     pollfd waits{socket, POLLIN, 0};
     ::poll(&waits, 1, 1);
     receive();
@@ -118,15 +112,14 @@ void BridgeDevice::State::receive() {
     take({bytes.data(), kept}, from, deviceClock());
   }
   if (newest.frame.number == before && newest.came_ns == came_before) return;
-  device->link_.hands.back() = newest;
-  device->link_.hands.publish();
-  device->tell(newest);
+  device->publish(newest);
 }
 
 void BridgeDevice::State::take(std::span<const std::uint8_t> bytes, const sockaddr_in& from, std::int64_t now) {
   HandFrame frame;
   const FrameFault fault = decode(bytes, frame);
-  const std::lock_guard lock(mutex);
+  const std::lock_guard lock(thread.mutex);
+  ArmCounts& counts = thread.counts;
   if (fault != FrameFault::kNone) {
     ++counts.refused;
     counts.last_fault = nameOf(fault);
@@ -166,14 +159,9 @@ void BridgeDevice::State::send(const ForceFrame& frame) {
   const auto bytes = encode(out);
   const ssize_t sent = ::sendto(socket, bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL,
                                 reinterpret_cast<const sockaddr*>(&peer), sizeof peer);
-  const std::lock_guard lock(mutex);
-  counts.forces += sent > 0;
-  counts.is_enabled = out.is_enabled;
-}
-
-void BridgeDevice::State::stop() {
-  is_stopping.store(true, std::memory_order_release);
-  if (thread.joinable()) thread.join();
+  const std::lock_guard lock(thread.mutex);
+  thread.counts.forces += sent > 0;
+  thread.counts.is_enabled = out.is_enabled;
 }
 
 // ---- Opening
@@ -182,7 +170,7 @@ BridgeDevice::BridgeDevice(const BridgeOptions& options, std::unique_ptr<State> 
     : ForceArm({options.limits, options.map, options.pedal_is_down}, options.start), state_(std::move(state)) {
   state_->device = this;
 }
-BridgeDevice::~BridgeDevice() { state_->stop(); }
+BridgeDevice::~BridgeDevice() { state_->thread.stop(); }
 
 Expected<std::unique_ptr<BridgeDevice>> BridgeDevice::open(const BridgeOptions& options) {
   auto state = std::make_unique<State>();
@@ -201,15 +189,7 @@ Expected<std::unique_ptr<BridgeDevice>> BridgeDevice::open(const BridgeOptions& 
   s.port = ntohs(here.sin_port);
 
   std::unique_ptr<BridgeDevice> device(new BridgeDevice(options, std::move(state)));
-  try {
-    s.thread = std::thread([&s] { s.exchange(); });
-  } catch (const std::system_error& e) {
-    return fail({.code = Error::Code::kBadValue,
-                 .place = "the bridge",
-                 .found = e.what(),
-                 .expected = "a thread",
-                 .hint = "close other programs, or raise the limit nproc"});
-  }
+  KERF_CHECK(s.thread.start([&s] { s.exchange(); }, "", "the bridge"));
   return device;
 }
 
@@ -217,10 +197,7 @@ std::uint16_t BridgeDevice::port() const noexcept { return state_->port; }
 std::string BridgeDevice::what() const { return fmt::format("bridge, port {} of this machine", state_->port); }
 
 ArmCounts BridgeDevice::counts() const {
-  const std::lock_guard lock(state_->mutex);
-  ArmCounts out = state_->counts;
-  const double age = 1e-9 * static_cast<double>(deviceClock() - out.newest_came_ns);
-  out.is_talking = out.newest_came_ns != 0 && age <= kDeadMan;
+  ArmCounts out = state_->thread.told();
   if (out.newest_came_ns == 0)
     out.trouble = fmt::format("no bridge sends to port {} yet: start it", state_->port);
   else if (!out.is_talking)

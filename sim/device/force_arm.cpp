@@ -48,7 +48,9 @@ bool ForceArm::lastHand(HandFrame& out) const {
   return true;
 }
 
-void ForceArm::tell(const ArmLink::Hand& hand) {
+void ForceArm::publish(const ArmLink::Hand& hand) {
+  link_.hands.back() = hand;
+  link_.hands.publish();
   const std::lock_guard lock(told_mutex_);
   told_ = hand;
 }

@@ -136,8 +136,8 @@ class ForceArm : public DeviceSource {
   void disarm() noexcept override;
 
  protected:
-  /// For lastHand(); the transport's thread.
-  void tell(const ArmLink::Hand& hand);
+  /// A hand has come: for the haptic thread and for lastHand(). The transport's thread.
+  void publish(const ArmLink::Hand& hand);
   ArmLink link_;
 
  private:

@@ -129,9 +129,7 @@ bool HaplyArm::State::take(std::string_view text) {
   newest.frame.most_force = kMostForce;
   newest.frame.most_stiffness = kMostStiffness;
   newest.came_ns = came;
-  arm->link_.hands.back() = newest;
-  arm->link_.hands.publish();
-  arm->tell(newest);
+  arm->publish(newest);
   return true;
 }
 

@@ -5,9 +5,8 @@
 #include <algorithm>
 #include <atomic>
 #include <mutex>
-#include <system_error>
-#include <thread>
 
+#include "sim/device/arm_thread.h"
 #include "sim/device/device_driver.h"
 
 namespace kerf {
@@ -61,12 +60,11 @@ struct HidArm::State {
   bool receive();
   void answer(std::int64_t now);
   void sendCalibration();
-  void stop();
 
   const FoundArm what;
   HidPort port;
   HidArm* arm = nullptr;
-  std::atomic<bool> is_stopping{false}, wants_calibration{false};
+  std::atomic<bool> wants_calibration{false};
 
   // The thread alone.
   ArmState now;
@@ -74,14 +72,12 @@ struct HidArm::State {
   ForceFrame last;
   std::int64_t last_sent = 0;
 
-  mutable std::mutex mutex;
-  ArmCounts counts;  // guarded by mutex, as the next
-  bool is_unplugged = false, is_stuck = false;
-  std::thread thread;
+  internal::ArmThread thread;
+  bool is_unplugged = false, is_stuck = false;  // guarded by the thread's mutex
 };
 
 void HidArm::State::exchange() {
-  while (!is_stopping.load(std::memory_order_acquire)) {
+  while (!thread.isStopping()) {
     if (!receive()) break;
     if (wants_calibration.exchange(false)) sendCalibration();
     answer(deviceClock());
@@ -102,14 +98,15 @@ bool HidArm::State::receive() {
   for (int n = 0; n < kMost && deviceClock() - began < kLongest; ++n) {
     const int size = port.read(bytes, n == 0 ? 1 : 0);
     if (size < 0) {
-      const std::lock_guard lock(mutex);
+      const std::lock_guard lock(thread.mutex);
       is_unplugged = true;
       return false;
     }
     if (size == 0) break;
     const std::int64_t came = deviceClock();
     const FrameFault fault = what.driver->take({bytes.data(), static_cast<std::size_t>(size)}, now);
-    const std::lock_guard lock(mutex);
+    const std::lock_guard lock(thread.mutex);
+    ArmCounts& counts = thread.counts;
     if (fault != FrameFault::kNone) {
       ++counts.refused;
       counts.last_fault = nameOf(fault);
@@ -125,10 +122,7 @@ bool HidArm::State::receive() {
     newest.came_ns = came;
     has_news = true;
   }
-  if (!has_news) return true;
-  arm->link_.hands.back() = newest;
-  arm->link_.hands.publish();
-  arm->tell(newest);
+  if (has_news) arm->publish(newest);
   return true;
 }
 
@@ -142,9 +136,9 @@ void HidArm::State::answer(std::int64_t when) {
   ArmReportBytes bytes{};
   const std::size_t size = what.driver->write(next, now, what.info, bytes);
   const bool is_taken = port.write({bytes.data(), size});
-  const std::lock_guard lock(mutex);
-  counts.forces += is_taken;
-  counts.is_enabled = is_taken && next.is_enabled;
+  const std::lock_guard lock(thread.mutex);
+  thread.counts.forces += is_taken;
+  thread.counts.is_enabled = is_taken && next.is_enabled;
   is_stuck = !is_taken;
 }
 
@@ -154,41 +148,27 @@ void HidArm::State::sendCalibration() {
   if (size > 0) port.write({bytes.data(), size});
 }
 
-void HidArm::State::stop() {
-  is_stopping.store(true, std::memory_order_release);
-  if (thread.joinable()) thread.join();
-}
-
 HidArm::HidArm(const ArmSettings& settings, const Rigid3& start, std::unique_ptr<State> state)
     : ForceArm(settings, start), state_(std::move(state)) {
   state_->arm = this;
 }
-HidArm::~HidArm() { state_->stop(); }
+HidArm::~HidArm() { state_->thread.stop(); }
 
 Expected<std::unique_ptr<HidArm>> HidArm::open(const FoundArm& found, const ArmSettings& settings,
                                                const Rigid3& start) {
   KERF_TRY(port, HidPort::open(found.info.path));
   std::unique_ptr<HidArm> arm(new HidArm(settings, start, std::make_unique<State>(found, std::move(port))));
   State& s = *arm->state_;
-  try {
-    s.thread = std::thread([&s] { s.exchange(); });
-  } catch (const std::system_error& e) {
-    return fail({.code = Error::Code::kBadValue,
-                 .file = found.info.path,
-                 .found = e.what(),
-                 .expected = "a thread",
-                 .hint = "close other programs, or raise the limit nproc"});
-  }
+  KERF_CHECK(s.thread.start([&s] { s.exchange(); }, found.info.path, ""));
   return arm;
 }
 
 std::string HidArm::what() const { return fmt::format("{}, {}", state_->what.name, state_->what.info.path); }
 
 ArmCounts HidArm::counts() const {
-  const std::lock_guard lock(state_->mutex);
-  ArmCounts out = state_->counts;
-  const double age = 1e-9 * static_cast<double>(deviceClock() - out.newest_came_ns);
-  out.is_talking = !state_->is_unplugged && out.newest_came_ns != 0 && age <= kDeadMan;
+  ArmCounts out = state_->thread.told();
+  const std::lock_guard lock(state_->thread.mutex);
+  out.is_talking = out.is_talking && !state_->is_unplugged;
   if (state_->is_unplugged)
     out.trouble = "it was unplugged: plug it in";
   else if (state_->is_stuck)
@@ -199,7 +179,7 @@ ArmCounts HidArm::counts() const {
 }
 
 bool HidArm::isGone() const {
-  const std::lock_guard lock(state_->mutex);
+  const std::lock_guard lock(state_->thread.mutex);
   return state_->is_unplugged;
 }
 

@@ -6,15 +6,13 @@
 #include <termios.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <cstring>
 #include <mutex>
-#include <system_error>
-#include <thread>
 
+#include "sim/device/arm_thread.h"
 #include "sim/device/device_driver.h"
 #include "sim/device/woody_arm.h"
 
@@ -71,12 +69,10 @@ struct SerialArm::State {
   bool receive(int wait_ms);
   void takeLine(std::string_view line);
   bool send(const ForceFrame& force);
-  void stop();
 
   std::string path;
   int fd = -1;
   SerialArm* arm = nullptr;
-  std::atomic<bool> is_stopping{false};
 
   // The thread alone.
   std::array<char, kLongestLine> line{};
@@ -86,17 +82,15 @@ struct SerialArm::State {
   ArmLink::Hand newest;
   bool has_answer = true;
 
-  mutable std::mutex mutex;
-  ArmCounts counts;  // guarded by mutex, as the next
-  bool is_unplugged = false;
-  int other_model = 0;  // whose kinematics are not known
-  int error = 0;        // that the arm tells of
-  std::thread thread;
+  internal::ArmThread thread;
+  bool is_unplugged = false;  // guarded by the thread's mutex, as the next
+  int other_model = 0;        // whose kinematics are not known
+  int error = 0;              // that the arm tells of
 };
 
 void SerialArm::State::exchange() {
   std::int64_t asked = 0;
-  while (!is_stopping.load(std::memory_order_acquire)) {
+  while (!thread.isStopping()) {
     const std::int64_t now = deviceClock();
     if ((has_answer && now - asked >= kPeriod) || now - asked >= kAnswerBy) {
       if (!send(arm->link_.answer(newest, now))) break;
@@ -116,7 +110,7 @@ bool SerialArm::State::receive(int wait_ms) {
   const ssize_t size = ::read(fd, bytes.data(), bytes.size());
   if (size <= 0) {
     if (size < 0 && (errno == EAGAIN || errno == EINTR)) return true;
-    const std::lock_guard lock(mutex);
+    const std::lock_guard lock(thread.mutex);
     is_unplugged = true;
     return false;
   }
@@ -142,7 +136,8 @@ void SerialArm::State::takeLine(std::string_view text) {
   has_answer = true;
   SerialLine said;
   const bool is_good = parseSerialLine(text, said);
-  const std::lock_guard lock(mutex);
+  const std::lock_guard lock(thread.mutex);
+  ArmCounts& counts = thread.counts;
   if (!is_good) {
     ++counts.refused;
     counts.last_fault = "its text";
@@ -165,9 +160,7 @@ void SerialArm::State::takeLine(std::string_view text) {
   hand.most_force = model.most_force;
   hand.most_stiffness = model.most_stiffness;
   newest.came_ns = came;
-  arm->link_.hands.back() = newest;
-  arm->link_.hands.publish();
-  arm->tell(newest);
+  arm->publish(newest);
 }
 
 bool SerialArm::State::send(const ForceFrame& force) {
@@ -175,26 +168,21 @@ bool SerialArm::State::send(const ForceFrame& force) {
   const Vec3d currents = force.is_enabled ? woodyCurrents({}, jacobian, force.force) : Vec3d(Vec3d::Zero());
   const std::size_t size = writeSerialLine(currents, text);
   const ssize_t written = ::write(fd, text.data(), size);
-  const std::lock_guard lock(mutex);
+  const std::lock_guard lock(thread.mutex);
   if (written < 0 && errno != EAGAIN) {
     is_unplugged = true;
     return false;
   }
-  counts.forces += written == static_cast<ssize_t>(size);
-  counts.is_enabled = force.is_enabled;
+  thread.counts.forces += written == static_cast<ssize_t>(size);
+  thread.counts.is_enabled = force.is_enabled;
   return true;
-}
-
-void SerialArm::State::stop() {
-  is_stopping.store(true, std::memory_order_release);
-  if (thread.joinable()) thread.join();
 }
 
 SerialArm::SerialArm(const ArmSettings& settings, const Rigid3& start, std::unique_ptr<State> state)
     : ForceArm(settings, start), state_(std::move(state)) {
   state_->arm = this;
 }
-SerialArm::~SerialArm() { state_->stop(); }
+SerialArm::~SerialArm() { state_->thread.stop(); }
 
 Expected<std::unique_ptr<SerialArm>> SerialArm::open(const std::string& path, const ArmSettings& settings,
                                                      const Rigid3& start) {
@@ -221,26 +209,21 @@ Expected<std::unique_ptr<SerialArm>> SerialArm::open(const std::string& path, co
 
   std::unique_ptr<SerialArm> arm(new SerialArm(settings, start, std::move(state)));
   State& s = *arm->state_;
-  try {
-    s.thread = std::thread([&s] { s.exchange(); });
-  } catch (const std::system_error& e) {
-    return fail({.code = Error::Code::kBadValue, .file = path, .found = e.what(), .expected = "a thread"});
-  }
+  KERF_CHECK(s.thread.start([&s] { s.exchange(); }, path, ""));
   return arm;
 }
 
 std::string SerialArm::what() const { return "serial arm, " + state_->path; }
 
 bool SerialArm::isGone() const {
-  const std::lock_guard lock(state_->mutex);
+  const std::lock_guard lock(state_->thread.mutex);
   return state_->is_unplugged;
 }
 
 ArmCounts SerialArm::counts() const {
-  const std::lock_guard lock(state_->mutex);
-  ArmCounts out = state_->counts;
-  const double age = 1e-9 * static_cast<double>(deviceClock() - out.newest_came_ns);
-  out.is_talking = !state_->is_unplugged && out.newest_came_ns != 0 && age <= kDeadMan;
+  ArmCounts out = state_->thread.told();
+  const std::lock_guard lock(state_->thread.mutex);
+  out.is_talking = out.is_talking && !state_->is_unplugged;
   if (state_->is_unplugged)
     out.trouble = "it was unplugged: plug it in";
   else if (state_->other_model != 0)
