@@ -11,6 +11,7 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <deque>
 #include <limits>
 #include <mutex>
 #include <system_error>
@@ -28,6 +29,37 @@ void sleepTo(std::int64_t when) {
   ::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr);
 }
 
+std::int64_t nanoseconds(const timespec& t) { return std::int64_t{t.tv_sec} * 1'000'000'000 + t.tv_nsec; }
+
+// A datagram and when it came, deviceClock(); by the system's stamp, which is of the other clock.
+struct Datagram {
+  std::array<std::uint8_t, 256> bytes{};
+  std::size_t size = 0;
+  std::int64_t came_ns = 0;
+};
+bool receive(int socket, Datagram& out) {
+  alignas(cmsghdr) std::array<char, 128> control{};
+  iovec part{out.bytes.data(), out.bytes.size()};
+  msghdr message{};
+  message.msg_iov = &part;
+  message.msg_iovlen = 1;
+  message.msg_control = control.data();
+  message.msg_controllen = control.size();
+  const ssize_t size = ::recvmsg(socket, &message, MSG_DONTWAIT);
+  if (size < 0) return false;
+  out.size = static_cast<std::size_t>(size);
+  out.came_ns = deviceClock();
+
+  for (const cmsghdr* c = CMSG_FIRSTHDR(&message); c; c = CMSG_NXTHDR(&message, const_cast<cmsghdr*>(c))) {
+    if (c->cmsg_level != SOL_SOCKET || c->cmsg_type != SCM_TIMESTAMPNS) continue;
+    timespec stamp{}, now{};
+    std::memcpy(&stamp, CMSG_DATA(c), sizeof stamp);
+    ::clock_gettime(CLOCK_REALTIME, &now);
+    out.came_ns -= std::max(nanoseconds(now) - nanoseconds(stamp), std::int64_t{0});
+  }
+  return true;
+}
+
 }  // namespace
 
 struct ArmSimulator::State {
@@ -37,6 +69,7 @@ struct ArmSimulator::State {
   }
   void run();
   void hear(std::int64_t now);
+  void take(const Datagram& datagram);
   void say(const DeviceSample& sample, std::int64_t now);
 
   const CutPath path;
@@ -47,6 +80,7 @@ struct ArmSimulator::State {
 
   // Of the thread.
   HandFrame frame;
+  std::deque<Datagram> waiting;  // came later than its clock is
   ForceFrame newest;
   std::int64_t heard = 0;         // ns; 0: nothing yet
   std::int64_t enabled_came = 0;  // the last one that was enabled
@@ -67,20 +101,20 @@ void ArmSimulator::State::run() {
   sample.T_world_device = poseAt(path, 0);
   for (std::int64_t due = deviceClock(); !is_stopping.load(std::memory_order_acquire); due += kPeriod) {
     sleepTo(due);
-    const std::int64_t now = deviceClock();
-    if (!is_hanging.load(std::memory_order_relaxed)) hear(now);
+    if (!is_hanging.load(std::memory_order_relaxed)) hear(due);
 
     // The dead-man of the bridge.
-    const bool is_late = heard != 0 && now - heard > 1'000'000 * std::int64_t{newest.deadline_ms};
+    const bool is_late = heard != 0 && due - heard > 1'000'000 * std::int64_t{newest.deadline_ms};
     const bool has_force = heard != 0 && !is_late && newest.is_enabled;
     if (now_report.is_enabled && is_late) ++now_report.forceless;
+    if (now_report.is_enabled && !has_force) now_report.stopped_ns = due;
     now_report.is_enabled = has_force;
     now_report.force = has_force ? newest.force : Vec3d(Vec3d::Zero());
     now_report.most_force = std::max(now_report.most_force, now_report.force.norm());
 
     last.force.force = now_report.force;
     now_report.is_over = !hand.next(last, sample);
-    if (!is_hanging.load(std::memory_order_relaxed)) say(sample, now);
+    if (!is_hanging.load(std::memory_order_relaxed)) say(sample, deviceClock());
 
     ++now_report.ticks;
     now_report.position = hand.position();
@@ -92,27 +126,30 @@ void ArmSimulator::State::run() {
 }
 
 void ArmSimulator::State::hear(std::int64_t now) {
-  std::array<std::uint8_t, 256> bytes{};
-  for (;;) {
-    const ssize_t size = ::recv(socket, bytes.data(), bytes.size(), MSG_DONTWAIT);
-    if (size < 0) return;
-    ForceFrame got;
-    if (decode({bytes.data(), static_cast<std::size_t>(size)}, got) != FrameFault::kNone) continue;
-    if (heard != 0 && got.number < newest.number && now - heard < 1'000'000'000) continue;
-    newest = got;
-    heard = now;
-    ++now_report.force_frames;
-    if (!got.is_enabled || got.hand_time_ns == 0) {
-      enabled_came = 0;
-      continue;
-    }
-    const std::int64_t came = deviceClock(), age = came - static_cast<std::int64_t>(got.hand_time_ns);
-    const std::lock_guard lock(mutex);
-    now_report.worst_age_ms = std::max(now_report.worst_age_ms, 1e-6 * static_cast<double>(age));
-    ages.add(age);
-    if (enabled_came != 0) jitter.add(std::abs(came - enabled_came - kPeriod));
-    enabled_came = came;
+  constexpr std::size_t kMost = 4096;  // a tick that is computed late finds those of the later ones, too
+  for (Datagram next; waiting.size() < kMost && receive(socket, next);) waiting.push_back(next);
+  for (; !waiting.empty() && waiting.front().came_ns <= now; waiting.pop_front()) take(waiting.front());
+}
+
+void ArmSimulator::State::take(const Datagram& datagram) {
+  ForceFrame got;
+  if (decode(std::span(datagram.bytes).first(datagram.size), got) != FrameFault::kNone) return;
+  if (heard != 0 && got.number < newest.number && datagram.came_ns - heard < 1'000'000'000) return;
+  newest = got;
+  heard = datagram.came_ns;
+  ++now_report.force_frames;
+  if (!got.is_enabled || got.hand_time_ns == 0) {
+    enabled_came = 0;
+    return;
   }
+
+  const std::int64_t came = deviceClock();
+  const std::int64_t age = came - static_cast<std::int64_t>(got.hand_time_ns);
+  const std::lock_guard lock(mutex);
+  now_report.worst_age_ms = std::max(now_report.worst_age_ms, 1e-6 * static_cast<double>(age));
+  ages.add(age);
+  if (enabled_came != 0) jitter.add(std::abs(came - enabled_came - kPeriod));
+  enabled_came = came;
 }
 
 void ArmSimulator::State::say(const DeviceSample& sample, std::int64_t now) {
@@ -137,6 +174,8 @@ Expected<std::unique_ptr<ArmSimulator>> ArmSimulator::start(CutPath path, const 
   auto state = std::make_unique<State>(std::move(path), options);
   State& s = *state;
   s.socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  constexpr int kOn = 1;
+  if (s.socket >= 0) ::setsockopt(s.socket, SOL_SOCKET, SO_TIMESTAMPNS, &kOn, sizeof kOn);
   sockaddr_in there{};
   there.sin_family = AF_INET;
   there.sin_addr.s_addr = htonl(INADDR_LOOPBACK);

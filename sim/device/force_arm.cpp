@@ -22,14 +22,15 @@ constexpr double kTorqueRate = 20;  // of the most torque, 1/s: all of it within
 ForceFrame ArmLink::answer(const Hand& newest, std::int64_t now) noexcept {
   wishes.update();
   const Wish& wish = wishes.front();
-  const bool is_alive = wish.written_ns != 0 && now - wish.written_ns <= kDeadManNs;
-  const bool has_hand = newest.came_ns != 0 && now - newest.came_ns <= kDeadManNs && newest.frame.is_ready;
+  const bool has_news = wish.written_ns != 0 && newest.came_ns != 0 && newest.frame.is_ready;
+  const std::int64_t left_ms = (kDeadManNs - (now - std::min(wish.written_ns, newest.came_ns))) / kMs;
 
   ForceFrame out;
   out.hand_number = wish.hand_number;
   out.hand_time_ns = wish.hand_time_ns;
-  out.is_enabled = is_alive && has_hand && wish.is_enabled && may_give_force.load(std::memory_order_acquire);
+  out.is_enabled = has_news && left_ms >= 1 && wish.is_enabled && may_give_force.load(std::memory_order_acquire);
   if (!out.is_enabled) return out;
+  out.deadline_ms = static_cast<std::uint32_t>(left_ms);
   out.force = wish.force;
   out.torque = wish.torque;
   return out;

@@ -10,6 +10,8 @@
 // Force reaches the device only if all of it holds: enable(true) was called; the haptic thread runs (arm()); the newest
 // hand is less than kDeadMan old and says that it is ready; the haptic thread wrote less than kDeadMan ago; no force
 // was other than finite. When it begins to hold the force fades in. When it ends to hold the very next frame says zero.
+// The deadline that a frame carries counts from the same news, so a device that keeps it gives no force kDeadMan after
+// them, whichever thread or program has stopped.
 //
 // A torque goes the same way, to a device that says it gives one, with a guard of its own: at most what it says it can.
 //
@@ -85,8 +87,10 @@ struct ArmLink {
   TripleBuffer<Wish> wishes;
   std::atomic<bool> may_give_force{false};
 
-  /// The force frame that says what the haptic thread wrote last, as long as that is news; else zero, not enabled. For
-  /// the transport.   @param newest  the hand it answers.   @rt safe.
+  /// The force frame that says what the haptic thread wrote last, as long as that is news; else zero, not enabled. Its
+  /// deadline is what is left of kDeadMan since the older news, of hand and haptic thread: however often it is sent,
+  /// and however late this thread is, the device gives no force beyond that. For the transport.
+  /// @param newest  the hand it answers.   @param now  deviceClock().   @rt safe.
   ForceFrame answer(const Hand& newest, std::int64_t now) noexcept;
 };
 

@@ -12,11 +12,10 @@
 #include <thread>
 
 #include "sim/device/arm_opener.h"
+#include "sim/device/device_driver.h"
 #include "tests/support/hid_testbed.h"
 
 namespace kerf::test {
-
-inline constexpr double kRoom = 0.06;  // s that a busy machine may take beside the 20 ms
 
 template <class Condition>
 bool until(const Condition& holds, int most_ms = 20000) {
@@ -27,13 +26,6 @@ bool until(const Condition& holds, int most_ms = 20000) {
   }
   return holds();
 }
-template <class Condition>
-double secondsUntil(const Condition& holds) {
-  const auto began = std::chrono::steady_clock::now();
-  EXPECT_TRUE(until(holds));
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
-}
-
 // In the place of the haptic thread: a force that is always the same.
 class Pusher {
  public:
@@ -45,6 +37,12 @@ class Pusher {
     thread_.join();
   }
   std::atomic<bool> hangs{false}, is_valid{false}, gives_nan{false};
+  /// Waits until no hand is taken any more.   @return  how old the newest hand was when it was taken last, ms, by the
+  /// clock of who takes it: a busy machine does not spoil it.
+  double lastTakenAgeMs() const {
+    EXPECT_TRUE(until([&] { return !is_valid; }));
+    return 1e-6 * static_cast<double>(taken_ns_ - arm_.counts().newest_came_ns);
+  }
   Vec3d place() const {
     const std::lock_guard lock(mutex_);
     return place_;
@@ -56,7 +54,9 @@ class Pusher {
     while (!is_stopping_) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
       if (hangs) continue;
+      const std::int64_t now = deviceClock();
       const DeviceSample sample = arm_.read();
+      if (sample.is_valid) taken_ns_ = now;
       is_valid = sample.is_valid != 0;
       {
         const std::lock_guard lock(mutex_);
@@ -70,6 +70,7 @@ class Pusher {
   ForceArm& arm_;
   const Vec3d force_;
   std::atomic<bool> is_stopping_{false};
+  std::atomic<std::int64_t> taken_ns_{0};
   mutable std::mutex mutex_;
   Vec3d place_ = Vec3d::Zero();
   std::thread thread_;
