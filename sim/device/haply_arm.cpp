@@ -1,6 +1,5 @@
 #include "sim/device/haply_arm.h"
 
-#include <sys/socket.h>
 #include <utility>  // before Boost.Asio 1.74, which forgets it
 
 #include <boost/asio/connect.hpp>
@@ -10,13 +9,13 @@
 
 #include <fmt/format.h>
 
-#include <atomic>
+#include <algorithm>
 #include <charconv>
 #include <chrono>
 #include <mutex>
-#include <system_error>
 #include <thread>
 
+#include "sim/device/arm_thread.h"
 #include "sim/device/device_driver.h"
 
 namespace kerf {
@@ -29,97 +28,185 @@ using Stream = beast::websocket::stream<Socket>;
 using BoostError = boost::system::error_code;
 
 constexpr std::int64_t kPeriod = 1'000'000;  // ns: no state is asked for more often
+constexpr std::int64_t kLeastWait = kPeriod / 20;
 constexpr auto kTryAgain = std::chrono::milliseconds(500);
-constexpr std::size_t kLongestState = 1 << 20;        // bytes
+constexpr std::int64_t kAskSoon = 20 * kPeriod;    // after a command: then the service is told that there is no force
+constexpr std::int64_t kAskAgain = 100 * kPeriod;  // and from then on
+constexpr std::int64_t kNoWord = 5000 * kPeriod;   // since it was called: then it is called again
+constexpr std::int64_t kGoodbye = 100 * kPeriod;   // that the end may take
+constexpr std::size_t kLongestState = 1 << 20;     // bytes
 constexpr double kMostForce = 8, kMostStiffness = 1;  // N, N/mm: not told by the service
+
+// One connection, driven by HaplyArm's thread alone: reading and writing go on at the same time, and neither is waited
+// for, so a service that says nothing is still told that there is no force.
+class HaplyLine {
+ public:
+  explicit HaplyLine(std::uint16_t port) : stream_(context_) {
+    stream_.next_layer().connect({asio::ip::address_v4::loopback(), port}, error_);
+    if (error_) return;
+    stream_.next_layer().set_option(asio::ip::tcp::no_delay(true), error_);
+    stream_.read_message_max(kLongestState);
+    stream_.text(true);
+    is_waiting_ = true;
+    stream_.async_handshake("127.0.0.1:" + std::to_string(port), "/", [this](BoostError e) {
+      is_waiting_ = false;
+      if (!isOver(e)) read();
+    });
+  }
+  ~HaplyLine() {
+    BoostError ignored;
+    stream_.next_layer().close(ignored);
+    context_.restart();
+    context_.run();  // what was under way ends with an error
+  }
+  HaplyLine(const HaplyLine&) = delete;
+  HaplyLine& operator=(const HaplyLine&) = delete;
+
+  bool isOpen() const { return !error_; }
+  bool canWrite() const { return isOpen() && !is_waiting_; }
+  /// Until something happens, or the time is over; some microseconds at least, without which nothing is looked for.
+  void wait(std::int64_t ns) {
+    context_.restart();
+    context_.run_one_for(std::chrono::nanoseconds(std::max(ns, kLeastWait)));
+  }
+  /// What the service said since, if anything.
+  bool hear(std::string& out) {
+    if (!has_come_) return false;
+    out = beast::buffers_to_string(in_.data());
+    in_.clear();
+    has_come_ = false;
+    read();
+    return true;
+  }
+  /// @pre canWrite().
+  void write(std::string text) {
+    out_ = std::move(text);
+    is_waiting_ = true;
+    stream_.async_write(asio::buffer(out_), [this](BoostError e, std::size_t) {
+      is_waiting_ = false;
+      isOver(e);
+    });
+  }
+  /// Says goodbye, if the service listens.
+  void close() {
+    const std::int64_t last = deviceClock() + kGoodbye;
+    while (isOpen() && is_waiting_ && deviceClock() < last) wait(kPeriod);
+    if (!canWrite()) return;
+    is_waiting_ = true;
+    stream_.async_close(beast::websocket::close_code::normal, [this](BoostError e) {
+      is_waiting_ = false;
+      isOver(e ? e : BoostError(beast::websocket::error::closed));
+    });
+    while (isOpen() && deviceClock() < last) wait(kPeriod);
+  }
+
+ private:
+  bool isOver(BoostError e) {
+    if (e) error_ = e;
+    return static_cast<bool>(e);
+  }
+  void read() {
+    stream_.async_read(in_, [this](BoostError e, std::size_t) { has_come_ = !isOver(e); });
+  }
+
+  asio::io_context context_;
+  Stream stream_;
+  beast::flat_buffer in_;
+  std::string out_;
+  BoostError error_;
+  bool is_waiting_ = false, has_come_ = false;
+};
 
 }  // namespace
 
 struct HaplyArm::State {
+  enum class Line {
+    kNone,       ///< nothing answers on the port
+    kAnswered,   ///< something does, and has said nothing yet
+    kConnected,  ///< the service has said something
+  };
+
   void run();
-  void talk(Stream& stream);
-  bool take(std::string_view text);
-  void stop();
+  void talk();
+  void take(std::string_view text);
+  void mark(Line how);
 
   std::uint16_t port = kHaplyPort;
   HaplyArm* arm = nullptr;
-  std::atomic<bool> is_stopping{false};
-  std::atomic<int> open_socket{-1};  // to end a read that waits
 
   // The thread alone.
   HaplyState said;
   ArmLink::Hand newest;
 
-  mutable std::mutex mutex;
-  ArmCounts counts;  // guarded by mutex, as the next
-  bool is_connected = false;
-  std::thread thread;
+  internal::ArmThread thread;
+  Line line = Line::kNone;     // guarded by the thread's mutex, as the next
+  std::int64_t last_word = 0;  // deviceClock() of whatever the service said last
 };
 
 void HaplyArm::State::run() {
-  while (!is_stopping.load(std::memory_order_acquire)) {
-    asio::io_context context;
-    Stream stream(context);
-    BoostError error;
-    stream.next_layer().connect({asio::ip::address_v4::loopback(), port}, error);
-    if (!error) {
-      stream.next_layer().set_option(asio::ip::tcp::no_delay(true), error);
-      open_socket.store(stream.next_layer().native_handle());
-      if (!is_stopping) stream.handshake("127.0.0.1:" + std::to_string(port), "/", error);
-      if (!error && !is_stopping) talk(stream);
-      open_socket.store(-1);
-    }
-    {
-      const std::lock_guard lock(mutex);
-      is_connected = false;
-      counts.is_enabled = false;
-    }
-    for (int n = 0; n < 50 && !is_stopping; ++n) std::this_thread::sleep_for(kTryAgain / 50);
+  while (!thread.isStopping()) {
+    talk();
+    mark(Line::kNone);
+    for (int n = 0; n < 50 && !thread.isStopping(); ++n) std::this_thread::sleep_for(kTryAgain / 50);
   }
 }
 
-// The service speaks first; then it answers each command.
-void HaplyArm::State::talk(Stream& stream) {
-  stream.read_message_max(kLongestState);
-  stream.text(true);
+// The service speaks first; then it answers each command. One that does not answer is told that there is no force, and
+// so asked again.
+void HaplyArm::State::talk() {
+  HaplyLine line_to(port);
+  if (!line_to.isOpen()) return;
+  mark(Line::kAnswered);
   said = {};
-  beast::flat_buffer buffer;
-  BoostError error;
-  std::int64_t due = deviceClock();
-  while (!is_stopping.load(std::memory_order_acquire)) {
-    buffer.clear();
-    stream.read(buffer, error);
-    if (error) break;
-    {
-      const std::lock_guard lock(mutex);
-      is_connected = true;
+  std::string text;
+  const std::int64_t began = deviceClock();
+  std::int64_t due = began, sent = 0, patience = kAskSoon;
+  bool has_heard = false, owes_answer = false;
+  while (!thread.isStopping() && line_to.isOpen()) {
+    if (line_to.hear(text)) {
+      take(text);
+      has_heard = owes_answer = true;
+      patience = kAskSoon;
     }
-    (void)take({static_cast<const char*>(buffer.data().data()), buffer.size()});
-
-    due = std::max(due + kPeriod, deviceClock() - 5 * kPeriod);
-    if (const std::int64_t early = due - deviceClock(); early > 0)
-      std::this_thread::sleep_for(std::chrono::nanoseconds(early));
-    const ForceFrame next = arm->link_.answer(newest, deviceClock());
-    stream.write(asio::buffer(haplyForce(said.id, next.force)), error);
-    if (error) return;
-    const std::lock_guard lock(mutex);
-    ++counts.forces;
-    counts.is_enabled = next.is_enabled;
+    const std::int64_t now = deviceClock();
+    const bool is_silent = !owes_answer && sent != 0 && now - sent >= patience;
+    if (!has_heard && now - began > kNoWord) return;  // no service: it is called again
+    if (line_to.canWrite() && ((owes_answer && now >= due) || is_silent)) {
+      const ForceFrame next = is_silent ? ForceFrame{} : arm->link_.answer(newest, now);
+      line_to.write(haplyForce(said.id, next.force));
+      if (is_silent) patience = kAskAgain;
+      owes_answer = false;
+      sent = now;
+      due = std::max(due + kPeriod, now - 5 * kPeriod);
+      const std::lock_guard lock(thread.mutex);
+      ++thread.counts.forces;
+      thread.counts.is_enabled = next.is_enabled;
+    }
+    line_to.wait(owes_answer ? std::min(due - deviceClock(), kPeriod) : kPeriod);
   }
   // Whatever ended it: as far as the service still listens, the last word is no force.
-  if (!said.id.empty()) stream.write(asio::buffer(haplyForce(said.id, Vec3d::Zero())), error);
-  stream.close(beast::websocket::close_code::normal, error);
+  if (line_to.canWrite() && !said.id.empty()) line_to.write(haplyForce(said.id, Vec3d::Zero()));
+  line_to.close();
 }
 
-bool HaplyArm::State::take(std::string_view text) {
+void HaplyArm::State::mark(Line how) {
+  const std::lock_guard lock(thread.mutex);
+  line = how;
+  thread.counts.is_enabled = false;
+}
+
+void HaplyArm::State::take(std::string_view text) {
   const std::int64_t came = deviceClock();
   const HaplyNews news = parseHaplyState(text, said);
-  const std::lock_guard lock(mutex);
+  const std::lock_guard lock(thread.mutex);
+  line = Line::kConnected;
+  last_word = came;
+  ArmCounts& counts = thread.counts;
   if (news == HaplyNews::kMalformed) {
     ++counts.refused;
     counts.last_fault = "its JSON";
   }
-  if (news != HaplyNews::kPlace || said.id.empty()) return false;
+  if (news != HaplyNews::kPlace || said.id.empty()) return;
   ++counts.hands;
   counts.newest_came_ns = came;
   newest.frame = said.hand;
@@ -130,22 +217,13 @@ bool HaplyArm::State::take(std::string_view text) {
   newest.frame.most_stiffness = kMostStiffness;
   newest.came_ns = came;
   arm->publish(newest);
-  return true;
-}
-
-// A read that waits for a service that says nothing is ended after 100 ms.
-void HaplyArm::State::stop() {
-  is_stopping.store(true, std::memory_order_release);
-  for (int n = 0; n < 20 && open_socket.load() >= 0; ++n) std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  if (const int socket = open_socket.load(); socket >= 0) ::shutdown(socket, SHUT_RD);
-  if (thread.joinable()) thread.join();
 }
 
 HaplyArm::HaplyArm(const ArmSettings& settings, const Rigid3& start, std::unique_ptr<State> state)
     : ForceArm(settings, start), state_(std::move(state)) {
   state_->arm = this;
 }
-HaplyArm::~HaplyArm() { state_->stop(); }
+HaplyArm::~HaplyArm() { state_->thread.stop(); }
 
 Expected<std::unique_ptr<HaplyArm>> HaplyArm::open(const std::string& port, const ArmSettings& settings,
                                                    const Rigid3& start) {
@@ -163,23 +241,25 @@ Expected<std::unique_ptr<HaplyArm>> HaplyArm::open(const std::string& port, cons
   }
   std::unique_ptr<HaplyArm> arm(new HaplyArm(settings, start, std::move(state)));
   State& s = *arm->state_;
-  try {
-    s.thread = std::thread([&s] { s.run(); });
-  } catch (const std::system_error& e) {
-    return fail({.code = Error::Code::kBadValue, .place = "haply", .found = e.what(), .expected = "a thread"});
-  }
+  KERF_CHECK(s.thread.start([&s] { s.run(); }, "", "haply"));
   return arm;
 }
 
 std::string HaplyArm::what() const { return fmt::format("Haply service, port {} of this machine", state_->port); }
 
 ArmCounts HaplyArm::counts() const {
-  const std::lock_guard lock(state_->mutex);
-  ArmCounts out = state_->counts;
-  const double age = 1e-9 * static_cast<double>(deviceClock() - out.newest_came_ns);
-  out.is_talking = out.newest_came_ns != 0 && age <= kDeadMan;
-  if (!state_->is_connected)
+  ArmCounts out = state_->thread.told();
+  const std::lock_guard lock(state_->thread.mutex);
+  const double silent = 1e-9 * static_cast<double>(deviceClock() - state_->last_word);
+  if (state_->line == State::Line::kNone)
     out.trouble = fmt::format("no service answers on port {}: start haply-inverse-service", state_->port);
+  else if (state_->line == State::Line::kAnswered)
+    out.trouble = fmt::format(
+        "port {} answers but says nothing: end what else listens there, or start haply-inverse-service anew",
+        state_->port);
+  else if (silent > kDeadMan)
+    out.trouble = fmt::format(
+        "the service has said nothing for {:.1f} s: if that goes on, start haply-inverse-service anew", silent);
   else if (!out.is_talking)
     out.trouble = "the service knows of no arm that moves: plug it in and switch it on";
   return out;

@@ -4,6 +4,9 @@
 //   service ──state──▶ ┌────────┐ ──newest hand──▶ ForceArm        one state for each command:
 //   service ◀─force─── │ thread │ ◀─newest force── ForceArm        who sends nothing hears nothing
 //
+// A service that does not answer within 20 ms is told that there is no force, and so asked again; counts().trouble says
+// since when it is silent, and what to do.
+//
 // A command counts once and is forgotten: a Kerf that is killed leaves no force behind. What is done with a hand and a
 // force: force_arm.h. In the service's frames units are m and N; right-handed, Z up.
 #pragma once

@@ -2,6 +2,9 @@
 #include "sim/device/haply_arm.h"
 
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <cmath>
 
@@ -42,6 +45,24 @@ TEST(HaplyJson, PartialStatesKeepWhatTheyDoNotSay) {
   EXPECT_EQ(haplyForce("a", {std::nan(""), 1, 1}).find("1.0"), std::string::npos) << "no numbers: no force";
 }
 
+TEST(HaplyArm, APortThatAnswersAndSaysNothingIsNamed) {
+  const int listening = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in here{};
+  here.sin_family = AF_INET;
+  here.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t length = sizeof here;
+  ASSERT_EQ(::bind(listening, reinterpret_cast<const sockaddr*>(&here), length), 0);
+  ASSERT_EQ(::listen(listening, 4), 0);
+  ASSERT_EQ(::getsockname(listening, reinterpret_cast<sockaddr*>(&here), &length), 0);
+  {
+    auto opened = openArm("haply:" + std::to_string(ntohs(here.sin_port)), {});
+    ASSERT_TRUE(opened) << opened.error().message();
+    const auto trouble = [&] { return opened->arm->counts().trouble; };
+    EXPECT_TRUE(until([&] { return trouble().find("answers but says nothing") != std::string::npos; })) << trouble();
+  }
+  ::close(listening);
+}
+
 TEST(HaplyArm, ASimulatedServiceClosesTheLoop) {
   auto service = HaplySimulator::start({.port = 0});
   ASSERT_TRUE(service) << service.error().message();
@@ -62,11 +83,18 @@ TEST(HaplyArm, ASimulatedServiceClosesTheLoop) {
     // The service hangs, then dies.
     (*service)->hang(true);
     EXPECT_LE(pusher.lastTakenAgeMs(), 1000 * ForceArm::kDeadMan);
+
+    // It is told that there is no force, again and again, and a person what to do.
+    EXPECT_TRUE(until([&] { return !arm.counts().is_enabled; }));
+    const std::uint64_t sent = arm.counts().forces;
+    EXPECT_TRUE(until([&] { return arm.counts().forces >= sent + 2; })) << "who says nothing is not waited for";
+    EXPECT_NE(arm.counts().trouble.find("has said nothing for"), std::string::npos) << arm.counts().trouble;
     (*service)->hang(false);
     ASSERT_TRUE(until([&] { return pusher.is_valid.load(); }));
     service->reset();
     EXPECT_LE(pusher.lastTakenAgeMs(), 1000 * ForceArm::kDeadMan);
-    EXPECT_TRUE(until([&] { return arm.counts().trouble.find("no service answers") != std::string::npos; }));
+    EXPECT_TRUE(until([&] { return arm.counts().trouble.find("no service answers") != std::string::npos; }))
+        << arm.counts().trouble;
   }
   EXPECT_FALSE(openArm("haply:192.168.0.1", {}));
   EXPECT_FALSE(openArm("haply:70000", {}));
