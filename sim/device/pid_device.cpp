@@ -28,6 +28,7 @@ struct PidDevice::State {
   Expected<std::uint8_t> load(PidEffect effect);
   void write();
   void update(const PidWish& wish);
+  void startAll();
   void end();
   void send(const PidReports::Report& report) { failures = port.write(report) ? 0 : failures + 1; }
 
@@ -44,6 +45,7 @@ struct PidDevice::State {
   // The thread alone.
   PidWish last;
   double angle = 0;
+  std::int64_t started_ns = 0;
   int failures = 0;
   std::thread thread;
 };
@@ -90,9 +92,15 @@ Expected<void> PidDevice::State::begin() {
     send(reports.sine(sine, 0, last.shake_hz));
     send(reports.set(PidEffect::kSine, sine, 0));
   }
+  startAll();
+  return {};
+}
+
+// Anew: their time counts from now on.
+void PidDevice::State::startAll() {
+  started_ns = deviceClock();
   for (const std::uint8_t block : {constant, damper, sine})
     if (block) send(reports.operate(block, PidOperation::kStart));
-  return {};
 }
 
 void PidDevice::State::update(const PidWish& wish) {
@@ -122,6 +130,8 @@ void PidDevice::State::write() {
         !std::isfinite(wish.shake) || !std::isfinite(wish.shake_hz))
       wish = {};
     update(wish);
+    const double since_start = 1e-9 * static_cast<double>(deviceClock() - started_ns);
+    if (since_start >= kStartAgain && reports.hasDuration()) startAll();
     std::this_thread::sleep_for(kPause);
   }
   is_connected.store(failures < kMostFailures, std::memory_order_release);
@@ -172,6 +182,8 @@ bool PidDevice::has(PidEffect effect) const noexcept {
   }
   return state_->sine != 0;
 }
+
+bool PidDevice::stopsByItself() const noexcept { return state_->reports.hasDuration(); }
 
 void PidDevice::set(const PidWish& wish) noexcept {
   State::Wish& out = state_->wishes.back();

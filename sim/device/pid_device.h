@@ -2,8 +2,12 @@
 // tried on hardware. Two axes at most, forces in shares of what the device can, and Linux's own driver may own it, too.
 //
 //   descriptor ──▶ PidReports   which report says what, and where; devices differ
-//   PidDevice:  reset, stop all, actuators on ─▶ create and load an effect each ─▶ start; then updates; at the end stop
-//               all, free each, actuators off
+//   PidDevice:  reset, stop all, actuators on ─▶ create and load an effect each ─▶ start; then updates, and starts
+//   anew;
+//               at the end stop all, free each, actuators off
+//
+// An effect lasts PidReports::kLasts and is started again long before: a device whose Kerf was killed stops by itself.
+// One whose effects have no duration goes on; hasDuration() tells.
 //
 // PidReports: functions of their arguments alone. PidDevice: a thread that writes, at most 250 updates a second.
 #pragma once
@@ -31,17 +35,20 @@ struct PidLoad {
 class PidReports {
  public:
   using Report = std::vector<std::uint8_t>;  ///< its number first
+  static constexpr double kLasts = 0.1;      ///< s that an effect goes on after its last start
 
   /// Error kUnsupported: it has no force feedback, or none that can be used, with what is missing.
   static Expected<PidReports> of(HidLayout layout);
 
   bool has(PidEffect effect) const;
+  /// Its effects end by themselves.
+  bool hasDuration() const;
   Report control(PidControl what) const;
   std::optional<Report> gain(double share) const;  ///< none: it has none
   Report create(PidEffect effect) const;           ///< a feature
   Report askLoad() const;                          ///< a feature to be filled
   PidLoad loadOf(std::span<const std::uint8_t> report) const;
-  /// Endless, at full gain, started by nothing but its start.   @param angle  that it acts along: 0 right, pi/2 away.
+  /// Of kLasts, at full gain, started by nothing but its start.   @param angle  that it acts along: 0 right, pi/2 away.
   Report set(PidEffect effect, std::uint8_t block, double angle) const;
   Report constant(std::uint8_t block, double share) const;            ///< 0 to 1
   Report damper(std::uint8_t block, double share, int axis) const;    ///< 0 to 1; axis 0 or 1
@@ -57,6 +64,7 @@ class PidReports {
   explicit PidReports(HidLayout layout) : layout_(std::move(layout)) {}
   Slot find(HidReportKind kind, std::uint16_t within, HidUsage usage) const;
   const HidField* choice(HidReportKind kind, std::uint16_t within, std::uint16_t of) const;
+  std::int64_t unitsOf(const HidField& field, double seconds) const;
   std::optional<std::uint8_t> numberOf(HidReportKind kind, std::uint16_t within) const;
   Report begin(HidReportKind kind, std::uint16_t within) const;
   void put(Report& report, HidReportKind kind, std::uint16_t within, std::uint16_t usage, std::int64_t value) const;
@@ -76,7 +84,8 @@ struct PidWish {
 
 class PidDevice {
  public:
-  static constexpr double kStale = 0.1;  ///< s: then no force
+  static constexpr double kStale = 0.1;         ///< s: then no force
+  static constexpr double kStartAgain = 0.025;  ///< s: three starts may be lost before an effect ends
 
   /// Errors: kUnsupported; kUnreadable: its pool gives no effect; those of HidPort::open().
   static Expected<std::unique_ptr<PidDevice>> open(const HidInfo& info);
@@ -87,6 +96,8 @@ class PidDevice {
 
   /// Which effects it has.
   bool has(PidEffect effect) const noexcept;
+  /// Its effects end by themselves within PidReports::kLasts when this program is killed.
+  bool stopsByItself() const noexcept;
   /// The newest wish, to be repeated. Any one thread. Never waits.
   void set(const PidWish& wish) noexcept;
   bool isConnected() const noexcept;

@@ -110,6 +110,14 @@ bool PidReports::has(PidEffect effect) const {
   return std::find(types->usages.begin(), types->usages.end(), usage) != types->usages.end();
 }
 
+bool PidReports::hasDuration() const { return find(kOutput, kSetEffect, kPage | kDuration).field != nullptr; }
+
+// The unit of a field is a second times ten to its exponent; most say -3.
+std::int64_t PidReports::unitsOf(const HidField& field, double seconds) const {
+  const int exponent = field.unit_exponent == 0 ? -3 : field.unit_exponent;
+  return std::lround(std::clamp(seconds * std::pow(10.0, -exponent), 1.0, 1e6));
+}
+
 PidReports::Report PidReports::control(PidControl what) const {
   Report out = begin(kOutput, kDeviceControl);
   choose(out, kOutput, kDeviceControl, kDeviceControl, static_cast<std::uint16_t>(what));
@@ -152,8 +160,12 @@ PidReports::Report PidReports::set(PidEffect effect, std::uint8_t block, double 
   Report out = begin(kOutput, kSetEffect);
   put(out, kOutput, kSetEffect, kBlockIndex, block);
   choose(out, kOutput, kSetEffect, kType, static_cast<std::uint16_t>(effect));
-  // Endless is all bits of the field, whatever its logical largest: 0xFFFF, or 0x7FFF where that is all there is.
-  for (const std::uint16_t usage : {kDuration, kGainOf, kTriggerButton})
+  // The largest duration means an endless one: never that.
+  if (const Slot slot = find(kOutput, kSetEffect, kPage | kDuration); slot.field) {
+    const std::int64_t most = std::max<std::int64_t>(slot.field->logical_max - 1, 1);
+    putHidValue(out, layout_.has_numbers, *slot.field, slot.n, std::min(unitsOf(*slot.field, kLasts), most));
+  }
+  for (const std::uint16_t usage : {kGainOf, kTriggerButton})
     if (const Slot slot = find(kOutput, kSetEffect, kPage | usage); slot.field)
       putHidValue(out, layout_.has_numbers, *slot.field, slot.n, slot.field->logical_max);
   for (const std::uint16_t usage : {kTriggerRepeat, kSamplePeriod, kStartDelay})
@@ -199,10 +211,7 @@ PidReports::Report PidReports::sine(std::uint8_t block, double share, double her
   put(out, kOutput, kSetPeriodic, kPhase, 0);
   const Slot period = find(kOutput, kSetPeriodic, kPage | kPeriod);
   if (!period.field || !(hertz > 0)) return out;
-  // Its unit is a second times ten to the exponent; most say -3.
-  const int exponent = period.field->unit_exponent == 0 ? -3 : period.field->unit_exponent;
-  const double units = std::pow(10.0, -exponent) / hertz;
-  putHidValue(out, layout_.has_numbers, *period.field, period.n, std::lround(std::clamp(units, 1.0, 1e6)));
+  putHidValue(out, layout_.has_numbers, *period.field, period.n, unitsOf(*period.field, 1 / hertz));
   return out;
 }
 

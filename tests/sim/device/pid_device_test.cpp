@@ -86,9 +86,20 @@ TEST(Pid, ReportsAreThoseOfItsDescriptor) {
   EXPECT_EQ(pid.operate(4, PidOperation::kStart), (Bytes{0x0A, 4, 1, 1}));
   EXPECT_EQ(pid.operate(4, PidOperation::kStop), (Bytes{0x0A, 4, 3, 0}));
   EXPECT_EQ(pid.free(4), (Bytes{0x0B, 4}));
-  // Right: a quarter of a turn clockwise from away, 9000 of 36000.
+  // Of 100 ms. Right: a quarter of a turn clockwise from away, 9000 of 36000.
+  EXPECT_TRUE(pid.hasDuration());
   EXPECT_EQ(pid.set(PidEffect::kConstant, 4, 0),
-            (Bytes{1, 4, 1, 0xFF, 0xFF, 0, 0, 0, 0, 0, 0, 255, 8, 0x04, 0x28, 0x23, 0, 0}));
+            (Bytes{1, 4, 1, 100, 0, 0, 0, 0, 0, 0, 0, 255, 8, 0x04, 0x28, 0x23, 0, 0}));
+}
+
+TEST(Pid, ADurationThatDoesNotFitIsTheLongestThatEnds) {
+  HidLayout layout = *parseHidDescriptor(pidDescriptor());
+  for (HidField& field : layout.fields)
+    if (std::find(field.usages.begin(), field.usages.end(), HidUsage{0x0F0050}) != field.usages.end())
+      field.logical_max = 50;
+  const auto pid = PidReports::of(std::move(layout));
+  ASSERT_TRUE(pid) << pid.error().message();
+  EXPECT_EQ(pid->set(PidEffect::kConstant, 4, 0)[3], 49) << "the largest one would be endless";
 }
 
 TEST(Pid, ADescriptorThatIsNoneIsRefusedWithTheByte) {
@@ -162,6 +173,17 @@ TEST_F(PidDevices, EffectsAreCreatedLoadedStartedAndFreed) {
   EXPECT_TRUE(wish({.shake = 1, .shake_hz = 50}, {4, 3, 0xFF, 0x7F, 0, 0, 0, 0, 20, 0, 0, 0}));
   bed_->forgetWritten(0);
   ASSERT_TRUE(until([&] { return has({4, 3, 0, 0, 0, 0, 0, 0, 17, 0, 0, 0}); })) << "nobody repeats the wish";
+
+  // Its effects last 100 ms: they are started again and again while this program lives.
+  EXPECT_TRUE((*device)->stopsByItself());
+  for (const Bytes& report : begun) {
+    const bool sets_effect = report[0] == 1;
+    EXPECT_TRUE(!sets_effect || (report[3] == 100 && report[4] == 0)) << "no effect is endless";
+  }
+  for (const std::uint8_t block : {1, 2, 3}) {
+    bed_->forgetWritten(0);
+    EXPECT_TRUE(until([&] { return has({0x0A, block, 1, 1}); })) << "started again";
+  }
 
   device->reset();
   const std::vector<Bytes> ended = bed_->written(0);
