@@ -22,6 +22,8 @@ struct Field {
   T C::*member;
   CommandParameter parameter;
 };
+template <class C, class T>
+Field(T C::*, CommandParameter) -> Field<C, T>;  // clang 14 deduces none for an aggregate
 
 template <class C, class... T>
 struct Row {
