@@ -86,8 +86,8 @@ Expected<void> parseHead(Lines& lines, DeviceRecording& out) {
 Expected<RecordedReport> parseReport(Lines& lines, std::int64_t not_before) {
   RecordedReport out;
   const std::string_view time = lines.word();
-  if (!parseAll(time, out.time_us) || out.time_us < 0)
-    return lines.refuse(quoted(time), "us since the first report, whole");
+  if (!parseAll(time, out.time_us) || out.time_us < 0 || out.time_us > DeviceRecording::kLongestUs)
+    return lines.refuse(quoted(time), "us since the first report, whole, of a year at most");
   if (out.time_us < not_before)
     return lines.refuse(fmt::format("{} us after {} us", out.time_us, not_before), "times that never go back");
   const std::string_view interface = lines.word();

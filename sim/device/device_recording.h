@@ -28,6 +28,8 @@ struct RecordedReport {
 
 struct DeviceRecording {
   const DeviceDriver* driver = nullptr;
+  static constexpr std::int64_t kLongestUs = 366LL * 24 * 3600 * 1'000'000;  ///< no report is later
+
   std::string device;  ///< "046d:c626 SpaceNavigator"
   std::vector<RecordedReport> reports;
 };

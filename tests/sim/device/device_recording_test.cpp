@@ -48,6 +48,7 @@ TEST(DeviceRecording, WhatIsWrongIsNamedByItsLine) {
       {"kerf-device 1\ndriver spacemouse\ndevice x\n0 0 0g\n", "\"0g\""},
       {"kerf-device 1\ndriver spacemouse\ndevice x\n-1 0 01\n", "\"-1\""},
       {"kerf-device 1\ndriver spacemouse\ndevice x\n5 0 01\n4 0 01\n", "4 us after 5 us"},
+      {"kerf-device 1\ndriver spacemouse\ndevice x\n31622400000001 0 01\n", "\"31622400000001\""},
   };
   for (const auto& [text, found] : wrong) {
     const auto read = parseRecording(text, "x.txt");
