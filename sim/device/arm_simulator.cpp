@@ -11,7 +11,6 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
-#include <deque>
 #include <limits>
 #include <mutex>
 #include <system_error>
@@ -68,8 +67,9 @@ struct ArmSimulator::State {
     if (socket >= 0) ::close(socket);
   }
   void run();
-  void hear(std::int64_t now);
+  void hear();
   void take(const Datagram& datagram);
+  void endForce(std::int64_t when);
   void say(const DeviceSample& sample, std::int64_t now);
 
   const CutPath path;
@@ -80,9 +80,9 @@ struct ArmSimulator::State {
 
   // Of the thread.
   HandFrame frame;
-  std::deque<Datagram> waiting;  // came later than its clock is
   ForceFrame newest;
-  std::int64_t heard = 0;         // ns; 0: nothing yet
+  std::int64_t heard = 0;         // ns, the newest; 0: nothing yet
+  std::int64_t force_until = 0;   // ns: its deadline; 0: no force
   std::int64_t enabled_came = 0;  // the last one that was enabled
   ArmReport now_report;
 
@@ -101,20 +101,21 @@ void ArmSimulator::State::run() {
   sample.T_world_device = poseAt(path, 0);
   for (std::int64_t due = deviceClock(); !is_stopping.load(std::memory_order_acquire); due += kPeriod) {
     sleepTo(due);
-    if (!is_hanging.load(std::memory_order_relaxed)) hear(due);
+    const std::int64_t now = deviceClock();
+    if (!is_hanging.load(std::memory_order_relaxed)) hear();
 
     // The dead-man of the bridge.
-    const bool is_late = heard != 0 && due - heard > 1'000'000 * std::int64_t{newest.deadline_ms};
-    const bool has_force = heard != 0 && !is_late && newest.is_enabled;
-    if (now_report.is_enabled && is_late) ++now_report.forceless;
-    if (now_report.is_enabled && !has_force) now_report.stopped_ns = due;
-    now_report.is_enabled = has_force;
-    now_report.force = has_force ? newest.force : Vec3d(Vec3d::Zero());
+    if (force_until != 0 && now > force_until) {
+      ++now_report.forceless;
+      endForce(force_until);
+    }
+    now_report.is_enabled = force_until != 0;
+    now_report.force = now_report.is_enabled ? newest.force : Vec3d(Vec3d::Zero());
     now_report.most_force = std::max(now_report.most_force, now_report.force.norm());
 
     last.force.force = now_report.force;
     now_report.is_over = !hand.next(last, sample);
-    if (!is_hanging.load(std::memory_order_relaxed)) say(sample, deviceClock());
+    if (!is_hanging.load(std::memory_order_relaxed)) say(sample, now);
 
     ++now_report.ticks;
     now_report.position = hand.position();
@@ -125,10 +126,13 @@ void ArmSimulator::State::run() {
   }
 }
 
-void ArmSimulator::State::hear(std::int64_t now) {
-  constexpr std::size_t kMost = 4096;  // a tick that is computed late finds those of the later ones, too
-  for (Datagram next; waiting.size() < kMost && receive(socket, next);) waiting.push_back(next);
-  for (; !waiting.empty() && waiting.front().came_ns <= now; waiting.pop_front()) take(waiting.front());
+void ArmSimulator::State::hear() {
+  for (Datagram next; receive(socket, next);) take(next);
+}
+
+void ArmSimulator::State::endForce(std::int64_t when) {
+  now_report.stopped_ns = when;
+  force_until = 0;
 }
 
 void ArmSimulator::State::take(const Datagram& datagram) {
@@ -138,6 +142,9 @@ void ArmSimulator::State::take(const Datagram& datagram) {
   newest = got;
   heard = datagram.came_ns;
   ++now_report.force_frames;
+  if (force_until != 0 && heard > force_until) endForce(force_until);
+  if (force_until != 0 && !got.is_enabled) endForce(heard);
+  if (got.is_enabled) force_until = heard + 1'000'000 * std::int64_t{got.deadline_ms};
   if (!got.is_enabled || got.hand_time_ns == 0) {
     enabled_came = 0;
     return;

@@ -1,9 +1,8 @@
 // A force-feedback arm that is not there, behind a bridge of its own: mass, damping, friction, encoder and delay of a
 // DeviceHand, held by a hand that follows a path, over the same datagrams as a real one.
 //
-// It has a clock of its own, one tick a millisecond, and hears in a tick what had come by then, by the system's time
-// stamps. On a busy machine ticks are computed late, but its motors and its dead-man do what they would have done in
-// time: a real arm has its own processor.
+// How long a force counts goes by the system's time stamps of the frames, not by when this thread comes round to them:
+// on a busy machine that may be late. A force that is old by then is not given.
 #pragma once
 
 #include <memory>
@@ -29,7 +28,8 @@ struct ArmReport {
   std::uint64_t ticks = 0, force_frames = 0;
   std::uint64_t forceless = 0;  ///< times its dead-man took the force away
   double worst_age_ms = 0;      ///< from a hand frame to the force that answers it
-  /// When a force ended last, by its own clock; deviceClock(), ns. 0: none has ended.
+  /// When a force ended last, by the frames' stamps: where one came that says no, or its deadline was over.
+  /// deviceClock(), ns. 0: none has ended.
   std::int64_t stopped_ns = 0;
   bool is_enabled = false, is_over = false;
 };

@@ -1,5 +1,5 @@
 // The window's force-feedback arm, without a window: a simulated arm behind a bridge leads the workbench's tool,
-// through datagrams, mailboxes and the haptic thread. How long a force goes on is measured by the arm's own clock.
+// through datagrams, mailboxes and the haptic thread. How long a force goes on goes by the stamps of frames.
 #include "ui/app/arm_lead.h"
 
 #include <gtest/gtest.h>
@@ -32,7 +32,7 @@ using std::chrono::steady_clock;
 
 // Kerf's 20 ms, the arm's next tick, and a frame's way: Kerf's thread is put aside between clock and socket, now and
 // then.
-constexpr double kForcelessMs = 20 + 1 + 2;
+constexpr double kForcelessMs = 20 + 2;
 
 CutPath way(const std::vector<std::pair<double, Vec3d>>& points) {
   CutPath path;
@@ -65,7 +65,7 @@ class ArmLeadTest : public testing::Test {
     }
     return holds();
   }
-  /// How long it gave force after `since`, by its own clock, ms.
+  /// How long it gave force after `since`, by the stamps of frames, ms.
   double forceAfterMs(const ArmSimulator& arm, std::int64_t since) {
     EXPECT_TRUE(until([&] { return !arm.report().is_enabled; }));
     return 1e-6 * static_cast<double>(arm.report().stopped_ns - since);

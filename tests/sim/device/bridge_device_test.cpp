@@ -1,5 +1,5 @@
 // The whole way of a force: haptic loop, mailbox, datagrams, the dead-man of a bridge, the arm's motors; and back. All
-// on simulated arms. How long a force goes on is measured by the arm's own clock, which a busy machine does not spoil.
+// on simulated arms. How long a force goes on goes by the stamps of frames, which a busy machine does not spoil.
 #include "sim/device/bridge_device.h"
 
 #include <arpa/inet.h>
@@ -31,7 +31,7 @@ constexpr std::int64_t kMs = 1'000'000;  // ns
 constexpr std::int64_t kDeadManNs = 20 * kMs;
 // Kerf's 20 ms, the arm's next tick, and a frame's way: Kerf's thread is put aside between clock and socket, now and
 // then.
-constexpr double kForcelessMs = 20 + 1 + 2;
+constexpr double kForcelessMs = 20 + 2;
 
 template <class Condition>
 bool until(const Condition& holds, int most_ms = 20000) {
@@ -129,7 +129,7 @@ class Bridge : public testing::Test {
     ASSERT_TRUE(arm);
     arm_ = std::move(*arm);
   }
-  /// How long the arm gave force after `since`, by its own clock, ms.
+  /// How long the arm gave force after `since`, by the stamps of frames, ms.
   double forceAfterMs(std::int64_t since) const {
     EXPECT_TRUE(until([&] { return !arm_->report().is_enabled; }));
     return 1e-6 * static_cast<double>(arm_->report().stopped_ns - since);
