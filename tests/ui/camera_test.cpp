@@ -64,6 +64,22 @@ TEST(Camera, AnySideCanBeUp) {
   for (const char* bad : {"", "+", "w", "+xy", "x+", "--z"}) EXPECT_FALSE(axisFromName(bad)) << bad;
 }
 
+TEST(Camera, WhatIsUprightStandsUprightFromAnySide) {
+  const Vec3d up = Vec3d(0.2, -0.1, 1).normalized();
+  for (const char* name : {"+z", "-x", "+y"})
+    for (const Vec3d& from : {Vec3d(0.3, -0.8, 0.5), Vec3d(-1, 0.2, 0.1), Vec3d(0, 0, 1), Vec3d(0, 0, -1)}) {
+      Camera camera;
+      camera.upright = uprightFrame(*axisFromName(name));
+      lookFrom(camera, from, up);
+      EXPECT_NEAR((camera.backwards() - from.normalized()).norm(), 0, 1e-9) << name;
+      EXPECT_NEAR(camera.right().dot(up), 0, 1e-9) << name << " leans in the picture";
+      EXPECT_GT(camera.up().dot(up), 0) << name;
+    }
+  Camera level;
+  lookFrom(level, Vec3d(0, -1, 0.3), Vec3d::UnitZ());
+  EXPECT_EQ(level.roll, 0);
+}
+
 TEST(Camera, AnglesAreReadInDegrees) {
   const auto camera = cameraFromView("35,-20.5");
   ASSERT_TRUE(camera);

@@ -16,6 +16,7 @@
 #include "ui/app/settings_commands.h"
 #include "ui/app/tissue_commands.h"
 #include "ui/app/tool_commands.h"
+#include "ui/app/tooth_views.h"
 #include "ui/app/view_commands.h"
 
 namespace kerf {
@@ -385,6 +386,35 @@ constexpr AppCommand kCommands[] = {
      "Turns the view so that a side of the scan is up: +x, -x, +y, -y, +z, -z; auto: its occlusal side, as when it was "
      "opened. Coordinates stay those of the scan.",
      isShown, view_commands::up},
+    {"view.occlusal", "View", "Occlusal: this tooth", "0", "[X Y]",
+     "Looks square to the occlusal plane at a tooth: at a pixel, under the cursor, the chosen piece, or in the middle "
+     "of "
+     "the view; the front of the arch is up.",
+     isShown, tooth_views::lookAt<tooth_views::ToothSide::kOcclusal>},
+    {"view.buccal", "View", "Buccal: this tooth", "8", "[X Y]",
+     "Looks at the buccal (labial) side of a tooth, from outside the arch.", isShown,
+     tooth_views::lookAt<tooth_views::ToothSide::kBuccal>},
+    {"view.lingual", "View", "Lingual: this tooth", "9", "[X Y]",
+     "Looks at the lingual (palatal) side of a tooth, from inside the arch and 30 degrees above it.", isShown,
+     tooth_views::lookAt<tooth_views::ToothSide::kLingual>},
+    {"view.mesial", "View", "Mesial: this tooth", "Shift+8", "[X Y]",
+     "Looks at the mesial side of a tooth, along the arch from its midline and 45 degrees above it.", isShown,
+     tooth_views::lookAt<tooth_views::ToothSide::kMesial>},
+    {"view.distal", "View", "Distal: this tooth", "Shift+9", "[X Y]",
+     "Looks at the distal side of a tooth, along the arch from its end and 45 degrees above it.", isShown,
+     tooth_views::lookAt<tooth_views::ToothSide::kDistal>},
+    {"view.sides", "", "", "", "BUCCAL MESIAL|auto",
+     "Tells which sides are buccal and mesial where no full arch does: +x, -x, +y, -y, +z, -z; auto: as the arch says.",
+     isShown, tooth_views::sides},
+    {"view.sides-here", "", "", "", "left|right",
+     "Tells that this view is of the buccal side, with the mesial one to the left or right.", isShown,
+     tooth_views::sidesHere},
+    {"view.sides-left", "View", "This is buccal, mesial to the left", "", "",
+     "Tells that this view is of the buccal side, with the mesial one to the left.", isShown,
+     tooth_views::thisIsBuccal<true>},
+    {"view.sides-right", "View", "This is buccal, mesial to the right", "", "",
+     "Tells that this view is of the buccal side, with the mesial one to the right.", isShown,
+     tooth_views::thisIsBuccal<false>},
     {"view.section", "View", "Cut open", "X", "[X Y]",
      "Takes away what is nearer than the point under the cursor, or than the middle; again: shows all.", isShown,
      view_commands::cutOpen},

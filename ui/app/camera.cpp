@@ -122,6 +122,18 @@ void lookFrom(Camera& camera, const Vec3d& direction) {
   camera.azimuth = std::abs(d.z()) > kStraight ? 0 : std::atan2(d.x(), -d.y());
 }
 
+void lookFrom(Camera& camera, const Vec3d& direction, const Vec3d& up) {
+  const Vec3d d = camera.upright * direction.normalized();
+  camera.elevation = std::asin(std::clamp(d.z(), -1.0, 1.0));
+  camera.azimuth = std::hypot(d.x(), d.y()) > 1e-9 ? std::atan2(d.x(), -d.y()) : 0;
+  camera.roll = 0;
+
+  const Vec3d level = camera.right(), right = up.cross(camera.backwards());
+  const double roll = std::atan2(right.dot(camera.backwards().cross(level)), right.dot(level));
+  constexpr double kLevel = 1e-9;  // rad: what rounding makes is no roll
+  if (std::abs(roll) > kLevel) camera.roll = roll;
+}
+
 void fitTo(Camera& camera, const Mesh& mesh, int width, int height, double margin) {
   camera.half_height = 5;
   if (mesh.vertices.empty()) {

@@ -70,6 +70,8 @@ std::string nameOfAxis(const Vec3d& direction);
 /// The viewer stands in this direction (world, any length but 0), the camera's upright frame being what it is. From
 /// straight above +y of that frame is up in the picture.
 void lookFrom(Camera& camera, const Vec3d& direction);
+/// The same exactly, and what points to `up` is upright in the picture, by a roll.   @pre  not parallel.
+void lookFrom(Camera& camera, const Vec3d& direction, const Vec3d& up);
 
 /// Centres the mesh and zooms so that it just fits into width x height pixels, `margin` (fraction) free on each side.
 /// A mesh without vertices, or with all of them in one point, gets a 10 mm field about it. O(vertices).

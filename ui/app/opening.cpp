@@ -317,7 +317,7 @@ Expected<Opened> openToCut(const fs::path& path, const OpeningOptions& options, 
 
   KERF_TRY(manifest, readCaseManifest(case_folder));
   KERF_TRY(solid, readCaseSolid(case_folder));
-  out.occlusal = occlusalNormalOf(solid);
+  out.occlusal = occlusalSideOf(solid);
 
   LiveRunOptions live;
   live.tools = options.tools;

@@ -16,6 +16,7 @@
 #include "sim/monitor/structures.h"
 #include "sim/run/live_run.h"
 #include "ui/app/neighbours.h"
+#include "ui/app/upright.h"
 
 namespace kerf {
 
@@ -85,7 +86,7 @@ struct Opened {
   std::vector<std::string> notes;  ///< sentences: what preparing changed, the unit and its reason, the voxel size
   std::string name;                ///< of the file, without its ending
   std::filesystem::path source;    ///< what was opened: never written to
-  std::optional<Vec3d> occlusal;   ///< occlusalNormalOf()
+  OcclusalSide occlusal;           ///< of its solid
   std::shared_ptr<const Structures> structures;       ///< of the case: pulp, nerve canals
   NeighbourFields neighbours;                         ///< of run->neighbours()
   std::vector<std::filesystem::path> sources_beside;  ///< what they were opened from: never written to

@@ -60,11 +60,13 @@ std::optional<Vec3d> awayFromOpening(const Mesh& mesh) {
   return twice.normalized();
 }
 
-std::optional<Vec3d> occlusalNormalOf(const Mesh& solid) {
+OcclusalSide occlusalSideOf(const Mesh& solid) {
+  const auto of = [&](const OcclusalPlane& plane) { return OcclusalSide{plane.normal, findDentalArch(solid, plane)}; };
   constexpr double kFlat = 0.05;  // mm
   if (const auto base = baseNormalOf(solid)) {
     const auto found = findOcclusalPlane(solid, -*base);
-    return found && found->rms_mm > kFlat && found->normal.dot(-*base) > 0.5 ? found->normal : Vec3d(-*base);
+    if (found && found->rms_mm > kFlat && found->normal.dot(-*base) > 0.5) return of(*found);
+    return {Vec3d(-*base), {}};
   }
   std::optional<OcclusalPlane> best;
   double best_score = 0;
@@ -77,8 +79,10 @@ std::optional<Vec3d> occlusalNormalOf(const Mesh& solid) {
     best_score = score;
   }
   if (!best) return {};
-  return best->normal;
+  return of(*best);
 }
+
+std::optional<Vec3d> occlusalNormalOf(const Mesh& solid) { return occlusalSideOf(solid).normal; }
 
 std::optional<Vec3d> surelyUp(const Mesh& mesh) {
   constexpr FlatSide kBase{.times_opposite = 2};

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "geometry/mesh/mesh.h"
+#include "preprocess/close/dental_arch.h"
 
 namespace kerf {
 
@@ -17,6 +18,14 @@ std::optional<Vec3d> awayFromOpening(const Mesh& mesh);
 /// neither.
 /// @param solid  closed, mm.   @cost 50 ms for a jaw with a base, six times that without one.
 std::optional<Vec3d> occlusalNormalOf(const Mesh& solid);
+
+/// The same, and the arch that the teeth stand along, if it is a full one: findDentalArch().
+/// @cost  as occlusalNormalOf(), and 20 ms.
+struct OcclusalSide {
+  std::optional<Vec3d> normal;
+  std::optional<DentalArch> arch;
+};
+OcclusalSide occlusalSideOf(const Mesh& solid);
 
 /// The coordinate axis that is up, by what can not be mistaken: away from the opening, or from a flat base. None: the
 /// mesh tells nothing, as a single tooth.   @cost two passes.

@@ -328,6 +328,7 @@ void Workbench::show(Opened& loaded) {
   if (!is_reopening_) {
     section.reset();
     measure.clear();
+    told_sides.reset();
     tilt = {};  // a way to lean in the other scan
     speed = 1;
   }

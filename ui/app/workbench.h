@@ -125,7 +125,12 @@ class Workbench {
   std::uint64_t generation() const { return generation_; }
   std::string name() const { return name_; }
   /// Out of the teeth, unit: the way a scan of several teeth is best looked at. None: it has no occlusal plane.
-  const std::optional<Vec3d>& occlusalNormal() const { return occlusal_; }
+  const std::optional<Vec3d>& occlusalNormal() const { return occlusal_.normal; }
+  /// The arch its teeth stand along, in the scan's frame. None: it is no full arch.
+  const std::optional<DentalArch>& arch() const { return occlusal_.arch; }
+  /// Which side is which, told by a person, in the scan's frame: goes before what the arch says, until something else
+  /// is open. None: nobody has told.
+  std::optional<ToothSides> told_sides;
   const LiveRun* run() const { return run_.get(); }
   const LiveScene& scene() const { return scene_; }
   /// Pulp and nerve canals as loaded. Null: nothing is open.
@@ -338,7 +343,7 @@ class Workbench {
   bool isSettled();
   void handOverScene();
   void takeWatched();
-  void showWatched(std::unique_ptr<WatchedRun> run, const std::optional<Vec3d>& occlusal);
+  void showWatched(std::unique_ptr<WatchedRun> run, const OcclusalSide& occlusal);
   bool isBusy();
   bool isSawing();
   bool send(const Command& command);
@@ -384,7 +389,7 @@ class Workbench {
   std::vector<std::unique_ptr<ImportSet>> ending_imports_;  // their previews are being cancelled
   std::string name_;
   std::filesystem::path source_;  // what was opened: never written to
-  std::optional<Vec3d> occlusal_;
+  OcclusalSide occlusal_;
   std::filesystem::path session_;
   std::unique_ptr<ArmLead> arm_;        // outlives hands_
   std::unique_ptr<MouseHand> hand_;     // outlives hands_

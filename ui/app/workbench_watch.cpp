@@ -20,7 +20,7 @@ namespace {
 
 struct Watched {
   std::unique_ptr<WatchedRun> run;
-  std::optional<Vec3d> occlusal;
+  OcclusalSide occlusal;
 };
 
 Expected<Watched> openToWatch(const fs::path& run_folder, const Progress& progress) {
@@ -30,7 +30,7 @@ Expected<Watched> openToWatch(const fs::path& run_folder, const Progress& progre
   KERF_TRY(run, WatchedRun::open(run_folder, std::move(options), progress));
   out.run = std::move(run);
   KERF_TRY(solid, readCaseSolid(out.run->caseFolder()));
-  out.occlusal = occlusalNormalOf(solid);
+  out.occlusal = occlusalSideOf(solid);
   return out;
 }
 
@@ -67,7 +67,7 @@ void Workbench::watch(const fs::path& run_folder) {
   job_ = std::move(job);
 }
 
-void Workbench::showWatched(std::unique_ptr<WatchedRun> run, const std::optional<Vec3d>& occlusal) {
+void Workbench::showWatched(std::unique_ptr<WatchedRun> run, const OcclusalSide& occlusal) {
   putImportAway();
   tissues_->closing();
   watched_ = std::move(run);
@@ -76,6 +76,7 @@ void Workbench::showWatched(std::unique_ptr<WatchedRun> run, const std::optional
   name_ = fs::path(watched_->manifest().case_path).stem().string();
   source_ = watched_->folder();
   occlusal_ = occlusal;
+  told_sides.reset();
   report_ = {};
   times_ = {};
   timeline_.clear();
