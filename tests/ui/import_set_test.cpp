@@ -248,5 +248,28 @@ TEST(TissueByName, TheMoreSpecialWordCounts) {
   EXPECT_EQ(tissueByName(""), Material::kGeneric);
 }
 
+// `kerf-sim --voxel 0.3 --unit mm` is said of all that is opened: a recipe has no panel in which it could be said
+// again.
+TEST_F(ImportSetTest, ARecipeAmongSeveralFilesIsPreparedAsTheProgramWasTold) {
+  volume(kNames);
+  const fs::path recipe =
+      folder_.write("ball.toml",
+                    "format = \"kerf-recipe\"\nversion = 1\nname = \"Ball\"\nvoxel = 0.2\n\n[[part]]\n"
+                    "material = \"dentin\"\nlabel = 2\n\n[labels]\nvolume = \"ct.nrrd\"\n");
+  WorkbenchOptions told = options();
+  told.voxel_mm = 0.3;
+  told.unit = "mm";
+  Workbench bench(told);
+  mustPlay(bench, "import.read" + quoted(block("36", 0)) + quoted(recipe) + "\nwait\n");
+  ASSERT_TRUE(bench.importSet());
+  const PrepareOptions decided = bench.importSet()->entries()[1].decided();
+  EXPECT_EQ(decided.voxel_mm, 0.3);
+  EXPECT_EQ(decided.unit, "mm");
+  mustPlay(bench, "import.start\nwait\n");
+  ASSERT_TRUE(bench.isOpen());
+  ASSERT_EQ(bench.run()->neighbours().size(), 1u);
+  EXPECT_EQ(bench.run()->neighbours()[0].known.manifest.voxel_mm, 0.3);
+}
+
 }  // namespace
 }  // namespace kerf

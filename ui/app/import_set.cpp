@@ -71,7 +71,10 @@ std::string ImportEntry::what() const {
 PrepareOptions ImportEntry::decided() const {
   if (scan) return scan->result();
   PrepareOptions out;
-  if (labels) out.recipe = labels->recipe();
+  if (labels)
+    out.recipe = labels->recipe();
+  else
+    out = told;
   return out;
 }
 
@@ -98,6 +101,7 @@ void ImportSet::add(std::vector<ImportRead> read) {
 // What is computed for another one makes way.
 void ImportSet::choose(std::size_t n) {
   if (n >= entries_.size() || n == chosen_) return;
+    entry.told = defaults_;
   if (scan()) scan()->suspendPreview();
   if (labels()) labels()->suspendPreview();
   chosen_ = n;

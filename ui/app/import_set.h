@@ -37,6 +37,9 @@ struct ImportEntry {
   ImportRole role = ImportRole::kBeside;
   std::unique_ptr<ImportPlan> scan;   ///< null: it is no scan
   std::unique_ptr<LabelPlan> labels;  ///< null: it is no label volume
+  /// Unit and voxel size that the program was told, which hold for a recipe, too; in the panels nothing is asked about
+  /// it.
+  PrepareOptions told;
   /// "scan", "labels of a CT", "recipe" or "case".
   std::string what() const;
   /// What was chosen about it, for openToCut(): an untouched unit and voxel size stay open, so that the same case is
