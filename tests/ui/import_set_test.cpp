@@ -7,6 +7,7 @@
 
 #include "geometry/case/case_bundle.h"
 #include "geometry/formats/mesh_writer.h"
+#include "tests/preprocess/label_volume_samples.h"
 #include "tests/support/open_block.h"
 #include "tests/support/temporary_folder.h"
 #include "ui/app/app_commands.h"
@@ -269,6 +270,39 @@ TEST_F(ImportSetTest, ARecipeAmongSeveralFilesIsPreparedAsTheProgramWasTold) {
   ASSERT_TRUE(bench.isOpen());
   ASSERT_EQ(bench.run()->neighbours().size(), 1u);
   EXPECT_EQ(bench.run()->neighbours()[0].known.manifest.voxel_mm, 0.3);
+}
+
+// ---- Folders
+
+// As a CT leaves a viewer: a folder of slices. Its labels are read as those of a file.
+TEST_F(ImportSetTest, AFolderOfDicomSlicesIsLookedAtAndCut) {
+  const fs::path slices = folder_.path() / "segmented";
+  fs::create_directories(slices);
+  for (int z = 0; z < 8; ++z)
+    folder_.write("segmented/" + std::to_string(z) + ".dcm",
+                  dicomSlice(std::string(12, z < 4 ? '\2' : '\5'), 0.5 * z, "1.2.3", "0.5\\0.5"));
+  for (const char* const end : {"", "/"}) {
+    Workbench bench(options());
+    mustPlay(bench, "import.read \"" + slices.string() + end + "\"\nwait\n");
+    ASSERT_TRUE(bench.importSet() && bench.importSet()->labels());
+    EXPECT_EQ(bench.importSet()->entries()[0].what(), "labels of a CT");
+    ASSERT_EQ(bench.importSet()->labels()->found().labels.size(), 2u);
+    EXPECT_NEAR(bench.importSet()->labels()->found().labels[0].volume_mm3, 48 * 0.125, 1e-6);
+    mustPlay(bench, "import.tissue 2 enamel\nimport.tissue 5 dentin\nimport.voxel 0.1\nimport.start\nwait\n");
+    ASSERT_TRUE(bench.isOpen());
+    EXPECT_EQ(bench.name().find("segmented"), 0u) << bench.name();
+  }
+}
+
+TEST_F(ImportSetTest, AFolderThatIsNothingIsRefusedWithWhatToDo) {
+  fs::create_directories(folder_.path() / "notes");
+  folder_.write("notes/read me.txt", "hello");
+  Workbench bench(options());
+  const auto played = play(bench, "import.read" + quoted(folder_.path() / "notes") + "\nwait\n");
+  ASSERT_FALSE(played);
+  EXPECT_NE(played.error().found.find("a folder without slices"), std::string::npos) << played.error().message();
+  EXPECT_NE(played.error().found.find("drop the files in it"), std::string::npos) << played.error().message();
+  EXPECT_FALSE(bench.isImporting());
 }
 
 }  // namespace

@@ -21,6 +21,16 @@ double gapBetween(const Box3& a, const Box3& b) {
   return apart.norm();
 }
 
+Expected<void> requireFile(const fs::path& file) {
+  std::error_code ignored;
+  if (!fs::is_directory(file, ignored)) return {};
+  return fail({.code = Error::Code::kUnsupported,
+               .file = file.string(),
+               .found = "a folder without slices of a CT, and no case, session or recipe",
+               .expected = "one with a DICOM series or slice pictures of labels, or a file",
+               .hint = "drop the files in it, several together"});
+}
+
 }  // namespace
 
 Expected<ImportRead> readToImport(const fs::path& file, const Progress& progress) {
@@ -29,6 +39,7 @@ Expected<ImportRead> readToImport(const fs::path& file, const Progress& progress
   out.kind = kindOf(file);
   switch (out.kind) {
     case FileKind::kScan: {
+      KERF_CHECK(requireFile(file));
       KERF_TRY(scan, readScan(file, progress));
       out.scan = std::move(scan);
       break;
@@ -90,6 +101,7 @@ void ImportSet::add(std::vector<ImportRead> read) {
     ImportEntry entry;
     entry.file = one.file;
     entry.kind = one.kind;
+    entry.told = defaults_;
     entry.role = entries_.empty() ? ImportRole::kCut : ImportRole::kBeside;
     if (one.scan) entry.scan = std::make_unique<ImportPlan>(std::move(*one.scan), defaults_);
     if (one.labels) entry.labels = std::make_unique<LabelPlan>(std::move(*one.labels), materials_, defaults_.voxel_mm);
@@ -101,7 +113,6 @@ void ImportSet::add(std::vector<ImportRead> read) {
 // What is computed for another one makes way.
 void ImportSet::choose(std::size_t n) {
   if (n >= entries_.size() || n == chosen_) return;
-    entry.told = defaults_;
   if (scan()) scan()->suspendPreview();
   if (labels()) labels()->suspendPreview();
   chosen_ = n;

@@ -124,7 +124,7 @@ Expected<LabelsFound> readLabels(const fs::path& file, const Progress& progress)
   KERF_TRY(volume, readLabelVolume(file, {}, partOf(progress, 0, 0.7)));
   if (!report(progress, 0.7, "counting labels")) return cancelled();
   LabelsFound out;
-  out.file = file;
+  out.file = file.has_filename() ? file : file.parent_path();  // of a folder with a slash at its end
   out.format = volume.format;
   const auto names = labelNames(file);
   for (const LabelCount& count : countLabels(volume)) {

@@ -282,8 +282,7 @@ FileKind kindOf(const fs::path& path) {
   if (isCase(path)) return FileKind::kCase;
   if (looksLikeTool(path)) return FileKind::kTool;
   if (looksLikeRecipe(path)) return FileKind::kRecipe;
-  std::error_code ignored;
-  return isLabelVolume(path) && !fs::is_directory(path, ignored) ? FileKind::kLabels : FileKind::kScan;
+  return isLabelVolume(path) ? FileKind::kLabels : FileKind::kScan;
 }
 
 double voxelFor(double area_mm2) {

@@ -25,7 +25,7 @@ struct CloseOptions;
 /// What can stand behind a path that a user opens.
 enum class FileKind {
   kScan,    ///< a mesh file, or what will be refused as none: only reading it tells
-  kLabels,  ///< a label volume of a CT, by its name; a folder of slices is none here
+  kLabels,  ///< a label volume of a CT, by its name; or a folder that holds slices of one
   kRecipe,  ///< puts meshes and labels together
   kCase,    ///< baked already
   kTool,    ///< for the rack
