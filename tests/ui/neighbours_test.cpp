@@ -101,6 +101,12 @@ TEST_F(NeighboursTest, ItIsSeenAndPointedAtButNotWorkedOn) {
   run(0.1);
   EXPECT_EQ(bench_.findNeighbour("35")->pose().translation, Vec3d::Zero());
   EXPECT_TRUE(hasSaid("not there to be moved")) << said();
+  // A script that asks for it ends there.
+  const std::vector<std::string> words{"5", "0", "0", other->name};
+  const auto moved = runAppCommand(context_, "piece.move", words);
+  ASSERT_FALSE(moved);
+  EXPECT_EQ(moved.error().code, Error::Code::kUnsupported);
+  EXPECT_EQ(moved.error().hint, "neighbour.work-on 1, then move that");
 
   // Another colour than that of what is worked on.
   const auto coloursOf = [&](const SceneObject& object) {

@@ -626,6 +626,28 @@ TEST_F(WorkbenchTest, APieceIsMovedCutFurtherTakenBackAndExported) {
     EXPECT_NEAR(bounds((*placed)[1].mesh).min[axis], bounds(left->mesh).min[axis], 1e-6);
 }
 
+TEST_F(WorkbenchTest, APieceIsMovedByItsNameWhicheverIsChosen) {
+  const fs::path in = folder_.path() / "bar.ply";
+  ASSERT_TRUE(writeMesh(in, test::blockMesh(true, {6, 1.6, 1.2})));
+  tools_ = {"disc-22"};
+  const auto played =
+      play("file.open \"" + in.string() +
+           "\"\nwait\nview.fit\ncut.force 3\ncut.depth 2.2\ncut.press 200 150\nwait 5\ncut.release\n" +
+           "wait 1\nexpect pieces 2 2\npiece.choose 2\npiece.rename \"the left\"\npiece.choose 1\n" +
+           "piece.move -2 1 0.5 \"the left\"\nwait 0.2\npiece.move 0 0 3 1\npiece.turn Z 10 1\nwait 0.2\n" +
+           "piece.put-back \"piece 1\"\nwait 0.2\npiece.move 1 0 0 \"the right\"\n");
+  ASSERT_FALSE(played) << "there is none of that name";
+  EXPECT_NE(played.error().message().find("1 to 2, or one of piece 1, the left"), std::string::npos)
+      << played.error().message();
+  const auto manifest = readRunManifest(session_);
+  ASSERT_TRUE(manifest) << manifest.error().message();
+  ASSERT_EQ(manifest->pieces.size(), 2u);
+  EXPECT_FALSE(manifest->pieces[0].isMoved()) << "it was put back";
+  EXPECT_EQ(manifest->pieces[1].name, "the left");
+  EXPECT_NEAR((manifest->pieces[1].T_case_piece.translation - Vec3d(-2, 1, 0.5)).norm(), 0, 1e-9);
+  EXPECT_TRUE(replayRun(session_)->is_same);
+}
+
 TEST_F(WorkbenchTest, UndoTakesBackAMoveThenThePiecesAndRedoBringsThemAgain) {
   const fs::path in = folder_.path() / "bar.ply";
   ASSERT_TRUE(writeMesh(in, test::blockMesh(true, {6, 1.6, 1.2})));

@@ -17,6 +17,28 @@ Expected<const SceneObject*> chosen(const AppContext& c) {
   return wrongWord("no piece is chosen", "one of the pieces", "piece.choose 2");
 }
 
+// By its name, or by its number in the list.
+Expected<const SceneObject*> named(const AppContext& c, const std::string& word) {
+  const auto shown = c.bench.scene().shown();
+  std::string names;
+  for (std::size_t n = 0; n < shown.size(); ++n) {
+    if (word == shown[n]->name || word == std::to_string(n + 1)) return shown[n];
+    names += (n ? ", " : "") + shown[n]->name;
+  }
+  return wrongWord("\"" + word + "\"", fmt::format("1 to {}, or one of {}", shown.size(), names));
+}
+
+// What is to be moved: by word n, if there is one, else the chosen piece. What stands beside stays where its scan is.
+Expected<const SceneObject*> toMove(const AppContext& c, AppWords words, std::size_t n) {
+  KERF_TRY(object, n < words.size() ? named(c, words[n]) : chosen(c));
+  if (!object->isBeside()) return object;
+  return fail({.code = Error::Code::kUnsupported,
+               .place = object->name,
+               .found = "a neighbour, which stands where its scan is: distances to it are measured there",
+               .expected = "a piece of what is worked on",
+               .hint = "neighbour.work-on " + std::to_string(object->loaded) + ", then move that"});
+}
+
 Rigid3 turned(const Rigid3& pose, const Vec3d& middle, const Vec3d& axis, double degrees) {
   const double radians = degrees * std::numbers::pi / 180;
   const Rigid3 turn{Eigen::Quaterniond(Eigen::AngleAxisd(radians, axis)), Vec3d::Zero()};
@@ -36,15 +58,9 @@ bool isChosen(const AppContext& c) { return c.bench.chosenPiece() != nullptr; }
 
 Expected<void> choose(AppContext& c, AppWords words) {
   if (words.empty()) return wrongWord("no piece", "its name or number");
-  const auto shown = c.bench.scene().shown();
-  std::string names;
-  for (std::size_t n = 0; n < shown.size(); ++n) {
-    names += (n ? ", " : "") + shown[n]->name;
-    if (words[0] != shown[n]->name && words[0] != std::to_string(n + 1)) continue;
-    c.bench.choosePiece(shown[n]->id);
-    return {};
-  }
-  return wrongWord("\"" + words[0] + "\"", fmt::format("1 to {}, or one of {}", shown.size(), names));
+  KERF_TRY(object, named(c, words[0]));
+  c.bench.choosePiece(object->id);
+  return {};
 }
 
 Expected<void> chooseNext(AppContext& c, AppWords) {
@@ -57,7 +73,7 @@ Expected<void> chooseNext(AppContext& c, AppWords) {
 }
 
 Expected<void> move(AppContext& c, AppWords words) {
-  KERF_TRY(piece, chosen(c));
+  KERF_TRY(piece, toMove(c, words, 3));
   Rigid3 pose = piece->pose();
   for (int axis = 0; axis < 3; ++axis) {
     static constexpr const char* kNames[] = {"X", "Y", "Z"};
@@ -69,7 +85,7 @@ Expected<void> move(AppContext& c, AppWords words) {
 }
 
 Expected<void> turn(AppContext& c, AppWords words) {
-  KERF_TRY(piece, chosen(c));
+  KERF_TRY(piece, toMove(c, words, 2));
   const std::string name = words.empty() ? "" : words[0];
   const int axis = name == "X" || name == "x"   ? 0
                    : name == "Y" || name == "y" ? 1
@@ -82,8 +98,8 @@ Expected<void> turn(AppContext& c, AppWords words) {
   return {};
 }
 
-Expected<void> putBack(AppContext& c, AppWords) {
-  KERF_TRY(piece, chosen(c));
+Expected<void> putBack(AppContext& c, AppWords words) {
+  KERF_TRY(piece, toMove(c, words, 0));
   c.bench.movePiece(piece->id, {});
   return {};
 }
