@@ -1,0 +1,89 @@
+// What is exported, and the moment at which it is taken. The rest of the workbench: workbench.cpp.
+#include <chrono>
+#include <future>
+#include <memory>
+#include <utility>
+
+#include "geometry/formats/mesh_formats.h"
+#include "ui/app/exporting.h"
+#include "ui/app/workbench.h"
+
+namespace kerf {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+Expected<std::string> exportWhenGiven(const LiveRun& run, std::future<SceneView>& given, const fs::path& file,
+                                      const ExportChoice& choice, const Progress& progress) {
+  constexpr auto kPoll = std::chrono::milliseconds(5);
+  while (given.wait_for(kPoll) != std::future_status::ready)
+    if (!report(progress, 0, "waiting for the last stroke")) return cancelled(file.string());
+  KERF_TRY(scene, LiveRun::copyOf(given.get()));
+  return exportScene(run, scene, file, choice, progress);
+}
+
+}  // namespace
+
+void Workbench::exportTo(const fs::path& file, const ExportChoice& choice) {
+  if (isBusy()) return;
+  if (!run_) return complain({.code = Error::Code::kEmpty, .found = "nothing is open", .hint = "open a scan first"});
+  if (const auto possible = canWriteMesh(file); !possible) return complain(possible.error());
+
+  std::error_code ignored;
+  const auto isSource = [&](const fs::path& source) { return fs::equivalent(file, source, ignored); };
+  if (isSource(source_) || std::any_of(sources_beside_.begin(), sources_beside_.end(), isSource))
+    return complain({.code = Error::Code::kBadValue,
+                     .file = file.string(),
+                     .found = "the file that was opened",
+                     .expected = "another one: a scan is never written over",
+                     .hint = "another name"});
+  if (isSawing()) return;
+  release();
+  namePieces();
+
+  // The job works on a copy: the cut may go on.
+  job_writes_ = true;
+  handover_.emplace();
+  handover_->sent = sent_;
+  auto scene = std::make_shared<std::future<SceneView>>(handover_->scene.get_future());
+  const LiveRun* const run = run_.get();
+  auto job = std::make_unique<Job<std::string>>("exporting " + file.filename().string(),
+                                                [run, scene, file, choice](const Progress& progress) {
+                                                  return exportWhenGiven(*run, *scene, file, choice, progress);
+                                                });
+  when_over_ = [this, job = job.get()] {
+    auto written = job->take();
+    written ? say(std::move(*written)) : complain(written.error());
+  };
+  job_ = std::move(job);
+}
+
+// What was asked for is done, and the meshers know of it.
+bool Workbench::isSettled() {
+  constexpr std::uint64_t kTicks = 3;  // after a command: what it changed is counted in the next tick
+  const HapticCounts& c = report_.counts;
+  const bool is_done = undos_left_ == 0 && answered() >= sent_ && report_.output.touching == 0;
+  if (is_done && !handover_->done_at) handover_->done_at = report_.tick;
+  const bool is_counted = handover_->done_at && report_.tick >= *handover_->done_at + kTicks;
+  return is_counted && c.edits_waiting == 0 && run_->editsDone() >= c.edits_pushed;
+}
+
+// To the job that exports it: when the last stroke is meshed, or after a second, for somebody who goes on cutting.
+void Workbench::handOverScene() {
+  constexpr auto kMost = std::chrono::seconds(1);
+  if (!handover_) return;
+  if (!run_ || !job_) return handover_.reset();
+  if (undos_left_ != 0 || wish_) handover_->sent = sent_;
+  if (undos_left_ != 0 || wish_ || answered() < handover_->sent) {
+    handover_->began = std::chrono::steady_clock::now();
+    return;
+  }
+  if (!isSettled() && std::chrono::steady_clock::now() < handover_->began + kMost) return;
+  auto view = run_->viewScene();
+  if (!view) return;
+  handover_->scene.set_value(std::move(*view));
+  handover_.reset();
+}
+
+}  // namespace kerf
