@@ -9,8 +9,12 @@
 #include <algorithm>
 #include <memory>
 #include <numeric>
+#include <optional>
 
+#include "geometry/boolean/near_patch.h"
 #include "geometry/mesh/exact_weld.h"
+#include "geometry/mesh/self_intersection.h"
+#include "geometry/mesh/solids.h"
 
 namespace kerf {
 namespace {
@@ -36,13 +40,17 @@ struct OriginVisitor : PMP::Corefinement::Default_visitor<SurfaceMesh> {
   struct State {
     const SurfaceMesh* minuend = nullptr;
     Origins minuend_origin, result_origin;
+    std::vector<char> other_is_cut;  // per triangle of the other mesh
     std::uint32_t split_face = kNoSource;
   };
   State* state;
   explicit OriginVisitor(State* s) : state(s) {}
 
   void before_subface_creations(face_descriptor f, SurfaceMesh& tm) {
-    if (&tm == state->minuend) state->split_face = Origins::get(state->minuend_origin.face, f);
+    if (&tm == state->minuend)
+      state->split_face = Origins::get(state->minuend_origin.face, f);
+    else if (std::size_t{f} < state->other_is_cut.size())
+      state->other_is_cut[f] = 1;
   }
   void after_subface_created(face_descriptor f, SurfaceMesh& tm) {
     if (&tm == state->minuend) Origins::set(state->minuend_origin.face, f, state->split_face);
@@ -176,7 +184,13 @@ bool compute(Operation operation, SurfaceMesh& a, SurfaceMesh& b, SurfaceMesh& o
   return PMP::corefine_and_compute_difference(a, b, out, visited, plain);
 }
 
-Expected<Difference> combine(const Mesh& minuend, const Mesh& other, Operation operation) {
+struct Combined {
+  Difference result;
+  std::vector<char> other_is_cut;  // per triangle of the other mesh: the minuend's surface passes through it
+};
+
+// @param refuses_crossings  of one of the surfaces with itself, where the other one passes.
+Expected<Combined> combineWhole(const Mesh& minuend, const Mesh& other, Operation operation, bool refuses_crossings) {
   const bool is_union = operation == Operation::kUnion;
   const char* const name = is_union                                ? "exact union"
                            : operation == Operation::kIntersection ? "exact intersection"
@@ -198,18 +212,22 @@ Expected<Difference> combine(const Mesh& minuend, const Mesh& other, Operation o
     OriginVisitor::State state;
     state.minuend = a.get();
     state.minuend_origin.face.resize(minuend.triangles.size());
-    for (std::uint32_t t = 0; t < minuend.triangles.size(); ++t) state.minuend_origin.face[t] = t;
-    const auto visited = CGAL::parameters::visitor(OriginVisitor(&state)).throw_on_self_intersection(true);
+    std::iota(state.minuend_origin.face.begin(), state.minuend_origin.face.end(), 0u);
+    state.other_is_cut.resize(other.triangles.size());
+    const auto visited = CGAL::parameters::visitor(OriginVisitor(&state)).throw_on_self_intersection(refuses_crossings);
     const bool ok = compute(operation, *a, *b, *out, visited);
     if (!ok)
       return refuse("a result that is not 2-manifold", "surfaces that cross each other transversally",
                     "bake with another --voxel and cut again");
 
-    Difference result;
+    Combined combined;
+    Difference& result = combined.result;
     const VertexOrigins origins = originsOfVertices(minuend, *out);
     const std::vector<std::uint32_t> index = copyVertices(*out, origins, result);
     copyFaces(*out, state.result_origin, index, minuend, result);
-    return result;
+    result.triangles_taken = minuend.triangles.size();
+    combined.other_is_cut = std::move(state.other_is_cut);
+    return combined;
   } catch (const PMP::Corefinement::Self_intersection_exception&) {
     return refuse(is_union ? "a surface that crosses itself where material was added"
                            : "a surface that crosses itself where the cut passes",
@@ -219,6 +237,75 @@ Expected<Difference> combine(const Mesh& minuend, const Mesh& other, Operation o
   } catch (const std::exception& e) {
     return refuse(std::string("the boolean gave up: ") + e.what(), "", "bake with another --voxel and cut again");
   }
+}
+
+// ---- Near the other mesh alone
+
+// The shells of the other mesh that no surface of the minuend passes through, by their vertices.
+std::vector<std::vector<std::uint32_t>> shellsNotCut(const Mesh& other, const std::vector<char>& is_cut) {
+  const Pieces shells = edgeConnectedPieces(other);
+  std::vector<char> has_cut(shells.count, 0), is_seen(other.vertices.size(), 0);
+  for (std::size_t t = 0; t < is_cut.size(); ++t) has_cut[shells.label[t]] |= is_cut[t];
+
+  std::vector<std::vector<std::uint32_t>> out(shells.count);
+  for (std::size_t t = 0; t < is_cut.size(); ++t) {
+    if (has_cut[shells.label[t]]) continue;
+    for (const std::uint32_t v : other.triangles[t]) {
+      if (!is_seen[v]) out[shells.label[t]].push_back(v);
+      is_seen[v] = 1;
+    }
+  }
+  std::erase_if(out, [](const auto& shell) { return shell.empty(); });
+  return out;
+}
+
+// A shell that is not cut is part of the result, or not, as it lies inside or outside of the minuend. The patch alone
+// does not say where: its caps are no part of the minuend. Whether the result has it right.
+bool isRightAboutShells(const Mesh& minuend, const Mesh& other, Operation operation, const Combined& near) {
+  constexpr std::size_t kMostShells = 16;
+  const auto shells = shellsNotCut(other, near.other_is_cut);
+  if (shells.empty()) return true;
+  if (shells.size() > kMostShells) return false;
+
+  internal::ExactWelder made(near.result.mesh.vertices.size());
+  for (std::size_t v = 0; v < near.result.from_vertex.size(); ++v)
+    if (near.result.from_vertex[v] == kNoSource) made.add(near.result.mesh.vertices[v]);
+
+  const bool inside_counts = operation == Operation::kDifference;
+  for (const std::vector<std::uint32_t>& shell : shells) {
+    const auto is_there = [&](std::uint32_t v) {
+      return made.find(other.vertices[v]) != internal::ExactWelder::kNotThere;
+    };
+    const auto count = static_cast<std::size_t>(std::count_if(shell.begin(), shell.end(), is_there));
+    if (count != 0 && count != shell.size()) return false;
+    for (const std::uint32_t v : {shell.front(), shell[shell.size() / 2], shell.back()})
+      if ((isInside(minuend, other.vertices[v]) == inside_counts) != (count > 0)) return false;
+  }
+  return true;
+}
+
+bool crossesItself(const Mesh& mesh, std::size_t triangles) {
+  return !selfIntersections(mesh.vertices, {mesh.triangles.data(), triangles}, 1).empty();
+}
+
+// None where the whole minuend has to be taken: it also says what is wrong, where something is.
+std::optional<Difference> combineNear(const Mesh& minuend, const Mesh& other, Operation operation) {
+  const std::optional<internal::NearPatch> patch = internal::nearPatch(minuend, other);
+  if (!patch) return {};
+  // Caps may cross what they like but the other mesh; neither the minuend nor that may cross itself.
+  if (crossesItself(patch->mesh, patch->source_triangles) || crossesItself(other, other.triangles.size())) return {};
+  const auto near = combineWhole(patch->mesh, other, operation, false);
+  if (!near || !isRightAboutShells(minuend, other, operation, *near)) return {};
+  std::optional<Difference> out = internal::sewnToRest(minuend, *patch, near->result);
+  if (out) out->triangles_taken = patch->source_triangles;
+  return out;
+}
+
+Expected<Difference> combine(const Mesh& minuend, const Mesh& other, Operation operation, Reach reach) {
+  if (reach == Reach::kNear)
+    if (auto near = combineNear(minuend, other, operation)) return *std::move(near);
+  KERF_TRY(whole, combineWhole(minuend, other, operation, true));
+  return std::move(whole.result);
 }
 
 tl::unexpected<Error> clippingGaveUp(const std::string& found) {
@@ -254,16 +341,16 @@ SurfaceMesh meshOfBox(const Box3& box) {
 
 }  // namespace
 
-Expected<Difference> subtract(const Mesh& minuend, const Mesh& subtrahend) {
-  return combine(minuend, subtrahend, Operation::kDifference);
+Expected<Difference> subtract(const Mesh& minuend, const Mesh& subtrahend, Reach reach) {
+  return combine(minuend, subtrahend, Operation::kDifference, reach);
 }
 
-Expected<Difference> unite(const Mesh& minuend, const Mesh& added) {
-  return combine(minuend, added, Operation::kUnion);
+Expected<Difference> unite(const Mesh& minuend, const Mesh& added, Reach reach) {
+  return combine(minuend, added, Operation::kUnion, reach);
 }
 
 Expected<Difference> intersect(const Mesh& minuend, const Mesh& other) {
-  return combine(minuend, other, Operation::kIntersection);
+  return combine(minuend, other, Operation::kIntersection, Reach::kWhole);
 }
 
 // PMP::clip() itself is not called: it compiles three ways to clip, of which a closed mesh takes only the one below.

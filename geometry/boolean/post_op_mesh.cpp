@@ -104,12 +104,14 @@ Expected<Difference> cutAndAdd(const Mesh& source, const Mesh& removed, const Me
     cut = uncut(source);
   } else {
     KERF_TRY(difference, subtract(source, removed));
+    report.boolean_triangles = difference.triangles_taken;
     cut = std::move(difference);
   }
   if (added.triangles.empty()) return cut;
 
   report.removed_volume_mm3 = signedVolume(source) - signedVolume(cut.mesh);
   KERF_TRY(both, unite(cut.mesh, added));
+  report.boolean_triangles = std::max(report.boolean_triangles, both.triangles_taken);
   // Origins in what was cut become origins in the source.
   for (std::uint32_t& v : both.from_vertex)
     if (v != kNoSource) v = cut.from_vertex[v];

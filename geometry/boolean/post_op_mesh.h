@@ -33,7 +33,9 @@ struct PostOpReport {
   std::size_t crumbs_dropped = 0;
   double crumbs_volume_mm3 = 0;
   double largest_move_mm = 0;  ///< of any new vertex, by rounding to float32 and mending what that broke
-  int attempts = 1;            ///< > 1: the removed solid was shifted by some thousandths of a voxel
+  /// Of the source: the booleans went through them; all, or those near the cut (Reach::kNear).
+  std::size_t boolean_triangles = 0;
+  int attempts = 1;  ///< > 1: the removed solid was shifted by some thousandths of a voxel
 };
 
 struct PostOpMesh {

@@ -112,4 +112,10 @@ std::optional<std::uint32_t> solidAt(const Mesh& mesh, const Solids& solids, con
   return {};
 }
 
+bool isInside(const Mesh& mesh, const Vec3d& point) {
+  const std::vector<std::uint32_t> as_one(mesh.triangles.size(), 0);
+  const long turns = std::lround(windings(mesh, as_one, 1, point).front());
+  return turns % 2 != 0;
+}
+
 }  // namespace kerf

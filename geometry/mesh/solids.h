@@ -43,4 +43,8 @@ std::string describe(const PieceCount& count);
 /// @cost  30 ns a triangle. Van Oosterom & Strackee 1983: the solid angle of a triangle.
 std::optional<std::uint32_t> solidAt(const Mesh& mesh, const Solids& solids, const Vec3d& point);
 
+/// Whether a ray from the point crosses the surface an odd number of times: of nested shells each second one is air.
+/// @pre closed. A point on the surface may be either.   @cost  30 ns a triangle, as solidAt().
+bool isInside(const Mesh& mesh, const Vec3d& point);
+
 }  // namespace kerf

@@ -118,6 +118,7 @@ nlohmann::json jsonOf(const std::vector<Output>& outputs, const Export& result) 
           {"source_vertices_in_crumbs", r.source_vertices_in_crumbs},
           {"crumbs_volume_mm3", r.crumbs_volume_mm3},
           {"largest_move_mm", r.largest_move_mm},
+          {"boolean_triangles", r.boolean_triangles},
           {"attempts", r.attempts},
           {"wall", {{"vertices", w.vertices}, {"rms_mm", w.rms_mm}, {"max_mm", w.max_mm}}}};
 }
