@@ -241,44 +241,48 @@ Expected<Combined> combineWhole(const Mesh& minuend, const Mesh& other, Operatio
 
 // ---- Near the other mesh alone
 
-// The shells of the other mesh that no surface of the minuend passes through, by their vertices.
-std::vector<std::vector<std::uint32_t>> shellsNotCut(const Mesh& other, const std::vector<char>& is_cut) {
-  const Pieces shells = edgeConnectedPieces(other);
-  std::vector<char> has_cut(shells.count, 0), is_seen(other.vertices.size(), 0);
-  for (std::size_t t = 0; t < is_cut.size(); ++t) has_cut[shells.label[t]] |= is_cut[t];
+struct Shell {
+  std::vector<std::uint32_t> vertices;
+  bool is_cut = false;  // the minuend's surface passes through it, or touches it
+};
 
-  std::vector<std::vector<std::uint32_t>> out(shells.count);
+std::vector<Shell> shellsOf(const Mesh& other, const std::vector<char>& is_cut) {
+  const Pieces pieces = edgeConnectedPieces(other);
+  std::vector<Shell> out(pieces.count);
+  std::vector<char> is_seen(other.vertices.size(), 0);
   for (std::size_t t = 0; t < is_cut.size(); ++t) {
-    if (has_cut[shells.label[t]]) continue;
+    Shell& shell = out[pieces.label[t]];
+    shell.is_cut |= is_cut[t] != 0;
     for (const std::uint32_t v : other.triangles[t]) {
-      if (!is_seen[v]) out[shells.label[t]].push_back(v);
+      if (!is_seen[v]) shell.vertices.push_back(v);
       is_seen[v] = 1;
     }
   }
-  std::erase_if(out, [](const auto& shell) { return shell.empty(); });
   return out;
 }
 
-// A shell that is not cut is part of the result, or not, as it lies inside or outside of the minuend. The patch alone
-// does not say where: its caps are no part of the minuend. Whether the result has it right.
+// A shell that is not cut, or only touched, is part of the result, or not, as it lies inside or outside of the minuend.
+// The patch alone does not say where: its caps are no part of the minuend. Whether the result has it right.
 bool isRightAboutShells(const Mesh& minuend, const Mesh& other, Operation operation, const Combined& near) {
   constexpr std::size_t kMostShells = 16;
-  const auto shells = shellsNotCut(other, near.other_is_cut);
-  if (shells.empty()) return true;
-  if (shells.size() > kMostShells) return false;
-
   internal::ExactWelder made(near.result.mesh.vertices.size());
   for (std::size_t v = 0; v < near.result.from_vertex.size(); ++v)
     if (near.result.from_vertex[v] == kNoSource) made.add(near.result.mesh.vertices[v]);
 
   const bool inside_counts = operation == Operation::kDifference;
-  for (const std::vector<std::uint32_t>& shell : shells) {
+  std::size_t looked_at = 0;
+  for (const Shell& shell : shellsOf(other, near.other_is_cut)) {
     const auto is_there = [&](std::uint32_t v) {
       return made.find(other.vertices[v]) != internal::ExactWelder::kNotThere;
     };
-    const auto count = static_cast<std::size_t>(std::count_if(shell.begin(), shell.end(), is_there));
-    if (count != 0 && count != shell.size()) return false;
-    for (const std::uint32_t v : {shell.front(), shell[shell.size() / 2], shell.back()})
+    const auto& all = shell.vertices;
+    const auto count = static_cast<std::size_t>(std::count_if(all.begin(), all.end(), is_there));
+    if (count != 0 && count != all.size()) {
+      if (!shell.is_cut) return false;
+      continue;  // what was cut was told by the crossing
+    }
+    if (++looked_at > kMostShells) return false;
+    for (const std::uint32_t v : {all.front(), all[all.size() / 2], all.back()})
       if ((isInside(minuend, other.vertices[v]) == inside_counts) != (count > 0)) return false;
   }
   return true;

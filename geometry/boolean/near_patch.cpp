@@ -3,6 +3,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <span>
@@ -121,7 +122,8 @@ void takeInComponents(const Mesh& source, const Mesh& other, const Surface& surf
     if (!near[t]) near[t] = is_taken[components.labelOf(source.triangles[t][0])];
 }
 
-// Whether each edge runs as often one way as the other. An open mesh passes as closed once in 2^64.
+// Whether each edge runs as often one way as the other. An open mesh passes as closed once in 2^64; where
+// four triangles meet at an edge it says nothing.
 bool isClosed(const Mesh& mesh) {
   std::uint64_t sum = 0;
   for (const Triangle& t : mesh.triangles)

@@ -28,7 +28,7 @@ struct NearPatch {
 
 /// All triangles of the source outside of the patch lie outside `other`, at least two of its triangles' sizes from its
 /// surface.
-/// @pre both closed, 2-manifold, without self-intersections.
+/// @pre both closed, 2-manifold; whether they cross themselves in the patch is for the caller to look at.
 /// Caps may cross each other, and the patch: that is no crossing of the source.
 /// @return none where the boolean has to take the whole source: it is open, the patch is more than half of it or empty,
 /// or a loop of its border has no cap that stays clear of `other` (that goes through the loop and around its rim, as

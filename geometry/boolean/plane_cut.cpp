@@ -206,7 +206,7 @@ double flatnessOf(const PostOpMesh& part, std::span<const Plane> planes) {
 Expected<Attempt> attempt(const Mesh& source, const Mesh& room, std::span<const Plane> planes,
                           const PostOpOptions& options) {
   KERF_TRY(inside, intersect(source, room));
-  KERF_TRY(outside, subtract(source, room));
+  KERF_TRY(outside, subtract(source, room, Reach::kWhole));  // the same points as of the inside
   if (inside.mesh.triangles.empty()) return fail(notMet(source, planes, true));
   if (outside.mesh.triangles.empty()) return fail(notMet(source, planes, false));
 

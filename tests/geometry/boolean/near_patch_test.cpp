@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <numbers>
 #include <random>
 
@@ -138,6 +141,17 @@ TEST(NearPatch, ShellsThatNoSurfaceMeetsAreDecidedByTheWhole) {
   EXPECT_EQ(edgeConnectedPieces(subtractBoth(hollow, together({within, cut, in_air, in_hollow})).near.mesh).count, 3u);
   EXPECT_EQ(edgeConnectedPieces(subtractBoth(hollow, within).near.mesh).count, 3u);
   EXPECT_EQ(edgeConnectedPieces(subtractBoth(hollow, in_air).near.mesh).count, 2u);
+}
+
+TEST(NearPatch, AShellThatOnlyTouchesIsDecidedByTheWhole) {
+  const auto highest = [](const Vec3d& a, const Vec3d& b) { return a[2] < b[2]; };
+  const Vec3d pole = *std::max_element(kBall.vertices.begin(), kBall.vertices.end(), highest);
+  Mesh tent;  // the pole is a point of its floor
+  for (const Vec3d& p : {Vec3d(-0.25, -0.25, 0), Vec3d(0.25, -0.25, 0), Vec3d(0, 0.5, 0), Vec3d(0, 0, 0.5)})
+    tent.vertices.push_back(pole + p);
+  tent.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
+  const Mesh cut = ballMesh({2.9, 0.2, 0.1}, 0.7, 24);
+  EXPECT_EQ(edgeConnectedPieces(subtractBoth(kBall, together({cut, tent})).near.mesh).count, 1u);
 }
 
 TEST(NearPatch, ALinkThroughItsOwnRimTakesTheWhole) {
