@@ -11,7 +11,8 @@
 // hand is less than kDeadMan old and says that it is ready; the haptic thread wrote less than kDeadMan ago; no force
 // was other than finite. When it begins to hold the force fades in. When it ends to hold the very next frame says zero.
 // The deadline that a frame carries counts from the same news, so a device that keeps it gives no force kDeadMan after
-// them, whichever thread or program has stopped.
+// them, whichever thread or program has stopped: and the way of the frame, which is short unless the transport is
+// stopped between its look at the clock and its call of the system.
 //
 // A torque goes the same way, to a device that says it gives one, with a guard of its own: at most what it says it can.
 //

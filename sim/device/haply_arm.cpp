@@ -42,15 +42,9 @@ constexpr double kMostForce = 8, kMostStiffness = 1;  // N, N/mm: not told by th
 class HaplyLine {
  public:
   explicit HaplyLine(std::uint16_t port) : stream_(context_) {
-    stream_.next_layer().connect({asio::ip::address_v4::loopback(), port}, error_);
-    if (error_) return;
-    stream_.next_layer().set_option(asio::ip::tcp::no_delay(true), error_);
-    stream_.read_message_max(kLongestState);
-    stream_.text(true);
-    is_waiting_ = true;
-    stream_.async_handshake("127.0.0.1:" + std::to_string(port), "/", [this](BoostError e) {
-      is_waiting_ = false;
-      if (!isOver(e)) read();
+    // Of a service that hangs the queue of calls may be full: then this takes minutes.
+    stream_.next_layer().async_connect({asio::ip::address_v4::loopback(), port}, [this, port](BoostError e) {
+      if (!isOver(e)) greet(port);
     });
   }
   ~HaplyLine() {
@@ -63,6 +57,7 @@ class HaplyLine {
   HaplyLine& operator=(const HaplyLine&) = delete;
 
   bool isOpen() const { return !error_; }
+  bool isConnected() const { return isOpen() && is_connected_; }
   bool canWrite() const { return isOpen() && !is_waiting_; }
   /// Until something happens, or the time is over; some microseconds at least, without which nothing is looked for.
   void wait(std::int64_t ns) {
@@ -105,6 +100,17 @@ class HaplyLine {
     if (e) error_ = e;
     return static_cast<bool>(e);
   }
+  void greet(std::uint16_t port) {
+    is_connected_ = true;
+    BoostError ignored;
+    stream_.next_layer().set_option(asio::ip::tcp::no_delay(true), ignored);
+    stream_.read_message_max(kLongestState);
+    stream_.text(true);
+    stream_.async_handshake("127.0.0.1:" + std::to_string(port), "/", [this](BoostError e) {
+      is_waiting_ = false;
+      if (!isOver(e)) read();
+    });
+  }
   void read() {
     stream_.async_read(in_, [this](BoostError e, std::size_t) { has_come_ = !isOver(e); });
   }
@@ -114,7 +120,8 @@ class HaplyLine {
   beast::flat_buffer in_;
   std::string out_;
   BoostError error_;
-  bool is_waiting_ = false, has_come_ = false;
+  bool is_connected_ = false, has_come_ = false;
+  bool is_waiting_ = true;  // to have called, greeted, written or closed
 };
 
 }  // namespace
@@ -155,11 +162,14 @@ void HaplyArm::State::run() {
 // so asked again.
 void HaplyArm::State::talk() {
   HaplyLine line_to(port);
-  if (!line_to.isOpen()) return;
+  const std::int64_t began = deviceClock();
+  while (!thread.isStopping() && line_to.isOpen() && !line_to.isConnected() && deviceClock() - began < kNoWord)
+    line_to.wait(kPeriod);
+  if (!line_to.isConnected()) return;
+
   mark(Line::kAnswered);
   said = {};
   std::string text;
-  const std::int64_t began = deviceClock();
   std::int64_t due = began, sent = 0, patience = kAskSoon;
   bool has_heard = false, owes_answer = false;
   while (!thread.isStopping() && line_to.isOpen()) {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -15,8 +16,8 @@ namespace kerf {
 namespace {
 
 constexpr auto kPause = std::chrono::milliseconds(4);
-constexpr int kLoadTries = 60;  // as Linux's own driver asks
-constexpr int kMostFailures = 3;
+constexpr int kLoadTries = 60;    // as Linux's own driver asks
+constexpr int kMostFailures = 3;  // rounds in which no report arrives, one after the other
 constexpr double kTurned = 0.02;  // rad: a smaller turn of the force is not worth a report
 
 }  // namespace
@@ -28,9 +29,10 @@ struct PidDevice::State {
   Expected<std::uint8_t> load(PidEffect effect);
   void write();
   void update(const PidWish& wish);
-  void startAll();
+  void startAgain();
   void end();
-  void send(const PidReports::Report& report) { failures = port.write(report) ? 0 : failures + 1; }
+  void send(const PidReports::Report& report) { (port.write(report) ? has_sent : has_lost) = true; }
+  void countRound();
 
   struct Wish {
     PidWish wish;
@@ -45,7 +47,8 @@ struct PidDevice::State {
   // The thread alone.
   PidWish last;
   double angle = 0;
-  std::int64_t started_ns = 0;
+  std::int64_t started_ns = 0, sine_started_ns = 0;
+  bool has_sent = false, has_lost = false;  // this round
   int failures = 0;
   std::thread thread;
 };
@@ -92,15 +95,36 @@ Expected<void> PidDevice::State::begin() {
     send(reports.sine(sine, 0, last.shake_hz));
     send(reports.set(PidEffect::kSine, sine, 0));
   }
-  startAll();
+  startAgain();
   return {};
 }
 
-// Anew: their time counts from now on.
-void PidDevice::State::startAll() {
-  started_ns = deviceClock();
-  for (const std::uint8_t block : {constant, damper, sine})
-    if (block) send(reports.operate(block, PidOperation::kStart));
+// What is due is started anew: its time counts from then on. A wave begins at its phase 0 again, so only after whole
+// periods, if they are short enough.
+void PidDevice::State::startAgain() {
+  const std::int64_t now = deviceClock();
+  const auto isDue = [&](std::int64_t since, double after) {
+    return since == 0 || 1e-9 * static_cast<double>(now - since) >= after;
+  };
+  if (isDue(started_ns, kStartAgain)) {
+    started_ns = now;
+    for (const std::uint8_t block : {constant, damper})
+      if (block) send(reports.operate(block, PidOperation::kStart));
+  }
+
+  const double periods = std::ceil(kStartAgain * last.shake_hz) / std::max(last.shake_hz, 1e-3);
+  if (sine && isDue(sine_started_ns, std::clamp(periods, kStartAgain, 0.5 * PidReports::kLasts))) {
+    sine_started_ns = now;
+    send(reports.operate(sine, PidOperation::kStart));
+  }
+}
+
+void PidDevice::State::countRound() {
+  if (has_sent)
+    failures = 0;
+  else if (has_lost)
+    ++failures;
+  has_sent = has_lost = false;
 }
 
 void PidDevice::State::update(const PidWish& wish) {
@@ -121,6 +145,7 @@ void PidDevice::State::update(const PidWish& wish) {
 }
 
 void PidDevice::State::write() {
+  has_sent = has_lost = false;
   while (!is_stopping.load(std::memory_order_acquire) && failures < kMostFailures) {
     wishes.update();
     const Wish& newest = wishes.front();
@@ -130,8 +155,8 @@ void PidDevice::State::write() {
         !std::isfinite(wish.shake) || !std::isfinite(wish.shake_hz))
       wish = {};
     update(wish);
-    const double since_start = 1e-9 * static_cast<double>(deviceClock() - started_ns);
-    if (since_start >= kStartAgain && reports.hasDuration()) startAll();
+    if (reports.hasDuration()) startAgain();
+    countRound();
     std::this_thread::sleep_for(kPause);
   }
   is_connected.store(failures < kMostFailures, std::memory_order_release);

@@ -2,12 +2,11 @@
 // tried on hardware. Two axes at most, forces in shares of what the device can, and Linux's own driver may own it, too.
 //
 //   descriptor ──▶ PidReports   which report says what, and where; devices differ
-//   PidDevice:  reset, stop all, actuators on ─▶ create and load an effect each ─▶ start; then updates, and starts
-//   anew;
-//               at the end stop all, free each, actuators off
+//   PidDevice:  reset, stop all, actuators on ─▶ create and load an effect each ─▶ start; then updates,
+//               and starts anew; at the end stop all, free each, actuators off
 //
 // An effect lasts PidReports::kLasts and is started again long before: a device whose Kerf was killed stops by itself.
-// One whose effects have no duration goes on; hasDuration() tells.
+// One whose effects have no duration goes on; stopsByItself() tells.
 //
 // PidReports: functions of their arguments alone. PidDevice: a thread that writes, at most 250 updates a second.
 #pragma once

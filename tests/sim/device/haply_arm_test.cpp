@@ -6,7 +6,11 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <cmath>
+#include <string>
+#include <thread>
+#include <vector>
 
 #include "sim/device/haply_simulator.h"
 #include "tests/sim/device/force_scene.h"
@@ -45,22 +49,53 @@ TEST(HaplyJson, PartialStatesKeepWhatTheyDoNotSay) {
   EXPECT_EQ(haplyForce("a", {std::nan(""), 1, 1}).find("1.0"), std::string::npos) << "no numbers: no force";
 }
 
-TEST(HaplyArm, APortThatAnswersAndSaysNothingIsNamed) {
-  const int listening = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  sockaddr_in here{};
-  here.sin_family = AF_INET;
-  here.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t length = sizeof here;
-  ASSERT_EQ(::bind(listening, reinterpret_cast<const sockaddr*>(&here), length), 0);
-  ASSERT_EQ(::listen(listening, 4), 0);
-  ASSERT_EQ(::getsockname(listening, reinterpret_cast<sockaddr*>(&here), &length), 0);
-  {
-    auto opened = openArm("haply:" + std::to_string(ntohs(here.sin_port)), {});
-    ASSERT_TRUE(opened) << opened.error().message();
-    const auto trouble = [&] { return opened->arm->counts().trouble; };
-    EXPECT_TRUE(until([&] { return trouble().find("answers but says nothing") != std::string::npos; })) << trouble();
+// A port of this machine that nobody serves: calls wait in its queue.
+class SilentPort {
+ public:
+  explicit SilentPort(int queue) {
+    here_.sin_family = AF_INET;
+    here_.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t length = sizeof here_;
+    EXPECT_EQ(::bind(listening_, reinterpret_cast<const sockaddr*>(&here_), length), 0);
+    EXPECT_EQ(::listen(listening_, queue), 0);
+    EXPECT_EQ(::getsockname(listening_, reinterpret_cast<sockaddr*>(&here_), &length), 0);
   }
-  ::close(listening);
+  ~SilentPort() {
+    for (const int call : calls_) ::close(call);
+    ::close(listening_);
+  }
+  // Calls it, without waiting for an answer.
+  void call() {
+    calls_.push_back(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+    (void)::connect(calls_.back(), reinterpret_cast<const sockaddr*>(&here_), sizeof here_);
+  }
+  std::string name() const { return "haply:" + std::to_string(ntohs(here_.sin_port)); }
+
+ private:
+  int listening_ = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  std::vector<int> calls_;
+  sockaddr_in here_{};
+};
+
+TEST(HaplyArm, APortThatAnswersAndSaysNothingIsNamed) {
+  const SilentPort port(4);
+  auto opened = openArm(port.name(), {});
+  ASSERT_TRUE(opened) << opened.error().message();
+  const auto trouble = [&] { return opened->arm->counts().trouble; };
+  EXPECT_TRUE(until([&] { return trouble().find("answers but says nothing") != std::string::npos; })) << trouble();
+}
+
+TEST(HaplyArm, AServiceWhoseQueueIsFullKeepsNobodyFromTheEnd) {
+  SilentPort port(0);
+  for (int n = 0; n < 4; ++n) port.call();
+  const auto began = std::chrono::steady_clock::now();
+  {
+    auto opened = openArm(port.name(), {});
+    ASSERT_TRUE(opened) << opened.error().message();
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    EXPECT_NE(opened->arm->counts().trouble.find("no service answers"), std::string::npos);
+  }
+  EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(30)) << "a call would take two minutes";
 }
 
 TEST(HaplyArm, ASimulatedServiceClosesTheLoop) {
