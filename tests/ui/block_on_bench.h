@@ -60,11 +60,14 @@ class OnABlock : public StrokePointerTest {
     const auto end = bench_.report().tick + static_cast<std::uint64_t>(seconds / kTick);
     until([&] { return bench_.report().tick >= end; });
   }
-  // As long as the tool needs to its depth, on a busy machine too.
-  void runToDepth() {
+  // As long as a tool that cuts needs to it: on a busy machine it goes deeper before it is led on, and then has more to
+  // cut on its way.
+  void runUntil(const std::function<bool()>& is_so) {
     constexpr double kLongest = 20, kStep = 0.25;  // s
-    for (double t = 0; t < kLongest && bench_.isPressed() && *bench_.depthNow() < bench_.depth_mm - 0.03; t += kStep)
-      run(kStep);
+    for (double t = 0; t < kLongest && !is_so(); t += kStep) run(kStep);
+  }
+  void runToDepth() {
+    runUntil([&] { return !bench_.isPressed() || *bench_.depthNow() >= bench_.depth_mm - 0.03; });
   }
   Vec3d tip() const { return bench_.report().output.T_world_tool.translation; }
 };
