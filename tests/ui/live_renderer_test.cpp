@@ -445,6 +445,49 @@ TEST_F(LivePicture, AShankThatGoesPastTheEyeIsLitAsInFrontOfIt) {
     }
 }
 
+// A floor of 40 x 40 mm at z = 0 in so many squares a side, red to green to the right, matte to wet to the back.
+Mesh floorOf(std::uint32_t squares) {
+  Mesh mesh;
+  for (std::uint32_t y = 0; y <= squares; ++y)
+    for (std::uint32_t x = 0; x <= squares; ++x) {
+      const double right = static_cast<double>(x) / squares, back = static_cast<double>(y) / squares;
+      mesh.vertices.push_back({40 * right - 20, 40 * back - 20, 0});
+      const auto byte = [](double share) { return static_cast<std::uint8_t>(std::lround(255 * share)); };
+      mesh.vertex_colors.push_back({byte(1 - right), byte(right), byte(back), 255});
+    }
+  for (std::uint32_t y = 0; y < squares; ++y)
+    for (std::uint32_t x = 0; x < squares; ++x) {
+      const std::uint32_t n = y * (squares + 1) + x, above = n + squares + 1;
+      mesh.triangles.push_back({n, n + 1, above + 1});
+      mesh.triangles.push_back({n, above + 1, above});
+    }
+  return mesh;
+}
+
+// Of two large triangles a colour lies where it lies of many small ones, also of a floor that goes past the eye.
+TEST_F(LivePicture, InPerspectiveColoursLieWhereTheyAreHoweverLargeATriangleIs) {
+  Camera camera = *cameraFromView("10,20");
+  camera.half_height = 6;
+  const auto pictureOf = [&](std::uint32_t squares, bool is_ghost, const LiveFrame& frame) {
+    renderer_->removeObject(0);
+    const Mesh floor = floorOf(squares);
+    for (const ColouredChunk& made : chunksOf(floor)) renderer_->setChunk(0, made.chunk, made.colours);
+    renderer_->setGhost(0, is_ghost);
+    return picture(camera, frame);
+  };
+  LiveFrame shaded = kPlain;
+  shaded.has_shadow = true;
+  shaded.T_world_tool = at(1, 2, 0.5);
+  renderer_->setTool(redBur());
+  for (const double field : {0.0, 0.4, 1.2})
+    for (const bool is_ghost : {false, true})
+      for (const LiveFrame& frame : {kPlain, shaded}) {
+        setFieldOfView(camera, field);
+        EXPECT_LT(test::pictureDifference(pictureOf(1, is_ghost, frame), pictureOf(256, is_ghost, frame)), 0.5)
+            << field << " rad" << (is_ghost ? ", ghost" : "") << (frame.has_shadow ? ", shadow" : "");
+      }
+}
+
 TEST_F(LivePicture, CullingChangesNoPixelInPerspectiveEither) {
   showBlock();
   renderer_->setTool(redBur());

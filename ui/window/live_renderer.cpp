@@ -73,7 +73,15 @@ struct Drawn {
 }  // namespace
 
 struct LiveRenderer::Impl {
-  enum Variant { kByPixel = 1, kSection = 2, kTool = 4, kTint = 8, kGhost = 12, kVariants = 16 };  // no tool on ghosts
+  enum Variant {
+    kByPixel = 1,
+    kSection = 2,
+    kTool = 4,
+    kTint = 8,
+    kGhost = 12,  // no tool on ghosts
+    kPerspective = 16,
+    kVariants = 32
+  };
   std::array<GlProgram, kVariants> tissue;
   GlProgram flat, reduce;
   internal::LiveOverlay overlay;
@@ -122,8 +130,10 @@ struct LiveRenderer::Impl {
                                     : tool_part == kGhost ? "#define GHOST\n"
                                                           : "";
       const char* const with_section = n & kSection ? "#define SECTION\n" : "";
-      KERF_CHECK(tissue[n].build({version, by_pixel, with_tool, with_tint, with_section, kLight, kTissueVertex},
-                                 {version, by_pixel, with_tool, with_tint, with_section, kLight, kTissueFragment}));
+      const char* const in_perspective = n & kPerspective ? "#define PERSPECTIVE\n" : "";
+      KERF_CHECK(tissue[n].build(
+          {version, by_pixel, with_tool, with_tint, with_section, in_perspective, kAcross, kLight, kTissueVertex},
+          {version, by_pixel, with_tool, with_tint, with_section, in_perspective, kAcross, kLight, kTissueFragment}));
     }
     KERF_CHECK(overlay.build());
     KERF_CHECK(hand_tool.build());
@@ -330,10 +340,10 @@ void LiveRenderer::Impl::drawPages(const std::vector<Drawn>& seen, const FrameVi
   const Object* bound = nullptr;
   const auto tolerance = static_cast<float>(view.mm_per_pixel / 64);  // corners are rounded to 1/256 of a pixel
   for (const Drawn& drawn : seen) {
-    const std::size_t variant = (drawn.is_by_pixel ? std::size_t{kByPixel} : 0) |
-                                (drawn.reach == Reach::kShadow ? std::size_t{kTool} : 0) |
-                                (drawn.reach == Reach::kTip ? std::size_t{kTint} : 0) |
-                                (is_open ? std::size_t{kSection} : 0) | (is_ghost ? std::size_t{kGhost} : 0);
+    const std::size_t variant =
+        (drawn.is_by_pixel ? std::size_t{kByPixel} : 0) | (drawn.reach == Reach::kShadow ? std::size_t{kTool} : 0) |
+        (drawn.reach == Reach::kTip ? std::size_t{kTint} : 0) | (is_open ? std::size_t{kSection} : 0) |
+        (is_ghost ? std::size_t{kGhost} : 0) | (view.slope > 0 ? std::size_t{kPerspective} : 0);
     const GlProgram& program = tissue[variant];
     if (used != &program) program.use();
     used = &program;

@@ -45,6 +45,16 @@ vec3 lit(vec3 n, vec3 color, float gloss, float open) {
 }
 )";
 
+// How values go across a triangle. In parallel projection both ways are the same, and the plain one is cheaper. In
+// perspective it is false: a gradient bends, and of a triangle that goes past the eye all of it is.
+inline constexpr const char* kAcross = R"(
+#ifdef PERSPECTIVE
+#define ACROSS
+#else
+#define ACROSS noperspective
+#endif
+)";
+
 inline constexpr const char* kTissueVertex = R"(
 layout(location = 0) in vec3 position;  // object frame, mm
 layout(location = 1) in vec4 normal;    // object frame, unit; w: occlusion
@@ -53,17 +63,17 @@ uniform mat4 to_clip;
 uniform mat3 to_view;
 invariant gl_Position;  // the programs of two neighbouring pages leave no crack between them
 #ifdef BY_PIXEL
-noperspective out vec4 view_normal;     // w: occlusion
-noperspective out vec4 surface_color;
+ACROSS out vec4 view_normal;     // w: occlusion
+ACROSS out vec4 surface_color;
 #else
-noperspective out vec3 shown;
+ACROSS out vec3 shown;
 #endif
 #ifdef GHOST
-noperspective out float opacity;
+ACROSS out float opacity;
 #endif
 #ifdef TOOL
 uniform mat4 to_tool;
-noperspective out vec4 tool_point;      // tool's approach frame, mm; w: cosine to the tool
+ACROSS out vec4 tool_point;      // tool's approach frame, mm; w: cosine to the tool
 #endif
 #ifdef SECTION
 uniform vec4 section;                   // object frame: normal, offset; positive is taken away
@@ -92,16 +102,16 @@ void main() {
 
 inline constexpr const char* kTissueFragment = R"(
 #ifdef BY_PIXEL
-noperspective in vec4 view_normal;
-noperspective in vec4 surface_color;
+ACROSS in vec4 view_normal;
+ACROSS in vec4 surface_color;
 #else
-noperspective in vec3 shown;
+ACROSS in vec3 shown;
 #endif
 #ifdef GHOST
-noperspective in float opacity;
+ACROSS in float opacity;
 #endif
 #ifdef TOOL
-noperspective in vec4 tool_point;
+ACROSS in vec4 tool_point;
 uniform vec4 footprint;           // approach frame: middle, half extents, mm
 uniform vec4 shadow;              // strength; its reach below the tip, mm; 1: round; pixels per mm
 uniform vec2 tool_height;         // approach frame: lowest, highest, mm
