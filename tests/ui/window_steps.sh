@@ -32,7 +32,8 @@ until_true() { # SECONDS WHAT COMMAND...: tries until the command is true
   done
   fail "not within $seconds s: $what"
 }
-start() { # OPTIONS...: the window, with data and settings in the folder
+start() { # OPTIONS...: the window, with data and settings in the folder; it asks for files itself, zenity or not
+  [[ -e $folder/config/settings.toml ]] || { mkdir -p "$folder/config"; echo 'file_dialog = "own"' >"$folder/config/settings.toml"; }
   "$window" --data "$folder/data" --config "$folder/config" --size 800x600 "$@" >"$log" 2>&1 &
   pid=$!
   until_true 60 'a window' xdotool search --name '.'

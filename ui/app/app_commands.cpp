@@ -240,6 +240,9 @@ constexpr AppCommand kCommands[] = {
     {"device.test", "Device", "Test force: 0.5 N up", "", "[NEWTONS [X Y Z]]",
      "Pushes the hand gently for 1.5 s, at most 1 N, along a direction of the device; up if not told.",
      device_commands::isArmed, device_commands::test},
+    {"settings.dialog", "", "", "", "own|system",
+     "Asks for files by Kerf's own browser, or by the system's dialog where there is one (zenity, kdialog).",
+     hasSettings, setDialog},
     {"settings.push", "", "", "", "", "Keeps push and depth of now for later sessions.", hasSettings, keepPush},
 
     {"tool.select", "", "", "", "ID", "Takes another tool.", isOpen, tool_commands::selectTool},
@@ -383,16 +386,9 @@ constexpr AppCommand kCommands[] = {
     {"view.bottom", "View", "Bottom", "6", "", "Looks up from below.", always, view_commands::namedView<5>},
     {"view.iso", "View", "Oblique", "7", "", "Looks from in front, above and the right.", always,
      view_commands::namedView<6>},
-    {"view.from", "", "", "", "NAME|AZ,EL", "Looks from a named side or two angles in degrees.", always,
-     view_commands::view},
-    {"view.up", "", "", "", "AXIS|auto",
-     "Turns the view so that a side of the scan is up: +x, -x, +y, -y, +z, -z; auto: its occlusal side, as when it was "
-     "opened. Coordinates stay those of the scan.",
-     isShown, view_commands::up},
     {"view.occlusal", "View", "Occlusal: this tooth", "0", "[X Y]",
      "Looks square to the occlusal plane at a tooth: at a pixel, under the cursor, the chosen piece, or in the middle "
-     "of "
-     "the view; the front of the arch is up.",
+     "of the view; the front of the arch is up.",
      isShown, tooth_views::lookAt<tooth_views::ToothSide::kOcclusal>},
     {"view.buccal", "View", "Buccal: this tooth", "8", "[X Y]",
      "Looks at the buccal (labial) side of a tooth, from outside the arch.", isShown,
@@ -418,6 +414,12 @@ constexpr AppCommand kCommands[] = {
     {"view.sides-right", "View", "This is buccal, mesial to the right", "", "",
      "Tells that this view is of the buccal side, with the mesial one to the right.", isShown,
      tooth_views::thisIsBuccal<false>},
+    {"view.from", "", "", "", "NAME|AZ,EL", "Looks from a named side or two angles in degrees.", always,
+     view_commands::view},
+    {"view.up", "", "", "", "AXIS|auto",
+     "Turns the view so that a side of the scan is up: +x, -x, +y, -y, +z, -z; auto: its occlusal side, as when it was "
+     "opened. Coordinates stay those of the scan.",
+     isShown, view_commands::up},
     {"view.section", "View", "Cut open", "X", "[X Y]",
      "Takes away what is nearer than the point under the cursor, or than the middle; again: shows all.", isShown,
      view_commands::cutOpen},

@@ -49,6 +49,9 @@ struct AppCommand {
   Expected<void> (*run)(AppContext&, AppWords);
 };
 
+/// A person is asked for a file before it is run.
+inline bool asksForFile(const AppCommand& command) { return command.parameters.starts_with("PATH"); }
+
 std::span<const AppCommand> appCommands();
 /// Null: there is none of that id.
 const AppCommand* findAppCommand(std::string_view id);

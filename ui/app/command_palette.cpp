@@ -153,7 +153,7 @@ const AppCommand* CommandPalette::accept(AppContext& context) {
     if (!words->empty()) return runOrSay(context, command, *words);
   }
 
-  if (command.parameters.starts_with("PATH")) {
+  if (asksForFile(command)) {
     hide();
     return &command;
   }

@@ -42,6 +42,8 @@ struct Settings {
   SpaceMouseSettings space_mouse{};
   bool is_perspective = false;  ///< perspective: near things are larger, from the beginning of a session
 
+  bool has_own_dialog = false;  ///< file_dialog = "own" or "system": who asks for files where the system has a dialog
+
   static constexpr double kSmallestScale = 0.75, kLargestScale = 3;
   bool operator==(const Settings&) const = default;
 };

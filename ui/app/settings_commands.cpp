@@ -92,6 +92,13 @@ Expected<void> mute(AppContext& c, AppWords words) {
   return c.settings->save();
 }
 
+Expected<void> setDialog(AppContext& c, AppWords words) {
+  if (words.empty() || (words[0] != "own" && words[0] != "system"))
+    return wrong(words.empty() ? "" : words[0], "own or system");
+  c.settings->values.has_own_dialog = words[0] == "own";
+  return c.settings->save();
+}
+
 Expected<void> showSettings(AppContext& c, AppWords) {
   c.shows_settings = !c.shows_settings;
   return {};

@@ -16,6 +16,7 @@ Expected<void> setHints(AppContext& c, AppWords words);
 Expected<void> keepPush(AppContext& c, AppWords words);
 Expected<void> setVolume(AppContext& c, AppWords words);  ///< PERCENT
 Expected<void> mute(AppContext& c, AppWords words);       ///< [on|off]
+Expected<void> setDialog(AppContext& c, AppWords words);  ///< own|system
 Expected<void> showSettings(AppContext& c, AppWords words);
 
 }  // namespace kerf

@@ -362,7 +362,7 @@ void drawPlane(ImDrawList& list, const Projection& at, const Plane& plane, const
 
 }  // namespace
 
-float importPanelWidth() { return scaled(400); }
+float importPanelWidth() { return scaled(kImportPanelWidth); }
 
 void drawImportPanel(AppContext& context, ImportPanelState& state) {
   ImportSet* const set = context.bench.importSet();

@@ -14,7 +14,8 @@ struct ImportPanelState {
   bool shows_guides = true;  ///< box with its sizes, occlusal plane, level of the base
 };
 
-/// Width that the panel takes from the right edge of the window, window units.
+/// Width that the panel takes from the right edge of the window, window units; of type size 1, and as it is.
+inline constexpr float kImportPanelWidth = 400;
 float importPanelWidth();
 
 /// Draws it while bench.importSet() is there.

@@ -11,6 +11,7 @@
 #include "ui/app/pointing.h"
 #include "ui/app/settings.h"
 #include "ui/window/measure_panel.h"
+#include "ui/window/notices.h"
 #include "ui/window/plots_panel.h"
 #include "ui/window/readings.h"
 #include "ui/window/replay_panel.h"
@@ -38,7 +39,7 @@ void drawMenus(AppContext& context, PanelState& state) {
       if (command.menu != heading) continue;
       const std::string label = fmt::format("{}###{}", command.label, command.id), key(command.key);
       if (!ImGui::MenuItem(label.c_str(), key.c_str(), false, command.is_enabled(context))) continue;
-      command.parameters == "PATH" ? state.ask_for_file(command) : runOrSay(context, command);
+      asksForFile(command) ? state.ask_for_file(command) : runOrSay(context, command);
     }
     ImGui::EndMenu();
   }
@@ -131,7 +132,7 @@ void drawReadings(AppContext& context, const std::optional<ToolOverSurface>& ove
   ImGui::End();
 }
 
-// ---- What is under way, what was said
+// ---- What is under way
 
 void drawJob(AppContext& context) {
   const AnyJob* const job = context.bench.job();
@@ -151,34 +152,6 @@ void drawJob(AppContext& context) {
     ImGui::TextUnformatted("Cancelling...");
   else if (s.can_be_cancelled && ImGui::Button("Cancel", {110, 0}))
     context.bench.cancelJob();
-  ImGui::End();
-}
-
-void drawNotices(AppContext& context, PanelState& state) {
-  const auto& notices = context.bench.notices();
-  if (state.notices_seen >= notices.size()) return;
-  const ImGuiIO& io = ImGui::GetIO();
-  const float middle = 0.5f * io.DisplaySize.x;
-  const bool is_cutting = context.bench.isShown() && !context.bench.isImporting();
-  if (is_cutting)  // hints, timeline and plan stand below, what is picked is said above
-    ImGui::SetNextWindowPos({middle, ImGui::GetFrameHeight() + scaled(48)}, ImGuiCond_Always, {0.5f, 0});
-  else
-    ImGui::SetNextWindowPos({middle, io.DisplaySize.y - 16}, ImGuiCond_Always, {0.5f, 1});
-  ImGui::SetNextWindowSizeConstraints({360, 0}, {720, 260});
-  ImGui::Begin("##notices", nullptr,
-               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove);
-  // The newest: a long list would hide the object.
-  constexpr std::size_t kMost = 3;
-  const std::size_t first = std::max(state.notices_seen, notices.size() - std::min(notices.size(), kMost));
-  if (first > state.notices_seen)
-    ImGui::TextColored(styleColours().quiet, "%zu more before", first - state.notices_seen);
-  for (std::size_t n = first; n < notices.size(); ++n) {
-    ImGui::PushTextWrapPos(690);
-    notices[n].is_error ? ImGui::TextColored(styleColours().warning, "%s", notices[n].text.c_str())
-                        : ImGui::TextUnformatted(notices[n].text.c_str());
-    ImGui::PopTextWrapPos();
-  }
-  if (ImGui::Button("OK", {90, 0})) state.notices_seen = notices.size();
   ImGui::End();
 }
 
@@ -233,7 +206,7 @@ void drawPanels(AppContext& context, PanelState& state, const std::optional<Tool
   drawRunQuestion(context);
   drawSettings(context);
   drawJob(context);
-  drawNotices(context, state);
+  drawNotices(context, state.notices_seen, state.notices_drawn);
 }
 
 }  // namespace kerf

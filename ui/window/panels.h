@@ -18,7 +18,8 @@ namespace kerf {
 struct PanelState {
   /// Asks for a file first: a command whose parameter is a path. Set by the window.
   std::function<void(const AppCommand&)> ask_for_file;
-  std::size_t notices_seen = 0;  ///< those before were dismissed
+  std::size_t notices_seen = 0;   ///< those before were dismissed
+  std::size_t notices_drawn = 0;  ///< in the last frame
   ToolPanelState tools{};
   PieceDrag piece_drag{};
   double pixels = 1;  ///< of the picture per window unit

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "ui/app/settings.h"
+#include "ui/app/system_dialog.h"
 #include "ui/window/style.h"
 
 namespace kerf {
@@ -39,6 +40,7 @@ void drawSettings(AppContext& context) {
   ImGui::Begin("Settings", &context.shows_settings,
                ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse);
   if (context.settings->error()) drawBroken(context);
+  static const bool has_system_dialog = SystemDialog::program().has_value();  // not to be looked for in each frame
   bool is_set = false;
 
   heading("Looks");
@@ -76,6 +78,17 @@ void drawSettings(AppContext& context) {
     if (is_perspective) setFieldOfView(context.camera, values.perspective_deg * kDegree);
   }
   is_set |= ImGui::IsItemDeactivatedAfterEdit();
+
+  heading("Files");
+  bool is_system = !values.has_own_dialog;
+  if (ImGui::Checkbox("Ask by the system's dialog", &is_system)) {
+    values.has_own_dialog = !is_system;
+    is_set = true;
+  }
+  if (!has_system_dialog) {
+    ImGui::SameLine();
+    ImGui::TextColored(styleColours().quiet, "there is none");
+  }
 
   heading("Sound of the drill");
   float volume = static_cast<float>(values.sound_volume);

@@ -18,7 +18,6 @@
 #include <vector>
 
 #include "ui/app/app_commands.h"
-#include "ui/app/app_script.h"
 #include "ui/app/arm_lead.h"
 #include "ui/app/gamepad_map.h"
 #include "ui/app/pointing.h"
@@ -29,17 +28,16 @@
 #include "ui/app/view_commands.h"
 #include "ui/sound/alsa_output.h"
 #include "ui/sound/sound_thread.h"
-#include "ui/window/file_browser.h"
-#include "ui/window/frame_watch.h"
+#include "ui/window/desktop.h"
+#include "ui/window/file_chooser.h"
 #include "ui/window/gamepad.h"
 #include "ui/window/gl_context.h"
-#include "ui/window/gl_target.h"
-#include "ui/window/glfw_error.h"
 #include "ui/window/import_view.h"
 #include "ui/window/key_names.h"
 #include "ui/window/live_view.h"
 #include "ui/window/palette.h"
 #include "ui/window/panels.h"
+#include "ui/window/session_end.h"
 #include "ui/window/style.h"
 
 namespace kerf {
@@ -52,155 +50,12 @@ constexpr double kStillAfter = 0.2;  // s without input or cut: the picture is d
 constexpr double kHarder = 2;        // times the force, while Shift is down
 constexpr double kNotch = 0.1;       // mm of depth, of the wheel during a stroke
 
-// ---- Input: what happened since the last frame, in its order. Nothing is lost in a slow frame.
-
-struct InputEvent {
-  enum class Kind { kKey, kCharacter, kButton, kMove, kScroll, kDrop };
-  Kind kind = Kind::kMove;
-  int key = 0, modifiers = 0;  // of a button: its number. Of a move: those of Alt and Ctrl
-  bool is_down = false, is_repeated = false;
-  double x = 0, y = 0;            // of a wheel: notches
-  double s = 0;                   // of a key: when
-  std::string path{};             // of a character: itself, UTF-8
-  std::vector<fs::path> paths{};  // dropped
-};
-
-std::vector<InputEvent>& eventsOf(GLFWwindow* window) {
-  return *static_cast<std::vector<InputEvent>*>(glfwGetWindowUserPointer(window));
-}
-
-int heldOf(GLFWwindow* window) {
-  const auto isDown = [&](int key) { return glfwGetKey(window, key) == GLFW_PRESS; };
-  const bool alt = isDown(GLFW_KEY_LEFT_ALT) || isDown(GLFW_KEY_RIGHT_ALT);
-  const bool ctrl = isDown(GLFW_KEY_LEFT_CONTROL) || isDown(GLFW_KEY_RIGHT_CONTROL);
-  return (alt ? GLFW_MOD_ALT : 0) | (ctrl ? GLFW_MOD_CONTROL : 0);
-}
-
-std::string utf8(unsigned code) {
-  const auto tail = [&](int shift) { return static_cast<char>(0x80 | ((code >> shift) & 0x3F)); };
-  if (code < 0x80) return {static_cast<char>(code)};
-  if (code < 0x800) return {static_cast<char>(0xC0 | (code >> 6)), tail(0)};
-  if (code < 0x10000) return {static_cast<char>(0xE0 | (code >> 12)), tail(6), tail(0)};
-  return {static_cast<char>(0xF0 | (code >> 18)), tail(12), tail(6), tail(0)};
-}
-
-void listen(GLFWwindow* window, std::vector<InputEvent>& events) {
-  using Kind = InputEvent::Kind;
-  glfwSetWindowUserPointer(window, &events);
-  glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int, int action, int modifiers) {
-    eventsOf(w).push_back({.kind = Kind::kKey,
-                           .key = key,
-                           .modifiers = modifiers,
-                           .is_down = action != GLFW_RELEASE,
-                           .is_repeated = action == GLFW_REPEAT,
-                           .s = glfwGetTime()});
-  });
-  glfwSetCharCallback(window, [](GLFWwindow* w, unsigned code) {
-    eventsOf(w).push_back({.kind = Kind::kCharacter, .path = utf8(code)});
-  });
-  glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int button, int action, int modifiers) {
-    InputEvent e{.kind = Kind::kButton, .key = button, .modifiers = modifiers, .is_down = action == GLFW_PRESS};
-    glfwGetCursorPos(w, &e.x, &e.y);
-    eventsOf(w).push_back(e);
-  });
-  glfwSetCursorPosCallback(window, [](GLFWwindow* w, double x, double y) {
-    eventsOf(w).push_back({.kind = Kind::kMove, .modifiers = heldOf(w), .x = x, .y = y});
-  });
-  glfwSetScrollCallback(
-      window, [](GLFWwindow* w, double, double y) { eventsOf(w).push_back({.kind = Kind::kScroll, .y = y}); });
-  glfwSetDropCallback(window, [](GLFWwindow* w, int count, const char** paths) {
-    InputEvent drop{.kind = Kind::kDrop};
-    drop.paths.assign(paths, paths + count);
-    eventsOf(w).push_back(std::move(drop));
-  });
-}
-
 // ---- The system wants it to end: what was cut is written first
 
 volatile std::sig_atomic_t is_told_to_end = 0;
 
 void endWhenTold() {
   for (const int number : {SIGTERM, SIGINT, SIGHUP}) std::signal(number, [](int) { is_told_to_end = 1; });
-}
-
-// ---- GLFW, its window and Dear ImGui, taken down in reverse
-
-struct Desktop {
-  GLFWwindow* window = nullptr;
-  bool is_started = false, has_panels = false;
-  float scale = 1;
-
-  ~Desktop() {
-    if (has_panels) {
-      ImGui_ImplOpenGL3_Shutdown();
-      ImGui_ImplGlfw_Shutdown();
-      ImGui::DestroyContext();
-    }
-    if (window) glfwDestroyWindow(window);
-    if (is_started) glfwTerminate();
-  }
-
-  Expected<void> open(const WorkshopOptions& options, std::vector<InputEvent>& events) {
-    if (!glfwInit()) return fail(noWindow("no window can be opened: " + lastGlfwError()));
-    is_started = true;
-    glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
-    glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
-    glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
-    glfwWindowHint(GLFW_STENCIL_BITS, 0);
-    window = glfwCreateWindow(options.width, options.height, "Kerf", nullptr, nullptr);
-    if (!window) return fail(noWindow("no window can be opened: " + lastGlfwError()));
-
-    glfwMakeContextCurrent(window);
-    glfwSwapInterval(1);
-    listen(window, events);  // before Dear ImGui, which passes on what it gets
-    ImGui::CreateContext();
-    ImGui::GetIO().IniFilename = nullptr;  // leaves no file behind in the working folder
-    ImGui_ImplGlfw_InitForOpenGL(window, true);
-    has_panels = true;
-    if (!ImGui_ImplOpenGL3_Init("#version 330 core")) return fail(noWindow("Dear ImGui found no OpenGL 3.3"));
-
-    float y = 1;
-    glfwGetWindowContentScale(window, &scale, &y);
-    scale = std::max(scale, 1.0f);
-    return {};
-  }
-
-  // Type and panels anew, between two frames.   @param factor  times the scale of the display.
-  void restyle(Theme theme, float factor) const {
-    ImGui::GetIO().Fonts->Clear();
-    loadFont(scale * factor);
-    ImGui_ImplOpenGL3_DestroyFontsTexture();
-    ImGui_ImplOpenGL3_CreateFontsTexture();
-    applyStyle(theme, scale * factor);
-  }
-
-  static void loadFont(float scale) {
-    std::error_code ignored;
-    for (const char* const font :
-         {"/usr/share/fonts/opentype/inter/Inter-Regular.otf", "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf"})
-      if (fs::exists(font, ignored) && ImGui::GetIO().Fonts->AddFontFromFileTTF(font, 15 * scale)) return;
-  }
-};
-
-// What was cut or is being exported is written before the window goes; what is being opened is cancelled. The first
-// error of that, or of a script before it.
-Expected<void> endAll(Workbench& bench, LiveView& view) {
-  const std::size_t seen = bench.notices().size();
-  const auto wait = [&] {
-    while (bench.job()) {
-      if (!bench.isWriting()) bench.cancelJob();
-      view.update(bench);
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
-  };
-  bench.release();  // nobody holds the tool any more
-  wait();
-  bench.close();
-  wait();
-  for (std::size_t n = seen; n < bench.notices().size(); ++n)
-    if (bench.notices()[n].is_error)
-      return fail({.code = Error::Code::kWriteFailed, .place = "ending the session", .found = bench.notices()[n].text});
-  return {};
 }
 
 // ---- The loop
@@ -215,7 +70,7 @@ class Workshop {
 
   Expected<int> run() {
     endWhenTold();
-    KERF_CHECK(desktop_.open(options_, events_));
+    KERF_CHECK(desktop_.open(options_.width, options_.height));
     KERF_TRY(view, LiveView::create());
     view_ = std::move(view);
     view_->setBeforeClear([this] {
@@ -227,14 +82,16 @@ class Workshop {
     const std::string driver = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
     is_software_ = driver.find("llvmpipe") != driver.npos || driver.find("softpipe") != driver.npos;
     applySettings();
-    context_.set_clipboard = [this](const std::string& text) { glfwSetClipboardString(desktop_.window, text.c_str()); };
+    context_.set_clipboard = [this](const std::string& text) {
+      glfwSetClipboardString(desktop_.window(), text.c_str());
+    };
     panels_.ask_for_file = [this](const AppCommand& command) { askForFile(command); };
     if (settings_.error()) bench_.complain(*settings_.error());
     bench_.setForce(settings_.values.force_N);
     bench_.depth_mm = settings_.values.depth_mm;
     if (settings_.values.is_perspective)
       setFieldOfView(camera_, settings_.values.perspective_deg * std::numbers::pi / 180);
-    browser_.setFolder(settings_.values.last_folder);
+    files_.setFolder(settings_.values.last_folder);
     if (!options_.replay.empty())
       bench_.watch(options_.replay);
     else
@@ -258,19 +115,20 @@ class Workshop {
   Expected<void> frame() {
     const bool is_idle = !bench_.isShown() && !bench_.job();
     options_.frames > 0 ? glfwPollEvents() : glfwWaitEventsTimeout(is_idle ? 0.25 : 1.0 / 60);
-    glfwGetWindowSize(desktop_.window, &window_width_, &window_height_);
-    glfwGetFramebufferSize(desktop_.window, &context_.width, &context_.height);
+    glfwGetWindowSize(desktop_.window(), &window_width_, &window_height_);
+    glfwGetFramebufferSize(desktop_.window(), &context_.width, &context_.height);
     if (context_.width == 0 || context_.height == 0 || window_width_ == 0) {  // minimised
       bench_.release();                                                       // unseen nothing is cut
       bench_.arm().pause(true);
-      events_.clear();
+      (void)desktop_.takeEvents();
+      files_.takeAnswer(context_);
       view_->update(bench_);
       glfwWaitEventsTimeout(0.1);
-      wants_end_ = glfwWindowShouldClose(desktop_.window) || is_told_to_end;
+      wants_end_ = glfwWindowShouldClose(desktop_.window()) || is_told_to_end;
       return {};
     }
 
-    bench_.arm().pause(browser_.isShown());
+    bench_.arm().pause(files_.isShown());
     view_->update(bench_);
     if (!bench_.scene().bounds().isEmpty() && view_->takeFitWanted()) fitFirst();
     if (bench_.isShown() && !bench_.scene().bounds().isEmpty()) box_ = bench_.scene().bounds();
@@ -285,7 +143,7 @@ class Workshop {
     drawPanels(context_, panels_, over_);
     if (std::exchange(context_.wants_palette, false)) palette_.show();
     if (const AppCommand* const command = drawPalette(context_, palette_)) askForFile(*command);
-    chooseFile();
+    files_.update(context_);
     ImGui::Render();
 
     const bool is_still =
@@ -296,12 +154,12 @@ class Workshop {
     else
       KERF_CHECK(view_->draw(bench_, camera_, context_.width, context_.height, is_smooth));
     ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
-    glfwSwapBuffers(desktop_.window);
+    glfwSwapBuffers(desktop_.window());
 
     // Not in the frame that uploads all of the surface, and not while a hand is at work.
     if (is_still && std::exchange(is_picture_due_, false)) takePicture();
     ++frames_;
-    wants_end_ = context_.wants_quit || glfwWindowShouldClose(desktop_.window) || is_told_to_end ||
+    wants_end_ = context_.wants_quit || glfwWindowShouldClose(desktop_.window()) || is_told_to_end ||
                  (options_.frames > 0 && frames_ >= options_.frames);
     return {};
   }
@@ -364,7 +222,7 @@ class Workshop {
   }
 
   void setTitle(const std::string& what) {
-    glfwSetWindowTitle(desktop_.window, (what.empty() ? "Kerf" : what + " - Kerf").c_str());
+    glfwSetWindowTitle(desktop_.window(), (what.empty() ? "Kerf" : what + " - Kerf").c_str());
   }
 
   // While a scan is imported the session that is open, if any, rests; its view comes back when the scan is put away.
@@ -394,7 +252,7 @@ class Workshop {
 
   void handleInput() {
     const ImGuiIO& io = ImGui::GetIO();
-    for (const InputEvent& e : std::exchange(events_, {})) {
+    for (const InputEvent& e : desktop_.takeEvents()) {
       last_input_ = Clock::now();
       switch (e.kind) {
         case InputEvent::Kind::kDrop:
@@ -436,7 +294,7 @@ class Workshop {
     const Clock::time_point now = Clock::now();
     const double seconds = std::chrono::duration<double>(now - std::exchange(devices_read_, now)).count();
     const bool is_ours =
-        bench_.isOpen() && !bench_.isImporting() && glfwGetWindowAttrib(desktop_.window, GLFW_FOCUSED) == GLFW_TRUE;
+        bench_.isOpen() && !bench_.isImporting() && glfwGetWindowAttrib(desktop_.window(), GLFW_FOCUSED) == GLFW_TRUE;
     gamepad_.update(context_, stroke_, is_ours ? readGamepad() : std::nullopt, seconds);
     shakePad(is_ours);
     if (const auto news = space_mouse_link_.news()) bench_.say(*news);
@@ -460,8 +318,8 @@ class Workshop {
     if (!e.is_down) return keyUp(e.key);
     if (takesForceAway(e)) return;
     if (palette_.isShown()) return paletteKey(e.key);
-    if (browser_.isShown() && (e.key == GLFW_KEY_ENTER || e.key == GLFW_KEY_KP_ENTER)) return browser_.accept();
-    if (browser_.isShown() && e.key == GLFW_KEY_ESCAPE) return browser_.cancel();
+    if (files_.takesKeys() && (e.key == GLFW_KEY_ENTER || e.key == GLFW_KEY_KP_ENTER)) return files_.accept();
+    if (files_.takesKeys() && e.key == GLFW_KEY_ESCAPE) return files_.cancel();
     if (context_.shows_settings && e.key == GLFW_KEY_ESCAPE) {
       context_.shows_settings = false;
       return;
@@ -474,7 +332,7 @@ class Workshop {
       if (command.key.empty() || keyChord(command.key) != KeyChord{e.key, modifiers}) continue;
       if (is_text && command.id != "app.quit") return;
       if (!command.is_enabled(context_)) continue;  // Esc leaves what there is to leave
-      if (command.parameters == "PATH")
+      if (asksForFile(command))
         askForFile(command);
       else
         say(command.run(context_, {}));
@@ -611,36 +469,10 @@ class Workshop {
 
   // ---- Files
 
-  void askForFile(const AppCommand& command) {
-    asked_for_ = &command;
-    const bool opens = command.id == "file.open" || command.id == "file.open-beside" || command.id == "import.read" ||
-                       command.id == "import.add" || command.id == "replay.open" || command.id == "tool.add";
-    browser_.show(opens ? FileBrowser::Purpose::kOpen : FileBrowser::Purpose::kSave,
-                  opens ? "" : bench_.name() + "-cut.stl", command.id == "file.open");
-  }
-
-  void chooseFile() {
-    const auto file = browser_.draw();
-    if (!file || !asked_for_) return;
-    if (browser_.folder() != settings_.values.last_folder) {
-      settings_.values.last_folder = browser_.folder();
-      if (const auto kept = settings_.save(); !kept && !settings_.error()) bench_.complain(kept.error());
-    }
-    std::vector<fs::path> several = browser_.takeOthers();
-    if (asked_for_->id == "file.open" && !several.empty()) {
-      several.insert(several.begin(), *file);
-      if (asked_for_->is_enabled(context_)) bench_.importMore(several);
-      return;
-    }
-    const std::vector<std::string> words{file->string()};
-    // By hand a scan is looked at before it is prepared; in a script file.open takes the defaults.
-    const AppCommand* const command = asked_for_->id == "file.open" ? findAppCommand("import.read") : asked_for_;
-    if (command->is_enabled(context_)) (void)command->run(context_, words);
-  }
+  void askForFile(const AppCommand& command) { files_.ask(context_, command); }
 
   static constexpr int kNone = -1;
   const WorkshopOptions& options_;
-  std::vector<InputEvent> events_;
   Desktop desktop_;  // before what needs its context
   Workbench bench_;
   Camera camera_;
@@ -656,9 +488,8 @@ class Workshop {
   fs::path picture_of_;  // what was shown last, and its box
   Box3 box_;
   PanelState panels_;
-  FileBrowser browser_;
+  FileChooser files_;
   CommandPalette palette_;
-  const AppCommand* asked_for_ = nullptr;
   StrokePointer stroke_;
   GamepadHand gamepad_;
   PadRumble pad_rumble_;
@@ -681,77 +512,6 @@ Expected<int> runWorkshop(const WorkshopOptions& options) {
   // The software renderer draws in the calling thread: the other core is the haptic thread's.
   ::setenv("LP_NUM_THREADS", std::thread::hardware_concurrency() <= 2 ? "0" : "2", 0);
   return Workshop(options).run();
-}
-
-namespace {
-
-// What is done with the workbench while nobody looks at it.
-using Play = std::function<Expected<void>(AppContext& context, const std::function<void()>& frame)>;
-
-Expected<void> runOffscreen(const WorkshopOptions& options, const Play& play) {
-  ::setenv("LP_NUM_THREADS", std::thread::hardware_concurrency() <= 2 ? "0" : "2", 0);
-  const auto gl = OffscreenContext::create(true);
-  if (!gl) return fail(gl.error());
-  KERF_TRY(view, LiveView::create());
-  Workbench bench(options.bench);
-  KERF_TRY(camera, cameraFromView(options.view));
-  const Camera first = camera;
-  SettingsFile settings(options.config);
-  AppContext context{
-      .bench = bench, .camera = camera, .width = options.width, .height = options.height, .settings = &settings};
-  context.screenshot = [&](const fs::path& png) -> Expected<void> {
-    view->update(bench);
-    KERF_TRY(image, view->picture(bench, camera, context.width, context.height));
-    return writePng(png, image);
-  };
-  LiveView& shown = *view;
-  std::optional<internal::GlTarget> screen;
-  if (options.is_watched) screen.emplace(options.width, options.height);
-  FrameWatch watch;
-  const auto frame = [&] {
-    watch.begin(bench);
-    shown.update(bench);
-    if (!bench.scene().bounds().isEmpty() && shown.takeFitWanted()) firstView(context, first);
-    if (!screen) return;
-    glBindFramebuffer(GL_FRAMEBUFFER, screen->id());
-    if (const auto drawn = shown.draw(bench, camera, context.width, context.height, false); !drawn)
-      bench.complain(drawn.error());
-    glFinish();
-    watch.end(bench);
-  };
-  if (!options.replay.empty())
-    bench.watch(options.replay);
-  else if (options.open.size() == 1)
-    bench.open(options.open.front());
-  else if (options.open.size() > 1)
-    bench.openAll(options.open);
-  auto played = play(context, frame);
-  const auto ended = endAll(bench, *view);
-  view.reset();
-  if (screen) fmt::print("{}\n", watch.summary());
-  screen.reset();
-  for (const Notice& notice : bench.notices())
-    if (!notice.is_error) fmt::print("{}\n", notice.text);
-  if (!played) return fail(std::move(played).error());
-  if (!ended) return fail(ended.error());
-  return {};
-}
-
-}  // namespace
-
-Expected<void> runWorkshopScript(const fs::path& script, const WorkshopOptions& options) {
-  return runOffscreen(options,
-                      [&](AppContext& context, const auto& frame) { return runScript(context, script, frame); });
-}
-
-Expected<std::size_t> runWorkshopFilm(const FilmOptions& film, const WorkshopOptions& options) {
-  std::size_t pictures = 0;
-  KERF_CHECK(runOffscreen(options, [&](AppContext& context, const auto& frame) -> Expected<void> {
-    KERF_TRY(written, filmReplay(context, film, frame));
-    pictures = written;
-    return {};
-  }));
-  return pictures;
 }
 
 }  // namespace kerf

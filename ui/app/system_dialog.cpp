@@ -1,0 +1,216 @@
+#include "ui/app/system_dialog.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cctype>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <sstream>
+#include <utility>
+
+#include "geometry/case/case_bundle.h"
+#include "geometry/formats/mesh_formats.h"
+#include "sim/run/run_manifest.h"
+
+extern char** environ;  // NOLINT(readability-redundant-declaration): POSIX declares it nowhere
+
+namespace kerf {
+namespace {
+
+namespace fs = std::filesystem;
+using What = FileQuestion::What;
+
+constexpr int kCancelled = 1;  // exit code of both programs
+
+bool isOnPath(const std::string& name) {
+  const char* const path = std::getenv("PATH");
+  std::istringstream folders(path ? path : "");
+  for (std::string folder; std::getline(folders, folder, ':');)
+    if (!folder.empty() && ::access((fs::path(folder) / name).c_str(), X_OK) == 0) return true;
+  return false;
+}
+
+// "*.stl *.STL ...": scanners write both. Files of a CT and recipes among them.
+std::string patterns() {
+  std::string all = ".toml .nrrd .nii .nii.gz .mha .mhd";
+  for (const MeshFormatRow& row : meshFormats())
+    if (row.read) all += " " + std::string(row.extensions);
+
+  std::string out;
+  std::istringstream words(all);
+  for (std::string word; words >> word;) {
+    std::string capitals = word;
+    for (char& c : capitals) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+    out += fmt::format("{}*{} *{}", out.empty() ? "" : " ", word, capitals);
+  }
+  return out;
+}
+
+// With a slash at its end: a folder to begin in, not a file to choose.
+std::string beginningOf(const FileQuestion& question) {
+  std::error_code gone;
+  const fs::path folder = question.folder.empty() ? fs::current_path(gone) : question.folder;
+  return (folder / question.name).string();
+}
+
+std::vector<std::string> zenityCommand(const FileQuestion& question) {
+  std::vector<std::string> out{"zenity", "--file-selection", "--title=" + question.title,
+                               "--filename=" + beginningOf(question)};
+  switch (question.what) {
+    case What::kSave:
+      out.insert(out.end(), {"--save", "--confirm-overwrite"});
+      return out;
+    case What::kOpenFolder:
+      out.push_back("--directory");
+      return out;
+    case What::kOpenSeveral:
+      out.insert(out.end(), {"--multiple", "--separator=\n"});
+      break;
+    case What::kOpen:
+      break;
+  }
+  out.push_back("--file-filter=Scans, recipes, cases, CTs | " + patterns());
+  out.push_back("--file-filter=All files | *");
+  return out;
+}
+
+std::vector<std::string> kdialogCommand(const FileQuestion& question) {
+  std::vector<std::string> out{"kdialog", "--title", question.title};
+  switch (question.what) {
+    case What::kSave:
+      out.push_back("--getsavefilename");
+      break;
+    case What::kOpenFolder:
+      out.push_back("--getexistingdirectory");
+      break;
+    case What::kOpenSeveral:
+      out.insert(out.end(), {"--multiple", "--separate-output", "--getopenfilename"});
+      break;
+    case What::kOpen:
+      out.push_back("--getopenfilename");
+      break;
+  }
+  out.push_back(beginningOf(question));
+  return out;
+}
+
+/// A case is its folder, not the manifest in it.
+fs::path meantBy(const fs::path& chosen) {
+  const fs::path folder = chosen.parent_path();
+  const bool is_manifest =
+      (chosen.filename() == kCaseManifest && isCase(folder)) || (chosen.filename() == kRunManifest && isRun(folder));
+  return is_manifest ? folder : chosen;
+}
+
+tl::unexpected<Error> failed(const std::string& program, std::string found) {
+  return fail({.code = Error::Code::kUnsupported,
+               .place = "the system's file dialog",
+               .found = program + ": " + std::move(found),
+               .expected = "a dialog",
+               .hint = "Kerf's own browser instead: Settings, or settings.dialog own"});
+}
+
+}  // namespace
+
+std::vector<std::string> commandOf(const std::string& program, const FileQuestion& question) {
+  return program == "kdialog" ? kdialogCommand(question) : zenityCommand(question);
+}
+
+std::optional<std::string> SystemDialog::program() {
+  for (const char* const name : {"zenity", "kdialog"})
+    if (isOnPath(name)) return name;
+  return {};
+}
+
+SystemDialog::~SystemDialog() { close(); }
+
+void SystemDialog::close() {
+  if (out_ >= 0) ::close(std::exchange(out_, -1));
+  if (child_ <= 0) return;
+  ::kill(child_, SIGKILL);
+  while (::waitpid(child_, nullptr, 0) < 0 && errno == EINTR) {
+  }
+  child_ = 0;
+}
+
+Expected<void> SystemDialog::ask(const FileQuestion& question) {
+  const auto name = program();
+  if (!name)
+    return fail({.code = Error::Code::kNotFound,
+                 .found = "neither zenity nor kdialog",
+                 .expected = "one of them on the PATH",
+                 .hint = "apt install zenity"});
+  std::array<int, 2> pipe{};
+  if (::pipe2(pipe.data(), O_CLOEXEC) != 0) return failed(*name, std::strerror(errno));
+
+  const std::vector<std::string> words = commandOf(*name, question);
+  std::vector<char*> argv;
+  for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));
+  argv.push_back(nullptr);
+
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_adddup2(&actions, pipe[1], STDOUT_FILENO);
+  pid_t child = 0;
+  const int error = posix_spawnp(&child, argv[0], &actions, nullptr, argv.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  ::close(pipe[1]);
+  if (error != 0) {
+    ::close(pipe[0]);
+    return failed(*name, std::strerror(error));
+  }
+
+  ::fcntl(pipe[0], F_SETFL, O_NONBLOCK);
+  child_ = child;
+  out_ = pipe[0];
+  what_ = question.what;
+  program_ = *name;
+  text_.clear();
+  return {};
+}
+
+std::optional<Expected<FileAnswer>> SystemDialog::poll() {
+  if (child_ <= 0) return {};
+  const auto takeText = [&] {
+    std::array<char, 4096> bytes{};
+    for (ssize_t n = 0; (n = ::read(out_, bytes.data(), bytes.size())) > 0;)
+      text_.append(bytes.data(), static_cast<std::size_t>(n));
+  };
+  takeText();
+  int status = 0;
+  const pid_t ended = ::waitpid(child_, &status, WNOHANG);
+  if (ended == 0 || (ended < 0 && errno == EINTR)) return {};
+  takeText();  // what it wrote last
+  child_ = 0;
+  ::close(std::exchange(out_, -1));
+  if (ended < 0) return Expected<FileAnswer>(failed(program_, "lost"));
+  return answerOf(status);
+}
+
+Expected<FileAnswer> SystemDialog::answerOf(int status) const {
+  if (WIFSIGNALED(status)) return failed(program_, fmt::format("killed by signal {}", WTERMSIG(status)));
+  const int code = WEXITSTATUS(status);
+  if (code == kCancelled) return FileAnswer{};
+  if (code != 0) return failed(program_, fmt::format("exit code {}", code));
+
+  FileAnswer out;
+  if (what_ != What::kOpenSeveral) {  // a name may have several lines
+    const std::string path = text_.ends_with('\n') ? text_.substr(0, text_.size() - 1) : text_;
+    if (!path.empty()) out.push_back(what_ == What::kOpen ? meantBy(path) : fs::path(path));
+    return out;
+  }
+  std::istringstream lines(text_);
+  for (std::string line; std::getline(lines, line);)
+    if (!line.empty()) out.push_back(meantBy(line));
+  return out;
+}
+
+}  // namespace kerf

@@ -1,0 +1,27 @@
+#include "ui/window/session_end.h"
+
+#include <chrono>
+#include <thread>
+
+namespace kerf {
+
+Expected<void> endAll(Workbench& bench, LiveView& view) {
+  const std::size_t seen = bench.notices().size();
+  const auto wait = [&] {
+    while (bench.job()) {
+      if (!bench.isWriting()) bench.cancelJob();
+      view.update(bench);
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+  };
+  bench.release();  // nobody holds the tool any more
+  wait();
+  bench.close();
+  wait();
+  for (std::size_t n = seen; n < bench.notices().size(); ++n)
+    if (bench.notices()[n].is_error)
+      return fail({.code = Error::Code::kWriteFailed, .place = "ending the session", .found = bench.notices()[n].text});
+  return {};
+}
+
+}  // namespace kerf

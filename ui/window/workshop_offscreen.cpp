@@ -1,0 +1,98 @@
+// The workbench without a window: scripts and films, drawn off screen. With one: workshop.cpp.
+#include <epoxy/gl.h>
+#include <fmt/format.h>
+
+#include <cstdlib>
+#include <functional>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include "ui/app/app_commands.h"
+#include "ui/app/app_script.h"
+#include "ui/app/settings.h"
+#include "ui/app/view_commands.h"
+#include "ui/window/frame_watch.h"
+#include "ui/window/gl_context.h"
+#include "ui/window/gl_target.h"
+#include "ui/window/image.h"
+#include "ui/window/live_view.h"
+#include "ui/window/session_end.h"
+#include "ui/window/workshop.h"
+
+namespace kerf {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+// What is done with the workbench while nobody looks at it.
+using Play = std::function<Expected<void>(AppContext& context, const std::function<void()>& frame)>;
+
+Expected<void> runOffscreen(const WorkshopOptions& options, const Play& play) {
+  ::setenv("LP_NUM_THREADS", std::thread::hardware_concurrency() <= 2 ? "0" : "2", 0);
+  const auto gl = OffscreenContext::create(true);
+  if (!gl) return fail(gl.error());
+  KERF_TRY(view, LiveView::create());
+  Workbench bench(options.bench);
+  KERF_TRY(camera, cameraFromView(options.view));
+  const Camera first = camera;
+  SettingsFile settings(options.config);
+  AppContext context{
+      .bench = bench, .camera = camera, .width = options.width, .height = options.height, .settings = &settings};
+  context.screenshot = [&](const fs::path& png) -> Expected<void> {
+    view->update(bench);
+    KERF_TRY(image, view->picture(bench, camera, context.width, context.height));
+    return writePng(png, image);
+  };
+  LiveView& shown = *view;
+  std::optional<internal::GlTarget> screen;
+  if (options.is_watched) screen.emplace(options.width, options.height);
+  FrameWatch watch;
+  const auto frame = [&] {
+    watch.begin(bench);
+    shown.update(bench);
+    if (!bench.scene().bounds().isEmpty() && shown.takeFitWanted()) firstView(context, first);
+    if (!screen) return;
+    glBindFramebuffer(GL_FRAMEBUFFER, screen->id());
+    if (const auto drawn = shown.draw(bench, camera, context.width, context.height, false); !drawn)
+      bench.complain(drawn.error());
+    glFinish();
+    watch.end(bench);
+  };
+  if (!options.replay.empty())
+    bench.watch(options.replay);
+  else if (options.open.size() == 1)
+    bench.open(options.open.front());
+  else if (options.open.size() > 1)
+    bench.openAll(options.open);
+  auto played = play(context, frame);
+  const auto ended = endAll(bench, *view);
+  view.reset();
+  if (screen) fmt::print("{}\n", watch.summary());
+  screen.reset();
+  for (const Notice& notice : bench.notices())
+    if (!notice.is_error) fmt::print("{}\n", notice.text);
+  if (!played) return fail(std::move(played).error());
+  if (!ended) return fail(ended.error());
+  return {};
+}
+
+}  // namespace
+
+Expected<void> runWorkshopScript(const fs::path& script, const WorkshopOptions& options) {
+  return runOffscreen(options,
+                      [&](AppContext& context, const auto& frame) { return runScript(context, script, frame); });
+}
+
+Expected<std::size_t> runWorkshopFilm(const FilmOptions& film, const WorkshopOptions& options) {
+  std::size_t pictures = 0;
+  KERF_CHECK(runOffscreen(options, [&](AppContext& context, const auto& frame) -> Expected<void> {
+    KERF_TRY(written, filmReplay(context, film, frame));
+    pictures = written;
+    return {};
+  }));
+  return pictures;
+}
+
+}  // namespace kerf
