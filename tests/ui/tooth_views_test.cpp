@@ -1,6 +1,8 @@
 #include "ui/app/tooth_views.h"
 
+#include <chrono>
 #include <cmath>
+#include <thread>
 
 #include "preprocess/demo/demo_arch.h"
 #include "tests/ui/block_on_bench.h"
