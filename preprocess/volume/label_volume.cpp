@@ -9,7 +9,6 @@
 #include <span>
 
 #include "geometry/base/available_memory.h"
-#include "geometry/formats/mesh_formats.h"
 #include "preprocess/volume/volume_file.h"
 #include "preprocess/volume/volume_names.h"
 #include "preprocess/volume/volume_plan.h"
@@ -25,11 +24,6 @@ using internal::VolumePlan;
 
 constexpr std::size_t kMostLabels = 256, kFewLabels = 32;
 constexpr double kMostRestless = 0.3;
-
-bool isMesh(const fs::path& path) {
-  const MeshFormatRow* const row = formatOfExtension(path.extension().string());
-  return row && row->read;
-}
 
 tl::unexpected<Error> notLabels(const fs::path& path, std::string place, std::string found) {
   return fail({.code = Error::Code::kBadValue,
@@ -275,11 +269,9 @@ bool isLabelVolume(const fs::path& path) {
   std::error_code ec;
   if (!fs::is_directory(path, ec)) return internal::fileFormat(path).has_value();
   const auto files = internal::filesOf(path);
-  if (!files) return false;
-  const auto has = [&](const auto& isOf) { return std::any_of(files->begin(), files->end(), isOf); };
-  if (has(internal::hasDicomMark)) return true;
-  // A picture beside meshes is no slice.
-  return has([](const fs::path& f) { return internal::sliceFormat(f).has_value(); }) && !has(isMesh);
+  return files && std::any_of(files->begin(), files->end(), [](const fs::path& f) {
+           return internal::sliceFormat(f).has_value() || internal::hasDicomMark(f);
+         });
 }
 
 }  // namespace kerf

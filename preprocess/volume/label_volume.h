@@ -92,8 +92,7 @@ Expected<LabelVolume> readLabelVolume(const std::filesystem::path& path, const L
 /// itself.
 Expected<std::vector<std::filesystem::path>> filesOfVolume(const std::filesystem::path& path);
 
-/// True if the name is one readLabelVolume() takes for a volume file; of folders: if it holds DICOM
-/// files, or pictures and no mesh beside them.
+/// True if the name is one readLabelVolume() takes for a volume file; of folders: if it holds slices of either kind.
 bool isLabelVolume(const std::filesystem::path& path);
 
 }  // namespace kerf

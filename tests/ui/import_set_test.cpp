@@ -305,5 +305,16 @@ TEST_F(ImportSetTest, AFolderThatIsNothingIsRefusedWithWhatToDo) {
   EXPECT_FALSE(bench.isImporting());
 }
 
+TEST_F(ImportSetTest, APictureBesideMeshesIsNoSlice) {
+  const fs::path folder = folder_.path() / "scans";
+  fs::create_directories(folder);
+  folder_.write("scans/preview.png", "");
+  block("scans/upper", 0);
+  Workbench bench(options());
+  const auto played = play(bench, "import.read" + quoted(folder) + "\nwait\n");
+  ASSERT_FALSE(played);
+  EXPECT_NE(played.error().found.find("a folder with meshes"), std::string::npos) << played.error().message();
+}
+
 }  // namespace
 }  // namespace kerf

@@ -26,8 +26,9 @@ Expected<void> requireFile(const fs::path& file) {
   if (!fs::is_directory(file, ignored)) return {};
   return fail({.code = Error::Code::kUnsupported,
                .file = file.string(),
-               .found = "a folder without slices of a CT, and no case, session or recipe",
-               .expected = "one with a DICOM series or slice pictures of labels, or a file",
+               .found = isFolderOfMeshes(file) ? "a folder with meshes in it"
+                                               : "a folder without slices of a CT, and no case, session or recipe",
+               .expected = "one with nothing but a DICOM series or slice pictures of labels, or a file",
                .hint = "drop the files in it, several together"});
 }
 

@@ -13,6 +13,7 @@
 #include "geometry/base/atomic_file.h"
 #include "geometry/base/hash.h"
 #include "geometry/case/case_bundle.h"
+#include "geometry/formats/mesh_formats.h"
 #include "geometry/formats/mesh_io.h"
 #include "preprocess/bake/bake.h"
 #include "preprocess/bake/case_recipe.h"
@@ -277,12 +278,22 @@ bool looksLikeTool(const fs::path& path) {
 
 }  // namespace
 
+bool isFolderOfMeshes(const fs::path& path) {
+  std::error_code ended;
+  for (fs::directory_iterator file(path, ended), end; !ended && file != end; file.increment(ended)) {
+    const MeshFormatRow* const format = formatOfExtension(file->path().extension().string());
+    if (format && format->read) return true;
+  }
+  return false;
+}
+
 FileKind kindOf(const fs::path& path) {
   if (isRun(path)) return FileKind::kRun;
   if (isCase(path)) return FileKind::kCase;
   if (looksLikeTool(path)) return FileKind::kTool;
   if (looksLikeRecipe(path)) return FileKind::kRecipe;
-  return isLabelVolume(path) ? FileKind::kLabels : FileKind::kScan;
+  // A picture beside meshes is no slice.
+  return isLabelVolume(path) && !isFolderOfMeshes(path) ? FileKind::kLabels : FileKind::kScan;
 }
 
 double voxelFor(double area_mm2) {

@@ -25,7 +25,7 @@ struct CloseOptions;
 /// What can stand behind a path that a user opens.
 enum class FileKind {
   kScan,    ///< a mesh file, or what will be refused as none: only reading it tells
-  kLabels,  ///< a label volume of a CT, by its name; or a folder that holds slices of one
+  kLabels,  ///< a label volume of a CT, by its name; or a folder that holds slices of one, and no mesh
   kRecipe,  ///< puts meshes and labels together
   kCase,    ///< baked already
   kTool,    ///< for the rack
@@ -33,6 +33,8 @@ enum class FileKind {
 };
 /// Reads a manifest or the first lines, no more.
 FileKind kindOf(const std::filesystem::path& path);
+/// Some file in it is a mesh, by its name. False of what is no folder.
+bool isFolderOfMeshes(const std::filesystem::path& path);
 
 /// How a scan becomes a solid: what of CloseOptions (preprocess/close/close.h) a user decides.
 struct ClosingChoice {

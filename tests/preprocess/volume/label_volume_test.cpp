@@ -637,11 +637,6 @@ TEST(LabelVolume, WhatIsNoVolumeIsRefusedByName) {
   expectRefusal(readLabelVolume(empty.path()), "no slices");
   EXPECT_FALSE(isLabelVolume(empty.path()));
   EXPECT_FALSE(isLabelVolume("a.stl"));
-  const TemporaryFolder scans;
-  scans.write("preview.png", "");
-  EXPECT_TRUE(isLabelVolume(scans.path()));
-  scans.write("upper.stl", "");
-  EXPECT_FALSE(isLabelVolume(scans.path())) << "a picture of the scans beside them";
 }
 
 TEST(LabelVolume, CancellingStopsReading) {
