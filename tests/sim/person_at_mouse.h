@@ -69,7 +69,7 @@ class Mouse {
     waitFor(seconds);
     aim_.is_pressed = false;
     hand_.aim(aim_);
-    waitFor(0.05);
+    waitFor(0.3);  // until the tool is out: its spindle runs down
   }
   void send(const Command& command) {
     EXPECT_TRUE(run_.send(command));

@@ -20,7 +20,7 @@ TEST(Notices, TheyStandBetweenThePanelsAndLeaveTheMiddleOfThePicture) {
       EXPECT_LT(at.middle + 0.5f * at.width, width - scale * kPanelWidth - 8) << width << ' ' << scale;
       EXPECT_TRUE(at.hangs);
       EXPECT_LT(at.edge + at.most_height, 0.45f * height) << width << ' ' << scale;
-      EXPECT_GE(at.width, 128) << width << ' ' << scale;
+      EXPECT_GT(at.width, 120) << width << ' ' << scale;
 
       const NoticePlace import = noticePlace(width, height, kMenu, scale, SidePanels::kImport);
       EXPECT_LT(import.middle + 0.5f * import.width, width - scale * kImportPanelWidth) << width << ' ' << scale;
