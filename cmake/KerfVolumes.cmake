@@ -1,4 +1,4 @@
-# What kerf::preprocess links beside KerfLibraries.cmake: ITK, which reads label volumes.
+# What kerf_volumes.so links: ITK, which reads label volumes.
 find_package(ITK REQUIRED COMPONENTS ITKCommon ITKIOImageBase ITKIOBMP ITKIOGDCM ITKIOMeta ITKIONIFTI ITKIONRRD ITKIOPNG ITKIOTIFF)
 find_path(KERF_GDCM_INCLUDE_DIR gdcmTrace.h PATH_SUFFIXES gdcm-3.0 REQUIRED)  # ITK reads DICOM with it; to silence it and to ask what it states
 find_library(KERF_GDCM_COMMON gdcmCommon REQUIRED)

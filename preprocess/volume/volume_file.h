@@ -1,5 +1,6 @@
-// Images of any number of axes as ITK reads them, without ITK in the header. For label_volume.cpp only. ITK brings an
-// Eigen of its own: neither this header nor its source may include ours.
+// Images of any number of axes as ITK reads them, without ITK in the header. For label_volume.cpp only. ITK is in a
+// library of its own, kerf_volumes.so, which the first call loads: it takes 35 ms and 22 MB, and few commands read a
+// volume. ITK brings an Eigen of its own: this header may not include ours, as itk_reader.cpp includes it.
 #pragma once
 
 #include <cstddef>
@@ -30,6 +31,10 @@ struct VolumeHeader {
   bool states_pixel_spacing = true, states_frame_spacing = true;
 };
 
+/// Loads the library that reads. To be called before a child process reads, and before isDicom().
+/// Errors: kUnsupported if kerf_volumes.so is missing or of another Kerf. Thread-safe, like all that is here.
+Expected<void> loadVolumeReader();
+
 /// The header by ITK. @pre checkVolumeHeader() accepted the file, for the formats it knows. Never throws.
 Expected<VolumeHeader> readVolumeHeader(const std::filesystem::path& path, VolumeFormat format);
 /// All values, in file order (first axis fastest), in the machine's byte order, to `out` of `bytes` bytes.
@@ -37,7 +42,7 @@ Expected<VolumeHeader> readVolumeHeader(const std::filesystem::path& path, Volum
 /// @pre requireWholeValues() accepted what is packed: of a damaged file ITK may read a part and say nothing.
 Expected<void> readVolumeValues(const std::filesystem::path& path, VolumeFormat format, std::byte* out,
                                 std::uint64_t bytes);
-/// True if the file is DICOM, whatever its name.
+/// True if the file is DICOM, whatever its name. @pre loadVolumeReader() succeeded; false otherwise.
 bool isDicom(const std::filesystem::path& path);
 
 /// What the file's own header says, read without ITK, which fills in what is missing and trusts sizes.

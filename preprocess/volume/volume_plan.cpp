@@ -260,6 +260,8 @@ Expected<VolumePlan> planVolume(const fs::path& path, const LabelReadOptions& op
                  .file = path.string(),
                  .found = "no such file or folder",
                  .expected = "a volume file, or a folder of slices"});
+
+  KERF_CHECK(loadVolumeReader());
   if (fs::is_directory(path, ec)) return planFolder(path, options, progress);
   if (const auto format = fileFormat(path)) return planFile(path, *format, options);
   return fail({.code = Error::Code::kUnsupported,
