@@ -12,21 +12,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A voxel larger than the object holds nothing of it; most often the unit is wrong. Asked before closing, not after.
-Expected<void> checkObjectSize(const std::vector<Mesh>& meshes, double voxel_mm, const BakeReport& report) {
-  Box3 box;
-  for (const Mesh& mesh : meshes) box.add(bounds(mesh));
-  const Vec3d size = box.size();
-  if (meshes.empty() || !(voxel_mm > size.maxCoeff())) return {};
-  const CaseSource& first = report.manifest.sources[0];
-  return fail({.code = Error::Code::kBadValue,
-               .place = "voxel size",
-               .found = fmt::format("{} mm for an object of {:.3g} x {:.3g} x {:.3g} mm (unit {}: {})", voxel_mm,
-                                    size[0], size[1], size[2], first.unit, first.unit_reason),
-               .expected = "an object larger than a voxel",
-               .hint = "another --unit, or none; or a finer --voxel"});
-}
-
 // Refuses folders that are something, though no mesh.
 Expected<void> requireMeshNotFolder(const fs::path& path) {
   std::error_code ignored;
@@ -101,10 +86,7 @@ Expected<BakeReport> bake(const std::vector<fs::path>& meshes, const fs::path& c
 
   KERF_TRY(sources, internal::readMeshSources(meshes, hashes, job.options.unit, true, staging->staging(), job.report,
                                               internal::partOf(progress, 0, 0.05)));
-  if (auto sized = checkObjectSize(sources, job.options.voxelize.voxel_mm, job.report); !sized) {
-    if (meshes.size() == 1) sized.error().file = meshes[0].string();
-    return fail(sized.error());
-  }
+  KERF_CHECK(internal::checkObjectSize(meshes, sources, true, job.options, job.report));
   job.report.times.read = job.watch.lap();
 
   auto checks = internal::checkAside(sources);

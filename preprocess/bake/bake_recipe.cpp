@@ -283,6 +283,7 @@ Expected<BakeReport> bakeRecipe(const fs::path& recipe_file, const fs::path& cas
   KERF_TRY(meshes, internal::readMeshSources(files.paths, hashes, job.options.unit, true, staging->staging(),
                                              job.report, partOf(progress, 0, 0.05)));
   if (asked.unit.empty() && !recipe.unit.empty()) creditUnitToRecipe(job.report.manifest);
+  if (!recipe.labels) KERF_CHECK(internal::checkObjectSize(files.paths, meshes, false, job.options, job.report));
   auto checks = internal::checkAside(meshes);
   LabelObject labels;
   if (recipe.labels) {

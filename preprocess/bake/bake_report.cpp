@@ -51,6 +51,11 @@ std::string whatIsLost(const CloseReport& c) {
   std::string text = c.vertices_lost == 0   ? "every vertex is in the solid"
                      : c.vertices_lost == 1 ? "1 of its vertices is not in the solid"
                                             : fmt::format("{} of its vertices are not in the solid", c.vertices_lost);
+  if (!c.lost_at.empty() && c.lost_at[0].vertices >= kManyLostTogether) {
+    const Vec3d& p = c.lost_at[0].middle;
+    text += fmt::format(", {} of them together near ({:.1f}, {:.1f}, {:.1f}) mm", c.lost_at[0].vertices, p.x(), p.y(),
+                        p.z());
+  }
   if (c.vertices_trimmed > 0) text += fmt::format(", beside {} that were trimmed, as asked", c.vertices_trimmed);
   if (c.vertices_in_specks > 0)
     text += fmt::format(", beside {} of pieces that were dropped, as asked", c.vertices_in_specks);

@@ -3,19 +3,42 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <span>
 #include <system_error>
 
+#include "geometry/base/available_memory.h"
 #include "geometry/base/hash.h"
 #include "geometry/formats/mesh_io.h"
 #include "preprocess/bake/bake_job.h"
 #include "preprocess/unit/unit.h"
 #include "preprocess/volume/label_volume.h"
+#include "preprocess/voxelize/voxelize.h"
 
 namespace kerf::internal {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr double kKeptArea = 0.5;  // of the sources' area: a layer that is there twice goes
+
+/// The voxel size, rounded up to a micron, whose field fits into memory.
+double voxelThatFits(const Mesh& half, VoxelizeOptions options, std::uint64_t most_bytes) {
+  while (estimateBakeBytes(half, options) > most_bytes) options.voxel_mm *= 1.02;
+  return std::ceil(options.voxel_mm * 1000) / 1000;
+}
+
+/// As the sources, shrunk until it has the area that closing leaves at least: half of theirs, and no more than their
+/// box. Thousands of copies of one triangle have a large area, too.
+Mesh shrunkToKeptArea(const std::vector<Mesh>& meshes, const Vec3d& size) {
+  Mesh out;
+  for (const Mesh& mesh : meshes) append(out, mesh);
+  const double area = surfaceArea(out);
+  const double around = 2 * (size[0] * size[1] + size[1] * size[2] + size[2] * size[0]);
+  const double kept = std::min(kKeptArea * area, around);
+  for (Vec3d& p : out.vertices) p *= area > 0 ? std::sqrt(kept / area) : 0;
+  return out;
+}
 
 // The extension to store a source under. A name may hold any byte, a manifest only text: odd ones are dropped.
 std::string safeExtension(const fs::path& path) {
@@ -150,6 +173,53 @@ Expected<std::vector<Mesh>> readMeshSources(const std::vector<fs::path>& paths, 
     meshes.push_back(std::move(file.mesh));
   }
   return meshes;
+}
+
+Expected<void> checkObjectSize(const std::vector<fs::path>& paths, const std::vector<Mesh>& meshes, bool is_whole,
+                               const BakeOptions& options, const BakeReport& report) {
+  Box3 box;
+  for (const Mesh& mesh : meshes)
+    for (const Triangle& f : mesh.triangles)
+      for (const std::uint32_t v : f) box.add(mesh.vertices[v]);
+  if (box.isEmpty()) return {};  // closing says so
+
+  const Vec3d size = box.size();
+  const CaseSource& source = report.manifest.sources[0];
+  const std::string object = fmt::format("an object of {:.4g} x {:.4g} x {:.4g} mm (unit {}: {})", size[0], size[1],
+                                         size[2], source.unit, source.unit_reason);
+  Error e{.code = Error::Code::kBadValue};
+  if (paths.size() == 1) e.file = paths[0].string();
+
+  // The box.
+  const double h = options.voxelize.voxel_mm;
+  if (size.norm() > kLargestObject) {
+    e.place = "size";
+    e.found = object;
+    e.expected = fmt::format("at most {:g} mm across", kLargestObject);
+    e.hint = "another --unit, or none";
+    return fail(std::move(e));
+  }
+  if (h > size.maxCoeff()) {
+    e.place = "voxel size";
+    e.found = fmt::format("{} mm for {}", h, object);
+    e.expected = "an object larger than a voxel";
+    e.hint = "another --unit, or none; or a finer --voxel";
+    return fail(std::move(e));
+  }
+
+  // The memory.
+  if (!is_whole) return {};
+  const Mesh half = shrunkToKeptArea(meshes, size);
+  const std::uint64_t most = std::min(options.voxelize.max_bytes, availableMemory() / 5 * 4);
+  const std::uint64_t least = estimateBakeBytes(half, options.voxelize);
+  if (least <= most) return {};
+  const double fits = voxelThatFits(half, options.voxelize, most);
+  e.place = "voxel size";
+  e.found = fmt::format("{} mm would need {:.1f} GB or more for {}", h, static_cast<double>(least) / 1e9, object);
+  e.expected = fmt::format("at most {:.1f} GB", static_cast<double>(most) / 1e9);
+  e.hint = "another --unit, or none";
+  if (fits <= kLargestVoxel) e.hint += fmt::format("; or a coarser --voxel, {:.3f} or more", fits);
+  return fail(std::move(e));
 }
 
 }  // namespace kerf::internal

@@ -30,4 +30,14 @@ Expected<std::vector<Mesh>> readMeshSources(const std::vector<std::filesystem::p
                                             bool as_one, const std::filesystem::path& case_folder, BakeReport& report,
                                             const Progress& progress);
 
+/// Refuses an object that no closing or no voxel of that size suits, before the minutes of closing; most often the unit
+/// is wrong, and the error names it: larger than kLargestObject, no larger than a voxel, or of so much surface that its
+/// field would not fit into memory. As closing may drop layers that lie in each other, half of the sources' area
+/// counts, and no more than that of their box.
+/// @param meshes  in mm, as readMeshSources() gave them: the first source of the report is theirs.
+/// @param is_whole  the object has about their area; false for the parts of a recipe, which lie in each other.
+/// Errors: kBadValue, with the file if there is one alone.
+Expected<void> checkObjectSize(const std::vector<std::filesystem::path>& paths, const std::vector<Mesh>& meshes,
+                               bool is_whole, const BakeOptions& options, const BakeReport& report);
+
 }  // namespace kerf::internal

@@ -342,6 +342,69 @@ bool areCrowns(const Mesh& mesh, const Boundary& boundary, const CloseOptions& o
   return std::count(has_rim.begin(), has_rim.end(), 1) > 1;
 }
 
+/// The widest of them, and others that are not beside a wider one.
+std::vector<WideSpan> apart(std::vector<WideSpan> spans, double least_mm) {
+  std::stable_sort(spans.begin(), spans.end(), [](const WideSpan& x, const WideSpan& y) { return x.mm > y.mm; });
+  std::vector<WideSpan> out;
+  for (const WideSpan& span : spans) {
+    const auto isBeside = [&](const WideSpan& wider) { return (wider.middle - span.middle).norm() < least_mm; };
+    if (std::none_of(out.begin(), out.end(), isBeside)) out.push_back(span);
+  }
+  return out;
+}
+
+/// "10.5 mm near (17.5, 0.5, -20.1), 8.2 mm near ...", ten at most.
+std::string listOf(const std::vector<WideSpan>& spans) {
+  constexpr std::size_t kMostSaid = 10;
+  std::string text;
+  for (std::size_t n = 0; n < std::min(kMostSaid, spans.size()); ++n) {
+    const Vec3d& p = spans[n].middle;
+    text +=
+        fmt::format("{}{:.1f} mm near ({:.1f}, {:.1f}, {:.1f})", n > 0 ? ", " : "", spans[n].mm, p.x(), p.y(), p.z());
+  }
+  if (spans.size() > kMostSaid) text += fmt::format(", and {} more", spans.size() - kMostSaid);
+  return text;
+}
+
+/// Says what was put over gaps of the rim. Much of it is no bridge any more: sockets of teeth are gaps, too, and their
+/// mouths are narrow.
+void reportBridges(BridgedGaps gaps, double scan_mm2, double scale, CloseReport& report) {
+  std::stable_sort(gaps.places.begin(), gaps.places.end(),
+                   [](const BridgedPlace& x, const BridgedPlace& y) { return x.area_mm2 > y.area_mm2; });
+  report.gaps_bridged = gaps.places.size();
+  report.rim_bridged_mm = gaps.rim_mm;
+  report.widest_gap_mm = gaps.widest_mm;
+  report.bridged_mm2 = 0;
+  report.widest_span_mm = 0;
+  for (const BridgedPlace& place : gaps.places) {
+    report.bridged_mm2 += place.area_mm2;
+    report.widest_span_mm = std::max(report.widest_span_mm, place.span_mm);
+  }
+  report.bridged_share = scan_mm2 > 0 ? report.bridged_mm2 / scan_mm2 : 0;
+  constexpr double kApart = 6;  // mm: less than between two teeth
+  report.wide_spans = apart(std::move(gaps.spans), kApart * scale);
+
+  const BridgedPlace& largest = gaps.places.front();
+  report.changes.push_back(fmt::format(
+      "{} in the rim {} bridged ({:.0f} mm of rim, mouths up to {:.1f} mm wide): {:.1f} mm2 of surface were added on "
+      "the scan's side, {:.2g} % of its area, spans up to {:.1f} mm; {}{:.1f} mm2 near ({:.1f}, {:.1f}, {:.1f})",
+      counted(report.gaps_bridged, "gap", "gaps"), report.gaps_bridged == 1 ? "was" : "were", report.rim_bridged_mm,
+      report.widest_gap_mm, report.bridged_mm2, 100 * report.bridged_share, report.widest_span_mm,
+      report.gaps_bridged > 1 ? "the largest: " : "", largest.area_mm2, largest.middle.x(), largest.middle.y(),
+      largest.middle.z()));
+  report.bridged_at = std::move(gaps.places);
+
+  if (report.bridged_share <= kMostBridged && report.widest_span_mm <= kWidestSpan * scale) return;
+  const std::string warning = fmt::format(
+      "{:.0f} mm2 of surface that nobody scanned, {:.2g} % of the scan's area, lie flat over gaps of its rim{}{}. "
+      "Sockets of teeth are roofed over like that. Look there before anything is cut; try --base-smoothing 0, which "
+      "leaves gaps open down through the base, or fill them in the scanner's program",
+      report.bridged_mm2, 100 * report.bridged_share, report.wide_spans.empty() ? "" : ", the widest ",
+      listOf(report.wide_spans));
+  report.warnings.push_back(warning);
+  report.changes.push_back(warning);
+}
+
 /// From the rims down to calmer outlines, as the options ask; without smoothing the rims as they are.
 Expected<std::vector<Loop>> smoothRims(Chain& chain, const std::vector<Loop>& rims, const BaseFrame& frame,
                                        const CloseOptions& options, CloseReport& report, const Progress& progress) {
@@ -350,15 +413,10 @@ Expected<std::vector<Loop>> smoothRims(Chain& chain, const std::vector<Loop>& ri
   constexpr double kSmallestDental = 3;  // mm: smaller objects get smaller bridges and lips
   const double scale = std::min(1.0, bounds(chain.mesh).size().norm() / kSmallestDental);
 
+  const double scan_mm2 = surfaceArea(chain.mesh);
   BridgedGaps gaps;
   KERF_TRY(bridged, bridgeFjords(chain, rims, scale, gaps, progress));
-  if (gaps.count)
-    report.changes.push_back(fmt::format("{} in the rim {} bridged ({:.0f} mm of rim, the widest {:.1f} mm)",
-                                         counted(gaps.count, "gap", "gaps"), gaps.count == 1 ? "was" : "were",
-                                         gaps.rim_mm, gaps.widest_mm));
-  report.gaps_bridged = gaps.count;
-  report.rim_bridged_mm = gaps.rim_mm;
-  report.widest_gap_mm = gaps.widest_mm;
+  if (!gaps.places.empty()) reportBridges(std::move(gaps), scan_mm2, scale, report);
 
   const SmoothWalls walls{options.base_smoothing_mm, options.base_lip_mm, scale};
   return addSmoothWalls(chain, bridged, frame, walls, progress);
@@ -375,7 +433,7 @@ Expected<void> extrudeRims(Chain& chain, Boundary& boundary, const CloseOptions&
     opening.direction = -opening.direction;
     if (!options.base_direction) base.sign = -base.sign;
     report.triangles_flipped += chain.mesh.triangles.size();
-    report.changes.push_back("the scan was inside out: all triangles were turned");
+    report.changes.emplace_back("the scan was inside out: all triangles were turned");
   }
 
   markRims(chain.mesh, base.vector(), options, boundary);
@@ -504,7 +562,7 @@ Expected<void> closeBoundary(Chain& chain, const CloseOptions& options, CloseRep
   if (boundary.loops.empty()) {
     if (options.only.empty() && options.mode == CloseMode::kBase)
       return fail(ungrounded("a closed mesh, which needs no base", "the same without --close base"));
-    if (isBaseAsked(options)) report.changes.push_back("no base was made: the mesh is closed");
+    if (isBaseAsked(options)) report.changes.emplace_back("no base was made: the mesh is closed");
     return {};
   }
   if (boundary.longestLength() > options.rim_to_diagonal * bounds(chain.mesh).size().norm()) {
@@ -516,7 +574,7 @@ Expected<void> closeBoundary(Chain& chain, const CloseOptions& options, CloseRep
   const bool are_crowns = has_rim && areCrowns(chain.mesh, boundary, options);
   if (has_rim && !are_crowns && options.trim_rim_mm > 0) trimBoundary(chain, options, boundary, report);
   if (are_crowns)
-    report.changes.push_back("several open shells no larger than a tooth: each was capped, none got a base");
+    report.changes.emplace_back("several open shells no larger than a tooth: each was capped, none got a base");
   else if (has_rim)
     KERF_CHECK(extrudeRims(chain, boundary, options, report, progress));
   else if (isBaseAsked(options))

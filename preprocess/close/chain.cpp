@@ -32,14 +32,6 @@ void roundVertices(Mesh& mesh, CloseReport& report) {
   report.largest_move_mm = std::max(report.largest_move_mm, largest);
 }
 
-/// Where a vertex counts as being. Near zero float32 tells apart what lies 1e-45 mm apart: the pole of a sphere whose
-/// points are R sin(pi), 1e-16, is 24 of them, and a hole to everything that follows. What is less than a hundredth of
-/// an atom is nothing.
-Vec3d placeOf(const Vec3d& p) {
-  constexpr double kNothing = 1e-9;  // mm
-  return (p.array().abs() < kNothing).select(0, p);
-}
-
 /// Joins vertices at the same place; the first of them stays, bit for bit.
 void weldVertices(Chain& chain, CloseReport& report) {
   Mesh& mesh = chain.mesh;
@@ -48,7 +40,7 @@ void weldVertices(Chain& chain, CloseReport& report) {
   index.reserve(mesh.vertices.size());
   std::uint32_t count = 0;
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
-    index.push_back(welder.add(placeOf(mesh.vertices[v])));
+    index.push_back(welder.add(weldPlace(mesh.vertices[v])));
     if (index.back() != count) continue;
     mesh.vertices[count] = mesh.vertices[v];
     if (mesh.hasVertexColors()) mesh.vertex_colors[count] = mesh.vertex_colors[v];
@@ -163,6 +155,11 @@ void dropCrumbs(Chain& chain, const CloseOptions& options, CloseReport& report) 
 }
 
 }  // namespace
+
+Vec3d weldPlace(const Vec3d& p) {
+  constexpr double kNothing = 1e-9;  // mm
+  return (p.array().abs() < kNothing).select(0, p);
+}
 
 std::string counted(std::size_t n, const char* singular, const char* plural) {
   return fmt::format("{} {}", n, n == 1 ? singular : plural);

@@ -33,6 +33,11 @@ struct Chain {
 /// What closing adds to a coloured mesh: light model stone.
 inline constexpr Rgba8 kNeutral = {214, 205, 189, 255};
 
+/// Where a vertex counts as being: two that are at one place are welded. Near zero float32 tells apart what lies 1e-45
+/// mm apart: the pole of a sphere whose points are R sin(pi), 1e-16, is 24 of them, and a hole to everything that
+/// follows. What is less than a hundredth of an atom is nothing.
+Vec3d weldPlace(const Vec3d& p);
+
 /// True if some edge is not met by its opposite as often.
 bool hasBoundary(const Chain& chain);
 

@@ -13,6 +13,7 @@
 #include "preprocess/close/boundary.h"
 #include "preprocess/close/chain.h"
 #include "preprocess/close/guard.h"
+#include "preprocess/close/losses.h"
 #include "preprocess/close/manifold.h"
 #include "preprocess/close/orient.h"
 #include "preprocess/close/pinholes.h"
@@ -24,6 +25,8 @@ namespace {
 
 using internal::Chain;
 using internal::counted;
+using internal::handlesOf;
+using internal::lostPlaces;
 
 constexpr std::size_t kMostCrossings = 500'000;  ///< more than that is a heap of triangles, and would take minutes
 constexpr double kSeparation = 4e-4;  ///< mm: how far touching parts are moved apart; 100 float32 steps at 60 mm
@@ -308,6 +311,7 @@ Expected<Result> wrap(const Chain& chain, const CloseOptions& options, CloseRepo
     return fail(makeError(Error::Code::kGeometry, "a wrap that crosses itself after rounding to single precision", {},
                           "a larger wrap_alpha_mm"));
   report.exact = false;
+  report.wrap_offset_mm = options.wrap_offset_mm;
   report.changes.push_back(
       fmt::format("the surface was shrink-wrapped and is an APPROXIMATION: it lies about {} mm outside the "
                   "scan, hollows narrower than {} mm are bridged, no source vertex is preserved, "
@@ -331,95 +335,6 @@ void countTriangles(const Mesh& imported, const Result& r, CloseReport& report) 
   }
   for (const char s : state)
     ++(s == kWhole ? report.triangles_kept : s == kPart ? report.triangles_split : report.triangles_dropped);
-}
-
-bool lessPlace(const Vec3d& p, const Vec3d& q) {
-  return p.x() != q.x() ? p.x() < q.x() : p.y() != q.y() ? p.y() < q.y() : p.z() < q.z();
-}
-
-/// Places of source vertices, float32, that have no vertex of the solid; sorted.
-std::vector<Vec3d> lostPlaces(const Mesh& imported, const Mesh& solid) {
-  std::vector<Vec3d> places = solid.vertices;
-  std::sort(places.begin(), places.end(), lessPlace);
-  std::vector<char> used(imported.vertices.size(), 0);
-  for (const Triangle& f : imported.triangles)
-    for (const std::uint32_t v : f) used[v] = 1;
-
-  std::vector<Vec3d> lost;
-  for (std::size_t v = 0; v < used.size(); ++v) {
-    const Vec3d p = roundedToFloat(imported.vertices[v]);
-    if (used[v] && !std::binary_search(places.begin(), places.end(), p, lessPlace)) lost.push_back(p);
-  }
-  std::sort(lost.begin(), lost.end(), lessPlace);
-  lost.erase(std::unique(lost.begin(), lost.end()), lost.end());
-  return lost;
-}
-
-/// How many source vertices are lost, and how many of them lie far from the rims.
-void countLost(const Mesh& imported, const Mesh& solid, CloseReport& report) {
-  constexpr double kFar = 1;  // mm
-  std::vector<Vec3d> rim = report.rim_points;
-  std::sort(rim.begin(), rim.end(), lessPlace);
-  const auto isFar = [&](const Vec3d& p) {
-    auto at =
-        std::lower_bound(rim.begin(), rim.end(), p.x() - kFar, [](const Vec3d& q, double x) { return q.x() < x; });
-    for (; at != rim.end() && at->x() <= p.x() + kFar; ++at)
-      if ((*at - p).norm() <= kFar) return false;
-    return true;
-  };
-
-  const std::vector<Vec3d> lost = lostPlaces(imported, solid);
-  report.vertices_lost = lost.size() - std::min(lost.size(), report.vertices_trimmed);
-  const auto far = static_cast<std::size_t>(std::count_if(lost.begin(), lost.end(), isFar));
-  report.vertices_lost_far = std::min(far, report.vertices_lost);
-}
-
-/// Handles of a surface without boundary: pieces less half the Euler characteristic. Of an open one: as if each of its
-/// boundaries were closed by a disc.
-int handlesOf(const std::vector<Triangle>& triangles, std::size_t vertices, std::size_t pieces) {
-  std::size_t edges = 0;
-  internal::forEachEdge(internal::edgeUses(triangles), [&](const auto&) { ++edges; });
-  const auto boundaries = static_cast<long>(internal::boundaryLoops(triangles).size());
-  const long euler = static_cast<long>(vertices) - static_cast<long>(edges) + static_cast<long>(triangles.size());
-  return static_cast<int>(static_cast<long>(pieces) - (euler + boundaries) / 2);
-}
-
-int handlesOf(const Mesh& mesh) {
-  std::vector<char> used(mesh.vertices.size(), 0);
-  for (const Triangle& f : mesh.triangles)
-    for (const std::uint32_t v : f) used[v] = 1;
-  const auto vertices = static_cast<std::size_t>(std::count(used.begin(), used.end(), 1));
-  return handlesOf(mesh.triangles, vertices, edgeConnectedPieces(mesh).count);
-}
-
-/// What a base cost, as sentences.
-void reportLosses(const Mesh& imported, const Result& r, int handles_before, CloseReport& report) {
-  countLost(imported, r.mesh, report);
-  if (report.rims_extruded == 0 || !report.exact) return;
-  if (report.vertices_lost)
-    report.changes.push_back(
-        fmt::format("{} of the scan {} not in the solid, {} of them farther than 1 mm from the rim",
-                    counted(report.vertices_lost, "vertex", "vertices"), report.vertices_lost == 1 ? "is" : "are",
-                    report.vertices_lost_far));
-  report.handles_added = handlesOf(r.mesh) - handles_before;
-  if (report.handles_added <= 0) return;
-
-  // Where to look: the finest holes first; where no hole is found, the thread of material beside one.
-  constexpr double kLongest = 30;  // mm around
-  std::vector<internal::ShortLoop> loops = internal::shortLoops(r.mesh, kLongest, {});
-  std::stable_partition(loops.begin(), loops.end(), [](const internal::ShortLoop& l) { return l.is_tunnel; });
-  loops.resize(std::min(loops.size(), static_cast<std::size_t>(report.handles_added)));
-  std::string where;
-  for (const internal::ShortLoop& loop : loops) {
-    const Vec3d& p = loop.middle;
-    report.handles_at.push_back(p);
-    where += fmt::format("{}({:.1f}, {:.1f}, {:.1f}), {:.2g} mm around", where.empty() ? "" : "; ", p.x(), p.y(), p.z(),
-                         loop.length);
-  }
-  report.changes.push_back(fmt::format(
-      "the solid has {} (genus) that the scan has not{}",
-      counted(static_cast<std::size_t>(report.handles_added), "hole right through it", "holes right through it"),
-      where.empty() ? "" : ". Look near " + where));
 }
 
 void warn(CloseReport& report, std::string change) {
@@ -456,6 +371,24 @@ Expected<void> checkOptions(const CloseOptions& o) {
   if (o.occlusal_plane && !(o.occlusal_plane->normal.norm() > 0 && o.occlusal_plane->normal.allFinite()))
     return bad("the length of the occlusal plane's normal", o.occlusal_plane->normal.norm(), "above 0");
   return {};
+}
+
+Box3 boxOfTriangles(const Mesh& mesh) {
+  Box3 box;
+  for (const Triangle& f : mesh.triangles)
+    for (const std::uint32_t v : f) box.add(mesh.vertices[v]);
+  return box;
+}
+
+/// Before any step: what is far too large has a wrong unit.
+Expected<void> checkObjectSize(const Mesh& mesh) {
+  const double across = boxOfTriangles(mesh).size().norm();
+  if (across <= kLargestObject) return {};
+  Error e = makeError(Error::Code::kBadValue, fmt::format("an object {:.4g} mm across", across),
+                      fmt::format("at most {:g} mm: a crown has 10, a skull 300", kLargestObject),
+                      "another unit: the object would be closed for nothing");
+  e.place = "size";
+  return fail(std::move(e));
 }
 
 /// The options for this mesh: see lengthScale().
@@ -617,7 +550,8 @@ Expected<Result> attempt(const Mesh& imported, const CloseOptions& options, Chai
   return r;
 }
 
-/// As attempt(); where smooth walls can not be resolved, with another lip, then with straight walls.
+/// As attempt(); where smooth walls can not be resolved, with another lip, then with straight walls. `chain` is that of
+/// the attempt that succeeded, or else of the first.
 Expected<Result> attemptBases(const Mesh& imported, const CloseOptions& options, Chain& chain, CloseReport& report,
                               const Progress& progress) {
   const CloseReport before = report;
@@ -638,11 +572,12 @@ Expected<Result> attemptBases(const Mesh& imported, const CloseOptions& options,
     changed.base_smoothing_mm = other.smoothing_mm;
     changed.base_lip_mm = other.lip_mm;
     CloseReport again = before;
-    Chain unused;
-    Expected<Result> r = attempt(imported, changed, unused, again, progress);
+    Chain other_chain;
+    Expected<Result> r = attempt(imported, changed, other_chain, again, progress);
     if (!r && r.error().code == Error::Code::kCancelled) return r;
     if (!r) continue;
     report = std::move(again);
+    chain = std::move(other_chain);
     report.base_fallback = other.name;
     warn(report, fmt::format("the base was built with {}: with the walls asked for {} were found", other.name,
                              first.error().found));
@@ -654,9 +589,9 @@ Expected<Result> attemptBases(const Mesh& imported, const CloseOptions& options,
 constexpr std::array<double, 2> kWiderStitches = {0.05, 0.2};  // mm: what kAuto tries before it wraps
 
 /// As attempt(); kAuto then stitches wider, and wraps at last.
-Expected<Result> makeSolid(const Mesh& imported, const CloseOptions& options, CloseReport& report,
+/// @param chain  set to what the solid was made of, or what was wrapped.
+Expected<Result> makeSolid(const Mesh& imported, const CloseOptions& options, Chain& chain, CloseReport& report,
                            const Progress& progress) {
-  Chain chain;
   Expected<Result> first = attemptBases(imported, options, chain, report, progress);
   const bool may_wrap = options.only.empty() && (options.mode == CloseMode::kAuto || options.mode == CloseMode::kWrap);
   if (first || !may_wrap || first.error().code == Error::Code::kCancelled || first.error().code == Error::Code::kEmpty)
@@ -675,11 +610,12 @@ Expected<Result> makeSolid(const Mesh& imported, const CloseOptions& options, Cl
     CloseOptions wider = options;
     wider.stitch_mm = width;
     CloseReport again;
-    Chain unused;
-    Expected<Result> r = attemptBases(imported, wider, unused, again, progress);
+    Chain wider_chain;
+    Expected<Result> r = attemptBases(imported, wider, wider_chain, again, progress);
     if (!r && r.error().code == Error::Code::kCancelled) return r;
     if (!r) continue;
     report = std::move(again);
+    chain = std::move(wider_chain);
     warn(report, fmt::format("seams had to be stitched that wide: within {:.2g} mm {}", options.stitch_mm, why));
     return r;
   }
@@ -697,20 +633,23 @@ Expected<Solid> closeMesh(const Mesh& imported_mm, const CloseOptions& options, 
                           "export the scan as a mesh, not as points"));
   if (degenerateTriangles(imported_mm.vertices, imported_mm.triangles).size() == imported_mm.triangles.size())
     return fail(makeError(Error::Code::kEmpty, "a mesh whose triangles all have no area", "a surface"));
+  KERF_CHECK(checkObjectSize(imported_mm));
   if (!kerf::report(progress, 0.0, "welding")) return cancelled();
   Solid solid;
   CloseReport& report = solid.report;
   const CloseOptions fit = fitted(options, imported_mm, report);
-  KERF_TRY(result, makeSolid(imported_mm, fit, report, progress));
+  Chain chain;
+  KERF_TRY(result, makeSolid(imported_mm, fit, chain, report, progress));
 
   int handles = 0;
   if (report.rims_extruded > 0) {
     CloseReport unused;
     if (const auto welded = internal::buildChain(imported_mm, fit, unused)) handles = handlesOf(welded->mesh);
   }
-  reportLosses(imported_mm, result, handles, report);
-  internal::Judgement judgement = internal::judgeSolid(imported_mm, result.mesh, report);
+  internal::reportLosses(imported_mm, result.mesh, handles, lengthScale(imported_mm), report);
+  internal::Judgement judgement = internal::judgeSolid(imported_mm, result.mesh, report, &chain);
   if (judgement.refusal && !options.accept_doubtful) return fail(std::move(*judgement.refusal));
+  for (std::string& note : judgement.notes) report.changes.push_back(std::move(note));
   for (std::string& warning : judgement.warnings) warn(report, std::move(warning));
 
   if (options.drop_specks_mm3 > 0) {
@@ -728,6 +667,7 @@ Expected<Solid> closeMesh(const Mesh& imported_mm, const CloseOptions& options, 
 }
 
 Expected<OcclusalPlane> findOcclusalPlaneOfScan(const Mesh& imported_mm, const CloseOptions& options) {
+  KERF_CHECK(checkObjectSize(imported_mm));
   CloseReport unused;
   KERF_TRY(chain, internal::buildChain(imported_mm, options, unused));
   return internal::findPlaneOfScan(chain, options);

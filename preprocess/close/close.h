@@ -51,6 +51,9 @@ struct GivenPlane {
 
 inline constexpr double kWidestStitch = 1;  ///< mm
 inline constexpr double kWidestTrim = 20;   ///< mm
+/// mm, the diagonal of the box around the triangles: a skull has 300. What is larger has a wrong unit, and is refused
+/// before closing begins.
+inline constexpr double kLargestObject = 2000;
 
 struct CloseOptions {
   CloseMode mode = CloseMode::kAuto;
@@ -95,10 +98,36 @@ struct CloseOptions {
   double cleanup_length_mm = 1e-3;  ///< new edges shorter than this are collapsed; see cleanUpForFloat32()
   double wrap_alpha_mm = 1.0;       ///< hollows narrower than this are bridged; below 0.3 a wrap takes minutes
   double wrap_offset_mm = 0.05;     ///< the wrap stands off the mesh by this much
-  /// A solid that is not what was scanned (more than twice or less than a quarter of its volume, more than a third of
-  /// the vertices lost) is made all the same, with a warning, not refused.
+  /// A solid that is not what was scanned (more than twice or less than a quarter of its volume, more than three fifths
+  /// of the vertices lost, a wrap of what encloses nothing) is made all the same, with a warning, not refused.
   bool accept_doubtful = false;
 };
+
+/// An edge of surface that was invented over a gap, from scan vertex to scan vertex, longer than any mouth of a gap.
+struct WideSpan {
+  Vec3d middle = Vec3d::Zero();  ///< mm, in the scan's frame
+  double mm = 0;
+};
+
+/// A gap of the rim that was bridged.
+struct BridgedPlace {
+  Vec3d middle = Vec3d::Zero();  ///< mm, of the surface that was added, in the scan's frame
+  double area_mm2 = 0;
+  double span_mm = 0;  ///< longest edge of that surface that is none of the rim
+};
+
+/// Bridges may invent this part of the scan's own area, and span so many mm; more is warned of. Scans get 1 % and 6.5
+/// mm at most; a strip of gum whose sockets are roofed over 43 % and 10 mm.
+inline constexpr double kMostBridged = 0.05, kWidestSpan = 8;
+
+/// Lost vertices that lie together: each within 2 mm of another.
+struct LostPlace {
+  Vec3d middle = Vec3d::Zero();  ///< mm, their mean
+  std::size_t vertices = 0;
+};
+
+/// So many lost vertices in one place are said with the place.
+inline constexpr std::size_t kManyLostTogether = 25;
 
 struct CloseReport {
   std::vector<std::string> changes;  ///< what was done, as sentences with counts; empty if nothing had to be
@@ -119,17 +148,25 @@ struct CloseReport {
   std::size_t holes_filled = 0;
   std::size_t seam_vertices = 0;  ///< boundary vertices joined, or put on a boundary edge, by stitching
   std::size_t rims_extruded = 0;
-  std::vector<Vec3d> rim_points{};     ///< mm: boundary vertices of a scan that got a base
-  std::size_t gaps_bridged = 0;        ///< of these rims
-  double rim_bridged_mm = 0;           ///< length of the rims along these gaps
-  double widest_gap_mm = 0;            ///< that was bridged
+  std::vector<Vec3d> rim_points{};         ///< mm: boundary vertices of a scan that got a base
+  std::size_t gaps_bridged = 0;            ///< of these rims
+  double rim_bridged_mm = 0;               ///< length of the rims along these gaps
+  double widest_gap_mm = 0;                ///< of their mouths: a gap may be wider behind its mouth
+  double bridged_mm2 = 0;                  ///< surface that was invented over them, on the scan's side
+  double bridged_share = 0;                ///< of the scan's own area; see kMostBridged
+  double widest_span_mm = 0;               ///< longest edge of that surface, from scan vertex to scan vertex
+  std::vector<BridgedPlace> bridged_at{};  ///< one per gap, the largest area first
+  std::vector<WideSpan> wide_spans{};      ///< above 4 mm, the widest first, none within 6 mm of a wider one
   std::string base_fallback{};         ///< how the base was built where the smooth walls failed: "a lip of 0.4 mm", ...
   std::size_t rim_places_trimmed = 0;  ///< as CloseOptions::trim_rim_mm asked; with what was taken there:
   std::size_t vertices_trimmed = 0;
   std::size_t triangles_trimmed = 0;
   double trimmed_mm2 = 0;
-  std::size_t vertices_lost = 0;      ///< source vertices whose place has no vertex of the solid, but for trimmed ones
+  /// Source vertices whose place has no vertex of the solid, but for trimmed ones. A welded vertex is at the place of
+  /// the one it was welded to.
+  std::size_t vertices_lost = 0;
   std::size_t vertices_lost_far = 0;  ///< those of them farther than 1 mm from the scan's boundary
+  std::vector<LostPlace> lost_at{};   ///< where they lie together, most of them first; empty if any were trimmed
   int handles_added = 0;              ///< of the solid beyond the scan's own; counted where a rim got a base
   std::vector<Vec3d> handles_at{};    ///< mm: where to look for them, the finest of the solid first
   std::size_t pinholes_mended = 0;    ///< holes that the base made, and threads of material around one
@@ -143,6 +180,7 @@ struct CloseReport {
   std::optional<OcclusalPlane> occlusal_plane;  ///< set if options ask to find it
   bool exact = true;                            ///< false after a wrap: the surface is an approximation
   double volume_closed_mm3 = 0;  ///< enclosed by the closed triangles that were wrapped; 0: none, or they stayed open
+  double wrap_offset_mm = 0;     ///< of a wrap, as CloseOptions::wrap_offset_mm asked, scaled on small objects
 };
 
 struct Solid {
@@ -164,13 +202,14 @@ struct Solid {
 /// @param imported_mm  anything a file can hold, in mm, at least one triangle.
 /// @return the solid. Errors: kEmpty (no triangle with area), kGeometry (kRepair on a mesh without underside; nothing
 /// left; the exact way and the wrap failed; a solid that is not what was scanned, see CloseOptions::accept_doubtful),
-/// kBadValue (options), kCancelled.
-/// @cost about 130 ms for 60k triangles without crossings; with about 800 crossing pairs (a ragged rim) about 1 s.
+/// kBadValue (options; an object larger than kLargestObject), kCancelled.
+/// @cost about 130 ms for 60k triangles without crossings; with about 800 crossing pairs (a ragged rim) about 1 s. No
+/// step takes longer for a larger unit: what goes along a rim in mm takes 8000 steps at most, a wrap 1 M facets.
 /// @thread any; uses all TBB threads; deterministic.
 Expected<Solid> closeMesh(const Mesh& imported_mm, const CloseOptions& options = {}, const Progress& progress = {});
 
 /// The plane that closeMesh() would find for a scan without underside under CloseOptions::find_occlusal_plane.
-/// Errors: as findOcclusalPlane(); kGeometry for a closed mesh.
+/// Errors: as findOcclusalPlane(); kGeometry for a closed mesh; kBadValue for one larger than kLargestObject.
 Expected<OcclusalPlane> findOcclusalPlaneOfScan(const Mesh& imported_mm, const CloseOptions& options = {});
 
 /// "weld,orient,fill"; empty for an empty set.

@@ -8,18 +8,19 @@
 #include <numeric>
 #include <utility>
 
+#include "preprocess/close/kept_parts.h"
 #include "preprocess/close/openness.h"
 #include "preprocess/close/winding.h"
 
 namespace kerf::internal {
 namespace {
 
-// Corners at the same place are one: STL has no others.
+// Corners at the same place are one: STL has no others. `used` counts the places.
 std::vector<Triangle> weldedTriangles(const Mesh& mesh, std::size_t& used) {
   std::vector<std::uint32_t> order(mesh.vertices.size());
   std::iota(order.begin(), order.end(), 0u);
   const auto place = [&](std::uint32_t v) {
-    const Vec3d& p = mesh.vertices[v];
+    const Vec3d p = weldPlace(roundedToFloat(mesh.vertices[v]));
     return std::array{p.x(), p.y(), p.z()};
   };
   std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return place(a) < place(b); });
@@ -63,6 +64,79 @@ Expectation expectationOf(const Mesh& imported_mm, bool is_hardly_open, const Cl
   if (!report.exact && report.volume_closed_mm3 > 0) return {report.volume_closed_mm3, "the closed mesh encloses"};
   if (is_hardly_open) return {std::abs(signedVolume(imported_mm)), "the mesh encloses"};
   return {};
+}
+
+/// A wrap lies around whatever it is given: around a sheet, or a heap of copies of one triangle, it is a skin of twice
+/// the offset, closed and of some volume.
+void judgeSkin(const Mesh& solid, const CloseReport& report, Judgement& out) {
+  if (report.exact || !(report.wrap_offset_mm > 0)) return;
+  const double volume = std::abs(signedVolume(solid)), area = surfaceArea(solid);
+  if (volume > kSkin * report.wrap_offset_mm * area || report.volume_closed_mm3 > 0.5 * volume) return;
+
+  const std::string found = fmt::format("a wrap of {:.3g} mm3, {:.2g} mm thick, around a surface that encloses nothing",
+                                        volume, 2 * volume / area);
+  const std::string way =
+      "--close base if it is a scan whose underside is missing, or close the surface in another "
+      "program";
+  out.warnings.push_back("THE SOLID IS A SKIN: it is " + found + ". Look at it before anything is cut; try " + way);
+  out.refusal = Error{.code = Error::Code::kGeometry,
+                      .found = found,
+                      .expected = "a surface with an inside, or a scan that is open below",
+                      .hint = way + "; --accept-doubtful takes the skin as it is"};
+}
+
+/// "it reaches 5.4 mm beyond the scan on the +z side"; empty if the solid reaches as far as the scan.
+std::string extentSentence(const Mesh& solid, const CloseReport& report, const Chain& closed) {
+  std::vector<Vec3d> scan;
+  for (std::size_t t = 0; t < closed.source.size(); ++t)
+    if (closed.source[t] != kAdded)
+      for (const std::uint32_t v : closed.mesh.triangles[t]) scan.push_back(closed.mesh.vertices[v]);
+  if (scan.empty() || solid.vertices.empty()) return {};
+
+  Box3 box;
+  for (const Vec3d& p : scan) box.add(p);
+  constexpr double kSmallestDental = 3;  // mm: lengths shrink with smaller objects
+  const double diagonal = box.size().norm();
+  const double most = std::max(kMostReach * diagonal, kLeastReach * std::min(1.0, diagonal / kSmallestDental));
+  std::string text;
+  for (const SideChange& change : sideChanges(scan, solid, report.base_direction)) {
+    if (std::abs(change.mm) <= most) continue;
+    text += text.empty() ? "it " : ", ";
+    text += fmt::format("{} {:.2g} mm {} the scan on the {} side", change.mm > 0 ? "reaches" : "ends",
+                        std::abs(change.mm), change.mm > 0 ? "beyond" : "short of", nameOfSide(change.side));
+  }
+  return text;
+}
+
+/// Where the volume is wrong the extent tells why; alone it is a warning of its own.
+void judgeExtent(const Mesh& solid, const CloseReport& report, const Chain& closed, Judgement& out) {
+  const std::string extent = extentSentence(solid, report, closed);
+  if (extent.empty()) return;
+  if (!out.warnings.empty())
+    out.warnings.back() += "; " + extent;
+  else
+    out.warnings.push_back("THE SOLID IS NOT AS LARGE AS THE SCAN: " + extent +
+                           ". Look there before anything is cut; try " + otherWays(report));
+}
+
+void judgePieces(const Mesh& solid, const CloseReport& report, const Chain& closed, Judgement& out) {
+  if (!report.exact && !(report.volume_closed_mm3 > 0)) return;  // open triangles in a wrap: pieces of what?
+  const PieceChanges pieces = report.exact ? comparePieces(closed, solid) : compareWrappedPieces(closed, solid);
+  const auto near = [](const Vec3d& p) { return fmt::format("({:.1f}, {:.1f}, {:.1f}) mm", p.x(), p.y(), p.z()); };
+  if (pieces.lost > 0)
+    out.warnings.push_back(
+        fmt::format("{} OF THE SCAN {} LOST: {} of {} in no part of the solid, as near {}. Look at "
+                    "it before anything is cut; try {}",
+                    pieces.lost == 1 ? "A PIECE" : "PIECES", pieces.lost == 1 ? "IS" : "ARE", pieces.lost,
+                    pieces.pieces, near(pieces.lost_at), otherWays(report)));
+  if (pieces.joined == 0) return;
+  const std::string joined = fmt::format("{} of the scan that do not meet are one in the solid, as near {}",
+                                         counted(pieces.joined + 1, "piece", "pieces"), near(pieces.joined_at));
+  if (report.exact)
+    out.notes.push_back(joined);
+  else
+    out.warnings.push_back("PIECES OF THE SCAN ARE JOINED: " + joined +
+                           ". A wrap bridges what lies close together; try " + otherWays(report));
 }
 
 void judgeVolume(const Mesh& imported_mm, const Mesh& solid, const Expectation& expected, bool is_hardly_open,
@@ -118,7 +192,7 @@ double windingVolume(const Mesh& mesh) {
   return box.size().prod() * inside / kPlaces;
 }
 
-Judgement judgeSolid(const Mesh& imported_mm, const Mesh& solid, const CloseReport& report) {
+Judgement judgeSolid(const Mesh& imported_mm, const Mesh& solid, const CloseReport& report, const Chain* closed) {
   Judgement out;
   std::size_t used = 0;
   const std::vector<Triangle> triangles = weldedTriangles(imported_mm, used);
@@ -129,8 +203,11 @@ Judgement judgeSolid(const Mesh& imported_mm, const Mesh& solid, const CloseRepo
       !triangles.empty() && openLength(imported_mm, triangles) <= kHardlyOpen * box.size().norm();
 
   const Expectation expected = expectationOf(imported_mm, is_hardly_open, report);
-  judgeVolume(imported_mm, solid, expected, is_hardly_open, report, out);
+  judgeSkin(solid, report, out);
+  if (!out.refusal) judgeVolume(imported_mm, solid, expected, is_hardly_open, report, out);
   const bool is_volume_right = is_hardly_open && expected.volume > 0 && out.warnings.empty();
+  if (closed) judgeExtent(solid, report, *closed, out);
+  if (closed) judgePieces(solid, report, *closed, out);
   judgeLoss(used, is_volume_right, report, out);
 
   if (report.handles_added > kMostHandles)

@@ -31,6 +31,7 @@ constexpr double kPyramid = 0.1;  // height under a tooth of the rim that a brid
 constexpr double kSample = 0.1;
 constexpr Index kFewestSamples = 24;
 constexpr Index kMostSamples = 20'000;
+constexpr Index kMostPoints = 8'000;  // of a curve: longer ones get longer steps
 constexpr double kLipWave = 2;
 constexpr double kConormalWave = 4;
 constexpr double kLeastConormal = 0.3;  // length of the mean before it is made a unit vector
@@ -184,6 +185,38 @@ void fillWithoutFolds(Chain& chain, const std::set<Triangle>& teeth, const Loop&
   }
 }
 
+/// What the triangles from `first` on, which fill the loop, add to the scan. `spans` gets those above `wide_mm`.
+BridgedPlace placeOf(const Mesh& mesh, std::size_t first, const Loop& loop, double wide_mm,
+                     std::vector<WideSpan>& spans) {
+  std::unordered_map<std::uint32_t, std::size_t> number;
+  for (std::size_t k = 0; k < loop.size(); ++k) number[loop[k]] = k;
+  const auto isAcross = [&](std::uint32_t a, std::uint32_t b) {
+    const auto from = number.find(a), to = number.find(b);
+    if (from == number.end() || to == number.end()) return false;
+    return from->second + 1 != to->second && to->second + 1 != from->second;
+  };
+
+  BridgedPlace out;
+  for (std::size_t t = first; t < mesh.triangles.size(); ++t) {
+    const double area = 0.5 * doubleAreaVector(mesh, t).norm();
+    out.area_mm2 += area;
+    out.middle += area / 3 * (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2));
+    const Triangle& f = mesh.triangles[t];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t a = f[k], b = f[(k + 1) % 3];
+      if (!isAcross(a, b)) continue;
+      const double span = (mesh.vertices[a] - mesh.vertices[b]).norm();
+      out.span_mm = std::max(out.span_mm, span);
+      if (span > wide_mm) spans.push_back({0.5 * (mesh.vertices[a] + mesh.vertices[b]), span});
+    }
+  }
+  if (out.area_mm2 > 0)
+    out.middle /= out.area_mm2;
+  else
+    out.middle = mesh.vertices[loop[0]];
+  return out;
+}
+
 /// A closed curve in space, the rim's parameter of each point (rising, from 0 to below 1), and its vertices.
 struct Ring {
   std::vector<std::uint32_t> vertex;
@@ -243,7 +276,8 @@ ClosedCurve resampled(const ClosedCurve& curve, const VectorXd& parameter, const
                       VectorXd& new_parameter) {
   const Index n = curve.rows();
   const double whole = edges.sum();
-  const Index count = std::clamp<Index>(static_cast<Index>(std::lround(whole / step)), 12, n);
+  const double steps = std::min(whole / step, static_cast<double>(kMostPoints));
+  const Index count = std::clamp<Index>(static_cast<Index>(std::lround(steps)), 12, n);
   ClosedCurve out(count, curve.cols());
   new_parameter.resize(count);
   Index at = 0;
@@ -425,10 +459,12 @@ Expected<std::vector<Loop>> bridgeFjords(Chain& chain, const std::vector<Loop>& 
       if (!report(progress, 0.13, "bridging gaps in the rim")) return cancelled();
       const std::size_t steps = (b.to + rim.size() - b.from) % rim.size();
       if (edges_left - steps + 1 < kFewest) continue;
-      fillWithoutFolds(chain, teeth, pathAlong(rim, b), kPyramid * scale);
+      const Loop path = pathAlong(rim, b);
+      const std::size_t filled = chain.mesh.triangles.size();
+      fillWithoutFolds(chain, teeth, path, kPyramid * scale);
       edges_left -= steps - 1;
       for (std::size_t k = 1; k < steps; ++k) inside[(b.from + k) % rim.size()] = 1;
-      ++gaps.count;
+      gaps.places.push_back(placeOf(chain.mesh, filled, path, kWidestBridge * scale, gaps.spans));
       gaps.rim_mm += b.rim_mm;
       gaps.widest_mm = std::max(gaps.widest_mm, b.width_mm);
     }

@@ -12,7 +12,7 @@
 namespace kerf::internal {
 namespace {
 
-constexpr double kMostFacets = 1e7;  // of a wrap around the box of the object: 10 GB
+constexpr double kMostFacets = 1e6;  // of a wrap around the box of the object: 1 GB, some 10 minutes
 
 struct Stopped : std::exception {};
 

@@ -154,11 +154,32 @@ nlohmann::json jsonOf(const PairCheck& c) {
 nlohmann::json jsonOf(const CloseReport& c) {
   nlohmann::json holes = nlohmann::json::array();
   for (const Vec3d& p : c.handles_at) holes.push_back({p.x(), p.y(), p.z()});
+  nlohmann::json lost = nlohmann::json::array();
+  for (const LostPlace& place : c.lost_at) {
+    const Vec3d& p = place.middle;
+    lost.push_back({{"vertices", place.vertices}, {"at_mm", {p.x(), p.y(), p.z()}}});
+  }
+  nlohmann::json bridges = nlohmann::json::array();
+  for (const BridgedPlace& place : c.bridged_at) {
+    const Vec3d& p = place.middle;
+    bridges.push_back({{"area_mm2", place.area_mm2}, {"span_mm", place.span_mm}, {"at_mm", {p.x(), p.y(), p.z()}}});
+  }
+  nlohmann::json spans = nlohmann::json::array();
+  for (const WideSpan& span : c.wide_spans) {
+    const Vec3d& p = span.middle;
+    spans.push_back({{"span_mm", span.mm}, {"at_mm", {p.x(), p.y(), p.z()}}});
+  }
   return {{"vertices_lost", c.vertices_lost},
           {"vertices_lost_farther_than_1_mm_from_rim", c.vertices_lost_far},
+          {"vertices_lost_at", lost},
           {"gaps_bridged", c.gaps_bridged},
           {"rim_bridged_mm", c.rim_bridged_mm},
           {"widest_gap_mm", c.widest_gap_mm},
+          {"bridged_mm2", c.bridged_mm2},
+          {"bridged_share", c.bridged_share},
+          {"widest_span_mm", c.widest_span_mm},
+          {"bridged_at", bridges},
+          {"wide_spans", spans},
           {"handles_added", c.handles_added},
           {"handles_at_mm", holes},
           {"pinholes_mended", c.pinholes_mended},

@@ -57,6 +57,22 @@ TEST(BakeRecipe, TissuesBecomeOneCaseWithTheirVolumes) {
   EXPECT_EQ(edgeConnectedPieces(*solid).count, 1u) << "the pulp makes no inner wall";
 }
 
+TEST(BakeRecipe, PartsFarTooLargeAreRefusedBeforeTheyAreClosed) {
+  const TemporaryFolder folder;
+  const fs::path recipe = toothRecipe(folder.path());
+  BakeOptions options;
+  options.unit = "m";  // 6 mm are 6 m
+  bool was_uniting = false;
+  const auto refused = bakeRecipe(recipe, folder.path() / "tooth.case", options, [&](double, std::string_view what) {
+    was_uniting = was_uniting || what == "welding" || what == "uniting parts";
+    return true;
+  });
+  ASSERT_FALSE(refused);
+  EXPECT_FALSE(was_uniting);
+  for (const char* said : {"size", "unit m", "at most 2000 mm", "--unit"})
+    EXPECT_NE(refused.error().message().find(said), std::string::npos) << refused.error().message();
+}
+
 TEST(BakeRecipe, AnOpenPartIsRefusedWithAWayOutThatWorks) {
   const TemporaryFolder folder;
   const fs::path recipe = toothRecipe(folder.path()), out = folder.path() / "tooth.case";

@@ -139,6 +139,49 @@ TEST(Bake, AnObjectSmallerThanAVoxelIsRefusedBeforeItIsClosed) {
   EXPECT_TRUE(baked->unit_is_doubtful[0]);
 }
 
+// An arch of 60 mm that is taken for 60 m was closed for more than ten minutes before its field was refused.
+TEST(Bake, AnObjectFarTooLargeIsRefusedBeforeItIsClosed) {
+  const TemporaryFolder folder;
+  const fs::path mesh = folder.path() / "arch.stl", out = folder.path() / "x.case";
+  ASSERT_TRUE(writeMesh(mesh, ballMesh({0, 0, 0}, 30, 20)));
+  bool was_closing = false;
+  const auto watch = [&](double, std::string_view what) {
+    was_closing = was_closing || what == "closing";
+    return true;
+  };
+  BakeOptions options;
+  options.unit = "m";
+  const auto refused = bake({mesh}, out, options, watch);
+  ASSERT_FALSE(refused);
+  EXPECT_FALSE(was_closing);
+  EXPECT_EQ(refused.error().code, Error::Code::kBadValue);
+  for (const char* said : {"arch.stl", "size", "unit m", "in mm", "at most 2000 mm", "--unit"})
+    EXPECT_NE(refused.error().message().find(said), std::string::npos) << refused.error().message();
+  EXPECT_FALSE(fs::exists(out));
+
+  // 600 mm are closed, but its field would not fit.
+  options.unit = "cm";
+  options.voxelize.max_bytes = 1 << 30;
+  const auto too_fine = bake({mesh}, out, options, watch);
+  ASSERT_FALSE(too_fine);
+  EXPECT_FALSE(was_closing);
+  for (const char* said : {"arch.stl", "voxel size", "0.1 mm would need", "GB or more", "unit cm", "--voxel"})
+    EXPECT_NE(too_fine.error().message().find(said), std::string::npos) << too_fine.error().message();
+}
+
+TEST(Bake, WhereVerticesAreLostTogetherIsSaidFirst) {
+  BakeReport report;
+  report.manifest.exact = true;
+  report.close.vertices_lost = 128;
+  report.close.lost_at = {{{-13.21, 11.12, -0.44}, 126}, {{3.9, 20.3, -6.5}, 1}};
+  EXPECT_NE(describe(report).find("scan: 128 of its vertices are not in the solid, 126 of them together near (-13.2, "
+                                  "11.1, -0.4) mm\n"),
+            std::string::npos)
+      << describe(report);
+  report.close.lost_at[0].vertices = 3;
+  EXPECT_EQ(describe(report).find("together"), std::string::npos) << describe(report);
+}
+
 TEST(Bake, AnExistingCaseIsReplacedOnlyWhenAsked) {
   const TemporaryFolder folder;
   const fs::path mesh = folder.path() / "ball.stl", out = folder.path() / "x.case";

@@ -386,10 +386,52 @@ TEST(Close, AnUprightTriangleGetsNoBase) {
 }
 
 TEST(Close, AWrapThatWouldTakeAllMemoryIsRefusedWithOneThatDoesNot) {
-  const auto refused = closeMesh(box(0, 9e6), {.mode = CloseMode::kWrap});
+  const auto refused = closeMesh(box(0, 1000), {.mode = CloseMode::kWrap});
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, Error::Code::kBadValue) << refused.error().message();
   EXPECT_NE(refused.error().expected.find("mm or more"), std::string::npos) << refused.error().message();
+}
+
+TEST(Close, WhatIsLargerThanTwoMetresIsRefusedBeforeAnyStep) {
+  bool began = false;
+  const auto refused = closeMesh(box(0, 1500), {}, [&](double, std::string_view) { return began = true; });
+  ASSERT_FALSE(refused);
+  EXPECT_FALSE(began);
+  EXPECT_EQ(refused.error().code, Error::Code::kBadValue);
+  EXPECT_NE(refused.error().hint.find("unit"), std::string::npos) << refused.error().message();
+  EXPECT_EQ(findOcclusalPlaneOfScan(box(0, 1500)).error().code, Error::Code::kBadValue);
+  EXPECT_TRUE(closeMesh(box(0, 1000)));
+  Mesh small = box(0, 10);  // a vertex that no triangle uses is no part of it
+  small.vertices.push_back({1e6, 0, 0});
+  EXPECT_TRUE(closeMesh(small));
+}
+
+// Files in inches turn 0 into 1e-17 mm here and there.
+TEST(Close, AVertexThatWasWeldedIsNotLost) {
+  const Mesh whole = ball(12, 24, 5);
+  Mesh m;
+  for (const Triangle& f : whole.triangles)
+    for (const std::uint32_t v : f) {
+      const auto n = static_cast<std::uint32_t>(m.vertices.size());
+      if (n % 3 == 0) m.triangles.push_back({n, n + 1, n + 2});
+      Vec3d p = whole.vertices[v];
+      p.z() = std::abs(p.z()) < 1e-6 ? roundedToFloat(1e-17 * n) : p.z();
+      m.vertices.push_back(p);
+    }
+  const Solid s = closed(m);
+  EXPECT_GT(s.report.vertices_welded, 0u);
+  EXPECT_EQ(s.report.vertices_lost, 0u) << "all of the equator lies within 1e-14 mm";
+  EXPECT_TRUE(s.report.warnings.empty()) << fmt::format("{}", fmt::join(s.report.warnings, "; "));
+}
+
+TEST(Close, WhereMostVerticesAreLostIsTold) {
+  Mesh sunk = ball(16, 32, 3);
+  for (Vec3d& p : sunk.vertices) p = roundedToFloat(Vec3d(p + Vec3d(10.1, 10.2, 9.3)));
+  const Solid s = closed(both(box(0, 10), sunk));
+  ASSERT_FALSE(s.report.lost_at.empty());
+  EXPECT_GT(s.report.lost_at[0].vertices, kManyLostTogether);
+  EXPECT_LE(s.report.lost_at[0].vertices, s.report.vertices_lost);
+  EXPECT_LT((s.report.lost_at[0].middle - Vec3d(9, 9, 8.5)).norm(), 2);
 }
 
 // All triangles between 40 points, most of which cross: no surface, and minutes if each pair were resolved.

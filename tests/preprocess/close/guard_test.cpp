@@ -4,13 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "geometry/mesh/solids.h"
+#include "preprocess/close/losses.h"
 #include "tests/preprocess/solid_checks.h"
 
 namespace kerf {
 namespace {
 
+using internal::Chain;
 using internal::judgeSolid;
 using internal::windingVolume;
 
@@ -162,6 +165,158 @@ TEST(Guard, ManyHolesRightThroughAreSaidInCapitals) {
   const auto said = judgeSolid(mesh, mesh, report).warnings;
   ASSERT_EQ(said.size(), 1u);
   EXPECT_NE(said[0].find("FULL OF HOLES"), std::string::npos) << said[0];
+}
+
+// A roof 5 mm high with a row of sockets at its front edge. A flap lies over the mouth of each, so that the walls below
+// meet, and what was a bay of the rim is a shaft right through.
+Mesh roofWithShafts(int sockets) {
+  const int across = 3 * sockets + 1, deep = 5;
+  Mesh m;
+  for (int j = 0; j <= deep; ++j)
+    for (int i = 0; i <= across; ++i) m.vertices.push_back({1.0 * i, 1.0 * j, 5});
+  const auto at = [&](int i, int j) { return static_cast<std::uint32_t>(j * (across + 1) + i); };
+  for (int j = 0; j < deep; ++j)
+    for (int i = 0; i < across; ++i) {
+      if (i % 3 == 1 && j < 3) continue;
+      m.triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+      m.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+    }
+  for (int k = 0; k < sockets; ++k) {
+    const auto n = static_cast<std::uint32_t>(m.vertices.size());
+    m.vertices.push_back(roundedToFloat(Vec3d(3 * k + 2.3, 0.2, 5.5)));
+    m.vertices.push_back(roundedToFloat(Vec3d(3 * k + 2.3, 0.8, 5.5)));
+    m.triangles.push_back({at(3 * k + 1, 0), n, n + 1});
+    m.triangles.push_back({at(3 * k + 1, 0), n + 1, at(3 * k + 1, 1)});
+  }
+  return subset(m, std::vector<char>(m.triangles.size(), 1));
+}
+
+TEST(Guard, ShaftsThatABaseMakesAreCountedOnAMeshThatHasNone) {
+  const CloseOptions straight{.base_smoothing_mm = 0, .base_direction = -Vec3d::UnitZ()};
+  EXPECT_EQ(internal::handlesOf(roofWithShafts(24)), 0);
+  const Solid many = closed(roofWithShafts(24), straight);
+  EXPECT_EQ(many.report.handles_added, 24);
+  ASSERT_FALSE(many.report.warnings.empty());
+  EXPECT_NE(many.report.warnings.back().find("FULL OF HOLES: 24"), std::string::npos) << many.report.warnings.back();
+
+  const Solid few = closed(roofWithShafts(2), straight);
+  EXPECT_EQ(few.report.handles_added, 2);
+  EXPECT_TRUE(few.report.warnings.empty()) << few.report.warnings.front();
+}
+
+// Twenty thousand copies of one triangle made a solid of 4.8 mm3, without a word.
+TEST(Guard, AWrapOfWhatEnclosesNothingIsRefused) {
+  Mesh copies;
+  copies.vertices = {{0, 0, 0}, {10, 0, 0}, {0, 10, 0}};
+  copies.triangles.assign(20'000, {0, 1, 2});
+  for (const CloseMode mode : {CloseMode::kAuto, CloseMode::kWrap}) {
+    CloseOptions options{.mode = mode};
+    const auto refused = closeMesh(copies, options);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, Error::Code::kGeometry);
+    EXPECT_NE(refused.error().found.find("encloses nothing"), std::string::npos) << refused.error().message();
+    EXPECT_NE(refused.error().hint.find("--close base"), std::string::npos) << refused.error().message();
+    EXPECT_NE(refused.error().hint.find("--accept-doubtful"), std::string::npos) << refused.error().message();
+
+    options.accept_doubtful = true;
+    const auto taken = closeMesh(copies, options);
+    ASSERT_TRUE(taken) << taken.error().message();
+    ASSERT_FALSE(taken->report.warnings.empty());
+    EXPECT_NE(taken->report.warnings.back().find("A SKIN"), std::string::npos) << taken->report.warnings.back();
+  }
+  // Thin, but with an inside.
+  EXPECT_TRUE(closeMesh(box({0, 0, 0}, {10, 10, 0.4}), {.mode = CloseMode::kWrap}));
+}
+
+Chain chainOf(const Mesh& mesh) {
+  Chain out{.mesh = mesh, .source = {}, .source_vertices = static_cast<std::uint32_t>(mesh.vertices.size())};
+  out.source.resize(mesh.triangles.size());
+  std::iota(out.source.begin(), out.source.end(), 0u);
+  return out;
+}
+
+TEST(Guard, ASideThatGrewOrShrankIsNamedWithItsMillimetres) {
+  // An open scan encloses nothing: only the extent tells.
+  Mesh open = box({0, 0, 0}, {20, 20, 10});
+  open.triangles.erase(open.triangles.begin(), open.triangles.begin() + 2);
+  const Chain chain = chainOf(open);
+  CloseReport report = exactReport();
+  report.base_direction = -Vec3d::UnitZ();
+  EXPECT_TRUE(judgeSolid(open, box({0, 0, -9}, {20, 20, 10}), report, &chain).warnings.empty()) << "the base's side";
+  EXPECT_TRUE(judgeSolid(open, box({-0.3, 0, -9}, {20.3, 20, 10}), report, &chain).warnings.empty()) << "a lip";
+
+  const auto said = judgeSolid(open, box({0, 0, -9}, {23, 18, 10}), report, &chain).warnings;
+  ASSERT_EQ(said.size(), 1u);
+  EXPECT_NE(said[0].find("it ends 2 mm short of the scan on the +y side, reaches 3 mm beyond the scan on the +x side"),
+            std::string::npos)
+      << said[0];
+  EXPECT_NE(said[0].find("try --close"), std::string::npos) << said[0];
+
+  // With a volume to compare with the extent says what is wrong with it.
+  const Mesh whole = box({0, 0, 0}, {20, 20, 10});
+  const Chain closed_chain = chainOf(whole);
+  const auto grown = judgeSolid(whole, box({0, 0, 0}, {20, 20, 14}), exactReport(), &closed_chain).warnings;
+  ASSERT_EQ(grown.size(), 1u);
+  EXPECT_NE(grown[0].find("NOT WHAT WAS SCANNED"), std::string::npos) << grown[0];
+  EXPECT_NE(grown[0].find("it reaches 4 mm beyond the scan on the +z side"), std::string::npos) << grown[0];
+}
+
+TEST(Guard, APieceThatIsLostIsSaidWithItsPlace) {
+  const Mesh three = rowOfBoxes(3), two = rowOfBoxes(2);
+  const Chain chain = chainOf(three);
+  const auto said = judgeSolid(three, two, exactReport(), &chain).warnings;
+  ASSERT_FALSE(said.empty());
+  EXPECT_NE(said.back().find("A PIECE OF THE SCAN IS LOST: 1 of 3"), std::string::npos) << said.back();
+  EXPECT_NE(said.back().find("(7.0, 1.0, 1.0) mm"), std::string::npos) << said.back();
+  EXPECT_TRUE(judgeSolid(three, three, exactReport(), &chain).warnings.empty());
+
+  // The whole way: a sheet is closed on its own back, and nothing is left of it.
+  Mesh sheet;
+  sheet.vertices = {{12, 0, 0}, {16, 0, 0}, {16, 4, 0}, {12, 4, 0}};
+  sheet.triangles = {{0, 1, 2}, {0, 2, 3}};
+  const auto s = closeMesh(both(box({0, 0, 0}, {10, 10, 10}), sheet));
+  ASSERT_TRUE(s) << s.error().message();
+  EXPECT_TRUE(std::any_of(s->report.warnings.begin(), s->report.warnings.end(), [](const std::string& warning) {
+    return warning.find("A PIECE OF THE SCAN IS LOST") != std::string::npos;
+  })) << fmt::format("{}", fmt::join(s->report.changes, "; "));
+
+  // What lies in another goes as in every union: it is not lost.
+  const auto nested = closeMesh(both(ball(12, 24, 5), ball(30, 60, 2)));
+  ASSERT_TRUE(nested);
+  for (const std::string& warning : nested->report.warnings)
+    EXPECT_EQ(warning.find("A PIECE"), std::string::npos) << warning;
+}
+
+TEST(Guard, PiecesThatAWrapJoinsAreSaidAndThoseThatMeetAreNot) {
+  const auto isJoined = [](const std::string& warning) { return warning.find("ARE JOINED: 2") != std::string::npos; };
+  const Mesh apart = both(box({0, 0, 0}, {8, 8, 8}), box({8.3, 0, 0}, {16, 8, 8}));
+  const auto wrapped = closeMesh(apart, {.mode = CloseMode::kWrap, .wrap_alpha_mm = 1});
+  ASSERT_TRUE(wrapped) << wrapped.error().message();
+  ASSERT_EQ(countPieces(wrapped->mesh).pieces, 1u);
+  EXPECT_TRUE(std::any_of(wrapped->report.warnings.begin(), wrapped->report.warnings.end(), isJoined));
+
+  const Mesh meeting = both(box({0, 0, 0}, {8, 8, 8}), box({7, 1, 1}, {16, 7, 7}));
+  const auto one = closeMesh(meeting, {.mode = CloseMode::kWrap, .wrap_alpha_mm = 1});
+  ASSERT_TRUE(one) << one.error().message();
+  EXPECT_FALSE(std::any_of(one->report.warnings.begin(), one->report.warnings.end(), isJoined));
+
+  // An exact solid joins only what its walls or patches join: a note.
+  const Chain chain = chainOf(apart);
+  const Mesh joined = closed(both(apart, box({7, 2, 2}, {9, 6, 6}))).mesh;
+  const auto judged = judgeSolid(apart, joined, exactReport(), &chain);
+  ASSERT_EQ(judged.notes.size(), 1u);
+  EXPECT_NE(judged.notes[0].find("2 pieces of the scan that do not meet are one in the solid"), std::string::npos);
+}
+
+TEST(Guard, LostPlacesThatLieTogetherAreOneHeap) {
+  std::vector<Vec3d> places;
+  for (int k = 0; k < 30; ++k) places.push_back({1.5 * k, 0, 0});
+  places.push_back({100, 0, 0});
+  const auto heaps = internal::heapsOf(places, 2);
+  ASSERT_EQ(heaps.size(), 2u);
+  EXPECT_EQ(heaps[0].vertices, 30u);
+  EXPECT_NEAR(heaps[0].middle.x(), 1.5 * 14.5, 1e-9);
+  EXPECT_EQ(heaps[1].vertices, 1u);
 }
 
 // Specks: counted, and dropped where that is asked for, never the largest piece.

@@ -172,6 +172,18 @@ TEST(Hostile, TrianglesWithoutAreaBesideAsManyWith) {
   expectAnswer(m, "flat");
 }
 
+// Walls, lips and bridges go along a rim in steps of tenths of a mm.
+TEST(Hostile, AScanAMetreAndAHalfAcross) {
+  std::mt19937 random(3);
+  Mesh m = ball(40, 200, 700);
+  for (Vec3d& p : m.vertices)
+    if (p.z() < -200 && p.z() > -320) p.z() += 0.05 * static_cast<double>(random() % 1000);
+  std::erase_if(m.triangles, [&](const Triangle& f) {
+    return m.vertices[f[0]].z() < -200 || m.vertices[f[1]].z() < -200 || m.vertices[f[2]].z() < -200;
+  });
+  expectAnswer(m, "large", 60);
+}
+
 // Its points are R sin(pi), 1e-16 mm, from the axis, and float32 tells them apart: a hole that was stitched for
 // minutes.
 TEST(Hostile, ASphereWithPolesOfManyPointsIsClosedAsItIs) {

@@ -1,6 +1,8 @@
 // The base of an open scan: every vertex kept, walls without needles, an outline that a technician would trim.
 #include <oneapi/tbb/global_control.h>
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <numbers>
 #include <random>
@@ -37,8 +39,8 @@ Mesh dome(int rings, int sectors, Radius&& radius, Height&& rim_height) {
 }
 
 /// The teeth of a saw: every other rim vertex sticks out by up to 1 mm.
-Mesh raggedDome() {
-  std::mt19937 random(7);
+Mesh raggedDome(unsigned seed = 7) {
+  std::mt19937 random(seed);
   std::vector<double> out(180), down(180);
   for (std::size_t j = 0; j < out.size(); ++j) {
     out[j] = 12.3 + (j % 2 ? 1e-3 * static_cast<double>(random() % 1000) : 0);
@@ -72,6 +74,99 @@ double turningOfBase(const Solid& s) {
   return sum * 180 / kPi;
 }
 
+/// A section of a solid square to its base, `above` mm over it, as squares of 0.05 mm.
+class Section {
+ public:
+  Section(const Solid& s, double above) {
+    const Vec3d w = *s.report.base_direction;
+    const double level = s.report.base_level_mm - above;
+    int axis = 0;
+    w.cwiseAbs().maxCoeff(&axis);
+    const auto inPlan = [&](const Vec3d& p) { return Eigen::Vector2d(p[(axis + 1) % 3], p[(axis + 2) % 3]); };
+
+    // The outline.
+    std::vector<std::array<Eigen::Vector2d, 2>> lines;
+    Box3 box;
+    for (std::size_t t = 0; t < s.mesh.triangles.size(); ++t) {
+      std::vector<Eigen::Vector2d> ends;
+      for (int k = 0; k < 3; ++k) {
+        const Vec3d a = s.mesh.corner(t, k), b = s.mesh.corner(t, (k + 1) % 3);
+        const double da = a.dot(w) - level, db = b.dot(w) - level;
+        if ((da < 0) != (db < 0)) ends.push_back(inPlan(a + da / (da - db) * (b - a)));
+      }
+      if (ends.size() != 2) continue;
+      lines.push_back({ends[0], ends[1]});
+      for (const Eigen::Vector2d& p : ends) box.add({p.x(), p.y(), 0});
+    }
+
+    // Its inside, row by row.
+    constexpr int kBorder = 10;
+    low_ = box.min.head<2>() - Eigen::Vector2d::Constant(kBorder * kSquare);
+    columns_ = static_cast<int>(box.size().x() / kSquare) + 2 * kBorder;
+    rows_ = static_cast<int>(box.size().y() / kSquare) + 2 * kBorder;
+    inside_.assign(static_cast<std::size_t>(columns_ * rows_), 0);
+    for (int row = 0; row < rows_; ++row) {
+      const double y = low_.y() + (row + 0.5) * kSquare;
+      std::vector<double> crossings;
+      for (const auto& [p, q] : lines)
+        if ((p.y() < y) != (q.y() < y)) crossings.push_back(p.x() + (y - p.y()) / (q.y() - p.y()) * (q.x() - p.x()));
+      std::sort(crossings.begin(), crossings.end());
+      for (int column = 0; column < columns_; ++column) {
+        const double x = low_.x() + (column + 0.5) * kSquare;
+        const auto before = std::lower_bound(crossings.begin(), crossings.end(), x) - crossings.begin();
+        inside_[at(column, row)] = before % 2 != 0;
+      }
+    }
+  }
+
+  /// Places that a disc of the width does not reach into, larger than 0.02 mm2: a corner leaves less.
+  int thinPlaces(double width) const {
+    std::vector<std::array<int, 2>> disc;
+    const int reach = static_cast<int>(width / 2 / kSquare);
+    for (int y = -reach; y <= reach; ++y)
+      for (int x = -reach; x <= reach; ++x)
+        if (std::hypot(x, y) * kSquare <= width / 2) disc.push_back({x, y});
+    std::vector<char> reached(inside_.size(), 0);
+    for (int row = reach; row + reach < rows_; ++row)
+      for (int column = reach; column + reach < columns_; ++column) {
+        const auto fits = [&](const std::array<int, 2>& d) { return inside_[at(column + d[0], row + d[1])] != 0; };
+        if (!std::all_of(disc.begin(), disc.end(), fits)) continue;
+        for (const auto& d : disc) reached[at(column + d[0], row + d[1])] = 1;
+      }
+
+    int places = 0;
+    std::vector<char> seen = reached;
+    for (int row = 0; row < rows_; ++row)
+      for (int column = 0; column < columns_; ++column)
+        places += sizeOfPlace(column, row, seen) * kSquare * kSquare > 0.02;
+    return places;
+  }
+
+ private:
+  static constexpr double kSquare = 0.05;
+  std::size_t at(int column, int row) const { return static_cast<std::size_t>(row * columns_ + column); }
+
+  /// Squares connected with this one that are inside and not seen yet; now they are.
+  int sizeOfPlace(int column, int row, std::vector<char>& seen) const {
+    std::vector<std::array<int, 2>> stack{{column, row}};
+    int size = 0;
+    while (!stack.empty()) {
+      const auto [x, y] = stack.back();
+      stack.pop_back();
+      if (x < 0 || y < 0 || x >= columns_ || y >= rows_ || !inside_[at(x, y)] || seen[at(x, y)]) continue;
+      seen[at(x, y)] = 1;
+      ++size;
+      for (const auto& next : {std::array{x + 1, y}, std::array{x - 1, y}, std::array{x, y + 1}, std::array{x, y - 1}})
+        stack.push_back(next);
+    }
+    return size;
+  }
+
+  Eigen::Vector2d low_;
+  int columns_ = 0, rows_ = 0;
+  std::vector<char> inside_;
+};
+
 void expectOnePieceWithoutHandles(const Solid& s) {
   EXPECT_EQ(edgeConnectedPieces(s.mesh).count, 1u);
   EXPECT_EQ(s.report.handles_added, 0);
@@ -91,6 +186,18 @@ TEST(SmoothBase, ARaggedRimGetsACalmOutlineAndLosesNothing) {
   const Solid straight = closed(m, {.base_smoothing_mm = 0});
   EXPECT_GT(turningOfBase(straight), 3000) << "today's walls repeat every tooth of the rim";
   EXPECT_DOUBLE_EQ(s.report.base_level_mm, straight.report.base_level_mm);
+}
+
+// What is thinner breaks off in the printer's bath. Measured as in the experiments that the walls come from: 23 places
+// on a ragged lower jaw with straight walls.
+TEST(SmoothBase, ABaseHasNoNeedleThinnerThanHalfAMillimetre) {
+  for (const unsigned seed : {7u, 8u, 9u}) {
+    const Solid s = closed(raggedDome(seed));
+    EXPECT_EQ(Section(s, 0.6).thinPlaces(0.5), 0) << "seed " << seed;
+    EXPECT_EQ(Section(s, 1.5).thinPlaces(0.5), 0) << "seed " << seed;
+  }
+  const Solid straight = closed(raggedDome(), {.base_smoothing_mm = 0});
+  EXPECT_GT(Section(straight, 0.6).thinPlaces(0.5), 10) << "the teeth of the rim, down to the base";
 }
 
 TEST(SmoothBase, TheOutlineStaysUnderTheRim) {
@@ -116,6 +223,9 @@ TEST(SmoothBase, AFjordIsBridgedAndNoShaftIsLeft) {
   EXPECT_EQ(s.report.gaps_bridged, 1u);
   EXPECT_GT(s.report.rim_bridged_mm, 14);
   EXPECT_LT(s.report.widest_gap_mm, 3) << "across the slit, a little aslant";
+  EXPECT_NEAR(s.report.bridged_mm2, 1.2 * 8.5, 7) << "a slit of 1.2 x 8.5 mm that slopes, its edges whole triangles";
+  EXPECT_LT(s.report.widest_span_mm, 4);
+  EXPECT_TRUE(s.report.warnings.empty()) << s.report.warnings.front();
   EXPECT_EQ(s.report.vertices_lost, 0u);
   expectOnePieceWithoutHandles(s);
   EXPECT_LT(turningOfBase(s), 450);
@@ -123,6 +233,31 @@ TEST(SmoothBase, AFjordIsBridgedAndNoShaftIsLeft) {
   EXPECT_NE(said.find("1 gap in the rim was bridged"), std::string::npos) << said;
 
   EXPECT_EQ(closed(m, {.base_smoothing_mm = 0}).report.gaps_bridged, 0u);
+}
+
+// The mouth of a gap is narrow; what lies behind it, as the socket of a tooth, is not.
+TEST(SmoothBase, ASocketThatIsRoofedOverIsSaidWithItsSizeAndPlace) {
+  Mesh m = dome(
+      24, 240, [](int) { return 12.5; }, [](int) { return 2.0; });
+  const auto is_socket = [&](const Triangle& f) {
+    const Vec3d c = (m.vertices[f[0]] + m.vertices[f[1]] + m.vertices[f[2]]) / 3;
+    return (c.x() > 4 && std::abs(c.y()) < 0.6) || std::hypot(c.x() - 4, c.y()) < 4.5;
+  };
+  std::erase_if(m.triangles, is_socket);
+  const Solid s = closed(m);
+  EXPECT_GE(s.report.gaps_bridged, 1u);
+  EXPECT_LT(s.report.widest_gap_mm, 4);
+  EXPECT_GT(s.report.bridged_mm2, 50);
+  EXPECT_GT(s.report.bridged_share, kMostBridged);
+  EXPECT_GT(s.report.widest_span_mm, 7);
+  ASSERT_FALSE(s.report.wide_spans.empty());
+  EXPECT_EQ(s.report.wide_spans[0].mm, s.report.widest_span_mm);
+  EXPECT_LT((s.report.wide_spans[0].middle.head<2>() - Eigen::Vector2d(4, 0)).norm(), 5);
+  ASSERT_EQ(s.report.bridged_at.size(), s.report.gaps_bridged);
+  EXPECT_LT((s.report.bridged_at[0].middle.head<2>() - Eigen::Vector2d(4.5, 0)).norm(), 5);
+  ASSERT_EQ(s.report.warnings.size(), 1u);
+  for (const char* said : {"mm2 of surface that nobody scanned", "roofed over", "--base-smoothing 0", "near ("})
+    EXPECT_NE(s.report.warnings[0].find(said), std::string::npos) << s.report.warnings[0];
 }
 
 TEST(SmoothBase, ATongueIsNotCutOff) {
