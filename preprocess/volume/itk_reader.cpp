@@ -1,6 +1,7 @@
 // The only source that sees ITK, in a library of its own, kerf_volumes.so.
 #include "preprocess/volume/itk_reader.h"
 
+#include <dlfcn.h>
 #include <gdcmReader.h>
 #include <gdcmSequenceOfItems.h>
 #include <gdcmTrace.h>
@@ -14,6 +15,7 @@
 #include <itkTIFFImageIO.h>
 
 #include <cmath>
+#include <cstdarg>
 #include <cstdlib>
 #include <mutex>
 #include <utility>
@@ -25,6 +27,15 @@ namespace {
 
 using Io = itk::ImageIOBase;
 
+// ITK's copy of libtiff writes to standard error what it complains of. It has no header, and names of its own.
+void quietTiff() {
+  using Handler = void (*)(const char* module, const char* format, va_list arguments);
+  for (const char* name : {"itk_TIFFSetErrorHandler", "itk_TIFFSetWarningHandler"}) {
+    const auto set = reinterpret_cast<Handler (*)(Handler)>(dlsym(RTLD_DEFAULT, name));
+    if (set) set(nullptr);
+  }
+}
+
 void quiet() {
   static std::once_flag once;
   std::call_once(once, [] {
@@ -32,6 +43,7 @@ void quiet() {
     gdcm::Trace::SetDebug(false);
     gdcm::Trace::SetWarning(false);
     gdcm::Trace::SetError(false);
+    quietTiff();
   });
 }
 

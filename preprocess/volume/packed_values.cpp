@@ -30,7 +30,7 @@ class PackedBytes {
  public:
   explicit PackedBytes(const PackedValues& packed) : in_(packed.file, std::ios::binary), left_(packed.bytes) {
     in_.seekg(static_cast<std::streamoff>(packed.from));
-    chunk_.resize(kChunk);
+    chunk_.resize(static_cast<std::size_t>(std::clamp<std::uint64_t>(packed.bytes, 1, kChunk)));
   }
 
   bool isReadable() const { return in_.is_open() && !in_.bad(); }

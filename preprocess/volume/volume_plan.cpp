@@ -8,6 +8,7 @@
 
 #include "preprocess/volume/dicom_pixels.h"
 #include "preprocess/volume/slice_trial.h"
+#include "preprocess/volume/tiff_strips.h"
 #include "preprocess/volume/volume_names.h"
 
 namespace kerf::internal {
@@ -117,6 +118,17 @@ Expected<VolumePlan> planPictures(const fs::path& folder, std::vector<fs::path> 
   return plan;
 }
 
+// Every TIFF picture is followed to the end of its strips. Takes 0 to 0.1 of the progress.
+Expected<void> requireWholeTiffs(const std::vector<fs::path>& files, const Progress& progress) {
+  for (std::size_t n = 0; n < files.size(); ++n) {
+    const double done = 0.1 * static_cast<double>(n) / static_cast<double>(files.size());
+    const Progress within = [&](double, std::string_view) { return report(progress, done, "trying the slices"); };
+    if (!within(0, "")) return cancelled(files[n].string());
+    KERF_CHECK(requireWholeStrips(files[n], within));
+  }
+  return {};
+}
+
 // Slices: pictures of one format, or a DICOM series.
 Expected<VolumePlan> planFolder(const fs::path& folder, const LabelReadOptions& options, const Progress& progress) {
   KERF_TRY(files, filesOf(folder));
@@ -148,6 +160,7 @@ Expected<VolumePlan> planFolder(const fs::path& folder, const LabelReadOptions& 
   if (!are_pictures)
     for (const fs::path& f : files)
       if (hasDicomMark(f)) KERF_CHECK(requireWholePixels(f));
+  if (kinds.contains(VolumeFormat::kTiff)) KERF_CHECK(requireWholeTiffs(pictures, progress));
   if (!survivesReading(are_pictures ? pictures : files, are_pictures ? *kinds.begin() : VolumeFormat::kDicom,
                        options.max_bytes))
     return fail({.code = Error::Code::kBadFormat,
