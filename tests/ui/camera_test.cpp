@@ -127,6 +127,25 @@ TEST(Camera, EmptyAndPointMeshesGetAField) {
 // Where a point is in a picture of 800 x 600.
 std::array<double, 2> at(const Camera& camera, const Vec3d& p) { return pixelOf(camera, p, 800, 600); }
 
+// What one has grabbed stays under the cursor, however the view is turned.
+TEST(Camera, TurnsAboutWhatIsUnderTheCursor) {
+  for (const double field : {0.0, 30.0})
+    for (const double roll : {0.0, 0.7}) {
+      Camera camera = *cameraFromView("35,20");
+      camera.target = {3, -2, 5};
+      camera.half_height = 12;
+      camera.roll = roll;
+      setFieldOfView(camera, field * std::numbers::pi / 180);
+      const Vec3d pivot(6, 1, 9);
+      const auto before = at(camera, pivot);
+      const Eigen::Matrix3d was = camera.rotation();
+      for (int n = 0; n < 40; ++n) orbitAbout(camera, pivot, 7, -3);
+      EXPECT_NEAR(at(camera, pivot)[0], before[0], 1e-6) << field << " " << roll;
+      EXPECT_NEAR(at(camera, pivot)[1], before[1], 1e-6) << field << " " << roll;
+      EXPECT_GT((camera.rotation() - was).norm(), 0.1);
+    }
+}
+
 Camera perspective(double degrees) {
   Camera camera{.azimuth = 0.6, .elevation = 0.4, .target = {1, 2, 3}, .half_height = 12};
   setFieldOfView(camera, degrees * kPi / 180);

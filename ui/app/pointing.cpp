@@ -35,13 +35,22 @@ std::array<double, 2> pixelOf(const Camera& camera, const Vec3d& point, int widt
   return {0.5 * width + camera.right().dot(from_target), 0.5 * height - camera.up().dot(from_target)};
 }
 
+std::optional<Vec3d> pointUnder(AppContext& context, double x, double y) {
+  if (context.bench.isImporting()) return {};
+  const auto seen = context.bench.behindSection(rayUnder(context.camera, x, y, context.width, context.height));
+  const auto hit = seen ? context.bench.scene().hit(*seen) : std::nullopt;
+  return hit ? std::optional<Vec3d>(hit->on_surface.point) : std::nullopt;
+}
+
+void orbitAbout(Camera& camera, const Vec3d& pivot, double dx, double dy) {
+  const Vec3d in_view = camera.rotation() * (pivot - camera.target);
+  orbit(camera, dx, dy);
+  camera.target = pivot - camera.rotation().transpose() * in_view;
+}
+
 void zoomAt(AppContext& context, double x, double y, double factor) {
   Camera& camera = context.camera;
-  if (!context.bench.isImporting()) {
-    const auto seen = context.bench.behindSection(rayUnder(camera, x, y, context.width, context.height));
-    const auto hit = seen ? context.bench.scene().hit(*seen) : std::nullopt;
-    if (hit) focusOn(camera, hit->on_surface.point);
-  }
+  if (const auto point = pointUnder(context, x, y)) focusOn(camera, *point);
 
   const double right = x - 0.5 * context.width, down = y - 0.5 * context.height;
   pan(camera, -right, -down, context.height);

@@ -18,10 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::vector<InputEvent>& eventsOf(GLFWwindow* window) {
-  return *static_cast<std::vector<InputEvent>*>(glfwGetWindowUserPointer(window));
-}
-
 int heldOf(GLFWwindow* window) {
   const auto isDown = [&](int key) { return glfwGetKey(window, key) == GLFW_PRESS; };
   const bool alt = isDown(GLFW_KEY_LEFT_ALT) || isDown(GLFW_KEY_RIGHT_ALT);
@@ -37,11 +33,16 @@ std::string utf8(unsigned code) {
   return {static_cast<char>(0xF0 | (code >> 18)), tail(12), tail(6), tail(0)};
 }
 
+// Names of files and pieces are a person's: Latin with its extensions, Greek, Cyrillic, punctuation, currencies.
+constexpr ImWchar kScripts[] = {0x0020, 0x024F, 0x02B0, 0x03FF, 0x0400, 0x052F, 0x1E00, 0x1EFF, 0x2010,
+                                0x205E, 0x20A0, 0x20BF, 0x2190, 0x2193, 0x2212, 0x2212, 0};
+
 void loadFont(float scale) {
   std::error_code ignored;
   for (const char* const font :
        {"/usr/share/fonts/opentype/inter/Inter-Regular.otf", "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf"})
-    if (fs::exists(font, ignored) && ImGui::GetIO().Fonts->AddFontFromFileTTF(font, 15 * scale)) return;
+    if (fs::exists(font, ignored) && ImGui::GetIO().Fonts->AddFontFromFileTTF(font, 15 * scale, nullptr, kScripts))
+      return;
 }
 
 }  // namespace
@@ -68,11 +69,12 @@ Expected<void> Desktop::open(int width, int height) {
 
   glfwMakeContextCurrent(window_);
   glfwSwapInterval(1);
-  listen();  // before Dear ImGui, which passes on what it gets
+  listen();  // before Dear ImGui, which passes on what it gets of all but keys
   ImGui::CreateContext();
   ImGui::GetIO().IniFilename = nullptr;  // leaves no file behind in the working folder
   ImGui_ImplGlfw_InitForOpenGL(window_, true);
   has_panels_ = true;
+  listenToKeys();
   if (!ImGui_ImplOpenGL3_Init("#version 330 core")) return fail(noWindow("Dear ImGui found no OpenGL 3.3"));
 
   float y = 1;
@@ -81,35 +83,56 @@ Expected<void> Desktop::open(int width, int height) {
   return {};
 }
 
+Desktop::Heard& Desktop::heardBy(GLFWwindow* window) { return *static_cast<Heard*>(glfwGetWindowUserPointer(window)); }
+
 void Desktop::listen() {
   using Kind = InputEvent::Kind;
-  glfwSetWindowUserPointer(window_, &events_);
-  glfwSetKeyCallback(window_, [](GLFWwindow* w, int key, int, int action, int modifiers) {
-    eventsOf(w).push_back({.kind = Kind::kKey,
-                           .key = key,
-                           .modifiers = modifiers,
-                           .is_down = action != GLFW_RELEASE,
-                           .is_repeated = action == GLFW_REPEAT,
-                           .s = glfwGetTime()});
-  });
-  glfwSetCharCallback(window_, [](GLFWwindow* w, unsigned code) {
-    eventsOf(w).push_back({.kind = Kind::kCharacter, .path = utf8(code)});
-  });
+  glfwSetWindowUserPointer(window_, &heard_);
   glfwSetMouseButtonCallback(window_, [](GLFWwindow* w, int button, int action, int modifiers) {
     InputEvent e{.kind = Kind::kButton, .key = button, .modifiers = modifiers, .is_down = action == GLFW_PRESS};
     glfwGetCursorPos(w, &e.x, &e.y);
-    eventsOf(w).push_back(e);
+    heardBy(w).events.push_back(e);
   });
   glfwSetCursorPosCallback(window_, [](GLFWwindow* w, double x, double y) {
-    eventsOf(w).push_back({.kind = Kind::kMove, .modifiers = heldOf(w), .x = x, .y = y});
+    heardBy(w).events.push_back({.kind = Kind::kMove, .modifiers = heldOf(w), .x = x, .y = y});
   });
   glfwSetScrollCallback(
-      window_, [](GLFWwindow* w, double, double y) { eventsOf(w).push_back({.kind = Kind::kScroll, .y = y}); });
+      window_, [](GLFWwindow* w, double, double y) { heardBy(w).events.push_back({.kind = Kind::kScroll, .y = y}); });
   glfwSetDropCallback(window_, [](GLFWwindow* w, int count, const char** paths) {
     InputEvent drop{.kind = Kind::kDrop};
     drop.paths.assign(paths, paths + count);
-    eventsOf(w).push_back(std::move(drop));
+    heardBy(w).events.push_back(std::move(drop));
   });
+}
+
+// In the place of Dear ImGui's own: beginFrame() passes on what it can take.
+void Desktop::listenToKeys() {
+  using Kind = InputEvent::Kind;
+  glfwSetKeyCallback(window_, [](GLFWwindow* w, int key, int scancode, int action, int modifiers) {
+    heardBy(w).events.push_back({.kind = Kind::kKey,
+                                 .key = key,
+                                 .modifiers = modifiers,
+                                 .is_down = action != GLFW_RELEASE,
+                                 .is_repeated = action == GLFW_REPEAT,
+                                 .s = glfwGetTime()});
+    heardBy(w).for_panels.add({.key = key, .scancode = scancode, .action = action, .modifiers = modifiers});
+  });
+  glfwSetCharCallback(window_, [](GLFWwindow* w, unsigned code) {
+    heardBy(w).events.push_back({.kind = Kind::kCharacter, .path = utf8(code)});
+    heardBy(w).for_panels.add({.character = code});
+  });
+}
+
+void Desktop::beginFrame() {
+  for (const KeyTrickle::Event& e : heard_.for_panels.takeFrame()) {
+    if (e.character)
+      ImGui_ImplGlfw_CharCallback(window_, e.character);
+    else
+      ImGui_ImplGlfw_KeyCallback(window_, e.key, e.scancode, e.action, e.modifiers);
+  }
+  ImGui_ImplOpenGL3_NewFrame();
+  ImGui_ImplGlfw_NewFrame();
+  ImGui::NewFrame();
 }
 
 void Desktop::restyle(Theme theme, float factor) const {

@@ -8,6 +8,7 @@
 
 #include "geometry/base/error.h"
 #include "ui/app/settings.h"
+#include "ui/window/key_trickle.h"
 
 struct GLFWwindow;
 
@@ -37,17 +38,29 @@ class Desktop {
   Expected<void> open(int width, int height);
   GLFWwindow* window() const { return window_; }
   /// What happened since this was asked last, in its order: nothing is lost in a slow frame.
-  std::vector<InputEvent> takeEvents() { return std::exchange(events_, {}); }
+  std::vector<InputEvent> takeEvents() { return std::exchange(heard_.events, {}); }
+  /// Begins a frame of the panels: Dear ImGui is told of keys and characters, a slow frame's taps one by one.
+  void beginFrame();
+  /// The panels have not been told of everything yet: the next frame should come at once.
+  bool isBehind() const { return heard_.for_panels.isWaiting(); }
   /// Type and panels anew, between two frames.   @param factor  times the scale of the display.
   void restyle(Theme theme, float factor) const;
 
  private:
+  /// What GLFW has told: all of it for the window, keys also for the panels.
+  struct Heard {
+    std::vector<InputEvent> events;
+    KeyTrickle for_panels;
+  };
+
   void listen();
+  void listenToKeys();
+  static Heard& heardBy(GLFWwindow* window);
 
   GLFWwindow* window_ = nullptr;
   bool is_started_ = false, has_panels_ = false;
   float scale_ = 1;
-  std::vector<InputEvent> events_;
+  Heard heard_;
 };
 
 }  // namespace kerf

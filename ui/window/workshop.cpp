@@ -13,6 +13,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <numbers>
+#include <optional>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -114,7 +115,8 @@ class Workshop {
 
   Expected<void> frame() {
     const bool is_idle = !bench_.isShown() && !bench_.job();
-    options_.frames > 0 ? glfwPollEvents() : glfwWaitEventsTimeout(is_idle ? 0.25 : 1.0 / 60);
+    const bool comes_at_once = options_.frames > 0 || desktop_.isBehind();
+    comes_at_once ? glfwPollEvents() : glfwWaitEventsTimeout(is_idle ? 0.25 : 1.0 / 60);
     glfwGetWindowSize(desktop_.window(), &window_width_, &window_height_);
     glfwGetFramebufferSize(desktop_.window(), &context_.width, &context_.height);
     if (context_.width == 0 || context_.height == 0 || window_width_ == 0) {  // minimised
@@ -135,9 +137,7 @@ class Workshop {
     updateImport();
     updateSound();
     applySettings();
-    ImGui_ImplOpenGL3_NewFrame();
-    ImGui_ImplGlfw_NewFrame();
-    ImGui::NewFrame();
+    desktop_.beginFrame();
     handleInput();
     if (panels_.import.shows_guides) drawImportGuides(context_, pixels());
     drawPanels(context_, panels_, over_);
@@ -439,6 +439,7 @@ class Workshop {
     if (e.key != GLFW_MOUSE_BUTTON_LEFT || bench_.isImporting() || !stroke_.press(context_, pointer())) {
       held_ = e.key;
       pans_ = e.key == GLFW_MOUSE_BUTTON_MIDDLE || (e.modifiers & GLFW_MOD_SHIFT);
+      pivot_ = pans_ ? std::nullopt : pointUnder(context_, pointer()[0], pointer()[1]);
     }
   }
 
@@ -452,7 +453,10 @@ class Workshop {
     if (bench_.isPressed() && !bench_.isOnPedal()) return;
     bench_.saw().picking.move(rayAt(x_, y_));
     if (held_ == kNone) return;
-    pans_ ? pan(camera_, dx, dy, context_.height) : orbit(camera_, dx, dy);
+    if (pans_)
+      pan(camera_, dx, dy, context_.height);
+    else
+      orbitAbout(camera_, pivot_.value_or(camera_.target), dx, dy);
   }
 
   void scroll(double notches) {
@@ -502,6 +506,7 @@ class Workshop {
   double x_ = 0, y_ = 0;  // of the pointer, window units
   int window_width_ = 1, window_height_ = 1;
   int held_ = kNone;
+  std::optional<Vec3d> pivot_;  // what was under the cursor when the view began to be turned
   bool pans_ = false, is_harder_ = false, wants_end_ = false, is_software_ = true;
   int frames_ = 0;
 };
