@@ -5,7 +5,7 @@
 #   scripts/cases scans out tool=round-014 path=cut.toml
 #
 # scans    a folder of STL, PLY, OBJ, OFF and 3MF meshes, and of case recipes (.toml; keep their parts in a folder below)
-# out      where NAME.case, NAME.run, NAME.stl and NAME.json go, and report.csv with a line for each
+# out      where NAME.case, NAME.run, NAME.stl and NAME.json go, and report.csv with a line for each, warnings too
 # voxel    mm; without it the recipe's, or 0.1
 # bake     more options of kerf bake, as "--close repair"
 # tool, path   what to cut with, and along what; without them the closed scans are exported
@@ -16,6 +16,7 @@
 # A scan that fails does not stop the others: its line in report.csv says at which step and why, out/log has all of it,
 # and the whole ends with an error. Started again, it tries only those that failed (or changed).
 import csv
+import difflib
 import json
 import os
 import re
@@ -31,6 +32,18 @@ REPORT = os.path.join(OUT, "report.csv")
 BAKE = (f"--voxel {config['voxel']} " if "voxel" in config else "") + str(config.get("bake", ""))
 TOOL, PATH = config.get("tool"), config.get("path")
 FORMATS = (".stl", ".ply", ".obj", ".off", ".3mf", ".toml")
+KEYS = ("scans", "out", "voxel", "bake", "tool", "path", "mem_mb", "runtime", "kerf")
+
+# A key that is passed over silently, or a number that is none, would be found out thirty scans later.
+for key in config:
+    if key not in KEYS:
+        near = difflib.get_close_matches(key, KEYS, 1)
+        raise WorkflowError(f"no key \"{key}\"; expected one of {', '.join(KEYS)}." + (f" Try: {near[0]}=" if near else ""))
+for key in ("voxel", "mem_mb", "runtime"):
+    try:
+        float(config.get(key, 1))
+    except (TypeError, ValueError):
+        raise WorkflowError(f"{key}={config[key]}: no number. Try: a decimal point, as in {key}=0.2") from None
 
 if not SCANS or not os.path.isdir(SCANS):
     raise WorkflowError(f"no folder of scans: {SCANS}. Try: --config scans=FOLDER out=FOLDER")
@@ -47,6 +60,13 @@ for name in sorted(os.listdir(SCANS)):
     inputs[stem] = os.path.join(SCANS, name)
 if not inputs:
     raise WorkflowError(f"no meshes and no recipes in {SCANS}; expected files ending in {', '.join(FORMATS)}")
+
+
+# A result that somebody deleted is made again.
+for name in inputs:
+    row = os.path.join(OUT, "log", name + ".row")
+    if os.path.exists(row) and not os.path.exists(os.path.join(OUT, name + ".stl")):
+        os.remove(row)
 
 
 def parts_of(recipe):
@@ -111,7 +131,7 @@ rule scan:
                 result={params.run:q}
                 step cut {params.case:q} --tool {params.tool:q} --path {input.path:q} -o "$result" --overwrite || return
             fi
-            step export "$result" -o {params.mesh:q} || return
+            step export "$result" -o {params.mesh:q} --overwrite || return
             step check {params.mesh:q} --json >{params.check:q}
         }}
         code=0
@@ -130,6 +150,13 @@ def reason(name, step, code):
     return said[-1].removeprefix("kerf: ") if said else f"no word from kerf; it ended with {code}"
 
 
+def warnings_of(name):
+    """What kerf warned of, in one line: what went well by its exit code may still not be what was scanned."""
+    with open(os.path.join(OUT, "log", name + ".txt"), errors="replace") as file:
+        said = [line.strip().removeprefix("kerf: ") for line in file if re.search("WARNING|CHECK TH", line)]
+    return "; ".join(dict.fromkeys(said))
+
+
 # Without an output: it runs every time, and nothing of it is taken away when it says that something failed.
 rule report:
     default_target: True
@@ -137,21 +164,26 @@ rule report:
         expand(os.path.join(OUT, "log", "{name}.row"), name=inputs),
     run:
         keys = ("triangles", "pieces", "volume_mm3", "area_mm2", "print_ready")
-        failed = []
+        failed, warned = [], []
         with open(os.path.join(OUT, "report.csv.part"), "w", newline="") as file:
             table = csv.writer(file, lineterminator="\n")
-            table.writerow(["name", "status", *keys[:-1], "is_print_ready", "reason"])
+            table.writerow(["name", "status", *keys[:-1], "is_print_ready", "reason", "warnings"])
             for name, row in zip(inputs, input):
                 step, code = open(row).read().split()
+                warnings = warnings_of(name)
+                if warnings:
+                    warned.append(name)
                 if code == "0":
                     with open(os.path.join(OUT, name + ".json")) as check:
                         numbers = json.load(check)
                     values = [numbers.get(key, "") for key in keys]
-                    table.writerow([name, "ok", *(str(v).lower() if isinstance(v, bool) else v for v in values), ""])
+                    table.writerow([name, "ok", *(str(v).lower() if isinstance(v, bool) else v for v in values), "", warnings])
                 else:
                     failed.append(row)
-                    table.writerow([name, step + " failed", *("" for key in keys), reason(name, step, code)])
+                    table.writerow([name, step + " failed", *("" for key in keys), reason(name, step, code), warnings])
         os.replace(file.name, REPORT)
+        if warned:
+            print(f"cases: WARNINGS about {len(warned)} of {len(inputs)}: {', '.join(warned)}. What: {REPORT}", file=sys.stderr)
         for row in failed:  # to be tried again next time
             os.remove(row)
         if failed:
