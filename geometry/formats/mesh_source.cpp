@@ -70,7 +70,9 @@ Expected<MeshSource> loadMeshSource(const std::filesystem::path& path) {
 
   struct stat status {};
   if (::fstat(fd, &status) != 0) return refuse(Error::Code::kUnreadable, std::strerror(errno), "");
-  if (S_ISDIR(status.st_mode)) return refuse(Error::Code::kUnreadable, "a folder", "name the mesh file inside it");
+  if (S_ISDIR(status.st_mode))
+    return refuse(Error::Code::kUnreadable, "a folder",
+                  "name a mesh file; of a case or a run first kerf export " + path.string() + " -o MESH.stl");
   if (!S_ISREG(status.st_mode))
     return refuse(Error::Code::kUnreadable, "not a regular file (a device or a pipe)", "save the data to a file first");
   if (status.st_size == 0)

@@ -432,7 +432,10 @@ std::string describe(const MeshReport& r) {
                       r.vertices, describe(PieceCount{r.pieces, r.cavities, r.specks, r.specks_mm3}), size.x(),
                       size.y(), size.z(), r.area);
   if (r.isClosed()) text += fmt::format(", volume {:.6g} mm3", r.volume);
-  return text + "\n";
+  text += "\n";
+  if (r.cavities > 0)
+    text += "Cavities are shut in: a printer that works in resin or powder leaves some of it there.\n";
+  return text;
 }
 
 }  // namespace kerf

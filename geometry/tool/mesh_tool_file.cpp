@@ -59,9 +59,12 @@ void readMeshTool(TomlTable& top, const fs::path& folder, Tool& tool) {
                       "kerf bake closes and mends meshes: take its solid.ply");
 
   const Box3 box = bounds(mesh);
-  if (box.size().maxCoeff() > 500)
-    return top.reject("mm_per_unit", fmt::format("{} makes a tool of {:.4g} mm", scale, box.size().maxCoeff()),
-                      "a tool of at most 500 mm", "the unit of the file: 1 for mm");
+  // Shorter or longer than any tool: most often another unit.
+  constexpr double kShortest = 1, kLongest = 500;
+  if (const double longest = box.size().maxCoeff(); longest < kShortest || longest > kLongest)
+    return top.reject("mm_per_unit", fmt::format("{} makes a tool of {:.4g} mm", scale, longest),
+                      fmt::format("a tool of {} to {} mm", kShortest, kLongest),
+                      "the unit of the file: 1 for mm, 25.4 for inches, 1000 for metres");
 
   if (const double lowest = box.min[2]; std::abs(lowest) > 0.02) {
     Vec3d at = Vec3d::Zero();

@@ -202,6 +202,18 @@ Expected<void> compareWithPath(const CutScene& scene, const BrickField& changed,
   return {};
 }
 
+// How deep the tip, or the middle of what cuts, is in the case where the path begins, mm; at most the field's band.
+double depthAtStart(const CutScene& scene) {
+  const BrickField& phi0 = scene.object().phi0();
+  const Rigid3& start = scene.inputs.path.poses.front().T_object_tool;
+  double deepest = 0;
+  for (const Vec3d& p : {Vec3d(Vec3d::Zero()), Vec3d(scene.inputs.tool.cut->bounds().center())}) {
+    const Vec3d node = (start * p / phi0.voxel()).array().round();
+    deepest = std::max(deepest, -static_cast<double>(phi0.at(node.cast<int>())));
+  }
+  return deepest;
+}
+
 HapticSummary summarise(const Session& session, const CutScene& scene, const Simulated& simulated,
                         const CutObservers& observers, const BrickField& changed) {
   const CutObject& object = session.state().objects.front();
@@ -370,6 +382,7 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
   KERF_TRY(changed, changedFields(session, scene, options, simulated));
   HapticCut out;
   out.summary = summarise(session, scene, simulated, observers, changed.front());
+  out.summary.began_inside_mm = depthAtStart(scene);
   out.manifest = manifestOf(scene, out.summary);
   if (options.add.empty()) KERF_CHECK(compareWithPath(scene, changed.front(), out.summary, progress));
   if (options.hand == HandKind::kDevice)

@@ -39,6 +39,7 @@ std::string toJson(const HapticSummary& s) {
                    {"farthest_off_mm", s.farthest_off_mm},
                    {"farthest_off_at", {s.farthest_off_at[0], s.farthest_off_at[1], s.farthest_off_at[2]}},
                    {"remaining_mm3", s.remaining_mm3},
+                   {"began_inside_mm", s.began_inside_mm},
                    {"seconds_in_contact", s.seconds_in_contact},
                    {"mean_contact_force_N", s.mean_contact_force},
                    {"peak_contact_force_N", s.peak_contact_force},

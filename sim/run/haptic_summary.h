@@ -34,6 +34,8 @@ struct HapticSummary {
   /// By id. Of a surface that was covered < 0: its edge has a new id.
   std::map<std::string, double> added_by_material;
 
+  double began_inside_mm = 0;  ///< how deep the tool was in the case where its path begins; at most the field's band
+
   double mean_contact_force = 0, peak_contact_force = 0;  ///< mean over ticks in contact
   double peak_contact_force_s = 0;                        ///< when
   double mean_normal_load = 0, peak_hand_force = 0;

@@ -92,7 +92,12 @@ Panel temperaturePanel(const RunSeries& s) {
   Panel out{"temperature under the tool", "\u00b0C", {}, false, {}, {}};
   out.lines.push_back({"", s.temperature_C, kVermilion, "", Marked::kLargest});
   constexpr float kBoneLimit = 47, kNearLimit = 42;
-  if (*std::max_element(s.temperature_C.begin(), s.temperature_C.end()) > kNearLimit) {
+  // The pulp of a tooth has a limit of its own, of its own temperature.
+  const auto has = [&](const char* id) {
+    return std::any_of(s.distances.begin(), s.distances.end(), [&](const auto& d) { return d.id == id; });
+  };
+  const bool is_tooth = has("pulp") && !has("nerve_canal");
+  if (!is_tooth && *std::max_element(s.temperature_C.begin(), s.temperature_C.end()) > kNearLimit) {
     out.limit = kBoneLimit;
     out.limit_text = "47 \u00b0C, the limit of bone";
   }

@@ -120,14 +120,32 @@ bool isRun(const fs::path& folder) {
   return fs::is_regular_file(folder / kRunManifest, ignored);
 }
 
+namespace {
+
+// Why a path is no run, and what to do.
+Error noRun(const fs::path& folder) {
+  std::error_code ignored;
+  Error out{.code = Error::Code::kNotFound,
+            .file = folder.string(),
+            .found = "not a run bundle",
+            .expected = "a folder with run.toml",
+            .hint = "kerf cut CASE ... -o RUN makes one"};
+  if (!fs::exists(folder, ignored))
+    out.found = "no such folder: not a run bundle";
+  else if (fs::exists(folder / "case.toml", ignored))
+    out = {.code = Error::Code::kNotFound,
+           .file = folder.string(),
+           .found = "a case, not a run bundle",
+           .expected = "a run that was cut from it: a folder with run.toml",
+           .hint = "kerf cut " + folder.string() + " ... -o RUN"};
+  return out;
+}
+
+}  // namespace
+
 Expected<RunManifest> readRunManifest(const fs::path& folder) {
   const fs::path path = folder / kRunManifest;
-  if (!isRun(folder))
-    return fail({.code = Error::Code::kNotFound,
-                 .file = folder.string(),
-                 .found = "not a run bundle",
-                 .expected = "a folder with run.toml",
-                 .hint = "kerf cut CASE ... -o " + folder.string()});
+  if (!isRun(folder)) return fail(noRun(folder));
   KERF_TRY(root, parseToml(path));
   TomlTable top(root, path, "");
   KERF_CHECK(requireFormat(top, path));

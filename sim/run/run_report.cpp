@@ -24,73 +24,121 @@ using nlohmann::json;
 
 // ---- summary.json
 
-Error damagedSummary(const fs::path& file, std::string found) {
+// What a value of summary.json may be. The limits are far from any run: what is beyond was not written by kerf cut.
+struct Range {
+  double least, most;
+  const char* unit;
+};
+constexpr double kMostMm3 = 1e12;  // as in case.toml
+constexpr Range kVolume{0, kMostMm3, "mm^3"};
+constexpr Range kAdded{-kMostMm3, kMostMm3, "mm^3"};  // of a surface that was covered < 0: see HapticSummary
+constexpr Range kForce{0, 1e9, "N"};
+constexpr Range kTemperature{-273.15, 1e6, "C"};
+constexpr Range kLength{0, 1e6, "mm"};
+constexpr Range kDistance{-1e6, 1e6, "mm"};  // < 0: in it
+constexpr Range kCoordinate{-1e9, 1e9, "mm"};
+constexpr Range kTime{0, 1e9, "s"};
+constexpr Range kTimeOrNever{-1, 1e9, "s"};  // -1: never, as older versions wrote
+constexpr Range kCount{0, 1e12, "parts"};
+
+// What was removed of all tissues, or of one. Where tissues meet, a node's share of its cell may go over to the other
+// one when the surface comes between them (sim/object/node_volumes.h): of one tissue a little less than nothing.
+Range removedRange(double removed_mm3) {
+  constexpr double kSubVoxel = 0.1, kOfAll = 0.1;  // mm^3; of all that was removed
+  return {-kSubVoxel - kOfAll * std::max(0.0, removed_mm3), kMostMm3, "mm^3"};
+}
+
+Error damagedSummary(const fs::path& file, std::string place, std::string found, std::string expected) {
   return {.code = Error::Code::kBadFormat,
           .file = file.string(),
+          .place = std::move(place),
           .found = std::move(found),
-          .expected = "the summary that kerf cut wrote",
+          .expected = std::move(expected),
           .hint = "cut again: a run is never edited"};
 }
 
-// Values by their keys; a key that an older version did not write has none.
+// Values by their keys; a key that an older version did not write has none. The first error is kept, finish() tells it.
 class Summary {
  public:
   Summary(const json& j, const fs::path& file) : j_(j), file_(file) {}
 
-  std::optional<double> number(const char* key) {
-    const auto it = j_.find(key);
-    if (it == j_.end() || it->is_null()) return {};
-    if (!it->is_number()) {
-      wrong_ = fmt::format("key {}: no number", key);
-      return {};
-    }
-    return it->get<double>();
+  std::optional<double> number(const char* key, const Range& range) {
+    const json* value = find(key);
+    if (!value) return {};
+    return checked(*value, fmt::format("key {}", key), range);
   }
+
   std::optional<std::size_t> count(const char* key) {
-    const auto value = number(key);
-    if (!value || !(*value >= 0 && *value < 1e15)) return {};
+    const auto value = number(key, kCount);
+    if (!value) return {};
+    if (*value != std::floor(*value)) wrong(fmt::format("key {}", key), fmt::format("{:g}", *value), "a whole number");
     return static_cast<std::size_t>(*value);
   }
-  std::map<std::string, double> numbers(const char* key) {
+
+  std::map<std::string, double> numbers(const char* key, const Range& range) {
     std::map<std::string, double> out;
-    const auto it = j_.find(key);
-    if (it == j_.end() || it->is_null()) return out;
-    if (!it->is_object()) {
-      wrong_ = fmt::format("key {}: no table", key);
+    const json* table = find(key);
+    if (!table) return out;
+    if (!table->is_object()) {
+      wrong(fmt::format("key {}", key), "no table", "a table of numbers");
       return out;
     }
-    for (const auto& [id, value] : it->items())
-      if (value.is_number())
-        out[id] = value.get<double>();
-      else
-        wrong_ = fmt::format("key {}, {}: no number", key, id);
+    for (const auto& [id, value] : table->items())
+      if (const auto number = checked(value, fmt::format("key {}, {}", key, id), range)) out[id] = *number;
     return out;
   }
+
   std::optional<std::string> text(const char* key) {
     const auto it = j_.find(key);
     if (it == j_.end() || !it->is_string()) return {};
     return it->get<std::string>();
   }
+
   std::optional<Vec3d> point(const char* key) {
-    const auto it = j_.find(key);
-    if (it == j_.end() || it->is_null()) return {};
-    if (!it->is_array() || it->size() != 3 ||
-        !std::all_of(it->begin(), it->end(), [](const json& x) { return x.is_number(); })) {
-      wrong_ = fmt::format("key {}: no point", key);
+    const json* value = find(key);
+    if (!value) return {};
+    const std::string place = fmt::format("key {}", key);
+    if (!value->is_array() || value->size() != 3) {
+      wrong(place, "no point", "a point of three numbers, mm");
       return {};
     }
-    return Vec3d((*it)[0].get<double>(), (*it)[1].get<double>(), (*it)[2].get<double>());
+    Vec3d out = Vec3d::Zero();
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      out[static_cast<Eigen::Index>(axis)] = checked((*value)[axis], place, kCoordinate).value_or(0);
+    return out;
   }
 
   Expected<void> finish() const {
-    if (wrong_.empty()) return {};
-    return fail(damagedSummary(file_, wrong_));
+    if (!error_) return {};
+    return fail(*error_);
   }
 
  private:
+  // Null: it is not there, or has no value.
+  const json* find(const char* key) const {
+    const auto it = j_.find(key);
+    return it == j_.end() || it->is_null() ? nullptr : &*it;
+  }
+
+  std::optional<double> checked(const json& value, const std::string& place, const Range& range) {
+    const std::string expected = fmt::format("a number from {:g} to {:g} {}", range.least, range.most, range.unit);
+    if (!value.is_number()) {
+      wrong(place, "no number", expected);
+      return {};
+    }
+    const double number = value.get<double>();
+    if (number >= range.least && number <= range.most) return number;  // not a number is neither
+    wrong(place, fmt::format("{:g}", number), expected);
+    return {};
+  }
+
+  void wrong(std::string place, std::string found, std::string expected) {
+    if (!error_) error_ = damagedSummary(file_, std::move(place), std::move(found), std::move(expected));
+  }
+
   const json& j_;
   const fs::path& file_;
-  std::string wrong_;
+  std::optional<Error> error_;
 };
 
 // A time that is negative stands for never.
@@ -99,35 +147,37 @@ RunReport::FirstTime firstTime(double at_s) { return at_s < 0 ? RunReport::First
 Expected<void> takeSummary(const fs::path& file, RunReport& out) {
   std::ifstream in(file, std::ios::binary);
   const json j = json::parse(in, nullptr, false);
-  if (!j.is_object()) return fail(damagedSummary(file, "no JSON object"));
+  if (!j.is_object()) return fail(damagedSummary(file, "", "no JSON object", "the summary that kerf cut wrote"));
   Summary s(j, file);
 
-  out.loaded_mm3 = s.number("initial_mm3");
-  out.loaded_by_material = s.numbers("initial_by_material_mm3");
-  out.removed_mm3 = s.number("removed_mm3");
-  out.removed_by_material = s.numbers("removed_by_material_mm3");
-  if (const auto added = s.number("added_mm3"); added && *added != 0) out.added_mm3 = added;
-  out.added_by_material = s.numbers("added_by_material_mm3");
+  out.loaded_mm3 = s.number("initial_mm3", kVolume);
+  out.loaded_by_material = s.numbers("initial_by_material_mm3", kVolume);
+  out.removed_mm3 = s.number("removed_mm3", removedRange(0));
+  out.removed_by_material = s.numbers("removed_by_material_mm3", removedRange(out.removed_mm3.value_or(0)));
+  if (const auto added = s.number("added_mm3", kAdded); added && *added != 0) out.added_mm3 = added;
+  out.added_by_material = s.numbers("added_by_material_mm3", kAdded);
 
-  if (const auto planned = s.number("planned_mm3"); planned && *planned > 0) {
+  if (const auto planned = s.number("planned_mm3", removedRange(0)); planned && *planned > 0) {
     out.planned_mm3 = planned;
-    out.reached_mm3 = s.number("reached_mm3");
-    out.planned_by_material = s.numbers("planned_by_material_mm3");
-    out.farthest_off_mm = s.number("farthest_off_mm");
+    out.reached_mm3 = s.number("reached_mm3", removedRange(*planned));
+    out.planned_by_material = s.numbers("planned_by_material_mm3", removedRange(*planned));
+    out.farthest_off_mm = s.number("farthest_off_mm", kLength);
     out.farthest_off_at = s.point("farthest_off_at");
   }
 
-  if (const auto force = s.number("peak_contact_force_N"))
-    out.contact_force = RunReport::Peak{*force, s.number("peak_contact_force_at_s")};
-  if (const auto hottest = s.number("hottest_C")) out.hottest = RunReport::Peak{*hottest, s.number("hottest_at_s")};
-  const auto times = s.numbers("least_distance_at_s");
-  for (const auto& [id, mm] : s.numbers("least_distance_mm")) {
+  if (const auto force = s.number("peak_contact_force_N", kForce))
+    out.contact_force = RunReport::Peak{*force, s.number("peak_contact_force_at_s", kTime)};
+  out.stalled_s = s.number("stalled_s", kTime);
+  if (const auto hottest = s.number("hottest_C", kTemperature))
+    out.hottest = RunReport::Peak{*hottest, s.number("hottest_at_s", kTime)};
+  const auto times = s.numbers("least_distance_at_s", kTime);
+  for (const auto& [id, mm] : s.numbers("least_distance_mm", kDistance)) {
     const auto at = times.find(id);
     out.least_distance[id] = RunReport::Peak{mm, at == times.end() ? std::nullopt : std::optional(at->second)};
   }
   if (out.hottest) {
-    out.bone_limit = firstTime(s.number("bone_limit_at_s").value_or(-1));
-    out.pulp_limit = firstTime(s.number("pulp_limit_at_s").value_or(-1));
+    out.bone_limit = firstTime(s.number("bone_limit_at_s", kTimeOrNever).value_or(-1));
+    out.pulp_limit = firstTime(s.number("pulp_limit_at_s", kTimeOrNever).value_or(-1));
   }
   out.pieces = s.count("pieces");
   out.crumbs = s.count("crumbs");
@@ -247,8 +297,24 @@ Expected<void> takeSeries(const fs::path& run_folder, bool replays, const Progre
 
 }  // namespace
 
+// Within strokes, from a second after their beginning on: until then a drive may still come up.
+static double secondsStalled(const RunSeries& series) {
+  constexpr double kComesUp = 1, kStill = 0.02;  // s; of the highest speed
+  const float most = *std::max_element(series.speed.begin(), series.speed.end());
+  double stalled = 0;
+  std::size_t stroke = 0;
+  for (std::size_t n = 1; n < series.size() && most > 0; ++n) {
+    while (stroke < series.strokes.size() && series.strokes[stroke].to_s < series.t_s[n]) ++stroke;
+    if (stroke == series.strokes.size()) break;
+    if (series.t_s[n] < series.strokes[stroke].from_s + kComesUp) continue;
+    if (std::abs(series.speed[n]) < kStill * most) stalled += series.t_s[n] - series.t_s[n - 1];
+  }
+  return stalled;
+}
+
 void internal::addPeaks(const RunSeries& series, RunReport& out) {
   if (series.size() == 0) return;
+  if (!out.stalled_s && series.speed.size() == series.size()) out.stalled_s = secondsStalled(series);
   const auto peakOf = [&](const std::vector<float>& values, std::vector<float>::const_iterator at) {
     const auto n = static_cast<std::size_t>(at - values.begin());
     return RunReport::Peak{values[n], series.t_s[n]};

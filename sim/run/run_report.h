@@ -44,8 +44,9 @@ struct RunReport {
   std::optional<Peak> hottest;                                ///< C, under the tool
   std::optional<FirstTime> bone_limit, pulp_limit;            ///< 47 C in bone, 5.5 K in the pulp
 
-  std::optional<double> seconds;  ///< of the run; a cut by geometry alone takes none
-  std::optional<double> path_s;   ///< what its path would take
+  std::optional<double> stalled_s;  ///< how long the drive stood still while it was to cut; of a session: roughly
+  std::optional<double> seconds;    ///< of the run; a cut by geometry alone takes none
+  std::optional<double> path_s;     ///< what its path would take
   std::optional<std::size_t> strokes, pieces, crumbs;
   std::vector<std::string> tools;    ///< ids of those that were in hand
   std::optional<std::string> ended;  ///< why a run along a path ended

@@ -19,7 +19,7 @@ constexpr double kBlockWidth = 4;
 double plungeDepth(const Tool& tool) {
   constexpr double kDeepest = 3;  // mm
   if (tool.kind == ToolKind::kBlade) return kDeepest;
-  if (tool.kind == ToolKind::kMesh) return std::min(1.5 * tool.cut_below_mm, kDeepest);
+  if (tool.kind == ToolKind::kMesh) return std::min(1.5 * tool.cut->bounds().size()[2], kDeepest);
   return std::min(tool.cuts_end ? 1.5 * tool.head_length_mm : tool.head_diameter_mm, kDeepest);
 }
 

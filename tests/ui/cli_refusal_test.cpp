@@ -216,9 +216,12 @@ TEST_F(Cli, NonsenseNumbersAndUnitsAreRefused) {
     refuses({"cut", at("box.case"), "--tool", "round-014", "--path", at("groove.csv"), "-o", at("x.run"), "--hand",
              "force", wrong},
             {wrong.substr(0, wrong.find('=')) + ": "}, 2);
-  // 0.005 mm on a box of a metre needs more memory than anybody has: the voxel size that fits is said.
+  // 0.005 mm on a box of 60 mm needs more memory than anybody has: the voxel size that fits is said.
+  refuses({"bake", at("box.off"), "-o", at("x.case"), "--unit", "cm", "--voxel", "0.005"},
+          {"GB", "60 x 50 x 40 mm", "--voxel", "another --unit"});
+  // A box of metres is no dental object, whatever the voxels.
   refuses({"bake", at("box.off"), "-o", at("x.case"), "--unit", "m", "--voxel", "0.005"},
-          {"GB", "--voxel", "or another --unit: the object is 8775 mm across"});
+          {"8775 mm across", "at most 2000 mm", "another --unit"});
 }
 
 // The options of numbers that a command's help lists: "--voxel FLOAT=0.1".

@@ -81,6 +81,22 @@ TEST_F(CliRunInfo, OfARunOfGeometrySaysTissuesSharesAndPlan) {
 
   std::ofstream(at("plain.run/summary.json")) << "{\"removed_mm3\": \"much\"}";
   refuses({"info", at("plain.run")}, {"summary.json", "removed_mm3"});
+  // What no cut comes to is no result; a share of a voxel less than nothing is one.
+  for (const auto& [summary, words] : std::vector<std::pair<std::string, std::string>>{
+           {"{\"removed_mm3\": -5e300}", "key removed_mm3: -5e+300"},
+           {"{\"removed_mm3\": 1e13}", "key removed_mm3: 1e+13"},
+           {"{\"removed_by_material_mm3\": {\"generic\": -1e300}}", "key removed_by_material_mm3, generic: -1e+300"},
+           {"{\"peak_contact_force_N\": -1}", "key peak_contact_force_N: -1"},
+           {"{\"hottest_C\": 40, \"hottest_at_s\": 1e300}", "key hottest_at_s: 1e+300"},
+           {"{\"planned_mm3\": 1, \"farthest_off_at\": [0, 1e300, 0]}", "key farthest_off_at: 1e+300"},
+           {"{\"pieces\": -2}", "key pieces: -2"},
+           {"{\"pieces\": 1.5}", "key pieces: 1.5; expected a whole number"}}) {
+    std::ofstream(at("plain.run/summary.json")) << summary;
+    refuses({"info", at("plain.run")}, {"summary.json", words});
+  }
+  std::ofstream(at("plain.run/summary.json"))
+      << "{\"removed_mm3\": 2, \"removed_by_material_mm3\": {\"enamel\": 2.05, \"dentin\": -0.05}}";
+  EXPECT_EQ(parsed({"info", at("plain.run"), "--json"})["removed_by_material_mm3"]["dentin"], -0.05);
   refuses({"info", at("elsewhere.case"), "--replay"}, {"--replay"}, 2);
   refuses({"plot", at("plain.run"), "-o", at("x.svg")}, {"geometry alone"});
 }
@@ -167,6 +183,45 @@ TEST_F(CliRunInfo, OfARunAgainstResistanceSaysWhenAndWhere) {
   refuses({"plot", at("push.run"), "--show", "colour", "-o", at("x.svg")}, {"--show"}, 2);
   std::ofstream(at("push.run/forces.csv")) << "t_s,x\n1,2\n";
   refuses({"plot", at("push.run"), "-o", at("x.svg")}, {"forces.csv", "line 1"});
+}
+
+// No spacing mends a damaged picture.
+TEST_F(CliRunInfo, OfAFolderOfSlicesNamesTheOneThatIsDamagedOrCut) {
+  // 4 x 3 pixels, grey, 8 bits: 0 to 11.
+  const std::string png(
+      "\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\0\x04\0\0\0\x03\x08\0\0\0\0\x91\x9f\xf1\x1a\0\0\0\x17IDAT\x78\xda\x63"
+      "\x60\x60\x64\x62\x66\x60\x61\x65\x63\x67\xe0\xe0\xe4\xe2\x06\0\x01\x4f\0\x43\x16\x6c\x4f\x8e\0\0\0\0IEND"
+      "\xae\x42\x60\x82",
+      80);
+  std::filesystem::create_directory(at("slices"));
+  folder_.write("slices/a.png", png);
+  folder_.write("slices/b.png", png);
+  EXPECT_EQ(parsed({"info", at("slices"), "--json"})["labels"].size(), 12u);
+
+  std::string damaged = png;
+  damaged[50] = static_cast<char>(damaged[50] ^ 0x10);
+  for (const std::string& bytes : {damaged, png.substr(0, 55)}) {
+    folder_.write("slices/b.png", bytes);
+    refuses({"info", at("slices")}, {"b.png"});
+  }
+}
+
+// refuses() looks for {"error": {...}} on standard output wherever --json is asked for.
+TEST_F(CliRunInfo, AWrongCommandLineIsAnsweredInJsonTooAndWithTheNearestOption) {
+  refuses({"info", "--json"}, {"PATH is required"}, 2);
+  refuses({"info", at("x.run"), "--json", "--bogus"}, {"--bogus: no such option of kerf info"}, 2);
+  refuses({"bake", "--json", at("x.stl"), "--bogus"}, {"--bogus: no such option of kerf bake"}, 2);
+  refuses({"plot", at("x.run"), "-o", at("x.svg"), "--untill", "3"},
+          {"--untill: no such option of kerf plot (did you mean --until?)"}, 2);
+  refuses({"plot", at("x.run"), "--ouput=x.svg"}, {"--ouput: no such option of kerf plot (did you mean --output?)"}, 2);
+  refuses({"info", at("x.run"), "another"}, {"another: one word too many"}, 2);
+
+  const json j = json::parse(runKerf({"info", at("x.run"), "--json", "--reply"}).out, nullptr, false);
+  ASSERT_TRUE(j.is_object()) << j;
+  EXPECT_EQ(j["error"]["place"], "--reply");
+  EXPECT_EQ(j["error"]["code"], "bad_value");
+  EXPECT_NE(j["error"]["message"].get<std::string>().find("--replay"), std::string::npos) << j;
+  EXPECT_EQ(j["error"]["hint"], "kerf info --help");
 }
 
 TEST_F(CliRunInfo, TrimWritesBothSidesOrOneAndTheFileStaysAsItWas) {

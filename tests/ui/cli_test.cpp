@@ -278,21 +278,21 @@ TEST_F(Cli, ACutAgainstResistanceIsRecordedAndReplaysBitForBit) {
   const std::string log = bytesOf(at("feed.run/session.kerflog"));
   std::ofstream(at("feed.run/session.kerflog"), std::ios::binary) << log.substr(0, log.size() / 2);
   const Outcome torn = runKerf({"replay", at("feed.run")});
-  EXPECT_EQ(torn.exit_code, 1) << torn.out;
+  EXPECT_EQ(torn.exit_code, 3) << torn.out;
   EXPECT_NE(torn.out.find("cut off"), torn.out.npos) << torn.out;
   const std::string all = fmt::format(" of {:.3f} s", 0.001 * feed["ticks"].get<double>());
   EXPECT_NE(torn.out.find(all), torn.out.npos) << torn.out;
   EXPECT_NE(torn.out.find("INCOMPLETE: the same bit for bit"), torn.out.npos) << torn.out;
   EXPECT_EQ(torn.out.find("\nthe same"), torn.out.npos) << torn.out;
   const Outcome torn_json = runKerf({"replay", at("feed.run"), "--json"});
-  EXPECT_EQ(torn_json.exit_code, 1);
+  EXPECT_EQ(torn_json.exit_code, 3);
   EXPECT_NE(torn_json.out.find("\"is_whole\": false"), torn_json.out.npos) << torn_json.out;
   // Asked for no more than there is, it says how that went.
   const json part = parsed(runKerf({"replay", at("feed.run"), "--until", "5", "--json"}));
   EXPECT_TRUE(part["is_same"].get<bool>() && part["is_whole"].get<bool>());
   // Cut short to a second: one sample record a tick, hardly a check.
   std::ofstream(at("feed.run/session.kerflog"), std::ios::binary) << log.substr(0, log.size() / 18);
-  EXPECT_EQ(runKerf({"replay", at("feed.run")}).exit_code, 1);
+  EXPECT_EQ(runKerf({"replay", at("feed.run")}).exit_code, 3);
   std::ofstream(at("feed.run/session.kerflog"), std::ios::binary) << "no log";
   refuses({"replay", at("feed.run")}, {"session.kerflog"});
   refuses({"replay", at("molar.case")}, {"not a run"});
@@ -760,7 +760,7 @@ TEST_F(Cli, CasesAndRunsMoveTogetherAndThroughLinks) {
   std::filesystem::rename(in("box.run"), in("elsewhere/box.run"));
   std::filesystem::create_symlink("elsewhere/box.run", in("link.run"));
   for (const char* run : {"elsewhere/box.run", "elsewhere/box.run/", "link.run"}) {
-    const Outcome o = runKerf({"export", at(run), "-o", at("out.stl")});
+    const Outcome o = runKerf({"export", at(run), "-o", at("out.stl"), "--overwrite"});
     EXPECT_EQ(o.exit_code, 0) << o.err;
   }
 }

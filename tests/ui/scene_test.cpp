@@ -44,6 +44,27 @@ class TissueScene : public Cli {
   static inline const SectionPlane kAcross{.through = SectionPlane::Through::kCut, .normal = {1, 0, 0}};
 };
 
+// A picture and its scale bar are in mm, whatever the file is in: numbers that are no dental object in mm are metres.
+TEST_F(TissueScene, AMeshInMetresIsShownInMm) {
+  std::string metres = box();
+  folder_.write("box.off", metres);
+  const auto millimetres = loadScene(in("box.off"), {}, "mm");
+  const auto asked = loadScene(in("box.off"), {}, "cm");
+  ASSERT_TRUE(millimetres && asked);
+  EXPECT_EQ(millimetres->unit, "mm");
+  EXPECT_NEAR(bounds(asked->mesh).size()[0], 10 * bounds(millimetres->mesh).size()[0], 1e-9);
+  EXPECT_NE(asked->note.find("in cm"), std::string::npos) << asked->note;
+
+  std::string small = "OFF\n8 12 0\n";
+  for (int c = 0; c < 8; ++c)
+    small += fmt::format("{} {} {}\n", c & 1 ? 0.03 : -0.03, c & 2 ? 0.025 : -0.025, c & 4 ? 0.04 : 0.0);
+  folder_.write("small.off", small + metres.substr(metres.find("3 0 2 3")));
+  const auto guessed = loadScene(in("small.off"));
+  ASSERT_TRUE(guessed);
+  EXPECT_EQ(guessed->unit, "m, shown in mm");
+  EXPECT_NEAR(bounds(guessed->mesh).size()[0], 60, 1e-9);
+}
+
 TEST_F(TissueScene, WallsOfACutShowTheTissueTheyLieIn) {
   makeTissueRun();
   const auto scene = loadScene(in("tissues.run"));

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
+#include <numbers>
 
 #include "tests/preprocess/solid_checks.h"
 
@@ -23,6 +25,47 @@ Mesh dome(bool has_plate) {
 Mesh turned(Mesh m, const Eigen::Matrix3d& turn) {
   for (Vec3d& p : m.vertices) p = turn * p;
   return m;
+}
+
+// A crown of 8 mm: four cusps with fissures between them towards +z, or round; closed by a round face towards -z.
+Mesh crown(bool has_fissures) {
+  Mesh m = ball(24, 48, 4);
+  for (Vec3d& p : m.vertices)
+    if (has_fissures && p.z() > 0) p.z() *= (0.8 - 0.2 * std::cos(2 * p.x())) * (0.8 - 0.2 * std::cos(2 * p.y()));
+  return m;
+}
+
+// Fourteen of them along half an ellipse, none at the height of its neighbours: an arch without gums and base.
+Mesh archOfCrowns(bool has_fissures) {
+  constexpr int kTeeth = 14;
+  Mesh arch;
+  for (int n = 0; n < kTeeth; ++n) {
+    const double angle = std::numbers::pi * (n + 0.5) / kTeeth;
+    const Vec3d place(27 * std::cos(angle), 38 * std::sin(angle), 0.3 * (n % 3));
+    const auto first = static_cast<std::uint32_t>(arch.vertices.size());
+    const Mesh tooth = crown(has_fissures);
+    for (const Vec3d& p : tooth.vertices) arch.vertices.push_back(p + place);
+    for (const Triangle& f : tooth.triangles) arch.triangles.push_back({f[0] + first, f[1] + first, f[2] + first});
+  }
+  return arch;
+}
+
+TEST(Upright, AClosedArchWithoutABaseHasItsFissuresUpHoweverItIsStored) {
+  const Mesh arch = archOfCrowns(true);
+  for (const Vec3d& up : {Vec3d(0, 0, 1), Vec3d(0, 0, -1), Vec3d(0, 1, 0)}) {
+    const Mesh stored = turned(arch, Eigen::Quaterniond::FromTwoVectors(Vec3d::UnitZ(), up).toRotationMatrix());
+    const auto found = surelyUp(stored);
+    ASSERT_TRUE(found) << up.transpose();
+    EXPECT_EQ(*found, up);
+  }
+  const auto normal = occlusalNormalOf(arch);
+  ASSERT_TRUE(normal);
+  EXPECT_GT(normal->z(), 0.95) << normal->transpose();
+}
+
+TEST(Upright, AnArchThatIsAsSmoothOnBothSidesAndASingleCrownAreLeftAlone) {
+  EXPECT_FALSE(surelyUp(archOfCrowns(false)));
+  EXPECT_FALSE(surelyUp(crown(true)));
 }
 
 TEST(Upright, AScanStandsOnItsBaseOrItsOpeningHoweverItIsStored) {

@@ -211,7 +211,8 @@ Expected<void> expect(const AppContext& c, AppWords words) {
 // Notices that are errors end a script.
 Expected<void> failOnError(const AppContext& c, std::size_t& seen) {
   for (; seen < c.bench.notices().size(); ++seen)
-    if (const Notice& notice = c.bench.notices()[seen]; notice.is_error) return wrongWord(notice.text, "no error");
+    if (const Notice& notice = c.bench.notices()[seen]; notice.is_error)
+      return fail({.code = Error::Code::kBadValue, .found = notice.text});
   return {};
 }
 

@@ -1,8 +1,18 @@
 #include "ui/app/command_line.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
+#include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
+#include <vector>
+
+#include "geometry/base/error.h"
+#include "geometry/base/toml_reader.h"
 
 namespace kerf {
 namespace {
@@ -13,6 +23,75 @@ std::string notFinite(const std::string& word) {
   const double value = std::strtod(word.c_str(), &end);
   const bool is_number = end != word.c_str() && *end == '\0';
   return is_number && !std::isfinite(value) ? word + " is not a finite number" : std::string();
+}
+
+// The command that was being read when the parser gave up: `kerf tool check`, not `kerf`.
+const CLI::App& commandInHand(const CLI::App& app) {
+  const std::vector<CLI::App*> begun = app.get_subcommands();
+  return begun.empty() ? app : commandInHand(*begun.back());
+}
+
+// "kerf tool check", as it is typed.
+std::string typedName(const CLI::App& command) {
+  const CLI::App* parent = command.get_parent();
+  return parent ? typedName(*parent) + " " + command.get_name() : command.get_name();
+}
+
+// Long names of the options that --help lists, without their dashes.
+std::vector<std::string> optionsOf(const CLI::App& command) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : command.get_options([](const CLI::Option* o) { return !o->get_group().empty(); }))
+    for (const std::string& name : option->get_lnames()) names.push_back(name);
+  return names;
+}
+
+bool isOption(const std::string& word) {
+  const bool is_number = word.size() > 1 && (word[1] == '.' || (word[1] >= '0' && word[1] <= '9'));
+  return word.size() > 1 && word[0] == '-' && !is_number;
+}
+
+// What stands on the command line and belongs to nothing. CLI11 lists it from the last word to the first: the value of
+// an option that it does not know would come before the option.
+Error aboutExtras(const CLI::App& command) {
+  const std::vector<std::string> extras = command.remaining();
+  const std::string name = typedName(command);
+  Error error{.code = Error::Code::kBadValue, .hint = name + " --help"};
+  const auto option = std::find_if(extras.begin(), extras.end(), isOption);
+  if (option == extras.end()) {
+    error.place = extras.empty() ? name : extras.front();
+    error.found = "one word too many for " + name;
+    return error;
+  }
+
+  error.place = option->substr(0, option->find('='));
+  error.found = "no such option of " + name;
+  const std::string word = error.place.substr(error.place.find_first_not_of('-'));
+  if (const std::string near = nearestName(word, optionsOf(command)); !near.empty())
+    error.found += fmt::format(" (did you mean --{}?)", near);
+  return error;
+}
+
+// Words that nothing takes. Of a line that lacks something, too: what it lacks may be there, misspelt.
+bool isAboutExtras(const CLI::ParseError& e, const CLI::App& command) {
+  if (dynamic_cast<const CLI::ExtrasError*>(&e)) return true;
+  const std::vector<std::string> extras = command.remaining();
+  return dynamic_cast<const CLI::RequiredError*>(&e) && std::any_of(extras.begin(), extras.end(), isOption);
+}
+
+// Whether a command that has --json was given it, as far as it can be told of a line that can not be parsed.
+bool asksForJson(const CLI::App& command, int argc, const char* const* argv) {
+  const bool is_asked = std::find(argv, argv + argc, std::string_view("--json")) != argv + argc;
+  return is_asked && command.get_option_no_throw("--json");
+}
+
+// Like the answers of kerf about work that failed: answerInJson() in ui/cli/command.h.
+void printJson(const Error& error, const std::string& message) {
+  nlohmann::json out{{"code", "bad_value"}, {"message", message}};
+  for (const auto& [key, text] : {std::pair("place", error.place), std::pair("found", error.found),
+                                  std::pair("expected", error.expected), std::pair("hint", error.hint)})
+    if (!text.empty()) out[key] = text;
+  const nlohmann::json all{{"error", std::move(out)}};
+  fmt::print("{}\n", all.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
 }
 
 }  // namespace
@@ -29,7 +108,19 @@ std::optional<ExitCode> parseCommandLine(CLI::App& app, int argc, const char* co
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? kOk : kUsage;
+    const bool is_answer = e.get_exit_code() == 0;  // --help, --version
+    const CLI::App& command = commandInHand(app);
+    Error error{.code = Error::Code::kBadValue, .found = e.what(), .hint = typedName(command) + " --help"};
+    std::string message = e.what();
+    if (isAboutExtras(e, command)) {
+      error = aboutExtras(command);
+      message = error.message();
+      fmt::print(stderr, "{}: {}\n", app.get_name(), message);
+    } else if (app.exit(e); is_answer) {
+      return kOk;
+    }
+    if (asksForJson(command, argc, argv)) printJson(error, message);
+    return kUsage;
   }
   return std::nullopt;
 }

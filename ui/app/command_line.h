@@ -9,8 +9,9 @@ namespace kerf {
 /// Exit codes of both programs.
 enum ExitCode : int {
   kOk = 0,
-  kFailed = 1,  ///< the work failed, or a check says no
-  kUsage = 2,   ///< wrong command line
+  kFailed = 1,    ///< the work failed, or a check says no
+  kUsage = 2,     ///< wrong command line
+  kCutShort = 3,  ///< a log ends before its session did: what is there was done, and is right
 };
 
 /// Makes every option that takes numbers refuse those that are not finite, in all commands: CLI::Range and the like let
@@ -18,7 +19,9 @@ enum ExitCode : int {
 void requireFiniteNumbers(CLI::App& app);
 
 /// Parses, which runs the command asked for. Nothing: go on. Otherwise help, version or what is wrong was printed, and
-/// this is the exit code: CLI11's own codes, 100 and more, stay inside. What a command throws goes through.
+/// this is the exit code: CLI11's own codes, 100 and more, stay inside. What a command throws goes through. An option
+/// that the command does not have is answered with the nearest name that it has. With --json on the line of a command
+/// that has it, {"error": {...}} is printed on standard output, too.
 std::optional<ExitCode> parseCommandLine(CLI::App& app, int argc, const char* const* argv);
 
 }  // namespace kerf

@@ -125,7 +125,7 @@ Expected<std::string> exportScene(const LiveRun& run, const SceneCopy& scene, co
     }
     out += *line + "\n";
   }
-  out += fmt::format("removed {:.3f} mm3, {} vertices of the scan kept bit for bit", report.removed_volume_mm3,
+  out += fmt::format("removed {:.3f} mm3, {} vertices of the solid kept bit for bit", report.removed_volume_mm3,
                      report.source_vertices_kept);
   std::size_t moved = 0;
   for (const RunManifest::Piece& piece : result.pieces) moved += piece.isMoved();

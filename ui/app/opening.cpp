@@ -375,7 +375,15 @@ Expected<fs::path> makeDemo(const std::string& name, const fs::path& data_folder
   std::error_code ignored;
   if (fs::exists(folder / manifest, ignored)) return folder / manifest;
 
-  fs::create_directories(folder.parent_path(), ignored);
+  std::error_code failed;
+  fs::create_directories(folder.parent_path(), failed);
+  if (failed)
+    return fail({.code = Error::Code::kWriteFailed,
+                 .file = folder.parent_path().string(),
+                 .place = "folder",
+                 .found = failed.message(),
+                 .expected = "a place that can be written to",
+                 .hint = "another --data FOLDER, or its permissions"});
   if (name == "arch") {
     KERF_TRY(scan, demoArch({}, progress));
     DemoAnatomy anatomy{name, "Demo lower arch", 0, {}, {}, {}};

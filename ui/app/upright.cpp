@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <tuple>
+#include <vector>
 
 #include "geometry/case/case_bundle.h"
 #include "preprocess/close/occlusal_plane.h"
@@ -50,6 +53,97 @@ double shareNear(const Mesh& solid, const OcclusalPlane& plane) {
   return all > 0 ? near / all : 0;
 }
 
+// How furrowed the surface is that faces a plane and lies at most 4 mm below: the sum over its edges that are bent
+// inwards of length times angle. Per area, rad/mm, chewing surfaces have 0.3 to 0.5 by their fissures; half as much
+// where crowns are closed at their necks, next to nothing the underside of a jaw. Hollow caps of enamel have more, but
+// little area that faces down.
+struct Furrows {
+  double sum = 0;       // mm
+  double per_area = 0;  // 1/mm
+};
+Furrows furrowsOf(const Mesh& solid, const OcclusalPlane& plane) {
+  constexpr double kFacing = 0.7, kBelow = 4;  // cosine of the angle; mm
+  struct Side {
+    std::uint32_t from, to;
+    std::size_t triangle;
+  };
+  std::vector<Side> sides;
+  double twice_area = 0;
+  for (std::size_t t = 0; t < solid.triangles.size(); ++t) {
+    const Vec3d twice = doubleAreaVector(solid, t);
+    if (!(twice.dot(plane.normal) > kFacing * twice.norm())) continue;
+    if (plane.normal.dot(plane.point - solid.corner(t, 0)) > kBelow) continue;
+    twice_area += twice.norm();
+    const Triangle& f = solid.triangles[t];
+    for (std::size_t n = 0; n < 3; ++n)
+      sides.push_back({std::min(f[n], f[(n + 1) % 3]), std::max(f[n], f[(n + 1) % 3]), t});
+  }
+  if (!(twice_area > 0)) return {};
+
+  std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
+    return std::tie(a.from, a.to, a.triangle) < std::tie(b.from, b.to, b.triangle);
+  });
+  Furrows furrows;
+  for (std::size_t n = 0; n + 1 < sides.size(); ++n) {
+    const Side &one = sides[n], &other = sides[n + 1];
+    if (one.from != other.from || one.to != other.to) continue;
+    const Vec3d normal = doubleAreaVector(solid, one.triangle).normalized();
+    const Vec3d next = doubleAreaVector(solid, other.triangle).normalized();
+    Vec3d across = Vec3d::Zero();
+    for (int corner = 0; corner < 3; ++corner)
+      across += solid.corner(other.triangle, corner) - solid.corner(one.triangle, corner);
+    if (!(across.dot(normal) > 0)) continue;
+    const double length = (solid.vertices[one.from] - solid.vertices[one.to]).norm();
+    furrows.sum += length * std::atan2(normal.cross(next).norm(), normal.dot(next));
+  }
+  furrows.per_area = 2 * furrows.sum / twice_area;
+  return furrows;
+}
+
+// The occlusal planes of a solid whose up is not known: for each of the six axes the one that is found from it.
+std::vector<OcclusalPlane> planesOf(const Mesh& solid) {
+  constexpr double kFlat = 0.05;  // mm: tips that lie so well in a plane are a face
+  std::vector<OcclusalPlane> planes;
+  for (int n = 0; n < 6; ++n) {
+    const auto found = findOcclusalPlane(solid, (n < 3 ? 1.0 : -1.0) * Vec3d::Unit(n % 3));
+    if (found && found->rms_mm > kFlat) planes.push_back(*found);
+  }
+  return planes;
+}
+
+// Before a search that takes long: a tooth is not.
+bool isAsLargeAsAnArch(const Mesh& mesh) {
+  constexpr double kDeep = 20;  // mm
+  Vec3d size = bounds(mesh).size();
+  std::sort(size.begin(), size.end());
+  return size[1] > kDeep;
+}
+
+// Of these planes the one of a full arch, if there is no doubt which of its two sides bites: the more furrowed one by
+// far. Tips do not tell: crowns that are closed at their necks have as many there. None: no arch, as a tooth or a bone,
+// or sides too much alike.
+std::optional<OcclusalPlane> sureArchOf(const Mesh& solid, const std::vector<OcclusalPlane>& planes) {
+  constexpr double kLeastPerArea = 0.15;  // 1/mm
+  constexpr double kTimesOther = 1.4;     // the furrows of the other side; crowns closed at their necks: 1.56
+  constexpr double kSameSide = 0.7;       // cosine of the angle between two normals
+  struct Arch {
+    OcclusalPlane plane;
+    Furrows furrows;
+  };
+  std::vector<Arch> arches;
+  for (const OcclusalPlane& plane : planes)
+    if (findDentalArch(solid, plane)) arches.push_back({plane, furrowsOf(solid, plane)});
+  if (arches.empty()) return {};
+
+  const Arch& best = *std::max_element(arches.begin(), arches.end(),
+                                       [](const Arch& a, const Arch& b) { return a.furrows.sum < b.furrows.sum; });
+  const bool is_doubtful = std::any_of(arches.begin(), arches.end(), [&](const Arch& other) {
+    return other.plane.normal.dot(best.plane.normal) < kSameSide && best.furrows.sum < kTimesOther * other.furrows.sum;
+  });
+  if (best.furrows.per_area < kLeastPerArea || is_doubtful) return {};
+  return best.plane;
+}
+
 }  // namespace
 
 std::optional<Vec3d> awayFromOpening(const Mesh& mesh) {
@@ -68,14 +162,15 @@ OcclusalSide occlusalSideOf(const Mesh& solid) {
     if (found && found->rms_mm > kFlat && found->normal.dot(-*base) > 0.5) return of(*found);
     return {Vec3d(-*base), {}};
   }
+
+  const std::vector<OcclusalPlane> planes = planesOf(solid);
+  if (const auto sure = sureArchOf(solid, planes)) return of(*sure);
   std::optional<OcclusalPlane> best;
   double best_score = 0;
-  for (int n = 0; n < 6; ++n) {
-    const auto found = findOcclusalPlane(solid, (n < 3 ? 1.0 : -1.0) * Vec3d::Unit(n % 3));
-    if (!found || found->rms_mm <= kFlat) continue;
-    const double score = static_cast<double>(found->tips) * (1 - shareNear(solid, *found));
+  for (const OcclusalPlane& plane : planes) {
+    const double score = static_cast<double>(plane.tips) * (1 - shareNear(solid, plane));
     if (score <= best_score) continue;
-    best = *found;
+    best = plane;
     best_score = score;
   }
   if (!best) return {};
@@ -90,6 +185,8 @@ std::optional<Vec3d> surelyUp(const Mesh& mesh) {
   std::optional<Vec3d> up = awayFromOpening(mesh);
   for (const FlatSide& side : {kBase, kTrimmed})
     if (const auto base = up ? std::nullopt : baseNormalOf(mesh, side)) up = -*base;
+  if (!up && isAsLargeAsAnArch(mesh))
+    if (const auto arch = sureArchOf(mesh, planesOf(mesh))) up = arch->normal;
   if (!up) return {};
   int axis = 0;
   up->cwiseAbs().maxCoeff(&axis);

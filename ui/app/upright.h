@@ -14,9 +14,9 @@ namespace kerf {
 std::optional<Vec3d> awayFromOpening(const Mesh& mesh);
 
 /// Out of the teeth, unit: away from the base, by the occlusal plane if there is one. Without a base it is not known
-/// which way is up: the direction in which most cusp tips are found that stand out of what is around them. None:
-/// neither.
-/// @param solid  closed, mm.   @cost 50 ms for a jaw with a base, six times that without one.
+/// which way is up: of a full arch the side that is furrowed by fissures, if the other one is much smoother; else the
+/// direction in which most cusp tips are found that stand out of what is around them. None: none of these.
+/// @param solid  closed, mm.   @cost 50 ms for a jaw with a base, six times that and more without one.
 std::optional<Vec3d> occlusalNormalOf(const Mesh& solid);
 
 /// The same, and the arch that the teeth stand along, if it is a full one: findDentalArch().
@@ -27,8 +27,10 @@ struct OcclusalSide {
 };
 OcclusalSide occlusalSideOf(const Mesh& solid);
 
-/// The coordinate axis that is up, by what can not be mistaken: away from the opening, or from a flat base. None: the
-/// mesh tells nothing, as a single tooth.   @cost two passes.
+/// The coordinate axis that is up, by what can not be mistaken: away from the opening, or from a flat base; of a full
+/// arch without either, the side that is furrowed by fissures, if the other one is much smoother. None: the mesh tells
+/// nothing, as a single tooth.
+/// @param mesh  mm.   @cost two passes; without opening and base, of what is as large as an arch, 0.2 to 0.5 s.
 std::optional<Vec3d> surelyUp(const Mesh& mesh);
 
 /// The same of what a program is asked to show: of the solid of a case and of a run's case, in which no cut can be

@@ -56,7 +56,7 @@ Workbench::Workbench(WorkbenchOptions options)
     materials_ = std::move(*materials);
   else
     complain(materials.error());
-  findLostSessions();
+  lost_ = findLostSessions(options_.data_folder);
   if (options_.device.empty()) return;
   if (const auto opened = arm_->open(options_.device); !opened) complain(opened.error());
 }

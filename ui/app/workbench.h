@@ -23,6 +23,7 @@
 #include "ui/app/exporting.h"
 #include "ui/app/job.h"
 #include "ui/app/live_scene.h"
+#include "ui/app/lost_sessions.h"
 #include "ui/app/measure.h"
 #include "ui/app/neighbours.h"
 #include "ui/app/opening.h"
@@ -68,12 +69,6 @@ struct NearStructure {
   double distance_mm = 0;   ///< negative: the tool is in it
   bool is_far = true;       ///< farther than is measured: distance_mm is the reach
   bool is_stopped = false;  ///< the stroke stops short of it, here
-};
-
-/// A session whose program is gone.
-struct LostSession {
-  std::filesystem::path folder;
-  std::string case_name;
 };
 
 class Workbench {
@@ -352,7 +347,6 @@ class Workbench {
   void sendUndos();
   void goWhereWished();
   std::size_t strokesDone() const;
-  void findLostSessions();
   void remember(const std::filesystem::path& path);
   void putImportAway();
   std::vector<std::filesystem::path> takeTools(const std::vector<std::filesystem::path>& paths);

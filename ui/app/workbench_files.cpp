@@ -24,56 +24,19 @@ void Workbench::forgetRecent(std::size_t n) {
   if (const auto done = recent_.forget(n); !done) complain(done.error());
 }
 
-std::uintmax_t Workbench::bytesOfLost(std::size_t n) const {
-  std::uintmax_t out = 0;
-  std::error_code failed;
-  if (n < lost_.size())
-    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(lost_[n].folder, failed))
-      if (entry.is_regular_file(failed)) out += entry.file_size(failed);
-  return out;
-}
+std::uintmax_t Workbench::bytesOfLost(std::size_t n) const { return n < lost_.size() ? bytesOf(lost_[n]) : 0; }
 
 void Workbench::forgetLost(std::size_t n) {
   if (isBusy() || n >= lost_.size()) return;
   const fs::path folder = lost_[n].folder;
-  {
-    const auto lock = RunLock::take(folder);
-    if (!lock)
-      return complain({.code = Error::Code::kUnsupported,
-                       .file = folder.string(),
-                       .found = "another program works on it",
-                       .hint = "it is no lost session any more"});
-    std::error_code failed;
-    fs::remove_all(folder, failed);
-    if (failed)
-      complain({.code = Error::Code::kWriteFailed,
-                .file = folder.string(),
-                .found = failed.message(),
-                .expected = "a folder that can be deleted",
-                .hint = "delete it yourself"});
-    else
-      say("deleted as asked: " + folder.string());
-  }
-  findLostSessions();
+  if (const auto done = discardSession(folder); !done)
+    complain(done.error());
+  else
+    say("deleted as asked: " + folder.string());
+  lost_ = findLostSessions(options_.data_folder);
 }
 
 // ---- After a crash
-
-void Workbench::findLostSessions() {
-  lost_.clear();
-  std::error_code failed;
-  for (const fs::directory_entry& entry : fs::directory_iterator(options_.data_folder / "sessions", failed)) {
-    const auto manifest = readRunManifest(entry.path());
-    if (!manifest || !manifest->is_open || !RunLock::take(entry.path())) continue;
-    lost_.push_back({entry.path(), fs::path(manifest->case_path).stem().string()});
-  }
-  const auto timeOf = [](const LostSession& lost) {
-    std::error_code none;
-    return fs::last_write_time(lost.folder / "session.kerflog", none);
-  };
-  std::sort(lost_.begin(), lost_.end(),
-            [&](const LostSession& a, const LostSession& b) { return timeOf(a) > timeOf(b); });
-}
 
 void Workbench::recover(std::size_t n) {
   if (isBusy() || n >= lost_.size()) return;
@@ -98,7 +61,7 @@ void Workbench::recover(std::size_t n) {
     } else {
       complain(recovered.error());
     }
-    findLostSessions();
+    lost_ = findLostSessions(options_.data_folder);
   };
   job_ = std::move(job);
 }

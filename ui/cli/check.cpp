@@ -9,6 +9,7 @@
 #include "geometry/formats/mesh_formats.h"
 #include "geometry/formats/mesh_io.h"
 #include "geometry/formats/mesh_stream.h"
+#include "preprocess/unit/unit.h"
 #include "ui/cli/command.h"
 
 namespace kerf::cli {
@@ -18,17 +19,29 @@ using nlohmann::json;
 
 struct Arguments {
   std::vector<std::string> meshes;
+  std::string unit;  // empty: the numbers are taken for mm
   bool json = false;
 };
 
-// "-" is standard input.
-Expected<MeshFile> read(const std::string& name) {
-  return name == "-" ? readMeshStream(std::cin, "standard input") : readMesh(name);
+// "-" is standard input. A mesh is judged as its numbers are, or in mm from the unit the user names; who meant another
+// unit is told, beside the verdict.
+Expected<MeshFile> read(const Arguments& a, const std::string& name) {
+  auto file = name == "-" ? readMeshStream(std::cin, "standard input") : readMesh(name);
+  if (!file || file->mesh.vertices.empty()) return file;
+  KERF_TRY(unit, chooseUnit(bounds(file->mesh), a.unit, file->declared_unit));
+  if (!a.unit.empty()) {
+    for (Vec3d& p : file->mesh.vertices) p *= unit.scale_to_mm;
+  } else if (unit.scale_to_mm != 1) {
+    fmt::print(stderr, "kerf: {}: CHECK THE UNIT: judged as if it were in mm; it seems to be in {}: {}\n", name,
+               unit.unit, unit.reason);
+  }
+  if (unit.is_doubtful) fmt::print(stderr, "kerf: {}: CHECK THE UNIT: {}\n", name, unit.reason);
+  return file;
 }
 
 // One mesh alone: its verdict as it is.
 int runOne(const Arguments& a) {
-  const auto file = read(a.meshes.front());
+  const auto file = read(a, a.meshes.front());
   if (!file) return complain(file.error());
   const MeshReport report = checkMesh(file->mesh);
   fmt::print("{}", a.json ? toJson(report) + "\n" : describe(report));
@@ -41,7 +54,7 @@ int runAll(const Arguments& a) {
   std::size_t ready = 0;
   int code = kOk;
   for (const std::string& name : a.meshes) {
-    const auto file = read(name);
+    const auto file = read(a, name);
     if (!file) {
       code = complain(file.error());
       rows.push_back({{"file", name}, {"error", file.error().message()}});
@@ -72,6 +85,9 @@ void addCheck(CLI::App& command, int& exit_code) {
       .add_option("MESH", a->meshes,
                   readableFormats() + "; judged in its own unit; several: each in turn; -: from standard input")
       ->required();
+  command.add_option("--unit", a->unit, "of the meshes: mm, cm, m, um or inch (default: judged as if they were in mm)")
+      ->type_name("UNIT")
+      ->check(CLI::IsMember(unitNames()));
   command.add_flag("--json", a->json, "verdict as JSON on standard output; of several meshes a list, with their files");
   command.callback([a, &exit_code] { exit_code = a->meshes.size() == 1 ? runOne(*a) : runAll(*a); });
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -28,6 +29,8 @@ void answerInJson();
 /// --overwrite, and its old spelling --force, which help does not show: beside --hand force and the forces of devices
 /// it was taken for one of them.
 void addOverwrite(CLI::App& command, bool& overwrites, const std::string& description);
+/// Error kBadValue if a file is there that the user has not said to replace.
+Expected<void> requireFree(const std::filesystem::path& file, bool overwrites);
 /// --case FOLDER: where the case of a run is that was moved alone; see setPlacesOfCases(). Repeat for cases beside.
 void addCasePlaces(CLI::App& command);
 

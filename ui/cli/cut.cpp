@@ -111,12 +111,13 @@ nlohmann::json jsonOf(const Arguments& a, const HapticCut& cut) {
   return j;
 }
 
-// ": enamel 1.2000, dentin 0.3000"; with signs ": enamel +1.2000".
+// ": enamel 1.2000, dentin 0.3000"; with signs ": enamel +1.2000". A tissue that was hardly touched may have "lost" a
+// little less than nothing, shares of voxels at its border: for people that is none.
 std::string byMaterial(const std::map<std::string, double>& volumes, bool with_sign) {
   std::string out;
   for (const auto& [id, volume] : volumes) {
     out += out.empty() ? ": " : ", ";
-    out += with_sign ? fmt::format("{} {:+.4f}", id, volume) : fmt::format("{} {:.4f}", id, volume);
+    out += with_sign ? fmt::format("{} {:+.4f}", id, volume) : fmt::format("{} {:.4f}", id, std::max(0.0, volume));
   }
   return out;
 }
@@ -185,6 +186,21 @@ void print(const Arguments& a, const HapticCut& cut) {
   fmt::print("state {}\nrun written: {}\n", s.state_hash, a.output);
 }
 
+// A head of one voxel cuts a third too much, one of a tenth nothing: volumes are right from about three voxels on.
+void warnOfCoarseVoxels(const std::filesystem::path& tool_file, double voxel_mm, double changed_mm3) {
+  constexpr double kFewestVoxels = 2.5;
+  const auto tool = readTool(tool_file);
+  if (!tool || !tool->cut) return;
+  const Vec3d size = tool->cut->bounds().size();
+  const double across = std::min(size[0], size[1]);
+  if (across < kFewestVoxels * voxel_mm)
+    fmt::print(stderr,
+               "kerf: WARNING: what cuts of {} is {:.2g} mm across, {:.1f} voxels: its cut is not to be trusted. Bake "
+               "with --voxel {:.2g} or finer, or with --fine-along the path\n",
+               tool->id, across, across / voxel_mm, across / 4);
+  if (changed_mm3 < 1e-6) fmt::print(stderr, "kerf: WARNING: nothing was removed\n");
+}
+
 int runByHand(const Arguments& a, const std::filesystem::path& tool) {
   HapticCutOptions options = a.haptic;
   options.hand = *handKind(a.hand);
@@ -201,6 +217,14 @@ int runByHand(const Arguments& a, const std::filesystem::path& tool) {
     fmt::print(stderr, "kerf: the case's fine region is not used by --hand: cut on the object's voxels, {} mm\n",
                cut->manifest.voxel_mm);
   warnOfNeighbours(a, cut->summary);
+  warnOfCoarseVoxels(tool, cut->manifest.voxel_mm, cut->summary.removed_mm3 + cut->summary.added_mm3);
+  constexpr double kInside = 0.2;  // mm; less is a tool that leans on the surface
+  if (cut->summary.began_inside_mm > kInside)
+    fmt::print(stderr,
+               "kerf: WARNING: the path begins inside tissue, by {:.2f} mm or more, from where the tool is thrown out: "
+               "its force "
+               "says nothing. Begin it in air, as with a plunge\n",
+               cut->summary.began_inside_mm);
   if (a.json)
     printJson(jsonOf(a, *cut));
   else
@@ -232,6 +256,7 @@ int runGeometry(const Arguments& a, const std::filesystem::path& tool) {
         m->beyond_region_mm, m->voxel_mm);
   double removed = 0;
   for (const auto& [id, volume] : m->removed_by_material) removed += volume;
+  warnOfCoarseVoxels(tool, m->voxel_mm, removed);
   if (a.json)
     printJson(nlohmann::json{{"tool", m->tool_id},
                              {"removed_mm3", removed},
@@ -351,6 +376,7 @@ void addCut(CLI::App& command, int& exit_code) {
       ->excludes(hand);
   addOptionsOfAnyHand(command, a->haptic);
   addOptionsOfOneHand(command, *a);
+  addCasePlaces(command);
   command.add_flag("--json", a->json, "summary as JSON on standard output");
 
   command.callback([a, &command, &exit_code] {

@@ -14,10 +14,12 @@ namespace {
 struct Arguments {
   std::string output;
   double edge_mm = 0.18;
+  bool overwrites = false;
 };
 
 int run(const Arguments& a) {
   if (const auto possible = canWriteMesh(a.output); !possible) return complain(possible.error());
+  if (const auto free = requireFree(a.output, a.overwrites); !free) return complain(free.error());
 
   const TerminalProgress guard;  // Ctrl-C waits until no file is half written
   const Mesh mesh = demoMolar(a.edge_mm);
@@ -35,6 +37,7 @@ void addDemoMolar(CLI::App& command, int& exit_code) {
   command.add_option("--edge", a->edge_mm, "edge length of the triangles [mm]")
       ->capture_default_str()
       ->check(CLI::Range(0.08, 1.0));
+  addOverwrite(command, a->overwrites, "replace a file that is there");
   command.callback([a, &exit_code] { exit_code = run(*a); });
 }
 

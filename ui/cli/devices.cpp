@@ -33,7 +33,7 @@ struct Arguments {
   int port = 4417;
   bool has_port = false;
   bool wants_typical = false;
-  double delay_ms = 2;
+  double delay_ms = 2, damping = DeviceHand::Options{}.damping;
   DeviceProfile profile;
   double wanted = CouplingSettings{}.stiffness;
   bool is_own = false;  // some number was given
@@ -402,6 +402,7 @@ int simulate(const Arguments& a) {
   }
   DeviceHand::Options hand;
   hand.mass_kg = a.profile.mass_kg;
+  hand.damping = a.damping;
   hand.friction = a.profile.friction;
   hand.encoder_mm = a.profile.encoder_mm;
   hand.delay_ticks = static_cast<int>(std::lround(a.delay_ms));
@@ -515,6 +516,7 @@ void addDevices(CLI::App& command, int& exit_code) {
   own.push_back(number("--mass", a->profile.mass_kg, "that the hand moves at the tip, kg", 0.001, 10));
   own.push_back(number("--friction", a->profile.friction, "of the device at the tip, N", 0, 10));
   own.push_back(number("--encoder", a->profile.encoder_mm, "step of its position at the tip, mm; 0: perfect", 0, 1));
+  number("--damping", a->damping, "of a simulated arm, N s/mm", 0, 1)->needs(simulated);
   CLI::Option* const coupling = number("--coupling", a->wanted, "stiffness that is wanted, N/mm", 0.01, 100);
   for (CLI::Option* option : own) option->excludes(typical);
   command.add_flag("--json", a->json, "as JSON on standard output");

@@ -22,7 +22,7 @@ struct Arguments {
   std::vector<std::string> outputs;
   std::size_t beside = 0;
   std::string piece;
-  bool is_put_back = false, json = false;
+  bool is_put_back = false, overwrites = false, json = false;
 };
 
 // A mesh, and the file or files it goes into.
@@ -162,20 +162,55 @@ void print(const Arguments& a, const std::vector<Output>& outputs, const Export&
   for (const Output& output : outputs) fmt::print("written: {}\n", output.path);
 }
 
-Expected<void> requireNoSourceOf(const Arguments& a, const std::string& path) {
+// Neither a scan of ours nor, unless the user says so, anything that is there.
+Expected<void> requireWritable(const Arguments& a, const std::string& path) {
   std::filesystem::path folder = a.bundle;
   if (isRun(a.bundle)) {
     KERF_TRY(of_run, caseOfRun(a.bundle));
     folder = of_run;
   }
   KERF_TRY(manifest, readCaseManifest(folder));
-  return requireNoSource(path, manifest);
+  KERF_CHECK(requireNoSource(path, manifest));
+  return requireFree(path, a.overwrites);
 }
 
-int run(const Arguments& a) {
+// For a file a piece a folder may be given, made if need be: NAME.run gives FOLDER/NAME-PIECE.stl.
+Expected<std::vector<std::string>> namesOfOutputs(const Arguments& a) {
+  namespace fs = std::filesystem;
+  std::vector<std::string> out;
+  for (const std::string& path : a.outputs) {
+    std::error_code failed;
+    const bool is_folder =
+        fs::is_directory(path, failed) || (!fs::exists(path, failed) && !fs::path(path).has_extension());
+    if (a.piece != "all" || !is_folder) {
+      out.push_back(path);
+      continue;
+    }
+    fs::create_directories(path, failed);
+    if (failed)
+      return fail({.code = Error::Code::kWriteFailed,
+                   .file = path,
+                   .found = failed.message(),
+                   .expected = "a folder that can be made",
+                   .hint = "another place for -o"});
+    const fs::path bundle = (fs::path(a.bundle) / ".").lexically_normal().parent_path();
+    out.push_back((fs::path(path) / bundle.stem().concat(".stl")).string());
+  }
+  return out;
+}
+
+int run(const Arguments& given) {
+  Arguments a = given;
+  const auto names = namesOfOutputs(a);
+  if (!names) return complain(names.error());
+  a.outputs = *names;
+
   // A name that cannot be written costs seconds now, not minutes later, and no file beside it gets written alone.
-  for (const std::string& path : a.outputs)
+  for (const std::string& path : a.outputs) {
     if (const auto possible = canWriteMesh(path); !possible) return complain(possible.error());
+    if (a.piece == "all") continue;  // files of other names
+    if (const auto free = requireFree(path, a.overwrites); !free) return complain(free.error());
+  }
   auto result = [&] {
     TerminalProgress progress;
     return exportBundle(a.bundle, {}, progress.callback(), a.beside);
@@ -186,7 +221,7 @@ int run(const Arguments& a) {
   const auto outputs = outputsOf(a, *result);
   if (!outputs) return complain(outputs.error());
   for (const Output& output : *outputs)
-    if (const auto checked = requireNoSourceOf(a, output.path); !checked) return complain(checked.error());
+    if (const auto checked = requireWritable(a, output.path); !checked) return complain(checked.error());
   for (const Output& output : *outputs)
     if (const auto written = writeMesh(output.path, output.mesh); !written) return complain(written.error());
 
@@ -219,9 +254,10 @@ void addExport(CLI::App& command, int& exit_code) {
   command
       .add_option("--piece", a->piece,
                   "of an object that came apart: a piece, by number (of a session also by name); all: a file each, "
-                  "NAME-PIECE.stl, in the folder of NAME.stl")
+                  "NAME-PIECE.stl, in the folder of NAME.stl, or in a folder that -o names")
       ->type_name("N|NAME|all");
   command.add_flag("--put-back", a->is_put_back, "pieces where they were in the scan, not where they were moved to");
+  addOverwrite(command, a->overwrites, "replace files that are there");
   command.add_flag("--json", a->json, "summary as JSON on standard output");
   addCasePlaces(command);
   command.callback([a, &exit_code] { exit_code = run(*a); });

@@ -147,9 +147,14 @@ Expected<json> infoOf(const std::string& what) {
   if (isLabelVolume(path)) {
     const auto volume = readLabelVolume(path);
     if (volume) return volumeInfo(*volume, "");
-    // Without a spacing the labels can be counted all the same.
+    const auto isOfSpacing = [](const Error& error) { return error.place == "spacing"; };
+    if (!isOfSpacing(volume.error())) return fail(volume.error());
+
+    // Without a spacing the labels can be counted all the same. A file that is damaged is named for that: no spacing
+    // mends it.
     const auto unplaced = readLabelVolume(path, {.spacing_mm = Vec3d::Ones()});
-    if (unplaced && unplaced->is_spacing_given) return volumeInfo(*unplaced, volume.error().found);
+    if (unplaced) return volumeInfo(*unplaced, volume.error().found);
+    if (!isOfSpacing(unplaced.error())) return fail(unplaced.error());
     return fail(volume.error());
   }
 
@@ -186,6 +191,18 @@ void print(const json& j, int depth) {
           value.is_string() ? value.get<std::string>() : value.dump(-1, ' ', false, json::error_handler_t::replace));
     }
   }
+}
+
+// What a person asks first comes first: what it is, what was changed or lost, whether it is one piece, how large it is.
+void printLeading(json j) {
+  for (const char* key :
+       {"kind", "format", "unit", "unit_reason", "size_in_file_unit", "close_mode", "exact", "changes", "notes",
+        "pieces", "specks", "specks_mm3", "cavities", "volume_mm3", "size_mm", "voxel_mm"}) {
+    if (!j.contains(key)) continue;
+    print(json{{key, j[key]}}, 0);
+    j.erase(key);
+  }
+  print(j, 0);
 }
 
 struct Arguments {
@@ -230,7 +247,7 @@ int run(const Arguments& a) {
   if (a.json)
     printJson(*info);
   else
-    print(*info, 0);
+    printLeading(*info);
   return kOk;
 }
 

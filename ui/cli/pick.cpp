@@ -17,6 +17,7 @@
 #include "sim/run/export_bundle.h"
 #include "sim/run/run_files.h"
 #include "ui/app/camera.h"
+#include "ui/app/mesh_in_mm.h"
 #include "ui/app/point_readout.h"
 #include "ui/app/upright.h"
 #include "ui/cli/command.h"
@@ -62,16 +63,8 @@ Expected<Picked> readScene(const Arguments& a) {
     KERF_TRY(case_folder, caseOfRun(path));
     return readCaseScene(path, case_folder);
   }
-  KERF_TRY(file, readMesh(path));
-  KERF_TRY(unit, chooseUnit(bounds(file.mesh), a.unit, file.declared_unit));
-  Picked out{std::move(file.mesh), {}, {}, {}};
-  if (unit.scale_to_mm != 1) {
-    for (Vec3d& p : out.mesh.vertices) p *= unit.scale_to_mm;
-    out.note = fmt::format("the file is in {}, the numbers are mm: {}", unit.unit, unit.reason);
-  } else if (unit.is_doubtful) {
-    out.note = "CHECK THE UNIT: " + unit.reason;
-  }
-  return out;
+  KERF_TRY(read, readMeshInMm(path, a.unit));
+  return Picked{std::move(read.mesh), std::move(read.note), {}, {}};
 }
 
 // "X,Y" or "WxH".
@@ -265,6 +258,7 @@ void addPick(CLI::App& command, int& exit_code) {
   command.add_option("--unit", a->unit, "of a mesh: mm, cm, m, um or inch (default: as it says, or by its size)")
       ->type_name("UNIT")
       ->check(CLI::IsMember(unitNames()));
+  addCasePlaces(command);
   command.add_flag("--json", a->json, "as JSON on standard output");
   command.callback([a, &exit_code] { exit_code = run(*a); });
 }

@@ -1,9 +1,11 @@
-// kerf recover: a session whose program is gone, brought to its end.
+// kerf recover: sessions whose program is gone: which there are; one is brought to its end, or discarded.
 #include <fmt/format.h>
 
 #include <memory>
 
 #include "sim/run/session_run.h"
+#include "ui/app/lost_sessions.h"
+#include "ui/app/user_files.h"
 #include "ui/cli/command.h"
 
 namespace kerf::cli {
@@ -11,10 +13,45 @@ namespace {
 
 struct Arguments {
   std::string run;
+  bool discards = false;
   bool json = false;
 };
 
+int list(const Arguments& a) {
+  const std::vector<LostSession> lost = findLostSessions(userDataFolder());
+  if (a.json) {
+    auto rows = nlohmann::json::array();
+    for (const LostSession& session : lost)
+      rows.push_back({{"run", session.folder.string()}, {"case", session.case_name}, {"bytes", bytesOf(session)}});
+    printJson(rows);
+    return kOk;
+  }
+  for (const LostSession& session : lost)
+    fmt::print("{}  {:.1f} MB, case {}\n", session.folder.string(), 1e-6 * static_cast<double>(bytesOf(session)),
+               session.case_name);
+  if (lost.empty())
+    fmt::print("no session whose program is gone in {}\n", (userDataFolder() / "sessions").string());
+  else
+    fmt::print("kerf recover RUN finishes one, kerf recover RUN --discard deletes it\n");
+  return kOk;
+}
+
+int discard(const Arguments& a) {
+  if (const auto done = discardSession(a.run); !done) return complain(done.error());
+  if (a.json)
+    printJson(nlohmann::json{{"run", a.run}, {"discarded", true}});
+  else
+    fmt::print("deleted: {}\n", a.run);
+  return kOk;
+}
+
 int run(const Arguments& a) {
+  if (a.run.empty()) {
+    if (a.discards) throw CLI::RequiredError("RUN");
+    return list(a);
+  }
+  if (a.discards) return discard(a);
+
   const auto recovered = [&] {
     TerminalProgress progress;
     return recoverRun(a.run, progress.callback());
@@ -45,11 +82,15 @@ int run(const Arguments& a) {
 void addRecover(CLI::App& command, int& exit_code) {
   auto a = std::make_shared<Arguments>();
   command.footer(
-      "The session was cut by hand in the window, and its program was killed or the power failed. What was done is in "
-      "the log, to a second before the end at most; this does it again and writes the rest of the run.\nExit code 0: "
-      "done; 1: it could not be done, or the state differs from what was recorded.\nExample: kerf recover "
-      "molar-1.run");
-  command.add_option("RUN", a->run, "run folder of the session")->required();
+      "The session was cut by hand in the window or by kerf live, and its program was killed or the power failed. What "
+      "was done is in the log, to a second before the end at most; this does it again and writes the rest of the "
+      "run. Without RUN the sessions of the window that wait for it are listed. A cut along a path that was killed "
+      "leaves nothing: the same command gives the same run.\nExit code 0: done; 1: it could not be done, or the state "
+      "differs from what was recorded.\nExamples:\n  kerf recover\n  kerf recover "
+      "~/.local/share/kerf/sessions/molar-1.run");
+  command.add_option("RUN", a->run, "run folder of the session");
+  command.add_flag("--discard", a->discards, "delete it, with all that was cut in it, instead of finishing it");
+  addCasePlaces(command);
   command.add_flag("--json", a->json, "as JSON on standard output");
   command.callback([a, &exit_code] { exit_code = run(*a); });
 }

@@ -69,7 +69,9 @@ int run(const Arguments& a) {
     printJson(jsonOf(*again));
   else
     print(*again, a.from);
-  return again->is_same && again->is_whole ? kOk : kFailed;
+  const bool differs = !again->is_same && again->checks > 0;
+  if (!again->is_whole && !differs) return kCutShort;
+  return again->is_same ? kOk : kFailed;
 }
 
 }  // namespace
@@ -77,7 +79,8 @@ int run(const Arguments& a) {
 void addReplay(CLI::App& command, int& exit_code) {
   auto a = std::make_shared<Arguments>();
   command.footer(
-      "Exit code 0: the same; 1: it differs, or the log is cut short or can not be read.\nExample: kerf replay "
+      "Exit code 0: the same; 1: it differs, or the log can not be read; 3: the log is cut short, the same up to "
+      "there.\nExample: kerf replay "
       "molar.run");
   command.add_option("RUN", a->run, "run folder, cut with --hand; REQUIRED without --commands");
   command.add_option("--from", a->from,

@@ -104,6 +104,9 @@ std::string at(const std::optional<double>& at_s) { return at_s ? fmt::format(" 
 
 std::string percent(double share) { return fmt::format("{:.{}f} %", 100 * share, share < 0.1 ? 2 : 1); }
 
+// A tissue that was hardly touched may have "lost" less than nothing: shares of voxels at its border. For people: none.
+double noneBelow(double removed) { return std::max(0.0, removed); }
+
 void printVolumes(const RunReport& r, std::string& out) {
   if (!r.removed_mm3) {
     out += "removed: not known\n";
@@ -114,10 +117,14 @@ void printVolumes(const RunReport& r, std::string& out) {
     out +=
         fmt::format(", {} of the {:.1f} mm3 that were loaded", percent(*r.removed_mm3 / *r.loaded_mm3), *r.loaded_mm3);
   out += "\n";
+  if (!r.manifest.begin_sha256.empty())
+    out += r.manifest.mode == kModeSession
+               ? "  since the case, what was cut before this session too; force, time and strokes are of this session\n"
+               : "  since the run that this one goes on from; loaded is what that one left\n";
   for (const std::string& id : tissuesOf(r)) {
     const auto share = shareOf(r, id);
-    out += fmt::format("  {:<18} {:>10.4f} mm3", id, volumeOf(r.removed_by_material, id));
-    if (share) out += fmt::format("  {:>7} of {:.1f}", percent(*share), volumeOf(r.loaded_by_material, id));
+    out += fmt::format("  {:<18} {:>10.4f} mm3", id, noneBelow(volumeOf(r.removed_by_material, id)));
+    if (share) out += fmt::format("  {:>7} of {:.1f}", percent(noneBelow(*share)), volumeOf(r.loaded_by_material, id));
     out += "\n";
   }
   if (!r.added_mm3) return;
@@ -184,6 +191,8 @@ void printCourse(const RunReport& r, std::string& out) {
   if (r.pieces) out += "; " + counted(*r.pieces, "piece");
   if (r.crumbs.value_or(0) > 0) out += fmt::format(" and {} below 0.1 mm3", counted(*r.crumbs, "crumb"));
   if (r.ended) out += "; ended: " + *r.ended;
+  if (r.stalled_s.value_or(0) > 0.05)
+    out += fmt::format("; the drive stood still for {:.2f} s of it: too heavy a hand", *r.stalled_s);
   out += "\ntools: ";
   for (std::size_t n = 0; n < r.tools.size(); ++n) out += (n ? ", " : "") + r.tools[n];
   out += "\n";
@@ -200,6 +209,7 @@ json runJson(const RunReport& r) {
   addPlan(r, j);
   addPeaks(r, j);
   j["time_s"] = orNull(r.seconds);
+  j["stalled_s"] = orNull(r.stalled_s);
   j["strokes"] = orNull(r.strokes);
   j["piece_count"] = orNull(r.pieces);
   j["crumbs"] = orNull(r.crumbs);

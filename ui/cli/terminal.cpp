@@ -107,6 +107,16 @@ void addOverwrite(CLI::App& command, bool& overwrites, const std::string& descri
   command.add_flag("--force", overwrites, "the old name of --overwrite")->group("");
 }
 
+Expected<void> requireFree(const std::filesystem::path& file, bool overwrites) {
+  std::error_code failed;
+  if (overwrites || !std::filesystem::exists(std::filesystem::symlink_status(file, failed))) return {};
+  return fail({.code = Error::Code::kBadValue,
+               .file = file.string(),
+               .found = "exists already",
+               .expected = "a new file",
+               .hint = "another name, or --overwrite to replace it"});
+}
+
 void addCasePlaces(CLI::App& command) {
   command
       .add_option_function<std::vector<std::string>>(

@@ -32,7 +32,7 @@ using nlohmann::json;
 struct Arguments {
   std::string what, plan, box, between, keep = "both", unit;
   std::vector<std::string> planes, outputs;
-  bool json = false;
+  bool overwrites = false, json = false;
 };
 
 // ---- What is cut
@@ -221,6 +221,9 @@ void print(const Arguments& a, const Cut& cut, const PlaneCut& result, const std
     if (r.crumbs_dropped)
       fmt::print("  dropped {} crumbs, {:.6f} mm3 together\n", r.crumbs_dropped, r.crumbs_volume_mm3);
   };
+  for (const Plane& plane : cut.planes)
+    fmt::print("cut along {:.5f},{:.5f},{:.5f}@{:.4f},{:.4f},{:.4f} (normal @ point, mm)\n", plane.normal[0],
+               plane.normal[1], plane.normal[2], plane.point[0], plane.point[1], plane.point[2]);
   line(cut.names[0], result.above.report, keepsFirst(a));
   line(cut.names[1], result.rest.report, keepsSecond(a));
   fmt::print("the cut faces are flat to {:.3f} um\n", 1e3 * result.flatness_mm);
@@ -244,7 +247,10 @@ Expected<void> trim(const Arguments& a) {
 
   const TerminalProgress guard;  // Ctrl-C waits until no file is half written
   const std::vector<Output> outputs = outputsOf(a, cut, *result);
-  for (const Output& output : outputs) KERF_CHECK(requireNew(a, source, output.path));
+  for (const Output& output : outputs) {
+    KERF_CHECK(requireNew(a, source, output.path));
+    KERF_CHECK(requireFree(output.path, a.overwrites));
+  }
   for (const Output& output : outputs) KERF_CHECK(writeMesh(output.path, output.part->mesh));
   if (!source.note.empty()) fmt::print(stderr, "kerf: {}\n", source.note);
   if (a.json)
@@ -309,6 +315,8 @@ void addTrim(CLI::App& command, int& exit_code) {
   command.add_option("--unit", a->unit, "of a mesh: mm, cm, m, um or inch (default: as it says, or by its size)")
       ->type_name("UNIT")
       ->check(CLI::IsMember(unitNames()));
+  addOverwrite(command, a->overwrites, "replace files that are there");
+  addCasePlaces(command);
   command.add_flag("--json", a->json, "summary as JSON on standard output");
   command.callback([a, &exit_code] { exit_code = run(*a); });
 }

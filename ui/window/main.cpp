@@ -16,6 +16,7 @@
 
 #include "geometry/base/build_info.h"
 #include "geometry/formats/mesh_formats.h"
+#include "sim/run/run_files.h"
 #include "sim/run/run_manifest.h"
 #include "ui/app/app_commands.h"
 #include "ui/app/camera.h"
@@ -35,7 +36,7 @@ namespace {
 struct Arguments {
   std::string replay, screenshot, view, up, size, look_at, section, script, data, unit, config, film, device,
       space_mouse;
-  std::vector<std::string> scenes, tools;
+  std::vector<std::string> scenes, tools, cases;
   double voxel = 0;
   double fps = 10, from = 0, until = std::numeric_limits<double>::infinity();
   double zoom = 1;
@@ -178,7 +179,7 @@ kerf::Expected<void> run(const Arguments& arguments, const Shown& shown) {
                             (arguments.scenes.size() == 1 && kerf::isRun(arguments.scenes.front()));
   if (!arguments.script.empty() || !arguments.replay.empty() || !is_looked_at) return cut(arguments, shown);
 
-  KERF_TRY(scene, kerf::loadScene(arguments.scenes.empty() ? "" : arguments.scenes.front(), shown.cut));
+  KERF_TRY(scene, kerf::loadScene(arguments.scenes.empty() ? "" : arguments.scenes.front(), shown.cut, arguments.unit));
   if (!scene.note.empty()) fmt::print(stderr, "kerf-sim: note: {}\n", scene.note);
   const int width = shown.width, height = shown.height;
   kerf::Camera camera = shown.camera;
@@ -264,9 +265,15 @@ int main(int argc, char** argv) try {
       ->type_name("MM")
       ->check(CLI::Range(0.01, 2.0));
   app.add_option("--unit", a.unit,
-                 "of a scan that is opened: mm, cm, m, um or inch (default: as it says, or by its size)")
+                 "of a scan that is opened or drawn: mm, cm, m, um or inch (default: as it says, or by its size)")
       ->type_name("UNIT")
       ->check(CLI::IsMember({"mm", "cm", "m", "um", "inch"}));
+  app.add_option("--case", a.cases,
+                 "where the case of the run is, if the run was moved without it. Repeat for cases that stood beside it")
+      ->type_name("FOLDER")
+      ->expected(1)
+      ->allow_extra_args(false)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_option("--device", a.device,
                  "a force-feedback device that leads the tool: bridge, bridge:PORT, haply, serial:PATH, or path or "
                  "serial number of an arm that kerf devices lists; it gives force when it is armed (device.arm)")
@@ -342,6 +349,7 @@ int main(int argc, char** argv) try {
                     kerf::kUsage);
   const auto shown = read(a);
   if (!shown) return complain(shown.error(), kerf::kUsage);
+  if (!a.cases.empty()) kerf::setPlacesOfCases({a.cases.begin(), a.cases.end()});
   const auto done = run(a, *shown);
   return done ? kerf::kOk : complain(done.error(), kerf::kFailed);
 } catch (const std::exception& e) {

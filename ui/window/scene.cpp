@@ -8,21 +8,13 @@
 #include <utility>
 
 #include "geometry/case/case_bundle.h"
-#include "geometry/formats/mesh_io.h"
 #include "sim/run/export_bundle.h"
 #include "sim/run/run_files.h"
+#include "ui/app/mesh_in_mm.h"
 #include "ui/window/tissue_view.h"
 
 namespace kerf {
 namespace {
-
-/// mm per unit, 0 if unknown.
-double millimetres(const std::string& unit) {
-  for (const auto& [name, factor] : {std::pair("mm", 1.0), std::pair("cm", 10.0), std::pair("m", 1000.0),
-                                     std::pair("um", 0.001), std::pair("inch", 25.4)})
-    if (unit == name) return factor;
-  return 0;
-}
 
 std::string inBrackets(const Vec3d& p) { return fmt::format("({:.2f}, {:.2f}, {:.2f})", p[0], p[1], p[2]); }
 
@@ -140,7 +132,8 @@ Expected<Scene> sceneOfBundle(const std::filesystem::path& path, const std::opti
 
 }  // namespace
 
-Expected<Scene> loadScene(const std::filesystem::path& path, const std::optional<SectionPlane>& cut) {
+Expected<Scene> loadScene(const std::filesystem::path& path, const std::optional<SectionPlane>& cut,
+                          const std::string& unit) {
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored)) return sceneOfBundle(path, cut);
   if (cut)
@@ -151,17 +144,9 @@ Expected<Scene> loadScene(const std::filesystem::path& path, const std::optional
                  .expected = "a case or a run folder",
                  .hint = "kerf bake it first: only a case knows its inside"});
 
-  Scene scene{.mesh = {}, .mesh_file = path, .unit = "mm", .note = {}};
-  KERF_TRY(file, readMesh(scene.mesh_file));
-  scene.mesh = std::move(file.mesh);
-  if (file.declared_unit == "mm") return scene;
-  if (const double factor = millimetres(file.declared_unit); factor > 0) {
-    for (Vec3d& p : scene.mesh.vertices) p *= factor;
-    scene.unit = file.declared_unit + ", shown in mm";
-  } else {
-    scene.unit = "mm (the file names none)";
-  }
-  return scene;
+  KERF_TRY(read, readMeshInMm(path, unit));
+  const std::string shown = read.unit == "mm" ? "mm" : read.unit + ", shown in mm";
+  return Scene{.mesh = std::move(read.mesh), .mesh_file = path, .unit = shown, .note = std::move(read.note)};
 }
 
 }  // namespace kerf

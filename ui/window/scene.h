@@ -25,19 +25,20 @@ struct SectionPlane {
 struct Scene {
   Mesh mesh;                        ///< mm
   std::filesystem::path mesh_file;  ///< the file it was read from
-  std::string unit;                 ///< for the eye: "mm", "mm (the file names none)", "inch, shown in mm"
+  std::string unit;                 ///< for the eye: "mm", "inch, shown in mm"
   std::string note;                 ///< what the user should know about the picture; most often empty
 };
 
 /// A file is read by readMesh. A run folder shows its post-operative mesh, a case folder its solid, both computed by
-/// exportBundle: what is shown is what would be exported. A mesh file whose header declares another unit is scaled to
-/// mm, one that declares none is taken as mm.
+/// exportBundle: what is shown is what would be exported. A mesh file is scaled to mm: from `unit`, or from what it
+/// declares, or from what its size says, with a note.
 /// A case of several materials, and a run of one, is coloured by them, cut walls too; a run of a case of one material
 /// has its cut faces in their own colour.
 /// @param cut  shows a case or a run cut open by a plane (tissue_view.h). An error for a mesh file, which has no
 /// inside, for kCut on a case, and for a plane that takes all of the object away; one that takes nothing away makes a
-/// note.
+/// note.   @param unit  of a mesh file; empty: as it says.
 /// @return an error naming what is missing, for a folder that is neither.
-Expected<Scene> loadScene(const std::filesystem::path& path, const std::optional<SectionPlane>& cut = {});
+Expected<Scene> loadScene(const std::filesystem::path& path, const std::optional<SectionPlane>& cut = {},
+                          const std::string& unit = {});
 
 }  // namespace kerf

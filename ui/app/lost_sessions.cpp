@@ -1,0 +1,64 @@
+#include "ui/app/lost_sessions.h"
+
+#include <algorithm>
+#include <system_error>
+
+#include "sim/run/run_manifest.h"
+#include "sim/run/session_run.h"
+
+namespace kerf {
+
+namespace fs = std::filesystem;
+
+std::vector<LostSession> findLostSessions(const fs::path& data) {
+  std::vector<LostSession> out;
+  std::error_code failed;
+  for (const fs::directory_entry& entry : fs::directory_iterator(data / "sessions", failed)) {
+    const auto manifest = readRunManifest(entry.path());
+    if (!manifest || !manifest->is_open || !RunLock::take(entry.path())) continue;
+    out.push_back({entry.path(), fs::path(manifest->case_path).stem().string()});
+  }
+
+  const auto timeOf = [](const LostSession& lost) {
+    std::error_code none;
+    return fs::last_write_time(lost.folder / "session.kerflog", none);
+  };
+  std::sort(out.begin(), out.end(), [&](const LostSession& a, const LostSession& b) { return timeOf(a) > timeOf(b); });
+  return out;
+}
+
+std::uintmax_t bytesOf(const LostSession& lost) {
+  std::uintmax_t out = 0;
+  std::error_code failed;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(lost.folder, failed))
+    if (entry.is_regular_file(failed)) out += entry.file_size(failed);
+  return out;
+}
+
+Expected<void> discardSession(const fs::path& folder) {
+  KERF_TRY(manifest, readRunManifest(folder));
+  if (!manifest.is_open)
+    return fail({.code = Error::Code::kUnsupported,
+                 .file = folder.string(),
+                 .found = "a run that has ended",
+                 .expected = "a session whose program is gone",
+                 .hint = "delete the folder yourself if it is not needed"});
+  const auto lock = RunLock::take(folder);
+  if (!lock)
+    return fail({.code = Error::Code::kUnsupported,
+                 .file = folder.string(),
+                 .found = "another program works on it",
+                 .expected = "a session whose program is gone",
+                 .hint = "it is no lost session any more"});
+
+  std::error_code failed;
+  fs::remove_all(folder, failed);
+  if (!failed) return {};
+  return fail({.code = Error::Code::kWriteFailed,
+               .file = folder.string(),
+               .found = failed.message(),
+               .expected = "a folder that can be deleted",
+               .hint = "delete it yourself"});
+}
+
+}  // namespace kerf
