@@ -62,10 +62,15 @@ if not inputs:
     raise WorkflowError(f"no meshes and no recipes in {SCANS}; expected files ending in {', '.join(FORMATS)}")
 
 
-# A result that somebody deleted is made again.
+# A result that somebody deleted is made again. A scan that failed has none: its row is for the report to take away. All of
+# this file is read anew by every job, the report's too.
 for name in inputs:
     row = os.path.join(OUT, "log", name + ".row")
-    if os.path.exists(row) and not os.path.exists(os.path.join(OUT, name + ".stl")):
+    if os.path.exists(os.path.join(OUT, name + ".stl")) or not os.path.exists(row):
+        continue
+    with open(row) as file:
+        is_done = file.read().split()[-1:] == ["0"]
+    if is_done:
         os.remove(row)
 
 

@@ -200,6 +200,33 @@ TEST(SmoothBase, ABaseHasNoNeedleThinnerThanHalfAMillimetre) {
   EXPECT_GT(Section(straight, 0.6).thinPlaces(0.5), 10) << "the teeth of the rim, down to the base";
 }
 
+/// A rim that climbs straight up, and down again, four times; every twelfth of its vertices sticks out.
+Mesh climbingDome(double tall, double out) {
+  const auto radius = [&](int j) { return 12.5 + (j % 12 == 0 ? out : 0); };
+  const auto height = [&](int j) { return j % 60 < 30 ? 2.0 : 2.0 + tall; };
+  return dome(24, 240, radius, height);
+}
+
+// Where uniting is not allowed, walls that cross the scan's edge can not be resolved: all other ways are tried.
+TEST(SmoothBase, WallsThatCanNotBeResolvedAreTriedWithAnotherLipAndThenStraight) {
+  CloseOptions options{.only = {CloseStep::kWeld, CloseStep::kDrop, CloseStep::kStitch, CloseStep::kOrient,
+                                CloseStep::kFill, CloseStep::kBase}};
+  const Mesh calm = climbingDome(3, 0), ragged = climbingDome(6, 1.2);
+  for (const auto& [mesh, name] : {std::pair(&calm, "no lip"), std::pair(&ragged, "straight walls")}) {
+    const Solid s = closed(*mesh, options);
+    expectSourceFirst(s, *mesh);
+    EXPECT_EQ(s.report.base_fallback, name);
+    EXPECT_EQ(s.report.rims_extruded, 1u);
+    ASSERT_EQ(s.report.warnings.size(), 1u) << "nothing is left of the attempts before";
+    EXPECT_NE(s.report.warnings[0].find(fmt::format("the base was built with {}: with the walls asked for ", name)),
+              std::string::npos)
+        << s.report.warnings[0];
+  }
+
+  options.only.insert(CloseStep::kUnite);
+  EXPECT_EQ(closed(calm, options).report.base_fallback, "");
+}
+
 TEST(SmoothBase, TheOutlineStaysUnderTheRim) {
   const Solid s = closed(raggedDome());
   for (const Vec3d& p : s.mesh.vertices) {
