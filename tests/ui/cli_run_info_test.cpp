@@ -224,6 +224,35 @@ TEST_F(CliRunInfo, AWrongCommandLineIsAnsweredInJsonTooAndWithTheNearestOption) 
   EXPECT_EQ(j["error"]["hint"], "kerf info --help");
 }
 
+// While a sheet is looked at for what is wrong with it, nobody asks whether to go on: an alarm ends the program
+// (ui/cli/terminal.cpp). Work that happens to ask cancels, and is given 10 s for it.
+TEST_F(CliRunInfo, SigtermEndsWorkThatDoesNotLookUpWithinASecondOrTwo) {
+  constexpr int kAlong = 700;  // a sheet of 0.98 M triangles: some seconds to read and check
+  std::string off = fmt::format("OFF\n{} {} 0\n", kAlong * kAlong, 2 * (kAlong - 1) * (kAlong - 1));
+  for (int i = 0; i < kAlong; ++i)
+    for (int j = 0; j < kAlong; ++j)
+      off += fmt::format("{:.4f} {:.4f} {:.3f}\n", 0.05 * i, 0.05 * j, 0.01 * (i * j % 5));
+  for (int i = 0; i + 1 < kAlong; ++i)
+    for (int j = 0; j + 1 < kAlong; ++j) {
+      const int at = i * kAlong + j;
+      off += fmt::format("3 {} {} {}\n3 {} {} {}\n", at, at + kAlong, at + 1, at + 1, at + kAlong, at + kAlong + 1);
+    }
+  folder_.write("sheet.off", off);
+
+  for (const int signal : {SIGTERM, SIGHUP}) {
+    RunOptions options;
+    options.signal = signal;
+    options.signal_after = 1;
+    const Outcome o = runKerf({"bake", at("sheet.off"), "-o", at("x.case"), "--voxel", "0.4"}, options);
+    const bool is_ended = o.exit_code == 128 + signal;
+    EXPECT_GT(o.seconds_after_signal, 0) << "it was done before the signal: choose a larger sheet";
+    EXPECT_LT(o.seconds_after_signal, 11);
+    EXPECT_EQ(o.signal, 0);
+    EXPECT_TRUE(is_ended || o.err.find("cancelled") != o.err.npos) << o.exit_code << o.err;
+    EXPECT_FALSE(std::filesystem::exists(at("x.case")));
+  }
+}
+
 TEST_F(CliRunInfo, TrimWritesBothSidesOrOneAndTheFileStaysAsItWas) {
   folder_.write("box.off", box());
   const json j = parsed({"trim", at("box.off"), "--plane", "0,0,1@0,0,-1", "-o", at("out.stl"), "--json"});
