@@ -413,4 +413,10 @@ Expected<void> AtomicFolder::commit() {
   return {};
 }
 
+Expected<void> requireOnlyOurs(const fs::path& folder, std::string_view manifest) {
+  const std::string foreign = foreignEntry(folder, manifest);
+  if (!foreign.empty()) return fail(holdsForeign(folder, foreign));
+  return {};
+}
+
 }  // namespace kerf

@@ -60,4 +60,8 @@ class AtomicFolder {
   std::unique_ptr<State> state_;
 };
 
+/// Before a bundle is deleted: nothing of somebody else's may go with it.   @param manifest  the name of its manifest.
+/// Error kWriteFailed, naming the first entry of the folder, by name, that Kerf did not write.
+Expected<void> requireOnlyOurs(const std::filesystem::path& folder, std::string_view manifest);
+
 }  // namespace kerf

@@ -73,7 +73,7 @@ TEST_F(CliPromises, ABurOfOneVoxelAndAPathThatBeginsInsideAreWarnedOf) {
         {"WARNING", "begins", "inside tissue"});
 }
 
-TEST_F(CliPromises, RecoverListsWhatWaitsAndDiscardsOnlyThat) {
+TEST_F(CliPromises, RecoverDiscardsNoRunThatHasEnded) {
   makeRun();
   RunOptions home;
   home.environment["XDG_DATA_HOME"] = at("data");

@@ -11,7 +11,6 @@
 #include <string_view>
 #include <vector>
 
-#include "geometry/base/error.h"
 #include "geometry/base/toml_reader.h"
 
 namespace kerf {
@@ -84,17 +83,40 @@ bool asksForJson(const CLI::App& command, int argc, const char* const* argv) {
   return is_asked && command.get_option_no_throw("--json");
 }
 
-// Like the answers of kerf about work that failed: answerInJson() in ui/cli/command.h.
-void printJson(const Error& error, const std::string& message) {
-  nlohmann::json out{{"code", "bad_value"}, {"message", message}};
-  for (const auto& [key, text] : {std::pair("place", error.place), std::pair("found", error.found),
-                                  std::pair("expected", error.expected), std::pair("hint", error.hint)})
-    if (!text.empty()) out[key] = text;
-  const nlohmann::json all{{"error", std::move(out)}};
-  fmt::print("{}\n", all.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+const char* nameOf(Error::Code code) {
+  switch (code) {
+    case Error::Code::kNotFound:
+      return "not_found";
+    case Error::Code::kUnreadable:
+      return "unreadable";
+    case Error::Code::kBadFormat:
+      return "bad_format";
+    case Error::Code::kBadValue:
+      return "bad_value";
+    case Error::Code::kUnsupported:
+      return "unsupported";
+    case Error::Code::kEmpty:
+      return "empty";
+    case Error::Code::kGeometry:
+      return "geometry";
+    case Error::Code::kWriteFailed:
+      return "write_failed";
+    case Error::Code::kCancelled:
+      return "cancelled";
+  }
+  return "other";
 }
 
 }  // namespace
+
+nlohmann::json errorJson(const Error& error, const std::string& message) {
+  nlohmann::json out{{"code", nameOf(error.code)}, {"message", message}};
+  for (const auto& [key, text] :
+       {std::pair("file", error.file), std::pair("place", error.place), std::pair("found", error.found),
+        std::pair("expected", error.expected), std::pair("hint", error.hint)})
+    if (!text.empty()) out[key] = text;
+  return {{"error", std::move(out)}};
+}
 
 void requireFiniteNumbers(CLI::App& app) {
   // CLI11 keeps of an option's type only what --help says of it: "FLOAT", or "F:FLOAT in [0.001 - 1000]".
@@ -119,7 +141,8 @@ std::optional<ExitCode> parseCommandLine(CLI::App& app, int argc, const char* co
     } else if (app.exit(e); is_answer) {
       return kOk;
     }
-    if (asksForJson(command, argc, argv)) printJson(error, message);
+    if (asksForJson(command, argc, argv))
+      fmt::print("{}\n", errorJson(error, message).dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
     return kUsage;
   }
   return std::nullopt;

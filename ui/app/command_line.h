@@ -2,7 +2,11 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <string>
+
+#include "geometry/base/error.h"
 
 namespace kerf {
 
@@ -13,6 +17,9 @@ enum ExitCode : int {
   kUsage = 2,     ///< wrong command line
   kCutShort = 3,  ///< a log ends before its session did: what is there was done, and is right
 };
+
+/// {"error": {"code": ..., "message": ..., ...}}, with the fields that the error has: how both programs answer --json.
+nlohmann::json errorJson(const Error& error, const std::string& message);
 
 /// Makes every option that takes numbers refuse those that are not finite, in all commands: CLI::Range and the like let
 /// "nan" pass. To be called when all options are declared; --help stays as it is.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <system_error>
 
+#include "geometry/base/atomic_file.h"
 #include "sim/run/run_manifest.h"
 #include "sim/run/session_run.h"
 
@@ -50,6 +51,7 @@ Expected<void> discardSession(const fs::path& folder) {
                  .found = "another program works on it",
                  .expected = "a session whose program is gone",
                  .hint = "it is no lost session any more"});
+  KERF_CHECK(requireOnlyOurs(folder, kRunManifest));
 
   std::error_code failed;
   fs::remove_all(folder, failed);

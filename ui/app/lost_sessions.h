@@ -24,7 +24,8 @@ std::vector<LostSession> findLostSessions(const std::filesystem::path& data);
 std::uintmax_t bytesOf(const LostSession& lost);
 
 /// Deletes the folder of an open session, all of it.   Errors: kUnsupported for a run that has ended, and while another
-/// program works on it; kWriteFailed; those of reading its manifest.
+/// program works on it; kWriteFailed, also where something lies in it that Kerf did not write; those of reading its
+/// manifest.
 Expected<void> discardSession(const std::filesystem::path& folder);
 
 }  // namespace kerf

@@ -81,9 +81,7 @@ void addCheck(CLI::App& command, int& exit_code) {
   command.footer(
       "Example: kerf check molar.stl --json\n         kerf check patient/*.stl\n         zcat molar.stl.gz | kerf "
       "check -");
-  command
-      .add_option("MESH", a->meshes,
-                  readableFormats() + "; judged in its own unit; several: each in turn; -: from standard input")
+  command.add_option("MESH", a->meshes, readableFormats() + "; several: each in turn; -: from standard input")
       ->required();
   command.add_option("--unit", a->unit, "of the meshes: mm, cm, m, um or inch (default: judged as if they were in mm)")
       ->type_name("UNIT")

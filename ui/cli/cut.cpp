@@ -186,19 +186,19 @@ void print(const Arguments& a, const HapticCut& cut) {
   fmt::print("state {}\nrun written: {}\n", s.state_hash, a.output);
 }
 
-// A head of one voxel cuts a third too much, one of a tenth nothing: volumes are right from about three voxels on.
+// Warns of a tool as thin as the voxels. Measured with a ball of 0.5 mm and two saws in a block: from 1.8 voxels on the
+// removed volume is within 4 % of that of fine voxels (6 % with a feeding hand), below that up to 39 % off.
 void warnOfCoarseVoxels(const std::filesystem::path& tool_file, double voxel_mm, double changed_mm3) {
-  constexpr double kFewestVoxels = 2.5;
+  constexpr double kFewestVoxels = 1.8;
   const auto tool = readTool(tool_file);
-  if (!tool || !tool->cut) return;
-  const Vec3d size = tool->cut->bounds().size();
-  const double across = std::min(size[0], size[1]);
-  if (across < kFewestVoxels * voxel_mm)
+  if (!tool) return;
+  const double thinnest = tool->finest();
+  if (thinnest < kFewestVoxels * voxel_mm)
     fmt::print(stderr,
-               "kerf: WARNING: what cuts of {} is {:.2g} mm across, {:.1f} voxels: its cut is not to be trusted. Bake "
-               "with --voxel {:.2g} or finer, or with --fine-along the path\n",
-               tool->id, across, across / voxel_mm, across / 4);
-  if (changed_mm3 < 1e-6) fmt::print(stderr, "kerf: WARNING: nothing was removed\n");
+               "kerf: WARNING: what cuts of {} is {:.2g} mm across, {:.1f} voxels: volumes may be wrong by a tenth and "
+               "more. Bake with --voxel {:.2g} or finer, or with --fine-along the path\n",
+               tool->id, thinnest, thinnest / voxel_mm, thinnest / 3);
+  if (changed_mm3 < 1e-6) fmt::print(stderr, "kerf: WARNING: nothing was changed\n");
 }
 
 int runByHand(const Arguments& a, const std::filesystem::path& tool) {
@@ -222,8 +222,7 @@ int runByHand(const Arguments& a, const std::filesystem::path& tool) {
   if (cut->summary.began_inside_mm > kInside)
     fmt::print(stderr,
                "kerf: WARNING: the path begins inside tissue, by {:.2f} mm or more, from where the tool is thrown out: "
-               "its force "
-               "says nothing. Begin it in air, as with a plunge\n",
+               "its force says nothing. Begin it in air, as with a plunge\n",
                cut->summary.began_inside_mm);
   if (a.json)
     printJson(jsonOf(a, *cut));

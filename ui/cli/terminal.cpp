@@ -44,30 +44,6 @@ namespace {
 std::optional<Error> complained_of;
 bool has_printed_json = false;
 
-const char* nameOf(Error::Code code) {
-  switch (code) {
-    case Error::Code::kNotFound:
-      return "not_found";
-    case Error::Code::kUnreadable:
-      return "unreadable";
-    case Error::Code::kBadFormat:
-      return "bad_format";
-    case Error::Code::kBadValue:
-      return "bad_value";
-    case Error::Code::kUnsupported:
-      return "unsupported";
-    case Error::Code::kEmpty:
-      return "empty";
-    case Error::Code::kGeometry:
-      return "geometry";
-    case Error::Code::kWriteFailed:
-      return "write_failed";
-    case Error::Code::kCancelled:
-      return "cancelled";
-  }
-  return "other";
-}
-
 }  // namespace
 
 int complain(const Error& error) {
@@ -88,13 +64,7 @@ int complainOfUsage(const Error& error) {
 
 void answerInJson() {
   if (!complained_of || has_printed_json) return;
-  nlohmann::json error{{"code", nameOf(complained_of->code)}, {"message", complained_of->message()}};
-  for (const auto& [key, text] :
-       {std::pair("file", complained_of->file), std::pair("place", complained_of->place),
-        std::pair("found", complained_of->found), std::pair("expected", complained_of->expected),
-        std::pair("hint", complained_of->hint)})
-    if (!text.empty()) error[key] = text;
-  printJson({{"error", std::move(error)}});
+  printJson(errorJson(*complained_of, complained_of->message()));
 }
 
 void printJson(const nlohmann::json& json) {

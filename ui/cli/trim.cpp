@@ -11,7 +11,6 @@
 #include "geometry/boolean/plane_cut.h"
 #include "geometry/case/case_bundle.h"
 #include "geometry/formats/mesh_formats.h"
-#include "geometry/formats/mesh_io.h"
 #include "geometry/formats/mesh_writer.h"
 #include "geometry/mesh/mesh_check.h"
 #include "preprocess/unit/unit.h"
@@ -19,6 +18,7 @@
 #include "sim/run/placed_pieces.h"
 #include "sim/run/run_files.h"
 #include "sim/run/run_manifest.h"
+#include "ui/app/mesh_in_mm.h"
 #include "ui/app/plane_words.h"
 #include "ui/app/saw_plan.h"
 #include "ui/cli/command.h"
@@ -45,16 +45,12 @@ struct Source {
 
 // A mesh file that is a solid already: what is open is closed by kerf bake, which says what it changes.
 Expected<Source> readSolidMesh(const Arguments& a) {
-  KERF_TRY(file, readMesh(a.what));
-  KERF_TRY(unit, chooseUnit(bounds(file.mesh), a.unit, file.declared_unit));
+  KERF_TRY(read, readMeshInMm(a.what, a.unit));
   Source out;
-  out.solid = std::move(file.mesh);
-  if (unit.scale_to_mm != 1) {
-    for (Vec3d& p : out.solid.vertices) p = (p * unit.scale_to_mm).cast<float>().cast<double>();
-    out.note = fmt::format("the file is in {}, what is written is in mm: {}", unit.unit, unit.reason);
-  } else if (unit.is_doubtful) {
-    out.note = "CHECK THE UNIT: " + unit.reason;
-  }
+  out.solid = std::move(read.mesh);
+  out.note = std::move(read.note);
+  if (read.unit != "mm")  // what is written is in single precision
+    for (Vec3d& p : out.solid.vertices) p = p.cast<float>().cast<double>();
   const MeshReport report = checkMesh(out.solid);
   if (report.print_ready) return out;
   return fail(

@@ -7,7 +7,7 @@
 namespace kerf {
 namespace {
 
-// GLFW's numbers: they are those of X11's layout of a US keyboard and do not change.
+// Numbers of GLFW, which are part of its interface.
 constexpr int kFirstPrintable = 32, kLastPrintable = 162, kFirstModifier = 340, kLastModifier = 347;
 constexpr int kShift = 1, kCapsLock = 16, kNumLock = 32;
 constexpr int kRelease = 0, kPress = 1;
