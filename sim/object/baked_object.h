@@ -26,14 +26,18 @@ inline constexpr double kShellHalfWidth = 1.5;
 /// Nodes come in chunks, number by number, as the loops of contact read them.
 struct ShellChunk {
   static constexpr int kNodes = 64;
+  static constexpr int kMostMore = kBrickNodes / kNodes - 1;
   std::array<float, kNodes> x, y, z;  ///< delta grad(phi) h^3, mm^2, outward; its length is the area a node stands for
   /// mm, as the shell was built. A copy: it is a third of what would be read of a brick's values.
   std::array<float, kNodes> phi;
   std::array<std::uint16_t, kNodes> offset;   ///< of the node in its brick
   std::array<std::uint8_t, kNodes> material;  ///< number
+  /// Of a brick's first chunk: those after it. In the slot they would take a third of an object's slots, most of which
+  /// have no shell.
+  std::array<const ShellChunk*, kMostMore> more;
 };
 /// Most chunks a brick may have.
-inline constexpr int kShellChunks = kBrickNodes / ShellChunk::kNodes;
+inline constexpr int kShellChunks = 1 + ShellChunk::kMostMore;
 constexpr int chunkCount(int nodes) { return (nodes + ShellChunk::kNodes - 1) / ShellChunk::kNodes; }
 
 /// Bricks around one: itself and its six face neighbours, 512 values each.

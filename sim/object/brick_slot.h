@@ -1,9 +1,9 @@
 // One brick of an object that is cut: where its values, materials and shell are now.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <cstring>
+#include <span>
 
 #include "sim/object/baked_object.h"
 #include "sim/object/brick_version.h"
@@ -19,8 +19,10 @@ enum class SlotBit : std::uint8_t {
   kTouched = 16    ///< its values or shell are, or were, not those loaded: BrickStore
 };
 
+/// An object at 0.05 mm has a million of them, most of which never change: no byte is left to padding.
 struct BrickSlot {
   Vec3i brick;
+  float least = 0;                          ///< lower bound of the values
   const float* phi = nullptr;               ///< 512 values, baked or own
   float* own = nullptr;                     ///< the same once they changed, else null
   const std::uint8_t* materials = nullptr;  ///< 512 numbers, baked or own
@@ -28,18 +30,25 @@ struct BrickSlot {
   BrickVersion* version = nullptr;          ///< which holds both of its own, or null
   const float* baked = nullptr;             ///< 512 values as loaded: what undo goes back to
   const std::uint8_t* baked_materials = nullptr;
-  /// Its shell. As loaded, it may be there or not: CutObject::needShell().
-  std::array<const ShellChunk*, kShellChunks> chunks{};
+  /// The first chunk of its shell. As loaded, it may be there or not: CutObject::needShell().
+  const ShellChunk* shell = nullptr;
   std::int16_t shell_count = 0;
-  bool owns_shell = false, has_one_material = false;
-  std::uint8_t listed = 0;         ///< bits of SlotBit
-  std::uint8_t changed_faces = 0;  ///< bits of -x, +x, -y, +y, -z, +z: values there changed since the last repair()
-  float least = 0;                 ///< lower bound of the values
+  std::uint8_t listed = 0;             ///< bits of SlotBit
+  std::uint8_t changed_faces : 6 = 0;  ///< bits of -x, +x, -y, +y, -z, +z: values there changed since the last repair()
+  bool owns_shell : 1 = false, has_one_material : 1 = false;
+  std::uint32_t hash_round = 0;  ///< of repair(), when the brick changed last
   /// The brick can neither touch nor be cut before the tool has moved this far in all, mm on the odometer: distances
   /// change no faster than the tool moves.
   double sleeps_until_contact = -1, sleeps_until_cut = -1;
-  std::uint64_t hash_term = 0;   ///< what the brick adds to the hash of the state
-  std::uint32_t hash_round = 0;  ///< of repair(), when the brick changed last
+  std::uint64_t hash_term = 0;  ///< what the brick adds to the hash of the state
+
+  /// @pre the shell is there, and has that many chunks. @rt
+  const ShellChunk& chunk(std::size_t n) const noexcept { return n == 0 ? *shell : *shell->more[n - 1]; }
+  /// A shell of these chunks; none: it has no shell, or that as loaded has to be made first. @rt
+  void setShell(std::span<ShellChunk* const> chunks) noexcept {
+    shell = chunks.empty() ? nullptr : chunks[0];
+    for (std::size_t n = 1; n < chunks.size(); ++n) chunks[0]->more[n - 1] = chunks[n];
+  }
 
   bool isListed(SlotBit bit) const noexcept { return (listed & static_cast<std::uint8_t>(bit)) != 0; }
   /// Whether any value is other than loaded.
@@ -49,5 +58,6 @@ struct BrickSlot {
     return own_materials && std::memcmp(own_materials, baked_materials, kBrickNodes) != 0;
   }
 };
+static_assert(sizeof(BrickSlot) == 112);
 
 }  // namespace kerf

@@ -164,14 +164,14 @@ std::size_t BrickStore::shellDefects() const {
     const BrickSlot& slot = this->slot(n);
     const int count = shellOfBrick(around(slot), slot.materials, baked_->voxel(), expected.data());
     bool is_same = count == slot.shell_count;
-    const bool is_made = slot.shell_count == 0 || slot.chunks[0] != nullptr;
+    const bool is_made = slot.shell_count == 0 || slot.shell != nullptr;
     if (is_same && !is_made) {
       const std::int32_t before = baked_->directory().find(slot.brick);
       is_same =
           before >= 0 && baked_->shellOf(baked_->slots()[static_cast<std::size_t>(before)], loaded.data()) == count;
     }
     for (std::size_t c = 0; is_same && c < static_cast<std::size_t>(chunkCount(count)); ++c) {
-      const ShellChunk& chunk = is_made ? *slot.chunks[c] : loaded[c];
+      const ShellChunk& chunk = is_made ? slot.chunk(c) : loaded[c];
       is_same = chunk.x == expected[c].x && chunk.y == expected[c].y && chunk.z == expected[c].z &&
                 chunk.phi == expected[c].phi && chunk.offset == expected[c].offset &&
                 chunk.material == expected[c].material;

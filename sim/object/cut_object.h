@@ -42,8 +42,8 @@ class CutObject {
   using Slot = BrickSlot;
   static constexpr int kMostAdded = BrickStore::kMostAdded;
 
-  /// @param bricks  that can change without reserve(). 16384 of them are about 140 MB.
-  explicit CutObject(std::shared_ptr<const BakedObject> baked, std::size_t bricks = 16384);
+  /// @param bricks  that can change without reserve(). 4096 of them are about 35 MB; who cuts on asks for more in time.
+  explicit CutObject(std::shared_ptr<const BakedObject> baked, std::size_t bricks = 4096);
 
   const BakedObject& baked() const { return bricks_.baked(); }
   double voxel() const { return baked().voxel(); }
@@ -135,9 +135,9 @@ class CutObject {
   bool repair(const Wanted& wanted) noexcept {
     return shell_.repair(bricks_, memory_, wanted);
   }
-  /// Makes sure that the shell of a brick with nodes is there: BrickSlot::chunks, until another one is asked for. @rt
+  /// Makes sure that the shell of a brick with nodes is there: BrickSlot::shell, until another one is asked for. @rt
   void needShell(int slot) noexcept {
-    if (!this->slot(slot).chunks[0]) loaded_shells_.make(bricks_, slot);
+    if (!this->slot(slot).shell) loaded_shells_.make(bricks_, slot);
   }
   /// Bricks whose shells wait for repair(). @rt
   std::size_t dirtyCount() const noexcept { return shell_.dirtyCount(); }

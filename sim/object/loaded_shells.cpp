@@ -1,7 +1,9 @@
 #include "sim/object/loaded_shells.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
+#include <span>
 
 #include "sim/object/huge_pages.h"
 
@@ -26,10 +28,12 @@ void LoadedShells::make(BrickStore& bricks, int s) noexcept {
   const BakedObject& baked = bricks.baked();
   const std::int32_t loaded = baked.directory().find(slot.brick);
   baked.shellOf(baked.slots()[static_cast<std::size_t>(loaded)], &ring_[next_]);
+  std::array<ShellChunk*, kShellChunks> made{};
   for (std::size_t c = 0; c < chunks; ++c) {
-    slot.chunks[c] = &ring_[next_ + c];
+    made[c] = &ring_[next_ + c];
     owners_[next_ + c] = s;
   }
+  slot.setShell(std::span(made).first(chunks));
   next_ += chunks;
 }
 
@@ -37,8 +41,10 @@ void LoadedShells::make(BrickStore& bricks, int s) noexcept {
 void LoadedShells::free(BrickStore& bricks, std::size_t chunk) noexcept {
   if (owners_[chunk] == kNobody) return;
   BrickSlot& owner = bricks.slot(owners_[chunk]);
-  if (std::find(owner.chunks.begin(), owner.chunks.end(), &ring_[chunk]) != owner.chunks.end())
-    owner.chunks.fill(nullptr);
+  if (!owner.shell || owner.owns_shell) return;
+  // A shell of the ring is a row of its chunks.
+  const auto first = static_cast<std::size_t>(owner.shell - ring_.data());
+  if (first <= chunk && chunk < first + static_cast<std::size_t>(chunkCount(owner.shell_count))) owner.shell = nullptr;
 }
 
 }  // namespace kerf

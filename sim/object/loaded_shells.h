@@ -18,7 +18,7 @@ class LoadedShells {
   /// For the shells of this object, or so many chunks of them. Writes to every page. Does nothing the second time.
   void reserve(const BakedObject& baked, std::size_t most_chunks = kMostChunks);
 
-  /// Makes the shell of a slot that has not changed since it was loaded: BrickSlot::chunks. It stays at least until the
+  /// Makes the shell of a slot that has not changed since it was loaded: BrickSlot::shell. It stays at least until the
   /// next call. @pre reserve(); its shell is not its own, and has nodes. @cost 0.5 us. @rt
   void make(BrickStore& bricks, int s) noexcept;
 

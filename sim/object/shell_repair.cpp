@@ -23,14 +23,11 @@ bool ShellRepair::repairOne(int s, BrickStore& bricks, BrickMemory& memory) noex
   // Chunks of its own are filled anew; more come from memory, or those too many go back.
   std::array<ShellChunk*, kShellChunks> next{};
   for (std::size_t c = 0; c < chunks; ++c)
-    next[c] = c < owned ? const_cast<ShellChunk*>(slot.chunks[c]) : memory.takeChunk();
-  for (std::size_t c = chunks; c < owned; ++c) memory.giveBack(const_cast<ShellChunk*>(slot.chunks[c]));
+    next[c] = c < owned ? const_cast<ShellChunk*>(&slot.chunk(c)) : memory.takeChunk();
+  for (std::size_t c = chunks; c < owned; ++c) memory.giveBack(const_cast<ShellChunk*>(&slot.chunk(c)));
 
-  slot.chunks.fill(nullptr);
-  for (std::size_t c = 0; c < chunks; ++c) {
-    *next[c] = scratch_[c];
-    slot.chunks[c] = next[c];
-  }
+  for (std::size_t c = 0; c < chunks; ++c) *next[c] = scratch_[c];
+  slot.setShell(std::span(next).first(chunks));
   slot.shell_count = static_cast<std::int16_t>(count);
   slot.owns_shell = true;
   return true;

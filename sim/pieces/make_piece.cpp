@@ -192,7 +192,7 @@ void PieceBuilder::share(int slot, const BrickSlot& from) {
   to.own = from.own;
   to.materials = from.materials;
   to.own_materials = from.own_materials;
-  if (from.owns_shell) to.chunks = from.chunks;  // those as loaded come and go
+  if (from.owns_shell) to.shell = from.shell;  // those as loaded come and go
   to.shell_count = from.shell_count;
   to.owns_shell = from.owns_shell;
   to.has_one_material = from.has_one_material;
@@ -284,8 +284,8 @@ void PieceBuilder::makeShell(int s) {
     }
   }
 
-  for (std::size_t c = 0; c < chunk_count; ++c) *chunks[c] = is_new ? scratch[c] : *slot.chunks[c];
-  std::copy(chunks.begin(), chunks.end(), slot.chunks.begin());
+  for (std::size_t c = 0; c < chunk_count; ++c) *chunks[c] = is_new ? scratch[c] : slot.chunk(c);
+  slot.setShell(std::span(chunks).first(chunk_count));
   slot.shell_count = static_cast<std::int16_t>(count);
   slot.owns_shell = true;
 }

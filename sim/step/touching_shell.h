@@ -28,9 +28,9 @@ struct TouchingNode {
 /// What forEachTouching() reads of every node. A large contact does not fit the caches: while one brick is summed, the
 /// next one's nodes come nearer.
 inline void fetchShell(const CutObject::Slot& slot) {
-  if (!slot.chunks[0]) return;  // not made yet
+  if (!slot.shell) return;  // not made yet
   for (int begin = 0; begin < slot.shell_count; begin += ShellChunk::kNodes) {
-    const ShellChunk& chunk = *slot.chunks[static_cast<std::size_t>(begin / ShellChunk::kNodes)];
+    const ShellChunk& chunk = slot.chunk(static_cast<std::size_t>(begin / ShellChunk::kNodes));
     const auto fetch = [](const auto& row) {
       for (std::size_t n = 0; n < row.size(); n += 64 / sizeof row[0]) hwy::Prefetch(&row[n]);
     };
@@ -74,7 +74,7 @@ int forEachTouching(CutObject& object, const NearBricks& near, const ToolModel& 
     bool touches = false;
 
     for (int begin = 0; begin < slot.shell_count; begin += kGather) {
-      const ShellChunk& chunk = *slot.chunks[static_cast<std::size_t>(begin / kGather)];
+      const ShellChunk& chunk = slot.chunk(static_cast<std::size_t>(begin / kGather));
       const int count = std::min(kGather, slot.shell_count - begin), padded = (count + 7) / 8 * 8;
       placeShell(map.base, map.along, chunk.offset.data(), padded, px, py, pz);
       const float* phi = chunk.phi.data();

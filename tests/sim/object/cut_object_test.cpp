@@ -80,18 +80,18 @@ TEST(LoadedShells, AreThoseOfTheValuesHoweverOftenTheyAreMade) {
     for (int other = 0; other <= s; ++other) {
       const BrickSlot& slot = bricks.slot(other);
       if (slot.shell_count == 0) continue;
-      dropped += slot.chunks[0] == nullptr;
-      if (slot.chunks[0] == nullptr) continue;
+      dropped += slot.shell == nullptr;
+      if (slot.shell == nullptr) continue;
       const BakedObject::Slot& loaded = baked->slots()[static_cast<std::size_t>(other)];
       ASSERT_EQ(baked->shellOf(loaded, expected.data()), slot.shell_count);
       for (int c = 0; c < chunkCount(slot.shell_count); ++c) {
         const auto at = static_cast<std::size_t>(c);
-        ASSERT_EQ(slot.chunks[at]->x, expected[at].x);
-        ASSERT_EQ(slot.chunks[at]->phi, expected[at].phi);
-        ASSERT_EQ(slot.chunks[at]->offset, expected[at].offset);
+        ASSERT_EQ(slot.chunk(at).x, expected[at].x);
+        ASSERT_EQ(slot.chunk(at).phi, expected[at].phi);
+        ASSERT_EQ(slot.chunk(at).offset, expected[at].offset);
       }
     }
-    ASSERT_NE(bricks.slot(s).chunks[0], nullptr);
+    ASSERT_NE(bricks.slot(s).shell, nullptr);
   }
   EXPECT_GT(made, 50);
   EXPECT_GT(dropped, 1000);
