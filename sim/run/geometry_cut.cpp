@@ -8,6 +8,7 @@
 
 #include "geometry/base/atomic_file.h"
 #include "geometry/case/case_bundle.h"
+#include "geometry/case/case_materials.h"
 #include "geometry/field/vdb_io.h"
 #include "geometry/tool/sweep.h"
 #include "geometry/tool/tool_file.h"
@@ -147,6 +148,8 @@ Expected<RunManifest> cutCase(const fs::path& case_folder, const fs::path& tool_
                  .expected = "the case that it was cut from",
                  .hint = "--hand force goes on from a run; or cut the case, with both paths in one file"});
   KERF_TRY(in_case, readCaseManifest(case_folder));
+  KERF_TRY(table, readDefaultMaterials());
+  KERF_CHECK(requireSameMaterials(case_folder, in_case, table));
   KERF_TRY(case_path, internal::relativeCasePath(case_folder, run_folder));
   KERF_TRY(tool, readTool(tool_file));
   KERF_TRY(path, readPath(path_file));

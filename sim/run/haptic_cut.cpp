@@ -214,6 +214,25 @@ double depthAtStart(const CutScene& scene) {
   return deepest;
 }
 
+// @param tool  in the handpiece that was asked for.
+CutSettings recordOf(const HapticCutOptions& options, const Tool& tool) {
+  CutSettings out;
+  out.hand = nameOf(options.hand);
+  out.response = rowOf(options.step.response).name;
+  out.drive = describeDrive(tool);
+  out.spindle = options.spindle;
+  out.is_reversed = options.is_reversed;
+  out.irrigation = options.irrigation;
+  out.added = options.add;
+  if (options.hand == HandKind::kForce) {
+    out.push = options.force.force;
+    out.feed_limit = options.force.feed_limit;
+    out.patience = options.force.patience;
+  }
+  if (options.hand == HandKind::kDevice) out.device = options.device;
+  return out;
+}
+
 HapticSummary summarise(const Session& session, const CutScene& scene, const Simulated& simulated,
                         const CutObservers& observers, const BrickField& changed) {
   const CutObject& object = session.state().objects.front();
@@ -383,6 +402,7 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
   HapticCut out;
   out.summary = summarise(session, scene, simulated, observers, changed.front());
   out.summary.began_inside_mm = depthAtStart(scene);
+  out.summary.settings = recordOf(options, scene.inputs.tool);
   out.manifest = manifestOf(scene, out.summary);
   if (options.add.empty()) KERF_CHECK(compareWithPath(scene, changed.front(), out.summary, progress));
   if (options.hand == HandKind::kDevice)

@@ -16,13 +16,6 @@
 
 namespace kerf {
 
-/// The virtual hand: see sim/hand/virtual_hand.h.
-enum class HandKind {
-  kFeed,   ///< follows the path in its time, whatever the force
-  kForce,  ///< pushes along the path with constant force
-  kDevice  ///< a simulated force-feedback device whose hand follows the path
-};
-
 struct HapticCutOptions {
   bool overwrite = false;
   HandKind hand = HandKind::kFeed;

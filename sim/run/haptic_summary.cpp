@@ -27,7 +27,8 @@ nlohmann::json firstTime(double at_s) { return at_s < 0 ? nlohmann::json() : nlo
 }  // namespace
 
 std::string toJson(const HapticSummary& s) {
-  nlohmann::json j{{"ticks", s.ticks},
+  nlohmann::json j{{"settings", toJson(s.settings)},
+                   {"ticks", s.ticks},
                    {"seconds", s.seconds},
                    {"is_complete", s.is_complete},
                    {"ended", s.ended},

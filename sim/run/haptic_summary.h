@@ -9,6 +9,7 @@
 
 #include "geometry/base/types.h"
 #include "geometry/field/material.h"
+#include "sim/run/cut_settings.h"
 
 namespace kerf {
 
@@ -16,6 +17,7 @@ namespace kerf {
 struct HapticSummary {
   std::uint64_t ticks = 0;
   double seconds = 0;
+  CutSettings settings;       ///< with what it was cut
   bool is_complete = false;   ///< the virtual hand came to the end of its path
   std::string ended;          ///< why it ended
   double coupling = 0;        ///< stiffness between hand and tool, N/mm; 0: the hand holds the tool itself

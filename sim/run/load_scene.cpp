@@ -4,11 +4,15 @@
 
 #include <algorithm>
 
+#include "geometry/case/case_materials.h"
+
 namespace kerf {
 
 Expected<std::shared_ptr<const BakedObject>> loadObject(const std::filesystem::path& case_folder,
                                                         const BrickField* begin) {
   KERF_TRY(manifest, readCaseManifest(case_folder));
+  KERF_TRY(table, readDefaultMaterials());
+  KERF_CHECK(requireSameMaterials(case_folder, manifest, table));
   KERF_TRY(fields, readCaseFields(case_folder, manifest));
   if (begin && begin->voxel() != fields.phi0.voxel())
     return fail({.code = Error::Code::kBadValue,

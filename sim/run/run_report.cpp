@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "geometry/case/case_bundle.h"
+#include "geometry/case/case_materials.h"
 #include "geometry/field/material.h"
 #include "sim/hand/path.h"
 #include "sim/run/haptic_summary.h"
@@ -182,6 +183,10 @@ Expected<void> takeSummary(const fs::path& file, RunReport& out) {
   out.pieces = s.count("pieces");
   out.crumbs = s.count("crumbs");
   out.ended = s.text("ended");
+  if (const auto settings = j.find("settings"); settings != j.end()) {
+    out.settings = settingsFromJson(*settings);
+    if (!out.settings) return fail(damagedSummary(file, "key settings", "other values", "those that kerf cut wrote"));
+  }
   return s.finish();
 }
 
@@ -211,9 +216,10 @@ Expected<void> countVolumes(const fs::path& run_folder, RunReport& out) {
          .found = fmt::format("cut in the case's fine region, at {} mm, by an older Kerf", out.manifest.voxel_mm),
          .expected = "volumes counted while it was cut",
          .hint = "cut again"});
+  KERF_TRY(table, readDefaultMaterials());
+  KERF_CHECK(requireSameMaterials(case_folder, in_case, table));
   KERF_TRY(fields, readCaseFields(case_folder, in_case));
   KERF_TRY(cut, readRunCutField(run_folder));
-  KERF_TRY(table, readDefaultMaterials());
   const Material fallback =
       in_case.materials.empty() ? Material::kGeneric : static_cast<Material>(in_case.materials.front().number);
   const auto volumes = internal::removedVolumes(fields.phi0, cut, internal::materialsOf(fields.materials, fallback));

@@ -12,6 +12,7 @@
 #include "geometry/base/error.h"
 #include "geometry/base/progress.h"
 #include "geometry/base/types.h"
+#include "sim/run/cut_settings.h"
 #include "sim/run/run_manifest.h"
 #include "sim/run/run_series.h"
 
@@ -43,6 +44,8 @@ struct RunReport {
   std::map<std::string, std::optional<Peak>> least_distance;  ///< mm by structure; nothing inside: it never came near
   std::optional<Peak> hottest;                                ///< C, under the tool
   std::optional<FirstTime> bone_limit, pulp_limit;            ///< 47 C in bone, 5.5 K in the pulp
+
+  std::optional<CutSettings> settings;  ///< with what a path was cut against resistance; older runs do not say
 
   std::optional<double> stalled_s;  ///< how long the drive stood still while it was to cut; of a session: roughly
   std::optional<double> seconds;    ///< of the run; a cut by geometry alone takes none

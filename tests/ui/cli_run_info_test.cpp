@@ -109,6 +109,17 @@ TEST_F(CliRunInfo, OfARunAgainstResistanceSaysWhenAndWhere) {
   EXPECT_EQ(info["peak_contact_force_N"], made["peak_contact_force_N"]);
   EXPECT_EQ(info["farthest_off_at_mm"], made["farthest_off_at"]);
   EXPECT_EQ(info["missing"], json::array());
+  // With what it was cut: two runs can not be compared without it.
+  const json& with = info["settings"];
+  EXPECT_EQ(with["hand"], "force");
+  EXPECT_EQ(with["push_N"], 1.5);
+  EXPECT_EQ(with["feed_limit_mm_per_s"], 20.0);
+  EXPECT_EQ(with["response"], "penalty");
+  EXPECT_EQ(with["irrigation"], 1.0);
+  EXPECT_EQ(with["is_reversed"], false);
+  EXPECT_NE(with["drive"].get<std::string>().find("turbine"), std::string::npos) << with;
+  const std::string told = runKerf({"info", at("push.run")}).out;
+  EXPECT_NE(told.find("held by a force hand, 1.5 N, at most 20 mm/s; turbine"), told.npos) << told;
   EXPECT_TRUE(info["bone_limit_at_s"].is_null()) << "never is null, not -1";
 
   // Force, temperature and distance were what they are said to have been, then.

@@ -193,6 +193,7 @@ void printCourse(const RunReport& r, std::string& out) {
   if (r.ended) out += "; ended: " + *r.ended;
   if (r.stalled_s.value_or(0) > 0.05)
     out += fmt::format("; the drive stood still for {:.2f} s of it: too heavy a hand", *r.stalled_s);
+  if (r.settings) out += "\nheld by " + describe(*r.settings);
   out += "\ntools: ";
   for (std::size_t n = 0; n < r.tools.size(); ++n) out += (n ? ", " : "") + r.tools[n];
   out += "\n";
@@ -215,6 +216,7 @@ json runJson(const RunReport& r) {
   j["crumbs"] = orNull(r.crumbs);
   j["tools"] = r.tools;
   j["ended"] = orNull(r.ended);
+  j["settings"] = r.settings ? toJson(*r.settings) : json();
   j["missing"] = r.missing;
 
   if (m.mode == kModeSession) {
