@@ -120,6 +120,24 @@ void readClose(TomlTable& close, CaseManifest& m) {
   m.close_mode = close.get<std::string>("mode", "a close mode");
   m.exact = close.get<bool>("exact", "true or false");
   m.changes = close.strings("changes");
+  close.allow("numbers");
+}
+
+// A case of an older Kerf has none. Its keys are those of the Kerf that baked it: none is unknown.
+Expected<void> readClosing(const toml::table& root, const std::filesystem::path& path, CaseManifest& m) {
+  constexpr std::size_t kMostNumbers = 64;
+  constexpr double kMost = 1e12;
+  const toml::table* const numbers = root["close"]["numbers"].as_table();
+  if (!numbers) return {};
+
+  TomlTable t(*numbers, path, "close.numbers");
+  for (const auto& [key, value] : *numbers) {
+    const std::string name(key.str());
+    if (m.closing.size() == kMostNumbers) t.reject(name, "more numbers", fmt::format("at most {}", kMostNumbers));
+    m.closing[name] = t.number(name, -kMost, kMost, "");
+    if (t.failed()) break;
+  }
+  return t.finish();
 }
 
 void readSolid(TomlTable& solid, CaseManifest& m) {
@@ -228,13 +246,18 @@ toml::table tableOf(const CaseRegion& region) {
 toml::table tableOf(const CaseManifest& m) {
   toml::array changes;
   for (const std::string& c : m.changes) changes.push_back(c);
+  toml::table close{{"mode", m.close_mode}, {"exact", m.exact}, {"changes", changes}};
+  toml::table numbers;
+  for (const auto& [key, number] : m.closing) numbers.insert(key, number);
+  if (!numbers.empty()) close.insert("numbers", numbers);
+
   toml::table root{
       {"format", "kerf-case"},
       {"version", kManifestVersion},
       {"kerf_version", m.kerf_version},
       {"id", m.id},
       {"source", tablesOf(m.sources)},
-      {"close", toml::table{{"mode", m.close_mode}, {"exact", m.exact}, {"changes", changes}}},
+      {"close", close},
       {"solid", toml::table{{"vertices", integer(m.solid_vertices)},
                             {"triangles", integer(m.solid_triangles)},
                             {"volume_mm3", m.solid_volume_mm3},
@@ -293,6 +316,7 @@ Expected<CaseManifest> readCaseManifest(const std::filesystem::path& folder) {
       forEachTable(top.tables("source"), path, "source", [&](TomlTable& t) { m.sources.push_back(readSource(t)); }));
 
   KERF_CHECK(readTable(root, path, "close", [&](TomlTable& t) { readClose(t, m); }));
+  KERF_CHECK(readClosing(root, path, m));
   KERF_CHECK(readTable(root, path, "solid", [&](TomlTable& t) { readSolid(t, m); }));
   KERF_CHECK(readTable(root, path, "field", [&](TomlTable& t) { readField(t, m); }));
 

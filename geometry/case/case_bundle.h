@@ -8,6 +8,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -76,7 +77,10 @@ struct CaseManifest {
   std::optional<CasePair> pair;
   std::string close_mode;            ///< "auto", "base", "repair", "wrap"
   std::vector<std::string> changes;  ///< what closing changed, plain sentences
-  bool exact = true;                 ///< false: wrapped, the surface is an approximation of the scan
+  /// What closing did and cost, in numbers, by the keys of "closing" in kerf bake --json: "vertices_lost",
+  /// "bridged_mm2". Empty for a case of a recipe, and for one that an older Kerf baked.
+  std::map<std::string, double> closing;
+  bool exact = true;  ///< false: wrapped, the surface is an approximation of the scan
   double voxel_mm = 0;
   std::vector<CaseMaterial> materials;  ///< in the order of their numbers; one for an object of one material
   std::vector<CasePart> parts;          ///< empty for a case without a recipe

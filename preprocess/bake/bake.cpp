@@ -5,6 +5,7 @@
 #include "geometry/base/hash.h"
 #include "preprocess/bake/bake_job.h"
 #include "preprocess/bake/bake_sources.h"
+#include "preprocess/bake/closing_numbers.h"
 #include "preprocess/volume/label_volume.h"
 
 namespace kerf {
@@ -66,6 +67,7 @@ Expected<Mesh> closeSources(const std::vector<fs::path>& paths, const std::vecto
   }
   job.report.close = solid->report;
   job.report.manifest.changes = job.report.close.changes;
+  job.report.manifest.closing = closingNumbers(job.report.close);
   job.report.manifest.exact = job.report.close.exact;
   return std::move(solid->mesh);
 }

@@ -10,9 +10,11 @@
 
 #include "geometry/formats/mesh_formats.h"
 #include "preprocess/bake/case_recipe.h"
+#include "preprocess/bake/closing_numbers.h"
 #include "preprocess/unit/unit.h"
 #include "sim/hand/path.h"
 #include "ui/app/plane_words.h"
+#include "ui/cli/closing_json.h"
 #include "ui/cli/command.h"
 
 namespace kerf::cli {
@@ -169,30 +171,25 @@ nlohmann::json jsonOf(const CloseReport& c) {
     const Vec3d& p = span.middle;
     spans.push_back({{"span_mm", span.mm}, {"at_mm", {p.x(), p.y(), p.z()}}});
   }
-  return {{"vertices_lost", c.vertices_lost},
-          {"vertices_lost_farther_than_1_mm_from_rim", c.vertices_lost_far},
-          {"vertices_lost_at", lost},
-          {"gaps_bridged", c.gaps_bridged},
-          {"rim_bridged_mm", c.rim_bridged_mm},
-          {"widest_gap_mm", c.widest_gap_mm},
-          {"bridged_mm2", c.bridged_mm2},
-          {"bridged_share", c.bridged_share},
-          {"widest_span_mm", c.widest_span_mm},
-          {"bridged_at", bridges},
-          {"wide_spans", spans},
-          {"handles_added", c.handles_added},
-          {"handles_at_mm", holes},
-          {"pinholes_mended", c.pinholes_mended},
-          {"base_fallback", c.base_fallback},
-          {"warnings", c.warnings},
-          {"rim_places_trimmed", c.rim_places_trimmed},
-          {"vertices_trimmed", c.vertices_trimmed},
-          {"triangles_trimmed", c.triangles_trimmed},
-          {"trimmed_mm2", c.trimmed_mm2},
-          {"specks_dropped", c.specks_dropped},
-          {"specks_dropped_mm3", c.specks_dropped_mm3},
-          {"vertices_in_specks", c.vertices_in_specks},
-          {"wrapped_mm3", c.exact ? nlohmann::json(nullptr) : nlohmann::json(c.volume_closed_mm3)}};
+  nlohmann::json j = closingJson(closingNumbers(c));
+  j["vertices_lost_at"] = lost;
+  j["bridged_at"] = bridges;
+  j["wide_spans"] = spans;
+  j["handles_at_mm"] = holes;
+  j["base_fallback"] = c.base_fallback;
+  j["warnings"] = c.warnings;
+  if (c.exact) j["wrapped_mm3"] = nullptr;
+  return j;
+}
+
+// What an up-to-date case keeps of it: the numbers, no places.
+nlohmann::json keptClosing(const CaseManifest& m) {
+  if (m.closing.empty()) return nullptr;
+  nlohmann::json j = closingJson(m.closing);
+  for (const char* key :
+       {"vertices_lost_at", "bridged_at", "wide_spans", "handles_at_mm", "base_fallback", "warnings", "wrapped_mm3"})
+    if (!j.contains(key)) j[key] = nullptr;
+  return j;
 }
 
 // The n-th source, as it was read.
@@ -221,7 +218,7 @@ nlohmann::json jsonOf(const BakeReport& r) {
   if (r.pair_check) j["pair_check"] = jsonOf(*r.pair_check);
   if (r.was_up_to_date) {  // the same keys: nothing was timed or closed
     j["seconds"] = nullptr;
-    if (r.manifest.parts.empty()) j["closing"] = nullptr;
+    if (r.manifest.parts.empty()) j["closing"] = keptClosing(r.manifest);
     for (const CaseSource& s : r.manifest.sources) j["sources"].push_back(sourceJson(s));
     return j;
   }

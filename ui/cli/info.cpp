@@ -12,6 +12,7 @@
 #include "preprocess/unit/unit.h"
 #include "preprocess/volume/label_volume.h"
 #include "sim/run/run_report.h"
+#include "ui/cli/closing_json.h"
 #include "ui/cli/command.h"
 #include "ui/cli/run_info.h"
 
@@ -83,6 +84,7 @@ Expected<json> caseInfo(const fs::path& folder) {
          {"exact", m.exact},
          {"close_mode", m.close_mode},
          {"changes", m.changes},
+         {"closing", m.closing.empty() ? json() : closingJson(m.closing)},
          {"voxel_mm", m.voxel_mm},
          {"size_mm", size(m.box)},
          {"box_mm", {{"min", point(m.box.min)}, {"max", point(m.box.max)}}},
@@ -202,6 +204,7 @@ void printLeading(json j) {
     print(json{{key, j[key]}}, 0);
     j.erase(key);
   }
+  j.erase("closing");  // the changes say it in words
   print(j, 0);
 }
 

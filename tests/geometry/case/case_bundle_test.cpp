@@ -33,11 +33,13 @@ class CaseManifestFromAStranger : public ::testing::Test {
     m.field_voxels = 1234;
     m.shell_area_mm2 = 23.5;
     m.materials = {{"generic", 9, 8.25}};
+    m.closing = {{"bridged_mm2", 12.5}, {"vertices_lost", 3}};
     ASSERT_TRUE(writeCaseManifest(folder_.path(), m));
     std::ifstream in(folder_.path() / kCaseManifest, std::ios::binary);
     good_ = {std::istreambuf_iterator<char>(in), {}};
     const auto read = readCaseManifest(folder_.path());
     ASSERT_TRUE(read) << read.error().message();
+    EXPECT_EQ(read->closing, m.closing);
   }
 
   std::string refusalOf(const std::string& line, const std::string& instead) {
@@ -62,6 +64,8 @@ TEST_F(CaseManifestFromAStranger, NumbersThatNoCaseHasAreRefusedByTheirKey) {
     EXPECT_NE(refusalOf("scale_to_mm = 1.0", std::string("scale_to_mm = ") + bad).find("source.scale_to_mm"),
               std::string::npos);
   }
+  EXPECT_NE(refusalOf("bridged_mm2 = 12.5", "bridged_mm2 = nan").find("close.numbers.bridged_mm2"), std::string::npos);
+  EXPECT_NE(refusalOf("bridged_mm2 = 12.5", "bridged_mm2 = 'a'").find("close.numbers.bridged_mm2"), std::string::npos);
   EXPECT_NE(refusalOf("voxels = 1234", "voxels = -1").find("field.voxels"), std::string::npos);
   EXPECT_NE(refusalOf("voxels = 1234", "voxels = 9000000000000000000").find("field.voxels"), std::string::npos);
 }
