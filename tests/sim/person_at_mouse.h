@@ -75,6 +75,12 @@ class Mouse {
     EXPECT_TRUE(run_.send(command));
     waitFor(0.05);
   }
+  // Until all that was cut so far is meshed, on any machine: a copy of the scene is as old as its meshers.
+  void awaitMeshers() {
+    EXPECT_TRUE(becomes(run_.thread(), [&](const HapticReport& r) {
+      return r.counts.edits_waiting == 0 && run_.editsDone() >= r.counts.edits_pushed;
+    }));
+  }
 
  private:
   static std::shared_ptr<const BrickField> surfaceOf(const LiveRun& run) { return run.original(); }

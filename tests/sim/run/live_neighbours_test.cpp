@@ -71,7 +71,7 @@ TEST_F(LiveNeighbours, ACutBetweenTwoIsRecordedOffBothReplaysAndExports) {
     EXPECT_EQ(removedOff(**run, 0), off_block);
 
     // As it is now, of either.
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    mouse.awaitMeshers();
     const auto view = (*run)->viewScene();
     ASSERT_TRUE(view);
     ASSERT_EQ(view->objects.size(), 2u);

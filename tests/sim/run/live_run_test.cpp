@@ -34,7 +34,7 @@ TEST(LiveRun, StrokesWithTwoToolsBecomeARunThatReplaysAndExports) {
     mouse.drill({1, 0, 0}, 3);
     mouse.drill({1.5, 1, 0}, 3);
     mouse.send(Undo{});
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    mouse.awaitMeshers();
     const auto view = (*run)->viewScene();
     ASSERT_TRUE(view);
     const auto scene = LiveRun::copyOf(*view);
