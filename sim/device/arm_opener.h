@@ -13,15 +13,21 @@ namespace kerf {
 struct OpenedArm {
   std::unique_ptr<ForceArm> arm;
   DeviceProfile profile;  ///< of its kind, of the device alone; of an unknown one where its kind tells nothing
+  std::string language;   ///< what its messages are: ArmMessages::of()
 };
 
 inline constexpr std::uint16_t kBridgePort = 4417;
 
+/// A name that means a transport, not a device of HID: "bridge", "haply", "serial:PATH", ... Such arms are not listed.
+bool namesTransport(const std::string& name);
+
 /// @param name  "bridge" (port kBridgePort), "bridge:PORT", "udp:PORT"; "haply", "haply:PORT" of this machine;
-/// "serial:PATH"; else path or serial number of an arm on HID.
+/// "serial:PATH"; "replay:FILE", a recording; else path or serial number of an arm on HID.
 /// @param start  of the tool, world: there the hand finds it.
+/// @param listener  of its messages; a recording has none.
 /// Errors: kBadValue: a name that is none; those of opening.
-Expected<OpenedArm> openArm(const std::string& name, const ArmSettings& settings, const Rigid3& start = {});
+Expected<OpenedArm> openArm(const std::string& name, const ArmSettings& settings, const Rigid3& start = {},
+                            ArmListener listener = {});
 
 /// The profile of a device as it says it is: of one that gives torque, and of whose turning nothing is known, light in
 /// turning, so that its coupling is soft.
@@ -29,6 +35,8 @@ DeviceProfile withTurning(DeviceProfile profile, const HandFrame& hand);
 
 /// What a name may be, for help texts.
 inline constexpr const char* kArmNames =
-    "bridge, bridge:PORT, haply, serial:/dev/ttyACM0, or path or serial number of an arm that kerf devices lists";
+    "bridge, bridge:PORT, haply, serial:/dev/ttyACM0, replay:FILE, or path or serial number of an arm that kerf "
+    "devices "
+    "lists";
 
 }  // namespace kerf

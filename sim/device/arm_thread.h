@@ -25,6 +25,13 @@ class ArmThread {
   /// A copy, with is_talking by the age of the newest hand.
   ArmCounts told() const;
 
+  /// Of the arm, set before start().
+  ArmListener listener;
+  /// @thread  the arm's, without `mutex`.
+  void tell(std::int64_t came_ns, std::span<const std::uint8_t> message) const {
+    if (listener && !message.empty()) listener(came_ns, message);
+  }
+
   mutable std::mutex mutex;
   ArmCounts counts;  ///< guarded by mutex
 

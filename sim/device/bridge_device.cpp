@@ -118,6 +118,11 @@ void BridgeDevice::State::receive() {
 void BridgeDevice::State::take(std::span<const std::uint8_t> bytes, const sockaddr_in& from, std::int64_t now) {
   HandFrame frame;
   const FrameFault fault = decode(bytes, frame);
+  const bool is_free = peer_came == 0 || now - peer_came > kPeerGone;
+  const bool is_other = !is_free && !isSame(from, peer);
+  const bool is_old = !is_free && frame.number <= newest.frame.number;
+  if (fault != FrameFault::kNone || (!is_other && !is_old)) thread.tell(now, bytes);
+
   const std::lock_guard lock(thread.mutex);
   ArmCounts& counts = thread.counts;
   if (fault != FrameFault::kNone) {
@@ -125,12 +130,11 @@ void BridgeDevice::State::take(std::span<const std::uint8_t> bytes, const sockad
     counts.last_fault = nameOf(fault);
     return;
   }
-  const bool is_free = peer_came == 0 || now - peer_came > kPeerGone;
-  if (!is_free && !isSame(from, peer)) {
+  if (is_other) {
     ++counts.others;
     return;
   }
-  if (!is_free && frame.number <= newest.frame.number) {
+  if (is_old) {
     ++counts.old;
     return;
   }
@@ -172,7 +176,7 @@ BridgeDevice::BridgeDevice(const BridgeOptions& options, std::unique_ptr<State> 
 }
 BridgeDevice::~BridgeDevice() { state_->thread.stop(); }
 
-Expected<std::unique_ptr<BridgeDevice>> BridgeDevice::open(const BridgeOptions& options) {
+Expected<std::unique_ptr<BridgeDevice>> BridgeDevice::open(const BridgeOptions& options, ArmListener listener) {
   auto state = std::make_unique<State>();
   State& s = *state;
   s.socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
@@ -189,6 +193,7 @@ Expected<std::unique_ptr<BridgeDevice>> BridgeDevice::open(const BridgeOptions& 
   s.port = ntohs(here.sin_port);
 
   std::unique_ptr<BridgeDevice> device(new BridgeDevice(options, std::move(state)));
+  s.thread.listener = std::move(listener);
   KERF_CHECK(s.thread.start([&s] { s.exchange(); }, "", "the bridge"));
   return device;
 }

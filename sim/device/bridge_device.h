@@ -31,7 +31,8 @@ Expected<std::uint16_t> parseBridgeAddress(const std::string& text);
 class BridgeDevice final : public ForceArm {
  public:
   /// Errors: kUnreadable: the port is taken; kBadValue: no thread.
-  static Expected<std::unique_ptr<BridgeDevice>> open(const BridgeOptions& options);
+  /// @param listener  not told of what is too old or from another sender.
+  static Expected<std::unique_ptr<BridgeDevice>> open(const BridgeOptions& options, ArmListener listener = {});
   /// Says zero and not enabled.
   ~BridgeDevice() override;
 

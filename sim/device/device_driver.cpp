@@ -8,9 +8,9 @@
 namespace kerf {
 
 // A driver is a row in its own source, and its name in these two lines.
-extern const DeviceDriver kSpaceMouse;
+extern const DeviceDriver kSpaceMouse, kDualSense, kDualShock4, kJoystick;
 namespace {
-constexpr const DeviceDriver* kDrivers[] = {&kSpaceMouse};
+constexpr const DeviceDriver* kDrivers[] = {&kSpaceMouse, &kDualSense, &kDualShock4, &kJoystick};
 }  // namespace
 
 std::span<const DeviceDriver* const> deviceDrivers() { return kDrivers; }
@@ -28,8 +28,8 @@ const DeviceDriver* findDriver(std::string_view id) {
 }
 
 ReportKind takeReport(const DeviceDriver& driver, std::span<const std::uint8_t> report, std::int64_t time_ns,
-                      DeviceReading& reading) noexcept {
-  const ReportKind kind = driver.take(report, reading);
+                      DeviceReading& reading, const HidLayout& layout) noexcept {
+  const ReportKind kind = driver.take(report, layout, reading);
   switch (kind) {
     case ReportKind::kUnknown:
       ++reading.unknown;
@@ -48,8 +48,9 @@ ReportKind takeReport(const DeviceDriver& driver, std::span<const std::uint8_t> 
   return kind;
 }
 
-std::array<double, 6> axesAt(const DeviceReading& reading, std::int64_t now_ns) noexcept {
-  const bool is_silent = static_cast<double>(now_ns - reading.time_ns) > 1e9 * kSilence;
+std::array<double, 6> axesAt(const DeviceDriver& driver, const DeviceReading& reading, std::int64_t now_ns) noexcept {
+  const bool is_silent =
+      driver.is_at_rest_when_silent && static_cast<double>(now_ns - reading.time_ns) > 1e9 * kSilence;
   return reading.time_ns == 0 || is_silent ? std::array<double, 6>{} : reading.axes;
 }
 

@@ -35,6 +35,12 @@ struct HandFrame {
   double most_stiffness = 1;  ///< N/mm that it is rated for; 0: not told
 };
 
+/// For a device whose messages have neither number nor clock. @rt
+inline void countHand(HandFrame& hand, std::uint64_t number, std::int64_t came_ns) noexcept {
+  hand.number = number;
+  hand.time_ns = static_cast<std::uint64_t>(came_ns);
+}
+
 /// What Kerf asks of the device, in the device's frame.
 struct ForceFrame {
   std::uint64_t number = 0;

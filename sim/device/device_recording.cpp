@@ -1,7 +1,9 @@
 #include "sim/device/device_recording.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <charconv>
 #include <fstream>
 #include <iterator>
@@ -10,8 +12,6 @@
 
 namespace kerf {
 namespace {
-
-constexpr std::size_t kLargestFile = 64 << 20;  // bytes: half a day of reports
 
 class Lines {
  public:
@@ -74,12 +74,30 @@ Expected<void> parseHead(Lines& lines, DeviceRecording& out) {
 
   if (!lines.next() || lines.word() != "driver") return lines.refuse("something else", "\"driver NAME\"");
   out.driver = findDriver(lines.line());
-  if (!out.driver)
+  if (!out.driver && ArmMessages::of(lines.line())) out.arm = std::string(lines.line());
+  if (!out.driver && out.arm.empty())
     return lines.refuse("the driver " + quoted(lines.line()), "one of this Kerf", Error::Code::kUnsupported);
 
   if (!lines.next() || lines.word() != "device")
     return lines.refuse("something else", "\"device VENDOR:PRODUCT NAME\"");
   out.device = std::string(lines.line());
+  return {};
+}
+
+// Interface, then bytes.
+Expected<void> parseBytes(Lines& lines, int& interface, std::vector<std::uint8_t>& bytes) {
+  const std::string_view number = lines.word();
+  if (!parseAll(number, interface)) return lines.refuse(quoted(number), "the number of an interface");
+  while (!lines.line().empty()) {
+    const std::string_view byte = lines.word();
+    std::uint8_t value = 0;
+    if (byte.size() != 2 || !parseAll(byte, value, 16))
+      return lines.refuse(quoted(byte), "a byte of two digits, 00 to ff");
+    if (bytes.size() == DeviceRecording::kLongestReport)
+      return lines.refuse("more bytes", fmt::format("at most {}", DeviceRecording::kLongestReport));
+    bytes.push_back(value);
+  }
+  if (bytes.empty()) return lines.refuse("no bytes", "at least one");
   return {};
 }
 
@@ -90,21 +108,26 @@ Expected<RecordedReport> parseReport(Lines& lines, std::int64_t not_before) {
     return lines.refuse(quoted(time), "us since the first report, whole, of a year at most");
   if (out.time_us < not_before)
     return lines.refuse(fmt::format("{} us after {} us", out.time_us, not_before), "times that never go back");
-  const std::string_view interface = lines.word();
-  if (!parseAll(interface, out.interface)) return lines.refuse(quoted(interface), "the number of an interface");
-
-  while (!lines.line().empty()) {
-    const std::string_view byte = lines.word();
-    std::uint8_t value = 0;
-    if (byte.size() != 2 || !parseAll(byte, value, 16))
-      return lines.refuse(quoted(byte), "a byte of two digits, 00 to ff");
-    if (out.bytes.size() == HidPort::kLongestReport)
-      return lines.refuse("a longer report", fmt::format("at most {} bytes", HidPort::kLongestReport));
-    out.bytes.push_back(value);
-  }
-  if (out.bytes.empty()) return lines.refuse("no bytes", "at least one");
+  KERF_CHECK(parseBytes(lines, out.interface, out.bytes));
   return out;
 }
+
+// Descriptors stand before the reports.   @return  false: it is a report.
+Expected<bool> parseDescriptor(Lines& lines, DeviceRecording& out) {
+  if (!lines.line().starts_with("descriptor ")) return false;
+  if (!out.driver || !out.driver->needs_layout || !out.reports.empty())
+    return lines.refuse("a descriptor", "one before the reports of a driver that needs it");
+  lines.word();
+  RecordedDescriptor next;
+  KERF_CHECK(parseBytes(lines, next.interface, next.bytes));
+  if (const auto layout = parseHidDescriptor(next.bytes); !layout)
+    return lines.refuse(layout.error().place + ": " + layout.error().found, layout.error().expected);
+  out.descriptors.push_back(std::move(next));
+  return true;
+}
+
+// One more ns than recorded: a time of zero means that nothing has come.
+std::int64_t clockOf(const RecordedReport& report) { return 1000 * report.time_us + 1; }
 
 }  // namespace
 
@@ -114,6 +137,8 @@ Expected<DeviceRecording> parseRecording(std::string_view text, const std::strin
   KERF_CHECK(parseHead(lines, out));
   std::int64_t not_before = 0;
   while (lines.next()) {
+    KERF_TRY(is_descriptor, parseDescriptor(lines, out));
+    if (is_descriptor) continue;
     KERF_TRY(report, parseReport(lines, not_before));
     not_before = report.time_us;
     out.reports.push_back(std::move(report));
@@ -130,11 +155,11 @@ Expected<DeviceRecording> readRecording(const std::filesystem::path& file) {
                  .found = error.message(),
                  .expected = "a recording of a device",
                  .hint = "make one with kerf devices --record"});
-  if (size > kLargestFile)
+  if (size > DeviceRecording::kLargestFile)
     return fail({.code = Error::Code::kBadFormat,
                  .file = file.string(),
                  .found = fmt::format("{} MB", size >> 20),
-                 .expected = fmt::format("a recording of at most {} MB", kLargestFile >> 20)});
+                 .expected = fmt::format("a recording of at most {} MB", DeviceRecording::kLargestFile >> 20)});
   std::ifstream in(file, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(in), {}};
   if (!in && !in.eof()) return fail({.code = Error::Code::kUnreadable, .file = file.string(), .found = "no text"});
@@ -143,24 +168,63 @@ Expected<DeviceRecording> readRecording(const std::filesystem::path& file) {
 
 Expected<void> writeRecording(const std::filesystem::path& file, const DeviceRecording& recording) {
   KERF_TRY(out, AtomicFile::create(file));
-  out.stream() << fmt::format("kerf-device 1\ndriver {}\ndevice {}\n", recording.driver->id, recording.device);
-  for (const RecordedReport& report : recording.reports) {
-    out.stream() << report.time_us << ' ' << report.interface;
-    for (const std::uint8_t byte : report.bytes) out.stream() << fmt::format(" {:02x}", byte);
-    out.stream() << '\n';
-  }
+  const std::string driver = recording.driver ? recording.driver->id : recording.arm;
+  out.stream() << fmt::format("kerf-device 1\ndriver {}\ndevice {}\n", driver, recording.device);
+  for (const RecordedDescriptor& descriptor : recording.descriptors)
+    out.stream() << fmt::format("descriptor {} {:02x}\n", descriptor.interface, fmt::join(descriptor.bytes, " "));
+  for (const RecordedReport& report : recording.reports)
+    out.stream() << fmt::format("{} {} {:02x}\n", report.time_us, report.interface, fmt::join(report.bytes, " "));
   return out.commit();
 }
 
 std::vector<DeviceReading> replayRecording(const DeviceRecording& recording) {
   std::vector<DeviceReading> out;
+  if (!recording.driver) return out;
+  std::vector<std::pair<int, HidLayout>> layouts;
+  for (const RecordedDescriptor& descriptor : recording.descriptors)
+    if (auto layout = parseHidDescriptor(descriptor.bytes))
+      layouts.emplace_back(descriptor.interface, std::move(*layout));
+
+  const HidLayout none;
   DeviceReading reading;
   for (const RecordedReport& report : recording.reports) {
-    // One more ns than recorded: a time of zero means that nothing has come.
-    takeReport(*recording.driver, report.bytes, 1000 * report.time_us + 1, reading);
+    const auto layout =
+        std::find_if(layouts.begin(), layouts.end(), [&](const auto& one) { return one.first == report.interface; });
+    takeReport(*recording.driver, report.bytes, clockOf(report), reading,
+               layout == layouts.end() ? none : layout->second);
     out.push_back(reading);
   }
   return out;
+}
+
+RecordedHands replayHands(const DeviceRecording& recording) {
+  RecordedHands out;
+  const std::unique_ptr<ArmMessages> messages = ArmMessages::of(recording.arm);
+  if (!messages) return out;
+  for (const RecordedReport& report : recording.reports) {
+    const ArmNews news = messages->take(report.bytes, clockOf(report));
+    if (news == ArmNews::kHand) out.hands.push_back({report.time_us, messages->hand()});
+    if (news == ArmNews::kRefused) ++out.refused;
+  }
+  return out;
+}
+
+void DeviceTape::add(std::int64_t time_ns, int interface, std::span<const std::uint8_t> report) {
+  if (last_ns_ != 0) gaps_.add(time_ns - last_ns_);
+  last_ns_ = time_ns;
+  if (!keeps_reports_) return;
+
+  constexpr std::size_t kOfAByte = 3, kOfALine = 40;  // characters, at most
+  const std::size_t size = kOfALine + kOfAByte * report.size();
+  constexpr std::size_t kHead = 1 << 20;  // the lines before the reports
+  const bool is_full = kHead + size_ + size > DeviceRecording::kLargestFile;
+  if (report.empty() || report.size() > DeviceRecording::kLongestReport || is_full) {
+    ++lost_;
+    return;
+  }
+  if (recording_.reports.empty()) first_ns_ = time_ns;
+  size_ += size;
+  recording_.reports.push_back({(time_ns - first_ns_) / 1000, interface, {report.begin(), report.end()}});
 }
 
 }  // namespace kerf

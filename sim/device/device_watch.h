@@ -1,6 +1,7 @@
 // Looks for a device until there is one, opens it, and begins anew when it is unplugged.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -11,9 +12,10 @@ namespace kerf {
 /// A thread of its own lists devices, once a second as long as none is open.
 class DeviceWatch {
  public:
+  using Filter = std::function<bool(const FoundDevice&)>;
   /// @param name  as chooseDevice(): of several without a name none is opened, and trouble() lists them.
-  /// @param driver  its id; null: of any driver.
-  explicit DeviceWatch(std::string name = {}, int every_ms = 1000, const DeviceDriver* driver = nullptr);
+  /// @param is_meant  asked by the thread, of each device that a driver knows; empty: any.
+  explicit DeviceWatch(std::string name = {}, int every_ms = 1000, Filter is_meant = {});
   ~DeviceWatch();
   DeviceWatch(const DeviceWatch&) = delete;
   DeviceWatch& operator=(const DeviceWatch&) = delete;

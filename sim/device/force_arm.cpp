@@ -89,7 +89,14 @@ DeviceSample ForceArm::read() noexcept {
   takeSettings();
   link_.hands.update();
   const ArmLink::Hand& newest = link_.hands.front();
-  felt_now_.is_valid = isUsable(newest, deviceClock());
+  const std::int64_t now = deviceClock();
+  felt_now_.is_valid = isUsable(newest, now);
+
+  // After a stall of this thread the device has no force: it fades in again, however far the hand went meanwhile.
+  if (wrote_ != 0 && now - wrote_ > kDeadManNs) {
+    guard_.disarm();
+    torque_guard_.disarm();
+  }
   if (!felt_now_.is_valid) {
     guard_.disarm();
     torque_guard_.disarm();
@@ -167,6 +174,7 @@ void ForceArm::write(const DeviceForce& force) noexcept {
   wish.hand_number = hand_.number;
   wish.hand_time_ns = hand_.time_ns;
 
+  wrote_ = wish.written_ns;
   const std::int64_t age = wish.written_ns - hand_came_;
   felt_now_.force = wish.force;
   felt_now_.torque = wish.torque;

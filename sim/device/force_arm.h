@@ -20,8 +20,10 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <string>
 
 #include "sim/device/device_frame.h"
@@ -32,6 +34,9 @@
 #include "sim/live/time_histogram.h"
 
 namespace kerf {
+
+/// Told of each message of a device by the transport's thread, before it is taken: a report, a datagram, a line, JSON.
+using ArmListener = std::function<void(std::int64_t came_ns, std::span<const std::uint8_t> message)>;
 
 /// How the hand is taken, and how hard it may be pushed.
 struct ArmSettings {
@@ -112,6 +117,8 @@ class ForceArm : public DeviceSource {
   virtual bool calibrate() { return false; }
   /// It is unplugged and does not come back by itself: open it anew. Any thread.
   virtual bool isGone() const { return false; }
+  /// Nothing comes any more, ever: a recording at its end. Any thread.
+  virtual bool isOver() const { return false; }
   /// What the device said of itself last. False: nothing yet. Any thread.
   bool lastHand(HandFrame& out) const;
 
@@ -171,6 +178,7 @@ class ForceArm : public DeviceSource {
   DeviceSample sample_;
   HandFrame hand_;  // of the last read()
   std::int64_t hand_came_ = 0;
+  std::int64_t wrote_ = 0;  // deviceClock() of the last write(); 0: none yet
   ArmFelt felt_now_;
   TimeHistogram ages_now_;
   std::uint64_t test_ = 0;  // the number of the one under way

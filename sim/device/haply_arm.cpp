@@ -35,7 +35,6 @@ constexpr std::int64_t kAskAgain = 100 * kPeriod;  // and from then on
 constexpr std::int64_t kNoWord = 5000 * kPeriod;   // since it was called: then it is called again
 constexpr std::int64_t kGoodbye = 100 * kPeriod;   // that the end may take
 constexpr std::size_t kLongestState = 1 << 20;     // bytes
-constexpr double kMostForce = 8, kMostStiffness = 1;  // N, N/mm: not told by the service
 
 // One connection, driven by HaplyArm's thread alone: reading and writing go on at the same time, and neither is waited
 // for, so a service that says nothing is still told that there is no force.
@@ -207,6 +206,7 @@ void HaplyArm::State::mark(Line how) {
 
 void HaplyArm::State::take(std::string_view text) {
   const std::int64_t came = deviceClock();
+  thread.tell(came, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
   const HaplyNews news = parseHaplyState(text, said);
   const std::lock_guard lock(thread.mutex);
   line = Line::kConnected;
@@ -219,12 +219,8 @@ void HaplyArm::State::take(std::string_view text) {
   if (news != HaplyNews::kPlace || said.id.empty()) return;
   ++counts.hands;
   counts.newest_came_ns = came;
-  newest.frame = said.hand;
-  newest.frame.number = counts.hands;
-  newest.frame.time_ns = static_cast<std::uint64_t>(came);
-  newest.frame.is_ready = true;
-  newest.frame.most_force = kMostForce;
-  newest.frame.most_stiffness = kMostStiffness;
+  newest.frame = handOf(said);
+  countHand(newest.frame, counts.hands, came);
   newest.came_ns = came;
   arm->publish(newest);
 }
@@ -236,7 +232,7 @@ HaplyArm::HaplyArm(const ArmSettings& settings, const Rigid3& start, std::unique
 HaplyArm::~HaplyArm() { state_->thread.stop(); }
 
 Expected<std::unique_ptr<HaplyArm>> HaplyArm::open(const std::string& port, const ArmSettings& settings,
-                                                   const Rigid3& start) {
+                                                   const Rigid3& start, ArmListener listener) {
   auto state = std::make_unique<State>();
   if (!port.empty()) {
     unsigned number = 0;
@@ -251,6 +247,7 @@ Expected<std::unique_ptr<HaplyArm>> HaplyArm::open(const std::string& port, cons
   }
   std::unique_ptr<HaplyArm> arm(new HaplyArm(settings, start, std::move(state)));
   State& s = *arm->state_;
+  s.thread.listener = std::move(listener);
   KERF_CHECK(s.thread.start([&s] { s.run(); }, "", "haply"));
   return arm;
 }

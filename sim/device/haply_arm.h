@@ -38,6 +38,8 @@ enum class HaplyNews {
 };
 /// Never throws; text of any length, nested at most 32 deep.
 HaplyNews parseHaplyState(std::string_view text, HaplyState& state);
+/// The hand of a state whose place is known, with what its service does not tell; but for number and time.
+HandFrame handOf(const HaplyState& state);
 /// "{"inverse3":[{"device_id":"...","commands":{"set_cursor_force":{"values":{"x":..."
 std::string haplyForce(const std::string& id, const Vec3d& newtons);
 
@@ -46,7 +48,7 @@ class HaplyArm final : public ForceArm {
   /// @param port  text of a port of 127.0.0.1; empty: kHaplyPort. The service may start later.
   /// Errors: kBadValue: no port, or no thread.
   static Expected<std::unique_ptr<HaplyArm>> open(const std::string& port, const ArmSettings& settings,
-                                                  const Rigid3& start = {});
+                                                  const Rigid3& start = {}, ArmListener listener = {});
   /// Sends zero and ends the connection.
   ~HaplyArm() override;
 

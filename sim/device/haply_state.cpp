@@ -12,6 +12,7 @@ using Json = nlohmann::json;
 constexpr double kFarthest = 10;  // m
 constexpr int kDeepest = 32;
 constexpr std::size_t kLongestId = 64;
+constexpr double kMostForce = 8, kMostStiffness = 1;  // N, N/mm: not told by the service
 
 // Null: it is not there, or something else.
 const Json* find(const Json& of, const char* key) {
@@ -95,6 +96,14 @@ HaplyNews parseHaplyState(std::string_view text, HaplyState& state) {
   next.has_place = true;
   state = std::move(next);
   return HaplyNews::kPlace;
+}
+
+HandFrame handOf(const HaplyState& state) {
+  HandFrame out = state.hand;
+  out.is_ready = true;
+  out.most_force = kMostForce;
+  out.most_stiffness = kMostStiffness;
+  return out;
 }
 
 std::string haplyForce(const std::string& id, const Vec3d& newtons) {

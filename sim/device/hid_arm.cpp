@@ -104,7 +104,9 @@ bool HidArm::State::receive() {
     }
     if (size == 0) break;
     const std::int64_t came = deviceClock();
-    const FrameFault fault = what.driver->take({bytes.data(), static_cast<std::size_t>(size)}, now);
+    const std::span<const std::uint8_t> report(bytes.data(), static_cast<std::size_t>(size));
+    thread.tell(came, report);
+    const FrameFault fault = what.driver->take(report, now);
     const std::lock_guard lock(thread.mutex);
     ArmCounts& counts = thread.counts;
     if (fault != FrameFault::kNone) {
@@ -115,10 +117,7 @@ bool HidArm::State::receive() {
     ++counts.hands;
     counts.newest_came_ns = came;
     newest.frame = now.hand;
-    if (newest.frame.number == 0) {  // its reports do not count
-      newest.frame.number = counts.hands;
-      newest.frame.time_ns = static_cast<std::uint64_t>(came);
-    }
+    if (newest.frame.number == 0) countHand(newest.frame, counts.hands, came);  // its reports do not count
     newest.came_ns = came;
     has_news = true;
   }
@@ -154,11 +153,12 @@ HidArm::HidArm(const ArmSettings& settings, const Rigid3& start, std::unique_ptr
 }
 HidArm::~HidArm() { state_->thread.stop(); }
 
-Expected<std::unique_ptr<HidArm>> HidArm::open(const FoundArm& found, const ArmSettings& settings,
-                                               const Rigid3& start) {
+Expected<std::unique_ptr<HidArm>> HidArm::open(const FoundArm& found, const ArmSettings& settings, const Rigid3& start,
+                                               ArmListener listener) {
   KERF_TRY(port, HidPort::open(found.info.path));
   std::unique_ptr<HidArm> arm(new HidArm(settings, start, std::make_unique<State>(found, std::move(port))));
   State& s = *arm->state_;
+  s.thread.listener = std::move(listener);
   KERF_CHECK(s.thread.start([&s] { s.exchange(); }, found.info.path, ""));
   return arm;
 }

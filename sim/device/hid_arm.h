@@ -33,7 +33,7 @@ class HidArm final : public ForceArm {
  public:
   /// Errors: those of HidPort::open(); kBadValue: no thread.
   static Expected<std::unique_ptr<HidArm>> open(const FoundArm& found, const ArmSettings& settings,
-                                                const Rigid3& start = {});
+                                                const Rigid3& start = {}, ArmListener listener = {});
   /// Writes no force.
   ~HidArm() override;
 

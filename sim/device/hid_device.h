@@ -21,7 +21,7 @@ class HidDevice {
 
   /// Opens all interfaces, lights the device and starts the threads. Of a receiver with several interfaces the one that
   /// moves counts; another one takes its place when it moves and the first has been silent for kSilence.
-  /// Errors: those of HidPort::open().
+  /// Errors: those of HidPort::open(); of a driver that needs the descriptor, those of reading it.
   static Expected<std::unique_ptr<HidDevice>> open(const FoundDevice& found, Listener listener = {});
   /// Puts the light out.
   ~HidDevice();
@@ -34,7 +34,7 @@ class HidDevice {
   /// Fetches the newest reading; false: none since the last call. For one thread. @rt safe
   bool update() noexcept;
   const DeviceReading& reading() const noexcept;
-  /// The axes as they count now: zero after kSilence and once unplugged. The same thread. @rt safe
+  /// The axes as they count now, axesAt(); zero once unplugged. The same thread. @rt safe
   std::array<double, 6> axes() noexcept;
   /// Any thread but the 1 kHz one; the newest wish counts.
   void light(bool is_lit);

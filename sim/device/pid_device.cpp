@@ -22,6 +22,15 @@ constexpr double kTurned = 0.02;  // rad: a smaller turn of the force is not wor
 
 }  // namespace
 
+bool hasForceFeedback(const HidInfo& info) {
+  constexpr std::uint16_t kGenericDesktop = 1, kJoystick = 4, kWheel = 8;
+  if (info.usage_page != kGenericDesktop || info.usage < kJoystick || info.usage > kWheel) return false;
+  const auto descriptor = readHidDescriptor(info.path);
+  if (!descriptor) return false;
+  auto layout = parseHidDescriptor(*descriptor);
+  return layout && PidReports::of(std::move(*layout)).has_value();
+}
+
 struct PidDevice::State {
   State(HidPort opened, PidReports what) : port(std::move(opened)), reports(std::move(what)) {}
 

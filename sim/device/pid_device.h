@@ -73,6 +73,9 @@ class PidReports {
   HidLayout layout_;
 };
 
+/// It has force feedback of the class PID that can be used. Reads its descriptor: some ms.
+bool hasForceFeedback(const HidInfo& info);
+
 struct PidWish {
   double right = 0, away = 0;  ///< -1 to 1 of its force
   double damping = 0;          ///< 0 to 1

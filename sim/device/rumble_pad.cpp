@@ -19,21 +19,6 @@ constexpr auto kPause = std::chrono::milliseconds(10);  // between two reports
 constexpr std::int64_t kAgain = 1'000'000'000;          // ns: an Xbox pad stops by itself after 2.5 s
 constexpr int kMostFailures = 3;                        // one after the other: it is gone
 
-struct Model {
-  std::uint16_t vendor, product;
-  bool is_bluetooth;
-  PadKind kind;
-};
-constexpr Model kModels[] = {
-    {0x054c, 0x0ce6, false, PadKind::kDualSense},    {0x054c, 0x0ce6, true, PadKind::kDualSenseBluetooth},
-    {0x054c, 0x0df2, false, PadKind::kDualSense},    {0x054c, 0x0df2, true, PadKind::kDualSenseBluetooth},
-    {0x054c, 0x05c4, false, PadKind::kDualShock4},   {0x054c, 0x05c4, true, PadKind::kDualShock4Bluetooth},
-    {0x054c, 0x09cc, false, PadKind::kDualShock4},   {0x054c, 0x09cc, true, PadKind::kDualShock4Bluetooth},
-    {0x045e, 0x02e0, true, PadKind::kXboxBluetooth}, {0x045e, 0x02fd, true, PadKind::kXboxBluetooth},
-    {0x045e, 0x0b05, true, PadKind::kXboxBluetooth}, {0x045e, 0x0b13, true, PadKind::kXboxBluetooth},
-    {0x045e, 0x0b20, true, PadKind::kXboxBluetooth},
-};
-
 std::uint8_t strength(double share, double most) {
   if (!(share > 0)) return 0;
   return static_cast<std::uint8_t>(std::lround(std::min(share, 1.0) * most));
@@ -45,28 +30,6 @@ void sign(std::vector<std::uint8_t>& report) {
 }
 
 }  // namespace
-
-std::optional<PadKind> padKindOf(const HidInfo& info) {
-  for (const Model& m : kModels)
-    if (m.vendor == info.vendor && m.product == info.product && m.is_bluetooth == info.is_bluetooth) return m.kind;
-  return {};
-}
-
-const char* nameOf(PadKind kind) {
-  switch (kind) {
-    case PadKind::kDualSense:
-      return "DualSense";
-    case PadKind::kDualSenseBluetooth:
-      return "DualSense by Bluetooth";
-    case PadKind::kDualShock4:
-      return "DualShock 4";
-    case PadKind::kDualShock4Bluetooth:
-      return "DualShock 4 by Bluetooth";
-    case PadKind::kXboxBluetooth:
-      break;
-  }
-  return "Xbox by Bluetooth";
-}
 
 std::uint32_t padChecksum(std::span<const std::uint8_t> bytes) {
   constexpr std::uint8_t kOutputBegins = 0xA2;

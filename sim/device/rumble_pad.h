@@ -16,20 +16,15 @@
 #include <vector>
 
 #include "sim/device/hid_port.h"
+#include "sim/device/pad_kind.h"
 
 namespace kerf {
-
-enum class PadKind { kDualSense, kDualSenseBluetooth, kDualShock4, kDualShock4Bluetooth, kXboxBluetooth };
 
 struct Rumble {
   double strong = 0, weak = 0;  ///< 0 to 1: the slow heavy motor, the fast light one
   bool operator==(const Rumble&) const = default;
 };
 
-/// None: it is no such pad.
-std::optional<PadKind> padKindOf(const HidInfo& info);
-/// "DualSense by Bluetooth".
-const char* nameOf(PadKind kind);
 /// The report that makes it shake so, its number first.
 /// @param number  of the report, counts up: some pads want it.
 std::vector<std::uint8_t> rumbleReport(PadKind kind, const Rumble& rumble, std::uint8_t number);

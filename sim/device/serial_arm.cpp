@@ -21,7 +21,6 @@ namespace {
 
 constexpr std::int64_t kPeriod = 1'000'000;     // ns, between two lines that are sent
 constexpr std::int64_t kAnswerBy = 20'000'000;  // ns: then the arm is asked again
-constexpr int kWoodyModel = 3;
 constexpr std::size_t kLongestLine = 128;
 
 }  // namespace
@@ -45,6 +44,17 @@ bool parseSerialLine(std::string_view line, SerialLine& out) noexcept {
   std::copy_n(numbers.begin() + 1, 6, out.counts.begin());
   out.error = numbers[7];
   return true;
+}
+
+void takeSerialLine(const SerialLine& line, HandFrame& hand, Eigen::Matrix3d& jacobian) noexcept {
+  const WoodyModel model;
+  const WoodyPose pose = woodyPose(model, line.counts);
+  jacobian = pose.jacobian;
+  hand.pose = {Eigen::Quaterniond::Identity(), pose.position};
+  hand.is_ready = line.error == 0;
+  hand.senses_orientation = false;
+  hand.most_force = model.most_force;
+  hand.most_stiffness = model.most_stiffness;
 }
 
 std::size_t writeSerialLine(const Vec3d& milliamperes, std::span<char, 64> out) noexcept {
@@ -134,6 +144,7 @@ bool SerialArm::State::receive(int wait_ms) {
 void SerialArm::State::takeLine(std::string_view text) {
   const std::int64_t came = deviceClock();
   has_answer = true;
+  thread.tell(came, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
   SerialLine said;
   const bool is_good = parseSerialLine(text, said);
   const std::lock_guard lock(thread.mutex);
@@ -144,21 +155,12 @@ void SerialArm::State::takeLine(std::string_view text) {
     return;
   }
   error = said.error;
-  other_model = said.model == kWoodyModel ? 0 : said.model;
+  other_model = said.model == kSerialWoody ? 0 : said.model;
   if (other_model != 0) return;
-  const WoodyModel model;
-  const WoodyPose pose = woodyPose(model, said.counts);
-  jacobian = pose.jacobian;
   ++counts.hands;
   counts.newest_came_ns = came;
-  HandFrame& hand = newest.frame;
-  hand.number = counts.hands;
-  hand.time_ns = static_cast<std::uint64_t>(came);
-  hand.pose = {Eigen::Quaterniond::Identity(), pose.position};
-  hand.is_ready = said.error == 0;
-  hand.senses_orientation = false;
-  hand.most_force = model.most_force;
-  hand.most_stiffness = model.most_stiffness;
+  takeSerialLine(said, newest.frame, jacobian);
+  countHand(newest.frame, counts.hands, came);
   newest.came_ns = came;
   arm->publish(newest);
 }
@@ -185,7 +187,7 @@ SerialArm::SerialArm(const ArmSettings& settings, const Rigid3& start, std::uniq
 SerialArm::~SerialArm() { state_->thread.stop(); }
 
 Expected<std::unique_ptr<SerialArm>> SerialArm::open(const std::string& path, const ArmSettings& settings,
-                                                     const Rigid3& start) {
+                                                     const Rigid3& start, ArmListener listener) {
   auto state = std::make_unique<State>();
   state->path = path;
   state->fd = ::open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
@@ -209,6 +211,7 @@ Expected<std::unique_ptr<SerialArm>> SerialArm::open(const std::string& path, co
 
   std::unique_ptr<SerialArm> arm(new SerialArm(settings, start, std::move(state)));
   State& s = *arm->state_;
+  s.thread.listener = std::move(listener);
   KERF_CHECK(s.thread.start([&s] { s.exchange(); }, path, ""));
   return arm;
 }

@@ -26,6 +26,9 @@ struct SerialLine {
 /// Strict: without the end of the line; numbers of at most 9 digits; nothing before, between or behind. False: it is
 /// none, and `out` is as it was.
 bool parseSerialLine(std::string_view line, SerialLine& out) noexcept;
+inline constexpr int kSerialWoody = 3;  ///< the model whose kinematics are known
+/// What a line of kSerialWoody says, but for number and time.   @param jacobian  mm per radian of each motor.
+void takeSerialLine(const SerialLine& line, HandFrame& hand, Eigen::Matrix3d& jacobian) noexcept;
 /// "[12,-3,0]\n", into `out`.   @return  how many bytes.
 std::size_t writeSerialLine(const Vec3d& milliamperes, std::span<char, 64> out) noexcept;
 
@@ -33,7 +36,7 @@ class SerialArm final : public ForceArm {
  public:
   /// Errors: kNotFound, kUnreadable: it does not open, with what to do; kBadValue: no serial port.
   static Expected<std::unique_ptr<SerialArm>> open(const std::string& path, const ArmSettings& settings,
-                                                   const Rigid3& start = {});
+                                                   const Rigid3& start = {}, ArmListener listener = {});
   /// Writes zero.
   ~SerialArm() override;
 

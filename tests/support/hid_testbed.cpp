@@ -15,6 +15,7 @@
 #include <filesystem>
 #include <map>
 #include <mutex>
+#include <utility>
 
 namespace kerf {
 namespace {
@@ -284,6 +285,12 @@ void HidTestbed::forgetWritten(int node_number) {
   Node& node = *state_->nodes.at(node_number);
   const std::lock_guard lock(node.mutex);
   node.written.clear();
+}
+
+std::vector<Bytes> HidTestbed::takeWritten(int node_number) {
+  Node& node = *state_->nodes.at(node_number);
+  const std::lock_guard lock(node.mutex);
+  return std::exchange(node.written, {});
 }
 
 void HidTestbed::setFeatures(int node_number, std::function<Bytes(std::uint8_t number)> get,

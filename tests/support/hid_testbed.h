@@ -42,6 +42,8 @@ class HidTestbed {
   static std::string path(int node) { return "/dev/hidraw" + std::to_string(node); }
   Bytes lastWritten(int node) const;  ///< empty: nothing
   void forgetWritten(int node);
+  /// What was written since it was asked last; written() and lastWritten() know nothing of it any more.
+  std::vector<Bytes> takeWritten(int node);
   /// What the device answers when it is asked for a feature report, and what it does with one that is set; both with
   /// the number first. Called by a thread of the testbed.
   void setFeatures(int node, std::function<Bytes(std::uint8_t number)> get, std::function<void(const Bytes&)> set);

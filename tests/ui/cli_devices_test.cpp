@@ -11,6 +11,7 @@
 #include <memory>
 #include <thread>
 
+#include "sim/device/raw_arm.h"
 #include "tests/support/hid_testbed.h"
 #include "tests/support/temporary_folder.h"
 
@@ -109,6 +110,77 @@ TEST_F(DevicesCommand, UnpluggedWhileItIsRecordedTheRecordingIsWritten) {
   EXPECT_NE(recorded.text.find("the device was unplugged"), std::string::npos) << recorded.text;
   EXPECT_NE(recorded.text.find("written: " + file), std::string::npos) << recorded.text;
   EXPECT_EQ(kerfSays("devices --replay " + file).code, 0);
+}
+
+TEST_F(DevicesCommand, AnArmIsProbedWithoutForceRecordedAndReplayed) {
+  const TemporaryFolder folder;
+  const std::string file = (folder.path() / "arm.txt").string();
+  bed_->plugIn({.vendor = 0xCAFE, .product = 0x4004, .name = "My arm", .serial = "R-1", .interfaces = {{0xFF4B, 1}}});
+  std::atomic<bool> is_over{false};
+  std::thread firmware([&] {
+    HandFrame hand;
+    for (hand.number = 1; !is_over; ++hand.number) {
+      hand.pose.translation = {5, 0, 0.01 * static_cast<double>(hand.number % 100)};
+      hand.velocity = {0, 0, 10};
+      hand.buttons = 2;
+      const RawArmReport report = encodeRawHand(hand);
+      bed_->send(0, Bytes(report.begin(), report.end()));
+      std::this_thread::sleep_for(milliseconds(1));
+    }
+  });
+  const Printed probed = kerfSays("devices R-1 --probe --for 1.5 --record " + file);
+  const Printed json = kerfSays("devices --probe --for 0.5 --json");
+  is_over = true;
+  firmware.join();
+  EXPECT_EQ(probed.code, 0) << probed.text;
+  EXPECT_NE(probed.text.find("RawHID arm, /dev/hidraw0: no force while it is probed"), std::string::npos)
+      << probed.text;
+  EXPECT_NE(probed.text.find("at +5.00 +0.00 "), std::string::npos) << probed.text;
+  EXPECT_NE(probed.text.find("+0.0 +0.0 +10.0 mm/s"), std::string::npos) << probed.text;
+  EXPECT_NE(probed.text.find(" b2"), std::string::npos) << probed.text;
+  EXPECT_NE(probed.text.find(" ms old"), std::string::npos) << probed.text;
+  EXPECT_NE(probed.text.find("written: " + file), std::string::npos) << probed.text;
+  EXPECT_NE(json.text.find("\"force_N\": 0"), std::string::npos) << json.text;
+
+  const std::vector<Bytes> written = bed_->written(0);
+  EXPECT_FALSE(written.empty());
+  for (const Bytes& report : written) {
+    ForceFrame force;
+    ASSERT_EQ(decodeRawForce(std::span(report).subspan(1), force), FrameFault::kNone);
+    EXPECT_FALSE(force.is_enabled);
+    EXPECT_EQ(force.force, Vec3d::Zero());
+  }
+  const Printed replayed = kerfSays("devices --replay " + file);
+  EXPECT_EQ(replayed.code, 0);
+  EXPECT_NE(replayed.text.find("cafe:4004 RawHID arm, driver rawhid"), std::string::npos) << replayed.text;
+  EXPECT_NE(replayed.text.find("at +5.00 +0.00 +0.50 mm, +0.0 +0.0 +10.0 mm/s"), std::string::npos)
+      << replayed.text.substr(0, 2000);
+  EXPECT_EQ(kerfSays("devices --replay " + file + " --json").text,
+            kerfSays("devices --replay " + file + " --json").text);
+}
+
+TEST_F(DevicesCommand, AJoystickIsReadByItsDescriptor) {
+  const TemporaryFolder folder;
+  const std::string file = (folder.path() / "stick.txt").string();
+  const Bytes descriptor{0x05, 0x01, 0x09, 0x04, 0xA1, 0x01, 0x09, 0x30, 0x09, 0x31, 0x15, 0x00,
+                         0x26, 0xFF, 0x00, 0x75, 0x08, 0x95, 0x02, 0x81, 0x02, 0x05, 0x09, 0x19,
+                         0x01, 0x29, 0x08, 0x25, 0x01, 0x75, 0x01, 0x95, 0x08, 0x81, 0x02, 0xC0};
+  bed_->plugIn({.vendor = 0x1209, .product = 1, .name = "Stick", .interfaces = {{1, 4}}, .descriptors = {descriptor}});
+  EXPECT_NE(kerfSays("devices").text.find("/dev/hidraw0: joystick, axes and buttons by its descriptor"),
+            std::string::npos);
+  std::thread hand([&] {
+    for (int n = 0; n < 20; ++n) {
+      bed_->send(0, {255, 0, 4});
+      std::this_thread::sleep_for(milliseconds(50));
+    }
+  });
+  const Printed probed = kerfSays("devices --probe --for 1.5 --record " + file);
+  hand.join();
+  EXPECT_NE(probed.text.find("X +1.00 Y -1.00"), std::string::npos) << probed.text;
+  EXPECT_NE(probed.text.find(" b3"), std::string::npos) << probed.text;
+  const Printed replayed = kerfSays("devices --replay " + file);
+  EXPECT_EQ(replayed.code, 0) << replayed.text;
+  EXPECT_NE(replayed.text.find("X +1.00 Y -1.00"), std::string::npos) << replayed.text;
 }
 
 TEST_F(DevicesCommand, ArmsAndPadsAreListedWithWhatTheyAreForAndAPadIsFelt) {

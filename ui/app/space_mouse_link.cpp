@@ -7,7 +7,9 @@
 namespace kerf {
 
 struct SpaceMouseLink::State {
-  explicit State(std::string wanted) : watch(std::move(wanted), 1000, findDriver("spacemouse")) {}
+  explicit State(std::string wanted)
+      : watch(std::move(wanted), 1000,
+              [driver = findDriver("spacemouse")](const FoundDevice& found) { return found.driver == driver; }) {}
   DeviceWatch watch;
   std::shared_ptr<HidDevice> device;
   std::string name, trouble;  // when they were last told of
@@ -27,6 +29,12 @@ std::optional<SpaceMouseState> SpaceMouseLink::read() {
 std::string SpaceMouseLink::name() const {
   const State& s = *state_;
   return s.device && s.device->isConnected() ? s.device->what().name : "";
+}
+
+std::optional<Battery> SpaceMouseLink::battery() const {
+  const State& s = *state_;
+  if (!s.device || !s.device->isConnected()) return {};
+  return batteryOf(s.device->reading());
 }
 
 std::string SpaceMouseLink::trouble() const { return state_->watch.trouble(); }

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "ui/app/battery.h"
 #include "ui/app/space_mouse_map.h"
 
 namespace kerf {
@@ -24,6 +25,8 @@ class SpaceMouseLink {
   std::optional<std::string> news();
   /// Of the one that was read last; empty: there is none.
   std::string name() const;
+  /// What it has told of its battery, if it has one.
+  std::optional<Battery> battery() const;
   /// What is wrong with one that is there but does not open; empty: nothing.
   std::string trouble() const;
 

@@ -1,24 +1,24 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <memory>
-#include <mutex>
 #include <nlohmann/json.hpp>
 #include <thread>
 
 #include "sim/device/arm_simulator.h"
-#include "sim/device/device_recording.h"
 #include "sim/device/haply_arm.h"
 #include "sim/device/haply_simulator.h"
 #include "sim/device/hid_arm.h"
-#include "sim/device/hid_device.h"
 #include "sim/device/pid_device.h"
 #include "sim/device/rumble_pad.h"
 #include "sim/device/uhid_simulator.h"
 #include "sim/hand/device_profile.h"
 #include "ui/cli/command.h"
+#include "ui/cli/device_probe.h"
+#include "ui/cli/device_words.h"
 #include "ui/cli/interruption.h"
 
 namespace kerf::cli {
@@ -88,23 +88,7 @@ int sayCouplings(const Arguments& a) {
 
 // ---- What is plugged in
 
-constexpr const char* kMayNotOpen =
-    "this user may not open it: run scripts/setup --udev (udev rule 70-kerf-hid.rules), then plug it out and in";
-
-std::string idOf(const HidInfo& info) { return fmt::format("{:04x}:{:04x}", info.vendor, info.product); }
-
-nlohmann::json jsonOf(const FoundDevice& found) {
-  nlohmann::json paths = nlohmann::json::array();
-  for (const HidInfo& info : found.interfaces) paths.push_back(info.path);
-  nlohmann::json out = {{"name", found.name},         {"id", idOf(found.interfaces.front())},
-                        {"path", found.path()},       {"interfaces", paths},
-                        {"serial", found.serial()},   {"driver", found.driver->id},
-                        {"may_open", found.mayOpen()}};
-  if (!found.mayOpen()) out["problem"] = kMayNotOpen;
-  return out;
-}
-
-// What has no axes to be read: arms, pads that shake, force feedback of the class PID.
+// What gives force or shakes: arms, pads, force feedback of the class PID.
 struct OtherDevice {
   HidInfo info;
   std::string name;
@@ -116,25 +100,18 @@ bool isCalled(const HidInfo& info, const std::string& name) {
   return info.path == name || (!info.serial.empty() && info.serial == name);
 }
 
-bool hasPid(const HidInfo& info) {
-  constexpr std::uint16_t kGenericDesktop = 1, kJoystick = 4, kWheel = 8;
-  if (info.usage_page != kGenericDesktop || info.usage < kJoystick || info.usage > kWheel) return false;
-  const auto descriptor = readHidDescriptor(info.path);
-  if (!descriptor) return false;
-  auto layout = parseHidDescriptor(*descriptor);
-  return layout && PidReports::of(std::move(*layout)).has_value();
-}
-
 std::vector<OtherDevice> othersAmong(const std::vector<HidInfo>& all) {
   std::vector<OtherDevice> out;
   for (const HidInfo& info : all) {
-    if (driverOf(info)) continue;
     if (const ArmDriver* const arm = armDriverOf(info))
-      out.push_back({info, arm->nameOf(info), "a force-feedback arm: kerf-sim --device PATH", "arm"});
+      out.push_back({info, arm->nameOf(info),
+                     "a force-feedback arm: kerf-sim --device PATH; --probe reads it without force", "arm"});
     else if (const auto pad = padKindOf(info))
-      out.push_back({info, nameOf(*pad), "a gamepad that shakes in kerf-sim; --feel tries it", "pad"});
-    else if (hasPid(info))
-      out.push_back({info, info.name, "force feedback of the class PID, experimental; --feel tries it", "pid"});
+      out.push_back(
+          {info, nameOf(*pad), "a gamepad that shakes in kerf-sim; --probe reads it, --feel tries it", "pad"});
+    else if (hasForceFeedback(info))
+      out.push_back(
+          {info, info.name, "force feedback of the class PID, experimental; --probe reads it, --feel tries it", "pid"});
   }
   return out;
 }
@@ -199,9 +176,14 @@ int listDevices(const Arguments& a) {
       devices.clear();
     }
   }
+  // What is named once is not named again for its axes.
+  std::erase_if(devices, [&](const FoundDevice& found) {
+    return std::any_of(others.begin(), others.end(),
+                       [&](const OtherDevice& other) { return other.info.path == found.path(); });
+  });
   if (a.json) {
     nlohmann::json list = nlohmann::json::array();
-    for (const FoundDevice& found : devices) list.push_back(jsonOf(found));
+    for (const FoundDevice& found : devices) list.push_back(cli::jsonOf(found));
     for (const OtherDevice& other : others) list.push_back(jsonOf(other));
     printJson(list);
     return kOk;
@@ -220,126 +202,6 @@ int listDevices(const Arguments& a) {
     fmt::print("\n");
     if (!found.mayOpen()) fmt::print("  {}\n", kMayNotOpen);
   }
-  return kOk;
-}
-
-// ---- What it says
-
-nlohmann::json jsonOf(const DeviceReading& r, const std::array<double, 6>& axes) {
-  nlohmann::json out = {{"axes", axes},
-                        {"buttons", r.buttons},
-                        {"reports", r.reports},
-                        {"unknown", r.unknown},
-                        {"malformed", r.malformed}};
-  if (r.battery_percent >= 0) out["battery_percent"] = r.battery_percent;
-  return out;
-}
-
-std::string textOf(const DeviceReading& r, const std::array<double, 6>& axes) {
-  std::string out = fmt::format("right {:+.2f} away {:+.2f} up {:+.2f}, turned {:+.2f} {:+.2f} {:+.2f}", axes[0],
-                                axes[1], axes[2], axes[3], axes[4], axes[5]);
-  for (int n = 0; n < 64; ++n)
-    if (r.buttons >> n & 1) out += fmt::format(" b{}", n + 1);
-  if (r.battery_percent >= 0) out += fmt::format(", battery {} %{}", r.battery_percent, r.is_charging ? "+" : "");
-  if (r.unknown + r.malformed > 0) out += fmt::format(", {} unknown, {} malformed", r.unknown, r.malformed);
-  return out;
-}
-
-// What the reader's thread hears.
-struct Tape {
-  std::mutex mutex;
-  DeviceRecording recording;  // guarded by mutex
-  std::int64_t first_ns = 0;
-
-  void hear(std::int64_t time_ns, int interface, std::span<const std::uint8_t> report) {
-    const std::lock_guard lock(mutex);
-    if (recording.reports.empty()) first_ns = time_ns;
-    recording.reports.push_back({(time_ns - first_ns) / 1000, interface, {report.begin(), report.end()}});
-  }
-};
-
-// Prints what has changed, 20 times a second at most, until the time is over. False: it was unplugged.
-bool watch(HidDevice& device, const Arguments& a) {
-  using std::chrono::duration;
-  using std::chrono::steady_clock;
-  const auto began = steady_clock::now();
-  const auto passed = [&] { return duration<double>(steady_clock::now() - began).count(); };
-  const bool prints = a.wants_probe && !a.json;
-  bool has_warned = false;
-  std::string last;
-  while (!isInterrupted() && (a.seconds <= 0 || passed() < a.seconds)) {
-    if (!device.isConnected()) return false;
-    const std::array<double, 6> axes = device.axes();
-    const DeviceReading& r = device.reading();
-    if (const std::string text = textOf(r, axes); prints && r.reports + r.unknown + r.malformed > 0 && text != last) {
-      fmt::print("{:8.3f} s  {}\n", passed(), text);
-      std::fflush(stdout);
-      last = text;
-    }
-    if (!has_warned && passed() > 2 && r.reports + r.unknown + r.malformed == 0) {
-      fmt::print(stderr, "kerf: {}: nothing has come for 2 s; move it. Another driver may have taken it.\n",
-                 device.what().path());
-      has_warned = true;
-    }
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  }
-  return true;
-}
-
-int probe(const Arguments& a) {
-  auto found = chooseDevice(findDevices(), a.device);
-  if (!found) return complain(found.error());
-
-  Tape tape;
-  tape.recording.driver = found->driver;
-  tape.recording.device = idOf(found->interfaces.front()) + " " + found->name;
-  HidDevice::Listener listener;
-  if (!a.record.empty())
-    listener = [&](std::int64_t t, int interface, std::span<const std::uint8_t> r) { tape.hear(t, interface, r); };
-  const Interruption interruption;
-  auto device = HidDevice::open(*found, listener);
-  if (!device) return complain(device.error());
-  if (!a.json) fmt::print("{}: {}\n", found->path(), found->name);
-  const bool is_connected = watch(**device, a);
-  (*device)->update();
-  const DeviceReading last = (*device)->reading();
-  device->reset();  // nothing is heard any more
-
-  if (!a.record.empty()) {
-    if (const auto written = writeRecording(a.record, tape.recording); !written) return complain(written.error());
-    if (!a.json) fmt::print("written: {} ({})\n", a.record, counted(tape.recording.reports.size(), "report"));
-  }
-  if (a.json) {
-    nlohmann::json out = jsonOf(last, last.axes);
-    out["device"] = jsonOf(*found);
-    out["connected"] = is_connected;
-    printJson(out);
-  }
-  if (is_connected) return kOk;
-  return complain({.code = Error::Code::kNotFound,
-                   .file = found->path(),
-                   .found = "the device was unplugged",
-                   .expected = "it to stay",
-                   .hint = "plug it in and begin again"});
-}
-
-int replay(const Arguments& a) {
-  const auto recording = readRecording(a.replay);
-  if (!recording) return complain(recording.error());
-  const std::vector<DeviceReading> readings = replayRecording(*recording);
-  if (a.json) {
-    nlohmann::json list = nlohmann::json::array();
-    for (std::size_t n = 0; n < readings.size(); ++n) {
-      list.push_back(jsonOf(readings[n], readings[n].axes));
-      list.back()["time_us"] = recording->reports[n].time_us;
-    }
-    printJson({{"device", recording->device}, {"driver", recording->driver->id}, {"readings", list}});
-    return kOk;
-  }
-  fmt::print("{}, driver {}: {}\n", recording->device, recording->driver->id, counted(readings.size(), "report"));
-  for (std::size_t n = 0; n < readings.size(); ++n)
-    fmt::print("{:8.3f} s  {}\n", 1e-6 * static_cast<double>(recording->reports[n].time_us),
-               textOf(readings[n], readings[n].axes));
   return kOk;
 }
 
@@ -456,9 +318,9 @@ int watchSimulated(const Arguments& a, const Device& device) {
 
 int run(const Arguments& a) {
   if (!a.simulate.empty()) return simulate(a);
-  if (!a.replay.empty()) return replay(a);
+  if (!a.replay.empty()) return printRecording(a.replay, a.json);
   if (a.wants_feel) return feel(a);
-  if (a.wants_probe || !a.record.empty()) return probe(a);
+  if (a.wants_probe || !a.record.empty()) return probeDevice({a.device, a.wants_probe, a.record, a.seconds, a.json});
   if (a.is_own || a.wants_typical) return sayCouplings(a);
   return listDevices(a);
 }
@@ -473,13 +335,16 @@ void addDevices(CLI::App& command, int& exit_code) {
       "With a profile or --typical: the coupling that a force-feedback device can hold. One that is too stiff makes "
       "it\n"
       "tremble, or worse. The law: docs/how-it-works/step.md.\n"
+      "--probe and --record take an arm as kerf live does, too: bridge, haply, serial:PATH; it is given no force.\n"
       "Examples: kerf devices --probe --for 10\n"
+      "          kerf devices bridge --record arm.txt, then kerf live --device replay:arm.txt ...\n"
       "          kerf devices /dev/hidraw3 --record mine.txt\n"
       "          kerf devices --simulate arm --delay 3\n"
       "          kerf devices --feel\n"
       "          kerf devices --delay 1.5 --mass 0.07 --friction 0.26 --encoder 0.055");
-  CLI::Option* const device =
-      command.add_option("DEVICE", a->device, "its path or serial number; default: the only one");
+  CLI::Option* const device = command.add_option(
+      "DEVICE", a->device,
+      "its path or serial number, or bridge[:PORT], haply[:PORT], serial:PATH; default: the only one");
   CLI::Option* const probe = command.add_flag("--probe", a->wants_probe, "print what it says, as it changes");
   CLI::Option* const record = command.add_option("--record", a->record, "write its reports into this text file");
   CLI::Option* const replay =

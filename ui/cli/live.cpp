@@ -78,6 +78,10 @@ void follow(LiveRun& run, const ForceArm& device, const Arguments& a) {
   while (!isInterrupted()) {
     const auto now = steady_clock::now();
     if (a.seconds > 0 && duration<double>(now - began).count() >= a.seconds) return;
+    if (device.isGone() || device.isOver()) {
+      if (!a.json) fmt::print("{:8.3f} s  {}\n", duration<double>(now - began).count(), device.counts().trouble);
+      return;
+    }
     run.takeChunks();
     run.thread().update();
     const bool is_talking = device.counts().is_talking;
@@ -192,7 +196,9 @@ void addLive(CLI::App& command, int& exit_code) {
   command.add_option("--tool", a->tool, "tool id (kerf tool list) or a tool's TOML file")->required();
   command.add_option("-o,--output", a->run_folder, "run folder to write")->required();
   command.add_option("--start", a->start, "X,Y,Z in mm: where the hand finds the tip of the tool, upright")->required();
-  command.add_option("--device", a->device, "bridge, bridge:PORT, haply, serial:PATH; path or serial number of an arm")
+  command
+      .add_option("--device", a->device,
+                  "bridge, bridge:PORT, haply, serial:PATH; replay:FILE; path or serial number of an arm")
       ->capture_default_str();
   const auto number = [&](const char* name, double& value, const char* what, double low, double high) {
     command.add_option(name, value, what)->check(CLI::Range(low, high))->capture_default_str();

@@ -1,0 +1,38 @@
+// A force-feedback arm that is a recording: "replay:FILE" instead of the name of a device. Its hand does bit for bit
+// what the recorded one did; no force goes anywhere.
+//
+// Its time begins when the haptic thread takes the arm first. Until then its first hand stands still.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "sim/device/force_arm.h"
+#include "sim/hand/device_profile.h"
+
+namespace kerf {
+
+class ReplayArm final : public ForceArm {
+ public:
+  /// Errors: those of readRecording(); kUnsupported: of what is no arm; kBadValue: no hand in it, or no thread.
+  static Expected<std::unique_ptr<ReplayArm>> open(const std::string& file, const ArmSettings& settings,
+                                                   const Rigid3& start = {});
+  ~ReplayArm() override;
+
+  /// Of the recorded device, by its kind.
+  const DeviceProfile& profile() const;
+  /// What its messages are: ArmMessages::language().
+  const std::string& language() const;
+
+  std::string what() const override;
+  ArmCounts counts() const override;
+  bool isOver() const override;
+  void arm() noexcept override;
+
+ private:
+  struct State;
+  ReplayArm(const ArmSettings& settings, const Rigid3& start, std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace kerf

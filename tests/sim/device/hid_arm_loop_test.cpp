@@ -1,0 +1,263 @@
+// The loop of an arm on HID, closed: its mass, damper and encoders moved by what Kerf writes through the system's
+// hidapi, and felt by Kerf in what it reads. Against a wall, in the place of the haptic thread.
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "sim/device/hid_arm.h"
+#include "tests/sim/device/force_scene.h"
+#include "tests/sim/device/simulated_arm.h"
+
+namespace kerf {
+namespace {
+
+using namespace test;
+using Kind = SimulatedArm::Kind;
+using std::chrono::milliseconds;
+
+// Steps of an arm from the last news of Kerf to no force: 20 ms, the one that is under way, and a frame on its way.
+constexpr int kForceless = 20 + 2;
+
+CutPath way(const std::vector<std::pair<double, Vec3d>>& points) {
+  CutPath path;
+  for (const auto& [t, p] : points) path.poses.push_back({t, {Eigen::Quaterniond::Identity(), p}});
+  path.cuts.assign(path.poses.size() - 1, 1);
+  return path;
+}
+CutPath pressesFor(double seconds) { return way({{0, {0, 0, 0}}, {0.3, {0, 0, -5}}, {seconds, {0, 0, -5}}}); }
+
+// A wall half a millimetre below where the tool begins, with the damping of a coupling.
+class Wall {
+ public:
+  explicit Wall(const CouplingSettings& coupling) : stiffness_(coupling.stiffness), damping_(coupling.damping) {}
+  Vec3d force(const DeviceSample& sample) {
+    if (!sample.is_valid) {
+      has_last_ = false;
+      return Vec3d::Zero();
+    }
+    const double z = sample.T_world_device.translation[2];
+    // As the coupling's: a velocity of an encoder through a low-pass of 150 Hz.
+    const double gain = 1 - std::exp(-2 * std::numbers::pi * 150 * kTick);
+    speed_ = has_last_ ? speed_ + gain * ((z - last_) / kTick - speed_) : 0;
+    last_ = z;
+    has_last_ = true;
+    const double depth = -kTop - z;
+    if (depth <= 0) return Vec3d::Zero();
+    return {0, 0, std::max(0.0, stiffness_ * depth - damping_ * speed_)};
+  }
+
+ private:
+  static constexpr double kTop = 0.5;
+  double stiffness_, damping_;
+  double last_ = 0, speed_ = 0;
+  bool has_last_ = false;
+};
+
+DeviceHand::Options bodyOf(Kind kind, const DeviceProfile& profile) {
+  DeviceHand::Options out;
+  out.mass_kg = profile.mass_kg;
+  out.friction = profile.friction;
+  out.encoder_mm = kind == Kind::kWoody ? 0 : profile.encoder_mm;  // whole counts of the Woody are in its report
+  out.delay_ticks = static_cast<int>(std::lround(1000 * profile.delay_s)) - 1;  // one is in the loop
+  return out;
+}
+
+// Both of the drivers.
+class HidLoop : public OnTestbed, public testing::WithParamInterface<Kind> {
+ protected:
+  void SetUp() override {
+    OnTestbed::SetUp();
+    if (IsSkipped()) return;
+    bed_->plugIn(what());
+    const std::vector<FoundArm> arms = findArms();
+    ASSERT_EQ(arms.size(), 1u);
+    profile_ = arms.front().driver->profile;
+    if (GetParam() == Kind::kRaw) {  // an arm of one's own: its profile is its maker's to tell
+      profile_.friction = 0.05;
+      profile_.encoder_mm = 0.02;
+    }
+    CouplingSettings wanted;
+    wanted.stiffness = GetParam() == Kind::kWoody ? WoodyModel{}.most_stiffness : HandFrame{}.most_stiffness;
+    coupling_ = couplingFor(profile_, wanted).settings;
+    rated_ = wanted.stiffness;
+  }
+  SimulatedHid what() const {
+    return GetParam() == Kind::kRaw
+               ? raw_
+               : SimulatedHid{.vendor = 0x1234, .product = 6, .name = "Woody", .interfaces = {{0xFF00, 1}}};
+  }
+  std::unique_ptr<ForceArm> opened() {
+    auto arm = open();
+    if (arm) arm->enable(true);
+    if (arm) arm->arm();
+    return arm;
+  }
+  // One tick of both, in lock-step: the arm says where it is, Kerf takes that and answers, the answer is written.
+  bool tick(SimulatedArm& body, ForceArm& arm, Wall& wall) {
+    const std::uint64_t taken = arm.counts().hands;
+    const bool goes_on = body.step();
+    EXPECT_TRUE(until([&] { return arm.counts().hands > taken; }));
+    const DeviceSample sample = arm.read();
+    is_valid_ = sample.is_valid != 0;
+    const std::uint64_t sent = arm.counts().forces;
+    arm.write({wall.force(sample), Vec3d::Zero()});
+    EXPECT_TRUE(until([&] { return arm.counts().forces > sent; }));
+    return goes_on;
+  }
+  // Until it leans on the wall.
+  void press(SimulatedArm& body, ForceArm& arm, Wall& wall) {
+    for (int n = 0; n < 3000 && !(n > 600 && body.force()[2] > 0.5); ++n) tick(body, arm, wall);
+    ASSERT_GT(body.force()[2], 0.5);
+  }
+  // The arm alone, until it gives no force.   @return  for how many of its steps it gave one.
+  int stepsWithForce(SimulatedArm& body) {
+    int steps = 0;
+    for (; steps < 1000; ++steps) {
+      std::this_thread::sleep_for(milliseconds(1));
+      body.step();
+      if (body.force().isZero(0)) break;
+    }
+    return steps;
+  }
+  DeviceProfile profile_;
+  CouplingSettings coupling_;
+  double rated_ = 0;  // N/mm
+  bool is_valid_ = false;
+};
+
+// Pressed again and again. A fade-in while it leans on the wall gives energy by itself: it yields, then pushes. So a
+// press that a busy machine breaks, with more than 20 ms between two ticks, is not judged.
+TEST_P(HidLoop, NoEnergyGrowsAgainstAWallAtTheRatedStiffnessAndTheClampHolds) {
+  EXPECT_EQ(coupling_.stiffness, rated_) << "such an arm bears what it is rated for";
+  std::vector<std::pair<double, Vec3d>> presses;
+  constexpr int kPresses = 16;
+  for (int n = 0; n < kPresses; ++n) {
+    presses.push_back({0.2 * n, {0, 0, 0}});
+    presses.push_back({0.2 * n + 0.08, {0, 0, 0}});
+    presses.push_back({0.2 * n + 0.14, {0, 0, -9}});
+  }
+  presses.push_back({0.2 * kPresses, {0, 0, 0}});
+  DeviceHand::Options firm = bodyOf(GetParam(), profile_);
+  firm.hand_stiffness = 1;
+  SimulatedArm body(*bed_, GetParam(), way(presses), firm);
+  auto opened = openArm(HidTestbed::path(0), {.limits = {.force = 3, .rate = 5000, .ramp_s = 0.02}});
+  ASSERT_TRUE(opened) << opened.error().message();
+  ForceArm& arm = *opened->arm;
+  arm.enable(true);
+  arm.arm();
+
+  Wall wall(coupling_);
+  int judged = 0;
+  bool is_broken = true, was_in_air = true;
+  double begun_with = 0, most = 0, most_left = 0;
+  while (tick(body, arm, wall)) {
+    (void)arm.update();
+    EXPECT_LE(body.force().norm(), 3 * 1.01) << "N; currents are whole mA";
+    const bool is_in_air = body.position()[2] > -0.3 && body.force().isZero(0);
+    if (is_in_air && !was_in_air && !is_broken) {
+      ++judged;
+      most_left = std::max(most_left, body.energy() - begun_with);
+    }
+    if (is_in_air) {
+      begun_with = body.energy();
+      is_broken = false;
+    } else {
+      is_broken = is_broken || arm.felt().ramp < 1;
+    }
+    if (!is_broken) most = std::max(most, body.energy() - begun_with);
+    was_in_air = is_in_air;
+  }
+  std::printf("%d presses: energy at most %.4f N mm, left %.4f; force at most %.2f N\n", judged, most, most_left,
+              body.mostForce());
+  // A hand of 1 N/mm that wants to be 9 mm down would come to a balance at 4 N.
+  EXPECT_GT(body.mostForce(), 2.5);
+  if (judged == 0) GTEST_SKIP() << "this machine is too busy: no press went without a break";
+  EXPECT_LT(most, 0.02) << "N mm given to the hand";
+  EXPECT_LT(most_left, 0.02);
+}
+
+TEST_P(HidLoop, AStallOfTheHapticThreadTakesTheForceAway) {
+  SimulatedArm body(*bed_, GetParam(), pressesFor(100), bodyOf(GetParam(), profile_));
+  auto arm = opened();
+  ASSERT_TRUE(arm);
+  Wall wall(coupling_);
+  press(body, *arm, wall);
+  EXPECT_LE(stepsWithForce(body), kForceless);
+  // The hand went on by millimetres: what it is pushed by then comes slowly.
+  for (int n = 0; n < 10; ++n) {
+    tick(body, *arm, wall);
+    EXPECT_LT(body.force().norm(), 3 * 0.2) << "it fades in again, over 100 ms";
+  }
+  for (int n = 0; n < 200; ++n) tick(body, *arm, wall);
+  EXPECT_GT(body.force()[2], 0.2);
+}
+
+TEST_P(HidLoop, AForceThatIsNoNumberTakesTheForceAwayForGood) {
+  SimulatedArm body(*bed_, GetParam(), pressesFor(100), bodyOf(GetParam(), profile_));
+  auto arm = opened();
+  ASSERT_TRUE(arm);
+  Wall wall(coupling_);
+  press(body, *arm, wall);
+  (void)arm->read();
+  arm->write({Vec3d::Constant(std::numeric_limits<double>::quiet_NaN()), Vec3d::Zero()});
+  EXPECT_LE(stepsWithForce(body), kForceless);
+  for (int n = 0; n < 100; ++n) {
+    tick(body, *arm, wall);
+    EXPECT_EQ(body.force(), Vec3d::Zero());
+  }
+}
+
+TEST_P(HidLoop, AnUnpluggedArmIsKnownAndALeftOneGivesNoForce) {
+  SimulatedArm body(*bed_, GetParam(), pressesFor(100), bodyOf(GetParam(), profile_));
+  auto arm = opened();
+  ASSERT_TRUE(arm);
+  Wall wall(coupling_);
+  press(body, *arm, wall);
+  bed_->unplug(what());
+  ASSERT_TRUE(until([&] { return arm->isGone(); }));
+  std::this_thread::sleep_for(milliseconds(25));
+  EXPECT_FALSE(arm->read().is_valid);
+  if (GetParam() == Kind::kRaw) {
+    EXPECT_LE(stepsWithForce(body), kForceless) << "its own deadline";
+  }
+}
+
+TEST_P(HidLoop, AKilledKerfLeavesAForceNoLongerThanItsLastWordSays) {
+  SimulatedArm body(*bed_, GetParam(), pressesFor(100), bodyOf(GetParam(), profile_));
+  const pid_t child = ::fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    auto arm = openArm(HidTestbed::path(0), {.limits = {.force = 3, .rate = 500, .ramp_s = 0.1}});
+    if (!arm) ::_exit(1);
+    arm->arm->enable(true);
+    arm->arm->arm();
+    Wall wall(coupling_);
+    for (int n = 0; n < 60000; ++n) {
+      arm->arm->write({wall.force(arm->arm->read()), Vec3d::Zero()});
+      std::this_thread::sleep_for(milliseconds(1));
+    }
+    ::_exit(0);
+  }
+  // Both on the clock now.
+  int steps = 0;
+  for (; steps < 20000 && !(body.force()[2] > 0.5 && body.ticksWithForce() > 50); ++steps) {
+    std::this_thread::sleep_for(milliseconds(1));
+    body.step();
+  }
+  EXPECT_GT(body.force()[2], 0.5);
+  ::kill(child, SIGKILL);
+  ::waitpid(child, nullptr, 0);
+  // A Woody keeps its currents until its own firmware ends them: no Kerf can.
+  EXPECT_LE(stepsWithForce(body), GetParam() == Kind::kRaw ? kForceless : SimulatedArm::kWoodyWatchdog + 1);
+}
+
+INSTANTIATE_TEST_SUITE_P(Drivers, HidLoop, testing::Values(Kind::kRaw, Kind::kWoody),
+                         [](const auto& tested) { return tested.param == Kind::kRaw ? "RawArm" : "Woody"; });
+
+}  // namespace
+}  // namespace kerf

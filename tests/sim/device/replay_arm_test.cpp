@@ -1,0 +1,179 @@
+// Arms that are recorded, and their recordings in their place: the same hands, bit for bit, whatever brought them.
+#include "sim/device/replay_arm.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "sim/device/arm_simulator.h"
+#include "sim/device/bridge_device.h"
+#include "sim/device/device_recording.h"
+#include "sim/device/haply_simulator.h"
+#include "sim/device/raw_arm.h"
+#include "tests/sim/device/force_scene.h"
+#include "tests/support/temporary_folder.h"
+
+namespace kerf {
+namespace {
+
+using namespace test;
+
+using HandBytes = std::array<std::uint8_t, kHandFrameSize>;
+
+class ReplayedArms : public OnTestbed {
+ protected:
+  // Records an arm while it talks, and keeps the hands that it gave.
+  void record(
+      const std::string& name, const std::function<void(ForceArm&)>& begin = [](ForceArm&) {}) {
+    std::mutex mutex;
+    std::unique_ptr<DeviceTape> tape;
+    std::string language;
+    {
+      DeviceRecording head;
+      head.device = "x";
+      tape = std::make_unique<DeviceTape>(head);
+      auto opened = openArm(name, {}, {}, [&](std::int64_t t, std::span<const std::uint8_t> message) {
+        const std::lock_guard lock(mutex);
+        tape->add(t, 0, message);
+      });
+      ASSERT_TRUE(opened) << opened.error().message();
+      language = opened->language;
+      begin(*opened->arm);
+      ASSERT_TRUE(until([&] {
+        HandFrame hand;
+        if (opened->arm->lastHand(hand)) live_[hand.number] = hand;
+        return live_.size() >= 40;
+      }));
+      EXPECT_FALSE(opened->arm->counts().is_enabled) << "nobody enabled it";
+    }
+    DeviceRecording recording = tape->recording();
+    recording.arm = language;
+    ASSERT_TRUE(writeRecording(file(), recording));
+  }
+  std::string file() const { return (folder_.path() / "arm.txt").string(); }
+
+  // Each hand that was seen is in the recording, as it was.
+  void expectSame(bool has_clock) {
+    const auto read = readRecording(file());
+    ASSERT_TRUE(read) << read.error().message();
+    const RecordedHands replayed = replayHands(*read);
+    EXPECT_EQ(replayed.refused, 0u);
+    std::size_t same = 0;
+    for (const RecordedHand& one : replayed.hands) {
+      const auto seen = live_.find(one.hand.number);
+      if (seen == live_.end()) continue;
+      HandFrame then = seen->second;
+      if (!has_clock) then.time_ns = one.hand.time_ns;  // its clock was the one of this machine
+      EXPECT_EQ(encode(one.hand), encode(then)) << one.hand.number;
+      ++same;
+    }
+    EXPECT_EQ(same, live_.size());
+    expectLeads(replayed);
+  }
+
+  // The recording in the place of the arm.
+  void expectLeads(const RecordedHands& recorded) {
+    std::map<std::uint64_t, HandBytes> of;
+    for (const RecordedHand& one : recorded.hands) of[one.hand.number] = encode(one.hand);
+    auto opened = openArm("replay:" + file(), {});
+    ASSERT_TRUE(opened) << opened.error().message();
+    ForceArm& arm = *opened->arm;
+    arm.enable(true);
+    HandFrame hand;
+    ASSERT_TRUE(until([&] { return arm.lastHand(hand); }));
+    EXPECT_EQ(encode(hand), of.begin()->second) << "it waits at its beginning";
+    std::this_thread::sleep_for(std::chrono::milliseconds(30));
+    ASSERT_TRUE(arm.lastHand(hand));
+    EXPECT_EQ(hand.number, of.begin()->first);
+
+    std::size_t seen = 0;
+    {
+      Pusher pusher(arm, {0, 0, 1});
+      ASSERT_TRUE(until([&] {
+        if (arm.lastHand(hand)) {
+          EXPECT_EQ(encode(hand), of[hand.number]) << hand.number;
+          ++seen;
+        }
+        return arm.isOver();
+      }));
+    }
+    ASSERT_TRUE(arm.lastHand(hand));
+    EXPECT_EQ(hand.number, of.rbegin()->first);
+    EXPECT_GT(seen, 5u);
+    EXPECT_EQ(arm.counts().forces, 0u);
+    EXPECT_NE(arm.counts().trouble.find("over"), std::string::npos);
+  }
+
+  const TemporaryFolder folder_;
+  std::map<std::uint64_t, HandFrame> live_;  // by number
+};
+
+CutPath aWay() {
+  CutPath path;
+  path.poses = {{0, {}}, {60, {Eigen::Quaterniond::Identity(), {3, -7, 11}}}};
+  path.cuts = {1};
+  return path;
+}
+
+TEST_F(ReplayedArms, OurOwnProfile) {
+  bed_->plugIn(raw_);
+  std::atomic<std::uint32_t> number{0};
+  talk([&] {
+    HandFrame hand;
+    hand.number = ++number;
+    hand.pose.translation = {0.1 * static_cast<double>(number % 7), 1.0 / 3, -2};
+    const RawArmReport report = encodeRawHand(hand);
+    return Bytes(report.begin(), report.end());
+  });
+  record("R-1");
+  expectSame(true);
+}
+
+TEST_F(ReplayedArms, WoodenHaptics) {
+  bed_->plugIn({.vendor = 0x1234, .product = 6, .name = "Woody", .interfaces = {{0xFF00, 1}}});
+  std::atomic<int> count{0};
+  talk([&] {
+    Bytes out(14);
+    out[0] = static_cast<std::uint8_t>(++count & 127);
+    return out;
+  });
+  record(HidTestbed::path(0));
+  expectSame(false);
+}
+
+TEST_F(ReplayedArms, ABridge) {
+  std::unique_ptr<ArmSimulator> bridge;
+  record("udp:0", [&](ForceArm& arm) {
+    auto started = ArmSimulator::start(aWay(), {.port = dynamic_cast<BridgeDevice&>(arm).port(), .hand = {}});
+    ASSERT_TRUE(started);
+    bridge = std::move(*started);
+  });
+  expectSame(true);
+}
+
+TEST_F(ReplayedArms, Haply) {
+  auto service = HaplySimulator::start({.port = 0, .path = aWay(), .hand = {}});
+  ASSERT_TRUE(service) << service.error().message();
+  record("haply:" + std::to_string((*service)->port()));
+  expectSame(false);
+}
+
+TEST(ReplayArm, WhatIsNoArmIsRefused) {
+  const TemporaryFolder folder;
+  const std::string file = (folder.path() / "a.txt").string();
+  DeviceRecording recording;
+  recording.driver = findDriver("spacemouse");
+  recording.device = "046d:c626 SpaceNavigator";
+  ASSERT_TRUE(writeRecording(file, recording));
+  const auto opened = openArm("replay:" + file, {});
+  ASSERT_FALSE(opened);
+  EXPECT_NE(opened.error().message().find("which is no arm"), std::string::npos) << opened.error().message();
+  recording.driver = nullptr;
+  recording.arm = "bridge";
+  ASSERT_TRUE(writeRecording(file, recording));
+  EXPECT_FALSE(openArm("replay:" + file, {})) << "no hand";
+  EXPECT_FALSE(openArm("replay:" + file + "x", {})) << "no file";
+}
+
+}  // namespace
+}  // namespace kerf

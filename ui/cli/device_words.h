@@ -1,0 +1,43 @@
+// How `kerf devices` says what is plugged in and what it does: as text and as JSON.
+#pragma once
+
+#include <array>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "sim/device/device_finder.h"
+#include "sim/device/device_frame.h"
+
+namespace kerf::cli {
+
+inline constexpr const char* kMayNotOpen =
+    "this user may not open it: run scripts/setup --udev (udev rule 70-kerf-hid.rules), then plug it out and in";
+
+/// "046d:c626".
+std::string idOf(const HidInfo& info);
+nlohmann::json jsonOf(const FoundDevice& found);
+
+/// @param axes  as they count now.
+std::string textOf(const DeviceDriver& driver, const DeviceReading& reading, const std::array<double, 6>& axes);
+nlohmann::json jsonOf(const DeviceReading& reading, const std::array<double, 6>& axes);
+
+/// @param velocity  mm/s.
+std::string textOf(const HandFrame& hand, const Vec3d& velocity);
+nlohmann::json jsonOf(const HandFrame& hand, const Vec3d& velocity);
+
+/// How fast a hand is: what it says itself, else by its places over a twentieth of a second, since those of one
+/// millisecond are steps of an encoder.
+class HandSpeed {
+ public:
+  /// @return  mm/s.
+  Vec3d at(std::int64_t time_us, const HandFrame& hand);
+
+ private:
+  struct Place {
+    std::int64_t time_us = -1;  // negative: none yet
+    Vec3d position = Vec3d::Zero();
+  };
+  Place from_, next_;
+};
+
+}  // namespace kerf::cli
