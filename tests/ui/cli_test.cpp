@@ -98,6 +98,18 @@ TEST_F(Cli, BakeTellsTheSameKeysWhenUpToDate) {
   EXPECT_TRUE(again["was_up_to_date"].get<bool>());
   for (const auto& [key, value] : first.items()) EXPECT_TRUE(again.contains(key)) << key;
   EXPECT_EQ(again["sources"][0]["sha256"], first["sources"][0]["sha256"]);
+
+  // What closing cost is kept in numbers; the places are not.
+  ASSERT_TRUE(again["closing"].is_object()) << again["closing"];
+  for (const auto& [key, value] : first["closing"].items()) {
+    ASSERT_TRUE(again["closing"].contains(key)) << key;
+    if (value.is_number()) {
+      EXPECT_EQ(again["closing"][key], value) << key;
+    }
+  }
+  const json info = parsed(runKerf({"info", at("box.case"), "--json"}));
+  EXPECT_EQ(info["closing"]["holes_filled"], first["closing"]["holes_filled"]);
+  EXPECT_EQ(info["closing"]["vertices_lost"], first["closing"]["vertices_lost"]);
 }
 
 // 016 in a bur's number is 1.6 mm. A ball of 16 mm is cut right all the same.
@@ -326,7 +338,18 @@ TEST_F(Cli, ACutAgainstResistanceIsRecordedAndReplaysBitForBit) {
   other.environment["KERF_ASSETS"] = at("assets");
   refuses({"cut", at("molar.case"), "--tool", std::string(KERF_SOURCE_DIR) + "/assets/tools/round-014.toml", "--path",
            cavity, "-o", at("x.run"), "--hand", "feed"},
-          {"material 4", "not in the table"}, 1, other);
+          {"[[material]] caries", "number 4, which is no material in", "KERF_ASSETS"}, 1, other);
+  // Nor would one that uses the number for something else: caries would be cut, and counted, as resin.
+  table.replace(table.find("id = \"caries\""), 13, "id = \"resin\"");
+  table.replace(table.find("number = 44\n"), 11, "number = 4");
+  std::ofstream(at("assets/materials.toml"), std::ios::binary) << table;
+  for (const std::vector<std::string>& hand : {std::vector<std::string>{}, {"--hand", "feed"}}) {
+    std::vector<std::string> words{
+        "cut",    at("molar.case"), "--tool", std::string(KERF_SOURCE_DIR) + "/assets/tools/round-014.toml",
+        "--path", cavity,           "-o",     at("x.run")};
+    words.insert(words.end(), hand.begin(), hand.end());
+    refuses(words, {"case.toml", "number 4, which is 'resin' in", "there 4 is 'caries'", "bake again"}, 1, other);
+  }
   // A spindle at rest cuts nothing; nothing is written.
   refuses({"cut", at("molar.case"), "--tool", "round-014", "--path", cavity, "-o", at("x.run"), "--hand", "feed",
            "--spindle", "0"},

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -208,6 +209,20 @@ TEST_F(KerfSim, WithoutADisplayTheWindowSaysWhatToDo) {
       shell(fmt::format("env -u DISPLAY -u WAYLAND_DISPLAY {} --frames 1 '{}'", kProgram, mesh().string()));
   EXPECT_EQ(done.status, 1);
   EXPECT_NE(done.text.find("--screenshot"), std::string::npos) << done.text;
+}
+
+// Mesa says whatever version it is told to.
+TEST_F(KerfSim, WithoutOpenGl33TheWindowSaysWhatThereIsAndWhatToDo) {
+  if (shell("command -v xvfb-run").status != 0) GTEST_SKIP() << "xvfb-run is missing (Debian: xvfb)";
+  const std::string display = "MESA_GL_VERSION_OVERRIDE=2.1 xvfb-run -a -s '-screen 0 800x600x24' ";
+  const Outcome done = shell(fmt::format("{}{} --frames 3 --data '{}' --config '{}' '{}'", display, kProgram,
+                                         folder_.string(), folder_.string(), mesh().string()));
+  EXPECT_EQ(done.status, 1) << done.text;
+  EXPECT_NE(done.text.find("draws by OpenGL 2.1"), std::string::npos) << done.text;
+  EXPECT_NE(done.text.find("expected OpenGL 3.3"), std::string::npos) << done.text;
+  EXPECT_NE(done.text.find("LIBGL_ALWAYS_SOFTWARE=1"), std::string::npos) << done.text;
+  EXPECT_EQ(std::count(done.text.begin(), done.text.end(), '\n'), 1) << "one sentence: " << done.text;
+  EXPECT_FALSE(fs::exists(folder_ / "sessions")) << "nothing was begun";
 }
 
 TEST_F(KerfSim, WindowOpensDrawsAndCloses) {

@@ -19,6 +19,7 @@
 #include "ui/window/gl_context.h"
 #include "ui/window/gl_target.h"
 #include "ui/window/mesh_chunks.h"
+#include "ui/window/still_picture.h"
 
 namespace kerf {
 namespace {
@@ -697,6 +698,68 @@ TEST(MeshChunks, HoldEveryTriangleOnceAndKeepItsColour) {
   EXPECT_EQ(joined.triangles.size(), bur.triangles.size());
   EXPECT_NEAR(signedVolume(joined) / signedVolume(bur), 1, 1e-5);
   EXPECT_TRUE(chunksOf({}).empty());
+}
+
+// ---- A still picture
+
+TEST_F(LivePicture, OfAStillSceneGetsSmoothFromFrameToFrameAndStartsAnewWhenAnythingMoves) {
+  showBlock();
+  renderer_->setTool(redBur());
+  LiveFrame frame = kPlain;
+  frame.T_world_tool = at(2, 0, 0.2);
+  const internal::GlTarget target(kWidth, kHeight);
+  StillPicture still;
+  const auto drawn = [&] {
+    glBindFramebuffer(GL_FRAMEBUFFER, target.id());
+    const auto done = still.draw(*renderer_, camera_, kWidth, kHeight, frame);
+    EXPECT_TRUE(done) << done.error().message();
+    return target.read();
+  };
+
+  const Image once = drawn();
+  EXPECT_EQ(still.samples(), 0);
+  EXPECT_EQ(different(once, picture(frame)), 0) << "the first is a frame as ever";
+  Image smooth;
+  for (int n = 1; n <= StillPicture::kSamples; ++n) {
+    smooth = drawn();
+    EXPECT_EQ(still.samples(), n);
+  }
+  EXPECT_EQ(different(smooth, drawn()), 0) << "then it stays as it is";
+
+  // Its edges are those of nine points a pixel, not of one.
+  LiveFrame fine = frame;
+  fine.supersampling = 3;
+  const Image truth = picture(fine);
+  const int off_once = different(once, truth, 24), off_smooth = different(smooth, truth, 24);
+  EXPECT_GT(off_once, 100);
+  EXPECT_LT(off_smooth, off_once / 4);
+
+  // Whatever moves is drawn as ever at once.
+  const auto startsAnew = [&](const char* what) {
+    const Image now = drawn();
+    EXPECT_EQ(still.samples(), 0) << what;
+    EXPECT_EQ(different(now, picture(frame)), 0) << what;
+    drawn();
+    EXPECT_EQ(still.samples(), 1) << what;
+  };
+  camera_.azimuth += 0.01;
+  startsAnew("the camera");
+  frame.T_world_tool = at(2, 0, 0.1);
+  startsAnew("the tool");
+  renderer_->setPose(0, at(0.1, 0, 0));
+  startsAnew("the object");
+  renderer_->setVisible(0, false);
+  startsAnew("what is hidden");
+  renderer_->setVisible(0, true);
+  frame.section = Plane{{0, 0, -1}, Vec3d::UnitX()};
+  startsAnew("the section");
+  renderer_->setChunk(0, *block_.chunks().front(), {}, {});
+  startsAnew("the surface");
+  // What was set and is as before is no change.
+  renderer_->setVisible(0, false);
+  renderer_->setVisible(0, true);
+  drawn();
+  EXPECT_EQ(still.samples(), 2);
 }
 
 TEST(MeshChunks, ACellWithTooManyVerticesIsDivided) {

@@ -57,6 +57,17 @@ TEST(LiveSurface, ARayMeetsWhatIsThereNowAndEntryWhatWasLoaded) {
   EXPECT_NEAR(scene.surface.bounds().max[0], 3, 0.02);
 }
 
+TEST(DepthBelow, IsToTheFirstAirAlongTheAxisHoweverDeep) {
+  const BallWithHole scene;
+  const BrickField& loaded = scene.loaded->phi0();
+  const Vec3d up = Vec3d::UnitZ(), slant = Vec3d(1, 0, 1).normalized();
+  EXPECT_NEAR(*depthBelow(loaded, {0, 0, 2.5}, up), 0.5, 0.01);
+  EXPECT_NEAR(*depthBelow(loaded, {0, 0, -2.9}, up), 5.9, 0.01) << "deeper than the band of distances";
+  EXPECT_NEAR(*depthBelow(loaded, {0, 0, 0}, slant), 3, 0.01);
+  EXPECT_NEAR(*depthBelow(loaded, {0, 0, 3.7}, up), -0.7, 0.01) << "in air it is negative";
+  EXPECT_FALSE(depthBelow(loaded, {5, 0, 3}, up)) << "there is nothing below";
+}
+
 TEST(LiveSurface, ChunksAreReplacedAndRemoved) {
   const BallWithHole scene;
   LiveSurface surface;

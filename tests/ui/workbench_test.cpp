@@ -363,6 +363,39 @@ TEST_F(WorkbenchTest, ADrillThatTurnsBackwardsTakesNothingAndATurbineRefuses) {
       << refused.error().message();
 }
 
+TEST_F(WorkbenchTest, TheDepthOfTheTipThePaceOfTheLoopAndWhatAPieceLostAreKnown) {
+  tools_ = {"round-010", "disc-22"};
+  const fs::path in = folder_.path() / "bar.ply";
+  ASSERT_TRUE(writeMesh(in, test::blockMesh(true, {6, 1.6, 1.2})));
+  Workbench bench(options());
+  Camera camera = *cameraFromView("top");
+  AppContext context{.bench = bench, .camera = camera, .width = 400, .height = 300};
+  const auto play = [&](const std::string& script) {
+    return runScript(context, folder_.write("s.ks", script), [&] { bench.update(); });
+  };
+  const auto drilled = play("file.open \"" + in.string() +
+                            "\"\nwait\nview.fit\ncut.force 2\ncut.depth 0.4\nexpect tip 0 0\ncut.press 290 150\n" +
+                            "wait 4\nexpect depth 0.3 0.45\nexpect tip 0.3 0.45\nexpect loop 1 1200\nprint\n");
+  ASSERT_TRUE(drilled) << drilled.error().message();
+  EXPECT_NEAR(*bench.tipDepth(), *bench.depthNow(), 0.02);
+  ASSERT_TRUE(play("cut.release\nwait 0.3\n"));
+  EXPECT_FALSE(bench.tipDepth()) << "nobody leads the tool";
+
+  // Sawn through on the left: what was drilled before stays with the first of the pieces.
+  const double before = bench.removedMm3();
+  ASSERT_TRUE(
+      play("tool.select disc-22\ncut.force 3\ncut.depth 2.2\ncut.press 150 150\nwait 5\ncut.release\nwait 1\n"
+           "expect pieces 2 2\ntool.select round-010\ncut.depth 0.3\ncut.force 2\ncut.press 120 150\nwait 2\n"
+           "cut.release\nwait 0.3\n"));
+  double sum = 0;
+  for (const SceneObject* piece : bench.scene().shown()) {
+    EXPECT_GT(piece->removed_mm3, 0.005) << piece->name;
+    sum += piece->removed_mm3;
+  }
+  EXPECT_GT(sum, before + 0.1);
+  EXPECT_NEAR(sum, bench.removedMm3(), 1e-9);
+}
+
 TEST_F(WorkbenchTest, ADryStrokeIsWarm) {
   tools_ = {"round-014"};
   voxel_ = 0.15;

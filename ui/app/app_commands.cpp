@@ -5,12 +5,14 @@
 #include "ui/app/command_words.h"
 #include "ui/app/device_commands.h"
 #include "ui/app/edit_commands.h"
+#include "ui/app/export_commands.h"
 #include "ui/app/file_commands.h"
 #include "ui/app/hand_commands.h"
 #include "ui/app/import_commands.h"
 #include "ui/app/neighbour_commands.h"
 #include "ui/app/piece_commands.h"
 #include "ui/app/point_commands.h"
+#include "ui/app/quit.h"
 #include "ui/app/replay_commands.h"
 #include "ui/app/saw_commands.h"
 #include "ui/app/settings_commands.h"
@@ -59,10 +61,6 @@ Expected<void> exportFile(AppContext& c, AppWords words) {
 }
 Expected<void> closeSession(AppContext& c, AppWords) {
   c.bench.close();
-  return {};
-}
-Expected<void> quit(AppContext& c, AppWords) {
-  c.wants_quit = true;
   return {};
 }
 Expected<void> showPalette(AppContext& c, AppWords) {
@@ -122,16 +120,36 @@ constexpr AppCommand kCommands[] = {
     {"import.cancel", "File", "Put the scan away", "Esc", "", "Leaves the files alone and goes back.", isImporting,
      importCancel},
     {"file.demo", "", "", "", "NAME", "Opens one of our own: molar, mandible or arch.", isIdle, openDemo},
-    {"file.export", "File", "Export...", "Ctrl+E", "PATH",
-     "Writes the cut object as a mesh, reads it back and checks it.", isOpenAndIdle, exportFile},
-    {"file.export-each", "File", "Export each piece...", "", "PATH", "Writes a file a piece, NAME-PIECE.stl.",
-     hasPiecesAndIdle, piece_commands::exportEach},
-    {"file.export-piece", "File", "Export the chosen piece...", "", "PATH", "Writes the chosen piece alone.",
-     isChosenAndIdle, piece_commands::exportChosen},
-    {"file.export-put-back", "File", "Export pieces put back...", "", "PATH",
+    {"export.show", "File", "Export...", "Ctrl+E", "[on|off]",
+     "Shows what is exported, in which format and where to, and checks it; or puts that away.",
+     export_commands::canShow, export_commands::show},
+    {"export.pieces", "", "", "", "WHICH [NAME]",
+     "Chooses what is exported: all in one file, each piece in a file of its own, put-back, piece NAME, beside NAME.",
+     export_commands::isShown, export_commands::choose},
+    {"export.format", "", "", "", "FORMAT",
+     "Chooses the format of the file by its name: stl, 3mf or another that is written.", export_commands::isShown,
+     export_commands::format},
+    {"export.to", "", "", "", "PATH", "Chooses the file that is written; its ending is the format.",
+     export_commands::isShown, export_commands::to},
+    {"export.check", "", "", "", "", "Checks again what would be exported, without writing it.",
+     export_commands::isShown, export_commands::check},
+    {"export.write", "", "", "", "[replace] [anyway]",
+     "Writes the file, reads it back and checks it; replace: one that is there already; anyway: also what is not ready "
+     "to print.",
+     export_commands::isShown, export_commands::write},
+    {"export.show-in-folder", "File", "Show what was exported in its folder", "", "",
+     "Shows what was exported last in the file manager of the desktop.", export_commands::isWritten,
+     export_commands::showInFolder},
+    {"file.export", "", "", "", "PATH", "Writes the cut object as a mesh, reads it back and checks it.", isOpenAndIdle,
+     exportFile},
+    {"file.export-each", "", "", "", "PATH", "Writes a file a piece, NAME-PIECE.stl.", hasPiecesAndIdle,
+     piece_commands::exportEach},
+    {"file.export-piece", "", "", "", "PATH", "Writes the chosen piece alone.", isChosenAndIdle,
+     piece_commands::exportChosen},
+    {"file.export-put-back", "", "", "", "PATH",
      "Writes all pieces where they were in the scan, wherever they were moved to.", hasPiecesAndIdle,
      piece_commands::exportPutBack},
-    {"file.export-beside", "File", "Export what stands beside...", "", "PATH [NEIGHBOUR]",
+    {"file.export-beside", "", "", "", "PATH [NEIGHBOUR]",
      "Writes a neighbour with what was cut off it; if not told, the one that was cut most.",
      neighbour_commands::hasNeighboursAndIdle, neighbour_commands::exportBeside},
     {"file.close", "File", "End the session", "Ctrl+W", "",
@@ -175,7 +193,12 @@ constexpr AppCommand kCommands[] = {
      recentForget},
     {"job.cancel", "File", "Cancel what is under way", "", "",
      "Ends the job under way and leaves nothing of it behind.", hasJob, cancelJob},
-    {"app.quit", "File", "Quit", "Ctrl+Q", "", "Ends the session, writes it and closes the window.", always, quit},
+    {"app.quit", "File", "Quit", "Ctrl+Q", "",
+     "Ends the session, writes it and closes the window; a cut that was not exported is asked about once, not in "
+     "scripts.",
+     always, quit::quit},
+    {"app.stay", "", "", "", "", "Answers the question about a cut that was not exported: the window stays open.",
+     quit::isAsking, quit::stay},
 
     {"edit.undo", "Edit", "Undo", "Ctrl+Z", "", "Takes back the last stroke.", isOpen, edit_commands::undo},
     {"edit.redo", "Edit", "Redo", "Ctrl+Y", "", "Does the stroke again that was taken back last.", isOpen,
@@ -205,9 +228,10 @@ constexpr AppCommand kCommands[] = {
     {"device.invert", "", "", "", "AXIS...|none",
      "Inverts axes of a SpaceMouse: right, away, up, pitch, roll, yaw; all others go as they are.", hasSettings,
      device_commands::invert},
-    {"device.panel", "Device", "Force-feedback device...", "", "[on|off]",
-     "Shows the force-feedback device: hand, buttons, force, safety, what is missing; or puts it away.", always,
-     device_commands::panel},
+    {"device.panel", "Device", "Devices...", "", "[on|off]",
+     "Shows devices live: the force-feedback arm with what bounds its force, gamepad or joystick, SpaceMouse; or puts "
+     "them away.",
+     always, device_commands::panel},
     {"device.open", "", "", "", "NAME",
      "Opens a force-feedback device, whose hand leads the tool when it comes: bridge, bridge:PORT, haply, serial:PATH, "
      "or path or serial number. What is open goes on in a session that it can bear.",
@@ -501,10 +525,13 @@ std::string appCommandReference() {
       "no job runs, no plane is sawn and no replay jumps), `wait SECONDS` (of the simulation), `wait device [SECONDS]` "
       "(until a force-feedback device leads the tool; 10 s at most), `print` (the state, as "
       "JSON) and `expect "
-      "removed|depth|near|warm|sawn|triangles|pieces|beside|beside-near|beside-removed|steps|ahead|time|same|device|"
-      "device-force "
-      "LOW "
-      "HIGH`: `device` is 0 without a force-feedback device, 1 when it is silent, 2 when its hand is there, 3 when it "
+      "removed|depth|tip|loop|near|warm|sawn|triangles|pieces|beside|beside-near|beside-removed|steps|ahead|time|same|"
+      "verdict|device|device-force LOW HIGH`: `tip` is the depth of the tip below the surface as loaded, `loop` the "
+      "ticks "
+      "of the 1 kHz loop in the last second, `verdict` 1 when the export panel says ready to print, 0 when not, -1 "
+      "before "
+      "its check; `device` is 0 without a force-feedback device, 1 when it is silent, 2 when its hand is there, 3 when "
+      "it "
       "leads, 4 when it is armed; `time` is the second that is watched, "
       "`same` "
       "1 when a replay ended as recorded, 0 when not, -1 before its end. The first error ends it, "

@@ -27,6 +27,8 @@ struct AppContext {
   Camera& camera;
   int width = 1280, height = 800;  ///< of the picture, pixels
   bool wants_quit = false;
+  bool asks_before_quit = false;  ///< a person is there who can be asked: quit.h. In scripts nobody is
+  bool is_asking_to_quit = false;
   /// Writes what the window shows; null where nothing is drawn.
   std::function<Expected<void>(const std::filesystem::path& png)> screenshot{};
   std::optional<std::array<double, 2>> pointer{};                ///< pixel of the picture; none: not over it

@@ -14,6 +14,7 @@
 #include "ui/app/arm_lead.h"
 #include "ui/app/command_words.h"
 #include "ui/app/device_commands.h"
+#include "ui/app/export_plan.h"
 #include "ui/app/import_commands.h"
 #include "ui/app/sawing.h"
 #include "ui/app/tissue_display.h"
@@ -67,7 +68,8 @@ Expected<void> wait(AppContext& c, AppWords words, const std::function<void()>& 
   if (words.empty()) {
     do frameOf(frame);
     while (c.bench.job() || isReplayBusy(c) || isPreviewing(c) || c.bench.saw().isCutting() ||
-           c.bench.tissues().isBusy() || (c.bench.isShown() && c.bench.scene().triangleCount() == 0));
+           c.bench.tissues().isBusy() || c.bench.exporting().isBusy() ||
+           (c.bench.isShown() && c.bench.scene().triangleCount() == 0));
     if (c.bench.watched()) frame();  // takes the chunks that were meshed since the last look
     return {};
   }
@@ -79,6 +81,14 @@ Expected<void> wait(AppContext& c, AppWords words, const std::function<void()>& 
   const auto until = c.bench.report().tick + static_cast<std::uint64_t>(seconds / kTick);
   while (c.bench.isOpen() && c.bench.report().tick < until) frameOf(frame);
   return {};
+}
+
+nlohmann::json loopState(const Workbench& bench) {
+  const HapticCounts& counts = bench.report().counts;
+  nlohmann::json out{{"ticks", counts.ticks}, {"overruns", counts.overruns}};
+  if (const auto hz = bench.loopHz()) out["hz"] = *hz;
+  if (bench.times().cost.count() > 0) out["p99_ms"] = bench.times().cost.percentileMs(0.99);
+  return out;
 }
 
 void printState(const AppContext& c) {
@@ -96,6 +106,7 @@ void printState(const AppContext& c) {
                    {"steps_ahead", c.bench.timeline().steps().size() - c.bench.timeline().done()},
                    {"planes", c.bench.saw().plan().planes().size()},
                    {"sawn_percent", 100 * c.bench.saw().lastShare()}};
+  if (c.bench.exporting().isShown()) j["export"] = nlohmann::json::parse(exportState(c.bench.exporting()));
   const HeatReport& heat = c.bench.report().heat;
   if (heat.is_known) {
     j["surface_C"] = heat.surface;
@@ -116,10 +127,18 @@ void printState(const AppContext& c) {
   }
   if (c.bench.isShown()) j["tool"] = c.bench.tool(c.bench.toolInHand()).id;
   if (const auto depth = c.bench.depthNow()) j["depth_now_mm"] = *depth;
+  if (const auto depth = c.bench.tipDepth()) j["depth_tip_mm"] = *depth;
   if (const auto near = c.bench.nearStructure({}); near && !near->is_far) {
     j["near"] = near->name;
     j["near_mm"] = near->distance_mm;
   }
+  if (c.bench.isOpen()) j["loop"] = loopState(c.bench);
+  for (const SceneObject* object : c.bench.scene().shown())
+    if (!object->isBeside())
+      j["piece_list"].push_back({{"name", object->name},
+                                 {"volume_mm3", object->surface.volume()},
+                                 {"removed_mm3", object->removed_mm3},
+                                 {"is_moved", object->isMoved()}});
   for (const Neighbour& other : c.bench.neighbours())
     j["beside"].push_back({{"name", other.name}, {"removed_mm3", other.removed_mm3}});
   if (const auto near = c.bench.nearNeighbour({}); near && !near->is_far) {
@@ -151,8 +170,9 @@ double removedBeside(const AppContext& c) {
 }
 
 const std::string kExpected =
-    "removed, depth, near, warm, sawn, triangles, pieces, beside, beside-near, beside-removed, steps, ahead, time, "
-    "same, device or device-force";
+    "removed, depth, tip, loop, near, warm, sawn, triangles, pieces, beside, beside-near, beside-removed, steps, "
+    "ahead, time, "
+    "same, verdict, device or device-force";
 
 double secondWatched(const AppContext& c) {
   return c.bench.watched() ? kTick * static_cast<double>(c.bench.watched()->moment().sample) : 0;
@@ -161,6 +181,15 @@ double secondWatched(const AppContext& c) {
 double sameness(const AppContext& c) {
   if (!c.bench.watched() || !c.bench.watched()->moment().verdict) return -1;
   return c.bench.watched()->moment().verdict->is_same ? 1 : 0;
+}
+
+// Of the export panel: 1: ready to print; 0: not; -1: not known.
+double verdictOf(const AppContext& c) {
+  using Stage = ExportPlan::Stage;
+  const Stage now = c.bench.exporting().stage();
+  if (now == Stage::kWritten) return c.bench.exporting().written()->is_ready ? 1 : 0;
+  if (now == Stage::kReady) return 1;
+  return now == Stage::kDoubtful || now == Stage::kRefused ? 0 : -1;
 }
 
 Expected<void> expect(const AppContext& c, AppWords words) {
@@ -172,6 +201,10 @@ Expected<void> expect(const AppContext& c, AppWords words) {
     value = c.bench.removedMm3();
   else if (words[0] == "depth")
     value = c.bench.depthNow().value_or(0);
+  else if (words[0] == "tip")
+    value = c.bench.tipDepth().value_or(0);
+  else if (words[0] == "loop")
+    value = c.bench.loopHz().value_or(0);
   else if (words[0] == "near")
     value = nearestOf(c);
   else if (words[0] == "warm")
@@ -196,6 +229,8 @@ Expected<void> expect(const AppContext& c, AppWords words) {
     value = secondWatched(c);
   else if (words[0] == "same")
     value = sameness(c);
+  else if (words[0] == "verdict")
+    value = verdictOf(c);
   else if (words[0] == "device")
     value = stageOfDevice(c);
   else if (words[0] == "device-force")

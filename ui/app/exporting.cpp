@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -17,17 +18,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Output {
-  fs::path file;
-  std::string what;  // "piece 2", empty for all
-  Mesh mesh;
-  std::vector<Mesh> pieces{};  // of several in one file
-};
-
 // Vertices of every triangle, in their order: what a file has to bring back whatever its format.
-Expected<void> compareWithFile(const fs::path& file, const Mesh& mesh) {
+Expected<Mesh> readBack(const fs::path& file, const Mesh& mesh) {
   KERF_TRY(read, readMesh(file));
-  const Mesh& back = read.mesh;
+  Mesh& back = read.mesh;
   std::size_t different = back.triangles.size() == mesh.triangles.size() ? 0 : 1;
   for (std::size_t t = 0; different == 0 && t < mesh.triangles.size(); ++t)
     for (int k = 0; k < 3; ++k) {
@@ -35,30 +29,12 @@ Expected<void> compareWithFile(const fs::path& file, const Mesh& mesh) {
       const Vec3d wanted = roundedToFloat(mesh.vertices[mesh.triangles[t][corner]]);
       different += roundedToFloat(back.vertices[back.triangles[t][corner]]) != wanted;
     }
-  if (different == 0) return {};
+  if (different == 0) return std::move(back);
   return fail({.code = Error::Code::kWriteFailed,
                .file = file.string(),
                .found = fmt::format("{} triangles read back, not those that were written", back.triangles.size()),
                .expected = fmt::format("the {} triangles of the mesh, bit for bit", mesh.triangles.size()),
                .hint = "write it again, to another disk"});
-}
-
-// Whether a slicer takes it. Pieces that were moved may reach into each other though each of them is right.
-std::string verdictOf(const Output& output) {
-  if (checkMesh(output.mesh).print_ready) return "ready to print";
-  const bool is_each_right = std::all_of(output.pieces.begin(), output.pieces.end(),
-                                         [](const Mesh& piece) { return checkMesh(piece).print_ready; });
-  if (output.pieces.empty() || !is_each_right) return "NOT ready to print, see kerf check";
-  return "each piece is right, but they reach into each other where they were moved to: move them apart, or export "
-         "each into a file of its own";
-}
-
-Expected<std::string> write(const Output& output) {
-  KERF_CHECK(writeMesh(output.file, output.mesh));
-  KERF_CHECK(compareWithFile(output.file, output.mesh));
-  const std::string name = output.what.empty() ? "" : fmt::format(" ({})", output.what);
-  return fmt::format("{}{}: {} triangles, {}", output.file.string(), name, output.mesh.triangles.size(),
-                     verdictOf(output));
 }
 
 tl::unexpected<Error> noSuchPiece() {
@@ -69,14 +45,24 @@ tl::unexpected<Error> noSuchPiece() {
                .hint = "choose it in the list of pieces"});
 }
 
+// Pieces that were moved may reach into each other though each of them is right.
+ExportPart partOf(std::string piece, Mesh mesh, const std::vector<PlacedPiece>& together = {}) {
+  ExportPart out;
+  out.piece = std::move(piece);
+  out.report = checkMesh(mesh);
+  out.mesh = std::move(mesh);
+  const auto is_right = [](const PlacedPiece& one) { return checkMesh(one.mesh).print_ready; };
+  out.is_met = !out.report.print_ready && !together.empty() && std::all_of(together.begin(), together.end(), is_right);
+  return out;
+}
+
 // What goes into which file.
-Expected<std::vector<Output>> outputsOf(LiveResult& result, const SceneCopy& scene, const fs::path& file,
-                                        const ExportChoice& choice) {
-  std::vector<Output> out;
+Expected<std::vector<ExportPart>> partsOf(LiveResult& result, const SceneCopy& scene, const ExportChoice& choice) {
+  std::vector<ExportPart> out;
   const bool is_moved = std::any_of(result.pieces.begin(), result.pieces.end(),
                                     [&](const auto& piece) { return piece.isMoved() && !choice.is_put_back; });
   if (!choice.is_each && !choice.only && !is_moved) {
-    out.push_back({file, "", std::move(result.post_op.mesh)});
+    out.push_back(partOf("", std::move(result.post_op.mesh)));
     return out;
   }
 
@@ -85,52 +71,96 @@ Expected<std::vector<Output>> outputsOf(LiveResult& result, const SceneCopy& sce
     for (const SceneCopy::Object& object : scene.objects)
       for (PlacedPiece& piece : pieces)
         if (object.id == *choice.only && (piece.id == object.id || result.pieces.empty()))
-          out.push_back({file, piece.name, std::move(piece.mesh)});
-    if (out.empty()) return noSuchPiece();
+          out.push_back(partOf(piece.name, std::move(piece.mesh)));
   } else if (choice.is_each) {
-    const std::vector<fs::path> files = filesOfPieces(file, pieces);
-    for (std::size_t n = 0; n < pieces.size(); ++n)
-      out.push_back({files[n], pieces[n].name, std::move(pieces[n].mesh)});
+    for (PlacedPiece& piece : pieces) out.push_back(partOf(piece.name, std::move(piece.mesh)));
   } else {
-    Output& all = out.emplace_back(Output{file, "", together(pieces)});
-    for (PlacedPiece& piece : pieces) all.pieces.push_back(std::move(piece.mesh));
+    out.push_back(partOf("", together(pieces), pieces));
   }
+  if (out.empty()) return noSuchPiece();
   return out;
+}
+
+// One file.   @return  a line about it.
+Expected<std::string> write(const ExportPart& part, const fs::path& file, bool& is_ready) {
+  KERF_CHECK(writeMesh(file, part.mesh));
+  KERF_TRY(back, readBack(file, part.mesh));
+  ExportPart read;
+  read.report = checkMesh(back);
+  read.is_met = part.is_met;
+  is_ready &= read.report.print_ready;
+  const std::string name = part.piece.empty() ? "" : fmt::format(" ({})", part.piece);
+  return fmt::format("{}{}: {} triangles, {}", file.string(), name, back.triangles.size(), read.verdict());
 }
 
 }  // namespace
 
-Expected<std::string> exportScene(const LiveRun& run, const SceneCopy& scene, const fs::path& file,
-                                  const ExportChoice& asked, const Progress& progress) {
+std::string ExportPart::verdict() const {
+  if (report.print_ready) return "ready to print";
+  if (!is_met) return "NOT ready to print, see kerf check";
+  return "each piece is right, but they reach into each other where they were moved to: move them apart, or export "
+         "each into a file of its own";
+}
+
+bool PreparedExport::isReady() const {
+  return std::all_of(parts.begin(), parts.end(), [](const ExportPart& part) { return part.report.print_ready; });
+}
+
+std::vector<fs::path> PreparedExport::filesFor(const fs::path& file) const {
+  if (!is_each) return {file};
+  std::vector<PlacedPiece> names(parts.size());
+  for (std::size_t n = 0; n < parts.size(); ++n) names[n].name = parts[n].piece;
+  return filesOfPieces(file, names);
+}
+
+std::string PreparedExport::summary() const {
+  std::string out =
+      fmt::format("removed {:.3f} mm3, {} vertices of the solid kept bit for bit", removed_mm3, vertices_kept);
+  if (moved > 0) out += fmt::format(" but for {} of {} pieces, which were moved", moved, pieces);
+  return out;
+}
+
+Expected<PreparedExport> prepareExport(const LiveRun& run, const SceneCopy& scene, const ExportChoice& asked,
+                                       const Progress& progress) {
+  constexpr double kOfExport = 0.85;  // the check takes the rest
   ExportChoice choice = asked;
   for (const SceneCopy::Object& object : scene.objects)
     if (choice.only == object.id && object.loaded > 0) choice = {.beside = object.loaded};
   if (choice.beside > 0) choice.is_each = choice.is_put_back = false;
-  KERF_TRY(result, run.postOperative(scene, {}, progress, choice.beside));
-  const PostOpReport report = result.post_op.report;
-  KERF_TRY(outputs, outputsOf(result, scene, file, choice));
+  const Progress first = [&](double done, std::string_view step) { return report(progress, kOfExport * done, step); };
+  KERF_TRY(result, run.postOperative(scene, {}, first, choice.beside));
 
-  for (const Output& output : outputs) {
-    KERF_CHECK(canWriteMesh(output.file));
-    KERF_CHECK(requireNoSource(output.file, run.caseManifest()));
-    for (const LiveNeighbour& other : run.neighbours()) KERF_CHECK(requireNoSource(output.file, other.known.manifest));
+  PreparedExport out;
+  out.is_each = choice.is_each;
+  out.removed_mm3 = result.post_op.report.removed_volume_mm3;
+  out.vertices_kept = result.post_op.report.source_vertices_kept;
+  out.pieces = result.pieces.size();
+  for (const RunManifest::Piece& piece : result.pieces) out.moved += piece.isMoved() && !choice.is_put_back;
+  if (!report(progress, kOfExport, "checking")) return cancelledBeforeWriting();
+  KERF_TRY(parts, partsOf(result, scene, choice));
+  out.parts = std::move(parts);
+  return out;
+}
+
+Expected<WrittenExport> writeExport(const PreparedExport& prepared, const LiveRun& run, const fs::path& file) {
+  WrittenExport out;
+  out.files = prepared.filesFor(file);
+  for (const fs::path& one : out.files) {
+    KERF_CHECK(canWriteMesh(one));
+    KERF_CHECK(requireNoSource(one, run.caseManifest()));
+    for (const LiveNeighbour& other : run.neighbours()) KERF_CHECK(requireNoSource(one, other.known.manifest));
   }
 
-  std::string out;
-  for (const Output& output : outputs) {
-    auto line = write(output);
+  out.is_ready = true;
+  for (std::size_t n = 0; n < prepared.parts.size(); ++n) {
+    auto line = write(prepared.parts[n], out.files[n], out.is_ready);
     if (!line) {
-      if (!out.empty()) line.error().hint += "; written before it: " + out;
+      if (!out.text.empty()) line.error().hint += "; written before it: " + out.text;
       return fail(std::move(line).error());
     }
-    out += *line + "\n";
+    out.text += *line + "\n";
   }
-  out += fmt::format("removed {:.3f} mm3, {} vertices of the solid kept bit for bit", report.removed_volume_mm3,
-                     report.source_vertices_kept);
-  std::size_t moved = 0;
-  for (const RunManifest::Piece& piece : result.pieces) moved += piece.isMoved();
-  if (moved > 0 && !choice.is_put_back)
-    out += fmt::format(" but for {} of {} pieces, which were moved", moved, result.pieces.size());
+  out.text += prepared.summary();
   return out;
 }
 

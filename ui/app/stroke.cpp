@@ -48,6 +48,31 @@ Vec3d meanNormal(const BrickField& loaded, const Vec3d& point, double radius, co
 
 }  // namespace
 
+std::optional<double> depthBelow(const BrickField& loaded, const Vec3d& point, const Vec3d& axis) {
+  constexpr double kThickest = 60, kHighest = 12;  // mm
+  if (loaded.sample(point) >= 0) {
+    const auto way = entry(loaded, {point, -axis}, 0, kHighest);
+    return way ? std::optional(-*way) : std::nullopt;
+  }
+
+  const double least = 0.25 * loaded.voxel();
+  double inside = 0;
+  while (inside < kThickest) {
+    const double next = inside + std::max(-0.9 * loaded.sample(point + inside * axis), least);
+    if (loaded.sample(point + next * axis) < 0) {
+      inside = next;
+      continue;
+    }
+    double outside = next;
+    for (int n = 0; n < 24; ++n) {
+      const double middle = 0.5 * (inside + outside);
+      (loaded.sample(point + middle * axis) < 0 ? inside : outside) = middle;
+    }
+    return outside;
+  }
+  return {};
+}
+
 Plunge plungeOf(const Tool& tool) {
   Plunge out{tool.plunge_direction, 0, 0.5 * tool.head_diameter_mm};
   const Box3 box = tool.cut->bounds();

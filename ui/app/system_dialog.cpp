@@ -3,14 +3,12 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <signal.h>
-#include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
 #include <cctype>
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
 #include <sstream>
 #include <utility>
@@ -18,8 +16,7 @@
 #include "geometry/case/case_bundle.h"
 #include "geometry/formats/mesh_formats.h"
 #include "sim/run/run_manifest.h"
-
-extern char** environ;  // NOLINT(readability-redundant-declaration): POSIX declares it nowhere
+#include "ui/app/desktop_program.h"
 
 namespace kerf {
 namespace {
@@ -28,14 +25,6 @@ namespace fs = std::filesystem;
 using What = FileQuestion::What;
 
 constexpr int kCancelled = 1;  // exit code of both programs
-
-bool isOnPath(const std::string& name) {
-  const char* const path = std::getenv("PATH");
-  std::istringstream folders(path ? path : "");
-  for (std::string folder; std::getline(folders, folder, ':');)
-    if (!folder.empty() && ::access((fs::path(folder) / name).c_str(), X_OK) == 0) return true;
-  return false;
-}
 
 // "*.stl *.STL ...": scanners write both. Files of a CT and recipes among them.
 std::string patterns() {
@@ -109,10 +98,10 @@ fs::path meantBy(const fs::path& chosen) {
   return is_manifest ? folder : chosen;
 }
 
-tl::unexpected<Error> failed(const std::string& program, std::string found) {
+tl::unexpected<Error> failed(std::string found) {
   return fail({.code = Error::Code::kUnsupported,
                .place = "the system's file dialog",
-               .found = program + ": " + std::move(found),
+               .found = std::move(found),
                .expected = "a dialog",
                .hint = "Kerf's own browser instead: Settings, or settings.dialog own"});
 }
@@ -148,28 +137,17 @@ Expected<void> SystemDialog::ask(const FileQuestion& question) {
                  .expected = "one of them on the PATH",
                  .hint = "apt install zenity"});
   std::array<int, 2> pipe{};
-  if (::pipe2(pipe.data(), O_CLOEXEC) != 0) return failed(*name, std::strerror(errno));
+  if (::pipe2(pipe.data(), O_CLOEXEC) != 0) return failed(*name + ": " + std::strerror(errno));
 
-  const std::vector<std::string> words = commandOf(*name, question);
-  std::vector<char*> argv;
-  for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));
-  argv.push_back(nullptr);
-
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_adddup2(&actions, pipe[1], STDOUT_FILENO);
-  pid_t child = 0;
-  const int error = posix_spawnp(&child, argv[0], &actions, nullptr, argv.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
+  const auto child = startProgram(commandOf(*name, question), pipe[1]);
   ::close(pipe[1]);
-  if (error != 0) {
+  if (!child) {
     ::close(pipe[0]);
-    return failed(*name, std::strerror(error));
+    return failed(child.error().found);
   }
 
   ::fcntl(pipe[0], F_SETFL, O_NONBLOCK);
-  child_ = child;
+  child_ = *child;
   out_ = pipe[0];
   what_ = question.what;
   program_ = *name;
@@ -185,21 +163,20 @@ std::optional<Expected<FileAnswer>> SystemDialog::poll() {
       text_.append(bytes.data(), static_cast<std::size_t>(n));
   };
   takeText();
-  int status = 0;
-  const pid_t ended = ::waitpid(child_, &status, WNOHANG);
-  if (ended == 0 || (ended < 0 && errno == EINTR)) return {};
+  const std::optional<int> status = endOf(child_);
+  if (!status) return {};
   takeText();  // what it wrote last
   child_ = 0;
   ::close(std::exchange(out_, -1));
-  if (ended < 0) return Expected<FileAnswer>(failed(program_, "lost"));
-  return answerOf(status);
+  if (*status == -1) return Expected<FileAnswer>(failed(program_ + ": lost"));
+  return answerOf(*status);
 }
 
 Expected<FileAnswer> SystemDialog::answerOf(int status) const {
-  if (WIFSIGNALED(status)) return failed(program_, fmt::format("killed by signal {}", WTERMSIG(status)));
+  if (WIFSIGNALED(status)) return failed(fmt::format("{}: killed by signal {}", program_, WTERMSIG(status)));
   const int code = WEXITSTATUS(status);
   if (code == kCancelled) return FileAnswer{};
-  if (code != 0) return failed(program_, fmt::format("exit code {}", code));
+  if (code != 0) return failed(fmt::format("{}: exit code {}", program_, code));
 
   FileAnswer out;
   if (what_ != What::kOpenSeveral) {  // a name may have several lines

@@ -9,6 +9,7 @@
 
 #include "sim/run/watched_run.h"
 #include "ui/app/arm_lead.h"
+#include "ui/app/export_plan.h"
 #include "ui/app/import_set.h"
 #include "ui/app/sawing.h"
 #include "ui/app/tissue_display.h"
@@ -49,7 +50,8 @@ Workbench::Workbench(WorkbenchOptions options)
       recent_(dataFolderOf(options_)),
       arm_(std::make_unique<ArmLead>()),
       tissues_(std::make_unique<TissueDisplay>()),
-      saw_(std::make_unique<Sawing>(*this)) {
+      saw_(std::make_unique<Sawing>(*this)),
+      exporting_(std::make_unique<ExportPlan>(*this)) {
   options_.data_folder = dataFolderOf(options_);
   fillRack();
   if (auto materials = readDefaultMaterials())
@@ -91,6 +93,7 @@ std::vector<ObjectChunks> Workbench::update() {
   handOverScene();
   if (const auto done = tissues_->update(); !done) complain(done.error());
   saw_->update();
+  exporting_->update();
   watchTools();
   return std::exchange(fresh_, {});
 }
@@ -107,6 +110,7 @@ void Workbench::takeNews() {
     addToTrace();
     warnOfHeat();
   }
+  loop_rate_.add(report_.counts.ticks, LoopRate::Clock::now());
   timeline_.update(report_.undo);
   goWhereWished();
   sendUndos();
@@ -270,6 +274,10 @@ void Workbench::show(Opened& loaded) {
   source_ = loaded.source;
   sent_ = 0;
   report_ = {};
+  times_ = {};
+  loop_rate_.clear();
+  exported_.reset();
+  has_unexported_before_ = is_reopening_ && has_unexported_before_;
   timeline_.clear();
   trace_.clear();
   undos_left_ = 0;

@@ -20,9 +20,11 @@
 #include "sim/hand/mouse_hand.h"
 #include "sim/monitor/structures.h"
 #include "sim/run/live_run.h"
+#include "ui/app/cut_stamp.h"
 #include "ui/app/exporting.h"
 #include "ui/app/job.h"
 #include "ui/app/live_scene.h"
+#include "ui/app/loop_rate.h"
 #include "ui/app/lost_sessions.h"
 #include "ui/app/measure.h"
 #include "ui/app/neighbours.h"
@@ -36,6 +38,7 @@
 namespace kerf {
 
 class ArmLead;
+class ExportPlan;
 class Sawing;
 class TissueDisplay;
 class ImportPlan;
@@ -144,6 +147,8 @@ class Workbench {
   /// What the drive has to bear, of what stalls it; 0: nothing stalls it.
   double driveLoadShare() const;
   HapticTimes times() const { return times_; }
+  /// Ticks of the 1 kHz thread a second, the mean of the last one. None in the first second.
+  std::optional<double> loopHz() const { return loop_rate_.hz(); }
   /// Ends the session: the run is written where sessionFolder() says. A job.
   void close();
   const std::filesystem::path& sessionFolder() const { return session_; }
@@ -235,6 +240,9 @@ class Workbench {
   bool isPressed() const { return stroke_.has_value(); }
   /// Depth of the tool below the surface as loaded; none: no stroke.
   std::optional<double> depthNow() const;
+  /// How far what goes first of the tool is below the surface as loaded, mm, along the way it goes in, whoever leads
+  /// it; negative in air. None: nobody leads it, or there is no surface above or below.
+  std::optional<double> tipDepth() const;
   void stopShort(std::optional<double> mm);
   static constexpr double kMostShort = 5, kUsualShort = 0.5;  ///< mm
 
@@ -306,6 +314,12 @@ class Workbench {
 
   /// The post-operative mesh as it is now, read back and compared. A job; the cut may go on.
   void exportTo(const std::filesystem::path& file, const ExportChoice& choice = {});
+  /// The same decided step by step, with what a check says before anything is written.
+  ExportPlan& exporting() { return *exporting_; }
+  const ExportPlan& exporting() const { return *exporting_; }
+  /// Something was cut or moved since what is worked on was exported last, or it never was; the session itself is kept
+  /// all the same. False while an export is being written.
+  bool hasUnexportedCut() const;
   double removedMm3() const { return removed_mm3_; }
   /// Of one tissue, in this session, mm^3. In small parts below 0 where a border passes through what was cut.
   double removedOf(Material material) const;
@@ -331,12 +345,16 @@ class Workbench {
   double mostDepth() const;
 
  private:
+  friend class ExportPlan;
   friend class Sawing;
   void takeNews();
   void addToTrace();
   void warnOfHeat();
   bool isSettled();
   void handOverScene();
+  bool mayExportTo(const std::filesystem::path& file);
+  std::shared_ptr<std::future<SceneView>> orderScene();
+  std::optional<CutStamp> stampNow() const;
   void takeWatched();
   void showWatched(std::unique_ptr<WatchedRun> run, const OcclusalSide& occlusal);
   bool isBusy();
@@ -401,6 +419,7 @@ class Workbench {
   std::uint64_t generation_ = 0;
   HapticReport report_;
   HapticTimes times_;
+  LoopRate loop_rate_;
   std::size_t tool_ = 0;
   std::vector<Mesh> heads_;  // of the tools
   std::shared_ptr<const Structures> structures_;
@@ -448,8 +467,12 @@ class Workbench {
     std::optional<std::uint64_t> done_at{};  // tick at which all that was asked for was done
   };
   std::optional<Handover> handover_;
-  std::vector<ObjectChunks> fresh_;  // not handed out yet
+  std::optional<CutStamp> handed_over_;  // what was, last; none: it was still being cut
+  std::optional<CutStamp> exported_;     // last
+  bool has_unexported_before_ = false;   // in the session that this one goes on from, for a tool or a neighbour
+  std::vector<ObjectChunks> fresh_;      // not handed out yet
   std::unique_ptr<Sawing> saw_;
+  std::unique_ptr<ExportPlan> exporting_;
   std::unique_ptr<WatchedRun> watched_;
   bool has_told_of_verdict_ = false;
   std::optional<std::filesystem::path> asked_run_;

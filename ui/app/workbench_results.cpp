@@ -1,10 +1,12 @@
 // What is exported, and the moment at which it is taken. The rest of the workbench: workbench.cpp.
+#include <algorithm>
 #include <chrono>
 #include <future>
 #include <memory>
 #include <utility>
 
 #include "geometry/formats/mesh_formats.h"
+#include "ui/app/export_plan.h"
 #include "ui/app/exporting.h"
 #include "ui/app/workbench.h"
 
@@ -14,49 +16,79 @@ namespace fs = std::filesystem;
 
 namespace {
 
-Expected<std::string> exportWhenGiven(const LiveRun& run, std::future<SceneView>& given, const fs::path& file,
-                                      const ExportChoice& choice, const Progress& progress) {
-  constexpr auto kPoll = std::chrono::milliseconds(5);
-  while (given.wait_for(kPoll) != std::future_status::ready)
-    if (!report(progress, 0, "waiting for the last stroke")) return cancelled(file.string());
-  KERF_TRY(scene, LiveRun::copyOf(given.get()));
-  return exportScene(run, scene, file, choice, progress);
+Expected<WrittenExport> exportWhenGiven(const LiveRun& run, std::future<SceneView>& given, const fs::path& file,
+                                        const ExportChoice& choice, const Progress& progress) {
+  KERF_TRY(scene, waitForScene(given, progress));
+  KERF_TRY(prepared, prepareExport(run, scene, choice, progress));
+  return writeExport(prepared, run, file);
 }
 
 }  // namespace
 
-void Workbench::exportTo(const fs::path& file, const ExportChoice& choice) {
-  if (isBusy()) return;
-  if (!run_) return complain({.code = Error::Code::kEmpty, .found = "nothing is open", .hint = "open a scan first"});
-  if (const auto possible = canWriteMesh(file); !possible) return complain(possible.error());
+Expected<SceneCopy> waitForScene(std::future<SceneView>& given, const Progress& progress) {
+  constexpr auto kPoll = std::chrono::milliseconds(5);
+  while (given.wait_for(kPoll) != std::future_status::ready)
+    if (!report(progress, 0, "waiting for the last stroke")) return cancelledBeforeWriting();
+  return LiveRun::copyOf(given.get());
+}
+
+bool Workbench::mayExportTo(const fs::path& file) {
+  const auto refuse = [&](const Error& error) {
+    complain(error);
+    return false;
+  };
+  if (!run_) return refuse({.code = Error::Code::kEmpty, .found = "nothing is open", .hint = "open a scan first"});
+  if (const auto possible = canWriteMesh(file); !possible) return refuse(possible.error());
 
   std::error_code ignored;
   const auto isSource = [&](const fs::path& source) { return fs::equivalent(file, source, ignored); };
   if (isSource(source_) || std::any_of(sources_beside_.begin(), sources_beside_.end(), isSource))
-    return complain({.code = Error::Code::kBadValue,
-                     .file = file.string(),
-                     .found = "the file that was opened",
-                     .expected = "another one: a scan is never written over",
-                     .hint = "another name"});
-  if (isSawing()) return;
+    return refuse({.code = Error::Code::kBadValue,
+                   .file = file.string(),
+                   .found = "the file that was opened",
+                   .expected = "another one: a scan is never written over",
+                   .hint = "another name"});
+  return true;
+}
+
+// For a job that works on a copy: the cut may go on. The caller starts the job in the same frame.
+std::shared_ptr<std::future<SceneView>> Workbench::orderScene() {
   release();
   namePieces();
-
-  // The job works on a copy: the cut may go on.
-  job_writes_ = true;
+  handed_over_.reset();
   handover_.emplace();
   handover_->sent = sent_;
-  auto scene = std::make_shared<std::future<SceneView>>(handover_->scene.get_future());
+  return std::make_shared<std::future<SceneView>>(handover_->scene.get_future());
+}
+
+void Workbench::exportTo(const fs::path& file, const ExportChoice& choice) {
+  if (isBusy() || !mayExportTo(file) || isSawing()) return;
+  job_writes_ = true;
+  const auto scene = orderScene();
   const LiveRun* const run = run_.get();
-  auto job = std::make_unique<Job<std::string>>("exporting " + file.filename().string(),
-                                                [run, scene, file, choice](const Progress& progress) {
-                                                  return exportWhenGiven(*run, *scene, file, choice, progress);
-                                                });
-  when_over_ = [this, job = job.get()] {
+  auto job = std::make_unique<Job<WrittenExport>>("exporting " + file.filename().string(),
+                                                  [run, scene, file, choice](const Progress& progress) {
+                                                    return exportWhenGiven(*run, *scene, file, choice, progress);
+                                                  });
+  when_over_ = [this, job = job.get(), choice] {
     auto written = job->take();
-    written ? say(std::move(*written)) : complain(written.error());
+    if (!written) return complain(written.error());
+    if (choice.beside == 0) exported_ = handed_over_;
+    say(std::move(written->text));
   };
   job_ = std::move(job);
+}
+
+// None: something that was asked for is under way.
+std::optional<CutStamp> Workbench::stampNow() const {
+  if (!run_ || stroke_ || undos_left_ != 0 || wish_ || answered() < sent_) return {};
+  return cutStampOf(generation_, report_, scene_);
+}
+
+bool Workbench::hasUnexportedCut() const {
+  if (!run_ || isWriting()) return false;
+  const bool is_cut = has_unexported_before_ || stroke_ || timeline_.older() + stepsDone() > 0;
+  return is_cut && !(exported_ && exported_ == stampNow());
 }
 
 // What was asked for is done, and the meshers know of it.
@@ -82,6 +114,9 @@ void Workbench::handOverScene() {
   if (!isSettled() && std::chrono::steady_clock::now() < handover_->began + kMost) return;
   auto view = run_->viewScene();
   if (!view) return;
+  const HapticCounts& c = report_.counts;
+  const bool is_meshed = c.edits_waiting == 0 && run_->editsDone() >= c.edits_pushed;
+  handed_over_ = is_meshed ? stampNow() : std::nullopt;
   handover_->scene.set_value(std::move(*view));
   handover_.reset();
 }

@@ -107,10 +107,12 @@ void Workbench::reopenWith(const fs::path& tool_file, std::vector<CaseBeside> fu
     if (!other.known.has_begin) kept.push_back({other.known.folder, other.known.name});
   std::vector<fs::path> sources = sources_beside_;
   for (const CaseBeside& other : further) sources.push_back(other.folder);
+  const bool is_unexported = hasUnexportedCut();
   close();
   auto closing = std::exchange(when_over_, {});
   has_written_ = false;
-  when_over_ = [this, closing = std::move(closing), before, session, plan, source, name, tool, kept, further, sources] {
+  when_over_ = [this, closing = std::move(closing), before, session, plan, source, name, tool, kept, further, sources,
+                is_unexported] {
     const std::size_t told = notices_.size();
     closing();
     if (has_failed_) return;                  // what was cut is in its log: nothing is opened over that
@@ -124,8 +126,9 @@ void Workbench::reopenWith(const fs::path& tool_file, std::vector<CaseBeside> fu
            [next, options](const Progress& progress) { return openToCut(next, options, progress); });
     if (!job_) return;
     const auto show_it = std::exchange(when_over_, {});
-    when_over_ = [this, show_it, plan, source, name, tool, sources] {
+    when_over_ = [this, show_it, plan, source, name, tool, sources, is_unexported] {
       is_reopening_ = true;
+      has_unexported_before_ = is_unexported;
       show_it();
       is_reopening_ = false;
       if (!run_) return;

@@ -65,7 +65,7 @@ Expected<void> Desktop::open(int width, int height) {
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
   glfwWindowHint(GLFW_STENCIL_BITS, 0);
   window_ = glfwCreateWindow(width, height, "Kerf", nullptr, nullptr);
-  if (!window_) return fail(noWindow("no window can be opened: " + lastGlfwError()));
+  if (!window_) return fail(noOpenGl());
 
   glfwMakeContextCurrent(window_);
   glfwSwapInterval(1);

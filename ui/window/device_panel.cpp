@@ -212,6 +212,38 @@ void drawKnob(const DevicePanelState& state) {
   constexpr const char* kNames[] = {"right", "away", "up", "pitch", "roll", "yaw"};
   for (std::size_t n = 0; n < 6; ++n) axisBar(kNames[n], state.knob->axes[n]);
   drawButtons(state.knob->buttons, {"tool/view", "undo"});
+  if (state.knob_battery) line("Battery", textOf(*state.knob_battery));
+}
+
+// ---- What leads as a gamepad does
+
+// A share of 0 to 1.
+void triggerBar(const char* name, double share) {
+  ImGui::TextColored(styleColours().quiet, "%s", name);
+  ImGui::SameLine(scaled(112));
+  ImGui::ProgressBar(static_cast<float>(std::clamp(share, 0., 1.)), {-1, 0});
+}
+
+void drawPad(const DevicePanelState& state) {
+  heading(state.is_joystick ? "Joystick" : "Gamepad");
+  if (!state.pad) {
+    wrapped(state.pad_trouble.empty() ? styleColours().quiet : styleColours().warning,
+            state.pad_trouble.empty() ? "Neither a gamepad nor a joystick is plugged in." : state.pad_trouble);
+    return;
+  }
+  const GamepadState& pad = *state.pad;
+  ImGui::TextUnformatted(state.pad_name.c_str());
+  axisBar("tool x", pad.left_stick[0]);
+  axisBar("tool y", -pad.left_stick[1]);
+  axisBar("view x", pad.right_stick[0]);
+  axisBar("view y", -pad.right_stick[1]);
+  triggerBar(state.is_joystick ? "Button 1 drills" : "Right: drills", pad.right_trigger);
+  if (!state.is_joystick) triggerBar("Left: slows", pad.left_trigger);
+  const std::uint64_t down = (pad.a ? 1U : 0U) | (pad.left_bumper ? 2U : 0U) | (pad.right_bumper ? 4U : 0U);
+  drawButtons(down, {"undo", "tool before", "next tool"});
+  const bool is_wanting = !state.can_pad_shake && !state.is_joystick;
+  wrapped(is_wanting ? styleColours().warning : styleColours().quiet, state.pad_shakes);
+  if (state.pad_battery) line("Battery", textOf(*state.pad_battery));
 }
 
 }  // namespace
@@ -226,6 +258,7 @@ void drawDevicePanel(AppContext& context, const DevicePanelState& state) {
   ImGui::Begin("Devices", &context.shows_device, ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
   drawArm(context);
   drawKnob(state);
+  drawPad(state);
   ImGui::End();
 }
 

@@ -3,6 +3,7 @@
 #include <string>
 #include <utility>
 
+#include "ui/app/export_plan.h"
 #include "ui/app/settings.h"
 
 namespace kerf {
@@ -20,7 +21,9 @@ bool isToOpen(const AppCommand& command) {
 bool takesSeveral(const AppCommand& command) { return command.id == "file.open"; }
 
 std::string suggestedName(const AppContext& context, const AppCommand& command) {
-  return isToOpen(command) ? "" : context.bench.name() + "-cut.stl";
+  if (isToOpen(command)) return "";
+  if (command.id == "export.to") return context.bench.exporting().file().filename().string();
+  return context.bench.name() + "-cut.stl";
 }
 
 std::optional<std::uint32_t> chosenPiece(const AppContext& context) {
@@ -40,7 +43,7 @@ void FileChooser::ask(AppContext& context, const AppCommand& command) {
 
   using What = FileQuestion::What;
   FileQuestion question;
-  question.title = std::string(command.label);
+  question.title = command.label.empty() ? "Export to" : std::string(command.label);
   question.folder = browser_.folder();
   question.name = suggestedName(context, command);
   if (command.id == "replay.open")

@@ -33,4 +33,13 @@ std::optional<PadId> gamepadId() {
   return {};
 }
 
+std::string gamepadName() {
+  for (int id = GLFW_JOYSTICK_1; id <= GLFW_JOYSTICK_LAST; ++id) {
+    if (!glfwJoystickIsGamepad(id)) continue;
+    const char* const name = glfwGetGamepadName(id);
+    return name ? name : "";
+  }
+  return {};
+}
+
 }  // namespace kerf

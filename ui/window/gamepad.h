@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "ui/app/gamepad_map.h"
 #include "ui/app/pad_rumble.h"
@@ -13,5 +14,7 @@ std::optional<GamepadState> readGamepad();
 
 /// Which one that is.
 std::optional<PadId> gamepadId();
+/// Its name, as GLFW's mappings call it; empty: there is none.
+std::string gamepadName();
 
 }  // namespace kerf

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -88,6 +89,7 @@ struct LiveRenderer::Impl {
   internal::LiveTool hand_tool;
 
   std::map<std::size_t, Object> objects;
+  std::uint64_t changes = 0;  // of what is drawn, but for where objects are and whether they are seen
   LiveCounts counts;
 
   // Background, and what a picture or a supersampled frame is drawn into.
@@ -565,6 +567,7 @@ void LiveRenderer::setChunk(std::size_t object, const MeshChunk& chunk, std::spa
   std::array<int, 3> key{};
   for (std::size_t k = 0; k < 3; ++k) key[k] = chunk.brick[static_cast<Eigen::Index>(k)] >> LivePage::kBricksLog;
   LiveChunk made = internal::liveChunk(chunk, colours, occlusion);
+  ++impl_->changes;
   auto& pages = impl_->objects[object].pages;
   if (made.triangles.empty() && !pages.contains(key)) return;
   pages[key].set(chunk.brick, std::move(made));
@@ -575,14 +578,37 @@ void LiveRenderer::setPose(std::size_t object, const Rigid3& T_world_object) {
 }
 void LiveRenderer::setVisible(std::size_t object, bool is_visible) { impl_->objects[object].is_visible = is_visible; }
 void LiveRenderer::setSection(std::size_t object, const TissueSection& section) {
+  ++impl_->changes;
   impl_->objects[object].section.set(section);
 }
 void LiveRenderer::setGhost(std::size_t object, bool is_ghost) { impl_->objects[object].is_ghost = is_ghost; }
-void LiveRenderer::removeObject(std::size_t object) { impl_->objects.erase(object); }
-void LiveRenderer::clear() { impl_->objects.clear(); }
-void LiveRenderer::setBackground(const Vec3f& middle, const Vec3f& edge) { impl_->makeBackground(middle, edge); }
-void LiveRenderer::setTool(const ToolLook& tool) { impl_->hand_tool.set(tool); }
+void LiveRenderer::removeObject(std::size_t object) { impl_->changes += impl_->objects.erase(object); }
+void LiveRenderer::clear() {
+  ++impl_->changes;
+  impl_->objects.clear();
+}
+void LiveRenderer::setBackground(const Vec3f& middle, const Vec3f& edge) {
+  ++impl_->changes;
+  impl_->makeBackground(middle, edge);
+}
+void LiveRenderer::setTool(const ToolLook& tool) {
+  ++impl_->changes;
+  impl_->hand_tool.set(tool);
+}
 const LiveCounts& LiveRenderer::counts() const { return impl_->counts; }
+
+std::uint64_t LiveRenderer::version() const {
+  std::uint64_t out = impl_->changes;
+  const auto mix = [&out](double value) { out = (out ^ std::bit_cast<std::uint64_t>(value)) * 0x100000001b3ull; };
+  for (const auto& [number, object] : impl_->objects) {
+    if (!object.is_visible) continue;
+    mix(static_cast<double>(number));
+    mix(object.is_ghost ? 1 : 0);
+    for (const double v : object.T_world_object.translation) mix(v);
+    for (const double v : object.T_world_object.rotation.coeffs()) mix(v);
+  }
+  return out;
+}
 
 Expected<void> LiveRenderer::draw(const Camera& camera, int width, int height, const LiveFrame& frame) {
   GLint bound = 0;

@@ -86,6 +86,9 @@ class LiveRenderer {
   /// Of the last frame.
   const LiveCounts& counts() const;
 
+  /// Another number when the same camera and frame would show another picture.
+  std::uint64_t version() const;
+
  private:
   LiveRenderer();
   struct Impl;

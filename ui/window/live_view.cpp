@@ -151,9 +151,11 @@ LiveFrame LiveView::frameOf(const Workbench& bench, const Camera& camera) {
   return frame;
 }
 
-Expected<void> LiveView::draw(const Workbench& bench, const Camera& camera, int width, int height, bool is_still) {
+Expected<void> LiveView::draw(const Workbench& bench, const Camera& camera, int width, int height, Edges edges) {
   LiveFrame frame = frameOf(bench, camera);
-  frame.supersampling = is_still ? 2 : 1;
+  frame.supersampling = edges == Edges::kSmooth ? 2 : 1;
+  if (edges == Edges::kByAndBy) return still_.draw(*renderer_, camera, width, height, frame);
+  still_.forget();
   return renderer_->draw(camera, width, height, frame);
 }
 

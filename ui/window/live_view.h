@@ -14,6 +14,7 @@
 #include "ui/window/image.h"
 #include "ui/window/live_renderer.h"
 #include "ui/window/saw_view.h"
+#include "ui/window/still_picture.h"
 
 namespace kerf {
 
@@ -35,7 +36,13 @@ class LiveView {
   /// The background goes with the panels.
   void setBackground(const Vec3f& middle, const Vec3f& edge) { renderer_->setBackground(middle, edge); }
 
-  Expected<void> draw(const Workbench& bench, const Camera& camera, int width, int height, bool is_still);
+  /// How smooth the edges are: what moves is drawn fast.
+  enum class Edges {
+    kFast,
+    kSmooth,  ///< in this frame
+    kByAndBy  ///< from frame to frame, as long as nothing changes: StillPicture
+  };
+  Expected<void> draw(const Workbench& bench, const Camera& camera, int width, int height, Edges edges);
   Expected<Image> picture(const Workbench& bench, const Camera& camera, int width, int height);
 
  private:
@@ -58,6 +65,7 @@ class LiveView {
   std::optional<std::size_t> tool_;
   std::optional<ToolOverSurface> hover_;
   SawView saw_;
+  StillPicture still_;
   bool is_fit_wanted_ = false;
   std::function<void()> before_clear_;
 };

@@ -7,12 +7,15 @@
 #include <array>
 #include <cmath>
 
+#include "ui/app/export_plan.h"
 #include "ui/app/point_readout.h"
 #include "ui/app/pointing.h"
 #include "ui/app/settings.h"
+#include "ui/window/export_panel.h"
 #include "ui/window/measure_panel.h"
 #include "ui/window/notices.h"
 #include "ui/window/plots_panel.h"
+#include "ui/window/quit_question.h"
 #include "ui/window/readings.h"
 #include "ui/window/replay_panel.h"
 #include "ui/window/scale_bar.h"
@@ -100,6 +103,17 @@ void drawNeighbours(const Workbench& bench, const std::optional<ToolOverSurface>
       reading(("Cut off " + other.name).c_str(), fmt::format("{:.3f}", other.removed_mm3), "mm3", true);
 }
 
+// Of the 1 kHz loop: how often, how long, how often too long.
+void drawLoop(const Workbench& bench) {
+  constexpr double kLeastHz = 995;
+  const auto hz = bench.loopHz();
+  reading("Loop", hz ? fmt::format("{:.0f}", *hz) : "-", "Hz", hz && *hz < kLeastHz);
+  const TimeHistogram& cost = bench.times().cost;
+  if (cost.count() > 0) reading("Tick p99", fmt::format("{:.2f}", cost.percentileMs(0.99)), "ms");
+  const HapticCounts& counts = bench.report().counts;
+  reading("Overruns", fmt::format("{}", counts.overruns), fmt::format("of {}", counts.ticks).c_str());
+}
+
 void drawReadings(AppContext& context, const std::optional<ToolOverSurface>& over, PanelColumn& column) {
   const Workbench& bench = context.bench;
   const HapticReport& r = bench.report();
@@ -107,9 +121,10 @@ void drawReadings(AppContext& context, const std::optional<ToolOverSurface>& ove
   ImGui::Begin("Cut", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
   const double speed = std::abs(bench.driveShare());
   const char* const turns = bench.driveShare() < 0 ? "% backwards" : "%";
-  const auto depth = bench.isPressed() ? bench.depthNow() : over ? std::optional(over->depth) : std::nullopt;
+  const auto tip = bench.tipDepth();
+  const auto depth = tip ? tip : over ? std::optional(over->depth) : std::nullopt;
 
-  reading("Depth", depth ? fmt::format("{:.2f}", *depth) : "-", "mm");
+  reading(tip ? "Depth of the tip" : "Depth", depth ? fmt::format("{:.2f}", *depth) : "-", "mm");
   drawNearStructure(bench, over);
   drawNeighbours(bench, over);
   reading("Force", fmt::format("{:.2f}", r.output.force.force.norm()), "N");
@@ -120,9 +135,7 @@ void drawReadings(AppContext& context, const std::optional<ToolOverSurface>& ove
   drawPoint(context, over.has_value());
   drawPlots(context);
   ImGui::Separator();
-  const TimeHistogram& cost = bench.times().cost;
-  if (cost.count() > 0) reading("Loop p99", fmt::format("{:.2f}", cost.percentileMs(0.99)), "ms");
-  reading("Overruns", fmt::format("{}", r.counts.overruns), fmt::format("of {}", r.counts.ticks).c_str());
+  drawLoop(bench);
   if (r.is_latched)
     ImGui::TextColored(styleColours().warning, "%s",
                        bench.isLed() ? "Stopped: waits for the hand." : "Stopped: the machine was busy. Press again.");
@@ -136,7 +149,8 @@ void drawReadings(AppContext& context, const std::optional<ToolOverSurface>& ove
 
 void drawJob(AppContext& context) {
   const AnyJob* const job = context.bench.job();
-  if (!job) return;
+  const ExportPlan& plan = context.bench.exporting();
+  if (!job || (plan.isShown() && plan.isBusy())) return;  // the export panel shows its own
   const JobStatus s = job->status();
   const ImGuiIO& io = ImGui::GetIO();
   ImGui::SetNextWindowPos({0.5f * io.DisplaySize.x, 0.5f * io.DisplaySize.y}, ImGuiCond_Always, {0.5f, 0.5f});
@@ -199,12 +213,14 @@ void drawPanels(AppContext& context, PanelState& state, const std::optional<Tool
     drawScaleBar(context, state.pixels);
     drawHints(context);
     drawSawPanel(context, state.saw);
+    drawExportPanel(context, state.ask_for_file);
   } else {
     state.first.draw(context, state.ask_for_file);
   }
   drawDevicePanel(context, state.devices);
   drawRunQuestion(context);
   drawSettings(context);
+  drawQuitQuestion(context);
   drawJob(context);
   drawNotices(context, state.notices_seen, state.notices_drawn);
 }

@@ -68,6 +68,15 @@ void drawMove(Workbench& bench, const SceneObject& piece) {
   if (ImGui::Button("Put back", {-1, 0})) bench.movePiece(piece.id, {});
 }
 
+// Under its name and volume. The first of the pieces has what was removed before they came apart, too.
+void drawRemoved(const SceneObject& piece) {
+  constexpr double kLeast = 0.005;  // mm^3: it would be read as nothing
+  if (piece.removed_mm3 < kLeast) return;
+  ImGui::Indent(scaled(30));
+  ImGui::TextDisabled("%.2f mm3 removed from it", piece.removed_mm3);
+  ImGui::Unindent(scaled(30));
+}
+
 void drawList(AppContext& context, PanelColumn& column) {
   Workbench& bench = context.bench;
   column.place();
@@ -86,6 +95,7 @@ void drawList(AppContext& context, PanelColumn& column) {
       bench.choosePiece(piece == chosen ? std::nullopt : std::optional(piece->id));
     ImGui::SameLine();
     ImGui::TextDisabled("%s", volume.c_str());
+    drawRemoved(*piece);
     ImGui::PopID();
   }
   if (chosen) {

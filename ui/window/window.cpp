@@ -102,7 +102,7 @@ Expected<void> open(Desktop& desktop, const Scene& scene, const WindowOptions& o
 
   const std::string title = scene.mesh_file.filename().string() + " - Kerf";
   desktop.window = glfwCreateWindow(options.width, options.height, title.c_str(), nullptr, nullptr);
-  if (!desktop.window) return fail(noWindow("no window can be opened: " + lastGlfwError()));
+  if (!desktop.window) return fail(noOpenGl());
 
   glfwMakeContextCurrent(desktop.window);
   glfwSwapInterval(1);

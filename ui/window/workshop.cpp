@@ -20,8 +20,11 @@
 
 #include "ui/app/app_commands.h"
 #include "ui/app/arm_lead.h"
+#include "ui/app/gamepad_link.h"
 #include "ui/app/gamepad_map.h"
+#include "ui/app/joystick_link.h"
 #include "ui/app/pointing.h"
+#include "ui/app/quit.h"
 #include "ui/app/sawing.h"
 #include "ui/app/settings.h"
 #include "ui/app/space_mouse_link.h"
@@ -30,6 +33,7 @@
 #include "ui/sound/alsa_output.h"
 #include "ui/sound/sound_thread.h"
 #include "ui/window/desktop.h"
+#include "ui/window/export_panel.h"
 #include "ui/window/file_chooser.h"
 #include "ui/window/gamepad.h"
 #include "ui/window/gl_context.h"
@@ -38,6 +42,7 @@
 #include "ui/window/live_view.h"
 #include "ui/window/palette.h"
 #include "ui/window/panels.h"
+#include "ui/window/quit_question.h"
 #include "ui/window/session_end.h"
 #include "ui/window/style.h"
 
@@ -67,7 +72,8 @@ class Workshop {
       : options_(options),
         bench_(remembering(options.bench)),
         settings_(options.config),
-        space_mouse_link_(options.space_mouse) {}
+        space_mouse_link_(options.space_mouse),
+        joystick_link_(options.gives_joystick_force) {}
 
   Expected<int> run() {
     endWhenTold();
@@ -86,6 +92,7 @@ class Workshop {
     context_.set_clipboard = [this](const std::string& text) {
       glfwSetClipboardString(desktop_.window(), text.c_str());
     };
+    context_.asks_before_quit = true;
     panels_.ask_for_file = [this](const AppCommand& command) { askForFile(command); };
     if (settings_.error()) bench_.complain(*settings_.error());
     bench_.setForce(settings_.values.force_N);
@@ -126,7 +133,8 @@ class Workshop {
       files_.takeAnswer(context_);
       view_->update(bench_);
       glfwWaitEventsTimeout(0.1);
-      wants_end_ = glfwWindowShouldClose(desktop_.window()) || is_told_to_end;
+      endIfAsked();
+      if (context_.is_asking_to_quit) glfwRestoreWindow(desktop_.window());
       return {};
     }
 
@@ -152,16 +160,28 @@ class Workshop {
     if (bench_.isImporting())
       KERF_CHECK(import_view_->draw(camera_, context_.width, context_.height, is_smooth));
     else
-      KERF_CHECK(view_->draw(bench_, camera_, context_.width, context_.height, is_smooth));
+      KERF_CHECK(view_->draw(bench_, camera_, context_.width, context_.height,
+                             is_smooth  ? LiveView::Edges::kSmooth
+                             : is_still ? LiveView::Edges::kByAndBy
+                                        : LiveView::Edges::kFast));
     ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
     glfwSwapBuffers(desktop_.window());
 
     // Not in the frame that uploads all of the surface, and not while a hand is at work.
     if (is_still && std::exchange(is_picture_due_, false)) takePicture();
     ++frames_;
-    wants_end_ = context_.wants_quit || glfwWindowShouldClose(desktop_.window()) || is_told_to_end ||
-                 (options_.frames > 0 && frames_ >= options_.frames);
+    endIfAsked();
+    wants_end_ |= options_.frames > 0 && frames_ >= options_.frames;
     return {};
+  }
+
+  // The button of the window's frame asks as the command does; the system does not.
+  void endIfAsked() {
+    if (glfwWindowShouldClose(desktop_.window())) {
+      glfwSetWindowShouldClose(desktop_.window(), GLFW_FALSE);
+      say(runAppCommand(context_, "app.quit"));
+    }
+    wants_end_ = context_.wants_quit || is_told_to_end;
   }
 
   // From the first session on. Without a device all is silent, and that is said once.
@@ -295,11 +315,14 @@ class Workshop {
     const double seconds = std::chrono::duration<double>(now - std::exchange(devices_read_, now)).count();
     const bool is_ours =
         bench_.isOpen() && !bench_.isImporting() && glfwGetWindowAttrib(desktop_.window(), GLFW_FOCUSED) == GLFW_TRUE;
-    gamepad_.update(context_, stroke_, is_ours ? readGamepad() : std::nullopt, seconds);
-    shakePad(is_ours);
+    const auto pad = readGamepad(), stick = joystick_link_.read();
+    const auto leading = pad ? pad : stick;
+    gamepad_.update(context_, stroke_, is_ours ? leading : std::nullopt, seconds);
+    shakePad(is_ours, pad.has_value());
+    if (const auto news = joystick_link_.news(); news && !pad) bench_.say(*news);
     if (const auto news = space_mouse_link_.news()) bench_.say(*news);
     const auto knob = space_mouse_link_.read();
-    if (context_.shows_device) panels_.devices = {knob, space_mouse_link_.name(), space_mouse_link_.trouble()};
+    showDevices(knob, pad, stick);
     space_mouse_.update(context_, stroke_, settings_.values.space_mouse, is_ours ? knob : std::nullopt, seconds);
     if (!gamepad_.isUsed() && !space_mouse_.isUsed()) return;
     is_led_by_device_ = true;
@@ -307,10 +330,27 @@ class Workshop {
   }
 
   // The pad shakes while it drills, and stands still out of focus, in a pause, and when nothing turns.
-  void shakePad(bool is_ours) {
+  void shakePad(bool is_ours, bool is_pad) {
     const bool shakes = is_ours && gamepad_.isUsed() && bench_.isPressed();
     const Rumble wanted = shakes ? rumbleOf(bench_.report(), bench_.driveShare()) : Rumble{};
-    if (const auto told = pad_rumble_.update(gamepadId(), wanted)) bench_.say(*told);
+    if (const auto told = pad_rumble_.update(gamepadId(), is_pad ? wanted : Rumble{})) bench_.say(*told);
+    joystick_link_.shake(is_pad ? Rumble{} : wanted);
+  }
+
+  // For their panel, while it is shown.
+  void showDevices(const std::optional<SpaceMouseState>& knob, const std::optional<GamepadState>& pad,
+                   const std::optional<GamepadState>& stick) {
+    const GamepadDetails details = gamepad_link_.update(context_.shows_device ? gamepadId() : std::nullopt);
+    if (!context_.shows_device) return;
+    DevicePanelState& state = panels_.devices;
+    state = {knob, space_mouse_link_.name(), space_mouse_link_.trouble(), space_mouse_link_.battery()};
+    state.pad = pad ? pad : stick;
+    state.is_joystick = !pad && stick;
+    state.pad_name = pad ? gamepadName() : joystick_link_.name();
+    state.pad_trouble = joystick_link_.trouble();
+    state.pad_shakes = pad ? details.shake : joystick_link_.force();
+    state.can_pad_shake = pad && details.can_shake;
+    state.pad_battery = details.battery;
   }
 
   // While text is typed only the window's own end is a command.
@@ -320,6 +360,9 @@ class Workshop {
     if (palette_.isShown()) return paletteKey(e.key);
     if (files_.takesKeys() && (e.key == GLFW_KEY_ENTER || e.key == GLFW_KEY_KP_ENTER)) return files_.accept();
     if (files_.takesKeys() && e.key == GLFW_KEY_ESCAPE) return files_.cancel();
+    const bool is_enter = e.key == GLFW_KEY_ENTER || e.key == GLFW_KEY_KP_ENTER;
+    if (is_enter || e.key == GLFW_KEY_ESCAPE)
+      if (quitQuestionKey(context_, is_enter) || exportPanelKey(context_, is_enter)) return;
     if (context_.shows_settings && e.key == GLFW_KEY_ESCAPE) {
       context_.shows_settings = false;
       return;
@@ -498,6 +541,8 @@ class Workshop {
   GamepadHand gamepad_;
   PadRumble pad_rumble_;
   SpaceMouseLink space_mouse_link_;
+  JoystickLink joystick_link_;
+  GamepadLink gamepad_link_;
   SpaceMouseHand space_mouse_;
   Clock::time_point devices_read_ = Clock::now();
   bool is_led_by_device_ = false;  // the mouse has not moved since

@@ -55,7 +55,7 @@ Expected<void> runOffscreen(const WorkshopOptions& options, const Play& play) {
     if (!bench.scene().bounds().isEmpty() && shown.takeFitWanted()) firstView(context, first);
     if (!screen) return;
     glBindFramebuffer(GL_FRAMEBUFFER, screen->id());
-    if (const auto drawn = shown.draw(bench, camera, context.width, context.height, false); !drawn)
+    if (const auto drawn = shown.draw(bench, camera, context.width, context.height, LiveView::Edges::kFast); !drawn)
       bench.complain(drawn.error());
     glFinish();
     watch.end(bench);

@@ -1,0 +1,30 @@
+// What a session has come to, as a value: two that are equal would be exported as the same mesh.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "sim/live/haptic_thread.h"
+#include "ui/app/live_scene.h"
+
+namespace kerf {
+
+struct CutStamp {
+  struct Object {
+    std::uint32_t id = 0;
+    Rigid3 T_world_object;
+    std::string name;  ///< files are called by it
+
+    bool operator==(const Object& other) const;
+  };
+  std::uint64_t generation = 0;  ///< of the workbench
+  std::uint64_t edits = 0;       ///< bricks that changed so far; it never falls
+  std::vector<Object> objects;   ///< in the scene
+
+  bool operator==(const CutStamp&) const = default;
+};
+
+CutStamp cutStampOf(std::uint64_t generation, const HapticReport& report, const LiveScene& scene);
+
+}  // namespace kerf

@@ -1,0 +1,56 @@
+// A picture that gets smooth edges from frame to frame while nothing in it moves. For a processor without a graphics
+// card: supersampled at once it would take 150 ms, and hands that start again would wait for it.
+#pragma once
+
+#include <epoxy/gl.h>
+
+#include <cstdint>
+#include <optional>
+
+#include "ui/window/gl_program.h"
+#include "ui/window/live_renderer.h"
+
+namespace kerf {
+
+/// Draws the same scene again and again, each time a part of a pixel aside, and shows the mean; after kSamples frames
+/// it shows what it has. As LiveRenderer: its context is current in every call, the destructor included.
+class StillPicture {
+ public:
+  static constexpr int kSamples = 4;
+
+  StillPicture() = default;
+  ~StillPicture();
+  StillPicture(const StillPicture&) = delete;
+  StillPicture& operator=(const StillPicture&) = delete;
+
+  /// As LiveRenderer::draw(). What differs from the last call starts anew. Planned cuts are drawn as ever: they move
+  /// with the hand.   @cost  two copies more than a frame, 15 ms at 1280 x 720; one copy once it is smooth.
+  Expected<void> draw(LiveRenderer& renderer, const Camera& camera, int width, int height, const LiveFrame& frame);
+  /// The next call starts anew.
+  void forget() { samples_ = 0; }
+  /// How many of kSamples are in what was shown last; 0: it was drawn as ever.
+  int samples() const { return samples_; }
+
+ private:
+  // What a picture is of.
+  struct Subject {
+    std::uint64_t content = 0;  // LiveRenderer::version()
+    Camera camera;
+    int width = 0, height = 0;
+    LiveFrame frame;
+  };
+  static bool isSame(const Subject& a, const Subject& b);
+  Expected<void> prepare(int width, int height);
+  void add(int sample);
+  void show(GLuint target, int width, int height);
+
+  std::optional<Subject> subject_;
+  int samples_ = 0;
+  int width_ = 0, height_ = 0;
+  internal::GlProgram square_, root_;
+  GLuint empty_array_ = 0;
+  GLuint drawn_target_ = 0, drawn_color_ = 0, drawn_depth_ = 0;  // one sample
+  GLuint mean_target_ = 0, mean_color_ = 0;                      // of the squares: light adds up, sRGB does not
+};
+
+}  // namespace kerf
