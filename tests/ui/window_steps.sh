@@ -1,11 +1,12 @@
 # shellcheck shell=bash disable=SC2154
 # What the tests of a person at the window share: an own display, an own folder, waiting, failing. Sourced by them,
-# behind `kerf=$1 window=$2`. Exit code 77: xvfb-run or xdotool is missing.
+# behind `kerf=$1 window=$2`. Before it, if wanted: size (of display and window, 800x600), dpi (of the display, 96).
+# Exit code 77: xvfb-run or xdotool is missing.
 for program in xvfb-run xdotool; do
   command -v $program >/dev/null || { printf '%s: %s is missing (Debian: xvfb, xdotool)\n' "$(basename "$0")" $program; exit 77; }
 done
 if [[ -z ${IN_XVFB:-} ]]; then
-  IN_XVFB=yes exec xvfb-run -a -s '-screen 0 800x600x24' "$0" "$@"
+  IN_XVFB=yes exec xvfb-run -a -s "-screen 0 ${size:-800x600}x24 -dpi ${dpi:-96}" "$0" "$@"
 fi
 
 folder=$(mktemp -d)
@@ -34,9 +35,12 @@ until_true() { # SECONDS WHAT COMMAND...: tries until the command is true
 }
 start() { # OPTIONS...: the window, with data and settings in the folder; it asks for files itself, zenity or not
   [[ -e $folder/config/settings.toml ]] || { mkdir -p "$folder/config"; echo 'file_dialog = "own"' >"$folder/config/settings.toml"; }
-  "$window" --data "$folder/data" --config "$folder/config" --size 800x600 "$@" >"$log" 2>&1 &
+  "$window" -v --data "$folder/data" --config "$folder/config" --size "${size:-800x600}" "$@" >"$log" 2>&1 &
   pid=$!
   until_true 60 'a window' xdotool search --name '.'
+}
+says() { # SECONDS WORDS: the window's notices hold these words, a regular expression
+  until_true "$1" "it says \"$2\"" grep -qE "^kerf-sim: (note|error): .*$2" "$log"
 }
 focus_once() { xdotool windowfocus "$(xdotool search --name "$1" | head -n 1)"; }
 focus() { # NAME: there is no window manager that would; a window that is not yet mapped refuses it
@@ -56,3 +60,13 @@ ends_with() {
   [[ $code == "$1" ]] || fail "exit code $code, not $1"
 }
 whole() { [[ -s $1 ]] && "$kerf" check "$1"; }
+# NAME: the display as a picture in the folder KERF_TEST_PICTURES, for people who look at what a test does.
+shot() { [[ -z ${KERF_TEST_PICTURES:-} ]] || import -window root "$KERF_TEST_PICTURES/$1.png"; }
+command_line() { # TEXT: a command with its parameters, through the palette
+  xdotool key ctrl+shift+p
+  sleep 0.7
+  xdotool type --delay 40 "$1"
+  sleep 0.5
+  xdotool key Return
+  sleep 0.7
+}
