@@ -19,6 +19,39 @@ constexpr double kMostAside = 1;       // mm, against what pushes a tool out of 
 constexpr double kFeeler = 0.05;       // mm ahead, where what is kept is felt for
 constexpr double kSteepest = 0.15;     // of a slope: along a wall there is no height to be found
 
+// From a height along the axis to the surface, along the line through a place: one step of Newton's method, mm.
+double stepToSurface(const BrickField& surface, const Rigid3& to_surface, const Vec3d& axis, const Vec3d& through,
+                     double height) noexcept {
+  const Vec3d foot = through - axis.dot(through) * axis;
+  const double voxel = surface.voxel();
+
+  const double here = surface.sample(to_surface * (foot + height * axis));
+  const double before = surface.sample(to_surface * (foot + (height - voxel) * axis));
+  const double falls = (before - here) / voxel;
+  const bool is_near = std::abs(here) < 0.9 * static_cast<double>(surface.background());
+  return is_near && falls > kSteepest ? here / falls : here;
+}
+
+// The height of the surface at a place. Along a wall, where there is none, the one that is searched from.
+double heightAt(const BrickField& surface, const Rigid3& to_surface, const Vec3d& axis, const Vec3d& through,
+                double from) noexcept {
+  constexpr int kSteps = 8;
+  constexpr double kFound = 0.01;  // mm
+  double height = from, step = 0;
+  for (int n = 0; n < kSteps; ++n) {
+    step = stepToSurface(surface, to_surface, axis, through, height);
+    height += std::clamp(step, -kAround, kAround);
+    if (std::abs(step) < kFound) return height;
+  }
+  return from;
+}
+
+// Not far beyond anchor and pointer: a cliff beside the stroke is none of it.
+double nearStroke(const MouseAim& aim, const Vec3d& axis, double height) noexcept {
+  const double anchor = axis.dot(aim.anchor), pointer = axis.dot(aim.pointer);
+  return std::clamp(height, std::min(anchor, pointer) - kAround, std::max(anchor, pointer) + kAround);
+}
+
 }  // namespace
 
 MouseHand::MouseHand(std::shared_ptr<const BrickField> surface, const Rigid3& start, double stiffness,
@@ -135,18 +168,8 @@ Vec3d MouseHand::givesWay() const noexcept {
 void MouseHand::followSurface() noexcept {
   if (!surface_ || surface_->isEmpty()) return;
   const Vec3d& a = axis_;
-  const Vec3d foot = front() - a.dot(front()) * a;
-  const double voxel = surface_->voxel();
-
-  const double here = surface_->sample(to_surface_ * (foot + height_ * a));
-  const double before = surface_->sample(to_surface_ * (foot + (height_ - voxel) * a));
-  const double falls = (before - here) / voxel;
-  const bool is_near = std::abs(here) < 0.9 * static_cast<double>(surface_->background());
-  const double step = is_near && falls > kSteepest ? here / falls : here;
-  height_ += std::clamp(step, -kSurfaceStep, kSurfaceStep);
-
-  const double anchor = a.dot(aim_.anchor), pointer = a.dot(aim_.pointer);
-  height_ = std::clamp(height_, std::min(anchor, pointer) - kAround, std::max(anchor, pointer) + kAround);
+  const double step = stepToSurface(*surface_, to_surface_, a, front(), height_);
+  height_ = nearStroke(aim_, a, height_ + std::clamp(step, -kSurfaceStep, kSurfaceStep));
 }
 
 void MouseHand::moveSideways() noexcept {
@@ -191,9 +214,15 @@ void MouseHand::moveAlong(bool is_pressed) noexcept {
 
   double to = at;
   if (is_pressed) {
-    // The tool stops at the depth, not the hand: that is ahead of the tool by what the coupling gives way.
+    // The tool stops at the depth, not the hand: that is ahead of the tool by what the coupling gives way. On a slope
+    // the surface is lower under the one than under the other: the higher of the two counts.
     const double felt = -felt_.dot(a);
-    const double to_depth = height_ + std::max(aim_.depth, -kClearance) - reach_ - (at + a.dot(givesWay()));
+    double height = height_;
+    if (surface_ && !surface_->isEmpty()) {
+      const double at_tool = heightAt(*surface_, to_surface_, a, front() + givesWay(), height_);
+      height = std::min(height, nearStroke(aim_, a, at_tool));
+    }
+    const double to_depth = height + std::max(aim_.depth, -kClearance) - reach_ - (at + a.dot(givesWay()));
     const double left = std::min(to_depth, kept_.value_or(to_depth));
     speed_ += kSmooth * ((left_.value_or(left) - left) / kTick - speed_);
     left_ = left;
