@@ -8,7 +8,7 @@
 //   along the axis   v = g (wanted - felt), at most kApproach; wanted is the force, and falls within 0.05 mm of the
 //                    depth of the tool, which is the hand's less felt / K
 //   sideways         v = kFollow (pointer - hand), at most kSideways, less as the side force felt nears its limit
-//   surface          followed from tick to tick by Newton's method on the field as loaded
+//   surface          as loaded: followed under the hand tick by tick, found under the tool; the higher one counts
 //   what is kept     l = distance of the tool to pulp, nerve or neighbour - what shall be left; the way to the depth is
 //   l at most.
 //                    Sideways the hand nears it no faster than kBrake l, and draws the tool towards it with a force
@@ -91,7 +91,7 @@ class MouseHand final : public DeviceSource {
   /// The newest wish. One thread.
   void aim(const MouseAim& aim) noexcept;
 
-  /// @rt  @cost  two trilinear samples of the field; near a structure that is kept up to 60 us more for each.
+  /// @rt  @cost  4 to 18 trilinear samples of the field; near a structure that is kept up to 60 us more for each.
   DeviceSample read() noexcept override;
   void write(const DeviceForce& force) noexcept override {
     felt_ = force.force;
