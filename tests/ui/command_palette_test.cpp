@@ -69,6 +69,20 @@ TEST_F(CommandPaletteTest, AnIdMayHaveItsParametersBehindIt) {
   EXPECT_EQ(bench_.depth_mm, 1.5);
 }
 
+TEST_F(CommandPaletteTest, AlsoThoseThatMayBeLeftOut) {
+  palette_.type("cut.deeper 0.25");
+  const double before = bench_.depth_mm;
+  palette_.accept(context_);
+  EXPECT_FALSE(palette_.isShown()) << palette_.error();
+  EXPECT_NEAR(bench_.depth_mm, before + 0.25, 1e-12);
+
+  palette_.show();
+  palette_.type("cut.deeper");
+  palette_.accept(context_);
+  EXPECT_FALSE(palette_.isShown()) << palette_.error();
+  EXPECT_NEAR(bench_.depth_mm, before + 0.35, 1e-12) << "left out, it is 0.1 mm";
+}
+
 TEST_F(CommandPaletteTest, WhatCannotBeDoneNowIsSaidAndNotDone) {
   palette_.type("edit.undo");
   palette_.accept(context_);

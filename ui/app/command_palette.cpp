@@ -82,9 +82,11 @@ void CommandPalette::search() {
   selected_ = 0;
   if (asked_) return;
   found_ = findAppCommands(text_);
-  // Parameters behind an id: "cut.force 2".
-  const AppCommand* const whole = findAppCommand(std::string_view(text_).substr(0, text_.find(' ')));
-  if (whole && needsParameters(*whole)) found_ = {whole};
+  // Parameters behind an id: "cut.force 2"; also those that may be left out: "saw.cut 8".
+  const std::size_t blank = text_.find(' ');
+  const AppCommand* const whole = findAppCommand(std::string_view(text_).substr(0, blank));
+  const bool has_parameters = whole && !whole->parameters.empty();
+  if (has_parameters && (needsParameters(*whole) || blank != text_.npos)) found_ = {whole};
 }
 
 void CommandPalette::type(std::string_view characters) {
