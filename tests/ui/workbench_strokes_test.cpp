@@ -1,0 +1,142 @@
+// Strokes on the workbench: what of which tissue they removed, a push that is harder while Shift is down, and the demo
+// arch, which is opened as any scan is.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+
+#include "geometry/formats/mesh_writer.h"
+#include "tests/support/open_block.h"
+#include "tests/support/temporary_folder.h"
+#include "ui/app/app_commands.h"
+#include "ui/app/app_script.h"
+#include "ui/app/pointing.h"
+#include "ui/app/workbench.h"
+
+namespace kerf {
+namespace {
+
+namespace fs = std::filesystem;
+
+class WorkbenchStrokesTest : public testing::Test {
+ protected:
+  void begin(double voxel, std::vector<std::string> tools = {"round-014"}) {
+    WorkbenchOptions options;
+    options.data_folder = folder_.path() / "data";
+    options.tools = std::move(tools);
+    options.voxel_mm = voxel;
+    options.real_time = {.priority = 0, .lock_memory = false};
+    bench_ = std::make_unique<Workbench>(options);
+  }
+  Expected<void> play(const std::string& script) {
+    AppContext context{.bench = *bench_, .camera = camera_, .width = 400, .height = 300};
+    return runScript(context, folder_.write("script.ks", script), [&] { bench_->update(); });
+  }
+  // By the simulation's clock.
+  void wait(double seconds) {
+    const auto until = bench_->report().tick + static_cast<std::uint64_t>(seconds / kTick);
+    while (bench_->report().tick < until) bench_->update();
+  }
+  std::string said() const {
+    std::string out;
+    for (const Notice& notice : bench_->notices()) out += notice.text + "\n";
+    return out;
+  }
+
+  TemporaryFolder folder_;
+  std::unique_ptr<Workbench> bench_;
+  Camera camera_ = *cameraFromView("top");
+};
+
+// Labels of a CT, 20 x 20 x 10 voxels of 0.4 mm of cortical bone, and from 0.4 mm below its top a canal 3 mm wide.
+std::string boneAndCanal() {
+  std::string out =
+      "NRRD0004\ntype: unsigned char\ndimension: 3\nsizes: 24 24 14\nencoding: ascii\nspace: "
+      "left-posterior-superior\nspace directions: (0.4,0,0) (0,0.4,0) (0,0,0.4)\nspace origin: (0,0,0)\n"
+      "Segment0_LabelValue:=1\nSegment0_Name:=Mandible\nSegment1_LabelValue:=2\nSegment1_Name:=Nerve canal\n\n";
+  for (int k = 0; k < 14; ++k)
+    for (int j = 0; j < 24; ++j)
+      for (int i = 0; i < 24; ++i) {
+        const bool is_in = i > 1 && i < 22 && j > 1 && j < 22 && k > 1 && k < 12;
+        const bool is_canal = j > 7 && j < 16 && k > 4 && k < 11;
+        out += is_in ? is_canal ? "2\n" : "1\n" : "0\n";
+      }
+  return out;
+}
+
+TEST_F(WorkbenchStrokesTest, WhatIsRemovedIsCountedTissueByTissue) {
+  begin(0.2);
+  const fs::path labels = folder_.write("ct.nrrd", boneAndCanal());
+  ASSERT_TRUE(play("file.open \"" + labels.string() + "\"\nwait\nview.top\nview.fit\ncut.force 3\ncut.depth 0.15\n" +
+                   "cut.press 200 150\nwait 2\ncut.release\nwait 0.3\n"))
+      << said();
+  EXPECT_GT(bench_->removedOf(Material::kCortical), 0.02);
+  EXPECT_NEAR(bench_->removedOf(Material::kNerveCanal), 0, 1e-3) << "not that deep yet";
+  EXPECT_EQ(bench_->removedOf(Material::kEnamel), 0) << "there is none";
+
+  ASSERT_TRUE(play("cut.depth 1.5\ncut.press 200 150\nwait 5\ncut.release\nwait 0.3\n")) << said();
+  const double bone = bench_->removedOf(Material::kCortical), canal = bench_->removedOf(Material::kNerveCanal);
+  EXPECT_GT(canal, 0.05);
+  EXPECT_NEAR(bone + canal, bench_->removedMm3(), 1e-6) << "nothing is counted twice or left out";
+
+  ASSERT_TRUE(play("edit.undo\nwait 0.3\nedit.undo\nwait 0.3\n"));
+  EXPECT_NEAR(bench_->removedOf(Material::kCortical), 0, 1e-9);
+  EXPECT_NEAR(bench_->removedOf(Material::kNerveCanal), 0, 1e-9);
+  ASSERT_TRUE(play("file.close\nwait\n"));
+  EXPECT_EQ(bench_->removedOf(Material::kCortical), 0) << "nothing is open";
+}
+
+TEST_F(WorkbenchStrokesTest, PushedHarderAStrokePushesTwiceAsHardUntilThatEnds) {
+  begin(0.1);
+  const fs::path block = folder_.path() / "block.ply";
+  ASSERT_TRUE(writeMesh(block, test::blockMesh(false)));
+  ASSERT_TRUE(play("file.open \"" + block.string() +
+                   "\"\nwait\nview.fit\ncut.force 0.6\ncut.depth 2.5\ncut.press 200 150\nwait 1.5\n"))
+      << said();
+  // The mean of a second: in a kerf that deepens the force wavers.
+  const auto felt = [&] {
+    double sum = 0;
+    constexpr int kLooks = 20;
+    for (int n = 0; n < kLooks; ++n) {
+      wait(0.05);
+      sum += bench_->report().output.force.force[2];
+    }
+    return sum / kLooks;
+  };
+  EXPECT_NEAR(felt(), 0.6, 0.06);
+  bench_->pushHarder(2);
+  wait(0.3);
+  EXPECT_NEAR(felt(), 1.2, 0.12);
+  EXPECT_EQ(bench_->force, 0.6) << "the slider stays";
+  bench_->pushHarder(1);
+  wait(0.3);
+  EXPECT_NEAR(felt(), 0.6, 0.06);
+
+  // Not beyond what a hand is allowed.
+  bench_->setForce(Workbench::kMostForce);
+  bench_->pushHarder(2);
+  wait(0.3);
+  EXPECT_LE(felt(), Workbench::kMostForce * 1.05);
+}
+
+TEST_F(WorkbenchStrokesTest, TheDemoArchOpensAndIsCut) {
+  begin(0.3);
+  ASSERT_TRUE(play("file.demo arch\nwait\n")) << said();
+  ASSERT_TRUE(bench_->isOpen());
+  EXPECT_EQ(bench_->name(), "arch");
+  EXPECT_TRUE(bench_->arch()) << "a full arch: its teeth have sides";
+  EXPECT_TRUE(bench_->occlusalNormal());
+
+  // Looked at from above, on the first thing that is there along the middle row of pixels.
+  ASSERT_TRUE(play("view.top\nview.fit\ncut.force 2\n"));
+  int x = 0;
+  while (x < 400 && !bench_->over(rayUnder(camera_, x, 150, 400, 300))) x += 4;
+  ASSERT_LT(x, 400) << "nothing is in the picture";
+  const auto cut =
+      play(fmt::format("cut.press {} 150\nwait 3\ncut.release\nwait 0.3\nexpect removed 0.05 50\n", x + 8));
+  EXPECT_TRUE(cut) << cut.error().message();
+}
+
+}  // namespace
+}  // namespace kerf
