@@ -5,14 +5,11 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cerrno>
-#include <chrono>
 #include <cstring>
 #include <filesystem>
 #include <mutex>
 #include <system_error>
-#include <thread>
 
 namespace kerf {
 namespace {
@@ -87,13 +84,15 @@ std::vector<HidInfo> listHid() {
   return out;
 }
 
-// hidapi keeps the text of a device's last error in the device: two calls that fail at once would free it twice.
+// hidapi keeps the text of a device's last error in the device: two calls that fail at once would free it twice. Hence
+// one for each way. The system keeps 64 reports for the one that is never read, and drops those that follow.
 struct HidPort::Handle {
-  hid_device* device = nullptr;
-  std::mutex in_use;
-  std::atomic<int> writers{0};  // that wait or write: the reader, which is always back at once, lets them go first
+  hid_device* reads = nullptr;
+  hid_device* writes = nullptr;
+  std::mutex writing;
   ~Handle() {
-    if (device) hid_close(device);
+    for (hid_device* device : {reads, writes})
+      if (device) hid_close(device);
   }
 };
 
@@ -116,8 +115,9 @@ Expected<HidPort> HidPort::open(const std::string& path) {
 
   auto handle = std::make_unique<Handle>();
   errno = 0;
-  handle->device = hid_open_path(path.c_str());
-  if (handle->device) return HidPort(std::move(handle));
+  handle->reads = hid_open_path(path.c_str());
+  if (handle->reads) handle->writes = hid_open_path(path.c_str());
+  if (handle->writes) return HidPort(std::move(handle));
   const int reason = errno;
   return fail({.code = Error::Code::kNotFound,
                .file = path,
@@ -127,41 +127,22 @@ Expected<HidPort> HidPort::open(const std::string& path) {
 }
 
 int HidPort::read(std::span<std::uint8_t> report, int wait_ms) noexcept {
-  while (handle_->writers.load() > 0) std::this_thread::sleep_for(std::chrono::microseconds(200));
-  const std::lock_guard lock(handle_->in_use);
-  return hid_read_timeout(handle_->device, report.data(), report.size(), wait_ms);
+  return hid_read_timeout(handle_->reads, report.data(), report.size(), wait_ms);
 }
-
-namespace {
-
-// A call that the reader lets go first.
-template <class Call>
-int beforeReading(std::atomic<int>& writers, std::mutex& in_use, const Call& call) noexcept {
-  ++writers;
-  int out = -1;
-  {
-    const std::lock_guard lock(in_use);
-    out = call();
-  }
-  --writers;
-  return out;
-}
-
-}  // namespace
 
 bool HidPort::write(std::span<const std::uint8_t> report) noexcept {
-  return beforeReading(handle_->writers, handle_->in_use,
-                       [&] { return hid_write(handle_->device, report.data(), report.size()); }) >= 0;
+  const std::lock_guard lock(handle_->writing);
+  return hid_write(handle_->writes, report.data(), report.size()) >= 0;
 }
 
 bool HidPort::setFeature(std::span<const std::uint8_t> report) noexcept {
-  return beforeReading(handle_->writers, handle_->in_use,
-                       [&] { return hid_send_feature_report(handle_->device, report.data(), report.size()); }) >= 0;
+  const std::lock_guard lock(handle_->writing);
+  return hid_send_feature_report(handle_->writes, report.data(), report.size()) >= 0;
 }
 
 int HidPort::getFeature(std::span<std::uint8_t> report) noexcept {
-  return beforeReading(handle_->writers, handle_->in_use,
-                       [&] { return hid_get_feature_report(handle_->device, report.data(), report.size()); });
+  const std::lock_guard lock(handle_->writing);
+  return hid_get_feature_report(handle_->writes, report.data(), report.size());
 }
 
 }  // namespace kerf

@@ -30,8 +30,8 @@ struct HidInfo {
 /// time.
 std::vector<HidInfo> listHid();
 
-/// An open interface. Reading and writing may be done by two threads; one waits for the other, reading for writing
-/// first.
+/// An open interface. One thread may read while others write, and neither waits for the other: its node is open twice,
+/// since hidapi bears no two calls at once on one. Writers wait for each other.
 class HidPort {
  public:
   /// Errors: kUnreadable, with the udev rule where permission is what is missing; kNotFound.

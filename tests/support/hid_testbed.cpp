@@ -53,10 +53,14 @@ struct Node {
   std::deque<Bytes> queue;  // guarded by mutex, as the next two
   std::vector<Bytes> written;
   bool is_gone = false;
+  bool holds_writes = false;  // guarded by mutex, as the next
+  std::vector<UMockdevIoctlClient*> held;
   std::function<Bytes(std::uint8_t)> get_feature;
   std::function<void(const Bytes&)> set_feature;
   bool is_bluetooth = false;
 
+  // While who calls it holds the mutex.
+  void letWritesGo();
   void wake() const {
     const char token = 1;
     check(::write(fd, &token, 1) == 1, "waking a reader");
@@ -148,21 +152,35 @@ gboolean onRead(UMockdevIoctlBase*, UMockdevIoctlClient* client, gpointer user) 
   return TRUE;
 }
 
-gboolean onWrite(UMockdevIoctlBase*, UMockdevIoctlClient* client, gpointer user) {
-  Node& node = *static_cast<Node*>(user);
-  gsize size = 0;
-  guint8* bytes = nullptr;
-  UMockdevIoctlData* const data = umockdev_ioctl_client_get_arg(client);
-  bytes = data->data;
-  size = static_cast<gsize>(data->data_len);
-
-  const std::lock_guard lock(node.mutex);
+// While it holds the node's mutex.
+void takeWrite(Node& node, UMockdevIoctlClient* client) {
   if (node.is_gone) {
     umockdev_ioctl_client_complete(client, -1, EIO);
-    return TRUE;
+    return;
   }
-  node.written.emplace_back(bytes, bytes + size);
-  umockdev_ioctl_client_complete(client, static_cast<glong>(size), 0);
+  const UMockdevIoctlData* const data = umockdev_ioctl_client_get_arg(client);
+  node.written.emplace_back(data->data, data->data + data->data_len);
+  umockdev_ioctl_client_complete(client, static_cast<glong>(data->data_len), 0);
+}
+
+}  // namespace
+
+void Node::letWritesGo() {
+  for (UMockdevIoctlClient* client : std::exchange(held, {})) {
+    takeWrite(*this, client);
+    g_object_unref(client);
+  }
+}
+
+namespace {
+
+gboolean onWrite(UMockdevIoctlBase*, UMockdevIoctlClient* client, gpointer user) {
+  Node& node = *static_cast<Node*>(user);
+  const std::lock_guard lock(node.mutex);
+  if (node.holds_writes)
+    node.held.push_back(static_cast<UMockdevIoctlClient*>(g_object_ref(client)));
+  else
+    takeWrite(node, client);
   return TRUE;
 }
 
@@ -253,6 +271,7 @@ void HidTestbed::unplug(const SimulatedHid& what) {
       const std::lock_guard lock(node.mutex);
       node.is_gone = true;
       node.wake();
+      node.letWritesGo();
     }
     const std::string hid = "/sys" + interfaceFolder(what, n) + "/" + hidName(what, n);
     umockdev_testbed_remove_device(state_->bed, (hid + "/hidraw/hidraw" + std::to_string(number)).c_str());
@@ -279,6 +298,19 @@ Bytes HidTestbed::lastWritten(int node_number) const {
   Node& node = *state_->nodes.at(node_number);
   const std::lock_guard lock(node.mutex);
   return node.written.empty() ? Bytes() : node.written.back();
+}
+
+void HidTestbed::holdWrites(int node_number, bool are_held) {
+  Node& node = *state_->nodes.at(node_number);
+  const std::lock_guard lock(node.mutex);
+  node.holds_writes = are_held;
+  if (!are_held) node.letWritesGo();
+}
+
+std::size_t HidTestbed::heldWrites(int node_number) const {
+  Node& node = *state_->nodes.at(node_number);
+  const std::lock_guard lock(node.mutex);
+  return node.held.size();
 }
 
 void HidTestbed::forgetWritten(int node_number) {

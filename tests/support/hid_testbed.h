@@ -42,6 +42,10 @@ class HidTestbed {
   static std::string path(int node) { return "/dev/hidraw" + std::to_string(node); }
   Bytes lastWritten(int node) const;  ///< empty: nothing
   void forgetWritten(int node);
+  /// Writes to the node from now on take until it is called with false: only then they are written, in their order.
+  void holdWrites(int node, bool are_held);
+  /// Writes that are being held.
+  std::size_t heldWrites(int node) const;
   /// What was written since it was asked last; written() and lastWritten() know nothing of it any more.
   std::vector<Bytes> takeWritten(int node);
   /// What the device answers when it is asked for a feature report, and what it does with one that is set; both with

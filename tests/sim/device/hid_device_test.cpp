@@ -212,6 +212,19 @@ TEST_F(HidDevices, AListenerHearsEveryReportAsItCame) {
   EXPECT_EQ(heard, (std::vector<Bytes>{kRight, kTurned, {0x42}, kRest}));
 }
 
+TEST_F(HidDevices, AWriteThatIsStuckKeepsNoReportFromComing) {
+  bed_->plugIn({});
+  const auto found = chooseDevice(findDevices(), "");
+  bed_->holdWrites(0, true);
+  const auto device = HidDevice::open(*found);
+  ASSERT_TRUE(device);
+  ASSERT_TRUE(until([&] { return bed_->heldWrites(0) == 1; })) << "its light";
+  bed_->send(0, kRight);
+  EXPECT_TRUE(until([&] { return (*device)->axes()[0] == 1; }));
+  EXPECT_EQ(bed_->heldWrites(0), 1u) << "still stuck";
+  bed_->holdWrites(0, false);
+}
+
 TEST_F(HidDevices, OfSeveralNoneIsTakenByItsPlace) {
   bed_->plugIn({.serial = "A"});
   bed_->plugIn({.serial = "B", .port = 2, .first_node = 1});
