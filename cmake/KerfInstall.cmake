@@ -2,7 +2,8 @@
 #
 # From outside: find_package(kerf) gives kerf::geometry and kerf::sim, find_package(kerf COMPONENTS preprocess) also
 # kerf::preprocess. Static libraries: who links them needs the libraries of KerfLibraries.cmake. kerf_volumes.so is loaded
-# by whoever reads a volume, from where it was installed or from lib/kerf beside the program.
+# by whoever reads a volume, from where it was installed or from lib/kerf beside the program; kerf-zero-guard is started
+# from there by whoever opens a device that keeps its force.
 include(CMakePackageConfigHelpers)
 set(package ${CMAKE_INSTALL_LIBDIR}/cmake/kerf)
 
@@ -25,6 +26,7 @@ install(TARGETS kerf_options kerf_geometry kerf_exact kerf_files kerf_sim EXPORT
         ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(EXPORT kerfTargets NAMESPACE kerf:: DESTINATION ${package})
 install(TARGETS kerf_volumes LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/kerf)
+install(TARGETS kerf_zero_guard RUNTIME DESTINATION ${CMAKE_INSTALL_LIBDIR}/kerf)
 install(TARGETS kerf_preprocess kerf_close_exact EXPORT kerfPreprocessTargets
         ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(EXPORT kerfPreprocessTargets NAMESPACE kerf:: DESTINATION ${package})

@@ -32,6 +32,10 @@ struct ArmDriver {
   const char* id;         ///< "woody"
   const char* people;     ///< what it is for, for people
   DeviceProfile profile;  ///< of the device alone
+  /// Its firmware goes on with the last force for longer than 20 ms: a guard takes it away when Kerf is killed.
+  bool keeps_force;
+  /// Its encoders do not say where it is: no force since it was opened, until it was calibrated.
+  bool needs_calibration;
   /// Name of the device for people; null: the driver is not for it.
   const char* (&nameOf)(const HidInfo& info);
   /// Takes over what a report says. @param report  as HidPort::read() gives it.

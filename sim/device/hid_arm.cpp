@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <mutex>
 
 #include "sim/device/arm_thread.h"
 #include "sim/device/device_driver.h"
+#include "sim/device/zero_guard.h"
 
 namespace kerf {
 namespace {
@@ -63,6 +65,7 @@ struct HidArm::State {
 
   const FoundArm what;
   HidPort port;
+  ZeroGuard guard;  // of an arm that keeps its force
   HidArm* arm = nullptr;
   std::atomic<bool> wants_calibration{false};
 
@@ -73,7 +76,7 @@ struct HidArm::State {
   std::int64_t last_sent = 0;
 
   internal::ArmThread thread;
-  bool is_unplugged = false, is_stuck = false;  // guarded by the thread's mutex
+  bool is_unplugged = false, is_stuck = false, is_unguarded = false;  // guarded by the thread's mutex
 };
 
 void HidArm::State::exchange() {
@@ -126,7 +129,8 @@ bool HidArm::State::receive() {
 }
 
 void HidArm::State::answer(std::int64_t when) {
-  const ForceFrame next = arm->link_.answer(newest, when);
+  const bool has_no_guard = what.driver->keeps_force && !guard.isThere();
+  const ForceFrame next = has_no_guard ? ForceFrame{} : arm->link_.answer(newest, when);
   const bool is_news = next.hand_number != last.hand_number || next.is_enabled != last.is_enabled ||
                        next.force != last.force || next.torque != last.torque;
   if (!is_news && when - last_sent < kSendAgain) return;
@@ -139,12 +143,13 @@ void HidArm::State::answer(std::int64_t when) {
   thread.counts.forces += is_taken;
   thread.counts.is_enabled = is_taken && next.is_enabled;
   is_stuck = !is_taken;
+  is_unguarded = has_no_guard;
 }
 
 void HidArm::State::sendCalibration() {
   ArmReportBytes bytes{};
   const std::size_t size = what.driver->calibrate(what.info, bytes);
-  if (size > 0) port.write({bytes.data(), size});
+  if (size > 0 && port.write({bytes.data(), size})) arm->link_.needs_calibration = false;
 }
 
 HidArm::HidArm(const ArmSettings& settings, const Rigid3& start, std::unique_ptr<State> state)
@@ -159,6 +164,14 @@ Expected<std::unique_ptr<HidArm>> HidArm::open(const FoundArm& found, const ArmS
   std::unique_ptr<HidArm> arm(new HidArm(settings, start, std::make_unique<State>(found, std::move(port))));
   State& s = *arm->state_;
   s.thread.listener = std::move(listener);
+  arm->link_.needs_calibration = found.driver->needs_calibration;
+  if (found.driver->keeps_force) {
+    ArmReportBytes bytes{};
+    const std::size_t size = found.driver->write({}, {}, found.info, bytes);
+    const ZeroGuard::Report zero(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
+    KERF_TRY(started, ZeroGuard::start(found.info.path, std::array{zero, zero}));
+    s.guard = std::move(started);
+  }
   KERF_CHECK(s.thread.start([&s] { s.exchange(); }, found.info.path, ""));
   return arm;
 }
@@ -173,6 +186,8 @@ ArmCounts HidArm::counts() const {
     out.trouble = "it was unplugged: plug it in";
   else if (state_->is_stuck)
     out.trouble = "it takes no report: plug it out and in";
+  else if (state_->is_unguarded)
+    out.trouble = "it gives no force: the process that guards it is gone; close it, and open it anew";
   else if (!out.is_talking)
     out.trouble = "it says nothing: switch it on; another program may have taken it";
   return out;

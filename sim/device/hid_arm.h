@@ -31,7 +31,8 @@ Expected<FoundArm> chooseArm(const std::vector<FoundArm>& arms, const std::strin
 
 class HidArm final : public ForceArm {
  public:
-  /// Errors: those of HidPort::open(); kBadValue: no thread.
+  /// Errors: those of HidPort::open(); of an arm that keeps its force those of ZeroGuard::start(); kBadValue: no
+  /// thread.
   static Expected<std::unique_ptr<HidArm>> open(const FoundArm& found, const ArmSettings& settings,
                                                 const Rigid3& start = {}, ArmListener listener = {});
   /// Writes no force.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -10,6 +11,7 @@
 #include <thread>
 
 #include "sim/device/device_driver.h"
+#include "sim/device/zero_guard.h"
 #include "sim/hand/triple_buffer.h"
 
 namespace kerf {
@@ -49,6 +51,7 @@ struct PidDevice::State {
   };
   HidPort port;
   const PidReports reports;
+  ZeroGuard guard;
   std::uint8_t constant = 0, damper = 0, sine = 0;  // blocks; 0: it has none
   TripleBuffer<Wish> wishes;
   std::atomic<bool> is_stopping{false}, is_connected{true};
@@ -160,7 +163,7 @@ void PidDevice::State::write() {
     const Wish& newest = wishes.front();
     const double age = 1e-9 * static_cast<double>(deviceClock() - newest.wished_ns);
     PidWish wish = newest.wished_ns != 0 && age < kStale ? newest.wish : PidWish{};
-    if (!std::isfinite(wish.right) || !std::isfinite(wish.away) || !std::isfinite(wish.damping) ||
+    if (!guard.isThere() || !std::isfinite(wish.right) || !std::isfinite(wish.away) || !std::isfinite(wish.damping) ||
         !std::isfinite(wish.shake) || !std::isfinite(wish.shake_hz))
       wish = {};
     update(wish);
@@ -192,6 +195,9 @@ Expected<std::unique_ptr<PidDevice>> PidDevice::open(const HidInfo& info) {
   KERF_TRY(port, HidPort::open(info.path));
   std::unique_ptr<PidDevice> device(new PidDevice(std::make_unique<State>(std::move(port), std::move(reports))));
   State& s = *device->state_;
+  const std::array stop{s.reports.control(PidControl::kStopAll), s.reports.control(PidControl::kDisable)};
+  KERF_TRY(guard, ZeroGuard::start(info.path, stop));
+  s.guard = std::move(guard);
   if (const auto begun = s.begin(); !begun) {
     s.end();
     return fail(begun.error());

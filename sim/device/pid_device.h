@@ -5,8 +5,9 @@
 //   PidDevice:  reset, stop all, actuators on ─▶ create and load an effect each ─▶ start; then updates,
 //               and starts anew; at the end stop all, free each, actuators off
 //
-// An effect lasts PidReports::kLasts and is started again long before: a device whose Kerf was killed stops by itself.
-// One whose effects have no duration goes on; stopsByItself() tells.
+// A guard (zero_guard.h) stops all effects when Kerf is killed. And an effect lasts PidReports::kLasts and is started
+// again long before: a device whose Kerf was stopped ends it by itself. One whose effects have no duration goes on;
+// stopsByItself() tells.
 //
 // PidReports: functions of their arguments alone. PidDevice: a thread that writes, at most 250 updates a second.
 #pragma once
@@ -89,7 +90,7 @@ class PidDevice {
   static constexpr double kStale = 0.1;         ///< s: then no force
   static constexpr double kStartAgain = 0.025;  ///< s: three starts may be lost before an effect ends
 
-  /// Errors: kUnsupported; kUnreadable: its pool gives no effect; those of HidPort::open().
+  /// Errors: kUnsupported; kUnreadable: its pool gives no effect; those of HidPort::open() and ZeroGuard::start().
   static Expected<std::unique_ptr<PidDevice>> open(const HidInfo& info);
   /// Stops and frees all.
   ~PidDevice();
@@ -98,7 +99,7 @@ class PidDevice {
 
   /// Which effects it has.
   bool has(PidEffect effect) const noexcept;
-  /// Its effects end by themselves within PidReports::kLasts when this program is killed.
+  /// Its effects end by themselves, within PidReports::kLasts, when nothing is written any more.
   bool stopsByItself() const noexcept;
   /// The newest wish, to be repeated. Any one thread. Never waits.
   void set(const PidWish& wish) noexcept;

@@ -155,7 +155,14 @@ FrameFault decodeRawForce(Bytes report, ForceFrame& out) noexcept {
 }
 
 extern const ArmDriver kRawArm;
-const ArmDriver kRawArm{"rawhid", "an arm of one's own, by Kerf's profile", {.delay_s = 0.002}, nameOf, take, write,
+const ArmDriver kRawArm{"rawhid",
+                        "an arm of one's own, by Kerf's profile",
+                        {.delay_s = 0.002},
+                        false,  // each report has its deadline
+                        false,
+                        nameOf,
+                        take,
+                        write,
                         calibrate};
 
 }  // namespace kerf

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -10,6 +11,7 @@
 #include <thread>
 
 #include "sim/device/device_driver.h"
+#include "sim/device/zero_guard.h"
 #include "sim/hand/triple_buffer.h"
 
 namespace kerf {
@@ -96,6 +98,7 @@ struct RumblePad::State {
   };
   HidPort port;
   const PadKind kind;
+  ZeroGuard guard;
   TripleBuffer<Wish> wishes;
   std::atomic<bool> is_stopping{false}, is_connected{true};
   std::thread thread;
@@ -117,7 +120,7 @@ void RumblePad::State::write() {
     const std::int64_t now = deviceClock();
     const Wish& wish = wishes.front();
     const bool is_news = wish.wished_ns != 0 && static_cast<double>(now - wish.wished_ns) < 1e9 * kStale;
-    const Rumble wanted = is_news ? wish.rumble : Rumble{};
+    const Rumble wanted = is_news && guard.isThere() ? wish.rumble : Rumble{};
     const bool fades = last != Rumble{} && now - written > kAgain;
     if (wanted != last || fades) send(wanted, now);
     std::this_thread::sleep_for(kPause);
@@ -136,6 +139,9 @@ Expected<std::unique_ptr<RumblePad>> RumblePad::open(const HidInfo& info, PadKin
   KERF_TRY(port, HidPort::open(info.path));
   std::unique_ptr<RumblePad> pad(new RumblePad(std::make_unique<State>(std::move(port), kind)));
   State& s = *pad->state_;
+  const std::array rest{rumbleReport(kind, {}, 0)};
+  KERF_TRY(guard, ZeroGuard::start(info.path, rest));
+  s.guard = std::move(guard);
   try {
     s.thread = std::thread([&s] { s.write(); });
   } catch (const std::system_error& e) {

@@ -3,8 +3,8 @@
 //
 //   window ──newest wish──▶ thread ──report──▶ pad          at most 100 a second, and only what has changed
 //
-// A pad goes on shaking until it is told otherwise: a wish older than kStale is zero, and so is the end. One that is
-// killed leaves the last strength behind, until the pad is switched off; on Xbox for 2.5 s.
+// A pad goes on shaking until it is told otherwise: a wish older than kStale is zero, and so is the end. When Kerf is
+// killed a guard (zero_guard.h) tells it; without one it does not shake.
 #pragma once
 
 #include <array>
@@ -37,7 +37,7 @@ class RumblePad {
   static constexpr double kStale = 0.2;  ///< s
 
   /// @param vendor, product  of the pad that is in use.   Errors: kNotFound: none, or one that cannot shake; kBadValue:
-  /// several alike; those of HidPort::open().
+  /// several alike; those of HidPort::open() and ZeroGuard::start().
   static Expected<std::unique_ptr<RumblePad>> open(std::uint16_t vendor, std::uint16_t product);
   static Expected<std::unique_ptr<RumblePad>> open(const HidInfo& info, PadKind kind);
   /// Stands still.

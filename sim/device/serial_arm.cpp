@@ -6,6 +6,9 @@
 #include <termios.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
+#include <atomic>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
@@ -15,6 +18,7 @@
 #include "sim/device/arm_thread.h"
 #include "sim/device/device_driver.h"
 #include "sim/device/woody_arm.h"
+#include "sim/device/zero_guard.h"
 
 namespace kerf {
 namespace {
@@ -47,8 +51,10 @@ bool parseSerialLine(std::string_view line, SerialLine& out) noexcept {
 }
 
 void takeSerialLine(const SerialLine& line, HandFrame& hand, Eigen::Matrix3d& jacobian) noexcept {
-  const WoodyModel model;
-  const WoodyPose pose = woodyPose(model, line.counts);
+  const WoodyModel model = serialWoody();
+  std::array<int, 6> counts = line.counts;
+  for (std::size_t n = 0; n < 3; ++n) counts[n] += model.home[n];
+  const WoodyPose pose = woodyPose(model, counts);
   jacobian = pose.jacobian;
   hand.pose = {Eigen::Quaterniond::Identity(), pose.position};
   hand.is_ready = line.error == 0;
@@ -82,7 +88,9 @@ struct SerialArm::State {
 
   std::string path;
   int fd = -1;
+  ZeroGuard guard;
   SerialArm* arm = nullptr;
+  std::atomic<bool> wants_calibration{false};
 
   // The thread alone.
   std::array<char, kLongestLine> line{};
@@ -91,11 +99,13 @@ struct SerialArm::State {
   Eigen::Matrix3d jacobian = Eigen::Matrix3d::Zero();
   ArmLink::Hand newest;
   bool has_answer = true;
+  std::array<int, 6> at_home{};  // what its encoders say there
 
   internal::ArmThread thread;
   bool is_unplugged = false;  // guarded by the thread's mutex, as the next
-  int other_model = 0;        // whose kinematics are not known
-  int error = 0;              // that the arm tells of
+  bool is_unguarded = false;
+  int other_model = 0;  // whose kinematics are not known
+  int error = 0;        // that the arm tells of
 };
 
 void SerialArm::State::exchange() {
@@ -103,7 +113,10 @@ void SerialArm::State::exchange() {
   while (!thread.isStopping()) {
     const std::int64_t now = deviceClock();
     if ((has_answer && now - asked >= kPeriod) || now - asked >= kAnswerBy) {
-      if (!send(arm->link_.answer(newest, now))) break;
+      const bool has_guard = guard.isThere();
+      if (!send(has_guard ? arm->link_.answer(newest, now) : ForceFrame{})) break;
+      const std::lock_guard lock(thread.mutex);
+      is_unguarded = !has_guard;
       asked = now;
       has_answer = false;
     }
@@ -159,6 +172,11 @@ void SerialArm::State::takeLine(std::string_view text) {
   if (other_model != 0) return;
   ++counts.hands;
   counts.newest_came_ns = came;
+  if (wants_calibration.exchange(false)) {
+    at_home = said.counts;
+    arm->link_.needs_calibration = false;
+  }
+  for (std::size_t n = 0; n < said.counts.size(); ++n) said.counts[n] -= at_home[n];
   takeSerialLine(said, newest.frame, jacobian);
   countHand(newest.frame, counts.hands, came);
   newest.came_ns = came;
@@ -167,7 +185,7 @@ void SerialArm::State::takeLine(std::string_view text) {
 
 bool SerialArm::State::send(const ForceFrame& force) {
   std::array<char, 64> text{};
-  const Vec3d currents = force.is_enabled ? woodyCurrents({}, jacobian, force.force) : Vec3d(Vec3d::Zero());
+  const Vec3d currents = force.is_enabled ? woodyCurrents(serialWoody(), jacobian, force.force) : Vec3d(Vec3d::Zero());
   const std::size_t size = writeSerialLine(currents, text);
   const ssize_t written = ::write(fd, text.data(), size);
   const std::lock_guard lock(thread.mutex);
@@ -196,7 +214,8 @@ Expected<std::unique_ptr<SerialArm>> SerialArm::open(const std::string& path, co
                  .file = path,
                  .found = std::strerror(errno),
                  .expected = "a serial port of an arm that this user may open",
-                 .hint = "plug it in; as a member of the group dialout"});
+                 .hint = "plug it in; for the permission run scripts/setup --udev, which installs the udev rule "
+                         "70-kerf-hid.rules, or join the group dialout"});
   termios line{};
   if (::tcgetattr(state->fd, &line) != 0)
     return fail({.code = Error::Code::kBadValue,
@@ -209,14 +228,26 @@ Expected<std::unique_ptr<SerialArm>> SerialArm::open(const std::string& path, co
   ::tcsetattr(state->fd, TCSANOW, &line);
   ::tcflush(state->fd, TCIOFLUSH);
 
+  constexpr std::string_view kZero = "[0,0,0]\n";
+  const ZeroGuard::Report zero(kZero.begin(), kZero.end());
+  // Twice: Kerf may have been killed in the middle of a line.
+  KERF_TRY(guard, ZeroGuard::start(path, std::array{zero, zero}));
+  state->guard = std::move(guard);
+
   std::unique_ptr<SerialArm> arm(new SerialArm(settings, start, std::move(state)));
   State& s = *arm->state_;
+  arm->link_.needs_calibration = true;
   s.thread.listener = std::move(listener);
   KERF_CHECK(s.thread.start([&s] { s.exchange(); }, path, ""));
   return arm;
 }
 
 std::string SerialArm::what() const { return "serial arm, " + state_->path; }
+
+bool SerialArm::calibrate() {
+  state_->wants_calibration = true;
+  return true;
+}
 
 bool SerialArm::isGone() const {
   const std::lock_guard lock(state_->thread.mutex);
@@ -234,6 +265,8 @@ ArmCounts SerialArm::counts() const {
         fmt::format("it is of model {}, whose arm is not known here: only 3, WoodenHaptics, is", state_->other_model);
   else if (state_->error != 0)
     out.trouble = fmt::format("it tells of error {}", state_->error);
+  else if (state_->is_unguarded)
+    out.trouble = "it gives no force: the process that guards it is gone; close it, and open it anew";
   else if (!out.is_talking)
     out.trouble = "it does not answer: switch it on";
   return out;

@@ -3,8 +3,9 @@
 //   to the arm     [mA,mA,mA]\n                           currents of its motors
 //   from the arm   [model,e0,e1,e2,e3,e4,e5,error]\n      one for each line it is sent; model 3: WoodenHaptics
 //
-// Its firmware switches the motors off after 100 ms without a line. Only opened by its path: nothing looks for it.
-// What is done with a hand and a force: force_arm.h.
+// Its firmware switches the motors off after 100 ms without a line: a guard sends zero at once when Kerf is killed. Its
+// encoders count from where it was switched on: calibrate() takes the place where it stands for its home. Only opened
+// by its path: nothing looks for it. What is done with a hand and a force: force_arm.h.
 #pragma once
 
 #include <memory>
@@ -27,14 +28,16 @@ struct SerialLine {
 /// none, and `out` is as it was.
 bool parseSerialLine(std::string_view line, SerialLine& out) noexcept;
 inline constexpr int kSerialWoody = 3;  ///< the model whose kinematics are known
-/// What a line of kSerialWoody says, but for number and time.   @param jacobian  mm per radian of each motor.
+/// What a line of kSerialWoody says, but for number and time. Its counts are from its home pose: as they are where it
+/// was switched on there.   @param jacobian  mm per radian of each motor.
 void takeSerialLine(const SerialLine& line, HandFrame& hand, Eigen::Matrix3d& jacobian) noexcept;
 /// "[12,-3,0]\n", into `out`.   @return  how many bytes.
 std::size_t writeSerialLine(const Vec3d& milliamperes, std::span<char, 64> out) noexcept;
 
 class SerialArm final : public ForceArm {
  public:
-  /// Errors: kNotFound, kUnreadable: it does not open, with what to do; kBadValue: no serial port.
+  /// Errors: kNotFound, kUnreadable: it does not open, with what to do; kBadValue: no serial port; those of
+  /// ZeroGuard::start().
   static Expected<std::unique_ptr<SerialArm>> open(const std::string& path, const ArmSettings& settings,
                                                    const Rigid3& start = {}, ArmListener listener = {});
   /// Writes zero.
@@ -42,6 +45,7 @@ class SerialArm final : public ForceArm {
 
   std::string what() const override;
   ArmCounts counts() const override;
+  bool calibrate() override;
   bool isGone() const override;
 
  private:

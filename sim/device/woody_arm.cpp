@@ -8,7 +8,8 @@
 //
 // 1234:0006 sends 14 bytes; the same by a Teensy as raw HID, 16c0:0486, sends them in 64, the rest zero. An encoder of
 // more than 5000 counts at the fourth place says that the button of the pen is down. The arm answers what it is sent:
-// it is sent something at least each 10 ms. Its firmware switches the motors off after 500 ms without a report.
+// it is sent something at least each 10 ms. Its firmware switches the motors off after 500 ms without a report: a guard
+// does so at once when Kerf is killed. Its encoders count from where it was switched on: it is calibrated first.
 #include "sim/device/woody_arm.h"
 
 #include <algorithm>
@@ -85,7 +86,7 @@ std::size_t calibrate(const HidInfo& info, ArmReportBytes& out) noexcept {
 WoodyPose woodyPose(const WoodyModel& m, const std::array<int, 6>& counts) noexcept {
   std::array<double, 3> t{}, per_motor{};
   for (std::size_t n = 0; n < 3; ++n) {
-    per_motor[n] = -m.capstan / m.body[n];
+    per_motor[n] = m.direction[n] * m.capstan / m.body[n];
     t[n] = per_motor[n] * 2 * std::numbers::pi * counts[n] / m.counts_per_turn[n];
   }
   const double ca = std::cos(t[0]), sa = std::sin(t[0]);
@@ -111,6 +112,8 @@ extern const ArmDriver kWoody;
 const ArmDriver kWoody{"woody",
                        "three axes with force",
                        {.delay_s = 0.002, .mass_kg = 0.15, .friction = 0.1, .encoder_mm = 0.05},
+                       true,
+                       true,
                        nameOf,
                        take,
                        write,

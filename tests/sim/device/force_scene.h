@@ -2,6 +2,9 @@
 #pragma once
 
 #include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
@@ -26,6 +29,40 @@ bool until(const Condition& holds, int most_ms = 20000) {
   }
   return holds();
 }
+// An arm that needs it stands in its home pose.
+inline bool calibrated(ForceArm& arm) {
+  if (!arm.needsCalibration()) return true;
+  return arm.calibrate() && until([&] { return !arm.needsCalibration(); });
+}
+
+// Another process that does something again and again, until it is killed as by kill -9.
+class Doomed {
+ public:
+  /// @param begin  gives what is done each millisecond; it owns what it needs.
+  explicit Doomed(const std::function<std::function<void()>()>& begin) : process_(::fork()) {
+    if (process_ != 0) return;
+    const std::function<void()> each = begin();
+    for (;;) {
+      if (!each) ::_exit(1);
+      each();
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  }
+  ~Doomed() { kill(); }
+  Doomed(const Doomed&) = delete;
+  Doomed& operator=(const Doomed&) = delete;
+  pid_t process() const { return process_; }
+  void kill() {
+    if (process_ <= 0) return;
+    ::kill(process_, SIGKILL);
+    ::waitpid(process_, nullptr, 0);
+    process_ = 0;
+  }
+
+ private:
+  pid_t process_;
+};
+
 // In the place of the haptic thread: a force that is always the same.
 class Pusher {
  public:

@@ -19,8 +19,8 @@ using namespace test;
 
 TEST(WoodyArm, TheTorquesOfAForceAreThoseOfItsWorkAlongEachMotor) {
   const WoodyModel model;
-  for (const std::array<int, 6> counts : {std::array{0, 0, 6000, 0, 0, 0}, std::array{500, -3000, 5000, 0, 0, 0},
-                                          std::array{-900, -5000, 8000, 0, 0, 0}}) {
+  for (const std::array<int, 6> counts :
+       {std::array{0, 0, 6000, 0, 0, 0}, std::array{500, 3000, 5000, 0, 0, 0}, std::array{-900, 5000, 8000, 0, 0, 0}}) {
     const WoodyPose pose = woodyPose(model, counts);
     for (std::size_t motor = 0; motor < 3; ++motor) {
       std::array<int, 6> more = counts, less = counts;
@@ -36,8 +36,24 @@ TEST(WoodyArm, TheTorquesOfAForceAreThoseOfItsWorkAlongEachMotor) {
   }
 }
 
+// A link that stands upright and one that is level: 245 - 220 mm ahead, 80 + 205 - 80 mm up.
+TEST(WoodyArm, AtHomeItStandsAsItIsBuiltWhicheverWayItsMotorsCount) {
+  for (const WoodyModel& model : {WoodyModel{}, serialWoody()}) {
+    std::array<int, 6> home{};
+    std::copy(model.home.begin(), model.home.end(), home.begin());
+    const WoodyPose pose = woodyPose(model, home);
+    EXPECT_LT((pose.position - Vec3d(25, 0, 205)).norm(), 1e-9) << pose.position.transpose();
+
+    // What turns body and links the way in which their angles grow moves the tip to the left, ahead, and up.
+    std::array<int, 6> further = home;
+    for (std::size_t n = 0; n < 3; ++n) further[n] += static_cast<int>(10 * model.direction[n]);
+    const Vec3d way = woodyPose(model, further).position - pose.position;
+    EXPECT_TRUE(way[0] > 0 && way[1] > 0 && way[2] > 0) << way.transpose();
+  }
+}
+
 TEST(WoodyArm, NoCurrentIsLargerThanTheMotorsBear) {
-  const WoodyPose pose = woodyPose({}, {0, -3000, 5000, 0, 0, 0});
+  const WoodyPose pose = woodyPose({}, {0, 3000, 5000, 0, 0, 0});
   const Vec3d huge = woodyCurrents({}, pose.jacobian, {0, 0, 1e4}),
               little = woodyCurrents({}, pose.jacobian, {0, 0, 1});
   EXPECT_NEAR(huge.cwiseAbs().maxCoeff(), kWoodyMostCurrent, 1e-9);
@@ -158,7 +174,7 @@ TEST_F(HidArms, WoodyOfBothLengthsGivesItsPlaceAndGetsCurrents) {
       bed_->plugIn({.vendor = 0x16c0, .product = 0x486, .name = "Teensy", .interfaces = {{0xFFAB, 0x200}}});
     else
       bed_->plugIn({.vendor = 0x1234, .product = 6, .name = "Woody", .interfaces = {{0xFF00, 1}}});
-    const std::array<int, 6> counts{0, -3000, 5000, 0, 0, 0};
+    const std::array<int, 6> counts{0, 3000, 5000, 0, 0, 0};
     is_off_ = false;
     talk([=] { return woodyReport(counts, size); });
     {
@@ -167,6 +183,21 @@ TEST_F(HidArms, WoodyOfBothLengthsGivesItsPlaceAndGetsCurrents) {
       arm->enable(true);
       const Vec3d force(0, 0, 1);
       Pusher pusher(*arm, force);
+
+      // Its encoders do not say where it is.
+      ASSERT_TRUE(until([&] { return pusher.is_valid.load(); }));
+      EXPECT_TRUE(arm->needsCalibration());
+      const std::uint64_t before = arm->counts().forces;
+      ASSERT_TRUE(until([&] { return arm->counts().forces > before + 50; }));
+      for (const Bytes& report : bed_->written(0)) EXPECT_EQ(report, Bytes(size + 1)) << "no force uncalibrated";
+      EXPECT_TRUE(arm->calibrate());
+      ASSERT_TRUE(until([&] { return !arm->needsCalibration(); }));
+      ASSERT_TRUE(until([&] {
+        for (const Bytes& report : bed_->written(0))
+          if (wordAt(report, 7) == 1) return wordAt(report, 13) == 6000;
+        return false;
+      }));
+
       const Vec3d currents = woodyCurrents({}, woodyPose({}, counts).jacobian, force);
       ASSERT_TRUE(until([&] {
         const Bytes last = lastWritten();
@@ -178,15 +209,9 @@ TEST_F(HidArms, WoodyOfBothLengthsGivesItsPlaceAndGetsCurrents) {
       ASSERT_TRUE(arm->lastHand(hand));
       EXPECT_LT((hand.pose.translation - woodyPose({}, counts).position).norm(), 1e-9);
 
-      // Numbers that are none, and an arm that is calibrated.
+      // Numbers that are none.
       EXPECT_LE(forcesAfter([&] { pusher.gives_nan = true; }, [&](const Bytes& b) { return b != Bytes(size + 1); }),
                 kDeadMan);
-      EXPECT_TRUE(arm->calibrate());
-      ASSERT_TRUE(until([&] {
-        for (const Bytes& report : bed_->written(0))
-          if (wordAt(report, 7) == 1) return wordAt(report, 13) == 6000;
-        return false;
-      }));
     }
     EXPECT_EQ(lastWritten(), Bytes(size + 1)) << "no force at the end";
     is_off_ = true;
@@ -236,6 +261,40 @@ TEST_F(HidArms, OurOwnProfileClosesTheLoopAndGivesNoForceWithoutNews) {
   EXPECT_LE(pusher.lastTakenAgeMs(), 1000 * ForceArm::kDeadMan);
   ASSERT_TRUE(until([&] { return arm->isGone(); }));
   EXPECT_NE(arm->counts().trouble.find("unplugged"), std::string::npos);
+}
+
+// The report under way is given its deadline by the arm; what follows is news, and fades in.
+TEST_F(HidArms, AWriteThatIsStuckIsFollowedByNoOldForce) {
+  bed_->plugIn(raw_);
+  std::atomic<std::uint32_t> number{0};
+  talk([&] {
+    HandFrame hand;
+    hand.number = ++number;
+    const RawArmReport report = encodeRawHand(hand);
+    return Bytes(report.begin(), report.end());
+  });
+  auto arm = open();
+  ASSERT_TRUE(arm);
+  arm->enable(true);
+  Pusher pusher(*arm, {0, 0, 10});
+  const auto feltOf = [](const Bytes& bytes) {
+    ForceFrame force;
+    EXPECT_EQ(decodeRawForce(std::span(bytes).subspan(1), force), FrameFault::kNone);
+    return force;
+  };
+  ASSERT_TRUE(until([&] { return !lastWritten().empty() && feltOf(lastWritten()).force[2] > 2.9; }));
+
+  bed_->holdWrites(0, true);
+  ASSERT_TRUE(until([&] { return bed_->heldWrites(0) == 1; }));
+  EXPECT_LE(pusher.lastTakenAgeMs(), 1000 * ForceArm::kDeadMan) << "no hand comes, none is taken";
+  EXPECT_EQ(bed_->heldWrites(0), 1u);
+  bed_->forgetWritten(0);
+  bed_->holdWrites(0, false);
+  ASSERT_TRUE(until([&] { return bed_->written(0).size() > 3; }));
+  const std::vector<Bytes> after = bed_->written(0);
+  EXPECT_LE(feltOf(after[0]).deadline_ms, 20u);
+  for (std::size_t n = 1; n < 4; ++n) EXPECT_LT(feltOf(after[n]).force[2], 1) << n;
+  ASSERT_TRUE(until([&] { return feltOf(lastWritten()).force[2] > 2.9; })) << "it fades in again";
 }
 
 }  // namespace

@@ -2,7 +2,6 @@
 #include "sim/device/serial_arm.h"
 
 #include <fcntl.h>
-
 #include <gtest/gtest.h>
 #include <poll.h>
 #include <stdlib.h>
@@ -34,62 +33,160 @@ TEST(SerialArm, LinesAreReadStrictly) {
   EXPECT_EQ(std::string(text.data(), writeSerialLine({std::nan(""), 0, 0}, text)), "[0,0,0]\n");
 }
 
-TEST(SerialArm, AnswersEachLineThroughAPort) {
-  const int far = ::posix_openpt(O_RDWR | O_NOCTTY);
-  ASSERT_GE(far, 0);
-  ASSERT_EQ(::grantpt(far), 0);
-  ASSERT_EQ(::unlockpt(far), 0);
-  std::atomic<bool> is_off{false}, is_silent{false};
-  std::mutex mutex;
-  std::string heard, last;
-  std::thread firmware([&] {
+// An arm at the far end of a pseudo-terminal: answers each line.
+class SerialPort : public testing::Test {
+ protected:
+  void SetUp() override {
+    far_ = ::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
+    ASSERT_GE(far_, 0);
+    ASSERT_EQ(::grantpt(far_), 0);
+    ASSERT_EQ(::unlockpt(far_), 0);
+    name_ = std::string("serial:") + ::ptsname(far_);
+    firmware_ = std::thread([this] { answer(); });
+  }
+  void TearDown() override { unplug(); }
+  void unplug() {
+    is_off_ = true;
+    if (firmware_.joinable()) firmware_.join();
+    if (far_ >= 0) ::close(far_);
+    far_ = -1;
+  }
+  void answer() {
+    std::string heard;
     std::array<char, 256> bytes{};
-    while (!is_off) {
-      pollfd waits{far, POLLIN, 0};
+    while (!is_off_) {
+      pollfd waits{far_, POLLIN, 0};
       if (::poll(&waits, 1, 5) <= 0 || !(waits.revents & POLLIN)) continue;
-      const ssize_t size = ::read(far, bytes.data(), bytes.size());
+      const ssize_t size = ::read(far_, bytes.data(), bytes.size());
       if (size <= 0) continue;
-      const std::lock_guard lock(mutex);
       heard.append(bytes.data(), static_cast<std::size_t>(size));
+      const std::lock_guard lock(mutex_);
       for (std::size_t end = heard.find('\n'); end != heard.npos; end = heard.find('\n')) {
-        last = heard.substr(0, end);
+        last_ = heard.substr(0, end);
+        ++lines_;
         heard.erase(0, end + 1);
-        constexpr std::string_view kAnswer = "[3,0,-3000,5000,0,0,0,0]\n";
-        const bool is_told = is_silent || ::write(far, kAnswer.data(), kAnswer.size()) > 0;
+        const bool is_told = is_silent_ || ::write(far_, says_.data(), says_.size()) > 0;
         EXPECT_TRUE(is_told);
       }
     }
-  });
-  const auto said = [&] {
-    const std::lock_guard lock(mutex);
-    return last;
-  };
-  {
-    auto opened =
-        openArm(std::string("serial:") + ::ptsname(far), {.limits = {.force = 3, .rate = 500, .ramp_s = 0.1}});
+  }
+  void say(const std::string& line) {
+    const std::lock_guard lock(mutex_);
+    says_ = line + "\n";
+  }
+  std::string said() {
+    const std::lock_guard lock(mutex_);
+    return last_;
+  }
+  int lines() {
+    const std::lock_guard lock(mutex_);
+    return lines_;
+  }
+  std::unique_ptr<ForceArm> open() {
+    auto opened = openArm(name_, {.limits = {.force = 3, .rate = 500, .ramp_s = 0.1}});
     EXPECT_TRUE(opened) << opened.error().message();
-    if (opened) {
-      ForceArm& arm = *opened->arm;
-      arm.enable(true);
-      Pusher pusher(arm, {0, 0, 1});
-      const Vec3d currents = woodyCurrents({}, woodyPose({}, {0, -3000, 5000, 0, 0, 0}).jacobian, {0, 0, 1});
-      std::array<char, 64> text{};
-      std::string expected(text.data(), writeSerialLine(currents, text));
-      expected.pop_back();
-      EXPECT_TRUE(until([&] { return said() == expected; })) << said() << " for " << expected;
-      is_silent = true;
-      EXPECT_LE(pusher.lastTakenAgeMs(), 1000 * ForceArm::kDeadMan);
-      EXPECT_TRUE(until([&] { return said() == "[0,0,0]"; }));
-      is_silent = false;
-      EXPECT_TRUE(until([&] { return pusher.is_valid && said() == expected; })) << "it is asked again";
-    }
+    return opened ? std::move(opened->arm) : nullptr;
+  }
+  // That it is sent for a force, where its encoders stand at `counts`, counted from its home pose.
+  static std::string lineFor(const std::array<int, 6>& counts, const Vec3d& force) {
+    HandFrame hand;
+    Eigen::Matrix3d jacobian;
+    takeSerialLine({.model = kSerialWoody, .counts = counts}, hand, jacobian);
+    std::array<char, 64> text{};
+    std::string out(text.data(), writeSerialLine(woodyCurrents(serialWoody(), jacobian, force), text));
+    out.pop_back();
+    return out;
+  }
+
+  int far_ = -1;
+  std::string name_;
+  std::thread firmware_;
+  std::atomic<bool> is_off_{false}, is_silent_{false};
+  std::mutex mutex_;
+  std::string says_ = "[3,40,-3000,5000,0,0,0,0]\n", last_;  // guarded by mutex_, as the next
+  int lines_ = 0;
+};
+
+TEST_F(SerialPort, GivesForceOnceItStoodInItsHomePoseAndAnswersEachLine) {
+  {
+    const auto arm = open();
+    ASSERT_TRUE(arm);
+    arm->enable(true);
+    const Vec3d force(0.2, 0.1, 1);
+    Pusher pusher(*arm, force);
+    ASSERT_TRUE(until([&] { return pusher.is_valid && lines() > 100; }));
+    EXPECT_TRUE(arm->needsCalibration());
+    EXPECT_EQ(said(), "[0,0,0]") << "where it stands is not known";
+
+    // Wherever its encoders began to count: there it is at home.
+    ASSERT_TRUE(calibrated(*arm));
+    const std::string at_home = lineFor({}, force);
+    EXPECT_TRUE(until([&] { return said() == at_home; })) << said() << " for " << at_home;
+    HandFrame hand;
+    ASSERT_TRUE(arm->lastHand(hand));
+    EXPECT_LT((hand.pose.translation - Vec3d(25, 0, 205)).norm(), 1e-9) << hand.pose.translation.transpose();
+
+    say("[3,40,-2960,5030,0,0,0,0]");
+    const std::string moved = lineFor({0, 40, 30, 0, 0, 0}, force);
+    ASSERT_NE(moved, at_home);
+    EXPECT_TRUE(until([&] { return said() == moved; })) << said() << " for " << moved;
+
+    is_silent_ = true;
+    EXPECT_LE(pusher.lastTakenAgeMs(), 1000 * ForceArm::kDeadMan);
+    EXPECT_TRUE(until([&] { return said() == "[0,0,0]"; }));
+    is_silent_ = false;
+    EXPECT_TRUE(until([&] { return pusher.is_valid && said() == moved; })) << "it is asked again";
   }
   EXPECT_TRUE(until([&] { return said() == "[0,0,0]"; })) << "no current at the end";
-  is_off = true;
-  firmware.join();
-  ::close(far);
+}
+
+TEST_F(SerialPort, AnErrorThatTheArmTellsOfTakesTheForceAway) {
+  const auto arm = open();
+  ASSERT_TRUE(arm && calibrated(*arm));
+  arm->enable(true);
+  Pusher pusher(*arm, {0, 0, 1});
+  ASSERT_TRUE(until([&] { return said() != "[0,0,0]"; }));
+  say("[3,40,-3000,5000,0,0,0,7]");
+  EXPECT_TRUE(until([&] { return said() == "[0,0,0]"; }));
+  EXPECT_TRUE(until([&] { return arm->counts().trouble == "it tells of error 7"; })) << arm->counts().trouble;
+  EXPECT_FALSE(arm->isGone());
+  say("[3,40,-3000,5000,0,0,0,0]");
+  EXPECT_TRUE(until([&] { return said() != "[0,0,0]"; })) << "fades in again";
+}
+
+TEST_F(SerialPort, AModelWhoseArmIsNotKnownLeadsNothing) {
+  say("[1,0,0,0,0,0,0,0]");
+  const auto arm = open();
+  ASSERT_TRUE(arm);
+  EXPECT_TRUE(until([&] { return arm->counts().trouble.find("model 1") != std::string::npos; }))
+      << arm->counts().trouble;
+  HandFrame hand;
+  EXPECT_FALSE(arm->lastHand(hand));
+  EXPECT_EQ(arm->counts().hands, 0u);
+  EXPECT_EQ(said(), "[0,0,0]");
+}
+
+TEST_F(SerialPort, AnUnpluggedOneIsKnown) {
+  const auto arm = open();
+  ASSERT_TRUE(arm && calibrated(*arm));
+  arm->enable(true);
+  Pusher pusher(*arm, {0, 0, 1});
+  ASSERT_TRUE(until([&] { return said() != "[0,0,0]"; }));
+  unplug();
+  ASSERT_TRUE(until([&] { return arm->isGone(); }));
+  EXPECT_LE(pusher.lastTakenAgeMs(), 1000 * ForceArm::kDeadMan);
+  EXPECT_EQ(arm->counts().trouble, "it was unplugged: plug it in");
+}
+
+TEST(SerialArm, WhatDoesNotOpenSaysWhatToDo) {
   const auto none = openArm("serial:/dev/null", {});
-  EXPECT_FALSE(none);
+  ASSERT_FALSE(none);
+  EXPECT_NE(none.error().message().find("no serial port"), std::string::npos) << none.error().message();
+  const auto missing = openArm("serial:/dev/ttyACM-none", {});
+  ASSERT_FALSE(missing);
+  EXPECT_EQ(missing.error().code, Error::Code::kNotFound);
+  EXPECT_NE(missing.error().message().find("70-kerf-hid.rules"), std::string::npos) << missing.error().message();
+  EXPECT_NE(missing.error().message().find("group dialout"), std::string::npos) << missing.error().message();
 }
 
 }  // namespace

@@ -19,9 +19,9 @@ class SimulatedArm {
  public:
   enum class Kind { kRaw, kWoody };
 
-  /// @param path  of the hand that holds it, mm from where it begins.
-  SimulatedArm(HidTestbed& bed, Kind kind, CutPath path, const DeviceHand::Options& hand)
-      : bed_(bed), kind_(kind), path_(std::move(path)), hand_(path_, hand) {
+  /// @param path  of the hand that holds it, mm from where it begins; a Woody in its home pose.
+  SimulatedArm(HidTestbed& bed, Kind kind, CutPath path, const DeviceHand::Options& hand, int node = 0)
+      : bed_(bed), kind_(kind), node_(node), path_(std::move(path)), hand_(path_, hand) {
     say(poseAt(path_, 0).translation);
   }
   /// A millisecond: takes what was written, moves, and says where it is. False: the path is over.
@@ -59,14 +59,16 @@ class SimulatedArm {
   static constexpr int kWoodyWatchdog = 500;  // ms, its firmware's own
 
  private:
-  // Where the hand finds the Woody.
-  static constexpr std::array<int, 6> kWoodyStart = {0, -3000, 5000, 0, 0, 0};
+  // At home. Its encoders count from there when it is switched on, until it is told what they are to say.
+  static constexpr std::array<int, 6> kWoodyHome = {0, 0, 6000, 0, 0, 0};
 
   void hear() {
-    for (const Bytes& report : bed_.takeWritten(0)) {
+    for (const Bytes& report : bed_.takeWritten(node_)) {
       ++words_;
       if (kind_ == Kind::kWoody) {
         ticks_since_word_ = 0;
+        if (wordAt(report, 7) == 1)
+          for (std::size_t n = 0; n < 3; ++n) zero_[n] = counts_[n] - wordAt(report, 9 + 2 * n);
         force_ = forceOfCurrents(report);
         continue;
       }
@@ -78,19 +80,21 @@ class SimulatedArm {
       force_ = frame.is_enabled ? frame.force : Vec3d(Vec3d::Zero());
     }
   }
+  static int wordAt(const Bytes& report, std::size_t at) {
+    return static_cast<std::int16_t>(report[at] | (report[at + 1] << 8));
+  }
   // What currents do: torque = kt current, and a torque is J^T of a force.
   Vec3d forceOfCurrents(const Bytes& report) const {
     Vec3d torque;
     for (int n = 0; n < 3; ++n) {
-      const std::size_t at = 1 + 2 * static_cast<std::size_t>(n);
-      const auto current = static_cast<std::int16_t>(report[at] | (report[at + 1] << 8));
+      const int current = wordAt(report, 1 + 2 * static_cast<std::size_t>(n));
       torque[n] = current * model_.newton_mm_per_ampere / 1000;
     }
     return woodyPose(model_, counts_).jacobian.transpose().inverse() * torque;
   }
   // The counts of the encoders at a place: whole ones, the nearest.
   void turnTo(const Vec3d& place) {
-    const Vec3d wanted = woodyPose(model_, kWoodyStart).position + place;
+    const Vec3d wanted = woodyPose(model_, kWoodyHome).position + place;
     for (int round = 0; round < 4; ++round) {
       const WoodyPose now = woodyPose(model_, counts_);
       const Vec3d radians = now.jacobian.inverse() * (wanted - now.position);
@@ -107,25 +111,27 @@ class SimulatedArm {
       hand.pose.translation = place;
       hand.most_force = 8;
       const RawArmReport report = encodeRawHand(hand);
-      bed_.send(0, Bytes(report.begin(), report.end()));
+      bed_.send(node_, Bytes(report.begin(), report.end()));
       return;
     }
     turnTo(place);
     Bytes report(14);
     for (std::size_t n = 0; n < 6; ++n) {
-      report[2 * n] = static_cast<std::uint8_t>(counts_[n] & 255);
-      report[2 * n + 1] = static_cast<std::uint8_t>((counts_[n] >> 8) & 255);
+      const int said = counts_[n] - zero_[n];
+      report[2 * n] = static_cast<std::uint8_t>(said & 255);
+      report[2 * n + 1] = static_cast<std::uint8_t>((said >> 8) & 255);
     }
-    bed_.send(0, report);
+    bed_.send(node_, report);
   }
 
   HidTestbed& bed_;
   const Kind kind_;
+  const int node_;
   const CutPath path_;
   const WoodyModel model_{};
   DeviceHand hand_;
   Vec3d force_ = Vec3d::Zero(), place_ = Vec3d::Zero();
-  std::array<int, 6> counts_ = kWoodyStart;
+  std::array<int, 6> counts_ = kWoodyHome, zero_ = kWoodyHome;
   double most_force_ = 0, most_energy_ = 0;
   int deadline_ = 0, ticks_since_word_ = 1 << 20, ticks_with_force_ = 0;
   std::uint64_t words_ = 0;
