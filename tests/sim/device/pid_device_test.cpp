@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <numbers>
 
 #include "tests/sim/device/force_scene.h"
 #include "tests/sim/device/pid_scene.h"
@@ -43,6 +44,34 @@ TEST(Pid, ReportsAreThoseOfItsDescriptor) {
   EXPECT_TRUE(pid.hasDuration());
   EXPECT_EQ(pid.set(PidEffect::kConstant, 4, 0),
             (Bytes{1, 4, 1, 100, 0, 0, 0, 0, 0, 0, 0, 255, 8, 0x04, 0x28, 0x23, 0, 0}));
+}
+
+// Another layout of the same class: other numbers, ranges and lengths, and no delay.
+TEST(Pid, ReportsAreThoseOfAnArduinosDescriptor) {
+  auto layout = parseHidDescriptor(arduinoDescriptor());
+  ASSERT_TRUE(layout) << layout.error().message();
+  const auto pid = PidReports::of(std::move(*layout));
+  ASSERT_TRUE(pid) << pid.error().message();
+  EXPECT_TRUE(pid->has(PidEffect::kConstant) && pid->has(PidEffect::kSine) && pid->has(PidEffect::kDamper));
+  EXPECT_EQ(pid->control(PidControl::kReset), (Bytes{0x0C, 8}));
+  EXPECT_EQ(*pid->gain(0.5), (Bytes{0x0D, 128}));
+  EXPECT_EQ(pid->create(PidEffect::kConstant), (Bytes{5, 1, 0, 0}));
+  EXPECT_EQ(pid->create(PidEffect::kSine), (Bytes{5, 4, 0, 0}));
+  EXPECT_EQ(pid->create(PidEffect::kDamper), (Bytes{5, 9, 0, 0}));
+  EXPECT_EQ(pid->askLoad(), (Bytes{6, 0, 0, 0, 0}));
+  EXPECT_EQ(pid->loadOf(Bytes{6, 3, 1, 0, 1}).block, 3);
+  EXPECT_EQ(pid->loadOf(Bytes{6, 3, 2, 0, 1}).status, PidLoad::Status::kFull);
+  // Shares of 10000.
+  EXPECT_EQ(pid->constant(4, 0.5), (Bytes{5, 4, 0x88, 0x13}));
+  EXPECT_EQ(pid->constant(4, -1), (Bytes{5, 4, 0xF0, 0xD8}));
+  EXPECT_EQ(pid->damper(5, 0.25, 1), (Bytes{3, 5, 1, 0, 0, 0xC4, 0x09, 0xC4, 0x09, 0x10, 0x27, 0x10, 0x27, 0, 0}));
+  EXPECT_EQ(pid->sine(6, 1, 50), (Bytes{4, 6, 0x10, 0x27, 0, 0, 0, 0, 20, 0, 0, 0}));
+  EXPECT_EQ(pid->operate(4, PidOperation::kStart), (Bytes{0x0A, 4, 1, 1}));
+  EXPECT_EQ(pid->free(4), (Bytes{0x0B, 4}));
+  // Of 100 ms. Right, a quarter of a turn clockwise from away, in 8 bits; left, three quarters.
+  EXPECT_TRUE(pid->hasDuration());
+  EXPECT_EQ(pid->set(PidEffect::kConstant, 4, 0), (Bytes{1, 4, 1, 100, 0, 0, 0, 0, 0, 255, 8, 0x04, 64, 0}));
+  EXPECT_EQ(pid->set(PidEffect::kConstant, 4, std::numbers::pi)[12], 191);
 }
 
 TEST(Pid, ADurationThatDoesNotFitIsTheLongestThatEnds) {
@@ -115,6 +144,24 @@ TEST_F(PidDevices, EffectsAreCreatedLoadedStartedAndFreed) {
   ASSERT_GE(ended.size(), 5u);
   EXPECT_EQ(std::vector<Bytes>(ended.end() - 5, ended.end()),
             (std::vector<Bytes>{{0x0C, 4}, {0x0B, 1}, {0x0B, 2}, {0x0B, 3}, {0x0C, 2}}));
+}
+
+TEST_F(PidDevices, AnArduinosEffectsAreCreatedStartedAndFreed) {
+  plugIn(3, arduinoDescriptor(), 6);
+  auto device = PidDevice::open(listHid().front());
+  ASSERT_TRUE(device) << device.error().message();
+  {
+    const std::lock_guard lock(mutex_);
+    EXPECT_EQ(created_, (std::vector<Bytes>{{5, 1, 0, 0}, {5, 9, 0, 0}, {5, 4, 0, 0}}));
+  }
+  EXPECT_TRUE((*device)->stopsByItself());
+  ASSERT_TRUE(until([&] {
+    (*device)->set({.right = 0.5});
+    const auto all = bed_->written(0);
+    return std::find(all.begin(), all.end(), Bytes{5, 1, 0x88, 0x13}) != all.end();
+  }));
+  device->reset();
+  EXPECT_EQ(bed_->written(0).back(), (Bytes{0x0C, 2}));
 }
 
 TEST_F(PidDevices, AFullPoolIsSaidAndNothingStaysBehind) {
