@@ -2,7 +2,16 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <set>
+#include <sstream>
+#include <string>
+
+#include "sim/device/arm_driver.h"
 #include "sim/device/device_finder.h"
+#include "sim/device/pad_kind.h"
 
 namespace kerf {
 namespace {
@@ -162,6 +171,93 @@ TEST(DeviceFinder, ASerialThatTwoHaveNamesNone) {
   const auto chosen = chooseDevice(groupDevices({a, b}), "0001");
   ASSERT_FALSE(chosen);
   EXPECT_EQ(chosen.error().code, Error::Code::kBadValue);
+}
+
+// ---- The udev rule that is installed: who sits at the machine may open what a driver knows
+
+// What the lines about hidraw nodes permit, each in one of two ways.
+class UdevRule {
+ public:
+  UdevRule() {
+    std::ifstream file(std::filesystem::path(KERF_SOURCE_DIR) / "assets/udev/70-kerf-hid.rules");
+    const std::regex vendor(R"~(ATTRS\{idVendor\}=="([0-9a-f]{4})")~");
+    const std::regex product(R"~(ATTRS\{idProduct\}=="([0-9a-f|]+)")~");
+    const std::regex bluetooth(R"~(KERNELS=="0005:([0-9A-F]{4}):\*")~");
+    for (std::string line; std::getline(file, line);) {
+      if (!line.starts_with(R"(KERNEL=="hidraw*")") || line.find(R"(TAG+="uaccess")") == line.npos) continue;
+      std::smatch found;
+      if (std::regex_search(line, found, bluetooth)) {
+        bluetooth_.insert(numberOf(found[1]));
+        continue;
+      }
+      if (!std::regex_search(line, found, vendor)) continue;
+      Line& permits = lines_.emplace_back();
+      permits.vendor = numberOf(found[1]);
+      if (!std::regex_search(line, found, product)) continue;
+      std::istringstream products(found[1]);
+      for (std::string one; std::getline(products, one, '|');) permits.products.insert(numberOf(one));
+    }
+  }
+  bool permits(const HidInfo& info) const {
+    if (info.is_bluetooth) return bluetooth_.contains(info.vendor);
+    return std::any_of(lines_.begin(), lines_.end(), [&](const Line& line) {
+      return line.vendor == info.vendor && (line.products.empty() || line.products.contains(info.product));
+    });
+  }
+  std::set<int> vendors() const {
+    std::set<int> out = bluetooth_;
+    for (const Line& line : lines_) out.insert(line.vendor);
+    return out;
+  }
+
+ private:
+  struct Line {
+    int vendor = 0;
+    std::set<int> products;  // empty: all of them
+  };
+  static int numberOf(const std::string& digits) { return std::stoi(digits, nullptr, 16); }
+  std::vector<Line> lines_;
+  std::set<int> bluetooth_;
+};
+
+// A device that some driver knows by its ids, whatever its descriptor says.
+bool isKnownById(const HidInfo& info) {
+  const DeviceDriver* const driver = driverOf(info);
+  return armDriverOf(info) || padKindOf(info) || (driver && !driver->needs_layout);
+}
+
+TEST(UdevRule, PermitsEveryIdOfTheDrivers) {
+  const UdevRule rule;
+  // Those of the rule, and one that a driver knows but the rule forgot would be of.
+  std::set<int> vendors = rule.vendors();
+  vendors.insert({0x046d, 0x256f, 0x1234, 0x16c0, 0x054c, 0x045e});
+  const std::pair<int, int> usages[] = {{1, 8}, {1, 5}, {0xFF00, 1}, {0xFFAB, 0x200}};
+  int space_mice = 0, others = 0;
+  HidInfo info;
+  for (const int vendor : vendors)
+    for (int product = 0; product <= 0xFFFF; ++product)
+      for (const bool is_bluetooth : {false, true})
+        for (const auto& [page, usage] : usages) {
+          info.vendor = static_cast<std::uint16_t>(vendor);
+          info.product = static_cast<std::uint16_t>(product);
+          info.is_bluetooth = is_bluetooth;
+          info.usage_page = static_cast<std::uint16_t>(page);
+          info.usage = static_cast<std::uint16_t>(usage);
+          if (!isKnownById(info)) continue;
+          const DeviceDriver* const driver = driverOf(info);
+          const bool is_space_mouse = driver == findDriver("spacemouse");
+          const bool never_by_bluetooth = vendor == 0x046d || vendor == 0x1234 || vendor == 0x16c0;
+          if (is_bluetooth && never_by_bluetooth) continue;
+          (is_space_mouse && !is_bluetooth ? space_mice : others) += 1;
+          EXPECT_TRUE(rule.permits(info)) << std::hex << vendor << ":" << product << (is_bluetooth ? " bluetooth" : "");
+        }
+  EXPECT_EQ(space_mice, 22);
+  EXPECT_GT(others, 10);
+
+  HidInfo keyboard;
+  keyboard.vendor = 0x046d;
+  keyboard.product = 0xc31c;
+  EXPECT_FALSE(rule.permits(keyboard)) << "not every device of a maker";
 }
 
 }  // namespace
