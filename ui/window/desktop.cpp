@@ -7,8 +7,8 @@
 #include <imgui.h>
 
 #include <algorithm>
-#include <system_error>
 
+#include "ui/window/font.h"
 #include "ui/window/gl_context.h"
 #include "ui/window/glfw_error.h"
 #include "ui/window/style.h"
@@ -16,7 +16,7 @@
 namespace kerf {
 namespace {
 
-namespace fs = std::filesystem;
+constexpr float kFontPixels = 15;  // at a scale of 1
 
 int heldOf(GLFWwindow* window) {
   const auto isDown = [&](int key) { return glfwGetKey(window, key) == GLFW_PRESS; };
@@ -31,18 +31,6 @@ std::string utf8(unsigned code) {
   if (code < 0x800) return {static_cast<char>(0xC0 | (code >> 6)), tail(0)};
   if (code < 0x10000) return {static_cast<char>(0xE0 | (code >> 12)), tail(6), tail(0)};
   return {static_cast<char>(0xF0 | (code >> 18)), tail(12), tail(6), tail(0)};
-}
-
-// Names of files and pieces are a person's: Latin with its extensions, Greek, Cyrillic, punctuation, currencies.
-constexpr ImWchar kScripts[] = {0x0020, 0x024F, 0x02B0, 0x03FF, 0x0400, 0x052F, 0x1E00, 0x1EFF, 0x2010,
-                                0x205E, 0x20A0, 0x20BF, 0x2190, 0x2193, 0x2212, 0x2212, 0};
-
-void loadFont(float scale) {
-  std::error_code ignored;
-  for (const char* const font :
-       {"/usr/share/fonts/opentype/inter/Inter-Regular.otf", "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf"})
-    if (fs::exists(font, ignored) && ImGui::GetIO().Fonts->AddFontFromFileTTF(font, 15 * scale, nullptr, kScripts))
-      return;
 }
 
 }  // namespace
@@ -137,7 +125,7 @@ void Desktop::beginFrame() {
 
 void Desktop::restyle(Theme theme, float factor) const {
   ImGui::GetIO().Fonts->Clear();
-  loadFont(scale_ * factor);
+  addFont(*ImGui::GetIO().Fonts, kFontPixels * scale_ * factor);
   ImGui_ImplOpenGL3_DestroyFontsTexture();
   ImGui_ImplOpenGL3_CreateFontsTexture();
   applyStyle(theme, scale_ * factor);
