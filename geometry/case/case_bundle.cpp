@@ -342,13 +342,17 @@ Expected<Mesh> readCaseSolid(const std::filesystem::path& folder) {
 
 namespace {
 
+// What a check of a file's values says, with the file.
+Expected<void> ofFile(Expected<void> checked, const std::filesystem::path& file) {
+  if (checked) return {};
+  checked.error().file = file.string();
+  return fail(std::move(checked).error());
+}
+
 // The field of the whole object, whose numbers are distances.
 Expected<BrickField> readDistances(const std::filesystem::path& file) {
   KERF_TRY(phi, readVdb(file, "phi"));
-  if (auto checked = requireDistances(phi); !checked) {
-    checked.error().file = file.string();
-    return fail(std::move(checked).error());
-  }
+  KERF_CHECK(ofFile(requireDistances(phi), file));
   return std::move(phi);
 }
 
@@ -360,7 +364,7 @@ Expected<BrickField> readCaseField(const std::filesystem::path& folder) {
   return readDistances(folder / kCaseAnatomy);
 }
 
-Expected<BrickField> readCaseRegionField(const std::filesystem::path& folder) {
+Expected<BrickField> readCaseRegionField(const std::filesystem::path& folder, const BrickField& whole) {
   KERF_TRY(manifest, readCaseManifest(folder));
   if (!manifest.region)
     return fail({.code = Error::Code::kNotFound,
@@ -369,7 +373,13 @@ Expected<BrickField> readCaseRegionField(const std::filesystem::path& folder) {
                  .expected = "a case baked with one",
                  .hint = "kerf bake --fine-along"});
   KERF_CHECK(requireSha256(folder / kCaseAnatomy, manifest.field_sha256, "bake the case again"));
-  return readVdb(folder / kCaseAnatomy, std::string("phi") + kFineSuffix);
+
+  const std::filesystem::path file = folder / kCaseAnatomy;
+  const std::string grid = std::string("phi") + kFineSuffix;
+  KERF_TRY(fine, readVdb(file, grid));
+  KERF_CHECK(ofFile(requireDistancesInPart(fine, grid), file));
+  KERF_CHECK(ofFile(requireSameSides(fine, whole, grid), file));
+  return std::move(fine);
 }
 
 Expected<MaterialField> readCaseMaterials(const std::filesystem::path& folder) {

@@ -110,8 +110,9 @@ Expected<Mesh> readCaseSolid(const std::filesystem::path& folder);
 /// The baked field phi0. Checked against the manifest before OpenVDB sees it, which does not survive every damaged
 /// file.
 Expected<BrickField> readCaseField(const std::filesystem::path& folder);
-/// The finer field of the case's region: air everywhere outside it. @pre the manifest has a region; else kNotFound.
-Expected<BrickField> readCaseRegionField(const std::filesystem::path& folder);
+/// The finer field of the case's region: air everywhere outside it. Noise, and values of another object than `whole`,
+/// which is the baked field phi0, are refused by the grid's name. @pre the manifest has a region; else kNotFound.
+Expected<BrickField> readCaseRegionField(const std::filesystem::path& folder, const BrickField& whole);
 /// The labels beside it; checked the same way.
 Expected<MaterialField> readCaseMaterials(const std::filesystem::path& folder);
 /// Both, checked once. @param manifest  of that folder.

@@ -9,10 +9,11 @@ namespace {
 
 constexpr double kMostStep = 1.5;    // voxels from node to node; exact distances: 1
 constexpr double kMostShare = 0.01;  // of pairs, of nodes: what is worse is no slip of an edge
+constexpr double kMostShareOfCut = 0.2;
 
-tl::unexpected<Error> refuse(std::string found, std::string expected) {
+tl::unexpected<Error> refuse(const std::string& grid, std::string found, std::string expected) {
   return fail({.code = Error::Code::kBadValue,
-               .place = "grid phi",
+               .place = "grid " + grid,
                .found = std::move(found),
                .expected = std::move(expected),
                .hint = "take the case from where it was made, or bake it again"});
@@ -35,7 +36,9 @@ struct Tally {
     brick = b;
     node = at;
   }
-  bool isTooMany() const { return static_cast<double>(wrong) > kMostShare * static_cast<double>(all); }
+  bool isTooMany(double most_share = kMostShare) const {
+    return static_cast<double>(wrong) > most_share * static_cast<double>(all);
+  }
   double percent() const { return 100 * static_cast<double>(wrong) / static_cast<double>(all); }
 };
 
@@ -66,23 +69,56 @@ void countOutside(const BrickField& phi, std::size_t b, Tally& outside) {
     }
 }
 
+// @param most_share  of pairs whose values are too far apart.
+Expected<void> requireSteps(const BrickField& phi, const std::string& grid, double most_share) {
+  Tally steps;
+  for (std::size_t b = 0; b < phi.brickCount(); ++b) countSteps(phi, b, steps);
+  if (!steps.isTooMany(most_share)) return {};
+  return refuse(grid,
+                fmt::format("noise: {:.0f} % of neighbouring values differ by more than {:.3g} mm, the first at {}",
+                            steps.percent(), kMostStep * phi.voxel(), placeOf(phi, steps.brick, steps.node)),
+                fmt::format("distances, which change by {:.3g} mm from voxel to voxel at most", phi.voxel()));
+}
+
 }  // namespace
 
 Expected<void> requireDistances(const BrickField& phi) {
-  Tally steps, outside;
-  for (std::size_t b = 0; b < phi.brickCount(); ++b) {
-    countSteps(phi, b, steps);
-    countOutside(phi, b, outside);
-  }
-  if (steps.isTooMany())
-    return refuse(fmt::format("noise: {:.0f} % of neighbouring values differ by more than {:.3g} mm, the first at {}",
-                              steps.percent(), kMostStep * phi.voxel(), placeOf(phi, steps.brick, steps.node)),
-                  fmt::format("distances, which change by {:.3g} mm from voxel to voxel at most", phi.voxel()));
+  KERF_CHECK(requireSteps(phi, "phi", kMostShare));
+  Tally outside;
+  for (std::size_t b = 0; b < phi.brickCount(); ++b) countOutside(phi, b, outside);
   if (outside.isTooMany())
-    return refuse(fmt::format("a turned sign: {:.0f} % of the outermost values are inside, the first at {}",
+    return refuse("phi",
+                  fmt::format("a turned sign: {:.0f} % of the outermost values are inside, the first at {}",
                               outside.percent(), placeOf(phi, outside.brick, outside.node)),
                   "distances that are negative inside");
   return {};
+}
+
+Expected<void> requireDistancesInPart(const BrickField& part, const std::string& grid) {
+  return requireSteps(part, grid, kMostShare);
+}
+
+Expected<void> requireDistancesOfCut(const BrickField& cut, const std::string& grid) {
+  return requireSteps(cut, grid, kMostShareOfCut);
+}
+
+Expected<void> requireSameSides(const BrickField& part, const BrickField& whole, const std::string& grid) {
+  Tally sides;
+  for (std::size_t b = 0; b < part.brickCount(); ++b)
+    for (const int i : {1, 5})
+      for (const int j : {1, 5})
+        for (const int k : {1, 5}) {
+          const double known = whole.sample(part.position(8 * part.brickCoord(b) + Vec3i{i, j, k}));
+          const int node = nodeOffset(i, j, k);
+          const bool is_inside = part.brick(b)[static_cast<std::size_t>(node)] < 0;
+          sides.add(std::abs(known) > whole.voxel() && is_inside != (known < 0), b, node);
+        }
+  if (!sides.isTooMany()) return {};
+  return refuse(grid,
+                fmt::format("another object: {:.0f} % of its values lie on the other side of the surface than those "
+                            "of the whole, the first at {}",
+                            sides.percent(), placeOf(part, sides.brick, sides.node)),
+                "the same object on smaller voxels");
 }
 
 }  // namespace kerf

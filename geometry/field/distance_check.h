@@ -1,6 +1,8 @@
 // Whether the numbers of a grid can be distances at all.
 #pragma once
 
+#include <string>
+
 #include "geometry/base/error.h"
 #include "geometry/field/brick_field.h"
 
@@ -14,5 +16,20 @@ namespace kerf {
 /// Error kBadValue with the share and where the first is; never throws.
 /// @cost  linear: 1 us a brick.
 Expected<void> requireDistances(const BrickField& phi);
+
+/// The same for the bricks of a part of an object, such as those of a fine region: noise alone. What lies beside them
+/// is not known, so that a turned sign is not seen: requireSameSides() sees it.
+/// @param grid  its name, for the message.   Error, cost: as above.
+Expected<void> requireDistancesInPart(const BrickField& part, const std::string& grid);
+
+/// The same for the bricks that a cut changed. Where one tissue gives way sooner than the one beside it, an honest
+/// field has steps: it is refused only if more than a fifth of all pairs are such.
+Expected<void> requireDistancesOfCut(const BrickField& cut, const std::string& grid);
+
+/// Refuses a part that is inside where the whole is outside, or the other way round, in more than a hundredth of the
+/// places asked, farther than a voxel of the whole from its surface.
+/// @param whole  the field of the same object, on any voxels.
+/// @cost linear: about 5 us a brick of the part, which is asked in 8 places.
+Expected<void> requireSameSides(const BrickField& part, const BrickField& whole, const std::string& grid);
 
 }  // namespace kerf

@@ -99,7 +99,7 @@ Expected<CutCase> loadCut(const fs::path& run_folder, const RunManifest& manifes
   }
 
   if (const auto& region = in_case.region; region && cut.voxel() == region->where.voxel_mm) {
-    KERF_TRY(fine, readCaseRegionField(case_folder));
+    KERF_TRY(fine, readCaseRegionField(case_folder, phi0));
     phi0 = std::move(fine);
   }
   if (cut.voxel() != phi0.voxel())

@@ -112,7 +112,7 @@ Expected<Swept> sweepCase(const fs::path& case_folder, const CaseManifest& in_ca
     if (beyond < region.radius_mm) out.beyond_region_mm = beyond;
     return out;
   }
-  KERF_TRY(fine, readCaseRegionField(case_folder));
+  KERF_TRY(fine, readCaseRegionField(case_folder, *out.phi0));
   out.cutter.reset();
   out.phi0 = std::make_unique<BrickField>(std::move(fine));
   KERF_CHECK(sweepAlong(out, tool, path, 0.25, 0.9, progress));

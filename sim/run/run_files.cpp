@@ -4,6 +4,7 @@
 
 #include "geometry/base/hash.h"
 #include "geometry/case/case_bundle.h"
+#include "geometry/field/distance_check.h"
 #include "geometry/field/vdb_io.h"
 #include "sim/monitor/monitor.h"
 #include "sim/run/run_output.h"
@@ -33,6 +34,17 @@ Expected<std::optional<fs::path>> findGivenCase(const fs::path& run_folder, cons
                .found = found,
                .expected = "case " + id.substr(0, 12) + ", from which this run was cut",
                .hint = "the case as it was when the run was cut: one that was baked anew is another"});
+}
+
+// A grid of a run, whose numbers can be distances.
+Expected<BrickField> readGrid(const fs::path& file, const std::string& grid) {
+  KERF_TRY(field, readVdb(file, grid));
+  if (auto checked = requireDistancesOfCut(field, grid); !checked) {
+    checked.error().file = file.string();
+    checked.error().hint = "a run is never edited: take it from a copy, or cut again";
+    return fail(std::move(checked).error());
+  }
+  return std::move(field);
 }
 
 }  // namespace
@@ -110,7 +122,7 @@ Expected<BrickField> readRunSweep(const fs::path& run_folder) {
                  .place = "mode " + manifest.mode,
                  .found = "no sweep",
                  .expected = "a run cut geometry-only"});
-  return readVdb(run_folder / internal::kRunField, "sweep");
+  return readGrid(run_folder / internal::kRunField, "sweep");
 }
 
 Expected<BrickField> readRunCutField(const fs::path& run_folder, std::size_t beside) {
@@ -118,7 +130,7 @@ Expected<BrickField> readRunCutField(const fs::path& run_folder, std::size_t bes
   KERF_CHECK(requireEnded(run_folder, manifest));
   KERF_CHECK(internal::requireBeside(run_folder, manifest, beside));
   KERF_CHECK(requireSha256(run_folder / internal::kRunField, manifest.field_sha256, "cut again"));
-  return readVdb(run_folder / internal::kRunField, beside == 0 ? "phi" : neighbourId(beside));
+  return readGrid(run_folder / internal::kRunField, beside == 0 ? "phi" : neighbourId(beside));
 }
 
 Expected<std::optional<BrickField>> readRunBegin(const fs::path& run_folder, const RunManifest& manifest,
@@ -128,7 +140,7 @@ Expected<std::optional<BrickField>> readRunBegin(const fs::path& run_folder, con
   if (beside > 0 && !manifest.beside[beside - 1].has_begin) return std::optional<BrickField>{};
   const fs::path file = run_folder / internal::kRunBegin;
   KERF_CHECK(requireSha256(file, manifest.begin_sha256, "a run is never edited: take it from a copy"));
-  KERF_TRY(field, readVdb(file, beside == 0 ? "phi" : neighbourId(beside)));
+  KERF_TRY(field, readGrid(file, beside == 0 ? "phi" : neighbourId(beside)));
   return std::optional(std::move(field));
 }
 

@@ -21,6 +21,8 @@ Expected<std::filesystem::path> caseOfRun(const std::filesystem::path& run_folde
 /// The same of the cases that stood beside it, in their order; none in most runs.
 Expected<std::vector<std::filesystem::path>> casesBesideRun(const std::filesystem::path& run_folder);
 
+// Of all grids that follow: noise, which is no distance, is refused by the grid's name (requireDistancesOfCut()).
+
 /// The union of the tool's sweeps, mm, negative where the tool has been; cut out of the case's field it is the cut
 /// object. Checked against the manifest. At the voxel size the run was cut at: the case's, or its region's finer one.
 /// Only of a run cut geometry-only.
