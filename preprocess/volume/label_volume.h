@@ -84,7 +84,7 @@ struct LabelReadOptions {
 /// not that of what is packed in them. (What has no checksum, raw values and DICOM, hides a changed bit.)
 /// @return the volume. Errors: kNotFound, kUnreadable, kBadFormat, kBadValue, kUnsupported, kCancelled; never throws.
 /// @cost  360 x 360 x 330 from .nii.gz: about 0.5 s. What lies raw or compressed in one file is read slice by slice; in
-/// other encodings (text, bzip2, frames of DICOM) all values are there at once.   @thread any.
+/// other encodings (text, frames of DICOM) all values are there at once.   @thread any.
 Expected<LabelVolume> readLabelVolume(const std::filesystem::path& path, const LabelReadOptions& options = {},
                                       const Progress& progress = {});
 

@@ -19,9 +19,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kDeflate = 1032;    // no deflate stream expands more
-constexpr double kBzip2 = 1u << 22;  // runs of one byte reach about 10^6
-constexpr double kText = 8;          // a digit and a blank make up to 8 bytes, and half a byte is lost to rounding
+constexpr double kDeflate = 1032;  // no deflate stream expands more
+constexpr double kText = 8;        // a digit and a blank make up to 8 bytes, and half a byte is lost to rounding
 constexpr std::size_t kMostHeader = 1 << 20;
 constexpr int kMostAxes = 7;
 // What is longer overruns a buffer of 1024 bytes in ITK 5.2's NRRD library, which quotes it when it complains.
@@ -179,10 +178,12 @@ Expected<void> requireNrrdSignature(const fs::path& path) {
 // What values bytes one stored byte can stand for.
 Expected<double> mostPerByteOfNrrd(const fs::path& path, const std::string& encoding) {
   if (encoding == "gzip" || encoding == "gz") return kDeflate;
-  if (encoding == "bzip2" || encoding == "bz2") return kBzip2;
+  if (encoding == "bzip2" || encoding == "bz2")
+    return unsupported(path, "key encoding", "'" + encoding + "', which no reader here unpacks",
+                       "raw, gzip, ascii or hex", "save it with encoding: gzip");
   if (encoding == "ascii" || encoding == "text" || encoding == "txt") return kText;
   if (encoding == "raw" || encoding == "hex") return 1;
-  return bad(path, "key encoding", "'" + encoding + "'", "raw, gzip, bzip2, ascii or hex");
+  return bad(path, "key encoding", "'" + encoding + "'", "raw, gzip, ascii or hex");
 }
 
 // Where the values of a NRRD file begin that are raw or compressed by gzip. Lines are skipped before they are unpacked,

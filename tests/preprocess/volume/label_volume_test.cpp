@@ -295,6 +295,18 @@ TEST(LabelVolume, FilesShorterThanTheirHeaderClaimsAreRefusedBeforeAllocating) {
                 "crop the volume");
 }
 
+TEST(LabelVolume, ABzip2NrrdIsRefusedWithWhatToDo) {
+  for (const char* name : {"bzip2", "bz2"}) {
+    const auto v =
+        readBytes("a.nrrd", nrrd(std::string("type: unsigned char\ndimension: 3\nsizes: 4 3 2\nspacings: 1 1 1\n") +
+                                     "encoding: " + name + "\n",
+                                 "BZh9 and more"));
+    expectRefusal(v, "which no reader here unpacks");
+    expectRefusal(v, "encoding: gzip");
+    EXPECT_EQ(v.error().code, Error::Code::kUnsupported);
+  }
+}
+
 // Compressed volumes of 4 x 3 x 2 counting labels: file name, what stands before the values, the values.
 struct Compressed {
   std::string name, head, values;
