@@ -54,6 +54,11 @@ Expected<MaterialProperties> readRow(const toml::table& table, const std::filesy
   const auto number = row.get<std::int64_t>("number", "a whole number from 1 to 255");
   if (!row.failed() && (number < 1 || number > 255))
     row.reject("number", fmt::format("{}", number), "a whole number from 1 to 255", "32 and more are yours");
+  constexpr int kLastOfKerf = static_cast<int>(Material::kComposite), kFirstOfUsers = 32;
+  if (!row.failed() && number > kLastOfKerf && number < kFirstOfUsers)
+    row.reject("number", fmt::format("{}", number),
+               fmt::format("1 to {}, or a number from {} on: those between are kept for later versions of Kerf",
+                           kLastOfKerf, kFirstOfUsers));
   m.material = static_cast<Material>(number);
   m.name = row.get<std::string>("name", "a name for people");
   const auto color = row.get<std::string>("color", "\"#rrggbb\"");
@@ -62,7 +67,7 @@ Expected<MaterialProperties> readRow(const toml::table& table, const std::filesy
   KERF_TRY(hardness, readNumber(row, table, file, "hardness", "HV", 0, 3000));
   KERF_TRY(energy, readNumber(row, table, file, "specific_cutting_energy", "J/mm3", 1e-4, 1000));
   KERF_TRY(stiffness, readNumber(row, table, file, "contact_stiffness", "N/mm3", 0.01, 1e5));
-  KERF_TRY(friction, readNumber(row, table, file, "friction", "1", 0, 2));
+  KERF_TRY(friction, readNumber(row, table, file, "friction", "1", 0.01, 2));
   KERF_CHECK(row.finish());
 
   m.density = density;

@@ -51,14 +51,18 @@ TEST_P(MaterialMistake, IsNamedWithItsKey) {
   EXPECT_NE(table.error().message().find(GetParam().message), std::string::npos) << table.error().message();
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Materials, MaterialMistake,
-    testing::Values(Mistake{"kerf-materials", "kerf-tool", "format"}, Mistake{"\"g/cm3\"", "\"kg/m3\"", "g/cm3"},
-                    Mistake{"number = 2", "number = 1", "number 1 a second time"},
-                    Mistake{"id = \"dentin\"", "id = \"enamel\"", "the id a second time"},
-                    Mistake{"number = 1\n", "number = 256\n", "1 to 255"}, Mistake{"#f4f1e8", "#f4f1ez", "#rrggbb"},
-                    Mistake{"hardness = {", "hardnes = {", "hardness"}, Mistake{"value = 275", "value = nan", "HV"},
-                    Mistake{"id = \"pulp\"", "id = \"Pulp!\"", "lower-case"}));
+INSTANTIATE_TEST_SUITE_P(Materials, MaterialMistake,
+                         testing::Values(Mistake{"kerf-materials", "kerf-tool", "format"},
+                                         Mistake{"\"g/cm3\"", "\"kg/m3\"", "g/cm3"},
+                                         Mistake{"number = 2", "number = 1", "number 1 a second time"},
+                                         Mistake{"id = \"dentin\"", "id = \"enamel\"", "the id a second time"},
+                                         Mistake{"number = 1\n", "number = 256\n", "1 to 255"},
+                                         Mistake{"number = 9\n", "number = 12\n", "from 32 on"},
+                                         Mistake{"friction = { value = 0.3", "friction = { value = 0", "friction"},
+                                         Mistake{"#f4f1e8", "#f4f1ez", "#rrggbb"},
+                                         Mistake{"hardness = {", "hardnes = {", "hardness"},
+                                         Mistake{"value = 275", "value = nan", "HV"},
+                                         Mistake{"id = \"pulp\"", "id = \"Pulp!\"", "lower-case"}));
 
 }  // namespace
 }  // namespace kerf
