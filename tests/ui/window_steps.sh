@@ -1,12 +1,12 @@
 # shellcheck shell=bash disable=SC2154
 # What the tests of a person at the window share: an own display, an own folder, waiting, failing. Sourced by them,
-# behind `kerf=$1 window=$2`. Before it, if wanted: size (of display and window, 800x600), dpi (of the display, 96).
+# behind `kerf=$1 window=$2`. Before it, if wanted: size (of display and window, 800x600).
 # Exit code 77: xvfb-run or xdotool is missing.
 for program in xvfb-run xdotool; do
   command -v $program >/dev/null || { printf '%s: %s is missing (Debian: xvfb, xdotool)\n' "$(basename "$0")" $program; exit 77; }
 done
 if [[ -z ${IN_XVFB:-} ]]; then
-  IN_XVFB=yes exec xvfb-run -a -s "-screen 0 ${size:-800x600}x24 -dpi ${dpi:-96}" "$0" "$@"
+  IN_XVFB=yes exec xvfb-run -a -s "-screen 0 ${size:-800x600}x24" "$0" "$@"
 fi
 
 folder=$(mktemp -d)

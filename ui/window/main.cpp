@@ -162,6 +162,7 @@ kerf::Expected<void> cut(const Arguments& arguments, const Shown& shown) {
   options.height = shown.height;
   options.frames = arguments.frames;
   options.is_watched = arguments.is_watched;
+  options.tells = arguments.verbose;
   if (!arguments.view.empty()) options.view = arguments.view;
   if (!arguments.film.empty()) {
     const kerf::FilmOptions film{arguments.film, arguments.fps, arguments.from, arguments.until};
@@ -327,7 +328,7 @@ int main(int argc, char** argv) try {
          "one of pictures")
       ->type_name("N")
       ->check(CLI::Range(5, 10000));
-  app.add_flag("-v,--verbose", a.verbose, "say what draws");
+  app.add_flag("-v,--verbose", a.verbose, "say what draws, and print the notices of the window");
   app.footer(
       "Exit code 0: done; 1: it could not be done, also without a display or OpenGL 3.3; 2: a wrong command line.\n"
       "Kerf is a training and lab tool, not a medical device.");

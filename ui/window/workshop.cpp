@@ -132,6 +132,7 @@ class Workshop {
       (void)desktop_.takeEvents();
       files_.takeAnswer(context_);
       view_->update(bench_);
+      printNotices();
       glfwWaitEventsTimeout(0.1);
       endIfAsked();
       if (context_.is_asking_to_quit) glfwRestoreWindow(desktop_.window());
@@ -140,6 +141,7 @@ class Workshop {
 
     bench_.arm().pause(files_.isShown());
     view_->update(bench_);
+    printNotices();
     if (!bench_.scene().bounds().isEmpty() && view_->takeFitWanted()) fitFirst();
     if (bench_.isShown() && !bench_.scene().bounds().isEmpty()) box_ = bench_.scene().bounds();
     updateImport();
@@ -173,6 +175,13 @@ class Workshop {
     endIfAsked();
     wants_end_ |= options_.frames > 0 && frames_ >= options_.frames;
     return {};
+  }
+
+  // For a terminal, when that is wanted.
+  void printNotices() {
+    if (!options_.tells) return;
+    for (const auto& notices = bench_.notices(); told_ < notices.size(); ++told_)
+      fmt::print(stderr, "kerf-sim: {}: {}\n", notices[told_].is_error ? "error" : "note", notices[told_].text);
   }
 
   // The button of the window's frame asks as the command does; the system does not.
@@ -554,6 +563,7 @@ class Workshop {
   std::optional<Vec3d> pivot_;  // what was under the cursor when the view began to be turned
   bool pans_ = false, is_harder_ = false, wants_end_ = false, is_software_ = true;
   int frames_ = 0;
+  std::size_t told_ = 0;  // notices
 };
 
 }  // namespace

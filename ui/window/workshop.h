@@ -22,6 +22,7 @@ struct WorkshopOptions {
   std::string view = "top";           ///< from which side it is seen first
   int width = 1280, height = 800;
   int frames = 0;           ///< closes after that many, for tests; 0: when the user does
+  bool tells = false;       ///< what it says to the user is also printed on standard error, as it is said
   bool is_watched = false;  ///< a script's frames are drawn as the window draws them, and FrameWatch::summary() printed
 };
 
