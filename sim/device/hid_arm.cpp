@@ -6,6 +6,7 @@
 #include <array>
 #include <atomic>
 #include <mutex>
+#include <optional>
 
 #include "sim/device/arm_thread.h"
 #include "sim/device/device_driver.h"
@@ -64,8 +65,8 @@ struct HidArm::State {
   void sendCalibration();
 
   const FoundArm what;
-  HidPort port;
-  ZeroGuard guard;  // of an arm that keeps its force
+  std::optional<HidPort> port;  // none: it was unplugged
+  ZeroGuard guard;              // of an arm that keeps its force
   HidArm* arm = nullptr;
   std::atomic<bool> wants_calibration{false};
 
@@ -87,7 +88,13 @@ void HidArm::State::exchange() {
   }
   ArmReportBytes bytes{};
   const std::size_t size = what.driver->write({}, now, what.info, bytes);
-  for (int n = 0; n < 2; ++n) port.write({bytes.data(), size});
+  for (int n = 0; n < 2; ++n) port->write({bytes.data(), size});
+
+  // As long as somebody has the node of an unplugged arm open, the arm comes back as another one.
+  if (!thread.isStopping()) {
+    port.reset();
+    guard = {};
+  }
 }
 
 // Until nothing waits any more; a millisecond for the first one. An arm that talks faster than it is read must not keep
@@ -99,7 +106,7 @@ bool HidArm::State::receive() {
   std::array<std::uint8_t, HidPort::kLongestReport> bytes{};
   bool has_news = false;
   for (int n = 0; n < kMost && deviceClock() - began < kLongest; ++n) {
-    const int size = port.read(bytes, n == 0 ? 1 : 0);
+    const int size = port->read(bytes, n == 0 ? 1 : 0);
     if (size < 0) {
       const std::lock_guard lock(thread.mutex);
       is_unplugged = true;
@@ -138,7 +145,7 @@ void HidArm::State::answer(std::int64_t when) {
   last_sent = when;
   ArmReportBytes bytes{};
   const std::size_t size = what.driver->write(next, now, what.info, bytes);
-  const bool is_taken = port.write({bytes.data(), size});
+  const bool is_taken = port->write({bytes.data(), size});
   const std::lock_guard lock(thread.mutex);
   thread.counts.forces += is_taken;
   thread.counts.is_enabled = is_taken && next.is_enabled;
@@ -149,7 +156,7 @@ void HidArm::State::answer(std::int64_t when) {
 void HidArm::State::sendCalibration() {
   ArmReportBytes bytes{};
   const std::size_t size = what.driver->calibrate(what.info, bytes);
-  if (size > 0 && port.write({bytes.data(), size})) arm->link_.needs_calibration = false;
+  if (size > 0 && port->write({bytes.data(), size})) arm->link_.needs_calibration = false;
 }
 
 HidArm::HidArm(const ArmSettings& settings, const Rigid3& start, std::unique_ptr<State> state)

@@ -14,6 +14,7 @@
 #include <cmath>
 #include <cstring>
 #include <mutex>
+#include <utility>
 
 #include "sim/device/arm_thread.h"
 #include "sim/device/device_driver.h"
@@ -123,6 +124,12 @@ void SerialArm::State::exchange() {
     if (!receive(1)) break;
   }
   (void)send({});
+
+  // As long as somebody has the port of an unplugged arm open, the arm comes back as another one.
+  if (!thread.isStopping()) {
+    ::close(std::exchange(fd, -1));
+    guard = {};
+  }
 }
 
 // False: it is gone.

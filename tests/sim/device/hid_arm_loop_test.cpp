@@ -251,6 +251,7 @@ TEST_P(HidLoop, AKilledKerfLeavesNoForceBehind) {
     kerf.kill();
     fewest = std::min(fewest, stepsWithForce(body));
   }
+  std::printf("%d steps with force after Kerf was killed\n", fewest);
   EXPECT_LE(fewest, kForceless);
 }
 

@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <cmath>
+#include <filesystem>
 
 #include "sim/device/woody_arm.h"
 #include "tests/sim/device/force_scene.h"
@@ -86,6 +87,15 @@ class SerialPort : public testing::Test {
     auto opened = openArm(name_, {.limits = {.force = 3, .rate = 500, .ramp_s = 0.1}});
     EXPECT_TRUE(opened) << opened.error().message();
     return opened ? std::move(opened->arm) : nullptr;
+  }
+  // How often this process has the node open.
+  static int openFilesOf(const std::string& node) {
+    int out = 0;
+    for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) {
+      std::error_code failed;
+      out += std::filesystem::read_symlink(entry.path(), failed).string().starts_with(node);
+    }
+    return out;
   }
   // That it is sent for a force, where its encoders stand at `counts`, counted from its home pose.
   static std::string lineFor(const std::array<int, 6>& counts, const Vec3d& force) {
@@ -172,8 +182,11 @@ TEST_F(SerialPort, AnUnpluggedOneIsKnown) {
   arm->enable(true);
   Pusher pusher(*arm, {0, 0, 1});
   ASSERT_TRUE(until([&] { return said() != "[0,0,0]"; }));
+  const std::string node = name_.substr(std::string("serial:").size());
+  EXPECT_GT(openFilesOf(node), 0);
   unplug();
   ASSERT_TRUE(until([&] { return arm->isGone(); }));
+  EXPECT_TRUE(until([&] { return openFilesOf(node) == 0; })) << "else it would come back at another one";
   EXPECT_LE(pusher.lastTakenAgeMs(), 1000 * ForceArm::kDeadMan);
   EXPECT_EQ(arm->counts().trouble, "it was unplugged: plug it in");
 }

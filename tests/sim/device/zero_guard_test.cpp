@@ -164,6 +164,17 @@ TEST_F(KilledKerf, NeedsNoGuardForAnArmWithADeadline) {
   EXPECT_EQ(guardOf(::getpid()), 0);
 }
 
+// Else it would come back at another node, and by its path never.
+TEST_F(KilledKerf, IsNotNeededOnceAnArmIsUnplugged) {
+  bed_->plugIn(woody());
+  auto arm = open();
+  ASSERT_TRUE(arm);
+  ASSERT_NE(guardOf(::getpid()), 0);
+  bed_->unplug(woody());
+  ASSERT_TRUE(until([&] { return arm->isGone(); }));
+  EXPECT_TRUE(until([&] { return guardOf(::getpid()) == 0; }));
+}
+
 struct Pad {
   const char* name;
   std::uint16_t vendor, product;
