@@ -159,6 +159,56 @@ TEST_F(DevicesCommand, AnArmIsProbedWithoutForceRecordedAndReplayed) {
             kerfSays("devices --replay " + file + " --json").text);
 }
 
+// The case is asked for after the arm: one that is not there tells that the arm was taken.
+TEST_F(DevicesCommand, ALiveSessionWithAWoodyAsksForItsHomePose) {
+  const TemporaryFolder folder;
+  const std::string live = "live none.case --tool round-014 --start 0,0,1 --device /dev/hidraw0 -o " +
+                           (folder.path() / "out.run").string() + " ";
+  bed_->plugIn({.vendor = 0x1234, .product = 6, .name = "Woody", .interfaces = {{0xFF00, 1}}});
+  std::atomic<bool> is_over{false};
+  std::thread firmware([&] {
+    while (!is_over) {
+      bed_->send(0, Bytes(14));
+      std::this_thread::sleep_for(milliseconds(1));
+    }
+  });
+  const auto wasCalibrated = [&] {
+    const std::vector<Bytes> all = bed_->written(0);
+    return std::any_of(all.begin(), all.end(), [](const Bytes& report) { return report[7] == 1; });
+  };
+  const Printed refused = kerfSays(live);
+  EXPECT_FALSE(wasCalibrated());
+  const Printed without_force = kerfSays(live + "--no-force");
+  EXPECT_FALSE(wasCalibrated());
+  const Printed calibrated = kerfSays(live + "--calibrate");
+  EXPECT_TRUE(wasCalibrated());
+  is_over = true;
+  firmware.join();
+
+  EXPECT_EQ(refused.code, 1) << refused.text;
+  EXPECT_NE(refused.text.find("not calibrated since it was opened"), std::string::npos) << refused.text;
+  EXPECT_NE(refused.text.find("give --calibrate"), std::string::npos) << refused.text;
+  EXPECT_EQ(refused.text.find("none.case"), std::string::npos) << refused.text;
+  for (const Printed& printed : {without_force, calibrated}) {
+    EXPECT_EQ(printed.code, 1) << printed.text;
+    EXPECT_NE(printed.text.find("none.case"), std::string::npos) << printed.text;
+  }
+  for (const Bytes& report : bed_->written(0)) {
+    const bool has_current = report[1] || report[2] || report[3] || report[4] || report[5] || report[6];
+    EXPECT_FALSE(has_current);
+  }
+}
+
+TEST_F(DevicesCommand, AnArmThatKnowsItsPlaceNeedsNoCalibration) {
+  bed_->plugIn({.vendor = 0xCAFE, .product = 0x4004, .name = "My arm", .serial = "R-1", .interfaces = {{0xFF4B, 1}}});
+  const RawArmReport report = encodeRawHand({});
+  bed_->send(0, Bytes(report.begin(), report.end()));
+  const Printed refused =
+      kerfSays("live none.case --tool round-014 --start 0,0,1 --device R-1 -o none.run --calibrate");
+  EXPECT_EQ(refused.code, 1) << refused.text;
+  EXPECT_NE(refused.text.find("leave out --calibrate"), std::string::npos) << refused.text;
+}
+
 TEST_F(DevicesCommand, AJoystickIsReadByItsDescriptor) {
   const TemporaryFolder folder;
   const std::string file = (folder.path() / "stick.txt").string();

@@ -100,6 +100,8 @@ bool ArmLead::hasJustCome() const { return Seconds(Clock::now() - there_since_).
 // What a person can do something about first.
 std::string ArmLead::missingForForce() const {
   constexpr double kSlack = 1.001;
+  if (arm_->needsCalibration())
+    return "it was not calibrated since it was opened: put it into its home pose, then device.calibrate";
   if (!run_) return "nothing is open to be cut";
   const CouplingSettings now = run_->model().settings.coupling;
   const CouplingSettings borne = *coupling();

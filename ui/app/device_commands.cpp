@@ -160,8 +160,11 @@ Expected<void> place(AppContext& c, AppWords words) {
 }
 
 Expected<void> calibrate(AppContext& c, AppWords) {
-  if (armOf(c).arm()->calibrate()) return {};
-  return wrongWord(armOf(c).arm()->what() + ", which needs no calibration", "a device that does", "");
+  if (!armOf(c).arm()->calibrate())
+    return wrongWord(armOf(c).arm()->what() + ", which needs no calibration", "a device that does", "");
+  armOf(c).disarmForce();  // its hand leaps
+  c.bench.say("The place where the device stands now is its home pose.");
+  return {};
 }
 
 Expected<void> test(AppContext& c, AppWords words) {

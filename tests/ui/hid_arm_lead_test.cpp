@@ -1,0 +1,220 @@
+// The window's arm on HID, through the system's hidapi: it leads the workbench's tool, is unplugged in the middle of a
+// cut, comes back. Skipped where umockdev is not preloaded.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+#include "geometry/formats/mesh_writer.h"
+#include "sim/device/force_arm.h"
+#include "sim/run/replay.h"
+#include "tests/sim/device/simulated_arm.h"
+#include "tests/support/open_block.h"
+#include "tests/support/temporary_folder.h"
+#include "ui/app/app_commands.h"
+#include "ui/app/app_script.h"
+#include "ui/app/arm_lead.h"
+
+namespace kerf {
+namespace {
+
+namespace fs = std::filesystem;
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+using Kind = test::SimulatedArm::Kind;
+
+constexpr int kForceless = 20 + 2;  // steps of an arm: its deadline, the one that is under way, a frame on its way
+
+// From 1.5 mm over the block down into it, and there round and round.
+CutPath presses() {
+  CutPath path;
+  const auto go = [&](double t, const Vec3d& p) { path.poses.push_back({t, {Eigen::Quaterniond::Identity(), p}}); };
+  go(0, {0, 0, 0});
+  go(2, {0, 0, 0});
+  go(3, {0, 0, -6});
+  for (int n = 1; n < 600; ++n) go(3 + 0.1 * n, {0.5 * std::sin(0.2 * n), 0.5 * std::sin(0.13 * n), -6});
+  path.cuts.assign(path.poses.size() - 1, 1);
+  return path;
+}
+
+// An arm that is plugged in, and lives by its own clock.
+class PluggedArm {
+ public:
+  PluggedArm(HidTestbed& bed, Kind kind, const SimulatedHid& what) : bed_(bed), what_(what) {
+    bed_.plugIn(what);
+    body_.emplace(bed, kind, presses(), DeviceHand::Options{}, what.first_node);
+    thread_ = std::thread([this] {
+      while (!is_over_) {
+        std::this_thread::sleep_for(milliseconds(1));
+        const std::lock_guard lock(mutex_);
+        if (is_plugged_) body_->step();
+      }
+    });
+  }
+  ~PluggedArm() {
+    is_over_ = true;
+    thread_.join();
+  }
+  Vec3d force() const {
+    const std::lock_guard lock(mutex_);
+    return body_->force();
+  }
+  double mostForce() const {
+    const std::lock_guard lock(mutex_);
+    return body_->mostForce();
+  }
+  /// @return  for how many of its steps it went on giving force.
+  int unplug() {
+    const std::lock_guard lock(mutex_);
+    is_plugged_ = false;
+    bed_.unplug(what_);
+    int steps = 0;
+    for (; steps < 1000 && !body_->force().isZero(0); ++steps) body_->step();
+    return steps;
+  }
+
+ private:
+  HidTestbed& bed_;
+  const SimulatedHid what_;
+  mutable std::mutex mutex_;
+  std::optional<test::SimulatedArm> body_;  // guarded by mutex_, as the next
+  bool is_plugged_ = true;
+  std::atomic<bool> is_over_{false};
+  std::thread thread_;
+};
+
+class HidArmLead : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!HidTestbed::isThere()) GTEST_SKIP() << "umockdev is not preloaded: run umockdev-wrapper kerf_led_tests";
+    bed_ = std::make_unique<HidTestbed>();
+  }
+  void openBlock(const std::string& device) {
+    const fs::path scan = folder_.path() / "block.ply";
+    ASSERT_TRUE(writeMesh(scan, test::blockMesh(true)));
+    WorkbenchOptions options;
+    options.data_folder = folder_.path() / "data";
+    options.tools = {"round-014"};
+    options.real_time = {.priority = 0, .lock_memory = false};
+    options.device = device;
+    bench_ = std::make_unique<Workbench>(options);
+    context_.emplace(AppContext{.bench = *bench_, .camera = camera_});
+    ASSERT_TRUE(bench_->arm().isOpen()) << notices();
+    ASSERT_TRUE(run("device.pedal", {"on"}));
+    bench_->open(scan);
+    ASSERT_TRUE(until([&] { return bench_->isOpen() && !bench_->job(); }, 120)) << notices();
+  }
+  bool until(const std::function<bool()>& holds, double most_s = 30) {
+    const auto end = steady_clock::now() + std::chrono::duration<double>(most_s);
+    while (steady_clock::now() < end) {
+      bench_->update();
+      if (holds()) return true;
+      std::this_thread::sleep_for(milliseconds(1));
+    }
+    return holds();
+  }
+  Expected<void> run(const char* id, const std::vector<std::string>& words = {}) {
+    return runAppCommand(*context_, id, words);
+  }
+  std::string notices() const {
+    std::string out;
+    for (const Notice& notice : bench_->notices()) out += notice.text + "\n";
+    return out;
+  }
+
+  SimulatedHid raw_{.vendor = 0xCAFE,
+                    .product = 0x4004,
+                    .maker = "Me",
+                    .name = "My arm",
+                    .serial = "R-1",
+                    .interfaces = {{0xFF4B, 1}}};
+  TemporaryFolder folder_;
+  Camera camera_ = *cameraFromView("top");
+  std::unique_ptr<HidTestbed> bed_;
+  std::unique_ptr<Workbench> bench_;
+  std::optional<AppContext> context_;
+};
+
+TEST_F(HidArmLead, UnpluggedMidCutLosesNothingAndLeadsAgainWhenItIsPluggedIn) {
+  PluggedArm first(*bed_, Kind::kRaw, raw_);
+  openBlock("R-1");
+  ASSERT_TRUE(until([&] { return bench_->isLed(); })) << bench_->arm().view().missing;
+  ASSERT_TRUE(run("device.arm")) << bench_->arm().view().missing;
+  ASSERT_TRUE(until([&] { return bench_->removedMm3() > 0.05 && first.force().norm() > 0.05; }));
+
+  // It is pulled out while it cuts and is felt.
+  const double removed = bench_->removedMm3();
+  EXPECT_LE(first.unplug(), kForceless);
+  ASSERT_TRUE(until([&] { return !bench_->isLed(); })) << "it is gone: the mouse leads";
+  EXPECT_FALSE(bench_->arm().isArmed());
+  EXPECT_NE(notices().find("is gone: no force, and it is to be armed anew"), std::string::npos) << notices();
+  EXPECT_NE(bench_->arm().view().missing.find("unplugged"), std::string::npos) << bench_->arm().view().missing;
+  EXPECT_GE(bench_->removedMm3(), removed);
+
+  ASSERT_TRUE(until([&] { return bench_->press({{-2, 0, 50}, {0, 0, -1}}); }));
+  ASSERT_TRUE(until([&] { return bench_->removedMm3() > removed + 0.02; })) << "by the mouse";
+  bench_->release();
+
+  // Plugged in again, at another node: by its serial number it is the same one.
+  SimulatedHid again = raw_;
+  again.port = 2;
+  again.first_node = 1;
+  PluggedArm second(*bed_, Kind::kRaw, again);
+  ASSERT_TRUE(until([&] { return bench_->isLed(); })) << bench_->arm().view().missing;
+  EXPECT_FALSE(bench_->arm().isArmed());
+  const double by_mouse = bench_->removedMm3();
+  ASSERT_TRUE(until([&] { return bench_->removedMm3() > by_mouse + 0.02; })) << "it leads, and cuts";
+  EXPECT_EQ(second.mostForce(), 0) << "nobody has armed it since";
+  ASSERT_TRUE(run("device.arm")) << bench_->arm().view().missing;
+  ASSERT_TRUE(until([&] { return second.force().norm() > 0.05; }));
+
+  const double in_all = bench_->removedMm3();
+  const fs::path session = bench_->sessionFolder();
+  bench_->close();
+  ASSERT_TRUE(until([&] { return !bench_->job(); }));
+  const auto replayed = replayRun(session);
+  ASSERT_TRUE(replayed) << replayed.error().message();
+  EXPECT_TRUE(replayed->is_same && replayed->is_whole) << replayed->note;
+  EXPECT_GE(replayed->removed_mm3, in_all - 0.01);
+}
+
+TEST_F(HidArmLead, AWoodyIsArmedOnceItWasCalibrated) {
+  const SimulatedHid woody{.vendor = 0x1234, .product = 6, .name = "Woody", .interfaces = {{0xFF00, 1}}};
+  PluggedArm arm(*bed_, Kind::kWoody, woody);
+  openBlock(HidTestbed::path(0));
+  ASSERT_TRUE(until([&] { return bench_->isLed(); })) << bench_->arm().view().missing;
+  EXPECT_NE(bench_->arm().view().missing.find("home pose, then device.calibrate"), std::string::npos)
+      << bench_->arm().view().missing;
+  const auto refused = run("device.arm");
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message().find("not calibrated since it was opened"), std::string::npos)
+      << refused.error().message();
+  EXPECT_FALSE(bench_->arm().isArmed());
+
+  ASSERT_TRUE(run("device.calibrate"));
+  ASSERT_TRUE(until([&] { return bench_->arm().view().missing.find("device.calibrate") == std::string::npos; }));
+  EXPECT_EQ(arm.mostForce(), 0);
+  const Expected<void> armed = run("device.arm");
+  ASSERT_TRUE(armed) << armed.error().message();
+  ASSERT_TRUE(until([&] { return bench_->arm().view().felt.force.norm() > 0.05 && arm.force().norm() > 0.05; }));
+
+  // Calibrated in the middle of it: its hand leaps, and it is to be armed anew.
+  ASSERT_TRUE(run("device.calibrate"));
+  EXPECT_FALSE(bench_->arm().isArmed());
+  EXPECT_TRUE(until([&] { return arm.force().isZero(0); }));
+}
+
+TEST_F(HidArmLead, AnArmThatKnowsItsPlaceIsNotCalibrated) {
+  PluggedArm arm(*bed_, Kind::kRaw, raw_);
+  openBlock("R-1");
+  const auto refused = run("device.calibrate");
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message().find("needs no calibration"), std::string::npos) << refused.error().message();
+}
+
+}  // namespace
+}  // namespace kerf
