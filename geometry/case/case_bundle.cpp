@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <fstream>
 
 #include "geometry/base/hash.h"
@@ -134,7 +135,12 @@ Expected<void> readClosing(const toml::table& root, const std::filesystem::path&
   for (const auto& [key, value] : *numbers) {
     const std::string name(key.str());
     if (m.closing.size() == kMostNumbers) t.reject(name, "more numbers", fmt::format("at most {}", kMostNumbers));
-    m.closing[name] = t.number(name, -kMost, kMost, "");
+    const double number = t.number(name, -kMost, kMost, "");
+    const double least = name == "handles_added" ? -kMost : 0;  // closing may also fill a hole right through
+    if (isCountOfClosing(name) && !(number >= least && number == std::floor(number)))
+      t.reject(name, fmt::format("{:g}", number),
+               "a count: a whole number" + std::string(least == 0 ? ", 0 or more" : ""));
+    m.closing[name] = number;
     if (t.failed()) break;
   }
   return t.finish();
@@ -283,6 +289,10 @@ toml::table tableOf(const CaseManifest& m) {
 }
 
 }  // namespace
+
+bool isCountOfClosing(std::string_view key) {
+  return !key.ends_with("_mm") && !key.ends_with("_mm2") && !key.ends_with("_mm3") && !key.ends_with("_share");
+}
 
 bool isCase(const std::filesystem::path& folder) {
   std::error_code ignored;

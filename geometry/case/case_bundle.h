@@ -11,6 +11,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "geometry/base/error.h"
@@ -99,6 +100,9 @@ struct CaseFields {
   BrickField phi0;
   MaterialField materials;
 };
+
+/// Whether a key of CaseManifest::closing names a count: no length, area, volume or share.
+bool isCountOfClosing(std::string_view key);
 
 /// True if the folder looks like a case (has a manifest).
 bool isCase(const std::filesystem::path& folder);

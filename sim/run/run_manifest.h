@@ -42,6 +42,9 @@ struct RunManifest {
   std::string state_hash;
   std::string field_sha256;  ///< of run.vdb: a damaged file is refused
 
+  /// Of summary.json, modes geometry and haptic: kerf info says when it was edited since. Empty: an older run.
+  std::string summary_sha256;
+
   /// Of begin.vdb, modes haptic and session: what an earlier run had cut, from which this one went on. Empty: it began
   /// with the case.
   std::string begin_sha256;

@@ -101,6 +101,8 @@ Expected<void> finishRun(const fs::path& staging, const Tool& tool, const fs::pa
 
   KERF_TRY(field_hash, sha256OfFile(staging / kRunField));
   m.field_sha256 = field_hash;
+  KERF_TRY(summary_hash, sha256OfFile(staging / kRunSummary));
+  m.summary_sha256 = summary_hash;
   return writeRunManifest(staging, m);
 }
 

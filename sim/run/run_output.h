@@ -35,8 +35,8 @@ std::string throughBox(const Box3& box);
 /// Errors: kWriteFailed; kBadValue when it is damaged.
 Expected<std::string> storeBegin(const std::filesystem::path& from, const std::filesystem::path& run_folder);
 
-/// Copies tool, its mesh and path into the staging folder, hashes run.vdb, fills in what the manifest says of them, and
-/// writes it.
+/// Copies tool, its mesh and path into the staging folder, hashes run.vdb and summary.json, fills in what the manifest
+/// says of them, and writes it.
 Expected<void> finishRun(const std::filesystem::path& staging, const Tool& tool, const std::filesystem::path& tool_file,
                          const std::filesystem::path& path_file, RunManifest& manifest);
 

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "geometry/base/hash.h"
 #include "geometry/case/case_bundle.h"
 #include "geometry/case/case_materials.h"
 #include "geometry/field/material.h"
@@ -190,6 +191,14 @@ Expected<void> takeSummary(const fs::path& file, RunReport& out) {
   return s.finish();
 }
 
+// Whether it is the one that the run was written with.
+Expected<void> compareSummary(const fs::path& file, RunReport& out) {
+  if (out.manifest.summary_sha256.empty()) return {};
+  KERF_TRY(hash, sha256OfFile(file));
+  out.is_summary_edited = hash != out.manifest.summary_sha256;
+  return {};
+}
+
 // ---- What no file states
 
 // Where the tool was meant to cut without a break.
@@ -367,7 +376,10 @@ Expected<RunReport> readRunReport(const fs::path& run_folder, bool replays, cons
 
   const fs::path summary = run_folder / internal::kRunSummary;
   std::error_code ignored;
-  if (fs::is_regular_file(summary, ignored)) KERF_CHECK(takeSummary(summary, out));
+  if (fs::is_regular_file(summary, ignored)) {
+    KERF_CHECK(takeSummary(summary, out));
+    KERF_CHECK(compareSummary(summary, out));
+  }
   if (!out.removed_mm3)
     if (const auto counted = countVolumes(run_folder, out); !counted) missVolumes(counted.error(), out);
   takeLoaded(run_folder, out);

@@ -21,6 +21,9 @@ namespace kerf {
 /// Whatever has no value is not known, and `missing` says why; `never` is a value of its own.
 struct RunReport {
   RunManifest manifest;
+  /// summary.json, from which most of this comes, is not what the run was written with. Nothing: an older run does not
+  /// say, or there is no summary.
+  std::optional<bool> is_summary_edited;
 
   /// A value and when it was reached; not every run knows when.
   struct Peak {

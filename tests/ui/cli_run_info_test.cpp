@@ -68,6 +68,23 @@ TEST_F(CliRunInfo, OfARunOfGeometrySaysTissuesSharesAndPlan) {
   EXPECT_NE(plain.out.find("not known: force"), plain.out.npos) << plain.out;
   EXPECT_LT(plain.out.find("tools: round-014"), plain.out.find("state_hash:")) << plain.out;
 
+  // What somebody edited is not passed on as the run's: that is said first. An older run has no hash of it.
+  EXPECT_EQ(info["summary_is_edited"], false);
+  const std::string summary = contentOf(at("plain.run/summary.json"));
+  json doubled = json::parse(summary);
+  doubled["removed_mm3"] = 2 * doubled["removed_mm3"].get<double>();
+  folder_.write("plain.run/summary.json", doubled.dump());
+  EXPECT_EQ(parsed({"info", at("plain.run"), "--json"})["summary_is_edited"], true);
+  EXPECT_EQ(runKerf({"info", at("plain.run")}).out.find("EDITED since it was written: summary.json"), 0u);
+  const std::string manifest = contentOf(at("plain.run/run.toml"));
+  const std::size_t line = manifest.find("\nsummary_sha256 = ");
+  ASSERT_NE(line, manifest.npos) << manifest;
+  folder_.write("plain.run/run.toml", std::string(manifest).erase(line, manifest.find('\n', line + 1) - line));
+  EXPECT_TRUE(parsed({"info", at("plain.run"), "--json"})["summary_is_edited"].is_null());
+  EXPECT_EQ(runKerf({"info", at("plain.run")}).out.find("removed "), 0u);
+  folder_.write("plain.run/run.toml", manifest);
+  folder_.write("plain.run/summary.json", summary);
+
   // Without its summary, as older runs are, the field is counted: the same.
   std::filesystem::remove(at("plain.run/summary.json"));
   const json counted = parsed({"info", at("plain.run"), "--json"});
@@ -82,7 +99,7 @@ TEST_F(CliRunInfo, OfARunOfGeometrySaysTissuesSharesAndPlan) {
   std::ofstream(at("plain.run/summary.json")) << "{\"removed_mm3\": \"much\"}";
   refuses({"info", at("plain.run")}, {"summary.json", "removed_mm3"});
   // What no cut comes to is no result; a share of a voxel less than nothing is one.
-  for (const auto& [summary, words] : std::vector<std::pair<std::string, std::string>>{
+  for (const auto& [lie, words] : std::vector<std::pair<std::string, std::string>>{
            {"{\"removed_mm3\": -5e300}", "key removed_mm3: -5e+300"},
            {"{\"removed_mm3\": 1e13}", "key removed_mm3: 1e+13"},
            {"{\"removed_by_material_mm3\": {\"generic\": -1e300}}", "key removed_by_material_mm3, generic: -1e+300"},
@@ -91,7 +108,7 @@ TEST_F(CliRunInfo, OfARunOfGeometrySaysTissuesSharesAndPlan) {
            {"{\"planned_mm3\": 1, \"farthest_off_at\": [0, 1e300, 0]}", "key farthest_off_at: 1e+300"},
            {"{\"pieces\": -2}", "key pieces: -2"},
            {"{\"pieces\": 1.5}", "key pieces: 1.5; expected a whole number"}}) {
-    std::ofstream(at("plain.run/summary.json")) << summary;
+    std::ofstream(at("plain.run/summary.json")) << lie;
     refuses({"info", at("plain.run")}, {"summary.json", words});
   }
   std::ofstream(at("plain.run/summary.json"))

@@ -218,6 +218,7 @@ json runJson(const RunReport& r) {
   j["ended"] = orNull(r.ended);
   j["settings"] = r.settings ? toJson(*r.settings) : json();
   j["missing"] = r.missing;
+  j["summary_is_edited"] = orNull(r.is_summary_edited);
 
   if (m.mode == kModeSession) {
     j["is_open"] = m.is_open;
@@ -232,6 +233,10 @@ json runJson(const RunReport& r) {
 
 std::string runText(const RunReport& r) {
   std::string out;
+  if (r.is_summary_edited.value_or(false))
+    out +=
+        "EDITED since it was written: summary.json. What is said from here on is what it says now; kerf replay and "
+        "kerf export do not go by it\n";
   if (!r.manifest.is_open) {
     printVolumes(r, out);
     printPlan(r, out);

@@ -33,7 +33,7 @@ class CaseManifestFromAStranger : public ::testing::Test {
     m.field_voxels = 1234;
     m.shell_area_mm2 = 23.5;
     m.materials = {{"generic", 9, 8.25}};
-    m.closing = {{"bridged_mm2", 12.5}, {"vertices_lost", 3}};
+    m.closing = {{"bridged_mm2", 12.5}, {"vertices_lost", 3}, {"handles_added", -1}};
     ASSERT_TRUE(writeCaseManifest(folder_.path(), m));
     std::ifstream in(folder_.path() / kCaseManifest, std::ios::binary);
     good_ = {std::istreambuf_iterator<char>(in), {}};
@@ -66,6 +66,11 @@ TEST_F(CaseManifestFromAStranger, NumbersThatNoCaseHasAreRefusedByTheirKey) {
   }
   EXPECT_NE(refusalOf("bridged_mm2 = 12.5", "bridged_mm2 = nan").find("close.numbers.bridged_mm2"), std::string::npos);
   EXPECT_NE(refusalOf("bridged_mm2 = 12.5", "bridged_mm2 = 'a'").find("close.numbers.bridged_mm2"), std::string::npos);
+  for (const char* bad : {"-3.0", "2.5"})
+    EXPECT_NE(
+        refusalOf("vertices_lost = 3.0", std::string("vertices_lost = ") + bad).find("close.numbers.vertices_lost"),
+        std::string::npos)
+        << bad;
   EXPECT_NE(refusalOf("voxels = 1234", "voxels = -1").find("field.voxels"), std::string::npos);
   EXPECT_NE(refusalOf("voxels = 1234", "voxels = 9000000000000000000").find("field.voxels"), std::string::npos);
 }
