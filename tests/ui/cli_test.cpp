@@ -89,6 +89,13 @@ TEST_F(Cli, ErrorsAreAnsweredInJsonToo) {
   }
 }
 
+TEST_F(Cli, ACommandThatDoesNotExistIsAnsweredInJsonToo) {
+  refuses({"bogus", "--json"}, {"no command \"bogus\"", "kerf --help"}, 2);
+  const json error = json::parse(runKerf({"bogus", "--json"}).out, nullptr, false);
+  ASSERT_TRUE(error.contains("error")) << error;
+  EXPECT_EQ(error["error"]["found"], "no command \"bogus\"");
+}
+
 TEST_F(Cli, BakeTellsTheSameKeysWhenUpToDate) {
   folder_.write("box.off", box());
   const std::vector<std::string> words{"bake", at("box.off"), "--unit",       "mm",    "--voxel",

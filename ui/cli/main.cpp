@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <exception>
 #include <string_view>
+#include <vector>
 
 #include "geometry/base/build_info.h"
 #include "ui/app/command_line.h"
@@ -55,7 +56,16 @@ int main(int argc, char** argv) {
     std::fputs(app.help().c_str(), stderr);
     return kUsage;
   }
-  if (!isKnown(argv[1])) return kUsage;
+
+  const std::vector<std::string_view> words(argv + 1, argv + argc);
+  const auto has = [&words](std::string_view word) {
+    return std::find(words.begin(), words.end(), word) != words.end();
+  };
+  const auto answered = [&has](int code) {
+    if (has("--json")) answerInJson();
+    return code;
+  };
+  if (!isKnown(argv[1])) return answered(kUsage);
 
   try {
     if (const auto end = kerf::parseCommandLine(app, argc, argv)) return *end;
@@ -64,7 +74,7 @@ int main(int argc, char** argv) {
         {.code = Error::Code::kBadValue, .found = fmt::format("unexpected: {}", e.what()), .hint = "report this"});
   }
 
-  if (std::find(argv + 2, argv + argc, std::string_view("--json")) != argv + argc) answerInJson();
+  answered(exit_code);
 
   // A report that did not arrive (full disk behind a redirection) is no success.
   if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
