@@ -26,4 +26,21 @@ std::vector<fs::path> findAssets(const fs::path& name) {
   return out;
 }
 
+Expected<void> requireAssets() {
+  const char* const assets = std::getenv("KERF_ASSETS");
+  if (!assets || !*assets) return {};
+
+  const fs::path folder = assets;
+  std::error_code ignored;
+  if (fs::is_directory(folder / "tools", ignored) || fs::is_directory(folder / "paths", ignored) ||
+      fs::is_regular_file(folder / "materials.toml", ignored))
+    return {};
+  return fail({.code = Error::Code::kBadValue,
+               .file = folder.string(),
+               .place = "KERF_ASSETS",
+               .found = fs::is_directory(folder, ignored) ? "a folder without assets" : "no such folder",
+               .expected = "a folder that holds tools/, paths/ or materials.toml",
+               .hint = "unset KERF_ASSETS for the assets that come with Kerf"});
+}
+
 }  // namespace kerf

@@ -98,6 +98,24 @@ TEST_F(Cli, MissingFilesFoldersAndDevicesAreRefused) {
   refuses({"export", at("folder.stl"), "-o", at("x.stl")}, {"folder.stl"});
 }
 
+// Misspelt, it would leave people with our tools and materials in place of their own.
+TEST_F(Cli, AFolderOfAssetsThatIsNoneIsRefused) {
+  folder_.write("box.off", box());
+  fs::create_directories(in("empty"));
+  fs::create_directories(in("mine/tools"));
+  const auto with = [&](const std::string& folder) {
+    RunOptions options;
+    options.environment["KERF_ASSETS"] = folder;
+    return options;
+  };
+  refuses({"check", at("box.off")}, {"missing: KERF_ASSETS: no such folder", "tools/, paths/ or materials.toml"}, 1,
+          with(at("missing")));
+  refuses({"tool", "list", "--json"}, {"empty: KERF_ASSETS: a folder without assets", "unset KERF_ASSETS"}, 1,
+          with(at("empty")));
+  EXPECT_EQ(runKerf({"tool", "--help"}, with(at("missing"))).exit_code, 0);
+  EXPECT_EQ(runKerf({"check", at("box.off")}, with(at("mine"))).exit_code, 0);
+}
+
 TEST_F(Cli, WhatIsNoMeshIsCalledByItsName) {
   makeCase();
   refuses({"bake", at("box.case"), "-o", at("x.case")}, {"a case already, baked from source-1.off"});

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "geometry/base/assets.h"
 #include "geometry/base/build_info.h"
 #include "ui/app/command_line.h"
 #include "ui/app/manual.h"
@@ -66,6 +67,8 @@ int main(int argc, char** argv) {
     return code;
   };
   if (!isKnown(argv[1])) return answered(kUsage);
+  if (!has("--help") && !has("-h") && !has("--version"))
+    if (const auto assets = kerf::requireAssets(); !assets) return answered(complain(assets.error()));
 
   try {
     if (const auto end = kerf::parseCommandLine(app, argc, argv)) return *end;

@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "geometry/base/assets.h"
 #include "geometry/base/build_info.h"
 #include "geometry/formats/mesh_formats.h"
 #include "sim/run/run_files.h"
@@ -340,6 +341,7 @@ int main(int argc, char** argv) try {
     fmt::print("{}", kerf::appCommandReference());
     return kerf::kOk;
   }
+  if (const auto assets = kerf::requireAssets(); !assets) return complain(assets.error(), kerf::kFailed);
   if (a.scenes.empty() && !a.screenshot.empty())
     return complain(badValue("scene", "", "a mesh, a case or a run to draw", "kerf-sim --screenshot OUT.png molar.stl"),
                     kerf::kUsage);
