@@ -35,6 +35,13 @@ TEST_F(CliPromises, NoMeshIsWrittenOverUnasked) {
   EXPECT_EQ(runKerf({"check", at("theirs.stl")}).exit_code, 0);
 }
 
+TEST_F(CliPromises, NoDrawingIsWrittenOverUnasked) {
+  folder_.write("theirs.svg", "a drawing of theirs");
+  refuses({"tool", "draw", "round-014", "-o", at("theirs.svg")}, {"theirs.svg", "exists already", "--overwrite"});
+  EXPECT_EQ(runKerf({"tool", "draw", "round-014", "-o", at("theirs.svg"), "--overwrite"}).exit_code, 0);
+  EXPECT_NE(contentOf(in("theirs.svg")).find("<svg"), std::string::npos);
+}
+
 TEST_F(CliPromises, PiecesGoIntoAFolderThatIsMade) {
   makeRun();
   const Outcome o = runKerf({"export", at("box.run"), "--piece", "all", "-o", at("for the printer"), "--json"});

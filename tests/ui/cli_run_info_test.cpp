@@ -183,13 +183,14 @@ TEST_F(CliRunInfo, OfARunAgainstResistanceSaysWhenAndWhere) {
 
   // A chart from the table; and from the log where there is none, with the same marks.
   const auto plot = [&](const std::vector<std::string>& more) {
-    std::vector<std::string> words{"plot", at("push.run"), "-o", at("chart.svg")};
+    std::vector<std::string> words{"plot", at("push.run"), "-o", at("chart.svg"), "--overwrite"};
     words.insert(words.end(), more.begin(), more.end());
     const Outcome o = runKerf(words);
     EXPECT_EQ(o.exit_code, 0) << o.err;
     return contentOf(at("chart.svg"));
   };
   const std::string chart = plot({});
+  refuses({"plot", at("push.run"), "-o", at("chart.svg")}, {"chart.svg", "exists already", "--overwrite"});
   for (const char* words : {"force [N]", "load of the drive [N mm]", "speed of the drive [rpm]", "removed [mm\u00b3]",
                             "temperature under the tool", "to pulp", "time [s]", "stroke ("})
     EXPECT_NE(chart.find(words), chart.npos) << words;

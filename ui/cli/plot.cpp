@@ -22,6 +22,7 @@ namespace fs = std::filesystem;
 struct Arguments {
   std::string run, output;
   std::vector<std::string> show;
+  bool overwrites = false;
   double from = 0, until = std::numeric_limits<double>::infinity();
 };
 
@@ -78,6 +79,7 @@ Expected<void> plot(const Arguments& a) {
 
 int run(const Arguments& a) {
   if (const auto wrong = wrongUsage(a)) return complainOfUsage(*wrong);
+  if (const auto free = requireFree(a.output, a.overwrites); !free) return complain(free.error());
   const auto plotted = plot(a);
   if (!plotted) return complain(plotted.error());
   fmt::print("drawn: {}\n", a.output);
@@ -101,6 +103,7 @@ void addPlot(CLI::App& command, int& exit_code) {
       ->allow_extra_args(false);
   command.add_option("--from", a->from, "where the chart begins, s")->capture_default_str();
   command.add_option("--until", a->until, "where it ends, s (default: the end of the run)");
+  addOverwrite(command, a->overwrites, "replace a picture that is there");
   addCasePlaces(command);
   command.callback([a, &exit_code] { exit_code = run(*a); });
 }

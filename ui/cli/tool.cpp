@@ -296,6 +296,7 @@ int draw(const Arguments& a) {
   const auto tool = toolNamed(a.tool);
   if (!tool) return complain(tool.error());
   const fs::path output = a.output.empty() ? fs::path(tool->id + ".svg") : fs::path(a.output);
+  if (const auto free = requireFree(output, a.overwrite); !free) return complain(free.error());
   auto svg = AtomicFile::create(output);
   if (!svg) return complain(svg.error());
   svg->stream() << toolDrawing(*tool);
@@ -405,6 +406,7 @@ void addTool(CLI::App& command, int& exit_code) {
   d->footer("Example: kerf tool draw 856-016 -o 856-016.svg");
   d->add_option("ID|FILE", a->tool, "tool id or TOML file")->required();
   d->add_option("-o,--output", a->output, "SVG file to write; default: ID.svg");
+  addOverwrite(*d, a->overwrite, "replace a picture that is there");
   d->callback([a, &exit_code] { exit_code = draw(*a); });
 
   CLI::App* n = command.add_subcommand("new", "Write a tool file to start from, every key explained");
