@@ -2,6 +2,7 @@
 #include "preprocess/volume/itk_reader.h"
 
 #include <dlfcn.h>
+#include <fcntl.h>
 #include <gdcmReader.h>
 #include <gdcmSequenceOfItems.h>
 #include <gdcmTrace.h>
@@ -13,6 +14,7 @@
 #include <itkNrrdImageIO.h>
 #include <itkPNGImageIO.h>
 #include <itkTIFFImageIO.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <cstdarg>
@@ -158,6 +160,36 @@ Expected<VolumeHeader> headerOf(const std::filesystem::path& path, const Io& io)
   return h;
 }
 
+// libpng writes its warnings to standard error, and ITK lets nobody tell it otherwise: while a picture is read, nothing
+// arrives there. What other threads would say meanwhile is lost.
+class QuietStandardError {
+ public:
+  explicit QuietStandardError(bool is_wanted) {
+    if (!is_wanted) return;
+    lock_ = std::unique_lock(mutex());
+    const int nowhere = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
+    if (nowhere < 0) return;
+    before_ = ::fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, 3);
+    if (before_ >= 0) ::dup2(nowhere, STDERR_FILENO);
+    ::close(nowhere);
+  }
+  ~QuietStandardError() {
+    if (before_ < 0) return;
+    ::dup2(before_, STDERR_FILENO);
+    ::close(before_);
+  }
+  QuietStandardError(const QuietStandardError&) = delete;
+  QuietStandardError& operator=(const QuietStandardError&) = delete;
+
+ private:
+  static std::mutex& mutex() {
+    static std::mutex one;
+    return one;
+  }
+  std::unique_lock<std::mutex> lock_;
+  int before_ = -1;
+};
+
 // The decimal strings of an element; empty if it is missing or has no value.
 std::vector<double> decimals(const gdcm::DataSet& set, const gdcm::Tag& tag) {
   if (!set.FindDataElement(tag)) return {};
@@ -240,6 +272,7 @@ void findStatedSpacing(const std::filesystem::path& path, VolumeHeader& h) {
 
 Expected<VolumeHeader> readHeader(const std::filesystem::path& path, VolumeFormat format) {
   return guarded(path, [&]() -> Expected<VolumeHeader> {
+    const QuietStandardError quiet_error(format == VolumeFormat::kPng);
     const Io::Pointer io = makeIo(format);
     io->SetFileName(path.string());
     io->ReadImageInformation();
@@ -254,6 +287,7 @@ Expected<VolumeHeader> readHeader(const std::filesystem::path& path, VolumeForma
 
 Expected<void> readValues(const std::filesystem::path& path, VolumeFormat format, std::byte* out, std::uint64_t bytes) {
   return guarded(path, [&]() -> Expected<void> {
+    const QuietStandardError quiet_error(format == VolumeFormat::kPng);
     const Io::Pointer io = makeIo(format);
     io->SetFileName(path.string());
     io->ReadImageInformation();

@@ -227,6 +227,14 @@ TEST_F(CliRunInfo, OfAFolderOfSlicesNamesTheOneThatIsDamagedOrCut) {
   folder_.write("slices/b.png", png);
   EXPECT_EQ(parsed({"info", at("slices"), "--json"})["labels"].size(), 12u);
 
+  // libpng's own words about a colour profile of nothing stay inside.
+  std::string profiled = png;
+  profiled.insert(33, std::string("\x00\x00\x00\x03\x69\x43\x43\x50\x78\x00\x00\x84\x32\xba\x59", 15));
+  folder_.write("slices/b.png", profiled);
+  const Outcome warned = runKerf({"info", at("slices")});
+  EXPECT_EQ(warned.exit_code, 0) << warned.err;
+  EXPECT_EQ(warned.err, "");
+
   std::string damaged = png;
   damaged[50] = static_cast<char>(damaged[50] ^ 0x10);
   for (const std::string& bytes : {damaged, png.substr(0, 55)}) {
