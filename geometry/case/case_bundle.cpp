@@ -121,6 +121,7 @@ void readClose(TomlTable& close, CaseManifest& m) {
   m.close_mode = close.get<std::string>("mode", "a close mode");
   m.exact = close.get<bool>("exact", "true or false");
   m.changes = close.strings("changes");
+  if (close.has("warnings")) m.warnings = close.strings("warnings");
   close.allow("numbers");
 }
 
@@ -253,6 +254,11 @@ toml::table tableOf(const CaseManifest& m) {
   toml::array changes;
   for (const std::string& c : m.changes) changes.push_back(c);
   toml::table close{{"mode", m.close_mode}, {"exact", m.exact}, {"changes", changes}};
+  if (m.warnings) {
+    toml::array warnings;
+    for (const std::string& w : *m.warnings) warnings.push_back(w);
+    close.insert("warnings", warnings);
+  }
   toml::table numbers;
   for (const auto& [key, number] : m.closing) numbers.insert(key, number);
   if (!numbers.empty()) close.insert("numbers", numbers);

@@ -81,6 +81,8 @@ struct CaseManifest {
   /// What closing did and cost, in numbers, by the keys of "closing" in kerf bake --json: "vertices_lost",
   /// "bridged_mm2". Empty for a case of a recipe, and for one that an older Kerf baked.
   std::map<std::string, double> closing;
+  /// What baking warned of, sentences; nothing: an older Kerf baked it and did not keep them.
+  std::optional<std::vector<std::string>> warnings;
   bool exact = true;  ///< false: wrapped, the surface is an approximation of the scan
   double voxel_mm = 0;
   std::vector<CaseMaterial> materials;  ///< in the order of their numbers; one for an object of one material

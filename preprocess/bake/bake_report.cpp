@@ -135,6 +135,8 @@ void addLostSurface(const CaseManifest& m, Text& out) {
 std::string describe(const BakeReport& r) {
   Text out;
   if (r.was_up_to_date) {
+    for (const std::string& warning : r.manifest.warnings.value_or(std::vector<std::string>{}))
+      out.line("WARNING: " + warning);
     addPairCheck(r, out);
     out.line("the case is there already, of the same inputs and settings; --overwrite bakes it again");
     return out.take();

@@ -119,6 +119,30 @@ TEST_F(Cli, BakeTellsTheSameKeysWhenUpToDate) {
   EXPECT_EQ(info["closing"]["vertices_lost"], first["closing"]["vertices_lost"]);
 }
 
+// A thing of 2.6 mm is doubted: its base is scaled down with it. That is told again when nothing is baked.
+TEST_F(Cli, BakeTellsItsWarningsAgainWhenUpToDate) {
+  std::string tiny = "OFF\n8 10 0\n";
+  for (int c = 0; c < 8; ++c)
+    tiny += fmt::format("{} {} {}\n", c & 1 ? 0.9 : -0.9, c & 2 ? 0.75 : -0.75, c & 4 ? 0 : -1.2);
+  for (const char* t : {"0 2 3", "0 3 1", "0 1 5", "0 5 4", "2 6 7", "2 7 3", "0 4 6", "0 6 2", "1 3 7", "1 7 5"})
+    tiny += std::string("3 ") + t + "\n";
+  folder_.write("tiny.off", tiny);
+  const std::vector<std::string> words{"bake",    at("tiny.off"), "--unit", "mm",
+                                       "--voxel", "0.05",         "-o",     at("tiny.case")};
+  std::vector<std::string> as_json = words;
+  as_json.emplace_back("--json");
+  const json first = parsed(runKerf(as_json)), again = parsed(runKerf(as_json));
+  ASSERT_TRUE(again["was_up_to_date"].get<bool>());
+  ASSERT_FALSE(first["warnings"].empty()) << first;
+  EXPECT_EQ(again["warnings"], first["warnings"]);
+  EXPECT_EQ(again["closing"]["warnings"], first["closing"]["warnings"]);
+  EXPECT_EQ(parsed(runKerf({"info", at("tiny.case"), "--json"}))["warnings"], first["warnings"]);
+
+  const std::string said = first["warnings"][0];
+  const Outcome told = runKerf(words);
+  EXPECT_NE(told.out.find("WARNING: " + said), told.out.npos) << told.out;
+}
+
 // 016 in a bur's number is 1.6 mm. A ball of 16 mm is cut right all the same.
 TEST_F(Cli, AHeadTenTimesTooWideIsDoubtedAndItsVolumeIsRight) {
   folder_.write("big-ball.toml",

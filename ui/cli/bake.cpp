@@ -189,6 +189,7 @@ nlohmann::json keptClosing(const CaseManifest& m) {
   for (const char* key :
        {"vertices_lost_at", "bridged_at", "wide_spans", "handles_at_mm", "base_fallback", "warnings", "wrapped_mm3"})
     if (!j.contains(key)) j[key] = nullptr;
+  if (m.warnings) j["warnings"] = *m.warnings;
   return j;
 }
 
@@ -215,6 +216,7 @@ nlohmann::json jsonOf(const BakeReport& r) {
   j["solid"]["specks"] = r.pieces.specks;
   j["solid"]["specks_mm3"] = r.pieces.specks_mm3;
   j["was_up_to_date"] = r.was_up_to_date;
+  j["warnings"] = r.manifest.warnings ? nlohmann::json(*r.manifest.warnings) : nlohmann::json();
   if (r.pair_check) j["pair_check"] = jsonOf(*r.pair_check);
   if (r.was_up_to_date) {  // the same keys: nothing was timed or closed
     j["seconds"] = nullptr;

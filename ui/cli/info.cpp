@@ -84,6 +84,7 @@ Expected<json> caseInfo(const fs::path& folder) {
          {"exact", m.exact},
          {"close_mode", m.close_mode},
          {"changes", m.changes},
+         {"warnings", m.warnings ? json(*m.warnings) : json()},
          {"closing", m.closing.empty() ? json() : closingJson(m.closing)},
          {"voxel_mm", m.voxel_mm},
          {"size_mm", size(m.box)},
@@ -198,8 +199,8 @@ void print(const json& j, int depth) {
 // What a person asks first comes first: what it is, what was changed or lost, whether it is one piece, how large it is.
 void printLeading(json j) {
   for (const char* key :
-       {"kind", "format", "unit", "unit_reason", "size_in_file_unit", "close_mode", "exact", "changes", "notes",
-        "pieces", "specks", "specks_mm3", "cavities", "volume_mm3", "size_mm", "voxel_mm"}) {
+       {"kind", "format", "unit", "unit_reason", "size_in_file_unit", "close_mode", "exact", "warnings", "changes",
+        "notes", "pieces", "specks", "specks_mm3", "cavities", "volume_mm3", "size_mm", "voxel_mm"}) {
     if (!j.contains(key)) continue;
     print(json{{key, j[key]}}, 0);
     j.erase(key);
