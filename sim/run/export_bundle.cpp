@@ -1,6 +1,7 @@
 #include "sim/run/export_bundle.h"
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -9,11 +10,11 @@
 #include "geometry/base/hash.h"
 #include "geometry/boolean/removed_solid.h"
 #include "geometry/case/case_bundle.h"
-#include "geometry/tool/sweep.h"
 #include "geometry/tool/tool_file.h"
 #include "sim/hand/path.h"
 #include "sim/run/run_files.h"
 #include "sim/run/run_output.h"
+#include "sim/run/swept_path.h"
 
 namespace kerf {
 namespace {
@@ -36,22 +37,22 @@ std::vector<Vec3d> wallVertices(const PostOpMesh& result, std::size_t most) {
   return sampled;
 }
 
-// Distance of wall vertices to the exact sweep.
-Expected<WallAccuracy> measureWalls(const fs::path& run_folder, const RunManifest& m, const PostOpMesh& result) {
-  constexpr std::size_t kSamples = 4000;
+// Distance of wall vertices to the exact sweep: of the path as it is, not of its merged motions. Cancelled: kCancelled.
+Expected<WallAccuracy> measureWalls(const fs::path& run_folder, const RunManifest& m, const PostOpMesh& result,
+                                    const Progress& progress) {
+  constexpr std::size_t kSamples = 4000, kAtOnce = 256;
+  constexpr double kTolerance = 1e-6;  // mm
   KERF_TRY(tool, readTool(run_folder / internal::kRunToolCopy));
   KERF_TRY(path, readPath(run_folder / m.path_file));
   const std::vector<Vec3d> points = wallVertices(result, kSamples);
 
   const double far = 4 * m.voxel_mm;
-  std::vector<double> nearest(points.size(), far);
-  for (std::size_t s = 0; s + 1 < path.poses.size(); ++s) {
-    if (!path.cuts[s]) continue;
-    const SweptTool sweep(*tool.cut, path.poses[s].T_object_tool, path.poses[s + 1].T_object_tool);
-    Box3 box = sweep.bounds();
-    box.grow(far);
-    for (std::size_t i = 0; i < points.size(); ++i)
-      if (box.contains(points[i])) nearest[i] = std::min(nearest[i], sweep.distance(points[i], nearest[i], 1e-6, -far));
+  const SweptPath swept(*tool.cut, path);
+  std::vector<double> nearest(points.size());
+  for (std::size_t begin = 0; begin < points.size(); begin += kAtOnce) {
+    if (!report(progress, 1.0, "measuring the cut walls")) return internal::nothingWritten();
+    tbb::parallel_for(begin, std::min(begin + kAtOnce, points.size()),
+                      [&](std::size_t i) { nearest[i] = swept.nearest(points[i], far, kTolerance).distance_mm; });
   }
 
   WallAccuracy out;
@@ -149,8 +150,10 @@ Expected<Export> exportRun(const fs::path& folder, const PostOpOptions& options,
   // The mesh is made and verified: a measurement that fails does not take it away.
   if (!is_geometry)
     out.accuracy_missing = "cut against resistance: the tool went where force let it, there is no exact sweep";
-  else if (const auto accuracy = measureWalls(folder, manifest, out.post_op))
+  else if (const auto accuracy = measureWalls(folder, manifest, out.post_op, progress))
     out.accuracy = *accuracy;
+  else if (accuracy.error().code == Error::Code::kCancelled)
+    return fail(accuracy.error());
   else
     out.accuracy_missing = accuracy.error().message();
   return out;

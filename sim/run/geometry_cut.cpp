@@ -12,7 +12,6 @@
 #include "geometry/field/vdb_io.h"
 #include "geometry/tool/sweep.h"
 #include "geometry/tool/tool_file.h"
-#include "sim/hand/merge_motions.h"
 #include "sim/hand/path.h"
 #include "sim/run/removed_volumes.h"
 #include "sim/run/run_output.h"
@@ -55,20 +54,10 @@ struct Swept {
   internal::PieceCount left;
 };
 
-// What is finer than the grid can tell: a sweep of a hundredth of a voxel beside the path removes 0.1 % more or less.
-constexpr double kShortMotion = 0.5, kMergeTolerance = 0.01;  // voxels
-
-MergedPath mergedFor(const Tool& tool, const CutPath& path, double voxel_mm) {
-  double reach = 0;
-  const Box3 box = tool.cut->bounds();
-  for (int n = 0; n < 8; ++n) reach = std::max(reach, box.corner(n).norm());
-  return mergeShortMotions(path, {kShortMotion * voxel_mm, kMergeTolerance * voxel_mm, reach});
-}
-
 // Sweeps the tool along the path through `swept.phi0`.   @param from, to  of the progress.
 Expected<void> sweepAlong(Swept& swept, const Tool& tool, const CutPath& whole, double from, double to,
                           const Progress& progress) {
-  const MergedPath merged = mergedFor(tool, whole, swept.phi0->voxel());
+  const MergedPath merged = mergedFor(*tool.cut, whole, swept.phi0->voxel());
   const CutPath& path = merged.path;
   swept.merged_motions = merged.merged;
   swept.swept_motions = static_cast<std::size_t>(std::count(path.cuts.begin(), path.cuts.end(), 1));

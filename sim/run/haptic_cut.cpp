@@ -184,8 +184,9 @@ Expected<std::vector<BrickField>> changedFields(const Session& session, const Cu
 // What the path asks for: the cutting part swept along it, without resistance; and what of that was removed.
 Expected<void> compareWithPath(const CutScene& scene, const BrickField& changed, HapticSummary& summary,
                                const Progress& progress) {
-  const CutPath& path = scene.inputs.path;
   const BrickField& phi0 = scene.object().phi0();
+  const MergedPath merged = mergedFor(*scene.inputs.tool.cut, scene.inputs.path, phi0.voxel());
+  const CutPath& path = merged.path;
   SweepCutter cutter(phi0);
   for (std::size_t n = 0; n + 1 < path.poses.size(); ++n) {
     const double done = static_cast<double>(n) / static_cast<double>(path.poses.size());

@@ -8,6 +8,14 @@
 
 namespace kerf {
 
+MergedPath mergedFor(const ToolShape& cut, const CutPath& path, double voxel_mm) {
+  constexpr double kShortMotion = 0.5;  // voxels
+  double reach = 0;
+  const Box3 box = cut.bounds();
+  for (int n = 0; n < 8; ++n) reach = std::max(reach, box.corner(n).norm());
+  return mergeShortMotions(path, {kShortMotion * voxel_mm, kMergeTolerance * voxel_mm, reach});
+}
+
 SweepCutter::SweepCutter(const BrickField& phi0, const SweepCutterOptions& options)
     : phi0_(phi0),
       options_(options),

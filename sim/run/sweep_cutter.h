@@ -3,8 +3,16 @@
 
 #include "geometry/field/brick_field.h"
 #include "geometry/tool/sweep.h"
+#include "sim/hand/merge_motions.h"
 
 namespace kerf {
+
+inline constexpr double kMergeTolerance = 0.01;  ///< voxels; see mergedFor()
+
+/// The path with what is finer than the grid can tell merged: motions of half a voxel and less, to within a hundredth
+/// of a voxel. A sweep so far beside its path removes 0.1 % more or less.
+/// @param cut  what of the tool cuts.
+MergedPath mergedFor(const ToolShape& cut, const CutPath& path, double voxel_mm);
 
 struct SweepCutterOptions {
   double band_voxels = 4;           ///< the sweep's field is kept this far to either side of its surface

@@ -28,6 +28,7 @@ struct Outcome {
   int exit_code = -1, signal = 0;  // signal 0: it ended by itself
   std::string out, err;
   double seconds = 0, seconds_after_signal = 0;
+  double processor_seconds = 0, most_memory_mb = 0;  // of the program, its children left out
 };
 
 struct RunOptions {
@@ -81,9 +82,10 @@ inline Outcome runKerf(const std::vector<std::string>& arguments, const RunOptio
   }
   Outcome outcome;
   int status = 0;
+  rusage used{};
   bool signalled = false;
   auto signalled_at = start;
-  while (::waitpid(child, &status, WNOHANG) == 0) {
+  while (::wait4(child, &status, WNOHANG, &used) == 0) {
     if (options.signal && !signalled && since(start) >= options.signal_after) {
       ::kill(child, options.signal);
       signalled = true;
@@ -93,12 +95,17 @@ inline Outcome runKerf(const std::vector<std::string>& arguments, const RunOptio
     if (since(start) > options.most_seconds) {
       ADD_FAILURE() << "kerf did not end within " << options.most_seconds << " s";
       ::kill(child, SIGKILL);
-      ::waitpid(child, &status, 0);
+      ::wait4(child, &status, 0, &used);
       break;
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
   outcome.seconds = since(start);
+  const auto seconds_of = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
+  outcome.processor_seconds = seconds_of(used.ru_utime) + seconds_of(used.ru_stime);
+  outcome.most_memory_mb = static_cast<double>(used.ru_maxrss) / 1024;
   outcome.seconds_after_signal = signalled ? since(signalled_at) : 0;
   outcome.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   outcome.signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;

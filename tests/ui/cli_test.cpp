@@ -566,6 +566,41 @@ TEST_F(Cli, AToolThatLeavesItsToothCutsTheNeighbourWhichIsMeasuredToldReplayedAn
   refuses({"replay", at("row.run")}, {"beside_1", "case_id"});
 }
 
+// As a device records it: 20 000 poses of a groove of 4 mm.
+TEST_F(Cli, APathOfManyRowsIsSweptAndMeasuredInFewMotionsAndPlannedAsItIsCut) {
+  folder_.write("box.off", box());
+  ASSERT_EQ(runKerf({"bake", at("box.off"), "--unit", "mm", "-o", at("box.case"), "--voxel", "0.1"}).exit_code, 0);
+  constexpr int kRows = 20'000;
+  std::string csv = "t,x,y,z,qw,qx,qy,qz\n0,-2,0,1,1,0,0,0\n";
+  for (int n = 0; n < kRows; ++n) {
+    const double s = n / (kRows - 1.0);
+    csv += fmt::format("{:.4f},{:.6f},{:.6f},-0.5,1,0,0,0\n", 2 + 8 * s, 4 * s - 2, 0.3 * std::sin(6 * s));
+  }
+  folder_.write("recorded.csv", csv);
+  const std::vector<std::string> words{"cut",    at("box.case"),     "--tool", "round-014",
+                                       "--path", at("recorded.csv"), "--json", "-o"};
+  const auto cut = [&](const std::string& run, const std::vector<std::string>& more) {
+    std::vector<std::string> command = words;
+    command.push_back(at(run));
+    command.insert(command.end(), more.begin(), more.end());
+    return parsed(runKerf(command));
+  };
+  const json made = cut("many.run", {});
+  EXPECT_EQ(made["segments"], kRows);
+  EXPECT_LT(made["swept_motions"].get<int>(), kRows / 50);
+  EXPECT_GT(made["merged_motions"].get<int>(), kRows / 2);
+
+  const Outcome exported = runKerf({"export", at("many.run"), "-o", at("many.stl"), "--json"});
+  const json wall = parsed(exported)["wall"];
+  EXPECT_GT(wall["vertices"].get<int>(), 200);
+  EXPECT_LT(wall["max_mm"].get<double>(), 0.05);
+  EXPECT_LT(exported.processor_seconds, 20) << "a vertex asks few of the motions";
+
+  // What the path asks for is counted along the same motions.
+  const json planned = cut("hand.run", {"--hand", "feed", "--drive", "electric"});
+  EXPECT_EQ(planned["planned_mm3"], made["removed_mm3"]);
+}
+
 // Where the memory of a mesh lies must not be seen in it: other words on the command line, other habits of malloc.
 TEST_F(Cli, AnExportIsTheSameBytesWhereverItsMeshesLieInMemory) {
   makeRun();
