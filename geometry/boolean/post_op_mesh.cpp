@@ -52,7 +52,7 @@ void paint(const Mesh& source, const Difference& cut, const PostOpOptions& optio
 
 struct Crumbs {
   std::vector<char> keep_triangle;
-  std::size_t count = 0, pieces = 0;
+  std::size_t count = 0, pieces = 0, cavities = 0;
   double volume = 0;
 };
 
@@ -80,8 +80,10 @@ Crumbs findCrumbs(const Mesh& mesh, const std::vector<std::uint32_t>& from_trian
     if (is_crumb[p]) {
       ++out.count;
       out.volume += std::abs(volume[p]);
-    } else
-      out.pieces += volume[p] > 0;
+      continue;
+    }
+    out.pieces += volume[p] > 0;
+    out.cavities += volume[p] < 0;
   }
   return out;
 }
@@ -189,7 +191,9 @@ Expected<internal::FinishedCut> internal::finishCut(const Mesh& source, Differen
   const Crumbs crumbs = findCrumbs(now.mesh, cut.from_triangle, crumb_mm3);
   report.crumbs_dropped = crumbs.count;
   report.crumbs_volume_mm3 = crumbs.volume;
+  report.crumb_mm3 = crumb_mm3;
   report.pieces = crumbs.pieces;
+  report.cavities = crumbs.cavities;
   if (crumbs.count) dropCrumbs(crumbs, now, report);
 
   KERF_TRY(cleaned, cleanUpForFloat32(now.mesh, now.fixed, &now.tag, length_mm));

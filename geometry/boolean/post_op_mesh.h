@@ -30,8 +30,10 @@ struct PostOpReport {
   std::size_t source_vertices_in_crumbs = 0;  ///< outside the cut, lost with a dropped crumb
   std::size_t cut_triangles = 0;              ///< on cut walls, and of what was added
   std::size_t pieces = 0;
+  std::size_t cavities = 0;  ///< hollows inside the pieces, which a printer fills or leaves full of resin
   std::size_t crumbs_dropped = 0;
   double crumbs_volume_mm3 = 0;
+  double crumb_mm3 = 0;        ///< cut-off parts below this were dropped
   double largest_move_mm = 0;  ///< of any new vertex, by rounding to float32 and mending what that broke
   /// Of the source: the booleans went through them; all, or those near the cut (Reach::kNear).
   std::size_t boolean_triangles = 0;

@@ -15,6 +15,7 @@
 #include "sim/monitor/wave_file.h"
 #include "sim/run/log_sink.h"
 #include "sim/run/run_output.h"
+#include "sim/run/tip_exit.h"
 
 namespace kerf::internal {
 namespace {
@@ -254,6 +255,48 @@ class PathDeviation final : public CutObserver {
   Vec3d at_ = Vec3d::Zero();
 };
 
+// ---- Strokes that took nothing, a tip that comes out behind
+
+class StrokeWatch final : public CutObserver {
+ public:
+  explicit StrokeWatch(const BrickField& loaded) : exit_(loaded) {}
+
+  void tick(const CutTick& tick) override {
+    const bool is_cutting = tick.sample.pedal != 0;
+    if (is_cutting && !is_cutting_) {
+      ++begun_;
+      removed_before_ = removed_;
+    }
+    removed_ = 0;
+    for (const CutObject& object : tick.objects) removed_ += sumOf(object.removed_mm3);
+    if (is_cutting_ && !is_cutting) endStroke();
+    is_cutting_ = is_cutting;
+    exit_.moveTo(tick.output.T_world_tool);
+  }
+
+  // A stroke in which the cut ended before its path did is not judged.
+  void addTo(HapticSummary& summary, std::span<const CutObject>) const override {
+    PathFindings& out = summary.findings;
+    out.strokes = begun_;
+    out.idle = idle_;
+    if (summary.is_complete && is_cutting_ && tookNothing()) out.idle.push_back(begun_);
+    out.comes_out_at = exit_.place();
+  }
+
+ private:
+  static constexpr double kLeast = 1e-6;  // mm^3
+  bool tookNothing() const { return removed_ - removed_before_ < kLeast; }
+  void endStroke() {
+    if (tookNothing()) idle_.push_back(begun_);
+  }
+
+  TipExit exit_;
+  std::size_t begun_ = 0;
+  std::vector<std::size_t> idle_;
+  double removed_ = 0, removed_before_ = 0;
+  bool is_cutting_ = false;
+};
+
 // ---- One row a tick: forces.csv
 
 class ForcesTable final : public CutObserver {
@@ -343,6 +386,7 @@ Expected<CutObservers> CutObservers::make(const CutScene& scene, const HapticCut
   const MonitorObserver& watch = out.add<MonitorObserver>(scene, std::move(monitor));
   out.add<LoadStatistics>(tool.drive.speed);
   out.add<PathDeviation>(scene.inputs.path);
+  if (options.add.empty()) out.add<StrokeWatch>(scene.object().phi0());
   out.add<ForcesTable>(staging, run_folder, watch.monitor(), feltSource(scene.inputs.tool, tool.drive),
                        scene.objects.size(), motionOf(scene.inputs.tool));
   if (options.with_sound) out.add<SoundFile>(staging, vibrationSource(scene.inputs.tool, tool.drive));

@@ -16,6 +16,7 @@
 #include "sim/run/removed_volumes.h"
 #include "sim/run/run_output.h"
 #include "sim/run/sweep_cutter.h"
+#include "sim/run/tip_exit.h"
 
 namespace kerf {
 namespace {
@@ -52,6 +53,43 @@ struct Swept {
   std::size_t merged_motions = 0, swept_motions = 0;
   std::map<std::string, double> removed_by_material;
   internal::PieceCount left;
+  PathFindings findings;
+};
+
+// Told of every motion of a path through a whole object.
+class Findings {
+ public:
+  explicit Findings(const BrickField& loaded) : exit_(loaded) {}
+
+  void moveInAir() {
+    endStroke();
+    exit_.lift();
+  }
+  void cut(const Rigid3& from, const Rigid3& to, bool removes) {
+    if (!is_cutting_) {
+      ++found_.strokes;
+      is_cutting_ = true;
+      has_removed_ = false;
+      exit_.moveTo(from);
+    }
+    has_removed_ |= removes;
+    exit_.moveTo(to);
+  }
+  PathFindings take() {
+    endStroke();
+    found_.comes_out_at = exit_.place();
+    return std::move(found_);
+  }
+
+ private:
+  void endStroke() {
+    if (is_cutting_ && !has_removed_) found_.idle.push_back(found_.strokes);
+    is_cutting_ = false;
+  }
+
+  internal::TipExit exit_;
+  PathFindings found_;
+  bool is_cutting_ = false, has_removed_ = false;
 };
 
 // Sweeps the tool along the path through `swept.phi0`.   @param from, to  of the progress.
@@ -62,13 +100,19 @@ Expected<void> sweepAlong(Swept& swept, const Tool& tool, const CutPath& whole, 
   swept.merged_motions = merged.merged;
   swept.swept_motions = static_cast<std::size_t>(std::count(path.cuts.begin(), path.cuts.end(), 1));
   swept.cutter = std::make_unique<SweepCutter>(*swept.phi0);
+  Findings findings(*swept.phi0);
   const std::size_t segments = path.poses.empty() ? 0 : path.poses.size() - 1;
   for (std::size_t s = 0; s < segments; ++s) {
     const double done = from + (to - from) * static_cast<double>(s) / static_cast<double>(segments);
     if (s % 16 == 0 && !report(progress, done, "cutting")) return nothingWritten();
-    if (path.cuts[s])
-      swept.cutter->advance(SweptTool(*tool.cut, path.poses[s].T_object_tool, path.poses[s + 1].T_object_tool));
+    if (!path.cuts[s]) {
+      findings.moveInAir();
+      continue;
+    }
+    const Rigid3 &begin = path.poses[s].T_object_tool, &end = path.poses[s + 1].T_object_tool;
+    findings.cut(begin, end, swept.cutter->advance(SweptTool(*tool.cut, begin, end)));
   }
+  swept.findings = findings.take();
   return {};
 }
 
@@ -102,9 +146,11 @@ Expected<Swept> sweepCase(const fs::path& case_folder, const CaseManifest& in_ca
     return out;
   }
   KERF_TRY(fine, readCaseRegionField(case_folder, *out.phi0));
+  const PathFindings findings = out.findings;  // a region ends in the middle of the object
   out.cutter.reset();
   out.phi0 = std::make_unique<BrickField>(std::move(fine));
   KERF_CHECK(sweepAlong(out, tool, path, 0.25, 0.9, progress));
+  out.findings = findings;
   return out;
 }
 
@@ -164,6 +210,7 @@ Expected<RunManifest> cutCase(const fs::path& case_folder, const fs::path& tool_
   m.state_hash = fmt::format("{:016x}", sweep.stateHash());
   m.beyond_region_mm = swept.beyond_region_mm;
   m.removed_by_material = swept.removed_by_material;
+  m.findings = swept.findings;
   m.merged_motions = swept.merged_motions;
   m.swept_motions = swept.swept_motions;
   m.merge_tolerance_mm = kMergeTolerance * m.voxel_mm;

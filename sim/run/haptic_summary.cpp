@@ -71,6 +71,10 @@ std::string toJson(const HapticSummary& s) {
   for (const auto& [id, volume] : s.added_by_material) j["added_by_material_mm3"][id] = volume;
   for (const auto& [id, distance] : s.least_distance_mm) j["least_distance_mm"][id] = distance;
   for (const auto& [id, at_s] : s.least_distance_s) j["least_distance_at_s"][id] = at_s;
+  j["strokes"] = s.findings.strokes;
+  j["idle_strokes"] = s.findings.idle;
+  const auto& out_at = s.findings.comes_out_at;
+  j["comes_out_at_mm"] = out_at ? nlohmann::json{out_at->x(), out_at->y(), out_at->z()} : nlohmann::json();
   for (const HapticSummary::Neighbour& n : s.beside) j["beside"].push_back(jsonOf(n));
   return j.dump(2);
 }

@@ -10,6 +10,7 @@
 #include "geometry/base/types.h"
 #include "geometry/field/material.h"
 #include "sim/run/cut_settings.h"
+#include "sim/run/path_findings.h"
 
 namespace kerf {
 
@@ -36,6 +37,7 @@ struct HapticSummary {
   /// By id. Of a surface that was covered < 0: its edge has a new id.
   std::map<std::string, double> added_by_material;
 
+  PathFindings findings;
   double began_inside_mm = 0;  ///< how deep the tool was in the case where its path begins; at most the field's band
 
   double mean_contact_force = 0, peak_contact_force = 0;  ///< mean over ticks in contact

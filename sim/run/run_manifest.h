@@ -20,6 +20,7 @@
 
 #include "geometry/base/error.h"
 #include "geometry/base/types.h"
+#include "sim/run/path_findings.h"
 
 namespace kerf {
 
@@ -87,6 +88,8 @@ struct RunManifest {
   /// the tolerance of where the path leads it; and how many motions were swept.
   std::size_t merged_motions = 0, swept_motions = 0;
   double merge_tolerance_mm = 0;
+  /// Not stored. Of a geometry cut.
+  PathFindings findings;
   /// In summary.json. What a geometry cut took off, by a material's id, counted on the object's own voxels.
   std::map<std::string, double> removed_by_material;
 };

@@ -28,7 +28,7 @@ SweepCutter::SweepCutter(const BrickField& phi0, const SweepCutterOptions& optio
   }
 }
 
-void SweepCutter::advance(const SweptTool& sweep) {
+bool SweepCutter::advance(const SweptTool& sweep) {
   const double h = phi0_.voxel(), band = psi_.background(), tolerance = options_.tolerance_voxels * h;
   Box3 box = sweep.bounds();
   box.grow(band);
@@ -38,7 +38,7 @@ void SweepCutter::advance(const SweptTool& sweep) {
     box.min = box.min.cwiseMax(object_.min);
     box.max = box.max.cwiseMin(object_.max);
   }
-  if (box.isEmpty()) return;
+  if (box.isEmpty()) return false;
 
   // Bricks with tissue, then those of them the tool may reach (asked in parallel: a long motion's box holds many).
   const Vec3i low = brickOf((box.min / h).array().floor().cast<int>().matrix());
@@ -60,8 +60,12 @@ void SweepCutter::advance(const SweptTool& sweep) {
   for (std::size_t n = 0; n < tissue.size(); ++n)
     if (reached[n]) near.push_back(psi_.touch(tissue[n]));
 
+  const double least = 0.1 * h;
+  std::vector<char> is_cut(near.size());
   tbb::parallel_for(std::size_t{0}, near.size(), [&](std::size_t n) {
     const std::size_t b = near[n];
+    const BrickValues* const loaded = phi0_.valuesAt(psi_.brickCoord(b));
+    const float constant = phi0_.constantAt(psi_.brickCoord(b));
     const Vec3i base = psi_.brickCoord(b) * kBrickSide;
     BrickValues& v = psi_.brick(b);
     std::size_t at = 0;
@@ -71,9 +75,13 @@ void SweepCutter::advance(const SweptTool& sweep) {
           const double now = v[at];
           if (now <= -band) continue;
           const double d = sweep.distance(psi_.position(base + Vec3i{i, j, k}), now, tolerance, -band);
-          if (d < now) v[at] = static_cast<float>(std::max(d, -band));
+          if (!(d < now)) continue;
+          v[at] = static_cast<float>(std::max(d, -band));
+          const double before = std::max<double>(loaded ? (*loaded)[at] : constant, -now);
+          if (before < 0 && -d > before + least) is_cut[n] = 1;
         }
   });
+  return std::any_of(is_cut.begin(), is_cut.end(), [](char is) { return is != 0; });
 }
 
 BrickField SweepCutter::cutField() const {

@@ -30,7 +30,8 @@ class SweepCutter {
   explicit SweepCutter(const BrickField& phi0, const SweepCutterOptions& options = {});
 
   /// Adds one motion. O(bricks near it), parallel inside. Allocates: not for the haptic thread.
-  void advance(const SweptTool& sweep);
+  /// @return whether it took anything: a tenth of a voxel or more off a node that was tissue until then.
+  bool advance(const SweptTool& sweep);
 
   /// psi, mm.
   const BrickField& sweep() const { return psi_; }

@@ -80,6 +80,85 @@ TEST_F(CliPromises, ABurOfOneVoxelAndAPathThatBeginsInsideAreWarnedOf) {
         {"WARNING", "begins", "inside tissue"});
 }
 
+// The second stroke stays above the box; the third goes through its floor, 4 mm below.
+TEST_F(CliPromises, AStrokeForNothingAndATipThatComesOutBehindAreTold) {
+  makeCase();
+  const std::string head =
+      "format = \"kerf-path\"\nversion = 1\nframe = \"object\"\nfeed = 4.0\n[start]\nposition = [-2, 0.3, 1]\n"
+      "axis = [0, 0, 1]\n";
+  const auto stroke = [](const std::string& kind, const std::string& by) {
+    return "[[stroke]]\nkind = \"" + kind + "\"\nby = " + by + "\n";
+  };
+  const std::string groove = stroke("line", "[0, 0, -1.5]") + stroke("line", "[2, 0, 0]") + stroke("move", "[0, 0, 2]");
+  const std::string in_air = stroke("line", "[0.5, 0, 0]") + stroke("move", "[0.5, 0, -0.5]");
+  folder_.write("three.toml", head + groove + in_air + stroke("line", "[0, 0, -6]"));
+  folder_.write("one.toml", head + groove);
+
+  for (const std::vector<std::string>& hand : {std::vector<std::string>{}, {"--hand", "feed", "--drive", "electric"}}) {
+    const auto cut = [&](const std::string& path, const std::string& run, bool is_json) {
+      std::vector<std::string> words{"cut", at("box.case"), "--tool", "round-014", "--path", at(path), "-o", at(run)};
+      words.insert(words.end(), hand.begin(), hand.end());
+      if (is_json) words.emplace_back("--json");
+      return runKerf(words);
+    };
+    const std::string name = hand.empty() ? "plain" : "hand";
+    const Outcome told = cut("three.toml", name + ".run", true);
+    ASSERT_EQ(told.exit_code, 0) << told.err;
+    EXPECT_NE(told.err.find("stroke 2 of 3 removed nothing"), told.err.npos) << told.err;
+    EXPECT_NE(told.err.find("the tip comes out of the object on the far side, at (1.00, 0.30, -4."), told.err.npos)
+        << told.err;
+    const json j = json::parse(told.out);
+    EXPECT_EQ(j["strokes"], 3);
+    EXPECT_EQ(j["idle_strokes"], json::array({2}));
+    EXPECT_NEAR(j["comes_out_at_mm"][2].get<double>(), -4, 0.15);
+
+    const Outcome quiet = cut("one.toml", name + "-one.run", true);
+    EXPECT_EQ(quiet.exit_code, 0) << quiet.err;
+    EXPECT_EQ(quiet.err, "");
+    EXPECT_EQ(json::parse(quiet.out)["idle_strokes"], json::array());
+    EXPECT_TRUE(json::parse(quiet.out)["comes_out_at_mm"].is_null());
+  }
+}
+
+// A bubble of 1 mm in the middle of the box.
+TEST_F(CliPromises, ACavityIsToldOfByCheckAndByExport) {
+  std::string off = box();
+  off.replace(off.find("8 12 0"), 6, "16 24 0");
+  std::string corners, walls;
+  for (int c = 0; c < 8; ++c)
+    corners += fmt::format("{} {} {}\n", c & 1 ? 0.5 : -0.5, c & 2 ? 0.5 : -0.5, c & 4 ? -1.5 : -2.5);
+  for (const char* t : {"8 11 10", "8 9 11", "12 15 13", "12 14 15", "8 13 9", "8 12 13", "10 15 14", "10 11 15",
+                        "8 14 12", "8 10 14", "9 15 11", "9 13 15"})
+    walls += std::string("3 ") + t + "\n";
+  off.insert(off.find("3 0 2 3"), corners);
+  folder_.write("hollow.off", off + walls);
+  const std::string sentence = "Cavities are shut in: a printer that works in resin or powder leaves some of it there.";
+
+  const Outcome checked = runKerf({"check", at("hollow.off")});
+  EXPECT_EQ(checked.exit_code, 0) << checked.out;
+  EXPECT_NE(checked.out.find("1 piece with 1 cavity"), checked.out.npos) << checked.out;
+  EXPECT_NE(checked.out.find(sentence), checked.out.npos) << checked.out;
+
+  ASSERT_EQ(runKerf({"bake", at("hollow.off"), "--unit", "mm", "--voxel", "0.2", "-o", at("hollow.case")}).exit_code,
+            0);
+  folder_.write("groove.csv", groove());
+  ASSERT_EQ(
+      runKerf({"cut", at("hollow.case"), "--tool", "round-014", "--path", at("groove.csv"), "-o", at("hollow.run")})
+          .exit_code,
+      0);
+  for (const char* bundle : {"hollow.case", "hollow.run"}) {
+    const Outcome plain = runKerf({"export", at(bundle), "-o", at("out.stl"), "--overwrite"});
+    EXPECT_NE(plain.out.find("1 piece with 1 cavity"), plain.out.npos) << plain.out;
+    EXPECT_NE(plain.out.find(sentence), plain.out.npos) << plain.out;
+    const json exported =
+        json::parse(runKerf({"export", at(bundle), "-o", at("out.stl"), "--overwrite", "--json"}).out);
+    const json result = json::parse(runKerf({"check", at("out.stl"), "--json"}).out);
+    EXPECT_EQ(exported["cavities"], 1);
+    EXPECT_EQ(exported["cavities"], result["cavities"]);
+    EXPECT_EQ(exported["pieces"], result["pieces"]);
+  }
+}
+
 TEST_F(CliPromises, RecoverDiscardsNoRunThatHasEnded) {
   makeRun();
   RunOptions home;

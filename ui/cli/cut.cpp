@@ -201,6 +201,23 @@ void warnOfCoarseVoxels(const std::filesystem::path& tool_file, double voxel_mm,
   if (changed_mm3 < 1e-6) fmt::print(stderr, "kerf: WARNING: nothing was changed\n");
 }
 
+// What the author of the path hardly meant.
+void tell(const PathFindings& found) {
+  if (!found.idle.empty()) {
+    constexpr std::size_t kMostNamed = 8;
+    std::string named;
+    for (std::size_t n = 0; n < std::min(kMostNamed, found.idle.size()); ++n)
+      named += fmt::format("{}{}", n ? ", " : "", found.idle[n]);
+    const std::string more =
+        found.idle.size() > kMostNamed ? fmt::format(" and {} more", found.idle.size() - kMostNamed) : std::string();
+    fmt::print(stderr, "kerf: stroke{} {}{} of {} removed nothing\n", found.idle.size() == 1 ? "" : "s", named, more,
+               found.strokes);
+  }
+  if (const auto& at = found.comes_out_at)
+    fmt::print(stderr, "kerf: the tip comes out of the object on the far side, at ({:.2f}, {:.2f}, {:.2f}) mm\n",
+               at->x(), at->y(), at->z());
+}
+
 int runByHand(const Arguments& a, const std::filesystem::path& tool) {
   HapticCutOptions options = a.haptic;
   options.hand = *handKind(a.hand);
@@ -218,6 +235,7 @@ int runByHand(const Arguments& a, const std::filesystem::path& tool) {
                cut->manifest.voxel_mm);
   warnOfNeighbours(a, cut->summary);
   warnOfCoarseVoxels(tool, cut->manifest.voxel_mm, cut->summary.removed_mm3 + cut->summary.added_mm3);
+  tell(cut->summary.findings);
   constexpr double kInside = 0.2;  // mm; less is a tool that leans on the surface
   if (cut->summary.began_inside_mm > kInside)
     fmt::print(stderr,
@@ -256,18 +274,24 @@ int runGeometry(const Arguments& a, const std::filesystem::path& tool) {
   double removed = 0;
   for (const auto& [id, volume] : m->removed_by_material) removed += volume;
   warnOfCoarseVoxels(tool, m->voxel_mm, removed);
+  tell(m->findings);
+  const auto& out_at = m->findings.comes_out_at;
   if (a.json)
-    printJson(nlohmann::json{{"tool", m->tool_id},
-                             {"removed_mm3", removed},
-                             {"removed_by_material_mm3", m->removed_by_material},
-                             {"segments", m->segments},
-                             {"path_length_mm", m->path_length_mm},
-                             {"duration_s", m->duration_s},
-                             {"voxel_mm", m->voxel_mm},
-                             {"beyond_region_mm", m->beyond_region_mm},
-                             {"merged_motions", m->merged_motions},
-                             {"swept_motions", m->swept_motions},
-                             {"state_hash", m->state_hash}});
+    printJson(nlohmann::json{
+        {"tool", m->tool_id},
+        {"removed_mm3", removed},
+        {"removed_by_material_mm3", m->removed_by_material},
+        {"segments", m->segments},
+        {"path_length_mm", m->path_length_mm},
+        {"duration_s", m->duration_s},
+        {"voxel_mm", m->voxel_mm},
+        {"beyond_region_mm", m->beyond_region_mm},
+        {"merged_motions", m->merged_motions},
+        {"swept_motions", m->swept_motions},
+        {"strokes", m->findings.strokes},
+        {"idle_strokes", m->findings.idle},
+        {"comes_out_at_mm", out_at ? nlohmann::json{out_at->x(), out_at->y(), out_at->z()} : nlohmann::json()},
+        {"state_hash", m->state_hash}});
   else
     fmt::print(
         "cut with {} along {:.2f} mm in {} motions, voxels {} mm; state {}\n{}removed {:.4f} mm3{}\nrun written: {}\n",

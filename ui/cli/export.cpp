@@ -8,6 +8,7 @@
 #include "geometry/case/case_bundle.h"
 #include "geometry/formats/mesh_formats.h"
 #include "geometry/formats/mesh_writer.h"
+#include "geometry/mesh/solids.h"
 #include "sim/run/export_bundle.h"
 #include "sim/run/placed_pieces.h"
 #include "sim/run/run_files.h"
@@ -110,6 +111,7 @@ nlohmann::json jsonOf(const std::vector<Output>& outputs, const Export& result) 
           {"source_vertices_removed", r.source_vertices_removed},
           {"cut_triangles", r.cut_triangles},
           {"pieces", r.pieces},
+          {"cavities", r.cavities},
           {"source_volume_mm3", r.source_volume_mm3},
           {"result_volume_mm3", r.result_volume_mm3},
           {"removed_volume_mm3", r.removed_volume_mm3},
@@ -117,6 +119,7 @@ nlohmann::json jsonOf(const std::vector<Output>& outputs, const Export& result) 
           {"crumbs_dropped", r.crumbs_dropped},
           {"source_vertices_in_crumbs", r.source_vertices_in_crumbs},
           {"crumbs_volume_mm3", r.crumbs_volume_mm3},
+          {"crumbs_below_mm3", r.crumb_mm3},
           {"largest_move_mm", r.largest_move_mm},
           {"boolean_triangles", r.boolean_triangles},
           {"attempts", r.attempts},
@@ -125,7 +128,7 @@ nlohmann::json jsonOf(const std::vector<Output>& outputs, const Export& result) 
 
 void printVolumes(const PostOpMesh& result, bool is_case) {
   const PostOpReport& r = result.report;
-  const std::string pieces = counted(r.pieces, "piece");
+  const std::string pieces = describe(PieceCount{.pieces = r.pieces, .cavities = r.cavities});
   if (is_case) {
     fmt::print("solid of the case, nothing cut: {} vertices, {} triangles, {:.4f} mm3; {}\n",
                result.mesh.vertices.size(), result.mesh.triangles.size(), r.result_volume_mm3, pieces);
@@ -151,7 +154,11 @@ void print(const Arguments& a, const std::vector<Output>& outputs, const Export&
     fmt::print("the cut walls could not be measured: {}\n", result.accuracy_missing);
 
   const PostOpReport& r = result.post_op.report;
-  if (r.crumbs_dropped) fmt::print("dropped {} crumbs, {:.6f} mm3 together\n", r.crumbs_dropped, r.crumbs_volume_mm3);
+  if (r.cavities > 0)
+    fmt::print("Cavities are shut in: a printer that works in resin or powder leaves some of it there.\n");
+  if (r.crumbs_dropped)
+    fmt::print("dropped {} below {:.2g} mm3, {:.6f} mm3 together\n", counted(r.crumbs_dropped, "crumb"), r.crumb_mm3,
+               r.crumbs_volume_mm3);
   if (r.attempts > 1)
     fmt::print("took {} attempts: the cut was shifted by a few thousandths of a voxel to survive float32\n",
                r.attempts);

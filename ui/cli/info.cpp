@@ -198,6 +198,7 @@ void print(const json& j, int depth) {
 
 // What a person asks first comes first: what it is, what was changed or lost, whether it is one piece, how large it is.
 void printLeading(json j) {
+  if (j.contains("warnings") && j["warnings"].empty()) j.erase("warnings");
   for (const char* key :
        {"kind", "format", "unit", "unit_reason", "size_in_file_unit", "close_mode", "exact", "warnings", "changes",
         "notes", "pieces", "specks", "specks_mm3", "cavities", "volume_mm3", "size_mm", "voxel_mm"}) {

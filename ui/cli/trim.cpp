@@ -215,7 +215,8 @@ void print(const Arguments& a, const Cut& cut, const PlaneCut& result, const std
     fmt::print("{}: {:.4f} mm3 in {}{}; {} vertices of the solid kept bit for bit\n", name, r.result_volume_mm3,
                counted(r.pieces, "piece"), is_kept ? "" : ", cut off", r.source_vertices_kept);
     if (r.crumbs_dropped)
-      fmt::print("  dropped {} crumbs, {:.6f} mm3 together\n", r.crumbs_dropped, r.crumbs_volume_mm3);
+      fmt::print("  dropped {} below {:.2g} mm3, {:.6f} mm3 together\n", counted(r.crumbs_dropped, "crumb"),
+                 r.crumb_mm3, r.crumbs_volume_mm3);
   };
   for (const Plane& plane : cut.planes)
     fmt::print("cut along {:.5f},{:.5f},{:.5f}@{:.4f},{:.4f},{:.4f} (normal @ point, mm)\n", plane.normal[0],

@@ -1,0 +1,20 @@
+// What a cut along a path shows that its author hardly meant.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "geometry/base/types.h"
+
+namespace kerf {
+
+/// A stroke is what a path cuts without a break, counted from 1.
+struct PathFindings {
+  std::size_t strokes = 0;        ///< that were begun
+  std::vector<std::size_t> idle;  ///< those of them that removed nothing
+  std::optional<Vec3d>
+      comes_out_at;  ///< mm, where the tip first came out of the object on the side away from the shank
+};
+
+}  // namespace kerf
