@@ -1,5 +1,6 @@
 // What the guides promise of every command: nothing is replaced unasked, units are told, doubtful results are warned
 // of.
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "tests/ui/cli_runner.h"
@@ -157,6 +158,138 @@ TEST_F(CliPromises, ACavityIsToldOfByCheckAndByExport) {
     EXPECT_EQ(exported["cavities"], result["cavities"]);
     EXPECT_EQ(exported["pieces"], result["pieces"]);
   }
+}
+
+TEST_F(CliPromises, CheckReadsAMeshFromStandardInput) {
+  folder_.write("box.off", box());
+  RunOptions piped;
+  piped.input = at("box.off");
+  const Outcome o = runKerf({"check", "-", "--json"}, piped);
+  EXPECT_EQ(o.exit_code, 0) << o.err;
+  EXPECT_EQ(o.out, runKerf({"check", at("box.off"), "--json"}).out);
+  EXPECT_EQ(runKerf({"check", "-"}).exit_code, 1) << "nothing comes in";
+}
+
+// Two boxes, one of 0.4 mm beside the other.
+TEST_F(CliPromises, ARecipeDropsSpecksAndSaysSo) {
+  std::string off = "OFF\n16 24 0\n", walls = box().substr(box().find("3 0 2 3"));
+  for (int c = 0; c < 8; ++c) off += fmt::format("{} {} {}\n", c & 1 ? 3 : -3, c & 2 ? 2.5 : -2.5, c & 4 ? 0 : -4);
+  for (int c = 0; c < 8; ++c) off += fmt::format("{} {} {}\n", c & 1 ? 5.4 : 5.0, c & 2 ? 0.4 : 0.0, c & 4 ? 0.4 : 0.0);
+  off += walls;
+  for (const char* t : {"8 10 11", "8 11 9", "12 13 15", "12 15 14", "8 9 13", "8 13 12", "10 14 15", "10 15 11",
+                        "8 12 14", "8 14 10", "9 11 15", "9 15 13"})
+    off += std::string("3 ") + t + "\n";
+  folder_.write("two.off", off);
+  const auto bake = [&](const std::string& name, const std::string& line) {
+    folder_.write(name + ".toml",
+                  "format = \"kerf-recipe\"\nversion = 1\nname = \"Two\"\nunit = \"mm\"\nvoxel = 0.2\n" + line +
+                      "[[part]]\nmaterial = \"dentin\"\nmesh = \"two.off\"\n");
+    const Outcome o = runKerf({"bake", at(name + ".toml"), "-o", at(name + ".case"), "--json"});
+    EXPECT_EQ(o.exit_code, 0) << o.err;
+    return json::parse(o.out, nullptr, false);
+  };
+  const json all = bake("all", ""), large = bake("large", "drop_specks_mm3 = 0.1\n");
+  EXPECT_EQ(all["solid"]["pieces"], 2);
+  EXPECT_EQ(all["solid"]["specks"], 1);
+  EXPECT_EQ(large["solid"]["pieces"], 1);
+  EXPECT_NEAR(large["solid"]["volume_mm3"].get<double>(), 120, 1e-3);
+  EXPECT_NE(large["changes"].dump().find("smaller than 0.1 mm3"), std::string::npos) << large["changes"];
+}
+
+TEST_F(CliPromises, NewToolFilesOfSawsAndMeshesAreToolsAtOnce) {
+  ASSERT_EQ(runKerf({"tool", "new", "my-saw", "--shape", "sagittal", "-o", at("my-saw.toml")}).exit_code, 0);
+  const Outcome saw = runKerf({"tool", "check", at("my-saw.toml")});
+  EXPECT_EQ(saw.exit_code, 0) << saw.out << saw.err;
+  EXPECT_NE(saw.out.find("sagittal blade"), saw.out.npos) << saw.out;
+
+  // A pin of 1 x 1 x 6 mm on its tip, as the template expects one.
+  std::string pin = "OFF\n8 12 0\n";
+  for (int c = 0; c < 8; ++c) pin += fmt::format("{} {} {}\n", c & 1 ? 0.5 : -0.5, c & 2 ? 0.5 : -0.5, c & 4 ? 6 : 0);
+  folder_.write("pin.off", pin + box().substr(box().find("3 0 2 3")));
+  ASSERT_EQ(runKerf({"tool", "new", "my-pin", "--shape", "mesh", "-o", at("my-pin.toml")}).exit_code, 0);
+  refuses({"tool", "info", at("my-pin.toml")}, {"my-pin.stl"});
+  std::string text = contentOf(in("my-pin.toml"));
+  const std::size_t name = text.find("my-pin.stl");
+  ASSERT_NE(name, text.npos) << text;
+  folder_.write("my-pin.toml", text.replace(name, 10, "pin.off"));
+  const Outcome info = runKerf({"tool", "info", at("my-pin.toml")});
+  EXPECT_EQ(info.exit_code, 0) << info.err;
+}
+
+TEST_F(CliPromises, ExportAndCheckCountTheSamePieces) {
+  folder_.write("box.off", box());
+  ASSERT_EQ(runKerf({"bake", at("box.off"), "--unit", "mm", "--voxel", "0.2", "-o", at("bar.case")}).exit_code, 0);
+  std::string path = "t,x,y,z,qw,qx,qy,qz\n";
+  double t = 0;
+  for (double z = -0.2; z > -6; z -= 0.5, t += 4)
+    path += fmt::format("{},1,-4,{},1,0,0,0\n{},1,4,{},1,0,0,0\n", t, z, t + 2, z);
+  folder_.write("saw.csv", path);
+  ASSERT_EQ(
+      runKerf({"cut", at("bar.case"), "--tool", "round-014", "--path", at("saw.csv"), "-o", at("two.run")}).exit_code,
+      0);
+  const json exported = json::parse(runKerf({"export", at("two.run"), "-o", at("two.stl"), "--json"}).out);
+  const json checked = json::parse(runKerf({"check", at("two.stl"), "--json"}).out);
+  EXPECT_EQ(exported["pieces"], 2);
+  EXPECT_EQ(checked["pieces"], exported["pieces"]);
+  EXPECT_EQ(json::parse(runKerf({"info", at("two.run"), "--json"}).out)["piece_count"], exported["pieces"]);
+}
+
+// 2.4 GB before copies were dropped ahead of the pairs; what the program itself needs is some 50 MB.
+TEST_F(CliPromises, ManyCopiesOfOneTriangleTakeLittleMemory) {
+  constexpr int kCopies = 20'000;
+  std::string off = fmt::format("OFF\n3 {} 0\n0 0 0\n9 0 0\n0 9 0\n", kCopies);
+  for (int n = 0; n < kCopies; ++n) off += "3 0 1 2\n";
+  folder_.write("copies.off", off);
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"check", at("copies.off")},
+        {"bake", at("copies.off"), "--unit", "mm", "--voxel", "0.2", "-o", at("copies.case")}}) {
+    const Outcome o = runKerf(words);
+    EXPECT_EQ(o.exit_code, 1) << words[0];
+    EXPECT_EQ(o.signal, 0) << words[0];
+    EXPECT_LT(o.most_memory_mb, 400) << words[0];
+  }
+}
+
+// 125 MB of a raw volume, of which a ball of 40 voxels is labelled: all of it at once would be twice that and more.
+TEST_F(CliPromises, ASparseLabelVolumeTakesLessMemoryThanItsFile) {
+  constexpr int kSide = 500;
+  {
+    std::ofstream out(in("sparse.nrrd"), std::ios::binary);
+    out << fmt::format(
+        "NRRD0004\ntype: unsigned char\ndimension: 3\nsizes: {0} {0} {0}\nspacings: 0.2 0.2 0.2\nencoding: raw\n\n",
+        kSide);
+    std::string slice(static_cast<std::size_t>(kSide) * kSide, '\0');
+    for (int z = 0; z < kSide; ++z) {
+      for (int y = 230; y < 270; ++y)
+        for (int x = 230; x < 270; ++x)
+          slice[static_cast<std::size_t>(y * kSide + x)] = std::hypot(x - 250, y - 250, z - 250) < 20 ? '\2' : '\0';
+      out << slice;
+    }
+  }
+  const Outcome o = runKerf({"info", at("sparse.nrrd"), "--json"});
+  ASSERT_EQ(o.exit_code, 0) << o.err;
+  EXPECT_EQ(json::parse(o.out)["labels"].size(), 2u);
+  EXPECT_LT(o.most_memory_mb, 125);
+}
+
+// ITK takes 0.1 s and 50 MB. The dynamic linker tells what is loaded.
+TEST_F(CliPromises, OnlyWhatReadsAVolumeLoadsItsReader) {
+  folder_.write("labels.nrrd",
+                "NRRD0004\ntype: unsigned char\ndimension: 3\nsizes: 2 2 1\nspacings: 1 1 1\n"
+                "encoding: raw\n\n" +
+                    std::string("\0\5\5\5", 4));
+  RunOptions traced;
+  traced.environment["LD_DEBUG"] = "files";
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"--help"}, {"bake", "--help"}, {"tool", "info", "round-014"}}) {
+    const Outcome o = runKerf(words, traced);
+    EXPECT_EQ(o.exit_code, 0) << words[0];
+    EXPECT_NE(o.err.find("file="), o.err.npos) << "the linker says nothing";
+    EXPECT_EQ(o.err.find("kerf_volumes.so"), o.err.npos) << words[0];
+  }
+  const Outcome reads = runKerf({"info", at("labels.nrrd")}, traced);
+  EXPECT_EQ(reads.exit_code, 0);
+  EXPECT_NE(reads.err.find("kerf_volumes.so"), reads.err.npos);
 }
 
 TEST_F(CliPromises, RecoverDiscardsNoRunThatHasEnded) {

@@ -38,6 +38,7 @@ struct RunOptions {
   int signal = 0, second_signal = 0;            // sent after signal_after seconds, at once one after the other
   double signal_after = 0, most_seconds = 120;  // then it is killed and the test fails
   std::map<std::string, std::string> environment{};
+  std::string input = "/dev/null";  // standard input
 };
 
 inline Outcome runKerf(const std::vector<std::string>& arguments, const RunOptions& options = {}) {
@@ -54,7 +55,7 @@ inline Outcome runKerf(const std::vector<std::string>& arguments, const RunOptio
   const pid_t child = ::fork();
   if (child == 0) {
     const int o = ::open(out.c_str(), O_WRONLY | O_CREAT, 0600), e = ::open(err.c_str(), O_WRONLY | O_CREAT, 0600);
-    const int nothing = ::open("/dev/null", O_RDONLY);
+    const int nothing = ::open(options.input.c_str(), O_RDONLY);
     ::dup2(nothing, 0);
     ::dup2(o, 1);
     ::dup2(e, 2);
