@@ -338,17 +338,17 @@ void addOptionsOfAnyHand(CLI::App& command, HapticCutOptions& haptic) {
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   group->add_flag("--sound", haptic.with_sound, "also write sound.wav, the sound of the tool");
   group->add_option("--time-limit", haptic.time_limit, "simulated time after which to stop, s")->capture_default_str();
-  group
-      ->add_option("--coupling", haptic.step.coupling.stiffness,
-                   "stiffness of the virtual coupling, N/mm; with --hand device at most: less where the device could "
-                   "not hold it")
-      ->capture_default_str();
 }
 
 void addOptionsOfOneHand(CLI::App& command, Arguments& a) {
   auto* coupled = command.add_option_group("With --hand force or device");
   coupled->add_option("--response", a.response, responseHelp())
       ->check(CLI::IsMember(responseNames()))
+      ->capture_default_str();
+  coupled
+      ->add_option("--coupling", a.haptic.step.coupling.stiffness,
+                   "stiffness of the virtual coupling, N/mm; with --hand device at most: less where the device could "
+                   "not hold it")
       ->capture_default_str();
 
   auto* force = command.add_option_group("With --hand force");
