@@ -141,7 +141,7 @@ TEST_F(KilledKerf, LeavesNoCurrentInAWoody) {
   ASSERT_TRUE(until([&] { return lastWritten() == Bytes(15); }));
 }
 
-TEST_F(KilledKerf, IsNotWaitedForAWoodyWithoutAGuardGetsNoForce) {
+TEST_F(KilledKerf, CouldLeaveAForceInAWoodyWhoseGuardIsGoneSoItGetsNone) {
   bed_->plugIn(woody());
   talkAsWoody();
   auto arm = open();
@@ -165,7 +165,7 @@ TEST_F(KilledKerf, NeedsNoGuardForAnArmWithADeadline) {
 }
 
 // Else it would come back at another node, and by its path never.
-TEST_F(KilledKerf, IsNotNeededOnceAnArmIsUnplugged) {
+TEST_F(KilledKerf, IsNotWaitedForOnceTheArmIsUnplugged) {
   bed_->plugIn(woody());
   auto arm = open();
   ASSERT_TRUE(arm);
