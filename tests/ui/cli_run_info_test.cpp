@@ -262,9 +262,10 @@ TEST_F(CliRunInfo, AWrongCommandLineIsAnsweredInJsonTooAndWithTheNearestOption) 
 }
 
 // While a sheet is looked at for what is wrong with it, nobody asks whether to go on: an alarm ends the program
-// (ui/cli/terminal.cpp). Work that happens to ask cancels, and is given 10 s for it.
+// (ui/cli/terminal.cpp). Work that happens to ask cancels, and is given two seconds for it.
 TEST_F(CliRunInfo, SigtermEndsWorkThatDoesNotLookUpWithinASecondOrTwo) {
-  constexpr int kAlong = 700;  // a sheet of 0.98 M triangles: some seconds to read and check
+  constexpr double kAllowed = 1 + 2, kBusy = 3;  // s; a machine that does more than this
+  constexpr int kAlong = 700;                    // a sheet of 0.98 M triangles: some seconds to read and check
   std::string off = fmt::format("OFF\n{} {} 0\n", kAlong * kAlong, 2 * (kAlong - 1) * (kAlong - 1));
   for (int i = 0; i < kAlong; ++i)
     for (int j = 0; j < kAlong; ++j)
@@ -283,7 +284,7 @@ TEST_F(CliRunInfo, SigtermEndsWorkThatDoesNotLookUpWithinASecondOrTwo) {
     const Outcome o = runKerf({"bake", at("sheet.off"), "-o", at("x.case"), "--voxel", "0.4"}, options);
     const bool is_ended = o.exit_code == 128 + signal;
     EXPECT_GT(o.seconds_after_signal, 0) << "it was done before the signal: choose a larger sheet";
-    EXPECT_LT(o.seconds_after_signal, 11);
+    EXPECT_LT(o.seconds_after_signal, kAllowed + kBusy);
     EXPECT_EQ(o.signal, 0);
     EXPECT_TRUE(is_ended || o.err.find("cancelled") != o.err.npos) << o.exit_code << o.err;
     EXPECT_FALSE(std::filesystem::exists(at("x.case")));

@@ -19,9 +19,10 @@ static_assert(std::atomic<int>::is_always_lock_free && std::atomic<bool>::is_alw
 
 constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP};
 
-// Work that is asked to stop looks up within a second, or is ended; what it began to write lies beside and is swept
-// by the next run. Once it has looked up it may take longer to clean up.
-constexpr unsigned kToLookUp = 1, kToCleanUp = 10;  // s
+// Work that is asked to stop looks up within a second, or is ended. Once it has looked up it has two more to clean up.
+// Ending it is safe at any time: what it began to write lies beside, never in the place of something else, and is swept
+// by the next run.
+constexpr unsigned kToLookUp = 1, kToCleanUp = 2;  // s
 
 void endAtOnce(int) { ::_exit(128 + interrupted); }
 
