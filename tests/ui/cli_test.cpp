@@ -155,6 +155,35 @@ TEST_F(Cli, AHeadTenTimesTooWideIsDoubtedAndItsVolumeIsRight) {
   EXPECT_TRUE(parsed(runKerf({"tool", "check", at("big-ball.toml"), "--json"}))[0].contains("doubt"));
 }
 
+// A rod of 6 mm that lies across the axis about which it is said to turn: every command that reads it doubts it.
+TEST_F(Cli, AToolMeshAcrossItsAxisIsDoubtedWhereverItIsUsed) {
+  makeCase();
+  std::string rod = "OFF\n8 12 0\n";
+  for (int c = 0; c < 8; ++c) rod += fmt::format("{} {} {}\n", c & 1 ? 3 : -3, c & 2 ? 0.5 : -0.5, c & 4 ? 1 : 0);
+  folder_.write("rod.off", rod + box().substr(box().find("3 0 2 3")));
+  const auto tool = [](const std::string& id, const std::string& axis, const std::string& tip, double cut_below) {
+    return fmt::format(
+        "format = \"kerf-tool\"\nversion = 1\nid = \"{}\"\nname = \"Rod\"\nkind = \"mesh\"\nmesh = \"rod.off\"\n"
+        "mm_per_unit = 1\ntip = {}\naxis = {}\ncut_below = {}\n",
+        id, tip, axis, cut_below);
+  };
+  folder_.write("across.toml", tool("across", "[0, 0, 1]", "[0, 0, 0]", 0.5));
+  folder_.write("along.toml", tool("along", "[1, 0, 0]", "[-3, 0, 0.5]", 2));
+  const std::string doubt = "the mesh is longest 90 degrees off the axis about which it turns";
+
+  const Outcome table = runKerf({"tool", "check", at("across.toml"), at("along.toml"), "--voxel", "0.1"});
+  EXPECT_NE(table.out.find("CHECK THIS: " + doubt), table.out.npos) << table.out;
+  EXPECT_EQ(table.out.find("CHECK THIS"), table.out.rfind("CHECK THIS")) << "of one of them\n" << table.out;
+  const Outcome info = runKerf({"tool", "info", at("across.toml")});
+  EXPECT_NE(info.out.find("CHECK THIS: " + doubt), info.out.npos) << info.out;
+  EXPECT_TRUE(parsed(runKerf({"tool", "info", at("across.toml"), "--json"})).contains("doubt"));
+  EXPECT_FALSE(parsed(runKerf({"tool", "info", at("along.toml"), "--json"})).contains("doubt"));
+  const Outcome cut =
+      runKerf({"cut", at("box.case"), "--tool", at("across.toml"), "--path", at("groove.csv"), "-o", at("rod.run")});
+  EXPECT_EQ(cut.exit_code, 0) << cut.err;
+  EXPECT_NE(cut.err.find("WARNING: across: " + doubt), cut.err.npos) << cut.err;
+}
+
 TEST_F(Cli, CheckJudgesManyMeshesEachUnderItsName) {
   folder_.write("box.off", box());
   folder_.write("open.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");

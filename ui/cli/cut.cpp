@@ -15,6 +15,7 @@
 #include "sim/run/haptic_cut.h"
 #include "sim/step/response.h"
 #include "ui/cli/command.h"
+#include "ui/cli/tool_doubt.h"
 
 namespace kerf::cli {
 namespace {
@@ -186,12 +187,15 @@ void print(const Arguments& a, const HapticCut& cut) {
   fmt::print("state {}\nrun written: {}\n", s.state_hash, a.output);
 }
 
-// Warns of a tool as thin as the voxels. Measured with a ball of 0.5 mm and two saws in a block: from 1.8 voxels on the
-// removed volume is within 4 % of that of fine voxels (6 % with a feeding hand), below that up to 39 % off.
-void warnOfCoarseVoxels(const std::filesystem::path& tool_file, double voxel_mm, double changed_mm3) {
+// Warns of a tool that is hardly meant, and of one as thin as the voxels. Measured with a ball of 0.5 mm and two saws
+// in a block: from 1.8 voxels on the removed volume is within 4 % of that of fine voxels (6 % with a feeding hand),
+// below that up to 39 % off.
+void warnOfTool(const std::filesystem::path& tool_file, double voxel_mm, double changed_mm3) {
   constexpr double kFewestVoxels = 1.8;
   const auto tool = readTool(tool_file);
   if (!tool) return;
+  if (const std::string doubt = doubtAbout(*tool); !doubt.empty())
+    fmt::print(stderr, "kerf: WARNING: {}: {}\n", tool->id, doubt);
   const double thinnest = tool->finest();
   if (thinnest < kFewestVoxels * voxel_mm)
     fmt::print(stderr,
@@ -234,7 +238,7 @@ int runByHand(const Arguments& a, const std::filesystem::path& tool) {
     fmt::print(stderr, "kerf: the case's fine region is not used by --hand: cut on the object's voxels, {} mm\n",
                cut->manifest.voxel_mm);
   warnOfNeighbours(a, cut->summary);
-  warnOfCoarseVoxels(tool, cut->manifest.voxel_mm, cut->summary.removed_mm3 + cut->summary.added_mm3);
+  warnOfTool(tool, cut->manifest.voxel_mm, cut->summary.removed_mm3 + cut->summary.added_mm3);
   tell(cut->summary.findings);
   constexpr double kInside = 0.2;  // mm; less is a tool that leans on the surface
   if (cut->summary.began_inside_mm > kInside)
@@ -273,7 +277,7 @@ int runGeometry(const Arguments& a, const std::filesystem::path& tool) {
         m->beyond_region_mm, m->voxel_mm);
   double removed = 0;
   for (const auto& [id, volume] : m->removed_by_material) removed += volume;
-  warnOfCoarseVoxels(tool, m->voxel_mm, removed);
+  warnOfTool(tool, m->voxel_mm, removed);
   tell(m->findings);
   const auto& out_at = m->findings.comes_out_at;
   if (a.json)

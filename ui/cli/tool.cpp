@@ -1,12 +1,10 @@
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <numbers>
 
 #include "geometry/base/atomic_file.h"
 #include "geometry/base/toml_reader.h"
@@ -21,6 +19,7 @@
 #include "sim/run/tool_check.h"
 #include "sim/step/tool_model.h"
 #include "ui/cli/command.h"
+#include "ui/cli/tool_doubt.h"
 
 namespace kerf::cli {
 namespace {
@@ -113,58 +112,22 @@ Expected<Tool> toolNamed(const std::string& name) {
   return readTool(file);
 }
 
+void printDoubt(const Tool& tool) {
+  if (const std::string doubt = doubtAbout(tool); !doubt.empty()) fmt::print("  CHECK THIS: {}\n", doubt);
+}
+
 int info(const Arguments& a) {
   const auto tool = toolNamed(a.tool);
   if (!tool) return complain(tool.error());
-  if (a.json)
-    printJson(withDrive(*tool));
-  else
+  if (!a.json) {
     fmt::print("{}\n  drive: {}\n", describe(*tool), describeDrive(*tool));
+    printDoubt(*tool);
+    return kOk;
+  }
+  nlohmann::json j = withDrive(*tool);
+  if (const std::string doubt = doubtAbout(*tool); !doubt.empty()) j["doubt"] = doubt;
+  printJson(j);
   return kOk;
-}
-
-// A tool of a mesh turns about its axis. One that is long in another direction, or lies beside its axis, has hardly the
-// axis that is meant.
-std::string doubtAboutAxis(const Mesh& mesh) {
-  double area = 0;
-  Vec3d middle = Vec3d::Zero();
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const double weight = doubleAreaVector(mesh, t).norm();
-    middle += weight / 3 * (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2));
-    area += weight;
-  }
-  if (!(area > 0)) return {};
-  middle /= area;
-  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const Vec3d d = (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2)) / 3 - middle;
-    spread += doubleAreaVector(mesh, t).norm() / area * d * d.transpose();
-  }
-
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread);
-  const Vec3d lengths = axes.eigenvalues().cwiseMax(0.0).cwiseSqrt(), longest = axes.eigenvectors().col(2);
-  constexpr double kSlender = 2, kMostDegrees = 3, kMostOff = 0.25;
-  const double degrees = std::acos(std::min(1.0, std::abs(longest[2]))) * 180 / std::numbers::pi;
-  if (lengths[2] > kSlender * lengths[1] && degrees > kMostDegrees)
-    return fmt::format(
-        "the mesh is longest {:.0f} degrees off the axis about which it turns: is `axis` the way from the "
-        "tip to the shank?",
-        degrees);
-  const double off = middle.head<2>().norm();
-  if (off > kMostOff * std::max(lengths[1], 0.1))
-    return fmt::format("the middle of the mesh lies {:.2f} mm beside the axis about which it turns: is `tip` on it?",
-                       off);
-  return {};
-}
-
-// What is allowed, and hardly meant; else empty.
-std::string doubtAbout(const Tool& tool) {
-  if (tool.mesh) return doubtAboutAxis(*tool.mesh);
-  constexpr double kWideHead = 8;  // mm; the rack's widest has 4
-  if (tool.kind != ToolKind::kBur || tool.head_diameter_mm < kWideHead) return {};
-  return fmt::format(
-      "a head {:.3g} mm wide is unusual: ISO 6360 counts in tenths of a millimetre, so that 016 is 1.6 mm",
-      tool.head_diameter_mm);
 }
 
 nlohmann::json jsonOf(const Tool& tool, const ToolCheck& c) {
@@ -192,6 +155,7 @@ void printHead() {
 void printRow(const Tool& tool, const ToolCheck& c) {
   fmt::print("{:<22} {:>8.3g} {:>9.3g} {:>13.5f} {:>13.5f} {:>+8.3f}  {}\n", tool.id, c.depth_mm, c.voxel_mm,
              c.removed_mm3, c.expected_mm3, c.errorPercent(), verdict(c));
+  printDoubt(tool);
 }
 
 void print(const Tool& tool, const ToolCheck& c) {
@@ -200,7 +164,7 @@ void print(const Tool& tool, const ToolCheck& c) {
   fmt::print("{}\n", describe(tool));
   fmt::print("  {:.3g} mm deep{}, voxel {:.3g} mm: removed {:.5f} mm3, by its numbers {:.5f} mm3, {:+.3f} %: {}\n",
              c.depth_mm, block, c.voxel_mm, c.removed_mm3, c.expected_mm3, c.errorPercent(), verdict(c));
-  if (const std::string doubt = doubtAbout(tool); !doubt.empty()) fmt::print("  CHECK THIS: {}\n", doubt);
+  printDoubt(tool);
 }
 
 Expected<std::vector<fs::path>> filesToCheck(const Arguments& a) {
