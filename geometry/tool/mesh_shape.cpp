@@ -4,6 +4,9 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <utility>
+
+#include "geometry/mesh/box_tree.h"
 
 namespace kerf {
 namespace {
@@ -155,6 +158,31 @@ Box3 HalfShape::bounds() const {
   return box;
 }
 
+namespace {
+
+// Whether no vertex lies more than `slack` mm above the plane of any triangle. Of a fine mesh hardly any vertex has to
+// be asked: a tree of them knows how high those of a box lie at most.
+bool isConvex(const Mesh& mesh, double slack) {
+  std::vector<Box3> points(mesh.vertices.size());
+  for (std::size_t v = 0; v < points.size(); ++v) points[v].add(mesh.vertices[v]);
+  const BoxTree tree(std::move(points));
+
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Vec3d area = doubleAreaVector(mesh, t), on_plane = mesh.corner(t, 0);
+    const double length = area.norm();
+    if (length <= 1e-12) continue;  // mm^2: a sliver of the cut has no plane
+    const auto may_be_above = [&](const Box3& box) {
+      const Vec3d low = area.cwiseProduct(box.min - on_plane), high = area.cwiseProduct(box.max - on_plane);
+      return low.cwiseMax(high).sum() > slack * length;
+    };
+    const auto is_below = [&](std::uint32_t v) { return !(area.dot(mesh.vertices[v] - on_plane) > slack * length); };
+    if (!tree.visit(may_be_above, is_below)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
 std::optional<Mesh> convexPartBelow(const Mesh& mesh, double level, double slack) {
   Mesh part;
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> index;  // of a vertex (twice) or of a cut edge
@@ -203,13 +231,7 @@ std::optional<Mesh> convexPartBelow(const Mesh& mesh, double level, double slack
     for (const auto& [a, b] : rim) part.triangles.push_back({center, b, a});
   }
 
-  for (std::size_t t = 0; t < part.triangles.size(); ++t) {
-    const Vec3d area = doubleAreaVector(part, t);
-    const double length = area.norm();
-    if (length <= 1e-12) continue;  // mm^2: a sliver of the cut has no plane
-    for (const Vec3d& p : part.vertices)
-      if (area.dot(p - part.corner(t, 0)) > slack * length) return std::nullopt;
-  }
+  if (!isConvex(part, slack)) return std::nullopt;
   return part;
 }
 

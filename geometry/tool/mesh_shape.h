@@ -59,7 +59,7 @@ class HalfShape final : public ToolShape {
 };
 
 /// The part of a closed mesh below z = level as a closed mesh with a flat cap, if that part is convex: no point of it
-/// is farther than `slack` mm above the plane of any of its triangles. @cost triangles x vertices of the part.
+/// is farther than `slack` mm above the plane of any of its triangles. @cost O(n log n) for a part of n triangles.
 std::optional<Mesh> convexPartBelow(const Mesh& mesh, double level, double slack = 5e-4);
 
 }  // namespace kerf

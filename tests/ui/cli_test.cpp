@@ -1,6 +1,7 @@
 // The program kerf from mesh to print, as a user runs it: what comes out, what it says, and that it is the same twice.
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <sstream>
 
 #include "tests/ui/cli_runner.h"
@@ -182,6 +183,36 @@ TEST_F(Cli, AToolMeshAcrossItsAxisIsDoubtedWhereverItIsUsed) {
       runKerf({"cut", at("box.case"), "--tool", at("across.toml"), "--path", at("groove.csv"), "-o", at("rod.run")});
   EXPECT_EQ(cut.exit_code, 0) << cut.err;
   EXPECT_NE(cut.err.find("WARNING: across: " + doubt), cut.err.npos) << cut.err;
+}
+
+// A pin of 120 000 triangles as a tool: whether it is convex is asked of few of its vertices. Each triangle against
+// each vertex took ten times as long, and half an hour with the 1.5 million triangles that a scanner gives.
+TEST_F(Cli, AToolMeshOfManyTrianglesIsReadInSecondsOfProcessorTime) {
+  constexpr int kAround = 300, kUp = 200;
+  std::string off = fmt::format("OFF\n{} {} 0\n", kAround * (kUp - 1) + 2, 2 * kAround * (kUp - 1));
+  const auto ring = [](int up) { return std::numbers::pi * up / kUp; };
+  for (int u = 1; u < kUp; ++u)
+    for (int a = 0; a < kAround; ++a) {
+      const double at = 2 * std::numbers::pi * a / kAround, r = 0.7 * std::sin(ring(u));
+      off += fmt::format("{:.7f} {:.7f} {:.7f}\n", r * std::cos(at), r * std::sin(at), 0.7 - 0.7 * std::cos(ring(u)));
+    }
+  off += "0 0 0\n0 0 1.4\n";
+  const int bottom = kAround * (kUp - 1), top = bottom + 1;
+  for (int a = 0; a < kAround; ++a) {
+    const int b = (a + 1) % kAround;
+    off += fmt::format("3 {} {} {}\n3 {} {} {}\n", bottom, b, a, top, bottom - kAround + a, bottom - kAround + b);
+    for (int u = 0; u + 2 < kUp; ++u)
+      off += fmt::format("3 {0} {1} {2}\n3 {0} {2} {3}\n", u * kAround + a, u * kAround + b, (u + 1) * kAround + b,
+                         (u + 1) * kAround + a);
+  }
+  folder_.write("pin.off", off);
+  folder_.write(
+      "pin.toml",
+      "format = \"kerf-tool\"\nversion = 1\nid = \"pin\"\nname = \"Pin\"\nkind = \"mesh\"\nmesh = \"pin.off\"\n"
+      "mm_per_unit = 1\ntip = [0, 0, 0]\naxis = [0, 0, 1]\ncut_below = 2\n");
+  const Outcome o = runKerf({"tool", "info", at("pin.toml")});
+  EXPECT_EQ(o.exit_code, 0) << o.err;
+  EXPECT_LT(o.processor_seconds, 6);
 }
 
 TEST_F(Cli, CheckJudgesManyMeshesEachUnderItsName) {
