@@ -23,6 +23,8 @@ struct MeshChunk {
   std::vector<std::array<std::uint16_t, 3>> triangles;  ///< counter-clockwise seen from outside
   std::vector<Rgba8> colours;                           ///< one per vertex, or none: see RemesherOptions::finish
   std::vector<std::uint8_t> occlusion;                  ///< the same
+  /// One per vertex, or none: as `colours`, but where the scan's own surface is left, with what the scanner saw.
+  std::vector<Rgba8> scan_colours;
 
   bool isEmpty() const { return triangles.empty(); }
 };

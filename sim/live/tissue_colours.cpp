@@ -147,6 +147,11 @@ TissueLabels TissueLabels::of(const BakedObject& object) {
   return {.brick = brick, .baked = &object.phi0(), .fallback = object.fallback()};
 }
 
+float cutShare(const BrickField& baked, const Vec3d& p) {
+  const double depth = -baked.sample(p) / baked.voxel();
+  return static_cast<float>(std::clamp(depth - 0.3, 0.0, 1.0));
+}
+
 std::vector<Rgba8> tissueColours(const MeshChunk& chunk, const TissueLabels& from, const TissuePalette& palette) {
   Labels labels(from, palette);
   const double voxel = from.baked->voxel();
@@ -171,9 +176,7 @@ std::vector<Rgba8> tissueColours(const MeshChunk& chunk, const TissueLabels& fro
       continue;
     }
 
-    // 0: as baked, 1: cut; between them over a voxel, so that the rim of a cavity is no row of teeth.
-    const double depth = -from.baked->sample(p) / voxel;
-    const auto cut = static_cast<float>(std::clamp(depth - 0.3, 0.0, 1.0));
+    const float cut = cutShare(*from.baked, p);
     Vec3f colour = mixed.colour;
     if (cut < 1 && mixed.translucent > 0) {
       const Vec3f whole = seenThrough(labels, below, inward, mixed);

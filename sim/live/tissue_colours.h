@@ -43,6 +43,10 @@ struct TissueLabels {
   static TissueLabels of(const BakedObject& object);
 };
 
+/// How much of a place was cut: 0 on the surface as baked, 1 from 1.3 voxels below it; between them a slope of a voxel,
+/// so that the rim of a cavity is no row of teeth.
+float cutShare(const BrickField& baked, const Vec3d& p);
+
 /// One colour per vertex of the chunk: sRGB, and in the place of alpha how glossy it is, 0 to 255. Materials are read
 /// within two voxels below the surface and mixed over three of them, so that borders of tissues are soft, not stairs.
 /// Sound enamel takes the colour of what lies below it by exp(-thickness / 0.6 mm), so that a crown is ivory at the

@@ -119,7 +119,14 @@ Expected<void> LiveRun::chooseColours() {
 
   const LoadedObjects objects = loaded();
   for (std::size_t n = 0; n < objects.size(); ++n) {
-    KERF_TRY(look, internal::chunkLook(objects[n], n > 0));
+    const LiveNeighbour* const beside = n > 0 ? &neighbours_[n - 1] : nullptr;
+    KERF_TRY(scan, internal::scanColoursOf(beside ? beside->known.folder : case_folder_));
+    has_scan_colours_ |= scan != nullptr;
+    if (!beside) scan_colours_ = scan;
+    KERF_TRY(look, internal::chunkLook({.object = objects[n],
+                                        .scan = std::move(scan),
+                                        .original = beside ? beside->original : original_,
+                                        .is_beside = beside != nullptr}));
     mesher_options_[n].remesher.finish = std::move(look);
   }
   return {};

@@ -22,6 +22,7 @@
 #include "geometry/boolean/post_op_mesh.h"
 #include "sim/live/haptic_thread.h"
 #include "sim/live/mesher_thread.h"
+#include "sim/live/scan_colours.h"
 #include "sim/run/session_run.h"
 
 namespace kerf {
@@ -119,6 +120,10 @@ class LiveRun {
   std::shared_ptr<const BakedObject> sharedObject() const noexcept { return object_; }
   /// The field of the case: of one that goes on from another run, as it was before that.
   std::shared_ptr<const BrickField> original() const noexcept { return original_; }
+  /// Of what is worked on. Null: its scan has no colours, or nobody looks at it.
+  std::shared_ptr<const ScanColours> scanColours() const noexcept { return scan_colours_; }
+  /// Whether anything in the scene has the colours of its scan.
+  bool hasScanColours() const noexcept { return has_scan_colours_; }
   /// What the run before had removed, mm^3; 0: there was none.
   double removedBefore() const noexcept { return removed_before_; }
   /// Names of the pieces it left; they are apart and where they were put from the beginning.
@@ -190,6 +195,8 @@ class LiveRun {
   RunManifest manifest_;
   std::shared_ptr<const BakedObject> object_;
   std::shared_ptr<const BrickField> original_;  // within object_, unless it goes on from a run
+  std::shared_ptr<const ScanColours> scan_colours_;
+  bool has_scan_colours_ = false;
   double removed_before_ = 0;
   std::vector<RunManifest::Piece> pieces_before_;
   std::vector<std::string> missing_;

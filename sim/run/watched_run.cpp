@@ -68,17 +68,30 @@ Expected<void> WatchedRun::load(const Progress& progress) {
       removed_before_ += volume;
     original_ = std::make_shared<const BrickField>(std::move(original));
   }
-  if (options_.is_looked_at)
-    for (const auto& loaded : recording_.objects) {
-      KERF_TRY(look, internal::chunkLook(loaded, loaded != recording_.objects.front()));
-      looks_.push_back(std::move(look));
-    }
+  if (options_.is_looked_at) KERF_CHECK(chooseColours());
   if (!report(progress, 0.9, "reading the log")) return fail({.code = Error::Code::kCancelled, .found = "cancelled"});
   findSteps();
   if (options_.is_looked_at) KERF_CHECK(watchHeat(progress));
   player_.emplace(recording_.log, log_name_, recording_.model, place_, recording_.objects,
                   internal::LogPlayer::Start{});
   output_.T_world_tool = player_->session().state().body.pose;
+  return {};
+}
+
+// Of neighbours that were cut before, the floors of those cuts are told from their scans by the distance alone.
+Expected<void> WatchedRun::chooseColours() {
+  for (std::size_t n = 0; n < recording_.objects.size(); ++n) {
+    const std::shared_ptr<const BakedObject>& object = recording_.objects[n];
+    KERF_TRY(scan, internal::scanColoursOf(recording_.cases[n]));
+    has_scan_colours_ |= scan != nullptr;
+    if (n == 0) scan_colours_ = scan;
+    const std::shared_ptr<const BrickField> loaded{object, &object->phi0()};
+    KERF_TRY(
+        look,
+        internal::chunkLook(
+            {.object = object, .scan = std::move(scan), .original = n == 0 ? original_ : loaded, .is_beside = n > 0}));
+    looks_.push_back(std::move(look));
+  }
   return {};
 }
 

@@ -32,6 +32,7 @@
 #include "sim/live/haptic_thread.h"
 #include "sim/live/live_heat.h"
 #include "sim/live/mesher_thread.h"
+#include "sim/live/scan_colours.h"
 #include "sim/monitor/structures.h"
 #include "sim/run/live_run.h"
 #include "sim/run/log_player.h"
@@ -99,6 +100,9 @@ class WatchedRun {
   std::span<const std::shared_ptr<const BakedObject>> objects() const noexcept { return recording_.objects; }
   /// The field of the case, before anything was cut.
   std::shared_ptr<const BrickField> original() const noexcept { return original_; }
+  /// As LiveRun's.
+  std::shared_ptr<const ScanColours> scanColours() const noexcept { return scan_colours_; }
+  bool hasScanColours() const noexcept { return has_scan_colours_; }
   /// Pulp and nerve canals, as loaded; null unless options.is_looked_at.
   std::shared_ptr<const Structures> structures() const noexcept { return structures_; }
   /// What an earlier run had removed, from which the session went on, mm^3.
@@ -138,6 +142,7 @@ class WatchedRun {
   WatchedRun(std::filesystem::path folder, WatchOptions options)
       : folder_(std::move(folder)), options_(std::move(options)) {}
   Expected<void> load(const Progress& progress);
+  Expected<void> chooseColours();
   void findSteps();
   Expected<void> watchHeat(const Progress& progress);
 
@@ -187,6 +192,8 @@ class WatchedRun {
   std::vector<WatchedStep> steps_;
   std::vector<decltype(RemesherOptions::finish)> looks_;  // of recording_.objects, or none
   std::shared_ptr<const BrickField> original_;
+  std::shared_ptr<const ScanColours> scan_colours_;
+  bool has_scan_colours_ = false;
   std::shared_ptr<const Structures> structures_;
 
   // The thread's.

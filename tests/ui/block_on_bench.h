@@ -39,13 +39,15 @@ class OnABlock : public StrokePointerTest {
  protected:
   void SetUp() override {
     const std::filesystem::path file = folder_.path() / "block.ply";
-    ASSERT_TRUE(writeMesh(file, test::blockMesh(false)));
+    ASSERT_TRUE(writeMesh(file, block()));
     bench_.open(file);
     until([&] { return !bench_.job() && bench_.scene().triangleCount() > 0; });
     fitToBox(camera_, bench_.scene().bounds(), context_.width, context_.height);
     bench_.depth_mm = 0.6;
     bench_.setForce(2);
   }
+  // What is opened.
+  virtual Mesh block() const { return test::blockMesh(false); }
   void TearDown() override {
     bench_.close();
     until([&] { return !bench_.job(); });

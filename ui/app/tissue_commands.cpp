@@ -10,8 +10,10 @@ namespace {
 
 constexpr std::array<std::pair<const char*, TissueLook>, 3> kLooks = {
     {{"show", TissueLook::kShow}, {"hide", TissueLook::kHide}, {"ghost", TissueLook::kGhost}}};
-constexpr std::array<std::pair<const char*, SurfaceColours>, 3> kColours = {
-    {{"tissue", SurfaceColours::kTissue}, {"depth", SurfaceColours::kDepth}, {"distance", SurfaceColours::kDistance}}};
+constexpr std::array<std::pair<const char*, SurfaceColours>, 4> kColours = {{{"tissue", SurfaceColours::kTissue},
+                                                                             {"scan", SurfaceColours::kScan},
+                                                                             {"depth", SurfaceColours::kDepth},
+                                                                             {"distance", SurfaceColours::kDistance}}};
 
 std::string quoted(AppWords words, std::size_t n) {
   return n < words.size() ? "\"" + words[n] + "\"" : std::string("nothing");
@@ -21,6 +23,7 @@ std::string quoted(AppWords words, std::size_t n) {
 
 bool hasTissues(const AppContext& c) { return c.bench.isShown() && !c.bench.tissues().all().empty(); }
 bool isAnyHidden(const AppContext& c) { return c.bench.isShown() && !c.bench.tissues().areAllShown(); }
+bool hasScanColours(const AppContext& c) { return c.bench.isShown() && c.bench.tissues().hasScanColours(); }
 bool hasStructures(const AppContext& c) {
   return c.bench.isShown() && c.bench.structures() && !c.bench.structures()->isEmpty();
 }
@@ -39,7 +42,7 @@ Expected<void> showAll(AppContext& c, AppWords) {
 Expected<void> colours(AppContext& c, AppWords words) {
   for (const auto& [word, colours] : kColours)
     if (!words.empty() && words[0] == word) return c.bench.tissues().setColours(colours);
-  return wrongWord(quoted(words, 0), "tissue, depth or distance");
+  return wrongWord(quoted(words, 0), "tissue, scan, depth or distance");
 }
 
 }  // namespace kerf::tissue_commands

@@ -8,12 +8,13 @@ namespace kerf::tissue_commands {
 
 bool hasTissues(const AppContext& context);
 bool isAnyHidden(const AppContext& context);  ///< or a ghost
+bool hasScanColours(const AppContext& context);
 bool hasStructures(const AppContext& context);
 
 Expected<void> look(AppContext& context, AppWords words);  ///< NAME show|hide|ghost
 Expected<void> showAll(AppContext& context, AppWords words);
 
-Expected<void> colours(AppContext& context, AppWords words);  ///< tissue|depth|distance
+Expected<void> colours(AppContext& context, AppWords words);  ///< tissue|scan|depth|distance
 template <SurfaceColours kOf>
 Expected<void> coloursOf(AppContext& context, AppWords) {
   return context.bench.tissues().setColours(kOf);

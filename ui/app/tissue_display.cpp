@@ -58,6 +58,8 @@ TissueSource tissueSourceOf(LiveRun& run, std::shared_ptr<const Structures> stru
   for (const LiveNeighbour& other : run.neighbours()) out.beside.push_back(other.object);
   out.original = run.original();
   out.structures = std::move(structures);
+  out.scan = run.scanColours();
+  out.has_scan_colours = run.hasScanColours();
   return out;
 }
 
@@ -70,6 +72,8 @@ TissueSource tissueSourceOf(const WatchedRun& run) {
   out.beside.assign(run.objects().begin() + 1, run.objects().end());
   out.original = run.original();
   out.structures = run.structures();
+  out.scan = run.scanColours();
+  out.has_scan_colours = run.hasScanColours();
   return out;
 }
 
@@ -81,6 +85,7 @@ void TissueDisplay::opened(TissueSource source, const MaterialTable& materials) 
   labels_ = TissueLabels::of(*source_->object);
   for (const auto& other : source_->beside) labels_beside_.push_back(TissueLabels::of(*other));
   palette_.emplace(materials);
+  colours_ = wanted_colours_ = source_->has_scan_colours ? SurfaceColours::kScan : SurfaceColours::kTissue;
   const std::array<double, 256>& volumes = source_->object->volumes();
   for (const MaterialProperties& row : materials.rows()) {
     const auto number = static_cast<std::size_t>(row.material);
@@ -179,8 +184,10 @@ void TissueDisplay::startMeshing() {
   meshed_objects_ = view->objects.size();
 
   RemesherOptions options;
-  options.finish = [labels = *labels_, palette = *palette_](MeshChunk& chunk, const OverlayField& field) {
+  options.finish = [labels = *labels_, palette = *palette_, scan = source_->scan, original = source_->original](
+                       MeshChunk& chunk, const OverlayField& field) {
     chunk.colours = tissueColours(chunk, labels, palette);
+    if (scan) chunk.scan_colours = scanColours(chunk, *scan, *original);
     chunk.occlusion = occlusionOf(chunk, field);
   };
   meshing_ = std::make_unique<Job<Changes>>(
@@ -254,6 +261,11 @@ Expected<void> TissueDisplay::setColours(SurfaceColours colours) {
                  .found = "neither pulp nor nerve canal in what is open",
                  .expected = "a case with one of them",
                  .hint = "view.colours depth"});
+  if (colours == SurfaceColours::kScan && !hasScanColours())
+    return fail({.code = Error::Code::kUnsupported,
+                 .found = "no colours in the scan that is open",
+                 .expected = "a scan with colours of vertices or faces, as PLY, OBJ, OFF and 3MF hold them",
+                 .hint = "view.colours tissue"});
   wanted_colours_ = colours;
   if (colours == SurfaceColours::kDepth && !depths_) {  // update() goes on
     if (!measuring_)
@@ -283,8 +295,12 @@ double TissueDisplay::nearness(const Vec3d& p) const {
   return distance >= source_->structures->reach() - kRounding ? 0 : 1 - distance / kMapReach;
 }
 
+const std::vector<Rgba8>& TissueDisplay::coloursBeside(const MeshChunk& chunk) const {
+  return colours_ == SurfaceColours::kScan && !chunk.scan_colours.empty() ? chunk.scan_colours : chunk.colours;
+}
+
 std::vector<Rgba8> TissueDisplay::coloursOf(const MeshChunk& chunk) const {
-  if (colours_ == SurfaceColours::kTissue) return chunk.colours;
+  if (colours_ == SurfaceColours::kTissue || colours_ == SurfaceColours::kScan) return coloursBeside(chunk);
   std::vector<Rgba8> out;
   out.reserve(chunk.vertices.size());
   for (const Vec3f& p : chunk.vertices) {

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "geometry/field/material.h"
+#include "sim/live/scan_colours.h"
 #include "sim/live/tissue_mesher.h"
 #include "sim/live/tissue_section.h"
 #include "sim/monitor/structures.h"
@@ -41,8 +42,9 @@ struct SeenTissue {
 /// What the colour of the surface says.
 enum class SurfaceColours {
   kTissue,
-  kDepth,    ///< below the surface as loaded
-  kDistance  ///< to pulp and nerve canal
+  kDepth,     ///< below the surface as loaded
+  kDistance,  ///< to pulp and nerve canal
+  kScan       ///< what the scanner saw; where there is no such, and where it was cut, the tissue
 };
 
 /// Of a map: light yellow to dark blue, evenly darker, told apart by the colour-blind.
@@ -65,6 +67,8 @@ struct TissueSource {
   std::vector<std::shared_ptr<const BakedObject>> beside{};  ///< what stands beside it
   std::shared_ptr<const BrickField> original;                ///< of the case
   std::shared_ptr<const Structures> structures;              ///< pulp and nerve canals as loaded
+  std::shared_ptr<const ScanColours> scan;                   ///< of the object; null: its scan has no colours
+  bool has_scan_colours = false;                             ///< it has them, or what stands beside has
 };
 TissueSource tissueSourceOf(LiveRun& run, std::shared_ptr<const Structures> structures);
 TissueSource tissueSourceOf(const WatchedRun& run);
@@ -110,14 +114,18 @@ class TissueDisplay {
   /// @param beside  0: of what is worked on; n: of the n-th neighbour.
   /// @cost  as tissueSection(): once for each plane, not each frame.
   TissueSection sectionAt(const Plane& plane, std::size_t beside = 0) const;
+  /// Those of the scan from the beginning, if there are any.
   SurfaceColours colours() const { return colours_; }
+  bool hasScanColours() const { return source_ && source_->has_scan_colours; }
   /// Depth is measured in a job first: 9 s for a molar at 0.05 mm. Error kUnsupported: a map of distances without pulp
-  /// and nerve canal.
+  /// and nerve canal, colours of a scan that has none.
   Expected<void> setColours(SurfaceColours colours);
   /// Rises when the colours of all chunks are others.
   std::uint64_t coloursVersion() const { return colours_version_; }
-  /// One per vertex: of the map, or the chunk's own.   @cost  30 ns a vertex.
+  /// One per vertex: of the map, of the scan, or the chunk's own.   @cost  30 ns a vertex.
   std::vector<Rgba8> coloursOf(const MeshChunk& chunk) const;
+  /// The same of what stands beside: maps are of what is worked on alone.
+  const std::vector<Rgba8>& coloursBeside(const MeshChunk& chunk) const;
 
  private:
   /// What the parts are made of.

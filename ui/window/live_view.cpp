@@ -52,7 +52,8 @@ void LiveView::update(Workbench& bench) {
 
 // Maps are of what is worked on.
 void LiveView::setChunk(const Workbench& bench, std::size_t object, const MeshChunk& chunk) {
-  if (isBeside(bench, object)) return renderer_->setChunk(object, chunk, chunk.colours, chunk.occlusion);
+  if (isBeside(bench, object))
+    return renderer_->setChunk(object, chunk, bench.tissues().coloursBeside(chunk), chunk.occlusion);
   renderer_->setChunk(object, chunk, bench.tissues().coloursOf(chunk), chunk.occlusion);
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <imgui.h>
 
+#include <algorithm>
 #include <array>
 #include <string>
 #include <vector>
@@ -53,16 +54,31 @@ void drawRow(AppContext& context, const SeenTissue& tissue) {
   ImGui::PopID();
 }
 
+struct ColoursRow {
+  SurfaceColours colours;
+  const char* word;  // of the command
+  const char* text;
+};
+constexpr std::array<ColoursRow, 4> kColours = {
+    {{SurfaceColours::kTissue, "tissue", "tissue"},
+     {SurfaceColours::kScan, "scan", "as scanned"},
+     {SurfaceColours::kDepth, "depth", "depth"},
+     {SurfaceColours::kDistance, "distance", "distance to pulp and nerve"}}};
+
+bool isPossible(const AppContext& context, SurfaceColours colours) {
+  if (colours == SurfaceColours::kScan) return tissue_commands::hasScanColours(context);
+  return colours != SurfaceColours::kDistance || tissue_commands::hasStructures(context);
+}
+
 void drawColours(AppContext& context) {
-  static constexpr std::array<std::array<const char*, 2>, 3> kChoices = {
-      {{"tissue", "tissue"}, {"depth", "depth"}, {"distance", "distance to pulp and nerve"}}};
-  const auto now = static_cast<std::size_t>(context.bench.tissues().colours());
+  const SurfaceColours now = context.bench.tissues().colours();
+  const auto chosen =
+      std::find_if(kColours.begin(), kColours.end(), [&](const ColoursRow& row) { return row.colours == now; });
   ImGui::PushItemWidth(-1);
-  if (ImGui::BeginCombo("##colours", fmt::format("Colours: {}", kChoices[now][0]).c_str())) {
-    for (std::size_t n = 0; n < kChoices.size(); ++n) {
-      const bool is_possible = n != 2 || tissue_commands::hasStructures(context);
-      const auto flags = is_possible ? ImGuiSelectableFlags_None : ImGuiSelectableFlags_Disabled;
-      if (ImGui::Selectable(kChoices[n][1], n == now, flags)) run(context, "view.colours", {kChoices[n][0]});
+  if (ImGui::BeginCombo("##colours", fmt::format("Colours: {}", chosen->word).c_str())) {
+    for (const ColoursRow& row : kColours) {
+      const auto flags = isPossible(context, row.colours) ? ImGuiSelectableFlags_None : ImGuiSelectableFlags_Disabled;
+      if (ImGui::Selectable(row.text, row.colours == now, flags)) run(context, "view.colours", {row.word});
     }
     ImGui::EndCombo();
   }
@@ -71,7 +87,7 @@ void drawColours(AppContext& context) {
 
 // From 0 at the left to the reach of the map, as the surface has it.
 void drawLegend(SurfaceColours colours) {
-  if (colours == SurfaceColours::kTissue) return;
+  if (colours == SurfaceColours::kTissue || colours == SurfaceColours::kScan) return;
   const bool is_depth = colours == SurfaceColours::kDepth;
   ImGui::TextColored(styleColours().quiet, "%s", is_depth ? "Below the surface as loaded" : "To pulp or nerve canal");
   const ImVec2 from = ImGui::GetCursorScreenPos();
@@ -94,7 +110,8 @@ void drawLegend(SurfaceColours colours) {
 
 void drawTissues(AppContext& context, PanelColumn& column) {
   const TissueDisplay& tissues = context.bench.tissues();
-  if (tissues.all().size() < 2 && tissues.colours() == SurfaceColours::kTissue) return;
+  const bool has_choice = tissues.all().size() > 1 || tissues.hasScanColours();
+  if (!has_choice && tissues.colours() == SurfaceColours::kTissue) return;
   column.place();
   ImGui::Begin("Tissues", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize);
   if (tissues.all().size() > 1)
