@@ -274,6 +274,9 @@ constexpr AppCommand kCommands[] = {
      "Puts a tool's file into the rack, or reads it anew, and takes the tool.", isIdle, tool_commands::addTool},
     {"tool.next", "Tool", "Next tool", "]", "", "Takes the next tool of the rack.", isOpen, tool_commands::nextTool},
     {"tool.previous", "Tool", "Previous tool", "[", "", "Takes the tool before.", isOpen, tool_commands::previousTool},
+    {"tool.favourite", "Tool", "Favourite, or no longer", "", "[ID]",
+     "Puts a tool first in the rack, from now on, or no longer; if not told, the one in hand.", tool_commands::hasRack,
+     tool_commands::favourite},
     {"tool.tilt", "", "", "", "DEG [AZIMUTH]",
      "Leans the tool away from the normal of the surface by 0 to 75 degrees, the shank towards an azimuth in the view: "
      "0 "

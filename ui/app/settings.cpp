@@ -27,6 +27,21 @@ std::string quoted(const std::string& text) {
   return out.str();
 }
 
+std::string joined(const std::vector<std::string>& words) {
+  std::string out;
+  for (const std::string& word : words) out += (out.empty() ? "" : " ") + word;
+  return out;
+}
+
+// Each once.
+std::vector<std::string> wordsOf(const std::string& text) {
+  std::vector<std::string> out;
+  std::istringstream words(text);
+  for (std::string word; words >> word;)
+    if (std::find(out.begin(), out.end(), word) == out.end()) out.push_back(word);
+  return out;
+}
+
 // The table of keys: what each reads as and is written as.
 struct Key {
   const char* name;
@@ -68,6 +83,8 @@ const std::vector<Key>& keys() {
        [](const Settings& a, const Settings& b) { return a.is_perspective == b.is_perspective; }},
       {"file_dialog", [](const Settings& s) { return std::string(s.has_own_dialog ? "\"own\"" : "\"system\""); },
        [](const Settings& a, const Settings& b) { return a.has_own_dialog == b.has_own_dialog; }},
+      {"favourite_tools", [](const Settings& s) { return quoted(joined(s.favourite_tools)); },
+       [](const Settings& a, const Settings& b) { return a.favourite_tools == b.favourite_tools; }},
   };
   return kKeys;
 }
@@ -118,6 +135,7 @@ Expected<Settings> readSettings(const fs::path& path) {
   const std::string dialog = table.getOr<std::string>("file_dialog", "system", "\"own\" or \"system\"");
   if (dialog != "own" && dialog != "system") table.reject("file_dialog", "\"" + dialog + "\"", "\"own\" or \"system\"");
   out.has_own_dialog = dialog == "own";
+  out.favourite_tools = wordsOf(table.getOr<std::string>("favourite_tools", "", "ids of tools"));
   KERF_CHECK(table.finish());
   return out;
 }

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "geometry/base/error.h"
 
@@ -43,6 +44,9 @@ struct Settings {
   bool is_perspective = false;  ///< perspective: near things are larger, from the beginning of a session
 
   bool has_own_dialog = false;  ///< file_dialog = "own" or "system": who asks for files where the system has a dialog
+
+  /// favourite_tools: ids with blanks between them, in the order in which they were chosen; first in the rack.
+  std::vector<std::string> favourite_tools{};
 
   static constexpr double kSmallestScale = 0.75, kLargestScale = 3;
   bool operator==(const Settings&) const = default;

@@ -6,6 +6,7 @@
 
 #include "ui/app/command_words.h"
 #include "ui/app/pointing.h"
+#include "ui/app/settings.h"
 
 namespace kerf::tool_commands {
 namespace {
@@ -23,6 +24,22 @@ Expected<void> selectTool(AppContext& c, AppWords words) {
   std::string ids;
   for (std::size_t n = 0; n < c.bench.toolCount(); ++n) ids += (n ? ", " : "") + c.bench.tool(n).id;
   return wrongWord("\"" + words[0] + "\"", "one of " + ids);
+}
+
+bool hasRack(const AppContext& c) { return c.bench.isOpen() && c.settings; }
+
+Expected<void> favourite(AppContext& c, AppWords words) {
+  const std::string id = words.empty() ? c.bench.tool(c.bench.toolInHand()).id : words[0];
+  std::vector<std::string>& favourites = c.settings->values.favourite_tools;
+  if (const auto at = std::find(favourites.begin(), favourites.end(), id); at != favourites.end()) {
+    favourites.erase(at);
+    return c.settings->save();
+  }
+  bool is_in_rack = false;
+  for (std::size_t n = 0; n < c.bench.toolCount(); ++n) is_in_rack |= c.bench.tool(n).id == id;
+  if (!is_in_rack) return wrongWord("\"" + id + "\"", "the id of a tool of the rack");
+  favourites.push_back(id);
+  return c.settings->save();
 }
 
 Expected<void> addTool(AppContext& c, AppWords words) {

@@ -7,6 +7,8 @@ namespace kerf::tool_commands {
 
 Expected<void> selectTool(AppContext& context, AppWords words);  ///< ID
 Expected<void> addTool(AppContext& context, AppWords words);     ///< PATH
+bool hasRack(const AppContext& context);                         ///< and settings, where favourites are kept
+Expected<void> favourite(AppContext& context, AppWords words);   ///< [ID]
 Expected<void> nextTool(AppContext& context, AppWords words);
 Expected<void> previousTool(AppContext& context, AppWords words);
 

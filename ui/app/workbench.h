@@ -178,7 +178,17 @@ class Workbench {
   void selectTool(std::size_t n);
   bool selectTool(const std::string& id);
   /// So many of the first ones are for a first look; all: a rack of a person's choice.
-  std::size_t favouriteTools() const { return favourites_ ? favourites_ : tools_.size(); }
+  std::size_t firstLookTools() const { return first_look_ ? first_look_ : tools_.size(); }
+  /// What is wrong with a tool's file, or its mesh, since it was read; null: nothing. The tool is as it was read.
+  const Error* toolError(std::size_t n) const;
+  /// A file that is no tool yet. It is read again when it changes, and is then in the rack.
+  struct BrokenTool {
+    std::filesystem::path file;
+    Error error;
+    std::optional<std::filesystem::file_time_type> time{};  ///< of the file
+    bool is_asked_for = false;                              ///< dropped: taken as soon as it can be read
+  };
+  const std::vector<BrokenTool>& brokenTools() const { return broken_tools_; }
   /// A tool's file is put into the rack, or read anew, and the tool taken. What is open goes on in a session of its
   /// own: undo reaches back to here. A file that is no tool is refused with what is wrong in it.
   void addTool(const std::filesystem::path& file);
@@ -385,6 +395,8 @@ class Workbench {
   void warnOfNeighbours();
   bool isNeighbour(std::uint32_t id, const std::string& what);
   void watchTools();
+  void watchBrokenTools();
+  void keepBroken(const std::filesystem::path& file, const Error& error, bool is_asked_for);
 
   WorkbenchOptions options_;
   MaterialTable materials_{{}};
@@ -429,12 +441,20 @@ class Workbench {
     double told_mm3 = 0, now_mm3 = 0;
     std::uint64_t tick = 0;  // when it was last another one
   };
-  std::vector<CutOff> cut_off_;                                             // of neighbours
-  mutable std::map<std::size_t, ToolSamples> samples_;                      // of tools that were in hand
-  std::vector<Plunge> plunges_;                                             // of the same
-  std::vector<TouchPoints> touches_;                                        // of the same
-  std::vector<std::optional<std::filesystem::file_time_type>> tool_times_;  // of their files
-  std::size_t favourites_ = 0;
+  std::vector<CutOff> cut_off_;                         // of neighbours
+  mutable std::map<std::size_t, ToolSamples> samples_;  // of tools that were in hand
+  std::vector<Plunge> plunges_;                         // of the same
+  std::vector<TouchPoints> touches_;                    // of the same
+  /// When the files of a tool were written last; none: it is not there.
+  struct ToolTimes {
+    std::optional<std::filesystem::file_time_type> file, mesh;
+    bool operator==(const ToolTimes&) const = default;
+  };
+  static ToolTimes timesOf(const SessionTool& tool);
+  std::vector<ToolTimes> tool_times_;
+  std::vector<std::optional<Error>> tool_errors_;  // since they were read
+  std::vector<BrokenTool> broken_tools_;
+  std::size_t first_look_ = 0;
   std::chrono::steady_clock::time_point next_watch_{};
   std::vector<char> is_outdated_;                  // its file was read anew since something was opened
   bool has_written_ = false, has_failed_ = false;  // the last close()

@@ -35,6 +35,16 @@ std::optional<fs::file_time_type> timeOf(const fs::path& file) {
 
 }  // namespace
 
+Workbench::ToolTimes Workbench::timesOf(const SessionTool& tool) {
+  ToolTimes out{timeOf(tool.file), {}};
+  if (tool.tool.mesh) out.mesh = timeOf(tool.tool.mesh_file);
+  return out;
+}
+
+const Error* Workbench::toolError(std::size_t n) const {
+  return !watched_ && n < tool_errors_.size() && tool_errors_[n] ? &*tool_errors_[n] : nullptr;
+}
+
 const std::vector<std::string>& defaultTools() {
   static const std::vector<std::string> kTools = {
       "round-014", "round-010", "round-018", "us-330",  "856-016",
@@ -51,14 +61,29 @@ void Workbench::putIntoRack(const fs::path& file, Tool tool) {
     plunges_.emplace_back();
     touches_.emplace_back(tool);
     tool_times_.emplace_back();
+    tool_errors_.emplace_back();
     is_outdated_.push_back(0);
   }
+  std::erase_if(broken_tools_, [&](const BrokenTool& broken) { return broken.file == file; });
   heads_[at] = headOf(tool);
   plunges_[at] = plungeOf(tool);
   touches_[at] = TouchPoints(tool);
-  tool_times_[at] = timeOf(file);
+  tool_errors_[at].reset();
   is_outdated_[at] = run_ != nullptr;
   tools_[at] = {file, std::move(tool)};
+  tool_times_[at] = timesOf(tools_[at]);
+}
+
+// Of a tool that is in the rack it stands in its row, else in one of its own.
+void Workbench::keepBroken(const fs::path& file, const Error& error, bool is_asked_for) {
+  for (std::size_t n = 0; n < tools_.size(); ++n)
+    if (tools_[n].file == file) {
+      tool_errors_[n] = error;
+      tool_times_[n] = timesOf(tools_[n]);
+      return;
+    }
+  std::erase_if(broken_tools_, [&](const BrokenTool& broken) { return broken.file == file; });
+  broken_tools_.push_back({file, error, timeOf(file), is_asked_for});
 }
 
 void Workbench::fillRack() {
@@ -74,23 +99,30 @@ void Workbench::fillRack() {
   }
   if (!options_.tools.empty()) return;
 
-  favourites_ = tools_.size();
-  for (ToolListing& listed : listTools(folders))
-    if (listed.tool)
+  first_look_ = tools_.size();
+  for (ToolListing& listed : listTools(folders)) {
+    if (listed.tool) {
       putIntoRack(listed.file, std::move(*listed.tool));
-    else
-      complain(*listed.error);
+      continue;
+    }
+    keepBroken(listed.file, *listed.error, false);
+    complain(*listed.error);
+  }
 }
 
 void Workbench::addTool(const fs::path& file) {
   if (isBusy() || isSawing()) return;
-  auto tool = readTool(file);
-  if (!tool) return complain(tool.error());
-  const std::string id = tool->id;
   std::error_code failed;
-  const fs::path path = fs::absolute(file, failed);
-  putIntoRack(failed ? file : path, std::move(*tool));
-  if (run_) return reopenWith(failed ? file : path);
+  fs::path path = fs::absolute(file, failed);
+  if (failed) path = file;
+  auto tool = readTool(path);
+  if (!tool) {
+    keepBroken(path, tool.error(), true);
+    return complain(tool.error());
+  }
+  const std::string id = tool->id;
+  putIntoRack(path, std::move(*tool));
+  if (run_) return reopenWith(path);
   say(id + " is in the rack: open something to cut with it");
 }
 
@@ -142,25 +174,48 @@ void Workbench::reopenWith(const fs::path& tool_file, std::vector<CaseBeside> fu
   };
 }
 
-// A tool's file that was changed is read anew: at once if the tool is in hand, else with what is opened next.
+// A tool whose file or mesh was changed is read anew: at once if it is in hand, else with what is opened next.
 void Workbench::watchTools() {
   const auto now = std::chrono::steady_clock::now();
   if (now < next_watch_ || job_ || isPressed() || saw_->isCutting()) return;
   next_watch_ = now + std::chrono::seconds(1);
 
   for (std::size_t n = 0; n < tools_.size(); ++n) {
-    const auto time = timeOf(tools_[n].file);
-    if (!time || time == tool_times_[n]) continue;
-    tool_times_[n] = time;
-    auto tool = readTool(tools_[n].file);
+    const ToolTimes times = timesOf(tools_[n]);
+    const bool is_there = times.file && (times.mesh || !tools_[n].tool.mesh);
+    if (!is_there || times == tool_times_[n]) continue;
+    const fs::path file = tools_[n].file;
+    const fs::path changed = times.file == tool_times_[n].file ? tools_[n].tool.mesh_file : file;
+    auto tool = readTool(file);
     if (!tool) {
+      keepBroken(file, tool.error(), false);
       complain(tool.error());
       continue;
     }
-    const fs::path file = tools_[n].file;
-    say(fmt::format("{} was changed: it is read anew", file.filename().string()));
+    say(fmt::format("{} was changed: it is read anew", changed.filename().string()));
     putIntoRack(file, std::move(*tool));
     if (run_ && n == tool_) return reopenWith(file);
+  }
+  watchBrokenTools();
+}
+
+// One that was dropped is taken as soon as it can be read; of any other the row goes over into one of the rack.
+void Workbench::watchBrokenTools() {
+  for (std::size_t n = 0; n < broken_tools_.size(); ++n) {
+    BrokenTool& broken = broken_tools_[n];
+    const auto time = timeOf(broken.file);
+    if (!time || time == broken.time) continue;
+    broken.time = time;
+    auto tool = readTool(broken.file);
+    if (!tool) {
+      broken.error = tool.error();
+      continue;
+    }
+    const BrokenTool mended = broken;
+    putIntoRack(mended.file, std::move(*tool));
+    say(mended.file.filename().string() + " can be read now: it is in the rack");
+    if (run_ && mended.is_asked_for) reopenWith(mended.file);
+    return;  // the others in a second
   }
 }
 

@@ -4,10 +4,13 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
-#include "ui/app/tool_search.h"
+#include "ui/app/settings.h"
+#include "ui/app/tool_rack.h"
 #include "ui/window/style.h"
 
 namespace kerf {
@@ -15,7 +18,7 @@ namespace {
 
 using IconTriangle = ToolPanelState::IconTriangle;
 
-constexpr float kIcon = 30, kRowGap = 2;
+constexpr float kIcon = 30, kRowGap = 2, kStar = 18;
 constexpr int kRows = 10;
 constexpr double kMargin = 0.18;      // of the picture, about what cuts
 constexpr double kTolerance = 0.008;  // of that
@@ -87,15 +90,48 @@ void drawIcon(const std::vector<IconTriangle>& icon, ImVec2 at, float side) {
   draw->Flags = before;
 }
 
-void drawRow(Workbench& bench, ToolPanelState& state, std::size_t n) {
+// Clicked: a favourite from now on, or no longer.
+void drawStar(AppContext& context, const Tool& tool, bool is_favourite) {
+  constexpr int kPoints = 5;
+  constexpr float kInner = 0.42f;
+  const float side = scaled(kIcon), width = scaled(kStar), radius = 0.5f * width - scaled(2);
+  const ImVec2 at = ImGui::GetCursorScreenPos(), middle{at.x + 0.5f * width, at.y + 0.5f * side};
+  if (ImGui::InvisibleButton("##star", {width, side}))
+    if (const auto done = runAppCommand(context, "tool.favourite", std::vector<std::string>{tool.id}); !done)
+      context.bench.complain(done.error());
+  const bool is_hovered = ImGui::IsItemHovered();
+  if (is_hovered) ImGui::SetTooltip(is_favourite ? "A favourite no longer" : "A favourite: first in the rack");
+
+  std::array<ImVec2, 2 * kPoints> corners;
+  for (std::size_t n = 0; n < corners.size(); ++n) {
+    const float angle = static_cast<float>(n) * std::numbers::pi_v<float> / kPoints;
+    const float r = n % 2 == 0 ? radius : kInner * radius;
+    corners[n] = {middle.x + r * std::sin(angle), middle.y - r * std::cos(angle)};
+  }
+  ImDrawList* const draw = ImGui::GetWindowDrawList();
+  const ImU32 colour = ImGui::GetColorU32(is_favourite || is_hovered ? styleColours().warning : styleColours().quiet);
+  if (is_favourite)
+    for (std::size_t n = 0; n < corners.size(); ++n)
+      draw->AddTriangleFilled(middle, corners[n], corners[(n + 1) % corners.size()], colour);
+  draw->AddPolyline(corners.data(), static_cast<int>(corners.size()), colour, ImDrawFlags_Closed, scaled(1));
+  ImGui::SameLine(0, scaled(2));
+}
+
+/// @return  it was clicked.
+bool drawRow(AppContext& context, ToolPanelState& state, const RackView& view, std::size_t n) {
+  const Workbench& bench = context.bench;
   const Tool& tool = bench.tool(n);
   const float side = scaled(kIcon);
   ImGui::PushID(static_cast<int>(n));
+  const float right = ImGui::GetCursorScreenPos().x + ImGui::GetContentRegionAvail().x;
+  if (context.settings) drawStar(context, tool, isFavourite(view, tool));
   const ImVec2 at = ImGui::GetCursorScreenPos();
-  if (ImGui::Selectable("##tool", n == bench.toolInHand(), 0, {0, side})) bench.selectTool(n);
+  const bool is_clicked = ImGui::Selectable("##tool", n == bench.toolInHand(), 0, {0, side});
+  const Error* const error = bench.toolError(n);
   if (ImGui::IsItemHovered())
-    ImGui::SetTooltip("%s\n%s%s%s", tool.id.c_str(), tool.description.c_str(),
-                      tool.iso6360.empty() ? "" : "\nISO 6360 ", tool.iso6360.c_str());
+    ImGui::SetTooltip("%s\n%s%s%s%s%s", tool.id.c_str(), tool.description.c_str(),
+                      tool.iso6360.empty() ? "" : "\nISO 6360 ", tool.iso6360.c_str(),
+                      error ? "\nIt is as it was read before: " : "", error ? error->message().c_str() : "");
 
   auto icon = state.icons.find(tool.cut.get());
   if (icon == state.icons.end()) icon = state.icons.emplace(tool.cut.get(), iconOf(tool)).first;
@@ -103,59 +139,74 @@ void drawRow(Workbench& bench, ToolPanelState& state, std::size_t n) {
   const float line = ImGui::GetTextLineHeight();
   ImDrawList* const draw = ImGui::GetWindowDrawList();
   const std::string size = sizeOf(tool);
-  const float right = at.x + ImGui::GetContentRegionAvail().x;
   const float size_at = right - ImGui::CalcTextSize(size.c_str()).x;
   draw->PushClipRect(at, {size_at - scaled(6), at.y + side}, true);
-  draw->AddText({at.x + side + scaled(8), at.y + 0.5f * (side - line)}, ImGui::GetColorU32(ImGuiCol_Text),
+  draw->AddText({at.x + side + scaled(8), at.y + 0.5f * (side - line)},
+                error ? ImGui::GetColorU32(styleColours().warning) : ImGui::GetColorU32(ImGuiCol_Text),
                 (tool.name.empty() ? tool.id : tool.name).c_str());
   draw->PopClipRect();
   draw->AddText({size_at, at.y + 0.5f * (side - line)}, ImGui::GetColorU32(styleColours().quiet), size.c_str());
   ImGui::PopID();
+  return is_clicked;
 }
 
-// The first ones, or all, or what is searched for; the one in hand is always among them.
-std::vector<std::size_t> listed(const Workbench& bench, const ToolPanelState& state) {
-  const std::string_view search(state.search.data());
-  std::vector<std::size_t> out;
-  for (std::size_t n = 0; n < bench.toolCount(); ++n) {
-    const bool is_wanted = search.empty() ? state.shows_all || n < bench.favouriteTools() || n == bench.toolInHand()
-                                          : matchesSearch(bench.tool(n), search);
-    if (is_wanted) out.push_back(n);
-  }
-  return out;
+// A file that is no tool yet, with what is wrong.
+void drawBroken(const Workbench::BrokenTool& broken) {
+  const float side = scaled(kIcon), line = ImGui::GetTextLineHeight();
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  ImGui::PushID(broken.file.c_str());
+  ImGui::Selectable("##broken", false, 0, {0, side});
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", broken.error.message().c_str());
+  const std::string text = broken.file.filename().string() + ": no tool yet";
+  ImGui::GetWindowDrawList()->AddText({at.x + scaled(8), at.y + 0.5f * (side - line)},
+                                      ImGui::GetColorU32(styleColours().warning), text.c_str());
+  ImGui::PopID();
 }
 
-void drawRack(Workbench& bench, ToolPanelState& state) {
+/// @return  the tool that was clicked. To take it may close what is open, so nothing may be drawn of that behind it.
+std::optional<std::size_t> drawRack(AppContext& context, ToolPanelState& state) {
+  Workbench& bench = context.bench;
   ImGui::PushItemWidth(-1);
   const std::string hint = fmt::format("Search {} tools: round, 1.4, saw...", bench.toolCount());
   ImGui::InputTextWithHint("##search", hint.c_str(), state.search.data(), state.search.size());
   ImGui::PopItemWidth();
 
-  const std::vector<std::size_t> rows = listed(bench, state);
+  RackView view{.search = state.search.data(), .shows_all = state.shows_all};
+  std::vector<std::string> favourites;  // a star that is clicked changes those of the settings
+  if (context.settings) favourites = context.settings->values.favourite_tools;
+  view.favourites = favourites;
+  const std::vector<std::size_t> rows = rackRows(bench, view);
+  const std::size_t broken = view.search.empty() ? bench.brokenTools().size() : 0;
   const float row = scaled(kIcon) + scaled(kRowGap);
-  const auto shown = static_cast<float>(std::clamp<std::size_t>(rows.size(), 1, kRows));
+  const auto shown = static_cast<float>(std::clamp<std::size_t>(rows.size() + broken, 1, kRows));
   ImGui::BeginChild("rack", {0, shown * row + scaled(4)});
   if (state.in_hand != bench.toolInHand()) {
     state.in_hand = bench.toolInHand();
-    const auto at = std::find(rows.begin(), rows.end(), state.in_hand) - rows.begin();
+    const auto at =
+        static_cast<std::ptrdiff_t>(broken) + (std::find(rows.begin(), rows.end(), state.in_hand) - rows.begin());
     const float top = static_cast<float>(at) * row;
     if (top < ImGui::GetScrollY() || top + row > ImGui::GetScrollY() + shown * row) ImGui::SetScrollY(top);
   }
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {scaled(8), scaled(kRowGap)});
   ImGuiListClipper clipper;
-  clipper.Begin(static_cast<int>(rows.size()), row);
+  clipper.Begin(static_cast<int>(rows.size() + broken), row);
+  std::optional<std::size_t> clicked;
   while (clipper.Step())
-    for (int n = clipper.DisplayStart; n < clipper.DisplayEnd; ++n)
-      drawRow(bench, state, rows[static_cast<std::size_t>(n)]);
+    for (auto n = static_cast<std::size_t>(clipper.DisplayStart); n < static_cast<std::size_t>(clipper.DisplayEnd); ++n)
+      if (n < broken)
+        drawBroken(bench.brokenTools()[n]);
+      else if (drawRow(context, state, view, rows[n - broken]))
+        clicked = rows[n - broken];
   ImGui::PopStyleVar();
-  if (rows.empty()) ImGui::TextDisabled("None is called that");
+  if (rows.empty() && broken == 0) ImGui::TextDisabled("None is called that");
   ImGui::EndChild();
 
-  if (bench.favouriteTools() < bench.toolCount() && !state.search[0]) {
+  if (bench.firstLookTools() < bench.toolCount() && !state.search[0]) {
     const std::string label =
         state.shows_all ? std::string("Show fewer") : fmt::format("Show all {}", bench.toolCount());
     if (ImGui::SmallButton((label + "###all").c_str())) state.shows_all = !state.shows_all;
   }
+  return clicked;
 }
 
 // Offered where there is something to stop short of.
@@ -217,11 +268,12 @@ void drawTools(AppContext& context, ToolPanelState& state) {
   ImGui::SetNextWindowPos({8, ImGui::GetFrameHeight() + 8}, ImGuiCond_Always);
   ImGui::SetNextWindowSize({scaled(kPanelWidth), 0}, ImGuiCond_Always);
   ImGui::Begin("Tool", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
-  drawRack(bench, state);
+  const std::optional<std::size_t> clicked = drawRack(context, state);
   ImGui::Separator();
   drawTilt(context);
   drawHand(bench);
   ImGui::End();
+  if (clicked) bench.selectTool(*clicked);
 }
 
 }  // namespace kerf

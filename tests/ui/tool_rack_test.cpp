@@ -1,0 +1,180 @@
+// The rack as a person sees it: favourites first, and what is wrong with a file in its row.
+#include "ui/app/tool_rack.h"
+
+#include <chrono>
+#include <thread>
+
+#include "geometry/formats/mesh_writer.h"
+#include "tests/ui/block_on_bench.h"
+#include "ui/app/app_commands.h"
+#include "ui/app/settings.h"
+
+namespace kerf {
+namespace {
+
+namespace fs = std::filesystem;
+
+class ToolRackTest : public testing::Test {
+ protected:
+  static WorkbenchOptions in(const TemporaryFolder& folder) {
+    WorkbenchOptions out;
+    out.data_folder = folder.path() / "data";
+    out.tools = {"round-014", "round-010", "disc-22"};
+    out.real_time = {.priority = 0, .lock_memory = false};
+    return out;
+  }
+  void SetUp() override {
+    const fs::path file = folder_.path() / "block.ply";
+    ASSERT_TRUE(writeMesh(file, test::blockMesh(false)));
+    bench_.open(file);
+    ASSERT_TRUE(comes([&] { return bench_.isOpen() && !bench_.job(); }));
+  }
+  void TearDown() override {
+    EXPECT_TRUE(comes([&] { return !bench_.job(); }));
+    bench_.close();
+    EXPECT_TRUE(comes([&] { return !bench_.job(); }));
+  }
+  Expected<void> favourite(const std::string& id) {
+    return runAppCommand(context_, "tool.favourite", id.empty() ? std::vector<std::string>{} : std::vector{id});
+  }
+  std::vector<std::string> shown(std::string_view search = {}) const {
+    const RackView view{.search = search, .favourites = settings_.values.favourite_tools};
+    std::vector<std::string> out;
+    for (const std::size_t n : rackRows(bench_, view)) out.push_back(bench_.tool(n).id);
+    return out;
+  }
+  // Until it is so; files are looked at once a second.
+  template <class IsSo>
+  bool comes(const IsSo& is_so) {
+    const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    while (!is_so() && std::chrono::steady_clock::now() < until) {
+      bench_.update();
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    return is_so();
+  }
+  bool isInHand(const std::string& id) const {
+    return bench_.isOpen() && !bench_.job() && bench_.tool(bench_.toolInHand()).id == id;
+  }
+  // As an editor writes it: newer than what was there.
+  void rewrite(const fs::path& file, const std::string& text) {
+    folder_.write(file.filename().string(), text);
+    age_ += std::chrono::seconds(5);
+    fs::last_write_time(file, fs::file_time_type::clock::now() + age_);
+  }
+
+  TemporaryFolder folder_;
+  Workbench bench_{in(folder_)};
+  Camera camera_;
+  SettingsFile settings_{folder_.path() / "config"};
+  AppContext context_{.bench = bench_, .camera = camera_, .settings = &settings_};
+  std::chrono::seconds age_{0};
+};
+
+using Ids = std::vector<std::string>;
+
+TEST_F(ToolRackTest, FavouritesAreFirstInTheOrderInWhichTheyWereChosen) {
+  EXPECT_EQ(shown(), (Ids{"round-014", "round-010", "disc-22"}));
+  ASSERT_TRUE(favourite("disc-22"));
+  ASSERT_TRUE(favourite("round-010"));
+  EXPECT_EQ(shown(), (Ids{"disc-22", "round-010", "round-014"}));
+  EXPECT_EQ(shown("round"), (Ids{"round-010", "round-014"})) << "of what is searched for, too";
+  ASSERT_TRUE(favourite("disc-22"));
+  EXPECT_EQ(shown(), (Ids{"round-010", "round-014", "disc-22"})) << "again: no longer";
+}
+
+TEST_F(ToolRackTest, FavouritesAreKeptInTheSettings) {
+  ASSERT_TRUE(favourite("disc-22"));
+  ASSERT_TRUE(favourite(""));  // the tool in hand
+  EXPECT_EQ(SettingsFile(folder_.path() / "config").values.favourite_tools, (Ids{"disc-22", "round-014"}));
+  ASSERT_TRUE(favourite("disc-22"));
+  EXPECT_EQ(SettingsFile(folder_.path() / "config").values.favourite_tools, Ids{"round-014"});
+
+  const auto refused = favourite("no-such-tool");
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Error::Code::kBadValue);
+  EXPECT_EQ(settings_.values.favourite_tools, Ids{"round-014"});
+  AppContext without{.bench = bench_, .camera = camera_};
+  EXPECT_FALSE(runAppCommand(without, "tool.favourite")) << "nothing would be kept";
+}
+
+TEST_F(ToolRackTest, AFavouriteThatIsNotThereTodayStaysOne) {
+  fs::create_directories(folder_.path() / "config");
+  folder_.write("config/settings.toml", "favourite_tools = \"gone-022 disc-22 disc-22\"\n");
+  SettingsFile kept(folder_.path() / "config");
+  ASSERT_FALSE(kept.error());
+  EXPECT_EQ(kept.values.favourite_tools, (Ids{"gone-022", "disc-22"})) << "each once";
+  settings_.values = kept.values;
+  EXPECT_EQ(shown(), (Ids{"disc-22", "round-014", "round-010"}));
+}
+
+const char* const kBur =
+    "format = \"kerf-tool\"\nversion = 1\nid = \"mine\"\nname = \"My bur\"\ndescription = \"\"\nkind = \"bur\"\n"
+    "shape = \"round\"\nhead_diameter = 2.2\nneck_diameter = 0.9\nneck_length = 3.6\nshank_diameter = 1.6\n"
+    "shank_length = 10\n";
+
+TEST_F(ToolRackTest, AFileThatIsNoToolStandsInTheRackUntilItIsOne) {
+  const fs::path file = folder_.write("mine.toml", std::string(kBur) + "head_diamter = 3\n");
+  bench_.addTool(file);
+  ASSERT_EQ(bench_.brokenTools().size(), 1u);
+  EXPECT_EQ(bench_.brokenTools()[0].file, file);
+  EXPECT_NE(bench_.brokenTools()[0].error.message().find("head_diamter"), std::string::npos);
+  EXPECT_EQ(bench_.toolCount(), 3u);
+
+  rewrite(file, kBur);
+  ASSERT_TRUE(comes([&] { return bench_.brokenTools().empty() && isInHand("mine"); })) << "it was asked for";
+  ASSERT_EQ(bench_.toolCount(), 4u);
+
+  // Broken again: the tool stays as it was read, with the error in its row.
+  EXPECT_FALSE(bench_.toolError(3));
+  rewrite(file, std::string(kBur) + "neck = 3\n");
+  ASSERT_TRUE(comes([&] { return bench_.toolError(3) != nullptr; }));
+  EXPECT_NE(bench_.toolError(3)->message().find("neck"), std::string::npos);
+  EXPECT_TRUE(isInHand("mine"));
+  EXPECT_EQ(bench_.tool(3).head_diameter_mm, 2.2);
+  EXPECT_TRUE(bench_.brokenTools().empty());
+  rewrite(file, kBur);
+  EXPECT_TRUE(comes([&] { return bench_.toolError(3) == nullptr; }));
+}
+
+// A point of 2 x 2 mm at its widest, so long upwards from (0, 0, 0).
+Mesh pointedTool(double length) {
+  Mesh out;
+  out.vertices = {{0, 0, 0},      {1, 1, 2},       {-1, 1, 2},       {-1, -1, 2},    {1, -1, 2},
+                  {1, 1, length}, {-1, 1, length}, {-1, -1, length}, {1, -1, length}};
+  for (std::uint32_t k = 0; k < 4; ++k) {
+    const std::uint32_t a = 1 + k, b = 1 + (k + 1) % 4;
+    out.triangles.push_back({0, b, a});
+    out.triangles.push_back({a, b, b + 4});
+    out.triangles.push_back({a, b + 4, a + 4});
+  }
+  out.triangles.push_back({5, 6, 7});
+  out.triangles.push_back({5, 7, 8});
+  return out;
+}
+
+TEST_F(ToolRackTest, AToolMadeOfAMeshIsReadAnewWhenItsMeshChanges) {
+  const fs::path mesh = folder_.path() / "point.stl";
+  ASSERT_TRUE(writeMesh(mesh, pointedTool(10)));
+  bench_.addTool(folder_.write("point.toml",
+                               "format = \"kerf-tool\"\nversion = 1\nid = \"point\"\nname = \"Point\"\nkind = "
+                               "\"mesh\"\nmesh = \"point.stl\"\nmm_per_unit = 1.0\ntip = [0.0, 0.0, 0.0]\naxis = [0.0, "
+                               "0.0, 1.0]\ncut_below = 4.0\n"));
+  ASSERT_TRUE(comes([&] { return isInHand("point"); })) << bench_.notices().back().text;
+  const auto length = [&] { return isInHand("point") ? bounds(*bench_.tool(bench_.toolInHand()).mesh).max[2] : 0; };
+  EXPECT_NEAR(length(), 10, 1e-5);
+
+  ASSERT_TRUE(writeMesh(mesh, pointedTool(14)));
+  fs::last_write_time(mesh, fs::file_time_type::clock::now() + std::chrono::seconds(5));
+  EXPECT_TRUE(comes([&] { return length() > 13; }));
+  EXPECT_NEAR(length(), 14, 1e-5);
+
+  // A mesh that is none: said in the row.
+  folder_.write("point.stl", "solid nothing\n");
+  fs::last_write_time(mesh, fs::file_time_type::clock::now() + std::chrono::seconds(10));
+  EXPECT_TRUE(comes([&] { return bench_.toolError(3) != nullptr; }));
+  EXPECT_NEAR(length(), 14, 1e-5) << "the tool is as it was read";
+}
+
+}  // namespace
+}  // namespace kerf
