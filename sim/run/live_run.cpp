@@ -87,7 +87,7 @@ Expected<void> LiveRun::load(const Progress& progress) {
   for (std::size_t n = 0; n < objects.size(); ++n) {
     const CutObject& object = haptic_->session().state().objects[n];  // pieces stand behind all that was loaded
     BrickFeed& feed = feeds_.emplace_back();
-    if (n > 0) names_[object.id] = neighbours_[n - 1].known.name;
+    if (n > 0) labels_[object.id].name = neighbours_[n - 1].known.name;
     if (!object.bricks().isPiece())  // else on_piece tells of all
       shown_.push_back({object.id, static_cast<std::uint32_t>(n),
                         std::make_shared<MesherThread>(objects[n]->phi0(), feed, mesher_options_[n])});
@@ -219,7 +219,7 @@ std::vector<Command> LiveRun::putPiecesBack(Session& session) {
       missing_.push_back(before.name);
       continue;
     }
-    names_[at->id] = before.name;
+    labels_[at->id] = {before.name, before.colour};
     if (!before.isMoved()) continue;
     const Vec3d& t = before.T_case_piece.translation;
     const Eigen::Quaterniond& q = before.T_case_piece.rotation;
@@ -236,7 +236,7 @@ Expected<void> LiveRun::makeFolder() {
   KERF_TRY(opened, openSessionRun(folder_, case_folder_, case_, options_.tools, options_.from, beside));
   manifest_ = std::move(opened.manifest);
   lock_.emplace(std::move(opened.lock));
-  if (!names_.empty()) (void)writePieceNames(folder_, names_);
+  if (!labels_.empty()) (void)writePieceLabels(folder_, labels_);
 
   SessionHeader header = sessionHeader(manifest_);
   const SessionHeader settings = describe(haptic_->session());
@@ -325,8 +325,9 @@ std::optional<SceneView> LiveRun::viewScene() {
     SceneView::Object& seen = out.objects.emplace_back();
     seen.id = object.id;
     seen.loaded = object.loaded;
-    const auto name = names_.find(object.id);
-    seen.name = name == names_.end() ? fmt::format("piece {}", n + 1) : name->second;
+    const auto known = labels_.find(object.id);
+    const bool is_named = known != labels_.end() && !known->second.name.empty();
+    seen.name = is_named ? known->second.name : fmt::format("piece {}", n + 1);
     seen.T_world_object = object.T_world_object;
     seen.mesher = mesherOf(object.id);
     if (!seen.mesher) return {};  // pieces are in the scene some ms before their meshers are
@@ -350,11 +351,15 @@ Expected<SceneCopy> LiveRun::copyOf(const SceneView& view) {
   return out;
 }
 
-void LiveRun::namePiece(std::uint32_t id, const std::string& name) {
-  std::string& known = names_[id];
-  if (known == name) return;
-  known = name;
-  (void)writePieceNames(folder_, names_);  // the manifest has them at the end
+void LiveRun::namePiece(std::uint32_t id, const std::string& name) { label(id, {name, labels_[id].colour}); }
+
+void LiveRun::colourPiece(std::uint32_t id, const std::string& colour) { label(id, {labels_[id].name, colour}); }
+
+void LiveRun::label(std::uint32_t id, const PieceLabel& label) {
+  PieceLabel& known = labels_[id];
+  if (known == label) return;
+  known = label;
+  (void)writePieceLabels(folder_, labels_);  // the manifest has them at the end
 }
 
 Expected<LiveResult> LiveRun::postOperative(const SceneCopy& scene, const PostOpOptions& options,
@@ -405,7 +410,7 @@ Expected<RunManifest> LiveRun::finish() {
   std::vector<const BrickField*> beside;  // null: as the session has loaded it
   for (const LiveNeighbour& other : neighbours_)
     beside.push_back(other.known.has_begin ? other.original.get() : nullptr);
-  auto ended = endSessionRun(folder_, haptic_->session(), manifest_, names_,
+  auto ended = endSessionRun(folder_, haptic_->session(), manifest_, labels_,
                              options_.from.empty() ? nullptr : original_.get(), beside);
   if (ended && closed) return manifest_;
   // The cut is worth more than its log.

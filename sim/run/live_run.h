@@ -126,8 +126,8 @@ class LiveRun {
   bool hasScanColours() const noexcept { return has_scan_colours_; }
   /// What the run before had removed, mm^3; 0: there was none.
   double removedBefore() const noexcept { return removed_before_; }
-  /// Names of the pieces it left; they are apart and where they were put from the beginning.
-  const PieceNames& names() const noexcept { return names_; }
+  /// Of the pieces it left; they are apart and where they were put from the beginning.
+  const PieceLabels& labels() const noexcept { return labels_; }
   /// Of those that were not found again.
   const std::vector<std::string>& missingPieces() const noexcept { return missing_; }
   /// In the order of ObjectReport::loaded, from 1 on.
@@ -161,6 +161,8 @@ class LiveRun {
   /// For the manifest and for what is exported, in the place of "piece N". Kept beside the log: a crash does not lose
   /// it.
   void namePiece(std::uint32_t id, const std::string& name);
+  /// The same of its colour. Empty: none.
+  void colourPiece(std::uint32_t id, const std::string& colour);
 
   /// Stops the threads and writes the run; once. kEmpty: nothing was cut, and the folder is gone again. After any other
   /// error the folder is open, and its log is whole.
@@ -188,6 +190,7 @@ class LiveRun {
   void showNewPieces();
   std::vector<Command> putPiecesBack(Session& session);
   std::shared_ptr<MesherThread> mesherOf(std::uint32_t id);
+  void label(std::uint32_t id, const PieceLabel& label);
 
   LiveRunOptions options_;
   std::filesystem::path case_folder_, folder_;
@@ -210,7 +213,7 @@ class LiveRun {
   std::vector<CameOff> came_off_;  // told by the maker of pieces; guarded by mutex_
   std::vector<Shown> shown_;       // what was loaded, unless it began in pieces, and what came off
   std::uint64_t edits_of_forgotten_ = 0;
-  PieceNames names_;
+  PieceLabels labels_;
   bool is_started_ = false, is_finished_ = false;
 };
 

@@ -74,6 +74,7 @@ Expected<void> readPieces(TomlTable& top, const fs::path& path, RunManifest& m) 
     RunManifest::Piece piece;
     piece.id = static_cast<std::uint32_t>(t.number("id", 0, 4e9, "a count"));
     piece.name = t.get<std::string>("name", "a name");
+    piece.colour = t.getOr<std::string>("colour", "", "the name of a colour");
     piece.volume_mm3 = t.number("volume_mm3", 0, 1e12, "mm3");
     const std::vector<double> inside = t.numbers("inside", 3), translation = t.numbers("translation", 3),
                               rotation = t.numbers("rotation", 4);
@@ -197,12 +198,12 @@ Expected<void> writeRunManifest(const fs::path& folder, const RunManifest& m) {
       const Vec3d& i = p.inside;
       const Vec3d& t = p.T_case_piece.translation;
       const Eigen::Quaterniond& q = p.T_case_piece.rotation;
-      pieces.push_back(toml::table{{"id", static_cast<std::int64_t>(p.id)},
-                                   {"name", p.name},
-                                   {"inside", toml::array{i[0], i[1], i[2]}},
-                                   {"volume_mm3", p.volume_mm3},
-                                   {"translation", toml::array{t[0], t[1], t[2]}},
-                                   {"rotation", toml::array{q.w(), q.x(), q.y(), q.z()}}});
+      toml::table row{
+          {"id", static_cast<std::int64_t>(p.id)},        {"name", p.name},
+          {"inside", toml::array{i[0], i[1], i[2]}},      {"volume_mm3", p.volume_mm3},
+          {"translation", toml::array{t[0], t[1], t[2]}}, {"rotation", toml::array{q.w(), q.x(), q.y(), q.z()}}};
+      if (!p.colour.empty()) row.insert("colour", p.colour);
+      pieces.push_back(std::move(row));
     }
     if (!pieces.empty()) root.insert("piece", std::move(pieces));
   } else {

@@ -30,6 +30,7 @@ namespace fs = std::filesystem;
 constexpr const char* kLock = "lock";
 constexpr const char* kToolFolder = "tools";
 constexpr const char* kPieceNames = "piece-names.toml";
+constexpr const char* kColours = "colours";  // a table in it
 
 tl::unexpected<Error> cannotWrite(const fs::path& what, const std::string& why) {
   return fail({.code = Error::Code::kWriteFailed,
@@ -133,14 +134,16 @@ NeighbourChanges changesBeside(const Session& session, std::span<const BrickFiel
 
 // Of objects whose fields are given, in their order.
 std::vector<RunManifest::Piece> piecesOf(const Objects& objects, const std::vector<BrickField>& fields,
-                                         const PieceNames& names) {
+                                         const PieceLabels& labels) {
   std::vector<RunManifest::Piece> out;
   for (const BrickField& field : fields) {
     const CutObject& object = *objects[out.size()];
     RunManifest::Piece piece;
     piece.id = object.id;
-    const auto name = names.find(object.id);
-    piece.name = name == names.end() ? fmt::format("piece {}", out.size() + 1) : name->second;
+    const auto known = labels.find(object.id);
+    const PieceLabel label = known == labels.end() ? PieceLabel{} : known->second;
+    piece.name = label.name.empty() ? fmt::format("piece {}", out.size() + 1) : label.name;
+    piece.colour = label.colour;
     piece.inside = deepestPoint({.begin = &field});
     for (const double volume : object.bricks().countVolumes()) piece.volume_mm3 += volume;
     piece.T_case_piece = object.T_world_object;
@@ -234,7 +237,7 @@ SessionHeader sessionHeader(const RunManifest& manifest) {
 }
 
 Expected<void> endSessionRun(const fs::path& run_folder, const Session& session, RunManifest& manifest,
-                             const PieceNames& names, const BrickField* loaded,
+                             const PieceLabels& labels, const BrickField* loaded,
                              std::span<const BrickField* const> beside) {
   const Objects objects = objectsOf(session, 0);
   const bool is_moved = std::any_of(objects.begin(), objects.end(), [](const auto* o) { return isMoved(*o); });
@@ -265,35 +268,45 @@ Expected<void> endSessionRun(const fs::path& run_folder, const Session& session,
   // Rounding must not make a manifest that its reader refuses.
   for (std::size_t n = 0; n < manifest.beside.size(); ++n)
     manifest.beside[n].removed_mm3 = std::max(manifest.beside[n].removed_mm3 + others.removed_mm3[n], 0.0);
-  manifest.pieces = is_in_pieces ? piecesOf(objects, fields, names) : std::vector<RunManifest::Piece>{};
+  manifest.pieces = is_in_pieces ? piecesOf(objects, fields, labels) : std::vector<RunManifest::Piece>{};
   manifest.duration_s = static_cast<double>(session.state().tick) * kTick;
   manifest.state_hash = fmt::format("{:016x}", session.hash());
   manifest.is_open = false;
   return writeRunManifest(run_folder, manifest);
 }
 
-Expected<void> writePieceNames(const fs::path& run_folder, const PieceNames& names) {
-  toml::table table;
-  for (const auto& [id, name] : names) table.insert(std::to_string(id), name);
+// [colours] stands apart: an older Kerf reads the names and passes it over.
+Expected<void> writePieceLabels(const fs::path& run_folder, const PieceLabels& labels) {
+  toml::table names, colours;
+  for (const auto& [id, label] : labels) {
+    if (!label.name.empty()) names.insert(std::to_string(id), label.name);
+    if (!label.colour.empty()) colours.insert(std::to_string(id), label.colour);
+  }
+  if (!colours.empty()) names.insert(kColours, std::move(colours));
   KERF_TRY(file, AtomicFile::create(run_folder / kPieceNames));
-  file.stream() << "# Names of the pieces, by their number in the session.\n" << table << "\n";
+  file.stream() << "# Names and colours of the pieces, by their number in the session.\n" << names << "\n";
   return file.commit();
 }
 
 namespace {
 
-// Names are worth no more than a session: without the file, or with a damaged one, pieces are numbered.
-PieceNames readPieceNames(const fs::path& run_folder) {
-  PieceNames out;
+std::optional<std::uint32_t> numberOf(std::string_view word) {
+  std::uint32_t out = 0;
+  const auto [end, failed] = std::from_chars(word.data(), word.data() + word.size(), out);
+  if (failed != std::errc{} || end != word.data() + word.size()) return {};
+  return out;
+}
+
+// Labels are worth no more than a session: without the file, or with a damaged one, pieces are numbered.
+PieceLabels readPieceLabels(const fs::path& run_folder) {
+  PieceLabels out;
   const auto table = parseToml(run_folder / kPieceNames);
   if (!table) return out;
-  for (const auto& [key, node] : *table) {
-    std::uint32_t id = 0;
-    const std::string_view word = key.str();
-    const auto [end, failed] = std::from_chars(word.data(), word.data() + word.size(), id);
-    const auto name = node.value<std::string>();
-    if (failed == std::errc{} && end == word.data() + word.size() && name) out[id] = *name;
-  }
+  for (const auto& [key, node] : *table)
+    if (const auto id = numberOf(key.str()); id && node.is_string()) out[*id].name = *node.value<std::string>();
+  if (const toml::table* const colours = (*table)[kColours].as_table())
+    for (const auto& [key, node] : *colours)
+      if (const auto id = numberOf(key.str()); id && node.is_string()) out[*id].colour = *node.value<std::string>();
   return out;
 }
 
@@ -333,7 +346,7 @@ Expected<Recovery> recoverRun(const fs::path& run_folder, const Progress& progre
   const auto end = [&](const Session& session, const SessionLog& log) {
     manifest.tool_id = toolsInHand(log, manifest);
     ended =
-        endSessionRun(run_folder, session, manifest, readPieceNames(run_folder), loaded ? &*loaded : nullptr, beside);
+        endSessionRun(run_folder, session, manifest, readPieceLabels(run_folder), loaded ? &*loaded : nullptr, beside);
   };
   KERF_TRY(replayed, internal::replayRun(run_folder, manifest, progress, end));
   KERF_CHECK(ended);

@@ -67,12 +67,18 @@ Expected<OpenedRun> openSessionRun(const std::filesystem::path& run_folder, cons
 /// What the header of its log says of case and tools; describe() says the rest.
 SessionHeader sessionHeader(const RunManifest& manifest);
 
-/// Names that a person gave to pieces, by CutObject::id.
-using PieceNames = std::map<std::uint32_t, std::string>;
+/// What a person said of a piece.
+struct PieceLabel {
+  std::string name;    ///< empty: it is numbered
+  std::string colour;  ///< "sky": of a palette that the window has; empty: that of its tissues
+  bool operator==(const PieceLabel&) const = default;
+};
+/// By CutObject::id.
+using PieceLabels = std::map<std::uint32_t, PieceLabel>;
 
-/// Keeps the names beside the log, for recoverRun(): they are in no other file before the end. Written whole or not at
-/// all. Error kWriteFailed.
-Expected<void> writePieceNames(const std::filesystem::path& run_folder, const PieceNames& names);
+/// Keeps names and colours beside the log, for recoverRun(): they are in no other file before the end. Written whole or
+/// not at all. Error kWriteFailed.
+Expected<void> writePieceLabels(const std::filesystem::path& run_folder, const PieceLabels& labels);
 
 /// Ends a session: writes the field, then the manifest, which is then no longer open. Pieces are written as one field,
 /// each where it was loaded; the manifest says where they are.
@@ -81,7 +87,7 @@ Expected<void> writePieceNames(const std::filesystem::path& run_folder, const Pi
 /// @param beside  the same of the cases beside, in their order; fewer: what the session has loaded.
 /// Error kEmpty: nothing was changed, and nothing is written.
 Expected<void> endSessionRun(const std::filesystem::path& run_folder, const Session& session, RunManifest& manifest,
-                             const PieceNames& names = {}, const BrickField* loaded = nullptr,
+                             const PieceLabels& labels = {}, const BrickField* loaded = nullptr,
                              std::span<const BrickField* const> beside = {});
 
 struct Recovery {

@@ -150,9 +150,9 @@ WatchedRun::~WatchedRun() {
   for (const Shown& object : shown_) object.mesher->stop();
 }
 
-PieceNames WatchedRun::names() const {
-  PieceNames out;
-  for (const RunManifest::Piece& piece : manifest().pieces) out[piece.id] = piece.name;
+PieceLabels WatchedRun::labels() const {
+  PieceLabels out;
+  for (const RunManifest::Piece& piece : manifest().pieces) out[piece.id] = {piece.name, piece.colour};
   return out;
 }
 
@@ -230,7 +230,7 @@ std::vector<ObjectChunks> WatchedRun::takeChunks() {
 std::optional<SceneView> WatchedRun::viewScene() const {
   const HapticReport& report = moment_.report;
   if (report.object_count == 0) return {};
-  const PieceNames known = names();
+  const PieceLabels known = labels();
   SceneView out;
   for (std::size_t n = 0; n < report.object_count; ++n) {
     const ObjectReport& object = report.objects[n];
@@ -238,8 +238,8 @@ std::optional<SceneView> WatchedRun::viewScene() const {
     if (shown == shown_.end()) return {};  // pieces are in the scene some ms before their meshers are
     const auto name = known.find(object.id);
     out.objects.push_back({object.id, object.loaded,
-                           name == known.end() ? fmt::format("piece {}", n + 1) : name->second, object.T_world_object,
-                           shown->mesher});
+                           name == known.end() ? fmt::format("piece {}", n + 1) : name->second.name,
+                           object.T_world_object, shown->mesher});
   }
   return out;
 }

@@ -108,7 +108,7 @@ class WatchedRun {
   /// What an earlier run had removed, from which the session went on, mm^3.
   double removedBefore() const noexcept { return removed_before_; }
   /// Of the pieces at the end, by CutObject::id.
-  PieceNames names() const;
+  PieceLabels labels() const;
   /// In the order of the log.
   std::span<const WatchedStep> steps() const noexcept { return steps_; }
   std::size_t samples() const noexcept { return recording_.log.samples.size(); }

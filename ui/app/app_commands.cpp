@@ -336,6 +336,10 @@ constexpr AppCommand kCommands[] = {
     {"piece.show-all", "Piece", "Show all", "Shift+H", "", "Shows all pieces.", isOpen, piece_commands::show},
     {"piece.rename", "", "", "", "NAME", "Gives the chosen piece a name, for the list and for files.", isOpen,
      piece_commands::rename},
+    {"piece.colour", "Piece", "Another colour", "", "[COLOUR|none]",
+     "Gives the chosen piece a colour in the picture, kept with the session: orange, sky, green, yellow, blue, "
+     "vermilion or purple; if not told, the next one.",
+     piece_commands::isChosen, piece_commands::colour},
     {"neighbour.look", "", "", "", "NEIGHBOUR show|ghost|hide",
      "Shows what stands beside, makes it a ghost that is not pointed at, or hides it; the tool meets it all the same.",
      neighbour_commands::hasNeighbours, neighbour_commands::look},

@@ -30,7 +30,7 @@ Ray inFrame(const Rigid3& T_world_object, const Ray& ray) {
 void LiveScene::clear() {
   shown_.clear();
   objects_.clear();
-  names_.clear();
+  labels_.clear();
 }
 
 SceneObject& LiveScene::objectOf(std::uint32_t id) {
@@ -58,9 +58,13 @@ void LiveScene::update(std::span<const ObjectChunks> chunks, const HapticReport&
     is_meshed &= object.surface.triangleCount() > 0;
     in_scene.push_back(&object);
   }
-  for (SceneObject* object : in_scene)
-    if (const auto known = names_.find(object->id); object->name.empty() && known != names_.end())
-      object->name = known->second;
+  for (SceneObject* object : in_scene) {
+    const auto known = labels_.find(object->id);
+    if (known == labels_.end()) continue;
+    object->name = known->second.name;
+    object->colour = known->second.colour;
+    labels_.erase(known);
+  }
   for (SceneObject* object : in_scene)
     if (object->name.empty()) object->name = freeName(in_scene);
   if (is_meshed) shown_ = std::move(in_scene);

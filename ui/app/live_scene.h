@@ -22,6 +22,7 @@ struct SceneObject {
   std::uint32_t id = 0;           ///< CutObject::id
   std::uint32_t loaded = 0;       ///< ObjectReport::loaded: 0 is worked on, the others stand beside it
   std::string name;               ///< "piece 2", or what a person called it
+  std::string colour;             ///< of pieceColours(), by a person; empty: as its tissues are
   Rigid3 T_world_object;          ///< as the simulation has it
   std::optional<Rigid3> dragged;  ///< where a person is about to put it
   LiveSurface surface;            ///< in its own frame: where it was loaded
@@ -48,7 +49,7 @@ class LiveScene {
  public:
   void clear();
   /// Of objects that come, by their id; the others are "piece 1", "piece 2", ...
-  void setNames(PieceNames names) { names_ = std::move(names); }
+  void setLabels(PieceLabels labels) { labels_ = std::move(labels); }
   void update(std::span<const ObjectChunks> chunks, const HapticReport& report);
 
   /// Those in the picture, hidden ones among them: in the order of the simulation, which is by size when they came off.
@@ -70,7 +71,7 @@ class LiveScene {
 
   std::vector<std::unique_ptr<SceneObject>> objects_;
   std::vector<SceneObject*> shown_;
-  PieceNames names_;
+  PieceLabels labels_;  // of those that have not come yet
 };
 
 /// A ray as an object sees it.

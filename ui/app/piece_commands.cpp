@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "ui/app/command_words.h"
+#include "ui/app/piece_colours.h"
 
 namespace kerf::piece_commands {
 namespace {
@@ -119,6 +120,27 @@ Expected<void> rename(AppContext& c, AppWords words) {
   KERF_TRY(piece, chosen(c));
   if (words.empty() || words[0].empty()) return wrongWord("no name", "a name, in quotes if it holds blanks");
   c.bench.namePiece(piece->id, words[0]);
+  return {};
+}
+
+Expected<void> colour(AppContext& c, AppWords words) {
+  KERF_TRY(piece, chosen(c));
+  std::string name;
+  if (words.empty()) {
+    // The next one of the palette, after the last none.
+    const auto all = pieceColours();
+    const auto* const now = findPieceColour(piece->colour);
+    const std::size_t next = now ? static_cast<std::size_t>(now - all.data()) + 1 : 0;
+    if (next < all.size()) name = all[next].name;
+  } else if (words[0] != "none") {
+    if (!findPieceColour(words[0])) {
+      std::string names;
+      for (const PieceColour& known : pieceColours()) names += std::string(known.name) + ", ";
+      return wrongWord("\"" + words[0] + "\"", "one of " + names + "none");
+    }
+    name = words[0];
+  }
+  c.bench.colourPiece(piece->id, name);
   return {};
 }
 

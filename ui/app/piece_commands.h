@@ -17,6 +17,7 @@ Expected<void> putBack(AppContext& context, AppWords words);
 Expected<void> hide(AppContext& context, AppWords words);
 Expected<void> show(AppContext& context, AppWords words);    ///< all
 Expected<void> rename(AppContext& context, AppWords words);  ///< NAME
+Expected<void> colour(AppContext& context, AppWords words);  ///< [COLOUR|none]
 Expected<void> exportEach(AppContext& context, AppWords words);
 Expected<void> exportChosen(AppContext& context, AppWords words);
 Expected<void> exportPutBack(AppContext& context, AppWords words);

@@ -116,6 +116,8 @@ class TissueDisplay {
   TissueSection sectionAt(const Plane& plane, std::size_t beside = 0) const;
   /// Those of the scan from the beginning, if there are any.
   SurfaceColours colours() const { return colours_; }
+  /// They say a number: depth, or distance.
+  bool isMap() const { return colours_ == SurfaceColours::kDepth || colours_ == SurfaceColours::kDistance; }
   bool hasScanColours() const { return source_ && source_->has_scan_colours; }
   /// Depth is measured in a job first: 9 s for a molar at 0.05 mm. Error kUnsupported: a map of distances without pulp
   /// and nerve canal, colours of a scan that has none.

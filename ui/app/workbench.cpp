@@ -302,7 +302,7 @@ void Workbench::show(Opened& loaded) {
     speed = 1;
   }
   moving_.clear();
-  scene_.setNames(run_->names());
+  scene_.setLabels(run_->labels());
   for (const std::string& name : run_->missingPieces())
     say("not found again, and so where it was in the scan: " + name);
   removed_mm3_ = 0;

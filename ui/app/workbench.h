@@ -274,6 +274,8 @@ class Workbench {
   void dragPiece(std::uint32_t id, const std::optional<Rigid3>& T_world_object);
   void hidePiece(std::uint32_t id, bool is_hidden);
   void namePiece(std::uint32_t id, const std::string& name);
+  /// In the picture, and kept with the session as its name is.   @param colour  of pieceColours(); empty: none.
+  void colourPiece(std::uint32_t id, const std::string& colour);
   /// What moves are made of; null: none is chosen, or it is not in the scene.
   const SceneObject* chosenPiece() const;
   void choosePiece(std::optional<std::uint32_t> id) { chosen_ = id; }

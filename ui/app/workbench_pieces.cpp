@@ -50,6 +50,13 @@ void Workbench::namePiece(std::uint32_t id, const std::string& name) {
   run_->namePiece(id, name);
 }
 
+void Workbench::colourPiece(std::uint32_t id, const std::string& colour) {
+  SceneObject* const piece = scene_.find(id);
+  if (!piece || !run_ || colour == piece->colour || isNeighbour(id, "to be coloured")) return;
+  piece->colour = colour;
+  run_->colourPiece(id, colour);
+}
+
 // For what is written: names as the window shows them.
 void Workbench::namePieces() {
   for (const SceneObject* object : scene_.shown()) run_->namePiece(object->id, object->name);

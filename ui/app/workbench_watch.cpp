@@ -83,7 +83,7 @@ void Workbench::showWatched(std::unique_ptr<WatchedRun> run, const OcclusalSide&
   trace_.clear();
   fresh_.clear();
   scene_.clear();
-  scene_.setNames(watched_->names());
+  scene_.setLabels(watched_->labels());
   chosen_.reset();
   moving_.clear();
   section.reset();

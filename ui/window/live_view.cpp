@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "ui/app/piece_colours.h"
 #include "ui/app/sawing.h"
 #include "ui/app/tissue_display.h"
 
@@ -36,6 +37,7 @@ void LiveView::update(Workbench& bench) {
     placed_.clear();
     sections_.clear();
     parts_.clear();
+    tints_.clear();
     tool_.reset();
     hover_.reset();
     is_fit_wanted_ = !bench.keepsView();
@@ -44,17 +46,22 @@ void LiveView::update(Workbench& bench) {
     for (const MeshChunkPtr& chunk : object.chunks) setChunk(bench, object.id, *chunk);
   takeTissues(bench);
   recolour(bench);
+  tintPieces(bench);
   placeObjects(bench);
   showSection(bench);
   saw_.surfaceChanged(!changed.empty());
   showTool(bench);
 }
 
-// Maps are of what is worked on.
+// Maps are of what is worked on. Their colours are values: no piece has another hue then.
 void LiveView::setChunk(const Workbench& bench, std::size_t object, const MeshChunk& chunk) {
   if (isBeside(bench, object))
     return renderer_->setChunk(object, chunk, bench.tissues().coloursBeside(chunk), chunk.occlusion);
-  renderer_->setChunk(object, chunk, bench.tissues().coloursOf(chunk), chunk.occlusion);
+  std::vector<Rgba8> colours = bench.tissues().coloursOf(chunk);
+  const auto tinted = tints_.find(static_cast<std::uint32_t>(object & UINT32_MAX));
+  if (tinted != tints_.end() && !bench.tissues().isMap())
+    if (const PieceColour* const colour = findPieceColour(tinted->second)) tint(colours, *colour);
+  renderer_->setChunk(object, chunk, colours, chunk.occlusion);
 }
 
 void LiveView::takeTissues(Workbench& bench) {
@@ -78,10 +85,24 @@ void LiveView::takeTissues(Workbench& bench) {
 // Another map: all colours anew.
 void LiveView::recolour(const Workbench& bench) {
   if (std::exchange(colours_version_, bench.tissues().coloursVersion()) == bench.tissues().coloursVersion()) return;
-  for (const SceneObject* object : bench.scene().shown())
-    object->surface.forEachChunk([&](const MeshChunk& chunk) { setChunk(bench, object->id, chunk); });
+  for (const SceneObject* object : bench.scene().shown()) recolour(bench, *object);
+}
+
+void LiveView::recolour(const Workbench& bench, const SceneObject& object) {
+  object.surface.forEachChunk([&](const MeshChunk& chunk) { setChunk(bench, object.id, chunk); });
   for (const auto& [number, surface] : parts_)
-    surface.forEachChunk([&, n = number](const MeshChunk& chunk) { setChunk(bench, n, chunk); });
+    if (static_cast<std::uint32_t>(number & UINT32_MAX) == object.id)
+      surface.forEachChunk([&, n = number](const MeshChunk& chunk) { setChunk(bench, n, chunk); });
+}
+
+// A piece that a person gave another colour.
+void LiveView::tintPieces(const Workbench& bench) {
+  for (const SceneObject* object : bench.scene().shown()) {
+    std::string& tint = tints_[object->id];
+    if (tint == object->colour) continue;
+    tint = object->colour;
+    recolour(bench, *object);
+  }
 }
 
 void LiveView::place(std::size_t object, const Rigid3& pose, bool is_visible, bool is_ghost) {

@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "geometry/base/error.h"
@@ -52,6 +53,8 @@ class LiveView {
   void setChunk(const Workbench& bench, std::size_t object, const MeshChunk& chunk);
   void takeTissues(Workbench& bench);
   void recolour(const Workbench& bench);
+  void recolour(const Workbench& bench, const SceneObject& object);
+  void tintPieces(const Workbench& bench);
   void placeObjects(const Workbench& bench);
   void place(std::size_t object, const Rigid3& pose, bool is_visible, bool is_ghost);
   void showSection(const Workbench& bench);
@@ -61,7 +64,8 @@ class LiveView {
   std::vector<std::size_t> placed_;           // numbers of the renderer that were in the last picture
   std::map<std::size_t, LiveSurface> parts_;  // of tissues, by their number
   std::uint64_t colours_version_ = 0;
-  std::map<std::size_t, Plane> sections_;  // by number, in their frames, as they are on the graphics card
+  std::map<std::uint32_t, std::string> tints_;  // of objects, as on the graphics card
+  std::map<std::size_t, Plane> sections_;       // by number, in their frames, as they are on the graphics card
   std::optional<std::size_t> tool_;
   std::optional<ToolOverSurface> hover_;
   SawView saw_;

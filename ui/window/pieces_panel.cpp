@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "ui/app/piece_colours.h"
 #include "ui/window/style.h"
 
 namespace kerf {
@@ -77,6 +78,30 @@ void drawRemoved(const SceneObject& piece) {
   ImGui::Unindent(scaled(30));
 }
 
+ImVec4 shown(const Rgba8& c) {
+  const auto one = [](std::uint8_t v) { return static_cast<float>(v) / 255; };
+  return {one(c[0]), one(c[1]), one(c[2]), 1};
+}
+
+void giveColour(AppContext& context, const char* name) {
+  const auto done = runAppCommand(context, "piece.colour", std::vector<std::string>{name});
+  if (!done) context.bench.complain(done.error());
+}
+
+// The palette; the one it has is framed.
+void drawColours(AppContext& context, const SceneObject& piece) {
+  constexpr auto kFlags = ImGuiColorEditFlags_NoTooltip | ImGuiColorEditFlags_NoPicker | ImGuiColorEditFlags_NoDragDrop;
+  for (const PieceColour& colour : pieceColours()) {
+    ImGui::PushStyleVar(ImGuiStyleVar_FrameBorderSize, piece.colour == colour.name ? scaled(2) : 0);
+    if (ImGui::ColorButton(colour.name, shown(colour.colour), kFlags, {scaled(20), scaled(20)}))
+      giveColour(context, colour.name);
+    ImGui::PopStyleVar();
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", colour.name);
+    ImGui::SameLine(0, scaled(4));
+  }
+  if (ImGui::SmallButton("None")) giveColour(context, "none");
+}
+
 void drawList(AppContext& context, PanelColumn& column) {
   Workbench& bench = context.bench;
   column.place();
@@ -89,6 +114,13 @@ void drawList(AppContext& context, PanelColumn& column) {
     if (ImGui::Checkbox("##shown", &is_shown)) bench.hidePiece(piece->id, !is_shown);
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("Show it");
     ImGui::SameLine();
+    if (const PieceColour* const colour = findPieceColour(piece->colour)) {
+      const ImVec2 at = ImGui::GetCursorScreenPos();
+      const float half = 0.5f * ImGui::GetFrameHeight();
+      ImGui::GetWindowDrawList()->AddCircleFilled({at.x + scaled(4), at.y + half}, scaled(4),
+                                                  ImGui::ColorConvertFloat4ToU32(shown(colour->colour)), 16);
+      ImGui::SetCursorPosX(ImGui::GetCursorPosX() + scaled(12));
+    }
     const std::string volume = fmt::format("{:.{}f} mm3{}", piece->surface.volume(),
                                            piece->surface.volume() < 100 ? 1 : 0, piece->isMoved() ? ", moved" : "");
     if (ImGui::Selectable(piece->name.c_str(), piece == chosen, 0, {scaled(90), 0}))
@@ -106,6 +138,7 @@ void drawList(AppContext& context, PanelColumn& column) {
     if (ImGui::InputText("##name", name.data(), name.size(), ImGuiInputTextFlags_EnterReturnsTrue))
       bench.namePiece(chosen->id, name.data());
     ImGui::PopItemWidth();
+    drawColours(context, *chosen);
     drawMove(bench, *chosen);
   } else {
     ImGui::TextDisabled("Click one to move or name it");
