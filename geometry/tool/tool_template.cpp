@@ -16,6 +16,18 @@ std::string tomlNumber(double value) {
   return text;
 }
 
+// To a nanometre: the tip has to be the mesh's lowest point.
+std::string tomlVector(const Vec3d& v) {
+  std::string out;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double value = std::round(1e6 * v[axis]) / 1e6;
+    std::string text = fmt::format("{}", value == 0 ? 0.0 : value);
+    if (text.find_first_of(".e") == text.npos) text += ".0";
+    out += (axis ? ", " : "") + text;
+  }
+  return "[" + out + "]";
+}
+
 std::string row(const std::string& assignment, const std::string& meaning) {
   return fmt::format("{:<36} # {}\n", assignment, meaning);
 }
@@ -68,13 +80,15 @@ std::string bladeTemplate(const BladeMotion& motion, const std::string& id) {
   return text;
 }
 
-std::string meshToolTemplate(const std::string& mesh, const std::string& id) {
-  std::string text = head(id, "My mesh tool", "mesh");
+std::string meshToolTemplate(const std::string& mesh, const std::string& id, const MeshToolNumbers& numbers) {
+  std::string text = head(id, numbers.name.c_str(), "mesh");
+  if (!numbers.origin.empty()) text += "# Made of " + numbers.origin + "\n";
   text += row(fmt::format("mesh = \"{}\"", mesh), "a closed mesh, in the folder of this file");
-  text += row("mm_per_unit = 1.0", "25.4 of a file in inches, 1000 in metres");
-  text += row("tip = [0.0, 0.0, 0.0]", "the lowest point along the axis, in the mesh's own coordinates");
-  text += row("axis = [0.0, 0.0, 1.0]", "from the tip to the shank: about it the tool turns");
-  text += row("cut_below = 4.0", "mm above the tip: up to there it cuts, above it collides");
+  text += row("mm_per_unit = " + tomlNumber(numbers.mm_per_unit), "25.4 of a file in inches, 1000 in metres");
+  text += row("tip = " + tomlVector(numbers.tip), "the lowest point along the axis, in the mesh's own coordinates");
+  text += row("axis = " + tomlVector(numbers.axis), "from the tip to the shank: about it the tool turns");
+  text += row("cut_below = " + tomlNumber(numbers.cut_below_mm),
+              "mm above the tip: up to there it cuts, above it collides");
   return text;
 }
 

@@ -85,10 +85,10 @@ TEST_F(ImportSetTest, OfSeveralScansOneIsCutAndTheOthersStandBesideAsChosen) {
   // Each has its own remedies; one is cut at any time.
   mustPlay(bench, "import.role 2 cut\nimport.role 3 out\nimport.choose 1\nimport.base full 5\nimport.voxel 0.2\n");
   EXPECT_EQ(entries[0].role, ImportRole::kBeside);
-  EXPECT_EQ(bench.importSet()->cut().file.stem(), "35");
+  EXPECT_EQ(bench.importSet()->cut()->file.stem(), "35");
   EXPECT_EQ(entries[1].scan->closing(), ClosingChoice{}) << "another file's base stays as it was";
   EXPECT_FALSE(play(bench, "import.role 2 out\n")) << "one has to be cut";
-  EXPECT_EQ(bench.importSet()->cut().file.stem(), "35");
+  EXPECT_EQ(bench.importSet()->cut()->file.stem(), "35");
 
   mustPlay(bench, "import.start\nwait\n");
   ASSERT_TRUE(bench.isOpen());

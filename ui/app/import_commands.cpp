@@ -16,8 +16,10 @@ using Way = ClosingChoice::Way;
 constexpr std::array<std::pair<const char*, Way>, 4> kWays = {
     {{"automatic", Way::kAutomatic}, {"base", Way::kBase}, {"holes", Way::kHolesOnly}, {"wrap", Way::kWrap}}};
 
-constexpr std::array<std::pair<const char*, ImportRole>, 3> kRoles = {
-    {{"cut", ImportRole::kCut}, {"beside", ImportRole::kBeside}, {"out", ImportRole::kOut}}};
+constexpr std::array<std::pair<const char*, ImportRole>, 4> kRoles = {{{"cut", ImportRole::kCut},
+                                                                       {"beside", ImportRole::kBeside},
+                                                                       {"out", ImportRole::kOut},
+                                                                       {"tool", ImportRole::kTool}}};
 
 tl::unexpected<Error> notAWord(const std::string& found, std::string expected) {
   return wrongWord(found.empty() ? "nothing" : "\"" + found + "\"", std::move(expected));
@@ -40,6 +42,7 @@ bool isImporting(const AppContext& c) { return c.bench.importSet() && !c.bench.j
 bool isImportingScan(const AppContext& c) { return isImporting(c) && c.bench.importSet()->scan(); }
 bool isImportingLabels(const AppContext& c) { return isImporting(c) && c.bench.importSet()->labels(); }
 bool isImportingSeveral(const AppContext& c) { return isImporting(c) && c.bench.importSet()->isSeveral(); }
+bool isImportingTool(const AppContext& c) { return isImporting(c) && c.bench.importSet()->tool(); }
 
 bool isPreviewing(const AppContext& c) { return isImporting(c) && c.bench.importSet()->isPreviewComing(); }
 
@@ -66,8 +69,18 @@ Expected<void> importRole(AppContext& c, AppWords words) {
   ImportSet& set = *c.bench.importSet();
   KERF_TRY(n, numberOf(words, 0, "N", 1, static_cast<double>(set.entries().size())));
   for (const auto& [name, role] : kRoles)
-    if (wordOf(words, 1) == name) return set.setRole(static_cast<std::size_t>(n) - 1, role);
-  return notAWord(wordOf(words, 1), "cut, beside or out");
+    if (wordOf(words, 1) == name) return set.setRole(static_cast<std::size_t>(n) - 1, role, c.bench.isOpen());
+  return notAWord(wordOf(words, 1), "cut, beside, out or tool");
+}
+
+Expected<void> importToolAxis(AppContext& c, AppWords words) {
+  if (wordOf(words, 0).empty()) return notAWord("", "+x, -x, +y, -y, +z, -z, length, -length or auto");
+  return c.bench.importSet()->tool()->setWay(words[0]);
+}
+
+Expected<void> importToolCut(AppContext& c, AppWords words) {
+  KERF_TRY(mm, lengthOf(wordOf(words, 0)));
+  return c.bench.importSet()->tool()->setCutBelow(mm);
 }
 
 Expected<void> importTissue(AppContext& c, AppWords words) {
@@ -189,6 +202,17 @@ void addLabels(nlohmann::json& j, const LabelPlan& plan) {
   }
 }
 
+void addTool(nlohmann::json& j, const ToolPlan& plan) {
+  const ToolWay& way = plan.way();
+  j["tool"] = {{"id", plan.id()},
+               {"way", way.name},
+               {"axis", {way.axis[0], way.axis[1], way.axis[2]}},
+               {"tip", {way.tip[0], way.tip[1], way.tip[2]}},
+               {"tip_width_mm", way.tip_width_mm},
+               {"cut_below_mm", plan.cutBelow()},
+               {"is_doubtful", plan.isDoubtful()}};
+}
+
 void addPrediction(nlohmann::json& j, const Prediction& prediction) {
   j["predicted_s"] = prediction.seconds;
   j["predicted_bytes"] = prediction.bytes;
@@ -207,6 +231,7 @@ std::string importState(const ImportSet& set) {
   nlohmann::json j{{"file", chosen.file.string()}, {"what", chosen.what()}, {"chosen", set.chosen() + 1}};
   if (set.scan()) addScan(j, *set.scan());
   if (set.labels()) addLabels(j, *set.labels());
+  if (set.tool()) addTool(j, *set.tool());
   addPrediction(j, set.prediction());
   if (const ClosedPreview* const preview = set.preview()) {
     j["solid_mm3"] = preview->volume_mm3;
@@ -219,6 +244,8 @@ std::string importState(const ImportSet& set) {
     for (const Finding& finding : set.scan()->findings()) add(finding);
   if (set.labels())
     for (const Finding& finding : set.labels()->findings()) add(finding);
+  if (set.tool())
+    for (const Finding& finding : set.tool()->findings()) add(finding);
   for (const Finding& finding : set.findings()) add(finding);
   for (const ImportEntry& entry : set.entries())
     j["files"].push_back({{"file", entry.file.string()}, {"what", entry.what()}, {"role", nameOf(entry.role)}});

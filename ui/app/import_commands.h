@@ -13,6 +13,7 @@ bool isImporting(const AppContext& c);         ///< files are looked at, and no 
 bool isImportingScan(const AppContext& c);     ///< and a scan is chosen among them
 bool isImportingLabels(const AppContext& c);   ///< and a label volume is
 bool isImportingSeveral(const AppContext& c);  ///< and there are several
+bool isImportingTool(const AppContext& c);     ///< and the chosen one is to be a tool
 /// The closed solid is being computed, or will be in a moment: a script waits for it.
 bool isPreviewing(const AppContext& c);
 
@@ -20,6 +21,8 @@ Expected<void> importRead(AppContext& c, AppWords words);
 Expected<void> importAdd(AppContext& c, AppWords words);
 Expected<void> importChoose(AppContext& c, AppWords words);
 Expected<void> importRole(AppContext& c, AppWords words);
+Expected<void> importToolAxis(AppContext& c, AppWords words);  ///< a way's name, or auto
+Expected<void> importToolCut(AppContext& c, AppWords words);   ///< MM
 Expected<void> importTissue(AppContext& c, AppWords words);
 Expected<void> importUnit(AppContext& c, AppWords words);
 Expected<void> importClose(AppContext& c, AppWords words);

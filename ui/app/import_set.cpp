@@ -119,18 +119,53 @@ void ImportSet::choose(std::size_t n) {
   chosen_ = n;
 }
 
-const ImportEntry& ImportSet::cut() const {
-  return *std::find_if(entries_.begin(), entries_.end(), [](const auto& e) { return e.role == ImportRole::kCut; });
+const ImportEntry* ImportSet::cut() const {
+  const auto at =
+      std::find_if(entries_.begin(), entries_.end(), [](const auto& e) { return e.role == ImportRole::kCut; });
+  return at == entries_.end() ? nullptr : &*at;
 }
 
-Expected<void> ImportSet::setRole(std::size_t n, ImportRole role) {
+ToolPlan* ImportSet::tool() const {
+  const ImportEntry& entry = entries_[chosen_];
+  if (entry.tool) entry.tool->setScale(entry.scan->unit().scale_to_mm);
+  return entry.tool.get();
+}
+
+std::vector<MeshToolOrder> ImportSet::toolOrders() const {
+  std::vector<MeshToolOrder> out;
+  for (const ImportEntry& entry : entries_) {
+    if (!entry.tool) continue;
+    const UnitOption& unit = entry.scan->unit();
+    entry.tool->setScale(unit.scale_to_mm);
+    out.push_back({entry.file, entry.scan->found().mesh, unit.scale_to_mm, unit.unit, entry.scan->closing(),
+                   entry.tool->way(), entry.tool->cutBelow(), entry.tool->id()});
+  }
+  return out;
+}
+
+void ImportSet::toolsAreMade() {
+  for (ImportEntry& entry : entries_) {
+    if (!entry.tool) continue;
+    entry.tool.reset();
+    entry.role = ImportRole::kOut;
+  }
+}
+
+Expected<void> ImportSet::setRole(std::size_t n, ImportRole role, bool may_lack_cut) {
   if (n >= entries_.size())
     return fail({.code = Error::Code::kBadValue,
                  .found = fmt::format("file {}", n + 1),
                  .expected = fmt::format("1 to {}", entries_.size())});
   ImportEntry& entry = entries_[n];
   if (entry.role == role) return {};
-  if (entry.role == ImportRole::kCut)
+  if (role == ImportRole::kTool && !entry.scan)
+    return fail({.code = Error::Code::kUnsupported,
+                 .place = entry.file.filename().string(),
+                 .found = "a " + entry.what(),
+                 .expected = "a mesh, to be a tool"});
+  const bool is_last_cut = cut() == &entry || !cut();
+  const bool is_put_beside = role == ImportRole::kBeside || role == ImportRole::kOut;
+  if (is_last_cut && is_put_beside && !may_lack_cut)
     return fail({.code = Error::Code::kBadValue,
                  .place = entry.file.filename().string(),
                  .found = "nothing that would be cut",
@@ -139,19 +174,29 @@ Expected<void> ImportSet::setRole(std::size_t n, ImportRole role) {
   if (role == ImportRole::kCut)
     for (ImportEntry& other : entries_)
       if (other.role == ImportRole::kCut) other.role = ImportRole::kBeside;
+  const bool was_cut = entry.role == ImportRole::kCut;
   entry.role = role;
+  entry.tool.reset();
+  if (role != ImportRole::kTool) return {};
+
+  const ScanFound& found = entry.scan->found();
+  entry.tool = std::make_unique<ToolPlan>(entry.file, found.mesh, entry.scan->unit().scale_to_mm);
+  const auto next = std::find_if(entries_.begin(), entries_.end(),
+                                 [](const ImportEntry& other) { return other.role == ImportRole::kBeside; });
+  if (was_cut && !may_lack_cut && next != entries_.end()) next->role = ImportRole::kCut;
   return {};
 }
 
 std::vector<Finding> ImportSet::findings() const {
   constexpr double kFar = 20;  // mm: neighbours of one frame are nearer
   std::vector<Finding> out;
-  const Box3 first = boxOf(cut());
+  if (!cut()) return out;
+  const Box3 first = boxOf(*cut());
   for (const ImportEntry& entry : entries_) {
-    if (entry.role == ImportRole::kOut) continue;
+    if (entry.role != ImportRole::kBeside) continue;
     const std::string name = entry.file.filename().string();
     const Box3 box = boxOf(entry);
-    if (&entry == &cut() || box.isEmpty() || first.isEmpty()) continue;
+    if (box.isEmpty() || first.isEmpty()) continue;
     if (const double gap = gapBetween(first, box); gap > kFar)
       out.push_back({Finding::Weight::kDoubtful, "Frame",
                      fmt::format("{} is {:.0f} mm away: scans of one frame meet, or nearly so", name, gap)});
@@ -174,7 +219,8 @@ Prediction ImportSet::prediction() const {
   constexpr double kProgram = 5.5e8;  // that each one's prediction counts once
   Prediction out;
   for (const ImportEntry& entry : entries_) {
-    if (entry.role == ImportRole::kOut || (!entry.scan && !entry.labels)) continue;
+    const bool is_prepared = entry.role == ImportRole::kCut || entry.role == ImportRole::kBeside;
+    if (!is_prepared || (!entry.scan && !entry.labels)) continue;
     const Prediction one = entry.scan ? entry.scan->prediction() : entry.labels->prediction();
     out.seconds += one.seconds;
     out.bytes += out.bytes > 0 ? std::max(one.bytes - kProgram, 0.0) : one.bytes;

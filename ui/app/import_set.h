@@ -16,10 +16,16 @@
 #include "ui/app/import_plan.h"
 #include "ui/app/label_plan.h"
 #include "ui/app/opening.h"
+#include "ui/app/tool_plan.h"
 
 namespace kerf {
 
-enum class ImportRole { kCut, kBeside, kOut };
+enum class ImportRole {
+  kCut,
+  kBeside,
+  kOut,
+  kTool  ///< a scan alone: it becomes a tool of the rack
+};
 
 /// What reading a file gave; of a recipe and of a case nothing is read, they are prepared as they say.
 struct ImportRead {
@@ -37,6 +43,7 @@ struct ImportEntry {
   ImportRole role = ImportRole::kBeside;
   std::unique_ptr<ImportPlan> scan;   ///< null: it is no scan
   std::unique_ptr<LabelPlan> labels;  ///< null: it is no label volume
+  std::unique_ptr<ToolPlan> tool;     ///< null: it is no tool
   /// Unit and voxel size that the program was told, which hold for a recipe, too; in the panels nothing is asked about
   /// it.
   PrepareOptions told;
@@ -77,10 +84,19 @@ class ImportSet {
   /// Null: what is chosen is no scan, or no label volume.
   ImportPlan* scan() const { return entries_[chosen_].scan.get(); }
   LabelPlan* labels() const { return entries_[chosen_].labels.get(); }
-  const ImportEntry& cut() const;
-  /// One is cut at any time: what was cut before then stands beside.
-  /// Errors: kBadValue for taking the role of the one that is cut.
-  Expected<void> setRole(std::size_t n, ImportRole role);
+  /// Null: what is chosen becomes no tool. Its lengths are those of the unit that is chosen.
+  ToolPlan* tool() const;
+  /// The one that is cut; null: none of them.
+  const ImportEntry* cut() const;
+  /// One is cut at any time: what was cut before then stands beside. When the one that is cut becomes a tool, the first
+  /// of those that stand beside is cut.
+  /// @param may_lack_cut  something is open: what stands beside stands beside that, and nothing here need be cut.
+  /// Errors: kBadValue for taking the role of the one that is cut; kUnsupported for a tool that is no scan.
+  Expected<void> setRole(std::size_t n, ImportRole role, bool may_lack_cut = false);
+  /// What is to be written as tools, in the order of entries().
+  std::vector<MeshToolOrder> toolOrders() const;
+  /// They are written: they are left out from now on.
+  void toolsAreMade();
 
   /// What stands in the way of preparing it: a label volume of which nothing is left, or frames that can not be one.
   std::vector<Finding> findings() const;

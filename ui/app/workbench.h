@@ -44,6 +44,7 @@ class TissueDisplay;
 class ImportPlan;
 class ImportSet;
 class WatchedRun;
+struct MeshToolOrder;
 
 struct WorkbenchOptions {
   /// Where cases and sessions go: "cases", "sessions" below it. Empty: $XDG_DATA_HOME/kerf, or ~/.local/share/kerf.
@@ -115,7 +116,8 @@ class Workbench {
   bool isImporting() const { return import_ != nullptr; }
   /// The scan among it whose choices are shown; null: none is looked at, or that one is no scan.
   ImportPlan* importPlan() const;
-  /// Prepares all as decided and opens it. A job; when it fails the plans stay, for another remedy.
+  /// Prepares all as decided and opens it. What is to be a tool is written below the data folder first, and is in the
+  /// rack then. A job; when it fails the plans stay, for another remedy.
   void startImport();
   void cancelImport();
   bool isOpen() const { return run_ != nullptr; }
@@ -379,6 +381,11 @@ class Workbench {
   std::size_t strokesDone() const;
   void remember(const std::filesystem::path& path);
   void putImportAway();
+  void openImported();
+  void makeTools(std::vector<MeshToolOrder> orders);
+  void takeMadeTools(std::vector<SessionTool> made);
+  std::filesystem::path ownToolFolder() const { return options_.data_folder / "tools"; }
+  void placeBeside(std::vector<OpenBeside> asked, const std::string& title);
   std::vector<std::filesystem::path> takeTools(const std::vector<std::filesystem::path>& paths);
   void readToImports(std::vector<std::filesystem::path> paths, const std::string& title, bool is_more);
   OpeningOptions openingOptions() const;

@@ -1,9 +1,11 @@
 // Files that are looked at before they are prepared. The rest of the workbench: workbench.cpp.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 #include <utility>
 
+#include "geometry/tool/tool_file.h"
 #include "ui/app/import_set.h"
 #include "ui/app/workbench.h"
 
@@ -83,8 +85,65 @@ void Workbench::startImport() {
   if (!import_ || isBusy()) return;
   if (const auto ready = import_->requireReady(); !ready) return complain(ready.error());
   import_->suspendPreviews();
+  std::vector<MeshToolOrder> orders = import_->toolOrders();
+  orders.empty() ? openImported() : makeTools(std::move(orders));
+}
 
-  const ImportEntry& first = import_->cut();
+// Tools first: they are in the rack of the session that the others are opened in.
+void Workbench::makeTools(std::vector<MeshToolOrder> orders) {
+  using Made = std::vector<SessionTool>;
+  const std::string title = orders.size() == 1 ? "making a tool of " + orders.front().file.filename().string()
+                                               : fmt::format("making {} tools", orders.size());
+  auto job = std::make_unique<Job<Made>>(
+      title, [orders = std::move(orders), folder = ownToolFolder()](const Progress& progress) -> Expected<Made> {
+        Made out;
+        for (const MeshToolOrder& order : orders) {
+          KERF_TRY(file, writeMeshTool(order, folder, progress));
+          KERF_TRY(tool, readTool(file));
+          out.push_back({file, std::move(tool)});
+        }
+        return out;
+      });
+  job_writes_ = false;
+  when_over_ = [this, job = job.get()] {
+    auto made = job->take();
+    if (!made) return complain(made.error());
+    takeMadeTools(std::move(*made));
+  };
+  job_ = std::move(job);
+}
+
+void Workbench::takeMadeTools(std::vector<SessionTool> made) {
+  const fs::path first = made.front().file;
+  for (SessionTool& one : made) {
+    say(fmt::format("{} is in the rack: {}", one.tool.id, one.file.string()));
+    putIntoRack(one.file, std::move(one.tool));
+  }
+  if (!import_) return;
+  import_->toolsAreMade();
+  const auto& entries = import_->entries();
+  if (std::any_of(entries.begin(), entries.end(), [](const auto& e) { return e.role != ImportRole::kOut; }))
+    return openImported();
+  putImportAway();
+  if (run_ && !isSawing()) reopenWith(first);
+}
+
+void Workbench::openImported() {
+  if (!import_->cut()) {
+    if (!run_)
+      return complain({.code = Error::Code::kBadValue,
+                       .found = "nothing that would be cut, and nothing open",
+                       .expected = "one file that is cut",
+                       .hint = "import.role 1 cut"});
+    std::vector<OpenBeside> asked;
+    for (const ImportEntry& entry : import_->entries())
+      if (entry.role == ImportRole::kBeside) asked.push_back({entry.file, entry.file.stem().string(), entry.decided()});
+    const std::string title =
+        asked.size() == 1 ? asked.front().path.filename().string() : fmt::format("{} files", asked.size());
+    return placeBeside(std::move(asked), "preparing " + title);
+  }
+
+  const ImportEntry& first = *import_->cut();
   OpeningOptions options = openingOptions();
   options.prepare = first.decided();
   std::string names;

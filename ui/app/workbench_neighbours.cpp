@@ -38,39 +38,50 @@ void Workbench::openAll(const std::vector<fs::path>& paths) {
 void Workbench::openBeside(const fs::path& path) {
   if (isBusy() || isSawing()) return;
   if (!run_) return open(path);
+  const std::string name = (path.has_filename() ? path : path.parent_path()).stem().string();
+  placeBeside({{path, name, openingOptions().prepare}}, "preparing " + path.filename().string());
+}
 
+// What was looked at before stays until this is done, for another remedy.
+void Workbench::placeBeside(std::vector<OpenBeside> asked, const std::string& title) {
+  if (!run_ || isSawing()) return;
   struct Prepared {
-    CaseBeside beside;
+    std::vector<CaseBeside> beside;
     std::vector<std::string> notes;
   };
-  const OpenBeside asked{path, (path.has_filename() ? path : path.parent_path()).stem().string(),
-                         openingOptions().prepare};
   std::vector<std::string> known{run_->caseManifest().id};
   for (const LiveNeighbour& other : run_->neighbours()) known.push_back(other.known.manifest.id);
+  std::vector<fs::path> paths;
+  for (const OpenBeside& one : asked) paths.push_back(one.path);
   auto job = std::make_unique<Job<Prepared>>(
-      "preparing " + path.filename().string(),
-      [asked, known, options = openingOptions()](const Progress& progress) -> Expected<Prepared> {
+      title,
+      [asked = std::move(asked), known, options = openingOptions()](const Progress& progress) -> Expected<Prepared> {
         Prepared out;
-        KERF_TRY(folder, prepareToStandBeside(asked, options, out.notes, progress));
-        KERF_TRY(manifest, readCaseManifest(folder));
-        if (std::find(known.begin(), known.end(), manifest.id) != known.end())
-          return fail({.code = Error::Code::kBadValue,
-                       .file = asked.path.string(),
-                       .found = "it is in the scene already: two solids in one place",
-                       .expected = "another tooth or jaw of the same scan frame",
-                       .hint = "open each once"});
-        out.beside = {folder, asked.name};
+        std::vector<std::string> ids = known;
+        for (const OpenBeside& one : asked) {
+          KERF_TRY(folder, prepareToStandBeside(one, options, out.notes, progress));
+          KERF_TRY(manifest, readCaseManifest(folder));
+          if (std::find(ids.begin(), ids.end(), manifest.id) != ids.end())
+            return fail({.code = Error::Code::kBadValue,
+                         .file = one.path.string(),
+                         .found = "it is in the scene already: two solids in one place",
+                         .expected = "another tooth or jaw of the same scan frame",
+                         .hint = "open each once"});
+          ids.push_back(manifest.id);
+          out.beside.push_back({folder, one.name});
+        }
         return out;
       });
   job_writes_ = false;
-  when_over_ = [this, job = job.get(), path] {
+  when_over_ = [this, job = job.get(), paths] {
     auto prepared = job->take();
     if (!prepared) return complain(prepared.error());
     for (std::string& note : prepared->notes) say(std::move(note));
     if (!run_) return;
+    putImportAway();
     // What was opened is not written over, wherever its case is.
-    sources_beside_.push_back(path);
-    reopenWith({}, {std::move(prepared->beside)});
+    sources_beside_.insert(sources_beside_.end(), paths.begin(), paths.end());
+    reopenWith({}, std::move(prepared->beside));
   };
   job_ = std::move(job);
 }

@@ -87,7 +87,8 @@ void Workbench::keepBroken(const fs::path& file, const Error& error, bool is_ask
 }
 
 void Workbench::fillRack() {
-  const auto folders = defaultToolFolders();
+  auto folders = defaultToolFolders();
+  folders.push_back(ownToolFolder());
   for (const std::string& id : options_.tools.empty() ? defaultTools() : options_.tools) {
     const auto file = findToolFile(id, folders);
     if (!file) {

@@ -182,9 +182,48 @@ struct RoleRow {
   const char* word;  // of the command
   const char* text;
 };
-constexpr std::array<RoleRow, 3> kRoles = {{{ImportRole::kCut, "cut", "is cut"},
+constexpr std::array<RoleRow, 4> kRoles = {{{ImportRole::kCut, "cut", "is cut"},
                                             {ImportRole::kBeside, "beside", "stands beside"},
+                                            {ImportRole::kTool, "tool", "is a tool"},
                                             {ImportRole::kOut, "out", "left out"}}};
+
+// What becomes of one file that was dropped alone.
+void drawRole(AppContext& context, const ImportEntry& entry) {
+  if (!entry.scan) return;
+  const auto choice = [&](ImportRole role, const char* word, const char* text) {
+    if (ImportRole now = entry.role; ImGui::RadioButton(text, now == role) && now != role)
+      run(context, "import.role", {"1", word});
+  };
+  choice(ImportRole::kCut, "cut", "Cut it");
+  ImGui::SameLine();
+  if (context.bench.isOpen()) {
+    choice(ImportRole::kBeside, "beside", "Stand it beside");
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("Beside %s, where its scan is.", context.bench.name().c_str());
+    ImGui::SameLine();
+  }
+  choice(ImportRole::kTool, "tool", "Use it as a tool");
+}
+
+// ---- A mesh that becomes a tool
+
+void drawTool(AppContext& context, ToolPlan& plan) {
+  heading("Tool");
+  drawFindings(plan.findings());
+  ImGui::SetNextItemWidth(-1);
+  const ToolWay& now = plan.way();
+  if (ImGui::BeginCombo("##way", fmt::format("Shank towards {}", now.name).c_str())) {
+    for (const ToolWay& way : plan.ways()) {
+      const std::string text = fmt::format("{}: {:.3g} mm wide at the tip", way.name, way.tip_width_mm);
+      if (ImGui::Selectable(text.c_str(), way.name == now.name)) run(context, "import.tool-axis", {way.name});
+    }
+    ImGui::EndCombo();
+  }
+  auto cut = static_cast<float>(plan.cutBelow());
+  ImGui::SetNextItemWidth(-1);
+  if (ImGui::SliderFloat("##cut", &cut, static_cast<float>(ToolPlan::kLeastCut), 20, "cuts up to %.1f mm from its tip",
+                         ImGuiSliderFlags_AlwaysClamp))
+    run(context, "import.tool-cut", {fmt::format("{:.1f}", cut)});
+}
 
 void drawFiles(AppContext& context, const ImportSet& set) {
   heading("Files");
@@ -391,9 +430,11 @@ void drawImportPanel(AppContext& context, ImportPanelState& state) {
   ImGui::PushID(static_cast<int>(set->chosen()));
   if (ImportPlan* const plan = set->scan()) {
     drawFindings(plan->findings());
+    if (!set->isSeveral()) drawRole(context, chosen);
     drawUnits(context, *plan);
+    if (ToolPlan* const tool = set->tool()) drawTool(context, *tool);
     drawClosing(context, *plan);
-    drawVoxel(*plan, plan->choice().voxel_mm > 0);
+    if (!set->tool()) drawVoxel(*plan, plan->choice().voxel_mm > 0);
   } else if (LabelPlan* const labels = set->labels()) {
     drawFindings(labels->findings());
     drawLabels(context, *labels);
@@ -407,7 +448,8 @@ void drawImportPanel(AppContext& context, ImportPanelState& state) {
   ImGui::EndChild();
 
   const float width = ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x;
-  if (strongButton("Prepare and cut", "Enter", 0.64f * width)) run(context, "import.start");
+  const char* const go = set->cut() ? "Prepare and cut" : set->tool() ? "Make the tool" : "Prepare";
+  if (strongButton(go, "Enter", 0.64f * width)) run(context, "import.start");
   ImGui::SameLine();
   if (plainButton("Cancel", "Esc", -1)) run(context, "import.cancel");
   ImGui::End();
@@ -435,6 +477,17 @@ void drawImportGuides(const AppContext& context, double pixels) {
     drawWords(list, lowest, fmt::format("{:.1f} mm", box.size()[axis]));
   }
 
+  if (const ToolPlan* const tool = set->tool()) {
+    const ToolWay& way = tool->way();
+    const double length = 0.5 * box.size().norm();
+    const auto radius = static_cast<float>(scaled(4));
+    list.AddLine(at(way.tip), at(way.tip + length * way.axis), colours.guide, 2);
+    list.AddCircleFilled(at(way.tip), radius, colours.guide, 16);
+    list.AddCircle(at(way.tip + tool->cutBelow() * way.axis), radius, colours.guide, 16, 2);
+    const ImVec2 tip = at(way.tip);
+    drawWords(list, {tip.x, tip.y + scaled(14)}, "tip");
+    return;
+  }
   const ClosedPreview* const preview = set->preview();
   if (!preview) return;
   if (preview->occlusal_plane)

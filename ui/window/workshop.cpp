@@ -268,7 +268,7 @@ class Workshop {
     }
     if (set && import_view_->takeFitWanted()) {
       viewScan(context_, pixels());
-      setTitle("Import " + set->cut().file.filename().string());
+      setTitle("Import " + set->entries().front().file.filename().string());
     }
   }
 

@@ -1,0 +1,233 @@
+// A mesh that was dropped becomes a tool: the guess that is shown, the files, the rack, a hole.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "geometry/formats/mesh_writer.h"
+#include "geometry/tool/tool_file.h"
+#include "tests/support/open_block.h"
+#include "tests/support/temporary_folder.h"
+#include "ui/app/app_commands.h"
+#include "ui/app/app_script.h"
+#include "ui/app/import_commands.h"
+#include "ui/app/tool_plan.h"
+
+namespace kerf {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A body of revolution with 16 sides about a line through `tip`: heights and radii from the tip on.
+Mesh turned(const std::vector<std::array<double, 2>>& profile, const Vec3d& tip, const Vec3d& axis) {
+  constexpr std::uint32_t kSides = 16;
+  const Eigen::Quaterniond stand = Eigen::Quaterniond::FromTwoVectors(Vec3d::UnitZ(), axis);
+  Mesh out;
+  const auto add = [&](const Vec3d& p) { out.vertices.push_back(tip + stand * p); };
+  for (const auto& [height, radius] : profile)
+    for (std::uint32_t k = 0; k < kSides; ++k) {
+      const double angle = 2 * std::numbers::pi * k / kSides;
+      add({radius * std::cos(angle), radius * std::sin(angle), height});
+    }
+  add({0, 0, profile.front()[0]});
+  add({0, 0, profile.back()[0]});
+  const auto rings = static_cast<std::uint32_t>(profile.size());
+  const std::uint32_t low = rings * kSides, high = low + 1;
+  for (std::uint32_t k = 0; k < kSides; ++k) {
+    const std::uint32_t next = (k + 1) % kSides;
+    out.triangles.push_back({low, next, k});
+    for (std::uint32_t r = 0; r + 1 < rings; ++r) {
+      const std::uint32_t a = r * kSides + k, b = r * kSides + next;
+      out.triangles.push_back({a, b, b + kSides});
+      out.triangles.push_back({a, b + kSides, a + kSides});
+    }
+    out.triangles.push_back({high, (rings - 1) * kSides + k, (rings - 1) * kSides + next});
+  }
+  return out;
+}
+
+// A bur of 1.4 mm in a thick handle, its tip at (3, -2, 5), its shank towards -y.
+constexpr double kBurLength = 3.2;
+Mesh handpiece() {
+  return turned({{0, 0.7}, {kBurLength, 0.7}, {kBurLength + 0.5, 5}, {30, 6}}, {3, -2, 5}, -Vec3d::UnitY());
+}
+
+class ImportToolTest : public testing::Test {
+ protected:
+  WorkbenchOptions options() const {
+    WorkbenchOptions out;
+    out.data_folder = folder_.path() / "data";
+    out.tools = {"round-014"};
+    out.real_time = {.priority = 0, .lock_memory = false};
+    return out;
+  }
+  ~ImportToolTest() override {
+    while (bench_.job()) bench_.update();
+    bench_.close();
+    while (bench_.job()) bench_.update();
+  }
+  Expected<void> play(const std::string& script) {
+    return runScript(context_, folder_.write("script.ks", script), [&] { bench_.update(); });
+  }
+  void mustPlay(const std::string& script) {
+    const auto played = play(script);
+    ASSERT_TRUE(played) << played.error().message();
+  }
+  std::string written(const std::string& name, const Mesh& mesh) const {
+    const fs::path file = folder_.path() / name;
+    EXPECT_TRUE(writeMesh(file, mesh));
+    return "\"" + file.string() + "\"";
+  }
+  std::string said() const {
+    std::string out;
+    for (const Notice& notice : bench_.notices()) out += notice.text + "\n";
+    return out;
+  }
+  fs::path toolFolder() const { return folder_.path() / "data" / "tools"; }
+
+  TemporaryFolder folder_;
+  Workbench bench_{options()};
+  Camera camera_ = *cameraFromView("top");
+  AppContext context_{.bench = bench_, .camera = camera_, .width = 400, .height = 300};
+};
+
+TEST_F(ImportToolTest, TheThinnestEndIsTakenForTheTip) {
+  const std::vector<ToolWay> ways = toolWays(handpiece());
+  ASSERT_EQ(ways.size(), 8u);
+  EXPECT_EQ(ways[0].name, "-y") << "an axis of the file goes before the length, which is the same way";
+  EXPECT_NEAR((ways[0].tip - Vec3d(3, -2, 5)).norm(), 0, 1e-6);
+  EXPECT_NEAR(ways[0].tip_width_mm, 1.4, 0.02);
+  EXPECT_NEAR(ways[0].cut_below_mm, kBurLength, 0.26) << "no farther than the head";
+  EXPECT_GT(ways[2].tip_width_mm, 5);
+}
+
+TEST_F(ImportToolTest, ItIsWrittenIsInHandAndDrills) {
+  const std::string scan = written("scan.ply", test::blockMesh(false));
+  mustPlay("file.open " + scan + "\nwait\nview.fit\n");
+  const std::uint64_t before = bench_.generation();
+  mustPlay("import.read " + written("My Bur (2).obj", handpiece()) + "\nwait\nimport.role 1 tool\n");
+  const ImportSet* const set = bench_.importSet();
+  ASSERT_TRUE(set && set->tool());
+  EXPECT_FALSE(set->tool()->isDoubtful());
+  const auto state = nlohmann::json::parse(importState(*set));
+  EXPECT_EQ(state["tool"]["way"], "-y");
+  EXPECT_EQ(state["files"][0]["role"], "tool");
+
+  mustPlay("import.tool-cut 3\nimport.start\nwait\nwait 0.2\n");
+  EXPECT_FALSE(bench_.isImporting());
+  ASSERT_TRUE(bench_.isOpen());
+  EXPECT_GT(bench_.generation(), before) << "the session goes on with it";
+  EXPECT_EQ(bench_.tool(bench_.toolInHand()).id, "my-bur-2") << said();
+  const auto tool = readTool(toolFolder() / "my-bur-2.toml");
+  ASSERT_TRUE(tool) << tool.error().message();
+  EXPECT_EQ(tool->name, "My Bur (2)");
+  EXPECT_EQ(tool->cut_below_mm, 3);
+  EXPECT_NEAR(bounds(*tool->mesh).min[2], 0, 1e-4);
+  EXPECT_NEAR(bounds(*tool->mesh).max[2], 30, 1e-3);
+  EXPECT_NE(contentOf(toolFolder() / "my-bur-2.toml").find("read as mm"), std::string::npos);
+
+  mustPlay("cut.force 3\ncut.depth 0.5\ncut.press 200 150\nwait 4\ncut.release\nwait 0.2\n");
+  EXPECT_GT(bench_.removedMm3(), 0.05);
+}
+
+TEST_F(ImportToolTest, WithNothingOpenItWaitsInTheRackAndIsThereTheNextTime) {
+  const std::string file = written("bur.stl", handpiece());
+  mustPlay("import.read " + file + "\nwait\nimport.role 1 tool\nimport.start\nwait\n");
+  EXPECT_FALSE(bench_.isOpen());
+  EXPECT_FALSE(bench_.isImporting());
+  EXPECT_NE(said().find("bur is in the rack"), std::string::npos) << said();
+  // The same once more: another name, and no file is written over.
+  mustPlay("import.read " + file + "\nwait\nimport.role 1 tool\nimport.start\nwait\n");
+  EXPECT_TRUE(fs::exists(toolFolder() / "bur.toml") && fs::exists(toolFolder() / "bur-2.toml"));
+  mustPlay("file.open " + written("scan.ply", test::blockMesh(false)) + "\nwait\ntool.select bur\n");
+
+  WorkbenchOptions later = options();
+  later.tools.clear();  // the whole rack
+  Workbench again(later);
+  Camera camera;
+  AppContext context{.bench = again, .camera = camera};
+  const auto opened = runScript(context,
+                                folder_.write("again.ks", "file.open \"" + (folder_.path() / "scan.ply").string() +
+                                                              "\"\nwait\ntool.select bur\n"),
+                                [&] { again.update(); });
+  EXPECT_TRUE(opened) << opened.error().message();
+  again.close();
+  while (again.job()) again.update();
+}
+
+TEST_F(ImportToolTest, UnitAndAxisAreThoseThatWereChosen) {
+  Mesh inches = handpiece();
+  for (Vec3d& p : inches.vertices) p /= 25.4;
+  mustPlay("import.read " + written("bur.ply", inches) + "\nwait\nimport.role 1 tool\nimport.unit inch\n");
+  const ImportSet* const set = bench_.importSet();
+  EXPECT_NEAR(set->tool()->way().tip_width_mm, 1.4, 0.02) << "of the unit that is chosen";
+  mustPlay("import.unit mm\n");
+  EXPECT_LT(set->tool()->way().tip_width_mm, 0.5);
+  mustPlay("import.unit inch\nimport.tool-axis +y\n");
+  EXPECT_EQ(set->tool()->way().name, "+y");
+  EXPECT_FALSE(play("import.tool-axis up\n"));
+  EXPECT_FALSE(play("import.tool-cut 90\n"));
+
+  mustPlay("import.tool-cut 2\nimport.start\nwait\n");
+  const auto tool = readTool(toolFolder() / "bur.toml");
+  ASSERT_TRUE(tool) << tool.error().message();
+  EXPECT_NEAR(bounds(*tool->mesh).max[2], 30, 1e-3);
+  // By its thick end.
+  EXPECT_NEAR(bounds(*tool->mesh).max[0], 6, 0.1);
+  EXPECT_GT(tool->cut->bounds().size()[0], 11);
+}
+
+TEST_F(ImportToolTest, AnEndThatIsHardlyThinnerIsDoubted) {
+  // A rod: both ends may be the tip.
+  mustPlay("import.read " + written("rod.ply", turned({{0, 0.8}, {19, 0.8}}, Vec3d::Zero(), Vec3d::UnitX())) +
+           "\nwait\nimport.role 1 tool\n");
+  const ToolPlan& plan = *bench_.importSet()->tool();
+  EXPECT_TRUE(plan.isDoubtful());
+  ASSERT_EQ(plan.findings().size(), 1u);
+  EXPECT_EQ(plan.findings()[0].weight, Finding::Weight::kDoubtful);
+  mustPlay("import.tool-axis +x\n");
+  EXPECT_FALSE(plan.isDoubtful()) << "somebody has looked";
+}
+
+TEST_F(ImportToolTest, AnOpenMeshIsClosedFirst) {
+  Mesh open = handpiece();
+  // A hole of two triangles in the handle.
+  open.triangles.erase(open.triangles.end() - 4, open.triangles.end() - 2);
+  mustPlay("import.read " + written("bur.ply", open) + "\nwait\nimport.role 1 tool\nimport.start\nwait\n");
+  EXPECT_TRUE(readTool(toolFolder() / "bur.toml")) << said();
+}
+
+TEST_F(ImportToolTest, OfSeveralOneIsAToolAndTheOthersAreOpened) {
+  Mesh beside = test::blockMesh(false);
+  for (Vec3d& p : beside.vertices) p[0] += 6.3;
+  mustPlay("import.read " + written("bur.ply", handpiece()) + " " + written("36.ply", test::blockMesh(false)) + " " +
+           written("35.ply", beside) + "\nwait\nimport.role 1 tool\n");
+  ASSERT_TRUE(bench_.importSet()->cut());
+  EXPECT_EQ(bench_.importSet()->cut()->file.stem(), "36") << "it takes the place of the first";
+  mustPlay("import.start\nwait\ntool.select bur\n");
+  EXPECT_EQ(bench_.name(), "36");
+  EXPECT_EQ(bench_.neighbours().size(), 1u);
+}
+
+TEST_F(ImportToolTest, AScanThatIsDroppedMayStandBesideWhatIsOpen) {
+  mustPlay("file.open " + written("36.ply", test::blockMesh(false)) + "\nwait\n");
+  Mesh beside = test::blockMesh(false);
+  for (Vec3d& p : beside.vertices) p[0] += 6.3;
+  mustPlay("import.read " + written("35.ply", beside) + "\nwait\nimport.role 1 beside\nimport.start\nwait\n");
+  EXPECT_EQ(bench_.name(), "36");
+  ASSERT_EQ(bench_.neighbours().size(), 1u) << said();
+  EXPECT_EQ(bench_.neighbours()[0].name, "35");
+}
+
+TEST_F(ImportToolTest, WithNothingOpenSomethingIsCut) {
+  mustPlay("import.read " + written("36.ply", test::blockMesh(false)) + "\nwait\n");
+  const auto refused = play("import.role 1 beside\n");
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message().find("nothing that would be cut"), std::string::npos);
+  mustPlay("import.role 1 tool\nimport.role 1 cut\nimport.start\nwait\n");
+  EXPECT_TRUE(bench_.isOpen());
+}
+
+}  // namespace
+}  // namespace kerf
