@@ -159,10 +159,34 @@ Expected<Export> exportRun(const fs::path& folder, const PostOpOptions& options,
   return out;
 }
 
+// A mesher also knows bricks that undo brought back, a run's file does not, and each has an order of its own. Without
+// the former, and in one order, a session exports what its run does, to the bit: the corners that a boolean makes are
+// rounded, and differ in their last digit by the order of its triangles.
+BrickField withoutRestored(const BrickField& known, const BrickField& phi0) {
+  const auto isRestored = [&](std::size_t b) {
+    const BrickValues& now = known.brick(b);
+    if (const BrickValues* const loaded = phi0.valuesAt(known.brickCoord(b))) return now == *loaded;
+    const float constant = phi0.constantAt(known.brickCoord(b));
+    return std::all_of(now.begin(), now.end(), [constant](float value) { return value == constant; });
+  };
+  std::vector<std::size_t> changed;
+  for (std::size_t b = 0; b < known.brickCount(); ++b)
+    if (!isRestored(b)) changed.push_back(b);
+  std::sort(changed.begin(), changed.end(), [&](std::size_t a, std::size_t b) {
+    return coordKey(known.brickCoord(a)) < coordKey(known.brickCoord(b));
+  });
+
+  BrickField out(known.voxel(), known.background(), known.interior());
+  out.reserve(changed.size());
+  for (const std::size_t b : changed) out.add(known.brickCoord(b), known.brick(b));
+  return out;
+}
+
 }  // namespace
 
-Expected<PostOpMesh> postOperativeMeshOf(const Mesh& solid, const BrickField& phi0, const BrickField& changed,
+Expected<PostOpMesh> postOperativeMeshOf(const Mesh& solid, const BrickField& phi0, const BrickField& known,
                                          const PostOpOptions& options, const Progress& progress) {
+  const BrickField changed = withoutRestored(known, phi0);
   BrickField removed = removedFieldFromCut(phi0, changed);
   if (!liesDeeper(changed, phi0)) return postOperativeMesh(solid, removed, options, progress);
 

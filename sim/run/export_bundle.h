@@ -27,7 +27,8 @@ struct Export {
 };
 
 /// The solid of a case with what was removed taken away and, if there is such, what was added united with it.
-/// @param changed  the cut field phi in the bricks where it differs from phi0, on the same grid.
+/// @param changed  the cut field phi in the bricks where it differs from phi0, on the same grid. A brick that is as it
+/// was loaded counts for nothing.
 Expected<PostOpMesh> postOperativeMeshOf(const Mesh& solid, const BrickField& phi0, const BrickField& changed,
                                          const PostOpOptions& options = {}, const Progress& progress = {});
 
