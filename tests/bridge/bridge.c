@@ -118,8 +118,8 @@ int main(int argc, char** argv) {
     const struct timespec pause = {0, 1000000};
     nanosleep(&pause, NULL);
   }
-  printf("{\"force_frames\": %d, \"most_force_N\": %.4f, \"stops\": %d, \"z_mm\": %.4f}\n", frames, most, stops,
-         1000 * device.z);
+  printf("{\"force_frames\": %d, \"most_force_N\": %.4f, \"stops\": %d, \"enabled\": %d, \"z_mm\": %.4f}\n", frames,
+         most, stops, enabled, 1000 * device.z);
   close(link);
   return 0;
 }

@@ -76,7 +76,8 @@ def main():
             pass  # Kerf is not there yet, or no more
         due += 0.001
         time.sleep(max(0.0, due - time.monotonic()))
-    print(json.dumps({"force_frames": frames, "most_force_N": most, "stops": stops, "z_mm": 1000 * device.z}))
+    print(json.dumps({"force_frames": frames, "most_force_N": most, "stops": stops, "enabled": int(enabled),
+                      "z_mm": 1000 * device.z}))
 
 
 main()
