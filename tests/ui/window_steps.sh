@@ -6,7 +6,7 @@ for program in xvfb-run xdotool; do
   command -v $program >/dev/null || { printf '%s: %s is missing (Debian: xvfb, xdotool)\n' "$(basename "$0")" $program; exit 77; }
 done
 if [[ -z ${IN_XVFB:-} ]]; then
-  IN_XVFB=yes exec xvfb-run -a -s "-screen 0 ${size:-800x600}x24" "$0" "$@"
+  IN_XVFB=yes exec xvfb-run -a -s "-screen 0 ${size:-800x600}x24 -noreset" "$0" "$@"
 fi
 
 folder=$(mktemp -d)
