@@ -99,6 +99,16 @@ Expected<void> requireSpelling(const fs::path& path, int line, const std::string
   return {};
 }
 
+// MetaIO copies words into 255 bytes, and ends the program where they are more. Numbers it keeps as numbers.
+Expected<void> requireShortWords(const fs::path& path, int line, const std::string& key, const std::string& value) {
+  constexpr std::size_t kMostOfMetaIo = 254;
+  const bool is_numbers = value.find_first_not_of("0123456789+-.eE \t") == std::string::npos;
+  const std::size_t longest = is_numbers ? key.size() : std::max(key.size(), value.size());
+  if (longest <= kMostOfMetaIo) return {};
+  return bad(path, fmt::format("line {}", line), fmt::format("a word of {} bytes", longest),
+             fmt::format("at most {}", kMostOfMetaIo));
+}
+
 // Lines `key SEPARATOR value` up to an empty line (NRRD) or through the line with the key `last` (MetaImage).
 Expected<TextHeader> readTextHeader(const fs::path& path, char separator, const std::string& last) {
   std::ifstream in(path, std::ios::binary);
@@ -124,8 +134,12 @@ Expected<TextHeader> readTextHeader(const fs::path& path, char separator, const 
 
     const std::string word = trimmed(line.substr(0, at));
     const std::string key = separator == ':' ? lower(word) : word;
-    if (separator == '=') KERF_CHECK(requireSpelling(path, number, key));
-    if (!h.field.emplace(key, trimmed(line.substr(at + 1))).second)
+    const std::string value = trimmed(line.substr(at + 1));
+    if (separator == '=') {
+      KERF_CHECK(requireSpelling(path, number, key));
+      KERF_CHECK(requireShortWords(path, number, key, value));
+    }
+    if (!h.field.emplace(key, value).second)
       return bad(path, fmt::format("line {}", number), fmt::format("key '{}' a second time", key), "it once");
     if (key == last) return h;
   }

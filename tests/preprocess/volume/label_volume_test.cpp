@@ -789,6 +789,16 @@ TEST(LabelVolume, MetaImageInTextIsReadWholeOrRefused) {
 }
 
 // ITK passes over keys in other letters: it would take 1 mm for the spacing, and what is compressed for labels.
+// Found by fuzzing: MetaIO copied the name of a type of 300 bytes into 255, and ended the program.
+TEST(LabelVolume, WordsOfMetaImageThatItsReaderHasNoRoomForAreRefused) {
+  const std::string spacing = "ElementSpacing = 1 1 1\n", many(255, 'x');
+  for (const char* key : {"ObjectSubType", "Comment", "Name", "AcquisitionDate", "Sender"})
+    expectRefusal(readBytes("a.mha", metaImage(spacing + key + " = " + many + "\n", countingLabels())),
+                  "a word of 255 bytes; expected at most 254");
+  expectRefusal(readBytes("a.mha", metaImage(spacing + many + " = 1\n", countingLabels())), "a word of 255 bytes");
+  expectCounting(readBytes("a.mha", metaImage(spacing + "Comment = " + many.substr(1) + "\n", countingLabels())));
+}
+
 TEST(LabelVolume, KeysOfMetaImageInOtherLettersAreRefusedByName) {
   expectRefusal(readBytes("a.mha", metaImage("elementspacing = 0.5 0.5 0.5\n", countingLabels())),
                 "line 4: key 'elementspacing'; expected 'ElementSpacing'");
