@@ -97,7 +97,7 @@ constexpr AppCommand kCommands[] = {
      isImporting, importRole},
     {"import.tool-axis", "", "", "", "WAY",
      "Says which way a mesh that becomes a tool is held, from its tip to its shank: +x, -x, +y, -y, +z, -z, length, "
-     "-length, or auto: its thinnest end is the tip.",
+     "-length, thin-end, or auto: its thinnest end is the tip.",
      isImportingTool, importToolAxis},
     {"import.tool-cut", "", "", "", "MM", "Says how far above its tip it cuts, 0.1 to 50 mm.", isImportingTool,
      importToolCut},

@@ -74,7 +74,7 @@ Expected<void> importRole(AppContext& c, AppWords words) {
 }
 
 Expected<void> importToolAxis(AppContext& c, AppWords words) {
-  if (wordOf(words, 0).empty()) return notAWord("", "+x, -x, +y, -y, +z, -z, length, -length or auto");
+  if (wordOf(words, 0).empty()) return notAWord("", "+x, -x, +y, -y, +z, -z, length, -length, thin-end or auto");
   return c.bench.importSet()->tool()->setWay(words[0]);
 }
 

@@ -122,6 +122,54 @@ void measure(const Mesh& mesh, ToolWay& way) {
   }
 }
 
+// The way from a thin end that points in no direction of the file, as the bur of a contra-angle: of the points that
+// stick out to some side the one with the thinnest surroundings, and from it to their middle. None: nothing sticks out.
+std::optional<Vec3d> fromThinEnd(const Mesh& mesh) {
+  constexpr std::size_t kMostPoints = 20000, kSides = 200, kFewest = 4;
+  constexpr double kPoint = 0.4, kNear = 2.5;  // mm
+  const std::size_t step = mesh.vertices.size() / kMostPoints + 1;
+  std::vector<Vec3d> points;
+  for (std::size_t v = 0; v < mesh.vertices.size(); v += step) points.push_back(mesh.vertices[v]);
+
+  std::optional<Vec3d> best;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t n = 0; n < kSides; ++n) {
+    // Evenly over a sphere, along a spiral.
+    const double height = 1 - (2 * static_cast<double>(n) + 1) / kSides, turn = 2.399963 * static_cast<double>(n);
+    const double across = std::sqrt(1 - height * height);
+    const Vec3d side(across * std::cos(turn), across * std::sin(turn), height);
+    const Vec3d farthest = *std::max_element(points.begin(), points.end(),
+                                             [&](const Vec3d& a, const Vec3d& b) { return side.dot(a) < side.dot(b); });
+    // The middle of a blunt point.
+    Vec3d tip = Vec3d::Zero();
+    double at_tip = 0;
+    for (const Vec3d& p : points)
+      if ((p - farthest).squaredNorm() < kPoint * kPoint) {
+        tip += p;
+        ++at_tip;
+      }
+    tip /= at_tip;
+
+    Vec3d sum = Vec3d::Zero();
+    std::size_t count = 0;
+    const auto isNear = [&](const Vec3d& p) { return (p - tip).squaredNorm() < kNear * kNear; };
+    for (const Vec3d& p : points)
+      if (isNear(p)) {
+        sum += p - tip;
+        ++count;
+      }
+    if (count < kFewest || !(sum.norm() > 1e-6)) continue;
+    const Vec3d axis = sum.normalized();
+    double radius = 0;
+    for (const Vec3d& p : points)
+      if (isNear(p)) radius = std::max(radius, (p - tip - axis.dot(p - tip) * axis).norm());
+    if (radius >= least) continue;
+    least = radius;
+    best = axis;
+  }
+  return best;
+}
+
 Mesh scaled(const Mesh& mesh, double scale) {
   Mesh out = mesh;
   for (Vec3d& p : out.vertices) p = roundedToFloat(Vec3d(scale * p));
@@ -174,6 +222,11 @@ std::vector<ToolWay> toolWays(const Mesh& mesh_mm) {
   std::vector<ToolWay> out;
   for (const auto& [name, axis] : kWays) {
     ToolWay way{.name = name, .axis = axis};
+    measure(mesh_mm, way);
+    out.push_back(way);
+  }
+  if (const auto axis = fromThinEnd(mesh_mm)) {
+    ToolWay way{.name = "thin-end", .axis = *axis};
     measure(mesh_mm, way);
     out.push_back(way);
   }

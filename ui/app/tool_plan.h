@@ -20,7 +20,8 @@ namespace kerf {
 
 /// How a mesh may be held.
 struct ToolWay {
-  std::string name;             ///< "+z", "length", "-length": along the longest way through it, or against that
+  /// "+z"; "length", "-length": along the longest way through it, or against that; "thin-end".
+  std::string name;
   Vec3d axis = Vec3d::UnitZ();  ///< from the tip to the shank, unit
   Vec3d tip = Vec3d::Zero();    ///< mm, in the middle of what is near its end
   double tip_width_mm = 0;      ///< across, of what is within kTipLength of the end
@@ -28,8 +29,9 @@ struct ToolWay {
   static constexpr double kTipLength = 2;  ///< mm
 };
 
-/// Six along the axes of the file, two along its length; the thinnest tip first.
-/// @param mesh_mm  at least one triangle.   @cost  0.3 us a triangle.
+/// Six along the axes of the file, two along its length, and "thin-end", from the thinnest end that sticks out to any
+/// side, if one does; the thinnest tip first.
+/// @param mesh_mm  at least one triangle.
 std::vector<ToolWay> toolWays(const Mesh& mesh_mm);
 
 class ToolPlan {
