@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <malloc.h>
+#include <unistd.h>
+
 #include <cctype>
 #include <chrono>
 #include <cstdio>
@@ -91,6 +94,26 @@ nlohmann::json loopState(const Workbench& bench) {
   return out;
 }
 
+// What the program holds, MB: all of it that is in memory, of that what was asked for and is in use, and what was given
+// back and kept for later. Of the session: memory for bricks that change, its log on disk.
+nlohmann::json memoryState(const Workbench& bench) {
+  constexpr double kMb = 1e6;
+  nlohmann::json out;
+  std::ifstream statm("/proc/self/statm");
+  if (double all = 0, resident = 0; statm >> all >> resident)
+    out["resident_MB"] = resident * static_cast<double>(::sysconf(_SC_PAGESIZE)) / kMb;
+  const struct mallinfo2 heap = ::mallinfo2();
+  out["heap_in_use_MB"] = static_cast<double>(heap.uordblks + heap.hblkhd) / kMb;
+  out["heap_kept_MB"] = static_cast<double>(heap.fordblks) / kMb;
+  if (!bench.isOpen()) return out;
+
+  out["brick_pools"] = bench.report().counts.pools_taken;
+  std::error_code failed;
+  const auto log = fs::file_size(bench.sessionFolder() / "session.kerflog", failed);
+  if (!failed) out["log_MB"] = static_cast<double>(log) / kMb;
+  return out;
+}
+
 void printState(const AppContext& c) {
   nlohmann::json j{{"open", c.bench.isOpen()},
                    {"name", c.bench.name()},
@@ -133,6 +156,7 @@ void printState(const AppContext& c) {
     j["near_mm"] = near->distance_mm;
   }
   if (c.bench.isOpen()) j["loop"] = loopState(c.bench);
+  j["memory"] = memoryState(c.bench);
   for (const SceneObject* object : c.bench.scene().shown())
     if (!object->isBeside())
       j["piece_list"].push_back({{"name", object->name},

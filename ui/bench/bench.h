@@ -51,6 +51,7 @@ enum class SceneId {
   kDevices,
   kWindow,
   kWindowSession,
+  kWindowMemory,
   kCount
 };
 
@@ -73,7 +74,7 @@ struct Bench {
   Progress progress;
   std::string mesh{};         ///< of the user, for bake and export; empty: the demo molar
   std::string case_folder{};  ///< of the user, for open; empty: the demo mandible
-  double seconds = 20;        ///< length of realtime
+  double seconds = 20;        ///< length of realtime, window-session and window-memory
 };
 
 /// What a scene gives back. Goals are not its business: they are in the table, by the names of the numbers.
@@ -166,5 +167,6 @@ Expected<Result> benchEdges(const Bench& bench);
 // A frame of the window, as kerf-sim times it: window.cpp.
 Expected<Result> benchWindow(const Bench& bench);
 Expected<Result> benchWindowSession(const Bench& bench);
+Expected<Result> benchWindowMemory(const Bench& bench);
 
 }  // namespace kerf::cli

@@ -80,6 +80,10 @@ void addBench(CLI::App& app, int& exit_code) {
   c->add_option("--mesh", a->mesh, "mesh for bake and export (default: the demo molar)");
   c->add_option("--case", a->case_folder, "case for open (default: the demo mandible at 0.1 mm)");
   c->add_option("--seconds", a->seconds, "length of realtime")->check(CLI::Range(1.0, 3600.0))->capture_default_str();
+  c->add_option_function<double>(
+       "--minutes", [a](double minutes) { a->seconds = 60 * minutes; }, "the same in minutes, of window-memory")
+      ->check(CLI::Range(0.1, 600.0))
+      ->excludes("--seconds");
   c->add_flag("--no-goals", a->no_goals, "print the numbers and judge none of them");
   c->add_option("--limit", a->limits, "GOAL=NUMBER: judge SCENE by a limit of your own")->allow_extra_args(false);
   c->add_flag("--list", a->list, "print the scenes and their goals, and run none");

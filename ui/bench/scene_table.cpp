@@ -75,6 +75,9 @@ constexpr Scene kScenes[] = {
     {SceneId::kWindowSession, "window-session",
      "a scan opened, drilled and exported by kerf-sim, its frames on the clock; only when asked for by name",
      benchWindowSession, kWindowSessionGoals, Scene::When::kOnlyByName},
+    {SceneId::kWindowMemory, "window-memory",
+     "memory of kerf-sim over many strokes, by what grows; --minutes says how long; only when asked for by name",
+     benchWindowMemory, kWindowMemoryGoals, Scene::When::kOnlyByName},
 };
 
 #ifndef __SANITIZE_ADDRESS__  // GCC 12 then takes no address of a function for a constant

@@ -2,12 +2,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include "geometry/formats/mesh_writer.h"
 #include "preprocess/demo/demo_molar.h"
@@ -113,6 +118,84 @@ Expected<Result> benchWindowSession(const Bench& bench) {
   result.add("carve to picture, p95", watched(text, "", "carve_to_picture_frames_p95"), "frames");
   result.add("haptic loop, mean", watched(text, "", "haptic_hz"), "Hz");
   result.add("overruns", watched(text, "", "overruns"));
+  return result;
+}
+
+namespace {
+
+// Many strokes of three burs all over a tooth, ever deeper so that there is always something to cut; after every tenth
+// two are taken back and one is done again. Each says how much memory there is.
+// @return  how many strokes.
+int writeLongSession(std::ostream& script, double seconds) {
+  constexpr double kStroke = 6.4;  // s
+  constexpr const char* kBurs[] = {"round-014", "round-010", "856-016"};
+  const int strokes = std::max(2, static_cast<int>(seconds / kStroke));
+  const double turn = std::numbers::pi * (3 - std::sqrt(5.0));
+  for (int n = 0; n < strokes; ++n) {
+    const double share = static_cast<double>(n) / strokes, away = std::sqrt(std::fmod(7 * share, 1.0));
+    const double x = 640 + 130 * away * std::cos(n * turn), y = 360 + 110 * away * std::sin(n * turn);
+    script << fmt::format("tool.select {}\ncut.depth {:.2f}\ncut.press {:.0f} {:.0f}\nwait 2\n", kBurs[n % 3],
+                          0.3 + 2.5 * share, x, y);
+    for (int way = 1; way <= 4; ++way)
+      script << fmt::format("cut.drag {:.0f} {:.0f}\nwait 1\n", x + 12 * way * std::cos(n), y + 12 * way * std::sin(n));
+    script << "cut.release\nwait 0.4\n";
+    if (n % 10 == 9) script << "edit.undo\nwait 0.3\nedit.undo\nwait 0.3\nedit.redo\nwait 0.3\n";
+    script << "print\n";
+  }
+  return strokes;
+}
+
+// What `print` says of memory, in order. Lines of others are left out.
+std::vector<nlohmann::json> memoryIn(const std::string& text) {
+  std::vector<nlohmann::json> out;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    const nlohmann::json state = nlohmann::json::parse(line, nullptr, false);
+    if (state.is_object() && state.contains("memory")) out.push_back(state["memory"]);
+  }
+  return out;
+}
+
+}  // namespace
+
+// A tooth is drilled for long, without pictures: what of the memory grows.
+Expected<Result> benchWindowMemory(const Bench& bench) {
+  const std::filesystem::path folder = bench.scratch.path();
+  KERF_CHECK(writeMesh(folder / "scan.ply", demoMolar(0.2)));
+  std::ofstream script(folder / "long.kerf");
+  script << fmt::format("file.open \"{}/scan.ply\"\nwait\nview.top\nview.fit\ncut.force 2\nprint\n", folder.string());
+  const int strokes = writeLongSession(script, bench.seconds);
+  script.close();
+
+  KERF_TRY(output,
+           runWindowProgram(fmt::format("--script '{0}/long.kerf' --size 1280x720 --voxel 0.1 --data '{0}/data' "
+                                        "--config '{0}/config'",
+                                        folder.string())));
+  const std::vector<nlohmann::json> memory = memoryIn(output.text);
+  if (output.status != 0 || memory.size() != static_cast<std::size_t>(strokes) + 1)
+    return fail(noWindowProgram(output.text));
+
+  Result result(SceneId::kWindowMemory,
+                fmt::format("the demo molar as a scan at 0.1 mm, {} strokes of three burs in {:.1f} minutes, without "
+                            "pictures",
+                            strokes, bench.seconds / 60));
+  const auto at = [&](std::size_t n, const char* name) { return memory[n].value(name, 0.0); };
+  const std::size_t middle = memory.size() / 2, last = memory.size() - 1;
+  double most = 0;
+  for (std::size_t n = 0; n < memory.size(); ++n) most = std::max(most, at(n, "resident_MB"));
+  result.add("strokes", strokes);
+  result.add("in memory when opened", at(0, "resident_MB"), "MB");
+  result.add("in memory half way", at(middle, "resident_MB"), "MB");
+  result.add("in memory at the end", at(last, "resident_MB"), "MB");
+  result.add("in memory, most over what it was when opened", most - at(0, "resident_MB"), "MB");
+  constexpr std::array<std::array<const char*, 2>, 3> kPools = {
+      {{"heap_in_use_MB", "heap in use"}, {"heap_kept_MB", "heap kept for later"}, {"log_MB", "log on disk"}}};
+  for (const auto& [name, what] : kPools) {
+    result.add(fmt::format("{}, grown by half way", what), at(middle, name) - at(0, name), "MB");
+    result.add(fmt::format("{}, grown since then", what), at(last, name) - at(middle, name), "MB");
+  }
+  result.add("brick pools taken by half way", at(middle, "brick_pools"));
+  result.add("brick pools taken since then", at(last, "brick_pools") - at(middle, "brick_pools"));
   return result;
 }
 
