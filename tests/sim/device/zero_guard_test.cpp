@@ -60,10 +60,13 @@ TEST_F(GuardedFile, IsWrittenWhenItsProgramIsKilledAndNotBefore) {
   Doomed program([&]() -> std::function<void()> {
     auto guard = ZeroGuard::start(file_, reports_);
     if (!guard) return {};
+    std::ofstream(folder_.path() / "begun") << "";
     return [kept = std::make_shared<ZeroGuard>(std::move(*guard))] {};
   });
-  ASSERT_TRUE(until([&] { return guardOf(program.process()) != 0; }));
+  // Not before: until its start has returned it may be ended by a signal.
+  ASSERT_TRUE(until([&] { return fs::exists(folder_.path() / "begun"); }));
   const pid_t guard = guardOf(program.process());
+  ASSERT_NE(guard, 0);
   EXPECT_EQ(::getsid(guard), guard) << "a session of its own: Ctrl-C at a terminal does not reach it";
   for (const int signal : {SIGINT, SIGHUP, SIGTERM, SIGQUIT}) ::kill(guard, signal);
   EXPECT_EQ(contentOf(file_), Bytes());
