@@ -53,9 +53,14 @@ void initOnce() {
   (void)done;
 }
 
+// hidapi keeps the text of the last error of listing and of opening for the whole process: two threads that look for
+// devices at once would free it twice.
+std::mutex finding;
+
 }  // namespace
 
 std::vector<HidInfo> listHid() {
+  const std::lock_guard one(finding);
   initOnce();
   std::vector<HidInfo> out;
   hid_device_info* const first = hid_enumerate(0, 0);
@@ -102,7 +107,10 @@ HidPort& HidPort::operator=(HidPort&&) noexcept = default;
 HidPort::~HidPort() = default;
 
 Expected<HidPort> HidPort::open(const std::string& path) {
-  initOnce();
+  {
+    const std::lock_guard one(finding);
+    initOnce();
+  }
   // Asked for first: what opening says of it depends on the library.
   const bool is_there = ::access(path.c_str(), F_OK) == 0;
   if (is_there && ::access(path.c_str(), R_OK | W_OK) != 0)
@@ -114,6 +122,7 @@ Expected<HidPort> HidPort::open(const std::string& path) {
                          "device out and in"});
 
   auto handle = std::make_unique<Handle>();
+  const std::lock_guard one(finding);
   errno = 0;
   handle->reads = hid_open_path(path.c_str());
   if (handle->reads) handle->writes = hid_open_path(path.c_str());

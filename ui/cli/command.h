@@ -2,7 +2,10 @@
 // list of all is commands.h.
 #pragma once
 
+#include <signal.h>
+
 #include <CLI/CLI.hpp>
+#include <array>
 #include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
@@ -53,6 +56,7 @@ class TerminalProgress {
  private:
   bool is_terminal_, has_looked_up_ = false;
   double start_;
+  std::array<struct sigaction, 3> before_{};  // of each signal: whoever waits for it goes on waiting
   int last_percent_ = -1;
   std::string last_what_;
 };

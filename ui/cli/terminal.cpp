@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <csignal>
@@ -17,7 +18,7 @@ std::atomic<bool> is_asked{false};  // somebody has taken a callback
 static_assert(std::atomic<int>::is_always_lock_free && std::atomic<bool>::is_always_lock_free,
               "set from a signal handler");
 
-constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP};
+constexpr std::array kSignals = {SIGINT, SIGTERM, SIGHUP};
 
 // Work that is asked to stop looks up within a second, or is ended. Once it has looked up it has two more to clean up.
 // Ending it is safe at any time: what it began to write lies beside, never in the place of something else, and is swept
@@ -109,17 +110,24 @@ std::string counted(std::size_t count, const std::string& noun) {
 TerminalProgress::TerminalProgress() : is_terminal_(isatty(STDERR_FILENO) == 1), start_(seconds()) {
   // The first Ctrl-C, or polite end from outside, asks the work to stop and clean up; the second one, whichever of them
   // it is, kills.
-  for (const int signal : kSignals)
-    if (std::signal(signal, onSignal) == SIG_IGN) std::signal(signal, SIG_IGN);  // as under nohup
+  struct sigaction action {};
+  action.sa_handler = onSignal;
+  for (std::size_t n = 0; n < kSignals.size(); ++n) {
+    sigaction(kSignals[n], &action, &before_[n]);
+    if (before_[n].sa_handler == SIG_IGN) sigaction(kSignals[n], &before_[n], nullptr);  // as under nohup
+  }
   std::signal(SIGALRM, endAtOnce);
 }
 
 TerminalProgress::~TerminalProgress() {
   if (is_terminal_) std::fputs("\r\033[K", stderr);
   ::alarm(0);
-  for (const int signal : kSignals)
-    if (std::signal(signal, SIG_DFL) == SIG_IGN) std::signal(signal, SIG_IGN);
-  if (!is_asked && interrupted != 0) std::raise(interrupted);  // it was put off, not swallowed
+  bool is_awaited = !is_asked;  // or somebody around this work waits for a signal: Interruption
+  for (std::size_t n = 0; n < kSignals.size(); ++n) {
+    sigaction(kSignals[n], &before_[n], nullptr);
+    is_awaited |= kSignals[n] == interrupted && before_[n].sa_handler != SIG_DFL;
+  }
+  if (is_awaited && interrupted != 0) std::raise(interrupted);  // it was put off, not swallowed
 }
 
 Progress TerminalProgress::callback() {
