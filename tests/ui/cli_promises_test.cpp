@@ -246,13 +246,14 @@ TEST_F(CliPromises, ManyCopiesOfOneTriangleTakeLittleMemory) {
     const Outcome o = runKerf(words);
     EXPECT_EQ(o.exit_code, 1) << words[0];
     EXPECT_EQ(o.signal, 0) << words[0];
+    EXPECT_GT(o.most_memory_mb, 1) << "it is measured";
     EXPECT_LT(o.most_memory_mb, 400) << words[0];
   }
 }
 
-// 125 MB of a raw volume, of which a ball of 40 voxels is labelled: all of it at once would be twice that and more.
+// 216 MB of a raw volume, of which a ball of 40 voxels is labelled: all of it at once would be twice that and more.
 TEST_F(CliPromises, ASparseLabelVolumeTakesLessMemoryThanItsFile) {
-  constexpr int kSide = 500;
+  constexpr int kSide = 600;
   {
     std::ofstream out(in("sparse.nrrd"), std::ios::binary);
     out << fmt::format(
@@ -269,7 +270,8 @@ TEST_F(CliPromises, ASparseLabelVolumeTakesLessMemoryThanItsFile) {
   const Outcome o = runKerf({"info", at("sparse.nrrd"), "--json"});
   ASSERT_EQ(o.exit_code, 0) << o.err;
   EXPECT_EQ(json::parse(o.out)["labels"].size(), 2u);
-  EXPECT_LT(o.most_memory_mb, 125);
+  EXPECT_GT(o.most_memory_mb, 1) << "it is measured";
+  EXPECT_LT(o.most_memory_mb, 200);
 }
 
 // ITK takes 0.1 s and 50 MB. The dynamic linker tells what is loaded.

@@ -16,6 +16,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -28,7 +29,7 @@ struct Outcome {
   int exit_code = -1, signal = 0;  // signal 0: it ended by itself
   std::string out, err;
   double seconds = 0, seconds_after_signal = 0;
-  double processor_seconds = 0, most_memory_mb = 0;  // of the program, its children left out
+  double processor_seconds = 0, most_memory_mb = 0;  // of the program, without its children
 };
 
 struct RunOptions {
@@ -40,6 +41,15 @@ struct RunOptions {
   std::map<std::string, std::string> environment{};
   std::string input = "/dev/null";  // standard input
 };
+
+/// The most memory that a process has had since it is the program it is, MB; none: it has ended. What wait4() tells
+/// counts the process that was forked, too.
+inline std::optional<double> peakOf(pid_t process) {
+  std::ifstream status(fmt::format("/proc/{}/status", process));
+  for (std::string line; std::getline(status, line);)
+    if (line.starts_with("VmHWM:")) return std::stod(line.substr(6)) / 1024;
+  return {};
+}
 
 inline Outcome runKerf(const std::vector<std::string>& arguments, const RunOptions& options = {}) {
   TemporaryFolder capture;
@@ -87,6 +97,7 @@ inline Outcome runKerf(const std::vector<std::string>& arguments, const RunOptio
   bool signalled = false;
   auto signalled_at = start;
   while (::wait4(child, &status, WNOHANG, &used) == 0) {
+    outcome.most_memory_mb = peakOf(child).value_or(outcome.most_memory_mb);
     if (options.signal && !signalled && since(start) >= options.signal_after) {
       ::kill(child, options.signal);
       signalled = true;
@@ -106,7 +117,6 @@ inline Outcome runKerf(const std::vector<std::string>& arguments, const RunOptio
     return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
   };
   outcome.processor_seconds = seconds_of(used.ru_utime) + seconds_of(used.ru_stime);
-  outcome.most_memory_mb = static_cast<double>(used.ru_maxrss) / 1024;
   outcome.seconds_after_signal = signalled ? since(signalled_at) : 0;
   outcome.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   outcome.signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;

@@ -186,8 +186,9 @@ TEST_F(Cli, AToolMeshAcrossItsAxisIsDoubtedWhereverItIsUsed) {
 }
 
 // A pin of 120 000 triangles as a tool: whether it is convex is asked of few of its vertices. Each triangle against
-// each vertex took ten times as long, and half an hour with the 1.5 million triangles that a scanner gives.
-TEST_F(Cli, AToolMeshOfManyTrianglesIsReadInSecondsOfProcessorTime) {
+// each vertex took ten times as long, and half an hour with the 1.5 million triangles that a scanner gives. The measure
+// is what a check of the same mesh takes on this machine: the tool takes 4 times that, then it took 40 times.
+TEST_F(Cli, AToolMeshOfManyTrianglesIsReadInAFewTimesTheProcessorTimeOfItsCheck) {
   constexpr int kAround = 300, kUp = 200;
   std::string off = fmt::format("OFF\n{} {} 0\n", kAround * (kUp - 1) + 2, 2 * kAround * (kUp - 1));
   const auto ring = [](int up) { return std::numbers::pi * up / kUp; };
@@ -210,9 +211,11 @@ TEST_F(Cli, AToolMeshOfManyTrianglesIsReadInSecondsOfProcessorTime) {
       "pin.toml",
       "format = \"kerf-tool\"\nversion = 1\nid = \"pin\"\nname = \"Pin\"\nkind = \"mesh\"\nmesh = \"pin.off\"\n"
       "mm_per_unit = 1\ntip = [0, 0, 0]\naxis = [0, 0, 1]\ncut_below = 2\n");
+  const Outcome checked = runKerf({"check", at("pin.off"), "--unit", "mm"});
+  EXPECT_EQ(checked.exit_code, 0) << checked.err;
   const Outcome o = runKerf({"tool", "info", at("pin.toml")});
   EXPECT_EQ(o.exit_code, 0) << o.err;
-  EXPECT_LT(o.processor_seconds, 6);
+  EXPECT_LT(o.processor_seconds, 15 * checked.processor_seconds);
 }
 
 TEST_F(Cli, CheckJudgesManyMeshesEachUnderItsName) {
