@@ -174,6 +174,7 @@ TEST_F(ImportToolTest, UnitAndAxisAreThoseThatWereChosen) {
   for (Vec3d& p : inches.vertices) p /= 25.4;
   mustPlay("import.read " + written("bur.ply", inches) + "\nwait\nimport.role 1 tool\nimport.unit inch\n");
   const ImportSet* const set = bench_.importSet();
+  ASSERT_TRUE(set && set->tool());
   EXPECT_NEAR(set->tool()->way().tip_width_mm, 1.4, 0.02) << "of the unit that is chosen";
   mustPlay("import.unit mm\n");
   EXPECT_LT(set->tool()->way().tip_width_mm, 0.5);
@@ -195,6 +196,7 @@ TEST_F(ImportToolTest, AnEndThatIsHardlyThinnerIsDoubted) {
   // A rod: both ends may be the tip.
   mustPlay("import.read " + written("rod.ply", turned({{0, 0.8}, {19, 0.8}}, Vec3d::Zero(), Vec3d::UnitX())) +
            "\nwait\nimport.role 1 tool\n");
+  ASSERT_TRUE(bench_.importSet() && bench_.importSet()->tool());
   const ToolPlan& plan = *bench_.importSet()->tool();
   EXPECT_TRUE(plan.isDoubtful());
   ASSERT_EQ(plan.findings().size(), 1u);
@@ -216,7 +218,7 @@ TEST_F(ImportToolTest, OfSeveralOneIsAToolAndTheOthersAreOpened) {
   for (Vec3d& p : beside.vertices) p[0] += 6.3;
   mustPlay("import.read " + written("bur.ply", handpiece()) + " " + written("36.ply", test::blockMesh(false)) + " " +
            written("35.ply", beside) + "\nwait\nimport.role 1 tool\n");
-  ASSERT_TRUE(bench_.importSet()->cut());
+  ASSERT_TRUE(bench_.importSet() && bench_.importSet()->cut());
   EXPECT_EQ(bench_.importSet()->cut()->file.stem(), "36") << "it takes the place of the first";
   mustPlay("import.start\nwait\ntool.select bur\n");
   EXPECT_EQ(bench_.name(), "36");
