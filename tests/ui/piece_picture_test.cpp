@@ -68,7 +68,7 @@ TEST(PiecePicture, TwoPiecesHaveTwoHues) {
   };
 
   run("file.open \"" + bar.string() +
-      "\"\nwait\nview.fit\ncut.force 3\ncut.depth 2.2\ncut.press 200 150\nwait 5\ncut.release\n");
+      "\"\nwait\nview.fit\ncut.force 3\ncut.depth 2.2\ncut.press 200 150\nwait 5\ncut.release\nwait 1\n");
   // What was cut off comes by and by.
   const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(2);
   while (bench.scene().pieceCount() != 2 && std::chrono::steady_clock::now() < end) frame();
