@@ -275,6 +275,8 @@ inline constexpr Goal kWindowGoals[] = {
 inline constexpr Goal kWindowMemoryGoals[] = {
     {"strokes", "", kAtLeast, 2},
     {"in memory, most over what it was when opened", "MB", kAtMost, 500},
+    {"heap in use, grown by half way", "MB", kAtMost, 400},
+    {"heap in use, grown since then", "MB", kAtMost, 400},
 };
 inline constexpr Goal kWindowSessionGoals[] = {
     {"frame while opening, longest", "ms", kAtMost, 100, Weight::kAim},  // on the clock: as the machine is
