@@ -236,6 +236,12 @@ Expected<void> LiveRun::makeFolder() {
   KERF_TRY(opened, openSessionRun(folder_, case_folder_, case_, options_.tools, options_.from, beside));
   manifest_ = std::move(opened.manifest);
   lock_.emplace(std::move(opened.lock));
+  // Of one that stayed in one piece the manifest says nothing.
+  if (!options_.from.empty() && pieces_before_.empty()) {
+    const std::uint32_t whole = haptic_->session().state().objects.front().id;
+    const PieceLabels before = readPieceLabels(options_.from);
+    if (const auto known = before.find(whole); known != before.end()) labels_.insert(*known);
+  }
   if (!labels_.empty()) (void)writePieceLabels(folder_, labels_);
 
   SessionHeader header = sessionHeader(manifest_);

@@ -297,6 +297,8 @@ std::optional<std::uint32_t> numberOf(std::string_view word) {
   return out;
 }
 
+}  // namespace
+
 // Labels are worth no more than a session: without the file, or with a damaged one, pieces are numbered.
 PieceLabels readPieceLabels(const fs::path& run_folder) {
   PieceLabels out;
@@ -309,8 +311,6 @@ PieceLabels readPieceLabels(const fs::path& run_folder) {
       if (const auto id = numberOf(key.str()); id && node.is_string()) out[*id].colour = *node.value<std::string>();
   return out;
 }
-
-}  // namespace
 
 // ---- After its program is gone
 

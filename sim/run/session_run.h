@@ -80,6 +80,10 @@ using PieceLabels = std::map<std::uint32_t, PieceLabel>;
 /// not at all. Error kWriteFailed.
 Expected<void> writePieceLabels(const std::filesystem::path& run_folder, const PieceLabels& labels);
 
+/// As they were written last: of an object in one piece they stand nowhere else after the end, either. Empty: there are
+/// none, or the file is damaged.
+PieceLabels readPieceLabels(const std::filesystem::path& run_folder);
+
 /// Ends a session: writes the field, then the manifest, which is then no longer open. Pieces are written as one field,
 /// each where it was loaded; the manifest says where they are.
 /// What was cut off cases beside is counted and written, too: their pieces, if there are any, are one field of theirs.

@@ -151,6 +151,7 @@ WatchedRun::~WatchedRun() {
 }
 
 PieceLabels WatchedRun::labels() const {
+  if (manifest().pieces.empty()) return readPieceLabels(folder_);  // it stayed in one piece
   PieceLabels out;
   for (const RunManifest::Piece& piece : manifest().pieces) out[piece.id] = {piece.name, piece.colour};
   return out;

@@ -107,7 +107,7 @@ class WatchedRun {
   std::shared_ptr<const Structures> structures() const noexcept { return structures_; }
   /// What an earlier run had removed, from which the session went on, mm^3.
   double removedBefore() const noexcept { return removed_before_; }
-  /// Of the pieces at the end, by CutObject::id.
+  /// Of the pieces at the end, by CutObject::id; of an object that stayed in one piece, of that.
   PieceLabels labels() const;
   /// In the order of the log.
   std::span<const WatchedStep> steps() const noexcept { return steps_; }

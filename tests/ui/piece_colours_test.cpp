@@ -108,6 +108,25 @@ TEST_F(PieceColoursTest, TheyAreKeptWithTheRunAndComeBackWithIt) {
   EXPECT_EQ(again.colours()["the left"], "vermilion") << "also while it is watched";
 }
 
+TEST_F(PieceColoursTest, ThatOfAnObjectInOnePieceComesBack) {
+  fs::path first;
+  {
+    Bench now(folder_);
+    now.mustRun("file.open \"" + bar_.string() +
+                "\"\nwait\nview.fit\npiece.choose 1\npiece.colour sky\ncut.force 2\ncut.depth 0.2\ncut.press 200 150\n"
+                "wait 1\ncut.release\nwait 0.5\nexpect pieces 1 1\n");
+    first = now.bench.sessionFolder();
+  }
+  ASSERT_TRUE(readRunManifest(first)->pieces.empty());
+
+  Bench again(folder_);
+  again.mustRun("file.open \"" + first.string() + "\"\nwait\n");
+  ASSERT_EQ(again.colours().size(), 1u);
+  EXPECT_EQ(again.colours().begin()->second, "sky");
+  again.mustRun("replay.open \"" + first.string() + "\"\nwait\nreplay.end\nwait\n");
+  EXPECT_EQ(again.colours().begin()->second, "sky") << "also while it is watched";
+}
+
 TEST_F(PieceColoursTest, ASessionWhoseProgramIsGoneKeepsThem) {
   fs::path run;
   {
