@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <fstream>
 #include <utility>
 
@@ -182,6 +183,76 @@ TEST_F(ExportPlanTest, PiecesAreOfferedEachAndAlone) {
   ASSERT_FALSE(wrong);
   EXPECT_NE(wrong.error().message().find("Only left"), std::string::npos) << wrong.error().message();
   EXPECT_FALSE(play("export.pieces put-back\n")) << "nothing was moved";
+}
+
+TEST_F(ExportPlanTest, OnePieceOfSeveralIsNotTheCut) {
+  ASSERT_TRUE(play(open() + sawThrough() + "export.show\nwait\n")) << allNotices();
+  const fs::path one = folder_.path() / "one.stl";
+  ASSERT_TRUE(play("export.pieces piece 2\nexport.to \"" + one.string() + "\"\nexport.write\nwait\n")) << allNotices();
+  ASSERT_TRUE(plan_.written());
+  ASSERT_TRUE(fs::exists(one));
+  EXPECT_TRUE(bench_.hasUnexportedCut()) << "the other piece is nowhere yet";
+  bench_.exportTo(folder_.path() / "again.stl", {.only = bench_.scene().shown().front()->id});
+  ASSERT_TRUE(play("wait\n")) << allNotices();
+  EXPECT_TRUE(bench_.hasUnexportedCut());
+  ASSERT_TRUE(play("export.pieces each\nexport.write\nwait\n")) << allNotices();
+  EXPECT_FALSE(bench_.hasUnexportedCut());
+}
+
+// What is chosen while a file is written does not make the file unwritten.
+TEST_F(ExportPlanTest, AFileThatIsWrittenIsToldWhateverWasChosenMeanwhile) {
+  ASSERT_TRUE(play(open() + sawThrough() + "export.show\nwait\n")) << allNotices();
+  plan_.write();
+  ASSERT_TRUE(bench_.job());
+  plan_.choose({.is_each = true});
+  ASSERT_TRUE(play("wait\n")) << allNotices();
+  EXPECT_TRUE(fs::exists(besideScan("bar-cut.stl")));
+  EXPECT_NE(allNotices().find("bar-cut.stl: "), std::string::npos) << allNotices();
+  EXPECT_FALSE(bench_.hasUnexportedCut());
+  EXPECT_FALSE(plan_.written()) << "of what is chosen now nothing is written";
+  EXPECT_EQ(plan_.stage(), Stage::kReady) << "it is checked";
+
+  // The same for another name.
+  plan_.write();
+  ASSERT_TRUE(bench_.job());
+  plan_.setName("other.stl");
+  ASSERT_TRUE(play("wait\n")) << allNotices();
+  EXPECT_TRUE(fs::exists(besideScan("bar-cut-piece-1.stl")));
+  EXPECT_NE(allNotices().find("bar-cut-piece-1.stl"), std::string::npos) << allNotices();
+  EXPECT_FALSE(plan_.isDone()) << "other.stl is not written";
+}
+
+// Checked with two pieces, and then there are three: the file of the third was never named.
+TEST_F(ExportPlanTest, AFileThatWasNotNamedIsNotReplaced) {
+  const auto names = [&] {
+    std::vector<std::string> out;
+    for (const SceneObject* piece : bench_.scene().shown()) out.push_back(piece->name);
+    return out;
+  };
+  ASSERT_TRUE(play(open() + sawThrough() + "export.show\nwait\nexport.pieces each\nwait\n")) << allNotices();
+  const std::vector<std::string> before = names();
+  ASSERT_TRUE(play("cut.press 140 150\nwait 5\ncut.release\nwait 1\nexpect pieces 3 3\n")) << allNotices();
+  std::string fresh;
+  for (const std::string& name : names())
+    if (std::find(before.begin(), before.end(), name) == before.end()) fresh = name;
+  ASSERT_FALSE(fresh.empty());
+  std::replace(fresh.begin(), fresh.end(), ' ', '-');
+  const fs::path third = besideScan("bar-cut-" + fresh + ".stl");
+  std::ofstream(third) << "mine";
+
+  const auto refused = play("export.write\nwait\n");
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message().find(third.string()), std::string::npos) << refused.error().message();
+  EXPECT_EQ(fs::file_size(third), 4u);
+  EXPECT_FALSE(fs::exists(besideScan("bar-cut-piece-1.stl"))) << "all or none";
+  EXPECT_EQ(plan_.replaced(), std::vector<fs::path>{third});
+  EXPECT_TRUE(plan_.asksToReplace());
+
+  plan_.write();
+  do bench_.update();
+  while (bench_.job());
+  EXPECT_TRUE(plan_.written()) << allNotices();
+  EXPECT_GT(fs::file_size(third), 4u) << "asked for a second time";
 }
 
 // Pieces that reach into each other are not ready: who has read that may have them all the same.

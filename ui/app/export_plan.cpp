@@ -56,6 +56,15 @@ void addLines(std::vector<ExportFinding>& out, const std::string& text, bool is_
     if (!line.empty()) out.push_back({is_warning, line});
 }
 
+// The first that is there and was not told.
+std::optional<fs::path> untoldOf(const std::vector<fs::path>& files, const std::vector<fs::path>& told) {
+  std::error_code ignored;
+  const auto at = std::find_if(files.begin(), files.end(), [&](const fs::path& file) {
+    return fs::exists(file, ignored) && std::find(told.begin(), told.end(), file) == told.end();
+  });
+  return at == files.end() ? std::nullopt : std::optional(*at);
+}
+
 }  // namespace
 
 // ---- Shown
@@ -266,9 +275,9 @@ void ExportPlan::start(Work work, Permission permission) {
   const auto kept = is_new ? nullptr : prepared_;
   const bool writes = work == Work::kWrite;
 
-  const auto job_of = [run, given, kept, writes, permission, choice = choice_,
-                       file = file_](const Progress& progress) -> Expected<Outcome> {
-    Outcome out{choice, kept, {}};
+  const auto job_of = [run, given, kept, writes, permission, choice = choice_, file = file_, told = replaced_,
+                       stamp = stamp_](const Progress& progress) -> Expected<Outcome> {
+    Outcome out{.choice = choice, .file = file, .prepared = kept, .stamp = stamp};
     if (!out.prepared) {
       KERF_TRY(scene, waitForScene(*given, progress));
       KERF_TRY(prepared, prepareExport(*run, scene, choice, progress));
@@ -276,6 +285,8 @@ void ExportPlan::start(Work work, Permission permission) {
       if (!out.prepared->isReady() && !permission.may_be_doubtful) return out;
     }
     if (!writes) return out;
+    if (!permission.may_replace) out.untold = untoldOf(out.prepared->filesFor(file), told);
+    if (out.untold) return out;
     KERF_TRY(written, writeExport(*out.prepared, *run, file));
     out.written = std::move(written);
     return out;
@@ -298,15 +309,24 @@ void ExportPlan::take(Expected<Outcome> outcome, bool is_new, bool was_written) 
     if (was_written || !is_cancelled) bench_.complain(outcome.error());
     return;
   }
-  if (outcome->choice != choice_) return;  // it came too late
-  prepared_ = outcome->prepared;
-  if (is_new) stamp_ = bench_.handed_over_;
-  written_ = std::move(outcome->written);
-  if (written_) {
-    if (choice_.beside == 0) bench_.exported_ = stamp_;
-    if (!is_shown_) bench_.say(written_->text);
+  const std::optional<CutStamp> stamp = is_new ? bench_.handed_over_ : outcome->stamp;
+  const bool is_still_chosen = outcome->choice == choice_;
+  if (is_still_chosen) {
+    prepared_ = outcome->prepared;
+    stamp_ = stamp;
+    written_.reset();
+  }
+
+  if (outcome->written) {
+    if (outcome->choice.isWhole()) bench_.exported_ = stamp;
+    // The panel tells it, unless something else was decided meanwhile.
+    const bool is_as_decided = is_still_chosen && outcome->file == file_;
+    if (!is_shown_ || !is_as_decided) bench_.say(outcome->written->text);
+    if (is_as_decided) written_ = std::move(outcome->written);
     return lookForReplaced();
   }
+  if (!is_still_chosen) return;  // it came too late
+  if (outcome->untold) return askToReplace(*outcome->untold);
   if (wanted && (prepared_->isReady() || wanted->may_be_doubtful)) return write(*wanted);
   if (!was_written && !wanted) return;
   const Error doubtful{.code = Error::Code::kGeometry,
@@ -329,15 +349,28 @@ void ExportPlan::write(Permission permission) {
     error_ = wrong.message();
     return bench_.complain(wrong);
   }
-  const bool was_asked = asks_to_replace_;
+  const std::vector<fs::path> told = asks_to_replace_ ? replaced_ : std::vector<fs::path>{};
   lookForReplaced();
-  if (!replaced_.empty() && !was_asked && !permission.may_replace) {
+  if (!permission.may_replace && untoldOf(replaced_, told)) {
     asks_to_replace_ = true;
     return;
   }
   // What a person has read as doubtful and asks for is written.
   permission.may_be_doubtful |= stage() == Stage::kDoubtful && !isOutdated();
   start(Work::kWrite, permission);
+}
+
+// A piece that was cut off meanwhile has a file of its own.
+void ExportPlan::askToReplace(const fs::path& untold) {
+  lookForReplaced();
+  asks_to_replace_ = true;
+  const Error there{.code = Error::Code::kBadValue,
+                    .file = untold.string(),
+                    .found = "not written: this file is there already, and was not among those that are replaced",
+                    .expected = "another name",
+                    .hint = "export once more to replace it, too"};
+  error_ = there.message();
+  bench_.complain(there);
 }
 
 Expected<void> ExportPlan::showInFolder() {

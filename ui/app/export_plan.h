@@ -97,7 +97,8 @@ class ExportPlan {
     bool may_be_doubtful = false;  ///< what is not ready to print
   };
   /// A job; during the check it follows it, if that says it is ready. What would replace a file, or is not ready, is
-  /// written when it is asked for a second time, or with that permission: asksToReplace().
+  /// written when it is asked for a second time, or with that permission: asksToReplace(). If more files would be
+  /// replaced than were told, because there are more pieces now, it asks once more.
   void write(Permission permission);
   void write() { write({}); }
   /// write() was asked for, and would replace files: once more, and it does.
@@ -115,8 +116,12 @@ class ExportPlan {
   enum class Work { kNone, kCheck, kWrite };
   struct Outcome {
     ExportChoice choice;
+    std::filesystem::path file;
     std::shared_ptr<const PreparedExport> prepared;
-    std::optional<WrittenExport> written;
+    std::optional<CutStamp> stamp;  // of `prepared`, where that was made before; else it is the one handed over
+    std::optional<WrittenExport> written{};
+    std::optional<std::filesystem::path>
+        untold{};  // a file that would be replaced and was not told: nothing is written
   };
   std::filesystem::path suggestedFolder(const std::filesystem::path& otherwise) const;
   void suggestFile(const std::filesystem::path& folder);
@@ -125,6 +130,7 @@ class ExportPlan {
   void forgetCheck();
   void start(Work work, Permission permission);
   void take(Expected<Outcome> outcome, bool is_new, bool was_written);
+  void askToReplace(const std::filesystem::path& untold);
 
   Workbench& bench_;
   bool is_shown_ = false, wants_check_ = false, is_named_ = false, asks_to_replace_ = false;

@@ -25,6 +25,9 @@ struct ExportChoice {
   std::optional<std::uint32_t> only = {};  ///< one piece
   std::size_t beside = 0;                  ///< not the object that is worked on: the neighbour of that number
 
+  /// All pieces of what is worked on are in it.
+  bool isWhole() const { return !only && beside == 0; }
+
   bool operator==(const ExportChoice&) const = default;
 };
 

@@ -73,7 +73,7 @@ void Workbench::exportTo(const fs::path& file, const ExportChoice& choice) {
   when_over_ = [this, job = job.get(), choice] {
     auto written = job->take();
     if (!written) return complain(written.error());
-    if (choice.beside == 0) exported_ = handed_over_;
+    if (choice.isWhole()) exported_ = handed_over_;
     say(std::move(written->text));
   };
   job_ = std::move(job);
