@@ -137,8 +137,15 @@ std::vector<MeshToolOrder> ImportSet::toolOrders() const {
     if (!entry.tool) continue;
     const UnitOption& unit = entry.scan->unit();
     entry.tool->setScale(unit.scale_to_mm);
-    out.push_back({entry.file, entry.scan->found().mesh, unit.scale_to_mm, unit.unit, entry.scan->closing(),
-                   entry.tool->way(), entry.tool->cutBelow(), entry.tool->id()});
+    out.push_back({entry.file,
+                   entry.scan->found().mesh,
+                   unit.scale_to_mm,
+                   unit.unit,
+                   entry.scan->closing(),
+                   entry.tool->way(),
+                   entry.tool->cutBelow(),
+                   entry.tool->id(),
+                   {}});
   }
   return out;
 }

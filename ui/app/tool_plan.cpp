@@ -170,6 +170,9 @@ std::optional<Vec3d> fromThinEnd(const Mesh& mesh) {
   return best;
 }
 
+// Without vertices that no triangle has: they may lie anywhere.
+Mesh withoutStrayVertices(const Mesh& mesh) { return subset(mesh, std::vector<char>(mesh.triangles.size(), 1)); }
+
 Mesh scaled(const Mesh& mesh, double scale) {
   Mesh out = mesh;
   for (Vec3d& p : out.vertices) p = roundedToFloat(Vec3d(scale * p));
@@ -196,11 +199,16 @@ std::string plain(std::string text) {
   return text;
 }
 
-// One that neither file has.
-std::string freeId(const std::string& wanted, const fs::path& folder) {
+// One that neither file has, and no tool that is there: of two tools with one id the rack shows the first.
+std::string freeId(const std::string& wanted, const fs::path& folder, const std::vector<std::string>& ids_taken) {
+  std::vector<fs::path> folders = defaultToolFolders();
+  folders.push_back(folder);
   std::error_code ignored;
   const auto isTaken = [&](const std::string& id) {
-    return fs::exists(folder / (id + ".toml"), ignored) || fs::exists(folder / (id + ".ply"), ignored);
+    const bool is_known = std::find(ids_taken.begin(), ids_taken.end(), id) != ids_taken.end();
+    const auto has_it = [&](const fs::path& of) { return fs::exists(of / (id + ".toml"), ignored); };
+    return is_known || std::any_of(folders.begin(), folders.end(), has_it) ||
+           fs::exists(folder / (id + ".ply"), ignored);
   };
   std::string out = wanted;
   for (int n = 2; isTaken(out); ++n) out = fmt::format("{}-{}", wanted, n);
@@ -210,7 +218,8 @@ std::string freeId(const std::string& wanted, const fs::path& folder) {
 }  // namespace
 
 std::vector<ToolWay> toolWays(const Mesh& mesh_mm) {
-  const Vec3d length = lengthOf(mesh_mm);
+  const Mesh mesh = withoutStrayVertices(mesh_mm);
+  const Vec3d length = lengthOf(mesh);
   const std::array<std::pair<const char*, Vec3d>, 8> kWays = {{{"+x", Vec3d::UnitX()},
                                                                {"-x", -Vec3d::UnitX()},
                                                                {"+y", Vec3d::UnitY()},
@@ -222,12 +231,12 @@ std::vector<ToolWay> toolWays(const Mesh& mesh_mm) {
   std::vector<ToolWay> out;
   for (const auto& [name, axis] : kWays) {
     ToolWay way{.name = name, .axis = axis};
-    measure(mesh_mm, way);
+    measure(mesh, way);
     out.push_back(way);
   }
-  if (const auto axis = fromThinEnd(mesh_mm)) {
+  if (const auto axis = fromThinEnd(mesh)) {
     ToolWay way{.name = "thin-end", .axis = *axis};
-    measure(mesh_mm, way);
+    measure(mesh, way);
     out.push_back(way);
   }
   // An axis of the file before the length, which may be the same but for rounding.
@@ -301,7 +310,7 @@ std::vector<Finding> ToolPlan::findings() const {
 std::string ToolPlan::id() const { return idOf(file_); }
 
 Expected<fs::path> writeMeshTool(const MeshToolOrder& order, const fs::path& folder, const Progress& progress) {
-  Mesh solid = scaled(*order.mesh, order.scale_to_mm);
+  Mesh solid = scaled(withoutStrayVertices(*order.mesh), order.scale_to_mm);
   solid.vertex_colors.clear();
   solid.face_colors.clear();
   if (!report(progress, 0, "closing the tool")) return cancelled();
@@ -315,7 +324,7 @@ Expected<fs::path> writeMeshTool(const MeshToolOrder& order, const fs::path& fol
 
   std::error_code failed;
   fs::create_directories(folder, failed);
-  const std::string id = freeId(order.id, folder);
+  const std::string id = freeId(order.id, folder, order.ids_taken);
   const fs::path mesh_file = folder / (id + ".ply"), tool_file = folder / (id + ".toml");
   MeshToolNumbers numbers;
   numbers.name = plain(order.file.stem().string());

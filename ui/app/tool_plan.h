@@ -31,7 +31,7 @@ struct ToolWay {
 
 /// Six along the axes of the file, two along its length, and "thin-end", from the thinnest end that sticks out to any
 /// side, if one does; the thinnest tip first.
-/// @param mesh_mm  at least one triangle.
+/// @param mesh_mm  at least one triangle; vertices that no triangle has do not count.
 std::vector<ToolWay> toolWays(const Mesh& mesh_mm);
 
 class ToolPlan {
@@ -77,11 +77,13 @@ struct MeshToolOrder {
   ClosingChoice closing;  ///< what closes a mesh that is no solid yet
   ToolWay way;
   double cut_below_mm = 4;
-  std::string id;
+  std::string id;                      ///< that is wished for
+  std::vector<std::string> ids_taken;  ///< of tools of the rack, wherever their files are
 };
 
 /// Writes ID.toml, as `kerf tool new --shape mesh` does, and ID.ply beside it, in mm; a mesh that is no closed solid is
-/// closed first. If there is one of that id: ID-2, ID-3. Both files are there at the end, or none.
+/// closed first. If there is one of that id, in the folder, in defaultToolFolders() or in the rack: ID-2, ID-3. Both
+/// files are there at the end, or none.
 /// @param folder  made if need be.   @return  the TOML, which readTool() accepts.
 /// Errors: those of closing and of readTool(); kWriteFailed; kCancelled.   @cost  that of closing.
 Expected<std::filesystem::path> writeMeshTool(const MeshToolOrder& order, const std::filesystem::path& folder,
