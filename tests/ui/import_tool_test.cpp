@@ -102,6 +102,22 @@ TEST_F(ImportToolTest, TheThinnestEndIsTakenForTheTip) {
   EXPECT_GT(ways[2].tip_width_mm, 5);
 }
 
+TEST_F(ImportToolTest, VerticesThatNoTriangleHasDoNotSpoilTheGuess) {
+  const std::vector<ToolWay> right = toolWays(handpiece());
+  Mesh mesh = handpiece();
+  mesh.vertices.insert(mesh.vertices.begin(), {Vec3d(3, 90, 5), Vec3d(3, -90, 5), Vec3d(-70, -70, -70)});
+  for (Triangle& t : mesh.triangles)
+    for (std::uint32_t& v : t) v += 3;
+  const std::vector<ToolWay> ways = toolWays(mesh);
+  ASSERT_EQ(ways.size(), right.size());
+  EXPECT_EQ(ways[0].name, "-y");
+  EXPECT_EQ(ways[0].tip, right[0].tip);
+  EXPECT_EQ(ways[0].tip_width_mm, right[0].tip_width_mm);
+
+  mustPlay("import.read " + written("bur.ply", mesh) + "\nwait\nimport.role 1 tool\nimport.start\nwait\n");
+  EXPECT_TRUE(readTool(toolFolder() / "bur.toml")) << said();
+}
+
 // A contra-angle: its bur is along no axis of the file, nor along its length.
 TEST_F(ImportToolTest, AThinEndIsFoundWhicheverWayItPoints) {
   const Vec3d axis = Vec3d(0.42, 0.1, -0.9).normalized();
@@ -169,6 +185,40 @@ TEST_F(ImportToolTest, WithNothingOpenItWaitsInTheRackAndIsThereTheNextTime) {
   while (again.job()) again.update();
 }
 
+// Of two tools with one id the rack shows the catalogue's: the other one would be gone at the next start.
+TEST_F(ImportToolTest, AnIdOfTheCatalogueOrOfTheRackIsNotTakenAgain) {
+  // In the catalogue, but not in this rack.
+  mustPlay("import.read " + written("us-330.stl", handpiece()) + "\nwait\nimport.role 1 tool\nimport.start\nwait\n");
+  EXPECT_FALSE(fs::exists(toolFolder() / "us-330.toml"));
+  ASSERT_TRUE(fs::exists(toolFolder() / "us-330-2.toml")) << said();
+  EXPECT_EQ(readTool(toolFolder() / "us-330-2.toml")->id, "us-330-2");
+
+  // In the rack, from a folder that is neither the catalogue's nor the user's.
+  fs::create_directories(folder_.path() / "elsewhere");
+  bench_.addTool(folder_.write("elsewhere/mine.toml",
+                               "format = \"kerf-tool\"\nversion = 1\nid = \"mine\"\nname = \"My bur\"\nkind = "
+                               "\"bur\"\nshape = \"round\"\nhead_diameter = 2.2\nneck_diameter = 0.9\nneck_length = "
+                               "3.6\nshank_diameter = 1.6\nshank_length = 10\n"));
+  mustPlay("import.read " + written("mine.stl", handpiece()) + "\nwait\nimport.role 1 tool\nimport.start\nwait\n");
+  EXPECT_FALSE(fs::exists(toolFolder() / "mine.toml"));
+  EXPECT_TRUE(fs::exists(toolFolder() / "mine-2.toml")) << said();
+}
+
+TEST_F(ImportToolTest, WhenOneOfTwoFailsNoneIsLeft) {
+  const Mesh pole = turned({{0, 0.7}, {60, 0.7}}, Vec3d::Zero(), Vec3d::UnitZ());
+  mustPlay("import.read " + written("bur.ply", handpiece()) + " " + written("pole.ply", pole) +
+           "\nwait\nimport.role 1 tool\nimport.role 2 tool\nimport.choose 2\nimport.unit cm\n");
+  const auto refused = play("import.start\nwait\n");
+  ASSERT_FALSE(refused) << "longer than any tool";
+  EXPECT_NE(refused.error().message().find("600"), std::string::npos) << refused.error().message();
+  EXPECT_TRUE(bench_.isImporting()) << "for another try";
+  EXPECT_TRUE(!fs::exists(toolFolder()) || fs::is_empty(toolFolder()));
+
+  mustPlay("import.unit mm\nimport.start\nwait\n");
+  EXPECT_TRUE(fs::exists(toolFolder() / "bur.toml") && fs::exists(toolFolder() / "pole.toml")) << said();
+  EXPECT_FALSE(fs::exists(toolFolder() / "bur-2.toml"));
+}
+
 TEST_F(ImportToolTest, UnitAndAxisAreThoseThatWereChosen) {
   Mesh inches = handpiece();
   for (Vec3d& p : inches.vertices) p /= 25.4;
@@ -233,6 +283,19 @@ TEST_F(ImportToolTest, AScanThatIsDroppedMayStandBesideWhatIsOpen) {
   EXPECT_EQ(bench_.name(), "36");
   ASSERT_EQ(bench_.neighbours().size(), 1u) << said();
   EXPECT_EQ(bench_.neighbours()[0].name, "35");
+}
+
+// Undo reaches as far as before, too.
+TEST_F(ImportToolTest, WithEveryFileLeftOutWhatIsOpenGoesOnAsItIs) {
+  mustPlay("file.open " + written("36.ply", test::blockMesh(false)) + "\nwait\n");
+  const std::uint64_t before = bench_.generation();
+  const fs::path session = bench_.sessionFolder();
+  mustPlay("import.read " + written("bur.ply", handpiece()) + "\nwait\nimport.role 1 out\nimport.start\nwait\n");
+  EXPECT_FALSE(bench_.isImporting());
+  EXPECT_TRUE(bench_.isOpen());
+  EXPECT_EQ(bench_.generation(), before);
+  EXPECT_EQ(bench_.sessionFolder(), session);
+  EXPECT_NE(said().find("nothing was imported"), std::string::npos) << said();
 }
 
 TEST_F(ImportToolTest, WithNothingOpenSomethingIsCut) {

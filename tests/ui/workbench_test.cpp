@@ -27,6 +27,7 @@
 #include "ui/app/point_readout.h"
 #include "ui/app/pointing.h"
 #include "ui/app/settings.h"
+#include "ui/app/tissue_display.h"
 
 namespace kerf {
 namespace {
@@ -721,6 +722,9 @@ TEST_F(WorkbenchTest, AToolThatIsDroppedIsInHandAndTheCutGoesOn) {
   const double removed = bench.removedMm3();
   EXPECT_GT(removed, 0.01);
   const std::uint64_t before = bench.generation();
+  ASSERT_EQ(bench.tissues().all().size(), 1u);
+  const std::string tissue = bench.tissues().all()[0].id;
+  ASSERT_TRUE(run("view.colours depth\nwait\nview.tissue " + tissue + " ghost\n"));
 
   bench.open(file);  // as a drop does
   ASSERT_TRUE(run("wait\nwait 0.2\n"));
@@ -729,6 +733,9 @@ TEST_F(WorkbenchTest, AToolThatIsDroppedIsInHandAndTheCutGoesOn) {
   EXPECT_NEAR(bench.removedMm3(), removed, 0.02) << "what was cut is cut";
   EXPECT_GT(bench.generation(), before);
   EXPECT_TRUE(bench.keepsView());
+  EXPECT_EQ(bench.tissues().all()[0].look, TissueLook::kGhost) << "what was chosen to be seen is";
+  EXPECT_EQ(bench.tissues().choices().colours, SurfaceColours::kDepth);
+  ASSERT_TRUE(run("view.tissues-all\nview.colours tissue\n"));
   EXPECT_EQ(bench.name(), "a scan");
   ASSERT_TRUE(run("cut.press 150 150\nwait 3\ncut.release\nwait 0.2\n"));
   EXPECT_GT(bench.removedMm3(), removed + 0.01);

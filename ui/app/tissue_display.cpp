@@ -148,6 +148,18 @@ void TissueDisplay::showAll() {
   for (SeenTissue& tissue : tissues_) tissue.look = TissueLook::kShow;
 }
 
+TissueChoices TissueDisplay::choices() const {
+  TissueChoices out{wanted_colours_, {}};
+  for (const SeenTissue& tissue : tissues_)
+    if (tissue.look != TissueLook::kShow) out.looks.emplace_back(tissue.id, tissue.look);
+  return out;
+}
+
+void TissueDisplay::choose(const TissueChoices& choices) {
+  for (const auto& [id, look] : choices.looks) (void)set(id, look);
+  (void)setColours(choices.colours);
+}
+
 bool TissueDisplay::areAllShown() const {
   return std::all_of(tissues_.begin(), tissues_.end(), [](const SeenTissue& t) { return t.look == TissueLook::kShow; });
 }

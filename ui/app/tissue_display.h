@@ -73,6 +73,12 @@ struct TissueSource {
 TissueSource tissueSourceOf(LiveRun& run, std::shared_ptr<const Structures> structures);
 TissueSource tissueSourceOf(const WatchedRun& run);
 
+/// What a person has chosen to see.
+struct TissueChoices {
+  SurfaceColours colours = SurfaceColours::kTissue;
+  std::vector<std::pair<std::string, TissueLook>> looks;  ///< by id, those that are not shown
+};
+
 /// One thread, the window's.
 class TissueDisplay {
  public:
@@ -98,6 +104,10 @@ class TissueDisplay {
   bool hasPart(TissuePart part) const;
   /// Whether the object's own surface is the ghost.
   bool isOwnSurfaceGhost() const;
+  /// Colours and looks, to be chosen again when the same object is opened anew.
+  TissueChoices choices() const;
+  /// As set() and setColours(); what the object does not have is passed over.
+  void choose(const TissueChoices& choices);
 
   struct Change {
     std::uint32_t object = 0;

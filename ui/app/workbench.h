@@ -183,12 +183,17 @@ class Workbench {
   std::size_t firstLookTools() const { return first_look_ ? first_look_ : tools_.size(); }
   /// What is wrong with a tool's file, or its mesh, since it was read; null: nothing. The tool is as it was read.
   const Error* toolError(std::size_t n) const;
-  /// A file that is no tool yet. It is read again when it changes, and is then in the rack.
+  /// When a tool's file, and the mesh that it names, were written last; none: it is not there.
+  struct ToolTimes {
+    std::optional<std::filesystem::file_time_type> file, mesh;
+    bool operator==(const ToolTimes&) const = default;
+  };
+  /// A file that is no tool yet. It is read again when it or its mesh changes, and is then in the rack.
   struct BrokenTool {
     std::filesystem::path file;
     Error error;
-    std::optional<std::filesystem::file_time_type> time{};  ///< of the file
-    bool is_asked_for = false;                              ///< dropped: taken as soon as it can be read
+    ToolTimes times{};          ///< before it was read
+    bool is_asked_for = false;  ///< dropped: taken as soon as it can be read
   };
   const std::vector<BrokenTool>& brokenTools() const { return broken_tools_; }
   /// A tool's file is put into the rack, or read anew, and the tool taken. What is open goes on in a session of its
@@ -331,8 +336,8 @@ class Workbench {
   /// The same decided step by step, with what a check says before anything is written.
   ExportPlan& exporting() { return *exporting_; }
   const ExportPlan& exporting() const { return *exporting_; }
-  /// Something was cut or moved since what is worked on was exported last, or it never was; the session itself is kept
-  /// all the same. False while an export is being written.
+  /// Something was cut or moved since all of what is worked on was exported last, or it never was: one piece of several
+  /// does not count. The session itself is kept all the same. False while an export is being written.
   bool hasUnexportedCut() const;
   double removedMm3() const { return removed_mm3_; }
   /// Of one tissue, in this session, mm^3. In small parts below 0 where a border passes through what was cut.
@@ -399,13 +404,13 @@ class Workbench {
   void heatByToolInHand();
   void namePieces();
   void fillRack();
-  void putIntoRack(const std::filesystem::path& file, Tool tool);
+  void putIntoRack(const std::filesystem::path& file, Tool tool, const ToolTimes& times);
   void reopenWith(const std::filesystem::path& tool_file, std::vector<CaseBeside> further = {});
   void warnOfNeighbours();
   bool isNeighbour(std::uint32_t id, const std::string& what);
   void watchTools();
   void watchBrokenTools();
-  void keepBroken(const std::filesystem::path& file, const Error& error, bool is_asked_for);
+  void keepBroken(const BrokenTool& broken);
 
   WorkbenchOptions options_;
   MaterialTable materials_{{}};
@@ -454,13 +459,9 @@ class Workbench {
   mutable std::map<std::size_t, ToolSamples> samples_;  // of tools that were in hand
   std::vector<Plunge> plunges_;                         // of the same
   std::vector<TouchPoints> touches_;                    // of the same
-  /// When the files of a tool were written last; none: it is not there.
-  struct ToolTimes {
-    std::optional<std::filesystem::file_time_type> file, mesh;
-    bool operator==(const ToolTimes&) const = default;
-  };
-  static ToolTimes timesOf(const SessionTool& tool);
-  std::vector<ToolTimes> tool_times_;
+  static ToolTimes timesOf(const std::filesystem::path& tool_file);
+  ToolTimes timesOf(std::size_t tool) const;
+  std::vector<ToolTimes> tool_times_;              // before they were read
   std::vector<std::optional<Error>> tool_errors_;  // since they were read
   std::vector<BrokenTool> broken_tools_;
   std::size_t first_look_ = 0;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <system_error>
 #include <utility>
 
 #include "geometry/tool/tool_file.h"
@@ -86,6 +87,10 @@ void Workbench::startImport() {
   if (const auto ready = import_->requireReady(); !ready) return complain(ready.error());
   import_->suspendPreviews();
   std::vector<MeshToolOrder> orders = import_->toolOrders();
+  for (MeshToolOrder& order : orders) {
+    for (const SessionTool& known : tools_) order.ids_taken.push_back(known.tool.id);
+    for (const BrokenTool& broken : broken_tools_) order.ids_taken.push_back(broken.file.stem().string());
+  }
   orders.empty() ? openImported() : makeTools(std::move(orders));
 }
 
@@ -97,12 +102,24 @@ void Workbench::makeTools(std::vector<MeshToolOrder> orders) {
   auto job = std::make_unique<Job<Made>>(
       title, [orders = std::move(orders), folder = ownToolFolder()](const Progress& progress) -> Expected<Made> {
         Made out;
-        for (const MeshToolOrder& order : orders) {
-          KERF_TRY(file, writeMeshTool(order, folder, progress));
-          KERF_TRY(tool, readTool(file));
-          out.push_back({file, std::move(tool)});
+        std::vector<fs::path> files;
+        const auto made = [&]() -> Expected<void> {
+          for (const MeshToolOrder& order : orders) {
+            KERF_TRY(file, writeMeshTool(order, folder, progress));
+            files.push_back(file);
+            KERF_TRY(tool, readTool(file));
+            out.push_back({file, std::move(tool)});
+          }
+          return {};
+        }();
+        if (made) return out;
+        // All or none: another try would find the ids of the first ones taken.
+        std::error_code ignored;
+        for (fs::path& file : files) {
+          fs::remove(file, ignored);
+          fs::remove(file.replace_extension(".ply"), ignored);
         }
-        return out;
+        return fail(made.error());
       });
   job_writes_ = false;
   when_over_ = [this, job = job.get()] {
@@ -117,7 +134,7 @@ void Workbench::takeMadeTools(std::vector<SessionTool> made) {
   const fs::path first = made.front().file;
   for (SessionTool& one : made) {
     say(fmt::format("{} is in the rack: {}", one.tool.id, one.file.string()));
-    putIntoRack(one.file, std::move(one.tool));
+    putIntoRack(one.file, std::move(one.tool), timesOf(one.file));
   }
   if (!import_) return;
   import_->toolsAreMade();
@@ -138,6 +155,10 @@ void Workbench::openImported() {
     std::vector<OpenBeside> asked;
     for (const ImportEntry& entry : import_->entries())
       if (entry.role == ImportRole::kBeside) asked.push_back({entry.file, entry.file.stem().string(), entry.decided()});
+    if (asked.empty()) {  // what is open goes on as it is
+      say("nothing was imported: all files were left out");
+      return putImportAway();
+    }
     const std::string title =
         asked.size() == 1 ? asked.front().path.filename().string() : fmt::format("{} files", asked.size());
     return placeBeside(std::move(asked), "preparing " + title);

@@ -2,12 +2,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <memory>
 #include <system_error>
 #include <utility>
 
+#include "geometry/base/toml_reader.h"
 #include "geometry/tool/tool_file.h"
 #include "ui/app/sawing.h"
+#include "ui/app/tissue_display.h"
 #include "ui/app/workbench.h"
 
 namespace kerf {
@@ -33,11 +36,28 @@ std::optional<fs::file_time_type> timeOf(const fs::path& file) {
   return failed ? std::nullopt : std::optional(out);
 }
 
+// Of a tool's file that need not be right. Empty: it names none.
+fs::path meshNamedIn(const fs::path& tool_file) {
+  const auto root = parseToml(tool_file);
+  const auto name = root ? (*root)["mesh"].value<std::string>() : std::nullopt;
+  return name && !name->empty() ? tool_file.parent_path() / *name : fs::path();
+}
+
 }  // namespace
 
-Workbench::ToolTimes Workbench::timesOf(const SessionTool& tool) {
-  ToolTimes out{timeOf(tool.file), {}};
-  if (tool.tool.mesh) out.mesh = timeOf(tool.tool.mesh_file);
+// Taken before a file is read: what is written meanwhile is then read again.
+Workbench::ToolTimes Workbench::timesOf(const fs::path& tool_file) {
+  ToolTimes out{timeOf(tool_file), {}};
+  if (const fs::path mesh = meshNamedIn(tool_file); !mesh.empty()) out.mesh = timeOf(mesh);
+  return out;
+}
+
+// Of the rack, where once a second no file is opened, but for those that are wrong: they may name another mesh now.
+Workbench::ToolTimes Workbench::timesOf(std::size_t tool) const {
+  const SessionTool& known = tools_[tool];
+  if (tool_errors_[tool]) return timesOf(known.file);
+  ToolTimes out{timeOf(known.file), {}};
+  if (known.tool.mesh) out.mesh = timeOf(known.tool.mesh_file);
   return out;
 }
 
@@ -52,7 +72,7 @@ const std::vector<std::string>& defaultTools() {
   return kTools;
 }
 
-void Workbench::putIntoRack(const fs::path& file, Tool tool) {
+void Workbench::putIntoRack(const fs::path& file, Tool tool, const ToolTimes& times) {
   const auto same = [&](const SessionTool& known) { return known.file == file; };
   const auto at = static_cast<std::size_t>(std::find_if(tools_.begin(), tools_.end(), same) - tools_.begin());
   if (at == tools_.size()) {
@@ -71,42 +91,55 @@ void Workbench::putIntoRack(const fs::path& file, Tool tool) {
   tool_errors_[at].reset();
   is_outdated_[at] = run_ != nullptr;
   tools_[at] = {file, std::move(tool)};
-  tool_times_[at] = timesOf(tools_[at]);
+  tool_times_[at] = times;
 }
 
 // Of a tool that is in the rack it stands in its row, else in one of its own.
-void Workbench::keepBroken(const fs::path& file, const Error& error, bool is_asked_for) {
+void Workbench::keepBroken(const BrokenTool& broken) {
   for (std::size_t n = 0; n < tools_.size(); ++n)
-    if (tools_[n].file == file) {
-      tool_errors_[n] = error;
-      tool_times_[n] = timesOf(tools_[n]);
+    if (tools_[n].file == broken.file) {
+      tool_errors_[n] = broken.error;
+      tool_times_[n] = broken.times;
       return;
     }
-  std::erase_if(broken_tools_, [&](const BrokenTool& broken) { return broken.file == file; });
-  broken_tools_.push_back({file, error, timeOf(file), is_asked_for});
+  std::erase_if(broken_tools_, [&](const BrokenTool& known) { return known.file == broken.file; });
+  broken_tools_.push_back(broken);
 }
 
 void Workbench::fillRack() {
   auto folders = defaultToolFolders();
   folders.push_back(ownToolFolder());
-  for (const std::string& id : options_.tools.empty() ? defaultTools() : options_.tools) {
+  const bool is_whole = options_.tools.empty();
+  for (const std::string& id : is_whole ? defaultTools() : options_.tools) {
     const auto file = findToolFile(id, folders);
     if (!file) {
       complain(file.error());
       continue;
     }
+    const ToolTimes times = timesOf(*file);
     auto tool = readTool(*file);
-    tool ? putIntoRack(*file, std::move(*tool)) : complain(tool.error());
+    if (tool) {
+      putIntoRack(*file, std::move(*tool), times);
+    } else if (!is_whole) {  // else it is told below
+      keepBroken({*file, tool.error(), times});
+      complain(tool.error());
+    }
   }
-  if (!options_.tools.empty()) return;
+  if (!is_whole) return;
 
   first_look_ = tools_.size();
+  std::map<fs::path, ToolTimes> times;
+  for (const fs::path& folder : folders) {
+    std::error_code failed;
+    for (fs::directory_iterator entry(folder, failed), end; !failed && entry != end; entry.increment(failed))
+      if (entry->path().extension() == ".toml") times.emplace(entry->path(), timesOf(entry->path()));
+  }
   for (ToolListing& listed : listTools(folders)) {
     if (listed.tool) {
-      putIntoRack(listed.file, std::move(*listed.tool));
+      putIntoRack(listed.file, std::move(*listed.tool), times[listed.file]);
       continue;
     }
-    keepBroken(listed.file, *listed.error, false);
+    keepBroken({listed.file, *listed.error, times[listed.file]});
     complain(*listed.error);
   }
 }
@@ -116,13 +149,14 @@ void Workbench::addTool(const fs::path& file) {
   std::error_code failed;
   fs::path path = fs::absolute(file, failed);
   if (failed) path = file;
+  const ToolTimes times = timesOf(path);
   auto tool = readTool(path);
   if (!tool) {
-    keepBroken(path, tool.error(), true);
+    keepBroken({path, tool.error(), times, true});
     return complain(tool.error());
   }
   const std::string id = tool->id;
-  putIntoRack(path, std::move(*tool));
+  putIntoRack(path, std::move(*tool), times);
   if (run_) return reopenWith(path);
   say(id + " is in the rack: open something to cut with it");
 }
@@ -141,11 +175,12 @@ void Workbench::reopenWith(const fs::path& tool_file, std::vector<CaseBeside> fu
   std::vector<fs::path> sources = sources_beside_;
   for (const CaseBeside& other : further) sources.push_back(other.folder);
   const bool is_unexported = hasUnexportedCut();
+  const TissueChoices seen = tissues_->choices();
   close();
   auto closing = std::exchange(when_over_, {});
   has_written_ = false;
   when_over_ = [this, closing = std::move(closing), before, session, plan, source, name, tool, kept, further, sources,
-                is_unexported] {
+                is_unexported, seen] {
     const std::size_t told = notices_.size();
     closing();
     if (has_failed_) return;                  // what was cut is in its log: nothing is opened over that
@@ -159,12 +194,13 @@ void Workbench::reopenWith(const fs::path& tool_file, std::vector<CaseBeside> fu
            [next, options](const Progress& progress) { return openToCut(next, options, progress); });
     if (!job_) return;
     const auto show_it = std::exchange(when_over_, {});
-    when_over_ = [this, show_it, plan, source, name, tool, sources, is_unexported] {
+    when_over_ = [this, show_it, plan, source, name, tool, sources, is_unexported, seen] {
       is_reopening_ = true;
       has_unexported_before_ = is_unexported;
       show_it();
       is_reopening_ = false;
       if (!run_) return;
+      tissues_->choose(seen);
       source_ = source;
       name_ = name;
       sources_beside_ = sources;
@@ -182,19 +218,20 @@ void Workbench::watchTools() {
   next_watch_ = now + std::chrono::seconds(1);
 
   for (std::size_t n = 0; n < tools_.size(); ++n) {
-    const ToolTimes times = timesOf(tools_[n]);
-    const bool is_there = times.file && (times.mesh || !tools_[n].tool.mesh);
-    if (!is_there || times == tool_times_[n]) continue;
-    const fs::path file = tools_[n].file;
-    const fs::path changed = times.file == tool_times_[n].file ? tools_[n].tool.mesh_file : file;
+    const ToolTimes seen = timesOf(n);
+    const bool is_there = seen.file && (seen.mesh || !tools_[n].tool.mesh || tool_errors_[n]);
+    if (!is_there || seen == tool_times_[n]) continue;
+    const fs::path file = tools_[n].file, mesh = tools_[n].tool.mesh_file;
+    const bool is_mesh = seen.file == tool_times_[n].file && !mesh.empty();
+    const ToolTimes times = timesOf(file);
     auto tool = readTool(file);
     if (!tool) {
-      keepBroken(file, tool.error(), false);
+      keepBroken({file, tool.error(), times});
       complain(tool.error());
       continue;
     }
-    say(fmt::format("{} was changed: it is read anew", changed.filename().string()));
-    putIntoRack(file, std::move(*tool));
+    say(fmt::format("{} was changed: it is read anew", (is_mesh ? mesh : file).filename().string()));
+    putIntoRack(file, std::move(*tool), times);
     if (run_ && n == tool_) return reopenWith(file);
   }
   watchBrokenTools();
@@ -204,16 +241,16 @@ void Workbench::watchTools() {
 void Workbench::watchBrokenTools() {
   for (std::size_t n = 0; n < broken_tools_.size(); ++n) {
     BrokenTool& broken = broken_tools_[n];
-    const auto time = timeOf(broken.file);
-    if (!time || time == broken.time) continue;
-    broken.time = time;
+    const ToolTimes times = timesOf(broken.file);
+    if (!times.file || times == broken.times) continue;
+    broken.times = times;
     auto tool = readTool(broken.file);
     if (!tool) {
       broken.error = tool.error();
       continue;
     }
     const BrokenTool mended = broken;
-    putIntoRack(mended.file, std::move(*tool));
+    putIntoRack(mended.file, std::move(*tool), times);
     say(mended.file.filename().string() + " can be read now: it is in the rack");
     if (run_ && mended.is_asked_for) reopenWith(mended.file);
     return;  // the others in a second
