@@ -137,6 +137,39 @@ TEST_F(ToolRackTest, AFileThatIsNoToolStandsInTheRackUntilItIsOne) {
   EXPECT_TRUE(comes([&] { return bench_.toolError(3) == nullptr; }));
 }
 
+TEST_F(ToolRackTest, TheNextToolIsTheNextOneThatIsSeen) {
+  ASSERT_TRUE(favourite("disc-22"));
+  ASSERT_TRUE(favourite("round-010"));
+  ASSERT_EQ(shown(), (Ids{"disc-22", "round-010", "round-014"}));
+  const auto after = [&](const char* command) {
+    EXPECT_TRUE(runAppCommand(context_, command));
+    return bench_.tool(bench_.toolInHand()).id;
+  };
+  ASSERT_TRUE(bench_.selectTool("disc-22"));
+  EXPECT_EQ(after("tool.next"), "round-010");
+  EXPECT_EQ(after("tool.next"), "round-014");
+  EXPECT_EQ(after("tool.next"), "disc-22") << "behind the last one comes the first";
+  EXPECT_EQ(after("tool.previous"), "round-014");
+  EXPECT_EQ(after("tool.previous"), "round-010");
+}
+
+TEST_F(ToolRackTest, ABrokenFileThatTheProgramWasToldOfIsWatched) {
+  const fs::path file = folder_.write("mine.toml", std::string(kBur) + "head_diamter = 3\n");
+  WorkbenchOptions told = in(folder_);
+  told.data_folder = folder_.path() / "other data";
+  told.tools = {"round-014", file.string()};
+  Workbench bench(told);
+  ASSERT_EQ(bench.brokenTools().size(), 1u);
+  EXPECT_EQ(bench.brokenTools()[0].file, file);
+  EXPECT_EQ(bench.toolCount(), 1u);
+  rewrite(file, kBur);
+  EXPECT_TRUE(comes([&] {
+    bench.update();
+    return bench.toolCount() == 2;
+  }));
+  EXPECT_TRUE(bench.brokenTools().empty());
+}
+
 // A point of 2 x 2 mm at its widest, so long upwards from (0, 0, 0).
 Mesh pointedTool(double length) {
   Mesh out;
@@ -153,13 +186,23 @@ Mesh pointedTool(double length) {
   return out;
 }
 
+const char* const kPoint =
+    "format = \"kerf-tool\"\nversion = 1\nid = \"point\"\nname = \"Point\"\nkind = \"mesh\"\nmesh = \"point.stl\"\n"
+    "mm_per_unit = 1.0\ntip = [0.0, 0.0, 0.0]\naxis = [0.0, 0.0, 1.0]\ncut_below = 4.0\n";
+
+TEST_F(ToolRackTest, AFileWhoseMeshIsBrokenIsAToolAsSoonAsTheMeshIsMended) {
+  const fs::path mesh = folder_.write("point.stl", "solid nothing\n");
+  bench_.addTool(folder_.write("point.toml", kPoint));
+  ASSERT_EQ(bench_.brokenTools().size(), 1u);
+  ASSERT_TRUE(writeMesh(mesh, pointedTool(10)));
+  fs::last_write_time(mesh, fs::file_time_type::clock::now() + std::chrono::seconds(5));
+  EXPECT_TRUE(comes([&] { return bench_.brokenTools().empty() && isInHand("point"); }));
+}
+
 TEST_F(ToolRackTest, AToolMadeOfAMeshIsReadAnewWhenItsMeshChanges) {
   const fs::path mesh = folder_.path() / "point.stl";
   ASSERT_TRUE(writeMesh(mesh, pointedTool(10)));
-  bench_.addTool(folder_.write("point.toml",
-                               "format = \"kerf-tool\"\nversion = 1\nid = \"point\"\nname = \"Point\"\nkind = "
-                               "\"mesh\"\nmesh = \"point.stl\"\nmm_per_unit = 1.0\ntip = [0.0, 0.0, 0.0]\naxis = [0.0, "
-                               "0.0, 1.0]\ncut_below = 4.0\n"));
+  bench_.addTool(folder_.write("point.toml", kPoint));
   ASSERT_TRUE(comes([&] { return isInHand("point"); })) << bench_.notices().back().text;
   const auto length = [&] { return isInHand("point") ? bounds(*bench_.tool(bench_.toolInHand()).mesh).max[2] : 0; };
   EXPECT_NEAR(length(), 10, 1e-5);

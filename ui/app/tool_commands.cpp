@@ -7,13 +7,20 @@
 #include "ui/app/command_words.h"
 #include "ui/app/pointing.h"
 #include "ui/app/settings.h"
+#include "ui/app/tool_rack.h"
 
 namespace kerf::tool_commands {
 namespace {
 
-std::size_t toolBeside(const AppContext& c, std::size_t way) {
-  const std::size_t count = std::max<std::size_t>(c.bench.toolCount(), 1);
-  return (c.bench.toolInHand() + way) % count;
+// In the order of the rack with all its tools, favourites first.   @param step  1 or -1.
+std::size_t toolBeside(const AppContext& c, std::ptrdiff_t step) {
+  RackView view{.shows_all = true};
+  if (c.settings) view.favourites = c.settings->values.favourite_tools;
+  const std::vector<std::size_t> rows = rackRows(c.bench, view);
+  const auto at = std::find(rows.begin(), rows.end(), c.bench.toolInHand());
+  if (at == rows.end()) return c.bench.toolInHand();
+  const auto count = static_cast<std::ptrdiff_t>(rows.size());
+  return rows[static_cast<std::size_t>((at - rows.begin() + step + count) % count)];
 }
 
 }  // namespace
@@ -54,7 +61,7 @@ Expected<void> nextTool(AppContext& c, AppWords) {
 }
 
 Expected<void> previousTool(AppContext& c, AppWords) {
-  c.bench.selectTool(toolBeside(c, c.bench.toolCount() - 1));
+  c.bench.selectTool(toolBeside(c, -1));
   return {};
 }
 
