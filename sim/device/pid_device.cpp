@@ -42,7 +42,11 @@ struct PidDevice::State {
   void update(const PidWish& wish);
   void startAgain();
   void end();
-  void send(const PidReports::Report& report) { (port.write(report) ? has_sent : has_lost) = true; }
+  bool send(const PidReports::Report& report) {
+    const bool is_taken = port.write(report);
+    (is_taken ? has_sent : has_lost) = true;
+    return is_taken;
+  }
   void countRound();
 
   struct Wish {
@@ -51,16 +55,17 @@ struct PidDevice::State {
   };
   HidPort port;
   const PidReports reports;
-  ZeroGuard guard;
+  ZeroGuard guard;                                  // of the thread, once that runs
   std::uint8_t constant = 0, damper = 0, sine = 0;  // blocks; 0: it has none
   TripleBuffer<Wish> wishes;
-  std::atomic<bool> is_stopping{false}, is_connected{true};
+  std::atomic<bool> is_stopping{false}, is_connected{true}, is_guarded{true};
 
   // The thread alone.
   PidWish last;
   double angle = 0;
   std::int64_t started_ns = 0, sine_started_ns = 0;
   bool has_sent = false, has_lost = false;  // this round
+  bool is_unsure = false;                   // the round before lost a report: all is said again
   int failures = 0;
   std::thread thread;
 };
@@ -136,22 +141,23 @@ void PidDevice::State::countRound() {
     failures = 0;
   else if (has_lost)
     ++failures;
+  is_unsure = has_lost;
   has_sent = has_lost = false;
 }
 
 void PidDevice::State::update(const PidWish& wish) {
   const double size = std::hypot(wish.right, wish.away);
-  if (wish.right != last.right || wish.away != last.away) {
+  if (is_unsure || wish.right != last.right || wish.away != last.away) {
     const double wanted = size > 0 ? std::atan2(wish.away, wish.right) : angle;
-    if (std::abs(wanted - angle) > kTurned) {
+    if (is_unsure || std::abs(wanted - angle) > kTurned) {
       angle = wanted;
       send(reports.set(PidEffect::kConstant, constant, angle));
     }
     send(reports.constant(constant, size));
   }
-  if (damper && wish.damping != last.damping)
+  if (damper && (is_unsure || wish.damping != last.damping))
     for (const int axis : {0, 1}) send(reports.damper(damper, wish.damping, axis));
-  if (sine && (wish.shake != last.shake || wish.shake_hz != last.shake_hz))
+  if (sine && (is_unsure || wish.shake != last.shake || wish.shake_hz != last.shake_hz))
     send(reports.sine(sine, wish.shake, wish.shake_hz));
   last = wish;
 }
@@ -163,7 +169,9 @@ void PidDevice::State::write() {
     const Wish& newest = wishes.front();
     const double age = 1e-9 * static_cast<double>(deviceClock() - newest.wished_ns);
     PidWish wish = newest.wished_ns != 0 && age < kStale ? newest.wish : PidWish{};
-    if (!guard.isThere() || !std::isfinite(wish.right) || !std::isfinite(wish.away) || !std::isfinite(wish.damping) ||
+    const bool has_guard = guard.isThere();
+    is_guarded.store(has_guard, std::memory_order_release);
+    if (!has_guard || !std::isfinite(wish.right) || !std::isfinite(wish.away) || !std::isfinite(wish.damping) ||
         !std::isfinite(wish.shake) || !std::isfinite(wish.shake_hz))
       wish = {};
     update(wish);
@@ -171,15 +179,19 @@ void PidDevice::State::write() {
     countRound();
     std::this_thread::sleep_for(kPause);
   }
-  is_connected.store(failures < kMostFailures, std::memory_order_release);
-  if (failures < kMostFailures) end();
+  const bool is_gone = failures >= kMostFailures;
+  if (!is_gone) end();
+  guard = {};
+  is_connected.store(!is_gone, std::memory_order_release);
 }
 
+// Its guard stops what it does not let itself be stopped by from here.
 void PidDevice::State::end() {
-  send(reports.control(PidControl::kStopAll));
+  const bool is_stopped = send(reports.control(PidControl::kStopAll));
   for (const std::uint8_t block : {constant, damper, sine})
     if (block) send(reports.free(block));
   send(reports.control(PidControl::kDisable));
+  if (is_stopped) guard.release();
 }
 
 PidDevice::PidDevice(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -233,5 +245,6 @@ void PidDevice::set(const PidWish& wish) noexcept {
 }
 
 bool PidDevice::isConnected() const noexcept { return state_->is_connected.load(std::memory_order_acquire); }
+bool PidDevice::isGuarded() const noexcept { return state_->is_guarded.load(std::memory_order_acquire); }
 
 }  // namespace kerf

@@ -5,9 +5,9 @@
 //   PidDevice:  reset, stop all, actuators on ─▶ create and load an effect each ─▶ start; then updates,
 //               and starts anew; at the end stop all, free each, actuators off
 //
-// A guard (zero_guard.h) stops all effects when Kerf is killed. And an effect lasts PidReports::kLasts and is started
-// again long before: a device whose Kerf was stopped ends it by itself. One whose effects have no duration goes on;
-// stopsByItself() tells.
+// A guard (zero_guard.h) stops all effects when Kerf is killed, or ends and the device does not take its stop. And an
+// effect lasts PidReports::kLasts and is started again long before: a device whose Kerf was stopped ends it by itself.
+// One whose effects have no duration goes on; stopsByItself() tells.
 //
 // PidReports: functions of their arguments alone. PidDevice: a thread that writes, at most 250 updates a second.
 #pragma once
@@ -104,6 +104,8 @@ class PidDevice {
   /// The newest wish, to be repeated. Any one thread. Never waits.
   void set(const PidWish& wish) noexcept;
   bool isConnected() const noexcept;
+  /// False: its guard has ended, and it is given no force any more. Any thread.
+  bool isGuarded() const noexcept;
 
  private:
   struct State;

@@ -98,9 +98,9 @@ struct RumblePad::State {
   };
   HidPort port;
   const PadKind kind;
-  ZeroGuard guard;
+  ZeroGuard guard;  // of the thread, once that runs
   TripleBuffer<Wish> wishes;
-  std::atomic<bool> is_stopping{false}, is_connected{true};
+  std::atomic<bool> is_stopping{false}, is_connected{true}, is_guarded{true};
   std::thread thread;
 };
 
@@ -114,19 +114,26 @@ void RumblePad::State::write() {
     failures = is_taken ? 0 : failures + 1;
     last = rumble;
     written = now;
+    return is_taken;
   };
   while (!is_stopping.load(std::memory_order_acquire) && failures < kMostFailures) {
     wishes.update();
     const std::int64_t now = deviceClock();
     const Wish& wish = wishes.front();
     const bool is_news = wish.wished_ns != 0 && static_cast<double>(now - wish.wished_ns) < 1e9 * kStale;
-    const Rumble wanted = is_news && guard.isThere() ? wish.rumble : Rumble{};
+    const bool has_guard = guard.isThere();
+    is_guarded.store(has_guard, std::memory_order_release);
+    const Rumble wanted = is_news && has_guard ? wish.rumble : Rumble{};
     const bool fades = last != Rumble{} && now - written > kAgain;
-    if (wanted != last || fades) send(wanted, now);
+    if (wanted != last || fades || failures > 0) send(wanted, now);
     std::this_thread::sleep_for(kPause);
   }
-  if (failures < kMostFailures && written != 0) send({}, deviceClock());
-  is_connected.store(failures < kMostFailures, std::memory_order_release);
+
+  // What it does not take from here its guard may bring it.
+  const bool is_gone = failures >= kMostFailures;
+  if (!is_gone && (written == 0 || send({}, deviceClock()))) guard.release();
+  guard = {};
+  is_connected.store(!is_gone, std::memory_order_release);
 }
 
 RumblePad::RumblePad(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -156,7 +163,7 @@ Expected<std::unique_ptr<RumblePad>> RumblePad::open(std::uint16_t vendor, std::
     if (info.vendor == vendor && info.product == product && padKindOf(info)) alike.push_back(info);
   // A pad has one interface with motors; those of its sound are no HID.
   if (alike.size() == 1) return open(alike.front(), *padKindOf(alike.front()));
-  return fail({.code = alike.empty() ? Error::Code::kNotFound : Error::Code::kBadValue,
+  return fail({.code = alike.empty() ? Error::Code::kUnsupported : Error::Code::kBadValue,
                .place = "gamepad",
                .found = alike.empty() ? fmt::format("{:04x}:{:04x}, which is not known to shake", vendor, product)
                                       : fmt::format("{} pads alike", alike.size()),
@@ -165,6 +172,7 @@ Expected<std::unique_ptr<RumblePad>> RumblePad::open(std::uint16_t vendor, std::
 
 PadKind RumblePad::kind() const noexcept { return state_->kind; }
 bool RumblePad::isConnected() const noexcept { return state_->is_connected.load(std::memory_order_acquire); }
+bool RumblePad::isGuarded() const noexcept { return state_->is_guarded.load(std::memory_order_acquire); }
 
 void RumblePad::set(const Rumble& rumble) noexcept {
   State::Wish& wish = state_->wishes.back();

@@ -4,7 +4,7 @@
 //   window ──newest wish──▶ thread ──report──▶ pad          at most 100 a second, and only what has changed
 //
 // A pad goes on shaking until it is told otherwise: a wish older than kStale is zero, and so is the end. When Kerf is
-// killed a guard (zero_guard.h) tells it; without one it does not shake.
+// killed, or the pad does not take the end from here, a guard (zero_guard.h) tells it; without one it does not shake.
 #pragma once
 
 #include <array>
@@ -36,7 +36,7 @@ class RumblePad {
  public:
   static constexpr double kStale = 0.2;  ///< s
 
-  /// @param vendor, product  of the pad that is in use.   Errors: kNotFound: none, or one that cannot shake; kBadValue:
+  /// @param vendor, product  of the pad that is in use.   Errors: kUnsupported: none that is known to shake; kBadValue:
   /// several alike; those of HidPort::open() and ZeroGuard::start().
   static Expected<std::unique_ptr<RumblePad>> open(std::uint16_t vendor, std::uint16_t product);
   static Expected<std::unique_ptr<RumblePad>> open(const HidInfo& info, PadKind kind);
@@ -48,8 +48,10 @@ class RumblePad {
   PadKind kind() const noexcept;
   /// The newest wish; to be repeated. Any one thread. Never waits.
   void set(const Rumble& rumble) noexcept;
-  /// False: it was unplugged.
+  /// False: it was unplugged, or takes no report.
   bool isConnected() const noexcept;
+  /// False: its guard has ended, and it does not shake any more. Any thread.
+  bool isGuarded() const noexcept;
 
  private:
   struct State;

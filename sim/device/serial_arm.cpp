@@ -85,7 +85,8 @@ struct SerialArm::State {
   void exchange();
   bool receive(int wait_ms);
   void takeLine(std::string_view line);
-  bool send(const ForceFrame& force);
+  enum class Sent { kWhole, kNotWhole, kGone };
+  Sent send(const ForceFrame& force);
 
   std::string path;
   int fd = -1;
@@ -115,7 +116,7 @@ void SerialArm::State::exchange() {
     const std::int64_t now = deviceClock();
     if ((has_answer && now - asked >= kPeriod) || now - asked >= kAnswerBy) {
       const bool has_guard = guard.isThere();
-      if (!send(has_guard ? arm->link_.answer(newest, now) : ForceFrame{})) break;
+      if (send(has_guard ? arm->link_.answer(newest, now) : ForceFrame{}) == Sent::kGone) break;
       const std::lock_guard lock(thread.mutex);
       is_unguarded = !has_guard;
       asked = now;
@@ -123,7 +124,10 @@ void SerialArm::State::exchange() {
     }
     if (!receive(1)) break;
   }
-  (void)send({});
+
+  // Twice: the line before it may have been taken in part. Else its guard writes zero.
+  const bool is_ended = send({}) == Sent::kWhole;
+  if (send({}) == Sent::kWhole && is_ended) guard.release();
 
   // As long as somebody has the port of an unplugged arm open, the arm comes back as another one.
   if (!thread.isStopping()) {
@@ -190,7 +194,7 @@ void SerialArm::State::takeLine(std::string_view text) {
   arm->publish(newest);
 }
 
-bool SerialArm::State::send(const ForceFrame& force) {
+SerialArm::State::Sent SerialArm::State::send(const ForceFrame& force) {
   std::array<char, 64> text{};
   const Vec3d currents = force.is_enabled ? woodyCurrents(serialWoody(), jacobian, force.force) : Vec3d(Vec3d::Zero());
   const std::size_t size = writeSerialLine(currents, text);
@@ -198,11 +202,12 @@ bool SerialArm::State::send(const ForceFrame& force) {
   const std::lock_guard lock(thread.mutex);
   if (written < 0 && errno != EAGAIN) {
     is_unplugged = true;
-    return false;
+    return Sent::kGone;
   }
-  thread.counts.forces += written == static_cast<ssize_t>(size);
+  const bool is_whole = written == static_cast<ssize_t>(size);
+  thread.counts.forces += is_whole;
   thread.counts.is_enabled = force.is_enabled;
-  return true;
+  return is_whole ? Sent::kWhole : Sent::kNotWhole;
 }
 
 SerialArm::SerialArm(const ArmSettings& settings, const Rigid3& start, std::unique_ptr<State> state)

@@ -146,10 +146,15 @@ bool ZeroGuard::isThere() const noexcept {
   return ::poll(&end, 1, 0) == 0;
 }
 
+void ZeroGuard::release() noexcept {
+  const char not_needed = 'n';
+  if (socket_ >= 0) (void)::send(socket_, &not_needed, 1, MSG_NOSIGNAL);
+  end();
+}
+
 void ZeroGuard::end() noexcept {
   if (socket_ >= 0) {
-    const char not_needed = 'n';
-    (void)::send(socket_, &not_needed, 1, MSG_NOSIGNAL);
+    ::shutdown(socket_, SHUT_RDWR);  // for a child of this process, too, that was forked meanwhile and has it open
     ::close(socket_);
   }
   if (process_ > 0) {

@@ -4,7 +4,7 @@
 //   PATH     node of the device: kept open
 //   REPORT   bytes as hexadecimal digits: each is one write, in this order
 //   input    a socket. It says one byte when the node is open, and waits: for a byte, then it ends; for the end, which
-//            the system makes however the other process ends, then it writes the reports
+//            the other process makes, or the system however that one ends, then it writes the reports
 #include <fcntl.h>
 #include <poll.h>
 #include <sys/socket.h>
@@ -13,6 +13,7 @@
 #include <cerrno>
 #include <charconv>
 #include <csignal>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -31,12 +32,17 @@ bool readReport(std::string_view digits, Report& out) {
   return true;
 }
 
-// A serial port whose buffer is full is waited for; what a device that is gone says is nothing to be mended.
-void writeReport(int device, const Report& report) {
+// A serial port whose buffer is full is waited for, and may take a part first; what a device that is gone says is
+// nothing to be mended.
+void writeReport(int device, std::span<const unsigned char> left) {
   constexpr int kTries = 50, kWaitMs = 20;
-  for (int n = 0; n < kTries; ++n) {
-    if (::write(device, report.data(), report.size()) >= 0) return;
-    if (errno != EAGAIN && errno != EINTR) return;
+  for (int n = 0; n < kTries && !left.empty(); ++n) {
+    const ssize_t size = ::write(device, left.data(), left.size());
+    if (size > 0) {
+      left = left.subspan(static_cast<std::size_t>(size));
+      continue;
+    }
+    if (size < 0 && errno != EAGAIN && errno != EINTR) return;
     pollfd waits{device, POLLOUT, 0};
     ::poll(&waits, 1, kWaitMs);
   }

@@ -55,6 +55,9 @@ struct Node {
   bool is_gone = false;
   bool holds_writes = false;  // guarded by mutex, as the next
   std::vector<UMockdevIoctlClient*> held;
+  std::function<bool(const Bytes&)> is_lost;  // guarded by mutex, as the next
+  std::function<void(const Bytes&)> heard;
+  int generation = 1, taken_from = 1;  // of who writes: by the first write; older ones are refused
   std::function<Bytes(std::uint8_t)> get_feature;
   std::function<void(const Bytes&)> set_feature;
   bool is_bluetooth = false;
@@ -152,14 +155,24 @@ gboolean onRead(UMockdevIoctlBase*, UMockdevIoctlClient* client, gpointer user) 
   return TRUE;
 }
 
+// A client is a file that somebody has open.
+bool isRefused(const Node& node, UMockdevIoctlClient* client) {
+  constexpr const char* kSince = "kerf-writes-since";
+  if (!g_object_get_data(G_OBJECT(client), kSince))
+    g_object_set_data(G_OBJECT(client), kSince, GINT_TO_POINTER(node.generation));
+  return GPOINTER_TO_INT(g_object_get_data(G_OBJECT(client), kSince)) < node.taken_from;
+}
+
 // While it holds the node's mutex.
 void takeWrite(Node& node, UMockdevIoctlClient* client) {
-  if (node.is_gone) {
+  const UMockdevIoctlData* const data = umockdev_ioctl_client_get_arg(client);
+  const Bytes report(data->data, data->data + data->data_len);
+  if (node.is_gone || isRefused(node, client) || (node.is_lost && node.is_lost(report))) {
     umockdev_ioctl_client_complete(client, -1, EIO);
     return;
   }
-  const UMockdevIoctlData* const data = umockdev_ioctl_client_get_arg(client);
-  node.written.emplace_back(data->data, data->data + data->data_len);
+  node.written.push_back(report);
+  if (node.heard) node.heard(report);
   umockdev_ioctl_client_complete(client, static_cast<glong>(data->data_len), 0);
 }
 
@@ -330,6 +343,24 @@ void HidTestbed::setFeatures(int node_number, std::function<Bytes(std::uint8_t n
   Node& node = *state_->nodes.at(node_number);
   node.get_feature = std::move(get);
   node.set_feature = std::move(set);
+}
+
+void HidTestbed::loseWrites(int node_number, std::function<bool(const Bytes&)> is_lost) {
+  Node& node = *state_->nodes.at(node_number);
+  const std::lock_guard lock(node.mutex);
+  node.is_lost = std::move(is_lost);
+}
+
+void HidTestbed::refuseWriters(int node_number) {
+  Node& node = *state_->nodes.at(node_number);
+  const std::lock_guard lock(node.mutex);
+  node.taken_from = ++node.generation;
+}
+
+void HidTestbed::listen(int node_number, std::function<void(const Bytes&)> heard) {
+  Node& node = *state_->nodes.at(node_number);
+  const std::lock_guard lock(node.mutex);
+  node.heard = std::move(heard);
 }
 
 void HidTestbed::letOthersLook() {

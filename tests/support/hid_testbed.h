@@ -53,6 +53,12 @@ class HidTestbed {
   void setFeatures(int node, std::function<Bytes(std::uint8_t number)> get, std::function<void(const Bytes&)> set);
   /// Who is not the owner of its files may list devices, as on a real system.
   void letOthersLook();
+  /// Writes of which this says so fail. Called by a thread of the testbed, one at a time.
+  void loseWrites(int node, std::function<bool(const Bytes&)> is_lost);
+  /// Writes of everybody who has written to the node so far fail from now on; those of others are taken.
+  void refuseWriters(int node);
+  /// Told of each report that was taken, by a thread of the testbed.
+  void listen(int node, std::function<void(const Bytes&)> heard);
   /// Where its files are in truth: to take a permission away.
   std::string realPath(int node) const;
 

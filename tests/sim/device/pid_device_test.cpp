@@ -146,6 +146,24 @@ TEST_F(PidDevices, EffectsAreCreatedLoadedStartedAndFreed) {
             (std::vector<Bytes>{{0x0C, 4}, {0x0B, 1}, {0x0B, 2}, {0x0B, 3}, {0x0C, 2}}));
 }
 
+TEST_F(PidDevices, AForceThatItDidNotTakeIsToldAgain) {
+  plugIn(3);
+  auto device = PidDevice::open(listHid().front());
+  ASSERT_TRUE(device) << device.error().message();
+  const Bytes pushes{5, 1, 0x00, 0x40}, rest{5, 1, 0, 0};
+  const auto isTold = [&](const PidWish& wish, const Bytes& expected) {
+    return until([&] {
+      (*device)->set(wish);
+      const auto all = bed_->written(0);
+      return std::find(all.begin(), all.end(), expected) != all.end();
+    });
+  };
+  ASSERT_TRUE(isTold({.right = 0.5}, pushes));
+  bed_->loseWrites(0, [rest, n = 0](const Bytes& report) mutable { return report == rest && n++ == 0; });
+  bed_->forgetWritten(0);
+  EXPECT_TRUE(isTold({}, rest));
+}
+
 TEST_F(PidDevices, AnArduinosEffectsAreCreatedStartedAndFreed) {
   plugIn(3, arduinoDescriptor(), 6);
   auto device = PidDevice::open(listHid().front());

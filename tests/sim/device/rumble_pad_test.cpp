@@ -70,6 +70,23 @@ TEST_F(Pads, ShakeWhileTheyAreToldAndStandStillAtTheEnd) {
   EXPECT_EQ(bed_->lastWritten(0)[6], 0);
 }
 
+TEST_F(Pads, AreToldAgainWhatTheyDidNotTake) {
+  bed_->plugIn({.vendor = 0x054c, .product = 0x0ce6, .name = "DualSense", .interfaces = {{1, 5}}});
+  auto pad = RumblePad::open(0x054c, 0x0ce6);
+  ASSERT_TRUE(pad) << pad.error().message();
+  ASSERT_TRUE(until([&] {
+    (*pad)->set({1, 1});
+    return !bed_->written(0).empty();
+  }));
+  const Bytes rest = rumbleReport(PadKind::kDualSense, {}, 0);
+  bed_->loseWrites(0, [n = 0](const Bytes&) mutable { return n++ < 2; });
+  EXPECT_TRUE(until([&] {
+    (*pad)->set({});
+    return lastWritten() == rest;
+  })) << "two reports were lost";
+  EXPECT_TRUE((*pad)->isConnected());
+}
+
 // A report of that many bytes: what it begins and ends with, zeros between.
 Bytes whole(Bytes head, std::size_t size, const Bytes& tail = {}) {
   head.resize(size - tail.size());

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cmath>
 #include <filesystem>
 
@@ -56,6 +57,10 @@ class SerialPort : public testing::Test {
     std::string heard;
     std::array<char, 256> bytes{};
     while (!is_off_) {
+      if (hangs_) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        continue;
+      }
       pollfd waits{far_, POLLIN, 0};
       if (::poll(&waits, 1, 5) <= 0 || !(waits.revents & POLLIN)) continue;
       const ssize_t size = ::read(far_, bytes.data(), bytes.size());
@@ -111,7 +116,7 @@ class SerialPort : public testing::Test {
   int far_ = -1;
   std::string name_;
   std::thread firmware_;
-  std::atomic<bool> is_off_{false}, is_silent_{false};
+  std::atomic<bool> is_off_{false}, is_silent_{false}, hangs_{false};
   std::mutex mutex_;
   std::string says_ = "[3,40,-3000,5000,0,0,0,0]\n", last_;  // guarded by mutex_, as the next
   int lines_ = 0;
@@ -148,6 +153,36 @@ TEST_F(SerialPort, GivesForceOnceItStoodInItsHomePoseAndAnswersEachLine) {
     EXPECT_TRUE(until([&] { return pusher.is_valid && said() == moved; })) << "it is asked again";
   }
   EXPECT_TRUE(until([&] { return said() == "[0,0,0]"; })) << "no current at the end";
+}
+
+// It takes nothing any more, and the system's buffer is full: the zero of the end does not fit.
+TEST_F(SerialPort, ItsGuardBringsTheZeroThatDidNotFitAtTheEnd) {
+  auto arm = open();
+  ASSERT_TRUE(arm && calibrated(*arm));
+  arm->enable(true);
+  const std::string node = name_.substr(std::string("serial:").size());
+  {
+    Pusher pusher(*arm, {0, 0, 1});
+    ASSERT_TRUE(until([&] { return said() != "[0,0,0]"; }));
+    hangs_ = true;
+    const int more = ::open(node.c_str(), O_WRONLY | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+    ASSERT_GE(more, 0);
+    constexpr std::string_view kForce = "[9,9,9]\n";
+    EXPECT_TRUE(until([&] {
+      while (::write(more, kForce.data(), kForce.size()) > 0)
+        ;
+      return errno == EAGAIN;
+    }));
+    ::close(more);
+  }
+  // It goes on once this process has closed the port.
+  std::thread wakes([&] {
+    EXPECT_TRUE(until([&] { return openFilesOf(node) == 0; }));
+    hangs_ = false;
+  });
+  arm.reset();
+  wakes.join();
+  EXPECT_TRUE(until([&] { return said() == "[0,0,0]"; })) << said();
 }
 
 TEST_F(SerialPort, AnErrorThatTheArmTellsOfTakesTheForceAway) {

@@ -1,5 +1,5 @@
-// What takes a force away when Kerf is killed: the guard by itself, and behind each device that would go on. How long
-// it takes: hid_arm_loop_test.cpp.
+// What takes a force away when Kerf is killed, or cannot do so at its end: the guard by itself, and behind each device
+// that would go on. How long it takes: hid_arm_loop_test.cpp.
 #include "sim/device/zero_guard.h"
 
 #include <fcntl.h>
@@ -18,29 +18,14 @@
 #include "tests/sim/device/force_scene.h"
 #include "tests/sim/device/pid_scene.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/woody_firmware.h"
+#include "tests/support/zero_guard_process.h"
 
 namespace kerf {
 namespace {
 
 using namespace test;
 namespace fs = std::filesystem;
-
-// The guard that a process has started; 0: none. Of several any one.
-pid_t guardOf(pid_t parent) {
-  for (const auto& entry : fs::directory_iterator("/proc")) {
-    std::ifstream file(entry.path() / "stat");
-    std::string text;
-    std::getline(file, text);
-    const std::size_t name = text.find("(kerf-zero-guard)");
-    if (name == text.npos) continue;
-    char state = 0;
-    pid_t its_parent = 0;
-    if (std::sscanf(text.c_str() + name, "(kerf-zero-guard) %c %d", &state, &its_parent) == 2 && its_parent == parent &&
-        state != 'Z')
-      return std::stoi(entry.path().filename().string());
-  }
-  return 0;
-}
 
 Bytes contentOf(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
@@ -76,7 +61,19 @@ TEST_F(GuardedFile, IsWrittenWhenItsProgramIsKilledAndNotBefore) {
   EXPECT_TRUE(until([&] { return ::kill(guard, 0) != 0; })) << "it ends";
 }
 
-TEST_F(GuardedFile, IsLeftAloneAtACleanEnd) {
+TEST_F(GuardedFile, IsWrittenWhenItsGuardIsLetGoUnreleased) {
+  pid_t process = 0;
+  {
+    const auto guard = ZeroGuard::start(file_, reports_);
+    ASSERT_TRUE(guard) << guard.error().message();
+    process = guardOf(::getpid());
+    ASSERT_NE(process, 0);
+  }
+  EXPECT_TRUE(until([&] { return contentOf(file_) == (Bytes{0, 0x0A, 0xFF, '%', '\\', 'n', 0, 0}); }));
+  EXPECT_TRUE(until([&] { return guardOf(::getpid()) == 0; })) << "it ends";
+}
+
+TEST_F(GuardedFile, IsLeftAloneOnceItsGuardIsReleased) {
   pid_t process = 0;
   {
     auto guard = ZeroGuard::start(file_, reports_);
@@ -87,6 +84,8 @@ TEST_F(GuardedFile, IsLeftAloneAtACleanEnd) {
     ZeroGuard moved = std::move(*guard);
     EXPECT_TRUE(moved.isThere());
     EXPECT_FALSE(guard->isThere());
+    moved.release();
+    EXPECT_FALSE(moved.isThere());
   }
   EXPECT_NE(::kill(process, 0), 0) << "it has ended, and was waited for";
   EXPECT_EQ(contentOf(file_), Bytes());
@@ -116,14 +115,8 @@ class KilledKerf : public OnTestbed {
   static constexpr SimulatedHid woody() {
     return {.vendor = 0x1234, .product = 6, .name = "Woody", .interfaces = {{0xFF00, 1}}};
   }
-  // Its firmware, at home, whatever it is told.
   void talkAsWoody() {
-    talk([] {
-      Bytes out(14);
-      out[4] = 6000 & 255;
-      out[5] = 6000 >> 8;
-      return out;
-    });
+    talk([firmware = WoodyFirmware(*bed_, 0, {})] { return firmware.report(); });
   }
 };
 
@@ -182,6 +175,57 @@ TEST_F(KilledKerf, IsNotWaitedForOnceTheArmIsUnplugged) {
   bed_->unplug(woody());
   ASSERT_TRUE(until([&] { return arm->isGone(); }));
   EXPECT_TRUE(until([&] { return guardOf(::getpid()) == 0; }));
+}
+
+// ---- At an end whose last report is lost
+
+class ClosedKerf : public KilledKerf {};
+
+TEST_F(ClosedKerf, LeavesNoCurrentInAWoodyThatTakesNoReportFromIt) {
+  bed_->plugIn(woody());
+  talkAsWoody();
+  auto arm = open();
+  ASSERT_TRUE(arm && calibrated(*arm));
+  arm->enable(true);
+  {
+    Pusher pusher(*arm, {0, 0, 1});
+    ASSERT_TRUE(until([&] { return lastWritten() != Bytes(15); }));
+    bed_->refuseWriters(0);
+    bed_->forgetWritten(0);
+  }
+  EXPECT_TRUE(bed_->written(0).empty());
+  arm.reset();
+  EXPECT_TRUE(until([&] { return bed_->written(0) == (std::vector{Bytes(15), Bytes(15)}); })) << "by its guard";
+}
+
+TEST_F(ClosedKerf, LetsAPadThatTakesNoReportFromItStandStill) {
+  bed_->plugIn({.vendor = 0x054c, .product = 0x0ce6, .name = "Pad", .interfaces = {{1, 5}}});
+  auto pad = RumblePad::open(0x054c, 0x0ce6);
+  ASSERT_TRUE(pad) << pad.error().message();
+  ASSERT_TRUE(until([&] {
+    (*pad)->set({1, 1});
+    return !bed_->written(0).empty();
+  }));
+  bed_->refuseWriters(0);
+  bed_->forgetWritten(0);
+  ASSERT_TRUE(until([&] {
+    (*pad)->set({});
+    return !(*pad)->isConnected();
+  }));
+  const std::vector<std::uint8_t> rest = rumbleReport(PadKind::kDualSense, {}, 0);
+  EXPECT_TRUE(until([&] { return bed_->written(0) == (std::vector<Bytes>{rest}); })) << "by its guard, once";
+}
+
+class ClosedPid : public PidDevices {};
+
+TEST_F(ClosedPid, StopsAllEffectsOfADeviceThatTakesNoReportFromIt) {
+  plugIn(3);
+  auto device = PidDevice::open(listHid().front());
+  ASSERT_TRUE(device) << device.error().message();
+  bed_->refuseWriters(0);
+  bed_->forgetWritten(0);
+  device->reset();
+  EXPECT_TRUE(until([&] { return bed_->written(0) == (std::vector<Bytes>{{0x0C, 4}, {0x0C, 2}}); })) << "by its guard";
 }
 
 struct Pad {
