@@ -1,11 +1,14 @@
 // The window's pad on a simulated one: what it is told through a cut, a pause, a latch, another pad, and the end.
 // Skipped where umockdev is not preloaded.
 #include <gtest/gtest.h>
+#include <signal.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <thread>
 
 #include "tests/support/hid_testbed.h"
+#include "tests/support/zero_guard_process.h"
 #include "ui/app/pad_rumble.h"
 
 namespace kerf {
@@ -82,6 +85,23 @@ TEST_F(PadWhileItDrills, StandsStillWhenTheWindowHangsAndAtTheEnd) {
   ASSERT_TRUE(isTold(pad_, rumbleOf(cuts_, 1), shakes_));
   rumble_.reset();
   EXPECT_EQ(bed_->lastWritten(0), rest_);
+}
+
+TEST_F(PadWhileItDrills, StandsStillWithoutItsGuardAndThatIsToldOnce) {
+  ASSERT_TRUE(isTold(pad_, rumbleOf(cuts_, 1), shakes_));
+  ::kill(test::guardOf(::getpid()), SIGKILL);
+  std::optional<std::string> told;
+  ASSERT_TRUE(until([&] { return (told = rumble_->update(pad_, rumbleOf(cuts_, 1))).has_value(); }));
+  EXPECT_NE(told->find("guards it is gone"), std::string::npos) << *told;
+  EXPECT_EQ(rumble_->trouble().find("the process that guards it is gone"), 0u) << "for the panel";
+  EXPECT_TRUE(isTold(pad_, rumbleOf(cuts_, 1), rest_));
+}
+
+TEST_F(PadWhileItDrills, ThatTakesNoReportForAWhileIsOpenedAgain) {
+  ASSERT_TRUE(isTold(pad_, rumbleOf(cuts_, 1), shakes_));
+  bed_->refuseWriters(0);
+  EXPECT_TRUE(isTold(pad_, {}, rest_)) << "by its guard";
+  EXPECT_TRUE(isTold(pad_, rumbleOf(cuts_, 1), shakes_)) << "who opens it now is heard";
 }
 
 TEST_F(PadWhileItDrills, ThatIsPluggedOutIsForgotten) {

@@ -76,7 +76,7 @@ void JoystickLink::State::takeOpened() {
   if (!opened)
     force_trouble = opened.error().message();
   else if (!(*opened)->stopsByItself())
-    force_trouble = "its effects have no end of their own: they would go on if this program were killed";
+    force_trouble = "its effects have no end of their own: they would go on if this program hung";
   else
     pid = std::move(*opened);
 }
@@ -118,6 +118,7 @@ std::string JoystickLink::force() const {
   if (!s.is_pid) return "it has no force feedback of the class PID";
   if (!s.gives_force) return "not asked for: kerf-sim --joystick-force, experimental";
   if (!s.force_trouble.empty()) return s.force_trouble;
+  if (s.pid && !s.pid->isGuarded()) return "it gives no force: the process that guards it is gone; plug it out and in";
   return "damped and shaken while it drills, experimental";
 }
 
