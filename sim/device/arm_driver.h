@@ -47,6 +47,8 @@ struct ArmDriver {
                        ArmReportBytes& out) noexcept;
   /// The report that says: this is the home pose. 0: there is none, it needs no calibration.
   std::size_t (&calibrate)(const HidInfo& info, ArmReportBytes& out) noexcept;
+  /// What its encoders say is its home pose, but for what a hand that holds it there trembles: it took calibrate().
+  bool (&isAtHome)(const ArmState& state) noexcept;
 };
 
 std::span<const ArmDriver* const> armDrivers();

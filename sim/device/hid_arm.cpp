@@ -17,6 +17,7 @@ namespace {
 
 constexpr std::int64_t kSendAgain =
     5'000'000;  // ns, when there is nothing new to say: an arm in lock-step waits for it
+constexpr std::int64_t kTakesHome = 1'000'000'000;  // ns, until its reports say that it was calibrated
 
 std::string listOf(const std::vector<FoundArm>& arms) {
   std::string out;
@@ -63,6 +64,7 @@ struct HidArm::State {
   bool receive();
   void answer(std::int64_t now);
   void sendCalibration();
+  void confirmCalibration(std::int64_t now);
 
   const FoundArm what;
   std::optional<HidPort> port;  // none: it was unplugged
@@ -75,20 +77,26 @@ struct HidArm::State {
   ArmLink::Hand newest;
   ForceFrame last;
   std::int64_t last_sent = 0;
+  std::int64_t calibrated_ns = 0;  // when it was told that it is at home; 0: it is not waited for
 
   internal::ArmThread thread;
-  bool is_unplugged = false, is_stuck = false, is_unguarded = false;  // guarded by the thread's mutex
+  // Guarded by the thread's mutex.
+  bool is_unplugged = false, is_stuck = false, is_unguarded = false;
+  bool ignores_calibration = false;
 };
 
 void HidArm::State::exchange() {
   while (!thread.isStopping()) {
     if (!receive()) break;
     if (wants_calibration.exchange(false)) sendCalibration();
+    if (calibrated_ns != 0) confirmCalibration(deviceClock());
     answer(deviceClock());
   }
   ArmReportBytes bytes{};
   const std::size_t size = what.driver->write({}, now, what.info, bytes);
-  for (int n = 0; n < 2; ++n) port->write({bytes.data(), size});
+  bool is_taken = false;
+  for (int n = 0; n < 2; ++n) is_taken = port->write({bytes.data(), size}) || is_taken;
+  if (is_taken) guard.release();  // else it writes no force
 
   // As long as somebody has the node of an unplugged arm open, the arm comes back as another one.
   if (!thread.isStopping()) {
@@ -156,7 +164,23 @@ void HidArm::State::answer(std::int64_t when) {
 void HidArm::State::sendCalibration() {
   ArmReportBytes bytes{};
   const std::size_t size = what.driver->calibrate(what.info, bytes);
-  if (size > 0 && port->write({bytes.data(), size})) arm->link_.needs_calibration = false;
+  arm->link_.needs_calibration = true;
+  port->write({bytes.data(), size});
+  calibrated_ns = deviceClock();
+  const std::lock_guard lock(thread.mutex);
+  ignores_calibration = false;
+}
+
+// A firmware that does not know the command leaves its encoders where they were, which may be anywhere.
+void HidArm::State::confirmCalibration(std::int64_t when) {
+  if (newest.came_ns > calibrated_ns && what.driver->isAtHome(now)) {
+    calibrated_ns = 0;
+    arm->link_.needs_calibration = false;
+  } else if (when - calibrated_ns > kTakesHome) {
+    calibrated_ns = 0;
+    const std::lock_guard lock(thread.mutex);
+    ignores_calibration = true;
+  }
 }
 
 HidArm::HidArm(const ArmSettings& settings, const Rigid3& start, std::unique_ptr<State> state)
@@ -195,6 +219,10 @@ ArmCounts HidArm::counts() const {
     out.trouble = "it takes no report: plug it out and in";
   else if (state_->is_unguarded)
     out.trouble = "it gives no force: the process that guards it is gone; close it, and open it anew";
+  else if (state_->ignores_calibration)
+    out.trouble =
+        "it did not take its calibration: hold it still in its home pose and calibrate it again; if it never takes it, "
+        "its firmware does not know how";
   else if (!out.is_talking)
     out.trouble = "it says nothing: switch it on; another program may have taken it";
   return out;
@@ -208,6 +236,7 @@ bool HidArm::isGone() const {
 bool HidArm::calibrate() {
   ArmReportBytes bytes{};
   if (state_->what.driver->calibrate(state_->what.info, bytes) == 0) return false;
+  link_.needs_calibration = true;
   state_->wants_calibration = true;
   return true;
 }

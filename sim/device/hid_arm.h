@@ -40,6 +40,8 @@ class HidArm final : public ForceArm {
 
   std::string what() const override;
   ArmCounts counts() const override;
+  /// It is taken to have done so once a later report says that its encoders stand at home; after a second without one
+  /// counts() says that it did not.
   bool calibrate() override;
   bool isGone() const override;
 

@@ -87,6 +87,7 @@ std::size_t write(const ForceFrame& force, const ArmState&, const HidInfo&, ArmR
 }
 
 std::size_t calibrate(const HidInfo&, ArmReportBytes&) noexcept { return 0; }
+bool isAtHome(const ArmState&) noexcept { return true; }  // it is never asked
 
 }  // namespace
 
@@ -163,6 +164,7 @@ const ArmDriver kRawArm{"rawhid",
                         nameOf,
                         take,
                         write,
-                        calibrate};
+                        calibrate,
+                        isAtHome};
 
 }  // namespace kerf

@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <numbers>
 
 #include "sim/device/arm_driver.h"
@@ -81,6 +82,14 @@ std::size_t calibrate(const HidInfo& info, ArmReportBytes& out) noexcept {
   return 1 + lengthFor(info);
 }
 
+bool isAtHome(const ArmState& state) noexcept {
+  constexpr int kTrembles = 50;  // counts: up to 3 mm at the tip
+  const WoodyModel model = theModel();
+  for (std::size_t n = 0; n < 3; ++n)
+    if (std::abs(state.counts[n] - model.home[n]) > kTrembles) return false;
+  return true;
+}
+
 }  // namespace
 
 WoodyPose woodyPose(const WoodyModel& m, const std::array<int, 6>& counts) noexcept {
@@ -117,6 +126,7 @@ const ArmDriver kWoody{"woody",
                        nameOf,
                        take,
                        write,
-                       calibrate};
+                       calibrate,
+                       isAtHome};
 
 }  // namespace kerf

@@ -14,6 +14,7 @@
 #include "sim/device/raw_arm.h"
 #include "tests/support/hid_testbed.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/woody_firmware.h"
 
 namespace kerf {
 namespace {
@@ -166,9 +167,10 @@ TEST_F(DevicesCommand, ALiveSessionWithAWoodyAsksForItsHomePose) {
                            (folder.path() / "out.run").string() + " ";
   bed_->plugIn({.vendor = 0x1234, .product = 6, .name = "Woody", .interfaces = {{0xFF00, 1}}});
   std::atomic<bool> is_over{false};
+  const test::WoodyFirmware encoders(*bed_, 0, {});
   std::thread firmware([&] {
     while (!is_over) {
-      bed_->send(0, Bytes(14));
+      bed_->send(0, encoders.report());
       std::this_thread::sleep_for(milliseconds(1));
     }
   });

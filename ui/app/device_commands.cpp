@@ -163,7 +163,7 @@ Expected<void> calibrate(AppContext& c, AppWords) {
   if (!armOf(c).arm()->calibrate())
     return wrongWord(armOf(c).arm()->what() + ", which needs no calibration", "a device that does", "");
   armOf(c).disarmForce();  // its hand leaps
-  c.bench.say("The place where the device stands now is its home pose.");
+  c.bench.say("The device is told that it stands in its home pose now.");
   return {};
 }
 

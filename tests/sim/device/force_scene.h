@@ -29,10 +29,13 @@ bool until(const Condition& holds, int most_ms = 20000) {
   }
   return holds();
 }
-// An arm that needs it stands in its home pose.
-inline bool calibrated(ForceArm& arm) {
+// An arm that needs it stands in its home pose.   @param step  of its firmware, where that has no thread.
+inline bool calibrated(ForceArm& arm, const std::function<void()>& step = {}) {
   if (!arm.needsCalibration()) return true;
-  return arm.calibrate() && until([&] { return !arm.needsCalibration(); });
+  return arm.calibrate() && until([&] {
+           if (step) step();
+           return !arm.needsCalibration();
+         });
 }
 
 // Another process that does something again and again, until it is killed as by kill -9.

@@ -3,12 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <limits>
 #include <numbers>
 
 #include "sim/device/hid_arm.h"
 #include "tests/sim/device/force_scene.h"
 #include "tests/sim/device/simulated_arm.h"
+#include "tests/support/temporary_folder.h"
 
 namespace kerf {
 namespace {
@@ -88,10 +91,10 @@ class HidLoop : public OnTestbed, public testing::WithParamInterface<Kind> {
                ? raw_
                : SimulatedHid{.vendor = 0x1234, .product = 6, .name = "Woody", .interfaces = {{0xFF00, 1}}};
   }
-  std::unique_ptr<ForceArm> opened() {
+  std::unique_ptr<ForceArm> opened(SimulatedArm& body) {
     auto arm = open();
     if (!arm) return nullptr;
-    EXPECT_TRUE(calibrated(*arm));
+    EXPECT_TRUE(calibrated(*arm, [&] { body.answer(); }));
     arm->enable(true);
     arm->arm();
     return arm;
@@ -147,7 +150,7 @@ TEST_P(HidLoop, NoEnergyGrowsAgainstAWallAtTheRatedStiffnessAndTheClampHolds) {
   auto opened = openArm(HidTestbed::path(0), {.limits = {.force = 3, .rate = 5000, .ramp_s = 0.02}});
   ASSERT_TRUE(opened) << opened.error().message();
   ForceArm& arm = *opened->arm;
-  ASSERT_TRUE(calibrated(arm));
+  ASSERT_TRUE(calibrated(arm, [&] { body.answer(); }));
   arm.enable(true);
   arm.arm();
 
@@ -183,7 +186,7 @@ TEST_P(HidLoop, NoEnergyGrowsAgainstAWallAtTheRatedStiffnessAndTheClampHolds) {
 
 TEST_P(HidLoop, AStallOfTheHapticThreadTakesTheForceAway) {
   SimulatedArm body(*bed_, GetParam(), pressesFor(100), bodyOf(GetParam(), profile_));
-  auto arm = opened();
+  auto arm = opened(body);
   ASSERT_TRUE(arm);
   Wall wall(coupling_);
   press(body, *arm, wall);
@@ -199,7 +202,7 @@ TEST_P(HidLoop, AStallOfTheHapticThreadTakesTheForceAway) {
 
 TEST_P(HidLoop, AForceThatIsNoNumberTakesTheForceAwayForGood) {
   SimulatedArm body(*bed_, GetParam(), pressesFor(100), bodyOf(GetParam(), profile_));
-  auto arm = opened();
+  auto arm = opened(body);
   ASSERT_TRUE(arm);
   Wall wall(coupling_);
   press(body, *arm, wall);
@@ -214,7 +217,7 @@ TEST_P(HidLoop, AForceThatIsNoNumberTakesTheForceAwayForGood) {
 
 TEST_P(HidLoop, AnUnpluggedArmIsKnownAndALeftOneGivesNoForce) {
   SimulatedArm body(*bed_, GetParam(), pressesFor(100), bodyOf(GetParam(), profile_));
-  auto arm = opened();
+  auto arm = opened(body);
   ASSERT_TRUE(arm);
   Wall wall(coupling_);
   press(body, *arm, wall);
@@ -230,18 +233,25 @@ TEST_P(HidLoop, AnUnpluggedArmIsKnownAndALeftOneGivesNoForce) {
 // An arm by Kerf's profile has its deadline; a Woody goes on, but for the guard. Where others take all of the machine a
 // guard comes late: one round of five in which it did not is enough.
 TEST_P(HidLoop, AKilledKerfLeavesNoForceBehind) {
-  SimulatedArm body(*bed_, GetParam(), pressesFor(1000), bodyOf(GetParam(), profile_));
+  const TemporaryFolder folder;
   int fewest = SimulatedArm::kWoodyWatchdog;
   for (int round = 0; round < 5 && fewest > kForceless; ++round) {
+    SimulatedArm body(*bed_, GetParam(), pressesFor(1000), bodyOf(GetParam(), profile_));
+    const std::filesystem::path begun = folder.path() / std::to_string(round);
     Doomed kerf([&]() -> std::function<void()> {
       auto opened = openArm(HidTestbed::path(0), {.limits = {.force = 3, .rate = 500, .ramp_s = 0.1}});
       if (!opened || !calibrated(*opened->arm)) return {};
       opened->arm->enable(true);
       opened->arm->arm();
+      std::ofstream(begun) << "";
       const std::shared_ptr<ForceArm> arm = std::move(opened->arm);
       return [arm, wall = std::make_shared<Wall>(coupling_)] { arm->write({wall->force(arm->read()), Vec3d::Zero()}); };
     });
     ASSERT_GT(kerf.process(), 0);
+    ASSERT_TRUE(until([&] {
+      body.answer();
+      return std::filesystem::exists(begun);
+    })) << "it begins to press once it is taken";
     // Both on the clock now.
     for (int steps = 0; steps < 20000 && !(body.force()[2] > 0.5 && body.ticksWithForce() > 50); ++steps) {
       std::this_thread::sleep_for(milliseconds(1));

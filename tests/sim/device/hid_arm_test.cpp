@@ -9,6 +9,7 @@
 #include "sim/device/raw_arm.h"
 #include "sim/device/woody_arm.h"
 #include "tests/sim/device/force_scene.h"
+#include "tests/support/woody_firmware.h"
 
 namespace kerf {
 namespace {
@@ -60,14 +61,6 @@ TEST(WoodyArm, NoCurrentIsLargerThanTheMotorsBear) {
   EXPECT_LT((huge.normalized() - little.normalized()).norm(), 1e-9) << "its direction is kept";
 }
 
-Bytes woodyReport(const std::array<int, 6>& counts, std::size_t size) {
-  Bytes out(size);
-  for (std::size_t n = 0; n < 6; ++n) {
-    out[2 * n] = static_cast<std::uint8_t>(counts[n] & 255);
-    out[2 * n + 1] = static_cast<std::uint8_t>((counts[n] >> 8) & 255);
-  }
-  return out;
-}
 int wordAt(const Bytes& bytes, std::size_t at) { return static_cast<std::int16_t>(bytes[at] | (bytes[at + 1] << 8)); }
 
 // ---- Kerf's own profile
@@ -174,9 +167,9 @@ TEST_F(HidArms, WoodyOfBothLengthsGivesItsPlaceAndGetsCurrents) {
       bed_->plugIn({.vendor = 0x16c0, .product = 0x486, .name = "Teensy", .interfaces = {{0xFFAB, 0x200}}});
     else
       bed_->plugIn({.vendor = 0x1234, .product = 6, .name = "Woody", .interfaces = {{0xFF00, 1}}});
-    const std::array<int, 6> counts{0, 3000, 5000, 0, 0, 0};
+    WoodyFirmware firmware(*bed_, 0, {-200, 4100, 77}, size);
     is_off_ = false;
-    talk([=] { return woodyReport(counts, size); });
+    talk([=] { return firmware.report(); });
     {
       auto arm = open();
       ASSERT_TRUE(arm);
@@ -198,6 +191,8 @@ TEST_F(HidArms, WoodyOfBothLengthsGivesItsPlaceAndGetsCurrents) {
         return false;
       }));
 
+      firmware.turn({0, 3000, -1000});
+      const std::array<int, 6> counts{0, 3000, 5000, 0, 0, 0};
       const Vec3d currents = woodyCurrents({}, woodyPose({}, counts).jacobian, force);
       ASSERT_TRUE(until([&] {
         const Bytes last = lastWritten();
@@ -217,6 +212,38 @@ TEST_F(HidArms, WoodyOfBothLengthsGivesItsPlaceAndGetsCurrents) {
     is_off_ = true;
     firmware_.join();
   }
+}
+
+// Its encoders count on from where it was switched on: a force by them would point elsewhere.
+TEST_F(HidArms, AWoodyThatDoesNotTakeItsCalibrationIsGivenNoForce) {
+  bed_->plugIn({.vendor = 0x1234, .product = 6, .name = "Woody", .interfaces = {{0xFF00, 1}}});
+  WoodyFirmware firmware(*bed_, 0, {0, 0, 5900});
+  firmware.ignoreCalibration(true);
+  talk([=] { return firmware.report(); });
+  auto arm = open();
+  ASSERT_TRUE(arm);
+  arm->enable(true);
+  Pusher pusher(*arm, {0, 0, 1});
+  const auto trouble = [&] { return arm->counts().trouble; };
+  ASSERT_TRUE(until([&] { return pusher.is_valid && trouble().empty(); }));
+  EXPECT_TRUE(arm->calibrate());
+  EXPECT_TRUE(until([&] { return trouble().find("did not take its calibration") != std::string::npos; })) << trouble();
+  EXPECT_TRUE(arm->needsCalibration());
+  for (const Bytes& report : bed_->written(0))
+    for (const std::size_t motor : {1, 3, 5}) EXPECT_EQ(wordAt(report, motor), 0);
+
+  firmware.ignoreCalibration(false);
+  ASSERT_TRUE(calibrated(*arm));
+  EXPECT_TRUE(until([&] { return wordAt(lastWritten(), 5) != 0; }));
+  EXPECT_TRUE(until([&] { return trouble().empty(); })) << trouble();
+
+  // Once more, and it does not take that: where it stands is not known any more.
+  firmware.turn({0, 100, 0});
+  firmware.ignoreCalibration(true);
+  EXPECT_TRUE(arm->calibrate());
+  EXPECT_TRUE(arm->needsCalibration());
+  EXPECT_TRUE(until([&] { return !trouble().empty() && lastWritten() == Bytes(15); })) << trouble();
+  EXPECT_TRUE(arm->needsCalibration());
 }
 
 TEST_F(HidArms, OurOwnProfileClosesTheLoopAndGivesNoForceWithoutNews) {

@@ -22,7 +22,8 @@ class SimulatedArm {
   /// @param path  of the hand that holds it, mm from where it begins; a Woody in its home pose.
   SimulatedArm(HidTestbed& bed, Kind kind, CutPath path, const DeviceHand::Options& hand, int node = 0)
       : bed_(bed), kind_(kind), node_(node), path_(std::move(path)), hand_(path_, hand) {
-    say(poseAt(path_, 0).translation);
+    place_ = poseAt(path_, 0).translation;
+    say(place_);
   }
   /// A millisecond: takes what was written, moves, and says where it is. False: the path is over.
   bool step() {
@@ -41,6 +42,11 @@ class SimulatedArm {
     if (goes_on) place_ = sample.T_world_device.translation;
     say(place_);
     return goes_on;
+  }
+  /// Takes what was written and says where it is, as ever; but no time goes by for its hand.
+  void answer() {
+    hear();
+    say(place_);
   }
   /// N at its tip, device frame.
   const Vec3d& force() const { return force_; }
