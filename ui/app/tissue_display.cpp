@@ -85,13 +85,15 @@ void TissueDisplay::opened(TissueSource source, const MaterialTable& materials) 
   labels_ = TissueLabels::of(*source_->object);
   for (const auto& other : source_->beside) labels_beside_.push_back(TissueLabels::of(*other));
   palette_.emplace(materials);
-  colours_ = wanted_colours_ = source_->has_scan_colours ? SurfaceColours::kScan : SurfaceColours::kTissue;
   const std::array<double, 256>& volumes = source_->object->volumes();
   for (const MaterialProperties& row : materials.rows()) {
     const auto number = static_cast<std::size_t>(row.material);
     if (number >= volumes.size() || volumes[number] < kLeast) continue;
     tissues_.push_back({row.material, row.id, row.name, row.color, volumes[number], TissueLook::kShow});
   }
+  // What is of several tissues is opened to see them: caries in enamel is no colour of the scan.
+  const bool begins_with_scan = source_->has_scan_colours && tissues_.size() <= 1;
+  colours_ = wanted_colours_ = begins_with_scan ? SurfaceColours::kScan : SurfaceColours::kTissue;
 }
 
 void TissueDisplay::closing() {

@@ -124,7 +124,7 @@ class TissueDisplay {
   /// @param beside  0: of what is worked on; n: of the n-th neighbour.
   /// @cost  as tissueSection(): once for each plane, not each frame.
   TissueSection sectionAt(const Plane& plane, std::size_t beside = 0) const;
-  /// Those of the scan from the beginning, if there are any.
+  /// From the beginning those of the scan, if it has any and is of one tissue.
   SurfaceColours colours() const { return colours_; }
   /// They say a number: depth, or distance.
   bool isMap() const { return colours_ == SurfaceColours::kDepth || colours_ == SurfaceColours::kDistance; }
