@@ -214,7 +214,11 @@ TEST_F(ImportToolTest, WhenOneOfTwoFailsNoneIsLeft) {
   EXPECT_TRUE(bench_.isImporting()) << "for another try";
   EXPECT_TRUE(!fs::exists(toolFolder()) || fs::is_empty(toolFolder()));
 
-  mustPlay("import.unit mm\nimport.start\nwait\n");
+  // A script would end at the error that was said; a person goes on.
+  ASSERT_TRUE(bench_.importPlan()->setUnit("mm"));
+  bench_.startImport();
+  do bench_.update();
+  while (bench_.job());
   EXPECT_TRUE(fs::exists(toolFolder() / "bur.toml") && fs::exists(toolFolder() / "pole.toml")) << said();
   EXPECT_FALSE(fs::exists(toolFolder() / "bur-2.toml"));
 }
