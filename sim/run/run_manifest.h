@@ -63,7 +63,7 @@ struct RunManifest {
   struct Piece {
     std::uint32_t id = 0;  ///< CutObject::id
     std::string name;
-    std::string colour{};  ///< that a person gave it: PieceLabel; empty: none
+    std::string colour{};          ///< that a person gave it: PieceLabel; empty: none
     Vec3d inside = Vec3d::Zero();  ///< a point deep inside of it, where it was loaded, mm
     double volume_mm3 = 0;         ///< as its nodes count
     Rigid3 T_case_piece;           ///< from where it was loaded to where it is

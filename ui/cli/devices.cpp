@@ -153,7 +153,8 @@ int feel(const Arguments& a) {
     auto device = PidDevice::open(info);
     if (!device) return complain(device.error());
     if (!(*device)->stopsByItself())
-      fmt::print(stderr, "{}: its effects have no duration: should one go on without this program, unplug it\n", info.path);
+      fmt::print(stderr, "{}: its effects have no duration: should one go on without this program, unplug it\n",
+                 info.path);
     repeat([&](double share) { (*device)->set({.right = 0.2 * share, .damping = 0.2, .shake = 0.1 * share}); });
     if (!(*device)->isConnected())
       return complain({.code = Error::Code::kUnreadable, .file = info.path, .found = "it takes no report"});
