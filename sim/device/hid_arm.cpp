@@ -77,7 +77,9 @@ struct HidArm::State {
   ArmLink::Hand newest;
   ForceFrame last;
   std::int64_t last_sent = 0;
+  bool is_drained = false;         // no report waits that is older than the last round
   std::int64_t calibrated_ns = 0;  // when it was told that it is at home; 0: it is not waited for
+  std::int64_t drained_ns = 0;     // reports that come from then on are younger than that; 0: not yet
 
   internal::ArmThread thread;
   // Guarded by the thread's mutex.
@@ -113,6 +115,7 @@ bool HidArm::State::receive() {
   const std::int64_t began = deviceClock();
   std::array<std::uint8_t, HidPort::kLongestReport> bytes{};
   bool has_news = false;
+  is_drained = false;
   for (int n = 0; n < kMost && deviceClock() - began < kLongest; ++n) {
     const int size = port->read(bytes, n == 0 ? 1 : 0);
     if (size < 0) {
@@ -120,7 +123,10 @@ bool HidArm::State::receive() {
       is_unplugged = true;
       return false;
     }
-    if (size == 0) break;
+    if (size == 0) {
+      is_drained = true;
+      break;
+    }
     const std::int64_t came = deviceClock();
     const std::span<const std::uint8_t> report(bytes.data(), static_cast<std::size_t>(size));
     thread.tell(came, report);
@@ -167,13 +173,17 @@ void HidArm::State::sendCalibration() {
   arm->link_.needs_calibration = true;
   port->write({bytes.data(), size});
   calibrated_ns = deviceClock();
+  drained_ns = 0;
   const std::lock_guard lock(thread.mutex);
   ignores_calibration = false;
 }
 
-// A firmware that does not know the command leaves its encoders where they were, which may be anywhere.
+// A firmware that does not know the command leaves its encoders where they were, which may be anywhere. Reports that
+// waited meanwhile say nothing of it.
 void HidArm::State::confirmCalibration(std::int64_t when) {
-  if (newest.came_ns > calibrated_ns && what.driver->isAtHome(now)) {
+  const bool is_later = drained_ns != 0 && newest.came_ns > drained_ns;
+  if (drained_ns == 0 && is_drained) drained_ns = when;
+  if (is_later && what.driver->isAtHome(now)) {
     calibrated_ns = 0;
     arm->link_.needs_calibration = false;
   } else if (when - calibrated_ns > kTakesHome) {

@@ -301,6 +301,15 @@ void HidTestbed::send(int node_number, const Bytes& report) {
   if (node.queue.size() == 1) node.wake();
 }
 
+void HidTestbed::stream(int node_number, const Bytes& report) {
+  constexpr std::size_t kMost = 64;
+  Node& node = *state_->nodes.at(node_number);
+  const std::lock_guard lock(node.mutex);
+  if (node.queue.size() >= kMost) return;
+  node.queue.push_back(report);
+  if (node.queue.size() == 1) node.wake();
+}
+
 std::vector<Bytes> HidTestbed::written(int node_number) const {
   Node& node = *state_->nodes.at(node_number);
   const std::lock_guard lock(node.mutex);

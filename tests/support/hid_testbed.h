@@ -37,6 +37,8 @@ class HidTestbed {
   void unplug(const SimulatedHid& what);
   /// A report the device sends. The system keeps them in order, each by itself.
   void send(int node, const Bytes& report);
+  /// The same of a device that never stops: where 64 wait it is lost, as in the system.
+  void stream(int node, const Bytes& report);
   /// What was written to the node so far.
   std::vector<Bytes> written(int node) const;
   static std::string path(int node) { return "/dev/hidraw" + std::to_string(node); }

@@ -170,7 +170,7 @@ TEST_F(DevicesCommand, ALiveSessionWithAWoodyAsksForItsHomePose) {
   const test::WoodyFirmware encoders(*bed_, 0, {});
   std::thread firmware([&] {
     while (!is_over) {
-      bed_->send(0, encoders.report());
+      bed_->stream(0, encoders.report());
       std::this_thread::sleep_for(milliseconds(1));
     }
   });

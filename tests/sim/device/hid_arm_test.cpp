@@ -183,8 +183,7 @@ TEST_F(HidArms, WoodyOfBothLengthsGivesItsPlaceAndGetsCurrents) {
       const std::uint64_t before = arm->counts().forces;
       ASSERT_TRUE(until([&] { return arm->counts().forces > before + 50; }));
       for (const Bytes& report : bed_->written(0)) EXPECT_EQ(report, Bytes(size + 1)) << "no force uncalibrated";
-      EXPECT_TRUE(arm->calibrate());
-      ASSERT_TRUE(until([&] { return !arm->needsCalibration(); }));
+      ASSERT_TRUE(calibrated(*arm));
       ASSERT_TRUE(until([&] {
         for (const Bytes& report : bed_->written(0))
           if (wordAt(report, 7) == 1) return wordAt(report, 13) == 6000;

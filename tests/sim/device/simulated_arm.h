@@ -117,7 +117,7 @@ class SimulatedArm {
       hand.pose.translation = place;
       hand.most_force = 8;
       const RawArmReport report = encodeRawHand(hand);
-      bed_.send(node_, Bytes(report.begin(), report.end()));
+      bed_.stream(node_, Bytes(report.begin(), report.end()));
       return;
     }
     turnTo(place);
@@ -127,7 +127,7 @@ class SimulatedArm {
       report[2 * n] = static_cast<std::uint8_t>(said & 255);
       report[2 * n + 1] = static_cast<std::uint8_t>((said >> 8) & 255);
     }
-    bed_.send(node_, report);
+    bed_.stream(node_, report);
   }
 
   HidTestbed& bed_;
