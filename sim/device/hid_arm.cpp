@@ -16,7 +16,8 @@ namespace kerf {
 namespace {
 
 constexpr std::int64_t kSendAgain =
-    5'000'000;  // ns, when there is nothing new to say: an arm in lock-step waits for it
+    5'000'000;                              // ns, when there is nothing new to say: an arm in lock-step waits for it
+constexpr std::uint64_t kMostWaiting = 64;  // reports that the system keeps
 constexpr std::int64_t kTakesHome = 1'000'000'000;  // ns, until its reports say that it was calibrated
 
 std::string listOf(const std::vector<FoundArm>& arms) {
@@ -78,8 +79,9 @@ struct HidArm::State {
   ForceFrame last;
   std::int64_t last_sent = 0;
   bool is_drained = false;         // no report waits that is older than the last round
+  std::uint64_t taken = 0;         // reports
   std::int64_t calibrated_ns = 0;  // when it was told that it is at home; 0: it is not waited for
-  std::int64_t drained_ns = 0;     // reports that come from then on are younger than that; 0: not yet
+  std::uint64_t waiting = 0;       // the last report that may have waited then
 
   internal::ArmThread thread;
   // Guarded by the thread's mutex.
@@ -110,7 +112,7 @@ void HidArm::State::exchange() {
 // Until nothing waits any more; a millisecond for the first one. An arm that talks faster than it is read must not keep
 // the force waiting. False: it is gone.
 bool HidArm::State::receive() {
-  constexpr int kMost = 64;                     // as many as the system keeps
+  constexpr int kMost = kMostWaiting;
   constexpr std::int64_t kLongest = 3'000'000;  // ns
   const std::int64_t began = deviceClock();
   std::array<std::uint8_t, HidPort::kLongestReport> bytes{};
@@ -144,6 +146,7 @@ bool HidArm::State::receive() {
     if (newest.frame.number == 0) countHand(newest.frame, counts.hands, came);  // its reports do not count
     newest.came_ns = came;
     has_news = true;
+    ++taken;
   }
   if (has_news) arm->publish(newest);
   return true;
@@ -173,7 +176,7 @@ void HidArm::State::sendCalibration() {
   arm->link_.needs_calibration = true;
   port->write({bytes.data(), size});
   calibrated_ns = deviceClock();
-  drained_ns = 0;
+  waiting = taken + kMostWaiting;
   const std::lock_guard lock(thread.mutex);
   ignores_calibration = false;
 }
@@ -181,8 +184,8 @@ void HidArm::State::sendCalibration() {
 // A firmware that does not know the command leaves its encoders where they were, which may be anywhere. Reports that
 // waited meanwhile say nothing of it.
 void HidArm::State::confirmCalibration(std::int64_t when) {
-  const bool is_later = drained_ns != 0 && newest.came_ns > drained_ns;
-  if (drained_ns == 0 && is_drained) drained_ns = when;
+  const bool is_later = taken > waiting;
+  if (is_drained) waiting = std::min(waiting, taken);
   if (is_later && what.driver->isAtHome(now)) {
     calibrated_ns = 0;
     arm->link_.needs_calibration = false;

@@ -198,8 +198,11 @@ TEST_F(HidArmLead, AWoodyIsArmedOnceItWasCalibrated) {
   ASSERT_TRUE(run("device.calibrate"));
   ASSERT_TRUE(until([&] { return !bench_->arm().arm()->needsCalibration(); })) << bench_->arm().view().missing;
   EXPECT_EQ(arm.mostForce(), 0);
-  ASSERT_TRUE(until([&] { return run("device.arm").has_value(); })) << bench_->arm().view().missing;
-  ASSERT_TRUE(until([&] { return bench_->arm().view().felt.force.norm() > 0.05 && arm.force().norm() > 0.05; }));
+  // On a busy machine its hand may be lost for a while: then it is to be armed again.
+  ASSERT_TRUE(until([&] {
+    if (!bench_->arm().isArmed()) (void)run("device.arm");
+    return bench_->arm().view().felt.force.norm() > 0.05 && arm.force().norm() > 0.05;
+  })) << bench_->arm().view().missing;
 
   // Calibrated in the middle of it: its hand leaps, and it is to be armed anew.
   ASSERT_TRUE(run("device.calibrate"));
