@@ -12,7 +12,6 @@
 #include "ui/window/gl_context.h"
 #include "ui/window/image.h"
 #include "ui/window/renderer.h"
-#include "ui/window/shading_normals.h"
 
 namespace kerf {
 namespace {
@@ -219,18 +218,6 @@ TEST(ScaleBar, IsAsLongAsItSays) {
     longest = std::max(longest, dark);
   }
   EXPECT_NEAR(longest, 100, 2);  // and half the width of the end ticks on either side
-}
-
-TEST(ShadingNormals, CreaseKeepsATetrahedronSharpAndASphereSmooth) {
-  for (const Vec3f& n : cornerNormals(skewTetrahedron(), 0.6)) EXPECT_NEAR(n.norm(), 1, 1e-6);
-  const Mesh ball = sphere(2, 4), solid = skewTetrahedron();
-  const std::vector<Vec3f> smooth = cornerNormals(ball, 0.7), sharp = cornerNormals(solid, 0.7);
-  for (std::size_t c = 0; c < smooth.size(); ++c) {
-    const Vec3d outward = ball.vertices[ball.triangles[c / 3][c % 3]].normalized();
-    EXPECT_GT(smooth[c].cast<double>().dot(outward), std::cos(0.02));
-  }
-  for (std::size_t c = 0; c < sharp.size(); ++c)
-    EXPECT_GT(sharp[c].cast<double>().dot(doubleAreaVector(solid, c / 3).normalized()), 1 - 1e-6);
 }
 
 }  // namespace

@@ -6,11 +6,11 @@
 #include <numbers>
 #include <vector>
 
+#include "geometry/mesh/shading_normals.h"
 #include "ui/app/camera.h"
 #include "ui/window/live_pages.h"
 #include "ui/window/live_renderer.h"
 #include "ui/window/live_shaders.h"
-#include "ui/window/shading_normals.h"
 
 namespace kerf::internal {
 namespace {

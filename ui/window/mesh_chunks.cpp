@@ -5,7 +5,7 @@
 #include <numbers>
 #include <tuple>
 
-#include "ui/window/shading_normals.h"
+#include "geometry/mesh/shading_normals.h"
 
 namespace kerf {
 namespace {

@@ -8,11 +8,11 @@
 #include <cstddef>
 #include <numbers>
 
+#include "geometry/mesh/ground_shadow.h"
+#include "geometry/mesh/shading_normals.h"
 #include "ui/window/gl_program.h"
 #include "ui/window/gl_target.h"
-#include "ui/window/ground_shadow.h"
 #include "ui/window/shaders.h"
-#include "ui/window/shading_normals.h"
 
 namespace kerf {
 namespace {

@@ -1,4 +1,4 @@
-#include "ui/window/shading_normals.h"
+#include "geometry/mesh/shading_normals.h"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "ui/window/ground_shadow.h"
+#include "geometry/mesh/ground_shadow.h"
 
 #include <algorithm>
 #include <cmath>
