@@ -1,5 +1,5 @@
 // What kerf-sim shows of a run: tissues on the walls of the cut, and on the plane it is cut open by.
-#include "ui/window/scene.h"
+#include "ui/app/scene.h"
 
 #include <cmath>
 #include <numbers>

@@ -23,12 +23,12 @@
 #include "ui/app/camera.h"
 #include "ui/app/command_line.h"
 #include "ui/app/manual.h"
+#include "ui/app/scene.h"
 #include "ui/app/upright.h"
 #include "ui/window/frame_times.h"
 #include "ui/window/gl_context.h"
 #include "ui/window/image.h"
 #include "ui/window/renderer.h"
-#include "ui/window/scene.h"
 #include "ui/window/window.h"
 #include "ui/window/workshop.h"
 

@@ -3,7 +3,7 @@
 
 #include "geometry/base/error.h"
 #include "ui/app/camera.h"
-#include "ui/window/scene.h"
+#include "ui/app/scene.h"
 
 namespace kerf {
 

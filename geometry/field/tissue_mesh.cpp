@@ -1,4 +1,4 @@
-#include "ui/window/tissue_view.h"
+#include "geometry/field/tissue_mesh.h"
 
 #include <algorithm>
 #include <array>

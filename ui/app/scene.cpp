@@ -1,4 +1,4 @@
-#include "ui/window/scene.h"
+#include "ui/app/scene.h"
 
 #include <fmt/format.h>
 
@@ -8,10 +8,10 @@
 #include <utility>
 
 #include "geometry/case/case_bundle.h"
+#include "geometry/field/tissue_mesh.h"
 #include "sim/run/export_bundle.h"
 #include "sim/run/run_files.h"
 #include "ui/app/mesh_in_mm.h"
-#include "ui/window/tissue_view.h"
 
 namespace kerf {
 namespace {

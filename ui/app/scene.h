@@ -34,7 +34,7 @@ struct Scene {
 /// declares, or from what its size says, with a note.
 /// A case of several materials, and a run of one, is coloured by them, cut walls too; a run of a case of one material
 /// has its cut faces in their own colour.
-/// @param cut  shows a case or a run cut open by a plane (tissue_view.h). An error for a mesh file, which has no
+/// @param cut  shows a case or a run cut open by a plane (tissue_mesh.h). An error for a mesh file, which has no
 /// inside, for kCut on a case, and for a plane that takes all of the object away; one that takes nothing away makes a
 /// note.   @param unit  of a mesh file; empty: as it says.
 /// @return an error naming what is missing, for a folder that is neither.
