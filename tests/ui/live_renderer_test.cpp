@@ -14,11 +14,11 @@
 #include "geometry/field/sample_field.h"
 #include "sim/live/chunk_occlusion.h"
 #include "tests/ui/picture_compare.h"
+#include "ui/app/mesh_chunks.h"
 #include "ui/app/pointing.h"
 #include "ui/bench/scenes/carved_field.h"
 #include "ui/window/gl_context.h"
 #include "ui/window/gl_target.h"
-#include "ui/window/mesh_chunks.h"
 #include "ui/window/still_picture.h"
 
 namespace kerf {
@@ -683,23 +683,6 @@ TEST_F(LivePicture, SupersamplingSmoothsEdgesAndMovesNothing) {
   EXPECT_NEAR(count(smooth, isIvory) / double(count(rough, isIvory)), 1, 0.02);
 }
 
-TEST(MeshChunks, HoldEveryTriangleOnceAndKeepItsColour) {
-  const Mesh bur = redBur().mesh;
-  Mesh joined;
-  for (const ColouredChunk& made : chunksOf(bur, 0.7)) {
-    ASSERT_EQ(made.colours.size(), made.chunk.vertices.size());
-    for (const Vec3f& n : made.chunk.normals) EXPECT_NEAR(n.norm(), 1, 1e-5);
-    for (const Rgba8& c : made.colours) EXPECT_EQ(c[0], 200);
-    Mesh part;
-    for (const Vec3f& p : made.chunk.vertices) part.vertices.push_back(p.cast<double>());
-    for (const auto& t : made.chunk.triangles) part.triangles.push_back({t[0], t[1], t[2]});
-    append(joined, part);
-  }
-  EXPECT_EQ(joined.triangles.size(), bur.triangles.size());
-  EXPECT_NEAR(signedVolume(joined) / signedVolume(bur), 1, 1e-5);
-  EXPECT_TRUE(chunksOf({}).empty());
-}
-
 // ---- A still picture
 
 TEST_F(LivePicture, OfAStillSceneGetsSmoothFromFrameToFrameAndStartsAnewWhenAnythingMoves) {
@@ -760,22 +743,6 @@ TEST_F(LivePicture, OfAStillSceneGetsSmoothFromFrameToFrameAndStartsAnewWhenAnyt
   renderer_->setVisible(0, true);
   drawn();
   EXPECT_EQ(still.samples(), 2);
-}
-
-TEST(MeshChunks, ACellWithTooManyVerticesIsDivided) {
-  Mesh strip;
-  for (std::uint32_t n = 0; n < 30000; ++n) {
-    const double x = 1e-4 * n;
-    const auto first = static_cast<std::uint32_t>(strip.vertices.size());
-    for (const Vec3d& p : {Vec3d(x, 0, 0), Vec3d(x + 1e-4, 0, 0), Vec3d(x, 1, 0)}) strip.vertices.push_back(p);
-    strip.triangles.push_back({first, first + 1, first + 2});
-  }
-  std::size_t triangles = 0;
-  for (const ColouredChunk& made : chunksOf(strip, 10)) {
-    EXPECT_LE(made.chunk.vertices.size(), 65536u);
-    triangles += made.chunk.triangles.size();
-  }
-  EXPECT_EQ(triangles, 30000u);
 }
 
 }  // namespace

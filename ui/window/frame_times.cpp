@@ -8,10 +8,10 @@
 #include <ctime>
 #include <numbers>
 
+#include "ui/app/mesh_chunks.h"
 #include "ui/window/gl_context.h"
 #include "ui/window/gl_target.h"
 #include "ui/window/live_renderer.h"
-#include "ui/window/mesh_chunks.h"
 #include "ui/window/renderer.h"
 
 namespace kerf {

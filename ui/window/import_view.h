@@ -12,8 +12,8 @@
 #include "ui/app/camera.h"
 #include "ui/app/import_set.h"
 #include "ui/app/job.h"
+#include "ui/app/mesh_chunks.h"
 #include "ui/window/live_renderer.h"
-#include "ui/window/mesh_chunks.h"
 
 namespace kerf {
 

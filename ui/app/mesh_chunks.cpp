@@ -1,4 +1,4 @@
-#include "ui/window/mesh_chunks.h"
+#include "ui/app/mesh_chunks.h"
 
 #include <algorithm>
 #include <map>
