@@ -5,7 +5,8 @@
 #   scripts/cases scans out tool=round-014 path=cut.toml
 #
 # scans    a folder of STL, PLY, OBJ, OFF and 3MF meshes, and of case recipes (.toml; keep their parts in a folder below)
-# out      where NAME.case, NAME.run, NAME.stl and NAME.json go, and report.csv with a line for each, warnings too
+# out      where NAME.case, NAME.run, NAME.stl and NAME.json go, and report.csv with a line for each: numbers of the result,
+#          why it failed, warnings, unit, how many vertices of the scan are not in the result, what closing changed
 # voxel    mm; without it the recipe's, or 0.1
 # bake     more options of kerf bake, as "--close repair"
 # tool, path   what to cut with, and along what; without them the closed scans are exported
@@ -31,6 +32,7 @@ OUT = config.get("out", "out/cases")
 REPORT = os.path.join(OUT, "report.csv")
 BAKE = (f"--voxel {config['voxel']} " if "voxel" in config else "") + str(config.get("bake", ""))
 TOOL, PATH = config.get("tool"), config.get("path")
+VOLUMES = (".nii", ".nii.gz", ".nrrd", ".nhdr", ".mha", ".mhd", ".dcm")
 FORMATS = (".stl", ".ply", ".obj", ".off", ".3mf", ".toml")
 KEYS = ("scans", "out", "voxel", "bake", "tool", "path", "mem_mb", "runtime", "kerf")
 
@@ -50,16 +52,31 @@ if not SCANS or not os.path.isdir(SCANS):
 if bool(TOOL) != bool(PATH):
     raise WorkflowError("tool and path belong together: --config tool=round-014 path=cut.toml")
 
-inputs = {}
+inputs, left_out = {}, []
 for name in sorted(os.listdir(SCANS)):
     stem, extension = os.path.splitext(name)
     if extension.lower() not in FORMATS:
+        if os.path.isfile(os.path.join(SCANS, name)) and not name.startswith("."):
+            left_out.append(name)
         continue
     if stem in inputs:
         raise WorkflowError(f"{inputs[stem]} and {name} would both become {stem}.case. Try: rename one")
     inputs[stem] = os.path.join(SCANS, name)
 if not inputs:
     raise WorkflowError(f"no meshes and no recipes in {SCANS}; expected files ending in {', '.join(FORMATS)}")
+
+
+def say(sentence):
+    print(f"cases: {sentence}", file=sys.stderr, flush=True)
+
+
+def say_what_is_left_out():
+    """A scan that is in no line of the report would be missed by nobody."""
+    if not left_out:
+        return
+    has_volume = any(name.lower().endswith(VOLUMES) for name in left_out)
+    say(f"left out, no mesh and no recipe by {'its name' if len(left_out) == 1 else 'their names'}: {', '.join(left_out)}."
+        + (" A volume takes a recipe that says what its labels are: docs/reference/recipes.md" if has_volume else ""))
 
 
 # A result that somebody deleted is made again. A scan that failed has none: its row is for the report to take away. All of
@@ -124,7 +141,7 @@ rule scan:
         os.path.join(OUT, "log", "{name}.txt"),
     shell:
         """
-        exec >{log:q} 2>&1
+        exec 3>&2 >{log:q} 2>&1
         rm -f {params.mesh:q} {params.check:q}
         step() {{ step=$1; echo "== kerf $*" >&2; {params.kerf:q} "$@"; }}
         bake() {{ step bake {input.scan:q} -o {params.case:q} {params.bake} "$@"; }}
@@ -142,6 +159,8 @@ rule scan:
         code=0
         scan || code=$?
         echo "$step $code" >{output.row:q}
+        if [ "$code" = 0 ]; then said=done; else said="$step failed"; fi
+        echo "cases: "{wildcards.name:q}": $said" >&3
         """
 
 
@@ -162,6 +181,19 @@ def warnings_of(name):
     return "; ".join(dict.fromkeys(said))
 
 
+def told_by_case(name):
+    """Of its manifest: unit, vertices of the scan that are not in the result, what closing changed."""
+    try:
+        with open(os.path.join(OUT, name + ".case", "case.toml"), "rb") as file:
+            case = tomllib.load(file)
+        close = case["close"]
+        units = "; ".join(dict.fromkeys(source["unit"] for source in case.get("source", []) if source.get("unit")))
+        lost = close.get("numbers", {}).get("vertices_lost")
+        return [units, "" if lost is None else int(lost), "; ".join(close.get("changes", []))]
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):  # kerf has said what is wrong with it
+        return ["", "", ""]
+
+
 # Without an output: it runs every time, and nothing of it is taken away when it says that something failed.
 rule report:
     default_target: True
@@ -169,10 +201,11 @@ rule report:
         expand(os.path.join(OUT, "log", "{name}.row"), name=inputs),
     run:
         keys = ("triangles", "pieces", "volume_mm3", "area_mm2", "print_ready")
+        text_of = lambda v: str(v).lower() if isinstance(v, bool) else f"{v:.3f}" if isinstance(v, float) else v
         failed, warned = [], []
         with open(os.path.join(OUT, "report.csv.part"), "w", newline="") as file:
             table = csv.writer(file, lineterminator="\n")
-            table.writerow(["name", "status", *keys[:-1], "is_print_ready", "reason", "warnings"])
+            table.writerow(["name", "status", *keys[:-1], "is_print_ready", "reason", "warnings", "unit", "vertices_lost", "changes"])
             for name, row in zip(inputs, input):
                 step, code = open(row).read().split()
                 warnings = warnings_of(name)
@@ -181,18 +214,18 @@ rule report:
                 if code == "0":
                     with open(os.path.join(OUT, name + ".json")) as check:
                         numbers = json.load(check)
-                    values = [numbers.get(key, "") for key in keys]
-                    table.writerow([name, "ok", *(str(v).lower() if isinstance(v, bool) else v for v in values), "", warnings])
+                    values = [text_of(numbers.get(key, "")) for key in keys]
+                    table.writerow([name, "ok", *values, "", warnings, *told_by_case(name)])
                 else:
                     failed.append(row)
-                    table.writerow([name, step + " failed", *("" for key in keys), reason(name, step, code), warnings])
+                    empty = ["" for key in keys]
+                    table.writerow([name, step + " failed", *empty, reason(name, step, code), warnings, "", "", ""])
         os.replace(file.name, REPORT)
+        say_what_is_left_out()
         if warned:
-            print(f"cases: WARNINGS about {len(warned)} of {len(inputs)}: {', '.join(warned)}. What: {REPORT}", file=sys.stderr)
+            say(f"WARNINGS about {len(warned)} of {len(inputs)}: {', '.join(warned)}. What: {REPORT}")
         for row in failed:  # to be tried again next time
             os.remove(row)
-        if failed:
-            raise WorkflowError(f"{len(failed)} of {len(inputs)} failed")
 
 
 onstart:
@@ -200,10 +233,14 @@ onstart:
         os.remove(REPORT)
 
 
-onerror:
-    if os.path.exists(REPORT):
+# Scans that failed are no error of the workflow, which would be told in Snakemake's words. It is over, and kept nothing back.
+onsuccess:
+    if os.path.exists(REPORT):  # none where only some rules were asked for
         with open(REPORT, newline="") as file:
             rows = list(csv.DictReader(file))
         failed = [row["name"] for row in rows if row["status"] != "ok"]
-        print(f"cases: {len(failed)} of {len(rows)} failed: {', '.join(failed)}. "
-              f"Reasons: {REPORT}; logs: {os.path.join(OUT, 'log')}. Started again, only these are tried again.", file=sys.stderr)
+        if failed:
+            say(f"{len(failed)} of {len(rows)} failed: {', '.join(failed)}. "
+                f"Reasons: {REPORT}; logs: {os.path.join(OUT, 'log')}. Started again, only these are tried again.")
+            os._exit(1)
+        say(f"{len(rows)} of {len(rows)} done: {REPORT}")
