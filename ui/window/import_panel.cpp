@@ -9,6 +9,7 @@
 #include <numbers>
 #include <string>
 
+#include "ui/app/import_guides.h"
 #include "ui/app/import_set.h"
 #include "ui/app/pointing.h"
 #include "ui/window/style.h"
@@ -380,22 +381,12 @@ void drawWords(ImDrawList& list, const ImVec2& at, const std::string& text) {
 // A rectangle of the plane, as wide as the box.
 void drawPlane(ImDrawList& list, const Projection& at, const Plane& plane, const Box3& box, const char* name,
                ImU32 line) {
-  const Vec3d n = plane.normal.normalized();
-  Eigen::Index axis = 0;
-  n.cwiseAbs().minCoeff(&axis);
-  Vec3d u = Vec3d::Unit(axis);
-  u = (u - u.dot(n) * n).normalized();
-  const Vec3d v = n.cross(u), c = box.center() - n * n.dot(box.center() - plane.point);
-  double half_u = 0, half_v = 0;
-  for (int k = 0; k < 8; ++k) {
-    half_u = std::max(half_u, std::abs(u.dot(box.corner(k) - c)));
-    half_v = std::max(half_v, std::abs(v.dot(box.corner(k) - c)));
-  }
-  const ImVec2 corners[4] = {at(c + half_u * u + half_v * v), at(c - half_u * u + half_v * v),
-                             at(c - half_u * u - half_v * v), at(c + half_u * u - half_v * v)};
-  list.AddPolyline(corners, 4, line, ImDrawFlags_Closed, 2);
+  const std::array<Vec3d, 4> rectangle = rectangleOf(plane, box);
+  std::array<ImVec2, 4> corners;
+  std::transform(rectangle.begin(), rectangle.end(), corners.begin(), at);
+  list.AddPolyline(corners.data(), 4, line, ImDrawFlags_Closed, 2);
   const ImVec2 high =
-      *std::min_element(corners, corners + 4, [](const ImVec2& a, const ImVec2& b) { return a.y < b.y; });
+      *std::min_element(corners.begin(), corners.end(), [](const ImVec2& a, const ImVec2& b) { return a.y < b.y; });
   drawWords(list, {high.x, high.y - scaled(14)}, name);
 }
 

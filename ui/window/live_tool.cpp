@@ -15,14 +15,12 @@
 namespace kerf::internal {
 namespace {
 
-constexpr int kTableSide = 32;           // of the table of distances to the tool
-constexpr double kTableMargin = 1;       // mm around what cuts
 constexpr double kShadowReach = 8;       // mm below the tip
 constexpr double kShadowStrength = 0.5;  // of the shown value
 const Vec3f kContactTint(0.10f, 0.56f, 0.82f);
 
 double contactOf(const LiveFrame& frame) {
-  return std::isfinite(frame.contact_mm) ? std::clamp(frame.contact_mm, 0.0, kTableMargin) : 0;
+  return std::isfinite(frame.contact_mm) ? std::clamp(frame.contact_mm, 0.0, ToolTable::kMargin) : 0;
 }
 
 }  // namespace
@@ -48,7 +46,7 @@ Expected<void> LiveTool::build() {
 }
 
 Rigid3 LiveTool::approachPose(const Rigid3& T_world_tool) const {
-  const Eigen::Quaterniond turn(Eigen::Matrix3d(approach_from_tool_.transpose()));
+  const Eigen::Quaterniond turn(Eigen::Matrix3d(table_.approach_from_tool.transpose()));
   return {(T_world_tool.rotation * turn).normalized(), T_world_tool.translation};
 }
 
@@ -60,11 +58,11 @@ ToolReach LiveTool::reachOf(const LiveFrame& frame, const Rigid3& T_world_tool, 
   ToolReach reach{.T_approach_object = toApproach(T_world_tool, T_world_object), .around_tip = {}, .in_shadow = {}};
   const double contact = contactOf(frame);
   if (contact > 0) {
-    reach.around_tip = cutting_;
+    reach.around_tip = table_.cutting;
     reach.around_tip.grow(contact);
   }
   if (frame.has_shadow) {
-    reach.in_shadow = cutting_;
+    reach.in_shadow = table_.cutting;
     reach.in_shadow.min[2] -= kShadowReach;
   }
   return reach;
@@ -103,54 +101,35 @@ void LiveTool::set(const ToolLook& look) {
   glVertexAttribPointer(1, 4, GL_SHORT, GL_TRUE, sizeof(LiveVertex), bufferOffset(offsetof(LiveVertex, normal)));
   glVertexAttribPointer(2, 4, GL_UNSIGNED_BYTE, GL_TRUE, sizeof(LiveVertex), bufferOffset(offsetof(LiveVertex, color)));
   for (GLuint i = 0; i < 3; ++i) glEnableVertexAttribArray(i);
-  if (corners_ > 0) makeTable(look);
+  if (corners_ > 0) setTable(look);
 }
 
-void LiveTool::makeTable(const ToolLook& look) {
-  Vec3d backwards = -look.approach;
-  if (!backwards.allFinite() || backwards.norm() < 1e-6) backwards = Vec3d::UnitZ();
-  const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(backwards, Vec3d::UnitZ());
-  approach_from_tool_ = turn.toRotationMatrix();
-
-  const Box3 box = look.cutting.isEmpty() ? box_ : look.cutting;
-  cutting_ = box.transformed(turn);
-  table_ = cutting_;
-  table_.grow(kTableMargin);
-  const Vec3d size = cutting_.size();
-  is_round_ = std::abs(size[0] - size[1]) < 0.02 * size[0];
-
-  // Distances, mm, at the middles of the cells of the table_.
-  std::vector<float> distances;
-  distances.reserve(kTableSide * kTableSide * kTableSide);
-  const Vec3d cell = table_.size() / kTableSide;
-  for (int k = 0; k < kTableSide; ++k)
-    for (int j = 0; j < kTableSide; ++j)
-      for (int i = 0; i < kTableSide; ++i) {
-        const Vec3d p = turn.conjugate() * (table_.min + cell.cwiseProduct(Vec3d(i + 0.5, j + 0.5, k + 0.5)));
-        const Vec3d out = (box.min - p).cwiseMax(p - box.max);
-        const double to_box = out.cwiseMax(0.0).norm() + std::min(out.maxCoeff(), 0.0);
-        distances.push_back(static_cast<float>(look.distance ? look.distance(p) : to_box));
-      }
+void LiveTool::setTable(const ToolLook& look) {
+  constexpr int kSide = ToolTable::kSide;
+  table_ = toolTable(look);
   glBindTexture(GL_TEXTURE_3D, table_texture_);
-  glTexImage3D(GL_TEXTURE_3D, 0, GL_R32F, kTableSide, kTableSide, kTableSide, 0, GL_RED, GL_FLOAT, distances.data());
+  glTexImage3D(GL_TEXTURE_3D, 0, GL_R32F, kSide, kSide, kSide, 0, GL_RED, GL_FLOAT, table_.distances.data());
   glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
   glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
   for (const GLenum axis : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R})
     glTexParameteri(GL_TEXTURE_3D, axis, GL_CLAMP_TO_EDGE);
+  table_.distances = {};
 }
 
 void LiveTool::setUniforms(const GlProgram& program, const FrameView& view, const LiveFrame& frame) const {
-  const Vec3d middle = cutting_.center();
-  const Vec3d half = 0.5 * cutting_.size();
+  const Vec3d middle = table_.cutting.center();
+  const Vec3d half = 0.5 * table_.cutting.size();
   const double strength = frame.has_shadow ? kShadowStrength : 0;
   program.set("tool_distance", 0);
-  program.set("table_low", Vec3f(table_.min.cast<float>()));
-  program.set("table_scale", Vec3f(table_.size().cwiseInverse().cast<float>()));
+  program.set("table_low", Vec3f(table_.box.min.cast<float>()));
+  program.set("table_scale", Vec3f(table_.box.size().cwiseInverse().cast<float>()));
   program.set("footprint", Eigen::Vector4f(Eigen::Vector4d(middle[0], middle[1], half[0], half[1]).cast<float>()));
   program.set(
       "shadow",
-      Eigen::Vector4f(Eigen::Vector4d(strength, kShadowReach, is_round_ ? 1 : 0, 1 / view.mm_per_pixel).cast<float>()));
-  program.set("tool_height", Eigen::Vector2f(Eigen::Vector2d(cutting_.min[2], cutting_.max[2]).cast<float>()));
+      Eigen::Vector4f(
+          Eigen::Vector4d(strength, kShadowReach, table_.is_round ? 1 : 0, 1 / view.mm_per_pixel).cast<float>()));
+  program.set("tool_height",
+              Eigen::Vector2f(Eigen::Vector2d(table_.cutting.min[2], table_.cutting.max[2]).cast<float>()));
   program.set("contact", contactOf(frame));
   program.set("tint", kContactTint);
 }
@@ -183,7 +162,8 @@ void LiveTool::drawAxisLine(const GlProgram& flat, const FrameView& view, const 
   const double length = std::min(frame.axis_line_mm, 100.0);
   const Rigid3 approach = approachPose(tool);
   const auto inPixels = [&](double below) {
-    const Vec3d p = view.toView(approach * Vec3d(cutting_.center()[0], cutting_.center()[1], cutting_.min[2] - below));
+    const Vec3d p = view.toView(
+        approach * Vec3d(table_.cutting.center()[0], table_.cutting.center()[1], table_.cutting.min[2] - below));
     return Eigen::Vector2d(p.head<2>() / (view.mm_per_pixel * std::max(view.shrinkAt(p[2]), Camera::kNearest)));
   };
   const Eigen::Vector2d from = inPixels(0), to = inPixels(length);

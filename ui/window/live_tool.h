@@ -3,25 +3,14 @@
 
 #include <epoxy/gl.h>
 
-#include <functional>
-
 #include "geometry/base/error.h"
-#include "geometry/mesh/mesh.h"
+#include "ui/app/tool_look.h"
 #include "ui/window/gl_program.h"
 #include "ui/window/live_parts.h"
 
 namespace kerf {
 
 struct LiveFrame;
-
-/// What is drawn of a tool, and where it touches. Tool frame, mm.
-struct ToolLook {
-  Mesh mesh;                         ///< closed pieces: toolMesh(tool)
-  Box3 cutting;                      ///< what of it cuts: tool.cut->bounds()
-  Vec3d approach = -Vec3d::UnitZ();  ///< unit: tool.plunge_direction
-  /// Signed distance to what cuts, mm: tool.cut->distance(p). Asked 32 768 times by setTool(); without one, the box.
-  std::function<double(const Vec3d&)> distance;
-};
 
 namespace internal {
 
@@ -71,16 +60,14 @@ class LiveTool {
                     const Rigid3& T_world_tool) const;
 
  private:
-  void makeTable(const ToolLook& look);
+  void setTable(const ToolLook& look);
   Rigid3 approachPose(const Rigid3& T_world_tool) const;
 
   GlProgram steel_;
   GLuint array_ = 0, buffer_ = 0, table_texture_ = 0, line_array_ = 0, line_buffer_ = 0;
   GLsizei corners_ = 0;
-  Box3 box_;                                                          // tool frame
-  Eigen::Matrix3d approach_from_tool_ = Eigen::Matrix3d::Identity();  // +z away from the tissue
-  Box3 cutting_, table_;                                              // approach frame
-  bool is_round_ = false;
+  Box3 box_;         // tool frame
+  ToolTable table_;  // without its distances
 };
 
 }  // namespace internal

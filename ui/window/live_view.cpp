@@ -6,6 +6,7 @@
 #include "ui/app/piece_colours.h"
 #include "ui/app/sawing.h"
 #include "ui/app/tissue_display.h"
+#include "ui/app/tool_look.h"
 
 namespace kerf {
 namespace {
@@ -150,13 +151,7 @@ bool LiveView::takeFitWanted() { return std::exchange(is_fit_wanted_, false); }
 void LiveView::showTool(const Workbench& bench) {
   if (!bench.isShown() || tool_ == bench.toolInHand()) return;
   tool_ = bench.toolInHand();
-  const Tool& tool = bench.tool(*tool_);
-  ToolLook look;
-  look.mesh = toolMesh(tool, 0.02);
-  look.cutting = tool.cut->bounds();
-  look.approach = tool.plunge_direction;
-  look.distance = [cut = tool.cut](const Vec3d& p) { return cut->distance(p); };
-  renderer_->setTool(look);
+  renderer_->setTool(lookOf(bench.tool(*tool_)));
 }
 
 LiveFrame LiveView::frameOf(const Workbench& bench, const Camera& camera) {

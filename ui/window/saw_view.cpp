@@ -1,7 +1,6 @@
 #include "ui/window/saw_view.h"
 
-#include <cmath>
-
+#include "ui/app/saw_contour.h"
 #include "ui/app/sawing.h"
 #include "ui/app/workbench.h"
 
@@ -14,17 +13,7 @@ LiveSlab slabOf(const SawPlane& plane, double kerf, const LiveScene& scene) {
   LiveSlab out;
   out.corners = plane.corners();
   out.thickness = kerf;
-
-  Box3 box;
-  for (const Vec3d& corner : out.corners) box.add(corner);
-  box.grow(0.1);
-  for (const auto& piece : scene.contour({plane.point, plane.normal}, box)) {
-    const Vec3d a = plane.toPlane(piece[0]), b = plane.toPlane(piece[1]);
-    const auto isWithin = [&](const Vec3d& p) {
-      return std::abs(p[0]) <= 0.5 * plane.width && p[1] >= 0 && p[1] <= plane.depth;
-    };
-    if (isWithin(a) && isWithin(b)) out.contour.push_back(piece);
-  }
+  out.contour = contourOf(plane, scene);
   return out;
 }
 

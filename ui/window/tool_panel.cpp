@@ -16,60 +16,13 @@
 namespace kerf {
 namespace {
 
-using IconTriangle = ToolPanelState::IconTriangle;
-
 constexpr float kIcon = 30, kRowGap = 2, kStar = 18;
 constexpr int kRows = 10;
-constexpr double kMargin = 0.18;      // of the picture, about what cuts
-constexpr double kTolerance = 0.008;  // of that
 
 std::string sizeOf(const Tool& tool) {
   if (tool.head_diameter_mm > 0) return fmt::format("{:.1f} mm", tool.head_diameter_mm);
   if (tool.kind == ToolKind::kBlade) return fmt::format("kerf {:.2f}", tool.kerfWidth());
   return "";
-}
-
-// What cuts, from the side, with as much of the rest as is beside it.
-std::vector<IconTriangle> iconOf(const Tool& tool) {
-  const Box3 cut = tool.cut->bounds();
-  const Vec3d center = cut.center(), size = cut.size();
-  int thin = 0;  // the axis that it is seen along: its wide side is towards the viewer
-  for (int axis = 1; axis < 3; ++axis)
-    if (size[axis] < size[thin]) thin = axis;
-  const int up = thin == 2 ? 1 : 2, across = 3 - thin - up;
-  const double side = std::max({size[across], size[up], 1e-3}) * (1 + 2 * kMargin);
-  const Vec3d away = Vec3d::Unit(thin);
-
-  const Mesh mesh = toolMesh(tool, kTolerance * side);
-  struct Sorted {
-    double depth;
-    IconTriangle triangle;
-  };
-  std::vector<Sorted> sorted;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const Vec3d normal = doubleAreaVector(mesh, t);
-    if (normal.dot(away) <= 0) continue;
-    Sorted s{0, {}};
-    bool is_seen = false;
-    for (int k = 0; k < 3; ++k) {
-      const Vec3d p = mesh.corner(t, k);
-      const double x = 0.5 + (p[across] - center[across]) / side, y = 0.5 - (p[up] - center[up]) / side;
-      s.triangle.corners[static_cast<std::size_t>(k)] = {static_cast<float>(x), static_cast<float>(y)};
-      s.depth += p.dot(away) / 3;
-      is_seen |= x > -0.2 && x < 1.2 && y > -0.2 && y < 1.2;
-    }
-    if (!is_seen) continue;
-    const Vec3d middle = (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2)) / 3;
-    s.triangle.is_cutting = tool.cut->distance(middle) < 0.02 * side;
-    s.triangle.shade =
-        static_cast<float>(0.35 + 0.65 * normal.normalized().dot((away + 0.5 * Vec3d::Unit(up)).normalized()));
-    sorted.push_back(s);
-  }
-  std::sort(sorted.begin(), sorted.end(), [](const Sorted& a, const Sorted& b) { return a.depth < b.depth; });
-
-  std::vector<IconTriangle> out;
-  for (const Sorted& s : sorted) out.push_back(s.triangle);
-  return out;
 }
 
 void drawIcon(const std::vector<IconTriangle>& icon, ImVec2 at, float side) {
@@ -134,7 +87,7 @@ bool drawRow(AppContext& context, ToolPanelState& state, const RackView& view, s
                       error ? "\nIt is as it was read before: " : "", error ? error->message().c_str() : "");
 
   auto icon = state.icons.find(tool.cut.get());
-  if (icon == state.icons.end()) icon = state.icons.emplace(tool.cut.get(), iconOf(tool)).first;
+  if (icon == state.icons.end()) icon = state.icons.emplace(tool.cut.get(), toolIcon(tool)).first;
   drawIcon(icon->second, at, side);
   const float line = ImGui::GetTextLineHeight();
   ImDrawList* const draw = ImGui::GetWindowDrawList();

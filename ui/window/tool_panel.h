@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "ui/app/app_commands.h"
+#include "ui/app/tool_icon.h"
 
 namespace kerf {
 
@@ -13,13 +14,7 @@ namespace kerf {
 struct ToolPanelState {
   std::array<char, 64> search{};
   bool shows_all = false;
-  std::size_t in_hand = 0;  ///< in the last frame: another one is scrolled to
-  /// A tool as triangles in a square of side 1, y downwards; shade 0 to 1.
-  struct IconTriangle {
-    std::array<std::array<float, 2>, 3> corners;
-    float shade = 1;
-    bool is_cutting = false;
-  };
+  std::size_t in_hand = 0;                                 ///< in the last frame: another one is scrolled to
   std::map<const void*, std::vector<IconTriangle>> icons;  ///< by the tool's shape
 };
 
