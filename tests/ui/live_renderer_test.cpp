@@ -509,6 +509,47 @@ TEST_F(LivePicture, CullingChangesNoPixelInPerspectiveEither) {
     }
 }
 
+/// Hills of 0.2 mm on 6 x 6 mm in triangles of 0.03 mm, about (x, 0, 0).
+MeshChunk fineHills(float x) {
+  constexpr int kSide = 200;
+  MeshChunk hills;
+  for (int j = 0; j <= kSide; ++j)
+    for (int i = 0; i <= kSide; ++i) {
+      const float u = 0.03f * static_cast<float>(i) - 3, v = 0.03f * static_cast<float>(j) - 3;
+      hills.vertices.emplace_back(x + u, v, 0.2f * std::sin(9 * u + 2 * v) * std::cos(8 * v));
+      hills.normals.push_back(Vec3f(std::sin(9 * u), std::cos(8 * v), 1.5f).normalized());
+    }
+  const auto number = [](int i, int j) { return static_cast<std::uint16_t>(j * (kSide + 1) + i); };
+  for (int j = 0; j < kSide; ++j)
+    for (int i = 0; i < kSide; ++i) {
+      hills.triangles.push_back({number(i, j), number(i + 1, j), number(i + 1, j + 1)});
+      hills.triangles.push_back({number(i, j), number(i + 1, j + 1), number(i, j + 1)});
+    }
+  return hills;
+}
+
+TEST_F(LivePicture, TrianglesThatCoverNoPixelAreLeftOutAndNotMissed) {
+  for (const float x : {0.0f, 400.0f}) {
+    renderer_->clear();
+    renderer_->setChunk(0, fineHills(x));
+    for (const double field : {0.0, 0.4})
+      for (const char* view : {"top", "20,30", "-130,75", "10,8", "bottom"})
+        for (const bool is_open : {false, true}) {
+          Camera camera = *cameraFromView(view);
+          camera.half_height = 5;
+          camera.target = {x, 0, 0};
+          setFieldOfView(camera, field);
+          LiveFrame frame = kPlain;
+          if (is_open) frame.section = Plane{.point = {x, 0.3, 0}, .normal = Vec3d(1, 2, 3).normalized()};
+          const Image culled = picture(camera, frame);
+          const std::size_t drawn = renderer_->counts().drawn_triangles;
+          frame.is_culled = false;
+          EXPECT_EQ(different(culled, picture(camera, frame)), 0) << x << " mm, " << view << ", " << field << " rad";
+          EXPECT_LT(drawn, 0.6 * static_cast<double>(renderer_->counts().drawn_triangles)) << view;
+        }
+  }
+}
+
 // Stripes of 1 mm in the plane of the section are seen where the points of the plane are.
 TEST_F(LivePicture, ASectionShowsItsTissuesInPlaceInBothProjections) {
   showBlock();

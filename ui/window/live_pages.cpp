@@ -70,37 +70,29 @@ std::size_t LivePage::upload() {
   if (!is_dirty_) return 0;
   is_dirty_ = false;
 
-  // One list of vertices, one of indices.
   std::vector<LiveVertex> vertices;
-  indices_.clear();
-  double_areas_.clear();
+  triangles_.clear();
   first_of_chunk_.clear();
   ranges_.clear();
-  chosen_ = {};
+  chosen_.reset();
   box_ = {};
+  double area = 0;
   for (const auto& [key, chunk] : chunks_) {
     const auto base = static_cast<std::uint32_t>(vertices.size());
-    first_of_chunk_.push_back(indices_.size());
+    first_of_chunk_.push_back(triangles_.triangles());
     ranges_.push_back({.first = 0, .count = 0, .box = chunk.box});
-    vertices.insert(vertices.end(), chunk.vertices.begin(), chunk.vertices.end());
-    for (const auto& t : chunk.triangles)
-      for (const std::uint16_t v : t) indices_.push_back(base + v);
     box_.add(chunk.box);
+    vertices.insert(vertices.end(), chunk.vertices.begin(), chunk.vertices.end());
+    for (const LiveVertex& vertex : chunk.vertices) triangles_.addVertex(vertex.position);
+    for (const auto& t : chunk.triangles) {
+      triangles_.addTriangle(base + t[0], base + t[1], base + t[2]);
+      const Vec3f& a = chunk.vertices[t[0]].position;
+      const Vec3f ab = chunk.vertices[t[1]].position - a, ac = chunk.vertices[t[2]].position - a;
+      area += 0.5 * static_cast<double>(ab.cross(ac).norm());
+    }
   }
-  first_of_chunk_.push_back(indices_.size());
-
-  // What face() and the choice of shaders go by.
-  double area = 0;
-  longest_edge_ = 0;
-  for (std::size_t i = 0; i < indices_.size(); i += 3) {
-    const Vec3f& a = vertices[indices_[i]].position;
-    const Vec3f ab = vertices[indices_[i + 1]].position - a, ac = vertices[indices_[i + 2]].position - a;
-    double_areas_.push_back(ab.cross(ac));
-    area += 0.5 * static_cast<double>(double_areas_.back().norm());
-    longest_edge_ = std::max({longest_edge_, ab.squaredNorm(), ac.squaredNorm(), (ac - ab).squaredNorm()});
-  }
-  longest_edge_ = std::sqrt(longest_edge_);
-  mean_edge_ = indices_.empty() ? 0 : std::sqrt(2.3 * area / static_cast<double>(triangles()));
+  first_of_chunk_.push_back(triangles_.triangles());
+  mean_edge_ = triangles() == 0 ? 0 : std::sqrt(2.3 * area / static_cast<double>(triangles()));
 
   if (!vertex_array_) {
     glGenVertexArrays(1, &vertex_array_);
@@ -120,26 +112,20 @@ std::size_t LivePage::upload() {
   return bytes;
 }
 
-std::size_t LivePage::face(const Vec3f& to_viewer, float tolerance) {
-  if (chosen_.tolerance == tolerance && chosen_.to_viewer == to_viewer) return 0;
-  chosen_ = {.to_viewer = to_viewer, .tolerance = tolerance};
+std::size_t LivePage::choose(const Sight& sight) {
+  if (chosen_ == sight) return 0;
+  chosen_ = sight;
 
-  // Written always, kept if seen: no branch to be guessed wrong.
-  const float least = to_viewer.isZero() ? -1 : -2 * longest_edge_ * tolerance;
-  std::vector<std::uint32_t> seen(indices_.size() + 3);
-  std::size_t end = 0;
+  triangles_.look(sight);
+  std::vector<std::uint32_t> seen;
+  seen.reserve(3 * triangles());
   for (std::size_t c = 0; c < ranges_.size(); ++c) {
-    ranges_[c].first = end;
-    for (std::size_t i = first_of_chunk_[c]; i < first_of_chunk_[c + 1]; i += 3) {
-      seen[end] = indices_[i];
-      seen[end + 1] = indices_[i + 1];
-      seen[end + 2] = indices_[i + 2];
-      end += double_areas_[i / 3].dot(to_viewer) >= least ? 3 : 0;
-    }
-    ranges_[c].count = end - ranges_[c].first;
+    ranges_[c].first = seen.size();
+    triangles_.choose(first_of_chunk_[c], first_of_chunk_[c + 1], seen);
+    ranges_[c].count = seen.size() - ranges_[c].first;
   }
 
-  const std::size_t bytes = end * sizeof(std::uint32_t);
+  const std::size_t bytes = seen.size() * sizeof(std::uint32_t);
   glBindVertexArray(vertex_array_);
   glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(bytes), seen.data(), GL_DYNAMIC_DRAW);
   return bytes;

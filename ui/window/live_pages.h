@@ -7,11 +7,13 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "geometry/base/types.h"
 #include "sim/live/remesher.h"
+#include "ui/window/seen_triangles.h"
 
 namespace kerf::internal {
 
@@ -49,39 +51,30 @@ class LivePage {
   /// Brings vertices and box up to date. @return bytes uploaded.
   std::size_t upload();
 
-  /// Chooses the triangles that face the viewer. Dropping the others here costs 2 ns each; the pipeline would take 100.
-  /// Nothing is done while the direction stays and no chunk changes. @return bytes uploaded.
-  /// @param to_viewer  unit, object frame; zero: all triangles, for views into the inside.
-  /// @param tolerance  mm: how far rounding may move a corner sideways; what may be seen because of that is kept.
-  std::size_t face(const Vec3f& to_viewer, float tolerance);
+  /// Chooses the triangles that this sight needs (seen_triangles.h). Nothing is done while the sight stays and no chunk
+  /// changes. @return bytes uploaded.
+  std::size_t choose(const Sight& sight);
 
-  /// A chunk in the list of indices that face() chose.
+  /// A chunk in the list of indices that choose() chose.
   struct Range {
     std::size_t first = 0, count = 0;
     Box3 box;  ///< object frame, mm
   };
   const std::vector<Range>& ranges() const { return ranges_; }
   const Box3& box() const { return box_; }  ///< object frame, mm
-  std::size_t triangles() const { return indices_.size() / 3; }
+  std::size_t triangles() const { return triangles_.triangles(); }
   double meanEdge() const { return mean_edge_; }  ///< mm
   GLuint vertexArray() const { return vertex_array_; }
 
  private:
-  struct Chosen {
-    Vec3f to_viewer = Vec3f::Zero();
-    float tolerance = -1;  // nothing chosen yet
-  };
-
   std::map<std::array<int, 3>, LiveChunk> chunks_;  // in order: what is drawn does not depend on what came first
   GLuint vertex_array_ = 0, vertex_buffer_ = 0, index_buffer_ = 0;
-  std::vector<std::uint32_t> indices_;       // of all chunks
-  std::vector<Vec3f> double_areas_;          // of their triangles, mm^2, outward
-  std::vector<std::size_t> first_of_chunk_;  // in indices_; one more at the end
+  SeenTriangles triangles_;                  // of all chunks
+  std::vector<std::size_t> first_of_chunk_;  // in triangles_; one more at the end
   std::vector<Range> ranges_;
-  Chosen chosen_;
+  std::optional<Sight> chosen_;  // none: nothing chosen yet
   Box3 box_;
   double mean_edge_ = 0;
-  float longest_edge_ = 0;  // mm
   bool is_dirty_ = false;
 };
 

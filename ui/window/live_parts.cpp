@@ -37,6 +37,15 @@ FrameView::Visibility FrameView::visibilityOf(const Vec3d& middle, const Vec3d& 
   return out;
 }
 
+Eigen::Matrix<double, 3, 4> FrameView::toPixels(const Rigid3& T_world_object) const {
+  const Eigen::Matrix4d clip = to_clip * matrixOf(T_world_object);
+  Eigen::Matrix<double, 3, 4> out;
+  out.row(0) = 0.5 * width * (clip.row(0) + clip.row(3)) - 0.5 * clip.row(3);
+  out.row(1) = 0.5 * height * (clip.row(1) + clip.row(3)) - 0.5 * clip.row(3);
+  out.row(2) = clip.row(3);
+  return out;
+}
+
 Eigen::Matrix4d matrixOf(const Rigid3& pose) {
   Eigen::Matrix4d m = Eigen::Matrix4d::Identity();
   m.topLeftCorner<3, 3>() = pose.rotation.toRotationMatrix();

@@ -41,6 +41,8 @@ struct FrameView {
     bool is_whole = true, is_outside = false;
   };
   Visibility visibilityOf(const Vec3d& middle, const Vec3d& half) const;
+  /// Object frame, mm -> (x w, y w, w): x, y are pixels, the middle of the first at 0; w is 1 at the target.
+  Eigen::Matrix<double, 3, 4> toPixels(const Rigid3& T_world_object) const;
 };
 
 /// One corner of what is drawn flat, in one colour.

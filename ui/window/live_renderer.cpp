@@ -340,7 +340,6 @@ void LiveRenderer::Impl::drawPages(const std::vector<Drawn>& seen, const FrameVi
   std::vector<const void*> offsets;
   const GlProgram* used = nullptr;
   const Object* bound = nullptr;
-  const auto tolerance = static_cast<float>(view.mm_per_pixel / 64);  // corners are rounded to 1/256 of a pixel
   for (const Drawn& drawn : seen) {
     const std::size_t variant =
         (drawn.is_by_pixel ? std::size_t{kByPixel} : 0) | (drawn.reach == Reach::kShadow ? std::size_t{kTool} : 0) |
@@ -370,13 +369,12 @@ void LiveRenderer::Impl::drawPages(const std::vector<Drawn>& seen, const FrameVi
     // The chunks of the page that can be seen, as few ranges as they make.
     LivePage& page = *drawn.page;
     const Rigid3& pose = drawn.object->T_world_object;
-    const Vec3d to_viewer = pose.rotation.conjugate() * Vec3d(view.rotation.row(2).transpose());
     const Eigen::Matrix3d rotation = view.rotation * pose.rotation.toRotationMatrix();
     const Eigen::Matrix3d spread = rotation.cwiseAbs();
     const Vec3d origin = view.toView(pose.translation);
-    // In perspective there is no one direction that all of a page is seen from: the driver culls.
-    const bool is_faced = frame.is_culled && (!is_open || is_ghost) && view.slope == 0;
-    counts.uploaded_bytes += page.face(is_faced ? Vec3f(to_viewer.cast<float>()) : Vec3f(Vec3f::Zero()), tolerance);
+    const internal::Sight sight{
+        .to_pixels = view.toPixels(pose).cast<float>(), .has_backs = is_open && !is_ghost, .has_all = !frame.is_culled};
+    counts.uploaded_bytes += page.choose(sight);
     std::optional<ToolReach> tool_reach;
     if (drawn.is_split) tool_reach = hand_tool.reachOf(frame, *tool, pose);
     const auto isSeen = [&](const LivePage::Range& range) {
@@ -461,6 +459,7 @@ Expected<void> LiveRenderer::Impl::drawPoints(GLuint target, const Camera& camer
   glDisable(GL_SCISSOR_TEST);
   glDisable(GL_STENCIL_TEST);
   glDisable(GL_FRAMEBUFFER_SRGB);
+  glDisable(GL_MULTISAMPLE);  // what covers no middle of a pixel is left out
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   glDepthMask(GL_TRUE);
   glViewport(0, 0, width, height);
