@@ -255,23 +255,24 @@ class PathDeviation final : public CutObserver {
   Vec3d at_ = Vec3d::Zero();
 };
 
-// ---- Strokes that took nothing, a tip that comes out behind
+// ---- Strokes that changed nothing, a tip that comes out behind
 
 class StrokeWatch final : public CutObserver {
  public:
-  explicit StrokeWatch(const BrickField& loaded) : exit_(loaded) {}
+  /// @param is_adding  the tool puts material on: a stroke is idle that added nothing, and nothing is come out of.
+  StrokeWatch(const BrickField& loaded, bool is_adding) : exit_(loaded), is_adding_(is_adding) {}
 
   void tick(const CutTick& tick) override {
     const bool is_cutting = tick.sample.pedal != 0;
     if (is_cutting && !is_cutting_) {
       ++begun_;
-      removed_before_ = removed_;
+      changed_before_ = changed_;
     }
-    removed_ = 0;
-    for (const CutObject& object : tick.objects) removed_ += sumOf(object.removed_mm3);
+    changed_ = tick.added_mm3;
+    for (const CutObject& object : tick.objects) changed_ += sumOf(object.removed_mm3);
     if (is_cutting_ && !is_cutting) endStroke();
     is_cutting_ = is_cutting;
-    exit_.moveTo(tick.output.T_world_tool);
+    if (!is_adding_) exit_.moveTo(tick.output.T_world_tool);
   }
 
   // A stroke in which the cut ended before its path did is not judged.
@@ -279,22 +280,22 @@ class StrokeWatch final : public CutObserver {
     PathFindings& out = summary.findings;
     out.strokes = begun_;
     out.idle = idle_;
-    if (summary.is_complete && is_cutting_ && tookNothing()) out.idle.push_back(begun_);
+    if (summary.is_complete && is_cutting_ && changedNothing()) out.idle.push_back(begun_);
     out.comes_out_at = exit_.place();
   }
 
  private:
   static constexpr double kLeast = 1e-6;  // mm^3
-  bool tookNothing() const { return removed_ - removed_before_ < kLeast; }
+  bool changedNothing() const { return changed_ - changed_before_ < kLeast; }
   void endStroke() {
-    if (tookNothing()) idle_.push_back(begun_);
+    if (changedNothing()) idle_.push_back(begun_);
   }
 
   TipExit exit_;
   std::size_t begun_ = 0;
   std::vector<std::size_t> idle_;
-  double removed_ = 0, removed_before_ = 0;
-  bool is_cutting_ = false;
+  double changed_ = 0, changed_before_ = 0;  // mm^3
+  bool is_adding_ = false, is_cutting_ = false;
 };
 
 // ---- One row a tick: forces.csv
@@ -386,7 +387,7 @@ Expected<CutObservers> CutObservers::make(const CutScene& scene, const HapticCut
   const MonitorObserver& watch = out.add<MonitorObserver>(scene, std::move(monitor));
   out.add<LoadStatistics>(tool.drive.speed);
   out.add<PathDeviation>(scene.inputs.path);
-  if (options.add.empty()) out.add<StrokeWatch>(scene.object().phi0());
+  out.add<StrokeWatch>(scene.object().phi0(), !options.add.empty());
   out.add<ForcesTable>(staging, run_folder, watch.monitor(), feltSource(scene.inputs.tool, tool.drive),
                        scene.objects.size(), motionOf(scene.inputs.tool));
   if (options.with_sound) out.add<SoundFile>(staging, vibrationSource(scene.inputs.tool, tool.drive));

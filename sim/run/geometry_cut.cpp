@@ -146,11 +146,11 @@ Expected<Swept> sweepCase(const fs::path& case_folder, const CaseManifest& in_ca
     return out;
   }
   KERF_TRY(fine, readCaseRegionField(case_folder, *out.phi0));
-  const PathFindings findings = out.findings;  // a region ends in the middle of the object
+  const auto comes_out_at = out.findings.comes_out_at;  // a region ends in the middle of the object
   out.cutter.reset();
   out.phi0 = std::make_unique<BrickField>(std::move(fine));
   KERF_CHECK(sweepAlong(out, tool, path, 0.25, 0.9, progress));
-  out.findings = findings;
+  out.findings.comes_out_at = comes_out_at;
   return out;
 }
 

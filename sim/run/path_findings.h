@@ -12,7 +12,7 @@ namespace kerf {
 /// A stroke is what a path cuts without a break, counted from 1.
 struct PathFindings {
   std::size_t strokes = 0;        ///< that were begun
-  std::vector<std::size_t> idle;  ///< those of them that removed nothing
+  std::vector<std::size_t> idle;  ///< those of them that changed nothing
   std::optional<Vec3d>
       comes_out_at;  ///< mm, where the tip first came out of the object on the side away from the shank
 };

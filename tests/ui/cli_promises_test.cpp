@@ -121,6 +121,56 @@ TEST_F(CliPromises, AStrokeForNothingAndATipThatComesOutBehindAreTold) {
   }
 }
 
+// The second stroke is inside of the box, where there is material already.
+TEST_F(CliPromises, StrokesThatAddMaterialAreCountedAndThoseForNothingAreTold) {
+  makeCase();
+  folder_.write(
+      "two.toml",
+      "format = \"kerf-path\"\nversion = 1\nframe = \"object\"\nfeed = 4.0\n[start]\nposition = [-2, 0.3, 1]\n"
+      "axis = [0, 0, 1]\n"
+      "[[stroke]]\nkind = \"line\"\nby = [0, 0, -1.2]\n[[stroke]]\nkind = \"line\"\nby = [2, 0, 0]\n"
+      "[[stroke]]\nkind = \"move\"\nby = [0, 0, -2.2]\n[[stroke]]\nkind = \"line\"\nby = [0.5, 0, 0]\n");
+  const Outcome o = runKerf({"cut", at("box.case"), "--tool", "round-014", "--path", at("two.toml"), "--hand", "feed",
+                             "--add", "composite", "-o", at("filled.run"), "--json"});
+  ASSERT_EQ(o.exit_code, 0) << o.err;
+  EXPECT_NE(o.err.find("stroke 2 of 2 added nothing"), o.err.npos) << o.err;
+  const json j = json::parse(o.out), summary = json::parse(contentOf(in("filled.run") / "summary.json"));
+  EXPECT_EQ(j["strokes"], 2);
+  EXPECT_EQ(j["idle_strokes"], json::array({2}));
+  EXPECT_EQ(summary["strokes"], 2);
+  EXPECT_EQ(summary["idle_strokes"], json::array({2}));
+  EXPECT_TRUE(summary["comes_out_at_mm"].is_null());
+}
+
+// Voxels of 0.5 mm see no scratch of 0.04 mm; those of 0.05 mm around it do. The last stroke stays above the box.
+TEST_F(CliPromises, AStrokeWithinAFineRegionIsJudgedByItsVoxels) {
+  makeCase();
+  const auto path = [](double depth) {
+    return fmt::format(
+        "format = \"kerf-path\"\nversion = 1\nframe = \"object\"\nfeed = 4.0\n[start]\nposition = [-0.6, 0.3, 0.5]\n"
+        "axis = [0, 0, 1]\n"
+        "[[stroke]]\nkind = \"move\"\nby = [0, 0, {}]\n[[stroke]]\nkind = \"line\"\nby = [1, 0, 0]\n"
+        "[[stroke]]\nkind = \"move\"\nby = [0, 0, 0.5]\n[[stroke]]\nkind = \"line\"\nby = [-1, 0, 0]\n",
+        -0.5 - depth);
+  };
+  folder_.write("scratch.toml", path(0.04));
+  for (const bool is_fine : {false, true}) {
+    const std::string name = is_fine ? "fine" : "coarse";
+    std::vector<std::string> words{"bake", at("box.off"), "--unit", "mm", "-o", at(name + ".case"), "--voxel", "0.5"};
+    if (is_fine)
+      words.insert(words.end(), {"--fine-along", at("scratch.toml"), "--fine-voxel", "0.05", "--fine-radius", "1.9"});
+    ASSERT_EQ(runKerf(words).exit_code, 0);
+    const Outcome o = runKerf({"cut", at(name + ".case"), "--tool", "round-005", "--path", at("scratch.toml"), "-o",
+                               at(name + ".run"), "--json"});
+    ASSERT_EQ(o.exit_code, 0) << o.err;
+    const json j = json::parse(o.out);
+    EXPECT_EQ(j["voxel_mm"], is_fine ? 0.05 : 0.5);
+    EXPECT_EQ(j["strokes"], 2);
+    EXPECT_EQ(j["idle_strokes"], is_fine ? json::array({2}) : json::array({1, 2})) << o.err;
+    EXPECT_EQ(o.err.find("nothing was changed") != o.err.npos, !is_fine) << o.err;
+  }
+}
+
 // A bubble of 1 mm in the middle of the box.
 TEST_F(CliPromises, ACavityIsToldOfByCheckAndByExport) {
   std::string off = box();

@@ -190,7 +190,7 @@ void print(const Arguments& a, const HapticCut& cut) {
 // Warns of a tool that is hardly meant, and of one as thin as the voxels. Measured with a ball of 0.5 mm and two saws
 // in a block: from 1.8 voxels on the removed volume is within 4 % of that of fine voxels (6 % with a feeding hand),
 // below that up to 39 % off.
-void warnOfTool(const std::filesystem::path& tool_file, double voxel_mm, double changed_mm3) {
+void warnOfTool(const std::filesystem::path& tool_file, double voxel_mm, bool is_unchanged) {
   constexpr double kFewestVoxels = 1.8;
   const auto tool = readTool(tool_file);
   if (!tool) return;
@@ -202,11 +202,13 @@ void warnOfTool(const std::filesystem::path& tool_file, double voxel_mm, double 
                "kerf: WARNING: what cuts of {} is {:.2g} mm across, {:.1f} voxels: volumes may be wrong by a tenth and "
                "more. Bake with --voxel {:.2g} or finer, or with --fine-along the path\n",
                tool->id, thinnest, thinnest / voxel_mm, thinnest / 3);
-  if (changed_mm3 < 1e-6) fmt::print(stderr, "kerf: WARNING: nothing was changed\n");
+  if (is_unchanged) fmt::print(stderr, "kerf: WARNING: nothing was changed\n");
 }
 
+constexpr double kUnchanged = 1e-6;  // mm^3
+
 // What the author of the path hardly meant.
-void tell(const PathFindings& found) {
+void tell(const PathFindings& found, bool is_adding) {
   if (!found.idle.empty()) {
     constexpr std::size_t kMostNamed = 8;
     std::string named;
@@ -214,8 +216,8 @@ void tell(const PathFindings& found) {
       named += fmt::format("{}{}", n ? ", " : "", found.idle[n]);
     const std::string more =
         found.idle.size() > kMostNamed ? fmt::format(" and {} more", found.idle.size() - kMostNamed) : std::string();
-    fmt::print(stderr, "kerf: stroke{} {}{} of {} removed nothing\n", found.idle.size() == 1 ? "" : "s", named, more,
-               found.strokes);
+    fmt::print(stderr, "kerf: stroke{} {}{} of {} {} nothing\n", found.idle.size() == 1 ? "" : "s", named, more,
+               found.strokes, is_adding ? "added" : "removed");
   }
   if (const auto& at = found.comes_out_at)
     fmt::print(stderr, "kerf: the tip comes out of the object on the far side, at ({:.2f}, {:.2f}, {:.2f}) mm\n",
@@ -238,8 +240,8 @@ int runByHand(const Arguments& a, const std::filesystem::path& tool) {
     fmt::print(stderr, "kerf: the case's fine region is not used by --hand: cut on the object's voxels, {} mm\n",
                cut->manifest.voxel_mm);
   warnOfNeighbours(a, cut->summary);
-  warnOfTool(tool, cut->manifest.voxel_mm, cut->summary.removed_mm3 + cut->summary.added_mm3);
-  tell(cut->summary.findings);
+  warnOfTool(tool, cut->manifest.voxel_mm, cut->summary.removed_mm3 + cut->summary.added_mm3 < kUnchanged);
+  tell(cut->summary.findings, !a.haptic.add.empty());
   constexpr double kInside = 0.2;  // mm; less is a tool that leans on the surface
   if (cut->summary.began_inside_mm > kInside)
     fmt::print(stderr,
@@ -277,8 +279,10 @@ int runGeometry(const Arguments& a, const std::filesystem::path& tool) {
         m->beyond_region_mm, m->voxel_mm);
   double removed = 0;
   for (const auto& [id, volume] : m->removed_by_material) removed += volume;
-  warnOfTool(tool, m->voxel_mm, removed);
-  tell(m->findings);
+  // Volumes are counted on the object's own voxels, strokes on those of a fine region where one was cut.
+  const bool all_idle = m->findings.idle.size() == m->findings.strokes;
+  warnOfTool(tool, m->voxel_mm, removed < kUnchanged && all_idle);
+  tell(m->findings, false);
   const auto& out_at = m->findings.comes_out_at;
   if (a.json)
     printJson(nlohmann::json{
