@@ -71,11 +71,13 @@ def say(sentence):
 
 
 def say_what_is_left_out():
-    """A scan that is in no line of the report would be missed by nobody."""
-    if not left_out:
+    """A scan that is in no line of the report would be missed by nobody. What a recipe names is in that one's."""
+    parts = {os.path.realpath(part) for scan in inputs.values() for part in parts_of(scan)}
+    unused = [name for name in left_out if os.path.realpath(os.path.join(SCANS, name)) not in parts]
+    if not unused:
         return
-    has_volume = any(name.lower().endswith(VOLUMES) for name in left_out)
-    say(f"left out, no mesh and no recipe by {'its name' if len(left_out) == 1 else 'their names'}: {', '.join(left_out)}."
+    has_volume = any(name.lower().endswith(VOLUMES) for name in unused)
+    say(f"left out, no mesh and no recipe by {'its name' if len(unused) == 1 else 'their names'}: {', '.join(unused)}."
         + (" A volume takes a recipe that says what its labels are: docs/reference/recipes.md" if has_volume else ""))
 
 
