@@ -2,7 +2,9 @@
 # turns a feature off, with a warning.
 include(KerfLibraries)
 include(KerfVolumes)
-find_package(CLI11 CONFIG REQUIRED)
+if(KERF_BUILD_UI)
+  find_package(CLI11 CONFIG REQUIRED)
+endif()
 
 if(KERF_BUILD_WINDOW)
   find_package(glfw3 CONFIG QUIET)

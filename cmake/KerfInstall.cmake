@@ -12,12 +12,15 @@ set_target_properties(kerf_geometry PROPERTIES EXPORT_NAME geometry)
 set_target_properties(kerf_sim PROPERTIES EXPORT_NAME sim)
 set_target_properties(kerf_preprocess PROPERTIES EXPORT_NAME preprocess)
 
-install(TARGETS kerf RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-if(TARGET kerf-sim)
-  install(TARGETS kerf-sim RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-endif()
+foreach(program kerf kerf-sim)
+  if(TARGET ${program})
+    install(TARGETS ${program} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  endif()
+endforeach()
 install(DIRECTORY ${CMAKE_SOURCE_DIR}/assets/ DESTINATION ${CMAKE_INSTALL_DATADIR}/kerf)
-install(DIRECTORY ${CMAKE_BINARY_DIR}/share/ DESTINATION ${CMAKE_INSTALL_DATADIR} PATTERN "*.stamp" EXCLUDE)
+if(KERF_BUILD_UI)  # manual pages and completion of the programs
+  install(DIRECTORY ${CMAKE_BINARY_DIR}/share/ DESTINATION ${CMAKE_INSTALL_DATADIR} PATTERN "*.stamp" EXCLUDE)
+endif()
 install(FILES ${CMAKE_SOURCE_DIR}/LICENSE ${CMAKE_SOURCE_DIR}/README.md ${CMAKE_SOURCE_DIR}/CHANGELOG.md
         DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
@@ -31,11 +34,13 @@ install(TARGETS kerf_preprocess kerf_close_exact EXPORT kerfPreprocessTargets
         ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(EXPORT kerfPreprocessTargets NAMESPACE kerf:: DESTINATION ${package})
 
-# Headers of vectorised loops and those that name a type of OpenVDB, TBB or toml++ are Kerf's own.
+# Headers of vectorised loops, those that name a type of OpenVDB, TBB or toml++, and the scenes of benches and tests are
+# Kerf's own.
 install(DIRECTORY ${CMAKE_SOURCE_DIR}/geometry ${CMAKE_SOURCE_DIR}/preprocess ${CMAKE_SOURCE_DIR}/sim
         DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/kerf
         FILES_MATCHING PATTERN "*.h" PATTERN "toml_reader.h" EXCLUDE PATTERN "vdb_bricks.h" EXCLUDE PATTERN "vdb_writer.h" EXCLUDE
-                       PATTERN "cropped_bricks.h" EXCLUDE PATTERN "mesh_field.h" EXCLUDE PATTERN "paint_materials.h" EXCLUDE PATTERN "itk_reader.h" EXCLUDE)
+                       PATTERN "cropped_bricks.h" EXCLUDE PATTERN "mesh_field.h" EXCLUDE PATTERN "paint_materials.h" EXCLUDE PATTERN "itk_reader.h" EXCLUDE
+                       PATTERN "scenes" EXCLUDE)
 install(FILES ${CMAKE_BINARY_DIR}/generated/geometry/base/version.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/kerf/geometry/base)
 
 configure_package_config_file(${CMAKE_SOURCE_DIR}/cmake/kerfConfig.cmake.in ${CMAKE_BINARY_DIR}/generated/kerfConfig.cmake

@@ -12,7 +12,7 @@
 #include "sim/live/remesher.h"
 #include "sim/pieces/pieces.h"
 #include "sim/pieces/split_field.h"
-#include "ui/bench/scenes/carved_field.h"
+#include "sim/scenes/carved_field.h"
 
 namespace kerf {
 namespace {

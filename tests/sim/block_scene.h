@@ -6,9 +6,9 @@
 #include <functional>
 
 #include "sim/run/practice_block.h"
+#include "sim/scenes/objects.h"
+#include "sim/scenes/poses.h"
 #include "sim/step/step.h"
-#include "ui/bench/scenes/objects.h"
-#include "ui/bench/scenes/poses.h"
 
 namespace kerf::test {
 

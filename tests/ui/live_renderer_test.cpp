@@ -13,10 +13,10 @@
 
 #include "geometry/field/sample_field.h"
 #include "sim/live/chunk_occlusion.h"
+#include "sim/scenes/carved_field.h"
 #include "tests/ui/picture_compare.h"
 #include "ui/app/mesh_chunks.h"
 #include "ui/app/pointing.h"
-#include "ui/bench/scenes/carved_field.h"
 #include "ui/window/gl_context.h"
 #include "ui/window/gl_target.h"
 #include "ui/window/still_picture.h"

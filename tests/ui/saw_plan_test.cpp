@@ -5,10 +5,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "geometry/tool/saw_blade.h"
 #include "geometry/tool/tool_file.h"
 #include "tests/sim/block_scene.h"
 #include "tests/support/temporary_folder.h"
-#include "ui/app/saw_blade.h"
 #include "ui/app/saw_clearance.h"
 #include "ui/app/saw_section.h"
 

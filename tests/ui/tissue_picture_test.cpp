@@ -14,12 +14,12 @@
 
 #include "geometry/mesh/mesh_check.h"
 #include "sim/live/tissue_mesher.h"
+#include "sim/scenes/carved_field.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/ui/picture_compare.h"
 #include "ui/app/app_commands.h"
 #include "ui/app/app_script.h"
 #include "ui/app/tissue_display.h"
-#include "ui/bench/scenes/carved_field.h"
 #include "ui/window/gl_context.h"
 #include "ui/window/live_view.h"
 

@@ -8,8 +8,8 @@
 
 #include "geometry/base/error.h"
 #include "geometry/field/brick_field.h"
+#include "geometry/tool/saw_blade.h"
 #include "geometry/tool/tool.h"
-#include "ui/app/saw_blade.h"
 #include "ui/app/saw_plan.h"
 
 namespace kerf {

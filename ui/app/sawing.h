@@ -9,9 +9,9 @@
 #include <optional>
 #include <string>
 
+#include "geometry/tool/saw_blade.h"
 #include "sim/hand/guided_hand.h"
 #include "ui/app/live_surface.h"
-#include "ui/app/saw_blade.h"
 #include "ui/app/saw_clearance.h"
 #include "ui/app/saw_picking.h"
 #include "ui/app/saw_plan.h"

@@ -10,11 +10,11 @@
 
 #include "sim/run/load_scene.h"
 #include "sim/run/practice_block.h"
+#include "sim/scenes/held_device.h"
+#include "sim/scenes/objects.h"
+#include "sim/scenes/poses.h"
 #include "ui/bench/bench.h"
 #include "ui/bench/device_stack.h"
-#include "ui/bench/scenes/held_device.h"
-#include "ui/bench/scenes/objects.h"
-#include "ui/bench/scenes/poses.h"
 
 namespace kerf::cli {
 namespace {

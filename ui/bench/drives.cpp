@@ -9,8 +9,8 @@
 #include "geometry/tool/handpiece.h"
 #include "sim/run/load_scene.h"
 #include "sim/run/practice_block.h"
+#include "sim/scenes/hold.h"
 #include "ui/bench/bench.h"
-#include "ui/bench/scenes/hold.h"
 
 namespace kerf::cli {
 namespace {

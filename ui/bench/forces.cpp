@@ -10,9 +10,9 @@
 #include "sim/hand/virtual_hand.h"
 #include "sim/run/load_scene.h"
 #include "sim/run/practice_block.h"
+#include "sim/scenes/feed.h"
+#include "sim/scenes/poses.h"
 #include "ui/bench/bench.h"
-#include "ui/bench/scenes/feed.h"
-#include "ui/bench/scenes/poses.h"
 #include "ui/bench/spread.h"
 
 namespace kerf::cli {

@@ -14,9 +14,9 @@
 #include "sim/monitor/monitor.h"
 #include "sim/run/load_scene.h"
 #include "sim/run/practice_block.h"
+#include "sim/scenes/objects.h"
+#include "sim/scenes/poses.h"
 #include "ui/bench/bench.h"
-#include "ui/bench/scenes/objects.h"
-#include "ui/bench/scenes/poses.h"
 #include "ui/bench/spread.h"
 
 namespace kerf::cli {

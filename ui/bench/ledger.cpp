@@ -1,8 +1,8 @@
 // Whether the ledger tells what there is: volumes by the ledger against those of the mesh.
 #include <fmt/format.h>
 
+#include "sim/scenes/strokes.h"
 #include "ui/bench/bench.h"
-#include "ui/bench/scenes/strokes.h"
 
 namespace kerf::cli {
 

@@ -11,9 +11,9 @@
 
 #include "sim/hand/virtual_hand.h"
 #include "sim/run/practice_block.h"
+#include "sim/scenes/objects.h"
+#include "sim/scenes/press.h"
 #include "ui/bench/bench.h"
-#include "ui/bench/scenes/objects.h"
-#include "ui/bench/scenes/press.h"
 
 namespace kerf::cli {
 namespace {

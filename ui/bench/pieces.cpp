@@ -6,10 +6,10 @@
 #include "sim/pieces/pieces.h"
 #include "sim/run/load_scene.h"
 #include "sim/run/practice_block.h"
+#include "sim/scenes/objects.h"
+#include "sim/scenes/poses.h"
 #include "sim/step/step.h"
 #include "ui/bench/bench.h"
-#include "ui/bench/scenes/objects.h"
-#include "ui/bench/scenes/poses.h"
 
 namespace kerf::cli {
 namespace {

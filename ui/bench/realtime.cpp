@@ -15,9 +15,9 @@
 #include "sim/object/overlay_field.h"
 #include "sim/run/load_scene.h"
 #include "sim/run/replay.h"
+#include "sim/scenes/objects.h"
 #include "ui/bench/bench.h"
 #include "ui/bench/live.h"
-#include "ui/bench/scenes/objects.h"
 
 namespace kerf::cli {
 namespace {

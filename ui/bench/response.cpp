@@ -5,11 +5,11 @@
 #include <cmath>
 
 #include "sim/run/practice_block.h"
+#include "sim/scenes/objects.h"
+#include "sim/scenes/poses.h"
+#include "sim/scenes/press.h"
 #include "sim/step/response.h"
 #include "ui/bench/bench.h"
-#include "ui/bench/scenes/objects.h"
-#include "ui/bench/scenes/poses.h"
-#include "ui/bench/scenes/press.h"
 
 namespace kerf::cli {
 namespace {

@@ -12,11 +12,11 @@
 
 #include "sim/run/load_scene.h"
 #include "sim/run/practice_block.h"
+#include "sim/scenes/feed.h"
+#include "sim/scenes/objects.h"
+#include "sim/scenes/poses.h"
+#include "sim/scenes/sink.h"
 #include "ui/bench/bench.h"
-#include "ui/bench/scenes/feed.h"
-#include "ui/bench/scenes/objects.h"
-#include "ui/bench/scenes/poses.h"
-#include "ui/bench/scenes/sink.h"
 #include "ui/bench/spread.h"
 
 namespace kerf::cli {

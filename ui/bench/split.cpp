@@ -14,11 +14,11 @@
 #include "sim/live/mesher_thread.h"
 #include "sim/run/load_scene.h"
 #include "sim/run/replay.h"
+#include "sim/scenes/objects.h"
+#include "sim/scenes/poses.h"
 #include "sim/session/command.h"
 #include "ui/bench/bench.h"
 #include "ui/bench/live.h"
-#include "ui/bench/scenes/objects.h"
-#include "ui/bench/scenes/poses.h"
 
 namespace kerf::cli {
 namespace {

@@ -8,9 +8,9 @@
 #include "sim/live/remesher.h"
 #include "sim/run/load_scene.h"
 #include "sim/run/practice_block.h"
+#include "sim/scenes/objects.h"
+#include "sim/scenes/poses.h"
 #include "ui/bench/bench.h"
-#include "ui/bench/scenes/objects.h"
-#include "ui/bench/scenes/poses.h"
 
 namespace kerf::cli {
 namespace {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/scenes/held_device.h"
 #include "sim/step/device_sample.h"
-#include "ui/bench/scenes/held_device.h"
 
 namespace kerf {
 namespace {

@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/tool/saw_blade.h"
 #include "geometry/tool/tool_file.h"
 #include "sim/hand/mouse_hand.h"
 #include "sim/run/load_scene.h"
 #include "sim/session/session.h"
 #include "tests/sim/block_scene.h"
 #include "tests/support/allocation_guard.h"
-#include "ui/app/saw_blade.h"
 
 namespace kerf {
 namespace {

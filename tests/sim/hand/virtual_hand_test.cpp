@@ -8,8 +8,8 @@
 #include "geometry/tool/tool_file.h"
 #include "sim/run/removed_volumes.h"
 #include "sim/run/sweep_cutter.h"
+#include "sim/scenes/press.h"
 #include "tests/sim/block_scene.h"
-#include "ui/bench/scenes/press.h"
 
 namespace kerf {
 namespace {

@@ -8,8 +8,8 @@
 #include <set>
 #include <thread>
 
+#include "sim/scenes/carved_field.h"
 #include "tests/geometry/sampled_field.h"
-#include "ui/bench/scenes/carved_field.h"
 
 namespace kerf {
 namespace {

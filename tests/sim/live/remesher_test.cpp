@@ -7,8 +7,8 @@
 #include <random>
 
 #include "geometry/field/sample_field.h"
+#include "sim/scenes/carved_field.h"
 #include "tests/geometry/sampled_field.h"
-#include "ui/bench/scenes/carved_field.h"
 
 namespace kerf {
 namespace {

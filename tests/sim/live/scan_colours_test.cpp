@@ -9,8 +9,8 @@
 #include "geometry/field/marching_cubes.h"
 #include "geometry/field/sample_field.h"
 #include "sim/live/tissue_colours.h"
+#include "sim/scenes/carved_field.h"
 #include "tests/support/open_block.h"
-#include "ui/bench/scenes/carved_field.h"
 
 namespace kerf {
 namespace {

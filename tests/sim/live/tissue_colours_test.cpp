@@ -9,7 +9,7 @@
 
 #include "geometry/field/sample_field.h"
 #include "sim/run/practice_block.h"
-#include "ui/bench/scenes/carved_field.h"
+#include "sim/scenes/carved_field.h"
 
 namespace kerf {
 namespace {

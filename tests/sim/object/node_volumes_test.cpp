@@ -7,8 +7,8 @@
 #include <numeric>
 
 #include "geometry/field/marching_cubes.h"
+#include "sim/scenes/strokes.h"
 #include "tests/sim/block_scene.h"
-#include "ui/bench/scenes/strokes.h"
 
 namespace kerf {
 namespace {

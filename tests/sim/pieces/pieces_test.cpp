@@ -12,8 +12,8 @@
 #include "geometry/field/marching_cubes.h"
 #include "geometry/field/sample_field.h"
 #include "sim/pieces/split_field.h"
+#include "sim/scenes/carved_field.h"
 #include "tests/geometry/sampled_field.h"
-#include "ui/bench/scenes/carved_field.h"
 
 namespace kerf {
 namespace {

@@ -6,10 +6,10 @@
 #include <cmath>
 
 #include "geometry/tool/tool_file.h"
+#include "sim/scenes/sink.h"
 #include "sim/step/tool_core.h"
 #include "tests/sim/block_scene.h"
 #include "tests/support/allocation_guard.h"
-#include "ui/bench/scenes/sink.h"
 
 namespace kerf {
 namespace {

@@ -5,9 +5,9 @@
 
 #include "geometry/tool/tool_file.h"
 #include "sim/object/cut_area.h"
+#include "sim/scenes/feed.h"
+#include "sim/scenes/poses.h"
 #include "tests/sim/block_scene.h"
-#include "ui/bench/scenes/feed.h"
-#include "ui/bench/scenes/poses.h"
 
 namespace kerf {
 namespace {

@@ -9,8 +9,8 @@
 #include "geometry/tool/tool_file.h"
 #include "sim/run/load_scene.h"
 #include "sim/run/practice_block.h"
+#include "sim/scenes/hold.h"
 #include "sim/step/erode_brick.h"
-#include "ui/bench/scenes/hold.h"
 
 namespace kerf {
 namespace {

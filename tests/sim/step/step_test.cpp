@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include "geometry/tool/tool_file.h"
+#include "sim/scenes/feed.h"
 #include "tests/sim/block_scene.h"
-#include "ui/bench/scenes/feed.h"
 
 namespace kerf {
 namespace {

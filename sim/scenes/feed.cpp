@@ -1,9 +1,9 @@
-#include "ui/bench/scenes/feed.h"
+#include "sim/scenes/feed.h"
 
 #include <algorithm>
 
 #include "sim/run/practice_block.h"
-#include "ui/bench/scenes/objects.h"
+#include "sim/scenes/objects.h"
 
 namespace kerf::scenes {
 

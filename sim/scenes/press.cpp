@@ -1,4 +1,4 @@
-#include "ui/bench/scenes/press.h"
+#include "sim/scenes/press.h"
 
 #include <algorithm>
 #include <limits>

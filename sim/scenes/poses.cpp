@@ -1,4 +1,4 @@
-#include "ui/bench/scenes/poses.h"
+#include "sim/scenes/poses.h"
 
 namespace kerf::scenes {
 namespace {

@@ -1,4 +1,4 @@
-#include "ui/bench/scenes/held_device.h"
+#include "sim/scenes/held_device.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "ui/bench/scenes/strokes.h"
+#include "sim/scenes/strokes.h"
 
 #include <cmath>
 #include <numeric>
@@ -6,8 +6,8 @@
 
 #include "geometry/field/marching_cubes.h"
 #include "sim/run/practice_block.h"
-#include "ui/bench/scenes/objects.h"
-#include "ui/bench/scenes/poses.h"
+#include "sim/scenes/objects.h"
+#include "sim/scenes/poses.h"
 
 namespace kerf::scenes {
 namespace {

@@ -1,4 +1,4 @@
-#include "ui/bench/scenes/objects.h"
+#include "sim/scenes/objects.h"
 
 #include <algorithm>
 #include <cmath>

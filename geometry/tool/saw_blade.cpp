@@ -1,4 +1,4 @@
-#include "ui/app/saw_blade.h"
+#include "geometry/tool/saw_blade.h"
 
 #include <algorithm>
 #include <cmath>

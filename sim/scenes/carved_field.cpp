@@ -1,4 +1,4 @@
-#include "ui/bench/scenes/carved_field.h"
+#include "sim/scenes/carved_field.h"
 
 #include <algorithm>
 

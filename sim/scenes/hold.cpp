@@ -1,9 +1,9 @@
-#include "ui/bench/scenes/hold.h"
+#include "sim/scenes/hold.h"
 
 #include <algorithm>
 
-#include "ui/bench/scenes/objects.h"
-#include "ui/bench/scenes/poses.h"
+#include "sim/scenes/objects.h"
+#include "sim/scenes/poses.h"
 
 namespace kerf::scenes {
 

@@ -1,10 +1,10 @@
-#include "ui/bench/scenes/sink.h"
+#include "sim/scenes/sink.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "ui/bench/scenes/objects.h"
-#include "ui/bench/scenes/poses.h"
+#include "sim/scenes/objects.h"
+#include "sim/scenes/poses.h"
 
 namespace kerf::scenes {
 namespace {
