@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "geometry/case/case_materials.h"
+#include "sim/object/huge_pages.h"
 
 namespace kerf {
 
@@ -13,13 +14,14 @@ Expected<std::shared_ptr<const BakedObject>> loadObject(const std::filesystem::p
   KERF_TRY(manifest, readCaseManifest(case_folder));
   KERF_TRY(table, readDefaultMaterials());
   KERF_CHECK(requireSameMaterials(case_folder, manifest, table));
+  internal::returnFreeMemory();  // of what was open before
   KERF_TRY(fields, readCaseFields(case_folder, manifest));
   if (begin && begin->voxel() != fields.phi0.voxel())
     return fail({.code = Error::Code::kBadValue,
                  .file = case_folder.string(),
                  .found = fmt::format("voxels of {:g} mm in what was cut before", begin->voxel()),
                  .expected = fmt::format("{:g} mm, as in the case", fields.phi0.voxel()),
-                 .hint = "a run that was cut in a finer region can not be gone on with"});
+                 .hint = "that run was cut in a finer region of the case: kerf cut without --hand goes on from it"});
   if (begin)
     for (std::size_t b = 0; b < begin->brickCount(); ++b)
       fields.phi0.brick(fields.phi0.touch(begin->brickCoord(b))) = begin->brick(b);
