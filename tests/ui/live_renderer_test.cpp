@@ -724,6 +724,69 @@ TEST_F(LivePicture, SupersamplingSmoothsEdgesAndMovesNothing) {
   EXPECT_NEAR(count(smooth, isIvory) / double(count(rough, isIvory)), 1, 0.02);
 }
 
+// ---- A share of the upload in each frame
+
+TEST_F(LivePicture, AFrameUploadsItsShareAndAfterAFewTheSurfaceIsWhole) {
+  showBlock();
+  LiveFrame frame = kPlain;
+  frame.most_upload = 1;  // a page
+  const internal::GlTarget target(kWidth, kHeight);
+  const auto drawn = [&] {
+    glBindFramebuffer(GL_FRAMEBUFFER, target.id());
+    const auto done = renderer_->draw(camera_, kWidth, kHeight, frame);
+    EXPECT_TRUE(done) << done.error().message();
+    return target.read();
+  };
+
+  Image last = drawn();
+  const std::size_t pages = renderer_->counts().waiting_pages + 1;
+  ASSERT_GT(pages, 2u) << "else there is nothing to share";
+  for (std::size_t n = 1; n < pages; ++n) {
+    const std::uint64_t version = renderer_->version();
+    last = drawn();
+    EXPECT_EQ(renderer_->counts().waiting_pages, pages - 1 - n);
+    EXPECT_EQ(renderer_->version() != version, n + 1 < pages) << "there is more to come, or there is not";
+  }
+  drawn();
+  EXPECT_EQ(renderer_->counts().uploaded_bytes, 0u);
+  EXPECT_EQ(different(last, picture(kPlain)), 0);
+}
+
+TEST_F(LivePicture, APictureShowsAllThatFramesHaveNotUploadedYet) {
+  showBlock();
+  const Image whole = picture(kPlain);
+  renderer_->clear();
+  showBlock();
+  LiveFrame frame = kPlain;
+  frame.most_upload = 1;
+  EXPECT_EQ(different(picture(frame), whole), 0);
+  EXPECT_EQ(renderer_->counts().waiting_pages, 0u);
+}
+
+TEST_F(LivePicture, WhatIsCutComesBeforeWhatIsNew) {
+  for (const MeshChunkPtr& chunk : block_.chunks()) renderer_->setChunk(1, *chunk);
+  const Image before = picture(kPlain);
+  renderer_->setVisible(0, false);  // what is new: first in the order of the renderer
+  for (const MeshChunkPtr& chunk : block_.chunks()) renderer_->setChunk(0, *chunk);
+  const auto isOnTop = [](const MeshChunkPtr& chunk) {
+    return std::any_of(chunk->normals.begin(), chunk->normals.end(), [](const Vec3f& n) { return n[2] > 0.99f; });
+  };
+  const auto top = std::find_if(block_.chunks().begin(), block_.chunks().end(), isOnTop);
+  ASSERT_NE(top, block_.chunks().end());
+  const std::vector<Rgba8> green((*top)->vertices.size(), {20, 220, 20, 140});
+  renderer_->setChunk(1, **top, green);
+
+  LiveFrame frame = kPlain;
+  frame.most_upload = 1;
+  const internal::GlTarget target(kWidth, kHeight);
+  glBindFramebuffer(GL_FRAMEBUFFER, target.id());
+  ASSERT_TRUE(renderer_->draw(camera_, kWidth, kHeight, frame));
+  const Image first = target.read();
+  EXPECT_GT(renderer_->counts().waiting_pages, 0u);
+  EXPECT_GT(different(first, before), 50);
+  EXPECT_EQ(different(first, picture(kPlain)), 0);
+}
+
 // ---- A still picture
 
 TEST_F(LivePicture, OfAStillSceneGetsSmoothFromFrameToFrameAndStartsAnewWhenAnythingMoves) {

@@ -48,6 +48,8 @@ class LivePage {
   /// An empty one removes it.
   void set(const Vec3i& brick, LiveChunk chunk);
   bool isEmpty() const { return chunks_.empty(); }
+  bool isDirty() const { return is_dirty_; }         ///< changed since upload(): drawn as it was then
+  bool isNew() const { return vertex_array_ == 0; }  ///< nothing of it is drawn yet
   /// Brings vertices and box up to date. @return bytes uploaded.
   std::size_t upload();
 

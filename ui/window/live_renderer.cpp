@@ -177,6 +177,7 @@ struct LiveRenderer::Impl {
   void liftSection(const FrameView& view, const Plane& plane);
   void drawBackground();
   void drawPlan(const FrameView& view, const LiveFrame& frame, const Camera& camera);
+  void upload(std::size_t most);
   Expected<void> drawInto(GLuint target, const Camera& camera, int width, int height, const LiveFrame& frame);
   Expected<void> drawPoints(GLuint target, const Camera& camera, int width, int height, const LiveFrame& frame);
   Expected<void> resizePoints(int width, int height);
@@ -510,6 +511,24 @@ Expected<void> LiveRenderer::Impl::resizePoints(int width, int height) {
   return {};
 }
 
+// What is in the picture already comes first: what is being cut is never behind what is being opened.
+void LiveRenderer::Impl::upload(std::size_t most) {
+  for (const bool is_new : {false, true})
+    for (auto& [number, object] : objects)
+      for (auto& [key, page] : object.pages)
+        if (page.isDirty() && page.isNew() == is_new && counts.uploaded_bytes < most)
+          counts.uploaded_bytes += page.upload();
+
+  for (auto& [number, object] : objects) {
+    std::erase_if(object.pages, [](const auto& entry) { return entry.second.isEmpty(); });
+    for (const auto& [key, page] : object.pages) {
+      if (object.is_visible) counts.triangles += page.triangles();
+      if (page.isDirty()) ++counts.waiting_pages;
+    }
+  }
+  if (counts.waiting_pages > 0) ++changes;  // the next frame is of more
+}
+
 Expected<void> LiveRenderer::Impl::drawInto(GLuint target, const Camera& camera, int width, int height,
                                             const LiveFrame& frame) {
   counts = {};
@@ -517,13 +536,7 @@ Expected<void> LiveRenderer::Impl::drawInto(GLuint target, const Camera& camera,
   while (glGetError() != GL_NO_ERROR) {
   }
 
-  for (auto& [number, object] : objects)
-    for (auto it = object.pages.begin(); it != object.pages.end();) {
-      counts.uploaded_bytes += it->second.upload();
-      if (object.is_visible) counts.triangles += it->second.triangles();
-      it = it->second.isEmpty() ? object.pages.erase(it) : std::next(it);
-    }
-
+  upload(frame.most_upload);
   const int factor = std::clamp(frame.supersampling, 1, 3);
   if (factor == 1 && !isOpen(frame)) {
     KERF_CHECK(drawPoints(target, camera, width, height, frame));
@@ -624,7 +637,9 @@ Expected<Image> LiveRenderer::picture(const Camera& camera, int width, int heigh
                  .expected = fmt::format("1 to {} pixels a side", kLargestSide),
                  .hint = "--size 1280x720"});
   const internal::GlTarget target(width, height);
-  KERF_CHECK(impl_->drawInto(target.id(), camera, width, height, frame));
+  LiveFrame whole = frame;
+  whole.most_upload = std::numeric_limits<std::size_t>::max();
+  KERF_CHECK(impl_->drawInto(target.id(), camera, width, height, whole));
   return target.read();
 }
 

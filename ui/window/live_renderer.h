@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -34,6 +35,9 @@ struct LiveFrame {
   Rgba8 section_color = {214, 168, 128, 255};
   LivePlan plan = {};     ///< planned cuts, and what is being picked: translucent, over everything
   int supersampling = 1;  ///< n x n points a pixel, 1 to 3: smooth edges, 2 to 7 times the cost
+  /// Bytes of surface that are copied to the graphics card in one frame, or one page more. The rest comes with the next
+  /// frames, what is new last; until then it is drawn as it was. No limit: all at once, some 15 ms a MB in software.
+  std::size_t most_upload = std::numeric_limits<std::size_t>::max();
   bool is_culled = true;  ///< false: everything goes through the pipeline. The pixels are the same; for tests
 };
 
@@ -43,6 +47,7 @@ struct LiveCounts {
   std::size_t drawn_triangles = 0;  ///< sent to the pipeline
   std::size_t draw_calls = 0;       ///< of objects
   std::size_t uploaded_bytes = 0;
+  std::size_t waiting_pages = 0;  ///< that changed, and come with the next frames
 };
 
 /// Objects are numbers that the caller chooses; one that was never given a chunk is empty.
@@ -52,8 +57,8 @@ class LiveRenderer {
   static Expected<std::unique_ptr<LiveRenderer>> create();
   ~LiveRenderer();
 
-  /// Replaces the chunk of that brick; an empty one removes it. Costs a copy; uploaded by the next draw together with
-  /// the chunks of the 8 x 8 x 8 bricks around, up to 500 KB.
+  /// Replaces the chunk of that brick; an empty one removes it. Costs a copy; uploaded by the next draws together with
+  /// the chunks of the 8 x 8 x 8 bricks around, up to 500 KB: LiveFrame::most_upload.
   /// @param colours  per vertex, sRGB; in the place of alpha the gloss (tissue_colours.h). Empty: ivory.
   /// @param occlusion  per vertex (chunk_occlusion.h). Empty: all the light.
   /// A chunk with an index out of range, or with colours or occlusion of another length, is taken as empty.
@@ -79,8 +84,8 @@ class LiveRenderer {
   /// and culling off, and the framebuffer bound. A frame with a section, or supersampled, takes a copy more: 8 ms.
   /// @return an error if the framebuffer is gone or incomplete, or OpenGL reports one; the next call may succeed.
   Expected<void> draw(const Camera& camera, int width, int height, const LiveFrame& frame);
-  /// The picture, 1 to 8192 pixels a side. Same chunks, camera, frame and driver: the same bytes, whatever the order in
-  /// which the chunks came.
+  /// The picture, 1 to 8192 pixels a side, of all that was set. Same chunks, camera, frame and driver: the same bytes,
+  /// whatever the order in which the chunks came.
   Expected<Image> picture(const Camera& camera, int width, int height, const LiveFrame& frame);
 
   /// Of the last frame.

@@ -11,6 +11,8 @@
 namespace kerf {
 namespace {
 
+constexpr std::size_t kUploadAFrame = 1'000'000;  // bytes: some 15 ms in software; 300 000 triangles take 7 frames
+
 /// Of a part of an object, for the renderer: objects themselves have the number of their id.
 std::size_t numberOf(std::uint32_t object, TissuePart part) {
   return object + (std::size_t{part == TissuePart::kSolid ? 1u : 2u} << 32);
@@ -171,6 +173,7 @@ LiveFrame LiveView::frameOf(const Workbench& bench, const Camera& camera) {
 Expected<void> LiveView::draw(const Workbench& bench, const Camera& camera, int width, int height, Edges edges) {
   LiveFrame frame = frameOf(bench, camera);
   frame.supersampling = edges == Edges::kSmooth ? 2 : 1;
+  frame.most_upload = kUploadAFrame;
   if (edges == Edges::kByAndBy) return still_.draw(*renderer_, camera, width, height, frame);
   still_.forget();
   return renderer_->draw(camera, width, height, frame);

@@ -37,6 +37,9 @@ class LiveView {
   /// The background goes with the panels.
   void setBackground(const Vec3f& middle, const Vec3f& edge) { renderer_->setBackground(middle, edge); }
 
+  /// What was opened comes into the picture over several frames; picture() shows all of it.
+  bool isUploading() const { return renderer_->counts().waiting_pages > 0; }
+
   /// How smooth the edges are: what moves is drawn fast.
   enum class Edges {
     kFast,

@@ -169,8 +169,8 @@ class Workshop {
     ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
     glfwSwapBuffers(desktop_.window());
 
-    // Not in the frame that uploads all of the surface, and not while a hand is at work.
-    if (is_still && std::exchange(is_picture_due_, false)) takePicture();
+    // Not before all of the surface is on the graphics card, and not while a hand is at work.
+    if (is_still && !view_->isUploading() && std::exchange(is_picture_due_, false)) takePicture();
     ++frames_;
     endIfAsked();
     wants_end_ |= options_.frames > 0 && frames_ >= options_.frames;
