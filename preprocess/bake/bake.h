@@ -68,6 +68,15 @@ Expected<BakeReport> bake(const std::vector<std::filesystem::path>& meshes, cons
 Expected<BakeReport> bakeRecipe(const std::filesystem::path& recipe, const std::filesystem::path& case_folder,
                                 const BakeOptions& options, const Progress& progress = {});
 
+/// What the user of a case should know before anything is cut, sentences: what closing warned of, a shrink-wrap, parts
+/// that got nothing, surface that the voxels are too coarse for. Not of doubtful units, which doubtsOfUnits() tells.
+std::vector<std::string> warningsOf(const BakeReport& report);
+/// A sentence for each source whose unit was guessed and could be another.
+std::vector<std::string> doubtsOfUnits(const BakeReport& report);
+
+/// Of the warnings that a case keeps those of closing it.   @pre  manifest.warnings is set.
+std::vector<std::string> closingWarningsOf(const CaseManifest& manifest);
+
 /// For people: what was read, assumed, changed and made.
 std::string describe(const BakeReport& report);
 

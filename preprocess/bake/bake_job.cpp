@@ -181,7 +181,8 @@ Expected<void> writeCase(const BakeObject& object, const BakedGrids& grids, cons
   KERF_TRY(field_hash, sha256OfFile(folder / kCaseAnatomy));
   manifest.solid_sha256 = solid_hash;
   manifest.field_sha256 = field_hash;
-  manifest.warnings = job.report.close.warnings;
+  manifest.warnings = warningsOf(job.report);
+  for (std::string& doubt : doubtsOfUnits(job.report)) manifest.warnings->push_back(std::move(doubt));
   KERF_CHECK(writeCaseManifest(folder, manifest));
 
   if (!report(job.progress, 0.95, "syncing")) return cancelledBeforeWriting();

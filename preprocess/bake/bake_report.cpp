@@ -71,9 +71,7 @@ void addHeadline(const BakeReport& r, Text& out) {
     out.line(
         "  specks are printed, and cut, as pieces of their own: --drop-specks MM3, or drop_specks_mm3 in a recipe");
   if (m.parts.empty() && m.exact) out.line("scan: " + whatIsLost(r.close));
-  if (!m.exact && m.parts.empty())
-    out.line("WARNING: the surface is a shrink-wrap, an approximation of the scan: no source vertex is preserved");
-  for (const std::string& warning : r.close.warnings) out.line("WARNING: " + warning);
+  for (const std::string& warning : warningsOf(r)) out.line("WARNING: " + warning);
 }
 
 void addClosing(const BakeReport& r, Text& out) {
@@ -103,34 +101,69 @@ void addMaterials(const CaseManifest& m, Text& out) {
         p.own_mm3 > 0 ? fmt::format(" of {:.3f} its own ({:+.2f} %)", p.own_mm3, 100 * (p.volume_mm3 / p.own_mm3 - 1))
                       : std::string()));
 
-  for (std::size_t n = 0; n < m.parts.size(); ++n)
-    if (const CasePart& p = m.parts[n]; p.volume_mm3 <= 1e-3 * p.own_mm3)
-      out.line(fmt::format("WARNING: part {} ({}, {}) got nothing: earlier parts cover it{}", n + 1, p.material,
-                           p.origin, n > 0 ? ". Try: move it before them in the recipe, the first part wins" : ""));
   if (m.parts.size() > 1)
     for (const CaseMaterial& c : m.materials)
       out.line(fmt::format("material: {:<12} {:10.3f} mm3", c.id, c.volume_mm3));
 
-  if (!m.gaps || !(m.gaps->unclaimed_mm3 > 0)) return;
-  std::string forgotten;
-  if (m.gaps->forgotten_mm3 > 0)
-    forgotten = fmt::format("; WARNING: {:.3f} mm3 lay too far from every part and became the fallback material",
-                            m.gaps->forgotten_mm3);
-  out.line(
-      fmt::format("gaps: {:.3f} mm3 lay in no part and went to their neighbours{}", m.gaps->unclaimed_mm3, forgotten));
+  if (m.gaps && m.gaps->unclaimed_mm3 > 0)
+    out.line(fmt::format("gaps: {:.3f} mm3 lay in no part and went to their neighbours", m.gaps->unclaimed_mm3));
 }
 
-void addLostSurface(const CaseManifest& m, Text& out) {
+// ---- Warnings
+
+constexpr const char* kUnitDoubt = "CHECK THE UNIT of source";
+
+void warnOfParts(const CaseManifest& m, std::vector<std::string>& out) {
+  for (std::size_t n = 0; n < m.parts.size(); ++n)
+    if (const CasePart& p = m.parts[n]; p.volume_mm3 <= 1e-3 * p.own_mm3)
+      out.push_back(fmt::format("part {} ({}, {}) got nothing: earlier parts cover it{}", n + 1, p.material, p.origin,
+                                n > 0 ? ". Try: move it before them in the recipe, the first part wins" : ""));
+  if (m.gaps && m.gaps->forgotten_mm3 > 0)
+    out.push_back(
+        fmt::format("{:.3f} mm3 lay too far from every part and became the fallback material", m.gaps->forgotten_mm3));
+}
+
+void warnOfLostSurface(const CaseManifest& m, std::vector<std::string>& out) {
   constexpr double kMatters = 0.05;  // less is lost by every scan at a coarse voxel, along its creases
   const double lost = 1 - m.shell_area_mm2 / m.solid_area_mm2;
   if (!(lost > kMatters)) return;
-  out.line(fmt::format(
-      "WARNING: gaps and ridges narrower than {:g} mm, {:.0f} % of the surface, are not there for the tool: "
-      "it can not cut into them or feel them. What you export keeps them. --voxel {:g} keeps more",
+  out.push_back(fmt::format(
+      "gaps and ridges narrower than {:g} mm, {:.0f} % of the surface, are not there for the tool: it can not cut into "
+      "them or feel them. What you export keeps them. --voxel {:g} keeps more",
       m.voxel_mm, 100 * lost, m.voxel_mm / 2));
 }
 
 }  // namespace
+
+std::vector<std::string> warningsOf(const BakeReport& r) {
+  const CaseManifest& m = r.manifest;
+  std::vector<std::string> out;
+  if (!m.exact && m.parts.empty())
+    out.emplace_back("the surface is a shrink-wrap, an approximation of the scan: no source vertex is preserved");
+  out.insert(out.end(), r.close.warnings.begin(), r.close.warnings.end());
+  warnOfParts(m, out);
+  warnOfLostSurface(m, out);
+  return out;
+}
+
+std::vector<std::string> doubtsOfUnits(const BakeReport& r) {
+  std::vector<std::string> out;
+  for (std::size_t n = 0; n < r.unit_is_doubtful.size(); ++n)
+    if (const CaseSource& s = r.manifest.sources[n]; r.unit_is_doubtful[n])
+      out.push_back(fmt::format("{} {}, {}: {}", kUnitDoubt, n + 1, s.unit, s.unit_reason));
+  return out;
+}
+
+std::vector<std::string> closingWarningsOf(const CaseManifest& manifest) {
+  BakeReport without_closing;
+  without_closing.manifest = manifest;
+  const std::vector<std::string> others = warningsOf(without_closing);
+  std::vector<std::string> out;
+  for (const std::string& warning : *manifest.warnings)
+    if (!warning.starts_with(kUnitDoubt) && std::find(others.begin(), others.end(), warning) == others.end())
+      out.push_back(warning);
+  return out;
+}
 
 std::string describe(const BakeReport& r) {
   Text out;
@@ -150,7 +183,6 @@ std::string describe(const BakeReport& r) {
   addPairCheck(r, out);
   addGrids(m, out);
   addMaterials(m, out);
-  addLostSurface(m, out);
   out.line(fmt::format("time: read {:.2f}, check {:.2f}, close {:.2f}, voxelize {:.2f}, write {:.2f} s", r.times.read,
                        r.times.check, r.times.close, r.times.voxelize, r.times.write));
   return out.take();

@@ -189,7 +189,7 @@ nlohmann::json keptClosing(const CaseManifest& m) {
   for (const char* key :
        {"vertices_lost_at", "bridged_at", "wide_spans", "handles_at_mm", "base_fallback", "warnings", "wrapped_mm3"})
     if (!j.contains(key)) j[key] = nullptr;
-  if (m.warnings) j["warnings"] = *m.warnings;
+  if (m.warnings) j["warnings"] = closingWarningsOf(m);
   return j;
 }
 

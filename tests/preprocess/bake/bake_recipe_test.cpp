@@ -243,6 +243,9 @@ TEST(BakeRecipe, APartThatGetsNothingIsWarnedOf) {
   const auto hidden = bakeRecipe(folder.path() / "a.toml", folder.path() / "a.case", {});
   ASSERT_TRUE(hidden) << hidden.error().message();
   EXPECT_NE(describe(*hidden).find("WARNING: part 2 (pulp, pulp.ply) got nothing"), std::string::npos);
+  const auto again = bakeRecipe(folder.path() / "a.toml", folder.path() / "a.case", {});
+  ASSERT_TRUE(again && again->was_up_to_date);
+  EXPECT_NE(describe(*again).find("WARNING: part 2 (pulp, pulp.ply) got nothing"), std::string::npos);
   const auto seen = bakeRecipe(folder.path() / "tooth.toml", folder.path() / "tooth.case", {});
   ASSERT_TRUE(seen);
   EXPECT_EQ(describe(*seen).find("got nothing"), std::string::npos);

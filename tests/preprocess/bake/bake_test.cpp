@@ -7,6 +7,7 @@
 #include "geometry/base/hash.h"
 #include "geometry/formats/mesh_writer.h"
 #include "tests/geometry/ball_mesh.h"
+#include "tests/preprocess/solid_checks.h"
 #include "tests/support/temporary_folder.h"
 
 namespace kerf {
@@ -45,6 +46,31 @@ TEST(Bake, WhatClosingWarnsOfIsAWarningOfTheReport) {
   ASSERT_EQ(report->close.warnings.size(), 1u);
   EXPECT_NE(describe(*report).find("\nWARNING: the object is only 2."), std::string::npos) << describe(*report);
   EXPECT_EQ(describe(*report).find("closing: the object is only"), std::string::npos) << describe(*report);
+}
+
+// Two plates with 0.1 mm between them are one for voxels of 0.2 mm, and 4 mm could as well be inches.
+TEST(Bake, WhatItWarnedOfIsToldAgainWhenNothingIsBaked) {
+  const TemporaryFolder folder;
+  const fs::path mesh = folder.path() / "plates.stl";
+  Mesh plates = box({0, 0, 0}, {3, 2.5, 0.6});
+  const Mesh upper = box({0, 0, 0.7}, {3, 2.5, 1.3});
+  for (const auto& t : upper.triangles) plates.triangles.push_back({t[0] + 8, t[1] + 8, t[2] + 8});
+  plates.vertices.insert(plates.vertices.end(), upper.vertices.begin(), upper.vertices.end());
+  ASSERT_TRUE(writeMesh(mesh, plates));
+
+  const auto first = bake({mesh}, folder.path() / "plates.case", coarse());
+  ASSERT_TRUE(first) << first.error().message();
+  ASSERT_TRUE(first->unit_is_doubtful[0]);
+  EXPECT_NE(describe(*first).find("\nWARNING: gaps and ridges narrower than 0.2 mm"), std::string::npos);
+  EXPECT_EQ(describe(*first).find("CHECK THE UNIT"), std::string::npos) << "its line of the source says so";
+  EXPECT_NE(describe(*first).find("  unit     CHECK THIS: "), std::string::npos) << describe(*first);
+
+  const auto again = bake({mesh}, folder.path() / "plates.case", coarse());
+  ASSERT_TRUE(again) << again.error().message();
+  ASSERT_TRUE(again->was_up_to_date);
+  for (const char* said :
+       {"WARNING: gaps and ridges narrower than 0.2 mm", "WARNING: CHECK THE UNIT of source 1, mm: "})
+    EXPECT_NE(describe(*again).find(said), std::string::npos) << describe(*again);
 }
 
 TEST(Bake, CaseHoldsTheFileByteForByteTheSolidAndTheField) {
