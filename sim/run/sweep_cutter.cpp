@@ -28,7 +28,7 @@ SweepCutter::SweepCutter(const BrickField& phi0, const SweepCutterOptions& optio
   }
 }
 
-bool SweepCutter::advance(const SweptTool& sweep) {
+bool SweepCutter::advance(const SweptTool& sweep, const GoesOn& goes_on) {
   const double h = phi0_.voxel(), band = psi_.background(), tolerance = options_.tolerance_voxels * h;
   Box3 box = sweep.bounds();
   box.grow(band);
@@ -62,7 +62,7 @@ bool SweepCutter::advance(const SweptTool& sweep) {
 
   const double least = 0.1 * h;
   std::vector<char> is_cut(near.size());
-  tbb::parallel_for(std::size_t{0}, near.size(), [&](std::size_t n) {
+  const auto cutBrick = [&](std::size_t n) {
     const std::size_t b = near[n];
     const BrickValues* const loaded = phi0_.valuesAt(psi_.brickCoord(b));
     const float constant = phi0_.constantAt(psi_.brickCoord(b));
@@ -80,7 +80,14 @@ bool SweepCutter::advance(const SweptTool& sweep) {
           const double before = std::max<double>(loaded ? (*loaded)[at] : constant, -now);
           if (before < 0 && -d > before + least) is_cut[n] = 1;
         }
-  });
+  };
+
+  constexpr std::size_t kAtOnce = 16;  // bricks; of a mesh of 1.5 M triangles a second or two
+  const std::size_t stride = goes_on ? kAtOnce : std::max<std::size_t>(1, near.size());
+  for (std::size_t begin = 0; begin < near.size(); begin += stride) {
+    if (goes_on && !goes_on(static_cast<double>(begin) / static_cast<double>(near.size()))) return false;
+    tbb::parallel_for(begin, std::min(begin + stride, near.size()), cutBrick);
+  }
   return std::any_of(is_cut.begin(), is_cut.end(), [](char is) { return is != 0; });
 }
 

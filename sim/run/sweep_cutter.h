@@ -1,6 +1,8 @@
 // Geometry-only cutting: the union of all tool sweeps, on the object's own grid.
 #pragma once
 
+#include <functional>
+
 #include "geometry/field/brick_field.h"
 #include "geometry/tool/sweep.h"
 #include "sim/hand/merge_motions.h"
@@ -29,9 +31,14 @@ class SweepCutter {
   /// @param phi0  the baked field; kept by reference, must outlive the cutter. Without any brick it is tissue all over.
   explicit SweepCutter(const BrickField& phi0, const SweepCutterOptions& options = {});
 
+  /// Asked now and then, from the calling thread, with the part of a motion that is done, 0 to 1; false stops it.
+  using GoesOn = std::function<bool(double done)>;
+
   /// Adds one motion. O(bricks near it), parallel inside. Allocates: not for the haptic thread.
+  /// @param goes_on  of a tool whose distance is slow to find, as of a mesh of a million triangles. Once it has said no
+  ///   the motion is half there: the cutter is of no use any more.
   /// @return whether it took anything: a tenth of a voxel or more off a node that was tissue until then.
-  bool advance(const SweptTool& sweep);
+  bool advance(const SweptTool& sweep, const GoesOn& goes_on = {});
 
   /// psi, mm.
   const BrickField& sweep() const { return psi_; }

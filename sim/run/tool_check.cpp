@@ -76,7 +76,7 @@ double defaultVoxel(const Tool& tool) {
   return std::min(std::min(size[0], size[1]) / 20, tool.finest() / 6);
 }
 
-Expected<ToolCheck> checkTool(const Tool& tool, double voxel_mm) {
+Expected<ToolCheck> checkTool(const Tool& tool, double voxel_mm, const Progress& progress) {
   ToolCheck out;
   const double thinnest = tool.finest();
   out.depth_mm = plungeDepth(tool);
@@ -92,6 +92,7 @@ Expected<ToolCheck> checkTool(const Tool& tool, double voxel_mm) {
                                          thinnest / 3),
                  .hint = "leave --voxel out"});
 
+  if (!report(progress, 0.0, "preparing a block")) return cancelled();
   const Box3 block = blockFor(tool, h, out);
   const Rigid3 askew{Eigen::Quaterniond(Eigen::AngleAxisd(0.6, Vec3d(1, 2, 3).normalized())),
                      0.37 * h * Vec3d(1, -1, 1)};
@@ -101,7 +102,13 @@ Expected<ToolCheck> checkTool(const Tool& tool, double voxel_mm) {
   const Vec3d way = tool.plunge_direction;
   const Rigid3 from = askew * Rigid3{Eigen::Quaterniond::Identity(), Vec3d(-way * 6 * h)};
   const Rigid3 to = askew * Rigid3{Eigen::Quaterniond::Identity(), Vec3d(way * out.depth_mm)};
-  cutter.advance(SweptTool(*tool.cut, from, to));
+  bool is_cancelled = false;
+  const auto goesOn = [&](double done) {
+    is_cancelled = !report(progress, 0.1 + 0.85 * done, "plunging");
+    return !is_cancelled;
+  };
+  cutter.advance(SweptTool(*tool.cut, from, to), goesOn);
+  if (is_cancelled || !report(progress, 0.95, "measuring")) return cancelled();
   out.removed_mm3 = signedVolume(marchingCubes(intersection(phi0, cutter.sweep())));
   return out;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "geometry/base/error.h"
+#include "geometry/base/progress.h"
 #include "geometry/tool/tool.h"
 
 namespace kerf {
@@ -22,8 +23,9 @@ double defaultVoxel(const Tool& tool);
 
 /// Plunges the tool along plunge_direction into a block sampled at `voxel_mm` (0: defaultVoxel), by 1.5 head lengths
 /// but 3 mm at most (blade: 3 mm), and measures what is gone. Block and tool stand askew to the grid, so that no wall
-/// profits from lying along it. Long blades meet a block 4 mm wide. A second or two at the default voxel. kBadValue
-/// when the voxel is not positive or larger than a third of the tool's head diameter or kerf.
-Expected<ToolCheck> checkTool(const Tool& tool, double voxel_mm = 0);
+/// profits from lying along it. Long blades meet a block 4 mm wide.
+/// Errors: kBadValue when the voxel is not positive or larger than a third of the tool's head diameter or kerf;
+/// kCancelled. @cost  a second or two at the default voxel; a minute for a mesh of a million triangles.
+Expected<ToolCheck> checkTool(const Tool& tool, double voxel_mm = 0, const Progress& progress = {});
 
 }  // namespace kerf

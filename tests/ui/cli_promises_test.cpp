@@ -266,6 +266,31 @@ TEST_F(CliPromises, NewToolFilesOfSawsAndMeshesAreToolsAtOnce) {
   EXPECT_EQ(info.exit_code, 0) << info.err;
 }
 
+// script (of bsdutils, which every Debian has) gives it a terminal.
+TEST_F(CliPromises, ToolCheckShowsAtATerminalHowFarItIs) {
+  const std::string command = fmt::format("script -qec '{}/kerf tool check round-014 us-35' {} >/dev/null 2>&1",
+                                          KERF_BIN_DIR, at("typescript"));
+  ASSERT_EQ(std::system(command.c_str()), 0) << command;
+  const std::string shown = contentOf(in("typescript"));
+  for (const char* said :
+       {" %  round-014: reading", " %  round-014: plunging", " %  us-35: plunging", "2 of 2 tools pass."})
+    EXPECT_NE(shown.find(said), shown.npos) << said << "\n" << shown;
+  EXPECT_NE(shown.find("\r\033[Kus-35  "), shown.npos) << "a row is not on a line of its own\n" << shown;
+  EXPECT_EQ(runKerf({"tool", "check", "round-014", "us-35"}).err, "") << "no terminal, no line";
+}
+
+// It writes nothing, and need not be waited for: not even by Ctrl-C while it is cutting.
+TEST_F(CliPromises, ToolCheckEndsAtOnceByEitherSignal) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    RunOptions options;
+    options.signal = signal;
+    options.signal_after = 0.5;
+    const Outcome o = runKerf({"tool", "check", "--all", "--json"}, options);
+    EXPECT_EQ(o.signal, signal) << o.exit_code << o.err;
+    EXPECT_EQ(o.out, "");
+  }
+}
+
 TEST_F(CliPromises, ExportAndCheckCountTheSamePieces) {
   folder_.write("box.off", box());
   ASSERT_EQ(runKerf({"bake", at("box.off"), "--unit", "mm", "--voxel", "0.2", "-o", at("bar.case")}).exit_code, 0);

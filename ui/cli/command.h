@@ -47,11 +47,14 @@ std::string counted(std::size_t count, const std::string& noun);
 /// The line is erased by the destructor.
 class TerminalProgress {
  public:
-  TerminalProgress();
+  /// @param writes_files  false: there is nothing to clean up, and the first signal ends the program at once.
+  explicit TerminalProgress(bool writes_files = true);
   ~TerminalProgress();
   TerminalProgress(const TerminalProgress&) = delete;
   TerminalProgress& operator=(const TerminalProgress&) = delete;
   Progress callback();
+  /// Erases the line, before something is printed; the next report draws it again.
+  void clear();
 
  private:
   bool is_terminal_, has_looked_up_ = false;

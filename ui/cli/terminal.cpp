@@ -36,6 +36,16 @@ void onSignal(int signal) {
   std::raise(signal);
 }
 
+constexpr char kEraseLine[] = "\r\033[K";
+
+// Of work that leaves nothing behind.
+void eraseAndEnd(int signal) {
+  if (isatty(STDERR_FILENO) == 1 && ::write(STDERR_FILENO, kEraseLine, sizeof kEraseLine - 1) < 0)
+    ::_exit(128 + signal);
+  std::signal(signal, SIG_DFL);
+  std::raise(signal);
+}
+
 double seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 }  // namespace
@@ -107,11 +117,11 @@ std::string counted(std::size_t count, const std::string& noun) {
   return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
 }
 
-TerminalProgress::TerminalProgress() : is_terminal_(isatty(STDERR_FILENO) == 1), start_(seconds()) {
+TerminalProgress::TerminalProgress(bool writes_files) : is_terminal_(isatty(STDERR_FILENO) == 1), start_(seconds()) {
   // The first Ctrl-C, or polite end from outside, asks the work to stop and clean up; the second one, whichever of them
   // it is, kills.
   struct sigaction action {};
-  action.sa_handler = onSignal;
+  action.sa_handler = writes_files ? onSignal : eraseAndEnd;
   for (std::size_t n = 0; n < kSignals.size(); ++n) {
     sigaction(kSignals[n], &action, &before_[n]);
     if (before_[n].sa_handler == SIG_IGN) sigaction(kSignals[n], &before_[n], nullptr);  // as under nohup
@@ -120,7 +130,7 @@ TerminalProgress::TerminalProgress() : is_terminal_(isatty(STDERR_FILENO) == 1),
 }
 
 TerminalProgress::~TerminalProgress() {
-  if (is_terminal_) std::fputs("\r\033[K", stderr);
+  clear();
   ::alarm(0);
   bool is_awaited = !is_asked;  // or somebody around this work waits for a signal: Interruption
   for (std::size_t n = 0; n < kSignals.size(); ++n) {
@@ -128,6 +138,11 @@ TerminalProgress::~TerminalProgress() {
     is_awaited |= kSignals[n] == interrupted && before_[n].sa_handler != SIG_DFL;
   }
   if (is_awaited && interrupted != 0) std::raise(interrupted);  // it was put off, not swallowed
+}
+
+void TerminalProgress::clear() {
+  if (is_terminal_ && !last_what_.empty()) std::fputs(kEraseLine, stderr);
+  last_what_.clear();
 }
 
 Progress TerminalProgress::callback() {

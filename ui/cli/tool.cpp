@@ -179,15 +179,26 @@ Expected<std::vector<fs::path>> filesToCheck(const Arguments& a) {
 }
 
 int check(const Arguments& a) {
+  constexpr bool kWritesFiles = false;
+  TerminalProgress terminal(kWritesFiles);
+  const Progress show = terminal.callback();
+  show(0, "looking for tools");
   const auto files = filesToCheck(a);
+  terminal.clear();
   if (!files) return complain(files.error());
 
   const bool is_table = files->size() > 1;
-  std::size_t passed = 0;
+  std::size_t done = 0, passed = 0;
   nlohmann::json results = nlohmann::json::array();
   for (const fs::path& file : *files) {
+    const std::string name = file.stem().string();
+    const auto of_all = [&, n = static_cast<double>(done++)](double fraction, std::string_view what) {
+      return show((n + fraction) / static_cast<double>(files->size()), fmt::format("{}: {}", name, what));
+    };
+    of_all(0, "reading");
     const auto tool = readTool(file);
-    const auto result = tool ? checkTool(*tool, a.voxel) : Expected<ToolCheck>(fail(tool.error()));
+    const auto result = tool ? checkTool(*tool, a.voxel, of_all) : Expected<ToolCheck>(fail(tool.error()));
+    terminal.clear();
     if (!result) {
       complain(result.error());
       if (!a.all) return kFailed;

@@ -57,6 +57,31 @@ TEST(ToolCheck, AToolThatCutsWiderThanItsNumbersFails) {
   EXPECT_GT(check->errorPercent(), 1.0);
 }
 
+TEST(ToolCheck, ReportsHowFarItIsAndStopsWhenItIsTold) {
+  const auto tool = readTool(std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools/round-014.toml");
+  ASSERT_TRUE(tool);
+  std::vector<double> while_plunging;
+  const auto check = checkTool(*tool, 0, [&](double fraction, std::string_view what) {
+    if (what == "plunging") while_plunging.push_back(fraction);
+    return true;
+  });
+  ASSERT_TRUE(check) << check.error().message();
+  EXPECT_EQ(check->removed_mm3, checkTool(*tool)->removed_mm3) << "whether somebody watches or not";
+  EXPECT_GT(while_plunging.size(), 5u);
+  EXPECT_TRUE(std::is_sorted(while_plunging.begin(), while_plunging.end()));
+
+  std::size_t asked_after = 0;
+  bool is_stopped = false;
+  const auto stopped = checkTool(*tool, 0, [&](double fraction, std::string_view) {
+    asked_after += is_stopped;
+    is_stopped |= fraction > 0.3;
+    return !is_stopped;
+  });
+  ASSERT_FALSE(stopped);
+  EXPECT_EQ(stopped.error().code, Error::Code::kCancelled);
+  EXPECT_EQ(asked_after, 0u) << "it went on";
+}
+
 TEST(ToolCheck, AVoxelTooCoarseForTheToolIsRefused) {
   const auto tool = readTool(std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools/round-014.toml");
   ASSERT_TRUE(tool);
