@@ -274,6 +274,13 @@ constexpr AppCommand kCommands[] = {
     {"settings.dialog", "", "", "", "own|system",
      "Asks for files by Kerf's own browser, or by the system's dialog where there is one (zenity, kdialog).",
      hasSettings, setDialog},
+    {"settings.language", "", "", "", "LANGUAGE",
+     "Shows the window in another language: en, de, or that of a file in the folder languages of the settings; marked: "
+     "each text that can be translated stands in «».",
+     hasSettings, setLanguage},
+    {"settings.texts", "", "", "", "FILE",
+     "Writes the texts that were shown so far and have no translation as a language file, for a translator.",
+     hasSettings, writeTexts},
     {"settings.push", "", "", "", "", "Keeps push and depth of now for later sessions.", hasSettings, keepPush},
 
     {"tool.select", "", "", "", "ID", "Takes another tool.", isOpen, tool_commands::selectTool},

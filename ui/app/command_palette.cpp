@@ -8,12 +8,21 @@
 #include <sstream>
 #include <utility>
 
+#include "ui/app/language.h"
+
 namespace kerf {
 namespace {
 
+// Of UTF-8 the letters of Latin-1, too.
 std::string lower(std::string_view text) {
   std::string out(text);
-  for (char& c : out) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  unsigned char before = 0;
+  for (char& c : out) {
+    const auto byte = static_cast<unsigned char>(c);
+    const bool is_capital = before == 0xC3 && byte >= 0x80 && byte <= 0x9E && byte != 0x97;
+    c = static_cast<char>(is_capital ? byte + 0x20 : std::tolower(byte));
+    before = byte;
+  }
   return out;
 }
 
@@ -30,15 +39,21 @@ Place placeOf(std::string_view text, const std::string& word) {
   return best;
 }
 
+// In English, or as it is shown.
+Place placeOfText(std::string_view text, const std::string& word) {
+  return std::max(placeOf(text, word), placeOf(shownText(text), word));
+}
+
 // 0: the word does not occur.
 int scoreOf(const AppCommand& command, const std::string& word) {
-  const Place label = placeOf(command.label, word), id = placeOf(command.id, word);
-  if (label == Place::kStart || lower(command.menu) == word) return 6;
+  const Place label = placeOfText(command.label, word), id = placeOf(command.id, word);
+  const bool is_menu = lower(command.menu) == word || lower(shownText(command.menu)) == word;
+  if (label == Place::kStart || is_menu) return 6;
   if (label == Place::kWordStart) return 5;
   if (id >= Place::kWordStart) return 4;
-  if (placeOf(command.menu, word) >= Place::kWordStart) return 3;
+  if (placeOfText(command.menu, word) >= Place::kWordStart) return 3;
   if (label != Place::kNowhere || id != Place::kNowhere) return 2;
-  return placeOf(command.description, word) != Place::kNowhere ? 1 : 0;
+  return placeOfText(command.description, word) != Place::kNowhere ? 1 : 0;
 }
 
 bool needsParameters(const AppCommand& command) {

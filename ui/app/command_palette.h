@@ -10,8 +10,8 @@
 
 namespace kerf {
 
-/// Commands in whose label, id, menu or description every word occurs, whatever its case; those where it stands in the
-/// label first, then by the table. No words: all of them.
+/// Commands in whose label, id, menu or description every word occurs, whatever its case, in English or as they are
+/// shown; those where it stands in the label first, then by the table. No words: all of them.
 std::vector<const AppCommand*> findAppCommands(std::string_view words);
 
 class CommandPalette {

@@ -81,6 +81,8 @@ const std::vector<Key>& keys() {
        [](const Settings& a, const Settings& b) { return a.perspective_deg == b.perspective_deg; }},
       {"perspective", [](const Settings& s) { return std::string(s.is_perspective ? "true" : "false"); },
        [](const Settings& a, const Settings& b) { return a.is_perspective == b.is_perspective; }},
+      {"language", [](const Settings& s) { return quoted(s.language); },
+       [](const Settings& a, const Settings& b) { return a.language == b.language; }},
       {"file_dialog", [](const Settings& s) { return std::string(s.has_own_dialog ? "\"own\"" : "\"system\""); },
        [](const Settings& a, const Settings& b) { return a.has_own_dialog == b.has_own_dialog; }},
       {"favourite_tools", [](const Settings& s) { return quoted(joined(s.favourite_tools)); },
@@ -132,6 +134,7 @@ Expected<Settings> readSettings(const fs::path& path) {
   out.perspective_deg =
       table.numberOr("perspective_deg", out.perspective_deg, Camera::kLeastField, Camera::kMostField, "deg");
   out.is_perspective = table.getOr<bool>("perspective", false, "true or false");
+  out.language = table.getOr<std::string>("language", out.language, "a language, such as \"de\"");
   const std::string dialog = table.getOr<std::string>("file_dialog", "system", "\"own\" or \"system\"");
   if (dialog != "own" && dialog != "system") table.reject("file_dialog", "\"" + dialog + "\"", "\"own\" or \"system\"");
   out.has_own_dialog = dialog == "own";

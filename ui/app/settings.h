@@ -43,6 +43,8 @@ struct Settings {
   SpaceMouseSettings space_mouse{};
   bool is_perspective = false;  ///< perspective: near things are larger, from the beginning of a session
 
+  std::string language = "en";  ///< language: of the window; "en", or the name of a file of language.h
+
   bool has_own_dialog = false;  ///< file_dialog = "own" or "system": who asks for files where the system has a dialog
 
   /// favourite_tools: ids with blanks between them, in the order in which they were chosen; first in the rack.

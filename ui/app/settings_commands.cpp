@@ -7,6 +7,7 @@
 #include <cmath>
 #include <string>
 
+#include "ui/app/language.h"
 #include "ui/app/settings.h"
 
 namespace kerf {
@@ -97,6 +98,20 @@ Expected<void> setDialog(AppContext& c, AppWords words) {
     return wrong(words.empty() ? "" : words[0], "own or system");
   c.settings->values.has_own_dialog = words[0] == "own";
   return c.settings->save();
+}
+
+Expected<void> setLanguage(AppContext& c, AppWords words) {
+  if (words.empty()) return wrong("", "a language: en, de");
+  KERF_CHECK(showLanguage(words[0], c.settings->path().parent_path()));
+  c.settings->values.language = words[0];
+  return c.settings->save();
+}
+
+Expected<void> writeTexts(AppContext& c, AppWords words) {
+  KERF_TRY(file, pathOf(words));
+  KERF_TRY(count, writeMissingTexts(file));
+  c.bench.say(fmt::format("{} texts without a translation: {}", count, file.string()));
+  return {};
 }
 
 Expected<void> showSettings(AppContext& c, AppWords) {

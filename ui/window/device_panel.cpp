@@ -7,7 +7,9 @@
 #include <cmath>
 
 #include "ui/app/arm_lead.h"
+#include "ui/app/language.h"
 #include "ui/window/style.h"
+#include "ui/window/widgets.h"
 
 namespace kerf {
 namespace {
@@ -21,20 +23,20 @@ void command(AppContext& context, const char* id) { say(context, runAppCommand(c
 
 void wrapped(const ImVec4& colour, const std::string& text) {
   ImGui::PushTextWrapPos(0);
-  ImGui::TextColored(colour, "%s", text.c_str());
+  ui::textColored(colour, text);
   ImGui::PopTextWrapPos();
 }
 
 void line(const char* name, const std::string& value, const ImVec4* colour = nullptr) {
-  ImGui::TextColored(styleColours().quiet, "%s", name);
-  ImGui::SameLine(scaled(112));
-  colour ? ImGui::TextColored(*colour, "%s", value.c_str()) : ImGui::TextUnformatted(value.c_str());
+  ui::textColored(styleColours().quiet, name);
+  ui::sameLineAt(scaled(112));
+  colour ? ui::textColored(*colour, value) : ui::text(value);
 }
 
 // A share of -1 to 1 as a bar from the middle.
 void axisBar(const char* name, double share) {
-  ImGui::TextColored(styleColours().quiet, "%s", name);
-  ImGui::SameLine(scaled(60));
+  ui::textColored(styleColours().quiet, name);
+  ui::sameLineAt(scaled(60));
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float width = ImGui::GetContentRegionAvail().x - scaled(48), height = ImGui::GetTextLineHeight();
   const float middle = at.x + 0.5f * width,
@@ -45,7 +47,7 @@ void axisBar(const char* name, double share) {
                       ImGui::GetColorU32(styleColours().accent), 2);
   ImGui::Dummy({width, height});
   ImGui::SameLine();
-  ImGui::Text("%+.2f", share);
+  ui::text(fmt::format("{:+.2f}", share));
 }
 
 void drawButtons(std::uint64_t down, std::initializer_list<const char*> names) {
@@ -53,7 +55,8 @@ void drawButtons(std::uint64_t down, std::initializer_list<const char*> names) {
   for (const char* const name : names) {
     if (n > 0) ImGui::SameLine();
     const bool is_down = down >> n & 1;
-    ImGui::TextColored(is_down ? styleColours().accent : styleColours().quiet, "%s %s", is_down ? "[x]" : "[ ]", name);
+    const std::string mark = is_down ? "[x] " : "[ ] ";
+    ui::textColored(is_down ? styleColours().accent : styleColours().quiet, ui::asItIs(mark + shownText(name)));
     ++n;
   }
 }
@@ -94,7 +97,7 @@ void drawReach(const ArmView& view, const Side& side) {
       draw->AddCircleFilled(here, scaled(4), ImGui::GetColorU32(styleColours().accent));
     }
   }
-  draw->AddText({at.x + 4, at.y + 2}, ImGui::GetColorU32(styleColours().quiet), side.name);
+  ui::addText(*draw, {at.x + 4, at.y + 2}, ImGui::GetColorU32(styleColours().quiet), side.name);
   ImGui::Dummy({size, size});
 }
 
@@ -129,8 +132,8 @@ void drawHand(const ArmView& view) {
 void drawSafety(const ArmView& view) {
   const StyleColours& colours = styleColours();
   const float share = static_cast<float>(view.felt.force.norm() / std::max(view.most_force, 0.01));
-  ImGui::ProgressBar(view.is_leading ? share : 0, {-1, 0},
-                     fmt::format("{:.2f} of at most {:.2g} N", view.felt.force.norm(), view.most_force).c_str());
+  ui::progressBar(view.is_leading ? share : 0, {-1, 0},
+                  fmt::format("{:.2f} of at most {:.2g} N", view.felt.force.norm(), view.most_force));
   line("Fading in", fmt::format("{:.0f} %", 100 * view.felt.ramp));
   if (view.felt.has_fault)
     line("Bounds", "a force was no number: OFF", &colours.warning);
@@ -164,8 +167,8 @@ void drawChoices(AppContext& context) {
   const auto slider = [&](const char* id, double& value, double low, double high, const char* text) {
     float now = static_cast<float>(value);
     ImGui::SetNextItemWidth(-1);
-    if (!ImGui::SliderFloat(id, &now, static_cast<float>(low), static_cast<float>(high), text,
-                            ImGuiSliderFlags_AlwaysClamp))
+    if (!ui::sliderFloat(id, &now, static_cast<float>(low), static_cast<float>(high), text,
+                         ImGuiSliderFlags_AlwaysClamp))
       return;
     value = static_cast<double>(now);
     is_set = true;
@@ -176,7 +179,7 @@ void drawChoices(AppContext& context) {
   slider("##scale", choice.scale, ArmChoice::kLeastScale, std::max(kHighScale, choice.scale),
          "a mm of the hand is %.2f mm");
   slider("##turn", choice.turn_deg, -180, 180, "turned by %.0f deg");
-  is_set |= ImGui::Checkbox("The drive turns without the pedal", &choice.pedal_is_down);
+  is_set |= ui::checkbox("The drive turns without the pedal", &choice.pedal_is_down);
   if (is_set) arm.choose(choice);
 }
 
@@ -191,7 +194,7 @@ void drawArm(AppContext& context) {
       say(context, runAppCommand(context, "device.open", std::vector<std::string>{"bridge"}));
     return;
   }
-  ImGui::TextUnformatted(view.what.c_str());
+  ui::text(ui::asItIs(view.what));
   drawState(view);
   drawHand(view);
   heading("Force");
@@ -208,7 +211,7 @@ void drawKnob(const DevicePanelState& state) {
             state.knob_trouble.empty() ? "None is plugged in." : state.knob_trouble);
     return;
   }
-  ImGui::TextUnformatted(state.knob_name.c_str());
+  ui::text(ui::asItIs(state.knob_name));
   constexpr const char* kNames[] = {"right", "away", "up", "pitch", "roll", "yaw"};
   for (std::size_t n = 0; n < 6; ++n) axisBar(kNames[n], state.knob->axes[n]);
   drawButtons(state.knob->buttons, {"tool/view", "undo"});
@@ -219,9 +222,9 @@ void drawKnob(const DevicePanelState& state) {
 
 // A share of 0 to 1.
 void triggerBar(const char* name, double share) {
-  ImGui::TextColored(styleColours().quiet, "%s", name);
-  ImGui::SameLine(scaled(112));
-  ImGui::ProgressBar(static_cast<float>(std::clamp(share, 0., 1.)), {-1, 0});
+  ui::textColored(styleColours().quiet, name);
+  ui::sameLineAt(scaled(112));
+  ui::progressBar(static_cast<float>(std::clamp(share, 0., 1.)), {-1, 0});
 }
 
 void drawPad(const DevicePanelState& state) {
@@ -232,7 +235,7 @@ void drawPad(const DevicePanelState& state) {
     return;
   }
   const GamepadState& pad = *state.pad;
-  ImGui::TextUnformatted(state.pad_name.c_str());
+  ui::text(ui::asItIs(state.pad_name));
   axisBar("tool x", pad.left_stick[0]);
   axisBar("tool y", -pad.left_stick[1]);
   axisBar("view x", pad.right_stick[0]);
@@ -255,7 +258,7 @@ void drawDevicePanel(AppContext& context, const DevicePanelState& state) {
                           ImGuiCond_Appearing, {1, 0});
   ImGui::SetNextWindowSize({scaled(kWidth), 0}, ImGuiCond_Always);
   ImGui::SetNextWindowBgAlpha(1);  // it stands over other panels
-  ImGui::Begin("Devices", &context.shows_device, ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
+  ui::begin("Devices", &context.shows_device, ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
   drawArm(context);
   drawKnob(state);
   drawPad(state);

@@ -10,7 +10,9 @@
 
 #include "geometry/formats/mesh_formats.h"
 #include "ui/app/export_plan.h"
+#include "ui/app/language.h"
 #include "ui/window/style.h"
+#include "ui/window/widgets.h"
 
 namespace kerf {
 namespace {
@@ -27,9 +29,9 @@ void drawWhat(ExportPlan& plan) {
   for (const ExportOffer& offer : offers)
     if (offer.choice == plan.choice()) chosen = offer.label.c_str();
   ImGui::SetNextItemWidth(-1);
-  if (!ImGui::BeginCombo("##what", chosen)) return;
+  if (!ui::beginCombo("##what", chosen)) return;
   for (const ExportOffer& offer : offers)
-    if (ImGui::Selectable(offer.label.c_str(), offer.choice == plan.choice())) plan.choose(offer.choice);
+    if (ui::selectable(offer.label, offer.choice == plan.choice())) plan.choose(offer.choice);
   ImGui::EndCombo();
 }
 
@@ -41,9 +43,9 @@ std::string labelOf(const MeshFormatRow& format) {
 void drawFormat(AppContext& context, ExportPlan& plan) {
   const MeshFormatRow* const now = plan.format();
   ImGui::SetNextItemWidth(-1);
-  if (!ImGui::BeginCombo("##format", now ? labelOf(*now).c_str() : "an ending that is not written")) return;
+  if (!ui::beginCombo("##format", now ? labelOf(*now) : "an ending that is not written")) return;
   for (const MeshFormatRow* format : ExportPlan::formats()) {
-    if (!ImGui::Selectable(labelOf(*format).c_str(), format == now)) continue;
+    if (!ui::selectable(labelOf(*format), format == now)) continue;
     if (const auto set = plan.setFormat(std::string(format->name)); !set) context.bench.complain(set.error());
   }
   ImGui::EndCombo();
@@ -53,15 +55,17 @@ void drawWhere(ExportPlan& plan, const std::function<void(const AppCommand&)>& a
   std::array<char, 256> name{};
   plan.file().filename().string().copy(name.data(), name.size() - 1);
   ImGui::SetNextItemWidth(-scaled(110));
-  if (ImGui::InputText("##name", name.data(), name.size())) plan.setName(name.data());
+  if (ui::inputText("##name", name.data(), name.size())) plan.setName(name.data());
   ImGui::SameLine();
-  if (ImGui::Button("Choose...", {-1, 0})) ask_for_file(*findAppCommand("export.to"));
+  if (ui::button("Choose...", {-1, 0})) ask_for_file(*findAppCommand("export.to"));
   ImGui::PushTextWrapPos(0);
-  ImGui::TextColored(styleColours().quiet, "in %s", plan.file().parent_path().c_str());
+  ui::textColored(styleColours().quiet, fmt::format("in {}", plan.file().parent_path().string()));
   if (!plan.replaced().empty() && !plan.written()) {
-    const std::string more = plan.replaced().size() > 1 ? fmt::format(" and {} more", plan.replaced().size() - 1) : "";
-    ImGui::TextColored(styleColours().warning, "%s%s: there already, would be replaced",
-                       plan.replaced().front().filename().c_str(), more.c_str());
+    const std::string first = plan.replaced().front().filename().string();
+    const std::size_t more = plan.replaced().size() - 1;
+    ui::textColored(styleColours().warning,
+                    more == 0 ? fmt::format("{}: there already, would be replaced", first)
+                              : fmt::format("{} and {} more: there already, would be replaced", first, more));
   }
   ImGui::PopTextWrapPos();
 }
@@ -70,17 +74,17 @@ void drawWhere(ExportPlan& plan, const std::function<void(const AppCommand&)>& a
 
 void drawProgress(AppContext& context) {
   const AnyJob* const job = context.bench.job();
-  if (!job) return ImGui::TextColored(styleColours().quiet, "Checking...");
+  if (!job) return ui::textColored(styleColours().quiet, "Checking...");
   const JobStatus s = job->status();
-  ImGui::ProgressBar(static_cast<float>(s.done), {-scaled(110), 0});
+  ui::progressBar(static_cast<float>(s.done), {-scaled(110), 0});
   ImGui::SameLine();
   if (s.is_cancelling)
-    ImGui::TextUnformatted("Cancelling...");
+    ui::text("Cancelling...");
   else if (plainButton("Cancel###cancel-job", "", -1))
     context.bench.cancelJob();
-  std::string line = s.title + (s.step.empty() ? "" : ": " + s.step);
-  if (s.left_s) line += fmt::format("   about {:.0f} s left", std::ceil(*s.left_s));
-  ImGui::TextColored(styleColours().quiet, "%s", line.c_str());
+  std::string line = shownText(s.title) + (s.step.empty() ? "" : ": " + shownText(s.step));
+  if (s.left_s) line += shownText(fmt::format("   about {:.0f} s left", std::ceil(*s.left_s)));
+  ui::textColored(styleColours().quiet, ui::asItIs(line));
 }
 
 void drawFindings(ExportPlan& plan) {
@@ -90,18 +94,18 @@ void drawFindings(ExportPlan& plan) {
   bool is_first = true;
   for (const ExportFinding& finding : findings) {
     if (finding.is_warning)
-      ImGui::TextColored(styleColours().warning, "%s", finding.text.c_str());
+      ui::textColored(styleColours().warning, finding.text);
     else if (is_first)
-      ImGui::TextColored(styleColours().good, "%s", finding.text.c_str());
+      ui::textColored(styleColours().good, finding.text);
     else
-      ImGui::TextUnformatted(finding.text.c_str());
+      ui::text(finding.text);
     is_first = false;
   }
   if (plan.isOutdated())
-    ImGui::TextColored(styleColours().warning, "Something was cut or moved since: it is checked again when written.");
-  if (plan.written()) ImGui::TextUnformatted(("\nWritten, read back and checked:\n" + plan.written()->text).c_str());
-  if (!plan.error().empty()) ImGui::TextColored(styleColours().warning, "%s", plan.error().c_str());
-  if (findings.empty() && plan.error().empty()) ImGui::TextColored(styleColours().quiet, "Not checked yet.");
+    ui::textColored(styleColours().warning, "Something was cut or moved since: it is checked again when written.");
+  if (plan.written()) ui::text("\nWritten, read back and checked:\n" + plan.written()->text);
+  if (!plan.error().empty()) ui::textColored(styleColours().warning, plan.error());
+  if (findings.empty() && plan.error().empty()) ui::textColored(styleColours().quiet, "Not checked yet.");
   ImGui::PopTextWrapPos();
   ImGui::EndChild();
 }
@@ -140,7 +144,7 @@ void drawExportPanel(AppContext& context, const std::function<void(const AppComm
   ImGui::SetNextWindowPos({0.5f * io.DisplaySize.x, 0.45f * io.DisplaySize.y}, ImGuiCond_Always, {0.5f, 0.5f});
   ImGui::SetNextWindowSize({scaled(kWidth), 0}, ImGuiCond_Always);
   bool stays = true;
-  ImGui::Begin("Export", &stays, ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse);
+  ui::begin("Export", &stays, ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse);
   heading("What");
   drawWhat(plan);
   heading("Format");

@@ -11,7 +11,9 @@
 #include "geometry/case/case_bundle.h"
 #include "geometry/formats/mesh_formats.h"
 #include "sim/run/run_manifest.h"
+#include "ui/app/language.h"
 #include "ui/window/style.h"
+#include "ui/window/widgets.h"
 
 namespace kerf {
 namespace {
@@ -86,32 +88,32 @@ std::vector<fs::path> FileBrowser::takeOthers() {
 
 std::optional<fs::path> FileBrowser::draw() {
   if (!is_shown_) return {};
-  if (std::exchange(wants_popup_, false)) ImGui::OpenPopup(kTitle);
+  if (std::exchange(wants_popup_, false)) ui::openPopup(kTitle);
   ImGui::SetNextWindowSize({scaled(640), scaled(460)}, ImGuiCond_Appearing);
   bool stays = true;
-  if (!ImGui::BeginPopupModal(kTitle, &stays)) {
+  if (!ui::beginPopupModal(kTitle, &stays)) {
     is_shown_ = stays && is_shown_;
     return {};
   }
 
   std::optional<fs::path> chosen;
-  if (ImGui::Button("Up") && folder_.has_parent_path()) goTo(folder_.parent_path());
+  if (ui::button("Up") && folder_.has_parent_path()) goTo(folder_.parent_path());
   ImGui::SameLine();
-  if (const char* home = std::getenv("HOME"); ImGui::Button("Home") && home) goTo(home);
+  if (const char* home = std::getenv("HOME"); ui::button("Home") && home) goTo(home);
   ImGui::SameLine();
-  ImGui::TextUnformatted(folder_.c_str());
-  if (!error_.empty()) ImGui::TextWrapped("%s", error_.c_str());
+  ui::text(ui::asItIs(folder_.string()));
+  if (!error_.empty()) ui::textWrapped(error_);
 
   ImGui::BeginChild("entries", {0, -2.2f * ImGui::GetFrameHeightWithSpacing()}, true);
   std::optional<fs::path> next;
   for (const Entry& entry : entries_) {
-    const std::string label = entry.is_run      ? entry.name + "   (run)"
-                              : entry.is_case   ? entry.name + "   (case)"
+    const std::string label = entry.is_run      ? entry.name + shownText("   (run)")
+                              : entry.is_case   ? entry.name + shownText("   (case)")
                               : entry.is_folder ? entry.name + "/"
                                                 : entry.name;
     const bool is_chosen =
         entry.name == name_ || std::find(others_.begin(), others_.end(), entry.name) != others_.end();
-    if (!ImGui::Selectable(label.c_str(), is_chosen, ImGuiSelectableFlags_AllowDoubleClick)) continue;
+    if (!ui::selectable(ui::asItIs(label), is_chosen, ImGuiSelectableFlags_AllowDoubleClick)) continue;
     const bool enters = entry.is_folder && !entry.is_case;
     choose(entry, takes_several_ && !enters && ImGui::GetIO().KeyCtrl);
     if (enters) next = folder_ / entry.name;
@@ -126,11 +128,11 @@ std::optional<fs::path> FileBrowser::draw() {
 
   ImGui::SetNextItemWidth(-1);
   if (purpose_ == Purpose::kSave && ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
-  ImGui::InputText("##name", name_, sizeof(name_));
+  ui::inputText("##name", name_, sizeof(name_));
   if (asked_ != name_) asked_.clear();
   const char* const verb = purpose_ == Purpose::kOpen ? "Open" : !asked_.empty() ? "Replace" : "Export";
   const bool is_entered = std::exchange(is_accepted_, false);
-  if ((ImGui::Button(verb, {scaled(110), 0}) || is_entered) && name_[0] != 0) {
+  if ((ui::button(verb, {scaled(110), 0}) || is_entered) && name_[0] != 0) {
     std::error_code ignored;
     const bool replaces = purpose_ == Purpose::kSave && fs::exists(folder_ / name_, ignored);
     if (replaces && asked_.empty())
@@ -140,14 +142,14 @@ std::optional<fs::path> FileBrowser::draw() {
   }
   ImGui::SameLine();
   const bool is_escape = std::exchange(is_escaped_, false);
-  const bool is_cancelled = ImGui::Button("Cancel", {scaled(110), 0}) || is_escape;
+  const bool is_cancelled = ui::button("Cancel", {scaled(110), 0}) || is_escape;
   if (takes_several_) {
     ImGui::SameLine();
-    ImGui::TextDisabled("%s", others_.empty() ? "Ctrl and a click add what stands beside" : "the first is worked on");
+    ui::textDisabled(others_.empty() ? "Ctrl and a click add what stands beside" : "the first is worked on");
   }
   if (!asked_.empty()) {
     ImGui::SameLine();
-    ImGui::TextUnformatted("That file is there already.");
+    ui::text("That file is there already.");
   }
   if (chosen || is_cancelled) {
     ImGui::CloseCurrentPopup();

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "ui/app/export_plan.h"
+#include "ui/app/language.h"
 #include "ui/app/settings.h"
 
 namespace kerf {
@@ -43,7 +44,7 @@ void FileChooser::ask(AppContext& context, const AppCommand& command) {
 
   using What = FileQuestion::What;
   FileQuestion question;
-  question.title = command.label.empty() ? "Export to" : std::string(command.label);
+  question.title = shownText(command.label.empty() ? "Export to" : command.label);
   question.folder = browser_.folder();
   question.name = suggestedName(context, command);
   if (command.id == "replay.open")

@@ -9,8 +9,10 @@
 #include <string>
 #include <utility>
 
+#include "ui/app/language.h"
 #include "ui/window/image.h"
 #include "ui/window/style.h"
+#include "ui/window/widgets.h"
 
 namespace kerf {
 namespace {
@@ -23,11 +25,11 @@ void* handleOf(unsigned texture) { return reinterpret_cast<void*>(static_cast<st
 
 // As much of the end of a text as fits: the last folders tell more than the first.
 std::string endThatFits(const std::string& text, float width) {
-  if (ImGui::CalcTextSize(text.c_str()).x <= width) return text;
+  if (ui::textSize(ui::asItIs(text)).x <= width) return text;
   for (std::size_t from = 1; from < text.size(); ++from) {
     if ((static_cast<unsigned char>(text[from]) & 0xC0) == 0x80) continue;  // within a character
     std::string end = "..." + text.substr(from);
-    if (ImGui::CalcTextSize(end.c_str()).x <= width) return end;
+    if (ui::textSize(ui::asItIs(end)).x <= width) return end;
   }
   return "...";
 }
@@ -79,15 +81,15 @@ void FirstScreen::draw(AppContext& context, const std::function<void(const AppCo
                           ImGuiCond_Always, {0.5f, 0.5f});
   ImGui::SetNextWindowSizeConstraints({width, 0}, {width, most});
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {scaled(24), scaled(20)});
-  ImGui::Begin("##first", nullptr,
-               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
-                   ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings);
+  ui::begin("##first", nullptr,
+            ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
+                ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings);
   ImGui::PopStyleVar();
 
   ImGui::SetWindowFontScale(1.5f);
-  ImGui::TextColored(styleColours().accent, "Drop a scan here");
+  ui::textColored(styleColours().accent, "Drop a scan here");
   ImGui::SetWindowFontScale(1);
-  ImGui::TextColored(
+  ui::textColored(
       styleColours().quiet,
       "STL, PLY, OBJ, OFF or 3MF, a recipe, a case, or a run to go on with or to watch. The file is never changed.");
   ImGui::Dummy({0, scaled(2)});
@@ -95,7 +97,7 @@ void FirstScreen::draw(AppContext& context, const std::function<void(const AppCo
   ImGui::SameLine(0, scaled(24));
   const float line = ImGui::GetCursorPosY();
   ImGui::SetCursorPosY(line + 0.5f * (scaled(34) - ImGui::GetTextLineHeight()));
-  ImGui::TextColored(styleColours().quiet, "or one of ours:");
+  ui::textColored(styleColours().quiet, "or one of ours:");
   for (const char* const name : demoNames()) {
     ImGui::SameLine();
     ImGui::SetCursorPosY(line);
@@ -111,30 +113,30 @@ void FirstScreen::drawLost(AppContext& context) {
   Workbench& bench = context.bench;
   if (bench.lostSessions().empty()) return;
   ImGui::Dummy({0, scaled(6)});
-  ImGui::TextColored(styleColours().warning,
-                     "A session did not end: its program was stopped. What was cut is in its log.");
+  ui::textColored(styleColours().warning,
+                  "A session did not end: its program was stopped. What was cut is in its log.");
   for (std::size_t n = 0; n < std::min<std::size_t>(bench.lostSessions().size(), 3); ++n) {
     const std::string name = bench.lostSessions()[n].folder.filename().string();
     ImGui::PushID(static_cast<int>(n));
-    if (ImGui::Button("Recover", {scaled(100), 0})) bench.recover(n);
+    if (ui::button("Recover", {scaled(100), 0})) bench.recover(n);
     ImGui::SameLine();
-    if (ImGui::Button("Forget...", {scaled(100), 0})) asks_to_forget_ = n;
+    if (ui::button("Forget...", {scaled(100), 0})) asks_to_forget_ = n;
     ImGui::SameLine();
-    ImGui::TextUnformatted(endThatFits(name, ImGui::GetContentRegionAvail().x).c_str());
+    ui::text(ui::asItIs(endThatFits(name, ImGui::GetContentRegionAvail().x)));
     ImGui::PopID();
     if (bench.job()) return;  // the list is being changed
   }
 
   if (!asks_to_forget_) return;
-  if (!ImGui::IsPopupOpen(kForget)) ImGui::OpenPopup(kForget);
+  if (!ui::isPopupOpen(kForget)) ui::openPopup(kForget);
   ImGui::SetNextWindowSize({scaled(460), 0});
-  if (!ImGui::BeginPopupModal(kForget, nullptr, ImGuiWindowFlags_NoResize)) return;
+  if (!ui::beginPopupModal(kForget, nullptr, ImGuiWindowFlags_NoResize)) return;
   const std::size_t n = *asks_to_forget_;
   ImGui::PushTextWrapPos(0);
-  ImGui::Text("%s", bench.lostSessions()[n].folder.c_str());
-  ImGui::Text(
-      "The folder with its log, %.1f MB, will be deleted. What was cut in that session can not be recovered then.",
-      1e-6 * static_cast<double>(bench.bytesOfLost(n)));
+  ui::text(ui::asItIs(bench.lostSessions()[n].folder.string()));
+  ui::text(fmt::format(
+      "The folder with its log, {:.1f} MB, will be deleted. What was cut in that session can not be recovered then.",
+      1e-6 * static_cast<double>(bench.bytesOfLost(n))));
   ImGui::PopTextWrapPos();
   ImGui::Dummy({0, scaled(4)});
   bool is_over = strongButton("Keep it", "", scaled(200));
@@ -174,9 +176,9 @@ void FirstScreen::drawCard(AppContext& context, std::size_t n, float width) {
   const ImVec2 at = ImGui::GetCursorScreenPos(), end{at.x + width, at.y + all};
   const bool is_clicked = ImGui::InvisibleButton("card", {width, all});
   const bool is_hovered = ImGui::IsItemHovered();
-  if (is_hovered) ImGui::SetTooltip("%s", file.path.c_str());
+  if (is_hovered) ui::setTooltip(ui::asItIs(file.path.string()));
   if (ImGui::BeginPopupContextItem("menu")) {
-    if (ImGui::MenuItem("Take it off this list")) bench.forgetRecent(n);
+    if (ui::menuItem("Take it off this list")) bench.forgetRecent(n);
     ImGui::EndPopup();
   }
 
@@ -188,17 +190,18 @@ void FirstScreen::drawCard(AppContext& context, std::size_t n, float width) {
                          ImDrawFlags_RoundCornersTop);
   const float inside = width - 2 * pad;
   const std::string name = endThatFits(file.path.filename().string(), inside);
-  list.AddText({at.x + pad, at.y + height + 0.5f * pad}, ImGui::GetColorU32(ImGuiCol_Text), name.c_str());
+  ui::addText(list, {at.x + pad, at.y + height + 0.5f * pad}, ImGui::GetColorU32(ImGuiCol_Text), ui::asItIs(name));
   const ImVec4 quiet = file.is_there ? colours.quiet : colours.warning;
   const std::string folder =
-      file.is_there ? endThatFits(file.path.parent_path().string(), inside) : "not there any more";
-  list.AddText({at.x + pad, at.y + height + 0.5f * pad + line}, ImGui::ColorConvertFloat4ToU32(quiet), folder.c_str());
+      file.is_there ? endThatFits(file.path.parent_path().string(), inside) : shownText("not there any more");
+  ui::addText(list, {at.x + pad, at.y + height + 0.5f * pad + line}, ImGui::ColorConvertFloat4ToU32(quiet),
+              ui::asItIs(folder));
 
   if (!file.is_there) {
     const ImVec2 next = ImGui::GetCursorScreenPos();
     ImGui::SetItemAllowOverlap();
     ImGui::SetCursorScreenPos({end.x - pad - scaled(66), end.y - line - 0.5f * pad});
-    if (ImGui::Button("Forget", {scaled(66), 0})) bench.forgetRecent(n);
+    if (ui::button("Forget", {scaled(66), 0})) bench.forgetRecent(n);
     ImGui::SetCursorScreenPos(next);
   } else if (is_clicked) {
     bench.beginImport(file.path);

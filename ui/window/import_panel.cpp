@@ -11,8 +11,10 @@
 
 #include "ui/app/import_guides.h"
 #include "ui/app/import_set.h"
+#include "ui/app/language.h"
 #include "ui/app/pointing.h"
 #include "ui/window/style.h"
+#include "ui/window/widgets.h"
 
 namespace kerf {
 namespace {
@@ -49,11 +51,10 @@ void drawFindings(const std::vector<Finding>& findings) {
     ImGui::GetWindowDrawList()->AddCircleFilled({at.x + radius, at.y + half}, radius,
                                                 ImGui::ColorConvertFloat4ToU32(colour), 16);
     ImGui::SetCursorPosX(ImGui::GetCursorPosX() + scaled(16));
-    ImGui::TextColored(colours.quiet, "%s", finding.about.c_str());
-    ImGui::SameLine(scaled(96));
+    ui::textColored(colours.quiet, finding.about);
+    ui::sameLineAt(scaled(96));
     ImGui::PushTextWrapPos(0);
-    is_doubtful ? ImGui::TextColored(colours.warning, "%s", finding.text.c_str())
-                : ImGui::TextUnformatted(finding.text.c_str());
+    is_doubtful ? ui::textColored(colours.warning, finding.text) : ui::text(finding.text);
     ImGui::PopTextWrapPos();
   }
 }
@@ -65,13 +66,12 @@ void drawUnit(AppContext& context, const ImportPlan& plan, const UnitOption& opt
     return mm < 1 || mm >= 1e4 ? fmt::format("{:.3g}", mm) : fmt::format("{:.1f}", mm);
   };
   const std::string label = fmt::format("{}###unit-{}", option.unit, option.unit);
-  if (ImGui::RadioButton(label.c_str(), option.unit == plan.unit().unit)) run(context, "import.unit", {option.unit});
+  if (ui::radioButton(label, option.unit == plan.unit().unit)) run(context, "import.unit", {option.unit});
 
-  ImGui::SameLine(scaled(96));
+  ui::sameLineAt(scaled(96));
   const Vec3d& s = option.size_mm;
   const std::string size = fmt::format("{} x {} x {} mm", length(s[0]), length(s[1]), length(s[2]));
-  option.is_plausible ? ImGui::TextUnformatted(size.c_str())
-                      : ImGui::TextColored(styleColours().warning, "%s: not dental", size.c_str());
+  option.is_plausible ? ui::text(size) : ui::textColored(styleColours().warning, size + ": not dental");
 }
 
 // Those that may be meant; the others are a click away.
@@ -80,7 +80,7 @@ void drawUnits(AppContext& context, const ImportPlan& plan) {
   const auto isNear = [&](const UnitOption& option) { return option.is_plausible || option.unit == plan.unit().unit; };
   for (const UnitOption& option : plan.units())
     if (isNear(option)) drawUnit(context, plan, option);
-  if (std::all_of(plan.units().begin(), plan.units().end(), isNear) || !ImGui::TreeNode("Other units")) return;
+  if (std::all_of(plan.units().begin(), plan.units().end(), isNear) || !ui::treeNode("Other units")) return;
   for (const UnitOption& option : plan.units())
     if (!isNear(option)) drawUnit(context, plan, option);
   ImGui::TreePop();
@@ -91,11 +91,11 @@ void drawClosing(AppContext& context, ImportPlan& plan) {
   ClosingChoice choice = plan.closing();
   const auto row = std::find_if(kWays.begin(), kWays.end(), [&](const WayRow& r) { return r.way == choice.way; });
   ImGui::SetNextItemWidth(-1);
-  if (ImGui::BeginCombo("##way", row->name)) {
+  if (ui::beginCombo("##way", row->name)) {
     for (const WayRow& r : kWays) {
-      if (ImGui::Selectable(r.name, r.way == choice.way)) choice.way = r.way;
+      if (ui::selectable(r.name, r.way == choice.way)) choice.way = r.way;
       ImGui::PushTextWrapPos(scaled(330));
-      ImGui::TextColored(styleColours().quiet, "%s", r.text);
+      ui::textColored(styleColours().quiet, r.text);
       ImGui::PopTextWrapPos();
     }
     ImGui::EndCombo();
@@ -103,46 +103,46 @@ void drawClosing(AppContext& context, ImportPlan& plan) {
 
   const bool has_base = plan.isWithoutUnderside() && choice.way != Way::kHolesOnly;
   if (has_base) {
-    if (ImGui::RadioButton("Horseshoe", !choice.is_full_base)) choice.is_full_base = false;
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("The walls of the base follow the rim of the scan.");
+    if (ui::radioButton("Horseshoe", !choice.is_full_base)) choice.is_full_base = false;
+    if (ImGui::IsItemHovered()) ui::setTooltip("The walls of the base follow the rim of the scan.");
     ImGui::SameLine();
-    if (ImGui::RadioButton("Full plate", choice.is_full_base)) choice.is_full_base = true;
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("The arch stands on a plate: the place of the tongue has a floor.");
+    if (ui::radioButton("Full plate", choice.is_full_base)) choice.is_full_base = true;
+    if (ImGui::IsItemHovered()) ui::setTooltip("The arch stands on a plate: the place of the tongue has a floor.");
     float base = static_cast<float>(choice.base_mm);
     ImGui::SetNextItemWidth(-1);
-    if (ImGui::SliderFloat("##base", &base, static_cast<float>(ImportPlan::kThinnestBase), 15,
-                           "base %.1f mm below the scan", ImGuiSliderFlags_AlwaysClamp))
+    if (ui::sliderFloat("##base", &base, static_cast<float>(ImportPlan::kThinnestBase), 15,
+                        "base %.1f mm below the scan", ImGuiSliderFlags_AlwaysClamp))
       choice.base_mm = 0.1 * std::round(10 * static_cast<double>(base));
     if (!choice.is_full_base) {
       float smooth = static_cast<float>(choice.smooth_mm);
       ImGui::SetNextItemWidth(-1);
-      if (ImGui::SliderFloat("##smooth", &smooth, 0, static_cast<float>(ImportPlan::kSmoothest),
-                             smooth > 0 ? "walls smooth over %.0f mm" : "walls straight under the rim",
-                             ImGuiSliderFlags_AlwaysClamp))
+      if (ui::sliderFloat("##smooth", &smooth, 0, static_cast<float>(ImportPlan::kSmoothest),
+                          smooth > 0 ? "walls smooth over %.0f mm" : "walls straight under the rim",
+                          ImGuiSliderFlags_AlwaysClamp))
         choice.smooth_mm = std::round(static_cast<double>(smooth));
     }
     if (plan.found().has_occlusal_plane)
-      ImGui::Checkbox("Base parallel to the occlusal plane", &choice.follows_occlusal_plane);
+      ui::checkbox("Base parallel to the occlusal plane", &choice.follows_occlusal_plane);
     else
-      ImGui::TextColored(styleColours().quiet, "No occlusal plane was found: too few cusp tips.");
+      ui::textColored(styleColours().quiet, "No occlusal plane was found: too few cusp tips.");
   }
   if (choice.way == Way::kWrap) {
     float wrap = static_cast<float>(choice.wrap_mm);
     ImGui::SetNextItemWidth(-1);
-    if (ImGui::SliderFloat("##wrap", &wrap, static_cast<float>(ImportPlan::kFinestWrap),
-                           static_cast<float>(ImportPlan::kCoarsestWrap), "bridge hollows up to %.1f mm",
-                           ImGuiSliderFlags_AlwaysClamp))
+    if (ui::sliderFloat("##wrap", &wrap, static_cast<float>(ImportPlan::kFinestWrap),
+                        static_cast<float>(ImportPlan::kCoarsestWrap), "bridge hollows up to %.1f mm",
+                        ImGuiSliderFlags_AlwaysClamp))
       choice.wrap_mm = 0.1 * std::round(10 * static_cast<double>(wrap));
   }
   if (!plan.found().check.isClosed() && choice.way != Way::kBase) {
     bool is_given = choice.holes_up_to_mm.has_value();
-    if (ImGui::Checkbox("Decide which edges are holes", &is_given))
+    if (ui::checkbox("Decide which edges are holes", &is_given))
       choice.holes_up_to_mm = is_given ? std::optional(20.0) : std::nullopt;
     if (choice.holes_up_to_mm) {
       float most = static_cast<float>(*choice.holes_up_to_mm);
       ImGui::SetNextItemWidth(-1);
-      if (ImGui::SliderFloat("##holes", &most, 1, 500, "a hole: up to %.0f mm around",
-                             ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_Logarithmic))
+      if (ui::sliderFloat("##holes", &most, 1, 500, "a hole: up to %.0f mm around",
+                          ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_Logarithmic))
         choice.holes_up_to_mm = static_cast<double>(most);
     }
   }
@@ -155,11 +155,11 @@ void drawVoxel(Plan& plan, bool is_own) {
   heading("Voxel size");
   float voxel = static_cast<float>(plan.voxel());
   ImGui::SetNextItemWidth(is_own ? -scaled(90) : -1);
-  if (ImGui::SliderFloat("##voxel", &voxel, 0.05f, 0.3f, "%.2f mm", ImGuiSliderFlags_AlwaysClamp))
+  if (ui::sliderFloat("##voxel", &voxel, 0.05f, 0.3f, "%.2f mm", ImGuiSliderFlags_AlwaysClamp))
     (void)plan.setVoxel(0.01 * std::round(100 * static_cast<double>(voxel)));
   if (is_own) {
     ImGui::SameLine();
-    if (ImGui::Button("Suggest", {-1, 0})) (void)plan.setVoxel(0);
+    if (ui::button("Suggest", {-1, 0})) (void)plan.setVoxel(0);
   }
 }
 
@@ -172,7 +172,7 @@ void drawPrediction(const ImportSet& set) {
       "about {:.0f} s to prepare{}, {:.1f} GB of memory{}", std::ceil(p.seconds), set.isSeveral() ? " all" : "",
       1e-9 * p.bytes, is_too_much ? fmt::format(": only {:.1f} GB are free", 1e-9 * set.freeBytes()) : "");
   ImGui::PushTextWrapPos(0);
-  ImGui::TextColored(is_too_much ? styleColours().warning : styleColours().quiet, "%s", text.c_str());
+  ui::textColored(is_too_much ? styleColours().warning : styleColours().quiet, text);
   ImGui::PopTextWrapPos();
 }
 
@@ -192,14 +192,14 @@ constexpr std::array<RoleRow, 4> kRoles = {{{ImportRole::kCut, "cut", "is cut"},
 void drawRole(AppContext& context, const ImportEntry& entry) {
   if (!entry.scan) return;
   const auto choice = [&](ImportRole role, const char* word, const char* text) {
-    if (ImportRole now = entry.role; ImGui::RadioButton(text, now == role) && now != role)
+    if (ImportRole now = entry.role; ui::radioButton(text, now == role) && now != role)
       run(context, "import.role", {"1", word});
   };
   choice(ImportRole::kCut, "cut", "Cut it");
   ImGui::SameLine();
   if (context.bench.isOpen()) {
     choice(ImportRole::kBeside, "beside", "Stand it beside");
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("Beside %s, where its scan is.", context.bench.name().c_str());
+    if (ImGui::IsItemHovered()) ui::setTooltip(fmt::format("Beside {}, where its scan is.", context.bench.name()));
     ImGui::SameLine();
   }
   choice(ImportRole::kTool, "tool", "Use it as a tool");
@@ -212,17 +212,17 @@ void drawTool(AppContext& context, ToolPlan& plan) {
   drawFindings(plan.findings());
   ImGui::SetNextItemWidth(-1);
   const ToolWay& now = plan.way();
-  if (ImGui::BeginCombo("##way", fmt::format("Shank towards {}", now.name).c_str())) {
+  if (ui::beginCombo("##way", fmt::format("Shank towards {}", now.name))) {
     for (const ToolWay& way : plan.ways()) {
       const std::string text = fmt::format("{}: {:.3g} mm wide at the tip", way.name, way.tip_width_mm);
-      if (ImGui::Selectable(text.c_str(), way.name == now.name)) run(context, "import.tool-axis", {way.name});
+      if (ui::selectable(text, way.name == now.name)) run(context, "import.tool-axis", {way.name});
     }
     ImGui::EndCombo();
   }
   auto cut = static_cast<float>(plan.cutBelow());
   ImGui::SetNextItemWidth(-1);
-  if (ImGui::SliderFloat("##cut", &cut, static_cast<float>(ToolPlan::kLeastCut), 20, "cuts up to %.1f mm from its tip",
-                         ImGuiSliderFlags_AlwaysClamp))
+  if (ui::sliderFloat("##cut", &cut, static_cast<float>(ToolPlan::kLeastCut), 20, "cuts up to %.1f mm from its tip",
+                      ImGuiSliderFlags_AlwaysClamp))
     run(context, "import.tool-cut", {fmt::format("{:.1f}", cut)});
 }
 
@@ -234,14 +234,14 @@ void drawFiles(AppContext& context, const ImportSet& set) {
     ImGui::PushID(static_cast<int>(n));
     const std::string name = entry.file.filename().string();
     const float width = ImGui::GetContentRegionAvail().x - scaled(132);
-    if (ImGui::Selectable(name.c_str(), n == set.chosen(), 0, {width, 0})) run(context, "import.choose", {number});
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s: %s", entry.what().c_str(), entry.file.c_str());
+    if (ui::selectable(ui::asItIs(name), n == set.chosen(), 0, {width, 0})) run(context, "import.choose", {number});
+    if (ImGui::IsItemHovered()) ui::setTooltip(ui::asItIs(shownText(entry.what()) + ": " + entry.file.string()));
     ImGui::SameLine();
     ImGui::SetNextItemWidth(-1);
     const auto row = std::find_if(kRoles.begin(), kRoles.end(), [&](const RoleRow& r) { return r.role == entry.role; });
-    if (ImGui::BeginCombo("##role", row->text)) {
+    if (ui::beginCombo("##role", row->text)) {
       for (const RoleRow& r : kRoles)
-        if (ImGui::Selectable(r.text, r.role == entry.role)) run(context, "import.role", {number, r.word});
+        if (ui::selectable(r.text, r.role == entry.role)) run(context, "import.role", {number, r.word});
       ImGui::EndCombo();
     }
     ImGui::PopID();
@@ -265,20 +265,20 @@ void drawLabel(AppContext& context, const LabelPlan& plan, const LabelFound& lab
   ImGui::ColorButton("##colour", colourOf(material), ImGuiColorEditFlags_NoTooltip | ImGuiColorEditFlags_AlphaPreview,
                      {scaled(14), scaled(14)});
   ImGui::SameLine();
-  ImGui::TextUnformatted(label.called().c_str());
-  if (ImGui::IsItemHovered()) ImGui::SetTooltip("label %d, %s", label.label, label.called().c_str());
+  ui::text(ui::asItIs(label.called()));
+  if (ImGui::IsItemHovered()) ui::setTooltip(fmt::format("label {}, {}", label.label, label.called()));
 
   ImGui::TableNextColumn();
   const std::string volume = fmt::format("{:.4g} mm3", label.volume_mm3);
-  ImGui::TextUnformatted(volume.c_str());
+  ui::text(volume);
 
   ImGui::TableNextColumn();
   ImGui::SetNextItemWidth(-1);
   const std::string number = std::to_string(label.label);
-  if (!ImGui::BeginCombo("##tissue", material ? material->name.c_str() : "left out")) return;
+  if (!ui::beginCombo("##tissue", material ? material->name : std::string("left out"))) return;
   for (const MaterialProperties& row : plan.materials().rows())
-    if (ImGui::Selectable(row.name.c_str(), &row == material)) run(context, "import.tissue", {number, row.id});
-  if (ImGui::Selectable("left out", !material)) run(context, "import.tissue", {number, "none"});
+    if (ui::selectable(row.name, &row == material)) run(context, "import.tissue", {number, row.id});
+  if (ui::selectable("left out", !material)) run(context, "import.tissue", {number, "none"});
   ImGui::EndCombo();
 }
 
@@ -304,13 +304,14 @@ void drawLabels(AppContext& context, const LabelPlan& plan) {
 void drawVerdict(const ImportSet& set, const ClosedPreview& preview) {
   const StyleColours& colours = styleColours();
   if (set.labels())
-    ImGui::TextColored(colours.good, "Smooth, %.0f mm3 in %.0f mm2. Every label keeps its volume.", preview.volume_mm3,
-                       preview.area_mm2);
+    ui::textColored(colours.good, fmt::format("Smooth, {:.0f} mm3 in {:.0f} mm2. Every label keeps its volume.",
+                                              preview.volume_mm3, preview.area_mm2));
   else if (preview.is_exact)
-    ImGui::TextColored(colours.good, "Closed, %.0f mm3. Every scanned point stays where it is.", preview.volume_mm3);
+    ui::textColored(colours.good,
+                    fmt::format("Closed, {:.0f} mm3. Every scanned point stays where it is.", preview.volume_mm3));
   else
-    ImGui::TextColored(colours.warning, "Closed, %.0f mm3, as an approximation: no scanned point is kept.",
-                       preview.volume_mm3);
+    ui::textColored(colours.warning, fmt::format("Closed, {:.0f} mm3, as an approximation: no scanned point is kept.",
+                                                 preview.volume_mm3));
 }
 
 void drawPreview(AppContext& context, ImportSet& set, ImportPanelState& state) {
@@ -318,39 +319,40 @@ void drawPreview(AppContext& context, ImportSet& set, ImportPanelState& state) {
   heading("Preview");
   if (const AnyJob* const job = set.previewJob()) {
     const JobStatus s = job->status();
-    ImGui::ProgressBar(static_cast<float>(s.done), {-scaled(90), 0}, s.step.c_str());
+    ui::progressBar(static_cast<float>(s.done), {-scaled(90), 0}, s.step);
     ImGui::SameLine();
-    if (ImGui::Button("Stop", {-1, 0})) set.cancelPreview();
+    if (ui::button("Stop", {-1, 0})) set.cancelPreview();
     return;
   }
   if (set.previewError()) {
     ImGui::PushTextWrapPos(0);
-    ImGui::TextColored(colours.warning, "It can not be closed in this way: %s", set.previewError()->message().c_str());
+    ui::textColored(colours.warning, "It can not be closed in this way: " + set.previewError()->message());
     ImGui::PopTextWrapPos();
     return;
   }
   const ClosedPreview* const preview = set.preview();
   if (!preview) {
-    if (ImGui::Button(set.labels() ? "Show the surface" : "Show the closed solid", {-1, 0}))
+    if (ui::button(set.labels() ? "Show the surface" : "Show the closed solid", {-1, 0}))
       run(context, "import.preview");
     return;
   }
 
   if (set.scan()) {
-    if (ImGui::RadioButton("Closed solid", state.shows_solid)) state.shows_solid = true;
+    if (ui::radioButton("Closed solid", state.shows_solid)) state.shows_solid = true;
     ImGui::SameLine();
-    if (ImGui::RadioButton("Scan as read", !state.shows_solid)) state.shows_solid = false;
+    if (ui::radioButton("Scan as read", !state.shows_solid)) state.shows_solid = false;
     ImGui::SameLine();
   }
-  ImGui::Checkbox("Guides", &state.shows_guides);
+  ui::checkbox("Guides", &state.shows_guides);
   ImGui::PushTextWrapPos(0);
   drawVerdict(set, *preview);
-  for (const std::string& warning : preview->warnings) ImGui::TextColored(colours.warning, "%s", warning.c_str());
+  for (const std::string& warning : preview->warnings) ui::textColored(colours.warning, warning);
   ImGui::PopTextWrapPos();
-  if (!preview->changes.empty() && ImGui::TreeNode("changes", "What %s does: %zu steps",
-                                                   set.labels() ? "smoothing" : "closing", preview->changes.size())) {
+  const std::string about =
+      fmt::format("What {} does: {} steps###changes", set.labels() ? "smoothing" : "closing", preview->changes.size());
+  if (!preview->changes.empty() && ui::treeNode(about)) {
     ImGui::PushTextWrapPos(0);
-    for (const std::string& change : preview->changes) ImGui::BulletText("%s", change.c_str());
+    for (const std::string& change : preview->changes) ui::bulletText(change);
     ImGui::PopTextWrapPos();
     ImGui::TreePop();
   }
@@ -369,13 +371,13 @@ struct Projection {
 };
 
 void drawWords(ImDrawList& list, const ImVec2& at, const std::string& text) {
-  const ImVec2 size = ImGui::CalcTextSize(text.c_str());
+  const ImVec2 size = ui::textSize(text);
   const ImVec2 from{at.x - 0.5f * size.x - 5, at.y - 0.5f * size.y - 2},
       to{at.x + 0.5f * size.x + 5, at.y + 0.5f * size.y + 2};
   ImVec4 back = ImGui::GetStyleColorVec4(ImGuiCol_WindowBg);
   back.w = 0.85f;
   list.AddRectFilled(from, to, ImGui::ColorConvertFloat4ToU32(back), 3);
-  list.AddText({at.x - 0.5f * size.x, at.y - 0.5f * size.y}, styleColours().guide_text, text.c_str());
+  ui::addText(list, {at.x - 0.5f * size.x, at.y - 0.5f * size.y}, styleColours().guide_text, text);
 }
 
 // A rectangle of the plane, as wide as the box.
@@ -402,21 +404,20 @@ void drawImportPanel(AppContext& context, ImportPanelState& state) {
   ImGui::SetNextWindowPos({io.DisplaySize.x - importPanelWidth(), top}, ImGuiCond_Always);
   ImGui::SetNextWindowSize({importPanelWidth(), io.DisplaySize.y - top}, ImGuiCond_Always);
   ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 0);
-  ImGui::Begin("##import", nullptr, ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove);
+  ui::begin("##import", nullptr, ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove);
   ImGui::PopStyleVar();
 
   const ImportEntry& chosen = set->entries()[set->chosen()];
   ImGui::SetWindowFontScale(1.2f);
-  ImGui::TextUnformatted(chosen.file.filename().c_str());
+  ui::text(ui::asItIs(chosen.file.filename().string()));
   ImGui::SetWindowFontScale(1);
-  ImGui::TextColored(
-      styleColours().quiet, "%s",
-      set->isSeveral() ? "The files themselves are never changed." : "The file itself is never changed.");
+  ui::textColored(styleColours().quiet,
+                  set->isSeveral() ? "The files themselves are never changed." : "The file itself is never changed.");
   ImGui::BeginChild("choices", {0, -scaled(46)});
   ImGui::Dummy({0, scaled(2)});
   if (set->isSeveral()) {
     drawFiles(context, *set);
-    heading(chosen.file.filename().c_str());
+    heading(ui::asItIs(chosen.file.filename().string()));
   }
   ImGui::PushID(static_cast<int>(set->chosen()));
   if (ImportPlan* const plan = set->scan()) {
@@ -431,7 +432,7 @@ void drawImportPanel(AppContext& context, ImportPanelState& state) {
     drawLabels(context, *labels);
     drawVoxel(*labels, labels->hasOwnVoxel());
   } else {
-    ImGui::TextWrapped("A %s: it is prepared as it says, nothing is decided here.", chosen.what().c_str());
+    ui::textWrapped(fmt::format("A {}: it is prepared as it says, nothing is decided here.", chosen.what()));
   }
   ImGui::PopID();
   drawPrediction(*set);

@@ -8,6 +8,7 @@
 
 #include "ui/app/pointing.h"
 #include "ui/window/style.h"
+#include "ui/window/widgets.h"
 
 namespace kerf {
 namespace {
@@ -33,16 +34,16 @@ void drawMeasure(AppContext& context, double pixels) {
     draw->AddLine(at[n], at[n + 1], kLine, 2);
     const ImVec2 middle{0.5f * (at[n].x + at[n + 1].x) + 8, 0.5f * (at[n].y + at[n + 1].y) - 8};
     const std::string text = fmt::format("{:.2f} mm", measure.distance(n));
-    const ImVec2 size = ImGui::CalcTextSize(text.c_str());
+    const ImVec2 size = ui::textSize(text);
     draw->AddRectFilled({middle.x - 4, middle.y - 2}, {middle.x + size.x + 4, middle.y + size.y + 2}, kEdge, 4);
-    draw->AddText(middle, kLine, text.c_str());
+    ui::addText(*draw, middle, kLine, text);
   }
   for (std::size_t n = 0; n < at.size(); ++n) {
     draw->AddCircleFilled(at[n], scaled(kPoint) + 1, kEdge);
     draw->AddCircleFilled(at[n], scaled(kPoint), kLine);
     if (n == 0 || n + 1 >= at.size()) continue;
     const std::string text = fmt::format("{:.1f} deg", measure.angle(n));
-    draw->AddText({at[n].x + 8, at[n].y + 8}, kEdge, text.c_str());
+    ui::addText(*draw, {at[n].x + 8, at[n].y + 8}, kEdge, text);
   }
 }
 

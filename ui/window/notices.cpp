@@ -1,11 +1,13 @@
 #include "ui/window/notices.h"
 
+#include <fmt/format.h>
 #include <imgui.h>
 
 #include <algorithm>
 
 #include "ui/window/import_panel.h"
 #include "ui/window/style.h"
+#include "ui/window/widgets.h"
 
 namespace kerf {
 namespace {
@@ -49,20 +51,19 @@ void drawNotices(AppContext& context, std::size_t& seen, std::size_t& drawn) {
   const NoticePlace at = noticePlace(io.DisplaySize.x, io.DisplaySize.y, ImGui::GetFrameHeight(), scaled(1), panels);
   ImGui::SetNextWindowPos({at.middle, at.edge}, ImGuiCond_Always, {0.5f, at.hangs ? 0.0f : 1.0f});
   ImGui::SetNextWindowSizeConstraints({std::min(at.width, scaled(240)), 0}, {at.width, at.most_height});
-  ImGui::Begin("##notices", nullptr,
-               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove);
+  ui::begin("##notices", nullptr,
+            ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove);
 
   // The newest: a long list would hide the object.
   constexpr std::size_t kMost = 3;
   const std::size_t first = std::max(seen, notices.size() - std::min(notices.size(), kMost));
-  if (first > seen) ImGui::TextColored(styleColours().quiet, "%zu more before", first - seen);
+  if (first > seen) ui::textColored(styleColours().quiet, fmt::format("{} more before", first - seen));
   const ImGuiStyle& style = ImGui::GetStyle();
   ImGui::PushTextWrapPos(at.width - style.WindowPadding.x - style.ScrollbarSize);
   for (std::size_t n = first; n < notices.size(); ++n)
-    notices[n].is_error ? ImGui::TextColored(styleColours().warning, "%s", notices[n].text.c_str())
-                        : ImGui::TextUnformatted(notices[n].text.c_str());
+    notices[n].is_error ? ui::textColored(styleColours().warning, notices[n].text) : ui::text(notices[n].text);
   ImGui::PopTextWrapPos();
-  const bool is_read = ImGui::Button("OK", {scaled(90), 0});
+  const bool is_read = ui::button("OK", {scaled(90), 0});
   if (drawn != notices.size()) ImGui::SetScrollHereY(1);
   drawn = notices.size();
   if (is_read) seen = notices.size();

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "ui/app/export_plan.h"
+#include "ui/app/language.h"
 #include "ui/app/point_readout.h"
 #include "ui/app/pointing.h"
 #include "ui/app/settings.h"
@@ -23,6 +24,7 @@
 #include "ui/window/style.h"
 #include "ui/window/timeline_panel.h"
 #include "ui/window/tissues_panel.h"
+#include "ui/window/widgets.h"
 
 namespace kerf {
 namespace {
@@ -37,18 +39,18 @@ void runOrSay(AppContext& context, const AppCommand& command) {
 void drawMenus(AppContext& context, PanelState& state) {
   if (!ImGui::BeginMainMenuBar()) return;
   for (const char* const heading : {"File", "Edit", "Tool", "Piece", "Saw", "Device", "Replay", "View"}) {
-    if (!ImGui::BeginMenu(heading)) continue;
+    if (!ui::beginMenu(heading)) continue;
     for (const AppCommand& command : appCommands()) {
       if (command.menu != heading) continue;
-      const std::string label = fmt::format("{}###{}", command.label, command.id), key(command.key);
-      if (!ImGui::MenuItem(label.c_str(), key.c_str(), false, command.is_enabled(context))) continue;
+      const std::string label = fmt::format("{}###{}", command.label, command.id);
+      if (!ui::menuItem(label, command.key, command.is_enabled(context))) continue;
       asksForFile(command) ? state.ask_for_file(command) : runOrSay(context, command);
     }
     ImGui::EndMenu();
   }
   const std::string right = "Training and lab tool, not a medical device";
-  ImGui::SameLine(ImGui::GetWindowWidth() - ImGui::CalcTextSize(right.c_str()).x - 16);
-  ImGui::TextColored(styleColours().quiet, "%s", right.c_str());
+  ImGui::SameLine(ImGui::GetWindowWidth() - ui::textSize(right).x - 16);
+  ui::textColored(styleColours().quiet, right);
   ImGui::EndMainMenuBar();
 }
 
@@ -118,7 +120,7 @@ void drawReadings(AppContext& context, const std::optional<ToolOverSurface>& ove
   const Workbench& bench = context.bench;
   const HapticReport& r = bench.report();
   column.place();
-  ImGui::Begin("Cut", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
+  ui::begin("Cut", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
   const double speed = std::abs(bench.driveShare());
   const char* const turns = bench.driveShare() < 0 ? "% backwards" : "%";
   const auto tip = bench.tipDepth();
@@ -137,10 +139,10 @@ void drawReadings(AppContext& context, const std::optional<ToolOverSurface>& ove
   ImGui::Separator();
   drawLoop(bench);
   if (r.is_latched)
-    ImGui::TextColored(styleColours().warning, "%s",
-                       bench.isLed() ? "Stopped: waits for the hand." : "Stopped: the machine was busy. Press again.");
+    ui::textColored(styleColours().warning,
+                    bench.isLed() ? "Stopped: waits for the hand." : "Stopped: the machine was busy. Press again.");
   const RecorderStatus log = bench.run()->recorderStatus();
-  if (log.error) ImGui::TextWrapped("The log can not be written any more: %s", log.error->message().c_str());
+  if (log.error) ui::textWrapped("The log can not be written any more: " + log.error->message());
   column.take();
   ImGui::End();
 }
@@ -155,16 +157,16 @@ void drawJob(AppContext& context) {
   const ImGuiIO& io = ImGui::GetIO();
   ImGui::SetNextWindowPos({0.5f * io.DisplaySize.x, 0.5f * io.DisplaySize.y}, ImGuiCond_Always, {0.5f, 0.5f});
   ImGui::SetNextWindowSize({440, 0}, ImGuiCond_Always);
-  ImGui::Begin("##job", nullptr,
-               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
-  ImGui::Text("%s", s.title.c_str());
-  ImGui::ProgressBar(static_cast<float>(s.done), {-1, 0});
-  std::string line = s.step;
-  if (s.left_s) line += fmt::format("   about {:.0f} s left", std::ceil(*s.left_s));
-  ImGui::TextColored(styleColours().quiet, "%s", line.c_str());
+  ui::begin("##job", nullptr,
+            ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
+  ui::text(s.title);
+  ui::progressBar(static_cast<float>(s.done), {-1, 0});
+  std::string line = shownText(s.step);
+  if (s.left_s) line += shownText(fmt::format("   about {:.0f} s left", std::ceil(*s.left_s)));
+  ui::textColored(styleColours().quiet, ui::asItIs(line));
   if (s.is_cancelling)
-    ImGui::TextUnformatted("Cancelling...");
-  else if (s.can_be_cancelled && ImGui::Button("Cancel", {110, 0}))
+    ui::text("Cancelling...");
+  else if (s.can_be_cancelled && ui::button("Cancel", {110, 0}))
     context.bench.cancelJob();
   ImGui::End();
 }
@@ -181,14 +183,14 @@ void drawHints(AppContext& context) {
   const ImGuiIO& io = ImGui::GetIO();
   ImGui::SetNextWindowPos({scaled(kPanelWidth) + 16, io.DisplaySize.y - 8 - timelineHeight(context)}, ImGuiCond_Always,
                           {0, 1});
-  ImGui::Begin("##hints", nullptr,
-               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove);
-  ImGui::TextColored(styleColours().accent, "Left button on the object: cut. Hold still to go as deep as the limit.");
-  ImGui::TextUnformatted("Shift: push twice as hard. Wheel while cutting: the depth.");
-  ImGui::TextUnformatted("Alt and a move: tilt the tool. Ctrl while cutting: along its axis.");
-  ImGui::TextUnformatted("Space: foot pedal, with arrows, Home and End for small steps.");
-  ImGui::TextUnformatted("Right button: turn. Middle button: move. Wheel: zoom.");
-  if (ImGui::SmallButton("Got it"))
+  ui::begin("##hints", nullptr,
+            ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove);
+  ui::textColored(styleColours().accent, "Left button on the object: cut. Hold still to go as deep as the limit.");
+  ui::text("Shift: push twice as hard. Wheel while cutting: the depth.");
+  ui::text("Alt and a move: tilt the tool. Ctrl while cutting: along its axis.");
+  ui::text("Space: foot pedal, with arrows, Home and End for small steps.");
+  ui::text("Right button: turn. Middle button: move. Wheel: zoom.");
+  if (ui::smallButton("Got it"))
     if (const auto done = runAppCommand(context, "view.hints", std::vector<std::string>{"off"}); !done)
       context.bench.complain(done.error());
   ImGui::End();

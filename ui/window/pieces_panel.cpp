@@ -10,6 +10,7 @@
 
 #include "ui/app/piece_colours.h"
 #include "ui/window/style.h"
+#include "ui/window/widgets.h"
 
 namespace kerf {
 namespace {
@@ -42,7 +43,7 @@ void drawGizmo(const PieceGizmo& gizmo, std::optional<GizmoHandle> lit, double p
     draw->AddLine(at(from), at(tip), colour(axis, axis), 3);
     draw->AddTriangleFilled(at(tip + 12 * unit), at(tip + 6 * side), at(tip - 6 * side), colour(axis, axis));
     static constexpr const char* kNames[] = {"x", "y", "z"};
-    draw->AddText(at(tip + 22 * unit - Pixel(4, 8)), colour(axis, axis), kNames[axis]);
+    ui::addText(*draw, at(tip + 22 * unit - Pixel(4, 8)), colour(axis, axis), kNames[axis]);
   }
   const auto radius = static_cast<float>(PieceGizmo::kDisc / pixels);
   draw->AddCircleFilled(at(gizmo.center()), radius, lit == GizmoHandle::kMoveInView ? kLit : kDiscColour);
@@ -55,9 +56,9 @@ void drawMove(Workbench& bench, const SceneObject& piece) {
   Rigid3 pose = piece.pose();
   std::array<float, 3> mm{};
   for (int axis = 0; axis < 3; ++axis) mm[static_cast<std::size_t>(axis)] = static_cast<float>(pose.translation[axis]);
-  ImGui::TextUnformatted("Moved by, mm");
+  ui::text("Moved by, mm");
   ImGui::PushItemWidth(-1);
-  const bool is_changed = ImGui::InputFloat3("##mm", mm.data(), "%.2f", ImGuiInputTextFlags_EnterReturnsTrue);
+  const bool is_changed = ui::inputFloat3("##mm", mm.data(), "%.2f", ImGuiInputTextFlags_EnterReturnsTrue);
   ImGui::PopItemWidth();
   if (is_changed) {
     for (int axis = 0; axis < 3; ++axis)
@@ -65,8 +66,8 @@ void drawMove(Workbench& bench, const SceneObject& piece) {
     bench.movePiece(piece.id, pose);
   }
   const double degrees = 2 * std::acos(std::clamp(std::abs(pose.rotation.w()), 0.0, 1.0)) * 180 / std::numbers::pi;
-  ImGui::Text("Turned by %.1f degrees", degrees);
-  if (ImGui::Button("Put back", {-1, 0})) bench.movePiece(piece.id, {});
+  ui::text(fmt::format("Turned by {:.1f} degrees", degrees));
+  if (ui::button("Put back", {-1, 0})) bench.movePiece(piece.id, {});
 }
 
 // Under its name and volume. The first of the pieces has what was removed before they came apart, too.
@@ -74,7 +75,7 @@ void drawRemoved(const SceneObject& piece) {
   constexpr double kLeast = 0.005;  // mm^3: it would be read as nothing
   if (piece.removed_mm3 < kLeast) return;
   ImGui::Indent(scaled(30));
-  ImGui::TextDisabled("%.2f mm3 removed from it", piece.removed_mm3);
+  ui::textDisabled(fmt::format("{:.2f} mm3 removed from it", piece.removed_mm3));
   ImGui::Unindent(scaled(30));
 }
 
@@ -96,23 +97,23 @@ void drawColours(AppContext& context, const SceneObject& piece) {
     if (ImGui::ColorButton(colour.name, shown(colour.colour), kFlags, {scaled(20), scaled(20)}))
       giveColour(context, colour.name);
     ImGui::PopStyleVar();
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", colour.name);
+    if (ImGui::IsItemHovered()) ui::setTooltip(colour.name);
     ImGui::SameLine(0, scaled(4));
   }
-  if (ImGui::SmallButton("None")) giveColour(context, "none");
+  if (ui::smallButton("None")) giveColour(context, "none");
 }
 
 void drawList(AppContext& context, PanelColumn& column) {
   Workbench& bench = context.bench;
   column.place();
-  ImGui::Begin("Pieces", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
+  ui::begin("Pieces", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
   const SceneObject* const chosen = bench.chosenPiece();
   for (SceneObject* piece : bench.scene().shown()) {
     if (piece->isBeside()) continue;
     ImGui::PushID(static_cast<int>(piece->id));
     bool is_shown = !piece->is_hidden;
-    if (ImGui::Checkbox("##shown", &is_shown)) bench.hidePiece(piece->id, !is_shown);
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("Show it");
+    if (ui::checkbox("##shown", &is_shown)) bench.hidePiece(piece->id, !is_shown);
+    if (ImGui::IsItemHovered()) ui::setTooltip("Show it");
     ImGui::SameLine();
     if (const PieceColour* const colour = findPieceColour(piece->colour)) {
       const ImVec2 at = ImGui::GetCursorScreenPos();
@@ -123,10 +124,10 @@ void drawList(AppContext& context, PanelColumn& column) {
     }
     const std::string volume = fmt::format("{:.{}f} mm3{}", piece->surface.volume(),
                                            piece->surface.volume() < 100 ? 1 : 0, piece->isMoved() ? ", moved" : "");
-    if (ImGui::Selectable(piece->name.c_str(), piece == chosen, 0, {scaled(90), 0}))
+    if (ui::selectable(ui::asItIs(piece->name), piece == chosen, 0, {scaled(90), 0}))
       bench.choosePiece(piece == chosen ? std::nullopt : std::optional(piece->id));
     ImGui::SameLine();
-    ImGui::TextDisabled("%s", volume.c_str());
+    ui::textDisabled(volume);
     drawRemoved(*piece);
     ImGui::PopID();
   }
@@ -135,13 +136,13 @@ void drawList(AppContext& context, PanelColumn& column) {
     std::array<char, 64> name{};
     chosen->name.copy(name.data(), name.size() - 1);
     ImGui::PushItemWidth(-1);
-    if (ImGui::InputText("##name", name.data(), name.size(), ImGuiInputTextFlags_EnterReturnsTrue))
+    if (ui::inputText("##name", name.data(), name.size(), ImGuiInputTextFlags_EnterReturnsTrue))
       bench.namePiece(chosen->id, name.data());
     ImGui::PopItemWidth();
     drawColours(context, *chosen);
     drawMove(bench, *chosen);
   } else {
-    ImGui::TextDisabled("Click one to move or name it");
+    ui::textDisabled("Click one to move or name it");
   }
   column.take();
   ImGui::End();
@@ -150,22 +151,22 @@ void drawList(AppContext& context, PanelColumn& column) {
 // What stands beside.
 void drawBeside(Workbench& bench, PanelColumn& column) {
   column.place();
-  ImGui::Begin("Beside", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
+  ui::begin("Beside", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
   for (const SceneObject* object : bench.scene().shown()) {
     if (!object->isBeside()) continue;
     ImGui::PushID(static_cast<int>(object->id));
     bool is_shown = !object->is_hidden, is_ghost = object->is_ghost;
-    if (ImGui::Checkbox("##shown", &is_shown)) bench.hidePiece(object->id, !is_shown);
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("Show it; the tool meets it all the same");
+    if (ui::checkbox("##shown", &is_shown)) bench.hidePiece(object->id, !is_shown);
+    if (ImGui::IsItemHovered()) ui::setTooltip("Show it; the tool meets it all the same");
     ImGui::SameLine();
-    if (ImGui::Checkbox("##ghost", &is_ghost)) bench.ghostNeighbour(object->id, is_ghost);
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("A ghost: translucent, and not pointed at");
+    if (ui::checkbox("##ghost", &is_ghost)) bench.ghostNeighbour(object->id, is_ghost);
+    if (ImGui::IsItemHovered()) ui::setTooltip("A ghost: translucent, and not pointed at");
     ImGui::SameLine();
-    ImGui::TextUnformatted(object->name.c_str());
+    ui::text(ui::asItIs(object->name));
     ImGui::PopID();
   }
   bool stops = bench.stop_short_beside_mm.has_value();
-  if (ImGui::Checkbox("Stop short of them", &stops))
+  if (ui::checkbox("Stop short of them", &stops))
     bench.stopShortBeside(stops ? std::optional(Workbench::kUsualShortBeside) : std::nullopt);
   column.take();
   ImGui::End();

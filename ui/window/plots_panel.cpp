@@ -4,6 +4,7 @@
 #include <imgui.h>
 
 #include "ui/window/style.h"
+#include "ui/window/widgets.h"
 
 namespace kerf {
 namespace {
@@ -11,12 +12,12 @@ namespace {
 void drawPlot(const Trace& trace, const Trace::About& channel) {
   const double top = trace.scaleTop(channel);
   const float newest = trace.newest(channel.channel);
-  ImGui::TextColored(styleColours().quiet, "%s", channel.name);
-  ImGui::SameLine(scaled(118));
-  ImGui::Text("%.2f %s", static_cast<double>(newest), channel.unit);
+  ui::textColored(styleColours().quiet, channel.name);
+  ui::sameLineAt(scaled(118));
+  ui::text(fmt::format("{:.2f} {}", newest, channel.unit));
   const std::string scale = fmt::format("0 to {:g}", top);
-  ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - ImGui::CalcTextSize(scale.c_str()).x);
-  ImGui::TextColored(styleColours().quiet, "%s", scale.c_str());
+  ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - ui::textSize(scale).x);
+  ui::textColored(styleColours().quiet, scale);
 
   const std::string label = fmt::format("##{}", channel.name);
   ImGui::PlotLines(label.c_str(), trace.values(channel.channel).data(), static_cast<int>(Trace::kCount),
@@ -28,7 +29,7 @@ void drawPlot(const Trace& trace, const Trace::About& channel) {
 
 void drawPlots(AppContext& context) {
   ImGui::SetNextItemOpen(context.shows_plots, ImGuiCond_Always);
-  context.shows_plots = ImGui::CollapsingHeader("Last 20 s");
+  context.shows_plots = ui::collapsingHeader("Last 20 s");
   if (!context.shows_plots) return;
   for (const Trace::About& channel : Trace::kChannels) drawPlot(context.bench.trace(), channel);
 }

@@ -4,19 +4,20 @@
 
 #include "ui/app/quit.h"
 #include "ui/window/style.h"
+#include "ui/window/widgets.h"
 
 namespace kerf {
 
 void drawQuitQuestion(AppContext& context) {
   constexpr const char* kTitle = "Quit###quit-question";
-  const bool is_open = ImGui::IsPopupOpen(kTitle);
+  const bool is_open = ui::isPopupOpen(kTitle);
   if (!context.is_asking_to_quit && !is_open) return;
-  if (!is_open) ImGui::OpenPopup(kTitle);
+  if (!is_open) ui::openPopup(kTitle);
   ImGui::SetNextWindowSize({scaled(460), 0});
-  if (!ImGui::BeginPopupModal(kTitle, nullptr, ImGuiWindowFlags_NoResize)) return;
+  if (!ui::beginPopupModal(kTitle, nullptr, ImGuiWindowFlags_NoResize)) return;
 
   ImGui::PushTextWrapPos(0);
-  ImGui::TextUnformatted(quit::question(context.bench).c_str());
+  ui::text(quit::question(context.bench));
   ImGui::PopTextWrapPos();
   ImGui::Dummy({0, scaled(4)});
   if (strongButton("Export", "Enter", scaled(135))) quit::exportFirst(context);

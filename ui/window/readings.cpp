@@ -5,14 +5,15 @@
 
 #include "ui/app/heat_readings.h"
 #include "ui/window/style.h"
+#include "ui/window/widgets.h"
 
 namespace kerf {
 
 void reading(const char* name, const std::string& value, const char* unit, bool is_warning) {
-  ImGui::TextColored(styleColours().quiet, "%s", name);
-  ImGui::SameLine(scaled(118));
-  is_warning ? ImGui::TextColored(styleColours().warning, "%s %s", value.c_str(), unit)
-             : ImGui::Text("%s %s", value.c_str(), unit);
+  ui::textColored(styleColours().quiet, name);
+  ui::sameLineAt(scaled(118));
+  const std::string words = value + " " + unit;
+  is_warning ? ui::textColored(styleColours().warning, words) : ui::text(words);
 }
 
 void drawHeat(const Workbench& bench) {

@@ -13,6 +13,7 @@
 #include "ui/window/readings.h"
 #include "ui/window/style.h"
 #include "ui/window/tissues_panel.h"
+#include "ui/window/widgets.h"
 
 namespace kerf {
 namespace {
@@ -25,7 +26,7 @@ void give(AppContext& context, const char* command, const std::vector<std::strin
 
 void button(AppContext& context, const char* label, const char* command, bool is_enabled = true) {
   ImGui::BeginDisabled(!is_enabled);
-  if (ImGui::Button(label)) give(context, command);
+  if (ui::button(label)) give(context, command);
   ImGui::EndDisabled();
   ImGui::SameLine();
 }
@@ -43,9 +44,9 @@ void drawSpeeds(AppContext& context, const WatchMoment& now) {
   for (const Row& row : kRows)
     if (row.speed == now.speed) shown = row.label;
   ImGui::SetNextItemWidth(scaled(90));
-  if (!ImGui::BeginCombo("##speed", shown.c_str())) return;
+  if (!ui::beginCombo("##speed", shown)) return;
   for (const Row& row : kRows)
-    if (ImGui::Selectable(row.label, row.speed == now.speed)) give(context, "replay.speed", {row.word});
+    if (ui::selectable(row.label, row.speed == now.speed)) give(context, "replay.speed", {row.word});
   ImGui::EndCombo();
 }
 
@@ -94,11 +95,11 @@ void drawStepUnder(const WatchedRun& run, std::size_t sample) {
     const WatchedStep& step = run.steps()[n];
     if (sample < step.begin || sample > step.end) continue;
     const std::string tool = step.tool < run.tools().size() ? run.tools()[step.tool].id : "";
-    ImGui::SetTooltip("%zu: %s, %s, at %.1f s", n + 1, nameOf(step.kind), tool.c_str(),
-                      kTick * static_cast<double>(step.begin));
+    ui::setTooltip(fmt::format("{}: {}, {}, at {:.1f} s", n + 1, nameOf(step.kind), tool,
+                               kTick * static_cast<double>(step.begin)));
     return;
   }
-  ImGui::SetTooltip("%.1f s", kTick * static_cast<double>(sample));
+  ui::setTooltip(fmt::format("{:.1f} s", kTick * static_cast<double>(sample)));
 }
 
 // Where a mouse that drags is; it jumps when it has come to another place.
@@ -122,8 +123,8 @@ void drawStrip(AppContext& context) {
   const ImGuiIO& io = ImGui::GetIO();
   ImGui::SetNextWindowPos({scaled(8), io.DisplaySize.y - 8}, ImGuiCond_Always, {0, 1});
   ImGui::SetNextWindowSize({std::max(io.DisplaySize.x - scaled(16), scaled(200)), 0}, ImGuiCond_Always);
-  ImGui::Begin("##replay", nullptr,
-               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
+  ui::begin("##replay", nullptr,
+            ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
   button(context, "|<", "replay.begin");
   button(context, "<", "replay.previous");
   button(context, now.is_playing ? "Pause###play" : "Play###play", "replay.toggle");
@@ -131,7 +132,7 @@ void drawStrip(AppContext& context) {
   button(context, ">|", "replay.end");
   drawSpeeds(context, now);
   ImGui::SameLine(0, scaled(16));
-  ImGui::TextUnformatted(stateOf(run).c_str());
+  ui::text(stateOf(run));
   ImGui::SameLine(0, scaled(16));
   button(context, "Go on cutting", "replay.go-on", now.is_at_end && !context.bench.job());
   button(context, "Close", "replay.close");
@@ -139,8 +140,7 @@ void drawStrip(AppContext& context) {
   drawBar(context);
   if (now.verdict) {
     ImGui::PushTextWrapPos(0);
-    ImGui::TextColored(now.verdict->is_same ? styleColours().good : styleColours().warning, "%s",
-                       now.verdict->text.c_str());
+    ui::textColored(now.verdict->is_same ? styleColours().good : styleColours().warning, now.verdict->text);
     ImGui::PopTextWrapPos();
   }
   ImGui::End();
@@ -150,7 +150,7 @@ void drawMoment(AppContext& context, PanelColumn& column) {
   const Workbench& bench = context.bench;
   const HapticReport& report = bench.report();
   column.place();
-  ImGui::Begin("Watched", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
+  ui::begin("Watched", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
   reading("Tool", bench.tool(bench.toolInHand()).id, "");
   reading("Force", fmt::format("{:.2f}", report.output.force.force.norm()), "N");
   reading("Spindle", fmt::format("{:.0f}", 100 * bench.driveShare()), "%");
@@ -175,15 +175,15 @@ void drawRunQuestion(AppContext& context) {
   Workbench& bench = context.bench;
   constexpr const char* kTitle = "A session that was cut before###run-question";
   if (!bench.askedRun()) return;
-  if (!ImGui::IsPopupOpen(kTitle)) ImGui::OpenPopup(kTitle);
+  if (!ui::isPopupOpen(kTitle)) ui::openPopup(kTitle);
   ImGui::SetNextWindowSize({scaled(460), 0});
-  if (!ImGui::BeginPopupModal(kTitle, nullptr, ImGuiWindowFlags_NoResize)) return;
+  if (!ui::beginPopupModal(kTitle, nullptr, ImGuiWindowFlags_NoResize)) return;
 
   const std::filesystem::path run = *bench.askedRun();
   ImGui::PushTextWrapPos(0);
-  ImGui::TextUnformatted(run.c_str());
-  ImGui::TextColored(styleColours().quiet,
-                     "To go on opens what was cut, in a session of its own. To watch shows how it was cut.");
+  ui::text(ui::asItIs(run.string()));
+  ui::textColored(styleColours().quiet,
+                  "To go on opens what was cut, in a session of its own. To watch shows how it was cut.");
   ImGui::PopTextWrapPos();
   ImGui::Dummy({0, scaled(4)});
   bool is_over = false;

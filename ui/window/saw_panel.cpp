@@ -10,6 +10,7 @@
 #include "ui/app/sawing.h"
 
 #include "ui/window/style.h"
+#include "ui/window/widgets.h"
 
 namespace kerf {
 namespace {
@@ -27,19 +28,19 @@ void stepper(AppContext& context, const char* name, const std::string& value, co
              double base = 0) {
   ImGui::PushID(name);
   ImGui::AlignTextToFramePadding();
-  ImGui::TextColored(kQuiet, "%s", name);
-  ImGui::SameLine(kValueAt);
-  ImGui::TextUnformatted(value.c_str());
+  ui::textColored(kQuiet, name);
+  ui::sameLineAt(kValueAt);
+  ui::text(value);
 
   const double by = ImGui::GetIO().KeyShift ? kFine * step : step;
   const float right = ImGui::GetWindowContentRegionMax().x;
   ImGui::PushButtonRepeat(true);
   ImGui::SameLine(right - 2 * kStepWidth - 4);
-  if (ImGui::Button("-", {kStepWidth, 0})) run(context, command, {fmt::format("{:.9g}", base - by)});
+  if (ui::button("-", {kStepWidth, 0})) run(context, command, {fmt::format("{:.9g}", base - by)});
   ImGui::SameLine(right - kStepWidth);
-  if (ImGui::Button("+", {kStepWidth, 0})) run(context, command, {fmt::format("{:.9g}", base + by)});
+  if (ui::button("+", {kStepWidth, 0})) run(context, command, {fmt::format("{:.9g}", base + by)});
   ImGui::PopButtonRepeat();
-  if (ImGui::IsItemHovered()) ImGui::SetTooltip("Shift: steps ten times as fine");
+  if (ImGui::IsItemHovered()) ui::setTooltip("Shift: steps ten times as fine");
   ImGui::PopID();
 }
 
@@ -50,22 +51,22 @@ bool wideButton(const char* label, bool is_main) {
     ImGui::PushStyleColor(ImGuiCol_ButtonActive, ImVec4(0.07f, 0.34f, 0.52f, 1));
     ImGui::PushStyleColor(ImGuiCol_Text, kWhite);
   }
-  const bool is_pressed = ImGui::Button(label, {-1, 30});
+  const bool is_pressed = ui::button(label, {-1, 30});
   if (is_main) ImGui::PopStyleColor(4);
   return is_pressed;
 }
 
 void drawProgress(AppContext& context, const SawingStatus& status) {
-  ImGui::Text("Sawing %s", status.plane.c_str());
+  ui::text("Sawing " + status.plane);
   const std::string done = fmt::format("{:.0f} % of the plane", std::floor(100 * status.share));
-  ImGui::ProgressBar(static_cast<float>(status.share), {-1, 0}, done.c_str());
+  ui::progressBar(static_cast<float>(status.share), {-1, 0}, done);
   std::string line = fmt::format("{:.0f} s", status.seconds);
   if (status.left_s && !status.is_stopping) line += fmt::format(", about {:.0f} s left", std::ceil(*status.left_s));
-  ImGui::TextColored(kQuiet, "%s", line.c_str());
+  ui::textColored(kQuiet, line);
   const std::string volumes = fmt::format("{:.1f} of {:.1f} mm3", status.removed_mm3, status.planned_mm3);
-  ImGui::TextColored(kQuiet, "%s", volumes.c_str());
+  ui::textColored(kQuiet, volumes);
   if (status.is_stopping)
-    ImGui::TextUnformatted("The blade is drawn out...");
+    ui::text("The blade is drawn out...");
   else if (wideButton("Stop", false))
     run(context, "saw.stop");
 }
@@ -78,8 +79,8 @@ void drawWaysOfPlanning(AppContext& context) {
        {"Face", "saw.pick-face", "Click a face: parallel to it"}}};
   for (std::size_t n = 0; n < kWays.size(); ++n) {
     if (n > 0) ImGui::SameLine();
-    if (ImGui::Button(kWays[n][0], {width, 0})) run(context, kWays[n][1]);
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", kWays[n][2]);
+    if (ui::button(kWays[n][0], {width, 0})) run(context, kWays[n][1]);
+    if (ImGui::IsItemHovered()) ui::setTooltip(kWays[n][2]);
   }
 }
 
@@ -89,7 +90,7 @@ void drawPlanes(AppContext& context, SawPanelState& state) {
   for (std::size_t n = 0; n < plan.planes().size(); ++n) {
     const SawPlane& plane = plan.planes()[n];
     const std::string label = fmt::format("{}###plane{}", plane.name, n);
-    if (ImGui::Selectable(label.c_str(), n == plan.chosenIndex())) saw.plan().choose(n);
+    if (ui::selectable(ui::asItIs(label), n == plan.chosenIndex())) saw.plan().choose(n);
   }
 
   if (plan.version() != state.version) {
@@ -99,11 +100,11 @@ void drawPlanes(AppContext& context, SawPanelState& state) {
   std::array<char, 61> text{};
   state.name.copy(text.data(), text.size() - 1);
   ImGui::PushItemWidth(ImGui::GetContentRegionAvail().x - 70);
-  if (ImGui::InputText("##name", text.data(), text.size())) state.name = text.data();
+  if (ui::inputText("##name", text.data(), text.size())) state.name = text.data();
   if (ImGui::IsItemDeactivatedAfterEdit()) run(context, "saw.rename", {state.name});
   ImGui::PopItemWidth();
   ImGui::SameLine();
-  if (ImGui::Button("Delete", {-1, 0})) run(context, "saw.delete");
+  if (ui::button("Delete", {-1, 0})) run(context, "saw.delete");
 }
 
 void drawSteppers(AppContext& context) {
@@ -120,28 +121,30 @@ void drawClearance(AppContext& context) {
   constexpr double kClose = 2;  // mm: near enough to say so
   const auto left = context.bench.saw().clearance();
   if (!left) return;
-  if (left->is_far) return ImGui::TextColored(kQuiet, "Over %.0f mm from all nerves and pulps", left->distance_mm);
+  if (left->is_far)
+    return ui::textColored(kQuiet, fmt::format("Over {:.0f} mm from all nerves and pulps", left->distance_mm));
   const std::string name = context.bench.nameOf(left->material);
+  const std::string away = fmt::format("{:.1f} mm from the {}", left->distance_mm, name);
   if (left->distance_mm < 0)
-    ImGui::TextColored(styleColours().warning, "Goes through the %s", name.c_str());
+    ui::textColored(styleColours().warning, "Goes through the " + name);
   else if (left->distance_mm < kClose)
-    ImGui::TextColored(styleColours().warning, "%.1f mm from the %s", left->distance_mm, name.c_str());
+    ui::textColored(styleColours().warning, away);
   else
-    ImGui::Text("%.1f mm from the %s", left->distance_mm, name.c_str());
+    ui::text(away);
 }
 
 void drawCut(AppContext& context) {
   Sawing& saw = context.bench.saw();
   drawClearance(context);
   bool is_guided = saw.guide;
-  if (ImGui::Checkbox("Guide the blade by mouse", &is_guided)) run(context, "saw.guide", {is_guided ? "on" : "off"});
-  if (ImGui::IsItemHovered()) ImGui::SetTooltip("A saw moved by mouse stays in this plane (G)");
+  if (ui::checkbox("Guide the blade by mouse", &is_guided)) run(context, "saw.guide", {is_guided ? "on" : "off"});
+  if (ImGui::IsItemHovered()) ui::setTooltip("A saw moved by mouse stays in this plane (G)");
 
   auto force = static_cast<float>(saw.force);
-  ImGui::TextUnformatted("Push, at most");
+  ui::text("Push, at most");
   ImGui::PushItemWidth(-1);
-  if (ImGui::SliderFloat("##sawforce", &force, static_cast<float>(Sawing::kLeastForce),
-                         static_cast<float>(Sawing::kMostForce), "%.1f N", ImGuiSliderFlags_AlwaysClamp))
+  if (ui::sliderFloat("##sawforce", &force, static_cast<float>(Sawing::kLeastForce),
+                      static_cast<float>(Sawing::kMostForce), "%.1f N", ImGuiSliderFlags_AlwaysClamp))
     saw.force = static_cast<double>(force);
   ImGui::PopItemWidth();
   if (wideButton("Cut this plane now", true)) run(context, "saw.cut");
@@ -152,10 +155,10 @@ void drawHint(const Sawing& saw) {
   if (hint.empty()) return;
   const ImGuiIO& io = ImGui::GetIO();
   ImGui::SetNextWindowPos({0.5f * io.DisplaySize.x, ImGui::GetFrameHeight() + 12}, ImGuiCond_Always, {0.5f, 0});
-  ImGui::Begin("##sawhint", nullptr,
-               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove |
-                   ImGuiWindowFlags_NoInputs);
-  ImGui::TextColored(kAccent, "%s", hint.c_str());
+  ui::begin("##sawhint", nullptr,
+            ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove |
+                ImGuiWindowFlags_NoInputs);
+  ui::textColored(kAccent, hint);
   ImGui::End();
 }
 
@@ -171,11 +174,11 @@ void drawSawPanel(AppContext& context, SawPanelState& state) {
   const ImGuiIO& io = ImGui::GetIO();
   ImGui::SetNextWindowPos({io.DisplaySize.x - 8, io.DisplaySize.y - 8}, ImGuiCond_Always, {1, 1});
   ImGui::SetNextWindowSize({scaled(kPanelWidth), 0}, ImGuiCond_Always);
-  ImGui::Begin("Saw plan", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
+  ui::begin("Saw plan", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
   if (const auto status = saw.status()) {
     drawProgress(context, *status);
   } else {
-    if (!has_planes) ImGui::TextColored(kQuiet, "Plan a cut from");
+    if (!has_planes) ui::textColored(kQuiet, "Plan a cut from");
     drawWaysOfPlanning(context);
     if (has_planes) {
       ImGui::Separator();

@@ -1,5 +1,7 @@
 #include "ui/window/scale_bar.h"
 
+#include "ui/window/widgets.h"
+
 #include <fmt/format.h>
 
 namespace kerf {
@@ -13,8 +15,8 @@ void drawScaleBarAt(const ImVec2& at, const Camera& camera, int width, int heigh
   list.AddLine({at.x, at.y - 5}, {at.x, at.y + 5}, ink, 2);
 
   const std::string text = fmt::format("{:g} mm{}", length, camera.isPerspective() ? " at the focus" : "");
-  const ImVec2 size = ImGui::CalcTextSize(text.c_str());
-  list.AddText({0.5f * (left + at.x - size.x), at.y - 5 - size.y}, ink, text.c_str());
+  const ImVec2 size = ui::textSize(text);
+  ui::addText(list, {0.5f * (left + at.x - size.x), at.y - 5 - size.y}, ink, text);
 }
 
 }  // namespace kerf

@@ -1,13 +1,18 @@
 #include "ui/window/settings_panel.h"
 
+#include <fmt/format.h>
 #include <imgui.h>
 
 #include <cmath>
 #include <numbers>
+#include <string>
+#include <vector>
 
+#include "ui/app/language.h"
 #include "ui/app/settings.h"
 #include "ui/app/system_dialog.h"
 #include "ui/window/style.h"
+#include "ui/window/widgets.h"
 
 namespace kerf {
 namespace {
@@ -21,12 +26,38 @@ void save(AppContext& context) {
 // A broken file stays as it is until the user says otherwise.
 void drawBroken(AppContext& context) {
   ImGui::PushTextWrapPos(0);
-  ImGui::TextColored(styleColours().warning, "The file of settings can not be read, and nothing is kept: %s",
-                     context.settings->error()->message().c_str());
+  ui::textColored(styleColours().warning,
+                  "The file of settings can not be read, and nothing is kept: " + context.settings->error()->message());
   ImGui::PopTextWrapPos();
   if (!plainButton("Set it aside and begin anew", "", -1)) return;
   if (const auto done = context.settings->setAside(); !done) return context.bench.complain(done.error());
   save(context);
+}
+
+// Those of the user's folder and ours, looked for when the list is opened.
+void drawLanguage(AppContext& context) {
+  struct Row {
+    std::string id, name;
+  };
+  static std::vector<Row> rows;
+  const std::string& now = context.settings->values.language;
+  heading("Language");
+  ImGui::SetNextItemWidth(-1);
+  const Language* const shown = shownLanguage();
+  if (!ui::beginCombo("##language", ui::asItIs(shown ? shown->name() : "English"))) return rows.clear();
+  if (rows.empty()) {
+    rows.push_back({"en", "English"});
+    for (const LanguageFile& one : findLanguages(context.settings->path().parent_path())) {
+      const auto read = Language::read(one.file);
+      rows.push_back({one.id, read ? read->name() : one.file.filename().string()});  // taken, it says what is wrong
+    }
+  }
+  for (const Row& row : rows) {
+    if (!ui::selectable(ui::asItIs(row.name + "###" + row.id), row.id == now)) continue;
+    const auto done = runAppCommand(context, "settings.language", std::vector<std::string>{row.id});
+    if (!done) context.bench.complain(done.error());
+  }
+  ImGui::EndCombo();
 }
 
 }  // namespace
@@ -37,43 +68,43 @@ void drawSettings(AppContext& context) {
   const ImGuiIO& io = ImGui::GetIO();
   ImGui::SetNextWindowPos({0.5f * io.DisplaySize.x, 0.45f * io.DisplaySize.y}, ImGuiCond_Always, {0.5f, 0.5f});
   ImGui::SetNextWindowSize({scaled(420), 0}, ImGuiCond_Always);
-  ImGui::Begin("Settings", &context.shows_settings,
-               ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse);
+  ui::begin("Settings", &context.shows_settings,
+            ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse);
   if (context.settings->error()) drawBroken(context);
   static const bool has_system_dialog = SystemDialog::program().has_value();  // not to be looked for in each frame
   bool is_set = false;
 
   heading("Looks");
-  if (ImGui::RadioButton("Light", values.theme == Theme::kLight)) {
+  if (ui::radioButton("Light", values.theme == Theme::kLight)) {
     values.theme = Theme::kLight;
     is_set = true;
   }
   ImGui::SameLine();
-  if (ImGui::RadioButton("Dark", values.theme == Theme::kDark)) {
+  if (ui::radioButton("Dark", values.theme == Theme::kDark)) {
     values.theme = Theme::kDark;
     is_set = true;
   }
   // The window is laid out anew with each size: by steps, so that a slider does not run away from the mouse.
   ImGui::AlignTextToFramePadding();
-  ImGui::Text("Size of type and panels: %.0f %%", 100 * values.ui_scale);
-  ImGui::SameLine(scaled(270));
-  if (ImGui::Button("-##smaller", {scaled(36), 0})) (void)runAppCommand(context, "view.smaller");
+  ui::text(fmt::format("Size of type and panels: {:.0f} %", 100 * values.ui_scale));
+  ui::sameLineAt(scaled(270));
+  if (ui::button("-##smaller", {scaled(36), 0})) (void)runAppCommand(context, "view.smaller");
   ImGui::SameLine();
-  if (ImGui::Button("+##larger", {scaled(36), 0})) (void)runAppCommand(context, "view.larger");
+  if (ui::button("+##larger", {scaled(36), 0})) (void)runAppCommand(context, "view.larger");
   bool has_hints = !values.are_hints_dismissed;
-  if (ImGui::Checkbox("Show the hints for the mouse", &has_hints)) {
+  if (ui::checkbox("Show the hints for the mouse", &has_hints)) {
     values.are_hints_dismissed = !has_hints;
     is_set = true;
   }
 
+  drawLanguage(context);
   heading("Perspective");
   bool is_perspective = context.camera.isPerspective();
-  if (ImGui::Checkbox("Near things are larger", &is_perspective)) (void)runAppCommand(context, "view.perspective");
+  if (ui::checkbox("Near things are larger", &is_perspective)) (void)runAppCommand(context, "view.perspective");
   float field = static_cast<float>(values.perspective_deg);
   ImGui::SetNextItemWidth(-1);
-  if (ImGui::SliderFloat("##field", &field, static_cast<float>(Camera::kLeastField),
-                         static_cast<float>(Camera::kMostField), "field of view %.0f deg",
-                         ImGuiSliderFlags_AlwaysClamp)) {
+  if (ui::sliderFloat("##field", &field, static_cast<float>(Camera::kLeastField),
+                      static_cast<float>(Camera::kMostField), "field of view %.0f deg", ImGuiSliderFlags_AlwaysClamp)) {
     values.perspective_deg = std::round(static_cast<double>(field));
     if (is_perspective) setFieldOfView(context.camera, values.perspective_deg * kDegree);
   }
@@ -81,40 +112,40 @@ void drawSettings(AppContext& context) {
 
   heading("Files");
   bool is_system = !values.has_own_dialog;
-  if (ImGui::Checkbox("Ask by the system's dialog", &is_system)) {
+  if (ui::checkbox("Ask by the system's dialog", &is_system)) {
     values.has_own_dialog = !is_system;
     is_set = true;
   }
   if (!has_system_dialog) {
     ImGui::SameLine();
-    ImGui::TextColored(styleColours().quiet, "there is none");
+    ui::textColored(styleColours().quiet, "there is none");
   }
 
   heading("Sound of the drill");
   float volume = static_cast<float>(values.sound_volume);
   ImGui::SetNextItemWidth(-scaled(90));
-  if (ImGui::SliderFloat("##volume", &volume, 0, 100, "%.0f %%", ImGuiSliderFlags_AlwaysClamp))
+  if (ui::sliderFloat("##volume", &volume, 0, 100, "%.0f %%", ImGuiSliderFlags_AlwaysClamp))
     values.sound_volume = std::round(static_cast<double>(volume));
   is_set |= ImGui::IsItemDeactivatedAfterEdit();
   ImGui::SameLine();
-  is_set |= ImGui::Checkbox("Mute", &values.is_muted);
+  is_set |= ui::checkbox("Mute", &values.is_muted);
 
   heading("At the beginning of a session");
   float force = static_cast<float>(values.force_N), depth = static_cast<float>(values.depth_mm);
   ImGui::SetNextItemWidth(-1);
-  if (ImGui::SliderFloat("##force", &force, static_cast<float>(Workbench::kLeastForce), 5, "push %.1f N",
-                         ImGuiSliderFlags_AlwaysClamp))
+  if (ui::sliderFloat("##force", &force, static_cast<float>(Workbench::kLeastForce), 5, "push %.1f N",
+                      ImGuiSliderFlags_AlwaysClamp))
     values.force_N = 0.1 * std::round(10 * static_cast<double>(force));
   is_set |= ImGui::IsItemDeactivatedAfterEdit();
   ImGui::SetNextItemWidth(-1);
-  if (ImGui::SliderFloat("##depth", &depth, 0, static_cast<float>(Workbench::kMostDepth), "depth %.2f mm",
-                         ImGuiSliderFlags_AlwaysClamp))
+  if (ui::sliderFloat("##depth", &depth, 0, static_cast<float>(Workbench::kMostDepth), "depth %.2f mm",
+                      ImGuiSliderFlags_AlwaysClamp))
     values.depth_mm = 0.05 * std::round(20 * static_cast<double>(depth));
   is_set |= ImGui::IsItemDeactivatedAfterEdit();
   if (plainButton("Take those of now", "", -1)) (void)runAppCommand(context, "settings.push");
 
   ImGui::PushTextWrapPos(0);
-  ImGui::TextColored(styleColours().quiet, "Kept in %s", context.settings->path().c_str());
+  ui::textColored(styleColours().quiet, "Kept in " + context.settings->path().string());
   ImGui::PopTextWrapPos();
   ImGui::End();
   if (is_set) save(context);

@@ -1,5 +1,6 @@
 #include "ui/window/style.h"
 
+#include <algorithm>
 #include <string>
 
 namespace kerf {
@@ -8,9 +9,11 @@ namespace {
 StyleColours colours;
 float scale_now = 1;
 
-bool buttonWithKey(const char* label, const char* key, float width) {
-  const std::string text = *key ? std::string(label) + "   " + key : std::string(label);
-  return ImGui::Button((text + "###" + label).c_str(), {width, scaled(34)});
+bool buttonWithKey(const ui::Words& label, const ui::Words& key, float width) {
+  std::string text = label.label();
+  if (const std::string shown = key.shown(); !shown.empty())
+    text.insert(std::min(text.find("###"), text.size()), "   " + shown);
+  return ui::button(ui::asItIs(text), {width, scaled(34)});
 }
 
 }  // namespace
@@ -99,7 +102,7 @@ void applyStyle(Theme theme, float scale) {
   ImGui::GetStyle() = style;
 }
 
-bool strongButton(const char* label, const char* key, float width) {
+bool strongButton(const ui::Words& label, const ui::Words& key, float width) {
   ImGui::PushStyleColor(ImGuiCol_Button, colours.strong);
   ImGui::PushStyleColor(ImGuiCol_ButtonHovered, colours.strong_hovered);
   ImGui::PushStyleColor(ImGuiCol_ButtonActive, colours.strong_hovered);
@@ -109,11 +112,11 @@ bool strongButton(const char* label, const char* key, float width) {
   return is_pressed;
 }
 
-bool plainButton(const char* label, const char* key, float width) { return buttonWithKey(label, key, width); }
+bool plainButton(const ui::Words& label, const ui::Words& key, float width) { return buttonWithKey(label, key, width); }
 
-void heading(const char* text) {
+void heading(const ui::Words& text) {
   ImGui::Dummy({0, scaled(4)});
-  ImGui::TextColored(colours.accent, "%s", text);
+  ui::textColored(colours.accent, text);
 }
 
 }  // namespace kerf

@@ -5,6 +5,7 @@
 
 #include "geometry/base/types.h"
 #include "ui/app/settings.h"
+#include "ui/window/widgets.h"
 
 namespace kerf {
 
@@ -27,10 +28,11 @@ float scaled(float units);
 void applyStyle(Theme theme, float scale);
 
 /// The one button of a panel that goes on: filled. @param key  is written behind the label, quiet; may be empty.
-bool strongButton(const char* label, const char* key, float width);
+/// A width that is given is one at least.
+bool strongButton(const ui::Words& label, const ui::Words& key, float width);
 /// A button beside it.
-bool plainButton(const char* label, const char* key, float width);
+bool plainButton(const ui::Words& label, const ui::Words& key, float width);
 /// A quiet heading over a group of controls.
-void heading(const char* text);
+void heading(const ui::Words& text);
 
 }  // namespace kerf

@@ -6,8 +6,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ui/app/language.h"
 #include "ui/app/sawing.h"
 #include "ui/window/style.h"
+#include "ui/window/widgets.h"
 
 namespace kerf {
 namespace {
@@ -55,8 +57,8 @@ void drawHover(const Workbench& bench, std::size_t block, float top) {
   const std::string loss = lossOf(timeline.steps().size() - n - 1);
   ImGui::SetNextWindowPos({ImGui::GetIO().MousePos.x, top - 8}, ImGuiCond_Always, {0.5f, 1});
   ImGui::BeginTooltip();
-  ImGui::TextUnformatted(text.c_str());
-  ImGui::TextColored(styleColours().quiet, "Click or drag: go there. %s", loss.c_str());
+  ui::text(text);
+  ui::textColored(styleColours().quiet, ui::asItIs(shownText("Click or drag: go there. ") + shownText(loss)));
   ImGui::EndTooltip();
 }
 
@@ -71,18 +73,18 @@ float drawSummary(const Workbench& bench, std::size_t done) {
   };
   const std::string text = textOf(older + done), loss = lossOf(timeline.steps().size() - done);
   ImGui::AlignTextToFramePadding();
-  loss.empty() ? ImGui::TextUnformatted(text.c_str()) : ImGui::TextColored(styleColours().warning, "%s", text.c_str());
-  if (!loss.empty() && ImGui::IsItemHovered()) ImGui::SetTooltip("%s", loss.c_str());
-  return ImGui::CalcTextSize(textOf(all).c_str()).x;
+  loss.empty() ? ui::text(text) : ui::textColored(styleColours().warning, text);
+  if (!loss.empty() && ImGui::IsItemHovered()) ui::setTooltip(loss);
+  return ui::textSize(textOf(all)).x;
 }
 
 // At the right end, if there is a place for it.
 void drawLoss(const Timeline& timeline, std::size_t done, float blocks_end) {
   const std::string loss = lossOf(timeline.steps().size() - done);
-  const float begin = ImGui::GetWindowContentRegionMax().x - ImGui::CalcTextSize(loss.c_str()).x;
+  const float begin = ImGui::GetWindowContentRegionMax().x - ui::textSize(loss).x;
   if (loss.empty() || ImGui::GetWindowPos().x + begin < blocks_end + scaled(12)) return;
   ImGui::SameLine(begin);
-  ImGui::TextColored(styleColours().quiet, "%s", loss.c_str());
+  ui::textColored(styleColours().quiet, loss);
 }
 
 }  // namespace
@@ -102,8 +104,8 @@ void drawTimeline(AppContext& context) {
   ImGui::SetNextWindowPos({side, io.DisplaySize.y - 8}, ImGuiCond_Always, {0, 1});
   ImGui::SetNextWindowSize({std::max(io.DisplaySize.x - 2 * side, scaled(120)), scaled(kStripHeight)},
                            ImGuiCond_Always);
-  ImGui::Begin("##timeline", nullptr,
-               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
+  ui::begin("##timeline", nullptr,
+            ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
   const std::size_t count = timeline.steps().size(), done = bench.stepsDone();
   const float left = ImGui::GetStyle().WindowPadding.x + drawSummary(bench, done) + scaled(12);
   ImGui::SameLine(left);

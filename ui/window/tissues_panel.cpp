@@ -11,6 +11,7 @@
 #include "ui/app/tissue_commands.h"
 #include "ui/app/tissue_display.h"
 #include "ui/window/style.h"
+#include "ui/window/widgets.h"
 
 namespace kerf {
 namespace {
@@ -31,25 +32,25 @@ ImVec4 shown(const Rgba8& c) {
 void drawRemoved(double whole_mm3, double removed_mm3) {
   constexpr double kLeast = 0.005;  // mm^3
   if (removed_mm3 < kLeast || whole_mm3 <= 0) return;
-  ImGui::TextColored(styleColours().quiet, "    %.2f of %.1f mm3 gone (%.1f %%)", removed_mm3, whole_mm3,
-                     100 * removed_mm3 / whole_mm3);
+  ui::textColored(styleColours().quiet, fmt::format("    {:.2f} of {:.1f} mm3 gone ({:.1f} %)", removed_mm3, whole_mm3,
+                                                    100 * removed_mm3 / whole_mm3));
 }
 
 void drawRow(AppContext& context, const SeenTissue& tissue) {
   ImGui::PushID(tissue.id.c_str());
   bool is_seen = tissue.look != TissueLook::kHide;
-  if (ImGui::Checkbox("##seen", &is_seen)) run(context, "view.tissue", {tissue.id, is_seen ? "show" : "hide"});
-  if (ImGui::IsItemHovered()) ImGui::SetTooltip("Show it, or hide it");
+  if (ui::checkbox("##seen", &is_seen)) run(context, "view.tissue", {tissue.id, is_seen ? "show" : "hide"});
+  if (ImGui::IsItemHovered()) ui::setTooltip("Show it, or hide it");
   ImGui::SameLine();
   ImGui::ColorButton("##colour", shown(tissue.colour), ImGuiColorEditFlags_NoTooltip | ImGuiColorEditFlags_NoPicker,
                      {scaled(16), scaled(16)});
   ImGui::SameLine();
-  ImGui::TextUnformatted(tissue.name.c_str());
+  ui::text(tissue.name);
 
   ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - scaled(66));
   bool is_ghost = tissue.look == TissueLook::kGhost;
-  if (ImGui::Checkbox("ghost", &is_ghost)) run(context, "view.tissue", {tissue.id, is_ghost ? "ghost" : "show"});
-  if (ImGui::IsItemHovered()) ImGui::SetTooltip("Let what is under it shine through");
+  if (ui::checkbox("ghost", &is_ghost)) run(context, "view.tissue", {tissue.id, is_ghost ? "ghost" : "show"});
+  if (ImGui::IsItemHovered()) ui::setTooltip("Let what is under it shine through");
   drawRemoved(tissue.mm3, context.bench.removedOf(tissue.material));
   ImGui::PopID();
 }
@@ -75,10 +76,10 @@ void drawColours(AppContext& context) {
   const auto chosen =
       std::find_if(kColours.begin(), kColours.end(), [&](const ColoursRow& row) { return row.colours == now; });
   ImGui::PushItemWidth(-1);
-  if (ImGui::BeginCombo("##colours", fmt::format("Colours: {}", chosen->word).c_str())) {
+  if (ui::beginCombo("##colours", fmt::format("Colours: {}", chosen->word))) {
     for (const ColoursRow& row : kColours) {
       const auto flags = isPossible(context, row.colours) ? ImGuiSelectableFlags_None : ImGuiSelectableFlags_Disabled;
-      if (ImGui::Selectable(row.text, row.colours == now, flags)) run(context, "view.colours", {row.word});
+      if (ui::selectable(row.text, row.colours == now, flags)) run(context, "view.colours", {row.word});
     }
     ImGui::EndCombo();
   }
@@ -89,7 +90,7 @@ void drawColours(AppContext& context) {
 void drawLegend(SurfaceColours colours) {
   if (colours == SurfaceColours::kTissue || colours == SurfaceColours::kScan) return;
   const bool is_depth = colours == SurfaceColours::kDepth;
-  ImGui::TextColored(styleColours().quiet, "%s", is_depth ? "Below the surface as loaded" : "To pulp or nerve canal");
+  ui::textColored(styleColours().quiet, is_depth ? "Below the surface as loaded" : "To pulp or nerve canal");
   const ImVec2 from = ImGui::GetCursorScreenPos();
   const float width = ImGui::GetContentRegionAvail().x, height = scaled(kLegendHeight);
   for (int n = 0; n < kLegendSteps; ++n) {
@@ -100,10 +101,10 @@ void drawLegend(SurfaceColours colours) {
                                               IM_COL32(c[0], c[1], c[2], 255));
   }
   ImGui::Dummy({width, height});
-  ImGui::TextUnformatted("0 mm");
+  ui::text("0 mm");
   const std::string end = fmt::format("{:g} mm{}", kMapReach, is_depth ? "" : " or more");
-  ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - ImGui::CalcTextSize(end.c_str()).x);
-  ImGui::TextUnformatted(end.c_str());
+  ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - ui::textSize(end).x);
+  ui::text(end);
 }
 
 }  // namespace
@@ -113,12 +114,12 @@ void drawTissues(AppContext& context, PanelColumn& column) {
   const bool has_choice = tissues.all().size() > 1 || tissues.hasScanColours();
   if (!has_choice && tissues.colours() == SurfaceColours::kTissue) return;
   column.place();
-  ImGui::Begin("Tissues", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize);
+  ui::begin("Tissues", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize);
   if (tissues.all().size() > 1)
     for (const SeenTissue& tissue : tissues.all()) drawRow(context, tissue);
   drawColours(context);
   drawLegend(tissues.colours());
-  if (tissues.isBusy()) ImGui::TextColored(styleColours().quiet, "working...");
+  if (tissues.isBusy()) ui::textColored(styleColours().quiet, "working...");
   column.take();
   ImGui::End();
 }

@@ -12,6 +12,7 @@
 #include "ui/app/settings.h"
 #include "ui/app/tool_rack.h"
 #include "ui/window/style.h"
+#include "ui/window/widgets.h"
 
 namespace kerf {
 namespace {
@@ -53,7 +54,7 @@ void drawStar(AppContext& context, const Tool& tool, bool is_favourite) {
     if (const auto done = runAppCommand(context, "tool.favourite", std::vector<std::string>{tool.id}); !done)
       context.bench.complain(done.error());
   const bool is_hovered = ImGui::IsItemHovered();
-  if (is_hovered) ImGui::SetTooltip(is_favourite ? "A favourite no longer" : "A favourite: first in the rack");
+  if (is_hovered) ui::setTooltip(is_favourite ? "A favourite no longer" : "A favourite: first in the rack");
 
   std::array<ImVec2, 2 * kPoints> corners;
   for (std::size_t n = 0; n < corners.size(); ++n) {
@@ -79,12 +80,12 @@ bool drawRow(AppContext& context, ToolPanelState& state, const RackView& view, s
   const float right = ImGui::GetCursorScreenPos().x + ImGui::GetContentRegionAvail().x;
   if (context.settings) drawStar(context, tool, isFavourite(view, tool));
   const ImVec2 at = ImGui::GetCursorScreenPos();
-  const bool is_clicked = ImGui::Selectable("##tool", n == bench.toolInHand(), 0, {0, side});
+  const bool is_clicked = ui::selectable("##tool", n == bench.toolInHand(), 0, {0, side});
   const Error* const error = bench.toolError(n);
   if (ImGui::IsItemHovered())
-    ImGui::SetTooltip("%s\n%s%s%s%s%s", tool.id.c_str(), tool.description.c_str(),
-                      tool.iso6360.empty() ? "" : "\nISO 6360 ", tool.iso6360.c_str(),
-                      error ? "\nIt is as it was read before: " : "", error ? error->message().c_str() : "");
+    ui::setTooltip(fmt::format("{}\n{}{}{}{}{}", tool.id, tool.description, tool.iso6360.empty() ? "" : "\nISO 6360 ",
+                               tool.iso6360, error ? "\nIt is as it was read before: " : "",
+                               error ? error->message() : ""));
 
   auto icon = state.icons.find(tool.cut.get());
   if (icon == state.icons.end()) icon = state.icons.emplace(tool.cut.get(), toolIcon(tool)).first;
@@ -92,13 +93,13 @@ bool drawRow(AppContext& context, ToolPanelState& state, const RackView& view, s
   const float line = ImGui::GetTextLineHeight();
   ImDrawList* const draw = ImGui::GetWindowDrawList();
   const std::string size = sizeOf(tool);
-  const float size_at = right - ImGui::CalcTextSize(size.c_str()).x;
+  const float size_at = right - ui::textSize(size).x;
   draw->PushClipRect(at, {size_at - scaled(6), at.y + side}, true);
-  draw->AddText({at.x + side + scaled(8), at.y + 0.5f * (side - line)},
-                error ? ImGui::GetColorU32(styleColours().warning) : ImGui::GetColorU32(ImGuiCol_Text),
-                (tool.name.empty() ? tool.id : tool.name).c_str());
+  ui::addText(*draw, {at.x + side + scaled(8), at.y + 0.5f * (side - line)},
+              error ? ImGui::GetColorU32(styleColours().warning) : ImGui::GetColorU32(ImGuiCol_Text),
+              tool.name.empty() ? tool.id : tool.name);
   draw->PopClipRect();
-  draw->AddText({size_at, at.y + 0.5f * (side - line)}, ImGui::GetColorU32(styleColours().quiet), size.c_str());
+  ui::addText(*draw, {size_at, at.y + 0.5f * (side - line)}, ImGui::GetColorU32(styleColours().quiet), size);
   ImGui::PopID();
   return is_clicked;
 }
@@ -108,11 +109,11 @@ void drawBroken(const Workbench::BrokenTool& broken) {
   const float side = scaled(kIcon), line = ImGui::GetTextLineHeight();
   const ImVec2 at = ImGui::GetCursorScreenPos();
   ImGui::PushID(broken.file.c_str());
-  ImGui::Selectable("##broken", false, 0, {0, side});
-  if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", broken.error.message().c_str());
+  ui::selectable("##broken", false, 0, {0, side});
+  if (ImGui::IsItemHovered()) ui::setTooltip(broken.error.message());
   const std::string text = broken.file.filename().string() + ": no tool yet";
-  ImGui::GetWindowDrawList()->AddText({at.x + scaled(8), at.y + 0.5f * (side - line)},
-                                      ImGui::GetColorU32(styleColours().warning), text.c_str());
+  ui::addText(*ImGui::GetWindowDrawList(), {at.x + scaled(8), at.y + 0.5f * (side - line)},
+              ImGui::GetColorU32(styleColours().warning), text);
   ImGui::PopID();
 }
 
@@ -121,7 +122,7 @@ std::optional<std::size_t> drawRack(AppContext& context, ToolPanelState& state) 
   Workbench& bench = context.bench;
   ImGui::PushItemWidth(-1);
   const std::string hint = fmt::format("Search {} tools: round, 1.4, saw...", bench.toolCount());
-  ImGui::InputTextWithHint("##search", hint.c_str(), state.search.data(), state.search.size());
+  ui::inputTextWithHint("##search", hint, state.search.data(), state.search.size());
   ImGui::PopItemWidth();
 
   RackView view{.search = state.search.data(), .shows_all = state.shows_all};
@@ -151,13 +152,13 @@ std::optional<std::size_t> drawRack(AppContext& context, ToolPanelState& state) 
       else if (drawRow(context, state, view, rows[n - broken]))
         clicked = rows[n - broken];
   ImGui::PopStyleVar();
-  if (rows.empty() && broken == 0) ImGui::TextDisabled("None is called that");
+  if (rows.empty() && broken == 0) ui::textDisabled("None is called that");
   ImGui::EndChild();
 
   if (bench.firstLookTools() < bench.toolCount() && !state.search[0]) {
     const std::string label =
         state.shows_all ? std::string("Show fewer") : fmt::format("Show all {}", bench.toolCount());
-    if (ImGui::SmallButton((label + "###all").c_str())) state.shows_all = !state.shows_all;
+    if (ui::smallButton(label + "###all")) state.shows_all = !state.shows_all;
   }
   return clicked;
 }
@@ -169,11 +170,11 @@ void drawStopShort(Workbench& bench) {
   std::string names;
   for (const Structures::Structure& s : bench.structures()->all())
     names += (names.empty() ? "" : ", ") + bench.nameOf(s.material);
-  if (ImGui::Checkbox(("Stop short of " + names + "###short").c_str(), &is_on))
+  if (ui::checkbox("Stop short of " + names + "###short", &is_on))
     bench.stopShort(is_on ? std::optional(Workbench::kUsualShort) : std::nullopt);
   if (!is_on) return;
   auto short_of = static_cast<float>(*bench.stop_short_mm);
-  if (ImGui::SliderFloat("##short_of", &short_of, 0, 2, "%.1f mm", ImGuiSliderFlags_AlwaysClamp))
+  if (ui::sliderFloat("##short_of", &short_of, 0, 2, "%.1f mm", ImGuiSliderFlags_AlwaysClamp))
     bench.stopShort(0.1 * std::round(10 * static_cast<double>(short_of)));
 }
 
@@ -182,9 +183,10 @@ void drawTilt(AppContext& context) {
   Tilt& tilt = context.bench.tilt;
   if (tilt.isUpright()) return;
   constexpr double kDegree = std::numbers::pi / 180;
-  ImGui::Text("Tilt %.0f deg, towards %.0f deg", tilt.angle / kDegree, azimuthInView(context.camera, tilt) / kDegree);
+  ui::text(fmt::format("Tilt {:.0f} deg, towards {:.0f} deg", tilt.angle / kDegree,
+                       azimuthInView(context.camera, tilt) / kDegree));
   ImGui::SameLine();
-  if (ImGui::SmallButton("Upright")) tilt = {};
+  if (ui::smallButton("Upright")) tilt = {};
 }
 
 void drawHand(Workbench& bench) {
@@ -192,24 +194,24 @@ void drawHand(Workbench& bench) {
   float force = static_cast<float>(bench.force), depth = static_cast<float>(bench.depth_mm);
   float speed = static_cast<float>(100 * bench.speed);
   float spray = static_cast<float>(100 * bench.irrigation);
-  ImGui::TextUnformatted("Push");
-  if (ImGui::SliderFloat("##force", &force, static_cast<float>(Workbench::kLeastForce), 5, "%.1f N",
-                         ImGuiSliderFlags_AlwaysClamp))
+  ui::text("Push");
+  if (ui::sliderFloat("##force", &force, static_cast<float>(Workbench::kLeastForce), 5, "%.1f N",
+                      ImGuiSliderFlags_AlwaysClamp))
     bench.setForce(static_cast<double>(force));
-  ImGui::TextUnformatted("Depth below the surface");
-  if (ImGui::SliderFloat("##depth", &depth, 0, static_cast<float>(bench.mostDepth()), "%.2f mm",
-                         ImGuiSliderFlags_AlwaysClamp))
+  ui::text("Depth below the surface");
+  if (ui::sliderFloat("##depth", &depth, 0, static_cast<float>(bench.mostDepth()), "%.2f mm",
+                      ImGuiSliderFlags_AlwaysClamp))
     bench.deepen(static_cast<double>(depth) - bench.depth_mm);
   drawStopShort(bench);
-  ImGui::TextUnformatted("Speed");
-  if (ImGui::SliderFloat("##speed", &speed, 0, 100, "%.0f %%", ImGuiSliderFlags_AlwaysClamp))
+  ui::text("Speed");
+  if (ui::sliderFloat("##speed", &speed, 0, 100, "%.0f %%", ImGuiSliderFlags_AlwaysClamp))
     bench.setSpeed(0.01 * static_cast<double>(speed));
   bool is_reversed = bench.isReversed();
-  if (bench.canReverse() && ImGui::Checkbox("Turn backwards", &is_reversed)) {
+  if (bench.canReverse() && ui::checkbox("Turn backwards", &is_reversed)) {
     if (const auto turned = bench.setReversed(is_reversed); !turned) bench.say(turned.error().message());
   }
-  ImGui::TextUnformatted("Spray");
-  if (ImGui::SliderFloat("##spray", &spray, 0, 100, "%.0f %%", ImGuiSliderFlags_AlwaysClamp))
+  ui::text("Spray");
+  if (ui::sliderFloat("##spray", &spray, 0, 100, "%.0f %%", ImGuiSliderFlags_AlwaysClamp))
     bench.setIrrigation(0.01 * static_cast<double>(spray));
   ImGui::PopItemWidth();
 }
@@ -220,7 +222,7 @@ void drawTools(AppContext& context, ToolPanelState& state) {
   Workbench& bench = context.bench;
   ImGui::SetNextWindowPos({8, ImGui::GetFrameHeight() + 8}, ImGuiCond_Always);
   ImGui::SetNextWindowSize({scaled(kPanelWidth), 0}, ImGuiCond_Always);
-  ImGui::Begin("Tool", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
+  ui::begin("Tool", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
   const std::optional<std::size_t> clicked = drawRack(context, state);
   ImGui::Separator();
   drawTilt(context);

@@ -15,6 +15,7 @@
 #include "ui/window/glfw_error.h"
 #include "ui/window/renderer.h"
 #include "ui/window/scale_bar.h"
+#include "ui/window/widgets.h"
 
 namespace kerf {
 namespace {
@@ -71,19 +72,19 @@ void moveByMouse(View& view, const ImGuiIO& io) {
 
 void drawScenePanel(const Scene& scene, const Vec3d& size, View& view) {
   ImGui::SetNextWindowPos({12, 12}, ImGuiCond_FirstUseEver);
-  ImGui::Begin("Scene", nullptr, ImGuiWindowFlags_AlwaysAutoResize);
-  ImGui::Text("%s", scene.mesh_file.filename().c_str());
-  ImGui::Text("%zu triangles", scene.mesh.triangles.size());
-  ImGui::Text("%.2f x %.2f x %.2f mm", size.x(), size.y(), size.z());
-  ImGui::Text("unit: %s", scene.unit.c_str());
+  ui::begin("Scene", nullptr, ImGuiWindowFlags_AlwaysAutoResize);
+  ui::text(ui::asItIs(scene.mesh_file.filename().string()));
+  ui::text(fmt::format("{} triangles", scene.mesh.triangles.size()));
+  ui::text(fmt::format("{:.2f} x {:.2f} x {:.2f} mm", size.x(), size.y(), size.z()));
+  ui::text("unit: " + scene.unit);
 
   ImGui::Separator();
   for (std::size_t i = 0; i < namedViews().size(); ++i) {
     if (i % 4) ImGui::SameLine();
-    if (ImGui::Button(namedViews()[i].name.data(), {56, 0})) takeNamedView(view, i);
+    if (ui::button(namedViews()[i].name, {56, 0})) takeNamedView(view, i);
   }
   ImGui::SameLine();
-  if (ImGui::Button("fit", {56, 0})) fit(view);
+  if (ui::button("fit", {56, 0})) fit(view);
   ImGui::End();
 }
 

@@ -23,6 +23,7 @@
 #include "ui/app/gamepad_link.h"
 #include "ui/app/gamepad_map.h"
 #include "ui/app/joystick_link.h"
+#include "ui/app/language.h"
 #include "ui/app/pointing.h"
 #include "ui/app/quit.h"
 #include "ui/app/sawing.h"
@@ -95,6 +96,7 @@ class Workshop {
     context_.asks_before_quit = true;
     panels_.ask_for_file = [this](const AppCommand& command) { askForFile(command); };
     if (settings_.error()) bench_.complain(*settings_.error());
+    say(showLanguage(settings_.values.language, settings_.path().parent_path()));
     bench_.setForce(settings_.values.force_N);
     bench_.depth_mm = settings_.values.depth_mm;
     if (settings_.values.is_perspective)
@@ -251,7 +253,7 @@ class Workshop {
   }
 
   void setTitle(const std::string& what) {
-    glfwSetWindowTitle(desktop_.window(), (what.empty() ? "Kerf" : what + " - Kerf").c_str());
+    glfwSetWindowTitle(desktop_.window(), (what.empty() ? "Kerf" : shownText(what) + " - Kerf").c_str());
   }
 
   // While a scan is imported the session that is open, if any, rests; its view comes back when the scan is put away.

@@ -1,0 +1,224 @@
+// The window in another language: its panels drawn by Dear ImGui without a display, and what they say.
+#include <gtest/gtest.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <cctype>
+#include <memory>
+#include <sstream>
+#include <string>
+
+#include "tests/ui/block_on_bench.h"
+#include "ui/app/language.h"
+#include "ui/app/settings.h"
+#include "ui/window/font.h"
+#include "ui/window/panels.h"
+#include "ui/window/style.h"
+#include "ui/window/widgets.h"
+
+namespace kerf {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Dear ImGui, drawn to nowhere.
+class ImGuiNowhere {
+ public:
+  ImGuiNowhere() {
+    ImGui::CreateContext();
+    ImGuiIO& io = ImGui::GetIO();
+    io.IniFilename = nullptr;
+    io.DisplaySize = {1280, 800};
+    io.SetClipboardTextFn = [](void*, const char* text) { said() = text; };
+    io.ClipboardUserData = nullptr;
+    if (!addFont(*io.Fonts, 15)) io.Fonts->AddFontDefault();
+    unsigned char* pixels = nullptr;
+    int width = 0, height = 0;
+    io.Fonts->GetTexDataAsAlpha8(&pixels, &width, &height);
+    applyStyle(Theme::kLight, 1);
+  }
+  ~ImGuiNowhere() { ImGui::DestroyContext(); }
+
+  // A frame. @return  all words in it, one control a line, as Dear ImGui's log has them.
+  std::string draw(const std::function<void()>& what) {
+    ImGui::GetIO().DeltaTime = 1.0f / 60;
+    said().clear();
+    ImGui::NewFrame();
+    ImGui::LogToClipboard(10);
+    what();
+    ImGui::LogFinish();
+    ImGui::Render();
+    return said();
+  }
+
+ private:
+  static std::string& said() {
+    static std::string text;
+    return text;
+  }
+};
+
+std::shared_ptr<const Language> languageOf(const std::string& texts) {
+  const TemporaryFolder folder;
+  const auto file =
+      folder.write("test.toml", "format = \"kerf-language\"\nversion = 1\nname = \"Test\"\n[texts]\n" + texts);
+  auto out = Language::read(file);
+  EXPECT_TRUE(out) << out.error().message();
+  return std::make_shared<const Language>(std::move(*out));
+}
+
+class LanguageWindow : public test::OnABlock {
+ protected:
+  void TearDown() override {
+    setShownLanguage(nullptr);
+    OnABlock::TearDown();
+  }
+  // Menus cannot be open without a mouse; all panels are.
+  std::string drawAll() {
+    context_.settings = &settings_;
+    context_.shows_settings = context_.shows_device = context_.shows_plots = true;
+    context_.width = 1280;
+    context_.height = 800;
+    std::string out;
+    for (int frame = 0; frame < 3; ++frame)  // a window is laid out in its second one
+      out = imgui_.draw([&] { drawPanels(context_, panels_, {}); });
+    return out;
+  }
+  ImGuiNowhere imgui_;
+  TemporaryFolder config_;
+  SettingsFile settings_{config_.path()};
+  PanelState panels_;
+};
+
+// What stands outside of all «».
+std::string unmarked(std::string words) {
+  for (std::size_t at = words.find("«"); at != words.npos; at = words.find("«", at)) {
+    const std::size_t end = words.find("»", at);
+    words.erase(at, end == words.npos ? words.npos : end + std::string("»").size() - at);
+  }
+  return words;
+}
+
+// Names, and how Dear ImGui's log draws a tick.
+std::string withoutNames(std::string words, const std::vector<std::string>& names) {
+  for (const std::string& name : names)
+    for (std::size_t at = words.find(name); at != words.npos; at = words.find(name)) words.erase(at, name.size());
+  return words;
+}
+
+TEST_F(LanguageWindow, EveryTextOfThePanelsGoesThroughTheOneFunction) {
+  setShownLanguage(std::make_shared<const Language>(Language::marking()));
+  bench_.say("something was said");
+  const std::string words = drawAll();
+  for (const char* const text : {"«Cut»", "«Tool»", "«Force»", "«Devices»", "«Settings»", "«Got it»", "«Language»",
+                                 "«Last 20 s»", "«push %.1f N»", "«something was said»"}) {
+    const bool is_format = std::string(text).find('%') != std::string::npos;
+    EXPECT_EQ(words.find(text) == words.npos, is_format) << text << '\n' << words;
+  }
+  EXPECT_NE(words.find("«push 1.0 N»"), words.npos) << words;
+
+  const std::string rest = withoutNames(unmarked(words), {"[x]", "(x)", "(*)", "round-014"});
+  std::istringstream lines(rest);
+  for (std::string line; std::getline(lines, line);)
+    EXPECT_TRUE(std::none_of(line.begin(), line.end(), [](unsigned char c) { return std::isalpha(c); })) << line;
+}
+
+TEST_F(LanguageWindow, InEnglishNothingIsMarked) {
+  const std::string words = drawAll();
+  EXPECT_EQ(words.find("«"), words.npos);
+  EXPECT_NE(words.find("Settings"), words.npos) << words;
+  EXPECT_EQ(words.find("###"), words.npos) << "an id is never shown";
+}
+
+// Everything of a session's panels that is not a name or an error of the engine: what is new is added to the file.
+TEST_F(LanguageWindow, InGermanNearlyAllOfItIsGerman) {
+  ASSERT_TRUE(showLanguage("de", config_.path()));
+  const std::string words = drawAll();
+  for (const char* const text : {"Werkzeug", "Kraft", "Einstellungen", "Verstanden"})
+    EXPECT_NE(words.find(text), words.npos) << text << '\n' << words;
+  std::string missing;
+  for (const std::string& text : shownLanguage()->missing()) missing += text + "\n";
+  constexpr std::size_t kMost = 12;
+  EXPECT_LE(shownLanguage()->missing().size(), kMost) << missing;
+}
+
+// Pressed in one language, let go in another: the same button.
+TEST(Widgets, AButtonStaysTheSameWhenTheLanguageChangesUnderTheMouse) {
+  ImGuiNowhere imgui;
+  ImGuiIO& io = ImGui::GetIO();
+  ImVec2 middle{0, 0};
+  bool is_pressed = false, is_ticked = false;
+  const auto draw = [&] {
+    imgui.draw([&] {
+      ImGui::SetNextWindowPos({0, 0});
+      ui::begin("Questions");
+      is_pressed |= ui::button("Cancel");
+      const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
+      middle = {0.5f * (low.x + high.x), 0.5f * (low.y + high.y)};
+      ui::checkbox("Cancel##all", &is_ticked);
+      ImGui::End();
+    });
+  };
+  const auto german = languageOf("\"Cancel\" = \"Abbrechen\"\n\"Questions\" = \"Fragen\"\n");
+  for (int n = 0; n < 3; ++n) draw();
+  io.MousePos = middle;
+  draw();
+  io.MouseDown[0] = true;
+  draw();
+  EXPECT_FALSE(is_pressed);
+  setShownLanguage(german);
+  draw();
+  io.MouseDown[0] = false;
+  draw();
+  setShownLanguage(nullptr);
+  EXPECT_TRUE(is_pressed);
+  EXPECT_FALSE(is_ticked) << "another id";
+}
+
+TEST(Widgets, AButtonIsAsWideAsItsWords) {
+  ImGuiNowhere imgui;
+  float english = 0, german = 0, words = 0;
+  const auto widthNow = [&] {
+    float out = 0;
+    imgui.draw([&] {
+      ui::begin("w");
+      (void)ui::button("OK", {60, 0});
+      out = ImGui::GetItemRectSize().x;
+      words = ui::textSize("OK").x;
+      ImGui::End();
+    });
+    return out;
+  };
+  english = widthNow();
+  setShownLanguage(languageOf("\"OK\" = \"Ich habe es gelesen\"\n"));
+  german = widthNow();
+  setShownLanguage(nullptr);
+  EXPECT_EQ(english, 60);
+  EXPECT_GT(german, words);
+  EXPECT_GT(words, 60);
+}
+
+TEST(Widgets, AValueStandsBehindALongName) {
+  ImGuiNowhere imgui;
+  float begin = 0, end = 0;
+  const auto draw = [&](const char* name) {
+    imgui.draw([&] {
+      ImGui::SetNextWindowSize({600, 200});
+      ui::begin("w");
+      ui::text(name);
+      end = ImGui::GetItemRectMax().x;
+      ui::sameLineAt(118);
+      ui::text("3");
+      begin = ImGui::GetItemRectMin().x - ImGui::GetWindowPos().x;
+      end -= ImGui::GetWindowPos().x;
+      ImGui::End();
+    });
+  };
+  draw("Depth");
+  EXPECT_EQ(begin, 118);
+  draw("Tiefe der Spitze unter der Oberfläche");
+  EXPECT_GT(begin, end);
+}
+
+}  // namespace
+}  // namespace kerf

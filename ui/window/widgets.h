@@ -1,0 +1,84 @@
+// The controls of Dear ImGui that say something to a person: all words of the window go through here, into the language
+// that is chosen (ui/app/language.h). scripts/check-texts refuses those of ImGui:: itself anywhere else.
+//
+// They are called as those of Dear ImGui, but take words, never printf formats, and their ids are those of the English
+// labels in every language. Thread: that of the window, within a frame.
+#pragma once
+
+#include <imgui.h>
+
+#include <string>
+#include <string_view>
+
+namespace kerf::ui {
+
+/// What a control says: a text of ours, which is translated, or a name or a value as it is.
+class Words {
+ public:
+  // Not explicit: a text is what a control is given nearly always.
+  Words(const char* text) : text_(text) {}
+  Words(const std::string& text) : text_(text) {}
+  Words(std::string_view text) : text_(text) {}
+
+  std::string shown() const;
+  /// With the id of the English label behind it.
+  std::string label() const;
+
+ private:
+  friend Words asItIs(std::string_view);
+  std::string_view text_;  // of the call
+  bool is_name_ = false;
+};
+
+/// The user's own: names of files, pieces and planes; also what is in the language already.
+Words asItIs(std::string_view name);
+
+// ---- Words
+
+void text(const Words& words);
+void textColored(const ImVec4& colour, const Words& words);
+void textDisabled(const Words& words);
+void textWrapped(const Words& words);
+void bulletText(const Words& words);
+/// For the item before, while it is hovered or not: the caller asks.
+void setTooltip(const Words& words);
+/// At a place of the window. @param at  window units.
+void addText(ImDrawList& list, const ImVec2& at, ImU32 colour, const Words& words);
+/// As text() and addText() draw them, window units.
+ImVec2 textSize(const Words& words);
+
+/// On the line of the item before, at a place from the window's left edge, or behind that item where it is longer.
+void sameLineAt(float place);
+
+// ---- Controls. A width that is given is one at least: longer words make it larger.
+
+bool button(const Words& label, const ImVec2& size = {0, 0});
+bool smallButton(const Words& label);
+bool checkbox(const Words& label, bool* is_on);
+bool radioButton(const Words& label, bool is_on);
+bool selectable(const Words& label, bool is_selected = false, ImGuiSelectableFlags flags = 0,
+                const ImVec2& size = {0, 0});
+/// @param format  of printf, with the words beside the number: translated as a whole.
+bool sliderFloat(const Words& label, float* value, float low, float high, const char* format,
+                 ImGuiSliderFlags flags = 0);
+bool inputFloat3(const Words& label, float values[3], const char* format, ImGuiInputTextFlags flags = 0);
+bool inputText(const Words& label, char* text, std::size_t size, ImGuiInputTextFlags flags = 0);
+bool inputTextWithHint(const Words& label, const Words& hint, char* text, std::size_t size);
+bool beginCombo(const Words& label, const Words& chosen);
+void progressBar(float share, const ImVec2& size);  ///< percent
+void progressBar(float share, const ImVec2& size, const Words& words);
+bool treeNode(const Words& label);
+bool collapsingHeader(const Words& label);
+
+// ---- Windows, menus
+
+bool begin(const Words& title, bool* is_open = nullptr, ImGuiWindowFlags flags = 0);
+bool beginMenu(const Words& label);
+/// @param key  "Ctrl+Z"
+bool menuItem(const Words& label, const Words& key = "", bool is_enabled = true);
+void openPopup(const Words& title);
+bool isPopupOpen(const Words& title);
+bool beginPopup(const Words& title);
+bool beginPopupModal(const Words& title, bool* is_open = nullptr, ImGuiWindowFlags flags = 0);
+
+}  // namespace kerf::ui
