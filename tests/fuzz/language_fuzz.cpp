@@ -1,0 +1,34 @@
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "tests/fuzz/file_harness.h"
+#include "ui/app/language.h"
+
+// The bytes are a language's file; what is read of it answers the bytes themselves, cut into lines.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace kerf;
+  static const fuzz::ScratchFile file("language.toml");
+  file.fill(data, size);
+  auto language = Language::read(file.path());
+  if (!language) {
+    fuzz::requireError(language.error());
+    return 0;
+  }
+
+  constexpr std::size_t kMost = 20000;  // bytes that are asked: {*} compares at every character
+  const std::string text(reinterpret_cast<const char*>(data), std::min(size, kMost));
+  for (std::size_t from = 0; from < text.size();) {
+    const std::size_t to = std::min(text.find('\n', from), text.size());
+    (void)language->shown(text.substr(from, to - from));
+    from = to + 1;
+  }
+  setShownLanguage(std::make_shared<const Language>(std::move(*language)));
+  const std::string format = shownFormat("push %.1f N");
+  fuzz::require(format.find("%.1f") != format.npos, "a format keeps its conversion");
+  fuzz::require(format.find('%') == format.rfind('%'), "and has no other one");
+  fuzz::require(shownLabel("Cancel").ends_with("###Cancel"), "an id is that of the English label");
+  setShownLanguage(nullptr);
+  return 0;
+}
