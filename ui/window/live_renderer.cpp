@@ -32,7 +32,6 @@ using internal::LiveChunk;
 using internal::LivePage;
 using internal::LiveSection;
 using internal::matrixOf;
-using internal::Reach;
 using internal::ToolReach;
 
 constexpr int kLargestSide = 8192;
@@ -68,7 +67,7 @@ struct Drawn {
   bool is_whole = true;   ///< in view
   bool is_split = false;  ///< by reach
   bool is_by_pixel = false;
-  Reach reach = Reach::kNone;
+  internal::Reach reach = internal::Reach::kNone;
 };
 
 }  // namespace
@@ -255,9 +254,9 @@ std::vector<Drawn> LiveRenderer::Impl::whatIsSeen(const FrameView& view, const L
 
       drawn.is_by_pixel = page.meanEdge() > kPixelsPerTriangle * view.mm_per_pixel * view.shrinkAt(middle[2]);
       // Near the tool chunk by chunk: the shaders that know the tool cost half as much again.
-      const Reach reach = tool_reach ? tool_reach->of(box) : Reach::kNone;
-      drawn.is_split = reach != Reach::kNone;
-      for (const Reach part : {Reach::kNone, Reach::kShadow, Reach::kTip}) {
+      const internal::Reach reach = tool_reach ? tool_reach->of(box) : internal::Reach::kNone;
+      drawn.is_split = reach != internal::Reach::kNone;
+      for (const internal::Reach part : {internal::Reach::kNone, internal::Reach::kShadow, internal::Reach::kTip}) {
         if (part > reach) break;
         drawn.reach = part;
         seen.push_back(drawn);
@@ -275,7 +274,7 @@ void LiveRenderer::Impl::setObjectUniforms(const GlProgram& program, const Frame
   const Eigen::Matrix3d rotation = view.rotation * pose.rotation.toRotationMatrix();
   program.set("to_clip", Eigen::Matrix4f((view.to_clip * matrixOf(pose)).cast<float>()));
   program.set("to_view", Eigen::Matrix3f(rotation.cast<float>()));
-  if (drawn.reach != Reach::kNone)
+  if (drawn.reach != internal::Reach::kNone)
     program.set("to_tool", Eigen::Matrix4f(matrixOf(hand_tool.toApproach(*tool, pose)).cast<float>()));
   if (isOpen(frame)) {
     const Vec3d n = pose.rotation.conjugate() * frame.section->normal;
@@ -342,10 +341,11 @@ void LiveRenderer::Impl::drawPages(const std::vector<Drawn>& seen, const FrameVi
   const GlProgram* used = nullptr;
   const Object* bound = nullptr;
   for (const Drawn& drawn : seen) {
-    const std::size_t variant =
-        (drawn.is_by_pixel ? std::size_t{kByPixel} : 0) | (drawn.reach == Reach::kShadow ? std::size_t{kTool} : 0) |
-        (drawn.reach == Reach::kTip ? std::size_t{kTint} : 0) | (is_open ? std::size_t{kSection} : 0) |
-        (is_ghost ? std::size_t{kGhost} : 0) | (view.slope > 0 ? std::size_t{kPerspective} : 0);
+    const std::size_t variant = (drawn.is_by_pixel ? std::size_t{kByPixel} : 0) |
+                                (drawn.reach == internal::Reach::kShadow ? std::size_t{kTool} : 0) |
+                                (drawn.reach == internal::Reach::kTip ? std::size_t{kTint} : 0) |
+                                (is_open ? std::size_t{kSection} : 0) | (is_ghost ? std::size_t{kGhost} : 0) |
+                                (view.slope > 0 ? std::size_t{kPerspective} : 0);
     const GlProgram& program = tissue[variant];
     if (used != &program) program.use();
     used = &program;
@@ -354,7 +354,7 @@ void LiveRenderer::Impl::drawPages(const std::vector<Drawn>& seen, const FrameVi
     if (!is_prepared[variant]) {
       is_prepared[variant] = true;
       internal::setLights(program);
-      if (drawn.reach != Reach::kNone) hand_tool.setUniforms(program, view, frame);
+      if (drawn.reach != internal::Reach::kNone) hand_tool.setUniforms(program, view, frame);
       if (is_open) {
         const Rgba8& c = frame.section_color;
         program.set("section_color", Vec3f(Vec3f(c[0], c[1], c[2]) / 255));
