@@ -15,6 +15,7 @@
 #include "ui/app/app_commands.h"
 #include "ui/app/app_script.h"
 #include "ui/app/pointing.h"
+#include "ui/app/saw_contour.h"
 #include "ui/app/workbench.h"
 
 namespace kerf {
@@ -137,6 +138,27 @@ TEST_F(SawingTest, EveryWayOfPlanningMakesAPlaneOfTheBar) {
   ASSERT_TRUE(play("saw.plane 3 0 -2 1 0 0\n"));
   EXPECT_NEAR(plane().point[0], 3, 1e-9);
   EXPECT_EQ(bench_->saw().plan().planes().size(), 6u);
+}
+
+TEST_F(SawingTest, TheContourOfAPlaneIsWhereItMeetsTheBarWithinItsRectangle) {
+  ASSERT_TRUE(play("saw.line 220 60 220 240\n"));
+  SawPlane cut = plane();
+  const auto lengthOf = [&] {
+    double length = 0;
+    for (const auto& piece : contourOf(cut, bench_->scene())) {
+      length += (piece[1] - piece[0]).norm();
+      for (const Vec3d& p : piece) {
+        const Vec3d at = cut.toPlane(p);
+        EXPECT_NEAR(at[2], 0, 1e-3);
+        EXPECT_LE(std::abs(at[0]), 0.5 * cut.width);
+        EXPECT_TRUE(at[1] >= 0 && at[1] <= cut.depth) << at[1];
+      }
+    }
+    return length;
+  };
+  EXPECT_NEAR(lengthOf(), 2 * (5 + 4), 0.8) << "all around";
+  cut.depth = cut.point[2] + 2;
+  EXPECT_NEAR(lengthOf(), 5 + 2 * 2, 0.8) << "down to the middle of the bar";
 }
 
 TEST_F(SawingTest, StepsNamesAndFiles) {

@@ -1,6 +1,7 @@
 // The rack as a person sees it: favourites first, and what is wrong with a file in its row.
 #include "ui/app/tool_rack.h"
 
+#include <algorithm>
 #include <chrono>
 #include <thread>
 
@@ -159,6 +160,7 @@ TEST_F(ToolRackTest, ABrokenFileThatTheProgramWasToldOfIsWatched) {
   told.data_folder = folder_.path() / "other data";
   told.tools = {"round-014", file.string()};
   Workbench bench(told);
+  bench.waitForTools();
   ASSERT_EQ(bench.brokenTools().size(), 1u);
   EXPECT_EQ(bench.brokenTools()[0].file, file);
   rewrite(file, kBur);
@@ -167,6 +169,64 @@ TEST_F(ToolRackTest, ABrokenFileThatTheProgramWasToldOfIsWatched) {
     return bench.brokenTools().empty();
   }));
   EXPECT_NE(bench.notices().back().text.find("it is in the rack"), std::string::npos) << bench.notices().back().text;
+}
+
+// ---- While the tools are still being read
+
+TEST_F(ToolRackTest, IsReadBesideTheWindowAndWhatIsOpenedMeanwhileHasAllOfIt) {
+  const fs::path broken = folder_.write("broken.toml", std::string(kBur) + "head_diamter = 3\n");
+  WorkbenchOptions told = in(folder_);
+  told.data_folder = folder_.path() / "other data";
+  told.tools.push_back(broken.string());
+  Workbench bench(told);
+  EXPECT_TRUE(bench.isReadingTools()) << "who makes the window does not wait";
+  EXPECT_TRUE(bench.brokenTools().empty());
+  EXPECT_TRUE(bench.notices().empty());
+
+  bench.open(folder_.path() / "block.ply");
+  ASSERT_TRUE(bench.job()) << "it is not refused either";
+  ASSERT_TRUE(comes([&] {
+    bench.update();
+    return !bench.job();
+  }));
+  ASSERT_TRUE(bench.isOpen());
+  EXPECT_FALSE(bench.isReadingTools());
+  EXPECT_EQ(bench.toolCount(), 3u);
+  EXPECT_EQ(bench.firstLookTools(), 3u);
+  EXPECT_TRUE(bench.selectTool("disc-22"));
+
+  // What is wrong is said, and stands in the rack.
+  ASSERT_EQ(bench.brokenTools().size(), 1u);
+  EXPECT_EQ(bench.brokenTools()[0].file, broken);
+  EXPECT_TRUE(std::any_of(bench.notices().begin(), bench.notices().end(), [](const Notice& notice) {
+    return notice.is_error && notice.text.find("head_diamter") != std::string::npos;
+  }));
+  bench.close();
+  EXPECT_TRUE(comes([&] {
+    bench.update();
+    return !bench.job();
+  }));
+}
+
+TEST_F(ToolRackTest, AToolDroppedMeanwhileComesBehindTheOthers) {
+  const fs::path mine = folder_.write("mine.toml", kBur);
+  WorkbenchOptions told = in(folder_);
+  told.data_folder = folder_.path() / "other data";
+  Workbench bench(told);
+  bench.addTool(mine);
+  EXPECT_FALSE(bench.isReadingTools());
+  bench.open(folder_.path() / "block.ply");
+  ASSERT_TRUE(comes([&] {
+    bench.update();
+    return !bench.job();
+  }));
+  ASSERT_EQ(bench.toolCount(), 4u);
+  EXPECT_EQ(bench.tool(3).id, "mine");
+  bench.close();
+  EXPECT_TRUE(comes([&] {
+    bench.update();
+    return !bench.job();
+  }));
 }
 
 // A point of 2 x 2 mm at its widest, so long upwards from (0, 0, 0).

@@ -330,7 +330,7 @@ Expected<Opened> openToCut(const fs::path& path, const OpeningOptions& options, 
   out.occlusal = occlusalSideOf(solid);
 
   LiveRunOptions live;
-  live.tools = options.tools;
+  live.tools = options.coming_tools.valid() ? options.coming_tools.get() : options.tools;
   live.haptic.real_time = options.real_time;
   live.is_looked_at = true;
   if (kind == FileKind::kRun) live.from = path;

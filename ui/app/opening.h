@@ -4,6 +4,7 @@
 #pragma once
 
 #include <filesystem>
+#include <future>
 #include <memory>
 #include <optional>
 #include <span>
@@ -80,6 +81,8 @@ struct OpeningOptions {
   /// Of a force-feedback device that is to lead the tool and be felt; none: no arm is led.
   std::optional<CouplingSettings> coupling{};
   std::vector<OpenBeside> beside{};
+  /// The rack while it is still being read: waited for, and taken in the place of `tools`. Not valid: it is not.
+  std::shared_future<std::vector<SessionTool>> coming_tools{};
 };
 
 /// A session that has not been started yet.

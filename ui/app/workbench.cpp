@@ -53,7 +53,7 @@ Workbench::Workbench(WorkbenchOptions options)
       saw_(std::make_unique<Sawing>(*this)),
       exporting_(std::make_unique<ExportPlan>(*this)) {
   options_.data_folder = dataFolderOf(options_);
-  fillRack();
+  readTools();
   if (auto materials = readDefaultMaterials())
     materials_ = std::move(*materials);
   else
@@ -82,6 +82,7 @@ std::string Workbench::nameOf(Material material) const {
 // ---- Once a frame
 
 std::vector<ObjectChunks> Workbench::update() {
+  takeRack(false);
   if (job_ && job_->isOver()) {
     const auto over = std::move(job_);  // what follows may start another one
     const auto done = std::exchange(when_over_, {});
@@ -218,7 +219,10 @@ void Workbench::openDemo(const std::string& name) {
 }
 
 OpeningOptions Workbench::openingOptions() const {
-  return {options_.data_folder, {options_.unit, options_.voxel_mm, {}}, tools_, options_.real_time, arm_->coupling()};
+  OpeningOptions out{
+      options_.data_folder, {options_.unit, options_.voxel_mm, {}}, tools_, options_.real_time, arm_->coupling()};
+  out.coming_tools = coming_tools_;
+  return out;
 }
 
 void Workbench::openBy(const std::string& title, Load load) {
@@ -243,6 +247,7 @@ void Workbench::openBy(const std::string& title, Load load) {
 }
 
 void Workbench::show(Opened& loaded) {
+  takeRack(true);  // its job has waited for that
   const CouplingSettings& coupling = loaded.run->model().settings.coupling;
   auto hand = std::make_unique<MouseHand>(loaded.run->original(), loaded.run->thread().session().state().body.pose,
                                           coupling.stiffness, coupling.turn_stiffness);

@@ -29,6 +29,7 @@
 #include "ui/app/measure.h"
 #include "ui/app/neighbours.h"
 #include "ui/app/opening.h"
+#include "ui/app/rack.h"
 #include "ui/app/stroke.h"
 #include "ui/app/tilt.h"
 #include "ui/app/timeline.h"
@@ -57,9 +58,6 @@ struct WorkbenchOptions {
   bool keeps_recent = false;       ///< what is opened is put on the list of recent files
   bool asks_about_runs = false;    ///< whether a run is gone on with or watched: askedRun()
 };
-
-/// A selection of the rack for a first look: round, pear, taper, cylinder, flame, a disc, a saw.
-const std::vector<std::string>& defaultTools();
 
 /// Something the user should read, until it is dismissed.
 struct Notice {
@@ -179,22 +177,16 @@ class Workbench {
   std::size_t toolInHand() const { return tool_; }
   void selectTool(std::size_t n);
   bool selectTool(const std::string& id);
+  /// From the beginning they are read beside the window: update() puts them into the rack, errors are said then. What
+  /// is opened meanwhile waits for them in its job.
+  bool isReadingTools() const { return rack_ != nullptr; }
+  /// Waits for them, for who has no window to show.
+  void waitForTools() { takeRack(true); }
   /// So many of the first ones are for a first look; all: a rack of a person's choice.
   std::size_t firstLookTools() const { return first_look_ ? first_look_ : tools_.size(); }
   /// What is wrong with a tool's file, or its mesh, since it was read; null: nothing. The tool is as it was read.
   const Error* toolError(std::size_t n) const;
-  /// When a tool's file, and the mesh that it names, were written last; none: it is not there.
-  struct ToolTimes {
-    std::optional<std::filesystem::file_time_type> file, mesh;
-    bool operator==(const ToolTimes&) const = default;
-  };
-  /// A file that is no tool yet. It is read again when it or its mesh changes, and is then in the rack.
-  struct BrokenTool {
-    std::filesystem::path file;
-    Error error;
-    ToolTimes times{};          ///< before it was read
-    bool is_asked_for = false;  ///< dropped: taken as soon as it can be read
-  };
+  using BrokenTool = kerf::BrokenTool;
   const std::vector<BrokenTool>& brokenTools() const { return broken_tools_; }
   /// A tool's file is put into the rack, or read anew, and the tool taken. What is open goes on in a session of its
   /// own: undo reaches back to here. A file that is no tool is refused with what is wrong in it.
@@ -403,8 +395,9 @@ class Workbench {
   const ToolSamples& samplesOf(std::size_t tool) const;
   void heatByToolInHand();
   void namePieces();
-  void fillRack();
-  void putIntoRack(const std::filesystem::path& file, Tool tool, const ToolTimes& times);
+  void readTools();
+  void takeRack(bool waits);
+  void putIntoRack(RackTool tool);
   void reopenWith(const std::filesystem::path& tool_file, std::vector<CaseBeside> further = {});
   void warnOfNeighbours();
   bool isNeighbour(std::uint32_t id, const std::string& what);
@@ -459,12 +452,13 @@ class Workbench {
   mutable std::map<std::size_t, ToolSamples> samples_;  // of tools that were in hand
   std::vector<Plunge> plunges_;                         // of the same
   std::vector<TouchPoints> touches_;                    // of the same
-  static ToolTimes timesOf(const std::filesystem::path& tool_file);
-  ToolTimes timesOf(std::size_t tool) const;
+  ToolTimes toolTimesOf(std::size_t tool) const;
   std::vector<ToolTimes> tool_times_;              // before they were read
   std::vector<std::optional<Error>> tool_errors_;  // since they were read
   std::vector<BrokenTool> broken_tools_;
   std::size_t first_look_ = 0;
+  std::unique_ptr<Job<Rack>> rack_;                            // null: it is in the rack
+  std::shared_future<std::vector<SessionTool>> coming_tools_;  // of it, for what is opened meanwhile
   std::chrono::steady_clock::time_point next_watch_{};
   std::vector<char> is_outdated_;                  // its file was read anew since something was opened
   bool has_written_ = false, has_failed_ = false;  // the last close()

@@ -86,6 +86,7 @@ void Workbench::startImport() {
   if (!import_ || isBusy()) return;
   if (const auto ready = import_->requireReady(); !ready) return complain(ready.error());
   import_->suspendPreviews();
+  takeRack(true);  // no two tools have one id
   std::vector<MeshToolOrder> orders = import_->toolOrders();
   for (MeshToolOrder& order : orders) {
     for (const SessionTool& known : tools_) order.ids_taken.push_back(known.tool.id);
@@ -134,7 +135,8 @@ void Workbench::takeMadeTools(std::vector<SessionTool> made) {
   const fs::path first = made.front().file;
   for (SessionTool& one : made) {
     say(fmt::format("{} is in the rack: {}", one.tool.id, one.file.string()));
-    putIntoRack(one.file, std::move(one.tool), timesOf(one.file));
+    const ToolTimes times = timesOf(one.file);
+    putIntoRack(rackTool(std::move(one), times));
   }
   if (!import_) return;
   import_->toolsAreMade();

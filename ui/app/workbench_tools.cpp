@@ -2,12 +2,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
+#include <future>
 #include <memory>
 #include <system_error>
 #include <utility>
 
-#include "geometry/base/toml_reader.h"
 #include "geometry/tool/tool_file.h"
 #include "ui/app/sawing.h"
 #include "ui/app/tissue_display.h"
@@ -17,81 +16,36 @@ namespace kerf {
 
 namespace fs = std::filesystem;
 
-namespace {
-
-constexpr double kHeadUpTo = 4;          // mm from the tip: what has to be free where a stroke starts
-constexpr double kHeadTolerance = 0.05;  // mm
-
-// What of a tool has to be free before a stroke: vertices near its tip.
-Mesh headOf(const Tool& tool) {
-  Mesh out;
-  for (const Vec3d& v : toolMesh(tool, kHeadTolerance).vertices)
-    if (v[2] < kHeadUpTo) out.vertices.push_back(v);
-  return out;
-}
-
-std::optional<fs::file_time_type> timeOf(const fs::path& file) {
-  std::error_code failed;
-  const auto out = fs::last_write_time(file, failed);
-  return failed ? std::nullopt : std::optional(out);
-}
-
-// Of a tool's file that need not be right. Empty: it names none.
-fs::path meshNamedIn(const fs::path& tool_file) {
-  const auto root = parseToml(tool_file);
-  const auto name = root ? (*root)["mesh"].value<std::string>() : std::nullopt;
-  return name && !name->empty() ? tool_file.parent_path() / *name : fs::path();
-}
-
-}  // namespace
-
-// Taken before a file is read: what is written meanwhile is then read again.
-Workbench::ToolTimes Workbench::timesOf(const fs::path& tool_file) {
-  ToolTimes out{timeOf(tool_file), {}};
-  if (const fs::path mesh = meshNamedIn(tool_file); !mesh.empty()) out.mesh = timeOf(mesh);
-  return out;
-}
-
 // Of the rack, where once a second no file is opened, but for those that are wrong: they may name another mesh now.
-Workbench::ToolTimes Workbench::timesOf(std::size_t tool) const {
+ToolTimes Workbench::toolTimesOf(std::size_t tool) const {
   const SessionTool& known = tools_[tool];
-  if (tool_errors_[tool]) return timesOf(known.file);
-  ToolTimes out{timeOf(known.file), {}};
-  if (known.tool.mesh) out.mesh = timeOf(known.tool.mesh_file);
-  return out;
+  return tool_errors_[tool] ? timesOf(known.file) : timesOf(known);
 }
 
 const Error* Workbench::toolError(std::size_t n) const {
   return !watched_ && n < tool_errors_.size() && tool_errors_[n] ? &*tool_errors_[n] : nullptr;
 }
 
-const std::vector<std::string>& defaultTools() {
-  static const std::vector<std::string> kTools = {
-      "round-014", "round-010", "round-018", "us-330",  "856-016",
-      "837-012",   "847-016",   "862-012",   "disc-22", "saw-reciprocating-25"};
-  return kTools;
-}
-
-void Workbench::putIntoRack(const fs::path& file, Tool tool, const ToolTimes& times) {
-  const auto same = [&](const SessionTool& known) { return known.file == file; };
+void Workbench::putIntoRack(RackTool tool) {
+  const auto same = [&](const SessionTool& known) { return known.file == tool.tool.file; };
   const auto at = static_cast<std::size_t>(std::find_if(tools_.begin(), tools_.end(), same) - tools_.begin());
   if (at == tools_.size()) {
     tools_.emplace_back();
     heads_.emplace_back();
     plunges_.emplace_back();
-    touches_.emplace_back(tool);
+    touches_.push_back(tool.touches);
     tool_times_.emplace_back();
     tool_errors_.emplace_back();
     is_outdated_.push_back(0);
   }
-  std::erase_if(broken_tools_, [&](const BrokenTool& broken) { return broken.file == file; });
-  heads_[at] = headOf(tool);
-  plunges_[at] = plungeOf(tool);
-  touches_[at] = TouchPoints(tool);
+  std::erase_if(broken_tools_, [&](const BrokenTool& broken) { return broken.file == tool.tool.file; });
+  heads_[at] = std::move(tool.head);
+  plunges_[at] = tool.plunge;
+  touches_[at] = std::move(tool.touches);
   tool_errors_[at].reset();
   is_outdated_[at] = run_ != nullptr;
-  tools_[at] = {file, std::move(tool)};
-  tool_times_[at] = times;
+  tools_[at] = std::move(tool.tool);
+  tool_times_[at] = tool.times;
 }
 
 // Of a tool that is in the rack it stands in its row, else in one of its own.
@@ -106,46 +60,38 @@ void Workbench::keepBroken(const BrokenTool& broken) {
   broken_tools_.push_back(broken);
 }
 
-void Workbench::fillRack() {
-  auto folders = defaultToolFolders();
-  folders.push_back(ownToolFolder());
-  const bool is_whole = options_.tools.empty();
-  for (const std::string& id : is_whole ? defaultTools() : options_.tools) {
-    const auto file = findToolFile(id, folders);
-    if (!file) {
-      complain(file.error());
-      continue;
-    }
-    const ToolTimes times = timesOf(*file);
-    auto tool = readTool(*file);
-    if (tool) {
-      putIntoRack(*file, std::move(*tool), times);
-    } else if (!is_whole) {  // else it is told below
-      keepBroken({*file, tool.error(), times});
-      complain(tool.error());
-    }
-  }
-  if (!is_whole) return;
+// Beside the window: its first frame does not wait for them.
+void Workbench::readTools() {
+  const auto tools = std::make_shared<std::promise<std::vector<SessionTool>>>();
+  coming_tools_ = tools->get_future().share();
+  rack_ = std::make_unique<Job<Rack>>("reading the tools",
+                                      [names = options_.tools, own = ownToolFolder(), tools](const Progress& progress) {
+                                        auto rack = readRack(names, own, progress);
+                                        std::vector<SessionTool> read;
+                                        if (rack)
+                                          for (const RackTool& tool : rack->tools) read.push_back(tool.tool);
+                                        tools->set_value(std::move(read));
+                                        return rack;
+                                      });
+}
 
-  first_look_ = tools_.size();
-  std::map<fs::path, ToolTimes> times;
-  for (const fs::path& folder : folders) {
-    std::error_code failed;
-    for (fs::directory_iterator entry(folder, failed), end; !failed && entry != end; entry.increment(failed))
-      if (entry->path().extension() == ".toml") times.emplace(entry->path(), timesOf(entry->path()));
-  }
-  for (ToolListing& listed : listTools(folders)) {
-    if (listed.tool) {
-      putIntoRack(listed.file, std::move(*listed.tool), times[listed.file]);
-      continue;
-    }
-    keepBroken({listed.file, *listed.error, times[listed.file]});
-    complain(*listed.error);
-  }
+// @param waits  also while they are still being read.
+void Workbench::takeRack(bool waits) {
+  if (!rack_ || !(waits || rack_->isOver())) return;
+  auto read = rack_->take();
+  rack_.reset();
+  coming_tools_ = {};
+  if (!read) return complain(read.error());
+
+  for (RackTool& tool : read->tools) putIntoRack(std::move(tool));
+  first_look_ = read->first_look;
+  for (const BrokenTool& broken : read->broken) keepBroken(broken);
+  for (const Error& error : read->errors) complain(error);
 }
 
 void Workbench::addTool(const fs::path& file) {
   if (isBusy() || isSawing()) return;
+  takeRack(true);
   std::error_code failed;
   fs::path path = fs::absolute(file, failed);
   if (failed) path = file;
@@ -156,7 +102,7 @@ void Workbench::addTool(const fs::path& file) {
     return complain(tool.error());
   }
   const std::string id = tool->id;
-  putIntoRack(path, std::move(*tool), times);
+  putIntoRack(rackTool({path, std::move(*tool)}, times));
   if (run_) return reopenWith(path);
   say(id + " is in the rack: open something to cut with it");
 }
@@ -218,7 +164,7 @@ void Workbench::watchTools() {
   next_watch_ = now + std::chrono::seconds(1);
 
   for (std::size_t n = 0; n < tools_.size(); ++n) {
-    const ToolTimes seen = timesOf(n);
+    const ToolTimes seen = toolTimesOf(n);
     const bool is_there = seen.file && (seen.mesh || !tools_[n].tool.mesh || tool_errors_[n]);
     if (!is_there || seen == tool_times_[n]) continue;
     const fs::path file = tools_[n].file, mesh = tools_[n].tool.mesh_file;
@@ -231,7 +177,7 @@ void Workbench::watchTools() {
       continue;
     }
     say(fmt::format("{} was changed: it is read anew", (is_mesh ? mesh : file).filename().string()));
-    putIntoRack(file, std::move(*tool), times);
+    putIntoRack(rackTool({file, std::move(*tool)}, times));
     if (run_ && n == tool_) return reopenWith(file);
   }
   watchBrokenTools();
@@ -250,7 +196,7 @@ void Workbench::watchBrokenTools() {
       continue;
     }
     const BrokenTool mended = broken;
-    putIntoRack(mended.file, std::move(*tool), times);
+    putIntoRack(rackTool({mended.file, std::move(*tool)}, times));
     say(mended.file.filename().string() + " can be read now: it is in the rack");
     if (run_ && mended.is_asked_for) reopenWith(mended.file);
     return;  // the others in a second

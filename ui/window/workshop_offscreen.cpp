@@ -35,6 +35,7 @@ Expected<void> runOffscreen(const WorkshopOptions& options, const Play& play) {
   if (!gl) return fail(gl.error());
   KERF_TRY(view, LiveView::create());
   Workbench bench(options.bench);
+  bench.waitForTools();  // no frame is waited for
   KERF_TRY(camera, cameraFromView(options.view));
   const Camera first = camera;
   SettingsFile settings(options.config);
