@@ -89,9 +89,11 @@ void FirstScreen::draw(AppContext& context, const std::function<void(const AppCo
   ImGui::SetWindowFontScale(1.5f);
   ui::textColored(styleColours().accent, "Drop a scan here");
   ImGui::SetWindowFontScale(1);
+  ImGui::PushTextWrapPos(0);
   ui::textColored(
       styleColours().quiet,
       "STL, PLY, OBJ, OFF or 3MF, a recipe, a case, or a run to go on with or to watch. The file is never changed.");
+  ImGui::PopTextWrapPos();
   ImGui::Dummy({0, scaled(2)});
   if (strongButton("Open a file...", "Ctrl+O", scaled(230))) ask_for_file(*findAppCommand("import.read"));
   ImGui::SameLine(0, scaled(24));
