@@ -14,22 +14,10 @@
 #include "sim/run/removed_volumes.h"
 #include "sim/run/run_files.h"
 #include "sim/run/run_output.h"
+#include "sim/run/session_pieces.h"
 
 namespace kerf {
 namespace fs = std::filesystem;
-
-namespace {
-
-// At the node that is nearest.
-bool isInside(const CutObject& object, const Vec3d& point) {
-  const Vec3d nodes = point / object.voxel();
-  const Vec3i node(static_cast<int>(std::lround(nodes[0])), static_cast<int>(std::lround(nodes[1])),
-                   static_cast<int>(std::lround(nodes[2])));
-  const int slot = object.find(brickOf(node));
-  return slot >= 0 && object.slot(slot).phi[nodeOffset(node[0], node[1], node[2])] < 0;
-}
-
-}  // namespace
 
 LiveRun::LiveRun(LiveRunOptions options, fs::path case_folder, fs::path run_folder)
     : options_(std::move(options)), case_folder_(std::move(case_folder)), folder_(std::move(run_folder)) {}
@@ -204,28 +192,10 @@ Expected<void> LiveRun::loadWhatIsCut() {
 
 // Of the run before: its pieces get their names and places again. What cannot be found again is in missing_.
 std::vector<Command> LiveRun::putPiecesBack(Session& session) {
-  std::vector<Command> done;
-  const auto apply = [&](const Command& command) {
-    if (session.apply(command)) done.push_back(command);
-  };
-  if (pieces_before_.size() > 1) apply(SplitObject{0});
-
-  for (const RunManifest::Piece& before : pieces_before_) {
-    const std::vector<CutObject>& objects = session.state().objects;
-    const auto at = std::find_if(objects.begin(), objects.end(), [&](const CutObject& object) {
-      return session.loadedIndexOf(object) == 0 && isInside(object, before.inside);
-    });
-    if (at == objects.end()) {
-      missing_.push_back(before.name);
-      continue;
-    }
-    labels_[at->id] = {before.name, before.colour};
-    if (!before.isMoved()) continue;
-    const Vec3d& t = before.T_case_piece.translation;
-    const Eigen::Quaterniond& q = before.T_case_piece.rotation;
-    apply(MoveObject{static_cast<std::size_t>(at - objects.begin()), {t[0], t[1], t[2]}, {q.w(), q.x(), q.y(), q.z()}});
-  }
-  return done;
+  internal::PiecesPutBack back = internal::putPiecesBack(session, pieces_before_);
+  for (const auto& [id, label] : back.labels) labels_[id] = label;
+  missing_ = std::move(back.missing);
+  return std::move(back.done);
 }
 
 Expected<void> LiveRun::makeFolder() {
@@ -407,7 +377,7 @@ Expected<LiveResult> LiveRun::postOperative(const SceneCopy& scene, const PostOp
   return out;
 }
 
-Expected<RunManifest> LiveRun::finish() {
+Expected<RunManifest> LiveRun::finish(bool keeps_log) {
   is_finished_ = true;
   haptic_->stop();
   showNewPieces();
@@ -427,7 +397,7 @@ Expected<RunManifest> LiveRun::finish() {
   }
 
   // A session without a cut is none: its folder holds nothing that anybody made.
-  if (ended.error().code == Error::Code::kEmpty) {
+  if (ended.error().code == Error::Code::kEmpty && !keeps_log) {
     std::error_code ignored;
     fs::remove_all(folder_, ignored);
   }

@@ -166,7 +166,8 @@ class LiveRun {
 
   /// Stops the threads and writes the run; once. kEmpty: nothing was cut, and the folder is gone again. After any other
   /// error the folder is open, and its log is whole.
-  Expected<RunManifest> finish();
+  /// @param keeps_log  also of kEmpty: what was cut and taken back is in the log, for branchRun() (run_branch.h).
+  Expected<RunManifest> finish(bool keeps_log = false);
 
  private:
   LiveRun(LiveRunOptions options, std::filesystem::path case_folder, std::filesystem::path run_folder);

@@ -11,18 +11,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Expected<void> copyInto(const fs::path& from, const fs::path& to) {
-  std::error_code failed;
-  fs::copy_file(from, to, failed);
-  if (failed)
-    return fail({.code = Error::Code::kWriteFailed,
-                 .file = to.string(),
-                 .found = failed.message(),
-                 .expected = "a writable place with room",
-                 .hint = "free some space"});
-  return {};
-}
-
 // What TOML can hold: well-formed UTF-8 (RFC 3629).
 bool isText(const std::string& bytes) {
   for (std::size_t i = 0; i < bytes.size();) {
@@ -47,6 +35,28 @@ bool isText(const std::string& bytes) {
 }  // namespace
 
 std::string neighbourKey(std::size_t beside) { return neighbourId(beside) + ".case_id"; }
+
+Expected<void> copyInto(const fs::path& from, const fs::path& to) {
+  std::error_code failed;
+  fs::copy_file(from, to, failed);
+  if (failed)
+    return fail({.code = Error::Code::kWriteFailed,
+                 .file = to.string(),
+                 .found = failed.message(),
+                 .expected = "a writable place with room",
+                 .hint = "free some space"});
+  return {};
+}
+
+Expected<void> requireAnother(const fs::path& from, const fs::path& run_folder) {
+  std::error_code ignored;
+  if (!fs::equivalent(from, run_folder, ignored)) return {};
+  return fail({.code = Error::Code::kBadValue,
+               .file = run_folder.string(),
+               .found = "the run it goes on from",
+               .expected = "a new folder: a run is never changed",
+               .hint = "another name behind -o"});
+}
 
 Expected<std::string> storeBegin(const fs::path& from, const fs::path& run_folder) {
   KERF_TRY(before, readRunManifest(from));

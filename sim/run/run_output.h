@@ -31,6 +31,12 @@ void addMotions(const CutPath& path, RunManifest& manifest);
 /// What was expected of a path that cut nothing: "a path through the box (...) to (...) mm".
 std::string throughBox(const Box3& box);
 
+/// Error kWriteFailed.
+Expected<void> copyInto(const std::filesystem::path& from, const std::filesystem::path& to);
+
+/// Error kBadValue: the new run is to take the place of the one it goes on from.
+Expected<void> requireAnother(const std::filesystem::path& from, const std::filesystem::path& run_folder);
+
 /// Copies the field of a run that has ended, from which another one goes on, into that one's folder. @return its hash.
 /// Errors: kWriteFailed; kBadValue when it is damaged.
 Expected<std::string> storeBegin(const std::filesystem::path& from, const std::filesystem::path& run_folder);

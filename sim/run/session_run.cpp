@@ -22,6 +22,7 @@
 #include "sim/run/load_scene.h"
 #include "sim/run/run_files.h"
 #include "sim/run/run_output.h"
+#include "sim/run/session_pieces.h"
 
 namespace kerf {
 namespace {
@@ -60,43 +61,12 @@ Expected<RunManifest::ToolFile> storeTool(const SessionTool& tool, std::size_t n
   return out;
 }
 
-// Ids of the tools that were in hand, in the order of their first use.
-std::string toolsInHand(const SessionLog& log, const RunManifest& manifest) {
-  std::string out = manifest.tools.front().id;
-  std::set<std::size_t> known{0};
-  for (const SessionEvent& event : log.events) {
-    const auto* text = std::get_if<SessionCommand>(&event.what);
-    if (!text) continue;
-    const auto command = parseCommand(text->text);
-    const auto* select = command ? std::get_if<SelectTool>(&*command) : nullptr;
-    if (select && select->tool < manifest.tools.size() && known.insert(select->tool).second)
-      out += ", " + manifest.tools[select->tool].id;
-  }
-  return out;
-}
+using internal::Objects;
 
 bool isMoved(const CutObject& object) {
   RunManifest::Piece piece;
   piece.T_case_piece = object.T_world_object;
   return piece.isMoved();
-}
-
-// What the session has of one case: the object, or its pieces.
-using Objects = std::vector<const CutObject*>;
-Objects objectsOf(const Session& session, std::size_t loaded) {
-  Objects out;
-  for (const CutObject& object : session.state().objects)
-    if (session.loadedIndexOf(object) == loaded) out.push_back(&object);
-  return out;
-}
-
-bool isInPieces(const Objects& objects) { return objects.size() > 1 || objects.front()->bricks().isPiece(); }
-
-std::vector<BrickField> fieldsOf(const Objects& objects) {
-  std::vector<BrickField> out;
-  out.reserve(objects.size());
-  for (const CutObject* object : objects) out.push_back(fieldOf(*object));
-  return out;
 }
 
 // What differs from the case, of all its pieces together.   @param fields  of them; none: of one whole object.
@@ -119,35 +89,16 @@ struct NeighbourChanges {
 NeighbourChanges changesBeside(const Session& session, std::span<const BrickField* const> loaded) {
   NeighbourChanges out;
   for (std::size_t n = 1; n < session.loaded().size(); ++n) {
-    const Objects objects = objectsOf(session, n);
+    const Objects objects = internal::objectsOf(session, n);
     const BrickField* const before = n <= loaded.size() ? loaded[n - 1] : nullptr;
-    const bool is_joined = before || isInPieces(objects);
-    out.fields.push_back(changesOf(objects, is_joined ? fieldsOf(objects) : std::vector<BrickField>{}, before));
+    const bool is_joined = before || internal::isInPieces(objects);
+    out.fields.push_back(
+        changesOf(objects, is_joined ? internal::fieldsOf(objects) : std::vector<BrickField>{}, before));
 
     double& removed = out.removed_mm3.emplace_back(0);
     for (const CutObject* object : objects)
       for (std::size_t m = 0; m < object->removed_mm3.size(); ++m)
         removed += object->removed_before_mm3[m] + object->removed_mm3[m];
-  }
-  return out;
-}
-
-// Of objects whose fields are given, in their order.
-std::vector<RunManifest::Piece> piecesOf(const Objects& objects, const std::vector<BrickField>& fields,
-                                         const PieceLabels& labels) {
-  std::vector<RunManifest::Piece> out;
-  for (const BrickField& field : fields) {
-    const CutObject& object = *objects[out.size()];
-    RunManifest::Piece piece;
-    piece.id = object.id;
-    const auto known = labels.find(object.id);
-    const PieceLabel label = known == labels.end() ? PieceLabel{} : known->second;
-    piece.name = label.name.empty() ? fmt::format("piece {}", out.size() + 1) : label.name;
-    piece.colour = label.colour;
-    piece.inside = deepestPoint({.begin = &field});
-    for (const double volume : object.bricks().countVolumes()) piece.volume_mm3 += volume;
-    piece.T_case_piece = object.T_world_object;
-    out.push_back(std::move(piece));
   }
   return out;
 }
@@ -239,10 +190,11 @@ SessionHeader sessionHeader(const RunManifest& manifest) {
 Expected<void> endSessionRun(const fs::path& run_folder, const Session& session, RunManifest& manifest,
                              const PieceLabels& labels, const BrickField* loaded,
                              std::span<const BrickField* const> beside) {
-  const Objects objects = objectsOf(session, 0);
+  const Objects objects = internal::objectsOf(session, 0);
   const bool is_moved = std::any_of(objects.begin(), objects.end(), [](const auto* o) { return isMoved(*o); });
-  const bool is_in_pieces = isInPieces(objects) || is_moved;
-  const std::vector<BrickField> fields = is_in_pieces || loaded ? fieldsOf(objects) : std::vector<BrickField>{};
+  const bool is_in_pieces = internal::isInPieces(objects) || is_moved;
+  const std::vector<BrickField> fields =
+      is_in_pieces || loaded ? internal::fieldsOf(objects) : std::vector<BrickField>{};
 
   const BrickField changed = changesOf(objects, fields, loaded);
   const NeighbourChanges others = changesBeside(session, beside);
@@ -268,7 +220,7 @@ Expected<void> endSessionRun(const fs::path& run_folder, const Session& session,
   // Rounding must not make a manifest that its reader refuses.
   for (std::size_t n = 0; n < manifest.beside.size(); ++n)
     manifest.beside[n].removed_mm3 = std::max(manifest.beside[n].removed_mm3 + others.removed_mm3[n], 0.0);
-  manifest.pieces = is_in_pieces ? piecesOf(objects, fields, labels) : std::vector<RunManifest::Piece>{};
+  manifest.pieces = is_in_pieces ? internal::piecesOf(objects, fields, labels) : std::vector<RunManifest::Piece>{};
   manifest.duration_s = static_cast<double>(session.state().tick) * kTick;
   manifest.state_hash = fmt::format("{:016x}", session.hash());
   manifest.is_open = false;
@@ -314,6 +266,37 @@ PieceLabels readPieceLabels(const fs::path& run_folder) {
 
 // ---- After its program is gone
 
+std::string internal::toolsInHand(const SessionLog& log, const RunManifest& manifest) {
+  std::string out = manifest.tools.front().id;
+  std::set<std::size_t> known{0};
+  for (const SessionEvent& event : log.events) {
+    const auto* text = std::get_if<SessionCommand>(&event.what);
+    if (!text) continue;
+    const auto command = parseCommand(text->text);
+    const auto* select = command ? std::get_if<SelectTool>(&*command) : nullptr;
+    if (select && select->tool < manifest.tools.size() && known.insert(select->tool).second)
+      out += ", " + manifest.tools[select->tool].id;
+  }
+  return out;
+}
+
+Expected<internal::FieldsBefore> internal::fieldsBefore(const fs::path& run_folder, const RunManifest& manifest) {
+  FieldsBefore out;
+  if (manifest.begin_sha256.empty()) return out;
+  KERF_TRY(case_folder, caseOfRun(run_folder));
+  KERF_TRY(field, readCaseField(case_folder));
+  out.of_case = std::move(field);
+
+  KERF_TRY(folders, casesBesideRun(run_folder));
+  for (std::size_t n = 0; n < folders.size(); ++n) {
+    out.beside.push_back(nullptr);
+    if (!manifest.beside[n].has_begin) continue;
+    KERF_TRY(other, readCaseField(folders[n]));
+    out.beside.back() = out.of_others.emplace_back(std::make_unique<const BrickField>(std::move(other))).get();
+  }
+  return out;
+}
+
 Expected<Recovery> recoverRun(const fs::path& run_folder, const Progress& progress) {
   KERF_TRY(manifest, readRunManifest(run_folder));
   if (manifest.mode != kModeSession || !manifest.is_open)
@@ -325,28 +308,13 @@ Expected<Recovery> recoverRun(const fs::path& run_folder, const Progress& progre
   const auto lock = RunLock::take(run_folder);
   if (!lock) return fail(lock.error());
 
-  std::optional<BrickField> loaded;  // of the case
-  std::vector<std::unique_ptr<const BrickField>> fields;
-  std::vector<const BrickField*> beside;  // of those beside, null: as the session loads it
-  if (!manifest.begin_sha256.empty()) {
-    KERF_TRY(case_folder, caseOfRun(run_folder));
-    KERF_TRY(field, readCaseField(case_folder));
-    loaded = std::move(field);
-    KERF_TRY(folders, casesBesideRun(run_folder));
-    for (std::size_t n = 0; n < folders.size(); ++n) {
-      beside.push_back(nullptr);
-      if (!manifest.beside[n].has_begin) continue;
-      KERF_TRY(other, readCaseField(folders[n]));
-      beside.back() = fields.emplace_back(std::make_unique<const BrickField>(std::move(other))).get();
-    }
-  }
+  KERF_TRY(before, internal::fieldsBefore(run_folder, manifest));
 
   Recovery out;
   Expected<void> ended;
   const auto end = [&](const Session& session, const SessionLog& log) {
-    manifest.tool_id = toolsInHand(log, manifest);
-    ended =
-        endSessionRun(run_folder, session, manifest, readPieceLabels(run_folder), loaded ? &*loaded : nullptr, beside);
+    manifest.tool_id = internal::toolsInHand(log, manifest);
+    ended = endSessionRun(run_folder, session, manifest, readPieceLabels(run_folder), before.loaded(), before.beside);
   };
   KERF_TRY(replayed, internal::replayRun(run_folder, manifest, progress, end));
   KERF_CHECK(ended);

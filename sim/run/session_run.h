@@ -8,6 +8,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -102,5 +104,21 @@ struct Recovery {
 /// Errors: kUnsupported for a run that is no session, has ended, or is open in another program; kEmpty when nothing
 /// was cut; those of replayRun().   @cost  as the session took, or less: about a quarter of it.
 Expected<Recovery> recoverRun(const std::filesystem::path& run_folder, const Progress& progress = {});
+
+namespace internal {
+
+/// Ids of the tools that were in hand, in the order of their first use: RunManifest::tool_id.
+std::string toolsInHand(const SessionLog& log, const RunManifest& manifest);
+
+/// What endSessionRun() asks for of cases that an earlier run had cut: their fields, as they were before that.
+struct FieldsBefore {
+  std::optional<BrickField> of_case;                         ///< none: the session began with the case
+  std::vector<std::unique_ptr<const BrickField>> of_others;  ///< of those beside it that had been cut
+  std::vector<const BrickField*> beside;                     ///< one each, null: as the session has loaded it
+  const BrickField* loaded() const { return of_case ? &*of_case : nullptr; }
+};
+Expected<FieldsBefore> fieldsBefore(const std::filesystem::path& run_folder, const RunManifest& manifest);
+
+}  // namespace internal
 
 }  // namespace kerf

@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <thread>
 
 #include "geometry/formats/mesh_writer.h"
 #include "sim/run/replay.h"
+#include "sim/run/run_manifest.h"
 #include "tests/support/open_block.h"
 #include "tests/support/temporary_folder.h"
 #include "ui/app/app_script.h"
@@ -125,6 +127,50 @@ TEST(Timeline, APlannedCutIsOneStepHoweverManyStrokesItTook) {
   EXPECT_EQ(timeline.steps().back().kind, TimelineStep::Kind::kStroke);
 }
 
+TEST(Timeline, StepsInWhosePlaceOthersCameAreABranch) {
+  Timeline timeline;
+  timeline.update(listOf(strokes(1, 5), 5));
+  EXPECT_FALSE(timeline.ahead(timeline.strokesDone()));
+  timeline.update(listOf(strokes(1, 5), 2));
+  const auto ahead = timeline.ahead(timeline.strokesDone());
+  ASSERT_TRUE(ahead);
+  EXPECT_EQ(ahead->steps.size(), 3u);
+  timeline.update(listOf(strokes(1, 5), 4));
+  timeline.update(listOf(strokes(1, 5), 2));
+  EXPECT_TRUE(timeline.branches().empty()) << "they can be done again";
+
+  std::vector<UndoStep> line = strokes(1, 2);
+  line.push_back(strokeOf(6));
+  timeline.update(listOf(line, 3));
+  ASSERT_EQ(timeline.branches().size(), 1u);
+  const TimelineBranch& branch = timeline.branches()[0];
+  EXPECT_EQ(branch.from, 2u);
+  EXPECT_EQ(branch.last_began, 5000u);
+  ASSERT_EQ(branch.steps.size(), 3u);
+  EXPECT_EQ(branch.steps[0].began_s, 3);
+  EXPECT_EQ(describeBranch(branch), "from step 2: 3 steps, 1.20 mm3 removed, the last at 5.0 s");
+
+  // Taken back and replaced between two reports; the stroke goes on.
+  line = {strokeOf(7)};
+  timeline.update(listOf(line, 1));
+  line[0].removed_mm3 += 1;
+  timeline.update(listOf(line, 1));
+  ASSERT_EQ(timeline.branches().size(), 2u);
+  EXPECT_EQ(timeline.branches()[1].from, 0u);
+  EXPECT_EQ(timeline.branches()[1].last_began, 6000u);
+  EXPECT_EQ(timeline.branches()[1].steps.size(), 3u);
+  timeline.clear();
+  EXPECT_TRUE(timeline.branches().empty());
+}
+
+TEST(Timeline, StepsThatAreTooOldOrTooManyForAReportAreNoBranch) {
+  Timeline timeline;
+  timeline.update(listOf(strokes(1, 6), 6));
+  timeline.update(listOf(strokes(3, 8), 6, 2));
+  timeline.update(listOf(strokes(3, 30), 28, 2));
+  EXPECT_TRUE(timeline.branches().empty());
+}
+
 TEST(Timeline, WhatANewStrokeWouldDropIsSaidIfItIsMoreThanOneStep) {
   EXPECT_EQ(lossOf(0), "");
   EXPECT_EQ(lossOf(1), "");
@@ -187,10 +233,10 @@ TEST_F(TimelineTest, GoesBackAndForwardAndBranchesAndTheLogReplays) {
   run("edit.begin\nwait 0.3\nexpect steps 0 0\nexpect ahead 4 4\nedit.end\nwait 0.3\nexpect steps 4 4\n");
   EXPECT_NEAR(bench_->removedMm3(), removed[4], 1e-9);
 
-  // Another stroke from the second step ends the two ahead of it.
-  run("tool.select round-010\nedit.go 2\nwait 0.3\n");
+  // Another stroke from the second step takes the place of the two ahead of it.
+  run("tool.select round-010\nedit.go 2\nwait 0.3\nexpect branches 0 0\n");
   stroke(260);
-  run("expect steps 3 3\nexpect ahead 0 0\n");
+  run("expect steps 3 3\nexpect ahead 0 0\nexpect branches 1 1\n");
   EXPECT_EQ(bench_->timeline().steps()[2].tool, 1u);
   EXPECT_NE(refusalOf("edit.go 4\n").find("0 to 3"), std::string::npos);
   EXPECT_NE(refusalOf("edit.go 1.5\n").find("whole"), std::string::npos);
@@ -200,6 +246,112 @@ TEST_F(TimelineTest, GoesBackAndForwardAndBranchesAndTheLogReplays) {
   ASSERT_TRUE(replayed) << replayed.error().message();
   EXPECT_TRUE(replayed->is_same && replayed->is_whole) << replayed->note;
   EXPECT_NEAR(replayed->removed_mm3, at_the_end, 1e-6);
+}
+
+TEST_F(TimelineTest, ABranchIsGoneOnWithAndTheLineThatWasLeftIsOneThen) {
+  std::vector<double> removed{0};
+  for (const int x : {150, 180, 210}) {
+    stroke(x);
+    removed.push_back(bench_->removedMm3());
+  }
+  goTo(1);
+  stroke(260);
+  const double other = bench_->removedMm3();
+  ASSERT_GT(std::abs(other - removed[3]), 1e-3);
+  run("expect branches 1 1\n");
+  EXPECT_NE(bench_->branches()[0].text.find("from step 1: 2 steps"), std::string::npos) << bench_->branches()[0].text;
+  EXPECT_NE(refusalOf("edit.branch 2\n").find("1 to 1"), std::string::npos);
+  const fs::path left = bench_->sessionFolder();
+
+  run("edit.branch 1\nwait\nexpect steps 0 0\nexpect branches 1 1\n");
+  EXPECT_NEAR(bench_->removedMm3(), removed[3], 1e-6);
+  EXPECT_NE(bench_->sessionFolder(), left);
+  const auto of_left = replayRun(left);
+  ASSERT_TRUE(of_left) << of_left.error().message();
+  EXPECT_TRUE(of_left->is_same && of_left->is_whole) << of_left->note;
+  EXPECT_NEAR(of_left->removed_mm3, other, 1e-6);
+
+  // To and fro: without a stroke no session is left behind, and with one it is.
+  run("edit.branch\nwait\nexpect branches 1 1\n");
+  EXPECT_NEAR(bench_->removedMm3(), other, 1e-6);
+  run("edit.branch\nwait\nexpect branches 1 1\n");
+  EXPECT_NEAR(bench_->removedMm3(), removed[3], 1e-6);
+  stroke(240);
+  const double more = bench_->removedMm3();
+  ASSERT_GT(more, removed[3] + 1e-3);
+  run("edit.branch 1\nwait\nexpect branches 1 1\nedit.branch 1\nwait\nexpect steps 0 0\n");
+  EXPECT_NEAR(bench_->removedMm3(), more, 1e-6);
+
+  stroke(150);
+  const fs::path last = end();
+  const auto replayed = replayRun(last);
+  ASSERT_TRUE(replayed) << replayed.error().message();
+  EXPECT_TRUE(replayed->is_same && replayed->is_whole) << replayed->note;
+  for (const auto& folder : fs::directory_iterator(folder_.path() / "data" / "sessions"))
+    EXPECT_FALSE(readRunManifest(folder.path())->is_open) << folder.path();
+}
+
+// The log of a session in which nothing is left goes; what was taken back in it does not.
+TEST_F(TimelineTest, WhatWasTakenBackIsKeptOfASessionInWhichNothingIsLeft) {
+  stroke(150);
+  const double first = bench_->removedMm3();
+  goTo(0);
+  stroke(210);
+  stroke(240);
+  const double second = bench_->removedMm3();
+  goTo(0);
+  const fs::path empty = bench_->sessionFolder();
+  run("edit.branch 1\nwait\nexpect branches 1 1\n");
+  EXPECT_NEAR(bench_->removedMm3(), first, 1e-6);
+  EXPECT_FALSE(fs::exists(empty));
+  run("edit.branch 1\nwait\nexpect branches 1 1\n");
+  EXPECT_NEAR(bench_->removedMm3(), second, 1e-6);
+
+  // The same at the end of the session.
+  stroke(150);
+  goTo(0);
+  stroke(180);
+  goTo(0);
+  const fs::path gone = end();
+  EXPECT_FALSE(fs::exists(gone));
+  const std::string told = bench_->notices().back().text;
+  ASSERT_NE(told.find("is kept:\n"), std::string::npos) << told;
+  const fs::path kept = told.substr(told.rfind('\n') + 1);
+  const auto replayed = replayRun(kept);
+  ASSERT_TRUE(replayed) << kept << replayed.error().message();
+  EXPECT_TRUE(replayed->is_same && replayed->is_whole) << replayed->note;
+  EXPECT_GT(replayed->removed_mm3, 0.01);
+}
+
+TEST_F(TimelineTest, ASessionThatIsWatchedIsGoneOnWithFromAnyMoment) {
+  std::vector<double> removed{0};
+  for (const int x : {150, 180, 210}) {
+    stroke(x);
+    removed.push_back(bench_->removedMm3());
+  }
+  const fs::path whole = end();
+  run("replay.open \"" + whole.string() + "\"\nwait\n");
+  run("replay.time 1.35\nwait\n");
+  const double at = bench_->removedMm3();
+  ASSERT_GT(at, 0.01);
+  run("replay.go-on\nwait\nexpect steps 0 0\n");
+  ASSERT_TRUE(bench_->isOpen());
+  EXPECT_NEAR(bench_->removedMm3(), at, 1e-6);
+  stroke(240);
+  ASSERT_GT(bench_->removedMm3(), at + 1e-3);
+
+  const double now = bench_->removedMm3();
+  const fs::path session = end();
+  const auto replayed = replayRun(session);
+  ASSERT_TRUE(replayed) << replayed.error().message();
+  EXPECT_TRUE(replayed->is_same && replayed->is_whole) << replayed->note;
+  EXPECT_NEAR(at + replayed->removed_mm3, now, 1e-6);
+  EXPECT_NEAR(replayRun(whole)->removed_mm3, removed[3], 1e-6) << "what is gone on with is never changed";
+
+  // At the beginning there is nothing to go on with; notices of errors end a script.
+  run("replay.open \"" + whole.string() + "\"\nwait\n");
+  EXPECT_NE(refusalOf("replay.go-on\nwait\n").find("nothing is cut up to there"), std::string::npos);
+  EXPECT_TRUE(bench_->watched());
 }
 
 TEST_F(TimelineTest, WhatIsFeltAndCutIsTraced) {

@@ -190,7 +190,8 @@ constexpr AppCommand kCommands[] = {
      "Goes to the end of the session, and says whether its state is the one that was recorded.",
      replay_commands::isWatching, replay_commands::end},
     {"replay.go-on", "Replay", "Go on cutting from here", "", "",
-     "Opens the session to cut, when its end is shown: a new session goes on from it.",
+     "Opens the session to cut as it is shown, at any moment: a new session goes on from it. Before its end, what was "
+     "cut up to there is kept as a run of its own.",
      replay_commands::isWatchingAndIdle, replay_commands::goOn},
     {"replay.close", "Replay", "Watch no more", "Esc", "", "Puts the session away.", replay_commands::isWatching,
      replay_commands::close},
@@ -216,6 +217,10 @@ constexpr AppCommand kCommands[] = {
      "Takes back all steps, as far back as they are kept.", isOpen, edit_commands::begin},
     {"edit.end", "Edit", "Forward to the last step", "Ctrl+End", "", "Does all steps again that were taken back.",
      isOpen, edit_commands::end},
+    {"edit.branch", "Edit", "Go on with a branch", "", "[N]",
+     "Goes on with steps that were taken back before others were cut, in a session of its own; N as on the timeline, "
+     "if not told the last. What is open is kept, and is a branch then.",
+     edit_commands::hasBranches, edit_commands::branch},
 
     {"palette.show", "Edit", "Commands...", "Ctrl+Shift+P", "", "Finds a command by words and runs it.", always,
      showPalette},

@@ -129,6 +129,7 @@ void printState(const AppContext& c) {
                    {"steps_ahead", c.bench.timeline().steps().size() - c.bench.timeline().done()},
                    {"planes", c.bench.saw().plan().planes().size()},
                    {"sawn_percent", 100 * c.bench.saw().lastShare()}};
+  for (const Branch& branch : c.bench.branches()) j["branches"].push_back(branch.text);
   if (c.bench.exporting().isShown()) j["export"] = nlohmann::json::parse(exportState(c.bench.exporting()));
   const HeatReport& heat = c.bench.report().heat;
   if (heat.is_known) {
@@ -195,7 +196,7 @@ double removedBeside(const AppContext& c) {
 
 const std::string kExpected =
     "removed, depth, tip, loop, near, warm, sawn, triangles, pieces, beside, beside-near, beside-removed, steps, "
-    "ahead, time, "
+    "ahead, branches, time, "
     "same, verdict, device or device-force";
 
 double secondWatched(const AppContext& c) {
@@ -249,6 +250,8 @@ Expected<void> expect(const AppContext& c, AppWords words) {
     value = static_cast<double>(c.bench.watched()->moment().steps);
   else if (words[0] == "steps")
     value = static_cast<double>(c.bench.timeline().older() + c.bench.timeline().done());
+  else if (words[0] == "branches")
+    value = static_cast<double>(c.bench.branchCount());
   else if (words[0] == "time")
     value = secondWatched(c);
   else if (words[0] == "same")

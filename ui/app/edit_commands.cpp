@@ -28,4 +28,14 @@ Expected<void> end(AppContext& c, AppWords) {
   return c.bench.goToStep(timeline.older() + timeline.steps().size());
 }
 
+bool hasBranches(const AppContext& c) { return c.bench.isOpen() && !c.bench.job() && c.bench.branchCount() > 0; }
+
+Expected<void> branch(AppContext& c, AppWords words) {
+  const auto count = static_cast<double>(c.bench.branchCount());
+  KERF_TRY(n, numberOr(words, 0, count, "N", 1, count));
+  const auto whole = static_cast<std::size_t>(n);
+  if (static_cast<double>(whole) != n) return wrongWord(fmt::format("branch {}", n), "a whole number");
+  return c.bench.takeBranch(whole - 1);
+}
+
 }  // namespace kerf::edit_commands

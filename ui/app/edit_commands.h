@@ -14,4 +14,9 @@ Expected<void> go(AppContext& context, AppWords words);  ///< STEP
 Expected<void> begin(AppContext& context, AppWords words);
 Expected<void> end(AppContext& context, AppWords words);
 
+// Other lines of cutting.
+
+bool hasBranches(const AppContext& context);
+Expected<void> branch(AppContext& context, AppWords words);  ///< [N]
+
 }  // namespace kerf::edit_commands

@@ -57,17 +57,6 @@ std::string nameOf(const fs::path& path) {
   return stem.extension() == ".nii" ? stem.stem().string() : stem.string();  // "ct.nii.gz"
 }
 
-fs::path newSessionFolder(const fs::path& data_folder, const std::string& name) {
-  const auto now = std::chrono::system_clock::now();
-  const auto part = std::chrono::duration_cast<std::chrono::milliseconds>(now.time_since_epoch()) % 1000;
-  const std::string base = fmt::format("{}-{:%Y%m%d-%H%M%S}-{:03}", name,
-                                       fmt::localtime(std::chrono::system_clock::to_time_t(now)), part.count());
-  fs::path out = data_folder / "sessions" / (base + ".run");
-  std::error_code ignored;
-  for (int n = 2; fs::exists(out, ignored); ++n) out.replace_filename(fmt::format("{}-{}.run", base, n));
-  return out;
-}
-
 Expected<BakeOptions> bakeOptionsFor(const fs::path& path, bool is_recipe, const PrepareOptions& asked) {
   BakeOptions out;
   out.unit = asked.unit;
@@ -307,6 +296,17 @@ std::span<const char* const> demoNames() {
   return kNames;
 }
 
+fs::path newSessionFolder(const fs::path& data_folder, const std::string& name) {
+  const auto now = std::chrono::system_clock::now();
+  const auto part = std::chrono::duration_cast<std::chrono::milliseconds>(now.time_since_epoch()) % 1000;
+  const std::string base = fmt::format("{}-{:%Y%m%d-%H%M%S}-{:03}", name,
+                                       fmt::localtime(std::chrono::system_clock::to_time_t(now)), part.count());
+  fs::path out = data_folder / "sessions" / (base + ".run");
+  std::error_code ignored;
+  for (int n = 2; fs::exists(out, ignored); ++n) out.replace_filename(fmt::format("{}-{}.run", base, n));
+  return out;
+}
+
 Expected<Opened> openToCut(const fs::path& path, const OpeningOptions& options, const Progress& progress) {
   Opened out;
   out.name = nameOf(path);
@@ -364,6 +364,16 @@ Expected<Opened> openToCut(const fs::path& path, const OpeningOptions& options, 
                     path.filename().string(), run->removedBefore()));
   out.run = std::move(run);
   return out;
+}
+
+Expected<Opened> openBranchToCut(const fs::path& run_folder, const BranchPoint& point, const OpeningOptions& options,
+                                 const Progress& progress) {
+  KERF_TRY(manifest, readRunManifest(run_folder));
+  const fs::path branch = newSessionFolder(options.data_folder, nameOf(fs::path(manifest.case_path)));
+  std::error_code ignored;
+  fs::create_directories(branch.parent_path(), ignored);
+  KERF_CHECK(branchRun(run_folder, point, branch, partOf(progress, 0, 0.5)));
+  return openToCut(branch, options, partOf(progress, 0.5, 1));
 }
 
 namespace {

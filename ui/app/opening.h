@@ -16,6 +16,7 @@
 #include "geometry/mesh/mesh.h"
 #include "sim/monitor/structures.h"
 #include "sim/run/live_run.h"
+#include "sim/run/run_branch.h"
 #include "ui/app/neighbours.h"
 #include "ui/app/upright.h"
 
@@ -105,6 +106,14 @@ struct Opened {
 /// @cost seconds; a jaw at 0.1 mm 10 to 20 s.
 Expected<Opened> openToCut(const std::filesystem::path& path, const OpeningOptions& options,
                            const Progress& progress = {});
+
+/// The same of a run as it was at a moment: that is kept as a run of its own first, and the session goes on from it.
+/// Errors: also those of branchRun().   @cost  also that of branchRun().
+Expected<Opened> openBranchToCut(const std::filesystem::path& run_folder, const BranchPoint& point,
+                                 const OpeningOptions& options, const Progress& progress = {});
+
+/// A new folder for a session, below the data folder.   @param name  of what is cut.
+std::filesystem::path newSessionFolder(const std::filesystem::path& data_folder, const std::string& name);
 
 /// What is to stand beside, as a case: a scan or recipe is prepared first.
 /// Errors: those of openToCut(); kUnsupported for a session and for a tool.

@@ -17,6 +17,9 @@ void Timeline::update(const UndoList& list) {
     strokes_.erase(strokes_.begin());
     if (!cut || strokes_.empty() || cutOf(strokes_.front().number) != cut) ++older_;
   }
+  if (forgotten > 0) groupSteps();
+  const std::vector<UndoStep> strokes_then = strokes_;
+  const std::vector<TimelineStep> steps_then = steps_;
 
   // Numbers rise: the list takes the place of all from its first one on.
   const std::size_t count = list.undoable + list.redoable;
@@ -29,7 +32,35 @@ void Timeline::update(const UndoList& list) {
   strokes_.insert(strokes_.end(), list.newest.begin(), newest_end);
 
   if (!strokes_.empty()) newest_ = std::max(newest_, strokes_.back().number);
+  keepDropped(strokes_then, steps_then);
   groupSteps();
+}
+
+// Numbers rise and none comes twice: what is no longer there, with something newer in its place, was dropped.
+void Timeline::keepDropped(const std::vector<UndoStep>& known, const std::vector<TimelineStep>& known_steps) {
+  if (known.empty() || strokes_.empty() || strokes_.back().number <= known.back().number) return;
+  std::size_t kept = 0;
+  while (kept < known.size() && kept < strokes_.size() && known[kept].number == strokes_[kept].number) ++kept;
+  if (kept < known.size()) branches_.push_back(branchBehind(kept, known, known_steps));
+}
+
+// Of a planned cut that was taken back in part, all.
+TimelineBranch Timeline::branchBehind(std::size_t kept, const std::vector<UndoStep>& strokes,
+                                      const std::vector<TimelineStep>& steps) const {
+  std::size_t first = 0;
+  for (std::size_t before = 0; first < steps.size() && before + steps[first].strokes <= kept; ++first)
+    before += steps[first].strokes;
+
+  TimelineBranch out;
+  out.from = older_ + first;
+  out.steps.assign(steps.begin() + static_cast<std::ptrdiff_t>(first), steps.end());
+  out.last_began = strokes.back().origin.tick;
+  return out;
+}
+
+std::optional<TimelineBranch> Timeline::ahead(std::size_t strokes) const {
+  if (strokes >= strokes_.size()) return {};
+  return branchBehind(strokes, strokes_, steps_);
 }
 
 void Timeline::beginPlannedCut(const std::string& plane) { cuts_.push_back({plane, newest_ + 1, 0}); }
@@ -104,9 +135,20 @@ std::string describeStep(const TimelineStep& step, std::uint64_t number, const s
   return out + fmt::format(", at {:.1f} s", step.began_s);
 }
 
+std::string describeBranch(const TimelineBranch& branch) {
+  double removed = 0;
+  for (const TimelineStep& step : branch.steps) removed += step.removed_mm3;
+  const std::string from = branch.from == 0 ? "from the beginning" : fmt::format("from step {}", branch.from);
+  const double last_s = kTick * static_cast<double>(branch.last_began);
+  const std::size_t count = branch.steps.size();
+  return count == 1
+             ? fmt::format("{}: a step, {:.2f} mm3 removed, at {:.1f} s", from, removed, last_s)
+             : fmt::format("{}: {} steps, {:.2f} mm3 removed, the last at {:.1f} s", from, count, removed, last_s);
+}
+
 std::string lossOf(std::size_t steps_ahead) {
   if (steps_ahead < 2) return {};
-  return fmt::format("A new stroke from here drops the {} steps ahead.", steps_ahead);
+  return fmt::format("A new stroke from here makes the {} steps ahead a branch.", steps_ahead);
 }
 
 }  // namespace kerf

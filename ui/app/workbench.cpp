@@ -70,8 +70,9 @@ Workbench::~Workbench() {
   namePieces();
   saw_->closing();
   arm_->closing();
+  const std::vector<std::uint64_t> dropped = droppedSteps(false);
   sendTheRest(*run_, undos_left_, sent_);
-  (void)run_->finish();
+  (void)endSession(*run_, dropped, options_.data_folder, name_);
 }
 
 std::string Workbench::nameOf(Material material) const {
@@ -283,6 +284,8 @@ void Workbench::show(Opened& loaded) {
   loop_rate_.clear();
   exported_.reset();
   has_unexported_before_ = is_reopening_ && has_unexported_before_;
+  if (!is_reopening_) left_.clear();
+  opened_.reset();
   timeline_.clear();
   trace_.clear();
   undos_left_ = 0;
@@ -320,9 +323,14 @@ void Workbench::show(Opened& loaded) {
   if (!is_reopening_) remember(source_);
 }
 
-void Workbench::close() {
+void Workbench::close() { endRun(false); }
+
+// @param keeps_ahead  what is taken back now, too, when nothing else is left of the session.
+void Workbench::endRun(bool keeps_ahead) {
   if (isBusy() || !run_) return;
   release();
+  const std::vector<std::uint64_t> dropped = droppedSteps(keeps_ahead);
+  leaveBranches();
   namePieces();
   saw_->closing();
   tissues_->closing();
@@ -334,18 +342,24 @@ void Workbench::close() {
   const std::string name = name_;
   scene_.clear();
   ++generation_;
-  auto job = std::make_unique<Job<RunManifest>>(
+  auto job = std::make_unique<Job<EndedSession>>(
       "writing the session of " + name,
-      [ending, guided, hands, hand, left = std::exchange(undos_left_, 0), sent = sent_](const Progress&) {
+      [ending, guided, hands, hand, left = std::exchange(undos_left_, 0), sent = sent_, dropped,
+       data = options_.data_folder, name](const Progress&) {
         sendTheRest(*ending, left, sent);
-        return ending->finish();
+        return endSession(*ending, dropped, data, name);
       },
       false);
   job_writes_ = true;
   when_over_ = [this, job = job.get(), folder = session_] {
-    auto written = job->take();
-    has_written_ = written.has_value();
-    has_failed_ = !written && written.error().code != Error::Code::kEmpty;
+    auto ended = job->take();
+    if (!ended) {
+      has_written_ = false;
+      has_failed_ = true;
+      return complain(ended.error());
+    }
+    takeEnded(*ended, folder);
+    const Expected<RunManifest>& written = ended->run;
     if (written) {
       say(fmt::format("session written: {}\nas a mesh again: kerf export {} -o OUT.stl", folder.string(),
                       folder.string()));

@@ -65,6 +65,24 @@ struct Notice {
   std::string text;
 };
 
+/// Another line of cutting, kept as a run or in the log of one.
+struct Branch {
+  std::filesystem::path run;
+  BranchPoint point{};  ///< in its log; neither: its end
+  std::string text;     ///< for people
+};
+
+/// What became of a session.
+struct EndedSession {
+  Expected<RunManifest> run;
+  /// When nothing was left of it: runs of what had been taken back, by BranchPoint::step_began.
+  std::map<std::uint64_t, std::filesystem::path> saved{};
+  std::optional<Error> failed{};  ///< what could not be saved: its folder is still there, with its log
+};
+/// Ends a session.   @param dropped  of its steps that were taken back: BranchPoint::step_began.
+EndedSession endSession(LiveRun& run, const std::vector<std::uint64_t>& dropped,
+                        const std::filesystem::path& data_folder, const std::string& name);
+
 /// A tool beside what must be kept.
 struct NearStructure {
   std::string name;         ///< "pulp", "nerve canal"
@@ -164,7 +182,8 @@ class Workbench {
   /// Something is in the picture: it is cut, or watched.
   bool isShown() const { return run_ || watched_; }
   void endWatching();
-  /// Opens the run that is watched, to go on cutting.   Error kUnsupported: it is not at its end.
+  /// Opens the run that is watched, to go on cutting from the moment that is shown: before its end that is kept as a
+  /// run of its own first.   Error kUnsupported: it is on its way to another moment.
   Expected<void> goOnCutting();
   /// A run that beginImport() was given, until somebody says what to do with it: open() or watch(). None in scripts.
   const std::optional<std::filesystem::path>& askedRun() const { return asked_run_; }
@@ -264,6 +283,13 @@ class Workbench {
   /// is cut.   @param step  its number, as people see it.
   /// Errors: kUnsupported for one before timeline().older(), or while a plane is sawn; kBadValue for one that is not.
   Expected<void> goToStep(std::uint64_t step);
+  /// Other lines than the one that is cut: what was taken back before something else was cut, in this session and in
+  /// those it goes on from by a branch, a tool or a neighbour; and what was left for a branch.
+  std::vector<Branch> branches() const;
+  std::size_t branchCount() const { return left_.size() + timeline_.branches().size(); }
+  /// Goes on with one of them, in a session of its own. What is open is written, and is a branch then. A job.
+  /// Errors: kEmpty, kBadValue for one that is not; kUnsupported while a plane is sawn.
+  Expected<void> takeBranch(std::size_t n);
 
   // ---- Pieces, by SceneObject::id
 
@@ -398,7 +424,15 @@ class Workbench {
   void readTools();
   void takeRack(bool waits);
   void putIntoRack(RackTool tool);
-  void reopenWith(const std::filesystem::path& tool_file, std::vector<CaseBeside> further = {});
+  void reopenWith(const std::filesystem::path& tool_file, std::vector<CaseBeside> further = {},
+                  const std::optional<Branch>& branch = {});
+  void endRun(bool keeps_ahead);
+  void openBranch(const Branch& branch);
+  std::optional<Branch> lineNow() const;
+  void leaveBranches();
+  std::vector<std::uint64_t> droppedSteps(bool with_ahead) const;
+  Branch savedOf(const Branch& branch, const std::filesystem::path& gone) const;
+  void takeEnded(const EndedSession& ended, const std::filesystem::path& folder);
   void warnOfNeighbours();
   bool isNeighbour(std::uint32_t id, const std::string& what);
   void watchTools();
@@ -472,6 +506,9 @@ class Workbench {
   double removed_mm3_ = 0;
   std::uint64_t sent_ = 0;  // commands
   Timeline timeline_;
+  std::vector<Branch> left_;                              // branches of sessions that ended before this one
+  std::optional<Branch> opened_;                          // that this session goes on from
+  std::map<std::uint64_t, std::filesystem::path> saved_;  // EndedSession::saved of the last one
   Trace trace_;
   struct Wish {
     std::uint64_t step = 0;

@@ -109,7 +109,9 @@ void Workbench::addTool(const fs::path& file) {
 
 // The tools and cases of a session are named where its log begins. So this one is written, and another goes on from it.
 // @param tool_file  taken in hand; empty: the one that is.
-void Workbench::reopenWith(const fs::path& tool_file, std::vector<CaseBeside> further) {
+// @param branch  is gone on with, in place of the session.
+void Workbench::reopenWith(const fs::path& tool_file, std::vector<CaseBeside> further,
+                           const std::optional<Branch>& branch) {
   const fs::path before = run_->from().empty() ? run_->caseFolder() : run_->from(), session = session_;
   const auto plan = std::make_shared<SawPlan>(saw_->plan());
   const fs::path source = source_;
@@ -122,30 +124,37 @@ void Workbench::reopenWith(const fs::path& tool_file, std::vector<CaseBeside> fu
   for (const CaseBeside& other : further) sources.push_back(other.folder);
   const bool is_unexported = hasUnexportedCut();
   const TissueChoices seen = tissues_->choices();
-  close();
+  endRun(branch.has_value());
   auto closing = std::exchange(when_over_, {});
   has_written_ = false;
   when_over_ = [this, closing = std::move(closing), before, session, plan, source, name, tool, kept, further, sources,
-                is_unexported, seen] {
+                is_unexported, seen, branch] {
     const std::size_t told = notices_.size();
     closing();
-    if (has_failed_) return;                  // what was cut is in its log: nothing is opened over that
-    if (has_written_) notices_.resize(told);  // it goes on
+    if (has_failed_) return;                             // what was cut is in its log: nothing is opened over that
+    if (has_written_ && !branch) notices_.resize(told);  // it goes on
     const fs::path next = has_written_ ? session : before;
     OpeningOptions options = openingOptions();
     std::vector<CaseBeside> beside = has_written_ ? std::vector<CaseBeside>{} : kept;
     beside.insert(beside.end(), further.begin(), further.end());
-    for (const CaseBeside& other : beside) options.beside.push_back({other.folder, other.name, {}});
-    openBy(further.empty() ? "taking the tool" : "placing what stands beside",
-           [next, options](const Progress& progress) { return openToCut(next, options, progress); });
+    std::optional<Branch> wanted = branch;
+    if (wanted && !has_written_) wanted = savedOf(*wanted, session);
+    if (wanted) {
+      openBranch(*wanted);
+    } else {
+      for (const CaseBeside& other : beside) options.beside.push_back({other.folder, other.name, {}});
+      openBy(further.empty() ? "taking the tool" : "placing what stands beside",
+             [next, options](const Progress& progress) { return openToCut(next, options, progress); });
+    }
     if (!job_) return;
     const auto show_it = std::exchange(when_over_, {});
-    when_over_ = [this, show_it, plan, source, name, tool, sources, is_unexported, seen] {
+    when_over_ = [this, show_it, plan, source, name, tool, sources, is_unexported, seen, wanted] {
       is_reopening_ = true;
-      has_unexported_before_ = is_unexported;
+      has_unexported_before_ = is_unexported || wanted;
       show_it();
       is_reopening_ = false;
       if (!run_) return;
+      if (wanted) opened_ = Branch{run_->from(), {}, wanted->text};
       tissues_->choose(seen);
       source_ = source;
       name_ = name;

@@ -132,14 +132,19 @@ void Workbench::endWatching() {
 
 Expected<void> Workbench::goOnCutting() {
   if (!watched_) return fail({.code = Error::Code::kEmpty, .found = "nothing is watched", .hint = "replay.open"});
-  if (!watched_->moment().is_at_end)
+  const WatchMoment& now = watched_->moment();
+  if (now.is_jumping)
     return fail({.code = Error::Code::kUnsupported,
                  .file = watched_->folder().string(),
-                 .found = fmt::format("{:.1f} of {:.1f} s are replayed",
-                                      kTick * static_cast<double>(watched_->moment().sample), watched_->seconds()),
-                 .expected = "the end of the session: from there it is gone on with",
-                 .hint = "replay.end"});
-  open(watched_->folder());
+                 .found = "it is on its way to another moment",
+                 .expected = "the moment from which to go on",
+                 .hint = "wait for it"});
+  if (now.is_at_end) {
+    open(watched_->folder());
+    return {};
+  }
+  const std::string at = fmt::format(" as at {:.1f} s", kTick * static_cast<double>(now.sample));
+  openBranch({watched_->folder(), {.sample = now.sample}, watched_->folder().filename().string() + at});
   return {};
 }
 

@@ -134,7 +134,7 @@ void drawStrip(AppContext& context) {
   ImGui::SameLine(0, scaled(16));
   ui::text(stateOf(run));
   ImGui::SameLine(0, scaled(16));
-  button(context, "Go on cutting", "replay.go-on", now.is_at_end && !context.bench.job());
+  button(context, "Go on cutting", "replay.go-on", !now.is_jumping && !context.bench.job());
   button(context, "Close", "replay.close");
   ImGui::NewLine();
   drawBar(context);

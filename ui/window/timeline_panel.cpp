@@ -17,7 +17,9 @@ namespace {
 constexpr float kStripHeight = 38, kBlockHeight = 18, kWidestBlock = 26;  // before scaled()
 
 bool hasSteps(const AppContext& context) {
-  return context.bench.isOpen() && !context.bench.isImporting() && !context.bench.timeline().steps().empty();
+  const Workbench& bench = context.bench;
+  if (!bench.isOpen() || bench.isImporting()) return false;
+  return !bench.timeline().steps().empty() || bench.branchCount() > 0;
 }
 
 ImVec4 colourOf(TimelineStep::Kind kind) {
@@ -42,6 +44,15 @@ void drawBlocks(const Timeline& timeline, std::size_t done, const ImVec2& corner
     if (n >= done) colour.w *= 0.35f;
     const float x = corner.x + width * static_cast<float>(n);
     list->AddRectFilled({x + gap, corner.y}, {x + width - gap, corner.y + height}, ImGui::GetColorU32(colour), 2);
+  }
+
+  // Below the end of a step behind which others stood, too.
+  const float side = scaled(4);
+  for (const TimelineBranch& branch : timeline.branches()) {
+    if (branch.from < timeline.older()) continue;
+    const float x = corner.x + width * static_cast<float>(branch.from - timeline.older()), y = corner.y + height;
+    list->AddTriangleFilled({x, y}, {x + side, y + side}, {x - side, y + side},
+                            ImGui::GetColorU32(styleColours().warning));
   }
 
   const float now = corner.x + width * static_cast<float>(done);
@@ -78,6 +89,27 @@ float drawSummary(const Workbench& bench, std::size_t done) {
   return ui::textSize(textOf(all)).x;
 }
 
+// A button, and the list that it opens.   @return its width.
+float drawBranches(AppContext& context) {
+  const std::size_t count = context.bench.branchCount();
+  const std::string label = count == 1 ? "1 branch" : fmt::format("{} branches", count);
+  if (ui::button(label)) ui::openPopup("##branches");
+  const float width = ImGui::GetItemRectSize().x;
+  if (ImGui::IsItemHovered()) ui::setTooltip("Steps that were taken back before others were cut");
+  if (!ui::beginPopup("##branches")) return width;
+
+  ui::textColored(styleColours().quiet, "Go on with, in a session of its own:");
+  const std::vector<Branch> branches = context.bench.branches();
+  for (std::size_t n = 0; n < branches.size(); ++n) {
+    const std::string row = fmt::format("{}: {}", n + 1, branches[n].text);
+    if (!ui::selectable(row)) continue;
+    const std::vector<std::string> words{fmt::format("{}", n + 1)};
+    if (const auto taken = runAppCommand(context, "edit.branch", words); !taken) context.bench.complain(taken.error());
+  }
+  ImGui::EndPopup();
+  return width;
+}
+
 // At the right end, if there is a place for it.
 void drawLoss(const Timeline& timeline, std::size_t done, float blocks_end) {
   const std::string loss = lossOf(timeline.steps().size() - done);
@@ -107,7 +139,12 @@ void drawTimeline(AppContext& context) {
   ui::begin("##timeline", nullptr,
             ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
   const std::size_t count = timeline.steps().size(), done = bench.stepsDone();
-  const float left = ImGui::GetStyle().WindowPadding.x + drawSummary(bench, done) + scaled(12);
+  float left = ImGui::GetStyle().WindowPadding.x + drawSummary(bench, done) + scaled(12);
+  if (bench.branchCount() > 0) {
+    ImGui::SameLine(left);
+    left += drawBranches(context) + scaled(12);
+  }
+  if (count == 0 || !bench.isOpen()) return ImGui::End();  // nothing to go over, or a branch was taken
   ImGui::SameLine(left);
 
   const float space = ImGui::GetContentRegionAvail().x;

@@ -1,0 +1,248 @@
+#include "sim/run/run_branch.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <set>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "geometry/case/case_bundle.h"
+#include "sim/run/log_player.h"
+#include "sim/run/removed_volumes.h"
+#include "sim/run/run_files.h"
+#include "sim/run/run_output.h"
+#include "sim/run/session_run.h"
+#include "sim/session/session_log.h"
+
+namespace kerf {
+namespace {
+
+namespace fs = std::filesystem;
+using internal::Recording;
+
+// So many of a log's records stand before a moment.
+struct LogMoment {
+  std::size_t samples = 0, events = 0;
+};
+
+template <class C>
+std::optional<C> commandIn(const SessionEvent& event) {
+  const auto* const text = std::get_if<SessionCommand>(&event.what);
+  if (!text) return {};
+  const auto command = parseCommand(text->text);
+  const auto* const wanted = command ? std::get_if<C>(&*command) : nullptr;
+  return wanted ? std::optional(*wanted) : std::nullopt;
+}
+
+// ---- Where it is
+
+LogMoment endOf(const SessionLog& log) { return {log.samples.size(), log.events.size()}; }
+
+// What stands right behind the last sample is not done yet.
+LogMoment behindSample(const SessionLog& log, std::size_t sample) {
+  if (sample >= log.samples.size()) return endOf(log);
+  const auto isBehind = [&](const SessionEvent& event) { return event.samples_before >= sample; };
+  const auto end = std::find_if(log.events.begin(), log.events.end(), isBehind);
+  return {sample, static_cast<std::size_t>(end - log.events.begin())};
+}
+
+// A step is a stroke or a move: SessionHistory says when it began by the tick that the log has, too.
+bool beginsStep(const SessionEvent& event) {
+  const auto* const mark = std::get_if<StrokeMark>(&event.what);
+  return mark ? *mark == StrokeMark::kBegin : commandIn<MoveObject>(event).has_value();
+}
+
+// What is undone first after a step began is that step, or what was cut on top of it and dropped since: the last step
+// of a line is the first to go.
+Expected<LogMoment> beforeUndoOf(const SessionLog& log, std::uint64_t began, const std::string& file) {
+  const auto isThere = [&](const SessionEvent& event) { return event.tick == began && beginsStep(event); };
+  const auto step = std::find_if(log.events.begin(), log.events.end(), isThere);
+  if (step == log.events.end())
+    return fail({.code = Error::Code::kNotFound,
+                 .file = file,
+                 .found = fmt::format("no step that begins at tick {}", began),
+                 .expected = "one of those that the log holds"});
+
+  const auto isUndo = [](const SessionEvent& event) { return commandIn<Undo>(event).has_value(); };
+  const auto undo = std::find_if(step, log.events.end(), isUndo);
+  if (undo == log.events.end()) return endOf(log);
+  return LogMoment{undo->samples_before, static_cast<std::size_t>(undo - log.events.begin())};
+}
+
+Expected<LogMoment> momentOf(const SessionLog& log, const BranchPoint& point, const std::string& file) {
+  if (point.step_began) return beforeUndoOf(log, *point.step_began, file);
+  return point.sample ? behindSample(log, *point.sample) : endOf(log);
+}
+
+// ---- The log up to there
+
+// Objects are frozen for some ms while their pieces are made: nobody will come to release them.
+void releaseFrozen(SessionLog& log, std::uint64_t tick) {
+  std::set<std::size_t> frozen;
+  for (const SessionEvent& event : log.events) {
+    if (const auto freeze = commandIn<FreezeObject>(event)) frozen.insert(freeze->object);
+    if (const auto release = commandIn<UnfreezeObject>(event)) frozen.erase(release->object);
+    if (const auto split = commandIn<SplitObject>(event)) frozen.erase(split->object);
+  }
+  for (const std::size_t object : frozen)
+    log.events.push_back({tick, log.samples.size(), SessionCommand{printCommand(UnfreezeObject{object})}});
+}
+
+Expected<void> cutOff(SessionLog& log, const LogMoment& moment, const std::string& file) {
+  log.samples.resize(moment.samples);
+  log.events.resize(moment.events);
+  for (const SessionEvent& event : log.events)
+    if (const auto* const gap = std::get_if<SessionGap>(&event.what))
+      return fail({.code = Error::Code::kUnsupported,
+                   .file = file,
+                   .found = fmt::format("{} samples are missing at tick {}", gap->lost, event.tick),
+                   .expected = "a log that is whole up to there",
+                   .hint = "the run itself can be gone on from, at its end"});
+  log.damage.reset();
+  log.is_closed = true;  // it will be
+  releaseFrozen(log, log.samples.empty() ? 0 : log.samples.back().tick + 1);
+  return {};
+}
+
+bool isInStroke(const SessionLog& log) {
+  bool is_in = false;
+  for (const SessionEvent& event : log.events)
+    if (const auto* const mark = std::get_if<StrokeMark>(&event.what)) is_in = *mark == StrokeMark::kBegin;
+  return is_in;
+}
+
+// Of one after another without a gap as many at a time as there are.
+void addSamples(SessionLogWriter& writer, std::span<const TimedSample> samples) {
+  std::vector<DeviceSample> batch;
+  for (std::size_t n = 0; n < samples.size(); ++n) {
+    batch.push_back(samples[n].sample);
+    const bool is_last = n + 1 == samples.size() || samples[n + 1].tick != samples[n].tick + 1;
+    if (!is_last) continue;
+    writer.addSamples(samples[n].tick + 1 - batch.size(), batch);
+    batch.clear();
+  }
+}
+
+// Ended as Session::finish() ends one.
+Expected<void> writeLog(const fs::path& file, const SessionLog& log, const Session& session) {
+  KERF_TRY(writer, SessionLogWriter::create(file, log.header));
+  const std::span<const TimedSample> samples(log.samples);
+  std::size_t done = 0;
+  for (const SessionEvent& event : log.events) {
+    addSamples(writer, samples.subspan(done, event.samples_before - done));
+    done = event.samples_before;
+    std::visit([&](const auto& what) { writer.add(event.tick, what); }, event.what);
+    KERF_CHECK(writer.write());
+  }
+  addSamples(writer, samples.subspan(done));
+
+  const std::uint64_t last = samples.empty() ? 0 : samples.back().tick;
+  if (isInStroke(log)) writer.add(last + 1, StrokeMark::kEnd);
+  writer.add(last, StateCheck{session.hash(), session.state().last_force});
+  return writer.close(last);
+}
+
+// ---- The run
+
+// The run's own copies, or those of a cut along a path.
+std::vector<SessionTool> toolsOf(const fs::path& run_folder, const Recording& recording) {
+  std::vector<SessionTool> out;
+  for (std::size_t n = 0; n < recording.tools.size(); ++n) {
+    const bool is_session = recording.manifest.mode == kModeSession;
+    const fs::path file = is_session ? fs::path(recording.manifest.tools[n].file) : fs::path(internal::kRunToolCopy);
+    out.push_back({run_folder / file, recording.tools[n]});
+  }
+  return out;
+}
+
+// What was cut off neighbours before the session began is in begin.vdb; run.toml only has the sum.
+Expected<std::vector<SessionNeighbour>> neighboursOf(const fs::path& run_folder, const Recording& recording) {
+  std::vector<SessionNeighbour> out;
+  for (std::size_t n = 1; n < recording.cases.size(); ++n) {
+    const RunManifest::Beside& row = recording.manifest.beside[n - 1];
+    SessionNeighbour& other = out.emplace_back();
+    other.folder = recording.cases[n];
+    other.name = row.name;
+    other.has_begin = row.has_begin;
+    KERF_TRY(manifest, readCaseManifest(other.folder));
+    other.manifest = std::move(manifest);
+    KERF_TRY(begin, readRunBegin(run_folder, recording.manifest, n));
+    if (!begin) continue;
+    KERF_TRY(original, readCaseField(other.folder));
+    for (const double volume : internal::removedVolumes(original, *begin, internal::materialsOf(*recording.objects[n])))
+      other.removed_mm3 += volume;
+  }
+  return out;
+}
+
+// Names and colours: of an ended session in pieces the manifest has them.
+PieceLabels labelsOf(const fs::path& run_folder, const RunManifest& manifest) {
+  PieceLabels out = readPieceLabels(run_folder);
+  for (const RunManifest::Piece& piece : manifest.pieces) out[piece.id] = {piece.name, piece.colour};
+  return out;
+}
+
+Expected<RunManifest> writeBranch(const fs::path& run_folder, const Recording& recording, const SessionLog& log,
+                                  const Session& session, const fs::path& branch_folder) {
+  KERF_TRY(in_case, readCaseManifest(recording.cases.front()));
+  KERF_TRY(beside, neighboursOf(run_folder, recording));
+  KERF_TRY(fields, internal::fieldsBefore(run_folder, recording.manifest));
+  KERF_TRY(opened,
+           openSessionRun(branch_folder, recording.cases.front(), in_case, toolsOf(run_folder, recording), {}, beside));
+
+  const auto written = [&]() -> Expected<RunManifest> {
+    RunManifest out = std::move(opened.manifest);
+    out.begin_sha256 = recording.manifest.begin_sha256;
+    if (!out.begin_sha256.empty())
+      KERF_CHECK(internal::copyInto(run_folder / internal::kRunBegin, branch_folder / internal::kRunBegin));
+    const PieceLabels labels = labelsOf(run_folder, recording.manifest);
+    if (!labels.empty()) KERF_CHECK(writePieceLabels(branch_folder, labels));
+    KERF_CHECK(writeLog(branch_folder / internal::kRunLog, log, session));
+    out.tool_id = internal::toolsInHand(log, out);
+    KERF_CHECK(endSessionRun(branch_folder, session, out, labels, fields.loaded(), fields.beside));
+    return out;
+  }();
+  if (written) return written;
+
+  std::error_code ignored;
+  fs::remove_all(branch_folder, ignored);
+  if (written.error().code != Error::Code::kEmpty) return written;
+  return fail({.code = Error::Code::kEmpty,
+               .file = run_folder.string(),
+               .found = "nothing is cut up to there",
+               .expected = "a moment behind the first stroke",
+               .hint = "the case can be opened anew: " + recording.cases.front().string()});
+}
+
+}  // namespace
+
+Expected<RunManifest> branchRun(const fs::path& run_folder, const BranchPoint& point, const fs::path& branch_folder,
+                                const Progress& progress) {
+  KERF_TRY(manifest, readRunManifest(run_folder));
+  KERF_TRY(recording, internal::loadRecording(run_folder, manifest, progress));
+  const std::string file = recording.log_file.string();
+  KERF_TRY(moment, momentOf(recording.log, point, file));
+  KERF_CHECK(cutOff(recording.log, moment, file));
+
+  Expected<RunManifest> written = fail({});
+  const auto write = [&](const Session& session, const SessionLog& log) {
+    written = writeBranch(run_folder, recording, log, session, branch_folder);
+  };
+  KERF_TRY(replayed, replay(recording.log, file, recording.model, recording.objects, progress,
+                            std::numeric_limits<double>::infinity(), 0, write));
+  if (replayed.checks == 0 || replayed.is_same) return written;
+
+  std::error_code ignored;
+  if (written) fs::remove_all(branch_folder, ignored);
+  return fail({.code = Error::Code::kUnsupported,
+               .file = file,
+               .place = fmt::format("tick {}", replayed.differs_at),
+               .found = "its replay differs from what was recorded",
+               .expected = "the same bits",
+               .hint = "the run itself can be gone on from, at its end"});
+}
+
+}  // namespace kerf

@@ -1,0 +1,154 @@
+#include "sim/run/run_branch.h"
+
+#include <gtest/gtest.h>
+
+#include "sim/run/export_bundle.h"
+#include "sim/run/replay.h"
+#include "sim/run/run_files.h"
+#include "tests/sim/person_at_mouse.h"
+
+namespace kerf {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Two strokes; the second is taken back and another one cut in its place.
+class RunBranchTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new TemporaryFolder();
+    const fs::path block = test::bakedBlock(*folder_);
+    auto run = LiveRun::open(block, runFolder(), test::someTools());
+    ASSERT_TRUE(run) << run.error().message();
+    test::Mouse mouse(**run);
+    mouse.drill({-1.5, 0, 0}, 2);
+    first_ = removedBy(**run);
+    first_ended_ = (*run)->thread().report().tick;
+    mouse.send(SelectTool{1});
+    mouse.drill({0, 0, 0}, 2);
+    second_ = removedBy(**run);
+    const UndoList undo = (*run)->thread().report().undo;
+    ASSERT_EQ(undo.newest_count, 2u);
+    second_began_ = undo.newest[1].origin.tick;
+    mouse.send(Undo{});
+    mouse.drill({1.5, 0, 0}, 2);
+    third_ = removedBy(**run);
+    third_began_ = (*run)->thread().report().undo.newest[1].origin.tick;
+    const auto ended = (*run)->finish();
+    ASSERT_TRUE(ended) << ended.error().message();
+    ASSERT_GT(second_, first_ + 0.01);
+    ASSERT_GT(third_, first_ + 0.01);
+  }
+  static void TearDownTestSuite() { delete folder_; }
+
+  static fs::path runFolder() { return folder_->path() / "block.run"; }
+  static double removedBy(LiveRun& run) {
+    run.thread().update();
+    const HapticReport& report = run.thread().report();
+    double out = 0;
+    for (std::size_t n = 0; n < report.object_count; ++n) out += report.objects[n].removed_mm3;
+    return out;
+  }
+  // A run that is whole: it replays, and exports what was cut.
+  static void expectHolds(const fs::path& branch, double removed) {
+    const auto replayed = replayRun(branch);
+    ASSERT_TRUE(replayed) << replayed.error().message();
+    EXPECT_TRUE(replayed->is_same && replayed->is_whole) << replayed->note;
+    EXPECT_TRUE(replayed->note.empty()) << replayed->note;
+    EXPECT_NEAR(replayed->removed_mm3, removed, 1e-9);
+    const auto exported = exportBundle(branch);
+    ASSERT_TRUE(exported) << exported.error().message();
+    EXPECT_NEAR(exported->post_op.report.removed_volume_mm3, removed, 0.05 * removed);
+  }
+
+  static inline TemporaryFolder* folder_ = nullptr;
+  static inline double first_ = 0, second_ = 0, third_ = 0;
+  static inline std::uint64_t first_ended_ = 0, second_began_ = 0, third_began_ = 0;
+};
+
+TEST_F(RunBranchTest, AStrokeThatWasTakenBackAndReplacedIsInABranch) {
+  const fs::path branch = folder_->path() / "second.run";
+  const auto written = branchRun(runFolder(), {.step_began = second_began_}, branch);
+  ASSERT_TRUE(written) << written.error().message();
+  EXPECT_EQ(written->tool_id, "round-014, round-010");
+  EXPECT_LT(written->duration_s, readRunManifest(runFolder())->duration_s);
+  expectHolds(branch, second_);
+  expectHolds(runFolder(), third_);
+}
+
+TEST_F(RunBranchTest, AnyMomentIsABranch) {
+  const fs::path branch = folder_->path() / "first.run";
+  const auto written = branchRun(runFolder(), {.sample = first_ended_}, branch);
+  ASSERT_TRUE(written) << written.error().message();
+  EXPECT_EQ(written->tool_id, "round-014");
+  expectHolds(branch, first_);
+
+  // In the middle of a stroke.
+  const fs::path middle = folder_->path() / "middle.run";
+  ASSERT_TRUE(branchRun(runFolder(), {.sample = second_began_ + 1500}, middle));
+  const auto replayed = replayRun(middle);
+  ASSERT_TRUE(replayed) << replayed.error().message();
+  EXPECT_TRUE(replayed->is_same && replayed->is_whole) << replayed->note;
+  EXPECT_GT(replayed->removed_mm3, first_);
+  EXPECT_LT(replayed->removed_mm3, second_);
+}
+
+// Of what goes on from a branch, too: its log begins with begin.vdb.
+TEST_F(RunBranchTest, ABranchIsGoneOnFromAndBranchedFromAgain) {
+  const fs::path branch = folder_->path() / "base.run", next = folder_->path() / "next.run";
+  ASSERT_TRUE(branchRun(runFolder(), {.step_began = second_began_}, branch));
+  LiveRunOptions options = test::someTools();
+  options.from = branch;
+  std::uint64_t began = 0;
+  double after_one = 0;
+  {
+    auto run = LiveRun::open(folder_->path() / "block.case", next, options);
+    ASSERT_TRUE(run) << run.error().message();
+    EXPECT_NEAR((*run)->removedBefore(), second_, 1e-6);
+    test::Mouse mouse(**run);
+    mouse.drill({1.5, 1, 0}, 1.5);
+    after_one = removedBy(**run);
+    began = (*run)->thread().report().undo.newest[0].origin.tick;
+    mouse.send(Undo{});
+    mouse.drill({1.5, -1, 0}, 1.5);
+    ASSERT_TRUE((*run)->finish());
+  }
+
+  const fs::path again = folder_->path() / "again.run";
+  const auto written = branchRun(next, {.step_began = began}, again);
+  ASSERT_TRUE(written) << written.error().message();
+  const auto replayed = replayRun(again);
+  ASSERT_TRUE(replayed) << replayed.error().message();
+  EXPECT_TRUE(replayed->is_same && replayed->is_whole) << replayed->note;
+  EXPECT_NEAR(replayed->removed_mm3, after_one, 1e-9);
+  const auto exported = exportBundle(again);
+  ASSERT_TRUE(exported) << exported.error().message();
+  EXPECT_NEAR(exported->post_op.report.removed_volume_mm3, second_ + after_one, 0.05 * (second_ + after_one));
+}
+
+TEST_F(RunBranchTest, AStrokeThatWasNotTakenBackLeadsToTheEnd) {
+  const fs::path branch = folder_->path() / "end.run";
+  const auto written = branchRun(runFolder(), {.step_began = third_began_}, branch);
+  ASSERT_TRUE(written) << written.error().message();
+  EXPECT_EQ(written->state_hash, readRunManifest(runFolder())->state_hash);
+}
+
+TEST_F(RunBranchTest, WhatCanNotBeABranchIsRefusedAndLeavesNothing) {
+  const fs::path branch = folder_->path() / "none.run";
+  const auto nothing = branchRun(runFolder(), {.sample = 10}, branch);
+  ASSERT_FALSE(nothing);
+  EXPECT_EQ(nothing.error().code, Error::Code::kEmpty);
+  EXPECT_NE(nothing.error().hint.find("block.case"), std::string::npos) << nothing.error().message();
+  const auto unknown = branchRun(runFolder(), {.step_began = second_began_ + 1}, branch);
+  ASSERT_FALSE(unknown);
+  EXPECT_EQ(unknown.error().code, Error::Code::kNotFound);
+  EXPECT_FALSE(fs::exists(branch));
+
+  fs::create_directory(branch);
+  EXPECT_FALSE(branchRun(runFolder(), {.sample = first_ended_}, branch)) << "it is there";
+  EXPECT_TRUE(fs::is_empty(branch));
+  fs::remove(branch);
+}
+
+}  // namespace
+}  // namespace kerf
