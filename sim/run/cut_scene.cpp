@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -33,26 +34,18 @@ Expected<void> addCase(CutInputs& inputs, const fs::path& folder, const fs::path
   return {};
 }
 
-// The case of a run that can be gone on from by a path.
-Expected<fs::path> caseToGoOnWith(const fs::path& run) {
+// The case of a run that is gone on from, and what stood beside it there.
+Expected<void> addRun(CutInputs& inputs, const fs::path& run, const fs::path& run_folder) {
+  KERF_CHECK(requireAnother(run, run_folder));
   KERF_TRY(before, readRunManifest(run));
   KERF_CHECK(requireEnded(run, before));
-  const auto refuse = [&](std::string found, std::string expected, std::string hint) {
-    return fail({.code = Error::Code::kUnsupported,
-                 .file = run.string(),
-                 .found = std::move(found),
-                 .expected = std::move(expected),
-                 .hint = std::move(hint)});
-  };
-  for (const RunManifest::Piece& piece : before.pieces)
-    if (piece.isMoved())
-      return refuse("\"" + piece.name + "\", which was moved: a path is in the frame of the case, where it is no more",
-                    "a run whose pieces are where they were", "put it back in the window, or cut there");
-  if (!before.beside.empty())
-    return refuse(fmt::format("{} beside the case, which would be as new again",
-                              before.beside.size() == 1 ? "a tooth" : fmt::format("{} teeth", before.beside.size())),
-                  "a run of one case", "cut the case again, with both paths in one file");
-  return caseOfRun(run);
+  KERF_TRY(of_run, caseOfRun(run));
+  KERF_CHECK(addCase(inputs, of_run, run_folder));
+  KERF_TRY(beside, casesBesideRun(run));
+  for (const fs::path& folder : beside) KERF_CHECK(addCase(inputs, folder, run_folder));
+  inputs.from = run;
+  inputs.before = std::move(before);
+  return {};
 }
 
 Expected<void> requireTissues(const CutScene& scene) {
@@ -72,28 +65,17 @@ Expected<void> requireTissues(const CutScene& scene) {
 
 Expected<CutInputs> readInputs(const fs::path& case_folder, const std::vector<fs::path>& beside,
                                const fs::path& tool_file, const fs::path& path_file, const fs::path& run_folder) {
-  if (beside.size() >= kMostObjects)
+  CutInputs inputs;
+  if (isRun(case_folder))
+    KERF_CHECK(addRun(inputs, case_folder, run_folder));
+  else
+    KERF_CHECK(addCase(inputs, case_folder, run_folder));
+  if (inputs.folders.size() + beside.size() > kMostObjects)
     return fail({.code = Error::Code::kBadValue,
                  .place = "--beside",
-                 .found = fmt::format("{} cases", beside.size()),
+                 .found = fmt::format("{} cases", inputs.folders.size() - 1 + beside.size()),
                  .expected = fmt::format("at most {}", kMostObjects - 1),
                  .hint = "the nearest ones"});
-
-  CutInputs inputs;
-  if (isRun(case_folder)) {
-    std::error_code ignored;
-    if (fs::equivalent(case_folder, run_folder, ignored))
-      return fail({.code = Error::Code::kBadValue,
-                   .file = run_folder.string(),
-                   .found = "the run it goes on from",
-                   .expected = "a new folder: a run is never changed",
-                   .hint = "another name behind -o"});
-    KERF_TRY(of_run, caseToGoOnWith(case_folder));
-    inputs.from = case_folder;
-    KERF_CHECK(addCase(inputs, of_run, run_folder));
-  } else {
-    KERF_CHECK(addCase(inputs, case_folder, run_folder));
-  }
   for (const fs::path& folder : beside) KERF_CHECK(addCase(inputs, folder, run_folder));
   KERF_TRY(tool, readTool(tool_file));
   KERF_TRY(path, readPath(path_file));
@@ -107,21 +89,23 @@ Expected<CutInputs> readInputs(const fs::path& case_folder, const std::vector<fs
 Rigid3 CutScene::start() const { return poseAt(inputs.path, 0); }
 
 Expected<CutScene> loadScene(CutInputs inputs, const StepSettings& settings) {
-  std::optional<BrickField> begin, original;
-  if (!inputs.from.empty()) {
-    KERF_TRY(cut_before, readRunCutField(inputs.from));
-    KERF_TRY(of_case, readCaseField(inputs.folders.front()));
-    begin = std::move(cut_before);
-    original = std::move(of_case);
-  }
   LoadedObjects objects;
-  for (const fs::path& folder : inputs.folders) {
-    KERF_TRY(object, loadObject(folder, begin && objects.empty() ? &*begin : nullptr));
+  std::vector<BrickField> originals;
+  for (std::size_t n = 0; n < inputs.folders.size(); ++n) {
+    const bool was_cut = !inputs.from.empty() && n <= inputs.before.beside.size();
+    std::optional<BrickField> begin;
+    if (was_cut) {
+      KERF_TRY(cut_before, readRunCutField(inputs.from, n));
+      KERF_TRY(of_case, readCaseField(inputs.folders[n]));
+      begin = std::move(cut_before);
+      originals.push_back(std::move(of_case));
+    }
+    KERF_TRY(object, loadObject(inputs.folders[n], begin ? &*begin : nullptr));
     objects.push_back(std::move(object));
   }
   KERF_TRY(materials, readDefaultMaterials());
   KERF_TRY(model, makeModel(std::span(&inputs.tool, 1), settings, widestBand(objects)));
-  CutScene scene{std::move(inputs), std::move(objects), std::move(materials), std::move(model), std::move(original)};
+  CutScene scene{std::move(inputs), std::move(objects), std::move(materials), std::move(model), std::move(originals)};
   KERF_CHECK(requireTissues(scene));
   return scene;
 }

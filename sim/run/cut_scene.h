@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +11,7 @@
 #include "geometry/tool/tool.h"
 #include "sim/hand/path.h"
 #include "sim/object/baked_object.h"
+#include "sim/run/run_manifest.h"
 #include "sim/step/step.h"
 
 namespace kerf::internal {
@@ -22,14 +22,16 @@ struct CutInputs {
   std::vector<CaseManifest> manifests;         ///< of the same
   std::vector<std::string> paths;              ///< the same as seen from the run
   std::filesystem::path from;                  ///< the run that is gone on from; empty: none
+  RunManifest before;                          ///< of that run: its neighbours are the first that stand beside
   std::filesystem::path tool_file, path_file;
   Tool tool;
   CutPath path;
 };
 
 /// @param case_folder  or a run that has ended, from which it goes on.
-/// Errors: kUnsupported for a run that is open, whose pieces were moved, or that has cases beside it; kBadValue for too
-/// many cases, and for one that is given twice; those of the readers.
+/// @param beside  further cases, behind those that stood in that run.
+/// Errors: kUnsupported for a run that is open; kBadValue for too many cases, and for one that is given twice; those of
+/// the readers.
 Expected<CutInputs> readInputs(const std::filesystem::path& case_folder,
                                const std::vector<std::filesystem::path>& beside, const std::filesystem::path& tool_file,
                                const std::filesystem::path& path_file, const std::filesystem::path& run_folder);
@@ -40,9 +42,11 @@ struct CutScene {
   LoadedObjects objects;  ///< of inputs.folders, in their order
   MaterialTable materials;
   Model model;
-  /// Of a cut that goes on: the field of the case, before what it goes on from. None: objects.front() has it.
-  std::optional<BrickField> original;
+  /// Of a cut that goes on: the fields of the cases that the run before had cut, as they were before that. The others,
+  /// and all without such a run: objects has it.
+  std::vector<BrickField> originals;
 
+  bool goesOn() const { return !inputs.from.empty(); }
   const BakedObject& object() const { return *objects.front(); }  ///< the one to be cut
   Rigid3 start() const;                                           ///< of the tool, on its path
 };

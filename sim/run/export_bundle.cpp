@@ -42,17 +42,29 @@ Expected<WallAccuracy> measureWalls(const fs::path& run_folder, const RunManifes
                                     const Progress& progress) {
   constexpr std::size_t kSamples = 4000, kAtOnce = 256;
   constexpr double kTolerance = 1e-6;  // mm
-  KERF_TRY(tool, readTool(run_folder / internal::kRunToolCopy));
-  KERF_TRY(path, readPath(run_folder / m.path_file));
+  std::vector<RunManifest::EarlierCut> cuts = m.earlier;
+  cuts.push_back({m.tool_id, internal::kRunToolCopy, m.tool_sha256, m.path_file, m.path_sha256});
+  std::vector<Tool> tools;
+  std::vector<CutPath> paths;
+  for (const RunManifest::EarlierCut& cut : cuts) {
+    KERF_TRY(tool, readTool(run_folder / cut.tool_file));
+    KERF_TRY(path, readPath(run_folder / cut.path_file));
+    tools.push_back(std::move(tool));
+    paths.push_back(std::move(path));
+  }
   const std::vector<Vec3d> points = wallVertices(result, kSamples);
 
   const double far = 4 * m.voxel_mm;
-  const SweptPath swept(*tool.cut, path);
+  std::vector<SweptPath> swept;
+  for (std::size_t n = 0; n < cuts.size(); ++n) swept.emplace_back(*tools[n].cut, paths[n]);
   std::vector<double> nearest(points.size());
   for (std::size_t begin = 0; begin < points.size(); begin += kAtOnce) {
     if (!report(progress, 1.0, "measuring the cut walls")) return internal::nothingWritten();
-    tbb::parallel_for(begin, std::min(begin + kAtOnce, points.size()),
-                      [&](std::size_t i) { nearest[i] = swept.nearest(points[i], far, kTolerance).distance_mm; });
+    tbb::parallel_for(begin, std::min(begin + kAtOnce, points.size()), [&](std::size_t i) {
+      nearest[i] = far;
+      for (const SweptPath& one : swept)
+        nearest[i] = std::min(nearest[i], one.nearest(points[i], far, kTolerance).distance_mm);
+    });
   }
 
   WallAccuracy out;
@@ -89,7 +101,7 @@ Expected<CutCase> loadCut(const fs::path& run_folder, const RunManifest& manifes
   KERF_TRY(in_case, readCaseManifest(case_folder));
   KERF_TRY(solid, readCaseSolid(case_folder));
   KERF_TRY(phi0, readCaseField(case_folder));
-  const bool is_geometry = manifest.mode == kModeGeometry;
+  const bool is_geometry = manifest.hasSweep();
   KERF_TRY(cut, is_geometry ? readRunSweep(run_folder) : readRunCutField(run_folder, beside));
   const char* const advice = "cut again; a run is never edited";
   for (const RunManifest::ToolFile& tool : manifest.tools)
@@ -97,6 +109,10 @@ Expected<CutCase> loadCut(const fs::path& run_folder, const RunManifest& manifes
   if (manifest.mode != kModeSession) {
     KERF_CHECK(requireSha256(run_folder / internal::kRunToolCopy, manifest.tool_sha256, advice));
     KERF_CHECK(requireSha256(run_folder / manifest.path_file, manifest.path_sha256, advice));
+  }
+  for (const RunManifest::EarlierCut& earlier : manifest.earlier) {
+    KERF_CHECK(requireSha256(run_folder / earlier.tool_file, earlier.tool_sha256, advice));
+    KERF_CHECK(requireSha256(run_folder / earlier.path_file, earlier.path_sha256, advice));
   }
 
   if (const auto& region = in_case.region; region && cut.voxel() == region->where.voxel_mm) {
@@ -137,7 +153,7 @@ Expected<Export> exportRun(const fs::path& folder, const PostOpOptions& options,
   if (!report(progress, 0.0, "loading")) return internal::nothingWritten();
   KERF_TRY(loaded, loadCut(folder, manifest, case_folder, beside));
 
-  const bool is_geometry = manifest.mode == kModeGeometry;
+  const bool is_geometry = manifest.hasSweep();
   auto result = meshOf(loaded, is_geometry, options, progress);
   if (!result) {
     result.error().file = folder.string();
@@ -148,7 +164,9 @@ Expected<Export> exportRun(const fs::path& folder, const PostOpOptions& options,
   if (beside == 0) out.pieces = manifest.pieces;
 
   // The mesh is made and verified: a measurement that fails does not take it away.
-  if (!is_geometry)
+  if (manifest.mode == kModeGeometry && !is_geometry)
+    out.accuracy_missing = "goes on from a run cut against resistance, of which there is no exact sweep";
+  else if (!is_geometry)
     out.accuracy_missing = "cut against resistance: the tool went where force let it, there is no exact sweep";
   else if (const auto accuracy = measureWalls(folder, manifest, out.post_op, progress))
     out.accuracy = *accuracy;

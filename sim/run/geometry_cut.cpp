@@ -3,20 +3,24 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <memory>
-#include <nlohmann/json.hpp>
+#include <span>
 
 #include "geometry/base/atomic_file.h"
+#include "geometry/base/hash.h"
 #include "geometry/case/case_bundle.h"
 #include "geometry/case/case_materials.h"
 #include "geometry/field/vdb_io.h"
 #include "geometry/tool/sweep.h"
 #include "geometry/tool/tool_file.h"
 #include "sim/hand/path.h"
+#include "sim/run/cut_further.h"
+#include "sim/run/path_watch.h"
 #include "sim/run/removed_volumes.h"
+#include "sim/run/run_files.h"
 #include "sim/run/run_output.h"
 #include "sim/run/sweep_cutter.h"
-#include "sim/run/tip_exit.h"
 
 namespace kerf {
 namespace {
@@ -53,54 +57,24 @@ struct Swept {
   std::size_t merged_motions = 0, swept_motions = 0;
   std::map<std::string, double> removed_by_material;
   internal::PieceCount left;
-  PathFindings findings;
+  PathFindings findings;               // of the last pass
+  std::uint64_t hash_before_last = 0;  // of the cut field; of several passes
 };
 
-// Told of every motion of a path through a whole object.
-class Findings {
- public:
-  explicit Findings(const BrickField& loaded) : exit_(loaded) {}
-
-  void moveInAir() {
-    endStroke();
-    exit_.lift();
-  }
-  void cut(const Rigid3& from, const Rigid3& to, bool removes) {
-    if (!is_cutting_) {
-      ++found_.strokes;
-      is_cutting_ = true;
-      has_removed_ = false;
-      exit_.moveTo(from);
-    }
-    has_removed_ |= removes;
-    exit_.moveTo(to);
-  }
-  PathFindings take() {
-    endStroke();
-    found_.comes_out_at = exit_.place();
-    return std::move(found_);
-  }
-
- private:
-  void endStroke() {
-    if (is_cutting_ && !has_removed_) found_.idle.push_back(found_.strokes);
-    is_cutting_ = false;
-  }
-
-  internal::TipExit exit_;
-  PathFindings found_;
-  bool is_cutting_ = false, has_removed_ = false;
+// A tool along a path. A run that goes on from another one has several, one after the other.
+struct Pass {
+  Tool tool;
+  CutPath path;
 };
 
-// Sweeps the tool along the path through `swept.phi0`.   @param from, to  of the progress.
-Expected<void> sweepAlong(Swept& swept, const Tool& tool, const CutPath& whole, double from, double to,
-                          const Progress& progress) {
-  const MergedPath merged = mergedFor(*tool.cut, whole, swept.phi0->voxel());
+// Sweeps the tool along the path.   @param from, to  of the progress.
+Expected<void> sweepAlong(Swept& swept, const Pass& pass, double from, double to, const Progress& progress) {
+  const Tool& tool = pass.tool;
+  const MergedPath merged = mergedFor(*tool.cut, pass.path, swept.phi0->voxel());
   const CutPath& path = merged.path;
   swept.merged_motions = merged.merged;
   swept.swept_motions = static_cast<std::size_t>(std::count(path.cuts.begin(), path.cuts.end(), 1));
-  swept.cutter = std::make_unique<SweepCutter>(*swept.phi0);
-  Findings findings(*swept.phi0);
+  internal::PathWatch findings(*swept.phi0);
   const std::size_t segments = path.poses.empty() ? 0 : path.poses.size() - 1;
   for (std::size_t s = 0; s < segments; ++s) {
     const double done = from + (to - from) * static_cast<double>(s) / static_cast<double>(segments);
@@ -116,6 +90,18 @@ Expected<void> sweepAlong(Swept& swept, const Tool& tool, const CutPath& whole, 
   return {};
 }
 
+// All passes through `swept.phi0`, from a fresh one on.
+Expected<void> sweepAll(Swept& swept, std::span<const Pass> passes, double from, double to, const Progress& progress) {
+  swept.cutter = std::make_unique<SweepCutter>(*swept.phi0);
+  const double share = (to - from) / static_cast<double>(passes.size());
+  for (std::size_t n = 0; n < passes.size(); ++n) {
+    if (n > 0 && n + 1 == passes.size()) swept.hash_before_last = swept.cutter->cutField().stateHash();
+    const double begin = from + share * static_cast<double>(n);
+    KERF_CHECK(sweepAlong(swept, passes[n], begin, begin + share, progress));
+  }
+  return {};
+}
+
 // Of the sweep through the object's own grid.
 Expected<std::map<std::string, double>> removedByMaterial(const fs::path& case_folder, const CaseManifest& in_case,
                                                           const Swept& swept) {
@@ -128,12 +114,12 @@ Expected<std::map<std::string, double>> removedByMaterial(const fs::path& case_f
 }
 
 // On the object's own grid; once more on the fine region's if the case has one and the cut stays in it.
-Expected<Swept> sweepCase(const fs::path& case_folder, const CaseManifest& in_case, const Tool& tool,
-                          const CutPath& path, const Progress& progress) {
+Expected<Swept> sweepCase(const fs::path& case_folder, const CaseManifest& in_case, std::span<const Pass> passes,
+                          const Progress& progress) {
   KERF_TRY(phi0, readCaseField(case_folder));
   Swept out;
   out.phi0 = std::make_unique<BrickField>(std::move(phi0));
-  KERF_CHECK(sweepAlong(out, tool, path, 0.1, in_case.region ? 0.25 : 0.9, progress));
+  KERF_CHECK(sweepAll(out, passes, 0.1, in_case.region ? 0.25 : 0.9, progress));
   KERF_TRY(removed, removedByMaterial(case_folder, in_case, out));
   out.removed_by_material = removed;
   out.left = internal::countPieces(*out.phi0, out.cutter->cutField());
@@ -149,39 +135,76 @@ Expected<Swept> sweepCase(const fs::path& case_folder, const CaseManifest& in_ca
   const auto comes_out_at = out.findings.comes_out_at;  // a region ends in the middle of the object
   out.cutter.reset();
   out.phi0 = std::make_unique<BrickField>(std::move(fine));
-  KERF_CHECK(sweepAlong(out, tool, path, 0.25, 0.9, progress));
+  KERF_CHECK(sweepAll(out, passes, 0.25, 0.9, progress));
   out.findings.comes_out_at = comes_out_at;
   return out;
 }
 
 // What no other file of the run says: volumes, and what the object is in now.
 Expected<void> writeSummary(const fs::path& file, const CaseManifest& in_case, const Swept& swept) {
-  double initial = 0, removed = 0;
-  nlohmann::json loaded = nlohmann::json::object();
-  for (const CaseMaterial& material : in_case.materials) {
-    loaded[material.id] = material.volume_mm3;
-    initial += material.volume_mm3;
-  }
-  for (const auto& [id, volume] : swept.removed_by_material) removed += volume;
-  KERF_TRY(out, AtomicFile::create(file));
-  out.stream() << nlohmann::json{{"initial_mm3", initial},      {"initial_by_material_mm3", loaded},
-                                 {"removed_mm3", removed},      {"removed_by_material_mm3", swept.removed_by_material},
-                                 {"pieces", swept.left.pieces}, {"crumbs", swept.left.crumbs}}
-                      .dump(2)
-               << "\n";
-  return out.commit();
+  std::map<std::string, double> loaded;
+  for (const CaseMaterial& material : in_case.materials) loaded[material.id] = material.volume_mm3;
+  return internal::writeGeometrySummary(file, loaded, swept.removed_by_material, swept.left);
 }
 
-}  // namespace
+// ---- What a run was cut with before
 
-Expected<RunManifest> cutCase(const fs::path& case_folder, const fs::path& tool_file, const fs::path& path_file,
+constexpr const char* kEarlierFolder = "earlier";
+
+// From the first path on.
+std::vector<RunManifest::EarlierCut> cutsOf(const RunManifest& run) {
+  std::vector<RunManifest::EarlierCut> out = run.earlier;
+  out.push_back({run.tool_id, internal::kRunToolCopy, run.tool_sha256, run.path_file, run.path_sha256});
+  return out;
+}
+
+Expected<Pass> readPass(const fs::path& run_folder, const RunManifest::EarlierCut& cut) {
+  const char* const advice = "a run is never edited: take it from a copy";
+  KERF_CHECK(requireSha256(run_folder / cut.tool_file, cut.tool_sha256, advice));
+  KERF_CHECK(requireSha256(run_folder / cut.path_file, cut.path_sha256, advice));
+  KERF_TRY(tool, readTool(run_folder / cut.tool_file));
+  KERF_TRY(path, readPath(run_folder / cut.path_file));
+  return Pass{std::move(tool), std::move(path)};
+}
+
+// Copies tool and path of an earlier cut into a folder of their own.   @param n  of the cut.
+Expected<RunManifest::EarlierCut> storeEarlier(const fs::path& from, const RunManifest::EarlierCut& cut,
+                                               const Tool& tool, std::size_t n, const fs::path& staging) {
+  const fs::path folder = fs::path(kEarlierFolder) / fmt::format("{:02}", n + 1);
+  RunManifest::EarlierCut out = cut;
+  out.tool_file = (folder / internal::kRunToolCopy).string();
+  out.path_file = (folder / fs::path(cut.path_file).filename()).string();
+  std::error_code ignored;
+  fs::create_directories(staging / folder, ignored);  // copying tells what is wrong
+  KERF_CHECK(internal::copyInto(from / cut.tool_file, staging / out.tool_file));
+  KERF_CHECK(internal::copyInto(from / cut.path_file, staging / out.path_file));
+  if (tool.mesh) KERF_CHECK(internal::copyInto(tool.mesh_file, staging / folder / tool.mesh_file.filename()));
+  return out;
+}
+
+// What is cut: a case, or a run with all that it was cut with.
+struct Begin {
+  fs::path case_folder;
+  fs::path run{};  // empty: none
+  std::vector<RunManifest::EarlierCut> cuts{};
+  std::vector<Pass> passes{};
+};
+Expected<Begin> beginWithRun(const fs::path& run, const RunManifest& manifest) {
+  Begin out;
+  KERF_TRY(case_folder, caseOfRun(run));
+  out.case_folder = case_folder;
+  out.run = run;
+  out.cuts = cutsOf(manifest);
+  for (const RunManifest::EarlierCut& cut : out.cuts) {
+    KERF_TRY(pass, readPass(run, cut));
+    out.passes.push_back(std::move(pass));
+  }
+  return out;
+}
+
+Expected<RunManifest> cutFrom(Begin begin, const fs::path& tool_file, const fs::path& path_file,
                               const fs::path& run_folder, const CutOptions& options, const Progress& progress) {
-  if (isRun(case_folder))
-    return fail({.code = Error::Code::kUnsupported,
-                 .file = case_folder.string(),
-                 .found = "a run, not a case: a cut of geometry alone does not go on from one",
-                 .expected = "the case that it was cut from",
-                 .hint = "--hand force goes on from a run; or cut the case, with both paths in one file"});
+  const fs::path& case_folder = begin.case_folder;
   KERF_TRY(in_case, readCaseManifest(case_folder));
   KERF_TRY(table, readDefaultMaterials());
   KERF_CHECK(requireSameMaterials(case_folder, in_case, table));
@@ -191,13 +214,16 @@ Expected<RunManifest> cutCase(const fs::path& case_folder, const fs::path& tool_
   KERF_TRY(staging, AtomicFolder::create(run_folder, options.overwrite, kRunManifest));
   if (!report(progress, 0.0, "loading the case")) return nothingWritten();
 
-  KERF_TRY(swept, sweepCase(case_folder, in_case, tool, path, progress));
+  begin.passes.push_back({tool, path});
+  KERF_TRY(swept, sweepCase(case_folder, in_case, begin.passes, progress));
   const BrickField& sweep = swept.cutter->sweep();
   const BrickField cut = swept.cutter->cutField();
-  if (cut.isEmpty())
+  const bool is_cut = begin.cuts.empty() ? !cut.isEmpty() : cut.stateHash() != swept.hash_before_last;
+  if (!is_cut)
     return fail({.code = Error::Code::kEmpty,
                  .file = path_file.string(),
-                 .found = fmt::format("tool {} never meets the object", tool.id),
+                 .found = begin.cuts.empty() ? fmt::format("tool {} never meets the object", tool.id)
+                                             : fmt::format("tool {} meets nothing that is left of the object", tool.id),
                  .expected = internal::throughBox(in_case.box),
                  .hint = "check the path's frame and unit"});
 
@@ -214,6 +240,10 @@ Expected<RunManifest> cutCase(const fs::path& case_folder, const fs::path& tool_
   m.merged_motions = swept.merged_motions;
   m.swept_motions = swept.swept_motions;
   m.merge_tolerance_mm = kMergeTolerance * m.voxel_mm;
+  for (std::size_t n = 0; n < begin.cuts.size(); ++n) {
+    KERF_TRY(stored, storeEarlier(begin.run, begin.cuts[n], begin.passes[n].tool, n, staging.staging()));
+    m.earlier.push_back(std::move(stored));
+  }
 
   if (!report(progress, 0.92, "writing")) return nothingWritten();
   KERF_CHECK(
@@ -223,6 +253,22 @@ Expected<RunManifest> cutCase(const fs::path& case_folder, const fs::path& tool_
   KERF_CHECK(staging.commit());
   report(progress, 1.0, "done");
   return m;
+}
+
+}  // namespace
+
+Expected<RunManifest> cutCase(const fs::path& case_or_run, const fs::path& tool_file, const fs::path& path_file,
+                              const fs::path& run_folder, const CutOptions& options, const Progress& progress) {
+  if (!isRun(case_or_run))
+    return cutFrom({.case_folder = case_or_run}, tool_file, path_file, run_folder, options, progress);
+
+  KERF_CHECK(internal::requireAnother(case_or_run, run_folder));
+  KERF_TRY(before, readRunManifest(case_or_run));
+  KERF_CHECK(requireEnded(case_or_run, before));
+  if (before.mode != kModeGeometry || !before.begin_sha256.empty())
+    return internal::cutFurther(case_or_run, tool_file, path_file, run_folder, options, progress);
+  KERF_TRY(begin, beginWithRun(case_or_run, before));
+  return cutFrom(std::move(begin), tool_file, path_file, run_folder, options, progress);
 }
 
 }  // namespace kerf

@@ -16,6 +16,7 @@
 #include "sim/run/cut_scene.h"
 #include "sim/run/removed_volumes.h"
 #include "sim/run/run_output.h"
+#include "sim/run/session_pieces.h"
 #include "sim/run/sweep_cutter.h"
 #include "sim/session/session.h"
 
@@ -23,6 +24,7 @@ namespace kerf {
 namespace {
 
 namespace fs = std::filesystem;
+using internal::Bodies;
 using internal::CutInputs;
 using internal::CutObservers;
 using internal::CutScene;
@@ -129,7 +131,9 @@ Expected<Simulated> simulate(Session& session, const CutInputs& inputs, const Ha
                    .expected = "finite poses"});
 
     const auto& objects = session.state().objects;
-    out.removed_mm3 = internal::sumOf(objects.front().removed_mm3);
+    out.removed_mm3 = 0;
+    for (const CutObject& object : objects)
+      if (session.loadedIndexOf(object) == 0) out.removed_mm3 += internal::sumOf(object.removed_mm3);
     out.added_mm3 += tick.added_mm3;
     observers.tick({.sample = sample,
                     .output = tick,
@@ -144,15 +148,29 @@ Expected<Simulated> simulate(Session& session, const CutInputs& inputs, const Ha
 
 // ---- Summarise
 
+// In the bricks where the case differs from how the session has loaded it.
+BrickField changesOfCase(const Session& session) {
+  const internal::Objects objects = internal::objectsOf(session, 0);
+  if (!internal::isInPieces(objects)) return objects.front()->bricks().changedField();
+  const std::vector<BrickField> fields = internal::fieldsOf(objects);
+  std::vector<FieldPart> parts;
+  for (const BrickField& field : fields) parts.push_back({.begin = &field});
+  return joinedChanges(objects.front()->baked().phi0(), parts);
+}
+
 // The fields of the case and of its neighbours in the bricks that changed. Error kEmpty: nothing of the case changed.
 Expected<std::vector<BrickField>> changedFields(const Session& session, const CutScene& scene,
                                                 const HapticCutOptions& options, const Simulated& simulated) {
   const bool is_adding = !options.add.empty();
   const bool only_rubs = options.is_reversed && !scene.model.tools.front().cuts_backwards;
-  std::vector<BrickField> changed;
-  for (std::size_t n = 0; n < scene.objects.size(); ++n)
+  std::vector<BrickField> changed{changesOfCase(session)};
+  for (std::size_t n = 1; n < scene.objects.size(); ++n)
     changed.push_back(session.state().objects[n].bricks().changedField());
-  if (!changed.front().isEmpty()) return changed;
+  // To come apart changes nodes that no surface passes.
+  const bool is_in_pieces = internal::isInPieces(internal::objectsOf(session, 0));
+  const bool is_cut =
+      is_in_pieces ? simulated.removed_mm3 != 0 || simulated.added_mm3 != 0 : !changed.front().isEmpty();
+  if (is_cut) return changed;
 
   const std::string nothing = fmt::format("tool {} {} nothing{}", scene.inputs.tool.id, is_adding ? "added" : "cut",
                                           scene.objects.size() > 1 ? " of the case that is to be cut" : "");
@@ -181,36 +199,47 @@ Expected<std::vector<BrickField>> changedFields(const Session& session, const Cu
                .hint = "check the path's frame and unit, the spindle and the force"});
 }
 
-// What the path asks for: the cutting part swept along it, without resistance; and what of that was removed.
-Expected<void> compareWithPath(const CutScene& scene, const BrickField& changed, HapticSummary& summary,
-                               const Progress& progress) {
-  const BrickField& phi0 = scene.object().phi0();
-  const MergedPath merged = mergedFor(*scene.inputs.tool.cut, scene.inputs.path, phi0.voxel());
+// What the path asks of a body: the cutting part swept along it, without resistance.
+Expected<BrickField> planOf(const Bodies::Body& body, const CutScene& scene, const Progress& progress) {
+  const CutPath whole = internal::pathInFrame(scene.inputs.path, body.T_world_body);
+  const MergedPath merged = mergedFor(*scene.inputs.tool.cut, whole, body.begin->voxel());
   const CutPath& path = merged.path;
-  SweepCutter cutter(phi0);
+  SweepCutter cutter(*body.begin);
   for (std::size_t n = 0; n + 1 < path.poses.size(); ++n) {
     const double done = static_cast<double>(n) / static_cast<double>(path.poses.size());
     if (n % 16 == 0 && !report(progress, 0.9 + 0.02 * done, "comparing with the path")) return nothingWritten();
     if (path.cuts[n])
       cutter.advance(SweptTool(*scene.inputs.tool.cut, path.poses[n].T_object_tool, path.poses[n + 1].T_object_tool));
   }
+  return cutter.cutField();
+}
 
-  const BrickField plan = cutter.cutField();
-  const auto planned = internal::removedVolumes(phi0, plan, internal::materialsOf(scene.object()));
+// What the path asks for, and what of that was removed.
+Expected<void> compareWithPath(const Session& session, const CutScene& scene, const Bodies& bodies,
+                               const BrickField& changed, HapticSummary& summary, const Progress& progress) {
+  const internal::Objects objects = internal::objectsOf(session, 0);
+  internal::VolumeByNumber planned{};
+  for (std::size_t n = 0; n < bodies.all.size(); ++n) {
+    const BrickField& begin = *bodies.all[n].begin;
+    KERF_TRY(plan, planOf(bodies.all[n], scene, progress));
+    const auto of_body = internal::removedVolumes(begin, plan, internal::materialsOf(scene.object()));
+    for (std::size_t m = 0; m < planned.size(); ++m) planned[m] += of_body[m];
+    summary.reached_mm3 += internal::commonVolume(begin, plan, bodies.isInPieces() ? fieldOf(*objects[n]) : changed);
+  }
   summary.planned_mm3 = internal::sumOf(planned);
   summary.planned_by_material = internal::byMaterial(planned, scene.materials);
-  summary.reached_mm3 = internal::commonVolume(phi0, plan, changed);
   return {};
 }
 
 // How deep the tip, or the middle of what cuts, is in the case where the path begins, mm; at most the field's band.
-double depthAtStart(const CutScene& scene) {
-  const BrickField& phi0 = scene.object().phi0();
-  const Rigid3& start = scene.inputs.path.poses.front().T_object_tool;
+double depthAtStart(const CutScene& scene, const Bodies& bodies) {
   double deepest = 0;
-  for (const Vec3d& p : {Vec3d(Vec3d::Zero()), Vec3d(scene.inputs.tool.cut->bounds().center())}) {
-    const Vec3d node = (start * p / phi0.voxel()).array().round();
-    deepest = std::max(deepest, -static_cast<double>(phi0.at(node.cast<int>())));
+  for (const Bodies::Body& body : bodies.all) {
+    const Rigid3 start = body.T_world_body.inverse() * scene.inputs.path.poses.front().T_object_tool;
+    for (const Vec3d& p : {Vec3d(Vec3d::Zero()), Vec3d(scene.inputs.tool.cut->bounds().center())}) {
+      const Vec3d node = (start * p / body.begin->voxel()).array().round();
+      deepest = std::max(deepest, -static_cast<double>(body.begin->at(node.cast<int>())));
+    }
   }
   return deepest;
 }
@@ -236,7 +265,6 @@ CutSettings recordOf(const HapticCutOptions& options, const Tool& tool) {
 
 HapticSummary summarise(const Session& session, const CutScene& scene, const Simulated& simulated,
                         const CutObservers& observers, const BrickField& changed) {
-  const CutObject& object = session.state().objects.front();
   HapticSummary out;
   out.ticks = simulated.ticks;
   out.seconds = static_cast<double>(simulated.ticks) * kTick;
@@ -247,11 +275,18 @@ HapticSummary summarise(const Session& session, const CutScene& scene, const Sim
 
   out.initial_mm3 = internal::sumOf(scene.object().volumes());
   out.initial_by_material = internal::byMaterial(scene.object().volumes(), scene.materials);
-  out.remaining_mm3 = internal::sumOf(object.bricks().countVolumes());
+  internal::VolumeByNumber removed{}, added{};
+  for (const CutObject* const object : internal::objectsOf(session, 0)) {
+    out.remaining_mm3 += internal::sumOf(object->bricks().countVolumes());
+    for (std::size_t m = 0; m < removed.size(); ++m) {
+      removed[m] += object->removed_mm3[m];
+      added[m] += object->added_mm3[m];
+    }
+  }
   out.removed_mm3 = simulated.removed_mm3;
   out.added_mm3 = simulated.added_mm3;
-  out.removed_by_material = internal::byMaterial(object.removed_mm3, scene.materials);
-  out.added_by_material = internal::byMaterial(object.added_mm3, scene.materials);
+  out.removed_by_material = internal::byMaterial(removed, scene.materials);
+  out.added_by_material = internal::byMaterial(added, scene.materials);
   out.state_hash = fmt::format("{:016x}", session.hash());
 
   observers.addTo(out, session.state().objects);
@@ -277,6 +312,12 @@ RunManifest manifestOf(const CutScene& scene, const HapticSummary& summary) {
     // Rounding must not make a manifest that its reader refuses.
     const double removed = std::max(summary.beside[n - 1].removed_mm3, 0.0);
     m.beside.push_back({inputs.paths[n], inputs.manifests[n].id, scene.objects[n]->voxel(), removed});
+    if (n >= scene.originals.size()) continue;
+    RunManifest::Beside& other = m.beside.back();
+    const RunManifest::Beside& before = inputs.before.beside[n - 1];
+    other.name = before.name;
+    other.has_begin = true;
+    other.removed_mm3 += before.removed_mm3;
   }
   return m;
 }
@@ -394,6 +435,8 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
   // Simulate.
   Session session(scene.model, scene.objects, scene.start(), &observers.log());
   session.snapshotEvery(kSnapshotTicks);
+  const internal::PiecesPutBack pieces = internal::putPiecesBack(session, scene.inputs.before.pieces);
+  const Bodies bodies = internal::bodiesOf(session);
   KERF_CHECK(chooseMaterial(session, scene.materials, options.add));
   KERF_TRY(simulated, simulate(session, scene.inputs, options, observers, progress));
   KERF_CHECK(observers.close());
@@ -402,10 +445,16 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
   KERF_TRY(changed, changedFields(session, scene, options, simulated));
   HapticCut out;
   out.summary = summarise(session, scene, simulated, observers, changed.front());
-  out.summary.began_inside_mm = depthAtStart(scene);
+  out.summary.began_inside_mm = depthAtStart(scene, bodies);
   out.summary.settings = recordOf(options, scene.inputs.tool);
   out.manifest = manifestOf(scene, out.summary);
-  if (options.add.empty()) KERF_CHECK(compareWithPath(scene, changed.front(), out.summary, progress));
+  out.manifest.missing_pieces = pieces.missing;
+  if (bodies.isInPieces()) {
+    const internal::Objects objects = internal::objectsOf(session, 0);
+    out.manifest.pieces = internal::piecesOf(objects, internal::fieldsOf(objects), pieces.labels);
+    out.summary.findings.comes_out_at.reset();  // what is behind the tip goes by the case in one piece
+  }
+  if (options.add.empty()) KERF_CHECK(compareWithPath(session, scene, bodies, changed.front(), out.summary, progress));
   if (options.hand == HandKind::kDevice)
     out.summary.coupling_text =
         describeStiffness(couplingFor(profileOf(options.device), options.step.coupling), options.step.coupling);
@@ -413,9 +462,11 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
 
   // Write.
   if (!report(progress, 0.92, "writing")) return nothingWritten();
-  if (scene.original) {  // the run has all that was cut, and what it began with
-    const FieldPart all{.begin = &scene.object().phi0(), .changed = &changed.front()};
-    changed.front() = joinedChanges(*scene.original, {&all, 1});
+  if (scene.goesOn()) {  // the run has all that was cut, and what it began with
+    for (std::size_t n = 0; n < scene.originals.size(); ++n) {
+      const FieldPart all{.begin = &scene.objects[n]->phi0(), .changed = &changed[n]};
+      changed[n] = joinedChanges(scene.originals[n], {&all, 1});
+    }
     KERF_TRY(begin_sha256, internal::storeBegin(scene.inputs.from, folder.staging()));
     out.manifest.begin_sha256 = begin_sha256;
   }

@@ -44,8 +44,10 @@ struct HapticCut {
 Expected<void> checkOptions(const HapticCutOptions& options);
 
 /// @param case_folder  or a run that has ended: its case is cut further, and the new run has all that was cut in both.
-///   Pieces are cut as one object, each where it was; the summary counts from where the earlier run ended.
-///   Error kUnsupported for one that is open, whose pieces were moved, or that has cases beside it.
+///   Its pieces are apart from the beginning, and where they were put: the path goes by the world, which is the frame
+///   of what was not moved. What stood beside it stands there again, as it was left, before `options.beside`. The
+///   summary counts from where the earlier run ended; distances to pulp and nerve canal go by the largest piece, and
+///   `options.add` adds to that. Error kUnsupported for one that is open.
 /// Writes the run (docs/reference/file-formats.md): run.toml, run.vdb (grid phi), forces.csv (one row a tick),
 /// summary.json, session.kerflog (what kerf replay reads), sound.wav if asked for (48 kHz, 1 MB in 11 s).
 /// Same inputs, same bytes (but for the identifier inside run.vdb).

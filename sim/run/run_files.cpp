@@ -116,7 +116,7 @@ Expected<std::vector<fs::path>> casesBesideRun(const fs::path& run_folder) {
 Expected<BrickField> readRunSweep(const fs::path& run_folder) {
   KERF_TRY(manifest, readRunManifest(run_folder));
   KERF_CHECK(requireSha256(run_folder / internal::kRunField, manifest.field_sha256, "cut again"));
-  if (manifest.mode != kModeGeometry)
+  if (!manifest.hasSweep())
     return fail({.code = Error::Code::kUnsupported,
                  .file = run_folder.string(),
                  .place = "mode " + manifest.mode,

@@ -63,6 +63,27 @@ bool isInFolder(const std::string& file) {
   return !path.empty() && path.is_relative() && *path.lexically_normal().begin() != "..";
 }
 
+Expected<void> readEarlier(TomlTable& top, const fs::path& path, RunManifest& m) {
+  const toml::array* tables = top.has("earlier") ? top.tables("earlier") : nullptr;
+  if (!tables) return {};
+
+  for (const toml::node& node : *tables) {
+    if (!node.is_table()) continue;
+    TomlTable t(*node.as_table(), path, fmt::format("earlier {}", m.earlier.size() + 1));
+    RunManifest::EarlierCut cut;
+    cut.tool_id = t.get<std::string>("tool_id", "a tool");
+    cut.tool_file = t.get<std::string>("tool_file", "a file in the run folder");
+    cut.tool_sha256 = t.get<std::string>("tool_sha256", "64 hexadecimal digits");
+    cut.path_file = t.get<std::string>("path_file", "a file in the run folder");
+    cut.path_sha256 = t.get<std::string>("path_sha256", "64 hexadecimal digits");
+    if (!isInFolder(cut.tool_file)) t.reject("tool_file", "\"" + cut.tool_file + "\"", "a file in the run folder");
+    if (!isInFolder(cut.path_file)) t.reject("path_file", "\"" + cut.path_file + "\"", "a file in the run folder");
+    KERF_CHECK(t.finish());
+    m.earlier.push_back(std::move(cut));
+  }
+  return {};
+}
+
 // What a person's session left, and what it was cut with.
 Expected<void> readPieces(TomlTable& top, const fs::path& path, RunManifest& m) {
   const toml::array* tables = top.has("piece") ? top.tables("piece") : nullptr;
@@ -108,7 +129,7 @@ Expected<void> readTools(TomlTable& top, const fs::path& path, RunManifest& m) {
     KERF_CHECK(t.finish());
     m.tools.push_back(std::move(tool));
   }
-  return readPieces(top, path, m);
+  return {};
 }
 
 }  // namespace
@@ -165,14 +186,17 @@ Expected<RunManifest> readRunManifest(const fs::path& folder) {
   else
     top.reject("mode", "\"" + m.mode + "\"", modes);
 
-  if (m.mode != kModeGeometry) m.begin_sha256 = top.getOr<std::string>("begin_sha256", "", "64 hexadecimal digits");
+  m.begin_sha256 = top.getOr<std::string>("begin_sha256", "", "64 hexadecimal digits");
   m.duration_s = top.number("duration_s", 0, 1e9, "s");
   m.voxel_mm = top.number("voxel_mm", 0.001, 100);
   m.state_hash = top.get<std::string>("state_hash", "16 hexadecimal digits");
   m.field_sha256 = top.get<std::string>("field_sha256", "64 hexadecimal digits");
 
+  KERF_CHECK(readPieces(top, path, m));
   KERF_CHECK(readBeside(top, path, m));
-  if (!m.beside.empty() && m.mode == kModeGeometry) top.reject("beside", "in mode " + m.mode, "mode haptic or session");
+  if (m.mode == kModeGeometry) KERF_CHECK(readEarlier(top, path, m));
+  if (!m.beside.empty() && m.hasSweep())
+    top.reject("beside", "in mode " + m.mode, "mode haptic or session, or a run that goes on from such");
   if (m.beside.size() >= kMostObjects)
     top.reject("beside", fmt::format("{} cases", m.beside.size()), fmt::format("at most {}", kMostObjects - 1));
   KERF_CHECK(top.finish());
@@ -186,26 +210,13 @@ Expected<void> writeRunManifest(const fs::path& folder, const RunManifest& m) {
       {"tool_id", m.tool_id},       {"duration_s", m.duration_s},     {"voxel_mm", m.voxel_mm},
       {"state_hash", m.state_hash}, {"field_sha256", m.field_sha256},
   };
-  if (m.mode != kModeGeometry && !m.begin_sha256.empty()) root.insert("begin_sha256", m.begin_sha256);
+  if (!m.begin_sha256.empty()) root.insert("begin_sha256", m.begin_sha256);
   if (m.mode == kModeSession) {
     root.insert("is_open", m.is_open);
     toml::array tools;
     for (const RunManifest::ToolFile& t : m.tools)
       tools.push_back(toml::table{{"id", t.id}, {"file", t.file}, {"sha256", t.sha256}});
     root.insert("tool", std::move(tools));
-    toml::array pieces;
-    for (const RunManifest::Piece& p : m.pieces) {
-      const Vec3d& i = p.inside;
-      const Vec3d& t = p.T_case_piece.translation;
-      const Eigen::Quaterniond& q = p.T_case_piece.rotation;
-      toml::table row{
-          {"id", static_cast<std::int64_t>(p.id)},        {"name", p.name},
-          {"inside", toml::array{i[0], i[1], i[2]}},      {"volume_mm3", p.volume_mm3},
-          {"translation", toml::array{t[0], t[1], t[2]}}, {"rotation", toml::array{q.w(), q.x(), q.y(), q.z()}}};
-      if (!p.colour.empty()) row.insert("colour", p.colour);
-      pieces.push_back(std::move(row));
-    }
-    if (!pieces.empty()) root.insert("piece", std::move(pieces));
   } else {
     root.insert("tool_sha256", m.tool_sha256);
     root.insert("path_file", m.path_file);
@@ -214,6 +225,27 @@ Expected<void> writeRunManifest(const fs::path& folder, const RunManifest& m) {
     root.insert("segments", static_cast<std::int64_t>(m.segments));
     root.insert("path_length_mm", m.path_length_mm);
   }
+  toml::array earlier;
+  for (const RunManifest::EarlierCut& cut : m.earlier)
+    earlier.push_back(toml::table{{"tool_id", cut.tool_id},
+                                  {"tool_file", cut.tool_file},
+                                  {"tool_sha256", cut.tool_sha256},
+                                  {"path_file", cut.path_file},
+                                  {"path_sha256", cut.path_sha256}});
+  if (!earlier.empty()) root.insert("earlier", std::move(earlier));
+  toml::array pieces;
+  for (const RunManifest::Piece& p : m.pieces) {
+    const Vec3d& i = p.inside;
+    const Vec3d& t = p.T_case_piece.translation;
+    const Eigen::Quaterniond& q = p.T_case_piece.rotation;
+    toml::table row{
+        {"id", static_cast<std::int64_t>(p.id)},        {"name", p.name},
+        {"inside", toml::array{i[0], i[1], i[2]}},      {"volume_mm3", p.volume_mm3},
+        {"translation", toml::array{t[0], t[1], t[2]}}, {"rotation", toml::array{q.w(), q.x(), q.y(), q.z()}}};
+    if (!p.colour.empty()) row.insert("colour", p.colour);
+    pieces.push_back(std::move(row));
+  }
+  if (!pieces.empty()) root.insert("piece", std::move(pieces));
   if (!m.beside.empty()) {
     toml::array beside;
     for (const RunManifest::Beside& b : m.beside) {

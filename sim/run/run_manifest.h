@@ -7,8 +7,9 @@
 //   run.vdb      grids phi (the cut field, bricks that changed) and, geometry only, sweep (union of tool sweeps, mm);
 //                beside_1, beside_2, ...: phi of further cases that stood beside the one that was cut
 //   forces.csv, summary.json, session.kerflog   of a cut against resistance: haptic_cut.h
-//   begin.vdb    modes haptic and session, of one that went on from another run: what that one left, phi and beside_1,
-//   ... tools/       mode session: in place of tool and path, all tools of the session
+//   begin.vdb    of one that went on from a run cut against resistance: what that one left, phi and beside_1, ...
+//   earlier/     of one cut by geometry alone that went on from such a run: the tools and paths of that
+//   tools/       mode session: in place of tool and path, all tools of the session
 //
 // run_files.h reads what lies beside the manifest.
 #pragma once
@@ -46,9 +47,17 @@ struct RunManifest {
   /// Of summary.json, modes geometry and haptic: kerf info says when it was edited since. Empty: an older run.
   std::string summary_sha256;
 
-  /// Of begin.vdb, modes haptic and session: what an earlier run had cut, from which this one went on. Empty: it began
-  /// with the case.
+  /// Of begin.vdb: what an earlier run had cut, from which this one went on. Empty: it began with the case, or in mode
+  /// geometry with `earlier`.
   std::string begin_sha256;
+
+  /// Mode geometry: what was swept before the tool and the path above, the first first. Files are in the run folder.
+  struct EarlierCut {
+    std::string tool_id, tool_file, tool_sha256, path_file, path_sha256;
+  };
+  std::vector<EarlierCut> earlier;
+  /// Of mode geometry, the union of all sweeps is in run.vdb: all was cut by geometry alone.
+  bool hasSweep() const { return mode == kModeGeometry && begin_sha256.empty(); }
 
   // Mode session only. Its tools stand in the order of the session's; tool_id names those that were in hand.
   struct ToolFile {
@@ -58,8 +67,8 @@ struct RunManifest {
   /// The session has not ended, or its program has: there is the log, and neither field nor state. recoverRun()
   /// finishes it.
   bool is_open = false;
-  /// Objects that the case was in at the end, when there are several or one was moved. In run.vdb all are where they
-  /// were loaded.
+  /// Objects that the case was in at the end, when there are several or one was moved: of a session, and of a cut along
+  /// a path that goes on from a run that had such. In run.vdb all are where they were loaded.
   struct Piece {
     std::uint32_t id = 0;  ///< CutObject::id
     std::string name;
@@ -77,8 +86,8 @@ struct RunManifest {
     std::string case_path, case_id;  ///< as those of the case
     double voxel_mm = 0;
     double removed_mm3 = 0;  ///< what was cut off it; of a session that is open, before that began
-    bool has_begin = false;  ///< mode session: begin.vdb has what was cut off it before
-    std::string name{};      ///< mode session: what a person called it; may be empty
+    bool has_begin = false;  ///< begin.vdb has what was cut off it before
+    std::string name{};      ///< what a person called it; may be empty
   };
   std::vector<Beside> beside;  ///< the first is "beside_1": neighbourId(1)
 
@@ -91,6 +100,8 @@ struct RunManifest {
   double merge_tolerance_mm = 0;
   /// Not stored. Of a geometry cut.
   PathFindings findings;
+  /// Not stored. Pieces of the run it goes on from that were not found again, and so are where they were loaded.
+  std::vector<std::string> missing_pieces;
   /// In summary.json. What a geometry cut took off, by a material's id, counted on the object's own voxels.
   std::map<std::string, double> removed_by_material;
 };

@@ -161,7 +161,9 @@ TEST_F(Cli, OutputsThatCannotBeAreRefusedAndNothingOfOthersIsReplaced) {
   refuses(forced(cut(at("box.case"))), {"box.case", "it is a case"});
   refuses({"tool", "bake", "round-014", "-o", at("box.run"), "--force"}, {"box.run", "it is a run"});
   refuses({"cut", at("box.run"), "--tool", "round-014", "--path", path, "-o", at("x.run")},
-          {"box.run: a run, not a case", "the case that it was cut from"});
+          {"meets nothing that is left of the object"});
+  refuses({"cut", at("box.run"), "--tool", "round-014", "--path", path, "-o", at("box.run"), "--force"},
+          {"box.run", "never changed"});
   for (const auto& command : {bake(at("file.case")), cut(at("file.case"))}) refuses(forced(command), {"file.case"});
   std::vector<std::string> finer = bake(box);
   finer.insert(finer.end(), {"--close", "repair"});

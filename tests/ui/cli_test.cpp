@@ -273,7 +273,11 @@ TEST_F(Cli, ACutAgainstResistanceGoesOnFromARun) {
   const json replayed = parsed(runKerf({"replay", at("second.run"), "--json"}));
   EXPECT_TRUE(replayed["is_same"].get<bool>() && replayed["is_whole"].get<bool>()) << replayed;
 
-  refuses(cut("first.run", cavity, "x.run", {}), {"a run, not a case", "--hand force"});
+  const json swept = parsed(runKerf(cut("first.run", cavity, "swept.run", {})));
+  EXPECT_NEAR(exported("swept.run") - part, swept["removed_mm3"].get<double>(), 0.05 * then);
+  const Outcome told = runKerf({"info", at("swept.run")});
+  EXPECT_NE(told.out.find("since the run that this one goes on from"), told.out.npos) << told.out;
+
   refuses(cut("first.run", cavity, "first.run", {"--hand", "feed", "--force"}), {"never changed"});
   parsed(runKerf(cut("molar.case", at("beside.csv"), "damaged.run", {"--hand", "feed"})));
   std::ofstream(at("damaged.run/run.vdb"), std::ios::binary) << "no field";

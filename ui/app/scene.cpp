@@ -68,7 +68,7 @@ Expected<Mesh> cutOpen(const std::filesystem::path& path, const std::filesystem:
   bool has_sweep = false;
   if (is_run) {
     KERF_TRY(run, readRunManifest(path));
-    has_sweep = run.mode == kModeGeometry;
+    has_sweep = run.hasSweep();
     if (has_sweep) {
       KERF_TRY(swept, readRunSweep(path));
       sweep = std::move(swept);

@@ -81,13 +81,21 @@ std::optional<Error> misplaced(const CLI::App& command, const std::string& hand)
   return std::nullopt;
 }
 
+// Of a run that is gone on from.
+void warnOfPieces(const RunManifest& m) {
+  for (const std::string& piece : m.missing_pieces)
+    fmt::print(stderr, "kerf: WARNING: not found again, and so where it was in the scan: {}\n", piece);
+}
+
 // ---- Against resistance
 
 // What happened to the cases beside the one that was cut, and what the export of that does not show.
 void warnOfNeighbours(const Arguments& a, const HapticSummary& s) {
+  const std::size_t of_run = s.beside.size() - a.haptic.beside.size();  // that it goes on from
   for (std::size_t n = 0; n < s.beside.size(); ++n) {
     const HapticSummary::Neighbour& other = s.beside[n];
-    const std::string name = fmt::format("{} ({})", other.id, a.haptic.beside[n].string());
+    const std::string place = n < of_run ? other.case_path : a.haptic.beside[n - of_run].string();
+    const std::string name = fmt::format("{} ({})", other.id, place);
     const auto least = s.least_distance_mm.find(other.id);
     const bool is_in = least != s.least_distance_mm.end() && least->second < 0;
     const std::string in = is_in ? fmt::format(", cutting part in it by {:.3f} mm", -least->second) : "";
@@ -239,6 +247,7 @@ int runByHand(const Arguments& a, const std::filesystem::path& tool) {
   if (cut->left_region_unused)
     fmt::print(stderr, "kerf: the case's fine region is not used by --hand: cut on the object's voxels, {} mm\n",
                cut->manifest.voxel_mm);
+  warnOfPieces(cut->manifest);
   warnOfNeighbours(a, cut->summary);
   warnOfTool(tool, cut->manifest.voxel_mm, cut->summary.removed_mm3 + cut->summary.added_mm3 < kUnchanged);
   tell(cut->summary.findings, !a.haptic.add.empty());
@@ -264,6 +273,13 @@ std::string mergedLine(const RunManifest& m) {
                      m.merged_motions, m.swept_motions, m.merge_tolerance_mm);
 }
 
+// What the volumes are of, when it went on from a run.
+std::string earlierLine(const RunManifest& m) {
+  if (!m.begin_sha256.empty()) return "since the run that this one goes on from:\n";
+  if (m.earlier.empty()) return {};
+  return fmt::format("with {} along other paths before it:\n", counted(m.earlier.size(), "cut"));
+}
+
 int runGeometry(const Arguments& a, const std::filesystem::path& tool) {
   const auto m = [&] {
     TerminalProgress progress;
@@ -277,6 +293,7 @@ int runGeometry(const Arguments& a, const std::filesystem::path& tool) {
         "kerf: the cut reaches {:.2f} mm out of the case's fine region: cut on the object's voxels, {} mm. For the "
         "fine ones bake with a larger --fine-radius\n",
         m->beyond_region_mm, m->voxel_mm);
+  warnOfPieces(*m);
   double removed = 0;
   for (const auto& [id, volume] : m->removed_by_material) removed += volume;
   // Volumes are counted on the object's own voxels, strokes on those of a fine region where one was cut.
@@ -291,6 +308,7 @@ int runGeometry(const Arguments& a, const std::filesystem::path& tool) {
         {"removed_by_material_mm3", m->removed_by_material},
         {"segments", m->segments},
         {"path_length_mm", m->path_length_mm},
+        {"earlier_cuts", m->earlier.size()},
         {"duration_s", m->duration_s},
         {"voxel_mm", m->voxel_mm},
         {"beyond_region_mm", m->beyond_region_mm},
@@ -302,9 +320,10 @@ int runGeometry(const Arguments& a, const std::filesystem::path& tool) {
         {"state_hash", m->state_hash}});
   else
     fmt::print(
-        "cut with {} along {:.2f} mm in {} motions, voxels {} mm; state {}\n{}removed {:.4f} mm3{}\nrun written: {}\n",
-        m->tool_id, m->path_length_mm, m->segments, m->voxel_mm, m->state_hash, mergedLine(*m), removed,
-        byMaterial(m->removed_by_material, false), a.output);
+        "cut with {} along {:.2f} mm in {} motions, voxels {} mm; state {}\n{}{}removed {:.4f} mm3{}\nrun written: "
+        "{}\n",
+        m->tool_id, m->path_length_mm, m->segments, m->voxel_mm, m->state_hash, mergedLine(*m), earlierLine(*m),
+        removed, byMaterial(m->removed_by_material, false), a.output);
   return kOk;
 }
 
@@ -320,7 +339,8 @@ constexpr const char* kFooter =
     "Without --hand: geometry only, the cutting part removes whatever it sweeps.\n"
     "With --hand: a virtual hand holds the tool against resistance, in steps of 1 ms. Tissues differ, force decides\n"
     "how fast the tool cuts, neck, shank and flanks collide. The run then also holds forces.csv and summary.json.\n"
-    "With --hand a RUN can be gone on from, unless it is open, its pieces were moved, or it has cases beside it.\n"
+    "A RUN that has ended is gone on from: its pieces are where they were put, what stood beside it stands there "
+    "again.\n"
     "With --beside: the tool also meets further teeth, as they stand in the scan's frame.\n"
     "Examples:\n"
     "  kerf cut molar.case --tool round-014 --path cavity.toml -o molar.run\n"
@@ -382,9 +402,9 @@ void addCut(CLI::App& command, int& exit_code) {
   auto a = std::make_shared<Arguments>();
   command.footer(kFooter);
   command
-      .add_option("CASE", a->case_folder,
-                  "case folder; with --hand also a run that has ended: the new run goes on from it and holds all that "
-                  "was cut in both")
+      .add_option(
+          "CASE", a->case_folder,
+          "case folder, or a run that has ended: the new run goes on from it and holds all that was cut in both")
       ->type_name("CASE|RUN")
       ->required();
   command.add_option("--tool", a->tool, "tool id (kerf tool list) or a tool's TOML file")->required();

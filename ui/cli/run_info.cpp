@@ -121,6 +121,9 @@ void printVolumes(const RunReport& r, std::string& out) {
     out += r.manifest.mode == kModeSession
                ? "  since the case, what was cut before this session too; force, time and strokes are of this session\n"
                : "  since the run that this one goes on from; loaded is what that one left\n";
+  if (!r.manifest.earlier.empty())
+    out += fmt::format("  with {} along other paths before; strokes and time are of the last path\n",
+                       counted(r.manifest.earlier.size(), "cut"));
   for (const std::string& id : tissuesOf(r)) {
     const auto share = shareOf(r, id);
     out += fmt::format("  {:<18} {:>10.4f} mm3", id, noneBelow(volumeOf(r.removed_by_material, id)));
@@ -227,6 +230,7 @@ json runJson(const RunReport& r) {
     j["path_length_mm"] = m.path_length_mm;
   }
   if (!m.begin_sha256.empty()) j["goes_on_from_field_sha256"] = m.begin_sha256;
+  for (const RunManifest::EarlierCut& cut : m.earlier) j["earlier_tools"].push_back(cut.tool_id);
   addMoved(m, j);
   return j;
 }
