@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace kerf {
@@ -100,6 +101,34 @@ Expected<void> requireDistancesInPart(const BrickField& part, const std::string&
 
 Expected<void> requireDistancesOfCut(const BrickField& cut, const std::string& grid) {
   return requireSteps(cut, grid, kMostShareOfCut);
+}
+
+Expected<void> requireOnlyTaken(const BrickField& cut, const BrickField& before, const BrickField* begin,
+                                const std::string& grid) {
+  constexpr double kRounding = 0.01;  // voxels
+  const double least = kRounding * cut.voxel();
+  Tally deeper;
+  double deepest = 0;
+  for (std::size_t b = 0; b < cut.brickCount(); ++b) {
+    const Vec3i at = cut.brickCoord(b);
+    const BrickValues* const known = before.valuesAt(at);
+    const BrickValues* const filled = begin ? begin->valuesAt(at) : nullptr;
+    const float constant = before.constantAt(at);
+    for (int node = 0; node < kBrickNodes; ++node) {
+      const auto n = static_cast<std::size_t>(node);
+      float was = known ? (*known)[n] : constant;
+      if (filled) was = std::min(was, (*filled)[n]);
+      const double by = static_cast<double>(was) - cut.brick(b)[n];
+      deeper.add(by > least, b, node);
+      deepest = std::max(deepest, by);
+    }
+  }
+  if (deeper.wrong == 0) return {};
+  return refuse(grid,
+                fmt::format("material where there was none: {} values lie deeper than in the case, by {:.3g} mm at "
+                            "most, the first at {}",
+                            deeper.wrong, deepest, placeOf(cut, deeper.brick, deeper.node)),
+                "a cut, which only takes away");
 }
 
 Expected<void> requireSameSides(const BrickField& part, const BrickField& whole, const std::string& grid) {

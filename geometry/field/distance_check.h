@@ -26,6 +26,14 @@ Expected<void> requireDistancesInPart(const BrickField& part, const std::string&
 /// field has steps: it is refused only if more than a fifth of all pairs are such.
 Expected<void> requireDistancesOfCut(const BrickField& cut, const std::string& grid);
 
+/// Refuses a cut with material where there was none before: cutting never makes a distance smaller. A hundredth of a
+/// voxel is let for rounding.
+/// @param before  the field that was cut, whole, on the same voxels.
+/// @param begin  bricks in which there was more than in `before` already, as a filling; null: none.
+/// Error kBadValue with how much deeper it lies at most, and where first.   @cost  linear: 1 us a brick.
+Expected<void> requireOnlyTaken(const BrickField& cut, const BrickField& before, const BrickField* begin,
+                                const std::string& grid);
+
 /// Refuses a part that is inside where the whole is outside, or the other way round, in more than a hundredth of the
 /// places asked, farther than a voxel of the whole from its surface.
 /// @param whole  the field of the same object, on any voxels.

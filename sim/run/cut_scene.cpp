@@ -97,6 +97,7 @@ Expected<CutScene> loadScene(CutInputs inputs, const StepSettings& settings) {
     if (was_cut) {
       KERF_TRY(cut_before, readRunCutField(inputs.from, n));
       KERF_TRY(of_case, readCaseField(inputs.folders[n]));
+      KERF_CHECK(requireOnlyTaken(inputs.from, inputs.before, cut_before, of_case, n));
       begin = std::move(cut_before);
       originals.push_back(std::move(of_case));
     }

@@ -126,6 +126,7 @@ Expected<CutCase> loadCut(const fs::path& run_folder, const RunManifest& manifes
                  .found = fmt::format("{} mm voxels", cut.voxel()),
                  .expected = fmt::format("{} mm, as in the case", phi0.voxel()),
                  .hint = "cut again"});
+  if (!is_geometry) KERF_CHECK(requireOnlyTaken(run_folder, manifest, cut, phi0, beside));
   return CutCase{std::move(solid), std::move(phi0), std::move(cut)};
 }
 

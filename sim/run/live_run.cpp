@@ -182,6 +182,7 @@ Expected<void> LiveRun::loadWhatIsCut() {
   KERF_TRY(object, loadObject(case_folder_, &begin));
   object_ = std::move(object);
   KERF_TRY(original, readCaseField(case_folder_));
+  KERF_CHECK(requireOnlyTaken(options_.from, before, begin, original));
   original_ = std::make_shared<const BrickField>(std::move(original));
   for (const double volume : internal::removedVolumes(*original_, begin, internal::materialsOf(*object_)))
     removed_before_ += volume;

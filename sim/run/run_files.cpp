@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <fstream>
+#include <nlohmann/json.hpp>
+
 #include "geometry/base/hash.h"
 #include "geometry/case/case_bundle.h"
 #include "geometry/field/distance_check.h"
@@ -36,15 +39,29 @@ Expected<std::optional<fs::path>> findGivenCase(const fs::path& run_folder, cons
                .hint = "the case as it was when the run was cut: one that was baked anew is another"});
 }
 
+// What is wrong with a grid of a run, by the file it is in.
+Expected<void> ofRun(Expected<void> checked, const fs::path& file) {
+  if (checked) return checked;
+  checked.error().file = file.string();
+  checked.error().hint = "a run is never edited: take it from a copy, or cut again";
+  return checked;
+}
+
 // A grid of a run, whose numbers can be distances.
 Expected<BrickField> readGrid(const fs::path& file, const std::string& grid) {
   KERF_TRY(field, readVdb(file, grid));
-  if (auto checked = requireDistancesOfCut(field, grid); !checked) {
-    checked.error().file = file.string();
-    checked.error().hint = "a run is never edited: take it from a copy, or cut again";
-    return fail(std::move(checked).error());
-  }
+  KERF_CHECK(ofRun(requireDistancesOfCut(field, grid), file));
   return std::move(field);
+}
+
+// Whether a run along a path says that it put material on its case.
+bool saysThatItAdded(const fs::path& run_folder, const RunManifest& manifest) {
+  if (manifest.mode != kModeHaptic) return false;
+  std::ifstream in(run_folder / internal::kRunSummary, std::ios::binary);
+  const nlohmann::json summary = nlohmann::json::parse(in, nullptr, false);
+  if (!summary.is_object()) return false;
+  const auto added = summary.find("added_mm3");
+  return added != summary.end() && added->is_number() && added->get<double>() > 0;
 }
 
 }  // namespace
@@ -131,6 +148,14 @@ Expected<BrickField> readRunCutField(const fs::path& run_folder, std::size_t bes
   KERF_CHECK(internal::requireBeside(run_folder, manifest, beside));
   KERF_CHECK(requireSha256(run_folder / internal::kRunField, manifest.field_sha256, "cut again"));
   return readGrid(run_folder / internal::kRunField, beside == 0 ? "phi" : neighbourId(beside));
+}
+
+Expected<void> requireOnlyTaken(const fs::path& run_folder, const RunManifest& manifest, const BrickField& cut,
+                                const BrickField& phi0, std::size_t beside) {
+  if (beside == 0 && saysThatItAdded(run_folder, manifest)) return {};
+  KERF_TRY(begin, readRunBegin(run_folder, manifest, beside));
+  const std::string grid = beside == 0 ? "phi" : neighbourId(beside);
+  return ofRun(requireOnlyTaken(cut, phi0, begin ? &*begin : nullptr, grid), run_folder / internal::kRunField);
 }
 
 Expected<std::optional<BrickField>> readRunBegin(const fs::path& run_folder, const RunManifest& manifest,

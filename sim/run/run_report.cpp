@@ -229,6 +229,7 @@ Expected<void> countVolumes(const fs::path& run_folder, RunReport& out) {
   KERF_CHECK(requireSameMaterials(case_folder, in_case, table));
   KERF_TRY(fields, readCaseFields(case_folder, in_case));
   KERF_TRY(cut, readRunCutField(run_folder));
+  KERF_CHECK(requireOnlyTaken(run_folder, out.manifest, cut, fields.phi0));
   const Material fallback =
       in_case.materials.empty() ? Material::kGeneric : static_cast<Material>(in_case.materials.front().number);
   const auto volumes = internal::removedVolumes(fields.phi0, cut, internal::materialsOf(fields.materials, fallback));

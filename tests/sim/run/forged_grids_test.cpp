@@ -124,6 +124,43 @@ TEST_F(ForgedGrids, ARegionOfNoiseOrOfAnotherObjectIsRefusedByName) {
     EXPECT_NE(other.find(words), other.npos) << words << " in: " << other;
 }
 
+TEST_F(ForgedGrids, MaterialThatComesFromNowhereIsRefusedByName) {
+  const fs::path run = cutByHand();
+  BrickField deeper = gridOf(run / "run.vdb", "phi");
+  for (std::size_t b = 0; b < deeper.brickCount(); ++b)
+    for (float& v : deeper.brick(b)) v -= 0.15f;
+  forge(run, "phi", deeper);
+  const std::string by_export = refusalOfExport(run);
+  for (const char* words : {"run.vdb", "grid phi", "material where there was none: ", "by 0.15 mm", "only takes away"})
+    EXPECT_NE(by_export.find(words), by_export.npos) << words << " in: " << by_export;
+
+  HapticCutOptions options;
+  options.hand = HandKind::kFeed;
+  const auto gone_on = cutCaseByHand(run, tool_, folder_.path() / "groove.csv", folder_.path() / "on.run", options);
+  ASSERT_FALSE(gone_on);
+  EXPECT_NE(gone_on.error().message().find("material where there was none"), std::string::npos)
+      << gone_on.error().message();
+}
+
+// A filling in the groove, and a groove in the filling: the second run adds nothing, but began with what the first did.
+TEST_F(ForgedGrids, MaterialThatWasAddedIsLetThroughInTheRunsThatGoOn) {
+  HapticCutOptions options;
+  options.hand = HandKind::kFeed;
+  options.add = "composite";
+  folder_.write("above.csv", "t,x,y,z,qw,qx,qy,qz\n0,-1,0,0.2,1,0,0,0\n1,-1,0,-0.2,1,0,0,0\n3,1,0,-0.2,1,0,0,0\n");
+  const fs::path filled = folder_.path() / "filled.run", cut_again = folder_.path() / "again.run";
+  const auto added = cutCaseByHand(case_, tool_, folder_.path() / "above.csv", filled, options);
+  ASSERT_TRUE(added) << added.error().message();
+  ASSERT_GT(added->summary.added_mm3, 0.1);
+  EXPECT_EQ(refusalOfExport(filled), "");
+
+  options.add.clear();
+  const auto again = cutCaseByHand(filled, tool_, folder_.path() / "groove.csv", cut_again, options);
+  ASSERT_TRUE(again) << again.error().message();
+  ASSERT_EQ(again->summary.added_mm3, 0);
+  EXPECT_EQ(refusalOfExport(cut_again), "");
+}
+
 TEST_F(ForgedGrids, ARunOfNoiseIsRefusedByName) {
   const fs::path by_geometry = cut(), by_hand = cutByHand();
   forge(by_geometry, "sweep", noiseLike(gridOf(by_geometry / "run.vdb", "sweep")));
