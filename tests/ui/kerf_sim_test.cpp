@@ -4,11 +4,15 @@
 #include <sys/wait.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <vector>
+
+#include "ui/window/image.h"
 
 namespace kerf {
 namespace {
@@ -127,6 +131,70 @@ TEST_F(KerfSim, DrawsAPictureWithoutADisplay) {
   EXPECT_EQ(done.status, 0) << done.text;
   EXPECT_NE(done.text.find("drawing with"), std::string::npos) << done.text;
   EXPECT_GT(fs::file_size(png()), 500u);
+}
+
+// The tetrahedron seen from above: from x 0 to 3, y 0 to 4. What differs between the pictures are the lines.
+TEST_F(KerfSim, AGridHasItsLinesAtRoundMillimetresOfTheScan) {
+  const auto draw = [&](const char* option) {
+    return shell(
+        fmt::format("env -u DISPLAY -u WAYLAND_DISPLAY {} --screenshot '{}' --size 600x400 --view top --up +z {} "
+                    "'{}'",
+                    kProgram, png().string(), option, mesh().string()));
+  };
+  const Outcome plain = draw("");
+  if (plain.text.find("no way to draw") != std::string::npos) GTEST_SKIP() << plain.text;
+  const Expected<Image> without = readPng(png());
+  ASSERT_EQ(draw("--grid").status, 0);
+  const Expected<Image> with = readPng(png());
+  ASSERT_TRUE(without && with);
+
+  // 4 mm and 7 % on both sides fill the height.
+  const double mm_per_pixel = 4.0 / (400 * (1 - 2 * 0.07));
+  std::vector<double> found;
+  for (int x = 0; x < 600; ++x) {
+    int changed = 0;
+    for (int y = 100; y < 400; ++y) changed += !std::equal(with->at(x, y), with->at(x, y) + 3, without->at(x, y));
+    if (changed > 280) found.push_back(1.5 + (x + 0.5 - 300) * mm_per_pixel);
+  }
+  ASSERT_GE(found.size(), 6u);
+  for (std::size_t n = 0; n < found.size(); ++n)
+    EXPECT_NEAR(std::remainder(found[n], 1.0), 0, 0.6 * mm_per_pixel) << found[n] << " mm";
+  EXPECT_TRUE(std::any_of(found.begin(), found.end(), [&](double x) { return std::abs(x - 3) < mm_per_pixel; }));
+
+  const Outcome alone = shell(fmt::format("{} --grid '{}'", kProgram, mesh().string()));
+  EXPECT_EQ(alone.status, 2) << "a window has none";
+  EXPECT_NE(alone.text.find("--screenshot"), std::string::npos) << alone.text;
+}
+
+TEST_F(KerfSim, APictureOfAMapOfDepthHasItsLegend) {
+  const fs::path script = folder_ / "script.ks", tissue = folder_ / "tissue.png", depth = folder_ / "depth.png";
+  std::ofstream(script) << fmt::format("wait\npicture.write {}\nview.colours depth\nwait\npicture.write {}\n",
+                                       tissue.string(), depth.string());
+  const Outcome done = shell(
+      fmt::format("env -u DISPLAY -u WAYLAND_DISPLAY {} '{}' --script '{}' --data '{}' --voxel 0.2 --size 600x400",
+                  kProgram, mesh().string(), script.string(), (folder_ / "data").string()));
+  if (done.text.find("no way to draw") != std::string::npos) GTEST_SKIP() << done.text;
+  ASSERT_EQ(done.status, 0) << done.text;
+  const Expected<Image> without = readPng(tissue), with = readPng(depth);
+  ASSERT_TRUE(without && with);
+
+  // A row of the lower left corner that runs through the map from its light to its dark end.
+  const auto isNear = [](const std::uint8_t* pixel, const Rgba8& colour) {
+    for (std::size_t k = 0; k < 3; ++k)
+      if (std::abs(int{pixel[k]} - int{colour[k]}) > 8) return false;
+    return true;
+  };
+  const auto rowsWithAMap = [&](const Image& image) {
+    int rows = 0;
+    for (int y = 300; y < 400; ++y) {
+      int at = 0;
+      for (int x = 0; x < 300 && at < 10; ++x) at += isNear(image.at(x, y), mapColour((at + 0.5) / 10));
+      rows += at == 10;
+    }
+    return rows;
+  };
+  EXPECT_GT(rowsWithAMap(*with), 3);
+  EXPECT_EQ(rowsWithAMap(*without), 0);
 }
 
 TEST_F(KerfSim, FoldersShowTheirMesh) {

@@ -220,5 +220,95 @@ TEST(ScaleBar, IsAsLongAsItSays) {
   EXPECT_NEAR(longest, 100, 2);  // and half the width of the end ticks on either side
 }
 
+TEST(PictureGrid, LinesStandWhereTheirNumbersAre) {
+  struct Row {
+    const char *view, *right, *up;
+  };
+  for (const Row& row : {Row{"top", "x", "y"}, Row{"front", "x", "z"}, Row{"back", "-x", "z"}, Row{"left", "-y", "z"},
+                         Row{"bottom", "x", "-y"}, Row{"iso", "", ""}}) {
+    Camera camera = *cameraFromView(row.view);
+    camera.target = {12.34, -7.7, 101};
+    camera.half_height = 20;
+    const int width = 900, height = 600;
+    const PictureGrid grid = pictureGrid(camera, width, height, Eigen::Matrix3d::Identity());
+    EXPECT_EQ(grid.right_name, row.right) << row.view;
+    EXPECT_EQ(grid.up_name, row.up) << row.view;
+    EXPECT_EQ(grid.step_mm, 5) << "50 pixels are 3.3 mm";
+    EXPECT_GE(grid.right.size(), 11u);
+
+    const double mm = camera.mmPerPixel(height);
+    for (const PictureGrid::Line& line : grid.right) {
+      EXPECT_NEAR(std::remainder(line.mm, 5), 0, 1e-9);
+      const Vec3d there = camera.target + (line.pixel - 0.5 * width) * mm * camera.right();
+      EXPECT_NEAR(there.dot(camera.right()), line.mm, 1e-9) << row.view;
+    }
+    for (const PictureGrid::Line& line : grid.up) {
+      const Vec3d there = camera.target - (line.pixel - 0.5 * height) * mm * camera.up();
+      EXPECT_NEAR(there.dot(camera.up()), line.mm, 1e-9) << row.view;
+    }
+  }
+}
+
+// A scan that is stored upside down is turned before it is drawn: the axes keep the names that they have in the file.
+TEST(PictureGrid, NamesTheAxesOfTheScanThatIsDrawnUpright) {
+  const PictureGrid grid = pictureGrid(*cameraFromView("top"), 400, 300, uprightFrame(-Vec3d::UnitZ()));
+  EXPECT_EQ(grid.right_name, "x");
+  EXPECT_EQ(grid.up_name, "-y");
+}
+
+TEST(PictureGrid, IsDrawnWhereItsLinesAre) {
+  Image image{900, 600, std::vector<std::uint8_t>(4 * 900 * 600, 255)};
+  PictureGrid grid;
+  grid.right = {{0, 300.4}, {5, 500.6}};
+  grid.up = {{-5, 400.2}};
+  drawGrid(image, grid);
+  const auto dark = [&](int x, int y) { return image.at(x, y)[0] < 240; };
+  for (int x = 200; x < 700; ++x) EXPECT_EQ(dark(x, 550), x == 300 || x == 500) << x;
+  for (int y = 100; y < 590; ++y) EXPECT_EQ(dark(450, y), y == 400) << y;
+  EXPECT_LT(image.at(300, 550)[0], image.at(500, 550)[0]) << "the line through the origin is the stronger one";
+  int inked = 0;
+  for (int y = 0; y < 30; ++y)
+    for (int x = 490; x < 512; ++x) inked += x != 500 && dark(x, y);
+  EXPECT_GT(inked, 10) << "its number is at its upper end";
+}
+
+TEST(PictureLegend, ShowsTheMapFromEndToEndAndItsWordsCanBeDrawn) {
+  EXPECT_FALSE(legendOf(SurfaceColours::kTissue));
+  EXPECT_FALSE(legendOf(SurfaceColours::kScan));
+  for (const SurfaceColours colours : {SurfaceColours::kDepth, SurfaceColours::kDistance}) {
+    const std::optional<MapLegend> legend = legendOf(colours);
+    ASSERT_TRUE(legend);
+    for (const std::string& text : {legend->title, legend->low, legend->high}) EXPECT_TRUE(canBeDrawn(text)) << text;
+    EXPECT_NE(legend->high.find("mm"), std::string::npos);
+
+    // On black, so that the plate is seen, too.
+    Image image{900, 600, std::vector<std::uint8_t>(4 * 900 * 600, 0)};
+    for (std::size_t n = 3; n < image.rgba.size(); n += 4) image.rgba[n] = 255;
+    drawLegend(image, *legend);
+    int longest = 0, low = 0, high = 0, row = 0;
+    for (int y = 300; y < 600; ++y) {
+      int first = -1, last = -1;
+      for (int x = 0; x < 900; ++x) {
+        const std::uint8_t* const p = image.at(x, y);
+        const bool is_grey = std::abs(p[0] - p[1]) < 12 && std::abs(p[1] - p[2]) < 12;
+        if (is_grey) continue;
+        if (first < 0) first = x;
+        last = x;
+      }
+      if (last - first <= longest) continue;
+      longest = last - first;
+      low = first;
+      high = last;
+      row = y;
+    }
+    ASSERT_GT(longest, 100) << "no bar";
+    for (const auto& [x, share] : {std::pair(low, 0.0), std::pair((low + high) / 2, 0.5), std::pair(high, 1.0)}) {
+      const Rgba8 wanted = legend->colourAt(share);
+      for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(image.at(x, row)[k], wanted[k], 8) << share;
+    }
+    EXPECT_GT(image.at(low - 2, row)[0], 150) << "it stands on a light plate";
+  }
+}
+
 }  // namespace
 }  // namespace kerf

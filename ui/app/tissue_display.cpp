@@ -39,6 +39,13 @@ KeepOutOptions depthReach(double voxel) {
 
 }  // namespace
 
+std::optional<MapLegend> legendOf(SurfaceColours colours) {
+  const std::string reach = fmt::format("{:g} mm", kMapReach);
+  if (colours == SurfaceColours::kDepth) return MapLegend{"Below the surface as loaded", "0 mm", reach};
+  if (colours != SurfaceColours::kDistance) return {};
+  return MapLegend{"To pulp or nerve canal", "0 mm", reach + " or more", true};
+}
+
 Rgba8 mapColour(double share) {
   const double at = std::clamp(std::isfinite(share) ? share : 1.0, 0.0, 1.0) * (kMap.size() - 1);
   const std::size_t low = std::min(static_cast<std::size_t>(at), kMap.size() - 2);

@@ -52,6 +52,16 @@ enum class SurfaceColours {
 Rgba8 mapColour(double share);
 inline constexpr double kMapReach = 5;  ///< mm: from one end of a map to the other
 
+/// What the colours of a map say, in words.
+struct MapLegend {
+  std::string title, low, high;  ///< what is measured; at its ends, with the unit
+  bool is_dark_first = false;
+  /// @param share  0 at `low`, 1 at `high`.
+  Rgba8 colourAt(double share) const { return mapColour(is_dark_first ? 1 - share : share); }
+};
+/// Nothing: colours that say no number.
+std::optional<MapLegend> legendOf(SurfaceColours colours);
+
 /// Surfaces of the tissues that are not hidden, in the frame of their object.
 enum class TissuePart {
   kSolid,  ///< of those shown

@@ -3,9 +3,12 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string_view>
 #include <vector>
 
 #include "geometry/base/error.h"
+#include "ui/app/picture_grid.h"
+#include "ui/app/tissue_display.h"
 
 namespace kerf {
 
@@ -24,6 +27,16 @@ struct Image {
 /// Draws a bar of `length_mm` with its length written above it into the lower right corner, dark grey.
 /// Sizes follow the height of the picture. The bar is within half a pixel of its true length.
 void drawScaleBar(Image& image, double length_mm, double mm_per_pixel);
+
+/// Draws thin lines with their numbers at the upper and the left edge, on small light plates; the scan's axes are named
+/// there. What lies under a line shines through.
+void drawGrid(Image& image, const PictureGrid& grid);
+
+/// Draws the legend of a map into the lower left corner, on a light plate. A picture narrower than it gets a part of
+/// it.
+void drawLegend(Image& image, const MapLegend& legend);
+/// Whether the strokes of the numbers in pictures have all its characters.
+bool canBeDrawn(std::string_view text);
 
 /// Reads a PNG of at most 4096 pixels a side. Errors: kNotFound, kBadFormat.
 Expected<Image> readPng(const std::filesystem::path& path);

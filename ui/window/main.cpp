@@ -42,7 +42,7 @@ struct Arguments {
   double fps = 10, from = 0, until = std::numeric_limits<double>::infinity();
   double zoom = 1;
   int frames = 0, timed_frames = 0;
-  bool transparent = false, no_scale_bar = false, no_shadow = false, verbose = false, gpu = false;
+  bool transparent = false, no_scale_bar = false, with_grid = false, no_shadow = false, verbose = false, gpu = false;
   bool gives_joystick_force = false;
   bool lists_commands = false, is_watched = false;
 };
@@ -222,6 +222,7 @@ kerf::Expected<void> run(const Arguments& arguments, const Shown& shown) {
   options.transparent = arguments.transparent;
   KERF_TRY(image, renderer->picture(camera, width, height, options));
   const double mm_per_pixel = camera.mmPerPixel(height);
+  if (arguments.with_grid) kerf::drawGrid(image, kerf::pictureGrid(camera, width, height, upright));
   if (!arguments.no_scale_bar) kerf::drawScaleBar(image, kerf::scaleBarLength(mm_per_pixel, width), mm_per_pixel);
   return kerf::writePng(arguments.screenshot, image);
 }
@@ -319,6 +320,10 @@ int main(int argc, char** argv) try {
   app.add_flag("--transparent", a.transparent, "no background and no ground shadow");
   app.add_flag("--no-shadow", a.no_shadow, "no ground shadow");
   app.add_flag("--no-scale-bar", a.no_scale_bar, "no scale bar in the picture");
+  app.add_flag("--grid", a.with_grid,
+               "lines in the picture at round numbers of mm to the right and up in the view, from the scan's origin: "
+               "what kerf pick --at counts. Seen from the top, with +z up, these are x and y")
+      ->needs(app.get_option("--screenshot"));
   app.add_flag("--gpu", a.gpu, "let a graphics card draw the picture; the bytes then depend on the card");
   app.add_option("--frames", a.frames, "close the window after N frames (for tests)")
       ->type_name("N")

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -88,23 +89,22 @@ void drawColours(AppContext& context) {
 
 // From 0 at the left to the reach of the map, as the surface has it.
 void drawLegend(SurfaceColours colours) {
-  if (colours == SurfaceColours::kTissue || colours == SurfaceColours::kScan) return;
-  const bool is_depth = colours == SurfaceColours::kDepth;
-  ui::textColored(styleColours().quiet, is_depth ? "Below the surface as loaded" : "To pulp or nerve canal");
+  const std::optional<MapLegend> legend = legendOf(colours);
+  if (!legend) return;
+  ui::textColored(styleColours().quiet, legend->title);
   const ImVec2 from = ImGui::GetCursorScreenPos();
   const float width = ImGui::GetContentRegionAvail().x, height = scaled(kLegendHeight);
   for (int n = 0; n < kLegendSteps; ++n) {
     const double share = (n + 0.5) / kLegendSteps;
-    const Rgba8 c = mapColour(is_depth ? share : 1 - share);
+    const Rgba8 c = legend->colourAt(share);
     const float left = from.x + width * static_cast<float>(n) / kLegendSteps;
     ImGui::GetWindowDrawList()->AddRectFilled({left, from.y}, {left + width / kLegendSteps + 1, from.y + height},
                                               IM_COL32(c[0], c[1], c[2], 255));
   }
   ImGui::Dummy({width, height});
-  ui::text("0 mm");
-  const std::string end = fmt::format("{:g} mm{}", kMapReach, is_depth ? "" : " or more");
-  ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - ui::textSize(end).x);
-  ui::text(end);
+  ui::text(legend->low);
+  ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - ui::textSize(legend->high).x);
+  ui::text(legend->high);
 }
 
 }  // namespace

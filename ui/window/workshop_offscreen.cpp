@@ -44,6 +44,7 @@ Expected<void> runOffscreen(const WorkshopOptions& options, const Play& play) {
   context.screenshot = [&](const fs::path& png) -> Expected<void> {
     view->update(bench);
     KERF_TRY(image, view->picture(bench, camera, context.width, context.height));
+    if (const auto legend = legendOf(bench.tissues().colours())) drawLegend(image, *legend);
     return writePng(png, image);
   };
   LiveView& shown = *view;

@@ -1,0 +1,51 @@
+#include "ui/app/picture_grid.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerf {
+namespace {
+
+// The smallest of 1, 2 and 5 times a power of ten that is not below.
+double roundedUp(double mm) {
+  const double power = std::pow(10, std::floor(std::log10(mm)));
+  for (const double factor : {1.0, 2.0, 5.0})
+    if (factor * power >= mm) return factor * power;
+  return 10 * power;
+}
+
+std::string nameOf(const Vec3d& direction) {
+  constexpr double kAlong = 1 - 1e-9;  // cosine
+  for (int axis = 0; axis < 3; ++axis)
+    if (std::abs(direction[axis]) > kAlong) return (direction[axis] < 0 ? "-" : "") + std::string(1, "xyz"[axis]);
+  return {};
+}
+
+// @param middle  what the middle of the picture is at, mm.   @param direction  1: pixels grow with mm; -1: they fall.
+std::vector<PictureGrid::Line> linesOf(double middle, double step, double mm_per_pixel, int pixels, int direction) {
+  const double half = 0.5 * pixels * mm_per_pixel;
+  std::vector<PictureGrid::Line> out;
+  for (double n = std::ceil((middle - half) / step); n * step <= middle + half; ++n) {
+    const double mm = n == 0 ? 0 : n * step;  // not -0
+    out.push_back({mm, 0.5 * pixels + direction * (mm - middle) / mm_per_pixel});
+  }
+  return out;
+}
+
+}  // namespace
+
+PictureGrid pictureGrid(const Camera& camera, int width, int height, const Eigen::Matrix3d& drawn_from_scan) {
+  constexpr double kLeastPixels = 50, kMostLines = 24;
+  const double mm = camera.mmPerPixel(height);
+  const Vec3d right = camera.right(), up = camera.up();
+
+  PictureGrid out;
+  out.step_mm = roundedUp(mm * std::max(kLeastPixels, std::max(width, height) / kMostLines));
+  out.right = linesOf(camera.target.dot(right), out.step_mm, mm, width, 1);
+  out.up = linesOf(camera.target.dot(up), out.step_mm, mm, height, -1);
+  out.right_name = nameOf(drawn_from_scan.transpose() * right);
+  out.up_name = nameOf(drawn_from_scan.transpose() * up);
+  return out;
+}
+
+}  // namespace kerf

@@ -1,0 +1,27 @@
+// Lines at round numbers of mm over a picture, so that a place in it can be read off.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "ui/app/camera.h"
+
+namespace kerf {
+
+struct PictureGrid {
+  struct Line {
+    double mm = 0;     ///< to the right or up in the view, from the scan's origin: as kerf pick --at counts
+    double pixel = 0;  ///< from the left or from the upper edge of the picture
+  };
+  double step_mm = 0;               ///< 1, 2 or 5 times a power of ten
+  std::vector<Line> right, up;      ///< lines that stand, by their distance to the right; that lie, by their height
+  std::string right_name, up_name;  ///< "x", "-y": the scan's axis in that direction; empty: none of them
+};
+
+/// At least 50 pixels from line to line, and at most 24 of them along the longer side.
+/// @param camera  parallel projection; its target in the frame of the mesh as it is drawn.
+/// @param drawn_from_scan  the turn that the mesh was given, about the scan's origin (uprightFrame()).
+/// @pre  width, height >= 1.
+PictureGrid pictureGrid(const Camera& camera, int width, int height, const Eigen::Matrix3d& drawn_from_scan);
+
+}  // namespace kerf
