@@ -222,6 +222,20 @@ TEST_F(ExportPlanTest, AFileThatIsWrittenIsToldWhateverWasChosenMeanwhile) {
   EXPECT_FALSE(plan_.isDone()) << "other.stl is not written";
 }
 
+// Chosen otherwise while it is checked, and Enter at once: it is written as soon as what is chosen now is checked.
+TEST_F(ExportPlanTest, WhatIsAskedForWhileAnOldCheckEndsIsWrittenAfterTheNextOne) {
+  ASSERT_TRUE(play(open() + sawThrough())) << allNotices();
+  plan_.show({});
+  while (!plan_.isBusy()) bench_.update();
+  plan_.choose({.is_each = true});
+  ASSERT_TRUE(bench_.job()) << "the check of the other choice is not over";
+  plan_.write();
+  ASSERT_TRUE(play("wait\n")) << allNotices();
+  EXPECT_EQ(plan_.stage(), Stage::kWritten) << allNotices();
+  EXPECT_TRUE(fs::exists(besideScan("bar-cut-piece-1.stl")));
+  EXPECT_FALSE(fs::exists(besideScan("bar-cut.stl")));
+}
+
 // Checked with two pieces, and then there are three: the file of the third was never named.
 TEST_F(ExportPlanTest, AFileThatWasNotNamedIsNotReplaced) {
   const auto names = [&] {

@@ -301,7 +301,8 @@ void ExportPlan::start(Work work, Permission permission) {
 
 void ExportPlan::take(Expected<Outcome> outcome, bool is_new, bool was_written) {
   work_ = Work::kNone;
-  const auto wanted = std::exchange(wants_write_, std::nullopt);
+  // Another check is to follow: what was asked for waits for that one.
+  const auto wanted = wants_check_ ? std::nullopt : std::exchange(wants_write_, std::nullopt);
   if (!outcome) {
     const bool is_cancelled = outcome.error().code == Error::Code::kCancelled;
     if (is_new) prepared_.reset();
