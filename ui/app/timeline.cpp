@@ -28,7 +28,7 @@ void Timeline::update(const UndoList& list) {
   const std::uint64_t first = list.newest_count > 0 ? list.newest[0].number : 0;
   std::erase_if(strokes_, [&](const UndoStep& known) { return known.number >= first; });
   // More of them between two reports than a list holds: there are that many, but nobody saw them.
-  strokes_.resize(before, UndoStep{.number = first - 1, .kind = UndoStep::Kind::kStroke});
+  strokes_.resize(before, UndoStep{.number = first - 1, .origin = {}, .kind = UndoStep::Kind::kStroke});
   strokes_.insert(strokes_.end(), list.newest.begin(), newest_end);
 
   if (!strokes_.empty()) newest_ = std::max(newest_, strokes_.back().number);
