@@ -211,11 +211,11 @@ void drawPanels(AppContext& context, PanelState& state, const std::optional<Tool
     drawPieces(context, state.piece_drag, column, state.pixels);
     drawTissues(context, column);
     drawMeasure(context, state.pixels);
-    drawTimeline(context);
     drawScaleBar(context, state.pixels);
     drawHints(context);
     drawSawPanel(context, state.saw);
     drawExportPanel(context, state.ask_for_file);
+    drawTimeline(context);  // last: a branch that is taken ends the session
   } else {
     state.first.draw(context, state.ask_for_file);
   }
