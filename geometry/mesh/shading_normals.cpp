@@ -17,13 +17,16 @@ std::vector<Vec3f> cornerNormals(const Mesh& mesh, double crease) {
   std::vector<Vec3d> face(count);
   for (std::size_t t = 0; t < count; ++t) face[t] = doubleAreaVector(mesh, t).stableNormalized();
 
-  // Corners sorted by vertex: those of vertex v are corner[first[v]] .. corner[first[v + 1] - 1].
+  // Corners sorted by vertex: those of vertex v are corner[first[v]] .. corner[first[v + 1] - 1]. Triangles without
+  // area say nothing of others, and there may be thousands of them at one vertex.
   std::vector<std::uint32_t> first(mesh.vertices.size() + 1, 0), corner(3 * count);
-  for (const Triangle& t : mesh.triangles)
-    for (const std::uint32_t v : t) ++first[v + 1];
+  for (std::size_t t = 0; t < count; ++t)
+    for (const std::uint32_t v : mesh.triangles[t])
+      if (!face[t].isZero()) ++first[v + 1];
   for (std::size_t v = 1; v < first.size(); ++v) first[v] += first[v - 1];
   std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
-  for (std::uint32_t c = 0; c < corner.size(); ++c) corner[next[mesh.triangles[c / 3][c % 3]]++] = c;
+  for (std::uint32_t c = 0; c < corner.size(); ++c)
+    if (!face[c / 3].isZero()) corner[next[mesh.triangles[c / 3][c % 3]]++] = c;
 
   const double least_cosine = std::cos(crease);
   std::vector<Vec3f> normals(3 * count);

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <set>
 
 #include "tests/geometry/ball_mesh.h"
 #include "ui/app/import_mesh.h"
@@ -42,6 +44,27 @@ TEST(MeshChunks, ACellWithTooManyVerticesIsDivided) {
     triangles += made.chunk.triangles.size();
   }
   EXPECT_EQ(triangles, 30000u);
+}
+
+// Triangles that lie on one spot, or farther away than cells can be counted.
+TEST(MeshChunks, AHeapIsDividedByCountAndEveryPartHasABrickOfItsOwn) {
+  for (const double place : {0.0, 3.0, -1e15, 1e15}) {
+    Mesh heap;
+    heap.vertices = {Vec3d::Constant(place), Vec3d(place, place, 1), Vec3d(0, 1, place)};
+    heap.triangles.assign(50000, {0, 0, 0});
+    heap.triangles.push_back({0, 1, 2});
+    std::set<std::array<int, 3>> bricks;
+    std::size_t triangles = 0;
+    const std::vector<ColouredChunk> chunks = chunksOf(heap);
+    for (const ColouredChunk& made : chunks) {
+      EXPECT_LE(made.chunk.triangles.size(), 65536u / 3);
+      triangles += made.chunk.triangles.size();
+      bricks.insert({made.chunk.brick[0], made.chunk.brick[1], made.chunk.brick[2]});
+    }
+    EXPECT_EQ(triangles, 50001u) << place;
+    EXPECT_EQ(bricks.size(), chunks.size()) << "the renderer knows a chunk by its brick";
+    EXPECT_LE(chunks.size(), 4u);
+  }
 }
 
 // ---- What is imported

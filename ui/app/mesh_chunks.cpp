@@ -1,6 +1,7 @@
 #include "ui/app/mesh_chunks.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <numbers>
 #include <tuple>
@@ -10,30 +11,51 @@
 namespace kerf {
 namespace {
 
-constexpr std::size_t kMostVertices = 65536;
+constexpr std::size_t kMostVertices = 65536, kMostTriangles = kMostVertices / 3;
+constexpr int kFarthest = 1 << 30;  // cell: what lies beyond is counted to it
 constexpr Rgba8 kIvoryColour = {233, 221, 197, 255};
 constexpr std::uint8_t kGloss = 150;
 
 using Cell = std::array<int, 3>;
+using TrianglesOf = std::map<Cell, std::vector<std::size_t>>;
 
 /// A vertex as it is drawn: one of the mesh with one of its normals and colours.
 using Key = std::tuple<std::uint32_t, std::array<float, 3>, Rgba8>;
+
+int cellAt(double mm, double cell) {
+  return static_cast<int>(std::min(std::max(std::floor(mm / cell), double{-kFarthest}), double{kFarthest}));
+}
+
+TrianglesOf byCell(const Mesh& mesh, double cell) {
+  TrianglesOf out;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Vec3d middle = (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2)) / 3;
+    out[{cellAt(middle[0], cell), cellAt(middle[1], cell), cellAt(middle[2], cell)}].push_back(t);
+  }
+  return out;
+}
+
+// What is too much for a chunk is divided by count: smaller cells would not separate triangles on one spot, and leave a
+// chunk of its own to every other one. The parts get cells behind the farthest one, which nobody has.
+void divide(TrianglesOf& triangles_of) {
+  TrianglesOf parts;
+  int next = kFarthest;
+  for (auto& [at, triangles] : triangles_of) {
+    while (triangles.size() > kMostTriangles) {
+      const auto from = triangles.end() - static_cast<std::ptrdiff_t>(kMostTriangles);
+      parts[{++next, 0, 0}].assign(from, triangles.end());
+      triangles.erase(from, triangles.end());
+    }
+  }
+  triangles_of.merge(parts);
+}
 
 }  // namespace
 
 std::vector<ColouredChunk> chunksOf(const Mesh& mesh, double cell) {
   const std::vector<Vec3f> normals = cornerNormals(mesh, 40 * std::numbers::pi / 180);
-  std::map<Cell, std::vector<std::size_t>> triangles_of;
-  for (bool fits = false; !fits; cell /= 2) {
-    triangles_of.clear();
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-      const Vec3d middle = (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2)) / 3;
-      const Vec3i at = (middle / cell).array().floor().cast<int>().matrix();
-      triangles_of[{at[0], at[1], at[2]}].push_back(t);
-    }
-    fits = std::all_of(triangles_of.begin(), triangles_of.end(),
-                       [](const auto& entry) { return 3 * entry.second.size() <= kMostVertices; });
-  }
+  TrianglesOf triangles_of = byCell(mesh, cell);
+  divide(triangles_of);
 
   std::vector<ColouredChunk> out;
   for (const auto& [at, triangles] : triangles_of) {

@@ -15,9 +15,10 @@ struct ColouredChunk {
 };
 
 /// The triangles of the mesh by the cell of a grid that their middle lies in: every triangle in one chunk. `brick` is
-/// the cell. Normals are smooth over gentle bends and sharp over creases of 40 degrees and more. A mesh without colours
-/// is ivory. O(triangles).
-/// @param cell  side of a cell, mm, > 0; halved until no cell has more vertices than a chunk can count (65 536).
+/// the cell; no two chunks have the same. Normals are smooth over gentle bends and sharp over creases of 40 degrees and
+/// more. A mesh without colours is ivory. O(triangles).
+/// @param cell  side of a cell, mm, > 0. A cell with more vertices than a chunk can count (65 536) becomes several
+/// chunks; all but the first have a `brick` far away.
 std::vector<ColouredChunk> chunksOf(const Mesh& mesh, double cell = 2);
 
 }  // namespace kerf
