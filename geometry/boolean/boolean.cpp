@@ -1,5 +1,6 @@
 #include "geometry/boolean/boolean.h"
 
+#include <CGAL/Exact_predicates_exact_constructions_kernel.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/corefinement.h>
 #include <CGAL/Surface_mesh.h>
@@ -22,6 +23,23 @@ namespace {
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using SurfaceMesh = CGAL::Surface_mesh<Kernel::Point_3>;
 namespace PMP = CGAL::Polygon_mesh_processing;
+
+// New vertices are made exactly and rounded. As a rule CGAL rounds the middle of an interval that holds them, which
+// differs in its last digit by the order in which it comes upon them; and where two boxes touch, that order is the one
+// in which two lists lie in memory. While this lives, the exact numbers of this thread are rounded themselves.
+class RoundsExactly {
+ public:
+  RoundsExactly() : before_(Number::get_relative_precision_of_to_double()) {
+    Number::set_relative_precision_of_to_double(1e-30);
+  }
+  ~RoundsExactly() { Number::set_relative_precision_of_to_double(before_); }
+  RoundsExactly(const RoundsExactly&) = delete;
+  RoundsExactly& operator=(const RoundsExactly&) = delete;
+
+ private:
+  using Number = CGAL::Exact_predicates_exact_constructions_kernel::FT;
+  double before_;
+};
 
 // Origins ride along as a plain array indexed by CGAL's face numbers.
 struct Origins {
@@ -204,6 +222,7 @@ Expected<Combined> combineWhole(const Mesh& minuend, const Mesh& other, Operatio
   };
 
   try {
+    const RoundsExactly rounds_exactly;
     auto a = std::make_unique<SurfaceMesh>(), b = std::make_unique<SurfaceMesh>(),
          out = std::make_unique<SurfaceMesh>();
     KERF_CHECK(fill(minuend, "source", *a));
@@ -365,6 +384,7 @@ Expected<Mesh> clipToBox(const Mesh& mesh, const Box3& box) {
     return Mesh{};
   if (box.contains(all.min) && box.contains(all.max)) return Mesh{mesh.vertices, mesh.triangles, {}, {}};
   try {
+    const RoundsExactly rounds_exactly;
     SurfaceMesh surface;
     KERF_CHECK(fill(mesh, "mesh", surface));
     if (!CGAL::is_closed(surface)) return clippingGaveUp("an open surface");
