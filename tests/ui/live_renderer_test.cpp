@@ -787,6 +787,39 @@ TEST_F(LivePicture, WhatIsCutComesBeforeWhatIsNew) {
   EXPECT_EQ(different(first, picture(kPlain)), 0);
 }
 
+// A wide tool changes more pages in every frame than fit into its share.
+TEST_F(LivePicture, NoPageWaitsForEverBehindOthersThatChangeInEveryFrame) {
+  for (const MeshChunkPtr& chunk : block_.chunks()) renderer_->setChunk(1, *chunk);
+  picture(kPlain);
+  const auto pageOf = [](const MeshChunk& chunk) {
+    return std::array<int, 3>{chunk.brick[0] >> 3, chunk.brick[1] >> 3, chunk.brick[2] >> 3};
+  };
+  const auto isOnTop = [](const MeshChunkPtr& chunk) {
+    return std::any_of(chunk->normals.begin(), chunk->normals.end(), [](const Vec3f& n) { return n[2] > 0.99f; });
+  };
+  MeshChunkPtr last;  // in the order of the renderer
+  for (const MeshChunkPtr& chunk : block_.chunks())
+    if (isOnTop(chunk) && (!last || pageOf(*last) < pageOf(*chunk))) last = chunk;
+  ASSERT_TRUE(last);
+  renderer_->setChunk(1, *last, std::vector<Rgba8>(last->vertices.size(), {20, 220, 20, 140}));
+
+  LiveFrame frame = kPlain;
+  frame.most_upload = 1;
+  const internal::GlTarget target(kWidth, kHeight);
+  const auto isGreen = [](int r, int g, int b) { return g > r + 60 && g > b + 60; };
+  std::size_t frames = 0, pages = 1;
+  for (int seen = 0; seen == 0; ++frames) {
+    for (const MeshChunkPtr& chunk : block_.chunks())
+      if (pageOf(*chunk) != pageOf(*last)) renderer_->setChunk(1, *chunk);
+    glBindFramebuffer(GL_FRAMEBUFFER, target.id());
+    ASSERT_TRUE(renderer_->draw(camera_, kWidth, kHeight, frame));
+    pages = std::max(pages, renderer_->counts().waiting_pages + 1);
+    ASSERT_LE(frames, pages) << "it is never its turn";
+    seen = count(target.read(), isGreen);
+  }
+  EXPECT_GT(pages, 2u) << "else nobody waits";
+}
+
 // ---- A still picture
 
 TEST_F(LivePicture, OfAStillSceneGetsSmoothFromFrameToFrameAndStartsAnewWhenAnythingMoves) {

@@ -69,6 +69,7 @@ void LivePage::set(const Vec3i& brick, LiveChunk chunk) {
 std::size_t LivePage::upload() {
   if (!is_dirty_) return 0;
   is_dirty_ = false;
+  waited_ = 0;
 
   std::vector<LiveVertex> vertices;
   triangles_.clear();

@@ -50,6 +50,9 @@ class LivePage {
   bool isEmpty() const { return chunks_.empty(); }
   bool isDirty() const { return is_dirty_; }         ///< changed since upload(): drawn as it was then
   bool isNew() const { return vertex_array_ == 0; }  ///< nothing of it is drawn yet
+  /// How often wait() was called since it is dirty.
+  std::uint32_t waited() const { return waited_; }
+  void wait() { ++waited_; }
   /// Brings vertices and box up to date. @return bytes uploaded.
   std::size_t upload();
 
@@ -78,6 +81,7 @@ class LivePage {
   Box3 box_;
   double mean_edge_ = 0;
   bool is_dirty_ = false;
+  std::uint32_t waited_ = 0;
 };
 
 }  // namespace kerf::internal

@@ -511,13 +511,32 @@ Expected<void> LiveRenderer::Impl::resizePoints(int width, int height) {
   return {};
 }
 
-// What is in the picture already comes first: what is being cut is never behind what is being opened.
+// What is shown comes first, and an object of which nothing is there yet last: what is being cut is never behind what
+// is being opened. Among equals it is the one that has waited longest: a wide tool changes more pages than fit in a
+// frame.
 void LiveRenderer::Impl::upload(std::size_t most) {
-  for (const bool is_new : {false, true})
-    for (auto& [number, object] : objects)
-      for (auto& [key, page] : object.pages)
-        if (page.isDirty() && page.isNew() == is_new && counts.uploaded_bytes < most)
-          counts.uploaded_bytes += page.upload();
+  struct Waiting {
+    LivePage* page;
+    bool is_visible, is_begun;
+  };
+  std::vector<Waiting> waiting;
+  for (auto& [number, object] : objects) {
+    const bool is_begun =
+        std::any_of(object.pages.begin(), object.pages.end(), [](const auto& entry) { return !entry.second.isNew(); });
+    for (auto& [key, page] : object.pages)
+      if (page.isDirty()) waiting.push_back({&page, object.is_visible, is_begun});
+  }
+  std::stable_sort(waiting.begin(), waiting.end(), [](const Waiting& a, const Waiting& b) {
+    if (a.is_visible != b.is_visible) return a.is_visible;
+    if (a.is_begun != b.is_begun) return a.is_begun;
+    return a.page->waited() > b.page->waited();
+  });
+  for (const Waiting& one : waiting) {
+    if (counts.uploaded_bytes < most)
+      counts.uploaded_bytes += one.page->upload();
+    else
+      one.page->wait();
+  }
 
   for (auto& [number, object] : objects) {
     std::erase_if(object.pages, [](const auto& entry) { return entry.second.isEmpty(); });

@@ -36,7 +36,8 @@ struct LiveFrame {
   LivePlan plan = {};     ///< planned cuts, and what is being picked: translucent, over everything
   int supersampling = 1;  ///< n x n points a pixel, 1 to 3: smooth edges, 2 to 7 times the cost
   /// Bytes of surface that are copied to the graphics card in one frame, or one page more. The rest comes with the next
-  /// frames, what is new last; until then it is drawn as it was. No limit: all at once, some 15 ms a MB in software.
+  /// frames, what waits longest first, an object of which nothing is there yet last; until then it is drawn as it was.
+  /// No limit: all at once, some 15 ms a MB in software.
   std::size_t most_upload = std::numeric_limits<std::size_t>::max();
   bool is_culled = true;  ///< false: everything goes through the pipeline. The pixels are the same; for tests
 };

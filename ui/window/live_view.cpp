@@ -40,11 +40,14 @@ void LiveView::update(Workbench& bench) {
     placed_.clear();
     sections_.clear();
     parts_.clear();
+    known_.clear();
+    is_whole_wanted_ = false;
     tints_.clear();
     tool_.reset();
     hover_.reset();
     is_fit_wanted_ = !bench.keepsView();
   }
+  lookForPieces(bench, changed);
   for (const ObjectChunks& object : changed)
     for (const MeshChunkPtr& chunk : object.chunks) setChunk(bench, object.id, *chunk);
   takeTissues(bench);
@@ -54,6 +57,15 @@ void LiveView::update(Workbench& bench) {
   showSection(bench);
   saw_.surfaceChanged(!changed.empty());
   showTool(bench);
+}
+
+// A piece that came off has left the surface that it came off from: it shall not be missing until its turn comes.
+void LiveView::lookForPieces(const Workbench& bench, const std::vector<ObjectChunks>& changed) {
+  for (const ObjectChunks& object : changed) {
+    if (object.chunks.empty() || known_.contains(object.id)) continue;
+    is_whole_wanted_ |= !known_.empty() && !isUploading() && !isBeside(bench, object.id);
+    known_.insert(object.id);
+  }
 }
 
 // Maps are of what is worked on. Their colours are values: no piece has another hue then.
@@ -71,6 +83,7 @@ void LiveView::takeTissues(Workbench& bench) {
   for (const TissueDisplay::Change& change : bench.tissues().takeChanges()) {
     const std::size_t number = numberOf(change.object, change.part);
     if (change.is_new) {
+      is_whole_wanted_ |= !isUploading();
       renderer_->removeObject(number);
       parts_[number].clear();
       sections_.erase(number);
@@ -79,6 +92,7 @@ void LiveView::takeTissues(Workbench& bench) {
     for (const MeshChunkPtr& chunk : change.chunks) setChunk(bench, number, *chunk);
   }
   if (!bench.tissues().areAllShown()) return;
+  is_whole_wanted_ |= !parts_.empty();  // while its parts were shown, the surface itself came last
   for (const auto& [number, surface] : std::exchange(parts_, {})) {
     renderer_->removeObject(number);
     sections_.erase(number);
@@ -173,7 +187,7 @@ LiveFrame LiveView::frameOf(const Workbench& bench, const Camera& camera) {
 Expected<void> LiveView::draw(const Workbench& bench, const Camera& camera, int width, int height, Edges edges) {
   LiveFrame frame = frameOf(bench, camera);
   frame.supersampling = edges == Edges::kSmooth ? 2 : 1;
-  frame.most_upload = kUploadAFrame;
+  if (!std::exchange(is_whole_wanted_, false)) frame.most_upload = kUploadAFrame;
   if (edges == Edges::kByAndBy) return still_.draw(*renderer_, camera, width, height, frame);
   still_.forget();
   return renderer_->draw(camera, width, height, frame);

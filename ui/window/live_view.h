@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -55,6 +56,7 @@ class LiveView {
   void showTool(const Workbench& bench);
   void setChunk(const Workbench& bench, std::size_t object, const MeshChunk& chunk);
   void takeTissues(Workbench& bench);
+  void lookForPieces(const Workbench& bench, const std::vector<ObjectChunks>& changed);
   void recolour(const Workbench& bench);
   void recolour(const Workbench& bench, const SceneObject& object);
   void tintPieces(const Workbench& bench);
@@ -73,7 +75,9 @@ class LiveView {
   std::optional<ToolOverSurface> hover_;
   SawView saw_;
   StillPicture still_;
+  std::set<std::uint32_t> known_;  // objects that have a surface in the renderer
   bool is_fit_wanted_ = false;
+  bool is_whole_wanted_ = false;  // the next frame uploads all: what it shows takes the place of something
   std::function<void()> before_clear_;
 };
 

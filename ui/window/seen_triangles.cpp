@@ -19,12 +19,12 @@ using I = hn::RebindToSigned<F>;
 using U = hn::RebindToUnsigned<F>;
 using V = hn::Vec<F>;
 
-// @return  false: something is not in front of the eye.
-bool projectHere(const float* const positions[3], std::size_t count, const float rows[3][4], float* x, float* y) {
+// @return  the least w, what is not a number as 0.
+float projectHere(const float* const positions[3], std::size_t count, const float rows[3][4], float* x, float* y) {
   const F f;
   const std::size_t lanes = hn::Lanes(f);
-  const V least = hn::Set(f, 1e-3f);
-  auto is_behind = hn::FirstN(f, 0);
+  const V one = hn::Set(f, 1.0f);
+  V least = one;
   for (std::size_t n = 0; n < count; n += lanes) {
     const V px = hn::LoadU(f, positions[0] + n), py = hn::LoadU(f, positions[1] + n),
             pz = hn::LoadU(f, positions[2] + n);
@@ -33,11 +33,12 @@ bool projectHere(const float* const positions[3], std::size_t count, const float
                      hn::Add(hn::Mul(pz, hn::Set(f, row[2])), hn::Set(f, row[3])));
     };
     const V w = along(rows[2]);
-    is_behind = hn::Or(is_behind, hn::And(hn::Not(hn::Gt(w, least)), hn::FirstN(f, count - n)));
+    const V known = hn::IfThenElseZero(hn::Eq(w, w), w);
+    least = hn::Min(least, hn::IfThenElse(hn::FirstN(f, count - n), known, one));
     hn::StoreU(hn::Div(along(rows[0]), w), f, x + n);
     hn::StoreU(hn::Div(along(rows[1]), w), f, y + n);
   }
-  return hn::AllFalse(f, is_behind);
+  return hn::GetLane(hn::MinOfLanes(f, least));
 }
 
 struct Corner {
@@ -86,7 +87,8 @@ std::size_t chooseHere(const float* x, const float* y, const std::uint32_t* cons
     const V turn = hn::IfThenElse(hn::Lt(area, hn::Zero(f)), hn::Neg(one), one);
     const Side ab = sideOf(a, b, slack, turn), bc = sideOf(b, c, slack, turn), ca = sideOf(c, a, slack, turn);
     auto is_seen = hn::FirstN(f, count - n);
-    if (!has_backs) is_seen = hn::And(is_seen, hn::Ge(area, hn::Add(ab.slack, hn::Add(bc.slack, ca.slack))));
+    const V least_area = hn::Add(ab.slack, hn::Add(bc.slack, ca.slack));
+    if (!has_backs) is_seen = hn::And(is_seen, hn::Not(hn::Lt(area, least_area)));
     if (hn::AllFalse(f, is_seen)) continue;
 
     // The first middle of a pixel in its box, and the three beside it; a larger box is kept.
@@ -127,8 +129,9 @@ HWY_EXPORT(chooseHere);
 
 namespace {
 
-constexpr std::size_t kBeyond = 8;  // numbers behind the last one that a whole vector may read or write
-constexpr float kRounding = 1.0f / 64;
+constexpr std::size_t kBeyond = 8;      // numbers behind the last one that a whole vector may read or write
+constexpr float kRounding = 1.0f / 32;  // pixels: OpenGL promises corners to a sixteenth
+constexpr float kNearest = 1e-3f;       // w of what is too near to the eye, or behind it
 
 }  // namespace
 
@@ -159,14 +162,18 @@ void SeenTriangles::look(const Sight& sight) {
   for (int r = 0; r < 3; ++r)
     for (int c = 0; c < 4; ++c) rows[r][c] = sight.to_pixels(r, c);
   const float* const positions[3] = {positions_[0].data(), positions_[1].data(), positions_[2].data()};
-  if (!HWY_DYNAMIC_DISPATCH(projectHere)(positions, count, rows, pixels_[0].data(), pixels_[1].data())) has_all_ = true;
+  const float least_w = HWY_DYNAMIC_DISPATCH(projectHere)(positions, count, rows, pixels_[0].data(), pixels_[1].data());
+  if (!(least_w > kNearest)) {
+    has_all_ = true;
+    return;
+  }
 
   // Far from the origin single precision itself moves corners, here and in the driver.
   float largest = 0;
   for (int r = 0; r < 3; ++r)
     largest = std::max(largest,
                        sight.to_pixels.row(r).head<3>().cwiseAbs().dot(farthest_.transpose()) + std::abs(rows[r][3]));
-  slack_ = kRounding + 8 * std::numeric_limits<float>::epsilon() * largest;
+  slack_ = kRounding + 8 * std::numeric_limits<float>::epsilon() * largest / least_w;
 }
 
 void SeenTriangles::choose(std::size_t first, std::size_t last, std::vector<std::uint32_t>& out) const {

@@ -33,7 +33,7 @@ class SeenTriangles {
   /// Projects the vertices for this sight: 0.5 ns each.
   void look(const Sight& sight);
   /// Adds to `out` those of the triangles first .. last - 1 that look()'s sight needs, three vertices each, in order.
-  /// What a driver's rounding could make visible is kept: corners may be off by 1/64 pixel. 5 ns a triangle.
+  /// What a driver's rounding could make visible is kept: corners may be off by 1/32 pixel. 5 ns a triangle.
   void choose(std::size_t first, std::size_t last, std::vector<std::uint32_t>& out) const;
 
  private:
