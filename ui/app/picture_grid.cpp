@@ -1,5 +1,7 @@
 #include "ui/app/picture_grid.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -46,6 +48,12 @@ PictureGrid pictureGrid(const Camera& camera, int width, int height, const Eigen
   out.right_name = nameOf(drawn_from_scan.transpose() * right);
   out.up_name = nameOf(drawn_from_scan.transpose() * up);
   return out;
+}
+
+std::string numberAt(const PictureGrid& grid, const PictureGrid::Line& line) {
+  constexpr double kRounding = 1e-9;
+  const double decimals = std::ceil(-std::log10(grid.step_mm) - kRounding);
+  return fmt::format("{:.{}f}", line.mm, static_cast<int>(std::max(0.0, decimals)));
 }
 
 }  // namespace kerf

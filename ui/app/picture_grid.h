@@ -13,7 +13,7 @@ struct PictureGrid {
     double mm = 0;     ///< to the right or up in the view, from the scan's origin: as kerf pick --at counts
     double pixel = 0;  ///< from the left or from the upper edge of the picture
   };
-  double step_mm = 0;               ///< 1, 2 or 5 times a power of ten
+  double step_mm = 1;               ///< 1, 2 or 5 times a power of ten
   std::vector<Line> right, up;      ///< lines that stand, by their distance to the right; that lie, by their height
   std::string right_name, up_name;  ///< "x", "-y": the scan's axis in that direction; empty: none of them
 };
@@ -23,5 +23,8 @@ struct PictureGrid {
 /// @param drawn_from_scan  the turn that the mesh was given, about the scan's origin (uprightFrame()).
 /// @pre  width, height >= 1.
 PictureGrid pictureGrid(const Camera& camera, int width, int height, const Eigen::Matrix3d& drawn_from_scan);
+
+/// What stands at a line: its mm, with the decimals that tell it from the next one.   @pre  grid.step_mm > 0
+std::string numberAt(const PictureGrid& grid, const PictureGrid::Line& line);
 
 }  // namespace kerf

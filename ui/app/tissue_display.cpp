@@ -40,10 +40,10 @@ KeepOutOptions depthReach(double voxel) {
 }  // namespace
 
 std::optional<MapLegend> legendOf(SurfaceColours colours) {
-  const std::string reach = fmt::format("{:g} mm", kMapReach);
+  const std::string reach = fmt::format("{:g} mm or more", kMapReach);
   if (colours == SurfaceColours::kDepth) return MapLegend{"Below the surface as loaded", "0 mm", reach};
   if (colours != SurfaceColours::kDistance) return {};
-  return MapLegend{"To pulp or nerve canal", "0 mm", reach + " or more", true};
+  return MapLegend{"To pulp or nerve canal", "0 mm", reach, true};
 }
 
 Rgba8 mapColour(double share) {

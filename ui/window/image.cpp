@@ -14,6 +14,7 @@
 #include <cstring>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -170,11 +171,44 @@ struct Pen {
   explicit Pen(const Image& image) : unit(std::max(1.2, image.height / 400.0)), width(std::max(1.3, 0.9 * unit)) {}
 };
 
+constexpr double kPlateMargin = 1.5;  // of the pen's units, around the text
+
 void drawOnPlate(Image& image, std::string_view text, const Vec2& at, const Pen& pen) {
-  const Vec2 size(pen.unit * widthOf(text), 6 * pen.unit), margin = Vec2::Constant(1.5 * pen.unit);
+  const Vec2 size(pen.unit * widthOf(text), 6 * pen.unit), margin = Vec2::Constant(kPlateMargin * pen.unit);
   fill(image, Vec2(at.x(), at.y() - size.y()) - margin, Vec2(at.x() + size.x(), at.y()) + margin, kPlateCoverage,
        kPlate);
   drawText(image, text, at, pen.unit, pen.width);
+}
+
+struct GridNumber {
+  std::string text;
+  double left = 0;  // of its first stroke, pixels
+};
+
+// The numbers between two pixels. Where plates would touch, only every second, fifth, tenth ... line has its number:
+// the same ones wherever the picture is moved to.
+std::vector<GridNumber> numbersAlong(const PictureGrid& grid, double from, double to, const Pen& pen) {
+  const double margin = kPlateMargin * pen.unit;
+  std::vector<GridNumber> out;
+  bool touch = true;
+  for (double tens = 1; touch; tens *= 10) {
+    for (const double factor : {1.0, 2.0, 5.0}) {
+      out.clear();
+      touch = false;
+      double end = from;  // of the plate before
+      for (const PictureGrid::Line& line : grid.right) {
+        if (std::fmod(std::round(line.mm / grid.step_mm), factor * tens) != 0) continue;
+        const std::string text = numberAt(grid, line);
+        const double width = pen.unit * widthOf(text), left = line.pixel - 0.5 * width;
+        if (left - 2 * margin <= from || left + width >= to) continue;
+        touch |= left - 2 * margin <= end;
+        out.push_back({text, left});
+        end = left + width + margin;
+      }
+      if (!touch) break;
+    }
+  }
+  return out;
 }
 
 }  // namespace
@@ -200,21 +234,19 @@ void drawGrid(Image& image, const PictureGrid& grid) {
     fill(image, {0, std::floor(line.pixel)}, {image.width, std::floor(line.pixel) + 1}, strength(line), kInk);
 
   // The corner belongs to the names of the axes.
-  const double edge = 3 * pen.unit, corner = 40 * pen.unit;
-  for (const PictureGrid::Line& line : grid.right) {
-    const std::string text = fmt::format("{:g}", line.mm);
-    const double left = line.pixel - 0.5 * pen.unit * widthOf(text);
-    if (left > corner && left + pen.unit * widthOf(text) < image.width - edge)
-      drawOnPlate(image, text, {left, edge + 6 * pen.unit}, pen);
-  }
+  const double edge = 3 * pen.unit, margin = kPlateMargin * pen.unit, name_at = edge + 14 * pen.unit;
+  const auto named = [](const std::string& name) { return name.empty() ? std::string("mm") : name + " mm"; };
+  const std::string right_name = named(grid.right_name);
+  drawOnPlate(image, right_name, {name_at, edge + 6 * pen.unit}, pen);
+  drawOnPlate(image, named(grid.up_name), {edge, edge + 18 * pen.unit}, pen);
+
+  const double corner = name_at + pen.unit * widthOf(right_name) + margin;
+  for (const GridNumber& number : numbersAlong(grid, corner, image.width - edge, pen))
+    drawOnPlate(image, number.text, {number.left, edge + 6 * pen.unit}, pen);
   for (const PictureGrid::Line& line : grid.up) {
     const double base = line.pixel + 3 * pen.unit;
-    if (base > 32 * pen.unit && base < image.height - edge)
-      drawOnPlate(image, fmt::format("{:g}", line.mm), {edge, base}, pen);
+    if (base > 32 * pen.unit && base < image.height - edge) drawOnPlate(image, numberAt(grid, line), {edge, base}, pen);
   }
-  const auto named = [](const std::string& name) { return name.empty() ? std::string("mm") : name + " mm"; };
-  drawOnPlate(image, named(grid.right_name), {edge + 14 * pen.unit, edge + 6 * pen.unit}, pen);
-  drawOnPlate(image, named(grid.up_name), {edge, edge + 18 * pen.unit}, pen);
 }
 
 void drawLegend(Image& image, const MapLegend& legend) {

@@ -29,7 +29,10 @@ struct Image {
 void drawScaleBar(Image& image, double length_mm, double mm_per_pixel);
 
 /// Draws thin lines with their numbers at the upper and the left edge, on small light plates; the scan's axes are named
-/// there. What lies under a line shines through.
+/// there. What lies under a line shines through. Where numbers at the upper edge would touch, every second, fifth,
+/// tenth
+/// ... line has one.
+/// @pre  grid.step_mm > 0
 void drawGrid(Image& image, const PictureGrid& grid);
 
 /// Draws the legend of a map into the lower left corner, on a light plate. A picture narrower than it gets a part of
