@@ -1,5 +1,6 @@
 #include "ui/app/language.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -73,6 +74,42 @@ TEST_F(LanguageTest, WordsStandWhereTheStarsAreAndAreTranslatedThemselves) {
   EXPECT_EQ(language.shown("Only one\nOnly two"), "Nur one\nNur two") << "line by line";
 }
 
+TEST_F(LanguageTest, ANameStaysAsItIs) {
+  const Language language = read(
+      "\"arch\" = \"Zahnbogen\"\n\"Only {name}\" = \"Nur {name}\"\n\"{name}: {*}, {} s\" = \"{2}, {3} s: {1}\"\n"
+      "\"Made of {*}\" = \"Aus {*}\"\n\"{name} and {} more\" = \"{name} und {} weitere\"\n");
+  EXPECT_EQ(language.shown("Only arch"), "Nur arch");
+  EXPECT_EQ(language.shown("Only Only arch"), "Nur Only arch");
+  EXPECT_EQ(language.shown("Made of arch"), "Aus Zahnbogen");
+  EXPECT_EQ(language.shown("arch: arch, 3 s"), "Zahnbogen, 3 s: arch");
+  EXPECT_EQ(language.shown("arch and 2 more"), "arch und 2 weitere");
+  EXPECT_EQ(language.shown("Only "), "Only ");
+  EXPECT_NE(errorOf(withHeader("\"Only {name}\" = \"Nur {*}\"\n")).find("not the placeholders"), std::string::npos);
+}
+
+// The user's names are called as words that the file has.
+TEST_F(LanguageTest, TheGermanFileLeavesNamesAndHasTheStepsOfOpeningAScan) {
+  const auto german = Language::read(fs::path(KERF_SOURCE_DIR) / "assets/languages/de.toml");
+  ASSERT_TRUE(german) << german.error().message();
+  for (const char* const text :
+       {"Import arch", "Sawing arch", "Only arch", "Beside: arch", "To arch", "Cut off arch", "exporting arch",
+        "preparing arch", "opening arch", "reading arch", "arch: there already, would be replaced",
+        "you have cut the neighbour arch: 0.2 mm3. Undo takes it back",
+        "arch: cut 99 % of the planned section (12 mm2) in 8 s; 3.2 mm3 planned, 3.1 mm3 removed"}) {
+    const std::string shown = german->shown(text);
+    EXPECT_NE(shown, text);
+    EXPECT_NE(shown.find("arch"), shown.npos) << shown;
+  }
+  for (const char* const text :
+       {"closing", "welding", "point shell", "materials", "looking for crossings", "modelling enamel",
+        "modelling caries", "building the base", "filling holes", "- C", "F", "O"})
+    (void)german->shown(text);
+  EXPECT_EQ(german->shown("modelling pulp"), "modelliert Pulpa");
+  std::string missing;
+  for (const std::string& text : german->missing()) missing += text + "\n";
+  EXPECT_TRUE(missing.empty()) << missing;
+}
+
 TEST_F(LanguageTest, AnIdIsThatOfTheEnglishLabelInEveryLanguage) {
   EXPECT_EQ(shownLabel("Cancel"), "Cancel###Cancel");
   setShownLanguage(std::make_shared<const Language>(read("\"Cancel\" = \"Abbrechen\"\n")));
@@ -110,6 +147,8 @@ TEST_F(LanguageTest, AFileThatIsWrongIsRefusedWithItsLine) {
                         {"\"a {} b\" = \"a {2} b\"\n", "{2}"},
                         {"\"a {x} b\" = \"a\"\n", "{x}"},
                         {"\"a { b\" = \"a\"\n", "{"},
+                        {"\"a {name}\" = \"a\"\n", "not the placeholders"},
+                        {"\"a {name}{*}\" = \"a {name}{*}\"\n", "nothing between"},
                         {"\"a } b\" = \"a\"\n", "a } alone"},
                         {"\"a {}{*}\" = \"a {}{*}\"\n", "nothing between"},
                         {"\"{}\" = \"{}\"\n", "placeholders alone"},
@@ -127,6 +166,11 @@ TEST_F(LanguageTest, AFileThatIsWrongIsRefusedWithItsLine) {
   EXPECT_NE(errorOf("format = \"kerf-language\"\nversion = 1\nname = \"x\"\n").find("[texts]"), std::string::npos);
   EXPECT_NE(errorOf("format = \"kerf-language\"\nversion = 1\nname = \"x\"\nfonts = 1\n[texts]\n").find("fonts"),
             std::string::npos);
+  for (const char* const name : {"a\\u0000b", "a\\nb", "\\u007F"})
+    EXPECT_NE(
+        errorOf(fmt::format("format = \"kerf-language\"\nversion = 1\nname = \"{}\"\n[texts]\n", name)).find("control"),
+        std::string::npos)
+        << name;
   EXPECT_NE(errorOf(std::string(Language::kMostBytes + 1, '#')).find("1 MiB"), std::string::npos);
   EXPECT_NE(errorOf(withHeader("\"" + std::string(3000, 'a') + "\" = \"b\"\n")).find("2000"), std::string::npos);
   EXPECT_FALSE(Language::read(folder_.path()));
@@ -184,6 +228,41 @@ TEST_F(LanguageTest, WhatIsMissingIsWrittenForATranslator) {
   const auto again = Language::read(file);
   ASSERT_TRUE(again) << again.error().message();
   EXPECT_EQ(again->size(), 0u);
+}
+
+// Names of files are any bytes; what the reader refuses as a key is not written for a translator.
+TEST_F(LanguageTest, WhatCannotBeAKeyIsNotToldAsMissing) {
+  setShownLanguage(std::make_shared<const Language>(read("\"Cancel\" = \"Abbrechen\"\n")));
+  const std::string none[] = {"scan \xE4.stl",
+                              "scan \xC3",
+                              "\xED\xA0\x80 scan",
+                              "\xC0\xAF scan",
+                              "\xF5\x80\x80\x80 a",
+                              "scan {1}.stl",
+                              "open {",
+                              "close }",
+                              "all {*}",
+                              "a##b",
+                              std::string("a\0b", 3),
+                              "F",
+                              "O"};
+  for (const std::string& text : none) EXPECT_EQ(shownText(text), text);
+  const std::string some[] = {"scan \xC3\xA4.stl", "\xE2\x80\xA6 left", "\xF0\x9F\xA6\xB7 36", "F8", "a\tb \"c\""};
+  for (const std::string& text : some) (void)shownText(text);
+  const fs::path file = folder_.path() / "missing.toml";
+  const auto count = writeMissingTexts(file);
+  ASSERT_TRUE(count) << count.error().message();
+  EXPECT_EQ(*count, std::size(some));
+
+  // Translated, all of it is read.
+  std::ifstream in(file);
+  std::stringstream content;
+  for (std::string line; std::getline(in, line);)
+    content << (line.ends_with(" = \"\"") ? line.substr(0, line.size() - 2) + line.substr(0, line.size() - 5) : line)
+            << '\n';
+  const auto again = Language::read(folder_.write("again.toml", content.str()));
+  ASSERT_TRUE(again) << again.error().message();
+  EXPECT_EQ(again->size(), std::size(some));
 }
 
 TEST_F(LanguageTest, TheUsersFileGoesBeforeOursAndAWrongOneLeavesTheLanguageOfBefore) {

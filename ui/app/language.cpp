@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstdint>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -27,7 +28,30 @@ constexpr std::size_t kMostKept = 4096;  // answers
 bool isDigit(char c) { return c >= '0' && c <= '9'; }
 bool isBlank(char c) { return c == ' ' || c == '\t'; }
 bool isLetter(char c) { return std::isalpha(static_cast<unsigned char>(c)) || static_cast<unsigned char>(c) >= 0x80; }
+bool isControl(char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; }
 bool hasLetter(std::string_view text) { return std::any_of(text.begin(), text.end(), isLetter); }
+
+// Without what is written longer than it has to be, surrogates, and what is above U+10FFFF.
+bool isUtf8(std::string_view text) {
+  for (std::size_t at = 0; at < text.size();) {
+    const auto first = static_cast<unsigned char>(text[at]);
+    const std::size_t more = first < 0x80 ? 0 : first < 0xE0 ? 1 : first < 0xF0 ? 2 : 3;
+    const bool is_first = first < 0x80 || (first >= 0xC2 && first <= 0xF4);
+    if (!is_first || at + more >= text.size()) return false;
+
+    std::uint32_t code = more == 0 ? first : first & (0x3Fu >> more);
+    for (std::size_t k = 1; k <= more; ++k) {
+      const auto next = static_cast<unsigned char>(text[at + k]);
+      if ((next & 0xC0) != 0x80) return false;
+      code = code << 6 | (next & 0x3Fu);
+    }
+    const bool is_too_long = (more == 2 && code < 0x800) || (more == 3 && code < 0x10000);
+    const bool is_surrogate = code >= 0xD800 && code <= 0xDFFF;
+    if (is_too_long || is_surrogate || code > 0x10FFFF) return false;
+    at += more + 1;
+  }
+  return true;
+}
 
 // How long a number is that begins there; 0: none does. The digits of "mm3" and "F8" belong to a word.
 std::size_t numberAt(std::string_view text, std::size_t at) {
@@ -88,7 +112,7 @@ void addLiteral(TextPattern& pattern, char c) {
 
 /// @param numbered  set: {1} is allowed, and its kind is that of the English placeholder.
 Expected<TextPattern> patternOf(const std::string& text, const std::vector<Kind>* numbered) {
-  constexpr const char* kExpected = "{}, {*}, or in a translation {1}";
+  constexpr const char* kExpected = "{}, {*}, {name}, or in a translation {1}";
   TextPattern out;
   std::size_t count = 0;
   for (std::size_t at = 0; at < text.size(); ++at) {
@@ -99,12 +123,13 @@ Expected<TextPattern> patternOf(const std::string& text, const std::vector<Kind>
     }
     const std::size_t end = text.find('}', at);
     const std::string inside = end == text.npos ? "?" : text.substr(at + 1, end - at - 1);
-    TextPattern::Piece piece{.kind = inside == "*" ? Kind::kAny : Kind::kNumber, .number = count};
+    const Kind kind = inside == "*" ? Kind::kAny : inside == "name" ? Kind::kName : Kind::kNumber;
+    TextPattern::Piece piece{.kind = kind, .number = count};
     const bool is_numbered = inside.size() == 1 && inside[0] >= '1' && inside[0] <= '9';
     if (is_numbered && numbered && static_cast<std::size_t>(inside[0] - '1') < numbered->size()) {
       piece.number = static_cast<std::size_t>(inside[0] - '1');
       piece.kind = (*numbered)[piece.number];
-    } else if (!inside.empty() && inside != "*") {
+    } else if (!inside.empty() && kind == Kind::kNumber) {
       return wrong("{" + (end == text.npos ? "" : inside + "}"), kExpected);
     }
     const bool is_beside = !out.pieces.empty() && out.pieces.back().kind != Kind::kLiteral;
@@ -139,13 +164,13 @@ struct Match {
   std::size_t begin = 0, end = 0;
 };
 
-// Compares a text with a pattern; {*} is as short as the rest lets it be. What {*} took last is made longer when the
-// rest does not fit, so it takes no more than characters times pieces.
+// Compares a text with a pattern; {*} and {name} are as short as the rest lets them be. The last of them is made longer
+// when the rest does not fit, so it takes no more than characters times pieces.
 bool matches(std::string_view text, const TextPattern& pattern, std::vector<Match>& found) {
   const auto& pieces = pattern.pieces;
   found.assign(pattern.placeholders, {});
   std::size_t at = 0, n = 0;
-  std::optional<std::size_t> star;  // piece of the last {*}
+  std::optional<std::size_t> star;  // piece of the last {*} or {name}
   const auto step = [&]() -> bool {
     if (n == pieces.size()) return at == text.size();
     const auto& piece = pieces[n];
@@ -178,6 +203,13 @@ bool matches(std::string_view text, const TextPattern& pattern, std::vector<Matc
   }
 }
 
+// Whether a file can have a row for it. A letter alone is a key, the same in every language.
+bool canHaveRow(std::string_view english) {
+  const bool has_marks =
+      english.find_first_of(std::string_view("{}\0", 3)) != english.npos || english.find("##") != english.npos;
+  return english.size() > 1 && english.size() <= Language::kLongestText && !has_marks && isUtf8(english);
+}
+
 // ---- What is shown
 
 // Of one window, as the style is.
@@ -191,7 +223,7 @@ std::string quoted(const std::string& text) {
   for (const char c : text) {
     if (c == '"' || c == '\\')
       out += std::string("\\") + c;
-    else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F)
+    else if (isControl(c))
       out += fmt::format("\\u{:04X}", static_cast<unsigned>(c));
     else
       out += c;
@@ -250,6 +282,8 @@ Expected<Language> Language::read(const fs::path& file) {
   out.name_ = table.get<std::string>("name", "the language's name, as those who speak it call it");
   if (!table.failed() && (out.name_.empty() || out.name_.size() > 60 || out.name_.find("##") != out.name_.npos))
     table.reject("name", "\"" + out.name_ + "\"", "a name of at most 60 bytes, without ##");
+  if (!table.failed() && std::any_of(out.name_.begin(), out.name_.end(), isControl))
+    table.reject("name", "a control character", "a name that can be read");
   table.allow("texts");
   KERF_CHECK(table.finish());
 
@@ -343,7 +377,7 @@ std::string Language::shown(std::string_view english) const {
     }
   } else {
     out = english;
-    if (missing_.size() < kMostTexts && words.size() <= kLongestText) missing_.insert(withoutNumbers(words));
+    if (missing_.size() < kMostTexts && canHaveRow(words)) missing_.insert(withoutNumbers(words));
   }
 
   if (asked_.size() >= kMostKept) asked_.clear();
@@ -430,7 +464,7 @@ Expected<std::size_t> writeMissingTexts(const fs::path& file) {
 
   KERF_TRY(out, AtomicFile::create(file));
   out.stream() << "format = \"" << kFormat << "\"\nversion = 1\nname = " << quoted(language->name())
-               << "\n\n# {}: a number, {*}: any words. \"\": not translated yet.\n[texts]\n";
+               << "\n\n# {}: a number, {*}: any words, {name}: a name. \"\": not translated yet.\n[texts]\n";
   for (const std::string& text : language->missing()) out.stream() << quoted(text) << " = \"\"\n";
   KERF_CHECK(out.commit());
   return language->missing().size();

@@ -20,7 +20,7 @@ namespace kerf {
 
 /// A text or a translation, taken apart at its placeholders.
 struct TextPattern {
-  enum class Kind { kLiteral, kNumber, kAny };
+  enum class Kind { kLiteral, kNumber, kAny, kName };
   struct Piece {
     Kind kind = Kind::kLiteral;
     std::string literal{};   ///< of kLiteral
@@ -40,6 +40,7 @@ struct TextPattern {
 ///     "Cancel" = "Abbrechen"
 ///     "about {} s left" = "noch etwa {} s"         # {}: a number
 ///     "Goes through the {*}" = "Geht durch: {*}"   # {*}: any words of one line, translated in turn
+///     "Only {name}" = "Nur {name}"                 # {name}: the user's own words of one line, as they are
 ///     "Step {} of {}" = "Von {2} Schritten: {1}"   # numbered where the order is another one
 ///
 /// A text with the translation "" is not translated yet. Not for several threads: it remembers what it was asked.
@@ -48,7 +49,8 @@ class Language {
   static constexpr std::size_t kMostBytes = 1 << 20, kMostTexts = 20000, kLongestText = 2000;
 
   /// Errors: kNotFound; kBadFormat, kBadValue with line and text: a placeholder that is missing, there twice or
-  /// unknown, another printf conversion than in the English text, "##", which is of ids, or more than the limits above.
+  /// unknown, another printf conversion than in the English text, "##", which is of ids, a control character in the
+  /// name, or more than the limits above.
   static Expected<Language> read(const std::filesystem::path& file);
   /// Puts every text into «»: what is shown without them does not go through shownText().
   static Language marking();
@@ -59,7 +61,8 @@ class Language {
   /// Whole, by placeholders, or line by line; else as it is. Blanks at the ends stay.
   /// Cost: a look-up in a table; of a text that was not asked for before a comparison with all that have placeholders.
   std::string shown(std::string_view english) const;
-  /// What was asked for so far and has no translation, numbers as {}; sorted, at most kMostTexts.
+  /// What was asked for so far, has no translation and could have one in a file: UTF-8 without { } and ##, of more than
+  /// one letter, which is a key. Numbers as {}; sorted, at most kMostTexts.
   const std::set<std::string>& missing() const { return missing_; }
 
  private:

@@ -75,7 +75,7 @@ void drawNearStructure(const Workbench& bench, const std::optional<ToolOverSurfa
   if (bench.structures()->isEmpty()) return;
   const auto near = bench.nearStructure(over);
   const std::string name = near ? near->name : bench.nameOf(bench.structures()->all().front().material);
-  const std::string label = "To " + name;
+  const std::string label = "To " + shownText(name);  // a tissue, in a text that takes names
   if (!near) return reading(label.c_str(), "-", "mm");
   if (near->is_far) return reading(label.c_str(), fmt::format("over {:.0f}", near->distance_mm), "mm");
   if (near->distance_mm < 0)

@@ -252,8 +252,9 @@ class Workshop {
         });
   }
 
+  // What is given is shown as it is: a name, or words that are translated.
   void setTitle(const std::string& what) {
-    glfwSetWindowTitle(desktop_.window(), (what.empty() ? "Kerf" : shownText(what) + " - Kerf").c_str());
+    glfwSetWindowTitle(desktop_.window(), (what.empty() ? "Kerf" : what + " - Kerf").c_str());
   }
 
   // While a scan is imported the session that is open, if any, rests; its view comes back when the scan is put away.
@@ -270,7 +271,7 @@ class Workshop {
     }
     if (set && import_view_->takeFitWanted()) {
       viewScan(context_, pixels());
-      setTitle("Import " + set->entries().front().file.filename().string());
+      setTitle(shownText("Import " + set->entries().front().file.filename().string()));
     }
   }
 
