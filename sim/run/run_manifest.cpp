@@ -104,6 +104,10 @@ Expected<void> readPieces(TomlTable& top, const fs::path& path, RunManifest& m) 
     piece.inside = {inside[0], inside[1], inside[2]};
     piece.T_case_piece.translation = {translation[0], translation[1], translation[2]};
     piece.T_case_piece.rotation = {rotation[0], rotation[1], rotation[2], rotation[3]};
+    Rigid3 at_inside;
+    at_inside.translation = piece.inside;
+    if (!at_inside.isUsable())
+      top.reject("piece", fmt::format("piece {}: inside is out of range", m.pieces.size() + 1), "mm below 1e5");
     if (!piece.T_case_piece.isUsable())
       top.reject("piece", fmt::format("piece {}: a pose that cannot be computed with", m.pieces.size() + 1),
                  "mm below 1e5, and a unit quaternion w x y z");
@@ -129,6 +133,7 @@ Expected<void> readTools(TomlTable& top, const fs::path& path, RunManifest& m) {
     KERF_CHECK(t.finish());
     m.tools.push_back(std::move(tool));
   }
+  if (m.tools.empty()) top.reject("tool", "none", "at least one [[tool]]: a session has a tool in hand");
   return {};
 }
 

@@ -173,6 +173,29 @@ TEST(TextFiles, NumbersThatNoRunHasAreRefusedByTheirKey) {
   }
 }
 
+TEST(TextFiles, APieceFarAwayAndASessionWithoutToolsAreRefused) {
+  const TemporaryFolder folder;
+  const auto refusal = [&](const std::string& text) {
+    folder.write("run.toml", text);
+    const auto read = readRunManifest(folder.path());
+    return read ? std::string() : read.error().message();
+  };
+  const auto piece = [](const std::string& at) {
+    return "[[piece]]\nid = 1\nname = \"a\"\nvolume_mm3 = 1.0\ninside = [0.0, " + at +
+           ", 0.0]\ntranslation = [0.0, 0.0, 0.0]\nrotation = [1.0, 0.0, 0.0, 0.0]\n";
+  };
+  EXPECT_EQ(refusal(kRunOfAPath + piece("2.0")), "");
+  for (const char* at : {"1e300", "-1e6", "nan", "inf"})
+    EXPECT_NE(refusal(kRunOfAPath + piece(at)).find("inside"), std::string::npos) << at;
+
+  const std::string session =
+      "format = \"kerf-run\"\nversion = 1\nkerf_version = \"0.1.0\"\ncase_path = \"../a.case\"\n"
+      "case_id = \"0123456789abcdef\"\nmode = \"session\"\ntool_id = \"round-014\"\nis_open = false\n"
+      "duration_s = 2.0\nvoxel_mm = 0.1\nstate_hash = \"0123456789abcdef\"\nfield_sha256 = \"03\"\n";
+  EXPECT_EQ(refusal(session + "[[tool]]\nid = \"a\"\nfile = \"tools/a.toml\"\nsha256 = \"01\"\n"), "");
+  EXPECT_NE(refusal(session + "tool = []\n").find("tool"), std::string::npos);
+}
+
 TEST(TextFiles, MutatedRunManifestsAreReadOrRefused) {
   const TemporaryFolder folder;
   const std::string good = kRunOfAPath;
