@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "geometry/base/atomic_file.h"
 #include "geometry/case/case_bundle.h"
 #include "sim/run/log_player.h"
 #include "sim/run/removed_volumes.h"
@@ -41,10 +42,17 @@ std::optional<C> commandIn(const SessionEvent& event) {
 
 LogMoment endOf(const SessionLog& log) { return {log.samples.size(), log.events.size()}; }
 
+// What a session began with stands before the first sample: the pieces of the run it goes on from, what it adds.
+bool isOfBeginning(const SessionEvent& event) {
+  return event.samples_before == 0 && std::holds_alternative<SessionCommand>(event.what);
+}
+
 // What stands right behind the last sample is not done yet.
 LogMoment behindSample(const SessionLog& log, std::size_t sample) {
   if (sample >= log.samples.size()) return endOf(log);
-  const auto isBehind = [&](const SessionEvent& event) { return event.samples_before >= sample; };
+  const auto isBehind = [&](const SessionEvent& event) {
+    return event.samples_before >= sample && !isOfBeginning(event);
+  };
   const auto end = std::find_if(log.events.begin(), log.events.end(), isBehind);
   return {sample, static_cast<std::size_t>(end - log.events.begin())};
 }
@@ -185,36 +193,42 @@ PieceLabels labelsOf(const fs::path& run_folder, const RunManifest& manifest) {
   return out;
 }
 
+// Into a folder that exists. The manifest is written last, and is of a session that has ended: a folder that is left
+// half written is no run.
 Expected<RunManifest> writeBranch(const fs::path& run_folder, const Recording& recording, const SessionLog& log,
-                                  const Session& session, const fs::path& branch_folder) {
+                                  const Session& session, const fs::path& folder) {
   KERF_TRY(in_case, readCaseManifest(recording.cases.front()));
   KERF_TRY(beside, neighboursOf(run_folder, recording));
   KERF_TRY(fields, internal::fieldsBefore(run_folder, recording.manifest));
-  KERF_TRY(opened,
-           openSessionRun(branch_folder, recording.cases.front(), in_case, toolsOf(run_folder, recording), {}, beside));
+  KERF_TRY(out,
+           internal::storeSession(folder, recording.cases.front(), in_case, toolsOf(run_folder, recording), beside));
+  out.begin_sha256 = recording.manifest.begin_sha256;
+  if (!out.begin_sha256.empty())
+    KERF_CHECK(internal::copyInto(run_folder / internal::kRunBegin, folder / internal::kRunBegin));
 
-  const auto written = [&]() -> Expected<RunManifest> {
-    RunManifest out = std::move(opened.manifest);
-    out.begin_sha256 = recording.manifest.begin_sha256;
-    if (!out.begin_sha256.empty())
-      KERF_CHECK(internal::copyInto(run_folder / internal::kRunBegin, branch_folder / internal::kRunBegin));
-    const PieceLabels labels = labelsOf(run_folder, recording.manifest);
-    if (!labels.empty()) KERF_CHECK(writePieceLabels(branch_folder, labels));
-    KERF_CHECK(writeLog(branch_folder / internal::kRunLog, log, session));
-    out.tool_id = internal::toolsInHand(log, out);
-    KERF_CHECK(endSessionRun(branch_folder, session, out, labels, fields.loaded(), fields.beside));
-    return out;
-  }();
-  if (written) return written;
-
-  std::error_code ignored;
-  fs::remove_all(branch_folder, ignored);
-  if (written.error().code != Error::Code::kEmpty) return written;
+  const PieceLabels labels = labelsOf(run_folder, recording.manifest);
+  if (!labels.empty()) KERF_CHECK(writePieceLabels(folder, labels));
+  KERF_CHECK(writeLog(folder / internal::kRunLog, log, session));
+  out.tool_id = internal::toolsInHand(log, out);
+  const auto ended = internal::writeEnd(folder, session, out, labels, fields.loaded(), fields.beside);
+  if (ended) return out;
+  if (ended.error().code != Error::Code::kEmpty) return fail(ended.error());
   return fail({.code = Error::Code::kEmpty,
                .file = run_folder.string(),
                .found = "nothing is cut up to there",
                .expected = "a moment behind the first stroke",
                .hint = "the case can be opened anew: " + recording.cases.front().string()});
+}
+
+Expected<AtomicFolder> newFolder(const fs::path& folder) {
+  std::error_code ignored;
+  if (fs::exists(fs::symlink_status(folder, ignored)))
+    return fail({.code = Error::Code::kWriteFailed,
+                 .file = folder.string(),
+                 .found = "there is something of that name",
+                 .expected = "a new folder in a writable one",
+                 .hint = "another name or place"});
+  return AtomicFolder::create(folder, false, kRunManifest);
 }
 
 }  // namespace
@@ -227,22 +241,52 @@ Expected<RunManifest> branchRun(const fs::path& run_folder, const BranchPoint& p
   KERF_TRY(moment, momentOf(recording.log, point, file));
   KERF_CHECK(cutOff(recording.log, moment, file));
 
+  KERF_TRY(folder, newFolder(branch_folder));
   Expected<RunManifest> written = fail({});
   const auto write = [&](const Session& session, const SessionLog& log) {
-    written = writeBranch(run_folder, recording, log, session, branch_folder);
+    written = writeBranch(run_folder, recording, log, session, folder.staging());
   };
   KERF_TRY(replayed, replay(recording.log, file, recording.model, recording.objects, progress,
                             std::numeric_limits<double>::infinity(), 0, write));
-  if (replayed.checks == 0 || replayed.is_same) return written;
+  if (replayed.checks > 0 && !replayed.is_same)
+    return fail({.code = Error::Code::kUnsupported,
+                 .file = file,
+                 .place = fmt::format("tick {}", replayed.differs_at),
+                 .found = "its replay differs from what was recorded",
+                 .expected = "the same bits",
+                 .hint = "the run itself can be gone on from, at its end"});
+  if (written) KERF_CHECK(folder.commit());
+  return written;
+}
 
-  std::error_code ignored;
-  if (written) fs::remove_all(branch_folder, ignored);
-  return fail({.code = Error::Code::kUnsupported,
-               .file = file,
-               .place = fmt::format("tick {}", replayed.differs_at),
-               .found = "its replay differs from what was recorded",
-               .expected = "the same bits",
-               .hint = "the run itself can be gone on from, at its end"});
+// Every stroke of the log counts as a step, also one in air that the session made none of. So there are never fewer
+// steps here than the session had, and what was dropped there is among what is dropped here.
+std::vector<std::uint64_t> droppedSteps(const SessionLog& log) {
+  std::vector<std::uint64_t> out, line;
+  std::size_t done = 0;  // of the line; those behind can be done again
+  const auto drop = [&] {
+    if (done < line.size()) out.push_back(line.back());
+    line.resize(done);
+  };
+
+  for (const SessionEvent& event : log.events) {
+    if (beginsStep(event)) {
+      drop();
+      line.push_back(event.tick);
+      done = line.size();
+    } else if (commandIn<Undo>(event)) {
+      done -= done > 0 ? 1 : 0;
+    } else if (commandIn<Redo>(event)) {
+      done += done < line.size() ? 1 : 0;
+    }
+  }
+  drop();
+  return out;
+}
+
+Expected<std::vector<std::uint64_t>> droppedSteps(const fs::path& run_folder) {
+  KERF_TRY(log, readSessionLog(run_folder / internal::kRunLog));
+  return droppedSteps(log);
 }
 
 }  // namespace kerf

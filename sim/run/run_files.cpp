@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <variant>
 
 #include "geometry/base/hash.h"
 #include "geometry/case/case_bundle.h"
@@ -11,6 +13,8 @@
 #include "geometry/field/vdb_io.h"
 #include "sim/monitor/monitor.h"
 #include "sim/run/run_output.h"
+#include "sim/session/command.h"
+#include "sim/session/session_log.h"
 
 namespace kerf {
 namespace fs = std::filesystem;
@@ -62,6 +66,23 @@ bool saysThatItAdded(const fs::path& run_folder, const RunManifest& manifest) {
   if (!summary.is_object()) return false;
   const auto added = summary.find("added_mm3");
   return added != summary.end() && added->is_number() && added->get<double>() > 0;
+}
+
+// Whether a run was told to add material, by its log: what was cut off such a run at a moment is a session without a
+// summary.
+bool addedByItsLog(const fs::path& run_folder, const RunManifest& manifest) {
+  if (manifest.mode == kModeGeometry) return false;
+  const auto log = readSessionLog(run_folder / internal::kRunLog);
+  if (!log) return false;
+
+  const auto isOfCase = [&](const auto& entry) { return entry.first == "case_id" && entry.second == manifest.case_id; };
+  const auto adds = [](const SessionEvent& event) {
+    const auto* const text = std::get_if<SessionCommand>(&event.what);
+    const auto command = text ? parseCommand(text->text) : fail({});
+    return command && std::holds_alternative<AddMaterial>(*command);
+  };
+  return std::any_of(log->header.begin(), log->header.end(), isOfCase) &&
+         std::any_of(log->events.begin(), log->events.end(), adds);
 }
 
 }  // namespace
@@ -155,7 +176,9 @@ Expected<void> requireOnlyTaken(const fs::path& run_folder, const RunManifest& m
   if (beside == 0 && saysThatItAdded(run_folder, manifest)) return {};
   KERF_TRY(begin, readRunBegin(run_folder, manifest, beside));
   const std::string grid = beside == 0 ? "phi" : neighbourId(beside);
-  return ofRun(requireOnlyTaken(cut, phi0, begin ? &*begin : nullptr, grid), run_folder / internal::kRunField);
+  auto checked = requireOnlyTaken(cut, phi0, begin ? &*begin : nullptr, grid);
+  if (!checked && beside == 0 && addedByItsLog(run_folder, manifest)) return {};
+  return ofRun(std::move(checked), run_folder / internal::kRunField);
 }
 
 Expected<std::optional<BrickField>> readRunBegin(const fs::path& run_folder, const RunManifest& manifest,

@@ -32,10 +32,12 @@ Expected<BrickField> readRunSweep(const std::filesystem::path& run_folder);
 Expected<BrickField> readRunCutField(const std::filesystem::path& run_folder, std::size_t beside = 0);
 
 /// Refuses a cut field with material where the case has none: nothing comes back that was cut, so that such a grid is
-/// of another case, or made up. Let through: a run that says that it added some (kerf cut --add; summary.json,
-/// added_mm3), and what the run before had where this one went on (begin.vdb).
+/// of another case, or made up. Let through: a run that says that it added some (kerf cut --add; added_mm3 in
+/// summary.json, or the command in its log, which a branch of such a run has), and what the run before had where this
+/// one went on (begin.vdb).
 /// @param cut  of readRunCutField().   @param phi0  of its case, or of the one beside it.
-/// Error kBadValue by the grid's name, with a place.   @cost  1 us a brick of the cut, and reading begin.vdb.
+/// Error kBadValue by the grid's name, with a place.   @cost  1 us a brick of the cut, and reading begin.vdb; before
+/// material is refused, reading the log.
 Expected<void> requireOnlyTaken(const std::filesystem::path& run_folder, const RunManifest& manifest,
                                 const BrickField& cut, const BrickField& phi0, std::size_t beside = 0);
 

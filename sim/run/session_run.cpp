@@ -20,6 +20,7 @@
 #include "sim/monitor/monitor.h"
 #include "sim/pieces/joined_field.h"
 #include "sim/run/load_scene.h"
+#include "sim/run/run_branch.h"
 #include "sim/run/run_files.h"
 #include "sim/run/run_output.h"
 #include "sim/run/session_pieces.h"
@@ -39,6 +40,14 @@ tl::unexpected<Error> cannotWrite(const fs::path& what, const std::string& why) 
                .found = why,
                .expected = "a writable place with room",
                .hint = "another folder, or free some space"});
+}
+
+tl::unexpected<Error> nothingCut(const fs::path& run_folder) {
+  return fail({.code = Error::Code::kEmpty,
+               .file = run_folder.string(),
+               .found = "nothing was cut in this session",
+               .expected = "at least one stroke that is not taken back",
+               .hint = "the folder may be deleted"});
 }
 
 // Copies tool n, with its mesh, into a folder of its own: names may repeat. Hashed before it is copied: see
@@ -128,9 +137,9 @@ RunLock::~RunLock() {
 
 // ---- Beginning and end
 
-Expected<OpenedRun> openSessionRun(const fs::path& run_folder, const fs::path& case_folder,
-                                   const CaseManifest& manifest, std::span<const SessionTool> tools,
-                                   const fs::path& from, std::span<const SessionNeighbour> beside) {
+Expected<RunManifest> internal::storeSession(const fs::path& run_folder, const fs::path& case_folder,
+                                             const CaseManifest& manifest, std::span<const SessionTool> tools,
+                                             std::span<const SessionNeighbour> beside) {
   RunManifest out;
   out.kerf_version = kVersion;
   KERF_TRY(case_path, internal::relativeCasePath(case_folder, run_folder));
@@ -149,6 +158,17 @@ Expected<OpenedRun> openSessionRun(const fs::path& run_folder, const fs::path& c
                           .name = other.name});
   }
 
+  for (std::size_t n = 0; n < tools.size(); ++n) {
+    KERF_TRY(stored, storeTool(tools[n], n, run_folder));
+    out.tools.push_back(std::move(stored));
+  }
+  out.tool_id = out.tools.empty() ? "" : out.tools.front().id;
+  return out;
+}
+
+Expected<OpenedRun> openSessionRun(const fs::path& run_folder, const fs::path& case_folder,
+                                   const CaseManifest& manifest, std::span<const SessionTool> tools,
+                                   const fs::path& from, std::span<const SessionNeighbour> beside) {
   std::error_code failed;
   if (!fs::create_directory(run_folder, failed) || failed)
     return fail({.code = Error::Code::kWriteFailed,
@@ -160,11 +180,7 @@ Expected<OpenedRun> openSessionRun(const fs::path& run_folder, const fs::path& c
   // The lock first: a folder with a manifest and without a lock is one whose program is gone.
   auto opened = [&]() -> Expected<OpenedRun> {
     KERF_TRY(lock, RunLock::take(run_folder));
-    for (std::size_t n = 0; n < tools.size(); ++n) {
-      KERF_TRY(stored, storeTool(tools[n], n, run_folder));
-      out.tools.push_back(std::move(stored));
-    }
-    out.tool_id = out.tools.empty() ? "" : out.tools.front().id;
+    KERF_TRY(out, internal::storeSession(run_folder, case_folder, manifest, tools, beside));
     if (!from.empty()) {
       KERF_TRY(hash, internal::storeBegin(from, run_folder));
       out.begin_sha256 = hash;
@@ -190,6 +206,14 @@ SessionHeader sessionHeader(const RunManifest& manifest) {
 Expected<void> endSessionRun(const fs::path& run_folder, const Session& session, RunManifest& manifest,
                              const PieceLabels& labels, const BrickField* loaded,
                              std::span<const BrickField* const> beside) {
+  // There is no more to undo than where it began.
+  if (loaded && !session.canUndo()) return nothingCut(run_folder);
+  return internal::writeEnd(run_folder, session, manifest, labels, loaded, beside);
+}
+
+Expected<void> internal::writeEnd(const fs::path& run_folder, const Session& session, RunManifest& manifest,
+                                  const PieceLabels& labels, const BrickField* loaded,
+                                  std::span<const BrickField* const> beside) {
   const Objects objects = internal::objectsOf(session, 0);
   const bool is_moved = std::any_of(objects.begin(), objects.end(), [](const auto* o) { return isMoved(*o); });
   const bool is_in_pieces = internal::isInPieces(objects) || is_moved;
@@ -198,13 +222,7 @@ Expected<void> endSessionRun(const fs::path& run_folder, const Session& session,
 
   const BrickField changed = changesOf(objects, fields, loaded);
   const NeighbourChanges others = changesBeside(session, beside);
-  const bool is_as_it_began = loaded && !session.canUndo();  // nor is there more to undo than where it began
-  if (is_as_it_began || (!loaded && changed.isEmpty() && !is_moved && others.isEmpty()))
-    return fail({.code = Error::Code::kEmpty,
-                 .file = run_folder.string(),
-                 .found = "nothing was cut in this session",
-                 .expected = "at least one stroke that is not taken back",
-                 .hint = "the folder may be deleted"});
+  if (!loaded && changed.isEmpty() && !is_moved && others.isEmpty()) return nothingCut(run_folder);
 
   // The field has its name only when it is whole.
   const fs::path field = run_folder / internal::kRunField, fresh = run_folder / "run.new.vdb";
@@ -312,11 +330,16 @@ Expected<Recovery> recoverRun(const fs::path& run_folder, const Progress& progre
 
   Recovery out;
   Expected<void> ended;
+  bool has_dropped = false;
   const auto end = [&](const Session& session, const SessionLog& log) {
     manifest.tool_id = internal::toolsInHand(log, manifest);
+    has_dropped = !droppedSteps(log).empty();
     ended = endSessionRun(run_folder, session, manifest, readPieceLabels(run_folder), before.loaded(), before.beside);
   };
   KERF_TRY(replayed, internal::replayRun(run_folder, manifest, progress, end));
+  if (!ended && ended.error().code == Error::Code::kEmpty && has_dropped)
+    ended.error().hint =
+        "what was taken back in it is in its log still: the window's session.recover keeps that as runs of its own";
   KERF_CHECK(ended);
   out.manifest = std::move(manifest);
   out.replay = std::move(replayed);

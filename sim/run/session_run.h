@@ -102,7 +102,8 @@ struct Recovery {
 };
 /// Ends a session whose program is gone, from its log: to the last whole record, at most a second before the end.
 /// Errors: kUnsupported for a run that is no session, has ended, or is open in another program; kEmpty when nothing
-/// was cut; those of replayRun().   @cost  as the session took, or less: about a quarter of it.
+/// is cut at its end, what was taken back is in its log: droppedSteps() in run_branch.h; those of replayRun().
+/// @cost  as the session took, or less: about a quarter of it.
 Expected<Recovery> recoverRun(const std::filesystem::path& run_folder, const Progress& progress = {});
 
 namespace internal {
@@ -118,6 +119,17 @@ struct FieldsBefore {
   const BrickField* loaded() const { return of_case ? &*of_case : nullptr; }
 };
 Expected<FieldsBefore> fieldsBefore(const std::filesystem::path& run_folder, const RunManifest& manifest);
+
+/// Copies the tools of a session into its folder, which exists. The manifest is returned, open, and not written.
+/// For the parameters see openSessionRun().
+Expected<RunManifest> storeSession(const std::filesystem::path& run_folder, const std::filesystem::path& case_folder,
+                                   const CaseManifest& manifest, std::span<const SessionTool> tools,
+                                   std::span<const SessionNeighbour> beside);
+
+/// As endSessionRun(), and of a session that goes on from a run also when it is as that one was left.
+/// Error kEmpty: it began with the case, and nothing differs from that.
+Expected<void> writeEnd(const std::filesystem::path& run_folder, const Session& session, RunManifest& manifest,
+                        const PieceLabels& labels, const BrickField* loaded, std::span<const BrickField* const> beside);
 
 }  // namespace internal
 

@@ -1,8 +1,14 @@
 #include "sim/run/run_branch.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <csignal>
+#include <cstdlib>
 
 #include "sim/run/export_bundle.h"
+#include "sim/run/haptic_cut.h"
 #include "sim/run/replay.h"
 #include "sim/run/run_files.h"
 #include "tests/sim/person_at_mouse.h"
@@ -124,6 +130,135 @@ TEST_F(RunBranchTest, ABranchIsGoneOnFromAndBranchedFromAgain) {
   const auto exported = exportBundle(again);
   ASSERT_TRUE(exported) << exported.error().message();
   EXPECT_NEAR(exported->post_op.report.removed_volume_mm3, second_ + after_one, 0.05 * (second_ + after_one));
+}
+
+// What the run before had cut and moved is there from the first moment on, before this one has cut anything.
+TEST_F(RunBranchTest, BeforeTheFirstStrokeOfARunThatGoesOnThereIsWhatItBeganWith) {
+  const fs::path moved = folder_->path() / "moved.run", next = folder_->path() / "beyond.run";
+  LiveRunOptions options = test::someTools();
+  options.from = runFolder();
+  {
+    auto run = LiveRun::open(folder_->path() / "block.case", moved, options);
+    ASSERT_TRUE(run) << run.error().message();
+    test::Mouse mouse(**run);
+    mouse.send(SelectTool{1});  // some ticks before that
+    mouse.send(MoveObject{0, {0, 0, 2}});
+    const auto ended = (*run)->finish();
+    ASSERT_TRUE(ended) << ended.error().message();
+    ASSERT_EQ(ended->pieces.size(), 1u);
+  }
+  options.from = moved;
+  {
+    auto run = LiveRun::open(folder_->path() / "block.case", next, options);
+    ASSERT_TRUE(run) << run.error().message();
+    test::Mouse mouse(**run);
+    mouse.send(SelectTool{1});
+    mouse.send(MoveObject{0, {0, 0, 4}});
+    ASSERT_TRUE((*run)->finish());
+  }
+
+  const auto expectBegins = [](const fs::path& run, std::size_t sample, std::size_t pieces) {
+    const fs::path branch = folder_->path() / fmt::format("{} {}.run", run.stem().string(), sample);
+    const auto written = branchRun(run, {.sample = sample}, branch);
+    ASSERT_TRUE(written) << written.error().message();
+    ASSERT_EQ(written->pieces.size(), pieces);
+    for (const RunManifest::Piece& piece : written->pieces)
+      EXPECT_EQ(piece.T_case_piece.translation, Vec3d(0, 0, 2)) << sample;
+    const auto replayed = replayRun(branch);
+    ASSERT_TRUE(replayed) << replayed.error().message();
+    EXPECT_TRUE(replayed->is_same && replayed->is_whole) << replayed->note;
+    const auto exported = exportBundle(branch);
+    ASSERT_TRUE(exported) << exported.error().message();
+    EXPECT_NEAR(exported->post_op.report.removed_volume_mm3, third_, 0.05 * third_);
+  };
+  for (const std::size_t sample : {0u, 5u}) {
+    expectBegins(moved, sample, 0);
+    expectBegins(next, sample, 1);
+  }
+}
+
+// Of `kerf cut --add` a branch is a session, without the summary that tells what was added.
+TEST_F(RunBranchTest, ABranchOfARunThatAddedMaterialIsGoneOnFrom) {
+  const fs::path block = folder_->path() / "block.case", filled = folder_->path() / "filled.run";
+  const fs::path branch = folder_->path() / "filling.run";
+  const fs::path path =
+      folder_->write("above.csv", "t,x,y,z,qw,qx,qy,qz\n0,-1,0,0.2,1,0,0,0\n1,-1,0,-0.2,1,0,0,0\n3,1,0,-0.2,1,0,0,0\n");
+  HapticCutOptions adding;
+  adding.hand = HandKind::kFeed;
+  adding.add = "composite";
+  const auto added = cutCaseByHand(block, *findToolFile("round-014", defaultToolFolders()), path, filled, adding);
+  ASSERT_TRUE(added) << added.error().message();
+  ASSERT_GT(added->summary.added_mm3, 0.1);
+
+  const auto written = branchRun(filled, {.sample = 2000}, branch);
+  ASSERT_TRUE(written) << written.error().message();
+  const auto exported = exportBundle(branch);
+  ASSERT_TRUE(exported) << exported.error().message();
+  LiveRunOptions options = test::someTools();
+  options.from = branch;
+  const auto run = LiveRun::open(block, folder_->path() / "on the filling.run", options);
+  EXPECT_TRUE(run) << run.error().message();
+
+  fs::remove(filled / "summary.json");
+  EXPECT_TRUE(exportBundle(filled)) << "the log says it, too";
+}
+
+// The program is killed before it has deleted the log of a session in which nothing is left.
+TEST_F(RunBranchTest, WhatWasTakenBackIsFoundInTheLogOfAnEmptySession) {
+  EXPECT_EQ(*droppedSteps(runFolder()), std::vector<std::uint64_t>{second_began_});
+
+  const fs::path lost = folder_->path() / "lost.run";
+  double first = 0, second = 0;
+  {
+    auto run = LiveRun::open(folder_->path() / "block.case", lost, test::someTools());
+    ASSERT_TRUE(run) << run.error().message();
+    test::Mouse mouse(**run);
+    mouse.drill({-1.5, 0, 0}, 1.5);
+    first = removedBy(**run);
+    mouse.send(Undo{});
+    mouse.drill({1.5, 0, 0}, 1);
+    second = removedBy(**run);
+    mouse.send(Undo{});
+    EXPECT_EQ((*run)->finish(true).error().code, Error::Code::kEmpty);
+  }
+  const auto recovered = recoverRun(lost);
+  ASSERT_FALSE(recovered);
+  EXPECT_EQ(recovered.error().code, Error::Code::kEmpty);
+  EXPECT_NE(recovered.error().hint.find("session.recover"), std::string::npos) << recovered.error().message();
+
+  const auto dropped = droppedSteps(lost);
+  ASSERT_TRUE(dropped) << dropped.error().message();
+  ASSERT_EQ(dropped->size(), 2u);
+  const double removed[] = {first, second};
+  for (std::size_t n = 0; n < 2; ++n) {
+    const fs::path branch = folder_->path() / ("found " + std::to_string(n) + ".run");
+    const auto written = branchRun(lost, {.step_began = (*dropped)[n]}, branch);
+    ASSERT_TRUE(written) << written.error().message();
+    expectHolds(branch, removed[n]);
+  }
+  fs::remove_all(lost);
+}
+
+// Killed in the middle of the log, it is no run: neither one that has ended nor one that waits to be recovered.
+TEST_F(RunBranchTest, ABranchThatWasHalfWrittenIsNoRun) {
+  testing::GTEST_FLAG(death_test_style) = "threadsafe";
+  setenv("KERF_TEST_BRANCHED", runFolder().c_str(), 0);  // the child has a folder of its own
+  const fs::path run = std::getenv("KERF_TEST_BRANCHED");
+  const auto bytes = fs::file_size(runFolder() / "session.kerflog");
+  const auto branchWithLittleRoom = [&] {
+    const rlimit most{bytes / 2, bytes / 2};
+    setrlimit(RLIMIT_FSIZE, &most);
+    signal(SIGXFSZ, SIG_DFL);
+    (void)branchRun(run, {.step_began = {}}, run.parent_path() / "half.run");
+  };
+  EXPECT_EXIT(branchWithLittleRoom(), testing::KilledBySignal(SIGXFSZ), "");
+  unsetenv("KERF_TEST_BRANCHED");
+
+  EXPECT_FALSE(fs::exists(folder_->path() / "half.run"));
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder_->path())) {
+    const auto manifest = readRunManifest(entry.path());
+    EXPECT_FALSE(manifest && manifest->is_open) << entry.path();
+  }
 }
 
 TEST_F(RunBranchTest, AStrokeThatWasNotTakenBackLeadsToTheEnd) {
