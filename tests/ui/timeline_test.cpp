@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <thread>
 
 #include "geometry/formats/mesh_writer.h"
@@ -323,6 +325,42 @@ TEST_F(TimelineTest, WhatWasTakenBackIsKeptOfASessionInWhichNothingIsLeft) {
   EXPECT_GT(replayed->removed_mm3, 0.01);
 }
 
+// The folder as it is when the program is killed.
+TEST_F(TimelineTest, WhatWasTakenBackIsKeptOfALostSessionInWhichNothingIsLeft) {
+  stroke(150);
+  const double first = bench_->removedMm3();
+  goTo(0);
+  stroke(210);
+  const double second = bench_->removedMm3();
+  goTo(0);
+  run("wait 3\n");  // until the log is on the disk
+  const fs::path sessions = folder_.path() / "data" / "sessions", lost = sessions / "lost.run";
+  fs::copy(bench_->sessionFolder(), lost, fs::copy_options::recursive);
+  end();
+
+  WorkbenchOptions options;
+  options.data_folder = folder_.path() / "data";
+  options.tools = {"round-014"};
+  Workbench next(options);
+  ASSERT_EQ(next.lostSessions().size(), 1u);
+  next.recover(0);
+  while (next.job()) next.update();
+  EXPECT_FALSE(fs::exists(lost));
+  EXPECT_TRUE(next.lostSessions().empty());
+  EXPECT_NE(next.notices().back().text.find("is kept:\n"), std::string::npos) << next.notices().back().text;
+  std::vector<double> removed;
+  for (const auto& entry : fs::directory_iterator(sessions)) {
+    if (next.notices().back().text.find(entry.path().string()) == std::string::npos) continue;
+    const auto replayed = replayRun(entry.path());
+    ASSERT_TRUE(replayed) << replayed.error().message();
+    removed.push_back(replayed->removed_mm3);
+  }
+  std::sort(removed.begin(), removed.end());
+  ASSERT_EQ(removed.size(), 2u);
+  EXPECT_NEAR(removed[0], std::min(first, second), 1e-6);
+  EXPECT_NEAR(removed[1], std::max(first, second), 1e-6);
+}
+
 TEST_F(TimelineTest, ASessionThatIsWatchedIsGoneOnWithFromAnyMoment) {
   std::vector<double> removed{0};
   for (const int x : {150, 180, 210}) {
@@ -348,7 +386,23 @@ TEST_F(TimelineTest, ASessionThatIsWatchedIsGoneOnWithFromAnyMoment) {
   EXPECT_NEAR(at + replayed->removed_mm3, now, 1e-6);
   EXPECT_NEAR(replayRun(whole)->removed_mm3, removed[3], 1e-6) << "what is gone on with is never changed";
 
-  // At the beginning there is nothing to go on with; notices of errors end a script.
+  // Of a run that goes on there is something before its first stroke, too, and it is kept once, however often asked
+  // for.
+  const auto runs = [&] {
+    const fs::directory_iterator all(folder_.path() / "data" / "sessions");
+    return std::distance(fs::begin(all), fs::end(all));
+  };
+  run("replay.open \"" + session.string() + "\"\nwait\nreplay.time 0.01\nwait\nreplay.go-on\nwait\n");
+  ASSERT_TRUE(bench_->isOpen());
+  EXPECT_NEAR(bench_->removedMm3(), at, 1e-6);
+  end();
+  const auto kept = runs();
+  run("replay.open \"" + session.string() + "\"\nwait\nreplay.time 0.01\nwait\nreplay.go-on\nwait\n");
+  ASSERT_TRUE(bench_->isOpen());
+  end();
+  EXPECT_EQ(runs(), kept);
+
+  // At the beginning of one that began with its case there is nothing to go on with; notices of errors end a script.
   run("replay.open \"" + whole.string() + "\"\nwait\n");
   EXPECT_NE(refusalOf("replay.go-on\nwait\n").find("nothing is cut up to there"), std::string::npos);
   EXPECT_TRUE(bench_->watched());

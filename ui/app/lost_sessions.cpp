@@ -4,8 +4,10 @@
 #include <system_error>
 
 #include "geometry/base/atomic_file.h"
+#include "sim/run/run_branch.h"
 #include "sim/run/run_manifest.h"
 #include "sim/run/session_run.h"
+#include "ui/app/opening.h"
 
 namespace kerf {
 
@@ -61,6 +63,23 @@ Expected<void> discardSession(const fs::path& folder) {
                .found = failed.message(),
                .expected = "a folder that can be deleted",
                .hint = "delete it yourself"});
+}
+
+DroppedRuns keepDropped(const fs::path& session, const std::vector<std::uint64_t>& dropped, const fs::path& data,
+                        const std::string& name, const Progress& progress) {
+  DroppedRuns out;
+  for (const std::uint64_t began : dropped) {
+    const fs::path folder = newSessionFolder(data, name);
+    const auto saved = branchRun(session, {.step_began = began}, folder, progress);
+    if (saved)
+      out.runs[began] = folder;
+    else if (saved.error().code != Error::Code::kEmpty)
+      out.failed = saved.error();
+  }
+
+  std::error_code ignored;
+  if (!out.failed) fs::remove_all(session, ignored);
+  return out;
 }
 
 }  // namespace kerf

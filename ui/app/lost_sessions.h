@@ -3,10 +3,13 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "geometry/base/error.h"
+#include "geometry/base/progress.h"
 
 namespace kerf {
 
@@ -27,5 +30,16 @@ std::uintmax_t bytesOf(const LostSession& lost);
 /// program works on it; kWriteFailed, also where something lies in it that Kerf did not write; those of reading its
 /// manifest.
 Expected<void> discardSession(const std::filesystem::path& folder);
+
+/// What had been taken back in a session in which nothing is left.
+struct DroppedRuns {
+  std::map<std::uint64_t, std::filesystem::path> runs;  ///< by BranchPoint::step_began
+  std::optional<Error> failed;  ///< what could not be written: the session's folder is still there, with its log
+};
+/// Makes runs of it in DATA/sessions; then the session's folder is deleted.
+/// @param dropped  of its steps: BranchPoint::step_began.   @param name  of what was cut.
+/// @cost  as a replay of the session, for each.
+DroppedRuns keepDropped(const std::filesystem::path& session, const std::vector<std::uint64_t>& dropped,
+                        const std::filesystem::path& data, const std::string& name, const Progress& progress = {});
 
 }  // namespace kerf

@@ -366,14 +366,38 @@ Expected<Opened> openToCut(const fs::path& path, const OpeningOptions& options, 
   return out;
 }
 
+namespace {
+
+// Another run in the same folder that holds the same. None: there is none.
+std::optional<fs::path> sameRun(const fs::path& run_folder, const RunManifest& run) {
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::directory_iterator(run_folder.parent_path(), ignored)) {
+    const bool is_being_written = entry.path().filename().string().starts_with('.');
+    if (entry.path() == run_folder || is_being_written || !isRun(entry.path())) continue;
+    const auto other = readRunManifest(entry.path());
+    if (!other || other->is_open || other->mode != run.mode || other->case_id != run.case_id) continue;
+    const bool begins_alike = other->begin_sha256 == run.begin_sha256 && other->beside.size() == run.beside.size();
+    if (begins_alike && other->state_hash == run.state_hash) return entry.path();
+  }
+  return {};
+}
+
+}  // namespace
+
 Expected<Opened> openBranchToCut(const fs::path& run_folder, const BranchPoint& point, const OpeningOptions& options,
                                  const Progress& progress) {
   KERF_TRY(manifest, readRunManifest(run_folder));
   const fs::path branch = newSessionFolder(options.data_folder, nameOf(fs::path(manifest.case_path)));
   std::error_code ignored;
   fs::create_directories(branch.parent_path(), ignored);
-  KERF_CHECK(branchRun(run_folder, point, branch, partOf(progress, 0, 0.5)));
-  return openToCut(branch, options, partOf(progress, 0.5, 1));
+  KERF_TRY(written, branchRun(run_folder, point, branch, partOf(progress, 0, 0.5)));
+
+  // One that nobody goes on with is not kept, nor is a second one of the same moment.
+  const auto known = sameRun(branch, written);
+  if (known) fs::remove_all(branch, ignored);
+  auto opened = openToCut(known.value_or(branch), options, partOf(progress, 0.5, 1));
+  if (!opened && !known) fs::remove_all(branch, ignored);
+  return opened;
 }
 
 namespace {

@@ -20,16 +20,9 @@ EndedSession endSession(LiveRun& run, const std::vector<std::uint64_t>& dropped,
   const bool is_empty = !out.run && out.run.error().code == Error::Code::kEmpty;
   if (!is_empty || dropped.empty()) return out;
 
-  for (const std::uint64_t began : dropped) {
-    const fs::path folder = newSessionFolder(data_folder, name);
-    const auto saved = branchRun(run.folder(), {.step_began = began}, folder);
-    if (saved)
-      out.saved[began] = folder;
-    else if (saved.error().code != Error::Code::kEmpty)
-      out.failed = saved.error();
-  }
-  std::error_code ignored;
-  if (!out.failed) fs::remove_all(run.folder(), ignored);
+  DroppedRuns kept = keepDropped(run.folder(), dropped, data_folder, name);
+  out.saved = std::move(kept.runs);
+  out.failed = std::move(kept.failed);
   return out;
 }
 

@@ -3,8 +3,9 @@
 
 #include <algorithm>
 #include <memory>
-#include <system_error>
+#include <string>
 
+#include "sim/run/run_branch.h"
 #include "ui/app/user_files.h"
 #include "ui/app/workbench.h"
 
@@ -38,28 +39,60 @@ void Workbench::forgetLost(std::size_t n) {
 
 // ---- After a crash
 
+namespace {
+
+struct RecoveredSession {
+  Expected<Recovery> run;
+  DroppedRuns dropped{};  // when nothing is left of it
+};
+
+// Of a session in which nothing is left the log may hold what was cut and taken back: its folder is deleted only when
+// that is in runs of its own.
+RecoveredSession recoverSession(const LostSession& lost, const fs::path& data, const Progress& progress) {
+  RecoveredSession out{recoverRun(lost.folder, progress)};
+  if (out.run || out.run.error().code != Error::Code::kEmpty) return out;
+  const auto dropped = droppedSteps(lost.folder);
+  if (dropped)
+    out.dropped = keepDropped(lost.folder, *dropped, data, lost.case_name, progress);
+  else
+    out.dropped.failed = dropped.error();
+  return out;
+}
+
+std::string tellEmpty(const DroppedRuns& dropped) {
+  if (dropped.runs.empty()) return "nothing had been cut in that session";
+  std::string out = "nothing is left of the session; what was taken back in it is kept:";
+  for (const auto& [began, run] : dropped.runs) out += fmt::format("\n{}", run.string());
+  return out;
+}
+
+}  // namespace
+
 void Workbench::recover(std::size_t n) {
   if (isBusy() || n >= lost_.size()) return;
   job_writes_ = true;
   const fs::path folder = lost_[n].folder;
-  auto job =
-      std::make_unique<Job<Recovery>>("recovering " + folder.filename().string(),
-                                      [folder](const Progress& progress) { return recoverRun(folder, progress); });
+  auto job = std::make_unique<Job<RecoveredSession>>(
+      "recovering " + folder.filename().string(),
+      [lost = lost_[n], data = options_.data_folder](const Progress& progress) -> Expected<RecoveredSession> {
+        return recoverSession(lost, data, progress);
+      });
   when_over_ = [this, job = job.get(), folder] {
-    auto recovered = job->take();
+    auto over = job->take();
+    if (!over) return complain(over.error());
+    const Expected<Recovery>& recovered = over->run;
     if (recovered) {
       const Replay& replay = recovered->replay;
       const bool differs = !replay.is_same && replay.checks > 0;
       notices_.push_back({differs, fmt::format("recovered {:.1f} s, {:.3f} mm3 removed: {}\n{}{}",
                                                recovered->manifest.duration_s, replay.removed_mm3, folder.string(),
                                                replay.note, differs ? "; it DIFFERS from what was recorded" : "")});
-    } else if (recovered.error().code == Error::Code::kEmpty) {
-      // A session without a cut is none: its folder holds nothing that anybody made.
-      std::error_code ignored;
-      fs::remove_all(folder, ignored);
-      say("nothing had been cut in that session");
-    } else {
+    } else if (recovered.error().code != Error::Code::kEmpty) {
       complain(recovered.error());
+    } else if (over->dropped.failed) {
+      complain(*over->dropped.failed);
+    } else {
+      say(tellEmpty(over->dropped));
     }
     lost_ = findLostSessions(options_.data_folder);
   };
