@@ -75,18 +75,6 @@ Expected<Swept> sweepAlong(std::vector<Target>& targets, std::size_t bodies, con
   return out;
 }
 
-// With what was cut of each since it was put back.
-std::vector<RunManifest::Piece> piecesAfter(std::vector<RunManifest::Piece> pieces, const std::vector<Target>& targets,
-                                            const CutScene& scene) {
-  for (std::size_t n = 0; n < pieces.size(); ++n) {
-    const Target& target = targets[n];
-    pieces[n].volume_mm3 -= sumOf(removedVolumes(*target.begin, target.cut, materialsOf(scene.object())));
-    pieces[n].volume_mm3 = std::max(pieces[n].volume_mm3, 0.0);
-    pieces[n].inside = deepestPoint({.begin = target.begin, .changed = &target.cut});
-  }
-  return pieces;
-}
-
 RunManifest manifestOf(const CutScene& scene, const MergedPath& merged) {
   const CutInputs& inputs = scene.inputs;
   const CutPath& path = inputs.path;
@@ -135,16 +123,24 @@ Expected<RunManifest> cutFurther(const fs::path& run, const fs::path& tool_file,
     return fail({.code = Error::Code::kEmpty,
                  .file = path_file.string(),
                  .found = fmt::format("tool {} meets nothing that is left of the object", scene.inputs.tool.id),
-                 .expected = throughBox(scene.inputs.manifests.front().box),
+                 .expected = throughBodies(bodies, scene.inputs.manifests.front().box),
                  .hint = "check the path's frame and unit"});
 
   // Count.
   RunManifest m = manifestOf(scene, merged);
   m.findings = swept.findings;
   m.missing_pieces = back.missing;
+  m.added_before_mm3 = scene.added_before_mm3;
+  const std::vector<BrickField> changed = changedFields(scene, targets, bodies.all.size());
+  m.state_hash = fmt::format("{:016x}", changed.front().stateHash());
   if (bodies.isInPieces()) {
-    const Objects objects = objectsOf(session, 0);
-    m.pieces = piecesAfter(piecesOf(objects, bodies.fields, back.labels), targets, scene);
+    const std::vector<RunManifest::Piece> put_back = piecesOf(objectsOf(session, 0), bodies.fields, back.labels);
+    std::vector<FieldPart> parts;
+    for (std::size_t n = 0; n < bodies.all.size(); ++n)
+      parts.push_back({.begin = targets[n].begin, .changed = &targets[n].cut});
+    KERF_TRY(left, piecesLeft(scene, changed.front(), put_back, parts));
+    m.pieces = std::move(left.pieces);
+    m.pieces_cut_away = std::move(left.cut_away);
     m.findings.comes_out_at.reset();  // what is behind the tip goes by the case in one piece
   }
   VolumeByNumber removed{};
@@ -158,12 +154,11 @@ Expected<RunManifest> cutFurther(const fs::path& run, const fs::path& tool_file,
     RunManifest::Beside other = scene.inputs.before.beside[n - 1];
     other.case_path = scene.inputs.paths[n];
     other.has_begin = true;
-    other.removed_mm3 +=
+    other.removed_now_mm3 =
         std::max(0.0, sumOf(removedVolumes(*target.begin, target.cut, materialsOf(*scene.objects[n]))));
+    other.removed_mm3 += other.removed_now_mm3;
     m.beside.push_back(std::move(other));
   }
-  const std::vector<BrickField> changed = changedFields(scene, targets, bodies.all.size());
-  m.state_hash = fmt::format("{:016x}", changed.front().stateHash());
 
   // Write.
   if (!report(progress, 0.92, "writing")) return nothingWritten();

@@ -9,6 +9,7 @@
 #include "geometry/tool/tool_file.h"
 #include "sim/hand/virtual_hand.h"
 #include "sim/run/load_scene.h"
+#include "sim/run/removed_volumes.h"
 #include "sim/run/run_files.h"
 #include "sim/run/run_output.h"
 
@@ -91,22 +92,28 @@ Rigid3 CutScene::start() const { return poseAt(inputs.path, 0); }
 Expected<CutScene> loadScene(CutInputs inputs, const StepSettings& settings) {
   LoadedObjects objects;
   std::vector<BrickField> originals;
+  double added_before = 0;
   for (std::size_t n = 0; n < inputs.folders.size(); ++n) {
     const bool was_cut = !inputs.from.empty() && n <= inputs.before.beside.size();
     std::optional<BrickField> begin;
     if (was_cut) {
       KERF_TRY(cut_before, readRunCutField(inputs.from, n));
       KERF_TRY(of_case, readCaseField(inputs.folders[n]));
-      KERF_CHECK(requireOnlyTaken(inputs.from, inputs.before, cut_before, of_case, n));
       begin = std::move(cut_before);
       originals.push_back(std::move(of_case));
     }
     KERF_TRY(object, loadObject(inputs.folders[n], begin ? &*begin : nullptr));
     objects.push_back(std::move(object));
+    if (!was_cut) continue;
+
+    // On the same voxels, as loadObject() has made sure.
+    KERF_CHECK(requireOnlyTaken(inputs.from, inputs.before, *begin, originals.back(), n));
+    if (n == 0) added_before = addedVolume(originals.back(), *begin);
   }
   KERF_TRY(materials, readDefaultMaterials());
   KERF_TRY(model, makeModel(std::span(&inputs.tool, 1), settings, widestBand(objects)));
-  CutScene scene{std::move(inputs), std::move(objects), std::move(materials), std::move(model), std::move(originals)};
+  CutScene scene{std::move(inputs), std::move(objects),   std::move(materials),
+                 std::move(model),  std::move(originals), added_before};
   KERF_CHECK(requireTissues(scene));
   return scene;
 }

@@ -45,6 +45,7 @@ struct CutScene {
   /// Of a cut that goes on: the fields of the cases that the run before had cut, as they were before that. The others,
   /// and all without such a run: objects has it.
   std::vector<BrickField> originals;
+  double added_before_mm3 = 0;  ///< RunManifest::added_before_mm3
 
   bool goesOn() const { return !inputs.from.empty(); }
   const BakedObject& object() const { return *objects.front(); }  ///< the one to be cut

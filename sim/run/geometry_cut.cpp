@@ -57,8 +57,9 @@ struct Swept {
   std::size_t merged_motions = 0, swept_motions = 0;
   std::map<std::string, double> removed_by_material;
   internal::PieceCount left;
-  PathFindings findings;               // of the last pass
-  std::uint64_t hash_before_last = 0;  // of the cut field; of several passes
+  PathFindings findings;                // of the last pass
+  std::uint64_t hash_before_last = 0;   // of the cut field; of several passes
+  std::uint64_t sweep_before_last = 0;  // hash of the union of all sweeps but the last; of several passes
 };
 
 // A tool along a path. A run that goes on from another one has several, one after the other.
@@ -95,7 +96,10 @@ Expected<void> sweepAll(Swept& swept, std::span<const Pass> passes, double from,
   swept.cutter = std::make_unique<SweepCutter>(*swept.phi0);
   const double share = (to - from) / static_cast<double>(passes.size());
   for (std::size_t n = 0; n < passes.size(); ++n) {
-    if (n > 0 && n + 1 == passes.size()) swept.hash_before_last = swept.cutter->cutField().stateHash();
+    if (n > 0 && n + 1 == passes.size()) {
+      swept.hash_before_last = swept.cutter->cutField().stateHash();
+      swept.sweep_before_last = swept.cutter->sweep().stateHash();
+    }
     const double begin = from + share * static_cast<double>(n);
     KERF_CHECK(sweepAlong(swept, passes[n], begin, begin + share, progress));
   }
@@ -188,9 +192,15 @@ struct Begin {
   fs::path run{};  // empty: none
   std::vector<RunManifest::EarlierCut> cuts{};
   std::vector<Pass> passes{};
+  double voxel_mm = 0;       // of that run
+  std::string state_hash{};  // of that run
 };
 Expected<Begin> beginWithRun(const fs::path& run, const RunManifest& manifest) {
   Begin out;
+  KERF_CHECK(
+      requireSha256(run / internal::kRunField, manifest.field_sha256, "a run is never edited: take it from a copy"));
+  out.voxel_mm = manifest.voxel_mm;
+  out.state_hash = manifest.state_hash;
   KERF_TRY(case_folder, caseOfRun(run));
   out.case_folder = case_folder;
   out.run = run;
@@ -200,6 +210,19 @@ Expected<Begin> beginWithRun(const fs::path& run, const RunManifest& manifest) {
     out.passes.push_back(std::move(pass));
   }
   return out;
+}
+
+// Swept again, tools and paths of the run before must give what it says it is. On other voxels that is not known.
+Expected<void> requireSameBefore(const Begin& begin, const Swept& swept) {
+  if (begin.cuts.empty() || begin.voxel_mm != swept.phi0->voxel()) return {};
+  const std::string again = fmt::format("{:016x}", swept.sweep_before_last);
+  if (again == begin.state_hash) return {};
+  return fail({.code = Error::Code::kBadValue,
+               .file = (begin.run / kRunManifest).string(),
+               .place = "key state_hash",
+               .found = begin.state_hash,
+               .expected = again + ", as its tools and paths give when they are swept again",
+               .hint = "it was edited, or cut by another version of Kerf: cut its paths again, from the case"});
 }
 
 Expected<RunManifest> cutFrom(Begin begin, const fs::path& tool_file, const fs::path& path_file,
@@ -216,6 +239,7 @@ Expected<RunManifest> cutFrom(Begin begin, const fs::path& tool_file, const fs::
 
   begin.passes.push_back({tool, path});
   KERF_TRY(swept, sweepCase(case_folder, in_case, begin.passes, progress));
+  KERF_CHECK(requireSameBefore(begin, swept));
   const BrickField& sweep = swept.cutter->sweep();
   const BrickField cut = swept.cutter->cutField();
   const bool is_cut = begin.cuts.empty() ? !cut.isEmpty() : cut.stateHash() != swept.hash_before_last;
@@ -235,6 +259,7 @@ Expected<RunManifest> cutFrom(Begin begin, const fs::path& tool_file, const fs::
   m.voxel_mm = swept.phi0->voxel();
   m.state_hash = fmt::format("{:016x}", sweep.stateHash());
   m.beyond_region_mm = swept.beyond_region_mm;
+  if (!begin.cuts.empty() && begin.voxel_mm < m.voxel_mm) m.finer_before_mm = begin.voxel_mm;
   m.removed_by_material = swept.removed_by_material;
   m.findings = swept.findings;
   m.merged_motions = swept.merged_motions;

@@ -160,7 +160,8 @@ BrickField changesOfCase(const Session& session) {
 
 // The fields of the case and of its neighbours in the bricks that changed. Error kEmpty: nothing of the case changed.
 Expected<std::vector<BrickField>> changedFields(const Session& session, const CutScene& scene,
-                                                const HapticCutOptions& options, const Simulated& simulated) {
+                                                const HapticCutOptions& options, const Simulated& simulated,
+                                                const Bodies& bodies) {
   const bool is_adding = !options.add.empty();
   const bool only_rubs = options.is_reversed && !scene.model.tools.front().cuts_backwards;
   std::vector<BrickField> changed{changesOfCase(session)};
@@ -195,7 +196,7 @@ Expected<std::vector<BrickField>> changedFields(const Session& session, const Cu
   return fail({.code = Error::Code::kEmpty,
                .file = scene.inputs.path_file.string(),
                .found = nothing,
-               .expected = internal::throughBox(scene.inputs.manifests.front().box),
+               .expected = internal::throughBodies(bodies, scene.inputs.manifests.front().box),
                .hint = "check the path's frame and unit, the spindle and the force"});
 }
 
@@ -442,18 +443,16 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
   KERF_CHECK(observers.close());
 
   // Summarise.
-  KERF_TRY(changed, changedFields(session, scene, options, simulated));
+  KERF_TRY(changed, changedFields(session, scene, options, simulated, bodies));
   HapticCut out;
   out.summary = summarise(session, scene, simulated, observers, changed.front());
   out.summary.began_inside_mm = depthAtStart(scene, bodies);
   out.summary.settings = recordOf(options, scene.inputs.tool);
   out.manifest = manifestOf(scene, out.summary);
   out.manifest.missing_pieces = pieces.missing;
-  if (bodies.isInPieces()) {
-    const internal::Objects objects = internal::objectsOf(session, 0);
-    out.manifest.pieces = internal::piecesOf(objects, internal::fieldsOf(objects), pieces.labels);
+  out.manifest.added_before_mm3 = scene.added_before_mm3;
+  if (bodies.isInPieces())
     out.summary.findings.comes_out_at.reset();  // what is behind the tip goes by the case in one piece
-  }
   if (options.add.empty()) KERF_CHECK(compareWithPath(session, scene, bodies, changed.front(), out.summary, progress));
   if (options.hand == HandKind::kDevice)
     out.summary.coupling_text =
@@ -466,6 +465,16 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
     for (std::size_t n = 0; n < scene.originals.size(); ++n) {
       const FieldPart all{.begin = &scene.objects[n]->phi0(), .changed = &changed[n]};
       changed[n] = joinedChanges(scene.originals[n], {&all, 1});
+    }
+    if (bodies.isInPieces()) {
+      const internal::Objects objects = internal::objectsOf(session, 0);
+      const std::vector<BrickField> fields = internal::fieldsOf(objects);
+      const std::vector<RunManifest::Piece> now = internal::piecesOf(objects, fields, pieces.labels);
+      std::vector<FieldPart> parts;
+      for (const BrickField& field : fields) parts.push_back({.begin = &field});
+      KERF_TRY(left, internal::piecesLeft(scene, changed.front(), now, parts));
+      out.manifest.pieces = std::move(left.pieces);
+      out.manifest.pieces_cut_away = std::move(left.cut_away);
     }
     KERF_TRY(begin_sha256, internal::storeBegin(scene.inputs.from, folder.staging()));
     out.manifest.begin_sha256 = begin_sha256;

@@ -186,6 +186,7 @@ Expected<void> LiveRun::loadWhatIsCut() {
   original_ = std::make_shared<const BrickField>(std::move(original));
   for (const double volume : internal::removedVolumes(*original_, begin, internal::materialsOf(*object_)))
     removed_before_ += volume;
+  added_before_ = internal::addedVolume(*original_, begin);
   pieces_before_ = before.pieces;
   if (!pieces_before_.empty()) options_.haptic.begin = [this](Session& session) { return putPiecesBack(session); };
   return {};

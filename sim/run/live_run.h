@@ -126,6 +126,8 @@ class LiveRun {
   bool hasScanColours() const noexcept { return has_scan_colours_; }
   /// What the run before had removed, mm^3; 0: there was none.
   double removedBefore() const noexcept { return removed_before_; }
+  /// RunManifest::added_before_mm3.
+  double addedBefore() const noexcept { return added_before_; }
   /// Of the pieces it left; they are apart and where they were put from the beginning.
   const PieceLabels& labels() const noexcept { return labels_; }
   /// Of those that were not found again.
@@ -202,6 +204,7 @@ class LiveRun {
   std::shared_ptr<const ScanColours> scan_colours_;
   bool has_scan_colours_ = false;
   double removed_before_ = 0;
+  double added_before_ = 0;
   std::vector<RunManifest::Piece> pieces_before_;
   std::vector<std::string> missing_;
   std::vector<LiveNeighbour> neighbours_;

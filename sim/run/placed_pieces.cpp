@@ -32,6 +32,13 @@ tl::unexpected<Error> hangTogether(const Piece& a, const Piece& b) {
                .hint = "cut through between them once more, or put both back"});
 }
 
+// Both where they were loaded, or moved alike, as two parts of what was one piece: what they share is torn nowhere.
+bool standTogether(const Piece& a, const Piece& b) {
+  if (!a.isMoved() && !b.isMoved()) return true;
+  const Rigid3 &one = a.T_case_piece, &other = b.T_case_piece;
+  return one.translation == other.translation && one.rotation.coeffs() == other.rotation.coeffs();
+}
+
 // ---- Solids that hold no piece's inner point: those of a piece touch each other, or are too small for a voxel
 
 using Cell = std::uint64_t;
@@ -111,8 +118,8 @@ Expected<std::vector<std::uint32_t>> ownersOf(const Mesh& mesh, const Solids& so
     const auto solid = solidAt(mesh, solids, pieces[n].inside);
     if (!solid) continue;  // dropped as a crumb
     const std::uint32_t other = owner[*solid];
-    const bool is_moved = !is_put_back && other != kNobody && (pieces[n].isMoved() || pieces[other].isMoved());
-    if (is_moved) return hangTogether(pieces[other], pieces[n]);
+    if (!is_put_back && other != kNobody && !standTogether(pieces[other], pieces[n]))
+      return hangTogether(pieces[other], pieces[n]);
     if (other == kNobody) owner[*solid] = n;
   }
 

@@ -91,6 +91,28 @@ double commonVolume(const BrickField& phi0, const BrickField& one, const BrickFi
   return volumes[0];
 }
 
+double addedVolume(const BrickField& phi0, const BrickField& cut) {
+  const auto rounding = static_cast<float>(0.01 * phi0.voxel());
+  BrickField added(phi0.voxel(), phi0.background(), phi0.interior());
+  for (std::size_t b = 0; b < cut.brickCount(); ++b) {
+    const Vec3i brick = cut.brickCoord(b);
+    const BrickValues* const was = phi0.valuesAt(brick);
+    const float constant = phi0.constantAt(brick);
+    BrickValues values = cut.brick(b);
+    bool is_other = false;
+    for (std::size_t n = 0; n < kBrickNodes; ++n) {
+      const float before = was ? (*was)[n] : constant;
+      const bool is_added = values[n] < before - rounding;
+      if (!is_added) values[n] = before;
+      is_other |= is_added;
+    }
+    if (is_other) added.add(brick, values);
+  }
+  if (added.isEmpty()) return 0;
+  const VolumeByNumber volumes = removedVolumes(phi0, added, [](const Vec3i&, auto out) { std::ranges::fill(out, 0); });
+  return std::max(0.0, -volumes[0]);
+}
+
 PieceCount countPieces(const BrickField& phi0, const BrickField& cut) {
   PieceFinder finder(phi0);
   std::vector<BrickEdit> edits(cut.brickCount());

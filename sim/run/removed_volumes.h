@@ -21,6 +21,10 @@ VolumeByNumber removedVolumes(const BrickField& phi0, const BrickField& cut, con
 /// mm^3 that two cuts of one object both take off: those of the lesser of the two, node by node.
 double commonVolume(const BrickField& phi0, const BrickField& one, const BrickField& other);
 
+/// mm^3 that a cut field has and the baked one has not, such as a filling, whatever was cut beside it. Depths below a
+/// hundredth of a voxel are rounding.
+double addedVolume(const BrickField& phi0, const BrickField& cut);
+
 struct PieceCount {
   std::size_t pieces = 0, crumbs = 0;  ///< crumbs: parts below 0.1 mm^3
 };

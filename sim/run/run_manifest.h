@@ -85,9 +85,10 @@ struct RunManifest {
   struct Beside {
     std::string case_path, case_id;  ///< as those of the case
     double voxel_mm = 0;
-    double removed_mm3 = 0;  ///< what was cut off it; of a session that is open, before that began
-    bool has_begin = false;  ///< begin.vdb has what was cut off it before
-    std::string name{};      ///< what a person called it; may be empty
+    double removed_mm3 = 0;      ///< what was cut off it; of a session that is open, before that began
+    bool has_begin = false;      ///< begin.vdb has what was cut off it before
+    std::string name{};          ///< what a person called it; may be empty
+    double removed_now_mm3 = 0;  ///< not stored; of a geometry cut: of this run alone
   };
   std::vector<Beside> beside;  ///< the first is "beside_1": neighbourId(1)
 
@@ -102,6 +103,14 @@ struct RunManifest {
   PathFindings findings;
   /// Not stored. Pieces of the run it goes on from that were not found again, and so are where they were loaded.
   std::vector<std::string> missing_pieces;
+  /// Not stored. Pieces of that run of which this one left nothing.
+  std::vector<std::string> pieces_cut_away;
+  /// Not stored. Material that stood there already and that the case does not have, as a filling, mm^3. From here on it
+  /// counts and cuts as the tissue around it: a run keeps where material is, not which.
+  double added_before_mm3 = 0;
+  /// Not stored. Voxels of that run, mm, where they were finer than those of this one, so that its cut, too, is on the
+  /// coarser ones here; 0: they were not.
+  double finer_before_mm = 0;
   /// In summary.json. What a geometry cut took off, by a material's id, counted on the object's own voxels.
   std::map<std::string, double> removed_by_material;
 };

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "sim/hand/path.h"
+#include "sim/pieces/joined_field.h"
+#include "sim/run/cut_scene.h"
 #include "sim/run/run_manifest.h"
 #include "sim/run/session_run.h"
 #include "sim/session/session.h"
@@ -20,7 +22,8 @@ Objects objectsOf(const Session& session, std::size_t loaded);
 bool isInPieces(const Objects& objects);
 /// All that each of them has.
 std::vector<BrickField> fieldsOf(const Objects& objects);
-/// For a manifest.   @param fields  of the objects, in their order.
+/// For a manifest. One without a name is "piece N", by a number that no other has.
+/// @param fields  of the objects, in their order.
 std::vector<RunManifest::Piece> piecesOf(const Objects& objects, const std::vector<BrickField>& fields,
                                          const PieceLabels& labels);
 
@@ -37,6 +40,8 @@ struct Bodies {
 };
 /// As they are now. Refers to the session, which stays.
 Bodies bodiesOf(const Session& session);
+/// What was expected of a path that cut nothing of them: throughBox(), or the boxes of the pieces where they are.
+std::string throughBodies(const Bodies& bodies, const Box3& box_of_case);
 /// A path in the world as seen from a body.
 CutPath pathInFrame(const CutPath& path, const Rigid3& T_world_body);
 
@@ -48,5 +53,19 @@ struct PiecesPutBack {
 };
 /// Before the first tick. @param session  of the run's case, as the run left it.   @cost  seconds for a jaw.
 PiecesPutBack putPiecesBack(Session& session, std::span<const RunManifest::Piece> before);
+
+/// Of the case after a cut along a path.
+struct PiecesLeft {
+  std::vector<RunManifest::Piece> pieces;  ///< all that is apart is a piece of its own; the largest first
+  std::vector<std::string> cut_away;       ///< names of those of which nothing is left
+};
+/// What a path cut in two is two pieces from here on, both where the one was: a run that goes on from this one finds
+/// each of them again, by a point inside of its own. The largest part keeps the name.
+/// @param changed  what the new run keeps of the case: run.vdb, grid phi.
+/// @param pieces  as they were put back, or as they are now.   @param parts  their fields, in the same order.
+/// Error kGeometry: material that was added joins pieces that are apart now, where they were loaded: no run can keep
+/// that.   @cost  seconds for a jaw.
+Expected<PiecesLeft> piecesLeft(const CutScene& scene, const BrickField& changed,
+                                std::span<const RunManifest::Piece> pieces, std::span<const FieldPart> parts);
 
 }  // namespace kerf::internal

@@ -10,6 +10,7 @@
 
 #include "geometry/tool/handpiece.h"
 #include "geometry/tool/tool_file.h"
+#include "sim/monitor/monitor.h"
 #include "sim/object/baked_object.h"
 #include "sim/run/geometry_cut.h"
 #include "sim/run/haptic_cut.h"
@@ -82,9 +83,27 @@ std::optional<Error> misplaced(const CLI::App& command, const std::string& hand)
 }
 
 // Of a run that is gone on from.
-void warnOfPieces(const RunManifest& m) {
+std::vector<std::string> warningsOf(const RunManifest& m) {
+  constexpr double kWorthSaying = 0.01;  // mm^3
+  std::vector<std::string> out;
   for (const std::string& piece : m.missing_pieces)
-    fmt::print(stderr, "kerf: WARNING: not found again, and so where it was in the scan: {}\n", piece);
+    out.push_back("not found again, and so where it was in the scan: " + piece);
+  for (const std::string& piece : m.pieces_cut_away) out.push_back("cut away, nothing is left of it: " + piece);
+  if (m.added_before_mm3 > kWorthSaying)
+    out.push_back(fmt::format(
+        "{:.4f} mm3 that were added before, as a filling, count and cut as the tissue around them from here "
+        "on: a run keeps where material is, not which",
+        m.added_before_mm3));
+  if (m.finer_before_mm > 0)
+    out.push_back(
+        fmt::format("the run before was cut on voxels of {} mm, in the case's fine region: out of that, its cut, too, "
+                    "is on the object's voxels now, {} mm",
+                    m.finer_before_mm, m.voxel_mm));
+  return out;
+}
+
+void tell(const std::vector<std::string>& warnings) {
+  for (const std::string& warning : warnings) fmt::print(stderr, "kerf: WARNING: {}\n", warning);
 }
 
 // ---- Against resistance
@@ -111,12 +130,17 @@ void warnOfNeighbours(const Arguments& a, const HapticSummary& s) {
   }
 }
 
+// The run that was gone on from; null: it began with a case.
+nlohmann::json goesOn(const Arguments& a) { return isRun(a.case_folder) ? nlohmann::json(a.case_folder) : nullptr; }
+
 nlohmann::json jsonOf(const Arguments& a, const HapticCut& cut) {
   nlohmann::json j = nlohmann::json::parse(toJson(cut.summary));
   j["tool"] = cut.manifest.tool_id;
   j["hand"] = a.hand;
   j["response"] = a.response;
   j["voxel_mm"] = cut.manifest.voxel_mm;
+  j["goes_on"] = goesOn(a);
+  j["warnings"] = warningsOf(cut.manifest);
   return j;
 }
 
@@ -247,7 +271,7 @@ int runByHand(const Arguments& a, const std::filesystem::path& tool) {
   if (cut->left_region_unused)
     fmt::print(stderr, "kerf: the case's fine region is not used by --hand: cut on the object's voxels, {} mm\n",
                cut->manifest.voxel_mm);
-  warnOfPieces(cut->manifest);
+  tell(warningsOf(cut->manifest));
   warnOfNeighbours(a, cut->summary);
   warnOfTool(tool, cut->manifest.voxel_mm, cut->summary.removed_mm3 + cut->summary.added_mm3 < kUnchanged);
   tell(cut->summary.findings, !a.haptic.add.empty());
@@ -280,6 +304,26 @@ std::string earlierLine(const RunManifest& m) {
   return fmt::format("with {} along other paths before it:\n", counted(m.earlier.size(), "cut"));
 }
 
+// What stood beside it in a run that was gone on from is swept, too.
+void tellOfNeighbours(const Arguments& a, const RunManifest& m) {
+  for (std::size_t n = 0; n < m.beside.size(); ++n) {
+    const RunManifest::Beside& other = m.beside[n];
+    if (other.removed_now_mm3 <= kUnchanged) continue;
+    fmt::print(stderr, "kerf: {} ({}) was cut: {:.4f} mm3. Its mesh: kerf export {} --beside {} -o FILE\n",
+               neighbourId(n + 1), other.case_path, other.removed_now_mm3, a.output, n + 1);
+  }
+}
+
+nlohmann::json jsonOfNeighbours(const RunManifest& m) {
+  nlohmann::json out = nlohmann::json::array();
+  for (std::size_t n = 0; n < m.beside.size(); ++n)
+    out.push_back({{"id", neighbourId(n + 1)},
+                   {"case_path", m.beside[n].case_path},
+                   {"removed_mm3", m.beside[n].removed_now_mm3},
+                   {"removed_in_all_mm3", m.beside[n].removed_mm3}});
+  return out;
+}
+
 int runGeometry(const Arguments& a, const std::filesystem::path& tool) {
   const auto m = [&] {
     TerminalProgress progress;
@@ -293,7 +337,8 @@ int runGeometry(const Arguments& a, const std::filesystem::path& tool) {
         "kerf: the cut reaches {:.2f} mm out of the case's fine region: cut on the object's voxels, {} mm. For the "
         "fine ones bake with a larger --fine-radius\n",
         m->beyond_region_mm, m->voxel_mm);
-  warnOfPieces(*m);
+  tell(warningsOf(*m));
+  tellOfNeighbours(a, *m);
   double removed = 0;
   for (const auto& [id, volume] : m->removed_by_material) removed += volume;
   // Volumes are counted on the object's own voxels, strokes on those of a fine region where one was cut.
@@ -309,6 +354,9 @@ int runGeometry(const Arguments& a, const std::filesystem::path& tool) {
         {"segments", m->segments},
         {"path_length_mm", m->path_length_mm},
         {"earlier_cuts", m->earlier.size()},
+        {"goes_on", goesOn(a)},
+        {"beside", jsonOfNeighbours(*m)},
+        {"warnings", warningsOf(*m)},
         {"duration_s", m->duration_s},
         {"voxel_mm", m->voxel_mm},
         {"beyond_region_mm", m->beyond_region_mm},
@@ -355,8 +403,10 @@ void addOptionsOfAnyHand(CLI::App& command, HapticCutOptions& haptic) {
   group->add_flag("--reverse", haptic.is_reversed,
                   "turn the tool backwards, as a motor can: diamonds cut as ever, blades and drills only rub");
   group->add_option("--irrigation", haptic.irrigation, "cooling spray, 0 (dry) to 1")->capture_default_str();
-  group->add_option("--add", haptic.add,
-                    "id of a material, such as composite: the tool adds it where it goes, instead of cutting");
+  group->add_option(
+      "--add", haptic.add,
+      "id of a material, such as composite: the tool adds it where it goes, instead of cutting; of several "
+      "pieces to the largest");
   group
       ->add_option("--beside", haptic.beside,
                    "a further case of the same scan frame, such as the neighbouring tooth: the tool collides with it "

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <set>
 
 #include "sim/run/export_bundle.h"
 #include "sim/run/geometry_cut.h"
@@ -35,14 +36,14 @@ class CutRunTest : public testing::Test {
     return folder_.write(name, rows);
   }
   // Right through the block, from side to side, layer by layer.
-  fs::path slot(const std::string& name, double x) const {
+  fs::path slot(const std::string& name, double x, double from = -0.3, double to = -4, double seconds = 2) const {
     std::string rows = "t,x,y,z,qw,qx,qy,qz\n";
     double t = 0, y = -3;
-    for (double z = -0.3; z > -4; z -= 0.5) {
+    for (double z = from; z > to; z -= 0.5) {
       rows += fmt::format("{},{},{},{},1,0,0,0\n", t, x, y, z);
       y = -y;
-      rows += fmt::format("{},{},{},{},1,0,0,0\n", t + 2, x, y, z);
-      t += 4;
+      rows += fmt::format("{},{},{},{},1,0,0,0\n", t + seconds, x, y, z);
+      t += 2 * seconds;
     }
     return folder_.write(name, rows);
   }
@@ -168,9 +169,11 @@ TEST_F(CutRunTest, WhatStoodBesideStandsThereAgainAsItWasLeft) {
   ASSERT_EQ(more.manifest.beside.size(), 2u);
   EXPECT_FALSE(more.manifest.beside[1].has_begin);
   expectReplays("c.run");
+  const double second_and_third = more.manifest.beside[0].removed_mm3;
   const RunManifest swept = geometry("c.run", holes("d.csv", {{0, 1, -0.6}, {7, 0, -1}}), "d.run");
   ASSERT_EQ(swept.beside.size(), 2u);
   EXPECT_GT(swept.beside[0].removed_mm3, 2.5 * before);
+  EXPECT_NEAR(swept.beside[0].removed_now_mm3, swept.beside[0].removed_mm3 - second_and_third, 1e-9);
   EXPECT_NEAR(removedIn("d.run", 1), swept.beside[0].removed_mm3, 0.05 * swept.beside[0].removed_mm3);
   EXPECT_EQ(swept.beside[1].removed_mm3, 0);
 
@@ -230,6 +233,99 @@ TEST_F(CutRunTest, PiecesAreSweptWhereTheyWerePut) {
   const RunManifest there = geometry("halves.run", holes("there.csv", {{1.8, 0, -0.6}}), "there.run");
   EXPECT_NEAR(there.removed_by_material.begin()->second, removed, 1e-3 * removed);
   EXPECT_NEAR(removedIn("there.run"), removedIn("c.run"), 1e-3 * removed);
+}
+
+// A half that stands aside is cut in two: both parts stay there, and neither has the name of another piece.
+void expectPartsStayAside(const RunManifest& run, const Vec3d& moved) {
+  ASSERT_EQ(run.pieces.size(), 3u);
+  std::set<std::string> names;
+  std::set<std::uint32_t> ids;
+  int aside = 0;
+  for (const RunManifest::Piece& piece : run.pieces) {
+    names.insert(piece.name);
+    ids.insert(piece.id);
+    if (!piece.isMoved()) continue;
+    ++aside;
+    EXPECT_EQ(piece.T_case_piece.translation, moved) << piece.name;
+    EXPECT_EQ(piece.colour, "sky") << "as the half that it is of";
+    EXPECT_GT(piece.inside[0], 0) << piece.name;
+  }
+  EXPECT_EQ(aside, 2);
+  EXPECT_EQ(names.size(), 3u);
+  EXPECT_EQ(ids.size(), 3u);
+  EXPECT_TRUE(names.contains("left") && names.contains("right"));
+}
+
+TEST_F(CutRunTest, APieceThatIsCutInTwoIsTwoPiecesWhereItWasPut) {
+  const Vec3d moved(4, 0, 0);
+  ASSERT_NO_FATAL_FAILURE(cutInHalves(moved));
+  const double x = 1.8 + moved[0];
+  geometry("halves.run", slot("most.csv", x, -0.3, -2.5), "most.run");
+  const fs::path rest = slot("rest.csv", x, -2.6, -4, 4);
+  expectPartsStayAside(geometry("most.run", rest, "swept.run"), moved);
+  ASSERT_FALSE(HasFatalFailure());
+  const HapticCut by_hand = byHand("most.run", rest, "by_hand.run");
+  EXPECT_GT(by_hand.summary.reached_mm3, 0.9 * by_hand.summary.planned_mm3);
+  expectPartsStayAside(by_hand.manifest, moved);
+
+  // And in what goes on from that.
+  const RunManifest further = geometry("swept.run", holes("left.csv", {{-2, -1, -1}}), "further.run");
+  EXPECT_TRUE(further.missing_pieces.empty());
+  expectPartsStayAside(further, moved);
+
+  // A run that names but one of the two parts: the other is told of.
+  RunManifest older = *readRunManifest(at("swept.run"));
+  std::erase_if(older.pieces, [](const auto& piece) { return piece.name != "left" && piece.name != "right"; });
+  ASSERT_TRUE(writeRunManifest(at("swept.run"), older));
+  const RunManifest torn = geometry("swept.run", at("left.csv"), "torn.run");
+  ASSERT_EQ(torn.missing_pieces.size(), 1u);
+  EXPECT_NE(torn.missing_pieces.front().find("does not name"), std::string::npos) << torn.missing_pieces.front();
+}
+
+TEST_F(CutRunTest, APieceThatIsSweptAwayIsNoPieceAnyMore) {
+  ASSERT_NO_FATAL_FAILURE(cutInHalves({4, 0, 0}));
+  // Layer by layer, lane by lane, over all of the right half.
+  std::string rows = "t,x,y,z,qw,qx,qy,qz\n";
+  double t = 0, y = -3;
+  for (double z = -0.3; z > -4; z -= 0.5)
+    for (double x = 4.2; x < 7.6; x += 0.4) {
+      rows += fmt::format("{},{},{},{},1,0,0,0\n{},{},{},{},1,0,0,0\n", t, x, y, z, t + 1, x, -y, z);
+      y = -y;
+      t += 2;
+    }
+  const RunManifest swept = geometry("halves.run", folder_.write("all.csv", rows), "swept.run");
+  ASSERT_EQ(swept.pieces.size(), 1u);
+  EXPECT_EQ(swept.pieces[0].name, "left");
+  EXPECT_EQ(swept.pieces_cut_away, std::vector<std::string>{"right"});
+}
+
+TEST_F(CutRunTest, APathThatMissesMovedPiecesIsToldWhereTheyAre) {
+  ASSERT_NO_FATAL_FAILURE(cutInHalves({20, 0, 0}));
+  const fs::path none = holes("none.csv", {{1.8, 0, -0.6}});
+  const auto swept = cutCase(at("halves.run"), tool_, none, at("none.run"));
+  const auto by_hand = cutCaseByHand(at("halves.run"), tool_, none, at("none.run"));
+  ASSERT_FALSE(swept || by_hand);
+  for (const std::string& told : {swept.error().message(), by_hand.error().message()}) {
+    EXPECT_NE(told.find("(23.0"), told.npos) << told;
+    EXPECT_NE(told.find("where the pieces were put"), told.npos) << told;
+  }
+}
+
+TEST_F(CutRunTest, GeometryGoesOnOnlyFromWhatItsPathsGive) {
+  test::bakedBlock(folder_);
+  geometry("block.case", holes("a.csv", {{-2, 0, -0.5}}), "a.run");
+  holes("b.csv", {{1.5, 0, -1}});
+  RunManifest manifest = *readRunManifest(at("a.run"));
+  manifest.state_hash = "0123456789abcdef";
+  ASSERT_TRUE(writeRunManifest(at("a.run"), manifest));
+  const auto other = cutCase(at("a.run"), tool_, at("b.csv"), at("b.run"));
+  ASSERT_FALSE(other);
+  EXPECT_NE(other.error().message().find("state_hash"), std::string::npos) << other.error().message();
+
+  fs::remove(at("a.run/run.vdb"));
+  const auto without = cutCase(at("a.run"), tool_, at("b.csv"), at("b.run"));
+  ASSERT_FALSE(without);
+  EXPECT_NE(without.error().message().find("run.vdb"), std::string::npos) << without.error().message();
 }
 
 }  // namespace

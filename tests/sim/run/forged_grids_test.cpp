@@ -158,7 +158,35 @@ TEST_F(ForgedGrids, MaterialThatWasAddedIsLetThroughInTheRunsThatGoOn) {
   const auto again = cutCaseByHand(filled, tool_, folder_.path() / "groove.csv", cut_again, options);
   ASSERT_TRUE(again) << again.error().message();
   ASSERT_EQ(again->summary.added_mm3, 0);
+  EXPECT_EQ(added->manifest.added_before_mm3, 0);
+  EXPECT_NEAR(again->manifest.added_before_mm3, added->summary.added_mm3, 0.05 * added->summary.added_mm3)
+      << "is told, since it counts as what is around it";
   EXPECT_EQ(refusalOfExport(cut_again), "");
+}
+
+// It is no forgery: its voxels are others.
+TEST_F(ForgedGrids, ARunInAFineRegionIsNotGoneOnFromByHandAndIsToldWhy) {
+  HapticCutOptions options;
+  options.hand = HandKind::kFeed;
+  const auto by_hand = cutCaseByHand(cut(), tool_, folder_.path() / "groove.csv", folder_.path() / "on.run", options);
+  ASSERT_FALSE(by_hand);
+  const std::string told = by_hand.error().message();
+  for (const char* words : {"voxels of 0.1 mm", "0.2 mm, as in the case", "finer region"})
+    EXPECT_NE(told.find(words), told.npos) << words << " in: " << told;
+}
+
+TEST_F(ForgedGrids, AFineCutThatIsGoneOnWithOutsideOfItsRegionIsSaidToBeCoarseNow) {
+  const fs::path fine = cut(), coarse = folder_.path() / "coarse.run";
+  folder_.write("far.csv", "t,x,y,z,qw,qx,qy,qz\n0,2.6,1.6,0.2,1,0,0,0\n1,2.6,1.6,-1.8,1,0,0,0\n");
+  const auto on = cutCase(fine, tool_, folder_.path() / "far.csv", coarse, {});
+  ASSERT_TRUE(on) << on.error().message();
+  ASSERT_EQ(on->voxel_mm, 0.2);
+  EXPECT_EQ(on->finer_before_mm, 0.1);
+
+  folder_.write("on.csv", "t,x,y,z,qw,qx,qy,qz\n0,2.6,1.6,0.2,1,0,0,0\n1,2.6,1.4,-1.8,1,0,0,0\n");
+  const auto further = cutCase(coarse, tool_, folder_.path() / "on.csv", folder_.path() / "further.run", {});
+  ASSERT_TRUE(further) << further.error().message();
+  EXPECT_EQ(further->finer_before_mm, 0) << "it was coarse already";
 }
 
 TEST_F(ForgedGrids, ARunOfNoiseIsRefusedByName) {

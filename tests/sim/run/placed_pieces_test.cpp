@@ -89,6 +89,12 @@ TEST(PlacedPieces, PiecesThatHangTogetherAreNotTornApart) {
   const auto back = placedPieces(mesh, two, true);
   ASSERT_TRUE(back) << "nothing is moved";
   EXPECT_EQ(together(*back).triangles.size(), mesh.triangles.size());
+
+  const Rigid3 aside = turned(5, {0, 0, 1});
+  const std::vector<Piece> alike = {pieceAt(1, {-1, 0, -1}, aside), pieceAt(2, {1, 0, -1}, aside)};
+  const auto both = placedPieces(mesh, alike);
+  ASSERT_TRUE(both) << "moved alike: " << both.error().message();
+  EXPECT_EQ(together(*both).triangles.size(), mesh.triangles.size());
 }
 
 TEST(PlacedPieces, WithoutPiecesThereIsOne) {
