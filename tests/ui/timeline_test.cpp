@@ -408,6 +408,19 @@ TEST_F(TimelineTest, ASessionThatIsWatchedIsGoneOnWithFromAnyMoment) {
   EXPECT_TRUE(bench_->watched());
 }
 
+// A branch is made to be gone on with: without that it is not kept.
+TEST_F(TimelineTest, ABranchThatCanNotBeOpenedIsNotKept) {
+  stroke(150);
+  const fs::path session = end();
+  OpeningOptions options;
+  options.data_folder = folder_.path() / "data";
+  const auto opened = openBranchToCut(session, {.sample = 1000}, options);
+  ASSERT_FALSE(opened) << "a rack without tools cuts nothing";
+  EXPECT_EQ(opened.error().place, "tools") << opened.error().message();
+  const fs::directory_iterator all(session.parent_path());
+  EXPECT_EQ(std::distance(fs::begin(all), fs::end(all)), 1);
+}
+
 TEST_F(TimelineTest, WhatIsFeltAndCutIsTraced) {
   using Channel = Trace::Channel;
   EXPECT_EQ(bench_->trace().largest(Channel::kRate), 0);
