@@ -275,8 +275,17 @@ TEST_F(Cli, ACutAgainstResistanceGoesOnFromARun) {
 
   const json swept = parsed(runKerf(cut("first.run", cavity, "swept.run", {})));
   EXPECT_NEAR(exported("swept.run") - part, swept["removed_mm3"].get<double>(), 0.05 * then);
+  EXPECT_EQ(swept["goes_on"], at("first.run"));
+  EXPECT_TRUE(swept["warnings"].empty() && swept["beside"].empty()) << swept;
+  EXPECT_TRUE(alone["goes_on"].is_null());
   const Outcome told = runKerf({"info", at("swept.run")});
   EXPECT_NE(told.out.find("since the run that this one goes on from"), told.out.npos) << told.out;
+
+  // A filling counts as what is around it: that is told.
+  parsed(runKerf(cut("molar.case", at("beside.csv"), "filled.run", {"--hand", "feed", "--add", "composite"})));
+  const Outcome in_filling = runKerf(cut("filled.run", at("beside.csv"), "in_filling.run", {}));
+  EXPECT_NE(in_filling.err.find("WARNING"), in_filling.err.npos) << in_filling.err;
+  EXPECT_NE(json::parse(in_filling.out)["warnings"].dump().find("added before"), std::string::npos) << in_filling.out;
 
   refuses(cut("first.run", cavity, "first.run", {"--hand", "feed", "--force"}), {"never changed"});
   parsed(runKerf(cut("molar.case", at("beside.csv"), "damaged.run", {"--hand", "feed"})));
