@@ -562,6 +562,20 @@ TEST_F(Cli, AToolThatLeavesItsToothCutsTheNeighbourWhichIsMeasuredToldReplayedAn
   const json summary = json::parse(bytesOf(at("row.run/summary.json")));
   EXPECT_NEAR(summary["removed_mm3"].get<double>() + summary["remaining_mm3"].get<double>(),
               summary["initial_mm3"].get<double>(), 1e-6 * summary["initial_mm3"].get<double>());
+  // By geometry alone, deeper: what it takes of the neighbour is told, too.
+  folder_.write(
+      "deeper.toml",
+      "format = \"kerf-path\"\nversion = 1\nframe = \"object\"\nfeed = 1.0\n[start]\nposition = [0, 0, -0.7]\n"
+      "axis = [0, 0, 1]\n[[stroke]]\nkind = \"line\"\nby = [6, 0, 0]\n");
+  const Outcome deeper = runKerf(
+      {"cut", at("row.run"), "--tool", "round-014", "--path", at("deeper.toml"), "-o", at("deeper.run"), "--json"});
+  ASSERT_EQ(deeper.exit_code, 0) << deeper.err;
+  EXPECT_NE(deeper.err.find("beside_1"), deeper.err.npos) << deeper.err;
+  EXPECT_EQ(deeper.err.find("beside_2"), deeper.err.npos) << deeper.err;
+  const json taken = json::parse(deeper.out)["beside"];
+  EXPECT_GT(taken[0]["removed_mm3"].get<double>(), 0.1) << taken;
+  EXPECT_EQ(taken[1]["removed_mm3"].get<double>(), 0) << taken;
+
   const json &next = summary["beside"][0], &far = summary["beside"][1];
   const double lost = next["removed_mm3"];
   EXPECT_GT(lost, 0.5);
