@@ -361,7 +361,9 @@ class Workshop {
     state.pad_name = pad ? gamepadName() : joystick_link_.name();
     state.pad_trouble = joystick_link_.trouble();
     const std::string& trouble = pad_rumble_.trouble();
-    state.pad_shakes = !pad ? joystick_link_.force() : trouble.empty() ? details.shake : "It does not shake: " + trouble;
+    state.pad_shakes = !pad              ? joystick_link_.force()
+                       : trouble.empty() ? details.shake
+                                         : "It does not shake: " + trouble;
     state.can_pad_shake = pad && details.can_shake && trouble.empty();
     state.pad_battery = details.battery;
   }
