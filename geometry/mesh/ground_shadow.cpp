@@ -13,9 +13,11 @@ constexpr int kN = GroundShadow::kCells;
 std::vector<float> blurred(std::vector<float> map, int radius) {
   std::vector<float> line(kN);
   for (int pass = 0; pass < 3; ++pass)
-    for (const auto& [step, stride] : {std::pair(1, kN), std::pair(kN, 1)})
+    for (const auto& [along, across] : {std::pair(1, kN), std::pair(kN, 1)})
       for (int row = 0; row < kN; ++row) {
-        const auto cell = [&](int i) -> float& { return map[static_cast<std::size_t>(row * stride + i * step)]; };
+        const auto cell = [&map, row, step = along, stride = across](int i) -> float& {
+          return map[static_cast<std::size_t>(row * stride + i * step)];
+        };
         for (int i = 0; i < kN; ++i) {
           float sum = 0;
           for (int j = std::max(0, i - radius); j <= std::min(kN - 1, i + radius); ++j) sum += cell(j);
