@@ -1,7 +1,7 @@
 // Which triangles of a mesh a picture needs: those that face the viewer and cover the middle of a pixel.
 //
-// A processor without a graphics card takes 0.1 us to find out for itself that a triangle shows nothing. Here it is 5
-// ns.
+// Mesa, which draws where there is no graphics card, takes 0.1 us to find out that a triangle shows nothing. Here it is
+// 4 ns, on the thread that draws.
 #pragma once
 
 #include <cstddef>
@@ -22,7 +22,8 @@ struct Sight {
   friend bool operator==(const Sight&, const Sight&) = default;
 };
 
-/// The vertices and triangles of one mesh, as choosing wants them.
+/// The vertices and triangles of one mesh, as choosing wants them. Thread: one at a time, any.
+/// Times: 300 000 triangles with 150 000 vertices, one core of a shared virtual machine.
 class SeenTriangles {
  public:
   void clear();
@@ -30,10 +31,10 @@ class SeenTriangles {
   void addTriangle(std::uint32_t a, std::uint32_t b, std::uint32_t c);
   std::size_t triangles() const { return corners_[0].size(); }
 
-  /// Projects the vertices for this sight: 0.5 ns each.
+  /// Projects the vertices for this sight: 2 ns each.
   void look(const Sight& sight);
   /// Adds to `out` those of the triangles first .. last - 1 that look()'s sight needs, three vertices each, in order.
-  /// What a driver's rounding could make visible is kept: corners may be off by 1/32 pixel. 5 ns a triangle.
+  /// What a driver's rounding could make visible is kept: corners may be off by 1/32 pixel. 4 ns a triangle.
   void choose(std::size_t first, std::size_t last, std::vector<std::uint32_t>& out) const;
 
  private:
