@@ -179,8 +179,8 @@ Expected<Export> exportRun(const fs::path& folder, const PostOpOptions& options,
 }
 
 // A mesher also knows bricks that undo brought back, a run's file does not, and each has an order of its own. Without
-// the former, and in one order, a session exports what its run does, to the bit: the triangles of the cut are made in the
-// order of its bricks, and what is made of them, and how it is mended after rounding, goes by theirs.
+// the former, and in one order, a session exports what its run does, to the bit: the triangles of the cut are made in
+// the order of its bricks, and what is made of them, and how it is mended after rounding, goes by theirs.
 BrickField withoutRestored(const BrickField& known, const BrickField& phi0) {
   const auto isRestored = [&](std::size_t b) {
     const BrickValues& now = known.brick(b);
