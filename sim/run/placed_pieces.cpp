@@ -216,11 +216,12 @@ Expected<void> requireNoSource(const std::filesystem::path& file, const CaseMani
   if (!hash) return {};  // what cannot be read is no scan that was read
   for (const CaseSource& source : manifest.sources)
     if (source.sha256 == *hash)
-      return fail({.code = Error::Code::kBadValue,
-                   .file = file.string(),
-                   .found = "a file that the case was made of",
-                   .expected = "another name: a scan is never written over",
-                   .hint = "another name or folder"});
+      return fail(
+          {.code = Error::Code::kBadValue,
+           .file = file.string(),
+           .found = "a file that the case was made of, or a copy of it, such as an export in which nothing was cut",
+           .expected = "another name: a scan is never written over",
+           .hint = "another name or folder"});
   return {};
 }
 
