@@ -30,6 +30,7 @@ KERF = config.get("kerf", built if os.path.exists(built) else "kerf")
 SCANS = config.get("scans")
 OUT = config.get("out", "out/cases")
 REPORT = os.path.join(OUT, "report.csv")
+ROWS = os.path.join(OUT, "log", ".rows")
 BAKE = (f"--voxel {config['voxel']} " if "voxel" in config else "") + str(config.get("bake", ""))
 TOOL, PATH = config.get("tool"), config.get("path")
 VOLUMES = (".nii", ".nii.gz", ".nrrd", ".nhdr", ".mha", ".mhd", ".dcm")
@@ -119,7 +120,8 @@ localrules:
     report,
 
 
-# One job for a scan. It succeeds even where kerf fails, and leaves a row with the last step and its exit code.
+# One job for a scan. It succeeds even where kerf fails, and leaves a row with the last step and its exit code. One after
+# the other says how many rows there are: how many there will be is in a file, or another scan would change the rule.
 rule scan:
     input:
         scan=lambda wildcards: inputs[wildcards.name],
@@ -136,6 +138,7 @@ rule scan:
         run=os.path.join(OUT, "{name}.run"),
         mesh=os.path.join(OUT, "{name}.stl"),
         check=os.path.join(OUT, "{name}.json"),
+        rows=ROWS,
     resources:
         mem_mb=int(config.get("mem_mb", 4000)),
         runtime=int(config.get("runtime", 60)),
@@ -160,9 +163,17 @@ rule scan:
         }}
         code=0
         scan || code=$?
-        echo "$step $code" >{output.row:q}
         if [ "$code" = 0 ]; then said=done; else said="$step failed"; fi
-        echo "cases: "{wildcards.name:q}": $said" >&3
+        {{
+            flock 4
+            echo "$step $code" >{output.row:q}
+            all=0 ended=0
+            while IFS= read -r row; do
+                all=$((all + 1))
+                [ ! -e "$row" ] || ended=$((ended + 1))
+            done <{params.rows:q}
+            echo "cases: $ended of $all: "{wildcards.name:q}": $said" >&3
+        }} 4>>{params.rows:q}.lock
         """
 
 
@@ -233,6 +244,15 @@ rule report:
 onstart:
     if os.path.exists(REPORT):  # a run that is stopped leaves none rather than an old one
         os.remove(REPORT)
+    # Old rows of what is to be done again would be counted; Snakemake itself takes each away only when its job begins.
+    for job in workflow.persistence.dag.needrun_jobs():
+        for row in job.output if job.rule.name == "scan" else []:
+            if os.path.exists(row):
+                os.remove(row)
+    os.makedirs(os.path.dirname(ROWS), exist_ok=True)
+    with open(ROWS + ".part", "w") as file:
+        file.writelines(os.path.join(OUT, "log", name + ".row") + "\n" for name in inputs)
+    os.replace(file.name, ROWS)
 
 
 # Scans that failed are no error of the workflow, which would be told in Snakemake's words. It is over, and kept nothing back.
