@@ -6,6 +6,7 @@
 #include "geometry/base/error.h"
 #include "geometry/case/case_bundle.h"
 #include "geometry/field/material.h"
+#include "geometry/field/material_bricks.h"
 
 namespace kerf {
 
@@ -13,5 +14,11 @@ namespace kerf {
 /// as resin. Error kUnsupported, naming number and both ids: a number of the case has another id in the table, or none.
 Expected<void> requireSameMaterials(const std::filesystem::path& case_folder, const CaseManifest& manifest,
                                     const MaterialTable& table);
+
+/// What a node of a case without a label is of: its first material.
+Material fallbackOf(const CaseManifest& manifest);
+
+/// As requireSameMaterials(), of what was added to a case, as a run keeps it.
+Expected<void> requireSameMaterials(const MaterialBricks& added, const MaterialTable& table);
 
 }  // namespace kerf

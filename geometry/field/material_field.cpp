@@ -9,6 +9,7 @@
 
 #include "geometry/base/large_pages.h"
 #include "geometry/field/brick_field.h"
+#include "geometry/field/material_bricks.h"
 #include "geometry/field/vdb_check.h"
 #include "geometry/field/vdb_reader.h"
 
@@ -23,6 +24,10 @@ struct MaterialField::Grid {
   openvdb::Int32Grid::Ptr labels;  // a leaf's transient data: its one material, or kMixed and more the place in `mixed`
   std::vector<Numbers> mixed;
   double voxel = 0;
+
+  // In the place of all of the above: labels of a case, and bricks that have others.
+  std::optional<MaterialField> below;
+  MaterialBricks over;
 
   static constexpr openvdb::Index32 kMixed = 256;
   static constexpr std::int32_t kMostLabel = 255;
@@ -73,6 +78,11 @@ MaterialField::MaterialField(std::shared_ptr<const Grid> grid) : grid_(std::move
 double MaterialField::voxel() const { return grid_->voxel; }
 
 Material MaterialField::at(const Vec3i& node) const {
+  if (grid_->below) {
+    const MaterialBricks::Numbers* const over = grid_->over.find(brickOf(node));
+    if (!over) return grid_->below->at(node);
+    return static_cast<Material>((*over)[static_cast<std::size_t>(nodeOffset(node[0], node[1], node[2]))]);
+  }
   const openvdb::Coord coord(node[0], node[1], node[2]);
   const Grid::Leaf* const leaf = grid_->labels->constTree().probeConstLeaf(coord);
   if (!leaf) return static_cast<Material>(Grid::number(grid_->labels->constTree().getValue(coord)));
@@ -81,6 +91,12 @@ Material MaterialField::at(const Vec3i& node) const {
 }
 
 std::optional<Material> MaterialField::oneOf(const Vec3i& brick) const {
+  if (grid_->below) {
+    const MaterialBricks::Numbers* const over = grid_->over.find(brick);
+    if (!over) return grid_->below->oneOf(brick);
+    const bool is_one = std::all_of(over->begin(), over->end(), [&](auto number) { return number == over->front(); });
+    return is_one ? std::optional(static_cast<Material>(over->front())) : std::nullopt;
+  }
   const openvdb::Coord origin(8 * brick[0], 8 * brick[1], 8 * brick[2]);
   const Grid::Leaf* const leaf = grid_->labels->constTree().probeConstLeaf(origin);
   if (!leaf) return static_cast<Material>(Grid::number(grid_->labels->constTree().getValue(origin)));
@@ -92,6 +108,12 @@ bool MaterialField::copyBrick(const Vec3i& brick, std::span<std::uint8_t, 512> o
   if (const std::optional<Material> one = oneOf(brick)) {
     std::fill(out.begin(), out.end(), static_cast<std::uint8_t>(*one));
     return true;
+  }
+  if (grid_->below) {
+    const MaterialBricks::Numbers* const over = grid_->over.find(brick);
+    if (!over) return grid_->below->copyBrick(brick, out);
+    std::copy_n(over->begin(), out.size(), out.begin());
+    return false;
   }
   const Grid::Leaf* const leaf = grid_->labels->constTree().probeConstLeaf({8 * brick[0], 8 * brick[1], 8 * brick[2]});
   std::copy_n(grid_->numbersOf(*leaf)->begin(), out.size(), out.begin());
@@ -117,6 +139,15 @@ Material MaterialField::near(const Vec3d& p) const {
         }
       }
   return best;
+}
+
+MaterialField laidOver(MaterialField in_case, MaterialBricks bricks) {
+  if (bricks.isEmpty()) return in_case;
+  auto grid = std::make_shared<MaterialField::Grid>();
+  grid->voxel = in_case.voxel();
+  grid->below = std::move(in_case);
+  grid->over = std::move(bricks);
+  return MaterialField(std::move(grid));
 }
 
 Expected<MaterialField> readMaterialField(const std::filesystem::path& vdb) {

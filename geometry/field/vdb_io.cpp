@@ -8,8 +8,10 @@
 #include <functional>
 
 #include "geometry/base/large_pages.h"
+#include "geometry/field/material_bricks.h"
 #include "geometry/field/vdb_bricks.h"
 #include "geometry/field/vdb_check.h"
+#include "geometry/field/vdb_material_names.h"
 #include "geometry/field/vdb_reader.h"
 #include "geometry/field/vdb_writer.h"
 
@@ -123,6 +125,21 @@ Expected<BrickField> readBricks(internal::VdbGridFile& file, const openvdb::Floa
   return field;
 }
 
+openvdb::GridBase::Ptr gridOf(const MaterialBricks& materials) {
+  auto grid = openvdb::Int32Grid::create(0);
+  grid->setName(kMaterialGrid);
+  grid->setTransform(openvdb::math::Transform::createLinearTransform(materials.voxel));
+  internal::writeMaterialNames(materials.added, *grid);
+  for (std::size_t b = 0; b < materials.bricks.size(); ++b) {
+    const Vec3i n = materials.bricks[b] * kBrickSide;
+    auto* leaf = new openvdb::Int32Tree::LeafNodeType(openvdb::Coord(n[0], n[1], n[2]));
+    std::copy(materials.numbers[b].begin(), materials.numbers[b].end(), leaf->buffer().data());
+    leaf->setValuesOn();
+    grid->tree().addLeaf(leaf);
+  }
+  return grid;
+}
+
 }  // namespace
 
 BrickField internal::toBricks(const openvdb::FloatGrid& grid) {
@@ -137,7 +154,7 @@ BrickField internal::toBricks(const openvdb::FloatGrid& grid) {
 }
 
 Expected<void> writeVdb(const std::filesystem::path& path, const std::vector<NamedField>& fields,
-                        const std::map<std::string, std::string>& metadata) {
+                        const std::map<std::string, std::string>& metadata, const MaterialBricks* materials) {
   openvdb::initialize();
   try {
     openvdb::GridPtrVec grids;
@@ -161,6 +178,7 @@ Expected<void> writeVdb(const std::filesystem::path& path, const std::vector<Nam
       }
       grids.push_back(grid);
     }
+    if (materials && !materials->isEmpty()) grids.push_back(gridOf(*materials));
 
     openvdb::MetaMap meta;
     for (const auto& [key, value] : metadata) meta.insertMeta(key, openvdb::StringMetadata(value));

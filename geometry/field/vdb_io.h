@@ -11,6 +11,8 @@
 
 namespace kerf {
 
+struct MaterialBricks;
+
 /// What `kerf info` and the readers learn from a .vdb file without loading the voxels.
 struct VdbGridInfo {
   std::string name, type;  ///< "phi", "Tree_float_5_4_3"
@@ -27,8 +29,11 @@ struct NamedField {
 /// Writes fields as float level-set grids with uniform scale `voxel` and no offset; all stored nodes are active,
 /// interior bricks become tiles.
 /// Metadata values are written on the file (string to string). Not atomic: callers write into a staging folder.
+/// @param materials  become the int32 grid `material`, with what was added as text on it; without bricks, or null:
+/// none.
 Expected<void> writeVdb(const std::filesystem::path& path, const std::vector<NamedField>& fields,
-                        const std::map<std::string, std::string>& metadata = {});
+                        const std::map<std::string, std::string>& metadata = {},
+                        const MaterialBricks* materials = nullptr);
 
 /// Reads the float grid `name`. Leaf nodes become bricks; tiles below zero mark interior bricks.
 /// Refuses grids whose transform is not a plain uniform scale, values that are no distances, and files whose structure

@@ -1,6 +1,7 @@
 // The grids of a .vdb file: fields, materials and what `kerf info` says of them.
 #include <cmath>
 
+#include "geometry/field/material_bricks.h"
 #include "geometry/field/material_field.h"
 #include "geometry/field/vdb_io.h"
 #include "tests/fuzz/file_harness.h"
@@ -18,6 +19,20 @@ void readField(const std::filesystem::path& file, const char* name) {
     for (const float value : field->brick(b)) fuzz::require(std::isfinite(value), "finite distances");
 }
 
+// Of a run: the materials of what was added to a case.
+void readBricks(const std::filesystem::path& file, const Expected<MaterialField>& in_case) {
+  const Expected<MaterialBricks> bricks = readMaterialBricks(file);
+  if (!bricks) return fuzz::requireError(bricks.error());
+  fuzz::require(bricks->bricks.size() == bricks->numbers.size(), "a brick for each of the numbers");
+  for (std::size_t b = 0; b < bricks->bricks.size(); ++b) {
+    fuzz::require(bricks->find(bricks->bricks[b]) == &bricks->numbers[b], "bricks that are found");
+    for (const std::uint8_t number : bricks->numbers[b]) fuzz::require(number > 0, "numbers of materials");
+  }
+  if (!in_case || !requireOnlyAdded(*bricks, *in_case, Material::kGeneric)) return;
+  const MaterialField labels = laidOver(*in_case, *bricks);
+  for (const Vec3i& brick : bricks->bricks) (void)labels.oneOf(brick);
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -30,5 +45,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   readField(file.path(), "sweep");
   const Expected<MaterialField> materials = readMaterialField(file.path());
   if (!materials) fuzz::requireError(materials.error());
+  readBricks(file.path(), materials);
   return 0;
 }

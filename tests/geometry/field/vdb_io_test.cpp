@@ -10,6 +10,7 @@
 #include <iterator>
 #include <limits>
 
+#include "geometry/field/material_bricks.h"
 #include "geometry/field/material_field.h"
 #include "tests/geometry/sampled_field.h"
 #include "tests/support/temporary_folder.h"
@@ -206,6 +207,139 @@ TEST(MaterialGrid, ANumberThatNoMaterialHasIsRefusedWithItsPlace) {
     EXPECT_NE(read.error().message().find("at voxel 4, 5, 6, which is 2.000, 2.500, 3.000 mm"), std::string::npos)
         << read.error().message();
   }
+}
+
+MaterialBricks someMaterials() {
+  MaterialBricks out;
+  out.voxel = 0.5;
+  for (const Vec3i& brick : {Vec3i{-3, 2, 1}, Vec3i{4, -5, 6}, Vec3i{4, 5, 6}}) out.bricks.push_back(brick);
+  std::sort(out.bricks.begin(), out.bricks.end(),
+            [](const Vec3i& a, const Vec3i& b) { return coordKey(a) < coordKey(b); });
+  for (std::size_t b = 0; b < out.bricks.size(); ++b) {
+    out.numbers.emplace_back().fill(static_cast<std::uint8_t>(3 + b));
+    out.numbers.back()[static_cast<std::size_t>(nodeOffset(1, 2, 3))] = 255;
+  }
+  out.added = {{11, "composite"}, {255, "gum"}};
+  return out;
+}
+
+TEST(MaterialBricks, ComeBackAsTheyWereBesideAField) {
+  const TemporaryFolder folder;
+  BrickField field(0.5, 2.f, -2.f);
+  field.touch({0, 0, 0});
+  const auto file = folder.path() / "f.vdb";
+  const MaterialBricks written = someMaterials();
+  ASSERT_TRUE(writeVdb(file, {{"phi", &field}}, {}, &written));
+  const auto read = readMaterialBricks(file);
+  ASSERT_TRUE(read) << read.error().message();
+  EXPECT_EQ(read->voxel, 0.5);
+  EXPECT_EQ(read->bricks, written.bricks);
+  EXPECT_EQ(read->numbers, written.numbers);
+  EXPECT_EQ(read->added, written.added);
+  EXPECT_TRUE(readVdb(file, "phi"));
+  for (std::size_t b = 0; b < written.bricks.size(); ++b) EXPECT_EQ(*read->find(written.bricks[b]), written.numbers[b]);
+  EXPECT_EQ(read->find({0, 0, 0}), nullptr);
+
+  // Where nothing was added there is no grid.
+  const MaterialBricks none;
+  ASSERT_TRUE(writeVdb(file, {{"phi", &field}}, {}, &none));
+  EXPECT_EQ(inspectVdb(file)->size(), 1u);
+  const auto empty = readMaterialBricks(file);
+  ASSERT_TRUE(empty) << empty.error().message();
+  EXPECT_TRUE(empty->isEmpty());
+  EXPECT_FALSE(readMaterialBricks(folder.path() / "none.vdb"));
+}
+
+TEST(MaterialBricks, LieOverTheLabelsOfACase) {
+  const TemporaryFolder folder;
+  openvdb::initialize();
+  auto grid = openvdb::Int32Grid::create(0);
+  grid->setName("material");
+  grid->setTransform(openvdb::math::Transform::createLinearTransform(0.5));
+  grid->tree().fill(openvdb::CoordBBox({0, 0, 0}, {63, 63, 63}), 5);
+  const auto file = folder.path() / "m.vdb";
+  openvdb::io::File(file.string()).write({grid});
+  const auto in_case = readMaterialField(file);
+  ASSERT_TRUE(in_case) << in_case.error().message();
+
+  MaterialBricks over = someMaterials();
+  const Vec3i in_both(4, 5, 6);
+  const std::uint8_t number = over.find(in_both)->front();
+  const MaterialField labels = laidOver(*in_case, over);
+  EXPECT_EQ(labels.voxel(), 0.5);
+  EXPECT_EQ(labels.at({0, 0, 0}), static_cast<Material>(5));
+  EXPECT_EQ(labels.at(8 * in_both), static_cast<Material>(number));
+  EXPECT_EQ(labels.at(8 * in_both + Vec3i(1, 2, 3)), static_cast<Material>(255));
+  EXPECT_EQ(labels.oneOf({0, 0, 0}), static_cast<Material>(5));
+  EXPECT_EQ(labels.oneOf(in_both), std::nullopt);
+  MaterialBricks::Numbers numbers;
+  EXPECT_FALSE(labels.copyBrick(in_both, numbers));
+  EXPECT_EQ(numbers, *over.find(in_both));
+  EXPECT_TRUE(labels.copyBrick({0, 0, 0}, numbers));
+  EXPECT_EQ(numbers.front(), 5);
+
+  const auto refused = requireOnlyAdded(over, *in_case, Material::kGeneric);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().place, "grid material");
+  for (std::uint8_t n = 3; n < 6; ++n) over.added[n] = "any";
+  EXPECT_TRUE(requireOnlyAdded(over, *in_case, Material::kGeneric));
+}
+
+// A file that was made by others: each of these would be cut as tissue.
+TEST(MaterialBricks, WhatNoRunStoresIsRefusedWithItsPlace) {
+  const TemporaryFolder folder;
+  openvdb::initialize();
+  const auto refusalOf = [&](const auto& make) {
+    auto grid = openvdb::Int32Grid::create(0);
+    grid->setName("material");
+    grid->setTransform(openvdb::math::Transform::createLinearTransform(0.5));
+    grid->tree().touchLeaf({0, 0, 0})->fill(3, true);
+    make(*grid);
+    const auto file = folder.path() / "m.vdb";
+    openvdb::io::File(file.string()).write({grid});
+    const auto read = readMaterialBricks(file);
+    return read ? std::string() : read.error().message();
+  };
+  EXPECT_EQ(refusalOf([](auto&) {}), "");
+  for (const std::int32_t number : {-1, 0, 256, 1 << 30}) {
+    const std::string refusal = refusalOf([&](auto& grid) { grid.tree().setValue({4, 5, 6}, number); });
+    EXPECT_NE(refusal.find("at voxel 4, 5, 6, which is 2.000, 2.500, 3.000 mm"), refusal.npos) << refusal;
+  }
+  const auto withTile = [](auto& grid) { grid.tree().addTile(1, openvdb::Coord(8, 0, 0), 3, true); };
+  EXPECT_NE(refusalOf(withTile).find("a tile of material 3"), std::string::npos);
+  const auto withBackground = [](auto& grid) { grid.tree().root().setBackground(3, false); };
+  EXPECT_NE(refusalOf(withBackground).find("as background"), std::string::npos);
+  const auto scaled = [](auto& grid) { grid.setTransform(openvdb::math::Transform::createLinearTransform(5e-4)); };
+  EXPECT_NE(refusalOf(scaled).find("voxel size"), std::string::npos);
+
+  const BrickField field(0.5, 2.f);
+  ASSERT_TRUE(writeVdb(folder.path() / "f.vdb", {{"material", &field}}));
+  const auto of_floats = readMaterialBricks(folder.path() / "f.vdb");
+  ASSERT_FALSE(of_floats);
+  EXPECT_NE(of_floats.error().message().find("of type"), std::string::npos) << of_floats.error().message();
+}
+
+// Some bytes of each kind, and the file cut short anywhere: whatever is read then are bricks of materials.
+TEST(MaterialBricks, NoByteMakesTheReaderCrash) {
+  const TemporaryFolder folder;
+  MaterialBricks written = someMaterials();
+  written.bricks.resize(1);
+  written.numbers.resize(1);
+  ASSERT_TRUE(writeVdb(folder.path() / "f.vdb", {}, {}, &written));
+  const std::string good = contentOf(folder.path() / "f.vdb");
+  for (std::size_t size = 0; size < good.size(); size += 1 + size / 64)
+    EXPECT_FALSE(readMaterialBricks(folder.write("bad.vdb", good.substr(0, size)))) << size << " bytes";
+  for (std::size_t at = 0; at < good.size(); at += at < 1500 ? 7 : 401)
+    for (const char wrong : {'\x00', '\x7f', '\xff'}) {
+      std::string bad = good;
+      bad[at] = wrong;
+      const auto read = readMaterialBricks(folder.write("bad.vdb", bad));
+      if (!read) continue;
+      ASSERT_EQ(read->bricks.size(), read->numbers.size()) << "byte " << at;
+      EXPECT_LE(read->bricks.size(), 1u) << "byte " << at;
+      for (const auto& numbers : read->numbers)
+        for (const std::uint8_t number : numbers) ASSERT_GE(number, 1) << "byte " << at;
+    }
 }
 
 TEST(VdbIo, InspectingTellsTheGridsByName) {
