@@ -1,7 +1,6 @@
 #include "geometry/field/brick_field.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 
 #include "geometry/field/brick_hash.h"
@@ -9,38 +8,20 @@
 namespace kerf {
 
 std::size_t BrickField::touch(const Vec3i& brick_coord) {
-  const auto [it, is_new] = index_.try_emplace(coordKey(brick_coord), 0);
-  if (!is_new && it->second >= 0) return static_cast<std::size_t>(it->second);
-  BrickValues& fresh = values_.emplace_back();
-  fresh.fill(!is_new && it->second == kInterior ? interior_ : background_);
+  if (const std::int32_t known = index_.find(brick_coord); known >= 0) return static_cast<std::size_t>(known);
+  const float constant = constantAt(brick_coord);
+  values_.emplace_back().fill(constant);
   coords_.push_back(brick_coord);
-  it->second = static_cast<std::int32_t>(coords_.size() - 1);
+  index_.add(brick_coord, static_cast<std::int32_t>(coords_.size() - 1));
   return coords_.size() - 1;
 }
 
 std::size_t BrickField::add(const Vec3i& brick_coord, std::span<const float, kBrickNodes> values) {
-  const auto [it, is_new] = index_.try_emplace(coordKey(brick_coord), static_cast<std::int32_t>(coords_.size()));
-  assert(is_new);
-  static_cast<void>(it);
-  static_cast<void>(is_new);
+  index_.add(brick_coord, static_cast<std::int32_t>(coords_.size()));
   coords_.push_back(brick_coord);
   BrickValues& fresh = values_.emplace_back();
   std::copy(values.begin(), values.end(), fresh.begin());
   return coords_.size() - 1;
-}
-
-std::vector<Vec3i> BrickField::interiorBricks() const {
-  std::vector<std::uint64_t> keys;
-  for (const auto& [key, slot] : index_)
-    if (slot == kInterior) keys.push_back(key);
-  std::sort(keys.begin(), keys.end());
-  std::vector<Vec3i> out;
-  out.reserve(keys.size());
-  for (const std::uint64_t key : keys) {
-    const auto c = coordOfKey(key);
-    out.emplace_back(c[0], c[1], c[2]);
-  }
-  return out;
 }
 
 double BrickField::sample(const Vec3d& p) const {

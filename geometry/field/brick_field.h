@@ -8,10 +8,10 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <unordered_map>
 #include <vector>
 
 #include "geometry/base/types.h"
+#include "geometry/field/brick_index.h"
 
 namespace kerf {
 
@@ -25,20 +25,6 @@ using BrickValues = std::array<float, kBrickNodes>;
 constexpr int nodeOffset(int i, int j, int k) { return ((i & 7) << 6) | ((j & 7) << 3) | (k & 7); }
 /// Brick that holds a node: floor(node / 8).
 inline Vec3i brickOf(const Vec3i& node) { return {node[0] >> kBrickLog, node[1] >> kBrickLog, node[2] >> kBrickLog}; }
-
-/// Key of an integer coordinate in [-2^20, 2^20)^3: at 0.02 mm voxels that is +-20 m.
-constexpr std::uint64_t coordKey(int i, int j, int k) {
-  constexpr std::uint64_t kMask = (1u << 21) - 1, kBias = 1u << 20;
-  return ((static_cast<std::uint64_t>(i) + kBias) & kMask) << 42 |
-         ((static_cast<std::uint64_t>(j) + kBias) & kMask) << 21 | ((static_cast<std::uint64_t>(k) + kBias) & kMask);
-}
-inline std::uint64_t coordKey(const Vec3i& c) { return coordKey(c[0], c[1], c[2]); }
-constexpr std::array<int, 3> coordOfKey(std::uint64_t key) {
-  constexpr std::uint64_t kMask = (1u << 21) - 1;
-  constexpr int kBias = 1 << 20;
-  return {static_cast<int>(key >> 42 & kMask) - kBias, static_cast<int>(key >> 21 & kMask) - kBias,
-          static_cast<int>(key & kMask) - kBias};
-}
 
 /// The field. Reading is safe from many threads; adding bricks is not, writing into different bricks is.
 class BrickField {
@@ -63,20 +49,14 @@ class BrickField {
   BrickValues& brick(std::size_t b) { return values_[b]; }
 
   /// Index of the brick at a brick coordinate, or -1: no brick there.
-  int find(const Vec3i& brick_coord) const {
-    const auto it = index_.find(coordKey(brick_coord));
-    return it == index_.end() || it->second < 0 ? -1 : it->second;
-  }
+  int find(const Vec3i& brick_coord) const { return index_.find(brick_coord); }
   /// Values of the brick at a brick coordinate; null: no brick there. Good until a brick is added.
   const BrickValues* valuesAt(const Vec3i& brick_coord) const {
     const int b = find(brick_coord);
     return b < 0 ? nullptr : &values_[static_cast<std::size_t>(b)];
   }
   /// The constant that stands for a missing brick.
-  float constantAt(const Vec3i& brick_coord) const {
-    const auto it = index_.find(coordKey(brick_coord));
-    return it != index_.end() && it->second == kInterior ? interior_ : background_;
-  }
+  float constantAt(const Vec3i& brick_coord) const { return index_.isInterior(brick_coord) ? interior_ : background_; }
   /// Value at a node: O(1), one hash look-up.
   float at(const Vec3i& node) const {
     const Vec3i c = brickOf(node);
@@ -90,13 +70,13 @@ class BrickField {
   /// Adds a brick with these values. @pre none is there yet.
   std::size_t add(const Vec3i& brick_coord, std::span<const float, kBrickNodes> values);
   /// Marks a missing brick as lying wholly inside.
-  void markInterior(const Vec3i& brick_coord) { index_.try_emplace(coordKey(brick_coord), kInterior); }
+  void markInterior(const Vec3i& brick_coord) { index_.markInterior(brick_coord); }
   /// Coordinates of the bricks marked as interior and not stored, sorted.
-  std::vector<Vec3i> interiorBricks() const;
+  std::vector<Vec3i> interiorBricks() const { return index_.interior(); }
   void reserve(std::size_t bricks) {
     coords_.reserve(bricks);
     values_.reserve(bricks);
-    index_.reserve(2 * bricks);
+    index_.reserve(bricks);
   }
 
   /// Trilinear value at a point, mm.
@@ -107,22 +87,11 @@ class BrickField {
   std::uint64_t stateHash() const;
 
  private:
-  static constexpr std::int32_t kInterior = -2;
-  struct KeyHash {
-    std::size_t operator()(std::uint64_t k) const {  // finaliser of MurmurHash3: brick keys differ in few bits
-      k ^= k >> 33;
-      k *= 0xff51afd7ed558ccdull;
-      k ^= k >> 33;
-      k *= 0xc4ceb9fe1a85ec53ull;
-      k ^= k >> 33;
-      return static_cast<std::size_t>(k);
-    }
-  };
   double voxel_ = 0;
   float background_ = 0, interior_ = 0;
   std::vector<Vec3i> coords_;
   std::vector<BrickValues> values_;
-  std::unordered_map<std::uint64_t, std::int32_t, KeyHash> index_;
+  BrickIndex index_;
 };
 
 }  // namespace kerf
