@@ -49,6 +49,15 @@ TEST(DistanceCheck, FieldsOfSolidsAreDistances) {
   EXPECT_EQ(refusalOf(band([](const Vec3d& p) { return std::max(ball(p), 2 - p.norm()); })), "") << "a shell";
 }
 
+TEST(DistanceCheck, PairsAlongEachAxisCount) {
+  for (const int step : {64, 8, 1}) {
+    BrickField layers = band(ball);
+    for (std::size_t b = 0; b < layers.brickCount(); ++b)
+      for (int n = 0; n < kBrickNodes; ++n) layers.brick(b)[static_cast<std::size_t>(n)] = (n / step & 1) != 0 ? 1 : -1;
+    EXPECT_NE(refusalOf(layers).find("noise: 33 % of"), std::string::npos) << refusalOf(layers);
+  }
+}
+
 TEST(DistanceCheck, NoiseIsRefusedWithItsShare) {
   std::mt19937 random(7);
   std::uniform_real_distribution<float> value(-0.8f, 0.6f);
