@@ -31,6 +31,23 @@ void insideNodesHere(const float* values, NodeBits& out) {
   }
 }
 
+void nodesOfHere(const std::uint8_t* numbers, std::uint8_t number, NodeBits& out) {
+  const hn::CappedTag<std::uint8_t, 64> u;
+  const int lanes = static_cast<int>(hn::Lanes(u));
+  const auto wanted = hn::Set(u, number);
+  for (int slab = 0; slab < kBrickSide; ++slab) {
+    std::uint64_t bits = 0;
+    for (int n = 0; n < 64; n += lanes) {
+      std::uint8_t part[8] = {};
+      hn::StoreMaskBits(u, hn::Eq(hn::LoadU(u, numbers + 64 * slab + n), wanted), part);
+      std::uint64_t word;
+      std::memcpy(&word, part, sizeof word);
+      bits |= word << n;
+    }
+    out[static_cast<std::size_t>(slab)] = bits;
+  }
+}
+
 // Bits of a row of eight values that are negative.
 HWY_INLINE std::uint64_t insideRow(const float* row) {
   const F f;
@@ -111,12 +128,20 @@ constexpr Neighbours kNeighbours = makeNeighbours();
 namespace internal {
 
 HWY_EXPORT(insideNodesHere);
+HWY_EXPORT(nodesOfHere);
 HWY_EXPORT(insideBeyondHere);
 HWY_EXPORT(nodeVolumesHere);
 
 NodeBits insideNodes(const float* values) noexcept {
   NodeBits out;
   HWY_DYNAMIC_DISPATCH(insideNodesHere)(values, out);
+  return out;
+}
+
+// The nodes of a brick that have this number.
+static NodeBits nodesOf(const std::uint8_t* numbers, std::uint8_t number) noexcept {
+  NodeBits out;
+  HWY_DYNAMIC_DISPATCH(nodesOfHere)(numbers, number, out);
   return out;
 }
 
@@ -236,6 +261,22 @@ void forEachNode(const NodeBits& nodes, const Visit& visit) {
       visit(64 * slab + std::countr_zero(bits));
 }
 
+// Adds whole cells. A brick has few materials: one of them after the other.
+void addWhole(NodeBits whole, const MaterialNeighborhood& materials, PartsByNumber& sum) {
+  for (std::size_t x = 0; x < kBrickSide; ++x)
+    while (whole[x] != 0) {
+      const int first = 64 * static_cast<int>(x) + std::countr_zero(whole[x]);
+      const std::uint8_t number = materials.self[first];
+      const NodeBits same = internal::nodesOf(materials.self, number);
+      std::int64_t cells = 0;
+      for (std::size_t slab = x; slab < kBrickSide; ++slab) {
+        cells += std::popcount(whole[slab] & same[slab]);
+        whole[slab] &= ~same[slab];
+      }
+      sum[number] += std::int64_t{kCellParts} * cells;
+    }
+}
+
 }  // namespace
 
 void addVolumes(const BrickNeighborhood& bricks, const MaterialNeighborhood& materials, float band,
@@ -248,7 +289,7 @@ void addVolumes(const BrickNeighborhood& bricks, const MaterialNeighborhood& mat
   if (materials.is_one)
     for (const std::uint64_t slab : whole) sum[materials.self[0]] += std::int64_t{kCellParts} * std::popcount(slab);
   else
-    forEachNode(whole, [&](int n) { sum[materials.self[n]] += kCellParts; });
+    addWhole(whole, materials, sum);
 
   internal::SurfaceNodes nodes;
   int count = 0;

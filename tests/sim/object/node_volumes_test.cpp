@@ -51,6 +51,22 @@ TEST(NodeVolumes, AWallAlongTheGridIsAsThickAsItIsWhateverTheScaleOfItsField) {
       }
 }
 
+TEST(NodeVolumes, AWholeCellCountsForTheMaterialOfItsNode) {
+  BrickValues inside;
+  inside.fill(-1);
+  std::array<std::uint8_t, kBrickNodes> numbers;
+  PartsByNumber wanted{}, sum{};
+  for (std::size_t n = 0; n < numbers.size(); ++n) {
+    numbers[n] = static_cast<std::uint8_t>(n < 100 ? 200 : n * n % 7);
+    wanted[numbers[n]] += kCellParts;
+  }
+  const float* const values = inside.data();
+  const std::uint8_t* const all = numbers.data();
+  addVolumes({values, {values, values, values, values, values, values}}, {all, {all, all, all, all, all, all}, false},
+             1, sum);
+  EXPECT_EQ(sum, wanted);
+}
+
 // Between two cuts phi is small and positive: no surface, no volume.
 TEST(NodeVolumes, AFilmBetweenCutsIsNothing) {
   BrickValues film;
