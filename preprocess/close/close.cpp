@@ -116,9 +116,17 @@ bool isWhole(const Mesh& imported, const Result& r, std::size_t t) {
   return r.source[t] != kAdded && corners(r.mesh, t) == corners(imported, r.source[t]);
 }
 
+/// Of each triangle: whether it is one of the source's, whole.
+std::vector<char> wholeOnes(const Mesh& imported, const Result& r) {
+  std::vector<char> out;
+  for (std::size_t t = 0; t < r.mesh.triangles.size(); ++t) out.push_back(isWhole(imported, r, t));
+  return out;
+}
+
 /// Drops the splinters and pockets that cutting left beside the solid: small pieces with a triangle that is not the
 /// source's.
-void dropDebris(Result& r, const Mesh& imported, const CloseOptions& options, CloseReport& report) {
+/// @param is_whole  wholeOnes(), before what touches was moved apart: that cuts nothing, what it halves comes last.
+void dropDebris(Result& r, const std::vector<char>& is_whole, const CloseOptions& options, CloseReport& report) {
   const Pieces pieces = edgeConnectedPieces(r.mesh);
   if (pieces.count < 2) return;
   std::vector<double> volume(pieces.count, 0);
@@ -129,7 +137,7 @@ void dropDebris(Result& r, const Mesh& imported, const CloseOptions& options, Cl
     const double v = (r.mesh.corner(t, 0) - c).dot((r.mesh.corner(t, 1) - c).cross(r.mesh.corner(t, 2) - c)) / 6;
     volume[pieces.label[t]] += v;
     total += v;
-    if (!made[pieces.label[t]] && !isWhole(imported, r, t)) made[pieces.label[t]] = 1;
+    if (t < is_whole.size() && !is_whole[t]) made[pieces.label[t]] = 1;
   }
 
   std::size_t count = 0;
@@ -294,8 +302,9 @@ Expected<Result> resolve(const Mesh& imported, const Chain& chain,
 
   std::vector<char> fixed(r.mesh.vertices.size(), 0);
   std::fill(fixed.begin(), fixed.begin() + static_cast<std::ptrdiff_t>(chain.mesh.vertices.size()), 1);
+  const std::vector<char> is_whole = wholeOnes(imported, r);
   separateParts(imported, chain, normals, r, fixed, report);
-  dropDebris(r, imported, options, report);
+  dropDebris(r, is_whole, options, report);
   compact(r.mesh, fixed);
   KERF_CHECK(roundNewVertices(r, fixed, options, report, progress));
   return r;

@@ -183,6 +183,21 @@ TEST(Defects, SixteenPiecesThroughEachOther) {
   EXPECT_TRUE(says(s, "crossed or touched"));
 }
 
+// As voxels of a CT do. They are moved apart by less than a micrometre, which is no reason to drop them as splinters.
+TEST(Defects, SmallPiecesThatTouchStay) {
+  Mesh m = box(0, 60);
+  for (int k = 0; k < 20; ++k) {
+    const Vec3d at(70, 4.0 * k, 0);
+    append(m, box(at, at + Vec3d::Constant(1.5)));
+    append(m, box(at + Vec3d(1.5, 1.5, 0), at + Vec3d(3, 3, 1.5)));  // along an edge
+  }
+  const Solid s = closed(m);
+  EXPECT_TRUE(says(s, "were moved apart"));
+  EXPECT_FALSE(says(s, "splinter"));
+  EXPECT_EQ(edgeConnectedPieces(s.mesh).count, 41u);
+  EXPECT_NEAR(signedVolume(s.mesh), 60 * 60 * 60 + 40 * 1.5 * 1.5 * 1.5, 0.1);
+}
+
 TEST(Defects, SeamMeshedDifferentlyOnEitherSideIsStitched) {
   // A ball in two halves that do not share vertices: the lower one has twice as many sectors, and stands 0.0004 mm off.
   const auto half = [](int sectors, bool upper) {
