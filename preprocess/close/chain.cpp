@@ -231,6 +231,7 @@ Expected<Chain> buildChain(const Mesh& imported, const CloseOptions& options, Cl
   if (const std::size_t n = before - chain.mesh.triangles.size(); n && !wanted(CloseStep::kDrop))
     return needed(counted(n, "triangle without area", "triangles without area"), CloseStep::kDrop);
 
+  if (wanted(CloseStep::kDrop)) dropRepeatedSurfaces(chain, report);
   KERF_CHECK(refuseHeaps(chain.mesh));
   if (wanted(CloseStep::kStitch)) KERF_CHECK(stitchSeams(chain, options.stitch_mm, report));
   chain.open_mm = openLength(chain.mesh, chain.mesh.triangles);

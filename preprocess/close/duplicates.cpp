@@ -7,6 +7,7 @@
 
 #include "preprocess/close/close.h"
 #include "preprocess/close/edges.h"
+#include "preprocess/close/orient.h"
 
 namespace kerf::internal {
 namespace {
@@ -92,7 +93,84 @@ std::size_t dropCopies(const std::vector<Triangle>& triangles, const std::vector
   return dropped;
 }
 
+// Triangles with the same corners the same way round: keys[begin .. end - 1].
+struct Copies {
+  std::size_t begin = 0, end = 0;
+  std::size_t count() const { return end - begin; }
+};
+
+// Sorts the keys of each triangle by the way round.
+std::vector<Copies> copiesOf(std::vector<Key>& keys) {
+  std::vector<Copies> out;
+  for (std::size_t i = 0, j = 0; i < keys.size(); i = j) {
+    while (j < keys.size() && keys[j].sorted == keys[i].sorted) ++j;
+    const auto first = keys.begin() + static_cast<std::ptrdiff_t>(i),
+               last = keys.begin() + static_cast<std::ptrdiff_t>(j);
+    const auto middle = std::stable_partition(first, last, [](const Key& key) { return key.even; });
+    const auto half = static_cast<std::size_t>(middle - keys.begin());
+    if (half > i) out.push_back({i, half});
+    if (half < j) out.push_back({half, j});
+  }
+  return out;
+}
+
+// Whether as many of the triangles run along each edge as back.
+bool isClosed(const std::vector<Triangle>& triangles) {
+  const std::vector<EdgeCount> edges = countEdges(triangles);
+  return std::all_of(edges.begin(), edges.end(), [](const EdgeCount& e) { return e.forth == e.back; });
+}
+
+// Of triangles that hang together: how many copies of each are too many, as their surface is closed and there several
+// times. What is there more often than the rest may be a surface of its own, such as a solid that shares a wall with
+// another: it stays once beside what holds all of them.
+void countRepeated(const std::vector<Triangle>& triangles, const std::vector<std::size_t>& count,
+                   const std::vector<std::uint32_t>& of_piece, std::vector<std::size_t>& too_many) {
+  std::vector<std::uint32_t> left = of_piece;
+  for (std::size_t below = 0; !left.empty();) {
+    std::size_t least = count[left.front()];
+    for (const std::uint32_t n : left) least = std::min(least, count[n]);
+    const std::size_t extra = least - below - 1;
+    if (extra > 0) {
+      std::vector<Triangle> surface;
+      for (const std::uint32_t n : left) surface.push_back(triangles[n]);
+      if (isClosed(surface))
+        for (const std::uint32_t n : left) too_many[n] += extra;
+    }
+    below = least;
+    std::erase_if(left, [&](std::uint32_t n) { return count[n] == least; });
+  }
+}
+
 }  // namespace
+
+void dropRepeatedSurfaces(Chain& chain, CloseReport& report) {
+  std::vector<Key> keys = sortedKeys(chain.mesh.triangles);
+  const std::vector<Copies> copies = copiesOf(keys);
+  if (copies.size() == keys.size()) return;
+
+  std::vector<Triangle> triangles;
+  std::vector<std::size_t> count;
+  for (const Copies& c : copies) {
+    triangles.push_back(chain.mesh.triangles[keys[c.begin].t]);
+    count.push_back(c.count());
+  }
+  const Pieces pieces = piecesOf(triangles.size(), edgeUses(triangles));
+  std::vector<std::vector<std::uint32_t>> of_piece(pieces.count);
+  for (std::uint32_t n = 0; n < triangles.size(); ++n) of_piece[pieces.label[n]].push_back(n);
+  std::vector<std::size_t> too_many(triangles.size(), 0);
+  for (const auto& piece : of_piece) countRepeated(triangles, count, piece, too_many);
+
+  std::vector<char> keep(keys.size(), 1);
+  std::size_t dropped = 0;
+  for (std::size_t n = 0; n < copies.size(); ++n) {
+    for (std::size_t k = copies[n].end - too_many[n]; k < copies[n].end; ++k) keep[keys[k].t] = 0;
+    dropped += too_many[n];
+  }
+  if (dropped == 0) return;
+
+  report.changes.push_back(counted(dropped, "duplicate triangle was", "duplicate triangles were") + " dropped");
+  keepOnly(chain, keep);
+}
 
 void dropDuplicates(Chain& chain, CloseReport& report) {
   const std::vector<Triangle>& triangles = chain.mesh.triangles;

@@ -5,6 +5,11 @@
 
 namespace kerf::internal {
 
+/// A closed surface that is there several times, the same way round, stays once: a file that was stored twice, a solid
+/// that was copied onto itself. Works on chains that are not oriented yet: else the steps that follow would take the
+/// square of the copies in time. Entered in the report. Cost: some sorts.
+void dropRepeatedSurfaces(Chain& chain, CloseReport& report);
+
 /// Opposite copies of a triangle cancel. Equal copies count several times in the chain, which is right where whole
 /// solids coincide; where one is too many for its edges (a face stored twice in a scan) it goes. Entered in the report.
 void dropDuplicates(Chain& chain, CloseReport& report);

@@ -176,12 +176,14 @@ void judgeLoss(std::size_t vertices, bool is_volume_right, const CloseReport& re
 }  // namespace
 
 double windingVolume(const Mesh& mesh) {
-  constexpr std::size_t kPlaces = 50'000;  // 1 % of a volume that fills a fifth of the box
+  constexpr double kMost = 50'000, kLeast = 1000;  // 1 and 7 % of a volume that fills a fifth of the box
+  constexpr double kMostWork = 2e8;                // triangles looked at: some 2 s
   const Box3 box = bounds(mesh);
   const RayWinding rays(mesh);
+  const auto places = static_cast<std::size_t>(std::clamp(kMostWork / (rays.trianglesOfACell() + 1), kLeast, kMost));
   const auto nothing = [](std::uint32_t) { return false; };
-  std::vector<char> is_inside(kPlaces, 0);
-  tbb::parallel_for(std::size_t{0}, kPlaces, [&](std::size_t n) {
+  std::vector<char> is_inside(places, 0);
+  tbb::parallel_for(std::size_t{0}, places, [&](std::size_t n) {
     // An even sequence: powers of 1 / x with x^4 = x + 1.
     const Vec3d step(0.8191725133961645, 0.6710436067037893, 0.5497004779019703);
     const Vec3d share = (static_cast<double>(n + 1) * step).unaryExpr([](double x) { return x - std::floor(x); });
@@ -189,7 +191,7 @@ double windingVolume(const Mesh& mesh) {
     is_inside[n] = winding && *winding != 0;
   });
   const auto inside = static_cast<double>(std::count(is_inside.begin(), is_inside.end(), 1));
-  return box.size().prod() * inside / kPlaces;
+  return box.size().prod() * inside / static_cast<double>(places);
 }
 
 Judgement judgeSolid(const Mesh& imported_mm, const Mesh& solid, const CloseReport& report, const Chain* closed) {

@@ -31,7 +31,8 @@ inline constexpr double kSkin = 1.5;
 inline constexpr int kMostHandles = 20;
 
 /// Volume of where the mesh winds around at least once, whichever way, mm3: shells in each other count once. Counted at
-/// 50 000 places of its box. @pre closed, or hardly open: rays cross it as often one way as the other.
+/// 50 000 places of its box, at fewer where very many triangles lie behind each other. @pre closed, or hardly open:
+/// rays cross it as often one way as the other.
 double windingVolume(const Mesh& mesh);
 
 /// What the guard has to say. Nothing: the solid is what was scanned, as far as this can tell.

@@ -42,26 +42,39 @@ RayWinding::RayWinding(const Mesh& mesh)
     : turn_(Eigen::AngleAxisd(0.7390851, Vec3d(0.5671433, 0.2614972, 0.7834305).normalized()).toRotationMatrix()),
       direction_(turn_.row(0)) {
   // The triangles, turned; and the grid across the ray.
-  constexpr double kMostCells = 1 << 20;
+  constexpr std::size_t kMostCells = 1 << 20, kMostEntries = 32;  // of a triangle, in the mean
   mesh_.triangles = mesh.triangles;
   mesh_.vertices.reserve(mesh.vertices.size());
   for (const Vec3d& v : mesh.vertices) mesh_.vertices.emplace_back(turn_ * v);
   const Box3 box = bounds(mesh_);
   const Vec3d size = box.size();
   low_ = box.min;
-  const double wanted = std::clamp(static_cast<double>(mesh.triangles.size()), 1.0, kMostCells);
+  const double wanted = std::clamp(static_cast<double>(mesh.triangles.size()), 1.0, double{kMostCells});
   cell_ = std::max({std::sqrt(size[1] * size[2] / wanted), size[1] / kMostCells, size[2] / kMostCells, 1e-9});
-  const auto count = [&](double length) { return static_cast<std::size_t>(length / cell_) + 1; };
-  ny_ = count(size[1]);
-  nz_ = count(size[2]);
+
+  const auto cellsOf = [&](std::size_t t) {
+    Box3 b;
+    for (int k = 0; k < 3; ++k) b.add(mesh_.corner(t, k));
+    return std::pair(cellOf(b.min[1], b.min[2]), cellOf(b.max[1], b.max[2]));
+  };
+  // Large triangles that lie behind each other would fill the memory: then the cells are made larger.
+  const auto divide = [&] {
+    const auto count = [&](double length) { return static_cast<std::size_t>(length / cell_) + 1; };
+    ny_ = count(size[1]);
+    nz_ = count(size[2]);
+    std::size_t entries = 0;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      const auto [from, to] = cellsOf(t);
+      entries += (to / nz_ - from / nz_ + 1) * (to % nz_ - from % nz_ + 1);
+    }
+    return entries;
+  };
+  while (divide() > kMostEntries * mesh.triangles.size() + kMostCells && ny_ * nz_ > 1) cell_ *= 2;
 
   // Counted per cell, then sorted in.
   first_.assign(ny_ * nz_ + 1, 0);
-
   const auto forEachCell = [&](std::size_t t, const auto& work) {
-    Box3 b;
-    for (int k = 0; k < 3; ++k) b.add(mesh_.corner(t, k));
-    const std::size_t from = cellOf(b.min[1], b.min[2]), to = cellOf(b.max[1], b.max[2]);
+    const auto [from, to] = cellsOf(t);
     for (std::size_t y = from / nz_; y <= to / nz_; ++y)
       for (std::size_t z = from % nz_; z <= to % nz_; ++z) work(y * nz_ + z);
   };

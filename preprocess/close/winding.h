@@ -25,6 +25,10 @@ class RayWinding {
   explicit RayWinding(const Mesh& mesh);
   /// Where the rays go: along no plane that people or grids prefer, so that few of them graze an edge.
   const Vec3d& direction() const { return direction_; }
+  /// How many triangles at() looks at, in the mean.
+  double trianglesOfACell() const {
+    return static_cast<double>(triangle_.size()) / static_cast<double>(first_.size() - 1);
+  }
   /// Of all triangles but those for which skip(t) is true; a point on one of these counts as lying on the side the ray
   /// goes to. The ray decides nothing where it grazes an edge, or where p lies on the surface: nothing then.
   std::optional<int> at(const Vec3d& p, const std::function<bool(std::uint32_t)>& skip) const;

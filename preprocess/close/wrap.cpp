@@ -5,6 +5,7 @@
 #include <CGAL/alpha_wrap_3.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "preprocess/close/poll.h"
@@ -26,6 +27,23 @@ struct StopWhenAsked : CGAL::Alpha_wraps_3::internal::Wrapping_default_visitor {
   Poll* poll;
 };
 
+/// The first of the triangles with the same corners, whichever way round. CGAL takes the square of the copies in time.
+std::vector<std::uint32_t> eachOnce(const std::vector<Triangle>& triangles) {
+  std::vector<std::pair<Triangle, std::uint32_t>> sorted;
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+    Triangle f = triangles[t];
+    std::sort(f.begin(), f.end());
+    sorted.emplace_back(f, t);
+  }
+  std::sort(sorted.begin(), sorted.end());
+
+  std::vector<std::uint32_t> out;
+  for (std::size_t n = 0; n < sorted.size(); ++n)
+    if (n == 0 || sorted[n].first != sorted[n - 1].first) out.push_back(sorted[n].second);
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
 }  // namespace
 
 Expected<Mesh> wrapSoup(const Mesh& soup, double alpha_mm, double offset_mm, const Progress& progress) {
@@ -45,7 +63,10 @@ Expected<Mesh> wrapSoup(const Mesh& soup, double alpha_mm, double offset_mm, con
     std::vector<Point> points;
     for (const Vec3d& p : soup.vertices) points.push_back({p.x(), p.y(), p.z()});
     std::vector<std::array<std::size_t, 3>> faces;
-    for (const Triangle& f : soup.triangles) faces.push_back({f[0], f[1], f[2]});
+    for (const std::uint32_t t : eachOnce(soup.triangles)) {
+      const Triangle& f = soup.triangles[t];
+      faces.push_back({f[0], f[1], f[2]});
+    }
 
     CGAL::Surface_mesh<Point> wrap;
     CGAL::alpha_wrap_3(points, faces, alpha_mm, offset_mm, wrap, CGAL::parameters::default_values(),

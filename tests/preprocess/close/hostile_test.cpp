@@ -141,6 +141,71 @@ TEST(Hostile, OneTriangleRepeatedAndTrianglesOnEachOther) {
   expectAnswer(plane, "one plane");
 }
 
+// Stored again and again, as a file that is exported onto itself.
+Mesh copiesOf(const Mesh& one, int n) {
+  Mesh m;
+  for (int k = 0; k < n; ++k) append(m, one);
+  return m;
+}
+
+TEST(Hostile, ASolidThatIsThereTwentyThousandTimes) {
+  for (const int n : {2, 3, 200, 20'000}) {
+    const Mesh m = copiesOf(box(0, 10), n);
+    Expected<Solid> s = fail({});
+    EXPECT_LT(secondsOf([&] { s = closeMesh(m); }), kMostSeconds) << n;
+    ASSERT_TRUE(s) << n << ": " << s.error().message();
+    EXPECT_TRUE(s->report.exact) << n;
+    EXPECT_EQ(s->mesh.vertices.size(), 8u) << n;
+    EXPECT_EQ(s->mesh.triangles.size(), 12u) << n;
+    EXPECT_DOUBLE_EQ(signedVolume(s->mesh), 1000) << n;
+    EXPECT_EQ(s->report.changes.front(),
+              std::to_string(8 * (n - 1)) + " vertices were welded to another at the same place");
+    EXPECT_EQ(s->report.changes.back(), std::to_string(12 * (n - 1)) + " duplicate triangles were dropped");
+  }
+
+  // Turned at random, copies are left; and a wrap of them ends, too.
+  Mesh turned = copiesOf(box(0, 10), 2000);
+  std::mt19937 random(5);
+  for (Triangle& f : turned.triangles)
+    if (random() % 2) std::swap(f[1], f[2]);
+  expectAnswer(turned, "turned at random");
+  CloseOptions wrapping;
+  wrapping.mode = CloseMode::kWrap;
+  EXPECT_LT(secondsOf([&] { static_cast<void>(closeMesh(turned, wrapping)); }), kMostSeconds);
+
+  // Of a cavity, too: it stays one.
+  Mesh hollow = box(0, 10), cavity = box(4, 6);
+  for (Triangle& f : cavity.triangles) std::swap(f[1], f[2]);
+  append(hollow, copiesOf(cavity, 5));
+  const auto s = closeMesh(hollow);
+  ASSERT_TRUE(s) << s.error().message();
+  EXPECT_DOUBLE_EQ(signedVolume(s->mesh), 1000 - 8);
+}
+
+// They share a wall, the same way round, that both need: neither is a copy.
+TEST(Hostile, ASolidThatSharesAWallWithAnotherStays) {
+  Mesh m = box({0, 0, 0}, {10, 10, 10});
+  const Mesh inside = box({0, 0, 0}, {10, 10, 4});  // three faces in the same planes, one of them the same triangles
+  append(m, copiesOf(inside, 30));
+  const auto s = closeMesh(m);
+  ASSERT_TRUE(s) << s.error().message();
+  EXPECT_TRUE(s->report.exact);
+  EXPECT_DOUBLE_EQ(signedVolume(s->mesh), 1000);
+
+  m = box({0, 0, 0}, {10, 10, 10});
+  append(m, copiesOf(box({0, 0, -4}, {10, 10, 0}), 30));  // back to back
+  const auto joined = closeMesh(m);
+  ASSERT_TRUE(joined) << joined.error().message();
+  EXPECT_DOUBLE_EQ(signedVolume(joined->mesh), 1400);
+}
+
+// They fill a grid across the ray once for each: a number of 32 bits ran over.
+TEST(Hostile, LargeTrianglesBehindEachOther) {
+  Mesh m;
+  for (int k = 0; k < 4000; ++k) append(m, box({0, 0, 0}, {10, 10, 5 + 1e-3 * k}));
+  expectAnswer(m, "behind each other");
+}
+
 // Tetrahedra in a row; `inside_out` of them are.
 Mesh specks(std::uint32_t n, bool inside_out) {
   Mesh m;
