@@ -164,7 +164,7 @@ Expected<RunManifest> cutFurther(const fs::path& run, const fs::path& tool_file,
   if (!report(progress, 0.92, "writing")) return nothingWritten();
   std::vector<NamedField> grids{{"phi", &changed.front()}};
   for (std::size_t n = 1; n < changed.size(); ++n) grids.push_back({neighbourId(n), &changed[n]});
-  KERF_CHECK(writeVdb(staging.staging() / kRunField, grids, {{"case_id", m.case_id}}));
+  KERF_CHECK(writeVdb(staging.staging() / kRunField, grids, {{"case_id", m.case_id}}, &scene.added));
   KERF_TRY(begin_sha256, storeBegin(run, staging.staging()));
   m.begin_sha256 = begin_sha256;
   KERF_CHECK(writeGeometrySummary(staging.staging() / kRunSummary,

@@ -92,6 +92,7 @@ Rigid3 CutScene::start() const { return poseAt(inputs.path, 0); }
 Expected<CutScene> loadScene(CutInputs inputs, const StepSettings& settings) {
   LoadedObjects objects;
   std::vector<BrickField> originals;
+  MaterialBricks added;
   double added_before = 0;
   for (std::size_t n = 0; n < inputs.folders.size(); ++n) {
     const bool was_cut = !inputs.from.empty() && n <= inputs.before.beside.size();
@@ -100,20 +101,24 @@ Expected<CutScene> loadScene(CutInputs inputs, const StepSettings& settings) {
       KERF_TRY(cut_before, readRunCutField(inputs.from, n));
       KERF_TRY(of_case, readCaseField(inputs.folders[n]));
       begin = std::move(cut_before);
+      if (n == 0) {
+        KERF_TRY(materials, readRunMaterials(inputs.from));
+        added = std::move(materials);
+      }
       originals.push_back(std::move(of_case));
     }
-    KERF_TRY(object, loadObject(inputs.folders[n], begin ? &*begin : nullptr));
+    KERF_TRY(object, loadObject(inputs.folders[n], begin ? &*begin : nullptr, n == 0 ? &added : nullptr));
     objects.push_back(std::move(object));
     if (!was_cut) continue;
 
     // On the same voxels, as loadObject() has made sure.
     KERF_CHECK(requireOnlyTaken(inputs.from, inputs.before, *begin, originals.back(), n));
-    if (n == 0) added_before = addedVolume(originals.back(), *begin);
+    if (n == 0) added_before = addedVolume(originals.back(), *begin, added);
   }
   KERF_TRY(materials, readDefaultMaterials());
   KERF_TRY(model, makeModel(std::span(&inputs.tool, 1), settings, widestBand(objects)));
-  CutScene scene{std::move(inputs), std::move(objects),   std::move(materials),
-                 std::move(model),  std::move(originals), added_before};
+  CutScene scene{std::move(inputs),    std::move(objects), std::move(materials), std::move(model),
+                 std::move(originals), std::move(added),   added_before};
   KERF_CHECK(requireTissues(scene));
   return scene;
 }

@@ -8,6 +8,7 @@
 #include "geometry/base/error.h"
 #include "geometry/case/case_bundle.h"
 #include "geometry/field/material.h"
+#include "geometry/field/material_bricks.h"
 #include "geometry/tool/tool.h"
 #include "sim/hand/path.h"
 #include "sim/object/baked_object.h"
@@ -45,6 +46,7 @@ struct CutScene {
   /// Of a cut that goes on: the fields of the cases that the run before had cut, as they were before that. The others,
   /// and all without such a run: objects has it.
   std::vector<BrickField> originals;
+  MaterialBricks added;         ///< of a cut that goes on: readRunMaterials() of the run before
   double added_before_mm3 = 0;  ///< RunManifest::added_before_mm3
 
   bool goesOn() const { return !inputs.from.empty(); }

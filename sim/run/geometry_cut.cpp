@@ -111,8 +111,7 @@ Expected<std::map<std::string, double>> removedByMaterial(const fs::path& case_f
                                                           const Swept& swept) {
   KERF_TRY(labels, readCaseMaterials(case_folder));
   KERF_TRY(table, readDefaultMaterials());
-  const Material fallback =
-      in_case.materials.empty() ? Material::kGeneric : static_cast<Material>(in_case.materials.front().number);
+  const Material fallback = fallbackOf(in_case);
   return internal::byMaterial(
       internal::removedVolumes(*swept.phi0, swept.cutter->cutField(), internal::materialsOf(labels, fallback)), table);
 }

@@ -12,6 +12,7 @@
 #include "sim/hand/device_profile.h"
 #include "sim/monitor/monitor.h"
 #include "sim/pieces/joined_field.h"
+#include "sim/run/added_materials.h"
 #include "sim/run/cut_observer.h"
 #include "sim/run/cut_scene.h"
 #include "sim/run/removed_volumes.h"
@@ -325,10 +326,10 @@ RunManifest manifestOf(const CutScene& scene, const HapticSummary& summary) {
 
 // Fields, summary and manifest; what observers write is there already.
 Expected<void> writeRun(const fs::path& staging, const fs::path& run_folder, const CutInputs& inputs,
-                        const std::vector<BrickField>& changed, HapticCut& cut) {
+                        const std::vector<BrickField>& changed, const MaterialBricks& added, HapticCut& cut) {
   std::vector<NamedField> fields{{"phi", &changed.front()}};
   for (std::size_t n = 1; n < changed.size(); ++n) fields.push_back({neighbourId(n), &changed[n]});
-  KERF_CHECK(writeVdb(staging / internal::kRunField, fields, {{"case_id", cut.manifest.case_id}}));
+  KERF_CHECK(writeVdb(staging / internal::kRunField, fields, {{"case_id", cut.manifest.case_id}}, &added));
 
   std::ofstream summary(staging / internal::kRunSummary, std::ios::binary);
   summary << toJson(cut.summary) << "\n";
@@ -479,7 +480,8 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
     KERF_TRY(begin_sha256, internal::storeBegin(scene.inputs.from, folder.staging()));
     out.manifest.begin_sha256 = begin_sha256;
   }
-  KERF_CHECK(writeRun(folder.staging(), run_folder, scene.inputs, changed, out));
+  const MaterialBricks added = internal::addedMaterials(internal::objectsOf(session, 0), scene.added, scene.materials);
+  KERF_CHECK(writeRun(folder.staging(), run_folder, scene.inputs, changed, added, out));
   KERF_CHECK(folder.commit());
   report(progress, 1.0, "done");
   return out;

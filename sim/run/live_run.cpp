@@ -170,6 +170,24 @@ Expected<void> LiveRun::loadNeighbour(SessionNeighbour known, const BrickField* 
   return {};
 }
 
+namespace {
+
+// mm^3 that a run took off its case. Of a material that was added there is more than before, which takes nothing off.
+Expected<double> takenOff(const fs::path& case_folder, const BrickField& original, const BrickField& begin,
+                          const BakedObject& object, const MaterialBricks& added) {
+  const internal::MaterialsOf now = internal::materialsOf(object);
+  if (added.isEmpty()) return internal::sumOf(internal::removedVolumes(original, begin, now));
+
+  KERF_TRY(in_case, readCaseMaterials(case_folder));
+  const auto volumes =
+      internal::removedVolumes(original, begin, internal::materialsOf(in_case, object.fallback()), now);
+  double out = 0;
+  for (const double volume : volumes) out += std::max(0.0, volume);
+  return out;
+}
+
+}  // namespace
+
 Expected<void> LiveRun::loadWhatIsCut() {
   if (options_.from.empty()) {
     KERF_TRY(object, loadObject(case_folder_));
@@ -179,14 +197,15 @@ Expected<void> LiveRun::loadWhatIsCut() {
   }
   KERF_TRY(before, readRunManifest(options_.from));
   KERF_TRY(begin, readRunCutField(options_.from));
-  KERF_TRY(object, loadObject(case_folder_, &begin));
+  KERF_TRY(added, readRunMaterials(options_.from));
+  KERF_TRY(object, loadObject(case_folder_, &begin, &added));
   object_ = std::move(object);
   KERF_TRY(original, readCaseField(case_folder_));
   KERF_CHECK(requireOnlyTaken(options_.from, before, begin, original));
   original_ = std::make_shared<const BrickField>(std::move(original));
-  for (const double volume : internal::removedVolumes(*original_, begin, internal::materialsOf(*object_)))
-    removed_before_ += volume;
-  added_before_ = internal::addedVolume(*original_, begin);
+  KERF_TRY(removed, takenOff(case_folder_, *original_, begin, *object_, added));
+  removed_before_ = removed;
+  added_before_ = internal::addedVolume(*original_, begin, added);
   pieces_before_ = before.pieces;
   if (!pieces_before_.empty()) options_.haptic.begin = [this](Session& session) { return putPiecesBack(session); };
   return {};

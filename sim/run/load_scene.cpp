@@ -10,7 +10,7 @@
 namespace kerf {
 
 Expected<std::shared_ptr<const BakedObject>> loadObject(const std::filesystem::path& case_folder,
-                                                        const BrickField* begin) {
+                                                        const BrickField* begin, const MaterialBricks* added) {
   KERF_TRY(manifest, readCaseManifest(case_folder));
   KERF_TRY(table, readDefaultMaterials());
   KERF_CHECK(requireSameMaterials(case_folder, manifest, table));
@@ -25,8 +25,12 @@ Expected<std::shared_ptr<const BakedObject>> loadObject(const std::filesystem::p
   if (begin)
     for (std::size_t b = 0; b < begin->brickCount(); ++b)
       fields.phi0.brick(fields.phi0.touch(begin->brickCoord(b))) = begin->brick(b);
-  const Material fallback =
-      manifest.materials.empty() ? Material::kGeneric : static_cast<Material>(manifest.materials.front().number);
+  const Material fallback = fallbackOf(manifest);
+  if (added && !added->isEmpty()) {
+    KERF_CHECK(requireSameMaterials(*added, table));
+    KERF_CHECK(requireOnlyAdded(*added, fields.materials, fallback));
+    fields.materials = laidOver(std::move(fields.materials), *added);
+  }
   auto object = BakedObject::make(std::move(fields.phi0), std::move(fields.materials), fallback);
   if (!object) {
     object.error().file = case_folder.string();

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "geometry/case/case_bundle.h"
+#include "geometry/field/material_bricks.h"
 #include "geometry/tool/tool.h"
 #include "sim/step/step.h"
 
@@ -14,8 +15,11 @@ namespace kerf {
 /// manifest's hashes. @cost seconds for a whole jaw.
 /// @param begin  bricks in which it differs already: it goes on from an earlier session. Null: as the case is. Error
 /// kBadValue if their voxels are others.
+/// @param added  the materials of what was added in that session: readRunMaterials(). Null: all is as in the case.
+/// Errors kBadValue and kUnsupported if they are not of this case, or of another table of materials.
 Expected<std::shared_ptr<const BakedObject>> loadObject(const std::filesystem::path& case_folder,
-                                                        const BrickField* begin = nullptr);
+                                                        const BrickField* begin = nullptr,
+                                                        const MaterialBricks* added = nullptr);
 
 /// Half-width of the widest of their bands, mm: what makeModel() asks for.
 double widestBand(std::span<const std::shared_ptr<const BakedObject>> objects);

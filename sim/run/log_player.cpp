@@ -94,9 +94,10 @@ Expected<Recording> loadRecording(const fs::path& run_folder, const RunManifest&
 
   // What it was recorded with.
   out.cases.insert(out.cases.begin(), case_folder);
+  KERF_TRY(added, readBeginMaterials(run_folder, manifest));
   for (std::size_t n = 0; n < out.cases.size(); ++n) {
     KERF_TRY(begin, readRunBegin(run_folder, manifest, n));
-    KERF_TRY(object, loadObject(out.cases[n], begin ? &*begin : nullptr));
+    KERF_TRY(object, loadObject(out.cases[n], begin ? &*begin : nullptr, n == 0 ? &added : nullptr));
     out.objects.push_back(std::move(object));
     if (n == 0) out.begin = std::move(begin);
   }

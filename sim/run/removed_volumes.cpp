@@ -14,8 +14,8 @@ namespace {
 // Counts bricks before and after a cut.
 class CountedCut {
  public:
-  CountedCut(const BrickField& phi0, const BrickField& cut, const MaterialsOf& materials)
-      : phi0_(phi0), cut_(cut), materials_(materials) {
+  CountedCut(const BrickField& phi0, const BrickField& cut, const MaterialsOf& before, const MaterialsOf& after)
+      : phi0_(phi0), cut_(cut), materials_before_(before), materials_after_(after) {
     outside_.fill(phi0.background());
     inside_.fill(phi0.interior());
   }
@@ -55,23 +55,34 @@ class CountedCut {
 
   void count(const Vec3i& brick, PartsByNumber& before, PartsByNumber& after) {
     BrickNeighborhood was{loaded(brick), {}}, is{now(brick), {}};
-    MaterialNeighborhood numbers{numbers_[0].data(), {}, false};
-    materials_(brick, numbers_[0]);
     for (int face = 0; face < 6; ++face) {
       const Vec3i other = beside(brick, face);
       was.face[face] = loaded(other);
       is.face[face] = now(other);
-      auto& of_other = numbers_[static_cast<std::size_t>(1 + face)];
-      materials_(other, of_other);
-      numbers.face[face] = of_other.data();
     }
-    addVolumes(was, numbers, phi0_.background(), before);
+    addVolumes(was, materialsAround(brick, materials_before_), phi0_.background(), before);
+    const bool is_relabelled = &materials_before_ != &materials_after_;
+    const MaterialNeighborhood numbers = is_relabelled ? materialsAround(brick, materials_after_) : neighborhood();
     addVolumes(is, numbers, phi0_.background(), after);
+  }
+
+  // Of numbers_, as they were read last.
+  MaterialNeighborhood neighborhood() const {
+    MaterialNeighborhood out{numbers_[0].data(), {}, false};
+    for (std::size_t face = 0; face < 6; ++face) out.face[face] = numbers_[1 + face].data();
+    return out;
+  }
+
+  MaterialNeighborhood materialsAround(const Vec3i& brick, const MaterialsOf& materials) {
+    materials(brick, numbers_[0]);
+    for (int face = 0; face < 6; ++face) materials(beside(brick, face), numbers_[static_cast<std::size_t>(1 + face)]);
+    return neighborhood();
   }
 
   const BrickField& phi0_;
   const BrickField& cut_;
-  const MaterialsOf& materials_;
+  const MaterialsOf& materials_before_;
+  const MaterialsOf& materials_after_;
   BrickValues outside_, inside_;
   std::array<std::array<std::uint8_t, kBrickNodes>, 7> numbers_;
 };
@@ -91,11 +102,12 @@ double commonVolume(const BrickField& phi0, const BrickField& one, const BrickFi
   return volumes[0];
 }
 
-double addedVolume(const BrickField& phi0, const BrickField& cut) {
+double addedVolume(const BrickField& phi0, const BrickField& cut, const MaterialBricks& known) {
   const auto rounding = static_cast<float>(0.01 * phi0.voxel());
   BrickField added(phi0.voxel(), phi0.background(), phi0.interior());
   for (std::size_t b = 0; b < cut.brickCount(); ++b) {
     const Vec3i brick = cut.brickCoord(b);
+    if (known.find(brick)) continue;
     const BrickValues* const was = phi0.valuesAt(brick);
     const float constant = phi0.constantAt(brick);
     BrickValues values = cut.brick(b);
@@ -123,7 +135,12 @@ PieceCount countPieces(const BrickField& phi0, const BrickField& cut) {
 }
 
 VolumeByNumber removedVolumes(const BrickField& phi0, const BrickField& cut, const MaterialsOf& materials) {
-  const PartsByNumber parts = CountedCut(phi0, cut, materials).removed();
+  return removedVolumes(phi0, cut, materials, materials);
+}
+
+VolumeByNumber removedVolumes(const BrickField& phi0, const BrickField& cut, const MaterialsOf& before,
+                              const MaterialsOf& after) {
+  const PartsByNumber parts = CountedCut(phi0, cut, before, after).removed();
   const double part = volumeOfPart(phi0.voxel());
   VolumeByNumber out{};
   for (std::size_t m = 0; m < parts.size(); ++m) out[m] = addParts(0, parts[m], part);

@@ -9,6 +9,7 @@
 
 #include "geometry/base/hash.h"
 #include "geometry/case/case_bundle.h"
+#include "geometry/case/case_materials.h"
 #include "geometry/field/distance_check.h"
 #include "geometry/field/vdb_io.h"
 #include "sim/monitor/monitor.h"
@@ -179,6 +180,43 @@ Expected<void> requireOnlyTaken(const fs::path& run_folder, const RunManifest& m
   auto checked = requireOnlyTaken(cut, phi0, begin ? &*begin : nullptr, grid);
   if (!checked && beside == 0 && addedByItsLog(run_folder, manifest)) return {};
   return ofRun(std::move(checked), run_folder / internal::kRunField);
+}
+
+Expected<MaterialBricks> readRunMaterials(const fs::path& run_folder) {
+  KERF_TRY(manifest, readRunManifest(run_folder));
+  KERF_CHECK(requireEnded(run_folder, manifest));
+  const fs::path file = run_folder / internal::kRunField;
+  KERF_CHECK(requireSha256(file, manifest.field_sha256, "cut again"));
+  KERF_TRY(out, readMaterialBricks(file));
+  if (out.isEmpty()) return out;
+
+  KERF_TRY(begin, readBeginMaterials(run_folder, manifest));
+  if (!begin.isEmpty() || saysThatItAdded(run_folder, manifest) || addedByItsLog(run_folder, manifest)) return out;
+  return fail({.code = Error::Code::kBadValue,
+               .file = file.string(),
+               .place = std::string("grid ") + kMaterialGrid,
+               .found = "materials of a run that never added any",
+               .expected = "a run that says so, or goes on from such a run",
+               .hint = "a run is never edited: take it from a copy, or cut again"});
+}
+
+Expected<MaterialBricks> readBeginMaterials(const fs::path& run_folder, const RunManifest& manifest) {
+  if (manifest.begin_sha256.empty()) return MaterialBricks{};
+  const fs::path file = run_folder / internal::kRunBegin;
+  KERF_CHECK(requireSha256(file, manifest.begin_sha256, "a run is never edited: take it from a copy"));
+  return readMaterialBricks(file);
+}
+
+Expected<MaterialField> readRunLabels(const fs::path& run_folder, const fs::path& case_folder) {
+  KERF_TRY(manifest, readCaseManifest(case_folder));
+  KERF_TRY(in_case, readCaseMaterials(case_folder));
+  KERF_TRY(added, readRunMaterials(run_folder));
+  if (added.isEmpty()) return in_case;
+
+  KERF_TRY(table, readDefaultMaterials());
+  KERF_CHECK(requireSameMaterials(added, table));
+  KERF_CHECK(requireOnlyAdded(added, in_case, fallbackOf(manifest)));
+  return laidOver(std::move(in_case), std::move(added));
 }
 
 Expected<std::optional<BrickField>> readRunBegin(const fs::path& run_folder, const RunManifest& manifest,

@@ -7,6 +7,7 @@
 
 #include "geometry/base/error.h"
 #include "geometry/field/brick_field.h"
+#include "geometry/field/material_bricks.h"
 #include "sim/run/run_manifest.h"
 
 namespace kerf {
@@ -45,6 +46,21 @@ Expected<void> requireOnlyTaken(const std::filesystem::path& run_folder, const R
 /// @param beside  as of readRunCutField().
 Expected<std::optional<BrickField>> readRunBegin(const std::filesystem::path& run_folder, const RunManifest& manifest,
                                                  std::size_t beside = 0);
+
+/// The materials of the case where something was added to it, in this run or in one before it: grid `material` of
+/// run.vdb. Empty: nothing was, or an older Kerf cut it, which kept none. Checked against the manifest, and not against
+/// the case: loadObject() does that.
+/// Error kBadValue, by the grid's name: the run never added anything, nor did the one that it goes on from.
+/// @cost  of a session that was not told to add, as far as begin.vdb tells: reading its log.
+Expected<MaterialBricks> readRunMaterials(const std::filesystem::path& run_folder);
+/// The same of what a session began with: of begin.vdb.
+Expected<MaterialBricks> readBeginMaterials(const std::filesystem::path& run_folder, const RunManifest& manifest);
+
+/// The labels of the case as the run left them: its own, and those of what was added.
+/// @param case_folder  caseOfRun().   Errors: those of readRunMaterials(); kBadValue and kUnsupported as of
+/// loadObject().
+Expected<MaterialField> readRunLabels(const std::filesystem::path& run_folder,
+                                      const std::filesystem::path& case_folder);
 
 namespace internal {
 

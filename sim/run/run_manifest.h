@@ -5,9 +5,10 @@
 //   run.toml     manifest: case, tool, path, result
 //   tool.toml    the tool as used, with its mesh if it has one        path.csv | path.toml   the path as used
 //   run.vdb      grids phi (the cut field, bricks that changed) and, geometry only, sweep (union of tool sweeps, mm);
-//                beside_1, beside_2, ...: phi of further cases that stood beside the one that was cut
+//                beside_1, beside_2, ...: phi of further cases that stood beside the one that was cut;
+//                material: where something was added to the case, what its bricks are of (geometry/field)
 //   forces.csv, summary.json, session.kerflog   of a cut against resistance: haptic_cut.h
-//   begin.vdb    of one that went on from a run cut against resistance: what that one left, phi and beside_1, ...
+//   begin.vdb    of one that went on from a run cut against resistance: what that one left, its run.vdb
 //   earlier/     of one cut by geometry alone that went on from such a run: the tools and paths of that
 //   tools/       mode session: in place of tool and path, all tools of the session
 //
@@ -105,8 +106,8 @@ struct RunManifest {
   std::vector<std::string> missing_pieces;
   /// Not stored. Pieces of that run of which this one left nothing.
   std::vector<std::string> pieces_cut_away;
-  /// Not stored. Material that stood there already and that the case does not have, as a filling, mm^3. From here on it
-  /// counts and cuts as the tissue around it: a run keeps where material is, not which.
+  /// Not stored. Material that stood there already and that the case does not have, as a filling, of a run of an older
+  /// Kerf, which kept where material is and not which, mm^3. From here on it counts and cuts as the tissue around it.
   double added_before_mm3 = 0;
   /// Not stored. Voxels of that run, mm, where they were finer than those of this one, so that its cut, too, is on the
   /// coarser ones here; 0: they were not.

@@ -230,11 +230,22 @@ Expected<void> countVolumes(const fs::path& run_folder, RunReport& out) {
   KERF_TRY(fields, readCaseFields(case_folder, in_case));
   KERF_TRY(cut, readRunCutField(run_folder));
   KERF_CHECK(requireOnlyTaken(run_folder, out.manifest, cut, fields.phi0));
-  const Material fallback =
-      in_case.materials.empty() ? Material::kGeneric : static_cast<Material>(in_case.materials.front().number);
-  const auto volumes = internal::removedVolumes(fields.phi0, cut, internal::materialsOf(fields.materials, fallback));
-  out.removed_by_material = internal::byMaterial(volumes, table);
-  out.removed_mm3 = internal::sumOf(volumes);
+  KERF_TRY(labels, readRunLabels(run_folder, case_folder));
+  KERF_TRY(known, readRunMaterials(run_folder));
+  const Material fallback = fallbackOf(in_case);
+  internal::VolumeByNumber removed = internal::removedVolumes(
+      fields.phi0, cut, internal::materialsOf(fields.materials, fallback), internal::materialsOf(labels, fallback));
+  internal::VolumeByNumber added{};
+  for (std::size_t m = 0; m < removed.size() && !known.isEmpty(); ++m) {
+    if (removed[m] >= 0) continue;
+    added[m] = -removed[m];
+    removed[m] = 0;
+  }
+  out.removed_by_material = internal::byMaterial(removed, table);
+  out.removed_mm3 = internal::sumOf(removed);
+  if (known.isEmpty()) return {};
+  out.added_by_material = internal::byMaterial(added, table);
+  out.added_mm3 = internal::sumOf(added);
   return {};
 }
 

@@ -19,6 +19,7 @@
 #include "geometry/tool/tool_file.h"
 #include "sim/monitor/monitor.h"
 #include "sim/pieces/joined_field.h"
+#include "sim/run/added_materials.h"
 #include "sim/run/load_scene.h"
 #include "sim/run/run_branch.h"
 #include "sim/run/run_files.h"
@@ -224,11 +225,15 @@ Expected<void> internal::writeEnd(const fs::path& run_folder, const Session& ses
   const NeighbourChanges others = changesBeside(session, beside);
   if (!loaded && changed.isEmpty() && !is_moved && others.isEmpty()) return nothingCut(run_folder);
 
+  KERF_TRY(added_before, readBeginMaterials(run_folder, manifest));
+  KERF_TRY(table, readDefaultMaterials());
+  const MaterialBricks added = addedMaterials(objects, added_before, table);
+
   // The field has its name only when it is whole.
   const fs::path field = run_folder / internal::kRunField, fresh = run_folder / "run.new.vdb";
   std::vector<NamedField> grids{{"phi", &changed}};
   for (std::size_t n = 0; n < others.fields.size(); ++n) grids.push_back({neighbourId(n + 1), &others.fields[n]});
-  KERF_CHECK(writeVdb(fresh, grids, {{"case_id", manifest.case_id}}));
+  KERF_CHECK(writeVdb(fresh, grids, {{"case_id", manifest.case_id}}, &added));
   KERF_TRY(hash, sha256OfFile(fresh));
   std::error_code failed;
   fs::rename(fresh, field, failed);

@@ -281,11 +281,20 @@ TEST_F(Cli, ACutAgainstResistanceGoesOnFromARun) {
   const Outcome told = runKerf({"info", at("swept.run")});
   EXPECT_NE(told.out.find("since the run that this one goes on from"), told.out.npos) << told.out;
 
-  // A filling counts as what is around it: that is told.
-  parsed(runKerf(cut("molar.case", at("beside.csv"), "filled.run", {"--hand", "feed", "--add", "composite"})));
+  // A filling in the hole is composite for whoever goes on, by hand or by geometry alone.
+  const json filled =
+      parsed(runKerf(cut("first.run", at("beside.csv"), "filled.run", {"--hand", "feed", "--add", "composite"})));
+  const double filling = filled["added_by_material_mm3"]["composite"];
+  ASSERT_GT(filling, 1);
   const Outcome in_filling = runKerf(cut("filled.run", at("beside.csv"), "in_filling.run", {}));
-  EXPECT_NE(in_filling.err.find("WARNING"), in_filling.err.npos) << in_filling.err;
-  EXPECT_NE(json::parse(in_filling.out)["warnings"].dump().find("added before"), std::string::npos) << in_filling.out;
+  EXPECT_EQ(in_filling.err.find("WARNING"), in_filling.err.npos) << in_filling.err;
+  const json drilled = parsed(in_filling);
+  EXPECT_TRUE(drilled["warnings"].empty()) << drilled;
+  EXPECT_NEAR(drilled["removed_by_material_mm3"]["composite"].get<double>(), filling, 0.05 * filling) << drilled;
+  const json by_hand = parsed(runKerf(cut("filled.run", at("beside.csv"), "hand_in_filling.run", {"--hand", "feed"})));
+  EXPECT_NEAR(by_hand["initial_by_material_mm3"]["composite"].get<double>(), filling, 0.01 * filling) << by_hand;
+  EXPECT_GT(by_hand["removed_by_material_mm3"]["composite"].get<double>(), 0.1) << by_hand;
+  EXPECT_TRUE(parsed(runKerf({"replay", at("hand_in_filling.run"), "--json"}))["is_same"].get<bool>());
 
   refuses(cut("first.run", cavity, "first.run", {"--hand", "feed", "--force"}), {"never changed"});
   parsed(runKerf(cut("molar.case", at("beside.csv"), "damaged.run", {"--hand", "feed"})));

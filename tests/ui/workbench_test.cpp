@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
 #include <fstream>
@@ -17,6 +18,8 @@
 #include "geometry/mesh/mesh_check.h"
 #include "geometry/tool/tool_file.h"
 #include "sim/run/export_bundle.h"
+#include "sim/run/haptic_cut.h"
+#include "sim/run/load_scene.h"
 #include "sim/run/placed_pieces.h"
 #include "sim/run/replay.h"
 #include "sim/run/run_files.h"
@@ -26,6 +29,7 @@
 #include "ui/app/app_script.h"
 #include "ui/app/point_readout.h"
 #include "ui/app/pointing.h"
+#include "ui/app/scene.h"
 #include "ui/app/settings.h"
 #include "ui/app/tissue_display.h"
 
@@ -158,6 +162,52 @@ TEST_F(WorkbenchTest, ACancelledJobLeavesNothing) {
     const fs::directory_iterator in(folder_.path() / "data" / part, ignored);
     EXPECT_EQ(std::distance(begin(in), end(in)), 0) << part;
   }
+}
+
+// Along a path, since the window adds nothing itself.
+TEST_F(WorkbenchTest, AFillingIsOfItsMaterialForASessionThatGoesOn) {
+  ASSERT_TRUE(play("file.open \"" + scan(folder_).string() +
+                   "\"\nwait\nview.fit\ncut.force 2\ncut.depth 0.5\ncut.press 200 150\nwait 1\ncut.release\nwait 1\n"))
+      << allNotices();
+  const auto in_case = caseOfRun(session_);
+  ASSERT_TRUE(in_case) << in_case.error().message();
+  const Box3 box = readCaseManifest(*in_case)->box;
+  const Vec3d top(box.center()[0], box.center()[1], box.max[2]);
+  const fs::path filled = folder_.path() / "filled.run";
+  const fs::path path = folder_.write("above.csv", fmt::format("t,x,y,z,qw,qx,qy,qz\n0,{0},{1},{2},1,0,0,0\n"
+                                                               "1,{0},{1},{3},1,0,0,0\n",
+                                                               top[0], top[1], top[2] + 0.5, top[2] - 0.1));
+  HapticCutOptions adding;
+  adding.hand = HandKind::kFeed;
+  adding.add = "composite";
+  const auto added = cutCaseByHand(*in_case, *findToolFile("round-014", defaultToolFolders()), path, filled, adding);
+  ASSERT_TRUE(added) << added.error().message();
+  const auto filling = [&](const fs::path& run) {
+    const auto field = readRunCutField(run);
+    const auto materials = readRunMaterials(run);
+    EXPECT_TRUE(field && materials) << run;
+    const auto object = field && materials ? loadObject(*in_case, &*field, &*materials) : fail({});
+    return object ? (*object)->volumes()[static_cast<std::size_t>(Material::kComposite)] : -1;
+  };
+  const double before = filling(filled);
+  ASSERT_NEAR(before, added->summary.added_by_material.at("composite"), 1e-6);
+  const auto picture = loadScene(filled);
+  ASSERT_TRUE(picture) << picture.error().message();
+  const Rgba8 colour = readDefaultMaterials()->find(Material::kComposite)->color;
+  EXPECT_GT(std::ranges::count(picture->mesh.face_colors, colour), 10) << "it is seen";
+
+  const auto played = play("replay.open \"" + filled.string() +
+                           "\"\nwait\nreplay.end\nwait\nreplay.go-on\nwait\nview.from top\nview.fit\ncut.force 2\n"
+                           "cut.depth 0.5\ncut.press 200 150\nwait 2\ncut.release\nwait 1\n");
+  ASSERT_TRUE(played) << played.error().message() << allNotices();
+  EXPECT_EQ(allNotices().find("WARNING"), std::string::npos) << allNotices();
+  EXPECT_GT(removed_, 0.01) << "what was added takes nothing off it";
+  const double after = filling(session_);
+  EXPECT_LT(after, before - 0.01) << "it was cut";
+  EXPECT_GT(after, 0) << "and is still what it was";
+  const auto replayed = replayRun(session_);
+  ASSERT_TRUE(replayed) << replayed.error().message();
+  EXPECT_TRUE(replayed->is_same && replayed->is_whole) << replayed->note;
 }
 
 // A bar is cut through and a piece of it is moved; the next day the other one is cut, too.

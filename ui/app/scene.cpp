@@ -102,6 +102,11 @@ Expected<Scene> sceneOfBundle(const std::filesystem::path& path, const std::opti
     is_tissues |= manifest.materials.size() > 1;
     is_one_material = manifest.materials.size() == 1;
   }
+  if (is_run) {
+    KERF_TRY(added, readRunMaterials(path));
+    is_tissues |= !added.isEmpty();
+    is_one_material &= added.isEmpty();
+  }
 
   PostOpMesh shown;
   if (is_tissues && !is_run) {
@@ -114,7 +119,7 @@ Expected<Scene> sceneOfBundle(const std::filesystem::path& path, const std::opti
   }
 
   if (is_tissues) {
-    KERF_TRY(materials, readCaseMaterials(case_folder));
+    KERF_TRY(materials, is_run ? readRunLabels(path, case_folder) : readCaseMaterials(case_folder));
     KERF_TRY(table, readDefaultMaterials());
     const Rgba8 cut_color = PostOpOptions{}.cut_color;
     colorByMaterial(shown.mesh, materials, table);

@@ -32,8 +32,8 @@ struct Scene {
 /// A file is read by readMesh. A run folder shows its post-operative mesh, a case folder its solid, both computed by
 /// exportBundle: what is shown is what would be exported. A mesh file is scaled to mm: from `unit`, or from what it
 /// declares, or from what its size says, with a note.
-/// A case of several materials, and a run of one, is coloured by them, cut walls too; a run of a case of one material
-/// has its cut faces in their own colour.
+/// A case of several materials, and a run of one, is coloured by them, cut walls too, and so is a run in which another
+/// one was added; a run of a case of one material has its cut faces in their own colour.
 /// @param cut  shows a case or a run cut open by a plane (tissue_mesh.h). An error for a mesh file, which has no
 /// inside, for kCut on a case, and for a plane that takes all of the object away; one that takes nothing away makes a
 /// note.   @param unit  of a mesh file; empty: as it says.

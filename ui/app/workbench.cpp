@@ -315,8 +315,10 @@ void Workbench::show(Opened& loaded) {
     say("not found again, and so where it was in the scan: " + name);
   constexpr double kWorthSaying = 0.01;  // mm^3
   if (run_->addedBefore() > kWorthSaying)
-    say(fmt::format("WARNING: {:.2f} mm3 that were added before count and cut as the tissue around them from here on",
-                    run_->addedBefore()));
+    say(fmt::format(
+        "WARNING: {:.2f} mm3 that were added before count and cut as the tissue around them from here on: the "
+        "run is of an older Kerf, which did not keep their material",
+        run_->addedBefore()));
   removed_mm3_ = 0;
   saw_->opened();
   heatByToolInHand();

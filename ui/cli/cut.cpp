@@ -92,7 +92,7 @@ std::vector<std::string> warningsOf(const RunManifest& m) {
   if (m.added_before_mm3 > kWorthSaying)
     out.push_back(fmt::format(
         "{:.4f} mm3 that were added before, as a filling, count and cut as the tissue around them from here "
-        "on: a run keeps where material is, not which",
+        "on: the run is of an older Kerf, which kept where material was added, not which",
         m.added_before_mm3));
   if (m.finer_before_mm > 0)
     out.push_back(

@@ -49,8 +49,18 @@ Expected<Picked> readCaseScene(const fs::path& bundle, const fs::path& case_fold
   Picked out;
   out.mesh = std::move(shown.post_op.mesh);
   out.names = manifest.materials;
-  if (manifest.materials.size() > 1) {
-    KERF_TRY(materials, readCaseMaterials(case_folder));
+  const bool is_run = isRun(bundle);
+  if (is_run) {
+    KERF_TRY(known, readRunMaterials(bundle));
+    const auto isInCase = [&](int number) {
+      return std::any_of(manifest.materials.begin(), manifest.materials.end(),
+                         [number](const CaseMaterial& m) { return m.number == number; });
+    };
+    for (const auto& [number, id] : known.added)
+      if (!isInCase(number)) out.names.push_back({.id = id, .number = number});
+  }
+  if (out.names.size() > 1) {
+    KERF_TRY(materials, is_run ? readRunLabels(bundle, case_folder) : readCaseMaterials(case_folder));
     out.materials = std::move(materials);
   }
   return out;

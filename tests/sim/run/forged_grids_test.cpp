@@ -1,17 +1,25 @@
 // Grids whose numbers are no distances, in cases and runs whose manifests vouch for them.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <random>
 
 #include "geometry/base/hash.h"
 #include "geometry/case/case_bundle.h"
+#include "geometry/field/material_bricks.h"
 #include "geometry/field/vdb_io.h"
 #include "geometry/formats/mesh_writer.h"
 #include "geometry/tool/tool_file.h"
 #include "preprocess/bake/bake.h"
+#include "sim/run/added_materials.h"
 #include "sim/run/export_bundle.h"
 #include "sim/run/geometry_cut.h"
 #include "sim/run/haptic_cut.h"
+#include "sim/run/load_scene.h"
+#include "sim/run/replay.h"
+#include "sim/run/run_files.h"
+#include "sim/session/session.h"
+#include "sim/session/session_log.h"
 #include "tests/support/open_block.h"
 #include "tests/support/temporary_folder.h"
 
@@ -78,8 +86,9 @@ class ForgedGrids : public ::testing::Test {
   }
 
   // The file then holds these grids alone, and the manifest says that it is as it was written.
-  static void forge(const fs::path& run, const std::string& grid, const BrickField& field) {
-    ASSERT_TRUE(writeVdb(run / "run.vdb", {{grid, &field}}));
+  static void forge(const fs::path& run, const std::string& grid, const BrickField& field,
+                    const MaterialBricks& materials = {}) {
+    ASSERT_TRUE(writeVdb(run / "run.vdb", {{grid, &field}}, {}, &materials));
     auto manifest = readRunManifest(run);
     ASSERT_TRUE(manifest);
     manifest->field_sha256 = *sha256OfFile(run / "run.vdb");
@@ -142,26 +151,208 @@ TEST_F(ForgedGrids, MaterialThatComesFromNowhereIsRefusedByName) {
       << gone_on.error().message();
 }
 
-// A filling in the groove, and a groove in the filling: the second run adds nothing, but began with what the first did.
-TEST_F(ForgedGrids, MaterialThatWasAddedIsLetThroughInTheRunsThatGoOn) {
-  HapticCutOptions options;
-  options.hand = HandKind::kFeed;
-  options.add = "composite";
-  folder_.write("above.csv", "t,x,y,z,qw,qx,qy,qz\n0,-1,0,0.2,1,0,0,0\n1,-1,0,-0.2,1,0,0,0\n3,1,0,-0.2,1,0,0,0\n");
-  const fs::path filled = folder_.path() / "filled.run", cut_again = folder_.path() / "again.run";
-  const auto added = cutCaseByHand(case_, tool_, folder_.path() / "above.csv", filled, options);
-  ASSERT_TRUE(added) << added.error().message();
-  ASSERT_GT(added->summary.added_mm3, 0.1);
-  EXPECT_EQ(refusalOfExport(filled), "");
+// A ridge of composite, and a groove that goes through it and into the block: the second run adds nothing, but began
+// with what the first did.
+class FillingOnABlock : public ForgedGrids {
+ protected:
+  void SetUp() override {
+    ForgedGrids::SetUp();
+    folder_.write("above.csv", "t,x,y,z,qw,qx,qy,qz\n0,-1,0,0.2,1,0,0,0\n1,-1,0,-0.2,1,0,0,0\n3,1,0,-0.2,1,0,0,0\n");
+    // From above, until the drive is up to speed; slowly, so that all of it gives way.
+    folder_.write(
+        "through.csv",
+        "t,x,y,z,qw,qx,qy,qz\n0,-1,0,3,1,0,0,0\n2,-1,0,2,1,0,0,0\n12,-1,0,-0.5,1,0,0,0\n32,1,0,-0.5,1,0,0,0\n");
+    options_.hand = HandKind::kFeed;
+    options_.add = "composite";
+    const auto added = cutCaseByHand(case_, tool_, folder_.path() / "above.csv", filled_, options_);
+    ASSERT_TRUE(added) << added.error().message();
+    added_mm3_ = added->summary.added_mm3;
+    ASSERT_GT(added_mm3_, 0.1);
+    EXPECT_EQ(added->manifest.added_before_mm3, 0);
+    options_.add.clear();
+  }
 
-  options.add.clear();
-  const auto again = cutCaseByHand(filled, tool_, folder_.path() / "groove.csv", cut_again, options);
+  Expected<HapticCut> cutThrough(const fs::path& from, const std::string& name) {
+    return cutCaseByHand(from, tool_, folder_.path() / "through.csv", folder_.path() / name, options_);
+  }
+  std::string refusalOfGoingOn() {
+    const auto cut = cutThrough(filled_, "on.run");
+    return cut ? std::string() : cut.error().message();
+  }
+  MaterialBricks materials() const {
+    auto out = readMaterialBricks(filled_ / "run.vdb");
+    EXPECT_TRUE(out) << out.error().message();
+    return out ? std::move(*out) : MaterialBricks{};
+  }
+
+  HapticCutOptions options_;
+  fs::path filled_ = folder_.path() / "filled.run";
+  double added_mm3_ = 0;
+};
+
+TEST_F(FillingOnABlock, MaterialThatWasAddedIsLetThroughInTheRunsThatGoOn) {
+  EXPECT_EQ(refusalOfExport(filled_), "");
+  const auto again = cutThrough(filled_, "again.run");
   ASSERT_TRUE(again) << again.error().message();
   ASSERT_EQ(again->summary.added_mm3, 0);
-  EXPECT_EQ(added->manifest.added_before_mm3, 0);
-  EXPECT_NEAR(again->manifest.added_before_mm3, added->summary.added_mm3, 0.05 * added->summary.added_mm3)
-      << "is told, since it counts as what is around it";
-  EXPECT_EQ(refusalOfExport(cut_again), "");
+  EXPECT_EQ(refusalOfExport(folder_.path() / "again.run"), "");
+}
+
+// Both paths in one session: the samples of both logs.
+TEST_F(FillingOnABlock, WhatIsCutOffItLaterIsCompositeAsInOneSession) {
+  const auto cut = cutThrough(filled_, "through.run");
+  ASSERT_TRUE(cut) << cut.error().message();
+  EXPECT_EQ(cut->manifest.added_before_mm3, 0) << "nothing is to be told: it is known what it is";
+
+  const auto first = readSessionLog(filled_ / "session.kerflog");
+  const auto second = readSessionLog(folder_.path() / "through.run" / "session.kerflog");
+  ASSERT_TRUE(first && second);
+  const auto object = loadObject(case_);
+  ASSERT_TRUE(object) << object.error().message();
+  const Tool tools[] = {*readTool(tool_)};
+  StepSettings settings;
+  settings.rendering = Rendering::kRigid;
+  const auto model = makeModel(tools, settings, widestBand(std::span(&*object, 1)));
+  ASSERT_TRUE(model) << model.error().message();
+  Session session(*model, LoadedObjects{*object}, Rigid3{Eigen::Quaterniond::Identity(), {-1, 0, 0.2}});
+  StepOutput tick;
+  ASSERT_TRUE(session.apply(AddMaterial{static_cast<std::uint8_t>(Material::kComposite), 0}));
+  for (const TimedSample& sample : first->samples) session.tick(sample.sample, tick);
+  ASSERT_TRUE(session.apply(StopAdding{}));
+  for (const TimedSample& sample : second->samples) session.tick(sample.sample, tick);
+
+  const CutObject& both = session.state().objects.front();
+  const std::size_t composite = static_cast<std::size_t>(Material::kComposite);
+  const auto in_summary = [](const std::map<std::string, double>& volumes, const char* id) {
+    const auto at = volumes.find(id);
+    return at == volumes.end() ? 0.0 : at->second;
+  };
+  const double of_filling = in_summary(cut->summary.removed_by_material, "composite");
+  EXPECT_GT(of_filling, 0.05);
+  EXPECT_LT(of_filling, added_mm3_ + 1e-9);
+  EXPECT_NEAR(of_filling, both.removed_mm3[composite], 1e-6);
+  double all = 0;
+  for (const double removed : both.removed_mm3) all += removed;
+  EXPECT_NEAR(cut->summary.removed_mm3, all, 1e-6);
+  EXPECT_GT(all, of_filling + 0.05) << "the block, too";
+  EXPECT_NEAR(in_summary(cut->summary.initial_by_material, "composite"), both.added_mm3[composite], 1e-6);
+}
+
+// The run itself, one that goes on from it, and one that goes on from that: by hand and by geometry.
+TEST_F(FillingOnABlock, RunsThatGoOnReplayBitForBitAndHandItsMaterialOn) {
+  folder_.write("side.csv", "t,x,y,z,qw,qx,qy,qz\n0,-2.2,-1,1,1,0,0,0\n1,-2.2,-1,-0.6,1,0,0,0\n");
+  const fs::path aside = folder_.path() / "aside.run", swept = folder_.path() / "swept.run";
+  const auto by_hand = cutCaseByHand(filled_, tool_, folder_.path() / "side.csv", aside, options_);
+  ASSERT_TRUE(by_hand) << by_hand.error().message();
+  const auto by_geometry = cutCase(filled_, tool_, folder_.path() / "side.csv", swept, {});
+  ASSERT_TRUE(by_geometry) << by_geometry.error().message();
+  for (const fs::path& run : {filled_, aside}) {
+    const auto replayed = replayRun(run);
+    ASSERT_TRUE(replayed) << replayed.error().message();
+    EXPECT_TRUE(replayed->is_same && replayed->is_whole) << run << replayed->note;
+  }
+
+  const auto direct = cutThrough(filled_, "direct.run");
+  ASSERT_TRUE(direct) << direct.error().message();
+  const double removed = direct->summary.removed_by_material.at("composite");
+  for (const fs::path& run : {aside, swept}) {
+    const auto cut = cutThrough(run, "from " + run.stem().string() + ".run");
+    ASSERT_TRUE(cut) << cut.error().message();
+    EXPECT_EQ(cut->manifest.added_before_mm3, 0) << run;
+    ASSERT_TRUE(cut->summary.removed_by_material.contains("composite")) << run;
+    EXPECT_NEAR(cut->summary.removed_by_material.at("composite"), removed, 1e-6) << run;
+  }
+  const auto plan = cutCase(filled_, tool_, folder_.path() / "through.csv", folder_.path() / "plan.run", {});
+  ASSERT_TRUE(plan) << plan.error().message();
+  ASSERT_TRUE(plan->removed_by_material.contains("composite"));
+  EXPECT_GE(plan->removed_by_material.at("composite"), 0.99 * removed);
+  EXPECT_LE(plan->removed_by_material.at("composite"), added_mm3_ + 1e-6);
+}
+
+// The block and the ridge on it are cut in two, and come apart.
+TEST_F(FillingOnABlock, PiecesKeepTheMaterialThatEachOfThemHas) {
+  std::string path = "t,x,y,z,qw,qx,qy,qz\n";
+  int t = 0;
+  for (const double z : {2.0, 0.3, -0.4, -1.1, -1.8, -2.5, -3.2})
+    for (const int side : {-1, 1}) path += fmt::format("{},0,{},{},1,0,0,0\n", t++, 3 * side, z);
+  folder_.write("across.csv", path);
+  const fs::path halves = folder_.path() / "halves.run";
+  const auto cut = cutCase(filled_, tool_, folder_.path() / "across.csv", halves, {});
+  ASSERT_TRUE(cut) << cut.error().message();
+
+  const auto field = readRunCutField(halves);
+  const auto known = readRunMaterials(halves);
+  ASSERT_TRUE(field && known);
+  const auto whole = loadObject(case_, &*field, &*known);
+  ASSERT_TRUE(whole) << whole.error().message();
+  const Tool tools[] = {*readTool(tool_)};
+  const auto model = makeModel(tools, {}, widestBand(std::span(&*whole, 1)));
+  ASSERT_TRUE(model) << model.error().message();
+  Session session(*model, LoadedObjects{*whole}, Rigid3{Eigen::Quaterniond::Identity(), {0, 0, 3}});
+  ASSERT_TRUE(session.apply(SplitObject{0}));
+  const internal::Objects pieces = internal::objectsOf(session, 0);
+  ASSERT_EQ(pieces.size(), 2u);
+
+  const auto table = readDefaultMaterials();
+  ASSERT_TRUE(table);
+  const MaterialBricks kept = internal::addedMaterials(pieces, *known, *table);
+  const auto again = loadObject(case_, &*field, &kept);
+  ASSERT_TRUE(again) << again.error().message();
+  const std::size_t composite = static_cast<std::size_t>(Material::kComposite);
+  double of_pieces = 0;
+  for (const CutObject* const piece : pieces) {
+    const double volume = piece->bricks().countVolumes()[composite];
+    EXPECT_GT(volume, 0.1) << "each has a part of it";
+    of_pieces += volume;
+  }
+  EXPECT_NEAR((*again)->volumes()[composite], of_pieces, 0.01 * of_pieces);
+  EXPECT_EQ((*again)->volumes(), (*whole)->volumes());
+}
+
+// An older Kerf stored no materials.
+TEST_F(FillingOnABlock, OfARunWithoutMaterialsItIsToldThatItCountsAsWhatIsAroundIt) {
+  forge(filled_, "phi", gridOf(filled_ / "run.vdb", "phi"));
+  const auto cut = cutThrough(filled_, "old.run");
+  ASSERT_TRUE(cut) << cut.error().message();
+  EXPECT_NEAR(cut->manifest.added_before_mm3, added_mm3_, 0.05 * added_mm3_);
+  EXPECT_FALSE(cut->summary.removed_by_material.contains("composite"));
+  EXPECT_TRUE(readMaterialBricks(folder_.path() / "old.run" / "run.vdb")->isEmpty()) << "it is still not known";
+}
+
+TEST_F(FillingOnABlock, MaterialsThatTheCaseNeverHadAreRefusedByName) {
+  const BrickField phi = gridOf(filled_ / "run.vdb", "phi");
+  const MaterialBricks good = materials();
+  ASSERT_EQ(good.added, (std::map<std::uint8_t, std::string>{{11, "composite"}}));
+  const auto expectRefused = [&](const MaterialBricks& bad, std::initializer_list<const char*> said) {
+    forge(filled_, "phi", phi, bad);
+    const std::string refusal = refusalOfGoingOn();
+    EXPECT_NE(refusal.find("run.vdb"), refusal.npos) << refusal;
+    for (const char* words : said) EXPECT_NE(refusal.find(words), refusal.npos) << words << " in: " << refusal;
+  };
+
+  MaterialBricks other = good;
+  other.numbers.front()[77] = static_cast<std::uint8_t>(Material::kEnamel);
+  expectRefused(other, {"grid material", "material 1 at (", "what was added: 11 (composite)"});
+  other = good;
+  other.added.clear();
+  expectRefused(other, {"grid material", "material 11 at (", "what was added: none"});
+  other = good;
+  other.added[11] = "gum";
+  expectRefused(other, {"grid material, gum", "number 11, which is 'composite'"});
+  other = good;
+  other.voxel = 0.1;
+  expectRefused(other, {"grid material", "voxels of 0.1 mm", "0.2 mm, as in the case"});
+  forge(filled_, "phi", phi, good);
+  EXPECT_EQ(refusalOfGoingOn(), "");
+}
+
+TEST_F(FillingOnABlock, MaterialsOfARunThatNeverAddedAnyAreRefused) {
+  const MaterialBricks of_another = materials();
+  const fs::path run = cutByHand();
+  forge(run, "phi", gridOf(run / "run.vdb", "phi"), of_another);
+  const auto cut = cutThrough(run, "on.run");
+  ASSERT_FALSE(cut);
+  EXPECT_NE(cut.error().message().find("never added any"), std::string::npos) << cut.error().message();
 }
 
 // It is no forgery: its voxels are others.

@@ -10,7 +10,9 @@
 #include <thread>
 
 #include "sim/run/export_bundle.h"
+#include "sim/run/run_branch.h"
 #include "sim/run/run_files.h"
+#include "sim/run/run_report.h"
 #include "tests/sim/person_at_mouse.h"
 
 namespace kerf {
@@ -105,6 +107,86 @@ TEST(LiveRun, WhatAKilledProgramLeavesIsRecovered) {
   ASSERT_TRUE(again) << again.error().message();
   EXPECT_TRUE(again->is_same) << again->note;
   EXPECT_TRUE(exportBundle(run_folder));
+}
+
+// A hole is filled; the next day somebody drills in the filling, and the day after that somebody goes on from there.
+TEST(LiveRun, AFillingIsOfItsMaterialInSessionsThatGoOn) {
+  const TemporaryFolder folder;
+  const fs::path block = bakedBlock(folder), first = folder.path() / "first.run", second = folder.path() / "second.run";
+  constexpr auto kFilling = static_cast<std::uint8_t>(Material::kComposite);
+  double added = 0, removed = 0, left = 0;
+  {
+    auto run = LiveRun::open(block, first, someTools());
+    ASSERT_TRUE(run) << run.error().message();
+    Mouse mouse(**run);
+    mouse.drill({-1, 0, 0}, 2);
+    mouse.send(AddMaterial{kFilling, 0});
+    mouse.drill({-1, 0, 0}, 1);
+    mouse.send(StopAdding{});
+    const auto ended = (*run)->finish();
+    ASSERT_TRUE(ended) << ended.error().message();
+    const CutObject& object = (*run)->thread().session().state().objects.front();
+    added = object.added_mm3[kFilling] - object.removed_mm3[kFilling];
+    ASSERT_GT(added, 0.1);
+  }
+  const auto report = readRunReport(first, false, {});
+  ASSERT_TRUE(report) << report.error().message();
+  ASSERT_TRUE(report->added_by_material.contains("composite"));
+  EXPECT_NEAR(report->added_by_material.at("composite"), added, 0.01 * added);
+  EXPECT_GT(report->removed_mm3.value_or(0), 0.05) << "the hole, whatever fills it";
+
+  LiveRunOptions options = someTools();
+  options.from = first;
+  {
+    auto run = LiveRun::open(block, second, options);
+    ASSERT_TRUE(run) << run.error().message();
+    EXPECT_EQ((*run)->addedBefore(), 0) << "nothing is to be told";
+    EXPECT_NEAR((*run)->object().volumes()[kFilling], added, 1e-6);
+    EXPECT_NEAR((*run)->removedBefore(), *report->removed_mm3, 1e-6) << "a filling puts nothing back";
+    Mouse mouse(**run);
+    mouse.drill({-1, 0, 0}, 2);
+    const auto ended = (*run)->finish();
+    ASSERT_TRUE(ended) << ended.error().message();
+    removed = (*run)->thread().session().state().objects.front().removed_mm3[kFilling];
+    EXPECT_GT(removed, 0.05);
+    left = added - removed;
+  }
+  const auto replayed = replayRun(second);
+  ASSERT_TRUE(replayed) << replayed.error().message();
+  EXPECT_TRUE(replayed->is_same && replayed->is_whole) << replayed->note;
+
+  // What it began with, as a run of its own.
+  const fs::path branch = folder.path() / "began.run";
+  const auto began = branchRun(second, {.sample = 0}, branch);
+  ASSERT_TRUE(began) << began.error().message();
+  const auto of_first = readRunMaterials(first), of_branch = readRunMaterials(branch);
+  ASSERT_TRUE(of_first && of_branch);
+  EXPECT_EQ(of_branch->bricks, of_first->bricks);
+  EXPECT_EQ(of_branch->numbers, of_first->numbers);
+
+  // Its program is gone: it is finished from its log.
+  const auto before = readRunManifest(second);
+  const auto materials = readRunMaterials(second);
+  ASSERT_TRUE(before && materials);
+  ASSERT_FALSE(materials->isEmpty());
+  RunManifest open = *before;
+  open.is_open = true;
+  ASSERT_TRUE(writeRunManifest(second, open));
+  fs::remove(second / "run.vdb");
+  const auto recovered = recoverRun(second);
+  ASSERT_TRUE(recovered) << recovered.error().message();
+  EXPECT_EQ(recovered->manifest.state_hash, before->state_hash);
+  const auto again = readRunMaterials(second);
+  ASSERT_TRUE(again) << again.error().message();
+  EXPECT_EQ(again->bricks, materials->bricks);
+  EXPECT_EQ(again->numbers, materials->numbers);
+  EXPECT_EQ(again->added, (std::map<std::uint8_t, std::string>{{kFilling, "composite"}}));
+
+  options.from = second;
+  const auto third = LiveRun::open(block, folder.path() / "third.run", options);
+  ASSERT_TRUE(third) << third.error().message();
+  EXPECT_EQ((*third)->addedBefore(), 0);
+  EXPECT_NEAR((*third)->object().volumes()[kFilling], left, 1e-6);
 }
 
 TEST(LiveRun, NothingCutLeavesNoFolder) {

@@ -194,10 +194,15 @@ TEST_F(RunBranchTest, ABranchOfARunThatAddedMaterialIsGoneOnFrom) {
   ASSERT_TRUE(written) << written.error().message();
   const auto exported = exportBundle(branch);
   ASSERT_TRUE(exported) << exported.error().message();
+  const auto materials = readRunMaterials(branch);
+  ASSERT_TRUE(materials) << materials.error().message();
+  EXPECT_EQ(materials->added, (std::map<std::uint8_t, std::string>{{11, "composite"}}));
   LiveRunOptions options = test::someTools();
   options.from = branch;
   const auto run = LiveRun::open(block, folder_->path() / "on the filling.run", options);
-  EXPECT_TRUE(run) << run.error().message();
+  ASSERT_TRUE(run) << run.error().message();
+  EXPECT_EQ((*run)->addedBefore(), 0) << "nothing is to be told";
+  EXPECT_GT((*run)->object().volumes()[11], 0.1);
 
   fs::remove(filled / "summary.json");
   EXPECT_TRUE(exportBundle(filled)) << "the log says it, too";
