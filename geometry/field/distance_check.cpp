@@ -43,7 +43,7 @@ struct Tally {
   double percent() const { return 100 * static_cast<double>(wrong) / static_cast<double>(all); }
 };
 
-// Pairs of neighbours along each axis in a brick, and how many of them are too far apart: eight of a row at a time.
+// Pairs of neighbours along each axis in a brick, and how many of them are too far apart.
 constexpr std::size_t kPairs = 3 * 7 * 64;
 std::size_t wrongSteps(const BrickValues& v, float most) {
   const auto isWrong = [&v, most](int n, int axis) {
