@@ -119,6 +119,7 @@ Sink sink(const Model& model, std::size_t tool, const SinkScene& scene) {
   Sink out;
   StepOutput tick;
   double most = 0;
+  bool has_touched = false;
   const int moving = static_cast<int>(std::ceil((scene.hand_mm + kAir) / (scene.speed * kTick)));
   const int ticks = moving + static_cast<int>(std::lround(scene.rest_s / kTick));
   const Vec3d up = scene.frame.rotation * Vec3d::UnitZ();
@@ -129,7 +130,9 @@ Sink sink(const Model& model, std::size_t tool, const SinkScene& scene) {
 
     out.deepest = std::max(out.deepest, -(to_surface * (tick.T_world_tool * tip))[2]);
     out.force = tick.force.force.dot(up);
-    if (n >= moving) continue;
+    // In air the hand feels the tool set in motion.
+    has_touched |= tick.objects_touched != 0;
+    if (n >= moving || !has_touched) continue;
     most = std::max(most, out.force);
     out.fall = std::max(out.fall, most - out.force);
   }

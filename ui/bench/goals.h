@@ -194,7 +194,7 @@ inline constexpr Goal kSinkGoals[] = {
     {"walls passed, of {}", "", kAtMost, 0},
     {"too deep in the solid, 1 m/s", "", kAtMost, 0, Weight::kAim},
     {"walls passed, 1 m/s", "", kAtMost, 0, Weight::kAim},
-    // Ball ends of 0.6 mm give way a little before their core takes over.
+    // A cone and a flame give way a little before their core takes over: docs/results/README.md.
     {"force falls with depth by, most", "N", kAtMost, 0.05, Weight::kAim},
     // Tips thinner than three voxels, spikes of a mesh: docs/results/README.md.
     {"cutting: removal over what the work pays for, least", "", kAtLeast, 0.75, Weight::kAim},

@@ -33,17 +33,15 @@ constexpr double kLeastWorkNoted = 0.95, kWorkNoted = 1.25, kVoxelNoted = 5;  //
 constexpr double kLeastDug = 0.002;                                           // mm^3: less says little of a law
 constexpr double kThinPoint = 0.2;                                            // mm across, 0.3 mm behind the tip
 
-// All of them into the solid; into walls those that say so.
+// All of them into the solid; into walls those that say so. Slowly, what gives way has time to.
 struct Motion {
   const char* name;
   double hand_mm, speed;  // how far beyond the surface the hand ends up, and how fast it gets there, mm/s
   bool at_walls;
 };
-constexpr Motion kMotions[] = {{"hand 4 mm beyond", 4, 20, false},
-                               {"hand 8 mm beyond", 8, 20, true},
-                               {"tap of 0.1 m/s", 2, 100, false},
-                               {"tap of 0.5 m/s", 2, 500, true},
-                               {"tap of 1 m/s", 2, 1000, true}};
+constexpr Motion kMotions[] = {{"hand 4 mm beyond", 4, 20, false}, {"hand 8 mm beyond", 8, 20, true},
+                               {"tap of 0.1 m/s", 2, 100, false},  {"tap of 0.5 m/s", 2, 500, true},
+                               {"tap of 1 m/s", 2, 1000, true},    {"hand 8 mm beyond, slowly", 8, 4, false}};
 constexpr std::size_t kMost = std::size(kMotions);
 
 Rigid3 attitudeOf(std::size_t n) {
@@ -283,7 +281,7 @@ Expected<Result> benchSink(const Bench& bench) {
     if (t.least_work < kLeastWorkNoted || t.most_work > kWorkNoted || t.voxel_effect > kVoxelNoted)
       off += fmt::format("{}{} ({:.2f} to {:.2f}, {:.0f} %)", off.empty() ? "" : ", ", approaches[n].name, t.least_work,
                          t.most_work, t.voxel_effect);
-    if (t.too_deep + t.passed + t.aim_too_deep + t.aim_passed > 0 || t.fall > 0.1)
+    if (t.too_deep + t.passed + t.aim_too_deep + t.aim_passed > 0 || t.fall > 0.05)
       r.notes.push_back(
           fmt::format("{} ({:.2f} mm): too deep {} (+{} at 1 m/s), walls passed {} (+{}), deepest {:.2f} {:.2f} {:.2f} "
                       "{:.2f} {:.2f}, force falls by {:.2f} N",

@@ -93,6 +93,16 @@ TEST(CoreContact, ANeedleStandsOnEnamelWithTheForceOfItsHand) {
   EXPECT_GT(sink(without, 0, pushedBy(8)).deepest, 2);  // the scene is one that needs it
 }
 
+TEST(CoreContact, TheHandFeelsNoFallOfForceButOnceTheToolHasTouched) {
+  SinkScene scene = pushedBy(4);
+  const Model model = modelOf(toolOfRack("round-014"));
+  EXPECT_LT(sink(model, 0, scene).fall, 0.01);  // 0.07 N set the tool in motion in air, and go before it touches
+
+  Model without = modelOf(toolOfRack("859-012"));
+  without.tools[0].core.clear();
+  EXPECT_GT(sink(without, 0, scene).fall, 0.05);
+}
+
 TEST(CoreContact, AThinWallIsNotPassedByATapOfAMetrePerSecond) {
   for (const char* id : {"859-012", "round-005", "us-699", "disc-22"}) {
     const Model model = modelOf(toolOfRack(id));
