@@ -234,7 +234,7 @@ TEST_F(Cli, CheckJudgesManyMeshesEachUnderItsName) {
   ASSERT_EQ(j.size(), 2u);
   EXPECT_EQ(j[0]["file"], at("box.off"));
   EXPECT_TRUE(j[0]["print_ready"].get<bool>()) << j[0];
-  EXPECT_NE(j[1]["error"].get<std::string>().find("none.off"), std::string::npos) << j[1];
+  EXPECT_NE(j[1]["error"]["message"].get<std::string>().find("none.off"), std::string::npos) << j[1];
 
   EXPECT_EQ(runKerf({"check", at("box.off"), at("box.off")}).exit_code, 0);
 }
@@ -286,6 +286,8 @@ TEST_F(Cli, ACutAgainstResistanceGoesOnFromARun) {
       parsed(runKerf(cut("first.run", at("beside.csv"), "filled.run", {"--hand", "feed", "--add", "composite"})));
   const double filling = filled["added_by_material_mm3"]["composite"];
   ASSERT_GT(filling, 1);
+  const json picked = parsed(runKerf({"pick", at("filled.run"), "--at", "3.2,0.5", "--json"}));
+  EXPECT_EQ(picked["points"][0]["tissue"], "composite") << picked;
   const Outcome in_filling = runKerf(cut("filled.run", at("beside.csv"), "in_filling.run", {}));
   EXPECT_EQ(in_filling.err.find("WARNING"), in_filling.err.npos) << in_filling.err;
   const json drilled = parsed(in_filling);
@@ -294,6 +296,7 @@ TEST_F(Cli, ACutAgainstResistanceGoesOnFromARun) {
   const json by_hand = parsed(runKerf(cut("filled.run", at("beside.csv"), "hand_in_filling.run", {"--hand", "feed"})));
   EXPECT_NEAR(by_hand["initial_by_material_mm3"]["composite"].get<double>(), filling, 0.01 * filling) << by_hand;
   EXPECT_GT(by_hand["removed_by_material_mm3"]["composite"].get<double>(), 0.1) << by_hand;
+  EXPECT_NE(runKerf({"info", at("hand_in_filling.run")}).out.find("\n  composite "), std::string::npos);
   EXPECT_TRUE(parsed(runKerf({"replay", at("hand_in_filling.run"), "--json"}))["is_same"].get<bool>());
 
   refuses(cut("first.run", cavity, "first.run", {"--hand", "feed", "--force"}), {"never changed"});
