@@ -61,8 +61,12 @@ Expected<BrickField> readGrid(const fs::path& file, const std::string& grid) {
 
 // Whether a run along a path says that it put material on its case.
 bool saysThatItAdded(const fs::path& run_folder, const RunManifest& manifest) {
-  if (manifest.mode != kModeHaptic) return false;
-  std::ifstream in(run_folder / internal::kRunSummary, std::ios::binary);
+  constexpr std::uintmax_t kMostBytes = 64 << 20;  // a summary has some kB
+  const fs::path file = run_folder / internal::kRunSummary;
+  std::error_code failed;
+  if (manifest.mode != kModeHaptic || !fs::is_regular_file(file, failed)) return false;  // a pipe would never end
+  if (fs::file_size(file, failed) > kMostBytes) return false;
+  std::ifstream in(file, std::ios::binary);
   const nlohmann::json summary = nlohmann::json::parse(in, nullptr, false);
   if (!summary.is_object()) return false;
   const auto added = summary.find("added_mm3");

@@ -98,6 +98,42 @@ TEST_F(Cli, MissingFilesFoldersAndDevicesAreRefused) {
   refuses({"export", at("folder.stl"), "-o", at("x.stl")}, {"folder.stl"});
 }
 
+// Nobody writes into it: who opens it waits for ever.
+TEST_F(Cli, ARunWithAPipeInPlaceOfAFileDoesNotHang) {
+  makeCase();
+  const std::vector<std::string> cut{"cut", "CASE", "--tool", "round-014", "--path", at("down.csv"), "-o", "RUN"};
+  folder_.write("down.csv", "t,x,y,z,qw,qx,qy,qz\n0,0,0,0.2,1,0,0,0\n1,0,0,-0.3,1,0,0,0\n");
+  const auto of = [&](std::vector<std::string> words, const std::string& from, const std::string& to) {
+    words[1] = at(from);
+    words.back() = at(to);
+    words.insert(words.end(), {"--hand", "feed"});
+    return words;
+  };
+  const Outcome by_hand = runKerf(of(cut, "box.case", "hand.run"));
+  ASSERT_EQ(by_hand.exit_code, 0) << by_hand.err;
+
+  std::size_t files = 0;
+  for (const auto& entry : fs::directory_iterator(in("hand.run"))) {
+    const std::string name = entry.path().filename();
+    SCOPED_TRACE(name);
+    fs::remove_all(in("piped.run"));
+    fs::copy(in("hand.run"), in("piped.run"), fs::copy_options::recursive);
+    fs::remove(in("piped.run") / name);
+    ASSERT_EQ(::mkfifo((in("piped.run") / name).c_str(), 0600), 0);
+    for (const auto& words : {std::vector<std::string>{"info", at("piped.run")},
+                              {"export", at("piped.run"), "-o", at("x.stl"), "--overwrite"},
+                              {"plot", at("piped.run"), "-o", at("x.svg"), "--overwrite"},
+                              {"replay", at("piped.run")},
+                              of(cut, "piped.run", "x.run")}) {
+      const Outcome o = runKerf(words);
+      EXPECT_EQ(o.signal, 0) << words[0] << ": " << o.err;
+      fs::remove_all(in("x.run"));
+    }
+    ++files;
+  }
+  EXPECT_GE(files, 5u);
+}
+
 // Misspelt, it would leave people with our tools and materials in place of their own.
 TEST_F(Cli, AFolderOfAssetsThatIsNoneIsRefused) {
   folder_.write("box.off", box());
