@@ -351,8 +351,11 @@ void judge(MeshReport& r) {
   if (r.inward_pieces > 0)
     because(fmt::format("{} turned inside out.", counted(r.inward_pieces, "closed piece is", "closed pieces are")));
 
-  if (const double size = r.box.isEmpty() ? 0 : r.box.size().maxCoeff(); !(size <= kLargestPrint))
+  const double size = r.box.isEmpty() ? 0 : r.box.size().maxCoeff();
+  if (!(size <= kLargestPrint))
     because(fmt::format("It is {:.4g} mm long, more than any printer takes: another unit?", size));
+  if (size < kSmallestPrint)
+    because(fmt::format("It is {:.4g} mm long, less than any printer makes: another unit?", size));
   if (r.boundary_edges == 0 && r.inward_pieces == 0 && !(r.volume > 0)) because("The enclosed volume is not positive.");
 }
 

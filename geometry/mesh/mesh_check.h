@@ -10,7 +10,8 @@
 
 namespace kerf {
 
-inline constexpr double kLargestPrint = 2000;  ///< mm: of a mesh that is called ready to print
+/// mm: the longest side of a mesh that is called ready to print. Beyond either its unit is another.
+inline constexpr double kSmallestPrint = 0.1, kLargestPrint = 2000;
 
 struct MeshCheckOptions {
   bool self_intersections = true;  ///< the dearest part; without it the mesh is never called print-ready

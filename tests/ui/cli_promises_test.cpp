@@ -58,7 +58,12 @@ TEST_F(CliPromises, CheckDoubtsTheUnitAndTakesOne) {
     small += fmt::format("{} {} {}\n", c & 1 ? 0.03 : -0.03, c & 2 ? 0.025 : -0.025, c & 4 ? 0.04 : 0.0);
   small += metres.substr(metres.find("3 0 2 3"));
   folder_.write("metres.off", small);
-  warns({"check", at("metres.off")}, {"metres.off", "CHECK THE UNIT", "in m"});
+  const Outcome in_mm = runKerf({"check", at("metres.off")});
+  EXPECT_EQ(in_mm.exit_code, 1) << in_mm.err;
+  EXPECT_NE(in_mm.err.find("metres.off: CHECK THE UNIT: judged as if it were in mm; it seems to be in m"),
+            in_mm.err.npos)
+      << in_mm.err;
+  EXPECT_NE(in_mm.out.find("0.06 mm long, less than any printer makes"), in_mm.out.npos) << in_mm.out;
   const Outcome o = runKerf({"check", at("metres.off"), "--unit", "m", "--json"});
   EXPECT_EQ(o.exit_code, 0) << o.err;
   EXPECT_EQ(o.err, "");

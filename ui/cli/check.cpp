@@ -57,7 +57,9 @@ int runAll(const Arguments& a) {
     const auto file = read(a, name);
     if (!file) {
       code = complain(file.error());
-      rows.push_back({{"file", name}, {"error", file.error().message()}});
+      json row = errorJson(file.error(), file.error().message());
+      row["file"] = name;
+      rows.push_back(std::move(row));
       continue;
     }
     const MeshReport report = checkMesh(file->mesh);

@@ -150,6 +150,12 @@ TEST(MeshCheck, WhatNoPrinterTakesIsNotReady) {
   EXPECT_FALSE(large.print_ready);
   ASSERT_EQ(large.reasons.size(), 1u);
   EXPECT_NE(large.reasons[0].find("2100 mm long"), std::string::npos) << large.reasons[0];
+
+  EXPECT_TRUE(checkMesh(cube({0, 0, 0}, 0.2)).print_ready);
+  const MeshReport tiny = checkMesh(cube({0, 0, 0}, 1e-20));
+  EXPECT_FALSE(tiny.print_ready);
+  ASSERT_FALSE(tiny.reasons.empty());
+  EXPECT_NE(tiny.reasons[0].find("1e-20 mm long, less than any printer makes"), std::string::npos) << tiny.reasons[0];
 }
 
 }  // namespace
