@@ -318,7 +318,7 @@ Expected<Result> wrap(const Chain& chain, const CloseOptions& options, CloseRepo
   KERF_TRY(cleaned, cleanUpForFloat32(r.mesh, fixed, &r.source, options.cleanup_length_mm));
   if (cleaned.crossings_left)
     return fail(makeError(Error::Code::kGeometry, "a wrap that crosses itself after rounding to single precision", {},
-                          "a larger wrap_alpha_mm"));
+                          "a coarser wrap (--wrap-alpha)"));
   report.exact = false;
   report.wrap_offset_mm = options.wrap_offset_mm;
   report.changes.push_back(

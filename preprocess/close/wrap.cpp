@@ -51,7 +51,7 @@ Expected<Mesh> wrapSoup(const Mesh& soup, double alpha_mm, double offset_mm, con
   const double facets = 2 * (size[0] * size[1] + size[1] * size[2] + size[2] * size[0]);
   if (!(facets < kMostFacets))
     return fail({.code = Error::Code::kBadValue,
-                 .place = "wrap_alpha_mm",
+                 .place = "--wrap-alpha",
                  .found = fmt::format("{:g} mm, for an object of {:g} x {:g} x {:g} mm", alpha_mm, size[0] * alpha_mm,
                                       size[1] * alpha_mm, size[2] * alpha_mm),
                  .expected = fmt::format("{:.2g} mm or more", alpha_mm * std::sqrt(facets / kMostFacets)),
@@ -89,7 +89,7 @@ Expected<Mesh> wrapSoup(const Mesh& soup, double alpha_mm, double offset_mm, con
   }
   return fail({.code = Error::Code::kGeometry,
                .found = "a mesh that could not be wrapped (" + why + ")",
-               .hint = "a larger wrap_alpha_mm, or repair the mesh in a mesh editor"});
+               .hint = "a coarser wrap (--wrap-alpha), or repair the mesh in a mesh editor"});
 }
 
 }  // namespace kerf::internal

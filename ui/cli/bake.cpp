@@ -334,6 +334,11 @@ void addClosingOptions(CLI::App& command, Arguments& a) {
                   "auto: least repair, a flat base for an open scan | base | repair: never a base | wrap: shrink-wrap, "
                   "approximate | or exactly some of weld,drop,stitch,orient,fill,base,union,wrap with commas")
       ->capture_default_str();
+  command
+      .add_option("--wrap-alpha", a.options.close.wrap_alpha_mm,
+                  "of --close wrap: hollows narrower than this are bridged [mm]; below 0.3 it takes minutes")
+      ->check(CLI::Range(0.05, 100.0))
+      ->capture_default_str();
   command.add_option("--stitch-mm", a.options.close.stitch_mm, "join boundaries no farther apart [mm]; 0: none")
       ->check(CLI::Range(0.0, kWidestStitch))
       ->capture_default_str();
