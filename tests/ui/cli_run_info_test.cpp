@@ -253,6 +253,16 @@ TEST_F(CliRunInfo, AWrongCommandLineIsAnsweredInJsonTooAndWithTheNearestOption) 
   refuses({"plot", at("x.run"), "--ouput=x.svg"}, {"--ouput: no such option of kerf plot (did you mean --output?)"}, 2);
   refuses({"info", at("x.run"), "another"}, {"another: one word too many"}, 2);
 
+  // Numbers: what is wrong with them in words, without all the digits of the largest one that there is.
+  refuses({"bake", "--json", at("x.stl"), "-o", at("y"), "--voxel", "7"},
+          {"--voxel: 7; expected a number from 0.005 to 5"}, 2);
+  refuses({"bake", at("x.stl"), "-o", at("y"), "--drop-specks", "x"},
+          {"--drop-specks: x; expected a number of 0 or more"}, 2);
+  refuses({"bake", at("x.stl"), "-o", at("y"), "--fill-holes-up-to", "-1"},
+          {"--fill-holes-up-to: -1; expected a number above 0"}, 2);
+  refuses({"cut", at("x.case"), "--tool", "a", "--path", "b", "-o", at("y"), "--time-limit", "x"},
+          {"--time-limit: x; expected a number"}, 2);
+
   const json j = json::parse(runKerf({"info", at("x.run"), "--json", "--reply"}).out, nullptr, false);
   ASSERT_TRUE(j.is_object()) << j;
   EXPECT_EQ(j["error"]["place"], "--reply");

@@ -7,6 +7,8 @@
 #include <cstdio>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <regex>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -77,6 +79,37 @@ bool isAboutExtras(const CLI::ParseError& e, const CLI::App& command) {
   return dynamic_cast<const CLI::RequiredError*>(&e) && std::any_of(extras.begin(), extras.end(), isOption);
 }
 
+// "0.005", of "0.005000".
+std::string shortNumber(const std::string& digits) { return fmt::format("{:g}", std::strtod(digits.c_str(), nullptr)); }
+
+// Limits as CLI11 writes them, all digits of the largest number among them.
+std::string rangeInWords(const std::string& low, const std::string& high) {
+  const bool is_bounded = std::strtod(high.c_str(), nullptr) < 1e300;
+  if (is_bounded) return fmt::format("a number from {} to {}", shortNumber(low), shortNumber(high));
+  return "a number of " + shortNumber(low) + " or more";
+}
+
+// A value that is no number, or beyond its limits. CLI11 tells them in one sentence.
+std::optional<Error> aboutNumber(const CLI::ParseError& e, const CLI::App& command) {
+  const std::string text = e.what();
+  Error error{.code = Error::Code::kBadValue, .hint = typedName(command) + " --help"};
+  static const std::regex kRange("(.*): Value (.*) not in range ([-0-9.e+]+) to ([-0-9.e+]+)"),
+      kConversion("Could not convert: (.*) = (.*)");
+  std::smatch match;
+  if (std::regex_match(text, match, kRange)) {
+    error.expected = rangeInWords(match[3], match[4]);
+    const CLI::Option* option = command.get_option_no_throw(match[1]);
+    if (option && option->get_type_name().find("POSITIVE") != std::string::npos) error.expected = "a number above 0";
+  } else if (std::regex_match(text, match, kConversion)) {
+    error.expected = "a number";
+  } else {
+    return std::nullopt;
+  }
+  error.place = match[1];
+  error.found = match[2];
+  return error;
+}
+
 // Whether a command that has --json was given it, as far as it can be told of a line that can not be parsed.
 bool asksForJson(const CLI::App& command, int argc, const char* const* argv) {
   const bool is_asked = std::find(argv, argv + argc, std::string_view("--json")) != argv + argc;
@@ -136,6 +169,10 @@ std::optional<ExitCode> parseCommandLine(CLI::App& app, int argc, const char* co
     std::string message = e.what();
     if (isAboutExtras(e, command)) {
       error = aboutExtras(command);
+      message = error.message();
+      fmt::print(stderr, "{}: {}\n", app.get_name(), message);
+    } else if (const auto number = aboutNumber(e, command)) {
+      error = *number;
       message = error.message();
       fmt::print(stderr, "{}: {}\n", app.get_name(), message);
     } else if (app.exit(e); is_answer) {

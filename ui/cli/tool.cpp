@@ -298,11 +298,12 @@ Expected<std::string> newToolText(const std::string& name, const std::string& id
   }
   names.emplace_back(kMeshKind);
   all += std::string(" or ") + kMeshKind;
+  const std::string near = nearestName(name, names);
   return fail({.code = Error::Code::kBadValue,
                .place = "--shape",
                .found = "\"" + name + "\"",
                .expected = "one of " + all,
-               .hint = nearestName(name, names)});
+               .hint = !near.empty() ? near : "reciprocating, sagittal or piezo for a saw, spin for a disc"});
 }
 
 // Whether a tool of that id can be written to that file: a tool's id is its file's name.
