@@ -8,7 +8,6 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <regex>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -89,24 +88,32 @@ std::string rangeInWords(const std::string& low, const std::string& high) {
   return "a number of " + shortNumber(low) + " or more";
 }
 
-// A value that is no number, or beyond its limits. CLI11 tells them in one sentence.
+// A value that is no number, or beyond its limits. CLI11 tells them in one sentence, "--voxel: Value 7 not in range
+// 0.005000 to 5.000000", or "Could not convert: --push = x".
 std::optional<Error> aboutNumber(const CLI::ParseError& e, const CLI::App& command) {
   const std::string text = e.what();
+  const auto between = [&](std::size_t begin, std::size_t end) { return text.substr(begin, end - begin); };
   Error error{.code = Error::Code::kBadValue, .hint = typedName(command) + " --help"};
-  static const std::regex kRange("(.*): Value (.*) not in range ([-0-9.e+]+) to ([-0-9.e+]+)"),
-      kConversion("Could not convert: (.*) = (.*)");
-  std::smatch match;
-  if (std::regex_match(text, match, kRange)) {
-    error.expected = rangeInWords(match[3], match[4]);
-    const CLI::Option* option = command.get_option_no_throw(match[1]);
-    if (option && option->get_type_name().find("POSITIVE") != std::string::npos) error.expected = "a number above 0";
-  } else if (std::regex_match(text, match, kConversion)) {
+
+  const std::string unread = "Could not convert: ", is = " = ";
+  const std::string value = ": Value ", range = " not in range ", to = " to ";
+  const std::size_t at_is = text.find(is), at_value = text.find(value), at_range = text.rfind(range),
+                    at_to = text.rfind(to);
+  if (text.starts_with(unread) && at_is != text.npos) {
+    error.place = between(unread.size(), at_is);
+    error.found = text.substr(at_is + is.size());
     error.expected = "a number";
-  } else {
-    return std::nullopt;
+    return error;
   }
-  error.place = match[1];
-  error.found = match[2];
+  const bool is_range = at_value != text.npos && at_range != text.npos && at_to != text.npos &&
+                        at_value + value.size() <= at_range && at_range + range.size() <= at_to;
+  if (!is_range) return std::nullopt;
+
+  error.place = between(0, at_value);
+  error.found = between(at_value + value.size(), at_range);
+  error.expected = rangeInWords(between(at_range + range.size(), at_to), text.substr(at_to + to.size()));
+  const CLI::Option* option = command.get_option_no_throw(error.place);
+  if (option && option->get_type_name().find("POSITIVE") != std::string::npos) error.expected = "a number above 0";
   return error;
 }
 
