@@ -8,20 +8,41 @@
 namespace kerf::internal {
 namespace {
 
-// Whether there is more in a brick than was loaded; depths below a hundredth of a voxel are rounding.
+// Whether there is more at a node than was loaded; depths below a hundredth of a voxel are rounding.
+bool hasMore(const BrickSlot& slot, std::size_t node, double voxel) {
+  return slot.own && slot.own[node] < slot.baked[node] - static_cast<float>(0.01 * voxel);
+}
+
 bool hasMore(const BrickSlot& slot, double voxel) {
-  if (!slot.own) return false;
-  const auto rounding = static_cast<float>(0.01 * voxel);
   for (std::size_t n = 0; n < kBrickNodes; ++n)
-    if (slot.own[n] < slot.baked[n] - rounding) return true;
+    if (hasMore(slot, n, voxel)) return true;
   return false;
 }
 
-MaterialBricks::Numbers materialsOf(const std::vector<const BrickSlot*>& slots) {
+// As it was loaded, all pieces together: a piece calls what was another's air, of one material.
+const std::uint8_t* loadedMaterials(const BakedObject& loaded, const Vec3i& brick) {
+  const std::int32_t slot = loaded.directory().find(brick);
+  return slot < 0 ? loaded.fallbackMaterials() : loaded.slots()[static_cast<std::size_t>(slot)].materials;
+}
+
+// The slots of a brick, of each object that has it.
+std::vector<const BrickSlot*> slotsOf(const Objects& objects, const Vec3i& brick) {
+  std::vector<const BrickSlot*> out;
+  for (const CutObject* const object : objects) {
+    const int s = object->find(brick);
+    if (s >= 0 && object->bricks().has(s)) out.push_back(&object->slot(s));
+  }
+  return out;
+}
+
+MaterialBricks::Numbers materialsOf(const std::vector<const BrickSlot*>& slots, const std::uint8_t* loaded,
+                                    double voxel) {
   MaterialBricks::Numbers out;
   for (std::size_t n = 0; n < out.size(); ++n) {
     const auto hasLess = [n](const BrickSlot* a, const BrickSlot* b) { return a->phi[n] < b->phi[n]; };
-    out[n] = (*std::min_element(slots.begin(), slots.end(), hasLess))->materials[n];
+    const BrickSlot& most = **std::min_element(slots.begin(), slots.end(), hasLess);
+    const bool is_added = most.materials[n] != most.baked_materials[n] || hasMore(most, n, voxel);
+    out[n] = is_added ? most.materials[n] : loaded[n];
   }
   return out;
 }
@@ -43,18 +64,20 @@ MaterialBricks addedMaterials(const Objects& objects, const MaterialBricks& befo
   out.voxel = objects.front()->voxel();
   out.added = before.added;
 
-  std::map<std::uint64_t, std::vector<const BrickSlot*>> found;  // by coordKey()
+  std::map<std::uint64_t, Vec3i> found;  // by coordKey()
   for (const CutObject* const object : objects)
     for (int s = 0; s < object->slotCount(); ++s) {
       const BrickSlot& slot = object->slot(s);
       const bool is_added =
           slot.hasChangedMaterials() || hasMore(slot, out.voxel) || before.find(slot.brick) != nullptr;
-      if (is_added && object->bricks().has(s)) found[coordKey(slot.brick)].push_back(&slot);
+      if (is_added && object->bricks().has(s)) found[coordKey(slot.brick)] = slot.brick;
     }
 
-  for (const auto& [key, slots] : found) {
-    out.bricks.push_back(slots.front()->brick);
-    out.numbers.push_back(materialsOf(slots));
+  const BakedObject& loaded = objects.front()->baked();
+  for (const auto& [key, brick] : found) {
+    const std::vector<const BrickSlot*> slots = slotsOf(objects, brick);
+    out.bricks.push_back(brick);
+    out.numbers.push_back(materialsOf(slots, loadedMaterials(loaded, brick), out.voxel));
     for (const BrickSlot* const slot : slots) nameAdded(*slot, table, out.added);
   }
   return out;

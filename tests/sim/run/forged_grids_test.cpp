@@ -20,6 +20,7 @@
 #include "sim/run/run_files.h"
 #include "sim/session/session.h"
 #include "sim/session/session_log.h"
+#include "tests/sim/block_scene.h"
 #include "tests/support/open_block.h"
 #include "tests/support/temporary_folder.h"
 
@@ -307,6 +308,63 @@ TEST_F(FillingOnABlock, PiecesKeepTheMaterialThatEachOfThemHas) {
   }
   EXPECT_NEAR((*again)->volumes()[composite], of_pieces, 0.01 * of_pieces);
   EXPECT_EQ((*again)->volumes(), (*whole)->volumes());
+}
+
+// A piece has air where the other one lies, and air has one material.
+TEST_F(FillingOnABlock, WhatIsAddedToAPieceLeavesTheTissuesOfTheOtherAsTheyAre) {
+  const auto field = readRunCutField(filled_);
+  const auto known = readRunMaterials(filled_);
+  ASSERT_TRUE(field && known);
+  const auto whole = loadObject(case_, &*field, &*known);  // a block and a ridge of composite: two tissues
+  ASSERT_TRUE(whole) << whole.error().message();
+  const Tool tools[] = {*readTool(tool_)};
+  auto model = makeModel(tools, {}, widestBand(std::span(&*whole, 1)));
+  ASSERT_TRUE(model) << model.error().message();
+  model->settings.rendering = Rendering::kRigid;
+  model->settings.geometry_only = true;
+
+  Session session(*model, LoadedObjects{*whole}, Rigid3{Eigen::Quaterniond::Identity(), {0, -3, 3}});
+  session.splitWhenApart(1 << 30);
+  StepOutput out;
+  const auto goTo = [&](const Vec3d& from, const Vec3d& to) {
+    constexpr int kSteps = 400;
+    for (int n = 0; n <= kSteps; ++n) {
+      const Vec3d at = from + (to - from) * n / kSteps;
+      session.tick(test::sampleAt({Eigen::Quaterniond::Identity(), at}, n < kSteps ? 1 : 0), out);
+    }
+  };
+  for (const double z : {2.0, 0.3, -0.4, -1.1, -1.8, -2.5, -3.2}) goTo({0, -3, z}, {0, 3, z});
+  ASSERT_TRUE(session.apply(SplitObject{0}));
+  const internal::Objects pieces = internal::objectsOf(session, 0);
+  ASSERT_EQ(pieces.size(), 2u);
+  const auto left = static_cast<std::uint32_t>(session.object(0).bricks().field().bounds().min[0] < -1.5 ? 0 : 1);
+
+  // The left one gets pulp over the end of the ridge on the right one.
+  goTo({2.6, 0, 3}, {2.6, 0, 3});
+  constexpr auto kPulp = static_cast<std::uint8_t>(Material::kPulp);
+  ASSERT_TRUE(session.apply(AddMaterial{kPulp, left}));
+  goTo({2.6, 0.4, 0.5}, {0.9, 0.4, 0.5});
+
+  const auto table = readDefaultMaterials();
+  ASSERT_TRUE(table);
+  const MaterialBricks kept = internal::addedMaterials(pieces, {}, *table);
+  ASSERT_FALSE(kept.isEmpty());
+  std::size_t pulp = 0, composite = 0, wrong = 0;
+  for (std::size_t b = 0; b < kept.bricks.size(); ++b) {
+    const std::int32_t slot = (*whole)->directory().find(kept.bricks[b]);
+    if (slot < 0) continue;
+    for (std::size_t n = 0; n < kBrickNodes; ++n) {
+      const std::uint8_t loaded = (*whole)->slots()[static_cast<std::size_t>(slot)].materials[n];
+      const std::uint8_t number = kept.numbers[b][n];
+      pulp += number == kPulp;
+      composite += number == static_cast<std::uint8_t>(Material::kComposite);
+      wrong += number != kPulp && number != loaded;
+    }
+  }
+  EXPECT_GT(pulp, 100u);
+  EXPECT_GT(composite, 10u);
+  EXPECT_EQ(wrong, 0u);
+  EXPECT_TRUE(kept.added.contains(kPulp));
 }
 
 // An older Kerf stored no materials.
