@@ -262,6 +262,7 @@ TEST_F(CliRunInfo, AWrongCommandLineIsAnsweredInJsonTooAndWithTheNearestOption) 
           {"--fill-holes-up-to: -1; expected a number above 0"}, 2);
   refuses({"cut", at("x.case"), "--tool", "a", "--path", "b", "-o", at("y"), "--time-limit", "x"},
           {"--time-limit: x; expected a number"}, 2);
+  refuses({"export", at("x.run"), "-o", at("y.stl"), "--beside", "1.5"}, {"--beside: 1.5; expected a whole number"}, 2);
   refuses({"bake", at("x.stl"), "-o", at("y"), "--voxel", std::string(100'000, 'x')}, {"a number from 0.005 to 5"}, 2);
 
   const json j = json::parse(runKerf({"info", at("x.run"), "--json", "--reply"}).out, nullptr, false);

@@ -102,7 +102,9 @@ std::optional<Error> aboutNumber(const CLI::ParseError& e, const CLI::App& comma
   if (text.starts_with(unread) && at_is != text.npos) {
     error.place = between(unread.size(), at_is);
     error.found = text.substr(at_is + is.size());
-    error.expected = "a number";
+    const CLI::Option* option = command.get_option_no_throw(error.place);
+    const bool is_whole = option && option->get_type_name().find("INT") != std::string::npos;
+    error.expected = is_whole ? "a whole number" : "a number";
     return error;
   }
   const bool is_range = at_value != text.npos && at_range != text.npos && at_to != text.npos &&
