@@ -19,8 +19,8 @@ struct SinkScene {
 };
 
 struct Sink {
-  double deepest = 0;       ///< mm, of the tool's foremost point, below the surface
-  double force = 0;         ///< N, against the push, at the end
+  double deepest = 0;  ///< mm, of the tool's foremost point, below the surface
+  double force = 0;    ///< N, against the push, at the end
   /// N: how far the force fell below what it was since the tool first touched, while the hand went deeper
   double fall = 0;
   std::uint64_t state = 0;  ///< State::hash
