@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 
 #include "geometry/tool/tool_file.h"
 #include "sim/scenes/sink.h"
@@ -17,7 +18,7 @@ namespace {
 using scenes::SinkScene;
 
 ToolModel toolOfRack(const std::string& id) {
-  const auto tool = readTool(std::string(KERF_SOURCE_DIR) + "/assets/tools/" + id + ".toml");
+  const auto tool = readTool(std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools" / (id + ".toml"));
   EXPECT_TRUE(tool) << tool.error().message();
   return makeToolModel(*tool);
 }
