@@ -1,7 +1,6 @@
 #include "sim/run/added_materials.h"
 
 #include <algorithm>
-#include <cstring>
 #include <map>
 #include <vector>
 
@@ -14,6 +13,7 @@ bool hasMore(const BrickSlot& slot, std::size_t node, double voxel) {
 }
 
 bool hasMore(const BrickSlot& slot, double voxel) {
+  if (!slot.own) return false;  // as most are
   for (std::size_t n = 0; n < kBrickNodes; ++n)
     if (hasMore(slot, n, voxel)) return true;
   return false;

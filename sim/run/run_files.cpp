@@ -211,16 +211,15 @@ Expected<MaterialBricks> readBeginMaterials(const fs::path& run_folder, const Ru
   return readMaterialBricks(file);
 }
 
-Expected<MaterialField> readRunLabels(const fs::path& run_folder, const fs::path& case_folder) {
+Expected<MaterialField> readRunLabels(const fs::path& case_folder, const MaterialBricks& added) {
   KERF_TRY(manifest, readCaseManifest(case_folder));
   KERF_TRY(in_case, readCaseMaterials(case_folder));
-  KERF_TRY(added, readRunMaterials(run_folder));
   if (added.isEmpty()) return in_case;
 
   KERF_TRY(table, readDefaultMaterials());
   KERF_CHECK(requireSameMaterials(added, table));
   KERF_CHECK(requireOnlyAdded(added, in_case, fallbackOf(manifest)));
-  return laidOver(std::move(in_case), std::move(added));
+  return laidOver(std::move(in_case), added);
 }
 
 Expected<std::optional<BrickField>> readRunBegin(const fs::path& run_folder, const RunManifest& manifest,

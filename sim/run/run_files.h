@@ -56,11 +56,10 @@ Expected<MaterialBricks> readRunMaterials(const std::filesystem::path& run_folde
 /// The same of what a session began with: of begin.vdb.
 Expected<MaterialBricks> readBeginMaterials(const std::filesystem::path& run_folder, const RunManifest& manifest);
 
-/// The labels of the case as the run left them: its own, and those of what was added.
-/// @param case_folder  caseOfRun().   Errors: those of readRunMaterials(); kBadValue and kUnsupported as of
-/// loadObject().
-Expected<MaterialField> readRunLabels(const std::filesystem::path& run_folder,
-                                      const std::filesystem::path& case_folder);
+/// The labels of a run's case as the run left them: its own, and those of what was added.
+/// @param case_folder  caseOfRun().   @param added  readRunMaterials().
+/// Errors: kBadValue and kUnsupported as of loadObject().
+Expected<MaterialField> readRunLabels(const std::filesystem::path& case_folder, const MaterialBricks& added);
 
 namespace internal {
 

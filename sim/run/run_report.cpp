@@ -230,8 +230,8 @@ Expected<void> countVolumes(const fs::path& run_folder, RunReport& out) {
   KERF_TRY(fields, readCaseFields(case_folder, in_case));
   KERF_TRY(cut, readRunCutField(run_folder));
   KERF_CHECK(requireOnlyTaken(run_folder, out.manifest, cut, fields.phi0));
-  KERF_TRY(labels, readRunLabels(run_folder, case_folder));
   KERF_TRY(known, readRunMaterials(run_folder));
+  KERF_TRY(labels, readRunLabels(case_folder, known));
   const Material fallback = fallbackOf(in_case);
   internal::VolumeByNumber removed = internal::removedVolumes(
       fields.phi0, cut, internal::materialsOf(fields.materials, fallback), internal::materialsOf(labels, fallback));

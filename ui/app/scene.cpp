@@ -102,8 +102,10 @@ Expected<Scene> sceneOfBundle(const std::filesystem::path& path, const std::opti
     is_tissues |= manifest.materials.size() > 1;
     is_one_material = manifest.materials.size() == 1;
   }
+  MaterialBricks added;
   if (is_run) {
-    KERF_TRY(added, readRunMaterials(path));
+    KERF_TRY(of_run, readRunMaterials(path));
+    added = std::move(of_run);
     is_tissues |= !added.isEmpty();
     is_one_material &= added.isEmpty();
   }
@@ -119,7 +121,7 @@ Expected<Scene> sceneOfBundle(const std::filesystem::path& path, const std::opti
   }
 
   if (is_tissues) {
-    KERF_TRY(materials, is_run ? readRunLabels(path, case_folder) : readCaseMaterials(case_folder));
+    KERF_TRY(materials, readRunLabels(case_folder, added));
     KERF_TRY(table, readDefaultMaterials());
     const Rgba8 cut_color = PostOpOptions{}.cut_color;
     colorByMaterial(shown.mesh, materials, table);

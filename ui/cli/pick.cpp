@@ -49,8 +49,8 @@ Expected<Picked> readCaseScene(const fs::path& bundle, const fs::path& case_fold
   Picked out;
   out.mesh = std::move(shown.post_op.mesh);
   out.names = manifest.materials;
-  const bool is_run = isRun(bundle);
-  if (is_run) {
+  MaterialBricks added;  // of a run
+  if (isRun(bundle)) {
     KERF_TRY(known, readRunMaterials(bundle));
     const auto isInCase = [&](int number) {
       return std::any_of(manifest.materials.begin(), manifest.materials.end(),
@@ -58,9 +58,10 @@ Expected<Picked> readCaseScene(const fs::path& bundle, const fs::path& case_fold
     };
     for (const auto& [number, id] : known.added)
       if (!isInCase(number)) out.names.push_back({.id = id, .number = number});
+    added = std::move(known);
   }
   if (out.names.size() > 1) {
-    KERF_TRY(materials, is_run ? readRunLabels(bundle, case_folder) : readCaseMaterials(case_folder));
+    KERF_TRY(materials, readRunLabels(case_folder, added));
     out.materials = std::move(materials);
   }
   return out;
