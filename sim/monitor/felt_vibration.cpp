@@ -31,7 +31,7 @@ FeltSource feltSource(const Tool& tool, const ToolDrive& drive) {
   if (heard.motion != ToolMotion::kSpin) {
     out.kind = FeltSource::Kind::kSaw;
     if (heard.motion == ToolMotion::kStroke) out.direction_in_tool = Vec3d::UnitZ();
-  } else if (tool.shape == "drill") {
+  } else if (isDrill(tool)) {
     out.kind = FeltSource::Kind::kDrill;
   } else if (drive.form != DriveForm::kTurbine) {
     out.kind = FeltSource::Kind::kMotor;

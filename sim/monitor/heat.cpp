@@ -56,7 +56,7 @@ HeatSource heatSource(const Tool& tool) {
     out.flank = is_disc ? Vec3d::UnitZ() : Vec3d::UnitY();
     return out;
   }
-  if (tool.shape == "drill" && !tool.cuts_side) {
+  if (isDrill(tool)) {
     const double radius = 0.5 * tool.head_diameter_mm;
     out.share = kSteel;
     out.spray_film = 2;

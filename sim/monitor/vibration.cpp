@@ -50,7 +50,7 @@ VibrationSource vibrationSource(const Tool& tool, const ToolDrive& drive) {
 
   if (tool.motion)
     out.teeth = tool.motion->teeth(tool);
-  else if (tool.shape == "drill")
+  else if (isDrill(tool))
     out.teeth = 2;
   else
     out.teeth = tool.iso && tool.iso->material == "806" ? 0 : 6;  // 806: diamond

@@ -28,8 +28,6 @@ ToolDrive with(const DriveNumbers& said, const Tool& tool, ToolDrive drive) {
   return drive;
 }
 
-bool isDrill(const Tool& tool) { return tool.shape == "drill" && tool.cuts_end && !tool.cuts_side; }
-
 bool isDiamond(const Tool& tool) { return tool.iso ? tool.iso->material == "806" : tool.kind == ToolKind::kBlade; }
 
 // Burs, drills and discs.
@@ -81,6 +79,8 @@ DrillLips lipsOf(const Tool& tool) {
 
 ToolMotion motionOf(const Tool& tool) { return tool.motion ? tool.motion->form : ToolMotion::kSpin; }
 
+bool isDrill(const Tool& tool) { return tool.shape == "drill" && tool.cuts_end && !tool.cuts_side; }
+
 bool isFrictionGrip(const Tool& tool) {
   if (tool.shape == "drill") return false;
   if (tool.iso && tool.iso->shankKnown()) return tool.iso->shankKnown()->diameter_mm < 2;
@@ -90,7 +90,7 @@ bool isFrictionGrip(const Tool& tool) {
 const Handpiece& handpieceOf(const Tool& tool) {
   if (tool.drive.handpiece) return *tool.drive.handpiece;
   const bool is_right_angle = tool.iso && tool.iso->shank.starts_with("20");
-  const char* name = tool.shape == "drill"  ? "implant"
+  const char* name = isDrill(tool)          ? "implant"
                      : isFrictionGrip(tool) ? "turbine"
                      : is_right_angle       ? "contra-angle"
                                             : "straight";

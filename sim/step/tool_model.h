@@ -80,6 +80,9 @@ struct ToolModel {
 /// Mean speed of what goes `way` (mm or rad) there and back, `frequency_hz` times a second: 2 way f.
 constexpr double meanSpeed(double way, double frequency_hz) { return 2 * way * frequency_hz; }
 
+/// A drill: it cuts with its point alone. A bone cutter has the same shape and cuts with its side too; it is turned,
+/// heard and felt as a bur.
+bool isDrill(const Tool& tool);
 /// A bur for turbines and fast motors: by its shank; a mesh whose shank is not known, when its head is below 3 mm.
 bool isFrictionGrip(const Tool& tool);
 /// What turns a tool: what its file says, else by its shank a turbine (friction grip), a contra-angle or a straight

@@ -157,6 +157,7 @@ TEST(FeltVibration, RackToolsAreFeltAsWhatTheyAre) {
   };
   EXPECT_EQ(kindOf("round-014"), Kind::kTurbine);
   EXPECT_EQ(kindOf("drill-20"), Kind::kDrill);
+  EXPECT_EQ(kindOf("lindemann-016"), Kind::kMotor);
   EXPECT_EQ(kindOf("saw-reciprocating-25"), Kind::kSaw);
 }
 

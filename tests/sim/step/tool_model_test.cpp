@@ -111,6 +111,20 @@ TEST(ToolModel, AHandpieceOfTheFileTurnsTheTool) {
   EXPECT_EQ(own.form, DriveForm::kGoverned);
 }
 
+// Both have the shape of a drill. What cuts with its point alone is turned slowly; a bone cutter would hardly cut.
+TEST(ToolModel, ADrillIsTurnedByAnImplantMotorABoneCutterByAStraightHandpiece) {
+  const std::string drill = kHead +
+                            "kind = \"bur\"\nshape = \"drill\"\nhead_diameter = 2\nhead_length = 9\npoint_angle = 118\n"
+                            "shank_diameter = 2.35\nshank_length = 30\n";
+  const Tool ends = toolOf(drill + "cuts = [\"end\"]\n"), all = toolOf(drill);
+  EXPECT_TRUE(isDrill(ends));
+  EXPECT_FALSE(isDrill(all));
+  EXPECT_STREQ(handpieceOf(ends).name, "implant");
+  EXPECT_STREQ(handpieceOf(all).name, "straight");
+  EXPECT_TRUE(makeToolModel(ends, 0.2).lips.areThere());
+  EXPECT_FALSE(makeToolModel(all, 0.2).lips.areThere());
+}
+
 TEST(ToolModel, WhatTheFileLeavesOutStaysADefault) {
   const Tool tool = toolOf(kBur + "[drive]\nspeed_rpm = 40000\n");
   const ToolDrive drive = driveOf(tool), usual = defaultDrive(tool);
