@@ -68,7 +68,7 @@ DrillLips lipsOf(const Tool& tool) {
   DrillLips lips;
   lips.height = height;
   lips.slope = radius / std::hypot(radius, height);
-  lips.most_feed = 0.1 * tool.head_diameter_mm;
+  lips.most_feed = DrillLips::kMostFeed * tool.head_diameter_mm;
   // Torque over thrust: u (f + 0.02) / (8 K) D^0.75 in mm, u = 250 N/mm^2, is 0.68 mm at D 2, where the mean radius of
   // the thrust is 0.56 mm: a friction of 1.2 against 0.3 of the table.
   lips.drag_factor = 4;

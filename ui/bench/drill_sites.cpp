@@ -71,7 +71,7 @@ Expected<Model> allDrills(const Bench& bench) {
 // By DrillLips, the point all in. mm/s
 double feedByLaw(double diameter, double rpm, double force, double hardness) {
   const double per_feed = DrillLips::kThrust * std::pow(diameter, 1.25) * hardness;
-  const double a_turn = std::clamp(force / per_feed - DrillLips::kRubbing, 0.0, 0.1 * diameter);
+  const double a_turn = std::clamp(force / per_feed - DrillLips::kRubbing, 0.0, DrillLips::kMostFeed * diameter);
   return a_turn * rpm / 60;
 }
 
