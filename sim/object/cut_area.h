@@ -5,39 +5,47 @@
 
 namespace kerf {
 
-/// The areas of nodes are short beside an edge and coarse at a point thinner than three voxels (`|grad phi|` is not 1
-/// there), while erosion takes the surface there as fast as anywhere. So a load summed over nodes pays for less, or for
-/// more, than is removed: 2 to 10 % in the kerf of a saw, up to 1.7 times at points. The ledger knows what was removed.
-/// This compares both of late, and corrects the areas of what cuts by the ratio: then work and removal agree, whatever
-/// the voxel. One for each object. Docs: docs/how-it-works/step.md. @rt all of it.
+/// A load summed over the nodes of the shell must pay for what is removed, which the ledger knows, and point where the
+/// tool's faces do. By their plain areas it does neither beside an edge or at a point thinner than three voxels: there
+/// `|grad phi|` is not 1; levels of the field outside the tool go round an edge in an arc, whose normals belong to no
+/// face; and a node works with the lever of where it is, up to 1.5 voxels off the surface that it stands for.
+///
+/// So of a node that is cut only the part of its area that is on a face counts, its work has the lever of the surface,
+/// a blade's node the normal of its edge or flank. What is lost with the arcs, and whatever else the areas are short
+/// of, is put right by one factor for all: this compares what was removed of late with what those areas say. What all
+/// work left unpaid is added: it follows twice as fast. One an object. Docs: docs/how-it-works/step.md. @rt all of it.
 class CutArea {
  public:
-  /// What both are compared over, s. Shorter follows an edge sooner; longer is calmer.
+  /// What both are compared over, s. By what is unpaid a change is followed within half of it. Longer is calmer.
   static constexpr double kTime = 0.3;
 
-  /// Factor on the areas of nodes that are cut, 0.5 to 2; 1 where nothing was cut of late.   @param voxel  mm.
+  /// Factor on the areas of nodes that are cut, 0.5 to 4; 1 where nothing was cut of late.   @param voxel  mm.
   double scale(double voxel) const noexcept {
-    const double few = kFew * voxel * voxel * voxel;
-    return std::clamp((by_ledger_ + few) / (by_shell_ + few), 0.5, 2.0);
+    const double few = fewOf(voxel);
+    return std::clamp((by_ledger_ + few) / (by_shell_ + few), kLeast, kMost);
   }
-  /// One evaluation of contact of dt seconds: what was removed, and what the areas said of it, unscaled, mm^3.
-  void add(double by_ledger, double by_shell, double dt) noexcept {
-    const double kept = keptAfter(dt);
-    by_ledger_ = kept * by_ledger_ + by_ledger;
+  /// How far anything is known of what is cut, 0 to 1: 0 where nothing was cut of late.   @param voxel  mm.
+  double share(double voxel) const noexcept { return by_shell_ / (by_shell_ + fewOf(voxel)); }
+
+  /// One evaluation of contact of dt seconds, in mm^3: what was removed by the load of the shell; what its areas said
+  /// of it, unscaled; and what was removed in all beyond what all work paid for.
+  void add(double by_ledger, double by_shell, double unpaid, double dt) noexcept {
+    const double kept = 1 - std::min(1.0, dt / kTime);
     by_shell_ = kept * by_shell_ + by_shell;
+    by_ledger_ = std::clamp(kept * by_ledger_ + by_ledger + unpaid, kLeast * by_shell_, kMost * by_shell_);
   }
-  /// Time without contact: the ratio goes to 1.
-  void fade(double dt) noexcept { by_ledger_ = by_shell_ + keptAfter(dt) * (by_ledger_ - by_shell_); }
+  /// Time without contact: what was known is forgotten.
+  void fade(double dt) noexcept { add(0, 0, 0, dt); }
 
   double byLedger() const noexcept { return by_ledger_; }
   double byShell() const noexcept { return by_shell_; }
 
  private:
-  static constexpr double kFew = 0.1;  // voxels: less than that says little
+  static constexpr double kLeast = 0.5, kMost = 4;
+  // Less than a thirtieth of a voxel says little. mm^3
+  static double fewOf(double voxel) noexcept { return voxel * voxel * voxel / 30; }
 
-  static double keptAfter(double dt) noexcept { return 1 - std::min(1.0, dt / kTime); }
-
-  double by_ledger_ = 0, by_shell_ = 0;
+  double by_ledger_ = 0, by_shell_ = 0;  // of late; the first with what was unpaid
 };
 
 }  // namespace kerf

@@ -27,6 +27,8 @@ class NodeSums {
         tool_(*in.tool),
         drag_factor_(static_cast<float>(in.tool->drive.drag_factor)),
         inwards_(static_cast<float>(0.2 * object.voxel())),
+        beyond_(static_cast<float>(0.5 * object.voxel())),
+        share_(static_cast<float>(in.cut_share)),
         to_tool_(in.T_object_tool.rotation.toRotationMatrix().transpose().cast<float>()),
         rates_(in) {
     moving_.lever = internal::leverOf(tool_);
@@ -36,6 +38,8 @@ class NodeSums {
     moving_.body_spins = tool_.motion == ToolMotion::kSpin;
     moving_.geometry_only = in.geometry_only;
     moving_.area_scale = static_cast<float>(in.area_scale);
+    moving_.cut_share = share_;
+    moving_.beyond = beyond_;
     for (int c = 0; c < 3; ++c) {
       moving_.velocity[c] = static_cast<float>(in.velocity[c]);
       moving_.angular[c] = static_cast<float>(in.angular[c]);
@@ -45,13 +49,16 @@ class NodeSums {
   void add(const internal::TouchingNode& node) {
     any_body_ |= node.body_is_near;
     const auto i = static_cast<std::size_t>(found_.count);
-    const Vec3f inwards = node.in_tool - inwards_ * (to_tool_ * node.normal);
+    const Vec3f outward = to_tool_ * node.normal;
+    const Vec3f inwards = node.in_tool - inwards_ * outward;
+    const Vec3f normal = share_ > 0 && tool_.flank_axis >= 0 ? normalOfBlade(outward) : node.normal;
+    if (share_ > 0) addFoot(node, outward, i);
     x_[i] = inwards[0];
     y_[i] = inwards[1];
     z_[i] = inwards[2];
     tau_[i] = node.tau;
     for (int c = 0; c < 3; ++c) {
-      found_.normal[c][i] = node.normal[c];
+      found_.normal[c][i] = normal[c];
       found_.from_tip[c][i] = static_cast<float>(node.from_tip[c]);
       found_.in_tool[c][i] = node.in_tool[c];
     }
@@ -82,6 +89,7 @@ class NodeSums {
       found_.slope[static_cast<std::size_t>(n)] =
           ((any_body_ ? std::min(cut_in_[n], body_in_[n]) : cut_in_[n]) - tau_[n]) / inwards_;
 
+    if (share_ > 0) tool_.cut.distances(beyond_x_, beyond_y_, beyond_z_, found_.tau_beyond.data(), padded);
     found_.count = padded;
     internal::sumTouching(found_, moving_, totals_);
     found_.count = 0;
@@ -97,6 +105,26 @@ class NodeSums {
   static constexpr int kGather = ShellChunk::kNodes;
   static_assert(kGather == internal::TouchingNodes::kMost);
 
+  // Where the node's normal meets the surface, and a place beyond it, in the tool: TouchingNodes::foot, tau_beyond.
+  void addFoot(const internal::TouchingNode& node, const Vec3f& outward, std::size_t i) {
+    const Vec3f foot = node.in_tool - node.phi * outward;
+    const Vec3f beyond = foot + beyond_ * outward;
+    for (int c = 0; c < 3; ++c) found_.foot[c][i] = foot[c];
+    beyond_x_[i] = beyond[0];
+    beyond_y_[i] = beyond[1];
+    beyond_z_[i] = beyond[2];
+  }
+
+  // Within two voxels of a blade's rim normals lean between its edge and its flank. This draws one towards the face
+  // that it is the nearer to, by the cubes of its parts: a choice of one would jump. As far as the share, object axes.
+  Vec3f normalOfBlade(const Vec3f& outward) const {
+    const int axis = tool_.flank_axis;
+    const float across = outward[axis];
+    Vec3f face = std::max(0.0f, 1 - across * across) * outward;
+    face[axis] = across * across * across;
+    return to_tool_.transpose() * (outward + share_ * (face.normalized() - outward)).normalized();
+  }
+
   // Fills up to a multiple of 8 with nodes without stiffness. Returns that multiple.
   int pad() {
     const int count = found_.count, padded = (count + 7) / 8 * 8;
@@ -104,6 +132,10 @@ class NodeSums {
       for (auto n = static_cast<std::size_t>(count); n < static_cast<std::size_t>(padded); ++n) row[n] = 0;
     };
     for (int n = count; n < padded; ++n) x_[n] = y_[n] = z_[n] = tau_[n] = 0;
+    if (share_ > 0) {
+      for (int n = count; n < padded; ++n) beyond_x_[n] = beyond_y_[n] = beyond_z_[n] = 0;
+      for (auto& axis : found_.foot) clear(axis);
+    }
     clear(found_.overlap);
     clear(found_.into_cut);
     clear(found_.area);
@@ -172,6 +204,8 @@ class NodeSums {
   const ToolModel& tool_;
   const float drag_factor_;
   const float inwards_;  // step of the directional derivative of tau, mm
+  const float beyond_;   // step into the tool from the surface, mm
+  const float share_;    // ContactInput::cut_share
   const Eigen::Matrix3f to_tool_;
   const internal::ErosionRates rates_;
   internal::TouchingTool moving_;
@@ -179,6 +213,7 @@ class NodeSums {
   std::array<float, 256> area_of_{};
   internal::TouchingNodes found_;
   float x_[kGather], y_[kGather], z_[kGather];  // of `found_`, a step inwards, tool frame
+  float beyond_x_[kGather], beyond_y_[kGather], beyond_z_[kGather];
   float tau_[kGather], cut_in_[kGather], body_in_[kGather];
   bool any_body_ = false;
 };

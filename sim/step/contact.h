@@ -26,6 +26,8 @@ struct ContactInput {
   Vec3d angular = Vec3d::Zero();   ///< rad/s
   double load_scale = 1;           ///< of the pressure that erodes: see erosionScale()
   double area_scale = 1;           ///< of the areas of nodes that are cut: CutArea
+  /// How far areas, normals and levers of what cuts are those of its faces, 0 to 1: CutArea.
+  double cut_share = 0;
 };
 
 /// Sums over the nodes in contact. A node overlaps the tool by d = max(0, -tau - phi), mm. Its pressure is p = k_n d g,

@@ -17,15 +17,30 @@ void finishTurn(const CutResult& cut, ContactEvaluation& out) {
 }
 
 // What was removed, against the areas of the shell. The load of the core erodes too: beside the shell's, in proportion.
-// Where something forbade the cut, the areas are not to blame.
-void learnArea(CutObject& object, const ContactSums& sums, double core_load, const CutResult& cut, double dt) {
+// What all work paid for is the shell's part times `all_power`, power with the core over that without. Where something
+// forbade the cut, the areas are not to blame.
+void learnArea(CutObject& object, const ContactSums& sums, double all_power, const CutResult& cut, double dt) {
   if (object.isFrozen() || cut.pool_ran_out) return;
-  const bool is_shared = core_load > 0 && sums.bare_load > 0;
-  const double share = is_shared ? sums.bare_load / (sums.bare_load + core_load) : 1;
-  if (sums.cut_by_shell > 0)
-    object.cut_area.add(share * cut.removed_mm3, sums.cut_by_shell, dt);
-  else if (sums.touching == 0)
+  const bool is_shared = object.core_load > 0 && sums.bare_load > 0;
+  const double share = is_shared ? sums.bare_load / (sums.bare_load + object.core_load) : 1;
+  if (sums.cut_by_shell > 0) {
+    const double paid = object.cut_area.scale(object.voxel()) * sums.cut_by_shell * all_power;
+    object.cut_area.add(share * cut.removed_mm3, sums.cut_by_shell, cut.removed_mm3 - paid, dt);
+  } else if (sums.touching == 0) {
     object.cut_area.fade(dt);
+  }
+}
+
+// The areas of what is cut, as far as something was cut of late and the drive turns: at rest a tool presses by the
+// areas as they are. A drill's lips have a law of feed and thrust, not of work.
+void correctAreas(const CutObject& object, ContactInput& in) {
+  constexpr double kSlow = 0.1;  // of the free speed: the force must not jump where a drive comes to rest
+  const ToolModel& tool = *in.tool;
+  if (in.geometry_only || tool.lips.areThere() || !(tool.drive.speed > 0)) return;
+
+  const double h = object.voxel();
+  in.cut_share = object.cut_area.share(h) * std::min(1.0, std::abs(in.speed) / (kSlow * tool.drive.speed));
+  in.area_scale = 1 + in.cut_share * (object.cut_area.scale(h) - 1);
 }
 
 // Force, then erosion: both see the same pose and the same field. A contact too large for a tick goes by turns.
@@ -37,8 +52,7 @@ void touchAndCut(const Model& model, State& state, const Substep& substep, std::
   const bool by_turns = turns.begin(object.contactEpoch()) && may_take_turns;
   ContactSums sums;
   std::uint32_t groups = 0;
-  if (!in.tool->lips.areThere())  // whose law is of feed and thrust, not of work
-    in.area_scale = object.cut_area.scale(object.voxel());
+  correctAreas(object, in);
   if (by_turns) {
     groups =
         turns.sum(object, state.near, state.near_in_turn, in, std::min(substep.longest_mm, 0.5 * object.voxel()), sums);
@@ -48,12 +62,14 @@ void touchAndCut(const Model& model, State& state, const Substep& substep, std::
   }
 
   if (sums.touching > 0) out.objects_touched |= objectBit(number);
+  const double power = sums.power;
   in.load_scale = shareCoreLoad(object.core_load, state.speed, sums);
+  const double all_power = power > 0 ? sums.power / power : 1;
   out.sums.add(sums.rotated(object.T_world_object.rotation.toRotationMatrix()));
 
   const CutResult cut =
       by_turns ? turns.erode(object, state.near, state.near_in_turn, in, groups) : erode(object, state.near, in);
-  if (!in.geometry_only) learnArea(object, sums, object.core_load, cut, substep.dt);
+  if (!in.geometry_only) learnArea(object, sums, all_power, cut, substep.dt);
   if (by_turns) {
     finishTurn(cut, out);
     return;

@@ -13,6 +13,29 @@
 HWY_BEFORE_NAMESPACE();
 namespace kerf::internal::HWY_NAMESPACE {
 
+// The lever of the tool's own motion at places of its frame.
+HWY_INLINE V leverAt(F f, const Lever& lever, V x, V y, V z) {
+  switch (lever.form) {
+    case LeverForm::kRadius:
+      return hn::Max(hn::Sqrt(hn::Add(hn::Mul(x, x), hn::Mul(y, y))), hn::Set(f, lever.least_radius));
+    case LeverForm::kPivot: {
+      const V up = hn::Sub(z, hn::Set(f, lever.pivot));
+      return hn::Sqrt(hn::Add(hn::Mul(x, x), hn::Mul(up, up)));
+    }
+    case LeverForm::kOne:
+      break;
+  }
+  return hn::Set(f, 1.0f);
+}
+
+// The part of a node's area that is on a face of the tool: see CutArea. `slope` is that of the cutting part's distance
+// from the foot of the normal inwards: 1 behind a face, 0.7 and less behind a right angle's edge.
+HWY_INLINE V partOnFace(F f, V slope) {
+  constexpr float kEdge = 0.4f, kLeast = 0.5f;
+  const V part = hn::Mul(hn::Sub(slope, hn::Set(f, kEdge)), hn::Set(f, 1 / (1 - kEdge)));
+  return hn::Min(hn::Max(part, hn::Set(f, kLeast)), hn::Set(f, 1.0f));
+}
+
 void sumTouchingHere(const TouchingNodes& nodes, const TouchingTool& tool, TouchingSums& out) {
   using S = TouchingSums;
   const F f;
@@ -38,13 +61,7 @@ void sumTouchingHere(const TouchingNodes& nodes, const TouchingTool& tool, Touch
     V facing = hn::Min(hn::Max(hn::Add(load(nodes.slope), load(nodes.slope)), zero), one);
     if (tool.geometry_only) facing = hn::IfThenElse(hn::Lt(into_cut, overlap), facing, zero);
     const V px = load(nodes.in_tool[0]), py = load(nodes.in_tool[1]), pz = load(nodes.in_tool[2]);
-    V arm = one;
-    if (tool.lever.form == LeverForm::kRadius) {
-      arm = hn::Max(hn::Sqrt(hn::Add(hn::Mul(px, px), hn::Mul(py, py))), hn::Set(f, tool.lever.least_radius));
-    } else if (tool.lever.form == LeverForm::kPivot) {
-      const V up = hn::Sub(pz, hn::Set(f, tool.lever.pivot));
-      arm = hn::Sqrt(hn::Add(hn::Mul(px, px), hn::Mul(up, up)));
-    }
+    const V arm = leverAt(f, tool.lever, px, py, pz);
     V x = hn::Mul(load(nodes.rate), arm);
     V erodes = into_cut;  // of the overlap
     auto is_lip = hn::Lt(one, zero);
@@ -67,7 +84,17 @@ void sumTouchingHere(const TouchingNodes& nodes, const TouchingTool& tool, Touch
     const V kept = hn::Mul(hn::Sub(one, part), mean_part);
     const V next = hn::Sub(overlap, hn::Mul(erodes, hn::Sub(one, kept)));
     const auto cuts = hn::Gt(into_cut, zero);
-    const V counted = hn::IfThenElse(cuts, hn::Mul(area, hn::Set(f, tool.area_scale)), area);
+
+    // What cuts counts by the part of its area that is on a face, and works with the lever at the surface.
+    V area_of_cut = area, arm_of_work = arm;
+    if (tool.cut_share > 0) {
+      const V share = hn::Set(f, tool.cut_share);
+      const V slope = hn::Div(hn::Neg(hn::Add(into_cut, load(nodes.tau_beyond))), hn::Set(f, tool.beyond));
+      area_of_cut = hn::Mul(area, hn::Sub(one, hn::Mul(share, hn::Sub(one, partOnFace(f, slope)))));
+      const V at_foot = leverAt(f, tool.lever, load(nodes.foot[0]), load(nodes.foot[1]), load(nodes.foot[2]));
+      arm_of_work = hn::IfThenElse(cuts, hn::Add(arm, hn::Mul(share, hn::Sub(at_foot, arm))), arm);
+    }
+    const V counted = hn::IfThenElse(cuts, hn::Mul(area_of_cut, hn::Set(f, tool.area_scale)), area);
     const V stiff = hn::Mul(hn::Mul(load(nodes.stiffness), facing), counted);  // N/mm
     const V stiff_next = hn::IfThenElse(cuts, hn::Mul(stiff, mean_part), stiff);
     const V size = hn::Mul(stiff, mean), size_next = hn::Mul(stiff, next);
@@ -93,13 +120,13 @@ void sumTouchingHere(const TouchingNodes& nodes, const TouchingTool& tool, Touch
     add(S::kLoadNext, size_next);
     add(S::kCuttingLoad, hn::IfThenElseZero(cuts, size));
     const V rubbing = hn::Mul(load(nodes.friction), size);
-    V own = hn::Mul(hn::Set(f, tool.speed), arm), turning = hn::Mul(rubbing, arm);
+    V own = hn::Mul(hn::Set(f, tool.speed), arm), turning = hn::Mul(rubbing, arm_of_work);
     if (!tool.body_spins) {
       own = hn::IfThenElseZero(cuts, own);
       turning = hn::IfThenElseZero(cuts, turning);
     }
     add(S::kDriveLoad, turning);
-    add(S::kPower, hn::Mul(rubbing, own));
+    add(S::kPower, hn::Mul(hn::Set(f, tool.speed), turning));
 
     // Drag over the sliding speed, with its first and second moments about the tip.
     V v[3];
@@ -126,7 +153,9 @@ void sumTouchingHere(const TouchingNodes& nodes, const TouchingTool& tool, Touch
     add(S::kArea, hn::IfThenElseZero(counts, area));
     add(S::kCount, hn::IfThenElseZero(counts, one));
     add(S::kErodibleLoad, hn::Mul(stiff, into_cut));
-    add(S::kCutByShell, hn::Mul(hn::Mul(facing, area), hn::Mul(erodes, part)));
+    V cut_by_shell = hn::Mul(hn::Mul(facing, area_of_cut), hn::Mul(erodes, part));
+    if (tool.cut_share > 0) cut_by_shell = hn::Div(hn::Mul(cut_by_shell, arm_of_work), hn::Max(arm, hn::Set(f, 1e-6f)));
+    add(S::kCutByShell, cut_by_shell);
 
     // The same without the facing weight.
     const V bare = hn::Mul(hn::Mul(load(nodes.stiffness), counted), into_cut);
@@ -137,7 +166,7 @@ void sumTouchingHere(const TouchingNodes& nodes, const TouchingTool& tool, Touch
     }
     add(S::kBareErodible, bare);
     add(S::kBareLoad, bare_mean);
-    add(S::kBareDriveLoad, hn::Mul(hn::Mul(load(nodes.friction), bare_mean), arm));
+    add(S::kBareDriveLoad, hn::Mul(hn::Mul(load(nodes.friction), bare_mean), arm_of_work));
     deepest = hn::Max(deepest, hn::IfThenElseZero(counts, overlap));
   }
 

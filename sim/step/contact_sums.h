@@ -12,10 +12,13 @@ namespace kerf::internal {
 struct TouchingNodes {
   static constexpr int kMost = 64;
   using Row = std::array<float, kMost>;
-  alignas(32) Row overlap, into_cut, slope;   ///< mm, mm, d tau / d(inwards normal)
-  alignas(32) Row normal[3], area;            ///< outward unit normal, object axes; mm^2
-  alignas(32) Row from_tip[3];                ///< object axes, mm
-  alignas(32) Row in_tool[3];                 ///< tool frame, mm
+  alignas(32) Row overlap, into_cut, slope;  ///< mm, mm, d tau / d(inwards normal)
+  alignas(32) Row normal[3], area;           ///< outward unit normal, object axes; mm^2
+  alignas(32) Row from_tip[3];               ///< object axes, mm
+  alignas(32) Row in_tool[3];                ///< tool frame, mm
+  /// Only read if TouchingTool::cut_share > 0: where the normal meets the surface, tool frame, mm; and the cutting
+  /// part's distance TouchingTool::beyond farther along the normal, inside the tool, mm.
+  alignas(32) Row foot[3], tau_beyond;
   alignas(32) Row stiffness, friction, rate;  ///< N/mm^3; with the tool's factor; c dt over the lever
   alignas(32) Row lip_rate;                   ///< of a tool with lips: ErosionRates::at_lips
   int count = 0;
@@ -30,6 +33,8 @@ struct TouchingTool {
   bool body_spins = false;  ///< what only collides moves as what cuts does
   bool geometry_only = false;
   float area_scale = 1;               ///< of nodes that are cut
+  float cut_share = 0;                ///< ContactInput::cut_share
+  float beyond = 1;                   ///< mm: see TouchingNodes::tau_beyond
   float velocity[3]{}, angular[3]{};  ///< of the tip, object axes
 };
 

@@ -164,6 +164,7 @@ ToolModel makeToolModel(const Tool& tool, double margin_mm) {
   out.smallest_radius_mm = tool.kind == ToolKind::kBlade ? 0.5 * tool.kerfWidth() : 0.5 * tool.finest();
   out.reach_mm = std::max(out.cut.reach(), out.body.reach());
   out.plunge_direction = tool.plunge_direction;
+  if (tool.kind == ToolKind::kBlade) out.flank_axis = out.motion == ToolMotion::kSpin ? 2 : 1;
   return out;
 }
 

@@ -77,6 +77,7 @@ struct ToolModel {
   double smallest_radius_mm = 0;  ///< of what cuts: scallops between two poses stay below 0.05 voxel
   double reach_mm = 0;            ///< farthest point from the tip
   Vec3d plunge_direction = -Vec3d::UnitZ();
+  int flank_axis = -1;  ///< of a blade or disc: the axis of its frame across its flanks; -1: it is neither
 };
 
 /// Mean speed of what goes `way` (mm or rad) there and back, `frequency_hz` times a second: 2 way f.

@@ -126,7 +126,9 @@ TouchingNodes randomNodes(int count, std::mt19937& random) {
       nodes.normal[c][n] = normal[c];
       nodes.from_tip[c][n] = 4 * u(random) - 2;
       nodes.in_tool[c][n] = 4 * u(random) - 2;
+      nodes.foot[c][n] = nodes.in_tool[c][n] + 0.2f * u(random) - 0.1f;
     }
+    nodes.tau_beyond[n] = 0.02f * u(random) - 0.06f;
     nodes.stiffness[n] = 200 * u(random);
     nodes.friction[n] = u(random);
     nodes.rate[n] = u(random);
@@ -165,7 +167,12 @@ void addPlain(const TouchingNodes& nodes, std::size_t n, const TouchingTool& too
   const double mean = double(nodes.overlap[n]) - double(nodes.into_cut[n]) * (1 - part / rate);
   const bool cuts = nodes.into_cut[n] > 0;
   const double next = double(nodes.overlap[n]) - double(nodes.into_cut[n]) * (1 - (1 - part) * part / rate);
-  const double area = double(nodes.area[n]), counted = cuts ? double(tool.area_scale) * area : area;
+  const double slope = -(double(nodes.into_cut[n]) + double(nodes.tau_beyond[n])) / double(tool.beyond);
+  const double on_face = std::clamp((slope - 0.4) / 0.6, 0.5, 1.0), share = double(tool.cut_share);
+  const double at_foot = std::max(std::hypot(double(nodes.foot[0][n]), double(nodes.foot[1][n])), 0.3);
+  const double arm_of_work = cuts ? arm + share * (at_foot - arm) : arm;
+  const double area = double(nodes.area[n]), of_cut = area * (1 - share * (1 - on_face));
+  const double counted = cuts ? double(tool.area_scale) * of_cut : area;
   const double stiff = double(nodes.stiffness[n]) * facing * counted;
   const double stiff_next = cuts ? stiff * part / rate : stiff;
 
@@ -188,12 +195,12 @@ void addPlain(const TouchingNodes& nodes, std::size_t n, const TouchingTool& too
   if (cuts) at(S::kCuttingLoad) += load;
   at(S::kErodibleLoad) += stiff * double(nodes.into_cut[n]);
   const double bare = double(nodes.stiffness[n]) * counted * double(nodes.into_cut[n]);
-  at(S::kCutByShell) += facing * area * double(nodes.into_cut[n]) * part;
+  at(S::kCutByShell) += facing * of_cut * double(nodes.into_cut[n]) * part * arm_of_work / arm;
   at(S::kBareErodible) += bare;
   at(S::kBareLoad) += bare * part / rate;
-  at(S::kBareDriveLoad) += double(nodes.friction[n]) * bare * part / rate * arm;
-  if (cuts || tool.body_spins) at(S::kDriveLoad) += rubbing * arm;
-  at(S::kPower) += rubbing * own;
+  at(S::kBareDriveLoad) += double(nodes.friction[n]) * bare * part / rate * arm_of_work;
+  if (cuts || tool.body_spins) at(S::kDriveLoad) += rubbing * arm_of_work;
+  if (cuts || tool.body_spins) at(S::kPower) += rubbing * 1000 * arm_of_work;
 
   const Vec3d v = Vec3d(3, 0, 0) + Vec3d(0, 0, 0.7).cross(r);
   const double drag = rubbing / std::max({own, v.norm(), 0.5});
@@ -222,8 +229,10 @@ TEST(SumTouching, IsTheSumOfItsFormulas) {
     tool.area_scale = 1.25f;
     tool.velocity[0] = 3;
     tool.angular[2] = 0.7f;
-    for (const bool spins : {true, false}) {
+    tool.beyond = 0.05f;
+    for (const auto& [spins, share] : {std::pair(true, 0.0f), {true, 1.0f}, {false, 0.6f}}) {
       tool.body_spins = spins;
+      tool.cut_share = share;
       std::array<double, TouchingSums::kSums> expected{};
       double deepest = 0;
       for (std::size_t n = 0; n < static_cast<std::size_t>(count); ++n) addPlain(nodes, n, tool, expected, deepest);
