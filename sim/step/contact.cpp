@@ -38,9 +38,10 @@ class NodeSums {
     moving_.body_spins = tool_.motion == ToolMotion::kSpin;
     moving_.geometry_only = in.geometry_only;
     moving_.area_scale = static_cast<float>(in.area_scale);
-    moving_.cut_share = share_;
     moving_.beyond = beyond_;
+    moving_.is_blade = tool_.flank_axis >= 0;
     for (int c = 0; c < 3; ++c) {
+      moving_.across[c] = moving_.is_blade ? to_tool_(tool_.flank_axis, c) : 0;
       moving_.velocity[c] = static_cast<float>(in.velocity[c]);
       moving_.angular[c] = static_cast<float>(in.angular[c]);
     }
@@ -51,14 +52,16 @@ class NodeSums {
     const auto i = static_cast<std::size_t>(found_.count);
     const Vec3f outward = to_tool_ * node.normal;
     const Vec3f inwards = node.in_tool - inwards_ * outward;
-    const Vec3f normal = share_ > 0 && tool_.flank_axis >= 0 ? normalOfBlade(outward) : node.normal;
-    if (share_ > 0) addFoot(node, outward, i);
+    if (share_ > 0) {
+      any_cut_ |= node.tau_cut + node.phi < 0;
+      addFoot(node, outward, i);
+    }
     x_[i] = inwards[0];
     y_[i] = inwards[1];
     z_[i] = inwards[2];
     tau_[i] = node.tau;
     for (int c = 0; c < 3; ++c) {
-      found_.normal[c][i] = normal[c];
+      found_.normal[c][i] = node.normal[c];
       found_.from_tip[c][i] = static_cast<float>(node.from_tip[c]);
       found_.in_tool[c][i] = node.in_tool[c];
     }
@@ -89,7 +92,9 @@ class NodeSums {
       found_.slope[static_cast<std::size_t>(n)] =
           ((any_body_ ? std::min(cut_in_[n], body_in_[n]) : cut_in_[n]) - tau_[n]) / inwards_;
 
-    if (share_ > 0) tool_.cut.distances(beyond_x_, beyond_y_, beyond_z_, found_.tau_beyond.data(), padded);
+    moving_.cut_share = any_cut_ ? share_ : 0;
+    if (any_cut_) tool_.cut.distances(beyond_x_, beyond_y_, beyond_z_, found_.tau_beyond.data(), padded);
+    any_cut_ = false;
     found_.count = padded;
     internal::sumTouching(found_, moving_, totals_);
     found_.count = 0;
@@ -113,16 +118,6 @@ class NodeSums {
     beyond_x_[i] = beyond[0];
     beyond_y_[i] = beyond[1];
     beyond_z_[i] = beyond[2];
-  }
-
-  // Within two voxels of a blade's rim normals lean between its edge and its flank. This draws one towards the face
-  // that it is the nearer to, by the cubes of its parts: a choice of one would jump. As far as the share, object axes.
-  Vec3f normalOfBlade(const Vec3f& outward) const {
-    const int axis = tool_.flank_axis;
-    const float across = outward[axis];
-    Vec3f face = std::max(0.0f, 1 - across * across) * outward;
-    face[axis] = across * across * across;
-    return to_tool_.transpose() * (outward + share_ * (face.normalized() - outward)).normalized();
   }
 
   // Fills up to a multiple of 8 with nodes without stiffness. Returns that multiple.
@@ -215,7 +210,7 @@ class NodeSums {
   float x_[kGather], y_[kGather], z_[kGather];  // of `found_`, a step inwards, tool frame
   float beyond_x_[kGather], beyond_y_[kGather], beyond_z_[kGather];
   float tau_[kGather], cut_in_[kGather], body_in_[kGather];
-  bool any_body_ = false;
+  bool any_body_ = false, any_cut_ = false;
 };
 
 }  // namespace

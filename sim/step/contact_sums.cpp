@@ -36,6 +36,26 @@ HWY_INLINE V partOnFace(F f, V slope) {
   return hn::Min(hn::Max(part, hn::Set(f, kLeast)), hn::Set(f, 1.0f));
 }
 
+// Within two voxels of a blade's rim the object's normals lean between edge and flank. This draws those of what is cut
+// towards the face that they are the nearer to, by the cubes of their parts: a choice of one would jump.
+HWY_INLINE void drawToFace(F f, const TouchingTool& tool, hn::Mask<F> cuts, V normal[3]) {
+  const V one = hn::Set(f, 1.0f), share = hn::Set(f, tool.cut_share);
+  const auto dot = [](const V a[3], const V b[3]) {
+    return hn::Add(hn::Add(hn::Mul(a[0], b[0]), hn::Mul(a[1], b[1])), hn::Mul(a[2], b[2]));
+  };
+  const V axis[3] = {hn::Set(f, tool.across[0]), hn::Set(f, tool.across[1]), hn::Set(f, tool.across[2])};
+  const V across = dot(axis, normal), flank = hn::Min(hn::Mul(across, across), one), edge = hn::Sub(one, flank);
+  const V cubes = hn::Add(hn::Mul(hn::Mul(flank, flank), flank), hn::Mul(hn::Mul(edge, edge), edge));
+  const V part = hn::Div(share, hn::Sqrt(cubes));
+  const V kept = hn::Add(hn::Sub(one, share), hn::Mul(part, edge));
+  const V more = hn::Mul(hn::Mul(part, hn::Sub(flank, edge)), across);
+
+  V drawn[3];
+  for (int c = 0; c < 3; ++c) drawn[c] = hn::Add(hn::Mul(kept, normal[c]), hn::Mul(more, axis[c]));
+  const V to_unit = hn::Div(one, hn::Max(hn::Sqrt(dot(drawn, drawn)), hn::Set(f, 1e-6f)));
+  for (int c = 0; c < 3; ++c) normal[c] = hn::IfThenElse(cuts, hn::Mul(drawn[c], to_unit), normal[c]);
+}
+
 void sumTouchingHere(const TouchingNodes& nodes, const TouchingTool& tool, TouchingSums& out) {
   using S = TouchingSums;
   const F f;
@@ -102,6 +122,7 @@ void sumTouchingHere(const TouchingNodes& nodes, const TouchingTool& tool, Touch
     // Force, torque and stiffness, u = (n, r x n).
     const V r[3] = {load(nodes.from_tip[0]), load(nodes.from_tip[1]), load(nodes.from_tip[2])};
     V u[6] = {load(nodes.normal[0]), load(nodes.normal[1]), load(nodes.normal[2]), zero, zero, zero};
+    if (tool.is_blade && tool.cut_share > 0) drawToFace(f, tool, cuts, u);
     for (int c = 0; c < 3; ++c) {
       const int d = (c + 1) % 3, e = (c + 2) % 3;
       u[3 + c] = hn::Sub(hn::Mul(r[d], u[e]), hn::Mul(r[e], u[d]));

@@ -35,6 +35,8 @@ struct TouchingTool {
   float area_scale = 1;               ///< of nodes that are cut
   float cut_share = 0;                ///< ContactInput::cut_share
   float beyond = 1;                   ///< mm: see TouchingNodes::tau_beyond
+  bool is_blade = false;              ///< with flanks `across`
+  float across[3]{};                  ///< unit normal of the flanks, object axes
   float velocity[3]{}, angular[3]{};  ///< of the tip, object axes
 };
 

@@ -171,6 +171,7 @@ Expected<std::vector<double>> timePoints(Result& r, double side, const char* nam
     in.tool = &plate;
     in.tissues = &model.tissues;
     in.speed = 1000;
+    in.cut_share = 1;
     // Tilted, so that about one node in fifty touches.
     in.T_object_tool = turned(0.01, {1, 0.3 * std::sin(0.01 * n), 0}, {0, 0, 0.0049 * side});
 

@@ -177,7 +177,14 @@ void addPlain(const TouchingNodes& nodes, std::size_t n, const TouchingTool& too
   const double stiff_next = cuts ? stiff * part / rate : stiff;
 
   const Vec3d r(nodes.from_tip[0][n], nodes.from_tip[1][n], nodes.from_tip[2][n]);
-  const Vec3d normal(nodes.normal[0][n], nodes.normal[1][n], nodes.normal[2][n]);
+  Vec3d normal(nodes.normal[0][n], nodes.normal[1][n], nodes.normal[2][n]);
+  if (tool.is_blade && cuts) {
+    const Vec3d flank(tool.across[0], tool.across[1], tool.across[2]);
+    const double across = flank.dot(normal);
+    const Vec3d along = normal - across * flank;
+    const Vec3d face = (along.squaredNorm() * along + across * across * across * flank).normalized();
+    normal = (normal + share * (face - normal)).normalized();
+  }
   Eigen::Matrix<double, 6, 1> w;
   w << normal, r.cross(normal);
   int entry = S::kStiffness;
@@ -232,6 +239,9 @@ TEST(SumTouching, IsTheSumOfItsFormulas) {
     tool.beyond = 0.05f;
     for (const auto& [spins, share] : {std::pair(true, 0.0f), {true, 1.0f}, {false, 0.6f}}) {
       tool.body_spins = spins;
+      tool.is_blade = !spins;
+      tool.across[1] = 0.6f;
+      tool.across[2] = -0.8f;
       tool.cut_share = share;
       std::array<double, TouchingSums::kSums> expected{};
       double deepest = 0;
