@@ -18,6 +18,12 @@ class CutArea {
  public:
   /// What both are compared over, s. By what is unpaid a change is followed within half of it. Longer is calmer.
   static constexpr double kTime = 0.3;
+  /// While nothing is cut an e-th is left after that, s: nothing is known any more after half a second.
+  static constexpr double kForget = 0.04;
+
+  CutArea() = default;
+  /// As byLedger() and byShell() said, mm^3.
+  CutArea(double by_ledger, double by_shell) noexcept : by_ledger_(by_ledger), by_shell_(by_shell) {}
 
   /// Factor on the areas of nodes that are cut, 0.5 to 4; 1 where nothing was cut of late.   @param voxel  mm.
   double scale(double voxel) const noexcept {
@@ -34,8 +40,12 @@ class CutArea {
     by_shell_ = kept * by_shell_ + by_shell;
     by_ledger_ = std::clamp(kept * by_ledger_ + by_ledger + unpaid, kLeast * by_shell_, kMost * by_shell_);
   }
-  /// Time without contact: what was known is forgotten.
-  void fade(double dt) noexcept { add(0, 0, 0, dt); }
+  /// Time in which nothing is cut: what was known is forgotten.
+  void fade(double dt) noexcept {
+    const double kept = 1 - std::min(1.0, dt / kForget);
+    by_ledger_ *= kept;
+    by_shell_ *= kept;
+  }
 
   double byLedger() const noexcept { return by_ledger_; }
   double byShell() const noexcept { return by_shell_; }

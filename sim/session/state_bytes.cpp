@@ -260,7 +260,7 @@ std::optional<CutObject> unpackObject(Reader& from, const LoadedObjects& loaded,
   object.T_world_object = pose;
   object.id = id;
   object.core_load = core_load;
-  object.cut_area.add(by_ledger, by_shell, 0, 0);
+  object.cut_area = CutArea(by_ledger, by_shell);
   object.is_core_clear = flags & 4;
   if (flags & 2) object.freeze();
   object.removed_mm3 = removed;

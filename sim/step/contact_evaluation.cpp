@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "sim/step/contact_turns.h"
+#include "sim/step/erosion_rates.h"
 
 namespace kerf {
 namespace {
@@ -16,31 +17,40 @@ void finishTurn(const CutResult& cut, ContactEvaluation& out) {
   if (cut.pool_ran_out) out.status |= kStepBricksRanOut;
 }
 
-// What was removed, against the areas of the shell. The load of the core erodes too: beside the shell's, in proportion.
-// What all work paid for is the shell's part times `all_power`, power with the core over that without. Where something
-// forbade the cut, the areas are not to blame.
-void learnArea(CutObject& object, const ContactSums& sums, double all_power, const CutResult& cut, double dt) {
-  if (object.isFrozen() || cut.pool_ran_out) return;
-  const bool is_shared = object.core_load > 0 && sums.bare_load > 0;
-  const double share = is_shared ? sums.bare_load / (sums.bare_load + object.core_load) : 1;
-  if (sums.cut_by_shell > 0) {
-    const double paid = object.cut_area.scale(object.voxel()) * sums.cut_by_shell * all_power;
-    object.cut_area.add(share * cut.removed_mm3, sums.cut_by_shell, cut.removed_mm3 - paid, dt);
-  } else if (sums.touching == 0) {
-    object.cut_area.fade(dt);
-  }
+constexpr double kSlow = 0.1;  // of a drive's free speed
+
+// A drill's lips have a law of feed and thrust, not of work. What runs the wrong way round cuts nothing.
+bool paysByWork(const ContactInput& in) {
+  return !in.geometry_only && !in.tool->lips.areThere() && in.tool->drive.speed > 0 && !internal::onlyRubs(in);
 }
 
 // The areas of what is cut, as far as something was cut of late and the drive turns: at rest a tool presses by the
-// areas as they are. A drill's lips have a law of feed and thrust, not of work.
+// areas as they are, and the force must not jump where a drive comes to rest.
 void correctAreas(const CutObject& object, ContactInput& in) {
-  constexpr double kSlow = 0.1;  // of the free speed: the force must not jump where a drive comes to rest
-  const ToolModel& tool = *in.tool;
-  if (in.geometry_only || tool.lips.areThere() || !(tool.drive.speed > 0)) return;
-
+  if (!paysByWork(in)) return;
   const double h = object.voxel();
-  in.cut_share = object.cut_area.share(h) * std::min(1.0, std::abs(in.speed) / (kSlow * tool.drive.speed));
+  in.cut_share = object.cut_area.share(h) * std::min(1.0, std::abs(in.speed) / (kSlow * in.tool->drive.speed));
   in.area_scale = 1 + in.cut_share * (object.cut_area.scale(h) - 1);
+}
+
+// What was removed, against the areas of the shell. The load of the core erodes too: beside the shell's, in proportion.
+// Where something forbade the cut, or the core's load asked for more than there was, the areas are not to blame.
+void learnArea(CutObject& object, const ContactInput& in, const ContactSums& sums, const CutResult& cut) {
+  if (in.geometry_only || cut.pool_ran_out) return;
+  const bool is_slow = std::abs(in.speed) < kSlow * in.tool->drive.speed;
+  if (!paysByWork(in) || is_slow || object.isFrozen() || !(sums.cut_by_shell > 0)) {
+    object.cut_area.fade(in.dt);
+    return;
+  }
+
+  // The sums have the core's load by now: shareCoreLoad().
+  const double core = object.core_load, shell = sums.cutting_load - core;
+  const bool is_shared = core > 0 && sums.bare_load > 0 && shell > 0;
+  const double removed = is_shared ? cut.removed_mm3 * sums.bare_load / (sums.bare_load + core) : cut.removed_mm3;
+  const double paid = object.cut_area.scale(object.voxel()) * sums.cut_by_shell * (is_shared ? 1 + core / shell : 1);
+  const bool took_all =
+      is_shared && in.load_scale * relaxationRate(sums.bare_load, sums.bare_erodible) > 0.99 * kMostRelaxed;
+  object.cut_area.add(removed, sums.cut_by_shell, took_all ? 0 : cut.removed_mm3 - paid, in.dt);
 }
 
 // Force, then erosion: both see the same pose and the same field. A contact too large for a tick goes by turns.
@@ -62,14 +72,12 @@ void touchAndCut(const Model& model, State& state, const Substep& substep, std::
   }
 
   if (sums.touching > 0) out.objects_touched |= objectBit(number);
-  const double power = sums.power;
   in.load_scale = shareCoreLoad(object.core_load, state.speed, sums);
-  const double all_power = power > 0 ? sums.power / power : 1;
   out.sums.add(sums.rotated(object.T_world_object.rotation.toRotationMatrix()));
 
   const CutResult cut =
       by_turns ? turns.erode(object, state.near, state.near_in_turn, in, groups) : erode(object, state.near, in);
-  if (!in.geometry_only) learnArea(object, sums, all_power, cut, substep.dt);
+  learnArea(object, in, sums, cut);
   if (by_turns) {
     finishTurn(cut, out);
     return;
