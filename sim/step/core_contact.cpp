@@ -10,6 +10,7 @@ namespace kerf {
 namespace {
 
 constexpr double kShareOut = 0.4;    // of a point's radius: how far it stays out
+constexpr double kBlur = 0.7;        // voxels: a hole as narrow seems narrower by that, and the band ends sooner
 constexpr double kStiffArea = 1.5;   // mm^2: K over the contact stiffness of the material
 constexpr double kClear = 0.05;      // mm: a core that is pressed in by less has been outside
 constexpr double kStillSpeed = 0.5;  // mm/s: as sumContact()
@@ -118,7 +119,7 @@ void CoreContact::gather(CutObject& object, std::size_t number, const ContactInp
   Nodes nodes(object);
   const auto allowedOf = [&](const CorePoint& point) {
     const auto radius = static_cast<double>(point.radius);
-    return std::min({kShareOut * radius, radius - h, band - h});
+    return std::min({kShareOut * radius, radius - kBlur * h, band - kBlur * h});
   };
 
   if (!object.is_core_clear) {
@@ -140,7 +141,8 @@ void CoreContact::gather(CutObject& object, std::size_t number, const ContactInp
     const auto radius = static_cast<double>(point.radius);
     const double allowed = allowedOf(point);
 
-    // Distances change no faster than the place: most points are left here.
+    // Distances change no faster than the place: most points are left here. So is one whose nearest node is at the end
+    // of the band, which aslant to the grid may be 0.87 voxels farther out: it is held that little later.
     const double there = nodes.phi(middle);
     if (there >= band || there > allowed + way_mm + kNodeReach * h) continue;
     const SmoothDistance found = smoothDistance(nodes, in_voxels, middle, h);

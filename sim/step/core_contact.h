@@ -4,8 +4,8 @@
 // through: its own flanks face away from the push, and past its middle its distance points the other way. A core point
 // (sim/step/tool_core.h) is stopped before that, on the near side of the object's surface:
 //
-//   allowed   delta = min(0.4 r, r - h, band - h), r the point's radius, h the voxel, band the object's outer one: how
-//             near it may come. A core thinner than a voxel may go in by what it lacks.
+//   allowed   delta = min(0.4 r, r - 0.7 h, band - 0.7 h), r the point's radius, h the voxel, band the object's outer
+//             one: how near it may come. A core thinner than 0.7 voxels may go in by what it lacks.
 //   distance  phi and its gradient g by quadratic B-splines over the 27 nodes around: smooth where nodes are passed.
 //             Between two walls g is short by itself; only what is longer than 1 is shortened.
 //   push      N = K max(0, delta - phi') along g, K = 1.5 mm^2 times the contact stiffness of the material there, phi'

@@ -17,7 +17,7 @@ struct CorePoint {
 };
 
 /// Thinner parts of a tool have no core, mm: a point that stood on its tip would not cut.
-inline constexpr double kThinnestCore = 0.08;
+inline constexpr double kThinnestCore = 0.07;
 
 /// The core of a tool of both parts, of which `body` may be empty.
 ///   revolved  points of the axis, from the lowest that lies deep enough; of a disc, a ring at its rim

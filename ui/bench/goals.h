@@ -195,7 +195,7 @@ inline constexpr Goal kSinkGoals[] = {
     {"too deep in the solid, 1 m/s", "", kAtMost, 0, Weight::kAim},
     {"walls passed, 1 m/s", "", kAtMost, 0, Weight::kAim},
     // A cone and a flame give way a little before their core takes over: docs/results/README.md.
-    {"force falls with depth by, most", "N", kAtMost, 0.05, Weight::kAim},
+    {"force falls with depth by, most", "N", kAtMost, 0.05},
     // Tips thinner than three voxels, spikes of a mesh: docs/results/README.md.
     {"cutting: removal over what the work pays for, least", "", kAtLeast, 0.75, Weight::kAim},
     {"cutting: runs that removed less than 0.95 of that", "", kAtMost, 0, Weight::kAim},

@@ -104,6 +104,16 @@ TEST(CoreContact, TheHandFeelsNoFallOfForceButOnceTheToolHasTouched) {
   EXPECT_GT(sink(without, 0, scene).fall, 0.05);
 }
 
+// A cone with a flat end of 0.6 mm, whose shell carries the less the deeper its rim is in, and a point thinner than two
+// voxels: their cores have to take over in time.
+TEST(CoreContact, ASlowHandFeelsNoToolGiveWay) {
+  for (const auto& [id, voxel] : {std::pair("847-012", 0.05), std::pair("863-012", 0.1), std::pair("863-012", 0.05)}) {
+    SinkScene scene = pushedBy(8, 4, voxel);
+    scene.speed = 4;
+    EXPECT_LT(sink(modelOf(toolOfRack(id)), 0, scene).fall, 0.05) << id << " " << voxel;
+  }
+}
+
 TEST(CoreContact, AThinWallIsNotPassedByATapOfAMetrePerSecond) {
   for (const char* id : {"859-012", "round-005", "us-699", "disc-22"}) {
     const Model model = modelOf(toolOfRack(id));
