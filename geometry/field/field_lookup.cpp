@@ -71,9 +71,14 @@ HWY_INLINE V fromBox(F f, const FieldTable& t, V x, V y, V z) {
   const V dx = outOf(f, x, t.low[0], t.high[0]), dy = outOf(f, y, t.low[1], t.high[1]),
           dz = outOf(f, z, t.low[2], t.high[2]);
   const V zero = hn::Zero(f);
+  // Before a side, neither beside an edge nor a corner, there is no root to take: it would give the same bits.
+  const V higher = hn::Max(dx, dy), largest = hn::Max(higher, dz);
+  const V second = hn::Max(hn::Min(dx, dy), hn::Min(higher, dz));
+  if (hn::AllTrue(f, hn::Le(second, zero))) return largest;
+
   const V ox = hn::Max(dx, zero), oy = hn::Max(dy, zero), oz = hn::Max(dz, zero);
   const V outside = hn::Sqrt(hn::Add(hn::Add(hn::Mul(ox, ox), hn::Mul(oy, oy)), hn::Mul(oz, oz)));
-  return hn::Add(outside, hn::Min(hn::Max(hn::Max(dx, dy), dz), zero));
+  return hn::Add(outside, hn::Min(largest, zero));
 }
 
 // One loop per form, over a table of its own: what may not change while results are written stays in registers.

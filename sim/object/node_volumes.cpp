@@ -156,6 +156,20 @@ void nodeVolumes(const float* value, const float* const beside[6], int count, fl
   HWY_DYNAMIC_DISPATCH(nodeVolumesHere)(value, beside, count, band, out);
 }
 
+// The same node before and after its brick's values were changed: what is beyond a face is the same in both.
+static void setBoth(int at, int node, const BrickNeighborhood& bricks, const float* after, SurfaceNodes& was,
+                    SurfaceNodes& is) noexcept {
+  was.value[at] = bricks.self[node];
+  is.value[at] = after[node];
+  const auto& neighbours = kNeighbours[static_cast<std::size_t>(node)];
+  for (std::size_t k = 0; k < 6; ++k) {
+    const std::size_t neighbour = neighbours[k];
+    const bool is_here = neighbour < kBrickNodes;
+    was.beside[k][at] = is_here ? bricks.self[neighbour] : bricks.face[k][neighbour & 511];
+    is.beside[k][at] = is_here ? after[neighbour] : was.beside[k][at];
+  }
+}
+
 void SurfaceNodes::set(int at, int node, const BrickNeighborhood& bricks) noexcept {
   const float* const from[7] = {bricks.self,    bricks.face[0], bricks.face[1], bricks.face[2],
                                 bricks.face[3], bricks.face[4], bricks.face[5]};
@@ -318,16 +332,13 @@ VolumeChange::VolumeChange(const BrickNeighborhood& before, const float* after, 
   const NodeBits near =
       joinNeighbours(changed, {}, [](std::uint64_t here, std::uint64_t there) { return here | there; });
 
-  BrickNeighborhood now = before;
-  now.self = after;
   MaterialNeighborhood labels = materials;
   labels.self = materials_after;
   NodeBits nodes;
   for (std::size_t x = 0; x < kBrickSide; ++x)
     nodes[x] = ((surface_was[x] | surface[x]) & near[x]) | (was.self[x] ^ inside[x]);
   forEachNode(nodes, [&](int n) {
-    before_.set(count_, n, before);
-    after_.set(count_, n, now);
+    internal::setBoth(count_, n, before, after, before_, after_);
     if (!is_one_) {
       before_.label(count_, n, materials);
       after_.label(count_, n, labels);

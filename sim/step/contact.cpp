@@ -29,8 +29,10 @@ class NodeSums {
         inwards_(static_cast<float>(0.2 * object.voxel())),
         beyond_(static_cast<float>(0.5 * object.voxel())),
         share_(static_cast<float>(in.cut_share)),
-        to_tool_(in.T_object_tool.rotation.toRotationMatrix().transpose().cast<float>()),
         rates_(in) {
+    const Eigen::Matrix3d to_object = in.T_object_tool.rotation.toRotationMatrix();
+    for (int row = 0; row < 3; ++row)
+      for (int column = 0; column < 3; ++column) to_tool_[row][column] = static_cast<float>(to_object(column, row));
     moving_.lever = internal::leverOf(tool_);
     moving_.lips = internal::lipsOf(in);
     moving_.speed = static_cast<float>(std::abs(in.speed));
@@ -41,7 +43,7 @@ class NodeSums {
     moving_.beyond = beyond_;
     moving_.is_blade = tool_.flank_axis >= 0;
     for (int c = 0; c < 3; ++c) {
-      moving_.across[c] = moving_.is_blade ? to_tool_(tool_.flank_axis, c) : 0;
+      moving_.across[c] = moving_.is_blade ? to_tool_[tool_.flank_axis][c] : 0;
       moving_.velocity[c] = static_cast<float>(in.velocity[c]);
       moving_.angular[c] = static_cast<float>(in.angular[c]);
     }
@@ -49,19 +51,12 @@ class NodeSums {
 
   void add(const internal::TouchingNode& node) {
     any_body_ |= node.body_is_near;
+    any_cut_ |= share_ > 0 && node.tau_cut + node.phi < 0;
     const auto i = static_cast<std::size_t>(found_.count);
-    const Vec3f outward = to_tool_ * node.normal;
-    const Vec3f inwards = node.in_tool - inwards_ * outward;
-    if (share_ > 0) {
-      any_cut_ |= node.tau_cut + node.phi < 0;
-      addFoot(node, outward, i);
-    }
-    x_[i] = inwards[0];
-    y_[i] = inwards[1];
-    z_[i] = inwards[2];
+    phi_[i] = node.phi;
     tau_[i] = node.tau;
     for (int c = 0; c < 3; ++c) {
-      found_.normal[c][i] = node.normal[c];
+      found_.normal[c][i] = node.area_vector[c];  // until flush()
       found_.from_tip[c][i] = static_cast<float>(node.from_tip[c]);
       found_.in_tool[c][i] = node.in_tool[c];
     }
@@ -86,16 +81,17 @@ class NodeSums {
   void flush() {
     if (found_.count == 0) return;
     const int padded = pad();
-    tool_.cut.distances(x_, y_, z_, cut_in_, padded);
-    if (any_body_) tool_.body.distances(x_, y_, z_, body_in_, padded);
-    for (int n = 0; n < padded; ++n)
-      found_.slope[static_cast<std::size_t>(n)] =
-          ((any_body_ ? std::min(cut_in_[n], body_in_[n]) : cut_in_[n]) - tau_[n]) / inwards_;
+    found_.count = padded;
+    internal::turnTouching(phi_, to_tool_, inwards_, any_cut_ ? beyond_ : 0, found_, places_);
+
+    lookUp(tool_.cut, places_.inwards, cut_in_);
+    if (any_body_) lookUp(tool_.body, places_.inwards, body_in_);
+    for (std::size_t n = 0; n < static_cast<std::size_t>(padded); ++n)
+      found_.slope[n] = ((any_body_ ? std::min(cut_in_[n], body_in_[n]) : cut_in_[n]) - tau_[n]) / inwards_;
 
     moving_.cut_share = any_cut_ ? share_ : 0;
-    if (any_cut_) tool_.cut.distances(beyond_x_, beyond_y_, beyond_z_, found_.tau_beyond.data(), padded);
+    if (any_cut_) lookUp(tool_.cut, places_.beyond, found_.tau_beyond);
     any_cut_ = false;
-    found_.count = padded;
     internal::sumTouching(found_, moving_, totals_);
     found_.count = 0;
     any_body_ = false;
@@ -110,14 +106,11 @@ class NodeSums {
   static constexpr int kGather = ShellChunk::kNodes;
   static_assert(kGather == internal::TouchingNodes::kMost);
 
-  // Where the node's normal meets the surface, and a place beyond it, in the tool: TouchingNodes::foot, tau_beyond.
-  void addFoot(const internal::TouchingNode& node, const Vec3f& outward, std::size_t i) {
-    const Vec3f foot = node.in_tool - node.phi * outward;
-    const Vec3f beyond = foot + beyond_ * outward;
-    for (int c = 0; c < 3; ++c) found_.foot[c][i] = foot[c];
-    beyond_x_[i] = beyond[0];
-    beyond_y_[i] = beyond[1];
-    beyond_z_[i] = beyond[2];
+  using Row = internal::TouchingNodes::Row;
+
+  // The tool's distances at all nodes' places.
+  void lookUp(const ToolField& field, const Row (&at)[3], Row& out) const {
+    field.distances(at[0].data(), at[1].data(), at[2].data(), out.data(), found_.count);
   }
 
   // Fills up to a multiple of 8 with nodes without stiffness. Returns that multiple.
@@ -126,11 +119,8 @@ class NodeSums {
     const auto clear = [&](auto& row) {
       for (auto n = static_cast<std::size_t>(count); n < static_cast<std::size_t>(padded); ++n) row[n] = 0;
     };
-    for (int n = count; n < padded; ++n) x_[n] = y_[n] = z_[n] = tau_[n] = 0;
-    if (share_ > 0) {
-      for (int n = count; n < padded; ++n) beyond_x_[n] = beyond_y_[n] = beyond_z_[n] = 0;
-      for (auto& axis : found_.foot) clear(axis);
-    }
+    clear(phi_);
+    clear(tau_);
     clear(found_.overlap);
     clear(found_.into_cut);
     clear(found_.area);
@@ -201,15 +191,14 @@ class NodeSums {
   const float inwards_;  // step of the directional derivative of tau, mm
   const float beyond_;   // step into the tool from the surface, mm
   const float share_;    // ContactInput::cut_share
-  const Eigen::Matrix3f to_tool_;
+  float to_tool_[3][3];  // by rows: from object axes to the tool's
   const internal::ErosionRates rates_;
   internal::TouchingTool moving_;
   internal::TouchingSums totals_;
   std::array<float, 256> area_of_{};
   internal::TouchingNodes found_;
-  float x_[kGather], y_[kGather], z_[kGather];  // of `found_`, a step inwards, tool frame
-  float beyond_x_[kGather], beyond_y_[kGather], beyond_z_[kGather];
-  float tau_[kGather], cut_in_[kGather], body_in_[kGather];
+  internal::TouchingPlaces places_;
+  Row phi_, tau_, cut_in_, body_in_;  // of `found_`; the last two at places_.inwards
   bool any_body_ = false, any_cut_ = false;
 };
 

@@ -58,10 +58,10 @@ struct DeepestNodes {
       if ((in.geometry_only && !is_body) || std::abs(node.phi) > layer) return;
       const int half = is_body ? kCells / 2 : 0;
       const auto cell = static_cast<std::size_t>(
-          half + cellOf(node.in_tool, to_tool * node.normal, is_body ? tool.body.bounds() : tool.cut.bounds()));
+          half + cellOf(node.in_tool, to_tool * node.normal(), is_body ? tool.body.bounds() : tool.cut.bounds()));
       if (node.gap < gaps[cell]) {
         gaps[cell] = node.gap;
-        nodes[cell] = {node.normal, node.in_tool, node.from_tip};
+        nodes[cell] = {node.normal(), node.in_tool, node.from_tip};
       }
     });
   }

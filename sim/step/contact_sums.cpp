@@ -56,6 +56,37 @@ HWY_INLINE void drawToFace(F f, const TouchingTool& tool, hn::Mask<F> cuts, V no
   for (int c = 0; c < 3; ++c) normal[c] = hn::IfThenElse(cuts, hn::Mul(drawn[c], to_unit), normal[c]);
 }
 
+void turnTouchingHere(const TouchingNodes::Row& phi, const float to_tool[3][3], float inwards, float beyond,
+                      TouchingNodes& nodes, TouchingPlaces& places) {
+  const F f;
+  const int lanes = static_cast<int>(hn::Lanes(f));
+  const V tiny = hn::Set(f, 1e-30f), inwards_by = hn::Set(f, inwards), beyond_by = hn::Set(f, beyond);
+  V turn[3][3];
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 3; ++column) turn[row][column] = hn::Set(f, to_tool[row][column]);
+
+  for (int n = 0; n < nodes.count; n += lanes) {
+    const V area = hn::Max(hn::LoadU(f, nodes.area.data() + n), tiny);
+    V normal[3];
+    for (int c = 0; c < 3; ++c) {
+      normal[c] = hn::Div(hn::LoadU(f, nodes.normal[c].data() + n), area);
+      hn::StoreU(normal[c], f, nodes.normal[c].data() + n);
+    }
+
+    const V out_by = hn::LoadU(f, phi.data() + n);
+    for (int c = 0; c < 3; ++c) {
+      const V outward = hn::Add(hn::Mul(turn[c][0], normal[0]),
+                                hn::Add(hn::Mul(turn[c][1], normal[1]), hn::Mul(turn[c][2], normal[2])));
+      const V place = hn::LoadU(f, nodes.in_tool[c].data() + n);
+      hn::StoreU(hn::Sub(place, hn::Mul(inwards_by, outward)), f, places.inwards[c].data() + n);
+      if (!(beyond > 0)) continue;
+      const V foot = hn::Sub(place, hn::Mul(out_by, outward));
+      hn::StoreU(foot, f, nodes.foot[c].data() + n);
+      hn::StoreU(hn::Add(foot, hn::Mul(beyond_by, outward)), f, places.beyond[c].data() + n);
+    }
+  }
+}
+
 void sumTouchingHere(const TouchingNodes& nodes, const TouchingTool& tool, TouchingSums& out) {
   using S = TouchingSums;
   const F f;
@@ -202,7 +233,13 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace kerf::internal {
 
+HWY_EXPORT(turnTouchingHere);
 HWY_EXPORT(sumTouchingHere);
+
+void turnTouching(const TouchingNodes::Row& phi, const float to_tool[3][3], float inwards, float beyond,
+                  TouchingNodes& nodes, TouchingPlaces& places) noexcept {
+  HWY_DYNAMIC_DISPATCH(turnTouchingHere)(phi, to_tool, inwards, beyond, nodes, places);
+}
 
 void sumTouching(const TouchingNodes& nodes, const TouchingTool& tool, TouchingSums& sums) noexcept {
   HWY_DYNAMIC_DISPATCH(sumTouchingHere)(nodes, tool, sums);

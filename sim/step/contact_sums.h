@@ -24,6 +24,13 @@ struct TouchingNodes {
   int count = 0;
 };
 
+/// Where the tool's distance is looked up for the sake of nodes; tool frame, mm.
+struct TouchingPlaces {
+  using Row = TouchingNodes::Row;
+  alignas(32) Row inwards[3];  ///< a step further inwards, for its slope
+  alignas(32) Row beyond[3];   ///< TouchingNodes::tau_beyond; only set if asked for
+};
+
 /// What is the same for all of them.
 struct TouchingTool {
   Lever lever;
@@ -70,6 +77,13 @@ struct TouchingSums {
   std::array<double, kSums> value{};
   float deepest = 0;
 };
+
+/// Where the nodes' surfaces face: replaces `normal`, the area vector (mm^2, its length `area`), by the unit normal,
+/// and sets the places, and `foot` of all nodes if `beyond` is positive.   @param phi  of the nodes, mm.
+/// @param to_tool  by rows: from object axes to the tool's.   @param inwards, beyond  the steps to them, mm.
+/// The same bits with any instruction set.
+void turnTouching(const TouchingNodes::Row& phi, const float to_tool[3][3], float inwards, float beyond,
+                  TouchingNodes& nodes, TouchingPlaces& places) noexcept;
 
 /// Adds the nodes' share. Each of eight lanes is summed by itself and the lanes in their order: the same bits with any
 /// instruction set. Formulas: sim/step/contact.h. @cost about 10 ns a node.

@@ -14,18 +14,22 @@ using F = hn::CappedTag<float, 8>;
 using I = hn::RebindToSigned<F>;
 using V = hn::Vec<F>;
 
+// What the loops need of base and along is read before anything is written, which may be anywhere: so it stays in
+// registers.
 void placeHere(const float base[3], const float along[3][3], float* x, float* y, float* z) {
   const F f;
   const int lanes = static_cast<int>(hn::Lanes(f));
   float* out[3] = {x, y, z};
-  for (int c = 0; c < 3; ++c)
-    for (int row = 0; row < 64; ++row) {
-      const float start =
-          base[c] + static_cast<float>(row >> 3) * along[0][c] + static_cast<float>(row & 7) * along[1][c];
+  for (int c = 0; c < 3; ++c) {
+    const float first = base[c], by_slab = along[0][c], by_row = along[1][c];
+    const V in_row = hn::Set(f, along[2][c]);
+    float* at = out[c];
+    for (int row = 0; row < 64; ++row, at += 8) {
+      const float start = first + static_cast<float>(row >> 3) * by_slab + static_cast<float>(row & 7) * by_row;
       for (int k = 0; k < 8; k += lanes)
-        hn::StoreU(hn::Add(hn::Set(f, start), hn::Mul(hn::Iota(f, static_cast<float>(k)), hn::Set(f, along[2][c]))), f,
-                   out[c] + 8 * row + k);
+        hn::StoreU(hn::Add(hn::Set(f, start), hn::Mul(hn::Iota(f, static_cast<float>(k)), in_row)), f, at + k);
     }
+  }
 }
 
 void placeShellHere(const float base[3], const float along[3][3], const std::uint16_t* offsets, int count, float* x,
@@ -35,17 +39,18 @@ void placeShellHere(const float base[3], const float along[3][3], const std::uin
   const hn::Rebind<std::uint16_t, F> u16;
   const int lanes = static_cast<int>(hn::Lanes(f));
   float* out[3] = {x, y, z};
+  const V b0[3] = {hn::Set(f, base[0]), hn::Set(f, base[1]), hn::Set(f, base[2])};
+  const V a0[3] = {hn::Set(f, along[0][0]), hn::Set(f, along[0][1]), hn::Set(f, along[0][2])};
+  const V a1[3] = {hn::Set(f, along[1][0]), hn::Set(f, along[1][1]), hn::Set(f, along[1][2])};
+  const V a2[3] = {hn::Set(f, along[2][0]), hn::Set(f, along[2][1]), hn::Set(f, along[2][2])};
+  const auto seven = hn::Set(i, 7);
   for (int n = 0; n < count; n += lanes) {
     const auto at = hn::PromoteTo(i, hn::LoadU(u16, offsets + n));
-    const auto seven = hn::Set(i, 7);
     const V a = hn::ConvertTo(f, hn::ShiftRight<6>(at)), b = hn::ConvertTo(f, hn::And(hn::ShiftRight<3>(at), seven)),
             c = hn::ConvertTo(f, hn::And(at, seven));
-    for (int axis = 0; axis < 3; ++axis) {
-      const V p = hn::Add(hn::Add(hn::Add(hn::Set(f, base[axis]), hn::Mul(a, hn::Set(f, along[0][axis]))),
-                                  hn::Mul(b, hn::Set(f, along[1][axis]))),
-                          hn::Mul(c, hn::Set(f, along[2][axis])));
-      hn::StoreU(p, f, out[axis] + n);
-    }
+    for (int axis = 0; axis < 3; ++axis)
+      hn::StoreU(hn::Add(hn::Add(hn::Add(b0[axis], hn::Mul(a, a0[axis])), hn::Mul(b, a1[axis])), hn::Mul(c, a2[axis])),
+                 f, out[axis] + n);
   }
 }
 
@@ -95,16 +100,22 @@ std::uint64_t touchingHere(const float* cut, const float* body, const float* phi
   const V far = hn::Set(f, 1e30f), touches = hn::Set(f, -least_overlap);
   V least = hn::Set(f, least_gap);
   std::uint64_t bits = 0;
-  for (int at = 0; at < count; at += lanes) {
+  const auto test = [&](int at, V gap) {
+    least = hn::Min(least, gap);
+    const auto touching = hn::Lt(gap, touches);
+    if (hn::AllFalse(f, touching)) return;  // as most are
+    std::uint8_t part[8] = {};
+    hn::StoreMaskBits(f, touching, part);
+    bits |= std::uint64_t{part[0]} << at;
+  };
+  const auto gapAt = [&](int at) {
     V nearest = hn::LoadU(f, cut + at);
     if (body) nearest = hn::Min(nearest, hn::LoadU(f, body + at));
-    const V gap = hn::IfThenElse(hn::FirstN(f, static_cast<std::size_t>(count - at)),
-                                 hn::Add(nearest, hn::LoadU(f, phi + at)), far);
-    least = hn::Min(least, gap);
-    std::uint8_t part[8] = {};
-    hn::StoreMaskBits(f, hn::Lt(gap, touches), part);
-    bits |= std::uint64_t{part[0]} << at;
-  }
+    return hn::Add(nearest, hn::LoadU(f, phi + at));
+  };
+  int at = 0;
+  for (; at + lanes <= count; at += lanes) test(at, gapAt(at));
+  if (at < count) test(at, hn::IfThenElse(hn::FirstN(f, static_cast<std::size_t>(count - at)), gapAt(at), far));
   least_gap = hn::GetLane(hn::MinOfLanes(f, least));
   return bits;
 }

@@ -15,7 +15,7 @@ namespace kerf::internal {
 
 /// A node of the shell that overlaps the tool.
 struct TouchingNode {
-  Vec3f normal;           ///< outward, object axes, unit
+  Vec3f area_vector;      ///< outward, object axes, mm^2; its length is `area`, not 0
   Vec3f in_tool;          ///< tool frame, mm
   Vec3d from_tip;         ///< object axes, mm
   float area;             ///< mm^2
@@ -23,6 +23,8 @@ struct TouchingNode {
   float tau_cut, gap;     ///< mm; gap = tau + phi < -ToolField::leastOverlap(). tau_cut is kFar where that is far off
   bool body_is_near;      ///< tau is the nearer of cutting part and body; else the body is farther for certain
   std::uint8_t material;  ///< number
+
+  Vec3f normal() const { return area_vector / area; }  ///< outward, object axes
 };
 
 /// What forEachTouching() reads of every node. A large contact does not fit the caches: while one brick is summed, the
@@ -102,9 +104,8 @@ int forEachTouching(CutObject& object, const NearBricks& near, const ToolModel& 
 
         touches = true;
         const int offset = chunk.offset[at];
-        visit(TouchingNode{w / area, Vec3f(px[n], py[n], pz[n]),
-                           corner + h * Vec3d(offset >> 6, offset >> 3 & 7, offset & 7), area, phi[n], nearest, cut[n],
-                           gap, body_is_near, chunk.material[at]});
+        visit(TouchingNode{w, Vec3f(px[n], py[n], pz[n]), corner + h * Vec3d(offset >> 6, offset >> 3 & 7, offset & 7),
+                           area, phi[n], nearest, cut[n], gap, body_is_near, chunk.material[at]});
       }
     }
 

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <functional>
 #include <random>
+#include <tuple>
 #include <vector>
 
 #include "sim/object/node_volumes.h"
@@ -156,20 +157,33 @@ TEST(NodeKernels, ValuesAreLookedUpByOffsetAndByMaterial) {
   });
 }
 
-// What a tool with the spinning lever adds for one node, by the formulas of sim/step/contact.h in double.
+double plainLever(const Lever& lever, const TouchingNodes::Row (&place)[3], std::size_t n) {
+  const double x = double(place[0][n]), y = double(place[1][n]), z = double(place[2][n]);
+  switch (lever.form) {
+    case LeverForm::kRadius:
+      return std::max(std::hypot(x, y), double(lever.least_radius));
+    case LeverForm::kPivot:
+      return std::hypot(x, z - double(lever.pivot));
+    case LeverForm::kOne:
+      break;
+  }
+  return 1;
+}
+
+// What a tool adds for one node, by the formulas of sim/step/contact.h in double.
 void addPlain(const TouchingNodes& nodes, std::size_t n, const TouchingTool& tool,
               std::array<double, TouchingSums::kSums>& sums, double& deepest) {
   using S = TouchingSums;
   const auto at = [&sums](int entry) -> double& { return sums[static_cast<std::size_t>(entry)]; };
   const double facing = std::clamp(2.0 * static_cast<double>(nodes.slope[n]), 0.0, 1.0);
-  const double arm = std::max(std::hypot(double(nodes.in_tool[0][n]), double(nodes.in_tool[1][n])), 0.3);
+  const double arm = plainLever(tool.lever, nodes.in_tool, n);
   const double rate = double(nodes.rate[n]) * arm, part = -std::expm1(-rate);
   const double mean = double(nodes.overlap[n]) - double(nodes.into_cut[n]) * (1 - part / rate);
   const bool cuts = nodes.into_cut[n] > 0;
   const double next = double(nodes.overlap[n]) - double(nodes.into_cut[n]) * (1 - (1 - part) * part / rate);
   const double slope = -(double(nodes.into_cut[n]) + double(nodes.tau_beyond[n])) / double(tool.beyond);
   const double on_face = std::clamp((slope - 0.4) / 0.6, 0.5, 1.0), share = double(tool.cut_share);
-  const double at_foot = std::max(std::hypot(double(nodes.foot[0][n]), double(nodes.foot[1][n])), 0.3);
+  const double at_foot = plainLever(tool.lever, nodes.foot, n);
   const double arm_of_work = cuts ? arm + share * (at_foot - arm) : arm;
   const double area = double(nodes.area[n]), of_cut = area * (1 - share * (1 - on_face));
   const double counted = cuts ? double(tool.area_scale) * of_cut : area;
@@ -225,19 +239,70 @@ void addPlain(const TouchingNodes& nodes, std::size_t n, const TouchingTool& too
   }
 }
 
+TEST(TurnTouching, IsItsFormulasAndLeavesWhatItIsNotAskedForAlone) {
+  std::mt19937 random(6);
+  std::uniform_real_distribution<float> u(-1, 1);
+  const Eigen::Matrix3f turn = Eigen::Quaternionf(0.8f, 0.3f, -0.2f, 0.4f).normalized().toRotationMatrix();
+  float to_tool[3][3];
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 3; ++column) to_tool[row][column] = turn(row, column);
+
+  for (const int count : {1, 8, 13, 64})
+    for (const float beyond : {0.0f, 0.05f}) {
+      TouchingNodes given = randomNodes(count, random);
+      TouchingNodes::Row phi{};
+      for (std::size_t n = 0; n < static_cast<std::size_t>(count); ++n) {
+        phi[n] = 0.1f * u(random);
+        for (auto& axis : given.normal) axis[n] *= given.area[n];
+      }
+
+      std::vector<float> first;
+      onEveryTarget([&] {
+        TouchingNodes nodes = given;
+        TouchingPlaces places{};
+        turnTouching(phi, to_tool, 0.02f, beyond, nodes, places);
+
+        std::vector<float> bits;
+        for (std::size_t n = 0; n < static_cast<std::size_t>(given.count); ++n) {
+          const auto at = [n](const TouchingNodes::Row(&row)[3]) { return Vec3f(row[0][n], row[1][n], row[2][n]); };
+          const Vec3f normal = at(nodes.normal), place = at(given.in_tool), outward = turn * normal;
+          const bool is_padding = n >= static_cast<std::size_t>(count);
+          EXPECT_NEAR(normal.norm(), is_padding ? 0 : 1, 1e-5);
+          EXPECT_LT((normal * given.area[n] - at(given.normal)).norm(), 1e-7f);
+          EXPECT_LT((at(places.inwards) - (place - 0.02f * outward)).norm(), 1e-6f);
+          const Vec3f foot = place - phi[n] * outward;
+          if (beyond > 0) {
+            EXPECT_LT((at(nodes.foot) - foot).norm(), 1e-6f);
+            EXPECT_LT((at(places.beyond) - (foot + beyond * outward)).norm(), 1e-6f);
+          } else {
+            EXPECT_EQ(at(nodes.foot), at(given.foot));
+            EXPECT_EQ(at(places.beyond), Vec3f(0, 0, 0));
+          }
+          for (const Vec3f& found : {normal, at(places.inwards), at(nodes.foot), at(places.beyond)})
+            bits.insert(bits.end(), found.data(), found.data() + 3);
+        }
+        if (first.empty()) first = bits;
+        EXPECT_EQ(bits, first);
+      });
+    }
+}
+
 TEST(SumTouching, IsTheSumOfItsFormulas) {
   std::mt19937 random(5);
   for (const int count : {1, 7, 8, 50, 64}) {
     const TouchingNodes nodes = randomNodes(count, random);
     TouchingTool tool;
-    tool.lever = {LeverForm::kRadius, 0.3f, 0};
     tool.speed = 1000;
     tool.still_speed = 0.5f;
     tool.area_scale = 1.25f;
     tool.velocity[0] = 3;
     tool.angular[2] = 0.7f;
     tool.beyond = 0.05f;
-    for (const auto& [spins, share] : {std::pair(true, 0.0f), {true, 1.0f}, {false, 0.6f}}) {
+    const Lever radius{LeverForm::kRadius, 0.3f, 0}, pivot{LeverForm::kPivot, 0, 4}, one{LeverForm::kOne, 0, 0};
+    using Case = std::tuple<bool, float, Lever>;
+    for (const auto& [spins, share, lever] :
+         {Case(true, 0.0f, radius), Case(true, 1.0f, radius), Case(false, 0.6f, pivot), Case(false, 1.0f, one)}) {
+      tool.lever = lever;
       tool.body_spins = spins;
       tool.is_blade = !spins;
       tool.across[1] = 0.6f;
