@@ -31,8 +31,9 @@ void MesherThread::run(const BrickField& phi0) {
   publish(remesher.changedSince(0));
   std::vector<BrickEdit> edits;
   for (;;) {
-    // Asked before the feed is emptied: what was pushed before stop() is still meshed.
-    const bool is_last = is_stopping_.load(std::memory_order_acquire);
+    // Both are asked before the feed is emptied: what was pushed before stop() is still meshed, and what was pushed
+    // before somebody wanted a copy is in it.
+    const bool is_last = is_stopping_.load(std::memory_order_acquire), is_wanted = isCopyWanted();
     edits.clear();
     if (feed_.drain(edits) > 0) {
       const std::uint64_t before = remesher.version();
@@ -42,7 +43,7 @@ void MesherThread::run(const BrickField& phi0) {
     } else if (!is_last) {
       std::this_thread::sleep_for(options_.poll);
     }
-    copyIfWanted(remesher.field().changed());
+    if (is_wanted) giveCopy(remesher.field().changed());
     if (is_last) break;
   }
   const std::lock_guard lock(mutex_);
@@ -64,9 +65,13 @@ std::shared_ptr<const BrickField> MesherThread::pieceField() const {
   return piece_field_;
 }
 
-void MesherThread::copyIfWanted(const BrickField& changed) {
+bool MesherThread::isCopyWanted() const {
   const std::lock_guard lock(mutex_);
-  if (!is_copy_wanted_) return;
+  return is_copy_wanted_;
+}
+
+void MesherThread::giveCopy(const BrickField& changed) {
+  const std::lock_guard lock(mutex_);
   is_copy_wanted_ = false;
   copy_ = changed;
   copied_.notify_one();

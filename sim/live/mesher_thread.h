@@ -68,7 +68,8 @@ class MesherThread {
  private:
   void run(const BrickField& phi0);
   void publish(const std::vector<MeshChunkPtr>& chunks);
-  void copyIfWanted(const BrickField& changed);
+  bool isCopyWanted() const;
+  void giveCopy(const BrickField& changed);
 
   std::shared_ptr<BrickFeed> shared_feed_;  // of a piece
   BrickFeed& feed_;

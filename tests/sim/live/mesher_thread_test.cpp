@@ -204,6 +204,29 @@ TEST(MesherThread, MayBeDestroyedBeforeAnybodyReads) {
   for (int n = 0; n < 5; ++n) MesherThread mesher(phi0, feed, onOneThread());
 }
 
+// What is pushed while the thread sleeps, and asked for before it wakes, has to be in the answer.
+TEST(MesherThread, WhatWasPushedBeforeTheChangesAreAskedForIsInThem) {
+  const BrickField phi0 = ballWithAHole(1, 0.1);
+  BrickFeed feed(4096);
+  MesherThreadOptions options = onOneThread();
+  options.poll = std::chrono::milliseconds(20);
+  MesherThread mesher(phi0, feed, options);
+  OverlayField field(phi0);
+  for (int k = 0; k < 4; ++k) {
+    ASSERT_TRUE(mesher.changedField());  // and it goes to sleep, or drains nothing once more
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    std::size_t pushed = 0;
+    for (const BrickEdit& edit : carve(field, {std::cos(1.5 * k), std::sin(1.5 * k), 0}, 0.15)) {
+      ASSERT_TRUE(feed.tryPush(edit.brick, edit.phi));
+      ++pushed;
+    }
+    ASSERT_GT(pushed, 0u);
+    const auto changed = mesher.changedField();
+    ASSERT_TRUE(changed);
+    EXPECT_EQ(changed->brickCount(), field.changed().brickCount()) << k;
+  }
+}
+
 TEST(MesherThread, SeveralThreadsThatAskForTheChangesEachGetThem) {
   const BrickField phi0 = ballWithAHole(2, 0.2);
   BrickFeed feed(4096);
