@@ -71,7 +71,7 @@ HWY_INLINE V fromBox(F f, const FieldTable& t, V x, V y, V z) {
   const V dx = outOf(f, x, t.low[0], t.high[0]), dy = outOf(f, y, t.low[1], t.high[1]),
           dz = outOf(f, z, t.low[2], t.high[2]);
   const V zero = hn::Zero(f);
-  // Before a side, neither beside an edge nor a corner, there is no root to take: it would give the same bits.
+  // Inside, and before a side, no root is needed: it would give the same bits.
   const V higher = hn::Max(dx, dy), largest = hn::Max(higher, dz);
   const V second = hn::Max(hn::Min(dx, dy), hn::Min(higher, dz));
   if (hn::AllTrue(f, hn::Le(second, zero))) return largest;

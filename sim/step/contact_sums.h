@@ -78,8 +78,8 @@ struct TouchingSums {
   float deepest = 0;
 };
 
-/// Where the nodes' surfaces face: replaces `normal`, the area vector (mm^2, its length `area`), by the unit normal,
-/// and sets the places, and `foot` of all nodes if `beyond` is positive.   @param phi  of the nodes, mm.
+/// Turns the area vectors in `normal` (mm^2, their length `area`) into unit normals, and sets places.inwards. If
+/// `beyond` is positive it sets `foot` and places.beyond, too.   @param phi  of the nodes, mm.
 /// @param to_tool  by rows: from object axes to the tool's.   @param inwards, beyond  the steps to them, mm.
 /// The same bits with any instruction set.
 void turnTouching(const TouchingNodes::Row& phi, const float to_tool[3][3], float inwards, float beyond,

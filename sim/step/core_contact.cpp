@@ -10,7 +10,7 @@ namespace kerf {
 namespace {
 
 constexpr double kShareOut = 0.4;    // of a point's radius: how far it stays out
-constexpr double kBlur = 0.7;        // voxels: a hole as narrow seems narrower by that, and the band ends sooner
+constexpr double kBlur = 0.7;        // voxels: so far the field may be off in a narrow hole, or where its band ends
 constexpr double kStiffArea = 1.5;   // mm^2: K over the contact stiffness of the material
 constexpr double kClear = 0.05;      // mm: a core that is pressed in by less has been outside
 constexpr double kStillSpeed = 0.5;  // mm/s: as sumContact()
@@ -26,6 +26,13 @@ class Nodes {
   double phi(const Vec3i& node) {
     const BrickSlot* slot = slotOf(node);
     return slot ? static_cast<double>(slot->phi[offsetOf(node)]) : static_cast<double>(outside_);
+  }
+  // Of the eight nodes around a place.
+  double leastAround(const Vec3d& in_voxels) {
+    const Vec3i corner = in_voxels.array().floor().cast<int>();
+    double least = static_cast<double>(outside_);
+    for (int n = 0; n < 8; ++n) least = std::min(least, phi(corner + Vec3i(n >> 2, n >> 1 & 1, n & 1)));
+    return least;
   }
   std::uint8_t material(const Vec3i& node) {
     const BrickSlot* slot = slotOf(node);
@@ -141,10 +148,11 @@ void CoreContact::gather(CutObject& object, std::size_t number, const ContactInp
     const auto radius = static_cast<double>(point.radius);
     const double allowed = allowedOf(point);
 
-    // Distances change no faster than the place: most points are left here. So is one whose nearest node is at the end
-    // of the band, which aslant to the grid may be 0.87 voxels farther out: it is held that little later.
+    // Distances change no faster than the place: most points are left here. Of a place within the band a corner of its
+    // cell is within it too, if not its nearest node.
     const double there = nodes.phi(middle);
-    if (there >= band || there > allowed + way_mm + kNodeReach * h) continue;
+    if (there > allowed + way_mm + kNodeReach * h) continue;
+    if (there >= band && nodes.leastAround(in_voxels) >= band) continue;
     const SmoothDistance found = smoothDistance(nodes, in_voxels, middle, h);
     const double slope = found.gradient.norm();
     if (found.phi >= allowed + way_mm || slope < kNoSlope) continue;

@@ -5,7 +5,7 @@
 // (sim/step/tool_core.h) is stopped before that, on the near side of the object's surface:
 //
 //   allowed   delta = min(0.4 r, r - 0.7 h, band - 0.7 h), r the point's radius, h the voxel, band the object's outer
-//             one: how near it may come. A core thinner than 0.7 voxels may go in by what it lacks.
+//             one: how near it may come. A point with a radius below 0.7 voxels may go in by the difference.
 //   distance  phi and its gradient g by quadratic B-splines over the 27 nodes around: smooth where nodes are passed.
 //             Between two walls g is short by itself; only what is longer than 1 is shortened.
 //   push      N = K max(0, delta - phi') along g, K = 1.5 mm^2 times the contact stiffness of the material there, phi'
@@ -48,7 +48,7 @@ class CoreContact {
   /// Adds the points of one object (CutObject::is_core_clear: else none) that may be pushed in this evaluation. Of all
   /// objects' the kMost deepest are kept.
   /// @param number  of the object.   @param way_mm  how far the tool may move meanwhile.
-  /// @cost  one node read a core point, 27 of those that are near.
+  /// @cost  one node read a core point, or nine, 27 of those that are near.
   void gather(CutObject& object, std::size_t number, const ContactInput& in, double way_mm) noexcept;
   bool isEmpty() const { return count_ == 0; }
 

@@ -14,8 +14,7 @@ using F = hn::CappedTag<float, 8>;
 using I = hn::RebindToSigned<F>;
 using V = hn::Vec<F>;
 
-// What the loops need of base and along is read before anything is written, which may be anywhere: so it stays in
-// registers.
+// Base and along are read first: the compiler cannot know that the results do not overwrite them.
 void placeHere(const float base[3], const float along[3][3], float* x, float* y, float* z) {
   const F f;
   const int lanes = static_cast<int>(hn::Lanes(f));

@@ -16,7 +16,8 @@ struct CorePoint {
   bool cuts = false;  ///< the ball meets the cutting part first
 };
 
-/// Thinner parts of a tool have no core, mm: a point that stood on its tip would not cut.
+/// Radius of the smallest ball of a core, mm: thinner parts of a tool have none. A point that stood on its tip would
+/// not cut.
 inline constexpr double kThinnestCore = 0.07;
 
 /// The core of a tool of both parts, of which `body` may be empty.

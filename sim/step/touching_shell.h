@@ -24,7 +24,7 @@ struct TouchingNode {
   bool body_is_near;      ///< tau is the nearer of cutting part and body; else the body is farther for certain
   std::uint8_t material;  ///< number
 
-  Vec3f normal() const { return area_vector / area; }  ///< outward, object axes
+  Vec3f normal() const { return area_vector / area; }  ///< outward unit normal, object axes
 };
 
 /// What forEachTouching() reads of every node. A large contact does not fit the caches: while one brick is summed, the

@@ -194,7 +194,7 @@ inline constexpr Goal kSinkGoals[] = {
     {"walls passed, of {}", "", kAtMost, 0},
     {"too deep in the solid, 1 m/s", "", kAtMost, 0, Weight::kAim},
     {"walls passed, 1 m/s", "", kAtMost, 0, Weight::kAim},
-    // A cone and a flame give way a little before their core takes over: docs/results/README.md.
+    // Most with a flame, where its core takes over.
     {"force falls with depth by, most", "N", kAtMost, 0.05},
     // Tips thinner than three voxels, spikes of a mesh: docs/results/README.md.
     {"cutting: removal over what the work pays for, least", "", kAtLeast, 0.75, Weight::kAim},

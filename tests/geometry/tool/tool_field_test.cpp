@@ -13,6 +13,12 @@ namespace {
 
 struct Points {
   std::vector<float> x, y, z;
+
+  void add(const Vec3f& p) {
+    x.push_back(p[0]);
+    y.push_back(p[1]);
+    z.push_back(p[2]);
+  }
 };
 Points pointsAround(const Box3& box, double margin, int n, unsigned seed) {
   std::mt19937 random(seed);
@@ -90,6 +96,25 @@ TEST(ToolField, OfABoxIsItsDistanceToTheRounding) {
   for (std::size_t n = 0; n < d.size(); ++n) {
     const Vec3f at(p.x[n], p.y[n], p.z[n]);
     ASSERT_NEAR(static_cast<double>(d[n]), box.distance(at.cast<double>()), 2e-6) << at.transpose();
+  }
+
+  // Eight points are looked up at once. Before a side and inside there is a shorter way, which must give the same bits.
+  for (const Vec3f& from :
+       {Vec3f(0.25f, 0.3f, 3), Vec3f(0.7f, 0.1f, 20), Vec3f(0.1f, -0.05f, -1.7f), Vec3f(0.2f, 0.1f, 9)}) {
+    Points before, mixed;
+    for (int n = 0; n < 8; ++n) {
+      before.add(from + Vec3f(0.01f, 0.011f, 0.3f) * static_cast<float>(n) / 8);
+      mixed.add(n == 5 ? Vec3f(3, 3, 30) : Vec3f(before.x.back(), before.y.back(), before.z.back()));
+    }
+    float alike[8], unlike[8];
+    field.distances(before.x.data(), before.y.data(), before.z.data(), alike, 8);
+    field.distances(mixed.x.data(), mixed.y.data(), mixed.z.data(), unlike, 8);
+    for (std::size_t n = 0; n < 8; ++n) {
+      if (n == 5) continue;
+      EXPECT_EQ(alike[n], unlike[n]) << from.transpose() << " " << n;
+      const Vec3d at(double(before.x[n]), double(before.y[n]), double(before.z[n]));
+      EXPECT_NEAR(static_cast<double>(alike[n]), box.distance(at), 2e-6);
+    }
   }
   EXPECT_LT(field.slack(), 1e-4);
   EXPECT_EQ(field.leastOverlap(), 1e-6f);

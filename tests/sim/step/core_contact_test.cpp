@@ -8,6 +8,7 @@
 
 #include "geometry/tool/tool_file.h"
 #include "sim/scenes/sink.h"
+#include "sim/step/contact_evaluation.h"
 #include "sim/step/tool_core.h"
 #include "tests/sim/block_scene.h"
 #include "tests/support/allocation_guard.h"
@@ -107,11 +108,43 @@ TEST(CoreContact, TheHandFeelsNoFallOfForceButOnceTheToolHasTouched) {
 // A cone with a flat end of 0.6 mm, whose shell carries the less the deeper its rim is in, and a point thinner than two
 // voxels: their cores have to take over in time.
 TEST(CoreContact, ASlowHandFeelsNoToolGiveWay) {
-  for (const auto& [id, voxel] : {std::pair("847-012", 0.05), std::pair("863-012", 0.1), std::pair("863-012", 0.05)}) {
-    SinkScene scene = pushedBy(8, 4, voxel);
-    scene.speed = 4;
-    EXPECT_LT(sink(modelOf(toolOfRack(id)), 0, scene).fall, 0.05) << id << " " << voxel;
-  }
+  for (const auto& [id, voxel] : {std::pair("847-012", 0.05), std::pair("863-012", 0.1)})
+    for (const double lean : {0.0, 0.21}) {
+      Model model = modelOf(toolOfRack(id));
+      model.settings.ramp_s = 0;  // a rising force would hide a falling one
+      SinkScene scene = pushedBy(8, 4, voxel);
+      scene.speed = 4;
+      scene.lean = lean;
+      EXPECT_LT(sink(model, 0, scene).fall, 0.05) << id << " " << voxel << " " << lean;
+    }
+}
+
+// Where the object's band ends a point is held by what the nodes around say. In the middle of a cell that is aslant,
+// the nearest node is 0.87 voxels farther out: beyond the band, while the point is within it.
+TEST(CoreContact, AtTheEndOfTheBandAPointIsHeldInTheMiddleOfACellToo) {
+  constexpr double kVoxel = 0.05;
+  const Rigid3 frame = scenes::turned(0.9553, {-1, 1, 0}, {0.01, 0.02, 0});  // its normal along (1, 1, 1)
+  const Model model = modelOf(toolOfRack("847-012"));
+  const CorePoint lowest = model.tools[0].core.front();
+  ASSERT_GT(0.4 * double(lowest.radius), 2.3 * kVoxel);  // the band bounds it
+  State state;
+  state.objects.emplace_back(test::block({5, 4, 3}, kVoxel, frame), 16);
+
+  int held = 0, all = 0;
+  for (int x = -20; x < 20; ++x)
+    for (int y = -20; y < 20; ++y)
+      for (int z = -20; z < 20; ++z) {
+        const Vec3d middle = frame.inverse() * Vec3d(kVoxel * (Vec3d(x, y, z) + Vec3d::Constant(0.5 + 1e-6)));
+        if (middle[2] < 2.17 * kVoxel || middle[2] > 2.28 * kVoxel) continue;  // outside the surface
+        state.body.pose = frame * Rigid3{Eigen::Quaterniond::Identity(), middle - lowest.place.cast<double>()};
+        CoreContact core;
+        state.objects[0].is_core_clear = true;
+        core.gather(state.objects[0], 0, contactInput(model, state, state.objects[0], kTick), 0);
+        held += !core.isEmpty();
+        ++all;
+      }
+  EXPECT_GT(all, 0);
+  EXPECT_EQ(held, all);
 }
 
 TEST(CoreContact, AThinWallIsNotPassedByATapOfAMetrePerSecond) {
