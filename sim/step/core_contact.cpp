@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kShareOut = 0.4;    // of a point's radius: how far it stays out
 constexpr double kBlur = 0.7;        // voxels: so far the field may be off in a narrow hole, or where its band ends
+constexpr double kBlurAtLips = 1;    // voxels: a drill pushed beyond its greatest feed leans on its core
 constexpr double kStiffArea = 1.5;   // mm^2: K over the contact stiffness of the material
 constexpr double kClear = 0.05;      // mm: a core that is pressed in by less has been outside
 constexpr double kStillSpeed = 0.5;  // mm/s: as sumContact()
@@ -124,9 +125,10 @@ void CoreContact::gather(CutObject& object, std::size_t number, const ContactInp
   const Eigen::Matrix3d to_world = object.T_world_object.rotation.toRotationMatrix();
   const double drag_factor = in.tool->drive.drag_factor;
   Nodes nodes(object);
+  const double blur = (tool.lips.areThere() ? kBlurAtLips : kBlur) * h;
   const auto allowedOf = [&](const CorePoint& point) {
     const auto radius = static_cast<double>(point.radius);
-    return std::min({kShareOut * radius, radius - kBlur * h, band - kBlur * h});
+    return std::min({kShareOut * radius, radius - blur, band - kBlur * h});
   };
 
   if (!object.is_core_clear) {

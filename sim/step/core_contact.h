@@ -5,7 +5,8 @@
 // (sim/step/tool_core.h) is stopped before that, on the near side of the object's surface:
 //
 //   allowed   delta = min(0.4 r, r - 0.7 h, band - 0.7 h), r the point's radius, h the voxel, band the object's outer
-//             one: how near it may come. A point with a radius below 0.7 voxels may go in by the difference.
+//             one: how near it may come. A point with a radius below 0.7 voxels may go in by the difference. A drill's
+//             may come nearer, r - h: pushed beyond its greatest feed it leans on its core, and the sooner the slower.
 //   distance  phi and its gradient g by quadratic B-splines over the 27 nodes around: smooth where nodes are passed.
 //             Between two walls g is short by itself; only what is longer than 1 is shortened.
 //   push      N = K max(0, delta - phi') along g, K = 1.5 mm^2 times the contact stiffness of the material there, phi'

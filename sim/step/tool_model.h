@@ -45,10 +45,11 @@ struct ToolDrive {
 ///   F = K D^1.25 (f + f0) q,   K = 51.8 N/mm^2.25, f0 = 0.03 mm.
 /// q = (u_s / 1000 N/mm^2)^0.75 is 1 for cortical bone; as u_s goes with the square of bone's density, q goes with its
 /// power 1.5. The cutting force turns about the axis: two lips opposite each other push to no side. Below F = K D^1.25
-/// f0 q the lips only rub. The feed of a turn is at most D / 12, whatever the force: a little more than twist drills of
-/// 2 to 2.3 mm were driven at (0.14 mm a turn: Harris & Kohles 2001). What is behind the point up to the end of what
-/// cuts, the land, reams by the law of friction. Sources: as measured by Saha et al. 1982 and Wiggins & Malkin 1976;
-/// the power of D there is 1.3: 1.25 is two roots.
+/// f0 q the lips only rub. Lips take at most the feed D / 12 a turn, a little more than twist drills of 2 to 2.3 mm
+/// were driven at (0.14 mm a turn: Harris & Kohles 2001); what is pushed beyond that leans on the core, and feeds more
+/// by up to 0.3 of it (800 rpm, up to 20 N in cancellous bone, 0.1 mm voxels). What is behind the point up to the end
+/// of what cuts, the land, reams by the law of friction. Sources: as measured by Saha et al. 1982 and Wiggins & Malkin
+/// 1976; the power of D there is 1.3: 1.25 is two roots.
 struct DrillLips {
   double height = 0;       ///< of the point, mm from the tip; 0: the tool has no lips
   double slope = 1;        ///< how far the point's surface goes in along its normal for 1 mm along the axis

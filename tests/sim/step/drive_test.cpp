@@ -164,6 +164,33 @@ TEST(Drill, FeedOfATurnFollowsTheThrust) {
   }
 }
 
+// In soft bone a hand has more force than the greatest feed needs. What is over, the core holds; without one a narrow
+// drill falls through the block.
+TEST(Drill, PushedBeyondItsGreatestFeedItIsHeldByItsCore) {
+  for (const char* id : {"drill-20", "drill-28", "drill-35"}) {
+    const Model model = drillAt(id, 800);
+    const double greatest = 2 * model.tools[0].equator_mm * DrillLips::kMostFeed * 800 / 60;  // mm/s
+    for (const double force : {16.0, 20.0}) {
+      const double feed = drilled(model, Material::kCancellous, force, 1.6).feed;
+      EXPECT_GT(feed, 0.99 * greatest) << id << ' ' << force;
+      EXPECT_LT(feed, 1.3 * greatest) << id << ' ' << force;
+    }
+  }
+
+  Model without = drillAt("drill-20", 800);
+  without.tools[0].core.clear();
+  EXPECT_GT(drilled(without, Material::kCancellous, 20, 1.6).feed, 20);
+}
+
+// Whatever a core carries, the lips do not cut by it.
+TEST(Drill, BelowThatItsCoreTakesNothing) {
+  const Model model = drillAt("drill-20", 800);
+  Model without = model;
+  without.tools[0].core.clear();
+  for (const auto& [bone, force] : {std::pair(Material::kCortical, 12.0), std::pair(Material::kCancellous, 3.0)})
+    EXPECT_NEAR(drilled(model, bone, force, 1.6).feed / drilled(without, bone, force, 1.6).feed, 1, 0.01) << force;
+}
+
 TEST(Drill, BelowAForceItOnlyRubs) {
   const Model model = drillAt("drill-20", 1500);
   const scenes::Hold held = drilled(model, Material::kCortical, 2.5, 1.5);
