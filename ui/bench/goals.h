@@ -21,6 +21,7 @@ inline constexpr Goal kExport400kGoals[] = {
 inline constexpr Goal kPointsGoals[] = {
     {"50k nodes, p99", "ms", kAtMost, 0.5},
     {"200k nodes, p99", "ms", kAtMost, 0.5},
+    {"200k nodes, p99, each one's least of {} runs", "ms", kAtMost, 0.5},
 };
 inline constexpr Goal kTickBurGoals[] = {
     {"ticks that lacked room", "", kAtMost, 0},
@@ -35,6 +36,8 @@ inline constexpr Goal kTickSawGoals[] = {
 inline constexpr Goal kTickFineGoals[] = {
     {"{}: ticks that lacked room", "", kAtMost, 0},
     {"blade: p99.9", "ms", kAtMost, 0.8},
+    {"blade: p99.9, each tick's least of {} runs", "ms", kAtMost, 0.8},
+    {"ball: p99.9, each tick's least of {} runs", "ms", kAtMost, 0.8, Weight::kAim},
     // All of 47 000 nodes and 620 bricks change in every tick: docs/results/README.md.
     {"ball: p99.9", "ms", kAtMost, 0.8, Weight::kAim},
 };

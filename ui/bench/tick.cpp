@@ -25,6 +25,14 @@ void addPercentiles(Result& r, const std::vector<double>& ms, const std::string&
   r.add(of + "max", percentile(ms, 1), "ms");
 }
 
+// The same deterministic work again: of each piece what it took at least is the program's own time, without what else
+// the machine did. The first run's times are what a hand would have got.
+constexpr int kRuns = 3;
+void keepLeast(std::vector<double>& least, const std::vector<double>& ms) {
+  if (least.empty()) least = ms;
+  for (std::size_t n = 0; n < std::min(least.size(), ms.size()); ++n) least[n] = std::min(least[n], ms[n]);
+}
+
 // Changed bricks on their way to the visible mesh. The clock is the session's: a mesher that is busy when a brick
 // changes takes it with its next batch.
 struct MeshLatency {
@@ -49,9 +57,18 @@ struct MeshLatency {
   double free_at = 0;
 };
 
+tl::unexpected<Error> differing(const char* scene) {
+  return fail({.code = Error::Code::kGeometry,
+               .place = scene,
+               .found = "two runs of the same ticks that differ",
+               .expected = "the same bits",
+               .hint = "report this"});
+}
+
 // What the ticks in contact cost, and did.
 struct Ticks {
   std::vector<double> ms;
+  std::vector<double> least_ms;                 // of several runs, tick by tick; empty: there was one
   double touching = 0, tested = 0, bricks = 0;  // sums
   double most_force = 0;                        // N
   std::uint64_t troubled = 0;                   // ticks with a bit in their status
@@ -108,8 +125,8 @@ struct Sinking {
   double feed = 0;   // mm/s, then
   double seconds = 2;
 };
-Expected<Ticks> timeSinking(const std::shared_ptr<const BakedObject>& block, Model& model, const Sinking& sinking,
-                            const Bench& bench) {
+Expected<Ticks> timeSinkingOnce(const std::shared_ptr<const BakedObject>& block, Model& model, const Sinking& sinking,
+                                const Bench& bench) {
   const auto lowered = [&](double by) {
     Rigid3 pose = sinking.start;
     pose.translation[2] -= by;
@@ -134,6 +151,17 @@ Expected<Ticks> timeSinking(const std::shared_ptr<const BakedObject>& block, Mod
   path.cuts = {1};
   FeedHand hand(path);
   return timeTicks(model, state, hand, bench);
+}
+Expected<Ticks> timeSinking(const std::shared_ptr<const BakedObject>& block, Model& model, const Sinking& sinking,
+                            const Bench& bench) {
+  KERF_TRY(ticks, timeSinkingOnce(block, model, sinking, bench));
+  ticks.least_ms = ticks.ms;
+  for (int run = 1; run < kRuns; ++run) {
+    KERF_TRY(again, timeSinkingOnce(block, model, sinking, bench));
+    if (again.hash != ticks.hash) return differing("tick-fine");
+    keepLeast(ticks.least_ms, again.ms);
+  }
+  return ticks;
 }
 
 // A plate of `side` x `side` x 3 mm, its lowest millimetre the cutting part.
@@ -162,10 +190,12 @@ Expected<std::vector<double>> timePoints(Result& r, double side, const char* nam
   const ToolModel plate = plateOf(side);
   CutObject object(block, 64);
   NearBricks near;
-  std::vector<double> ms;
+  constexpr int kEvaluations = 3000;
+  std::vector<double> ms;  // of all runs
   int tested = 0, touching = 0;
-  for (int n = 0; n < 3000; ++n) {
-    if (n % 256 == 0 && !report(bench.progress, n / 3000.0, "points")) return cancelled();
+  for (int n = 0; n < kRuns * kEvaluations; ++n) {
+    if (n % 256 == 0 && !report(bench.progress, static_cast<double>(n) / (kRuns * kEvaluations), "points"))
+      return cancelled();
     object.odometer += 1e6;  // nothing sleeps: every node is tested
     ContactInput in;
     in.tool = &plate;
@@ -173,7 +203,7 @@ Expected<std::vector<double>> timePoints(Result& r, double side, const char* nam
     in.speed = 1000;
     in.cut_share = 1;
     // Tilted, so that about one node in fifty touches.
-    in.T_object_tool = turned(0.01, {1, 0.3 * std::sin(0.01 * n), 0}, {0, 0, 0.0049 * side});
+    in.T_object_tool = turned(0.01, {1, 0.3 * std::sin(0.01 * (n % kEvaluations)), 0}, {0, 0, 0.0049 * side});
 
     const double start = now();
     near.find(object, plate, in.T_object_tool);
@@ -184,11 +214,17 @@ Expected<std::vector<double>> timePoints(Result& r, double side, const char* nam
     touching = sums.touching;
   }
 
+  std::vector<double> least;
+  for (auto from = ms.begin(); from != ms.end(); from += kEvaluations)
+    keepLeast(least, std::vector<double>(from, from + kEvaluations));
+  ms.resize(kEvaluations);  // the first run
+
   const double share = tested / nominal;
   r.add(fmt::format("nodes tested ({})", name), tested);
   r.add(fmt::format("of them touching ({})", name), touching);
   r.add(fmt::format("{} nodes, p50", name), percentile(ms, 0.5) / share, "ms");
   r.add(fmt::format("{} nodes, p99", name), percentile(ms, 0.99) / share, "ms");
+  r.add(fmt::format("{} nodes, p99, each one's least of {} runs", name, kRuns), percentile(least, 0.99) / share, "ms");
   r.add(fmt::format("a node, p50 ({})", name), 1e6 * percentile(ms, 0.5) / tested, "ns");
   return ms;
 }
@@ -257,12 +293,7 @@ Expected<Result> benchTickBur(const Bench& bench) {
   again.place(poseAt(path, 0));
   MeshLatency mesh(again.objects[0]);
   KERF_TRY(carve, timeTicks(model, again, hand, bench, &mesh));
-  if (fmt::format("{:016x}", carve.hash) != r.state_hash)
-    return fail({.code = Error::Code::kGeometry,
-                 .place = "tick-bur",
-                 .found = "two runs of the same ticks that differ",
-                 .expected = "the same bits",
-                 .hint = "report this"});
+  if (fmt::format("{:016x}", carve.hash) != r.state_hash) return differing("tick-bur");
   r.add("carve to mesh ready, p50", percentile(mesh.latency, 0.5), "ms");
   r.add("carve to mesh ready, p95", percentile(mesh.latency, 0.95), "ms");
   r.add("carve to mesh ready, max", percentile(mesh.latency, 1), "ms");
@@ -337,6 +368,7 @@ Expected<Result> benchTickFine(const Bench& bench) {
   for (const auto& [of, ticks] : both) {
     ticks->addCounts(r, of);
     addPercentiles(r, ticks->ms, of);
+    r.add(fmt::format("{}p99.9, each tick's least of {} runs", of, kRuns), percentile(ticks->least_ms, 0.999), "ms");
   }
   return r;
 }
