@@ -154,6 +154,31 @@ TEST_F(ToolRackTest, TheNextToolIsTheNextOneThatIsSeen) {
   EXPECT_EQ(after("tool.previous"), "round-010");
 }
 
+TEST_F(ToolRackTest, OfAToolThatIsTooThinForTheVoxelsItTellsOnce) {
+  WorkbenchOptions coarse = in(folder_);
+  coarse.data_folder = folder_.path() / "other data";
+  coarse.voxel_mm = 0.15;
+  Workbench bench(coarse);
+  bench.waitForTools();
+  bench.open(folder_.path() / "block.ply");
+  const auto isDone = [&] {
+    bench.update();
+    return !bench.job();
+  };
+  ASSERT_TRUE(comes(isDone));
+
+  const auto told = [&] {
+    return std::count_if(bench.notices().begin(), bench.notices().end(), [](const Notice& notice) {
+      return !notice.is_error && notice.text.find("disc-22 cuts 1.3 voxels wide") != std::string::npos;
+    });
+  };
+  EXPECT_EQ(told(), 0) << "another tool is in hand";
+  for (const char* id : {"disc-22", "round-010", "disc-22"}) ASSERT_TRUE(bench.selectTool(id));
+  EXPECT_EQ(told(), 1);
+  bench.close();
+  EXPECT_TRUE(comes(isDone));
+}
+
 TEST_F(ToolRackTest, ABrokenFileThatTheProgramWasToldOfIsWatched) {
   const fs::path file = folder_.write("mine.toml", std::string(kBur) + "head_diamter = 3\n");
   WorkbenchOptions told = in(folder_);

@@ -308,6 +308,7 @@ void Workbench::show(Opened& loaded) {
     told_sides.reset();
     tilt = {};  // a way to lean in the other scan
     speed = 1;
+    told_thin_.clear();
   }
   moving_.clear();
   scene_.setLabels(run_->labels());
@@ -322,6 +323,7 @@ void Workbench::show(Opened& loaded) {
   removed_mm3_ = 0;
   saw_->opened();
   heatByToolInHand();
+  warnOfThinTool();
   ++generation_;
   keeps_view_ = is_reopening_;
   std::fill(is_outdated_.begin(), is_outdated_.end(), 0);

@@ -10,6 +10,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -420,6 +421,7 @@ class Workbench {
   void warnThatItIsLed();
   const ToolSamples& samplesOf(std::size_t tool) const;
   void heatByToolInHand();
+  void warnOfThinTool();
   void namePieces();
   void readTools();
   void takeRack(bool waits);
@@ -519,6 +521,7 @@ class Workbench {
   std::ptrdiff_t strokes_then_ = 0;      // that are done when they all are
   std::uint64_t undos_answered_at_ = 0;  // when so many commands are answered
   bool has_told_of_log_ = false, has_told_that_it_is_led_ = false;
+  std::set<std::string> told_thin_;  // tools of this session, by their ids
   bool has_told_of_pulp_ = false, has_told_of_bone_ = false, has_told_of_dead_bone_ = false;  // that they got warm
   /// A job that waits for what it exports: until the last stroke is meshed.
   struct Handover {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "geometry/tool/tool_file.h"
+#include "sim/run/tool_resolution.h"
 #include "ui/app/sawing.h"
 #include "ui/app/tissue_display.h"
 #include "ui/app/workbench.h"
@@ -223,6 +224,14 @@ void Workbench::selectTool(std::size_t n) {
   tool_ = n;
   is_reversed_ = false;
   heatByToolInHand();
+  warnOfThinTool();
+}
+
+// Once a session: a notice does not interrupt.
+void Workbench::warnOfThinTool() {
+  const auto coarse = tooCoarseFor(tool(tool_), run_->original()->voxel());
+  if (!coarse || !told_thin_.insert(tool(tool_).id).second) return;
+  say(fmt::format("{}. Voxels of {:.2g} mm are nearer.", coarse->what, coarse->finer_mm));
 }
 
 bool Workbench::selectTool(const std::string& id) {
