@@ -1,14 +1,22 @@
 #include "ui/bench/bench.h"
 
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "preprocess/bake/bake.h"
 
 namespace kerf::cli {
 
 namespace fs = std::filesystem;
+
+void Result::addWithin(const std::string& name, double value, double low, double high, std::string_view unit) {
+  add(name, value, unit);
+  const double out = std::isnan(value) ? value : std::max({0.0, low - value, value - high});
+  add(fmt::format("  {}: out of {} to {} by", name, low, high), out, unit);
+}
 
 Scratch::Scratch() : path_(fs::temp_directory_path() / ("kerf-bench-" + std::to_string(getpid()))) {
   fs::create_directories(path_);

@@ -84,6 +84,9 @@ struct Result {
   void add(std::string name, double value, std::string_view unit = "") {
     measured.push_back({std::move(name), value, std::string(unit)});
   }
+  /// A number, and by how much it leaves its range, as "  NAME: out of LOW to HIGH by": NaN of NaN, which meets no
+  /// goal.
+  void addWithin(const std::string& name, double value, double low, double high, std::string_view unit);
 
   SceneId id;
   std::string what;          ///< one line: what was timed or measured

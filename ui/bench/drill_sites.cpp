@@ -33,13 +33,6 @@ constexpr double kPlate = 2;                          // mm of cortical bone ove
 
 double speedOf(double rpm) { return rpm * 2 * std::numbers::pi / 60; }
 
-// A number, and by how much it leaves its range: NaN of NaN, which meets no goal.
-void addWithin(Result& r, const std::string& name, double value, double low, double high, std::string_view unit) {
-  r.add(name, value, unit);
-  const double out = std::isnan(value) ? value : std::max({0.0, low - value, value - high});
-  r.add(fmt::format("  {}: out of {} to {} by", name, low, high), out, unit);
-}
-
 // ---- Drills
 
 // The rack ends at 3.5 mm: the widest is the same drill drawn wider.
@@ -96,7 +89,7 @@ Expected<double> pressPilot(Result& r, const Model& drills, Material material, d
   const std::string name =
       fmt::format("2.0 mm, {} N, {}, {} rpm: feed", force, is_cortical ? "cortical" : "cancellous", rpm);
   if (rpm == kSlow)
-    addWithin(r, name, feed, is_cortical ? 0.5 : 0.8, is_cortical ? 1 : 3, "mm/s");
+    r.addWithin(name, feed, is_cortical ? 0.5 : 0.8, is_cortical ? 1 : 3, "mm/s");
   else
     r.add(name, feed, "mm/s");
   r.add(fmt::format("  off the law's {:.3g} mm/s by", law), std::abs(percentOff(feed, law)), "%");
@@ -107,7 +100,7 @@ Expected<void> pressPilots(Result& r, const Model& drills, const Bench& bench) {
   if (!report(bench.progress, 0, "feed")) return cancelled();
   KERF_TRY(slow, pressPilot(r, drills, Material::kCortical, kSlow, 10));
   KERF_TRY(fast, pressPilot(r, drills, Material::kCortical, kFast, 10));
-  addWithin(r, "feed at 1500 over 800 rpm", fast / slow, 1.6, 2.4, "");
+  r.addWithin("feed at 1500 over 800 rpm", fast / slow, 1.6, 2.4, "");
   KERF_TRY(soft, pressPilot(r, drills, Material::kCancellous, kSlow, 3));
   r.add("cancellous at 3 N over cortical at 10 N", soft / slow);
   return {};
@@ -167,13 +160,13 @@ Expected<void> drillSites(Result& r, const Model& model, const Bench& bench) {
     for (std::size_t d = 0; d < kDiameters.size(); ++d) {
       const double seconds = drillDown(model, site, d, force, hole);
       if (d == 0)
-        addWithin(r, fmt::format("2.0 mm, {} N: site of 10 mm", force), seconds, 4, 8, "s");
+        r.addWithin(fmt::format("2.0 mm, {} N: site of 10 mm", force), seconds, 4, 8, "s");
       else
         r.add(fmt::format("  then {} mm, {} N", kDiameters[d], force), seconds, "s");
       all += seconds;
       hole = kDiameters[d];
     }
-    addWithin(r, fmt::format("2.0 to 4.2 mm in turn, {} N: site of 10 mm", force), all, 4, 8, "s");
+    r.addWithin(fmt::format("2.0 to 4.2 mm in turn, {} N: site of 10 mm", force), all, 4, 8, "s");
   }
 
   // Into solid bone, without a pilot.
@@ -182,8 +175,8 @@ Expected<void> drillSites(Result& r, const Model& model, const Bench& bench) {
       if (!report(bench.progress, share, "sites")) return cancelled();
       share += 0.05;
       State site = freshSite(bone);
-      addWithin(r, fmt::format("{} mm at once, {} N: site of 10 mm", kDiameters[d], force),
-                drillDown(model, site, d, force, 0), 4, 8, "s");
+      r.addWithin(fmt::format("{} mm at once, {} N: site of 10 mm", kDiameters[d], force),
+                  drillDown(model, site, d, force, 0), 4, 8, "s");
     }
   return {};
 }
@@ -253,8 +246,8 @@ Expected<void> feedDrills(Result& r, const Model& drills, const Bench& bench) {
     }
 
   const Vec3d powers = fitPowers(runs);
-  addWithin(r, "power of the diameter", powers[1], 1.1, 1.5, "");
-  addWithin(r, "power of the density", powers[2], 1.2, 1.8, "");
+  r.addWithin("power of the diameter", powers[1], 1.1, 1.5, "");
+  r.addWithin("power of the density", powers[2], 1.2, 1.8, "");
   r.add("thrust against the law, the worst of 16", off, "%");
   return {};
 }

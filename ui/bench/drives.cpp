@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <vector>
 
 #include "geometry/tool/handpiece.h"
 #include "sim/run/load_scene.h"
 #include "sim/run/practice_block.h"
 #include "sim/scenes/hold.h"
+#include "sim/scenes/poses.h"
 #include "ui/bench/bench.h"
 
 namespace kerf::cli {
@@ -54,12 +56,12 @@ struct Sweep {
   double most_power = 0;                 // N mm/s
 };
 
-// By what force it takes most, and what stops it. In steps of a fifth; a stall shows within two seconds.
-Sweep sweepForces(const Model& model, const std::shared_ptr<const BakedObject>& object, double least, double most) {
+// By what force it takes most, and what stops it. In steps of a tenth; a stall shows within two seconds.
+using HoldAt = std::function<Hold(double force)>;
+Sweep sweepForces(const HoldAt& at, double least, double most) {
   Sweep out;
-  for (double force = least; force < most; force *= 1.2) {
-    HoldScene scene = pressed(model, object, force);
-    const Hold held = hold(model, scene);
+  for (double force = least; force < most; force *= 1.1) {
+    const Hold held = at(force);
     out.most_power = std::max(out.most_power, held.power);
     if (held.rate > out.best_rate) {
       out.best_rate = held.rate;
@@ -91,14 +93,17 @@ Expected<void> pressTurbines(Result& r, const Bench& bench) {
     };
 
     const Hold light = at(enamel, 0.44), at_one = at(enamel, 1), heavy = at(enamel, 1.83);
-    add("enamel at 1 N", at_one.rate, "mm3/s");
+    const auto addWithin = [&](const char* what, double value, double low, double high, const char* unit) {
+      r.addWithin(fmt::format("turbine, {}: {}", id, what), value, low, high, unit);
+    };
+    addWithin("enamel at 1 N", at_one.rate, 0.06, 0.11, "mm3/s");
     add("dentin at 1 N", at(dentin, 1).rate, "mm3/s");
     add("speed lost at 1 N", 100 * (1 - at_one.speed), "%");
     add("removal at 0.44 N over 1 N", light.rate / at_one.rate, "");
     add("removal at 1.83 N over 1 N", heavy.rate / at_one.rate, "");
-    const Sweep sweep = sweepForces(model, enamel, 0.8, 12);
-    add("best load", sweep.best_force, "N");
-    add("stall", sweep.stall_force, "N");
+    const Sweep sweep = sweepForces([&](double force) { return at(enamel, force); }, 0.8, 12);
+    addWithin("best load", sweep.best_force, 1.5, 2.5, "N");
+    addWithin("stall", sweep.stall_force, 3, 5, "N");
     add("most power", sweep.most_power / 1000, "W");
   }
   return {};
@@ -121,8 +126,32 @@ Expected<void> compareHandpieces(Result& r, const Bench& bench) {
     in_air.start.translation[2] += 3;
     in_air.force = 0;
     in_air.seconds = 6;
-    r.add(fmt::format("{}, {}: stops in, in air", name, kBur), hold(model, in_air).stopped_at, "s");
+    const std::string in_air_text = fmt::format("{}, {}: stops in, in air", name, kBur);
+    const double stopped_at = hold(model, in_air).stopped_at;
+    if (name == std::string_view("turbine"))
+      r.addWithin(in_air_text, stopped_at, 2, 5, "s");
+    else
+      r.add(in_air_text, stopped_at, "s");
   }
+  return {};
+}
+
+// A piezo tip on bone, its edge down: what is pressed damps it.
+Expected<void> pressPiezo(Result& r, const Bench& bench) {
+  if (!report(bench.progress, 0.9, "piezo")) return cancelled();
+  KERF_TRY(model, modelOf("saw-piezo-050"));
+  KERF_TRY(bone, practiceBlock({10, 4, 5}, kVoxel, {}, Material::kCortical));
+  const auto at = [&](double force) {
+    HoldScene scene;
+    scene.object = bone;
+    scene.start = {teethDown(), {-4, 0.013, 0.02}};
+    scene.force = force;
+    return hold(model, scene);
+  };
+  const Sweep sweep = sweepForces(at, 2, 12);
+  r.addWithin("piezo, saw-piezo-050: cortical bone at 2 N", at(2).rate, 0.1, 0.4, "mm3/s");
+  r.addWithin("piezo, saw-piezo-050: best load", sweep.best_force, 3, 4, "N");
+  r.addWithin("piezo, saw-piezo-050: stall", sweep.stall_force, 7, 8, "N");
   return {};
 }
 
@@ -132,6 +161,7 @@ Expected<Result> benchDrives(const Bench& bench) {
   Result r(SceneId::kDrives, "what a hand's force buys with a turbine and an electric drive");
   KERF_CHECK(pressTurbines(r, bench));
   KERF_CHECK(compareHandpieces(r, bench));
+  KERF_CHECK(pressPiezo(r, bench));
   return r;
 }
 
