@@ -198,7 +198,10 @@ Expected<std::vector<BrickField>> changedFields(const Session& session, const Cu
                .file = scene.inputs.path_file.string(),
                .found = nothing,
                .expected = internal::throughBodies(bodies, scene.inputs.manifests.front().box),
-               .hint = "check the path's frame and unit, the spindle and the force"});
+               .hint = options.step.response == Response::kPenalty
+                           ? "check the path's frame and unit, the spindle and the force"
+                           : "leave --response out: by this one a thin point goes through uncut. Or check the path's "
+                             "frame and unit, the spindle and the force"});
 }
 
 // What the path asks of a body: the cutting part swept along it, without resistance.

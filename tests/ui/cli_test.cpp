@@ -491,6 +491,49 @@ TEST_F(Cli, ACutAgainstResistanceIsRecordedAndReplaysBitForBit) {
   refuses({"replay", at("gone.run")}, {"not a run"});
 }
 
+// A machine's feed goes on whatever is left standing. What the step counts and the surface that is left then say two
+// things, and both commands say so; of a cut that a hand makes neither says anything.
+TEST_F(Cli, ACutThatWasFedThroughWhatItDidNotCutIsDoubtedAndSoIsItsExport) {
+  folder_.write(
+      "block.obj",
+      "v -4 -4 -4\nv 4 -4 -4\nv 4 4 -4\nv -4 4 -4\nv -4 -4 0\nv 4 -4 0\nv 4 4 0\nv -4 4 0\n"
+      "f 1 3 2\nf 1 4 3\nf 5 6 7\nf 5 7 8\nf 1 2 6\nf 1 6 5\nf 2 3 7\nf 2 7 6\nf 3 4 8\nf 3 8 7\nf 4 1 5\nf 4 5 8\n");
+  folder_.write("block.toml",
+                "format = \"kerf-recipe\"\nversion = 1\nname = \"block\"\nunit = \"mm\"\nvoxel = 0.25\n"
+                "[[part]]\nmaterial = \"enamel\"\nmesh = \"block.obj\"\n");
+  ASSERT_EQ(runKerf({"bake", at("block.toml"), "-o", at("block.case")}).exit_code, 0);
+  folder_.write("plunge.toml",
+                "format = \"kerf-path\"\nversion = 1\nframe = \"object\"\nfeed = 1.0\n[start]\nposition = [0, 0, 0.8]\n"
+                "axis = [0, 0, 1]\n[[stroke]]\nkind = \"plunge\"\ndepth = 2.0\n");
+  const auto cut = [&](const char* tool, const char* run, const std::vector<std::string>& how) {
+    std::vector<std::string> words{"cut", at("block.case"), "--tool", tool, "--path", at("plunge.toml"), "-o", at(run)};
+    words.insert(words.end(), how.begin(), how.end());
+    return runKerf(words);
+  };
+  const auto exported = [&](const char* run) {
+    return runKerf({"export", at(run), "-o", at(std::string(run) + ".stl")});
+  };
+  const auto has = [](const Outcome& outcome, const char* what) { return outcome.err.find(what) != std::string::npos; };
+
+  const Outcome fed = cut("round-005", "fed.run", {"--hand", "feed"});
+  ASSERT_EQ(fed.exit_code, 0) << fed.err;
+  EXPECT_TRUE(has(fed, "WARNING: fed faster than it can cut")) << fed.err;
+  const Outcome doubted = exported("fed.run");
+  ASSERT_EQ(doubted.exit_code, 0) << doubted.err;
+  EXPECT_TRUE(has(doubted, "WARNING: while it was cut")) << doubted.err;
+
+  const Outcome held = cut("round-018", "held.run", {"--hand", "force", "--push", "1.5"});
+  ASSERT_EQ(held.exit_code, 0) << held.err;
+  EXPECT_FALSE(has(held, "WARNING")) << held.err;
+  const Outcome trusted = exported("held.run");
+  ASSERT_EQ(trusted.exit_code, 0) << trusted.err;
+  EXPECT_FALSE(has(trusted, "WARNING")) << trusted.err;
+
+  // Only penalty holds a point.
+  const Outcome flame = cut("862-012", "flame.run", {"--hand", "force", "--push", "2", "--response", "impulse"});
+  EXPECT_TRUE(has(flame, "leave --response out") || has(flame, "Leave --response out")) << flame.err;
+}
+
 TEST_F(Cli, DevicesSaysWhichCouplingADeviceCanHold) {
   const json typical = parsed(runKerf({"devices", "--typical", "--json"}));
   EXPECT_GE(typical.size(), 5u);

@@ -14,6 +14,7 @@
 #include "sim/object/baked_object.h"
 #include "sim/run/geometry_cut.h"
 #include "sim/run/haptic_cut.h"
+#include "sim/run/tool_resolution.h"
 #include "sim/step/response.h"
 #include "ui/cli/command.h"
 #include "ui/cli/tool_doubt.h"
@@ -219,22 +220,37 @@ void print(const Arguments& a, const HapticCut& cut) {
   fmt::print("state {}\nrun written: {}\n", s.state_hash, a.output);
 }
 
-// Warns of a tool that is hardly meant, and of one as thin as the voxels. Measured with a ball of 0.5 mm and two saws
-// in a block: from 1.8 voxels on the removed volume is within 4 % of that of fine voxels (6 % with a feeding hand),
-// below that up to 39 % off.
+// Warns of a tool that is hardly meant, and of one that is too thin for the voxels.
 void warnOfTool(const std::filesystem::path& tool_file, double voxel_mm, bool is_unchanged) {
-  constexpr double kFewestVoxels = 1.8;
   const auto tool = readTool(tool_file);
   if (!tool) return;
   if (const std::string doubt = doubtAbout(*tool); !doubt.empty())
     fmt::print(stderr, "kerf: WARNING: {}: {}\n", tool->id, doubt);
-  const double thinnest = tool->finest();
-  if (thinnest < kFewestVoxels * voxel_mm)
-    fmt::print(stderr,
-               "kerf: WARNING: what cuts of {} is {:.2g} mm across, {:.1f} voxels: volumes may be wrong by a tenth and "
-               "more. Bake with --voxel {:.2g} or finer, or with --fine-along the path\n",
-               tool->id, thinnest, thinnest / voxel_mm, thinnest / 3);
+  if (const auto coarse = tooCoarseFor(*tool, voxel_mm))
+    fmt::print(stderr, "kerf: WARNING: {}. Bake with --voxel {:.2g} or finer, or with --fine-along the path\n",
+               coarse->what, coarse->finer_mm);
   if (is_unchanged) fmt::print(stderr, "kerf: WARNING: nothing was changed\n");
+}
+
+// Only the law of penalty holds a tool by its core.
+void warnOfResponse(const Arguments& a, const std::filesystem::path& tool_file, double voxel_mm) {
+  if (a.response == "penalty") return;
+  const auto tool = readTool(tool_file);
+  if (tool && tooCoarseFor(*tool, voxel_mm))
+    fmt::print(
+        stderr,
+        "kerf: WARNING: by {} a tool as thin as {} may go through tissue without cutting it. Leave --response out\n",
+        a.response, tool->id);
+}
+
+// A feed is a machine's: it goes on whatever is left standing.
+void warnOfFeed(const Arguments& a, const HapticSummary& s) {
+  constexpr double kEnough = 0.9;  // of the plan
+  if (a.hand == "feed" && s.reached_mm3 < kEnough * s.planned_mm3)
+    fmt::print(stderr,
+               "kerf: WARNING: fed faster than it can cut: {:.0f} % of what the path asks for are gone, the tool went "
+               "through the rest. Neither forces nor volumes are to be trusted: --hand force, or a slower feed\n",
+               100 * s.reached_mm3 / s.planned_mm3);
 }
 
 constexpr double kUnchanged = 1e-6;  // mm^3
@@ -275,6 +291,8 @@ int runByHand(const Arguments& a, const std::filesystem::path& tool) {
   warnOfNeighbours(a, cut->summary);
   warnOfTool(tool, cut->manifest.voxel_mm, cut->summary.removed_mm3 + cut->summary.added_mm3 < kUnchanged);
   tell(cut->summary.findings, !a.haptic.add.empty());
+  warnOfResponse(a, tool, cut->manifest.voxel_mm);
+  warnOfFeed(a, cut->summary);
   constexpr double kInside = 0.2;  // mm; less is a tool that leans on the surface
   if (cut->summary.began_inside_mm > kInside)
     fmt::print(stderr,
@@ -430,7 +448,7 @@ void addOptionsOfOneHand(CLI::App& command, Arguments& a) {
       ->capture_default_str();
 
   auto* force = command.add_option_group("With --hand force");
-  force->add_option("--push", a.haptic.force.force, "force along the path, N")->capture_default_str();
+  force->add_option("--push", a.haptic.force.force, "force along the path, 0.01 to 8 N")->capture_default_str();
   force->add_option("--feed-limit", a.haptic.force.feed_limit, "no faster than this, mm/s")->capture_default_str();
   force->add_option("--patience", a.haptic.force.patience, "s without progress until it gives up")
       ->capture_default_str();

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -13,6 +14,7 @@
 #include "sim/run/placed_pieces.h"
 #include "sim/run/run_files.h"
 #include "sim/run/run_manifest.h"
+#include "sim/run/run_report.h"
 #include "ui/cli/command.h"
 
 namespace kerf::cli {
@@ -88,6 +90,25 @@ Expected<void> warnOfNeighbours(const std::string& bundle) {
       fmt::print(stderr,
                  "kerf: {:.4f} mm3 were cut off {}, too; not in this mesh: kerf export {} --beside {} -o FILE\n",
                  other.removed_mm3, other.case_path, bundle, n);
+  return {};
+}
+
+// The step counts by shares of voxels, the mesh has a surface: where these say two things, one of them is wrong.
+Expected<void> warnOfLedger(const std::string& bundle, double in_mesh_mm3) {
+  constexpr double kMostApart = 0.02, kWorthSaying = 0.02;  // of the volume; mm^3
+  KERF_TRY(report, readRunReport(bundle));
+  const RunManifest& manifest = report.manifest;
+  const bool is_along_path = manifest.mode == kModeGeometry || manifest.mode == kModeHaptic;
+  if (!is_along_path || !manifest.begin_sha256.empty() || !report.removed_mm3 || report.added_mm3.value_or(0) > 0)
+    return {};
+  const double counted_mm3 = *report.removed_mm3, apart = in_mesh_mm3 - counted_mm3;
+  if (std::abs(apart) > std::max(kWorthSaying, kMostApart * counted_mm3))
+    fmt::print(
+        stderr,
+        "kerf: WARNING: while it was cut {:.4f} mm3 were counted, the mesh lacks {:.4f} ({:+.0f} %): what cuts of "
+        "{} is too thin for voxels of {:g} mm, or was fed through what it did not cut. Bake finer, or feed "
+        "slower\n",
+        counted_mm3, in_mesh_mm3, 100 * apart / counted_mm3, manifest.tool_id, manifest.voxel_mm);
   return {};
 }
 
@@ -233,7 +254,9 @@ int run(const Arguments& given) {
     if (const auto written = writeMesh(output.path, output.mesh); !written) return complain(written.error());
 
   if (a.beside == 0 && isRun(a.bundle))
-    if (const auto warned = warnOfNeighbours(a.bundle); !warned) return complain(warned.error());
+    for (const auto& warned :
+         {warnOfNeighbours(a.bundle), warnOfLedger(a.bundle, result->post_op.report.removed_volume_mm3)})
+      if (!warned) return complain(warned.error());
   if (a.json)
     printJson(jsonOf(*outputs, *result));
   else
