@@ -93,23 +93,22 @@ Expected<void> warnOfNeighbours(const std::string& bundle) {
   return {};
 }
 
-// The step counts by shares of voxels, the mesh has a surface: where these say two things, one of them is wrong.
-Expected<void> warnOfLedger(const std::string& bundle, double in_mesh_mm3) {
+// The step counts by shares of voxels, the mesh has a surface: where these say two things, one of them is wrong. Of a
+// run whose numbers cannot be read `kerf info` says so.
+void warnOfLedger(const std::string& bundle, double in_mesh_mm3) {
   constexpr double kMostApart = 0.02, kWorthSaying = 0.02;  // of the volume; mm^3
-  KERF_TRY(report, readRunReport(bundle));
-  const RunManifest& manifest = report.manifest;
-  const bool is_along_path = manifest.mode == kModeGeometry || manifest.mode == kModeHaptic;
-  if (!is_along_path || !manifest.begin_sha256.empty() || !report.removed_mm3 || report.added_mm3.value_or(0) > 0)
-    return {};
-  const double counted_mm3 = *report.removed_mm3, apart = in_mesh_mm3 - counted_mm3;
-  if (std::abs(apart) > std::max(kWorthSaying, kMostApart * counted_mm3))
+  const auto manifest = readRunManifest(bundle);
+  if (!manifest || manifest->mode != kModeHaptic || !manifest->begin_sha256.empty()) return;
+  const auto report = readRunReport(bundle);
+  if (!report || report->added_mm3.value_or(0) > 0) return;
+  const double counted_mm3 = report->removed_mm3.value_or(0), apart = in_mesh_mm3 - counted_mm3;
+  if (counted_mm3 > 0 && std::abs(apart) > std::max(kWorthSaying, kMostApart * counted_mm3))
     fmt::print(
         stderr,
         "kerf: WARNING: while it was cut {:.4f} mm3 were counted, the mesh lacks {:.4f} ({:+.0f} %): what cuts of "
         "{} is too thin for voxels of {:g} mm, or was fed through what it did not cut. Bake finer, or feed "
         "slower\n",
-        counted_mm3, in_mesh_mm3, 100 * apart / counted_mm3, manifest.tool_id, manifest.voxel_mm);
-  return {};
+        counted_mm3, in_mesh_mm3, 100 * apart / counted_mm3, manifest->tool_id, manifest->voxel_mm);
 }
 
 nlohmann::json piecesOf(const Export& result) {
@@ -254,9 +253,8 @@ int run(const Arguments& given) {
     if (const auto written = writeMesh(output.path, output.mesh); !written) return complain(written.error());
 
   if (a.beside == 0 && isRun(a.bundle))
-    for (const auto& warned :
-         {warnOfNeighbours(a.bundle), warnOfLedger(a.bundle, result->post_op.report.removed_volume_mm3)})
-      if (!warned) return complain(warned.error());
+    if (const auto warned = warnOfNeighbours(a.bundle); !warned) return complain(warned.error());
+  if (a.beside == 0 && isRun(a.bundle)) warnOfLedger(a.bundle, result->post_op.report.removed_volume_mm3);
   if (a.json)
     printJson(jsonOf(*outputs, *result));
   else

@@ -195,7 +195,8 @@ void printCourse(const RunReport& r, std::string& out) {
   if (r.crumbs.value_or(0) > 0) out += fmt::format(" and {} below 0.1 mm3", counted(*r.crumbs, "crumb"));
   if (r.ended) out += "; ended: " + *r.ended;
   if (r.stalled_s.value_or(0) > 0.05)
-    out += fmt::format("; the drive stood still for {:.2f} s of it: too heavy a hand", *r.stalled_s);
+    out += fmt::format("; the drive stood still for {:.2f} s of it: too {}", *r.stalled_s,
+                       r.settings && r.settings->hand == nameOf(HandKind::kFeed) ? "fast a feed" : "heavy a hand");
   if (r.settings) out += "\nheld by " + describe(*r.settings);
   out += "\ntools: ";
   for (std::size_t n = 0; n < r.tools.size(); ++n) out += (n ? ", " : "") + r.tools[n];
