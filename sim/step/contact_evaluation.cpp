@@ -93,16 +93,15 @@ void moveByContact(const Model& model, State& state, const Substep& substep, Cor
   const ToolModel& tool = model.tools[state.tool];
   const Wrench own = ownDrag(tool, state.body.pose, state.speed, out.sums);
 
-  if (model.settings.attachment() != Attachment::kFixed) {
-    advance(state.body, state.device, out.sums, own, substep.coupling, tool.cut.reach(), substep.longest_mm, substep.dt,
-            &core);
+  if (model.settings.attachment() == Attachment::kFixed) {
+    out.contact = contactWrench(state.body, {out.sums.force, out.sums.torque}, own, out.sums.dragMatrix());
+  } else {
+    out.contact = advance(state.body, state.device, out.sums, own, substep.coupling, tool.cut.reach(),
+                          substep.longest_mm, substep.dt, &core);
     const double moved = substep.dt * (state.body.velocity.norm() + tool.reach_mm * state.body.angular.norm()) + 1e-9;
     for (CutObject& object : state.objects) object.odometer += moved;
   }
 
-  const Wrench push = core.push();
-  out.contact = contactWrench(state.body, {out.sums.force + push.force, out.sums.torque + push.torque}, own,
-                              out.sums.dragMatrix());
   state.core_drag = core.drag(state.body);
   for (std::size_t n = 0; n < state.objects.size(); ++n)
     state.objects[n].core_load = std::min(core.cuttingLoad(n), kMostCoreLoad);

@@ -204,12 +204,6 @@ Vector6d CoreContact::solve(const Matrix6d& a, const Vector6d& b, double dt) noe
 
 double CoreContact::normalLoad(std::size_t n) const { return per_s_ * loads_.load[n] * rows_[n].slope; }
 
-Wrench CoreContact::push() const {
-  Vector6d sum = Vector6d::Zero();
-  for (std::size_t n = 0; n < count_; ++n) sum += per_s_ * loads_.load[n] * directions_[n];
-  return {sum.head<3>(), sum.tail<3>()};
-}
-
 double CoreContact::cuttingLoad(std::size_t number) const {
   double sum = 0;
   for (std::size_t n = 0; n < count_; ++n)

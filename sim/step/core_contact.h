@@ -6,7 +6,8 @@
 //
 //   allowed   delta = min(0.4 r, r - 0.7 h, band - 0.7 h), r the point's radius, h the voxel, band the object's outer
 //             one: how near it may come. A point with a radius below 0.7 voxels may go in by the difference. A drill's
-//             may come nearer, r - h: pushed beyond its greatest feed it leans on its core, and the sooner the slower.
+//             may come nearer, r - h: pushed beyond its greatest feed it leans on its core, and the sooner that holds
+//             it, the slower it feeds. Below one voxel it may go in.
 //   distance  phi and its gradient g by quadratic B-splines over the 27 nodes around: smooth where nodes are passed.
 //             Between two walls g is short by itself; only what is longer than 1 is shortened.
 //   push      N = K max(0, delta - phi') along g, K = 1.5 mm^2 times the contact stiffness of the material there, phi'
@@ -56,8 +57,6 @@ class CoreContact {
   /// How advance() solves for the velocity. @pre not empty
   Vector6d solve(const Matrix6d& a, const Vector6d& b, double dt) noexcept;
 
-  /// The push of the loads on the tool, world axes, about its tip.
-  Wrench push() const;
   /// Of the solved loads on one object that of what cuts, N.
   double cuttingLoad(std::size_t number) const;
   /// Their friction.

@@ -51,27 +51,40 @@ Vector6d springPull(const Rigid3& pose, const DeviceMotion& device, const Coupli
   return pull;
 }
 
-void advance(ToolBody& body, const DeviceMotion& device, const ContactSums& contact, const Wrench& own_drag,
-             const CouplingSettings& s, double head_reach, double longest, double dt, CoreContact* core) noexcept {
+Wrench advance(ToolBody& body, const DeviceMotion& device, const ContactSums& contact, const Wrench& own_drag,
+               const CouplingSettings& s, double head_reach, double longest, double dt, CoreContact* core) noexcept {
   const double mass = s.mass(), inertia = s.inertia();
   Matrix6d a = dt * contact.dragMatrix() + dt * dt * contact.stiffness;
   Vector6d b;
   const Vector6d pull = springPull(body.pose, device, s);
+  const bool has_core = core && !core->isEmpty();
+  const bool is_free = !has_core && a.isZero(0) && contact.force_next.isZero(0) && own_drag.force.isZero(0);
   b.head<3>() =
       mass * body.velocity + dt * (pull.head<3>() + s.damping * device.velocity + contact.force_next + own_drag.force);
   b.tail<3>() = inertia * body.angular +
                 dt * (pull.tail<3>() + s.turn_damping * device.angular + contact.torque_next + own_drag.torque);
   a.diagonal().head<3>().array() += mass + dt * s.damping + dt * dt * s.stiffness;
   a.diagonal().tail<3>().array() += inertia + dt * s.turn_damping + dt * dt * s.turn_stiffness;
-  const Vector6d v = core && !core->isEmpty() ? core->solve(a, b, dt) : Vector6d(a.ldlt().solve(b));
-  if (!v.allFinite()) {
+  const Vector6d v = has_core ? core->solve(a, b, dt) : Vector6d(a.ldlt().solve(b));
+  if (!(a.allFinite() && b.allFinite() && v.allFinite())) {
     body.velocity.setZero();
     body.angular.setZero();
-    return;
+    return {};
   }
-  body.velocity = v.head<3>();
-  body.angular = v.tail<3>();
+
+  // What changed the momentum and was not the coupling.
+  const Vec3d moved = v.head<3>(), turned = v.tail<3>();
+  Wrench did;
+  if (!is_free) {
+    did.force = mass / dt * (moved - body.velocity) - pull.head<3>() - s.damping * (device.velocity - moved) +
+                dt * s.stiffness * moved;
+    did.torque = inertia / dt * (turned - body.angular) - pull.tail<3>() - s.turn_damping * (device.angular - turned) +
+                 dt * s.turn_stiffness * turned;
+  }
+  body.velocity = moved;
+  body.angular = turned;
   travel(body, head_reach, longest, dt);
+  return did;
 }
 
 double travel(ToolBody& body, double head_reach, double longest, double dt) noexcept {

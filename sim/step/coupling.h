@@ -71,10 +71,12 @@ double travel(ToolBody& body, double head_reach_mm, double longest_mm, double dt
 /// @param contact  world frame: force_next, stiffness and drag are used.   @param own_drag  of the tool's own motion.
 /// @param longest  mm: no part of the cutting head moves farther in one step; the motion is scaled down to it.
 /// @param core  what else pushes, solved for together with the velocity; null: nothing.
-/// @rt
-void advance(ToolBody& body, const DeviceMotion& device, const ContactSums& contact, const Wrench& own_drag,
-             const CouplingSettings& settings, double head_reach_mm, double longest_mm, double dt,
-             CoreContact* core = nullptr) noexcept;
+/// @return what contact and drag did to the body, mean over dt, before its motion is scaled down. Overlap at a pose
+/// says more where it lands: 27 N for a flat of 5 mm^2 at 25 mm/s, which 0.8 N stop. Where it lifts off, the implicit
+/// step may hold it back for some ms. Zero to the bit where nothing touches, or where not all is finite.   @rt
+Wrench advance(ToolBody& body, const DeviceMotion& device, const ContactSums& contact, const Wrench& own_drag,
+               const CouplingSettings& settings, double head_reach_mm, double longest_mm, double dt,
+               CoreContact* core = nullptr) noexcept;
 
 /// What the coupling does to the hand: spring and damper from device to tool. Not clamped. @rt
 Wrench couplingWrench(const ToolBody& body, const DeviceMotion& device, const CouplingSettings& settings) noexcept;

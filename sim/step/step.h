@@ -137,7 +137,9 @@ enum StepStatus : std::uint32_t {
 
 struct StepOutput {
   DeviceForce force;  ///< to the hand
-  Wrench contact;     ///< on the tool, world axes, about the tip: pressure and drag, mean over the tick
+  /// On the tool, world axes, about the tip: pressure and drag, mean over the tick. What moved it, for a tool on the
+  /// coupling: see advance().
+  Wrench contact;
   Rigid3 T_world_tool;
   double normal_load = 0;   ///< N = integral of p dA, N
   double cutting_load = 0;  ///< the part of it on what cuts, N

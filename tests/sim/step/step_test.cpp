@@ -6,6 +6,8 @@
 #include <numbers>
 
 #include "geometry/tool/tool_file.h"
+#include "sim/run/load_scene.h"
+#include "sim/run/practice_block.h"
 #include "sim/scenes/feed.h"
 #include "tests/sim/block_scene.h"
 
@@ -152,6 +154,39 @@ TEST(Step, AStillToolDoesNotCut) {
     step(model, state, sampleAt({Eigen::Quaterniond::Identity(), {0, 0, 0.2 - 0.002 * n}}, 0), out);
   EXPECT_GT(out.normal_load, 0.3);
   EXPECT_EQ(state.objects[0].bricks().changedField().brickCount(), 0u);
+}
+
+// A flat end of 5 mm^2 overlaps by many newtons in the millisecond in which it lands. What stops it is its momentum
+// over that time, and that is what is told.
+TEST(Step, TheForceOnAToolThatLandsIsWhatStopsIt) {
+  const auto file = findToolFile("909-040", defaultToolFolders());
+  ASSERT_TRUE(file);
+  const auto wheel = readTool(*file);
+  ASSERT_TRUE(wheel);
+  StepSettings settings;
+  settings.ramp_s = 0;
+  auto model = makeModel(std::span(&*wheel, 1), settings);
+  ASSERT_TRUE(model);
+  const auto enamel = practiceBlock({6, 6, 2}, 0.1, {}, Material::kEnamel);
+  ASSERT_TRUE(enamel);
+  State state;
+  state.objects.emplace_back(*enamel, 64);
+
+  StepOutput out;
+  double most_load = 0, most_force = 0;
+  for (int n = 0; n < 200; ++n) {
+    const Vec3d before = state.body.velocity;
+    step(*model, state, sampleAt({Eigen::Quaterniond::Identity(), {0, 0, 0.5 - 0.025 * n}}, 0), out);
+    if (n == 0) continue;  // put down
+    ASSERT_EQ(out.substeps, 1) << n;
+    const Vec3d gained = model->settings.coupling.mass() / kTick * (state.body.velocity - before);
+    ASSERT_LT((out.contact.force - gained - out.force.force).norm(), 1e-9) << n;
+    most_load = std::max(most_load, out.normal_load);
+    if (n < 40) most_force = std::max(most_force, out.contact.force.norm());
+  }
+  EXPECT_GT(most_load, 10);
+  EXPECT_LT(most_force, 3);
+  EXPECT_NEAR(out.contact.force[2], out.force.force[2], 0.1);
 }
 
 TEST(Step, ABadSampleStopsForceAndCuttingUntilCleared) {
