@@ -19,6 +19,7 @@
 #include "sim/run/run_output.h"
 #include "sim/run/session_pieces.h"
 #include "sim/run/sweep_cutter.h"
+#include "sim/run/tool_resolution.h"
 #include "sim/session/session.h"
 
 namespace kerf {
@@ -198,7 +199,7 @@ Expected<std::vector<BrickField>> changedFields(const Session& session, const Cu
                .file = scene.inputs.path_file.string(),
                .found = nothing,
                .expected = internal::throughBodies(bodies, scene.inputs.manifests.front().box),
-               .hint = options.step.response == Response::kPenalty
+               .hint = options.step.response == Response::kPenalty || !isPointed(scene.inputs.tool)
                            ? "check the path's frame and unit, the spindle and the force"
                            : "leave --response out: by this one a thin point goes through uncut. Or check the path's "
                              "frame and unit, the spindle and the force"});

@@ -367,6 +367,16 @@ void internal::addPeaks(const RunSeries& series, RunReport& out) {
   }
 }
 
+Expected<RunReport> readRunSummary(const fs::path& run_folder) {
+  RunReport out;
+  KERF_TRY(manifest, readRunManifest(run_folder));
+  out.manifest = std::move(manifest);
+  const fs::path summary = run_folder / internal::kRunSummary;
+  std::error_code ignored;
+  if (fs::is_regular_file(summary, ignored)) KERF_CHECK(takeSummary(summary, out));
+  return out;
+}
+
 Expected<RunReport> readRunReport(const fs::path& run_folder, bool replays, const Progress& progress) {
   RunReport out;
   KERF_TRY(manifest, readRunManifest(run_folder));

@@ -68,6 +68,10 @@ struct RunReport {
 Expected<RunReport> readRunReport(const std::filesystem::path& run_folder, bool replays = false,
                                   const Progress& progress = {});
 
+/// Of that only what manifest and summary.json state; nothing is counted or replayed, and `missing` says nothing.
+/// @cost  milliseconds.
+Expected<RunReport> readRunSummary(const std::filesystem::path& run_folder);
+
 namespace internal {
 
 /// Largest force, highest temperature and least distances of a series, with their times.

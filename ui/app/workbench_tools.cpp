@@ -229,7 +229,7 @@ void Workbench::selectTool(std::size_t n) {
 
 // Once a session: a notice does not interrupt.
 void Workbench::warnOfThinTool() {
-  const auto coarse = tooCoarseFor(tool(tool_), run_->original()->voxel());
+  const auto coarse = tooCoarseFor(tool(tool_), run_->original()->voxel(), Held::kByHand);
   if (!coarse || !told_thin_.insert(tool(tool_).id).second) return;
   say(fmt::format("{}. Voxels of {:.2g} mm are nearer.", coarse->what, coarse->finer_mm));
 }

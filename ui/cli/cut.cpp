@@ -220,33 +220,35 @@ void print(const Arguments& a, const HapticCut& cut) {
   fmt::print("state {}\nrun written: {}\n", s.state_hash, a.output);
 }
 
-// Warns of a tool that is hardly meant, and of one that is too thin for the voxels.
-void warnOfTool(const std::filesystem::path& tool_file, double voxel_mm, bool is_unchanged) {
+// Warns of a tool that is hardly meant, and of one that is too thin for the voxels. A hand cuts on the object's own.
+void warnOfTool(const Arguments& a, const std::filesystem::path& tool_file, double voxel_mm, bool is_unchanged) {
   const auto tool = readTool(tool_file);
   if (!tool) return;
   if (const std::string doubt = doubtAbout(*tool); !doubt.empty())
     fmt::print(stderr, "kerf: WARNING: {}: {}\n", tool->id, doubt);
-  if (const auto coarse = tooCoarseFor(*tool, voxel_mm))
-    fmt::print(stderr, "kerf: WARNING: {}. Bake with --voxel {:.2g} or finer, or with --fine-along the path\n",
-               coarse->what, coarse->finer_mm);
+  const bool is_pushed = !a.hand.empty() && a.hand != "feed" && a.haptic.add.empty();  // what is added is not felt
+  const Held held = is_pushed ? Held::kByHand : Held::kOnPath;
+  if (const auto coarse = tooCoarseFor(*tool, voxel_mm, held))
+    fmt::print(stderr, "kerf: WARNING: {}. Bake with --voxel {:.2g} or finer{}\n", coarse->what, coarse->finer_mm,
+               a.hand.empty() ? ", or for the mesh alone with --fine-along the path" : "");
   if (is_unchanged) fmt::print(stderr, "kerf: WARNING: nothing was changed\n");
 }
 
 // Only the law of penalty holds a tool by its core.
-void warnOfResponse(const Arguments& a, const std::filesystem::path& tool_file, double voxel_mm) {
-  if (a.response == "penalty") return;
+void warnOfResponse(const Arguments& a, const std::filesystem::path& tool_file) {
+  if (a.response == "penalty" || !a.haptic.add.empty()) return;
   const auto tool = readTool(tool_file);
-  if (tool && tooCoarseFor(*tool, voxel_mm))
-    fmt::print(
-        stderr,
-        "kerf: WARNING: by {} a tool as thin as {} may go through tissue without cutting it. Leave --response out\n",
-        a.response, tool->id);
+  if (tool && isPointed(*tool))
+    fmt::print(stderr,
+               "kerf: WARNING: by {} a point as thin as that of {} may go through tissue without cutting it. Leave "
+               "--response out\n",
+               a.response, tool->id);
 }
 
-// A feed is a machine's: it goes on whatever is left standing.
+// A feed is a machine's: it goes on whatever is left standing. Of a path that was not finished that says nothing.
 void warnOfFeed(const Arguments& a, const HapticSummary& s) {
   constexpr double kEnough = 0.9;  // of the plan
-  if (a.hand == "feed" && s.reached_mm3 < kEnough * s.planned_mm3)
+  if (a.hand == "feed" && s.is_complete && s.reached_mm3 < kEnough * s.planned_mm3)
     fmt::print(stderr,
                "kerf: WARNING: fed faster than it can cut: {:.0f} % of what the path asks for are gone, the tool went "
                "through the rest. Neither forces nor volumes are to be trusted: --hand force, or a slower feed\n",
@@ -289,9 +291,9 @@ int runByHand(const Arguments& a, const std::filesystem::path& tool) {
                cut->manifest.voxel_mm);
   tell(warningsOf(cut->manifest));
   warnOfNeighbours(a, cut->summary);
-  warnOfTool(tool, cut->manifest.voxel_mm, cut->summary.removed_mm3 + cut->summary.added_mm3 < kUnchanged);
+  warnOfTool(a, tool, cut->manifest.voxel_mm, cut->summary.removed_mm3 + cut->summary.added_mm3 < kUnchanged);
   tell(cut->summary.findings, !a.haptic.add.empty());
-  warnOfResponse(a, tool, cut->manifest.voxel_mm);
+  warnOfResponse(a, tool);
   warnOfFeed(a, cut->summary);
   constexpr double kInside = 0.2;  // mm; less is a tool that leans on the surface
   if (cut->summary.began_inside_mm > kInside)
@@ -361,7 +363,7 @@ int runGeometry(const Arguments& a, const std::filesystem::path& tool) {
   for (const auto& [id, volume] : m->removed_by_material) removed += volume;
   // Volumes are counted on the object's own voxels, strokes on those of a fine region where one was cut.
   const bool all_idle = m->findings.idle.size() == m->findings.strokes;
-  warnOfTool(tool, m->voxel_mm, removed < kUnchanged && all_idle);
+  warnOfTool(a, tool, m->voxel_mm, removed < kUnchanged && all_idle);
   tell(m->findings, false);
   const auto& out_at = m->findings.comes_out_at;
   if (a.json)

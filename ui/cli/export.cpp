@@ -94,13 +94,14 @@ Expected<void> warnOfNeighbours(const std::string& bundle) {
 }
 
 // The step counts by shares of voxels, the mesh has a surface: where these say two things, one of them is wrong. Of a
-// run whose numbers cannot be read `kerf info` says so.
-void warnOfLedger(const std::string& bundle, double in_mesh_mm3) {
+// run whose numbers cannot be read `kerf info` says so. Crumbs that were dropped were not cut.
+void warnOfLedger(const std::string& bundle, const PostOpReport& mesh) {
   constexpr double kMostApart = 0.02, kWorthSaying = 0.02;  // of the volume; mm^3
   const auto manifest = readRunManifest(bundle);
   if (!manifest || manifest->mode != kModeHaptic || !manifest->begin_sha256.empty()) return;
-  const auto report = readRunReport(bundle);
+  const auto report = readRunSummary(bundle);
   if (!report || report->added_mm3.value_or(0) > 0) return;
+  const double in_mesh_mm3 = mesh.removed_volume_mm3 - mesh.crumbs_volume_mm3;
   const double counted_mm3 = report->removed_mm3.value_or(0), apart = in_mesh_mm3 - counted_mm3;
   if (counted_mm3 > 0 && std::abs(apart) > std::max(kWorthSaying, kMostApart * counted_mm3))
     fmt::print(
@@ -254,7 +255,7 @@ int run(const Arguments& given) {
 
   if (a.beside == 0 && isRun(a.bundle))
     if (const auto warned = warnOfNeighbours(a.bundle); !warned) return complain(warned.error());
-  if (a.beside == 0 && isRun(a.bundle)) warnOfLedger(a.bundle, result->post_op.report.removed_volume_mm3);
+  if (a.beside == 0 && isRun(a.bundle)) warnOfLedger(a.bundle, result->post_op.report);
   if (a.json)
     printJson(jsonOf(*outputs, *result));
   else
