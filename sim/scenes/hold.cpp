@@ -1,6 +1,7 @@
 #include "sim/scenes/hold.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "sim/scenes/objects.h"
 #include "sim/scenes/poses.h"
@@ -32,7 +33,7 @@ Hold hold(const Model& model, const HoldScene& scene) {
 
     const double speed = free_speed > 0 ? tick.speed / free_speed : 0;
     out.last_speed = speed;
-    if (pedal == 0 && out.stopped_at < 0 && speed < 0.01) out.stopped_at = t - scene.pedal_up_at;
+    if (pedal == 0 && std::isnan(out.stopped_at) && speed < 0.01) out.stopped_at = t - scene.pedal_up_at;
     if (t < scene.settle) {
       settled_at = along;
       continue;

@@ -1,6 +1,8 @@
 // A tool that a guided hand pushes along a line with constant force: what it takes off, how fast, what its drive does.
 #pragma once
 
+#include <limits>
+
 #include "sim/step/step.h"
 
 namespace kerf::scenes {
@@ -26,7 +28,8 @@ struct Hold {
   double torque = 0;            ///< load of the drive, mean after settling
   double depth = 0;             ///< mm along the way at the end
   double seconds = 0;           ///< until the end
-  double stopped_at = -1;       ///< s: the drive's speed first below 1 % after the pedal was up; -1: not
+  /// s: the drive's speed first below 1 % after the pedal was up; NaN, which meets no goal: never
+  double stopped_at = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// Reserves bricks between ticks: nothing is left uncut for want of room.
