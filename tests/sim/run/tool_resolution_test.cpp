@@ -73,8 +73,9 @@ TEST(ToolResolution, WhoTakesTheAdviceForAThinToolIsNotWarnedAgain) {
     ASSERT_TRUE(thin) << tool.id;
     ASSERT_NE(thin->what.find("voxels wide"), std::string::npos) << thin->what;
     const double advised = std::stod(fmt::format("{:.2g}", thin->finer_mm));
-    if (const auto again = tooCoarseFor(tool, advised, Held::kByHand))
+    if (const auto again = tooCoarseFor(tool, advised, Held::kByHand)) {
       EXPECT_GT(pointLength(tool, 3 * advised), 4 * advised) << again->what;  // a flame: pointed with any
+    }
   }
   EXPECT_FALSE(tooCoarseFor(toolOfRack("round-006"), 0.2, Held::kByHand));  // three voxels wide, rounded or not
 }
