@@ -25,7 +25,7 @@ enum class Held {
 double pointLength(const Tool& tool, double width_mm);
 
 /// A ball of 0.3 mm fits only 0.4 mm and more behind its tip: flames and needles of the rack. Where nothing but its
-/// surface is held (Response), such a tool goes in without cutting.
+/// surface is held (Response), such a tool may go in uncut.
 bool isPointed(const Tool& tool);
 
 /// None: they are fine enough. Otherwise one of two.

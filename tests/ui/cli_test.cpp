@@ -548,10 +548,11 @@ TEST_F(Cli, ACutThatWasFedThroughWhatItDidNotCutIsDoubtedAndSoIsItsExport) {
 
   // Only penalty holds a point.
   const Outcome flame = cut("862-012", "flame.run", {"--hand", "force", "--push", "2", "--response", "impulse"});
-  if (flame.exit_code == 0)
-    EXPECT_TRUE(has(flame, "Leave --response out")) << flame.err;
-  else
-    EXPECT_TRUE(has(flame, "leave --response out")) << flame.err;
+  EXPECT_EQ(flame.exit_code, 1);
+  EXPECT_TRUE(has(flame, "862-012 cut nothing") && has(flame, "Try: leave --response out")) << flame.err;
+  const Outcome needle = cut("859-012", "needle.run", {"--hand", "force", "--push", "2", "--response", "impulse"});
+  EXPECT_EQ(needle.exit_code, 0);
+  EXPECT_TRUE(has(needle, "WARNING: by impulse a point as thin as that of 859-012")) << needle.err;
   const Outcome ball = cut("round-018", "ball.run", {"--hand", "force", "--response", "impulse"});
   ASSERT_EQ(ball.exit_code, 0) << ball.err;
   EXPECT_FALSE(has(ball, "--response out")) << ball.err;
