@@ -1,0 +1,37 @@
+// A Haply service that is not there: speaks its protocol as far as bridges/haply.cpp needs it, with the mass, damping,
+// friction, encoder and delay of a DeviceHand, held by a hand that follows a path.
+#pragma once
+
+#include <memory>
+
+#include "geometry/base/error.h"
+#include "sim/device/arm_simulator.h"
+#include "sim/hand/virtual_hand.h"
+
+namespace kerf::test {
+
+struct HaplyOptions {
+  std::uint16_t port = 10001;  ///< of 127.0.0.1; 0: the system chooses
+  CutPath path{};              ///< of the hand; empty: it rests
+  DeviceHand::Options hand{};
+};
+
+/// One client at a time. A force counts for 10 ms at most.
+class HaplySimulator {
+ public:
+  /// Error kUnreadable: the port is taken; kBadValue: no thread.
+  static Expected<std::unique_ptr<HaplySimulator>> start(HaplyOptions options);
+  ~HaplySimulator();
+  std::uint16_t port() const noexcept;
+  /// force_frames: commands that came.
+  ArmReport report() const;
+  /// It answers nothing.
+  void hang(bool is_hanging) noexcept;
+
+ private:
+  struct State;
+  explicit HaplySimulator(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace kerf::test

@@ -1,0 +1,60 @@
+// The encoders of a WoodenHaptics arm as its firmware keeps them: they count from anywhere until it is told what they
+// are to say, and from there on afterwards.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <mutex>
+
+#include "tests/support/hid_testbed.h"
+
+namespace kerf::test {
+
+class WoodyFirmware {
+ public:
+  /// @param node  plugged in.   @param counts  at first.   @param size  of its reports: 14, of a Teensy 64.
+  WoodyFirmware(HidTestbed& bed, int node, const std::array<int, 3>& counts, std::size_t size = 14)
+      : state_(std::make_shared<State>()), size_(size) {
+    state_->counts = counts;
+    bed.listen(node, [state = state_](const Bytes& report) { state->take(report); });
+  }
+  /// Bytes of the next one.
+  Bytes report() const {
+    Bytes out(size_);
+    const std::lock_guard lock(state_->mutex);
+    for (std::size_t n = 0; n < 3; ++n) {
+      out[2 * n] = static_cast<std::uint8_t>(state_->counts[n] & 255);
+      out[2 * n + 1] = static_cast<std::uint8_t>((state_->counts[n] >> 8) & 255);
+    }
+    return out;
+  }
+  void turn(const std::array<int, 3>& by) {
+    const std::lock_guard lock(state_->mutex);
+    for (std::size_t n = 0; n < 3; ++n) state_->counts[n] += by[n];
+  }
+  /// It does not know how to set its encoders.
+  void ignoreCalibration(bool is_ignored) {
+    const std::lock_guard lock(state_->mutex);
+    state_->ignores = is_ignored;
+  }
+
+ private:
+  struct State {
+    // Its number, three currents, the command, what three encoders are set to.
+    void take(const Bytes& report) {
+      const auto word = [&](std::size_t n) {
+        return static_cast<std::int16_t>(report[1 + 2 * n] | (report[2 + 2 * n] << 8));
+      };
+      const std::lock_guard lock(mutex);
+      if (ignores || report.size() < 15 || word(3) != 1) return;
+      for (std::size_t n = 0; n < 3; ++n) counts[n] = word(4 + n);
+    }
+    std::mutex mutex;
+    std::array<int, 3> counts{};  // guarded by mutex, as the next
+    bool ignores = false;
+  };
+  std::shared_ptr<State> state_;
+  const std::size_t size_;
+};
+
+}  // namespace kerf::test
