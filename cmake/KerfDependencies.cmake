@@ -12,8 +12,9 @@ if(KERF_BUILD_WINDOW)
   find_package(OpenGL QUIET COMPONENTS OpenGL EGL)
   pkg_check_modules(IMGUI QUIET IMPORTED_TARGET imgui)
   pkg_check_modules(EPOXY QUIET IMPORTED_TARGET epoxy)
-  if(NOT (glfw3_FOUND AND OpenGL_EGL_FOUND AND IMGUI_FOUND AND EPOXY_FOUND))
-    message(WARNING "GLFW, EGL, Dear ImGui or libepoxy is missing: kerf-sim (window and pictures) is not built. "
+  pkg_check_modules(SDL2 QUIET IMPORTED_TARGET sdl2)
+  if(NOT (glfw3_FOUND AND OpenGL_EGL_FOUND AND IMGUI_FOUND AND EPOXY_FOUND AND SDL2_FOUND))
+    message(WARNING "GLFW, EGL, Dear ImGui, libepoxy or SDL2 is missing: kerf-sim (window and pictures) is not built. "
                     "Run scripts/setup.")
     set(KERF_BUILD_WINDOW OFF)
   endif()

@@ -28,6 +28,22 @@ TEST(GamepadMap, StickAndPictureHaveTheSameUp) {
   EXPECT_LT(wish.orbit[1], 0) << "pixels, downwards";
 }
 
+TEST(GamepadMap, ContactIsHeavyTheDriveIsFineAndALatchIsRest) {
+  HapticReport report;
+  EXPECT_EQ(rumbleOf(report, 0), Rumble{}) << "nothing turns";
+  const Rumble air = rumbleOf(report, 1);
+  EXPECT_EQ(air.strong, 0);
+  EXPECT_GT(air.weak, 0.1);
+  report.output.normal_load = 1.5;
+  const Rumble cuts = rumbleOf(report, -1);
+  EXPECT_GT(cuts.strong, 0.4) << "backwards, too";
+  EXPECT_GT(cuts.weak, air.weak);
+  report.output.normal_load = 100;
+  EXPECT_LE(rumbleOf(report, 1).strong, 1);
+  report.is_latched = true;
+  EXPECT_EQ(rumbleOf(report, 1), Rumble{});
+}
+
 TEST(GamepadMap, TheLeftTriggerSlowsBothSticksToAFifth) {
   const GamepadState fast{.left_stick = {1, 0}, .right_stick = {0, 1}};
   GamepadState slow = fast;

@@ -1,6 +1,7 @@
 #include "ui/app/gamepad_map.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace kerf {
@@ -35,6 +36,16 @@ GamepadWish wishOf(const GamepadState& now, const GamepadState& before, double s
   out.takes_previous = now.left_bumper && !before.left_bumper;
   out.takes_next = now.right_bumper && !before.right_bumper;
   return out;
+}
+
+Rumble rumbleOf(const HapticReport& report, double drive_share) {
+  constexpr double kFine = 0.25;      // of the fast motor, at full speed in the air
+  constexpr double kHeavy = 3;        // N of contact that shake the slow motor fully
+  constexpr double kStanding = 0.05;  // of the free speed: below it nothing is felt
+  const double speed = std::min(std::abs(drive_share), 1.0);
+  if (report.is_latched || !(speed > kStanding)) return {};
+  const double contact = std::clamp(report.output.normal_load / kHeavy, 0.0, 1.0);
+  return {contact * speed, std::min(1.0, kFine * speed + 0.5 * contact)};
 }
 
 void GamepadHand::update(AppContext& context, StrokePointer& pointer, const std::optional<GamepadState>& now,

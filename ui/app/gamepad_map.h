@@ -5,11 +5,14 @@
 //   A              takes back a stroke                                  bumpers       take the tool before, the next
 //   one
 //
-// No GLFW: states in, calls of the workbench out.
+// While it drills it shakes: the drive as a fine trembling, contact as a heavy one.
+//
+// No SDL: states in, calls of the workbench out.
 #pragma once
 
 #include <optional>
 
+#include "sim/live/haptic_thread.h"
 #include "ui/app/pedal_hold.h"
 
 namespace kerf {
@@ -41,6 +44,13 @@ struct GamepadLimits {
 
 /// @param seconds  since `before`.
 GamepadWish wishOf(const GamepadState& now, const GamepadState& before, double seconds);
+
+struct Rumble {
+  double strong = 0, weak = 0;  ///< 0 to 1: the slow heavy motor, the fast light one
+  bool operator==(const Rumble&) const = default;
+};
+/// @param drive_share  speed of the drive over its free speed, -1 to 1.
+Rumble rumbleOf(const HapticReport& report, double drive_share);
 
 /// Once a frame.
 class GamepadHand {

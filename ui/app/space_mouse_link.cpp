@@ -6,10 +6,18 @@
 
 namespace kerf {
 
+bool isSpaceMouse(std::uint16_t vendor, std::uint16_t product) {
+  constexpr std::uint16_t kGenericDesktop = 0x01, kMultiAxis = 0x08;
+  HidInfo info;
+  info.vendor = vendor;
+  info.product = product;
+  info.usage_page = kGenericDesktop;
+  info.usage = kMultiAxis;
+  return driverOf(info) != nullptr;
+}
+
 struct SpaceMouseLink::State {
-  explicit State(std::string wanted)
-      : watch(std::move(wanted), 1000,
-              [driver = findDriver("spacemouse")](const FoundDevice& found) { return found.driver == driver; }) {}
+  explicit State(std::string wanted) : watch(std::move(wanted)) {}
   DeviceWatch watch;
   std::shared_ptr<HidDevice> device;
   std::string name, trouble;  // when they were last told of

@@ -10,6 +10,9 @@
 
 namespace kerf {
 
+/// Whether a driver of SpaceMouse devices knows these ids of USB.
+bool isSpaceMouse(std::uint16_t vendor, std::uint16_t product);
+
 /// One thread, the window's. A thread of its own lists devices once a second as long as there is none.
 class SpaceMouseLink {
  public:

@@ -156,8 +156,6 @@ void drawArming(AppContext& context, const ArmView& view) {
   ImGui::SameLine();
   if (plainButton("Test: 0.5 N up", "", half)) command(context, "device.test");
   if (plainButton("Fit session", "", half)) command(context, "device.fit");
-  ImGui::SameLine();
-  if (plainButton("Calibrate", "", half)) command(context, "device.calibrate");
 }
 
 void drawChoices(AppContext& context) {
@@ -230,8 +228,7 @@ void triggerBar(const char* name, double share) {
 void drawPad(const DevicePanelState& state) {
   heading(state.is_joystick ? "Joystick" : "Gamepad");
   if (!state.pad) {
-    wrapped(state.pad_trouble.empty() ? styleColours().quiet : styleColours().warning,
-            state.pad_trouble.empty() ? "Neither a gamepad nor a joystick is plugged in." : state.pad_trouble);
+    wrapped(styleColours().quiet, "Neither a gamepad nor a joystick is plugged in.");
     return;
   }
   const GamepadState& pad = *state.pad;
@@ -244,9 +241,9 @@ void drawPad(const DevicePanelState& state) {
   if (!state.is_joystick) triggerBar("Left: slows", pad.left_trigger);
   const std::uint64_t down = (pad.a ? 1U : 0U) | (pad.left_bumper ? 2U : 0U) | (pad.right_bumper ? 4U : 0U);
   drawButtons(down, {"undo", "tool before", "next tool"});
-  const bool is_wanting = !state.can_pad_shake && !state.is_joystick;
-  wrapped(is_wanting ? styleColours().warning : styleColours().quiet, state.pad_shakes);
-  if (state.pad_battery) line("Battery", textOf(*state.pad_battery));
+  if (!state.is_joystick)
+    wrapped(styleColours().quiet,
+            state.can_pad_shake ? "Shakes while it drills." : "Does not shake: its driver has no rumble.");
 }
 
 }  // namespace

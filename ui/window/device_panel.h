@@ -11,17 +11,15 @@
 
 namespace kerf {
 
-/// What the window knows of its SpaceMouse, and of what leads as a gamepad does.
+/// State of the SpaceMouse, and of the gamepad or joystick.
 struct DevicePanelState {
   std::optional<SpaceMouseState> knob{};  ///< none: there is none
   std::string knob_name{}, knob_trouble{};
   std::optional<Battery> knob_battery{};  ///< none: it has told of none
 
   std::optional<GamepadState> pad{};  ///< none: neither gamepad nor joystick
-  std::string pad_name{}, pad_trouble{};
-  std::string pad_shakes{};  ///< that it does, or why not
-  bool can_pad_shake = false, is_joystick = false;
-  std::optional<Battery> pad_battery{};
+  std::string pad_name{};
+  bool is_joystick = false, can_pad_shake = false;
 };
 
 /// Nothing if it is not shown: device.panel.

@@ -43,7 +43,6 @@ struct Arguments {
   double zoom = 1;
   int frames = 0, timed_frames = 0;
   bool transparent = false, no_scale_bar = false, with_grid = false, no_shadow = false, verbose = false, gpu = false;
-  bool gives_joystick_force = false;
   bool lists_commands = false, is_watched = false;
 };
 
@@ -158,7 +157,6 @@ kerf::Expected<void> cut(const Arguments& arguments, const Shown& shown) {
   options.bench.unit = arguments.unit;
   options.bench.device = arguments.device;
   options.space_mouse = arguments.space_mouse;
-  options.gives_joystick_force = arguments.gives_joystick_force;
   options.width = shown.width;
   options.height = shown.height;
   options.frames = arguments.frames;
@@ -280,14 +278,11 @@ int main(int argc, char** argv) try {
       ->allow_extra_args(false)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_option("--device", a.device,
-                 "a force-feedback device that leads the tool: bridge, bridge:PORT, haply, serial:PATH, replay:FILE, "
-                 "or path or "
+                 "a force-feedback device that leads the tool: bridge, bridge:PORT, replay:FILE, or path or "
                  "serial number of an arm that kerf devices lists; it gives force when it is armed (device.arm)")
       ->type_name("NAME");
   app.add_option("--space-mouse", a.space_mouse, "the SpaceMouse to be used, where there are several")
       ->type_name("PATH|SERIAL");
-  app.add_flag("--joystick-force", a.gives_joystick_force,
-               "experimental: damp and shake a joystick with force feedback of the class PID while it drills");
   app.add_option("--config", a.config, "folder for settings (default: ~/.config/kerf)")->type_name("FOLDER");
   app.add_option("--data", a.data, "folder for cases and sessions (default: ~/.local/share/kerf)")->type_name("FOLDER");
 

@@ -20,9 +20,8 @@
 
 #include "ui/app/app_commands.h"
 #include "ui/app/arm_lead.h"
-#include "ui/app/gamepad_link.h"
+#include "ui/app/game_controller.h"
 #include "ui/app/gamepad_map.h"
-#include "ui/app/joystick_link.h"
 #include "ui/app/language.h"
 #include "ui/app/pointing.h"
 #include "ui/app/quit.h"
@@ -36,7 +35,6 @@
 #include "ui/window/desktop.h"
 #include "ui/window/export_panel.h"
 #include "ui/window/file_chooser.h"
-#include "ui/window/gamepad.h"
 #include "ui/window/gl_context.h"
 #include "ui/window/import_view.h"
 #include "ui/window/key_names.h"
@@ -73,8 +71,7 @@ class Workshop {
       : options_(options),
         bench_(remembering(options.bench)),
         settings_(options.config),
-        space_mouse_link_(options.space_mouse),
-        joystick_link_(options.gives_joystick_force) {}
+        space_mouse_link_(options.space_mouse) {}
 
   Expected<int> run() {
     endWhenTold();
@@ -327,14 +324,13 @@ class Workshop {
     const double seconds = std::chrono::duration<double>(now - std::exchange(devices_read_, now)).count();
     const bool is_ours =
         bench_.isOpen() && !bench_.isImporting() && glfwGetWindowAttrib(desktop_.window(), GLFW_FOCUSED) == GLFW_TRUE;
-    const auto pad = readGamepad(), stick = joystick_link_.read();
-    const auto leading = pad ? pad : stick;
-    gamepad_.update(context_, stroke_, is_ours ? leading : std::nullopt, seconds);
-    shakePad(is_ours, pad.has_value());
-    if (const auto news = joystick_link_.news(); news && !pad) bench_.say(*news);
+    const auto pad = game_controller_.read();
+    gamepad_.update(context_, stroke_, is_ours ? pad : std::nullopt, seconds);
+    shakePad(is_ours);
+    if (const auto news = game_controller_.news()) bench_.say(*news);
     if (const auto news = space_mouse_link_.news()) bench_.say(*news);
     const auto knob = space_mouse_link_.read();
-    showDevices(knob, pad, stick);
+    showDevices(knob, pad);
     space_mouse_.update(context_, stroke_, settings_.values.space_mouse, is_ours ? knob : std::nullopt, seconds);
     if (!gamepad_.isUsed() && !space_mouse_.isUsed()) return;
     is_led_by_device_ = true;
@@ -342,30 +338,16 @@ class Workshop {
   }
 
   // The pad shakes while it drills, and stands still out of focus, in a pause, and when nothing turns.
-  void shakePad(bool is_ours, bool is_pad) {
+  void shakePad(bool is_ours) {
     const bool shakes = is_ours && gamepad_.isUsed() && bench_.isPressed();
-    const Rumble wanted = shakes ? rumbleOf(bench_.report(), bench_.driveShare()) : Rumble{};
-    if (const auto told = pad_rumble_.update(gamepadId(), is_pad ? wanted : Rumble{})) bench_.say(*told);
-    joystick_link_.shake(is_pad ? Rumble{} : wanted);
+    game_controller_.shake(shakes ? rumbleOf(bench_.report(), bench_.driveShare()) : Rumble{});
   }
 
   // For their panel, while it is shown.
-  void showDevices(const std::optional<SpaceMouseState>& knob, const std::optional<GamepadState>& pad,
-                   const std::optional<GamepadState>& stick) {
-    const GamepadDetails details = gamepad_link_.update(context_.shows_device ? gamepadId() : std::nullopt);
+  void showDevices(const std::optional<SpaceMouseState>& knob, const std::optional<GamepadState>& pad) {
     if (!context_.shows_device) return;
-    DevicePanelState& state = panels_.devices;
-    state = {knob, space_mouse_link_.name(), space_mouse_link_.trouble(), space_mouse_link_.battery()};
-    state.pad = pad ? pad : stick;
-    state.is_joystick = !pad && stick;
-    state.pad_name = pad ? gamepadName() : joystick_link_.name();
-    state.pad_trouble = joystick_link_.trouble();
-    const std::string& trouble = pad_rumble_.trouble();
-    state.pad_shakes = !pad              ? joystick_link_.force()
-                       : trouble.empty() ? details.shake
-                                         : "It does not shake: " + trouble;
-    state.can_pad_shake = pad && details.can_shake && trouble.empty();
-    state.pad_battery = details.battery;
+    panels_.devices = {knob, space_mouse_link_.name(), space_mouse_link_.trouble(),   space_mouse_link_.battery(),
+                       pad,  game_controller_.name(),  game_controller_.isJoystick(), game_controller_.canShake()};
   }
 
   // While text is typed only the window's own end is a command.
@@ -554,10 +536,8 @@ class Workshop {
   CommandPalette palette_;
   StrokePointer stroke_;
   GamepadHand gamepad_;
-  PadRumble pad_rumble_;
+  GameController game_controller_;
   SpaceMouseLink space_mouse_link_;
-  JoystickLink joystick_link_;
-  GamepadLink gamepad_link_;
   SpaceMouseHand space_mouse_;
   Clock::time_point devices_read_ = Clock::now();
   bool is_led_by_device_ = false;  // the mouse has not moved since

@@ -16,10 +16,9 @@ struct WorkshopOptions {
   std::vector<std::filesystem::path> open;
   std::filesystem::path replay;  ///< a run that is watched, in the place of `open`; empty: none
   WorkbenchOptions bench;
-  std::filesystem::path config;       ///< folder of settings.toml; empty: that of the user
-  std::string space_mouse;            ///< path or serial number of the one that is used; empty: the only one
-  bool gives_joystick_force = false;  ///< a joystick of the class PID may be damped and shaken: experimental
-  std::string view = "top";           ///< from which side it is seen first
+  std::filesystem::path config;  ///< folder of settings.toml; empty: that of the user
+  std::string space_mouse;       ///< path or serial number of the one that is used; empty: the only one
+  std::string view = "top";      ///< from which side it is seen first
   int width = 1280, height = 800;
   int frames = 0;           ///< closes after that many, for tests; 0: when the user does
   bool tells = false;       ///< what it says to the user is also printed on standard error, as it is said
