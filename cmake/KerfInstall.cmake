@@ -2,8 +2,7 @@
 #
 # From outside: find_package(kerf) gives kerf::geometry and kerf::sim, find_package(kerf COMPONENTS preprocess) also
 # kerf::preprocess. Static libraries: who links them needs the libraries of KerfLibraries.cmake. kerf_volumes.so is loaded
-# by whoever reads a volume, from where it was installed or from lib/kerf beside the program; kerf-zero-guard is started
-# from there by whoever opens a device that keeps its force.
+# by whoever reads a volume, from where it was installed or from lib/kerf beside the program.
 include(CMakePackageConfigHelpers)
 set(package ${CMAKE_INSTALL_LIBDIR}/cmake/kerf)
 
@@ -12,7 +11,7 @@ set_target_properties(kerf_geometry PROPERTIES EXPORT_NAME geometry)
 set_target_properties(kerf_sim PROPERTIES EXPORT_NAME sim)
 set_target_properties(kerf_preprocess PROPERTIES EXPORT_NAME preprocess)
 
-foreach(program kerf kerf-sim)
+foreach(program kerf kerf-sim kerf-bridge-haply kerf-bridge-woody)
   if(TARGET ${program})
     install(TARGETS ${program} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
   endif()
@@ -29,7 +28,6 @@ install(TARGETS kerf_options kerf_geometry kerf_exact kerf_files kerf_sim EXPORT
         ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(EXPORT kerfTargets NAMESPACE kerf:: DESTINATION ${package})
 install(TARGETS kerf_volumes LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/kerf)
-install(TARGETS kerf_zero_guard RUNTIME DESTINATION ${CMAKE_INSTALL_LIBDIR}/kerf)
 install(TARGETS kerf_preprocess kerf_close_exact EXPORT kerfPreprocessTargets
         ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(EXPORT kerfPreprocessTargets NAMESPACE kerf:: DESTINATION ${package})

@@ -4,10 +4,8 @@
 #include <iterator>
 
 #include "sim/device/bridge_device.h"
-#include "sim/device/haply_arm.h"
 #include "sim/device/hid_arm.h"
 #include "sim/device/replay_arm.h"
-#include "sim/device/serial_arm.h"
 
 namespace kerf {
 namespace {
@@ -17,7 +15,7 @@ Expected<OpenedArm> openBridge(const std::string& address, const ArmSettings& se
   KERF_TRY(port, parseBridgeAddress(address));
   KERF_TRY(arm, BridgeDevice::open({port, settings.limits, settings.map, start, settings.pedal_is_down},
                                    std::move(listener)));
-  return OpenedArm{std::move(arm), {}, "bridge"};
+  return OpenedArm{std::move(arm), "bridge"};
 }
 
 }  // namespace
@@ -31,8 +29,8 @@ DeviceProfile withTurning(DeviceProfile profile, const HandFrame& hand) {
 }
 
 bool namesTransport(const std::string& name) {
-  if (name == "bridge" || name == "haply") return true;
-  constexpr const char* kBegins[] = {"udp:", "bridge:", "haply:", "serial:", "replay:"};
+  if (name == "bridge") return true;
+  constexpr const char* kBegins[] = {"udp:", "bridge:", "replay:"};
   return std::any_of(std::begin(kBegins), std::end(kBegins), [&](const char* b) { return name.starts_with(b); });
 }
 
@@ -41,19 +39,10 @@ Expected<OpenedArm> openArm(const std::string& name, const ArmSettings& settings
   if (name == "bridge") return openBridge("udp:" + std::to_string(kBridgePort), settings, start, std::move(listener));
   if (name.starts_with("udp:")) return openBridge(name, settings, start, std::move(listener));
   if (name.starts_with("bridge:")) return openBridge("udp:" + name.substr(7), settings, start, std::move(listener));
-  if (name == "haply" || name.starts_with("haply:")) {
-    KERF_TRY(arm, HaplyArm::open(name.size() > 6 ? name.substr(6) : "", settings, start, std::move(listener)));
-    return OpenedArm{std::move(arm), kHaplyProfile, "haply"};
-  }
-  if (name.starts_with("serial:")) {
-    KERF_TRY(arm, SerialArm::open(name.substr(7), settings, start, std::move(listener)));
-    return OpenedArm{std::move(arm), kSerialProfile, "serial"};
-  }
   if (name.starts_with("replay:")) {
     KERF_TRY(arm, ReplayArm::open(name.substr(7), settings, start));
-    const DeviceProfile profile = arm->profile();
     const std::string language = arm->language();
-    return OpenedArm{std::move(arm), profile, language};
+    return OpenedArm{std::move(arm), language};
   }
   if (name.empty())
     return fail({.code = Error::Code::kBadValue,
@@ -61,9 +50,11 @@ Expected<OpenedArm> openArm(const std::string& name, const ArmSettings& settings
                  .found = "no name",
                  .expected = kArmNames,
                  .hint = "kerf devices lists what is plugged in; docs/reference/device-bridge.md is for all others"});
-  KERF_TRY(found, chooseArm(findArms(), name));
+  std::vector<FoundDevice> arms = findDevices();
+  std::erase_if(arms, [](const FoundDevice& found) { return !found.isArm(); });
+  KERF_TRY(found, chooseDevice(arms, name));
   KERF_TRY(arm, HidArm::open(found, settings, start, std::move(listener)));
-  return OpenedArm{std::move(arm), found.driver->profile, found.driver->id};
+  return OpenedArm{std::move(arm), found.driver->id};
 }
 
 }  // namespace kerf

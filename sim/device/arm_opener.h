@@ -12,17 +12,16 @@ namespace kerf {
 
 struct OpenedArm {
   std::unique_ptr<ForceArm> arm;
-  DeviceProfile profile;  ///< of its kind, of the device alone; of an unknown one where its kind tells nothing
-  std::string language;   ///< what its messages are: ArmMessages::of()
+  std::string language;  ///< of its messages: findTakeHand()
 };
 
 inline constexpr std::uint16_t kBridgePort = 4417;
 
-/// A name that means a transport, not a device of HID: "bridge", "haply", "serial:PATH", ... Such arms are not listed.
+/// A name of a bridge or a recording, not of a HID device. Such arms are not listed.
 bool namesTransport(const std::string& name);
 
-/// @param name  "bridge" (port kBridgePort), "bridge:PORT", "udp:PORT"; "haply", "haply:PORT" of this machine;
-/// "serial:PATH"; "replay:FILE", a recording; else path or serial number of an arm on HID.
+/// @param name  "bridge" (port kBridgePort), "bridge:PORT", "udp:PORT"; "replay:FILE", a recording; else path or serial
+/// number of an arm on HID.
 /// @param start  of the tool, world: there the hand finds it.
 /// @param listener  of its messages; a recording has none.
 /// Errors: kBadValue: a name that is none; those of opening.
@@ -35,8 +34,6 @@ DeviceProfile withTurning(DeviceProfile profile, const HandFrame& hand);
 
 /// What a name may be, for help texts.
 inline constexpr const char* kArmNames =
-    "bridge, bridge:PORT, haply, serial:/dev/ttyACM0, replay:FILE, or path or serial number of an arm that kerf "
-    "devices "
-    "lists";
+    "bridge, bridge:PORT, replay:FILE, or path or serial number of an arm that kerf devices lists";
 
 }  // namespace kerf

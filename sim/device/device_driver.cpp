@@ -8,9 +8,9 @@
 namespace kerf {
 
 // A driver is a row in its own source, and its name in these two lines.
-extern const DeviceDriver kSpaceMouse, kDualSense, kDualShock4, kJoystick;
+extern const DeviceDriver kSpaceMouse, kRawArm;
 namespace {
-constexpr const DeviceDriver* kDrivers[] = {&kSpaceMouse, &kDualSense, &kDualShock4, &kJoystick};
+constexpr const DeviceDriver* kDrivers[] = {&kSpaceMouse, &kRawArm};
 }  // namespace
 
 std::span<const DeviceDriver* const> deviceDrivers() { return kDrivers; }
@@ -27,9 +27,15 @@ const DeviceDriver* findDriver(std::string_view id) {
   return found == std::end(kDrivers) ? nullptr : *found;
 }
 
+TakeHand* findTakeHand(std::string_view language) {
+  if (language == "bridge") return decode;
+  const DeviceDriver* const driver = findDriver(language);
+  return driver && driver->arm ? &driver->arm->take : nullptr;
+}
+
 ReportKind takeReport(const DeviceDriver& driver, std::span<const std::uint8_t> report, std::int64_t time_ns,
-                      DeviceReading& reading, const HidLayout& layout) noexcept {
-  const ReportKind kind = driver.take(report, layout, reading);
+                      DeviceReading& reading) noexcept {
+  const ReportKind kind = driver.axes->take(report, reading);
   switch (kind) {
     case ReportKind::kUnknown:
       ++reading.unknown;
@@ -43,14 +49,13 @@ ReportKind takeReport(const DeviceDriver& driver, std::span<const std::uint8_t> 
       break;
   }
   ++reading.reports;
-  // A battery is no hand: it must not keep an old motion alive.
+  // A battery report must not keep an old motion alive.
   if (kind == ReportKind::kMotion || reading.time_ns == 0) reading.time_ns = time_ns;
   return kind;
 }
 
-std::array<double, 6> axesAt(const DeviceDriver& driver, const DeviceReading& reading, std::int64_t now_ns) noexcept {
-  const bool is_silent =
-      driver.is_at_rest_when_silent && static_cast<double>(now_ns - reading.time_ns) > 1e9 * kSilence;
+std::array<double, 6> axesAt(const DeviceReading& reading, std::int64_t now_ns) noexcept {
+  const bool is_silent = static_cast<double>(now_ns - reading.time_ns) > 1e9 * kSilence;
   return reading.time_ns == 0 || is_silent ? std::array<double, 6>{} : reading.axes;
 }
 

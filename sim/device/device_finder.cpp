@@ -35,7 +35,7 @@ std::vector<FoundDevice> groupDevices(const std::vector<HidInfo>& interfaces) {
     if (!driver) continue;
     const auto same = std::find_if(out.begin(), out.end(), [&](const FoundDevice& d) {
       const HidInfo& first = d.interfaces.front();
-      return d.driver == driver && first.parent == info.parent && first.product == info.product;
+      return d.driver == driver && !d.isArm() && first.parent == info.parent && first.product == info.product;
     });
     if (same != out.end())
       same->interfaces.push_back(info);
@@ -60,7 +60,8 @@ Expected<FoundDevice> chooseDevice(const std::vector<FoundDevice>& devices, cons
                  .place = "devices",
                  .found = "none" + what + (devices.empty() ? "" : ", but " + listOf(devices)),
                  .expected = "a device that a driver knows",
-                 .hint = "plug it in, and see kerf devices"});
+                 .hint = "plug it in, and see kerf devices; other arms need a bridge: "
+                         "docs/reference/device-bridge.md"});
   return fail({.code = Error::Code::kBadValue,
                .place = "devices",
                .found = fmt::format("{}{}: {}", meant.size(), what, listOf(meant)),

@@ -8,7 +8,7 @@
 
 namespace kerf {
 
-/// A device that a driver knows, with all the interfaces that may talk for it.
+/// A device that a driver matches, with all the interfaces that may talk for it; of an arm its one interface.
 struct FoundDevice {
   const DeviceDriver* driver = nullptr;
   std::string name;                 ///< of its model, for people
@@ -17,6 +17,7 @@ struct FoundDevice {
   const std::string& path() const { return interfaces.front().path; }
   const std::string& serial() const { return interfaces.front().serial; }
   bool mayOpen() const;  ///< all of them
+  bool isArm() const { return driver->arm != nullptr; }
 };
 
 /// Interfaces of one plugged-in device together; those no driver knows are left out. In the order of the paths.
@@ -24,7 +25,7 @@ std::vector<FoundDevice> groupDevices(const std::vector<HidInfo>& interfaces);
 inline std::vector<FoundDevice> findDevices() { return groupDevices(listHid()); }
 
 /// @param name  path of any of its interfaces, or its serial number. Empty: the only one.
-/// Errors: kNotFound with what there is; kBadValue: several, and no name, or a serial that two of them have.
+/// Errors: kNotFound with a list of all; kBadValue: several, and no name, or a serial that two of them have.
 Expected<FoundDevice> chooseDevice(const std::vector<FoundDevice>& devices, const std::string& name);
 
 }  // namespace kerf

@@ -27,19 +27,13 @@ struct HandFrame {
   Rigid3 pose;                                              ///< mm
   Vec3d velocity = Vec3d::Zero(), angular = Vec3d::Zero();  ///< mm/s, rad/s
   std::uint32_t buttons = 0;                                ///< bit n: button n + 1 is down
-  bool is_ready = true;                                     ///< calibrated, switched on: it may be given force
+  bool is_ready = true;                                     ///< calibrated, switched on: it may lead and be given force
   bool senses_orientation = true;                           ///< else the rotation is not used
   bool gives_torque = false;
   double most_force = 3;      ///< N
   double most_torque = 0;     ///< N mm
   double most_stiffness = 1;  ///< N/mm that it is rated for; 0: not told
 };
-
-/// For a device whose messages have neither number nor clock. @rt
-inline void countHand(HandFrame& hand, std::uint64_t number, std::int64_t came_ns) noexcept {
-  hand.number = number;
-  hand.time_ns = static_cast<std::uint64_t>(came_ns);
-}
 
 /// What Kerf asks of the device, in the device's frame.
 struct ForceFrame {

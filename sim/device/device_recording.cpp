@@ -73,8 +73,9 @@ Expected<void> parseHead(Lines& lines, DeviceRecording& out) {
                         Error::Code::kUnsupported);
 
   if (!lines.next() || lines.word() != "driver") return lines.refuse("something else", "\"driver NAME\"");
-  out.driver = findDriver(lines.line());
-  if (!out.driver && ArmMessages::of(lines.line())) out.arm = std::string(lines.line());
+  const DeviceDriver* const driver = findDriver(lines.line());
+  if (driver && driver->axes) out.driver = driver;
+  if (findTakeHand(lines.line())) out.arm = std::string(lines.line());
   if (!out.driver && out.arm.empty())
     return lines.refuse("the driver " + quoted(lines.line()), "one of this Kerf", Error::Code::kUnsupported);
 
@@ -112,20 +113,6 @@ Expected<RecordedReport> parseReport(Lines& lines, std::int64_t not_before) {
   return out;
 }
 
-// Descriptors stand before the reports.   @return  false: it is a report.
-Expected<bool> parseDescriptor(Lines& lines, DeviceRecording& out) {
-  if (!lines.line().starts_with("descriptor ")) return false;
-  if (!out.driver || !out.driver->needs_layout || !out.reports.empty())
-    return lines.refuse("a descriptor", "one before the reports of a driver that needs it");
-  lines.word();
-  RecordedDescriptor next;
-  KERF_CHECK(parseBytes(lines, next.interface, next.bytes));
-  if (const auto layout = parseHidDescriptor(next.bytes); !layout)
-    return lines.refuse(layout.error().place + ": " + layout.error().found, layout.error().expected);
-  out.descriptors.push_back(std::move(next));
-  return true;
-}
-
 // One more ns than recorded: a time of zero means that nothing has come.
 std::int64_t clockOf(const RecordedReport& report) { return 1000 * report.time_us + 1; }
 
@@ -137,8 +124,6 @@ Expected<DeviceRecording> parseRecording(std::string_view text, const std::strin
   KERF_CHECK(parseHead(lines, out));
   std::int64_t not_before = 0;
   while (lines.next()) {
-    KERF_TRY(is_descriptor, parseDescriptor(lines, out));
-    if (is_descriptor) continue;
     KERF_TRY(report, parseReport(lines, not_before));
     not_before = report.time_us;
     out.reports.push_back(std::move(report));
@@ -170,8 +155,6 @@ Expected<void> writeRecording(const std::filesystem::path& file, const DeviceRec
   KERF_TRY(out, AtomicFile::create(file));
   const std::string driver = recording.driver ? recording.driver->id : recording.arm;
   out.stream() << fmt::format("kerf-device 1\ndriver {}\ndevice {}\n", driver, recording.device);
-  for (const RecordedDescriptor& descriptor : recording.descriptors)
-    out.stream() << fmt::format("descriptor {} {:02x}\n", descriptor.interface, fmt::join(descriptor.bytes, " "));
   for (const RecordedReport& report : recording.reports)
     out.stream() << fmt::format("{} {} {:02x}\n", report.time_us, report.interface, fmt::join(report.bytes, " "));
   return out.commit();
@@ -180,18 +163,9 @@ Expected<void> writeRecording(const std::filesystem::path& file, const DeviceRec
 std::vector<DeviceReading> replayRecording(const DeviceRecording& recording) {
   std::vector<DeviceReading> out;
   if (!recording.driver) return out;
-  std::vector<std::pair<int, HidLayout>> layouts;
-  for (const RecordedDescriptor& descriptor : recording.descriptors)
-    if (auto layout = parseHidDescriptor(descriptor.bytes))
-      layouts.emplace_back(descriptor.interface, std::move(*layout));
-
-  const HidLayout none;
   DeviceReading reading;
   for (const RecordedReport& report : recording.reports) {
-    const auto layout =
-        std::find_if(layouts.begin(), layouts.end(), [&](const auto& one) { return one.first == report.interface; });
-    takeReport(*recording.driver, report.bytes, clockOf(report), reading,
-               layout == layouts.end() ? none : layout->second);
+    takeReport(*recording.driver, report.bytes, clockOf(report), reading);
     out.push_back(reading);
   }
   return out;
@@ -199,12 +173,14 @@ std::vector<DeviceReading> replayRecording(const DeviceRecording& recording) {
 
 RecordedHands replayHands(const DeviceRecording& recording) {
   RecordedHands out;
-  const std::unique_ptr<ArmMessages> messages = ArmMessages::of(recording.arm);
-  if (!messages) return out;
+  TakeHand* const take = findTakeHand(recording.arm);
+  if (!take) return out;
+  HandFrame hand;
   for (const RecordedReport& report : recording.reports) {
-    const ArmNews news = messages->take(report.bytes, clockOf(report));
-    if (news == ArmNews::kHand) out.hands.push_back({report.time_us, messages->hand()});
-    if (news == ArmNews::kRefused) ++out.refused;
+    if (take(report.bytes, hand) == FrameFault::kNone)
+      out.hands.push_back({report.time_us, hand});
+    else
+      ++out.refused;
   }
   return out;
 }

@@ -9,12 +9,8 @@
 // A line of a report: time since the first one, us; interface; bytes, hexadecimal. Times never go back. A line that
 // begins with # is a comment. Read strictly.
 //
-// A driver that needs the descriptor of its device has it before the reports, a line for each interface:
-//
-//   descriptor 0 05 01 09 04 a1 01 ...
-//
-// The driver of a force-feedback arm is a driver of HID or "bridge", "serial", "haply"; its reports are the messages
-// that came: datagrams, lines, JSON. The forces that it was sent are not kept.
+// The driver of a force-feedback arm is a driver of HID or "bridge"; its reports are the messages that came: reports or
+// datagrams. The forces that it was sent are not kept.
 #pragma once
 
 #include <filesystem>
@@ -22,7 +18,6 @@
 #include <string_view>
 #include <vector>
 
-#include "sim/device/arm_messages.h"
 #include "sim/device/device_finder.h"
 #include "sim/live/time_histogram.h"
 
@@ -35,20 +30,14 @@ struct RecordedReport {
   bool operator==(const RecordedReport&) const = default;
 };
 
-struct RecordedDescriptor {
-  int interface = 0;
-  std::vector<std::uint8_t> bytes;
-};
-
 struct DeviceRecording {
   static constexpr std::int64_t kLongestUs = 366LL * 24 * 3600 * 1'000'000;  ///< no report is later
   static constexpr std::size_t kLongestReport = 1 << 16;                     ///< bytes
   static constexpr std::size_t kLargestFile = 256 << 20;                     ///< bytes: 20 minutes of an arm
 
-  const DeviceDriver* driver = nullptr;  ///< of what has axes; null: it is an arm
-  std::string arm;                       ///< what its messages are, as ArmMessages::of() takes it; empty: no arm
+  const DeviceDriver* driver = nullptr;  ///< of a device with axes; null: it is an arm
+  std::string arm;                       ///< language of its messages, as findTakeHand() takes it; empty: no arm
   std::string device;                    ///< "046d:c626 SpaceNavigator"
-  std::vector<RecordedDescriptor> descriptors;
   std::vector<RecordedReport> reports;
 };
 

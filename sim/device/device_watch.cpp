@@ -12,7 +12,6 @@ struct DeviceWatch::State {
   void look();
 
   std::string name;
-  Filter is_meant;
   std::chrono::milliseconds every{};
   mutable std::mutex mutex;
   std::condition_variable ended;
@@ -38,7 +37,7 @@ void DeviceWatch::State::watch() {
 
 void DeviceWatch::State::look() {
   std::vector<FoundDevice> there = findDevices();
-  if (is_meant) std::erase_if(there, [&](const FoundDevice& found) { return !is_meant(found); });
+  std::erase_if(there, [](const FoundDevice& found) { return found.isArm(); });
   std::shared_ptr<HidDevice> opened;
   std::string wrong;
   if (const auto meant = chooseDevice(there, name)) {
@@ -56,9 +55,8 @@ void DeviceWatch::State::look() {
   trouble = device ? std::string() : std::move(wrong);
 }
 
-DeviceWatch::DeviceWatch(std::string name, int every_ms, Filter is_meant) : state_(std::make_unique<State>()) {
+DeviceWatch::DeviceWatch(std::string name, int every_ms) : state_(std::make_unique<State>()) {
   state_->name = std::move(name);
-  state_->is_meant = std::move(is_meant);
   state_->every = std::chrono::milliseconds(every_ms);
   state_->thread = std::thread([this] { state_->watch(); });
 }

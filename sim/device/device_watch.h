@@ -1,7 +1,6 @@
-// Looks for a device until there is one, opens it, and begins anew when it is unplugged.
+// Looks for a device with axes until there is one, opens it, and begins anew when it is unplugged.
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <string>
 
@@ -12,10 +11,8 @@ namespace kerf {
 /// A thread of its own lists devices, once a second as long as none is open.
 class DeviceWatch {
  public:
-  using Filter = std::function<bool(const FoundDevice&)>;
   /// @param name  as chooseDevice(): of several without a name none is opened, and trouble() lists them.
-  /// @param is_meant  asked by the thread, of each device that a driver knows; empty: any.
-  explicit DeviceWatch(std::string name = {}, int every_ms = 1000, Filter is_meant = {});
+  explicit DeviceWatch(std::string name = {}, int every_ms = 1000);
   ~DeviceWatch();
   DeviceWatch(const DeviceWatch&) = delete;
   DeviceWatch& operator=(const DeviceWatch&) = delete;

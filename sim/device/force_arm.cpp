@@ -28,8 +28,7 @@ ForceFrame ArmLink::answer(const Hand& newest, std::int64_t now) noexcept {
   ForceFrame out;
   out.hand_number = wish.hand_number;
   out.hand_time_ns = wish.hand_time_ns;
-  out.is_enabled = has_news && left_ms >= 1 && wish.is_enabled && may_give_force.load(std::memory_order_acquire) &&
-                   !needs_calibration.load(std::memory_order_acquire);
+  out.is_enabled = has_news && left_ms >= 1 && wish.is_enabled && may_give_force.load(std::memory_order_acquire);
   if (!out.is_enabled) return out;
   out.deadline_ms = static_cast<std::uint32_t>(left_ms);
   out.force = wish.force;
@@ -121,7 +120,7 @@ DeviceSample ForceArm::read() noexcept {
   ForceLimits limits = now_.limits;
   limits.force = std::min(limits.force, hand_.most_force);
   guard_.limit(limits);
-  if (!isEnabled() || needsCalibration()) {
+  if (!isEnabled()) {
     guard_.disarm();
     guard_.forgetFault();
     torque_guard_.forgetFault();

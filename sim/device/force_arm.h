@@ -1,4 +1,4 @@
-// A force-feedback arm as the device of the haptic thread, whoever brings its bytes: a bridge, HID, a serial port.
+// A force-feedback arm as the device of the haptic thread, over any transport: a bridge, HID, a recording.
 //
 //   transport ──newest hand──▶ ┌──────────┐ ──sample──▶ haptic thread
 //   transport ◀─newest wish─── │ ForceArm │ ◀──force─── haptic thread
@@ -7,9 +7,9 @@
 // The transport has a thread of its own, which is the only one that waits for the device. All arrows are latest-value
 // mailboxes: a late force is worse than a lost one.
 //
-// Force reaches the device only if all of it holds: enable(true) was called; the haptic thread runs (arm()); a device
-// that needs it was calibrated since it was opened; the newest hand is less than kDeadMan old and says that it is
-// ready; the haptic thread wrote less than kDeadMan ago; no force was other than finite. When it begins to hold the
+// Force reaches the device only if all of it holds: enable(true) was called; the haptic thread runs (arm()); the newest
+// hand is less than kDeadMan old and says that it is ready (switched on, calibrated); the haptic thread wrote less than
+// kDeadMan ago; no force was other than finite. When it begins to hold the
 // force fades in. When it ends to hold the very next frame says zero. The deadline that a frame carries counts from the
 // same news, so a device that keeps it gives no force kDeadMan after them, whichever thread or program has stopped: and
 // the way of the frame, which is short unless the transport is stopped between its look at the clock and its call of
@@ -36,7 +36,7 @@
 
 namespace kerf {
 
-/// Told of each message of a device by the transport's thread, before it is taken: a report, a datagram, a line, JSON.
+/// Told of each message of a device by the transport's thread, before it is taken: a report, a datagram.
 using ArmListener = std::function<void(std::int64_t came_ns, std::span<const std::uint8_t> message)>;
 
 /// How the hand is taken, and how hard it may be pushed.
@@ -93,7 +93,6 @@ struct ArmLink {
   TripleBuffer<Hand> hands;
   TripleBuffer<Wish> wishes;
   std::atomic<bool> may_give_force{false};
-  std::atomic<bool> needs_calibration{false};  ///< no force until the transport knows that it was calibrated
 
   /// The force frame that says what the haptic thread wrote last, as long as that is news; else zero, not enabled. Its
   /// deadline is what is left of kDeadMan since the older news, of hand and haptic thread: however often it is sent,
@@ -115,10 +114,6 @@ class ForceArm : public DeviceSource {
   virtual std::string what() const = 0;
   /// Any thread.
   virtual ArmCounts counts() const = 0;
-  /// Lets a device that needs it take its present place for its home pose. False: it needs none, or cannot.
-  virtual bool calibrate() { return false; }
-  /// It does not know where its hand is: it gives no force since it was opened, until it was calibrated. Any thread.
-  bool needsCalibration() const noexcept { return link_.needs_calibration.load(std::memory_order_acquire); }
   /// It is unplugged and does not come back by itself: open it anew. Any thread.
   virtual bool isGone() const { return false; }
   /// Nothing comes any more, ever: a recording at its end. Any thread.

@@ -24,8 +24,7 @@ struct HidDevice::State {
 
   const FoundDevice what;
   const Listener listener;
-  std::vector<HidPort> ports;      // as what.interfaces
-  std::vector<HidLayout> layouts;  // the same
+  std::vector<HidPort> ports;  // as what.interfaces
 
   // The reader's.
   DeviceReading newest;
@@ -73,7 +72,7 @@ bool HidDevice::State::drain(std::size_t n, int wait_ms) {
     const std::span<const std::uint8_t> report(bytes.data(), static_cast<std::size_t>(size));
     if (listener) listener(now, what.interfaces[n].interface, report);
     DeviceReading next = newest;
-    if (!isChosen(n, takeReport(*what.driver, report, now, next, layouts[n]), now)) continue;
+    if (!isChosen(n, takeReport(*what.driver, report, now, next), now)) continue;
     newest = next;
     has_news = true;
   }
@@ -103,7 +102,7 @@ void HidDevice::State::writeWishes() {
     wish.reset();
     lock.unlock();
     for (std::size_t n = 0; n < ports.size(); ++n)
-      for (const OutputReport& report : what.driver->light(what.interfaces[n], is_lit)) ports[n].write(report);
+      for (const OutputReport& report : what.driver->axes->light(what.interfaces[n], is_lit)) ports[n].write(report);
     lock.lock();
   }
 }
@@ -129,13 +128,6 @@ Expected<std::unique_ptr<HidDevice>> HidDevice::open(const FoundDevice& found, L
   for (const HidInfo& info : found.interfaces) {
     KERF_TRY(port, HidPort::open(info.path));
     state->ports.push_back(std::move(port));
-    HidLayout layout;
-    if (found.driver->needs_layout) {
-      KERF_TRY(descriptor, readHidDescriptor(info.path));
-      KERF_TRY(parsed, parseHidDescriptor(descriptor));
-      layout = std::move(parsed);
-    }
-    state->layouts.push_back(std::move(layout));
   }
   State& s = *state;
   std::unique_ptr<HidDevice> device(new HidDevice(std::move(state)));
@@ -160,7 +152,7 @@ const DeviceReading& HidDevice::reading() const noexcept { return state_->readin
 
 std::array<double, 6> HidDevice::axes() noexcept {
   update();
-  return isConnected() ? axesAt(*state_->what.driver, reading(), deviceClock()) : std::array<double, 6>{};
+  return isConnected() ? axesAt(reading(), deviceClock()) : std::array<double, 6>{};
 }
 
 void HidDevice::light(bool is_lit) {

@@ -21,7 +21,7 @@ class HidDevice {
 
   /// Opens all interfaces, lights the device and starts the threads. Of a receiver with several interfaces the one that
   /// moves counts; another one takes its place when it moves and the first has been silent for kSilence.
-  /// Errors: those of HidPort::open(); of a driver that needs the descriptor, those of reading it.
+  /// Errors: those of HidPort::open().   @pre  found.driver->axes
   static Expected<std::unique_ptr<HidDevice>> open(const FoundDevice& found, Listener listener = {});
   /// Puts the light out.
   ~HidDevice();

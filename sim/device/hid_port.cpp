@@ -76,7 +76,6 @@ std::vector<HidInfo> listHid() {
     info.maker = utf8(at->manufacturer_string);
     info.name = utf8(at->product_string);
     info.parent = parentOf(info.path, at->bus_type == HID_API_BUS_USB);
-    info.is_bluetooth = at->bus_type == HID_API_BUS_BLUETOOTH;
     info.may_open = ::access(info.path.c_str(), R_OK | W_OK) == 0;
     out.push_back(std::move(info));
   }
@@ -142,16 +141,6 @@ int HidPort::read(std::span<std::uint8_t> report, int wait_ms) noexcept {
 bool HidPort::write(std::span<const std::uint8_t> report) noexcept {
   const std::lock_guard lock(handle_->writing);
   return hid_write(handle_->writes, report.data(), report.size()) >= 0;
-}
-
-bool HidPort::setFeature(std::span<const std::uint8_t> report) noexcept {
-  const std::lock_guard lock(handle_->writing);
-  return hid_send_feature_report(handle_->writes, report.data(), report.size()) >= 0;
-}
-
-int HidPort::getFeature(std::span<std::uint8_t> report) noexcept {
-  const std::lock_guard lock(handle_->writing);
-  return hid_get_feature_report(handle_->writes, report.data(), report.size());
 }
 
 }  // namespace kerf

@@ -22,8 +22,7 @@ struct HidInfo {
   std::string maker, name;                  ///< as the device says, UTF-8
   /// The same for all interfaces of one plugged-in device.
   std::string parent;
-  bool may_open = false;      ///< this user may read and write it
-  bool is_bluetooth = false;  ///< else by USB, or something else
+  bool may_open = false;  ///< this user may read and write it
 };
 
 /// Every interface, once each, by path. Takes some ms and allocates; not for the 1 kHz thread. Any one thread at a
@@ -48,10 +47,6 @@ class HidPort {
   /// @param report  its number first; 0 if it has none.   @return  false: it was not taken.
   /// @cost  about a ms on USB, much longer from a device in trouble.
   bool write(std::span<const std::uint8_t> report) noexcept;
-  /// The same of feature reports: what a device is set to.
-  bool setFeature(std::span<const std::uint8_t> report) noexcept;
-  /// @param report  its number first; filled.   @return  how many bytes, its number among them; negative: none.
-  int getFeature(std::span<std::uint8_t> report) noexcept;
 
  private:
   struct Handle;

@@ -22,7 +22,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/device/arm_driver.h"
+#include "sim/device/device_driver.h"
 
 namespace kerf {
 namespace {
@@ -77,17 +77,14 @@ const char* nameOf(const HidInfo& info) {
   return info.usage_page == kRawArmPage && info.usage == kRawArmUsage ? "RawHID arm" : nullptr;
 }
 
-FrameFault take(Bytes report, ArmState& state) noexcept { return decodeRawHand(report, state.hand); }
-
-std::size_t write(const ForceFrame& force, const ArmState&, const HidInfo&, ArmReportBytes& out) noexcept {
+std::size_t write(const ForceFrame& force, ArmReportBytes& out) noexcept {
   const RawArmReport report = encodeRawForce(force);
   out[0] = 0;
   std::copy(report.begin(), report.end(), out.begin() + 1);
   return 1 + kRawArmSize;
 }
 
-std::size_t calibrate(const HidInfo&, ArmReportBytes&) noexcept { return 0; }
-bool isAtHome(const ArmState&) noexcept { return true; }  // it is never asked
+constexpr ArmDriver kArm{decodeRawHand, write};
 
 }  // namespace
 
@@ -155,16 +152,7 @@ FrameFault decodeRawForce(Bytes report, ForceFrame& out) noexcept {
   return FrameFault::kNone;
 }
 
-extern const ArmDriver kRawArm;
-const ArmDriver kRawArm{"rawhid",
-                        "an arm of one's own, by Kerf's profile",
-                        {.delay_s = 0.002},
-                        false,  // each report has its deadline
-                        false,
-                        nameOf,
-                        take,
-                        write,
-                        calibrate,
-                        isAtHome};
+extern const DeviceDriver kRawArm;
+const DeviceDriver kRawArm{"rawhid", "a force-feedback arm by Kerf's profile", nameOf, nullptr, &kArm};
 
 }  // namespace kerf

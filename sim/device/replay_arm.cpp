@@ -16,7 +16,6 @@ struct ReplayArm::State {
   void say(const HandFrame& hand);
 
   std::string file, device, language;
-  DeviceProfile profile;
   std::vector<RecordedHand> hands;  // at least one
   ReplayArm* arm = nullptr;
   std::atomic<bool> has_begun{false}, is_over{false};
@@ -78,7 +77,6 @@ Expected<std::unique_ptr<ReplayArm>> ReplayArm::open(const std::string& file, co
   state->file = file;
   state->device = recording.device;
   state->language = recording.arm;
-  state->profile = ArmMessages::of(state->language)->profile();
   state->hands = replayHands(recording).hands;
   if (state->hands.empty()) return refuse(Error::Code::kBadValue, "no hand");
 
@@ -88,7 +86,6 @@ Expected<std::unique_ptr<ReplayArm>> ReplayArm::open(const std::string& file, co
   return arm;
 }
 
-const DeviceProfile& ReplayArm::profile() const { return state_->profile; }
 const std::string& ReplayArm::language() const { return state_->language; }
 std::string ReplayArm::what() const { return "recording " + state_->file + " of " + state_->device; }
 bool ReplayArm::isOver() const { return state_->is_over.load(std::memory_order_acquire); }

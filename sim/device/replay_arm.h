@@ -8,7 +8,6 @@
 #include <string>
 
 #include "sim/device/force_arm.h"
-#include "sim/hand/device_profile.h"
 
 namespace kerf {
 
@@ -19,9 +18,7 @@ class ReplayArm final : public ForceArm {
                                                    const Rigid3& start = {});
   ~ReplayArm() override;
 
-  /// Of the recorded device, by its kind.
-  const DeviceProfile& profile() const;
-  /// What its messages are: ArmMessages::language().
+  /// Of its messages: findTakeHand().
   const std::string& language() const;
 
   std::string what() const override;

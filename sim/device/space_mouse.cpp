@@ -110,7 +110,7 @@ ReportKind takeBattery(std::span<const std::uint8_t> report, DeviceReading& read
   return ReportKind::kBattery;
 }
 
-ReportKind take(std::span<const std::uint8_t> report, const HidLayout&, DeviceReading& reading) noexcept {
+ReportKind take(std::span<const std::uint8_t> report, DeviceReading& reading) noexcept {
   if (report.empty()) return ReportKind::kMalformed;
   switch (report[0]) {
     case 1:
@@ -136,15 +136,11 @@ std::vector<OutputReport> light(const HidInfo& info, bool is_lit) {
   return {off};
 }
 
-constexpr AxisNames kAxes = {"right", "away", "up", "turned", "", ""};
+constexpr AxesDriver kAxes{take, light};
 
 }  // namespace
 
 extern const DeviceDriver kSpaceMouse;
-const DeviceDriver kSpaceMouse{"spacemouse", "six axes and buttons, no force",
-                               kAxes,        false,
-                               true,  // its motion is said every 8 ms
-                               nameOf,       take,
-                               light};
+const DeviceDriver kSpaceMouse{"spacemouse", "six axes and buttons, no force", nameOf, &kAxes, nullptr};
 
 }  // namespace kerf

@@ -55,12 +55,7 @@ struct Node {
   bool is_gone = false;
   bool holds_writes = false;  // guarded by mutex, as the next
   std::vector<UMockdevIoctlClient*> held;
-  std::function<bool(const Bytes&)> is_lost;  // guarded by mutex, as the next
-  std::function<void(const Bytes&)> heard;
-  int generation = 1, taken_from = 1;  // of who writes: by the first write; older ones are refused
-  std::function<Bytes(std::uint8_t)> get_feature;
-  std::function<void(const Bytes&)> set_feature;
-  bool is_bluetooth = false;
+  std::function<void(const Bytes&)> heard;  // guarded by mutex
 
   // While who calls it holds the mutex.
   void letWritesGo();
@@ -98,29 +93,11 @@ gboolean onIoctl(UMockdevIoctlBase*, UMockdevIoctlClient* client, gpointer user)
       put(data, &descriptor, sizeof descriptor);
       break;
     case 3:
-      info.bustype = node.is_bluetooth ? 5 : 3;
+      info.bustype = 3;
       info.vendor = static_cast<__s16>(node.vendor);
       info.product = static_cast<__s16>(node.product);
       put(data, &info, sizeof info);
       break;
-    case 6:
-      if (node.set_feature) {
-        node.set_feature(Bytes(data->data, data->data + data->data_len));
-        umockdev_ioctl_data_unref(data);
-        umockdev_ioctl_client_complete(client, static_cast<glong>(_IOC_SIZE(request)), 0);
-        return TRUE;
-      }
-      [[fallthrough]];
-    case 7:
-      if (_IOC_NR(request) == 7 && node.get_feature) {
-        Bytes answer = node.get_feature(data->data[0]);
-        answer.resize(_IOC_SIZE(request));
-        put(data, answer.data(), answer.size());
-        umockdev_ioctl_data_unref(data);
-        umockdev_ioctl_client_complete(client, static_cast<glong>(_IOC_SIZE(request)), 0);
-        return TRUE;
-      }
-      [[fallthrough]];
     default:
       umockdev_ioctl_data_unref(data);
       umockdev_ioctl_client_complete(client, -1, EINVAL);
@@ -155,19 +132,11 @@ gboolean onRead(UMockdevIoctlBase*, UMockdevIoctlClient* client, gpointer user) 
   return TRUE;
 }
 
-// A client is a file that somebody has open.
-bool isRefused(const Node& node, UMockdevIoctlClient* client) {
-  constexpr const char* kSince = "kerf-writes-since";
-  if (!g_object_get_data(G_OBJECT(client), kSince))
-    g_object_set_data(G_OBJECT(client), kSince, GINT_TO_POINTER(node.generation));
-  return GPOINTER_TO_INT(g_object_get_data(G_OBJECT(client), kSince)) < node.taken_from;
-}
-
 // While it holds the node's mutex.
 void takeWrite(Node& node, UMockdevIoctlClient* client) {
   const UMockdevIoctlData* const data = umockdev_ioctl_client_get_arg(client);
   const Bytes report(data->data, data->data + data->data_len);
-  if (node.is_gone || isRefused(node, client) || (node.is_lost && node.is_lost(report))) {
+  if (node.is_gone) {
     umockdev_ioctl_client_complete(client, -1, EIO);
     return;
   }
@@ -204,8 +173,7 @@ std::string interfaceFolder(const SimulatedHid& what, std::size_t n) {
   return fmt::format("{}/1-{}:1.{}", usbFolder(what), what.port, n);
 }
 std::string hidName(const SimulatedHid& what, std::size_t n) {
-  return fmt::format("{:04X}:{:04X}:{:04X}.{:04X}", what.is_bluetooth ? 5 : 3, what.vendor, what.product,
-                     16 * what.port + static_cast<int>(n));
+  return fmt::format("0003:{:04X}:{:04X}.{:04X}", what.vendor, what.product, 16 * what.port + static_cast<int>(n));
 }
 
 }  // namespace
@@ -246,21 +214,17 @@ void HidTestbed::plugIn(const SimulatedHid& what) {
   for (std::size_t n = 0; n < what.interfaces.size(); ++n) {
     const int number = what.first_node + static_cast<int>(n);
     auto node = std::make_unique<Node>();
-    node->descriptor = n < what.descriptors.size() && !what.descriptors[n].empty()
-                           ? what.descriptors[n]
-                           : descriptorOf(what.interfaces[n].first, what.interfaces[n].second);
-    node->is_bluetooth = what.is_bluetooth;
+    node->descriptor = descriptorOf(what.interfaces[n].first, what.interfaces[n].second);
     node->vendor = what.vendor;
     node->product = what.product;
 
     const std::string interface = interfaceFolder(what, n), hid = interface + "/" + hidName(what, n);
     state_->add(
         fmt::format("P: {}\nE: DEVTYPE=usb_interface\nE: SUBSYSTEM=usb\nA: bInterfaceNumber={:02x}\n", interface, n));
-    state_->add(
-        fmt::format("P: {}\nE: SUBSYSTEM=hid\nE: HID_ID={:04X}:{:08X}:{:08X}\nE: HID_NAME={} {}\n"
-                    "E: HID_PHYS=usb-0000:00:14.0-{}/input{}\nE: HID_UNIQ={}\nH: report_descriptor={}\n",
-                    hid, what.is_bluetooth ? 5 : 3, what.vendor, what.product, what.maker, what.name, what.port, n,
-                    what.serial, hex(node->descriptor)));
+    state_->add(fmt::format(
+        "P: {}\nE: SUBSYSTEM=hid\nE: HID_ID=0003:{:08X}:{:08X}\nE: HID_NAME={} {}\n"
+        "E: HID_PHYS=usb-0000:00:14.0-{}/input{}\nE: HID_UNIQ={}\nH: report_descriptor={}\n",
+        hid, what.vendor, what.product, what.maker, what.name, what.port, n, what.serial, hex(node->descriptor)));
     state_->add(
         fmt::format("P: {0}/hidraw/hidraw{1}\nN: hidraw{1}\nE: DEVNAME=/dev/hidraw{1}\nE: MAJOR=240\nE: MINOR={1}\n"
                     "E: SUBSYSTEM=hidraw\nL: device=../../../{2}\n",
@@ -345,25 +309,6 @@ std::vector<Bytes> HidTestbed::takeWritten(int node_number) {
   Node& node = *state_->nodes.at(node_number);
   const std::lock_guard lock(node.mutex);
   return std::exchange(node.written, {});
-}
-
-void HidTestbed::setFeatures(int node_number, std::function<Bytes(std::uint8_t number)> get,
-                             std::function<void(const Bytes&)> set) {
-  Node& node = *state_->nodes.at(node_number);
-  node.get_feature = std::move(get);
-  node.set_feature = std::move(set);
-}
-
-void HidTestbed::loseWrites(int node_number, std::function<bool(const Bytes&)> is_lost) {
-  Node& node = *state_->nodes.at(node_number);
-  const std::lock_guard lock(node.mutex);
-  node.is_lost = std::move(is_lost);
-}
-
-void HidTestbed::refuseWriters(int node_number) {
-  Node& node = *state_->nodes.at(node_number);
-  const std::lock_guard lock(node.mutex);
-  node.taken_from = ++node.generation;
 }
 
 void HidTestbed::listen(int node_number, std::function<void(const Bytes&)> heard) {

@@ -19,9 +19,6 @@ struct SimulatedHid {
   std::vector<std::pair<int, int>> interfaces = {{1, 8}};
   int port = 1;  ///< of the USB hub: no two may share one
   int first_node = 0;
-  /// Of each interface; empty: a collection of its usage alone.
-  std::vector<Bytes> descriptors = {};
-  bool is_bluetooth = false;
 };
 
 class HidTestbed {
@@ -50,15 +47,8 @@ class HidTestbed {
   std::size_t heldWrites(int node) const;
   /// What was written since it was asked last; written() and lastWritten() know nothing of it any more.
   std::vector<Bytes> takeWritten(int node);
-  /// What the device answers when it is asked for a feature report, and what it does with one that is set; both with
-  /// the number first. Called by a thread of the testbed.
-  void setFeatures(int node, std::function<Bytes(std::uint8_t number)> get, std::function<void(const Bytes&)> set);
   /// Who is not the owner of its files may list devices, as on a real system.
   void letOthersLook();
-  /// Writes of which this says so fail. Called by a thread of the testbed, one at a time.
-  void loseWrites(int node, std::function<bool(const Bytes&)> is_lost);
-  /// Writes of everybody who has written to the node so far fail from now on; those of others are taken.
-  void refuseWriters(int node);
   /// Told of each report that was taken, by a thread of the testbed.
   void listen(int node, std::function<void(const Bytes&)> heard);
   /// Where its files are in truth: to take a permission away.

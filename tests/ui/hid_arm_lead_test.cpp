@@ -25,7 +25,6 @@ namespace {
 namespace fs = std::filesystem;
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
-using Kind = test::SimulatedArm::Kind;
 
 constexpr int kForceless = 20 + 2;  // steps of an arm: its deadline, the one that is under way, a frame on its way
 
@@ -44,9 +43,9 @@ CutPath presses() {
 // An arm that is plugged in, and lives by its own clock.
 class PluggedArm {
  public:
-  PluggedArm(HidTestbed& bed, Kind kind, const SimulatedHid& what) : bed_(bed), what_(what) {
+  PluggedArm(HidTestbed& bed, const SimulatedHid& what) : bed_(bed), what_(what) {
     bed_.plugIn(what);
-    body_.emplace(bed, kind, presses(), DeviceHand::Options{}, what.first_node);
+    body_.emplace(bed, presses(), DeviceHand::Options{}, what.first_node);
     thread_ = std::thread([this] {
       while (!is_over_) {
         std::this_thread::sleep_for(milliseconds(1));
@@ -140,7 +139,7 @@ class HidArmLead : public testing::Test {
 };
 
 TEST_F(HidArmLead, UnpluggedMidCutLosesNothingAndLeadsAgainWhenItIsPluggedIn) {
-  PluggedArm first(*bed_, Kind::kRaw, raw_);
+  PluggedArm first(*bed_, raw_);
   openBlock("R-1");
   ASSERT_TRUE(until([&] { return bench_->isLed(); })) << bench_->arm().view().missing;
   ASSERT_TRUE(run("device.arm")) << bench_->arm().view().missing;
@@ -163,7 +162,7 @@ TEST_F(HidArmLead, UnpluggedMidCutLosesNothingAndLeadsAgainWhenItIsPluggedIn) {
   SimulatedHid again = raw_;
   again.port = 2;
   again.first_node = 1;
-  PluggedArm second(*bed_, Kind::kRaw, again);
+  PluggedArm second(*bed_, again);
   ASSERT_TRUE(until([&] { return bench_->isLed(); })) << bench_->arm().view().missing;
   EXPECT_FALSE(bench_->arm().isArmed());
   const double by_mouse = bench_->removedMm3();
@@ -180,42 +179,6 @@ TEST_F(HidArmLead, UnpluggedMidCutLosesNothingAndLeadsAgainWhenItIsPluggedIn) {
   ASSERT_TRUE(replayed) << replayed.error().message();
   EXPECT_TRUE(replayed->is_same && replayed->is_whole) << replayed->note;
   EXPECT_GE(replayed->removed_mm3, in_all - 0.01);
-}
-
-TEST_F(HidArmLead, AWoodyIsArmedOnceItWasCalibrated) {
-  const SimulatedHid woody{.vendor = 0x1234, .product = 6, .name = "Woody", .interfaces = {{0xFF00, 1}}};
-  PluggedArm arm(*bed_, Kind::kWoody, woody);
-  openBlock(HidTestbed::path(0));
-  ASSERT_TRUE(until([&] { return bench_->isLed(); })) << bench_->arm().view().missing;
-  EXPECT_NE(bench_->arm().view().missing.find("home pose, then device.calibrate"), std::string::npos)
-      << bench_->arm().view().missing;
-  const auto refused = run("device.arm");
-  ASSERT_FALSE(refused);
-  EXPECT_NE(refused.error().message().find("not calibrated since it was opened"), std::string::npos)
-      << refused.error().message();
-  EXPECT_FALSE(bench_->arm().isArmed());
-
-  ASSERT_TRUE(run("device.calibrate"));
-  ASSERT_TRUE(until([&] { return !bench_->arm().arm()->needsCalibration(); })) << bench_->arm().view().missing;
-  EXPECT_EQ(arm.mostForce(), 0);
-  // On a busy machine its hand may be lost for a while: then it is to be armed again.
-  ASSERT_TRUE(until([&] {
-    if (!bench_->arm().isArmed()) (void)run("device.arm");
-    return bench_->arm().view().felt.force.norm() > 0.05 && arm.force().norm() > 0.05;
-  })) << bench_->arm().view().missing;
-
-  // Calibrated in the middle of it: its hand leaps, and it is to be armed anew.
-  ASSERT_TRUE(run("device.calibrate"));
-  EXPECT_FALSE(bench_->arm().isArmed());
-  EXPECT_TRUE(until([&] { return arm.force().isZero(0); }));
-}
-
-TEST_F(HidArmLead, AnArmThatKnowsItsPlaceIsNotCalibrated) {
-  PluggedArm arm(*bed_, Kind::kRaw, raw_);
-  openBlock("R-1");
-  const auto refused = run("device.calibrate");
-  ASSERT_FALSE(refused);
-  EXPECT_NE(refused.error().message().find("needs no calibration"), std::string::npos) << refused.error().message();
 }
 
 }  // namespace

@@ -245,8 +245,8 @@ constexpr AppCommand kCommands[] = {
      "them away.",
      always, device_commands::panel},
     {"device.open", "", "", "", "NAME",
-     "Opens a force-feedback device, whose hand leads the tool when it comes: bridge, bridge:PORT, haply, serial:PATH, "
-     "or path or serial number. What is open goes on in a session that it can bear.",
+     "Opens a force-feedback device, whose hand leads the tool when it comes: bridge, bridge:PORT, or path or serial "
+     "number. The open document goes on in a session that the device can bear.",
      isIdle, device_commands::open},
     {"device.close", "Device", "Close the device", "", "", "Takes all force away and gives the tool back to the mouse.",
      device_commands::isOpen, device_commands::close},
@@ -270,9 +270,6 @@ constexpr AppCommand kCommands[] = {
     {"device.place", "", "", "", "X Y Z",
      "Puts the tip of the tool there, mm: where the hand is now means that place from now on.",
      device_commands::isLeading, device_commands::place},
-    {"device.calibrate", "Device", "Calibrate: it is in its home pose", "", "",
-     "Tells a device that needs it that its arm is in its home pose.", device_commands::isOpen,
-     device_commands::calibrate},
     {"device.test", "Device", "Test force: 0.5 N up", "", "[NEWTONS [X Y Z]]",
      "Pushes the hand gently for 1.5 s, at most 1 N, along a direction of the device; up if not told.",
      device_commands::isArmed, device_commands::test},

@@ -52,7 +52,6 @@ Expected<void> ArmLead::open(const std::string& name) {
   KERF_TRY(opened, openArm(name, settings()));
   name_ = name;
   arm_ = std::move(opened.arm);
-  usual_ = opened.profile;
   was_there_ = has_told_of_fault_ = false;
   forgetHand();
   return {};
@@ -83,7 +82,7 @@ void ArmLead::drive(double speed, double irrigation) {
 
 std::optional<CouplingSettings> ArmLead::coupling() const {
   if (!arm_) return {};
-  DeviceProfile profile = choice_.profile.value_or(usual_);
+  DeviceProfile profile = choice_.profile.value_or(DeviceProfile{});
   profile.delay_s += kTransport;
   CouplingSettings wanted;
   wanted.force_limit = std::min(wanted.force_limit, choice_.most_force);
@@ -100,8 +99,6 @@ bool ArmLead::hasJustCome() const { return Seconds(Clock::now() - there_since_).
 // What a person can do something about first.
 std::string ArmLead::missingForForce() const {
   constexpr double kSlack = 1.001;
-  if (arm_->needsCalibration())
-    return "it was not calibrated since it was opened: put it into its home pose, then device.calibrate";
   if (!run_) return "nothing is open to be cut";
   const CouplingSettings now = run_->model().settings.coupling;
   const CouplingSettings borne = *coupling();
@@ -257,7 +254,7 @@ ArmView ArmLead::view() const {
   if (!out.counts.trouble.empty())
     out.missing = out.counts.trouble;
   else if (out.is_there && !out.hand.is_ready)
-    out.missing = "it is not ready: switch it on, and calibrate it (device.calibrate)";
+    out.missing = "it is not ready: switch it on, and calibrate it";
   else if (!is_leading_)
     out.missing = !run_           ? "nothing is open to be cut"
                   : hasJustCome() ? "its hand has just come"

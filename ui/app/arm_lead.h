@@ -31,7 +31,7 @@ struct ArmChoice {
   double scale = 1;                      ///< mm of the scene for a mm of the hand
   double turn_deg = 0;                   ///< of the device about the scene's z axis
   bool pedal_is_down = false;            ///< the drive turns without button 1
-  std::optional<DeviceProfile> profile;  ///< delay of the device alone; none: its kind's, or that of an unknown one
+  std::optional<DeviceProfile> profile;  ///< delay of the device alone; none: the default
 
   static constexpr double kLeastForce = 0.1, kMostForce = 20, kLeastScale = 0.05, kMostScale = 5;
 };
@@ -122,7 +122,6 @@ class ArmLead {
   std::shared_ptr<ForceArm> arm_;
   ArmChoice choice_;
   double speed_ = 1, irrigation_ = 1;
-  DeviceProfile usual_;  // of its kind
   LiveRun* run_ = nullptr;
   std::shared_ptr<HandSwitch> hands_;
   bool is_leading_ = false, was_there_ = false, has_told_of_fault_ = false, is_paused_ = false;

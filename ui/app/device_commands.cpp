@@ -159,14 +159,6 @@ Expected<void> place(AppContext& c, AppWords words) {
   return c.bench.placeHand(tip);
 }
 
-Expected<void> calibrate(AppContext& c, AppWords) {
-  if (!armOf(c).arm()->calibrate())
-    return wrongWord(armOf(c).arm()->what() + ", which needs no calibration", "a device that does", "");
-  armOf(c).disarmForce();  // its hand leaps
-  c.bench.say("The device is told that it stands in its home pose now.");
-  return {};
-}
-
 Expected<void> test(AppContext& c, AppWords words) {
   KERF_TRY(newtons, numberOr(words, 0, 0.5, "NEWTONS", 0, ForceArm::kMostTestForce));
   Vec3d direction = Vec3d::UnitZ();

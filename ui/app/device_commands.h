@@ -27,9 +27,8 @@ Expected<void> turn(AppContext& c, AppWords words);     ///< DEG
 Expected<void> pedal(AppContext& c, AppWords words);    ///< [on|off]
 Expected<void> profile(AppContext& c, AppWords words);  ///< MS KG NEWTONS MM
 Expected<void> place(AppContext& c, AppWords words);    ///< X Y Z
-Expected<void> calibrate(AppContext& c, AppWords words);
-Expected<void> test(AppContext& c, AppWords words);   ///< [NEWTONS [X Y Z]]
-Expected<void> panel(AppContext& c, AppWords words);  ///< [on|off]
+Expected<void> test(AppContext& c, AppWords words);     ///< [NEWTONS [X Y Z]]
+Expected<void> panel(AppContext& c, AppWords words);    ///< [on|off]
 
 /// The device of the window as one JSON object, for scripts.
 std::string deviceState(const AppContext& c);

@@ -2,17 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <chrono>
-#include <cstdlib>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <thread>
 
 #include "sim/device/arm_opener.h"
 #include "sim/device/device_recording.h"
-#include "sim/device/hid_arm.h"
 #include "sim/device/hid_device.h"
 #include "ui/cli/command.h"
 #include "ui/cli/device_words.h"
@@ -90,7 +86,7 @@ bool watch(HidDevice& device, const ProbeOptions& options) {
     const std::array<double, 6> axes = device.axes();
     const DeviceReading& r = device.reading();
     const bool has_come = r.reports + r.unknown + r.malformed > 0;
-    if (const std::string text = textOf(*device.what().driver, r, axes); prints && has_come && text != last) {
+    if (const std::string text = textOf(r, axes); prints && has_come && text != last) {
       fmt::print("{:8.3f} s  {}\n", watch.seconds(), text);
       std::fflush(stdout);
       last = text;
@@ -105,22 +101,15 @@ bool watch(HidDevice& device, const ProbeOptions& options) {
   return true;
 }
 
-Expected<DeviceRecording> headOf(const FoundDevice& found) {
+DeviceRecording headOf(const FoundDevice& found) {
   DeviceRecording out;
   out.driver = found.driver;
   out.device = idOf(found.interfaces.front()) + " " + found.name;
-  if (!found.driver->needs_layout) return out;
-  for (const HidInfo& info : found.interfaces) {
-    KERF_TRY(descriptor, readHidDescriptor(info.path));
-    out.descriptors.push_back({info.interface, std::move(descriptor)});
-  }
   return out;
 }
 
 int probeAxes(const FoundDevice& found, const ProbeOptions& options) {
-  auto head = headOf(found);
-  if (!head) return complain(head.error());
-  Ear ear(std::move(*head), !options.record.empty());
+  Ear ear(headOf(found), !options.record.empty());
   const Interruption interruption;
   auto device = HidDevice::open(
       found, [&](std::int64_t t, int interface, std::span<const std::uint8_t> r) { ear.hear(t, interface, r); });
@@ -196,7 +185,7 @@ void sayHow(const ArmCounts& counts, const TimeHistogram& gaps) {
   fmt::print("; {} told the arm that there is no force\n", counted(counts.forces, "message"));
 }
 
-// @param id  of the device, for the recording: "1234:0006 WoodenHaptics"; empty: what the arm calls itself.
+// @param id  of the device, for the recording: "cafe:4004 RawHID arm"; empty: what the arm calls itself.
 int probeArm(const std::string& name, const std::string& id, const std::string& language, const ProbeOptions& options) {
   DeviceRecording head;
   head.arm = language;
@@ -236,34 +225,6 @@ int probeArm(const std::string& name, const std::string& id, const std::string& 
   return is_connected ? kOk : complainOfUnplugged(what);
 }
 
-// What the messages of an arm will be that is named by its transport; an arm on HID has a driver.
-std::string languageOf(const std::string& name) {
-  if (name.starts_with("haply")) return "haply";
-  return name.starts_with("serial:") ? "serial" : "bridge";
-}
-
-// Of the arms that are plugged in the one that is meant; none: what has axes is.
-Expected<std::optional<FoundArm>> armMeantBy(const std::string& name, const std::vector<FoundDevice>& devices,
-                                             const std::vector<FoundArm>& arms) {
-  if (arms.empty()) return std::optional<FoundArm>();
-  if (name.empty()) {
-    if (!devices.empty())
-      return fail({.code = Error::Code::kBadValue,
-                   .place = "devices",
-                   .found = counted(devices.size() + arms.size(), "device"),
-                   .expected = "one",
-                   .hint = "name it by its path or serial number: kerf devices lists them"});
-    KERF_TRY(only, chooseArm(arms, name));
-    return std::optional<FoundArm>(std::move(only));
-  }
-  const bool is_arm = std::any_of(arms.begin(), arms.end(), [&](const FoundArm& arm) {
-    return arm.info.path == name || (!arm.info.serial.empty() && arm.info.serial == name);
-  });
-  if (!is_arm) return std::optional<FoundArm>();
-  KERF_TRY(meant, chooseArm(arms, name));
-  return std::optional<FoundArm>(std::move(meant));
-}
-
 }  // namespace
 
 int probeDevice(const ProbeOptions& options) {
@@ -273,18 +234,12 @@ int probeDevice(const ProbeOptions& options) {
                             .found = "a recording",
                             .expected = "a device",
                             .hint = "kerf devices --replay FILE"});
-  if (namesTransport(options.device)) return probeArm(options.device, "", languageOf(options.device), options);
+  if (namesTransport(options.device)) return probeArm(options.device, "", "bridge", options);
 
-  const std::vector<HidInfo> all = listHid();
-  const std::vector<FoundDevice> devices = groupDevices(all);
-  const auto arm = armMeantBy(options.device, devices, groupArms(all));
-  if (!arm) return complain(arm.error());
-  if (arm->has_value()) {
-    const FoundArm& found = **arm;
-    return probeArm(found.info.path, idOf(found.info) + " " + found.name, found.driver->id, options);
-  }
-  auto found = chooseDevice(devices, options.device);
-  return found ? probeAxes(*found, options) : complain(found.error());
+  const auto found = chooseDevice(findDevices(), options.device);
+  if (!found) return complain(found.error());
+  if (!found->isArm()) return probeAxes(*found, options);
+  return probeArm(found->path(), idOf(found->interfaces.front()) + " " + found->name, found->driver->id, options);
 }
 
 // ---- Recordings
@@ -327,7 +282,7 @@ int printReadings(const DeviceRecording& recording, bool json) {
   fmt::print("{}, driver {}: {}\n", recording.device, recording.driver->id, counted(readings.size(), "report"));
   for (std::size_t n = 0; n < readings.size(); ++n)
     fmt::print("{:8.3f} s  {}\n", 1e-6 * static_cast<double>(recording.reports[n].time_us),
-               textOf(*recording.driver, readings[n], readings[n].axes));
+               textOf(readings[n], readings[n].axes));
   return kOk;
 }
 

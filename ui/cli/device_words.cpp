@@ -43,16 +43,9 @@ nlohmann::json jsonOf(const DeviceReading& r, const std::array<double, 6>& axes)
   return out;
 }
 
-std::string textOf(const DeviceDriver& driver, const DeviceReading& r, const std::array<double, 6>& axes) {
-  std::string out;
-  // Places first, then how it is turned: with a comma between, as a SpaceMouse has them.
-  constexpr std::size_t kFirstTurn = 3;
-  for (std::size_t n = 0; n < axes.size(); ++n) {
-    const char* const name = driver.axes[n];
-    if (!name) continue;
-    out += out.empty() ? "" : n == kFirstTurn ? ", " : " ";
-    out += fmt::format("{}{}{:+.2f}", name, *name ? " " : "", axes[n]);
-  }
+std::string textOf(const DeviceReading& r, const std::array<double, 6>& axes) {
+  std::string out = fmt::format("right {:+.2f} away {:+.2f} up {:+.2f}, turned {:+.2f} {:+.2f} {:+.2f}", axes[0],
+                                axes[1], axes[2], axes[3], axes[4], axes[5]);
   out += buttonsOf(r.buttons);
   if (r.battery_percent >= 0) out += fmt::format(", battery {} %{}", r.battery_percent, r.is_charging ? "+" : "");
   if (r.unknown + r.malformed > 0) out += fmt::format(", {} unknown, {} malformed", r.unknown, r.malformed);

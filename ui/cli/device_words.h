@@ -18,7 +18,7 @@ std::string idOf(const HidInfo& info);
 nlohmann::json jsonOf(const FoundDevice& found);
 
 /// @param axes  as they count now.
-std::string textOf(const DeviceDriver& driver, const DeviceReading& reading, const std::array<double, 6>& axes);
+std::string textOf(const DeviceReading& reading, const std::array<double, 6>& axes);
 nlohmann::json jsonOf(const DeviceReading& reading, const std::array<double, 6>& axes);
 
 /// @param velocity  mm/s.

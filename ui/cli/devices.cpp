@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <chrono>
@@ -8,13 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "sim/device/arm_opener.h"
 #include "sim/device/arm_simulator.h"
-#include "sim/device/haply_arm.h"
-#include "sim/device/haply_simulator.h"
-#include "sim/device/hid_arm.h"
-#include "sim/device/pid_device.h"
-#include "sim/device/rumble_pad.h"
-#include "sim/device/uhid_simulator.h"
 #include "sim/hand/device_profile.h"
 #include "ui/cli/command.h"
 #include "ui/cli/device_probe.h"
@@ -26,12 +20,11 @@ namespace {
 
 struct Arguments {
   std::string device;  // path or serial
-  bool wants_probe = false, wants_feel = false;
+  bool wants_probe = false;
   std::string record, replay;  // files
   double seconds = 0;          // of probe and recording; 0: until it is interrupted
-  std::string simulate, path;  // what, and the way of its hand
-  int port = 4417;
-  bool has_port = false;
+  std::string simulate, path;  // kind of device, and the path of its hand
+  int port = kBridgePort;
   bool wants_typical = false;
   double delay_ms = 2, damping = DeviceHand::Options{}.damping;
   DeviceProfile profile;
@@ -88,113 +81,20 @@ int sayCouplings(const Arguments& a) {
 
 // ---- What is plugged in
 
-// What gives force or shakes: arms, pads, force feedback of the class PID.
-struct OtherDevice {
-  HidInfo info;
-  std::string name;
-  const char* what;
-  const char* kind;
-};
-
-bool isCalled(const HidInfo& info, const std::string& name) {
-  return info.path == name || (!info.serial.empty() && info.serial == name);
-}
-
-std::vector<OtherDevice> othersAmong(const std::vector<HidInfo>& all) {
-  std::vector<OtherDevice> out;
-  for (const HidInfo& info : all) {
-    if (const ArmDriver* const arm = armDriverOf(info))
-      out.push_back({info, arm->nameOf(info),
-                     "a force-feedback arm: kerf-sim --device PATH; --probe reads it without force", "arm"});
-    else if (const auto pad = padKindOf(info))
-      out.push_back(
-          {info, nameOf(*pad), "a gamepad that shakes in kerf-sim; --probe reads it, --feel tries it", "pad"});
-    else if (hasForceFeedback(info))
-      out.push_back(
-          {info, info.name, "force feedback of the class PID, experimental; --probe reads it, --feel tries it", "pid"});
-  }
-  return out;
-}
-
-nlohmann::json jsonOf(const OtherDevice& other) {
-  nlohmann::json out = {{"name", other.name},          {"id", idOf(other.info)}, {"path", other.info.path},
-                        {"serial", other.info.serial}, {"driver", other.kind},   {"may_open", other.info.may_open}};
-  if (!other.info.may_open) out["problem"] = kMayNotOpen;
-  return out;
-}
-
-// Gently, for two seconds: a pad shakes, a joystick is pushed to the right.
-int feel(const Arguments& a) {
-  std::vector<OtherDevice> others = othersAmong(listHid());
-  std::erase_if(others, [&](const OtherDevice& other) {
-    return (!a.device.empty() && !isCalled(other.info, a.device)) || std::string(other.kind) == "arm";
-  });
-  if (others.size() != 1)
-    return complain({.code = others.empty() ? Error::Code::kNotFound : Error::Code::kBadValue,
-                     .place = "devices",
-                     .found = fmt::format("{} that shake or push", others.size()),
-                     .expected = "one",
-                     .hint = "name it by its path; kerf devices lists them. An arm is tried in kerf-sim: device.test"});
-  const HidInfo& info = others.front().info;
-  const Interruption interruption;
-  const auto repeat = [&](const auto& wish) {
-    for (int n = 0; n < 100 && !isInterrupted(); ++n) {
-      wish(std::sin(0.0314159265358979 * n));
-      std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    }
-  };
-  if (const auto kind = padKindOf(info)) {
-    auto pad = RumblePad::open(info, *kind);
-    if (!pad) return complain(pad.error());
-    repeat([&](double share) { (*pad)->set({0.5 * share, 0.5 * share}); });
-    if (!(*pad)->isConnected())
-      return complain({.code = Error::Code::kUnreadable, .file = info.path, .found = "it takes no report"});
-  } else {
-    auto device = PidDevice::open(info);
-    if (!device) return complain(device.error());
-    if (!(*device)->stopsByItself())
-      fmt::print(stderr, "{}: its effects have no duration: should one go on without this program, unplug it\n",
-                 info.path);
-    repeat([&](double share) { (*device)->set({.right = 0.2 * share, .damping = 0.2, .shake = 0.1 * share}); });
-    if (!(*device)->isConnected())
-      return complain({.code = Error::Code::kUnreadable, .file = info.path, .found = "it takes no report"});
-  }
-  if (!a.json) fmt::print("{}: {} was told to move for 2 s\n", info.path, others.front().name);
-  return kOk;
-}
-
 int listDevices(const Arguments& a) {
-  const std::vector<HidInfo> all = listHid();
-  std::vector<FoundDevice> devices = groupDevices(all);
-  std::vector<OtherDevice> others = othersAmong(all);
+  std::vector<FoundDevice> devices = findDevices();
   if (!a.device.empty()) {
-    std::erase_if(others, [&](const OtherDevice& other) { return !isCalled(other.info, a.device); });
-    if (others.empty()) {
-      auto one = chooseDevice(devices, a.device);
-      if (!one) return complain(one.error());
-      devices = {std::move(*one)};
-    } else {
-      devices.clear();
-    }
+    auto one = chooseDevice(devices, a.device);
+    if (!one) return complain(one.error());
+    devices = {std::move(*one)};
   }
-  // What is named once is not named again for its axes.
-  std::erase_if(devices, [&](const FoundDevice& found) {
-    return std::any_of(others.begin(), others.end(),
-                       [&](const OtherDevice& other) { return other.info.path == found.path(); });
-  });
   if (a.json) {
     nlohmann::json list = nlohmann::json::array();
     for (const FoundDevice& found : devices) list.push_back(cli::jsonOf(found));
-    for (const OtherDevice& other : others) list.push_back(jsonOf(other));
     printJson(list);
     return kOk;
   }
-  if (devices.empty() && others.empty()) fmt::print("no device that a driver knows is plugged in\n");
-  for (const OtherDevice& other : others) {
-    fmt::print("{}: {}, {}\n  id {}, serial {}\n", other.info.path, other.name, other.what, idOf(other.info),
-               other.info.serial.empty() ? "none" : other.info.serial);
-    if (!other.info.may_open) fmt::print("  {}\n", kMayNotOpen);
-  }
+  if (devices.empty()) fmt::print("no device that a driver knows is plugged in\n");
   for (const FoundDevice& found : devices) {
     fmt::print("{}: {}, {}\n", found.path(), found.name, found.driver->people);
     fmt::print("  id {}, serial {}, driver {}", idOf(found.interfaces.front()),
@@ -227,36 +127,7 @@ CutPath ownPath() {
   return out;
 }
 
-// Until Ctrl-C: devices of the whole system, by the kernel.
-int simulateForAll(const Arguments& a) {
-  const UhidModel model = a.simulate == "pad" ? UhidModel::kPad : UhidModel::kSpaceMouse;
-  const Interruption interruption;
-  auto device = UhidSimulator::start(model);
-  if (!device) return complain(device.error());
-  if (!a.json) fmt::print("a simulated {} is plugged in: kerf devices shows it\n", a.simulate);
-  std::fflush(stdout);
-  std::vector<std::uint8_t> last;
-  const auto began = std::chrono::steady_clock::now();
-  while (!isInterrupted()) {
-    const double now = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
-    if (a.seconds > 0 && now >= a.seconds) break;
-    if (const UhidReport r = (*device)->report(); r.last != last) {
-      last = r.last;
-      if (!a.json) fmt::print("{:7.2f} s  told {:02x}\n", now, fmt::join(last, " "));
-      std::fflush(stdout);
-    }
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
-  const UhidReport r = (*device)->report();
-  if (a.json) printJson({{"sent", r.sent}, {"received", r.received}});
-  return kOk;
-}
-
-template <class Device>
-int watchSimulated(const Arguments& a, const Device& device);
-
 int simulate(const Arguments& a) {
-  if (a.simulate == "spacemouse" || a.simulate == "pad") return simulateForAll(a);
   CutPath path = ownPath();
   if (!a.path.empty()) {
     auto read = readPath(a.path);
@@ -270,27 +141,15 @@ int simulate(const Arguments& a) {
   hand.encoder_mm = a.profile.encoder_mm;
   hand.delay_ticks = static_cast<int>(std::lround(a.delay_ms));
   const Interruption interruption;
-  if (a.simulate == "haply") {
-    const int port = a.has_port ? a.port : kHaplyPort;
-    auto service = HaplySimulator::start({static_cast<std::uint16_t>(port), std::move(path), hand});
-    if (!service) return complain(service.error());
-    if (!a.json) fmt::print("a simulated Haply service listens on 127.0.0.1, port {}\n", port);
-    return watchSimulated(a, **service);
-  }
   auto arm = ArmSimulator::start(std::move(path), {.port = static_cast<std::uint16_t>(a.port), .hand = hand});
   if (!arm) return complain(arm.error());
   if (!a.json) fmt::print("a simulated arm sends to 127.0.0.1, port {}\n", a.port);
-  return watchSimulated(a, **arm);
-}
-
-template <class Device>
-int watchSimulated(const Arguments& a, const Device& device) {
   std::fflush(stdout);
   ArmReport r;
   const auto began = std::chrono::steady_clock::now();
   double last = -1;
   for (;;) {
-    r = device.report();
+    r = (*arm)->report();
     const double now = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     if (isInterrupted() || r.is_over || (a.seconds > 0 && now >= a.seconds)) break;
     if (!a.json && now - last >= 0.5) {
@@ -320,7 +179,6 @@ int watchSimulated(const Arguments& a, const Device& device) {
 int run(const Arguments& a) {
   if (!a.simulate.empty()) return simulate(a);
   if (!a.replay.empty()) return printRecording(a.replay, a.json);
-  if (a.wants_feel) return feel(a);
   if (a.wants_probe || !a.record.empty()) return probeDevice({a.device, a.wants_probe, a.record, a.seconds, a.json});
   if (a.is_own || a.wants_typical) return sayCouplings(a);
   return listDevices(a);
@@ -336,16 +194,15 @@ void addDevices(CLI::App& command, int& exit_code) {
       "With a profile or --typical: the coupling that a force-feedback device can hold. One that is too stiff makes "
       "it\n"
       "tremble, or worse. The law: docs/how-it-works/step.md.\n"
-      "--probe and --record take an arm as kerf live does, too: bridge, haply, serial:PATH; it is given no force.\n"
+      "--probe and --record take an arm as kerf live does, too: bridge[:PORT]; it is given no force.\n"
+      "The window reads gamepads and joysticks; they are not listed here.\n"
       "Examples: kerf devices --probe --for 10\n"
       "          kerf devices bridge --record arm.txt, then kerf live --device replay:arm.txt ...\n"
       "          kerf devices /dev/hidraw3 --record mine.txt\n"
       "          kerf devices --simulate arm --delay 3\n"
-      "          kerf devices --feel\n"
       "          kerf devices --delay 1.5 --mass 0.07 --friction 0.26 --encoder 0.055");
-  CLI::Option* const device = command.add_option(
-      "DEVICE", a->device,
-      "its path or serial number, or bridge[:PORT], haply[:PORT], serial:PATH; default: the only one");
+  CLI::Option* const device =
+      command.add_option("DEVICE", a->device, "its path or serial number, or bridge[:PORT]; default: the only one");
   CLI::Option* const probe = command.add_flag("--probe", a->wants_probe, "print what it says, as it changes");
   CLI::Option* const record = command.add_option("--record", a->record, "write its reports into this text file");
   CLI::Option* const replay =
@@ -354,20 +211,12 @@ void addDevices(CLI::App& command, int& exit_code) {
   command.add_option("--for", a->seconds, "how long to probe, record or simulate, s; 0: until Ctrl-C")
       ->check(CLI::Range(0.0, 1e5));
   CLI::Option* const simulated =
-      command
-          .add_option("--simulate", a->simulate,
-                      "be a device that is not there: arm (a bridge), haply (its service), spacemouse or "
-                      "pad (for the whole system, by the kernel's uhid)")
-          ->check(CLI::IsMember({"arm", "haply", "spacemouse", "pad"}));
-  CLI::Option* const port = command.add_option("--port", a->port, "of 127.0.0.1, where Kerf listens; of haply 10001")
-                                ->check(CLI::Range(1, 65535))
-                                ->needs(simulated)
-                                ->capture_default_str();
-  command.add_flag("--feel", a->wants_feel, "let a gamepad shake, or a PID joystick push, gently for 2 s")
-      ->excludes(probe)
-      ->excludes(record)
-      ->excludes(replay)
-      ->excludes(simulated);
+      command.add_option("--simulate", a->simulate, "be a device that is not there: arm, behind a bridge")
+          ->check(CLI::IsMember({"arm"}));
+  command.add_option("--port", a->port, "of 127.0.0.1, where Kerf listens")
+      ->check(CLI::Range(1, 65535))
+      ->needs(simulated)
+      ->capture_default_str();
   command.add_option("--path", a->path, "where the hand of the simulated arm goes; default: down, and a small circle")
       ->needs(simulated);
   simulated->excludes(probe)->excludes(record)->excludes(replay);
@@ -386,8 +235,7 @@ void addDevices(CLI::App& command, int& exit_code) {
   CLI::Option* const coupling = number("--coupling", a->wanted, "stiffness that is wanted, N/mm", 0.01, 100);
   for (CLI::Option* option : own) option->excludes(typical);
   command.add_flag("--json", a->json, "as JSON on standard output");
-  command.callback([a, own, coupling, port, &exit_code] {
-    a->has_port = port->count() > 0;
+  command.callback([a, own, coupling, &exit_code] {
     for (const CLI::Option* option : own) a->is_own = a->is_own || option->count() > 0;
     if (coupling->count() > 0 && !a->is_own) a->wants_typical = true;
     exit_code = run(*a);

@@ -28,7 +28,7 @@ struct Arguments {
   std::string case_folder, run_folder, tool, device = "udp:4417", start;
   double seconds = 0, wait_s = 30;
   double force = 3, scale = 1, turn_deg = 0;
-  bool is_forceless = false, pedal_is_down = false, stands_at_home = false;
+  bool is_forceless = false, pedal_is_down = false;
   double delay_ms = 2;
   DeviceProfile profile;
   bool json = false;
@@ -67,30 +67,6 @@ Expected<HandFrame> waitForHand(const ForceArm& device, double most_s) {
                                    : fmt::format("no hand in {:g} s", most_s),
        .expected = "a device or a bridge that sends where its hand is",
        .hint = counts.trouble + "; a bridge to try: kerf devices --simulate arm (docs/reference/device-bridge.md)"});
-}
-
-// An arm whose encoders do not say where it is gives no force before it stood in its home pose.
-Expected<void> calibrate(ForceArm& device, const Arguments& a) {
-  constexpr double kMost = 5;  // s
-  const auto wrong = [&](std::string found, std::string expected, std::string hint) {
-    return fail({.code = Error::Code::kUnsupported,
-                 .place = device.what(),
-                 .found = std::move(found),
-                 .expected = std::move(expected),
-                 .hint = std::move(hint)});
-  };
-  if (!a.stands_at_home) {
-    if (!device.needsCalibration() || a.is_forceless) return {};
-    return wrong("it was not calibrated since it was opened", "an arm that knows where its hand is",
-                 "put it into its home pose and give --calibrate; or lead the tool without force, by --no-force");
-  }
-  if (!device.calibrate()) return wrong("a device that needs no calibration", "one that does", "leave out --calibrate");
-  for (const auto began = steady_clock::now(); device.needsCalibration() && !isInterrupted();) {
-    if (duration<double>(steady_clock::now() - began).count() > kMost)
-      return wrong("it takes no calibration", "a device that does", device.counts().trouble);
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  }
-  return {};
 }
 
 // The session itself; says when the hand comes and goes. A latch is cleared once the hand has been back for a while.
@@ -171,7 +147,6 @@ int run(const Arguments& a) {
   std::fflush(stdout);
   const auto hand = waitForHand(*device, a.wait_s);
   if (!hand) return complain(hand.error());
-  if (const auto is_calibrated = calibrate(*device, a); !is_calibrated) return complain(is_calibrated.error());
 
   DeviceProfile profile = withTurning(a.profile, *hand);
   profile.delay_s = a.delay_ms / 1000 + kTransport;
@@ -221,9 +196,7 @@ void addLive(CLI::App& command, int& exit_code) {
   command.add_option("--tool", a->tool, "tool id (kerf tool list) or a tool's TOML file")->required();
   command.add_option("-o,--output", a->run_folder, "run folder to write")->required();
   command.add_option("--start", a->start, "X,Y,Z in mm: where the hand finds the tip of the tool, upright")->required();
-  command
-      .add_option("--device", a->device,
-                  "bridge, bridge:PORT, haply, serial:PATH; replay:FILE; path or serial number of an arm")
+  command.add_option("--device", a->device, "bridge, bridge:PORT; replay:FILE; path or serial number of an arm")
       ->capture_default_str();
   const auto number = [&](const char* name, double& value, const char* what, double low, double high) {
     command.add_option(name, value, what)->check(CLI::Range(low, high))->capture_default_str();
@@ -239,8 +212,6 @@ void addLive(CLI::App& command, int& exit_code) {
   number("--friction", a->profile.friction, "of the device at the tip, N", 0, 10);
   number("--encoder", a->profile.encoder_mm, "step of its position at the tip, mm; 0: perfect", 0, 1);
   command.add_flag("--no-force", a->is_forceless, "the device leads the tool and gives no force");
-  command.add_flag("--calibrate", a->stands_at_home,
-                   "a WoodenHaptics arm stands in its home pose now; it gives no force without");
   command.add_flag("--pedal", a->pedal_is_down, "the drive turns without button 1");
   command.add_flag("--json", a->json, "as JSON on standard output");
   command.callback([a, &exit_code] { exit_code = run(*a); });

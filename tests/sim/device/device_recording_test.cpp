@@ -2,9 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <fstream>
-
-#include "sim/device/woody_arm.h"
+#include "sim/device/raw_arm.h"
 #include "tests/support/temporary_folder.h"
 
 namespace kerf {
@@ -38,44 +36,19 @@ TEST(DeviceRecording, ReplaysTheSameReadingsFromTheFileBitForBit) {
   EXPECT_EQ(readings[3].unknown, 1u);
 }
 
-// A joystick: its reports mean what the descriptor beside them says.
-TEST(DeviceRecording, HoldsTheDescriptorThatItsReportsNeed) {
-  const char* const text =
-      "kerf-device 1\n"
-      "driver joystick\n"
-      "device 1209:ffb0 joystick\n"
-      "descriptor 0 05 01 09 04 a1 01 09 30 15 00 26 ff 00 75 08 95 01 81 02 c0\n"
-      "0 0 ff\n"
-      "900000 0 00\n"
-      "900001 1 00\n";
-  const TemporaryFolder folder;
-  const auto read = parseRecording(text);
-  ASSERT_TRUE(read) << read.error().message();
-  ASSERT_TRUE(writeRecording(folder.path() / "a.txt", *read));
-  std::ifstream in(folder.path() / "a.txt");
-  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(in), {}), text);
-
-  const auto readings = replayRecording(*read);
-  ASSERT_EQ(readings.size(), 3u);
-  EXPECT_EQ(readings[0].axes[0], 1);
-  EXPECT_EQ(readings[1].axes[0], -1);
-  EXPECT_EQ(readings[2].unknown, 1u) << "an interface without a descriptor";
-}
-
 TEST(DeviceRecording, OfAnArmGivesItsHands) {
-  const auto read = parseRecording(
-      "kerf-device 1\ndriver serial\ndevice my arm\n"
-      "0 0 5b 33 2c 30 2c 2d 33 30 30 30 2c 35 30 30 30 2c 30 2c 30 2c 30 2c 30 5d\n"
-      "1000 0 5b 33\n");
-  ASSERT_TRUE(read) << read.error().message();
-  EXPECT_EQ(read->driver, nullptr);
-  EXPECT_TRUE(replayRecording(*read).empty());
-  const RecordedHands replayed = replayHands(*read);
+  HandFrame hand;
+  hand.number = 7;
+  hand.pose.translation = {1, -2, 3.5};
+  const RawArmReport report = encodeRawHand(hand);
+  DeviceRecording recording;
+  recording.arm = "rawhid";
+  recording.reports = {{0, 0, {report.begin(), report.end()}}, {1000, 0, {1, 2}}};
+  EXPECT_TRUE(replayRecording(recording).empty());
+  const RecordedHands replayed = replayHands(recording);
   ASSERT_EQ(replayed.hands.size(), 1u);
   EXPECT_EQ(replayed.refused, 1u);
-  // Counts of its motors from its home pose, where the third says -6000.
-  EXPECT_EQ(replayed.hands[0].hand.pose.translation,
-            woodyPose(serialWoody(), {0, -3000, 5000 - 6000, 0, 0, 0}).position);
+  EXPECT_LT((replayed.hands[0].hand.pose.translation - hand.pose.translation).norm(), 1e-3);
 }
 
 TEST(DeviceRecording, ATapeTakesNoMoreThanAFileMayHold) {
@@ -106,9 +79,6 @@ TEST(DeviceRecording, WhatIsWrongIsNamedByItsLine) {
       {"kerf-device 2\n", "version 2"},
       {"kerf-device 1\ndriver pedal\n", "driver \"pedal\""},
       {"kerf-device 1\ndriver spacemouse\nname x\n", "line 3"},
-      {"kerf-device 1\ndriver spacemouse\ndevice x\ndescriptor 0 c0\n", "a descriptor"},
-      {"kerf-device 1\ndriver joystick\ndevice x\n0 0 01\ndescriptor 0 05 01\n", "a descriptor"},
-      {"kerf-device 1\ndriver joystick\ndevice x\ndescriptor 0 c0\n", "did not begin"},
       {"kerf-device 1\ndriver spacemouse\ndevice x\n0 0\n", "no bytes"},
       {"kerf-device 1\ndriver spacemouse\ndevice x\n0 0 1\n", "line 4: \"1\""},
       {"kerf-device 1\ndriver spacemouse\ndevice x\n0 0 0g\n", "\"0g\""},

@@ -29,17 +29,6 @@ bool until(const Condition& holds, int most_ms = 20000) {
   }
   return holds();
 }
-// An arm that needs it stands in its home pose; on a machine too busy for its reports it is told so again.
-// @param step  of its firmware, where that has no thread.
-inline bool calibrated(ForceArm& arm, const std::function<void()>& step = {}) {
-  if (!arm.needsCalibration()) return true;
-  return arm.calibrate() && until([&] {
-           if (step) step();
-           if (arm.counts().trouble.find("did not take its calibration") != std::string::npos) arm.calibrate();
-           return !arm.needsCalibration();
-         });
-}
-
 // Another process that does something again and again, until it is killed as by kill -9.
 class Doomed {
  public:

@@ -17,7 +17,6 @@ namespace kerf {
 namespace {
 
 using namespace test;
-using Kind = SimulatedArm::Kind;
 using std::chrono::milliseconds;
 
 // Steps of an arm from the last news of Kerf to no force: 20 ms, the one that is under way, and a frame on its way.
@@ -58,43 +57,24 @@ class Wall {
   bool has_last_ = false;
 };
 
-DeviceHand::Options bodyOf(Kind kind, const DeviceProfile& profile) {
+DeviceHand::Options bodyOf(const DeviceProfile& profile) {
   DeviceHand::Options out;
   out.mass_kg = profile.mass_kg;
   out.friction = profile.friction;
-  out.encoder_mm = kind == Kind::kWoody ? 0 : profile.encoder_mm;  // whole counts of the Woody are in its report
+  out.encoder_mm = profile.encoder_mm;
   out.delay_ticks = static_cast<int>(std::lround(1000 * profile.delay_s)) - 1;  // one is in the loop
   return out;
 }
 
-// Both of the drivers.
-class HidLoop : public OnTestbed, public testing::WithParamInterface<Kind> {
+class HidLoop : public OnTestbed {
  protected:
   void SetUp() override {
     OnTestbed::SetUp();
-    if (IsSkipped()) return;
-    bed_->plugIn(what());
-    const std::vector<FoundArm> arms = findArms();
-    ASSERT_EQ(arms.size(), 1u);
-    profile_ = arms.front().driver->profile;
-    if (GetParam() == Kind::kRaw) {  // an arm of one's own: its profile is its maker's to tell
-      profile_.friction = 0.05;
-      profile_.encoder_mm = 0.02;
-    }
-    CouplingSettings wanted;
-    wanted.stiffness = GetParam() == Kind::kWoody ? WoodyModel{}.most_stiffness : HandFrame{}.most_stiffness;
-    coupling_ = couplingFor(profile_, wanted).settings;
-    rated_ = wanted.stiffness;
+    if (!IsSkipped()) bed_->plugIn(raw_);
   }
-  SimulatedHid what() const {
-    return GetParam() == Kind::kRaw
-               ? raw_
-               : SimulatedHid{.vendor = 0x1234, .product = 6, .name = "Woody", .interfaces = {{0xFF00, 1}}};
-  }
-  std::unique_ptr<ForceArm> opened(SimulatedArm& body) {
+  std::unique_ptr<ForceArm> opened() {
     auto arm = open();
     if (!arm) return nullptr;
-    EXPECT_TRUE(calibrated(*arm, [&] { body.answer(); }));
     arm->enable(true);
     arm->arm();
     return arm;
@@ -126,15 +106,15 @@ class HidLoop : public OnTestbed, public testing::WithParamInterface<Kind> {
     }
     return steps;
   }
-  DeviceProfile profile_;
-  CouplingSettings coupling_;
-  double rated_ = 0;  // N/mm
+  const DeviceProfile profile_{.friction = 0.05, .encoder_mm = 0.02};
+  const double rated_ = HandFrame{}.most_stiffness;  // N/mm
+  const CouplingSettings coupling_ = couplingFor(profile_, {.stiffness = rated_}).settings;
   bool is_valid_ = false;
 };
 
 // Pressed again and again. A fade-in while it leans on the wall gives energy by itself: it yields, then pushes. So a
 // press that a busy machine breaks, with more than 20 ms between two ticks, is not judged.
-TEST_P(HidLoop, NoEnergyGrowsAgainstAWallAtTheRatedStiffnessAndTheClampHolds) {
+TEST_F(HidLoop, NoEnergyGrowsAgainstAWallAtTheRatedStiffnessAndTheClampHolds) {
   EXPECT_EQ(coupling_.stiffness, rated_) << "such an arm bears what it is rated for";
   std::vector<std::pair<double, Vec3d>> presses;
   constexpr int kPresses = 16;
@@ -144,13 +124,12 @@ TEST_P(HidLoop, NoEnergyGrowsAgainstAWallAtTheRatedStiffnessAndTheClampHolds) {
     presses.push_back({0.2 * n + 0.14, {0, 0, -9}});
   }
   presses.push_back({0.2 * kPresses, {0, 0, 0}});
-  DeviceHand::Options firm = bodyOf(GetParam(), profile_);
+  DeviceHand::Options firm = bodyOf(profile_);
   firm.hand_stiffness = 1;
-  SimulatedArm body(*bed_, GetParam(), way(presses), firm);
+  SimulatedArm body(*bed_, way(presses), firm);
   auto opened = openArm(HidTestbed::path(0), {.limits = {.force = 3, .rate = 5000, .ramp_s = 0.02}});
   ASSERT_TRUE(opened) << opened.error().message();
   ForceArm& arm = *opened->arm;
-  ASSERT_TRUE(calibrated(arm, [&] { body.answer(); }));
   arm.enable(true);
   arm.arm();
 
@@ -160,7 +139,7 @@ TEST_P(HidLoop, NoEnergyGrowsAgainstAWallAtTheRatedStiffnessAndTheClampHolds) {
   double begun_with = 0, most = 0, most_left = 0;
   while (tick(body, arm, wall)) {
     (void)arm.update();
-    EXPECT_LE(body.force().norm(), 3 * 1.01) << "N; currents are whole mA";
+    EXPECT_LE(body.force().norm(), 3 * 1.01) << "N";
     const bool is_in_air = body.position()[2] > -0.3 && body.force().isZero(0);
     if (is_in_air && !was_in_air && !is_broken) {
       ++judged;
@@ -184,9 +163,9 @@ TEST_P(HidLoop, NoEnergyGrowsAgainstAWallAtTheRatedStiffnessAndTheClampHolds) {
   EXPECT_LT(most_left, 0.02);
 }
 
-TEST_P(HidLoop, AStallOfTheHapticThreadTakesTheForceAway) {
-  SimulatedArm body(*bed_, GetParam(), pressesFor(100), bodyOf(GetParam(), profile_));
-  auto arm = opened(body);
+TEST_F(HidLoop, AStallOfTheHapticThreadTakesTheForceAway) {
+  SimulatedArm body(*bed_, pressesFor(100), bodyOf(profile_));
+  auto arm = opened();
   ASSERT_TRUE(arm);
   Wall wall(coupling_);
   press(body, *arm, wall);
@@ -200,9 +179,9 @@ TEST_P(HidLoop, AStallOfTheHapticThreadTakesTheForceAway) {
   EXPECT_GT(body.force()[2], 0.2);
 }
 
-TEST_P(HidLoop, AForceThatIsNoNumberTakesTheForceAwayForGood) {
-  SimulatedArm body(*bed_, GetParam(), pressesFor(100), bodyOf(GetParam(), profile_));
-  auto arm = opened(body);
+TEST_F(HidLoop, AForceThatIsNoNumberTakesTheForceAwayForGood) {
+  SimulatedArm body(*bed_, pressesFor(100), bodyOf(profile_));
+  auto arm = opened();
   ASSERT_TRUE(arm);
   Wall wall(coupling_);
   press(body, *arm, wall);
@@ -215,58 +194,46 @@ TEST_P(HidLoop, AForceThatIsNoNumberTakesTheForceAwayForGood) {
   }
 }
 
-TEST_P(HidLoop, AnUnpluggedArmIsKnownAndALeftOneGivesNoForce) {
-  SimulatedArm body(*bed_, GetParam(), pressesFor(100), bodyOf(GetParam(), profile_));
-  auto arm = opened(body);
+TEST_F(HidLoop, AnUnpluggedArmIsKnownAndALeftOneGivesNoForce) {
+  SimulatedArm body(*bed_, pressesFor(100), bodyOf(profile_));
+  auto arm = opened();
   ASSERT_TRUE(arm);
   Wall wall(coupling_);
   press(body, *arm, wall);
-  bed_->unplug(what());
+  bed_->unplug(raw_);
   ASSERT_TRUE(until([&] { return arm->isGone(); }));
   std::this_thread::sleep_for(milliseconds(25));
   EXPECT_FALSE(arm->read().is_valid);
-  if (GetParam() == Kind::kRaw) {
-    EXPECT_LE(stepsWithForce(body), kForceless) << "its own deadline";
-  }
+  EXPECT_LE(stepsWithForce(body), kForceless) << "its own deadline";
 }
 
-// An arm by Kerf's profile has its deadline; a Woody goes on, but for the guard. Where others take all of the machine a
-// guard comes late: one round of five in which it did not is enough.
-TEST_P(HidLoop, AKilledKerfLeavesNoForceBehind) {
+TEST_F(HidLoop, AKilledKerfLeavesNoForceBehind) {
   const TemporaryFolder folder;
-  int fewest = SimulatedArm::kWoodyWatchdog;
-  for (int round = 0; round < 5 && fewest > kForceless; ++round) {
-    SimulatedArm body(*bed_, GetParam(), pressesFor(1000), bodyOf(GetParam(), profile_));
-    const std::filesystem::path begun = folder.path() / std::to_string(round);
-    Doomed kerf([&]() -> std::function<void()> {
-      auto opened = openArm(HidTestbed::path(0), {.limits = {.force = 3, .rate = 500, .ramp_s = 0.1}});
-      if (!opened || !calibrated(*opened->arm)) return {};
-      opened->arm->enable(true);
-      opened->arm->arm();
-      std::ofstream(begun) << "";
-      const std::shared_ptr<ForceArm> arm = std::move(opened->arm);
-      return [arm, wall = std::make_shared<Wall>(coupling_)] { arm->write({wall->force(arm->read()), Vec3d::Zero()}); };
-    });
-    ASSERT_GT(kerf.process(), 0);
-    ASSERT_TRUE(until([&] {
-      body.answer();
-      return std::filesystem::exists(begun);
-    })) << "it begins to press once it is taken";
-    // Both on the clock now.
-    for (int steps = 0; steps < 20000 && !(body.force()[2] > 0.5 && body.ticksWithForce() > 50); ++steps) {
-      std::this_thread::sleep_for(milliseconds(1));
-      body.step();
-    }
-    ASSERT_GT(body.force()[2], 0.5);
-    kerf.kill();
-    fewest = std::min(fewest, stepsWithForce(body));
+  SimulatedArm body(*bed_, pressesFor(1000), bodyOf(profile_));
+  const std::filesystem::path begun = folder.path() / "begun";
+  Doomed kerf([&]() -> std::function<void()> {
+    auto opened = openArm(HidTestbed::path(0), {.limits = {.force = 3, .rate = 500, .ramp_s = 0.1}});
+    if (!opened) return {};
+    opened->arm->enable(true);
+    opened->arm->arm();
+    std::ofstream(begun) << "";
+    const std::shared_ptr<ForceArm> arm = std::move(opened->arm);
+    return [arm, wall = std::make_shared<Wall>(coupling_)] { arm->write({wall->force(arm->read()), Vec3d::Zero()}); };
+  });
+  ASSERT_GT(kerf.process(), 0);
+  ASSERT_TRUE(until([&] {
+    body.answer();
+    return std::filesystem::exists(begun);
+  })) << "it begins to press once it is taken";
+  // Both on the clock now.
+  for (int steps = 0; steps < 20000 && !(body.force()[2] > 0.5 && body.ticksWithForce() > 50); ++steps) {
+    std::this_thread::sleep_for(milliseconds(1));
+    body.step();
   }
-  std::printf("%d steps with force after Kerf was killed\n", fewest);
-  EXPECT_LE(fewest, kForceless);
+  ASSERT_GT(body.force()[2], 0.5);
+  kerf.kill();
+  EXPECT_LE(stepsWithForce(body), kForceless);
 }
-
-INSTANTIATE_TEST_SUITE_P(Drivers, HidLoop, testing::Values(Kind::kRaw, Kind::kWoody),
-                         [](const auto& tested) { return tested.param == Kind::kRaw ? "RawArm" : "Woody"; });
 
 }  // namespace
 }  // namespace kerf

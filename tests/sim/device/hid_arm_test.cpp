@@ -1,67 +1,15 @@
-// Arms on HID: kinematics and reports of their drivers, and the way of a force through the hidapi of the system to a
-// simulated arm. None was tried on hardware.
+// Arms on HID: reports of Kerf's profile, and the way of a force through the hidapi of the system to a simulated arm.
 #include "sim/device/hid_arm.h"
 
 #include <gtest/gtest.h>
 
-#include <numbers>
-
 #include "sim/device/raw_arm.h"
-#include "sim/device/woody_arm.h"
 #include "tests/sim/device/force_scene.h"
-#include "tests/support/woody_firmware.h"
 
 namespace kerf {
 namespace {
 
 using namespace test;
-
-// ---- WoodenHaptics
-
-TEST(WoodyArm, TheTorquesOfAForceAreThoseOfItsWorkAlongEachMotor) {
-  const WoodyModel model;
-  for (const std::array<int, 6> counts :
-       {std::array{0, 0, 6000, 0, 0, 0}, std::array{500, 3000, 5000, 0, 0, 0}, std::array{-900, 5000, 8000, 0, 0, 0}}) {
-    const WoodyPose pose = woodyPose(model, counts);
-    for (std::size_t motor = 0; motor < 3; ++motor) {
-      std::array<int, 6> more = counts, less = counts;
-      more[motor] += 5;
-      less[motor] -= 5;
-      const double radians = 10 * 2 * std::numbers::pi / model.counts_per_turn[motor];
-      const Vec3d slope = (woodyPose(model, more).position - woodyPose(model, less).position) / radians;
-      EXPECT_LT((slope - pose.jacobian.col(static_cast<int>(motor))).norm(), 1e-3) << motor;
-    }
-    const Vec3d force(0.3, -0.7, 1.1);
-    const Vec3d torque = woodyCurrents(model, pose.jacobian, force) * model.newton_mm_per_ampere / 1000;
-    EXPECT_LT((torque - pose.jacobian.transpose() * force).norm(), 1e-9);
-  }
-}
-
-// A link that stands upright and one that is level: 245 - 220 mm ahead, 80 + 205 - 80 mm up.
-TEST(WoodyArm, AtHomeItStandsAsItIsBuiltWhicheverWayItsMotorsCount) {
-  for (const WoodyModel& model : {WoodyModel{}, serialWoody()}) {
-    std::array<int, 6> home{};
-    std::copy(model.home.begin(), model.home.end(), home.begin());
-    const WoodyPose pose = woodyPose(model, home);
-    EXPECT_LT((pose.position - Vec3d(25, 0, 205)).norm(), 1e-9) << pose.position.transpose();
-
-    // What turns body and links the way in which their angles grow moves the tip to the left, ahead, and up.
-    std::array<int, 6> further = home;
-    for (std::size_t n = 0; n < 3; ++n) further[n] += static_cast<int>(10 * model.direction[n]);
-    const Vec3d way = woodyPose(model, further).position - pose.position;
-    EXPECT_TRUE(way[0] > 0 && way[1] > 0 && way[2] > 0) << way.transpose();
-  }
-}
-
-TEST(WoodyArm, NoCurrentIsLargerThanTheMotorsBear) {
-  const WoodyPose pose = woodyPose({}, {0, 3000, 5000, 0, 0, 0});
-  const Vec3d huge = woodyCurrents({}, pose.jacobian, {0, 0, 1e4}),
-              little = woodyCurrents({}, pose.jacobian, {0, 0, 1});
-  EXPECT_NEAR(huge.cwiseAbs().maxCoeff(), kWoodyMostCurrent, 1e-9);
-  EXPECT_LT((huge.normalized() - little.normalized()).norm(), 1e-9) << "its direction is kept";
-}
-
-int wordAt(const Bytes& bytes, std::size_t at) { return static_cast<std::int16_t>(bytes[at] | (bytes[at + 1] << 8)); }
 
 // ---- Kerf's own profile
 
@@ -130,121 +78,21 @@ TEST(RawArm, WhatIsNoneIsRefusedAsAWhole) {
 class HidArms : public OnTestbed {};
 
 TEST_F(HidArms, AreFoundByPathAndSerialNeverByPlace) {
-  bed_->plugIn({.vendor = 0x1234, .product = 6, .name = "Woody", .interfaces = {{0xFF00, 1}}});
-  bed_->plugIn({.vendor = 0x16c0,
-                .product = 0x486,
-                .name = "Teensy",
-                .serial = "T",
-                .interfaces = {{0xFFAB, 0x200}},
-                .port = 2,
-                .first_node = 1});
-  SimulatedHid own = raw_;
-  own.port = 3;
-  own.first_node = 2;
-  bed_->plugIn(own);
-  bed_->plugIn({.vendor = 0x16c0,
-                .product = 0x486,
-                .name = "Other Teensy",
-                .interfaces = {{0xFFC9, 4}},
-                .port = 4,
-                .first_node = 3});
-  const std::vector<FoundArm> arms = findArms();
-  ASSERT_EQ(arms.size(), 3u);
-  EXPECT_STREQ(chooseArm(arms, "T")->driver->id, "woody");
-  EXPECT_STREQ(chooseArm(arms, "R-1")->driver->id, "rawhid");
-  EXPECT_FALSE(chooseArm(arms, "")) << "three of them";
-  const auto none = chooseArm(arms, "/dev/hidraw7");
+  bed_->plugIn(raw_);
+  SimulatedHid second = raw_;
+  second.serial = "R-2";
+  second.port = 2;
+  second.first_node = 1;
+  bed_->plugIn(second);
+  bed_->plugIn({.port = 3, .first_node = 2});
+  const std::vector<FoundDevice> found = findDevices();
+  ASSERT_EQ(found.size(), 3u);
+  EXPECT_EQ(chooseDevice(found, "R-2")->path(), "/dev/hidraw1");
+  EXPECT_TRUE(chooseDevice(found, "R-1")->isArm());
+  EXPECT_FALSE(openArm("/dev/hidraw2", {})) << "a SpaceMouse is no arm";
+  const auto none = openArm("/dev/hidraw7", {});
   ASSERT_FALSE(none);
   EXPECT_NE(none.error().message().find("docs/reference/device-bridge.md"), std::string::npos);
-}
-
-TEST_F(HidArms, WoodyOfBothLengthsGivesItsPlaceAndGetsCurrents) {
-  for (const bool is_teensy : {false, true}) {
-    const std::size_t size = is_teensy ? 64 : 14;
-    bed_.reset();
-    bed_ = std::make_unique<HidTestbed>();
-    if (is_teensy)
-      bed_->plugIn({.vendor = 0x16c0, .product = 0x486, .name = "Teensy", .interfaces = {{0xFFAB, 0x200}}});
-    else
-      bed_->plugIn({.vendor = 0x1234, .product = 6, .name = "Woody", .interfaces = {{0xFF00, 1}}});
-    WoodyFirmware firmware(*bed_, 0, {-200, 4100, 77}, size);
-    is_off_ = false;
-    talk([=] { return firmware.report(); });
-    {
-      auto arm = open();
-      ASSERT_TRUE(arm);
-      arm->enable(true);
-      const Vec3d force(0, 0, 1);
-      Pusher pusher(*arm, force);
-
-      // Its encoders do not say where it is.
-      ASSERT_TRUE(until([&] { return pusher.is_valid.load(); }));
-      EXPECT_TRUE(arm->needsCalibration());
-      const std::uint64_t before = arm->counts().forces;
-      ASSERT_TRUE(until([&] { return arm->counts().forces > before + 50; }));
-      for (const Bytes& report : bed_->written(0)) EXPECT_EQ(report, Bytes(size + 1)) << "no force uncalibrated";
-      ASSERT_TRUE(calibrated(*arm));
-      ASSERT_TRUE(until([&] {
-        for (const Bytes& report : bed_->written(0))
-          if (wordAt(report, 7) == 1) return wordAt(report, 13) == 6000;
-        return false;
-      }));
-
-      firmware.turn({0, 3000, -1000});
-      const std::array<int, 6> counts{0, 3000, 5000, 0, 0, 0};
-      const Vec3d currents = woodyCurrents({}, woodyPose({}, counts).jacobian, force);
-      ASSERT_TRUE(until([&] {
-        const Bytes last = lastWritten();
-        return last.size() >= 15 && std::abs(wordAt(last, 1) - currents[0]) <= 1 &&
-               std::abs(wordAt(last, 3) - currents[1]) <= 1 && std::abs(wordAt(last, 5) - currents[2]) <= 1;
-      })) << currents.transpose();
-      EXPECT_EQ(lastWritten().size(), size + 1);
-      HandFrame hand;
-      ASSERT_TRUE(arm->lastHand(hand));
-      EXPECT_LT((hand.pose.translation - woodyPose({}, counts).position).norm(), 1e-9);
-
-      // Numbers that are none.
-      EXPECT_LE(forcesAfter([&] { pusher.gives_nan = true; }, [&](const Bytes& b) { return b != Bytes(size + 1); }),
-                kDeadMan);
-    }
-    EXPECT_EQ(lastWritten(), Bytes(size + 1)) << "no force at the end";
-    is_off_ = true;
-    firmware_.join();
-  }
-}
-
-// Its encoders count on from where it was switched on: a force by them would point elsewhere.
-TEST_F(HidArms, AWoodyThatDoesNotTakeItsCalibrationIsGivenNoForce) {
-  bed_->plugIn({.vendor = 0x1234, .product = 6, .name = "Woody", .interfaces = {{0xFF00, 1}}});
-  WoodyFirmware firmware(*bed_, 0, {0, 0, 5900});
-  firmware.ignoreCalibration(true);
-  talk([=] { return firmware.report(); });
-  auto arm = open();
-  ASSERT_TRUE(arm);
-  arm->enable(true);
-  Pusher pusher(*arm, {0, 0, 1});
-  const auto trouble = [&] { return arm->counts().trouble; };
-  ASSERT_TRUE(until([&] { return pusher.is_valid && trouble().empty(); }));
-  EXPECT_TRUE(arm->calibrate());
-  EXPECT_TRUE(until([&] { return trouble().find("did not take its calibration") != std::string::npos; })) << trouble();
-  EXPECT_TRUE(arm->needsCalibration());
-  for (const Bytes& report : bed_->written(0))
-    for (const std::size_t motor : {1, 3, 5}) EXPECT_EQ(wordAt(report, motor), 0);
-
-  firmware.ignoreCalibration(false);
-  ASSERT_TRUE(calibrated(*arm));
-  EXPECT_TRUE(until([&] { return wordAt(lastWritten(), 5) != 0; }));
-  EXPECT_TRUE(until([&] { return trouble().empty(); })) << trouble();
-
-  // Once more, and it does not take that: where it stands is not known any more.
-  firmware.turn({0, 100, 0});
-  firmware.ignoreCalibration(true);
-  EXPECT_TRUE(arm->calibrate());
-  EXPECT_TRUE(arm->needsCalibration());
-  EXPECT_TRUE(until([&] {
-    return trouble().find("did not take its calibration") != std::string::npos && lastWritten() == Bytes(15);
-  })) << trouble();
-  EXPECT_TRUE(arm->needsCalibration());
 }
 
 TEST_F(HidArms, OurOwnProfileClosesTheLoopAndGivesNoForceWithoutNews) {

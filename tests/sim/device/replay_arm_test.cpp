@@ -8,7 +8,6 @@
 #include "sim/device/arm_simulator.h"
 #include "sim/device/bridge_device.h"
 #include "sim/device/device_recording.h"
-#include "sim/device/haply_simulator.h"
 #include "sim/device/raw_arm.h"
 #include "tests/sim/device/force_scene.h"
 #include "tests/support/temporary_folder.h"
@@ -53,7 +52,7 @@ class ReplayedArms : public OnTestbed {
   std::string file() const { return (folder_.path() / "arm.txt").string(); }
 
   // Each hand that was seen is in the recording, as it was.
-  void expectSame(bool has_clock) {
+  void expectSame() {
     const auto read = readRecording(file());
     ASSERT_TRUE(read) << read.error().message();
     const RecordedHands replayed = replayHands(*read);
@@ -62,9 +61,7 @@ class ReplayedArms : public OnTestbed {
     for (const RecordedHand& one : replayed.hands) {
       const auto seen = live_.find(one.hand.number);
       if (seen == live_.end()) continue;
-      HandFrame then = seen->second;
-      if (!has_clock) then.time_ns = one.hand.time_ns;  // its clock was the one of this machine
-      EXPECT_EQ(encode(one.hand), encode(then)) << one.hand.number;
+      EXPECT_EQ(encode(one.hand), encode(seen->second)) << one.hand.number;
       ++same;
     }
     EXPECT_EQ(same, live_.size());
@@ -126,19 +123,7 @@ TEST_F(ReplayedArms, OurOwnProfile) {
     return Bytes(report.begin(), report.end());
   });
   record("R-1");
-  expectSame(true);
-}
-
-TEST_F(ReplayedArms, WoodenHaptics) {
-  bed_->plugIn({.vendor = 0x1234, .product = 6, .name = "Woody", .interfaces = {{0xFF00, 1}}});
-  std::atomic<int> count{0};
-  talk([&] {
-    Bytes out(14);
-    out[0] = static_cast<std::uint8_t>(++count & 127);
-    return out;
-  });
-  record(HidTestbed::path(0));
-  expectSame(false);
+  expectSame();
 }
 
 TEST_F(ReplayedArms, ABridge) {
@@ -148,14 +133,7 @@ TEST_F(ReplayedArms, ABridge) {
     ASSERT_TRUE(started);
     bridge = std::move(*started);
   });
-  expectSame(true);
-}
-
-TEST_F(ReplayedArms, Haply) {
-  auto service = HaplySimulator::start({.port = 0, .path = aWay(), .hand = {}});
-  ASSERT_TRUE(service) << service.error().message();
-  record("haply:" + std::to_string((*service)->port()));
-  expectSame(false);
+  expectSame();
 }
 
 TEST(ReplayArm, WhatIsNoArmIsRefused) {
