@@ -14,7 +14,6 @@
 #include <boost/beast/core.hpp>
 #include <boost/beast/websocket.hpp>
 
-#include <charconv>
 #include <cstdio>
 #include <string>
 #include <thread>
@@ -159,11 +158,6 @@ bool talk(std::uint16_t port, KerfLink& kerf) {
   if (line.canWrite() && !state.id.empty()) line.write(haplyForce(state.id, {}));
   line.close();
   return has_heard;
-}
-
-bool parsePort(const char* text, std::uint16_t& out) {
-  const char* const end = text + std::strlen(text);
-  return std::from_chars(text, end, out).ptr == end && out != 0;
 }
 
 int run(int argc, char** argv) {

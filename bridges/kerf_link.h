@@ -11,6 +11,7 @@
 #include <array>
 #include <bit>
 #include <cerrno>
+#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <csignal>
@@ -125,6 +126,13 @@ class KerfLink {
   ForceFrame newest_;
   std::int64_t heard_ns_ = 0;
 };
+
+/// A port as a person gives it. @return  false: it is none.
+inline bool parsePort(const char* text, std::uint16_t& out) {
+  const char* const end = text + std::strlen(text);
+  const auto [after, error] = std::from_chars(text, end, out);
+  return error == std::errc() && after == end && out != 0;
+}
 
 /// Set by the signals that end a program: the bridge then writes zero force and ends.
 inline volatile std::sig_atomic_t must_end = 0;

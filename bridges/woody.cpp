@@ -232,9 +232,8 @@ int fail(const char* node, const char* what) {
 }
 
 int run(int argc, char** argv) {
-  unsigned port = 4417;
-  if (argc == 3) port = static_cast<unsigned>(std::strtoul(argv[2], nullptr, 10));
-  if (argc < 2 || argc > 3 || port == 0 || port > 65535) {
+  std::uint16_t port = 4417;
+  if (argc < 2 || argc > 3 || (argc == 3 && !parsePort(argv[2], port))) {
     std::fprintf(stderr, "usage: kerf-bridge-woody NODE [KERF-PORT]   NODE /dev/hidraw0 or /dev/ttyACM0; port 4417\n");
     return 2;
   }
@@ -258,7 +257,7 @@ int run(int argc, char** argv) {
     if (is_teensy) size = 64;
   }
   KerfLink kerf;
-  if (!kerf.open(static_cast<std::uint16_t>(port))) return fail("socket", std::strerror(errno));
+  if (!kerf.open(port)) return fail("socket", std::strerror(errno));
   endBySignals();
   return Woody(fd, is_serial, size).exchange(kerf);
 }

@@ -15,7 +15,7 @@ using bridge::HaplyNews;
 using bridge::HaplyState;
 using bridge::parseHaplyState;
 
-TEST(HaplyBridge, PartialStatesKeepWhatTheyDoNotSay) {
+TEST(HaplyJson, PartialStatesKeepWhatTheyDoNotSay) {
   HaplyState state;
   EXPECT_EQ(
       parseHaplyState(
@@ -57,7 +57,6 @@ class HaplyBridge : public testing::Test {
     pusher_ = std::make_unique<Pusher>(*kerf_, Vec3d(0, 0, 1));
     ASSERT_TRUE(until([&] { return service_->report().force[2] > 0.99; })) << kerf_->counts().trouble;
   }
-  // Commands that came with a force since then, each a millisecond at least.
   bool endsForce() {
     return until([&] { return service_->report().force.isZero(0); });
   }
@@ -78,7 +77,7 @@ TEST_F(HaplyBridge, LeadsAndGivesForceAndNoneWithoutNewsOfEitherSide) {
   service_->hang(false);
   ASSERT_TRUE(until([&] { return service_->report().force[2] > 0.5; })) << "it is asked again";
 
-  // The 1 kHz thread stalls, then all of Kerf is gone without a goodbye.
+  // The 1 kHz thread stalls.
   pusher_->hangs = true;
   EXPECT_TRUE(endsForce());
   pusher_->hangs = false;
