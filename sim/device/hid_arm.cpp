@@ -12,7 +12,7 @@
 namespace kerf {
 namespace {
 
-constexpr std::int64_t kSendAgain = 5'000'000;  // ns without anything new: an arm in lock-step waits for a report
+constexpr std::int64_t kReportAgain = 5'000'000;  // ns without anything new: an arm in lock-step waits for a report
 
 }  // namespace
 
@@ -89,7 +89,7 @@ void HidArm::State::answer(std::int64_t when) {
   const ForceFrame next = arm->link_.answer(newest, when);
   const bool is_news = next.hand_number != last.hand_number || next.is_enabled != last.is_enabled ||
                        next.force != last.force || next.torque != last.torque;
-  if (!is_news && when - last_sent < kSendAgain) return;
+  if (!is_news && when - last_sent < kReportAgain) return;
   last = next;
   last_sent = when;
   const bool is_taken = write(next);

@@ -73,8 +73,6 @@ std::vector<HidInfo> listHid() {
     info.usage = at->usage;
     info.interface = at->interface_number;
     info.serial = utf8(at->serial_number);
-    info.maker = utf8(at->manufacturer_string);
-    info.name = utf8(at->product_string);
     info.parent = parentOf(info.path, at->bus_type == HID_API_BUS_USB);
     info.may_open = ::access(info.path.c_str(), R_OK | W_OK) == 0;
     out.push_back(std::move(info));

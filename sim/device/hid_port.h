@@ -19,7 +19,6 @@ struct HidInfo {
   std::uint16_t usage_page = 0, usage = 0;  ///< of its first application collection
   int interface = -1;                       ///< of USB; -1: not known
   std::string serial;                       ///< may be empty
-  std::string maker, name;                  ///< as the device says, UTF-8
   /// The same for all interfaces of one plugged-in device.
   std::string parent;
   bool may_open = false;  ///< this user may read and write it

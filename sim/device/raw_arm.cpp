@@ -27,11 +27,11 @@
 namespace kerf {
 namespace {
 
-constexpr double kPlaceStep = 1e-4;   // mm
-constexpr double kSpeedStep = 1e-3;   // mm/s
-constexpr double kForceStep = 1e-4;   // N
-constexpr double kTorqueStep = 1e-3;  // N mm
-constexpr double kFarthest = 1e4;     // mm
+constexpr double kPlaceStep = 1e-4;    // mm
+constexpr double kSpeedStep = 1e-3;    // mm/s
+constexpr double kForceStep = 1e-4;    // N
+constexpr double kTorqueStep = 1e-3;   // N mm
+constexpr double kFarthestHand = 1e4;  // mm
 
 using Bytes = std::span<const std::uint8_t>;
 
@@ -73,18 +73,18 @@ FrameFault faultOf(Bytes report, std::uint8_t kind) {
 }
 std::uint32_t microseconds(std::uint64_t ns) { return static_cast<std::uint32_t>(ns / 1000); }
 
-const char* nameOf(const HidInfo& info) {
+const char* nameOfRawArm(const HidInfo& info) {
   return info.usage_page == kRawArmPage && info.usage == kRawArmUsage ? "RawHID arm" : nullptr;
 }
 
-std::size_t write(const ForceFrame& force, ArmReportBytes& out) noexcept {
+std::size_t writeRawForce(const ForceFrame& force, ArmReportBytes& out) noexcept {
   const RawArmReport report = encodeRawForce(force);
   out[0] = 0;
   std::copy(report.begin(), report.end(), out.begin() + 1);
   return 1 + kRawArmSize;
 }
 
-constexpr ArmDriver kArm{decodeRawHand, write};
+constexpr ArmDriver kRawArmReports{decodeRawHand, writeRawForce};
 
 }  // namespace
 
@@ -112,7 +112,7 @@ FrameFault decodeRawHand(Bytes report, HandFrame& out) noexcept {
   const Eigen::Quaterniond q(part(3), part(0), part(1), part(2));
   if (std::abs(q.norm() - 1) > 1e-3) return FrameFault::kOutOfRange;
   const Vec3d place = vector(report, 12, kPlaceStep);
-  if (place.cwiseAbs().maxCoeff() > kFarthest) return FrameFault::kOutOfRange;
+  if (place.cwiseAbs().maxCoeff() > kFarthestHand) return FrameFault::kOutOfRange;
 
   out.number = get<std::uint32_t>(report, 4);
   out.time_ns = 1000 * std::uint64_t{get<std::uint32_t>(report, 8)};
@@ -153,6 +153,6 @@ FrameFault decodeRawForce(Bytes report, ForceFrame& out) noexcept {
 }
 
 extern const DeviceDriver kRawArm;
-const DeviceDriver kRawArm{"rawhid", "a force-feedback arm by Kerf's profile", nameOf, nullptr, &kArm};
+const DeviceDriver kRawArm{"rawhid", "a force-feedback arm by Kerf's profile", nameOfRawArm, nullptr, &kRawArmReports};
 
 }  // namespace kerf

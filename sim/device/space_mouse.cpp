@@ -55,7 +55,7 @@ constexpr Model kModels[] = {
 constexpr std::uint16_t kCompact = 0xc635;
 
 // A multi-axis controller: the same devices have interfaces of keyboards and mice.
-const char* nameOf(const HidInfo& info) {
+const char* nameOfSpaceMouse(const HidInfo& info) {
   constexpr std::uint16_t kGenericDesktop = 0x01, kMultiAxis = 0x08;
   if (info.usage_page != kGenericDesktop || info.usage != kMultiAxis) return nullptr;
   const auto* const found = std::find_if(std::begin(kModels), std::end(kModels), [&](const Model& m) {
@@ -110,7 +110,7 @@ ReportKind takeBattery(std::span<const std::uint8_t> report, DeviceReading& read
   return ReportKind::kBattery;
 }
 
-ReportKind take(std::span<const std::uint8_t> report, DeviceReading& reading) noexcept {
+ReportKind takeSpaceMouse(std::span<const std::uint8_t> report, DeviceReading& reading) noexcept {
   if (report.empty()) return ReportKind::kMalformed;
   switch (report[0]) {
     case 1:
@@ -128,7 +128,7 @@ ReportKind take(std::span<const std::uint8_t> report, DeviceReading& reading) no
   }
 }
 
-std::vector<OutputReport> light(const HidInfo& info, bool is_lit) {
+std::vector<OutputReport> lightSpaceMouse(const HidInfo& info, bool is_lit) {
   const OutputReport on{4, 1}, off{4, 0};
   if (is_lit) return {on};
   // This one goes dark only if it was lit before.
@@ -136,11 +136,12 @@ std::vector<OutputReport> light(const HidInfo& info, bool is_lit) {
   return {off};
 }
 
-constexpr AxesDriver kAxes{take, light};
+constexpr AxesDriver kSpaceMouseReports{takeSpaceMouse, lightSpaceMouse};
 
 }  // namespace
 
 extern const DeviceDriver kSpaceMouse;
-const DeviceDriver kSpaceMouse{"spacemouse", "six axes and buttons, no force", nameOf, &kAxes, nullptr};
+const DeviceDriver kSpaceMouse{"spacemouse", "six axes and buttons, no force", nameOfSpaceMouse, &kSpaceMouseReports,
+                               nullptr};
 
 }  // namespace kerf

@@ -216,7 +216,7 @@ void drawKnob(const DevicePanelState& state) {
   if (state.knob_battery) line("Battery", textOf(*state.knob_battery));
 }
 
-// ---- What leads as a gamepad does
+// ---- Gamepad or joystick
 
 // A share of 0 to 1.
 void triggerBar(const char* name, double share) {

@@ -1,4 +1,5 @@
-// The panel about devices: the force-feedback arm, live, with what bounds it and what is missing; the SpaceMouse.
+// The panel about devices: the force-feedback arm, live, with what bounds it and what is missing; the SpaceMouse, and
+// the gamepad or joystick.
 #pragma once
 
 #include <optional>

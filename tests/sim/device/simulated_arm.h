@@ -33,7 +33,6 @@ class SimulatedArm {
     last.force.force = force_;
     DeviceSample sample;
     const bool goes_on = hand_.next(last, sample);
-    most_energy_ = std::max(most_energy_, hand_.portEnergy());
     if (goes_on) place_ = sample.T_world_device.translation;
     say(place_);
     return goes_on;
@@ -48,20 +47,14 @@ class SimulatedArm {
   double mostForce() const { return most_force_; }
   /// Steps with a force without a break, up to now.
   int ticksWithForce() const { return ticks_with_force_; }
-  /// Given to the hand so far at most; in all. N mm.
-  double mostEnergy() const { return most_energy_; }
+  /// Given to the hand so far, N mm.
   double energy() const { return hand_.portEnergy(); }
-  double work() const { return hand_.work(); }
   /// Of the tip from where it begins, mm.
   const Vec3d& position() const { return hand_.position(); }
-  std::uint64_t words() const { return words_; }
-  /// Its reports so far.
-  std::uint32_t number() const { return number_; }
 
  private:
   void hear() {
     for (const Bytes& report : bed_.takeWritten(node_)) {
-      ++words_;
       ForceFrame frame;
       if (report.size() != 1 + kRawArmSize) continue;
       if (decodeRawForce(std::span(report).subspan(1), frame) != FrameFault::kNone) continue;
@@ -85,9 +78,8 @@ class SimulatedArm {
   const CutPath path_;
   DeviceHand hand_;
   Vec3d force_ = Vec3d::Zero(), place_ = Vec3d::Zero();
-  double most_force_ = 0, most_energy_ = 0;
+  double most_force_ = 0;
   int deadline_ = 0, ticks_since_word_ = 1 << 20, ticks_with_force_ = 0;
-  std::uint64_t words_ = 0;
   std::uint32_t number_ = 0;
 };
 
