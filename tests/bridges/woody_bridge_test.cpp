@@ -1,5 +1,6 @@
 // The bridge of WoodenHaptics: its kinematics, and an arm behind a pseudo-terminal.
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <poll.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 // The gamepad or joystick of the window, on devices that SDL simulates.
 #include "ui/app/game_controller.h"
 
-#include <SDL.h>
+#include <SDL2/SDL.h>
 #include <gtest/gtest.h>
 
 #include <chrono>

@@ -1,6 +1,6 @@
 #include "ui/app/game_controller.h"
 
-#include <SDL.h>
+#include <SDL2/SDL.h>
 
 #include <algorithm>
 #include <cmath>
