@@ -25,7 +25,7 @@ install(FILES ${CMAKE_SOURCE_DIR}/LICENSE ${CMAKE_SOURCE_DIR}/README.md ${CMAKE_
         DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
 # The object libraries are inside the static ones; their targets only say what else to link.
-install(TARGETS kerf_options kerf_geometry kerf_exact kerf_files kerf_sim EXPORT kerfTargets
+install(TARGETS kerf_options kerf_geometry kerf_exact kerf_files kerf_run kerf_sim EXPORT kerfTargets
         ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(EXPORT kerfTargets NAMESPACE kerf:: DESTINATION ${package})
 install(TARGETS kerf_volumes LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/kerf)

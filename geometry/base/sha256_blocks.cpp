@@ -21,7 +21,7 @@ alignas(16) constexpr std::array<std::uint32_t, 64> kRound = {
     0x19a4c116, 0x1e376c08, 0x2748774c, 0x34b0bcb5, 0x391c0cb3, 0x4ed8aa4a, 0x5b9cca4f, 0x682e6ff3,
     0x748f82ee, 0x78a5636f, 0x84c87814, 0x8cc70208, 0x90befffa, 0xa4506ceb, 0xbef9a3f7, 0xc67178f2};
 
-constexpr std::size_t kBlock = 64;
+constexpr std::size_t kBlockBytes = 64;
 
 std::uint32_t bigEndian(const std::byte* p) {
   std::uint32_t word;
@@ -90,7 +90,7 @@ __attribute__((target("sha,ssse3,sse4.1"))) void sha256BlocksX86(Sha256State& st
   __m128i abef = _mm_alignr_epi8(cdab, efgh, 8);
   __m128i cdgh = _mm_blend_epi16(efgh, cdab, 0xf0);
 
-  for (; count > 0; --count, blocks += kBlock) {
+  for (; count > 0; --count, blocks += kBlockBytes) {
     const __m128i abef_before = abef, cdgh_before = cdgh;
 
     // Four words of the schedule at a time, the last 16 of them in a ring.
@@ -125,7 +125,7 @@ __attribute__((target("sha,ssse3,sse4.1"))) void sha256BlocksX86(Sha256State& st
 }  // namespace
 
 void sha256BlocksPortable(Sha256State& state, const std::byte* blocks, std::size_t count) {
-  for (; count > 0; --count, blocks += kBlock) sha256BlockPortable(state, blocks);
+  for (; count > 0; --count, blocks += kBlockBytes) sha256BlockPortable(state, blocks);
 }
 
 Sha256Blocks sha256BlocksByInstructions() noexcept {

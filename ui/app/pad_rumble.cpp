@@ -12,7 +12,7 @@ namespace {
 constexpr double kFine = 0.25;             // of the fast motor, at full speed in the air
 constexpr double kHeavy = 3;               // N of contact that shake the slow motor fully
 constexpr double kStanding = 0.05;         // of the free speed: slower it is felt no more
-constexpr std::chrono::seconds kPause{1};  // after a pad was lost, until it is tried again
+constexpr std::chrono::seconds kRumblePause{1};  // after a pad was lost, until it is tried again
 
 // Two bytes, the lower one first.
 std::optional<std::uint16_t> wordOf(std::string_view digits) {
@@ -82,7 +82,7 @@ std::optional<std::string> PadRumble::update(const std::optional<PadId>& pad, co
   if (pad_ && !pad_->isConnected()) {
     pad_.reset();
     has_tried_ = false;
-    not_before_ = Clock::now() + kPause;
+    not_before_ = Clock::now() + kRumblePause;
   }
   const bool may_open = of_ && !pad_ && !has_tried_ && !opening_.valid();
   if (may_open && wanted != Rumble{} && Clock::now() >= not_before_) begin();

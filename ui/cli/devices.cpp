@@ -24,7 +24,7 @@
 namespace kerf::cli {
 namespace {
 
-struct Arguments {
+struct DevicesArguments {
   std::string device;  // path or serial
   bool wants_probe = false, wants_feel = false;
   std::string record, replay;  // files
@@ -42,7 +42,7 @@ struct Arguments {
 
 // ---- What a coupling can be
 
-nlohmann::json jsonOf(const std::string& name, const DeviceProfile& p, const DeviceCoupling& c,
+nlohmann::json devicesJson(const std::string& name, const DeviceProfile& p, const DeviceCoupling& c,
                       const CouplingSettings& wanted) {
   return {{"name", name},
           {"delay_ms", 1000 * p.delay_s},
@@ -55,22 +55,22 @@ nlohmann::json jsonOf(const std::string& name, const DeviceProfile& p, const Dev
           {"text", describeStiffness(c, wanted)}};
 }
 
-void print(const std::string& name, const DeviceProfile& p, const DeviceCoupling& c, const CouplingSettings& wanted) {
+void printDevices(const std::string& name, const DeviceProfile& p, const DeviceCoupling& c, const CouplingSettings& wanted) {
   fmt::print("{}: {:g} ms, {:g} kg, {:g} N, {:g} mm\n", name, 1000 * p.delay_s, p.mass_kg, p.friction, p.encoder_mm);
   fmt::print("  coupling {}; damping {:.2g} N s/m, {:.2g} while the drive turns\n", describeStiffness(c, wanted),
              1000 * c.settings.damping, 1000 * c.settings.running_damping);
 }
 
-int sayCouplings(const Arguments& a) {
+int sayCouplings(const DevicesArguments& a) {
   CouplingSettings wanted;
   wanted.stiffness = a.wanted;
   nlohmann::json list = nlohmann::json::array();
   const auto show = [&](const std::string& name, const DeviceProfile& profile) {
     const DeviceCoupling coupling = couplingFor(profile, wanted);
     if (a.json)
-      list.push_back(jsonOf(name, profile, coupling, wanted));
+      list.push_back(devicesJson(name, profile, coupling, wanted));
     else
-      print(name, profile, coupling, wanted);
+      printDevices(name, profile, coupling, wanted);
   };
 
   if (a.is_own) {
@@ -116,7 +116,7 @@ std::vector<OtherDevice> othersAmong(const std::vector<HidInfo>& all) {
   return out;
 }
 
-nlohmann::json jsonOf(const OtherDevice& other) {
+nlohmann::json devicesJson(const OtherDevice& other) {
   nlohmann::json out = {{"name", other.name},          {"id", idOf(other.info)}, {"path", other.info.path},
                         {"serial", other.info.serial}, {"driver", other.kind},   {"may_open", other.info.may_open}};
   if (!other.info.may_open) out["problem"] = kMayNotOpen;
@@ -124,7 +124,7 @@ nlohmann::json jsonOf(const OtherDevice& other) {
 }
 
 // Gently, for two seconds: a pad shakes, a joystick is pushed to the right.
-int feel(const Arguments& a) {
+int feel(const DevicesArguments& a) {
   std::vector<OtherDevice> others = othersAmong(listHid());
   std::erase_if(others, [&](const OtherDevice& other) {
     return (!a.device.empty() && !isCalled(other.info, a.device)) || std::string(other.kind) == "arm";
@@ -163,7 +163,7 @@ int feel(const Arguments& a) {
   return kOk;
 }
 
-int listDevices(const Arguments& a) {
+int listDevices(const DevicesArguments& a) {
   const std::vector<HidInfo> all = listHid();
   std::vector<FoundDevice> devices = groupDevices(all);
   std::vector<OtherDevice> others = othersAmong(all);
@@ -185,7 +185,7 @@ int listDevices(const Arguments& a) {
   if (a.json) {
     nlohmann::json list = nlohmann::json::array();
     for (const FoundDevice& found : devices) list.push_back(cli::jsonOf(found));
-    for (const OtherDevice& other : others) list.push_back(jsonOf(other));
+    for (const OtherDevice& other : others) list.push_back(devicesJson(other));
     printJson(list);
     return kOk;
   }
@@ -228,7 +228,7 @@ CutPath ownPath() {
 }
 
 // Until Ctrl-C: devices of the whole system, by the kernel.
-int simulateForAll(const Arguments& a) {
+int simulateForAll(const DevicesArguments& a) {
   const UhidModel model = a.simulate == "pad" ? UhidModel::kPad : UhidModel::kSpaceMouse;
   const Interruption interruption;
   auto device = UhidSimulator::start(model);
@@ -253,9 +253,9 @@ int simulateForAll(const Arguments& a) {
 }
 
 template <class Device>
-int watchSimulated(const Arguments& a, const Device& device);
+int watchSimulated(const DevicesArguments& a, const Device& device);
 
-int simulate(const Arguments& a) {
+int simulate(const DevicesArguments& a) {
   if (a.simulate == "spacemouse" || a.simulate == "pad") return simulateForAll(a);
   CutPath path = ownPath();
   if (!a.path.empty()) {
@@ -284,7 +284,7 @@ int simulate(const Arguments& a) {
 }
 
 template <class Device>
-int watchSimulated(const Arguments& a, const Device& device) {
+int watchSimulated(const DevicesArguments& a, const Device& device) {
   std::fflush(stdout);
   ArmReport r;
   const auto began = std::chrono::steady_clock::now();
@@ -317,7 +317,7 @@ int watchSimulated(const Arguments& a, const Device& device) {
   return kOk;
 }
 
-int run(const Arguments& a) {
+int runDevices(const DevicesArguments& a) {
   if (!a.simulate.empty()) return simulate(a);
   if (!a.replay.empty()) return printRecording(a.replay, a.json);
   if (a.wants_feel) return feel(a);
@@ -329,7 +329,7 @@ int run(const Arguments& a) {
 }  // namespace
 
 void addDevices(CLI::App& command, int& exit_code) {
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<DevicesArguments>();
   command.footer(
       "Without options: what is plugged in and known to a driver, with its path and serial number. None was ever\n"
       "tried on hardware: a recording of yours helps (--record), it holds the reports of the device and nothing else.\n"
@@ -390,7 +390,7 @@ void addDevices(CLI::App& command, int& exit_code) {
     a->has_port = port->count() > 0;
     for (const CLI::Option* option : own) a->is_own = a->is_own || option->count() > 0;
     if (coupling->count() > 0 && !a->is_own) a->wants_typical = true;
-    exit_code = run(*a);
+    exit_code = runDevices(*a);
   });
 }
 

@@ -18,7 +18,7 @@ std::atomic<bool> is_asked{false};  // somebody has taken a callback
 static_assert(std::atomic<int>::is_always_lock_free && std::atomic<bool>::is_always_lock_free,
               "set from a signal handler");
 
-constexpr std::array kSignals = {SIGINT, SIGTERM, SIGHUP};
+constexpr std::array kTerminalSignals = {SIGINT, SIGTERM, SIGHUP};
 
 // Work that is asked to stop looks up within a second, or is ended. Once it has looked up it has two more to clean up.
 // Ending it is safe at any time: what it began to write lies beside, never in the place of something else, and is swept
@@ -122,9 +122,9 @@ TerminalProgress::TerminalProgress(bool writes_files) : is_terminal_(isatty(STDE
   // it is, kills.
   struct sigaction action {};
   action.sa_handler = writes_files ? onSignal : eraseAndEnd;
-  for (std::size_t n = 0; n < kSignals.size(); ++n) {
-    sigaction(kSignals[n], &action, &before_[n]);
-    if (before_[n].sa_handler == SIG_IGN) sigaction(kSignals[n], &before_[n], nullptr);  // as under nohup
+  for (std::size_t n = 0; n < kTerminalSignals.size(); ++n) {
+    sigaction(kTerminalSignals[n], &action, &before_[n]);
+    if (before_[n].sa_handler == SIG_IGN) sigaction(kTerminalSignals[n], &before_[n], nullptr);  // as under nohup
   }
   std::signal(SIGALRM, endAtOnce);
 }
@@ -133,9 +133,9 @@ TerminalProgress::~TerminalProgress() {
   clear();
   ::alarm(0);
   bool is_awaited = !is_asked;  // or somebody around this work waits for a signal: Interruption
-  for (std::size_t n = 0; n < kSignals.size(); ++n) {
-    sigaction(kSignals[n], &before_[n], nullptr);
-    is_awaited |= kSignals[n] == interrupted && before_[n].sa_handler != SIG_DFL;
+  for (std::size_t n = 0; n < kTerminalSignals.size(); ++n) {
+    sigaction(kTerminalSignals[n], &before_[n], nullptr);
+    is_awaited |= kTerminalSignals[n] == interrupted && before_[n].sa_handler != SIG_DFL;
   }
   if (is_awaited && interrupted != 0) std::raise(interrupted);  // it was put off, not swallowed
 }
