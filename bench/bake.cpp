@@ -21,10 +21,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Expected<fs::path> meshOf(const Bench& bench) {
+// The mesh of the user, or the demo molar with triangles of that edge, mm.
+Expected<fs::path> meshOf(const Bench& bench, double edge) {
   if (!bench.mesh.empty()) return fs::path(bench.mesh);
   const fs::path molar = bench.scratch.path() / "molar.ply";
-  if (!fs::exists(molar)) KERF_CHECK(writeMesh(molar, demoMolar(0.18)));
+  KERF_CHECK(writeMesh(molar, demoMolar(edge)));
   return molar;
 }
 
@@ -70,8 +71,23 @@ void writeGroove(const fs::path& csv, const Box3& box) {
     out << fmt::format("{},{},{},{},1,0,0,0\n", 0.05 * n, c[0] + (n - 30) * box.size()[0] / 60, c[1], c[2]);
 }
 
+}  // namespace
+
+Expected<Result> benchBake(const Bench& bench) {
+  KERF_TRY(path, meshOf(bench, 0.0945));  // 200 000 triangles
+  return bakeOf(SceneId::kBake, path, 5, bench);
+}
+
+Expected<Result> benchMandible(const Bench& bench) {
+  KERF_TRY(anatomy, demoMandible(1, bench.progress));
+  const fs::path path = bench.scratch.path() / "mandible.ply";
+  KERF_CHECK(writeMesh(path, anatomy.mesh(anatomy.outline.front())));
+  return bakeOf(SceneId::kMandible, path, 1, bench);
+}
+
 // Bakes once, cuts a groove over the top, exports five times.
-Expected<Result> exportOf(SceneId scene, const fs::path& mesh, const Bench& bench) {
+Expected<Result> benchExport(const Bench& bench) {
+  KERF_TRY(mesh, meshOf(bench, 0.0668));  // 400 000 triangles
   const fs::path& scratch = bench.scratch.path();
   const fs::path folder = scratch / "export.case", run = scratch / "export.run", csv = scratch / "groove.csv";
   BakeOptions options;
@@ -81,7 +97,8 @@ Expected<Result> exportOf(SceneId scene, const fs::path& mesh, const Bench& benc
   KERF_TRY(tool, findToolFile("round-014", defaultToolFolders()));
   KERF_TRY(manifest, cutCase(folder, tool, csv, run, {.overwrite = true}, bench.progress));
 
-  Result r(scene, fmt::format("exact export of a groove through {} triangles", baked.manifest.solid_triangles));
+  Result r(SceneId::kExport,
+           fmt::format("exact export of a groove through {} triangles", baked.manifest.solid_triangles));
   r.state_hash = manifest.state_hash;
   std::vector<double> processor_ms;
   for (int n = 0; n < 5; ++n) {
@@ -93,37 +110,6 @@ Expected<Result> exportOf(SceneId scene, const fs::path& mesh, const Bench& benc
   }
   r.add("processor time, p50", 1e-3 * percentile(processor_ms, 0.5), "s");
   return r;
-}
-
-}  // namespace
-
-Expected<Result> benchBake(const Bench& bench) {
-  KERF_TRY(path, meshOf(bench));
-  return bakeOf(SceneId::kBake, path, 5, bench);
-}
-
-Expected<Result> benchBake200k(const Bench& bench) {
-  const fs::path path = bench.scratch.path() / "fine.ply";
-  KERF_CHECK(writeMesh(path, demoMolar(0.0945)));
-  return bakeOf(SceneId::kBake200k, path, 5, bench);
-}
-
-Expected<Result> benchMandible(const Bench& bench) {
-  KERF_TRY(anatomy, demoMandible(1, bench.progress));
-  const fs::path path = bench.scratch.path() / "mandible.ply";
-  KERF_CHECK(writeMesh(path, anatomy.mesh(anatomy.outline.front())));
-  return bakeOf(SceneId::kMandible, path, 1, bench);
-}
-
-Expected<Result> benchExport(const Bench& bench) {
-  KERF_TRY(path, meshOf(bench));
-  return exportOf(SceneId::kExport, path, bench);
-}
-
-Expected<Result> benchExport400k(const Bench& bench) {
-  const fs::path path = bench.scratch.path() / "finest.ply";
-  KERF_CHECK(writeMesh(path, demoMolar(0.0668)));
-  return exportOf(SceneId::kExport400k, path, bench);
 }
 
 }  // namespace kerf::cli

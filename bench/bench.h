@@ -18,13 +18,10 @@ namespace kerf::cli {
 /// Every scene, in the order in which they run: the order of the rows of scene_table.cpp.
 enum class SceneId {
   kBake,
-  kBake200k,
   kMandible,
   kOpen,
   kCutBur,
-  kCutBlade,
   kExport,
-  kExport400k,
   kPoints,
   kTickBur,
   kTickSaw,
@@ -129,16 +126,13 @@ Expected<std::vector<Tool>> wholeRack();
 /// Writes a demo's files into the scratch folder and bakes them there.   @return the case.
 Expected<std::filesystem::path> bakedDemo(const DemoAnatomy& anatomy, double voxel, const Bench& bench);
 
-// The scenes. Bake and export, against the library they call: bake.cpp. Opening a case: open.cpp. Motions of a tool:
+// The scenes. Bake and export, against the library they call: bake.cpp. Opening a case: open.cpp. Motions of a bur:
 // cut.cpp.
 Expected<Result> benchBake(const Bench& bench);
-Expected<Result> benchBake200k(const Bench& bench);
 Expected<Result> benchMandible(const Bench& bench);
 Expected<Result> benchOpen(const Bench& bench);
 Expected<Result> benchExport(const Bench& bench);
-Expected<Result> benchExport400k(const Bench& bench);
 Expected<Result> benchCutBur(const Bench& bench);
-Expected<Result> benchCutBlade(const Bench& bench);
 // Times of the 1 kHz step: tick.cpp. The same on its own thread and on the clock: realtime.cpp.
 Expected<Result> benchPoints(const Bench& bench);
 Expected<Result> benchTickBur(const Bench& bench);

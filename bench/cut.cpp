@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "bench/bench.h"
 #include "geometry/tool/tool_shape.h"
@@ -32,18 +31,19 @@ BrickField blockField(double h) {
   return phi0;
 }
 
-// A tool drawn through the block along a wavy line, 0.6 mm deep.
-Expected<Result> cutWavyLine(SceneId scene, const std::string& tool_id, double h, const Eigen::Quaterniond& attitude,
-                             const Bench& bench) {
-  KERF_TRY(tool, toolOfRack(tool_id));
-  const BrickField phi0 = blockField(h);
+}  // namespace
+
+// A bur drawn through the block along a wavy line, 0.6 mm deep.
+Expected<Result> benchCutBur(const Bench& bench) {
+  KERF_TRY(tool, toolOfRack("round-014"));
+  const BrickField phi0 = blockField(0.05);
   SweepCutter cutter(phi0);
-  const auto pose = [&](int n) {
+  const auto pose = [](int n) {
     const double x = -4 + 0.02 * n;
-    return Rigid3{attitude, Vec3d(x, 0.6 * std::sin(x), -0.6)};
+    return Rigid3{Eigen::Quaterniond::Identity(), Vec3d(x, 0.6 * std::sin(x), -0.6)};
   };
 
-  Result r(scene, fmt::format("one motion of 0.02 mm of {} in a block at {} mm", tool_id, h));
+  Result r(SceneId::kCutBur, "one motion of 0.02 mm of round-014 in a block at 0.05 mm");
   for (int n = 0; n < 400; ++n) {
     if (n % 16 == 0 && !report(bench.progress, n / 400.0, "cutting")) return cancelled();
     const double start = now();
@@ -52,18 +52,6 @@ Expected<Result> cutWavyLine(SceneId scene, const std::string& tool_id, double h
   }
   r.state_hash = fmt::format("{:016x}", cutter.sweep().stateHash());
   return r;
-}
-
-}  // namespace
-
-Expected<Result> benchCutBur(const Bench& bench) {
-  return cutWavyLine(SceneId::kCutBur, "round-014", 0.05, Eigen::Quaterniond::Identity(), bench);
-}
-
-Expected<Result> benchCutBlade(const Bench& bench) {
-  // The blade lies across the groove, teeth down: its -x is the object's -z.
-  const Eigen::AngleAxisd teeth_down(-0.5 * std::numbers::pi, Vec3d::UnitY());
-  return cutWavyLine(SceneId::kCutBlade, "saw-reciprocating-25", 0.1, Eigen::Quaterniond(teeth_down), bench);
 }
 
 }  // namespace kerf::cli

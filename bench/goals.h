@@ -15,7 +15,7 @@ inline constexpr Goal kOpenGoals[] = {
     {"processor time, p50", "s", kAtMost, 5},
     {"most memory", "GB", kAtMost, 1.2},
 };
-inline constexpr Goal kExport400kGoals[] = {
+inline constexpr Goal kExportGoals[] = {
     {"processor time, p50", "s", kAtMost, 1.2, Weight::kAim},
 };
 inline constexpr Goal kPointsGoals[] = {

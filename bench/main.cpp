@@ -71,8 +71,7 @@ void addOptions(CLI::App& app, Arguments& a) {
   app.footer(rows +
              "\nExit code: 1 when a goal is missed."
              "\nExample: kerf-bench bake --mesh scan.stl");
-  app.add_option("SCENE", a.scene,
-                 "one scene; default: all but those that only run by name");
+  app.add_option("SCENE", a.scene, "one scene; default: all but those that only run by name");
   app.add_option("--mesh", a.mesh, "mesh for bake and export (default: the demo molar)");
   app.add_option("--case", a.case_folder, "case for open (default: the demo mandible at 0.1 mm)");
   app.add_option("--seconds", a.seconds, "length of realtime")->check(CLI::Range(1.0, 3600.0))->capture_default_str();

@@ -1,4 +1,4 @@
-// What a frame of the window costs. `kerf` knows no OpenGL: it asks kerf-sim, the program beside it.
+// The cost of a frame of the window. kerf-bench knows no OpenGL: it runs kerf-sim, the program beside it.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -28,7 +28,7 @@ Error noWindowProgram(std::string found) {
           .place = "kerf-bench window",
           .found = std::move(found),
           .expected = "the frame times of kerf-sim",
-          .hint = "build kerf-sim (KERF_BUILD_WINDOW=ON); it must stand beside kerf"};
+          .hint = "build kerf-sim (KERF_BUILD_WINDOW=ON); it must stand beside kerf-bench"};
 }
 
 struct Output {

@@ -293,13 +293,8 @@ std::vector<std::string> optionsOfNumbers(const std::vector<std::string>& comman
 
 TEST_F(Cli, NumbersThatAreNotFiniteAreRefusedByEveryOptionThatTakesNumbers) {
   std::size_t options = 0;
-  for (const std::vector<std::string>& command : std::vector<std::vector<std::string>>{{"bake"},
-                                                                                       {"cut"},
-                                                                                       {"replay"},
-                                                                                       {"tool", "check"},
-                                                                                       {"tool", "bake"},
-                                                                                       {"demo", "arch"},
-                                                                                       {"demo-molar"}})
+  for (const std::vector<std::string>& command : std::vector<std::vector<std::string>>{
+           {"bake"}, {"cut"}, {"replay"}, {"tool", "check"}, {"tool", "bake"}, {"demo", "arch"}, {"demo-molar"}})
     for (const std::string& option : optionsOfNumbers(command)) {
       ++options;
       for (const std::string number : {"nan", "-inf"}) {
