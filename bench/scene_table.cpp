@@ -111,7 +111,7 @@ Expected<const Scene*> findScene(std::string_view name) {
   }
   return fail({.code = Error::Code::kBadValue,
                .place = "SCENE",
-               .found = "\"" + std::string(name) + "\"",
+               .found = fmt::format("\"{}\"", name),
                .expected = fmt::format("one of {}", known)});
 }
 

@@ -48,8 +48,7 @@ TEST_F(Cli, WrongCommandLinesAreUsageErrors) {
 
 TEST_F(Cli, HelpListsEveryCommandUnderAHeadingAndEachHasHelpOfItsOwn) {
   const std::string help = runKerf({"--help"}).out;
-  for (const char* heading :
-       {"Commands from scan to mesh:", "Commands for files and tools:", "Commands for examples and measurements:"})
+  for (const char* heading : {"Commands from scan to mesh:", "Commands for files and tools:", "Commands for examples:"})
     EXPECT_NE(help.find(heading), help.npos) << heading << "\n" << help;
 
   // The names as the message about an unknown command tells them: "expected one of bake, cut, ... Try: ..."
