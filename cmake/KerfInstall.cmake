@@ -34,13 +34,11 @@ install(TARGETS kerf_preprocess kerf_close_exact EXPORT kerfPreprocessTargets
         ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(EXPORT kerfPreprocessTargets NAMESPACE kerf:: DESTINATION ${package})
 
-# Headers of vectorised loops, those that name a type of OpenVDB, TBB or toml++, and the scenes of benches and tests are
-# Kerf's own.
+# Headers of vectorised loops, and those that name a type of OpenVDB, TBB or toml++, are Kerf's own.
 install(DIRECTORY ${CMAKE_SOURCE_DIR}/geometry ${CMAKE_SOURCE_DIR}/preprocess ${CMAKE_SOURCE_DIR}/sim
         DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/kerf
         FILES_MATCHING PATTERN "*.h" PATTERN "toml_reader.h" EXCLUDE PATTERN "vdb_bricks.h" EXCLUDE PATTERN "vdb_writer.h" EXCLUDE
-                       PATTERN "cropped_bricks.h" EXCLUDE PATTERN "mesh_field.h" EXCLUDE PATTERN "paint_materials.h" EXCLUDE PATTERN "itk_reader.h" EXCLUDE
-                       PATTERN "scenes" EXCLUDE)
+                       PATTERN "cropped_bricks.h" EXCLUDE PATTERN "mesh_field.h" EXCLUDE PATTERN "paint_materials.h" EXCLUDE PATTERN "itk_reader.h" EXCLUDE)
 install(FILES ${CMAKE_BINARY_DIR}/generated/geometry/base/version.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/kerf/geometry/base)
 
 configure_package_config_file(${CMAKE_SOURCE_DIR}/cmake/kerfConfig.cmake.in ${CMAKE_BINARY_DIR}/generated/kerfConfig.cmake

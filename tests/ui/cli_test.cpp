@@ -28,7 +28,7 @@ TEST_F(Cli, WithoutArgumentsShowsHelpAndFails) {
   const Outcome o = runKerf({});
   EXPECT_EQ(o.exit_code, 2);
   EXPECT_EQ(o.out, "");
-  for (const char* command : {"bake", "cut", "export", "check", "info", "devices", "tool", "bench", "demo-molar"})
+  for (const char* command : {"bake", "cut", "export", "check", "info", "devices", "tool", "demo-molar"})
     EXPECT_NE(o.err.find(command), o.err.npos) << command;
 }
 
@@ -48,8 +48,7 @@ TEST_F(Cli, WrongCommandLinesAreUsageErrors) {
 
 TEST_F(Cli, HelpListsEveryCommandUnderAHeadingAndEachHasHelpOfItsOwn) {
   const std::string help = runKerf({"--help"}).out;
-  for (const char* heading :
-       {"Commands from scan to mesh:", "Commands for files and tools:", "Commands for examples and measurements:"})
+  for (const char* heading : {"Commands from scan to mesh:", "Commands for files and tools:", "Commands for examples:"})
     EXPECT_NE(help.find(heading), help.npos) << heading << "\n" << help;
 
   // The names as the message about an unknown command tells them: "expected one of bake, cut, ... Try: ..."
@@ -953,14 +952,6 @@ TEST_F(Cli, SeveralToolsAreCheckedInATable) {
   EXPECT_NE(table.out.find("2 of 2 tools pass."), std::string::npos) << table.out;
   EXPECT_NE(runKerf({"tool", "info", "856-016"}).out.find("taper, round; medium grit, 107 um; head 1.6 mm"),
             std::string::npos);
-}
-
-TEST_F(Cli, BenchTellsPercentilesAndStateHash) {
-  const json bench = parsed(runKerf({"bench", "cut-bur", "--json"}));
-  ASSERT_EQ(bench.size(), 1u);
-  EXPECT_LE(bench[0]["p50_ms"], bench[0]["p99_ms"]);
-  EXPECT_LE(bench[0]["p99_ms"], bench[0]["max_ms"]);
-  EXPECT_EQ(bench[0]["state_hash"].get<std::string>().size(), 16u);
 }
 
 // The whole chain twice, then on one core: same id, same state, same exported bytes.

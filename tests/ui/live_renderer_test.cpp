@@ -11,9 +11,9 @@
 #include <numbers>
 #include <random>
 
+#include "bench/scenes/carved_field.h"
 #include "geometry/field/sample_field.h"
 #include "sim/live/chunk_occlusion.h"
-#include "sim/scenes/carved_field.h"
 #include "tests/ui/picture_compare.h"
 #include "ui/app/mesh_chunks.h"
 #include "ui/app/pointing.h"

@@ -12,9 +12,9 @@
 #include <thread>
 #include <vector>
 
+#include "bench/scenes/carved_field.h"
 #include "geometry/mesh/mesh_check.h"
 #include "sim/live/tissue_mesher.h"
-#include "sim/scenes/carved_field.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/ui/picture_compare.h"
 #include "ui/app/app_commands.h"

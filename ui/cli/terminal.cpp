@@ -1,12 +1,17 @@
+#include <errno.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <exception>
+#include <string_view>
 
+#include "geometry/base/assets.h"
 #include "sim/run/run_files.h"
 #include "ui/cli/command.h"
 
@@ -60,7 +65,7 @@ bool has_printed_json = false;
 
 int complain(const Error& error) {
   complained_of = error;
-  std::string line = "kerf: ";
+  std::string line = fmt::format("{}: ", program_invocation_short_name);
   for (const char c : error.message()) {  // a file name may hold line ends and terminal commands
     const auto byte = static_cast<unsigned char>(c);
     line += byte < 0x20 || byte == 0x7f ? fmt::format("\\x{:02x}", byte) : std::string(1, c);
@@ -82,6 +87,30 @@ void answerInJson() {
 void printJson(const nlohmann::json& json) {
   has_printed_json = true;
   fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+}
+
+int runProgram(CLI::App& app, int argc, const char* const* argv, const int& exit_code) {
+  requireFiniteNumbers(app);
+  const auto has = [&](std::string_view word) { return std::find(argv, argv + argc, word) != argv + argc; };
+  const auto answered = [&has](int code) {
+    if (has("--json")) answerInJson();
+    return code;
+  };
+  if (!has("--help") && !has("-h") && !has("--version"))
+    if (const auto assets = requireAssets(); !assets) return answered(complain(assets.error()));
+
+  try {
+    if (const auto end = parseCommandLine(app, argc, argv)) return *end;
+  } catch (const std::exception& e) {
+    return complain(
+        {.code = Error::Code::kBadValue, .found = fmt::format("unexpected: {}", e.what()), .hint = "report this"});
+  }
+  answered(exit_code);
+
+  // A report that did not arrive (full disk behind a redirection) is no success.
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+    return complain({.code = Error::Code::kWriteFailed, .place = "standard output", .found = "could not be written"});
+  return exit_code;
 }
 
 void addOverwrite(CLI::App& command, bool& overwrites, const std::string& description) {

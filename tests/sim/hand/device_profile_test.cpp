@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/scenes/held_device.h"
+#include "bench/scenes/held_device.h"
 #include "sim/step/device_sample.h"
 
 namespace kerf {

@@ -4,11 +4,11 @@
 
 #include <numbers>
 
+#include "bench/scenes/press.h"
 #include "geometry/tool/sweep.h"
 #include "geometry/tool/tool_file.h"
 #include "sim/run/removed_volumes.h"
 #include "sim/run/sweep_cutter.h"
-#include "sim/scenes/press.h"
 #include "tests/sim/block_scene.h"
 
 namespace kerf {

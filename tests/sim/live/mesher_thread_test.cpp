@@ -8,7 +8,7 @@
 #include <set>
 #include <thread>
 
-#include "sim/scenes/carved_field.h"
+#include "bench/scenes/carved_field.h"
 #include "tests/geometry/sampled_field.h"
 
 namespace kerf {

@@ -6,8 +6,8 @@
 #include <map>
 #include <random>
 
+#include "bench/scenes/carved_field.h"
 #include "geometry/field/sample_field.h"
-#include "sim/scenes/carved_field.h"
 #include "tests/geometry/sampled_field.h"
 
 namespace kerf {

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <functional>
 
+#include "bench/scenes/carved_field.h"
 #include "geometry/field/marching_cubes.h"
 #include "geometry/field/sample_field.h"
 #include "sim/live/tissue_colours.h"
-#include "sim/scenes/carved_field.h"
 #include "tests/support/open_block.h"
 
 namespace kerf {

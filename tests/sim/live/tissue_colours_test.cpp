@@ -7,9 +7,9 @@
 #include <cmath>
 #include <map>
 
+#include "bench/scenes/carved_field.h"
 #include "geometry/field/sample_field.h"
 #include "sim/run/practice_block.h"
-#include "sim/scenes/carved_field.h"
 
 namespace kerf {
 namespace {

@@ -6,8 +6,8 @@
 #include <numbers>
 #include <numeric>
 
+#include "bench/scenes/strokes.h"
 #include "geometry/field/marching_cubes.h"
-#include "sim/scenes/strokes.h"
 #include "tests/sim/block_scene.h"
 
 namespace kerf {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <filesystem>
 
+#include "bench/scenes/sink.h"
 #include "geometry/tool/tool_file.h"
-#include "sim/scenes/sink.h"
 #include "sim/step/contact_evaluation.h"
 #include "sim/step/tool_core.h"
 #include "tests/sim/block_scene.h"

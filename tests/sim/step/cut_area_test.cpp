@@ -3,11 +3,11 @@
 
 #include <cmath>
 
+#include "bench/scenes/feed.h"
+#include "bench/scenes/poses.h"
+#include "bench/scenes/sink.h"
 #include "geometry/tool/tool_file.h"
 #include "sim/object/cut_area.h"
-#include "sim/scenes/feed.h"
-#include "sim/scenes/poses.h"
-#include "sim/scenes/sink.h"
 #include "tests/sim/block_scene.h"
 
 namespace kerf {

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "bench/scenes/hold.h"
 #include "geometry/tool/tool_file.h"
 #include "sim/run/load_scene.h"
 #include "sim/run/practice_block.h"
-#include "sim/scenes/hold.h"
 #include "sim/step/erode_brick.h"
 
 namespace kerf {

@@ -5,10 +5,10 @@
 #include <limits>
 #include <numbers>
 
+#include "bench/scenes/feed.h"
 #include "geometry/tool/tool_file.h"
 #include "sim/run/load_scene.h"
 #include "sim/run/practice_block.h"
-#include "sim/scenes/feed.h"
 #include "tests/sim/block_scene.h"
 
 namespace kerf {
