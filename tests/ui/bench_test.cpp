@@ -5,7 +5,7 @@
 #include "bench/verdict.h"
 #include "tests/ui/cli_runner.h"
 
-namespace kerf {
+namespace kerf::bench_test {
 namespace {
 
 using cli::Goal;
@@ -143,4 +143,4 @@ TEST_F(CliBench, ListsEverySceneWithItsGoals) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::bench_test

@@ -16,7 +16,7 @@
 #include "tests/support/temporary_folder.h"
 #include "tests/support/woody_firmware.h"
 
-namespace kerf {
+namespace kerf::cli_devices_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -256,4 +256,4 @@ TEST_F(DevicesCommand, ArmsAndPadsAreListedWithWhatTheyAreForAndAPadIsFelt) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::cli_devices_test

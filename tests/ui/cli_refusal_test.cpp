@@ -7,7 +7,7 @@
 
 #include "tests/ui/cli_runner.h"
 
-namespace kerf {
+namespace kerf::cli_refusal_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -555,4 +555,4 @@ TEST_F(Cli, ASecondSignalOfEitherKindEndsTheProgramAtOnce) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::cli_refusal_test

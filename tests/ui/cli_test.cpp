@@ -6,7 +6,7 @@
 
 #include "tests/ui/cli_runner.h"
 
-namespace kerf {
+namespace kerf::cli_test {
 namespace {
 
 using nlohmann::json;
@@ -1041,4 +1041,4 @@ TEST_F(Cli, ExportOfACaseSpeaksOfNoCut) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::cli_test

@@ -9,7 +9,7 @@
 #include "tests/support/hid_testbed.h"
 #include "ui/app/space_mouse_link.h"
 
-namespace kerf {
+namespace kerf::gamepad_link_test {
 namespace {
 
 template <class Condition>
@@ -74,4 +74,4 @@ TEST_F(PadOfThePanel, ASpaceMouseSaysItsBattery) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::gamepad_link_test

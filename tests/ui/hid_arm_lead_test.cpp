@@ -19,7 +19,7 @@
 #include "ui/app/app_script.h"
 #include "ui/app/arm_lead.h"
 
-namespace kerf {
+namespace kerf::hid_arm_lead_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -219,4 +219,4 @@ TEST_F(HidArmLead, AnArmThatKnowsItsPlaceIsNotCalibrated) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::hid_arm_lead_test

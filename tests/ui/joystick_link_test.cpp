@@ -9,7 +9,7 @@
 
 #include "tests/sim/device/pid_scene.h"
 
-namespace kerf {
+namespace kerf::joystick_link_test {
 namespace {
 
 template <class Condition>
@@ -113,4 +113,4 @@ TEST_F(Joysticks, AFullPoolIsSaidAndItLeadsAllTheSame) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::joystick_link_test

@@ -21,7 +21,7 @@
 #include "ui/window/gl_target.h"
 #include "ui/window/still_picture.h"
 
-namespace kerf {
+namespace kerf::live_renderer_test {
 namespace {
 
 constexpr int kWidth = 320, kHeight = 240;
@@ -883,4 +883,4 @@ TEST_F(LivePicture, OfAStillSceneGetsSmoothFromFrameToFrameAndStartsAnewWhenAnyt
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::live_renderer_test

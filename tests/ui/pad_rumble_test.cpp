@@ -7,7 +7,7 @@
 #include <future>
 #include <thread>
 
-namespace kerf {
+namespace kerf::pad_rumble_test {
 namespace {
 
 TEST(PadRumble, TheIdsOfAPadAreInItsGuid) {
@@ -111,4 +111,4 @@ TEST(PadRumble, APadThatIsNotInUseAnyMoreWhenItOpensIsLetGo) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::pad_rumble_test

@@ -11,7 +11,7 @@
 #include "tests/support/zero_guard_process.h"
 #include "ui/app/pad_rumble.h"
 
-namespace kerf {
+namespace kerf::pad_rumble_wire_test {
 namespace {
 
 template <class Condition>
@@ -115,4 +115,4 @@ TEST_F(PadWhileItDrills, ThatIsPluggedOutIsForgotten) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::pad_rumble_wire_test

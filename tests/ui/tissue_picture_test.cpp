@@ -23,7 +23,7 @@
 #include "ui/window/gl_context.h"
 #include "ui/window/live_view.h"
 
-namespace kerf {
+namespace kerf::tissue_picture_test {
 namespace {
 
 constexpr int kWidth = 320, kHeight = 240;
@@ -476,4 +476,4 @@ TEST_F(TissuePicture, AShiftedOrRecolouredToothIsAnotherPicture) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::tissue_picture_test

@@ -5,7 +5,7 @@
 
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::hash_test {
 namespace {
 
 std::string of(const std::string& text) { return sha256(std::as_bytes(std::span(text.data(), text.size()))); }
@@ -39,4 +39,4 @@ TEST(Hash, APipeADeviceOrAFolderIsRefusedAtOnce) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::hash_test

@@ -13,7 +13,7 @@
 #include "sim/device/device_finder.h"
 #include "sim/device/pad_kind.h"
 
-namespace kerf {
+namespace kerf::device_driver_test {
 namespace {
 
 HidInfo multiAxis(std::uint16_t vendor, std::uint16_t product) {
@@ -261,4 +261,4 @@ TEST(UdevRule, PermitsEveryIdOfTheDrivers) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::device_driver_test

@@ -7,7 +7,7 @@
 #include "sim/device/woody_arm.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::device_recording_test {
 namespace {
 
 const char* const kText =
@@ -124,4 +124,4 @@ TEST(DeviceRecording, WhatIsWrongIsNamedByItsLine) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::device_recording_test

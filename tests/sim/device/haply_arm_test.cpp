@@ -15,7 +15,7 @@
 #include "sim/device/haply_simulator.h"
 #include "tests/sim/device/force_scene.h"
 
-namespace kerf {
+namespace kerf::haply_arm_test {
 namespace {
 
 using namespace test;
@@ -136,4 +136,4 @@ TEST(HaplyArm, ASimulatedServiceClosesTheLoop) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::haply_arm_test

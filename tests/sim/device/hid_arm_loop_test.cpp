@@ -13,7 +13,7 @@
 #include "tests/sim/device/simulated_arm.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::hid_arm_loop_test {
 namespace {
 
 using namespace test;
@@ -269,4 +269,4 @@ INSTANTIATE_TEST_SUITE_P(Drivers, HidLoop, testing::Values(Kind::kRaw, Kind::kWo
                          [](const auto& tested) { return tested.param == Kind::kRaw ? "RawArm" : "Woody"; });
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::hid_arm_loop_test

@@ -11,7 +11,7 @@
 #include "tests/sim/device/force_scene.h"
 #include "tests/support/woody_firmware.h"
 
-namespace kerf {
+namespace kerf::hid_arm_test {
 namespace {
 
 using namespace test;
@@ -326,4 +326,4 @@ TEST_F(HidArms, AWriteThatIsStuckIsFollowedByNoOldForce) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::hid_arm_test

@@ -9,7 +9,7 @@
 #include "tests/sim/device/force_scene.h"
 #include "tests/sim/device/pid_scene.h"
 
-namespace kerf {
+namespace kerf::pid_device_test {
 namespace {
 
 using namespace test;
@@ -191,4 +191,4 @@ TEST_F(PidDevices, AFullPoolIsSaidAndNothingStaysBehind) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::pid_device_test

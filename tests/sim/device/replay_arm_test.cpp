@@ -13,7 +13,7 @@
 #include "tests/sim/device/force_scene.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::replay_arm_test {
 namespace {
 
 using namespace test;
@@ -176,4 +176,4 @@ TEST(ReplayArm, WhatIsNoArmIsRefused) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::replay_arm_test

@@ -7,7 +7,7 @@
 
 #include "tests/sim/device/force_scene.h"
 
-namespace kerf {
+namespace kerf::rumble_pad_test {
 namespace {
 
 using namespace test;
@@ -161,4 +161,4 @@ TEST_F(Pads, TwoAlikeAreNotToldApartByPlace) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::rumble_pad_test

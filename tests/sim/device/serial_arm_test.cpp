@@ -14,7 +14,7 @@
 #include "sim/device/woody_arm.h"
 #include "tests/sim/device/force_scene.h"
 
-namespace kerf {
+namespace kerf::serial_arm_test {
 namespace {
 
 using namespace test;
@@ -247,4 +247,4 @@ TEST(SerialArm, WhatDoesNotOpenSaysWhatToDo) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::serial_arm_test

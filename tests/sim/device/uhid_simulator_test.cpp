@@ -13,7 +13,7 @@
 #include "sim/device/device_driver.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::uhid_simulator_test {
 namespace {
 
 // Of a packed struct no reference may be taken.
@@ -99,4 +99,4 @@ TEST(UhidSimulator, WithoutUhidItSaysWhatToDo) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::uhid_simulator_test

@@ -21,7 +21,7 @@
 #include "tests/support/woody_firmware.h"
 #include "tests/support/zero_guard_process.h"
 
-namespace kerf {
+namespace kerf::zero_guard_test {
 namespace {
 
 using namespace test;
@@ -344,4 +344,4 @@ TEST(KilledSerial, LeavesNoCurrentInTheArm) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::zero_guard_test

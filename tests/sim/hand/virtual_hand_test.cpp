@@ -11,7 +11,7 @@
 #include "sim/run/sweep_cutter.h"
 #include "tests/sim/block_scene.h"
 
-namespace kerf {
+namespace kerf::virtual_hand_test {
 namespace {
 
 using scenes::turned;
@@ -269,4 +269,4 @@ TEST(VirtualHand, TheCouplingGivesNoEnergyAwayWhereDirectRenderingDoes) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::virtual_hand_test

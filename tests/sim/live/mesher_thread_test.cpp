@@ -11,7 +11,7 @@
 #include "bench/scenes/carved_field.h"
 #include "tests/geometry/sampled_field.h"
 
-namespace kerf {
+namespace kerf::mesher_thread_test {
 namespace {
 
 using scenes::ballWithAHole;
@@ -249,4 +249,4 @@ TEST(MesherThread, SeveralThreadsThatAskForTheChangesEachGetThem) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::mesher_thread_test

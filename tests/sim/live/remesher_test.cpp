@@ -10,7 +10,7 @@
 #include "geometry/field/sample_field.h"
 #include "tests/geometry/sampled_field.h"
 
-namespace kerf {
+namespace kerf::remesher_test {
 namespace {
 
 using scenes::ballWithAHole;
@@ -206,4 +206,4 @@ TEST(Remesher, NormalsAreUnitPointOutwardsAndAgreeAcrossChunks) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::remesher_test

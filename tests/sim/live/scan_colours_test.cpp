@@ -12,7 +12,7 @@
 #include "sim/live/tissue_colours.h"
 #include "tests/support/open_block.h"
 
-namespace kerf {
+namespace kerf::scan_colours_test {
 namespace {
 
 constexpr double kVoxel = 0.1;
@@ -148,4 +148,4 @@ TEST(ScanColours, WhatWasAddedHasTheColourOfItsTissue) {
 TEST(ScanColours, ASolidWithoutColoursHasNone) { EXPECT_FALSE(ScanColours::of(marchingCubes(block(0.3)))); }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::scan_colours_test

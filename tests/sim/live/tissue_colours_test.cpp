@@ -11,7 +11,7 @@
 #include "geometry/field/sample_field.h"
 #include "sim/run/practice_block.h"
 
-namespace kerf {
+namespace kerf::tissue_colours_test {
 namespace {
 
 constexpr double kVoxel = 0.1;
@@ -164,4 +164,4 @@ TEST(TissueColours, OfALoadedObjectAreThoseOfItsMaterial) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::tissue_colours_test

@@ -15,7 +15,7 @@
 #include "sim/pieces/split_field.h"
 #include "tests/geometry/sampled_field.h"
 
-namespace kerf {
+namespace kerf::pieces_test {
 namespace {
 
 using scenes::ballWithAHole;
@@ -474,4 +474,4 @@ TEST(SplitField, OfASinglePieceIsTheFieldItself) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::pieces_test

@@ -13,7 +13,7 @@
 #include "tests/sim/block_scene.h"
 #include "tests/support/allocation_guard.h"
 
-namespace kerf {
+namespace kerf::core_contact_test {
 namespace {
 
 using scenes::SinkScene;
@@ -263,4 +263,4 @@ TEST(OneSidedLoads, OneSoftSpringHasItsFormula) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::core_contact_test

@@ -10,7 +10,7 @@
 #include "sim/object/cut_area.h"
 #include "tests/sim/block_scene.h"
 
-namespace kerf {
+namespace kerf::cut_area_test {
 namespace {
 
 TEST(CutArea, NothingCutLeavesAreasAlone) {
@@ -170,4 +170,4 @@ TEST(CutArea, TheLoadDoesNotJumpWhereTheDriveComesToRest) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::cut_area_test

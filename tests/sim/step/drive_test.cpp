@@ -12,7 +12,7 @@
 #include "sim/run/practice_block.h"
 #include "sim/step/erode_brick.h"
 
-namespace kerf {
+namespace kerf::drive_test {
 namespace {
 
 // Speed after some time at constant pedal and load.
@@ -293,4 +293,4 @@ TEST(Drill, LipsErodeByTheirFormula) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::drive_test

@@ -11,7 +11,7 @@
 #include "sim/run/practice_block.h"
 #include "tests/sim/block_scene.h"
 
-namespace kerf {
+namespace kerf::step_test {
 namespace {
 
 using test::block;
@@ -322,4 +322,4 @@ TEST(Step, LongestSubstepFollowsVoxelAndTool) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::step_test
