@@ -12,8 +12,13 @@ target_include_directories(kerf_options INTERFACE
   $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}> $<BUILD_INTERFACE:${CMAKE_BINARY_DIR}/generated> $<INSTALL_INTERFACE:include/kerf>)
 target_compile_features(kerf_options INTERFACE cxx_std_20)
 # -ffp-contract=off: the same input gives the same bits, whether or not the compiler likes fused multiply-add.
+# In a unity build a local name may be that of a function of another source.
+set(shadow -Wshadow)
+if(KERF_UNITY AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  set(shadow -Wshadow=local)
+endif()
 target_compile_options(kerf_options INTERFACE
-  $<BUILD_INTERFACE:-Wall> $<BUILD_INTERFACE:-Wextra> $<BUILD_INTERFACE:-Wpedantic> $<BUILD_INTERFACE:-Wshadow> $<BUILD_INTERFACE:-Wno-psabi>
+  $<BUILD_INTERFACE:-Wall> $<BUILD_INTERFACE:-Wextra> $<BUILD_INTERFACE:-Wpedantic> $<BUILD_INTERFACE:${shadow}> $<BUILD_INTERFACE:-Wno-psabi>
   -ffp-contract=off
   $<BUILD_INTERFACE:$<$<BOOL:${KERF_WERROR}>:-Werror>>)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
@@ -36,4 +41,33 @@ endif()
 # kerf_glue(TARGET): its own sources only call libraries. What counts is how long they take to compile: less at -O1.
 function(kerf_glue target)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+endfunction()
+
+# kerf_sources(TARGET [PARTS n] FILES...): sources of this folder. With KERF_UNITY the compiler sees them as n units:
+# names in their anonymous namespaces must differ. A source with compile options of its own stays a unit.
+function(kerf_sources target)
+  cmake_parse_arguments(ARG "" "PARTS" "" ${ARGN})
+  set(files ${ARG_UNPARSED_ARGUMENTS})
+  target_sources(${target} PRIVATE ${files})
+  kerf_unity(${target} "${ARG_PARTS}" ${files})
+endfunction()
+
+# kerf_unity(TARGET PARTS FILES...): the same for sources that the target has.
+function(kerf_unity target parts)
+  if(NOT parts)
+    set(parts 1)
+  endif()
+  file(RELATIVE_PATH folder ${CMAKE_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
+  string(MAKE_C_IDENTIFIER "${folder}" group)
+  list(LENGTH ARGN count)
+  set(at 0)
+  foreach(file IN LISTS ARGN)
+    math(EXPR part "${at} * ${parts} / ${count}")
+    set_source_files_properties(${file} TARGET_DIRECTORY ${target} PROPERTIES UNITY_GROUP ${group}_${part})
+    math(EXPR at "${at} + 1")
+  endforeach()
+  if(KERF_UNITY AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")  # it takes a source that is included for a header
+    target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
+  endif()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${KERF_UNITY} UNITY_BUILD_MODE GROUP)
 endfunction()

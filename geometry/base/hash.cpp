@@ -1,7 +1,10 @@
 #include "geometry/base/hash.h"
 
-#include <algorithm>
+#include <nettle/sha2.h>
+
+#include <array>
 #include <cerrno>
+#include <cstdint>
 #include <cstring>
 #include <fstream>
 #include <vector>
@@ -9,52 +12,31 @@
 namespace kerf {
 namespace {
 
-constexpr std::size_t kBlock = 64;
-
-std::string hex(const std::array<std::uint8_t, 32>& digest) {
-  std::string text;
-  for (const std::uint8_t byte : digest) text += {"0123456789abcdef"[byte >> 4], "0123456789abcdef"[byte & 15]};
-  return text;
-}
-
-}  // namespace
-
-void Sha256::update(std::span<const std::byte> bytes) {
-  const internal::Sha256Blocks take = internal::sha256BlocksHere();
-  const std::size_t used = length_ % kBlock;
-  length_ += bytes.size();
-
-  // What is left of the piece before, and enough to make it a block.
-  if (used > 0) {
-    const std::size_t n = std::min(kBlock - used, bytes.size());
-    std::copy_n(bytes.data(), n, buffer_.data() + used);
-    bytes = bytes.subspan(n);
-    if (used + n < kBlock) return;
-    take(state_, buffer_.data(), 1);
+class Sha256 {
+ public:
+  Sha256() { sha256_init(&context_); }
+  void update(std::span<const std::byte> bytes) {
+    sha256_update(&context_, bytes.size(), reinterpret_cast<const std::uint8_t*>(bytes.data()));
+  }
+  // Starts anew.
+  std::string digest() {
+    std::array<std::uint8_t, SHA256_DIGEST_SIZE> digest;
+    sha256_digest(&context_, digest.size(), digest.data());
+    std::string text;
+    for (const std::uint8_t byte : digest) text += {"0123456789abcdef"[byte >> 4], "0123456789abcdef"[byte & 15]};
+    return text;
   }
 
-  // Whole blocks, and what is left of this piece.
-  const std::size_t blocks = bytes.size() / kBlock;
-  take(state_, bytes.data(), blocks);
-  bytes = bytes.subspan(kBlock * blocks);
-  std::copy(bytes.begin(), bytes.end(), buffer_.begin());
-}
+ private:
+  sha256_ctx context_;
+};
 
-std::array<std::uint8_t, 32> Sha256::digest() {
-  const std::uint64_t bits = 8 * length_;
-  std::vector<std::byte> tail(1, std::byte{0x80});
-  while ((length_ + tail.size()) % 64 != 56) tail.push_back(std::byte{0});
-  for (int shift = 56; shift >= 0; shift -= 8) tail.push_back(static_cast<std::byte>(bits >> shift));
-  update(tail);
-  std::array<std::uint8_t, 32> out;
-  for (std::size_t i = 0; i < 32; ++i) out[i] = static_cast<std::uint8_t>(state_[i / 4] >> (24 - 8 * (i % 4)));
-  return out;
-}
+}  // namespace
 
 std::string sha256(std::span<const std::byte> bytes) {
   Sha256 hash;
   hash.update(bytes);
-  return hex(hash.digest());
+  return hash.digest();
 }
 
 Expected<std::string> sha256OfFile(const std::filesystem::path& path) {
@@ -82,7 +64,7 @@ Expected<std::string> sha256OfFile(const std::filesystem::path& path) {
   while (in.read(buffer.data(), static_cast<std::streamsize>(buffer.size())), in.gcount() > 0)
     hash.update(std::as_bytes(std::span(buffer.data(), static_cast<std::size_t>(in.gcount()))));
   if (in.bad()) return refuse(Error::Code::kUnreadable);
-  return hex(hash.digest());
+  return hash.digest();
 }
 
 Expected<void> requireSha256(const std::filesystem::path& path, const std::string& expected, const std::string& hint) {

@@ -203,7 +203,7 @@ double flatnessOf(const PostOpMesh& part, std::span<const Plane> planes) {
 }
 
 // Of a run, faces are cut already: those of the source keep their colours, what this cut made is told by its origin.
-Expected<Attempt> attempt(const Mesh& source, const Mesh& room, std::span<const Plane> planes,
+Expected<Attempt> attemptCut(const Mesh& source, const Mesh& room, std::span<const Plane> planes,
                           const PostOpOptions& options) {
   KERF_TRY(inside, intersect(source, room));
   KERF_TRY(outside, subtract(source, room, Reach::kWhole));  // the same points as of the inside
@@ -292,7 +292,7 @@ Expected<PlaneCut> cutByPlanes(const Mesh& source, std::span<const Plane> asked,
     shifted.insert(shifted.end(), around.begin(), around.end());
     KERF_TRY(room, roomAbove(box, shifted));
 
-    auto tried = attempt(source, room, cutting, options.post_op);
+    auto tried = attemptCut(source, room, cutting, options.post_op);
     if (tried && tried->why_not.empty()) {
       tried->cut.attempts = n;
       tried->cut.shift_mm = std::abs(shift);

@@ -12,7 +12,7 @@ namespace {
 
 // A field with the bricks of `shape`, each node computed from the two fields' values there.
 template <class F>
-BrickField combine(const BrickField& phi0, const BrickField& shape, float background, F value) {
+BrickField combineFields(const BrickField& phi0, const BrickField& shape, float background, F value) {
   BrickField out(phi0.voxel(), background);
   out.reserve(shape.brickCount());
   for (std::size_t b = 0; b < shape.brickCount(); ++b) out.touch(shape.brickCoord(b));
@@ -33,17 +33,17 @@ BrickField combine(const BrickField& phi0, const BrickField& shape, float backgr
 
 BrickField removedFieldFromSweep(const BrickField& phi0, const BrickField& sweep) {
   const auto h = static_cast<float>(phi0.voxel());
-  return combine(phi0, sweep, 4 * h, [h](float p0, float psi) { return std::max(psi, p0 - 2 * h); });
+  return combineFields(phi0, sweep, 4 * h, [h](float p0, float psi) { return std::max(psi, p0 - 2 * h); });
 }
 
 BrickField removedFieldFromCut(const BrickField& phi0, const BrickField& phi) {
   const auto h = static_cast<float>(phi0.voxel()), eps = 0.1f * h;
-  return combine(phi0, phi, 4 * h, [h, eps](float p0, float p) { return std::max({-p, p0 + eps - p, p0 - 2 * h}); });
+  return combineFields(phi0, phi, 4 * h, [h, eps](float p0, float p) { return std::max({-p, p0 + eps - p, p0 - 2 * h}); });
 }
 
 BrickField addedFieldFromFill(const BrickField& phi0, const BrickField& phi) {
   const auto h = static_cast<float>(phi0.voxel()), eps = 0.1f * h;
-  return combine(phi0, phi, 4 * h, [h, eps](float p0, float p) { return std::max({p, p - p0 + eps, -p0 - 2 * h}); });
+  return combineFields(phi0, phi, 4 * h, [h, eps](float p0, float p) { return std::max({p, p - p0 + eps, -p0 - 2 * h}); });
 }
 
 void clearAwayFromInside(BrickField& rho) {

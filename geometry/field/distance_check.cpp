@@ -12,7 +12,7 @@ constexpr double kMostStep = 1.5;    // voxels from node to node; exact distance
 constexpr double kMostShare = 0.01;  // of pairs, of nodes: what is worse is no slip of an edge
 constexpr double kMostShareOfCut = 0.2;
 
-tl::unexpected<Error> refuse(const std::string& grid, std::string found, std::string expected) {
+tl::unexpected<Error> refuseDistances(const std::string& grid, std::string found, std::string expected) {
   return fail({.code = Error::Code::kBadValue,
                .place = "grid " + grid,
                .found = std::move(found),
@@ -97,7 +97,7 @@ Expected<void> requireSteps(const BrickField& phi, const std::string& grid, doub
   Tally steps;
   for (std::size_t b = 0; b < phi.brickCount(); ++b) countSteps(phi, b, steps);
   if (!steps.isTooMany(most_share)) return {};
-  return refuse(grid,
+  return refuseDistances(grid,
                 fmt::format("noise: {:.0f} % of neighbouring values differ by more than {:.3g} mm, the first at {}",
                             steps.percent(), kMostStep * phi.voxel(), placeOf(phi, steps.brick, steps.node)),
                 fmt::format("distances, which change by {:.3g} mm from voxel to voxel at most", phi.voxel()));
@@ -110,7 +110,7 @@ Expected<void> requireDistances(const BrickField& phi) {
   Tally outside;
   for (std::size_t b = 0; b < phi.brickCount(); ++b) countOutside(phi, b, outside);
   if (outside.isTooMany())
-    return refuse("phi",
+    return refuseDistances("phi",
                   fmt::format("a turned sign: {:.0f} % of the outermost values are inside, the first at {}",
                               outside.percent(), placeOf(phi, outside.brick, outside.node)),
                   "distances that are negative inside");
@@ -146,7 +146,7 @@ Expected<void> requireOnlyTaken(const BrickField& cut, const BrickField& before,
     }
   }
   if (deeper.wrong == 0) return {};
-  return refuse(grid,
+  return refuseDistances(grid,
                 fmt::format("material where there was none: {} values lie deeper than in the case, by {:.3g} mm at "
                             "most, the first at {}",
                             deeper.wrong, deepest, placeOf(cut, deeper.brick, deeper.node)),
@@ -165,7 +165,7 @@ Expected<void> requireSameSides(const BrickField& part, const BrickField& whole,
           sides.add(std::abs(known) > whole.voxel() && is_inside != (known < 0), b, node);
         }
   if (!sides.isTooMany()) return {};
-  return refuse(grid,
+  return refuseDistances(grid,
                 fmt::format("another object: {:.0f} % of its values lie on the other side of the surface than those "
                             "of the whole, the first at {}",
                             sides.percent(), placeOf(part, sides.brick, sides.node)),

@@ -117,7 +117,6 @@ void markTiles(const openvdb::FloatGrid& grid, BrickField& field) {
 // The grid's leaves from the file into the bricks of a field, one after the other.
 Expected<BrickField> readBricks(internal::VdbGridFile& file, const openvdb::FloatGrid& grid,
                                 const std::function<Error(const std::string&)>& error) {
-  const double voxel = grid.voxelSize()[0];
   const std::size_t bricks = grid.tree().leafCount();
   BrickField field = fieldFor(grid, bricks);
   BrickValues values;

@@ -8,7 +8,7 @@
 namespace kerf::internal {
 namespace {
 
-constexpr Rgba8 kNoColor{200, 200, 200, 255};
+constexpr Rgba8 kNoObjColor{200, 200, 200, 255};
 constexpr std::string_view kSkipped[] = {
     "vn",  "vt",     "vp",     "g",     "o",          "s",         "mg",    "usemtl",   "mtllib",   "l",
     "p",   "usemap", "maplib", "lod",   "shadow_obj", "trace_obj", "bevel", "c_interp", "d_interp", "cstype",
@@ -96,15 +96,15 @@ class ObjReader {
     vertices().emplace_back(value[0], value[1], value[2]);
     if (n >= 6) {
       std::vector<Rgba8>& colors = file_.mesh.vertex_colors;
-      colors.resize(vertices().size() - 1, kNoColor);
-      Rgba8 color = kNoColor;
+      colors.resize(vertices().size() - 1, kNoObjColor);
+      Rgba8 color = kNoObjColor;
       for (std::size_t k = 0; k < 3; ++k) {
         const double c = value[n - 3 + k];  // 0..1 by custom; some programs write 0..255
         color[k] = static_cast<std::uint8_t>(std::lround(std::clamp(c <= 1.0 ? 255 * c : c, 0.0, 255.0)));
       }
       colors.push_back(color);
     } else if (file_.mesh.hasVertexColors()) {
-      file_.mesh.vertex_colors.push_back(kNoColor);
+      file_.mesh.vertex_colors.push_back(kNoObjColor);
     }
     return {};
   }

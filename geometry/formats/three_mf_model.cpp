@@ -14,7 +14,7 @@ constexpr std::string_view kProduction = "http://schemas.microsoft.com/3dmanufac
 constexpr std::string_view kProductionPath = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06 path";
 // Names of subsets of triangles: nothing that changes the surface.
 constexpr std::string_view kTriangleSets = "http://schemas.microsoft.com/3dmanufacturing/trianglesets/2021/07";
-constexpr const char* kDamaged = "the file is damaged; export it again";
+constexpr const char* kDamagedModel = "the file is damaged; export it again";
 constexpr std::uint32_t kMostIndex = 0x7fffffff;  // the specification's ST_ResourceIndex
 
 enum class Node {
@@ -91,7 +91,7 @@ struct ThreeMfModelParser::State : XmlParser::Handler {
         if (core && local == "model") return model(a);
         return fail(xml.here(Error::Code::kBadFormat,
                              "the XML element " + inQuotes(local) + " of " + shown(name.name_space),
-                             "\"model\" of " + shown(kCore), kDamaged));
+                             "\"model\" of " + shown(kCore), kDamagedModel));
       case Node::kModel:
         if (core && local == "resources") return Node::kResources;
         if (core && local == "build") return is_root ? Node::kBuild : Node::kSkipped;
@@ -144,7 +144,7 @@ struct ThreeMfModelParser::State : XmlParser::Handler {
 
   tl::unexpected<Error> bad(std::string_view attribute, std::string found, std::string expected) const {
     return fail(xml.here(Error::Code::kBadValue, "attribute " + std::string(attribute) + " " + std::move(found),
-                         std::move(expected), kDamaged));
+                         std::move(expected), kDamagedModel));
   }
   Expected<std::string_view> need(const XmlAttributes& a, std::string_view name) const {
     if (const auto value = a.find(name)) return trimmed(*value);

@@ -6,7 +6,7 @@ namespace kerf::internal {
 namespace {
 
 constexpr std::size_t kMostDepth = 64, kLongestToken = std::size_t{1} << 20;
-constexpr const char* kDamaged = "the file is damaged; export it again";
+constexpr const char* kDamagedXml = "the file is damaged; export it again";
 
 }  // namespace
 
@@ -29,7 +29,7 @@ struct XmlParser::Callbacks {
     run(xml, [&]() -> Expected<void> {
       if (++xml.depth_ > kMostDepth)
         return fail(xml.here(Error::Code::kUnsupported, "elements nested deeper than " + std::to_string(kMostDepth),
-                             "a 3MF file", kDamaged));
+                             "a 3MF file", kDamagedXml));
       return xml.handler_.start(name, XmlAttributes(attributes));
     });
   }
@@ -87,10 +87,10 @@ Expected<void> XmlParser::feed(std::string_view piece, bool is_last) {
     const XML_Error code = XML_GetErrorCode(parser_);
     if (code == XML_ERROR_NO_MEMORY) throw std::bad_alloc();
     return fail(
-        here(Error::Code::kBadFormat, std::string("no well-formed XML: ") + XML_ErrorString(code), "XML", kDamaged));
+        here(Error::Code::kBadFormat, std::string("no well-formed XML: ") + XML_ErrorString(code), "XML", kDamagedXml));
   }
   if (since_event_ > kLongestToken)
-    return fail(here(Error::Code::kUnsupported, "a tag or comment longer than 1 MiB", "a 3MF file", kDamaged));
+    return fail(here(Error::Code::kUnsupported, "a tag or comment longer than 1 MiB", "a 3MF file", kDamagedXml));
   return {};
 }
 

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::uint64_t kMiB = std::uint64_t{1} << 20;
 constexpr std::uint64_t kFreeSize = 64 * kMiB, kMostRatio = 100, kMostInflated = 8192 * kMiB;
-constexpr const char* kDamaged = "the file is cut short or damaged; export or copy it again";
+constexpr const char* kDamagedArchive = "the file is cut short or damaged; export or copy it again";
 
 struct ZipError {
   zip_error_t error;
@@ -31,7 +31,7 @@ tl::unexpected<Error> ZipArchive::bad(std::string_view name, std::string found) 
                .place = name.empty() ? "zip archive" : inQuotes(name),
                .found = std::move(found),
                .expected = "a whole zip archive",
-               .hint = kDamaged});
+               .hint = kDamagedArchive});
 }
 
 Expected<ZipArchive> ZipArchive::open(const MeshSource& source) {

@@ -12,10 +12,10 @@
 namespace kerf {
 namespace {
 
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using Point = Kernel::Point_3;
+using CrossingKernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using CrossingPoint = CrossingKernel::Point_3;
 
-Point point(const Vec3d& p) { return {p.x(), p.y(), p.z()}; }
+CrossingPoint point(const Vec3d& p) { return {p.x(), p.y(), p.z()}; }
 
 /// The two ends of a triangle without area, as places in the triangle.
 std::array<int, 2> farEnds(const Mesh& mesh, std::uint32_t t) {
@@ -36,13 +36,13 @@ bool flatMeets(const Mesh& mesh, std::uint32_t flat, std::uint32_t other) {
   const Triangle& f = mesh.triangles[flat];
   const Triangle& g = mesh.triangles[other];
   const auto shared = [&](std::uint32_t v) { return v == g[0] || v == g[1] || v == g[2]; };
-  const Kernel::Triangle_3 proper(point(mesh.vertices[g[0]]), point(mesh.vertices[g[1]]), point(mesh.vertices[g[2]]));
+  const CrossingKernel::Triangle_3 proper(point(mesh.vertices[g[0]]), point(mesh.vertices[g[1]]), point(mesh.vertices[g[2]]));
   for (const std::uint32_t v : f)
     if (!shared(v) && proper.has_on(point(mesh.vertices[v]))) return true;
   const auto ends = farEnds(mesh, flat);
   const std::uint32_t a = f[static_cast<std::size_t>(ends[0])], b = f[static_cast<std::size_t>(ends[1])];
   if (mesh.vertices[a] == mesh.vertices[b] || shared(a) || shared(b)) return false;
-  return CGAL::do_intersect(Kernel::Segment_3(point(mesh.vertices[a]), point(mesh.vertices[b])), proper);
+  return CGAL::do_intersect(CrossingKernel::Segment_3(point(mesh.vertices[a]), point(mesh.vertices[b])), proper);
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ constexpr double kNeedleExempt = 2e-4;           ///< mm: below this height a tr
 constexpr double kCollapseTurn = 0.5;            ///< cos 60 degrees
 constexpr double kFlipTurn = 0.906307787036650;  ///< cos 25 degrees
 constexpr int kMaxRounds = 8;
-constexpr std::uint32_t kNone = ~0u;
+constexpr std::uint32_t kNoVertex = ~0u;
 
 tl::unexpected<Error> badInput(std::string place, std::string found, std::string expected) {
   Error e;
@@ -34,7 +34,7 @@ tl::unexpected<Error> badInput(std::string place, std::string found, std::string
 class TrianglesAround {
  public:
   explicit TrianglesAround(const Mesh& mesh)
-      : begin_(mesh.vertices.size() + 1), all_(3 * mesh.triangles.size()), own_(mesh.vertices.size(), kNone) {
+      : begin_(mesh.vertices.size() + 1), all_(3 * mesh.triangles.size()), own_(mesh.vertices.size(), kNoVertex) {
     for (const Triangle& t : mesh.triangles)
       for (const std::uint32_t v : t) ++begin_[v + std::size_t{1}];
     std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
@@ -45,12 +45,12 @@ class TrianglesAround {
 
   std::size_t size() const { return own_.size(); }
   std::span<const std::uint32_t> operator[](std::uint32_t v) const {
-    if (own_[v] != kNone) return changed_[own_[v]];
+    if (own_[v] != kNoVertex) return changed_[own_[v]];
     return {all_.data() + begin_[v], all_.data() + begin_[v + std::size_t{1}]};
   }
   /// The list, to be changed.
   std::vector<std::uint32_t>& change(std::uint32_t v) {
-    if (own_[v] == kNone) {
+    if (own_[v] == kNoVertex) {
       const std::span<const std::uint32_t> before = (*this)[v];
       changed_.emplace_back(before.begin(), before.end());
       own_[v] = static_cast<std::uint32_t>(changed_.size() - 1);
@@ -60,7 +60,7 @@ class TrianglesAround {
 
  private:
   std::vector<std::uint32_t> begin_, all_;  // per vertex, where its triangles begin
-  std::vector<std::uint32_t> own_;          // per vertex: its list in changed_, or kNone
+  std::vector<std::uint32_t> own_;          // per vertex: its list in changed_, or kNoVertex
   std::deque<std::vector<std::uint32_t>> changed_;
 };
 
@@ -99,13 +99,13 @@ class Cleaner {
       if (sharedFaces(item.u, item.v).size() != 2) continue;
       if ((mesh_.vertices[item.u] - mesh_.vertices[item.v]).norm() != item.length) continue;
 
-      std::uint32_t gone = kNone;
+      std::uint32_t gone = kNoVertex;
       for (const auto& [from, to] : {std::pair(item.v, item.u), std::pair(item.u, item.v)})
         if (!fixed_[from] && tryCollapse(from, to)) {
           gone = from;
           break;
         }
-      if (gone == kNone) continue;
+      if (gone == kNoVertex) continue;
 
       const std::uint32_t left = gone == item.u ? item.v : item.u;
       for (const std::uint32_t t : around_[left])
@@ -227,10 +227,10 @@ class Cleaner {
     if (shared.size() != 2) return false;
     const std::uint32_t other = shared[0] == t ? shared[1] : shared[0];
 
-    std::uint32_t d = kNone;
+    std::uint32_t d = kNoVertex;
     for (const std::uint32_t w : mesh_.triangles[other])
       if (w != a && w != b) d = w;
-    if (d == kNone || d == c || !sharedFaces(c, d).empty()) return false;
+    if (d == kNoVertex || d == c || !sharedFaces(c, d).empty()) return false;
     if (around_[a].size() <= 3 || around_[b].size() <= 3) return false;
 
     const Vec3d &pa = mesh_.vertices[a], &pb = mesh_.vertices[b], &pc = mesh_.vertices[c], &pd = mesh_.vertices[d];
@@ -272,7 +272,7 @@ void compact(Mesh& mesh, const std::vector<char>& alive, std::vector<char>& fixe
     if (alive[t])
       for (const std::uint32_t v : mesh.triangles[t]) used[v] = 1;
 
-  std::vector<std::uint32_t> index(used.size(), kNone);
+  std::vector<std::uint32_t> index(used.size(), kNoVertex);
   std::uint32_t count = 0;
   for (std::size_t v = 0; v < used.size(); ++v) {
     if (!used[v]) continue;

@@ -11,7 +11,7 @@ namespace kerf {
 namespace {
 
 // Of the unit sphere, as seen from the origin.
-double solidAngle(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+double solidAngleOf(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   const double la = a.norm(), lb = b.norm(), lc = c.norm();
   const double below = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
   return 2 * std::atan2(a.dot(b.cross(c)), below);
@@ -22,7 +22,7 @@ std::vector<double> windings(const Mesh& mesh, const std::vector<std::uint32_t>&
                              const Vec3d& point) {
   std::vector<double> out(count, 0);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-    out[label[t]] += solidAngle(mesh.corner(t, 0) - point, mesh.corner(t, 1) - point, mesh.corner(t, 2) - point);
+    out[label[t]] += solidAngleOf(mesh.corner(t, 0) - point, mesh.corner(t, 1) - point, mesh.corner(t, 2) - point);
   for (double& angle : out) angle /= 4 * std::numbers::pi;
   return out;
 }

@@ -8,7 +8,7 @@
 namespace kerf::internal {
 namespace {
 
-using Point = Sheet::Point;
+using SheetPoint = Sheet::Point;
 
 std::string escaped(const std::string& text) {
   std::string out;
@@ -27,9 +27,9 @@ std::string escaped(const std::string& text) {
   return out;
 }
 
-std::vector<Point> mirrored(const RevolvedProfile& profile) {
-  const std::vector<Point> right = profile.polyline(0.002);
-  std::vector<Point> outline = right;
+std::vector<SheetPoint> mirrored(const RevolvedProfile& profile) {
+  const std::vector<SheetPoint> right = profile.polyline(0.002);
+  std::vector<SheetPoint> outline = right;
   for (auto p = right.rbegin(); p != right.rend(); ++p)
     if ((*p)[0] > 0) outline.push_back({-(*p)[0], (*p)[1]});
   return outline;
@@ -41,7 +41,7 @@ double heightOfWidest(const RevolvedProfile& head) {
   const double D = 2 * head.largestRadius();
   double widest_at = 0;
   for (const auto& piece : head.pieces()) {
-    for (const Point& p : {piece.from, piece.to})
+    for (const SheetPoint& p : {piece.from, piece.to})
       if (2 * p[0] > D - 1e-9) widest_at = p[1];
     if (piece.arc_radius > 0 && !piece.is_hollow && std::abs(2 * (piece.center[0] + piece.arc_radius) - D) < 1e-9 &&
         piece.center[1] >= piece.from[1] && piece.center[1] <= piece.to[1])
@@ -86,9 +86,9 @@ std::string mm(double value) {
 Sheet::Sheet(double width, double height, double most_width, double middle)
     : scale_(std::min(most_width / width, (kPageHeight - kTop - kBottom) / height)), middle_(middle) {}
 
-void Sheet::polygon(const std::vector<Point>& outline, const char* fill, const char* extra) {
+void Sheet::polygon(const std::vector<SheetPoint>& outline, const char* fill, const char* extra) {
   std::string points;
-  for (const Point& p : outline) points += fmt::format("{:.2f},{:.2f} ", x(p[0]), y(p[1]));
+  for (const SheetPoint& p : outline) points += fmt::format("{:.2f},{:.2f} ", x(p[0]), y(p[1]));
   body_ += fmt::format("<polygon points=\"{}\" fill=\"{}\" stroke=\"{}\" stroke-width=\"1.6\" {}/>\n", points, fill,
                        kInk, extra);
 }

@@ -6,7 +6,7 @@
 namespace kerf {
 namespace {
 
-void explainWords(TomlTable& t, const DriveKeys& keys) {
+void explainDriveWords(TomlTable& t, const DriveKeys& keys) {
   const std::string speed = keys.speed, stall = keys.stall;
   for (const char* word : {"speed", "rpm", "speed_rpm", "cycles_per_min", "frequency_khz", "spindle_speed", "cpm",
                            "spm", "strokes_per_min", "speed_krpm"})
@@ -55,7 +55,7 @@ Expected<void> readDrive(const TomlTable& top, const std::filesystem::path& file
                  .hint = fmt::format("[drive] on a line of its own, and below it {} = ...", keys.speed)});
 
   TomlTable t(*node->as_table(), file, "drive");
-  explainWords(t, keys);
+  explainDriveWords(t, keys);
   const auto optional = [&](const char* key, double low, double high, const char* unit) -> std::optional<double> {
     t.allow(key);
     if (!t.has(key)) return std::nullopt;

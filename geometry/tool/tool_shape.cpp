@@ -8,22 +8,22 @@
 namespace kerf {
 namespace {
 
-using Point = RevolvedProfile::Point;
+using ShapePoint = RevolvedProfile::Point;
 
-double cross(const Point& a, const Point& b) { return a[0] * b[1] - a[1] * b[0]; }
+double cross(const ShapePoint& a, const ShapePoint& b) { return a[0] * b[1] - a[1] * b[0]; }
 
 // Squared distance to a line piece, or the squared difference to an arc.
-double pieceDistanceSquared(const RevolvedProfile::Piece& piece, const Point& p) noexcept {
+double pieceDistanceSquared(const RevolvedProfile::Piece& piece, const ShapePoint& p) noexcept {
   if (piece.arc_radius > 0) {
-    const Point d = p - piece.center, begin = (piece.is_hollow ? piece.to : piece.from) - piece.center;
-    const Point end = (piece.is_hollow ? piece.from : piece.to) - piece.center;
+    const ShapePoint d = p - piece.center, begin = (piece.is_hollow ? piece.to : piece.from) - piece.center;
+    const ShapePoint end = (piece.is_hollow ? piece.from : piece.to) - piece.center;
     if (cross(begin, d) >= 0 && cross(d, end) >= 0) {
       const double off = d.norm() - piece.arc_radius;
       return off * off;
     }
     return std::min((p - piece.from).squaredNorm(), (p - piece.to).squaredNorm());
   }
-  const Point e = piece.to - piece.from, d = p - piece.from;
+  const ShapePoint e = piece.to - piece.from, d = p - piece.from;
   const double length = e.squaredNorm();
   const double t = length > 0 ? std::clamp(d.dot(e) / length, 0.0, 1.0) : 0.0;
   return (d - t * e).squaredNorm();
@@ -38,15 +38,15 @@ RevolvedProfile& RevolvedProfile::add(const Piece& piece) {
 }
 
 RevolvedProfile& RevolvedProfile::lineTo(double radius, double height) {
-  return add({at_, Point(radius, height), Point::Zero(), 0, false});
+  return add({at_, ShapePoint(radius, height), ShapePoint::Zero(), 0, false});
 }
 
-RevolvedProfile& RevolvedProfile::arcTo(const Point& center, const Point& end) {
+RevolvedProfile& RevolvedProfile::arcTo(const ShapePoint& center, const ShapePoint& end) {
   assert(std::abs((end - center).norm() - (at_ - center).norm()) < 1e-9 * std::max(1.0, (end - center).norm()));
   return add({at_, end, center, (end - center).norm(), false});
 }
 
-RevolvedProfile& RevolvedProfile::hollowArcTo(const Point& center, const Point& end) {
+RevolvedProfile& RevolvedProfile::hollowArcTo(const ShapePoint& center, const ShapePoint& end) {
   assert(std::abs((end - center).norm() - (at_ - center).norm()) < 1e-9 * std::max(1.0, (end - center).norm()));
   return add({at_, end, center, (end - center).norm(), true});
 }
@@ -111,8 +111,8 @@ RevolvedProfile RevolvedProfile::clipped(double low, double high) const {
     const double from = std::max(low, piece.from[1]), to = std::min(high, piece.to[1]);
     if (from >= to) continue;
 
-    const Point begin = from == piece.from[1] ? piece.from : Point(piece.radiusAt(from), from);
-    const Point end = to == piece.to[1] ? piece.to : Point(piece.radiusAt(to), to);
+    const ShapePoint begin = from == piece.from[1] ? piece.from : ShapePoint(piece.radiusAt(from), from);
+    const ShapePoint end = to == piece.to[1] ? piece.to : ShapePoint(piece.radiusAt(to), to);
     out.lineTo(begin[0], begin[1]);
     out.add({begin, end, piece.center, piece.arc_radius, piece.is_hollow});
   }
@@ -120,26 +120,26 @@ RevolvedProfile RevolvedProfile::clipped(double low, double high) const {
 }
 
 bool RevolvedProfile::isConvex() const {
-  const auto tangent = [](const Piece& piece, const Point& at) {
-    if (piece.arc_radius == 0) return Point((piece.to - piece.from).normalized());
-    const Point r = (at - piece.center) / piece.arc_radius;
-    return Point(-r[1], r[0]);  // counter-clockwise
+  const auto tangent = [](const Piece& piece, const ShapePoint& at) {
+    if (piece.arc_radius == 0) return ShapePoint((piece.to - piece.from).normalized());
+    const ShapePoint r = (at - piece.center) / piece.arc_radius;
+    return ShapePoint(-r[1], r[0]);  // counter-clockwise
   };
-  Point before(1, 0);  // the mirror image arrives level, at best
+  ShapePoint before(1, 0);  // the mirror image arrives level, at best
   for (const Piece& piece : pieces_) {
     if (piece.is_hollow) return false;
-    const Point now = tangent(piece, piece.from);
+    const ShapePoint now = tangent(piece, piece.from);
     if (cross(before, now) < -1e-9) return false;
     before = tangent(piece, piece.to);
   }
   return true;
 }
 
-std::vector<Point> RevolvedProfile::polyline(double tolerance) const {
-  std::vector<Point> out{{0.0, lowest()}};
+std::vector<ShapePoint> RevolvedProfile::polyline(double tolerance) const {
+  std::vector<ShapePoint> out{{0.0, lowest()}};
   for (const Piece& piece : pieces_) {
     if (piece.arc_radius > 0) {
-      const auto angle = [&](const Point& p) { return std::atan2(p[1] - piece.center[1], p[0] - piece.center[0]); };
+      const auto angle = [&](const ShapePoint& p) { return std::atan2(p[1] - piece.center[1], p[0] - piece.center[0]); };
 
       const double a = angle(piece.from);
       double b = angle(piece.to);
@@ -149,7 +149,7 @@ std::vector<Point> RevolvedProfile::polyline(double tolerance) const {
       const int count = std::max(2, static_cast<int>(std::ceil(std::abs(b - a) / step)));
       for (int n = 1; n < count; ++n) {
         const double t = a + (b - a) * n / count;
-        out.push_back(piece.center + piece.arc_radius * Point(std::cos(t), std::sin(t)));
+        out.push_back(piece.center + piece.arc_radius * ShapePoint(std::cos(t), std::sin(t)));
       }
     }
     out.push_back(piece.to);
@@ -157,7 +157,7 @@ std::vector<Point> RevolvedProfile::polyline(double tolerance) const {
   return out;
 }
 
-double RevolvedProfile::distance(const Point& p) const noexcept {
+double RevolvedProfile::distance(const ShapePoint& p) const noexcept {
   double nearest = std::numeric_limits<double>::infinity();
   for (const Piece& piece : pieces_) nearest = std::min(nearest, pieceDistanceSquared(piece, p));
   nearest = std::sqrt(nearest);

@@ -93,7 +93,7 @@ Expected<RecipePart> readPart(const toml::table& table, const std::filesystem::p
   return part;
 }
 
-Expected<RecipeLabels> readLabels(const toml::table& table, const std::filesystem::path& file) {
+Expected<RecipeLabels> readLabelTables(const toml::table& table, const std::filesystem::path& file) {
   TomlTable t(table, file, "labels");
   RecipeLabels labels;
   labels.volume = fileName(t, "volume", "a volume file or folder, relative to the recipe");
@@ -192,7 +192,7 @@ Expected<CaseRecipe> readCaseRecipe(const std::filesystem::path& file, const Mat
     recipe.outline = std::move(outline);
   }
   if (const toml::table* table = root.get_as<toml::table>("labels")) {
-    KERF_TRY(labels, readLabels(*table, file));
+    KERF_TRY(labels, readLabelTables(*table, file));
     recipe.labels = labels;
   }
   if (const toml::table* table = root.get_as<toml::table>("region")) {

@@ -13,15 +13,15 @@
 namespace kerf::internal {
 namespace {
 
-using Kernel = CGAL::Exact_predicates_exact_constructions_kernel;
-using Point = Kernel::Point_3;
+using PlaneKernel = CGAL::Exact_predicates_exact_constructions_kernel;
+using PlanePoint = PlaneKernel::Point_3;
 struct VertexId {
   std::uint32_t v = kAdded;
 };
-using VertexBase = CGAL::Triangulation_vertex_base_with_info_2<VertexId, Kernel>;
-using FaceBase = CGAL::Constrained_triangulation_face_base_2<Kernel>;
-using Cdt =
-    CGAL::Constrained_Delaunay_triangulation_2<Kernel, CGAL::Triangulation_data_structure_2<VertexBase, FaceBase>,
+using VertexBase = CGAL::Triangulation_vertex_base_with_info_2<VertexId, PlaneKernel>;
+using FaceBase = CGAL::Constrained_triangulation_face_base_2<PlaneKernel>;
+using PlaneCdt =
+    CGAL::Constrained_Delaunay_triangulation_2<PlaneKernel, CGAL::Triangulation_data_structure_2<VertexBase, FaceBase>,
                                                CGAL::Exact_intersections_tag>;
 using Item = std::array<std::uint32_t, 2>;  ///< a segment between two points, or one point twice
 
@@ -70,12 +70,12 @@ class Arranger {
   }
 
  private:
-  Point exact(std::uint32_t v) const { return {mesh_.vertices[v].x(), mesh_.vertices[v].y(), mesh_.vertices[v].z()}; }
-  Kernel::Triangle_3 triangle(std::uint32_t t) const {
+  PlanePoint exact(std::uint32_t v) const { return {mesh_.vertices[v].x(), mesh_.vertices[v].y(), mesh_.vertices[v].z()}; }
+  PlaneKernel::Triangle_3 triangle(std::uint32_t t) const {
     const Triangle& f = mesh_.triangles[t];
     return {exact(f[0]), exact(f[1]), exact(f[2])};
   }
-  std::uint32_t id(const Point& p) {
+  std::uint32_t id(const PlanePoint& p) {
     const auto [it, fresh] = known_.try_emplace(p, static_cast<std::uint32_t>(out_.points.size()));
     if (fresh) {
       CGAL::exact(it->first);  // forget how it was made: shorter trees, faster comparisons
@@ -84,7 +84,7 @@ class Arranger {
     }
     return it->second;
   }
-  Point point(std::uint32_t v) const {
+  PlanePoint point(std::uint32_t v) const {
     return v < mesh_.vertices.size() ? exact(v) : new_points_[v - mesh_.vertices.size()];
   }
 
@@ -95,36 +95,36 @@ class Arranger {
   void meet(std::uint32_t i, std::uint32_t j) {
     const auto result = CGAL::intersection(triangle(i), triangle(j));
     if (!result) return;
-    if (const auto* p = boost::get<Point>(&*result)) {
+    if (const auto* p = boost::get<PlanePoint>(&*result)) {
       const std::uint32_t a = id(*p);
       add(i, j, a, a);
-    } else if (const auto* s = boost::get<Kernel::Segment_3>(&*result)) {
+    } else if (const auto* s = boost::get<PlaneKernel::Segment_3>(&*result)) {
       const std::uint32_t a = id(s->source()), b = id(s->target());
       add(i, j, a, b);
     } else {
-      std::vector<Point> polygon;
-      if (const auto* f = boost::get<Kernel::Triangle_3>(&*result))
+      std::vector<PlanePoint> polygon;
+      if (const auto* f = boost::get<PlaneKernel::Triangle_3>(&*result))
         polygon = {f->vertex(0), f->vertex(1), f->vertex(2)};
       else
-        polygon = boost::get<std::vector<Point>>(*result);
+        polygon = boost::get<std::vector<PlanePoint>>(*result);
       std::vector<std::uint32_t> ids;
-      for (const Point& q : polygon) ids.push_back(id(q));
+      for (const PlanePoint& q : polygon) ids.push_back(id(q));
       for (std::size_t k = 0; k < ids.size(); ++k) add(i, j, ids[k], ids[(k + 1) % ids.size()]);
     }
   }
 
   void meetFlat(std::uint32_t flat, std::uint32_t proper) {
-    const Kernel::Triangle_3 face = triangle(proper);
+    const PlaneKernel::Triangle_3 face = triangle(proper);
     const Triangle& f = mesh_.triangles[flat];
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t a = f[k], b = f[(k + 1) % 3];
       if (a == b) continue;
-      const auto result = CGAL::intersection(Kernel::Segment_3(exact(a), exact(b)), face);
+      const auto result = CGAL::intersection(PlaneKernel::Segment_3(exact(a), exact(b)), face);
       if (!result) continue;
-      if (const auto* p = boost::get<Point>(&*result)) {
+      if (const auto* p = boost::get<PlanePoint>(&*result)) {
         const std::uint32_t v = id(*p);
         items_[proper].push_back({v, v});
-      } else if (const auto* s = boost::get<Kernel::Segment_3>(&*result)) {
+      } else if (const auto* s = boost::get<PlaneKernel::Segment_3>(&*result)) {
         const std::uint32_t p1 = id(s->source()), p2 = id(s->target());
         items_[proper].push_back({std::min(p1, p2), std::max(p1, p2)});
       }
@@ -141,20 +141,20 @@ class Arranger {
     const Vec3d n = doubleAreaVector(mesh_, t);
     int axis = 0;
     n.cwiseAbs().maxCoeff(&axis);
-    const Kernel::Plane_3 plane(exact(f[0]), exact(f[1]), exact(f[2]));
-    const std::array<Kernel::FT, 3> normal{plane.a(), plane.b(), plane.c()};
+    const PlaneKernel::Plane_3 plane(exact(f[0]), exact(f[1]), exact(f[2]));
+    const std::array<PlaneKernel::FT, 3> normal{plane.a(), plane.b(), plane.c()};
     // The largest component of the double normal may, for a needle, be zero in truth.
     for (int k = 0; k < 3 && normal[static_cast<std::size_t>(axis)] == 0; ++k) axis = k;
     const bool up = normal[static_cast<std::size_t>(axis)] > 0;
     const int u = up ? (axis + 1) % 3 : (axis + 2) % 3, v = up ? (axis + 2) % 3 : (axis + 1) % 3;
 
-    Cdt cdt;
-    std::map<std::uint32_t, Cdt::Vertex_handle> handles;
+    PlaneCdt cdt;
+    std::map<std::uint32_t, PlaneCdt::Vertex_handle> handles;
     const auto insert = [&](std::uint32_t vertex) {
       const auto found = handles.find(vertex);
       if (found != handles.end()) return found->second;
-      const Point p = point(vertex);
-      const Cdt::Vertex_handle h = cdt.insert(Kernel::Point_2(p[u], p[v]));
+      const PlanePoint p = point(vertex);
+      const PlaneCdt::Vertex_handle h = cdt.insert(PlaneKernel::Point_2(p[u], p[v]));
       h->info().v = vertex;
       return handles[vertex] = h;
     };
@@ -171,13 +171,13 @@ class Arranger {
     for (auto h = cdt.finite_vertices_begin(); h != cdt.finite_vertices_end(); ++h) {
       if (h->info().v != kAdded) continue;
       // Two constraints crossed: lift their crossing back into the plane of the triangle.
-      std::array<Kernel::FT, 3> x;
+      std::array<PlaneKernel::FT, 3> x;
       const auto su = static_cast<std::size_t>(u), sv = static_cast<std::size_t>(v),
                  sa = static_cast<std::size_t>(axis);
       x[su] = h->point().x();
       x[sv] = h->point().y();
       x[sa] = -(normal[su] * x[su] + normal[sv] * x[sv] + plane.d()) / normal[sa];
-      h->info().v = id(Point(x[0], x[1], x[2]));
+      h->info().v = id(PlanePoint(x[0], x[1], x[2]));
     }
 
     for (auto face = cdt.finite_faces_begin(); face != cdt.finite_faces_end(); ++face)
@@ -232,14 +232,14 @@ class Arranger {
   }
 
   struct Less {
-    bool operator()(const Point& p, const Point& q) const { return CGAL::compare_xyz(p, q) == CGAL::SMALLER; }
+    bool operator()(const PlanePoint& p, const PlanePoint& q) const { return CGAL::compare_xyz(p, q) == CGAL::SMALLER; }
   };
   const Mesh& mesh_;
   Poll& poll_;
   Arrangement out_;
   std::vector<std::vector<Item>> items_;
-  std::map<Point, std::uint32_t, Less> known_;
-  std::vector<Point> new_points_;
+  std::map<PlanePoint, std::uint32_t, Less> known_;
+  std::vector<PlanePoint> new_points_;
 };
 
 }  // namespace

@@ -246,7 +246,7 @@ void markRims(const Mesh& mesh, const Vec3d& down, const CloseOptions& options, 
 }
 
 /// A point along an axis, as its shadow.
-Eigen::Vector2d shadowOf(const Vec3d& p, int axis) { return {p[(axis + 1) % 3], p[(axis + 2) % 3]}; }
+Eigen::Vector2d loopShadow(const Vec3d& p, int axis) { return {p[(axis + 1) % 3], p[(axis + 2) % 3]}; }
 
 bool isInside(const Eigen::Vector2d& p, const std::vector<Eigen::Vector2d>& outline) {
   int winding = 0;
@@ -274,12 +274,12 @@ double distanceTo(const Eigen::Vector2d& p, const std::vector<Eigen::Vector2d>& 
 /// out than `overhang` mm. At most 200 vertices of `inner` are asked.
 bool liesInShadow(const Mesh& mesh, const Loop& inner, const Loop& outer, int axis, double overhang) {
   std::vector<Eigen::Vector2d> outline;
-  for (const std::uint32_t v : outer) outline.push_back(shadowOf(mesh.vertices[v], axis));
+  for (const std::uint32_t v : outer) outline.push_back(loopShadow(mesh.vertices[v], axis));
   constexpr std::size_t kMostAsked = 200;
   const std::size_t stride = (inner.size() + kMostAsked - 1) / kMostAsked;
   std::size_t asked = 0, inside = 0;
   for (std::size_t k = 0; k < inner.size(); k += stride) {
-    const Eigen::Vector2d p = shadowOf(mesh.vertices[inner[k]], axis);
+    const Eigen::Vector2d p = loopShadow(mesh.vertices[inner[k]], axis);
     const bool is_inside = isInside(p, outline);
     if (!is_inside && distanceTo(p, outline) > overhang) return false;
     ++asked;

@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kLeastShare = 1e-3;  // of the area: a smaller piece is debris
 
-double reachOf(const std::vector<Vec3d>& places, const Vec3d& side) {
+double partReach(const std::vector<Vec3d>& places, const Vec3d& side) {
   double far = -std::numeric_limits<double>::infinity();
   for (const Vec3d& p : places) far = std::max(far, p.dot(side));
   return far;
@@ -162,7 +162,7 @@ std::vector<SideChange> sideChanges(const std::vector<Vec3d>& scan, const Mesh& 
   }
 
   std::vector<SideChange> out;
-  for (const Vec3d& side : sides) out.push_back({side, reachOf(solid.vertices, side) - reachOf(scan, side)});
+  for (const Vec3d& side : sides) out.push_back({side, partReach(solid.vertices, side) - partReach(scan, side)});
   return out;
 }
 

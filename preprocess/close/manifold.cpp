@@ -10,20 +10,20 @@
 namespace kerf::internal {
 namespace {
 
-struct Use {
+struct SideUse {
   std::uint32_t a, b, t;
   std::uint8_t k;  ///< the edge runs from corner k to corner k + 1 of t
   bool forth;      ///< from a to b, a < b
 };
 
-std::vector<Use> edgeUses(const std::vector<Triangle>& triangles) {
-  std::vector<Use> uses;
+std::vector<SideUse> sideUses(const std::vector<Triangle>& triangles) {
+  std::vector<SideUse> uses;
   for (std::uint32_t t = 0; t < triangles.size(); ++t)
     for (std::uint8_t k = 0; k < 3; ++k) {
       const std::uint32_t p = triangles[t][k], q = triangles[t][(k + 1u) % 3];
       uses.push_back({std::min(p, q), std::max(p, q), t, k, p < q});
     }
-  std::sort(uses.begin(), uses.end(), [](const Use& x, const Use& y) {
+  std::sort(uses.begin(), uses.end(), [](const SideUse& x, const SideUse& y) {
     if (x.a != y.a) return x.a < y.a;
     return x.b != y.b ? x.b < y.b : x.t < y.t;
   });
@@ -32,18 +32,18 @@ std::vector<Use> edgeUses(const std::vector<Triangle>& triangles) {
 
 /// Pairs the triangles around one edge by wedge of material. Around the edge a -> b, counter-clockwise, material begins
 /// behind a triangle that runs b -> a and ends behind one that runs a -> b.
-std::vector<std::array<Use, 2>> pairWedges(const Mesh& mesh, const std::vector<Vec3d>& normals,
-                                           std::span<const Use> uses) {
+std::vector<std::array<SideUse, 2>> pairWedges(const Mesh& mesh, const std::vector<Vec3d>& normals,
+                                           std::span<const SideUse> uses) {
   if (uses.size() == 2) return {{uses[0], uses[1]}};
   const Vec3d axis = (mesh.vertices[uses[0].b] - mesh.vertices[uses[0].a]).normalized();
 
   struct Spoke {
     double angle;
-    Use use;
+    SideUse use;
   };
   std::vector<Spoke> spokes;
   Vec3d x = Vec3d::Zero(), y = Vec3d::Zero();
-  for (const Use& u : uses) {
+  for (const SideUse& u : uses) {
     const Vec3d n = (u.forth ? 1.0 : -1.0) * normals[u.t];
     const Vec3d into = n.cross(axis).normalized();
 
@@ -68,10 +68,10 @@ std::vector<std::array<Use, 2>> pairWedges(const Mesh& mesh, const std::vector<V
     }
   }
 
-  std::vector<std::array<Use, 2>> pairs;
-  std::vector<Use> open;
+  std::vector<std::array<SideUse, 2>> pairs;
+  std::vector<SideUse> open;
   for (std::size_t i = 0; i < spokes.size(); ++i) {
-    const Use& u = spokes[(start + i) % spokes.size()].use;
+    const SideUse& u = spokes[(start + i) % spokes.size()].use;
     if (!u.forth) {
       open.push_back(u);
     } else if (!open.empty()) {
@@ -83,7 +83,7 @@ std::vector<std::array<Use, 2>> pairWedges(const Mesh& mesh, const std::vector<V
 }
 
 template <class F>
-void forEachEdge(const std::vector<Use>& uses, F&& f) {
+void forEachSide(const std::vector<SideUse>& uses, F&& f) {
   for (std::size_t i = 0, j = 0; i < uses.size(); i = j) {
     while (j < uses.size() && uses[j].a == uses[i].a && uses[j].b == uses[i].b) ++j;
     f(std::span(uses).subspan(i, j - i));
@@ -95,7 +95,7 @@ class Corners {
  public:
   Corners(const Mesh& mesh, const std::vector<Vec3d>& normals) : parent_(3 * mesh.triangles.size()) {
     std::iota(parent_.begin(), parent_.end(), 0u);
-    forEachEdge(edgeUses(mesh.triangles), [&](std::span<const Use> uses) {
+    forEachSide(sideUses(mesh.triangles), [&](std::span<const SideUse> uses) {
       for (const auto& [p, q] : pairWedges(mesh, normals, uses)) {
         // p and q run along the edge in opposite directions: p's first corner is q's second.
         unite(3 * p.t + p.k, 3 * q.t + (q.k + 1u) % 3);
@@ -185,10 +185,10 @@ std::size_t splitEdges(Mesh& mesh, std::vector<Vec3d>& normals, std::vector<std:
   std::size_t count = 0;
   // One edge per triangle and round: a second one would be stale. The caller repeats.
   std::vector<char> taken(mesh.triangles.size(), 0);
-  const std::vector<Use> uses_before = edgeUses(mesh.triangles);
-  forEachEdge(uses_before, [&](std::span<const Use> uses) {
+  const std::vector<SideUse> uses_before = sideUses(mesh.triangles);
+  forEachSide(uses_before, [&](std::span<const SideUse> uses) {
     if (uses.size() <= 2) return;
-    for (const Use& u : uses)
+    for (const SideUse& u : uses)
       if (taken[u.t]) return;
 
     const auto m = static_cast<std::uint32_t>(mesh.vertices.size());
@@ -197,7 +197,7 @@ std::size_t splitEdges(Mesh& mesh, std::vector<Vec3d>& normals, std::vector<std:
     report.copy_of.push_back(kAdded);
     ++count;
 
-    for (const Use& u : uses) {
+    for (const SideUse& u : uses) {
       taken[u.t] = 1;
       const Triangle f = mesh.triangles[u.t];
       const std::uint32_t p = f[u.k], q = f[(u.k + 1u) % 3], r = f[(u.k + 2u) % 3];

@@ -13,20 +13,20 @@
 namespace kerf::internal {
 namespace {
 
-constexpr std::uint32_t kNone = ~0u;
+constexpr std::uint32_t kNoTriangle = ~0u;
 
 void flip(Triangle& f) { std::swap(f[1], f[2]); }
 
 // Neighbours across two-sided edges.
 struct Neighbours {
-  std::vector<std::array<std::uint32_t, 3>> next;  // per triangle: up to three, then kNone
+  std::vector<std::array<std::uint32_t, 3>> next;  // per triangle: up to three, then kNoTriangle
   std::vector<std::array<char, 3>> differs;        // whether that one faces the other way
 };
 
 bool joins(std::span<const EdgeUse> uses) { return uses.size() == 2 && uses[0].triangle != uses[1].triangle; }
 
-Neighbours neighboursOf(std::size_t triangles, const std::vector<EdgeUse>& all) {
-  Neighbours out{std::vector<std::array<std::uint32_t, 3>>(triangles, {kNone, kNone, kNone}),
+Neighbours facesAcross(std::size_t triangles, const std::vector<EdgeUse>& all) {
+  Neighbours out{std::vector<std::array<std::uint32_t, 3>>(triangles, {kNoTriangle, kNoTriangle, kNoTriangle}),
                  std::vector<std::array<char, 3>>(triangles, {0, 0, 0})};
   std::vector<int> filled(triangles, 0);
   forEachEdge(all, [&](std::span<const EdgeUse> uses) {
@@ -50,7 +50,7 @@ void spread(std::uint32_t seed, const Neighbours& neighbours, std::vector<signed
   for (std::size_t i = 0; i < patch.size(); ++i)
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t t = patch[i], u = neighbours.next[t][k];
-      if (u == kNone || turn[u] >= 0) continue;
+      if (u == kNoTriangle || turn[u] >= 0) continue;
       turn[u] = static_cast<signed char>(turn[t] ^ neighbours.differs[t][k]);
       patch.push_back(u);
     }
@@ -64,7 +64,7 @@ struct PieceSizes {
 };
 
 PieceSizes sizesOf(const Mesh& mesh, const Pieces& pieces) {
-  PieceSizes out{std::vector<double>(pieces.count, 0), std::vector<std::uint32_t>(pieces.count, kNone),
+  PieceSizes out{std::vector<double>(pieces.count, 0), std::vector<std::uint32_t>(pieces.count, kNoTriangle),
                  std::vector<Box3>(pieces.count)};
   std::vector<double> biggest_area(pieces.count, -1);
   const Vec3d center = bounds(mesh).center();
@@ -110,7 +110,7 @@ void orientTriangles(Chain& chain, CloseReport& report) {
               [&](std::span<const EdgeUse> uses) { any = any || (joins(uses) && uses[0].forth == uses[1].forth); });
   if (!any) return;
 
-  const Neighbours neighbours = neighboursOf(n, all);
+  const Neighbours neighbours = facesAcross(n, all);
   std::vector<signed char> turn(n, -1);
   std::vector<std::uint32_t> patch;
   for (std::uint32_t seed = 0; seed < n; ++seed) {

@@ -16,7 +16,7 @@ namespace kerf::internal {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint32_t kNoEdge = std::numeric_limits<std::uint32_t>::max();
 
 class DisjointSets {
  public:
@@ -69,7 +69,7 @@ class Graph {
   // The shortest walks through `root` that bound nothing, up to a length.
   std::vector<ShortLoop> loopsThrough(std::uint32_t root, double longest) const {
     std::vector<double> distance(first_.size() - 1, kInfinity);
-    std::vector<std::uint32_t> by(distance.size(), kNone);  // edge towards the root
+    std::vector<std::uint32_t> by(distance.size(), kNoEdge);  // edge towards the root
     using Item = std::pair<double, std::uint32_t>;
     std::priority_queue<Item, std::vector<Item>, std::greater<>> queue;
     distance[root] = 0;
@@ -121,7 +121,7 @@ class Graph {
   ShortLoop walk(std::uint32_t closing, const std::vector<std::uint32_t>& by) const {
     const auto way = [&](std::uint32_t v) {
       std::vector<std::uint32_t> out{v};
-      while (by[v] != kNone) {
+      while (by[v] != kNoEdge) {
         const Edge& e = edges_[by[v]];
         v = e.a == v ? e.b : e.a;
         out.push_back(v);

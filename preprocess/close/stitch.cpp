@@ -137,10 +137,10 @@ Expected<std::vector<Pair>> closePairs(const Mesh& mesh, const std::vector<OpenE
 }
 
 /// Of the vertices in pairs: the corners of their triangles, sorted.
-using Neighbours = std::map<std::uint32_t, std::vector<std::uint32_t>>;
+using SeamNeighbours = std::map<std::uint32_t, std::vector<std::uint32_t>>;
 
-Neighbours neighboursOf(const Mesh& mesh, const std::vector<Pair>& pairs) {
-  Neighbours neighbours;
+SeamNeighbours neighboursOf(const Mesh& mesh, const std::vector<Pair>& pairs) {
+  SeamNeighbours neighbours;
   for (const Pair& p : pairs) {
     neighbours.try_emplace(p.first);
     neighbours.try_emplace(p.second);
@@ -158,7 +158,7 @@ Expected<void> joinVertices(Chain& chain, const std::vector<OpenEdge>& edges, do
   Mesh& mesh = chain.mesh;
   KERF_TRY(pairs, closePairs(mesh, edges, tolerance));
   if (pairs.empty()) return {};
-  const Neighbours neighbours = neighboursOf(mesh, pairs);
+  const SeamNeighbours neighbours = neighboursOf(mesh, pairs);
 
   std::vector<std::uint32_t> target(mesh.vertices.size());
   std::iota(target.begin(), target.end(), 0u);
@@ -224,7 +224,7 @@ Expected<std::vector<Cut>> cutsNear(const Mesh& mesh, const std::vector<OpenEdge
 }
 
 /// Splits every open edge at the open vertices near it, one edge per triangle. True if any was.
-Expected<bool> splitEdges(Chain& chain, double tolerance, Done& done) {
+Expected<bool> splitSeamEdges(Chain& chain, double tolerance, Done& done) {
   Mesh& mesh = chain.mesh;
   const std::vector<OpenEdge> edges = openEdges(mesh.triangles);
   if (edges.empty()) return false;
@@ -263,7 +263,7 @@ Expected<void> stitchSeams(Chain& chain, double tolerance, CloseReport& report) 
   Done done;
   KERF_CHECK(joinVertices(chain, edges, tolerance, done));
   for (int round = 0; round < kMostRounds; ++round) {
-    KERF_TRY(any, splitEdges(chain, tolerance, done));
+    KERF_TRY(any, splitSeamEdges(chain, tolerance, done));
     if (!any) break;
   }
   if (done.joined + done.split == 0) return {};

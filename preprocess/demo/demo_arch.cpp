@@ -34,7 +34,7 @@ bool wasSeen(const Vec3d& p, std::uint32_t seed) {
   return p.z() > -17 + 0.05 * p.y() + ragged && p.y() < 47 + ragged;
 }
 
-Rgba8 colorAt(const Vec3d& p, std::uint32_t seed) {
+Rgba8 archColorAt(const Vec3d& p, std::uint32_t seed) {
   const Vec3d q(std::abs(p.x()), p.y(), p.z()), ivory(238, 228, 205), neck(234, 218, 188), gum(214, 128, 128),
       red(196, 98, 104);
   const double tooth = rowValue(ToothTissue::kTooth, q, 3.0), gums = gingiva(p);
@@ -234,7 +234,7 @@ Expected<DemoArch> demoArch(const DemoArchOptions& options, const Progress& prog
   arch.mesh.vertex_colors.resize(arch.mesh.vertices.size());
   tbb::parallel_for(std::size_t{0}, arch.mesh.vertices.size(), [&](std::size_t v) {
     Vec3d& p = arch.mesh.vertices[v];
-    arch.mesh.vertex_colors[v] = colorAt(p, options.seed);
+    arch.mesh.vertex_colors[v] = archColorAt(p, options.seed);
     // Uniform noise has 1 / sqrt(3) of its range as root mean square; blending corners of cubes leaves 0.36 of it.
     const double white = std::sqrt(3.0) * latticeNoise(static_cast<int>(v), 0, 0, options.seed + 3);
     const double bumps = valueNoise(p / 1.5, options.seed + 4) / 0.36;

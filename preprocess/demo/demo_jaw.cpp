@@ -11,7 +11,7 @@
 namespace kerf::internal {
 namespace {
 
-constexpr DemoMandibleDimensions kDimensions;
+constexpr DemoMandibleDimensions kJawDimensions;
 
 // ---------------------------------------------------------------------------------------------------------- body
 
@@ -147,7 +147,7 @@ double body(const Vec3d& p) {
 // gonial angle lies between `up` and the lower border of the body.
 constexpr double kGonionY = 73, kGonionZ = -30;
 const double kBodySlope = 8.1 * std::numbers::pi / 180;  // of the lower border against the occlusal plane
-const double kUpAngle = std::numbers::pi + kBodySlope - kDimensions.gonial_angle_deg * std::numbers::pi / 180;
+const double kUpAngle = std::numbers::pi + kBodySlope - kJawDimensions.gonial_angle_deg * std::numbers::pi / 180;
 const Vec2d kUp(std::cos(kUpAngle), std::sin(kUpAngle)), kFront(-kUp.y(), kUp.x());
 
 Vec2d inRamus(double y, double z) {
@@ -281,7 +281,7 @@ std::vector<Bead> smoothPath() {
     const auto& c = kPath[std::clamp<std::ptrdiff_t>(i, 0, n - 1)];
     return Vec3d(c[0], c[1], c[2]);
   };
-  const double radius = 0.5 * kDimensions.canal_diameter;
+  const double radius = 0.5 * kJawDimensions.canal_diameter;
   for (std::ptrdiff_t i = 0; i + 1 < static_cast<std::ptrdiff_t>(std::size(kPath)); ++i)
     for (double t = 0; t < 1; t += 0.25) {
       const Vec3d a = corner(i - 1), b = corner(i), c = corner(i + 1), d = corner(i + 2);
@@ -323,7 +323,7 @@ double jawBone(const Vec3d& original) {
   if (core > 4 || p.z() > 0) return core;
   // Bone bulges over the roots; a plate of at least 0.8 mm covers them up to the crest, 1.75 mm below the junction.
   const double cover = rowUnion(p, 3.0, [](const ToothDimensions& t, const Vec3d& local) {
-    return smoothMax(toothValue(t, ToothTissue::kTooth, local) - 0.9, local.z() + kDimensions.junction_to_crest, 0.8);
+    return smoothMax(toothValue(t, ToothTissue::kTooth, local) - 0.9, local.z() + kJawDimensions.junction_to_crest, 0.8);
   });
   return smoothMin(core, cover, 1.4);
 }
@@ -331,8 +331,8 @@ double jawBone(const Vec3d& original) {
 double cortexThickness(const Vec3d& original) {
   const Vec3d p = leftHalf(original);
   const double height = std::clamp((p.z() + 40) / 30, 0.0, 1.0);
-  const double in_body = mix(kDimensions.cortex.most, kDimensions.cortex.least, smoothStep(0.1, 0.8, height));
-  return mix(in_body, kDimensions.ramus_cortex, smoothStep(48, 62, p.y()));
+  const double in_body = mix(kJawDimensions.cortex.most, kJawDimensions.cortex.least, smoothStep(0.1, 0.8, height));
+  return mix(in_body, kJawDimensions.ramus_cortex, smoothStep(48, 62, p.y()));
 }
 
 std::span<const Bead> nervePath() {
@@ -354,8 +354,8 @@ double jawOutline(const Vec3d& original) {
 
 double ligament(const Vec3d& original) {
   return rowUnion(leftHalf(original), 3.0, [](const ToothDimensions& t, const Vec3d& local) {
-    return smoothMax(toothValue(t, ToothTissue::kTooth, local) - kDimensions.ligament,
-                     local.z() + kDimensions.junction_to_crest - 0.3, 0.1);
+    return smoothMax(toothValue(t, ToothTissue::kTooth, local) - kJawDimensions.ligament,
+                     local.z() + kJawDimensions.junction_to_crest - 0.3, 0.1);
   });
 }
 
@@ -363,8 +363,8 @@ double spongyBone(const Vec3d& original) {
   const Vec3d p = leftHalf(original);
   double f = jawCore(p) + cortexThickness(p);
   if (f > 3) return f;
-  f = smoothMax(f, kDimensions.socket_wall + kDimensions.ligament - rowValue(ToothTissue::kTooth, p, 3.0), 0.6);
-  return smoothMax(f, kDimensions.canal_wall - nerveCanal(p), 0.6);
+  f = smoothMax(f, kJawDimensions.socket_wall + kJawDimensions.ligament - rowValue(ToothTissue::kTooth, p, 3.0), 0.6);
+  return smoothMax(f, kJawDimensions.canal_wall - nerveCanal(p), 0.6);
 }
 
 double gingiva(const Vec3d& original) {

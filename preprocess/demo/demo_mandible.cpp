@@ -13,9 +13,9 @@ using namespace internal;
 
 double teeth(const Vec3d& p, ToothTissue tissue) { return rowValue(tissue, Vec3d(std::abs(p.x()), p.y(), p.z()), 3.0); }
 double dentin(const Vec3d& p) { return teeth(p, ToothTissue::kTooth); }
-double enamel(const Vec3d& p) { return teeth(p, ToothTissue::kEnamel); }
+double mandibleEnamel(const Vec3d& p) { return teeth(p, ToothTissue::kEnamel); }
 /// A little wider than in the single molar: the canals have to survive a coarser mesh.
-double pulp(const Vec3d& p) { return teeth(p, ToothTissue::kPulp) - 0.08; }
+double mandiblePulp(const Vec3d& p) { return teeth(p, ToothTissue::kPulp) - 0.08; }
 
 Vec3d rgb(const Rgba8& c) { return Vec3d(c[0], c[1], c[2]); }
 constexpr Rgba8 kBone{226, 211, 178, 255}, kEnamel{238, 232, 218, 255}, kDentin{219, 198, 158, 255};
@@ -45,8 +45,8 @@ Expected<DemoAnatomy> demoMandible(double detail, const Progress& progress) {
   const Box3 row{Vec3d(-36, -8, -30), Vec3d(36, 50, 4)}, jaw{Vec3d(-66, -14, -47), Vec3d(66, 108, 36)};
   const Tissue tissues[] = {
       {"nerve_canal", "nerve-canal.ply", nerveCanal, 0.4, 0.9, 1.2, jaw, {240, 196, 48, 255}},
-      {"pulp", "pulp.ply", pulp, 0.17, 0.17, 2, row, {186, 58, 52, 255}},
-      {"enamel", "enamel.ply", enamel, 0.32, 0.5, 2, row, kEnamel},
+      {"mandiblePulp", "pulp.ply", mandiblePulp, 0.17, 0.17, 2, row, {186, 58, 52, 255}},
+      {"mandibleEnamel", "enamel.ply", mandibleEnamel, 0.32, 0.5, 2, row, kEnamel},
       {"dentin", "teeth.ply", dentin, 0.32, 0.8, 2, row, kDentin},
       {"pdl", "pdl.ply", ligament, 0.4, 0.8, 2, row, {205, 120, 110, 255}},
       {"cancellous", "cancellous.ply", spongyBone, 0.5, 1.0, 2, jaw, {206, 150, 110, 255}},

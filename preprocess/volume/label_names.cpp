@@ -7,7 +7,7 @@
 namespace kerf {
 namespace {
 
-constexpr std::size_t kMostHeader = 1 << 20;  // bytes
+constexpr std::size_t kMostNamesHeader = 1 << 20;  // bytes
 constexpr std::size_t kLongestName = 200;     // bytes
 
 std::optional<int> numberOf(const std::string& text) {
@@ -41,7 +41,7 @@ std::map<std::uint16_t, std::string> labelNames(const std::filesystem::path& pat
   std::map<int, std::string> names;
   std::map<int, int> values;
   std::size_t read = line.size();
-  while (read < kMostHeader && std::getline(in, line)) {
+  while (read < kMostNamesHeader && std::getline(in, line)) {
     read += line.size() + 1;
     if (!line.empty() && line.back() == '\r') line.pop_back();
     if (line.empty()) break;  // the values follow

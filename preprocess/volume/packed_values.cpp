@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t kChunk = 1 << 18;          // bytes read, and bytes unpacked, at a time
 constexpr int kGzipOnly = 31, kGzipOrZlib = 47;  // how inflateInit2() calls them, with the largest window
 
-tl::unexpected<Error> bad(const fs::path& path, std::string found, std::string expected, std::string hint) {
+tl::unexpected<Error> badPacking(const fs::path& path, std::string found, std::string expected, std::string hint) {
   return fail({.code = Error::Code::kBadFormat,
                .file = path.string(),
                .found = std::move(found),
@@ -90,7 +90,7 @@ Expected<std::uint64_t> inflate(const PackedValues& packed, const ByteSink& sink
       if (!report(progress, 0.2, "unpacking voxels")) return cancelled(packed.file.string());
       in.refill();
       if (in.size() == 0)
-        return bad(packed.file, fmt::format("compressed values that break off after {} bytes", bytes),
+        return badPacking(packed.file, fmt::format("compressed values that break off after {} bytes", bytes),
                    "compressed values with their end and its checksum", "copy the file again: it is cut short");
     }
 
@@ -111,7 +111,7 @@ Expected<std::uint64_t> inflate(const PackedValues& packed, const ByteSink& sink
       if (!is_followed) return bytes;
       inflateReset(&z);
     } else if (said != Z_OK && said != Z_BUF_ERROR) {
-      return bad(packed.file,
+      return badPacking(packed.file,
                  fmt::format("compressed values that are damaged after {} bytes ({})", bytes,
                              z.msg ? z.msg : "no reason given"),
                  "compressed values that agree with their checksum",
@@ -204,7 +204,7 @@ Expected<void> requireReadable(const PackedValues& packed) {
 Expected<void> requireEnough(const PackedValues& packed, std::uint64_t bytes, std::uint64_t needed) {
   if (bytes >= packed.ahead + needed) return {};
   const bool is_raw = packed.packing == Packing::kNone;
-  return bad(packed.file,
+  return badPacking(packed.file,
              fmt::format("{} bytes of values{}", bytes - std::min(bytes, packed.ahead), is_raw ? "" : ", unpacked"),
              fmt::format("{}, as its header claims", needed),
              is_raw ? "copy the file again: it is cut short"
@@ -229,7 +229,7 @@ Expected<void> requireWholeValues(const PackedValues& packed, std::uint64_t valu
   if (packed.packing == Packing::kText) {
     KERF_TRY(words, wordsOf(packed, progress));
     if (words >= values) return {};
-    return bad(packed.file, fmt::format("{} values", words), fmt::format("{}, as its header claims", values),
+    return badPacking(packed.file, fmt::format("{} values", words), fmt::format("{}, as its header claims", values),
                "copy the file again: it is cut short");
   }
   KERF_TRY(bytes, inflate(packed, {}, progress));

@@ -39,7 +39,7 @@ constexpr std::uint64_t kRaw = 1, kDeflate = 8, kOldDeflate = 32946;  // values 
 constexpr std::uint64_t kReversed = 2;                                // of kFillOrder
 constexpr std::size_t kMostPages = 64;  // of a file: a slice has one, and perhaps small pictures of itself
 
-tl::unexpected<Error> bad(const fs::path& path, std::string place, std::string found, std::string expected,
+tl::unexpected<Error> badTiff(const fs::path& path, std::string place, std::string found, std::string expected,
                           std::string hint = "copy the file again: it is cut short or damaged") {
   return fail({.code = Error::Code::kBadFormat,
                .file = path.string(),
@@ -49,7 +49,7 @@ tl::unexpected<Error> bad(const fs::path& path, std::string place, std::string f
                .hint = std::move(hint)});
 }
 
-tl::unexpected<Error> unsupported(const fs::path& path, std::string found, std::string expected) {
+tl::unexpected<Error> unsupportedTiff(const fs::path& path, std::string found, std::string expected) {
   return fail({.code = Error::Code::kUnsupported,
                .file = path.string(),
                .found = std::move(found),
@@ -73,9 +73,9 @@ class Page {
 };
 
 // The directories of a file, one after the other.
-class Walk {
+class TiffWalk {
  public:
-  Walk(const fs::path& path, std::istream& in, std::uint64_t bytes) : path_(path), in_(in), bytes_(bytes) {}
+  TiffWalk(const fs::path& path, std::istream& in, std::uint64_t bytes) : path_(path), in_(in), bytes_(bytes) {}
 
   // The place of the first directory; 0: there is none.
   Expected<std::uint64_t> begin() {
@@ -85,7 +85,7 @@ class Walk {
     is_big_endian_ = mark == "MM";
     std::uint64_t version = 0, offset_bytes = 8, unused = 0, first = 0;
     const bool is_tiff = (mark == "MM" || mark == "II") && number(2, version) && (version == 42 || version == 43);
-    if (!is_tiff) return bad(path_, "byte 0", "no TIFF signature", "a TIFF picture", "leave it out of the folder");
+    if (!is_tiff) return badTiff(path_, "byte 0", "no TIFF signature", "a TIFF picture", "leave it out of the folder");
     is_big_ = version == 43;
     if (is_big_ && !(number(2, offset_bytes) && offset_bytes == 8 && number(2, unused))) return endsInDirectory(0);
     if (!number(is_big_ ? 8 : 4, first)) return endsInDirectory(0);
@@ -124,7 +124,7 @@ class Walk {
   }
 
   tl::unexpected<Error> endsInDirectory(std::uint64_t place) const {
-    return bad(path_, fmt::format("byte {}", place),
+    return badTiff(path_, fmt::format("byte {}", place),
                fmt::format("a file of {} bytes that ends in its directory", bytes_), "a directory of its strips");
   }
 
@@ -156,11 +156,11 @@ class Walk {
 
     const std::uint64_t each = bytesOfType(type);
     const std::string place = fmt::format("tag {}", tag);
-    if (each == 0) return bad(path_, place, fmt::format("values of type {}", type), "whole numbers");
+    if (each == 0) return badTiff(path_, place, fmt::format("values of type {}", type), "whole numbers");
     std::uint64_t from = at + 4 + word;
     if (count > word / each && !number(word, from)) return endsInDirectory(at);
     if (from > bytes_ || count > (bytes_ - from) / each)
-      return bad(path_, place, fmt::format("{} numbers from byte {} on, in a file of {} bytes", count, from, bytes_),
+      return badTiff(path_, place, fmt::format("{} numbers from byte {} on, in a file of {} bytes", count, from, bytes_),
                  "numbers that are in the file");
 
     std::vector<std::uint64_t>& numbers = page.numbers[static_cast<std::uint16_t>(tag)];
@@ -200,16 +200,16 @@ struct Strips {
 
 Expected<void> requireWholePage(const fs::path& path, std::uint64_t file_bytes, const Page& page,
                                 const Progress& progress) {
-  if (page.numbers.contains(kTileOffsets)) return unsupported(path, "a picture in tiles", "one in strips");
+  if (page.numbers.contains(kTileOffsets)) return unsupportedTiff(path, "a picture in tiles", "one in strips");
   const std::uint64_t compression = page.first(kCompression, kRaw);
   const bool is_deflate = compression == kDeflate || compression == kOldDeflate;
   if (is_deflate && page.first(kFillOrder, 1) == kReversed)
-    return unsupported(path, "compressed bytes with their bits in reverse (FillOrder 2)", "FillOrder 1");
+    return unsupportedTiff(path, "compressed bytes with their bits in reverse (FillOrder 2)", "FillOrder 1");
 
   const Strips strips(page);
   const std::vector<std::uint64_t> offsets = page.all(kStripOffsets), counts = page.all(kStripByteCounts);
   if (offsets.size() < strips.count())
-    return bad(path, fmt::format("tag {}", static_cast<int>(kStripOffsets)), fmt::format("{} strips", offsets.size()),
+    return badTiff(path, fmt::format("tag {}", static_cast<int>(kStripOffsets)), fmt::format("{} strips", offsets.size()),
                fmt::format("{}: {} rows, {} in a strip", strips.count(), strips.rows, strips.rows_each));
 
   for (std::size_t n = 0; n < strips.count(); ++n) {
@@ -219,7 +219,7 @@ Expected<void> requireWholePage(const fs::path& path, std::uint64_t file_bytes, 
     const std::uint64_t stated = n < counts.size() && counts[n] > 0 ? counts[n] : held;
     const std::uint64_t needed = compression == kRaw ? strips.bytesOf(n) : stated;
     if (needed > held || offsets[n] > file_bytes)
-      return bad(path, place, fmt::format("{} bytes up to the end of the file", held), fmt::format("{}", needed),
+      return badTiff(path, place, fmt::format("{} bytes up to the end of the file", held), fmt::format("{}", needed),
                  "copy the file again: it is cut short");
     if (!is_deflate) continue;
 
@@ -245,7 +245,7 @@ Expected<void> requireWholeStrips(const fs::path& path, const Progress& progress
                  .found = "it can not be opened",
                  .expected = "a readable file"});
 
-  Walk walk(path, in, bytes);
+  TiffWalk walk(path, in, bytes);
   KERF_TRY(at, walk.begin());
   std::set<std::uint64_t> places;
   while (at != 0 && places.size() < kMostPages && places.insert(at).second) {

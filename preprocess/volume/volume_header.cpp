@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kDeflate = 1032;  // no deflate stream expands more
+constexpr double kDeflateGrowth = 1032;  // no deflate stream expands more
 constexpr double kText = 8;        // a digit and a blank make up to 8 bytes, and half a byte is lost to rounding
 constexpr std::size_t kMostHeader = 1 << 20;
 constexpr int kMostAxes = 7;
@@ -191,7 +191,7 @@ Expected<void> requireNrrdSignature(const fs::path& path) {
 
 // What values bytes one stored byte can stand for.
 Expected<double> mostPerByteOfNrrd(const fs::path& path, const std::string& encoding) {
-  if (encoding == "gzip" || encoding == "gz") return kDeflate;
+  if (encoding == "gzip" || encoding == "gz") return kDeflateGrowth;
   if (encoding == "bzip2" || encoding == "bz2")
     return unsupported(path, "key encoding", "'" + encoding + "', which no reader here unpacks",
                        "raw, gzip, ascii or hex", "save it with encoding: gzip");
@@ -272,7 +272,7 @@ Expected<StatedHeader> checkNrrd(const fs::path& path) {
   KERF_TRY(most_per_byte, mostPerByteOfNrrd(path, lower(get("encoding"))));
   out.most_per_byte = most_per_byte;
   const bool is_raw = lower(get("encoding")) == "raw";
-  if (most_per_byte == kDeflate || is_raw) {
+  if (most_per_byte == kDeflateGrowth || is_raw) {
     KERF_TRY(packed, packedValuesOfNrrd(path, h, is_raw ? Packing::kNone : Packing::kGzip));
     out.packed = packed;
   }
@@ -346,7 +346,7 @@ Expected<StatedHeader> checkMetaImage(const fs::path& path) {
 
   KERF_TRY(packed, packedValuesOfMetaImage(path, h, out));
   out.packed = packed;
-  if (packed.packing == Packing::kZlib) out.most_per_byte = kDeflate;
+  if (packed.packing == Packing::kZlib) out.most_per_byte = kDeflateGrowth;
   if (packed.packing == Packing::kText) out.most_per_byte = kText;
   if (const std::vector<double> skipped = numbers(get("HeaderSize")); skipped.size() == 1 && skipped[0] > 0) {
     // Counted from the start of the file that holds the values.
@@ -479,7 +479,7 @@ Expected<StatedHeader> checkNifti(const fs::path& path) {
   const auto start = static_cast<std::uint64_t>(offset);
   out.type = niftiType(header);
   if (header.is_compressed) {
-    out.most_per_byte = kDeflate;
+    out.most_per_byte = kDeflateGrowth;
     out.stored_bytes = bytes;
     out.packed = {.packing = Packing::kGzip, .file = path, .ahead = start};
   } else {

@@ -9,8 +9,8 @@
 namespace kerf {
 namespace {
 
-constexpr std::int64_t kMs = 1'000'000;  // ns
-constexpr std::int64_t kDeadManNs = 20 * kMs;
+constexpr std::int64_t kNsOfMs = 1'000'000;  // ns
+constexpr std::int64_t kDeadManNs = 20 * kNsOfMs;
 static_assert(kDeadManNs == static_cast<std::int64_t>(1e9 * ForceArm::kDeadMan));
 constexpr double kJump = 5;  // mm from frame to frame: no hand, a device that was set anew
 constexpr std::uint32_t kPedal = 1, kClutch = 2;
@@ -23,7 +23,7 @@ ForceFrame ArmLink::answer(const Hand& newest, std::int64_t now) noexcept {
   wishes.update();
   const Wish& wish = wishes.front();
   const bool has_news = wish.written_ns != 0 && newest.came_ns != 0 && newest.frame.is_ready;
-  const std::int64_t left_ms = (kDeadManNs - (now - std::min(wish.written_ns, newest.came_ns))) / kMs;
+  const std::int64_t left_ms = (kDeadManNs - (now - std::min(wish.written_ns, newest.came_ns))) / kNsOfMs;
 
   ForceFrame out;
   out.hand_number = wish.hand_number;

@@ -47,7 +47,7 @@ struct DeviceCoupling {
 /// up for it; K tau^2 / m = 0.55 is where a delayed spring and damper on a mass is at its limit, and 0.2 leaves room
 /// for hand and filter; a rounded position needs f >= K q / 2 (Abbott & Okamura 2005), half of that leaves room for
 /// axes that are turned; and one step of the encoder kicks the hand by B a q / T. The same for turning, with the wanted
-/// turning stiffness, inertia, f at least 0.1 N mm, and 2 N mm s/rad. `kerf bench devices` measures it.
+/// turning stiffness, inertia, f at least 0.1 N mm, and 2 N mm s/rad. `kerf-bench devices` measures it.
 ///
 /// No friction at all cannot be passive behind an encoder: what such a device is given stays small and bounded.
 /// @param profile  delay not negative, mass positive.   @param wanted  all that does not follow from the profile is

@@ -6,15 +6,15 @@
 namespace kerf {
 namespace {
 
-constexpr double kGives = 70;              // mm/s per N, of what force is missing or too much
+constexpr double kGuideGives = 70;              // mm/s per N, of what force is missing or too much
 constexpr double kGovern = 4;              // N per mm of way: force follows what is missing of the feed
 constexpr double kFastest = 6;             // mm/s of the hand, forward, on a way that cuts
-constexpr double kLetsGo = 200;            // mm/s, back
-constexpr double kBrake = 10;              // 1/s: of the way that is left
+constexpr double kGuideLetsGo = 200;            // mm/s, back
+constexpr double kGuideBrake = 10;              // 1/s: of the way that is left
 constexpr double kCreep = 0.1;             // mm/s: slower it does not become before the end
 constexpr double kThere = 0.02;            // mm before the end of a way
 constexpr double kNearly = 0.1;            // mm: the same for a tool that gets on no more
-constexpr double kSmooth = 0.1;            // of the speed, a tick
+constexpr double kGuideSmooth = 0.1;            // of the speed, a tick
 constexpr double kTouches = 0.15;          // N: less is air
 constexpr double kCarryForce = 2;          // N on a way through air: something is in it
 constexpr double kLean = ToolLean::kRate;  // 1/s
@@ -110,7 +110,7 @@ void GuidedHand::backOut() noexcept {
 double GuidedHand::feedOf(double left, double resists) const noexcept {
   const bool cuts = now_.stage == GuidedStage::kCutting && cut_.ways[now_.way].cuts;
   const double most = !cuts ? kCarried : resists < kTouches ? kThroughAir : cut_.feed;
-  return std::clamp(kBrake * left, kCreep, most);
+  return std::clamp(kGuideBrake * left, kCreep, most);
 }
 
 // The tool has not got on for a while.
@@ -144,7 +144,7 @@ void GuidedHand::followWay() noexcept {
   was_touching_ = felt_.norm() > kTouches;
 
   const double at = h_ - resists / stiffness_;
-  speed_ += kSmooth * ((at - at_) / kTick - speed_);
+  speed_ += kGuideSmooth * ((at - at_) / kTick - speed_);
   at_ = at;
   const double left = length_ - at;
   const bool is_stuck = isStuck(at);
@@ -163,11 +163,11 @@ void GuidedHand::followWay() noexcept {
   if (recoil_ > 0) {
     recoil_ -= kTick;
     wanted_ = 0;
-    rate = std::max(kGives * -resists, -kLetsGo) - kBackSpeed;
+    rate = std::max(kGuideGives * -resists, -kGuideLetsGo) - kBackSpeed;
   } else {
     const double most = std::min(cuts ? cut_.force : kCarryForce, stiffness_ * (left + kPast));
     wanted_ = std::clamp(wanted_ + kGovern * (feedOf(left, resists) - speed_) * kTick, 0.0, most);
-    rate = std::clamp(kGives * (wanted_ - resists), -kLetsGo, cuts ? kFastest : kCarried);
+    rate = std::clamp(kGuideGives * (wanted_ - resists), -kGuideLetsGo, cuts ? kFastest : kCarried);
   }
   still_ += std::abs(kTick * rate);
   h_ = std::min(h_ + kTick * rate, length_ + kPast);

@@ -12,7 +12,7 @@ constexpr double kAhead = 0.02;        // s: where the tool will be then counts
 constexpr double kSmooth = 0.1;        // of that speed, a tick
 constexpr double kFollow = 20;         // 1/s
 constexpr double kBrake = 30;          // 1/s: of the way to the depth
-constexpr double kLetsGo = 200;        // mm/s, back
+constexpr double kMouseLetsGo = 200;        // mm/s, back
 constexpr double kSurfaceStep = 0.05;  // mm a tick
 constexpr double kAround = 1;          // mm: so far beyond anchor and pointer the surface is looked for
 constexpr double kMostAside = 1;       // mm, against what pushes a tool out of its guide
@@ -151,7 +151,7 @@ void MouseHand::holdBackFromKept(const Vec3d& towards) noexcept {
   const double ahead = *kept_ - kAhead * std::max(kept_speed_, 0.0);
   const double most = std::max(kLeast, aim_.force) * std::clamp(ahead / kSoftly, 0.0, 1.0);
   const double pull = -felt_.dot(towards);
-  if (pull > most) pose_.translation -= std::min((pull - most) / stiffness_, kLetsGo * kTick) * towards;
+  if (pull > most) pose_.translation -= std::min((pull - most) / stiffness_, kMouseLetsGo * kTick) * towards;
 }
 
 // How far what of the tool goes first is from where the hand wants it, mm. Of a tilted tool that turns out of the way,
@@ -229,7 +229,7 @@ void MouseHand::moveAlong(bool is_pressed) noexcept {
     const double ahead = left - kAhead * std::max(speed_, 0.0);
     const double wanted = aim_.force * std::clamp(ahead / kSoftly, 0.0, 1.0);
     const double fastest = std::min(kApproach, kBrake * left);
-    to += kTick * std::clamp(std::min(kGives * (wanted - felt), fastest), -kLetsGo, kApproach);
+    to += kTick * std::clamp(std::min(kGives * (wanted - felt), fastest), -kMouseLetsGo, kApproach);
   } else if (at > lifted) {
     to = std::max(at - kTick * kApproach, lifted);
   }

@@ -69,7 +69,7 @@ const std::array<Vec3d, 14>& directions() {
 }
 
 // mm along a direction; the farther, with the cell it is read from, within kOcclusionReach.
-constexpr std::array<double, 2> kSteps = {0.5, 1.5};
+constexpr std::array<double, 2> kOcclusionSteps = {0.5, 1.5};
 constexpr double kLeastCosine = 0.15;  ///< grazing directions see the surface itself
 
 template <class Field>
@@ -85,7 +85,7 @@ std::vector<std::uint8_t> occlusion(const MeshChunk& chunk, const Field& field) 
     for (const Vec3d& direction : directions()) {
       const double cosine = n.dot(direction) - kLeastCosine;
       if (cosine <= 0) continue;
-      for (const double step : kSteps) {
+      for (const double step : kOcclusionSteps) {
         // Over a flat wall the distance is the height; far from everything it is the field's constant.
         const double open = 0.9 * std::min(step * n.dot(direction), band);
         blocked += cosine * std::clamp(1 - sampler.at(p + step * direction) / open, 0.0, 1.0);

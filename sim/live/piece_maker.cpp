@@ -14,7 +14,7 @@ namespace {
 using namespace std::chrono_literals;
 
 // 2 KiB are copied for each: as many as a bur changes in a tick, and more.
-constexpr int kEditsATick = 128;
+constexpr int kPieceEditsATick = 128;
 constexpr std::int64_t kMs = 1'000'000;
 constexpr std::int64_t kLeastPause = 2 * kMs;    // between two searches
 constexpr std::int64_t kCrumbPause = 500 * kMs;  // between two removals of crumbs
@@ -415,7 +415,7 @@ void PieceMaker::afterTick(Session& session, const StepOutput& output) noexcept 
     CutObject& object = session.object(n);
     const auto changes = object.changes(BrickSubscriber::kPieces);
     if (!changes.feed() || changes.isEmpty()) continue;
-    int left_this_tick = kEditsATick;
+    int left_this_tick = kPieceEditsATick;
     changes.take([&](const CutObject::Slot& slot) {
       BrickValues values;
       std::copy_n(slot.phi, kBrickNodes, values.begin());

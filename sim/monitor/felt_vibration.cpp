@@ -10,8 +10,8 @@ using internal::fade;
 using internal::usable;
 
 // Of the load. The last three from facts about handpieces and saws, the shares of a drill chosen.
-constexpr double kChips = 0.02, kChipsOfDrill = 0.05, kChipsAtStall = 0.08;
-constexpr double kRunOut = 0.0075, kLips = 0.02, kStroke = 0.04;
+constexpr double kFeltChips = 0.02, kChipsOfDrill = 0.05, kChipsAtStall = 0.08;
+constexpr double kFeltRunOut = 0.0075, kLips = 0.02, kStroke = 0.04;
 constexpr double kStalls = 0.3;   // of the free speed: below it chips grow
 constexpr double kAtRest = 0.02;  // of the free speed: below it nothing vibrates
 
@@ -53,7 +53,7 @@ FeltVibration::FeltVibration(const FeltSource& source, double rate, std::uint64_
 double FeltVibration::chips(double speed_share, Material material) noexcept {
   const double noise = even_ * band_.next(noise_.next(), g_, kWidth / kMiddle);
   const bool is_hard_drilled = source_.kind == FeltSource::Kind::kDrill && material == Material::kCortical;
-  const double free = is_hard_drilled ? kChipsOfDrill : kChips;
+  const double free = is_hard_drilled ? kChipsOfDrill : kFeltChips;
   const double share = kChipsAtStall + (free - kChipsAtStall) * fade(speed_share, 0, kStalls);
   return share * std::clamp(noise, -kLargestPeak, kLargestPeak);
 }
@@ -68,7 +68,7 @@ double FeltVibration::tone(double speed) noexcept {
     case FeltSource::Kind::kTurbine:
       break;
     case FeltSource::Kind::kMotor:
-      return kRunOut * felt(frequency) * internal::sine(phase_);
+      return kFeltRunOut * felt(frequency) * internal::sine(phase_);
     case FeltSource::Kind::kDrill:
       return kLips * felt(2 * frequency) * internal::sine(2 * phase_);
     case FeltSource::Kind::kSaw:

@@ -19,7 +19,7 @@ const ThermalProperties kGenericHeat{0.55, 2.5, "as cortical bone"};
 
 constexpr double kLongest = 1e6;  // s: of contact, and without
 
-double usable(double x, double most = 1e9) noexcept { return std::isfinite(x) ? std::clamp(x, 0.0, most) : 0; }
+double boundedHeat(double x, double most = 1e9) noexcept { return std::isfinite(x) ? std::clamp(x, 0.0, most) : 0; }
 bool isBone(Material m) noexcept { return m == Material::kCortical || m == Material::kCancellous; }
 
 }  // namespace
@@ -128,15 +128,15 @@ void Heat::touch(const HeatInput& in, double dt) noexcept {
   const double blend = std::min(1.0, dt / std::min(averaged_, kMean));
   const ThermalProperties& tissue = thermalProperties(in.material);
   const auto mean = [blend](double& of, double now) { of += blend * (now - of); };
-  mean(power_, usable(in.power));
-  mean(area_, usable(in.area));
-  mean(removal_, usable(in.removed / dt));
+  mean(power_, boundedHeat(in.power));
+  mean(area_, boundedHeat(in.area));
+  mean(removal_, boundedHeat(in.removed / dt));
   mean(conductivity_, tissue.conductivity);
   mean(capacity_, tissue.heat_capacity);
   if (in.velocity.allFinite()) velocity_ += blend * (in.velocity - velocity_);
 
   // Ways out, each a conductance, mW/K.
-  const double wet = usable(in.irrigation, 1);
+  const double wet = boundedHeat(in.irrigation, 1);
   const double area = std::max(area_, std::max(source_.least_area, 1e-6));
   radius_ = std::sqrt(area / std::numbers::pi);
   dwell_ = std::min(contact_, 2 * radius_ / std::max(velocity_.norm(), 1e-9));

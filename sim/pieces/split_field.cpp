@@ -61,7 +61,7 @@ void fillChanged(const SplitView& view, std::uint32_t first, bool is_parallel, c
   });
 }
 
-std::vector<PieceBricks> bricksOf(const PieceFinder& pieces, std::uint32_t first, std::size_t count, bool is_parallel,
+std::vector<PieceBricks> splitBricksOf(const PieceFinder& pieces, std::uint32_t first, std::size_t count, bool is_parallel,
                                   SplitLists& lists) {
   const SplitView view(pieces, is_parallel, lists);
   std::vector<PieceBricks> out = internal::layOutPieces(view, first, count, is_parallel, lists);
@@ -75,13 +75,13 @@ std::vector<PieceBricks> bricksOf(const PieceFinder& pieces, std::uint32_t first
 std::vector<PieceBricks> bricksOfPieces(const PieceFinder& pieces, std::size_t count, bool is_parallel,
                                         SplitPool* pool) {
   SplitPool fresh;
-  return bricksOf(pieces, 0, count, is_parallel, (pool ? *pool : fresh).lists());
+  return splitBricksOf(pieces, 0, count, is_parallel, (pool ? *pool : fresh).lists());
 }
 
 BrickField splitField(const PieceFinder& pieces, std::uint32_t id) {
   const OverlayField& field = pieces.field();
   SplitLists lists;
-  const PieceBricks piece = std::move(bricksOf(pieces, id, 1, true, lists).front());
+  const PieceBricks piece = std::move(splitBricksOf(pieces, id, 1, true, lists).front());
   BrickField out(field.voxel(), field.background(), field.interior());
   for (const Vec3i& c : piece.interior) out.markInterior(c);
   out.reserve(piece.bricks.size());

@@ -42,15 +42,15 @@ std::vector<Target> targetsOf(const CutScene& scene, const Bodies& bodies, const
   return out;
 }
 
-struct Swept {
+struct SweptFurther {
   PathFindings findings;
   bool is_case_cut = false;  // a piece of it, or all
 };
 
 // What the tool swept of all of them, motion by motion.   @param bodies  so many of the first are of the case.
-Expected<Swept> sweepAlong(std::vector<Target>& targets, std::size_t bodies, const CutScene& scene, const CutPath& path,
+Expected<SweptFurther> sweepFurther(std::vector<Target>& targets, std::size_t bodies, const CutScene& scene, const CutPath& path,
                            const Progress& progress) {
-  Swept out;
+  SweptFurther out;
   PathWatch watch(scene.object().phi0());
   const ToolShape& cut = *scene.inputs.tool.cut;
   const std::size_t segments = path.poses.empty() ? 0 : path.poses.size() - 1;
@@ -75,7 +75,7 @@ Expected<Swept> sweepAlong(std::vector<Target>& targets, std::size_t bodies, con
   return out;
 }
 
-RunManifest manifestOf(const CutScene& scene, const MergedPath& merged) {
+RunManifest furtherManifest(const CutScene& scene, const MergedPath& merged) {
   const CutInputs& inputs = scene.inputs;
   const CutPath& path = inputs.path;
   RunManifest m;
@@ -91,7 +91,7 @@ RunManifest manifestOf(const CutScene& scene, const MergedPath& merged) {
 }
 
 // The fields of the case and of its neighbours, as they differ from how they were before any run.
-std::vector<BrickField> changedFields(const CutScene& scene, const std::vector<Target>& targets, std::size_t bodies) {
+std::vector<BrickField> furtherFields(const CutScene& scene, const std::vector<Target>& targets, std::size_t bodies) {
   std::vector<FieldPart> parts;
   for (std::size_t n = 0; n < bodies; ++n) parts.push_back({.begin = targets[n].begin, .changed = &targets[n].cut});
   std::vector<BrickField> out{joinedChanges(scene.originals.front(), parts)};
@@ -118,7 +118,7 @@ Expected<RunManifest> cutFurther(const fs::path& run, const fs::path& tool_file,
   // Cut.
   const MergedPath merged = mergedFor(*scene.inputs.tool.cut, scene.inputs.path, scene.object().voxel());
   std::vector<Target> targets = targetsOf(scene, bodies, merged.path);
-  KERF_TRY(swept, sweepAlong(targets, bodies.all.size(), scene, merged.path, progress));
+  KERF_TRY(swept, sweepFurther(targets, bodies.all.size(), scene, merged.path, progress));
   if (!swept.is_case_cut)
     return fail({.code = Error::Code::kEmpty,
                  .file = path_file.string(),
@@ -127,11 +127,11 @@ Expected<RunManifest> cutFurther(const fs::path& run, const fs::path& tool_file,
                  .hint = "check the path's frame and unit"});
 
   // Count.
-  RunManifest m = manifestOf(scene, merged);
+  RunManifest m = furtherManifest(scene, merged);
   m.findings = swept.findings;
   m.missing_pieces = back.missing;
   m.added_before_mm3 = scene.added_before_mm3;
-  const std::vector<BrickField> changed = changedFields(scene, targets, bodies.all.size());
+  const std::vector<BrickField> changed = furtherFields(scene, targets, bodies.all.size());
   m.state_hash = fmt::format("{:016x}", changed.front().stateHash());
   if (bodies.isInPieces()) {
     const std::vector<RunManifest::Piece> put_back = piecesOf(objectsOf(session, 0), bodies.fields, back.labels);

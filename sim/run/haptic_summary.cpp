@@ -22,7 +22,7 @@ nlohmann::json jsonOf(const HapticSummary::Neighbour& n) {
 }
 
 // null: never.
-nlohmann::json firstTime(double at_s) { return at_s < 0 ? nlohmann::json() : nlohmann::json(at_s); }
+nlohmann::json firstTimeIn(double at_s) { return at_s < 0 ? nlohmann::json() : nlohmann::json(at_s); }
 
 }  // namespace
 
@@ -58,8 +58,8 @@ std::string toJson(const HapticSummary& s) {
                    {"hottest_at_s", s.hottest_s},
                    {"pulp_rise_K", s.pulp_rise},
                    {"nerve_rise_K", s.nerve_rise},
-                   {"bone_limit_at_s", firstTime(s.bone_limit_s)},
-                   {"pulp_limit_at_s", firstTime(s.pulp_limit_s)},
+                   {"bone_limit_at_s", firstTimeIn(s.bone_limit_s)},
+                   {"pulp_limit_at_s", firstTimeIn(s.pulp_limit_s)},
                    {"pieces", s.pieces},
                    {"crumbs", s.crumbs},
                    {"state_hash", s.state_hash}};

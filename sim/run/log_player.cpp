@@ -38,7 +38,7 @@ class HeaderCheck {
 };
 
 // The tools of a run, read from its copies, and whether they are those of the log.
-Expected<std::vector<Tool>> readTools(const fs::path& run_folder, const RunManifest& manifest, const SessionLog& log,
+Expected<std::vector<Tool>> readToolsOfLog(const fs::path& run_folder, const RunManifest& manifest, const SessionLog& log,
                                       const HeaderCheck& header) {
   std::vector<RunManifest::ToolFile> files = manifest.tools;
   if (manifest.mode != kModeSession) files = {{manifest.tool_id, kRunToolCopy, manifest.tool_sha256}};
@@ -89,7 +89,7 @@ Expected<Recording> loadRecording(const fs::path& run_folder, const RunManifest&
   for (std::size_t n = 1; n <= out.cases.size(); ++n)
     KERF_CHECK(header.wants(neighbourKey(n), manifest.beside[n - 1].case_id));
   KERF_CHECK(header.wants(neighbourKey(out.cases.size() + 1), ""));
-  KERF_TRY(tools, readTools(run_folder, manifest, out.log, header));
+  KERF_TRY(tools, readToolsOfLog(run_folder, manifest, out.log, header));
   out.tools = std::move(tools);
 
   // What it was recorded with.

@@ -21,10 +21,9 @@
 namespace kerf {
 namespace {
 
-using Piece = RunManifest::Piece;
 constexpr std::uint32_t kNobody = std::numeric_limits<std::uint32_t>::max();
 
-tl::unexpected<Error> hangTogether(const Piece& a, const Piece& b) {
+tl::unexpected<Error> hangTogether(const RunManifest::Piece& a, const RunManifest::Piece& b) {
   return fail({.code = Error::Code::kGeometry,
                .place = "pieces",
                .found = fmt::format("\"{}\" and \"{}\" hang together by less than a voxel", a.name, b.name),
@@ -33,7 +32,7 @@ tl::unexpected<Error> hangTogether(const Piece& a, const Piece& b) {
 }
 
 // Both where they were loaded, or moved alike, as two parts of what was one piece: what they share is torn nowhere.
-bool standTogether(const Piece& a, const Piece& b) {
+bool standTogether(const RunManifest::Piece& a, const RunManifest::Piece& b) {
   if (!a.isMoved() && !b.isMoved()) return true;
   const Rigid3 &one = a.T_case_piece, &other = b.T_case_piece;
   return one.translation == other.translation && one.rotation.coeffs() == other.rotation.coeffs();
@@ -111,7 +110,7 @@ void claimByNearness(const Mesh& mesh, const Solids& solids, std::vector<std::ui
 }
 
 // Of each solid, the number of its piece.
-Expected<std::vector<std::uint32_t>> ownersOf(const Mesh& mesh, const Solids& solids, std::span<const Piece> pieces,
+Expected<std::vector<std::uint32_t>> ownersOf(const Mesh& mesh, const Solids& solids, std::span<const RunManifest::Piece> pieces,
                                               bool is_put_back) {
   std::vector<std::uint32_t> owner(solids.count, kNobody);
   for (std::uint32_t n = 0; n < pieces.size(); ++n) {
@@ -131,7 +130,7 @@ Expected<std::vector<std::uint32_t>> ownersOf(const Mesh& mesh, const Solids& so
 
 bool crossesItself(const Mesh& mesh) { return !selfIntersections(mesh.vertices, mesh.triangles, 1).empty(); }
 
-Expected<Mesh> moved(const Mesh& mesh, const Piece& piece) {
+Expected<Mesh> moved(const Mesh& mesh, const RunManifest::Piece& piece) {
   constexpr int kAttempts = 12;
   constexpr double kShift = 1e-5;  // mm
   Mesh out = mesh;
@@ -150,7 +149,7 @@ Expected<Mesh> moved(const Mesh& mesh, const Piece& piece) {
 
 }  // namespace
 
-Expected<std::vector<PlacedPiece>> placedPieces(const Mesh& mesh, std::span<const Piece> pieces, bool is_put_back) {
+Expected<std::vector<PlacedPiece>> placedPieces(const Mesh& mesh, std::span<const RunManifest::Piece> pieces, bool is_put_back) {
   std::vector<PlacedPiece> out;
   if (pieces.empty()) {
     out.push_back({0, "piece 1", false, mesh});

@@ -73,7 +73,7 @@ Expected<RunManifest::ToolFile> storeTool(const SessionTool& tool, std::size_t n
 
 using internal::Objects;
 
-bool isMoved(const CutObject& object) {
+bool hasMoved(const CutObject& object) {
   RunManifest::Piece piece;
   piece.T_case_piece = object.T_world_object;
   return piece.isMoved();
@@ -216,7 +216,7 @@ Expected<void> internal::writeEnd(const fs::path& run_folder, const Session& ses
                                   const PieceLabels& labels, const BrickField* loaded,
                                   std::span<const BrickField* const> beside) {
   const Objects objects = internal::objectsOf(session, 0);
-  const bool is_moved = std::any_of(objects.begin(), objects.end(), [](const auto* o) { return isMoved(*o); });
+  const bool is_moved = std::any_of(objects.begin(), objects.end(), [](const auto* o) { return hasMoved(*o); });
   const bool is_in_pieces = internal::isInPieces(objects) || is_moved;
   const std::vector<BrickField> fields =
       is_in_pieces || loaded ? internal::fieldsOf(objects) : std::vector<BrickField>{};

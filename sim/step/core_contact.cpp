@@ -14,7 +14,7 @@ constexpr double kBlur = 0.7;        // voxels: so far the field may be off in a
 constexpr double kBlurAtLips = 1;    // voxels: a drill pushed beyond its greatest feed leans on its core
 constexpr double kStiffArea = 1.5;   // mm^2: K over the contact stiffness of the material
 constexpr double kClear = 0.05;      // mm: a core that is pressed in by less has been outside
-constexpr double kStillSpeed = 0.5;  // mm/s: as sumContact()
+constexpr double kCoreStillSpeed = 0.5;  // mm/s: as sumContact()
 constexpr double kNodeReach = 0.9;   // voxels from a place to its nearest node, and a little
 constexpr double kNoSlope = 1e-3;    // deep inside, where every value is the same, there is no way out
 constexpr double kSettled = 1e-6;    // of the largest load
@@ -218,7 +218,7 @@ CoreDrag CoreContact::drag(const ToolBody& body) const {
     if (!(normal > 0)) continue;
     const Row& row = rows_[n];
     const double sliding = (body.velocity + body.angular.cross(row.touch)).norm();
-    const double drag = row.friction * normal / std::max({row.own_speed, sliding, kStillSpeed});
+    const double drag = row.friction * normal / std::max({row.own_speed, sliding, kCoreStillSpeed});
     out.drag += drag;
     out.moment += drag * row.touch;
     out.second += drag * row.touch * row.touch.transpose();

@@ -48,7 +48,7 @@ ToolDrive spinDrive(const Tool& tool) {
     drive.energy_factor = 0.3;  // of its land: it reams what the lips leave
   } else if (isFrictionGrip(tool)) {
     // Cutting friction is 0.4 of diamond, 0.5 of carbide, where the table has 0.3. The energies are such that 1 N takes
-    // what was measured in enamel: `kerf bench drives`.
+    // what was measured in enamel: `kerf-bench drives`.
     drive.drag_factor = isDiamond(tool) ? 4.0 / 3 : 5.0 / 3;
     drive.energy_factor = kGrindingEnergy;
   } else {

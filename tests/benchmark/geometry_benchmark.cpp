@@ -1,5 +1,5 @@
 // Micro-benchmarks of the inner loops: build/release/bin/kerf_benchmarks. Compare ratios within one run, never absolute
-// times between machines. `kerf bench` times whole scenes.
+// times between machines. `kerf-bench` times whole scenes.
 #include <benchmark/benchmark.h>
 
 #include "geometry/field/marching_cubes.h"

@@ -7,12 +7,12 @@
 #include <thread>
 #include <vector>
 
+#include "bench/scenes/carved_field.h"
 #include "geometry/field/sample_field.h"
 #include "sim/live/mesher_thread.h"
 #include "sim/live/remesher.h"
 #include "sim/pieces/pieces.h"
 #include "sim/pieces/split_field.h"
-#include "sim/scenes/carved_field.h"
 
 namespace kerf {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "sim/device/device_frame.h"
 
-namespace kerf {
+namespace kerf::kerf_link_test {
 namespace {
 
 using bridge::Hand;
@@ -113,4 +113,4 @@ TEST_F(BridgeLink, WhatIsOldNotEnabledOrMalformedGivesNoForce) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::kerf_link_test

@@ -25,7 +25,7 @@
 #include "sim/run/replay.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::data_walk_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -628,4 +628,4 @@ TEST(DataWalk, ATaperBetweenTwoCrownsIsMeasuredAgainstTheNeighbourItNicks) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::data_walk_test

@@ -1,13 +1,13 @@
-// The scenes of sim/scenes with known answers, for tests: what can not be made fails the test.
+// The scenes of bench/scenes with known answers, for tests: what can not be made fails the test.
 #pragma once
 
 #include <gtest/gtest.h>
 
 #include <functional>
 
+#include "bench/scenes/objects.h"
+#include "bench/scenes/poses.h"
 #include "sim/run/practice_block.h"
-#include "sim/scenes/objects.h"
-#include "sim/scenes/poses.h"
 #include "sim/step/step.h"
 
 namespace kerf::test {

@@ -23,7 +23,7 @@
 #include "ui/app/app_commands.h"
 #include "ui/app/app_script.h"
 
-namespace kerf {
+namespace kerf::arm_lead_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -235,4 +235,4 @@ TEST_F(ArmLeadTest, ScaleAndTurnLeaveTheToolWhereItIs) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::arm_lead_test

@@ -1,11 +1,11 @@
-// kerf bench: goals are judged by the table, and a goal that is missed fails the command.
+// kerf-bench: goals are judged by the table, and a goal that is missed fails the command.
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "bench/verdict.h"
 #include "tests/ui/cli_runner.h"
-#include "ui/bench/verdict.h"
 
-namespace kerf {
+namespace kerf::bench_test {
 namespace {
 
 using cli::Goal;
@@ -74,13 +74,36 @@ TEST(BenchGoal, LimitsOfTheUserReplaceThoseOfTheTable) {
   }
 }
 
+const RunOptions kBench{.program = "kerf-bench"};
+
 using CliBench = Cli;
+
+TEST_F(CliBench, TellsPercentilesAndStateHash) {
+  const Outcome o = runKerf({"cut-bur", "--json"}, kBench);
+  ASSERT_EQ(o.exit_code, 0) << o.err;
+  const json bench = json::parse(o.out);
+  ASSERT_EQ(bench.size(), 1u);
+  EXPECT_LE(bench[0]["p50_ms"], bench[0]["p99_ms"]);
+  EXPECT_LE(bench[0]["p99_ms"], bench[0]["max_ms"]);
+  EXPECT_EQ(bench[0]["state_hash"].get<std::string>().size(), 16u);
+}
+
+TEST_F(CliBench, RefusesWrongScenesMeshesAndNumbers) {
+  folder_.write("noise.stl", "no mesh");
+  refuses({"bake", "--mesh", at("noise.stl")}, {"noise.stl"}, 1, kBench);
+  refuses({"drill"}, {"drill", "cut-bur"}, 1, kBench);
+  refuses({"tick-sizes", "--limit", "p99=1"}, {"--limit", "over the smallest"}, 1, kBench);
+  refuses({"--limit", "p99=1"}, {"SCENE"}, 2, kBench);
+  for (const std::string option : {"--seconds", "--minutes"})
+    for (const std::string number : {"nan", "-inf", "1e999"})
+      refuses({"realtime", option + "=" + number}, {option, number}, 2, kBench);
+}
 
 TEST_F(CliBench, FailsWhenAGoalIsMissedAndNotWithoutGoals) {
   const auto run = [](const std::string& limit, const std::vector<std::string>& more) {
-    std::vector<std::string> words{"bench", "tick-sizes", "--limit", "{} bricks: over the smallest=" + limit};
+    std::vector<std::string> words{"tick-sizes", "--limit", "{} bricks: over the smallest=" + limit};
     words.insert(words.end(), more.begin(), more.end());
-    return runKerf(words);
+    return runKerf(words, kBench);
   };
   // The smallest over the smallest is 1.
   const Outcome missed = run("0.5", {});
@@ -106,10 +129,10 @@ TEST_F(CliBench, FailsWhenAGoalIsMissedAndNotWithoutGoals) {
 }
 
 TEST_F(CliBench, ListsEverySceneWithItsGoals) {
-  const Outcome text = runKerf({"bench", "--list"}), help = runKerf({"bench", "--help"});
+  const Outcome text = runKerf({"--list"}, kBench), help = runKerf({"--help"}, kBench);
   ASSERT_EQ(text.exit_code, 0) << text.err;
-  const json all = json::parse(runKerf({"bench", "--list", "--json"}).out);
-  EXPECT_EQ(all.size(), 35u);
+  const json all = json::parse(runKerf({"--list", "--json"}, kBench).out);
+  EXPECT_EQ(all.size(), 32u);
   for (const json& scene : all) {
     const auto name = scene["scene"].get<std::string>(), what = scene["what"].get<std::string>();
     EXPECT_NE(text.out.find(name), text.out.npos) << name;
@@ -117,9 +140,7 @@ TEST_F(CliBench, ListsEverySceneWithItsGoals) {
     for (const json& goal : scene["goals"])
       EXPECT_NE(text.out.find(goal["name"].get<std::string>()), text.out.npos) << goal;
   }
-  refuses({"bench", "tick-sizes", "--limit", "p99=1"}, {"--limit", "over the smallest"});
-  refuses({"bench", "--limit", "p99=1"}, {"SCENE"}, 2);
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::bench_test

@@ -8,7 +8,7 @@
 
 #include "ui/app/pointing.h"
 
-namespace kerf {
+namespace kerf::camera_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -258,4 +258,4 @@ TEST(Camera, ScaleBarIsARoundLengthUpToAQuarter) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::camera_test

@@ -14,7 +14,7 @@
 #include "tests/support/hid_testbed.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::cli_devices_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -171,4 +171,4 @@ TEST_F(DevicesCommand, AnArmIsListedByItsDriver) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::cli_devices_test

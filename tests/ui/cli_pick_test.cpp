@@ -3,7 +3,7 @@
 
 #include "tests/ui/cli_runner.h"
 
-namespace kerf {
+namespace kerf::cli_pick_test {
 namespace {
 
 using nlohmann::json;
@@ -119,4 +119,4 @@ TEST_F(CliPick, WhatIsBesideOrNoPlaceIsRefused) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::cli_pick_test

@@ -5,7 +5,7 @@
 
 #include "tests/ui/cli_runner.h"
 
-namespace kerf {
+namespace kerf::cli_promises_test {
 namespace {
 
 using nlohmann::json;
@@ -414,4 +414,4 @@ TEST_F(CliPromises, AToolMeshInAnotherUnitIsRefused) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::cli_promises_test

@@ -5,7 +5,7 @@
 
 #include "tests/ui/cli_runner.h"
 
-namespace kerf {
+namespace kerf::cli_run_info_test {
 namespace {
 
 using nlohmann::json;
@@ -369,4 +369,4 @@ TEST_F(CliRunInfo, ExportWritesEachPieceOfACutThatSevered) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::cli_run_info_test

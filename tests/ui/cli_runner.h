@@ -1,4 +1,4 @@
-// Runs the built program kerf as a user does and keeps what came out; a small case and run to try it on.
+// Runs the built program kerf, or another, as a user does and keeps the output; a small case and run to try it on.
 #pragma once
 
 #include <fcntl.h>
@@ -33,6 +33,7 @@ struct Outcome {
 };
 
 struct RunOptions {
+  std::string program = "kerf";
   rlim_t largest_file = RLIM_INFINITY;          // bytes; beyond, writes fail as on a full disk (EFBIG)
   bool one_core = false;                        // the thread pool follows the affinity
   bool as_nobody = false;                       // root may write anywhere
@@ -54,7 +55,7 @@ inline std::optional<double> peakOf(pid_t process) {
 inline Outcome runKerf(const std::vector<std::string>& arguments, const RunOptions& options = {}) {
   TemporaryFolder capture;
   const std::string out = (capture.path() / "out").string(), err = (capture.path() / "err").string();
-  std::string program = std::string(KERF_BIN_DIR) + "/kerf";
+  std::string program = std::string(KERF_BIN_DIR) + "/" + options.program;
   std::vector<std::string> words = arguments;
   std::vector<char*> argv{program.data()};
   for (std::string& word : words) argv.push_back(word.data());
@@ -105,7 +106,7 @@ inline Outcome runKerf(const std::vector<std::string>& arguments, const RunOptio
       if (options.second_signal) ::kill(child, options.second_signal);
     }
     if (since(start) > options.most_seconds) {
-      ADD_FAILURE() << "kerf did not end within " << options.most_seconds << " s";
+      ADD_FAILURE() << options.program << " did not end within " << options.most_seconds << " s";
       ::kill(child, SIGKILL);
       ::wait4(child, &status, 0, &used);
       break;
@@ -177,7 +178,7 @@ class Cli : public ::testing::Test {
   /// One line on standard error that holds each of `said`, nothing on standard output, no file made or touched.
   void refuses(const std::vector<std::string>& arguments, const std::vector<std::string>& said, int exit_code = 1,
                const RunOptions& options = {}) {
-    std::string command = "kerf";
+    std::string command = options.program;
     for (const std::string& a : arguments) command += " " + a;
     SCOPED_TRACE(command);
     const auto before = snapshot(folder_.path());
@@ -191,7 +192,7 @@ class Cli : public ::testing::Test {
     else
       EXPECT_EQ(o.out.find("{\n  \"error\": {"), 0u) << o.out;
     if (exit_code == 1) {
-      EXPECT_EQ(o.err.substr(0, 6), "kerf: ");
+      EXPECT_TRUE(o.err.starts_with(options.program + ": ")) << o.err;
       EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << o.err;
     }
     for (const std::string& text : said)

@@ -6,7 +6,7 @@
 
 #include "tests/ui/cli_runner.h"
 
-namespace kerf {
+namespace kerf::cli_test {
 namespace {
 
 using nlohmann::json;
@@ -28,7 +28,7 @@ TEST_F(Cli, WithoutArgumentsShowsHelpAndFails) {
   const Outcome o = runKerf({});
   EXPECT_EQ(o.exit_code, 2);
   EXPECT_EQ(o.out, "");
-  for (const char* command : {"bake", "cut", "export", "check", "info", "devices", "tool", "bench", "demo-molar"})
+  for (const char* command : {"bake", "cut", "export", "check", "info", "devices", "tool", "demo-molar"})
     EXPECT_NE(o.err.find(command), o.err.npos) << command;
 }
 
@@ -48,8 +48,7 @@ TEST_F(Cli, WrongCommandLinesAreUsageErrors) {
 
 TEST_F(Cli, HelpListsEveryCommandUnderAHeadingAndEachHasHelpOfItsOwn) {
   const std::string help = runKerf({"--help"}).out;
-  for (const char* heading :
-       {"Commands from scan to mesh:", "Commands for files and tools:", "Commands for examples and measurements:"})
+  for (const char* heading : {"Commands from scan to mesh:", "Commands for files and tools:", "Commands for examples:"})
     EXPECT_NE(help.find(heading), help.npos) << heading << "\n" << help;
 
   // The names as the message about an unknown command tells them: "expected one of bake, cut, ... Try: ..."
@@ -955,14 +954,6 @@ TEST_F(Cli, SeveralToolsAreCheckedInATable) {
             std::string::npos);
 }
 
-TEST_F(Cli, BenchTellsPercentilesAndStateHash) {
-  const json bench = parsed(runKerf({"bench", "cut-bur", "--json"}));
-  ASSERT_EQ(bench.size(), 1u);
-  EXPECT_LE(bench[0]["p50_ms"], bench[0]["p99_ms"]);
-  EXPECT_LE(bench[0]["p99_ms"], bench[0]["max_ms"]);
-  EXPECT_EQ(bench[0]["state_hash"].get<std::string>().size(), 16u);
-}
-
 // The whole chain twice, then on one core: same id, same state, same exported bytes.
 TEST_F(Cli, TheSameInputsGiveTheSameBytesOnAnyNumberOfThreads) {
   ASSERT_EQ(runKerf({"demo-molar", "--edge", "0.6", "-o", at("molar.stl")}).exit_code, 0);
@@ -1050,4 +1041,4 @@ TEST_F(Cli, ExportOfACaseSpeaksOfNoCut) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::cli_test

@@ -6,7 +6,7 @@
 
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::command_palette_test {
 namespace {
 
 class CommandPaletteTest : public testing::Test {
@@ -126,4 +126,4 @@ TEST_F(CommandPaletteTest, KeysMoveEraseAndGoBack) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::command_palette_test

@@ -4,7 +4,7 @@
 
 #include "tests/ui/cli_runner.h"
 
-namespace kerf {
+namespace kerf::demo_test {
 namespace {
 
 using CliDemo = Cli;
@@ -64,4 +64,4 @@ TEST_F(CliDemo, LeavesNothingBehindWhenInterrupted) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::demo_test

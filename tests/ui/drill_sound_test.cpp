@@ -11,7 +11,7 @@
 #include "tests/support/allocation_guard.h"
 #include "ui/sound/sound_output.h"
 
-namespace kerf {
+namespace kerf::drill_sound_test {
 namespace {
 
 constexpr double kRate = SoundOutput::kRate;
@@ -194,4 +194,4 @@ TEST(DrillSound, IsOfTheToolAndTheTick) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::drill_sound_test

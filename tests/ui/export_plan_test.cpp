@@ -19,7 +19,7 @@
 #include "ui/app/app_script.h"
 #include "ui/app/quit.h"
 
-namespace kerf {
+namespace kerf::export_plan_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -384,4 +384,4 @@ TEST_F(ExportPlanTest, NobodyIsAskedAboutWhatIsExportedOrUncutOrInAScript) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::export_plan_test

@@ -23,7 +23,7 @@
 #include "ui/app/pointing.h"
 #include "ui/app/stroke.h"
 
-namespace kerf {
+namespace kerf::fissure_test {
 namespace {
 
 using Vec2d = Eigen::Vector2d;
@@ -304,4 +304,4 @@ TEST_F(Fissure, ANewtonHeldForFiveSecondsRemovesWhatTheLawSays) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::fissure_test

@@ -4,7 +4,7 @@
 
 #include <string>
 
-namespace kerf {
+namespace kerf::font_test {
 namespace {
 
 // Letters as names of patients and files have them; a character that is missing would be drawn as a box or "?".
@@ -44,4 +44,4 @@ TEST(Font, WhatPeopleWriteInTheListedScriptsCanBeDrawn) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::font_test

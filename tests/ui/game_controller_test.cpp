@@ -7,7 +7,7 @@
 #include <chrono>
 #include <thread>
 
-namespace kerf {
+namespace kerf::game_controller_test {
 namespace {
 
 // What a simulated gamepad was told last.
@@ -157,4 +157,4 @@ TEST(GameController, ASpaceMouseIsNoJoystick) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::game_controller_test

@@ -4,7 +4,7 @@
 
 #include "tests/ui/block_on_bench.h"
 
-namespace kerf {
+namespace kerf::gamepad_map_test {
 namespace {
 
 using Limits = GamepadLimits;
@@ -152,4 +152,4 @@ TEST_F(GamepadOnABlock, AfterAnUndoTheTriggerHasToGoToRestFirst) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::gamepad_map_test

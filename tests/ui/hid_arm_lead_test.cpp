@@ -19,7 +19,7 @@
 #include "ui/app/app_script.h"
 #include "ui/app/arm_lead.h"
 
-namespace kerf {
+namespace kerf::hid_arm_lead_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -182,4 +182,4 @@ TEST_F(HidArmLead, UnpluggedMidCutLosesNothingAndLeadsAgainWhenItIsPluggedIn) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::hid_arm_lead_test

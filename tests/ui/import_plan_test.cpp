@@ -13,7 +13,7 @@
 #include "ui/app/app_commands.h"
 #include "ui/app/app_script.h"
 
-namespace kerf {
+namespace kerf::import_plan_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -279,4 +279,4 @@ TEST_F(ImportCommandsTest, WhatCannotBeDoneIsSaid) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::import_plan_test

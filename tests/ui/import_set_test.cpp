@@ -14,7 +14,7 @@
 #include "ui/app/app_script.h"
 #include "ui/app/import_commands.h"
 
-namespace kerf {
+namespace kerf::import_set_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -317,4 +317,4 @@ TEST_F(ImportSetTest, APictureBesideMeshesIsNoSlice) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::import_set_test

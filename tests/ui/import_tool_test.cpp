@@ -14,7 +14,7 @@
 #include "ui/app/import_commands.h"
 #include "ui/app/tool_plan.h"
 
-namespace kerf {
+namespace kerf::import_tool_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -312,4 +312,4 @@ TEST_F(ImportToolTest, WithNothingOpenSomethingIsCut) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::import_tool_test

@@ -6,7 +6,7 @@
 #include <new>
 #include <thread>
 
-namespace kerf {
+namespace kerf::job_test {
 namespace {
 
 // Until it says so.   @return  false: not within a minute.
@@ -78,4 +78,4 @@ TEST(Job, WhatALibraryThrowsIsAnErrorToo) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::job_test

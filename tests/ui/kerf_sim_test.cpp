@@ -14,7 +14,7 @@
 
 #include "ui/window/image.h"
 
-namespace kerf {
+namespace kerf::kerf_sim_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -304,4 +304,4 @@ TEST_F(KerfSim, WindowOpensDrawsAndCloses) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::kerf_sim_test

@@ -4,7 +4,7 @@
 
 #include "ui/app/app_commands.h"
 
-namespace kerf {
+namespace kerf::key_names_test {
 namespace {
 
 TEST(KeyNames, EveryKeyOfTheTableIsAKey) {
@@ -15,4 +15,4 @@ TEST(KeyNames, EveryKeyOfTheTableIsAKey) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::key_names_test

@@ -5,7 +5,7 @@
 #include <set>
 #include <string>
 
-namespace kerf {
+namespace kerf::key_trickle_test {
 namespace {
 
 constexpr int kBackspace = 259, kControl = 341;
@@ -104,4 +104,4 @@ TEST(KeyTrickle, NothingIsLostOfRandomTaps) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::key_trickle_test

@@ -12,7 +12,7 @@
 #include "ui/app/command_palette.h"
 #include "ui/app/settings.h"
 
-namespace kerf {
+namespace kerf::language_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -313,4 +313,4 @@ TEST_F(LanguageTest, TheGermanFileHasAllCommands) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::language_test

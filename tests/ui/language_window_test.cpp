@@ -20,7 +20,7 @@
 #include "ui/window/style.h"
 #include "ui/window/widgets.h"
 
-namespace kerf {
+namespace kerf::language_window_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -252,4 +252,4 @@ TEST(Widgets, AValueStandsBehindALongName) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::language_window_test

@@ -11,9 +11,9 @@
 #include <numbers>
 #include <random>
 
+#include "bench/scenes/carved_field.h"
 #include "geometry/field/sample_field.h"
 #include "sim/live/chunk_occlusion.h"
-#include "sim/scenes/carved_field.h"
 #include "tests/ui/picture_compare.h"
 #include "ui/app/mesh_chunks.h"
 #include "ui/app/pointing.h"
@@ -21,7 +21,7 @@
 #include "ui/window/gl_target.h"
 #include "ui/window/still_picture.h"
 
-namespace kerf {
+namespace kerf::live_renderer_test {
 namespace {
 
 constexpr int kWidth = 320, kHeight = 240;
@@ -883,4 +883,4 @@ TEST_F(LivePicture, OfAStillSceneGetsSmoothFromFrameToFrameAndStartsAnewWhenAnyt
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::live_renderer_test

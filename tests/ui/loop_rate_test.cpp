@@ -4,7 +4,7 @@
 
 #include <chrono>
 
-namespace kerf {
+namespace kerf::loop_rate_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -63,4 +63,4 @@ TEST_F(LoopRateTest, AnotherLoopBeginsAnew) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::loop_rate_test

@@ -9,7 +9,7 @@
 #include "tests/geometry/ball_mesh.h"
 #include "ui/app/import_mesh.h"
 
-namespace kerf {
+namespace kerf::mesh_chunks_test {
 namespace {
 
 TEST(MeshChunks, HoldEveryTriangleOnceAndKeepItsColour) {
@@ -113,4 +113,4 @@ TEST(ImportMesh, OfSeveralWhatStandsBesideIsPaler) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::mesh_chunks_test

@@ -14,7 +14,7 @@
 #include "ui/app/app_script.h"
 #include "ui/app/point_readout.h"
 
-namespace kerf {
+namespace kerf::neighbours_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -349,4 +349,4 @@ TEST_F(RealNeighboursTest, APairOfJawsOpensAsOneToWorkOnAndTheOtherBeside) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::neighbours_test

@@ -5,7 +5,7 @@
 #include "ui/window/import_panel.h"
 #include "ui/window/style.h"
 
-namespace kerf {
+namespace kerf::notices_test {
 namespace {
 
 constexpr float kMenu = 25;
@@ -38,4 +38,4 @@ TEST(Notices, WithoutPanelsTheyAreInTheMiddleAndTooNarrowWindowsGiveThemAll) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::notices_test

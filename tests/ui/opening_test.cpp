@@ -7,7 +7,7 @@
 #include "tests/support/temporary_folder.h"
 #include "ui/app/upright.h"
 
-namespace kerf {
+namespace kerf::opening_test {
 namespace {
 
 TEST(KindOf, TellsScanRecipeAndCaseApart) {
@@ -40,4 +40,4 @@ TEST(OcclusalNormalOf, IsAwayFromTheBaseOfABlock) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::opening_test

@@ -13,7 +13,7 @@
 #include "ui/window/image.h"
 #include "ui/window/renderer.h"
 
-namespace kerf {
+namespace kerf::picture_test {
 namespace {
 
 /// Octahedron subdivided `levels` times and pushed out to radius r.
@@ -364,4 +364,4 @@ TEST(PictureLegend, ShowsTheMapFromEndToEndAndItsWordsCanBeDrawn) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::picture_test

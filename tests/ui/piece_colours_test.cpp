@@ -14,7 +14,7 @@
 #include "ui/app/app_commands.h"
 #include "ui/app/app_script.h"
 
-namespace kerf {
+namespace kerf::piece_colours_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -166,4 +166,4 @@ TEST(PieceColours, ChangeTheHueAndLeaveLightShadeAndGloss) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::piece_colours_test

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace kerf {
+namespace kerf::piece_gizmo_test {
 namespace {
 
 const Vec3d kCenter(3, -2, 5);
@@ -83,4 +83,4 @@ TEST(PieceGizmo, AnArrowThatPointsAtTheViewerIsNotGrabbed) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::piece_gizmo_test

@@ -17,7 +17,7 @@
 #include "ui/window/gl_context.h"
 #include "ui/window/live_view.h"
 
-namespace kerf {
+namespace kerf::piece_picture_test {
 namespace {
 
 /// Of a picture of 400 x 300 pixels: bluish, and reddish ones, in its left or right half.
@@ -122,4 +122,4 @@ TEST(PiecePicture, NoTwoColoursArePutTogetherByTheColourBlind) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::piece_picture_test

@@ -12,7 +12,7 @@
 #include "ui/app/saw_clearance.h"
 #include "ui/app/saw_section.h"
 
-namespace kerf {
+namespace kerf::saw_plan_test {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
@@ -371,4 +371,4 @@ TEST(SawClearance, OfSmallVoxelsIsFarWhereNothingIsMeasured) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::saw_plan_test

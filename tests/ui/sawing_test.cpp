@@ -18,7 +18,7 @@
 #include "ui/app/saw_contour.h"
 #include "ui/app/workbench.h"
 
-namespace kerf {
+namespace kerf::sawing_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -347,4 +347,4 @@ TEST_F(SawingTest, AlongTheGuideTheMouseMovesTheBladeInThePlaneAlone) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::sawing_test

@@ -6,7 +6,7 @@
 #include "ui/app/app_commands.h"
 #include "ui/app/tissue_display.h"
 
-namespace kerf {
+namespace kerf::scan_colours_on_bench_test {
 namespace {
 
 constexpr Rgba8 kRose = {220, 120, 130, 255}, kIvory = {240, 235, 210, 255};
@@ -85,4 +85,4 @@ TEST_F(PlainBlock, AScanWithoutColoursIsShownByItsTissueAndHasNoOtherChoice) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::scan_colours_on_bench_test

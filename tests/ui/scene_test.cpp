@@ -8,7 +8,7 @@
 #include "geometry/field/material.h"
 #include "tests/ui/cli_runner.h"
 
-namespace kerf {
+namespace kerf::scene_test {
 namespace {
 
 constexpr double kRadius = 0.7, kTip = -1.5;  // of round-014, and where its lowest point goes
@@ -136,4 +136,4 @@ TEST_F(TissueScene, PlanesThatTakeAllAreRefusedAndThoseThatTakeNothingAreNoted) 
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::scene_test

@@ -11,7 +11,7 @@
 
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::show_in_folder_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -109,4 +109,4 @@ TEST(UriOf, OnlyUnreservedLettersAreWrittenAsTheyAre) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::show_in_folder_test

@@ -8,7 +8,7 @@
 
 #include "ui/sound/alsa_output.h"
 
-namespace kerf {
+namespace kerf::sound_thread_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -132,4 +132,4 @@ TEST(SoundThread, TheDeviceOfThisMachineIsOpenedOrRefusedWithAReason) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::sound_thread_test

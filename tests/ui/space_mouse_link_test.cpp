@@ -8,7 +8,7 @@
 
 #include "tests/support/hid_testbed.h"
 
-namespace kerf {
+namespace kerf::space_mouse_link_test {
 namespace {
 
 template <class Condition>
@@ -47,4 +47,4 @@ TEST(SpaceMouseLink, IsFoundWhileTheProgramRunsTellsOnceAndIsFoundAgain) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::space_mouse_link_test

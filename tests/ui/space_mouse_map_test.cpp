@@ -4,7 +4,7 @@
 
 #include "tests/ui/block_on_bench.h"
 
-namespace kerf {
+namespace kerf::space_mouse_map_test {
 namespace {
 
 using Limits = SpaceMouseLimits;
@@ -106,4 +106,4 @@ TEST_F(SpaceMouseOnABlock, UnpluggedWhileItDrillsItEndsTheStrokeAndLosesNothing)
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::space_mouse_map_test

@@ -8,7 +8,7 @@
 #include "tests/ui/block_on_bench.h"
 #include "ui/app/point_readout.h"
 
-namespace kerf {
+namespace kerf::stroke_pointer_test {
 namespace {
 
 using test::OnABlock;
@@ -205,4 +205,4 @@ TEST_F(OnABlock, TheCommandsSayWhatTheyWereGiven) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::stroke_pointer_test

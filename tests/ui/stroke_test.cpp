@@ -9,7 +9,7 @@
 #include "tests/sim/block_scene.h"
 #include "ui/app/live_scene.h"
 
-namespace kerf {
+namespace kerf::stroke_test {
 namespace {
 
 // A ball of 3 mm about the origin, with a hole of 1 mm radius and 1 mm depth cut into its top.
@@ -138,4 +138,4 @@ TEST(Stroke, ADiscStandsOnItsRimAndASawOnItsTeeth) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::stroke_test

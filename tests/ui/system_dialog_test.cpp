@@ -13,7 +13,7 @@
 #include "tests/support/temporary_folder.h"
 #include "ui/app/app_commands.h"
 
-namespace kerf {
+namespace kerf::system_dialog_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -174,4 +174,4 @@ TEST(FileCommands, EachThatTakesAPathAsksForIt) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::system_dialog_test

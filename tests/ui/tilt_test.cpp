@@ -11,7 +11,7 @@
 #include "sim/session/session.h"
 #include "tests/sim/block_scene.h"
 
-namespace kerf {
+namespace kerf::tilt_test {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
@@ -181,4 +181,4 @@ TEST(Tilt, NeitherMuchForceNorMuchTiltPassesTheDepth) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::tilt_test

@@ -15,7 +15,7 @@
 #include "ui/app/app_script.h"
 #include "ui/app/sawing.h"
 
-namespace kerf {
+namespace kerf::timeline_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -486,4 +486,4 @@ TEST_F(TimelineTest, APlannedCutIsGoneOverInOneStep) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::timeline_test

@@ -12,9 +12,9 @@
 #include <thread>
 #include <vector>
 
+#include "bench/scenes/carved_field.h"
 #include "geometry/mesh/mesh_check.h"
 #include "sim/live/tissue_mesher.h"
-#include "sim/scenes/carved_field.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/ui/picture_compare.h"
 #include "ui/app/app_commands.h"
@@ -23,7 +23,7 @@
 #include "ui/window/gl_context.h"
 #include "ui/window/live_view.h"
 
-namespace kerf {
+namespace kerf::tissue_picture_test {
 namespace {
 
 constexpr int kWidth = 320, kHeight = 240;
@@ -476,4 +476,4 @@ TEST_F(TissuePicture, AShiftedOrRecolouredToothIsAnotherPicture) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::tissue_picture_test

@@ -11,7 +11,7 @@
 #include "ui/app/import_guides.h"
 #include "ui/app/tool_icon.h"
 
-namespace kerf {
+namespace kerf::tool_look_test {
 namespace {
 
 Tool toolOf(const std::string& id) {
@@ -117,4 +117,4 @@ TEST(ImportGuides, ARectangleOfAPlaneIsAsWideAsTheBox) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::tool_look_test

@@ -10,7 +10,7 @@
 #include "ui/app/app_commands.h"
 #include "ui/app/settings.h"
 
-namespace kerf {
+namespace kerf::tool_rack_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -304,4 +304,4 @@ TEST_F(ToolRackTest, AToolMadeOfAMeshIsReadAnewWhenItsMeshChanges) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::tool_rack_test

@@ -4,7 +4,7 @@
 
 #include "geometry/tool/tool_file.h"
 
-namespace kerf {
+namespace kerf::tool_search_test {
 namespace {
 
 Tool toolOf(const char* id) {
@@ -37,4 +37,4 @@ TEST(ToolSearch, EveryToolOfTheRackIsFoundByItsIdItsNameAndItsIsoNumber) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::tool_search_test

@@ -7,7 +7,7 @@
 #include "preprocess/demo/demo_arch.h"
 #include "tests/ui/block_on_bench.h"
 
-namespace kerf {
+namespace kerf::tooth_views_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -182,4 +182,4 @@ TEST_F(ViewsOfAnArch, BesideTheTeethTheNearestPartOfTheArchIsMeant) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::tooth_views_test

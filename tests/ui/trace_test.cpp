@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace kerf {
+namespace kerf::trace_test {
 namespace {
 
 using Channel = Trace::Channel;
@@ -81,4 +81,4 @@ TEST(Trace, AnotherSessionBeginsAnew) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::trace_test

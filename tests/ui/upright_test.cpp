@@ -8,7 +8,7 @@
 
 #include "tests/preprocess/solid_checks.h"
 
-namespace kerf {
+namespace kerf::upright_test {
 namespace {
 
 // The upper half of a ball on a flat plate, its top towards +z.
@@ -88,4 +88,4 @@ TEST(Upright, WhatHasNoUnderTellsNothing) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::upright_test

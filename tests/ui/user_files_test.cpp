@@ -8,7 +8,7 @@
 #include "ui/app/app_commands.h"
 #include "ui/app/settings.h"
 
-namespace kerf {
+namespace kerf::user_files_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -154,4 +154,4 @@ TEST(SettingsFile, OneThatWasBrokenMeanwhileStaysToo) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::user_files_test

@@ -16,7 +16,7 @@
 #include "ui/app/pointing.h"
 #include "ui/app/workbench.h"
 
-namespace kerf {
+namespace kerf::workbench_strokes_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -148,4 +148,4 @@ TEST_F(WorkbenchStrokesTest, TheDemoArchOpensAndIsCut) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::workbench_strokes_test

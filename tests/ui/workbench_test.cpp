@@ -33,7 +33,7 @@
 #include "ui/app/settings.h"
 #include "ui/app/tissue_display.h"
 
-namespace kerf {
+namespace kerf::workbench_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -907,4 +907,4 @@ TEST_F(WorkbenchTest, PointsAreMeasuredOnTheSurface) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::workbench_test

@@ -125,7 +125,7 @@ bool asksForJson(const CLI::App& command, int argc, const char* const* argv) {
   return is_asked && command.get_option_no_throw("--json");
 }
 
-const char* nameOf(Error::Code code) {
+const char* nameOfOption(Error::Code code) {
   switch (code) {
     case Error::Code::kNotFound:
       return "not_found";
@@ -152,7 +152,7 @@ const char* nameOf(Error::Code code) {
 }  // namespace
 
 nlohmann::json errorJson(const Error& error, const std::string& message) {
-  nlohmann::json out{{"code", nameOf(error.code)}, {"message", message}};
+  nlohmann::json out{{"code", nameOfOption(error.code)}, {"message", message}};
   for (const auto& [key, text] :
        {std::pair("file", error.file), std::pair("place", error.place), std::pair("found", error.found),
         std::pair("expected", error.expected), std::pair("hint", error.hint)})

@@ -9,7 +9,7 @@
 namespace kerf::device_commands {
 namespace {
 
-using Limits = SpaceMouseSettings;
+using DeviceLimits = SpaceMouseSettings;
 
 SpaceMouseSettings& settingsOf(AppContext& c) { return c.settings->values.space_mouse; }
 
@@ -32,13 +32,13 @@ Expected<void> leads(AppContext& c, AppWords words) {
 }
 
 Expected<void> gain(AppContext& c, AppWords words) {
-  KERF_TRY(factor, numberOf(words, 0, "FACTOR", Limits::kLeastGain, Limits::kMostGain));
+  KERF_TRY(factor, numberOf(words, 0, "FACTOR", DeviceLimits::kLeastGain, DeviceLimits::kMostGain));
   settingsOf(c).gain = factor;
   return c.settings->save();
 }
 
 Expected<void> deadBand(AppContext& c, AppWords words) {
-  KERF_TRY(percent, numberOf(words, 0, "PERCENT", 0, 100 * Limits::kMostDeadBand));
+  KERF_TRY(percent, numberOf(words, 0, "PERCENT", 0, 100 * DeviceLimits::kMostDeadBand));
   settingsOf(c).dead_band = percent / 100;
   return c.settings->save();
 }

@@ -46,7 +46,7 @@ tl::unexpected<Error> noSuchPiece() {
 }
 
 // Pieces that were moved may reach into each other though each of them is right.
-ExportPart partOf(std::string piece, Mesh mesh, const std::vector<PlacedPiece>& together = {}) {
+ExportPart partOfExport(std::string piece, Mesh mesh, const std::vector<PlacedPiece>& together = {}) {
   ExportPart out;
   out.piece = std::move(piece);
   out.report = checkMesh(mesh);
@@ -57,12 +57,12 @@ ExportPart partOf(std::string piece, Mesh mesh, const std::vector<PlacedPiece>& 
 }
 
 // What goes into which file.
-Expected<std::vector<ExportPart>> partsOf(LiveResult& result, const SceneCopy& scene, const ExportChoice& choice) {
+Expected<std::vector<ExportPart>> partsOfExport(LiveResult& result, const SceneCopy& scene, const ExportChoice& choice) {
   std::vector<ExportPart> out;
   const bool is_moved = std::any_of(result.pieces.begin(), result.pieces.end(),
                                     [&](const auto& piece) { return piece.isMoved() && !choice.is_put_back; });
   if (!choice.is_each && !choice.only && !is_moved) {
-    out.push_back(partOf("", std::move(result.post_op.mesh)));
+    out.push_back(partOfExport("", std::move(result.post_op.mesh)));
     return out;
   }
 
@@ -71,11 +71,11 @@ Expected<std::vector<ExportPart>> partsOf(LiveResult& result, const SceneCopy& s
     for (const SceneCopy::Object& object : scene.objects)
       for (PlacedPiece& piece : pieces)
         if (object.id == *choice.only && (piece.id == object.id || result.pieces.empty()))
-          out.push_back(partOf(piece.name, std::move(piece.mesh)));
+          out.push_back(partOfExport(piece.name, std::move(piece.mesh)));
   } else if (choice.is_each) {
-    for (PlacedPiece& piece : pieces) out.push_back(partOf(piece.name, std::move(piece.mesh)));
+    for (PlacedPiece& piece : pieces) out.push_back(partOfExport(piece.name, std::move(piece.mesh)));
   } else {
-    out.push_back(partOf("", together(pieces), pieces));
+    out.push_back(partOfExport("", together(pieces), pieces));
   }
   if (out.empty()) return noSuchPiece();
   return out;
@@ -137,7 +137,7 @@ Expected<PreparedExport> prepareExport(const LiveRun& run, const SceneCopy& scen
   out.pieces = result.pieces.size();
   for (const RunManifest::Piece& piece : result.pieces) out.moved += piece.isMoved() && !choice.is_put_back;
   if (!report(progress, kOfExport, "checking")) return cancelledBeforeWriting();
-  KERF_TRY(parts, partsOf(result, scene, choice));
+  KERF_TRY(parts, partsOfExport(result, scene, choice));
   out.parts = std::move(parts);
   return out;
 }

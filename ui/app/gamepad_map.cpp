@@ -7,30 +7,28 @@
 namespace kerf {
 namespace {
 
-using Limits = GamepadLimits;
-
 // From rest to 1, without a step; gentle near rest.
 Eigen::Vector2d ofStick(const Eigen::Vector2d& stick) {
   const double size = stick.norm();
-  if (!(size > Limits::kStickRest)) return Eigen::Vector2d::Zero();
-  const double out = (std::min(size, 1.0) - Limits::kStickRest) / (1 - Limits::kStickRest);
+  if (!(size > GamepadLimits::kStickRest)) return Eigen::Vector2d::Zero();
+  const double out = (std::min(size, 1.0) - GamepadLimits::kStickRest) / (1 - GamepadLimits::kStickRest);
   return out * out / size * stick;
 }
 
 double ofTrigger(double trigger) {
-  return std::clamp((trigger - Limits::kTriggerRest) / (1 - Limits::kTriggerRest), 0.0, 1.0);
+  return std::clamp((trigger - GamepadLimits::kTriggerRest) / (1 - GamepadLimits::kTriggerRest), 0.0, 1.0);
 }
 
 }  // namespace
 
 GamepadWish wishOf(const GamepadState& now, const GamepadState& before, double seconds) {
-  const double time = std::clamp(seconds, 0.0, Limits::kLongest);
-  const double slowed = 1 - (1 - Limits::kSlow) * ofTrigger(now.left_trigger);
-  const Eigen::Vector2d tool = Limits::kToolSpeed * time * slowed * ofStick(now.left_stick);
+  const double time = std::clamp(seconds, 0.0, GamepadLimits::kLongest);
+  const double slowed = 1 - (1 - GamepadLimits::kSlow) * ofTrigger(now.left_trigger);
+  const Eigen::Vector2d tool = GamepadLimits::kToolSpeed * time * slowed * ofStick(now.left_stick);
 
   GamepadWish out;
   out.tool_mm = {tool[0], -tool[1]};
-  out.orbit = Limits::kOrbitSpeed * time * slowed * ofStick(now.right_stick);
+  out.orbit = GamepadLimits::kOrbitSpeed * time * slowed * ofStick(now.right_stick);
   out.pedal = ofTrigger(now.right_trigger);
   out.undoes = now.a && !before.a;
   out.takes_previous = now.left_bumper && !before.left_bumper;

@@ -9,7 +9,7 @@
 namespace kerf::hand_commands {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kHandDegree = std::numbers::pi / 180;
 
 }  // namespace
 
@@ -17,10 +17,10 @@ bool isTilted(const AppContext& c) { return !c.bench.tilt.isUpright(); }
 
 Expected<void> tilt(AppContext& c, AppWords words) {
   constexpr double kUpwards = 90;
-  const double before = isTilted(c) ? azimuthInView(c.camera, c.bench.tilt) / kDegree : kUpwards;
-  KERF_TRY(angle, numberOf(words, 0, "DEG", 0, Tilt::kMost / kDegree));
+  const double before = isTilted(c) ? azimuthInView(c.camera, c.bench.tilt) / kHandDegree : kUpwards;
+  KERF_TRY(angle, numberOf(words, 0, "DEG", 0, Tilt::kMost / kHandDegree));
   KERF_TRY(azimuth, numberOr(words, 1, before, "AZIMUTH", -360, 360));
-  c.bench.tilt = tiltInView(c.camera, angle * kDegree, azimuth * kDegree);
+  c.bench.tilt = tiltInView(c.camera, angle * kHandDegree, azimuth * kHandDegree);
   return {};
 }
 

@@ -25,7 +25,7 @@ tl::unexpected<Error> notAWord(const std::string& found, std::string expected) {
   return wrongWord(found.empty() ? "nothing" : "\"" + found + "\"", std::move(expected));
 }
 
-std::string wordOf(AppWords words, std::size_t n) { return n < words.size() ? words[n] : std::string(); }
+std::string importWordOf(AppWords words, std::size_t n) { return n < words.size() ? words[n] : std::string(); }
 
 // The plan checks the range.
 Expected<double> lengthOf(const std::string& word) {
@@ -47,13 +47,13 @@ bool isImportingTool(const AppContext& c) { return isImporting(c) && c.bench.imp
 bool isPreviewing(const AppContext& c) { return isImporting(c) && c.bench.importSet()->isPreviewComing(); }
 
 Expected<void> importRead(AppContext& c, AppWords words) {
-  if (wordOf(words, 0).empty()) return notAWord("", "the path of a scan");
+  if (importWordOf(words, 0).empty()) return notAWord("", "the path of a scan");
   c.bench.beginImports({words.begin(), words.end()});
   return {};
 }
 
 Expected<void> importAdd(AppContext& c, AppWords words) {
-  if (wordOf(words, 0).empty()) return notAWord("", "the path of a scan");
+  if (importWordOf(words, 0).empty()) return notAWord("", "the path of a scan");
   c.bench.importMore({words.begin(), words.end()});
   return {};
 }
@@ -69,44 +69,44 @@ Expected<void> importRole(AppContext& c, AppWords words) {
   ImportSet& set = *c.bench.importSet();
   KERF_TRY(n, numberOf(words, 0, "N", 1, static_cast<double>(set.entries().size())));
   for (const auto& [name, role] : kRoles)
-    if (wordOf(words, 1) == name) return set.setRole(static_cast<std::size_t>(n) - 1, role, c.bench.isOpen());
-  return notAWord(wordOf(words, 1), "cut, beside, out or tool");
+    if (importWordOf(words, 1) == name) return set.setRole(static_cast<std::size_t>(n) - 1, role, c.bench.isOpen());
+  return notAWord(importWordOf(words, 1), "cut, beside, out or tool");
 }
 
 Expected<void> importToolAxis(AppContext& c, AppWords words) {
-  if (wordOf(words, 0).empty()) return notAWord("", "+x, -x, +y, -y, +z, -z, length, -length, thin-end or auto");
+  if (importWordOf(words, 0).empty()) return notAWord("", "+x, -x, +y, -y, +z, -z, length, -length, thin-end or auto");
   return c.bench.importSet()->tool()->setWay(words[0]);
 }
 
 Expected<void> importToolCut(AppContext& c, AppWords words) {
-  KERF_TRY(mm, lengthOf(wordOf(words, 0)));
+  KERF_TRY(mm, lengthOf(importWordOf(words, 0)));
   return c.bench.importSet()->tool()->setCutBelow(mm);
 }
 
 Expected<void> importTissue(AppContext& c, AppWords words) {
   KERF_TRY(label, numberOf(words, 0, "LABEL", 1, 65535));
-  if (wordOf(words, 1).empty()) return notAWord("", "a tissue, or none");
+  if (importWordOf(words, 1).empty()) return notAWord("", "a tissue, or none");
   return c.bench.importSet()->labels()->setTissue(static_cast<std::uint16_t>(label), words[1]);
 }
 
 Expected<void> importUnit(AppContext& c, AppWords words) {
-  if (wordOf(words, 0).empty()) return notAWord("", "mm, cm, m, um or inch");
+  if (importWordOf(words, 0).empty()) return notAWord("", "mm, cm, m, um or inch");
   return c.bench.importPlan()->setUnit(words[0]);
 }
 
 Expected<void> importClose(AppContext& c, AppWords words) {
   ClosingChoice choice = c.bench.importPlan()->closing();
   for (const auto& [name, way] : kWays) {
-    if (wordOf(words, 0) != name) continue;
+    if (importWordOf(words, 0) != name) continue;
     choice.way = way;
     return c.bench.importPlan()->setClosing(choice);
   }
-  return notAWord(wordOf(words, 0), "automatic, base, holes or wrap");
+  return notAWord(importWordOf(words, 0), "automatic, base, holes or wrap");
 }
 
 Expected<void> importBase(AppContext& c, AppWords words) {
   ClosingChoice choice = c.bench.importPlan()->closing();
-  const std::string shape = wordOf(words, 0);
+  const std::string shape = importWordOf(words, 0);
   if (shape != "horseshoe" && shape != "full") return notAWord(shape, "horseshoe or full");
   choice.is_full_base = shape == "full";
   if (words.size() > 1) {
@@ -118,14 +118,14 @@ Expected<void> importBase(AppContext& c, AppWords words) {
 
 Expected<void> importSmooth(AppContext& c, AppWords words) {
   ClosingChoice choice = c.bench.importPlan()->closing();
-  KERF_TRY(mm, lengthOf(wordOf(words, 0)));
+  KERF_TRY(mm, lengthOf(importWordOf(words, 0)));
   choice.smooth_mm = mm;
   return c.bench.importPlan()->setClosing(choice);
 }
 
 Expected<void> importPlane(AppContext& c, AppWords words) {
   ClosingChoice choice = c.bench.importPlan()->closing();
-  const std::string word = wordOf(words, 0);
+  const std::string word = importWordOf(words, 0);
   if (word != "on" && word != "off") return notAWord(word, "on or off");
   choice.follows_occlusal_plane = word == "on";
   return c.bench.importPlan()->setClosing(choice);
@@ -134,8 +134,8 @@ Expected<void> importPlane(AppContext& c, AppWords words) {
 Expected<void> importHoles(AppContext& c, AppWords words) {
   ClosingChoice choice = c.bench.importPlan()->closing();
   choice.holes_up_to_mm.reset();
-  if (wordOf(words, 0) != "auto") {
-    KERF_TRY(mm, lengthOf(wordOf(words, 0)));
+  if (importWordOf(words, 0) != "auto") {
+    KERF_TRY(mm, lengthOf(importWordOf(words, 0)));
     choice.holes_up_to_mm = mm;
   }
   return c.bench.importPlan()->setClosing(choice);
@@ -143,7 +143,7 @@ Expected<void> importHoles(AppContext& c, AppWords words) {
 
 Expected<void> importWrap(AppContext& c, AppWords words) {
   ClosingChoice choice = c.bench.importPlan()->closing();
-  KERF_TRY(mm, lengthOf(wordOf(words, 0)));
+  KERF_TRY(mm, lengthOf(importWordOf(words, 0)));
   choice.wrap_mm = mm;
   return c.bench.importPlan()->setClosing(choice);
 }
@@ -155,8 +155,8 @@ Expected<void> importVoxel(AppContext& c, AppWords words) {
     if (set.labels()) return set.labels()->setVoxel(mm);
     return wrongWord("a " + set.entries()[set.chosen()].what(), "a scan or labels: the others have their voxel size");
   };
-  if (wordOf(words, 0) == "auto") return setVoxel(0);
-  KERF_TRY(mm, lengthOf(wordOf(words, 0)));
+  if (importWordOf(words, 0) == "auto") return setVoxel(0);
+  KERF_TRY(mm, lengthOf(importWordOf(words, 0)));
   if (mm == 0) return notAWord("0", "auto, or a length in mm");
   return setVoxel(mm);
 }
@@ -219,7 +219,7 @@ void addPrediction(nlohmann::json& j, const Prediction& prediction) {
   j["predicted_triangles"] = prediction.surface_triangles;
 }
 
-const char* nameOf(ImportRole role) {
+const char* importNameOf(ImportRole role) {
   const auto row = std::find_if(kRoles.begin(), kRoles.end(), [&](const auto& r) { return r.second == role; });
   return row->first;
 }
@@ -248,7 +248,7 @@ std::string importState(const ImportSet& set) {
     for (const Finding& finding : set.tool()->findings()) add(finding);
   for (const Finding& finding : set.findings()) add(finding);
   for (const ImportEntry& entry : set.entries())
-    j["files"].push_back({{"file", entry.file.string()}, {"what", entry.what()}, {"role", nameOf(entry.role)}});
+    j["files"].push_back({{"file", entry.file.string()}, {"what", entry.what()}, {"role", importNameOf(entry.role)}});
   return j.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 

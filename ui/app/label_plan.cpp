@@ -17,22 +17,22 @@ namespace kerf {
 namespace {
 
 namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
-using Weight = Finding::Weight;
+using LabelClock = std::chrono::steady_clock;
+using LabelWeight = Finding::Weight;
 
-constexpr auto kSettlesAfter = std::chrono::milliseconds(400);  // while tissues are chosen one after the other
-constexpr std::size_t kByItselfUpTo = 60'000'000;               // voxels: smoothing takes some seconds
+constexpr auto kLabelsSettleAfter = std::chrono::milliseconds(400);  // while tissues are chosen one after the other
+constexpr std::size_t kLabelsByItselfUpTo = 60'000'000;               // voxels: smoothing takes some seconds
 
-double secondsSince(Clock::time_point then) { return std::chrono::duration<double>(Clock::now() - then).count(); }
+double labelSecondsSince(LabelClock::time_point then) { return std::chrono::duration<double>(LabelClock::now() - then).count(); }
 
 // The share of a progress from `from` to `to`.
-Progress partOf(const Progress& progress, double from, double to) {
+Progress partOfLabels(const Progress& progress, double from, double to) {
   return [&progress, from, to](double done, std::string_view step) {
     return report(progress, from + (to - from) * done, step);
   };
 }
 
-tl::unexpected<Error> wrong(std::string found, std::string expected) {
+tl::unexpected<Error> wrongLabels(std::string found, std::string expected) {
   return fail({.code = Error::Code::kBadValue, .found = std::move(found), .expected = std::move(expected)});
 }
 
@@ -78,9 +78,9 @@ struct Wanted {
 };
 
 Expected<ClosedPreview> surfaceOf(const LabelVolume& volume, const Wanted& wanted, const Progress& progress) {
-  const auto began = Clock::now();
-  KERF_TRY(smooth, SmoothLabels::create(volume, wanted.labels, {}, partOf(progress, 0, 0.7)));
-  KERF_TRY(mesh, smooth.surface(partOf(progress, 0.7, 0.9)));
+  const auto began = LabelClock::now();
+  KERF_TRY(smooth, SmoothLabels::create(volume, wanted.labels, {}, partOfLabels(progress, 0, 0.7)));
+  KERF_TRY(mesh, smooth.surface(partOfLabels(progress, 0.7, 0.9)));
 
   ClosedPreview out;
   for (const LabelVolumeReport& r : smooth.reports())
@@ -100,12 +100,12 @@ Expected<ClosedPreview> surfaceOf(const LabelVolume& volume, const Wanted& wante
     mesh.face_colors.push_back(colour == wanted.colours.end() ? wanted.colours.begin()->second : colour->second);
   }
   out.solid = std::make_shared<const Mesh>(std::move(mesh));
-  out.seconds = secondsSince(began);
+  out.seconds = labelSecondsSince(began);
   return out;
 }
 
 // A text as TOML has it between quotes.
-std::string quoted(const std::string& text) {
+std::string quotedLabel(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) {
     if (c == '"' || c == '\\') out += '\\';
@@ -120,8 +120,8 @@ std::string quoted(const std::string& text) {
 }  // namespace
 
 Expected<LabelsFound> readLabels(const fs::path& file, const Progress& progress) {
-  const auto began = Clock::now();
-  KERF_TRY(volume, readLabelVolume(file, {}, partOf(progress, 0, 0.7)));
+  const auto began = LabelClock::now();
+  KERF_TRY(volume, readLabelVolume(file, {}, partOfLabels(progress, 0, 0.7)));
   if (!report(progress, 0.7, "counting labels")) return cancelled();
   LabelsFound out;
   out.file = file.has_filename() ? file : file.parent_path();  // of a folder with a slash at its end
@@ -142,7 +142,7 @@ Expected<LabelsFound> readLabels(const fs::path& file, const Progress& progress)
   if (!report(progress, 0.8, "looking for walls between labels")) return cancelled();
   survey(volume, out);
   out.volume = std::make_shared<const LabelVolume>(std::move(volume));
-  out.seconds = secondsSince(began);
+  out.seconds = labelSecondsSince(began);
   return out;
 }
 
@@ -202,7 +202,7 @@ LabelPlan::LabelPlan(LabelsFound found, MaterialTable materials, double voxel_mm
       materials_(std::move(materials)),
       voxel_mm_(voxel_mm),
       free_bytes_(freeMemory()),
-      changed_at_(Clock::now()) {
+      changed_at_(LabelClock::now()) {
   for (const LabelFound& label : found_.labels)
     if (const auto tissue = tissueByName(label.name); tissue && materials_.find(*tissue))
       tissues_[label.label] = *tissue;
@@ -211,23 +211,23 @@ LabelPlan::LabelPlan(LabelsFound found, MaterialTable materials, double voxel_mm
 std::vector<Finding> LabelPlan::findings() const {
   const LabelVolume& v = *found_.volume;
   std::vector<Finding> out;
-  out.push_back({Weight::kFine, "Volume",
+  out.push_back({LabelWeight::kFine, "Volume",
                  fmt::format("{}, {} x {} x {} voxels of {:.3g} x {:.3g} x {:.3g} mm", found_.format, v.size[0],
                              v.size[1], v.size[2], v.spacing[0], v.spacing[1], v.spacing[2])});
   const Vec3d size = found_.box.size();
   const double across = size.norm();
-  out.push_back({across > 3 && across < 400 ? Weight::kFine : Weight::kDoubtful, "Size",
+  out.push_back({across > 3 && across < 400 ? LabelWeight::kFine : LabelWeight::kDoubtful, "Size",
                  fmt::format("{:.1f} x {:.1f} x {:.1f} mm are labelled", size[0], size[1], size[2])});
   const bool has_names = std::any_of(found_.labels.begin(), found_.labels.end(),
                                      [](const LabelFound& label) { return !label.name.empty(); });
   const std::string labels = fmt::format("{} label{}", found_.labels.size(), found_.labels.size() == 1 ? "" : "s");
-  out.push_back(has_names ? Finding{Weight::kFine, "Labels", labels + ", tissues by their names: look them over"}
-                          : Finding{Weight::kDoubtful, "Labels",
+  out.push_back(has_names ? Finding{LabelWeight::kFine, "Labels", labels + ", tissues by their names: look them over"}
+                          : Finding{LabelWeight::kDoubtful, "Labels",
                                     labels + " without names: what is no tissue of its own is cut as generic tissue"});
-  if (isEmpty()) out.push_back({Weight::kDoubtful, "Tissue", "all labels are left out: nothing is there to cut"});
+  if (isEmpty()) out.push_back({LabelWeight::kDoubtful, "Tissue", "all labels are left out: nothing is there to cut"});
   const double thinnest = v.spacing.minCoeff();
   if (voxel() > 1.01 * thinnest)
-    out.push_back({Weight::kDoubtful, "Voxels",
+    out.push_back({LabelWeight::kDoubtful, "Voxels",
                    fmt::format("coarser than those of the volume, {:.3g} mm: what is thin is lost", thinnest)});
   return out;
 }
@@ -235,7 +235,7 @@ std::vector<Finding> LabelPlan::findings() const {
 // ---- Choices
 
 void LabelPlan::changed() {
-  changed_at_ = Clock::now();
+  changed_at_ = LabelClock::now();
   is_preview_due_ = true;
   preview_.reset();
   preview_error_.reset();
@@ -251,13 +251,13 @@ Expected<void> LabelPlan::setTissue(std::uint16_t label, const std::string& tiss
   std::string all;
   for (const LabelFound& known : found_.labels) all += (all.empty() ? "" : ", ") + std::to_string(known.label);
   if (std::none_of(found_.labels.begin(), found_.labels.end(), [&](const auto& l) { return l.label == label; }))
-    return wrong(fmt::format("label {}", label), "one of " + all);
+    return wrongLabels(fmt::format("label {}", label), "one of " + all);
   if (tissue == "none") {
     if (tissues_.erase(label) > 0) changed();
     return {};
   }
   const MaterialProperties* const row = materials_.find(tissue);
-  if (!row) return wrong("\"" + tissue + "\"", "none, or one of " + materials_.ids());
+  if (!row) return wrongLabels("\"" + tissue + "\"", "none, or one of " + materials_.ids());
   if (this->tissue(label) == row->material) return {};
   tissues_[label] = row->material;
   changed();
@@ -266,7 +266,7 @@ Expected<void> LabelPlan::setTissue(std::uint16_t label, const std::string& tiss
 
 Expected<void> LabelPlan::setVoxel(double mm) {
   if (mm != 0 && !(mm >= ImportPlan::kFinestVoxel && mm <= ImportPlan::kCoarsestVoxel))
-    return wrong(fmt::format("a voxel of {:g} mm", mm),
+    return wrongLabels(fmt::format("a voxel of {:g} mm", mm),
                  fmt::format("{:g} to {:g} mm", ImportPlan::kFinestVoxel, ImportPlan::kCoarsestVoxel));
   voxel_mm_ = mm;
   return {};
@@ -306,7 +306,7 @@ Prediction LabelPlan::prediction() const {
 std::string LabelPlan::recipe() const {
   std::string out = "# Written by kerf-sim from what was chosen about a label volume.\n";
   out += fmt::format("format = \"kerf-recipe\"\nversion = 1\nname = {}\nvoxel = {:g}\n",
-                     quoted(found_.file.stem().stem().string()), voxel());
+                     quotedLabel(found_.file.stem().stem().string()), voxel());
   for (const LabelFound& label : found_.labels)
     if (const auto tissue = tissues_.find(label.label); tissue != tissues_.end()) {
       std::string called = label.called();
@@ -316,13 +316,13 @@ std::string LabelPlan::recipe() const {
                          materials_.find(tissue->second)->id, label.label);
     }
   std::error_code ignored;
-  out += fmt::format("\n[labels]\nvolume = {}\n", quoted(fs::absolute(found_.file, ignored).string()));
+  out += fmt::format("\n[labels]\nvolume = {}\n", quotedLabel(fs::absolute(found_.file, ignored).string()));
   return out;
 }
 
 // ---- The surface
 
-bool LabelPlan::startsByItself() const { return !isEmpty() && voxelsOf(*found_.volume) <= kByItselfUpTo; }
+bool LabelPlan::startsByItself() const { return !isEmpty() && voxelsOf(*found_.volume) <= kLabelsByItselfUpTo; }
 
 void LabelPlan::startPreview() {
   if (job_ || isEmpty()) return;
@@ -363,7 +363,7 @@ bool LabelPlan::update() {
     }
     return true;
   }
-  if (!job_ && is_preview_due_ && startsByItself() && Clock::now() - changed_at_ > kSettlesAfter) startPreview();
+  if (!job_ && is_preview_due_ && startsByItself() && LabelClock::now() - changed_at_ > kLabelsSettleAfter) startPreview();
   return false;
 }
 

@@ -100,7 +100,7 @@ bool isFormat(std::string_view text) {
 
 // ---- Placeholders
 
-tl::unexpected<Error> wrong(std::string found, std::string expected) {
+tl::unexpected<Error> wrongLanguage(std::string found, std::string expected) {
   return fail({.code = Error::Code::kBadValue, .found = std::move(found), .expected = std::move(expected)});
 }
 
@@ -116,7 +116,7 @@ Expected<TextPattern> patternOf(const std::string& text, const std::vector<Kind>
   TextPattern out;
   std::size_t count = 0;
   for (std::size_t at = 0; at < text.size(); ++at) {
-    if (text[at] == '}') return wrong("a } alone", kExpected);
+    if (text[at] == '}') return wrongLanguage("a } alone", kExpected);
     if (text[at] != '{') {
       addLiteral(out, text[at]);
       continue;
@@ -130,10 +130,10 @@ Expected<TextPattern> patternOf(const std::string& text, const std::vector<Kind>
       piece.number = static_cast<std::size_t>(inside[0] - '1');
       piece.kind = (*numbered)[piece.number];
     } else if (!inside.empty() && kind == Kind::kNumber) {
-      return wrong("{" + (end == text.npos ? "" : inside + "}"), kExpected);
+      return wrongLanguage("{" + (end == text.npos ? "" : inside + "}"), kExpected);
     }
     const bool is_beside = !out.pieces.empty() && out.pieces.back().kind != Kind::kLiteral;
-    if (!numbered && is_beside) return wrong("two placeholders with nothing between them", "words between them");
+    if (!numbered && is_beside) return wrongLanguage("two placeholders with nothing between them", "words between them");
     out.pieces.push_back(std::move(piece));
     ++count;
     at = end;
@@ -218,7 +218,7 @@ std::shared_ptr<const Language>& shownNow() {
   return language;
 }
 
-std::string quoted(const std::string& text) {
+std::string quotedText(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) {
     if (c == '"' || c == '\\')
@@ -237,25 +237,25 @@ std::string quoted(const std::string& text) {
 
 Expected<void> Language::add(const std::string& english, const std::string& translated) {
   if (english.size() > kLongestText || translated.size() > kLongestText)
-    return wrong("a text of more than 2000 bytes", "a shorter one");
+    return wrongLanguage("a text of more than 2000 bytes", "a shorter one");
   for (const std::string* text : {&english, &translated}) {
-    if (text->find("##") != text->npos) return wrong("##", "the words that are shown, without an id");
-    if (text->find('\0') != text->npos) return wrong("a character 0", "words");
+    if (text->find("##") != text->npos) return wrongLanguage("##", "the words that are shown, without an id");
+    if (text->find('\0') != text->npos) return wrongLanguage("a character 0", "words");
   }
   if (isFormat(english) && conversionsOf(english) != conversionsOf(translated))
-    return wrong("other conversions than in the English text",
+    return wrongLanguage("other conversions than in the English text",
                  fmt::format("{}", fmt::join(conversionsOf(english), " ")));
 
   KERF_TRY(from, patternOf(english, nullptr));
   const std::vector<Kind> kinds = kindsOf(from);
   KERF_TRY(to, patternOf(translated, &kinds));
   if (!hasAll(to, kinds))
-    return wrong("not the placeholders of the English text", "each of them once, numbered as {1} in another order");
+    return wrongLanguage("not the placeholders of the English text", "each of them once, numbered as {1} in another order");
   if (kinds.empty()) {
     exact_.emplace(english, translated);
     return {};
   }
-  if (from.letters == 0) return wrong("a text of placeholders alone", "words beside them");
+  if (from.letters == 0) return wrongLanguage("a text of placeholders alone", "words beside them");
   patterns_.push_back({std::move(from), std::move(to)});
   return {};
 }
@@ -463,9 +463,9 @@ Expected<std::size_t> writeMissingTexts(const fs::path& file) {
                  .expected = "a new file: a translation is not written over"});
 
   KERF_TRY(out, AtomicFile::create(file));
-  out.stream() << "format = \"" << kFormat << "\"\nversion = 1\nname = " << quoted(language->name())
+  out.stream() << "format = \"" << kFormat << "\"\nversion = 1\nname = " << quotedText(language->name())
                << "\n\n# {}: a number, {*}: any words, {name}: a name. \"\": not translated yet.\n[texts]\n";
-  for (const std::string& text : language->missing()) out.stream() << quoted(text) << " = \"\"\n";
+  for (const std::string& text : language->missing()) out.stream() << quotedText(text) << " = \"\"\n";
   KERF_CHECK(out.commit());
   return language->missing().size();
 }

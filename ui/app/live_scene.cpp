@@ -8,7 +8,7 @@ namespace kerf {
 namespace {
 
 // The first of "piece 1", "piece 2", ... that none has.
-std::string freeName(std::span<SceneObject* const> objects) {
+std::string freePieceName(std::span<SceneObject* const> objects) {
   for (std::size_t n = 1;; ++n) {
     std::string name = fmt::format("piece {}", n);
     const auto has = [&](const SceneObject* object) { return object->name == name; };
@@ -66,7 +66,7 @@ void LiveScene::update(std::span<const ObjectChunks> chunks, const HapticReport&
     labels_.erase(known);
   }
   for (SceneObject* object : in_scene)
-    if (object->name.empty()) object->name = freeName(in_scene);
+    if (object->name.empty()) object->name = freePieceName(in_scene);
   if (is_meshed) shown_ = std::move(in_scene);
   if (shown_.empty())  // the session has not said anything yet
     for (const auto& object : objects_) shown_.push_back(object.get());

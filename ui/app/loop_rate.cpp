@@ -3,7 +3,7 @@
 namespace kerf {
 namespace {
 
-constexpr auto kApart = std::chrono::milliseconds(20);
+constexpr auto kMeasuresApart = std::chrono::milliseconds(20);
 constexpr auto kWindow = std::chrono::seconds(1);
 
 }  // namespace
@@ -12,7 +12,7 @@ void LoopRate::add(std::uint64_t ticks, Clock::time_point now) {
   if (count_ > 0 && ticks < last_.ticks) clear();
   last_ = {ticks, now};
   const std::size_t newest = (next_ + kMost - 1) % kMost;
-  if (count_ > 0 && now < ring_[newest].when + kApart) return;
+  if (count_ > 0 && now < ring_[newest].when + kMeasuresApart) return;
   ring_[next_] = last_;
   next_ = (next_ + 1) % kMost;
   if (count_ < kMost) ++count_;

@@ -16,7 +16,7 @@ constexpr double kDeep = 0.5;        // mm inside the object
 constexpr double kMostInside = 0.1;  // of the neighbour's surface: teeth that touch, and jaws in occlusion, have less
 constexpr std::size_t kSamples = 20000;
 
-double gapBetween(const Box3& a, const Box3& b) {
+double gapToNeighbour(const Box3& a, const Box3& b) {
   const Vec3d apart = (a.min - b.max).cwiseMax(b.min - a.max).cwiseMax(Vec3d::Zero());
   return apart.norm();
 }
@@ -60,7 +60,7 @@ std::optional<std::string> misfitOf(const BrickField& object, const Box3& box, c
   if (ratio > kMostRatio || ratio < 1 / kMostRatio)
     return fmt::format("{} is {:.3g} times as large as what is worked on: is one of them in another unit?", name,
                        ratio);
-  if (const double gap = gapBetween(box, other); gap > kMostApart)
+  if (const double gap = gapToNeighbour(box, other); gap > kMostApart)
     return fmt::format("{} lies {:.0f} mm away from what is worked on: they are hardly in one frame of a scan", name,
                        gap);
   if (const double inside = shareInside(object, solid); inside > kMostInside)

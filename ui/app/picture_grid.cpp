@@ -16,7 +16,7 @@ double roundedUp(double mm) {
   return 10 * power;
 }
 
-std::string nameOf(const Vec3d& direction) {
+std::string pictureNameOf(const Vec3d& direction) {
   constexpr double kAlong = 1 - 1e-9;  // cosine
   for (int axis = 0; axis < 3; ++axis)
     if (std::abs(direction[axis]) > kAlong) return (direction[axis] < 0 ? "-" : "") + std::string(1, "xyz"[axis]);
@@ -24,7 +24,7 @@ std::string nameOf(const Vec3d& direction) {
 }
 
 // @param middle  what the middle of the picture is at, mm.   @param direction  1: pixels grow with mm; -1: they fall.
-std::vector<PictureGrid::Line> linesOf(double middle, double step, double mm_per_pixel, int pixels, int direction) {
+std::vector<PictureGrid::Line> pictureLines(double middle, double step, double mm_per_pixel, int pixels, int direction) {
   const double half = 0.5 * pixels * mm_per_pixel;
   std::vector<PictureGrid::Line> out;
   for (double n = std::ceil((middle - half) / step); n * step <= middle + half; ++n) {
@@ -43,10 +43,10 @@ PictureGrid pictureGrid(const Camera& camera, int width, int height, const Eigen
 
   PictureGrid out;
   out.step_mm = roundedUp(mm * std::max(kLeastPixels, std::max(width, height) / kMostLines));
-  out.right = linesOf(camera.target.dot(right), out.step_mm, mm, width, 1);
-  out.up = linesOf(camera.target.dot(up), out.step_mm, mm, height, -1);
-  out.right_name = nameOf(drawn_from_scan.transpose() * right);
-  out.up_name = nameOf(drawn_from_scan.transpose() * up);
+  out.right = pictureLines(camera.target.dot(right), out.step_mm, mm, width, 1);
+  out.up = pictureLines(camera.target.dot(up), out.step_mm, mm, height, -1);
+  out.right_name = pictureNameOf(drawn_from_scan.transpose() * right);
+  out.up_name = pictureNameOf(drawn_from_scan.transpose() * up);
   return out;
 }
 

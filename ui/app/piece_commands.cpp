@@ -11,7 +11,7 @@
 namespace kerf::piece_commands {
 namespace {
 
-constexpr double kFar = 1000;  // mm
+constexpr double kFarMove = 1000;  // mm
 
 Expected<const SceneObject*> chosen(const AppContext& c) {
   if (const SceneObject* const piece = c.bench.chosenPiece()) return piece;
@@ -78,7 +78,7 @@ Expected<void> move(AppContext& c, AppWords words) {
   Rigid3 pose = piece->pose();
   for (int axis = 0; axis < 3; ++axis) {
     static constexpr const char* kNames[] = {"X", "Y", "Z"};
-    KERF_TRY(mm, numberOf(words, static_cast<std::size_t>(axis), kNames[axis], -kFar, kFar));
+    KERF_TRY(mm, numberOf(words, static_cast<std::size_t>(axis), kNames[axis], -kFarMove, kFarMove));
     pose.translation[axis] += mm;
   }
   c.bench.movePiece(piece->id, pose);

@@ -9,10 +9,10 @@
 namespace kerf::saw_commands {
 namespace {
 
-constexpr double kMostMm = 1000, kMostDegrees = 360;
+constexpr double kMostSawMm = 1000, kMostDegrees = 360;
 constexpr double kUnderFace = 1;  // mm
 
-Expected<std::string> wordOf(AppWords words, const char* name) {
+Expected<std::string> sawWordOf(AppWords words, const char* name) {
   if (words.empty() || words[0].empty()) return wrongWord("too few parameters", name);
   return words[0];
 }
@@ -53,7 +53,7 @@ Expected<void> fromView(AppContext& c, AppWords words) {
 
 Expected<void> fromFace(AppContext& c, AppWords words) {
   KERF_TRY(at, rayOf(c, words));
-  KERF_TRY(below, numberOr(words, 2, kUnderFace, "MM", 0, kMostMm));
+  KERF_TRY(below, numberOr(words, 2, kUnderFace, "MM", 0, kMostSawMm));
   return c.bench.saw().addAlongFace(at, below);
 }
 
@@ -61,7 +61,7 @@ Expected<void> fromNumbers(AppContext& c, AppWords words) {
   std::array<double, 6> v{};
   static constexpr std::array<const char*, 6> kNames = {"X", "Y", "Z", "NX", "NY", "NZ"};
   for (std::size_t n = 0; n < v.size(); ++n) {
-    KERF_TRY(value, numberOf(words, n, kNames[n], -kMostMm, kMostMm));
+    KERF_TRY(value, numberOf(words, n, kNames[n], -kMostSawMm, kMostSawMm));
     v[n] = value;
   }
   return c.bench.saw().addAt({v[0], v[1], v[2]}, {v[3], v[4], v[5]});
@@ -73,12 +73,12 @@ Expected<void> pickFace(AppContext& c, AppWords) { return pick(c, SawPicking::Wh
 Expected<void> pickNothing(AppContext& c, AppWords) { return pick(c, SawPicking::What::kNothing); }
 
 Expected<void> choose(AppContext& c, AppWords words) {
-  KERF_TRY(name, wordOf(words, "NAME"));
+  KERF_TRY(name, sawWordOf(words, "NAME"));
   return c.bench.saw().plan().choose(name);
 }
 
 Expected<void> rename(AppContext& c, AppWords words) {
-  KERF_TRY(name, wordOf(words, "NAME"));
+  KERF_TRY(name, sawWordOf(words, "NAME"));
   return c.bench.saw().plan().renameChosen(name);
 }
 
@@ -88,7 +88,7 @@ Expected<void> remove(AppContext& c, AppWords) {
 }
 
 Expected<void> move(AppContext& c, AppWords words) {
-  KERF_TRY(mm, numberOf(words, 0, "MM", -kMostMm, kMostMm));
+  KERF_TRY(mm, numberOf(words, 0, "MM", -kMostSawMm, kMostSawMm));
   return c.bench.saw().move(mm);
 }
 
@@ -120,12 +120,12 @@ Expected<void> depth(AppContext& c, AppWords words) {
 Expected<void> fit(AppContext& c, AppWords) { return c.bench.saw().fit(); }
 
 Expected<void> save(AppContext& c, AppWords words) {
-  KERF_TRY(file, wordOf(words, "FILE"));
+  KERF_TRY(file, sawWordOf(words, "FILE"));
   return c.bench.saw().save(file);
 }
 
 Expected<void> load(AppContext& c, AppWords words) {
-  KERF_TRY(file, wordOf(words, "FILE"));
+  KERF_TRY(file, sawWordOf(words, "FILE"));
   return c.bench.saw().load(file);
 }
 

@@ -17,7 +17,7 @@ constexpr double kLooked = 45;     // mm around the point that a section is look
 constexpr double kNear = 8;        // mm from the point to the bone, at most
 constexpr double kBefore = 0.5;    // mm outside the bone, where a rectangle begins
 constexpr double kBehind = 1;      // mm behind the bone, where it ends
-constexpr double kAbove = 0.3;     // mm above the bone a pass begins slowly
+constexpr double kAboveSection = 0.3;     // mm above the bone a pass begins slowly
 constexpr double kBeside = 12;     // mm around a rectangle in which a blade may saw what was not planned
 constexpr double kTouches = 0.06;  // mm: so near to the teeth is sawn
 constexpr int kDirections = 72;    // of an approach that is looked for
@@ -174,7 +174,7 @@ std::vector<SawPass> passesOf(const SawPlane& plane, const BrickField& bone, con
     }
     if (!(along.size() >= 0)) continue;
     const double end = std::min(plane.depth, along.high + kBehind + blade.sag);
-    out.push_back({u, along.low - kAbove, std::max(end, along.low)});
+    out.push_back({u, along.low - kAboveSection, std::max(end, along.low)});
   }
   return out;
 }

@@ -13,8 +13,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kAbove = 0.3;          // mm before what the teeth meet first
+constexpr double kSawDegree = std::numbers::pi / 180;
+constexpr double kAboveCut = 0.3;          // mm before what the teeth meet first
 constexpr double kLift = 2;             // mm above the bone, between passes
 constexpr double kMostLift = 20;        // mm, where something else is in the blade's way
 constexpr double kAsideIsTold = 0.15;   // mm
@@ -49,7 +49,7 @@ double firstTissue(const SawPlane& plane, const SawBlade& blade, const BrickFiel
   for (double v = above; v < pass.from; v += kStep)
     for (double beside = -0.5 * blade.span; beside <= 0.5 * blade.span; beside += kStep)
       for (const double side : {-0.5, 0.0, 0.5})
-        if (bone.sample(plane.fromPlane(pass.u + beside, v) + side * blade.kerf * plane.normal) < 0) return v - kAbove;
+        if (bone.sample(plane.fromPlane(pass.u + beside, v) + side * blade.kerf * plane.normal) < 0) return v - kAboveCut;
   return pass.from;
 }
 
@@ -174,14 +174,14 @@ Expected<void> Sawing::move(double mm) {
 
 Expected<void> Sawing::turn(double about_approach_deg, double about_across_deg) {
   KERF_TRY(plane, chosen());
-  turnPlane(plane, about_approach_deg * kDegree, about_across_deg * kDegree);
+  turnPlane(plane, about_approach_deg * kSawDegree, about_across_deg * kSawDegree);
   plan_.replaceChosen(plane);
   return {};
 }
 
 Expected<void> Sawing::turnApproach(double deg) {
   KERF_TRY(plane, chosen());
-  kerf::turnApproach(plane, deg * kDegree);
+  kerf::turnApproach(plane, deg * kSawDegree);
   plan_.replaceChosen(plane);
   return {};
 }

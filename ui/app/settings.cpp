@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string quoted(const std::string& text) {
+std::string quotedSetting(const std::string& text) {
   std::ostringstream out;
   out << toml::value<std::string>(text);
   return out.str();
@@ -56,7 +56,7 @@ const std::vector<Key>& keys() {
        [](const Settings& a, const Settings& b) { return a.ui_scale == b.ui_scale; }},
       {"hints_dismissed", [](const Settings& s) { return std::string(s.are_hints_dismissed ? "true" : "false"); },
        [](const Settings& a, const Settings& b) { return a.are_hints_dismissed == b.are_hints_dismissed; }},
-      {"last_folder", [](const Settings& s) { return quoted(s.last_folder.string()); },
+      {"last_folder", [](const Settings& s) { return quotedSetting(s.last_folder.string()); },
        [](const Settings& a, const Settings& b) { return a.last_folder == b.last_folder; }},
       {"force_N", [](const Settings& s) { return fmt::format("{:.2f}", s.force_N); },
        [](const Settings& a, const Settings& b) { return a.force_N == b.force_N; }},
@@ -66,7 +66,7 @@ const std::vector<Key>& keys() {
        [](const Settings& a, const Settings& b) { return a.sound_volume == b.sound_volume; }},
       {"sound_muted", [](const Settings& s) { return std::string(s.is_muted ? "true" : "false"); },
        [](const Settings& a, const Settings& b) { return a.is_muted == b.is_muted; }},
-      {"space_mouse", [](const Settings& s) { return quoted(nameOf(s.space_mouse.leads)); },
+      {"space_mouse", [](const Settings& s) { return quotedSetting(nameOf(s.space_mouse.leads)); },
        [](const Settings& a, const Settings& b) { return a.space_mouse.leads == b.space_mouse.leads; }},
       {"space_mouse_gain", [](const Settings& s) { return fmt::format("{:.2f}", s.space_mouse.gain); },
        [](const Settings& a, const Settings& b) { return a.space_mouse.gain == b.space_mouse.gain; }},
@@ -75,17 +75,17 @@ const std::vector<Key>& keys() {
       {"space_mouse_dominant",
        [](const Settings& s) { return std::string(s.space_mouse.is_dominant ? "true" : "false"); },
        [](const Settings& a, const Settings& b) { return a.space_mouse.is_dominant == b.space_mouse.is_dominant; }},
-      {"space_mouse_inverted", [](const Settings& s) { return quoted(namesOfInverted(s.space_mouse)); },
+      {"space_mouse_inverted", [](const Settings& s) { return quotedSetting(namesOfInverted(s.space_mouse)); },
        [](const Settings& a, const Settings& b) { return a.space_mouse.is_inverted == b.space_mouse.is_inverted; }},
       {"perspective_deg", [](const Settings& s) { return fmt::format("{:.1f}", s.perspective_deg); },
        [](const Settings& a, const Settings& b) { return a.perspective_deg == b.perspective_deg; }},
       {"perspective", [](const Settings& s) { return std::string(s.is_perspective ? "true" : "false"); },
        [](const Settings& a, const Settings& b) { return a.is_perspective == b.is_perspective; }},
-      {"language", [](const Settings& s) { return quoted(s.language); },
+      {"language", [](const Settings& s) { return quotedSetting(s.language); },
        [](const Settings& a, const Settings& b) { return a.language == b.language; }},
       {"file_dialog", [](const Settings& s) { return std::string(s.has_own_dialog ? "\"own\"" : "\"system\""); },
        [](const Settings& a, const Settings& b) { return a.has_own_dialog == b.has_own_dialog; }},
-      {"favourite_tools", [](const Settings& s) { return quoted(joined(s.favourite_tools)); },
+      {"favourite_tools", [](const Settings& s) { return quotedSetting(joined(s.favourite_tools)); },
        [](const Settings& a, const Settings& b) { return a.favourite_tools == b.favourite_tools; }},
   };
   return kKeys;
@@ -143,7 +143,7 @@ Expected<Settings> readSettings(const fs::path& path) {
   return out;
 }
 
-bool isThere(const fs::path& path) {
+bool settingsAreThere(const fs::path& path) {
   std::error_code ignored;
   return fs::exists(path, ignored);
 }
@@ -214,7 +214,7 @@ const char* nameOf(SpaceMouseLeads leads) {
 
 SettingsFile::SettingsFile(fs::path folder)
     : path_((folder.empty() ? userConfigFolder() : std::move(folder)) / "settings.toml") {
-  if (!isThere(path_)) return;
+  if (!settingsAreThere(path_)) return;
   auto read = readSettings(path_);
   if (!read) {
     error_ = read.error();
@@ -228,7 +228,7 @@ Expected<void> SettingsFile::save() {
   if (error_) return fail(*error_);
   if (values == written_) return {};
   // Somebody may have edited it since.
-  if (isThere(path_))
+  if (settingsAreThere(path_))
     if (const auto now = readSettings(path_); !now) return fail(now.error());
 
   std::vector<std::string> lines = linesOf(path_);
@@ -249,7 +249,7 @@ Expected<void> SettingsFile::setAside() {
   if (!error_) return {};
   fs::path aside = path_;
   aside += ".broken";
-  for (int n = 2; isThere(aside); ++n) aside = path_.string() + fmt::format(".broken-{}", n);
+  for (int n = 2; settingsAreThere(aside); ++n) aside = path_.string() + fmt::format(".broken-{}", n);
   std::error_code failed;
   fs::rename(path_, aside, failed);
   if (failed)

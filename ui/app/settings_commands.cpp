@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kStep = 0.1;  // of the scale
 
-tl::unexpected<Error> wrong(const std::string& found, std::string expected) {
+tl::unexpected<Error> wrongSetting(const std::string& found, std::string expected) {
   return fail({.code = Error::Code::kBadValue,
                .found = found.empty() ? "nothing" : "\"" + found + "\"",
                .expected = std::move(expected)});
@@ -39,19 +39,19 @@ Expected<void> setTheme(AppContext& c, AppWords words) {
   else if (words[0] == "dark")
     theme = Theme::kDark;
   else
-    return wrong(words[0], "light or dark");
+    return wrongSetting(words[0], "light or dark");
   return c.settings->save();
 }
 
 Expected<void> setScale(AppContext& c, AppWords words) {
   const std::string expected = fmt::format("FACTOR: {:g} to {:g}", Settings::kSmallestScale, Settings::kLargestScale);
-  if (words.empty()) return wrong("", expected);
+  if (words.empty()) return wrongSetting("", expected);
   double scale = 0;
   const std::string& word = words[0];
   const auto [end, failed] = std::from_chars(word.data(), word.data() + word.size(), scale);
   const bool is_number = failed == std::errc{} && end == word.data() + word.size();
   if (!is_number || !(scale >= Settings::kSmallestScale && scale <= Settings::kLargestScale))
-    return wrong(word, expected);
+    return wrongSetting(word, expected);
   return scaleTo(c, scale);
 }
 
@@ -65,7 +65,7 @@ Expected<void> setHints(AppContext& c, AppWords words) {
   else if (words[0] == "on" || words[0] == "off")
     are_dismissed = words[0] == "off";
   else
-    return wrong(words[0], "on or off");
+    return wrongSetting(words[0], "on or off");
   return c.settings->save();
 }
 
@@ -89,19 +89,19 @@ Expected<void> mute(AppContext& c, AppWords words) {
   else if (words[0] == "on" || words[0] == "off")
     is_muted = words[0] == "on";
   else
-    return wrong(words[0], "on or off");
+    return wrongSetting(words[0], "on or off");
   return c.settings->save();
 }
 
 Expected<void> setDialog(AppContext& c, AppWords words) {
   if (words.empty() || (words[0] != "own" && words[0] != "system"))
-    return wrong(words.empty() ? "" : words[0], "own or system");
+    return wrongSetting(words.empty() ? "" : words[0], "own or system");
   c.settings->values.has_own_dialog = words[0] == "own";
   return c.settings->save();
 }
 
 Expected<void> setLanguage(AppContext& c, AppWords words) {
-  if (words.empty()) return wrong("", "a language: en, de");
+  if (words.empty()) return wrongSetting("", "a language: en, de");
   KERF_CHECK(showLanguage(words[0], c.settings->path().parent_path()));
   c.settings->values.language = words[0];
   return c.settings->save();

@@ -21,7 +21,7 @@ bool isUnreserved(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || marks.find(c) != marks.npos;
 }
 
-fs::path absoluteOf(const fs::path& file) {
+fs::path absolutePathOf(const fs::path& file) {
   std::error_code failed;
   const fs::path out = fs::absolute(file, failed);
   return failed ? file : out.lexically_normal();
@@ -36,7 +36,7 @@ std::string howItEnded(int status) {
 
 std::string uriOf(const fs::path& file) {
   std::string out = "file://";
-  for (const char c : absoluteOf(file).string())
+  for (const char c : absolutePathOf(file).string())
     isUnreserved(c) ? out += c : out += fmt::format("%{:02X}", static_cast<unsigned char>(c));
   return out;
 }
@@ -62,7 +62,7 @@ tl::unexpected<Error> ShowInFolder::notShown(std::string found) const {
                .place = "show in folder",
                .found = std::move(found),
                .expected = "a file manager",
-               .hint = "look yourself in " + absoluteOf(files_.front()).parent_path().string()});
+               .hint = "look yourself in " + absolutePathOf(files_.front()).parent_path().string()});
 }
 
 Expected<void> ShowInFolder::begin(std::vector<fs::path> files) {
@@ -79,7 +79,7 @@ Expected<void> ShowInFolder::begin(std::vector<fs::path> files) {
 Expected<void> ShowInFolder::openFolder() {
   is_by_bus_ = false;
   if (!isOnPath("xdg-open")) return notShown("no file manager answers on D-Bus, and there is no xdg-open");
-  const auto started = startProgram({"xdg-open", absoluteOf(files_.front()).parent_path().string()});
+  const auto started = startProgram({"xdg-open", absolutePathOf(files_.front()).parent_path().string()});
   if (!started) return notShown(started.error().found);
   child_ = *started;
   began_ = std::chrono::steady_clock::now();

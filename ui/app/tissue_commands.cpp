@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::array<std::pair<const char*, TissueLook>, 3> kLooks = {
     {{"show", TissueLook::kShow}, {"hide", TissueLook::kHide}, {"ghost", TissueLook::kGhost}}};
-constexpr std::array<std::pair<const char*, SurfaceColours>, 4> kColours = {{{"tissue", SurfaceColours::kTissue},
+constexpr std::array<std::pair<const char*, SurfaceColours>, 4> kTissueColours = {{{"tissue", SurfaceColours::kTissue},
                                                                              {"scan", SurfaceColours::kScan},
                                                                              {"depth", SurfaceColours::kDepth},
                                                                              {"distance", SurfaceColours::kDistance}}};
@@ -40,7 +40,7 @@ Expected<void> showAll(AppContext& c, AppWords) {
 }
 
 Expected<void> colours(AppContext& c, AppWords words) {
-  for (const auto& [word, colours] : kColours)
+  for (const auto& [word, colours] : kTissueColours)
     if (!words.empty() && words[0] == word) return c.bench.tissues().setColours(colours);
   return wrongWord(quoted(words, 0), "tissue, scan, depth or distance");
 }

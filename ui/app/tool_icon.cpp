@@ -10,7 +10,7 @@ namespace {
 constexpr double kMargin = 0.18;      // of the picture, about what cuts
 constexpr double kTolerance = 0.008;  // of that
 constexpr double kOutside = 0.2;      // of the picture: what lies farther outside is left out
-constexpr double kNear = 0.02;        // of the picture: what is this near to what cuts has its colour
+constexpr double kIconNear = 0.02;        // of the picture: what is this near to what cuts has its colour
 
 struct Sorted {
   double depth = 0;
@@ -48,7 +48,7 @@ std::vector<IconTriangle> toolIcon(const Tool& tool) {
     if (!is_seen) continue;
 
     const Vec3d middle = (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2)) / 3;
-    s.triangle.is_cutting = tool.cut->distance(middle) < kNear * side;
+    s.triangle.is_cutting = tool.cut->distance(middle) < kIconNear * side;
     s.triangle.shade = static_cast<float>(0.35 + 0.65 * normal.normalized().dot(light));
     sorted.push_back(s);
   }

@@ -25,12 +25,12 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kMostGuessedCut = 4;  // mm: a bur cuts that far or less, and a longer head is told
-constexpr double kStep = 0.25;         // mm, of the heights at which it is measured
+constexpr double kPlanStep = 0.25;         // mm, of the heights at which it is measured
 constexpr double kWider = 1.6;         // times what is near the tip: that is no head any more
 constexpr double kDoubt = 1.5;         // times the width of the tip: another end may be it
 
 // The longest way through the surface, unit.
-Vec3d lengthOf(const Mesh& mesh) {
+Vec3d toolLengthOf(const Mesh& mesh) {
   double area = 0;
   Vec3d centre = Vec3d::Zero();
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -115,7 +115,7 @@ void measure(const Mesh& mesh, ToolWay& way) {
 
   // It cuts as far as it is hardly wider than there.
   way.cut_below_mm = std::min(kMostGuessedCut, end.length);
-  for (double above = top; above < way.cut_below_mm; above += kStep) {
+  for (double above = top; above < way.cut_below_mm; above += kPlanStep) {
     double reach = 0;
     crossings(end, above, [&](const Vec3d& p) { reach = std::max(reach, (p.head<2>() - middle).norm()); });
     if (reach > kWider * radius) way.cut_below_mm = above;
@@ -173,7 +173,7 @@ std::optional<Vec3d> fromThinEnd(const Mesh& mesh) {
 // Without vertices that no triangle has: they may lie anywhere.
 Mesh withoutStrayVertices(const Mesh& mesh) { return subset(mesh, std::vector<char>(mesh.triangles.size(), 1)); }
 
-Mesh scaled(const Mesh& mesh, double scale) {
+Mesh scaledTool(const Mesh& mesh, double scale) {
   Mesh out = mesh;
   for (Vec3d& p : out.vertices) p = roundedToFloat(Vec3d(scale * p));
   return out;
@@ -219,7 +219,7 @@ std::string freeId(const std::string& wanted, const fs::path& folder, const std:
 
 std::vector<ToolWay> toolWays(const Mesh& mesh_mm) {
   const Mesh mesh = withoutStrayVertices(mesh_mm);
-  const Vec3d length = lengthOf(mesh);
+  const Vec3d length = toolLengthOf(mesh);
   const std::array<std::pair<const char*, Vec3d>, 8> kWays = {{{"+x", Vec3d::UnitX()},
                                                                {"-x", -Vec3d::UnitX()},
                                                                {"+y", Vec3d::UnitY()},
@@ -247,13 +247,13 @@ std::vector<ToolWay> toolWays(const Mesh& mesh_mm) {
 }
 
 ToolPlan::ToolPlan(fs::path file, std::shared_ptr<const Mesh> mesh, double scale_to_mm)
-    : file_(std::move(file)), mesh_(std::move(mesh)), scale_(scale_to_mm), ways_(toolWays(scaled(*mesh_, scale_))) {}
+    : file_(std::move(file)), mesh_(std::move(mesh)), scale_(scale_to_mm), ways_(toolWays(scaledTool(*mesh_, scale_))) {}
 
 void ToolPlan::setScale(double scale_to_mm) {
   if (scale_to_mm == scale_) return;
   const std::string name = way().name;
   scale_ = scale_to_mm;
-  ways_ = toolWays(scaled(*mesh_, scale_));
+  ways_ = toolWays(scaledTool(*mesh_, scale_));
   way_ = 0;
   cut_below_mm_ = 0;
   if (is_chosen_) (void)setWay(name);
@@ -310,7 +310,7 @@ std::vector<Finding> ToolPlan::findings() const {
 std::string ToolPlan::id() const { return idOf(file_); }
 
 Expected<fs::path> writeMeshTool(const MeshToolOrder& order, const fs::path& folder, const Progress& progress) {
-  Mesh solid = scaled(withoutStrayVertices(*order.mesh), order.scale_to_mm);
+  Mesh solid = scaledTool(withoutStrayVertices(*order.mesh), order.scale_to_mm);
   solid.vertex_colors.clear();
   solid.face_colors.clear();
   if (!report(progress, 0, "closing the tool")) return cancelled();

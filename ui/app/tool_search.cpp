@@ -12,7 +12,7 @@
 namespace kerf {
 namespace {
 
-std::string lower(std::string text) {
+std::string lowerCase(std::string text) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return text;
 }
@@ -21,7 +21,7 @@ std::string allWordsOf(const Tool& tool) {
   const double mm = tool.head_diameter_mm;
   const std::string size = mm > 0 ? fmt::format("{:g} {:g}mm {:03.0f}", mm, mm, 10 * mm) : "";
   const char* const also = tool.kind == ToolKind::kBlade ? "saw" : "";
-  return lower(fmt::format("{} {} {} {} {} {} {} {}", tool.id, tool.name, tool.description, tool.shape,
+  return lowerCase(fmt::format("{} {} {} {} {} {} {} {}", tool.id, tool.name, tool.description, tool.shape,
                            kindName(tool.kind), also, tool.iso6360, size));
 }
 
@@ -37,7 +37,7 @@ bool isDiameter(const std::string& word, const Tool& tool) {
 
 bool matchesSearch(const Tool& tool, std::string_view search) {
   const std::string all = allWordsOf(tool);
-  std::istringstream words{lower(std::string(search))};
+  std::istringstream words{lowerCase(std::string(search))};
   for (std::string word; words >> word;)
     if (all.find(word) == std::string::npos && !isDiameter(word, tool)) return false;
   return true;

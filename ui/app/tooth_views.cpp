@@ -10,33 +10,33 @@
 namespace kerf::tooth_views {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kToothDegree = std::numbers::pi / 180;
 constexpr double kHalfHeight = 12;                   // mm: a tooth and those next to it
 constexpr double kOverTheArch = 30, kOverNext = 45;  // degrees above the occlusal plane
 
 /// Where something is looked at.
-struct Place {
+struct ToothPlace {
   Vec3d point = Vec3d::Zero();  // world
   Rigid3 T_world_object;
 };
 
-std::optional<Place> placeUnder(const AppContext& c, const Ray& ray) {
+std::optional<ToothPlace> placeUnder(const AppContext& c, const Ray& ray) {
   const auto seen = c.bench.behindSection(ray);
   const auto hit = seen ? c.bench.scene().hit(*seen) : std::nullopt;
   if (!hit) return {};
   const SceneObject* const object = c.bench.scene().find(hit->id);
-  return Place{hit->on_surface.point, object ? object->pose() : Rigid3{}};
+  return ToothPlace{hit->on_surface.point, object ? object->pose() : Rigid3{}};
 }
 
 /// The point of the arch that is nearest to a ray.
-Place placeOfArch(const DentalArch& arch, const Ray& ray) {
+ToothPlace placeOfArch(const DentalArch& arch, const Ray& ray) {
   const auto off = [&](const Vec3d& p) { return (p - ray.origin).cross(ray.direction).squaredNorm(); };
   return {*std::min_element(arch.curve.begin(), arch.curve.end(),
                             [&](const Vec3d& a, const Vec3d& b) { return off(a) < off(b); }),
           {}};
 }
 
-Expected<Place> placeOf(const AppContext& c, AppWords words) {
+Expected<ToothPlace> toothPlaceOf(const AppContext& c, AppWords words) {
   if (!words.empty()) {
     KERF_TRY(ray, rayOf(c, words));
     if (const auto place = placeUnder(c, ray)) return *place;
@@ -46,16 +46,16 @@ Expected<Place> placeOf(const AppContext& c, AppWords words) {
   if (c.pointer)
     if (const auto place = placeUnder(c, rayAt((*c.pointer)[0], (*c.pointer)[1]))) return *place;
   if (const SceneObject* const piece = c.bench.chosenPiece())
-    return Place{piece->pose() * piece->surface.bounds().center(), piece->pose()};
+    return ToothPlace{piece->pose() * piece->surface.bounds().center(), piece->pose()};
 
   const Ray middle = rayAt(0.5 * c.width, 0.5 * c.height);
   if (const auto place = placeUnder(c, middle)) return *place;
   if (const auto& arch = c.bench.arch(); arch && !c.bench.told_sides) return placeOfArch(*arch, middle);
-  return Place{c.bench.scene().bounds().center(), {}};
+  return ToothPlace{c.bench.scene().bounds().center(), {}};
 }
 
 /// In the world's frame.
-Expected<ToothSides> sidesOf(const AppContext& c, const Place& place) {
+Expected<ToothSides> sidesOf(const AppContext& c, const ToothPlace& place) {
   ToothSides out;
   if (c.bench.told_sides)
     out = *c.bench.told_sides;
@@ -82,11 +82,11 @@ Vec3d upOf(const AppContext& c) {
 }  // namespace
 
 Expected<void> look(AppContext& c, AppWords words, ToothSide side) {
-  KERF_TRY(place, placeOf(c, words));
+  KERF_TRY(place, toothPlaceOf(c, words));
   KERF_TRY(sides, sidesOf(c, place));
   const bool is_one_tooth = c.bench.told_sides.has_value();
   const auto from = [&](const Vec3d& direction, double above_deg) {
-    const double above = is_one_tooth ? 0 : above_deg * kDegree;
+    const double above = is_one_tooth ? 0 : above_deg * kToothDegree;
     lookFrom(c.camera, std::cos(above) * direction + std::sin(above) * sides.occlusal, sides.occlusal);
   };
 

@@ -11,7 +11,7 @@
 namespace kerf::view_commands {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kViewDegree = std::numbers::pi / 180;
 constexpr double kFarOff = 1e5;  // pixels
 
 Expected<void> moveSection(AppContext& c, AppWords words, double way) {
@@ -88,14 +88,14 @@ Expected<void> perspective(AppContext& c, AppWords words) {
     return keep(false);
   }
   KERF_TRY(degrees, numberOr(words, 0, kept, "DEG", Camera::kLeastField, Camera::kMostField));
-  setFieldOfView(c.camera, degrees * kDegree);
+  setFieldOfView(c.camera, degrees * kViewDegree);
   if (c.settings && !words.empty()) c.settings->values.perspective_deg = degrees;
   return keep(true);
 }
 
 Expected<void> roll(AppContext& c, AppWords words) {
   KERF_TRY(degrees, numberOr(words, 0, 15, "DEG", -360, 360));
-  c.camera.roll = std::remainder(c.camera.roll + degrees * kDegree, 2 * std::numbers::pi);
+  c.camera.roll = std::remainder(c.camera.roll + degrees * kViewDegree, 2 * std::numbers::pi);
   return {};
 }
 

@@ -22,7 +22,7 @@ namespace {
 
 constexpr double kHighestBase = 1000;  // mm; closing allows no more
 
-struct Arguments {
+struct BakeArguments {
   std::vector<std::string> inputs;
   std::string output, close = "auto", base, base_direction, occlusal_plane;
   std::optional<double> base_height;
@@ -56,7 +56,7 @@ Expected<void> requireLength(const char* option, double mm, const char* hint) {
 }
 
 /// What the base options ask for; nothing if they were not given.
-Expected<void> readBase(const Arguments& a, CloseOptions& options) {
+Expected<void> readBase(const BakeArguments& a, CloseOptions& options) {
   if (!a.base.empty() && a.base != "horseshoe" && a.base != "full")
     return fail({.code = Error::Code::kBadValue,
                  .place = "--base",
@@ -118,7 +118,7 @@ Expected<GivenPlane> plane(const std::string& text) {
   return GivenPlane{given->normal, given->point};
 }
 
-nlohmann::json jsonOf(const CaseManifest& m) {
+nlohmann::json bakeJson(const CaseManifest& m) {
   nlohmann::json j{{"id", m.id},
                    {"exact", m.exact},
                    {"changes", m.changes},
@@ -145,7 +145,7 @@ nlohmann::json jsonOf(const CaseManifest& m) {
   return j;
 }
 
-nlohmann::json jsonOf(const PairCheck& c) {
+nlohmann::json bakeJson(const PairCheck& c) {
   nlohmann::json j{
       {"boxes_apart_mm", c.boxes_apart_mm}, {"overlap_mm", c.overlap_mm}, {"notes", c.notes}, {"warnings", c.warnings}};
   if (c.planes_disagree_deg) j["planes_disagree_deg"] = *c.planes_disagree_deg;
@@ -153,7 +153,7 @@ nlohmann::json jsonOf(const PairCheck& c) {
 }
 
 // What closing cost.
-nlohmann::json jsonOf(const CloseReport& c) {
+nlohmann::json bakeJson(const CloseReport& c) {
   nlohmann::json holes = nlohmann::json::array();
   for (const Vec3d& p : c.handles_at) holes.push_back({p.x(), p.y(), p.z()});
   nlohmann::json lost = nlohmann::json::array();
@@ -209,15 +209,15 @@ nlohmann::json sourceJson(const BakeReport& r, std::size_t n) {
   return j;
 }
 
-nlohmann::json jsonOf(const BakeReport& r) {
-  nlohmann::json j = jsonOf(r.manifest);
+nlohmann::json bakeJson(const BakeReport& r) {
+  nlohmann::json j = bakeJson(r.manifest);
   j["solid"]["pieces"] = r.pieces.pieces;
   j["solid"]["cavities"] = r.pieces.cavities;
   j["solid"]["specks"] = r.pieces.specks;
   j["solid"]["specks_mm3"] = r.pieces.specks_mm3;
   j["was_up_to_date"] = r.was_up_to_date;
   j["warnings"] = r.manifest.warnings ? nlohmann::json(*r.manifest.warnings) : nlohmann::json();
-  if (r.pair_check) j["pair_check"] = jsonOf(*r.pair_check);
+  if (r.pair_check) j["pair_check"] = bakeJson(*r.pair_check);
   if (r.was_up_to_date) {  // the same keys: nothing was timed or closed
     j["seconds"] = nullptr;
     if (r.manifest.parts.empty()) j["closing"] = keptClosing(r.manifest);
@@ -227,12 +227,12 @@ nlohmann::json jsonOf(const BakeReport& r) {
 
   j["seconds"] = {{"read", r.times.read},         {"check", r.times.check}, {"close", r.times.close},
                   {"voxelize", r.times.voxelize}, {"write", r.times.write}, {"total", r.times.total()}};
-  if (r.manifest.parts.empty()) j["closing"] = jsonOf(r.close);
+  if (r.manifest.parts.empty()) j["closing"] = bakeJson(r.close);
   for (std::size_t n = 0; n < r.manifest.sources.size(); ++n) j["sources"].push_back(sourceJson(r, n));
   return j;
 }
 
-int runPair(const Arguments& a, const std::vector<std::filesystem::path>& paths) {
+int runPair(const BakeArguments& a, const std::vector<std::filesystem::path>& paths) {
   if (paths.size() != 2)
     return complainOfUsage({.code = Error::Code::kBadValue,
                             .place = "--pair",
@@ -251,7 +251,7 @@ int runPair(const Arguments& a, const std::vector<std::filesystem::path>& paths)
   nlohmann::json all;
   for (std::size_t k = 0; k < 2; ++k) {
     if (!a.json) fmt::print("{}case written: {}\n", describe((*reports)[k]), (*folders)[k].string());
-    all["pair"].push_back(jsonOf((*reports)[k]));
+    all["pair"].push_back(bakeJson((*reports)[k]));
     all["pair"].back()["case"] = (*folders)[k].string();
   }
   all["frame"] = (*reports)[0].manifest.pair->frame;
@@ -260,7 +260,7 @@ int runPair(const Arguments& a, const std::vector<std::filesystem::path>& paths)
 }
 
 // What the options say in words: into options.close. Errors are of the command line.
-Expected<void> readCloseOptions(const Arguments& a, CloseOptions& close) {
+Expected<void> readCloseOptions(const BakeArguments& a, CloseOptions& close) {
   KERF_CHECK(readClose(a.close, close));
   if (a.fill_up_to > 0) close.fill_up_to_mm = a.fill_up_to;
   KERF_CHECK(readBase(a, close));
@@ -274,7 +274,7 @@ Expected<void> readCloseOptions(const Arguments& a, CloseOptions& close) {
 }
 
 // Around where the tip of the path file of --fine-along cuts.
-Expected<FineRegion> readRegion(const Arguments& a) {
+Expected<FineRegion> readRegion(const BakeArguments& a) {
   KERF_TRY(path, readPath(a.fine_along));
   FineRegion region{{}, a.fine_radius, a.fine_voxel};
   for (std::size_t n = 0; n < path.poses.size(); ++n)
@@ -289,7 +289,7 @@ Expected<FineRegion> readRegion(const Arguments& a) {
   return region;
 }
 
-int runOne(const Arguments& a, const std::vector<std::filesystem::path>& paths) {
+int runOne(const BakeArguments& a, const std::vector<std::filesystem::path>& paths) {
   const auto recipe = std::find_if(paths.begin(), paths.end(), looksLikeRecipe);
   if (recipe != paths.end() && paths.size() > 1)
     return complainOfUsage({.code = Error::Code::kBadValue,
@@ -305,13 +305,13 @@ int runOne(const Arguments& a, const std::vector<std::filesystem::path>& paths) 
   if (!report) return complain(report.error());
 
   if (a.json)
-    printJson(jsonOf(*report));
+    printJson(bakeJson(*report));
   else
     fmt::print("{}{}: {}\n", describe(*report), report->was_up_to_date ? "up to date" : "case written", a.output);
   return kOk;
 }
 
-int run(Arguments& a) {
+int runBake(BakeArguments& a) {
   if (const auto read = readCloseOptions(a, a.options.close); !read) return complainOfUsage(read.error());
   if (!a.fine_along.empty()) {
     if (a.pair)
@@ -328,7 +328,7 @@ int run(Arguments& a) {
   return a.pair ? runPair(a, paths) : runOne(a, paths);
 }
 
-void addClosingOptions(CLI::App& command, Arguments& a) {
+void addClosingOptions(CLI::App& command, BakeArguments& a) {
   command
       .add_option("--close", a.close,
                   "auto: least repair, a flat base for an open scan | base | repair: never a base | wrap: shrink-wrap, "
@@ -382,7 +382,7 @@ void addClosingOptions(CLI::App& command, Arguments& a) {
       "it should have, or lacks more than three fifths of the scan's vertices; without it that is refused");
 }
 
-void addFineOptions(CLI::App& command, Arguments& a) {
+void addFineOptions(CLI::App& command, BakeArguments& a) {
   CLI::Option* along =
       command
           .add_option(
@@ -402,7 +402,7 @@ void addFineOptions(CLI::App& command, Arguments& a) {
 }  // namespace
 
 void addBake(CLI::App& command, int& exit_code) {
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<BakeArguments>();
   command.footer(
       "Examples: kerf bake upper.ply -o upper.case --voxel 0.1\n          kerf bake molar.toml -o molar.case\n"
       "          kerf bake --pair upper.ply lower.ply -o patient --occlusal-plane auto --base-height 20");
@@ -430,7 +430,7 @@ void addBake(CLI::App& command, int& exit_code) {
   command.add_flag("--json", a->json, "report as JSON on standard output");
   command.callback([a, voxel, &exit_code] {
     a->options.voxel_is_given = voxel->count() > 0;
-    exit_code = run(*a);
+    exit_code = runBake(*a);
   });
 }
 

@@ -17,7 +17,7 @@ namespace {
 
 using nlohmann::json;
 
-struct Arguments {
+struct CheckArguments {
   std::vector<std::string> meshes;
   std::string unit;  // empty: the numbers are taken for mm
   bool json = false;
@@ -25,7 +25,7 @@ struct Arguments {
 
 // "-" is standard input. A mesh is judged as its numbers are, or in mm from the unit the user names; who meant another
 // unit is told, beside the verdict.
-Expected<MeshFile> read(const Arguments& a, const std::string& name) {
+Expected<MeshFile> read(const CheckArguments& a, const std::string& name) {
   auto file = name == "-" ? readMeshStream(std::cin, "standard input") : readMesh(name);
   if (!file || file->mesh.vertices.empty()) return file;
   KERF_TRY(unit, chooseUnit(bounds(file->mesh), a.unit, file->declared_unit));
@@ -40,7 +40,7 @@ Expected<MeshFile> read(const Arguments& a, const std::string& name) {
 }
 
 // One mesh alone: its verdict as it is.
-int runOne(const Arguments& a) {
+int checkOne(const CheckArguments& a) {
   const auto file = read(a, a.meshes.front());
   if (!file) return complain(file.error());
   const MeshReport report = checkMesh(file->mesh);
@@ -49,7 +49,7 @@ int runOne(const Arguments& a) {
 }
 
 // Several: each under its name, and a count. What can not be read is not ready, and the others are judged all the same.
-int runAll(const Arguments& a) {
+int runAll(const CheckArguments& a) {
   json rows = json::array();
   std::size_t ready = 0;
   int code = kOk;
@@ -79,7 +79,7 @@ int runAll(const Arguments& a) {
 }  // namespace
 
 void addCheck(CLI::App& command, int& exit_code) {
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<CheckArguments>();
   command.footer(
       "Example: kerf check molar.stl --json\n         kerf check patient/*.stl\n         zcat molar.stl.gz | kerf "
       "check -");
@@ -89,7 +89,7 @@ void addCheck(CLI::App& command, int& exit_code) {
       ->type_name("UNIT")
       ->check(CLI::IsMember(unitNames()));
   command.add_flag("--json", a->json, "verdict as JSON on standard output; of several meshes a list, with their files");
-  command.callback([a, &exit_code] { exit_code = a->meshes.size() == 1 ? runOne(*a) : runAll(*a); });
+  command.callback([a, &exit_code] { exit_code = a->meshes.size() == 1 ? checkOne(*a) : runAll(*a); });
 }
 
 }  // namespace kerf::cli

@@ -1,5 +1,5 @@
-// What the commands of the program kerf share: complaints, JSON, progress. A command is one source; the
-// list of all is commands.h.
+// Shared by the commands of kerf, and by kerf-bench: complaints, JSON, progress. A command is one source; the list of
+// all is commands.h.
 #pragma once
 
 #include <signal.h>
@@ -17,7 +17,7 @@
 
 namespace kerf::cli {
 
-/// Prints "kerf: MESSAGE" on standard error, one line whatever bytes a file name holds; returns kFailed. With --json
+/// Prints "PROGRAM: MESSAGE" on standard error, one line whatever bytes a file name holds; returns kFailed. With --json
 /// the program also answers {"error": {...}} in the end, unless it has printed other JSON: answerInJson().
 int complain(const Error& error);
 /// The same about a wrong command line; returns kUsage.
@@ -28,6 +28,11 @@ void printJson(const nlohmann::json& json);
 
 /// Called once, when the command is over and asked for JSON: what was complained of last, if no JSON was printed.
 void answerInJson();
+
+/// The end of main(), once all options are declared: parses, which runs the callbacks, answers --json and flushes.
+/// Without Kerf's data it only answers --help and --version.
+/// @param exit_code  set by the callbacks.    @return what main returns.
+int runProgram(CLI::App& app, int argc, const char* const* argv, const int& exit_code);
 
 /// --overwrite, and its old spelling --force, which help does not show: beside --hand force and the forces of devices
 /// it was taken for one of them.

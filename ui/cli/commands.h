@@ -11,8 +11,8 @@ namespace kerf::cli {
 /// @param command  named and described already.    @param exit_code  what main returns; set by the callback.
 using AddOptions = void(CLI::App& command, int& exit_code);
 
-AddOptions addBake, addBench, addCheck, addCut, addDemo, addDemoMolar, addDevices, addExport, addInfo, addLive, addPick,
-    addPlot, addRecover, addReplay, addTool, addTrim;
+AddOptions addBake, addCheck, addCut, addDemo, addDemoMolar, addDevices, addExport, addInfo, addLive, addPick, addPlot,
+    addRecover, addReplay, addTool, addTrim;
 
 struct CommandRow {
   const char* name;     ///< as typed
@@ -23,7 +23,7 @@ struct CommandRow {
 
 inline constexpr const char* kWorkflow = "Commands from scan to mesh";
 inline constexpr const char* kInspect = "Commands for files and tools";
-inline constexpr const char* kExamples = "Commands for examples and measurements";
+inline constexpr const char* kExamples = "Commands for examples";
 
 inline constexpr CommandRow kCommands[] = {
     {"bake", "Turn mesh files or a case recipe into a case: closed solid, distance field, materials, point shell",
@@ -42,7 +42,6 @@ inline constexpr CommandRow kCommands[] = {
     {"devices", "List, try and record devices that are plugged in; say which coupling one can hold", addDevices,
      kInspect},
     {"tool", "List, check, draw, start and bake tools", addTool, kInspect},
-    {"bench", "Time Kerf on shared scenes: p50, p99, max and the state hash", addBench, kExamples},
     {"demo", "Write synthetic anatomy: tissues, with a recipe to bake them", addDemo, kExamples},
     {"demo-molar", "Write a synthetic lower first molar, to try things on", addDemoMolar, kExamples},
 };

@@ -22,7 +22,7 @@
 namespace kerf::cli {
 namespace {
 
-struct Arguments {
+struct CutArguments {
   std::string case_folder, tool, path, output;
   CutOptions options;
   bool json = false;
@@ -110,7 +110,7 @@ void tell(const std::vector<std::string>& warnings) {
 // ---- Against resistance
 
 // What happened to the cases beside the one that was cut, and what the export of that does not show.
-void warnOfNeighbours(const Arguments& a, const HapticSummary& s) {
+void warnOfNeighbours(const CutArguments& a, const HapticSummary& s) {
   const std::size_t of_run = s.beside.size() - a.haptic.beside.size();  // that it goes on from
   for (std::size_t n = 0; n < s.beside.size(); ++n) {
     const HapticSummary::Neighbour& other = s.beside[n];
@@ -132,9 +132,9 @@ void warnOfNeighbours(const Arguments& a, const HapticSummary& s) {
 }
 
 // The run that was gone on from; null: it began with a case.
-nlohmann::json goesOn(const Arguments& a) { return isRun(a.case_folder) ? nlohmann::json(a.case_folder) : nullptr; }
+nlohmann::json goesOn(const CutArguments& a) { return isRun(a.case_folder) ? nlohmann::json(a.case_folder) : nullptr; }
 
-nlohmann::json jsonOf(const Arguments& a, const HapticCut& cut) {
+nlohmann::json cutJson(const CutArguments& a, const HapticCut& cut) {
   nlohmann::json j = nlohmann::json::parse(toJson(cut.summary));
   j["tool"] = cut.manifest.tool_id;
   j["hand"] = a.hand;
@@ -192,7 +192,7 @@ void printMonitored(const HapticSummary& s) {
   fmt::print("\n");
 }
 
-void print(const Arguments& a, const HapticCut& cut) {
+void printCut(const CutArguments& a, const HapticCut& cut) {
   const HapticSummary& s = cut.summary;
   const bool is_default = findResponse(a.response)->response == StepSettings{}.response;
   const std::string response = is_default ? "" : " by " + a.response;
@@ -221,7 +221,7 @@ void print(const Arguments& a, const HapticCut& cut) {
 }
 
 // Warns of a tool that is hardly meant, and of one that is too thin for the voxels. A hand cuts on the object's own.
-void warnOfTool(const Arguments& a, const std::filesystem::path& tool_file, double voxel_mm, bool is_unchanged) {
+void warnOfTool(const CutArguments& a, const std::filesystem::path& tool_file, double voxel_mm, bool is_unchanged) {
   const auto tool = readTool(tool_file);
   if (!tool) return;
   if (const std::string doubt = doubtAbout(*tool); !doubt.empty())
@@ -235,7 +235,7 @@ void warnOfTool(const Arguments& a, const std::filesystem::path& tool_file, doub
 }
 
 // Only the law of penalty holds a tool by its core.
-void warnOfResponse(const Arguments& a, const std::filesystem::path& tool_file) {
+void warnOfResponse(const CutArguments& a, const std::filesystem::path& tool_file) {
   if (a.response == "penalty" || !a.haptic.add.empty()) return;
   const auto tool = readTool(tool_file);
   if (tool && isPointed(*tool))
@@ -246,7 +246,7 @@ void warnOfResponse(const Arguments& a, const std::filesystem::path& tool_file) 
 }
 
 // A feed is a machine's: it goes on whatever is left standing. Of a path that was not finished that says nothing.
-void warnOfFeed(const Arguments& a, const HapticSummary& s) {
+void warnOfFeed(const CutArguments& a, const HapticSummary& s) {
   constexpr double kEnough = 0.9;  // of the plan
   if (a.hand == "feed" && s.is_complete && s.reached_mm3 < kEnough * s.planned_mm3)
     fmt::print(stderr,
@@ -274,7 +274,7 @@ void tell(const PathFindings& found, bool is_adding) {
                at->x(), at->y(), at->z());
 }
 
-int runByHand(const Arguments& a, const std::filesystem::path& tool) {
+int runByHand(const CutArguments& a, const std::filesystem::path& tool) {
   HapticCutOptions options = a.haptic;
   options.hand = *handKind(a.hand);
   options.step.response = findResponse(a.response)->response;  // one of responseNames(), as checked on parsing
@@ -302,9 +302,9 @@ int runByHand(const Arguments& a, const std::filesystem::path& tool) {
                "its force says nothing. Begin it in air, as with a plunge\n",
                cut->summary.began_inside_mm);
   if (a.json)
-    printJson(jsonOf(a, *cut));
+    printJson(cutJson(a, *cut));
   else
-    print(a, *cut);
+    printCut(a, *cut);
   return kOk;
 }
 
@@ -325,7 +325,7 @@ std::string earlierLine(const RunManifest& m) {
 }
 
 // What stood beside it in a run that was gone on from is swept, too.
-void tellOfNeighbours(const Arguments& a, const RunManifest& m) {
+void tellOfNeighbours(const CutArguments& a, const RunManifest& m) {
   for (std::size_t n = 0; n < m.beside.size(); ++n) {
     const RunManifest::Beside& other = m.beside[n];
     if (other.removed_now_mm3 <= kUnchanged) continue;
@@ -344,7 +344,7 @@ nlohmann::json jsonOfNeighbours(const RunManifest& m) {
   return out;
 }
 
-int runGeometry(const Arguments& a, const std::filesystem::path& tool) {
+int runGeometry(const CutArguments& a, const std::filesystem::path& tool) {
   const auto m = [&] {
     TerminalProgress progress;
     return cutCase(a.case_folder, tool, a.path, a.output, a.options, progress.callback());
@@ -395,7 +395,7 @@ int runGeometry(const Arguments& a, const std::filesystem::path& tool) {
   return kOk;
 }
 
-int run(const Arguments& a) {
+int runCut(const CutArguments& a) {
   const auto tool = findToolFile(a.tool, defaultToolFolders());
   if (!tool) return complain(tool.error());
   return a.hand.empty() ? runGeometry(a, *tool) : runByHand(a, *tool);
@@ -438,7 +438,7 @@ void addOptionsOfAnyHand(CLI::App& command, HapticCutOptions& haptic) {
   group->add_option("--time-limit", haptic.time_limit, "simulated time after which to stop, s")->capture_default_str();
 }
 
-void addOptionsOfOneHand(CLI::App& command, Arguments& a) {
+void addOptionsOfOneHand(CLI::App& command, CutArguments& a) {
   auto* coupled = command.add_option_group("With --hand force or device");
   coupled->add_option("--response", a.response, responseHelp())
       ->check(CLI::IsMember(responseNames()))
@@ -469,7 +469,7 @@ void addOptionsOfOneHand(CLI::App& command, Arguments& a) {
 }  // namespace
 
 void addCut(CLI::App& command, int& exit_code) {
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<CutArguments>();
   command.footer(kFooter);
   command
       .add_option(
@@ -502,7 +502,7 @@ void addCut(CLI::App& command, int& exit_code) {
 
   command.callback([a, &command, &exit_code] {
     const auto wrong = misplaced(command, a->hand);
-    exit_code = wrong ? complainOfUsage(*wrong) : run(*a);
+    exit_code = wrong ? complainOfUsage(*wrong) : runCut(*a);
   });
 }
 

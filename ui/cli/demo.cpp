@@ -11,21 +11,21 @@
 namespace kerf::cli {
 namespace {
 
-struct Arguments {
+struct DemoArguments {
   std::string output, manifest;
   double detail = 1;
   std::uint32_t seed = DemoArchOptions().seed;
   bool overwrite = false;
 };
-using Model = Expected<DemoAnatomy> (*)(const Arguments& a, const Progress& progress);
+using Model = Expected<DemoAnatomy> (*)(const DemoArguments& a, const Progress& progress);
 
-Expected<DemoAnatomy> molar(const Arguments& a, const Progress& progress) {
+Expected<DemoAnatomy> molar(const DemoArguments& a, const Progress& progress) {
   return demoMolarAnatomy(a.detail, progress);
 }
-Expected<DemoAnatomy> mandible(const Arguments& a, const Progress& progress) {
+Expected<DemoAnatomy> mandible(const DemoArguments& a, const Progress& progress) {
   return demoMandible(a.detail, progress);
 }
-Expected<DemoAnatomy> arch(const Arguments& a, const Progress& progress) {
+Expected<DemoAnatomy> arch(const DemoArguments& a, const Progress& progress) {
   DemoArchOptions options;
   options.edge_mm *= a.detail;
   options.seed = a.seed;
@@ -39,7 +39,7 @@ Expected<DemoAnatomy> arch(const Arguments& a, const Progress& progress) {
   return anatomy;
 }
 
-int run(const Arguments& a, Model model) {
+int runDemo(const DemoArguments& a, Model model) {
   // Before the work, not after it.
   if (const auto possible = AtomicFolder::create(a.output, a.overwrite, a.manifest); !possible)
     return complain(possible.error());
@@ -58,7 +58,7 @@ int run(const Arguments& a, Model model) {
 }
 
 void add(CLI::App& parent, const std::string& name, const std::string& sentence, Model model, int& exit_code) {
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<DemoArguments>();
   a->manifest = name + (model == arch ? ".ply" : ".toml");
   CLI::App* c = parent.add_subcommand(name, sentence);
   c->footer(fmt::format("Example: kerf demo {0} -o {0}", name));
@@ -68,7 +68,7 @@ void add(CLI::App& parent, const std::string& name, const std::string& sentence,
       ->check(CLI::Range(0.5, 4.0));
   addOverwrite(*c, a->overwrite, "replace a folder that holds such a model");
   if (model == arch) c->add_option("--seed", a->seed, "of noise, rim and faults")->capture_default_str();
-  c->callback([a, model, &exit_code] { exit_code = run(*a, model); });
+  c->callback([a, model, &exit_code] { exit_code = runDemo(*a, model); });
 }
 
 }  // namespace

@@ -11,13 +11,13 @@
 namespace kerf::cli {
 namespace {
 
-struct Arguments {
+struct DemoMolarArguments {
   std::string output;
   double edge_mm = 0.18;
   bool overwrites = false;
 };
 
-int run(const Arguments& a) {
+int runDemoMolar(const DemoMolarArguments& a) {
   if (const auto possible = canWriteMesh(a.output); !possible) return complain(possible.error());
   if (const auto free = requireFree(a.output, a.overwrites); !free) return complain(free.error());
 
@@ -31,14 +31,14 @@ int run(const Arguments& a) {
 }  // namespace
 
 void addDemoMolar(CLI::App& command, int& exit_code) {
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<DemoMolarArguments>();
   command.footer("Example: kerf demo-molar -o molar.ply");
   command.add_option("-o,--output", a->output, writableFormats() + "; colours in " + colorFormats())->required();
   command.add_option("--edge", a->edge_mm, "edge length of the triangles [mm]")
       ->capture_default_str()
       ->check(CLI::Range(0.08, 1.0));
   addOverwrite(command, a->overwrites, "replace a file that is there");
-  command.callback([a, &exit_code] { exit_code = run(*a); });
+  command.callback([a, &exit_code] { exit_code = runDemoMolar(*a); });
 }
 
 }  // namespace kerf::cli

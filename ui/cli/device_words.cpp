@@ -14,7 +14,7 @@ std::string buttonsOf(std::uint64_t buttons) {
   return out;
 }
 
-nlohmann::json list(const Vec3d& v) { return {v[0], v[1], v[2]}; }
+nlohmann::json listOfWords(const Vec3d& v) { return {v[0], v[1], v[2]}; }
 
 }  // namespace
 
@@ -82,8 +82,8 @@ std::string textOf(const HandFrame& hand, const Vec3d& velocity) {
 
 nlohmann::json jsonOf(const HandFrame& hand, const Vec3d& velocity) {
   const Eigen::Vector4d q = hand.pose.rotation.coeffs();
-  nlohmann::json out = {{"position_mm", list(hand.pose.translation)},
-                        {"velocity_mm_per_s", list(velocity)},
+  nlohmann::json out = {{"position_mm", listOfWords(hand.pose.translation)},
+                        {"velocity_mm_per_s", listOfWords(velocity)},
                         {"buttons", hand.buttons},
                         {"is_ready", hand.is_ready},
                         {"most_force_N", hand.most_force}};

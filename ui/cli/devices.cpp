@@ -18,7 +18,7 @@
 namespace kerf::cli {
 namespace {
 
-struct Arguments {
+struct DevicesArguments {
   std::string device;  // path or serial
   bool wants_probe = false;
   std::string record, replay;  // files
@@ -35,7 +35,7 @@ struct Arguments {
 
 // ---- What a coupling can be
 
-nlohmann::json jsonOf(const std::string& name, const DeviceProfile& p, const DeviceCoupling& c,
+nlohmann::json devicesJson(const std::string& name, const DeviceProfile& p, const DeviceCoupling& c,
                       const CouplingSettings& wanted) {
   return {{"name", name},
           {"delay_ms", 1000 * p.delay_s},
@@ -48,22 +48,22 @@ nlohmann::json jsonOf(const std::string& name, const DeviceProfile& p, const Dev
           {"text", describeStiffness(c, wanted)}};
 }
 
-void print(const std::string& name, const DeviceProfile& p, const DeviceCoupling& c, const CouplingSettings& wanted) {
+void printDevices(const std::string& name, const DeviceProfile& p, const DeviceCoupling& c, const CouplingSettings& wanted) {
   fmt::print("{}: {:g} ms, {:g} kg, {:g} N, {:g} mm\n", name, 1000 * p.delay_s, p.mass_kg, p.friction, p.encoder_mm);
   fmt::print("  coupling {}; damping {:.2g} N s/m, {:.2g} while the drive turns\n", describeStiffness(c, wanted),
              1000 * c.settings.damping, 1000 * c.settings.running_damping);
 }
 
-int sayCouplings(const Arguments& a) {
+int sayCouplings(const DevicesArguments& a) {
   CouplingSettings wanted;
   wanted.stiffness = a.wanted;
   nlohmann::json list = nlohmann::json::array();
   const auto show = [&](const std::string& name, const DeviceProfile& profile) {
     const DeviceCoupling coupling = couplingFor(profile, wanted);
     if (a.json)
-      list.push_back(jsonOf(name, profile, coupling, wanted));
+      list.push_back(devicesJson(name, profile, coupling, wanted));
     else
-      print(name, profile, coupling, wanted);
+      printDevices(name, profile, coupling, wanted);
   };
 
   if (a.is_own) {
@@ -81,7 +81,7 @@ int sayCouplings(const Arguments& a) {
 
 // ---- What is plugged in
 
-int listDevices(const Arguments& a) {
+int listDevices(const DevicesArguments& a) {
   std::vector<FoundDevice> devices = findDevices();
   if (!a.device.empty()) {
     auto one = chooseDevice(devices, a.device);
@@ -127,7 +127,7 @@ CutPath ownPath() {
   return out;
 }
 
-int simulate(const Arguments& a) {
+int simulate(const DevicesArguments& a) {
   CutPath path = ownPath();
   if (!a.path.empty()) {
     auto read = readPath(a.path);
@@ -176,7 +176,7 @@ int simulate(const Arguments& a) {
   return kOk;
 }
 
-int run(const Arguments& a) {
+int runDevices(const DevicesArguments& a) {
   if (!a.simulate.empty()) return simulate(a);
   if (!a.replay.empty()) return printRecording(a.replay, a.json);
   if (a.wants_probe || !a.record.empty()) return probeDevice({a.device, a.wants_probe, a.record, a.seconds, a.json});
@@ -187,7 +187,7 @@ int run(const Arguments& a) {
 }  // namespace
 
 void addDevices(CLI::App& command, int& exit_code) {
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<DevicesArguments>();
   command.footer(
       "Without options: what is plugged in and known to a driver, with its path and serial number. None was ever\n"
       "tried on hardware: a recording of yours helps (--record), it holds the reports of the device and nothing else.\n"
@@ -238,7 +238,7 @@ void addDevices(CLI::App& command, int& exit_code) {
   command.callback([a, own, coupling, &exit_code] {
     for (const CLI::Option* option : own) a->is_own = a->is_own || option->count() > 0;
     if (coupling->count() > 0 && !a->is_own) a->wants_typical = true;
-    exit_code = run(*a);
+    exit_code = runDevices(*a);
   });
 }
 

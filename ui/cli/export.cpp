@@ -20,7 +20,7 @@
 namespace kerf::cli {
 namespace {
 
-struct Arguments {
+struct ExportArguments {
   std::string bundle;
   std::vector<std::string> outputs;
   std::size_t beside = 0;
@@ -34,7 +34,7 @@ struct Output {
   Mesh mesh;
 };
 
-Error noSuchPiece(const Arguments& a, const std::vector<PlacedPiece>& pieces) {
+Error noSuchPiece(const ExportArguments& a, const std::vector<PlacedPiece>& pieces) {
   std::string names;
   for (std::size_t n = 0; n < pieces.size(); ++n)
     names += fmt::format("{}{} ({})", n ? ", " : "", n + 1, pieces[n].name);
@@ -56,7 +56,7 @@ std::optional<std::size_t> chosenPiece(const std::string& word, const std::vecto
 }
 
 // Pieces where they were moved to, unless they are put back.
-Expected<std::vector<Output>> outputsOf(const Arguments& a, const Export& result) {
+Expected<std::vector<Output>> outputsOf(const ExportArguments& a, const Export& result) {
   std::vector<Output> out;
   const bool is_moved = std::any_of(result.pieces.begin(), result.pieces.end(),
                                     [&](const RunManifest::Piece& p) { return p.isMoved() && !a.is_put_back; });
@@ -83,7 +83,7 @@ Expected<std::vector<Output>> outputsOf(const Arguments& a, const Export& result
 }
 
 // What the cut took off the other teeth of the scene is in no mesh yet.
-Expected<void> warnOfNeighbours(const std::string& bundle) {
+Expected<void> warnOfExportNeighbours(const std::string& bundle) {
   KERF_TRY(manifest, readRunManifest(bundle));
   for (std::size_t n = 1; n <= manifest.beside.size(); ++n)
     if (const RunManifest::Beside& other = manifest.beside[n - 1]; other.removed_mm3 > 0)
@@ -119,7 +119,7 @@ nlohmann::json piecesOf(const Export& result) {
   return out;
 }
 
-nlohmann::json jsonOf(const std::vector<Output>& outputs, const Export& result) {
+nlohmann::json exportJson(const std::vector<Output>& outputs, const Export& result) {
   const PostOpReport& r = result.post_op.report;
   const WallAccuracy& w = result.accuracy;
   std::vector<std::string> files;
@@ -147,7 +147,7 @@ nlohmann::json jsonOf(const std::vector<Output>& outputs, const Export& result) 
           {"wall", {{"vertices", w.vertices}, {"rms_mm", w.rms_mm}, {"max_mm", w.max_mm}}}};
 }
 
-void printVolumes(const PostOpMesh& result, bool is_case) {
+void printExportVolumes(const PostOpMesh& result, bool is_case) {
   const PostOpReport& r = result.report;
   const std::string pieces = describe(PieceCount{.pieces = r.pieces, .cavities = r.cavities});
   if (is_case) {
@@ -163,8 +163,8 @@ void printVolumes(const PostOpMesh& result, bool is_case) {
              r.cut_triangles, result.mesh.triangles.size(), has_added ? "new" : "cut faces");
 }
 
-void print(const Arguments& a, const std::vector<Output>& outputs, const Export& result) {
-  printVolumes(result.post_op, isCase(a.bundle));
+void printExport(const ExportArguments& a, const std::vector<Output>& outputs, const Export& result) {
+  printExportVolumes(result.post_op, isCase(a.bundle));
 
   const WallAccuracy& w = result.accuracy;
   if (w.vertices)
@@ -191,7 +191,7 @@ void print(const Arguments& a, const std::vector<Output>& outputs, const Export&
 }
 
 // Neither a scan of ours nor, unless the user says so, anything that is there.
-Expected<void> requireWritable(const Arguments& a, const std::string& path) {
+Expected<void> requireWritable(const ExportArguments& a, const std::string& path) {
   std::filesystem::path folder = a.bundle;
   if (isRun(a.bundle)) {
     KERF_TRY(of_run, caseOfRun(a.bundle));
@@ -203,7 +203,7 @@ Expected<void> requireWritable(const Arguments& a, const std::string& path) {
 }
 
 // For a file a piece a folder may be given, made if need be: NAME.run gives FOLDER/NAME-PIECE.stl.
-Expected<std::vector<std::string>> namesOfOutputs(const Arguments& a) {
+Expected<std::vector<std::string>> namesOfOutputs(const ExportArguments& a) {
   namespace fs = std::filesystem;
   std::vector<std::string> out;
   for (const std::string& path : a.outputs) {
@@ -227,8 +227,8 @@ Expected<std::vector<std::string>> namesOfOutputs(const Arguments& a) {
   return out;
 }
 
-int run(const Arguments& given) {
-  Arguments a = given;
+int runExport(const ExportArguments& given) {
+  ExportArguments a = given;
   const auto names = namesOfOutputs(a);
   if (!names) return complain(names.error());
   a.outputs = *names;
@@ -254,19 +254,19 @@ int run(const Arguments& given) {
     if (const auto written = writeMesh(output.path, output.mesh); !written) return complain(written.error());
 
   if (a.beside == 0 && isRun(a.bundle))
-    if (const auto warned = warnOfNeighbours(a.bundle); !warned) return complain(warned.error());
+    if (const auto warned = warnOfExportNeighbours(a.bundle); !warned) return complain(warned.error());
   if (a.beside == 0 && isRun(a.bundle)) warnOfLedger(a.bundle, result->post_op.report);
   if (a.json)
-    printJson(jsonOf(*outputs, *result));
+    printJson(exportJson(*outputs, *result));
   else
-    print(a, *outputs, *result);
+    printExport(a, *outputs, *result);
   return kOk;
 }
 
 }  // namespace
 
 void addExport(CLI::App& command, int& exit_code) {
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<ExportArguments>();
   command.footer("Example: kerf export molar.run -o molar.stl -o molar.ply");
   command.add_option("RUN|CASE", a->bundle, "run or case folder")->required();
   command
@@ -289,7 +289,7 @@ void addExport(CLI::App& command, int& exit_code) {
   addOverwrite(command, a->overwrites, "replace files that are there");
   command.add_flag("--json", a->json, "summary as JSON on standard output");
   addCasePlaces(command);
-  command.callback([a, &exit_code] { exit_code = run(*a); });
+  command.callback([a, &exit_code] { exit_code = runExport(*a); });
 }
 
 }  // namespace kerf::cli

@@ -172,12 +172,12 @@ Expected<json> infoOf(const std::string& what) {
 }
 
 // Keys and values, one a line, indented by depth: JSON for people.
-void print(const json& j, int depth) {
+void printInfo(const json& j, int depth) {
   for (const auto& [key, value] : j.items()) {
     const std::string indent(static_cast<std::size_t>(2 * depth), ' ');
     if (value.is_object()) {
       fmt::print("{}{}:\n", indent, key);
-      print(value, depth + 1);
+      printInfo(value, depth + 1);
     } else if (value.is_array() && !value.empty() && (value[0].is_object() || value[0].is_string())) {
       fmt::print("{}{}:\n", indent, key);
       for (const json& item : value) {
@@ -185,7 +185,7 @@ void print(const json& j, int depth) {
           fmt::print("{}  - {}\n", indent, item.get<std::string>());
         } else {
           fmt::print("{}  -\n", indent);
-          print(item, depth + 2);
+          printInfo(item, depth + 2);
         }
       }
     } else {
@@ -203,14 +203,14 @@ void printLeading(json j) {
        {"kind", "format", "unit", "unit_reason", "size_in_file_unit", "close_mode", "exact", "warnings", "changes",
         "notes", "pieces", "specks", "specks_mm3", "cavities", "volume_mm3", "size_mm", "voxel_mm"}) {
     if (!j.contains(key)) continue;
-    print(json{{key, j[key]}}, 0);
+    printInfo(json{{key, j[key]}}, 0);
     j.erase(key);
   }
   j.erase("closing");  // the changes say it in words
-  print(j, 0);
+  printInfo(j, 0);
 }
 
-struct Arguments {
+struct InfoArguments {
   std::string what;
   bool json = false, replays = false;
 };
@@ -222,10 +222,10 @@ void printRun(const RunReport& report, const json& j) {
   for (const char* key : {"case_path", "case_id", "mode", "is_open", "duration_s", "segments", "path_length_mm",
                           "voxel_mm", "state_hash", "kerf_version", "goes_on_from_field_sha256", "pieces", "beside"})
     if (j.contains(key)) rest[key] = j[key];
-  print(rest, 0);
+  printInfo(rest, 0);
 }
 
-int runOfRun(const Arguments& a) {
+int runOfRun(const InfoArguments& a) {
   const auto report = [&] {
     TerminalProgress progress;
     return readRunReport(a.what, a.replays, progress.callback());
@@ -239,7 +239,7 @@ int runOfRun(const Arguments& a) {
   return kOk;
 }
 
-int run(const Arguments& a) {
+int runInfo(const InfoArguments& a) {
   if (isRun(a.what)) return runOfRun(a);
   if (a.replays)
     return complainOfUsage({.code = Error::Code::kBadValue,
@@ -259,7 +259,7 @@ int run(const Arguments& a) {
 }  // namespace
 
 void addInfo(CLI::App& command, int& exit_code) {
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<InfoArguments>();
   command.footer("Example: kerf info upper.ply");
   command
       .add_option("PATH", a->what,
@@ -271,7 +271,7 @@ void addInfo(CLI::App& command, int& exit_code) {
       "of a session: replay its log for force, temperature and distances, which no file of it keeps; takes "
       "about a quarter of its time");
   addCasePlaces(command);
-  command.callback([a, &exit_code] { exit_code = run(*a); });
+  command.callback([a, &exit_code] { exit_code = runInfo(*a); });
 }
 
 }  // namespace kerf::cli

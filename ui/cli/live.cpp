@@ -24,7 +24,7 @@ using std::chrono::steady_clock;
 // block was given 2.4 N mm in 9 s; with it, it gave 0.7.
 constexpr double kTransport = 0.003;
 
-struct Arguments {
+struct LiveArguments {
   std::string case_folder, run_folder, tool, device = "udp:4417", start;
   double seconds = 0, wait_s = 30;
   double force = 3, scale = 1, turn_deg = 0;
@@ -70,7 +70,7 @@ Expected<HandFrame> waitForHand(const ForceArm& device, double most_s) {
 }
 
 // The session itself; says when the hand comes and goes. A latch is cleared once the hand has been back for a while.
-void follow(LiveRun& run, const ForceArm& device, const Arguments& a) {
+void follow(LiveRun& run, const ForceArm& device, const LiveArguments& a) {
   constexpr double kBack = 0.3;  // s
   const auto began = steady_clock::now();
   auto last_away = began;
@@ -99,7 +99,7 @@ void follow(LiveRun& run, const ForceArm& device, const Arguments& a) {
   }
 }
 
-int say(const Arguments& a, const RunManifest& manifest, const HapticReport& report, const ArmCounts& counts) {
+int say(const LiveArguments& a, const RunManifest& manifest, const HapticReport& report, const ArmCounts& counts) {
   double removed = 0;
   for (std::size_t n = 0; n < report.object_count; ++n) removed += report.objects[n].removed_mm3;
   if (a.json) {
@@ -123,7 +123,7 @@ int say(const Arguments& a, const RunManifest& manifest, const HapticReport& rep
   return kOk;
 }
 
-int run(const Arguments& a) {
+int runLive(const LiveArguments& a) {
   const auto start = pointOf(a.start);
   if (!start) return complainOfUsage(start.error());
   const auto file = findToolFile(a.tool, defaultToolFolders());
@@ -182,7 +182,7 @@ int run(const Arguments& a) {
 }  // namespace
 
 void addLive(CLI::App& command, int& exit_code) {
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<LiveArguments>();
   command.footer(
       "A bridge is a small program for a device, which sends its pose to a port of 127.0.0.1 and gets its force\n"
       "(docs/reference/device-bridge.md); other machines are refused. All devices: docs/reference/devices.md. None "
@@ -214,7 +214,7 @@ void addLive(CLI::App& command, int& exit_code) {
   command.add_flag("--no-force", a->is_forceless, "the device leads the tool and gives no force");
   command.add_flag("--pedal", a->pedal_is_down, "the drive turns without button 1");
   command.add_flag("--json", a->json, "as JSON on standard output");
-  command.callback([a, &exit_code] { exit_code = run(*a); });
+  command.callback([a, &exit_code] { exit_code = runLive(*a); });
 }
 
 }  // namespace kerf::cli

@@ -3,13 +3,10 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <exception>
+#include <string>
 #include <string_view>
-#include <vector>
 
-#include "geometry/base/assets.h"
 #include "geometry/base/build_info.h"
-#include "ui/app/command_line.h"
 #include "ui/app/manual.h"
 #include "ui/cli/commands.h"
 
@@ -50,37 +47,15 @@ int main(int argc, char** argv) {
   app.get_formatter()->column_width(34);
   int exit_code = kOk;
   addCommands(app, exit_code);
-  kerf::requireFiniteNumbers(app);
   if (kerf::isManualRequest(argc, argv)) return kerf::answerManualRequest(app, argv[2]);
 
   if (argc < 2) {
     std::fputs(app.help().c_str(), stderr);
     return kUsage;
   }
-
-  const std::vector<std::string_view> words(argv + 1, argv + argc);
-  const auto has = [&words](std::string_view word) {
-    return std::find(words.begin(), words.end(), word) != words.end();
-  };
-  const auto answered = [&has](int code) {
-    if (has("--json")) answerInJson();
-    return code;
-  };
-  if (!isKnown(argv[1])) return answered(kUsage);
-  if (!has("--help") && !has("-h") && !has("--version"))
-    if (const auto assets = kerf::requireAssets(); !assets) return answered(complain(assets.error()));
-
-  try {
-    if (const auto end = kerf::parseCommandLine(app, argc, argv)) return *end;
-  } catch (const std::exception& e) {
-    return complain(
-        {.code = Error::Code::kBadValue, .found = fmt::format("unexpected: {}", e.what()), .hint = "report this"});
+  if (!isKnown(argv[1])) {
+    if (std::find(argv, argv + argc, std::string_view("--json")) != argv + argc) answerInJson();
+    return kUsage;
   }
-
-  answered(exit_code);
-
-  // A report that did not arrive (full disk behind a redirection) is no success.
-  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
-    return complain({.code = Error::Code::kWriteFailed, .place = "standard output", .found = "could not be written"});
-  return exit_code;
+  return runProgram(app, argc, argv, exit_code);
 }

@@ -28,7 +28,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-struct Arguments {
+struct PickArguments {
   std::string scene, view = "top", up = "auto", unit;
   std::vector<std::string> at, pixels;
   std::string size = "1200x900";
@@ -67,7 +67,7 @@ Expected<Picked> readCaseScene(const fs::path& bundle, const fs::path& case_fold
   return out;
 }
 
-Expected<Picked> readScene(const Arguments& a) {
+Expected<Picked> readScene(const PickArguments& a) {
   const fs::path path = a.scene;
   if (isCase(path)) return readCaseScene(path, path);
   if (isRun(path)) {
@@ -105,7 +105,7 @@ struct Place {
   double right = 0, up = 0;
 };
 
-Expected<std::vector<Place>> placesOf(const Arguments& a, const Camera& view, const Mesh& mesh) {
+Expected<std::vector<Place>> placesOf(const PickArguments& a, const Camera& view, const Mesh& mesh) {
   std::vector<Place> out;
   for (const std::string& text : a.at) {
     const auto xy = twoNumbers(text, ',');
@@ -173,7 +173,7 @@ std::optional<Found> look(const Picked& scene, const Camera& view, const Place& 
   return out;
 }
 
-Error nothingThere(const Arguments& a, const Place& place, const Camera& view, const Mesh& mesh) {
+Error nothingThere(const PickArguments& a, const Place& place, const Camera& view, const Mesh& mesh) {
   Box3 seen;
   for (const Vec3d& p : mesh.vertices) seen.add({p.dot(view.right()), p.dot(view.up()), 0});
   return {.code = Error::Code::kNotFound,
@@ -198,7 +198,7 @@ json toJson(const Place& place, const Found& found) {
   return j;
 }
 
-int run(const Arguments& a) {
+int runPick(const PickArguments& a) {
   if (a.at.empty() && a.pixels.empty())
     return complainOfUsage({.code = Error::Code::kBadValue,
                             .found = "no place to look at",
@@ -243,7 +243,7 @@ int run(const Arguments& a) {
 }  // namespace
 
 void addPick(CLI::App& command, int& exit_code) {
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<PickArguments>();
   command.footer(
       "A length in the view is one in mm: --at counts to the right and up in it, from the scan's origin. Seen from the "
       "top, with +z up, these are x and y. The row of a path (--json) holds a tool there that points along the view. "
@@ -271,7 +271,7 @@ void addPick(CLI::App& command, int& exit_code) {
       ->check(CLI::IsMember(unitNames()));
   addCasePlaces(command);
   command.add_flag("--json", a->json, "as JSON on standard output");
-  command.callback([a, &exit_code] { exit_code = run(*a); });
+  command.callback([a, &exit_code] { exit_code = runPick(*a); });
 }
 
 }  // namespace kerf::cli

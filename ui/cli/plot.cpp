@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Arguments {
+struct PlotArguments {
   std::string run, output;
   std::vector<std::string> show;
   bool overwrites = false;
@@ -39,7 +39,7 @@ bool isSvg(const fs::path& file) {
 }
 
 // What is wrong with the command line.
-std::optional<Error> wrongUsage(const Arguments& a) {
+std::optional<Error> wrongUsage(const PlotArguments& a) {
   if (!isSvg(a.output))
     return Error{.code = Error::Code::kBadValue,
                  .place = "-o",
@@ -55,7 +55,7 @@ std::optional<Error> wrongUsage(const Arguments& a) {
   return {};
 }
 
-Expected<void> plot(const Arguments& a) {
+Expected<void> plot(const PlotArguments& a) {
   KERF_TRY(manifest, readRunManifest(a.run));
   KERF_TRY(series, [&] {
     TerminalProgress progress;
@@ -77,7 +77,7 @@ Expected<void> plot(const Arguments& a) {
   return file.commit();
 }
 
-int run(const Arguments& a) {
+int runPlot(const PlotArguments& a) {
   if (const auto wrong = wrongUsage(a)) return complainOfUsage(*wrong);
   if (const auto free = requireFree(a.output, a.overwrites); !free) return complain(free.error());
   const auto plotted = plot(a);
@@ -89,7 +89,7 @@ int run(const Arguments& a) {
 }  // namespace
 
 void addPlot(CLI::App& command, int& exit_code) {
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<PlotArguments>();
   command.footer(
       "From the run's forces.csv; a session of the window has none, and its log is replayed, in about a quarter of its "
       "time. A run of geometry alone has no time to show.\n"
@@ -105,7 +105,7 @@ void addPlot(CLI::App& command, int& exit_code) {
   command.add_option("--until", a->until, "where it ends, s (default: the end of the run)");
   addOverwrite(command, a->overwrites, "replace a picture that is there");
   addCasePlaces(command);
-  command.callback([a, &exit_code] { exit_code = run(*a); });
+  command.callback([a, &exit_code] { exit_code = runPlot(*a); });
 }
 
 }  // namespace kerf::cli

@@ -11,13 +11,13 @@
 namespace kerf::cli {
 namespace {
 
-struct Arguments {
+struct RecoverArguments {
   std::string run;
   bool discards = false;
   bool json = false;
 };
 
-int list(const Arguments& a) {
+int list(const RecoverArguments& a) {
   const std::vector<LostSession> lost = findLostSessions(userDataFolder());
   if (a.json) {
     auto rows = nlohmann::json::array();
@@ -36,7 +36,7 @@ int list(const Arguments& a) {
   return kOk;
 }
 
-int discard(const Arguments& a) {
+int discard(const RecoverArguments& a) {
   if (const auto done = discardSession(a.run); !done) return complain(done.error());
   if (a.json)
     printJson(nlohmann::json{{"run", a.run}, {"discarded", true}});
@@ -45,7 +45,7 @@ int discard(const Arguments& a) {
   return kOk;
 }
 
-int run(const Arguments& a) {
+int runRecover(const RecoverArguments& a) {
   if (a.run.empty()) {
     if (a.discards) throw CLI::RequiredError("RUN");
     return list(a);
@@ -80,7 +80,7 @@ int run(const Arguments& a) {
 }  // namespace
 
 void addRecover(CLI::App& command, int& exit_code) {
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<RecoverArguments>();
   command.footer(
       "The session was cut by hand in the window or by kerf live, and its program was killed or the power failed. What "
       "was done is in the log, to a second before the end at most; this does it again and writes the rest of the "
@@ -92,7 +92,7 @@ void addRecover(CLI::App& command, int& exit_code) {
   command.add_flag("--discard", a->discards, "delete it, with all that was cut in it, instead of finishing it");
   addCasePlaces(command);
   command.add_flag("--json", a->json, "as JSON on standard output");
-  command.callback([a, &exit_code] { exit_code = run(*a); });
+  command.callback([a, &exit_code] { exit_code = runRecover(*a); });
 }
 
 }  // namespace kerf::cli

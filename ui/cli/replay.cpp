@@ -11,14 +11,14 @@
 namespace kerf::cli {
 namespace {
 
-struct Arguments {
+struct ReplayArguments {
   std::string run;
   double until = std::numeric_limits<double>::infinity(), from = 0;
   bool json = false;
   bool lists_commands = false;
 };
 
-nlohmann::json jsonOf(const Replay& r) {
+nlohmann::json replayJson(const Replay& r) {
   nlohmann::json j{
       {"ticks", r.ticks},       {"checks", r.checks},         {"commands", r.commands},       {"is_same", r.is_same},
       {"is_whole", r.is_whole}, {"state_hash", r.state_hash}, {"removed_mm3", r.removed_mm3}, {"objects", r.objects},
@@ -27,7 +27,7 @@ nlohmann::json jsonOf(const Replay& r) {
   return j;
 }
 
-void print(const Replay& r, double from_s) {
+void printReplay(const Replay& r, double from_s) {
   if (r.first_tick > 0)
     fmt::print("from the snapshot at {:.3f} s\n", static_cast<double>(r.first_tick) * kTick);
   else if (from_s > 0)
@@ -47,7 +47,7 @@ void print(const Replay& r, double from_s) {
     fmt::print("DIFFERS: the first of {} checks that does not hold is that of tick {}\n", r.checks, r.differs_at);
 }
 
-int run(const Arguments& a) {
+int runReplay(const ReplayArguments& a) {
   if (a.lists_commands) {
     fmt::print("{}", commandReference());
     return kOk;
@@ -66,9 +66,9 @@ int run(const Arguments& a) {
   if (!again) return complain(again.error());
 
   if (a.json)
-    printJson(jsonOf(*again));
+    printJson(replayJson(*again));
   else
-    print(*again, a.from);
+    printReplay(*again, a.from);
   const bool differs = !again->is_same && again->checks > 0;
   if (!again->is_whole && !differs) return kCutShort;
   return again->is_same ? kOk : kFailed;
@@ -77,7 +77,7 @@ int run(const Arguments& a) {
 }  // namespace
 
 void addReplay(CLI::App& command, int& exit_code) {
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<ReplayArguments>();
   command.footer(
       "Exit code 0: the same; 1: it differs, or the log can not be read; 3: the log is cut short, the same up to "
       "there.\nExample: kerf replay "
@@ -90,7 +90,7 @@ void addReplay(CLI::App& command, int& exit_code) {
   command.add_flag("--json", a->json, "as JSON on standard output");
   command.add_flag("--commands", a->lists_commands, "list the commands that a session log can hold, as Markdown");
   addCasePlaces(command);
-  command.callback([a, &exit_code] { exit_code = run(*a); });
+  command.callback([a, &exit_code] { exit_code = runReplay(*a); });
 }
 
 }  // namespace kerf::cli

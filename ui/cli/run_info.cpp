@@ -107,7 +107,7 @@ std::string percent(double share) { return fmt::format("{:.{}f} %", 100 * share,
 // A tissue that was hardly touched may have "lost" less than nothing: shares of voxels at its border. For people: none.
 double noneBelow(double removed) { return std::max(0.0, removed); }
 
-void printVolumes(const RunReport& r, std::string& out) {
+void printRunVolumes(const RunReport& r, std::string& out) {
   if (!r.removed_mm3) {
     out += "removed: not known\n";
     return;
@@ -138,7 +138,7 @@ void printVolumes(const RunReport& r, std::string& out) {
   out += "\n";
 }
 
-void printPlan(const RunReport& r, std::string& out) {
+void printRunPlan(const RunReport& r, std::string& out) {
   if (!r.planned_mm3 || !r.reached_mm3 || !(*r.planned_mm3 > 0)) return;
   if (r.manifest.mode == kModeGeometry) {
     out += fmt::format("planned {:.4f} mm3, all done: without resistance the tool goes where its path says\n",
@@ -243,8 +243,8 @@ std::string runText(const RunReport& r) {
         "EDITED since it was written: summary.json. What is said from here on is what it says now; kerf replay and "
         "kerf export do not go by it\n";
   if (!r.manifest.is_open) {
-    printVolumes(r, out);
-    printPlan(r, out);
+    printRunVolumes(r, out);
+    printRunPlan(r, out);
     printPeaks(r, out);
     printCourse(r, out);
   }

@@ -1,12 +1,17 @@
+#include <errno.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <exception>
+#include <string_view>
 
+#include "geometry/base/assets.h"
 #include "sim/run/run_files.h"
 #include "ui/cli/command.h"
 
@@ -18,7 +23,7 @@ std::atomic<bool> is_asked{false};  // somebody has taken a callback
 static_assert(std::atomic<int>::is_always_lock_free && std::atomic<bool>::is_always_lock_free,
               "set from a signal handler");
 
-constexpr std::array kSignals = {SIGINT, SIGTERM, SIGHUP};
+constexpr std::array kTerminalSignals = {SIGINT, SIGTERM, SIGHUP};
 
 // Work that is asked to stop looks up within a second, or is ended. Once it has looked up it has two more to clean up.
 // Ending it is safe at any time: what it began to write lies beside, never in the place of something else, and is swept
@@ -60,7 +65,7 @@ bool has_printed_json = false;
 
 int complain(const Error& error) {
   complained_of = error;
-  std::string line = "kerf: ";
+  std::string line = fmt::format("{}: ", program_invocation_short_name);
   for (const char c : error.message()) {  // a file name may hold line ends and terminal commands
     const auto byte = static_cast<unsigned char>(c);
     line += byte < 0x20 || byte == 0x7f ? fmt::format("\\x{:02x}", byte) : std::string(1, c);
@@ -82,6 +87,30 @@ void answerInJson() {
 void printJson(const nlohmann::json& json) {
   has_printed_json = true;
   fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+}
+
+int runProgram(CLI::App& app, int argc, const char* const* argv, const int& exit_code) {
+  requireFiniteNumbers(app);
+  const auto has = [&](std::string_view word) { return std::find(argv, argv + argc, word) != argv + argc; };
+  const auto answered = [&has](int code) {
+    if (has("--json")) answerInJson();
+    return code;
+  };
+  if (!has("--help") && !has("-h") && !has("--version"))
+    if (const auto assets = requireAssets(); !assets) return answered(complain(assets.error()));
+
+  try {
+    if (const auto end = parseCommandLine(app, argc, argv)) return *end;
+  } catch (const std::exception& e) {
+    return complain(
+        {.code = Error::Code::kBadValue, .found = fmt::format("unexpected: {}", e.what()), .hint = "report this"});
+  }
+  answered(exit_code);
+
+  // A report that did not arrive (full disk behind a redirection) is no success.
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+    return complain({.code = Error::Code::kWriteFailed, .place = "standard output", .found = "could not be written"});
+  return exit_code;
 }
 
 void addOverwrite(CLI::App& command, bool& overwrites, const std::string& description) {
@@ -122,9 +151,9 @@ TerminalProgress::TerminalProgress(bool writes_files) : is_terminal_(isatty(STDE
   // it is, kills.
   struct sigaction action {};
   action.sa_handler = writes_files ? onSignal : eraseAndEnd;
-  for (std::size_t n = 0; n < kSignals.size(); ++n) {
-    sigaction(kSignals[n], &action, &before_[n]);
-    if (before_[n].sa_handler == SIG_IGN) sigaction(kSignals[n], &before_[n], nullptr);  // as under nohup
+  for (std::size_t n = 0; n < kTerminalSignals.size(); ++n) {
+    sigaction(kTerminalSignals[n], &action, &before_[n]);
+    if (before_[n].sa_handler == SIG_IGN) sigaction(kTerminalSignals[n], &before_[n], nullptr);  // as under nohup
   }
   std::signal(SIGALRM, endAtOnce);
 }
@@ -133,9 +162,9 @@ TerminalProgress::~TerminalProgress() {
   clear();
   ::alarm(0);
   bool is_awaited = !is_asked;  // or somebody around this work waits for a signal: Interruption
-  for (std::size_t n = 0; n < kSignals.size(); ++n) {
-    sigaction(kSignals[n], &before_[n], nullptr);
-    is_awaited |= kSignals[n] == interrupted && before_[n].sa_handler != SIG_DFL;
+  for (std::size_t n = 0; n < kTerminalSignals.size(); ++n) {
+    sigaction(kTerminalSignals[n], &before_[n], nullptr);
+    is_awaited |= kTerminalSignals[n] == interrupted && before_[n].sa_handler != SIG_DFL;
   }
   if (is_awaited && interrupted != 0) std::raise(interrupted);  // it was put off, not swallowed
 }

@@ -29,7 +29,7 @@ constexpr const char* kToolCopy = "tool.toml";
 constexpr const char* kMeshKind = "mesh";
 
 // Of all sub-commands together: each reads its own.
-struct Arguments {
+struct ToolArguments {
   std::vector<std::string> tools;
   std::vector<std::string> words;
   std::string tool, output, shape;
@@ -57,7 +57,7 @@ std::string row(const Tool& tool) {
   return fmt::format("{:<22} {}  {:<15}  {}", tool.id, numbers, tool.iso6360, tool.name);
 }
 
-int list(const Arguments& a) {
+int printRack(const ToolArguments& a) {
   const auto folders = defaultToolFolders();
   if (folders.empty())
     return complain({.code = Error::Code::kNotFound,
@@ -116,7 +116,7 @@ void printDoubt(const Tool& tool) {
   if (const std::string doubt = doubtAbout(tool); !doubt.empty()) fmt::print("  CHECK THIS: {}\n", doubt);
 }
 
-int info(const Arguments& a) {
+int info(const ToolArguments& a) {
   const auto tool = toolNamed(a.tool);
   if (!tool) return complain(tool.error());
   if (!a.json) {
@@ -130,7 +130,7 @@ int info(const Arguments& a) {
   return kOk;
 }
 
-nlohmann::json jsonOf(const Tool& tool, const ToolCheck& c) {
+nlohmann::json toolJson(const Tool& tool, const ToolCheck& c) {
   nlohmann::json j{{"id", tool.id},
                    {"voxel_mm", c.voxel_mm},
                    {"depth_mm", c.depth_mm},
@@ -158,7 +158,7 @@ void printRow(const Tool& tool, const ToolCheck& c) {
   printDoubt(tool);
 }
 
-void print(const Tool& tool, const ToolCheck& c) {
+void printTool(const Tool& tool, const ToolCheck& c) {
   const std::string block =
       c.block_width_mm > 0 ? fmt::format(" through {:.3g} mm of the blade", c.block_width_mm) : std::string();
   fmt::print("{}\n", describe(tool));
@@ -167,7 +167,7 @@ void print(const Tool& tool, const ToolCheck& c) {
   printDoubt(tool);
 }
 
-Expected<std::vector<fs::path>> filesToCheck(const Arguments& a) {
+Expected<std::vector<fs::path>> filesToCheck(const ToolArguments& a) {
   std::vector<fs::path> files;
   if (a.all)
     for (const ToolListing& listing : listTools(defaultToolFolders())) files.push_back(listing.file);
@@ -178,7 +178,7 @@ Expected<std::vector<fs::path>> filesToCheck(const Arguments& a) {
   return files;
 }
 
-int check(const Arguments& a) {
+int check(const ToolArguments& a) {
   constexpr bool kWritesFiles = false;
   TerminalProgress terminal(kWritesFiles);
   const Progress show = terminal.callback();
@@ -206,12 +206,12 @@ int check(const Arguments& a) {
     }
     passed += result->passed();
     if (a.json) {
-      results.push_back(jsonOf(*tool, *result));
+      results.push_back(toolJson(*tool, *result));
     } else if (is_table) {
       if (file == files->front()) printHead();
       printRow(*tool, *result);
     } else {
-      print(*tool, *result);
+      printTool(*tool, *result);
     }
   }
 
@@ -232,7 +232,7 @@ Expected<void> copyInto(const fs::path& from, const fs::path& to, const std::str
                .expected = "a writable place with room"});
 }
 
-Expected<void> write(const Arguments& a, const fs::path& file, const Tool& tool, double voxel) {
+Expected<void> write(const ToolArguments& a, const fs::path& file, const Tool& tool, double voxel) {
   KERF_TRY(folder, AtomicFolder::create(a.output, a.overwrite, kToolCopy));
   KERF_CHECK(copyInto(file, folder.staging() / kToolCopy, a.output));
   if (tool.mesh) KERF_CHECK(copyInto(tool.mesh_file, folder.staging() / tool.mesh_file.filename(), a.output));
@@ -249,7 +249,7 @@ Expected<void> write(const Arguments& a, const fs::path& file, const Tool& tool,
   return folder.commit();
 }
 
-int bake(const Arguments& a) {
+int bake(const ToolArguments& a) {
   const auto file = findToolFile(a.tool, defaultToolFolders());
   if (!file) return complain(file.error());
   const auto tool = readTool(*file);
@@ -267,7 +267,7 @@ int bake(const Arguments& a) {
   return kOk;
 }
 
-int draw(const Arguments& a) {
+int draw(const ToolArguments& a) {
   const auto tool = toolNamed(a.tool);
   if (!tool) return complain(tool.error());
   const fs::path output = a.output.empty() ? fs::path(tool->id + ".svg") : fs::path(a.output);
@@ -330,7 +330,7 @@ Expected<void> requireUsable(const std::string& id, const fs::path& output, bool
   return {};
 }
 
-int makeNew(const Arguments& a) {
+int makeNew(const ToolArguments& a) {
   const auto text = newToolText(a.shape, a.tool);
   if (!text) return complainOfUsage(text.error());
   const fs::path output = a.output.empty() ? fs::path(a.tool + ".toml") : fs::path(a.output);
@@ -348,7 +348,7 @@ int makeNew(const Arguments& a) {
 }  // namespace
 
 void addTool(CLI::App& command, int& exit_code) {
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<ToolArguments>();
   command.footer("Example: kerf tool list pear");
   command.require_subcommand(1);
 
@@ -356,7 +356,7 @@ void addTool(CLI::App& command, int& exit_code) {
   l->footer("Example: kerf tool list pear");
   l->add_option("WORD", a->words, "only tools whose line holds all of these words");
   l->add_flag("--json", a->json, "as JSON on standard output");
-  l->callback([a, &exit_code] { exit_code = list(*a); });
+  l->callback([a, &exit_code] { exit_code = printRack(*a); });
 
   CLI::App* i = command.add_subcommand("info", "A tool's numbers, its drive, and what its ISO 6360 code says");
   i->footer("Example: kerf tool info 856-016");

@@ -29,7 +29,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-struct Arguments {
+struct TrimArguments {
   std::string what, plan, box, between, keep = "both", unit;
   std::vector<std::string> planes, outputs;
   bool overwrites = false, json = false;
@@ -44,7 +44,7 @@ struct Source {
 };
 
 // A mesh file that is a solid already: what is open is closed by kerf bake, which says what it changes.
-Expected<Source> readSolidMesh(const Arguments& a) {
+Expected<Source> readSolidMesh(const TrimArguments& a) {
   KERF_TRY(read, readMeshInMm(a.what, a.unit));
   Source out;
   out.solid = std::move(read.mesh);
@@ -61,7 +61,7 @@ Expected<Source> readSolidMesh(const Arguments& a) {
        .hint = fmt::format("kerf bake {} -o {}.case, then kerf trim that", a.what, fs::path(a.what).stem().string())});
 }
 
-Expected<Source> readSource(const Arguments& a) {
+Expected<Source> readSource(const TrimArguments& a) {
   const bool is_run = isRun(a.what);
   if (!is_run && !isCase(a.what)) return readSolidMesh(a);
 
@@ -91,7 +91,7 @@ struct Cut {
   std::array<const char*, 2> names{"above", "below"};  // of the two parts, in files
 };
 
-Error wrongOption(const char* option, const std::string& found, const char* expected, const char* hint) {
+Error wrongTrimOption(const char* option, const std::string& found, const char* expected, const char* hint) {
   return {.code = Error::Code::kBadValue,
           .place = option,
           .found = "\"" + found + "\"",
@@ -106,7 +106,7 @@ Expected<void> addBox(const std::string& word, Cut& cut) {
   box.add(corners[0]);
   box.add(corners[1]);
   if (!(box.size().minCoeff() > 0))
-    return fail(wrongOption("--box", word, "two corners that differ in x, y and z", "-8,30,-20/2,42,20"));
+    return fail(wrongTrimOption("--box", word, "two corners that differ in x, y and z", "-8,30,-20/2,42,20"));
   for (int axis = 0; axis < 3; ++axis) {
     cut.planes.push_back({box.min, Vec3d::Unit(axis)});
     cut.planes.push_back({box.max, -Vec3d::Unit(axis)});
@@ -120,14 +120,14 @@ Expected<void> addBetween(const std::string& word, Cut& cut) {
   const Vec3d way = ends[1] - ends[0];
   constexpr double kLeast = 0.1;  // mm
   if (!(way.norm() > kLeast))
-    return fail(wrongOption("--between", word, "two points more than 0.1 mm apart", "-8,40,3/2,42,3"));
+    return fail(wrongTrimOption("--between", word, "two points more than 0.1 mm apart", "-8,40,3/2,42,3"));
   cut.planes.push_back({ends[0], way.normalized()});
   cut.planes.push_back({ends[1], -way.normalized()});
   cut.options.piece_at = 0.5 * (ends[0] + ends[1]);
   return {};
 }
 
-Expected<Cut> cutOf(const Arguments& a, const Mesh& solid) {
+Expected<Cut> cutOf(const TrimArguments& a, const Mesh& solid) {
   Cut out;
   for (const std::string& word : a.planes) {
     KERF_TRY(plane, planeOfWord(word, solid, "--plane"));
@@ -146,7 +146,7 @@ Expected<Cut> cutOf(const Arguments& a, const Mesh& solid) {
 
 // ---- What is written
 
-struct Output {
+struct TrimOutput {
   std::string path;
   const PostOpMesh* part;
 };
@@ -156,11 +156,11 @@ fs::path named(const fs::path& file, const char* part) {
   return out.replace_filename(fmt::format("{}-{}{}", file.stem().string(), part, file.extension().string()));
 }
 
-bool keepsFirst(const Arguments& a) { return a.keep == "both" || a.keep == "above" || a.keep == "die"; }
-bool keepsSecond(const Arguments& a) { return a.keep == "both" || a.keep == "below" || a.keep == "rest"; }
+bool keepsFirst(const TrimArguments& a) { return a.keep == "both" || a.keep == "above" || a.keep == "die"; }
+bool keepsSecond(const TrimArguments& a) { return a.keep == "both" || a.keep == "below" || a.keep == "rest"; }
 
-std::vector<Output> outputsOf(const Arguments& a, const Cut& cut, const PlaneCut& result) {
-  std::vector<Output> out;
+std::vector<TrimOutput> trimOutputsOf(const TrimArguments& a, const Cut& cut, const PlaneCut& result) {
+  std::vector<TrimOutput> out;
   const bool is_both = keepsFirst(a) && keepsSecond(a);
   for (const std::string& path : a.outputs) {
     if (keepsFirst(a)) out.push_back({is_both ? named(path, cut.names[0]).string() : path, &result.above});
@@ -169,7 +169,7 @@ std::vector<Output> outputsOf(const Arguments& a, const Cut& cut, const PlaneCut
   return out;
 }
 
-Expected<void> requireNew(const Arguments& a, const Source& source, const std::string& path) {
+Expected<void> requireNew(const TrimArguments& a, const Source& source, const std::string& path) {
   if (source.of_case) return requireNoSource(path, *source.of_case);
   std::error_code ignored;
   if (!fs::equivalent(path, a.what, ignored)) return {};
@@ -180,7 +180,7 @@ Expected<void> requireNew(const Arguments& a, const Source& source, const std::s
                .hint = "another name or folder"});
 }
 
-json jsonOf(const char* name, const PostOpMesh& part) {
+json trimJson(const char* name, const PostOpMesh& part) {
   const PostOpReport& r = part.report;
   return {{"part", name},
           {"volume_mm3", r.result_volume_mm3},
@@ -193,16 +193,16 @@ json jsonOf(const char* name, const PostOpMesh& part) {
           {"crumbs_volume_mm3", r.crumbs_volume_mm3}};
 }
 
-json jsonOf(const Cut& cut, const Source& source, const PlaneCut& result, const std::vector<Output>& outputs) {
+json trimJson(const Cut& cut, const Source& source, const PlaneCut& result, const std::vector<TrimOutput>& outputs) {
   json planes = json::array(), files = json::array();
   for (const Plane& p : cut.planes)
     planes.push_back(
         {{"point_mm", {p.point[0], p.point[1], p.point[2]}}, {"normal", {p.normal[0], p.normal[1], p.normal[2]}}});
-  for (const Output& output : outputs) files.push_back(output.path);
+  for (const TrimOutput& output : outputs) files.push_back(output.path);
   json j{{"files", files},
          {"planes", planes},
          {"source_volume_mm3", result.above.report.source_volume_mm3},
-         {"parts", {jsonOf(cut.names[0], result.above), jsonOf(cut.names[1], result.rest)}},
+         {"parts", {trimJson(cut.names[0], result.above), trimJson(cut.names[1], result.rest)}},
          {"flatness_mm", result.flatness_mm},
          {"shift_mm", result.shift_mm},
          {"attempts", result.attempts}};
@@ -210,7 +210,7 @@ json jsonOf(const Cut& cut, const Source& source, const PlaneCut& result, const 
   return j;
 }
 
-void print(const Arguments& a, const Cut& cut, const PlaneCut& result, const std::vector<Output>& outputs) {
+void printTrim(const TrimArguments& a, const Cut& cut, const PlaneCut& result, const std::vector<TrimOutput>& outputs) {
   const auto line = [](const char* name, const PostOpReport& r, bool is_kept) {
     fmt::print("{}: {:.4f} mm3 in {}{}; {} vertices of the solid kept bit for bit\n", name, r.result_volume_mm3,
                counted(r.pieces, "piece"), is_kept ? "" : ", cut off", r.source_vertices_kept);
@@ -226,10 +226,10 @@ void print(const Arguments& a, const Cut& cut, const PlaneCut& result, const std
   fmt::print("the cut faces are flat to {:.3f} um\n", 1e3 * result.flatness_mm);
   if (result.shift_mm > 0)
     fmt::print("the cut was moved by {:.2f} um along its normals to survive float32\n", 1e3 * result.shift_mm);
-  for (const Output& output : outputs) fmt::print("written: {}\n", output.path);
+  for (const TrimOutput& output : outputs) fmt::print("written: {}\n", output.path);
 }
 
-Expected<void> trim(const Arguments& a) {
+Expected<void> trim(const TrimArguments& a) {
   for (const std::string& path : a.outputs) KERF_CHECK(canWriteMesh(path));
   KERF_TRY(source, readSource(a));
   KERF_TRY(cut, cutOf(a, source.solid));
@@ -243,21 +243,21 @@ Expected<void> trim(const Arguments& a) {
   }
 
   const TerminalProgress guard;  // Ctrl-C waits until no file is half written
-  const std::vector<Output> outputs = outputsOf(a, cut, *result);
-  for (const Output& output : outputs) {
+  const std::vector<TrimOutput> outputs = trimOutputsOf(a, cut, *result);
+  for (const TrimOutput& output : outputs) {
     KERF_CHECK(requireNew(a, source, output.path));
     KERF_CHECK(requireFree(output.path, a.overwrites));
   }
-  for (const Output& output : outputs) KERF_CHECK(writeMesh(output.path, output.part->mesh));
+  for (const TrimOutput& output : outputs) KERF_CHECK(writeMesh(output.path, output.part->mesh));
   if (!source.note.empty()) fmt::print(stderr, "kerf: {}\n", source.note);
   if (a.json)
-    printJson(jsonOf(cut, source, *result, outputs));
+    printJson(trimJson(cut, source, *result, outputs));
   else
-    print(a, cut, *result, outputs);
+    printTrim(a, cut, *result, outputs);
   return {};
 }
 
-int run(const Arguments& a) {
+int runTrim(const TrimArguments& a) {
   if (a.planes.empty() && a.plan.empty() && a.box.empty() && a.between.empty())
     return complainOfUsage({.code = Error::Code::kBadValue,
                             .found = "nothing to cut along",
@@ -270,7 +270,7 @@ int run(const Arguments& a) {
   return is_usage ? complainOfUsage(error) : complain(error);
 }
 
-constexpr const char* kFooter =
+constexpr const char* kTrimFooter =
     "Above a plane is the side to which its normal points; several planes cut off what is above all of them. Both "
     "parts\n"
     "are written unless --keep says which, NAME-above.stl and NAME-below.stl; of --box and --between NAME-die.stl and\n"
@@ -284,8 +284,8 @@ constexpr const char* kFooter =
 }  // namespace
 
 void addTrim(CLI::App& command, int& exit_code) {
-  auto a = std::make_shared<Arguments>();
-  command.footer(kFooter);
+  auto a = std::make_shared<TrimArguments>();
+  command.footer(kTrimFooter);
   command
       .add_option("CASE|RUN|MESH", a->what, "what is cut; a mesh has to be a solid already: kerf bake closes others")
       ->required();
@@ -315,7 +315,7 @@ void addTrim(CLI::App& command, int& exit_code) {
   addOverwrite(command, a->overwrites, "replace files that are there");
   addCasePlaces(command);
   command.add_flag("--json", a->json, "summary as JSON on standard output");
-  command.callback([a, &exit_code] { exit_code = run(*a); });
+  command.callback([a, &exit_code] { exit_code = runTrim(*a); });
 }
 
 }  // namespace kerf::cli

@@ -19,7 +19,7 @@ namespace {
 
 using Stage = ExportPlan::Stage;
 
-constexpr float kWidth = 480, kFindingsHeight = 170;
+constexpr float kExportWidth = 480, kFindingsHeight = 170;
 
 // ---- What is decided
 
@@ -72,7 +72,7 @@ void drawWhere(ExportPlan& plan, const std::function<void(const AppCommand&)>& a
 
 // ---- What the check says
 
-void drawProgress(AppContext& context) {
+void drawExportProgress(AppContext& context) {
   const AnyJob* const job = context.bench.job();
   if (!job) return ui::textColored(styleColours().quiet, "Checking...");
   const JobStatus s = job->status();
@@ -87,7 +87,7 @@ void drawProgress(AppContext& context) {
   ui::textColored(styleColours().quiet, ui::asItIs(line));
 }
 
-void drawFindings(ExportPlan& plan) {
+void drawExportFindings(ExportPlan& plan) {
   const std::vector<ExportFinding> findings = plan.findings();
   ImGui::BeginChild("findings", {0, scaled(kFindingsHeight)}, true);
   ImGui::PushTextWrapPos(0);
@@ -112,14 +112,14 @@ void drawFindings(ExportPlan& plan) {
 
 // ---- What goes on
 
-void run(AppContext& context, const char* id) {
+void runExport(AppContext& context, const char* id) {
   if (const auto done = runAppCommand(context, id); !done) context.bench.complain(done.error());
 }
 
-void drawButtons(AppContext& context, ExportPlan& plan) {
+void drawExportButtons(AppContext& context, ExportPlan& plan) {
   const Stage stage = plan.stage();
   if (plan.isDone()) {
-    if (strongButton("Show in folder", "", scaled(150))) run(context, "export.show-in-folder");
+    if (strongButton("Show in folder", "", scaled(150))) runExport(context, "export.show-in-folder");
   } else {
     const char* const verb = plan.asksToReplace()        ? "Replace"
                              : stage == Stage::kDoubtful ? "Export all the same"
@@ -142,7 +142,7 @@ void drawExportPanel(AppContext& context, const std::function<void(const AppComm
   if (!plan.isShown()) return;
   const ImGuiIO& io = ImGui::GetIO();
   ImGui::SetNextWindowPos({0.5f * io.DisplaySize.x, 0.45f * io.DisplaySize.y}, ImGuiCond_Always, {0.5f, 0.5f});
-  ImGui::SetNextWindowSize({scaled(kWidth), 0}, ImGuiCond_Always);
+  ImGui::SetNextWindowSize({scaled(kExportWidth), 0}, ImGuiCond_Always);
   bool stays = true;
   ui::begin("Export", &stays, ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse);
   heading("What");
@@ -153,8 +153,8 @@ void drawExportPanel(AppContext& context, const std::function<void(const AppComm
   drawWhere(plan, ask_for_file);
   heading("As kerf check sees it");
   const bool is_at_work = plan.stage() == Stage::kChecking || plan.stage() == Stage::kWriting;
-  is_at_work ? drawProgress(context) : drawFindings(plan);
-  drawButtons(context, plan);
+  is_at_work ? drawExportProgress(context) : drawExportFindings(plan);
+  drawExportButtons(context, plan);
   ImGui::End();
   if (!stays) plan.hide();
 }

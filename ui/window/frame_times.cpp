@@ -34,19 +34,19 @@ ToolLook rod() {
   return look;
 }
 
-double percentile(std::vector<double> values, double share) {
+double percentileOf(std::vector<double> values, double share) {
   if (values.empty()) return 0;
   std::sort(values.begin(), values.end());
   return values[static_cast<std::size_t>(std::lround(share * static_cast<double>(values.size() - 1)))];
 }
 
-std::string line(const char* name, const std::vector<double>& ms) {
-  return fmt::format("{} p50 {:.1f} p95 {:.1f} ms\n", name, percentile(ms, 0.5), percentile(ms, 0.95));
+std::string timeLine(const char* name, const std::vector<double>& ms) {
+  return fmt::format("{} p50 {:.1f} p95 {:.1f} ms\n", name, percentileOf(ms, 0.5), percentileOf(ms, 0.95));
 }
 
 }  // namespace
 
-std::string FrameTimes::summary() const { return line("live", live) + line("picture", picture); }
+std::string FrameTimes::summary() const { return timeLine("live", live) + timeLine("picture", picture); }
 
 Expected<FrameTimes> timeFrames(const Mesh& mesh, Camera camera, int width, int height, int frames) {
   KERF_TRY(context, OffscreenContext::create());

@@ -33,7 +33,7 @@ constexpr std::array<WayRow, 4> kWays = {{
     {Way::kWrap, "Shrink-wrap", "A new skin around everything: an approximation, for what nothing else closes."},
 }};
 
-void run(AppContext& context, const char* id, std::vector<std::string> words = {}) {
+void runImport(AppContext& context, const char* id, std::vector<std::string> words = {}) {
   if (const auto done = runAppCommand(context, id, words); !done) context.bench.complain(done.error());
 }
 
@@ -66,7 +66,7 @@ void drawUnit(AppContext& context, const ImportPlan& plan, const UnitOption& opt
     return mm < 1 || mm >= 1e4 ? fmt::format("{:.3g}", mm) : fmt::format("{:.1f}", mm);
   };
   const std::string label = fmt::format("{}###unit-{}", option.unit, option.unit);
-  if (ui::radioButton(label, option.unit == plan.unit().unit)) run(context, "import.unit", {option.unit});
+  if (ui::radioButton(label, option.unit == plan.unit().unit)) runImport(context, "import.unit", {option.unit});
 
   ui::sameLineAt(scaled(96));
   const Vec3d& s = option.size_mm;
@@ -193,7 +193,7 @@ void drawRole(AppContext& context, const ImportEntry& entry) {
   if (!entry.scan) return;
   const auto choice = [&](ImportRole role, const char* word, const char* text) {
     if (ImportRole now = entry.role; ui::radioButton(text, now == role) && now != role)
-      run(context, "import.role", {"1", word});
+      runImport(context, "import.role", {"1", word});
   };
   choice(ImportRole::kCut, "cut", "Cut it");
   ImGui::SameLine();
@@ -215,7 +215,7 @@ void drawTool(AppContext& context, ToolPlan& plan) {
   if (ui::beginCombo("##way", fmt::format("Shank towards {}", now.name))) {
     for (const ToolWay& way : plan.ways()) {
       const std::string text = fmt::format("{}: {:.3g} mm wide at the tip", way.name, way.tip_width_mm);
-      if (ui::selectable(text, way.name == now.name)) run(context, "import.tool-axis", {way.name});
+      if (ui::selectable(text, way.name == now.name)) runImport(context, "import.tool-axis", {way.name});
     }
     ImGui::EndCombo();
   }
@@ -223,7 +223,7 @@ void drawTool(AppContext& context, ToolPlan& plan) {
   ImGui::SetNextItemWidth(-1);
   if (ui::sliderFloat("##cut", &cut, static_cast<float>(ToolPlan::kLeastCut), 20, "cuts up to %.1f mm from its tip",
                       ImGuiSliderFlags_AlwaysClamp))
-    run(context, "import.tool-cut", {fmt::format("{:.1f}", cut)});
+    runImport(context, "import.tool-cut", {fmt::format("{:.1f}", cut)});
 }
 
 void drawFiles(AppContext& context, const ImportSet& set) {
@@ -234,14 +234,14 @@ void drawFiles(AppContext& context, const ImportSet& set) {
     ImGui::PushID(static_cast<int>(n));
     const std::string name = entry.file.filename().string();
     const float width = ImGui::GetContentRegionAvail().x - scaled(132);
-    if (ui::selectable(ui::asItIs(name), n == set.chosen(), 0, {width, 0})) run(context, "import.choose", {number});
+    if (ui::selectable(ui::asItIs(name), n == set.chosen(), 0, {width, 0})) runImport(context, "import.choose", {number});
     if (ImGui::IsItemHovered()) ui::setTooltip(ui::asItIs(shownText(entry.what()) + ": " + entry.file.string()));
     ImGui::SameLine();
     ImGui::SetNextItemWidth(-1);
     const auto row = std::find_if(kRoles.begin(), kRoles.end(), [&](const RoleRow& r) { return r.role == entry.role; });
     if (ui::beginCombo("##role", row->text)) {
       for (const RoleRow& r : kRoles)
-        if (ui::selectable(r.text, r.role == entry.role)) run(context, "import.role", {number, r.word});
+        if (ui::selectable(r.text, r.role == entry.role)) runImport(context, "import.role", {number, r.word});
       ImGui::EndCombo();
     }
     ImGui::PopID();
@@ -251,7 +251,7 @@ void drawFiles(AppContext& context, const ImportSet& set) {
 
 // ---- Labels of a CT
 
-ImVec4 colourOf(const MaterialProperties* material) {
+ImVec4 importColourOf(const MaterialProperties* material) {
   if (!material) return {0, 0, 0, 0};
   const Rgba8& c = material->color;
   return {static_cast<float>(c[0]) / 255, static_cast<float>(c[1]) / 255, static_cast<float>(c[2]) / 255, 1};
@@ -262,7 +262,7 @@ void drawLabel(AppContext& context, const LabelPlan& plan, const LabelFound& lab
   const MaterialProperties* const material = tissue ? plan.materials().find(*tissue) : nullptr;
   ImGui::TableNextRow();
   ImGui::TableNextColumn();
-  ImGui::ColorButton("##colour", colourOf(material), ImGuiColorEditFlags_NoTooltip | ImGuiColorEditFlags_AlphaPreview,
+  ImGui::ColorButton("##colour", importColourOf(material), ImGuiColorEditFlags_NoTooltip | ImGuiColorEditFlags_AlphaPreview,
                      {scaled(14), scaled(14)});
   ImGui::SameLine();
   ui::text(ui::asItIs(label.called()));
@@ -277,8 +277,8 @@ void drawLabel(AppContext& context, const LabelPlan& plan, const LabelFound& lab
   const std::string number = std::to_string(label.label);
   if (!ui::beginCombo("##tissue", material ? material->name : std::string("left out"))) return;
   for (const MaterialProperties& row : plan.materials().rows())
-    if (ui::selectable(row.name, &row == material)) run(context, "import.tissue", {number, row.id});
-  if (ui::selectable("left out", !material)) run(context, "import.tissue", {number, "none"});
+    if (ui::selectable(row.name, &row == material)) runImport(context, "import.tissue", {number, row.id});
+  if (ui::selectable("left out", !material)) runImport(context, "import.tissue", {number, "none"});
   ImGui::EndCombo();
 }
 
@@ -333,7 +333,7 @@ void drawPreview(AppContext& context, ImportSet& set, ImportPanelState& state) {
   const ClosedPreview* const preview = set.preview();
   if (!preview) {
     if (ui::button(set.labels() ? "Show the surface" : "Show the closed solid", {-1, 0}))
-      run(context, "import.preview");
+      runImport(context, "import.preview");
     return;
   }
 
@@ -441,9 +441,9 @@ void drawImportPanel(AppContext& context, ImportPanelState& state) {
 
   const float width = ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x;
   const char* const go = set->cut() ? "Prepare and cut" : set->tool() ? "Make the tool" : "Prepare";
-  if (strongButton(go, "Enter", 0.64f * width)) run(context, "import.start");
+  if (strongButton(go, "Enter", 0.64f * width)) runImport(context, "import.start");
   ImGui::SameLine();
-  if (plainButton("Cancel", "Esc", -1)) run(context, "import.cancel");
+  if (plainButton("Cancel", "Esc", -1)) runImport(context, "import.cancel");
   ImGui::End();
 }
 

@@ -18,7 +18,7 @@ namespace {
 constexpr std::array<ImU32, 3> kAxisColours = {IM_COL32(214, 66, 56, 255), IM_COL32(54, 150, 60, 255),
                                                IM_COL32(48, 104, 214, 255)};
 constexpr ImU32 kLit = IM_COL32(250, 176, 20, 255), kDiscColour = IM_COL32(250, 250, 250, 230),
-                kEdge = IM_COL32(30, 34, 40, 220);
+                kPieceEdge = IM_COL32(30, 34, 40, 220);
 
 // ---- Handles
 
@@ -47,7 +47,7 @@ void drawGizmo(const PieceGizmo& gizmo, std::optional<GizmoHandle> lit, double p
   }
   const auto radius = static_cast<float>(PieceGizmo::kDisc / pixels);
   draw->AddCircleFilled(at(gizmo.center()), radius, lit == GizmoHandle::kMoveInView ? kLit : kDiscColour);
-  draw->AddCircle(at(gizmo.center()), radius, kEdge, 0, 1.5f);
+  draw->AddCircle(at(gizmo.center()), radius, kPieceEdge, 0, 1.5f);
 }
 
 // ---- The list

@@ -27,8 +27,8 @@ struct Corner {
 };
 static_assert(sizeof(Corner) == 28);
 
-const Vec3f kKeyLight = Vec3f(-0.46f, 0.62f, 0.63f).normalized();
-constexpr int kLargestSide = 8192;
+const Vec3f kStillKeyLight = Vec3f(-0.46f, 0.62f, 0.63f).normalized();
+constexpr int kLargestStillSide = 8192;
 
 void makeTexture(GLuint texture, GLint format, int width, int height, GLenum layout, GLenum type, const void* data,
                  GLint filter) {
@@ -178,7 +178,7 @@ struct Renderer::Impl {
     program.set("mm_per_point", frame.mm_per_point);
     program.set("half_depth", frame.half_depth);
     program.set("reach", frame.reach);
-    program.set("key_light", kKeyLight);
+    program.set("key_light", kStillKeyLight);
   }
 
   void drawOcclusion(const Frame& frame) {
@@ -284,12 +284,12 @@ Expected<void> Renderer::draw(const Camera& camera, int width, int height, const
 }
 
 Expected<Image> Renderer::picture(const Camera& camera, int width, int height, const RenderOptions& options) {
-  if (width < 1 || height < 1 || width > kLargestSide || height > kLargestSide)
+  if (width < 1 || height < 1 || width > kLargestStillSide || height > kLargestStillSide)
     return fail({.code = Error::Code::kBadValue,
                  .file = {},
                  .place = "picture size",
                  .found = fmt::format("{} x {}", width, height),
-                 .expected = fmt::format("1 to {} pixels a side", kLargestSide),
+                 .expected = fmt::format("1 to {} pixels a side", kLargestStillSide),
                  .hint = "--size 1600x1200"});
 
   const internal::GlTarget target(width, height);

@@ -19,7 +19,7 @@ constexpr float kValueAt = 96, kStepWidth = 30;
 constexpr double kStepMm = 0.1, kStepDegrees = 1, kFine = 0.1;  // Shift: a tenth of it
 const ImVec4 kQuiet{0.42f, 0.45f, 0.50f, 1}, kAccent{0.10f, 0.42f, 0.62f, 1}, kWhite{1, 1, 1, 1};
 
-void run(AppContext& context, const char* id, const std::vector<std::string>& words = {}) {
+void runSaw(AppContext& context, const char* id, const std::vector<std::string>& words = {}) {
   if (const auto done = runAppCommand(context, id, words); !done) context.bench.complain(done.error());
 }
 
@@ -36,9 +36,9 @@ void stepper(AppContext& context, const char* name, const std::string& value, co
   const float right = ImGui::GetWindowContentRegionMax().x;
   ImGui::PushButtonRepeat(true);
   ImGui::SameLine(right - 2 * kStepWidth - 4);
-  if (ui::button("-", {kStepWidth, 0})) run(context, command, {fmt::format("{:.9g}", base - by)});
+  if (ui::button("-", {kStepWidth, 0})) runSaw(context, command, {fmt::format("{:.9g}", base - by)});
   ImGui::SameLine(right - kStepWidth);
-  if (ui::button("+", {kStepWidth, 0})) run(context, command, {fmt::format("{:.9g}", base + by)});
+  if (ui::button("+", {kStepWidth, 0})) runSaw(context, command, {fmt::format("{:.9g}", base + by)});
   ImGui::PopButtonRepeat();
   if (ImGui::IsItemHovered()) ui::setTooltip("Shift: steps ten times as fine");
   ImGui::PopID();
@@ -68,7 +68,7 @@ void drawProgress(AppContext& context, const SawingStatus& status) {
   if (status.is_stopping)
     ui::text("The blade is drawn out...");
   else if (wideButton("Stop", false))
-    run(context, "saw.stop");
+    runSaw(context, "saw.stop");
 }
 
 void drawWaysOfPlanning(AppContext& context) {
@@ -79,7 +79,7 @@ void drawWaysOfPlanning(AppContext& context) {
        {"Face", "saw.pick-face", "Click a face: parallel to it"}}};
   for (std::size_t n = 0; n < kWays.size(); ++n) {
     if (n > 0) ImGui::SameLine();
-    if (ui::button(kWays[n][0], {width, 0})) run(context, kWays[n][1]);
+    if (ui::button(kWays[n][0], {width, 0})) runSaw(context, kWays[n][1]);
     if (ImGui::IsItemHovered()) ui::setTooltip(kWays[n][2]);
   }
 }
@@ -101,10 +101,10 @@ void drawPlanes(AppContext& context, SawPanelState& state) {
   state.name.copy(text.data(), text.size() - 1);
   ImGui::PushItemWidth(ImGui::GetContentRegionAvail().x - 70);
   if (ui::inputText("##name", text.data(), text.size())) state.name = text.data();
-  if (ImGui::IsItemDeactivatedAfterEdit()) run(context, "saw.rename", {state.name});
+  if (ImGui::IsItemDeactivatedAfterEdit()) runSaw(context, "saw.rename", {state.name});
   ImGui::PopItemWidth();
   ImGui::SameLine();
-  if (ui::button("Delete", {-1, 0})) run(context, "saw.delete");
+  if (ui::button("Delete", {-1, 0})) runSaw(context, "saw.delete");
 }
 
 void drawSteppers(AppContext& context) {
@@ -137,7 +137,7 @@ void drawCut(AppContext& context) {
   Sawing& saw = context.bench.saw();
   drawClearance(context);
   bool is_guided = saw.guide;
-  if (ui::checkbox("Guide the blade by mouse", &is_guided)) run(context, "saw.guide", {is_guided ? "on" : "off"});
+  if (ui::checkbox("Guide the blade by mouse", &is_guided)) runSaw(context, "saw.guide", {is_guided ? "on" : "off"});
   if (ImGui::IsItemHovered()) ui::setTooltip("A saw moved by mouse stays in this plane (G)");
 
   auto force = static_cast<float>(saw.force);
@@ -147,7 +147,7 @@ void drawCut(AppContext& context) {
                       static_cast<float>(Sawing::kMostForce), "%.1f N", ImGuiSliderFlags_AlwaysClamp))
     saw.force = static_cast<double>(force);
   ImGui::PopItemWidth();
-  if (wideButton("Cut this plane now", true)) run(context, "saw.cut");
+  if (wideButton("Cut this plane now", true)) runSaw(context, "saw.cut");
 }
 
 void drawHint(const Sawing& saw) {

@@ -24,7 +24,7 @@ void save(AppContext& context) {
 }
 
 // A broken file stays as it is until the user says otherwise.
-void drawBroken(AppContext& context) {
+void drawBrokenSettings(AppContext& context) {
   ImGui::PushTextWrapPos(0);
   ui::textColored(styleColours().warning,
                   "The file of settings can not be read, and nothing is kept: " + context.settings->error()->message());
@@ -70,7 +70,7 @@ void drawSettings(AppContext& context) {
   ImGui::SetNextWindowSize({scaled(420), 0}, ImGuiCond_Always);
   ui::begin("Settings", &context.shows_settings,
             ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse);
-  if (context.settings->error()) drawBroken(context);
+  if (context.settings->error()) drawBrokenSettings(context);
   static const bool has_system_dialog = SystemDialog::program().has_value();  // not to be looked for in each frame
   bool is_set = false;
 

@@ -20,39 +20,39 @@ namespace {
 constexpr float kLegendHeight = 14;
 constexpr int kLegendSteps = 50;
 
-void run(AppContext& context, const char* id, const std::vector<std::string>& words) {
+void runTissues(AppContext& context, const char* id, const std::vector<std::string>& words) {
   if (const auto done = runAppCommand(context, id, words); !done) context.bench.complain(done.error());
 }
 
-ImVec4 shown(const Rgba8& c) {
+ImVec4 shownTissues(const Rgba8& c) {
   const auto one = [](std::uint8_t v) { return static_cast<float>(v) / 255; };
   return {one(c[0]), one(c[1]), one(c[2]), 1};
 }
 
 // What is gone, of what there was when it was loaded.
-void drawRemoved(double whole_mm3, double removed_mm3) {
+void drawRemovedTissues(double whole_mm3, double removed_mm3) {
   constexpr double kLeast = 0.005;  // mm^3
   if (removed_mm3 < kLeast || whole_mm3 <= 0) return;
   ui::textColored(styleColours().quiet, fmt::format("    {:.2f} of {:.1f} mm3 gone ({:.1f} %)", removed_mm3, whole_mm3,
                                                     100 * removed_mm3 / whole_mm3));
 }
 
-void drawRow(AppContext& context, const SeenTissue& tissue) {
+void drawTissueRow(AppContext& context, const SeenTissue& tissue) {
   ImGui::PushID(tissue.id.c_str());
   bool is_seen = tissue.look != TissueLook::kHide;
-  if (ui::checkbox("##seen", &is_seen)) run(context, "view.tissue", {tissue.id, is_seen ? "show" : "hide"});
+  if (ui::checkbox("##seen", &is_seen)) runTissues(context, "view.tissue", {tissue.id, is_seen ? "show" : "hide"});
   if (ImGui::IsItemHovered()) ui::setTooltip("Show it, or hide it");
   ImGui::SameLine();
-  ImGui::ColorButton("##colour", shown(tissue.colour), ImGuiColorEditFlags_NoTooltip | ImGuiColorEditFlags_NoPicker,
+  ImGui::ColorButton("##colour", shownTissues(tissue.colour), ImGuiColorEditFlags_NoTooltip | ImGuiColorEditFlags_NoPicker,
                      {scaled(16), scaled(16)});
   ImGui::SameLine();
   ui::text(tissue.name);
 
   ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - scaled(66));
   bool is_ghost = tissue.look == TissueLook::kGhost;
-  if (ui::checkbox("ghost", &is_ghost)) run(context, "view.tissue", {tissue.id, is_ghost ? "ghost" : "show"});
+  if (ui::checkbox("ghost", &is_ghost)) runTissues(context, "view.tissue", {tissue.id, is_ghost ? "ghost" : "show"});
   if (ImGui::IsItemHovered()) ui::setTooltip("Let what is under it shine through");
-  drawRemoved(tissue.mm3, context.bench.removedOf(tissue.material));
+  drawRemovedTissues(tissue.mm3, context.bench.removedOf(tissue.material));
   ImGui::PopID();
 }
 
@@ -72,7 +72,7 @@ bool isPossible(const AppContext& context, SurfaceColours colours) {
   return colours != SurfaceColours::kDistance || tissue_commands::hasStructures(context);
 }
 
-void drawColours(AppContext& context) {
+void drawTissueColours(AppContext& context) {
   const SurfaceColours now = context.bench.tissues().colours();
   const auto chosen =
       std::find_if(kColours.begin(), kColours.end(), [&](const ColoursRow& row) { return row.colours == now; });
@@ -80,7 +80,7 @@ void drawColours(AppContext& context) {
   if (ui::beginCombo("##colours", fmt::format("Colours: {}", chosen->word))) {
     for (const ColoursRow& row : kColours) {
       const auto flags = isPossible(context, row.colours) ? ImGuiSelectableFlags_None : ImGuiSelectableFlags_Disabled;
-      if (ui::selectable(row.text, row.colours == now, flags)) run(context, "view.colours", {row.word});
+      if (ui::selectable(row.text, row.colours == now, flags)) runTissues(context, "view.colours", {row.word});
     }
     ImGui::EndCombo();
   }
@@ -116,8 +116,8 @@ void drawTissues(AppContext& context, PanelColumn& column) {
   column.place();
   ui::begin("Tissues", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize);
   if (tissues.all().size() > 1)
-    for (const SeenTissue& tissue : tissues.all()) drawRow(context, tissue);
-  drawColours(context);
+    for (const SeenTissue& tissue : tissues.all()) drawTissueRow(context, tissue);
+  drawTissueColours(context);
   drawLegend(tissues.colours());
   if (tissues.isBusy()) ui::textColored(styleColours().quiet, "working...");
   column.take();

@@ -18,7 +18,7 @@ namespace kerf {
 namespace {
 
 constexpr float kIcon = 30, kRowGap = 2, kStar = 18;
-constexpr int kRows = 10;
+constexpr int kToolRows = 10;
 
 std::string sizeOf(const Tool& tool) {
   if (tool.head_diameter_mm > 0) return fmt::format("{:.1f} mm", tool.head_diameter_mm);
@@ -132,7 +132,7 @@ std::optional<std::size_t> drawRack(AppContext& context, ToolPanelState& state) 
   const std::vector<std::size_t> rows = rackRows(bench, view);
   const std::size_t broken = view.search.empty() ? bench.brokenTools().size() : 0;
   const float row = scaled(kIcon) + scaled(kRowGap);
-  const auto shown = static_cast<float>(std::clamp<std::size_t>(rows.size() + broken, 1, kRows));
+  const auto shown = static_cast<float>(std::clamp<std::size_t>(rows.size() + broken, 1, kToolRows));
   ImGui::BeginChild("rack", {0, shown * row + scaled(4)});
   if (state.in_hand != bench.toolInHand()) {
     state.in_hand = bench.toolInHand();
@@ -189,7 +189,7 @@ void drawTilt(AppContext& context) {
   if (ui::smallButton("Upright")) tilt = {};
 }
 
-void drawHand(Workbench& bench) {
+void drawToolHand(Workbench& bench) {
   ImGui::PushItemWidth(-1);
   float force = static_cast<float>(bench.force), depth = static_cast<float>(bench.depth_mm);
   float speed = static_cast<float>(100 * bench.speed);
@@ -226,7 +226,7 @@ void drawTools(AppContext& context, ToolPanelState& state) {
   const std::optional<std::size_t> clicked = drawRack(context, state);
   ImGui::Separator();
   drawTilt(context);
-  drawHand(bench);
+  drawToolHand(bench);
   ImGui::End();
   if (clicked) bench.selectTool(*clicked);
 }

@@ -21,10 +21,10 @@ namespace kerf {
 namespace {
 
 /// GLFW, its window and Dear ImGui, taken down in reverse.
-struct Desktop {
+struct ViewerDesktop {
   GLFWwindow* window = nullptr;
   bool started = false, panels = false;
-  ~Desktop() {
+  ~ViewerDesktop() {
     if (panels) {
       ImGui_ImplOpenGL3_Shutdown();
       ImGui_ImplGlfw_Shutdown();
@@ -94,7 +94,7 @@ void drawScaleBarOverlay(const View& view) {
                  view.pixels_per_unit, IM_COL32(58, 62, 68, 255));
 }
 
-Expected<void> open(Desktop& desktop, const Scene& scene, const WindowOptions& options) {
+Expected<void> open(ViewerDesktop& desktop, const Scene& scene, const WindowOptions& options) {
   if (!glfwInit()) return fail(noWindow("no window can be opened: " + lastGlfwError()));
   desktop.started = true;
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
@@ -124,7 +124,7 @@ Expected<void> open(Desktop& desktop, const Scene& scene, const WindowOptions& o
 }  // namespace
 
 Expected<int> runWindow(const Scene& scene, Camera camera, const WindowOptions& options) {
-  Desktop desktop;
+  ViewerDesktop desktop;
   KERF_CHECK(open(desktop, scene, options));
   KERF_TRY(renderer, Renderer::create());
   renderer->setMesh(scene.mesh);

@@ -7,7 +7,7 @@
 
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::atomic_file_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -254,4 +254,4 @@ TEST(AtomicFolder, ATargetThatAppearsMeanwhileIsNotOverwritten) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::atomic_file_test

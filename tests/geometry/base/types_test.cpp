@@ -7,7 +7,7 @@
 
 #include "geometry/base/progress.h"
 
-namespace kerf {
+namespace kerf::types_test {
 namespace {
 
 TEST(Box3, HasEightDifferentCornersThatSpanIt) {
@@ -51,4 +51,4 @@ TEST(Cancelled, SaysSoAndNamesTheFileIfThereIsOne) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::types_test

@@ -7,7 +7,7 @@
 #include <limits>
 #include <random>
 
-namespace kerf {
+namespace kerf::boolean_test {
 namespace {
 
 __extension__ typedef __float128 Quad;  // twice the digits of a double, and more
@@ -74,4 +74,4 @@ TEST(Boolean, NewCornersAreRoundedFromExactNumbers) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::boolean_test

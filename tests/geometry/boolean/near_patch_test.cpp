@@ -15,7 +15,7 @@
 #include "tests/geometry/ball_mesh.h"
 #include "tests/geometry/sampled_field.h"
 
-namespace kerf {
+namespace kerf::near_patch_test {
 namespace {
 
 Mesh moved(Mesh mesh, const std::function<Vec3d(const Vec3d&)>& to) {
@@ -270,4 +270,4 @@ TEST(NearPatch, ATriangleIsApartFromABoxAsItsPointsSay) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::near_patch_test

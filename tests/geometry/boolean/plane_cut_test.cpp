@@ -10,7 +10,7 @@
 #include "geometry/mesh/mesh_check.h"
 #include "tests/geometry/ball_mesh.h"
 
-namespace kerf {
+namespace kerf::plane_cut_test {
 namespace {
 
 constexpr double kRadius = 3.0;
@@ -183,4 +183,4 @@ TEST(PlaneCut, ColoursStayAndCutFacesHaveTheirOwn) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::plane_cut_test

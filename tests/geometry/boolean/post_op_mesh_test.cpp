@@ -11,7 +11,7 @@
 #include "tests/geometry/ball_mesh.h"
 #include "tests/geometry/sampled_field.h"
 
-namespace kerf {
+namespace kerf::post_op_mesh_test {
 namespace {
 
 constexpr double kRadius = 3.0;
@@ -149,4 +149,4 @@ TEST(PostOpMesh, TrianglesFarFromTheCutKeepTheirCornersAndOrder) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::post_op_mesh_test

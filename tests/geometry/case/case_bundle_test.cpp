@@ -7,7 +7,7 @@
 
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::case_bundle_test {
 namespace {
 
 // A manifest as Kerf writes it, of which one value is replaced.
@@ -81,4 +81,4 @@ TEST_F(CaseManifestFromAStranger, APathOutOfTheCaseIsRefused) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::case_bundle_test

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace kerf {
+namespace kerf::brick_directory_test {
 namespace {
 
 const Vec3i kLow(-2, 3, -7), kSize(4, 3, 5);
@@ -69,4 +69,4 @@ TEST(BrickDirectory, VisitsWhatIsAroundABrickWithTheStepToIt) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::brick_directory_test

@@ -9,7 +9,7 @@
 #include <tuple>
 #include <utility>
 
-namespace kerf {
+namespace kerf::brick_index_test {
 namespace {
 
 using Place = std::tuple<int, int, int>;
@@ -113,4 +113,4 @@ TEST(BrickIndex, IsTheSameWhetherMemoryWasReservedOrNot) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::brick_index_test

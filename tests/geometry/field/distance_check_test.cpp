@@ -4,7 +4,7 @@
 
 #include <random>
 
-namespace kerf {
+namespace kerf::distance_check_test {
 namespace {
 
 constexpr double kVoxel = 0.2;
@@ -85,4 +85,4 @@ TEST(DistanceCheck, ATurnedSignIsRefused) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::distance_check_test

@@ -8,7 +8,7 @@
 
 #include "tests/geometry/sampled_field.h"
 
-namespace kerf {
+namespace kerf::marching_cubes_test {
 namespace {
 
 TEST(MarchingCubes, BallVolumeIsWithinAFewHundredthsOfAPercentFromFiveVoxelsOn) {
@@ -94,4 +94,4 @@ TEST(BrickField, MissingBricksAreConstantAndHashIgnoresOrder) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::marching_cubes_test

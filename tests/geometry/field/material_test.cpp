@@ -6,7 +6,7 @@
 
 #include "tests/support/temporary_file.h"
 
-namespace kerf {
+namespace kerf::material_test {
 namespace {
 
 TEST(Materials, TheTableThatComesWithKerfKnowsEveryTissue) {
@@ -65,4 +65,4 @@ INSTANTIATE_TEST_SUITE_P(Materials, MaterialMistake,
                                          Mistake{"id = \"pulp\"", "id = \"Pulp!\"", "lower-case"}));
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::material_test

@@ -6,7 +6,7 @@
 #include "geometry/tool/sweep.h"
 #include "tests/geometry/sampled_field.h"
 
-namespace kerf {
+namespace kerf::properties_test {
 namespace {
 
 double real(double low, double high) {
@@ -78,4 +78,4 @@ RC_GTEST_PROP(MarchingCubesProperty, AnyFieldGivesAClosedSurface, ()) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::properties_test

@@ -15,7 +15,7 @@
 #include "tests/geometry/sampled_field.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::vdb_io_test {
 namespace {
 
 TEST(VdbIo, FieldsComeBackBitForBitWithTheirDeepInside) {
@@ -382,4 +382,4 @@ TEST(VdbIo, InspectingRefusesWhatWasCutShortAndSurvivesAnyByte) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::vdb_io_test

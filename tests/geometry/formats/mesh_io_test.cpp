@@ -9,7 +9,7 @@
 #include "tests/geometry/mesh_samples.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::mesh_io_test {
 namespace {
 
 class MeshIo : public testing::Test {
@@ -365,4 +365,4 @@ TEST_F(MeshIo, MutatedFilesNeverBreakThePromisesOfAMesh) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::mesh_io_test

@@ -12,7 +12,7 @@
 #include "geometry/formats/mesh_io.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::mesh_writer_test {
 namespace {
 
 // A bumpy closed grid on a torus: 2-manifold, every vertex different, coordinates that need all 24 bits, colours.
@@ -249,4 +249,4 @@ TEST(MeshFormats, AreListedForMessagesInTheOrderOfTheTable) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::mesh_writer_test

@@ -16,7 +16,7 @@
 #include <Model/COM/NMR_DLLInterfaces.h>
 #endif
 
-namespace kerf {
+namespace kerf::three_mf_test {
 namespace {
 
 constexpr const char* kRelations =
@@ -404,4 +404,4 @@ TEST_F(ThreeMf, Lib3mfReadsOpenSurfacesWeWrite) {
 #endif
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::three_mf_test

@@ -5,7 +5,7 @@
 #include <random>
 #include <set>
 
-namespace kerf {
+namespace kerf::box_tree_test {
 namespace {
 
 std::vector<Box3> randomBoxes(std::size_t count, double largest) {
@@ -60,4 +60,4 @@ TEST(BoxTree, StopsWhenToldTo) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::box_tree_test

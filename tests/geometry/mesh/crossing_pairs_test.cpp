@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace kerf {
+namespace kerf::crossing_pairs_test {
 namespace {
 
 using Pairs = std::vector<std::array<std::uint32_t, 2>>;
@@ -35,4 +35,4 @@ TEST(CrossingPairs, TriangleWithoutAreaIsReported) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::crossing_pairs_test

@@ -7,7 +7,7 @@
 
 #include "geometry/mesh/crossing_pairs.h"
 
-namespace kerf {
+namespace kerf::float32_cleanup_test {
 namespace {
 
 /// A cylinder-like closed strip: a grid of quads around, two poles. Positions may be set by the test.
@@ -138,4 +138,4 @@ TEST(Float32Cleanup, FixedFlagsAndTagsMustFit) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::float32_cleanup_test

@@ -6,7 +6,7 @@
 
 #include "tests/geometry/ball_mesh.h"
 
-namespace kerf {
+namespace kerf::ground_shadow_test {
 namespace {
 
 float darknessAt(const GroundShadow& shadow, double x, double y) {
@@ -47,4 +47,4 @@ TEST(GroundShadow, OfNothingIsNone) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::ground_shadow_test

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace kerf {
+namespace kerf::mesh_check_test {
 namespace {
 
 // Outward cube of side 2 at `at`; its 12 triangles all touch welded corners.
@@ -159,4 +159,4 @@ TEST(MeshCheck, WhatNoPrinterTakesIsNotReady) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::mesh_check_test

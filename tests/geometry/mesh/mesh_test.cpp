@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace kerf {
+namespace kerf::mesh_test {
 namespace {
 
 Mesh tetrahedron(const Vec3d& at) {
@@ -35,4 +35,4 @@ TEST(Mesh, SubsetKeepsOrderAndColours) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::mesh_test

@@ -6,7 +6,7 @@
 
 #include "tests/preprocess/solid_checks.h"
 
-namespace kerf {
+namespace kerf::ray_hits_test {
 namespace {
 
 TEST(RayHits, ABoxIsEnteredAndLeftOnceWhereverItIsMet) {
@@ -57,4 +57,4 @@ TEST(RayHits, ThroughVerticesEnterAndLeave) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::ray_hits_test

@@ -9,7 +9,7 @@
 #include "geometry/formats/mesh_io.h"
 #include "geometry/mesh/mesh_check.h"
 
-namespace kerf {
+namespace kerf::scans_test {
 namespace {
 
 struct Scan {
@@ -90,4 +90,4 @@ TEST(Scans, CountsAgreeWithIndependentMeasurement) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::scans_test

@@ -5,7 +5,7 @@
 
 #include <random>
 
-namespace kerf {
+namespace kerf::self_intersection_test {
 namespace {
 
 using Pairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
@@ -197,4 +197,4 @@ TEST(SelfIntersection, ALimitedSearchOfOneTriangleManyTimesIsShort) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::self_intersection_test

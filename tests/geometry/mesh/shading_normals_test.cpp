@@ -6,7 +6,7 @@
 
 #include "tests/geometry/ball_mesh.h"
 
-namespace kerf {
+namespace kerf::shading_normals_test {
 namespace {
 
 /// A tetrahedron without any symmetry.
@@ -42,4 +42,4 @@ TEST(ShadingNormals, ATriangleWithoutAreaTakesThoseAroundIt) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::shading_normals_test

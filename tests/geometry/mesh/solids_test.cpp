@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace kerf {
+namespace kerf::solids_test {
 namespace {
 
 // Turned inside out if it is a cavity.
@@ -77,4 +77,4 @@ TEST(Solids, PiecesAreCountedAsPeopleCountThem) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::solids_test

@@ -6,7 +6,7 @@
 
 #include "geometry/tool/tool_file.h"
 
-namespace kerf {
+namespace kerf::blade_motion_test {
 namespace {
 
 TEST(BladeMotions, HaveNamesOfTheirOwnAndAreFoundByThem) {
@@ -43,4 +43,4 @@ TEST(BladeMotions, HaveEachAToolInTheRackThatCutsAndMoves) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::blade_motion_test

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-namespace kerf {
+namespace kerf::head_shape_test {
 namespace {
 
 // An outline that the rest of Kerf can trust: from the axis to the axis, upwards, off the axis in between, finite.
@@ -117,4 +117,4 @@ TEST(HeadShape, ArcsMeetTheirNeighboursWithoutAKink) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::head_shape_test

@@ -9,7 +9,7 @@
 #include "tests/geometry/ball_mesh.h"
 #include "tests/geometry/sampled_field.h"
 
-namespace kerf {
+namespace kerf::mesh_shape_test {
 namespace {
 
 struct Random {
@@ -91,4 +91,4 @@ TEST(HalfShape, IsTheSolidBelowOrAboveALevel) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::mesh_shape_test

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <random>
 
-namespace kerf {
+namespace kerf::sweep_test {
 namespace {
 
 constexpr double kNever = 1e9, kTolerance = 1e-5;
@@ -138,4 +138,4 @@ TEST(Sweep, MayReachAndBoundsMissNothing) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::sweep_test

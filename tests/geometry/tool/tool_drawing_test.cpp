@@ -9,7 +9,7 @@
 #include "geometry/tool/tool_template.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::tool_drawing_test {
 namespace {
 
 const std::filesystem::path kRack = std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools";
@@ -92,4 +92,4 @@ TEST(ToolTemplate, OfAMeshIsAToolWhenTheMeshIsThere) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::tool_drawing_test

@@ -8,7 +8,7 @@
 
 #include "geometry/tool/tool_file.h"
 
-namespace kerf {
+namespace kerf::tool_field_test {
 namespace {
 
 struct Points {
@@ -165,4 +165,4 @@ TEST(ToolField, NoSolidIsFarAway) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::tool_field_test

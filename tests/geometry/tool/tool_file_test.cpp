@@ -11,7 +11,7 @@
 #include "tests/support/temporary_file.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::tool_file_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -400,4 +400,4 @@ TEST(Tool, MeshesForTheEyeAreClosedAndAsBigAsTheirFormulas) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::tool_file_test

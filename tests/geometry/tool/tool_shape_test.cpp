@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-namespace kerf {
+namespace kerf::tool_shape_test {
 namespace {
 
 struct Random {
@@ -108,4 +108,4 @@ TEST(ToolShape, BoundsHoldEverythingInside) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::tool_shape_test

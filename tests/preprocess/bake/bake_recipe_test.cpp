@@ -15,7 +15,7 @@
 #include "tests/geometry/ball_mesh.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::bake_recipe_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -396,4 +396,4 @@ TEST(BakeReport, WhatTheToolWillNotFindIsSaidInMillimetresAndOnlyWhereItIsMuch) 
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::bake_recipe_test

@@ -10,7 +10,7 @@
 #include "tests/preprocess/solid_checks.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::bake_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -246,4 +246,4 @@ TEST(CaseManifest, UnknownMissingAndNewerAreErrorsWithTheKey) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::bake_test

@@ -4,7 +4,7 @@
 
 #include "tests/support/temporary_file.h"
 
-namespace kerf {
+namespace kerf::case_recipe_test {
 namespace {
 
 const std::string kHead = "format = \"kerf-recipe\"\nversion = 1\n";
@@ -96,4 +96,4 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{kHead + kTooth + "[region]\nline = [[0, 0, 5]]\nradius = 3\n", "voxel"}));
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::case_recipe_test

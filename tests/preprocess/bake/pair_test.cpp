@@ -8,7 +8,7 @@
 #include "tests/geometry/ball_mesh.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::pair_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -145,4 +145,4 @@ TEST(Pair, CasesOfOneNameAreRefused) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::pair_test

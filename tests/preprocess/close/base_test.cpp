@@ -5,7 +5,7 @@
 #include "preprocess/close/occlusal_plane.h"
 #include "tests/preprocess/solid_checks.h"
 
-namespace kerf {
+namespace kerf::base_test {
 namespace {
 
 /// An open arch: half a ring, its cross-section a U upside down, with round cusps on top; open below, normals out.
@@ -149,4 +149,4 @@ TEST(Base, FullWorksAskewAsWell) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::base_test

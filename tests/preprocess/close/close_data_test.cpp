@@ -11,7 +11,7 @@
 #include "preprocess/close/close.h"
 #include "tests/preprocess/base_section.h"
 
-namespace kerf {
+namespace kerf::close_data_test {
 namespace {
 
 std::filesystem::path dataFolder() {
@@ -208,4 +208,4 @@ INSTANTIATE_TEST_SUITE_P(
     });
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::close_data_test

@@ -8,7 +8,7 @@
 
 #include "tests/preprocess/solid_checks.h"
 
-namespace kerf {
+namespace kerf::close_test {
 namespace {
 
 TEST(Close, CleanSolidIsLeftAlone) {
@@ -461,4 +461,4 @@ TEST(Close, NothingInNothingOut) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::close_test

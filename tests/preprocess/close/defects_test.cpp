@@ -7,7 +7,7 @@
 
 #include "tests/preprocess/solid_checks.h"
 
-namespace kerf {
+namespace kerf::defects_test {
 namespace {
 
 /// An open arch: half a ring of mean radius 22 mm, 9 mm wide and 8 mm high, open below, normals out.
@@ -272,4 +272,4 @@ TEST(Steps, HolesAreFilledUpToALimit) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::defects_test

@@ -10,7 +10,7 @@
 #include "preprocess/demo/demo_teeth.h"
 #include "tests/preprocess/solid_checks.h"
 
-namespace kerf {
+namespace kerf::dental_arch_test {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
@@ -99,4 +99,4 @@ TEST(DentalArch, WhatIsNoFullArchTellsNothing) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::dental_arch_test

@@ -10,7 +10,7 @@
 #include "preprocess/close/losses.h"
 #include "tests/preprocess/solid_checks.h"
 
-namespace kerf {
+namespace kerf::guard_test {
 namespace {
 
 using internal::Chain;
@@ -341,4 +341,4 @@ TEST(Guard, SpecksAreDroppedOnlyWhenAsked) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::guard_test

@@ -12,7 +12,7 @@
 #include "preprocess/close/stitch.h"
 #include "tests/preprocess/solid_checks.h"
 
-namespace kerf {
+namespace kerf::hostile_test {
 namespace {
 
 constexpr double kMostSeconds = 20;
@@ -276,4 +276,4 @@ TEST(Hostile, ASphereWithPolesOfManyPointsIsClosedAsItIs) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::hostile_test

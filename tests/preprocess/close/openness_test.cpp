@@ -8,7 +8,7 @@
 
 #include "tests/preprocess/solid_checks.h"
 
-namespace kerf {
+namespace kerf::openness_test {
 namespace {
 
 // Faces of voxels, two triangles each; corners at the same place are one vertex.
@@ -160,4 +160,4 @@ TEST(Openness, ABaseThatIsAskedForIsBuilt) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::openness_test

@@ -5,7 +5,7 @@
 #include "preprocess/close/close.h"
 #include "preprocess/close/edges.h"
 
-namespace kerf {
+namespace kerf::pinholes_test {
 namespace {
 
 using internal::ShortLoop;
@@ -111,4 +111,4 @@ TEST(Pinholes, AThreadOfMaterialIsFoundAndCut) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::pinholes_test

@@ -12,7 +12,7 @@
 #include "tests/preprocess/base_section.h"
 #include "tests/preprocess/solid_checks.h"
 
-namespace kerf {
+namespace kerf::smooth_base_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -304,4 +304,4 @@ TEST(SmoothBase, SettingsOutOfRangeAreRefused) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::smooth_base_test

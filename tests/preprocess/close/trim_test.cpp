@@ -8,7 +8,7 @@
 #include "preprocess/close/edges.h"
 #include "tests/preprocess/solid_checks.h"
 
-namespace kerf {
+namespace kerf::trim_test {
 namespace {
 
 // An open box of 20 x 12 x 8 mm without underside, in squares of 0.5 mm, with tongues of a width and length, mm, that
@@ -110,4 +110,4 @@ TEST(TrimRim, WhatHangsOnANarrowNeckGoesToo) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::trim_test

@@ -9,7 +9,7 @@
 #include "preprocess/close/close.h"
 #include "tests/geometry/ball_mesh.h"
 
-namespace kerf {
+namespace kerf::winding_test {
 namespace {
 
 /// A ball of 8 mm with small cavities in it, `cavities` along each axis.
@@ -55,4 +55,4 @@ TEST(Winding, ThousandsOfCavitiesStayCavities) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::winding_test

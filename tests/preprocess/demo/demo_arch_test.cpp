@@ -9,7 +9,7 @@
 #include "preprocess/close/close.h"
 #include "preprocess/demo/demo_jaw.h"
 
-namespace kerf {
+namespace kerf::demo_arch_test {
 namespace {
 
 const DemoArchOptions kCoarse{.edge_mm = 0.5};
@@ -132,4 +132,4 @@ TEST_F(DemoArchScan, RefusesWhatItCanNotMakeAndStopsWhenCancelled) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::demo_arch_test

@@ -8,7 +8,7 @@
 #include "preprocess/demo/demo_dimensions.h"
 #include "tests/preprocess/mesh_rays.h"
 
-namespace kerf {
+namespace kerf::demo_mandible_test {
 namespace {
 
 using Vec2d = Eigen::Vector2d;
@@ -213,4 +213,4 @@ TEST_F(DemoMandible, StopsWhenCancelled) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::demo_mandible_test

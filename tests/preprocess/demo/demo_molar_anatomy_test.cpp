@@ -9,7 +9,7 @@
 #include "tests/preprocess/mesh_rays.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::demo_molar_anatomy_test {
 namespace {
 
 constexpr DemoMolarDimensions kDimensions;
@@ -182,4 +182,4 @@ TEST_F(DemoMolarAnatomy, StopsWhenCancelled) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::demo_molar_anatomy_test

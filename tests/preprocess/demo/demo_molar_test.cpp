@@ -12,7 +12,7 @@
 #include "geometry/mesh/self_intersection.h"
 #include "preprocess/volume/tetrahedral_mesher.h"
 
-namespace kerf {
+namespace kerf::demo_molar_test {
 namespace {
 
 /// Every edge has exactly two triangles, which run along it in opposite directions, and the triangles around every
@@ -216,4 +216,4 @@ TEST(TetrahedralMesher, WhatCrossesGoesBackToWhereItWas) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::demo_molar_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace kerf {
+namespace kerf::unit_test {
 namespace {
 
 Box3 across(double diagonal) {
@@ -73,4 +73,4 @@ TEST(Unit, AUnitAgainstTheFilesOwnIsDoubted) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::unit_test

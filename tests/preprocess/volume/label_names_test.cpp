@@ -4,7 +4,7 @@
 
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::label_names_test {
 namespace {
 
 using Names = std::map<std::uint16_t, std::string>;
@@ -33,4 +33,4 @@ TEST(LabelNames, WhatMakesNoSenseHasNone) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::label_names_test

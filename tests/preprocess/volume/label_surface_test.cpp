@@ -9,7 +9,7 @@
 
 #include "preprocess/close/close.h"
 
-namespace kerf {
+namespace kerf::label_surface_test {
 namespace {
 
 // A volume of 0.5 mm voxels about the origin, labelled by what is at the voxel's centre.
@@ -298,4 +298,4 @@ TEST(SmoothLabels, RealJawsKeepTheVolumeOfEveryLabel) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::label_surface_test

@@ -11,7 +11,7 @@
 #include "tests/support/temporary_file.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::label_volume_test {
 namespace {
 
 Expected<LabelVolume> readBytes(const std::string& name, const std::string& bytes, const LabelReadOptions& o = {}) {
@@ -916,4 +916,4 @@ TEST(LabelVolume, MutatedFilesAreReadOrRefused) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::label_volume_test

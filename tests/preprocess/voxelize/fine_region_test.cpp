@@ -12,7 +12,7 @@
 #include "tests/geometry/ball_mesh.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::fine_region_test {
 namespace {
 
 TEST(FineRegion, DepthIsTheDistanceToItsBorder) {
@@ -169,4 +169,4 @@ TEST(FineRegion, OfATinyVoxelIsRefusedBeforeMemoryIsTaken) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::fine_region_test

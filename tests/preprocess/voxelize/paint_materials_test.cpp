@@ -16,7 +16,7 @@
 #include "tests/geometry/ball_mesh.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::paint_materials_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -210,4 +210,4 @@ TEST(PaintMaterials, SameLabelsOnOneThreadAndOnAll) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::paint_materials_test

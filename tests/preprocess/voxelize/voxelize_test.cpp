@@ -12,7 +12,7 @@
 #include "tests/geometry/ball_mesh.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::voxelize_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -145,4 +145,4 @@ TEST(Voxelize, CancelledAtAnyStepIsAnError) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::voxelize_test

@@ -21,7 +21,7 @@
 #include "tests/sim/block_scene.h"
 #include "tests/sim/haptic_scene.h"
 
-namespace kerf {
+namespace kerf::bridge_device_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -410,4 +410,4 @@ TEST_F(Bridge, TheWholeStackIsPassiveOnABlockAndCutsIt) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::bridge_device_test

@@ -11,7 +11,7 @@
 
 #include "sim/device/device_finder.h"
 
-namespace kerf {
+namespace kerf::device_driver_test {
 namespace {
 
 HidInfo multiAxis(std::uint16_t vendor, std::uint16_t product) {
@@ -153,4 +153,4 @@ TEST(UdevRule, PermitsEveryIdOfTheDrivers) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::device_driver_test

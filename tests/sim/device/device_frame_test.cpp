@@ -5,7 +5,7 @@
 #include <bit>
 #include <limits>
 
-namespace kerf {
+namespace kerf::device_frame_test {
 namespace {
 
 HandFrame someHand() {
@@ -104,4 +104,4 @@ TEST(DeviceFrame, WhatIsMalformedIsRefusedAndNothingOfItIsUsed) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::device_frame_test

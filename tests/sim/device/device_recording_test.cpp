@@ -5,7 +5,7 @@
 #include "sim/device/raw_arm.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::device_recording_test {
 namespace {
 
 const char* const kText =
@@ -94,4 +94,4 @@ TEST(DeviceRecording, WhatIsWrongIsNamedByItsLine) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::device_recording_test

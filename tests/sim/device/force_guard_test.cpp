@@ -7,7 +7,7 @@
 
 #include "sim/device/workspace_map.h"
 
-namespace kerf {
+namespace kerf::force_guard_test {
 namespace {
 
 constexpr double kMs = 1e-3;
@@ -94,4 +94,4 @@ TEST(WorkspaceMap, ATurnedAndScaledHandMeetsTheToolAndFeelsItsForceWhereItPushes
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::force_guard_test

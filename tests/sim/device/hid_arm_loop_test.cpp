@@ -13,7 +13,7 @@
 #include "tests/sim/device/simulated_arm.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::hid_arm_loop_test {
 namespace {
 
 using namespace test;
@@ -236,4 +236,4 @@ TEST_F(HidLoop, AKilledKerfLeavesNoForceBehind) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::hid_arm_loop_test

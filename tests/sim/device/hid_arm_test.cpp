@@ -6,7 +6,7 @@
 #include "sim/device/raw_arm.h"
 #include "tests/sim/device/force_scene.h"
 
-namespace kerf {
+namespace kerf::hid_arm_test {
 namespace {
 
 using namespace test;
@@ -174,4 +174,4 @@ TEST_F(HidArms, AWriteThatIsStuckIsFollowedByNoOldForce) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::hid_arm_test

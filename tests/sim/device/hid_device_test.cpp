@@ -11,7 +11,7 @@
 #include "sim/device/device_watch.h"
 #include "tests/support/hid_testbed.h"
 
-namespace kerf {
+namespace kerf::hid_device_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -238,4 +238,4 @@ TEST_F(HidDevices, OfSeveralNoneIsTakenByItsPlace) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::hid_device_test

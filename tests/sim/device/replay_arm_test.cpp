@@ -12,7 +12,7 @@
 #include "tests/sim/device/force_scene.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::replay_arm_test {
 namespace {
 
 using namespace test;
@@ -154,4 +154,4 @@ TEST(ReplayArm, WhatIsNoArmIsRefused) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::replay_arm_test

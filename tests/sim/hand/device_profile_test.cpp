@@ -5,10 +5,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/scenes/held_device.h"
+#include "bench/scenes/held_device.h"
 #include "sim/step/device_sample.h"
 
-namespace kerf {
+namespace kerf::device_profile_test {
 namespace {
 
 TEST(DeviceProfile, TheCouplingIsThatOfTheFormula) {
@@ -101,4 +101,4 @@ TEST(HeldDevice, ReadsWholeStepsOfTheEncoderAndFeelsForcesLate) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::device_profile_test

@@ -13,7 +13,7 @@
 #include "tests/sim/block_scene.h"
 #include "tests/support/allocation_guard.h"
 
-namespace kerf {
+namespace kerf::guided_hand_test {
 namespace {
 
 Tool toolOf(const std::string& id) {
@@ -248,4 +248,4 @@ TEST(GuidedHand, ReadsWithoutAllocating) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::guided_hand_test

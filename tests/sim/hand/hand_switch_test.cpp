@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace kerf {
+namespace kerf::hand_switch_test {
 namespace {
 
 struct Hand final : DeviceSource {
@@ -60,4 +60,4 @@ TEST(HandSwitch, OneThatLeadsNoMoreIsInUseUntilTheHapticThreadReads) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::hand_switch_test

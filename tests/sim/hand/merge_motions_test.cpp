@@ -7,7 +7,7 @@
 #include "geometry/tool/sweep.h"
 #include "geometry/tool/tool_shape.h"
 
-namespace kerf {
+namespace kerf::merge_motions_test {
 namespace {
 
 // A quarter of a circle of radius 5 mm, in motions of the length.
@@ -96,4 +96,4 @@ TEST(MergeMotions, TheFarEndOfAToolStaysWithinTheTolerance) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::merge_motions_test

@@ -13,7 +13,7 @@
 #include "tests/sim/block_scene.h"
 #include "tests/support/allocation_guard.h"
 
-namespace kerf {
+namespace kerf::mouse_hand_test {
 namespace {
 
 constexpr double kSpeed = 12500, kFriction = 0.3;  // of the ball's surface, mm/s
@@ -396,4 +396,4 @@ TEST(MouseHand, KeepingAllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::mouse_hand_test

@@ -7,7 +7,7 @@
 
 #include "tests/support/temporary_file.h"
 
-namespace kerf {
+namespace kerf::path_test {
 namespace {
 
 const std::string kCsv = "t,x,y,z,qw,qx,qy,qz\n";
@@ -119,4 +119,4 @@ TEST(Path, ToolFrameStrokesFollowTheToolAndAirMovesDoNotCut) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::path_test

@@ -4,14 +4,14 @@
 
 #include <numbers>
 
+#include "bench/scenes/press.h"
 #include "geometry/tool/sweep.h"
 #include "geometry/tool/tool_file.h"
 #include "sim/run/removed_volumes.h"
 #include "sim/run/sweep_cutter.h"
-#include "sim/scenes/press.h"
 #include "tests/sim/block_scene.h"
 
-namespace kerf {
+namespace kerf::virtual_hand_test {
 namespace {
 
 using scenes::turned;
@@ -269,4 +269,4 @@ TEST(VirtualHand, TheCouplingGivesNoEnergyAwayWhereDirectRenderingDoes) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::virtual_hand_test

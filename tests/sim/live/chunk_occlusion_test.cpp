@@ -7,7 +7,7 @@
 
 #include "geometry/field/sample_field.h"
 
-namespace kerf {
+namespace kerf::chunk_occlusion_test {
 namespace {
 
 constexpr double kVoxel = 0.1;
@@ -87,4 +87,4 @@ TEST(ChunkOcclusion, ChangesWithinItsReachAlone) {
 TEST(ChunkOcclusion, OfAnEmptyChunkIsEmpty) { EXPECT_TRUE(occlusionOf(MeshChunk{}, plate(1)).empty()); }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::chunk_occlusion_test

@@ -15,7 +15,7 @@
 #include "tests/sim/haptic_scene.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::haptic_thread_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -335,4 +335,4 @@ TEST(HapticThread, MayBeDestroyedBeforeAndRightAfterItsStart) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::haptic_thread_test

@@ -7,7 +7,7 @@
 #include "tests/sim/block_scene.h"
 #include "tests/support/allocation_guard.h"
 
-namespace kerf {
+namespace kerf::live_heat_test {
 namespace {
 
 using test::block;
@@ -97,4 +97,4 @@ TEST(LiveHeat, WhatOneToolWarmedIsWarmWhenAnotherIsTaken) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::live_heat_test

@@ -8,10 +8,10 @@
 #include <set>
 #include <thread>
 
-#include "sim/scenes/carved_field.h"
+#include "bench/scenes/carved_field.h"
 #include "tests/geometry/sampled_field.h"
 
-namespace kerf {
+namespace kerf::mesher_thread_test {
 namespace {
 
 using scenes::ballWithAHole;
@@ -249,4 +249,4 @@ TEST(MesherThread, SeveralThreadsThatAskForTheChangesEachGetThem) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::mesher_thread_test

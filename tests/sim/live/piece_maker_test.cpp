@@ -15,7 +15,7 @@
 #include "tests/sim/haptic_scene.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::piece_maker_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -387,4 +387,4 @@ TEST(PieceMaker, MaterialAddedWhereAnotherPieceWasAndTakenBackLeavesNoTrace) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::piece_maker_test

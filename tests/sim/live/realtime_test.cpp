@@ -13,7 +13,7 @@
 
 #include "sim/live/time_histogram.h"
 
-namespace kerf {
+namespace kerf::realtime_test {
 namespace {
 
 TEST(RealTime, WhatIsNotAskedForIsNotRefused) {
@@ -109,4 +109,4 @@ TEST(TimeHistogram, TakesAnyNumber) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::realtime_test

@@ -6,11 +6,11 @@
 #include <map>
 #include <random>
 
+#include "bench/scenes/carved_field.h"
 #include "geometry/field/sample_field.h"
-#include "sim/scenes/carved_field.h"
 #include "tests/geometry/sampled_field.h"
 
-namespace kerf {
+namespace kerf::remesher_test {
 namespace {
 
 using scenes::ballWithAHole;
@@ -206,4 +206,4 @@ TEST(Remesher, NormalsAreUnitPointOutwardsAndAgreeAcrossChunks) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::remesher_test

@@ -6,13 +6,13 @@
 #include <cmath>
 #include <functional>
 
+#include "bench/scenes/carved_field.h"
 #include "geometry/field/marching_cubes.h"
 #include "geometry/field/sample_field.h"
 #include "sim/live/tissue_colours.h"
-#include "sim/scenes/carved_field.h"
 #include "tests/support/open_block.h"
 
-namespace kerf {
+namespace kerf::scan_colours_test {
 namespace {
 
 constexpr double kVoxel = 0.1;
@@ -148,4 +148,4 @@ TEST(ScanColours, WhatWasAddedHasTheColourOfItsTissue) {
 TEST(ScanColours, ASolidWithoutColoursHasNone) { EXPECT_FALSE(ScanColours::of(marchingCubes(block(0.3)))); }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::scan_colours_test

@@ -7,11 +7,11 @@
 #include <cmath>
 #include <map>
 
+#include "bench/scenes/carved_field.h"
 #include "geometry/field/sample_field.h"
 #include "sim/run/practice_block.h"
-#include "sim/scenes/carved_field.h"
 
-namespace kerf {
+namespace kerf::tissue_colours_test {
 namespace {
 
 constexpr double kVoxel = 0.1;
@@ -164,4 +164,4 @@ TEST(TissueColours, OfALoadedObjectAreThoseOfItsMaterial) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::tissue_colours_test

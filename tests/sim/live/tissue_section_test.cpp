@@ -8,7 +8,7 @@
 
 #include "geometry/field/sample_field.h"
 
-namespace kerf {
+namespace kerf::tissue_section_test {
 namespace {
 
 constexpr double kVoxel = 0.1;
@@ -103,4 +103,4 @@ TEST(TissueSection, APlaneBesideTheObjectIsEmptyAndALargeOneIsCoarser) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::tissue_section_test

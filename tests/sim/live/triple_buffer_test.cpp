@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <thread>
 
-namespace kerf {
+namespace kerf::triple_buffer_test {
 namespace {
 
 TEST(TripleBuffer, GivesTheNewestAndNothingTwice) {
@@ -64,4 +64,4 @@ TEST(TripleBuffer, BetweenTwoThreadsValuesAreWholeAndGrow) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::triple_buffer_test

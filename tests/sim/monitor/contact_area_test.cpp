@@ -10,7 +10,7 @@
 #include "tests/sim/block_scene.h"
 #include "tests/support/allocation_guard.h"
 
-namespace kerf {
+namespace kerf::contact_area_test {
 namespace {
 
 using test::block;
@@ -125,4 +125,4 @@ TEST(ContactArea, DistanceInIsTheFieldsOwn) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::contact_area_test

@@ -13,7 +13,7 @@
 #include "geometry/tool/tool_file.h"
 #include "tests/support/allocation_guard.h"
 
-namespace kerf {
+namespace kerf::felt_vibration_test {
 namespace {
 
 using Kind = FeltSource::Kind;
@@ -168,4 +168,4 @@ TEST(FeltVibration, RendersWithoutAllocating) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::felt_vibration_test

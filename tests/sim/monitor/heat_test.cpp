@@ -10,7 +10,7 @@
 #include "geometry/tool/tool_file.h"
 #include "tests/support/allocation_guard.h"
 
-namespace kerf {
+namespace kerf::heat_test {
 namespace {
 
 // All of the power goes in, and nothing leaves but into the tissue.
@@ -361,4 +361,4 @@ TEST(Heat, StepsWithoutAllocating) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::heat_test

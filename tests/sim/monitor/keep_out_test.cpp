@@ -11,7 +11,7 @@
 #include "tests/sim/block_scene.h"
 #include "tests/support/allocation_guard.h"
 
-namespace kerf {
+namespace kerf::keep_out_test {
 namespace {
 
 constexpr std::array kPulp = {Material::kPulp};
@@ -225,4 +225,4 @@ TEST(KeepOut, ReadsWithoutAllocating) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::keep_out_test

@@ -11,7 +11,7 @@
 #include "tests/sim/block_scene.h"
 #include "tests/support/allocation_guard.h"
 
-namespace kerf {
+namespace kerf::monitor_test {
 namespace {
 
 using test::block;
@@ -289,4 +289,4 @@ TEST(Monitor, VoxelsOfAnySizeHaveAReach) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::monitor_test

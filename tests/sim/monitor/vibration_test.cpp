@@ -12,7 +12,7 @@
 #include "geometry/tool/tool_file.h"
 #include "tests/support/allocation_guard.h"
 
-namespace kerf {
+namespace kerf::vibration_test {
 namespace {
 
 constexpr double kRadPerSecond = 2 * std::numbers::pi / 60;  // of one turn per minute
@@ -222,4 +222,4 @@ TEST(Vibration, RendersWithoutAllocating) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::vibration_test

@@ -9,7 +9,7 @@
 #include "tests/sim/block_scene.h"
 #include "tests/support/allocation_guard.h"
 
-namespace kerf {
+namespace kerf::cut_object_test {
 namespace {
 
 using test::block;
@@ -363,4 +363,4 @@ TEST(SessionHistory, ForgetsTheOldestStrokeAndKeepsTheOthersRight) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::cut_object_test

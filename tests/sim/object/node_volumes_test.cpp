@@ -6,11 +6,11 @@
 #include <numbers>
 #include <numeric>
 
+#include "bench/scenes/strokes.h"
 #include "geometry/field/marching_cubes.h"
-#include "sim/scenes/strokes.h"
 #include "tests/sim/block_scene.h"
 
-namespace kerf {
+namespace kerf::node_volumes_test {
 namespace {
 
 double sum(const std::array<double, 256>& volumes) { return std::accumulate(volumes.begin(), volumes.end(), 0.0); }
@@ -108,4 +108,4 @@ TEST(NodeVolumes, AFillingFullyCutLeavesNothing) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::node_volumes_test

@@ -9,13 +9,13 @@
 #include <numeric>
 #include <random>
 
+#include "bench/scenes/carved_field.h"
 #include "geometry/field/marching_cubes.h"
 #include "geometry/field/sample_field.h"
 #include "sim/pieces/split_field.h"
-#include "sim/scenes/carved_field.h"
 #include "tests/geometry/sampled_field.h"
 
-namespace kerf {
+namespace kerf::pieces_test {
 namespace {
 
 using scenes::ballWithAHole;
@@ -474,4 +474,4 @@ TEST(SplitField, OfASinglePieceIsTheFieldItself) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::pieces_test

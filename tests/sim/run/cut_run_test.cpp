@@ -13,7 +13,7 @@
 #include "sim/run/run_files.h"
 #include "tests/sim/person_at_mouse.h"
 
-namespace kerf {
+namespace kerf::cut_run_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -329,4 +329,4 @@ TEST_F(CutRunTest, GeometryGoesOnOnlyFromWhatItsPathsGive) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::cut_run_test

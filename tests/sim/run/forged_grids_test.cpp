@@ -24,7 +24,7 @@
 #include "tests/support/open_block.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::forged_grids_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -450,4 +450,4 @@ TEST_F(ForgedGrids, ARunOfNoiseIsRefusedByName) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::forged_grids_test

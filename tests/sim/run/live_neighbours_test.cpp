@@ -10,7 +10,7 @@
 #include "sim/run/run_files.h"
 #include "tests/sim/person_at_mouse.h"
 
-namespace kerf {
+namespace kerf::live_neighbours_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -211,4 +211,4 @@ TEST(LiveNeighboursKilled, WhatWasCutOffThemIsRecovered) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::live_neighbours_test

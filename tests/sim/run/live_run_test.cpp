@@ -15,7 +15,7 @@
 #include "sim/run/run_report.h"
 #include "tests/sim/person_at_mouse.h"
 
-namespace kerf {
+namespace kerf::live_run_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -227,4 +227,4 @@ TEST(LiveRun, AFolderThatIsThereIsLeftAlone) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::live_run_test

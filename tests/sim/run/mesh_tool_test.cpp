@@ -12,7 +12,7 @@
 #include "tests/geometry/ball_mesh.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::mesh_tool_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -119,4 +119,4 @@ TEST(MeshTool, TheBurOfAHandpieceCutsAndTheHandpieceOnlyCollides) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::mesh_tool_test

@@ -10,7 +10,7 @@
 #include "tests/support/open_block.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::placed_pieces_test {
 namespace {
 
 using Piece = RunManifest::Piece;
@@ -156,4 +156,4 @@ TEST(PlacedPieces, WhatTheCaseWasMadeOfIsNeverWrittenOver) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::placed_pieces_test

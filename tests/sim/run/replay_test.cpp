@@ -9,7 +9,7 @@
 #include "tests/sim/block_scene.h"
 #include "tests/support/temporary_file.h"
 
-namespace kerf {
+namespace kerf::replay_test {
 namespace {
 
 Rigid3 at(double x, double y, double z) { return {Eigen::Quaterniond::Identity(), {x, y, z}}; }
@@ -99,4 +99,4 @@ TEST(Replay, WithoutTheNeighbourOrWithAnotherItIsNotTheSame) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::replay_test

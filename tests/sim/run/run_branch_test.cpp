@@ -13,7 +13,7 @@
 #include "sim/run/run_files.h"
 #include "tests/sim/person_at_mouse.h"
 
-namespace kerf {
+namespace kerf::run_branch_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -291,4 +291,4 @@ TEST_F(RunBranchTest, WhatCanNotBeABranchIsRefusedAndLeavesNothing) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::run_branch_test

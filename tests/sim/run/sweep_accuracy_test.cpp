@@ -12,7 +12,7 @@
 #include "geometry/field/marching_cubes.h"
 #include "sim/run/sweep_cutter.h"
 
-namespace kerf {
+namespace kerf::sweep_accuracy_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -280,4 +280,4 @@ TEST(SweepCutter, NothingIsAddedAndTheOrderOfMotionsDoesNotMatter) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::sweep_accuracy_test

@@ -9,7 +9,7 @@
 #include "geometry/tool/sweep.h"
 #include "geometry/tool/tool_file.h"
 
-namespace kerf {
+namespace kerf::swept_path_test {
 namespace {
 
 // A winding path on which the tool tilts and turns; every tenth motion is in air.
@@ -84,4 +84,4 @@ TEST(SweptPath, NothingIsFarFromNothing) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::swept_path_test

@@ -16,7 +16,7 @@
 #include "tests/geometry/ball_mesh.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::text_files_test {
 namespace {
 
 // One to four changes: a byte, a run of bytes cut or doubled, a nasty word in place of a number.
@@ -232,4 +232,4 @@ TEST(TextFiles, MutatedRunManifestsAreReadOrRefused) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::text_files_test

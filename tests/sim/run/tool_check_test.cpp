@@ -6,7 +6,7 @@
 
 #include "geometry/tool/tool_file.h"
 
-namespace kerf {
+namespace kerf::tool_check_test {
 namespace {
 
 // One case per tool, so that they run side by side and say which one fails.
@@ -90,4 +90,4 @@ TEST(ToolCheck, AVoxelTooCoarseForTheToolIsRefused) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::tool_check_test

@@ -9,7 +9,7 @@
 #include "geometry/tool/tool_file.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::tool_resolution_test {
 namespace {
 
 std::vector<std::filesystem::path> rackFolder() { return {std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools"}; }
@@ -106,4 +106,4 @@ TEST(ToolResolution, AThinMeshIsPointed) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::tool_resolution_test

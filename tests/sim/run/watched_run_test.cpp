@@ -15,7 +15,7 @@
 #include "tests/sim/person_at_mouse.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::watched_run_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -289,4 +289,4 @@ TEST_F(WatchedRunTest, ASessionThatIsOpenIsRefused) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::watched_run_test

@@ -9,7 +9,7 @@
 
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::command_test {
 namespace {
 
 using Limits = std::numeric_limits<double>;
@@ -166,4 +166,4 @@ TEST(Command, TheReferenceInDocsIsThatOfTheTable) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::command_test

@@ -9,7 +9,7 @@
 #include "sim/session/session_format.h"
 #include "tests/sim/session_samples.h"
 
-namespace kerf {
+namespace kerf::packed_samples_test {
 namespace {
 
 using namespace internal;
@@ -128,4 +128,4 @@ TEST(PackedSamples, BytesThatNobodyPackedAreRefused) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::packed_samples_test

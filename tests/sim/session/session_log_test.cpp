@@ -8,7 +8,7 @@
 #include "tests/sim/session_samples.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::session_log_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -408,4 +408,4 @@ TEST(SessionLog, SnapshotsComeBackAndFalseOnesAreRefused) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::session_log_test

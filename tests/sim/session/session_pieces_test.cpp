@@ -15,7 +15,7 @@
 #include "tests/sim/block_scene.h"
 #include "tests/support/temporary_file.h"
 
-namespace kerf {
+namespace kerf::session_pieces_test {
 namespace {
 
 Rigid3 at(double x, double y, double z) { return {Eigen::Quaterniond::Identity(), {x, y, z}}; }
@@ -431,4 +431,4 @@ TEST(SessionPieces, AMoveIsAStepOfUndoOfItsOwn) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::session_pieces_test

@@ -33,7 +33,7 @@ extern "C" int fdatasync(int fd) {
   return -1;
 }
 
-namespace kerf {
+namespace kerf::session_recorder_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -444,4 +444,4 @@ TEST(SessionRecorder, ADiskThatTakesItsTimeToSyncCostsNoMore) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::session_recorder_test

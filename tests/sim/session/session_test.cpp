@@ -12,7 +12,7 @@
 #include "tests/support/allocation_guard.h"
 #include "tests/support/temporary_file.h"
 
-namespace kerf {
+namespace kerf::session_test {
 namespace {
 
 Model twoBalls() {
@@ -362,4 +362,4 @@ TEST(Step, NeitherAllocatesNorFrees) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::session_test

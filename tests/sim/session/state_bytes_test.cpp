@@ -13,7 +13,7 @@
 #include "tests/sim/block_scene.h"
 #include "tests/support/temporary_file.h"
 
-namespace kerf {
+namespace kerf::state_bytes_test {
 namespace {
 
 Rigid3 at(double x, double y, double z) { return {Eigen::Quaterniond::Identity(), {x, y, z}}; }
@@ -167,4 +167,4 @@ TEST(StateBytes, WhatIsNotWholeOrNotOurSceneIsRefused) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::state_bytes_test

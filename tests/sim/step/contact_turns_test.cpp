@@ -7,7 +7,7 @@
 #include "tests/sim/block_scene.h"
 #include "tests/support/allocation_guard.h"
 
-namespace kerf {
+namespace kerf::contact_turns_test {
 namespace {
 
 using test::sampleAt;
@@ -172,4 +172,4 @@ TEST(ContactTurns, NothingIsAllocated) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::contact_turns_test

@@ -6,14 +6,14 @@
 #include <cmath>
 #include <filesystem>
 
+#include "bench/scenes/sink.h"
 #include "geometry/tool/tool_file.h"
-#include "sim/scenes/sink.h"
 #include "sim/step/contact_evaluation.h"
 #include "sim/step/tool_core.h"
 #include "tests/sim/block_scene.h"
 #include "tests/support/allocation_guard.h"
 
-namespace kerf {
+namespace kerf::core_contact_test {
 namespace {
 
 using scenes::SinkScene;
@@ -263,4 +263,4 @@ TEST(OneSidedLoads, OneSoftSpringHasItsFormula) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::core_contact_test

@@ -3,14 +3,14 @@
 
 #include <cmath>
 
+#include "bench/scenes/feed.h"
+#include "bench/scenes/poses.h"
+#include "bench/scenes/sink.h"
 #include "geometry/tool/tool_file.h"
 #include "sim/object/cut_area.h"
-#include "sim/scenes/feed.h"
-#include "sim/scenes/poses.h"
-#include "sim/scenes/sink.h"
 #include "tests/sim/block_scene.h"
 
-namespace kerf {
+namespace kerf::cut_area_test {
 namespace {
 
 TEST(CutArea, NothingCutLeavesAreasAlone) {
@@ -170,4 +170,4 @@ TEST(CutArea, TheLoadDoesNotJumpWhereTheDriveComesToRest) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::cut_area_test

@@ -6,13 +6,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "bench/scenes/hold.h"
 #include "geometry/tool/tool_file.h"
 #include "sim/run/load_scene.h"
 #include "sim/run/practice_block.h"
-#include "sim/scenes/hold.h"
 #include "sim/step/erode_brick.h"
 
-namespace kerf {
+namespace kerf::drive_test {
 namespace {
 
 // Speed after some time at constant pedal and load.
@@ -293,4 +293,4 @@ TEST(Drill, LipsErodeByTheirFormula) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::drive_test

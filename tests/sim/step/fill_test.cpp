@@ -8,7 +8,7 @@
 #include "tests/sim/block_scene.h"
 #include "tests/support/allocation_guard.h"
 
-namespace kerf {
+namespace kerf::fill_test {
 namespace {
 
 constexpr auto kDentin = static_cast<std::size_t>(Material::kDentin);
@@ -161,4 +161,4 @@ TEST(Fill, AfterManyRandomAddsAndCutsShellAndLedgerAreThoseOfARebuild) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::fill_test

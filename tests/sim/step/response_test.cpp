@@ -14,7 +14,7 @@
 #include "tests/sim/block_scene.h"
 #include "tests/support/temporary_file.h"
 
-namespace kerf {
+namespace kerf::response_test {
 namespace {
 
 using test::block;
@@ -419,4 +419,4 @@ TEST(ContactLoads, HoldAtEveryPointAndPullAtNone) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::response_test

@@ -5,13 +5,13 @@
 #include <limits>
 #include <numbers>
 
+#include "bench/scenes/feed.h"
 #include "geometry/tool/tool_file.h"
 #include "sim/run/load_scene.h"
 #include "sim/run/practice_block.h"
-#include "sim/scenes/feed.h"
 #include "tests/sim/block_scene.h"
 
-namespace kerf {
+namespace kerf::step_test {
 namespace {
 
 using test::block;
@@ -322,4 +322,4 @@ TEST(Step, LongestSubstepFollowsVoxelAndTool) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::step_test

@@ -10,7 +10,7 @@
 #include "geometry/tool/tool_file.h"
 #include "tests/support/temporary_file.h"
 
-namespace kerf {
+namespace kerf::tool_model_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -137,4 +137,4 @@ TEST(ToolModel, WhatTheFileLeavesOutStaysADefault) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::tool_model_test

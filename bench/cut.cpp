@@ -1,0 +1,57 @@
+// How long a motion of a tool takes when geometry alone counts.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "bench/bench.h"
+#include "geometry/tool/tool_shape.h"
+#include "sim/run/sweep_cutter.h"
+
+namespace kerf::cli {
+namespace {
+
+// A block of 12 x 8 x 5 mm with its top at z = 0, every node of its box stored.
+BrickField blockField(double h) {
+  Box3 box;
+  box.add(Vec3d(-6, -4, -5));
+  box.add(Vec3d(6, 4, 0));
+  const BoxShape block(box);
+  BrickField phi0(h, static_cast<float>(3 * h), static_cast<float>(-4 * h));
+  const Vec3i low = brickOf((box.min / h).array().floor().cast<int>().matrix() - Vec3i::Constant(4));
+  const Vec3i high = brickOf((box.max / h).array().ceil().cast<int>().matrix() + Vec3i::Constant(4));
+  for (int x = low[0]; x <= high[0]; ++x)
+    for (int y = low[1]; y <= high[1]; ++y)
+      for (int z = low[2]; z <= high[2]; ++z) {
+        BrickValues& v = phi0.brick(phi0.touch({x, y, z}));
+        for (int n = 0; n < kBrickNodes; ++n)
+          v[static_cast<std::size_t>(n)] = static_cast<float>(std::clamp(
+              block.distance(h * Vec3d(8 * x + (n >> 6), 8 * y + (n >> 3 & 7), 8 * z + (n & 7))), -4 * h, 3 * h));
+      }
+  return phi0;
+}
+
+}  // namespace
+
+// A bur drawn through the block along a wavy line, 0.6 mm deep.
+Expected<Result> benchCutBur(const Bench& bench) {
+  KERF_TRY(tool, toolOfRack("round-014"));
+  const BrickField phi0 = blockField(0.05);
+  SweepCutter cutter(phi0);
+  const auto pose = [](int n) {
+    const double x = -4 + 0.02 * n;
+    return Rigid3{Eigen::Quaterniond::Identity(), Vec3d(x, 0.6 * std::sin(x), -0.6)};
+  };
+
+  Result r(SceneId::kCutBur, "one motion of 0.02 mm of round-014 in a block at 0.05 mm");
+  for (int n = 0; n < 400; ++n) {
+    if (n % 16 == 0 && !report(bench.progress, n / 400.0, "cutting")) return cancelled();
+    const double start = now();
+    cutter.advance(SweptTool(*tool.cut, pose(n), pose(n + 1)));
+    r.ms.push_back(now() - start);
+  }
+  r.state_hash = fmt::format("{:016x}", cutter.sweep().stateHash());
+  return r;
+}
+
+}  // namespace kerf::cli
