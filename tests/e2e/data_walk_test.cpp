@@ -23,6 +23,7 @@
 #include "sim/run/geometry_cut.h"
 #include "sim/run/haptic_cut.h"
 #include "sim/run/replay.h"
+#include "tests/support/slice.h"
 #include "tests/support/temporary_folder.h"
 
 namespace kerf::data_walk_test {
@@ -259,6 +260,7 @@ INSTANTIATE_TEST_SUITE_P(Files, Refused, testing::ValuesIn(filesOfFolder(true)),
 class DataWalk : public testing::TestWithParam<std::string> {};
 
 TEST_P(DataWalk, BakeCutExportReadBack) {
+  KERF_SLICE_OF(3, GetParam());
   if (GetParam().empty()) GTEST_SKIP() << "no data in " << dataFolder() << " (set KERF_DATA)";
   const fs::path source_file = dataFolder() / GetParam();
   const TemporaryFolder folder;

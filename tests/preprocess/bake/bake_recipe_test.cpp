@@ -13,6 +13,7 @@
 #include "preprocess/volume/label_volume.h"
 #include "preprocess/voxelize/voxel_union.h"
 #include "tests/geometry/ball_mesh.h"
+#include "tests/support/slice.h"
 #include "tests/support/temporary_folder.h"
 
 namespace kerf::bake_recipe_test {
@@ -326,6 +327,7 @@ TEST(BakeRecipeData, MolarOfFourTissuesKeepsEachVolume) {
 }
 
 TEST(BakeRecipeData, BlockOfBoneWithTheMolarInItKeepsEachVolume) {
+  KERF_SLICE_OF(3, "block");
   if (!fs::exists(dataFolder() / "mandible-block-L4-L6-cortical.stl")) GTEST_SKIP() << "no data: " << dataFolder();
   const TemporaryFolder folder;
   write(folder.path() / "block.toml", kHead + "unit = \"mm\"\nvoxel = 0.07\n" +
@@ -351,6 +353,7 @@ std::string labelsOf(const char* volume, const std::string& more,
 }
 
 TEST(BakeRecipeData, LowerJawOfACbctKeepsEachLabelsVolume) {
+  KERF_SLICE_OF(3, "jaws");
   if (!fs::exists(dataFolder() / "cbct-jaws-teeth-labels.nii.gz")) GTEST_SKIP() << "no data: " << dataFolder();
   const TemporaryFolder folder;
   // Cracks of a tenth of a millimetre run between bone and canal: coarser voxels fill them, and the canal gains 2 %.

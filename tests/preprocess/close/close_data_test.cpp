@@ -10,6 +10,7 @@
 #include "geometry/mesh/self_intersection.h"
 #include "preprocess/close/close.h"
 #include "tests/preprocess/base_section.h"
+#include "tests/support/slice.h"
 
 namespace kerf::close_data_test {
 namespace {
@@ -83,6 +84,7 @@ TEST(CloseScan, WhereMostVerticesAreLostIsTold) {
 
 // Stitched within 0.05 mm, where 0.001 mm was asked for.
 TEST(CloseScan, SeamsStitchedWiderThanAskedForAreAWarning) {
+  KERF_SLICE_OF(3, "seams");
   const auto path = dataFolder() / "mandible-with-teeth-nasty.obj";
   if (!std::filesystem::exists(path)) GTEST_SKIP() << "no data: " << path << " (set KERF_DATA)";
   const auto file = readMesh(path);
@@ -107,6 +109,7 @@ class CloseLosses : public testing::TestWithParam<Losses> {};
 
 // Scan 02: a loose piece runs through the arch at its rim. Walls below it buried 70 more.
 TEST_P(CloseLosses, SmoothWallsLoseFewVerticesAndMakeFewerHandles) {
+  KERF_SLICE_OF(3, GetParam().file);
   const auto path = dataFolder() / GetParam().file;
   if (!std::filesystem::exists(path)) GTEST_SKIP() << "no data: " << path << " (set KERF_DATA)";
   const auto file = readMesh(path);
@@ -148,6 +151,7 @@ class CloseData : public testing::TestWithParam<Case> {};
 
 TEST_P(CloseData, BecomesAVerifiedSolid) {
   const Case& c = GetParam();
+  KERF_SLICE_OF(3, c.file);
   const auto path = dataFolder() / c.file;
   if (!std::filesystem::exists(path)) GTEST_SKIP() << "no data: " << path << " (set KERF_DATA)";
   auto file = readMesh(path);

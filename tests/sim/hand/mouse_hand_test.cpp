@@ -12,6 +12,7 @@
 #include "sim/session/session.h"
 #include "tests/sim/block_scene.h"
 #include "tests/support/allocation_guard.h"
+#include "tests/support/slice.h"
 
 namespace kerf::mouse_hand_test {
 namespace {
@@ -132,6 +133,7 @@ TEST(MouseHand, AHeldButtonStopsAtTheDepthAndNeverPassesIt) {
 TEST(MouseHand, NoToolOfTheRackPassesTheDepth) {
   double worst = -1;
   int reached = 0, runs = 0;
+  test::Slice slice(5);
   for (const ToolListing& listed : listTools(defaultToolFolders())) {
     ASSERT_TRUE(listed.tool) << listed.file;
     const Tool& tool = *listed.tool;
@@ -142,6 +144,7 @@ TEST(MouseHand, NoToolOfTheRackPassesTheDepth) {
       auto model = makeModel(std::span(&tool, 1));
       ASSERT_TRUE(model) << model.error().message();
       for (const double force : {1.0, 8.0}) {
+        if (!slice.has()) continue;
         Desk desk(*model, *block);
         desk.press({0.02, 0.03, 0}, force, 0.5, tool.plunge_direction, reach);
         double deepest = 0;
@@ -328,6 +331,7 @@ TEST(MouseHand, NoToolOfTheRackPassesWhatIsKept) {
   const Vec3d center(0, 0, -2.2);
   const auto kept = pulp([&](const Vec3d& p) { return (p - center).norm() - 1; }, boxOf({-1, -1, -3.2}, {1, 1, -1.2}));
   int reached = 0, runs = 0;
+  test::Slice slice(5);
   for (const ToolListing& listed : listTools(defaultToolFolders())) {
     ASSERT_TRUE(listed.tool) << listed.file;
     const Tool& tool = *listed.tool;
@@ -337,6 +341,7 @@ TEST(MouseHand, NoToolOfTheRackPassesWhatIsKept) {
     const ToolSamples samples(model->tools[0].cut, kToolSamples);
     for (const Material material : {Material::kCaries, Material::kEnamel})
       for (const double force : {1.0, 8.0}) {
+        if (!slice.has()) continue;
         auto block = practiceBlock({8, 6, 3}, 0.1, {}, material);
         ASSERT_TRUE(block);
         Desk desk(*model, *block);
