@@ -45,8 +45,8 @@ Expected<DemoAnatomy> demoMandible(double detail, const Progress& progress) {
   const Box3 row{Vec3d(-36, -8, -30), Vec3d(36, 50, 4)}, jaw{Vec3d(-66, -14, -47), Vec3d(66, 108, 36)};
   const Tissue tissues[] = {
       {"nerve_canal", "nerve-canal.ply", nerveCanal, 0.4, 0.9, 1.2, jaw, {240, 196, 48, 255}},
-      {"mandiblePulp", "pulp.ply", mandiblePulp, 0.17, 0.17, 2, row, {186, 58, 52, 255}},
-      {"mandibleEnamel", "enamel.ply", mandibleEnamel, 0.32, 0.5, 2, row, kEnamel},
+      {"pulp", "pulp.ply", mandiblePulp, 0.17, 0.17, 2, row, {186, 58, 52, 255}},
+      {"enamel", "enamel.ply", mandibleEnamel, 0.32, 0.5, 2, row, kEnamel},
       {"dentin", "teeth.ply", dentin, 0.32, 0.8, 2, row, kDentin},
       {"pdl", "pdl.ply", ligament, 0.4, 0.8, 2, row, {205, 120, 110, 255}},
       {"cancellous", "cancellous.ply", spongyBone, 0.5, 1.0, 2, jaw, {206, 150, 110, 255}},

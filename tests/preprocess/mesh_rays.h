@@ -10,7 +10,7 @@
 namespace kerf {
 
 /// Distances along the ray from `from` in the (unit) direction at which it meets the mesh, ascending, mm.
-inline std::vector<double> rayHits(const Mesh& mesh, const Vec3d& from, const Vec3d& direction) {
+inline std::vector<double> rayCrossings(const Mesh& mesh, const Vec3d& from, const Vec3d& direction) {
   std::vector<double> hits;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const Vec3d a = mesh.corner(t, 0), e1 = mesh.corner(t, 1) - a, e2 = mesh.corner(t, 2) - a;
@@ -24,7 +24,7 @@ inline std::vector<double> rayHits(const Mesh& mesh, const Vec3d& from, const Ve
 
 /// Whether a point lies in a closed mesh: an odd number of crossings on a ray askew to any lattice.
 inline bool isInside(const Mesh& mesh, const Vec3d& p) {
-  return rayHits(mesh, p, Vec3d(0.3137, 0.2971, 0.9019).normalized()).size() % 2 == 1;
+  return rayCrossings(mesh, p, Vec3d(0.3137, 0.2971, 0.9019).normalized()).size() % 2 == 1;
 }
 
 /// Distance from a point to the nearest vertex of a mesh, mm.

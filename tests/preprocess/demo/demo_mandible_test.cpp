@@ -104,11 +104,11 @@ class DemoMandible : public ::testing::Test {
 
   void lowerBorderIsThickInFrontAndThinAtTheAngle() {
     SCOPED_TRACE("LowerBorderIsThickInFrontAndThinAtTheAngle");
-    const auto front = rayHits(jaw(), {0.2, -30, menton().z() + 5}, Vec3d::UnitY());
+    const auto front = rayCrossings(jaw(), {0.2, -30, menton().z() + 5}, Vec3d::UnitY());
     ASSERT_EQ(front.size(), 2u);
     EXPECT_NEAR(front[1] - front[0], kDimensions.border_at_symphysis, 1.5);
     const Vec3d corner = gonion();
-    const auto angle = rayHits(jaw(), {80, corner.y() - 4, corner.z() + 4}, -Vec3d::UnitX());
+    const auto angle = rayCrossings(jaw(), {80, corner.y() - 4, corner.z() + 4}, -Vec3d::UnitX());
     ASSERT_EQ(angle.size(), 4u);  // both sides
     EXPECT_NEAR(angle[1] - angle[0], kDimensions.border_at_gonion, 1.0);
   }
@@ -117,7 +117,7 @@ class DemoMandible : public ::testing::Test {
     SCOPED_TRACE("CortexIsTwoToThreeMillimetresThickestAtTheBase");
     const Mesh& spongy = mesh("cancellous.ply");
     const auto cortex = [&](const Vec3d& from, const Vec3d& direction) {
-      const auto bone = rayHits(jaw(), from, direction), core = rayHits(spongy, from, direction);
+      const auto bone = rayCrossings(jaw(), from, direction), core = rayCrossings(spongy, from, direction);
       EXPECT_FALSE(bone.empty() || core.empty()) << from.transpose();
       return bone.empty() || core.empty() ? 0 : core[0] - bone[0];
     };
@@ -131,7 +131,7 @@ class DemoMandible : public ::testing::Test {
   void nerveCanalRunsInBoneFromForamenToForamen() {
     SCOPED_TRACE("NerveCanalRunsInBoneFromForamenToForamen");
     const Mesh& canal = mesh("nerve-canal.ply");
-    const auto across = rayHits(canal, {27.0, 29, -60}, Vec3d::UnitZ());
+    const auto across = rayCrossings(canal, {27.0, 29, -60}, Vec3d::UnitZ());
     ASSERT_EQ(across.size(), 2u);
     EXPECT_NEAR(across[1] - across[0], kDimensions.canal_diameter, 0.2);
     // Its two ends stand out of the bone, on the inner side behind and on the outer side in front; the rest lies in
@@ -161,7 +161,7 @@ class DemoMandible : public ::testing::Test {
     const Mesh& canal = mesh("nerve-canal.ply");
     const Box3 here = boundsBetween(canal, 1, 36.5, 38.5);
     const double x = here.max.x() - 0.5 * kDimensions.canal_diameter, y = 37.5, z = here.center().z();
-    const auto below = rayHits(jaw(), {x, y, z}, -Vec3d::UnitZ()), buccal = rayHits(jaw(), {x, y, z}, Vec3d::UnitX());
+    const auto below = rayCrossings(jaw(), {x, y, z}, -Vec3d::UnitZ()), buccal = rayCrossings(jaw(), {x, y, z}, Vec3d::UnitX());
     ASSERT_FALSE(below.empty() || buccal.empty());
     const double radius = 0.5 * kDimensions.canal_diameter;
     EXPECT_NEAR(below[0] - radius, kDimensions.canal_to_border, 3.4);  // one standard deviation each

@@ -71,7 +71,7 @@ TEST_F(DemoMolarAnatomy, CrownRootAndEnamelMeasureWhatTheTableSays) {
     // Half way up the sides, where a horizontal ray from the axis leaves the tooth.
     for (const Vec3d& side : {Vec3d(1, 0.1, 0), Vec3d(-1, 0.1, 0), Vec3d(0, 1, 0), Vec3d(0, -1, 0)}) {
       const Vec3d from(0, 0, 3.2);
-      const auto hits = rayHits(mesh("tooth.ply"), from, side.normalized());
+      const auto hits = rayCrossings(mesh("tooth.ply"), from, side.normalized());
       ASSERT_EQ(hits.size(), 1u);
       expectWithin(kDimensions.enamel_at_sides, enamelAt(from + hits[0] * side.normalized()),
                    fmt::format("side {}, {}", side.x(), side.y()), 0.1);
@@ -80,7 +80,7 @@ TEST_F(DemoMolarAnatomy, CrownRootAndEnamelMeasureWhatTheTableSays) {
     // Floors of the buccal and lingual fissures, outside the lesion, and of the mesial pit.
     for (const auto& [x, y] : {std::pair{3.1, -0.05}, {0.88, 1.9}, {0.1, -1.7}}) {
       const Vec3d from(x, y, 9);
-      const auto hits = rayHits(mesh("tooth.ply"), from, -Vec3d::UnitZ());
+      const auto hits = rayCrossings(mesh("tooth.ply"), from, -Vec3d::UnitZ());
       ASSERT_FALSE(hits.empty());
       expectWithin(kDimensions.enamel_at_fissures, enamelAt(from - hits[0] * Vec3d::UnitZ()),
                    fmt::format("fissure at {}, {}", x, y), 0.1);
@@ -101,8 +101,8 @@ TEST_F(DemoMolarAnatomy, PulpAndLesionLieWhereTheyShould) {
   {
     SCOPED_TRACE("PulpChamberLiesWhereItWasMeasured");
     const Vec3d from(-0.3, 0, -8);  // up the furcation and through the middle of the chamber
-    const auto tooth = rayHits(mesh("tooth.ply"), from, Vec3d::UnitZ());
-    const auto pulp = rayHits(mesh("pulp.ply"), from, Vec3d::UnitZ());
+    const auto tooth = rayCrossings(mesh("tooth.ply"), from, Vec3d::UnitZ());
+    const auto pulp = rayCrossings(mesh("pulp.ply"), from, Vec3d::UnitZ());
     ASSERT_EQ(pulp.size(), 2u);
     ASSERT_EQ(tooth.size(), 2u);
     const double furcation = from.z() + tooth[0], floor = from.z() + pulp[0], ceiling = from.z() + pulp[1];
@@ -121,7 +121,7 @@ TEST_F(DemoMolarAnatomy, PulpAndLesionLieWhereTheyShould) {
     }
 
     // Two mesial canals, one distal, a millimetre and a half above their ends.
-    const auto across = [&](const Vec3d& from) { return rayHits(mesh("pulp.ply"), from, Vec3d::UnitY()); };
+    const auto across = [&](const Vec3d& from) { return rayCrossings(mesh("pulp.ply"), from, Vec3d::UnitY()); };
     const auto mesial = across({2.15, -5, -11.9}), distal = across({-4.1, -5, -11.2});
     ASSERT_EQ(mesial.size(), 4u);
     ASSERT_EQ(distal.size(), 2u);
@@ -134,11 +134,11 @@ TEST_F(DemoMolarAnatomy, PulpAndLesionLieWhereTheyShould) {
     SCOPED_TRACE("LesionRunsFromTheFissureIntoTheDentinShortOfThePulp");
     const Mesh& caries = mesh("caries.ply");
     const Vec3d from(0.1, -0.2, 9);
-    const auto lesion = rayHits(caries, from, -Vec3d::UnitZ()),
-               tooth = rayHits(mesh("tooth.ply"), from, -Vec3d::UnitZ());
+    const auto lesion = rayCrossings(caries, from, -Vec3d::UnitZ()),
+               tooth = rayCrossings(mesh("tooth.ply"), from, -Vec3d::UnitZ());
     ASSERT_EQ(lesion.size(), 2u);
     EXPECT_LT(lesion[0], tooth[0]);  // reaches out of the fissure
-    const auto pulp = rayHits(mesh("pulp.ply"), from, -Vec3d::UnitZ());
+    const auto pulp = rayCrossings(mesh("pulp.ply"), from, -Vec3d::UnitZ());
     EXPECT_GT(pulp[0] - lesion[1], 0.5);
     EXPECT_LT(pulp[0] - lesion[1], 2.0);
 
