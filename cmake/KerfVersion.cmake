@@ -12,7 +12,7 @@ if(KERF_BUILD_UI)
   set(of_programs "CLI11=${CLI11_VERSION}")
 endif()
 foreach(pair "CGAL=${CGAL_VERSION}" "OpenVDB=${OpenVDB_VERSION}" "OpenMesh=${OpenMesh_VERSION}" "ITK=${ITK_VERSION}" "Eigen=${Eigen3_VERSION}"
-             "TBB=${TBB_VERSION}" "Highway=${HWY_VERSION}" "libzip=${LIBZIP_VERSION}" "Expat=${EXPAT_VERSION}" "zlib=${ZLIB_VERSION_STRING}"
+             "TBB=${TBB_VERSION}" "Highway=${HWY_VERSION}" "libzip=${LIBZIP_VERSION}" "Expat=${EXPAT_VERSION}" "Nettle=${NETTLE_VERSION}" "zlib=${ZLIB_VERSION_STRING}"
              "fmt=${fmt_VERSION}" "toml++=${tomlplusplus_VERSION}" "JSON for Modern C++=${nlohmann_json_VERSION}" ${of_programs})
   string(REPLACE "=" ";" parts "${pair}")
   list(GET parts 0 name)

@@ -204,7 +204,7 @@ double flatnessOf(const PostOpMesh& part, std::span<const Plane> planes) {
 
 // Of a run, faces are cut already: those of the source keep their colours, what this cut made is told by its origin.
 Expected<Attempt> attemptCut(const Mesh& source, const Mesh& room, std::span<const Plane> planes,
-                          const PostOpOptions& options) {
+                             const PostOpOptions& options) {
   KERF_TRY(inside, intersect(source, room));
   KERF_TRY(outside, subtract(source, room, Reach::kWhole));  // the same points as of the inside
   if (inside.mesh.triangles.empty()) return fail(notMet(source, planes, true));

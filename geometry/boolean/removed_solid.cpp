@@ -38,12 +38,16 @@ BrickField removedFieldFromSweep(const BrickField& phi0, const BrickField& sweep
 
 BrickField removedFieldFromCut(const BrickField& phi0, const BrickField& phi) {
   const auto h = static_cast<float>(phi0.voxel()), eps = 0.1f * h;
-  return combineFields(phi0, phi, 4 * h, [h, eps](float p0, float p) { return std::max({-p, p0 + eps - p, p0 - 2 * h}); });
+  return combineFields(phi0, phi, 4 * h, [h, eps](float p0, float p) {
+    return std::max({-p, p0 + eps - p, p0 - 2 * h});
+  });
 }
 
 BrickField addedFieldFromFill(const BrickField& phi0, const BrickField& phi) {
   const auto h = static_cast<float>(phi0.voxel()), eps = 0.1f * h;
-  return combineFields(phi0, phi, 4 * h, [h, eps](float p0, float p) { return std::max({p, p - p0 + eps, -p0 - 2 * h}); });
+  return combineFields(phi0, phi, 4 * h, [h, eps](float p0, float p) {
+    return std::max({p, p - p0 + eps, -p0 - 2 * h});
+  });
 }
 
 void clearAwayFromInside(BrickField& rho) {

@@ -97,10 +97,11 @@ Expected<void> requireSteps(const BrickField& phi, const std::string& grid, doub
   Tally steps;
   for (std::size_t b = 0; b < phi.brickCount(); ++b) countSteps(phi, b, steps);
   if (!steps.isTooMany(most_share)) return {};
-  return refuseDistances(grid,
-                fmt::format("noise: {:.0f} % of neighbouring values differ by more than {:.3g} mm, the first at {}",
-                            steps.percent(), kMostStep * phi.voxel(), placeOf(phi, steps.brick, steps.node)),
-                fmt::format("distances, which change by {:.3g} mm from voxel to voxel at most", phi.voxel()));
+  return refuseDistances(
+      grid,
+      fmt::format("noise: {:.0f} % of neighbouring values differ by more than {:.3g} mm, the first at {}",
+                  steps.percent(), kMostStep * phi.voxel(), placeOf(phi, steps.brick, steps.node)),
+      fmt::format("distances, which change by {:.3g} mm from voxel to voxel at most", phi.voxel()));
 }
 
 }  // namespace
@@ -111,9 +112,9 @@ Expected<void> requireDistances(const BrickField& phi) {
   for (std::size_t b = 0; b < phi.brickCount(); ++b) countOutside(phi, b, outside);
   if (outside.isTooMany())
     return refuseDistances("phi",
-                  fmt::format("a turned sign: {:.0f} % of the outermost values are inside, the first at {}",
-                              outside.percent(), placeOf(phi, outside.brick, outside.node)),
-                  "distances that are negative inside");
+                           fmt::format("a turned sign: {:.0f} % of the outermost values are inside, the first at {}",
+                                       outside.percent(), placeOf(phi, outside.brick, outside.node)),
+                           "distances that are negative inside");
   return {};
 }
 
@@ -146,11 +147,12 @@ Expected<void> requireOnlyTaken(const BrickField& cut, const BrickField& before,
     }
   }
   if (deeper.wrong == 0) return {};
-  return refuseDistances(grid,
-                fmt::format("material where there was none: {} values lie deeper than in the case, by {:.3g} mm at "
-                            "most, the first at {}",
-                            deeper.wrong, deepest, placeOf(cut, deeper.brick, deeper.node)),
-                "a cut, which only takes away");
+  return refuseDistances(
+      grid,
+      fmt::format("material where there was none: {} values lie deeper than in the case, by {:.3g} mm at "
+                  "most, the first at {}",
+                  deeper.wrong, deepest, placeOf(cut, deeper.brick, deeper.node)),
+      "a cut, which only takes away");
 }
 
 Expected<void> requireSameSides(const BrickField& part, const BrickField& whole, const std::string& grid) {
@@ -165,11 +167,12 @@ Expected<void> requireSameSides(const BrickField& part, const BrickField& whole,
           sides.add(std::abs(known) > whole.voxel() && is_inside != (known < 0), b, node);
         }
   if (!sides.isTooMany()) return {};
-  return refuseDistances(grid,
-                fmt::format("another object: {:.0f} % of its values lie on the other side of the surface than those "
-                            "of the whole, the first at {}",
-                            sides.percent(), placeOf(part, sides.brick, sides.node)),
-                "the same object on smaller voxels");
+  return refuseDistances(
+      grid,
+      fmt::format("another object: {:.0f} % of its values lie on the other side of the surface than those "
+                  "of the whole, the first at {}",
+                  sides.percent(), placeOf(part, sides.brick, sides.node)),
+      "the same object on smaller voxels");
 }
 
 }  // namespace kerf

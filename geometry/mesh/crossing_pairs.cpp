@@ -36,7 +36,8 @@ bool flatMeets(const Mesh& mesh, std::uint32_t flat, std::uint32_t other) {
   const Triangle& f = mesh.triangles[flat];
   const Triangle& g = mesh.triangles[other];
   const auto shared = [&](std::uint32_t v) { return v == g[0] || v == g[1] || v == g[2]; };
-  const CrossingKernel::Triangle_3 proper(point(mesh.vertices[g[0]]), point(mesh.vertices[g[1]]), point(mesh.vertices[g[2]]));
+  const CrossingKernel::Triangle_3 proper(point(mesh.vertices[g[0]]), point(mesh.vertices[g[1]]),
+                                          point(mesh.vertices[g[2]]));
   for (const std::uint32_t v : f)
     if (!shared(v) && proper.has_on(point(mesh.vertices[v]))) return true;
   const auto ends = farEnds(mesh, flat);

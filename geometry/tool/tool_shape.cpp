@@ -139,7 +139,9 @@ std::vector<ShapePoint> RevolvedProfile::polyline(double tolerance) const {
   std::vector<ShapePoint> out{{0.0, lowest()}};
   for (const Piece& piece : pieces_) {
     if (piece.arc_radius > 0) {
-      const auto angle = [&](const ShapePoint& p) { return std::atan2(p[1] - piece.center[1], p[0] - piece.center[0]); };
+      const auto angle = [&](const ShapePoint& p) {
+        return std::atan2(p[1] - piece.center[1], p[0] - piece.center[0]);
+      };
 
       const double a = angle(piece.from);
       double b = angle(piece.to);

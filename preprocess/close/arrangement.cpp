@@ -70,7 +70,9 @@ class Arranger {
   }
 
  private:
-  PlanePoint exact(std::uint32_t v) const { return {mesh_.vertices[v].x(), mesh_.vertices[v].y(), mesh_.vertices[v].z()}; }
+  PlanePoint exact(std::uint32_t v) const {
+    return {mesh_.vertices[v].x(), mesh_.vertices[v].y(), mesh_.vertices[v].z()};
+  }
   PlaneKernel::Triangle_3 triangle(std::uint32_t t) const {
     const Triangle& f = mesh_.triangles[t];
     return {exact(f[0]), exact(f[1]), exact(f[2])};

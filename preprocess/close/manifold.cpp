@@ -33,7 +33,7 @@ std::vector<SideUse> sideUses(const std::vector<Triangle>& triangles) {
 /// Pairs the triangles around one edge by wedge of material. Around the edge a -> b, counter-clockwise, material begins
 /// behind a triangle that runs b -> a and ends behind one that runs a -> b.
 std::vector<std::array<SideUse, 2>> pairWedges(const Mesh& mesh, const std::vector<Vec3d>& normals,
-                                           std::span<const SideUse> uses) {
+                                               std::span<const SideUse> uses) {
   if (uses.size() == 2) return {{uses[0], uses[1]}};
   const Vec3d axis = (mesh.vertices[uses[0].b] - mesh.vertices[uses[0].a]).normalized();
 

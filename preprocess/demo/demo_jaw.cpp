@@ -323,7 +323,8 @@ double jawBone(const Vec3d& original) {
   if (core > 4 || p.z() > 0) return core;
   // Bone bulges over the roots; a plate of at least 0.8 mm covers them up to the crest, 1.75 mm below the junction.
   const double cover = rowUnion(p, 3.0, [](const ToothDimensions& t, const Vec3d& local) {
-    return smoothMax(toothValue(t, ToothTissue::kTooth, local) - 0.9, local.z() + kJawDimensions.junction_to_crest, 0.8);
+    return smoothMax(toothValue(t, ToothTissue::kTooth, local) - 0.9, local.z() + kJawDimensions.junction_to_crest,
+                     0.8);
   });
   return smoothMin(core, cover, 1.4);
 }

@@ -8,7 +8,7 @@ namespace kerf {
 namespace {
 
 constexpr std::size_t kMostNamesHeader = 1 << 20;  // bytes
-constexpr std::size_t kLongestName = 200;     // bytes
+constexpr std::size_t kLongestName = 200;          // bytes
 
 std::optional<int> numberOf(const std::string& text) {
   int out = 0;

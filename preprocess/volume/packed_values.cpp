@@ -91,7 +91,7 @@ Expected<std::uint64_t> inflate(const PackedValues& packed, const ByteSink& sink
       in.refill();
       if (in.size() == 0)
         return badPacking(packed.file, fmt::format("compressed values that break off after {} bytes", bytes),
-                   "compressed values with their end and its checksum", "copy the file again: it is cut short");
+                          "compressed values with their end and its checksum", "copy the file again: it is cut short");
     }
 
     z_stream& z = inflater.z;
@@ -112,10 +112,10 @@ Expected<std::uint64_t> inflate(const PackedValues& packed, const ByteSink& sink
       inflateReset(&z);
     } else if (said != Z_OK && said != Z_BUF_ERROR) {
       return badPacking(packed.file,
-                 fmt::format("compressed values that are damaged after {} bytes ({})", bytes,
-                             z.msg ? z.msg : "no reason given"),
-                 "compressed values that agree with their checksum",
-                 "copy the file again, or save it again from the program it came from");
+                        fmt::format("compressed values that are damaged after {} bytes ({})", bytes,
+                                    z.msg ? z.msg : "no reason given"),
+                        "compressed values that agree with their checksum",
+                        "copy the file again, or save it again from the program it came from");
     }
   }
 }
@@ -204,11 +204,12 @@ Expected<void> requireReadable(const PackedValues& packed) {
 Expected<void> requireEnough(const PackedValues& packed, std::uint64_t bytes, std::uint64_t needed) {
   if (bytes >= packed.ahead + needed) return {};
   const bool is_raw = packed.packing == Packing::kNone;
-  return badPacking(packed.file,
-             fmt::format("{} bytes of values{}", bytes - std::min(bytes, packed.ahead), is_raw ? "" : ", unpacked"),
-             fmt::format("{}, as its header claims", needed),
-             is_raw ? "copy the file again: it is cut short"
-                    : "save it again from the program it came from: its header and its values do not belong together");
+  return badPacking(
+      packed.file,
+      fmt::format("{} bytes of values{}", bytes - std::min(bytes, packed.ahead), is_raw ? "" : ", unpacked"),
+      fmt::format("{}, as its header claims", needed),
+      is_raw ? "copy the file again: it is cut short"
+             : "save it again from the program it came from: its header and its values do not belong together");
 }
 
 }  // namespace
@@ -230,7 +231,7 @@ Expected<void> requireWholeValues(const PackedValues& packed, std::uint64_t valu
     KERF_TRY(words, wordsOf(packed, progress));
     if (words >= values) return {};
     return badPacking(packed.file, fmt::format("{} values", words), fmt::format("{}, as its header claims", values),
-               "copy the file again: it is cut short");
+                      "copy the file again: it is cut short");
   }
   KERF_TRY(bytes, inflate(packed, {}, progress));
   return requireEnough(packed, bytes, values * value_bytes);

@@ -40,7 +40,7 @@ constexpr std::uint64_t kReversed = 2;                                // of kFil
 constexpr std::size_t kMostPages = 64;  // of a file: a slice has one, and perhaps small pictures of itself
 
 tl::unexpected<Error> badTiff(const fs::path& path, std::string place, std::string found, std::string expected,
-                          std::string hint = "copy the file again: it is cut short or damaged") {
+                              std::string hint = "copy the file again: it is cut short or damaged") {
   return fail({.code = Error::Code::kBadFormat,
                .file = path.string(),
                .place = std::move(place),
@@ -125,7 +125,7 @@ class TiffWalk {
 
   tl::unexpected<Error> endsInDirectory(std::uint64_t place) const {
     return badTiff(path_, fmt::format("byte {}", place),
-               fmt::format("a file of {} bytes that ends in its directory", bytes_), "a directory of its strips");
+                   fmt::format("a file of {} bytes that ends in its directory", bytes_), "a directory of its strips");
   }
 
   // How many bytes a number of this type takes; 0: it is none, or none without a sign.
@@ -160,8 +160,9 @@ class TiffWalk {
     std::uint64_t from = at + 4 + word;
     if (count > word / each && !number(word, from)) return endsInDirectory(at);
     if (from > bytes_ || count > (bytes_ - from) / each)
-      return badTiff(path_, place, fmt::format("{} numbers from byte {} on, in a file of {} bytes", count, from, bytes_),
-                 "numbers that are in the file");
+      return badTiff(path_, place,
+                     fmt::format("{} numbers from byte {} on, in a file of {} bytes", count, from, bytes_),
+                     "numbers that are in the file");
 
     std::vector<std::uint64_t>& numbers = page.numbers[static_cast<std::uint16_t>(tag)];
     numbers.resize(count);
@@ -209,8 +210,9 @@ Expected<void> requireWholePage(const fs::path& path, std::uint64_t file_bytes, 
   const Strips strips(page);
   const std::vector<std::uint64_t> offsets = page.all(kStripOffsets), counts = page.all(kStripByteCounts);
   if (offsets.size() < strips.count())
-    return badTiff(path, fmt::format("tag {}", static_cast<int>(kStripOffsets)), fmt::format("{} strips", offsets.size()),
-               fmt::format("{}: {} rows, {} in a strip", strips.count(), strips.rows, strips.rows_each));
+    return badTiff(path, fmt::format("tag {}", static_cast<int>(kStripOffsets)),
+                   fmt::format("{} strips", offsets.size()),
+                   fmt::format("{}: {} rows, {} in a strip", strips.count(), strips.rows, strips.rows_each));
 
   for (std::size_t n = 0; n < strips.count(); ++n) {
     const std::string place = fmt::format("strip {} of {}", n + 1, strips.count());
@@ -220,7 +222,7 @@ Expected<void> requireWholePage(const fs::path& path, std::uint64_t file_bytes, 
     const std::uint64_t needed = compression == kRaw ? strips.bytesOf(n) : stated;
     if (needed > held || offsets[n] > file_bytes)
       return badTiff(path, place, fmt::format("{} bytes up to the end of the file", held), fmt::format("{}", needed),
-                 "copy the file again: it is cut short");
+                     "copy the file again: it is cut short");
     if (!is_deflate) continue;
 
     const PackedValues packed{.packing = Packing::kZlib, .file = path, .from = offsets[n], .bytes = stated};

@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kDeflateGrowth = 1032;  // no deflate stream expands more
-constexpr double kText = 8;        // a digit and a blank make up to 8 bytes, and half a byte is lost to rounding
+constexpr double kText = 8;              // a digit and a blank make up to 8 bytes, and half a byte is lost to rounding
 constexpr std::size_t kMostHeader = 1 << 20;
 constexpr int kMostAxes = 7;
 // What is longer overruns a buffer of 1024 bytes in ITK 5.2's NRRD library, which quotes it when it complains.

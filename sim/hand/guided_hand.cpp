@@ -6,15 +6,15 @@
 namespace kerf {
 namespace {
 
-constexpr double kGuideGives = 70;              // mm/s per N, of what force is missing or too much
+constexpr double kGuideGives = 70;         // mm/s per N, of what force is missing or too much
 constexpr double kGovern = 4;              // N per mm of way: force follows what is missing of the feed
 constexpr double kFastest = 6;             // mm/s of the hand, forward, on a way that cuts
-constexpr double kGuideLetsGo = 200;            // mm/s, back
-constexpr double kGuideBrake = 10;              // 1/s: of the way that is left
+constexpr double kGuideLetsGo = 200;       // mm/s, back
+constexpr double kGuideBrake = 10;         // 1/s: of the way that is left
 constexpr double kCreep = 0.1;             // mm/s: slower it does not become before the end
 constexpr double kThere = 0.02;            // mm before the end of a way
 constexpr double kNearly = 0.1;            // mm: the same for a tool that gets on no more
-constexpr double kGuideSmooth = 0.1;            // of the speed, a tick
+constexpr double kGuideSmooth = 0.1;       // of the speed, a tick
 constexpr double kTouches = 0.15;          // N: less is air
 constexpr double kCarryForce = 2;          // N on a way through air: something is in it
 constexpr double kLean = ToolLean::kRate;  // 1/s

@@ -61,8 +61,8 @@ void fillChanged(const SplitView& view, std::uint32_t first, bool is_parallel, c
   });
 }
 
-std::vector<PieceBricks> splitBricksOf(const PieceFinder& pieces, std::uint32_t first, std::size_t count, bool is_parallel,
-                                  SplitLists& lists) {
+std::vector<PieceBricks> splitBricksOf(const PieceFinder& pieces, std::uint32_t first, std::size_t count,
+                                       bool is_parallel, SplitLists& lists) {
   const SplitView view(pieces, is_parallel, lists);
   std::vector<PieceBricks> out = internal::layOutPieces(view, first, count, is_parallel, lists);
   sortWanted(out, lists);

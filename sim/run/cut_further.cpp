@@ -48,8 +48,8 @@ struct SweptFurther {
 };
 
 // What the tool swept of all of them, motion by motion.   @param bodies  so many of the first are of the case.
-Expected<SweptFurther> sweepFurther(std::vector<Target>& targets, std::size_t bodies, const CutScene& scene, const CutPath& path,
-                           const Progress& progress) {
+Expected<SweptFurther> sweepFurther(std::vector<Target>& targets, std::size_t bodies, const CutScene& scene,
+                                    const CutPath& path, const Progress& progress) {
   SweptFurther out;
   PathWatch watch(scene.object().phi0());
   const ToolShape& cut = *scene.inputs.tool.cut;

@@ -38,8 +38,8 @@ class HeaderCheck {
 };
 
 // The tools of a run, read from its copies, and whether they are those of the log.
-Expected<std::vector<Tool>> readToolsOfLog(const fs::path& run_folder, const RunManifest& manifest, const SessionLog& log,
-                                      const HeaderCheck& header) {
+Expected<std::vector<Tool>> readToolsOfLog(const fs::path& run_folder, const RunManifest& manifest,
+                                           const SessionLog& log, const HeaderCheck& header) {
   std::vector<RunManifest::ToolFile> files = manifest.tools;
   if (manifest.mode != kModeSession) files = {{manifest.tool_id, kRunToolCopy, manifest.tool_sha256}};
 

@@ -110,8 +110,8 @@ void claimByNearness(const Mesh& mesh, const Solids& solids, std::vector<std::ui
 }
 
 // Of each solid, the number of its piece.
-Expected<std::vector<std::uint32_t>> ownersOf(const Mesh& mesh, const Solids& solids, std::span<const RunManifest::Piece> pieces,
-                                              bool is_put_back) {
+Expected<std::vector<std::uint32_t>> ownersOf(const Mesh& mesh, const Solids& solids,
+                                              std::span<const RunManifest::Piece> pieces, bool is_put_back) {
   std::vector<std::uint32_t> owner(solids.count, kNobody);
   for (std::uint32_t n = 0; n < pieces.size(); ++n) {
     const auto solid = solidAt(mesh, solids, pieces[n].inside);
@@ -149,7 +149,8 @@ Expected<Mesh> moved(const Mesh& mesh, const RunManifest::Piece& piece) {
 
 }  // namespace
 
-Expected<std::vector<PlacedPiece>> placedPieces(const Mesh& mesh, std::span<const RunManifest::Piece> pieces, bool is_put_back) {
+Expected<std::vector<PlacedPiece>> placedPieces(const Mesh& mesh, std::span<const RunManifest::Piece> pieces,
+                                                bool is_put_back) {
   std::vector<PlacedPiece> out;
   if (pieces.empty()) {
     out.push_back({0, "piece 1", false, mesh});

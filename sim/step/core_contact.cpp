@@ -9,15 +9,15 @@
 namespace kerf {
 namespace {
 
-constexpr double kShareOut = 0.4;    // of a point's radius: how far it stays out
-constexpr double kBlur = 0.7;        // voxels: so far the field may be off in a narrow hole, or where its band ends
-constexpr double kBlurAtLips = 1;    // voxels: a drill pushed beyond its greatest feed leans on its core
-constexpr double kStiffArea = 1.5;   // mm^2: K over the contact stiffness of the material
-constexpr double kClear = 0.05;      // mm: a core that is pressed in by less has been outside
+constexpr double kShareOut = 0.4;        // of a point's radius: how far it stays out
+constexpr double kBlur = 0.7;            // voxels: so far the field may be off in a narrow hole, or where its band ends
+constexpr double kBlurAtLips = 1;        // voxels: a drill pushed beyond its greatest feed leans on its core
+constexpr double kStiffArea = 1.5;       // mm^2: K over the contact stiffness of the material
+constexpr double kClear = 0.05;          // mm: a core that is pressed in by less has been outside
 constexpr double kCoreStillSpeed = 0.5;  // mm/s: as sumContact()
-constexpr double kNodeReach = 0.9;   // voxels from a place to its nearest node, and a little
-constexpr double kNoSlope = 1e-3;    // deep inside, where every value is the same, there is no way out
-constexpr double kSettled = 1e-6;    // of the largest load
+constexpr double kNodeReach = 0.9;       // voxels from a place to its nearest node, and a little
+constexpr double kNoSlope = 1e-3;        // deep inside, where every value is the same, there is no way out
+constexpr double kSettled = 1e-6;        // of the largest load
 
 // The values of an object's nodes; remembers the brick it was asked for last.
 class Nodes {

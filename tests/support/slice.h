@@ -1,6 +1,8 @@
-// A part of a long list of like cases. KERF_SLICE chooses the part: CI takes another one each day, so that within a week
-// all cases are run. KERF_SLICE=all runs all of them at once.
+// Runs a subset of many similar cases. KERF_SLICE is the number of the subset (default 0) or `all`. CI takes the number
+// of the day, so a week of CI runs covers all of them.
 #pragma once
+
+#include <gtest/gtest.h>
 
 #include <cstdlib>
 #include <string_view>
@@ -13,10 +15,13 @@ class Slice {
   explicit Slice(unsigned parts) : parts_(parts) {
     const char* const wanted = std::getenv("KERF_SLICE");
     if (!wanted) return;
-    if (std::string_view(wanted) == "all")
+    if (std::string_view(wanted) == "all") {
       parts_ = 1;
-    else
-      next_ = static_cast<unsigned>(std::strtoul(wanted, nullptr, 10));
+      return;
+    }
+    char* end = nullptr;
+    next_ = static_cast<unsigned>(std::strtoul(wanted, &end, 10));
+    EXPECT_TRUE(end != wanted && *end == 0) << "KERF_SLICE=" << wanted << "; expected a number or \"all\"";
   }
   /// Of the next case: whether it is run.
   bool has() { return next_++ % parts_ == 0; }

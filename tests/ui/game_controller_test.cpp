@@ -10,7 +10,7 @@
 namespace kerf::game_controller_test {
 namespace {
 
-// What a simulated gamepad was told last.
+// Last rumble command of a simulated gamepad.
 struct Motors {
   int strong = -1, weak = -1, words = 0;
 };
@@ -114,7 +114,7 @@ TEST(GameController, ShakesUntilItIsToldOtherwiseOrTheTimeIsOver) {
   EXPECT_EQ(motors.strong, 0) << "by the end of its time";
   const int words = motors.words;
   for (int n = 0; n < 10; ++n) controller.shake({});
-  EXPECT_EQ(motors.words, words) << "what has not changed is not sent";
+  EXPECT_EQ(motors.words, words) << "SDL sends a change alone";
 }
 
 TEST(GameController, AJoystickLeadsAsAGamepadDoesUntilThereIsOne) {

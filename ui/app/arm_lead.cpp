@@ -254,7 +254,7 @@ ArmView ArmLead::view() const {
   if (!out.counts.trouble.empty())
     out.missing = out.counts.trouble;
   else if (out.is_there && !out.hand.is_ready)
-    out.missing = "it is not ready: switch it on, and calibrate it";
+    out.missing = "it is not ready: switch it on, and calibrate it (a bridge: press Enter in its terminal)";
   else if (!is_leading_)
     out.missing = !run_           ? "nothing is open to be cut"
                   : hasJustCome() ? "its hand has just come"

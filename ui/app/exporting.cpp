@@ -57,7 +57,8 @@ ExportPart partOfExport(std::string piece, Mesh mesh, const std::vector<PlacedPi
 }
 
 // What goes into which file.
-Expected<std::vector<ExportPart>> partsOfExport(LiveResult& result, const SceneCopy& scene, const ExportChoice& choice) {
+Expected<std::vector<ExportPart>> partsOfExport(LiveResult& result, const SceneCopy& scene,
+                                                const ExportChoice& choice) {
   std::vector<ExportPart> out;
   const bool is_moved = std::any_of(result.pieces.begin(), result.pieces.end(),
                                     [&](const auto& piece) { return piece.isMoved() && !choice.is_put_back; });

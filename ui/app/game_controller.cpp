@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include "ui/app/space_mouse_link.h"
 
@@ -18,15 +19,17 @@ double stickShare(int value) { return std::clamp(value / kFullAxis, -1.0, 1.0); 
 
 Uint16 motorOf(double share) { return static_cast<Uint16>(std::lround(65535 * std::clamp(share, 0.0, 1.0))); }
 
-// The first gamepad, else the first joystick. SDL lists a SpaceMouse as a joystick. Negative: none.
-int chooseIndex() {
-  int joystick = -1;
+// Gamepads first, then joysticks. SDL lists a SpaceMouse as a joystick.
+std::vector<int> candidates() {
+  std::vector<int> pads, joysticks;
   for (int n = 0; n < SDL_NumJoysticks(); ++n) {
-    if (SDL_IsGameController(n)) return n;
-    const bool is_knob = isSpaceMouse(SDL_JoystickGetDeviceVendor(n), SDL_JoystickGetDeviceProduct(n));
-    if (joystick < 0 && !is_knob) joystick = n;
+    if (SDL_IsGameController(n))
+      pads.push_back(n);
+    else if (!isSpaceMouse(SDL_JoystickGetDeviceVendor(n), SDL_JoystickGetDeviceProduct(n)))
+      joysticks.push_back(n);
   }
-  return joystick;
+  pads.insert(pads.end(), joysticks.begin(), joysticks.end());
+  return pads;
 }
 
 }  // namespace
@@ -71,10 +74,18 @@ void GameController::State::choose() {
   const bool is_attached = device && SDL_JoystickGetAttached(device) == SDL_TRUE;
   const int count = SDL_NumJoysticks();
   if (std::exchange(listed, count) == count && (is_attached || !device)) return;
-  const int index = chooseIndex();
-  if (is_attached && index >= 0 && SDL_JoystickGetDeviceInstanceID(index) == SDL_JoystickInstanceID(device)) return;
+  const std::vector<int> choices = candidates();
+  if (is_attached && !choices.empty() &&
+      SDL_JoystickGetDeviceInstanceID(choices.front()) == SDL_JoystickInstanceID(device))
+    return;
   close();
-  if (index >= 0) open(index);
+  for (const int index : choices) {
+    open(index);
+    if (device) return;
+    const char* const called = SDL_JoystickNameForIndex(index);
+    trouble = std::string(called ? called : "A gamepad") + " cannot be opened: " + SDL_GetError() +
+              ". Check the rights of /dev/input, then plug it in again";
+  }
 }
 
 void GameController::State::open(int index) {

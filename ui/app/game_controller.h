@@ -8,7 +8,8 @@
 // Gamepads alone are shaken: a wheel with strong motors is a joystick for the system.
 //
 // SDL reads the event nodes of the kernel (hidapi is for the SpaceMouse), so the kernel stops the motors of a program
-// that was killed. SDL stops them at the end of a shake() by itself, but only while read() is called.
+// that was killed. SDL ends a shake() by itself, but only while read() is called: the motors of a program that hangs
+// run on for up to 65 s.
 #pragma once
 
 #include <memory>
@@ -32,8 +33,8 @@ class GameController {
   /// Once a frame: looks for devices, reads the open one. The first gamepad leads, else the first joystick; none:
   /// neither is plugged in.
   std::optional<GamepadState> read();
-  /// A sentence for a notice since the last call: a device was opened or unplugged, or SDL does not
-  /// start.
+  /// A sentence for a notice since the last call: a device was opened or unplugged, a device cannot be opened, or SDL
+  /// does not start.
   std::optional<std::string> news();
   /// The open device as SDL names it; empty: none.
   const std::string& name() const noexcept;

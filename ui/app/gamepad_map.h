@@ -1,9 +1,8 @@
 // A gamepad as a handpiece: what its sticks, triggers and buttons mean.
 //
-//   left stick     leads the tool over the surface, in the picture     right stick   turns the view
-//   right trigger  drills: how far it is pulled is the pedal           left trigger  slows both sticks, to a fifth
-//   A              takes back a stroke                                  bumpers       take the tool before, the next
-//   one
+//   left stick     leads the tool over the surface, in the picture   right stick   turns the view
+//   right trigger  drills: how far it is pulled is the pedal         left trigger  slows both sticks, to a fifth
+//   A              takes back a stroke                               bumpers       previous and next tool
 //
 // While it drills it shakes: the drive as a fine trembling, contact as a heavy one.
 //

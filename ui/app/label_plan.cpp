@@ -21,9 +21,11 @@ using LabelClock = std::chrono::steady_clock;
 using LabelWeight = Finding::Weight;
 
 constexpr auto kLabelsSettleAfter = std::chrono::milliseconds(400);  // while tissues are chosen one after the other
-constexpr std::size_t kLabelsByItselfUpTo = 60'000'000;               // voxels: smoothing takes some seconds
+constexpr std::size_t kLabelsByItselfUpTo = 60'000'000;              // voxels: smoothing takes some seconds
 
-double labelSecondsSince(LabelClock::time_point then) { return std::chrono::duration<double>(LabelClock::now() - then).count(); }
+double labelSecondsSince(LabelClock::time_point then) {
+  return std::chrono::duration<double>(LabelClock::now() - then).count();
+}
 
 // The share of a progress from `from` to `to`.
 Progress partOfLabels(const Progress& progress, double from, double to) {
@@ -267,7 +269,7 @@ Expected<void> LabelPlan::setTissue(std::uint16_t label, const std::string& tiss
 Expected<void> LabelPlan::setVoxel(double mm) {
   if (mm != 0 && !(mm >= ImportPlan::kFinestVoxel && mm <= ImportPlan::kCoarsestVoxel))
     return wrongLabels(fmt::format("a voxel of {:g} mm", mm),
-                 fmt::format("{:g} to {:g} mm", ImportPlan::kFinestVoxel, ImportPlan::kCoarsestVoxel));
+                       fmt::format("{:g} to {:g} mm", ImportPlan::kFinestVoxel, ImportPlan::kCoarsestVoxel));
   voxel_mm_ = mm;
   return {};
 }
@@ -363,7 +365,8 @@ bool LabelPlan::update() {
     }
     return true;
   }
-  if (!job_ && is_preview_due_ && startsByItself() && LabelClock::now() - changed_at_ > kLabelsSettleAfter) startPreview();
+  if (!job_ && is_preview_due_ && startsByItself() && LabelClock::now() - changed_at_ > kLabelsSettleAfter)
+    startPreview();
   return false;
 }
 

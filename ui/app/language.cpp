@@ -133,7 +133,8 @@ Expected<TextPattern> patternOf(const std::string& text, const std::vector<Kind>
       return wrongLanguage("{" + (end == text.npos ? "" : inside + "}"), kExpected);
     }
     const bool is_beside = !out.pieces.empty() && out.pieces.back().kind != Kind::kLiteral;
-    if (!numbered && is_beside) return wrongLanguage("two placeholders with nothing between them", "words between them");
+    if (!numbered && is_beside)
+      return wrongLanguage("two placeholders with nothing between them", "words between them");
     out.pieces.push_back(std::move(piece));
     ++count;
     at = end;
@@ -244,13 +245,14 @@ Expected<void> Language::add(const std::string& english, const std::string& tran
   }
   if (isFormat(english) && conversionsOf(english) != conversionsOf(translated))
     return wrongLanguage("other conversions than in the English text",
-                 fmt::format("{}", fmt::join(conversionsOf(english), " ")));
+                         fmt::format("{}", fmt::join(conversionsOf(english), " ")));
 
   KERF_TRY(from, patternOf(english, nullptr));
   const std::vector<Kind> kinds = kindsOf(from);
   KERF_TRY(to, patternOf(translated, &kinds));
   if (!hasAll(to, kinds))
-    return wrongLanguage("not the placeholders of the English text", "each of them once, numbered as {1} in another order");
+    return wrongLanguage("not the placeholders of the English text",
+                         "each of them once, numbered as {1} in another order");
   if (kinds.empty()) {
     exact_.emplace(english, translated);
     return {};

@@ -24,7 +24,8 @@ std::string pictureNameOf(const Vec3d& direction) {
 }
 
 // @param middle  what the middle of the picture is at, mm.   @param direction  1: pixels grow with mm; -1: they fall.
-std::vector<PictureGrid::Line> pictureLines(double middle, double step, double mm_per_pixel, int pixels, int direction) {
+std::vector<PictureGrid::Line> pictureLines(double middle, double step, double mm_per_pixel, int pixels,
+                                            int direction) {
   const double half = 0.5 * pixels * mm_per_pixel;
   std::vector<PictureGrid::Line> out;
   for (double n = std::ceil((middle - half) / step); n * step <= middle + half; ++n) {

@@ -28,7 +28,7 @@ std::optional<double> numberOfWord(std::string_view word) {
 }
 
 tl::unexpected<Error> wrongPlane(const std::string& option, const std::string& word, const char* expected,
-                            const char* hint) {
+                                 const char* hint) {
   return fail({.code = Error::Code::kBadValue,
                .place = option,
                .found = "\"" + word + "\"",
@@ -98,7 +98,7 @@ Expected<Plane> planeOfWord(const std::string& word, const Mesh& mesh, const std
   }
   if (!has_points)
     return wrongPlane(option, word, "a normal @ a point, three points with / between, or occlusal@MM",
-                 "0,0,1@0,0,12 or 0,0,12/10,0,12/0,10,12 or occlusal@-12");
+                      "0,0,1@0,0,12 or 0,0,12/10,0,12/0,10,12 or occlusal@-12");
   auto through = planeThrough(points, Vec3d::UnitZ());
   if (!through) {
     through.error().place = option;

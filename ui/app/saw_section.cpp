@@ -13,14 +13,14 @@ namespace kerf {
 namespace {
 
 constexpr double kCell = SawnSection::kCell;
-constexpr double kLooked = 45;     // mm around the point that a section is looked for
-constexpr double kNear = 8;        // mm from the point to the bone, at most
-constexpr double kBefore = 0.5;    // mm outside the bone, where a rectangle begins
-constexpr double kBehind = 1;      // mm behind the bone, where it ends
-constexpr double kAboveSection = 0.3;     // mm above the bone a pass begins slowly
-constexpr double kBeside = 12;     // mm around a rectangle in which a blade may saw what was not planned
-constexpr double kTouches = 0.06;  // mm: so near to the teeth is sawn
-constexpr int kDirections = 72;    // of an approach that is looked for
+constexpr double kLooked = 45;         // mm around the point that a section is looked for
+constexpr double kNear = 8;            // mm from the point to the bone, at most
+constexpr double kBefore = 0.5;        // mm outside the bone, where a rectangle begins
+constexpr double kBehind = 1;          // mm behind the bone, where it ends
+constexpr double kAboveSection = 0.3;  // mm above the bone a pass begins slowly
+constexpr double kBeside = 12;         // mm around a rectangle in which a blade may saw what was not planned
+constexpr double kTouches = 0.06;      // mm: so near to the teeth is sawn
+constexpr int kDirections = 72;        // of an approach that is looked for
 
 struct Extent {
   double low = std::numeric_limits<double>::infinity(), high = -low;

@@ -14,7 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kSawDegree = std::numbers::pi / 180;
-constexpr double kAboveCut = 0.3;          // mm before what the teeth meet first
+constexpr double kAboveCut = 0.3;       // mm before what the teeth meet first
 constexpr double kLift = 2;             // mm above the bone, between passes
 constexpr double kMostLift = 20;        // mm, where something else is in the blade's way
 constexpr double kAsideIsTold = 0.15;   // mm
@@ -49,7 +49,8 @@ double firstTissue(const SawPlane& plane, const SawBlade& blade, const BrickFiel
   for (double v = above; v < pass.from; v += kStep)
     for (double beside = -0.5 * blade.span; beside <= 0.5 * blade.span; beside += kStep)
       for (const double side : {-0.5, 0.0, 0.5})
-        if (bone.sample(plane.fromPlane(pass.u + beside, v) + side * blade.kerf * plane.normal) < 0) return v - kAboveCut;
+        if (bone.sample(plane.fromPlane(pass.u + beside, v) + side * blade.kerf * plane.normal) < 0)
+          return v - kAboveCut;
   return pass.from;
 }
 

@@ -10,10 +10,11 @@ namespace {
 
 constexpr std::array<std::pair<const char*, TissueLook>, 3> kLooks = {
     {{"show", TissueLook::kShow}, {"hide", TissueLook::kHide}, {"ghost", TissueLook::kGhost}}};
-constexpr std::array<std::pair<const char*, SurfaceColours>, 4> kTissueColours = {{{"tissue", SurfaceColours::kTissue},
-                                                                             {"scan", SurfaceColours::kScan},
-                                                                             {"depth", SurfaceColours::kDepth},
-                                                                             {"distance", SurfaceColours::kDistance}}};
+constexpr std::array<std::pair<const char*, SurfaceColours>, 4> kTissueColours = {
+    {{"tissue", SurfaceColours::kTissue},
+     {"scan", SurfaceColours::kScan},
+     {"depth", SurfaceColours::kDepth},
+     {"distance", SurfaceColours::kDistance}}};
 
 std::string quoted(AppWords words, std::size_t n) {
   return n < words.size() ? "\"" + words[n] + "\"" : std::string("nothing");

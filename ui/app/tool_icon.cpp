@@ -10,7 +10,7 @@ namespace {
 constexpr double kMargin = 0.18;      // of the picture, about what cuts
 constexpr double kTolerance = 0.008;  // of that
 constexpr double kOutside = 0.2;      // of the picture: what lies farther outside is left out
-constexpr double kIconNear = 0.02;        // of the picture: what is this near to what cuts has its colour
+constexpr double kIconNear = 0.02;    // of the picture: what is this near to what cuts has its colour
 
 struct Sorted {
   double depth = 0;

@@ -25,7 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kMostGuessedCut = 4;  // mm: a bur cuts that far or less, and a longer head is told
-constexpr double kPlanStep = 0.25;         // mm, of the heights at which it is measured
+constexpr double kPlanStep = 0.25;     // mm, of the heights at which it is measured
 constexpr double kWider = 1.6;         // times what is near the tip: that is no head any more
 constexpr double kDoubt = 1.5;         // times the width of the tip: another end may be it
 
@@ -247,7 +247,10 @@ std::vector<ToolWay> toolWays(const Mesh& mesh_mm) {
 }
 
 ToolPlan::ToolPlan(fs::path file, std::shared_ptr<const Mesh> mesh, double scale_to_mm)
-    : file_(std::move(file)), mesh_(std::move(mesh)), scale_(scale_to_mm), ways_(toolWays(scaledTool(*mesh_, scale_))) {}
+    : file_(std::move(file)),
+      mesh_(std::move(mesh)),
+      scale_(scale_to_mm),
+      ways_(toolWays(scaledTool(*mesh_, scale_))) {}
 
 void ToolPlan::setScale(double scale_to_mm) {
   if (scale_to_mm == scale_) return;

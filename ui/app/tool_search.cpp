@@ -22,7 +22,7 @@ std::string allWordsOf(const Tool& tool) {
   const std::string size = mm > 0 ? fmt::format("{:g} {:g}mm {:03.0f}", mm, mm, 10 * mm) : "";
   const char* const also = tool.kind == ToolKind::kBlade ? "saw" : "";
   return lowerCase(fmt::format("{} {} {} {} {} {} {} {}", tool.id, tool.name, tool.description, tool.shape,
-                           kindName(tool.kind), also, tool.iso6360, size));
+                               kindName(tool.kind), also, tool.iso6360, size));
 }
 
 // "1.40" finds 1.4 mm.

@@ -36,7 +36,7 @@ struct DevicesArguments {
 // ---- What a coupling can be
 
 nlohmann::json devicesJson(const std::string& name, const DeviceProfile& p, const DeviceCoupling& c,
-                      const CouplingSettings& wanted) {
+                           const CouplingSettings& wanted) {
   return {{"name", name},
           {"delay_ms", 1000 * p.delay_s},
           {"mass_kg", p.mass_kg},
@@ -48,7 +48,8 @@ nlohmann::json devicesJson(const std::string& name, const DeviceProfile& p, cons
           {"text", describeStiffness(c, wanted)}};
 }
 
-void printDevices(const std::string& name, const DeviceProfile& p, const DeviceCoupling& c, const CouplingSettings& wanted) {
+void printDevices(const std::string& name, const DeviceProfile& p, const DeviceCoupling& c,
+                  const CouplingSettings& wanted) {
   fmt::print("{}: {:g} ms, {:g} kg, {:g} N, {:g} mm\n", name, 1000 * p.delay_s, p.mass_kg, p.friction, p.encoder_mm);
   fmt::print("  coupling {}; damping {:.2g} N s/m, {:.2g} while the drive turns\n", describeStiffness(c, wanted),
              1000 * c.settings.damping, 1000 * c.settings.running_damping);

@@ -234,7 +234,8 @@ void drawFiles(AppContext& context, const ImportSet& set) {
     ImGui::PushID(static_cast<int>(n));
     const std::string name = entry.file.filename().string();
     const float width = ImGui::GetContentRegionAvail().x - scaled(132);
-    if (ui::selectable(ui::asItIs(name), n == set.chosen(), 0, {width, 0})) runImport(context, "import.choose", {number});
+    if (ui::selectable(ui::asItIs(name), n == set.chosen(), 0, {width, 0}))
+      runImport(context, "import.choose", {number});
     if (ImGui::IsItemHovered()) ui::setTooltip(ui::asItIs(shownText(entry.what()) + ": " + entry.file.string()));
     ImGui::SameLine();
     ImGui::SetNextItemWidth(-1);
@@ -262,8 +263,8 @@ void drawLabel(AppContext& context, const LabelPlan& plan, const LabelFound& lab
   const MaterialProperties* const material = tissue ? plan.materials().find(*tissue) : nullptr;
   ImGui::TableNextRow();
   ImGui::TableNextColumn();
-  ImGui::ColorButton("##colour", importColourOf(material), ImGuiColorEditFlags_NoTooltip | ImGuiColorEditFlags_AlphaPreview,
-                     {scaled(14), scaled(14)});
+  ImGui::ColorButton("##colour", importColourOf(material),
+                     ImGuiColorEditFlags_NoTooltip | ImGuiColorEditFlags_AlphaPreview, {scaled(14), scaled(14)});
   ImGui::SameLine();
   ui::text(ui::asItIs(label.called()));
   if (ImGui::IsItemHovered()) ui::setTooltip(fmt::format("label {}, {}", label.label, label.called()));

@@ -43,8 +43,8 @@ void drawTissueRow(AppContext& context, const SeenTissue& tissue) {
   if (ui::checkbox("##seen", &is_seen)) runTissues(context, "view.tissue", {tissue.id, is_seen ? "show" : "hide"});
   if (ImGui::IsItemHovered()) ui::setTooltip("Show it, or hide it");
   ImGui::SameLine();
-  ImGui::ColorButton("##colour", shownTissues(tissue.colour), ImGuiColorEditFlags_NoTooltip | ImGuiColorEditFlags_NoPicker,
-                     {scaled(16), scaled(16)});
+  ImGui::ColorButton("##colour", shownTissues(tissue.colour),
+                     ImGuiColorEditFlags_NoTooltip | ImGuiColorEditFlags_NoPicker, {scaled(16), scaled(16)});
   ImGui::SameLine();
   ui::text(tissue.name);
 

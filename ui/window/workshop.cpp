@@ -105,6 +105,7 @@ class Workshop {
       bench_.beginImports(options_.open);
 
     while (!wants_end_) KERF_CHECK(frame());
+    game_controller_.shake({});
     const auto ended = endAll(bench_, *view_);
     import_view_.reset();
     view_.reset();
@@ -129,6 +130,8 @@ class Workshop {
       bench_.release();                                                       // unseen nothing is cut
       bench_.arm().pause(true);
       (void)desktop_.takeEvents();
+      (void)game_controller_.read();
+      game_controller_.shake({});
       files_.takeAnswer(context_);
       view_->update(bench_);
       printNotices();

@@ -161,7 +161,8 @@ class DemoMandible : public ::testing::Test {
     const Mesh& canal = mesh("nerve-canal.ply");
     const Box3 here = boundsBetween(canal, 1, 36.5, 38.5);
     const double x = here.max.x() - 0.5 * kDimensions.canal_diameter, y = 37.5, z = here.center().z();
-    const auto below = rayCrossings(jaw(), {x, y, z}, -Vec3d::UnitZ()), buccal = rayCrossings(jaw(), {x, y, z}, Vec3d::UnitX());
+    const auto below = rayCrossings(jaw(), {x, y, z}, -Vec3d::UnitZ()),
+               buccal = rayCrossings(jaw(), {x, y, z}, Vec3d::UnitX());
     ASSERT_FALSE(below.empty() || buccal.empty());
     const double radius = 0.5 * kDimensions.canal_diameter;
     EXPECT_NEAR(below[0] - radius, kDimensions.canal_to_border, 3.4);  // one standard deviation each
