@@ -42,7 +42,7 @@ constexpr std::size_t kLongestState = 1 << 20;     // bytes
 class HaplyLine {
  public:
   explicit HaplyLine(std::uint16_t port) : stream_(context_) {
-    // Of a service that hangs the queue of calls may be full: then this takes minutes.
+    // connect() to a hung service can block for minutes.
     stream_.next_layer().async_connect({asio::ip::address_v4::loopback(), port}, [this, port](BoostError e) {
       if (!isOver(e)) greet(port);
     });
@@ -51,7 +51,7 @@ class HaplyLine {
     BoostError ignored;
     stream_.next_layer().close(ignored);
     context_.restart();
-    context_.run();  // what was under way ends with an error
+    context_.run();  // pending operations end with an error
   }
   HaplyLine(const HaplyLine&) = delete;
   HaplyLine& operator=(const HaplyLine&) = delete;
@@ -64,7 +64,7 @@ class HaplyLine {
     context_.restart();
     context_.run_one_for(std::chrono::nanoseconds(std::max(ns, kLeastWait)));
   }
-  /// What the service said since, if anything.
+  /// Newest message, if any.
   bool hear(std::string& out) {
     if (!has_come_) return false;
     out = beast::buffers_to_string(in_.data());
@@ -82,11 +82,17 @@ class HaplyLine {
       isOver(e);
     });
   }
-  /// Says goodbye, if the service listens.
-  void close() {
+  /// Writes a last command and says goodbye, in kGoodbye at most. A service that does not read gets neither.
+  /// @param command  empty: none.
+  void close(std::string command) {
     const std::int64_t last = clockNow() + kGoodbye;
-    while (isOpen() && is_waiting_ && clockNow() < last) wait(kPeriod);
-    if (!canWrite()) return;
+    const auto isFree = [&] {
+      while (isOpen() && is_waiting_ && clockNow() < last) wait(kPeriod);
+      return canWrite();
+    };
+    if (!isFree()) return;
+    if (!command.empty()) write(std::move(command));
+    if (!isFree()) return;
     is_waiting_ = true;
     stream_.async_close(beast::websocket::close_code::normal, [this](BoostError e) {
       is_waiting_ = false;
@@ -154,9 +160,7 @@ bool talk(std::uint16_t port, KerfLink& kerf) {
     }
     line.wait(owes_answer ? std::min(due - clockNow(), kPeriod) : kPeriod);
   }
-  // The last command is no force, whatever ended the connection.
-  if (line.canWrite() && !state.id.empty()) line.write(haplyForce(state.id, {}));
-  line.close();
+  line.close(state.id.empty() ? std::string() : haplyForce(state.id, {}));
   return has_heard;
 }
 

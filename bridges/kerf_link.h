@@ -1,5 +1,6 @@
 // The side of Kerf for a bridge: datagrams of docs/reference/device-bridge.md, version 1, in SI units and the device's
-// frame. For a little-endian machine. Nothing of Kerf is needed: a bridge of your own may take this header.
+// frame. For a little-endian machine. It includes nothing of Kerf, so a bridge of your own can copy it from the source
+// tree; it is not installed.
 #pragma once
 
 #include <arpa/inet.h>

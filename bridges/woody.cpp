@@ -14,7 +14,8 @@
 //   to the arm     [mA,mA,mA]\n                           currents. Its firmware switches the motors off after 100 ms
 //
 // Its encoders count from where it was switched on. The arm is not ready, and gets no current, before a person has put
-// it into its home pose and pressed Enter. On HID it then has to report its home pose: it took the command.
+// it into its home pose and pressed Enter, and for 1.5 s after that: long enough for Kerf to disarm. On HID it then has
+// to report its home pose: it took the command.
 #include <fcntl.h>
 #include <linux/hidraw.h>
 #include <poll.h>
@@ -30,14 +31,17 @@
 #include <string_view>
 #include <utility>
 
+#include "bridges/serial_writer.h"
 #include "bridges/woody_arm.h"
 
 namespace bridge {
 namespace {
 
-constexpr std::int64_t kMs = 1'000'000;       // ns
-constexpr std::int64_t kAnswerBy = 20 * kMs;  // then a serial arm is asked again
-constexpr std::int64_t kTakesHome = 1000 * kMs;
+constexpr std::int64_t kMs = 1'000'000;         // ns
+constexpr std::int64_t kAnswerBy = 20 * kMs;    // then a serial arm is asked again
+constexpr std::int64_t kOldReport = 100 * kMs;  // a report this long after the command is newer than the command
+constexpr std::int64_t kNotReady = 1500 * kMs;  // after Enter: Kerf's window disarms after 1 s
+constexpr int kGoodbyeMs = 50;                  // most wait for a full serial port at the end
 
 class Woody {
  public:
@@ -67,23 +71,34 @@ class Woody {
   WoodyPose pose_;
   Hand hand_{.is_ready = false, .most_force = 5};
   bool has_news_ = false, has_answer_ = true, is_fine_ = true, has_warned_ = false;
-  bool is_calibrated_ = false, wants_home_ = false;  // wants_home_: a serial arm is at home at its next line
-  std::int64_t home_sent_ = 0;                       // 0: not waited for
-  std::string heard_;                                // of a line that has not ended
+  bool is_calibrated_ = false;
+  bool is_home_ = false;        // since home_sent_: a serial arm was zeroed, one on HID reported its home pose
+  std::int64_t home_sent_ = 0;  // 0: no calibration runs
+  std::string heard_;           // of a line that has not ended
+  SerialWriter writer_{fd_};
 };
+
+// Of a terminal: reading it would fail.
+bool isInBackground() {
+  const pid_t front = ::tcgetpgrp(STDIN_FILENO);  // -1: not its terminal
+  return front >= 0 && front != ::getpgrp();
+}
 
 int Woody::exchange(KerfLink& kerf) {
   std::fprintf(stderr, "kerf-bridge-woody: put the arm into its home pose and press Enter; Ctrl-C ends\n");
   bool is_there = true;
   pollfd waits[] = {{fd_, POLLIN, 0}, {STDIN_FILENO, POLLIN, 0}};
   std::int64_t sent = 0;
+  bool has_keys = true;
   while (!must_end && is_there) {
+    waits[1].fd = has_keys && !isInBackground() ? STDIN_FILENO : -1;
+    waits[1].revents = 0;
     ::poll(waits, 2, 1);
     if (waits[1].revents != 0) {
       char typed[64];
       const auto size = ::read(STDIN_FILENO, typed, sizeof typed);
-      if (size <= 0) waits[1].fd = -1;  // nobody can press Enter any more
       if (size > 0) sendHome();
+      has_keys = size > 0 || (size < 0 && waits[1].revents == POLLIN);  // false: closed
     }
     if (waits[0].revents != 0) is_there = receive();
     if (home_sent_ != 0) askHome();
@@ -97,7 +112,11 @@ int Woody::exchange(KerfLink& kerf) {
     is_there = send(hand_.is_ready ? woodyCurrents(pose_, kerf.force()) : Vec3{});
   }
   // Twice: the line before it may have been taken in part.
-  for (int n = 0; n < 2; ++n) send({});
+  for (int n = 0; n < 2; ++n) {
+    pollfd room{fd_, POLLOUT, 0};
+    if (is_serial_) ::poll(&room, 1, kGoodbyeMs);
+    send({});
+  }
   if (!is_there) std::fprintf(stderr, "kerf-bridge-woody: the arm is gone: plug it in and begin again\n");
   return is_there ? 0 : 1;
 }
@@ -130,9 +149,16 @@ bool Woody::receive() {
 
 void Woody::takeReport(std::span<const unsigned char> report) {
   constexpr int kPenButton = 5000;
+  constexpr int kTrembles = 50;  // counts: up to 3 mm at the tip
   if (report.size() != size_) return;
   const auto word = [&](std::size_t n) { return static_cast<std::int16_t>(report[2 * n] | (report[2 * n + 1] << 8)); };
-  for (std::size_t n = 0; n < 3; ++n) counts_[n] = word(n);
+  bool is_near = true;
+  for (std::size_t n = 0; n < 3; ++n) {
+    counts_[n] = word(n);
+    is_near = is_near && std::abs(counts_[n] - model_.home[n]) <= kTrembles;
+  }
+  // Reports from before the command may be near home by chance.
+  if (is_near && home_sent_ != 0 && clockNow() - home_sent_ >= kOldReport) is_home_ = true;
   hand_.buttons = word(3) > kPenButton || (word(6) & 1) ? 1 : 0;
   moved();
 }
@@ -156,14 +182,12 @@ void Woody::takeLine(std::string_view line) {
     std::fprintf(stderr, "kerf-bridge-woody: the arm is of model %d and tells of error %d: no force (known: model 3)\n",
                  numbers[0], numbers[7]);
   constexpr int kFarthest = 1 << 20;  // counts: far beyond any turn of a motor
-  const bool is_at_home = std::exchange(wants_home_, false);
+  const bool is_at_home = home_sent_ != 0 && !std::exchange(is_home_, true);
   for (std::size_t n = 0; n < 3; ++n) {
     const int count = std::clamp(numbers[n + 1], -kFarthest, kFarthest);
     if (is_at_home) zero_[n] = count - model_.home[n];
     counts_[n] = count - zero_[n];
   }
-  if (is_at_home) std::fprintf(stderr, "kerf-bridge-woody: calibrated\n");
-  is_calibrated_ = is_calibrated_ || is_at_home;
   moved();
 }
 
@@ -174,10 +198,10 @@ void Woody::moved() {
   has_news_ = true;
 }
 
-// A serial arm is at home where it stands; one on HID sets its encoders.
+// A serial arm is at home where it stands at its next line; one on HID sets its encoders.
 void Woody::sendHome() {
-  is_calibrated_ = hand_.is_ready = false;
-  wants_home_ = is_serial_;
+  is_calibrated_ = is_home_ = hand_.is_ready = false;
+  home_sent_ = clockNow();
   if (is_serial_) return;
   std::array<unsigned char, 65> report{};
   const auto put = [&](std::size_t n, int value) {
@@ -187,21 +211,15 @@ void Woody::sendHome() {
   put(3, 1);
   for (std::size_t n = 0; n < 3; ++n) put(4 + n, model_.home[n]);
   write(report.data(), 1 + size_);
-  home_sent_ = clockNow();
 }
 
-// Reports from before the command may say the same by chance: they are old after 100 ms.
 void Woody::askHome() {
-  constexpr int kTrembles = 50;  // counts: up to 3 mm at the tip
-  const std::int64_t waited = clockNow() - home_sent_;
-  bool is_home = waited > 100 * kMs;
-  for (std::size_t n = 0; n < 3; ++n) is_home = is_home && std::abs(counts_[n] - model_.home[n]) <= kTrembles;
-  if (!is_home && waited < kTakesHome) return;
+  if (clockNow() - home_sent_ < kNotReady) return;
   home_sent_ = 0;
-  is_calibrated_ = is_home;
-  std::fprintf(stderr, is_home ? "kerf-bridge-woody: calibrated\n"
-                               : "kerf-bridge-woody: the arm did not take its home pose: hold it still and press Enter "
-                                 "again\n");
+  is_calibrated_ = is_home_;
+  std::fprintf(stderr, is_home_ ? "kerf-bridge-woody: calibrated\n"
+                                : "kerf-bridge-woody: the arm did not take its home pose: hold it still and press "
+                                  "Enter again\n");
 }
 
 // False: it is gone.
@@ -223,6 +241,7 @@ bool Woody::send(const Vec3& currents) {
 
 // A full buffer is no end: the arm's own watchdog counts then.
 bool Woody::write(const void* bytes, std::size_t size) {
+  if (is_serial_) return writer_.write({static_cast<const char*>(bytes), size});
   return ::write(fd_, bytes, size) >= 0 || errno == EAGAIN || errno == EINTR;
 }
 
@@ -239,6 +258,11 @@ int run(int argc, char** argv) {
   }
   const char* const node = argv[1];
   const int fd = ::open(node, O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+  if (fd < 0 && (errno == EACCES || errno == EPERM))
+    return fail(
+        node,
+        "no permission: run scripts/setup --udev and plug the arm in again; or, for a serial port, add your user "
+        "to the group dialout and log in again");
   if (fd < 0) return fail(node, std::strerror(errno));
 
   std::size_t size = 14;
@@ -259,6 +283,7 @@ int run(int argc, char** argv) {
   KerfLink kerf;
   if (!kerf.open(port)) return fail("socket", std::strerror(errno));
   endBySignals();
+  std::signal(SIGTTIN, SIG_IGN);  // in the background of a terminal it goes on
   return Woody(fd, is_serial, size).exchange(kerf);
 }
 

@@ -1,4 +1,4 @@
-// What tests of bridges share: Kerf's side, and a bridge that runs as a program.
+// Shared by the bridge tests: Kerf's side, and a bridge that runs as a program.
 #pragma once
 
 #include <fcntl.h>

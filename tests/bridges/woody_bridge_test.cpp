@@ -4,11 +4,14 @@
 #include <gtest/gtest.h>
 #include <poll.h>
 #include <stdlib.h>
+#include <termios.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <cmath>
 #include <numbers>
 
+#include "bridges/serial_writer.h"
 #include "bridges/woody_arm.h"
 #include "tests/bridges/bridge_scene.h"
 
@@ -166,6 +169,22 @@ TEST_F(WoodySerial, GivesForceOnceItStoodInItsHomePose) {
   EXPECT_TRUE(until([&] { return said() == "[0,0,0]"; })) << "no current at the end";
 }
 
+TEST_F(WoodySerial, CalibratingAgainIsNotReadyForLongEnoughToDisarmKerf) {
+  const Pusher pusher(*kerf_, {0, 0, 1});
+  ASSERT_TRUE(until([&] { return kerf_->counts().hands > 10; }));
+  bridge_->pressEnter();
+  ASSERT_TRUE(until([&] { return said() == lineFor({}, {0, 0, 1}); })) << said();
+
+  const auto begin = std::chrono::steady_clock::now();
+  bridge_->pressEnter();
+  EXPECT_TRUE(until([&] { return !isReady() && !pusher.is_valid && said() == "[0,0,0]"; }));
+  const std::uint64_t hands = kerf_->counts().hands;
+  EXPECT_TRUE(until([&] { return isReady(); }));
+  EXPECT_GE(std::chrono::steady_clock::now() - begin, std::chrono::milliseconds(1500));
+  EXPECT_GT(kerf_->counts().hands, hands + 50) << "it says so all the time";
+  EXPECT_TRUE(until([&] { return said() == lineFor({}, {0, 0, 1}); })) << said();
+}
+
 // The frame that waited in the socket of a stopped bridge is old.
 TEST_F(WoodySerial, AStoppedBridgeGivesNoOldForceWhenItGoesOn) {
   std::optional<Pusher> pusher(std::in_place, *kerf_, Vec3d(0, 0, 1));
@@ -208,6 +227,44 @@ TEST_F(WoodySerial, AnUnpluggedArmEndsIt) {
   ASSERT_TRUE(until([&] { return lines() > 10; }));
   unplug();
   EXPECT_EQ(bridge_->wait(), 1);
+}
+
+TEST(SerialWriter, ALineThatAFullPortTookInPartIsFinished) {
+  const int far = ::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+  ASSERT_GE(far, 0);
+  ASSERT_EQ(::grantpt(far), 0);
+  ASSERT_EQ(::unlockpt(far), 0);
+  const int near = ::open(::ptsname(far), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+  ASSERT_GE(near, 0);
+  termios line{};
+  ASSERT_EQ(::tcgetattr(near, &line), 0);
+  ::cfmakeraw(&line);
+  ASSERT_EQ(::tcsetattr(near, TCSANOW, &line), 0);
+
+  // Lines of 251 bytes, more than any port keeps; then what it kept, and more lines.
+  bridge::SerialWriter writer(near);
+  const std::string text = '[' + std::string(248, '1') + "]\n";
+  std::string heard;
+  for (int round = 0; round < 4; ++round) {
+    for (int n = 0; n < 2000; ++n) ASSERT_TRUE(writer.write(text));
+    std::array<char, 4096> bytes{};
+    const auto hasBytes = [&] {
+      pollfd waits{far, POLLIN, 0};
+      return ::poll(&waits, 1, 50) > 0;
+    };
+    while (hasBytes()) {
+      const ssize_t size = ::read(far, bytes.data(), bytes.size());
+      if (size <= 0) break;
+      heard.append(bytes.data(), static_cast<std::size_t>(size));
+    }
+  }
+  ::close(near);
+  ::close(far);
+  EXPECT_GT(heard.size(), 4 * text.size());
+  std::size_t torn = 0;
+  for (std::size_t at = 0; at + text.size() <= heard.size(); at += text.size())
+    torn += heard.compare(at, text.size(), text) != 0;
+  EXPECT_EQ(torn, 0u);
 }
 
 TEST(WoodyBridge, ANodeThatIsNoArmIsRefused) {

@@ -34,6 +34,7 @@ class WoodyHid : public OnTestbed {
     HandFrame hand;
     return kerf_->lastHand(hand) && hand.is_ready;
   }
+  bool isFresh() const { return deviceClock() - kerf_->counts().newest_came_ns < 100'000'000; }
   bool hasCurrent() const {
     const Bytes last = lastWritten();
     return wordAt(last, 1) != 0 || wordAt(last, 3) != 0 || wordAt(last, 5) != 0;
@@ -82,13 +83,38 @@ TEST_F(WoodyHid, OneThatDoesNotTakeItsCalibrationIsGivenNoForce) {
   encoders_->ignoreCalibration(true);
   const Pusher pusher(*kerf_, {0, 0, 1});
   bridge_->pressEnter();
-  std::this_thread::sleep_for(std::chrono::milliseconds(1200));
+  std::this_thread::sleep_for(std::chrono::milliseconds(1700));
   EXPECT_FALSE(isReady());
   for (const Bytes& report : bed_->written(0))
     for (const std::size_t motor : {1, 3, 5}) EXPECT_EQ(wordAt(report, motor), 0);
   encoders_->ignoreCalibration(false);
   bridge_->pressEnter();
   EXPECT_TRUE(until([&] { return hasCurrent(); }));
+}
+
+TEST_F(WoodyHid, CalibratingAgainIsNotReadyForLongEnoughToDisarmKerf) {
+  begin(false, {0, 0, 5900});
+  const Pusher pusher(*kerf_, {0, 0, 1});
+  bridge_->pressEnter();
+  ASSERT_TRUE(until([&] { return hasCurrent(); }));
+  const auto begin = std::chrono::steady_clock::now();
+  bridge_->pressEnter();
+  EXPECT_TRUE(until([&] { return !isReady() && !pusher.is_valid && !hasCurrent(); }));
+  EXPECT_TRUE(until([&] { return isReady(); }));
+  EXPECT_GE(std::chrono::steady_clock::now() - begin, std::chrono::milliseconds(1500));
+}
+
+// Its last report was near home: old news is no calibration.
+TEST_F(WoodyHid, ASilentArmIsNotCalibrated) {
+  begin(false, {0, 0, 6000});
+  is_silent_ = true;
+  ASSERT_TRUE(until([&] { return !isFresh(); }));
+  bridge_->pressEnter();
+  std::this_thread::sleep_for(std::chrono::milliseconds(1700));
+  is_silent_ = false;
+  const std::uint64_t hands = kerf_->counts().hands;
+  ASSERT_TRUE(until([&] { return kerf_->counts().hands > hands + 10; }));
+  EXPECT_FALSE(isReady());
 }
 
 TEST_F(WoodyHid, GivesNoForceWithoutNewsOfKerfAndEndsWhenItIsUnplugged) {
