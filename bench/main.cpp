@@ -1,4 +1,4 @@
-// kerf-bench: scenes that anyone can time on their own machine. Times vary, the state hash does not.
+// kerf-bench: scenes to time on any machine. Times vary, the state hash does not.
 #include <fmt/format.h>
 
 #include "bench/report.h"
