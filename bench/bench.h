@@ -1,4 +1,4 @@
-// What the scenes of `kerf-bench` share: what a scene is given, and what it gives back.
+// Shared by the scenes of `kerf-bench`: input and result of a scene.
 #pragma once
 
 #include <chrono>

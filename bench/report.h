@@ -1,4 +1,4 @@
-// What a user sees of a run of `kerf-bench`: lines or JSON, both by the table of scenes.
+// Report of a `kerf-bench` run: lines or JSON, by the table of scenes.
 #pragma once
 
 #include <nlohmann/json.hpp>
