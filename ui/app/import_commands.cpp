@@ -44,7 +44,10 @@ bool isImportingLabels(const AppContext& c) { return isImporting(c) && c.bench.i
 bool isImportingSeveral(const AppContext& c) { return isImporting(c) && c.bench.importSet()->isSeveral(); }
 bool isImportingTool(const AppContext& c) { return isImporting(c) && c.bench.importSet()->tool(); }
 
-bool isPreviewing(const AppContext& c) { return isImporting(c) && c.bench.importSet()->isPreviewComing(); }
+bool isPreviewing(const AppContext& c) {
+  const PreviewedPlan* const plan = isImporting(c) ? c.bench.importSet()->plan() : nullptr;
+  return plan && plan->isPreviewComing();
+}
 
 Expected<void> importRead(AppContext& c, AppWords words) {
   if (importWordOf(words, 0).empty()) return notAWord("", "the path of a scan");
@@ -162,7 +165,7 @@ Expected<void> importVoxel(AppContext& c, AppWords words) {
 }
 
 Expected<void> importPreview(AppContext& c, AppWords) {
-  c.bench.importSet()->startPreview();
+  if (PreviewedPlan* const plan = c.bench.importSet()->plan()) plan->startPreview();
   return {};
 }
 

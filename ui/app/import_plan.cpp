@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <utility>
 
 #include "geometry/formats/mesh_io.h"
@@ -20,10 +19,9 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 using Weight = Finding::Weight;
 
-constexpr auto kSettlesAfter = std::chrono::milliseconds(250);  // a dragged slider is not followed step by step
-constexpr std::size_t kMostCrossings = 1000;                    // counted; more are as bad
-constexpr std::size_t kByItselfUpTo = 1'000'000;                // triangles: closing takes a few seconds
-constexpr Rgba8 kAddedColour = {190, 203, 216, 255};            // what closing added, in the preview
+constexpr std::size_t kMostCrossings = 1000;          // counted; more are as bad
+constexpr std::size_t kByItselfUpTo = 1'000'000;      // triangles: closing takes a few seconds
+constexpr Rgba8 kAddedColour = {190, 203, 216, 255};  // what closing added, in the preview
 constexpr Rgba8 kScannedColour = {233, 221, 197, 255};
 
 double secondsSince(Clock::time_point then) { return std::chrono::duration<double>(Clock::now() - then).count(); }
@@ -124,20 +122,8 @@ Prediction predict(double area_mm2, double voxel_mm, double closing_s) {
   return out;
 }
 
-// MemAvailable of Linux: what can be had without swapping.
-double freeMemory() {
-  std::ifstream in("/proc/meminfo");
-  std::string name;
-  double kilobytes = 0;
-  while (in >> name >> kilobytes) {
-    if (name == "MemAvailable:") return 1024 * kilobytes;
-    in.ignore(100, '\n');
-  }
-  return 0;
-}
-
 ImportPlan::ImportPlan(ScanFound found, PrepareOptions defaults)
-    : found_(std::move(found)), choice_(std::move(defaults)), changed_at_(Clock::now()), free_bytes_(freeMemory()) {
+    : found_(std::move(found)), choice_(std::move(defaults)) {
   const Vec3d size = found_.check.box.size();
   for (const std::string& name : unitNames()) {
     const double scale = millimetresPer(name).value_or(1);
@@ -149,15 +135,6 @@ ImportPlan::ImportPlan(ScanFound found, PrepareOptions defaults)
 }
 
 // ---- Choices
-
-void ImportPlan::changed() {
-  ++version_;
-  changed_at_ = Clock::now();
-  is_preview_due_ = true;
-  preview_.reset();
-  preview_error_.reset();
-  if (job_) job_->cancel();
-}
 
 Expected<void> ImportPlan::setUnit(const std::string& name) {
   KERF_TRY(chosen, chooseUnit(found_.check.box, name, found_.declared_unit));
@@ -230,9 +207,9 @@ Prediction ImportPlan::prediction() const {
   constexpr double kWithBase = 1.35, kSecondsPerTriangle = 3e-6;  // until the preview knows
   const double scale = unit().scale_to_mm;
   const double area =
-      preview_ ? preview_->area_mm2 : found_.check.area * scale * scale * (isWithoutUnderside() ? kWithBase : 1);
+      preview() ? preview()->area_mm2 : found_.check.area * scale * scale * (isWithoutUnderside() ? kWithBase : 1);
   const double closing =
-      closing_s_ > 0 ? closing_s_ : kSecondsPerTriangle * static_cast<double>(found_.check.triangles);
+      previewSeconds() > 0 ? previewSeconds() : kSecondsPerTriangle * static_cast<double>(found_.check.triangles);
   return predict(area, voxel(), closing + found_.seconds);
 }
 
@@ -313,47 +290,14 @@ bool ImportPlan::startsByItself() const {
   return choice_.closing.way != ClosingChoice::Way::kWrap && found_.check.triangles <= kByItselfUpTo;
 }
 
-void ImportPlan::startPreview() {
-  if (job_) return;
-  is_preview_due_ = false;
-  preview_.reset();
-  preview_error_.reset();
+std::unique_ptr<Job<ClosedPreview>> ImportPlan::makePreview() const {
   CloseOptions options = closeOptionsOf(choice_.closing);
   options.cleanup_length_mm = std::min(0.01 * voxel(), 0.1);  // as baking sets it
-  job_ = std::make_unique<Job<ClosedPreview>>(
+  return std::make_unique<Job<ClosedPreview>>(
       "closing " + found_.file.filename().string(),
       [mesh = found_.mesh, scale = unit().scale_to_mm, options](const Progress& progress) {
         return closed(*mesh, scale, options, progress);
       });
-}
-
-void ImportPlan::cancelPreview() {
-  is_preview_due_ = false;
-  if (job_) job_->cancel();
-}
-
-void ImportPlan::suspendPreview() {
-  if (!job_) return;
-  job_->cancel();
-  is_preview_due_ = true;
-}
-
-bool ImportPlan::update() {
-  if (job_ && job_->isOver()) {
-    auto done = job_->take();
-    job_.reset();
-    if (is_preview_due_) return false;  // of choices that were changed since
-    if (done) {
-      closing_s_ = done->seconds;
-      preview_ = std::move(*done);
-    } else if (done.error().code != Error::Code::kCancelled) {
-      preview_error_ = std::move(done.error());
-    }
-    ++version_;
-    return true;
-  }
-  if (!job_ && is_preview_due_ && startsByItself() && Clock::now() - changed_at_ > kSettlesAfter) startPreview();
-  return false;
 }
 
 }  // namespace kerf

@@ -5,11 +5,8 @@
 // for.
 #pragma once
 
-#include <chrono>
-#include <cstdint>
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -18,8 +15,8 @@
 #include "geometry/base/progress.h"
 #include "geometry/mesh/mesh.h"
 #include "geometry/mesh/mesh_check.h"
-#include "ui/app/job.h"
 #include "ui/app/opening.h"
+#include "ui/app/previewed_plan.h"
 
 namespace kerf {
 
@@ -59,33 +56,11 @@ struct Finding {
   std::string text;
 };
 
-/// What cutting at a voxel size will take. See predict().
-struct Prediction {
-  double seconds = 0;            ///< until the tool can be held
-  double bytes = 0;              ///< of the whole program, at its peak
-  double surface_triangles = 0;  /// of the surface that is drawn
-};
 /// A line through measurements of eight real scans at three voxel sizes each, on two cores: memory within 10 %, seconds
 /// from a quarter too few to twice too many, as the machine was busy or idle.
 /// @param area_mm2       of the closed solid.   @param closing_s  what closing took or will take.
 Prediction predict(double area_mm2, double voxel_mm, double closing_s);
-/// That can be had without swapping, bytes; 0: not known.
-double freeMemory();
-
-/// The solid that will be cut, before it is cut.
-struct ClosedPreview {
-  std::shared_ptr<const Mesh> solid;  ///< mm; what was added is of another colour than what was scanned
-  std::vector<std::string> changes;   ///< sentences
-  std::vector<std::string> warnings;  ///< those of them that went beyond what was asked for
-  bool is_exact = true;               ///< false: shrink-wrapped, an approximation
-  double volume_mm3 = 0, area_mm2 = 0;
-  double seconds = 0;                        ///< that closing took
-  std::optional<Vec3d> base_direction = {};  ///< unit, out of the model; none: no base was added
-  double base_level_mm = 0;                  ///< the base is {x : base_direction . x = base_level_mm}
-  std::optional<Plane> occlusal_plane = {};  ///< that the base is parallel to
-};
-
-class ImportPlan {
+class ImportPlan final : public PreviewedPlan {
  public:
   /// @param defaults  where the choices begin; an empty unit: as the file says, or by its size.
   ImportPlan(ScanFound found, PrepareOptions defaults);
@@ -121,37 +96,15 @@ class ImportPlan {
   /// goes by its own welded mesh and may count others as well.
   std::size_t rimCount() const;
   bool isWithoutUnderside() const { return rimCount() > 0; }
-  Prediction prediction() const;
-  /// Of memory, when the plan was made; 0: not known.
-  double freeBytes() const { return free_bytes_; }
+  Prediction prediction() const override;
   /// Options for openToCut(): an untouched unit and voxel size stay open, so that the same case is found again.
   PrepareOptions result() const { return choice_; }
 
-  // ---- The closed solid
-
-  /// Once a frame. Takes what the preview's job has done; starts it a moment after the last choice, unless that takes
-  /// long (a wrap, a million triangles): then startPreview() does.   @return true: there is another one, or none any
-  /// more.
-  bool update();
-  void startPreview();
-  void cancelPreview();
-  bool startsByItself() const;
-  /// It is being computed, or will be in a moment.
-  bool isPreviewComing() const { return job_ || (is_preview_due_ && startsByItself()); }
-  /// Makes way for other work; it begins again when update() is called after that.
-  void suspendPreview();
-  /// Null: none yet, or the choices have changed since.
-  const ClosedPreview* preview() const { return preview_ ? &*preview_ : nullptr; }
-  /// Why there is none: closing failed. Preparing would fail in the same way.
-  const std::optional<Error>& previewError() const { return preview_error_; }
-  /// No thread works for it: destroying it waits for nothing.
-  bool isIdle() const { return !job_ || job_->isOver(); }
-  const AnyJob* previewJob() const { return job_.get(); }
-  /// Rises with every choice that changes what is shown.
-  std::uint64_t version() const { return version_; }
+  /// Not a wrap, nor a million triangles.
+  bool startsByItself() const override;
 
  private:
-  void changed();
+  std::unique_ptr<Job<ClosedPreview>> makePreview() const override;
   std::string reasonOfUnit() const;
 
   ScanFound found_;
@@ -159,14 +112,6 @@ class ImportPlan {
   std::vector<UnitOption> units_;
   bool unit_is_doubtful_ = false;
   std::size_t unit_ = 0;
-  std::uint64_t version_ = 1;
-  std::chrono::steady_clock::time_point changed_at_;
-  bool is_preview_due_ = true;
-  std::unique_ptr<Job<ClosedPreview>> job_;
-  std::optional<ClosedPreview> preview_;
-  std::optional<Error> preview_error_;
-  double free_bytes_ = 0;
-  double closing_s_ = 0;  // of the last preview; 0: none yet
 };
 
 }  // namespace kerf

@@ -114,8 +114,7 @@ void ImportSet::add(std::vector<ImportRead> read) {
 // What is computed for another one makes way.
 void ImportSet::choose(std::size_t n) {
   if (n >= entries_.size() || n == chosen_) return;
-  if (scan()) scan()->suspendPreview();
-  if (labels()) labels()->suspendPreview();
+  if (plan()) plan()->suspendPreview();
   chosen_ = n;
 }
 
@@ -227,8 +226,8 @@ Prediction ImportSet::prediction() const {
   Prediction out;
   for (const ImportEntry& entry : entries_) {
     const bool is_prepared = entry.role == ImportRole::kCut || entry.role == ImportRole::kBeside;
-    if (!is_prepared || (!entry.scan && !entry.labels)) continue;
-    const Prediction one = entry.scan ? entry.scan->prediction() : entry.labels->prediction();
+    if (!is_prepared || !entry.plan()) continue;
+    const Prediction one = entry.plan()->prediction();
     out.seconds += one.seconds;
     out.bytes += out.bytes > 0 ? std::max(one.bytes - kProgram, 0.0) : one.bytes;
     out.surface_triangles += one.surface_triangles;
@@ -237,65 +236,29 @@ Prediction ImportSet::prediction() const {
 }
 
 double ImportSet::freeBytes() const {
-  for (const ImportEntry& entry : entries_) {
-    if (entry.scan) return entry.scan->freeBytes();
-    if (entry.labels) return entry.labels->freeBytes();
-  }
+  for (const ImportEntry& entry : entries_)
+    if (entry.plan()) return entry.plan()->freeBytes();
   return 0;
 }
 
 // ---- Previews
 
+PreviewedPlan* ImportEntry::plan() const { return scan ? static_cast<PreviewedPlan*>(scan.get()) : labels.get(); }
+
 void ImportSet::update() {
-  for (std::size_t n = 0; n < entries_.size(); ++n) {
-    const ImportEntry& entry = entries_[n];
+  for (std::size_t n = 0; n < entries_.size(); ++n)
     // Of one that is not chosen only what was begun is taken.
-    if (entry.scan && (n == chosen_ || entry.scan->previewJob())) entry.scan->update();
-    if (entry.labels && (n == chosen_ || entry.labels->previewJob())) entry.labels->update();
-  }
-}
-
-void ImportSet::startPreview() {
-  if (scan()) scan()->startPreview();
-  if (labels()) labels()->startPreview();
-}
-
-bool ImportSet::isPreviewComing() const {
-  return (scan() && scan()->isPreviewComing()) || (labels() && labels()->isPreviewComing());
+    if (PreviewedPlan* const plan = entries_[n].plan(); plan && (n == chosen_ || plan->previewJob())) plan->update();
 }
 
 void ImportSet::suspendPreviews() {
-  for (const ImportEntry& entry : entries_) {
-    if (entry.scan) entry.scan->suspendPreview();
-    if (entry.labels) entry.labels->suspendPreview();
-  }
+  for (const ImportEntry& entry : entries_)
+    if (entry.plan()) entry.plan()->suspendPreview();
 }
 
 bool ImportSet::isIdle() const {
-  return std::all_of(entries_.begin(), entries_.end(), [](const ImportEntry& entry) {
-    return (!entry.scan || entry.scan->isIdle()) && (!entry.labels || entry.labels->isIdle());
-  });
-}
-
-const ClosedPreview* ImportSet::preview() const {
-  if (scan()) return scan()->preview();
-  return labels() ? labels()->preview() : nullptr;
-}
-
-const std::optional<Error>& ImportSet::previewError() const {
-  static const std::optional<Error> kNone;
-  if (scan()) return scan()->previewError();
-  return labels() ? labels()->previewError() : kNone;
-}
-
-const AnyJob* ImportSet::previewJob() const {
-  if (scan()) return scan()->previewJob();
-  return labels() ? labels()->previewJob() : nullptr;
-}
-
-void ImportSet::cancelPreview() {
-  if (scan()) scan()->cancelPreview();
-  if (labels()) labels()->cancelPreview();
+  return std::all_of(entries_.begin(), entries_.end(),
+                     [](const ImportEntry& entry) { return !entry.plan() || entry.plan()->isIdle(); });
 }
 
 ImportPicture ImportSet::picture(bool shows_solid) const {
@@ -309,9 +272,7 @@ ImportPicture ImportSet::picture(bool shows_solid) const {
     const ImportEntry& entry = entries_[n];
     const bool is_chosen = n == chosen_;
     if (entry.role == ImportRole::kOut && !is_chosen) continue;
-    const ClosedPreview* const solid = entry.scan     ? entry.scan->preview()
-                                       : entry.labels ? entry.labels->preview()
-                                                      : nullptr;
+    const ClosedPreview* const solid = entry.plan() ? entry.plan()->preview() : nullptr;
     if (solid && (entry.labels || shows_solid))
       out.parts.push_back({solid->solid, 1, false, !is_chosen});
     else if (entry.scan)

@@ -47,6 +47,7 @@ struct ImportEntry {
   /// Unit and voxel size that the program was told, which hold for a recipe, too; in the panels nothing is asked about
   /// it.
   PrepareOptions told;
+  PreviewedPlan* plan() const;  ///< scan or labels; null: neither
   /// "scan", "labels of a CT", "recipe" or "case".
   std::string what() const;
   /// What was chosen about it, for openToCut(): an untouched unit and voxel size stay open, so that the same case is
@@ -106,17 +107,15 @@ class ImportSet {
   Prediction prediction() const;
   double freeBytes() const;
 
-  // ---- Previews: of the chosen one, as ImportPlan's
+  // ---- Previews
 
+  /// Of the chosen one; null: it has none.
+  PreviewedPlan* plan() const { return entries_[chosen_].plan(); }
+  const ClosedPreview* preview() const { return plan() ? plan()->preview() : nullptr; }
+  /// Once a frame: PreviewedPlan::update() of the chosen one, and of others that are under way.
   void update();
-  void startPreview();
-  bool isPreviewComing() const;
   void suspendPreviews();
   bool isIdle() const;
-  const ClosedPreview* preview() const;
-  const std::optional<Error>& previewError() const;
-  const AnyJob* previewJob() const;
-  void cancelPreview();
   ImportPicture picture(bool shows_solid) const;
 
  private:

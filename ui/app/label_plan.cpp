@@ -20,8 +20,7 @@ namespace fs = std::filesystem;
 using LabelClock = std::chrono::steady_clock;
 using LabelWeight = Finding::Weight;
 
-constexpr auto kLabelsSettleAfter = std::chrono::milliseconds(400);  // while tissues are chosen one after the other
-constexpr std::size_t kLabelsByItselfUpTo = 60'000'000;              // voxels: smoothing takes some seconds
+constexpr std::size_t kLabelsByItselfUpTo = 60'000'000;  // voxels: smoothing takes some seconds
 
 double labelSecondsSince(LabelClock::time_point then) {
   return std::chrono::duration<double>(LabelClock::now() - then).count();
@@ -200,11 +199,7 @@ std::optional<Material> tissueByName(const std::string& name) {
 }
 
 LabelPlan::LabelPlan(LabelsFound found, MaterialTable materials, double voxel_mm)
-    : found_(std::move(found)),
-      materials_(std::move(materials)),
-      voxel_mm_(voxel_mm),
-      free_bytes_(freeMemory()),
-      changed_at_(LabelClock::now()) {
+    : found_(std::move(found)), materials_(std::move(materials)), voxel_mm_(voxel_mm) {
   for (const LabelFound& label : found_.labels)
     if (const auto tissue = tissueByName(label.name); tissue && materials_.find(*tissue))
       tissues_[label.label] = *tissue;
@@ -235,14 +230,6 @@ std::vector<Finding> LabelPlan::findings() const {
 }
 
 // ---- Choices
-
-void LabelPlan::changed() {
-  changed_at_ = LabelClock::now();
-  is_preview_due_ = true;
-  preview_.reset();
-  preview_error_.reset();
-  if (job_) job_->cancel();
-}
 
 std::optional<Material> LabelPlan::tissue(std::uint16_t label) const {
   const auto known = tissues_.find(label);
@@ -280,7 +267,7 @@ double LabelPlan::suggestedVoxel() const { return voxelFor(areaMm2()); }
 
 double LabelPlan::areaMm2() const {
   constexpr double kStaircase = 1.5;  // the faces of voxels around a surface of any direction, of its area
-  if (preview_) return preview_->area_mm2;
+  if (preview()) return preview()->area_mm2;
   double faces = 0;
   for (const auto& [labels, mm2] : found_.walls_mm2)
     if (tissues_.count(labels.first) != tissues_.count(labels.second)) faces += mm2;
@@ -299,7 +286,7 @@ Prediction LabelPlan::prediction() const {
   constexpr double kSecondsPerVoxel = 2.5e-7, kBytesPerVoxel = 20;  // smoothing, in the box of what is labelled
   double voxels = found_.box.size().prod();
   for (const double mm : found_.volume->spacing) voxels /= mm;
-  const double smoothing = smoothing_s_ > 0 ? smoothing_s_ : kSecondsPerVoxel * voxels;
+  const double smoothing = previewSeconds() > 0 ? previewSeconds() : kSecondsPerVoxel * voxels;
   Prediction out = predict(areaMm2(), voxel(), found_.seconds + smoothing);
   out.bytes += 2 * static_cast<double>(voxelsOf(*found_.volume)) + kBytesPerVoxel * voxels;
   return out;
@@ -326,48 +313,16 @@ std::string LabelPlan::recipe() const {
 
 bool LabelPlan::startsByItself() const { return !isEmpty() && voxelsOf(*found_.volume) <= kLabelsByItselfUpTo; }
 
-void LabelPlan::startPreview() {
-  if (job_ || isEmpty()) return;
-  is_preview_due_ = false;
-  preview_.reset();
-  preview_error_.reset();
+std::unique_ptr<Job<ClosedPreview>> LabelPlan::makePreview() const {
+  if (isEmpty()) return nullptr;
   Wanted wanted;
   for (const auto& [label, tissue] : tissues_) {
     wanted.labels.push_back(label);
     wanted.colours[label] = materials_.find(tissue)->color;
   }
-  job_ = std::make_unique<Job<ClosedPreview>>(
+  return std::make_unique<Job<ClosedPreview>>(
       "smoothing " + found_.file.filename().string(),
       [volume = found_.volume, wanted](const Progress& progress) { return surfaceOf(*volume, wanted, progress); });
-}
-
-void LabelPlan::cancelPreview() {
-  is_preview_due_ = false;
-  if (job_) job_->cancel();
-}
-
-void LabelPlan::suspendPreview() {
-  if (!job_) return;
-  job_->cancel();
-  is_preview_due_ = true;
-}
-
-bool LabelPlan::update() {
-  if (job_ && job_->isOver()) {
-    auto done = job_->take();
-    job_.reset();
-    if (is_preview_due_) return false;  // of choices that were changed since
-    if (done) {
-      smoothing_s_ = done->seconds;
-      preview_ = std::move(*done);
-    } else if (done.error().code != Error::Code::kCancelled) {
-      preview_error_ = std::move(done.error());
-    }
-    return true;
-  }
-  if (!job_ && is_preview_due_ && startsByItself() && LabelClock::now() - changed_at_ > kLabelsSettleAfter)
-    startPreview();
-  return false;
 }
 
 }  // namespace kerf

@@ -53,7 +53,7 @@ Expected<LabelsFound> readLabels(const std::filesystem::path& file, const Progre
 /// like are nothing to cut. A name that says nothing is generic.
 std::optional<Material> tissueByName(const std::string& name);
 
-class LabelPlan {
+class LabelPlan final : public PreviewedPlan {
  public:
   LabelPlan(LabelsFound found, MaterialTable materials, double voxel_mm = 0);
 
@@ -79,36 +79,21 @@ class LabelPlan {
   /// Of the surface around all that is not left out; until the preview knows, from the faces of voxels.
   double areaMm2() const;
   double volumeMm3() const;
-  Prediction prediction() const;
-  double freeBytes() const { return free_bytes_; }
+  Prediction prediction() const override;
   /// The text of a recipe that bakes it.   @pre !isEmpty()
   std::string recipe() const;
 
-  // ---- The surface, in the colours of its tissues
-
-  bool update();
-  void startPreview();
-  void cancelPreview();
-  void suspendPreview();
-  bool startsByItself() const;
-  bool isPreviewComing() const { return job_ || (is_preview_due_ && startsByItself()); }
-  const ClosedPreview* preview() const { return preview_ ? &*preview_ : nullptr; }
-  const std::optional<Error>& previewError() const { return preview_error_; }
-  bool isIdle() const { return !job_ || job_->isOver(); }
-  const AnyJob* previewJob() const { return job_.get(); }
+  /// Not a large volume: smoothing takes long.
+  bool startsByItself() const override;
 
  private:
-  void changed();
+  /// The surface, in the colours of its tissues.
+  std::unique_ptr<Job<ClosedPreview>> makePreview() const override;
 
   LabelsFound found_;
   MaterialTable materials_;
   std::map<std::uint16_t, Material> tissues_;  // of labels that are not left out
-  double voxel_mm_ = 0, free_bytes_ = 0, smoothing_s_ = 0;
-  std::chrono::steady_clock::time_point changed_at_;
-  bool is_preview_due_ = true;
-  std::unique_ptr<Job<ClosedPreview>> job_;
-  std::optional<ClosedPreview> preview_;
-  std::optional<Error> preview_error_;
+  double voxel_mm_ = 0;
 };
 
 }  // namespace kerf

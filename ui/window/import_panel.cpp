@@ -315,23 +315,23 @@ void drawVerdict(const ImportSet& set, const ClosedPreview& preview) {
                                                  preview.volume_mm3));
 }
 
-void drawPreview(AppContext& context, ImportSet& set, ImportPanelState& state) {
+void drawPreview(AppContext& context, ImportSet& set, PreviewedPlan& plan, ImportPanelState& state) {
   const StyleColours& colours = styleColours();
   heading("Preview");
-  if (const AnyJob* const job = set.previewJob()) {
+  if (const AnyJob* const job = plan.previewJob()) {
     const JobStatus s = job->status();
     ui::progressBar(static_cast<float>(s.done), {-scaled(90), 0}, s.step);
     ImGui::SameLine();
-    if (ui::button("Stop", {-1, 0})) set.cancelPreview();
+    if (ui::button("Stop", {-1, 0})) plan.cancelPreview();
     return;
   }
-  if (set.previewError()) {
+  if (plan.previewError()) {
     ImGui::PushTextWrapPos(0);
-    ui::textColored(colours.warning, "It can not be closed in this way: " + set.previewError()->message());
+    ui::textColored(colours.warning, "It can not be closed in this way: " + plan.previewError()->message());
     ImGui::PopTextWrapPos();
     return;
   }
-  const ClosedPreview* const preview = set.preview();
+  const ClosedPreview* const preview = plan.preview();
   if (!preview) {
     if (ui::button(set.labels() ? "Show the surface" : "Show the closed solid", {-1, 0}))
       runImport(context, "import.preview");
@@ -437,7 +437,7 @@ void drawImportPanel(AppContext& context, ImportPanelState& state) {
   }
   ImGui::PopID();
   drawPrediction(*set);
-  if (set->scan() || set->labels()) drawPreview(context, *set, state);
+  if (set->plan()) drawPreview(context, *set, *set->plan(), state);
   ImGui::EndChild();
 
   const float width = ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x;
