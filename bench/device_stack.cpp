@@ -6,7 +6,7 @@
 
 #include "bench/bench.h"
 #include "bench/device_stack.h"
-#include "sim/device/arm_simulator.h"
+#include "bridges/simulated/arm_simulator.h"
 #include "sim/device/bridge_device.h"
 #include "sim/hand/device_profile.h"
 #include "sim/live/haptic_thread.h"

@@ -11,7 +11,7 @@ set_target_properties(kerf_geometry PROPERTIES EXPORT_NAME geometry)
 set_target_properties(kerf_sim PROPERTIES EXPORT_NAME sim)
 set_target_properties(kerf_preprocess PROPERTIES EXPORT_NAME preprocess)
 
-foreach(program kerf kerf-sim kerf-bridge-haply kerf-bridge-woody)
+foreach(program kerf kerf-sim kerf-bridge-haply kerf-bridge-simulated kerf-bridge-woody)
   if(TARGET ${program})
     install(TARGETS ${program} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} OPTIONAL)  # those that were built
   endif()

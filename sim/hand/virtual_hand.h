@@ -101,7 +101,6 @@ class DeviceHand final : public VirtualHand {
   /// Work the force has done on the device so far, less what the device's own damping and friction took, N mm. Above
   /// zero the simulation has given energy to the hand.
   double portEnergy() const { return work_ - lost_; }
-  double work() const { return work_; }
 
  private:
   const CutPath& path_;

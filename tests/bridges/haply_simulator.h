@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "geometry/base/error.h"
-#include "sim/device/arm_simulator.h"
+#include "bridges/simulated/arm_simulator.h"
 #include "sim/hand/virtual_hand.h"
 
 namespace kerf::test {

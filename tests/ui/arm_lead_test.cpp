@@ -14,7 +14,7 @@
 #include <thread>
 
 #include "geometry/formats/mesh_writer.h"
-#include "sim/device/arm_simulator.h"
+#include "bridges/simulated/arm_simulator.h"
 #include "sim/device/bridge_device.h"
 #include "sim/device/device_driver.h"
 #include "sim/run/replay.h"

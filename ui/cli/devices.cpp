@@ -1,19 +1,13 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <chrono>
-#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "sim/device/arm_opener.h"
-#include "sim/device/arm_simulator.h"
 #include "sim/hand/device_profile.h"
 #include "ui/cli/command.h"
 #include "ui/cli/device_probe.h"
 #include "ui/cli/device_words.h"
-#include "ui/cli/interruption.h"
 
 namespace kerf::cli {
 namespace {
@@ -23,10 +17,8 @@ struct DevicesArguments {
   bool wants_probe = false;
   std::string record, replay;  // files
   double seconds = 0;          // of probe and recording; 0: until it is interrupted
-  std::string simulate, path;  // kind of device, and the path of its hand
-  int port = kBridgePort;
   bool wants_typical = false;
-  double delay_ms = 2, damping = DeviceHand::Options{}.damping;
+  double delay_ms = 2;
   DeviceProfile profile;
   double wanted = CouplingSettings{}.stiffness;
   bool is_own = false;  // some number was given
@@ -107,78 +99,7 @@ int listDevices(const DevicesArguments& a) {
   return kOk;
 }
 
-// ---- A device that is not there
-
-// A hand that comes down, presses for some seconds while it goes round a small circle, and lifts again.
-CutPath ownPath() {
-  CutPath out;
-  const auto go = [&](double t, const Vec3d& p, bool cuts) {
-    if (!out.poses.empty()) out.cuts.push_back(cuts);
-    out.poses.push_back({t, {Eigen::Quaterniond::Identity(), p}});
-  };
-  go(0, {0, 0, 0}, false);
-  go(1, {0, 0, 0}, false);
-  go(3, {0, 0, -4}, true);
-  for (int n = 1; n <= 40; ++n) {
-    const double angle = 0.157079632679489662 * n;
-    go(3 + 0.1 * n, {0.4 * std::sin(angle), 0.4 * (1 - std::cos(angle)), -4}, true);
-  }
-  go(8, {0, 0, 2}, false);
-  go(9, {0, 0, 2}, false);
-  return out;
-}
-
-int simulate(const DevicesArguments& a) {
-  CutPath path = ownPath();
-  if (!a.path.empty()) {
-    auto read = readPath(a.path);
-    if (!read) return complain(read.error());
-    path = std::move(*read);
-  }
-  DeviceHand::Options hand;
-  hand.mass_kg = a.profile.mass_kg;
-  hand.damping = a.damping;
-  hand.friction = a.profile.friction;
-  hand.encoder_mm = a.profile.encoder_mm;
-  hand.delay_ticks = static_cast<int>(std::lround(a.delay_ms));
-  const Interruption interruption;
-  auto arm = ArmSimulator::start(std::move(path), {.port = static_cast<std::uint16_t>(a.port), .hand = hand});
-  if (!arm) return complain(arm.error());
-  if (!a.json) fmt::print("a simulated arm sends to 127.0.0.1, port {}\n", a.port);
-  std::fflush(stdout);
-  ArmReport r;
-  const auto began = std::chrono::steady_clock::now();
-  double last = -1;
-  for (;;) {
-    r = (*arm)->report();
-    const double now = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
-    if (isInterrupted() || r.is_over || (a.seconds > 0 && now >= a.seconds)) break;
-    if (!a.json && now - last >= 0.5) {
-      fmt::print("{:7.2f} s  at {:+.2f} {:+.2f} {:+.2f} mm, force {:+.2f} {:+.2f} {:+.2f} N{}\n", now, r.position[0],
-                 r.position[1], r.position[2], r.force[0], r.force[1], r.force[2], r.is_enabled ? "" : ", none");
-      std::fflush(stdout);
-      last = now;
-    }
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
-  if (a.json) {
-    printJson({{"seconds", 1e-3 * static_cast<double>(r.ticks)},
-               {"most_force_N", r.most_force},
-               {"energy_Nmm", r.port_energy},
-               {"most_energy_Nmm", r.most_energy},
-               {"force_frames", r.force_frames},
-               {"stops", r.forceless},
-               {"worst_age_ms", r.worst_age_ms}});
-  } else {
-    fmt::print("{} ticks, {} force frames, {} stops by the dead-man; force {:.2f} N at most, up to {:.1f} ms old\n",
-               r.ticks, r.force_frames, r.forceless, r.most_force, r.worst_age_ms);
-    fmt::print("energy given to the hand: {:.4f} N mm at most, {:.4f} in the end\n", r.most_energy, r.port_energy);
-  }
-  return kOk;
-}
-
 int runDevices(const DevicesArguments& a) {
-  if (!a.simulate.empty()) return simulate(a);
   if (!a.replay.empty()) return printRecording(a.replay, a.json);
   if (a.wants_probe || !a.record.empty()) return probeDevice({a.device, a.wants_probe, a.record, a.seconds, a.json});
   if (a.is_own || a.wants_typical) return sayCouplings(a);
@@ -200,7 +121,6 @@ void addDevices(CLI::App& command, int& exit_code) {
       "Examples: kerf devices --probe --for 10\n"
       "          kerf devices bridge --record arm.txt, then kerf live --device replay:arm.txt ...\n"
       "          kerf devices /dev/hidraw3 --record mine.txt\n"
-      "          kerf devices --simulate arm --delay 3\n"
       "          kerf devices --delay 1.5 --mass 0.07 --friction 0.26 --encoder 0.055");
   CLI::Option* const device =
       command.add_option("DEVICE", a->device, "its path or serial number, or bridge[:PORT]; default: the only one");
@@ -209,18 +129,8 @@ void addDevices(CLI::App& command, int& exit_code) {
   CLI::Option* const replay =
       command.add_option("--replay", a->replay, "print what the reports of such a file say")->excludes(probe);
   replay->excludes(record)->excludes(device);
-  command.add_option("--for", a->seconds, "how long to probe, record or simulate, s; 0: until Ctrl-C")
+  command.add_option("--for", a->seconds, "how long to probe or record, s; 0: until Ctrl-C")
       ->check(CLI::Range(0.0, 1e5));
-  CLI::Option* const simulated =
-      command.add_option("--simulate", a->simulate, "be a device that is not there: arm, behind a bridge")
-          ->check(CLI::IsMember({"arm"}));
-  command.add_option("--port", a->port, "of 127.0.0.1, where Kerf listens")
-      ->check(CLI::Range(1, 65535))
-      ->needs(simulated)
-      ->capture_default_str();
-  command.add_option("--path", a->path, "where the hand of the simulated arm goes; default: down, and a small circle")
-      ->needs(simulated);
-  simulated->excludes(probe)->excludes(record)->excludes(replay);
   CLI::Option* const typical =
       command.add_flag("--typical", a->wants_typical, "couplings of typical force-feedback devices");
 
@@ -232,7 +142,6 @@ void addDevices(CLI::App& command, int& exit_code) {
   own.push_back(number("--mass", a->profile.mass_kg, "that the hand moves at the tip, kg", 0.001, 10));
   own.push_back(number("--friction", a->profile.friction, "of the device at the tip, N", 0, 10));
   own.push_back(number("--encoder", a->profile.encoder_mm, "step of its position at the tip, mm; 0: perfect", 0, 1));
-  number("--damping", a->damping, "of a simulated arm, N s/mm", 0, 1)->needs(simulated);
   CLI::Option* const coupling = number("--coupling", a->wanted, "stiffness that is wanted, N/mm", 0.01, 100);
   for (CLI::Option* option : own) option->excludes(typical);
   command.add_flag("--json", a->json, "as JSON on standard output");

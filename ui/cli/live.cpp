@@ -60,13 +60,13 @@ Expected<HandFrame> waitForHand(const ForceArm& device, double most_s) {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   const ArmCounts counts = device.counts();
-  return fail(
-      {.code = Error::Code::kNotFound,
-       .place = device.what(),
-       .found = counts.refused > 0 ? fmt::format("{} frames that are none: {}", counts.refused, counts.last_fault)
-                                   : fmt::format("no hand in {:g} s", most_s),
-       .expected = "a device or a bridge that sends where its hand is",
-       .hint = counts.trouble + "; a bridge to try: kerf devices --simulate arm (docs/reference/device-bridge.md)"});
+  return fail({.code = Error::Code::kNotFound,
+               .place = device.what(),
+               .found = counts.refused > 0
+                            ? fmt::format("{} frames that are none: {}", counts.refused, counts.last_fault)
+                            : fmt::format("no hand in {:g} s", most_s),
+               .expected = "a device or a bridge that sends where its hand is",
+               .hint = counts.trouble + "; a bridge to try: kerf-bridge-simulated (docs/reference/device-bridge.md)"});
 }
 
 // The session itself; says when the hand comes and goes. A latch is cleared once the hand has been back for a while.
@@ -191,7 +191,7 @@ void addLive(CLI::App& command, int& exit_code) {
       "Button 1 is the pedal; while button 2 is held the hand moves and the tool stays.\n"
       "Ctrl-C ends the session, whose run replays and exports as any other.\n"
       "Example: kerf live molar.case --tool round-014 --start 0,0,9 -o molar.run\n"
-      "         kerf devices --simulate arm                              (in another terminal, to try)");
+      "         kerf-bridge-simulated                                    (in another terminal, to try)");
   command.add_option("CASE", a->case_folder, "case folder")->required();
   command.add_option("--tool", a->tool, "tool id (kerf tool list) or a tool's TOML file")->required();
   command.add_option("-o,--output", a->run_folder, "run folder to write")->required();

@@ -186,8 +186,8 @@ void drawArm(AppContext& context) {
   heading("Force-feedback device");
   if (view.what.empty()) {
     wrapped(styleColours().quiet,
-            "None is open. A bridge is a small program for your device; kerf devices --simulate "
-            "arm is one to try.");
+            "None is open. A bridge is a small program for your device; kerf-bridge-simulated is one "
+            "to try.");
     if (plainButton("Wait for a bridge", "", -1))
       say(context, runAppCommand(context, "device.open", std::vector<std::string>{"bridge"}));
     return;

@@ -15,7 +15,7 @@
 #include <limits>
 #include <thread>
 
-#include "sim/device/arm_simulator.h"
+#include "bridges/simulated/arm_simulator.h"
 #include "sim/device/device_driver.h"
 #include "sim/live/haptic_thread.h"
 #include "tests/sim/block_scene.h"

@@ -5,7 +5,7 @@
 
 #include <map>
 
-#include "sim/device/arm_simulator.h"
+#include "bridges/simulated/arm_simulator.h"
 #include "sim/device/bridge_device.h"
 #include "sim/device/device_recording.h"
 #include "sim/device/raw_arm.h"

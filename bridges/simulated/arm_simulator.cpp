@@ -1,4 +1,4 @@
-#include "sim/device/arm_simulator.h"
+#include "bridges/simulated/arm_simulator.h"
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
