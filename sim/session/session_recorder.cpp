@@ -76,7 +76,6 @@ struct SessionRecorder::State {
   mutable std::mutex mutex;
   std::condition_variable wake;
   bool is_closing = false;
-  std::vector<std::pair<std::uint64_t, SessionSnapshot>> snapshots;
   RecorderStatus published;           // all of it but `recorded` and `lost`
   std::uint64_t entries_written = 0;  // before the file failed
   std::thread writing, syncing;
@@ -127,13 +126,6 @@ void SessionRecorder::State::take(const Entry& entry) {
 }
 
 Expected<void> SessionRecorder::State::drain() {
-  // Snapshots are fetched before the queue is read: what was recorded before a snapshot stands before it.
-  std::vector<std::pair<std::uint64_t, SessionSnapshot>> kept;
-  {
-    const std::lock_guard lock(mutex);
-    kept.swap(snapshots);
-  }
-
   // No more than was there at the beginning: a faster producer must not keep this from ever being written.
   Entry entry;
   for (std::size_t n = queue.read_available(); n > 0 && queue.pop(entry); --n) {
@@ -141,8 +133,6 @@ Expected<void> SessionRecorder::State::drain() {
     ++taken;
   }
   endRun();
-
-  for (const auto& [tick, snapshot] : kept) log.add(tick, snapshot);
   return log.write();
 }
 
@@ -270,21 +260,6 @@ RecordStatus SessionRecorder::record(const StateCheck& check, std::uint64_t tick
   entry.size = kCheckBytes;
   pack(check, std::span(entry.payload).first<kCheckBytes>());
   return state_->push(entry);
-}
-
-Expected<void> SessionRecorder::recordSnapshot(std::span<const std::byte> state, std::uint64_t tick) {
-  KERF_TRY(snapshot, packSnapshot(state));
-  const std::lock_guard lock(state_->mutex);
-  if (state_->published.error) return fail(*state_->published.error);
-  if (state_->snapshots.size() >= kMaxWaitingSnapshots)
-    return fail({.code = Error::Code::kWriteFailed,
-                 .file = "",
-                 .place = "snapshot",
-                 .found = "the ones before are not yet written",
-                 .expected = "",
-                 .hint = "record to a faster disk, or less often"});
-  state_->snapshots.emplace_back(tick, std::move(snapshot));
-  return {};
 }
 
 RecorderStatus SessionRecorder::status() const {

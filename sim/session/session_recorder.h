@@ -65,12 +65,6 @@ class SessionRecorder {
 
   // For any other thread.
 
-  /// Keeps the state after `tick`. Compresses here, in the calling thread; in the log it stands after all that the
-  /// haptic thread recorded before this call. Errors: larger than kMaxSnapshotBytes, the file has failed, or
-  /// kMaxWaitingSnapshots wait already.
-  Expected<void> recordSnapshot(std::span<const std::byte> state, std::uint64_t tick);
-  static constexpr std::size_t kMaxWaitingSnapshots = 4;
-
   RecorderStatus status() const;
 
   /// Writes what waits and the mark of a clean end, syncs, ends the threads. The error is the first one of the whole

@@ -99,10 +99,6 @@ TEST(SessionRecorder, EverythingIsInTheLogInItsOrder) {
     if (tick % 500 == 10) recorder->record(StrokeMark::kBegin, tick);
     ASSERT_EQ(recorder->record(sampleOf(tick), tick), RecordStatus::kRecorded);
     if (tick % 250 == 0) recorder->record(checkOf(tick), tick);
-    if (tick == 1500) {
-      const std::vector<std::byte> state(5000, std::byte{7});
-      ASSERT_TRUE(recorder->recordSnapshot(state, tick));
-    }
   }
   ASSERT_TRUE(recorder->close());
   EXPECT_EQ(recorder->status().lost, 0u);
@@ -121,7 +117,7 @@ TEST(SessionRecorder, EverythingIsInTheLogInItsOrder) {
     ASSERT_EQ(log->samples[tick].tick, tick);
     ASSERT_TRUE(sameBits(log->samples[tick].sample, sampleOf(tick))) << tick;
   }
-  std::size_t commands = 0, strokes = 0, checks = 0, snapshots = 0;
+  std::size_t commands = 0, strokes = 0, checks = 0;
   for (const SessionEvent& event : log->events) {
     if (const auto* command = std::get_if<SessionCommand>(&event.what)) {
       EXPECT_EQ(event.tick, 100 * commands++);
@@ -131,11 +127,6 @@ TEST(SessionRecorder, EverythingIsInTheLogInItsOrder) {
       EXPECT_EQ(event.tick, 250 * checks++);
       EXPECT_TRUE(sameBits(*check, checkOf(event.tick)));
       EXPECT_EQ(event.samples_before, event.tick + 1) << "it comes after the sample of its tick";
-    } else if (const auto* snapshot = std::get_if<SessionSnapshot>(&event.what)) {
-      ++snapshots;
-      EXPECT_EQ(event.tick, 1500u);
-      EXPECT_GT(event.samples_before, 1500u) << "it stands after the sample of its tick";
-      EXPECT_EQ(*unpackSnapshot(*snapshot), std::vector<std::byte>(5000, std::byte{7}));
     } else {
       EXPECT_EQ(std::get<StrokeMark>(event.what), StrokeMark::kBegin);
       EXPECT_EQ(event.tick, 10 + 500 * strokes++);
@@ -144,7 +135,6 @@ TEST(SessionRecorder, EverythingIsInTheLogInItsOrder) {
   EXPECT_EQ(commands, 30u);
   EXPECT_EQ(strokes, 6u);
   EXPECT_EQ(checks, 12u);
-  EXPECT_EQ(snapshots, 1u);
 }
 
 TEST(SessionRecorder, AFullQueueIsToldCountedAndWrittenDown) {
@@ -219,19 +209,6 @@ TEST(SessionRecorder, IsWrittenAndSyncedWithoutBeingAsked) {
   EXPECT_TRUE(becomesTrue([&] { return recorder->status().bytes_written > header; }));
   EXPECT_TRUE(becomesTrue([&] { return recorder->status().bytes_synced > header; }));
   EXPECT_EQ(readSessionLog(folder.path() / "s.kerflog")->samples.size(), 1u);
-}
-
-TEST(SessionRecorder, TooManySnapshotsAreRefusedNotKept) {
-  const TemporaryFolder folder;
-  RecorderOptions options;
-  options.write_every = 1h;
-  auto recorder = SessionRecorder::start(folder.path() / "s.kerflog", {}, options);
-  const std::vector<std::byte> state(10);
-  for (std::size_t i = 0; i < SessionRecorder::kMaxWaitingSnapshots; ++i)
-    EXPECT_TRUE(recorder->recordSnapshot(state, i));
-  EXPECT_FALSE(recorder->recordSnapshot(state, 9));
-  ASSERT_TRUE(recorder->close());
-  EXPECT_EQ(readSessionLog(folder.path() / "s.kerflog")->events.size(), SessionRecorder::kMaxWaitingSnapshots);
 }
 
 // Everything the haptic thread may call, in a row; the queue is full towards the end.
@@ -327,7 +304,6 @@ TEST(SessionRecorder, AFullDiskIsReportedAndTheLogStaysWhole) {
     if (!now.error || now.error->found != "File too large" || now.error->file != path.string()) return 4;
     if (now.error->hint.find("free some space") == std::string::npos) return 5;
     if (now.lost == 0 || now.recorded + now.lost < tick) return 6;
-    if (recorder->recordSnapshot({}, tick)) return 7;
     const auto closed = recorder->close();
     if (closed || closed.error().found != "File too large") return 8;
     told->bytes_written = recorder->status().bytes_written;
