@@ -81,8 +81,4 @@ class Remesher {
   std::vector<std::uint64_t> dirty_;
 };
 
-/// One indexed mesh of chunks of different bricks, welded where positions are bit-equal: vertices in order of position,
-/// triangles in order of the chunks. For exporting a preview, and for tests.
-Mesh weldedMesh(std::span<const MeshChunkPtr> chunks);
-
 }  // namespace kerf

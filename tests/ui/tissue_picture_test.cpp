@@ -16,6 +16,7 @@
 #include "geometry/mesh/mesh_check.h"
 #include "sim/live/tissue_mesher.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/welded_mesh.h"
 #include "tests/ui/picture_compare.h"
 #include "ui/app/app_commands.h"
 #include "ui/app/app_script.h"

@@ -10,6 +10,7 @@
 
 #include "bench/scenes/carved_field.h"
 #include "tests/geometry/sampled_field.h"
+#include "tests/support/welded_mesh.h"
 
 namespace kerf::mesher_thread_test {
 namespace {

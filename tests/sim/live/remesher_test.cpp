@@ -9,6 +9,7 @@
 #include "bench/scenes/carved_field.h"
 #include "geometry/field/sample_field.h"
 #include "tests/geometry/sampled_field.h"
+#include "tests/support/welded_mesh.h"
 
 namespace kerf::remesher_test {
 namespace {
