@@ -1,22 +1,18 @@
 #include "ui/window/image.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <stb/stb_image.h>
 #include <stb/stb_image_write.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstdlib>
-#include <cstring>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
+
+#include "geometry/base/atomic_file.h"
 
 namespace kerf {
 namespace {
@@ -289,43 +285,14 @@ Expected<Image> readPng(const std::filesystem::path& path) {
 }
 
 Expected<void> writePng(const std::filesystem::path& path, const Image& image) {
-  const auto failed = [&](std::string found) {
-    return fail({.code = Error::Code::kWriteFailed,
-                 .file = path.string(),
-                 .place = {},
-                 .found = std::move(found),
-                 .expected = {},
-                 .hint = "a folder that exists and may be written to"});
+  KERF_TRY(file, AtomicFile::create(path));
+  const auto write = [](void* to, void* data, int size) {
+    static_cast<std::ostream*>(to)->write(static_cast<const char*>(data), size);
   };
-
-  std::vector<std::uint8_t> png;
-  const auto collect = [](void* to, void* data, int size) {
-    const auto* bytes = static_cast<const std::uint8_t*>(data);
-    auto& all = *static_cast<std::vector<std::uint8_t>*>(to);
-    all.insert(all.end(), bytes, bytes + size);
-  };
-  if (!stbi_write_png_to_func(collect, &png, image.width, image.height, 4, image.rgba.data(), 4 * image.width))
-    return failed("the picture could not be encoded");
-
-  std::string beside = path.string() + ".XXXXXX";
-  const int file = mkstemp(beside.data());
-  if (file < 0) return failed(fmt::format("can not write here ({})", std::strerror(errno)));
-
-  bool ok = fchmod(file, 0644) == 0;
-  for (std::size_t done = 0; ok && done < png.size();) {
-    const ssize_t n = write(file, png.data() + done, png.size() - done);
-    if (n < 0 && errno == EINTR) continue;
-    ok = n > 0;
-    done += ok ? static_cast<std::size_t>(n) : 0;
-  }
-
-  ok = ok && fsync(file) == 0;
-  int reason = errno;
-  close(file);
-  if (ok && std::rename(beside.c_str(), path.c_str()) == 0) return {};
-  if (ok) reason = errno;
-  unlink(beside.c_str());
-  return failed(fmt::format("writing failed ({})", std::strerror(reason)));
+  if (!stbi_write_png_to_func(write, &file.stream(), image.width, image.height, 4, image.rgba.data(), 4 * image.width))
+    return fail(
+        {.code = Error::Code::kWriteFailed, .file = path.string(), .found = "the picture could not be encoded"});
+  return file.commit();
 }
 
 }  // namespace kerf

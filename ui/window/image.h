@@ -44,7 +44,7 @@ bool canBeDrawn(std::string_view text);
 /// Reads a PNG of at most 4096 pixels a side. Errors: kNotFound, kBadFormat.
 Expected<Image> readPng(const std::filesystem::path& path);
 
-/// Writes a PNG: beside the target first, then renamed, so a file of that name is replaced whole or not at all.
+/// Writes a PNG by AtomicFile: a file of that name is replaced whole or not at all.
 Expected<void> writePng(const std::filesystem::path& path, const Image& image);
 
 }  // namespace kerf
