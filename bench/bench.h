@@ -46,7 +46,6 @@ enum class SceneId {
   kPassivity,
   kPassivityLarge,
   kDevices,
-  kWindow,
   kWindowSession,
   kWindowMemory,
   kCount
@@ -162,7 +161,6 @@ Expected<Result> benchPassivityLarge(const Bench& bench);
 Expected<Result> benchDevices(const Bench& bench);
 Expected<Result> benchEdges(const Bench& bench);
 // A frame of the window, as kerf-sim times it: window.cpp.
-Expected<Result> benchWindow(const Bench& bench);
 Expected<Result> benchWindowSession(const Bench& bench);
 Expected<Result> benchWindowMemory(const Bench& bench);
 

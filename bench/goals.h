@@ -277,9 +277,6 @@ inline constexpr Goal kDevicesGoals[] = {
      Weight::kAim},  // on the clock: as the machine is
     {"whole stack: age of a force at the motors, p99.9", "ms", kAtMost, 10, Weight::kAim},
 };
-inline constexpr Goal kWindowGoals[] = {
-    {"live frame, p50", "ms", kAtMost, 35, Weight::kAim},  // 34 to 38: as the machine is
-};
 inline constexpr Goal kWindowMemoryGoals[] = {
     {"strokes", "", kAtLeast, 2},
     {"in memory, most over what it was when opened", "MB", kAtMost, 500},

@@ -34,7 +34,6 @@ Error noWindowProgram(std::string found) {
 struct Output {
   std::string text;
   int status = 0;
-  std::string firstLine() const { return {text.begin(), std::find(text.begin(), text.end(), '\n')}; }
 };
 
 // Of the kerf-sim beside this program.
@@ -60,28 +59,6 @@ double watched(const std::string& text, const std::string& part, const std::stri
 }
 
 }  // namespace
-
-Expected<Result> benchWindow(const Bench& bench) {
-  const std::filesystem::path mesh = bench.scratch.path() / "window.ply";
-  KERF_CHECK(writeMesh(mesh, demoMolar(kEdge)));
-  KERF_TRY(output, runWindowProgram(fmt::format("--time 60 --size 1280x720 '{}'", mesh.string())));
-  const std::string &text = output.text, first_line = output.firstLine();
-
-  double live50 = 0, live95 = 0, old50 = 0, old95 = 0;
-  const std::size_t at = text.find("live p50");
-  if (output.status != 0 || at == text.npos ||
-      std::sscanf(text.c_str() + at, "live p50 %lf p95 %lf ms picture p50 %lf p95 %lf", &live50, &live95, &old50,
-                  &old95) != 4)
-    return fail(noWindowProgram(first_line));
-
-  Result result(SceneId::kWindow, "processor time of a frame, 1280 x 720, the demo molar in 300 000 triangles");
-  result.add("live frame, p50", live50, "ms");
-  result.add("live frame, p95", live95, "ms");
-  result.add("picture frame, p50", old50, "ms");
-  result.add("picture frame, p95", old95, "ms");
-  result.notes.push_back(first_line);
-  return result;
-}
 
 // A scan is opened, drilled along its middle for a while and exported, every frame drawn as in the window.
 Expected<Result> benchWindowSession(const Bench& bench) {

@@ -160,10 +160,6 @@ TEST_F(KerfSim, AGridHasItsLinesAtRoundMillimetresOfTheScan) {
   for (std::size_t n = 0; n < found.size(); ++n)
     EXPECT_NEAR(std::remainder(found[n], 1.0), 0, 0.6 * mm_per_pixel) << found[n] << " mm";
   EXPECT_TRUE(std::any_of(found.begin(), found.end(), [&](double x) { return std::abs(x - 3) < mm_per_pixel; }));
-
-  const Outcome alone = shell(fmt::format("{} --grid '{}'", kProgram, mesh().string()));
-  EXPECT_EQ(alone.status, 2) << "a window has none";
-  EXPECT_NE(alone.text.find("--screenshot"), std::string::npos) << alone.text;
 }
 
 TEST_F(KerfSim, APictureOfAMapOfDepthHasItsLegend) {
@@ -256,20 +252,15 @@ TEST_F(KerfSim, PicturesOfAnotherNameThanPngAreRefused) {
   EXPECT_FALSE(fs::exists(jpg));
 }
 
-TEST_F(KerfSim, PrintsWhatAFrameCosts) {
-  const Outcome done = shell(fmt::format("{} --time 5 --size 160x120 '{}'", kProgram, mesh().string()));
-  EXPECT_EQ(done.status, 0) << done.text;
-  EXPECT_NE(done.text.find(" triangles, 160 x 120, "), std::string::npos) << done.text;
-  double live50 = 0, live95 = 0, picture50 = 0, picture95 = 0;
-  const std::size_t at = done.text.find("live p50");
-  ASSERT_NE(at, std::string::npos) << done.text;
-  EXPECT_EQ(std::sscanf(done.text.c_str() + at, "live p50 %lf p95 %lf ms picture p50 %lf p95 %lf", &live50, &live95,
-                        &picture50, &picture95),
-            4)
-      << done.text;
-  EXPECT_GT(live50, 0);
-  EXPECT_GE(live95, live50);
-  EXPECT_GT(picture50, 0);
+TEST_F(KerfSim, OptionsOfPicturesAreRefusedWithoutOne) {
+  for (const char* const option : {"--section center,0,0,1", "--zoom 2", "--look-at 0,0,1", "--transparent",
+                                   "--no-shadow", "--no-scale-bar", "--grid", "--gpu"}) {
+    const Outcome done = shell(fmt::format("{} {} '{}'", kProgram, option, mesh().string()));
+    EXPECT_EQ(done.status, 2) << option << "\n" << done.text;
+    EXPECT_NE(done.text.find("--screenshot"), std::string::npos) << done.text;
+  }
+  const Outcome both = picture(fmt::format("--script x.ks '{}'", mesh().string()));
+  EXPECT_EQ(both.status, 2) << both.text;
 }
 
 TEST_F(KerfSim, WithoutADisplayTheWindowSaysWhatToDo) {

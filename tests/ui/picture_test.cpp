@@ -11,7 +11,7 @@
 
 #include "ui/window/gl_context.h"
 #include "ui/window/image.h"
-#include "ui/window/renderer.h"
+#include "ui/window/mesh_picture.h"
 
 namespace kerf::picture_test {
 namespace {
@@ -59,25 +59,25 @@ class Picture : public ::testing::Test {
   static void TearDownTestSuite() { context_.reset(); }
   void SetUp() override {
     if (!context_) GTEST_SKIP() << why_;
-    auto made = Renderer::create();
+    auto made = MeshPicture::create();
     ASSERT_TRUE(made) << made.error().message();
-    renderer_ = std::move(*made);
+    picture_ = std::move(*made);
   }
-  void TearDown() override { renderer_.reset(); }
+  void TearDown() override { picture_.reset(); }
 
-  Image draw(const Mesh& mesh, const Camera& camera, int width, int height, const RenderOptions& options) {
-    renderer_->setMesh(mesh);
-    auto image = renderer_->picture(camera, width, height, options);
+  Image draw(const Mesh& mesh, const Camera& camera, int width, int height, const PictureOptions& options) {
+    picture_->setMesh(mesh);
+    auto image = picture_->picture(camera, width, height, options);
     EXPECT_TRUE(image) << image.error().message();
     return image ? *image : Image{};
   }
 
   static inline std::unique_ptr<OffscreenContext> context_;
   static inline std::string why_;
-  std::unique_ptr<Renderer> renderer_;
+  std::unique_ptr<MeshPicture> picture_;
 };
 
-const RenderOptions kMask{.transparent = true};
+const PictureOptions kMask{.transparent = true};
 
 double coveredPixels(const Image& image) {
   double sum = 0;
@@ -167,10 +167,43 @@ TEST_F(Picture, FarFromTheOriginNothingShifts) {
   EXPECT_NEAR(one, other, 0.001 * one);
 }
 
+// A cup, open towards the viewer: what is seen is its inside.
+TEST_F(Picture, TheInsideOfAnOpenSurfaceIsBluish) {
+  Mesh cup = sphere(3, 4);
+  std::erase_if(cup.triangles, [&](const Triangle& t) {
+    return cup.vertices[t[0]].z() + cup.vertices[t[1]].z() + cup.vertices[t[2]].z() > 0;
+  });
+  Camera above = *cameraFromView("top"), below = *cameraFromView("bottom");
+  above.half_height = below.half_height = 4;
+  const Image inside = draw(cup, above, 64, 64, kMask), outside = draw(cup, below, 64, 64, kMask);
+  EXPECT_GT(inside.at(32, 32)[2], inside.at(32, 32)[0]);
+  EXPECT_GT(outside.at(32, 32)[0], outside.at(32, 32)[2]) << "ivory";
+}
+
+// A groove between two plates: its bottom is darker than the upper end of the same wall.
+TEST_F(Picture, ACreviceIsDarkerThanTheOpen) {
+  Mesh mesh;
+  for (const auto& [x, z] : {std::pair(-4, 0), {-1, 0}, {0, -2}, {1, 0}, {4, 0}})
+    for (const int y : {-4, 4}) mesh.vertices.push_back({x, y, z});
+  for (std::uint32_t n = 0; n < 8; n += 2) {
+    mesh.triangles.push_back({n, n + 2, n + 3});
+    mesh.triangles.push_back({n, n + 3, n + 1});
+  }
+  Camera camera = *cameraFromView("top");
+  camera.half_height = 3;
+  const auto at = [&](const PictureOptions& options, double x) {
+    const Image image = draw(mesh, camera, 200, 120, options);
+    return int{image.at(100 + static_cast<int>(x / camera.mmPerPixel(120)), 60)[1]};
+  };
+  const PictureOptions flat{.occlusion_samples = 0, .transparent = true};
+  EXPECT_NEAR(at(flat, 0.15), at(flat, 0.9), 2);
+  EXPECT_LT(at(kMask, 0.15), at(kMask, 0.9) - 20);
+}
+
 TEST_F(Picture, SizeOutOfRangeIsRefused) {
-  renderer_->setMesh({});
-  EXPECT_FALSE(renderer_->picture(Camera{}, 0, 100, {}));
-  EXPECT_FALSE(renderer_->picture(Camera{}, 100, 9000, {}));
+  picture_->setMesh({});
+  EXPECT_FALSE(picture_->picture(Camera{}, 0, 100, {}));
+  EXPECT_FALSE(picture_->picture(Camera{}, 100, 9000, {}));
 }
 
 std::uint32_t bigEndian(const std::string& bytes, std::size_t at) {

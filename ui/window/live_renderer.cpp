@@ -455,6 +455,7 @@ Expected<void> LiveRenderer::Impl::drawPoints(GLuint target, const Camera& camer
   std::optional<Rigid3> tool;
   if (!hand_tool.isEmpty() && frame.T_world_tool && frame.T_world_tool->isUsable()) tool = frame.T_world_tool;
   const FrameView view = viewOf(camera, width, height, frame, tool);
+  counts.half_depth_mm = view.half_extent[2];
 
   glDisable(GL_BLEND);
   glDisable(GL_SCISSOR_TEST);

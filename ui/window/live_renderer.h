@@ -49,6 +49,7 @@ struct LiveCounts {
   std::size_t draw_calls = 0;       ///< of objects
   std::size_t uploaded_bytes = 0;
   std::size_t waiting_pages = 0;  ///< that changed, and come with the next frames
+  double half_depth_mm = 1;       ///< in parallel projection a depth d lies (1 - 2 d) times that above the target
 };
 
 /// Objects are numbers that the caller chooses; one that was never given a chunk is empty.

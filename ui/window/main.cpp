@@ -18,18 +18,15 @@
 #include "geometry/base/build_info.h"
 #include "geometry/formats/mesh_formats.h"
 #include "sim/run/run_files.h"
-#include "sim/run/run_manifest.h"
 #include "ui/app/app_commands.h"
 #include "ui/app/camera.h"
 #include "ui/app/command_line.h"
 #include "ui/app/manual.h"
 #include "ui/app/scene.h"
 #include "ui/app/upright.h"
-#include "ui/window/frame_times.h"
 #include "ui/window/gl_context.h"
 #include "ui/window/image.h"
-#include "ui/window/renderer.h"
-#include "ui/window/window.h"
+#include "ui/window/mesh_picture.h"
 #include "ui/window/workshop.h"
 
 namespace {
@@ -41,7 +38,7 @@ struct Arguments {
   double voxel = 0;
   double fps = 10, from = 0, until = std::numeric_limits<double>::infinity();
   double zoom = 1;
-  int frames = 0, timed_frames = 0;
+  int frames = 0;
   bool transparent = false, no_scale_bar = false, with_grid = false, no_shadow = false, verbose = false, gpu = false;
   bool lists_commands = false, is_watched = false;
 };
@@ -176,18 +173,14 @@ kerf::Expected<void> cut(const Arguments& arguments, const Shown& shown) {
   return {};
 }
 
-kerf::Expected<void> run(const Arguments& arguments, const Shown& shown) {
-  const bool is_looked_at = !arguments.screenshot.empty() || shown.cut || arguments.timed_frames > 0 ||
-                            (arguments.scenes.size() == 1 && kerf::isRun(arguments.scenes.front()));
-  if (!arguments.script.empty() || !arguments.replay.empty() || !is_looked_at) return cut(arguments, shown);
-
-  KERF_TRY(scene, kerf::loadScene(arguments.scenes.empty() ? "" : arguments.scenes.front(), shown.cut, arguments.unit));
+// A mesh, a case or a run as a picture.
+kerf::Expected<void> draw(const Arguments& arguments, const Shown& shown) {
+  KERF_TRY(scene, kerf::loadScene(arguments.scenes.front(), shown.cut, arguments.unit));
   if (!scene.note.empty()) fmt::print(stderr, "kerf-sim: note: {}\n", scene.note);
   const int width = shown.width, height = shown.height;
   kerf::Camera camera = shown.camera;
   // A picture stands on its ground: the mesh is turned, not the camera.
-  const auto found =
-      shown.up ? shown.up : kerf::surelyUp(arguments.scenes.empty() ? "" : arguments.scenes.front(), scene.mesh);
+  const auto found = shown.up ? shown.up : kerf::surelyUp(arguments.scenes.front(), scene.mesh);
   const Eigen::Matrix3d upright = found ? kerf::uprightFrame(*found) : Eigen::Matrix3d::Identity();
   if (!upright.isIdentity() && !shown.up)
     fmt::print(stderr,
@@ -198,27 +191,15 @@ kerf::Expected<void> run(const Arguments& arguments, const Shown& shown) {
   if (shown.look_at) camera.target = upright * *shown.look_at;
   kerf::zoomBy(camera, arguments.zoom);
 
-  if (arguments.timed_frames > 0) {
-    setenv("LP_NUM_THREADS", "0", 0);  // Mesa's software renderer: all on one thread, as beside a 1 kHz thread
-    KERF_TRY(times, kerf::timeFrames(scene.mesh, camera, width, height, arguments.timed_frames));
-    fmt::print("{} triangles, {} x {}, {}\n{}", times.triangles, width, height, times.driver, times.summary());
-    return {};
-  }
-  if (arguments.screenshot.empty()) {
-    KERF_TRY(frames, kerf::runWindow(scene, camera, {.width = width, .height = height, .frames = arguments.frames}));
-    if (arguments.verbose) fmt::print(stderr, "kerf-sim: {} frames drawn\n", frames);
-    return {};
-  }
-
   KERF_TRY(context, kerf::OffscreenContext::create(!arguments.gpu));
   if (arguments.verbose) fmt::print(stderr, "kerf-sim: drawing with {}\n", context->description);
-  KERF_TRY(renderer, kerf::Renderer::create());
-  renderer->setMesh(scene.mesh);
+  KERF_TRY(picture, kerf::MeshPicture::create());
+  picture->setMesh(scene.mesh);
 
-  kerf::RenderOptions options;
+  kerf::PictureOptions options;
   options.ground_shadow = !arguments.no_shadow;
   options.transparent = arguments.transparent;
-  KERF_TRY(image, renderer->picture(camera, width, height, options));
+  KERF_TRY(image, picture->picture(camera, width, height, options));
   const double mm_per_pixel = camera.mmPerPixel(height);
   if (arguments.with_grid) kerf::drawGrid(image, kerf::pictureGrid(camera, width, height, upright));
   if (!arguments.no_scale_bar) kerf::drawScaleBar(image, kerf::scaleBarLength(mm_per_pixel, width), mm_per_pixel);
@@ -230,7 +211,7 @@ kerf::Expected<void> run(const Arguments& arguments, const Shown& shown) {
 int main(int argc, char** argv) try {
   Arguments a;
   CLI::App app(
-      "Cuts a scan or a case by hand in a window; shows the result of a run; draws pictures.\n"
+      "Cuts a scan, a case or the result of a run by hand in a window; draws pictures.\n"
       "Mouse: left cuts, right turns, middle moves, wheel zooms. Keys: docs/reference/window-commands.md.");
   app.name("kerf-sim");
   app.set_version_flag("--version", kerf::versionText("kerf-sim", KERF_WINDOW_LIBRARIES));
@@ -242,8 +223,7 @@ int main(int argc, char** argv) try {
   app.add_option("--script", a.script, "run the commands of a file instead of opening a window; needs no display")
       ->type_name("FILE");
   app.add_option("--replay", a.replay,
-                 "watch a session that has ended, from its beginning; kerf-sim RUN shows its result, and File, Open "
-                 "goes on with it")
+                 "watch a session that has ended, from its beginning; kerf-sim RUN goes on with it")
       ->type_name("RUN");
   auto* film = app.add_option("--film", a.film,
                               "with --replay: write a picture for each step of the session's time instead of opening a "
@@ -317,18 +297,15 @@ int main(int argc, char** argv) try {
   app.add_flag("--no-scale-bar", a.no_scale_bar, "no scale bar in the picture");
   app.add_flag("--grid", a.with_grid,
                "lines in the picture at round numbers of mm to the right and up in the view, from the scan's origin: "
-               "what kerf pick --at counts. Seen from the top, with +z up, these are x and y")
-      ->needs(app.get_option("--screenshot"));
+               "what kerf pick --at counts. Seen from the top, with +z up, these are x and y");
   app.add_flag("--gpu", a.gpu, "let a graphics card draw the picture; the bytes then depend on the card");
+  for (const char* const option :
+       {"--zoom", "--look-at", "--section", "--transparent", "--no-shadow", "--no-scale-bar", "--grid", "--gpu"})
+    app.get_option(option)->needs(app.get_option("--screenshot"));
+  app.get_option("--screenshot")->excludes(app.get_option("--script"));
   app.add_option("--frames", a.frames, "close the window after N frames (for tests)")
       ->type_name("N")
       ->check(CLI::NonNegativeNumber);
-  app.add_option(
-         "--time", a.timed_frames,
-         "print the processor time of a frame, drawn N times without a display, by the live renderer and by the "
-         "one of pictures")
-      ->type_name("N")
-      ->check(CLI::Range(5, 10000));
   app.add_flag("-v,--verbose", a.verbose, "say what draws, and print the notices of the window");
   app.footer(
       "Exit code 0: done; 1: it could not be done, also without a display or OpenGL 3.3; 2: a wrong command line.\n"
@@ -353,14 +330,14 @@ int main(int argc, char** argv) try {
     return complain(badValue("--film", a.film, "--replay RUN beside it, and no --script",
                              "kerf-sim --replay molar.run --film frames"),
                     kerf::kUsage);
-  if (a.scenes.size() > 1 && (!a.screenshot.empty() || !a.section.empty() || a.timed_frames > 0) && a.script.empty())
-    return complain(badValue("scene", a.scenes[1], "one mesh, case or run to draw or to time",
-                             "kerf-sim --screenshot OUT.png molar.stl"),
-                    kerf::kUsage);
+  if (a.scenes.size() > 1 && !a.screenshot.empty())
+    return complain(
+        badValue("scene", a.scenes[1], "one mesh, case or run to draw", "kerf-sim --screenshot OUT.png molar.stl"),
+        kerf::kUsage);
   const auto shown = read(a);
   if (!shown) return complain(shown.error(), kerf::kUsage);
   if (!a.cases.empty()) kerf::setPlacesOfCases({a.cases.begin(), a.cases.end()});
-  const auto done = run(a, *shown);
+  const auto done = a.screenshot.empty() ? cut(a, *shown) : draw(a, *shown);
   return done ? kerf::kOk : complain(done.error(), kerf::kFailed);
 } catch (const std::exception& e) {
   std::fprintf(stderr, "kerf-sim: error: %s\n", e.what());
