@@ -9,7 +9,7 @@
 // The bytes are a language's file; what is read of it answers the bytes themselves, cut into lines.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace kerf;
-  static const fuzz::ScratchFile file("language.toml");
+  static const fuzz::ScratchFile file("language.po");
   file.fill(data, size);
   auto language = Language::read(file.path());
   if (!language) {
@@ -17,17 +17,17 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     return 0;
   }
 
-  constexpr std::size_t kMost = 20000;  // bytes that are asked: {*} compares at every character
-  const std::string text(reinterpret_cast<const char*>(data), std::min(size, kMost));
+  const std::string text(reinterpret_cast<const char*>(data), size);
   for (std::size_t from = 0; from < text.size();) {
     const std::size_t to = std::min(text.find('\n', from), text.size());
     (void)language->shown(text.substr(from, to - from));
     from = to + 1;
   }
   setShownLanguage(std::make_shared<const Language>(std::move(*language)));
-  const std::string format = shownFormat("push %.1f N");
+  const std::string format = shownText("push %.1f N");
   fuzz::require(format.find("%.1f") != format.npos, "a format keeps its conversion");
   fuzz::require(format.find('%') == format.rfind('%'), "and has no other one");
+  fuzz::require(phrase("about {} s", 4711).find("4711") != std::string::npos, "a phrase has its values");
   fuzz::require(shownLabel("Cancel").ends_with("###Cancel"), "an id is that of the English label");
   setShownLanguage(nullptr);
   return 0;

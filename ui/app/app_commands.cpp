@@ -280,9 +280,6 @@ constexpr AppCommand kCommands[] = {
      "Shows the window in another language: en, de, or that of a file in the folder languages of the settings; marked: "
      "each text that can be translated stands in «».",
      hasSettings, setLanguage},
-    {"settings.texts", "", "", "", "FILE",
-     "Writes the texts that were shown so far and have no translation as a language file, for a translator.",
-     hasSettings, writeTexts},
     {"settings.push", "", "", "", "", "Keeps push and depth of now for later sessions.", hasSettings, keepPush},
 
     {"tool.select", "", "", "", "ID", "Takes another tool.", isOpen, tool_commands::selectTool},

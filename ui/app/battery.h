@@ -5,6 +5,7 @@
 #include <string>
 
 #include "sim/device/device_driver.h"
+#include "ui/app/language.h"
 
 namespace kerf {
 
@@ -21,7 +22,7 @@ inline std::optional<Battery> batteryOf(const DeviceReading& reading) {
 
 /// "35 %, charging".
 inline std::string textOf(const Battery& battery) {
-  return std::to_string(battery.percent) + (battery.is_charging ? " %, charging" : " %");
+  return std::to_string(battery.percent) + shownText(battery.is_charging ? " %, charging" : " %");
 }
 
 }  // namespace kerf

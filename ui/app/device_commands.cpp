@@ -27,7 +27,9 @@ Expected<void> leads(AppContext& c, AppWords words) {
     now = SpaceMouseLeads::kNothing;
   else
     return wrongWord("\"" + words[0] + "\"", "tool, view or nothing");
-  c.bench.say(std::string("The SpaceMouse leads ") + (now == SpaceMouseLeads::kNothing ? "" : "the ") + nameOf(now));
+  c.bench.say(now == SpaceMouseLeads::kTool   ? "The SpaceMouse leads the tool"
+              : now == SpaceMouseLeads::kView ? "The SpaceMouse leads the view"
+                                              : "The SpaceMouse leads nothing");
   return c.settings->save();
 }
 

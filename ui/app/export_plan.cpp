@@ -1,6 +1,5 @@
 #include "ui/app/export_plan.h"
 
-#include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -11,6 +10,7 @@
 #include <utility>
 
 #include "geometry/formats/mesh_formats.h"
+#include "ui/app/language.h"
 #include "ui/app/workbench.h"
 
 namespace kerf {
@@ -119,11 +119,11 @@ std::vector<ExportOffer> ExportPlan::offers() const {
   if (are_several) {
     out.push_back({"Each piece in a file of its own", {.is_each = true}});
     for (const SceneObject* object : scene.shown())
-      if (isWorkedOn(object)) out.push_back({"Only " + object->name, {.only = object->id}});
+      if (isWorkedOn(object)) out.push_back({phrase("Only {}", object->name), {.only = object->id}});
   }
   for (const Neighbour& other : bench_.neighbours())
     if (const SceneObject* const object = bench_.findNeighbour(other.name))
-      out.push_back({"Beside: " + other.name, {.beside = object->loaded}});
+      out.push_back({phrase("Beside: {}", other.name), {.beside = object->loaded}});
   return out;
 }
 
@@ -292,7 +292,7 @@ void ExportPlan::start(Work work, Permission permission) {
     return out;
   };
   auto job = std::make_unique<Job<Outcome>>(
-      writes ? "exporting " + file_.filename().string() : "checking what would be exported", job_of);
+      writes ? phrase("exporting {}", file_.filename().string()) : "checking what would be exported", job_of);
   bench_.job_writes_ = writes;
   bench_.when_over_ = [this, job = job.get(), is_new, writes] { take(job->take(), is_new, writes); };
   bench_.job_ = std::move(job);

@@ -12,6 +12,7 @@
 #include "geometry/formats/mesh_writer.h"
 #include "geometry/mesh/mesh_check.h"
 #include "sim/run/placed_pieces.h"
+#include "ui/app/language.h"
 
 namespace kerf {
 namespace {
@@ -91,7 +92,7 @@ Expected<std::string> write(const ExportPart& part, const fs::path& file, bool& 
   read.is_met = part.is_met;
   is_ready &= read.report.print_ready;
   const std::string name = part.piece.empty() ? "" : fmt::format(" ({})", part.piece);
-  return fmt::format("{}{}: {} triangles, {}", file.string(), name, back.triangles.size(), read.verdict());
+  return phrase("{}{}: {} triangles, {}", file.string(), name, back.triangles.size(), shownText(read.verdict()));
 }
 
 }  // namespace
@@ -115,9 +116,8 @@ std::vector<fs::path> PreparedExport::filesFor(const fs::path& file) const {
 }
 
 std::string PreparedExport::summary() const {
-  std::string out =
-      fmt::format("removed {:.3f} mm3, {} vertices of the solid kept bit for bit", removed_mm3, vertices_kept);
-  if (moved > 0) out += fmt::format(" but for {} of {} pieces, which were moved", moved, pieces);
+  std::string out = phrase("removed {:.3f} mm3, {} vertices of the solid kept bit for bit", removed_mm3, vertices_kept);
+  if (moved > 0) out += phrase(" but for {} of {} pieces, which were moved", moved, pieces);
   return out;
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "ui/app/language.h"
 #include "ui/app/space_mouse_link.h"
 
 namespace kerf {
@@ -57,7 +58,7 @@ GameController::State::State() {
   SDL_SetHint(SDL_HINT_JOYSTICK_HIDAPI, "0");
   has_sdl = SDL_InitSubSystem(SDL_INIT_GAMECONTROLLER) == 0;
   if (!has_sdl) {
-    trouble = std::string("No gamepad can be read: ") + SDL_GetError();
+    trouble = phrase("No gamepad can be read: {}", SDL_GetError());
     return;
   }
   // States are asked for: no events fill SDL's queue.
@@ -160,7 +161,7 @@ std::optional<std::string> GameController::news() {
   if (!s.trouble.empty()) return std::exchange(s.trouble, {});
   const std::string before = std::exchange(s.told_name, s.name);
   if (s.name == before) return {};
-  return s.name.empty() ? before + " was unplugged" : s.name + " is ready";
+  return s.name.empty() ? phrase("{} was unplugged", before) : phrase("{} is ready", s.name);
 }
 
 const std::string& GameController::name() const noexcept { return state_->name; }

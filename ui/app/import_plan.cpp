@@ -10,6 +10,7 @@
 #include "preprocess/close/close.h"
 #include "preprocess/close/occlusal_plane.h"
 #include "preprocess/unit/unit.h"
+#include "ui/app/language.h"
 #include "ui/app/upright.h"
 
 namespace kerf {
@@ -68,7 +69,7 @@ Expected<ClosedPreview> closed(const Mesh& source, double scale_to_mm, const Clo
 }
 
 std::string counted(std::size_t n, const char* one, const char* several) {
-  return fmt::format("{} {}", n, n == 1 ? one : several);
+  return fmt::format("{} {}", n, shownText(n == 1 ? one : several));
 }
 
 tl::unexpected<Error> wrong(std::string found, std::string expected) {
@@ -216,7 +217,8 @@ Prediction ImportPlan::prediction() const {
 std::string ImportPlan::reasonOfUnit() const {
   const std::string& declared = found_.declared_unit;
   if (!choice_.unit.empty())
-    return declared.empty() || declared == choice_.unit ? "as chosen" : "as chosen, though the file says " + declared;
+    return declared.empty() || declared == choice_.unit ? "as chosen"
+                                                        : phrase("as chosen, though the file says {}", declared);
   if (!declared.empty()) return "as the file says";
 
   std::string others;
@@ -224,8 +226,9 @@ std::string ImportPlan::reasonOfUnit() const {
     if (option.is_plausible && option.unit != unit().unit) others += (others.empty() ? "" : ", ") + option.unit;
   if (!unit().is_plausible) return "taken as it is, for no other unit fits alone; the file names none";
   if (unit().scale_to_mm != 1) return "the only unit in which this is dental; the file names none";
-  return unit_is_doubtful_ && !others.empty() ? "by its size, but " + others + " would fit, too; the file names none"
-                                              : "by its size; the file names none";
+  return unit_is_doubtful_ && !others.empty()
+             ? phrase("by its size, but {} would fit, too; the file names none", others)
+             : "by its size; the file names none";
 }
 
 std::vector<Finding> ImportPlan::findings() const {
@@ -236,11 +239,11 @@ std::vector<Finding> ImportPlan::findings() const {
   const Vec3d size = unit().size_mm;
   out.push_back({unit().is_plausible ? Weight::kFine : Weight::kDoubtful, "Size",
                  fmt::format("{:.1f} x {:.1f} x {:.1f} mm{}", size[0], size[1], size[2],
-                             unit().is_plausible ? "" : ": no dental object is that large or small")});
+                             shownText(unit().is_plausible ? "" : ": no dental object is that large or small"))});
   const double scale = unit().scale_to_mm;
-  const std::string scaling = scale == 1 ? "Nothing is scaled" : fmt::format("All is scaled by {:g}", scale);
+  const std::string scaling = scale == 1 ? shownText("Nothing is scaled") : phrase("All is scaled by {:g}", scale);
   out.push_back({unit_is_doubtful_ ? Weight::kDoubtful : Weight::kFine, "Unit",
-                 fmt::format("{}: {}. {}", unit().unit, reasonOfUnit(), scaling)});
+                 fmt::format("{}: {}. {}", unit().unit, shownText(reasonOfUnit()), scaling)});
   out.push_back({Weight::kFine, "Mesh",
                  fmt::format("{}, {}, {}", found_.format, counted(r.triangles, "triangle", "triangles"),
                              counted(r.pieces, "piece", "pieces"))});
@@ -253,33 +256,37 @@ std::vector<Finding> ImportPlan::findings() const {
     if (rims > 0)
       out.push_back(
           {Weight::kMended, "Surface",
-           fmt::format("open: the underside is missing, as in a scan from the mouth. It gets a flat base along "
-                       "{}{:.0f} mm",
-                       rims > 1 ? fmt::format("{} rims, the longest ", rims) : "a rim of ", rimMm())});
+           rims > 1
+               ? phrase("open: the underside is missing, as in a scan from the mouth. It gets a flat base along {} "
+                        "rims, the longest {:.0f} mm",
+                        rims, rimMm())
+               : phrase("open: the underside is missing, as in a scan from the mouth. It gets a flat base along a rim "
+                        "of {:.0f} mm",
+                        rimMm())});
     else
       out.push_back({Weight::kMended, "Surface", "open: it has holes, but an underside"});
     if (holes > 0)
       out.push_back({Weight::kMended, "Holes",
-                     fmt::format("{}, the largest {:.1f} mm around: filled", counted(holes, "hole", "holes"),
-                                 unit().scale_to_mm * r.boundary_loops[rims].length)});
+                     phrase("{}, the largest {:.1f} mm around: filled", counted(holes, "hole", "holes"),
+                            unit().scale_to_mm * r.boundary_loops[rims].length)});
   }
 
   // What else stands in the way of a solid.
   if (r.self_intersections > 0)
-    out.push_back(
-        {Weight::kMended, "Crossings",
-         fmt::format("{}{} cross each other: united exactly", r.self_intersections >= kMostCrossings ? "at least " : "",
-                     counted(r.self_intersections, "pair of triangles", "pairs of triangles"))});
+    out.push_back({Weight::kMended, "Crossings",
+                   phrase("{}{} cross each other: united exactly",
+                          shownText(r.self_intersections >= kMostCrossings ? "at least " : ""),
+                          counted(r.self_intersections, "pair of triangles", "pairs of triangles"))});
   if (r.flipped_edges + r.inward_pieces > 0)
     out.push_back({Weight::kMended, "Inside out", "parts face inwards: turned"});
   if (r.non_manifold_edges + r.non_manifold_vertices > 0)
     out.push_back({Weight::kMended, "Touching",
-                   fmt::format("surfaces touch in {}: taken apart",
-                               counted(r.non_manifold_edges + r.non_manifold_vertices, "place", "places"))});
+                   phrase("surfaces touch in {}: taken apart",
+                          counted(r.non_manifold_edges + r.non_manifold_vertices, "place", "places"))});
   if (r.degenerate_triangles + r.duplicate_triangles > 0)
     out.push_back({Weight::kMended, "Waste",
-                   fmt::format("{} without area or twice there: dropped",
-                               counted(r.degenerate_triangles + r.duplicate_triangles, "triangle", "triangles"))});
+                   phrase("{} without area or twice there: dropped",
+                          counted(r.degenerate_triangles + r.duplicate_triangles, "triangle", "triangles"))});
   for (const std::string& note : found_.notes) out.push_back({Weight::kDoubtful, "File", note});
   return out;
 }

@@ -1,4 +1,5 @@
 #include "ui/app/import_set.h"
+#include "ui/app/language.h"
 
 #include <fmt/format.h>
 
@@ -205,7 +206,7 @@ std::vector<Finding> ImportSet::findings() const {
     if (box.isEmpty() || first.isEmpty()) continue;
     if (const double gap = gapBetween(first, box); gap > kFar)
       out.push_back({Finding::Weight::kDoubtful, "Frame",
-                     fmt::format("{} is {:.0f} mm away: scans of one frame meet, or nearly so", name, gap)});
+                     phrase("{} is {:.0f} mm away: scans of one frame meet, or nearly so", name, gap)});
   }
   return out;
 }

@@ -12,6 +12,7 @@
 #include "preprocess/volume/label_names.h"
 #include "preprocess/volume/label_surface.h"
 #include "preprocess/volume/label_volume.h"
+#include "ui/app/language.h"
 
 namespace kerf {
 namespace {
@@ -87,7 +88,7 @@ Expected<ClosedPreview> surfaceOf(const LabelVolume& volume, const Wanted& wante
   for (const LabelVolumeReport& r : smooth.reports())
     if (r.pieces_now < r.pieces)
       out.changes.push_back(
-          fmt::format("label {}: {} of {} pieces are left, specks vanish or merge", r.label, r.pieces_now, r.pieces));
+          phrase("label {}: {} of {} pieces are left, specks vanish or merge", r.label, r.pieces_now, r.pieces));
   out.volume_mm3 = signedVolume(mesh);
   out.area_mm2 = surfaceArea(mesh);
 
@@ -214,7 +215,7 @@ std::vector<Finding> LabelPlan::findings() const {
   const Vec3d size = found_.box.size();
   const double across = size.norm();
   out.push_back({across > 3 && across < 400 ? LabelWeight::kFine : LabelWeight::kDoubtful, "Size",
-                 fmt::format("{:.1f} x {:.1f} x {:.1f} mm are labelled", size[0], size[1], size[2])});
+                 phrase("{:.1f} x {:.1f} x {:.1f} mm are labelled", size[0], size[1], size[2])});
   const bool has_names = std::any_of(found_.labels.begin(), found_.labels.end(),
                                      [](const LabelFound& label) { return !label.name.empty(); });
   const std::string labels = fmt::format("{} label{}", found_.labels.size(), found_.labels.size() == 1 ? "" : "s");
@@ -225,7 +226,7 @@ std::vector<Finding> LabelPlan::findings() const {
   const double thinnest = v.spacing.minCoeff();
   if (voxel() > 1.01 * thinnest)
     out.push_back({LabelWeight::kDoubtful, "Voxels",
-                   fmt::format("coarser than those of the volume, {:.3g} mm: what is thin is lost", thinnest)});
+                   phrase("coarser than those of the volume, {:.3g} mm: what is thin is lost", thinnest)});
   return out;
 }
 

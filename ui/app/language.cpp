@@ -4,322 +4,153 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cstdint>
+#include <fstream>
+#include <mutex>
 #include <optional>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "geometry/base/assets.h"
-#include "geometry/base/atomic_file.h"
-#include "geometry/base/toml_reader.h"
 
 namespace kerf {
 namespace {
 
 namespace fs = std::filesystem;
-using Kind = TextPattern::Kind;
 
-constexpr const char* kFormat = "kerf-language";
-constexpr const char* kEnglish = "en";
-constexpr const char* kMarked = "marked";
-constexpr int kDepth = 3;                // translations within translations: the words that {*} stands for
-constexpr std::size_t kMostKept = 4096;  // answers
+// ---- A PO file
 
-bool isDigit(char c) { return c >= '0' && c <= '9'; }
-bool isBlank(char c) { return c == ' ' || c == '\t'; }
-bool isLetter(char c) { return std::isalpha(static_cast<unsigned char>(c)) || static_cast<unsigned char>(c) >= 0x80; }
-bool isControl(char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; }
-bool hasLetter(std::string_view text) { return std::any_of(text.begin(), text.end(), isLetter); }
+struct PoRow {
+  std::size_t line = 0;
+  bool is_fuzzy = false, is_complete = false;
+  std::string english{}, translated{};
+};
 
-// Without what is written longer than it has to be, surrogates, and what is above U+10FFFF.
-bool isUtf8(std::string_view text) {
-  for (std::size_t at = 0; at < text.size();) {
-    const auto first = static_cast<unsigned char>(text[at]);
-    const std::size_t more = first < 0x80 ? 0 : first < 0xE0 ? 1 : first < 0xF0 ? 2 : 3;
-    const bool is_first = first < 0x80 || (first >= 0xC2 && first <= 0xF4);
-    if (!is_first || at + more >= text.size()) return false;
-
-    std::uint32_t code = more == 0 ? first : first & (0x3Fu >> more);
-    for (std::size_t k = 1; k <= more; ++k) {
-      const auto next = static_cast<unsigned char>(text[at + k]);
-      if ((next & 0xC0) != 0x80) return false;
-      code = code << 6 | (next & 0x3Fu);
-    }
-    const bool is_too_long = (more == 2 && code < 0x800) || (more == 3 && code < 0x10000);
-    const bool is_surrogate = code >= 0xD800 && code <= 0xDFFF;
-    if (is_too_long || is_surrogate || code > 0x10FFFF) return false;
-    at += more + 1;
+// Appends what stands in quotes.   @return  whether that is all there is.
+bool appendQuoted(std::string_view quoted, std::string& out) {
+  if (quoted.size() < 2 || !quoted.starts_with('"') || !quoted.ends_with('"')) return false;
+  quoted = quoted.substr(1, quoted.size() - 2);
+  for (std::size_t at = 0; at < quoted.size(); ++at) {
+    constexpr std::string_view kEscapes = "\\\"nt", kMeant = "\\\"\n\t";
+    const bool is_escape = quoted[at] == '\\';
+    if (is_escape && ++at == quoted.size()) return false;
+    const std::size_t known = kEscapes.find(quoted[at]);
+    if (is_escape ? known == kEscapes.npos : quoted[at] == '"' || static_cast<unsigned char>(quoted[at]) < ' ')
+      return false;
+    out += is_escape ? kMeant[known] : quoted[at];
   }
   return true;
 }
 
-// How long a number is that begins there; 0: none does. The digits of "mm3" and "F8" belong to a word.
-std::size_t numberAt(std::string_view text, std::size_t at) {
-  const char before = at == 0 ? ' ' : text[at - 1];
-  if (isLetter(before) || isDigit(before)) return 0;
-  std::size_t end = at;
-  const bool has_sign = end < text.size() && (text[end] == '-' || text[end] == '+');
-  if (has_sign && before == ' ') ++end;
-  const std::size_t first = end;
-  while (end < text.size() &&
-         (isDigit(text[end]) || (text[end] == '.' && end > first && end + 1 < text.size() && isDigit(text[end + 1]))))
-    ++end;
-  return end > first ? end - at : 0;
-}
-
-std::string withoutNumbers(std::string_view text) {
-  std::string out;
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t length = numberAt(text, at);
-    out += length ? "{}" : std::string(1, text[at]);
-    at += std::max<std::size_t>(length, 1);
-  }
-  return out;
-}
-
-// "%.1f" and "%%", in their order. A percent sign before a blank is one that is read.
-std::vector<std::string> conversionsOf(std::string_view format) {
-  std::vector<std::string> out;
-  for (std::size_t at = format.find('%'); at != format.npos; at = format.find('%', at)) {
-    std::size_t end = at + 1;
-    while (end < format.size() && std::string_view("+-#.*0123456789hlLzjt").find(format[end]) != std::string_view::npos)
-      ++end;
-    if (end < format.size() && (format[end] == '%' || std::isalpha(static_cast<unsigned char>(format[end])))) ++end;
-    out.emplace_back(format.substr(at, end - at));
-    at = end;
-  }
-  return out;
-}
-
-bool isFormat(std::string_view text) {
-  const auto all = conversionsOf(text);
-  return std::any_of(all.begin(), all.end(), [](const std::string& one) {
-    return one.size() > 1 && (one.back() == '%' || std::isalpha(static_cast<unsigned char>(one.back())));
-  });
-}
-
-// ---- Placeholders
-
-tl::unexpected<Error> wrongLanguage(std::string found, std::string expected) {
-  return fail({.code = Error::Code::kBadValue, .found = std::move(found), .expected = std::move(expected)});
-}
-
-void addLiteral(TextPattern& pattern, char c) {
-  if (pattern.pieces.empty() || pattern.pieces.back().kind != Kind::kLiteral) pattern.pieces.push_back({});
-  pattern.pieces.back().literal += c;
-  ++pattern.letters;
-}
-
-/// @param numbered  set: {1} is allowed, and its kind is that of the English placeholder.
-Expected<TextPattern> patternOf(const std::string& text, const std::vector<Kind>* numbered) {
-  constexpr const char* kExpected = "{}, {*}, {name}, or in a translation {1}";
-  TextPattern out;
-  std::size_t count = 0;
-  for (std::size_t at = 0; at < text.size(); ++at) {
-    if (text[at] == '}') return wrongLanguage("a } alone", kExpected);
-    if (text[at] != '{') {
-      addLiteral(out, text[at]);
+// What a translation keeps: replacement fields {}, {1:.2f} by their numbers, with their formats; printf conversions and
+// percent signs in their order. None: the text has other braces.
+std::optional<std::map<std::size_t, std::string>> keptOf(std::string_view text) {
+  std::map<std::size_t, std::string> out;
+  std::size_t automatic = 0, numbered = 0, percents = 10;  // behind the numbers of one digit
+  for (std::size_t at = text.find_first_of("{}%"); at != text.npos; at = text.find_first_of("{}%", at)) {
+    if (text[at] == '%') {
+      const std::size_t end = std::min(text.find_first_not_of("+-#.*0123456789hlLzjt", at + 1), text.size() - 1);
+      const bool is_read = text[end] != '%' && !std::isalpha(static_cast<unsigned char>(text[end]));
+      const std::size_t length = is_read || end == at ? 1 : end + 1 - at;
+      out[percents++] = text.substr(at, length);
+      at += length;
       continue;
     }
-    const std::size_t end = text.find('}', at);
-    const std::string inside = end == text.npos ? "?" : text.substr(at + 1, end - at - 1);
-    const Kind kind = inside == "*" ? Kind::kAny : inside == "name" ? Kind::kName : Kind::kNumber;
-    TextPattern::Piece piece{.kind = kind, .number = count};
-    const bool is_numbered = inside.size() == 1 && inside[0] >= '1' && inside[0] <= '9';
-    if (is_numbered && numbered && static_cast<std::size_t>(inside[0] - '1') < numbered->size()) {
-      piece.number = static_cast<std::size_t>(inside[0] - '1');
-      piece.kind = (*numbered)[piece.number];
-    } else if (!inside.empty() && kind == Kind::kNumber) {
-      return wrongLanguage("{" + (end == text.npos ? "" : inside + "}"), kExpected);
-    }
-    const bool is_beside = !out.pieces.empty() && out.pieces.back().kind != Kind::kLiteral;
-    if (!numbered && is_beside)
-      return wrongLanguage("two placeholders with nothing between them", "words between them");
-    out.pieces.push_back(std::move(piece));
-    ++count;
-    at = end;
+    const std::size_t end = text.find_first_of("{}", at + 1);
+    if (text[at] == '}' || end == text.npos || text[end] == '{') return {};
+    const std::string_view inside = text.substr(at + 1, end - at - 1);
+    const std::size_t colon = std::min(inside.find(':'), inside.size());
+    const bool is_numbered = colon == 1 && std::isdigit(static_cast<unsigned char>(inside[0]));
+    if ((colon > 0 && !is_numbered) || (is_numbered ? automatic : numbered) > 0 || automatic > 9) return {};
+    const std::size_t number = is_numbered ? static_cast<std::size_t>(inside[0] - '0') : automatic++;
+    if (is_numbered) ++numbered;
+    if (!out.emplace(number, inside.substr(colon)).second) return {};
+    at = end + 1;
   }
-  out.placeholders = count;
   return out;
 }
 
-std::vector<Kind> kindsOf(const TextPattern& pattern) {
-  std::vector<Kind> out;
-  for (const auto& piece : pattern.pieces)
-    if (piece.kind != Kind::kLiteral) out.push_back(piece.kind);
-  return out;
-}
-
-// Each placeholder of the English text once, and of its kind.
-bool hasAll(const TextPattern& translated, const std::vector<Kind>& kinds) {
-  std::vector<bool> is_there(kinds.size(), false);
-  for (const auto& piece : translated.pieces) {
-    if (piece.kind == Kind::kLiteral) continue;
-    if (piece.number >= kinds.size() || is_there[piece.number] || piece.kind != kinds[piece.number]) return false;
-    is_there[piece.number] = true;
-  }
-  return std::all_of(is_there.begin(), is_there.end(), [](bool there) { return there; });
-}
-
-struct Match {
-  std::size_t begin = 0, end = 0;
-};
-
-// Compares a text with a pattern; {*} and {name} are as short as the rest lets them be. The last of them is made longer
-// when the rest does not fit, so it takes no more than characters times pieces.
-bool matches(std::string_view text, const TextPattern& pattern, std::vector<Match>& found) {
-  const auto& pieces = pattern.pieces;
-  found.assign(pattern.placeholders, {});
-  std::size_t at = 0, n = 0;
-  std::optional<std::size_t> star;  // piece of the last {*} or {name}
-  const auto step = [&]() -> bool {
-    if (n == pieces.size()) return at == text.size();
-    const auto& piece = pieces[n];
-    if (piece.kind == Kind::kLiteral) {
-      if (text.substr(at, piece.literal.size()) != piece.literal) return false;
-      at += piece.literal.size();
-    } else if (piece.kind == Kind::kNumber) {
-      const std::size_t length = numberAt(text, at);
-      if (length == 0) return false;
-      found[piece.number] = {at, at + length};
-      at += length;
-    } else {
-      if (at == text.size() || text[at] == '\n') return false;
-      star = n;
-      found[piece.number] = {at, at + 1};
-      ++at;
-    }
-    ++n;
-    return true;
-  };
-  while (true) {
-    const bool is_end = n == pieces.size() && at == text.size();
-    if (is_end) return true;
-    if (step()) continue;
-    if (!star) return false;
-    Match& longer = found[pieces[*star].number];
-    if (longer.end >= text.size() || text[longer.end] == '\n') return false;
-    at = ++longer.end;
-    n = *star + 1;
-  }
-}
-
-// Whether a file can have a row for it. A letter alone is a key, the same in every language.
-bool canHaveRow(std::string_view english) {
-  const bool has_marks =
-      english.find_first_of(std::string_view("{}\0", 3)) != english.npos || english.find("##") != english.npos;
-  return english.size() > 1 && english.size() <= Language::kLongestText && !has_marks && isUtf8(english);
+// Nothing: it is fine.
+const char* faultOf(const PoRow& row) {
+  if (std::max(row.english.size(), row.translated.size()) > Language::kLongestText) return "more than 2000 bytes";
+  if ((row.english + row.translated).find("##") != std::string::npos) return "##, which is of ids";
+  const auto kept = keptOf(row.english);
+  if (!kept || kept != keptOf(row.translated)) return "other {} or % than in the English text, or not each once";
+  return nullptr;
 }
 
 // ---- What is shown
 
 // Of one window, as the style is.
-std::shared_ptr<const Language>& shownNow() {
-  static std::shared_ptr<const Language> language;
-  return language;
-}
-
-std::string quotedText(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\')
-      out += std::string("\\") + c;
-    else if (isControl(c))
-      out += fmt::format("\\u{:04X}", static_cast<unsigned>(c));
-    else
-      out += c;
-  }
-  return out + "\"";
-}
+std::mutex shown_mutex;
+std::shared_ptr<const Language> shown_now;
 
 }  // namespace
 
 // ---- A language
 
-Expected<void> Language::add(const std::string& english, const std::string& translated) {
-  if (english.size() > kLongestText || translated.size() > kLongestText)
-    return wrongLanguage("a text of more than 2000 bytes", "a shorter one");
-  for (const std::string* text : {&english, &translated}) {
-    if (text->find("##") != text->npos) return wrongLanguage("##", "the words that are shown, without an id");
-    if (text->find('\0') != text->npos) return wrongLanguage("a character 0", "words");
-  }
-  if (isFormat(english) && conversionsOf(english) != conversionsOf(translated))
-    return wrongLanguage("other conversions than in the English text",
-                         fmt::format("{}", fmt::join(conversionsOf(english), " ")));
-
-  KERF_TRY(from, patternOf(english, nullptr));
-  const std::vector<Kind> kinds = kindsOf(from);
-  KERF_TRY(to, patternOf(translated, &kinds));
-  if (!hasAll(to, kinds))
-    return wrongLanguage("not the placeholders of the English text",
-                         "each of them once, numbered as {1} in another order");
-  if (kinds.empty()) {
-    exact_.emplace(english, translated);
-    return {};
-  }
-  if (from.letters == 0) return wrongLanguage("a text of placeholders alone", "words beside them");
-  patterns_.push_back({std::move(from), std::move(to)});
-  return {};
-}
-
 Expected<Language> Language::read(const fs::path& file) {
-  std::error_code failed;
-  if (!fs::is_regular_file(file, failed))
-    return fail({.code = Error::Code::kNotFound,
+  const auto wrong = [&](Error::Code code, std::string place, std::string found, std::string expected) {
+    return fail({.code = code,
                  .file = file.string(),
-                 .found = "no such file",
-                 .expected = "texts of a language"});
-  if (fs::file_size(file, failed) > kMostBytes || failed)
-    return fail({.code = Error::Code::kBadFormat,
-                 .file = file.string(),
-                 .found = "more than 1 MiB",
-                 .expected = "texts of a language"});
-
-  KERF_TRY(root, parseToml(file));
-  TomlTable table(root, file, "");
-  const std::string format = table.get<std::string>("format", "\"kerf-language\"");
-  if (!table.failed() && format != kFormat) table.reject("format", "\"" + format + "\"", "\"kerf-language\"");
-  (void)table.number("version", 1, 1, "");
-  Language out;
-  out.name_ = table.get<std::string>("name", "the language's name, as those who speak it call it");
-  if (!table.failed() && (out.name_.empty() || out.name_.size() > 60 || out.name_.find("##") != out.name_.npos))
-    table.reject("name", "\"" + out.name_ + "\"", "a name of at most 60 bytes, without ##");
-  if (!table.failed() && std::any_of(out.name_.begin(), out.name_.end(), isControl))
-    table.reject("name", "a control character", "a name that can be read");
-  table.allow("texts");
-  KERF_CHECK(table.finish());
-
-  const toml::table* const texts = root["texts"].as_table();
-  const auto wrongAt = [&](const toml::node& node, const std::string& text, Error error) {
-    error.file = file.string();
-    error.place = fmt::format("line {}, \"{}\"", node.source().begin.line, text);
-    return fail(std::move(error));
+                 .place = std::move(place),
+                 .found = std::move(found),
+                 .expected = std::move(expected)});
   };
-  if (!texts)
-    return fail({.code = Error::Code::kBadFormat,
-                 .file = file.string(),
-                 .found = "no table [texts]",
-                 .expected = "[texts], and rows \"English\" = \"translated\" under it"});
-  if (texts->size() > kMostTexts)
-    return fail({.code = Error::Code::kBadFormat,
-                 .file = file.string(),
-                 .found = fmt::format("{} texts", texts->size()),
-                 .expected = fmt::format("at most {}", kMostTexts)});
-  for (const auto& [key, node] : *texts) {
-    const std::string english(key.str());
-    const auto translated = node.value<std::string>();
-    if (!node.is_string() || !translated)
-      return wrongAt(node, english,
-                     {.code = Error::Code::kBadFormat,
-                      .found = "a value of another type",
-                      .expected = "a text in quotes; \"\" if it is not translated yet"});
-    if (translated->empty()) continue;
-    if (auto added = out.add(english, *translated); !added) return wrongAt(node, english, std::move(added).error());
-  }
+  std::error_code failed;
+  if (!fs::is_regular_file(file, failed)) return wrong(Error::Code::kNotFound, "", "no such file", "a PO file");
+  if (fs::file_size(file, failed) > kMostBytes || failed)
+    return wrong(Error::Code::kBadFormat, "", "more than 1 MiB", "texts of a language");
 
-  // The most telling first; of equal ones by their text, whatever order the file has.
-  std::stable_sort(out.patterns_.begin(), out.patterns_.end(),
-                   [](const Row& a, const Row& b) { return a.english.letters > b.english.letters; });
+  std::vector<PoRow> rows;
+  std::ifstream in(file, std::ios::binary);
+  std::size_t n = 0;
+  bool is_fuzzy = false;
+  for (std::string line; std::getline(in, line);) {
+    ++n;
+    std::string_view rest = line;
+    rest = rest.substr(0, rest.find_last_not_of(" \t\r") + 1);
+    if (rest.empty() || rest[0] == '#') {
+      is_fuzzy |= rest.starts_with("#,") && rest.find("fuzzy") != rest.npos;
+      continue;
+    }
+    const bool is_open = !rows.empty() && !rows.back().is_complete;  // without its msgstr as yet
+    if (rest.starts_with("msgid ") && !is_open) {
+      rows.push_back({.line = n, .is_fuzzy = std::exchange(is_fuzzy, false)});
+      rest.remove_prefix(6);
+    } else if (rest.starts_with("msgstr ") && is_open) {
+      rows.back().is_complete = true;
+      rest.remove_prefix(7);
+    }
+    if (rows.empty() || !appendQuoted(rest, rows.back().is_complete ? rows.back().translated : rows.back().english))
+      return wrong(Error::Code::kBadFormat, fmt::format("line {}", n), line.substr(0, 60),
+                   "msgid and msgstr with texts in quotes; contexts (msgctxt) and plurals are not supported");
+  }
+  if (rows.size() > kMostTexts)
+    return wrong(Error::Code::kBadFormat, "", fmt::format("{} texts", rows.size()),
+                 fmt::format("at most {}", kMostTexts));
+
+  Language out;
+  for (PoRow& row : rows) {
+    const std::string place = fmt::format("line {}, \"{}\"", row.line, row.english);
+    if (row.english.empty()) {
+      constexpr std::string_view kName = "X-Language-Name: ";
+      const std::size_t begin = row.translated.find(kName);
+      if (row.translated.find("charset=UTF-8") == std::string::npos || begin == std::string::npos) break;
+      out.name_ = row.translated.substr(begin + kName.size());
+      out.name_.resize(std::min(out.name_.find('\n'), out.name_.size()));
+      if (out.name_.size() > 60 || out.name_.find("##") != std::string::npos)
+        return wrong(Error::Code::kBadValue, place, out.name_, "X-Language-Name: at most 60 bytes, without ##");
+    } else if (!row.translated.empty() && !row.is_fuzzy) {
+      if (const char* const fault = faultOf(row))
+        return wrong(Error::Code::kBadValue, place, fault, "each field, conversion and percent sign as in English");
+      if (!out.texts_.emplace(std::move(row.english), std::move(row.translated)).second)
+        return wrong(Error::Code::kBadValue, place, "a text a second time", "each text once");
+    }
+  }
+  if (out.name_.empty())
+    return wrong(Error::Code::kBadFormat, "", "no header with charset=UTF-8 and X-Language-Name",
+                 "msgid \"\" at the beginning, as assets/languages/de.po has it");
   return out;
 }
 
@@ -330,146 +161,92 @@ Language Language::marking() {
   return out;
 }
 
-bool Language::find(std::string_view english, int depth, std::string& out) const {
-  if (const auto row = exact_.find(english); row != exact_.end()) {
-    out = row->second;
-    return true;
-  }
-  if (depth == 0 || english.size() > kLongestText) return false;
-  std::vector<Match> found;
-  for (const Row& row : patterns_) {
-    if (!matches(english, row.english, found)) continue;
-    out.clear();
-    for (const auto& piece : row.translated.pieces) {
-      if (piece.kind == Kind::kLiteral) {
-        out += piece.literal;
-        continue;
-      }
-      const Match& match = found[piece.number];
-      const std::string_view words = english.substr(match.begin, match.end - match.begin);
-      std::string inside(words);
-      if (piece.kind == Kind::kAny && !find(words, depth - 1, inside)) inside = words;
-      out += inside;
-    }
-    return true;
-  }
-  return false;
-}
-
 std::string Language::shown(std::string_view english) const {
-  if (!hasLetter(english)) return std::string(english);
-  if (is_marking_) return "«" + std::string(english) + "»";
-  if (const auto known = asked_.find(english); known != asked_.end()) return known->second;
-
-  // Blanks at the ends are of the layout.
-  std::size_t begin = 0, end = english.size();
-  while (begin < end && isBlank(english[begin])) ++begin;
-  while (end > begin && isBlank(english[end - 1])) --end;
-  const std::string_view words = english.substr(begin, end - begin);
-
-  std::string out;
-  if (find(words, kDepth, out)) {
-    out = std::string(english.substr(0, begin)) + out + std::string(english.substr(end));
-  } else if (const std::size_t line = english.find('\n'); line != english.npos) {
-    for (std::size_t from = 0; from <= english.size();) {
-      const std::size_t to = std::min(english.find('\n', from), english.size());
-      out += shown(english.substr(from, to - from));
-      if (to < english.size()) out += '\n';
-      from = to + 1;
-    }
-  } else {
-    out = english;
-    if (missing_.size() < kMostTexts && canHaveRow(words)) missing_.insert(withoutNumbers(words));
+  if (is_marking_) {
+    const auto isLetter = [](unsigned char c) { return std::isalpha(c) || c >= 0x80; };
+    const bool is_marked = english.starts_with("«") && english.ends_with("»");
+    const bool is_read = std::any_of(english.begin(), english.end(), isLetter);
+    return is_marked || !is_read ? std::string(english) : "«" + std::string(english) + "»";
   }
-
-  if (asked_.size() >= kMostKept) asked_.clear();
-  asked_.emplace(english, out);
-  return out;
+  const std::size_t begin = english.find_first_not_of(" \n");
+  if (begin == english.npos) return std::string(english);
+  const std::size_t end = english.find_last_not_of(" \n") + 1;
+  const auto row = texts_.find(english.substr(begin, end - begin));
+  if (row == texts_.end()) return std::string(english);
+  return std::string(english.substr(0, begin)) + row->second + std::string(english.substr(end));
 }
 
 // ---- What the window shows
 
-void setShownLanguage(std::shared_ptr<const Language> language) { shownNow() = std::move(language); }
-const Language* shownLanguage() { return shownNow().get(); }
+void setShownLanguage(std::shared_ptr<const Language> language) {
+  const std::lock_guard lock(shown_mutex);
+  shown_now = std::move(language);
+}
+
+std::shared_ptr<const Language> shownLanguage() {
+  const std::lock_guard lock(shown_mutex);
+  return shown_now;
+}
 
 std::string shownText(std::string_view english) {
-  const Language* const language = shownNow().get();
+  const auto language = shownLanguage();
   return language ? language->shown(english) : std::string(english);
 }
 
 std::string shownLabel(std::string_view label) {
   const std::size_t id = label.find("##");
   if (id == 0) return std::string(label);
-  const std::string words = shownText(label.substr(0, id));
-  if (id == label.npos) return words + "###" + std::string(label);
-  const bool is_whole_id = label.substr(id).starts_with("###");
-  return words + (is_whole_id ? std::string(label.substr(id)) : "###" + std::string(label));
+  const bool is_whole_id = id != label.npos && label.substr(id).starts_with("###");
+  return shownText(label.substr(0, id)) + (is_whole_id ? "" : "###") + std::string(label.substr(is_whole_id ? id : 0));
 }
 
-std::string shownFormat(std::string_view format) {
-  std::string out = shownText(format);
-  return conversionsOf(out) == conversionsOf(format) ? out : std::string(format);
+std::string shownKey(std::string_view key) {
+  const std::string whole = shownText(key);
+  const std::size_t plus = key.find('+');
+  if (whole != key || plus == key.npos) return whole;
+  return shownText(key.substr(0, plus)) + "+" + shownKey(key.substr(plus + 1));
+}
+
+std::string shownPhrase(fmt::string_view english, fmt::format_args values) {
+  try {
+    return fmt::vformat(shownText({english.data(), english.size()}), values);
+  } catch (const fmt::format_error&) {
+    return fmt::vformat(english, values);
+  }
 }
 
 // ---- Files
 
-std::vector<LanguageFile> findLanguages(const fs::path& config_folder) {
+std::map<std::string, fs::path> findLanguages(const fs::path& config_folder) {
   std::vector<fs::path> folders{config_folder / "languages"};
   for (fs::path& folder : findAssets("languages")) folders.push_back(std::move(folder));
-
-  std::vector<LanguageFile> out;
+  std::map<std::string, fs::path> out;
   for (const fs::path& folder : folders) {
     std::error_code failed;
-    for (fs::directory_iterator at(folder, failed), end; !failed && at != end; at.increment(failed)) {
-      const std::string id = at->path().stem().string();
-      const auto is_same = [&](const LanguageFile& one) { return one.id == id; };
-      if (at->path().extension() != ".toml" || std::any_of(out.begin(), out.end(), is_same)) continue;
-      out.push_back({id, at->path()});
-    }
+    for (fs::directory_iterator at(folder, failed), end; !failed && at != end; at.increment(failed))
+      if (at->path().extension() == ".po") out.emplace(at->path().stem().string(), at->path());
   }
-  std::sort(out.begin(), out.end(), [](const LanguageFile& a, const LanguageFile& b) { return a.id < b.id; });
   return out;
 }
 
 Expected<void> showLanguage(const std::string& id, const fs::path& config_folder) {
-  if (id == kEnglish || id == kMarked) {
-    setShownLanguage(id == kEnglish ? nullptr : std::make_shared<const Language>(Language::marking()));
-    return {};
+  std::shared_ptr<const Language> shown;  // none: English
+  const auto known = findLanguages(config_folder);
+  if (id == "marked") {
+    shown = std::make_shared<const Language>(Language::marking());
+  } else if (const auto one = known.find(id); id != "en" && one != known.end()) {
+    KERF_TRY(language, Language::read(one->second));
+    shown = std::make_shared<const Language>(std::move(language));
+  } else if (id != "en") {
+    std::string ids = "en";
+    for (const auto& [other, file] : known) ids += ", " + other;
+    return fail({.code = Error::Code::kNotFound,
+                 .found = "no language \"" + id + "\"",
+                 .expected = "one of " + ids,
+                 .hint = "put " + id + ".po into " + (config_folder / "languages").string()});
   }
-  std::string known = kEnglish;
-  for (const LanguageFile& one : findLanguages(config_folder)) {
-    known += ", " + one.id;
-    if (one.id != id) continue;
-    KERF_TRY(language, Language::read(one.file));
-    setShownLanguage(std::make_shared<const Language>(std::move(language)));
-    return {};
-  }
-  return fail({.code = Error::Code::kNotFound,
-               .found = "no language \"" + id + "\"",
-               .expected = "one of " + known,
-               .hint = "put " + id + ".toml into " + (config_folder / "languages").string()});
-}
-
-Expected<std::size_t> writeMissingTexts(const fs::path& file) {
-  const Language* const language = shownLanguage();
-  if (!language)
-    return fail({.code = Error::Code::kUnsupported,
-                 .found = "the window is in English",
-                 .expected = "another language; its file may hold no text as yet",
-                 .hint = "settings.language"});
-  std::error_code ignored;
-  if (fs::exists(file, ignored))
-    return fail({.code = Error::Code::kWriteFailed,
-                 .file = file.string(),
-                 .found = "there already",
-                 .expected = "a new file: a translation is not written over"});
-
-  KERF_TRY(out, AtomicFile::create(file));
-  out.stream() << "format = \"" << kFormat << "\"\nversion = 1\nname = " << quotedText(language->name())
-               << "\n\n# {}: a number, {*}: any words, {name}: a name. \"\": not translated yet.\n[texts]\n";
-  for (const std::string& text : language->missing()) out.stream() << quotedText(text) << " = \"\"\n";
-  KERF_CHECK(out.commit());
-  return language->missing().size();
+  setShownLanguage(std::move(shown));
+  return {};
 }
 
 }  // namespace kerf

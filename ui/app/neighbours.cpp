@@ -1,10 +1,9 @@
 #include "ui/app/neighbours.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 
 #include "sim/monitor/structures.h"
+#include "ui/app/language.h"
 
 namespace kerf {
 namespace {
@@ -58,13 +57,11 @@ std::optional<std::string> misfitOf(const BrickField& object, const Box3& box, c
   const Box3 other = bounds(solid);
   const double ratio = other.size().norm() / std::max(box.size().norm(), 1e-9);
   if (ratio > kMostRatio || ratio < 1 / kMostRatio)
-    return fmt::format("{} is {:.3g} times as large as what is worked on: is one of them in another unit?", name,
-                       ratio);
+    return phrase("{} is {:.3g} times as large as what is worked on: is one of them in another unit?", name, ratio);
   if (const double gap = gapToNeighbour(box, other); gap > kMostApart)
-    return fmt::format("{} lies {:.0f} mm away from what is worked on: they are hardly in one frame of a scan", name,
-                       gap);
+    return phrase("{} lies {:.0f} mm away from what is worked on: they are hardly in one frame of a scan", name, gap);
   if (const double inside = shareInside(object, solid); inside > kMostInside)
-    return fmt::format(
+    return phrase(
         "{:.0f} % of the surface of {} lie inside what is worked on: they are hardly in one frame, or "
         "are scans of the same",
         100 * inside, name);

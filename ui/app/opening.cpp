@@ -24,6 +24,7 @@
 #include "sim/run/run_files.h"
 #include "sim/run/run_manifest.h"
 #include "ui/app/label_plan.h"
+#include "ui/app/language.h"
 #include "ui/app/upright.h"
 
 namespace kerf {
@@ -78,9 +79,9 @@ struct Prepared {
 
 std::vector<std::string> notesOf(const CaseManifest& manifest) {
   std::vector<std::string> out = manifest.changes;
-  out.push_back(fmt::format("cut in voxels of {:g} mm", manifest.voxel_mm));
+  out.push_back(phrase("cut in voxels of {:g} mm", manifest.voxel_mm));
   for (const CaseSource& source : manifest.sources) {
-    std::string line = fmt::format("read as {}: {}", source.unit, source.unit_reason);
+    std::string line = phrase("read as {}: {}", source.unit, shownText(source.unit_reason));
     if (std::find(out.begin(), out.end(), line) == out.end()) out.push_back(std::move(line));
   }
   return out;
@@ -121,7 +122,7 @@ Expected<Prepared> prepare(const fs::path& path, const OpeningOptions& options, 
     OpeningOptions as_recipe = options;
     as_recipe.prepare = {};
     KERF_TRY(prepared, prepare(recipe, as_recipe, partOf(progress, 0.1, 1)));
-    prepared.notes.push_back("baked by the recipe " + recipe.string());
+    prepared.notes.push_back(phrase("baked by the recipe {}", recipe.string()));
     return std::move(prepared);
   }
   const bool is_recipe = kind == FileKind::kRecipe;
@@ -189,7 +190,7 @@ Expected<std::vector<CaseBeside>> prepareBeside(const fs::path& case_folder, con
   if (partner && std::none_of(found.begin(), found.end(), isPartner)) {
     found.push_back({*partner, freeName(nameOf(*partner), out.name, found)});
     out.sources_beside.push_back(*partner);
-    out.notes.push_back(fmt::format("one jaw of a pair: {} stands beside it, as they meet", found.back().name));
+    out.notes.push_back(phrase("one jaw of a pair: {} stands beside it, as they meet", found.back().name));
   }
   return found;
 }
@@ -359,9 +360,9 @@ Expected<Opened> openToCut(const fs::path& path, const OpeningOptions& options, 
   KERF_CHECK(noteMisfits(*run, out.notes));
   if (kind == FileKind::kRun)
     out.notes.push_back(
-        fmt::format("goes on from {}, in a session of its own: {:.3f} mm3 were removed before; undo "
-                    "reaches back to here",
-                    path.filename().string(), run->removedBefore()));
+        phrase("goes on from {}, in a session of its own: {:.3f} mm3 were removed before; undo "
+               "reaches back to here",
+               path.filename().string(), run->removedBefore()));
   out.run = std::move(run);
   return out;
 }

@@ -1,6 +1,7 @@
 #include "ui/app/quit.h"
 
 #include "ui/app/export_commands.h"
+#include "ui/app/language.h"
 
 namespace kerf::quit {
 
@@ -26,8 +27,9 @@ void exportFirst(AppContext& c) {
 }
 
 std::string question(const Workbench& bench) {
-  return "Your cut is kept in " + bench.sessionFolder().string() +
-         "; it was not exported.\nOpen that folder in Kerf to go on with it, or export it now.";
+  return phrase(
+      "Your cut is kept in {}; it was not exported.\nOpen that folder in Kerf to go on with it, or export it now.",
+      bench.sessionFolder().string());
 }
 
 }  // namespace kerf::quit

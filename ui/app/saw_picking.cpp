@@ -1,5 +1,6 @@
 #include "ui/app/saw_picking.h"
 
+#include "ui/app/language.h"
 #include "ui/app/sawing.h"
 
 namespace kerf {
@@ -19,7 +20,7 @@ std::string SawPicking::hint() const {
     case What::kNothing:
       return {};
     case What::kPoints:
-      return std::string(kPoints[std::min<std::size_t>(rays_.size(), 2)]) + "  Esc: leave.";
+      return shownText(kPoints[std::min<std::size_t>(rays_.size(), 2)]) + shownText("  Esc: leave.");
     case What::kLine:
       return "Draw a line across the bone: the blade goes in along the view.  Esc: leave.";
     case What::kFace:

@@ -1,11 +1,10 @@
 #include "ui/app/sawing.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "ui/app/language.h"
 #include "ui/app/workbench.h"
 
 namespace kerf {
@@ -411,17 +410,19 @@ void Sawing::finish(const GuidedReport& report) {
   const double percent = std::floor(1000 * last_share_) / 10;
   const bool is_whole = last_share_ >= 0.995, is_aside = c.aside >= kAsideIsTold;
 
-  std::string text = fmt::format("{}: {} {:.4g} % of the planned section ({:.0f} mm2) in {:.0f} s", c.plane.name,
-                                 c.order.is_wanted ? "cut" : "stopped after", percent, c.section.plannedMm2(), seconds);
-  text += fmt::format("; {:.1f} mm3 planned, {:.1f} mm3 removed", plannedMm3(), removedMm3());
+  const std::string share =
+      c.order.is_wanted ? phrase("cut {:.4g} %", percent) : phrase("stopped after {:.4g} %", percent);
+  std::string text = phrase("{}: {} of the planned section ({:.0f} mm2) in {:.0f} s", c.plane.name, share,
+                            c.section.plannedMm2(), seconds);
+  text += phrase("; {:.1f} mm3 planned, {:.1f} mm3 removed", plannedMm3(), removedMm3());
   if (c.order.is_wanted && report.given_up > 0)
-    text += "; the blade did not get on in places: push harder (saw.cut 8), or take another saw";
+    text += shownText("; the blade did not get on in places: push harder (saw.cut 8), or take another saw");
   else if (c.order.is_wanted && !is_whole && !is_aside)
-    text += "; the rest is beyond the blade's reach";
-  if (is_aside) text += fmt::format("; the blade was pushed up to {:.2f} mm out of the plane", c.aside);
+    text += shownText("; the rest is beyond the blade's reach");
+  if (is_aside) text += phrase("; the blade was pushed up to {:.2f} mm out of the plane", c.aside);
   if (c.section.beyondMm2() > 0.5)
-    text += fmt::format("; {:.1f} mm2 beside the rectangle were in the blade's way and are sawn, too",
-                        c.section.beyondMm2());
+    text +=
+        phrase("; {:.1f} mm2 beside the rectangle were in the blade's way and are sawn, too", c.section.beyondMm2());
   bench_.say(std::move(text));
   const bool is_undone = c.is_undone_after;
   cutting_.reset();

@@ -107,13 +107,6 @@ Expected<void> setLanguage(AppContext& c, AppWords words) {
   return c.settings->save();
 }
 
-Expected<void> writeTexts(AppContext& c, AppWords words) {
-  KERF_TRY(file, pathOf(words));
-  KERF_TRY(count, writeMissingTexts(file));
-  c.bench.say(fmt::format("{} texts without a translation: {}", count, file.string()));
-  return {};
-}
-
 Expected<void> showSettings(AppContext& c, AppWords) {
   c.shows_settings = !c.shows_settings;
   return {};

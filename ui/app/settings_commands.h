@@ -18,7 +18,6 @@ Expected<void> setVolume(AppContext& c, AppWords words);    ///< PERCENT
 Expected<void> mute(AppContext& c, AppWords words);         ///< [on|off]
 Expected<void> setDialog(AppContext& c, AppWords words);    ///< own|system
 Expected<void> setLanguage(AppContext& c, AppWords words);  ///< ID of language.h
-Expected<void> writeTexts(AppContext& c, AppWords words);   ///< FILE
 Expected<void> showSettings(AppContext& c, AppWords words);
 
 }  // namespace kerf

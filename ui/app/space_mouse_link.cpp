@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "sim/device/device_watch.h"
+#include "ui/app/language.h"
 
 namespace kerf {
 
@@ -52,7 +53,7 @@ std::optional<std::string> SpaceMouseLink::news() {
   const bool is_there = s.device && s.device->isConnected();
   const std::string name = is_there ? s.device->what().name : "", trouble = is_there ? "" : s.watch.trouble();
   const std::string last_name = std::exchange(s.name, name), last_trouble = std::exchange(s.trouble, trouble);
-  if (name != last_name) return name.empty() ? last_name + " was unplugged" : name + " is ready";
+  if (name != last_name) return name.empty() ? phrase("{} was unplugged", last_name) : phrase("{} is ready", name);
   if (trouble != last_trouble && !trouble.empty()) return trouble;
   return {};
 }

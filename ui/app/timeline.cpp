@@ -1,4 +1,5 @@
 #include "ui/app/timeline.h"
+#include "ui/app/language.h"
 
 #include <fmt/format.h>
 
@@ -127,28 +128,26 @@ Expected<std::size_t> Timeline::strokesAfter(std::uint64_t number) const {
 }
 
 std::string describeStep(const TimelineStep& step, std::uint64_t number, const std::string& tool) {
-  if (step.kind == TimelineStep::Kind::kMove)
-    return fmt::format("{}: a piece moved, at {:.1f} s", number, step.began_s);
-  const std::string what = step.kind == TimelineStep::Kind::kPlannedCut ? "planned cut " + step.plane : tool;
-  std::string out = fmt::format("{}: {}, {:.2f} mm3 removed", number, what, step.removed_mm3);
-  if (step.added_mm3 > 0) out += fmt::format(", {:.2f} mm3 added", step.added_mm3);
-  return out + fmt::format(", at {:.1f} s", step.began_s);
+  if (step.kind == TimelineStep::Kind::kMove) return phrase("{}: a piece moved, at {:.1f} s", number, step.began_s);
+  const std::string what = step.kind == TimelineStep::Kind::kPlannedCut ? phrase("planned cut {}", step.plane) : tool;
+  std::string out = phrase("{}: {}, {:.2f} mm3 removed", number, what, step.removed_mm3);
+  if (step.added_mm3 > 0) out += phrase(", {:.2f} mm3 added", step.added_mm3);
+  return out + phrase(", at {:.1f} s", step.began_s);
 }
 
 std::string describeBranch(const TimelineBranch& branch) {
   double removed = 0;
   for (const TimelineStep& step : branch.steps) removed += step.removed_mm3;
-  const std::string from = branch.from == 0 ? "from the beginning" : fmt::format("from step {}", branch.from);
+  const std::string from = branch.from == 0 ? shownText("from the beginning") : phrase("from step {}", branch.from);
   const double last_s = kTick * static_cast<double>(branch.last_began);
   const std::size_t count = branch.steps.size();
-  return count == 1
-             ? fmt::format("{}: a step, {:.2f} mm3 removed, at {:.1f} s", from, removed, last_s)
-             : fmt::format("{}: {} steps, {:.2f} mm3 removed, the last at {:.1f} s", from, count, removed, last_s);
+  return count == 1 ? phrase("{}: a step, {:.2f} mm3 removed, at {:.1f} s", from, removed, last_s)
+                    : phrase("{}: {} steps, {:.2f} mm3 removed, the last at {:.1f} s", from, count, removed, last_s);
 }
 
 std::string lossOf(std::size_t steps_ahead) {
   if (steps_ahead < 2) return {};
-  return fmt::format("A new stroke from here makes the {} steps ahead a branch.", steps_ahead);
+  return phrase("A new stroke from here makes the {} steps ahead a branch.", steps_ahead);
 }
 
 }  // namespace kerf

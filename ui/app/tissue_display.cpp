@@ -10,6 +10,7 @@
 
 #include "sim/live/chunk_occlusion.h"
 #include "sim/run/watched_run.h"
+#include "ui/app/language.h"
 
 namespace kerf {
 namespace {
@@ -40,7 +41,7 @@ KeepOutOptions depthReach(double voxel) {
 }  // namespace
 
 std::optional<MapLegend> legendOf(SurfaceColours colours) {
-  const std::string reach = fmt::format("{:g} mm or more", kMapReach);
+  const std::string reach = phrase("{:g} mm or more", kMapReach);
   if (colours == SurfaceColours::kDepth) return MapLegend{"Below the surface as loaded", "0 mm", reach};
   if (colours != SurfaceColours::kDistance) return {};
   return MapLegend{"To pulp or nerve canal", "0 mm", reach, true};

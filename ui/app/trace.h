@@ -40,7 +40,7 @@ class Trace {
                                                    {Channel::kDepth, "Depth", "mm", 0.5},
                                                    {Channel::kPenetration, "Penetration", "um", 50},
                                                    {Channel::kRate, "Volume rate", "mm3/s", 0.1},
-                                                   {Channel::kTemperature, "Temperature", "C", 50}}};
+                                                   {Channel::kTemperature, "Temperature", "°C", 50}}};
   static constexpr std::size_t kPerSecond = 60, kSeconds = 20, kCount = kPerSecond * kSeconds;
 
   void clear() { *this = {}; }

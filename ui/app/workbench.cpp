@@ -11,6 +11,7 @@
 #include "ui/app/arm_lead.h"
 #include "ui/app/export_plan.h"
 #include "ui/app/import_set.h"
+#include "ui/app/language.h"
 #include "ui/app/sawing.h"
 #include "ui/app/tissue_display.h"
 #include "ui/app/user_files.h"
@@ -166,17 +167,17 @@ void Workbench::warnOfHeat() {
   const HeatAlarms& alarms = report_.heat.alarms;
   if (alarms.pulp >= 0 && !std::exchange(has_told_of_pulp_, true))
     say(
-        fmt::format("The pulp is {:.1f} C warmer than the body: not every pulp recovers from that (Zach & Cohen 1965). "
-                    "More spray, less force, or a pause.",
-                    kPulpLimitRise));
+        phrase("The pulp is {:.1f} C warmer than the body: not every pulp recovers from that (Zach & Cohen 1965). "
+               "More spray, less force, or a pause.",
+               kPulpLimitRise));
   if (alarms.bone_warm >= 0 && !std::exchange(has_told_of_bone_, true))
-    say(fmt::format(
-        "The bone under the tool has {:.0f} C: after a minute it dies (Eriksson & Albrektsson). More spray, "
-        "less force, or a pause.",
-        kBodyCelsius + kBoneLimitRise));
+    say(
+        phrase("The bone under the tool has {:.0f} C: after a minute it dies (Eriksson & Albrektsson). More spray, "
+               "less force, or a pause.",
+               kBodyCelsius + kBoneLimitRise));
   if (alarms.bone_dead >= 0 && !std::exchange(has_told_of_dead_bone_, true))
-    say(fmt::format("Bone half a millimetre beside the cut had {:.0f} C or more for {:.0f} s together: it would die.",
-                    kBodyCelsius + kBoneLimitRise, kBoneLimitSeconds));
+    say(phrase("Bone half a millimetre beside the cut had {:.0f} C or more for {:.0f} s together: it would die.",
+               kBodyCelsius + kBoneLimitRise, kBoneLimitSeconds));
 }
 
 double Workbench::removedOf(Material material) const {
@@ -209,12 +210,12 @@ bool Workbench::isSawing() {
 
 void Workbench::open(const fs::path& path) {
   if (kindOf(path) == FileKind::kTool) return addTool(path);
-  openBy("opening " + path.filename().string(),
+  openBy(phrase("opening {}", path.filename().string()),
          [path, options = openingOptions()](const Progress& progress) { return openToCut(path, options, progress); });
 }
 
 void Workbench::openDemo(const std::string& name) {
-  openBy("opening the demo " + name, [name, options = openingOptions()](const Progress& progress) {
+  openBy(phrase("opening the demo {}", shownText(name)), [name, options = openingOptions()](const Progress& progress) {
     return openDemoToCut(name, options, progress);
   });
 }
@@ -313,13 +314,13 @@ void Workbench::show(Opened& loaded) {
   moving_.clear();
   scene_.setLabels(run_->labels());
   for (const std::string& name : run_->missingPieces())
-    say("not found again, and so where it was in the scan: " + name);
+    say(phrase("not found again, and so where it was in the scan: {}", name));
   constexpr double kWorthSaying = 0.01;  // mm^3
   if (run_->addedBefore() > kWorthSaying)
-    say(fmt::format(
-        "WARNING: {:.2f} mm3 that were added before count and cut as the tissue around them from here on: the "
-        "run is of an older Kerf, which did not keep their material",
-        run_->addedBefore()));
+    say(
+        phrase("WARNING: {:.2f} mm3 that were added before count and cut as the tissue around them from here on: the "
+               "run is of an older Kerf, which did not keep their material",
+               run_->addedBefore()));
   removed_mm3_ = 0;
   saw_->opened();
   heatByToolInHand();
@@ -351,7 +352,7 @@ void Workbench::endRun(bool keeps_ahead) {
   scene_.clear();
   ++generation_;
   auto job = std::make_unique<Job<EndedSession>>(
-      "writing the session of " + name,
+      phrase("writing the session of {}", name),
       [ending, guided, hands, hand, left = std::exchange(undos_left_, 0), sent = sent_, dropped,
        data = options_.data_folder, name](const Progress&) {
         sendTheRest(*ending, left, sent);
@@ -369,12 +370,11 @@ void Workbench::endRun(bool keeps_ahead) {
     takeEnded(*ended, folder);
     const Expected<RunManifest>& written = ended->run;
     if (written) {
-      say(fmt::format("session written: {}\nas a mesh again: kerf export {} -o OUT.stl", folder.string(),
-                      folder.string()));
+      say(phrase("session written: {}\nas a mesh again: kerf export {} -o OUT.stl", folder.string(), folder.string()));
       for (std::size_t n = 0; n < written->beside.size(); ++n)
         if (const RunManifest::Beside& other = written->beside[n]; other.removed_mm3 > 0)
-          say(fmt::format("{:.4f} mm3 were cut off the neighbour {}: kerf export {} --beside {} -o OUT.stl",
-                          other.removed_mm3, other.name, folder.string(), n + 1));
+          say(phrase("{:.4f} mm3 were cut off the neighbour {}: kerf export {} --beside {} -o OUT.stl",
+                     other.removed_mm3, other.name, folder.string(), n + 1));
     } else if (written.error().code != Error::Code::kEmpty)
       complain(written.error());
   };

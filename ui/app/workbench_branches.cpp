@@ -6,6 +6,7 @@
 #include <system_error>
 #include <utility>
 
+#include "ui/app/language.h"
 #include "ui/app/sawing.h"
 #include "ui/app/workbench.h"
 
@@ -37,17 +38,16 @@ std::vector<Branch> Workbench::branches() const {
 std::optional<Branch> Workbench::lineNow() const {
   const std::uint64_t steps = timeline_.older() + stepsDone();
   if (steps > 0)
-    return Branch{session_, {}, fmt::format("as it was left at step {}, {:.2f} mm3 removed", steps, removedMm3())};
+    return Branch{session_, {}, phrase("as it was left at step {}, {:.2f} mm3 removed", steps, removedMm3())};
   if (opened_ || run_->from().empty()) return opened_;
-  return Branch{run_->from(), {}, fmt::format("as it was opened, {:.2f} mm3 removed", removedMm3())};
+  return Branch{run_->from(), {}, phrase("as it was opened, {:.2f} mm3 removed", removedMm3())};
 }
 
 // Of the session that ends.
 void Workbench::leaveBranches() {
   const std::size_t known = left_.size();
   left_ = branches();
-  for (std::size_t n = known; n < left_.size(); ++n)
-    left_[n].text = fmt::format("in a session before, {}", left_[n].text);
+  for (std::size_t n = known; n < left_.size(); ++n) left_[n].text = phrase("in a session before, {}", left_[n].text);
 }
 
 std::vector<std::uint64_t> Workbench::droppedSteps(bool with_ahead) const {
@@ -83,7 +83,7 @@ void Workbench::takeEnded(const EndedSession& ended, const fs::path& folder) {
 // In place of what is open or watched.
 void Workbench::openBranch(const Branch& branch) {
   const bool is_end = !branch.point.sample && !branch.point.step_began;
-  openBy("going on: " + branch.text, [branch, is_end, options = openingOptions()](const Progress& progress) {
+  openBy(phrase("going on: {}", branch.text), [branch, is_end, options = openingOptions()](const Progress& progress) {
     return is_end ? openToCut(branch.run, options, progress)
                   : openBranchToCut(branch.run, branch.point, options, progress);
   });
@@ -111,7 +111,7 @@ Expected<void> Workbench::takeBranch(std::size_t n) {
   left_.erase(left_.begin() + static_cast<std::ptrdiff_t>(n));
   if (ahead)
     left_.push_back(
-        {session, {.step_began = ahead->last_began}, fmt::format("in a session before, {}", describeBranch(*ahead))});
+        {session, {.step_began = ahead->last_began}, phrase("in a session before, {}", describeBranch(*ahead))});
   if (now) left_.push_back(*now);
   return {};
 }

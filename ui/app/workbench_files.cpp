@@ -6,6 +6,7 @@
 #include <string>
 
 #include "sim/run/run_branch.h"
+#include "ui/app/language.h"
 #include "ui/app/user_files.h"
 #include "ui/app/workbench.h"
 
@@ -33,7 +34,7 @@ void Workbench::forgetLost(std::size_t n) {
   if (const auto done = discardSession(folder); !done)
     complain(done.error());
   else
-    say("deleted as asked: " + folder.string());
+    say(phrase("deleted as asked: {}", folder.string()));
   lost_ = findLostSessions(options_.data_folder);
 }
 
@@ -73,7 +74,7 @@ void Workbench::recover(std::size_t n) {
   job_writes_ = true;
   const fs::path folder = lost_[n].folder;
   auto job = std::make_unique<Job<RecoveredSession>>(
-      "recovering " + folder.filename().string(),
+      phrase("recovering {}", folder.filename().string()),
       [lost = lost_[n], data = options_.data_folder](const Progress& progress) -> Expected<RecoveredSession> {
         return recoverSession(lost, data, progress);
       });

@@ -8,6 +8,7 @@
 
 #include "geometry/tool/handpiece.h"
 #include "ui/app/arm_lead.h"
+#include "ui/app/language.h"
 #include "ui/app/sawing.h"
 #include "ui/app/workbench.h"
 
@@ -79,7 +80,7 @@ Expected<void> Workbench::openDevice(const std::string& name) {
   if (isBusy() || isSawing()) return {};
   release();
   KERF_CHECK(arm_->open(name));
-  say(arm_->arm()->what() + " is open: its hand leads the tool when it comes.");
+  say(phrase("{} is open: its hand leads the tool when it comes.", arm_->arm()->what()));
   has_told_that_it_is_led_ = false;
   if (run_) reopenWith({});
   return {};

@@ -1,6 +1,4 @@
 // Files that are looked at before they are prepared. The rest of the workbench: workbench.cpp.
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <memory>
 #include <system_error>
@@ -8,6 +6,7 @@
 
 #include "geometry/tool/tool_file.h"
 #include "ui/app/import_set.h"
+#include "ui/app/language.h"
 #include "ui/app/workbench.h"
 
 namespace kerf {
@@ -24,7 +23,7 @@ void Workbench::beginImport(const fs::path& path) {
     return;
   }
   if (kind != FileKind::kScan && kind != FileKind::kLabels) return open(path);
-  readToImports({path}, "reading " + path.filename().string(), false);
+  readToImports({path}, phrase("reading {}", path.filename().string()), false);
 }
 
 std::vector<fs::path> Workbench::takeTools(const std::vector<fs::path>& paths) {
@@ -43,13 +42,13 @@ void Workbench::beginImports(const std::vector<fs::path>& paths) {
   if (objects.size() == 1) return beginImport(objects.front());
   // What is gone on with is decided about already.
   if (kindOf(objects.front()) == FileKind::kRun) return openAll(objects);
-  if (!isBusy()) readToImports(objects, fmt::format("reading {} files", objects.size()), false);
+  if (!isBusy()) readToImports(objects, phrase("reading {} files", objects.size()), false);
 }
 
 void Workbench::importMore(const std::vector<fs::path>& paths) {
   if (!import_) return beginImports(paths);
   const std::vector<fs::path> objects = takeTools(paths);
-  if (!objects.empty() && !isBusy()) readToImports(objects, fmt::format("reading {} more", objects.size()), true);
+  if (!objects.empty() && !isBusy()) readToImports(objects, phrase("reading {} more", objects.size()), true);
 }
 
 // @param is_more  they come beside what is looked at already.
@@ -98,8 +97,8 @@ void Workbench::startImport() {
 // Tools first: they are in the rack of the session that the others are opened in.
 void Workbench::makeTools(std::vector<MeshToolOrder> orders) {
   using Made = std::vector<SessionTool>;
-  const std::string title = orders.size() == 1 ? "making a tool of " + orders.front().file.filename().string()
-                                               : fmt::format("making {} tools", orders.size());
+  const std::string title = orders.size() == 1 ? phrase("making a tool of {}", orders.front().file.filename().string())
+                                               : phrase("making {} tools", orders.size());
   auto job = std::make_unique<Job<Made>>(
       title, [orders = std::move(orders), folder = ownToolFolder()](const Progress& progress) -> Expected<Made> {
         Made out;
@@ -134,7 +133,7 @@ void Workbench::makeTools(std::vector<MeshToolOrder> orders) {
 void Workbench::takeMadeTools(std::vector<SessionTool> made) {
   const fs::path first = made.front().file;
   for (SessionTool& one : made) {
-    say(fmt::format("{} is in the rack: {}", one.tool.id, one.file.string()));
+    say(phrase("{} is in the rack: {}", one.tool.id, one.file.string()));
     const ToolTimes times = timesOf(one.file);
     putIntoRack(rackTool(std::move(one), times));
   }
@@ -162,8 +161,8 @@ void Workbench::openImported() {
       return putImportAway();
     }
     const std::string title =
-        asked.size() == 1 ? asked.front().path.filename().string() : fmt::format("{} files", asked.size());
-    return placeBeside(std::move(asked), "preparing " + title);
+        asked.size() == 1 ? asked.front().path.filename().string() : phrase("{} files", asked.size());
+    return placeBeside(std::move(asked), phrase("preparing {}", title));
   }
 
   const ImportEntry& first = *import_->cut();
@@ -173,23 +172,23 @@ void Workbench::openImported() {
   for (const ImportEntry& entry : import_->entries()) {
     if (entry.role != ImportRole::kBeside) continue;
     options.beside.push_back({entry.file, {}, entry.decided()});
-    names += (names.empty() ? " with " : ", ") + entry.file.filename().string();
+    names += (names.empty() ? "" : ", ") + entry.file.filename().string();
   }
 
   // What was looked at need not be said again.
   std::string as_shown;
   if (const ImportPlan* const scan = first.scan.get(); scan && scan->preview())
-    as_shown = fmt::format("prepared as shown: read as {}, {} changes, cut in voxels of {:g} mm", scan->unit().unit,
-                           scan->preview()->changes.size(), scan->voxel());
+    as_shown = phrase("prepared as shown: read as {}, {} changes, cut in voxels of {:g} mm", scan->unit().unit,
+                      scan->preview()->changes.size(), scan->voxel());
   const bool is_alone = options.beside.empty();
-  openBy("preparing " + first.file.filename().string() + names,
+  openBy(names.empty() ? phrase("preparing {}", first.file.filename().string())
+                       : phrase("preparing {} with {}", first.file.filename().string(), names),
          [path = first.file, options, as_shown, is_alone](const Progress& progress) -> Expected<Opened> {
            KERF_TRY(opened, openToCut(path, options, progress));
            if (!as_shown.empty() && is_alone && !opened.notes.empty()) opened.notes = {as_shown};
            if (!is_alone)
-             opened.notes.insert(
-                 opened.notes.begin(),
-                 fmt::format("{} is worked on; to work on another one: neighbour.work-on", opened.name));
+             opened.notes.insert(opened.notes.begin(),
+                                 phrase("{} is worked on; to work on another one: neighbour.work-on", opened.name));
            return std::move(opened);
          });
 }

@@ -5,6 +5,7 @@
 #include <memory>
 #include <utility>
 
+#include "ui/app/language.h"
 #include "ui/app/sawing.h"
 #include "ui/app/workbench.h"
 
@@ -26,11 +27,11 @@ void Workbench::openAll(const std::vector<fs::path>& paths) {
     names += (n > 1 ? ", " : "") + objects[n].filename().string();
   }
   const fs::path first = objects.front();
-  openBy(fmt::format("opening {} with {} beside", first.filename().string(), names),
+  openBy(phrase("opening {} with {} beside", first.filename().string(), names),
          [first, options](const Progress& progress) -> Expected<Opened> {
            KERF_TRY(opened, openToCut(first, options, progress));
            opened.notes.insert(opened.notes.begin(),
-                               fmt::format("{} is worked on; to work on another one: neighbour.work-on", opened.name));
+                               phrase("{} is worked on; to work on another one: neighbour.work-on", opened.name));
            return std::move(opened);
          });
 }
@@ -39,7 +40,7 @@ void Workbench::openBeside(const fs::path& path) {
   if (isBusy() || isSawing()) return;
   if (!run_) return open(path);
   const std::string name = (path.has_filename() ? path : path.parent_path()).stem().string();
-  placeBeside({{path, name, openingOptions().prepare}}, "preparing " + path.filename().string());
+  placeBeside({{path, name, openingOptions().prepare}}, phrase("preparing {}", path.filename().string()));
 }
 
 // What was looked at before stays until this is done, for another remedy.
@@ -94,10 +95,10 @@ void Workbench::workOn(std::size_t number) {
     if (const SessionNeighbour& other = run_->neighbours()[n].known; n + 1 != number)
       options.beside.push_back({other.folder, other.name, {}});
   const SessionNeighbour& wanted = run_->neighbours()[number - 1].known;
-  openBy("opening " + wanted.name,
+  openBy(phrase("opening {}", wanted.name),
          [folder = wanted.folder, name = wanted.name, options](const Progress& progress) -> Expected<Opened> {
            KERF_TRY(opened, openToCut(folder, options, progress));
-           opened.notes.insert(opened.notes.begin(), name + " is worked on, as in its case");
+           opened.notes.insert(opened.notes.begin(), phrase("{} is worked on, as in its case", name));
            opened.name = name;
            return std::move(opened);
          });
@@ -150,8 +151,7 @@ void Workbench::warnOfNeighbours() {
     const bool is_at_work = stroke_ || saw_->isCutting() || report_.tick < known.tick + kTicks;
     if (is_at_work || now < known.told_mm3 + kLeast) continue;
     known.told_mm3 = now;
-    say(fmt::format("you have cut the neighbour {}: {:.4f} mm3. Undo takes it back", run_->neighbours()[n].known.name,
-                    now));
+    say(phrase("you have cut the neighbour {}: {:.4f} mm3. Undo takes it back", run_->neighbours()[n].known.name, now));
   }
 }
 

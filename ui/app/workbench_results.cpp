@@ -8,6 +8,7 @@
 #include "geometry/formats/mesh_formats.h"
 #include "ui/app/export_plan.h"
 #include "ui/app/exporting.h"
+#include "ui/app/language.h"
 #include "ui/app/workbench.h"
 
 namespace kerf {
@@ -66,7 +67,7 @@ void Workbench::exportTo(const fs::path& file, const ExportChoice& choice) {
   job_writes_ = true;
   const auto scene = orderScene();
   const LiveRun* const run = run_.get();
-  auto job = std::make_unique<Job<WrittenExport>>("exporting " + file.filename().string(),
+  auto job = std::make_unique<Job<WrittenExport>>(phrase("exporting {}", file.filename().string()),
                                                   [run, scene, file, choice](const Progress& progress) {
                                                     return exportWhenGiven(*run, *scene, file, choice, progress);
                                                   });

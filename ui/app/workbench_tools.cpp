@@ -9,6 +9,7 @@
 
 #include "geometry/tool/tool_file.h"
 #include "sim/run/tool_resolution.h"
+#include "ui/app/language.h"
 #include "ui/app/sawing.h"
 #include "ui/app/tissue_display.h"
 #include "ui/app/workbench.h"
@@ -105,7 +106,7 @@ void Workbench::addTool(const fs::path& file) {
   const std::string id = tool->id;
   putIntoRack(rackTool({path, std::move(*tool)}, times));
   if (run_) return reopenWith(path);
-  say(id + " is in the rack: open something to cut with it");
+  say(phrase("{} is in the rack: open something to cut with it", id));
 }
 
 // The tools and cases of a session are named where its log begins. So this one is written, and another goes on from it.
@@ -186,7 +187,7 @@ void Workbench::watchTools() {
       complain(tool.error());
       continue;
     }
-    say(fmt::format("{} was changed: it is read anew", (is_mesh ? mesh : file).filename().string()));
+    say(phrase("{} was changed: it is read anew", (is_mesh ? mesh : file).filename().string()));
     putIntoRack(rackTool({file, std::move(*tool)}, times));
     if (run_ && n == tool_) return reopenWith(file);
   }
@@ -207,7 +208,7 @@ void Workbench::watchBrokenTools() {
     }
     const BrokenTool mended = broken;
     putIntoRack(rackTool({mended.file, std::move(*tool)}, times));
-    say(mended.file.filename().string() + " can be read now: it is in the rack");
+    say(phrase("{} can be read now: it is in the rack", mended.file.filename().string()));
     if (run_ && mended.is_asked_for) reopenWith(mended.file);
     return;  // the others in a second
   }

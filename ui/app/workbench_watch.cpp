@@ -7,6 +7,7 @@
 #include "geometry/case/case_bundle.h"
 #include "sim/run/watched_run.h"
 #include "ui/app/import_set.h"
+#include "ui/app/language.h"
 #include "ui/app/sawing.h"
 #include "ui/app/tissue_display.h"
 #include "ui/app/upright.h"
@@ -47,7 +48,7 @@ void Workbench::watch(const fs::path& run_folder) {
   if (isBusy()) return;
   asked_run_.reset();
   auto job = std::make_unique<Job<Watched>>(
-      "opening " + run_folder.filename().string() + " to watch",
+      phrase("opening {} to watch", run_folder.filename().string()),
       [run_folder](const Progress& progress) { return openToWatch(run_folder, progress); });
   job_writes_ = false;
   when_over_ = [this, job = job.get()] {

@@ -133,7 +133,7 @@ void drawSafety(const ArmView& view) {
   const StyleColours& colours = styleColours();
   const float share = static_cast<float>(view.felt.force.norm() / std::max(view.most_force, 0.01));
   ui::progressBar(view.is_leading ? share : 0, {-1, 0},
-                  fmt::format("{:.2f} of at most {:.2g} N", view.felt.force.norm(), view.most_force));
+                  phrase("{:.2f} of at most {:.2g} N", view.felt.force.norm(), view.most_force));
   line("Fading in", fmt::format("{:.0f} %", 100 * view.felt.ramp));
   if (view.felt.has_fault)
     line("Bounds", "a force was no number: OFF", &colours.warning);
@@ -143,7 +143,7 @@ void drawSafety(const ArmView& view) {
   const bool is_old = view.felt.age_ms > 1000 * ForceArm::kDeadMan;
   line("Age of data", fmt::format("{:.1f} ms", view.felt.age_ms), is_old ? &colours.warning : nullptr);
   line("p50 p99 p99.9", fmt::format("{:.2f}  {:.2f}  {:.2f} ms", view.age_p50_ms, view.age_p99_ms, view.age_p999_ms));
-  line("Frames", fmt::format("{} of the hand, {} refused", view.counts.hands, view.counts.refused));
+  line("Frames", phrase("{} of the hand, {} refused", view.counts.hands, view.counts.refused));
 }
 
 void drawArming(AppContext& context, const ArmView& view) {

@@ -1,6 +1,5 @@
 #include "ui/window/export_panel.h"
 
-#include <fmt/format.h>
 #include <imgui.h>
 
 #include <array>
@@ -37,7 +36,7 @@ void drawWhat(ExportPlan& plan) {
 
 std::string labelOf(const MeshFormatRow& format) {
   const bool has_colours = format.carries.vertex_colors || format.carries.face_colors;
-  return std::string(format.name) + (has_colours ? ", with the colours of the scan" : "");
+  return std::string(format.name) + shownText(has_colours ? ", with the colours of the scan" : "");
 }
 
 void drawFormat(AppContext& context, ExportPlan& plan) {
@@ -59,13 +58,13 @@ void drawWhere(ExportPlan& plan, const std::function<void(const AppCommand&)>& a
   ImGui::SameLine();
   if (ui::button("Choose...", {-1, 0})) ask_for_file(*findAppCommand("export.to"));
   ImGui::PushTextWrapPos(0);
-  ui::textColored(styleColours().quiet, fmt::format("in {}", plan.file().parent_path().string()));
+  ui::textColored(styleColours().quiet, phrase("in {}", plan.file().parent_path().string()));
   if (!plan.replaced().empty() && !plan.written()) {
     const std::string first = plan.replaced().front().filename().string();
     const std::size_t more = plan.replaced().size() - 1;
     ui::textColored(styleColours().warning,
-                    more == 0 ? fmt::format("{}: there already, would be replaced", first)
-                              : fmt::format("{} and {} more: there already, would be replaced", first, more));
+                    more == 0 ? phrase("{}: there already, would be replaced", first)
+                              : phrase("{} and {} more: there already, would be replaced", first, more));
   }
   ImGui::PopTextWrapPos();
 }
@@ -83,7 +82,7 @@ void drawExportProgress(AppContext& context) {
   else if (plainButton("Cancel###cancel-job", "", -1))
     context.bench.cancelJob();
   std::string line = shownText(s.title) + (s.step.empty() ? "" : ": " + shownText(s.step));
-  if (s.left_s) line += shownText(fmt::format("   about {:.0f} s left", std::ceil(*s.left_s)));
+  if (s.left_s) line += phrase("   about {:.0f} s left", std::ceil(*s.left_s));
   ui::textColored(styleColours().quiet, ui::asItIs(line));
 }
 
@@ -103,7 +102,7 @@ void drawExportFindings(ExportPlan& plan) {
   }
   if (plan.isOutdated())
     ui::textColored(styleColours().warning, "Something was cut or moved since: it is checked again when written.");
-  if (plan.written()) ui::text("\nWritten, read back and checked:\n" + plan.written()->text);
+  if (plan.written()) ui::text(shownText("\nWritten, read back and checked:\n") + plan.written()->text);
   if (!plan.error().empty()) ui::textColored(styleColours().warning, plan.error());
   if (findings.empty() && plan.error().empty()) ui::textColored(styleColours().quiet, "Not checked yet.");
   ImGui::PopTextWrapPos();

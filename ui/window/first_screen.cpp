@@ -1,7 +1,6 @@
 #include "ui/window/first_screen.h"
 
 #include <epoxy/gl.h>
-#include <fmt/format.h>
 #include <imgui.h>
 
 #include <algorithm>
@@ -136,7 +135,7 @@ void FirstScreen::drawLost(AppContext& context) {
   const std::size_t n = *asks_to_forget_;
   ImGui::PushTextWrapPos(0);
   ui::text(ui::asItIs(bench.lostSessions()[n].folder.string()));
-  ui::text(fmt::format(
+  ui::text(phrase(
       "The folder with its log, {:.1f} MB, will be deleted. What was cut in that session can not be recovered then.",
       1e-6 * static_cast<double>(bench.bytesOfLost(n))));
   ImGui::PopTextWrapPos();

@@ -71,7 +71,7 @@ void drawUnit(AppContext& context, const ImportPlan& plan, const UnitOption& opt
   ui::sameLineAt(scaled(96));
   const Vec3d& s = option.size_mm;
   const std::string size = fmt::format("{} x {} x {} mm", length(s[0]), length(s[1]), length(s[2]));
-  option.is_plausible ? ui::text(size) : ui::textColored(styleColours().warning, size + ": not dental");
+  option.is_plausible ? ui::text(size) : ui::textColored(styleColours().warning, size + shownText(": not dental"));
 }
 
 // Those that may be meant; the others are a click away.
@@ -168,9 +168,9 @@ void drawPrediction(const ImportSet& set) {
   const Prediction p = set.prediction();
   if (p.bytes <= 0) return;
   const bool is_too_much = set.freeBytes() > 0 && p.bytes > set.freeBytes();
-  const std::string text = fmt::format(
-      "about {:.0f} s to prepare{}, {:.1f} GB of memory{}", std::ceil(p.seconds), set.isSeveral() ? " all" : "",
-      1e-9 * p.bytes, is_too_much ? fmt::format(": only {:.1f} GB are free", 1e-9 * set.freeBytes()) : "");
+  const std::string text = phrase("about {:.0f} s to prepare{}, {:.1f} GB of memory{}", std::ceil(p.seconds),
+                                  shownText(set.isSeveral() ? " all" : ""), 1e-9 * p.bytes,
+                                  is_too_much ? phrase(": only {:.1f} GB are free", 1e-9 * set.freeBytes()) : "");
   ImGui::PushTextWrapPos(0);
   ui::textColored(is_too_much ? styleColours().warning : styleColours().quiet, text);
   ImGui::PopTextWrapPos();
@@ -199,7 +199,7 @@ void drawRole(AppContext& context, const ImportEntry& entry) {
   ImGui::SameLine();
   if (context.bench.isOpen()) {
     choice(ImportRole::kBeside, "beside", "Stand it beside");
-    if (ImGui::IsItemHovered()) ui::setTooltip(fmt::format("Beside {}, where its scan is.", context.bench.name()));
+    if (ImGui::IsItemHovered()) ui::setTooltip(phrase("Beside {}, where its scan is.", context.bench.name()));
     ImGui::SameLine();
   }
   choice(ImportRole::kTool, "tool", "Use it as a tool");
@@ -212,9 +212,9 @@ void drawTool(AppContext& context, ToolPlan& plan) {
   drawFindings(plan.findings());
   ImGui::SetNextItemWidth(-1);
   const ToolWay& now = plan.way();
-  if (ui::beginCombo("##way", fmt::format("Shank towards {}", now.name))) {
+  if (ui::beginCombo("##way", phrase("Shank towards {}", now.name))) {
     for (const ToolWay& way : plan.ways()) {
-      const std::string text = fmt::format("{}: {:.3g} mm wide at the tip", way.name, way.tip_width_mm);
+      const std::string text = phrase("{}: {:.3g} mm wide at the tip", way.name, way.tip_width_mm);
       if (ui::selectable(text, way.name == now.name)) runImport(context, "import.tool-axis", {way.name});
     }
     ImGui::EndCombo();
@@ -267,7 +267,7 @@ void drawLabel(AppContext& context, const LabelPlan& plan, const LabelFound& lab
                      ImGuiColorEditFlags_NoTooltip | ImGuiColorEditFlags_AlphaPreview, {scaled(14), scaled(14)});
   ImGui::SameLine();
   ui::text(ui::asItIs(label.called()));
-  if (ImGui::IsItemHovered()) ui::setTooltip(fmt::format("label {}, {}", label.label, label.called()));
+  if (ImGui::IsItemHovered()) ui::setTooltip(phrase("label {}, {}", label.label, label.called()));
 
   ImGui::TableNextColumn();
   const std::string volume = fmt::format("{:.4g} mm3", label.volume_mm3);
@@ -305,14 +305,14 @@ void drawLabels(AppContext& context, const LabelPlan& plan) {
 void drawVerdict(const ImportSet& set, const ClosedPreview& preview) {
   const StyleColours& colours = styleColours();
   if (set.labels())
-    ui::textColored(colours.good, fmt::format("Smooth, {:.0f} mm3 in {:.0f} mm2. Every label keeps its volume.",
-                                              preview.volume_mm3, preview.area_mm2));
+    ui::textColored(colours.good, phrase("Smooth, {:.0f} mm3 in {:.0f} mm2. Every label keeps its volume.",
+                                         preview.volume_mm3, preview.area_mm2));
   else if (preview.is_exact)
     ui::textColored(colours.good,
-                    fmt::format("Closed, {:.0f} mm3. Every scanned point stays where it is.", preview.volume_mm3));
+                    phrase("Closed, {:.0f} mm3. Every scanned point stays where it is.", preview.volume_mm3));
   else
-    ui::textColored(colours.warning, fmt::format("Closed, {:.0f} mm3, as an approximation: no scanned point is kept.",
-                                                 preview.volume_mm3));
+    ui::textColored(colours.warning,
+                    phrase("Closed, {:.0f} mm3, as an approximation: no scanned point is kept.", preview.volume_mm3));
 }
 
 void drawPreview(AppContext& context, ImportSet& set, PreviewedPlan& plan, ImportPanelState& state) {
@@ -327,7 +327,7 @@ void drawPreview(AppContext& context, ImportSet& set, PreviewedPlan& plan, Impor
   }
   if (plan.previewError()) {
     ImGui::PushTextWrapPos(0);
-    ui::textColored(colours.warning, "It can not be closed in this way: " + plan.previewError()->message());
+    ui::textColored(colours.warning, phrase("It can not be closed in this way: {}", plan.previewError()->message()));
     ImGui::PopTextWrapPos();
     return;
   }
@@ -349,8 +349,9 @@ void drawPreview(AppContext& context, ImportSet& set, PreviewedPlan& plan, Impor
   drawVerdict(set, *preview);
   for (const std::string& warning : preview->warnings) ui::textColored(colours.warning, warning);
   ImGui::PopTextWrapPos();
-  const std::string about =
-      fmt::format("What {} does: {} steps###changes", set.labels() ? "smoothing" : "closing", preview->changes.size());
+  const std::string about = (set.labels() ? phrase("What smoothing does: {} steps", preview->changes.size())
+                                          : phrase("What closing does: {} steps", preview->changes.size())) +
+                            "###changes";
   if (!preview->changes.empty() && ui::treeNode(about)) {
     ImGui::PushTextWrapPos(0);
     for (const std::string& change : preview->changes) ui::bulletText(change);
@@ -433,7 +434,7 @@ void drawImportPanel(AppContext& context, ImportPanelState& state) {
     drawLabels(context, *labels);
     drawVoxel(*labels, labels->hasOwnVoxel());
   } else {
-    ui::textWrapped(fmt::format("A {}: it is prepared as it says, nothing is decided here.", chosen.what()));
+    ui::textWrapped(phrase("A {}: it is prepared as it says, nothing is decided here.", shownText(chosen.what())));
   }
   ImGui::PopID();
   drawPrediction(*set);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "ui/app/language.h"
 #include "ui/app/pointing.h"
 #include "ui/window/style.h"
 #include "ui/window/widgets.h"
@@ -42,7 +43,7 @@ void drawMeasure(AppContext& context, double pixels) {
     draw->AddCircleFilled(at[n], scaled(kPoint) + 1, kEdge);
     draw->AddCircleFilled(at[n], scaled(kPoint), kLine);
     if (n == 0 || n + 1 >= at.size()) continue;
-    const std::string text = fmt::format("{:.1f} deg", measure.angle(n));
+    const std::string text = phrase("{:.1f} deg", measure.angle(n));
     ui::addText(*draw, {at[n].x + 8, at[n].y + 8}, kEdge, text);
   }
 }

@@ -1,10 +1,10 @@
 #include "ui/window/notices.h"
 
-#include <fmt/format.h>
 #include <imgui.h>
 
 #include <algorithm>
 
+#include "ui/app/language.h"
 #include "ui/window/import_panel.h"
 #include "ui/window/style.h"
 #include "ui/window/widgets.h"
@@ -57,7 +57,7 @@ void drawNotices(AppContext& context, std::size_t& seen, std::size_t& drawn) {
   // The newest: a long list would hide the object.
   constexpr std::size_t kMost = 3;
   const std::size_t first = std::max(seen, notices.size() - std::min(notices.size(), kMost));
-  if (first > seen) ui::textColored(styleColours().quiet, fmt::format("{} more before", first - seen));
+  if (first > seen) ui::textColored(styleColours().quiet, phrase("{} more before", first - seen));
   const ImGuiStyle& style = ImGui::GetStyle();
   ImGui::PushTextWrapPos(at.width - style.WindowPadding.x - style.ScrollbarSize);
   for (std::size_t n = first; n < notices.size(); ++n)

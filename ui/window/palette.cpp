@@ -81,7 +81,8 @@ const AppCommand* drawPalette(AppContext& context, CommandPalette& palette) {
     for (std::size_t n = first; n < std::min(count, first + kRows); ++n) {
       const AppCommand& command = *palette.found()[n];
       const bool is_enabled = command.is_enabled(context);
-      const ui::Words right = command.key.empty() ? ui::asItIs(command.id) : ui::Words(command.key);
+      const std::string key = shownKey(command.key);
+      const ui::Words right = ui::asItIs(key.empty() ? command.id : key);
       const float room = ImGui::GetContentRegionAvail().x - ui::textSize(right).x - scaled(16);
       const std::string name = shortened(shownText(command.label.empty() ? command.description : command.label), room);
       ImGui::PushID(static_cast<int>(n));

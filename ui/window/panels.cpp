@@ -43,7 +43,7 @@ void drawMenus(AppContext& context, PanelState& state) {
     for (const AppCommand& command : appCommands()) {
       if (command.menu != heading) continue;
       const std::string label = fmt::format("{}###{}", command.label, command.id);
-      if (!ui::menuItem(label, command.key, command.is_enabled(context))) continue;
+      if (!ui::menuItem(label, ui::asItIs(shownKey(command.key)), command.is_enabled(context))) continue;
       asksForFile(command) ? state.ask_for_file(command) : runOrSay(context, command);
     }
     ImGui::EndMenu();
@@ -75,9 +75,9 @@ void drawNearStructure(const Workbench& bench, const std::optional<ToolOverSurfa
   if (bench.structures()->isEmpty()) return;
   const auto near = bench.nearStructure(over);
   const std::string name = near ? near->name : bench.nameOf(bench.structures()->all().front().material);
-  const std::string label = "To " + shownText(name);  // a tissue, in a text that takes names
+  const std::string label = phrase("To {}", shownText(name));
   if (!near) return reading(label.c_str(), "-", "mm");
-  if (near->is_far) return reading(label.c_str(), fmt::format("over {:.0f}", near->distance_mm), "mm");
+  if (near->is_far) return reading(label.c_str(), phrase("over {:.0f}", near->distance_mm), "mm");
   if (near->distance_mm < 0)
     return reading(label.c_str(), fmt::format("{:.2f}", -near->distance_mm), "mm inside", true);
   reading(label.c_str(), fmt::format("{:.2f}", near->distance_mm), near->is_stopped ? "mm, stopped" : "mm",
@@ -90,11 +90,11 @@ void drawNeighbours(const Workbench& bench, const std::optional<ToolOverSurface>
   const std::vector<Neighbour> all = bench.neighbours();
   if (all.empty()) return;
   const auto near = bench.nearNeighbour(over);
-  const std::string label = "To " + (near ? near->name : all.front().name);
+  const std::string label = phrase("To {}", near ? near->name : all.front().name);
   if (!near)
     reading(label.c_str(), "-", "mm");
   else if (near->is_far)
-    reading(label.c_str(), fmt::format("over {:.0f}", near->distance_mm), "mm");
+    reading(label.c_str(), phrase("over {:.0f}", near->distance_mm), "mm");
   else if (near->distance_mm < 0)
     reading(label.c_str(), fmt::format("{:.2f}", -near->distance_mm), "mm inside", true);
   else
@@ -102,7 +102,7 @@ void drawNeighbours(const Workbench& bench, const std::optional<ToolOverSurface>
             near->is_stopped || near->distance_mm < kClose);
   for (const Neighbour& other : all)
     if (other.removed_mm3 > 0)
-      reading(("Cut off " + other.name).c_str(), fmt::format("{:.3f}", other.removed_mm3), "mm3", true);
+      reading(phrase("Cut off {}", other.name).c_str(), fmt::format("{:.3f}", other.removed_mm3), "mm3", true);
 }
 
 // Of the 1 kHz loop: how often, how long, how often too long.
@@ -113,7 +113,7 @@ void drawLoop(const Workbench& bench) {
   const TimeHistogram& cost = bench.times().cost;
   if (cost.count() > 0) reading("Tick p99", fmt::format("{:.2f}", cost.percentileMs(0.99)), "ms");
   const HapticCounts& counts = bench.report().counts;
-  reading("Overruns", fmt::format("{}", counts.overruns), fmt::format("of {}", counts.ticks).c_str());
+  reading("Overruns", fmt::format("{}", counts.overruns), phrase("of {}", counts.ticks).c_str());
 }
 
 void drawReadings(AppContext& context, const std::optional<ToolOverSurface>& over, PanelColumn& column) {
@@ -142,7 +142,7 @@ void drawReadings(AppContext& context, const std::optional<ToolOverSurface>& ove
     ui::textColored(styleColours().warning,
                     bench.isLed() ? "Stopped: waits for the hand." : "Stopped: the machine was busy. Press again.");
   const RecorderStatus log = bench.run()->recorderStatus();
-  if (log.error) ui::textWrapped("The log can not be written any more: " + log.error->message());
+  if (log.error) ui::textWrapped(phrase("The log can not be written any more: {}", log.error->message()));
   column.take();
   ImGui::End();
 }
@@ -162,7 +162,7 @@ void drawJob(AppContext& context) {
   ui::text(s.title);
   ui::progressBar(static_cast<float>(s.done), {-1, 0});
   std::string line = shownText(s.step);
-  if (s.left_s) line += shownText(fmt::format("   about {:.0f} s left", std::ceil(*s.left_s)));
+  if (s.left_s) line += phrase("   about {:.0f} s left", std::ceil(*s.left_s));
   ui::textColored(styleColours().quiet, ui::asItIs(line));
   if (s.is_cancelling)
     ui::text("Cancelling...");

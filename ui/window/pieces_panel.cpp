@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "ui/app/language.h"
 #include "ui/app/piece_colours.h"
 #include "ui/window/style.h"
 #include "ui/window/widgets.h"
@@ -66,7 +67,7 @@ void drawMove(Workbench& bench, const SceneObject& piece) {
     bench.movePiece(piece.id, pose);
   }
   const double degrees = 2 * std::acos(std::clamp(std::abs(pose.rotation.w()), 0.0, 1.0)) * 180 / std::numbers::pi;
-  ui::text(fmt::format("Turned by {:.1f} degrees", degrees));
+  ui::text(phrase("Turned by {:.1f} degrees", degrees));
   if (ui::button("Put back", {-1, 0})) bench.movePiece(piece.id, {});
 }
 
@@ -75,7 +76,7 @@ void drawRemoved(const SceneObject& piece) {
   constexpr double kLeast = 0.005;  // mm^3: it would be read as nothing
   if (piece.removed_mm3 < kLeast) return;
   ImGui::Indent(scaled(30));
-  ui::textDisabled(fmt::format("{:.2f} mm3 removed from it", piece.removed_mm3));
+  ui::textDisabled(phrase("{:.2f} mm3 removed from it", piece.removed_mm3));
   ImGui::Unindent(scaled(30));
 }
 
@@ -122,8 +123,9 @@ void drawList(AppContext& context, PanelColumn& column) {
                                                   ImGui::ColorConvertFloat4ToU32(shown(colour->colour)), 16);
       ImGui::SetCursorPosX(ImGui::GetCursorPosX() + scaled(12));
     }
-    const std::string volume = fmt::format("{:.{}f} mm3{}", piece->surface.volume(),
-                                           piece->surface.volume() < 100 ? 1 : 0, piece->isMoved() ? ", moved" : "");
+    const std::string volume =
+        fmt::format("{:.{}f} mm3{}", piece->surface.volume(), piece->surface.volume() < 100 ? 1 : 0,
+                    shownText(piece->isMoved() ? ", moved" : ""));
     if (ui::selectable(ui::asItIs(piece->name), piece == chosen, 0, {scaled(90), 0}))
       bench.choosePiece(piece == chosen ? std::nullopt : std::optional(piece->id));
     ImGui::SameLine();

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <imgui.h>
 
+#include "ui/app/language.h"
 #include "ui/window/style.h"
 #include "ui/window/widgets.h"
 
@@ -14,8 +15,8 @@ void drawPlot(const Trace& trace, const Trace::About& channel) {
   const float newest = trace.newest(channel.channel);
   ui::textColored(styleColours().quiet, channel.name);
   ui::sameLineAt(scaled(118));
-  ui::text(fmt::format("{:.2f} {}", newest, channel.unit));
-  const std::string scale = fmt::format("0 to {:g}", top);
+  ui::text(fmt::format("{:.2f} {}", newest, shownText(channel.unit)));
+  const std::string scale = phrase("0 to {:g}", top);
   ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - ui::textSize(scale).x);
   ui::textColored(styleColours().quiet, scale);
 

@@ -4,6 +4,7 @@
 #include <imgui.h>
 
 #include "ui/app/heat_readings.h"
+#include "ui/app/language.h"
 #include "ui/window/style.h"
 #include "ui/window/widgets.h"
 
@@ -12,19 +13,19 @@ namespace kerf {
 void reading(const char* name, const std::string& value, const char* unit, bool is_warning) {
   ui::textColored(styleColours().quiet, name);
   ui::sameLineAt(scaled(118));
-  const std::string words = value + " " + unit;
+  const std::string words = value + " " + shownText(unit);
   is_warning ? ui::textColored(styleColours().warning, words) : ui::text(words);
 }
 
 void drawHeat(const Workbench& bench) {
   const HeatReport& heat = bench.report().heat;
-  if (!heat.is_known) return reading("Temperature", "-", "C");
+  if (!heat.is_known) return reading("Temperature", "-", "°C");
   const HeatReading under = heatOfSurface(heat, bench.report().output.material);
-  reading("Temperature", fmt::format("{:.0f}", under.celsius), "C", under.is_warning);
+  reading("Temperature", fmt::format("{:.0f}", under.celsius), "°C", under.is_warning);
   for (const Structures::Structure& structure : bench.structures()->all()) {
     const HeatReading kept = heatOfKept(heat, structure.material);
-    const std::string name = "  of " + bench.nameOf(structure.material);
-    reading(name.c_str(), fmt::format("{:.1f}", kept.celsius), "C", kept.is_warning);
+    const std::string name = phrase("  of {}", shownText(bench.nameOf(structure.material)));
+    reading(name.c_str(), fmt::format("{:.1f}", kept.celsius), "°C", kept.is_warning);
   }
 }
 

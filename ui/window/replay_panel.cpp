@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sim/run/watched_run.h"
+#include "ui/app/language.h"
 #include "ui/window/panel_column.h"
 #include "ui/window/plots_panel.h"
 #include "ui/window/readings.h"
@@ -52,9 +53,9 @@ void drawSpeeds(AppContext& context, const WatchMoment& now) {
 
 std::string stateOf(const WatchedRun& run) {
   const WatchMoment& now = run.moment();
-  std::string out = fmt::format("{:.1f} of {:.1f} s, step {} of {}", kTick * static_cast<double>(now.sample),
-                                run.seconds(), now.steps, run.steps().size());
-  if (now.is_jumping) out += fmt::format(", on the way: {:.0f} %", 100 * now.jump_share);
+  std::string out = phrase("{:.1f} of {:.1f} s, step {} of {}", kTick * static_cast<double>(now.sample), run.seconds(),
+                           now.steps, run.steps().size());
+  if (now.is_jumping) out += phrase(", on the way: {:.0f} %", 100 * now.jump_share);
   return out;
 }
 
@@ -95,8 +96,8 @@ void drawStepUnder(const WatchedRun& run, std::size_t sample) {
     const WatchedStep& step = run.steps()[n];
     if (sample < step.begin || sample > step.end) continue;
     const std::string tool = step.tool < run.tools().size() ? run.tools()[step.tool].id : "";
-    ui::setTooltip(fmt::format("{}: {}, {}, at {:.1f} s", n + 1, nameOf(step.kind), tool,
-                               kTick * static_cast<double>(step.begin)));
+    ui::setTooltip(phrase("{}: {}, {}, at {:.1f} s", n + 1, shownText(nameOf(step.kind)), tool,
+                          kTick * static_cast<double>(step.begin)));
     return;
   }
   ui::setTooltip(fmt::format("{:.1f} s", kTick * static_cast<double>(sample)));

@@ -9,6 +9,7 @@
 
 #include "ui/app/sawing.h"
 
+#include "ui/app/language.h"
 #include "ui/window/style.h"
 #include "ui/window/widgets.h"
 
@@ -57,13 +58,13 @@ bool wideButton(const char* label, bool is_main) {
 }
 
 void drawProgress(AppContext& context, const SawingStatus& status) {
-  ui::text("Sawing " + status.plane);
-  const std::string done = fmt::format("{:.0f} % of the plane", std::floor(100 * status.share));
+  ui::text(phrase("Sawing {}", status.plane));
+  const std::string done = phrase("{:.0f} % of the plane", std::floor(100 * status.share));
   ui::progressBar(static_cast<float>(status.share), {-1, 0}, done);
   std::string line = fmt::format("{:.0f} s", status.seconds);
-  if (status.left_s && !status.is_stopping) line += fmt::format(", about {:.0f} s left", std::ceil(*status.left_s));
+  if (status.left_s && !status.is_stopping) line += phrase(", about {:.0f} s left", std::ceil(*status.left_s));
   ui::textColored(kQuiet, line);
-  const std::string volumes = fmt::format("{:.1f} of {:.1f} mm3", status.removed_mm3, status.planned_mm3);
+  const std::string volumes = phrase("{:.1f} of {:.1f} mm3", status.removed_mm3, status.planned_mm3);
   ui::textColored(kQuiet, volumes);
   if (status.is_stopping)
     ui::text("The blade is drawn out...");
@@ -122,11 +123,11 @@ void drawClearance(AppContext& context) {
   const auto left = context.bench.saw().clearance();
   if (!left) return;
   if (left->is_far)
-    return ui::textColored(kQuiet, fmt::format("Over {:.0f} mm from all nerves and pulps", left->distance_mm));
-  const std::string name = context.bench.nameOf(left->material);
-  const std::string away = fmt::format("{:.1f} mm from the {}", left->distance_mm, name);
+    return ui::textColored(kQuiet, phrase("Over {:.0f} mm from all nerves and pulps", left->distance_mm));
+  const std::string name = shownText(context.bench.nameOf(left->material));
+  const std::string away = phrase("{:.1f} mm from the {}", left->distance_mm, name);
   if (left->distance_mm < 0)
-    ui::textColored(styleColours().warning, "Goes through the " + name);
+    ui::textColored(styleColours().warning, phrase("Goes through the {}", name));
   else if (left->distance_mm < kClose)
     ui::textColored(styleColours().warning, away);
   else

@@ -1,6 +1,5 @@
 #include "ui/window/settings_panel.h"
 
-#include <fmt/format.h>
 #include <imgui.h>
 
 #include <cmath>
@@ -26,8 +25,8 @@ void save(AppContext& context) {
 // A broken file stays as it is until the user says otherwise.
 void drawBrokenSettings(AppContext& context) {
   ImGui::PushTextWrapPos(0);
-  ui::textColored(styleColours().warning,
-                  "The file of settings can not be read, and nothing is kept: " + context.settings->error()->message());
+  ui::textColored(styleColours().warning, phrase("The file of settings can not be read, and nothing is kept: {}",
+                                                 context.settings->error()->message()));
   ImGui::PopTextWrapPos();
   if (!plainButton("Set it aside and begin anew", "", -1)) return;
   if (const auto done = context.settings->setAside(); !done) return context.bench.complain(done.error());
@@ -43,13 +42,13 @@ void drawLanguage(AppContext& context) {
   const std::string& now = context.settings->values.language;
   heading("Language");
   ImGui::SetNextItemWidth(-1);
-  const Language* const shown = shownLanguage();
+  const auto shown = shownLanguage();
   if (!ui::beginCombo("##language", ui::asItIs(shown ? shown->name() : "English"))) return rows.clear();
   if (rows.empty()) {
     rows.push_back({"en", "English"});
-    for (const LanguageFile& one : findLanguages(context.settings->path().parent_path())) {
-      const auto read = Language::read(one.file);
-      rows.push_back({one.id, read ? read->name() : one.file.filename().string()});  // taken, it says what is wrong
+    for (const auto& [id, file] : findLanguages(context.settings->path().parent_path())) {
+      const auto read = Language::read(file);
+      rows.push_back({id, read ? read->name() : file.filename().string()});  // taken, it says what is wrong
     }
   }
   for (const Row& row : rows) {
@@ -86,7 +85,7 @@ void drawSettings(AppContext& context) {
   }
   // The window is laid out anew with each size: by steps, so that a slider does not run away from the mouse.
   ImGui::AlignTextToFramePadding();
-  ui::text(fmt::format("Size of type and panels: {:.0f} %", 100 * values.ui_scale));
+  ui::text(phrase("Size of type and panels: {:.0f} %", 100 * values.ui_scale));
   ui::sameLineAt(scaled(270));
   if (ui::button("-##smaller", {scaled(36), 0})) (void)runAppCommand(context, "view.smaller");
   ImGui::SameLine();
@@ -145,7 +144,7 @@ void drawSettings(AppContext& context) {
   if (plainButton("Take those of now", "", -1)) (void)runAppCommand(context, "settings.push");
 
   ImGui::PushTextWrapPos(0);
-  ui::textColored(styleColours().quiet, "Kept in " + context.settings->path().string());
+  ui::textColored(styleColours().quiet, phrase("Kept in {}", context.settings->path().string()));
   ImGui::PopTextWrapPos();
   ImGui::End();
   if (is_set) save(context);

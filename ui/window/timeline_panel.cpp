@@ -79,8 +79,8 @@ float drawSummary(const Workbench& bench, std::size_t done) {
   const Timeline& timeline = bench.timeline();
   const std::uint64_t older = timeline.older(), all = older + timeline.steps().size();
   const auto textOf = [&](std::uint64_t now) {
-    const std::string text = fmt::format("Step {} of {}", now, all);
-    return older > 0 ? text + fmt::format(" (back to {} at most)", older) : text;
+    const std::string text = phrase("Step {} of {}", now, all);
+    return older > 0 ? text + phrase(" (back to {} at most)", older) : text;
   };
   const std::string text = textOf(older + done), loss = lossOf(timeline.steps().size() - done);
   ImGui::AlignTextToFramePadding();
@@ -92,8 +92,8 @@ float drawSummary(const Workbench& bench, std::size_t done) {
 // A button, and the list that it opens.   @return its width.
 float drawBranches(AppContext& context) {
   const std::size_t count = context.bench.branchCount();
-  const std::string label = count == 1 ? "1 branch" : fmt::format("{} branches", count);
-  if (ui::button(label)) ui::openPopup("##branches");
+  const std::string label = count == 1 ? shownText("1 branch") : phrase("{} branches", count);
+  if (ui::button(label + "###branches")) ui::openPopup("##branches");
   const float width = ImGui::GetItemRectSize().x;
   if (ImGui::IsItemHovered()) ui::setTooltip("Steps that were taken back before others were cut");
   if (!ui::beginPopup("##branches")) return width;

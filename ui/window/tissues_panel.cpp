@@ -1,6 +1,5 @@
 #include "ui/window/tissues_panel.h"
 
-#include <fmt/format.h>
 #include <imgui.h>
 
 #include <algorithm>
@@ -9,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "ui/app/language.h"
 #include "ui/app/tissue_commands.h"
 #include "ui/app/tissue_display.h"
 #include "ui/window/style.h"
@@ -33,8 +33,8 @@ ImVec4 shownTissues(const Rgba8& c) {
 void drawRemovedTissues(double whole_mm3, double removed_mm3) {
   constexpr double kLeast = 0.005;  // mm^3
   if (removed_mm3 < kLeast || whole_mm3 <= 0) return;
-  ui::textColored(styleColours().quiet, fmt::format("    {:.2f} of {:.1f} mm3 gone ({:.1f} %)", removed_mm3, whole_mm3,
-                                                    100 * removed_mm3 / whole_mm3));
+  ui::textColored(styleColours().quiet, phrase("    {:.2f} of {:.1f} mm3 gone ({:.1f} %)", removed_mm3, whole_mm3,
+                                               100 * removed_mm3 / whole_mm3));
 }
 
 void drawTissueRow(AppContext& context, const SeenTissue& tissue) {
@@ -77,7 +77,7 @@ void drawTissueColours(AppContext& context) {
   const auto chosen =
       std::find_if(kColours.begin(), kColours.end(), [&](const ColoursRow& row) { return row.colours == now; });
   ImGui::PushItemWidth(-1);
-  if (ui::beginCombo("##colours", fmt::format("Colours: {}", chosen->word))) {
+  if (ui::beginCombo("##colours", phrase("Colours: {}", shownText(chosen->word)))) {
     for (const ColoursRow& row : kColours) {
       const auto flags = isPossible(context, row.colours) ? ImGuiSelectableFlags_None : ImGuiSelectableFlags_Disabled;
       if (ui::selectable(row.text, row.colours == now, flags)) runTissues(context, "view.colours", {row.word});

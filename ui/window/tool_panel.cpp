@@ -9,6 +9,7 @@
 #include <numbers>
 #include <optional>
 
+#include "ui/app/language.h"
 #include "ui/app/settings.h"
 #include "ui/app/tool_rack.h"
 #include "ui/window/style.h"
@@ -22,8 +23,15 @@ constexpr int kToolRows = 10;
 
 std::string sizeOf(const Tool& tool) {
   if (tool.head_diameter_mm > 0) return fmt::format("{:.1f} mm", tool.head_diameter_mm);
-  if (tool.kind == ToolKind::kBlade) return fmt::format("kerf {:.2f}", tool.kerfWidth());
+  if (tool.kind == ToolKind::kBlade) return phrase("kerf {:.2f}", tool.kerfWidth());
   return "";
+}
+
+// "Round bur 014": words, and what begins with a number.
+std::string shownName(const Tool& tool) {
+  const std::string_view name = tool.name.empty() ? tool.id : tool.name;
+  const std::size_t number = std::min(name.find_first_of("0123456789"), name.size());
+  return shownText(name.substr(0, number)) + std::string(name.substr(number));
 }
 
 void drawIcon(const std::vector<IconTriangle>& icon, ImVec2 at, float side) {
@@ -96,8 +104,7 @@ bool drawRow(AppContext& context, ToolPanelState& state, const RackView& view, s
   const float size_at = right - ui::textSize(size).x;
   draw->PushClipRect(at, {size_at - scaled(6), at.y + side}, true);
   ui::addText(*draw, {at.x + side + scaled(8), at.y + 0.5f * (side - line)},
-              error ? ImGui::GetColorU32(styleColours().warning) : ImGui::GetColorU32(ImGuiCol_Text),
-              tool.name.empty() ? tool.id : tool.name);
+              error ? ImGui::GetColorU32(styleColours().warning) : ImGui::GetColorU32(ImGuiCol_Text), shownName(tool));
   draw->PopClipRect();
   ui::addText(*draw, {size_at, at.y + 0.5f * (side - line)}, ImGui::GetColorU32(styleColours().quiet), size);
   ImGui::PopID();
@@ -111,7 +118,7 @@ void drawBroken(const Workbench::BrokenTool& broken) {
   ImGui::PushID(broken.file.c_str());
   ui::selectable("##broken", false, 0, {0, side});
   if (ImGui::IsItemHovered()) ui::setTooltip(broken.error.message());
-  const std::string text = broken.file.filename().string() + ": no tool yet";
+  const std::string text = phrase("{}: no tool yet", broken.file.filename().string());
   ui::addText(*ImGui::GetWindowDrawList(), {at.x + scaled(8), at.y + 0.5f * (side - line)},
               ImGui::GetColorU32(styleColours().warning), text);
   ImGui::PopID();
@@ -121,7 +128,7 @@ void drawBroken(const Workbench::BrokenTool& broken) {
 std::optional<std::size_t> drawRack(AppContext& context, ToolPanelState& state) {
   Workbench& bench = context.bench;
   ImGui::PushItemWidth(-1);
-  const std::string hint = fmt::format("Search {} tools: round, 1.4, saw...", bench.toolCount());
+  const std::string hint = phrase("Search {} tools: round, 1.4, saw...", bench.toolCount());
   ui::inputTextWithHint("##search", hint, state.search.data(), state.search.size());
   ImGui::PopItemWidth();
 
@@ -156,8 +163,7 @@ std::optional<std::size_t> drawRack(AppContext& context, ToolPanelState& state) 
   ImGui::EndChild();
 
   if (bench.firstLookTools() < bench.toolCount() && !state.search[0]) {
-    const std::string label =
-        state.shows_all ? std::string("Show fewer") : fmt::format("Show all {}", bench.toolCount());
+    const std::string label = state.shows_all ? shownText("Show fewer") : phrase("Show all {}", bench.toolCount());
     if (ui::smallButton(label + "###all")) state.shows_all = !state.shows_all;
   }
   return clicked;
@@ -169,8 +175,8 @@ void drawStopShort(Workbench& bench) {
   bool is_on = bench.stop_short_mm.has_value();
   std::string names;
   for (const Structures::Structure& s : bench.structures()->all())
-    names += (names.empty() ? "" : ", ") + bench.nameOf(s.material);
-  if (ui::checkbox("Stop short of " + names + "###short", &is_on))
+    names += (names.empty() ? "" : ", ") + shownText(bench.nameOf(s.material));
+  if (ui::checkbox(phrase("Stop short of {}", names) + "###short", &is_on))
     bench.stopShort(is_on ? std::optional(Workbench::kUsualShort) : std::nullopt);
   if (!is_on) return;
   auto short_of = static_cast<float>(*bench.stop_short_mm);
@@ -183,8 +189,8 @@ void drawTilt(AppContext& context) {
   Tilt& tilt = context.bench.tilt;
   if (tilt.isUpright()) return;
   constexpr double kDegree = std::numbers::pi / 180;
-  ui::text(fmt::format("Tilt {:.0f} deg, towards {:.0f} deg", tilt.angle / kDegree,
-                       azimuthInView(context.camera, tilt) / kDegree));
+  ui::text(phrase("Tilt {:.0f} deg, towards {:.0f} deg", tilt.angle / kDegree,
+                  azimuthInView(context.camera, tilt) / kDegree));
   ImGui::SameLine();
   if (ui::smallButton("Upright")) tilt = {};
 }

@@ -62,7 +62,7 @@ bool selectable(const Words& label, bool is_selected, ImGuiSelectableFlags flags
 }
 
 bool sliderFloat(const Words& label, float* value, float low, float high, const char* format, ImGuiSliderFlags flags) {
-  return ImGui::SliderFloat(label.label().c_str(), value, low, high, shownFormat(format).c_str(), flags);
+  return ImGui::SliderFloat(label.label().c_str(), value, low, high, shownText(format).c_str(), flags);
 }
 
 bool inputFloat3(const Words& label, float values[3], const char* format, ImGuiInputTextFlags flags) {

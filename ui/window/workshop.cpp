@@ -208,7 +208,7 @@ class Workshop {
       heard = drillSoundOf(bench_.report(), bench_.tool(n), bench_.run()->model().tools[n].drive, volume);
     }
     sound_->play(heard);
-    if (const auto error = sound_->takeError()) bench_.say("The drill is silent: " + error->found);
+    if (const auto error = sound_->takeError()) bench_.say(phrase("The drill is silent: {}", error->found));
   }
 
   // Theme and scale, if they have changed.
@@ -271,7 +271,7 @@ class Workshop {
     }
     if (set && import_view_->takeFitWanted()) {
       viewScan(context_, pixels());
-      setTitle(shownText("Import " + set->entries().front().file.filename().string()));
+      setTitle(phrase("Import {}", set->entries().front().file.filename().string()));
     }
   }
 
