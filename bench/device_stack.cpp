@@ -11,7 +11,7 @@
 #include "sim/hand/device_profile.h"
 #include "sim/live/haptic_thread.h"
 #include "sim/run/load_scene.h"
-#include "sim/run/practice_block.h"
+#include "bench/scenes/practice_block.h"
 
 namespace kerf::cli {
 namespace {

@@ -13,7 +13,7 @@
 #include "bench/scenes/objects.h"
 #include "bench/scenes/press.h"
 #include "sim/hand/virtual_hand.h"
-#include "sim/run/practice_block.h"
+#include "bench/scenes/practice_block.h"
 
 namespace kerf::cli {
 namespace {

@@ -8,7 +8,7 @@
 #include "bench/scenes/poses.h"
 #include "sim/pieces/pieces.h"
 #include "sim/run/load_scene.h"
-#include "sim/run/practice_block.h"
+#include "bench/scenes/practice_block.h"
 #include "sim/step/step.h"
 
 namespace kerf::cli {

@@ -12,7 +12,7 @@
 #include "bench/live.h"
 #include "bench/scenes/objects.h"
 #include "preprocess/demo/demo_anatomy.h"
-#include "sim/hand/simulated_device.h"
+#include "bench/scenes/simulated_device.h"
 #include "sim/live/haptic_thread.h"
 #include "sim/live/mesher_thread.h"
 #include "sim/object/overlay_field.h"

@@ -8,7 +8,7 @@
 #include "bench/scenes/objects.h"
 #include "bench/scenes/poses.h"
 #include "bench/scenes/press.h"
-#include "sim/run/practice_block.h"
+#include "bench/scenes/practice_block.h"
 #include "sim/step/response.h"
 
 namespace kerf::cli {

@@ -13,7 +13,7 @@
 #include "bench/scenes/objects.h"
 #include "bench/scenes/poses.h"
 #include "preprocess/demo/demo_anatomy.h"
-#include "sim/hand/simulated_device.h"
+#include "bench/scenes/simulated_device.h"
 #include "sim/live/haptic_thread.h"
 #include "sim/live/mesher_thread.h"
 #include "sim/run/load_scene.h"

@@ -10,7 +10,7 @@
 #include "sim/hand/virtual_hand.h"
 #include "sim/live/remesher.h"
 #include "sim/run/load_scene.h"
-#include "sim/run/practice_block.h"
+#include "bench/scenes/practice_block.h"
 
 namespace kerf::cli {
 namespace {

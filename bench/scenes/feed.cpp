@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "bench/scenes/objects.h"
-#include "sim/run/practice_block.h"
+#include "bench/scenes/practice_block.h"
 
 namespace kerf::scenes {
 

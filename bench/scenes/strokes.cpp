@@ -7,7 +7,7 @@
 #include "bench/scenes/objects.h"
 #include "bench/scenes/poses.h"
 #include "geometry/field/marching_cubes.h"
-#include "sim/run/practice_block.h"
+#include "bench/scenes/practice_block.h"
 
 namespace kerf::scenes {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "bench/scenes/objects.h"
 #include "bench/scenes/poses.h"
-#include "sim/run/practice_block.h"
+#include "bench/scenes/practice_block.h"
 #include "sim/step/step.h"
 
 namespace kerf::test {

@@ -1,17 +1,17 @@
-// Presses a bur into a block of dentin for a second, and says what the hand felt and how much went.
+// example CASE: presses a bur into the object for a second, from z = 0 down, and says what the hand felt and how much went.
 #include <algorithm>
 #include <cstdio>
 #include <exception>
 
 #include "geometry/tool/tool_file.h"
 #include "sim/run/load_scene.h"
-#include "sim/run/practice_block.h"
 #include "sim/session/session.h"
 
-int main() try {
+int main(int argc, char** argv) try {
+  if (argc != 2) return 2;
   const auto file = kerf::findToolFile("round-014", kerf::defaultToolFolders()).value();
   const kerf::Tool bur = kerf::readTool(file).value();
-  const auto block = kerf::practiceBlock({4, 4, 3}, 0.1).value();  // mm; its top is z = 0
+  const auto block = kerf::loadObject(argv[1]).value();
 
   kerf::Session session(kerf::makeModel({&bur, 1}).value(), {block}, {});
   kerf::StepOutput felt;

@@ -9,7 +9,7 @@
 #include <map>
 #include <thread>
 
-#include "sim/hand/simulated_device.h"
+#include "bench/scenes/simulated_device.h"
 #include "sim/run/replay.h"
 #include "tests/sim/block_scene.h"
 #include "tests/sim/haptic_scene.h"

@@ -8,7 +8,7 @@
 #include <map>
 #include <mutex>
 
-#include "sim/hand/simulated_device.h"
+#include "bench/scenes/simulated_device.h"
 #include "sim/pieces/split_field.h"
 #include "sim/run/replay.h"
 #include "tests/sim/block_scene.h"

@@ -9,7 +9,7 @@
 
 #include "bench/scenes/carved_field.h"
 #include "geometry/field/sample_field.h"
-#include "sim/run/practice_block.h"
+#include "bench/scenes/practice_block.h"
 
 namespace kerf::tissue_colours_test {
 namespace {

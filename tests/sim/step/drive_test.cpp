@@ -9,7 +9,7 @@
 #include "bench/scenes/hold.h"
 #include "geometry/tool/tool_file.h"
 #include "sim/run/load_scene.h"
-#include "sim/run/practice_block.h"
+#include "bench/scenes/practice_block.h"
 #include "sim/step/erode_brick.h"
 
 namespace kerf::drive_test {

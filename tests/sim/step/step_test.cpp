@@ -8,7 +8,7 @@
 #include "bench/scenes/feed.h"
 #include "geometry/tool/tool_file.h"
 #include "sim/run/load_scene.h"
-#include "sim/run/practice_block.h"
+#include "bench/scenes/practice_block.h"
 #include "tests/sim/block_scene.h"
 
 namespace kerf::step_test {

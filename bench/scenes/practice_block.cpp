@@ -1,4 +1,4 @@
-#include "sim/run/practice_block.h"
+#include "bench/scenes/practice_block.h"
 
 #include <algorithm>
 
