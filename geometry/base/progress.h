@@ -17,6 +17,12 @@ inline bool report(const Progress& progress, double fraction, std::string_view w
   return !progress || progress(fraction, what);
 }
 
+/// Progress of one part of a job: its 0 to 1 is `from` to `to` of the whole.
+inline Progress partOf(const Progress& whole, double from, double to) {
+  if (!whole) return {};
+  return [whole, from, to](double f, std::string_view what) { return whole(from + f * (to - from), what); };
+}
+
 /// What a cancelled job returns: `if (!report(progress, 0.5, "cutting")) return cancelled();`
 /// @param file  what was being read, if that helps the reader of the message.
 inline tl::unexpected<Error> cancelled(std::string file = {}) {

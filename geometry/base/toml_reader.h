@@ -31,15 +31,8 @@ class TomlTable {
       return T{};
     }
     // Exactly an integer where one is asked for: toml++ casts a float such as 1e308 to one, which is undefined.
-    if (std::is_integral_v<T> && !std::is_same_v<T, bool> && !node->is_integer()) {
-      keep({.code = Error::Code::kBadFormat,
-            .file = file_.string(),
-            .place = place(key, node),
-            .found = "a value of another type",
-            .expected = expected});
-      return T{};
-    }
-    if (const auto value = node->value<T>()) return *value;
+    const bool is_wrong = std::is_integral_v<T> && !std::is_same_v<T, bool> && !node->is_integer();
+    if (const auto value = is_wrong ? std::optional<T>{} : node->value<T>()) return *value;
     keep({.code = Error::Code::kBadFormat,
           .file = file_.string(),
           .place = place(key, node),

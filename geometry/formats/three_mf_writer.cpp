@@ -3,6 +3,7 @@
 #include <charconv>
 #include <unordered_map>
 
+#include "geometry/base/xml_text.h"
 #include "geometry/formats/mesh_writer.h"
 #include "geometry/formats/zip_archive.h"
 
@@ -30,21 +31,6 @@ void append(std::string& text, const char* before, Number value, const char* aft
   text += before;
   text.append(digits, static_cast<std::size_t>(std::to_chars(digits, digits + sizeof digits, value).ptr - digits));
   text += after;
-}
-
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '&')
-      out += "&amp;";
-    else if (c == '<')
-      out += "&lt;";
-    else if (c == '>')
-      out += "&gt;";
-    else
-      out += static_cast<unsigned char>(c) < 0x80 ? c : '?';
-  }
-  return out;
 }
 
 // Every edge between exactly two triangles that run along it in opposite directions: what type "model" promises.
@@ -147,7 +133,7 @@ Expected<void> writeThreeMf(std::ostream& out, const Mesh& mesh, const MeshWrite
       "xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\"";
   if (!palette.isEmpty()) text += " xmlns:m=\"http://schemas.microsoft.com/3dmanufacturing/material/2015/02\"";
   text += ">\n";
-  if (!options.comment.empty()) text += " <metadata name=\"Application\">" + escaped(options.comment) + "</metadata>\n";
+  if (!options.comment.empty()) text += " <metadata name=\"Application\">" + xmlText(options.comment) + "</metadata>\n";
 
   text += " <resources>\n";
   if (!palette.isEmpty()) palette.write(text);

@@ -5,27 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/base/xml_text.h"
+
 namespace kerf::internal {
 namespace {
 
 using SheetPoint = Sheet::Point;
-
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '&')
-      out += "&amp;";
-    else if (c == '<')
-      out += "&lt;";
-    else if (c == '>')
-      out += "&gt;";
-    else if (c == '"')
-      out += "&quot;";
-    else if (static_cast<unsigned char>(c) >= 0x20)
-      out += c;
-  }
-  return out;
-}
 
 std::vector<SheetPoint> mirrored(const RevolvedProfile& profile) {
   const std::vector<SheetPoint> right = profile.polyline(0.002);
@@ -101,7 +86,7 @@ void Sheet::line(double x0, double y0, double x1, double y1, const char* color, 
 void Sheet::text(double px, double py, const std::string& what, const char* color, const char* anchor, double size) {
   body_ +=
       fmt::format("<text x=\"{:.2f}\" y=\"{:.2f}\" fill=\"{}\" text-anchor=\"{}\" font-size=\"{:.0f}\">{}</text>\n", px,
-                  py, color, anchor, size, escaped(what));
+                  py, color, anchor, size, xmlText(what));
 }
 
 void Sheet::centreLine(double low, double high) {
@@ -144,7 +129,7 @@ std::string Sheet::finished(const Tool& tool, const std::string& second_line) {
              "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.0f}\" height=\"{1:.0f}\" viewBox=\"0 0 {0:.0f} "
              "{1:.0f}\" font-family=\"DejaVu Sans, Helvetica, Arial, sans-serif\">\n<title>{2}</title>\n"
              "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n",
-             kPageWidth, kPageHeight, escaped(tool.id)) +
+             kPageWidth, kPageHeight, xmlText(tool.id)) +
          body_ + "</svg>\n";
 }
 

@@ -120,40 +120,31 @@ DriveNumbers piezoDrive(const Tool&) {
   return out;
 }
 
+constexpr BladeMotion strokes(decltype(BladeMotion::name) name, decltype(BladeMotion::drive_keys) drive_keys,
+                              decltype(BladeMotion::read) read_keys, decltype(BladeMotion::usual_drive) usual_drive) {
+  return {.name = name,
+          .also_called = "",
+          .keys = kKeys,
+          .drive_keys = drive_keys,
+          .read = read_keys,
+          .form = ToolMotion::kStroke,
+          .plunge_volume = plunge,
+          .edge_axis = 2,
+          .describe = inWords,
+          .numbers = numbers,
+          .mesh = mesh,
+          .drawing = drawing,
+          .way = way,
+          .teeth = teeth,
+          .usual_drive = usual_drive};
+}
+
 }  // namespace
 
 extern const BladeMotion kReciprocatingBlade, kPiezoBlade;
 
-constinit const BladeMotion kReciprocatingBlade{.name = "reciprocating",
-                                                .also_called = "",
-                                                .keys = kKeys,
-                                                .drive_keys = kStrokes,
-                                                .read = readReciprocating,
-                                                .form = ToolMotion::kStroke,
-                                                .plunge_volume = plunge,
-                                                .edge_axis = 2,
-                                                .describe = inWords,
-                                                .numbers = numbers,
-                                                .mesh = mesh,
-                                                .drawing = drawing,
-                                                .way = way,
-                                                .teeth = teeth,
-                                                .usual_drive = reciprocatingDrive};
-
-constinit const BladeMotion kPiezoBlade{.name = "piezo",
-                                        .also_called = "",
-                                        .keys = kKeys,
-                                        .drive_keys = kMicroStrokes,
-                                        .read = readPiezo,
-                                        .form = ToolMotion::kStroke,
-                                        .plunge_volume = plunge,
-                                        .edge_axis = 2,
-                                        .describe = inWords,
-                                        .numbers = numbers,
-                                        .mesh = mesh,
-                                        .drawing = drawing,
-                                        .way = way,
-                                        .teeth = teeth,
-                                        .usual_drive = piezoDrive};
+constinit const BladeMotion kReciprocatingBlade =
+    strokes("reciprocating", kStrokes, readReciprocating, reciprocatingDrive);
+constinit const BladeMotion kPiezoBlade = strokes("piezo", kMicroStrokes, readPiezo, piezoDrive);
 
 }  // namespace kerf

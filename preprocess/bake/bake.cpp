@@ -58,7 +58,7 @@ Expected<std::vector<std::string>> hashMeshes(const std::vector<fs::path>& meshe
 Expected<Mesh> closeSources(const std::vector<fs::path>& paths, const std::vector<Mesh>& sources,
                             internal::BakeJob& job) {
   if (!report(job.progress, 0.05, "closing")) return cancelledBeforeWriting();
-  auto solid = closeMeshes(sources, job.options.close, internal::partOf(job.progress, 0.05, 0.3));
+  auto solid = closeMeshes(sources, job.options.close, partOf(job.progress, 0.05, 0.3));
   if (!solid) {
     if (solid.error().file.empty())
       solid.error().file =
@@ -87,7 +87,7 @@ Expected<BakeReport> bake(const std::vector<fs::path>& meshes, const fs::path& c
   if (!staging) return std::move(job.report);
 
   KERF_TRY(sources, internal::readMeshSources(meshes, hashes, job.options.unit, true, staging->staging(), job.report,
-                                              internal::partOf(progress, 0, 0.05)));
+                                              partOf(progress, 0, 0.05)));
   KERF_CHECK(internal::checkObjectSize(meshes, sources, true, job.options, job.report));
   job.report.times.read = job.watch.lap();
 

@@ -95,11 +95,6 @@ void describeCase(const BakeObject& object, const AnatomyStats& stats, const Bak
 
 }  // namespace
 
-Progress partOf(const Progress& whole, double from, double to) {
-  if (!whole) return {};
-  return [whole, from, to](double f, std::string_view what) { return whole(from + f * (to - from), what); };
-}
-
 Expected<void> settleSizes(BakeOptions& o) {
   KERF_CHECK(checkVoxelSize(o.voxelize.voxel_mm));
   o.close.cleanup_length_mm = std::min(0.01 * o.voxelize.voxel_mm, 0.1);

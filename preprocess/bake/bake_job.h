@@ -41,9 +41,6 @@ class Stopwatch {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-/// Progress of one part of a job: its 0 to 1 is `from` to `to` of the whole.
-Progress partOf(const Progress& whole, double from, double to);
-
 /// What goes from phase to phase.
 struct BakeJob {
   BakeOptions options;

@@ -19,7 +19,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using internal::BakeJob;
-using internal::partOf;
 
 // The recipe's settings, where the caller gave none that goes before them.
 BakeOptions optionsOf(const CaseRecipe& recipe, const BakeOptions& asked) {

@@ -168,7 +168,7 @@ Expected<std::array<BakeReport, 2>> bakePair(const std::array<std::filesystem::p
     }
 
     const double from = 0.5 * static_cast<double>(k);
-    auto baked = bake({meshes[k]}, case_folders[k], one, internal::partOf(progress, from, from + 0.5));
+    auto baked = bake({meshes[k]}, case_folders[k], one, partOf(progress, from, from + 0.5));
     if (!baked) {
       if (k == 1 && !replaced) std::filesystem::remove_all(case_folders[0], ignored);
       if (k == 1 && replaced && !reports[0].was_up_to_date)

@@ -8,6 +8,8 @@
 #include <optional>
 #include <span>
 
+#include "geometry/base/xml_text.h"
+
 namespace kerf {
 namespace {
 
@@ -22,21 +24,6 @@ constexpr const char* kStroke = "#eef1f4";
 // Of Okabe and Ito, "Color Universal Design" (2008); the pale ones do not show on white.
 constexpr const char *kBlue = "#0072b2", *kVermilion = "#d55e00", *kGreen = "#009e73", *kPurple = "#a8518a",
                      *kBlack = "#30343a";
-
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '&')
-      out += "&amp;";
-    else if (c == '<')
-      out += "&lt;";
-    else if (c == '>')
-      out += "&gt;";
-    else if (static_cast<unsigned char>(c) >= 0x20)
-      out += c;
-  }
-  return out;
-}
 
 // ---- What the panels show
 
@@ -231,7 +218,7 @@ class Chart {
                "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.0f}\" height=\"{1:.0f}\" viewBox=\"0 0 {0:.0f} "
                "{1:.0f}\" font-family=\"DejaVu Sans, Helvetica, Arial, sans-serif\">\n<title>{2}</title>\n"
                "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n",
-               kWidth, height(), escaped(title)) +
+               kWidth, height(), xmlText(title)) +
            body_ + "</svg>\n";
   }
 
@@ -348,7 +335,7 @@ class Chart {
     body_ += fmt::format(
         "<text x=\"{:.1f}\" y=\"{:.1f}\" fill=\"{}\" text-anchor=\"{}\" font-size=\"13\" stroke=\"white\" "
         "stroke-width=\"3.5\" paint-order=\"stroke\">{}</text>\n",
-        px + (is_right ? -8 : 8), level, kInk, is_right ? "end" : "start", escaped(label));
+        px + (is_right ? -8 : 8), level, kInk, is_right ? "end" : "start", xmlText(label));
   }
 
   void line(double x0, double y0, double x1, double y1, const char* color, double width, const char* dashes = "") {
@@ -359,7 +346,7 @@ class Chart {
   void text(double px, double py, const std::string& what, const char* color, const char* anchor, double size) {
     body_ +=
         fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" fill=\"{}\" text-anchor=\"{}\" font-size=\"{:.0f}\">{}</text>\n",
-                    px, py, color, anchor, size, escaped(what));
+                    px, py, color, anchor, size, xmlText(what));
   }
 
   const RunSeries& s_;

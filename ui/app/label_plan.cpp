@@ -27,13 +27,6 @@ double labelSecondsSince(LabelClock::time_point then) {
   return std::chrono::duration<double>(LabelClock::now() - then).count();
 }
 
-// The share of a progress from `from` to `to`.
-Progress partOfLabels(const Progress& progress, double from, double to) {
-  return [&progress, from, to](double done, std::string_view step) {
-    return report(progress, from + (to - from) * done, step);
-  };
-}
-
 tl::unexpected<Error> wrongLabels(std::string found, std::string expected) {
   return fail({.code = Error::Code::kBadValue, .found = std::move(found), .expected = std::move(expected)});
 }
@@ -81,8 +74,8 @@ struct Wanted {
 
 Expected<ClosedPreview> surfaceOf(const LabelVolume& volume, const Wanted& wanted, const Progress& progress) {
   const auto began = LabelClock::now();
-  KERF_TRY(smooth, SmoothLabels::create(volume, wanted.labels, {}, partOfLabels(progress, 0, 0.7)));
-  KERF_TRY(mesh, smooth.surface(partOfLabels(progress, 0.7, 0.9)));
+  KERF_TRY(smooth, SmoothLabels::create(volume, wanted.labels, {}, partOf(progress, 0, 0.7)));
+  KERF_TRY(mesh, smooth.surface(partOf(progress, 0.7, 0.9)));
 
   ClosedPreview out;
   for (const LabelVolumeReport& r : smooth.reports())
@@ -123,7 +116,7 @@ std::string quotedLabel(const std::string& text) {
 
 Expected<LabelsFound> readLabels(const fs::path& file, const Progress& progress) {
   const auto began = LabelClock::now();
-  KERF_TRY(volume, readLabelVolume(file, {}, partOfLabels(progress, 0, 0.7)));
+  KERF_TRY(volume, readLabelVolume(file, {}, partOf(progress, 0, 0.7)));
   if (!report(progress, 0.7, "counting labels")) return cancelled();
   LabelsFound out;
   out.file = file.has_filename() ? file : file.parent_path();  // of a folder with a slash at its end

@@ -1,7 +1,8 @@
 #include "ui/app/previewed_plan.h"
 
-#include <fstream>
 #include <utility>
+
+#include "geometry/base/available_memory.h"
 
 namespace kerf {
 namespace {
@@ -10,21 +11,9 @@ using std::chrono::steady_clock;
 
 constexpr auto kSettlesAfter = std::chrono::milliseconds(300);  // a dragged slider is not followed step by step
 
-// MemAvailable of Linux, bytes: what can be had without swapping. 0: not known.
-double freeMemory() {
-  std::ifstream in("/proc/meminfo");
-  std::string name;
-  double kilobytes = 0;
-  while (in >> name >> kilobytes) {
-    if (name == "MemAvailable:") return 1024 * kilobytes;
-    in.ignore(100, '\n');
-  }
-  return 0;
-}
-
 }  // namespace
 
-PreviewedPlan::PreviewedPlan() : free_bytes_(freeMemory()) {}
+PreviewedPlan::PreviewedPlan() : free_bytes_(static_cast<double>(internal::availableMemory())) {}
 
 void PreviewedPlan::changed() {
   changed_at_ = steady_clock::now();

@@ -40,7 +40,7 @@ class PreviewedPlan {
   virtual ~PreviewedPlan() = default;
 
   virtual Prediction prediction() const = 0;
-  /// Of memory, when the plan was made; 0: not known.
+  /// Of memory, when the plan was made.
   double freeBytes() const { return free_bytes_; }
 
   /// Once a frame. Takes what the preview's job has done; starts it a moment after the last choice, unless that takes
