@@ -89,7 +89,7 @@ Expected<Mesh> cutOpen(const std::filesystem::path& path, const std::filesystem:
 
 // What a case or a run looks like: coloured by material where there are several, cut open if asked.
 Expected<Scene> sceneOfBundle(const std::filesystem::path& path, const std::optional<SectionPlane>& cut) {
-  Scene scene{.mesh = {}, .mesh_file = path, .unit = "mm", .note = {}};
+  Scene scene;
   const bool is_run = isRun(path);
   std::filesystem::path case_folder = path;
   if (is_run) {
@@ -152,8 +152,7 @@ Expected<Scene> loadScene(const std::filesystem::path& path, const std::optional
                  .hint = "kerf bake it first: only a case knows its inside"});
 
   KERF_TRY(read, readMeshInMm(path, unit));
-  const std::string shown = read.unit == "mm" ? "mm" : read.unit + ", shown in mm";
-  return Scene{.mesh = std::move(read.mesh), .mesh_file = path, .unit = shown, .note = std::move(read.note)};
+  return Scene{.mesh = std::move(read.mesh), .note = std::move(read.note)};
 }
 
 }  // namespace kerf

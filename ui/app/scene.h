@@ -23,10 +23,8 @@ struct SectionPlane {
 };
 
 struct Scene {
-  Mesh mesh;                        ///< mm
-  std::filesystem::path mesh_file;  ///< the file it was read from
-  std::string unit;                 ///< for the eye: "mm", "inch, shown in mm"
-  std::string note;                 ///< what the user should know about the picture; most often empty
+  Mesh mesh;         ///< mm
+  std::string note;  ///< for the user, about the picture; most often empty
 };
 
 /// A file is read by readMesh. A run folder shows its post-operative mesh, a case folder its solid, both computed by
