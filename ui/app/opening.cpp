@@ -32,13 +32,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The share of a progress from `from` to `to`.
-Progress partOf(const Progress& progress, double from, double to) {
-  return [&progress, from, to](double done, std::string_view step) {
-    return report(progress, from + (to - from) * done, step);
-  };
-}
-
 // mm^2, in its own unit or the one that is chosen for it.
 Expected<double> areaOfScan(const fs::path& path, const std::string& asked_unit) {
   KERF_TRY(file, readMesh(path));
