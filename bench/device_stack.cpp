@@ -6,12 +6,12 @@
 
 #include "bench/bench.h"
 #include "bench/device_stack.h"
+#include "bench/scenes/practice_block.h"
 #include "bridges/simulated/arm_simulator.h"
 #include "sim/device/bridge_device.h"
 #include "sim/hand/device_profile.h"
 #include "sim/live/haptic_thread.h"
 #include "sim/run/load_scene.h"
-#include "bench/scenes/practice_block.h"
 
 namespace kerf::cli {
 namespace {

@@ -13,8 +13,8 @@
 #include "bench/scenes/held_device.h"
 #include "bench/scenes/objects.h"
 #include "bench/scenes/poses.h"
-#include "sim/run/load_scene.h"
 #include "bench/scenes/practice_block.h"
+#include "sim/run/load_scene.h"
 
 namespace kerf::cli {
 namespace {

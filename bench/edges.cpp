@@ -10,9 +10,9 @@
 #include "bench/bench.h"
 #include "bench/scenes/objects.h"
 #include "bench/scenes/poses.h"
+#include "bench/scenes/practice_block.h"
 #include "bench/scenes/sink.h"
 #include "sim/run/load_scene.h"
-#include "bench/scenes/practice_block.h"
 
 namespace kerf::cli {
 namespace {

@@ -10,10 +10,10 @@
 #include "bench/bench.h"
 #include "bench/scenes/feed.h"
 #include "bench/scenes/poses.h"
+#include "bench/scenes/practice_block.h"
 #include "bench/spread.h"
 #include "sim/hand/virtual_hand.h"
 #include "sim/run/load_scene.h"
-#include "bench/scenes/practice_block.h"
 
 namespace kerf::cli {
 namespace {

@@ -13,11 +13,11 @@
 #include "bench/bench.h"
 #include "bench/scenes/objects.h"
 #include "bench/scenes/poses.h"
+#include "bench/scenes/practice_block.h"
 #include "bench/spread.h"
 #include "sim/hand/virtual_hand.h"
 #include "sim/monitor/monitor.h"
 #include "sim/run/load_scene.h"
-#include "bench/scenes/practice_block.h"
 
 namespace kerf::cli {
 namespace {

@@ -11,9 +11,9 @@
 
 #include "bench/bench.h"
 #include "bench/scenes/objects.h"
+#include "bench/scenes/practice_block.h"
 #include "bench/scenes/press.h"
 #include "sim/hand/virtual_hand.h"
-#include "bench/scenes/practice_block.h"
 
 namespace kerf::cli {
 namespace {

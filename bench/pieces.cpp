@@ -6,9 +6,9 @@
 #include "bench/bench.h"
 #include "bench/scenes/objects.h"
 #include "bench/scenes/poses.h"
+#include "bench/scenes/practice_block.h"
 #include "sim/pieces/pieces.h"
 #include "sim/run/load_scene.h"
-#include "bench/scenes/practice_block.h"
 #include "sim/step/step.h"
 
 namespace kerf::cli {

@@ -7,8 +7,8 @@
 #include "bench/bench.h"
 #include "bench/scenes/objects.h"
 #include "bench/scenes/poses.h"
-#include "bench/scenes/press.h"
 #include "bench/scenes/practice_block.h"
+#include "bench/scenes/press.h"
 #include "sim/step/response.h"
 
 namespace kerf::cli {

@@ -11,9 +11,9 @@
 #include "bench/scenes/feed.h"
 #include "bench/scenes/objects.h"
 #include "bench/scenes/poses.h"
+#include "bench/scenes/practice_block.h"
 #include "bench/spread.h"
 #include "sim/run/load_scene.h"
-#include "bench/scenes/practice_block.h"
 
 namespace kerf::cli {
 namespace {

@@ -14,11 +14,11 @@
 #include "bench/bench.h"
 #include "bench/scenes/objects.h"
 #include "bench/scenes/poses.h"
+#include "bench/scenes/practice_block.h"
 #include "bench/scenes/sink.h"
 #include "bench/spread.h"
 #include "geometry/formats/mesh_writer.h"
 #include "sim/run/load_scene.h"
-#include "bench/scenes/practice_block.h"
 
 namespace kerf::cli {
 namespace {

@@ -6,11 +6,11 @@
 #include "bench/bench.h"
 #include "bench/scenes/objects.h"
 #include "bench/scenes/poses.h"
+#include "bench/scenes/practice_block.h"
 #include "preprocess/demo/demo_anatomy.h"
 #include "sim/hand/virtual_hand.h"
 #include "sim/live/remesher.h"
 #include "sim/run/load_scene.h"
-#include "bench/scenes/practice_block.h"
 
 namespace kerf::cli {
 namespace {

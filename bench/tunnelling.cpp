@@ -6,8 +6,8 @@
 #include "bench/bench.h"
 #include "bench/scenes/objects.h"
 #include "bench/scenes/poses.h"
-#include "sim/run/load_scene.h"
 #include "bench/scenes/practice_block.h"
+#include "sim/run/load_scene.h"
 
 namespace kerf::cli {
 namespace {

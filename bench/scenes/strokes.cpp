@@ -6,8 +6,8 @@
 
 #include "bench/scenes/objects.h"
 #include "bench/scenes/poses.h"
-#include "geometry/field/marching_cubes.h"
 #include "bench/scenes/practice_block.h"
+#include "geometry/field/marching_cubes.h"
 
 namespace kerf::scenes {
 namespace {

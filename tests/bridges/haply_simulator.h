@@ -4,8 +4,8 @@
 
 #include <memory>
 
-#include "geometry/base/error.h"
 #include "bridges/simulated/arm_simulator.h"
+#include "geometry/base/error.h"
 #include "sim/hand/virtual_hand.h"
 
 namespace kerf::test {

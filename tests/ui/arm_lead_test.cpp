@@ -13,8 +13,8 @@
 #include <optional>
 #include <thread>
 
-#include "geometry/formats/mesh_writer.h"
 #include "bridges/simulated/arm_simulator.h"
+#include "geometry/formats/mesh_writer.h"
 #include "sim/device/bridge_device.h"
 #include "sim/device/device_driver.h"
 #include "sim/run/replay.h"

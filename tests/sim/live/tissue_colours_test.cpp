@@ -8,8 +8,8 @@
 #include <map>
 
 #include "bench/scenes/carved_field.h"
-#include "geometry/field/sample_field.h"
 #include "bench/scenes/practice_block.h"
+#include "geometry/field/sample_field.h"
 
 namespace kerf::tissue_colours_test {
 namespace {

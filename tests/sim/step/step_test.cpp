@@ -6,9 +6,9 @@
 #include <numbers>
 
 #include "bench/scenes/feed.h"
+#include "bench/scenes/practice_block.h"
 #include "geometry/tool/tool_file.h"
 #include "sim/run/load_scene.h"
-#include "bench/scenes/practice_block.h"
 #include "tests/sim/block_scene.h"
 
 namespace kerf::step_test {
