@@ -47,7 +47,7 @@ TEST_F(LanguageTest, ATextIsLookedUpWholeAndStaysEnglishWhereTheFileHasNone) {
       read(row("Cancel", "Abbrechen") + row("Quit", "") + "# a comment\n#, fuzzy\n" + row("Undo", "Redo") +
            "msgid \"\"\n\"say \\\"a\\\\b\\\"\\n\"\n\"and\\tgo\"\n" + "msgstr \"1\"\r\n\"2\"\n#~ msgid \"gone\"\n");
   EXPECT_EQ(language.name(), "Test");
-  EXPECT_EQ(language.size(), 2u) << "what is empty or fuzzy is not translated";
+  EXPECT_EQ(language.size(), 2u) << "empty and fuzzy texts count as untranslated";
   EXPECT_EQ(language.shown("Cancel"), "Abbrechen");
   EXPECT_EQ(language.shown("\n  Cancel "), "\n  Abbrechen ") << "blanks are of the layout";
   EXPECT_EQ(language.shown("say \"a\\b\"\nand\tgo"), "12");

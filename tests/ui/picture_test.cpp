@@ -167,7 +167,7 @@ TEST_F(Picture, FarFromTheOriginNothingShifts) {
   EXPECT_NEAR(one, other, 0.001 * one);
 }
 
-// A cup, open towards the viewer: what is seen is its inside.
+// A cup, open towards the viewer: the picture shows its inside.
 TEST_F(Picture, TheInsideOfAnOpenSurfaceIsBluish) {
   Mesh cup = sphere(3, 4);
   std::erase_if(cup.triangles, [&](const Triangle& t) {

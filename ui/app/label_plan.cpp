@@ -219,7 +219,7 @@ std::vector<Finding> LabelPlan::findings() const {
   const double thinnest = v.spacing.minCoeff();
   if (voxel() > 1.01 * thinnest)
     out.push_back({LabelWeight::kDoubtful, "Voxels",
-                   phrase("coarser than those of the volume, {:.3g} mm: what is thin is lost", thinnest)});
+                   phrase("coarser than those of the volume, {:.3g} mm: thin parts are lost", thinnest)});
   return out;
 }
 

@@ -26,7 +26,7 @@ struct PoRow {
   std::string english{}, translated{};
 };
 
-// Appends what stands in quotes.   @return  whether that is all there is.
+// Appends a quoted text.   @return  false: something stands outside of the quotes, or an escape is unknown.
 bool appendQuoted(std::string_view quoted, std::string& out) {
   if (quoted.size() < 2 || !quoted.starts_with('"') || !quoted.ends_with('"')) return false;
   quoted = quoted.substr(1, quoted.size() - 2);
@@ -42,8 +42,8 @@ bool appendQuoted(std::string_view quoted, std::string& out) {
   return true;
 }
 
-// What a translation keeps: replacement fields {}, {1:.2f} by their numbers, with their formats; printf conversions and
-// percent signs in their order. None: the text has other braces.
+// Parts that a translation keeps: replacement fields {}, {1:.2f} by their numbers, with their formats; printf
+// conversions and percent signs in their order. None: the text has other braces.
 std::optional<std::map<std::size_t, std::string>> keptOf(std::string_view text) {
   std::map<std::size_t, std::string> out;
   std::size_t automatic = 0, numbered = 0, percents = 10;  // behind the numbers of one digit

@@ -1,7 +1,7 @@
 // The language of the window: English texts of the program to those of a PO file that a translator writes.
 //
 // The program is written in English, and its texts are the keys. Whatever a person reads goes through shownText(), with
-// numbers and names through phrase(); what a file does not have stays English. Kerf reads the .po text itself: glibc's
+// numbers and names through phrase(); texts without a translation stay English. Kerf reads the .po text itself: glibc's
 // gettext() needs the locale of the whole process and trusts the bytes of a .mo, and a translator would have to compile
 // each change. docs/guide/languages.md is the translator's side of it.
 #pragma once
@@ -35,7 +35,7 @@ class Language {
   /// As those who speak it call it.
   const std::string& name() const { return name_; }
   std::size_t size() const { return texts_.size(); }
-  /// Whole; else as it is. Blanks and line breaks at the ends stay.
+  /// Looked up whole; else unchanged. Blanks and line breaks at the ends stay.
   std::string shown(std::string_view english) const;
 
  private:

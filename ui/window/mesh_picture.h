@@ -29,10 +29,11 @@ class MeshPicture {
 
   /// Uploads the mesh. Face colours win over vertex colours; without any the mesh is ivory. Creases over 40 deg stay
   /// sharp. The inside of an open surface is bluish. An empty mesh draws as background.
+  /// @cost  0.2 s for 200 000 triangles.
   void setMesh(const Mesh& mesh);
 
   /// At most 8192 pixels a side. Same mesh, camera, options and driver: the same bytes.
-  /// @pre  the camera is a parallel projection.
+  /// @pre  the camera is a parallel projection.   @cost  1200 x 900 in software: 1.9 s of processor time.
   Expected<Image> picture(const Camera& camera, int width, int height, const PictureOptions& options);
 
  private:
