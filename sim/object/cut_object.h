@@ -69,6 +69,8 @@ class CutObject {
   /// Whether the tool's core has been outside the object since either of them was changed but by cutting. Until it has,
   /// it is not held out: a bur in a cavity that is taken back must not be shot out. @rt
   bool is_core_clear = false;
+  /// The same of the thin points of the core, since the tool came to rest. @rt
+  bool is_tip_clear = false;
 
   void moveTo(const Rigid3& pose) noexcept {
     T_world_object = pose;
@@ -83,7 +85,7 @@ class CutObject {
   void forgetCore() noexcept {
     core_load = 0;
     cut_area = {};
-    is_core_clear = false;
+    is_core_clear = is_tip_clear = false;
     ++contact_epoch_;
   }
   /// Another number when what was known of the contact is void: forgetCore() was called. @rt

@@ -110,7 +110,7 @@ void packObject(const CutObject& object, const ContactTurns& turns, std::size_t 
   const bool has_turns = turns.isActiveFor(object);
   to.u32(static_cast<std::uint32_t>(loaded));
   to.u32((object.bricks().isPiece() ? 1u : 0u) | (object.isFrozen() ? 2u : 0u) | (object.is_core_clear ? 4u : 0u) |
-         (has_turns ? 8u : 0u));
+         (has_turns ? 8u : 0u) | (object.is_tip_clear ? 16u : 0u));
   to.u32(object.id);
   to.pose(object.T_world_object);
   to.f64(object.core_load);
@@ -262,6 +262,7 @@ std::optional<CutObject> unpackObject(Reader& from, const LoadedObjects& loaded,
   object.core_load = core_load;
   object.cut_area = CutArea(by_ledger, by_shell);
   object.is_core_clear = flags & 4;
+  object.is_tip_clear = flags & 16;
   if (flags & 2) object.freeze();
   object.removed_mm3 = removed;
   object.added_mm3 = added;

@@ -131,19 +131,23 @@ void CoreContact::gather(CutObject& object, std::size_t number, const ContactInp
     return std::min({kShareOut * radius, radius - blur, band - kBlur * h});
   };
 
-  if (!object.is_core_clear) {
-    object.is_core_clear = std::all_of(tool.core.begin(), tool.core.end(), [&](const CorePoint& point) {
+  const auto isOutside = [&](bool thin) {
+    return std::all_of(tool.core.begin(), tool.core.end(), [&](const CorePoint& point) {
+      if (point.is_thin != thin) return true;
       const Vec3d at = (to_object * point.place.cast<double>() + in.T_object_tool.translation) / h;
       const Vec3i middle = nearestNode(at);
       const double there = nodes.phi(middle), least = allowedOf(point) - kClear;
       if (std::abs(there - least) > kNodeReach * h) return there > least;
       return smoothDistance(nodes, at, middle, h).phi > least;
     });
-    if (!object.is_core_clear) return;
-  }
+  };
+  object.is_core_clear = object.is_core_clear || isOutside(false);
+  if (!object.is_core_clear) return;
+  const bool has_thin = !tool.core.empty() && tool.core.back().is_thin;
+  object.is_tip_clear = has_thin && in.speed == 0 && (object.is_tip_clear || isOutside(true));
 
   for (const CorePoint& point : tool.core) {
-    if (in.geometry_only && point.cuts) continue;
+    if ((in.geometry_only && point.cuts) || (point.is_thin && !object.is_tip_clear)) continue;
     const Vec3d lever = to_object * point.place.cast<double>();
     const Vec3d in_voxels = (lever + in.T_object_tool.translation) / h;
     const Vec3i middle = nearestNode(in_voxels);

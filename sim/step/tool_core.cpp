@@ -16,6 +16,9 @@ constexpr double kPointed = 0.6;       // one that grows faster is a point's
 constexpr double kDiscLike = 3;        // times as wide as its axis is deep
 constexpr double kLatticeStep = 0.05;  // mm
 constexpr double kNoGradient = 0.8;    // of a distance, by central differences: at the medial axis
+constexpr double kThinStep = 0.025;    // mm, of a lattice within what is thin
+constexpr double kThinApart = 0.1;     // mm, between thin points
+constexpr double kLeastThin = 0.002;   // mm, radius
 constexpr std::size_t kMostOfLattice = 1024;
 constexpr double kAroundCut = 1;    // mm
 constexpr double kMostOfBox = 2e6;  // points of a lattice
@@ -39,6 +42,17 @@ class CoreMaker {
     while (z < high) {
       add({0, 0, z});
       z += std::clamp(0.5 * radiusAt({0, 0, z}), kLeastApart, kMostApart);
+    }
+  }
+
+  // Below the lowest point of the axis, where it is sharp.
+  void addThinAxis() {
+    const double low = box_.min[2], high = points.empty() ? box_.max[2] - 0.2 : static_cast<double>(points[0].place[2]);
+    for (double z = low + kPlaneStep; z < high; z += kPlaneStep) {
+      const double radius = radiusAt({0, 0, z});
+      if (radius < kLeastThin || radiusAt({0, 0, z + kPlaneStep}) - radius > kPointed * kPlaneStep) continue;
+      addThin({0, 0, z});
+      z += kThinApart - kPlaneStep;
     }
   }
 
@@ -86,12 +100,26 @@ class CoreMaker {
       for (int y = 0; y <= count[1]; ++y)
         for (int z = 0; z <= count[2]; ++z) {
           const Vec3d p = box.min + step_ * Vec3d(x, y, z);
-          if (radiusAt(p) < kThinnestCore) continue;
-          if (gradientAt(p).norm() < kNoGradient) found.push_back(p);
+          const double radius = radiusAt(p);
+          if (radius >= kThinnestCore && gradientAt(p, step_).norm() < kNoGradient) found.push_back(p);
+          if (std::abs(radius) < kThinnestCore + step_) findThin(p);
         }
     // From the tip upwards: what goes first must not be left out.
     std::stable_sort(found.begin(), found.end(), [](const Vec3d& a, const Vec3d& b) { return a[2] < b[2]; });
     addThinned(found, kMostOfLattice);
+  }
+
+  // What the lattice found, from the tip upwards.
+  void addThinLattice() {
+    std::stable_sort(thin_.begin(), thin_.end(), [](const Vec3d& a, const Vec3d& b) { return a[2] < b[2]; });
+    const std::size_t before = points.size();
+    for (const Vec3d& p : thin_) {
+      if (points.size() == before + kMostOfLattice) break;
+      const bool is_far = std::none_of(points.begin(), points.end(), [&](const CorePoint& q) {
+        return (p - q.place.cast<double>()).norm() < kThinApart;
+      });
+      if (is_far) addThin(p);
+    }
   }
 
   std::vector<CorePoint> points;
@@ -105,20 +133,39 @@ class CoreMaker {
     return -static_cast<double>(tau);
   }
 
-  Vec3d gradientAt(const Vec3d& p) const {
+  Vec3d gradientAt(const Vec3d& p, double by) const {
     Vec3d g;
     for (int axis = 0; axis < 3; ++axis) {
-      const Vec3d step = step_ * Vec3d::Unit(axis);
-      g[axis] = (radiusAt(p + step) - radiusAt(p - step)) / (2 * step_);
+      const Vec3d step = by * Vec3d::Unit(axis);
+      g[axis] = (radiusAt(p + step) - radiusAt(p - step)) / (2 * by);
     }
     return g;
+  }
+
+  // Thin points in the cell of the lattice around p.
+  void findThin(const Vec3d& p) {
+    const int count = static_cast<int>(std::ceil(step_ / kThinStep));
+    const double by = step_ / count;
+    for (int x = 0; x < count; ++x)
+      for (int y = 0; y < count; ++y)
+        for (int z = 0; z < count; ++z) {
+          const Vec3d q = p + by * (Vec3d(x, y, z).array() - 0.5 * (count - 1)).matrix();
+          const double radius = radiusAt(q);
+          if (radius >= kLeastThin && radius < kThinnestCore && gradientAt(q, by).norm() < kPointed) thin_.push_back(q);
+        }
+  }
+
+  bool isOfCut(const Vec3f& at) const { return body_.isEmpty() || cut_.distance(at) <= body_.distance(at); }
+  void addThin(const Vec3d& p) {
+    const Vec3f at = p.cast<float>();
+    points.push_back({at, static_cast<float>(radiusAt(p)), isOfCut(at), true});
   }
 
   void add(const Vec3d& p) {
     const double radius = radiusAt(p);
     if (radius < 0.02) return;
     const Vec3f at = p.cast<float>();
-    points.push_back({at, static_cast<float>(radius), body_.isEmpty() || cut_.distance(at) <= body_.distance(at)});
+    points.push_back({at, static_cast<float>(radius), isOfCut(at)});
   }
 
   // In their order, none nearer to one that is kept than half of its ball, within bounds.
@@ -137,6 +184,7 @@ class CoreMaker {
   const ToolField &cut_, &body_;
   Box3 box_;
   double step_ = kLatticeStep;  // mm
+  std::vector<Vec3d> thin_;
 };
 
 }  // namespace
@@ -149,12 +197,14 @@ std::vector<CorePoint> makeToolCore(const ToolField& cut, const ToolField& body,
     case ToolShape::Symmetry::kRevolved:
       maker.addAxis();
       maker.addRim();
+      maker.addThinAxis();
       break;
     case ToolShape::Symmetry::kPlate:
       maker.addOutline(half_thickness);
       break;
     case ToolShape::Symmetry::kNone:
       maker.addLattice();
+      maker.addThinLattice();
       break;
   }
   return std::move(maker.points);

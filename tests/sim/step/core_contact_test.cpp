@@ -1,10 +1,13 @@
 // The core of a tool: where its points are, what they hold, and that nothing else changes by them.
 #include "sim/step/core_contact.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <filesystem>
+#include <functional>
+#include <vector>
 
 #include "bench/scenes/sink.h"
 #include "geometry/tool/tool_file.h"
@@ -145,6 +148,96 @@ TEST(CoreContact, AtTheEndOfTheBandAPointIsHeldInTheMiddleOfACellToo) {
       }
   EXPECT_GT(all, 0);
   EXPECT_EQ(held, all);
+}
+
+// --- what is thin: points, edges, fins ---
+
+// A solid as a mesh has it: without symmetry.
+class AsMesh final : public ToolShape {
+ public:
+  AsMesh(std::function<double(const Vec3d&)> distance, const Box3& box) : distance_(std::move(distance)), box_(box) {}
+  double distance(const Vec3d& p) const noexcept override { return distance_(p); }
+  Box3 bounds() const override { return box_; }
+  bool isConvex() const override { return false; }
+
+ private:
+  std::function<double(const Vec3d&)> distance_;
+  Box3 box_;
+};
+
+RevolvedShape cone(double half_angle) {
+  return RevolvedShape(RevolvedProfile().lineTo(6 * std::tan(half_angle), 6).close());
+}
+
+// An edge along y of 1.5 mm.
+AsMesh chisel(double half_angle) {
+  const double c = std::cos(half_angle), s = std::sin(half_angle);
+  const auto distance = [=](const Vec3d& p) {
+    return std::max({std::abs(p[0]) * c - p[2] * s, std::abs(p[1]) - 0.75, p[2] - 5});
+  };
+  return {distance, {{-5 * s / c, -0.75, 0}, {5 * s / c, 0.75, 5}}};
+}
+
+// Three of them about the axis, under a shank.
+AsMesh fins(double thickness) {
+  const BoxShape fin({{0, -0.5 * thickness, 0}, {1, 0.5 * thickness, 4}}), shank({{-0.5, -0.5, 3.5}, {0.5, 0.5, 5}});
+  const auto distance = [=](const Vec3d& p) {
+    double out = shank.distance(p);
+    for (int n = 0; n < 3; ++n)
+      out = std::min(out, fin.distance(Eigen::AngleAxisd(2.0944 * n + 0.3, Vec3d::UnitZ()) * p));
+    return out;
+  };
+  return {distance, {{-1, -1, 0}, {1, 1, 5}}};
+}
+
+ToolModel modelOfShape(const ToolShape& shape) {
+  ToolModel out = practiceBall(0.5, 840);
+  out.cut = ToolField(shape);
+  out.core = makeToolCore(out.cut, {}, shape.symmetry(), 0);
+  out.reach_mm = out.cut.reach();
+  out.finest_mm = 0.05;
+  return out;
+}
+
+struct ThinTool {
+  const char* name;
+  ToolModel tool;
+};
+std::vector<ThinTool> thinTools() {
+  const RevolvedShape needle = cone(0.07), point = cone(0.26);
+  const AsMesh explorer([&](const Vec3d& p) { return needle.distance(p); }, needle.bounds());
+  std::vector<ThinTool> out{{"cone of 8 deg", modelOfShape(needle)},
+                            {"cone of 30 deg", modelOfShape(point)},
+                            {"explorer of a mesh", modelOfShape(explorer)},
+                            {"chisel of 20 deg", modelOfShape(chisel(0.175))}};
+  for (const double thickness : {0.05, 0.12, 0.2, 0.3}) out.push_back({"fins", modelOfShape(fins(thickness))});
+  return out;
+}
+
+TEST(CoreContact, WhatIsThinHoldsAtRestInHardTissueOverAllVoxels) {
+  for (const ThinTool& thin : thinTools())
+    for (const double voxel : {0.05, 0.1, 0.15})
+      for (const double lean : {0.0, 0.2}) {
+        Model model = modelOf(thin.tool);
+        model.settings.ramp_s = 0;  // a rising force would hide a falling one
+        SinkScene scene = pushedBy(3.4, 3, voxel);
+        scene.speed = 4;
+        scene.lean = lean;
+        const scenes::Sink got = sink(model, 0, scene);
+        const std::string what = fmt::format("{}, voxels {}, lean {}", thin.name, voxel, lean);
+        EXPECT_LT(got.deepest, 0.2) << what;
+        EXPECT_GT(got.force, 3) << what;
+        EXPECT_LT(got.fall, 0.05) << what;
+      }
+}
+
+TEST(CoreContact, WhatIsThinCutsAsBeforeWhileItRuns) {
+  Model model = modelOf(thinTools()[1].tool), without = model;
+  std::erase_if(without.tools[0].core, [](const CorePoint& point) { return point.is_thin; });
+  ASSERT_LT(without.tools[0].core.size(), model.tools[0].core.size());
+  const scenes::Dig with_them = dig(model, 0, pushedBy(0, 3), 2, 0.1), none = dig(without, 0, pushedBy(0, 3), 2, 0.1);
+  EXPECT_EQ(with_them.removed, none.removed);
+  EXPECT_GT(with_them.removed, 0.001);
 }
 
 TEST(CoreContact, AThinWallIsNotPassedByATapOfAMetrePerSecond) {
