@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kShareOut = 0.4;        // of a point's radius: how far it stays out
 constexpr double kBlur = 0.7;            // voxels: so far the field may be off in a narrow hole, or where its band ends
+constexpr double kBlurAtTip = 0.5;       // voxels: what is thin leans on a face, or at most an edge
 constexpr double kBlurAtLips = 1;        // voxels: a drill pushed beyond its greatest feed leans on its core
 constexpr double kStiffArea = 1.5;       // mm^2: K over the contact stiffness of the material
 constexpr double kClear = 0.05;          // mm: a core that is pressed in by less has been outside
@@ -128,6 +129,7 @@ void CoreContact::gather(CutObject& object, std::size_t number, const ContactInp
   const double blur = (tool.lips.areThere() ? kBlurAtLips : kBlur) * h;
   const auto allowedOf = [&](const CorePoint& point) {
     const auto radius = static_cast<double>(point.radius);
+    if (point.is_thin) return radius - kBlurAtTip * h;
     return std::min({kShareOut * radius, radius - blur, band - kBlur * h});
   };
 

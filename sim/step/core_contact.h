@@ -16,7 +16,7 @@
 //   friction  mu N over the sliding speed, at the place where ball and surface meet; felt one evaluation later.
 //   erosion   by the load of the evaluation before: rates are scaled as if the shell pressed with both.
 //
-// Points, edges and fins that are thinner (CorePoint::is_thin) hold a tool at rest: they may go in by 0.7 h - r. While
+// Points, edges and fins that are thinner (CorePoint::is_thin) hold a tool at rest: they may go in by h / 2 - r. While
 // the tool runs they do not count.
 //
 // A tool that finds itself inside (a stroke taken back, material added, an object moved) is not held until its core has

@@ -17,8 +17,10 @@ constexpr double kDiscLike = 3;        // times as wide as its axis is deep
 constexpr double kLatticeStep = 0.05;  // mm
 constexpr double kNoGradient = 0.8;    // of a distance, by central differences: at the medial axis
 constexpr double kThinStep = 0.025;    // mm, of a lattice within what is thin
-constexpr double kThinApart = 0.1;     // mm, between thin points
-constexpr double kLeastThin = 0.002;   // mm, radius
+constexpr double kThinApart = 0.1;     // mm, between thin points of a fin
+constexpr double kEdgeApart = 0.03;    // mm, of a point or an edge
+constexpr double kEdge = 0.03;         // mm, radius
+constexpr double kLostTip = -0.02;     // mm, radius: the table of a mesh is too coarse for a tip thinner than that
 constexpr std::size_t kMostOfLattice = 1024;
 constexpr double kAroundCut = 1;    // mm
 constexpr double kMostOfBox = 2e6;  // points of a lattice
@@ -50,9 +52,9 @@ class CoreMaker {
     const double low = box_.min[2], high = points.empty() ? box_.max[2] - 0.2 : static_cast<double>(points[0].place[2]);
     for (double z = low + kPlaneStep; z < high; z += kPlaneStep) {
       const double radius = radiusAt({0, 0, z});
-      if (radius < kLeastThin || radiusAt({0, 0, z + kPlaneStep}) - radius > kPointed * kPlaneStep) continue;
+      if (radius <= 0 || radiusAt({0, 0, z + kPlaneStep}) - radius > kPointed * kPlaneStep) continue;
       addThin({0, 0, z});
-      z += kThinApart - kPlaneStep;
+      z += kEdgeApart - kPlaneStep;
     }
   }
 
@@ -115,9 +117,9 @@ class CoreMaker {
     const std::size_t before = points.size();
     for (const Vec3d& p : thin_) {
       if (points.size() == before + kMostOfLattice) break;
-      const bool is_far = std::none_of(points.begin(), points.end(), [&](const CorePoint& q) {
-        return (p - q.place.cast<double>()).norm() < kThinApart;
-      });
+      const double apart = radiusAt(p) < kEdge ? kEdgeApart : kThinApart;
+      const bool is_far = std::none_of(points.begin(), points.end(),
+                                       [&](const CorePoint& q) { return (p - q.place.cast<double>()).norm() < apart; });
       if (is_far) addThin(p);
     }
   }
@@ -151,14 +153,14 @@ class CoreMaker {
         for (int z = 0; z < count; ++z) {
           const Vec3d q = p + by * (Vec3d(x, y, z).array() - 0.5 * (count - 1)).matrix();
           const double radius = radiusAt(q);
-          if (radius >= kLeastThin && radius < kThinnestCore && gradientAt(q, by).norm() < kPointed) thin_.push_back(q);
+          if (radius >= kLostTip && radius < kThinnestCore && gradientAt(q, by).norm() < kPointed) thin_.push_back(q);
         }
   }
 
   bool isOfCut(const Vec3f& at) const { return body_.isEmpty() || cut_.distance(at) <= body_.distance(at); }
   void addThin(const Vec3d& p) {
     const Vec3f at = p.cast<float>();
-    points.push_back({at, static_cast<float>(radiusAt(p)), isOfCut(at), true});
+    points.push_back({at, static_cast<float>(std::max(radiusAt(p), 0.0)), isOfCut(at), true});
   }
 
   void add(const Vec3d& p) {
